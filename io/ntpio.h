@@ -1,0 +1,148 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * ntpio.h - image files to rows of samples and back: PNG, TGA, JPEG (read only), PFM
+ *
+ * The edge of the project: used by the program, the tests and the bindings, never by libntp.
+ * Samples are raw numbers: no color management, gamma, premultiplication or dithering happens
+ * here.  Files are read and written row by row, top row first, so that an image of any height
+ * needs the memory of a few rows; what cannot stream (interlaced PNG, bottom-up or
+ * right-to-left compressed TGA, progressive JPEG inside its library) is held whole and
+ * `info.streams` says so.
+ *
+ * Every function that can fail fills a ntpio_error with one sentence that names the file.
+ */
+#ifndef NTPIO_H
+#define NTPIO_H
+
+#include <stddef.h>
+#include <stdint.h>
+#include <stdbool.h>
+
+typedef enum ntpio_status {
+    NTPIO_OK = 0,
+    NTPIO_ERR_OPEN = 1,    /* missing, a directory, no permission */
+    NTPIO_ERR_FORMAT = 2,  /* not an image of a kind that is read here (or built without it) */
+    NTPIO_ERR_CORRUPT = 3, /* truncated or damaged */
+    NTPIO_ERR_LIMIT = 4,   /* larger than ntpio_limits allow */
+    NTPIO_ERR_MEMORY = 5,
+    NTPIO_ERR_WRITE = 6, /* no permission, disk full, or the target cannot be replaced */
+    NTPIO_ERR_USAGE = 7  /* the caller asks for what the format cannot hold */
+} ntpio_status;
+
+typedef struct ntpio_error {
+    ntpio_status status;
+    char message[512]; /* one UTF-8 sentence, no newline; names the file */
+} ntpio_error;
+
+typedef enum ntpio_format {
+    NTPIO_PNG = 0,
+    NTPIO_TGA = 1,
+    NTPIO_JPEG = 2,
+    NTPIO_PFM = 3
+} ntpio_format;
+
+/* What a reader refuses before it allocates or decodes. */
+typedef struct ntpio_limits {
+    uint32_t max_side;   /* 0: 65535 */
+    uint64_t max_texels; /* 0: 2^30 (32768 x 32768) */
+    uint64_t max_memory; /* 0: 4 GiB; for what must be held whole */
+} ntpio_limits;
+
+/* Metadata that travels to the output, or is reported. */
+typedef struct ntpio_text {
+    char *key;                       /* as in PNG: Latin-1, at most 79 bytes */
+    char *value;                     /* UTF-8 when itxt, else Latin-1 */
+    char *language, *translated_key; /* iTXt only, else NULL */
+    bool compressed, itxt;
+} ntpio_text;
+
+typedef struct ntpio_info {
+    ntpio_format format;
+    uint32_t width, height;
+    int32_t channels;     /* of the rows delivered: 1 gray, 2 gray+alpha, 3 RGB, 4 RGBA */
+    int32_t sample_bytes; /* of the rows delivered: 1, 2 (native order) or 4 (float) */
+    int32_t bit_depth;    /* of a sample in the file: 1, 2, 4, 5 (TGA 15/16 bit), 8, 16, 32 */
+    bool streams;
+    bool interlaced;
+    bool palette;
+    bool lossy; /* JPEG */
+    bool alpha; /* the file has an alpha channel or PNG transparency (tRNS) */
+    bool has_gama, has_srgb, has_iccp, has_chrm; /* PNG color chunks: reported, never applied */
+    double gamma;                                /* of gAMA */
+    bool has_phys;
+    uint32_t phys_x, phys_y; /* pHYs: pixels per unit */
+    int32_t phys_unit;       /* 1: metre */
+    int32_t jpeg_quality;    /* estimated 1..100; 0 unknown or not JPEG */
+    bool jpeg_subsampled;    /* chroma subsampling, e.g. 4:2:0 */
+    ntpio_text *texts;
+    size_t text_count;
+} ntpio_info;
+
+typedef struct ntpio_reader ntpio_reader;
+typedef struct ntpio_writer ntpio_writer;
+
+/*
+ * Opens a file by its content, not its name (TGA, which has no signature, also by name).  "-"
+ * is standard input.  Returns NULL and fills *error on failure.  Samples below 8 bits are
+ * scaled exactly to 8 (c * 255 / (2^n - 1), rounded); palettes and tRNS become RGB or RGBA.
+ * limits may be NULL.
+ */
+ntpio_reader *ntpio_open(const char *path, const ntpio_limits *limits, ntpio_error *error);
+
+/* The same from bytes in memory, which outlive the reader; `name` is for messages. */
+ntpio_reader *ntpio_open_memory(const void *bytes, size_t size, const char *name,
+                                const ntpio_limits *limits, ntpio_error *error);
+
+/* Belongs to the reader. */
+const ntpio_info *ntpio_reader_info(const ntpio_reader *reader);
+
+/*
+ * Reads the next `count` rows into rows at dst, dst + stride, ...; width * channels samples of
+ * sample_bytes each.  Returns false and fills *error when the data end or are damaged.
+ */
+bool ntpio_read_rows(ntpio_reader *reader, void *dst, ptrdiff_t stride, uint32_t count,
+                     ntpio_error *error);
+
+/* After the last row: reads to the end of the image data and checks it (PNG: IEND and the
+ * checksum; texts that follow the pixels join the info). */
+bool ntpio_read_end(ntpio_reader *reader, ntpio_error *error);
+
+/* NULL is allowed. */
+void ntpio_close(ntpio_reader *reader);
+
+typedef struct ntpio_write_options {
+    ntpio_format format; /* NTPIO_JPEG cannot be written */
+    uint32_t width, height;
+    int32_t channels;            /* 1..4 (PFM: 1 or 3; TGA: 1, 3, 4) */
+    int32_t sample_bytes;        /* 1, 2 (PNG) or 4 (PFM) */
+    int32_t level;               /* PNG: 0..9 of zlib; -1: fast, and small for normals */
+    bool content_is_flat;        /* PNG, level -1: gray, flat art, heatmaps: matching pays */
+    bool dry_run;                /* encode nothing, write nothing */
+    const ntpio_info *copy_from; /* text chunks and pHYs to keep, or NULL */
+    const ntpio_text *texts;     /* further texts */
+    size_t text_count;
+} ntpio_write_options;
+
+/*
+ * Starts a file.  The bytes go to an unnamed or temporary file beside the target
+ * (O_TMPFILE where there is one, else ".NAME.ntp-XXXXXX.tmp") and become the target only in
+ * ntpio_commit, after a sync: until then, and after a failure at any point, an older file of
+ * that name is whole.  Stale temporary files of the same target whose writer is gone are
+ * removed.  "-" is standard output.
+ */
+ntpio_writer *ntpio_create(const char *path, const ntpio_write_options *options,
+                           ntpio_error *error);
+
+bool ntpio_write_rows(ntpio_writer *writer, const void *src, ptrdiff_t stride, uint32_t count,
+                      ntpio_error *error);
+
+/* Ends the file, syncs it and puts it in place.  Frees the writer, also on failure. */
+bool ntpio_commit(ntpio_writer *writer, ntpio_error *error);
+
+/* Drops what was written.  NULL is allowed. */
+void ntpio_abort(ntpio_writer *writer);
+
+/* "libpng 1.6.39, zlib 1.2.13, libjpeg-turbo 2.1.5": what this build reads and writes with. */
+const char *ntpio_versions(void);
+
+#endif

@@ -1,0 +1,557 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * libntp.h - normals textures (normal maps): exact conversion, checking, cleaning
+ *
+ * This header is the manual of the library.  The arithmetic itself is set out, with its
+ * proofs, in docs/arithmetic.md; where a comment here says "derived", "pulled", "exact",
+ * "rounded" or "neighbor", that page defines the word in integers.
+ *
+ * Rules that hold for every function
+ *   - Nothing allocates, keeps state between calls, starts a thread, prints, or reads the
+ *     locale.  Memory is the caller's; where working memory is needed its size is asked for.
+ *   - Results are the same bytes on every processor, compiler and cut of the image: an
+ *     operation on an area writes what the operation on the whole would write there.
+ *   - Two calls may run at once unless one writes memory that the other touches; calls on
+ *     disjoint areas of one destination are safe.
+ *   - Arguments are checked before anything is written; on an error nothing was written.
+ *   - A zero-filled options struct, or NULL in its place, asks for the defaults.
+ *   - Destination first, then source, then how, then where.
+ *
+ * Words
+ *   M       255 for 8-bit samples, 65535 for 16-bit samples
+ *   level   a stored integer sample c, 0..M; as a component of a vector it means (2c - M)/M,
+ *           and a Z-zero blue means b/M.  V = 2c - M is its odd integer numerator.
+ *   texel   a pixel of a texture
+ *   used    not pure black, not pure white, and not alpha 0 (see ntp_unused)
+ *
+ * Binary interface: while the major version is 0 the soversion is the minor version, and any
+ * minor version may change any struct.  From 1.0 on structs and enum values are frozen, and
+ * growth is a new function beside the old one.
+ */
+#ifndef LIBNTP_H
+#define LIBNTP_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#define NTP_VERSION_MAJOR 0
+#define NTP_VERSION_MINOR 1
+#define NTP_VERSION_PATCH 0
+
+#if defined(NTP_STATIC)
+#  define NTP_API
+#elif defined(_WIN32)
+#  if defined(NTP_BUILDING)
+#    define NTP_API __declspec(dllexport)
+#  else
+#    define NTP_API __declspec(dllimport)
+#  endif
+#elif defined(__GNUC__)
+#  define NTP_API __attribute__((visibility("default")))
+#else
+#  define NTP_API
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* --- cdef begin: no preprocessor below; bindings cut their declarations from here --- */
+
+/* ------------------------------------------------------------------ status and version */
+
+typedef enum ntp_status {
+    NTP_OK = 0,
+    NTP_ERR_ARGUMENT = 1, /* NULL, or a value outside its documented range */
+    NTP_ERR_SHAPE = 2,   /* a view is malformed, or two views do not agree, or an area is outside */
+    NTP_ERR_FORMAT = 3,  /* the operation cannot read or write this type, encoding or channels */
+    NTP_ERR_OVERLAP = 4, /* dst and src share memory where they may not */
+    NTP_ERR_SCRATCH = 5, /* working memory is NULL, misaligned or too small */
+    NTP_ERR_CANCELLED = 6 /* a progress callback asked to stop */
+} ntp_status;
+
+/* The version of the library in use: major << 16 | minor << 8 | patch. */
+NTP_API uint32_t ntp_version(void);
+
+/* A short English description of a status; never NULL, also for unknown values. */
+NTP_API const char *ntp_status_string(ntp_status status);
+
+/* ------------------------------------------------------------------------------- views */
+
+/* How one sample is stored. */
+typedef enum ntp_type {
+    NTP_U8 = 0,  /* 0..255 */
+    NTP_U16 = 1, /* 0..65535, native byte order */
+    NTP_F32 = 2  /* the same unit range as the integers, 0..1; for NTP_VECTOR -1..1 */
+} ntp_type;
+
+/* What the samples of a pixel mean. */
+typedef enum ntp_encoding {
+    NTP_STANDARD = 0, /* x, y, z each stored as (v + 1)/2: glTF, USD, most tools */
+    NTP_ZZERO = 1,    /* x, y as above; z, never negative, stored as it is in 0..1 */
+    NTP_XY = 2,       /* x, y as above; z is implied; a third sample is not ours and is kept */
+    NTP_VECTOR = 3,   /* x, y, z as they are; NTP_F32 only */
+    NTP_HEIGHT = 4    /* sample 0 is a height; or the samples are a plain picture */
+} ntp_encoding;
+
+/* Which way the y component points. */
+typedef enum ntp_y {
+    NTP_Y_UP = 0,  /* up the picture: OpenGL, glTF, USD */
+    NTP_Y_DOWN = 1 /* down the picture: DirectX */
+} ntp_y;
+
+enum {
+    NTP_MAX_SIDE = 65535 /* the greatest width and height of a view */
+};
+
+/*
+ * A view of pixels that the caller owns.  The samples of a pixel are adjacent; pixels and rows
+ * lie at any stride, so a crop, a mirrored image or one channel of an RGBA image is a view
+ * too.  Row 0 is the top of the picture.  data and both strides are multiples of the sample's
+ * size.
+ *
+ * Channels: NTP_STANDARD, NTP_ZZERO and NTP_VECTOR have 3 or 4, NTP_XY 2 to 4, NTP_HEIGHT
+ * 1 to 4.  The second of two NTP_HEIGHT samples and the fourth of four are alpha.
+ *
+ * ring_rows: 0 when every row is in memory.  Otherwise only so many rows are, row y at
+ * data + (y mod ring_rows) * row_stride, and each call touches only rows that are there: the
+ * rows of its area and, where the operation says so, their neighbors.  With it a caller
+ * streams an image of any height through a few rows and keeps true coordinates.
+ */
+typedef struct ntp_image {
+    void *data;             /* sample 0 of pixel (0, 0) */
+    ptrdiff_t row_stride;   /* bytes from a row to the next; may be negative */
+    ptrdiff_t pixel_stride; /* bytes from a pixel to the next; may be negative */
+    int32_t width;          /* 1..NTP_MAX_SIDE, as is height */
+    int32_t height;
+    int32_t channels; /* samples of each pixel in this view, 1..4 */
+    int32_t ring_rows;
+    ntp_type type;
+    ntp_encoding encoding;
+    ntp_y y;
+} ntp_image;
+
+/* The same, read only. */
+typedef struct ntp_const_image {
+    const void *data;
+    ptrdiff_t row_stride;
+    ptrdiff_t pixel_stride;
+    int32_t width;
+    int32_t height;
+    int32_t channels;
+    int32_t ring_rows;
+    ntp_type type;
+    ntp_encoding encoding;
+    ntp_y y;
+} ntp_const_image;
+
+/* x0 <= x < x1, y0 <= y < y1, inside the view and not empty. */
+typedef struct ntp_rect {
+    int32_t x0, y0, x1, y1;
+} ntp_rect;
+
+/* A view of rows without gaps, Y up, encoding NTP_STANDARD (NTP_XY for 2 channels, NTP_HEIGHT
+ * for 1).  Nothing is checked here; every operation checks the views that it is given. */
+NTP_API ntp_image ntp_image_packed(void *data, int32_t width, int32_t height, int32_t channels,
+                                   ntp_type type);
+
+/* The same view, read only. */
+NTP_API ntp_const_image ntp_image_as_const(const ntp_image *image);
+
+/*
+ * Texels that hold no normal: atlases are padded with them.  They are left alone and counted
+ * apart; a mask of these values in a field `touch_unused` treats such texels like any other.
+ */
+enum {
+    NTP_UNUSED_BLACK = 1,       /* all samples but alpha are 0 */
+    NTP_UNUSED_WHITE = 2,       /* all samples but alpha are M */
+    NTP_UNUSED_TRANSPARENT = 4, /* alpha is 0; set it in touch_unused where alpha is a height */
+    NTP_UNUSED_ALL = 7
+};
+
+/* In every operation below: `area` NULL means all of it; dst and src are of one size. */
+
+/* --------------------------------------------------------------- validity of one texel */
+
+/*
+ * Three strictnesses, all in integers; exact implies rounded implies neighbor.  They do not
+ * look at the sign of Z (that is a flag).  For NTP_XY all three ask only that x, y are not
+ * longer than 1.
+ */
+typedef enum ntp_verdict {
+    NTP_NEIGHBOR = 0, /* among the 27 triplets at -1, 0, +1 level some are short, some long */
+    NTP_ROUNDED = 1,  /* the +-1/2-level box meets the unit sphere: an honest rounding */
+    NTP_EXACT = 2     /* blue is the one derived from red and green */
+} ntp_verdict;
+
+/* One byte per texel, as ntp_validate writes it. */
+enum {
+    NTP_PASS_NEIGHBOR = 1,
+    NTP_PASS_ROUNDED = 2,
+    NTP_PASS_EXACT = 4,  /* either sign of Z when keep_negative_z */
+    NTP_XY_TOO_LONG = 8, /* x*x + y*y > 1 */
+    NTP_Z_NEGATIVE = 16, /* NTP_STANDARD and NTP_VECTOR: z < 0 */
+    NTP_IS_UNUSED = 32,  /* black, white or transparent; the other bits are set as well */
+    NTP_NOT_FINITE = 64  /* a float sample is NaN or infinite; no NTP_PASS_ bit is set */
+};
+
+/* All that can be said about one texel. */
+typedef struct ntp_texel {
+    uint32_t stored[4];  /* levels; float images rounded to 16 bit; absent alpha is M */
+    uint32_t cleaned[3]; /* as ntp_clean by NTP_DERIVE would leave them (NTP_XY: blue kept) */
+    uint32_t max;        /* M: 255 or 65535 */
+    uint32_t flags;      /* as ntp_validate */
+    int32_t levels_off;  /* |b - derived b|, mirrored where z < 0; -1 where x, y are too long */
+    double x, y, z;      /* as stored; NTP_XY: z derived, 0 where x, y are too long */
+    double length;       /* of x, y, z */
+    double angle;        /* degrees between the stored and the cleaned vector, to 1e-6 */
+} ntp_texel;
+
+/*
+ * Describes the texel at (x, y).  src is NTP_STANDARD, NTP_ZZERO, NTP_XY or NTP_VECTOR.
+ * Errors: NTP_ERR_ARGUMENT for coordinates outside, and those of a view.
+ */
+NTP_API ntp_status ntp_inspect(ntp_texel *texel, const ntp_const_image *src, int32_t x, int32_t y,
+                               int32_t keep_negative_z);
+
+/*
+ * Writes the flags of each texel into sample 0 of mask, a view of NTP_U8; further samples are
+ * left alone.  keep_negative_z: NTP_PASS_EXACT accepts the mirrored blue of a negative Z.
+ */
+NTP_API ntp_status ntp_validate(const ntp_image *mask, const ntp_const_image *src,
+                                int32_t keep_negative_z, const ntp_rect *area);
+
+/* ---------------------------------------------------------------------------- cleaning */
+
+typedef enum ntp_method {
+    NTP_DERIVE = 0,    /* keep x, y (pulled onto the unit disc where too long), derive z */
+    NTP_NORMALIZE = 1, /* a texel that is not `rounded` is divided by its length */
+    NTP_KEEP = 2       /* mirror negative Z only */
+} ntp_method;
+
+typedef struct ntp_clean_options {
+    ntp_method method;
+    int32_t keep_negative_z; /* nonzero: a negative Z stays so; otherwise b becomes M - b first */
+    int32_t only_failing;    /* nonzero: texels that pass `verdict` stay as they are */
+    ntp_verdict verdict;
+    uint32_t touch_unused; /* NTP_UNUSED_*: repair such texels too */
+} ntp_clean_options;
+
+/* Adds to these; the caller zeroes them once. */
+typedef struct ntp_clean_counts {
+    uint64_t changed;    /* texels of which a sample changed */
+    uint64_t not_finite; /* float texels with a NaN, an infinity or length 0: made flat */
+} ntp_clean_counts;
+
+/*
+ * A table that makes cleaning 8-bit images as fast as copying them; opaque, the caller's.
+ * ntp_clean gives the same bytes with and without one.
+ */
+typedef struct ntp_clean_plan ntp_clean_plan;
+
+/* Bytes of a plan (about 260 KiB). */
+NTP_API size_t ntp_clean_plan_size(void);
+
+/*
+ * Fills memory of at least ntp_clean_plan_size() bytes, aligned to 16, with the table for
+ * images of NTP_U8 with this encoding, cleaned so.  Returns it through *plan.  The plan is
+ * read-only afterwards: any number of threads may share it.
+ */
+NTP_API ntp_status ntp_clean_plan_init(ntp_clean_plan **plan, void *memory, size_t size,
+                                       ntp_encoding encoding, const ntp_clean_options *how);
+
+/*
+ * Repairs normals.  dst and src agree in size, type, encoding, channels and y, and are the
+ * same memory with the same strides or do not overlap (overlap is not detected).  Encodings:
+ * NTP_STANDARD, NTP_ZZERO, NTP_XY (blue is kept, it is not Z) and NTP_VECTOR.  Alpha is
+ * copied.  Float images are judged and repaired on the 16-bit grid: a texel that passes is
+ * copied as it is, another gets the repaired levels divided by 65535.
+ * Cleaning a second time changes nothing, for every method and option.
+ * plan may be NULL; otherwise it was made for this encoding and `how` (else
+ * NTP_ERR_ARGUMENT).  counts may be NULL.
+ * Source of the test and of derived Z: Eric Haines, NormalTextureProcessor (2024).
+ */
+NTP_API ntp_status ntp_clean(const ntp_image *dst, const ntp_const_image *src,
+                             const ntp_clean_options *how, const ntp_clean_plan *plan,
+                             ntp_clean_counts *counts, const ntp_rect *area);
+
+/* -------------------------------------------------------------------------- conversion */
+
+typedef enum ntp_blue {
+    NTP_BLUE_DERIVED = 0, /* from the rounded red and green: survives any round trip */
+    NTP_BLUE_NEAREST = 1  /* z rounded by itself */
+} ntp_blue;
+
+typedef struct ntp_convert_options {
+    ntp_blue blue;         /* from NTP_VECTOR only */
+    uint32_t touch_unused; /* NTP_UNUSED_*: convert and flip such texels too */
+} ntp_convert_options;
+
+/* Adds to these; the caller zeroes them once. */
+typedef struct ntp_convert_counts {
+    uint64_t z_negative; /* texels whose negative z became |z| */
+    uint64_t not_finite; /* float texels with NaN, infinity or length 0: made flat (a height: 0) */
+    uint64_t pulled;     /* texels whose x, y, longer than 1, were pulled onto the unit disc */
+} ntp_convert_counts;
+
+/*
+ * Converts between any two of the normals encodings, types and Y orientations, or a height
+ * between types.  It repairs nothing: each sample goes over by value, correctly rounded (8 to
+ * 16 bit 257c, 16 to 8 bit round(c/257)), a Y flip is M - g.  But a texel that is `exact`
+ * (either sign of Z) gets its blue derived anew in the target's depth and encoding, so that a
+ * clean texture stays clean.  XY-only sources get a derived blue; an XY target of 3 or 4
+ * channels gets blue M.  NTP_VECTOR sources are divided by their length.  A missing alpha is
+ * opaque.  Unused texels are copied through (black stays black).
+ * dst and src do not overlap, or are the same view of the same type.  how, counts may be NULL.
+ */
+NTP_API ntp_status ntp_convert(const ntp_image *dst, const ntp_const_image *src,
+                               const ntp_convert_options *how, ntp_convert_counts *counts,
+                               const ntp_rect *area);
+
+/* ----------------------------------------------------------------------- measurement */
+
+/*
+ * The tally of a measurement: memory of ntp_tally_size() bytes, aligned to 16, zero-filled
+ * (calloc) by the caller, who frees it.  It holds integer counts and sums only, so parts
+ * that were measured apart merge exactly, in any order.  It holds up to 2^32 - 1 texels
+ * of one depth.
+ */
+typedef struct ntp_tally ntp_tally;
+
+NTP_API size_t ntp_tally_size(void);
+
+/* Makes a used tally empty again, faster than zeroing all of it. */
+NTP_API ntp_status ntp_tally_clear(ntp_tally *tally);
+
+/*
+ * Adds the texels of an area to the tally, in one pass.  src is NTP_STANDARD, NTP_ZZERO,
+ * NTP_XY or NTP_VECTOR of 2 to 4 channels, or NTP_HEIGHT (channels are then only described).
+ * Float images are judged after rounding to 16 bit.  The encoding matters for the angles of
+ * 16-bit images only: all else is counted for every encoding at once.
+ * To measure an image in parts use areas of one view (with ring_rows where rows stream).
+ * Errors: NTP_ERR_FORMAT when the tally already holds another depth, channel count or
+ * encoding; NTP_ERR_SHAPE when it would hold more than 2^32 - 1 texels.
+ */
+NTP_API ntp_status ntp_measure(ntp_tally *tally, const ntp_const_image *src, uint32_t touch_unused,
+                               const ntp_rect *area);
+
+/* Adds what `from` holds to `into`.  Errors as ntp_measure. */
+NTP_API ntp_status ntp_tally_merge(ntp_tally *into, const ntp_tally *from);
+
+/* How texels fare when the samples are read as one encoding.  Counts cover every texel. */
+typedef struct ntp_fit {
+    uint64_t neighbor, rounded, exact; /* texels that pass */
+    uint64_t exact_mirrored;           /* texels whose blue is M - derived blue, Z < 0 */
+    uint64_t unused_neighbor, unused_rounded, unused_exact; /* the unused among them */
+    uint64_t used_levels_le[4]; /* used texels with x, y not too long and blue off by <= 0,1,2,3 */
+    double length_min, length_mean, length_max; /* every texel */
+    double used_length_mean, used_length_sd;
+    double used_near_unit[3]; /* share of used texels with |length - 1| <= 1/32, 1/16, 1/8 */
+    double used_short,
+        used_long; /* share of used texels that are not `rounded`, too short / too long */
+} ntp_fit;
+
+/* Per-channel facts, in levels, over every texel. */
+typedef struct ntp_channel {
+    uint32_t min, max;
+    double mean;
+} ntp_channel;
+
+/* Angles in degrees, over used texels; the histogram behind p99 has bins of 0.001. */
+typedef struct ntp_angles {
+    uint64_t texels;
+    double mean, p99, max;
+} ntp_angles;
+
+enum {
+    NTP_STEEPNESS_BINS =
+        8 /* used texels by the length of x, y: bin i is i/8..(i+1)/8; too long: last */
+};
+
+/* What a tally says; see ntp_summarize. */
+typedef struct ntp_stats {
+    uint64_t texels;
+    uint64_t unused; /* black + white + transparent, each texel once, in this order */
+    uint64_t black, white, transparent;
+    uint64_t not_finite;
+    uint32_t max;        /* M the texels were judged at */
+    uint32_t stored_max; /* M of the samples; 65535 with max 255: 16 bit with 8-bit content */
+    int32_t channels;
+    ntp_channel channel[4];
+    uint64_t xy_too_long;       /* X*X + Y*Y > M*M */
+    uint64_t xy_far_too_long;   /* the reference program's limit: |(x,y)| > 1.00774 */
+    uint64_t neighbor_and_near; /* standard `neighbor` and within that limit */
+    uint64_t z_negative;        /* read as standard */
+    uint64_t unused_xy_too_long;
+    uint64_t unused_z_negative;
+    uint64_t gray;                   /* all of r, g, b equal */
+    uint64_t flat;                   /* r and g both (M-1)/2 or (M+1)/2 */
+    uint64_t distinct_flat;          /* different colors among them */
+    uint64_t distinct;               /* different used colors, counted up to 2; see also flat */
+    uint64_t levels_off_max[2];      /* standard, Z-zero; used texels */
+    uint64_t alpha_zero, alpha_full; /* texels with alpha 0, alpha M; 0 without alpha */
+    ntp_fit standard, zzero;
+    ntp_angles angles; /* stored against cleaned, by the encoding measured */
+    /* Used texels by steepness: how many, how many are not `rounded` and not `neighbor` as standard,
+     * and the mean of |length - 1|. */
+    uint64_t steepness[NTP_STEEPNESS_BINS];
+    uint64_t steepness_not_rounded[NTP_STEEPNESS_BINS];
+    uint64_t steepness_not_neighbor[NTP_STEEPNESS_BINS];
+    double steepness_length_error[NTP_STEEPNESS_BINS];
+    /* Used texels: blue and alpha read as components, and how the channels go together. */
+    double used_mean[4]; /* levels / M */
+    double used_sd[4];
+    double correlation[3]; /* r-g, r-b, g-b; 0 where a channel is constant */
+    uint64_t used_z_negative;
+    uint64_t red_low; /* used texels with r <= (M-1)/2; x negative */
+    uint64_t green_low;
+    uint64_t near_gamma_flat; /* used texels whose r, g are within 3/255 of 188/255 */
+    double gamma_near_unit;   /* share of used with |length - 1| <= 1/8 after linearising sRGB */
+    double ag_in_disc;        /* share of used whose (alpha, g) as x, y are not too long */
+    double block_step[3];     /* mean |step| across columns 8k-1|8k over that elsewhere; 0: none */
+} ntp_stats;
+
+/*
+ * Works out the facts from a tally, read as `encoding` (angles; only the one measured for
+ * 16-bit tallies, else NTP_ERR_FORMAT).  A 16-bit tally of which every level is a multiple of
+ * 257 is judged as 8 bit.
+ */
+NTP_API ntp_status ntp_summarize(ntp_stats *stats, const ntp_tally *tally, ntp_encoding encoding);
+
+/*
+ * The histogram of ntp_texel.levels_off over every texel with x, y not too long, read as
+ * NTP_STANDARD or NTP_ZZERO: counts[0..stats.max].  counts has room for `size` numbers, at
+ * least stats.max + 1 (else NTP_ERR_ARGUMENT).
+ */
+NTP_API ntp_status ntp_levels_off(uint64_t *counts, size_t size, const ntp_tally *tally,
+                                  ntp_encoding encoding);
+
+/* The histogram of lengths of every texel: bin i is i/128..(i+1)/128, 256 bins (the last: and above). */
+NTP_API ntp_status ntp_lengths(uint64_t counts[256], const ntp_tally *tally, ntp_encoding encoding);
+
+/* ---------------------------------------------------------------------- classification */
+
+typedef enum ntp_class {
+    NTP_CLASS_STANDARD = 0,
+    NTP_CLASS_ZZERO = 1,
+    NTP_CLASS_XY = 2,
+    NTP_CLASS_HEIGHT = 3,
+    NTP_CLASS_OBJECT_SPACE = 4,
+    NTP_CLASS_ONE_COLOR = 5,
+    NTP_CLASS_NOT_NORMALS = 6
+} ntp_class;
+
+/* What happened to a texture, as far as its texels show; a mask. */
+enum {
+    NTP_ACCIDENT_GAMMA = 1,      /* stored as sRGB: flat lies near 188 */
+    NTP_ACCIDENT_RED_IS_Z = 2,   /* red and blue swapped */
+    NTP_ACCIDENT_GREEN_IS_Z = 4, /* green and blue swapped */
+    NTP_ACCIDENT_DXT5NM = 8,     /* x in alpha, y in green */
+    NTP_ACCIDENT_LOSSY = 16,     /* the marks of lossy compression (JPEG, WebP, BCn) */
+    NTP_ACCIDENT_FILTERED = 32,  /* resized or blurred without normalising: too short */
+    NTP_ACCIDENT_Z_FLIPPED = 64, /* Z negative (almost) everywhere */
+    NTP_ACCIDENT_BLUE_CONSTANT = 128
+};
+
+/* A fact behind a classification, with the number that it is about. */
+typedef struct ntp_reason {
+    int32_t code; /* NTP_REASON_*; see ntp_reason_text */
+    double value;
+} ntp_reason;
+
+enum { NTP_MAX_REASONS = 6 };
+
+typedef struct ntp_classification {
+    ntp_class type;
+    double confidence; /* 0..1; 0.5 is a coin toss between two */
+    uint32_t accidents;
+    int32_t reason_count;
+    ntp_reason reasons[NTP_MAX_REASONS]; /* the weightiest first */
+} ntp_classification;
+
+/*
+ * What a texture is, from its statistics.  Best-fit normals (CryEngine) are not told apart.
+ * The thresholds, each with its reason, stand at the top of classify.c.
+ */
+NTP_API ntp_status ntp_classify(ntp_classification *result, const ntp_stats *stats);
+
+/* The name of a class as the command line prints it ("standard", "zzero", ...); never NULL. */
+NTP_API const char *ntp_class_name(ntp_class type);
+
+/* Writes a reason as an English clause, number included, as snprintf would: at most size - 1
+ * bytes and a terminating 0; returns the full length. */
+NTP_API size_t ntp_reason_text(char *text, size_t size, const ntp_reason *reason);
+
+/*
+ * The cleaning method for which a texture's errors speak: NTP_KEEP when every used texel is
+ * `rounded`, NTP_NORMALIZE when all three channels err together (as after lossy compression or
+ * resizing), NTP_DERIVE otherwise.  lossy: the file format is known to be lossy.
+ * The evidence goes to *why (may be NULL), for ntp_reason_text.
+ */
+NTP_API ntp_status ntp_choose_method(ntp_method *method, ntp_reason *why, const ntp_stats *stats,
+                                     ntp_encoding encoding, int32_t lossy);
+
+/* ---------------------------------------------------------------------------- pictures */
+
+typedef enum ntp_palette {
+    NTP_PALETTE_REFERENCE = 0, /* red: x, y too long; green: length off; blue: z negative */
+    NTP_PALETTE_SAFE = 1       /* three hues that stay apart for every kind of color vision */
+} ntp_palette;
+
+/*
+ * Shows what is wrong where: dst is NTP_U8, NTP_HEIGHT encoding, 3 or 4 channels (alpha is
+ * made opaque).  Texels without fault, and unused ones, become gray.  docs/heatmap.md is the
+ * legend.
+ */
+NTP_API ntp_status ntp_heatmap(const ntp_image *dst, const ntp_const_image *src,
+                               ntp_palette palette, uint32_t touch_unused, const ntp_rect *area);
+
+typedef struct ntp_light {
+    double direction[3]; /* towards the light: x right, y up, z to the viewer; any length but 0 */
+    double ambient;      /* 0..1 */
+    double diffuse;      /* 0..1 */
+    double specular;     /* 0..1; Blinn-Phong, exponent 32 */
+    double color[3];     /* of the plane, 0..1, linear */
+} ntp_light;
+
+/*
+ * A plane with these normals, lit from a direction and seen from above: for previews and
+ * thumbnails.  dst is NTP_U8, NTP_HEIGHT encoding, 1, 3 or 4 channels, for display (gamma 2).
+ * light NULL: from the upper left, neutral gray.
+ */
+NTP_API ntp_status ntp_shade(const ntp_image *dst, const ntp_const_image *src,
+                             const ntp_light *light, const ntp_rect *area);
+
+/* Differences between two textures; integer sums, so that parts add up exactly. */
+typedef struct ntp_diff ntp_diff;
+
+/* Bytes of an ntp_diff: zero-filled by the caller, aligned to 16. */
+NTP_API size_t ntp_diff_size(void);
+
+typedef struct ntp_diff_stats {
+    uint64_t texels;
+    uint64_t different; /* texels of which a sample differs */
+    uint32_t max;       /* M of the levels below: that of the deeper image */
+    int32_t channels;   /* compared: the fewer of the two */
+    uint32_t levels_max[4];
+    double levels_mean[4];
+    ntp_angles angles; /* between the two vectors, over all texels */
+} ntp_diff_stats;
+
+/*
+ * Adds the differences between a and b, which agree in size and may differ in type, encoding
+ * and y (b is converted to a's).  heat, NULL or an NTP_U8 view of 3 or 4 channels, shows them:
+ * black equal, then blue, green, red up to 10 degrees and more.
+ */
+NTP_API ntp_status ntp_compare(ntp_diff *diff, const ntp_image *heat, const ntp_const_image *a,
+                               const ntp_const_image *b, const ntp_rect *area);
+NTP_API ntp_status ntp_diff_merge(ntp_diff *into, const ntp_diff *from);
+NTP_API ntp_status ntp_diff_summarize(ntp_diff_stats *stats, const ntp_diff *diff);
+
+/* --- cdef end --- */
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif /* LIBNTP_H */
