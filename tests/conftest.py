@@ -1,0 +1,104 @@
+# SPDX-License-Identifier: MIT
+"""What the tests share: where the built files are, the corpus, and the rule on skips.
+
+NTP_PROGRAM, NTP_LIBRARY and NTP_BUILD say where the built files are (else build*/ is searched),
+NTP_CORPUS where the corpus of real textures is (else ../shared/corpus beside the repository).
+With CI set, a skipped test that allowed_skips.txt does not list fails the run.
+"""
+
+import fnmatch
+import os
+import subprocess
+from pathlib import Path
+
+import pytest
+
+import libntp_ffi
+
+TESTS = Path(__file__).resolve().parent
+ALLOWED_SKIPS = TESTS / "allowed_skips.txt"
+_skipped = {}
+
+
+def pytest_collection_modifyitems(items):
+    """Without a built library, tests that import it cannot run: said once, for each test."""
+    if libntp_ffi.lib is None:
+        for item in items:
+            if getattr(item.module, "ntp", None) is libntp_ffi:
+                item.add_marker(pytest.mark.skip(reason="libntp.so is not built"))
+
+
+@pytest.fixture(scope="session")
+def program():
+    """The built `ntp`."""
+    path = libntp_ffi.find_built("ntp", "NTP_PROGRAM")
+    if path is None or not Path(path).exists():
+        pytest.skip("the program is not built")
+    return Path(path)
+
+
+@pytest.fixture
+def run(program, tmp_path):
+    """run("check", ...) -> CompletedProcess with text output."""
+
+    def call(*args, **kwargs):
+        kwargs.setdefault("cwd", tmp_path)
+        kwargs.setdefault("capture_output", True)
+        kwargs.setdefault("text", True)
+        kwargs.setdefault("timeout", 120)
+        return subprocess.run([program, *map(str, args)], check=False, **kwargs)
+
+    return call
+
+
+@pytest.fixture(scope="session")
+def corpus():
+    """The directory of real textures; not part of the repository."""
+    path = Path(os.environ.get("NTP_CORPUS", libntp_ffi.ROOT.parent / "shared" / "corpus"))
+    if not (path / "manifest.csv").exists():
+        pytest.skip("the corpus is not here")
+    return path
+
+
+def allowed_skips():
+    """{pattern of a test id: reason}."""
+    lines = ALLOWED_SKIPS.read_text(encoding="utf-8").splitlines()
+    lines = [line for line in lines if line.strip() and not line.startswith("#")]
+    return dict((part.strip() for part in line.split(" # ", 1)) for line in lines)
+
+
+def _short_id(nodeid):
+    return nodeid.removeprefix("tests/")
+
+
+def pytest_runtest_logreport(report):
+    if report.skipped and not hasattr(report, "wasxfail"):
+        reason = report.longrepr[2] if isinstance(report.longrepr, tuple) else report.longrepr
+        _skipped[_short_id(report.nodeid)] = str(reason)
+
+
+def pytest_collectreport(report):
+    if report.skipped:
+        _skipped[_short_id(report.nodeid)] = str(report.longrepr)
+
+
+def pytest_sessionfinish(session):
+    if os.environ.get("CI") and _unexpected() and session.exitstatus == 0:
+        session.exitstatus = pytest.ExitCode.TESTS_FAILED
+
+
+def _unexpected():
+    patterns = allowed_skips()
+    return {
+        test: reason
+        for test, reason in _skipped.items()
+        if not any(fnmatch.fnmatchcase(test, pattern) for pattern in patterns)
+    }
+
+
+def pytest_terminal_summary(terminalreporter):
+    unexpected = _unexpected()
+    if unexpected and os.environ.get("CI"):
+        terminalreporter.section("skipped, and not listed in allowed_skips.txt")
+        for test, reason in unexpected.items():
+            terminalreporter.line(f"{test}: {reason}")

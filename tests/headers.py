@@ -1,0 +1,50 @@
+# SPDX-License-Identifier: MIT
+"""headers.py ROOT CC...: each header compiles alone, without a warning.
+
+The public one in C99, C11, C17, C++98 and C++17, twice in one file and with NTP_STATIC; the
+internal ones in C11.
+"""
+
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+WARNINGS = ["-Wall", "-Wextra", "-pedantic", "-Werror", "-Wshadow", "-Wconversion"]
+WARNINGS += ["-Wundef", "-Wcast-qual"]
+LANGUAGES = {"c": ["c99", "c11", "c17"], "c++": ["c++98", "c++17"]}
+
+
+def compiles(compiler, language, std, include, directories, defines=()):
+    """True when a file that includes a header twice, and nothing else, compiles."""
+    source = f'#include "{include}"\n#include "{include}"\nint ntp_nothing;\n'
+    command = [*compiler, "-x", language, f"-std={std}", *WARNINGS, "-fsyntax-only"]
+    command += [f"-I{d}" for d in directories] + [f"-D{d}" for d in defines] + ["-"]
+    done = subprocess.run(command, input=source, text=True, capture_output=True, check=False)
+    if done.returncode != 0:
+        print(" ".join(command), f"# {include}", done.stderr, sep="\n")
+    return done.returncode == 0
+
+
+def main(root, *compiler):
+    core = [root / "libntp" / "include", root / "libntp" / "src"]
+    good = True
+    for language, stds in LANGUAGES.items():
+        cc = list(compiler)
+        if language == "c++":
+            name = cc[-1].replace("gcc", "g++").replace("clang", "clang++")
+            cc[-1] = name if shutil.which(name) and name != cc[-1] else "c++"
+            if shutil.which(cc[-1]) is None:
+                print("no C++ compiler: the C++ half is left out")
+                continue
+        for std in stds:
+            good &= compiles(cc, language, std, "libntp.h", core[:1])
+            good &= compiles(cc, language, std, "libntp.h", core[:1], ["NTP_STATIC"])
+    for folder, directories in (("libntp/src", core), ("io", [*core, root / "io"])):
+        for header in sorted((root / folder).glob("*.h")):
+            good &= compiles(list(compiler), "c", "c11", header.name, directories, ["_GNU_SOURCE"])
+    return 0 if good else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main(Path(sys.argv[1]), *sys.argv[2:]))

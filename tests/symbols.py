@@ -1,0 +1,58 @@
+# SPDX-License-Identifier: MIT
+"""symbols.py SHARED STATIC: what the library exports and what it needs from outside.
+
+The shared library exports exactly the functions that libntp.h declares.  The core's objects need
+nothing but the functions below: no allocation, no stdio, no locale, of libm only square roots.
+"""
+
+import subprocess
+import sys
+
+import libntp_ffi
+
+ALLOWED = {"memcpy", "memset", "memmove", "memcmp", "strlen", "sqrt", "sqrtf"}
+# What compilers, sanitizers and coverage add by themselves.
+GENERATED = ("__stack_chk", "__asan", "__ubsan", "__tsan", "__msan", "__gcov", "__sanitizer")
+GENERATED += (
+    "_GLOBAL_OFFSET_TABLE_",
+    "__cpu_",
+    "__llvm",
+    "__cxa_finalize",
+    "_ITM_",
+    "__gmon_start",
+)
+
+
+def names(*command):
+    out = subprocess.run(["nm", *command], check=True, capture_output=True, text=True).stdout
+    rows = [line.split() for line in out.splitlines()]
+    return {row[-1].split("@")[0]: row[-2] for row in rows if len(row) >= 2}
+
+
+def main(shared, static):
+    exported = {n for n, kind in names("-D", "--defined-only", shared).items() if kind != "A"}
+    declared = libntp_ffi.public_functions()
+    good = True
+    for name in sorted(exported - declared):
+        print(f"exported, but not declared in libntp.h: {name}")
+        good = False
+    for name in sorted(declared - exported):
+        print(f"declared in libntp.h, but not exported: {name}")
+        good = False
+    defined = names("--defined-only", static)
+    for name, kind in sorted(defined.items()):
+        if kind.isupper() and not name.startswith(("ntp_", *GENERATED)):
+            print(f"a global name without the prefix ntp: {name}")
+            good = False
+        if kind in "dDbB" and not name.startswith(GENERATED) and "asan" not in name:
+            print(f"the core keeps state: {name} ({kind})")
+            good = False
+    for name in sorted(names("--undefined-only", static).keys() - defined.keys()):
+        if name not in ALLOWED and not name.startswith(GENERATED):
+            print(f"the core may not use: {name}")
+            good = False
+    return 0 if good else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main(*sys.argv[1:3]))

@@ -1,0 +1,155 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * test_kernels.c - every instruction set gives the bytes of the base level
+ *
+ * All widths 1..300 between guard pages, levels of 8 and 16 bit, for each kernel; and the square
+ * roots behind them against integers, for every argument where that is feasible.
+ */
+#include "guarded.h"
+#include "kernels.h"
+#include "libntp.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { WIDEST = 300, TABLE = 65536 };
+
+static const ntp__kernels_table *base;
+
+/* Derived blue by search: no square root at all. */
+static int32_t derived_by_search(int32_t r, int32_t g, int32_t m, bool zzero)
+{
+    int64_t x = 2 * r - m, y = 2 * g - m, s = (int64_t) m * m - x * x - y * y;
+    if (s < 0)
+        return -1;
+    int32_t low = zzero ? 0 : (m + 1) / 2, high = m;
+    while (low < high) {
+        int64_t middle = low + (high - low + 1) / 2;
+        int64_t edge = zzero ? 2 * middle - 1 : 2 * middle - m - 1;
+        if (edge * edge <= (zzero ? 4 * s : s))
+            low = (int32_t) middle;
+        else
+            high = (int32_t) middle - 1;
+    }
+    return low;
+}
+
+static void compare_planar(const ntp__kernels_table *level, int32_t n, int32_t m, bool zzero,
+                           uint64_t *seed)
+{
+    size_t bytes = (size_t) n * sizeof(int32_t);
+    guarded plane[3], want = guarded_alloc(bytes, false), flags = guarded_alloc((size_t) n, false);
+    for (int k = 0; k < 3; k++) {
+        plane[k] = guarded_alloc(bytes, false);
+        for (int32_t i = 0; i < n; i++)
+            ((int32_t *) plane[k].data)[i] = random_level(seed, m);
+    }
+    const int32_t *r = plane[0].data, *g = plane[1].data, *b = plane[2].data;
+    int32_t expected[WIDEST], judged[WIDEST];
+    uint8_t expected_flags[WIDEST];
+    base->derive(expected, r, g, n, m, zzero);
+    base->judge(expected_flags, judged, r, g, b, n, m, zzero);
+    CHECK(memcmp(expected, judged, bytes) == 0);
+    for (int32_t i = 0; i < n; i += 7)
+        CHECK(expected[i] == derived_by_search(r[i], g[i], m, zzero));
+    level->derive(want.data, r, g, n, m, zzero);
+    CHECK(memcmp(want.data, expected, bytes) == 0);
+    memset(want.data, 0xee, bytes);
+    level->judge(flags.data, want.data, r, g, b, n, m, zzero);
+    CHECK(memcmp(want.data, expected, bytes) == 0);
+    CHECK(memcmp(flags.data, expected_flags, (size_t) n) == 0);
+    for (int k = 0; k < 3; k++)
+        guarded_free(&plane[k]);
+    guarded_free(&want);
+    guarded_free(&flags);
+}
+
+static void compare_packed(const ntp__kernels_table *level, size_t n, size_t channels,
+                           const uint32_t *table, uint64_t *seed)
+{
+    size_t bytes = n * channels;
+    uint8_t expected[WIDEST * 4];
+    for (int place = 0; place < 4; place++) {
+        uint32_t kept = place & 1 ? 0xff0000 : 0, touch = random_bits(seed) & NTP_UNUSED_ALL;
+        guarded src = guarded_alloc(bytes, place & 2), dst = guarded_alloc(bytes, place & 2);
+        uint8_t *s = src.data;
+        for (size_t i = 0; i < bytes; i++)
+            s[i] = (uint8_t) random_level(seed, 255);
+        ntp__clean8_fn *slow = channels == 3 ? base->clean_rgb8 : base->clean_rgba8;
+        ntp__clean8_fn *fast = channels == 3 ? level->clean_rgb8 : level->clean_rgba8;
+        uint64_t changed = slow(expected, s, n, table, kept, touch);
+        CHECK(fast(dst.data, s, n, table, kept, touch) == changed);
+        CHECK(memcmp(dst.data, expected, bytes) == 0);
+        CHECK(fast(s, s, n, table, kept, touch) == changed); /* in place */
+        CHECK(memcmp(s, expected, bytes) == 0);
+        guarded_free(&src);
+        guarded_free(&dst);
+    }
+}
+
+/* All 65,536 pairs of 8 bit; of 16 bit the rows where S is smallest and a thousand others. */
+static void check_derive(const ntp__kernels_table *level)
+{
+    static int32_t r[TABLE], g[TABLE], want[TABLE];
+    for (int zzero = 0; zzero < 2; zzero++) {
+        for (int32_t i = 0; i < TABLE; i++) {
+            r[i] = i & 255;
+            g[i] = i >> 8;
+        }
+        level->derive(want, r, g, TABLE, 255, zzero);
+        for (int32_t i = 0; i < TABLE; i++)
+            CHECK(want[i] == derived_by_search(r[i], g[i], 255, zzero));
+        uint64_t seed = 77;
+        for (int row = 0; row < 30; row++) {
+            int32_t red = random_level(&seed, 65535);
+            for (int32_t i = 0; i < TABLE; i++) {
+                r[i] = red;
+                g[i] = i;
+            }
+            level->derive(want, r, g, TABLE, 65535, zzero);
+            for (int32_t i = 0; i < TABLE; i++)
+                CHECK(want[i] == derived_by_search(red, i, 65535, zzero));
+        }
+    }
+}
+
+/*
+ * What root30 in kernels.c relies on, for every argument: the float root is right or one too
+ * great.  (1024 arguments a step, so that the compiler can vectorise the inner loop.)
+ */
+static void check_float_roots(void)
+{
+    for (int32_t first = 0; first < 1 << 30; first += 1024) {
+        int32_t bad = 0;
+        for (int32_t i = 0; i < 1024; i++) {
+            int32_t e = first + i, t = (int32_t) sqrtf((float) e);
+            t -= t * t > e;
+            bad |= (t * t > e) | (e - t * t > 2 * t);
+        }
+        CHECK(!bad);
+    }
+}
+
+int main(void)
+{
+    static uint32_t table[TABLE];
+    uint64_t seed = 12345;
+    for (uint32_t i = 0; i < TABLE; i++) /* any table will do: the loops do not look inside */
+        table[i] = (random_bits(&seed) & 0xffffff) | (i == 0 || i == 65535 ? 0x1000000U : 0);
+    base = ntp__kernels(0);
+    check_derive(base);
+    check_float_roots();
+    const int masks[] = { 0, NTP__CPU_AVX2, NTP__CPU_ALL };
+    for (size_t i = 0; i < sizeof masks / sizeof masks[0]; i++) {
+        const ntp__kernels_table *level = ntp__kernels(masks[i]);
+        printf("level %s\n", level->name);
+        check_derive(level);
+        for (int32_t n = 1; n <= WIDEST; n++) {
+            for (int kind = 0; kind < 4; kind++)
+                compare_planar(level, n, kind & 1 ? 65535 : 255, kind & 2, &seed);
+            compare_packed(level, (size_t) n, 3, table, &seed);
+            compare_packed(level, (size_t) n, 4, table, &seed);
+        }
+    }
+    return 0;
+}
