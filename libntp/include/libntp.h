@@ -249,7 +249,7 @@ typedef struct ntp_clean_counts {
  */
 typedef struct ntp_clean_plan ntp_clean_plan;
 
-/* Bytes of a plan (about 260 KiB). */
+/* Bytes of a plan (about 257 KiB). */
 NTP_API size_t ntp_clean_plan_size(void);
 
 /*
@@ -412,22 +412,23 @@ typedef struct ntp_stats {
 } ntp_stats;
 
 /*
- * Works out the facts from a tally, read as `encoding` (angles; only the one measured for
- * 16-bit tallies, else NTP_ERR_FORMAT).  A 16-bit tally of which every level is a multiple of
- * 257 is judged as 8 bit.
+ * Works out the facts from a tally, read as `encoding` (NTP_STANDARD, NTP_ZZERO or NTP_XY;
+ * it decides the angles).  A 16-bit tally of which every level is a multiple of 257 is judged as
+ * 8 bit; any other knows the angles of the encoding that was measured, else NTP_ERR_FORMAT.
+ * An empty tally is NTP_ERR_ARGUMENT.  Working memory is in the tally: one call at a time.
  */
-NTP_API ntp_status ntp_summarize(ntp_stats *stats, const ntp_tally *tally, ntp_encoding encoding);
+NTP_API ntp_status ntp_summarize(ntp_stats *stats, ntp_tally *tally, ntp_encoding encoding);
 
 /*
  * The histogram of ntp_texel.levels_off over every texel with x, y not too long, read as
  * NTP_STANDARD or NTP_ZZERO: counts[0..stats.max].  counts has room for `size` numbers, at
  * least stats.max + 1 (else NTP_ERR_ARGUMENT).
  */
-NTP_API ntp_status ntp_levels_off(uint64_t *counts, size_t size, const ntp_tally *tally,
+NTP_API ntp_status ntp_levels_off(uint64_t *counts, size_t size, ntp_tally *tally,
                                   ntp_encoding encoding);
 
 /* The histogram of lengths of every texel: bin i is i/128..(i+1)/128, 256 bins (the last: and above). */
-NTP_API ntp_status ntp_lengths(uint64_t counts[256], const ntp_tally *tally, ntp_encoding encoding);
+NTP_API ntp_status ntp_lengths(uint64_t counts[256], ntp_tally *tally, ntp_encoding encoding);
 
 /* ---------------------------------------------------------------------- classification */
 

@@ -1,0 +1,51 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * angle.c - angles between vectors of integers, the same on every system
+ *
+ * The angle is atan2(|a x b|, a . b).  The products are exact; the arc tangent of t in 0..1 is
+ * taken about the nearest i/8: atan(t) = atan(i/8) + atan(u), u = (t - i/8)/(1 + t i/8), where
+ * |u| <= 1/16 and the series to u^9 is short by less than 1/16^11/11 = 6e-15 radians.
+ */
+#include "internal.h"
+
+#include <math.h>
+
+static const double PI = 3.14159265358979323846;
+
+/* atan(i/8) */
+static const double ATAN_EIGHTHS[9] = {
+    0.0,
+    0.12435499454676143503,
+    0.24497866312686415417,
+    0.35877067027057222040,
+    0.46364760900080611621,
+    0.55859931534356243597,
+    0.64350110879328438680,
+    0.71882999962162450542,
+    0.78539816339744830962,
+};
+
+static double arc_tangent(double t)
+{
+    int i = (int) (t * 8.0 + 0.5);
+    double c = i * 0.125;
+    double u = (t - c) / (1.0 + t * c), u2 = u * u;
+    double series = 1.0 + u2 * (-1.0 / 3 + u2 * (1.0 / 5 + u2 * (-1.0 / 7 + u2 * (1.0 / 9))));
+    return ATAN_EIGHTHS[i] + u * series;
+}
+
+uint32_t ntp__angle(int64_t x1, int64_t y1, int64_t z1, int64_t x2, int64_t y2, int64_t z2)
+{
+    double cx = (double) (y1 * z2 - z1 * y2), cy = (double) (z1 * x2 - x1 * z2);
+    double cz = (double) (x1 * y2 - y1 * x2);
+    double s = sqrt(cx * cx + cy * cy + cz * cz);
+    double d = (double) (x1 * x2 + y1 * y2 + z1 * z2);
+    double radians;
+    if (s <= d)
+        radians = arc_tangent(s / d);
+    else if (d <= -s)
+        radians = PI - arc_tangent(s / -d);
+    else
+        radians = PI / 2 - (d < 0 ? -arc_tangent(-d / s) : arc_tangent(d / s));
+    return (uint32_t) (radians * (180e6 / PI) + 0.5);
+}

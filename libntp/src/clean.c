@@ -1,0 +1,281 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * clean.c - repair of normals textures: derive z, or divide by the length
+ *
+ * Three ways to the same bytes: 8-bit rows of packed pixels go through a table (the plan),
+ * blocks cleaned by derivation through a kernel with its few odd texels redone one by one, and
+ * everything else texel by texel with the arithmetic of level.h.
+ */
+#include "internal.h"
+#include "kernels.h"
+#include "level.h"
+
+#include <string.h>
+
+struct ntp_clean_plan {
+    ntp_encoding encoding;
+    ntp_clean_options how;
+    uint32_t kept;   /* bits of r | g << 8 | b << 16 that the table does not decide */
+    uint32_t usable; /* 0: with these options blue decides too, and the plan is not used */
+    uint32_t table[65536];
+};
+
+size_t ntp_clean_plan_size(void)
+{
+    return sizeof(ntp_clean_plan);
+}
+
+static ntp_status check_options(ntp_clean_options *out, const ntp_clean_options *how)
+{
+    memset(out, 0, sizeof *out);
+    if (how == NULL)
+        return NTP_OK;
+    *out = *how;
+    if ((int) how->method < NTP_DERIVE || (int) how->method > NTP_KEEP ||
+        (int) how->verdict < NTP_NEIGHBOR || (int) how->verdict > NTP_EXACT ||
+        how->touch_unused > NTP_UNUSED_ALL)
+        return NTP_ERR_ARGUMENT;
+    out->keep_negative_z = how->keep_negative_z != 0;
+    out->only_failing = how->only_failing != 0;
+    return NTP_OK;
+}
+
+/* Does blue play a part beyond being replaced? */
+static bool table_suffices(ntp_encoding encoding, const ntp_clean_options *how)
+{
+    if (encoding == NTP_XY)
+        return how->method != NTP_KEEP;
+    return how->method == NTP_DERIVE && !how->only_failing &&
+           !(encoding == NTP_STANDARD && how->keep_negative_z);
+}
+
+ntp_status ntp_clean_plan_init(ntp_clean_plan **plan, void *memory, size_t size,
+                               ntp_encoding encoding, const ntp_clean_options *how)
+{
+    ntp_clean_options options;
+    if (plan == NULL || (encoding != NTP_STANDARD && encoding != NTP_ZZERO && encoding != NTP_XY))
+        return NTP_ERR_ARGUMENT;
+    NTP__TRY(check_options(&options, how));
+    if (memory == NULL || (uintptr_t) memory % 16 != 0 || size < sizeof(ntp_clean_plan))
+        return NTP_ERR_SCRATCH;
+
+    ntp_clean_plan *p = (ntp_clean_plan *) memory;
+    p->encoding = encoding;
+    p->how = options;
+    p->kept = encoding == NTP_XY ? 0xff0000 : 0;
+    p->usable = table_suffices(encoding, &options);
+    for (int32_t i = 0; p->usable && i < 65536; i++) {
+        int32_t c[3] = { i & 255, i >> 8, 255 };
+        ntp__clean(c, 255, encoding, options.method, false);
+        bool maybe_unused = i == 0 || i == 65535;
+        p->table[i] = (uint32_t) c[0] | (uint32_t) c[1] << 8 | (uint32_t) c[2] << 16 |
+                      (maybe_unused ? 0x1000000u : 0);
+    }
+    *plan = p;
+    return NTP_OK;
+}
+
+/* What a run of texels needs to know. */
+typedef struct job {
+    const ntp_image *dst;
+    const ntp_const_image *src;
+    ntp_clean_options how;
+    ntp_encoding encoding; /* NTP_VECTOR is repaired as standard, on the 16-bit grid */
+    int32_t m;
+    const ntp__kernels_table *kernels;
+} job;
+
+static void clean_texel(const job *j, int32_t c[4])
+{
+    if (ntp__unused(c[0], c[1], c[2], c[3], j->m, j->how.touch_unused))
+        return;
+    if (j->how.only_failing) {
+        static const uint32_t PASS[] = { NTP_PASS_NEIGHBOR, NTP_PASS_ROUNDED, NTP_PASS_EXACT };
+        bool keep = j->how.keep_negative_z;
+        uint32_t flags = ntp__flags(c[0], c[1], c[2], j->m, j->encoding, keep);
+        if ((flags & PASS[j->how.verdict]) && (keep || !(flags & NTP_Z_NEGATIVE)))
+            return;
+    }
+    ntp__clean(c, j->m, j->encoding, j->how.method, j->how.keep_negative_z);
+}
+
+/* Texel by texel; returns how many changed. */
+static uint64_t clean_slowly(const job *j, ntp__block *block, int32_t n)
+{
+    uint64_t changed = 0;
+    for (int32_t i = 0; i < n; i++) {
+        int32_t c[4] = { block->c[0][i], block->c[1][i], block->c[2][i], block->c[3][i] };
+        clean_texel(j, c);
+        changed += c[0] != block->c[0][i] || c[1] != block->c[1][i] || c[2] != block->c[2][i];
+        for (int32_t k = 0; k < 3; k++)
+            block->c[k][i] = c[k];
+    }
+    return changed;
+}
+
+/* Derives blue with a kernel; texels that are too long or unused make it redo the block slowly. */
+static uint64_t clean_by_derivation(const job *j, ntp__block *block, int32_t n)
+{
+    int32_t want[NTP__BLOCK];
+    bool keep = j->how.keep_negative_z && j->encoding == NTP_STANDARD;
+    j->kernels->derive(want, block->c[0], block->c[1], n, j->m, j->encoding == NTP_ZZERO);
+    int32_t odd = 0, changed = 0, m = j->m;
+    for (int32_t i = 0; i < n; i++) {
+        int32_t r = block->c[0][i], g = block->c[1][i], b = block->c[2][i];
+        odd |=
+            (want[i] < 0) | (block->c[3][i] == 0) | ((r == g) & (g == b) & ((r == 0) | (r == m)));
+        int32_t mirrored = keep & (b <= (m - 1) / 2);
+        want[i] = mirrored ? m - want[i] : want[i];
+        changed += want[i] != b;
+    }
+    if (odd)
+        return clean_slowly(j, block, n);
+    memcpy(block->c[2], want, (size_t) n * sizeof want[0]);
+    return (uint64_t) changed;
+}
+
+static bool blue_is_written(const job *j)
+{
+    return j->encoding != NTP_XY;
+}
+
+static void copy_alpha(const job *j, int32_t x, int32_t y, int32_t n)
+{
+    ptrdiff_t size = ntp__sample_size(j->src->type);
+    int32_t first = blue_is_written(j) ? 3 : 2;
+    if (j->dst->data == j->src->data || j->src->channels <= first)
+        return;
+    size_t bytes = (size_t) ((j->src->channels - first) * size);
+    const char *s = (const char *) ntp__at(j->src, x, y) + first * size;
+    char *d = (char *) ntp__at_mut(j->dst, x, y) + first * size;
+    for (int32_t i = 0; i < n; i++, s += j->src->pixel_stride, d += j->dst->pixel_stride)
+        memcpy(d, s, bytes);
+}
+
+/* Floats: samples whose 16-bit level did not change are copied bit by bit. */
+static void store_floats(const job *j, const ntp__block *before, const ntp__block *after, int32_t x,
+                         int32_t y, int32_t n, ntp_clean_counts *counts)
+{
+    bool vector = j->src->encoding == NTP_VECTOR;
+    const char *s = ntp__at(j->src, x, y);
+    char *d = ntp__at_mut(j->dst, x, y);
+    int32_t channels = blue_is_written(j) ? 3 : 2;
+    for (int32_t i = 0; i < n; i++, s += j->src->pixel_stride, d += j->dst->pixel_stride) {
+        float *out = (float *) (void *) d;
+        if (before->any_broken && before->broken[i]) {
+            float zero = vector ? 0.0f : 0.5f;
+            out[0] = out[1] = zero;
+            if (channels == 3)
+                out[2] = 1.0f;
+            counts->not_finite++;
+            counts->changed++;
+            continue;
+        }
+        for (int32_t k = 0; k < channels; k++) {
+            int32_t level = after->c[k][i];
+            if (level == before->c[k][i])
+                memcpy(&out[k], s + k * 4, 4);
+            else if (vector)
+                out[k] = (float) ((double) (2 * level - 65535) / 65535.0);
+            else
+                out[k] = (float) ((double) level / 65535.0);
+        }
+    }
+}
+
+static void clean_run(const job *j, int32_t x, int32_t y, int32_t n, ntp_clean_counts *counts)
+{
+    ntp__block block;
+    ntp__unpack(&block, j->src, x, y, n);
+    ntp__block before;
+    bool floats = j->src->type == NTP_F32;
+    if (floats)
+        before = block;
+    bool derive = j->how.method == NTP_DERIVE && !j->how.only_failing && blue_is_written(j);
+    if (derive && !block.any_broken)
+        counts->changed += clean_by_derivation(j, &block, n);
+    else if (!block.any_broken)
+        counts->changed += clean_slowly(j, &block, n);
+    else {
+        /* Broken texels are counted and written by store_floats. */
+        uint64_t ignored = 0;
+        for (int32_t i = 0; i < n; i++) {
+            int32_t c[4] = { block.c[0][i], block.c[1][i], block.c[2][i], block.c[3][i] };
+            if (block.broken[i])
+                continue;
+            clean_texel(j, c);
+            ignored += c[0] != block.c[0][i] || c[1] != block.c[1][i] || c[2] != block.c[2][i];
+            for (int32_t k = 0; k < 3; k++)
+                block.c[k][i] = c[k];
+        }
+        counts->changed += ignored;
+    }
+    if (floats)
+        store_floats(j, &before, &block, x, y, n, counts);
+    else
+        ntp__pack(j->dst, &block, x, y, n, blue_is_written(j) ? 3 : 2);
+    copy_alpha(j, x, y, n);
+}
+
+/* Rows of packed 8-bit pixels through the table. */
+static bool clean_by_table(const job *j, const ntp_clean_plan *plan, const ntp_rect *rect,
+                           ntp_clean_counts *counts)
+{
+    if (plan == NULL || !plan->usable || j->src->type != NTP_U8 || j->src->channels < 3 ||
+        !ntp__is_packed(j->src) || j->dst->pixel_stride != j->src->pixel_stride)
+        return false;
+    ntp__clean8_fn *clean8 =
+        j->src->channels == 3 ? j->kernels->clean_rgb8 : j->kernels->clean_rgba8;
+    for (int32_t y = rect->y0; y < rect->y1; y++)
+        counts->changed +=
+            clean8(ntp__at_mut(j->dst, rect->x0, y), ntp__at(j->src, rect->x0, y),
+                   (size_t) (rect->x1 - rect->x0), plan->table, plan->kept, j->how.touch_unused);
+    return true;
+}
+
+static bool same_options(const ntp_clean_options *a, const ntp_clean_options *b)
+{
+    return a->method == b->method && a->keep_negative_z == b->keep_negative_z &&
+           a->only_failing == b->only_failing && a->verdict == b->verdict &&
+           a->touch_unused == b->touch_unused;
+}
+
+ntp_status ntp_clean(const ntp_image *dst, const ntp_const_image *src, const ntp_clean_options *how,
+                     const ntp_clean_plan *plan, ntp_clean_counts *counts, const ntp_rect *area)
+{
+    if (dst == NULL)
+        return NTP_ERR_ARGUMENT;
+    ntp_const_image target = ntp_image_as_const(dst);
+    NTP__TRY(ntp__check_normals(src));
+    NTP__TRY(ntp__check_normals(&target));
+    if (!ntp__same_size(&target, src))
+        return NTP_ERR_SHAPE;
+    if (target.type != src->type || target.encoding != src->encoding ||
+        target.channels != src->channels || target.y != src->y)
+        return NTP_ERR_FORMAT;
+    ntp_rect rect;
+    NTP__TRY(ntp__check_area(&rect, src, area));
+
+    job j = {
+        .dst = dst, .src = src, .m = ntp__max(src->type), .kernels = ntp__kernels(NTP__CPU_ALL)
+    };
+    NTP__TRY(check_options(&j.how, how));
+    j.encoding = src->encoding == NTP_VECTOR ? NTP_STANDARD : src->encoding;
+    if (plan != NULL && (plan->encoding != j.encoding || !same_options(&plan->how, &j.how)))
+        return NTP_ERR_ARGUMENT;
+
+    ntp_clean_counts local = { 0, 0 };
+    if (!clean_by_table(&j, plan, &rect, &local)) {
+        for (int32_t y = rect.y0; y < rect.y1; y++) {
+            for (int32_t x = rect.x0; x < rect.x1; x += NTP__BLOCK) {
+                int32_t n = rect.x1 - x < NTP__BLOCK ? rect.x1 - x : NTP__BLOCK;
+                clean_run(&j, x, y, n, &local);
+            }
+        }
+    }
+    if (counts != NULL) {
+        counts->changed += local.changed;
+        counts->not_finite += local.not_finite;
+    }
+    return NTP_OK;
+}

@@ -1,0 +1,334 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * convert.c - between encodings, depths and Y orientations
+ *
+ * Samples go over by value.  A texel that is `exact` gets its blue derived anew from its
+ * converted red and green, which keeps clean textures clean.  Blues are derived a block at a
+ * time by the kernels, for the source (is the texel exact?) and for the target.
+ */
+#include "internal.h"
+#include "kernels.h"
+#include "level.h"
+#include "vector.h"
+
+#include <math.h>
+#include <string.h>
+
+typedef struct job {
+    const ntp_image *dst;
+    const ntp_const_image *src;
+    ntp_convert_options how;
+    int32_t ms, md; /* M of source and target; floats count as 16 bit */
+    bool flip;
+    const ntp__kernels_table *kernels;
+} job;
+
+/* One texel on its way: its source samples, and the levels of the target. */
+typedef struct texel {
+    int32_t c[4];     /* source levels */
+    const float *raw; /* source samples of a float image, else NULL */
+    int32_t want;     /* derived blue of the source, -1: too long */
+    bool unused;
+} texel;
+
+static int32_t deepen(int32_t c, int32_t ms, int32_t md)
+{
+    return ms == md ? c : ms < md ? c * 257 : ntp__narrow(c);
+}
+
+/* floor(v M + 1/2), clamped; exact, see ntp__level_of_unit. */
+static int32_t level_of(double v, int32_t m)
+{
+    double c = v * m + 0.5;
+    return c > 0 ? c < m + 1 ? (int32_t) c : m : 0;
+}
+
+/* Channel k by value. */
+static int32_t by_value(const job *j, const texel *t, int32_t k)
+{
+    return t->raw != NULL ? level_of(t->raw[k], j->md) : deepen(t->c[k], j->ms, j->md);
+}
+
+/* Blue by value from one meaning of z to another; *negative: |z| was taken of z < 0. */
+static int32_t blue_by_value(const job *j, const texel *t, bool *negative)
+{
+    bool from_zzero = j->src->encoding == NTP_ZZERO, to_zzero = j->dst->encoding == NTP_ZZERO;
+    if (from_zzero == to_zzero)
+        return by_value(j, t, 2);
+    if (to_zzero) {
+        if (t->raw != NULL) {
+            double z = 2.0 * (double) t->raw[2] - 1.0;
+            *negative = z < 0;
+            return level_of(z < 0 ? -z : z, j->md);
+        }
+        int32_t z = ntp__num(t->c[2], j->ms);
+        *negative = z < 0;
+        return deepen(ntp__abs(z), j->ms, j->md);
+    }
+    if (t->raw != NULL) {
+        double mv = (double) t->raw[2] * j->md;
+        int32_t below = mv > 0 ? mv < j->md ? (int32_t) mv : j->md : 0;
+        return (j->md + 1 + below) / 2;
+    }
+    int32_t b = t->c[2];
+    if (j->ms == j->md)
+        return (b + j->md + 1) / 2;
+    /* Narrowing: floor((b/257 + 256)/2), taken over one denominator. */
+    return j->ms < j->md ? (257 * b + 65536) / 2 : (b + 65792) / 514;
+}
+
+/* Is the source's blue the one derived from its red and green, and is z negative? */
+static bool is_exact(const job *j, const texel *t, bool *negative)
+{
+    int32_t b = t->c[2];
+    *negative = j->src->encoding == NTP_STANDARD && ntp__z_negative(b, j->ms);
+    return t->want >= 0 && t->want == (*negative ? j->ms - b : b);
+}
+
+/* The target's levels of one texel from a biased source. */
+static void convert_texel(const job *j, const texel *t, int32_t out[4], ntp_convert_counts *counts)
+{
+    ntp_encoding to = j->dst->encoding;
+    bool zzero = to == NTP_ZZERO, negative = false;
+    for (int32_t k = 0; k < 4; k++)
+        out[k] = by_value(j, t, k);
+    if (t->unused)
+        return;
+    if (j->src->encoding == NTP_XY) {
+        if (to != NTP_XY) {
+            counts->pulled += ntp__rest(out[0], out[1], j->md) < 0;
+            out[2] = ntp__derive(&out[0], &out[1], j->md, zzero);
+        }
+    } else if (to == NTP_XY) {
+        out[2] = j->md;
+    } else if (is_exact(j, t, &negative)) {
+        out[2] = ntp__derive(&out[0], &out[1], j->md, zzero);
+        if (negative && !zzero)
+            out[2] = j->md - out[2];
+        counts->z_negative += negative && zzero;
+    } else {
+        out[2] = blue_by_value(j, t, &negative);
+        counts->z_negative += negative && zzero;
+    }
+    if (j->flip)
+        out[1] = j->md - out[1];
+}
+
+/* The target's levels of one float vector. */
+static void convert_vector(const job *j, const texel *t, int32_t out[4], ntp_convert_counts *counts)
+{
+    bool zzero = j->dst->encoding == NTP_ZZERO, negative = t->raw[2] < 0;
+    int32_t z;
+    ntp__vector_levels(out, &z, t->raw, j->md);
+    out[3] = j->src->channels == 4 ? level_of(t->raw[3], j->md) : j->md;
+    if (j->flip) {
+        float flipped[3] = { t->raw[0], -t->raw[1], t->raw[2] };
+        ntp__vector_levels(out, &z, flipped, j->md);
+    }
+    if (j->dst->encoding == NTP_XY) {
+        out[2] = j->md;
+        return;
+    }
+    counts->z_negative += negative && zzero;
+    if (j->how.blue == NTP_BLUE_NEAREST) {
+        out[2] = zzero ? z : out[2];
+        return;
+    }
+    counts->pulled += ntp__rest(out[0], out[1], j->md) < 0;
+    out[2] = ntp__derive(&out[0], &out[1], j->md, zzero);
+    if (negative && !zzero)
+        out[2] = j->md - out[2];
+}
+
+/* Levels to floats of a biased target; samples that went over by value stay as they were. */
+static void levels_to_floats(const job *j, const texel *t, const int32_t level[4], float out[4])
+{
+    for (int32_t k = 0; k < 4; k++) {
+        bool same = t->raw != NULL && j->src->encoding != NTP_VECTOR && k < j->src->channels &&
+                    level_of(t->raw[k], j->md) == level[k];
+        out[k] = same ? t->raw[k] : (float) ((double) level[k] / j->md);
+    }
+    if (t->raw == NULL && j->ms == 255 && t->unused) {
+        for (int32_t k = 0; k < 4; k++)
+            out[k] = (float) ((double) t->c[k] / 255.0);
+    }
+}
+
+static void biased_floats(const job *j, const texel *t, float out[4], ntp_convert_counts *counts)
+{
+    int32_t level[4];
+    bool flipped = j->flip && !t->unused;
+    if (j->src->encoding == NTP_VECTOR) {
+        convert_vector(j, t, level, counts);
+        levels_to_floats(j, t, level, out);
+        return;
+    }
+    convert_texel(j, t, level, counts);
+    if (flipped)
+        level[1] = j->md - level[1];
+    levels_to_floats(j, t, level, out);
+    if (flipped)
+        out[1] = (float) (1.0 - (double) out[1]);
+}
+
+/* Unbiased vectors: V/M, b/M, nearest float. */
+static void vector_floats(const job *j, const texel *t, float out[4], ntp_convert_counts *counts)
+{
+    const float *raw = t->raw;
+    ntp_encoding from = j->src->encoding;
+    if (from == NTP_VECTOR) {
+        memcpy(out, raw, 3 * sizeof *out);
+    } else if (raw != NULL) {
+        for (int32_t k = 0; k < 3; k++)
+            out[k] = k == 2 && from == NTP_ZZERO ? raw[k] : (float) (2.0 * (double) raw[k] - 1.0);
+    } else {
+        for (int32_t k = 0; k < 3; k++) {
+            int32_t v = k == 2 && from == NTP_ZZERO ? t->c[2] : ntp__num(t->c[k], j->ms);
+            out[k] = (float) ((double) v / j->ms);
+        }
+    }
+    if (from == NTP_XY) {
+        int32_t r = t->c[0], g = t->c[1];
+        if (ntp__rest(r, g, j->ms) < 0) {
+            ntp__pull(&r, &g, j->ms);
+            counts->pulled++;
+            out[0] = (float) ((double) ntp__num(r, j->ms) / j->ms);
+            out[1] = (float) ((double) ntp__num(g, j->ms) / j->ms);
+        }
+        out[2] = (float) (sqrt((double) ntp__rest(r, g, j->ms)) / j->ms);
+    }
+    out[3] = j->src->channels < 4 ? 1.0f
+             : raw != NULL        ? raw[3]
+                                  : (float) ((double) t->c[3] / j->ms);
+    if (j->flip && !t->unused)
+        out[1] = -out[1];
+}
+
+/* What a texel that is no vector at all becomes. */
+static void flat_levels(const job *j, int32_t out[4])
+{
+    bool height = j->dst->encoding == NTP_HEIGHT;
+    out[0] = out[1] = height ? 0 : (j->md + 1) / 2;
+    out[2] = height ? 0 : j->md;
+    out[3] = j->md;
+}
+
+static void store_floats(const job *j, const texel *t, bool broken, float *d,
+                         ntp_convert_counts *counts)
+{
+    float out[4];
+    bool vector = j->dst->encoding == NTP_VECTOR, height = j->dst->encoding == NTP_HEIGHT;
+    if (broken) {
+        out[0] = out[1] = vector || height ? 0.0f : 0.5f;
+        out[2] = height ? 0.0f : 1.0f;
+        out[3] = 1.0f;
+    } else if (height && t->raw != NULL) {
+        memcpy(out, t->raw, (size_t) j->src->channels * sizeof *out);
+    } else if (height) {
+        for (int32_t k = 0; k < 4; k++)
+            out[k] = (float) ((double) t->c[k] / j->ms);
+    } else if (vector) {
+        vector_floats(j, t, out, counts);
+    } else {
+        biased_floats(j, t, out, counts);
+    }
+    memcpy(d, out, (size_t) j->dst->channels * sizeof *d);
+}
+
+static void levels_of(const job *j, const texel *t, bool broken, int32_t out[4],
+                      ntp_convert_counts *counts)
+{
+    if (broken)
+        flat_levels(j, out);
+    else if (j->dst->encoding == NTP_HEIGHT)
+        for (int32_t k = 0; k < 4; k++)
+            out[k] = k < j->src->channels ? by_value(j, t, k) : j->md;
+    else if (j->src->encoding == NTP_VECTOR)
+        convert_vector(j, t, out, counts);
+    else
+        convert_texel(j, t, out, counts);
+}
+
+static void convert_run(const job *j, int32_t x, int32_t y, int32_t n, ntp_convert_counts *counts)
+{
+    ntp__block block;
+    int32_t want[NTP__BLOCK];
+    bool floats = j->src->type == NTP_F32, height = j->src->encoding == NTP_HEIGHT;
+    bool can_be_unused = !height && j->src->encoding != NTP_VECTOR;
+    ntp__unpack(&block, j->src, x, y, n);
+    j->kernels->derive(want, block.c[0], block.c[1], n, j->ms, j->src->encoding == NTP_ZZERO);
+    const char *s = ntp__at(j->src, x, y);
+    char *d = ntp__at_mut(j->dst, x, y);
+    for (int32_t i = 0; i < n; i++, s += j->src->pixel_stride, d += j->dst->pixel_stride) {
+        float raw[4] = { 0, 0, 1, 1 };
+        texel t = { .want = want[i] };
+        for (int32_t k = 0; k < 4; k++)
+            t.c[k] = block.c[k][i];
+        if (height && j->src->channels == 2)
+            t.c[1] = t.c[3];
+        if (floats) {
+            memcpy(raw, s, (size_t) j->src->channels * sizeof *raw);
+            t.raw = raw;
+        }
+        t.unused = can_be_unused &&
+                   ntp__unused(t.c[0], t.c[1], t.c[2], t.c[3], j->ms, j->how.touch_unused);
+        bool broken = block.any_broken && block.broken[i];
+        counts->not_finite += broken;
+        if (j->dst->type == NTP_F32) {
+            store_floats(j, &t, broken, (float *) (void *) d, counts);
+            continue;
+        }
+        int32_t out[4];
+        levels_of(j, &t, broken, out, counts);
+        for (int32_t k = 0; k < j->dst->channels; k++) {
+            if (j->dst->type == NTP_U8)
+                ((uint8_t *) d)[k] = (uint8_t) out[k];
+            else
+                ((uint16_t *) (void *) d)[k] = (uint16_t) out[k];
+        }
+    }
+}
+
+ntp_status ntp_convert(const ntp_image *dst, const ntp_const_image *src,
+                       const ntp_convert_options *how, ntp_convert_counts *counts,
+                       const ntp_rect *area)
+{
+    if (dst == NULL)
+        return NTP_ERR_ARGUMENT;
+    ntp_const_image target = ntp_image_as_const(dst);
+    NTP__TRY(ntp__check_view(src));
+    NTP__TRY(ntp__check_view(&target));
+    if (!ntp__same_size(&target, src))
+        return NTP_ERR_SHAPE;
+    if ((src->encoding == NTP_HEIGHT) != (dst->encoding == NTP_HEIGHT) ||
+        (src->encoding == NTP_HEIGHT && src->channels != dst->channels))
+        return NTP_ERR_FORMAT;
+    if (dst->data == src->data && dst->type != src->type)
+        return NTP_ERR_OVERLAP;
+    ntp_rect rect;
+    NTP__TRY(ntp__check_area(&rect, src, area));
+    job j = { .dst = dst,
+              .src = src,
+              .ms = ntp__max(src->type),
+              .md = ntp__max(dst->type),
+              .flip = src->y != dst->y && src->encoding != NTP_HEIGHT,
+              .kernels = ntp__kernels(NTP__CPU_ALL) };
+    if (how != NULL)
+        j.how = *how;
+    if ((int) j.how.blue < NTP_BLUE_DERIVED || (int) j.how.blue > NTP_BLUE_NEAREST ||
+        j.how.touch_unused > NTP_UNUSED_ALL)
+        return NTP_ERR_ARGUMENT;
+    ntp_convert_counts local = { 0, 0, 0 };
+    for (int32_t y = rect.y0; y < rect.y1; y++) {
+        for (int32_t x = rect.x0; x < rect.x1; x += NTP__BLOCK) {
+            int32_t n = rect.x1 - x < NTP__BLOCK ? rect.x1 - x : NTP__BLOCK;
+            convert_run(&j, x, y, n, &local);
+        }
+    }
+    if (counts != NULL) {
+        counts->z_negative += local.z_negative;
+        counts->not_finite += local.not_finite;
+        counts->pulled += local.pulled;
+    }
+    return NTP_OK;
+}

@@ -1,0 +1,21 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * dispatch.c - which instruction set's kernels run; no state, the processor is asked each time
+ */
+#include "kernels.h"
+
+extern const ntp__kernels_table ntp__kernels_base;
+#ifdef NTP_HAVE_AVX2
+extern const ntp__kernels_table ntp__kernels_avx2;
+#endif
+
+const ntp__kernels_table *ntp__kernels(int mask)
+{
+#ifdef NTP_HAVE_AVX2
+    if ((mask & NTP__CPU_AVX2) && __builtin_cpu_supports("avx2"))
+        return &ntp__kernels_avx2;
+#else
+    (void) mask;
+#endif
+    return &ntp__kernels_base;
+}

@@ -1,0 +1,138 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * inspect.c - the verdicts: on one texel in full, on many as a byte of flags each
+ */
+#include "internal.h"
+#include "kernels.h"
+#include "level.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Integer numerators over M of the vector that three levels stand for. */
+static void numerators(int64_t v[3], const int32_t c[3], int32_t m, ntp_encoding encoding)
+{
+    v[0] = ntp__num(c[0], m);
+    v[1] = ntp__num(c[1], m);
+    v[2] = encoding == NTP_ZZERO ? c[2] : ntp__num(c[2], m);
+}
+
+/* For XY-only: z derived, or 0 where x, y are too long. */
+static void implied_z(double *z, int64_t v[3], const int32_t c[3], int32_t m)
+{
+    int64_t s = ntp__rest(c[0], c[1], m);
+    *z = s < 0 ? 0.0 : sqrt((double) s) / m;
+    v[2] = s < 0 ? 0 : ntp__num(ntp__blue_of_rest(s, m, false), m);
+}
+
+static void describe(ntp_texel *t, const int32_t c[4], int32_t m, ntp_encoding encoding, bool keep)
+{
+    int32_t cleaned[3] = { c[0], c[1], c[2] };
+    ntp__clean(cleaned, m, encoding, NTP_DERIVE, keep);
+    for (int32_t k = 0; k < 4; k++) {
+        t->stored[k] = (uint32_t) c[k];
+        if (k < 3)
+            t->cleaned[k] = (uint32_t) cleaned[k];
+    }
+    t->max = (uint32_t) m;
+    t->flags = ntp__flags(c[0], c[1], c[2], m, encoding, keep);
+    if (ntp__unused(c[0], c[1], c[2], c[3], m, 0))
+        t->flags |= NTP_IS_UNUSED;
+
+    int64_t s = ntp__rest(c[0], c[1], m);
+    bool negative = encoding == NTP_STANDARD && ntp__z_negative(c[2], m);
+    t->levels_off = -1;
+    if (s >= 0) {
+        int32_t b = ntp__blue_of_rest(s, m, encoding == NTP_ZZERO);
+        t->levels_off = encoding == NTP_XY ? 0 : ntp__abs((negative ? m - c[2] : c[2]) - b);
+    }
+    int64_t v[3], w[3];
+    numerators(v, c, m, encoding);
+    numerators(w, cleaned, m, encoding);
+    t->x = (double) v[0] / m;
+    t->y = (double) v[1] / m;
+    t->z = (double) v[2] / m;
+    if (encoding == NTP_XY) {
+        double unused_z;
+        implied_z(&t->z, v, c, m);
+        implied_z(&unused_z, w, cleaned, m);
+    }
+    t->length = sqrt(t->x * t->x + t->y * t->y + t->z * t->z);
+    t->angle = ntp__angle(v[0], v[1], v[2], w[0], w[1], w[2]) / 1e6;
+}
+
+ntp_status ntp_inspect(ntp_texel *texel, const ntp_const_image *src, int32_t x, int32_t y,
+                       int32_t keep_negative_z)
+{
+    if (texel == NULL)
+        return NTP_ERR_ARGUMENT;
+    NTP__TRY(ntp__check_normals(src));
+    if (x < 0 || y < 0 || x >= src->width || y >= src->height)
+        return NTP_ERR_ARGUMENT;
+    ntp__block block;
+    ntp__unpack(&block, src, x, y, 1);
+    int32_t c[4] = { block.c[0][0], block.c[1][0], block.c[2][0], block.c[3][0] };
+    ntp_encoding encoding = src->encoding == NTP_VECTOR ? NTP_STANDARD : src->encoding;
+    memset(texel, 0, sizeof *texel);
+    describe(texel, c, ntp__max(src->type), encoding, keep_negative_z != 0);
+    if (block.any_broken) {
+        texel->flags &= ~(uint32_t) (NTP_PASS_NEIGHBOR | NTP_PASS_ROUNDED | NTP_PASS_EXACT);
+        texel->flags |= NTP_NOT_FINITE;
+    }
+    return NTP_OK;
+}
+
+static void flag_run(uint8_t *flags, const ntp__block *block, int32_t n, int32_t m,
+                     ntp_encoding encoding, bool keep)
+{
+    int32_t want[NTP__BLOCK];
+    const ntp__kernels_table *kernels = ntp__kernels(NTP__CPU_ALL);
+    kernels->judge(flags, want, block->c[0], block->c[1], block->c[2], n, m, encoding == NTP_ZZERO);
+    for (int32_t i = 0; i < n; i++) {
+        uint32_t f = flags[i];
+        if (encoding == NTP_XY) {
+            f &= NTP_XY_TOO_LONG;
+            f |= f ? 0 : NTP_PASS_NEIGHBOR | NTP_PASS_ROUNDED | NTP_PASS_EXACT;
+        }
+        if (keep && encoding == NTP_STANDARD && (f & NTP__EXACT_MIRRORED) && (f & NTP_Z_NEGATIVE))
+            f |= NTP_PASS_EXACT;
+        f &= ~(uint32_t) NTP__EXACT_MIRRORED;
+        if (ntp__unused(block->c[0][i], block->c[1][i], block->c[2][i], block->c[3][i], m, 0))
+            f |= NTP_IS_UNUSED;
+        if (block->any_broken && block->broken[i]) {
+            f &= ~(uint32_t) (NTP_PASS_NEIGHBOR | NTP_PASS_ROUNDED | NTP_PASS_EXACT);
+            f |= NTP_NOT_FINITE;
+        }
+        flags[i] = (uint8_t) f;
+    }
+}
+
+ntp_status ntp_validate(const ntp_image *mask, const ntp_const_image *src, int32_t keep_negative_z,
+                        const ntp_rect *area)
+{
+    if (mask == NULL)
+        return NTP_ERR_ARGUMENT;
+    ntp_const_image target = ntp_image_as_const(mask);
+    NTP__TRY(ntp__check_normals(src));
+    NTP__TRY(ntp__check_view(&target));
+    if (mask->type != NTP_U8)
+        return NTP_ERR_FORMAT;
+    if (!ntp__same_size(&target, src))
+        return NTP_ERR_SHAPE;
+    ntp_rect rect;
+    NTP__TRY(ntp__check_area(&rect, src, area));
+    ntp_encoding encoding = src->encoding == NTP_VECTOR ? NTP_STANDARD : src->encoding;
+    for (int32_t y = rect.y0; y < rect.y1; y++) {
+        for (int32_t x = rect.x0; x < rect.x1; x += NTP__BLOCK) {
+            int32_t n = rect.x1 - x < NTP__BLOCK ? rect.x1 - x : NTP__BLOCK;
+            ntp__block block;
+            uint8_t flags[NTP__BLOCK];
+            ntp__unpack(&block, src, x, y, n);
+            flag_run(flags, &block, n, ntp__max(src->type), encoding, keep_negative_z != 0);
+            uint8_t *d = ntp__at_mut(mask, x, y);
+            for (int32_t i = 0; i < n; i++)
+                d[i * mask->pixel_stride] = flags[i];
+        }
+    }
+    return NTP_OK;
+}

@@ -1,0 +1,101 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * internal.h - what the files of the core share: view checks, row addressing, blocks of texels
+ *
+ * Every operation has one shape: check all arguments, then for each row of the area and each
+ * block of at most NTP__BLOCK texels: unpack to planar levels, work, pack.  Types, strides and
+ * channel counts are known only to unpack and pack.
+ */
+#ifndef NTP_INTERNAL_H
+#define NTP_INTERNAL_H
+
+#include "libntp.h"
+
+#include <stdbool.h>
+
+enum {
+    NTP__BLOCK = 256 /* texels; a block is 4 KiB of levels, which stays in the first cache */
+};
+
+/* Planar levels of a run of texels.  Floats are rounded to 16-bit levels. */
+typedef struct ntp__block {
+    int32_t c[4][NTP__BLOCK]; /* an absent blue or alpha is M; gray fills r, g and b */
+    uint8_t
+        broken[NTP__BLOCK]; /* 1: not finite, or a float vector of length 0; set when any_broken */
+    bool any_broken;
+} ntp__block;
+
+#define NTP__TRY(expr)                                                                             \
+    do {                                                                                           \
+        ntp_status ntp__status_ = (expr);                                                          \
+        if (ntp__status_ != NTP_OK)                                                                \
+            return ntp__status_;                                                                   \
+    } while (0)
+
+/* M of a type: floats are judged at 16 bit. */
+static inline int32_t ntp__max(ntp_type type)
+{
+    return type == NTP_U8 ? 255 : 65535;
+}
+
+static inline ptrdiff_t ntp__sample_size(ntp_type type)
+{
+    return type == NTP_U8 ? 1 : type == NTP_U16 ? 2 : 4;
+}
+
+static inline int32_t ntp__ring_row(int32_t ring_rows, int32_t y)
+{
+    return ring_rows > 0 ? y % ring_rows : y;
+}
+
+static inline const void *ntp__at(const ntp_const_image *v, int32_t x, int32_t y)
+{
+    return (const char *) v->data + (ptrdiff_t) ntp__ring_row(v->ring_rows, y) * v->row_stride +
+           (ptrdiff_t) x * v->pixel_stride;
+}
+
+static inline void *ntp__at_mut(const ntp_image *v, int32_t x, int32_t y)
+{
+    return (char *) v->data + (ptrdiff_t) ntp__ring_row(v->ring_rows, y) * v->row_stride +
+           (ptrdiff_t) x * v->pixel_stride;
+}
+
+/* A well-formed view whose encoding, type and channels go together. */
+ntp_status ntp__check_view(const ntp_const_image *view);
+/* The same, and an encoding of normals. */
+ntp_status ntp__check_normals(const ntp_const_image *view);
+/* A U8 picture of min_channels to max_channels. */
+ntp_status ntp__check_picture(const ntp_const_image *view, int32_t min_channels,
+                              int32_t max_channels);
+/* Resolves area (NULL: all of view) and checks that it lies inside. */
+ntp_status ntp__check_area(ntp_rect *rect, const ntp_const_image *view, const ntp_rect *area);
+
+static inline bool ntp__same_size(const ntp_const_image *a, const ntp_const_image *b)
+{
+    return a->width == b->width && a->height == b->height;
+}
+
+/* Samples lie side by side without gaps between pixels. */
+static inline bool ntp__is_packed(const ntp_const_image *v)
+{
+    return v->pixel_stride == (ptrdiff_t) v->channels * ntp__sample_size(v->type);
+}
+
+/* Reads n <= NTP__BLOCK texels of row y from column x on. */
+void ntp__unpack(ntp__block *block, const ntp_const_image *view, int32_t x, int32_t y, int32_t n);
+
+/* Writes the first `channels` planes as integer samples (NTP_U8, NTP_U16). */
+void ntp__pack(const ntp_image *view, const ntp__block *block, int32_t x, int32_t y, int32_t n,
+               int32_t channels);
+
+/* A float sample as a 16-bit level: round half up, clamped; exact for every float. */
+int32_t ntp__level_of_unit(float v);
+int32_t ntp__level_of_component(float v);
+
+/*
+ * The angle between two vectors of integers in micro-degrees, from cross and dot product by an
+ * arc tangent of our own (libm's differ between systems).  |components| <= 2^17, neither zero.
+ */
+uint32_t ntp__angle(int64_t x1, int64_t y1, int64_t z1, int64_t x2, int64_t y2, int64_t z2);
+
+#endif

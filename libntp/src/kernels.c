@@ -1,0 +1,224 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * kernels.c - compiled once for each instruction set with -DNTP_ISA=...; see kernels.h
+ *
+ * With a = r - K, K = (M + 1)/2, the odd numerator is X = 2a + 1 and X*X = 4a(a + 1) + 1; with
+ * k = (|X| + 1)/2 also X*X = 4k(k - 1) + 1.  Working with a(a + 1) and k keeps all sums of
+ * three squares, and of their neighbors k - 1 and k + 1, within 32 bits at M = 65535.
+ */
+#include "kernels.h"
+
+#include "libntp.h"
+
+#include <math.h>
+#include <string.h>
+
+#define CONCAT_(a, b) a##b
+#define CONCAT(a, b)  CONCAT_(a, b)
+
+static inline uint32_t load32le(const uint8_t *p)
+{
+    return (uint32_t) p[0] | (uint32_t) p[1] << 8 | (uint32_t) p[2] << 16 | (uint32_t) p[3] << 24;
+}
+
+static inline void store32le(uint8_t *p, uint32_t v)
+{
+    p[0] = (uint8_t) v;
+    p[1] = (uint8_t) (v >> 8);
+    p[2] = (uint8_t) (v >> 16);
+    p[3] = (uint8_t) (v >> 24);
+}
+
+static inline void store64le(uint8_t *p, uint64_t v)
+{
+    store32le(p, (uint32_t) v);
+    store32le(p + 4, (uint32_t) (v >> 32));
+}
+
+enum { RGB = 0xffffff };
+
+static inline uint32_t clean_one(uint32_t v, const uint32_t *table, uint32_t kept, uint32_t touch)
+{
+    uint32_t color = v & RGB;
+    if ((color == 0 && !(touch & NTP_UNUSED_BLACK)) ||
+        (color == RGB && !(touch & NTP_UNUSED_WHITE)))
+        return v;
+    return (table[v & 0xffff] & RGB & ~kept) | (v & kept);
+}
+
+static uint64_t clean_rgb8(uint8_t *dst, const uint8_t *src, size_t n, const uint32_t *table,
+                           uint32_t kept, uint32_t touch_unused)
+{
+    uint64_t changed = 0;
+    uint32_t fresh = RGB & ~kept;
+    size_t i = 0;
+    /* Four pixels a step: three loads, then two stores that no later load overlaps. */
+    for (; i + 4 <= n; i += 4, src += 12, dst += 12) {
+        uint32_t w0 = load32le(src), w1 = load32le(src + 4), w2 = load32le(src + 8);
+        uint32_t v0 = w0 & RGB, v1 = w0 >> 24 | (w1 & 0xffff) << 8;
+        uint32_t v2 = w1 >> 16 | (w2 & 0xff) << 16, v3 = w2 >> 8;
+        uint32_t t0 = table[v0 & 0xffff], t1 = table[v1 & 0xffff];
+        uint32_t t2 = table[v2 & 0xffff], t3 = table[v3 & 0xffff];
+        if ((t0 | t1 | t2 | t3) >> 24) {
+            t0 = clean_one(v0, table, kept, touch_unused);
+            t1 = clean_one(v1, table, kept, touch_unused);
+            t2 = clean_one(v2, table, kept, touch_unused);
+            t3 = clean_one(v3, table, kept, touch_unused);
+        } else {
+            t0 = (t0 & fresh) | (v0 & kept);
+            t1 = (t1 & fresh) | (v1 & kept);
+            t2 = (t2 & fresh) | (v2 & kept);
+            t3 = (t3 & fresh) | (v3 & kept);
+        }
+        changed += (uint64_t) (t0 != v0) + (t1 != v1) + (t2 != v2) + (t3 != v3);
+        store64le(dst, (uint64_t) t0 | (uint64_t) t1 << 24 | (uint64_t) t2 << 48);
+        store32le(dst + 8, t2 >> 16 | t3 << 8);
+    }
+    for (; i < n; i++, src += 3, dst += 3) {
+        uint32_t v = (uint32_t) src[0] | (uint32_t) src[1] << 8 | (uint32_t) src[2] << 16;
+        uint32_t t = clean_one(v, table, kept, touch_unused);
+        changed += t != v;
+        dst[0] = (uint8_t) t;
+        dst[1] = (uint8_t) (t >> 8);
+        dst[2] = (uint8_t) (t >> 16);
+    }
+    return changed;
+}
+
+static uint64_t clean_rgba8(uint8_t *dst, const uint8_t *src, size_t n, const uint32_t *table,
+                            uint32_t kept, uint32_t touch_unused)
+{
+    uint64_t changed = 0;
+    uint32_t transparent = touch_unused & NTP_UNUSED_TRANSPARENT ? 0 : 1;
+    for (size_t i = 0; i < n; i++, src += 4, dst += 4) {
+        uint32_t v = load32le(src), t = table[v & 0xffff];
+        if (v >> 24 < transparent)
+            t = v;
+        else if (t >> 24)
+            t = clean_one(v, table, kept, touch_unused) | (v & ~(uint32_t) RGB);
+        else
+            t = (t & RGB & ~kept) | (v & (kept | ~(uint32_t) RGB));
+        changed += t != v;
+        store32le(dst, t);
+    }
+    return changed;
+}
+
+/* floor(sqrt(e)) for 0 <= e < 2^30: the float root is right or one too great (shown for every e
+ * by tests/unit/test_kernels.c). */
+static inline int32_t root30(int32_t e)
+{
+    int32_t t = (int32_t) sqrtf((float) e);
+    return t - (t * t > e);
+}
+
+/* The derived blue for S = 4e + 3, e >= 0.  Standard: K + floor(sqrt(e)).  Z-zero: the rounding
+ * of sqrt(4e + 3), which lies in 2t..2t+2; with d = e - t*t it passes 2t + 1/2 where
+ * 2d + 1 >= t, and 2t + 3/2 where 2d >= 3t. */
+static inline int32_t blue(int32_t e, int32_t k, int32_t zzero)
+{
+    int32_t t = root30(e), d = e - t * t;
+    int32_t z = 2 * t + (2 * d + 1 >= t) + (2 * d >= 3 * t);
+    return zzero ? z : k + t;
+}
+
+static inline void derive_loop(int32_t *restrict want, const int32_t *restrict r,
+                               const int32_t *restrict g, int32_t n, int32_t m, int32_t zzero)
+{
+    int32_t k = (m + 1) / 2;
+    int32_t e0 = (int32_t) (((int64_t) m * m - 5) / 4);
+    for (int32_t i = 0; i < n; i++) {
+        int32_t a = r[i] - k, c = g[i] - k;
+        int32_t e = e0 - a * (a + 1) - c * (c + 1);
+        int32_t b = blue(e < 0 ? 0 : e, k, zzero);
+        want[i] = e < 0 ? -1 : b;
+    }
+}
+
+static void derive(int32_t *want, const int32_t *r, const int32_t *g, int32_t n, int32_t m,
+                   int32_t zzero)
+{
+    if (zzero)
+        derive_loop(want, r, g, n, m, 1);
+    else
+        derive_loop(want, r, g, n, m, 0);
+}
+
+/* k = (|X| + 1)/2 for a = r - K. */
+static inline int32_t half_up(int32_t a)
+{
+    return a >= 0 ? a + 1 : -a;
+}
+
+/*
+ * Standard.  With A = k(k - 1) the squares are 4A + 1, and one level further in or out
+ * 4(A - 2(k - 1)) + 1 and 4(A + 2k) + 1; half a level: 4(k - 1)^2 = 4(A - (k - 1)) and
+ * 4k^2 = 4(A + k).  M*M = 4 A_M + 1.
+ */
+static void judge_standard(uint8_t *restrict flags, int32_t *restrict want,
+                           const int32_t *restrict r, const int32_t *restrict g,
+                           const int32_t *restrict b, int32_t n, int32_t m)
+{
+    int32_t k0 = (m + 1) / 2;
+    uint32_t am = (uint32_t) k0 * (uint32_t) (k0 - 1);
+    int32_t e0 = (int32_t) (((int64_t) m * m - 5) / 4);
+    for (int32_t i = 0; i < n; i++) {
+        int32_t x = r[i] - k0, y = g[i] - k0, z = b[i] - k0;
+        uint32_t ks = (uint32_t) (half_up(x) + half_up(y) + half_up(z));
+        int32_t xy = x * (x + 1) + y * (y + 1);
+        uint32_t a = (uint32_t) xy + (uint32_t) (z * (z + 1));
+        int32_t e = e0 - xy;
+        int32_t t = blue(e < 0 ? 0 : e, k0, 0);
+        /* 4(a - 2(ks - 3)) + 3 <= 4 am + 1 <= 4(a + 2 ks) + 3 */
+        uint32_t neighbor = (a + 6 < am + 2 * ks) & (a + 2 * ks >= am);
+        /* 4(a - ks + 3) <= 4 am + 1 <= 4(a + ks) */
+        uint32_t rounded = (a + 3 <= am + ks) & (a + ks > am);
+        uint32_t in = e >= 0;
+        flags[i] = (uint8_t) (neighbor * NTP_PASS_NEIGHBOR | rounded * NTP_PASS_ROUNDED |
+                              (in & (b[i] == t)) * NTP_PASS_EXACT |
+                              (in & (m - b[i] == t)) * NTP__EXACT_MIRRORED |
+                              (in ^ 1) * NTP_XY_TOO_LONG | (uint32_t) (z < 0) * NTP_Z_NEGATIVE);
+        want[i] = e < 0 ? -1 : t;
+    }
+}
+
+/* Z-zero.  What the square of blue is compared with is 4e + 3 with e from x and y alone, or, half
+ * a level in or out, 4q + 1; both fit 32 bits unsigned where they are not negative. */
+static void judge_zzero(uint8_t *restrict flags, int32_t *restrict want, const int32_t *restrict r,
+                        const int32_t *restrict g, const int32_t *restrict b, int32_t n, int32_t m)
+{
+    int32_t k0 = (m + 1) / 2;
+    int32_t e0 = (int32_t) (((int64_t) m * m - 5) / 4), q0 = e0 + 1;
+    for (int32_t i = 0; i < n; i++) {
+        int32_t x = r[i] - k0, y = g[i] - k0;
+        int32_t ks = half_up(x) + half_up(y);
+        int32_t e = e0 - x * (x + 1) - y * (y + 1);
+        uint32_t u = (uint32_t) b[i], below = u > 0 ? u - 1 : 0;
+        int32_t e_in = e + 2 * (ks - 2), e_out = e - 2 * ks;
+        uint32_t neighbor = (e_in >= 0) & (below * below <= 4 * (uint32_t) e_in + 3);
+        neighbor &= (e_out < 0) | (u * (u + 2) >= 4 * (uint32_t) e_out + 2);
+        /* q = (M*M - 1)/4 - sum of k*k (out) or of (k - 1)^2 (in) */
+        int32_t q_in = e - e0 + q0 + (ks - 2), q_out = e - e0 + q0 - ks;
+        uint32_t rounded = (q_in >= 0) & (u * below <= 4 * (uint32_t) q_in);
+        rounded &= (q_out < 0) | (u * (u + 1) >= 4 * (uint32_t) q_out + 1);
+        int32_t t = blue(e < 0 ? 0 : e, k0, 1);
+        uint32_t in = e >= 0;
+        flags[i] = (uint8_t) (neighbor * NTP_PASS_NEIGHBOR | rounded * NTP_PASS_ROUNDED |
+                              (in & (b[i] == t)) * NTP_PASS_EXACT | (in ^ 1) * NTP_XY_TOO_LONG);
+        want[i] = e < 0 ? -1 : t;
+    }
+}
+
+static void judge(uint8_t *flags, int32_t *want, const int32_t *r, const int32_t *g,
+                  const int32_t *b, int32_t n, int32_t m, int32_t zzero)
+{
+    if (zzero)
+        judge_zzero(flags, want, r, g, b, n, m);
+    else
+        judge_standard(flags, want, r, g, b, n, m);
+}
+
+extern const ntp__kernels_table CONCAT(ntp__kernels_, NTP_ISA);
+const ntp__kernels_table CONCAT(ntp__kernels_, NTP_ISA) = {
+    NTP_ISA_NAME, clean_rgb8, clean_rgba8, derive, judge,
+};

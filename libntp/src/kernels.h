@@ -1,0 +1,52 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * kernels.h - the loops that are compiled once for each instruction set
+ *
+ * kernels.c is plain C; the compiler vectorises it.  Every level gives the same bytes: the
+ * arithmetic is in 32-bit integers, and the one float square root is corrected to the exact
+ * integer root.
+ *
+ * Preconditions of all kernels: 0 <= n; planes hold levels 0..m, m is 255 or 65535; pointers
+ * do not alias except where a comment allows it.
+ */
+#ifndef NTP_KERNELS_H
+#define NTP_KERNELS_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+/* Set in the flags of judge beside those of ntp_validate: blue is M - derived blue. */
+enum { NTP__EXACT_MIRRORED = 128 };
+
+/*
+ * Cleans packed 8-bit pixels by a table of 65,536 entries indexed by r | g << 8, each holding
+ * r' | g' << 8 | b' << 16 and a flag above: nonzero where the pair can be an unused texel.
+ * `kept` masks the bits of a pixel that stay (blue of XY images, alpha).  dst may be src.
+ * Returns the number of pixels that changed.
+ */
+typedef uint64_t ntp__clean8_fn(uint8_t *dst, const uint8_t *src, size_t n, const uint32_t *table,
+                                uint32_t kept, uint32_t touch_unused);
+
+/* want[i] = the blue derived from r, g; -1 where they are too long. */
+typedef void ntp__derive_fn(int32_t *want, const int32_t *r, const int32_t *g, int32_t n, int32_t m,
+                            int32_t zzero);
+
+/* flags[i] = as ntp_validate with an exact that is not mirrored, and NTP__EXACT_MIRRORED; want as
+ * above. */
+typedef void ntp__judge_fn(uint8_t *flags, int32_t *want, const int32_t *r, const int32_t *g,
+                           const int32_t *b, int32_t n, int32_t m, int32_t zzero);
+
+typedef struct ntp__kernels_table {
+    const char *name;
+    ntp__clean8_fn *clean_rgb8;
+    ntp__clean8_fn *clean_rgba8;
+    ntp__derive_fn *derive;
+    ntp__judge_fn *judge;
+} ntp__kernels_table;
+
+enum { NTP__CPU_AVX2 = 1, NTP__CPU_ALL = -1 };
+
+/* The best level that the processor and the mask allow; the mask is for tests. */
+const ntp__kernels_table *ntp__kernels(int mask);
+
+#endif

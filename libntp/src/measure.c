@@ -1,0 +1,395 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * measure.c - one pass over the texels, into a tally; see tally.h for the idea
+ */
+#include "tally.h"
+
+#include "kernels.h"
+#include "level.h"
+
+#include <string.h>
+
+size_t ntp_tally_size(void)
+{
+    return sizeof(ntp_tally);
+}
+
+enum {
+    /* The packed pair counters hold a sum of blues below 2^32. */
+    FLUSH_AFTER = 1 << 24,
+    /* Rows y with y % 8 == 3 are searched for steps between columns. */
+    STEP_ROW = 3
+};
+
+void ntp__flush_pairs(ntp_tally *t)
+{
+    if (t->since_flush == 0)
+        return;
+    for (int32_t i = 0; i < 65536; i++) {
+        if (t->pair[i] == 0)
+            continue;
+        t->pair_texels[i] += t->pair[i] & 0xffffffffu;
+        t->pair_blue[i] += t->pair[i] >> 32;
+        t->pair[i] = 0;
+    }
+    t->since_flush = 0;
+}
+
+/* Numbers the rows: X = 2k + 1 for k = r - 128 or 127 - r, and X*X + Y*Y = 8(T(k1) + T(k2)) + 2
+ * with the triangular numbers T(k) = k(k + 1)/2; inside the disc the sum is at most 8127. */
+void ntp__rows_prepare(ntp_tally *t)
+{
+    enum { INSIDE = 8128 };
+    uint16_t row_of_sum[INSIDE];
+    uint8_t seen[INSIDE];
+    if (t->rows_ready)
+        return;
+    memset(seen, 0, sizeof seen);
+    for (int32_t k1 = 0; k1 < 128; k1++) {
+        for (int32_t k2 = 0; k2 <= k1; k2++) {
+            int32_t sum = (k1 * (k1 + 1) + k2 * (k2 + 1)) / 2;
+            if (sum < INSIDE)
+                seen[sum] = 1;
+        }
+    }
+    uint16_t rows = 0;
+    for (int32_t s = 0; s < INSIDE; s++) {
+        row_of_sum[s] = rows;
+        rows = (uint16_t) (rows + seen[s]);
+    }
+    for (int32_t k1 = 0; k1 < 128; k1++) {
+        for (int32_t k2 = 0; k2 <= k1; k2++) {
+            int32_t sum = (k1 * (k1 + 1) + k2 * (k2 + 1)) / 2;
+            uint16_t row = sum < INSIDE ? row_of_sum[sum] : rows++;
+            t->row_pair[row] = (uint16_t) ((128 + k1) | (128 + k2) << 8);
+            for (int32_t i = 0; i < 8; i++) {
+                int32_t a = i & 1 ? k2 : k1, b = i & 1 ? k1 : k2;
+                int32_t r = i & 2 ? 127 - a : 128 + a, g = i & 4 ? 127 - b : 128 + b;
+                t->row_of[r | g << 8] = row;
+            }
+        }
+    }
+    for (int32_t i = 0; i < 4; i++) {
+        t->row_pair[rows] = 128 | 128 << 8;
+        t->row_of[(127 + (i & 1)) | (127 + (i >> 1)) << 8] = rows++;
+    }
+    t->rows_ready = 1;
+}
+
+/* A run of equal unused colors, so that a transparent background is judged once. */
+typedef struct unused_run {
+    int32_t c[3];
+    uint32_t count;
+} unused_run;
+
+static void end_run(ntp_tally *t, unused_run *run, int32_t m)
+{
+    if (run->count == 0)
+        return;
+    ntp__row row;
+    const int32_t *c = run->c;
+    ntp_encoding as = ntp__judged_as((ntp_encoding) t->encoding);
+    bool narrow = c[0] % 257 == 0 && c[1] % 257 == 0 && c[2] % 257 == 0;
+    if (m == 255 || narrow) {
+        int32_t by = m == 255 ? 1 : 257;
+        ntp__row_init(&row, c[0] / by, c[1] / by, 255);
+        ntp__add(&t->transparent_narrow, &row, c[2] / by, run->count, as);
+    }
+    if (m != 255) {
+        t->is_wide |= !narrow;
+        ntp__row_init(&row, c[0], c[1], m);
+        ntp__add(&t->transparent_wide, &row, c[2], run->count, as);
+    }
+    run->count = 0;
+}
+
+static void add_levels(ntp__channel_sums *sums, uint32_t level)
+{
+    sums->sum += level;
+    if (level > sums->max)
+        sums->max = level;
+    if (~level > sums->inverted_min)
+        sums->inverted_min = ~level;
+}
+
+static void add_color(ntp_tally *t, int32_t r, int32_t g, int32_t b)
+{
+    add_levels(&t->channel[0], (uint32_t) r);
+    add_levels(&t->channel[1], (uint32_t) g);
+    add_levels(&t->channel[2], (uint32_t) b);
+}
+
+static void add_transparent(ntp_tally *t, unused_run *run, int32_t r, int32_t g, int32_t b,
+                            int32_t m)
+{
+    t->transparent++;
+    if (run->count > 0 && (run->c[0] != r || run->c[1] != g || run->c[2] != b))
+        end_run(t, run, m);
+    run->c[0] = r;
+    run->c[1] = g;
+    run->c[2] = b;
+    run->count++;
+}
+
+/* Counts a gray texel that is black or white and unused; false: it is used. */
+static inline bool count_black_white(ntp_tally *t, int32_t v, int32_t m)
+{
+    t->gray++;
+    if (v == 0 && !(t->touched & NTP_UNUSED_BLACK)) {
+        t->black++;
+        return true;
+    }
+    if (v == m && !(t->touched & NTP_UNUSED_WHITE)) {
+        t->white++;
+        return true;
+    }
+    return false;
+}
+
+static inline void count_cell(ntp_tally *t, uint32_t r, uint32_t g, uint32_t b)
+{
+    uint32_t pair = r | g << 8;
+    t->pair[pair] += 1 | (uint64_t) b << 32;
+    t->cell[t->row_of[pair]][b]++;
+}
+
+/* X*X + Y*Y <= M*M at 8 bit. */
+static inline bool in_disc8(int32_t a, int32_t b)
+{
+    return ntp__rest(a, b, 255) >= 0;
+}
+
+static void count_rgb8(ntp_tally *t, const uint8_t *p, int32_t n)
+{
+    uint64_t used = 0;
+    for (int32_t i = 0; i < n; i++, p += 3) {
+        uint32_t r = p[0], g = p[1], b = p[2];
+        if ((r == g) & (g == b) && count_black_white(t, (int32_t) b, 255))
+            continue;
+        count_cell(t, r, g, b);
+        used++;
+    }
+    t->narrow += used;
+}
+
+static void count_rgba8(ntp_tally *t, const uint8_t *p, int32_t n)
+{
+    uint64_t used = 0, ag = 0;
+    unused_run run = { { 0, 0, 0 }, 0 };
+    uint32_t visible = t->touched & NTP_UNUSED_TRANSPARENT ? 0 : 1;
+    for (int32_t i = 0; i < n; i++, p += 4) {
+        uint32_t r = p[0], g = p[1], b = p[2], a = p[3];
+        t->alpha[a]++;
+        if ((r == g) & (g == b) && count_black_white(t, (int32_t) b, 255))
+            continue;
+        if (a < visible) {
+            add_color(t, (int32_t) r, (int32_t) g, (int32_t) b);
+            add_transparent(t, &run, (int32_t) r, (int32_t) g, (int32_t) b, 255);
+            continue;
+        }
+        ag += a == 255 ? 0 : in_disc8((int32_t) a, (int32_t) g);
+        count_cell(t, r, g, b);
+        used++;
+    }
+    end_run(t, &run, 255);
+    t->narrow += used;
+    t->ag_in_disc += ag;
+}
+
+/* High and low byte are equal. */
+static inline bool is_narrow(int32_t level)
+{
+    return (level >> 8) == (level & 255);
+}
+
+static void add_alpha(ntp_tally *t, int32_t a, int32_t m)
+{
+    t->alpha[m == 255 ? a : ntp__narrow(a)]++;
+    if (m == 255)
+        return;
+    add_levels(&t->alpha_levels, (uint32_t) a);
+    t->wide_alpha_ends[0] += a == 0;
+    t->wide_alpha_ends[1] += a == m;
+}
+
+static void note_color(ntp_tally *t, int32_t r, int32_t g, int32_t b)
+{
+    if (t->colors == 0) {
+        t->color[0] = (uint32_t) r;
+        t->color[1] = (uint32_t) g;
+        t->color[2] = (uint32_t) b;
+        t->colors = 1;
+    } else if (t->colors == 1 && (t->color[0] != (uint32_t) r || t->color[1] != (uint32_t) g ||
+                                  t->color[2] != (uint32_t) b)) {
+        t->colors = 2;
+    }
+}
+
+static void note_flat(ntp_tally *t, int32_t r, int32_t g, int32_t b)
+{
+    if (r < 32767 || r > 32768 || g < 32767 || g > 32768)
+        return;
+    t->wide_flat++;
+    t->wide_flat_seen[((r - 32767) | (g - 32767) << 1) * 8192 + (b >> 3)] |=
+        (uint8_t) (1 << (b & 7));
+}
+
+/* A used 16-bit texel that is not 8-bit content. */
+static void count_wide(ntp_tally *t, int32_t r, int32_t g, int32_t b)
+{
+    ntp__row row;
+    t->is_wide = 1;
+    note_flat(t, r, g, b);
+    int32_t pair = ntp__narrow(r) | ntp__narrow(g) << 8;
+    t->pair[pair] += 1 | (uint64_t) ntp__narrow(b) << 32;
+    ntp__row_init(&row, r, g, 65535);
+    ntp__add(&t->wide, &row, b, 1, ntp__judged_as((ntp_encoding) t->encoding));
+}
+
+static void count_block(ntp_tally *t, const ntp__block *block, int32_t n, int32_t m)
+{
+    unused_run run = { { 0, 0, 0 }, 0 };
+    bool alpha = t->channels == 4;
+    for (int32_t i = 0; i < n; i++) {
+        int32_t r = block->c[0][i], g = block->c[1][i], b = block->c[2][i], a = block->c[3][i];
+        if (alpha) {
+            add_alpha(t, a, m);
+            t->is_wide |= m != 255 && !is_narrow(a);
+        }
+        if (block->any_broken && block->broken[i]) {
+            t->not_finite++;
+            continue;
+        }
+        if (m != 255)
+            add_color(t, r, g, b);
+        if (r == g && g == b && count_black_white(t, b, m))
+            continue;
+        if (a == 0 && !(t->touched & NTP_UNUSED_TRANSPARENT)) {
+            if (m == 255)
+                add_color(t, r, g, b);
+            add_transparent(t, &run, r, g, b, m);
+            continue;
+        }
+        if (m != 255)
+            note_color(t, r, g, b);
+        if (alpha && a != m) {
+            int32_t a8 = m == 255 ? a : ntp__narrow(a), g8 = m == 255 ? g : ntp__narrow(g);
+            t->ag_in_disc += in_disc8(a8, g8);
+        }
+        if (m == 255) {
+            count_cell(t, (uint32_t) r, (uint32_t) g, (uint32_t) b);
+            t->narrow++;
+        } else if (is_narrow(r) && is_narrow(g) && is_narrow(b)) {
+            count_cell(t, (uint32_t) r & 255, (uint32_t) g & 255, (uint32_t) b & 255);
+            t->narrow++;
+        } else {
+            count_wide(t, r, g, b);
+        }
+    }
+    end_run(t, &run, m);
+}
+
+/* Pictures and heights: channels are described, nothing is judged. */
+static void count_picture(ntp_tally *t, const ntp__block *block, int32_t n, int32_t m)
+{
+    bool alpha = t->channels == 2 || t->channels == 4;
+    for (int32_t i = 0; i < n; i++) {
+        int32_t r = block->c[0][i], g = block->c[1][i], b = block->c[2][i], a = block->c[3][i];
+        if (alpha) {
+            add_alpha(t, a, m);
+            t->is_wide |= m != 255 && !is_narrow(a);
+            int32_t a8 = m == 255 ? a : ntp__narrow(a), g8 = m == 255 ? g : ntp__narrow(g);
+            t->ag_in_disc += a != m && in_disc8(a8, g8);
+        }
+        bool broken = block->any_broken && block->broken[i];
+        t->not_finite += broken;
+        t->gray += r == g && g == b;
+        t->is_wide |= m != 255 && !(is_narrow(r) && is_narrow(g) && is_narrow(b));
+        add_color(t, r, g, b);
+        note_color(t, r, g, b);
+        int32_t pair = m == 255 ? r | g << 8 : ntp__narrow(r) | ntp__narrow(g) << 8;
+        t->pair[pair] += 1 | (uint64_t) (m == 255 ? b : ntp__narrow(b)) << 32;
+    }
+}
+
+/* Steps between neighboring columns, for the 8 x 8 blocks that lossy compression leaves. */
+static void count_steps(ntp_tally *t, const ntp_const_image *src, int32_t x0, int32_t x1, int32_t y)
+{
+    ntp__block block;
+    for (int32_t x = x0 > 0 ? x0 : 1; x < x1; x += NTP__BLOCK - 1) {
+        int32_t n = x1 - x < NTP__BLOCK - 1 ? x1 - x : NTP__BLOCK - 1;
+        ntp__unpack(&block, src, x - 1, y, n + 1);
+        for (int32_t i = 0; i < n; i++) {
+            int32_t across = (x + i) % 8 == 0;
+            t->block_count[across]++;
+            for (int32_t k = 0; k < 3; k++)
+                t->block_steps[k][across] += (uint64_t) ntp__abs(block.c[k][i + 1] - block.c[k][i]);
+        }
+    }
+}
+
+static void count_row(ntp_tally *t, const ntp_const_image *src, int32_t x0, int32_t x1, int32_t y)
+{
+    bool picture = src->encoding == NTP_HEIGHT;
+    bool bytes = !picture && src->type == NTP_U8 && src->channels >= 3 && ntp__is_packed(src);
+    int32_t m = ntp__max(src->type), step = bytes ? x1 - x0 : NTP__BLOCK;
+    for (int32_t x = x0; x < x1; x += step) {
+        int32_t n = x1 - x < step ? x1 - x : step;
+        if (bytes && src->channels == 3) {
+            count_rgb8(t, ntp__at(src, x, y), n);
+        } else if (bytes) {
+            count_rgba8(t, ntp__at(src, x, y), n);
+        } else {
+            ntp__block block;
+            ntp__unpack(&block, src, x, y, n);
+            if (picture)
+                count_picture(t, &block, n, m);
+            else
+                count_block(t, &block, n, m);
+        }
+    }
+    if (y % 8 == STEP_ROW)
+        count_steps(t, src, x0, x1, y);
+}
+
+/* Makes the tally one of this kind of image, or tells that it is of another. */
+static ntp_status adopt(ntp_tally *t, const ntp_const_image *src, uint32_t touch, uint64_t texels)
+{
+    uint32_t depth = src->type == NTP_U8 ? 8 : 16;
+    if (touch > NTP_UNUSED_ALL)
+        return NTP_ERR_ARGUMENT;
+    if (t->depth != 0) {
+        if (t->depth != depth || t->channels != (uint32_t) src->channels ||
+            t->encoding != (uint32_t) src->encoding || t->touched != touch)
+            return NTP_ERR_FORMAT;
+    }
+    if (t->texels + texels > UINT32_MAX)
+        return NTP_ERR_SHAPE;
+    t->depth = depth;
+    t->channels = (uint32_t) src->channels;
+    t->encoding = (uint32_t) src->encoding;
+    t->touched = touch;
+    return NTP_OK;
+}
+
+ntp_status ntp_measure(ntp_tally *tally, const ntp_const_image *src, uint32_t touch_unused,
+                       const ntp_rect *area)
+{
+    if (tally == NULL)
+        return NTP_ERR_ARGUMENT;
+    NTP__TRY(ntp__check_view(src));
+    ntp_rect rect;
+    NTP__TRY(ntp__check_area(&rect, src, area));
+    uint64_t width = (uint64_t) (rect.x1 - rect.x0), height = (uint64_t) (rect.y1 - rect.y0);
+    NTP__TRY(adopt(tally, src, touch_unused, width * height));
+    ntp__rows_prepare(tally);
+    tally->summed = 0;
+    for (int32_t y = rect.y0; y < rect.y1; y++) {
+        count_row(tally, src, rect.x0, rect.x1, y);
+        tally->since_flush += width;
+        if (tally->since_flush > FLUSH_AFTER - NTP_MAX_SIDE)
+            ntp__flush_pairs(tally);
+    }
+    tally->texels += width * height;
+    return NTP_OK;
+}

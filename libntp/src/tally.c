@@ -1,0 +1,227 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * tally.c - tallies as wholes: merging, emptying, and adding up what the cells stand for
+ */
+#include "tally.h"
+
+#include <string.h>
+
+/* ------------------------------------------------------------------ sums of judged texels */
+
+static void clear_sums(ntp__sums *s, int32_t m)
+{
+    for (int32_t z = 0; z < 2; z++) {
+        ntp__fit_sums *fit = &s->fit[z];
+        memset(fit, 0, offsetof(ntp__fit_sums, levels_off));
+        memset(fit->levels_off, 0, (size_t) (m + 1) * sizeof fit->levels_off[0]);
+    }
+    memset(&s->angles, 0, sizeof s->angles);
+    s->texels = 0;
+}
+
+static void merge_max(uint32_t *into, uint32_t from)
+{
+    if (from > *into)
+        *into = from;
+}
+
+static void merge_counts(uint32_t *into, const uint32_t *from, size_t n)
+{
+    for (size_t i = 0; i < n; i++)
+        into[i] += from[i];
+}
+
+static void merge_sums(ntp__sums *into, const ntp__sums *from, int32_t m)
+{
+    if (from->texels == 0)
+        return;
+    into->texels += from->texels;
+    for (int32_t z = 0; z < 2; z++) {
+        ntp__fit_sums *a = &into->fit[z];
+        const ntp__fit_sums *b = &from->fit[z];
+        merge_counts(a->flags, b->flags, NTP_STEEPNESS_BINS * 256);
+        merge_counts(a->lengths, b->lengths, NTP__LENGTH_BINS);
+        merge_counts(a->levels_off, b->levels_off, (size_t) m + 1);
+        for (int32_t i = 0; i < NTP_STEEPNESS_BINS; i++)
+            a->length_error[i] += b->length_error[i];
+        a->length_error2 += b->length_error2;
+        a->length_sum += b->length_sum;
+        merge_max(&a->length_max, b->length_max);
+        merge_max(&a->length_inverted_min, b->length_inverted_min);
+    }
+    into->angles.texels += from->angles.texels;
+    into->angles.sum += from->angles.sum;
+    if (from->angles.max > into->angles.max)
+        into->angles.max = from->angles.max;
+    merge_counts(into->angles.bins, from->angles.bins, NTP__ANGLE_BINS);
+}
+
+/* ------------------------------------------------------------------------- merge and clear */
+
+static void merge_channel(ntp__channel_sums *into, const ntp__channel_sums *from)
+{
+    into->sum += from->sum;
+    merge_max(&into->max, from->max);
+    merge_max(&into->inverted_min, from->inverted_min);
+}
+
+static void merge_colors(ntp_tally *into, const ntp_tally *from)
+{
+    if (into->colors == 0) {
+        into->colors = from->colors;
+        memcpy(into->color, from->color, sizeof into->color);
+    } else if (from->colors > 1 ||
+               (from->colors == 1 && memcmp(into->color, from->color, sizeof into->color) != 0)) {
+        into->colors = 2;
+    }
+}
+
+static void merge_cells(ntp_tally *into, const ntp_tally *from)
+{
+    ntp__flush_pairs(into);
+    uint8_t used[NTP__ROWS];
+    memset(used, 0, sizeof used);
+    for (int32_t i = 0; i < 65536; i++) {
+        uint64_t texels = from->pair_texels[i] + (from->pair[i] & 0xffffffffu);
+        into->pair_texels[i] += texels;
+        into->pair_blue[i] += from->pair_blue[i] + (from->pair[i] >> 32);
+        used[from->row_of[i]] |= texels > 0;
+    }
+    for (int32_t row = 0; row < NTP__ROWS; row++) {
+        if (used[row])
+            merge_counts(into->cell[row], from->cell[row], 256);
+    }
+}
+
+ntp_status ntp_tally_merge(ntp_tally *into, const ntp_tally *from)
+{
+    if (into == NULL || from == NULL || into == from)
+        return NTP_ERR_ARGUMENT;
+    if (from->depth == 0)
+        return NTP_OK;
+    if (into->depth != 0 && (into->depth != from->depth || into->channels != from->channels ||
+                             into->encoding != from->encoding || into->touched != from->touched))
+        return NTP_ERR_FORMAT;
+    if (into->texels + from->texels > UINT32_MAX)
+        return NTP_ERR_SHAPE;
+    into->depth = from->depth;
+    into->channels = from->channels;
+    into->encoding = from->encoding;
+    into->touched = from->touched;
+    into->is_wide |= from->is_wide;
+    into->summed = 0;
+    ntp__rows_prepare(into);
+    into->texels += from->texels;
+    into->black += from->black;
+    into->white += from->white;
+    into->transparent += from->transparent;
+    into->not_finite += from->not_finite;
+    into->gray += from->gray;
+    into->ag_in_disc += from->ag_in_disc;
+    into->narrow += from->narrow;
+    into->wide_flat += from->wide_flat;
+    for (int32_t i = 0; i < 2; i++) {
+        into->block_count[i] += from->block_count[i];
+        into->wide_alpha_ends[i] += from->wide_alpha_ends[i];
+        for (int32_t k = 0; k < 3; k++)
+            into->block_steps[k][i] += from->block_steps[k][i];
+    }
+    merge_counts(into->alpha, from->alpha, 256);
+    merge_channel(&into->alpha_levels, &from->alpha_levels);
+    for (int32_t k = 0; k < 3; k++)
+        merge_channel(&into->channel[k], &from->channel[k]);
+    merge_colors(into, from);
+    if (from->wide_flat > 0) {
+        for (size_t i = 0; i < sizeof into->wide_flat_seen; i++)
+            into->wide_flat_seen[i] |= from->wide_flat_seen[i];
+    }
+    merge_sums(&into->wide, &from->wide, 65535);
+    merge_sums(&into->transparent_wide, &from->transparent_wide, 65535);
+    merge_sums(&into->transparent_narrow, &from->transparent_narrow, 255);
+    merge_cells(into, from);
+    return NTP_OK;
+}
+
+ntp_status ntp_tally_clear(ntp_tally *t)
+{
+    if (t == NULL)
+        return NTP_ERR_ARGUMENT;
+    if (t->depth == 0)
+        return NTP_OK;
+    for (int32_t i = 0; i < 65536; i++) {
+        if (t->pair[i] == 0 && t->pair_texels[i] == 0)
+            continue;
+        memset(t->cell[t->row_of[i]], 0, sizeof t->cell[0]);
+        t->pair[i] = t->pair_texels[i] = t->pair_blue[i] = 0;
+    }
+    if (t->wide.texels > 0)
+        memset(&t->wide, 0, sizeof t->wide);
+    if (t->transparent_wide.texels > 0)
+        memset(&t->transparent_wide, 0, sizeof t->transparent_wide);
+    if (t->transparent_narrow.texels > 0)
+        memset(&t->transparent_narrow, 0, sizeof t->transparent_narrow);
+    if (t->wide_flat > 0)
+        memset(t->wide_flat_seen, 0, sizeof t->wide_flat_seen);
+    uint32_t ready = t->rows_ready;
+    memset(t, 0, offsetof(ntp_tally, wide_flat_seen));
+    t->rows_ready = ready;
+    t->summed = 0;
+    t->narrow = t->since_flush = 0;
+    return NTP_OK;
+}
+
+/* --------------------------------------------------------------------------- cells to sums */
+
+static void add_cells(ntp_tally *t, int32_t m, ntp_encoding encoding)
+{
+    uint8_t used[NTP__ROWS];
+    memset(used, 0, sizeof used);
+    for (int32_t i = 0; i < 65536; i++)
+        used[t->row_of[i]] |= t->pair_texels[i] + t->pair[i] > 0;
+    int32_t by = m / 255;
+    for (int32_t i = 0; i < NTP__ROWS; i++) {
+        if (!used[i])
+            continue;
+        ntp__row row;
+        ntp__row_init(&row, (t->row_pair[i] & 255) * by, (t->row_pair[i] >> 8) * by, m);
+        for (int32_t b = 0; b < 256; b++) {
+            if (t->cell[i][b] > 0)
+                ntp__add(&t->used, &row, b * by, t->cell[i][b], encoding);
+        }
+    }
+}
+
+static void add_gray(ntp_tally *t, int32_t level, int32_t m, uint64_t count, ntp_encoding encoding)
+{
+    ntp__row row;
+    if (count == 0)
+        return;
+    ntp__row_init(&row, level, level, m);
+    ntp__add(&t->unused, &row, level, (uint32_t) count, encoding);
+}
+
+ntp_status ntp__sum_up(ntp_tally *t, ntp_encoding encoding)
+{
+    if (t == NULL || t->depth == 0 ||
+        (encoding != NTP_STANDARD && encoding != NTP_ZZERO && encoding != NTP_XY))
+        return NTP_ERR_ARGUMENT;
+    int32_t m = ntp__tally_max(t);
+    bool picture = t->encoding == NTP_HEIGHT;
+    if (!picture && m != 255 && encoding != ntp__judged_as((ntp_encoding) t->encoding))
+        return NTP_ERR_FORMAT;
+    if (t->summed && t->summed_encoding == (uint32_t) encoding)
+        return NTP_OK;
+    const ntp__sums *transparent = m == 255 ? &t->transparent_narrow : &t->transparent_wide;
+    clear_sums(&t->used, m);
+    clear_sums(&t->unused, m);
+    if (!picture) {
+        merge_sums(&t->used, &t->wide, m);
+        add_cells(t, m, encoding);
+        merge_sums(&t->unused, transparent, m);
+        add_gray(t, 0, m, t->black, encoding);
+        add_gray(t, m, m, t->white, encoding);
+    }
+    t->summed = 1;
+    t->summed_encoding = (uint32_t) encoding;
+    return NTP_OK;
+}

@@ -1,0 +1,137 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * tally.h - what a measurement keeps
+ *
+ * 8-bit texels are not judged one by one.  Each adds one to the cell of (row, blue), where the
+ * row stands for what red and green have to do with every verdict, length and angle: X*X + Y*Y
+ * inside the disc, {|X|, |Y|} outside it.  Two lookups and two increments a texel, and all
+ * facts follow exactly, in integers, when the cells are read (summarize.c).  A 16-bit texel of
+ * which every level is a multiple of 257 goes to the same cells, for its X and Y are 257 times
+ * those of the 8-bit texel; the others are judged and added to `wide`.
+ */
+#ifndef NTP_TALLY_H
+#define NTP_TALLY_H
+
+#include "internal.h"
+
+enum {
+    /* 3,974 values of X*X + Y*Y inside the disc, 1,831 pairs outside it, and a row for each of
+     * the four flat pairs, which are kept apart to tell flat colors. */
+    NTP__DISC_ROWS = 3974,
+    NTP__FAR_ROWS = 1831,
+    NTP__FLAT_ROWS = 4,
+    NTP__ROWS = NTP__DISC_ROWS + NTP__FAR_ROWS + NTP__FLAT_ROWS,
+
+    NTP__LENGTH_BINS = 256,   /* of 1/128 */
+    NTP__ANGLE_BINS = 180001, /* of 0.001 degrees */
+    NTP__LENGTH_ONE = 1 << 16 /* fixed-point unit of lengths */
+};
+
+/* Flags of a judged texel: those of ntp_validate up to NTP_Z_NEGATIVE, and: */
+enum {
+    NTP__LONG = 32,     /* the vector is longer than 1 */
+    NTP__FAR = 64,      /* x, y are beyond the reference program's limit */
+    NTP__MIRRORED = 128 /* blue is M - derived blue */
+};
+
+/* What judged texels add, read as standard or as Z-zero. */
+typedef struct ntp__fit_sums {
+    uint32_t flags[NTP_STEEPNESS_BINS * 256]; /* texels by steepness * 256 + flags */
+    uint64_t length_error[NTP_STEEPNESS_BINS], length_error2;
+    uint64_t length_sum;
+    uint32_t length_max, length_inverted_min; /* ~min: zero-filled memory means none yet */
+    uint32_t lengths[NTP__LENGTH_BINS];
+    uint32_t levels_off[65536];
+} ntp__fit_sums;
+
+/* Angles in micro-degrees. */
+typedef struct ntp__angle_sums {
+    uint64_t texels, sum, max;
+    uint32_t bins[NTP__ANGLE_BINS];
+} ntp__angle_sums;
+
+/* All at one M. */
+typedef struct ntp__sums {
+    uint64_t texels;
+    ntp__fit_sums fit[2]; /* standard, Z-zero */
+    ntp__angle_sums angles;
+} ntp__sums;
+
+typedef struct ntp__channel_sums {
+    uint64_t sum;
+    uint32_t max, inverted_min;
+} ntp__channel_sums;
+
+struct ntp_tally {
+    /* What was measured; depth 0: nothing yet. */
+    uint32_t depth, channels, encoding, touched;
+    uint32_t rows_ready, is_wide; /* is_wide: a 16-bit level that is no multiple of 257 was seen */
+    uint64_t texels, black, white, transparent, not_finite, gray;
+    uint64_t ag_in_disc;
+    uint64_t block_steps[3][2], block_count[2]; /* [channel][0 within a block, 1 across] */
+    uint32_t alpha[256];                        /* every texel; 16 bit rounded to 8 */
+    ntp__channel_sums alpha_levels;             /* 16 bit only, as wide_alpha_ends and channel */
+    uint64_t wide_alpha_ends[2];                /* alpha 0, alpha M */
+
+    /* 16 bit and pictures: every finite texel; 8 bit: the unused transparent ones. */
+    ntp__channel_sums channel[3];
+    /* Different used colors, counted up to 2, and the first; not for 8 bit. */
+    uint32_t colors, color[3];
+    uint64_t wide_flat;
+    uint8_t wide_flat_seen[4 * 8192]; /* a bit for each blue of the four flat pairs */
+    ntp__sums wide;
+    ntp__sums transparent_wide, transparent_narrow; /* judged at 16 and at 8 bit */
+    /* What ntp_summarize works out of the cells and the above, kept until the tally changes. */
+    uint32_t summed, summed_encoding;
+    ntp__sums used, unused;
+
+    /* The cells: used texels only. */
+    uint64_t narrow, since_flush;
+    uint16_t row_of[65536];                        /* by r | g << 8 */
+    uint16_t row_pair[NTP__ROWS];                  /* some r | g << 8 of the row, r, g >= 128 */
+    uint64_t pair[65536];                          /* by r | g << 8: texels | sum of blue << 32 */
+    uint64_t pair_texels[65536], pair_blue[65536]; /* pair is emptied to here every 2^24 texels */
+    uint32_t cell[NTP__ROWS][256];
+};
+
+/* Red and green, judged: what all blues of a row share. */
+typedef struct ntp__row {
+    int32_t m, r, g;
+    int64_t xy2;     /* X*X + Y*Y */
+    int32_t want[2]; /* derived blue, standard and Z-zero; -1: too long */
+    int32_t steepness;
+    uint32_t flags;     /* NTP_XY_TOO_LONG, NTP__FAR */
+    int32_t cleaned[2]; /* r, g as ntp_clean leaves them */
+    int32_t cleaned_blue[2];
+} ntp__row;
+
+void ntp__row_init(ntp__row *row, int32_t r, int32_t g, int32_t m);
+
+/* Adds `count` texels of this row and blue.  encoding: what the angle is taken for. */
+void ntp__add(ntp__sums *sums, const ntp__row *row, int32_t b, uint32_t count,
+              ntp_encoding encoding);
+
+/* The bin of a length and of x, y's length. */
+int32_t ntp__steepness(int64_t xy2, int32_t m);
+
+/* Moves the packed pair counters to their wide homes. */
+void ntp__flush_pairs(ntp_tally *tally);
+
+void ntp__rows_prepare(ntp_tally *tally);
+
+/* Fills tally->used and tally->unused, with angles by this encoding.  Errors as ntp_summarize. */
+ntp_status ntp__sum_up(ntp_tally *tally, ntp_encoding encoding);
+
+/* M that the texels are judged at. */
+static inline int32_t ntp__tally_max(const ntp_tally *t)
+{
+    return t->depth == 8 || !t->is_wide ? 255 : 65535;
+}
+
+/* Encoding by which angles are taken: vectors and pictures count as standard. */
+static inline ntp_encoding ntp__judged_as(ntp_encoding encoding)
+{
+    return encoding == NTP_ZZERO || encoding == NTP_XY ? encoding : NTP_STANDARD;
+}
+
+#endif

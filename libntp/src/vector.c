@@ -1,0 +1,109 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * vector.c - float vectors to levels, correctly rounded
+ *
+ * A double quotient decides all but the vectors whose quotient lies within 2^-30 of an
+ * integer.  For those M*M x*x and k*k (x*x + y*y + z*z) are compared as integers of 704 bits:
+ * floats are multiples of 2^-149 below 2^128, so their squares are multiples of 2^-298 below
+ * 2^256, and the factors have at most 34 bits.
+ */
+#include "vector.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <string.h>
+
+enum {
+    WORDS = 22, /* of 32 bits: 298 + 256 + 34 + 2 bits and room */
+    LOWEST_EXPONENT = -149
+};
+
+typedef struct wide {
+    uint32_t word[WORDS]; /* least first */
+} wide;
+
+static void add_at(wide *w, uint64_t value, int32_t bit)
+{
+    int32_t i = bit / 32, shift = bit % 32;
+    uint64_t parts[3] = { (value << shift) & 0xffffffffu, (value >> (32 - shift)) & 0xffffffffu,
+                          shift ? value >> (64 - shift) : 0 };
+    uint64_t carry = 0;
+    for (int32_t k = 0; i + k < WORDS && (k < 3 || carry); k++) {
+        uint64_t sum = w->word[i + k] + (k < 3 ? parts[k] : 0) + carry;
+        w->word[i + k] = (uint32_t) sum;
+        carry = sum >> 32;
+    }
+}
+
+/* Adds factor * v * v in units of 2^-298. */
+static void add_square(wide *w, uint64_t factor, float v)
+{
+    uint32_t bits;
+    memcpy(&bits, &v, 4);
+    int32_t exponent = (int32_t) (bits >> 23 & 255);
+    uint64_t mantissa = bits & 0x7fffff;
+    if (exponent > 0)
+        mantissa |= 0x800000;
+    else
+        exponent = 1;
+    int32_t at = 2 * (exponent - 150 - LOWEST_EXPONENT);
+    uint64_t square = mantissa * mantissa;
+    /* square has 48 bits, factor 34: multiply in halves. */
+    add_at(w, (square & 0xffffff) * factor, at);
+    add_at(w, (square >> 24) * factor, at + 24);
+}
+
+static int compare(const wide *a, const wide *b)
+{
+    for (int32_t i = WORDS - 1; i >= 0; i--) {
+        if (a->word[i] != b->word[i])
+            return a->word[i] < b->word[i] ? -1 : 1;
+    }
+    return 0;
+}
+
+/* The sign of num |v[i]| - k L. */
+static int compare_quotient(uint64_t num, uint64_t k, const float v[3], int32_t i)
+{
+    wide left = { { 0 } }, right = { { 0 } };
+    add_square(&left, num * num, v[i]);
+    for (int32_t j = 0; j < 3; j++)
+        add_square(&right, k * k, v[j]);
+    return compare(&left, &right);
+}
+
+/* floor(num |v[i]| / L); *whole tells whether nothing was cut off. */
+static int32_t quotient(bool *whole, int32_t num, const float v[3], int32_t i)
+{
+    float other1 = v[(i + 1) % 3], other2 = v[(i + 2) % 3];
+    *whole = true;
+    if (v[i] == 0.0f)
+        return 0;
+    if (other1 == 0.0f && other2 == 0.0f)
+        return num;
+    double x = v[0], y = v[1], z = v[2], own = v[i] < 0 ? -(double) v[i] : (double) v[i];
+    double d = num * (own / sqrt(x * x + y * y + z * z));
+    int32_t near = (int32_t) (d + 0.5);
+    double away = d - near;
+    *whole = false;
+    if (away > 0x1p-30)
+        return near;
+    if (away < -0x1p-30)
+        return near - 1;
+    int sign = compare_quotient((uint64_t) num, (uint64_t) near, v, i);
+    *whole = sign == 0;
+    return sign >= 0 ? near : near - 1;
+}
+
+void ntp__vector_levels(int32_t level[3], int32_t *unsigned_z, const float v[3], int32_t m)
+{
+    for (int32_t i = 0; i < 3; i++) {
+        bool whole;
+        int32_t q = quotient(&whole, m, v, i);
+        /* M + 1 is even, so the floor of the sum is the sum with the floor. */
+        int32_t down = v[i] < 0 ? (whole ? -q : -q - 1) : q;
+        level[i] = (m + 1 + down) / 2;
+    }
+    bool whole;
+    *unsigned_z = (quotient(&whole, 2 * m, v, 2) + 1) / 2;
+}

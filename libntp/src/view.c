@@ -1,0 +1,272 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * view.c - views over the caller's pixels: checks, and the way from and to planar levels
+ */
+#include "internal.h"
+
+#include <string.h>
+
+uint32_t ntp_version(void)
+{
+    return (uint32_t) NTP_VERSION_MAJOR << 16 | NTP_VERSION_MINOR << 8 | NTP_VERSION_PATCH;
+}
+
+const char *ntp_status_string(ntp_status status)
+{
+    switch (status) {
+    case NTP_OK:
+        return "no error";
+    case NTP_ERR_ARGUMENT:
+        return "an argument is NULL or outside its range";
+    case NTP_ERR_SHAPE:
+        return "a view is malformed, two views do not agree, or an area lies outside";
+    case NTP_ERR_FORMAT:
+        return "this type, encoding or number of channels is not supported here";
+    case NTP_ERR_OVERLAP:
+        return "source and destination overlap";
+    case NTP_ERR_SCRATCH:
+        return "working memory is missing, misaligned or too small";
+    case NTP_ERR_CANCELLED:
+        return "cancelled";
+    }
+    return "unknown status";
+}
+
+ntp_image ntp_image_packed(void *data, int32_t width, int32_t height, int32_t channels,
+                           ntp_type type)
+{
+    ntp_image image;
+    memset(&image, 0, sizeof image);
+    image.data = data;
+    image.pixel_stride = (ptrdiff_t) channels * ntp__sample_size(type);
+    image.row_stride = (ptrdiff_t) width * image.pixel_stride;
+    image.width = width;
+    image.height = height;
+    image.channels = channels;
+    image.type = type;
+    image.encoding = channels >= 3 ? NTP_STANDARD : channels == 2 ? NTP_XY : NTP_HEIGHT;
+    image.y = NTP_Y_UP;
+    return image;
+}
+
+ntp_const_image ntp_image_as_const(const ntp_image *image)
+{
+    ntp_const_image view;
+    view.data = image->data;
+    view.row_stride = image->row_stride;
+    view.pixel_stride = image->pixel_stride;
+    view.width = image->width;
+    view.height = image->height;
+    view.channels = image->channels;
+    view.ring_rows = image->ring_rows;
+    view.type = image->type;
+    view.encoding = image->encoding;
+    view.y = image->y;
+    return view;
+}
+
+static bool channels_fit(const ntp_const_image *v)
+{
+    switch (v->encoding) {
+    case NTP_STANDARD:
+    case NTP_ZZERO:
+    case NTP_VECTOR:
+        return v->channels == 3 || v->channels == 4;
+    case NTP_XY:
+        return v->channels >= 2 && v->channels <= 4;
+    case NTP_HEIGHT:
+        return v->channels >= 1 && v->channels <= 4;
+    }
+    return false;
+}
+
+ntp_status ntp__check_view(const ntp_const_image *v)
+{
+    if (v == NULL || v->data == NULL)
+        return NTP_ERR_ARGUMENT;
+    if ((int) v->type < NTP_U8 || (int) v->type > NTP_F32 || (int) v->encoding < NTP_STANDARD ||
+        (int) v->encoding > NTP_HEIGHT || (v->y != NTP_Y_UP && v->y != NTP_Y_DOWN))
+        return NTP_ERR_ARGUMENT;
+    if (v->width < 1 || v->height < 1 || v->width > NTP_MAX_SIDE || v->height > NTP_MAX_SIDE ||
+        v->ring_rows < 0)
+        return NTP_ERR_SHAPE;
+    ptrdiff_t size = ntp__sample_size(v->type);
+    if ((uintptr_t) v->data % (uintptr_t) size != 0 || v->row_stride % size != 0 ||
+        v->pixel_stride % size != 0)
+        return NTP_ERR_SHAPE;
+    if (!channels_fit(v) || (v->encoding == NTP_VECTOR && v->type != NTP_F32))
+        return NTP_ERR_FORMAT;
+    return NTP_OK;
+}
+
+ntp_status ntp__check_normals(const ntp_const_image *v)
+{
+    NTP__TRY(ntp__check_view(v));
+    return v->encoding == NTP_HEIGHT ? NTP_ERR_FORMAT : NTP_OK;
+}
+
+ntp_status ntp__check_picture(const ntp_const_image *v, int32_t min_channels, int32_t max_channels)
+{
+    NTP__TRY(ntp__check_view(v));
+    if (v->type != NTP_U8 || v->encoding != NTP_HEIGHT || v->channels < min_channels ||
+        v->channels > max_channels)
+        return NTP_ERR_FORMAT;
+    return NTP_OK;
+}
+
+ntp_status ntp__check_area(ntp_rect *rect, const ntp_const_image *v, const ntp_rect *area)
+{
+    if (area == NULL) {
+        rect->x0 = rect->y0 = 0;
+        rect->x1 = v->width;
+        rect->y1 = v->height;
+        return NTP_OK;
+    }
+    if (area->x0 < 0 || area->y0 < 0 || area->x0 >= area->x1 || area->y0 >= area->y1 ||
+        area->x1 > v->width || area->y1 > v->height)
+        return NTP_ERR_SHAPE;
+    *rect = *area;
+    return NTP_OK;
+}
+
+/* A float has 24 bits and 65535 has 16, so the product and the sum are exact doubles wherever
+ * the result is neither below 0 nor above M. */
+int32_t ntp__level_of_unit(float v)
+{
+    double c = (double) v * 65535.0 + 0.5;
+    return c > 0 ? c < 65536.0 ? (int32_t) c : 65535 : 0;
+}
+
+/* floor((v + 1)/2 * M + 1/2) = floor((M + 1 + M v)/2) = (M + 1 + floor(M v)) / 2, as M + 1 is
+ * even; M v is an exact double, M + 1 + M v need not be one. */
+int32_t ntp__level_of_component(float v)
+{
+    if (!(v > -1.0f))
+        return 0;
+    if (v >= 1.0f)
+        return 65535;
+    double mv = (double) v * 65535.0;
+    int32_t below = (int32_t) mv;
+    if ((double) below > mv)
+        below--;
+    return (65536 + below) / 2;
+}
+
+/* Neither NaN nor infinite. */
+static bool finite_float(float v)
+{
+    return v - v == 0.0f;
+}
+
+static void unpack_f32(ntp__block *block, const ntp_const_image *v, int32_t x, int32_t y, int32_t n,
+                       int32_t channels)
+{
+    bool vector = v->encoding == NTP_VECTOR;
+    const char *p = ntp__at(v, x, y);
+    int32_t checked = v->encoding == NTP_XY ? 2 : channels > 3 ? 3 : channels;
+    block->any_broken = false;
+    for (int32_t i = 0; i < n; i++, p += v->pixel_stride) {
+        const float *s = (const float *) (const void *) p;
+        bool broken = false;
+        for (int32_t k = 0; k < channels; k++) {
+            bool component = vector && k < 3;
+            broken = broken || (k < checked && !finite_float(s[k]));
+            block->c[k][i] = component ? ntp__level_of_component(s[k]) : ntp__level_of_unit(s[k]);
+        }
+        float zero = vector ? 0.0f : 0.5f, zero_z = v->encoding == NTP_ZZERO ? 0.0f : zero;
+        if (channels >= 3 && v->encoding <= NTP_VECTOR && v->encoding != NTP_XY)
+            broken = broken || (s[0] == zero && s[1] == zero && s[2] == zero_z);
+        block->broken[i] = broken;
+        block->any_broken = block->any_broken || broken;
+    }
+}
+
+static void fill(int32_t *plane, int32_t value, int32_t n)
+{
+    for (int32_t i = 0; i < n; i++)
+        plane[i] = value;
+}
+
+/* One loop for each type, and for 3 and 4 channels side by side: the compiler sees constants. */
+#define UNPACK_PACKED(T, CHANNELS)                                                                 \
+    do {                                                                                           \
+        const T *s = (const T *) ntp__at(v, x, y);                                                 \
+        for (int32_t i = 0; i < n; i++) {                                                          \
+            block->c[0][i] = s[(ptrdiff_t) i * CHANNELS];                                          \
+            block->c[1][i] = s[(ptrdiff_t) i * CHANNELS + 1];                                      \
+            block->c[2][i] = s[(ptrdiff_t) i * CHANNELS + 2];                                      \
+            if (CHANNELS == 4)                                                                     \
+                block->c[3][i] = s[(ptrdiff_t) i * CHANNELS + 3];                                  \
+        }                                                                                          \
+    } while (0)
+
+#define UNPACK_STRIDED(T)                                                                          \
+    do {                                                                                           \
+        const char *p = ntp__at(v, x, y);                                                          \
+        for (int32_t i = 0; i < n; i++, p += v->pixel_stride) {                                    \
+            for (int32_t k = 0; k < v->channels; k++)                                              \
+                block->c[k][i] = ((const T *) (const void *) p)[k];                                \
+        }                                                                                          \
+    } while (0)
+
+void ntp__unpack(ntp__block *block, const ntp_const_image *v, int32_t x, int32_t y, int32_t n)
+{
+    int32_t m = ntp__max(v->type);
+    bool packed = ntp__is_packed(v);
+    block->any_broken = false;
+    if (v->type == NTP_F32)
+        unpack_f32(block, v, x, y, n, v->channels);
+    else if (v->type == NTP_U8 && packed && v->channels == 3)
+        UNPACK_PACKED(uint8_t, 3);
+    else if (v->type == NTP_U8 && packed && v->channels == 4)
+        UNPACK_PACKED(uint8_t, 4);
+    else if (v->type == NTP_U16 && packed && v->channels == 3)
+        UNPACK_PACKED(uint16_t, 3);
+    else if (v->type == NTP_U16 && packed && v->channels == 4)
+        UNPACK_PACKED(uint16_t, 4);
+    else if (v->type == NTP_U8)
+        UNPACK_STRIDED(uint8_t);
+    else
+        UNPACK_STRIDED(uint16_t);
+
+    size_t bytes = (size_t) n * sizeof block->c[0][0];
+    if (v->encoding == NTP_HEIGHT && v->channels <= 2) {
+        if (v->channels == 2)
+            memcpy(block->c[3], block->c[1], bytes);
+        memcpy(block->c[1], block->c[0], bytes);
+        memcpy(block->c[2], block->c[0], bytes);
+        if (v->channels == 2)
+            return;
+    } else if (v->channels == 2) {
+        fill(block->c[2], m, n);
+    }
+    if (v->channels < 4)
+        fill(block->c[3], m, n);
+}
+
+#define PACK(T)                                                                                    \
+    do {                                                                                           \
+        char *p = ntp__at_mut(v, x, y);                                                            \
+        if (channels == 3 && v->pixel_stride == 3 * (ptrdiff_t) sizeof(T)) {                       \
+            T *d = (T *) (void *) p;                                                               \
+            for (int32_t i = 0; i < n; i++) {                                                      \
+                d[(ptrdiff_t) i * 3] = (T) block->c[0][i];                                         \
+                d[(ptrdiff_t) i * 3 + 1] = (T) block->c[1][i];                                     \
+                d[(ptrdiff_t) i * 3 + 2] = (T) block->c[2][i];                                     \
+            }                                                                                      \
+        } else {                                                                                   \
+            for (int32_t i = 0; i < n; i++, p += v->pixel_stride) {                                \
+                for (int32_t k = 0; k < channels; k++)                                             \
+                    ((T *) (void *) p)[k] = (T) block->c[k][i];                                    \
+            }                                                                                      \
+        }                                                                                          \
+    } while (0)
+
+void ntp__pack(const ntp_image *v, const ntp__block *block, int32_t x, int32_t y, int32_t n,
+               int32_t channels)
+{
+    if (v->type == NTP_U8)
+        PACK(uint8_t);
+    else
+        PACK(uint16_t);
+}
