@@ -1,0 +1,119 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * clean_texture.c - what is this texture, how bad is it, and a clean copy of it
+ *
+ *     clean_texture IN.rgb WIDTH HEIGHT OUT.rgb     8-bit RGB rows without a header
+ *     clean_texture                                 a small texture made here
+ *
+ * Build: cc clean_texture.c $(pkg-config --cflags --libs libntp)
+ */
+#include <libntp.h>
+
+#include <stdio.h>
+#include <stdlib.h>
+
+/* A bump whose blue was rounded down twice, as a careless exporter would. */
+static void make_bump(unsigned char *rgb, int width, int height)
+{
+    for (int y = 0; y < height; y++) {
+        for (int x = 0; x < width; x++) {
+            int dx = 2 * x - width + 1, dy = height - 1 - 2 * y;
+            unsigned char *texel = rgb + 3 * ((size_t) y * (size_t) width + (size_t) x);
+            texel[0] = (unsigned char) (128 + 90 * dx / width);
+            texel[1] = (unsigned char) (128 + 90 * dy / height);
+            texel[2] = (unsigned char) (250 - 60 * (dx * dx + dy * dy) / (width * height));
+        }
+    }
+}
+
+static int fail(const char *what, ntp_status status)
+{
+    fprintf(stderr, "%s: %s\n", what, ntp_status_string(status));
+    return EXIT_FAILURE;
+}
+
+/* Measures, says what it is, and cleans in place. */
+static int process(unsigned char *rgb, int width, int height)
+{
+    ntp_image image = ntp_image_packed(rgb, width, height, 3, NTP_U8);
+    ntp_const_image source = ntp_image_as_const(&image);
+
+    ntp_tally *tally = (ntp_tally *) calloc(1, ntp_tally_size());
+    if (tally == NULL)
+        return fail("tally", NTP_ERR_SCRATCH);
+    ntp_stats stats;
+    ntp_status status = ntp_measure(tally, &source, 0, NULL);
+    if (status == NTP_OK)
+        status = ntp_summarize(&stats, tally, NTP_STANDARD);
+    free(tally);
+    if (status != NTP_OK)
+        return fail("measure", status);
+
+    ntp_classification found;
+    ntp_classify(&found, &stats);
+    printf("%s, confidence %.2f\n", ntp_class_name(found.type), found.confidence);
+    for (int i = 0; i < found.reason_count; i++) {
+        char text[200];
+        ntp_reason_text(text, sizeof text, &found.reasons[i]);
+        printf("  %s\n", text);
+    }
+    printf("%.1f %% of %llu texels are no unit vector; off by at most %.2f degrees\n",
+           100.0 * (double) (stats.texels - stats.standard.neighbor) / (double) stats.texels,
+           (unsigned long long) stats.texels, stats.angles.max);
+
+    if (found.type != NTP_CLASS_STANDARD && found.type != NTP_CLASS_ONE_COLOR) {
+        fprintf(stderr, "not a standard normals texture: left as it is\n");
+        return EXIT_FAILURE;
+    }
+    ntp_clean_counts counts = { 0, 0 };
+    status = ntp_clean(&image, &source, NULL, NULL, &counts, NULL);
+    if (status != NTP_OK)
+        return fail("clean", status);
+    printf("cleaned: %llu texels changed\n", (unsigned long long) counts.changed);
+    return EXIT_SUCCESS;
+}
+
+/* Reads or writes the whole buffer; true on success. */
+static int transfer(unsigned char *rgb, size_t size, const char *path, int writing)
+{
+    FILE *file = fopen(path, writing ? "wb" : "rb");
+    if (file == NULL) {
+        perror(path);
+        return 0;
+    }
+    size_t done = writing ? fwrite(rgb, 1, size, file) : fread(rgb, 1, size, file);
+    int closed = fclose(file);
+    if (done == size && closed == 0)
+        return 1;
+    fprintf(stderr, "%s: %s\n", path, writing ? "not written" : "shorter than WIDTH x HEIGHT x 3");
+    return 0;
+}
+
+int main(int argc, char **argv)
+{
+    if (argc != 1 && argc != 5) {
+        fprintf(stderr, "usage: %s [IN.rgb WIDTH HEIGHT OUT.rgb]\n", argv[0]);
+        return 2;
+    }
+    long width = argc == 5 ? strtol(argv[2], NULL, 10) : 64;
+    long height = argc == 5 ? strtol(argv[3], NULL, 10) : 64;
+    if (width < 1 || height < 1 || width > NTP_MAX_SIDE || height > NTP_MAX_SIDE) {
+        fprintf(stderr, "width and height are 1..%d\n", NTP_MAX_SIDE);
+        return 2;
+    }
+    size_t size = (size_t) width * (size_t) height * 3;
+    unsigned char *rgb = (unsigned char *) malloc(size);
+    int result = EXIT_FAILURE;
+    if (rgb == NULL) {
+        perror("texture");
+    } else if (argc == 1) {
+        make_bump(rgb, (int) width, (int) height);
+        result = process(rgb, (int) width, (int) height);
+    } else if (transfer(rgb, size, argv[1], 0)) {
+        result = process(rgb, (int) width, (int) height);
+        if (result == EXIT_SUCCESS && !transfer(rgb, size, argv[4], 1))
+            result = EXIT_FAILURE;
+    }
+    free(rgb);
+    return result;
+}
