@@ -277,13 +277,13 @@ def flags(r, g, b, m, zz=False, keep=False):
 
 
 def unused(texels, m, touch=0):
-    """Which texels of an (..., c) array are unused; touch as in libntp.h (1, 2, 4)."""
+    """Which texels of an (..., c) array of normals are unused; touch as in libntp.h (1, 2, 4)."""
     channels = texels.shape[-1]
-    colors = texels[..., : channels - 1] if channels in (2, 4) else texels
+    colors = texels[..., :3]
     none = np.zeros(texels.shape[:-1], bool)
     black = none if touch & 1 else np.all(colors == 0, axis=-1)
     white = none if touch & 2 else np.all(colors == m, axis=-1)
-    clear = none if touch & 4 or channels not in (2, 4) else texels[..., -1] == 0
+    clear = none if touch & 4 or channels != 4 else texels[..., -1] == 0
     return black | white | clear
 
 

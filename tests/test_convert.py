@@ -1,0 +1,218 @@
+# SPDX-License-Identifier: MIT
+"""ntp_convert against the oracle, and what conversions promise."""
+
+import itertools
+
+import numpy as np
+import pytest
+
+import libntp_ffi as ntp
+import oracle
+import oracle_convert
+from test_oracle import random_texels
+
+DEPTHS = {255: np.uint8, 65535: np.uint16}
+NAMES = {ntp.STANDARD: "standard", ntp.ZZERO: "zzero", ntp.XY: "xy"}
+CASES = list(itertools.product(NAMES, DEPTHS, NAMES, DEPTHS))
+
+
+def case_name(case):
+    e, m, target, to = case
+    return f"{NAMES[e]}{8 if m == 255 else 16}-{NAMES[target]}{8 if to == 255 else 16}"
+
+
+def texels_of(m, encoding, count=120):
+    """Texels of all kinds, many of them exact, and the unused ones."""
+    anything = random_texels(m, count, seed=m * 7 + encoding)
+    r, g = oracle.pulled(anything[:, 0], anything[:, 1], m)
+    b = oracle.derived_blues(r, g, m, encoding == ntp.ZZERO)
+    clean = np.stack([r, g, b], 1)
+    mirrored = np.stack([r, g, m - b], 1)
+    extra = [[0, 0, 0], [m, m, m], [0, 0, 1], [m, m, m - 1], [m // 2, m // 2 + 1, m]]
+    return np.concatenate([anything, clean, mirrored, extra])
+
+
+@pytest.mark.parametrize("case", CASES, ids=case_name)
+def test_integers(case):
+    encoding, m, target, to = case
+    texels = texels_of(m, encoding)
+    alphas = np.resize([m, m // 3, 0], len(texels))
+    full = np.column_stack([texels, alphas]).astype(DEPTHS[m])
+    for channels in (2, 3, 4) if encoding == ntp.XY else (3, 4):
+        src = np.ascontiguousarray(full[:, :channels])[None]
+        targets = (2, 3, 4) if target == ntp.XY else (3, 4)
+        for target_channels, flip, touch in itertools.product(targets, (0, 1), (0, 1)):
+            dst = np.zeros((1, len(texels), target_channels), DEPTHS[to])
+            got = ntp.convert(src, dst, encoding, target, 0, flip, (0, 7 * touch))
+            want = [
+                oracle_convert.convert(t, m, encoding, to, target, target_channels, flip, touch)
+                for t in src[0].tolist()
+            ]
+            for texel, out, (levels, _, _) in zip(src[0].tolist(), dst[0].tolist(), want):
+                assert tuple(out) == levels, (texel, out, levels, channels, flip, touch)
+            if target != ntp.XY:
+                assert got == (sum(w[1] for w in want), 0, sum(w[2] for w in want))
+
+
+@pytest.mark.parametrize("case", CASES, ids=case_name)
+def test_clean_stays_clean(case):
+    """A texel that passes `exact` passes it after every conversion."""
+    encoding, m, target, to = case
+    rng = np.random.default_rng(3)
+    texels = np.concatenate([texels_of(m, encoding, 2000), rng.integers(0, m + 1, (40_000, 3))])
+    if m == 65535:  # those that rounding to 8 bit can push off the disc
+        turn = rng.uniform(0, 2 * np.pi, 60_000)
+        edge = np.stack([np.cos(turn), np.sin(turn), 0 * turn], 1) * 0.99999
+        texels = np.concatenate([texels, np.floor((edge + 1) / 2 * m + 0.5).astype(int)])
+    texels = texels[: len(texels) // 5 * 5]
+    src = texels.reshape(5, -1, 3).astype(DEPTHS[m])
+    how = ntp.clean_options(touch_unused=7)
+    src, _, _ = ntp.clean(src, encoding, how)
+    dst = np.zeros(src.shape, DEPTHS[to])
+    ntp.convert(src, dst, encoding, target, how=(0, 7))
+    assert np.all(ntp.validate(dst, target) & 7 == 7)
+    assert np.array_equal(ntp.clean(dst, target, how)[0], dst)
+
+
+def test_8_to_16_to_8_is_the_identity():
+    g, b = np.meshgrid(np.arange(256), np.arange(256), indexing="ij")
+    for r in range(256):
+        src = np.stack([np.full_like(g, r), g, b], -1).astype(np.uint8)
+        for encoding in NAMES:
+            wide, back = np.zeros(src.shape, np.uint16), np.zeros_like(src)
+            ntp.convert(src, wide, encoding, encoding)
+            ntp.convert(wide, back, encoding, encoding)
+            assert np.array_equal(back, src), (r, encoding)
+
+
+def test_standard_to_zzero_and_back():
+    """The identity on all triplets with b > M/2."""
+    g, b = np.meshgrid(np.arange(256), np.arange(128, 256), indexing="ij")
+    for r in range(256):
+        src = np.stack([np.full_like(g, r), g, b], -1).astype(np.uint8)
+        there, back = np.zeros_like(src), np.zeros_like(src)
+        ntp.convert(src, there, ntp.STANDARD, ntp.ZZERO)
+        ntp.convert(there, back, ntp.ZZERO, ntp.STANDARD)
+        assert np.array_equal(back, src), r
+
+
+def test_flip_twice_is_the_identity():
+    for m, dtype in DEPTHS.items():
+        src = random_texels(m, 5000, seed=8)[None].astype(dtype)
+        for encoding in NAMES:
+            once, twice = np.zeros_like(src), np.zeros_like(src)
+            ntp.convert(src, once, encoding, encoding, ntp.UP, ntp.DOWN)
+            ntp.convert(once, twice, encoding, encoding, ntp.DOWN, ntp.UP)
+            assert np.array_equal(twice, src)
+            used = ~oracle.unused(src[0].astype(int), m)
+            assert np.array_equal(once[0, used, 1], m - src[0, used, 1])
+            assert np.array_equal(once[0, :, [0, 2]], src[0, :, [0, 2]])
+
+
+def vectors():
+    """Vectors that are easy to get wrong."""
+    rng = np.random.default_rng(11)
+    plain = rng.normal(size=(300, 3))
+    lengths = np.float64(2.0) ** rng.integers(-60, 60, (300, 1))
+    axes = np.array(list(itertools.product([-1, 0, 1], repeat=3)))
+    ties = np.array([[3, 4, 0], [-3, 4, 0], [0.6, -0.8, 0], [5, 12, 84], [8, -9, 12], [0, 1, 0]])
+    tiny = np.array([[1e-45, 0, 1], [-1e-45, 0, 1], [0, -1e-40, 1], [1e-45, 1e-45, 1e-45]])
+    huge = np.array([[3e38, 3e38, 3e38], [-3e38, 0, 1e-45], [1, 3e38, -1], [0, 0, -3e38]])
+    signed = np.array([[0.5, 0.5, -0.0], [-0.0, 0.0, 1], [1, 0, -1e-45], [-1, 1e-3, 0]])
+    bad = np.array([[0, 0, 0], [-0.0, 0, 0], [np.nan, 0, 1], [0, np.inf, 1], [0, 0, -np.inf]])
+    grid = rng.integers(-255, 256, (300, 3))  # many on lattice points: near ties
+    parts = [plain, plain * lengths, axes, ties, tiny, huge, signed, bad, grid]
+    return np.concatenate(parts).astype(np.float32)
+
+
+@pytest.mark.parametrize("target", NAMES, ids=NAMES.get)
+@pytest.mark.parametrize("to", DEPTHS)
+def test_from_vectors(target, to):
+    v = vectors()
+    for flip, blue in itertools.product((0, 1), (0, 1)):
+        dst = np.zeros((1, len(v), 3), DEPTHS[to])
+        counts = ntp.convert(v[None], dst, ntp.VECTOR, target, 0, flip, (blue, 0))
+        bad = 0
+        for vector, out in zip(v, dst[0].tolist()):
+            want = oracle_convert.from_vector(vector, to, target, flip, blue)
+            if want is None:
+                bad += 1
+                want = (to + 1) // 2, (to + 1) // 2, to
+            assert tuple(out) == want, (vector.tolist(), out, want, flip, blue)
+        assert counts[1] == bad
+        if target == ntp.ZZERO:
+            finite = np.isfinite(v).all(axis=1)
+            assert counts[0] == np.count_nonzero(finite & (v[:, 2] < 0))
+
+
+@pytest.mark.parametrize("m", DEPTHS)
+def test_to_vectors(m):
+    texels = texels_of(m, ntp.STANDARD)
+    src = texels[None].astype(DEPTHS[m])
+    dst = np.zeros(src.shape, np.float32)
+    ntp.convert(src, dst, ntp.STANDARD, ntp.VECTOR)
+    assert np.array_equal(dst[0], ((2 * texels - m) / m).astype(np.float32))
+    ntp.convert(src, dst, ntp.ZZERO, ntp.VECTOR)
+    assert np.array_equal(dst[0, :, 2], (texels[:, 2] / m).astype(np.float32))
+    ntp.convert(src, dst, ntp.STANDARD, ntp.VECTOR, ntp.UP, ntp.DOWN, how=(0, 7))
+    assert np.array_equal(dst[0, :, 1], (-(2 * texels[:, 1] - m) / m).astype(np.float32))
+    ntp.convert(src, dst, ntp.XY, ntp.VECTOR, how=(0, 7))
+    r, g = oracle.pulled(texels[:, 0], texels[:, 1], m)
+    z = np.sqrt(oracle.radicands(r, g, m).astype(np.float64)) / m
+    assert np.allclose(dst[0, :, 2], z, rtol=1e-7, atol=0)
+
+
+def test_float_images_round_to_16_bit_and_back():
+    """Every 16-bit level, and the floats around the rounding boundaries."""
+    levels = np.arange(65536)
+    src = (levels / 65535).astype(np.float32).reshape(256, 256, 1)
+    dst = np.zeros((256, 256, 1), np.uint16)
+    ntp.convert(src, dst, ntp.HEIGHT, ntp.HEIGHT)
+    assert np.array_equal(dst.ravel(), levels)
+    wide = np.zeros_like(src)
+    ntp.convert(dst, wide, ntp.HEIGHT, ntp.HEIGHT)
+    assert np.array_equal(wide, src)
+    edges = ((levels[:-1] + 0.5) / 65535).astype(np.float32)
+    edges = np.concatenate([np.nextafter(edges, np.float32(0)), edges, np.nextafter(edges, 1)])
+    edges = np.concatenate([edges, [-1, -0.0, 2, 1e30, -1e30, 1e-45]]).astype(np.float32)
+    for dtype, m in ((np.uint16, 65535), (np.uint8, 255)):
+        out = np.zeros((len(edges), 1, 1), dtype)
+        for rows in (slice(0, 65535), slice(65535, 131070), slice(131070, 196605), slice(196605, None)):
+            ntp.convert(edges[rows, None, None], out[rows], ntp.HEIGHT, ntp.HEIGHT)
+        exact = edges.astype(np.float64)  # 24 + 16 bits: the product is exact
+        assert np.array_equal(out.ravel(), np.clip(np.floor(exact * m + 0.5), 0, m).astype(int))
+
+
+def test_heights_by_value():
+    for channels in (1, 2, 3, 4):
+        src = np.resize(np.arange(65536, dtype=np.uint16), (300, 256, channels))
+        dst = np.zeros(src.shape, np.uint8)
+        ntp.convert(src, dst, ntp.HEIGHT, ntp.HEIGHT, ntp.UP, ntp.DOWN)
+        assert np.array_equal(dst, (src.astype(int) + 128) // 257)
+
+
+def test_in_place():
+    for m, dtype in DEPTHS.items():
+        src = random_texels(m, 300, seed=2)[None].astype(dtype)
+        want = np.zeros_like(src)
+        ntp.convert(src, want, ntp.STANDARD, ntp.ZZERO, ntp.UP, ntp.DOWN)
+        ntp.convert(src, src, ntp.STANDARD, ntp.ZZERO, ntp.UP, ntp.DOWN)
+        assert np.array_equal(src, want)
+
+
+def status(src, dst, *args, **kwargs):
+    with pytest.raises(ntp.NtpError) as error:
+        ntp.convert(src, dst, *args, **kwargs)
+    return error.value.status
+
+
+def test_errors():
+    a = np.zeros((4, 5, 3), np.uint8)
+    assert status(a, np.zeros((4, 6, 3), np.uint8)) == ntp.ERR_SHAPE
+    assert status(a, np.zeros((4, 5, 1), np.uint8), 0, ntp.HEIGHT) == ntp.ERR_FORMAT
+    assert status(a, np.zeros((4, 5, 2), np.uint8), 0, ntp.STANDARD) == ntp.ERR_FORMAT
+    assert status(a, np.zeros((4, 5, 3), np.uint8), 0, ntp.VECTOR) == ntp.ERR_FORMAT
+    assert status(a, a.copy(), how=(2, 0)) == ntp.ERR_ARGUMENT
+    assert status(a, a.copy(), how=(0, 8)) == ntp.ERR_ARGUMENT
+    assert status(a, a.copy(), area=(0, 0, 6, 4)) == ntp.ERR_SHAPE
+    assert status(a, a.copy(), area=(2, 1, 2, 3)) == ntp.ERR_SHAPE
