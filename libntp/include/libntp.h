@@ -500,9 +500,19 @@ typedef enum ntp_palette {
 } ntp_palette;
 
 /*
- * Shows what is wrong where: dst is NTP_U8, NTP_HEIGHT encoding, 3 or 4 channels (alpha is
- * made opaque).  Texels without fault, and unused ones, become gray.  docs/heatmap.md is the
- * legend.
+ * In the pictures below dst (heat) is NTP_U8, NTP_HEIGHT encoding, 3 or 4 channels, alpha made
+ * opaque.  It does not overlap the source, or is the same 8-bit memory with the same strides.
+ *
+ * Shows what is wrong where; docs/heatmap.md is the legend.  A level is 2/M.  Reference palette:
+ *   red    |(x, y)| > 1: 128; by more than one level: 255
+ *   green  | |(x, y, z)| - 1 | of at least two levels: 128; of at least three: 255.  Where x, y
+ *          are longer than 1 they are pulled onto the disc first, so that this speaks of z
+ *   blue   z < 0 (NTP_STANDARD, NTP_VECTOR): M - b in 8 bit: 128 just below 0, 255 at -1
+ *   gray   no fault, or unused: 100 + luma/2, luma 0..255 by Rec. 709 of the stored levels
+ * The safe palette has one hue for each texel, that of the first fault of: z < 0, yellow
+ * (240, 228, 66); x, y too long, vermilion (213, 94, 0); length, sky blue (86, 180, 233); times
+ * the fault's value above / 255.  Of NTP_XY only x, y are judged.  Floats are judged as 16-bit
+ * levels; those that are no vector (NaN, infinite, length 0) are white.
  */
 NTP_API ntp_status ntp_heatmap(const ntp_image *dst, const ntp_const_image *src,
                                ntp_palette palette, uint32_t touch_unused, const ntp_rect *area);
@@ -516,14 +526,20 @@ typedef struct ntp_light {
 } ntp_light;
 
 /*
- * A plane with these normals, lit from a direction and seen from above: for previews and
- * thumbnails.  dst is NTP_U8, NTP_HEIGHT encoding, 1, 3 or 4 channels, for display (gamma 2).
- * light NULL: from the upper left, neutral gray.
+ * A plane with these normals, lit from a direction l and seen from straight above: for previews
+ * and thumbnails.  With n the stored vector over its length (NTP_XY: z derived, 0 where x, y are
+ * too long; y down is turned up) and h halfway between l and the viewer, each channel is
+ *   color (ambient + diffuse (n.l)) + specular (n.h)^32, of n.l and n.h what is above 0,
+ * no specular where n.l is not; its square root (gamma 2) goes to 0..255.  dst as in
+ * ntp_heatmap, or with 1 channel: the Rec. 709 luminance.  Unused texels, and floats that are
+ * no vector, show a dark checker of 8 x 8 texels.
+ * light NULL or zero-filled: direction (-1, 1, 1.2), the upper left; ambient 0.1, diffuse 0.9,
+ * specular 0.2, color 0.6.
  */
 NTP_API ntp_status ntp_shade(const ntp_image *dst, const ntp_const_image *src,
                              const ntp_light *light, const ntp_rect *area);
 
-/* Differences between two textures; integer sums, so that parts add up exactly. */
+/* Differences between two textures; integer sums, so that parts add up exactly, in any order. */
 typedef struct ntp_diff ntp_diff;
 
 /* Bytes of an ntp_diff: zero-filled by the caller, aligned to 16. */
@@ -531,23 +547,129 @@ NTP_API size_t ntp_diff_size(void);
 
 typedef struct ntp_diff_stats {
     uint64_t texels;
-    uint64_t different; /* texels of which a sample differs */
+    uint64_t different; /* texels of which a compared sample differs */
     uint32_t max;       /* M of the levels below: that of the deeper image */
-    int32_t channels;   /* compared: the fewer of the two */
-    uint32_t levels_max[4];
+    int32_t channels;   /* compared: the fewer of the two; 2 where just one is NTP_XY */
+    uint32_t levels_max[4]; /* greatest and mean |difference| of each channel */
     double levels_mean[4];
-    ntp_angles angles; /* between the two vectors, over all texels */
+    ntp_angles angles; /* between the two vectors, over all texels; none for NTP_HEIGHT */
 } ntp_diff_stats;
 
 /*
  * Adds the differences between a and b, which agree in size and may differ in type, encoding
- * and y (b is converted to a's).  heat, NULL or an NTP_U8 view of 3 or 4 channels, shows them:
- * black equal, then blue, green, red up to 10 degrees and more.
+ * and y.  For the levels b is brought to a's encoding and y as by ntp_convert at b's depth;
+ * then 8-bit levels count 257 each beside a deeper image.  Angles are between the vectors as
+ * stored (NTP_XY: z derived, 0 where x, y are too long).  Texels that are unused in both are 0
+ * degrees apart; floats are rounded to 16 bit, those that are no vector count as flat, and as
+ * different from one that is.  Two NTP_HEIGHT views of the same channels compare in levels only.
+ * heat: NULL, or a picture as in ntp_heatmap: black where levels and vectors are equal, then
+ * from blue (0 degrees) by green (5) to red (10 and more), each step linear in the angle; of
+ * heights a difference of M counts as 180 degrees.
+ * Errors: NTP_ERR_FORMAT when diff already holds another depth, channel count or kind;
+ * NTP_ERR_SHAPE when it would hold more than 2^32 - 1 texels.
  */
 NTP_API ntp_status ntp_compare(ntp_diff *diff, const ntp_image *heat, const ntp_const_image *a,
                                const ntp_const_image *b, const ntp_rect *area);
+
+/* Adds what `from` holds to `into`.  Errors as ntp_compare. */
 NTP_API ntp_status ntp_diff_merge(ntp_diff *into, const ntp_diff *from);
+
+/* The sums as numbers.  An empty diff is NTP_ERR_ARGUMENT. */
 NTP_API ntp_status ntp_diff_summarize(ntp_diff_stats *stats, const ntp_diff *diff);
+
+/* --------------------------------------------------------------- heightfield -> normals */
+
+/* How a slope is taken; each has gain 1 on a ramp, so that none is stronger.  Radius 1 to 4. */
+typedef enum ntp_kernel {
+    NTP_KERNEL_CENTRAL = 0,
+    NTP_KERNEL_FORWARD = 1, /* to the next texel on the right and below */
+    NTP_KERNEL_PREWITT3 = 2,
+    NTP_KERNEL_SOBEL3 = 3,
+    NTP_KERNEL_SCHARR3 = 4,
+    NTP_KERNEL_PREWITT5 = 5,
+    NTP_KERNEL_SOBEL5 = 6,
+    NTP_KERNEL_GIMP5 = 7, /* those of the gimp-normalmap plug-in */
+    NTP_KERNEL_GIMP7 = 8,
+    NTP_KERNEL_GIMP9 = 9
+} ntp_kernel;
+
+/* The height beyond an edge.  The two axes are independent. */
+typedef enum ntp_border {
+    NTP_BORDER_WRAP = 0,        /* the other end: for textures that tile */
+    NTP_BORDER_CLAMP = 1,       /* the texel at the edge */
+    NTP_BORDER_MIRROR = 2,      /* reflected about the texel at the edge */
+    NTP_BORDER_EXTRAPOLATE = 3, /* the line through the last two texels */
+    NTP_BORDER_REPEAT_SLOPE = 4 /* the slope of the nearest texel whose stencil lies inside */
+} ntp_border;
+
+/* Which number of a pixel is the height.  Gray pixels count as r = g = b. */
+typedef enum ntp_height_source {
+    NTP_SOURCE_RED = 0,
+    NTP_SOURCE_GREEN = 1,
+    NTP_SOURCE_BLUE = 2,
+    NTP_SOURCE_ALPHA = 3,
+    NTP_SOURCE_LUMA = 4,        /* 0.2126 r + 0.7152 g + 0.0722 b of the stored numbers: Rec. 709 */
+    NTP_SOURCE_LUMA_GIMP = 5,   /* 0.3, 0.59, 0.11: gimp-normalmap */
+    NTP_SOURCE_LUMA_EBERLY = 6, /* 0.2125, 0.7154, 0.0721 */
+    NTP_SOURCE_MEAN = 7,
+    NTP_SOURCE_MAX = 8,
+    NTP_SOURCE_MIN = 9,
+    NTP_SOURCE_SCREEN = 10 /* 1 - (1 - r)(1 - g)(1 - b) */
+} ntp_height_source;
+
+/* What becomes of the alpha of dst. */
+typedef enum ntp_alpha {
+    NTP_ALPHA_KEEP = 0, /* that of src by value, opaque where it has none */
+    NTP_ALPHA_ONE = 1,
+    NTP_ALPHA_INVERSE = 2, /* 1 - that of src */
+    NTP_ALPHA_HEIGHT = 3,  /* the height that the normals are made of (LabPBR) */
+    NTP_ALPHA_INVERSE_HEIGHT = 4
+} ntp_alpha;
+
+typedef struct ntp_gradient_options {
+    double scale; /* texels that a height of 1 rises; 0 is flat, negative inverts */
+    double dx;    /* spacing of texels; 0 stands for 1 */
+    double dy;
+    double min_z; /* 0..1: where z would be less, x and y are shortened to sqrt(1 - min_z^2) */
+    ntp_kernel kernel;
+    ntp_border border_x;
+    ntp_border border_y;
+    ntp_height_source source;
+    ntp_blue blue;
+    ntp_alpha alpha;
+    int32_t invert; /* nonzero: a height h is 1 - h */
+} ntp_gradient_options;
+
+/* Adds to these; the caller zeroes them once. */
+typedef struct ntp_gradient_counts {
+    uint64_t not_finite; /* float heights: texels with a NaN or infinity under the stencil: flat */
+    uint64_t exact;      /* texels whose rounding took more than a double */
+} ntp_gradient_counts;
+
+/*
+ * Normals of a heightfield: n = (-p, -q, 1) / sqrt(1 + p*p + q*q), p and q the slopes to the
+ * right and up the picture.  Red and green are the correctly rounded encodings of n.x and n.y,
+ * rounded half up, for every input; blue is derived from them (a pair that is too long after
+ * rounding is pulled onto the disc) or, by NTP_BLUE_NEAREST, n.z rounded by itself.
+ * src is NTP_HEIGHT of 1 to 4 channels; dst is NTP_STANDARD, NTP_ZZERO, NTP_XY (a third sample
+ * becomes 1) or NTP_VECTOR, of any type; y follows dst->y.  Floats of dst: x, y and z each
+ * nearest, `blue` does not matter.  dst and src do not overlap.
+ * The texels read are those of the area and, on each side, ntp_gradient_reach(how) more, as far
+ * as the image goes; with NTP_BORDER_WRAP also as many at the other end where the area is that
+ * near an edge, and those rows must then be in the ring at the same time.
+ * Errors: NTP_ERR_ARGUMENT for how NULL, a scale that is not finite, dx or dy negative or not
+ * finite, min_z outside 0..1; NTP_ERR_FORMAT for a source that src does not have.
+ */
+NTP_API ntp_status ntp_normals_from_height(const ntp_image *dst, const ntp_const_image *src,
+                                           const ntp_gradient_options *how,
+                                           ntp_gradient_counts *counts, const ntp_rect *area);
+
+/* Rows above and below a row that its normals are made of; -1 where how is NULL or no good. */
+NTP_API int32_t ntp_gradient_reach(const ntp_gradient_options *how);
+
+/* The name of a kernel or border as in docs/arithmetic.md ("sobel3", "repeat-slope"); never NULL. */
+NTP_API const char *ntp_kernel_name(ntp_kernel kernel);
+NTP_API const char *ntp_border_name(ntp_border border);
 
 /* --- cdef end --- */
 

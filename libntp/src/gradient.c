@@ -1,0 +1,560 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * gradient.c - heightfield -> normals: checks, and the walk over the area
+ *
+ * The area is cut into strips of NTP__BLOCK columns.  Down a strip goes a ring of rows of
+ * heights (the kernel's, at most nine), each read once; tap sums, encoding and packing follow
+ * row by row.  Texels that the encoding loop has doubts about are done over exactly.
+ */
+#include "gradient.h"
+
+#include "kernels.h"
+#include "level.h"
+
+#include <string.h>
+
+/* Limits between which no float (double) of the encoding loops leaves the normal range: p is
+ * least c/N where not 0, and greatest c/N times the greatest tap sum; its square is formed. */
+static const double least_single = 0x1p-60, most_single = 0x1p60;
+static const double least_double = 0x1p-400, most_double = 0x1p400;
+
+/* Error of the encoding loops in units of roundoff; see gradient_kernels.c. */
+static const double encode_error = 17;
+
+/* Tap sums in doubles that are not exact have fewer than 64 roundings. */
+static const double sum_error = 0x1p-47;
+
+/* How a call is carried out. */
+typedef struct walk {
+    ntp__gradient g;
+    const ntp__gradient_kernels *loops;
+    const ntp__kernels_table *kernels;
+    bool ints;       /* heights are int32_t */
+    bool single;     /* in float arithmetic */
+    bool doubles;    /* in double arithmetic; neither: every texel exactly */
+    double greatest; /* of the heights times the kernel's gain; integers */
+    ntp__encode encode;
+    ntp_alpha alpha;
+    ntp_gradient_counts counts;
+} walk;
+
+typedef struct strip {
+    ntp__height_row row[NTP__MAX_TAPS];
+    union {
+        int32_t i[2][NTP__BLOCK];
+        double d[2][NTP__BLOCK];
+    } sums;
+    ntp__block out;
+    uint8_t doubt[NTP__BLOCK]; /* to be done exactly */
+    uint8_t moved[NTP__BLOCK]; /* also: repeat-slope takes a slope from outside the block */
+    bool any_moved;
+} strip;
+
+/* ------------------------------------------------------------------------------- checks */
+
+static bool finite_double(double v)
+{
+    return v - v == 0;
+}
+
+static bool options_good(const ntp_gradient_options *how)
+{
+    return how != NULL && finite_double(how->scale) && how->dx >= 0 && finite_double(how->dx) &&
+           how->dy >= 0 && finite_double(how->dy) && how->min_z >= 0 && how->min_z <= 1 &&
+           (int) how->kernel >= 0 && (int) how->kernel < (int) NTP__KERNELS &&
+           (int) how->border_x >= 0 && (int) how->border_x <= NTP_BORDER_REPEAT_SLOPE &&
+           (int) how->border_y >= 0 && (int) how->border_y <= NTP_BORDER_REPEAT_SLOPE &&
+           (int) how->source >= 0 && (int) how->source <= NTP_SOURCE_SCREEN &&
+           (how->blue == NTP_BLUE_DERIVED || how->blue == NTP_BLUE_NEAREST) &&
+           (int) how->alpha >= 0 && (int) how->alpha <= NTP_ALPHA_INVERSE_HEIGHT;
+}
+
+static double quotient(double scale, double spacing)
+{
+    return spacing == 0 ? scale : scale / spacing;
+}
+
+/* ------------------------------------------------------------------------------ the plan */
+
+/* Which samples a source reads, their weights, and what stands for height 1. */
+static ntp_status set_source(ntp__gradient *g, ntp_height_source source)
+{
+    static const int32_t luma[3][3] = { { 2126, 7152, 722 },
+                                        { 3000, 5900, 1100 },
+                                        { 2125, 7154, 721 } };
+    int32_t channels = g->src->channels;
+    int64_t m = g->src->type == NTP_F32 ? 1 : ntp__max(g->src->type);
+    bool gray = channels <= 2;
+    g->source = source;
+    g->reads = 1;
+    g->read[0] = 0;
+    g->weight[0] = 1;
+    g->range = m;
+    if (source == NTP_SOURCE_ALPHA) {
+        g->read[0] = channels - 1;
+        return channels == 2 || channels == 4 ? NTP_OK : NTP_ERR_FORMAT;
+    }
+    if (source <= NTP_SOURCE_BLUE) {
+        g->read[0] = gray ? 0 : (int32_t) source;
+        return NTP_OK;
+    }
+    if (gray && source != NTP_SOURCE_SCREEN) {
+        g->source = NTP_SOURCE_RED;
+        return NTP_OK;
+    }
+    g->reads = 3;
+    for (int32_t k = 0; k < 3; k++) {
+        bool weighted = source >= NTP_SOURCE_LUMA && source <= NTP_SOURCE_LUMA_EBERLY;
+        g->read[k] = gray ? 0 : k;
+        g->weight[k] = weighted ? luma[source - NTP_SOURCE_LUMA][k] : 1;
+    }
+    if (source <= NTP_SOURCE_LUMA_EBERLY)
+        g->range = 10000 * m;
+    else if (source == NTP_SOURCE_MEAN)
+        g->range = 3 * m;
+    else if (source == NTP_SOURCE_SCREEN)
+        g->range = m * m * m;
+    return NTP_OK;
+}
+
+/* Where the taps along and across a slope lie: first and last offset of one that is not 0. */
+static void extent(const ntp__kernel *k, bool along, int32_t *first, int32_t *last)
+{
+    *first = NTP__MAX_RADIUS;
+    *last = -NTP__MAX_RADIUS;
+    for (int32_t i = -NTP__MAX_RADIUS; i <= NTP__MAX_RADIUS; i++) {
+        int32_t at = i + NTP__MAX_RADIUS;
+        bool tap = along ? k->term[0].along[at] != 0 || k->term[1].along[at] != 0
+                         : k->term[0].across[at] != 0 || k->term[1].across[at] != 0;
+        if (tap && i < *first)
+            *first = i;
+        if (tap)
+            *last = i;
+    }
+}
+
+static ntp__span positions(const ntp__kernel *k, bool along, ntp_border border, int32_t n)
+{
+    ntp__span span = { 0, n - 1 };
+    int32_t first, last;
+    extent(k, along, &first, &last);
+    if (border == NTP_BORDER_REPEAT_SLOPE && last - first < n) {
+        span.first = first < 0 ? -first : 0;
+        span.last = last > 0 ? n - 1 - last : n - 1;
+    }
+    return span;
+}
+
+static ntp_border beyond(ntp_border border)
+{
+    return border == NTP_BORDER_REPEAT_SLOPE ? NTP_BORDER_EXTRAPOLATE : border;
+}
+
+static void set_borders(ntp__gradient *g, const ntp_gradient_options *how)
+{
+    int32_t width = g->src->width, height = g->src->height;
+    g->border_x = beyond(how->border_x);
+    g->border_y = beyond(how->border_y);
+    g->right_x = positions(g->kernel, true, how->border_x, width);
+    g->right_y = positions(g->kernel, false, how->border_y, height);
+    g->down_x = positions(g->kernel, false, how->border_x, width);
+    g->down_y = positions(g->kernel, true, how->border_y, height);
+}
+
+static bool within(double c, double least, double most, double greatest)
+{
+    c = c < 0 ? -c : c;
+    return c == 0 || (c >= least && c * greatest <= most);
+}
+
+/* Which arithmetic the loops may use for tap sums up to `greatest`. */
+static void set_arithmetic(walk *w, double greatest)
+{
+    const ntp__gradient *g = &w->g;
+    w->doubles = g->dst->type != NTP_F32 && within(g->cx, least_double, most_double, greatest) &&
+                 within(g->cy, least_double, most_double, greatest);
+    w->single = w->ints && g->m == 255 && within(g->cx, least_single, most_single, greatest) &&
+                within(g->cy, least_single, most_single, greatest);
+    double roundoff = w->single ? 0x1p-24 : 0x1p-53;
+    w->encode.delta = encode_error * roundoff * w->encode.half;
+}
+
+/* The tap sums, in doubles, are off by up to greatest * sum_error; no component grows faster
+ * than a slope. */
+static void set_inexact(walk *w, double greatest)
+{
+    double cx = w->g.cx < 0 ? -w->g.cx : w->g.cx, cy = w->g.cy < 0 ? -w->g.cy : w->g.cy;
+    w->encode.inexact = 1;
+    w->encode.delta += w->encode.half * (cx + cy) * greatest * sum_error;
+    w->doubles = w->doubles && w->encode.delta < 0.25;
+}
+
+static ntp_status make_walk(walk *w, const ntp_image *dst, const ntp_const_image *src,
+                            const ntp_gradient_options *how)
+{
+    ntp__gradient *g = &w->g;
+    memset(w, 0, sizeof *w);
+    g->src = src;
+    g->dst = dst;
+    g->kernel = &ntp__kernel_table[how->kernel];
+    NTP__TRY(set_source(g, how->source));
+    set_borders(g, how);
+    g->invert = how->invert != 0;
+    /* n.x falls with the slope to the right; n.y, up, grows with the slope down. */
+    double sx = quotient(how->scale, how->dx), sy = quotient(how->scale, how->dy);
+    if (!finite_double(sx) || !finite_double(sy))
+        return NTP_ERR_ARGUMENT;
+    sx = g->invert ? sx : -sx;
+    sy = g->invert != (dst->y == NTP_Y_DOWN) ? -sy : sy;
+    double norm = (double) (g->kernel->denominator * g->range);
+    g->x = ntp__scaled_from(sx);
+    g->y = ntp__scaled_from(sy);
+    g->cx = sx / norm;
+    g->cy = sy / norm;
+    g->min_z = how->min_z;
+    g->min_z_exact = ntp__scaled_from(how->min_z);
+    g->shortened = sqrt((1 - how->min_z) * (1 + how->min_z));
+    g->m = dst->type == NTP_F32 ? 0 : ntp__max(dst->type);
+    g->derived = how->blue == NTP_BLUE_DERIVED;
+    if (g->m > 0)
+        g->min_z_level = ntp__gradient_z_level(how->min_z, g->m, dst->encoding == NTP_ZZERO);
+    w->alpha = how->alpha;
+    w->loops = ntp__gradient_kernels_for(NTP__CPU_ALL);
+    w->kernels = ntp__kernels(NTP__CPU_ALL);
+    w->ints = ntp__heights_are_int(g);
+    w->greatest = (double) g->kernel->gain * (double) g->range;
+    w->encode.cx = g->cx;
+    w->encode.cy = g->cy;
+    w->encode.half = g->m / 2.0;
+    w->encode.shortened = g->shortened;
+    w->encode.use_shortened = g->min_z > 0;
+    w->encode.zzero = dst->encoding == NTP_ZZERO;
+    if (src->type != NTP_F32) {
+        set_arithmetic(w, w->greatest);
+        if (w->greatest > 0x1p53)
+            set_inexact(w, w->greatest);
+    }
+    return NTP_OK;
+}
+
+/* --------------------------------------------------------------------------------- rows */
+
+static const ntp__height_row *get_row(strip *s, const ntp__gradient *g, int32_t x, int32_t y,
+                                      int32_t n)
+{
+    int32_t rows = 2 * g->kernel->radius + 1;
+    ntp__height_row *row = &s->row[(y + rows) % rows];
+    if (!row->filled || row->y != y)
+        ntp__height_row_fill(row, g, x, y, n);
+    return row;
+}
+
+/* What is known about the heights under a row of stencils. */
+typedef struct facts {
+    bool finite;
+    double least, most;
+} facts;
+
+/* The tap sums of one slope for a block; the positions are those that repeat-slope moves to. */
+static void tap_sums(walk *w, strip *s, facts *f, int32_t x, int32_t y, int32_t n, bool down)
+{
+    const ntp__gradient *g = &w->g;
+    const int32_t *rows_i[NTP__MAX_TAPS] = { NULL };
+    const double *rows_d[NTP__MAX_TAPS] = { NULL };
+    int32_t radius = g->kernel->radius;
+    y = ntp__clamp(y, down ? g->down_y : g->right_y);
+    for (int32_t k = -radius; k <= radius; k++) {
+        const ntp__height_row *row = get_row(s, g, x, y + k, n);
+        rows_i[NTP__MAX_RADIUS + k] = row->h.i;
+        rows_d[NTP__MAX_RADIUS + k] = row->h.d;
+        f->finite = f->finite && row->finite;
+        f->least = row->least < f->least ? row->least : f->least;
+        f->most = row->most > f->most ? row->most : f->most;
+    }
+    ntp_kernel kernel = (ntp_kernel) (g->kernel - ntp__kernel_table);
+    if (w->ints)
+        w->loops->tap_sums_i(s->sums.i[down], rows_i, kernel, down, n);
+    else
+        w->loops->tap_sums_d(s->sums.d[down], rows_d, kernel, down, n);
+}
+
+/* The slope at position at of the strip is that of position from, if that is in the block. */
+static void repeat_slope(const walk *w, strip *s, int32_t at, int32_t from, int32_t n, bool down)
+{
+    if (from < 0 || from >= n) {
+        s->moved[at] = 1;
+        s->any_moved = true;
+    } else if (w->ints) {
+        s->sums.i[down][at] = s->sums.i[down][from];
+    } else {
+        s->sums.d[down][at] = s->sums.d[down][from];
+    }
+}
+
+/* Repeats the slopes of the first and last positions inside towards the edges. */
+static void repeat_slopes(const walk *w, strip *s, int32_t x, int32_t n, bool down)
+{
+    ntp__span span = down ? w->g.down_x : w->g.right_x;
+    for (int32_t i = 0; i < n && x + i < span.first; i++)
+        repeat_slope(w, s, i, span.first - x, n, down);
+    for (int32_t i = n - 1; i >= 0 && x + i > span.last; i--)
+        repeat_slope(w, s, i, span.last - x, n, down);
+}
+
+/* ------------------------------------------------------------------------------ one block */
+
+/* Prepares the encoding of a block of float heights; false: every texel exactly. */
+static bool trust_floats(walk *w, const facts *f)
+{
+    const ntp__gradient *g = &w->g;
+    if (!f->finite)
+        return false;
+    double gain = w->greatest; /* includes the weights of a source */
+    set_arithmetic(w, gain * f->most);
+    /* All sums are exact when all heights are multiples of a unit and 2^53 units are not reached:
+     * a float is a multiple of 2^-24 of itself. */
+    bool one_product = g->source != NTP_SOURCE_SCREEN;
+    w->encode.inexact = 0;
+    if (!one_product)
+        set_inexact(w, gain * (f->most > 1 ? 8 * f->most * f->most * f->most : 8));
+    else if (!(gain * f->most <= 0x1p28 * f->least))
+        set_inexact(w, gain * f->most);
+    return w->doubles;
+}
+
+/* Levels of the texels by the loops; fills s->doubt.  Returns whether any is in doubt. */
+static bool encode(walk *w, strip *s, const facts *f, int32_t n)
+{
+    const ntp__gradient *g = &w->g;
+    int32_t *blue = g->derived || g->dst->encoding == NTP_XY ? NULL : s->out.c[2];
+    bool trust = g->src->type == NTP_F32 ? trust_floats(w, f) : w->single || w->doubles;
+    if (!trust) {
+        memset(s->doubt, 1, (size_t) n);
+        return true;
+    }
+    if (w->single)
+        return w->loops->encode_single(s->out.c[0], s->out.c[1], blue, s->doubt, s->sums.i[0],
+                                       s->sums.i[1], n, &w->encode) > 0;
+    if (w->ints)
+        return w->loops->encode_i(s->out.c[0], s->out.c[1], blue, s->doubt, s->sums.i[0],
+                                  s->sums.i[1], n, &w->encode) > 0;
+    return w->loops->encode_d(s->out.c[0], s->out.c[1], blue, s->doubt, s->sums.d[0], s->sums.d[1],
+                              n, &w->encode) > 0;
+}
+
+static void count(walk *w, const ntp__normal *normal)
+{
+    w->counts.not_finite += !normal->finite;
+    w->counts.exact += normal->wide;
+}
+
+/* Does over the texels in doubt. */
+static void settle(walk *w, strip *s, int32_t x, int32_t y, int32_t n)
+{
+    for (int32_t i = 0; i < n; i++) {
+        if (!s->doubt[i] && !s->moved[i])
+            continue;
+        ntp__normal normal;
+        ntp__gradient_exact(&normal, &w->g, x + i, y);
+        count(w, &normal);
+        for (int32_t k = 0; k < 3; k++)
+            s->out.c[k][i] = normal.level[k];
+    }
+}
+
+/* Blue from the rounded red and green; pairs that are too long are pulled onto the disc. */
+static void derive(walk *w, strip *s, int32_t n)
+{
+    int32_t m = w->g.m;
+    bool zzero = w->g.dst->encoding == NTP_ZZERO;
+    int32_t *r = s->out.c[0], *g = s->out.c[1], *b = s->out.c[2];
+    w->kernels->derive(b, r, g, n, m, zzero);
+    for (int32_t i = 0; i < n; i++) {
+        if (b[i] < 0)
+            b[i] = ntp__derive(&r[i], &g[i], m, zzero);
+    }
+}
+
+/* min_z holds for a blue that is rounded by itself as well. */
+static void raise_blue(const walk *w, strip *s, int32_t n)
+{
+    int32_t *b = s->out.c[2], least = w->g.min_z_level;
+    for (int32_t i = 0; i < n; i++)
+        b[i] = b[i] > least ? b[i] : least;
+}
+
+/* ------------------------------------------------------------------------------- output */
+
+static float unit_alpha(const walk *w, int32_t x, int32_t y)
+{
+    const ntp__gradient *g = &w->g;
+    if (w->alpha == NTP_ALPHA_HEIGHT || w->alpha == NTP_ALPHA_INVERSE_HEIGHT) {
+        double h = ntp__height_value(g, x, y);
+        return (float) (g->invert != (w->alpha == NTP_ALPHA_INVERSE_HEIGHT) ? 1 - h : h);
+    }
+    int32_t channels = g->src->channels;
+    if (w->alpha == NTP_ALPHA_ONE || channels % 2 == 1)
+        return 1;
+    const void *p = ntp__at(g->src, x, y);
+    double a = g->src->type == NTP_U8    ? ((const uint8_t *) p)[channels - 1] / 255.0
+               : g->src->type == NTP_U16 ? ((const uint16_t *) p)[channels - 1] / 65535.0
+                                         : (double) ((const float *) p)[channels - 1];
+    return (float) (w->alpha == NTP_ALPHA_INVERSE ? 1 - a : a);
+}
+
+static int32_t level_alpha(const walk *w, int32_t x, int32_t y)
+{
+    const ntp__gradient *g = &w->g;
+    int32_t m = g->m, channels = g->src->channels;
+    if (w->alpha == NTP_ALPHA_HEIGHT || w->alpha == NTP_ALPHA_INVERSE_HEIGHT) {
+        int32_t h = ntp__height_level(g, x, y, m);
+        return g->invert != (w->alpha == NTP_ALPHA_INVERSE_HEIGHT) ? m - h : h;
+    }
+    if (w->alpha == NTP_ALPHA_ONE || channels % 2 == 1)
+        return m;
+    const void *p = ntp__at(g->src, x, y);
+    int32_t a;
+    if (g->src->type == NTP_F32) {
+        double c = (double) ((const float *) p)[channels - 1] * m + 0.5;
+        a = c > 0 ? c < m + 1 ? (int32_t) c : m : 0;
+    } else if (g->src->type == NTP_U8) {
+        a = ((const uint8_t *) p)[channels - 1] * (m / 255);
+    } else {
+        a = ((const uint16_t *) p)[channels - 1];
+        a = m == 255 ? ntp__narrow(a) : a;
+    }
+    return w->alpha == NTP_ALPHA_INVERSE ? m - a : a;
+}
+
+static void write_levels(walk *w, strip *s, int32_t x, int32_t y, int32_t n)
+{
+    const ntp_image *dst = w->g.dst;
+    bool rgb8 = dst->type == NTP_U8 && dst->channels == 3 && dst->pixel_stride == 3;
+    if (dst->encoding == NTP_XY) {
+        for (int32_t i = 0; i < n; i++)
+            s->out.c[2][i] = w->g.m;
+    }
+    if (dst->channels == 4) {
+        for (int32_t i = 0; i < n; i++)
+            s->out.c[3][i] = level_alpha(w, x + i, y);
+    }
+    if (rgb8)
+        w->loops->pack_rgb8(ntp__at_mut(dst, x, y), s->out.c[0], s->out.c[1], s->out.c[2], n);
+    else
+        ntp__pack(dst, &s->out, x, y, n, dst->channels);
+}
+
+/* One texel of floats at a time. */
+static void write_floats(walk *w, int32_t x, int32_t y, int32_t n)
+{
+    const ntp_image *dst = w->g.dst;
+    for (int32_t i = 0; i < n; i++) {
+        ntp__normal normal;
+        ntp__gradient_exact(&normal, &w->g, x + i, y);
+        count(w, &normal);
+        float *d = ntp__at_mut(dst, x + i, y);
+        d[0] = normal.value[0];
+        d[1] = normal.value[1];
+        if (dst->channels > 2)
+            d[2] = dst->encoding == NTP_XY ? 1.0f : normal.value[2];
+        if (dst->channels > 3)
+            d[3] = unit_alpha(w, x + i, y);
+    }
+}
+
+static void do_block(walk *w, strip *s, int32_t x, int32_t y, int32_t n)
+{
+    if (w->g.dst->type == NTP_F32) {
+        write_floats(w, x, y, n);
+        return;
+    }
+    facts f = { true, 0x1p1000, 0 };
+    for (int32_t down = 0; down < 2; down++) {
+        tap_sums(w, s, &f, x, y, n, down);
+        repeat_slopes(w, s, x, n, down);
+    }
+    if (encode(w, s, &f, n) || s->any_moved)
+        settle(w, s, x, y, n);
+    if (w->g.derived)
+        derive(w, s, n);
+    else
+        raise_blue(w, s, n);
+    write_levels(w, s, x, y, n);
+}
+
+static void do_strip(walk *w, strip *s, const ntp_rect *r, int32_t x, int32_t n)
+{
+    for (int32_t k = 0; k < NTP__MAX_TAPS; k++)
+        s->row[k].filled = false;
+    memset(s->moved, 0, sizeof s->moved);
+    s->any_moved = false;
+    for (int32_t y = r->y0; y < r->y1; y++)
+        do_block(w, s, x, y, n);
+}
+
+/* ------------------------------------------------------------------------------- public */
+
+ntp_status ntp_normals_from_height(const ntp_image *dst, const ntp_const_image *src,
+                                   const ntp_gradient_options *how, ntp_gradient_counts *counts,
+                                   const ntp_rect *area)
+{
+    if (dst == NULL || src == NULL || !options_good(how))
+        return NTP_ERR_ARGUMENT;
+    ntp_const_image view = ntp_image_as_const(dst);
+    NTP__TRY(ntp__check_normals(&view));
+    NTP__TRY(ntp__check_view(src));
+    if (src->encoding != NTP_HEIGHT)
+        return NTP_ERR_FORMAT;
+    if (!ntp__same_size(&view, src))
+        return NTP_ERR_SHAPE;
+    if (dst->data == src->data)
+        return NTP_ERR_OVERLAP;
+    ntp_rect r;
+    NTP__TRY(ntp__check_area(&r, src, area));
+    walk w;
+    NTP__TRY(make_walk(&w, dst, src, how));
+    strip s;
+    for (int32_t x = r.x0; x < r.x1; x += NTP__BLOCK)
+        do_strip(&w, &s, &r, x, r.x1 - x < NTP__BLOCK ? r.x1 - x : NTP__BLOCK);
+    if (counts != NULL) {
+        counts->not_finite += w.counts.not_finite;
+        counts->exact += w.counts.exact;
+    }
+    return NTP_OK;
+}
+
+int32_t ntp_gradient_reach(const ntp_gradient_options *how)
+{
+    if (!options_good(how))
+        return -1;
+    int32_t radius = ntp__kernel_table[how->kernel].radius;
+    return how->border_y == NTP_BORDER_REPEAT_SLOPE ? 2 * radius : radius;
+}
+
+const char *ntp_kernel_name(ntp_kernel kernel)
+{
+    return (int) kernel >= 0 && (int) kernel < (int) NTP__KERNELS ? ntp__kernel_table[kernel].name
+                                                                  : "unknown";
+}
+
+const char *ntp_border_name(ntp_border border)
+{
+    static const char *const names[] = { "wrap", "clamp", "mirror", "extrapolate", "repeat-slope" };
+    return (int) border >= 0 && (int) border <= NTP_BORDER_REPEAT_SLOPE ? names[border] : "unknown";
+}
+
+extern const ntp__gradient_kernels ntp__gradient_kernels_base;
+#ifdef NTP_HAVE_AVX2
+extern const ntp__gradient_kernels ntp__gradient_kernels_avx2;
+#endif
+
+const ntp__gradient_kernels *ntp__gradient_kernels_for(int mask)
+{
+#ifdef NTP_HAVE_AVX2
+    if ((mask & NTP__CPU_AVX2) && __builtin_cpu_supports("avx2"))
+        return &ntp__gradient_kernels_avx2;
+#else
+    (void) mask;
+#endif
+    return &ntp__gradient_kernels_base;
+}

@@ -1,0 +1,151 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * gradient.h - what the files of "heightfield -> normals" share
+ *
+ * A texel's normal is (c x D, d y E, N) divided by its length: D and E are integer tap sums of
+ * heights (right and up the picture), N = denominator * range, and c, d are scale/dx and
+ * scale/dy.  gradient.c walks over the area; gradient_rows.c makes rows of heights, extended
+ * beyond the borders; gradient_kernels.c has the loops, which are right for nearly every texel
+ * and say for which not; gradient_exact.c decides those.
+ */
+#ifndef NTP_GRADIENT_H
+#define NTP_GRADIENT_H
+
+#include "gradient_taps.h"
+#include "internal.h"
+#include "wide.h"
+
+enum {
+    NTP__GRADIENT_ROW = NTP__BLOCK + 2 * NTP__MAX_RADIUS,
+    NTP__MAX_READS = 3 /* samples that a height is made of */
+};
+
+/* The positions of a slope along one axis are moved into first..last (repeat-slope). */
+typedef struct ntp__span {
+    int32_t first, last;
+} ntp__span;
+
+/* mantissa 2^exponent, the sign apart; mantissa is odd or 0. */
+typedef struct ntp__scaled {
+    uint64_t mantissa;
+    int32_t exponent;
+    bool negative;
+} ntp__scaled;
+
+typedef struct ntp__gradient {
+    const ntp_const_image *src;
+    const ntp_image *dst;
+    const ntp__kernel *kernel;
+    ntp_height_source source;
+    bool invert;
+    int32_t reads, read[NTP__MAX_READS], weight[NTP__MAX_READS]; /* sample index and weight */
+    ntp_border border_x, border_y; /* what lies beyond: never NTP_BORDER_REPEAT_SLOPE */
+    ntp__span right_x, right_y, down_x, down_y;
+    int64_t range;    /* m: the number that stands for height 1; 1 for floats */
+    ntp__scaled x, y; /* c, d: n.x and n.y of dst are c D, d E over N and the length; E down */
+    double cx, cy;    /* c/N, d/N as doubles */
+    double min_z, shortened; /* shortened: sqrt(1 - min_z^2) */
+    ntp__scaled min_z_exact;
+    int32_t min_z_level;
+    bool derived; /* blue */
+    int32_t m;    /* of dst; 0 for floats */
+} ntp__gradient;
+
+/* One texel of the result. */
+typedef struct ntp__normal {
+    int32_t level[3]; /* dst of integers */
+    float value[3];   /* dst of floats */
+    bool finite;      /* false: a height that the stencil reads is not */
+    bool wide;        /* the wide integers were asked */
+} ntp__normal;
+
+/* The texels that stand for index i of an axis of n: sum of weight * h[index]. */
+typedef struct ntp__mapped {
+    int32_t count, index[2], weight[2];
+} ntp__mapped;
+
+ntp__mapped ntp__border_map(ntp_border border, int32_t i, int32_t n);
+
+ntp__scaled ntp__scaled_from(double v);
+
+/* The correctly rounded normal at (x, y); blue of integers is set where it is not derived. */
+void ntp__gradient_exact(ntp__normal *normal, const ntp__gradient *g, int32_t x, int32_t y);
+
+/* floor((M + 1 + M z)/2), or floor(M z + 1/2): the exact level of a z in 0..1. */
+int32_t ntp__gradient_z_level(double z, int32_t m, bool zzero);
+
+/* The height at a texel as the dst type's level of 0..1 (rounded), or as a float. */
+int32_t ntp__height_level(const ntp__gradient *g, int32_t x, int32_t y, int32_t m);
+double ntp__height_value(const ntp__gradient *g, int32_t x, int32_t y);
+
+/* Exact height at a texel, times range; integer sources only. */
+int64_t ntp__height_integer(const ntp__gradient *g, int32_t x, int32_t y);
+
+static inline int32_t ntp__clamp(int32_t v, ntp__span span)
+{
+    return v < span.first ? span.first : v > span.last ? span.last : v;
+}
+
+/* --- rows of heights (gradient_rows.c) --- */
+
+/* A row of heights of the columns x - 4 .. x + n + 4, with what lies beyond the border. */
+typedef struct ntp__height_row {
+    int32_t y; /* the row, -4..height + 3 */
+    bool filled, finite;
+    double least, most; /* floats: the least magnitude but 0 and the greatest of the samples */
+    union {
+        int32_t i[NTP__GRADIENT_ROW];
+        double d[NTP__GRADIENT_ROW];
+    } h;
+} ntp__height_row;
+
+/* Are heights of this source kept as int32_t, so that tap sums fit as well? */
+bool ntp__heights_are_int(const ntp__gradient *g);
+
+/* Fills a row from column x - 4 on; n <= NTP__BLOCK. */
+void ntp__height_row_fill(ntp__height_row *row, const ntp__gradient *g, int32_t x, int32_t y,
+                          int32_t n);
+
+/* --- loops (gradient_kernels.c); all write n <= NTP__BLOCK numbers --- */
+
+/* Tap sums of the slope to the right (rows: along x) or down, from rows y - 4 .. y + 4; row
+ * pointers at column x - 4; those beyond the radius are not read. */
+typedef void ntp__tap_sums_i_fn(int32_t *sums, const int32_t *const rows[NTP__MAX_TAPS],
+                                ntp_kernel kernel, int32_t down, int32_t n);
+typedef void ntp__tap_sums_d_fn(double *sums, const double *const rows[NTP__MAX_TAPS],
+                                ntp_kernel kernel, int32_t down, int32_t n);
+
+/* What the encoding loops need to know. */
+typedef struct ntp__encode {
+    double cx, cy, half, delta; /* c/N, d/N, M/2, the doubt about a component times M/2 */
+    double shortened;           /* sqrt(1 - min_z^2); ignored unless use_shortened */
+    int32_t use_shortened;
+    int32_t zzero;
+    int32_t inexact; /* the tap sums are: their signs are in doubt near 0 */
+} ntp__encode;
+
+/* red, green: levels; blue, not NULL: the nearest.  Returns how many texels
+ * are in doubt; doubt[i] is nonzero for those. */
+typedef int32_t ntp__encode_i_fn(int32_t *red, int32_t *green, int32_t *blue, uint8_t *doubt,
+                                 const int32_t *right, const int32_t *down, int32_t n,
+                                 const ntp__encode *e);
+typedef int32_t ntp__encode_d_fn(int32_t *red, int32_t *green, int32_t *blue, uint8_t *doubt,
+                                 const double *right, const double *down, int32_t n,
+                                 const ntp__encode *e);
+
+/* dst[3 n] from planes of levels 0..255. */
+typedef void ntp__pack_rgb8_fn(uint8_t *dst, const int32_t *red, const int32_t *green,
+                               const int32_t *blue, int32_t n);
+
+typedef struct ntp__gradient_kernels {
+    ntp__tap_sums_i_fn *tap_sums_i;
+    ntp__tap_sums_d_fn *tap_sums_d;
+    ntp__encode_i_fn *encode_single; /* in float arithmetic, for M = 255 */
+    ntp__encode_i_fn *encode_i;      /* in double */
+    ntp__encode_d_fn *encode_d;
+    ntp__pack_rgb8_fn *pack_rgb8;
+} ntp__gradient_kernels;
+
+const ntp__gradient_kernels *ntp__gradient_kernels_for(int mask);
+
+#endif

@@ -1,0 +1,195 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * gradient_kernels.c - the loops of heightfield -> normals, compiled once per instruction set
+ *
+ * Each loop is plain C that vectorises.  The tap sums are exact; the encoding is floating point
+ * with a proved bound, and texels that come within it of a rounding boundary are reported.
+ *
+ * The bound.  u is the unit roundoff (2^-24 or 2^-53); every operation below errs by a factor
+ * within 1 +- u, squares of factors are left out.  The slope p = D * c: D may be rounded on
+ * conversion (1), c is rounded, in double from a rounded N (2), the product (1): 4u.  p*p: 9u.
+ * The sum of two such squares: 10u; with 1 added: 11u.  Its root: 5.5u + 1.  1/L: 7.5u.  Times
+ * p: 12.5u.  Shortened by min_z: sqrt(1 - z^2) 3u, the root of the sum of squares 6u, their
+ * quotient 10u, times p: 15u.  Times M/2: 16u.  A component is at most 1, so M/2 times it is off
+ * by less than 17u M/2 (z: 9.5u M).  Its distance to the nearest integer is exact.  Near 0 the error is
+ * relative, so the sign is right and 0 is no boundary in doubt; nothing overflows or falls below
+ * the normal range as the caller keeps c/N within limits (gradient.c).
+ */
+#include "gradient.h"
+
+#include <math.h>
+
+#if defined(__GNUC__)
+#  define ALWAYS_INLINE inline __attribute__((always_inline))
+#else
+#  define ALWAYS_INLINE inline
+#endif
+
+/* The taps are constants once a kernel's function is inlined, and those of 0 vanish. */
+#define TERM(taps, k, value) ((taps)[k] != 0 ? (taps)[k] * (value) : 0)
+#define NINE(taps, value)                                                                          \
+    (TERM(taps, 0, value(0)) + TERM(taps, 1, value(1)) + TERM(taps, 2, value(2)) +                 \
+     TERM(taps, 3, value(3)) + TERM(taps, 4, value(4)) + TERM(taps, 5, value(5)) +                 \
+     TERM(taps, 6, value(6)) + TERM(taps, 7, value(7)) + TERM(taps, 8, value(8)))
+#define ROW(k)    rows[k][i]
+#define COLUMN(k) line[i + (k)]
+
+/* Vertical sums of one term, then horizontal ones. */
+#define DEFINE_TERM(NAME, T)                                                                       \
+    static ALWAYS_INLINE void NAME(T *restrict sums, const T *const rows[NTP__MAX_TAPS],           \
+                                   const int32_t *vertical, const int32_t *horizontal,             \
+                                   int32_t radius, int32_t add, int32_t n)                         \
+    {                                                                                              \
+        T line[NTP__GRADIENT_ROW];                                                                 \
+        const int32_t first = NTP__MAX_RADIUS - radius, last = n + NTP__MAX_RADIUS + radius;       \
+        for (int32_t i = first; i < last; i++)                                                     \
+            line[i] = NINE(vertical, ROW);                                                         \
+        if (add) {                                                                                 \
+            for (int32_t i = 0; i < n; i++)                                                        \
+                sums[i] += NINE(horizontal, COLUMN);                                               \
+        } else {                                                                                   \
+            for (int32_t i = 0; i < n; i++)                                                        \
+                sums[i] = NINE(horizontal, COLUMN);                                                \
+        }                                                                                          \
+    }
+
+#define DEFINE_KERNEL(NAME, T)                                                                     \
+    static ALWAYS_INLINE void NAME##_kernel(T *restrict sums, const T *const rows[NTP__MAX_TAPS],  \
+                                            const ntp__kernel *k, int32_t down, int32_t n)         \
+    {                                                                                              \
+        for (int32_t t = 0; t < k->terms; t++) {                                                   \
+            if (down)                                                                              \
+                NAME##_term(sums, rows, k->term[t].along, k->term[t].across, k->radius, t, n);     \
+            else                                                                                   \
+                NAME##_term(sums, rows, k->term[t].across, k->term[t].along, k->radius, t, n);     \
+        }                                                                                          \
+    }
+
+DEFINE_TERM(sums_i_term, int32_t)
+DEFINE_TERM(sums_d_term, double)
+DEFINE_KERNEL(sums_i, int32_t)
+DEFINE_KERNEL(sums_d, double)
+
+#define CASE(NAME, KERNEL)                                                                         \
+    case KERNEL:                                                                                   \
+        if (down)                                                                                  \
+            NAME##_kernel(sums, rows, &ntp__kernel_table[KERNEL], 1, n);                           \
+        else                                                                                       \
+            NAME##_kernel(sums, rows, &ntp__kernel_table[KERNEL], 0, n);                           \
+        break;
+
+static void tap_sums_i(int32_t *sums, const int32_t *const rows[NTP__MAX_TAPS], ntp_kernel kernel,
+                       int32_t down, int32_t n)
+{
+    switch (kernel) {
+        CASE(sums_i, NTP_KERNEL_CENTRAL)
+        CASE(sums_i, NTP_KERNEL_FORWARD)
+        CASE(sums_i, NTP_KERNEL_PREWITT3)
+        CASE(sums_i, NTP_KERNEL_SOBEL3)
+        CASE(sums_i, NTP_KERNEL_SCHARR3)
+        CASE(sums_i, NTP_KERNEL_PREWITT5)
+        CASE(sums_i, NTP_KERNEL_SOBEL5)
+        CASE(sums_i, NTP_KERNEL_GIMP5)
+        CASE(sums_i, NTP_KERNEL_GIMP7)
+        CASE(sums_i, NTP_KERNEL_GIMP9)
+    }
+}
+
+static void tap_sums_d(double *sums, const double *const rows[NTP__MAX_TAPS], ntp_kernel kernel,
+                       int32_t down, int32_t n)
+{
+    switch (kernel) {
+        CASE(sums_d, NTP_KERNEL_CENTRAL)
+        CASE(sums_d, NTP_KERNEL_FORWARD)
+        CASE(sums_d, NTP_KERNEL_PREWITT3)
+        CASE(sums_d, NTP_KERNEL_SOBEL3)
+        CASE(sums_d, NTP_KERNEL_SCHARR3)
+        CASE(sums_d, NTP_KERNEL_PREWITT5)
+        CASE(sums_d, NTP_KERNEL_SOBEL5)
+        CASE(sums_d, NTP_KERNEL_GIMP5)
+        CASE(sums_d, NTP_KERNEL_GIMP7)
+        CASE(sums_d, NTP_KERNEL_GIMP9)
+    }
+}
+
+/*
+ * Adding and taking away this number rounds a double (float) to the nearest integer; the result
+ * of C's default rounding, which no flag here lets the compiler change.
+ */
+#define ROUND_F 12582912.0f        /* 1.5 * 2^23 */
+#define ROUND_D 6755399441055744.0 /* 1.5 * 2^52 */
+
+/* Levels of n = v / half in [-1, 1]: floor(v) + zero; in doubt near an integer other than 0. */
+#define DEFINE_ENCODE(NAME, T, S, SQRT, ROUND)                                                     \
+    static ALWAYS_INLINE int32_t NAME##_loop(                                                      \
+        int32_t *restrict red, int32_t *restrict green, int32_t *restrict blue,                    \
+        uint8_t *restrict doubt, const S *restrict right, const S *restrict down, int32_t n,       \
+        const ntp__encode *e, int32_t use_shortened, int32_t nearest)                              \
+    {                                                                                              \
+        const T cx = (T) e->cx, cy = (T) e->cy, half = (T) e->half, delta = (T) e->delta;          \
+        const T shortened = (T) e->shortened;                                                      \
+        const int32_t zero = (int32_t) (e->half + 0.5), inexact = e->inexact;                      \
+        const T blue_factor = (T) (e->zzero ? 2 * e->half : e->half);                              \
+        const T blue_shift = e->zzero ? (T) 0.5 : 0;                                               \
+        const int32_t blue_zero = e->zzero ? 0 : zero;                                             \
+        int32_t doubts = 0;                                                                        \
+        for (int32_t i = 0; i < n; i++) {                                                          \
+            T x = (T) right[i] * cx, y = (T) down[i] * cy;                                         \
+            T xy2 = x * x + y * y;                                                                 \
+            T inverse = 1 / SQRT(1 + xy2), factor = inverse;                                       \
+            if (use_shortened) {                                                                   \
+                T other = shortened / SQRT(xy2);                                                   \
+                factor = other < factor ? other : factor;                                          \
+            }                                                                                      \
+            x = x * factor * half;                                                                 \
+            y = y * factor * half;                                                                 \
+            T round_x = (x + ROUND) - ROUND, round_y = (y + ROUND) - ROUND;                        \
+            T over_x = x - round_x, over_y = y - round_y;                                          \
+            red[i] = zero + (int32_t) round_x - (over_x < 0);                                      \
+            green[i] = zero + (int32_t) round_y - (over_y < 0);                                    \
+            int32_t near_x = (over_x < delta) & (over_x > -delta) & ((round_x != 0) | inexact);    \
+            int32_t near_y = (over_y < delta) & (over_y > -delta) & ((round_y != 0) | inexact);    \
+            int32_t in_doubt = near_x | near_y;                                                    \
+            if (nearest) {                                                                         \
+                T z = inverse * blue_factor + blue_shift;                                          \
+                T round_z = (z + ROUND) - ROUND, over_z = z - round_z;                             \
+                blue[i] = blue_zero + (int32_t) round_z - (over_z < 0);                            \
+                in_doubt |= (over_z < 2 * delta) & (over_z > -2 * delta);                          \
+            }                                                                                      \
+            doubt[i] = (uint8_t) in_doubt;                                                         \
+            doubts += in_doubt;                                                                    \
+        }                                                                                          \
+        return doubts;                                                                             \
+    }                                                                                              \
+    static int32_t NAME(int32_t *red, int32_t *green, int32_t *blue, uint8_t *doubt,               \
+                        const S *right, const S *down, int32_t n, const ntp__encode *e)            \
+    {                                                                                              \
+        if (blue != NULL)                                                                          \
+            return NAME##_loop(red, green, blue, doubt, right, down, n, e, e->use_shortened, 1);   \
+        if (e->use_shortened)                                                                      \
+            return NAME##_loop(red, green, blue, doubt, right, down, n, e, 1, 0);                  \
+        return NAME##_loop(red, green, blue, doubt, right, down, n, e, 0, 0);                      \
+    }
+
+DEFINE_ENCODE(encode_single, float, int32_t, sqrtf, ROUND_F)
+DEFINE_ENCODE(encode_i, double, int32_t, sqrt, ROUND_D)
+DEFINE_ENCODE(encode_d, double, double, sqrt, ROUND_D)
+
+/* Four texels make three words; bytes in memory order on every machine. */
+static void pack_rgb8(uint8_t *dst, const int32_t *red, const int32_t *green, const int32_t *blue,
+                      int32_t n)
+{
+    for (int32_t i = 0; i < n; i++) {
+        dst[3 * i] = (uint8_t) red[i];
+        dst[3 * i + 1] = (uint8_t) green[i];
+        dst[3 * i + 2] = (uint8_t) blue[i];
+    }
+}
+
+#define TABLE_NAME_(isa) ntp__gradient_kernels_##isa
+#define TABLE_NAME(isa)  TABLE_NAME_(isa)
+
+extern const ntp__gradient_kernels TABLE_NAME(NTP_ISA);
+const ntp__gradient_kernels TABLE_NAME(NTP_ISA) = {
+    tap_sums_i, tap_sums_d, encode_single, encode_i, encode_d, pack_rgb8,
+};

@@ -1,0 +1,242 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * gradient_rows.c - heights out of pixels, and what lies beyond the borders
+ *
+ * Integer heights are numerators over g->range: the sample itself, or a weighted sum, or the
+ * numerator of 1 - (1-r)(1-g)(1-b) over M^3.
+ */
+#include "gradient.h"
+
+#include <string.h>
+
+static int32_t modulo(int32_t i, int32_t n)
+{
+    int32_t rest = i % n;
+    return rest < 0 ? rest + n : rest;
+}
+
+ntp__mapped ntp__border_map(ntp_border border, int32_t i, int32_t n)
+{
+    ntp__mapped one = { 1, { i, 0 }, { 1, 0 } };
+    if (i >= 0 && i < n)
+        return one;
+    int32_t edge = i < 0 ? 0 : n - 1;
+    if (n == 1 || border == NTP_BORDER_CLAMP) {
+        one.index[0] = edge;
+    } else if (border == NTP_BORDER_WRAP) {
+        one.index[0] = modulo(i, n);
+    } else if (border == NTP_BORDER_MIRROR) {
+        int32_t j = modulo(i, 2 * (n - 1));
+        one.index[0] = j < n ? j : 2 * (n - 1) - j;
+    } else {
+        int32_t beyond = i < 0 ? -i : i - (n - 1);
+        one.count = 2;
+        one.index[0] = edge;
+        one.index[1] = i < 0 ? 1 : n - 2;
+        one.weight[0] = 1 + beyond;
+        one.weight[1] = -beyond;
+    }
+    return one;
+}
+
+static int64_t combine_integers(const ntp__gradient *g, const int64_t s[NTP__MAX_READS])
+{
+    int64_t m = ntp__max(g->src->type);
+    switch (g->source) {
+    case NTP_SOURCE_MAX: {
+        int64_t v = s[0] > s[1] ? s[0] : s[1];
+        return v > s[2] ? v : s[2];
+    }
+    case NTP_SOURCE_MIN: {
+        int64_t v = s[0] < s[1] ? s[0] : s[1];
+        return v < s[2] ? v : s[2];
+    }
+    case NTP_SOURCE_SCREEN:
+        return m * m * m - (m - s[0]) * (m - s[1]) * (m - s[2]);
+    default: {
+        int64_t sum = 0;
+        for (int32_t k = 0; k < g->reads; k++)
+            sum += g->weight[k] * s[k];
+        return sum;
+    }
+    }
+}
+
+int64_t ntp__height_integer(const ntp__gradient *g, int32_t x, int32_t y)
+{
+    const void *p = ntp__at(g->src, x, y);
+    int64_t s[NTP__MAX_READS] = { 0 };
+    for (int32_t k = 0; k < g->reads; k++)
+        s[k] = g->src->type == NTP_U8 ? ((const uint8_t *) p)[g->read[k]]
+                                      : ((const uint16_t *) p)[g->read[k]];
+    return combine_integers(g, s);
+}
+
+/* Height 1 is 1; exact for a source of one sample, max and min; times the sum of weights else. */
+static double combine_floats(const ntp__gradient *g, const float *s)
+{
+    double a = (double) s[g->read[0]];
+    if (g->reads == 1)
+        return g->weight[0] * a;
+    double b = (double) s[g->read[1]], c = (double) s[g->read[2]];
+    switch (g->source) {
+    case NTP_SOURCE_MAX:
+        a = a > b ? a : b;
+        return a > c ? a : c;
+    case NTP_SOURCE_MIN:
+        a = a < b ? a : b;
+        return a < c ? a : c;
+    case NTP_SOURCE_SCREEN:
+        return 1 - (1 - a) * (1 - b) * (1 - c);
+    default:
+        return g->weight[0] * a + g->weight[1] * b + g->weight[2] * c;
+    }
+}
+
+double ntp__height_value(const ntp__gradient *g, int32_t x, int32_t y)
+{
+    if (g->src->type != NTP_F32)
+        return (double) ntp__height_integer(g, x, y) / (double) g->range;
+    const float *s = ntp__at(g->src, x, y);
+    double h = combine_floats(g, s);
+    return g->range == 1 ? h : h / (double) g->range;
+}
+
+int32_t ntp__height_level(const ntp__gradient *g, int32_t x, int32_t y, int32_t m)
+{
+    if (g->src->type == NTP_F32) {
+        double c = ntp__height_value(g, x, y) * m + 0.5;
+        return c > 0 ? c < m + 1 ? (int32_t) c : m : 0;
+    }
+    /* floor(h m / range + 1/2); m and range share the factor m or 257, which keeps it in 64 bits. */
+    int64_t h = ntp__height_integer(g, x, y), range = g->range, factor = m;
+    if (range % factor == 0) {
+        range /= factor;
+        factor = 1;
+    }
+    return (int32_t) ((2 * h * factor + range) / (2 * range));
+}
+
+bool ntp__heights_are_int(const ntp__gradient *g)
+{
+    return g->src->type != NTP_F32 && g->kernel->gain * g->range < INT32_MAX;
+}
+
+/* The samples of the texels x..x+n-1 of a row inside the image. */
+static void read_integers(ntp__height_row *row, int32_t at, const ntp__gradient *g, int32_t x,
+                          int32_t y, int32_t n)
+{
+    const ntp_const_image *v = g->src;
+    bool single = g->reads == 1 && g->weight[0] == 1 && ntp__heights_are_int(g);
+    const char *p = (const char *) ntp__at(v, x, y) + g->read[0] * ntp__sample_size(v->type);
+    if (single && v->type == NTP_U8 && v->pixel_stride == 1) {
+        const uint8_t *s = (const uint8_t *) p;
+        for (int32_t i = 0; i < n; i++)
+            row->h.i[at + i] = s[i];
+    } else if (single && v->type == NTP_U16 && v->pixel_stride == 2) {
+        const uint16_t *s = (const uint16_t *) (const void *) p;
+        for (int32_t i = 0; i < n; i++)
+            row->h.i[at + i] = s[i];
+    } else if (single) {
+        for (int32_t i = 0; i < n; i++, p += v->pixel_stride)
+            row->h.i[at + i] =
+                v->type == NTP_U8 ? *(const uint8_t *) p : *(const uint16_t *) (const void *) p;
+    } else if (ntp__heights_are_int(g)) {
+        for (int32_t i = 0; i < n; i++)
+            row->h.i[at + i] = (int32_t) ntp__height_integer(g, x + i, y);
+    } else {
+        for (int32_t i = 0; i < n; i++)
+            row->h.d[at + i] = (double) ntp__height_integer(g, x + i, y);
+    }
+}
+
+static void read_floats(ntp__height_row *row, int32_t at, const ntp__gradient *g, int32_t x,
+                        int32_t y, int32_t n)
+{
+    const char *p = ntp__at(g->src, x, y);
+    for (int32_t i = 0; i < n; i++, p += g->src->pixel_stride) {
+        const float *s = (const float *) (const void *) p;
+        double h = combine_floats(g, s);
+        for (int32_t k = 0; k < g->reads; k++) {
+            double size = (double) s[g->read[k]];
+            size = size < 0 ? -size : size;
+            row->finite = row->finite && size - size == 0;
+            row->most = size > row->most ? size : row->most;
+            row->least = size > 0 && size < row->least ? size : row->least;
+        }
+        row->h.d[at + i] = h;
+    }
+}
+
+static void read_texels(ntp__height_row *row, int32_t at, const ntp__gradient *g, int32_t x,
+                        int32_t y, int32_t n)
+{
+    if (g->src->type == NTP_F32)
+        read_floats(row, at, g, x, y, n);
+    else
+        read_integers(row, at, g, x, y, n);
+}
+
+/* Fills a row that lies in the image. */
+static void fill_inside(ntp__height_row *row, const ntp__gradient *g, int32_t x, int32_t y,
+                        int32_t n)
+{
+    int32_t width = g->src->width, radius = g->kernel->radius;
+    int32_t first = x - radius, last = x + n + radius; /* those wanted */
+    int32_t inside_first = first < 0 ? 0 : first, inside_last = last > width ? width : last;
+    int32_t base = x - NTP__MAX_RADIUS;
+    bool ints = ntp__heights_are_int(g);
+    read_texels(row, inside_first - base, g, inside_first, y, inside_last - inside_first);
+    for (int32_t i = first; i < last; i++) {
+        if (i == inside_first)
+            i = inside_last; /* the texels between are there */
+        if (i >= last)
+            break;
+        ntp__mapped map = ntp__border_map(g->border_x, i, width);
+        int32_t at = i - base;
+        /* Through one element each: the mapped texels may lie far from the block. */
+        int32_t sum_i = 0;
+        double sum_d = 0;
+        for (int32_t k = 0; k < map.count; k++) {
+            read_texels(row, at, g, map.index[k], y, 1);
+            if (ints)
+                sum_i += map.weight[k] * row->h.i[at];
+            else
+                sum_d += map.weight[k] * row->h.d[at];
+        }
+        if (ints)
+            row->h.i[at] = sum_i;
+        else
+            row->h.d[at] = sum_d;
+    }
+}
+
+void ntp__height_row_fill(ntp__height_row *row, const ntp__gradient *g, int32_t x, int32_t y,
+                          int32_t n)
+{
+    ntp__mapped map = ntp__border_map(g->border_y, y, g->src->height);
+    row->y = y;
+    row->filled = true;
+    row->finite = true;
+    row->least = 0x1p1000;
+    row->most = 0;
+    fill_inside(row, g, x, map.index[0], n);
+    if (map.count == 1)
+        return;
+    ntp__height_row other;
+    other.finite = true;
+    other.least = row->least;
+    other.most = row->most;
+    fill_inside(&other, g, x, map.index[1], n);
+    row->finite = row->finite && other.finite;
+    row->least = other.least < row->least ? other.least : row->least;
+    row->most = other.most > row->most ? other.most : row->most;
+    int32_t first = NTP__MAX_RADIUS - g->kernel->radius;
+    int32_t last = NTP__MAX_RADIUS + n + g->kernel->radius;
+    for (int32_t i = first; i < last; i++) {
+        if (ntp__heights_are_int(g))
+            row->h.i[i] = map.weight[0] * row->h.i[i] + map.weight[1] * other.h.i[i];
+        else
+            row->h.d[i] = map.weight[0] * row->h.d[i] + map.weight[1] * other.h.d[i];
+    }
+}
