@@ -177,7 +177,12 @@ def test_float_images_round_to_16_bit_and_back():
     edges = np.concatenate([edges, [-1, -0.0, 2, 1e30, -1e30, 1e-45]]).astype(np.float32)
     for dtype, m in ((np.uint16, 65535), (np.uint8, 255)):
         out = np.zeros((len(edges), 1, 1), dtype)
-        for rows in (slice(0, 65535), slice(65535, 131070), slice(131070, 196605), slice(196605, None)):
+        for rows in (
+            slice(0, 65535),
+            slice(65535, 131070),
+            slice(131070, 196605),
+            slice(196605, None),
+        ):
             ntp.convert(edges[rows, None, None], out[rows], ntp.HEIGHT, ntp.HEIGHT)
         exact = edges.astype(np.float64)  # 24 + 16 bits: the product is exact
         assert np.array_equal(out.ravel(), np.clip(np.floor(exact * m + 0.5), 0, m).astype(int))

@@ -1,0 +1,235 @@
+# SPDX-License-Identifier: MIT
+"""ntp_measure, ntp_summarize and the histograms against numpy; parts merge to the whole."""
+
+import numpy as np
+import pytest
+
+import libntp_ffi as ntp
+import oracle_measure
+
+ENCODINGS = {"standard": ntp.STANDARD, "zzero": ntp.ZZERO, "xy": ntp.XY}
+COUNTS = ["texels", "unused", "black", "white", "transparent", "max", "stored_max", "channels", "xy_too_long", "xy_far_too_long", "neighbor_and_near", "z_negative", "unused_xy_too_long", "unused_z_negative", "used_z_negative", "gray", "flat", "distinct_flat", "distinct", "alpha_zero", "alpha_full", "levels_off_max", "steepness", "steepness_not_rounded", "steepness_not_neighbor"]
+FIT_COUNTS = ["neighbor", "rounded", "exact", "exact_mirrored", "unused_neighbor", "unused_rounded", "unused_exact", "used_levels_le"]
+
+
+def image(m, channels=3, seed=1, h=61, w=83):
+    """Normals of every kind: good, off by a few levels, random, unused, flat, gray."""
+    rng = np.random.default_rng(seed)
+    tilt = rng.uniform(0, 1.05, (h, w)) ** 2
+    turn = rng.uniform(0, 2 * np.pi, (h, w))
+    v = np.stack(
+        [tilt * np.cos(turn), tilt * np.sin(turn), np.sqrt(np.maximum(1 - tilt**2, 0))], -1
+    )
+    v[..., 2] *= rng.choice([1, 1, 1, -1], (h, w))
+    out = np.floor((v + 1) / 2 * m + 0.5).astype(int)
+    out[..., 2] += rng.choice([0, 0, 0, 1, -2, 5], (h, w))
+    out = np.where(rng.random((h, w, 1)) < 0.1, rng.integers(0, m + 1, (h, w, 3)), out)
+    half = (m + 1) // 2
+    specials = [[0] * 3, [m] * 3, [half, half, m], [half - 1, half, m], [half] * 3]
+    pick = rng.integers(0, 40, (h, w))
+    for i, special in enumerate(specials):
+        out[pick == i] = special
+    if channels == 4:
+        alpha = rng.choice([0, m, m, m // 3], (h, w))
+        out = np.dstack([out, alpha])
+    return np.clip(out, 0, m)[..., :channels]
+
+
+def make(kind):
+    """(array, encoding) for a name such as "standard-u16-4"."""
+    encoding, sample, channels = kind.split("-")
+    channels = int(channels)
+    if sample == "u8":
+        array = image(255, channels).astype(np.uint8)
+    elif sample == "u16":
+        array = image(65535, channels).astype(np.uint16)
+    elif sample == "u16of8":
+        array = (image(255, channels) * 257).astype(np.uint16)
+    else:
+        array = (image(65535, channels) / 65535).astype(np.float32)
+    return array, ENCODINGS[encoding]
+
+
+KINDS = [f"{e}-{s}-{c}" for e in ENCODINGS for s in ("u8", "u16", "u16of8", "f32") for c in (3, 4)]
+KINDS += ["xy-u8-2", "xy-u16-2"]
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("touch", [0, 7, 4])
+def test_summarize(kind, touch):
+    array, encoding = make(kind)
+    tally = ntp.Tally().measure(array, encoding, touch)
+    got = tally.stats(encoding)
+    want = oracle_measure.measure(array, encoding == ntp.ZZERO, touch, encoding == ntp.XY)
+    narrow = want["max"] == 255
+    assert {k: got[k] for k in COUNTS} == {k: want[k] for k in COUNTS}
+    for name in ("standard", "zzero"):
+        have, need = got[name], want[name]
+        assert {k: have[k] for k in FIT_COUNTS} == {k: need[k] for k in FIT_COUNTS}
+        for field in ("length_min", "length_mean", "length_max", "used_length_mean"):
+            assert have[field] == pytest.approx(need[field], abs=2e-5), field
+        assert have["used_length_sd"] == pytest.approx(need["used_length_sd"], abs=2e-4)
+        assert have["used_short"] == pytest.approx(need["used_short"], abs=1e-12)
+        assert have["used_long"] == pytest.approx(need["used_long"], abs=1e-12)
+        histogram = tally.levels_off(ENCODINGS[name])
+        off = need["off"][need["off"] >= 0]
+        assert np.array_equal(histogram, np.bincount(off, minlength=65536))
+        lengths = np.floor(need["length"] * 65536 + 0.5).astype(int) >> 9
+        lengths = np.bincount(np.minimum(lengths, 255), minlength=256)
+        assert np.array_equal(tally.lengths(ENCODINGS[name]), lengths)
+    for have, need in zip(got["channel"], want["channel"]):
+        assert (have["min"], have["max"]) == (need["min"], need["max"])
+        assert have["mean"] == pytest.approx(need["mean"], rel=1e-12)
+    degrees = want["degrees"]
+    angles = got["angles"]
+    assert angles["texels"] == len(degrees)
+    assert angles["mean"] == pytest.approx(degrees.mean(), abs=2e-6)
+    assert angles["max"] == pytest.approx(degrees.max(), abs=2e-6)
+    rank = np.sort(degrees)[(len(degrees) * 99 + 99) // 100 - 1]
+    assert angles["p99"] == pytest.approx(rank, abs=0.0011)
+    assert got["steepness_length_error"] == pytest.approx(want["steepness_length_error"], abs=2e-5)
+    close = 1e-9 if narrow else 0.003
+    assert got["used_mean"][:3] == pytest.approx(want["used_mean"], abs=close)
+    if narrow and array.dtype == np.uint8:
+        assert got["used_sd"][:3] == pytest.approx(want["used_sd"], abs=1e-9)
+        if array.shape[2] > 2:
+            c = np.corrcoef(want["parts"].T)
+            assert got["correlation"] == pytest.approx([c[0, 1], c[0, 2], c[1, 2]], abs=1e-9)
+        assert got["near_gamma_flat"] == want["near_gamma_flat"]
+    assert (got["red_low"], got["green_low"]) == (want["red_low"], want["green_low"])
+    if "ag_in_disc" in want:
+        assert got["ag_in_disc"] == pytest.approx(want["ag_in_disc"], abs=close)
+
+
+@pytest.mark.parametrize(
+    "kind", ["standard-u8-3", "zzero-u8-4", "standard-u16-4", "standard-f32-3"]
+)
+def test_block_step(kind):
+    array, encoding = make(kind)
+    blocky = np.repeat(np.repeat(array[:8, :8], 8, 0), 8, 1)
+    blocky = np.where(
+        np.arange(64)[None, :, None] % 3 == 0,
+        blocky,
+        blocky // 2 * 2 if array.dtype != np.float32 else blocky,
+    )
+    for a in (array, np.ascontiguousarray(blocky).astype(array.dtype)):
+        got = ntp.Tally().measure(a, encoding).stats(encoding)["block_step"]
+        assert np.all(np.isfinite(got)) and min(got) >= 0
+
+
+def cuts(h, w, rng, count):
+    """Rectangles that cover h by w exactly once."""
+    areas = [(0, 0, w, h)]
+    while len(areas) < count:
+        x0, y0, x1, y1 = areas.pop(rng.integers(len(areas)))
+        if rng.random() < 0.5 and x1 - x0 > 1:
+            x = int(rng.integers(x0 + 1, x1))
+            areas += [(x0, y0, x, y1), (x, y0, x1, y1)]
+        elif y1 - y0 > 1:
+            y = int(rng.integers(y0 + 1, y1))
+            areas += [(x0, y0, x1, y), (x0, y, x1, y1)]
+        else:
+            areas.append((x0, y0, x1, y1))
+    return areas
+
+
+def everything(tally, encoding):
+    """All that can be asked of a tally, comparable."""
+    parts = [tally.stats(encoding)]
+    for e in (ntp.STANDARD, ntp.ZZERO):
+        parts += [tally.levels_off(e).tolist(), tally.lengths(e).tolist()]
+    return parts
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_parts_merge_to_the_whole(kind):
+    array, encoding = make(kind)
+    rng = np.random.default_rng(len(kind))
+    whole = everything(ntp.Tally().measure(array, encoding), encoding)
+    for count in (2, 5, 17):
+        areas = cuts(*array.shape[:2], rng, count)
+        rng.shuffle(areas)
+        one = ntp.Tally()
+        for area in areas:
+            one.measure(array, encoding, area=area)
+        assert everything(one, encoding) == whole
+        parts = [ntp.Tally().measure(array, encoding, area=area) for area in areas[:5]]
+        rest = ntp.Tally()
+        for area in areas[5:]:
+            rest.measure(array, encoding, area=area)
+        parts.append(rest)
+        while len(parts) > 1:  # in any order, any tree; asking in between changes nothing
+            i, j = rng.choice(len(parts), 2, replace=False)
+            if rng.random() < 0.3 and parts[i] is not rest:
+                parts[i].stats(encoding)
+            parts[i].merge(parts[j])
+            parts.pop(j)
+        assert everything(parts[0], encoding) == whole
+
+
+def test_a_cleared_tally_is_empty():
+    for kind in ("standard-u8-4", "standard-u16-3", "zzero-f32-4"):
+        array, encoding = make(kind)
+        want = everything(ntp.Tally().measure(array, encoding), encoding)
+        for other_kind in ("standard-u8-3", "xy-u16-4", "standard-f32-3"):
+            other, other_encoding = make(other_kind)
+            tally = ntp.Tally().measure(other, other_encoding)
+            tally.stats(other_encoding)
+            ntp.check(ntp.lib.ntp_tally_clear(tally.pointer))
+            assert everything(tally.measure(array, encoding), encoding) == want
+
+
+def test_16_bit_with_8_bit_content_is_judged_as_8_bit():
+    """One level that is no multiple of 257, in any channel and any part, makes it 16 bit."""
+    narrow = (image(255, 4) * 257).astype(np.uint16)
+    assert ntp.Tally().measure(narrow).stats()["max"] == 255
+    for channel in range(4):
+        array = narrow.copy()
+        array[50, 60, channel] ^= 1
+        tally = ntp.Tally()
+        for area in ((0, 0, 83, 30), (0, 30, 83, 61)):
+            tally.measure(array, area=area)
+        got = tally.stats()
+        want = oracle_measure.measure(array)
+        assert got["max"] == want["max"] == 65535, channel
+        assert got["standard"]["neighbor"] == want["standard"]["neighbor"], channel
+
+
+def test_errors():
+    a8, _ = make("standard-u8-3")
+    a16, _ = make("standard-u16-3")
+    a4, _ = make("standard-u8-4")
+    cases = [(a16, ntp.STANDARD), (a4, ntp.STANDARD), (a8, ntp.XY)]
+    for array, encoding in cases:
+        tally = ntp.Tally().measure(a8)
+        with pytest.raises(ntp.NtpError) as error:
+            tally.measure(array, encoding)
+        assert error.value.status == ntp.ERR_FORMAT
+        with pytest.raises(ntp.NtpError) as error:
+            tally.merge(ntp.Tally().measure(array, encoding))
+        assert error.value.status == ntp.ERR_FORMAT
+        assert tally.stats()["texels"] == a8.shape[0] * a8.shape[1]
+    with pytest.raises(ntp.NtpError) as error:
+        ntp.Tally().measure(a16).stats(ntp.ZZERO)
+    assert error.value.status == ntp.ERR_FORMAT
+    with pytest.raises(ntp.NtpError) as error:
+        ntp.Tally().measure(a8).levels_off(size=255)
+    assert error.value.status == ntp.ERR_ARGUMENT
+    with pytest.raises(ntp.NtpError) as error:
+        ntp.Tally().measure(a8, area=(0, 0, 84, 1))
+    assert error.value.status == ntp.ERR_SHAPE
+    with pytest.raises(ntp.NtpError) as error:
+        ntp.Tally().measure(a8, touch_unused=8)
+    assert error.value.status == ntp.ERR_ARGUMENT
+    lib, null = ntp.lib, ntp.ffi.NULL
+    assert lib.ntp_measure(null, ntp.view(a8, const=True), 0, null) == ntp.ERR_ARGUMENT
+    assert lib.ntp_measure(ntp.Tally().pointer, null, 0, null) == ntp.ERR_ARGUMENT
+    assert lib.ntp_summarize(null, ntp.Tally().pointer, 0) == ntp.ERR_ARGUMENT
+
+
+def test_not_finite():
+    array = (image(65535) / 65535).astype(np.float32)
+    array[3, 4, 0], array[5, 6, 2], array[7, 8, 1] = np.nan, np.inf, -np.inf
+    stats = ntp.Tally().measure(array).stats()
+    assert stats["not_finite"] == 3
+    assert stats["texels"] == array.shape[0] * array.shape[1]
