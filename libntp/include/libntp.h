@@ -547,9 +547,9 @@ NTP_API size_t ntp_diff_size(void);
 
 typedef struct ntp_diff_stats {
     uint64_t texels;
-    uint64_t different; /* texels of which a compared sample differs */
-    uint32_t max;       /* M of the levels below: that of the deeper image */
-    int32_t channels;   /* compared: the fewer of the two; 2 where just one is NTP_XY */
+    uint64_t different;     /* texels of which a compared sample differs */
+    uint32_t max;           /* M of the levels below: that of the deeper image */
+    int32_t channels;       /* compared: the fewer of the two; 2 where just one is NTP_XY */
     uint32_t levels_max[4]; /* greatest and mean |difference| of each channel */
     double levels_mean[4];
     ntp_angles angles; /* between the two vectors, over all texels; none for NTP_HEIGHT */

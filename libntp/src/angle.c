@@ -6,6 +6,7 @@
  * taken about the nearest i/8: atan(t) = atan(i/8) + atan(u), u = (t - i/8)/(1 + t i/8), where
  * |u| <= 1/16 and the series to u^9 is short by less than 1/16^11/11 = 6e-15 radians.
  */
+#include "angle.h"
 #include "internal.h"
 
 #include <math.h>
@@ -48,4 +49,32 @@ uint32_t ntp__angle(int64_t x1, int64_t y1, int64_t z1, int64_t x2, int64_t y2, 
     else
         radians = PI / 2 - (d < 0 ? -arc_tangent(-d / s) : arc_tangent(d / s));
     return (uint32_t) (radians * (180e6 / PI) + 0.5);
+}
+
+void ntp__angles_merge(ntp__angle_sums *into, const ntp__angle_sums *from)
+{
+    into->texels += from->texels;
+    into->sum += from->sum;
+    if (from->max > into->max)
+        into->max = from->max;
+    for (int32_t i = 0; i < NTP__ANGLE_BINS; i++)
+        into->bins[i] += from->bins[i];
+}
+
+void ntp__angles_describe(ntp_angles *out, const ntp__angle_sums *sums)
+{
+    out->texels = sums->texels;
+    out->mean = out->p99 = 0;
+    out->max = (double) sums->max / 1e6;
+    if (sums->texels == 0)
+        return;
+    out->mean = (double) sums->sum / (double) sums->texels / 1e6;
+    uint64_t rank = (sums->texels * 99 + 99) / 100, below = 0;
+    for (int32_t i = 0; i < NTP__ANGLE_BINS; i++) {
+        below += sums->bins[i];
+        if (below >= rank) {
+            out->p99 = i / 1000.0;
+            return;
+        }
+    }
 }

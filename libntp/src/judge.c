@@ -87,14 +87,10 @@ static void add_angle(ntp__angle_sums *angles, const ntp__row *row, int32_t b, u
         z = zzero ? b : ntp__num(b, m);
         wz = zzero ? row->cleaned_blue[1] : ntp__num(row->cleaned_blue[0], m);
     }
-    uint64_t angle = 0;
+    uint32_t angle = 0;
     if (row->want[0] < 0 || z != wz)
         angle = ntp__angle(x, y, z, ntp__num(row->cleaned[0], m), ntp__num(row->cleaned[1], m), wz);
-    angles->texels += count;
-    angles->sum += angle * count;
-    angles->bins[(angle + 500) / 1000] += count;
-    if (angle > angles->max)
-        angles->max = angle;
+    ntp__angles_add(angles, angle, count);
 }
 
 void ntp__add(ntp__sums *sums, const ntp__row *row, int32_t b, uint32_t count,

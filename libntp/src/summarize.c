@@ -72,22 +72,6 @@ static void describe_fit(ntp_fit *out, const ntp_tally *t, int32_t z)
     out->used_long = share(flagged(used, NTP_PASS_ROUNDED | NTP__LONG, NTP__LONG), n);
 }
 
-static void describe_angles(ntp_angles *out, const ntp__angle_sums *sums)
-{
-    out->texels = sums->texels;
-    out->mean = share(sums->sum, sums->texels) / 1e6;
-    out->max = (double) sums->max / 1e6;
-    out->p99 = 0;
-    uint64_t rank = (sums->texels * 99 + 99) / 100, below = 0;
-    for (int32_t i = 0; sums->texels > 0 && i < NTP__ANGLE_BINS; i++) {
-        below += sums->bins[i];
-        if (below >= rank) {
-            out->p99 = i / 1000.0;
-            return;
-        }
-    }
-}
-
 static void describe_steepness(ntp_stats *s, const ntp__fit_sums *fit)
 {
     for (int32_t i = 0; i < NTP_STEEPNESS_BINS; i++) {
@@ -346,7 +330,7 @@ ntp_status ntp_summarize(ntp_stats *s, ntp_tally *t, ntp_encoding encoding)
     }
     describe_fit(&s->standard, t, 0);
     describe_fit(&s->zzero, t, 1);
-    describe_angles(&s->angles, &t->used.angles);
+    ntp__angles_describe(&s->angles, &t->used.angles);
     describe_steepness(s, used);
     if (t->depth == 8 && t->encoding != NTP_HEIGHT) {
         describe_channels8(s, t);

@@ -49,11 +49,7 @@ static void merge_sums(ntp__sums *into, const ntp__sums *from, int32_t m)
         merge_max(&a->length_max, b->length_max);
         merge_max(&a->length_inverted_min, b->length_inverted_min);
     }
-    into->angles.texels += from->angles.texels;
-    into->angles.sum += from->angles.sum;
-    if (from->angles.max > into->angles.max)
-        into->angles.max = from->angles.max;
-    merge_counts(into->angles.bins, from->angles.bins, NTP__ANGLE_BINS);
+    ntp__angles_merge(&into->angles, &from->angles);
 }
 
 /* ------------------------------------------------------------------------- merge and clear */

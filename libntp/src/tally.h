@@ -12,6 +12,7 @@
 #ifndef NTP_TALLY_H
 #define NTP_TALLY_H
 
+#include "angle.h"
 #include "internal.h"
 
 enum {
@@ -23,7 +24,6 @@ enum {
     NTP__ROWS = NTP__DISC_ROWS + NTP__FAR_ROWS + NTP__FLAT_ROWS,
 
     NTP__LENGTH_BINS = 256,   /* of 1/128 */
-    NTP__ANGLE_BINS = 180001, /* of 0.001 degrees */
     NTP__LENGTH_ONE = 1 << 16 /* fixed-point unit of lengths */
 };
 
@@ -43,12 +43,6 @@ typedef struct ntp__fit_sums {
     uint32_t lengths[NTP__LENGTH_BINS];
     uint32_t levels_off[65536];
 } ntp__fit_sums;
-
-/* Angles in micro-degrees. */
-typedef struct ntp__angle_sums {
-    uint64_t texels, sum, max;
-    uint32_t bins[NTP__ANGLE_BINS];
-} ntp__angle_sums;
 
 /* All at one M. */
 typedef struct ntp__sums {
