@@ -1,4 +1,3 @@
-#!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
 """generate.py [DIR]: writes the test files; README.md beside it says what each one shows.
 
@@ -189,14 +188,17 @@ png8("jpeg_damaged.png", lambda: shapes.jpeg_damage(GOOD))
 
 @file("resized.png")
 def _():
-    rough = shapes.normals(shapes.height(128, 192, seed=3), 14.0)
+    rough = shapes.normals(shapes.height(128, 192, seed=3), 40.0)
     return pngs.png_bytes(u8(shapes.box_half(shapes.encode(rough))))
 
 
-@file("wrong_z.png")
+@file("standard_z_off.png")
 def _():
     levels = GOOD.copy()
-    levels[..., 2] = np.where(scattered(3), 128 + (levels[..., 2] - 128) // 2, levels[..., 2])
+    patch = shapes.smooth_noise(*GOOD.shape[:2], 16, 12) > 0.8
+    levels[..., 2] = np.where(
+        patch | scattered(1), 128 + (levels[..., 2] - 128) // 2, levels[..., 2]
+    )
     return pngs.png_bytes(u8(levels))
 
 

@@ -8,8 +8,43 @@ import libntp_ffi as ntp
 import oracle_measure
 
 ENCODINGS = {"standard": ntp.STANDARD, "zzero": ntp.ZZERO, "xy": ntp.XY}
-COUNTS = ["texels", "unused", "black", "white", "transparent", "max", "stored_max", "channels", "xy_too_long", "xy_far_too_long", "neighbor_and_near", "z_negative", "unused_xy_too_long", "unused_z_negative", "used_z_negative", "gray", "flat", "distinct_flat", "distinct", "alpha_zero", "alpha_full", "levels_off_max", "steepness", "steepness_not_rounded", "steepness_not_neighbor"]
-FIT_COUNTS = ["neighbor", "rounded", "exact", "exact_mirrored", "unused_neighbor", "unused_rounded", "unused_exact", "used_levels_le"]
+COUNTS = [
+    "texels",
+    "unused",
+    "black",
+    "white",
+    "transparent",
+    "max",
+    "stored_max",
+    "channels",
+    "xy_too_long",
+    "xy_far_too_long",
+    "neighbor_and_near",
+    "z_negative",
+    "unused_xy_too_long",
+    "unused_z_negative",
+    "used_z_negative",
+    "gray",
+    "flat",
+    "distinct_flat",
+    "distinct",
+    "alpha_zero",
+    "alpha_full",
+    "levels_off_max",
+    "steepness",
+    "steepness_not_rounded",
+    "steepness_not_neighbor",
+]
+FIT_COUNTS = [
+    "neighbor",
+    "rounded",
+    "exact",
+    "exact_mirrored",
+    "unused_neighbor",
+    "unused_rounded",
+    "unused_exact",
+    "used_levels_le",
+]
 
 
 def image(m, channels=3, seed=1, h=61, w=83):
