@@ -1,0 +1,241 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * check.c - ntp check: what textures are, and whether they are well formed
+ */
+#include <stdlib.h>
+#include <string.h>
+
+#include "jobs.h"
+#include "report.h"
+
+typedef enum check_format { FORMAT_TEXT, FORMAT_JSON, FORMAT_CSV, FORMAT_LIST } check_format;
+
+typedef struct check {
+    const options *o;
+    check_settings settings;
+    check_format format;
+    int forced;
+    ntpio_limits limits;
+    json_t *baseline; /* object of "path\nid": true; NULL without --baseline */
+    check_summary summary;
+    bool any; /* a JSON item was printed */
+} check;
+
+/* ------------------------------------------------------------------------- baseline */
+
+/* path_base64 tells names apart that are the same after replacing what is not UTF-8. */
+static void baseline_key(text *key, const json_t *file, const char *id)
+{
+    const json_t *coded = json_object_get(file, "path_base64");
+    const json_t *path = json_object_get(file, "path");
+    const char *name = json_string_value(coded != NULL ? coded : path);
+    text_addf(key, "%s%s\n%s", coded != NULL ? "base64:" : "", name != NULL ? name : "", id);
+}
+
+static void keep_known(json_t *known, const json_t *file)
+{
+    size_t i;
+    json_t *one;
+    json_array_foreach(json_object_get(file, "findings"), i, one)
+    {
+        const char *id = json_string_value(json_object_get(one, "id"));
+        text key = { 0 };
+        baseline_key(&key, file, id != NULL ? id : "");
+        json_object_set_new(known, text_string(&key), json_true());
+        text_free(&key);
+    }
+}
+
+static bool read_baseline(check *c)
+{
+    const char *name = option_string(c->o, OPT_BASELINE);
+    if (name == NULL)
+        return true;
+    json_error_t error;
+    json_t *report = json_load_file(name, JSON_REJECT_DUPLICATES, &error);
+    const json_t *files = json_object_get(report, "files");
+    if (!json_is_array(files)) {
+        complain("--baseline %s: %s", name, report == NULL ? error.text : "no report of ntp check");
+        json_decref(report);
+        return false;
+    }
+    c->baseline = need(json_object());
+    size_t i;
+    json_t *file;
+    json_array_foreach(files, i, file) keep_known(c->baseline, file);
+    json_decref(report);
+    return true;
+}
+
+static void mark_known(const check *c, const input *in, finding_list *list)
+{
+    if (c->baseline == NULL)
+        return;
+    json_t *file = need(json_object());
+    json_set_name(file, "path", in->path);
+    for (size_t i = 0; i < list->count; i++) {
+        text key = { 0 };
+        baseline_key(&key, file, FINDING_TABLE[list->at[i].id].id);
+        list->at[i].known = json_object_get(c->baseline, text_string(&key)) != NULL;
+        text_free(&key);
+    }
+    json_decref(file);
+}
+
+/* ------------------------------------------------------------------------- one file */
+
+static void examine_file(const check *c, worker *w, const input *in, checked *done)
+{
+    source s;
+    if (!source_open(&s, w, in, &c->limits, &done->error))
+        return;
+    done->readable = examine(&s, c->forced, &done->f, &done->error);
+    source_close(&s);
+    if (!done->readable)
+        return;
+    judge(&done->list, &done->f, &c->settings.rules);
+    mark_known(c, in, &done->list);
+    for (size_t i = 0; i < done->list.count; i++) {
+        const finding *one = &done->list.at[i];
+        done->fails |= !one->known && one->level >= c->settings.fail_level;
+    }
+}
+
+static void render(const check *c, const input *in, const checked *done, result *r)
+{
+    switch (c->format) {
+    case FORMAT_TEXT:
+        check_text(&r->out, in, done, &c->settings);
+        break;
+    case FORMAT_JSON:
+        json_item(&r->out, check_json(in, done, &c->settings), false);
+        break;
+    case FORMAT_CSV:
+        check_csv(&r->out, in, done, &c->settings);
+        break;
+    case FORMAT_LIST:
+        if (done->fails) {
+            text_add(&r->out, in->path);
+            text_char(&r->out, c->settings.nul ? 0 : '\n');
+        }
+        break;
+    }
+    if (!done->readable)
+        text_addf(&r->err, "ntp: %s\n", done->error.message);
+}
+
+static void work(void *context, worker *w, const input *in, result *r)
+{
+    const check *c = context;
+    checked *done = need(calloc(1, sizeof *done));
+    r->data = done;
+    examine_file(c, w, in, done);
+    if (interrupted_by != 0 && !done->readable)
+        return;
+    if (!done->readable)
+        r->ran |= RAN_FAILED;
+    if (done->fails && !c->settings.fail_never)
+        r->ran |= RAN_FINDINGS;
+    render(c, in, done, r);
+}
+
+static void count(check_summary *sum, const checked *done)
+{
+    sum->files++;
+    if (!done->readable) {
+        sum->unreadable++;
+        return;
+    }
+    sum->by_class[done->f.type.type]++;
+    sum->failing += done->fails;
+    if (!done->f.counts) {
+        sum->left_out++;
+        return;
+    }
+    int worst = LEVEL_INFO;
+    for (size_t i = 0; i < done->list.count; i++) {
+        const finding *one = &done->list.at[i];
+        if (one->known) {
+            sum->known++;
+            continue;
+        }
+        sum->found[one->id]++;
+        sum->notes += one->level == LEVEL_INFO;
+        worst = (int) one->level > worst ? (int) one->level : worst;
+    }
+    sum->worst[worst]++;
+    sum->well_formed += worst == LEVEL_INFO;
+}
+
+static void deliver(void *context, const input *in, result *r)
+{
+    check *c = context;
+    checked *done = r->data;
+    (void) in;
+    count(&c->summary, done);
+    facts_free(&done->f);
+    free(done);
+    if (c->format == FORMAT_JSON && !c->any && r->out.size > 0) {
+        r->out.data[0] = ' '; /* the first item has no comma before it */
+        c->any = true;
+    }
+}
+
+static void begin(const check *c)
+{
+    text t = { 0 };
+    if (c->format == FORMAT_JSON)
+        json_begin(&t);
+    else if (c->format == FORMAT_CSV)
+        check_csv_header(&t);
+    output_text(&t);
+    text_free(&t);
+}
+
+static void end(const check *c)
+{
+    text t = { 0 };
+    if (c->format == FORMAT_JSON)
+        json_end(&t, check_json_summary(&c->summary));
+    else if (c->format == FORMAT_TEXT)
+        check_text_summary(&t, &c->summary, &c->settings);
+    output_text(&t);
+    text_free(&t);
+}
+
+int check_run(const options *o)
+{
+    static const finding_level FAIL_ON[] = { LEVEL_ERROR, LEVEL_WARNING, LEVEL_ERROR };
+    const int64_t fail_on = option_integer(o, OPT_FAIL_ON);
+    input_list inputs;
+    check c = { .o = o,
+                .format = (check_format) option_integer(o, OPT_FORMAT),
+                .forced = forced_class(o),
+                .limits = limits_from(o),
+                .settings = { .rules = judge_rules_from(o),
+                              .fail_level = FAIL_ON[fail_on],
+                              .fail_never = fail_on == 2,
+                              .colors = colors_wanted(o),
+                              .quiet = option_given(o, OPT_QUIET),
+                              .verbose = option_given(o, OPT_VERBOSE),
+                              .nul = option_given(o, OPT_NUL) } };
+    if (!read_baseline(&c))
+        return NTP_EXIT_USAGE;
+    if (!inputs_collect(&inputs, o)) {
+        json_decref(c.baseline);
+        return NTP_EXIT_USAGE;
+    }
+    const batch b = { .inputs = &inputs,
+                      .jobs = (int) option_integer(o, OPT_JOBS),
+                      .show_progress = progress_wanted(o),
+                      .reads_only = true,
+                      .context = &c,
+                      .work = work,
+                      .deliver = deliver };
+    begin(&c);
+    const unsigned ran = batch_run(&b);
+    end(&c);
+    inputs_free(&inputs);
+    json_decref(c.baseline);
+    return exit_code(ran);
+}

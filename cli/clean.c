@@ -1,0 +1,199 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * clean.c - ntp clean: repairs normals
+ */
+#include <pthread.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "produce.h"
+#include "report.h"
+
+enum {
+    PLAN_TEXELS = 512 * 512, /* a table for 8-bit rows pays from about this many texels on */
+    METHODS = 3,
+    ENCODINGS = 3
+};
+
+static const char *const METHOD_NAMES[METHODS] = { "derive", "normalize", "keep" };
+
+/* Tables are made when first needed and shared by all workers. */
+typedef struct plans {
+    pthread_mutex_t lock;
+    void *memory[METHODS][ENCODINGS];
+    ntp_clean_plan *made[METHODS][ENCODINGS];
+} plans;
+
+typedef struct settings {
+    ntp_clean_options how;
+    bool choose;         /* --method auto */
+    bool compare_angles; /* the angles that are measured are those of a plain derive */
+    plans *shared;
+} settings;
+
+typedef struct state {
+    ntp_clean_options how;
+    ntp_clean_counts counts;
+    ntp_reason why; /* of the method, with --method auto */
+    const ntp_clean_plan *plan;
+    ntp_diff *diff; /* stored against cleaned; NULL: the measured angles say it */
+} state;
+
+static const ntp_clean_plan *plan_for(plans *shared, ntp_encoding encoding,
+                                      const ntp_clean_options *how)
+{
+    pthread_mutex_lock(&shared->lock);
+    void **memory = &shared->memory[how->method][encoding];
+    ntp_clean_plan **plan = &shared->made[how->method][encoding];
+    if (*memory == NULL) {
+        const size_t size = (ntp_clean_plan_size() + 63) / 64 * 64;
+        *memory = need(aligned_alloc(64, size));
+        if (ntp_clean_plan_init(plan, *memory, size, encoding, how) != NTP_OK)
+            *plan = NULL;
+    }
+    const ntp_clean_plan *made = *plan;
+    pthread_mutex_unlock(&shared->lock);
+    return made;
+}
+
+static bool begin(production *p, ntpio_write_options *shape, ntpio_error *error)
+{
+    const settings *set = p->m->settings;
+    state *st = p->state;
+    const ntp_image *view = &p->s.view;
+    st->how = set->how;
+    st->how.touch_unused |= p->touch;
+    if (set->choose) {
+        const ntp_status status = ntp_choose_method(&st->how.method, &st->why, &p->f.stats,
+                                                    view->encoding, p->s.info->lossy);
+        if (status != NTP_OK)
+            return library_error(&p->s, status, error);
+    }
+    if (set->compare_angles || st->how.method != NTP_DERIVE) {
+        st->diff = (ntp_diff *) (void *) buffer_reserve(&p->w->diff, ntp_diff_size());
+        memset(st->diff, 0, ntp_diff_size());
+    }
+    const bool large = (int64_t) view->width * view->height >= PLAN_TEXELS;
+    if (large && view->type == NTP_U8)
+        st->plan = plan_for(set->shared, view->encoding, &st->how);
+    shape->channels = view->channels;
+    return true;
+}
+
+/* The rows before they are cleaned, for the comparison. */
+static ntp_const_image copy_rows(production *p, const ntp_rect *area)
+{
+    const ntp_image *view = &p->s.view;
+    ntp_const_image before = ntp_image_as_const(view);
+    const size_t row = (size_t) view->row_stride;
+    unsigned char *copy = buffer_reserve(&p->w->extra, row * (size_t) view->ring_rows);
+    memcpy(copy, view->data, row * (size_t) (area->y1 - area->y0));
+    before.data = copy;
+    return before;
+}
+
+static bool rows(production *p, const ntp_rect *area, ntpio_error *error)
+{
+    state *st = p->state;
+    const ntp_image *view = &p->s.view;
+    const ntp_const_image same = ntp_image_as_const(view);
+    ntp_const_image before = same;
+    if (st->diff != NULL)
+        before = copy_rows(p, area);
+    ntp_status status = ntp_clean(view, &same, &st->how, st->plan, &st->counts, area);
+    if (status == NTP_OK && st->diff != NULL)
+        status = ntp_compare(st->diff, NULL, &same, &before, area);
+    if (status != NTP_OK)
+        return library_error(&p->s, status, error);
+    p->changes = st->counts.changed > 0;
+    return production_write(p, view->data, view->row_stride, area, error);
+}
+
+static ntp_angles angles_of(const production *p)
+{
+    const state *st = p->state;
+    ntp_diff_stats stats;
+    if (st->diff != NULL && ntp_diff_summarize(&stats, st->diff) == NTP_OK)
+        return stats.angles;
+    return p->f.stats.angles;
+}
+
+static void describe_text(const production *p, text *line)
+{
+    const state *st = p->state;
+    const settings *set = p->m->settings;
+    const ntp_angles angles = angles_of(p);
+    if (st->counts.changed == 0) {
+        text_add(line, "nothing to repair");
+        return;
+    }
+    text_count(line, st->counts.changed);
+    text_add(line, st->counts.changed == 1 ? " texel (" : " texels (");
+    text_percent(line, st->counts.changed, p->f.stats.texels);
+    text_addf(line, ") %s, turned by up to %.3g degrees, %.2g on average",
+              p->m->dry_run ? "would change" : "changed", angles.max, angles.mean);
+    if (p->f.type.type != NTP_CLASS_STANDARD)
+        text_addf(line, "; %s", class_title(p->f.type.type));
+    if (!set->choose)
+        return;
+    char why[300];
+    ntp_reason_text(why, sizeof why, &st->why);
+    text_addf(line, "; method %s, because %s", METHOD_NAMES[st->how.method], why);
+}
+
+static void describe(const production *p, text *line, json_t *object)
+{
+    const state *st = p->state;
+    const settings *set = p->m->settings;
+    if (line != NULL)
+        describe_text(p, line);
+    if (object == NULL)
+        return;
+    const ntp_angles angles = angles_of(p);
+    json_object_set_new(object, "changed", json_count(st->counts.changed));
+    json_object_set_new(object, "texels", json_count(p->f.stats.texels));
+    json_object_set_new(object, "angle_deg", json_angles(&angles));
+    json_object_set_new(object, "method", json_string(METHOD_NAMES[st->how.method]));
+    if (set->choose) {
+        char why[300];
+        ntp_reason_text(why, sizeof why, &st->why);
+        json_object_set_new(object, "method_reason", json_string(why));
+    }
+    json_object_set_new(object, "keep_negative_z", json_boolean(st->how.keep_negative_z));
+    json_object_set_new(object, "only_failing", json_boolean(st->how.only_failing));
+    json_object_set_new(object, "touch_unused",
+                        json_boolean(option_given(p->m->o, OPT_TOUCH_UNUSED)));
+}
+
+int clean_run(const options *o)
+{
+    static const ntp_method METHODS_OF_OPTION[] = { NTP_DERIVE, NTP_NORMALIZE, NTP_DERIVE };
+    const int64_t method = option_integer(o, OPT_METHOD);
+    plans shared = { .lock = PTHREAD_MUTEX_INITIALIZER };
+    settings set = { .shared = &shared, .choose = method == 2 };
+    set.how.method = METHODS_OF_OPTION[method];
+    set.how.keep_negative_z = option_given(o, OPT_KEEP_NEGATIVE_Z);
+    set.how.only_failing = option_given(o, OPT_ONLY_FAILING);
+    set.how.verdict = (ntp_verdict) option_integer(o, OPT_VERDICT);
+    set.how.touch_unused = option_given(o, OPT_TOUCH_UNUSED) ? NTP_UNUSED_ALL : 0;
+    set.compare_angles =
+        set.how.keep_negative_z || set.how.only_failing || set.how.touch_unused != 0;
+    const maker m = { .o = o,
+                      .forced = forced_class(o),
+                      .measure_first = set.choose,
+                      .only_changed =
+                          option_given(o, OPT_ONLY_CHANGED) || option_given(o, OPT_IN_PLACE),
+                      .dry_run = option_given(o, OPT_DRY_RUN),
+                      .in_place = option_given(o, OPT_IN_PLACE),
+                      .state_size = sizeof(state),
+                      .settings = &set,
+                      .begin = begin,
+                      .rows = rows,
+                      .describe = describe };
+    const int code = produce(&m);
+    for (int i = 0; i < METHODS; i++) {
+        for (int k = 0; k < ENCODINGS; k++)
+            free(shared.memory[i][k]);
+    }
+    return code;
+}

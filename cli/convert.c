@@ -1,0 +1,322 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * convert.c - ntp convert: encoding, depth, direction of green, layout of channels
+ *
+ * The library converts to x, y, z and alpha in the target's depth; letters then say which of
+ * them goes into which channel of the file.
+ */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+#include "produce.h"
+#include "report.h"
+
+enum {
+    FULL = 4,    /* channels of the converted rows: x, y, z, alpha */
+    NOTHING = -3 /* a channel of the input that holds nothing of use */
+};
+
+typedef struct settings {
+    ntp_encoding from, to;
+    ntp_y from_y, to_y;
+    int depth;         /* bytes of a sample; 0: as the input */
+    int8_t out[FULL];  /* for each channel of the file: 0..3 of the converted rows, or FROM_* */
+    int32_t out_count; /* 0: as the input */
+    int8_t in[FULL];   /* for each channel of the view: a channel of the file, or FROM_* */
+    int32_t in_count;  /* 0: as the input */
+    int32_t in_needed; /* channels that the file must have */
+    ntp_convert_options how;
+} settings;
+
+typedef struct state {
+    ntp_convert_counts counts;
+    ntp_image full; /* the converted rows */
+    ntp_diff *diff; /* input against output, where a report asks for it */
+    int32_t out_channels;
+    size_t out_row; /* bytes of a row of the file */
+} state;
+
+/* --------------------------------------------------------------------- the letters */
+
+static int8_t letter_meaning(char letter)
+{
+    switch (letter) {
+    case 'x':
+        return 0;
+    case 'y':
+        return 1;
+    case 'z':
+        return 2;
+    case 'a':
+        return 3;
+    case '0':
+        return FROM_ZERO;
+    case '1':
+        return FROM_ONE;
+    default:
+        return NOTHING;
+    }
+}
+
+static bool wrong_spec(const char *option, const char *spec, const char *problem)
+{
+    complain("--%s %s: %s", option, spec, problem);
+    return false;
+}
+
+static bool read_output_spec(settings *set, const char *spec)
+{
+    if (spec == NULL)
+        return true;
+    const size_t length = strlen(spec);
+    if (length < 1 || length > FULL)
+        return wrong_spec("channels", spec, "one letter for each channel, 1 to 4 of them");
+    for (size_t i = 0; i < length; i++) {
+        set->out[i] = letter_meaning(spec[i]);
+        if (spec[i] == 'h')
+            return wrong_spec("channels", spec, "there is no height in a normals texture");
+        if (set->out[i] == NOTHING)
+            return wrong_spec("channels", spec, "the letters are x y z 0 1 a");
+    }
+    set->out_count = (int32_t) length;
+    return true;
+}
+
+static bool read_input_spec(settings *set, const char *spec)
+{
+    if (spec == NULL)
+        return true;
+    const size_t length = strlen(spec);
+    int8_t where[FULL] = { NOTHING, NOTHING, NOTHING, NOTHING };
+    if (length < 2 || length > FULL)
+        return wrong_spec("from-channels", spec, "one letter for each channel, 2 to 4 of them");
+    for (size_t i = 0; i < length; i++) {
+        const int8_t meaning = letter_meaning(spec[i]);
+        if (meaning == NOTHING && spec[i] != '-')
+            return wrong_spec("from-channels", spec, "the letters are x y z a 0 1 -");
+        if (meaning >= 0 && where[meaning] != NOTHING)
+            return wrong_spec("from-channels", spec, "a letter stands twice");
+        if (meaning >= 0)
+            where[meaning] = (int8_t) i;
+    }
+    if (where[0] == NOTHING || where[1] == NOTHING)
+        return wrong_spec("from-channels", spec, "x and y are needed");
+    if (where[2] == NOTHING) {
+        where[2] = FROM_ONE;
+        set->from = NTP_XY;
+    }
+    memcpy(set->in, where, sizeof where);
+    set->in_count = where[3] == NOTHING ? 3 : 4;
+    set->in_needed = (int32_t) length;
+    return true;
+}
+
+/* ------------------------------------------------------------------------- the rows */
+
+static ntp_type output_type(const production *p, const settings *set)
+{
+    const char *output = p->in->output;
+    const bool pfm = output != NULL && strcasecmp(name_ending(output), ".pfm") == 0;
+    if (set->depth != 0)
+        return set->depth == 1 ? NTP_U8 : NTP_U16;
+    return p->s.view.type == NTP_F32 && !pfm ? NTP_U16 : p->s.view.type;
+}
+
+static size_t sample_size(ntp_type type)
+{
+    return type == NTP_U8 ? 1 : type == NTP_U16 ? 2 : 4;
+}
+
+static bool usage(const production *p, const char *what, ntpio_error *error)
+{
+    text t = { 0 };
+    text_name(&t, p->in->path);
+    error->status = NTPIO_ERR_USAGE;
+    snprintf(error->message, sizeof error->message, "%.380s: %s", text_string(&t), what);
+    text_free(&t);
+    return false;
+}
+
+/* How the input is seen; the driver's first view is that of a standard texture. */
+static bool view_input(production *p, ntpio_error *error)
+{
+    const settings *set = p->m->settings;
+    const int32_t channels = p->s.info->channels;
+    if (set->in_count > 0) {
+        if (set->in_needed > channels)
+            return usage(p, "--from-channels names more channels than it has", error);
+        source_view(&p->s, set->from, set->from_y, set->in, set->in_count);
+    } else if (channels >= 3) {
+        source_view(&p->s, set->from, set->from_y, NULL, 0);
+    } else {
+        if (set->out_count > 0 || set->from != set->to || set->from_y != set->to_y)
+            return usage(p, "a gray image holds no normals; only --depth converts it", error);
+        source_view(&p->s, NTP_HEIGHT, NTP_Y_UP, NULL, 0);
+    }
+    return true;
+}
+
+static bool begin(production *p, ntpio_write_options *shape, ntpio_error *error)
+{
+    const settings *set = p->m->settings;
+    state *st = p->state;
+    if (!view_input(p, error))
+        return false;
+    const ntp_image *view = &p->s.view;
+    const bool height = view->encoding == NTP_HEIGHT;
+    const int32_t full_channels = height ? view->channels : FULL;
+    const ntp_type type = output_type(p, set);
+    const size_t row = (size_t) view->width * (size_t) full_channels * sample_size(type);
+    st->full = ntp_image_packed(buffer_reserve(&p->w->extra, row * (size_t) view->ring_rows),
+                                view->width, view->height, full_channels, type);
+    st->full.ring_rows = view->ring_rows;
+    st->full.encoding = height ? NTP_HEIGHT : set->to;
+    st->full.y = height ? NTP_Y_UP : set->to_y;
+    st->out_channels = set->out_count > 0 ? set->out_count : view->channels;
+    st->out_row = (size_t) view->width * (size_t) st->out_channels * sample_size(type);
+    if (option_integer(p->m->o, OPT_FORMAT) == 1 && !height) {
+        st->diff = (ntp_diff *) (void *) buffer_reserve(&p->w->diff, ntp_diff_size());
+        memset(st->diff, 0, ntp_diff_size());
+    }
+    shape->channels = st->out_channels;
+    shape->sample_bytes = (int32_t) sample_size(type);
+    shape->content_is_flat = height;
+    p->changes = true;
+    return true;
+}
+
+#define LAY_OUT(TYPE, ONE)                                                                         \
+    for (size_t i = 0; i < texels; i++) {                                                          \
+        const TYPE *from = (const TYPE *) full + i * FULL;                                         \
+        TYPE *to = (TYPE *) out + i * (size_t) st->out_channels;                                   \
+        for (int32_t c = 0; c < st->out_channels; c++)                                             \
+            to[c] = map[c] == FROM_ZERO  ? (TYPE) 0                                                \
+                    : map[c] == FROM_ONE ? (TYPE) (ONE)                                            \
+                                         : from[map[c]];                                           \
+    }
+
+static void lay_out(const state *st, const settings *set, void *out, size_t texels)
+{
+    static const int8_t PLAIN[FULL] = { 0, 1, 2, 3 };
+    const int8_t *map = set->out_count > 0 ? set->out : PLAIN;
+    const void *full = st->full.data;
+    if (st->full.type == NTP_U8) {
+        LAY_OUT(uint8_t, 255)
+    } else if (st->full.type == NTP_U16) {
+        LAY_OUT(uint16_t, 65535)
+    } else {
+        LAY_OUT(float, 1)
+    }
+}
+
+static bool rows(production *p, const ntp_rect *area, ntpio_error *error)
+{
+    const settings *set = p->m->settings;
+    state *st = p->state;
+    const ntp_const_image seen = ntp_image_as_const(&p->s.view);
+    const ntp_const_image made = ntp_image_as_const(&st->full);
+    ntp_status status = ntp_convert(&st->full, &seen, &set->how, &st->counts, area);
+    if (status == NTP_OK && st->diff != NULL)
+        status = ntp_compare(st->diff, NULL, &seen, &made, area);
+    if (status != NTP_OK)
+        return library_error(&p->s, status, error);
+    if (st->full.encoding == NTP_HEIGHT)
+        return production_write(p, st->full.data, st->full.row_stride, area, error);
+    void *out = buffer_reserve(&p->w->extra2, st->out_row * (size_t) p->s.view.ring_rows);
+    lay_out(st, set, out, (size_t) p->s.view.width * (size_t) (area->y1 - area->y0));
+    return production_write(p, out, (ptrdiff_t) st->out_row, area, error);
+}
+
+/* --------------------------------------------------------------------- what was done */
+
+static const char *const ENCODING_NAMES[] = { "standard", "zzero", "xy" };
+static const char *const Y_NAMES[] = { "up", "down" };
+
+static bool looks_different(const production *p, const settings *set)
+{
+    const ntp_class type = p->f.type.type;
+    return set->in_count == 0 && type <= NTP_CLASS_XY && p->f.type.confidence > 0.8 &&
+           (ntp_encoding) type != set->from && p->s.view.encoding != NTP_HEIGHT;
+}
+
+static void describe_text(const production *p, text *line)
+{
+    const settings *set = p->m->settings;
+    const state *st = p->state;
+    if (p->s.view.encoding == NTP_HEIGHT)
+        text_add(line, "heights");
+    else
+        text_addf(line, "%s to %s", ENCODING_NAMES[set->from], ENCODING_NAMES[set->to]);
+    if (set->from_y != set->to_y)
+        text_addf(line, ", green from %s to %s", Y_NAMES[set->from_y], Y_NAMES[set->to_y]);
+    text_addf(line, ", %zu bit", 8 * sample_size(st->full.type));
+    const struct {
+        uint64_t count;
+        const char *what;
+    } COUNTS[] = { { st->counts.z_negative, "negative z made positive" },
+                   { st->counts.pulled, "with x, y too long pulled in" },
+                   { st->counts.not_finite, "not finite, made flat" } };
+    for (size_t i = 0; i < sizeof COUNTS / sizeof COUNTS[0]; i++) {
+        if (COUNTS[i].count == 0)
+            continue;
+        text_add(line, "; ");
+        text_count(line, COUNTS[i].count);
+        text_addf(line, " texels %s", COUNTS[i].what);
+    }
+    if (looks_different(p, set))
+        text_addf(line, "\n  note: the input looks %s; it was taken as --from %s says",
+                  class_title(p->f.type.type), ENCODING_NAMES[set->from]);
+}
+
+static void describe(const production *p, text *line, json_t *object)
+{
+    const settings *set = p->m->settings;
+    const state *st = p->state;
+    if (line != NULL)
+        describe_text(p, line);
+    if (object == NULL)
+        return;
+    ntp_diff_stats stats;
+    if (st->diff != NULL && ntp_diff_summarize(&stats, st->diff) == NTP_OK) {
+        json_object_set_new(object, "changed", json_count(stats.different));
+        json_object_set_new(object, "angle_deg", json_angles(&stats.angles));
+    }
+    json_object_set_new(object, "from", json_string(ENCODING_NAMES[set->from]));
+    json_object_set_new(object, "to", json_string(ENCODING_NAMES[set->to]));
+    json_object_set_new(object, "from_y", json_string(Y_NAMES[set->from_y]));
+    json_object_set_new(object, "to_y", json_string(Y_NAMES[set->to_y]));
+    json_object_set_new(object, "depth",
+                        json_integer((json_int_t) (8 * sample_size(st->full.type))));
+    json_object_set_new(object, "channels", json_integer(st->out_channels));
+    json_object_set_new(object, "z_negative", json_count(st->counts.z_negative));
+    json_object_set_new(object, "pulled", json_count(st->counts.pulled));
+    json_object_set_new(object, "not_finite", json_count(st->counts.not_finite));
+    json_object_set_new(object, "texels", json_count(p->f.stats.texels));
+}
+
+int convert_run(const options *o)
+{
+    settings set = {
+        .from = (ntp_encoding) option_integer(o, OPT_FROM),
+        .to = (ntp_encoding) option_integer(o, OPT_TO),
+        .from_y = (ntp_y) option_integer(o, OPT_FROM_Y),
+        .to_y = (ntp_y) option_integer(o, OPT_TO_Y),
+        .depth = option_given(o, OPT_DEPTH) ? (int) option_integer(o, OPT_DEPTH) + 1 : 0,
+        .how = { .touch_unused = option_given(o, OPT_TOUCH_UNUSED) ? NTP_UNUSED_ALL : 0 },
+    };
+    if (!read_output_spec(&set, option_string(o, OPT_CHANNELS)) ||
+        !read_input_spec(&set, option_string(o, OPT_FROM_CHANNELS)))
+        return NTP_EXIT_USAGE;
+    const maker m = { .o = o,
+                      .forced = -1,
+                      .any_class = true,
+                      .dry_run = option_given(o, OPT_DRY_RUN),
+                      .state_size = sizeof(state),
+                      .settings = &set,
+                      .begin = begin,
+                      .rows = rows,
+                      .describe = describe };
+    return produce(&m);
+}

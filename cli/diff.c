@@ -1,0 +1,241 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * diff.c - ntp diff: two textures, in levels and degrees
+ */
+#include <stdlib.h>
+#include <string.h>
+
+#include "report.h"
+
+typedef struct side {
+    input in;
+    worker *w;
+    source s;
+    facts f;
+} side;
+
+typedef struct comparison {
+    const options *o;
+    side a, b;
+    bool sizes_agree;
+    ntp_diff *diff;
+    ntp_diff_stats stats;
+    ntpio_writer *writer;
+} comparison;
+
+/* 0.8: a class that is taken for granted.  XY is read as such only when both are, because an XY
+ * texture has no blue to compare. */
+static ntp_encoding encoding_of(const side *one, const side *other)
+{
+    const bool sure = one->f.type.confidence >= 0.8;
+    if (one->f.encoding == NTP_XY && other->f.encoding == NTP_XY)
+        return NTP_XY;
+    return one->f.encoding == NTP_ZZERO && sure ? NTP_ZZERO : NTP_STANDARD;
+}
+
+static bool open_side(comparison *c, side *s, const char *path, ntpio_error *error)
+{
+    const ntpio_limits limits = limits_from(c->o);
+    char *name = copy_string(path);
+    s->in = (input) { .path = name, .named = true };
+    s->w = worker_new();
+    return source_open(&s->s, s->w, &s->in, &limits, error) &&
+           examine(&s->s, forced_class(c->o), &s->f, error) && source_rewind(&s->s, error);
+}
+
+static void close_side(side *s)
+{
+    source_close(&s->s);
+    facts_free(&s->f);
+    if (s->w != NULL)
+        worker_free(s->w);
+    free(s->in.path);
+}
+
+/* Gray files become RGB where the other one is. */
+static void view_side(side *s, const side *other)
+{
+    static const int8_t EXPAND[4] = { 0, 0, 0, 1 };
+    const int32_t channels = s->s.info->channels;
+    if (channels < 3)
+        source_view(&s->s, encoding_of(s, other), NTP_Y_UP, EXPAND, channels + 2);
+    else
+        source_view(&s->s, encoding_of(s, other), NTP_Y_UP, NULL, 0);
+}
+
+static bool open_heat(comparison *c, ntpio_error *error)
+{
+    const char *output = option_string(c->o, OPT_OUTPUT);
+    const ntpio_write_options shape = { .format = NTPIO_PNG,
+                                        .width = c->a.s.info->width,
+                                        .height = c->a.s.info->height,
+                                        .channels = 3,
+                                        .sample_bytes = 1,
+                                        .level = -1,
+                                        .content_is_flat = true };
+    if (output == NULL)
+        return true;
+    c->writer = ntpio_create(output, &shape, error);
+    return c->writer != NULL;
+}
+
+static bool compare_rows(comparison *c, ntpio_error *error)
+{
+    const ntp_const_image a = ntp_image_as_const(&c->a.s.view);
+    const ntp_const_image b = ntp_image_as_const(&c->b.s.view);
+    const size_t row = (size_t) a.width * 3;
+    ntp_image heat = ntp_image_packed(buffer_reserve(&c->a.w->extra, row * (size_t) a.ring_rows),
+                                      a.width, a.height, 3, NTP_U8);
+    heat.ring_rows = a.ring_rows;
+    heat.encoding = NTP_HEIGHT;
+    ntp_rect area, same;
+    int more;
+    while ((more = source_next(&c->a.s, &area, error)) > 0) {
+        if (source_next(&c->b.s, &same, error) <= 0)
+            return false;
+        const ntp_status status =
+            ntp_compare(c->diff, c->writer != NULL ? &heat : NULL, &a, &b, &area);
+        if (status != NTP_OK)
+            return library_error(&c->a.s, status, error);
+        if (c->writer != NULL && !ntpio_write_rows(c->writer, heat.data, heat.row_stride,
+                                                   (uint32_t) (area.y1 - area.y0), error))
+            return false;
+    }
+    return more == 0 && source_next(&c->b.s, &same, error) == 0;
+}
+
+static bool compare(comparison *c, ntpio_error *error)
+{
+    c->sizes_agree =
+        c->a.s.info->width == c->b.s.info->width && c->a.s.info->height == c->b.s.info->height;
+    if (!c->sizes_agree)
+        return true;
+    view_side(&c->a, &c->b);
+    view_side(&c->b, &c->a);
+    /* rows of both files come in equal blocks */
+    int32_t ring = c->a.s.view.ring_rows;
+    if (c->b.s.view.ring_rows < ring)
+        ring = c->b.s.view.ring_rows;
+    c->a.s.view.ring_rows = c->b.s.view.ring_rows = ring;
+    c->diff = need(aligned_alloc(64, (ntp_diff_size() + 63) / 64 * 64));
+    memset(c->diff, 0, ntp_diff_size());
+    if (!open_heat(c, error) || !compare_rows(c, error))
+        return false;
+    const ntp_status status = ntp_diff_summarize(&c->stats, c->diff);
+    if (status != NTP_OK)
+        return library_error(&c->a.s, status, error);
+    ntpio_writer *writer = c->writer;
+    c->writer = NULL;
+    return writer == NULL || ntpio_commit(writer, error);
+}
+
+static bool is_same(const comparison *c)
+{
+    return c->sizes_agree && c->stats.different == 0;
+}
+
+static json_t *side_json(const side *s)
+{
+    json_t *object = need(json_object());
+    json_set_name(object, "path", s->in.path);
+    json_object_set_new(object, "width", json_integer((json_int_t) s->s.info->width));
+    json_object_set_new(object, "height", json_integer((json_int_t) s->s.info->height));
+    json_object_set_new(object, "bit_depth", json_integer(s->s.info->bit_depth));
+    json_object_set_new(object, "channels", json_integer(s->s.info->channels));
+    json_object_set_new(object, "type", json_string(ntp_class_name(s->f.type.type)));
+    return object;
+}
+
+static void tell_json(const comparison *c, text *t)
+{
+    json_t *object = need(json_object());
+    const ntp_diff_stats *d = &c->stats;
+    json_object_set_new(object, "a", side_json(&c->a));
+    json_object_set_new(object, "b", side_json(&c->b));
+    json_object_set_new(object, "sizes_agree", json_boolean(c->sizes_agree));
+    json_object_set_new(object, "same", json_boolean(is_same(c)));
+    if (c->sizes_agree) {
+        json_t *most = need(json_array()), *mean = need(json_array());
+        for (int32_t i = 0; i < d->channels; i++) {
+            json_array_append_new(most, json_count(d->levels_max[i]));
+            json_array_append_new(mean, json_real(d->levels_mean[i]));
+        }
+        json_object_set_new(object, "texels", json_count(d->texels));
+        json_object_set_new(object, "different", json_count(d->different));
+        json_object_set_new(object, "max_level", json_count(d->max));
+        json_object_set_new(object, "levels_max", most);
+        json_object_set_new(object, "levels_mean", mean);
+        json_object_set_new(object, "angle_deg", json_angles(&d->angles));
+    }
+    json_document(t, object);
+}
+
+static void tell_text(const comparison *c, text *t)
+{
+    static const char *const NAMES[] = { "red", "green", "blue", "alpha" };
+    const ntp_diff_stats *d = &c->stats;
+    if (!c->sizes_agree) {
+        text_addf(t, "sizes differ: %u x %u and %u x %u\n", (unsigned) c->a.s.info->width,
+                  (unsigned) c->a.s.info->height, (unsigned) c->b.s.info->width,
+                  (unsigned) c->b.s.info->height);
+        return;
+    }
+    if (d->different == 0) {
+        text_add(t, "the same: ");
+        text_count(t, d->texels);
+        text_add(t, " texels\n");
+        return;
+    }
+    text_count(t, d->different);
+    text_add(t, " of ");
+    text_count(t, d->texels);
+    text_add(t, " texels differ (");
+    text_percent(t, d->different, d->texels);
+    text_addf(t, ")\n  angle  mean %.3f, 99 %% within %.3f, at most %.3f degrees\n", d->angles.mean,
+              d->angles.p99, d->angles.max);
+    for (int32_t i = 0; i < d->channels; i++)
+        text_addf(t, "  %-6s mean %.3f, at most %u levels of %u\n", NAMES[i], d->levels_mean[i],
+                  (unsigned) d->levels_max[i], (unsigned) d->max);
+}
+
+int diff_run(const options *o)
+{
+    const char *output = option_string(o, OPT_OUTPUT);
+    if (o->path_count != 2) {
+        complain("ntp diff takes two files");
+        return NTP_EXIT_USAGE;
+    }
+    if (strcmp(o->paths[0], "-") == 0 && strcmp(o->paths[1], "-") == 0) {
+        complain("standard input can be only one of the two");
+        return NTP_EXIT_USAGE;
+    }
+    if (output != NULL && !output_is_no_input(output, o))
+        return NTP_EXIT_USAGE;
+    if (output != NULL && strcmp(output, "-") == 0)
+        output_to_stderr();
+    comparison c = { .o = o };
+    ntpio_error error = { 0 };
+    const bool ok = open_side(&c, &c.a, o->paths[0], &error) &&
+                    open_side(&c, &c.b, o->paths[1], &error) && compare(&c, &error);
+    unsigned ran = 0;
+    text t = { 0 };
+    if (interrupted_by != 0) {
+        ran = RAN_INTERRUPTED;
+    } else if (!ok) {
+        ran = error.status == NTPIO_ERR_USAGE ? RAN_USAGE : RAN_FAILED;
+        complain("%s", error.message);
+    } else {
+        ran = is_same(&c) ? 0 : RAN_FINDINGS;
+        if (option_integer(o, OPT_FORMAT) == 1)
+            tell_json(&c, &t);
+        else if (!option_given(o, OPT_QUIET))
+            tell_text(&c, &t);
+    }
+    output_text(&t);
+    text_free(&t);
+    ntpio_abort(c.writer);
+    free(c.diff);
+    close_side(&c.a);
+    close_side(&c.b);
+    return exit_code(ran);
+}

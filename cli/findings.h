@@ -1,0 +1,87 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * findings.h - what `ntp check` can find, as one table, and the judging of one file
+ */
+#ifndef NTP_CLI_FINDINGS_H
+#define NTP_CLI_FINDINGS_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "examine.h"
+#include "options.h"
+
+typedef enum finding_level { LEVEL_INFO, LEVEL_WARNING, LEVEL_ERROR } finding_level;
+
+typedef enum finding_id {
+    NT001,
+    NT002,
+    NT003,
+    NT004,
+    NT005,
+    NT006,
+    NT007,
+    NT008,
+    NT009,
+    NT011,
+    NT012,
+    NT020,
+    NT021,
+    NT022,
+    NT030,
+    NT031,
+    NT032,
+    NT034,
+    NT035,
+    NT040,
+    NT041,
+    NT042,
+    NT043,
+    NT050,
+    NT051,
+    FINDING_COUNT
+} finding_id;
+
+typedef struct finding_spec {
+    const char *id;
+    const char *anchor; /* in docs/findings.md */
+    const char *levels; /* "error", or "warning or error" where the amount decides */
+    const char *title;
+    const char *why;
+    const char *remedy;
+} finding_spec;
+
+extern const finding_spec FINDING_TABLE[FINDING_COUNT];
+
+typedef struct finding {
+    finding_id id;
+    finding_level level;
+    bool known; /* in the baseline: shown, not counted */
+    uint64_t count;
+    char message[400];
+} finding;
+
+typedef struct finding_list {
+    finding at[FINDING_COUNT];
+    size_t count;
+} finding_list;
+
+/* How to judge; from the options. */
+typedef struct judge_rules {
+    ntp_verdict verdict;
+    bool keep_negative_z;
+    double max_fail, max_tilt; /* percent; mean component */
+    int y;                     /* 0 auto, 1 up, 2 down */
+} judge_rules;
+
+judge_rules judge_rules_from(const options *o);
+
+/* Texels that fail a verdict in the file's own encoding; false where verdicts mean nothing. */
+bool failing_texels(const facts *f, ntp_verdict verdict, bool keep_negative_z, uint64_t *all,
+                    uint64_t *used);
+
+void judge(finding_list *list, const facts *f, const judge_rules *rules);
+const char *level_name(finding_level level);
+
+#endif

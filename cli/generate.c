@@ -1,0 +1,343 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * generate.c - the man page, the shell completions and the list of findings, from the tables
+ *
+ * `ntp --generate WHAT` prints them while the project is built.
+ */
+#include <libntp.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "findings.h"
+#include "options.h"
+
+/* ------------------------------------------------------------------------- man page */
+
+static void roff(text *t, const char *words)
+{
+    bool at_line_start = true;
+    for (; *words != 0; words++) {
+        if (at_line_start && (*words == '.' || *words == '\''))
+            text_add(t, "\\&");
+        at_line_start = *words == '\n';
+        if (*words == '\\')
+            text_add(t, "\\e");
+        else if (*words == '-')
+            text_add(t, "\\-");
+        else if (*words == '\n')
+            text_add(t, "\n.PP\n");
+        else
+            text_char(t, *words);
+    }
+}
+
+static void man_option(text *t, const option_spec *row)
+{
+    text_add(t, ".TP\n\\fB");
+    if (row->letter != 0)
+        text_addf(t, "\\-%c\\fR, \\fB", row->letter);
+    text_add(t, "\\-\\-");
+    roff(t, row->name);
+    text_add(t, "\\fR");
+    if (row->kind != KIND_FLAG) {
+        text_add(t, " \\fI");
+        roff(t, row->value);
+        text_add(t, "\\fR");
+    }
+    text_char(t, '\n');
+    roff(t, row->help);
+    if (row->standard != NULL) {
+        text_add(t, " (default: ");
+        roff(t, row->standard);
+        text_char(t, ')');
+    }
+    text_add(t, ".\n");
+}
+
+static void man_examples(text *t, const char *examples)
+{
+    text_add(t, ".PP\nExamples:\n.PP\n.nf\n.RS\n");
+    while (*examples != 0) {
+        const size_t length = strcspn(examples, "\n");
+        text line = { 0 };
+        text_bytes(&line, examples, length);
+        roff(t, text_string(&line));
+        text_char(t, '\n');
+        text_free(&line);
+        examples += length + (examples[length] == '\n');
+    }
+    text_add(t, ".RE\n.fi\n");
+}
+
+static void man_verb(text *t, const verb_spec *verb)
+{
+    text_add(t, ".SS \"ntp ");
+    roff(t, verb->name);
+    text_add(t, " [\\fIoption\\fR...] ");
+    roff(t, verb->arguments);
+    text_add(t, "\"\n");
+    roff(t, verb->description);
+    text_char(t, '\n');
+    for (size_t i = 0; i < OPTION_ROWS; i++) {
+        if ((OPTION_TABLE[i].verbs & verb_bit(verb)) != 0)
+            man_option(t, &OPTION_TABLE[i]);
+    }
+    man_examples(t, verb->examples);
+}
+
+static void man_findings(text *t)
+{
+    text_add(t, ".SH FINDINGS\n");
+    for (size_t i = 0; i < FINDING_COUNT; i++) {
+        text_addf(t, ".TP\n\\fB%s\\fR (%s)\n", FINDING_TABLE[i].id, FINDING_TABLE[i].levels);
+        roff(t, FINDING_TABLE[i].title);
+        text_add(t, ".\n");
+    }
+}
+
+static void generate_man(text *t)
+{
+    const uint32_t version = ntp_version();
+    text_addf(t, ".TH NTP 1 \"\" \"ntp %u.%u.%u\" \"User Commands\"\n", version >> 16,
+              version >> 8 & 255, version & 255);
+    text_add(t, ".SH NAME\nntp \\- check, repair and convert normals textures (normal maps)\n"
+                ".SH SYNOPSIS\n");
+    for (size_t i = 0; i < VERB_ROWS; i++) {
+        text_addf(t, ".B ntp %s\n[\\fIoption\\fR...] ", VERB_TABLE[i].name);
+        roff(t, VERB_TABLE[i].arguments);
+        text_add(t, "\n.br\n");
+    }
+    text_add(t, ".B ntp \\-\\-version\n.SH DESCRIPTION\n");
+    roff(t, "Checks, repairs and converts normals textures: PNG, TGA, JPEG (read only) and PFM, "
+            "8 and 16 bit, of any size, in little memory.\n"
+            "PATH is a file, a directory (with -r and all below it), or - for standard input or "
+            "output; -- ends options. Results go to standard output, messages to standard error. "
+            "Another VERB runs the program ntp-VERB that stands in the directory of ntp, never "
+            "one from PATH.");
+    text_add(t, "\n.SH VERBS\n");
+    for (size_t i = 0; i < VERB_ROWS; i++)
+        man_verb(t, &VERB_TABLE[i]);
+    man_findings(t);
+    text_add(t, ".SH EXIT STATUS\n.TP\n0\nAll is well, or done.\n.TP\n1\nFindings at or above "
+                "\\-\\-fail\\-on; differences; refused files.\n.TP\n2\nWrong usage.\n.TP\n3\nAn "
+                "input could not be read or an output not written; the rest is done.\n.TP\n130\n"
+                "Interrupted.\n.SH ENVIRONMENT\n.TP\nNO_COLOR\nIf not empty, no color unless "
+                "\\-\\-color always.\n.TP\nCLICOLOR_FORCE\nIf set and not 0, color also where "
+                "output is no terminal.\n");
+}
+
+/* ---------------------------------------------------------------------- completions */
+
+static void words_of(text *t, const char *choices)
+{
+    for (; *choices != 0; choices++)
+        text_char(t, *choices == '|' ? ' ' : *choices);
+}
+
+static void bash_verb(text *t, const verb_spec *verb)
+{
+    text_addf(t, "    %s)\n        case $previous in\n", verb->name);
+    text all = { 0 };
+    for (size_t i = 0; i < OPTION_ROWS; i++) {
+        const option_spec *row = &OPTION_TABLE[i];
+        if ((row->verbs & verb_bit(verb)) == 0)
+            continue;
+        text_addf(&all, " --%s", row->name);
+        if (row->letter != 0)
+            text_addf(&all, " -%c", row->letter);
+        if (row->kind == KIND_FLAG)
+            continue;
+        text_addf(t, "        --%s", row->name);
+        if (row->letter != 0)
+            text_addf(t, "|-%c", row->letter);
+        if (row->kind == KIND_CHOICE) {
+            text_add(t, ") COMPREPLY=($(compgen -W \"");
+            words_of(t, row->value);
+            text_add(t, "\" -- \"$current\")); return ;;\n");
+        } else if (row->kind == KIND_STRING) {
+            text_add(t, ") COMPREPLY=($(compgen -f -- \"$current\")); return ;;\n");
+        } else {
+            text_add(t, ") return ;;\n");
+        }
+    }
+    text_addf(t, "        esac\n        options=\"%s\"\n        ;;\n", text_string(&all) + 1);
+    text_free(&all);
+}
+
+static void generate_bash(text *t)
+{
+    text_add(
+        t, "# bash completion for ntp\n_ntp()\n{\n"
+           "    local current=${COMP_WORDS[COMP_CWORD]} previous= options= verb=${COMP_WORDS[1]}\n"
+           "    COMPREPLY=()\n    compopt -o filenames 2>/dev/null\n"
+           "    if [ \"$COMP_CWORD\" -gt 1 ]; then\n"
+           "        previous=${COMP_WORDS[COMP_CWORD - 1]}\n    else\n"
+           "        COMPREPLY=($(compgen -W \"");
+    for (size_t i = 0; i < VERB_ROWS; i++)
+        text_addf(t, "%s ", VERB_TABLE[i].name);
+    text_add(t, "help --help --version\" -- \"$current\"))\n        return\n    fi\n"
+                "    case $verb in\n");
+    for (size_t i = 0; i < VERB_ROWS; i++)
+        bash_verb(t, &VERB_TABLE[i]);
+    text_add(t, "    esac\n    case $current in\n"
+                "    -*) COMPREPLY=($(compgen -W \"$options\" -- \"$current\")) ;;\n"
+                "    *) COMPREPLY=($(compgen -f -- \"$current\")) ;;\n    esac\n}\n"
+                "complete -F _ntp ntp\n");
+}
+
+/* Inside single quotes of zsh, and inside [...] of an option's description. */
+static void zsh_words(text *t, const char *words)
+{
+    for (; *words != 0; words++) {
+        if (*words == '\'')
+            text_add(t, "'\\''");
+        else if (strchr("[]:\\", *words) != NULL)
+            text_addf(t, "\\%c", *words);
+        else
+            text_char(t, *words);
+    }
+}
+
+/* The first clause of a help text: enough beside an option in a menu. */
+static void short_help(text *t, const char *help)
+{
+    text_bytes(t, help, strcspn(help, ".;:"));
+}
+
+static void zsh_option(text *t, const option_spec *row)
+{
+    text help = { 0 };
+    short_help(&help, row->help);
+    const char *star = row->id == OPT_MATCH || row->id == OPT_EXCLUDE ? "*" : "";
+    for (int form = row->letter != 0 ? 0 : 1; form < 2; form++) {
+        text_addf(t, "            '%s", star);
+        if (form == 0)
+            text_addf(t, "-%c", row->letter);
+        else
+            text_addf(t, "--%s", row->name);
+        text_char(t, '[');
+        zsh_words(t, text_string(&help));
+        text_char(t, ']');
+        if (row->kind == KIND_CHOICE) {
+            text_addf(t, ":%s:(", row->name);
+            words_of(t, row->value);
+            text_char(t, ')');
+        } else if (row->kind == KIND_STRING) {
+            text_addf(t, ":%s:_files", row->name);
+        } else if (row->kind != KIND_FLAG) {
+            text_addf(t, ":%s:", row->name);
+        }
+        text_add(t, "' \\\n");
+    }
+    text_free(&help);
+}
+
+static void generate_zsh(text *t)
+{
+    text_add(t, "#compdef ntp\n_ntp() {\n    local -a verbs\n    verbs=(\n");
+    for (size_t i = 0; i < VERB_ROWS; i++) {
+        text_addf(t, "        '%s:", VERB_TABLE[i].name);
+        zsh_words(t, VERB_TABLE[i].summary);
+        text_add(t, "'\n");
+    }
+    text_add(t,
+             "        'help:print help'\n    )\n    if (( CURRENT == 2 )); then\n"
+             "        _describe verb verbs\n        return\n    fi\n"
+             "    local verb=$words[2]\n    shift words\n    (( CURRENT-- ))\n    case $verb in\n");
+    for (size_t i = 0; i < VERB_ROWS; i++) {
+        text_addf(t, "    %s)\n        _arguments -s \\\n", VERB_TABLE[i].name);
+        for (size_t k = 0; k < OPTION_ROWS; k++) {
+            if ((OPTION_TABLE[k].verbs & verb_bit(&VERB_TABLE[i])) != 0)
+                zsh_option(t, &OPTION_TABLE[k]);
+        }
+        text_add(t, "            '*:path:_files'\n        ;;\n");
+    }
+    text_add(t, "    help) _describe verb verbs ;;\n    *) _files ;;\n    esac\n}\n"
+                "_ntp \"$@\"\n");
+}
+
+static void fish_words(text *t, const char *words)
+{
+    for (; *words != 0; words++) {
+        if (*words == '\'' || *words == '\\')
+            text_char(t, '\\');
+        text_char(t, *words);
+    }
+}
+
+static void fish_option(text *t, const option_spec *row, const verb_spec *verb)
+{
+    text help = { 0 };
+    short_help(&help, row->help);
+    text_addf(t, "complete -c ntp -n '__fish_seen_subcommand_from %s' -l %s", verb->name,
+              row->name);
+    if (row->letter != 0)
+        text_addf(t, " -s %c", row->letter);
+    if (row->kind == KIND_CHOICE) {
+        text_add(t, " -x -a '");
+        words_of(t, row->value);
+        text_char(t, '\'');
+    } else if (row->kind == KIND_STRING) {
+        text_add(t, " -r");
+    } else if (row->kind != KIND_FLAG) {
+        text_add(t, " -x");
+    }
+    text_add(t, " -d '");
+    fish_words(t, text_string(&help));
+    text_add(t, "'\n");
+    text_free(&help);
+}
+
+static void generate_fish(text *t)
+{
+    text_add(t, "# fish completion for ntp\n");
+    for (size_t i = 0; i < VERB_ROWS; i++) {
+        text_addf(t, "complete -c ntp -n __fish_use_subcommand -f -a %s -d '", VERB_TABLE[i].name);
+        fish_words(t, VERB_TABLE[i].summary);
+        text_add(t, "'\n");
+    }
+    text_add(t, "complete -c ntp -n __fish_use_subcommand -f -a help -d 'print help'\n");
+    for (size_t i = 0; i < VERB_ROWS; i++) {
+        for (size_t k = 0; k < OPTION_ROWS; k++) {
+            if ((OPTION_TABLE[k].verbs & verb_bit(&VERB_TABLE[i])) != 0)
+                fish_option(t, &OPTION_TABLE[k], &VERB_TABLE[i]);
+        }
+    }
+}
+
+/* ------------------------------------------------------------------------- findings */
+
+static void generate_findings(text *t)
+{
+    text_add(t, "# Findings of `ntp check`\n\n"
+                "Each finding has an id that stays, and a level. `--fail-on` says from which level "
+                "on the exit code is 1. This page is made from the program's own table "
+                "(`ntp --generate findings`).\n\n"
+                "| id | level | what it says |\n|---|---|---|\n");
+    for (size_t i = 0; i < FINDING_COUNT; i++)
+        text_addf(t, "| [%s](#%s) | %s | %s |\n", FINDING_TABLE[i].id, FINDING_TABLE[i].anchor,
+                  FINDING_TABLE[i].levels, FINDING_TABLE[i].title);
+    for (size_t i = 0; i < FINDING_COUNT; i++) {
+        const finding_spec *spec = &FINDING_TABLE[i];
+        text_addf(t, "\n<a id=\"%s\"></a>\n\n## %s: %s\n\nLevel: %s.\n\n%s\n\nWhat to do: %s\n",
+                  spec->anchor, spec->id, spec->title, spec->levels, spec->why, spec->remedy);
+    }
+}
+
+bool generate(text *t, const char *what)
+{
+    static const struct {
+        const char *what;
+        void (*make)(text *t);
+    } KINDS[] = {
+        { "man", generate_man },   { "bash", generate_bash },         { "zsh", generate_zsh },
+        { "fish", generate_fish }, { "findings", generate_findings },
+    };
+    for (size_t i = 0; i < sizeof KINDS / sizeof KINDS[0]; i++) {
+        if (strcmp(what, KINDS[i].what) == 0) {
+            KINDS[i].make(t);
+            return true;
+        }
+    }
+    return false;
+}

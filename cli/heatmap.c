@@ -1,0 +1,64 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * heatmap.c - ntp heatmap: paints what is wrong where
+ */
+#include "produce.h"
+#include "report.h"
+
+enum { HEAT_CHANNELS = 3 };
+
+static bool begin(production *p, ntpio_write_options *shape, ntpio_error *error)
+{
+    (void) p;
+    (void) error;
+    shape->channels = HEAT_CHANNELS;
+    shape->sample_bytes = 1;
+    shape->content_is_flat = true;
+    return true;
+}
+
+static bool rows(production *p, const ntp_rect *area, ntpio_error *error)
+{
+    const ntp_image *view = &p->s.view;
+    const ntp_palette palette = (ntp_palette) option_integer(p->m->o, OPT_PALETTE);
+    const size_t row = (size_t) view->width * HEAT_CHANNELS;
+    unsigned char *data = buffer_reserve(&p->w->extra, row * (size_t) view->ring_rows);
+    ntp_image heat = ntp_image_packed(data, view->width, view->height, HEAT_CHANNELS, NTP_U8);
+    heat.encoding = NTP_HEIGHT;
+    heat.ring_rows = view->ring_rows;
+    const ntp_const_image seen = ntp_image_as_const(view);
+    const ntp_status status = ntp_heatmap(&heat, &seen, palette, p->touch, area);
+    if (status != NTP_OK)
+        return library_error(&p->s, status, error);
+    p->changes = true;
+    return production_write(p, data, (ptrdiff_t) row, area, error);
+}
+
+static void describe(const production *p, text *line, json_t *object)
+{
+    static const char *const PALETTES[] = { "reference", "safe" };
+    uint64_t all = 0, used = 0;
+    failing_texels(&p->f, NTP_NEIGHBOR, false, &all, &used);
+    if (line != NULL) {
+        text_addf(line, "%s, ", class_title(p->f.type.type));
+        text_percent(line, all, p->f.stats.texels);
+        text_add(line, " of the texels fail");
+    }
+    if (object == NULL)
+        return;
+    json_object_set_new(object, "palette",
+                        json_string(PALETTES[option_integer(p->m->o, OPT_PALETTE)]));
+    json_object_set_new(object, "fail", json_count(all));
+    json_object_set_new(object, "texels", json_count(p->f.stats.texels));
+}
+
+int heatmap_run(const options *o)
+{
+    const maker m = { .o = o,
+                      .forced = forced_class(o),
+                      .state_size = 1,
+                      .begin = begin,
+                      .rows = rows,
+                      .describe = describe };
+    return produce(&m);
+}

@@ -1,0 +1,246 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * jobs.c - a queue of inputs, worker threads, and one thread that prints
+ *
+ * Workers take the next input and leave its result in a slot of a ring; the main thread takes
+ * the results out in order.  The ring bounds how far a worker may run ahead of a slow file.
+ */
+#include "jobs.h"
+
+#include <errno.h>
+#include <pthread.h>
+#include <sched.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "cli.h"
+#include "examine.h"
+
+enum {
+    AHEAD = 256,              /* results that may wait for their turn */
+    POLL_MS = 100,            /* how often the main thread looks at signals and progress */
+    FIRST_PROGRESS_MS = 1000, /* shorter work needs no bar */
+    MAX_WORKERS = 256,
+};
+
+typedef struct queue {
+    const batch *b;
+    pthread_mutex_t lock;
+    pthread_cond_t changed;
+    size_t next;      /* first input that nobody took */
+    size_t delivered; /* inputs whose result was printed */
+    bool stop;
+    struct {
+        result r;
+        bool done;
+    } slots[AHEAD];
+} queue;
+
+static bool progress_is_drawn;
+
+void progress_clear(void)
+{
+    if (progress_is_drawn)
+        fputs("\r\033[K", stderr);
+    progress_is_drawn = false;
+}
+
+bool progress_wanted(const options *o)
+{
+    return !option_given(o, OPT_NO_PROGRESS) && isatty(STDERR_FILENO);
+}
+
+static int64_t now_ms(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (int64_t) t.tv_sec * 1000 + t.tv_nsec / 1000000;
+}
+
+static void progress_draw(double done, size_t files, size_t total)
+{
+    enum { CELLS = 30 };
+    char bar[CELLS + 1];
+    const int full = (int) (done * CELLS);
+    for (int i = 0; i < CELLS; i++)
+        bar[i] = i < full ? '#' : '.';
+    bar[CELLS] = 0;
+    fprintf(stderr, "\r[%s] %3d %%  %zu of %zu files\033[K", bar, (int) (100 * done), files, total);
+    fflush(stderr);
+    progress_is_drawn = true;
+}
+
+typedef struct seat {
+    queue *q;
+    worker *w;
+    pthread_t thread;
+} seat;
+
+static void *work_loop(void *context)
+{
+    seat *s = context;
+    queue *q = s->q;
+    const batch *b = q->b;
+    pthread_mutex_lock(&q->lock);
+    for (;;) {
+        while (!q->stop && q->next < b->inputs->count && q->next >= q->delivered + AHEAD)
+            pthread_cond_wait(&q->changed, &q->lock);
+        if (q->stop || interrupted_by != 0 || q->next >= b->inputs->count)
+            break;
+        const size_t index = q->next++;
+        pthread_mutex_unlock(&q->lock);
+        result r = { 0 };
+        b->work(b->context, s->w, &b->inputs->at[index], &r);
+        atomic_store_explicit(&s->w->permille, 0, memory_order_relaxed);
+        pthread_mutex_lock(&q->lock);
+        q->slots[index % AHEAD].r = r;
+        q->slots[index % AHEAD].done = true;
+        pthread_cond_broadcast(&q->changed);
+    }
+    pthread_cond_broadcast(&q->changed);
+    pthread_mutex_unlock(&q->lock);
+    return NULL;
+}
+
+static int processors(void)
+{
+    cpu_set_t set;
+    if (sched_getaffinity(0, sizeof set, &set) == 0)
+        return CPU_COUNT(&set);
+    const long online = sysconf(_SC_NPROCESSORS_ONLN);
+    return online > 0 ? (int) online : 1;
+}
+
+static int worker_count(const batch *b)
+{
+    size_t count = (size_t) (b->jobs > 0 ? b->jobs : processors());
+    if (count > b->inputs->count)
+        count = b->inputs->count;
+    return count > MAX_WORKERS ? MAX_WORKERS : (int) count;
+}
+
+static void print_result(const batch *b, const input *in, result *r)
+{
+    if (b->deliver != NULL)
+        b->deliver(b->context, in, r);
+    if (r->err.size > 0) {
+        progress_clear();
+        output_flush();
+        fwrite(r->err.data, 1, r->err.size, stderr);
+    }
+    if (r->out.size > 0)
+        progress_clear();
+    output_text(&r->out);
+    text_free(&r->out);
+    text_free(&r->err);
+}
+
+static void wait_a_little(queue *q)
+{
+    struct timespec until;
+    clock_gettime(CLOCK_REALTIME, &until);
+    until.tv_nsec += POLL_MS * 1000000L;
+    until.tv_sec += until.tv_nsec / 1000000000L;
+    until.tv_nsec %= 1000000000L;
+    pthread_cond_timedwait(&q->changed, &q->lock, &until);
+}
+
+static void show_progress(const queue *q, const seat *seats, int workers, int64_t started)
+{
+    if (!q->b->show_progress || now_ms() - started < FIRST_PROGRESS_MS)
+        return;
+    double done = (double) q->delivered;
+    for (size_t i = q->delivered; i < q->next; i++)
+        done += q->slots[i % AHEAD].done;
+    for (int i = 0; i < workers; i++)
+        done += atomic_load_explicit(&seats[i].w->permille, memory_order_relaxed) / 1000.0;
+    progress_draw(done / (double) q->b->inputs->count, q->delivered, q->b->inputs->count);
+}
+
+/* Prints results in order until all are there or the work was stopped. */
+static unsigned deliver_all(queue *q, const seat *seats, int workers)
+{
+    const int64_t started = now_ms();
+    unsigned ran = 0;
+    pthread_mutex_lock(&q->lock);
+    while (q->delivered < q->b->inputs->count) {
+        const size_t index = q->delivered;
+        while (!q->slots[index % AHEAD].done && interrupted_by == 0) {
+            wait_a_little(q);
+            show_progress(q, seats, workers, started);
+        }
+        if (!q->slots[index % AHEAD].done)
+            break;
+        result r = q->slots[index % AHEAD].r;
+        q->slots[index % AHEAD].done = false;
+        pthread_mutex_unlock(&q->lock);
+        ran |= r.ran;
+        print_result(q->b, &q->b->inputs->at[index], &r);
+        pthread_mutex_lock(&q->lock);
+        q->delivered++;
+        pthread_cond_broadcast(&q->changed);
+        if (q->b->reads_only && (output_closed() || output_failed()))
+            break;
+    }
+    q->stop = true;
+    pthread_cond_broadcast(&q->changed);
+    pthread_mutex_unlock(&q->lock);
+    return ran;
+}
+
+/* Results that were ready when the work was stopped. */
+static unsigned drop_rest(queue *q)
+{
+    unsigned ran = 0;
+    for (size_t i = q->delivered; i < q->next; i++) {
+        result *r = &q->slots[i % AHEAD].r;
+        if (!q->slots[i % AHEAD].done)
+            continue;
+        ran |= r->ran;
+        print_result(q->b, &q->b->inputs->at[i], r);
+    }
+    return ran;
+}
+
+unsigned batch_run(const batch *b)
+{
+    if (b->inputs->count == 0)
+        return 0;
+    queue *q = need(calloc(1, sizeof *q));
+    q->b = b;
+    pthread_mutex_init(&q->lock, NULL);
+    pthread_cond_init(&q->changed, NULL);
+    int workers = worker_count(b);
+    seat *seats = need(calloc((size_t) workers, sizeof *seats));
+    for (int i = 0; i < workers; i++) {
+        seats[i] = (seat) { .q = q, .w = worker_new() };
+        const int error = pthread_create(&seats[i].thread, NULL, work_loop, &seats[i]);
+        if (error == 0)
+            continue;
+        worker_free(seats[i].w);
+        workers = i; /* fewer threads do the same work; ends the loop */
+        if (i == 0)
+            complain("cannot start a thread: %s", strerror(error));
+    }
+    unsigned ran = workers > 0 ? deliver_all(q, seats, workers) : RAN_FAILED;
+    for (int i = 0; i < workers; i++) {
+        pthread_join(seats[i].thread, NULL);
+        worker_free(seats[i].w);
+    }
+    ran |= drop_rest(q);
+    progress_clear();
+    output_flush();
+    if (interrupted_by != 0)
+        ran |= RAN_INTERRUPTED;
+    if (output_failed())
+        ran |= RAN_FAILED;
+    pthread_cond_destroy(&q->changed);
+    pthread_mutex_destroy(&q->lock);
+    free(seats);
+    free(q);
+    return ran;
+}

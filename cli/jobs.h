@@ -1,0 +1,44 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * jobs.h - many files at once, results in the order of the inputs
+ */
+#ifndef NTP_CLI_JOBS_H
+#define NTP_CLI_JOBS_H
+
+#include <stdbool.h>
+
+#include "paths.h"
+#include "text.h"
+
+struct worker;
+
+/* What became of one input. */
+typedef struct result {
+    text out;     /* for standard output */
+    text err;     /* for standard error: whole lines */
+    unsigned ran; /* RAN_* */
+    void *data;   /* the verb's own, made in work, freed in deliver */
+} result;
+
+typedef struct batch {
+    const input_list *inputs;
+    int jobs;           /* 0: one for each processor */
+    bool show_progress; /* where standard error is a terminal */
+    bool reads_only;    /* nobody listens to the results: stop */
+    void *context;
+    /* In a thread of its own; the context is read only there. */
+    void (*work)(void *context, struct worker *w, const input *in, result *r);
+    /* In the main thread, in order; the batch prints out and err. */
+    void (*deliver)(void *context, const input *in, result *r);
+} batch;
+
+/* Returns the RAN_* of all. */
+unsigned batch_run(const batch *b);
+
+/* Whether a bar may be drawn: standard error is a terminal and --no-progress was not given. */
+bool progress_wanted(const options *o);
+
+/* Removes the progress bar until it is next drawn. */
+void progress_clear(void);
+
+#endif

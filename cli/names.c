@@ -1,0 +1,117 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * names.c - what the name of a file says about it
+ *
+ * A name is cut into words at '_', '-', '.', blanks, and where a capital follows a small
+ * letter: "BrickWall_1K_NormalGL" is brick, wall, 1, k, normal, gl.  Long words for "normals"
+ * count anywhere, short ones (n, nm, nor ...) only at the end, before sizes and orientations.
+ */
+#include <ctype.h>
+#include <string.h>
+#include <strings.h>
+
+#include "paths.h"
+
+enum { MAX_WORDS = 24, WORD_SIZE = 24 };
+
+typedef struct words {
+    char at[MAX_WORDS][WORD_SIZE];
+    int count;
+} words;
+
+static const char *base_name(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    return slash != NULL ? slash + 1 : path;
+}
+
+const char *name_ending(const char *path)
+{
+    const char *base = base_name(path);
+    const char *dot = strrchr(base, '.');
+    return dot != NULL && dot != base ? dot : "";
+}
+
+static bool ends_word(char before, char c)
+{
+    return (islower((unsigned char) before) && isupper((unsigned char) c)) ||
+           (isdigit((unsigned char) before) != 0) != (isdigit((unsigned char) c) != 0);
+}
+
+static void cut(words *w, const char *path)
+{
+    const char *base = base_name(path);
+    const size_t length = strlen(base) - strlen(name_ending(base));
+    w->count = 0;
+    size_t filled = 0;
+    for (size_t i = 0; i <= length && w->count < MAX_WORDS; i++) {
+        const char c = i < length ? base[i] : '_';
+        const bool separator = strchr("_-. ()", c) != NULL;
+        if (filled > 0 && (separator || ends_word(base[i - 1], c))) {
+            w->at[w->count++][filled] = 0;
+            filled = 0;
+        }
+        if (!separator && w->count < MAX_WORDS && filled < WORD_SIZE - 1)
+            w->at[w->count][filled++] = (char) tolower((unsigned char) c);
+    }
+}
+
+static bool is_one_of(const char *word, const char *const *list)
+{
+    for (; *list != NULL; list++) {
+        if (strcmp(word, *list) == 0)
+            return true;
+    }
+    return false;
+}
+
+static const char *const WORDS_UP[] = { "gl", "ogl", "opengl", "normalgl", "normalogl", NULL };
+static const char *const WORDS_DOWN[] = { "dx", "directx", "normaldx", NULL };
+
+static bool is_size(const char *word)
+{
+    return isdigit((unsigned char) word[0]) || strcmp(word, "k") == 0 || strcmp(word, "px") == 0;
+}
+
+bool name_is_normals(const char *path)
+{
+    static const char *const ANYWHERE[] = { "normal",   "normals",   "normalmap", "normalmaps",
+                                            "nrm",      "nrml",      "nmap",      "ddn",
+                                            "normalgl", "normalogl", "normaldx",  NULL };
+    static const char *const LAST[] = { "n", "nm", "nor", "norm", "nn", "ddna", "nml", NULL };
+    words w;
+    cut(&w, path);
+    for (int i = 0; i < w.count; i++) {
+        if (is_one_of(w.at[i], ANYWHERE))
+            return true;
+    }
+    int last = w.count - 1;
+    while (last > 0 && (is_size(w.at[last]) || is_one_of(w.at[last], WORDS_UP) ||
+                        is_one_of(w.at[last], WORDS_DOWN)))
+        last--;
+    return last > 0 && is_one_of(w.at[last], LAST);
+}
+
+name_y name_orientation(const char *path)
+{
+    words w;
+    cut(&w, path);
+    for (int i = w.count - 1; i > 0; i--) {
+        if (is_one_of(w.at[i], WORDS_UP))
+            return NAME_Y_UP;
+        if (is_one_of(w.at[i], WORDS_DOWN))
+            return NAME_Y_DOWN;
+    }
+    return NAME_Y_NONE;
+}
+
+bool name_is_image(const char *path)
+{
+    static const char *const ENDINGS[] = { ".png", ".tga", ".jpg", ".jpeg", ".jpe", ".pfm" };
+    const char *ending = name_ending(path);
+    for (size_t i = 0; i < sizeof ENDINGS / sizeof ENDINGS[0]; i++) {
+        if (strcasecmp(ending, ENDINGS[i]) == 0)
+            return true;
+    }
+    return false;
+}

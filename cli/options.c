@@ -1,0 +1,203 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * options.c - the table of verbs and options
+ *
+ * Rows of one name may differ between verbs; a row says in its mask whose it is.  The order is
+ * that of the help.
+ */
+#include "options.h"
+
+#define TYPES     "auto|standard|zzero|xy|height"
+#define VERDICTS  "neighbor|rounded|exact"
+#define ENCODINGS "standard|zzero|xy"
+#define FORMATS   "text|json"
+
+/* clang-format off */
+const option_spec OPTION_TABLE[] = {
+    { OPT_TYPE, "type", 0, KIND_CHOICE, TYPES, "auto", 0, 0, V_CHECK | V_CLEAN | V_HEATMAP | V_DUMP | V_DIFF,
+      "what the files are; auto finds out by their texels. Another value settles it: files that "
+      "would be refused or called something else are taken for this" },
+    { OPT_Y, "y", 0, KIND_CHOICE, "auto|up|down", "auto", 0, 0, V_CHECK,
+      "which way green points: up (OpenGL, glTF, USD) or down (DirectX)" },
+    { OPT_VERDICT, "verdict", 0, KIND_CHOICE, VERDICTS, "neighbor", 0, 0, V_CHECK,
+      "how strictly a texel is judged. neighbor: within one level of unit length; rounded: an "
+      "honest rounding of a unit vector; exact: blue is the one that red and green imply" },
+    { OPT_VERDICT, "verdict", 0, KIND_CHOICE, VERDICTS, "neighbor", 0, 0, V_CLEAN,
+      "which texels --only-failing repairs (see ntp check --help)" },
+    { OPT_VERDICT, "verdict", 0, KIND_CHOICE, VERDICTS, "neighbor", 0, 0, V_DUMP,
+      "list the texels that fail this verdict (see ntp check --help)" },
+    { OPT_KEEP_NEGATIVE_Z, "keep-negative-z", 0, KIND_FLAG, NULL, NULL, 0, 0, V_CHECK | V_CLEAN | V_DUMP,
+      "normals may point away from the viewer: a negative Z is no fault and stays" },
+    { OPT_MAX_FAIL, "max-fail", 0, KIND_NUMBER, "PERCENT", "2", 0, 100, V_CHECK,
+      "a larger share of failing texels is an error, a smaller one a warning" },
+    { OPT_MAX_TILT, "max-tilt", 0, KIND_NUMBER, "X", "0.1", 0, 1, V_CHECK,
+      "warn where the mean of x or y, in -1..1, is farther from 0 than this" },
+    { OPT_FAIL_ON, "fail-on", 0, KIND_CHOICE, "error|warning|never", "error", 0, 0, V_CHECK,
+      "exit with 1 when a finding is of this level or above" },
+    { OPT_BASELINE, "baseline", 0, KIND_STRING, "FILE", NULL, 0, 0, V_CHECK,
+      "the JSON of an earlier check: findings that it holds are not counted again" },
+    { OPT_DEEP, "deep", 0, KIND_FLAG, NULL, NULL, 0, 0, V_CHECK,
+      "look at the whole image also where a plain check may look at a part of it (at present a "
+      "plain check looks at the whole image everywhere)" },
+
+    { OPT_OUTPUT, "output", 'o', KIND_STRING, "FILE|DIR", NULL, 0, 0, V_WRITES,
+      "where to write: a file, - for standard output, or a directory, in which relative paths "
+      "are kept and names end in .png. Only a single input can go to a file" },
+    { OPT_OUTPUT, "output", 'o', KIND_STRING, "HEATMAP", NULL, 0, 0, V_DIFF,
+      "write a picture of the differences: black equal, then blue, green, red up to 10 degrees" },
+    { OPT_IN_PLACE, "in-place", 0, KIND_FLAG, NULL, NULL, 0, 0, V_CLEAN,
+      "repair the files themselves; only files that change are written" },
+    { OPT_METHOD, "method", 0, KIND_CHOICE, "derive|normalize|auto", "derive", 0, 0, V_CLEAN,
+      "derive: keep x and y, compute z; normalize: divide each failing vector by its length "
+      "(better after JPEG or resizing); auto: what the errors of the file speak for" },
+    { OPT_ONLY_FAILING, "only-failing", 0, KIND_FLAG, NULL, NULL, 0, 0, V_CLEAN,
+      "leave texels that pass --verdict as they are" },
+    { OPT_ONLY_CHANGED, "only-changed", 0, KIND_FLAG, NULL, NULL, 0, 0, V_CLEAN,
+      "write only files of which a texel changes" },
+    { OPT_FROM, "from", 0, KIND_CHOICE, ENCODINGS, "standard", 0, 0, V_CONVERT,
+      "how the input stores a normal: standard: x, y, z in -1..1; zzero: z in 0..1; xy: no z" },
+    { OPT_TO, "to", 0, KIND_CHOICE, ENCODINGS, "standard", 0, 0, V_CONVERT,
+      "how the output stores it" },
+    { OPT_FROM_Y, "from-y", 0, KIND_CHOICE, "up|down", "up", 0, 0, V_CONVERT,
+      "which way green points in the input: up (OpenGL) or down (DirectX)" },
+    { OPT_TO_Y, "to-y", 0, KIND_CHOICE, "up|down", "up", 0, 0, V_CONVERT,
+      "which way green shall point in the output" },
+    { OPT_DEPTH, "depth", 0, KIND_CHOICE, "8|16", NULL, 0, 0, V_CONVERT,
+      "bits of each sample of the output; default: as the input" },
+    { OPT_CHANNELS, "channels", 0, KIND_STRING, "SPEC", NULL, 0, 0, V_CONVERT,
+      "what each channel of the output holds, one letter each of x y z 0 1 and a (alpha): xyz, "
+      "xzy, 1y0x (DXT5nm); two letters make a gray and alpha PNG" },
+    { OPT_FROM_CHANNELS, "from-channels", 0, KIND_STRING, "SPEC", NULL, 0, 0, V_CONVERT,
+      "what each channel of the input holds, in the same letters, - for nothing of use: -y-x "
+      "reads DXT5nm. Without z it is computed" },
+    { OPT_PALETTE, "palette", 0, KIND_CHOICE, "reference|safe", "reference", 0, 0, V_HEATMAP,
+      "reference: red x, y too long, green length off, blue z negative; safe: colors that stay "
+      "apart for every kind of color vision" },
+    { OPT_ALL, "all", 0, KIND_FLAG, NULL, NULL, 0, 0, V_DUMP, "list every texel" },
+    { OPT_TOUCH_UNUSED, "touch-unused", 0, KIND_FLAG, NULL, NULL, 0, 0, V_CLEAN | V_CONVERT,
+      "treat pure black, pure white and transparent texels like any other" },
+    { OPT_DRY_RUN, "dry-run", 'n', KIND_FLAG, NULL, NULL, 0, 0, V_CLEAN | V_CONVERT,
+      "write nothing, say what would change" },
+    { OPT_LEVEL, "level", 0, KIND_INTEGER, "0..9", NULL, 0, 9, V_WRITES,
+      "how hard PNG output is compressed; default: fast, and nearly as small for normals" },
+
+    { OPT_FORMAT, "format", 0, KIND_CHOICE, "text|json|csv|list", "text", 0, 0, V_CHECK,
+      "text for people, JSON (see docs/schema/check-1.json), CSV with a row for each file, or "
+      "list: only the paths of files with findings at or above --fail-on" },
+    { OPT_FORMAT, "format", 0, KIND_CHOICE, FORMATS, "text", 0, 0, V_WRITES | V_DIFF,
+      "text for people, or JSON" },
+    { OPT_NUL, "null", '0', KIND_FLAG, NULL, NULL, 0, 0, V_PATHS,
+      "names in --files-from and --format list end in a NUL, not a newline" },
+    { OPT_RECURSIVE, "recursive", 'r', KIND_FLAG, NULL, NULL, 0, 0, V_PATHS,
+      "descend into directories" },
+    { OPT_MATCH, "match", 0, KIND_STRING, "GLOB", NULL, 0, 0, V_PATHS,
+      "of directories take only files whose name, or path where GLOB has a slash, matches; may "
+      "be repeated" },
+    { OPT_EXCLUDE, "exclude", 0, KIND_STRING, "GLOB", NULL, 0, 0, V_PATHS,
+      "leave out files and directories that match; may be repeated" },
+    { OPT_FILES_FROM, "files-from", 0, KIND_STRING, "FILE", NULL, 0, 0, V_PATHS,
+      "read paths from FILE, one on each line; - is standard input" },
+    { OPT_JOBS, "jobs", 'j', KIND_INTEGER, "N", NULL, 1, 256, V_PATHS,
+      "work on N files at once; default: one for each processor" },
+    { OPT_QUIET, "quiet", 'q', KIND_FLAG, NULL, NULL, 0, 0, V_CHECK,
+      "print only files with findings" },
+    { OPT_QUIET, "quiet", 'q', KIND_FLAG, NULL, NULL, 0, 0, V_WRITES | V_DUMP | V_DIFF,
+      "print only what went wrong" },
+    { OPT_VERBOSE, "verbose", 'v', KIND_FLAG, NULL, NULL, 0, 0, V_CHECK,
+      "add notes, reasons and statistics" },
+    { OPT_VERBOSE, "verbose", 'v', KIND_FLAG, NULL, NULL, 0, 0, V_WRITES,
+      "say more about each file" },
+    { OPT_COLOR, "color", 0, KIND_CHOICE, "auto|always|never", "auto", 0, 0, V_PATHS,
+      "color the text; auto: on a terminal, unless NO_COLOR is set" },
+    { OPT_NO_PROGRESS, "no-progress", 0, KIND_FLAG, NULL, NULL, 0, 0, V_PATHS,
+      "draw no progress bar" },
+    { OPT_MAX_SIDE, "max-side", 0, KIND_INTEGER, "N", "65535", 1, 65535, V_ALL,
+      "refuse images wider or higher than this" },
+    { OPT_MAX_TEXELS, "max-texels", 0, KIND_INTEGER, "N", "1073741824", 1, 4294836225.0, V_ALL,
+      "refuse images of more texels than this" },
+    { OPT_HELP, "help", 'h', KIND_FLAG, NULL, NULL, 0, 0, V_ALL, "print this help" },
+};
+/* clang-format on */
+const size_t OPTION_ROWS = sizeof OPTION_TABLE / sizeof OPTION_TABLE[0];
+
+const verb_spec VERB_TABLE[] = {
+    { "check", "PATH...", "say what textures are, and whether they are well formed",
+      "Reads each texture and says what it is (standard, Z-zero or XY-only normals, a height map, "
+      "object-space normals, one color, or no normals texture), whether its normals are well "
+      "formed, why not, and how bad it is. Nothing is written.\n"
+      "Files that are named are always judged. In a directory a file counts when its name is that "
+      "of a normals texture (brick_n.png, brick_normal.png, BrickNormalGL.png ...) or its content "
+      "is; other images are listed and are no findings.",
+      "ntp check wall_n.png\n"
+      "  is this texture in order?\n"
+      "ntp check -r textures --fail-on warning\n"
+      "  a whole tree, as a gate in a build\n"
+      "ntp check -r textures --format list -0 | xargs -0 ls -l\n"
+      "  the files with errors, for another program\n"
+      "ntp check -r textures --format json > before.json\n"
+      "ntp check -r textures --baseline before.json\n"
+      "  later: count only what is new\n",
+      check_run },
+    { "clean", "PATH...", "repair normals",
+      "Makes every texel of a normals texture a unit vector. By default red and green stay and "
+      "blue is computed from them; where red and green alone are longer than 1 they are pulled "
+      "back, with their direction kept. Alpha, and texels that are pure black, pure white or "
+      "transparent, stay as they are. Cleaning twice changes nothing more.\n"
+      "Heights, object-space maps and what is no normals texture are refused unless --type says "
+      "what they are. gAMA, sRGB, iCCP and cHRM chunks are left out: normals are numbers, not "
+      "colors.",
+      "ntp clean wall_n.png -o wall_clean_n.png\n"
+      "  write a repaired copy\n"
+      "ntp clean -r textures --in-place --dry-run\n"
+      "  what would change, and by how many degrees?\n"
+      "ntp clean -r textures --in-place\n"
+      "  repair a tree; files that are in order are not touched\n"
+      "ntp clean scan.jpg -o scan_n.png --method auto\n"
+      "  rescue a texture that was stored as JPEG\n",
+      clean_run },
+    { "convert", "PATH...", "change encoding, depth, channels, or the direction of green",
+      "Converts between standard, Z-zero and XY-only textures, 8 and 16 bit, green up (OpenGL) and "
+      "green down (DirectX), and lays out channels. Nothing is repaired: each number goes over by "
+      "value, correctly rounded. A clean texture stays clean. Unused texels keep their color.",
+      "ntp convert wall_dx.png -o wall_gl.png --from-y down\n"
+      "  DirectX to OpenGL\n"
+      "ntp convert wall_n.png -o wall16.png --depth 16\n"
+      "  8 bit to 16 bit\n"
+      "ntp convert labpbr_n.png -o full_n.png --from xy\n"
+      "  compute the missing blue\n"
+      "ntp convert packed.png -o plain.png --from-channels -y-x\n"
+      "  unpack DXT5nm\n",
+      convert_run },
+    { "heatmap", "PATH...", "paint what is wrong where",
+      "Writes a picture of each texture in which faults are colored and the rest is gray. Red: x "
+      "and y too long. Green: length off. Blue: z negative. docs/heatmap.md is the legend.",
+      "ntp heatmap wall_n.png -o wall_faults.png\n"
+      "ntp heatmap -r textures -o faults --palette safe\n"
+      "  pictures of a tree, in colors that everybody can tell apart\n",
+      heatmap_run },
+    { "dump", "PATH", "list texels as CSV",
+      "Prints a row for each texel that fails --verdict, or for every texel with --all: position, "
+      "stored levels, vector, length, what is wrong, how far off it is, and the repaired levels.",
+      "ntp dump wall_n.png | head\n"
+      "  the first bad texels\n"
+      "ntp dump --all tiny_n.png > tiny.csv\n",
+      dump_run },
+    { "diff", "A B", "compare two textures in levels and degrees",
+      "Says how many texels of two textures of one size differ, by how many levels, and by what "
+      "angle. Depth and encoding may differ; B is converted to A's. Exit 0: the same, 1: "
+      "different.",
+      "ntp diff wall_n.png wall_clean_n.png\n"
+      "ntp diff a.png b.png -o where.png\n"
+      "  a picture of the differences\n",
+      diff_run },
+};
+const size_t VERB_ROWS = sizeof VERB_TABLE / sizeof VERB_TABLE[0];
+
+const option_spec *option_row(option_id id, unsigned verb_bits)
+{
+    for (size_t i = 0; i < OPTION_ROWS; i++) {
+        if (OPTION_TABLE[i].id == id && (OPTION_TABLE[i].verbs & verb_bits) != 0)
+            return &OPTION_TABLE[i];
+    }
+    return NULL;
+}

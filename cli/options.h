@@ -1,0 +1,165 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * options.h - the verbs and options of ntp, from one table
+ *
+ * options.c holds the table; parsing, --help, the man page and the completions are all made
+ * from it.  A new verb is a file with its run function, a row in the table of verbs, and rows
+ * for those of its options that are not there yet.
+ */
+#ifndef NTP_CLI_OPTIONS_H
+#define NTP_CLI_OPTIONS_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "cli.h"
+
+/* One bit for each verb of our own, in the order of the table. */
+enum {
+    V_CHECK = 1,
+    V_CLEAN = 2,
+    V_CONVERT = 4,
+    V_HEATMAP = 8,
+    V_DUMP = 16,
+    V_DIFF = 32,
+    V_WRITES = V_CLEAN | V_CONVERT | V_HEATMAP,
+    V_PATHS = V_CHECK | V_WRITES,
+    V_ALL = V_PATHS | V_DUMP | V_DIFF
+};
+
+typedef enum option_id {
+    OPT_TYPE,
+    OPT_Y,
+    OPT_VERDICT,
+    OPT_KEEP_NEGATIVE_Z,
+    OPT_MAX_FAIL,
+    OPT_MAX_TILT,
+    OPT_FAIL_ON,
+    OPT_BASELINE,
+    OPT_DEEP,
+    OPT_OUTPUT,
+    OPT_IN_PLACE,
+    OPT_METHOD,
+    OPT_ONLY_FAILING,
+    OPT_ONLY_CHANGED,
+    OPT_TOUCH_UNUSED,
+    OPT_DRY_RUN,
+    OPT_FROM,
+    OPT_TO,
+    OPT_FROM_Y,
+    OPT_TO_Y,
+    OPT_DEPTH,
+    OPT_CHANNELS,
+    OPT_FROM_CHANNELS,
+    OPT_PALETTE,
+    OPT_ALL,
+    OPT_LEVEL,
+    OPT_FORMAT,
+    OPT_NUL,
+    OPT_RECURSIVE,
+    OPT_MATCH,
+    OPT_EXCLUDE,
+    OPT_FILES_FROM,
+    OPT_JOBS,
+    OPT_QUIET,
+    OPT_VERBOSE,
+    OPT_COLOR,
+    OPT_NO_PROGRESS,
+    OPT_MAX_SIDE,
+    OPT_MAX_TEXELS,
+    OPT_HELP,
+    OPT_COUNT
+} option_id;
+
+typedef enum option_kind {
+    KIND_FLAG,
+    KIND_STRING,
+    KIND_CHOICE,
+    KIND_INTEGER,
+    KIND_NUMBER
+} option_kind;
+
+typedef struct option_spec {
+    option_id id;
+    const char *name;
+    char letter; /* 0: none */
+    option_kind kind;
+    const char *value;    /* what help calls the value; KIND_CHOICE: "a|b|c" */
+    const char *standard; /* the default, as one would write it; NULL: none */
+    double least, most;   /* of numbers */
+    unsigned verbs;
+    const char *help;
+} option_spec;
+
+typedef struct verb_spec {
+    const char *name;
+    const char *arguments;
+    const char *summary;
+    const char *description;
+    const char *examples; /* lines "command\n  what it does" */
+    int (*run)(const options *o);
+} verb_spec;
+
+extern const option_spec OPTION_TABLE[];
+extern const size_t OPTION_ROWS;
+extern const verb_spec VERB_TABLE[];
+extern const size_t VERB_ROWS;
+
+typedef struct option_value {
+    bool given;
+    int64_t integer; /* also the index of a choice */
+    double number;
+    const char *string; /* the last one given */
+    char **all;         /* every one given, in order */
+    size_t count;
+} option_value;
+
+struct options {
+    const verb_spec *verb;
+    unsigned verb_bit;
+    option_value values[OPT_COUNT];
+    char **paths;
+    size_t path_count;
+};
+
+/* Fills *o from the words after the verb.  Returns false after telling what is wrong. */
+bool options_parse(options *o, const verb_spec *verb, int argc, char **argv);
+void options_free(options *o);
+
+/* The row of an option for a verb, or NULL. */
+const option_spec *option_row(option_id id, unsigned verb_bit);
+const verb_spec *verb_find(const char *name);
+unsigned verb_bit(const verb_spec *verb);
+
+/* The nearest of the names, or NULL when none is near. */
+const char *nearest_name(const char *wrong, const char *const *names, size_t count);
+void complain_unknown_verb(const char *name);
+
+static inline bool option_given(const options *o, option_id id)
+{
+    return o->values[id].given;
+}
+
+static inline int64_t option_integer(const options *o, option_id id)
+{
+    return o->values[id].integer;
+}
+
+static inline double option_number(const options *o, option_id id)
+{
+    return o->values[id].number;
+}
+
+static inline const char *option_string(const options *o, option_id id)
+{
+    return o->values[id].string;
+}
+
+/* help.c */
+void help_program(text *t);
+void help_verb(text *t, const verb_spec *verb);
+/* generate.c: "man", "bash", "zsh", "fish", "findings"; false for another word. */
+bool generate(text *t, const char *what);
+
+#endif

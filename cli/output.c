@@ -1,0 +1,81 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * output.c - standard output and standard error
+ *
+ * Results are written whole and checked: a full disk behind standard output is an error, a
+ * reader that went away is not.
+ */
+#include <errno.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "cli.h"
+#include "jobs.h"
+
+static struct {
+    bool failed, closed, to_stderr;
+} out;
+
+int exit_code(unsigned ran)
+{
+    if ((ran & RAN_INTERRUPTED) != 0)
+        return NTP_EXIT_INTERRUPTED;
+    if ((ran & RAN_USAGE) != 0)
+        return NTP_EXIT_USAGE;
+    if ((ran & RAN_FAILED) != 0)
+        return NTP_EXIT_FAILED;
+    return (ran & RAN_FINDINGS) != 0 ? NTP_EXIT_FINDINGS : NTP_EXIT_DONE;
+}
+
+void complain(const char *format, ...)
+{
+    progress_clear();
+    va_list arguments;
+    va_start(arguments, format);
+    fputs("ntp: ", stderr);
+    vfprintf(stderr, format, arguments);
+    fputc('\n', stderr);
+    va_end(arguments);
+}
+
+static void note_failure(void)
+{
+    if (errno == EPIPE) {
+        out.closed = true;
+    } else if (!out.failed) {
+        out.failed = true;
+        complain("standard output: %s", strerror(errno));
+    }
+}
+
+void output_text(const text *t)
+{
+    FILE *file = out.to_stderr ? stderr : stdout;
+    if (out.failed || out.closed || t->size == 0)
+        return;
+    if (fwrite(t->data, 1, t->size, file) != t->size)
+        note_failure();
+}
+
+void output_flush(void)
+{
+    if (!out.failed && !out.closed && !out.to_stderr && fflush(stdout) != 0)
+        note_failure();
+}
+
+bool output_failed(void)
+{
+    return out.failed;
+}
+
+bool output_closed(void)
+{
+    return out.closed;
+}
+
+void output_to_stderr(void)
+{
+    out.to_stderr = true;
+}

@@ -1,0 +1,249 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * outputs.c - where each input's output goes
+ *
+ * Everything that could destroy a file is refused here, before any work: an output that is
+ * one of the inputs (by device and inode, so by any path), and one output for two inputs.
+ */
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+#include <sys/stat.h>
+
+#include "paths.h"
+
+static bool is_directory(const char *path)
+{
+    struct stat st;
+    return stat(path, &st) == 0 && S_ISDIR(st.st_mode);
+}
+
+static bool ends_in(const char *path, const char *ending)
+{
+    return strcasecmp(name_ending(path), ending) == 0;
+}
+
+static char *below(const char *directory, const char *relative, bool keep_ending)
+{
+    text name = { 0 };
+    const char *ending = name_ending(relative);
+    const bool as_it_is = strcasecmp(ending, ".png") == 0 || strcasecmp(ending, ".pfm") == 0;
+    text_bytes(&name, relative, strlen(relative) - (as_it_is || keep_ending ? 0 : strlen(ending)));
+    if (!as_it_is)
+        text_add(&name, ".png");
+    char *path = join_path(directory, text_string(&name));
+    text_free(&name);
+    return path;
+}
+
+typedef struct target {
+    const char *path;
+    size_t index;
+} target;
+
+static int by_path(const void *a, const void *b)
+{
+    const target *x = a, *y = b;
+    const int order = strcmp(x->path, y->path);
+    return order != 0 ? order : (x->index > y->index) - (x->index < y->index);
+}
+
+static target *sorted_targets(const input_list *list)
+{
+    target *all = need(calloc(list->count + 1, sizeof *all));
+    for (size_t i = 0; i < list->count; i++)
+        all[i] = (target) { list->at[i].output, i };
+    qsort(all, list->count, sizeof *all, by_path);
+    return all;
+}
+
+/* wall.tga and wall.png would both be wall.png: the former becomes wall.tga.png. */
+static void part_collisions(input_list *list, const char *directory)
+{
+    target *all = sorted_targets(list);
+    char **renamed = need(calloc(list->count + 1, sizeof *renamed));
+    for (size_t i = 0; i < list->count; i++) {
+        const bool meets_previous = i > 0 && strcmp(all[i].path, all[i - 1].path) == 0;
+        const bool meets_next = i + 1 < list->count && strcmp(all[i].path, all[i + 1].path) == 0;
+        const char *relative = list->at[all[i].index].relative;
+        if ((meets_previous || meets_next) && !ends_in(relative, ".png"))
+            renamed[all[i].index] = below(directory, relative, true);
+    }
+    free(all);
+    for (size_t i = 0; i < list->count; i++) {
+        if (renamed[i] == NULL)
+            continue;
+        free(list->at[i].output);
+        list->at[i].output = renamed[i];
+    }
+    free(renamed);
+}
+
+static bool told(const char *path, const char *problem, const char *other)
+{
+    text t = { 0 };
+    text_name(&t, path);
+    text_add(&t, problem);
+    if (other != NULL)
+        text_name(&t, other);
+    complain("%s", text_string(&t));
+    text_free(&t);
+    return false;
+}
+
+static bool no_two_alike(const input_list *list)
+{
+    target *all = sorted_targets(list);
+    bool ok = true;
+    for (size_t i = 1; ok && i < list->count; i++) {
+        if (strcmp(all[i].path, all[i - 1].path) != 0)
+            continue;
+        text both = { 0 };
+        text_name(&both, list->at[all[i - 1].index].path);
+        text_add(&both, " and ");
+        text_name(&both, list->at[all[i].index].path);
+        ok = told(text_string(&both), " would both be written to ", all[i].path);
+        text_free(&both);
+    }
+    free(all);
+    return ok;
+}
+
+typedef struct node {
+    dev_t device;
+    ino_t number;
+} node;
+
+static int by_node(const void *a, const void *b)
+{
+    const node *x = a, *y = b;
+    if (x->device != y->device)
+        return x->device < y->device ? -1 : 1;
+    return (x->number > y->number) - (x->number < y->number);
+}
+
+static bool no_input_overwritten(const input_list *list)
+{
+    node *inputs = need(calloc(list->count + 1, sizeof *inputs));
+    size_t count = 0;
+    struct stat st;
+    for (size_t i = 0; i < list->count; i++) {
+        if (strcmp(list->at[i].path, "-") != 0 && stat(list->at[i].path, &st) == 0)
+            inputs[count++] = (node) { st.st_dev, st.st_ino };
+    }
+    qsort(inputs, count, sizeof *inputs, by_node);
+    bool ok = true;
+    for (size_t i = 0; ok && i < list->count; i++) {
+        const char *output = list->at[i].output;
+        if (strcmp(output, "-") == 0 || stat(output, &st) != 0 || !S_ISREG(st.st_mode))
+            continue;
+        const node own = { st.st_dev, st.st_ino };
+        if (bsearch(&own, inputs, count, sizeof own, by_node) != NULL)
+            ok = told(output, " is an input; nothing is overwritten", NULL);
+    }
+    free(inputs);
+    return ok;
+}
+
+/* -o names a directory: it is one, ends in a slash, or several inputs or a whole directory go
+ * there and its name is not that of an image; a single file's -o without any ending does too. */
+static bool means_directory(const input_list *list, const char *output)
+{
+    struct stat st;
+    if (strcmp(output, "-") == 0)
+        return false;
+    if (output[strlen(output) - 1] == '/' || is_directory(output))
+        return true;
+    if (stat(output, &st) == 0 || name_is_image(output))
+        return false;
+    return list->from_directory || list->count > 1 || name_ending(output)[0] == 0;
+}
+
+static bool plan_in_place(input_list *list)
+{
+    for (size_t i = 0; i < list->count; i++) {
+        if (strcmp(list->at[i].path, "-") == 0) {
+            complain("--in-place: standard input has no place");
+            return false;
+        }
+        list->at[i].output = copy_string(list->at[i].path);
+    }
+    return true;
+}
+
+static bool plan_file(input_list *list, const char *output)
+{
+    if (list->count > 1 || list->from_directory) {
+        complain("-o %s is one file, but the inputs are %s; give a directory", output,
+                 list->from_directory ? "those of a directory" : "several");
+        return false;
+    }
+    if (ends_in(output, ".jpg") || ends_in(output, ".jpeg")) {
+        complain("-o %s: JPEG damages normals and is not written; use .png", output);
+        return false;
+    }
+    if (list->count == 1)
+        list->at[0].output = copy_string(output);
+    return true;
+}
+
+bool outputs_plan(input_list *list, const options *o)
+{
+    const char *output = option_string(o, OPT_OUTPUT);
+    const bool in_place = option_given(o, OPT_IN_PLACE);
+    if (in_place && output != NULL) {
+        complain("give -o or --in-place, not both");
+        return false;
+    }
+    if (in_place)
+        return plan_in_place(list);
+    if (output == NULL) {
+        if (option_given(o, OPT_DRY_RUN))
+            return true;
+        complain("ntp %s needs -o FILE or -o DIR%s", o->verb->name,
+                 option_row(OPT_IN_PLACE, o->verb_bit) != NULL ? ", or --in-place" : "");
+        return false;
+    }
+    if (!means_directory(list, output)) {
+        if (!plan_file(list, output))
+            return false;
+    } else {
+        for (size_t i = 0; i < list->count; i++) {
+            const char *relative = list->at[i].relative;
+            list->at[i].output =
+                below(output, strcmp(relative, "-") == 0 ? "stdin" : relative, false);
+        }
+        part_collisions(list, output);
+    }
+    return no_two_alike(list) && no_input_overwritten(list);
+}
+
+bool output_is_no_input(const char *output, const options *o)
+{
+    struct stat st, own;
+    if (strcmp(output, "-") == 0 || stat(output, &own) != 0 || !S_ISREG(own.st_mode))
+        return true;
+    for (size_t i = 0; i < o->path_count; i++) {
+        if (stat(o->paths[i], &st) == 0 && st.st_dev == own.st_dev && st.st_ino == own.st_ino)
+            return told(output, " is an input; nothing is overwritten", NULL);
+    }
+    return true;
+}
+
+bool make_parents(const char *path, text *why)
+{
+    char *copy = copy_string(path);
+    bool ok = true;
+    for (char *slash = strchr(copy + 1, '/'); ok && slash != NULL; slash = strchr(slash + 1, '/')) {
+        *slash = 0;
+        if (mkdir(copy, 0777) != 0 && errno != EEXIST && !is_directory(copy)) {
+            text_name(why, copy);
+            text_addf(why, ": cannot be made: %s", strerror(errno));
+            ok = false;
+        }
+        *slash = '/';
+    }
+    free(copy);
+    return ok;
+}

@@ -1,0 +1,269 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * paths.c - from the command line to a list of files
+ *
+ * Directories are read sorted by bytes, so that every machine lists them in one order.  A
+ * directory is entered once, however many links lead to it; a file is taken once.
+ */
+#include "paths.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <fnmatch.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+typedef struct visited {
+    dev_t device;
+    ino_t node;
+} visited;
+
+typedef struct scan {
+    input_list *list;
+    const options *o;
+    visited *seen;
+    size_t seen_count;
+} scan;
+
+static input *add_input(input_list *list, const char *path, const char *relative)
+{
+    if (list->count % 64 == 0)
+        list->at = need(realloc(list->at, (list->count + 64) * sizeof *list->at));
+    input *in = &list->at[list->count++];
+    *in = (input) { .path = copy_string(path), .relative = copy_string(relative) };
+    in->hinted = name_is_normals(path);
+    in->y = name_orientation(path);
+    return in;
+}
+
+static bool matches_any(const option_value *globs, const char *relative)
+{
+    const char *slash = strrchr(relative, '/');
+    const char *base = slash != NULL ? slash + 1 : relative;
+    for (size_t i = 0; i < globs->count; i++) {
+        const bool whole = strchr(globs->all[i], '/') != NULL;
+        if (fnmatch(globs->all[i], whole ? relative : base, 0) == 0)
+            return true;
+    }
+    return false;
+}
+
+/* Marks a directory as entered; false when it was before. */
+static bool enter(scan *s, const struct stat *st)
+{
+    for (size_t i = 0; i < s->seen_count; i++) {
+        if (s->seen[i].device == st->st_dev && s->seen[i].node == st->st_ino)
+            return false;
+    }
+    s->seen = need(realloc(s->seen, (s->seen_count + 1) * sizeof *s->seen));
+    s->seen[s->seen_count++] = (visited) { st->st_dev, st->st_ino };
+    return true;
+}
+
+static void add_problem(scan *s, const char *path, int error)
+{
+    input *in = add_input(s->list, path, path);
+    in->problem = copy_string(strerror(error));
+}
+
+static void scan_directory(scan *s, const char *directory, const char *relative, int depth);
+
+static void scan_entry(scan *s, const char *path, const char *relative, int depth)
+{
+    struct stat st;
+    if (matches_any(&s->o->values[OPT_EXCLUDE], relative))
+        return;
+    if (stat(path, &st) != 0) {
+        if (name_is_image(path))
+            add_problem(s, path, errno);
+        return;
+    }
+    const option_value *match = &s->o->values[OPT_MATCH];
+    if (S_ISDIR(st.st_mode)) {
+        if (option_given(s->o, OPT_RECURSIVE) && enter(s, &st))
+            scan_directory(s, path, relative, depth + 1);
+    } else if (S_ISREG(st.st_mode)) {
+        if (match->count > 0 ? matches_any(match, relative) : name_is_image(path))
+            add_input(s->list, path, relative);
+    }
+}
+
+/* No dotfiles: our own temporary files are among them. */
+static int is_listed(const struct dirent *entry)
+{
+    return entry->d_name[0] != '.';
+}
+
+static int by_bytes(const struct dirent **a, const struct dirent **b)
+{
+    return strcmp((*a)->d_name, (*b)->d_name);
+}
+
+static void scan_directory(scan *s, const char *directory, const char *relative, int depth)
+{
+    enum { DEEPEST = 512 }; /* each level holds a list open */
+    struct dirent **entries = NULL;
+    const int count = depth < DEEPEST ? scandir(directory, &entries, is_listed, by_bytes) : -1;
+    if (count < 0) {
+        add_problem(s, directory, depth < DEEPEST ? errno : ELOOP);
+        return;
+    }
+    for (int i = 0; i < count; i++) {
+        char *path = join_path(directory, entries[i]->d_name);
+        char *below = relative[0] != 0 ? join_path(relative, entries[i]->d_name)
+                                       : copy_string(entries[i]->d_name);
+        scan_entry(s, path, below, depth);
+        free(path);
+        free(below);
+        free(entries[i]);
+    }
+    free(entries);
+}
+
+/* A relative path without "..", with "./" taken off; otherwise the last component. */
+static const char *relative_part(const char *path, bool keep_path)
+{
+    while (strncmp(path, "./", 2) == 0)
+        path += 2 + strspn(path + 2, "/");
+    const char *slash = strrchr(path, '/');
+    const bool climbs = strncmp(path, "../", 3) == 0 || strstr(path, "/../") != NULL;
+    if (slash == NULL || (keep_path && path[0] != '/' && !climbs))
+        return path;
+    return slash + 1;
+}
+
+static bool add_path(scan *s, const char *path, bool keep_path)
+{
+    struct stat st;
+    if (path[0] == 0) {
+        complain("a path is empty");
+        return false;
+    }
+    if (strcmp(path, "-") != 0 && stat(path, &st) == 0 && S_ISDIR(st.st_mode)) {
+        s->list->from_directory = true;
+        if (enter(s, &st))
+            scan_directory(s, path, "", 0);
+        return true;
+    }
+    const bool excluded = matches_any(&s->o->values[OPT_EXCLUDE], path);
+    if (!excluded)
+        add_input(s->list, path, relative_part(path, keep_path))->named = true;
+    return true;
+}
+
+static bool add_list(scan *s, const char *name)
+{
+    const bool standard = strcmp(name, "-") == 0;
+    FILE *file = standard ? stdin : fopen(name, "r");
+    if (file == NULL) {
+        complain("--files-from %s: %s", name, strerror(errno));
+        return false;
+    }
+    const int end = option_given(s->o, OPT_NUL) ? 0 : '\n';
+    char *line = NULL;
+    size_t size = 0;
+    bool ok = true;
+    for (ssize_t length; ok && (length = getdelim(&line, &size, end, file)) > 0;) {
+        if (line[length - 1] == (char) end)
+            line[--length] = 0;
+        if (length > 0)
+            ok = add_path(s, line, true);
+    }
+    if (ok && ferror(file)) {
+        complain("--files-from %s: %s", name, strerror(errno));
+        ok = false;
+    }
+    free(line);
+    if (!standard)
+        fclose(file);
+    return ok;
+}
+
+typedef struct identity {
+    char *canonical;
+    size_t index;
+} identity;
+
+static int by_identity(const void *a, const void *b)
+{
+    const identity *x = a, *y = b;
+    const int order = strcmp(x->canonical, y->canonical);
+    return order != 0 ? order : (x->index > y->index) - (x->index < y->index);
+}
+
+static void free_input(input *in)
+{
+    free(in->path);
+    free(in->relative);
+    free(in->output);
+    free(in->problem);
+}
+
+/* Keeps the first of several names of one file. */
+static void drop_duplicates(input_list *list)
+{
+    identity *all = need(calloc(list->count + 1, sizeof *all));
+    for (size_t i = 0; i < list->count; i++) {
+        char *canonical = realpath(list->at[i].path, NULL);
+        all[i] = (identity) { canonical != NULL ? canonical : copy_string(list->at[i].path), i };
+    }
+    qsort(all, list->count, sizeof *all, by_identity);
+    bool *drop = need(calloc(list->count + 1, sizeof *drop));
+    size_t first = 0;
+    for (size_t i = 1; i < list->count; i++) {
+        if (strcmp(all[i].canonical, all[first].canonical) != 0) {
+            first = i;
+            continue;
+        }
+        drop[all[i].index] = true;
+        list->at[all[first].index].named |= list->at[all[i].index].named;
+    }
+    size_t kept = 0;
+    for (size_t i = 0; i < list->count; i++) {
+        if (drop[i])
+            free_input(&list->at[i]);
+        else
+            list->at[kept++] = list->at[i];
+        free(all[i].canonical);
+    }
+    list->count = kept;
+    free(all);
+    free(drop);
+}
+
+bool inputs_collect(input_list *list, const options *o)
+{
+    *list = (input_list) { 0 };
+    scan s = { .list = list, .o = o };
+    bool ok = true;
+    for (size_t i = 0; ok && i < o->path_count; i++)
+        ok = add_path(&s, o->paths[i], false);
+    const option_value *lists = &o->values[OPT_FILES_FROM];
+    for (size_t i = 0; ok && i < lists->count; i++)
+        ok = add_list(&s, lists->all[i]);
+    free(s.seen);
+    if (ok && o->path_count == 0 && lists->count == 0) {
+        complain("ntp %s needs a file or a directory; ntp %s --help tells more", o->verb->name,
+                 o->verb->name);
+        ok = false;
+    }
+    if (ok && list->count > 1)
+        drop_duplicates(list);
+    if (ok && list->count == 0)
+        complain("no image found%s", list->from_directory && !option_given(o, OPT_RECURSIVE)
+                                         ? "; -r looks below the directory as well"
+                                         : "");
+    if (!ok)
+        inputs_free(list);
+    return ok;
+}
+
+void inputs_free(input_list *list)
+{
+    for (size_t i = 0; i < list->count; i++)
+        free_input(&list->at[i]);
+    free(list->at);
+    *list = (input_list) { 0 };
+}

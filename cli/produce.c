@@ -1,0 +1,413 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * produce.c - the passes over one file, what is told about it, and the run over all
+ */
+#include "produce.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+#include "report.h"
+
+typedef enum outcome {
+    MADE,      /* written, or would be */
+    UNCHANGED, /* nothing to write */
+    SKIPPED,   /* of a directory, and no normals texture */
+    REFUSED,   /* named, but not of a kind that this verb works on */
+    UNREADABLE,
+    FAILED /* not written */
+} outcome;
+
+static const char *const OUTCOMES[] = { "ok", "ok", "skipped", "refused", "unreadable", "failed" };
+
+typedef struct run {
+    const maker *m;
+    size_t outcomes[FAILED + 1];
+    size_t files;
+    bool any;
+} run;
+
+/* ----------------------------------------------------------------------- one file */
+
+bool production_write(production *p, const void *rows, ptrdiff_t stride, const ntp_rect *area,
+                      ntpio_error *error)
+{
+    return p->writer == NULL ||
+           ntpio_write_rows(p->writer, rows, stride, (uint32_t) (area->y1 - area->y0), error);
+}
+
+static ntpio_format format_of(const char *output)
+{
+    const char *ending = name_ending(output);
+    return strcasecmp(ending, ".tga") == 0   ? NTPIO_TGA
+           : strcasecmp(ending, ".pfm") == 0 ? NTPIO_PFM
+                                             : NTPIO_PNG;
+}
+
+static bool open_writer(production *p, ntpio_write_options *shape, ntpio_error *error)
+{
+    const char *output = p->in->output;
+    text why = { 0 };
+    if (strcmp(output, "-") != 0 && !make_parents(output, &why)) {
+        error->status = NTPIO_ERR_WRITE;
+        snprintf(error->message, sizeof error->message, "%.500s", text_string(&why));
+        text_free(&why);
+        return false;
+    }
+    shape->format = p->m->in_place ? p->s.info->format : format_of(output);
+    shape->copy_from = p->s.info;
+    shape->level =
+        option_given(p->m->o, OPT_LEVEL) ? (int32_t) option_integer(p->m->o, OPT_LEVEL) : -1;
+    p->writer = ntpio_create(output, shape, error);
+    return p->writer != NULL;
+}
+
+typedef enum pass_end { PASS_DONE, PASS_CHANGES, PASS_UNREADABLE, PASS_FAILED } pass_end;
+
+/* Reads all rows: measures them unless the facts are known, and lets the verb work on them. */
+static pass_end run_pass(production *p, bool writes, ntpio_error *error)
+{
+    ntpio_write_options shape = { .width = p->s.info->width,
+                                  .height = p->s.info->height,
+                                  .channels = p->s.view.channels,
+                                  .sample_bytes = p->s.info->sample_bytes };
+    memset(p->state, 0, p->m->state_size);
+    p->changes = false;
+    if (!p->m->begin(p, &shape, error) || (writes && !open_writer(p, &shape, error)))
+        return PASS_FAILED;
+    if (!p->known)
+        ntp_tally_clear(p->w->tally);
+    const ntp_const_image view = ntp_image_as_const(&p->s.view);
+    ntp_rect area;
+    int more;
+    while ((more = source_next(&p->s, &area, error)) > 0) {
+        const ntp_status status =
+            p->known ? NTP_OK : ntp_measure(p->w->tally, &view, p->touch, &area);
+        if (status != NTP_OK)
+            library_error(&p->s, status, error);
+        if (status != NTP_OK || !p->m->rows(p, &area, error))
+            return PASS_FAILED;
+        if (p->probing && p->changes)
+            return PASS_CHANGES;
+    }
+    return more == 0 ? PASS_DONE : PASS_UNREADABLE;
+}
+
+static bool is_refused(const production *p)
+{
+    const ntp_class type = p->f.type.type;
+    if (p->f.forced)
+        return p->f.encoding == NTP_HEIGHT && !p->m->any_class;
+    if (p->m->any_class)
+        return !p->f.counts;
+    return type == NTP_CLASS_HEIGHT || type == NTP_CLASS_OBJECT_SPACE ||
+           type == NTP_CLASS_NOT_NORMALS;
+}
+
+static outcome refuse(const production *p, ntpio_error *error)
+{
+    text t = { 0 };
+    text_name(&t, p->in->path);
+    text_addf(&t, ": %s, not a texture of tangent-space normals",
+              p->f.type.type == NTP_CLASS_HEIGHT         ? "a height map"
+              : p->f.type.type == NTP_CLASS_OBJECT_SPACE ? "object-space normals"
+                                                         : "something else");
+    if (p->f.counts && option_row(OPT_TYPE, p->m->o->verb_bit) != NULL)
+        text_add(&t, "; --type standard takes it for one");
+    snprintf(error->message, sizeof error->message, "%.500s", text_string(&t));
+    text_free(&t);
+    return p->f.counts && (p->in->named || p->in->hinted) ? REFUSED : SKIPPED;
+}
+
+static outcome end_of(pass_end end)
+{
+    return end == PASS_UNREADABLE ? UNREADABLE : FAILED;
+}
+
+/* Sets the view for the class that the facts name; gray files become RGB where needed. */
+static void view_as_known(production *p)
+{
+    static const int8_t EXPAND[4] = { 0, 0, 0, 1 };
+    const bool gray = p->s.info->channels < 3 && p->f.encoding == NTP_HEIGHT;
+    if (gray && p->f.type.type == NTP_CLASS_ONE_COLOR && !p->m->any_class)
+        source_view(&p->s, NTP_STANDARD, NTP_Y_UP, EXPAND, p->s.info->channels + 2);
+    else
+        p->s.view.encoding = p->f.encoding;
+}
+
+/* Reads first, so that the rows can be made with the facts known. */
+static outcome know_first(production *p, ntpio_error *error)
+{
+    if (!examine(&p->s, p->m->forced, &p->f, error))
+        return UNREADABLE;
+    if (is_refused(p))
+        return refuse(p, error);
+    p->known = true;
+    p->touch = touch_for(&p->f.stats, p->f.encoding);
+    view_as_known(p);
+    return source_rewind(&p->s, error) ? MADE : UNREADABLE;
+}
+
+/*
+ * The speculative passes.  On return the writer holds the finished output, unless nothing is
+ * to be written.
+ */
+static outcome speculate(production *p, bool writes, ntpio_error *error)
+{
+    for (;;) {
+        const pass_end end = run_pass(p, writes, error);
+        if (end == PASS_CHANGES)
+            return MADE;
+        if (end != PASS_DONE)
+            return end_of(end);
+        if (p->known)
+            return MADE;
+        if (!facts_from_tally(&p->f, &p->s, p->m->forced, error))
+            return UNREADABLE;
+        if (is_refused(p))
+            return refuse(p, error);
+        const uint32_t touch = touch_for(&p->f.stats, p->f.encoding);
+        const bool same_touch = touch == p->touch || p->f.stats.transparent == 0;
+        if (p->m->any_class || (p->f.encoding == p->s.view.encoding && same_touch))
+            return MADE;
+        ntpio_abort(p->writer);
+        p->writer = NULL;
+        if (p->s.view.type != NTP_U8 || !same_touch) {
+            facts_free(&p->f);
+            const outcome known = source_rewind(&p->s, error) ? know_first(p, error) : UNREADABLE;
+            if (known != MADE)
+                return known;
+        } else {
+            p->known = true;
+            p->s.view.encoding = p->f.encoding;
+            if (!source_rewind(&p->s, error))
+                return UNREADABLE;
+        }
+    }
+}
+
+static outcome make_output(production *p, ntpio_error *error)
+{
+    const maker *m = p->m;
+    const bool gray = p->s.info->channels < 3 && m->forced < 0;
+    if (m->in_place && (p->s.info->format == NTPIO_JPEG)) {
+        text t = { 0 };
+        text_name(&t, p->in->path);
+        snprintf(error->message, sizeof error->message,
+                 "%.400s: JPEG is not written; give -o for a PNG", text_string(&t));
+        text_free(&t);
+        return FAILED;
+    }
+    first_view(&p->s, m->forced);
+    outcome done = MADE;
+    if (m->measure_first || (gray && !m->any_class))
+        done = know_first(p, error);
+    if (done != MADE)
+        return done;
+    if (m->only_changed && !m->dry_run) {
+        p->probing = true;
+        done = speculate(p, false, error);
+        p->probing = false;
+        if (done != MADE)
+            return done;
+        if (!p->changes)
+            return UNCHANGED;
+        if (!source_rewind(&p->s, error))
+            return UNREADABLE;
+    }
+    done = speculate(p, !m->dry_run, error);
+    if (done != MADE || m->dry_run)
+        return done == MADE && !p->changes && m->only_changed ? UNCHANGED : done;
+    ntpio_writer *writer = p->writer;
+    p->writer = NULL;
+    return ntpio_commit(writer, error) ? MADE : FAILED;
+}
+
+/* ------------------------------------------------------------------------ telling */
+
+static void list_dropped(const ntpio_info *info, text *line, json_t *object)
+{
+    const struct {
+        const char *name;
+        bool there;
+    } CHUNKS[] = { { "gAMA", info->has_gama },
+                   { "sRGB", info->has_srgb },
+                   { "iCCP", info->has_iccp },
+                   { "cHRM", info->has_chrm } };
+    json_t *list = need(json_array());
+    for (size_t i = 0; i < sizeof CHUNKS / sizeof CHUNKS[0]; i++) {
+        if (!CHUNKS[i].there)
+            continue;
+        json_array_append_new(list, json_string(CHUNKS[i].name));
+        if (line != NULL)
+            text_addf(line, "%s%s", json_array_size(list) > 1 ? ", " : "  note: left out ",
+                      CHUNKS[i].name);
+    }
+    if (line != NULL && json_array_size(list) > 0)
+        text_add(line, " (normals are numbers, not colors)\n");
+    if (object != NULL)
+        json_object_set_new(object, "dropped", list);
+    else
+        json_decref(list);
+}
+
+static void tell_json(const production *p, outcome done, const ntpio_error *error, result *r)
+{
+    const char *message = done == MADE || done == UNCHANGED ? NULL : error->message;
+    json_t *object = json_file(p->in, OUTCOMES[done], message);
+    const bool written = done == MADE && !p->m->dry_run;
+    if (p->in->output != NULL && (done == MADE || done == UNCHANGED))
+        json_set_name(object, "output", p->in->output);
+    else
+        json_object_set_new(object, "output", json_null());
+    json_object_set_new(object, "written", json_boolean(written));
+    if (done == MADE || done == UNCHANGED) {
+        json_object_set_new(object, "type", json_string(ntp_class_name(p->f.type.type)));
+        json_object_set_new(object, "confidence", json_angle(p->f.type.confidence));
+        p->m->describe(p, NULL, object);
+        list_dropped(&p->f.info, NULL, object);
+    }
+    json_item(&r->out, object, false);
+}
+
+static void tell_text(const production *p, outcome done, const ntpio_error *error, result *r)
+{
+    const bool quiet = option_given(p->m->o, OPT_QUIET);
+    if (done == SKIPPED && !quiet && option_given(p->m->o, OPT_VERBOSE))
+        text_addf(&r->out, "%s: left out\n", error->message);
+    if (quiet || (done != MADE && done != UNCHANGED))
+        return;
+    text_name(&r->out, p->in->path);
+    if (done == MADE && p->in->output != NULL && !p->m->in_place) {
+        text_add(&r->out, " -> ");
+        text_name(&r->out, p->in->output);
+    }
+    text_add(&r->out, ": ");
+    p->m->describe(p, &r->out, NULL);
+    if (done == UNCHANGED)
+        text_add(&r->out, ", not written");
+    else if (p->m->dry_run)
+        text_add(&r->out, " (not written: --dry-run)");
+    text_char(&r->out, '\n');
+    if (done == MADE && !p->m->dry_run)
+        list_dropped(&p->f.info, &r->out, NULL);
+}
+
+static unsigned ran_of(outcome done, const ntpio_error *error)
+{
+    if (done == REFUSED)
+        return RAN_FINDINGS;
+    if (done == FAILED && error->status == NTPIO_ERR_USAGE)
+        return RAN_USAGE;
+    return done == UNREADABLE || done == FAILED ? RAN_FAILED : 0;
+}
+
+static void work(void *context, worker *w, const input *in, result *r)
+{
+    const maker *m = ((const run *) context)->m;
+    production p = { .m = m, .in = in, .w = w, .state = need(calloc(1, m->state_size)) };
+    ntpio_error error = { 0 };
+    const ntpio_limits limits = limits_from(m->o);
+    outcome done = UNREADABLE;
+    if (source_open(&p.s, w, in, &limits, &error)) {
+        done = make_output(&p, &error);
+        ntpio_abort(p.writer);
+    }
+    const bool interrupted = interrupted_by != 0 && (done == UNREADABLE || done == FAILED);
+    if (!interrupted) {
+        r->ran |= ran_of(done, &error);
+        if (option_integer(m->o, OPT_FORMAT) == 1)
+            tell_json(&p, done, &error, r);
+        else
+            tell_text(&p, done, &error, r);
+        if (done >= REFUSED)
+            text_addf(&r->err, "ntp: %s\n", error.message);
+    }
+    source_close(&p.s);
+    facts_free(&p.f);
+    int *kept = need(malloc(sizeof *kept));
+    *kept = (int) done;
+    r->data = kept;
+    free(p.state);
+}
+
+/* ------------------------------------------------------------------------- the run */
+
+static void deliver(void *context, const input *in, result *r)
+{
+    run *all = context;
+    int *done = r->data;
+    (void) in;
+    all->files++;
+    all->outcomes[*done]++;
+    free(done);
+    if (option_integer(all->m->o, OPT_FORMAT) == 1 && !all->any && r->out.size > 0) {
+        r->out.data[0] = ' '; /* the first item has no comma before it */
+        all->any = true;
+    }
+}
+
+static void end_run(const run *all)
+{
+    const size_t *n = all->outcomes;
+    const size_t bad = n[UNREADABLE] + n[FAILED];
+    text t = { 0 };
+    if (option_integer(all->m->o, OPT_FORMAT) == 1) {
+        json_t *summary = need(json_object());
+        json_object_set_new(summary, "files", json_integer((json_int_t) all->files));
+        json_object_set_new(summary, "written",
+                            json_integer(all->m->dry_run ? 0 : (json_int_t) n[MADE]));
+        json_object_set_new(summary, "unchanged", json_integer((json_int_t) n[UNCHANGED]));
+        json_object_set_new(summary, "skipped", json_integer((json_int_t) n[SKIPPED]));
+        json_object_set_new(summary, "refused", json_integer((json_int_t) n[REFUSED]));
+        json_object_set_new(summary, "failed", json_integer((json_int_t) bad));
+        json_end(&t, summary);
+    } else if (all->files > 1 && !option_given(all->m->o, OPT_QUIET)) {
+        text_addf(&t, "\n%zu files: %zu %s", all->files, n[MADE],
+                  all->m->dry_run ? "would be written" : "written");
+        if (n[UNCHANGED] > 0)
+            text_addf(&t, ", %zu unchanged", n[UNCHANGED]);
+        if (n[SKIPPED] > 0)
+            text_addf(&t, ", %zu left out (no normals)", n[SKIPPED]);
+        if (n[REFUSED] > 0)
+            text_addf(&t, ", %zu refused", n[REFUSED]);
+        if (bad > 0)
+            text_addf(&t, ", %zu failed", bad);
+        text_char(&t, '\n');
+    }
+    output_text(&t);
+    text_free(&t);
+}
+
+int produce(const maker *m)
+{
+    input_list inputs;
+    run all = { .m = m };
+    if (!inputs_collect(&inputs, m->o))
+        return NTP_EXIT_USAGE;
+    if (!outputs_plan(&inputs, m->o)) {
+        inputs_free(&inputs);
+        return NTP_EXIT_USAGE;
+    }
+    const char *output = option_string(m->o, OPT_OUTPUT);
+    if (output != NULL && strcmp(output, "-") == 0)
+        output_to_stderr();
+    if (option_integer(m->o, OPT_FORMAT) == 1) {
+        text t = { 0 };
+        json_begin(&t);
+        output_text(&t);
+        text_free(&t);
+    }
+    const batch b = { .inputs = &inputs,
+                      .jobs = (int) option_integer(m->o, OPT_JOBS),
+                      .show_progress = progress_wanted(m->o),
+                      .context = &all,
+                      .work = work,
+                      .deliver = deliver };
+    const unsigned ran = batch_run(&b);
+    end_run(&all);
+    inputs_free(&inputs);
+    return exit_code(ran);
+}

@@ -1,0 +1,60 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * produce.h - reading a texture and writing another: the part that the writing verbs share
+ *
+ * A file is taken for a standard texture (or what --type says), and its output is written
+ * while it is measured.  Only when the measurement says otherwise, the output is dropped and
+ * the file is read again with the right encoding; so one pass suffices for most.
+ */
+#ifndef NTP_CLI_PRODUCE_H
+#define NTP_CLI_PRODUCE_H
+
+#include <jansson.h>
+
+#include "examine.h"
+#include "jobs.h"
+#include "options.h"
+
+typedef struct maker maker;
+
+/* One output in the making. */
+typedef struct production {
+    const maker *m;
+    const input *in;
+    worker *w;
+    source s;
+    facts f;              /* complete when `finish` and `describe` are called */
+    bool known;           /* the facts are known before the rows come */
+    uint32_t touch;       /* unused texels to treat like others, for this encoding */
+    ntpio_writer *writer; /* NULL: nothing is written in this pass */
+    bool probing;         /* only to find out whether anything changes */
+    bool changes;         /* set by the verb's rows as soon as a sample changes */
+    void *state;          /* the verb's */
+} production;
+
+/* What a verb adds. */
+struct maker {
+    const options *o;
+    int forced;         /* class from --type, or -1 */
+    bool any_class;     /* the verb does not mind what the texels are, where the file is named */
+    bool measure_first; /* the rows need the facts */
+    bool only_changed;  /* outputs without a change are not written */
+    bool dry_run;
+    bool in_place;
+    size_t state_size;
+    const void *settings; /* the verb's */
+    /* Before each pass: starts the state afresh; says what is written. */
+    bool (*begin)(production *p, ntpio_write_options *shape, ntpio_error *error);
+    /* Rows were read into the view: makes and writes (production_write) the output's rows. */
+    bool (*rows)(production *p, const ntp_rect *area, ntpio_error *error);
+    /* Adds what was done to the file's line or JSON object; either may be NULL. */
+    void (*describe)(const production *p, text *line, json_t *object);
+};
+
+bool production_write(production *p, const void *rows, ptrdiff_t stride, const ntp_rect *area,
+                      ntpio_error *error);
+
+/* Runs a writing verb over its inputs; returns the exit code. */
+int produce(const maker *m);
+
+#endif

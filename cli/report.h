@@ -1,0 +1,84 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * report.h - results as text, JSON, CSV and lists
+ */
+#ifndef NTP_CLI_REPORT_H
+#define NTP_CLI_REPORT_H
+
+#include <jansson.h>
+
+#include "examine.h"
+#include "findings.h"
+#include "jobs.h"
+#include "options.h"
+
+/* ---- colors */
+
+typedef enum paint {
+    PAINT_NONE,
+    PAINT_BOLD,
+    PAINT_RED,
+    PAINT_YELLOW,
+    PAINT_BLUE,
+    PAINT_GREEN
+} paint;
+
+/* Whether --color, NO_COLOR, CLICOLOR_FORCE and the terminal ask for colors. */
+bool colors_wanted(const options *o);
+void text_paint(text *t, bool colors, paint p, const char *words);
+
+/* ---- JSON: report_json.c; used by every verb */
+
+/* One object that opens: {"schema_version": 1, "tool": {...}, "files": [ */
+void json_begin(text *t);
+/* An item of that list, on a line of its own; takes the reference. */
+void json_item(text *t, json_t *item, bool first);
+/* Closes the list and adds the summary; takes the reference. */
+void json_end(text *t, json_t *summary);
+/* A document by itself: "schema_version" and "tool" are added first. */
+void json_document(text *t, json_t *body);
+
+/* Sets `key` to a name: valid UTF-8, and `key`_base64 where that loses bytes. */
+void json_set_name(json_t *object, const char *key, const char *name);
+/* To 0.001. */
+json_t *json_angle(double degrees);
+json_t *json_angles(const ntp_angles *angles);
+json_t *json_count(uint64_t count);
+/* The object of a file: path and status, message only where there is one. */
+json_t *json_file(const input *in, const char *status, const char *message);
+
+/* ---- check */
+
+typedef struct check_settings {
+    judge_rules rules;
+    finding_level fail_level;
+    bool fail_never;
+    bool colors, quiet, verbose, nul;
+} check_settings;
+
+/* A checked file. */
+typedef struct checked {
+    bool readable;
+    ntpio_error error;
+    facts f;
+    finding_list list;
+    bool fails; /* a finding that counts is at or above --fail-on */
+} checked;
+
+typedef struct check_summary {
+    size_t files, unreadable, failing, left_out;
+    size_t by_class[NTP_CLASS_NOT_NORMALS + 1];
+    size_t worst[LEVEL_ERROR + 1]; /* files by their worst counting finding */
+    size_t well_formed;            /* counting files without warnings and errors */
+    size_t notes, known;
+    size_t found[FINDING_COUNT];
+} check_summary;
+
+void check_text(text *t, const input *in, const checked *c, const check_settings *s);
+void check_text_summary(text *t, const check_summary *sum, const check_settings *s);
+json_t *check_json(const input *in, const checked *c, const check_settings *s);
+json_t *check_json_summary(const check_summary *sum);
+void check_csv_header(text *t);
+void check_csv(text *t, const input *in, const checked *c, const check_settings *s);
+
+#endif

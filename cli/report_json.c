@@ -1,0 +1,297 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * report_json.c - JSON, by jansson; docs/schema/check-1.json describes it
+ *
+ * A report is printed item by item, so that memory does not grow with the number of files;
+ * only the items are built as trees.
+ */
+#include <libntp.h>
+#include <ntpio.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "report.h"
+
+enum {
+    SCHEMA_VERSION = 1,
+    /* 15 digits print what was rounded to 0.001 as it was meant */
+    DUMP_FLAGS = JSON_REAL_PRECISION(15) | JSON_PRESERVE_ORDER
+};
+
+static void dump(text *t, json_t *value)
+{
+    char *string = need(json_dumps(value, DUMP_FLAGS | JSON_ENCODE_ANY));
+    text_add(t, string);
+    free(string);
+    json_decref(value);
+}
+
+static json_t *tool(void)
+{
+    text t = { 0 };
+    text_addf(&t, "%d.%d.%d", NTP_VERSION_MAJOR, NTP_VERSION_MINOR, NTP_VERSION_PATCH);
+    json_t *object = json_pack("{s:s, s:s, s:s}", "name", "ntp", "version", text_string(&t),
+                               "codecs", ntpio_versions());
+    text_free(&t);
+    return need(object);
+}
+
+void json_begin(text *t)
+{
+    text_addf(t, "{\"schema_version\": %d, \"tool\": ", SCHEMA_VERSION);
+    dump(t, tool());
+    text_add(t, ", \"files\": [");
+}
+
+void json_item(text *t, json_t *item, bool first)
+{
+    text_add(t, first ? "\n  " : ",\n  ");
+    dump(t, item);
+}
+
+void json_end(text *t, json_t *summary)
+{
+    text_add(t, "\n], \"summary\": ");
+    dump(t, summary);
+    text_add(t, "}\n");
+}
+
+void json_document(text *t, json_t *body)
+{
+    json_t *whole = need(json_object());
+    json_object_set_new(whole, "schema_version", json_integer(SCHEMA_VERSION));
+    json_object_set_new(whole, "tool", tool());
+    json_object_update(whole, body);
+    json_decref(body);
+    dump(t, whole);
+    text_char(t, '\n');
+}
+
+static void base64(text *t, const char *bytes)
+{
+    static const char DIGITS[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    const unsigned char *u = (const unsigned char *) bytes;
+    size_t left = strlen(bytes);
+    while (left > 0) {
+        const size_t n = left < 3 ? left : 3;
+        const unsigned v = (unsigned) u[0] << 16 | (n > 1 ? (unsigned) u[1] << 8 : 0) |
+                           (n > 2 ? (unsigned) u[2] : 0);
+        const char four[4] = { DIGITS[v >> 18], DIGITS[v >> 12 & 63],
+                               n > 1 ? DIGITS[v >> 6 & 63] : '=', n > 2 ? DIGITS[v & 63] : '=' };
+        text_bytes(t, four, 4);
+        u += n;
+        left -= n;
+    }
+}
+
+void json_set_name(json_t *object, const char *key, const char *name)
+{
+    if (utf8_valid(name)) {
+        json_object_set_new(object, key, json_string(name));
+        return;
+    }
+    text shown = { 0 };
+    for (const char *c = name; *c != 0;) {
+        const size_t length = utf8_length(c);
+        if (length == 0)
+            text_add(&shown, "\xef\xbf\xbd"); /* U+FFFD, the replacement character */
+        else
+            text_bytes(&shown, c, length);
+        c += length > 0 ? length : 1;
+    }
+    json_object_set_new(object, key, json_string(text_string(&shown)));
+    text_free(&shown);
+    text coded = { 0 }, coded_key = { 0 };
+    base64(&coded, name);
+    text_addf(&coded_key, "%s_base64", key);
+    json_object_set_new(object, text_string(&coded_key), json_string(text_string(&coded)));
+    text_free(&coded);
+    text_free(&coded_key);
+}
+
+static double to_thousandths(double value)
+{
+    return (double) (int64_t) (value * 1000 + (value < 0 ? -0.5 : 0.5)) / 1000;
+}
+
+json_t *json_angle(double degrees)
+{
+    return json_real(to_thousandths(degrees));
+}
+
+json_t *json_angles(const ntp_angles *angles)
+{
+    json_t *object = need(json_object());
+    json_object_set_new(object, "mean", json_angle(angles->mean));
+    json_object_set_new(object, "p99", json_angle(angles->p99));
+    json_object_set_new(object, "max", json_angle(angles->max));
+    return object;
+}
+
+json_t *json_count(uint64_t count)
+{
+    return json_integer((json_int_t) count);
+}
+
+json_t *json_file(const input *in, const char *status, const char *message)
+{
+    json_t *object = need(json_object());
+    json_set_name(object, "path", in->path);
+    json_object_set_new(object, "status", json_string(status));
+    json_object_set_new(object, "message", message != NULL ? json_string(message) : json_null());
+    return object;
+}
+
+/* ---------------------------------------------------------------------------- check */
+
+static const char *format_name(ntpio_format format)
+{
+    switch (format) {
+    case NTPIO_PNG:
+        return "png";
+    case NTPIO_TGA:
+        return "tga";
+    case NTPIO_JPEG:
+        return "jpeg";
+    default:
+        return "pfm";
+    }
+}
+
+static json_t *reasons(const facts *f)
+{
+    json_t *list = need(json_array());
+    if (f->forced)
+        json_array_append_new(list, json_string("--type says so"));
+    for (int32_t i = 0; i < f->type.reason_count && !f->forced; i++) {
+        char reason[300];
+        ntp_reason_text(reason, sizeof reason, &f->type.reasons[i]);
+        json_array_append_new(list, json_string(reason));
+    }
+    return list;
+}
+
+static json_t *fails(const facts *f, const check_settings *s)
+{
+    static const char *const NAMES[] = { "neighbor", "rounded", "exact" };
+    json_t *object = need(json_object());
+    for (int v = NTP_NEIGHBOR; v <= NTP_EXACT; v++) {
+        uint64_t all = 0, used = 0;
+        const bool judged =
+            f->type.type <= NTP_CLASS_XY &&
+            failing_texels(f, (ntp_verdict) v, s->rules.keep_negative_z, &all, &used);
+        if (!judged) {
+            json_decref(object);
+            return json_null();
+        }
+        json_object_set_new(object, NAMES[v], json_count(all));
+    }
+    return object;
+}
+
+static json_t *levels(const facts *f)
+{
+    json_t *object = need(json_object());
+    for (size_t i = 0; i < f->level_count; i++) {
+        char key[16];
+        snprintf(key, sizeof key, "%u", (unsigned) f->levels[i].level);
+        json_object_set_new(object, key, json_count(f->levels[i].count));
+    }
+    return object;
+}
+
+static json_t *length(const facts *f)
+{
+    if (f->encoding != NTP_STANDARD && f->encoding != NTP_ZZERO)
+        return json_null();
+    const ntp_fit *fit = f->encoding == NTP_ZZERO ? &f->stats.zzero : &f->stats.standard;
+    json_t *object = need(json_object());
+    json_object_set_new(object, "min", json_real(fit->length_min));
+    json_object_set_new(object, "mean", json_real(fit->length_mean));
+    json_object_set_new(object, "max", json_real(fit->length_max));
+    return object;
+}
+
+static json_t *finding_objects(const finding_list *list)
+{
+    json_t *array = need(json_array());
+    for (size_t i = 0; i < list->count; i++) {
+        const finding *one = &list->at[i];
+        json_t *object = need(json_object());
+        json_object_set_new(object, "id", json_string(FINDING_TABLE[one->id].id));
+        json_object_set_new(object, "level", json_string(level_name(one->level)));
+        json_object_set_new(object, "message", json_string(one->message));
+        json_object_set_new(object, "count", json_count(one->count));
+        if (one->known)
+            json_object_set_new(object, "baseline", json_true());
+        json_array_append_new(array, object);
+    }
+    return array;
+}
+
+json_t *check_json(const input *in, const checked *c, const check_settings *s)
+{
+    if (!c->readable)
+        return json_file(in, "unreadable", c->error.message);
+    const facts *f = &c->f;
+    const bool height = f->encoding == NTP_HEIGHT;
+    json_t *object = json_file(in, "ok", NULL);
+    json_object_set_new(object, "format", json_string(format_name(f->info.format)));
+    json_object_set_new(object, "width", json_integer((json_int_t) f->info.width));
+    json_object_set_new(object, "height", json_integer((json_int_t) f->info.height));
+    json_object_set_new(object, "bit_depth", json_integer(f->info.bit_depth));
+    json_object_set_new(object, "channels", json_integer(f->info.channels));
+    json_object_set_new(object, "type", json_string(ntp_class_name(f->type.type)));
+    json_object_set_new(object, "confidence", json_angle(f->type.confidence));
+    json_object_set_new(object, "reasons", reasons(f));
+    static const char *const Y[] = { "undecided", "up", "down" };
+    json_object_set_new(object, "y", json_string(Y[s->rules.y]));
+    json_object_set_new(object, "y_confidence", json_real(s->rules.y != 0 ? 1 : 0));
+    json_object_set_new(object, "texels", json_count(f->stats.texels));
+    json_object_set_new(object, "unused", json_count(f->stats.unused));
+    json_object_set_new(object, "counts", json_boolean(f->counts));
+    json_object_set_new(object, "fail", fails(f, s));
+    json_object_set_new(object, "xy_too_long",
+                        height ? json_null() : json_count(f->stats.xy_too_long));
+    json_object_set_new(object, "z_negative",
+                        height ? json_null() : json_count(f->stats.z_negative));
+    json_object_set_new(object, "levels_off", levels(f));
+    json_object_set_new(object, "length", length(f));
+    json_object_set_new(object, "angle_deg", height ? json_null() : json_angles(&f->stats.angles));
+    json_object_set_new(object, "findings", finding_objects(&c->list));
+    return object;
+}
+
+json_t *check_json_summary(const check_summary *sum)
+{
+    json_t *types = need(json_object());
+    for (int i = 0; i <= NTP_CLASS_NOT_NORMALS; i++)
+        json_object_set_new(types, ntp_class_name((ntp_class) i),
+                            json_integer((json_int_t) sum->by_class[i]));
+    json_t *found = need(json_object());
+    for (int i = 0; i < FINDING_COUNT; i++) {
+        if (sum->found[i] > 0)
+            json_object_set_new(found, FINDING_TABLE[i].id,
+                                json_integer((json_int_t) sum->found[i]));
+    }
+    json_t *object = need(json_object());
+    const struct {
+        const char *key;
+        size_t count;
+    } COUNTS[] = {
+        { "files", sum->files },
+        { "unreadable", sum->unreadable },
+        { "not_counted", sum->left_out },
+        { "well_formed", sum->well_formed },
+        { "with_warnings", sum->worst[LEVEL_WARNING] },
+        { "with_errors", sum->worst[LEVEL_ERROR] },
+        { "failing", sum->failing },
+        { "in_baseline", sum->known },
+    };
+    for (size_t i = 0; i < sizeof COUNTS / sizeof COUNTS[0]; i++)
+        json_object_set_new(object, COUNTS[i].key, json_integer((json_int_t) COUNTS[i].count));
+    json_object_set_new(object, "types", types);
+    json_object_set_new(object, "findings", found);
+    return object;
+}

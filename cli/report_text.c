@@ -1,0 +1,253 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * report_text.c - what `ntp check` tells people
+ *
+ * One headline for each file, its findings indented below, the heaviest first.  Notes (level
+ * info), reasons and statistics wait for -v.
+ */
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "report.h"
+
+bool colors_wanted(const options *o)
+{
+    const int64_t choice = option_integer(o, OPT_COLOR);
+    const char *no = getenv("NO_COLOR"), *force = getenv("CLICOLOR_FORCE");
+    if (choice != 0)
+        return choice == 1;
+    if (no != NULL && no[0] != 0)
+        return false;
+    if (force != NULL && force[0] != 0 && strcmp(force, "0") != 0)
+        return true;
+    const char *terminal = getenv("TERM");
+    return isatty(STDOUT_FILENO) && (terminal == NULL || strcmp(terminal, "dumb") != 0);
+}
+
+void text_paint(text *t, bool colors, paint p, const char *words)
+{
+    static const char *const CODES[] = { "", "1", "31", "33", "36", "32" };
+    if (colors && p != PAINT_NONE)
+        text_addf(t, "\033[%sm%s\033[0m", CODES[p], words);
+    else
+        text_add(t, words);
+}
+
+static size_t count_level(const checked *c, finding_level level)
+{
+    size_t count = 0;
+    for (size_t i = 0; i < c->list.count; i++)
+        count += !c->list.at[i].known && c->list.at[i].level == level;
+    return count;
+}
+
+static void add_number_of(text *t, size_t count, const char *thing)
+{
+    text_addf(t, "%zu %s%s", count, thing, count == 1 ? "" : "s");
+}
+
+static void add_verdict(text *t, const checked *c, const check_settings *s)
+{
+    const size_t errors = count_level(c, LEVEL_ERROR), warnings = count_level(c, LEVEL_WARNING);
+    text words = { 0 };
+    if (!c->f.counts) {
+        text_add(t, "not judged");
+        return;
+    }
+    if (errors > 0)
+        add_number_of(&words, errors, "error");
+    if (errors > 0 && warnings > 0)
+        text_add(&words, ", ");
+    if (warnings > 0)
+        add_number_of(&words, warnings, "warning");
+    const bool normals = class_is_normals(c->f.type.type) || c->f.type.type == NTP_CLASS_ONE_COLOR;
+    if (words.size == 0)
+        text_add(&words, normals ? "well formed" : "ok");
+    text_paint(t, s->colors,
+               errors > 0     ? PAINT_RED
+               : warnings > 0 ? PAINT_YELLOW
+                              : PAINT_GREEN,
+               text_string(&words));
+    text_free(&words);
+}
+
+static void add_headline(text *t, const input *in, const checked *c, const check_settings *s)
+{
+    static const char *const CHANNELS[] = { "", "gray", "gray and alpha", "RGB", "RGBA" };
+    const facts *f = &c->f;
+    text name = { 0 };
+    text_name(&name, in->path);
+    text_paint(t, s->colors, PAINT_BOLD, text_string(&name));
+    text_free(&name);
+    text_addf(t, ": %s", class_title(f->type.type));
+    if (f->type.confidence < 0.9)
+        text_addf(t, " (%.0f %% sure)", 100 * f->type.confidence);
+    text_addf(t, ", %u x %u %d-bit %s%s: ", (unsigned) f->info.width, (unsigned) f->info.height,
+              (int) f->info.bit_depth, f->info.palette ? "palette " : "",
+              CHANNELS[f->info.channels]);
+    add_verdict(t, c, s);
+    text_char(t, '\n');
+}
+
+static void add_findings(text *t, const checked *c, const check_settings *s)
+{
+    static const paint PAINTS[] = { PAINT_BLUE, PAINT_YELLOW, PAINT_RED };
+    static const char *const LABELS[] = { "note   ", "warning", "error  " };
+    for (size_t i = 0; i < c->list.count; i++) {
+        const finding *one = &c->list.at[i];
+        if (!s->verbose && (one->level == LEVEL_INFO || one->known))
+            continue;
+        text_add(t, "  ");
+        text_paint(t, s->colors, PAINTS[one->level], LABELS[one->level]);
+        text_addf(t, " %s  %s%s\n", FINDING_TABLE[one->id].id, one->message,
+                  one->known ? " (in the baseline)" : "");
+    }
+}
+
+static void add_count_line(text *t, const char *label, uint64_t count, uint64_t texels)
+{
+    text_addf(t, "    %-22s ", label);
+    text_count(t, count);
+    text_add(t, " (");
+    text_percent(t, count, texels);
+    text_add(t, ")\n");
+}
+
+static void add_statistics(text *t, const checked *c, const check_settings *s)
+{
+    static const char *const FAILS[] = { "fail neighbor", "fail rounded", "fail exact" };
+    static const char *const CHANNELS[] = { "red", "green", "blue", "alpha" };
+    const facts *f = &c->f;
+    const ntp_stats *st = &f->stats;
+    for (int32_t i = 0; i < f->type.reason_count && !f->forced; i++) {
+        char reason[300];
+        ntp_reason_text(reason, sizeof reason, &f->type.reasons[i]);
+        text_addf(t, "    because %s\n", reason);
+    }
+    if (f->forced)
+        text_add(t, "    because --type says so\n");
+    add_count_line(t, "unused texels", st->unused, st->texels);
+    for (int v = NTP_NEIGHBOR; v <= NTP_EXACT; v++) {
+        uint64_t all = 0, used = 0;
+        if (f->encoding != NTP_XY &&
+            failing_texels(f, (ntp_verdict) v, s->rules.keep_negative_z, &all, &used))
+            add_count_line(t, FAILS[v], all, st->texels);
+    }
+    if (f->encoding != NTP_HEIGHT) {
+        add_count_line(t, "x, y too long", st->xy_too_long, st->texels);
+        if (f->encoding == NTP_STANDARD)
+            add_count_line(t, "z negative", st->z_negative, st->texels);
+        text_addf(t, "    %-22s mean %.3f, 99 %% within %.3f, at most %.3f degrees\n",
+                  "stored against cleaned", st->angles.mean, st->angles.p99, st->angles.max);
+    }
+    if (f->encoding == NTP_STANDARD || f->encoding == NTP_ZZERO) {
+        const ntp_fit *fit = f->encoding == NTP_ZZERO ? &st->zzero : &st->standard;
+        text_addf(t, "    %-22s %.4f to %.4f, mean %.4f\n", "length", fit->length_min,
+                  fit->length_max, fit->length_mean);
+    }
+    for (int32_t i = 0; i < st->channels && i < 4; i++) {
+        const char *label = i == 0 && st->channels < 3    ? "gray"
+                            : i == 1 && st->channels == 2 ? "alpha"
+                                                          : CHANNELS[i];
+        text_addf(t, "    %-22s %u to %u, mean %.2f\n", label, (unsigned) st->channel[i].min,
+                  (unsigned) st->channel[i].max, st->channel[i].mean);
+    }
+}
+
+void check_text(text *t, const input *in, const checked *c, const check_settings *s)
+{
+    if (!c->readable)
+        return;
+    const bool has_findings = count_level(c, LEVEL_ERROR) + count_level(c, LEVEL_WARNING) > 0 ||
+                              (s->verbose && c->list.count > 0);
+    if (s->quiet && !has_findings)
+        return;
+    add_headline(t, in, c, s);
+    add_findings(t, c, s);
+    if (s->verbose)
+        add_statistics(t, c, s);
+}
+
+void check_text_summary(text *t, const check_summary *sum, const check_settings *s)
+{
+    if (sum->files < 2 || s->quiet)
+        return;
+    text_addf(t, "\n%zu files:", sum->files);
+    const char *separator = " ";
+    for (int i = 0; i <= NTP_CLASS_NOT_NORMALS; i++) {
+        if (sum->by_class[i] == 0)
+            continue;
+        text_addf(t, "%s%zu %s", separator, sum->by_class[i], class_title((ntp_class) i));
+        separator = ", ";
+    }
+    if (sum->unreadable > 0)
+        text_addf(t, "%s%zu unreadable", separator, sum->unreadable);
+    text_addf(t, "\n%zu well formed, %zu with warnings, %zu with errors", sum->well_formed,
+              sum->worst[LEVEL_WARNING], sum->worst[LEVEL_ERROR]);
+    if (sum->left_out > 0)
+        text_addf(t, ", %zu not judged (no normals, by name and content)", sum->left_out);
+    if (sum->known > 0)
+        text_addf(t, "; %zu findings are in the baseline", sum->known);
+    if (sum->notes > 0 && !s->verbose)
+        text_addf(t, "; %zu notes (-v shows them)", sum->notes);
+    text_char(t, '\n');
+}
+
+/* ------------------------------------------------------------------------------- CSV */
+
+static void csv_field(text *t, const char *field)
+{
+    if (strpbrk(field, ",\"\r\n") == NULL) {
+        text_add(t, field);
+        return;
+    }
+    text_char(t, '"');
+    for (; *field != 0; field++) {
+        if (*field == '"')
+            text_char(t, '"');
+        text_char(t, *field);
+    }
+    text_char(t, '"');
+}
+
+void check_csv_header(text *t)
+{
+    text_add(t, "path,status,type,confidence,width,height,bit_depth,channels,texels,unused,"
+                "fail_neighbor,fail_rounded,fail_exact,xy_too_long,z_negative,angle_mean,angle_p99,"
+                "angle_max,errors,warnings,findings,message\n");
+}
+
+void check_csv(text *t, const input *in, const checked *c, const check_settings *s)
+{
+    csv_field(t, in->path);
+    if (!c->readable) {
+        text_add(t, ",unreadable,,,,,,,,,,,,,,,,,,,,");
+        csv_field(t, c->error.message);
+        text_char(t, '\n');
+        return;
+    }
+    const facts *f = &c->f;
+    const bool height = f->encoding == NTP_HEIGHT;
+    text_addf(t, ",ok,%s,%.3f,%u,%u,%d,%d,%llu,%llu", ntp_class_name(f->type.type),
+              f->type.confidence, (unsigned) f->info.width, (unsigned) f->info.height,
+              (int) f->info.bit_depth, (int) f->info.channels, (unsigned long long) f->stats.texels,
+              (unsigned long long) f->stats.unused);
+    for (int v = NTP_NEIGHBOR; v <= NTP_EXACT; v++) {
+        uint64_t all = 0, used = 0;
+        text_char(t, ',');
+        if (f->type.type <= NTP_CLASS_XY &&
+            failing_texels(f, (ntp_verdict) v, s->rules.keep_negative_z, &all, &used))
+            text_addf(t, "%llu", (unsigned long long) all);
+    }
+    if (height)
+        text_add(t, ",,,,,");
+    else
+        text_addf(t, ",%llu,%llu,%.3f,%.3f,%.3f", (unsigned long long) f->stats.xy_too_long,
+                  (unsigned long long) f->stats.z_negative, f->stats.angles.mean,
+                  f->stats.angles.p99, f->stats.angles.max);
+    text_addf(t, ",%zu,%zu,", count_level(c, LEVEL_ERROR), count_level(c, LEVEL_WARNING));
+    for (size_t i = 0; i < c->list.count; i++)
+        text_addf(t, "%s%s", i > 0 ? " " : "", FINDING_TABLE[c->list.at[i].id].id);
+    text_add(t, ",\n");
+}

@@ -1,0 +1,57 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * text.h - growing strings, and the ways in which names and numbers are shown
+ *
+ * Results are built in memory by the workers and printed by one thread, so that their order
+ * never depends on --jobs.  Running out of memory for a message ends the program.
+ */
+#ifndef NTP_CLI_TEXT_H
+#define NTP_CLI_TEXT_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#if defined(__GNUC__)
+#  define TEXT_FORMAT(string, first) __attribute__((format(printf, string, first)))
+#else
+#  define TEXT_FORMAT(string, first)
+#endif
+
+typedef struct text {
+    char *data; /* NULL while empty; otherwise ends in a 0 that size does not count */
+    size_t size, capacity;
+} text;
+
+void text_bytes(text *t, const void *bytes, size_t size);
+void text_add(text *t, const char *string);
+void text_addf(text *t, const char *format, ...) TEXT_FORMAT(2, 3);
+void text_char(text *t, char c);
+void text_free(text *t);
+const char *text_string(const text *t);
+
+/* A name for people: control characters and what is not UTF-8 as \n or \x1b. */
+void text_name(text *t, const char *name);
+
+/* 1234567 as 1,234,567. */
+void text_count(text *t, uint64_t count);
+
+/* part of whole in percent, with as many digits as tell it from 0 and 100; "12.3 %". */
+void text_percent(text *t, uint64_t part, uint64_t whole);
+
+/* Words wrapped at `width`, the first line at column `column`, others indented by `indent`. */
+void text_wrap(text *t, const char *words, int column, int indent, int width);
+
+/* The length of the UTF-8 sequence at s (s ends in 0), or 0 where it is not one. */
+size_t utf8_length(const char *s);
+bool utf8_valid(const char *s);
+
+/* The least number of letters typed wrong, left out, added or exchanged. */
+unsigned edit_distance(const char *a, const char *b);
+
+/* Memory or the end of the program. */
+void *need(void *memory);
+char *copy_string(const char *string);
+char *join_path(const char *directory, const char *name);
+
+#endif
