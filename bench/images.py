@@ -92,7 +92,7 @@ def write(path, samples, repeat=1):
 def main():
     folder = Path(sys.argv[1])
     folder.mkdir(parents=True, exist_ok=True)
-    height = rock(SIDE, 1, 0.6)
+    height = rock(SIDE, 1, 0.45)
     image = normals(height, 255)
     # As most textures come: libpng's own defaults, which is what Pillow asks for.
     Image.fromarray(image).save(folder / "rock_n.png")
