@@ -183,8 +183,24 @@ static void store_floats(const job *j, const ntp__block *before, const ntp__bloc
     }
 }
 
+/* Packed 16-bit RGB without odd texels: the kernel does it all. */
+static bool clean_packed16(const job *j, int32_t x, int32_t y, int32_t n, ntp_clean_counts *counts)
+{
+    if (j->src->type != NTP_U16 || j->src->channels != 3 || !blue_is_written(j) ||
+        j->how.method != NTP_DERIVE || j->how.only_failing || j->how.keep_negative_z ||
+        !ntp__is_packed(j->src) || j->dst->pixel_stride != j->src->pixel_stride)
+        return false;
+    int32_t changed = j->kernels->clean_rgb16(ntp__at_mut(j->dst, x, y), ntp__at(j->src, x, y), n,
+                                              j->encoding == NTP_ZZERO);
+    if (changed >= 0)
+        counts->changed += (uint64_t) changed;
+    return changed >= 0;
+}
+
 static void clean_run(const job *j, int32_t x, int32_t y, int32_t n, ntp_clean_counts *counts)
 {
+    if (clean_packed16(j, x, y, n, counts))
+        return;
     ntp__block block;
     ntp__unpack(&block, j->src, x, y, n);
     ntp__block before;
@@ -224,12 +240,16 @@ static bool clean_by_table(const job *j, const ntp_clean_plan *plan, const ntp_r
     if (plan == NULL || !plan->usable || j->src->type != NTP_U8 || j->src->channels < 3 ||
         !ntp__is_packed(j->src) || j->dst->pixel_stride != j->src->pixel_stride)
         return false;
-    ntp__clean8_fn *clean8 =
-        j->src->channels == 3 ? j->kernels->clean_rgb8 : j->kernels->clean_rgba8;
+    ntp__clean8_fn *clean8 = j->src->channels == 4 ? j->kernels->clean_rgba8
+                             : counts != NULL      ? j->kernels->clean_rgb8
+                                                   : j->kernels->clean_rgb8_blindly;
+    uint64_t changed = 0;
     for (int32_t y = rect->y0; y < rect->y1; y++)
-        counts->changed +=
+        changed +=
             clean8(ntp__at_mut(j->dst, rect->x0, y), ntp__at(j->src, rect->x0, y),
                    (size_t) (rect->x1 - rect->x0), plan->table, plan->kept, j->how.touch_unused);
+    if (counts != NULL)
+        counts->changed += changed;
     return true;
 }
 
@@ -265,7 +285,7 @@ ntp_status ntp_clean(const ntp_image *dst, const ntp_const_image *src, const ntp
         return NTP_ERR_ARGUMENT;
 
     ntp_clean_counts local = { 0, 0 };
-    if (!clean_by_table(&j, plan, &rect, &local)) {
+    if (!clean_by_table(&j, plan, &rect, counts)) {
         for (int32_t y = rect.y0; y < rect.y1; y++) {
             for (int32_t x = rect.x0; x < rect.x1; x += NTP__BLOCK) {
                 int32_t n = rect.x1 - x < NTP__BLOCK ? rect.x1 - x : NTP__BLOCK;

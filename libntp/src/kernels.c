@@ -11,31 +11,60 @@
 #include "libntp.h"
 
 #include <math.h>
+#include <stdbool.h>
 #include <string.h>
 
 #define CONCAT_(a, b) a##b
 #define CONCAT(a, b)  CONCAT_(a, b)
 
+static inline bool little_endian(void)
+{
+    const uint16_t one = 1;
+    uint8_t first;
+    memcpy(&first, &one, 1);
+    return first == 1;
+}
+
+static inline uint32_t load16le(const uint8_t *p)
+{
+    uint16_t v;
+    memcpy(&v, p, 2);
+    return little_endian() ? v : (uint32_t) (v >> 8 | (v & 255) << 8);
+}
+
 static inline uint32_t load32le(const uint8_t *p)
 {
-    return (uint32_t) p[0] | (uint32_t) p[1] << 8 | (uint32_t) p[2] << 16 | (uint32_t) p[3] << 24;
+    uint32_t v;
+    memcpy(&v, p, 4);
+    return little_endian() ? v : load16le(p) | load16le(p + 2) << 16;
 }
 
 static inline void store32le(uint8_t *p, uint32_t v)
 {
-    p[0] = (uint8_t) v;
-    p[1] = (uint8_t) (v >> 8);
-    p[2] = (uint8_t) (v >> 16);
-    p[3] = (uint8_t) (v >> 24);
+    if (little_endian()) {
+        memcpy(p, &v, 4);
+        return;
+    }
+    for (int i = 0; i < 4; i++)
+        p[i] = (uint8_t) (v >> 8 * i);
 }
 
 static inline void store64le(uint8_t *p, uint64_t v)
 {
+    if (little_endian()) {
+        memcpy(p, &v, 8);
+        return;
+    }
     store32le(p, (uint32_t) v);
     store32le(p + 4, (uint32_t) (v >> 32));
 }
 
 enum { RGB = 0xffffff };
+
+static inline uint32_t load24le(const uint8_t *p)
+{
+    return load16le(p) | (uint32_t) p[2] << 16;
+}
 
 static inline uint32_t clean_one(uint32_t v, const uint32_t *table, uint32_t kept, uint32_t touch)
 {
@@ -46,43 +75,59 @@ static inline uint32_t clean_one(uint32_t v, const uint32_t *table, uint32_t kep
     return (table[v & 0xffff] & RGB & ~kept) | (v & kept);
 }
 
-static uint64_t clean_rgb8(uint8_t *dst, const uint8_t *src, size_t n, const uint32_t *table,
-                           uint32_t kept, uint32_t touch_unused)
+static uint64_t clean_rgb8_slowly(uint8_t *dst, const uint8_t *src, size_t n, const uint32_t *table,
+                                  uint32_t kept, uint32_t touch_unused)
 {
     uint64_t changed = 0;
-    uint32_t fresh = RGB & ~kept;
-    size_t i = 0;
-    /* Four pixels a step: three loads, then two stores that no later load overlaps. */
-    for (; i + 4 <= n; i += 4, src += 12, dst += 12) {
-        uint32_t w0 = load32le(src), w1 = load32le(src + 4), w2 = load32le(src + 8);
-        uint32_t v0 = w0 & RGB, v1 = w0 >> 24 | (w1 & 0xffff) << 8;
-        uint32_t v2 = w1 >> 16 | (w2 & 0xff) << 16, v3 = w2 >> 8;
-        uint32_t t0 = table[v0 & 0xffff], t1 = table[v1 & 0xffff];
-        uint32_t t2 = table[v2 & 0xffff], t3 = table[v3 & 0xffff];
-        if ((t0 | t1 | t2 | t3) >> 24) {
-            t0 = clean_one(v0, table, kept, touch_unused);
-            t1 = clean_one(v1, table, kept, touch_unused);
-            t2 = clean_one(v2, table, kept, touch_unused);
-            t3 = clean_one(v3, table, kept, touch_unused);
-        } else {
-            t0 = (t0 & fresh) | (v0 & kept);
-            t1 = (t1 & fresh) | (v1 & kept);
-            t2 = (t2 & fresh) | (v2 & kept);
-            t3 = (t3 & fresh) | (v3 & kept);
-        }
-        changed += (uint64_t) (t0 != v0) + (t1 != v1) + (t2 != v2) + (t3 != v3);
-        store64le(dst, (uint64_t) t0 | (uint64_t) t1 << 24 | (uint64_t) t2 << 48);
-        store32le(dst + 8, t2 >> 16 | t3 << 8);
-    }
-    for (; i < n; i++, src += 3, dst += 3) {
-        uint32_t v = (uint32_t) src[0] | (uint32_t) src[1] << 8 | (uint32_t) src[2] << 16;
-        uint32_t t = clean_one(v, table, kept, touch_unused);
+    for (size_t i = 0; i < n; i++, src += 3, dst += 3) {
+        uint32_t v = load24le(src), t = clean_one(v, table, kept, touch_unused);
         changed += t != v;
         dst[0] = (uint8_t) t;
         dst[1] = (uint8_t) (t >> 8);
         dst[2] = (uint8_t) (t >> 16);
     }
     return changed;
+}
+
+/*
+ * Four pixels a step: the table answers for a pair of bytes where it lies, and two stores that
+ * no later load overlaps take all twelve results (a store of four bytes for each pixel would
+ * stall the loads that follow when dst is src).
+ */
+static inline uint64_t clean_rgb8(uint8_t *dst, const uint8_t *src, size_t n, const uint32_t *table,
+                                  uint32_t kept, uint32_t touch_unused, bool count)
+{
+    uint64_t changed = 0;
+    if (kept != 0)
+        return clean_rgb8_slowly(dst, src, n, table, kept, touch_unused);
+    for (; n >= 4; n -= 4, src += 12, dst += 12) {
+        uint32_t t0 = table[load16le(src)], t1 = table[load16le(src + 3)];
+        uint32_t t2 = table[load16le(src + 6)], t3 = table[load16le(src + 9)];
+        if ((t0 | t1 | t2 | t3) >> 24) {
+            t0 = clean_one(load24le(src), table, 0, touch_unused);
+            t1 = clean_one(load24le(src + 3), table, 0, touch_unused);
+            t2 = clean_one(load24le(src + 6), table, 0, touch_unused);
+            t3 = clean_one(load24le(src + 9), table, 0, touch_unused);
+        }
+        if (count)
+            changed += (uint64_t) (t0 != load24le(src)) + (t1 != load24le(src + 3)) +
+                       (t2 != load24le(src + 6)) + (t3 != load24le(src + 9));
+        store64le(dst, (uint64_t) t0 | (uint64_t) t1 << 24 | (uint64_t) t2 << 48);
+        store32le(dst + 8, t2 >> 16 | t3 << 8);
+    }
+    return changed + clean_rgb8_slowly(dst, src, n, table, 0, touch_unused);
+}
+
+static uint64_t clean_rgb8_counting(uint8_t *dst, const uint8_t *src, size_t n,
+                                    const uint32_t *table, uint32_t kept, uint32_t touch_unused)
+{
+    return clean_rgb8(dst, src, n, table, kept, touch_unused, true);
+}
+
+static uint64_t clean_rgb8_blindly(uint8_t *dst, const uint8_t *src, size_t n,
+                                   const uint32_t *table, uint32_t kept, uint32_t touch_unused)
+{
+    return clean_rgb8(dst, src, n, table, kept, touch_unused, false);
 }
 
 static uint64_t clean_rgba8(uint8_t *dst, const uint8_t *src, size_t n, const uint32_t *table,
@@ -142,6 +187,37 @@ static void derive(int32_t *want, const int32_t *r, const int32_t *g, int32_t n,
         derive_loop(want, r, g, n, m, 1);
     else
         derive_loop(want, r, g, n, m, 0);
+}
+
+static inline int32_t derive16_loop(uint16_t *restrict b, const uint32_t *restrict rg, int32_t n,
+                                    int32_t zzero)
+{
+    int32_t e0 = 1073709055, odd = 0; /* (65535^2 - 5) / 4 */
+    for (int32_t i = 0; i < n; i++) {
+        int32_t r = (int32_t) (rg[i] & 0xffff) - 32768, g = (int32_t) (rg[i] >> 16) - 32768;
+        int32_t e = e0 - r * (r + 1) - g * (g + 1);
+        odd |= e;
+        b[i] = (uint16_t) blue(e < 0 ? 0 : e, 32768, zzero);
+    }
+    return odd < 0;
+}
+
+static int32_t clean_rgb16(uint16_t *dst, const uint16_t *src, int32_t n, int32_t zzero)
+{
+    uint32_t rg[256];
+    uint16_t b[256];
+    for (int32_t i = 0; i < n; i++)
+        rg[i] = (uint32_t) src[3 * i] | (uint32_t) src[3 * i + 1] << 16;
+    if (zzero ? derive16_loop(b, rg, n, 1) : derive16_loop(b, rg, n, 0))
+        return -1;
+    int32_t changed = 0;
+    for (int32_t i = 0; i < n; i++)
+        changed += src[3 * i + 2] != b[i];
+    if (dst != src)
+        memcpy(dst, src, (size_t) n * 6);
+    for (int32_t i = 0; i < n; i++)
+        dst[3 * i + 2] = b[i];
+    return changed;
 }
 
 /* k = (|X| + 1)/2 for a = r - K. */
@@ -220,5 +296,5 @@ static void judge(uint8_t *flags, int32_t *want, const int32_t *r, const int32_t
 
 extern const ntp__kernels_table CONCAT(ntp__kernels_, NTP_ISA);
 const ntp__kernels_table CONCAT(ntp__kernels_, NTP_ISA) = {
-    NTP_ISA_NAME, clean_rgb8, clean_rgba8, derive, judge,
+    NTP_ISA_NAME, clean_rgb8_counting, clean_rgb8_blindly, clean_rgba8, clean_rgb16, derive, judge,
 };

@@ -27,6 +27,12 @@ enum { NTP__EXACT_MIRRORED = 128 };
 typedef uint64_t ntp__clean8_fn(uint8_t *dst, const uint8_t *src, size_t n, const uint32_t *table,
                                 uint32_t kept, uint32_t touch_unused);
 
+/*
+ * Derives the blue of n <= 256 packed 16-bit pixels; returns how many changed, or -1, with nothing
+ * written, when a pair is too long (which the pairs of black and white are).  dst may be src.
+ */
+typedef int32_t ntp__clean16_fn(uint16_t *dst, const uint16_t *src, int32_t n, int32_t zzero);
+
 /* want[i] = the blue derived from r, g; -1 where they are too long. */
 typedef void ntp__derive_fn(int32_t *want, const int32_t *r, const int32_t *g, int32_t n, int32_t m,
                             int32_t zzero);
@@ -38,8 +44,10 @@ typedef void ntp__judge_fn(uint8_t *flags, int32_t *want, const int32_t *r, cons
 
 typedef struct ntp__kernels_table {
     const char *name;
-    ntp__clean8_fn *clean_rgb8;
+    ntp__clean8_fn *clean_rgb8;         /* counts */
+    ntp__clean8_fn *clean_rgb8_blindly; /* twice as fast, returns nothing of use */
     ntp__clean8_fn *clean_rgba8;
+    ntp__clean16_fn *clean_rgb16;
     ntp__derive_fn *derive;
     ntp__judge_fn *judge;
 } ntp__kernels_table;

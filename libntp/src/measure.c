@@ -14,64 +14,41 @@ size_t ntp_tally_size(void)
     return sizeof(ntp_tally);
 }
 
-enum {
-    /* The packed pair counters hold a sum of blues below 2^32. */
-    FLUSH_AFTER = 1 << 24,
-    /* Rows y with y % 8 == 3 are searched for steps between columns. */
-    STEP_ROW = 3
-};
-
-void ntp__flush_pairs(ntp_tally *t)
+/* One row in eight is sampled for what takes more than two increments: steps between columns, and
+ * how blue goes together with red and green; every row of a small image. */
+static bool is_sampled(const ntp_const_image *src, int32_t y)
 {
-    if (t->since_flush == 0)
-        return;
-    for (int32_t i = 0; i < 65536; i++) {
-        if (t->pair[i] == 0)
-            continue;
-        t->pair_texels[i] += t->pair[i] & 0xffffffffu;
-        t->pair_blue[i] += t->pair[i] >> 32;
-        t->pair[i] = 0;
-    }
-    t->since_flush = 0;
+    enum { SMALL = 64 };
+    return y % 8 == 0 || src->height <= SMALL;
 }
 
-/* Numbers the rows: X = 2k + 1 for k = r - 128 or 127 - r, and X*X + Y*Y = 8(T(k1) + T(k2)) + 2
- * with the triangular numbers T(k) = k(k + 1)/2; inside the disc the sum is at most 8127. */
+/* A row, and in the upper half the blue that makes the pair gray (none: no blue). */
+static uint32_t row_entry(uint16_t row, int32_t r, int32_t g)
+{
+    enum { NO_BLUE = 0xffff };
+    return row | (uint32_t) (r == g ? r : NO_BLUE) << 16;
+}
+
+/* Numbers the rows: |X| = 2k + 1 for k = r - 128 or 127 - r. */
 void ntp__rows_prepare(ntp_tally *t)
 {
-    enum { INSIDE = 8128 };
-    uint16_t row_of_sum[INSIDE];
-    uint8_t seen[INSIDE];
     if (t->rows_ready)
         return;
-    memset(seen, 0, sizeof seen);
-    for (int32_t k1 = 0; k1 < 128; k1++) {
-        for (int32_t k2 = 0; k2 <= k1; k2++) {
-            int32_t sum = (k1 * (k1 + 1) + k2 * (k2 + 1)) / 2;
-            if (sum < INSIDE)
-                seen[sum] = 1;
-        }
-    }
     uint16_t rows = 0;
-    for (int32_t s = 0; s < INSIDE; s++) {
-        row_of_sum[s] = rows;
-        rows = (uint16_t) (rows + seen[s]);
-    }
     for (int32_t k1 = 0; k1 < 128; k1++) {
-        for (int32_t k2 = 0; k2 <= k1; k2++) {
-            int32_t sum = (k1 * (k1 + 1) + k2 * (k2 + 1)) / 2;
-            uint16_t row = sum < INSIDE ? row_of_sum[sum] : rows++;
-            t->row_pair[row] = (uint16_t) ((128 + k1) | (128 + k2) << 8);
+        for (int32_t k2 = 0; k2 <= k1; k2++, rows++) {
+            t->row_pair[rows] = (uint16_t) ((128 + k1) | (128 + k2) << 8);
             for (int32_t i = 0; i < 8; i++) {
                 int32_t a = i & 1 ? k2 : k1, b = i & 1 ? k1 : k2;
                 int32_t r = i & 2 ? 127 - a : 128 + a, g = i & 4 ? 127 - b : 128 + b;
-                t->row_of[r | g << 8] = row;
+                t->row_of[r | g << 8] = row_entry(rows, r, g);
             }
         }
     }
     for (int32_t i = 0; i < 4; i++) {
         t->row_pair[rows] = 128 | 128 << 8;
-        t->row_of[(127 + (i & 1)) | (127 + (i >> 1)) << 8] = rows++;
+        int32_t r = 127 + (i & 1), g = 127 + (i >> 1);
+        t->row_of[r | g << 8] = row_entry(rows++, r, g);
     }
     t->rows_ready = 1;
 }
@@ -146,11 +123,10 @@ static inline bool count_black_white(ntp_tally *t, int32_t v, int32_t m)
     return false;
 }
 
-static inline void count_cell(ntp_tally *t, uint32_t r, uint32_t g, uint32_t b)
+static inline void count_cell(ntp_tally *t, uint32_t pair, uint32_t b)
 {
-    uint32_t pair = r | g << 8;
-    t->pair[pair] += 1 | (uint64_t) b << 32;
-    t->cell[t->row_of[pair]][b]++;
+    t->pair_texels[pair]++;
+    t->cell[t->row_of[pair] & 0xffff][b]++;
 }
 
 /* X*X + Y*Y <= M*M at 8 bit. */
@@ -163,10 +139,11 @@ static void count_rgb8(ntp_tally *t, const uint8_t *p, int32_t n)
 {
     uint64_t used = 0;
     for (int32_t i = 0; i < n; i++, p += 3) {
-        uint32_t r = p[0], g = p[1], b = p[2];
-        if ((r == g) & (g == b) && count_black_white(t, (int32_t) b, 255))
+        uint32_t pair = p[0] | (uint32_t) p[1] << 8, b = p[2], entry = t->row_of[pair];
+        if (b == entry >> 16 && count_black_white(t, (int32_t) b, 255))
             continue;
-        count_cell(t, r, g, b);
+        t->pair_texels[pair]++;
+        t->cell[entry & 0xffff][b]++;
         used++;
     }
     t->narrow += used;
@@ -188,7 +165,7 @@ static void count_rgba8(ntp_tally *t, const uint8_t *p, int32_t n)
             continue;
         }
         ag += a == 255 ? 0 : in_disc8((int32_t) a, (int32_t) g);
-        count_cell(t, r, g, b);
+        count_cell(t, r | g << 8, b);
         used++;
     }
     end_run(t, &run, 255);
@@ -240,8 +217,7 @@ static void count_wide(ntp_tally *t, int32_t r, int32_t g, int32_t b)
     ntp__row row;
     t->is_wide = 1;
     note_flat(t, r, g, b);
-    int32_t pair = ntp__narrow(r) | ntp__narrow(g) << 8;
-    t->pair[pair] += 1 | (uint64_t) ntp__narrow(b) << 32;
+    t->pair_texels[ntp__narrow(r) | ntp__narrow(g) << 8]++;
     ntp__row_init(&row, r, g, 65535);
     ntp__add(&t->wide, &row, b, 1, ntp__judged_as((ntp_encoding) t->encoding));
 }
@@ -277,10 +253,10 @@ static void count_block(ntp_tally *t, const ntp__block *block, int32_t n, int32_
             t->ag_in_disc += in_disc8(a8, g8);
         }
         if (m == 255) {
-            count_cell(t, (uint32_t) r, (uint32_t) g, (uint32_t) b);
+            count_cell(t, (uint32_t) (r | g << 8), (uint32_t) b);
             t->narrow++;
         } else if (is_narrow(r) && is_narrow(g) && is_narrow(b)) {
-            count_cell(t, (uint32_t) r & 255, (uint32_t) g & 255, (uint32_t) b & 255);
+            count_cell(t, (uint32_t) ((r & 255) | (g & 255) << 8), (uint32_t) b & 255);
             t->narrow++;
         } else {
             count_wide(t, r, g, b);
@@ -307,23 +283,40 @@ static void count_picture(ntp_tally *t, const ntp__block *block, int32_t n, int3
         t->is_wide |= m != 255 && !(is_narrow(r) && is_narrow(g) && is_narrow(b));
         add_color(t, r, g, b);
         note_color(t, r, g, b);
-        int32_t pair = m == 255 ? r | g << 8 : ntp__narrow(r) | ntp__narrow(g) << 8;
-        t->pair[pair] += 1 | (uint64_t) (m == 255 ? b : ntp__narrow(b)) << 32;
+        t->pair_texels[m == 255 ? r | g << 8 : ntp__narrow(r) | ntp__narrow(g) << 8]++;
     }
 }
 
-/* Steps between neighboring columns, for the 8 x 8 blocks that lossy compression leaves. */
-static void count_steps(ntp_tally *t, const ntp_const_image *src, int32_t x0, int32_t x1, int32_t y)
+static void sample_colors(ntp_tally *t, const ntp__block *block, int32_t first, int32_t n,
+                          int32_t m)
+{
+    bool picture = t->encoding == NTP_HEIGHT;
+    for (int32_t i = first; i < first + n; i++) {
+        int32_t r = block->c[0][i], g = block->c[1][i], b = block->c[2][i], a = block->c[3][i];
+        if ((block->any_broken && block->broken[i]) ||
+            (!picture && ntp__unused(r, g, b, a, m, t->touched)))
+            continue;
+        int32_t pair = m == 255 ? r | g << 8 : ntp__narrow(r) | ntp__narrow(g) << 8;
+        t->sample_texels[pair]++;
+        t->sample_blue[pair] += (uint32_t) (m == 255 ? b : ntp__narrow(b));
+    }
+}
+
+/* Sampled rows: colors, and steps between neighboring columns for the 8 x 8 blocks that lossy
+ * compression leaves.  The texel before x0 is read where there is one. */
+static void sample_row(ntp_tally *t, const ntp_const_image *src, int32_t x0, int32_t x1, int32_t y)
 {
     ntp__block block;
-    for (int32_t x = x0 > 0 ? x0 : 1; x < x1; x += NTP__BLOCK - 1) {
-        int32_t n = x1 - x < NTP__BLOCK - 1 ? x1 - x : NTP__BLOCK - 1;
-        ntp__unpack(&block, src, x - 1, y, n + 1);
-        for (int32_t i = 0; i < n; i++) {
-            int32_t across = (x + i) % 8 == 0;
+    for (int32_t x = x0; x < x1; x += NTP__BLOCK - 1) {
+        int32_t n = x1 - x < NTP__BLOCK - 1 ? x1 - x : NTP__BLOCK - 1, before = x > 0;
+        ntp__unpack(&block, src, x - before, y, n + before);
+        sample_colors(t, &block, before, n, ntp__max(src->type));
+        for (int32_t i = before == 0; i < n; i++) {
+            int32_t across = (x + i) % 8 == 0, right = i + before;
             t->block_count[across]++;
             for (int32_t k = 0; k < 3; k++)
-                t->block_steps[k][across] += (uint64_t) ntp__abs(block.c[k][i + 1] - block.c[k][i]);
+                t->block_steps[k][across] +=
+                    (uint64_t) ntp__abs(block.c[k][right] - block.c[k][right - 1]);
         }
     }
 }
@@ -348,8 +341,8 @@ static void count_row(ntp_tally *t, const ntp_const_image *src, int32_t x0, int3
                 count_block(t, &block, n, m);
         }
     }
-    if (y % 8 == STEP_ROW)
-        count_steps(t, src, x0, x1, y);
+    if (is_sampled(src, y))
+        sample_row(t, src, x0, x1, y);
 }
 
 /* Makes the tally one of this kind of image, or tells that it is of another. */
@@ -384,12 +377,8 @@ ntp_status ntp_measure(ntp_tally *tally, const ntp_const_image *src, uint32_t to
     NTP__TRY(adopt(tally, src, touch_unused, width * height));
     ntp__rows_prepare(tally);
     tally->summed = 0;
-    for (int32_t y = rect.y0; y < rect.y1; y++) {
+    for (int32_t y = rect.y0; y < rect.y1; y++)
         count_row(tally, src, rect.x0, rect.x1, y);
-        tally->since_flush += width;
-        if (tally->since_flush > FLUSH_AFTER - NTP_MAX_SIDE)
-            ntp__flush_pairs(tally);
-    }
     tally->texels += width * height;
     return NTP_OK;
 }

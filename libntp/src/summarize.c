@@ -97,38 +97,41 @@ static void channel_from(ntp_channel *out, const ntp__channel_sums *sums, uint64
     out->mean = share(sums->sum, texels) / by;
 }
 
+/* Texels of the cells by blue. */
+static void count_blues(uint64_t count[256], const ntp_tally *t)
+{
+    memset(count, 0, 256 * sizeof *count);
+    uint8_t used[NTP__ROWS];
+    ntp__mark_rows(used, t);
+    for (int32_t row = 0; row < NTP__ROWS; row++) {
+        for (int32_t b = 0; used[row] && b < 256; b++)
+            count[b] += t->cell[row][b];
+    }
+}
+
+static void merge_level(ntp__channel_sums *sums, uint32_t level, uint64_t count)
+{
+    if (count == 0)
+        return;
+    sums->sum += level * count;
+    merge_max(&sums->max, level);
+    merge_max(&sums->inverted_min, ~level);
+}
+
 /* Channels of 8-bit images: red and green from the pairs, blue from the cells. */
-static void describe_channels8(ntp_stats *s, const ntp_tally *t)
+static void describe_channels8(ntp_stats *s, const ntp_tally *t, const uint64_t blues[256])
 {
     ntp__channel_sums sums[3];
     memcpy(sums, t->channel, sizeof sums);
-    for (int32_t i = 0; i < 65536; i++) {
-        uint64_t n = t->pair_texels[i];
-        if (n == 0)
-            continue;
-        uint32_t level[2] = { (uint32_t) i & 255, (uint32_t) i >> 8 };
-        for (int32_t k = 0; k < 2; k++) {
-            sums[k].sum += level[k] * n;
-            merge_max(&sums[k].max, level[k]);
-            merge_max(&sums[k].inverted_min, ~level[k]);
-        }
-        sums[2].sum += t->pair_blue[i];
-        const uint32_t *cell = t->cell[t->row_of[i]];
-        for (uint32_t b = 0; b < 256; b++) {
-            if (cell[b] > 0) {
-                merge_max(&sums[2].max, b);
-                merge_max(&sums[2].inverted_min, ~b);
-            }
-        }
+    for (uint32_t i = 0; i < 65536; i++) {
+        merge_level(&sums[0], i & 255, t->pair_texels[i]);
+        merge_level(&sums[1], i >> 8, t->pair_texels[i]);
     }
+    for (uint32_t b = 0; b < 256; b++)
+        merge_level(&sums[2], b, blues[b]);
     for (int32_t k = 0; k < 3; k++) {
-        if (t->black > 0)
-            merge_max(&sums[k].inverted_min, ~0u);
-        if (t->white > 0) {
-            merge_max(&sums[k].max, 255);
-            merge_max(&sums[k].inverted_min, ~255u);
-            sums[k].sum += 255 * t->white;
-        }
+        merge_level(&sums[k], 0, t->black);
+        merge_level(&sums[k], 255, t->white);
         channel_from(&s->channel[k], &sums[k], t->texels - t->not_finite, 1);
     }
 }
@@ -176,89 +179,91 @@ static bool linear_near_unit(uint32_t r, uint32_t g, double b)
     return square >= 0.875 * 0.875 && square <= 1.125 * 1.125;
 }
 
-/* Moments of the used colors from the pairs. */
 typedef struct moments {
-    double n, sum[3], square[2], product[3];
+    double n, sum[3], square[3], product[3]; /* products: r g, r b, g b */
 } moments;
 
-static double correlate(double product, double sum_a, double sum_b, double var_a, double var_b,
-                        double n)
+static double variance_of(const moments *m, int32_t k)
 {
-    double covariance = product / n - sum_a / n * (sum_b / n), scale = sqrt(var_a * var_b);
-    return scale > 1e-12 ? covariance / scale : 0.0;
-}
-
-static double variance_of(double square, double sum, double n)
-{
-    double v = square / n - sum / n * (sum / n);
+    double mean = m->sum[k] / m->n, v = m->square[k] / m->n - mean * mean;
     return v > 0 ? v : 0;
 }
 
-static double blue_square(const ntp_tally *t)
+static double correlation_of(const moments *m, int32_t product, int32_t a, int32_t b)
 {
-    /* Of mean blues per pair for 16 bit, which keep no cells; exact for 8 bit. */
-    double square = 0;
-    if (t->wide.texels == 0 && t->encoding != NTP_HEIGHT) {
-        uint64_t count[256] = { 0 };
-        uint8_t used[NTP__ROWS];
-        memset(used, 0, sizeof used);
-        for (int32_t i = 0; i < 65536; i++)
-            used[t->row_of[i]] |= t->pair_texels[i] > 0;
-        for (int32_t row = 0; row < NTP__ROWS; row++) {
-            for (int32_t b = 0; used[row] && b < 256; b++)
-                count[b] += t->cell[row][b];
-        }
-        for (int32_t b = 0; b < 256; b++)
-            square += (double) count[b] * b * b / (255.0 * 255.0);
-        return square;
-    }
-    for (int32_t i = 0; i < 65536; i++) {
-        double n = (double) t->pair_texels[i], b = (double) t->pair_blue[i] / 255.0;
-        square += n > 0 ? b * b / n : 0;
-    }
-    return square;
+    double covariance = m->product[product] / m->n - m->sum[a] / m->n * (m->sum[b] / m->n);
+    double scale = sqrt(variance_of(m, a) * variance_of(m, b));
+    return scale > 1e-12 ? covariance / scale : 0.0;
 }
 
-static void describe_pairs(ntp_stats *s, const ntp_tally *t)
+static void add_moments(moments *m, double n, double x, double y, double z)
+{
+    double v[3] = { x, y, z };
+    m->n += n;
+    for (int32_t k = 0; k < 3; k++) {
+        m->sum[k] += n * v[k];
+        m->square[k] += n * v[k] * v[k];
+    }
+    m->product[0] += n * x * y;
+    m->product[1] += n * x * z;
+    m->product[2] += n * y * z;
+}
+
+/* What needs red, green and blue together: from the sampled rows, with the mean blue of each
+ * pair. */
+static void describe_samples(ntp_stats *s, const ntp_tally *t)
 {
     moments m = { 0 };
-    uint64_t gamma = 0, used = 0;
-    for (int32_t i = 0; i < 65536; i++) {
+    uint64_t gamma = 0, all = 0;
+    for (uint32_t i = 0; i < 65536; i++) {
+        uint64_t n = t->sample_texels[i];
+        if (n == 0)
+            continue;
+        uint32_t r = i & 255, g = i >> 8;
+        double blue = (double) t->sample_blue[i] / (double) n;
+        add_moments(&m, (double) n, r / 255.0, g / 255.0, blue / 255.0);
+        gamma += linear_near_unit(r, g, blue) ? n : 0;
+        all += n;
+    }
+    if (all == 0)
+        return;
+    s->correlation[0] = correlation_of(&m, 0, 0, 1);
+    s->correlation[1] = correlation_of(&m, 1, 0, 2);
+    s->correlation[2] = correlation_of(&m, 2, 1, 2);
+    s->gamma_near_unit = share(gamma, all);
+    s->used_mean[2] = m.sum[2] / m.n;
+    s->used_sd[2] = sqrt(variance_of(&m, 2));
+}
+
+/* Red and green of all used texels, and blue where the cells hold every texel. */
+static void describe_pairs(ntp_stats *s, const ntp_tally *t, const uint64_t blues[256])
+{
+    moments m = { 0 }, blue = { 0 };
+    uint64_t used = 0;
+    for (uint32_t i = 0; i < 65536; i++) {
         uint64_t n = t->pair_texels[i];
         if (n == 0)
             continue;
-        uint32_t r = (uint32_t) i & 255, g = (uint32_t) i >> 8;
-        double x = r / 255.0, y = g / 255.0, dn = (double) n;
-        double blue = (double) t->pair_blue[i] / 255.0;
-        used += n;
-        m.sum[0] += dn * x;
-        m.sum[1] += dn * y;
-        m.sum[2] += blue;
-        m.square[0] += dn * x * x;
-        m.square[1] += dn * y * y;
-        m.product[0] += dn * x * y;
-        m.product[1] += x * blue;
-        m.product[2] += y * blue;
+        uint32_t r = i & 255, g = i >> 8;
+        add_moments(&m, (double) n, r / 255.0, g / 255.0, 0);
         s->red_low += r < 128 ? n : 0;
         s->green_low += g < 128 ? n : 0;
         s->near_gamma_flat += r >= 185 && r <= 191 && g >= 185 && g <= 191 ? n : 0;
-        gamma += linear_near_unit(r, g, blue / dn * 255.0) ? n : 0;
+        used += n;
     }
-    m.n = (double) used;
     if (used == 0)
         return;
-    double var[3] = { variance_of(m.square[0], m.sum[0], m.n),
-                      variance_of(m.square[1], m.sum[1], m.n),
-                      variance_of(blue_square(t), m.sum[2], m.n) };
-    for (int32_t k = 0; k < 3; k++) {
+    for (int32_t k = 0; k < 2; k++) {
         s->used_mean[k] = m.sum[k] / m.n;
-        s->used_sd[k] = sqrt(var[k]);
+        s->used_sd[k] = sqrt(variance_of(&m, k));
     }
-    s->correlation[0] = correlate(m.product[0], m.sum[0], m.sum[1], var[0], var[1], m.n);
-    s->correlation[1] = correlate(m.product[1], m.sum[0], m.sum[2], var[0], var[2], m.n);
-    s->correlation[2] = correlate(m.product[2], m.sum[1], m.sum[2], var[1], var[2], m.n);
-    s->gamma_near_unit = share(gamma, used);
     s->ag_in_disc = share(t->ag_in_disc, used);
+    for (int32_t b = 0; b < 256; b++)
+        add_moments(&blue, (double) blues[b], b / 255.0, 0, 0);
+    if ((uint64_t) blue.n == used) {
+        s->used_mean[2] = blue.sum[0] / blue.n;
+        s->used_sd[2] = sqrt(variance_of(&blue, 0));
+    }
 }
 
 static int32_t bits_set(uint8_t byte)
@@ -290,7 +295,7 @@ static void describe_colors(ntp_stats *s, const ntp_tally *t)
     }
     for (int32_t i = 0; i < 65536 && s->distinct < 2; i++) {
         for (int32_t b = 0; t->pair_texels[i] > 0 && b < 256; b++)
-            s->distinct += t->cell[t->row_of[i]][b] > 0;
+            s->distinct += t->cell[t->row_of[i] & 0xffff][b] > 0;
     }
     if (s->distinct > 2)
         s->distinct = 2;
@@ -301,7 +306,6 @@ ntp_status ntp_summarize(ntp_stats *s, ntp_tally *t, ntp_encoding encoding)
     if (s == NULL)
         return NTP_ERR_ARGUMENT;
     NTP__TRY(ntp__sum_up(t, encoding));
-    ntp__flush_pairs(t);
     memset(s, 0, sizeof *s);
     const ntp__fit_sums *used = &t->used.fit[0], *unused = &t->unused.fit[0];
     s->texels = t->texels;
@@ -332,15 +336,18 @@ ntp_status ntp_summarize(ntp_stats *s, ntp_tally *t, ntp_encoding encoding)
     describe_fit(&s->zzero, t, 1);
     ntp__angles_describe(&s->angles, &t->used.angles);
     describe_steepness(s, used);
+    uint64_t blues[256];
+    count_blues(blues, t);
     if (t->depth == 8 && t->encoding != NTP_HEIGHT) {
-        describe_channels8(s, t);
+        describe_channels8(s, t, blues);
     } else {
         uint64_t n = t->texels - t->not_finite;
         for (int32_t k = 0; k < 3; k++)
             channel_from(&s->channel[k], &t->channel[k], n,
                          t->depth == 16 && s->max == 255 ? 257 : 1);
     }
-    describe_pairs(s, t);
+    describe_samples(s, t);
+    describe_pairs(s, t, blues);
     describe_alpha(s, t);
     describe_colors(s, t);
     for (int32_t k = 0; k < 3; k++) {

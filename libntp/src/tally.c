@@ -72,17 +72,21 @@ static void merge_colors(ntp_tally *into, const ntp_tally *from)
     }
 }
 
+void ntp__mark_rows(uint8_t used[NTP__ROWS], const ntp_tally *t)
+{
+    memset(used, 0, NTP__ROWS);
+    for (int32_t i = 0; i < 65536; i++)
+        used[t->row_of[i] & 0xffff] |= t->pair_texels[i] > 0;
+}
+
 static void merge_cells(ntp_tally *into, const ntp_tally *from)
 {
-    ntp__flush_pairs(into);
     uint8_t used[NTP__ROWS];
-    memset(used, 0, sizeof used);
-    for (int32_t i = 0; i < 65536; i++) {
-        uint64_t texels = from->pair_texels[i] + (from->pair[i] & 0xffffffffu);
-        into->pair_texels[i] += texels;
-        into->pair_blue[i] += from->pair_blue[i] + (from->pair[i] >> 32);
-        used[from->row_of[i]] |= texels > 0;
-    }
+    ntp__mark_rows(used, from);
+    merge_counts(into->pair_texels, from->pair_texels, 65536);
+    merge_counts(into->sample_texels, from->sample_texels, 65536);
+    for (int32_t i = 0; i < 65536; i++)
+        into->sample_blue[i] += from->sample_blue[i];
     for (int32_t row = 0; row < NTP__ROWS; row++) {
         if (used[row])
             merge_counts(into->cell[row], from->cell[row], 256);
@@ -144,12 +148,15 @@ ntp_status ntp_tally_clear(ntp_tally *t)
         return NTP_ERR_ARGUMENT;
     if (t->depth == 0)
         return NTP_OK;
-    for (int32_t i = 0; i < 65536; i++) {
-        if (t->pair[i] == 0 && t->pair_texels[i] == 0)
-            continue;
-        memset(t->cell[t->row_of[i]], 0, sizeof t->cell[0]);
-        t->pair[i] = t->pair_texels[i] = t->pair_blue[i] = 0;
+    uint8_t used[NTP__ROWS];
+    ntp__mark_rows(used, t);
+    for (int32_t row = 0; row < NTP__ROWS; row++) {
+        if (used[row])
+            memset(t->cell[row], 0, sizeof t->cell[row]);
     }
+    memset(t->pair_texels, 0, sizeof t->pair_texels);
+    memset(t->sample_texels, 0, sizeof t->sample_texels);
+    memset(t->sample_blue, 0, sizeof t->sample_blue);
     if (t->wide.texels > 0)
         memset(&t->wide, 0, sizeof t->wide);
     if (t->transparent_wide.texels > 0)
@@ -162,7 +169,7 @@ ntp_status ntp_tally_clear(ntp_tally *t)
     memset(t, 0, offsetof(ntp_tally, wide_flat_seen));
     t->rows_ready = ready;
     t->summed = 0;
-    t->narrow = t->since_flush = 0;
+    t->narrow = 0;
     return NTP_OK;
 }
 
@@ -171,9 +178,7 @@ ntp_status ntp_tally_clear(ntp_tally *t)
 static void add_cells(ntp_tally *t, int32_t m, ntp_encoding encoding)
 {
     uint8_t used[NTP__ROWS];
-    memset(used, 0, sizeof used);
-    for (int32_t i = 0; i < 65536; i++)
-        used[t->row_of[i]] |= t->pair_texels[i] + t->pair[i] > 0;
+    ntp__mark_rows(used, t);
     int32_t by = m / 255;
     for (int32_t i = 0; i < NTP__ROWS; i++) {
         if (!used[i])

@@ -3,8 +3,7 @@
  * tally.h - what a measurement keeps
  *
  * 8-bit texels are not judged one by one.  Each adds one to the cell of (row, blue), where the
- * row stands for what red and green have to do with every verdict, length and angle: X*X + Y*Y
- * inside the disc, {|X|, |Y|} outside it.  Two lookups and two increments a texel, and all
+ * row stands for {|X|, |Y|}, all that verdicts, lengths and angles depend on.  Two lookups and two increments a texel, and all
  * facts follow exactly, in integers, when the cells are read (summarize.c).  A 16-bit texel of
  * which every level is a multiple of 257 goes to the same cells, for its X and Y are 257 times
  * those of the 8-bit texel; the others are judged and added to `wide`.
@@ -16,12 +15,10 @@
 #include "internal.h"
 
 enum {
-    /* 3,974 values of X*X + Y*Y inside the disc, 1,831 pairs outside it, and a row for each of
-     * the four flat pairs, which are kept apart to tell flat colors. */
-    NTP__DISC_ROWS = 3974,
-    NTP__FAR_ROWS = 1831,
+    /* Unordered pairs of 128 magnitudes, and a row for each of the four flat pairs, which are
+     * kept apart to tell flat colors. */
     NTP__FLAT_ROWS = 4,
-    NTP__ROWS = NTP__DISC_ROWS + NTP__FAR_ROWS + NTP__FLAT_ROWS,
+    NTP__ROWS = 128 * 129 / 2 + NTP__FLAT_ROWS,
 
     NTP__LENGTH_BINS = 256,   /* of 1/128 */
     NTP__LENGTH_ONE = 1 << 16 /* fixed-point unit of lengths */
@@ -80,11 +77,12 @@ struct ntp_tally {
     ntp__sums used, unused;
 
     /* The cells: used texels only. */
-    uint64_t narrow, since_flush;
-    uint16_t row_of[65536];                        /* by r | g << 8 */
-    uint16_t row_pair[NTP__ROWS];                  /* some r | g << 8 of the row, r, g >= 128 */
-    uint64_t pair[65536];                          /* by r | g << 8: texels | sum of blue << 32 */
-    uint64_t pair_texels[65536], pair_blue[65536]; /* pair is emptied to here every 2^24 texels */
+    uint64_t narrow;
+    uint32_t row_of[65536];        /* by r | g << 8; the upper half: the blue that makes it gray */
+    uint16_t row_pair[NTP__ROWS];  /* some r | g << 8 of the row, r, g >= 128 */
+    uint32_t pair_texels[65536];   /* by r | g << 8; wide texels and pictures too, at 8 bit */
+    uint32_t sample_texels[65536]; /* the same of sampled rows, and their blues */
+    uint64_t sample_blue[65536];
     uint32_t cell[NTP__ROWS][256];
 };
 
@@ -108,10 +106,11 @@ void ntp__add(ntp__sums *sums, const ntp__row *row, int32_t b, uint32_t count,
 /* The bin of a length and of x, y's length. */
 int32_t ntp__steepness(int64_t xy2, int32_t m);
 
-/* Moves the packed pair counters to their wide homes. */
-void ntp__flush_pairs(ntp_tally *tally);
-
+/* Fills row_of and row_pair, once. */
 void ntp__rows_prepare(ntp_tally *tally);
+
+/* Rows of the cells that may hold texels. */
+void ntp__mark_rows(uint8_t used[NTP__ROWS], const ntp_tally *tally);
 
 /* Fills tally->used and tally->unused, with angles by this encoding.  Errors as ntp_summarize. */
 ntp_status ntp__sum_up(ntp_tally *tally, ntp_encoding encoding);
