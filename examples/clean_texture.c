@@ -73,20 +73,28 @@ static int process(unsigned char *rgb, int width, int height)
     return EXIT_SUCCESS;
 }
 
-/* Reads or writes the whole buffer; true on success. */
-static int transfer(unsigned char *rgb, size_t size, const char *path, int writing)
+static int read_file(unsigned char *rgb, size_t size, const char *path)
 {
-    FILE *file = fopen(path, writing ? "wb" : "rb");
-    if (file == NULL) {
+    FILE *file = fopen(path, "rb");
+    size_t got = file != NULL ? fread(rgb, 1, size, file) : 0;
+    if (file == NULL)
         perror(path);
-        return 0;
-    }
-    size_t done = writing ? fwrite(rgb, 1, size, file) : fread(rgb, 1, size, file);
-    int closed = fclose(file);
-    if (done == size && closed == 0)
-        return 1;
-    fprintf(stderr, "%s: %s\n", path, writing ? "not written" : "shorter than WIDTH x HEIGHT x 3");
-    return 0;
+    else
+        fclose(file);
+    if (file != NULL && got != size)
+        fprintf(stderr, "%s: shorter than WIDTH x HEIGHT x 3 bytes\n", path);
+    return got == size;
+}
+
+static int write_file(const unsigned char *rgb, size_t size, const char *path)
+{
+    FILE *file = fopen(path, "wb");
+    int written = file != NULL && fwrite(rgb, 1, size, file) == size;
+    if (file != NULL && fclose(file) != 0)
+        written = 0;
+    if (!written)
+        perror(path);
+    return written;
 }
 
 int main(int argc, char **argv)
@@ -109,9 +117,9 @@ int main(int argc, char **argv)
     } else if (argc == 1) {
         make_bump(rgb, (int) width, (int) height);
         result = process(rgb, (int) width, (int) height);
-    } else if (transfer(rgb, size, argv[1], 0)) {
+    } else if (read_file(rgb, size, argv[1])) {
         result = process(rgb, (int) width, (int) height);
-        if (result == EXIT_SUCCESS && !transfer(rgb, size, argv[4], 1))
+        if (result == EXIT_SUCCESS && !write_file(rgb, size, argv[4]))
             result = EXIT_FAILURE;
     }
     free(rgb);
