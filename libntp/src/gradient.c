@@ -161,20 +161,21 @@ static void set_borders(ntp__gradient *g, const ntp_gradient_options *how)
     g->down_y = positions(g->kernel, true, how->border_y, height);
 }
 
-static bool within(double c, double least, double most, double greatest)
+static bool within(const ntp__scaled *exact, double c, double least, double most, double greatest)
 {
     c = c < 0 ? -c : c;
-    return c == 0 || (c >= least && c * greatest <= most);
+    return exact->mantissa == 0 || (c >= least && c * greatest <= most);
 }
 
 /* Which arithmetic the loops may use for tap sums up to `greatest`. */
 static void set_arithmetic(walk *w, double greatest)
 {
     const ntp__gradient *g = &w->g;
-    w->doubles = g->dst->type != NTP_F32 && within(g->cx, least_double, most_double, greatest) &&
-                 within(g->cy, least_double, most_double, greatest);
-    w->single = w->ints && g->m == 255 && within(g->cx, least_single, most_single, greatest) &&
-                within(g->cy, least_single, most_single, greatest);
+    w->doubles = g->m > 0 && within(&g->x, g->cx, least_double, most_double, greatest) &&
+                 within(&g->y, g->cy, least_double, most_double, greatest);
+    w->single = w->ints && g->m == 255 &&
+                within(&g->x, g->cx, least_single, most_single, greatest) &&
+                within(&g->y, g->cy, least_single, most_single, greatest);
     double roundoff = w->single ? 0x1p-24 : 0x1p-53;
     w->encode.delta = encode_error * roundoff * w->encode.half;
 }
