@@ -454,9 +454,48 @@ enum {
     NTP_ACCIDENT_BLUE_CONSTANT = 128
 };
 
+/* What a reason is about; the number that belongs to it in brackets. */
+enum {
+    NTP_REASON_NONE = 0,
+    NTP_REASON_NOTHING_USED = 1,      /* only black, white and transparent texels */
+    NTP_REASON_ONE_COLOR = 2,         /* of all used texels */
+    NTP_REASON_GRAY = 3,              /* [share of used texels with r = g = b] */
+    NTP_REASON_GRAY_FILE = 4,         /* one channel, or gray and alpha */
+    NTP_REASON_TWO_CHANNELS = 5,      /* red and green only */
+    NTP_REASON_UNIT = 6,              /* [share that is a unit vector to within a level] */
+    NTP_REASON_UNIT_ZZERO = 7,        /* the same with blue as 0..1 */
+    NTP_REASON_NEAR_UNIT = 8,         /* [share with a length of 1 to within 1/8] */
+    NTP_REASON_NEAR_UNIT_ZZERO = 9,   /* the same with blue as 0..1 */
+    NTP_REASON_NOT_UNIT = 10,         /* [share with a length of 1 to within 1/8], small */
+    NTP_REASON_PREFERS_STANDARD = 11, /* [texels that tell the two readings of blue apart] */
+    NTP_REASON_PREFERS_ZZERO = 12,    /* [the same] */
+    NTP_REASON_UNDECIDED_ZZERO = 13,  /* too flat to tell standard from Z-zero */
+    NTP_REASON_XY_CENTERED = 14,      /* [length of the mean of x, y], small */
+    NTP_REASON_XY_OFF_CENTER = 15,    /* [length of the mean of x, y], large */
+    NTP_REASON_XY_TOO_LONG = 16,      /* [share of used texels with x, y longer than 1] */
+    NTP_REASON_BLUE_CONSTANT = 17,    /* [blue, 0..1] */
+    NTP_REASON_BLUE_UNRELATED = 18,   /* [share of tilted texels whose blue is the z of r, g] */
+    NTP_REASON_Z_NEGATIVE = 19,       /* [share of used texels with z < 0] */
+    NTP_REASON_ALL_DIRECTIONS = 20,   /* [share of used texels with z < 0] */
+    NTP_REASON_GAMMA = 21,            /* [share with unit length once sRGB is decoded] */
+    NTP_REASON_GAMMA_FLAT = 22,       /* [share of used texels near (188, 188)] */
+    NTP_REASON_RED_IS_Z = 23,         /* [share of used texels with red above one half] */
+    NTP_REASON_GREEN_IS_Z = 24,       /* [share of used texels with green above one half] */
+    NTP_REASON_DXT5NM = 25,           /* [share with alpha, green not longer than 1] */
+    NTP_REASON_BLOCKS = 26,           /* [steps across columns 8k-1|8k over those elsewhere] */
+    NTP_REASON_SHORT = 27,            /* [share of used texels that are too short] */
+    NTP_REASON_COLORS_ALIKE = 28,     /* [correlation of red and green] */
+    NTP_REASON_ALL_ROUNDED = 29,      /* every used texel is an honestly rounded unit vector */
+    NTP_REASON_LOSSY_FILE = 30,       /* the file format is lossy */
+    NTP_REASON_ALL_CHANNELS = 31,     /* [mean length error of steep texels over that of flat] */
+    NTP_REASON_Z_ALONE = 32,          /* [the same, small] */
+    NTP_REASON_FEW_WRONG = 33,        /* [share of used texels that are wrong, grossly] */
+    NTP_REASON_XY_ONLY = 34           /* blue is not z */
+};
+
 /* A fact behind a classification, with the number that it is about. */
 typedef struct ntp_reason {
-    int32_t code; /* NTP_REASON_*; see ntp_reason_text */
+    int32_t code; /* NTP_REASON_* */
     double value;
 } ntp_reason;
 

@@ -1,0 +1,127 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * reasons.c - the names of classes, and reasons as English clauses
+ *
+ * A reason is a template and a number.  Numbers are formatted here, because snprintf's depend on
+ * the locale: '%' stands for the number as a percentage, '#' for it with two decimals.
+ */
+#include "internal.h"
+
+#include <string.h>
+
+static const char *const CLASS_NAMES[] = { "standard",     "zzero",     "xy",         "height",
+                                           "object-space", "one-color", "not-normals" };
+
+/* In the order of NTP_REASON_*. */
+static const char *const TEXTS[] = {
+    "nothing speaks for it",
+    "every texel is black, white or transparent",
+    "all used texels have one color",
+    "% of the used texels are gray",
+    "the image is gray",
+    "there are only red and green",
+    "% of the used texels are unit vectors to within a level",
+    "% of the used texels are unit vectors to within a level when blue is read as 0..1",
+    "% of the used texels have about unit length",
+    "% of the used texels have about unit length when blue is read as 0..1",
+    "only % of the used texels have about unit length",
+    "blue goes with red and green as -1..1, not as 0..1, by % of the texels that can tell",
+    "blue goes with red and green as 0..1, not as -1..1, by % of the texels that can tell",
+    "it is too flat to tell -1..1 from 0..1 in blue",
+    "red and green lie around the middle, leaning by # on average",
+    "red and green lie off the middle, leaning by # on average",
+    "x and y are longer than 1 in % of the used texels",
+    "blue is the same in all used texels, % of its range",
+    "blue is the z of red and green in only % of the tilted texels",
+    "z is negative in % of the used texels",
+    "normals point in all directions, z negative in % of the used texels",
+    "decoded from sRGB, % of the used texels have about unit length",
+    "% of the used texels lie near the level 188, which is flat stored as sRGB",
+    "red is above one half in % of the used texels, as z is",
+    "green is above one half in % of the used texels, as z is",
+    "alpha and green, taken for x and y, are not too long in % of the used texels",
+    "colors step # times as far at every eighth column as elsewhere, as in JPEG blocks",
+    "% of the used texels are too short",
+    "red and green go together, with a correlation of #, as the colors of a picture do",
+    "every used texel is an honestly rounded unit vector",
+    "the file format is lossy",
+    "all three channels err: steep texels are off in length # times as much as flat ones",
+    "blue alone errs: steep texels are off in length # times as much as flat ones",
+    "% of the used texels are far off in blue while the others are right",
+    "blue is not z",
+};
+
+typedef struct buffer {
+    char *text;
+    size_t size, length;
+} buffer;
+
+static void put(buffer *b, char c)
+{
+    if (b->length + 1 < b->size)
+        b->text[b->length] = c;
+    b->length++;
+}
+
+/* value, rounded to `decimals` (0 to 2) places; what is no sensible number counts as the limit. */
+static void put_number(buffer *b, double value, int32_t decimals)
+{
+    const double limit = 1e9;
+    uint64_t unit = decimals == 2 ? 100 : decimals == 1 ? 10 : 1;
+    if (value < 0) {
+        put(b, '-');
+        value = -value;
+    }
+    if (!(value < limit))
+        value = limit;
+    uint64_t scaled = (uint64_t) (value * (double) unit + 0.5), divisor = 1;
+    uint64_t whole = scaled / unit, rest = scaled % unit;
+    while (whole / divisor >= 10)
+        divisor *= 10;
+    for (; divisor > 0; divisor /= 10)
+        put(b, (char) ('0' + whole / divisor % 10));
+    if (decimals > 0)
+        put(b, '.');
+    for (divisor = unit / 10; divisor > 0; divisor /= 10)
+        put(b, (char) ('0' + rest / divisor % 10));
+}
+
+/* A share in percent; one that is neither none nor all does not read as such. */
+static void put_percent(buffer *b, double share)
+{
+    double percent = 100 * share;
+    if (percent > 0 && percent < 0.1) {
+        put(b, '<');
+        percent = 0.1;
+    } else if (percent < 100 && percent > 99.9) {
+        put(b, '>');
+        percent = 99.9;
+    }
+    put_number(b, percent, percent == 0 || percent == 100 ? 0 : 1);
+    put(b, ' ');
+    put(b, '%');
+}
+
+size_t ntp_reason_text(char *text, size_t size, const ntp_reason *reason)
+{
+    buffer b = { text, text == NULL ? 0 : size, 0 };
+    int32_t codes = (int32_t) (sizeof TEXTS / sizeof TEXTS[0]);
+    int32_t code = reason == NULL || reason->code < 0 || reason->code >= codes ? 0 : reason->code;
+    for (const char *c = TEXTS[code]; *c != '\0'; c++) {
+        if (*c == '%')
+            put_percent(&b, reason->value);
+        else if (*c == '#')
+            put_number(&b, reason->value, 2);
+        else
+            put(&b, *c);
+    }
+    if (b.size > 0)
+        b.text[b.length < b.size ? b.length : b.size - 1] = '\0';
+    return b.length;
+}
+
+const char *ntp_class_name(ntp_class type)
+{
+    size_t count = sizeof CLASS_NAMES / sizeof CLASS_NAMES[0];
+    return (size_t) type < count ? CLASS_NAMES[type] : "unknown";
+}
