@@ -5,6 +5,7 @@
 #include "internal.h"
 #include "kernels.h"
 #include "level.h"
+#include "tally.h"
 
 #include <math.h>
 #include <string.h>
@@ -94,9 +95,9 @@ static void flag_run(uint8_t *flags, const ntp__block *block, int32_t n, int32_t
             f &= NTP_XY_TOO_LONG;
             f |= f ? 0 : NTP_PASS_NEIGHBOR | NTP_PASS_ROUNDED | NTP_PASS_EXACT;
         }
-        if (keep && encoding == NTP_STANDARD && (f & NTP__EXACT_MIRRORED) && (f & NTP_Z_NEGATIVE))
+        if (keep && encoding == NTP_STANDARD && (f & NTP__MIRRORED) && (f & NTP_Z_NEGATIVE))
             f |= NTP_PASS_EXACT;
-        f &= ~(uint32_t) NTP__EXACT_MIRRORED;
+        f &= ~(uint32_t) NTP__MIRRORED;
         if (ntp__unused(block->c[0][i], block->c[1][i], block->c[2][i], block->c[3][i], m, 0))
             f |= NTP_IS_UNUSED;
         if (block->any_broken && block->broken[i]) {

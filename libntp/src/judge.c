@@ -11,12 +11,6 @@
 /* The limit |(x, y)| <= 1.00774 of the reference program, squared. */
 static const double FAR_SQUARED = 1.00774 * 1.00774;
 
-int32_t ntp__steepness(int64_t xy2, int32_t m)
-{
-    int32_t bin = (int32_t) (sqrt((double) xy2) * NTP_STEEPNESS_BINS / m);
-    return bin < NTP_STEEPNESS_BINS ? bin : NTP_STEEPNESS_BINS - 1;
-}
-
 void ntp__row_init(ntp__row *row, int32_t r, int32_t g, int32_t m)
 {
     int64_t s = ntp__rest(r, g, m);
@@ -24,7 +18,8 @@ void ntp__row_init(ntp__row *row, int32_t r, int32_t g, int32_t m)
     row->r = row->cleaned[0] = r;
     row->g = row->cleaned[1] = g;
     row->xy2 = ntp__sq(m) - s;
-    row->steepness = ntp__steepness(row->xy2, m);
+    int32_t bin = ntp__steepness_bin((double) row->xy2, m);
+    row->steepness = bin < NTP_STEEPNESS_BINS ? bin : NTP_STEEPNESS_BINS - 1;
     row->flags = 0;
     if (s >= 0) {
         row->want[0] = row->cleaned_blue[0] = ntp__blue_of_rest(s, m, false);
@@ -41,9 +36,37 @@ void ntp__row_init(ntp__row *row, int32_t r, int32_t g, int32_t m)
     row->cleaned_blue[1] = ntp__blue_of_rest(s, m, true);
 }
 
+void ntp__add_fit(ntp__fit_sums *fit, int32_t steepness, uint32_t flags, int32_t levels_off,
+                  int32_t length, uint32_t count)
+{
+    uint64_t error =
+        (uint64_t) (length > NTP__LENGTH_ONE ? length - NTP__LENGTH_ONE : NTP__LENGTH_ONE - length);
+    uint32_t bin = (uint32_t) length / (NTP__LENGTH_ONE / 128), inverted = ~(uint32_t) length;
+    fit->flags[(uint32_t) steepness * 256 + flags] += count;
+    if (levels_off >= 0)
+        fit->levels_off[levels_off] += count;
+    fit->lengths[bin < NTP__LENGTH_BINS ? bin : NTP__LENGTH_BINS - 1] += count;
+    fit->length_sum += (uint64_t) length * count;
+    fit->length_error[steepness] += error * count;
+    fit->length_error2 += error * error * count;
+    if ((uint32_t) length > fit->length_max)
+        fit->length_max = (uint32_t) length;
+    if (inverted > fit->length_inverted_min)
+        fit->length_inverted_min = inverted;
+}
+
+void ntp__add_angle(ntp__angle_sums *angles, uint64_t angle, uint32_t count)
+{
+    angles->texels += count;
+    angles->sum += angle * count;
+    angles->bins[(angle + 500) / 1000] += count;
+    if (angle > angles->max)
+        angles->max = angle;
+}
+
 static void add_fit(ntp__fit_sums *fit, const ntp__row *row, int32_t b, uint32_t count, bool zzero)
 {
-    int32_t m = row->m, want = row->want[zzero];
+    int32_t m = row->m, want = row->want[zzero], levels_off = -1;
     bool negative = !zzero && ntp__z_negative(b, m);
     uint32_t flags = row->flags | (negative ? (uint32_t) NTP_Z_NEGATIVE : 0);
     if (ntp__neighbor(row->r, row->g, b, m, zzero))
@@ -55,23 +78,13 @@ static void add_fit(ntp__fit_sums *fit, const ntp__row *row, int32_t b, uint32_t
             flags |= NTP_PASS_EXACT;
         if (!zzero && m - b == want)
             flags |= NTP__MIRRORED;
-        fit->levels_off[ntp__abs((negative ? m - b : b) - want)] += count;
+        levels_off = ntp__abs((negative ? m - b : b) - want);
     }
     int64_t length2 = row->xy2 + ntp__sq(zzero ? b : ntp__num(b, m));
     if (length2 > ntp__sq(m))
         flags |= NTP__LONG;
-    uint32_t length = (uint32_t) (sqrt((double) length2) * NTP__LENGTH_ONE / m + 0.5);
-    uint32_t error = length > NTP__LENGTH_ONE ? length - NTP__LENGTH_ONE : NTP__LENGTH_ONE - length;
-    uint32_t bin = length >> 9;
-    fit->flags[(uint32_t) row->steepness * 256 + flags] += count;
-    fit->lengths[bin < NTP__LENGTH_BINS ? bin : NTP__LENGTH_BINS - 1] += count;
-    fit->length_sum += (uint64_t) length * count;
-    fit->length_error[row->steepness] += (uint64_t) error * count;
-    fit->length_error2 += (uint64_t) error * error * count;
-    if (length > fit->length_max)
-        fit->length_max = length;
-    if (~length > fit->length_inverted_min)
-        fit->length_inverted_min = ~length;
+    ntp__add_fit(fit, row->steepness, flags, levels_off, ntp__fixed_length((double) length2, m),
+                 count);
 }
 
 static void add_angle(ntp__angle_sums *angles, const ntp__row *row, int32_t b, uint32_t count,

@@ -15,9 +15,6 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* Set in the flags of judge beside those of ntp_validate: blue is M - derived blue. */
-enum { NTP__EXACT_MIRRORED = 128 };
-
 /*
  * Cleans packed 8-bit pixels by a table of 65,536 entries indexed by r | g << 8, each holding
  * r' | g' << 8 | b' << 16 and a flag above: nonzero where the pair can be an unused texel.
@@ -37,10 +34,29 @@ typedef int32_t ntp__clean16_fn(uint16_t *dst, const uint16_t *src, int32_t n, i
 typedef void ntp__derive_fn(int32_t *want, const int32_t *r, const int32_t *g, int32_t n, int32_t m,
                             int32_t zzero);
 
-/* flags[i] = as ntp_validate with an exact that is not mirrored, and NTP__EXACT_MIRRORED; want as
+/* flags[i] = as ntp_validate with an exact that is not mirrored, and NTP__MIRRORED (tally.h); want as
  * above. */
 typedef void ntp__judge_fn(uint8_t *flags, int32_t *want, const int32_t *r, const int32_t *g,
                            const int32_t *b, int32_t n, int32_t m, int32_t zzero);
+
+/* A block of 16-bit texels whose x, y are not too long, judged as standard or as Z-zero. */
+typedef struct ntp__judged_fit {
+    uint8_t flags[256]; /* as judge */
+    int32_t want[256];  /* derived blue */
+    int32_t key[256];   /* steepness * 256 + flags with NTP__LONG */
+    int32_t levels_off[256];
+    int32_t length[256]; /* in NTP__LENGTH_ONE */
+} ntp__judged_fit;
+
+typedef struct ntp__judged {
+    ntp__judged_fit fit[2]; /* standard, Z-zero */
+    int32_t pair[256];      /* r | g << 8, rounded to 8 bit */
+    int32_t angle[256];     /* micro-degrees to the cleaned vector; -1: beyond the short series */
+} ntp__judged;
+
+/* angles: 0 standard, 1 Z-zero, for which the angles are taken. */
+typedef void ntp__judge16_fn(ntp__judged *judged, const int32_t *r, const int32_t *g,
+                             const int32_t *b, int32_t n, int32_t angles);
 
 typedef struct ntp__kernels_table {
     const char *name;
@@ -50,6 +66,7 @@ typedef struct ntp__kernels_table {
     ntp__clean16_fn *clean_rgb16;
     ntp__derive_fn *derive;
     ntp__judge_fn *judge;
+    ntp__judge16_fn *judge16;
 } ntp__kernels_table;
 
 enum { NTP__CPU_AVX2 = 1, NTP__CPU_ALL = -1 };

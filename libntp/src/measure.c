@@ -211,24 +211,129 @@ static void note_flat(ntp_tally *t, int32_t r, int32_t g, int32_t b)
         (uint8_t) (1 << (b & 7));
 }
 
-/* A used 16-bit texel that is not 8-bit content. */
-static void count_wide(ntp_tally *t, int32_t r, int32_t g, int32_t b)
+/* A used 16-bit texel whose x, y are too long. */
+static void count_far(ntp_tally *t, int32_t r, int32_t g, int32_t b)
 {
     ntp__row row;
-    t->is_wide = 1;
-    note_flat(t, r, g, b);
     t->pair_texels[ntp__narrow(r) | ntp__narrow(g) << 8]++;
     ntp__row_init(&row, r, g, 65535);
     ntp__add(&t->wide, &row, b, 1, ntp__judged_as((ntp_encoding) t->encoding));
 }
 
-static void count_block(ntp_tally *t, const ntp__block *block, int32_t n, int32_t m)
+static void add_fits(ntp__fit_sums *sums, const ntp__judged_fit *fit, int32_t n)
+{
+    int32_t least = INT32_MAX, greatest = 0;
+    uint64_t sum = 0, error2 = 0;
+    for (int32_t i = 0; i < n; i++) {
+        int32_t length = fit->length[i], off = length - NTP__LENGTH_ONE;
+        least = length < least ? length : least;
+        greatest = length > greatest ? length : greatest;
+        sum += (uint32_t) length;
+        error2 += (uint64_t) ((int64_t) off * off);
+    }
+    for (int32_t i = 0; i < n; i++) {
+        int32_t key = fit->key[i];
+        sums->flags[key]++;
+        sums->levels_off[fit->levels_off[i]]++;
+        sums->lengths[fit->length[i] / (NTP__LENGTH_ONE / 128)]++;
+        sums->length_error[key / 256] += (uint32_t) ntp__abs(fit->length[i] - NTP__LENGTH_ONE);
+    }
+    sums->length_sum += sum;
+    sums->length_error2 += error2;
+    if ((uint32_t) greatest > sums->length_max)
+        sums->length_max = (uint32_t) greatest;
+    if (~(uint32_t) least > sums->length_inverted_min)
+        sums->length_inverted_min = ~(uint32_t) least;
+}
+
+/* Beyond the short series. */
+static uint32_t wide_angle(const ntp__judged *j, int32_t i, const ntp__block *block, bool zzero)
+{
+    int64_t x = ntp__num(block->c[0][i], 65535), y = ntp__num(block->c[1][i], 65535);
+    int32_t b = block->c[2][i], want = j->fit[zzero].want[i];
+    if (zzero)
+        return ntp__angle(x, y, b, x, y, want);
+    return ntp__angle(x, y, ntp__num(b, 65535), x, y, ntp__num(want, 65535));
+}
+
+/* Used 16-bit texels that are not 8-bit content and whose x, y are not too long: c[0..2]. */
+static void count_wide(ntp_tally *t, const ntp__block *block, int32_t n)
+{
+    ntp_encoding as = ntp__judged_as((ntp_encoding) t->encoding);
+    ntp__angle_sums *angles = &t->wide.angles;
+    ntp__judged j;
+    if (n == 0)
+        return;
+    ntp__kernels(NTP__CPU_ALL)
+        ->judge16(&j, block->c[0], block->c[1], block->c[2], n, as == NTP_ZZERO);
+    t->wide.texels += (uint64_t) n;
+    add_fits(&t->wide.fit[0], &j.fit[0], n);
+    add_fits(&t->wide.fit[1], &j.fit[1], n);
+    for (int32_t i = 0; i < n; i++) {
+        t->pair_texels[j.pair[i]]++;
+        if (as == NTP_XY)
+            j.angle[i] = 0;
+        else if (j.angle[i] < 0)
+            j.angle[i] = (int32_t) wide_angle(&j, i, block, as == NTP_ZZERO);
+    }
+    for (int32_t i = 0; i < n; i++)
+        ntp__add_angle(angles, (uint32_t) j.angle[i], 1);
+}
+
+static void add_planes(ntp_tally *t, const ntp__block *block, int32_t n)
+{
+    for (int32_t k = 0; k < 3; k++) {
+        uint32_t least = UINT32_MAX, greatest = 0, sum = 0;
+        const int32_t *c = block->c[k];
+        for (int32_t i = 0; i < n; i++) {
+            uint32_t v = (uint32_t) c[i];
+            least = v < least ? v : least;
+            greatest = v > greatest ? v : greatest;
+            sum += v;
+        }
+        ntp__channel_sums *sums = &t->channel[k];
+        sums->sum += sum;
+        sums->max = greatest > sums->max ? greatest : sums->max;
+        sums->inverted_min = ~least > sums->inverted_min ? ~least : sums->inverted_min;
+    }
+}
+
+/* A used texel of a block; false: it is of the wide kind and in the disc. */
+static bool count_used(ntp_tally *t, int32_t r, int32_t g, int32_t b, int32_t a, int32_t m)
+{
+    if (t->channels == 4 && a != m) {
+        int32_t a8 = m == 255 ? a : ntp__narrow(a), g8 = m == 255 ? g : ntp__narrow(g);
+        t->ag_in_disc += in_disc8(a8, g8);
+    }
+    if (m == 255) {
+        count_cell(t, (uint32_t) (r | g << 8), (uint32_t) b);
+        t->narrow++;
+        return true;
+    }
+    if (t->colors < 2)
+        note_color(t, r, g, b);
+    if (is_narrow(r) && is_narrow(g) && is_narrow(b)) {
+        count_cell(t, (uint32_t) ((r & 255) | (g & 255) << 8), (uint32_t) b & 255);
+        t->narrow++;
+        return true;
+    }
+    t->is_wide = 1;
+    note_flat(t, r, g, b);
+    if (ntp__rest(r, g, m) >= 0)
+        return false;
+    count_far(t, r, g, b);
+    return true;
+}
+
+static void count_block(ntp_tally *t, ntp__block *block, int32_t n, int32_t m)
 {
     unused_run run = { { 0, 0, 0 }, 0 };
-    bool alpha = t->channels == 4;
+    int32_t wide = 0;
+    if (m != 255 && !block->any_broken)
+        add_planes(t, block, n);
     for (int32_t i = 0; i < n; i++) {
         int32_t r = block->c[0][i], g = block->c[1][i], b = block->c[2][i], a = block->c[3][i];
-        if (alpha) {
+        if (t->channels == 4) {
             add_alpha(t, a, m);
             t->is_wide |= m != 255 && !is_narrow(a);
         }
@@ -236,7 +341,7 @@ static void count_block(ntp_tally *t, const ntp__block *block, int32_t n, int32_
             t->not_finite++;
             continue;
         }
-        if (m != 255)
+        if (m != 255 && block->any_broken)
             add_color(t, r, g, b);
         if (r == g && g == b && count_black_white(t, b, m))
             continue;
@@ -246,23 +351,15 @@ static void count_block(ntp_tally *t, const ntp__block *block, int32_t n, int32_
             add_transparent(t, &run, r, g, b, m);
             continue;
         }
-        if (m != 255)
-            note_color(t, r, g, b);
-        if (alpha && a != m) {
-            int32_t a8 = m == 255 ? a : ntp__narrow(a), g8 = m == 255 ? g : ntp__narrow(g);
-            t->ag_in_disc += in_disc8(a8, g8);
-        }
-        if (m == 255) {
-            count_cell(t, (uint32_t) (r | g << 8), (uint32_t) b);
-            t->narrow++;
-        } else if (is_narrow(r) && is_narrow(g) && is_narrow(b)) {
-            count_cell(t, (uint32_t) ((r & 255) | (g & 255) << 8), (uint32_t) b & 255);
-            t->narrow++;
-        } else {
-            count_wide(t, r, g, b);
+        if (!count_used(t, r, g, b, a, m)) {
+            /* Wide texels are gathered at the front of the block. */
+            block->c[0][wide] = r;
+            block->c[1][wide] = g;
+            block->c[2][wide++] = b;
         }
     }
     end_run(t, &run, m);
+    count_wide(t, block, wide);
 }
 
 /* Pictures and heights: channels are described, nothing is judged. */

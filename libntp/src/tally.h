@@ -14,6 +14,8 @@
 #include "angle.h"
 #include "internal.h"
 
+#include <math.h>
+
 enum {
     /* Unordered pairs of 128 magnitudes, and a row for each of the four flat pairs, which are
      * kept apart to tell flat colors. */
@@ -103,8 +105,22 @@ void ntp__row_init(ntp__row *row, int32_t r, int32_t g, int32_t m);
 void ntp__add(ntp__sums *sums, const ntp__row *row, int32_t b, uint32_t count,
               ntp_encoding encoding);
 
-/* The bin of a length and of x, y's length. */
-int32_t ntp__steepness(int64_t xy2, int32_t m);
+/* A length in NTP__LENGTH_ONE, from its square in numerators. */
+static inline int32_t ntp__fixed_length(double length2, int32_t m)
+{
+    return (int32_t) (sqrt(length2) * ((double) NTP__LENGTH_ONE / m) + 0.5);
+}
+
+/* The bin of x, y's length; to be cut off at the last one where they are too long. */
+static inline int32_t ntp__steepness_bin(double xy2, int32_t m)
+{
+    return (int32_t) (sqrt(xy2) * ((double) NTP_STEEPNESS_BINS / m));
+}
+
+/* The parts of ntp__add, for texels that were judged elsewhere. */
+void ntp__add_fit(ntp__fit_sums *fit, int32_t steepness, uint32_t flags, int32_t levels_off,
+                  int32_t length, uint32_t count);
+void ntp__add_angle(ntp__angle_sums *angles, uint64_t angle, uint32_t count);
 
 /* Fills row_of and row_pair, once. */
 void ntp__rows_prepare(ntp_tally *tally);
