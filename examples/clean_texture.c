@@ -12,16 +12,21 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/* A bump whose blue was rounded down twice, as a careless exporter would. */
+static unsigned char encode(double v)
+{
+    return (unsigned char) ((v + 1) / 2 * 255 + 0.5);
+}
+
+/* A bump; its z was made by a shortcut that is good for gentle slopes only. */
 static void make_bump(unsigned char *rgb, int width, int height)
 {
-    for (int y = 0; y < height; y++) {
-        for (int x = 0; x < width; x++) {
-            int dx = 2 * x - width + 1, dy = height - 1 - 2 * y;
-            unsigned char *texel = rgb + 3 * ((size_t) y * (size_t) width + (size_t) x);
-            texel[0] = (unsigned char) (128 + 90 * dx / width);
-            texel[1] = (unsigned char) (128 + 90 * dy / height);
-            texel[2] = (unsigned char) (250 - 60 * (dx * dx + dy * dy) / (width * height));
+    for (int row = 0; row < height; row++) {
+        for (int column = 0; column < width; column++) {
+            double x = 0.6 * (2 * column - width + 1) / width;
+            double y = 0.6 * (height - 1 - 2 * row) / height;
+            *rgb++ = encode(x);
+            *rgb++ = encode(y);
+            *rgb++ = encode(1 - (x * x + y * y) / 2);
         }
     }
 }
