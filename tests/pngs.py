@@ -80,22 +80,29 @@ def write_png(path, pixels, **options):
 
 
 def _unfilter(kind, row, above, step):
-    out = bytearray(row)
-    for i in range(len(out)):
-        left = out[i - step] if i >= step else 0
-        up = above[i]
-        corner = above[i - step] if i >= step else 0
-        if kind == 1:
-            out[i] = (out[i] + left) & 255
-        elif kind == 2:
-            out[i] = (out[i] + up) & 255
-        elif kind == 3:
-            out[i] = (out[i] + (left + up) // 2) & 255
-        elif kind == 4:
-            guess = left + up - corner
-            near = min((left, up, corner), key=lambda v: abs(guess - v))
-            out[i] = (out[i] + near) & 255
-    return out
+    if kind == 2:
+        both = np.frombuffer(row, np.uint8) + np.frombuffer(above, np.uint8)
+        return both.tobytes()
+    out = bytearray(step) + row  # with a pixel of zeros to the left
+    above = bytes(step) + bytes(above)
+    if kind == 1:
+        for i in range(step, len(out)):
+            out[i] = (out[i] + out[i - step]) & 255
+    elif kind == 3:
+        for i in range(step, len(out)):
+            out[i] = (out[i] + (out[i - step] + above[i]) // 2) & 255
+    elif kind == 4:
+        for i in range(step, len(out)):
+            left, up, corner = out[i - step], above[i], above[i - step]
+            to_left, to_up = abs(up - corner), abs(left - corner)
+            to_corner = abs(left + up - 2 * corner)
+            if to_left <= to_up and to_left <= to_corner:
+                out[i] = (out[i] + left) & 255
+            elif to_up <= to_corner:
+                out[i] = (out[i] + up) & 255
+            else:
+                out[i] = (out[i] + corner) & 255
+    return bytes(out[step:])
 
 
 def read_png(path):
