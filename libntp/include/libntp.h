@@ -409,6 +409,16 @@ typedef struct ntp_stats {
     double gamma_near_unit;   /* share of used with |length - 1| <= 1/8 after linearising sRGB */
     double ag_in_disc;        /* share of used whose (alpha, g) as x, y are not too long */
     double block_step[3];     /* mean |step| across columns 8k-1|8k over that elsewhere; 0: none */
+    /* How blue goes with red and green, in 8-bit levels; of 16-bit content by a sample.  A texel is
+     * tilted where x, y are not too long and the blues derived as standard and as Z-zero lie more
+     * than a level apart. */
+    uint64_t tilted;       /* used texels, of 16-bit content sampled ones */
+    double tilted_gap;     /* mean distance of these two blues */
+    double tilted_off[2];  /* mean |blue - derived blue|, at most 32 each; standard, Z-zero */
+    double tilted_near[2]; /* share of tilted with at most 3 levels between them */
+    double tilted_above;   /* share of tilted with blue more than 4 levels above standard's */
+    double blue_slope;     /* regression of blue on the derived (x, y not too long): 1, or 2 of Z-zero */
+    double blue_correlation;
 } ntp_stats;
 
 /*

@@ -350,6 +350,7 @@ ntp_status ntp_summarize(ntp_stats *s, ntp_tally *t, ntp_encoding encoding)
     describe_pairs(s, t, blues);
     describe_alpha(s, t);
     describe_colors(s, t);
+    ntp__describe_blue(s, t);
     for (int32_t k = 0; k < 3; k++) {
         double within = share(t->block_steps[k][0], t->block_count[0]);
         double across = share(t->block_steps[k][1], t->block_count[1]);

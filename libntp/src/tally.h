@@ -131,6 +131,9 @@ void ntp__mark_rows(uint8_t used[NTP__ROWS], const ntp_tally *tally);
 /* Fills tally->used and tally->unused, with angles by this encoding.  Errors as ntp_summarize. */
 ntp_status ntp__sum_up(ntp_tally *tally, ntp_encoding encoding);
 
+/* Fills in stats how blue goes with red and green (evidence.c). */
+void ntp__describe_blue(ntp_stats *stats, const ntp_tally *tally);
+
 /* M that the texels are judged at. */
 static inline int32_t ntp__tally_max(const ntp_tally *t)
 {

@@ -1,0 +1,105 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * evidence.c - how blue goes with red and green
+ *
+ * Standard and Z-zero differ in what blue should be only where a texel is tilted, so the two
+ * readings are compared there, and there alone.  The regression of blue on the derived blue tells
+ * the two apart also when blue is shifted or scaled, for its slope is 1 or 2.
+ */
+#include "level.h"
+#include "tally.h"
+
+/* In 8-bit levels. */
+static const double GAP_THAT_TELLS = 1, OFF_MOST = 32, NEAR = 3, ABOVE = 4;
+
+typedef struct blue_sums {
+    double n, want, blue, want2, blue2, product;
+    double tilted, gap, off[2], near[2], above;
+} blue_sums;
+
+static double magnitude(double v)
+{
+    return v < 0 ? -v : v;
+}
+
+/* `count` texels of this red and green with this (mean) blue, all at 8 bit. */
+static void add_blue(blue_sums *sums, int32_t r, int32_t g, double blue, double count)
+{
+    int64_t rest = ntp__rest(r, g, 255);
+    if (rest < 0)
+        return;
+    double z = sqrt((double) rest) / 255, want[2] = { 127.5 + 127.5 * z, 255 * z };
+    sums->n += count;
+    sums->want += count * want[0];
+    sums->blue += count * blue;
+    sums->want2 += count * want[0] * want[0];
+    sums->blue2 += count * blue * blue;
+    sums->product += count * want[0] * blue;
+    double gap = want[0] - want[1];
+    if (gap <= GAP_THAT_TELLS)
+        return;
+    sums->tilted += count;
+    sums->gap += count * gap;
+    for (int32_t i = 0; i < 2; i++) {
+        double off = magnitude(blue - want[i]);
+        sums->off[i] += count * (off < OFF_MOST ? off : OFF_MOST);
+        sums->near[i] += off <= NEAR ? count : 0;
+    }
+    sums->above += blue > want[0] + ABOVE ? count : 0;
+}
+
+static void add_cells(blue_sums *sums, const ntp_tally *t)
+{
+    uint8_t used[NTP__ROWS];
+    ntp__mark_rows(used, t);
+    for (int32_t i = 0; i < NTP__ROWS; i++) {
+        for (int32_t b = 0; used[i] && b < 256; b++) {
+            if (t->cell[i][b] > 0)
+                add_blue(sums, t->row_pair[i] & 255, t->row_pair[i] >> 8, b, t->cell[i][b]);
+        }
+    }
+}
+
+static void add_samples(blue_sums *sums, const ntp_tally *t)
+{
+    for (int32_t i = 0; i < 65536; i++) {
+        double n = t->sample_texels[i];
+        if (n > 0)
+            add_blue(sums, i & 255, i >> 8, (double) t->sample_blue[i] / n, n);
+    }
+}
+
+static void describe_regression(ntp_stats *s, const blue_sums *sums)
+{
+    double n = sums->n, want = sums->want / n, blue = sums->blue / n;
+    double want_variance = sums->want2 / n - want * want;
+    double blue_variance = sums->blue2 / n - blue * blue;
+    double covariance = sums->product / n - want * blue;
+    const double least = 1e-6; /* below this only rounding of doubles is left */
+    if (want_variance > least)
+        s->blue_slope = covariance / want_variance;
+    if (want_variance > least && blue_variance > least)
+        s->blue_correlation = covariance / sqrt(want_variance * blue_variance);
+}
+
+void ntp__describe_blue(ntp_stats *s, const ntp_tally *t)
+{
+    blue_sums sums = { 0 };
+    if (t->encoding == NTP_HEIGHT)
+        return;
+    if (s->max == 255)
+        add_cells(&sums, t);
+    else
+        add_samples(&sums, t);
+    if (sums.n > 0)
+        describe_regression(s, &sums);
+    s->tilted = (uint64_t) sums.tilted;
+    if (sums.tilted == 0)
+        return;
+    s->tilted_gap = sums.gap / sums.tilted;
+    s->tilted_above = sums.above / sums.tilted;
+    for (int32_t i = 0; i < 2; i++) {
+        s->tilted_off[i] = sums.off[i] / sums.tilted;
+        s->tilted_near[i] = sums.near[i] / sums.tilted;
+    }
+}
