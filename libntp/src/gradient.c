@@ -27,14 +27,13 @@ static const double sum_error = 0x1p-47;
 /* How a call is carried out. */
 typedef struct walk {
     ntp__gradient g;
-    const ntp__gradient_kernels *loops;
     const ntp__kernels_table *kernels;
     bool ints;       /* heights are int32_t */
+    bool blue;       /* is rounded by itself */
     bool single;     /* in float arithmetic */
     bool doubles;    /* in double arithmetic; neither: every texel exactly */
     double greatest; /* of the heights times the kernel's gain; integers */
     ntp__encode encode;
-    ntp_alpha alpha;
     ntp_gradient_counts counts;
 } walk;
 
@@ -219,10 +218,11 @@ static ntp_status make_walk(walk *w, const ntp_image *dst, const ntp_const_image
     g->derived = how->blue == NTP_BLUE_DERIVED;
     if (g->m > 0)
         g->min_z_level = ntp__gradient_z_level(how->min_z, g->m, dst->encoding == NTP_ZZERO);
-    w->alpha = how->alpha;
-    w->loops = ntp__gradient_kernels_for(NTP__CPU_ALL);
+    g->alpha = how->alpha;
+    g->loops = ntp__gradient_kernels_for(NTP__CPU_ALL);
     w->kernels = ntp__kernels(NTP__CPU_ALL);
     w->ints = ntp__heights_are_int(g);
+    w->blue = !g->derived && dst->encoding != NTP_XY;
     w->greatest = (double) g->kernel->gain * (double) g->range;
     w->encode.cx = g->cx;
     w->encode.cy = g->cy;
@@ -274,9 +274,9 @@ static void tap_sums(walk *w, strip *s, facts *f, int32_t x, int32_t y, int32_t 
     }
     ntp_kernel kernel = (ntp_kernel) (g->kernel - ntp__kernel_table);
     if (w->ints)
-        w->loops->tap_sums_i(s->sums.i[down], rows_i, kernel, down, n);
+        w->g.loops->tap_sums_i(s->sums.i[down], rows_i, kernel, down, n);
     else
-        w->loops->tap_sums_d(s->sums.d[down], rows_d, kernel, down, n);
+        w->g.loops->tap_sums_d(s->sums.d[down], rows_d, kernel, down, n);
 }
 
 /* The slope at position at of the strip is that of position from, if that is in the block. */
@@ -327,20 +327,20 @@ static bool trust_floats(walk *w, const facts *f)
 static bool encode(walk *w, strip *s, const facts *f, int32_t n)
 {
     const ntp__gradient *g = &w->g;
-    int32_t *blue = g->derived || g->dst->encoding == NTP_XY ? NULL : s->out.c[2];
+    int32_t *blue = w->blue ? s->out.c[2] : NULL;
     bool trust = g->src->type == NTP_F32 ? trust_floats(w, f) : w->single || w->doubles;
     if (!trust) {
         memset(s->doubt, 1, (size_t) n);
         return true;
     }
     if (w->single)
-        return w->loops->encode_single(s->out.c[0], s->out.c[1], blue, s->doubt, s->sums.i[0],
-                                       s->sums.i[1], n, &w->encode) > 0;
+        return w->g.loops->encode_single(s->out.c[0], s->out.c[1], blue, s->doubt, s->sums.i[0],
+                                         s->sums.i[1], n, &w->encode) > 0;
     if (w->ints)
-        return w->loops->encode_i(s->out.c[0], s->out.c[1], blue, s->doubt, s->sums.i[0],
-                                  s->sums.i[1], n, &w->encode) > 0;
-    return w->loops->encode_d(s->out.c[0], s->out.c[1], blue, s->doubt, s->sums.d[0], s->sums.d[1],
-                              n, &w->encode) > 0;
+        return w->g.loops->encode_i(s->out.c[0], s->out.c[1], blue, s->doubt, s->sums.i[0],
+                                    s->sums.i[1], n, &w->encode) > 0;
+    return w->g.loops->encode_d(s->out.c[0], s->out.c[1], blue, s->doubt, s->sums.d[0],
+                                s->sums.d[1], n, &w->encode) > 0;
 }
 
 static void count(walk *w, const ntp__normal *normal)
@@ -349,14 +349,28 @@ static void count(walk *w, const ntp__normal *normal)
     w->counts.exact += normal->wide;
 }
 
+/* A texel in doubt after float arithmetic, once more in double; true when that settles it. */
+static bool settle_in_double(const walk *w, strip *s, int32_t i)
+{
+    ntp__encode e = w->encode;
+    e.delta = encode_error * 0x1p-53 * e.half;
+    int32_t *blue = w->blue ? &s->out.c[2][i] : NULL;
+    return w->g.loops->encode_i(&s->out.c[0][i], &s->out.c[1][i], blue, &s->doubt[i],
+                                &s->sums.i[0][i], &s->sums.i[1][i], 1, &e) == 0;
+}
+
 /* Does over the texels in doubt. */
 static void settle(walk *w, strip *s, int32_t x, int32_t y, int32_t n)
 {
     for (int32_t i = 0; i < n; i++) {
         if (!s->doubt[i] && !s->moved[i])
             continue;
+        bool known = w->ints && !s->moved[i];
+        if (known && w->single && settle_in_double(w, s, i))
+            continue;
+        int64_t sums[2] = { s->sums.i[0][i], s->sums.i[1][i] };
         ntp__normal normal;
-        ntp__gradient_exact(&normal, &w->g, x + i, y);
+        ntp__gradient_exact(&normal, &w->g, x + i, y, known ? sums : NULL);
         count(w, &normal);
         for (int32_t k = 0; k < 3; k++)
             s->out.c[k][i] = normal.level[k];
@@ -384,89 +398,15 @@ static void raise_blue(const walk *w, strip *s, int32_t n)
         b[i] = b[i] > least ? b[i] : least;
 }
 
-/* ------------------------------------------------------------------------------- output */
-
-static float unit_alpha(const walk *w, int32_t x, int32_t y)
-{
-    const ntp__gradient *g = &w->g;
-    if (w->alpha == NTP_ALPHA_HEIGHT || w->alpha == NTP_ALPHA_INVERSE_HEIGHT) {
-        double h = ntp__height_value(g, x, y);
-        return (float) (g->invert != (w->alpha == NTP_ALPHA_INVERSE_HEIGHT) ? 1 - h : h);
-    }
-    int32_t channels = g->src->channels;
-    if (w->alpha == NTP_ALPHA_ONE || channels % 2 == 1)
-        return 1;
-    const void *p = ntp__at(g->src, x, y);
-    double a = g->src->type == NTP_U8    ? ((const uint8_t *) p)[channels - 1] / 255.0
-               : g->src->type == NTP_U16 ? ((const uint16_t *) p)[channels - 1] / 65535.0
-                                         : (double) ((const float *) p)[channels - 1];
-    return (float) (w->alpha == NTP_ALPHA_INVERSE ? 1 - a : a);
-}
-
-static int32_t level_alpha(const walk *w, int32_t x, int32_t y)
-{
-    const ntp__gradient *g = &w->g;
-    int32_t m = g->m, channels = g->src->channels;
-    if (w->alpha == NTP_ALPHA_HEIGHT || w->alpha == NTP_ALPHA_INVERSE_HEIGHT) {
-        int32_t h = ntp__height_level(g, x, y, m);
-        return g->invert != (w->alpha == NTP_ALPHA_INVERSE_HEIGHT) ? m - h : h;
-    }
-    if (w->alpha == NTP_ALPHA_ONE || channels % 2 == 1)
-        return m;
-    const void *p = ntp__at(g->src, x, y);
-    int32_t a;
-    if (g->src->type == NTP_F32) {
-        double c = (double) ((const float *) p)[channels - 1] * m + 0.5;
-        a = c > 0 ? c < m + 1 ? (int32_t) c : m : 0;
-    } else if (g->src->type == NTP_U8) {
-        a = ((const uint8_t *) p)[channels - 1] * (m / 255);
-    } else {
-        a = ((const uint16_t *) p)[channels - 1];
-        a = m == 255 ? ntp__narrow(a) : a;
-    }
-    return w->alpha == NTP_ALPHA_INVERSE ? m - a : a;
-}
-
-static void write_levels(walk *w, strip *s, int32_t x, int32_t y, int32_t n)
-{
-    const ntp_image *dst = w->g.dst;
-    bool rgb8 = dst->type == NTP_U8 && dst->channels == 3 && dst->pixel_stride == 3;
-    if (dst->encoding == NTP_XY) {
-        for (int32_t i = 0; i < n; i++)
-            s->out.c[2][i] = w->g.m;
-    }
-    if (dst->channels == 4) {
-        for (int32_t i = 0; i < n; i++)
-            s->out.c[3][i] = level_alpha(w, x + i, y);
-    }
-    if (rgb8)
-        w->loops->pack_rgb8(ntp__at_mut(dst, x, y), s->out.c[0], s->out.c[1], s->out.c[2], n);
-    else
-        ntp__pack(dst, &s->out, x, y, n, dst->channels);
-}
-
-/* One texel of floats at a time. */
-static void write_floats(walk *w, int32_t x, int32_t y, int32_t n)
-{
-    const ntp_image *dst = w->g.dst;
-    for (int32_t i = 0; i < n; i++) {
-        ntp__normal normal;
-        ntp__gradient_exact(&normal, &w->g, x + i, y);
-        count(w, &normal);
-        float *d = ntp__at_mut(dst, x + i, y);
-        d[0] = normal.value[0];
-        d[1] = normal.value[1];
-        if (dst->channels > 2)
-            d[2] = dst->encoding == NTP_XY ? 1.0f : normal.value[2];
-        if (dst->channels > 3)
-            d[3] = unit_alpha(w, x + i, y);
-    }
-}
-
 static void do_block(walk *w, strip *s, int32_t x, int32_t y, int32_t n)
 {
     if (w->g.dst->type == NTP_F32) {
-        write_floats(w, x, y, n);
+        for (int32_t i = 0; i < n; i++) {
+            ntp__normal normal;
+            ntp__gradient_exact(&normal, &w->g, x + i, y, NULL);
+            count(w, &normal);
+            ntp__gradient_pack_float(&w->g, &normal, x + i, y);
+        }
         return;
     }
     facts f = { true, 0x1p1000, 0 };
@@ -480,7 +420,7 @@ static void do_block(walk *w, strip *s, int32_t x, int32_t y, int32_t n)
         derive(w, s, n);
     else
         raise_blue(w, s, n);
-    write_levels(w, s, x, y, n);
+    ntp__gradient_pack(&w->g, &s->out, x, y, n);
 }
 
 static void do_strip(walk *w, strip *s, const ntp_rect *r, int32_t x, int32_t n)

@@ -32,7 +32,10 @@ typedef struct ntp__scaled {
     bool negative;
 } ntp__scaled;
 
+typedef struct ntp__gradient_kernels ntp__gradient_kernels;
+
 typedef struct ntp__gradient {
+    const ntp__gradient_kernels *loops;
     const ntp_const_image *src;
     const ntp_image *dst;
     const ntp__kernel *kernel;
@@ -48,7 +51,8 @@ typedef struct ntp__gradient {
     ntp__scaled min_z_exact;
     int32_t min_z_level;
     bool derived; /* blue */
-    int32_t m;    /* of dst; 0 for floats */
+    ntp_alpha alpha;
+    int32_t m; /* of dst; 0 for floats */
 } ntp__gradient;
 
 /* One texel of the result. */
@@ -68,8 +72,15 @@ ntp__mapped ntp__border_map(ntp_border border, int32_t i, int32_t n);
 
 ntp__scaled ntp__scaled_from(double v);
 
-/* The correctly rounded normal at (x, y); blue of integers is set where it is not derived. */
-void ntp__gradient_exact(ntp__normal *normal, const ntp__gradient *g, int32_t x, int32_t y);
+/* The correctly rounded normal at (x, y); blue of integers is set where it is not derived.
+ * sums: the integer tap sums to the right and down, NULL where they are to be made. */
+void ntp__gradient_exact(ntp__normal *normal, const ntp__gradient *g, int32_t x, int32_t y,
+                         const int64_t *sums);
+
+/* Writes a run of levels; an NTP_XY third sample and alpha are filled in here. */
+void ntp__gradient_pack(const ntp__gradient *g, ntp__block *block, int32_t x, int32_t y, int32_t n);
+void ntp__gradient_pack_float(const ntp__gradient *g, const ntp__normal *normal, int32_t x,
+                              int32_t y);
 
 /* floor((M + 1 + M z)/2), or floor(M z + 1/2): the exact level of a z in 0..1. */
 int32_t ntp__gradient_z_level(double z, int32_t m, bool zzero);
@@ -137,14 +148,14 @@ typedef int32_t ntp__encode_d_fn(int32_t *red, int32_t *green, int32_t *blue, ui
 typedef void ntp__pack_rgb8_fn(uint8_t *dst, const int32_t *red, const int32_t *green,
                                const int32_t *blue, int32_t n);
 
-typedef struct ntp__gradient_kernels {
+struct ntp__gradient_kernels {
     ntp__tap_sums_i_fn *tap_sums_i;
     ntp__tap_sums_d_fn *tap_sums_d;
     ntp__encode_i_fn *encode_single; /* in float arithmetic, for M = 255 */
     ntp__encode_i_fn *encode_i;      /* in double */
     ntp__encode_d_fn *encode_d;
     ntp__pack_rgb8_fn *pack_rgb8;
-} ntp__gradient_kernels;
+};
 
 const ntp__gradient_kernels *ntp__gradient_kernels_for(int mask);
 

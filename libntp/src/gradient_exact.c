@@ -127,6 +127,12 @@ static bool collect_height(collector *c, const ntp__gradient *g, int32_t x, int3
     return true;
 }
 
+static tap_total integer_total(int64_t sum)
+{
+    tap_total total = { { (uint64_t) (sum < 0 ? -sum : sum), 0, sum < 0 }, true };
+    return total;
+}
+
 /* The sum over the taps of one slope at its position; `down`: of the transpose. */
 static tap_total tap_sum(const ntp__gradient *g, int32_t x, int32_t y, bool down)
 {
@@ -156,10 +162,9 @@ static tap_total tap_sum(const ntp__gradient *g, int32_t x, int32_t y, bool down
             }
         }
     }
-    if (!floats) {
-        result.value.negative = total < 0;
-        result.value.mantissa = (uint64_t) (total < 0 ? -total : total);
-    } else if (result.finite) {
+    if (!floats)
+        return integer_total(total);
+    if (result.finite) {
         bool negative = ntp__wide_compare(&c.plus, &c.minus) < 0;
         ntp__wide *greater = negative ? &c.minus : &c.plus;
         ntp__wide_subtract(greater, negative ? &c.plus : &c.minus);
@@ -403,9 +408,11 @@ static float nearest_float(ntp__normal *normal, const ntp__gradient *g, const ve
     return nearest + 0.0f;
 }
 
-void ntp__gradient_exact(ntp__normal *normal, const ntp__gradient *g, int32_t x, int32_t y)
+void ntp__gradient_exact(ntp__normal *normal, const ntp__gradient *g, int32_t x, int32_t y,
+                         const int64_t *sums)
 {
-    tap_total right = tap_sum(g, x, y, false), down = tap_sum(g, x, y, true);
+    tap_total right = sums != NULL ? integer_total(sums[0]) : tap_sum(g, x, y, false);
+    tap_total down = sums != NULL ? integer_total(sums[1]) : tap_sum(g, x, y, true);
     ntp_encoding encoding = g->dst->encoding;
     ntp__scaled norm = { (uint64_t) g->kernel->denominator * (uint64_t) g->range, 0, false };
     ntp__scaled one = { 1, 0, false };

@@ -57,12 +57,12 @@
     static ALWAYS_INLINE void NAME##_kernel(T *restrict sums, const T *const rows[NTP__MAX_TAPS],  \
                                             const ntp__kernel *k, int32_t down, int32_t n)         \
     {                                                                                              \
-        for (int32_t t = 0; t < k->terms; t++) {                                                   \
-            if (down)                                                                              \
-                NAME##_term(sums, rows, k->term[t].along, k->term[t].across, k->radius, t, n);     \
-            else                                                                                   \
-                NAME##_term(sums, rows, k->term[t].across, k->term[t].along, k->radius, t, n);     \
-        }                                                                                          \
+        const ntp__taps *a = &k->term[0], *b = &k->term[1];                                        \
+        NAME##_term(sums, rows, down ? a->along : a->across, down ? a->across : a->along,          \
+                    k->radius, 0, n);                                                              \
+        if (k->terms > 1)                                                                          \
+            NAME##_term(sums, rows, down ? b->along : b->across, down ? b->across : b->along,      \
+                        k->radius, 1, n);                                                          \
     }
 
 DEFINE_TERM(sums_i_term, int32_t)

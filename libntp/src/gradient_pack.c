@@ -1,0 +1,79 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * gradient_pack.c - the result of heightfield -> normals on its way into pixels
+ */
+#include "gradient.h"
+
+#include "level.h"
+
+static float unit_alpha(const ntp__gradient *g, int32_t x, int32_t y)
+{
+    if (g->alpha == NTP_ALPHA_HEIGHT || g->alpha == NTP_ALPHA_INVERSE_HEIGHT) {
+        double h = ntp__height_value(g, x, y);
+        if (!(h - h == 0))
+            return 0;
+        return (float) (g->invert != (g->alpha == NTP_ALPHA_INVERSE_HEIGHT) ? 1 - h : h);
+    }
+    int32_t channels = g->src->channels;
+    if (g->alpha == NTP_ALPHA_ONE || channels % 2 == 1)
+        return 1;
+    const void *p = ntp__at(g->src, x, y);
+    double a = g->src->type == NTP_U8    ? ((const uint8_t *) p)[channels - 1] / 255.0
+               : g->src->type == NTP_U16 ? ((const uint16_t *) p)[channels - 1] / 65535.0
+                                         : (double) ((const float *) p)[channels - 1];
+    return (float) (g->alpha == NTP_ALPHA_INVERSE ? 1 - a : a);
+}
+
+static int32_t level_alpha(const ntp__gradient *g, int32_t x, int32_t y)
+{
+    int32_t m = g->m, channels = g->src->channels;
+    if (g->alpha == NTP_ALPHA_HEIGHT || g->alpha == NTP_ALPHA_INVERSE_HEIGHT) {
+        int32_t h = ntp__height_level(g, x, y, m);
+        return g->invert != (g->alpha == NTP_ALPHA_INVERSE_HEIGHT) ? m - h : h;
+    }
+    if (g->alpha == NTP_ALPHA_ONE || channels % 2 == 1)
+        return m;
+    const void *p = ntp__at(g->src, x, y);
+    int32_t a;
+    if (g->src->type == NTP_F32) {
+        double c = (double) ((const float *) p)[channels - 1] * m + 0.5;
+        a = c > 0 ? c < m + 1 ? (int32_t) c : m : 0;
+    } else if (g->src->type == NTP_U8) {
+        a = ((const uint8_t *) p)[channels - 1] * (m / 255);
+    } else {
+        a = ((const uint16_t *) p)[channels - 1];
+        a = m == 255 ? ntp__narrow(a) : a;
+    }
+    return g->alpha == NTP_ALPHA_INVERSE ? m - a : a;
+}
+
+void ntp__gradient_pack(const ntp__gradient *g, ntp__block *block, int32_t x, int32_t y, int32_t n)
+{
+    const ntp_image *dst = g->dst;
+    bool rgb8 = dst->type == NTP_U8 && dst->channels == 3 && dst->pixel_stride == 3;
+    if (dst->encoding == NTP_XY) {
+        for (int32_t i = 0; i < n; i++)
+            block->c[2][i] = g->m;
+    }
+    if (dst->channels == 4) {
+        for (int32_t i = 0; i < n; i++)
+            block->c[3][i] = level_alpha(g, x + i, y);
+    }
+    if (rgb8)
+        g->loops->pack_rgb8(ntp__at_mut(dst, x, y), block->c[0], block->c[1], block->c[2], n);
+    else
+        ntp__pack(dst, block, x, y, n, dst->channels);
+}
+
+void ntp__gradient_pack_float(const ntp__gradient *g, const ntp__normal *normal, int32_t x,
+                              int32_t y)
+{
+    const ntp_image *dst = g->dst;
+    float *d = ntp__at_mut(dst, x, y);
+    d[0] = normal->value[0];
+    d[1] = normal->value[1];
+    if (dst->channels > 2)
+        d[2] = dst->encoding == NTP_XY ? 1.0f : normal->value[2];
+    if (dst->channels > 3)
+        d[3] = unit_alpha(g, x, y);
+}
