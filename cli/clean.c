@@ -130,8 +130,11 @@ static void describe_text(const production *p, text *line)
     text_count(line, st->counts.changed);
     text_add(line, st->counts.changed == 1 ? " texel (" : " texels (");
     text_percent(line, st->counts.changed, p->f.stats.texels);
-    text_addf(line, ") %s, turned by up to %.3g degrees, %.2g on average",
-              p->m->dry_run ? "would change" : "changed", angles.max, angles.mean);
+    text_addf(line, ") %s, turned by up to ", p->m->dry_run ? "would change" : "changed");
+    text_degrees(line, angles.max);
+    text_add(line, " degrees, ");
+    text_degrees(line, angles.mean);
+    text_add(line, " on average");
     if (p->f.type.type != NTP_CLASS_STANDARD)
         text_addf(line, "; %s", class_title(p->f.type.type));
     if (!set->choose)

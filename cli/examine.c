@@ -304,7 +304,9 @@ bool facts_from_tally(facts *f, source *s, int forced, ntpio_error *error)
     f->info.texts = NULL;
     f->info.text_count = 0;
     f->forced = forced >= 0;
-    ntp_status status = ntp_summarize(&f->stats, s->w->tally, s->view.encoding);
+    /* heights have no reading of their own: their counts are those of any other */
+    const ntp_encoding read_as = s->view.encoding == NTP_HEIGHT ? NTP_STANDARD : s->view.encoding;
+    ntp_status status = ntp_summarize(&f->stats, s->w->tally, read_as);
     if (status == NTP_OK)
         status = ntp_classify(&f->type, &f->stats);
     if (status != NTP_OK)

@@ -130,8 +130,11 @@ static void judge_length(judgement *j)
     const uint64_t off = s->levels_off_max[f->encoding == NTP_ZZERO];
     text_add(&t, ": blue is up to ");
     text_count(&t, off);
-    text_addf(&t, " level%s off, the normal up to %.2g degrees (%.2g on average)",
-              off == 1 ? "" : "s", s->angles.max, s->angles.mean);
+    text_addf(&t, " level%s off, the normal up to ", off == 1 ? "" : "s");
+    text_degrees(&t, s->angles.max);
+    text_add(&t, " degrees (");
+    text_degrees(&t, s->angles.mean);
+    text_add(&t, " on average)");
     add(j, NT001, level, used, &t);
     text_free(&t);
 }

@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
+#include <sys/stat.h>
 
 #include "report.h"
 
@@ -188,6 +189,13 @@ static outcome speculate(production *p, bool writes, ntpio_error *error)
     }
 }
 
+/* What went to standard output or into a pipe cannot be taken back. */
+static bool can_be_dropped(const char *output)
+{
+    struct stat st;
+    return strcmp(output, "-") != 0 && (stat(output, &st) != 0 || S_ISREG(st.st_mode));
+}
+
 static outcome make_output(production *p, ntpio_error *error)
 {
     const maker *m = p->m;
@@ -202,7 +210,8 @@ static outcome make_output(production *p, ntpio_error *error)
     }
     first_view(&p->s, m->forced);
     outcome done = MADE;
-    if (m->measure_first || (gray && !m->any_class))
+    const bool final = !m->dry_run && !can_be_dropped(p->in->output);
+    if (m->measure_first || (!m->any_class && (gray || final)))
         done = know_first(p, error);
     if (done != MADE)
         return done;
@@ -289,7 +298,7 @@ static void tell_text(const production *p, outcome done, const ntpio_error *erro
     if (done == UNCHANGED)
         text_add(&r->out, ", not written");
     else if (p->m->dry_run)
-        text_add(&r->out, " (not written: --dry-run)");
+        text_add(&r->out, " (dry run)");
     text_char(&r->out, '\n');
     if (done == MADE && !p->m->dry_run)
         list_dropped(&p->f.info, &r->out, NULL);

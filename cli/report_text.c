@@ -107,7 +107,7 @@ static void add_findings(text *t, const checked *c, const check_settings *s)
 
 static void add_count_line(text *t, const char *label, uint64_t count, uint64_t texels)
 {
-    text_addf(t, "    %-22s ", label);
+    text_addf(t, "    %-24s ", label);
     text_count(t, count);
     text_add(t, " (");
     text_percent(t, count, texels);
@@ -138,19 +138,19 @@ static void add_statistics(text *t, const checked *c, const check_settings *s)
         add_count_line(t, "x, y too long", st->xy_too_long, st->texels);
         if (f->encoding == NTP_STANDARD)
             add_count_line(t, "z negative", st->z_negative, st->texels);
-        text_addf(t, "    %-22s mean %.3f, 99 %% within %.3f, at most %.3f degrees\n",
+        text_addf(t, "    %-24s mean %.3f, 99 %% within %.3f, at most %.3f degrees\n",
                   "stored against cleaned", st->angles.mean, st->angles.p99, st->angles.max);
     }
     if (f->encoding == NTP_STANDARD || f->encoding == NTP_ZZERO) {
         const ntp_fit *fit = f->encoding == NTP_ZZERO ? &st->zzero : &st->standard;
-        text_addf(t, "    %-22s %.4f to %.4f, mean %.4f\n", "length", fit->length_min,
+        text_addf(t, "    %-24s %.4f to %.4f, mean %.4f\n", "length", fit->length_min,
                   fit->length_max, fit->length_mean);
     }
     for (int32_t i = 0; i < st->channels && i < 4; i++) {
         const char *label = i == 0 && st->channels < 3    ? "gray"
                             : i == 1 && st->channels == 2 ? "alpha"
                                                           : CHANNELS[i];
-        text_addf(t, "    %-22s %u to %u, mean %.2f\n", label, (unsigned) st->channel[i].min,
+        text_addf(t, "    %-24s %u to %u, mean %.2f\n", label, (unsigned) st->channel[i].min,
                   (unsigned) st->channel[i].max, st->channel[i].mean);
     }
 }

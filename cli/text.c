@@ -170,6 +170,16 @@ void text_percent(text *t, uint64_t part, uint64_t whole)
         text_addf(t, "%.1f %%", percent);
 }
 
+void text_degrees(text *t, double degrees)
+{
+    if (degrees > 0 && degrees < 0.001)
+        text_add(t, "under 0.001");
+    else if (degrees < 1)
+        text_addf(t, "%.2g", degrees);
+    else
+        text_addf(t, degrees < 10 ? "%.1f" : "%.0f", degrees);
+}
+
 void text_wrap(text *t, const char *words, int column, int indent, int width)
 {
     bool first = true;

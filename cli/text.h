@@ -39,6 +39,9 @@ void text_count(text *t, uint64_t count);
 /* part of whole in percent, with as many digits as tell it from 0 and 100; "12.3 %". */
 void text_percent(text *t, uint64_t part, uint64_t whole);
 
+/* An angle for people: 0.38, 6.7, 44. */
+void text_degrees(text *t, double degrees);
+
 /* Words wrapped at `width`, the first line at column `column`, others indented by `indent`. */
 void text_wrap(text *t, const char *words, int column, int indent, int width);
 

@@ -1,0 +1,276 @@
+# SPDX-License-Identifier: MIT
+"""Files and directories: hostile names, scans, collisions, and outputs that cannot be written."""
+
+import base64
+import json
+import os
+import shutil
+import signal
+import subprocess
+import time
+
+import numpy as np
+import pytest
+import textures
+
+from pngs import read_png, write_png
+
+HOSTILE = [
+    b"two words_n.png",
+    b"new\nline_n.png",
+    b"percent%n%s_n.png",
+    b"caf\xe9_n.png",
+    "straße_n.png".encode(),
+    b"-dash_n.png",
+    b"quote'\"_n.png",
+    b"esc\x1b[31m_n.png",
+]
+
+
+def listed(run, *args):
+    done = run("check", "--format", "json", *args)
+    return [f["path"] for f in json.loads(done.stdout)["files"]]
+
+
+@pytest.fixture
+def tree(tmp_path):
+    """A small tree of textures."""
+    for name in ("b_n.png", "a_n.png", "sub/c_n.png", "sub/deep/d_n.png", "sub/skip_n.png"):
+        path = tmp_path / "t" / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        write_png(path, textures.standard(8, 8))
+    (tmp_path / "t/notes.txt").write_text("no image")
+    return tmp_path / "t"
+
+
+@pytest.mark.parametrize("name", HOSTILE)
+def test_hostile_names(run, program, tmp_path, name):
+    directory = os.fsencode(tmp_path)
+    write_png(os.path.join(directory, name), textures.standard(8, 8))
+    plain = subprocess.run(
+        [os.fsencode(program), b"check", b"--", name], cwd=directory, capture_output=True
+    )
+    assert plain.returncode == 0 and plain.stdout.count(b"\n") == 1 and b"\x1b" not in plain.stdout
+    plain.stdout.decode()
+    out = subprocess.run(
+        [os.fsencode(program), b"check", b"--format", b"json", b"--", name],
+        cwd=directory,
+        capture_output=True,
+    )
+    (file,) = json.loads(out.stdout)["files"]
+    raw = base64.b64decode(file["path_base64"]) if "path_base64" in file else file["path"].encode()
+    assert raw == name
+    done = subprocess.run(
+        [os.fsencode(program), b"clean", b"-o", b"out/", b"--", name],
+        cwd=directory,
+        capture_output=True,
+    )
+    assert done.returncode == 0 and os.path.exists(os.path.join(directory, b"out", name))
+    listing = name + b"\0"
+    done = subprocess.run(
+        [os.fsencode(program), b"check", b"--files-from", b"-", b"-0"],
+        cwd=directory,
+        input=listing,
+        capture_output=True,
+    )
+    assert done.returncode == 0 and done.stdout == plain.stdout
+
+
+def test_missing_hostile_name(run):
+    done = run("check", "no%n%s\nsuch\x1b.png")
+    assert done.returncode == 3 and "\x1b" not in done.stderr and done.stderr.count("\n") == 1
+
+
+def test_directories(run, tree):
+    assert listed(run, "t") == ["t/a_n.png", "t/b_n.png"]
+    everything = [
+        "t/a_n.png",
+        "t/b_n.png",
+        "t/sub/c_n.png",
+        "t/sub/deep/d_n.png",
+        "t/sub/skip_n.png",
+    ]
+    assert listed(run, "-r", "t") == everything
+    assert listed(run, "-r", "t", "--exclude", "skip*") == everything[:4]
+    assert listed(run, "-r", "t", "--exclude", "sub/deep") == everything[:3] + everything[4:]
+    assert listed(run, "-r", "t", "--match", "[ac]_n.png") == ["t/a_n.png", "t/sub/c_n.png"]
+    assert listed(run, "-r", "t", "--match", "sub/*") == everything[2:]
+    # named first, in the order given; each file once
+    assert listed(run, "t/sub/c_n.png", "-r", "t", "./t/a_n.png") == [
+        "t/sub/c_n.png",
+        "t/a_n.png",
+        "t/b_n.png",
+        "t/sub/deep/d_n.png",
+        "t/sub/skip_n.png",
+    ]
+
+
+def test_links(run, tree):
+    (tree / "sub/loop").symlink_to(tree)
+    (tree / "again_n.png").symlink_to(tree / "b_n.png")
+    (tree / "dangling_n.png").symlink_to(tree / "nothing")
+    done = run("check", "-r", "t", "--format", "json")
+    files = json.loads(done.stdout)["files"]
+    assert done.returncode == 3  # the dangling link cannot be read
+    names = [f["path"] for f in files]
+    assert "t/b_n.png" not in names and "t/again_n.png" in names and len(names) == 6
+
+
+def test_empty_directory(run, tmp_path):
+    (tmp_path / "d").mkdir()
+    done = run("check", "d")
+    assert done.returncode == 0 and "no image" in done.stderr
+
+
+def test_files_from(run, tree, tmp_path):
+    (tmp_path / "list").write_text("t/b_n.png\n\nt/sub/c_n.png\n")
+    assert listed(run, "--files-from", "list") == ["t/b_n.png", "t/sub/c_n.png"]
+    done = run("clean", "--files-from", "list", "-o", "out")
+    assert done.returncode == 0
+    assert (tmp_path / "out/t/b_n.png").exists() and (tmp_path / "out/t/sub/c_n.png").exists()
+    assert run("check", "--files-from", "missing").returncode == 2
+
+
+def test_output_directory_keeps_paths(run, tree, tmp_path):
+    assert run("clean", "-r", "t", "-o", "out").returncode == 0
+    made = sorted(str(p.relative_to(tmp_path / "out")) for p in (tmp_path / "out").rglob("*.png"))
+    assert made == ["a_n.png", "b_n.png", "sub/c_n.png", "sub/deep/d_n.png", "sub/skip_n.png"]
+
+
+def test_collisions_and_usage(run, tree, tmp_path):
+    def wrong(*args):
+        done = run("clean", *args)
+        assert done.returncode == 2 and done.stderr and not done.stdout, args
+        assert not (tmp_path / "out").exists()
+
+    shutil.copytree(tree, tmp_path / "u")
+    wrong("t/a_n.png", "u/a_n.png", "-o", "out")  # one output for two inputs
+    wrong("t/a_n.png", "t/b_n.png", "-o", "out.png")
+    wrong("t/a_n.png")  # no -o
+    wrong("t/a_n.png", "-o", "out", "--in-place")
+    wrong("t/a_n.png", "-o", "t/a_n.png")  # an input
+    wrong("t/a_n.png", "-o", "t/sub/../a_n.png")
+    os.link(tree / "a_n.png", tmp_path / "other.png")
+    wrong("t/a_n.png", "-o", "other.png")
+    wrong("t/a_n.png", "t/b_n.png", "-o", "t")
+    wrong("t/a_n.png", "-o", "out.jpg")
+    wrong("-", "--in-place")
+    assert sorted(p.name for p in tree.iterdir()) == ["a_n.png", "b_n.png", "notes.txt", "sub"]
+
+
+def test_standard_streams(program, tmp_path):
+    before = textures.wrong_blue(textures.zzero(), 0.1)  # needs a second pass
+    write_png(tmp_path / "a.png", before)
+    data = (tmp_path / "a.png").read_bytes()
+    done = subprocess.run([program, "clean", "-", "-o", "-"], input=data, capture_output=True)
+    assert done.returncode == 0, done.stderr
+    (tmp_path / "b.png").write_bytes(done.stdout)
+    assert np.array_equal(read_png(tmp_path / "b.png")[0], textures.zzero())
+    assert b"changed" in done.stderr
+    done = subprocess.run([program, "check", "-"], input=data, capture_output=True)
+    assert done.returncode == 1 and done.stdout.startswith(b"-: Z-zero")
+    pipe = f"cat a.png | '{program}' check /dev/stdin"
+    assert subprocess.run(["sh", "-c", pipe], cwd=tmp_path, capture_output=True).returncode == 1
+
+
+def test_order_does_not_depend_on_jobs(run, tmp_path):
+    for i in range(40):
+        size = 200 if i % 7 == 0 else 8
+        write_png(tmp_path / f"{i:02}_n.png", textures.standard(size, size, i))
+    one = run("check", ".", "--jobs", "1", "--format", "json").stdout
+    assert one == run("check", ".", "--jobs", "8", "--format", "json").stdout
+    assert one == run("check", ".", "--format", "json").stdout
+    text = run("clean", ".", "-o", "a", "-j", "1").stdout
+    assert text.replace("a/", "b/") == run("clean", ".", "-o", "b", "-j", "7").stdout
+    for path in (tmp_path / "a").iterdir():
+        assert path.read_bytes() == (tmp_path / "b" / path.name).read_bytes()
+
+
+def test_read_only_directory(program, tmp_path):
+    """As an unprivileged user: root may write anywhere."""
+    write_png(tmp_path / "a_n.png", textures.standard())
+    locked = tmp_path / "locked"
+    locked.mkdir()
+    write_png(locked / "a_n.png", textures.wrong_blue(textures.standard(), 0.1))
+    before = (locked / "a_n.png").read_bytes()
+    prefix = []
+    if os.geteuid() == 0:
+        if shutil.which("setpriv") is None:
+            pytest.skip("setpriv is missing")
+        prefix = ["setpriv", "--reuid=65534", "--regid=65534", "--clear-groups"]
+        copy = tmp_path / "ntp"  # where the other user can reach it
+        shutil.copy(program, copy)
+        program = copy
+        for path in (tmp_path, *tmp_path.parents):
+            if str(path).startswith("/tmp/"):
+                path.chmod(path.stat().st_mode | 0o055)
+    locked.chmod(0o555)
+    try:
+        for args in (["--in-place", "locked"], ["-o", "locked/b.png", "a_n.png"]):
+            done = subprocess.run(
+                [*prefix, program, "clean", *args], cwd=tmp_path, capture_output=True, text=True
+            )
+            assert done.returncode == 3 and "locked" in done.stderr, done
+        args = ["-o", "locked/new/b.png", "a_n.png"]
+        done = subprocess.run([*prefix, program, "clean", *args], cwd=tmp_path, capture_output=True)
+        assert done.returncode == 3
+        assert [p.name for p in locked.iterdir()] == ["a_n.png"]
+        assert (locked / "a_n.png").read_bytes() == before
+    finally:
+        locked.chmod(0o755)
+
+
+def test_full_disk(run, tmp_path):
+    disk = tmp_path / "disk"
+    disk.mkdir()
+    mount = ["mount", "-t", "tmpfs", "-o", "size=64k", "tmpfs", str(disk)]
+    if os.geteuid() != 0 or subprocess.run(mount, capture_output=True).returncode != 0:
+        pytest.skip("a small file system cannot be mounted")
+    try:
+        write_png(disk / "a_n.png", textures.wrong_blue(textures.standard(96, 96), 0.1))
+        before = (disk / "a_n.png").read_bytes()
+        big = np.random.default_rng(1).integers(0, 256, (300, 300, 3)).astype(np.uint8)
+        write_png(tmp_path / "big_n.png", big)
+        done = run("clean", "big_n.png", "-o", "disk/b.png", "--type", "standard")
+        assert done.returncode == 3 and "space" in done.stderr
+        assert [p.name for p in disk.iterdir()] == ["a_n.png"]
+        assert (disk / "a_n.png").read_bytes() == before
+        report = tmp_path / "ok_n.png"
+        write_png(report, textures.standard())
+    finally:
+        subprocess.run(["umount", str(disk)], check=False)
+
+
+@pytest.fixture
+def slow_texture(tmp_path):
+    """A texture that takes long enough to be interrupted."""
+    rng = np.random.default_rng(1)
+    noise = rng.integers(0, 256, (3000, 3000, 3)).astype(np.uint8)
+    write_png(tmp_path / "big_n.png", noise)
+    return tmp_path / "big_n.png"
+
+
+def interrupted(program, directory, number):
+    args = [program, "clean", "big_n.png", "-o", "out_n.png", "--type", "standard"]
+    process = subprocess.Popen(
+        [*args, "--level", "9"], cwd=directory, stdout=subprocess.PIPE, stderr=subprocess.PIPE
+    )
+    time.sleep(0.3)
+    process.send_signal(number)
+    process.communicate(timeout=30)
+    return process.returncode
+
+
+def test_killed_while_writing(program, tmp_path, slow_texture):
+    write_png(tmp_path / "out_n.png", textures.standard())
+    before = (tmp_path / "out_n.png").read_bytes()
+    assert interrupted(program, tmp_path, signal.SIGKILL) == -signal.SIGKILL
+    assert (tmp_path / "out_n.png").read_bytes() == before
+
+
+def test_interrupted(program, tmp_path, slow_texture):
+    write_png(tmp_path / "out_n.png", textures.standard())
+    before = (tmp_path / "out_n.png").read_bytes()
+    assert interrupted(program, tmp_path, signal.SIGINT) == 130
+    assert (tmp_path / "out_n.png").read_bytes() == before
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["big_n.png", "out_n.png"]

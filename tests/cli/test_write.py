@@ -1,0 +1,264 @@
+# SPDX-License-Identifier: MIT
+"""ntp clean, convert, heatmap: bytes against the oracle, choices, refusals, metadata."""
+
+import json
+import struct
+import zlib
+
+import numpy as np
+import pytest
+import textures
+
+import oracle
+from pngs import read_png, tga_bytes, write_png
+
+
+def pixels_of(path):
+    return read_png(path)[0]
+
+
+def items(done):
+    out = json.loads(done.stdout)
+    assert out["schema_version"] == 1 and out["tool"]["name"] == "ntp"
+    return out["files"]
+
+
+def noisy(depth=8, seed=7, h=48, w=56):
+    m = 255 if depth == 8 else 65535
+    rng = np.random.default_rng(seed)
+    step = m // 255
+    out = textures.standard(h, w, seed, 1.5, depth).astype(np.int64)
+    out += rng.integers(-4 * step, 4 * step + 1, out.shape)
+    return np.clip(out, 0, m).astype(np.uint8 if depth == 8 else np.uint16)
+
+
+@pytest.mark.parametrize("depth", [8, 16])
+@pytest.mark.parametrize("options", [(), ("--method", "normalize"), ("--keep-negative-z",)])
+def test_clean_is_the_oracle(run, tmp_path, depth, options):
+    before = noisy(depth, h=16, w=20)
+    before[:2] = 0
+    m = 255 if depth == 8 else 65535
+    write_png(tmp_path / "a_n.png", before)
+    args = ["clean", "a_n.png", "-o", "b.png", "--type", "standard", *options]
+    done = run(*args, "--format", "json")
+    assert done.returncode == 0, done.stderr
+    method = "normalize" if "normalize" in options else "derive"
+    keep = "--keep-negative-z" in options
+    after = pixels_of(tmp_path / "b.png")
+    changed = 0
+    for old, new in zip(before.reshape(-1, 3).tolist(), after.reshape(-1, 3).tolist(), strict=True):
+        want = old if not any(old) else oracle.cleaned(*old, m, False, method, keep)
+        assert tuple(new) == tuple(want)
+        changed += old != new
+    (item,) = items(done)
+    assert item["changed"] == changed and item["output"] == "b.png" and item["method"] == method
+    assert set(item["angle_deg"]) == {"mean", "p99", "max"}
+    run(*["clean", "b.png", "-o", "c.png", "--type", "standard", *options])
+    assert np.array_equal(pixels_of(tmp_path / "c.png"), after)
+
+
+def test_large_image_streams(run, tmp_path):
+    before = noisy(h=700, w=800)
+    write_png(tmp_path / "a_n.png", before)
+    assert run("clean", "a_n.png", "-o", "b.png").returncode == 0
+    table = oracle.derive_table(255)
+    after = pixels_of(tmp_path / "b.png")
+    want = oracle.all_cleaned(*np.moveaxis(before.astype(np.int64), -1, 0))
+    assert table is not None
+    assert np.array_equal(after, want)
+
+
+def test_alpha_and_unused_stay(run, tmp_path):
+    rgba = np.dstack([noisy(), np.tile(np.arange(56, dtype=np.uint8) * 4, (48, 1))])
+    rgba[3:6, 3:6, :3] = 255
+    write_png(tmp_path / "a_n.png", rgba)
+    assert run("clean", "a_n.png", "-o", "b.png", "--type", "standard").returncode == 0
+    after = pixels_of(tmp_path / "b.png")
+    assert np.array_equal(after[..., 3], rgba[..., 3])
+    assert np.array_equal(after[:, 0], rgba[:, 0])  # alpha 0: unused
+    assert (after[3:6, 3:6, :3] == 255).all()
+    args = ["clean", "a_n.png", "-o", "c.png", "--type", "standard", "--touch-unused"]
+    assert run(*args).returncode == 0
+    assert (pixels_of(tmp_path / "c.png")[3:6, 3:6, 2] != 255).all()
+
+
+def test_zzero_is_found_while_cleaning(run, tmp_path):
+    before = textures.zzero()
+    before[10:12, :, 2] -= 40
+    write_png(tmp_path / "z_n.png", before)
+    (item,) = items(run("clean", "z_n.png", "-o", "b.png", "--format", "json"))
+    assert item["type"] == "zzero"
+    assert np.array_equal(pixels_of(tmp_path / "b.png"), textures.zzero())
+
+
+def test_only_failing(run, tmp_path):
+    before = noisy()
+    write_png(tmp_path / "a_n.png", before)
+    args = ["clean", "a_n.png", "-o", "b.png", "--only-failing", "--type", "standard"]
+    assert run(*args).returncode == 0
+    flags = oracle.flags(*np.moveaxis(before.astype(np.int64), -1, 0), 255)
+    same = (pixels_of(tmp_path / "b.png") == before).all(axis=2)
+    passing = ((flags & 1) != 0) & ((flags & 16) == 0)
+    assert same[passing].all()
+
+
+def test_refusals(run, tmp_path):
+    write_png(tmp_path / "h.png", textures.heights())
+    write_png(tmp_path / "p.png", textures.photograph())
+    for name in ("h.png", "p.png"):
+        for verb in ("clean", "heatmap"):
+            done = run(verb, name, "-o", "out.png")
+            assert done.returncode == 1 and "--type" in done.stderr, (verb, name)
+            assert not (tmp_path / "out.png").exists()
+    assert run("clean", "p.png", "-o", "out.png", "--type", "standard").returncode == 0
+    done = run("clean", ".", "-o", "d")  # of a directory: left out, no failure
+    assert done.returncode == 0 and "left out" in done.stdout
+    assert not list(tmp_path.glob("d/*"))
+
+
+def test_dry_run_and_only_changed(run, tmp_path):
+    write_png(tmp_path / "good_n.png", textures.standard())
+    write_png(tmp_path / "bad_n.png", noisy())
+    done = run("clean", ".", "-o", "d", "-n", "--format", "json")
+    by_name = {f["path"]: f for f in items(done)}
+    assert by_name["./good_n.png"]["changed"] == 0 and by_name["./bad_n.png"]["changed"] > 0
+    assert not (tmp_path / "d").exists()
+    assert run("clean", ".", "-o", "d", "--only-changed").returncode == 0
+    assert [p.name for p in (tmp_path / "d").iterdir()] == ["bad_n.png"]
+
+
+def test_in_place(run, tmp_path):
+    write_png(tmp_path / "good_n.png", textures.standard())
+    write_png(tmp_path / "bad_n.png", noisy())
+    good = (tmp_path / "good_n.png").stat()
+    assert run("clean", ".", "--in-place").returncode == 0
+    after = (tmp_path / "good_n.png").stat()
+    assert (after.st_ino, after.st_mtime_ns) == (good.st_ino, good.st_mtime_ns)
+    assert run("check", "bad_n.png").returncode == 0
+    assert run("clean", "bad_n.png", "--in-place").stdout.count("nothing to repair") == 1
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["bad_n.png", "good_n.png"]
+
+
+def test_method_auto_says_why(run, tmp_path):
+    write_png(tmp_path / "a_n.png", textures.wrong_blue(textures.standard(), 0.1))
+    done = run("clean", "a_n.png", "-o", "b.png", "--method", "auto", "--format", "json")
+    (item,) = items(done)
+    assert item["method"] == "derive" and item["method_reason"]
+    assert np.array_equal(pixels_of(tmp_path / "b.png"), textures.standard())
+
+
+def test_chunks(run, tmp_path):
+    chunks = [
+        (b"gAMA", (45455).to_bytes(4, "big")),
+        (b"pHYs", struct.pack(">IIB", 2835, 2835, 1)),
+        (b"tEXt", b"Author\0somebody"),
+        (b"zTXt", b"Comment\0\0" + zlib.compress(b"long")),
+        (b"iTXt", b"Title\0\0\0en\0\0" + "Straße".encode()),
+    ]
+    write_png(tmp_path / "a_n.png", noisy(), chunks=chunks)
+    done = run("clean", "a_n.png", "-o", "b.png")
+    assert "gAMA" in done.stdout
+    _, kept = read_png(tmp_path / "b.png")
+    assert b"gAMA" not in kept and kept[b"pHYs"] == [chunks[1][1]]
+    assert kept[b"tEXt"] == [b"Author\0somebody"] and b"iTXt" in kept and b"zTXt" in kept
+
+
+def test_tga(run, tmp_path):
+    before = noisy()
+    (tmp_path / "a_n.tga").write_bytes(tga_bytes(before))
+    write_png(tmp_path / "a_n.png", before)
+    assert run("clean", ".", "-o", "d").returncode == 0
+    assert sorted(p.name for p in (tmp_path / "d").iterdir()) == ["a_n.png", "a_n.tga.png"]
+    one, two = (pixels_of(tmp_path / "d" / n) for n in ("a_n.png", "a_n.tga.png"))
+    assert np.array_equal(one, two)
+    assert run("clean", "a_n.tga", "-o", "e/").returncode == 0
+    assert (tmp_path / "e/a_n.png").exists()
+    assert run("clean", "a_n.tga", "-o", "b.tga").returncode == 0
+    assert run("diff", "b.tga", "d/a_n.png").returncode == 0
+    write_png(tmp_path / "deep_n.png", textures.standard(depth=16))
+    assert run("clean", "deep_n.png", "-o", "c.tga").returncode in (2, 3)
+    assert not (tmp_path / "c.tga").exists()
+
+
+def test_flip_keeps_unused(run, tmp_path):
+    before = textures.standard()
+    before[:4] = 0
+    before[4:6] = 255
+    write_png(tmp_path / "a.png", before)
+    assert run("convert", "a.png", "-o", "b.png", "--from-y", "down").returncode == 0
+    after = pixels_of(tmp_path / "b.png")
+    assert (after[:4] == 0).all() and (after[4:6] == 255).all()
+    assert np.array_equal(after[6:, :, 1], 255 - before[6:, :, 1])
+    assert np.array_equal(after[6:, :, ::2], before[6:, :, ::2])
+    assert run("convert", "b.png", "-o", "c.png", "--to-y", "down").returncode == 0
+    assert np.array_equal(pixels_of(tmp_path / "c.png"), before)
+
+
+def test_depth_and_encoding_round_trip(run, tmp_path):
+    before = noisy()
+    before[..., 2] |= 128
+    write_png(tmp_path / "a.png", before)
+    assert run("convert", "a.png", "-o", "b.png", "--depth", "16").returncode == 0
+    assert pixels_of(tmp_path / "b.png").dtype == np.uint16
+    assert run("convert", "b.png", "-o", "c.png", "--depth", "8").returncode == 0
+    assert np.array_equal(pixels_of(tmp_path / "c.png"), before)
+    clean = textures.standard()
+    write_png(tmp_path / "s.png", clean)
+    run("convert", "s.png", "-o", "z.png", "--to", "zzero")
+    run("convert", "z.png", "-o", "t.png", "--from", "zzero")
+    assert np.array_equal(pixels_of(tmp_path / "t.png"), clean)
+    run("convert", "s.png", "-o", "xy.png", "--to", "xy")
+    assert (pixels_of(tmp_path / "xy.png")[..., 2] == 255).all()
+    run("convert", "xy.png", "-o", "u.png", "--from", "xy")
+    assert np.array_equal(pixels_of(tmp_path / "u.png"), clean)
+
+
+def test_channels(run, tmp_path):
+    clean = textures.standard()
+    write_png(tmp_path / "s.png", clean)
+    assert run("convert", "s.png", "-o", "d.png", "--channels", "1y0x").returncode == 0
+    packed = pixels_of(tmp_path / "d.png")
+    assert (packed[..., 0] == 255).all() and (packed[..., 2] == 0).all()
+    assert np.array_equal(packed[..., 1], clean[..., 1])
+    assert np.array_equal(packed[..., 3], clean[..., 0])
+    args = ["convert", "d.png", "-o", "e.png", "--from-channels", "-y-x", "--channels", "xyz"]
+    assert run(*args).returncode == 0
+    assert np.array_equal(pixels_of(tmp_path / "e.png"), clean)
+    assert run("convert", "s.png", "-o", "f.png", "--channels", "xy").returncode == 0
+    assert pixels_of(tmp_path / "f.png").shape[2] == 2
+    run("convert", "s.png", "-o", "g.png", "--channels", "xzy")
+    assert np.array_equal(pixels_of(tmp_path / "g.png"), clean[..., [0, 2, 1]])
+    for spec in ("xyq", "", "xyzxy", "xh"):
+        assert run("convert", "s.png", "-o", "x.png", "--channels", spec).returncode == 2
+    for spec in ("x-", "xx", "xyzzz", "q"):
+        assert run("convert", "s.png", "-o", "x.png", "--from-channels", spec).returncode == 2
+    done = run("convert", "s.png", "-o", "x.png", "--from-channels", "--yx")
+    assert done.returncode == 2 and not (tmp_path / "x.png").exists()
+
+
+def test_convert_says_when_the_input_looks_different(run, tmp_path):
+    write_png(tmp_path / "z.png", textures.zzero())
+    assert "looks Z-zero" in run("convert", "z.png", "-o", "b.png").stdout
+
+
+def test_gray_depth(run, tmp_path):
+    write_png(tmp_path / "h.png", textures.heights())
+    assert run("convert", "h.png", "-o", "i.png", "--depth", "16").returncode == 0
+    assert np.array_equal(
+        pixels_of(tmp_path / "i.png")[..., 0], textures.heights().astype(np.uint16) * 257
+    )
+    assert run("convert", "h.png", "-o", "j.png", "--to", "xy").returncode == 2
+
+
+def test_heatmap(run, tmp_path):
+    before = textures.standard()
+    before[5, 5] = (255, 128, 255)  # x, y too long
+    before[9, 9, 2] -= 60  # too short
+    write_png(tmp_path / "a_n.png", before)
+    assert run("heatmap", "a_n.png", "-o", "h.png").returncode == 0
+    heat = pixels_of(tmp_path / "h.png").astype(int)
+    gray = (heat[..., 0] == heat[..., 1]) & (heat[..., 1] == heat[..., 2])
+    assert not gray[5, 5] and not gray[9, 9] and np.count_nonzero(~gray) == 2
+    assert heat[5, 5, 0] > heat[5, 5, 2] and heat[9, 9, 1] > heat[9, 9, 0]
+    assert run("heatmap", "a_n.png", "-o", "s.png", "--palette", "safe").returncode == 0
+    assert not np.array_equal(pixels_of(tmp_path / "s.png"), heat)
