@@ -127,9 +127,11 @@ def main():
     parser.add_argument("--only", default="", help="rows whose name contains this text")
     args = parser.parse_args()
     tool = programs(args.build)
-    if tool["bench_kernels"] and args.only in "kernels":
+    if tool["bench_kernels"]:
         print("In memory, one thread, caller's buffers:", flush=True)
-        subprocess.run([tool["bench_kernels"]], check=True)
+        for isa in ("base", "avx2"):
+            options = ["--isa", isa, "--pairs", str(args.pairs), "--only", args.only]
+            subprocess.run([tool["bench_kernels"], *options], check=True)
         print()
     if not all(tool[name] for name in ("ntp", "png_copy", "png_decode")):
         sys.exit("the end-to-end benchmarks need all programs")
