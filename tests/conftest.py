@@ -68,7 +68,7 @@ def allowed_skips():
 
 
 def _short_id(nodeid):
-    return nodeid.removeprefix("tests/")
+    return nodeid.split("::")[0].rpartition("/")[2] + nodeid[nodeid.find("::") :]
 
 
 def pytest_runtest_logreport(report):

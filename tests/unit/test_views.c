@@ -116,7 +116,7 @@ static void measure(int32_t w, int32_t channels, ntp_type type, uint64_t *seed)
     ntp_const_image from = ntp_image_as_const(&view);
     ntp_stats stats;
     CHECK(ntp_measure(gt.data, &from, 0, NULL) == NTP_OK);
-    ntp_encoding encoding = view.encoding == NTP_VECTOR ? NTP_STANDARD : view.encoding;
+    ntp_encoding encoding = view.encoding >= NTP_VECTOR ? NTP_STANDARD : view.encoding;
     CHECK(ntp_summarize(&stats, gt.data, encoding) == NTP_OK);
     CHECK(stats.texels == (uint64_t) w * 2);
     guarded_free(&gs);
