@@ -282,6 +282,9 @@ static void describe(const production *p, text *line, json_t *object)
     if (st->diff != NULL && ntp_diff_summarize(&stats, st->diff) == NTP_OK) {
         json_object_set_new(object, "changed", json_count(stats.different));
         json_object_set_new(object, "angle_deg", json_angles(&stats.angles));
+    } else {
+        json_object_set_new(object, "changed", json_null());
+        json_object_set_new(object, "angle_deg", json_null());
     }
     json_object_set_new(object, "from", json_string(ENCODING_NAMES[set->from]));
     json_object_set_new(object, "to", json_string(ENCODING_NAMES[set->to]));

@@ -46,6 +46,8 @@ static void describe(const production *p, text *line, json_t *object)
     }
     if (object == NULL)
         return;
+    json_object_set_new(object, "changed", json_null());
+    json_object_set_new(object, "angle_deg", json_angles(&p->f.stats.angles));
     json_object_set_new(object, "palette",
                         json_string(PALETTES[option_integer(p->m->o, OPT_PALETTE)]));
     json_object_set_new(object, "fail", json_count(all));

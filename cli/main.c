@@ -105,6 +105,7 @@ static int run_external(const char *started_as, const char *verb, char **argv)
         text_addf(&name, "ntp-%s", verb);
         char *path = join_path(directory, text_string(&name));
         argv[0] = path;
+        signal(SIGPIPE, SIG_DFL);
         execv(path, argv);
         const int error = errno;
         text_free(&name);

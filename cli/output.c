@@ -32,12 +32,15 @@ int exit_code(unsigned ran)
 void complain(const char *format, ...)
 {
     progress_clear();
+    char message[2048];
     va_list arguments;
     va_start(arguments, format);
-    fputs("ntp: ", stderr);
-    vfprintf(stderr, format, arguments);
-    fputc('\n', stderr);
+    vsnprintf(message, sizeof message, format, arguments);
     va_end(arguments);
+    text t = { 0 };
+    text_name(&t, message); /* it may quote file names */
+    fprintf(stderr, "ntp: %s\n", text_string(&t));
+    text_free(&t);
 }
 
 static void note_failure(void)

@@ -24,12 +24,20 @@ static bool ends_in(const char *path, const char *ending)
     return strcasecmp(name_ending(path), ending) == 0;
 }
 
-static char *below(const char *directory, const char *relative, bool keep_ending)
+typedef enum ending { NEW_ENDING, ADDED_ENDING } ending;
+
+/* Float images stay float where the verb keeps the depth of its input. */
+static bool keeps_pfm(const options *o)
 {
+    return (o->verb_bit & (V_CLEAN | V_CONVERT)) != 0 && !option_given(o, OPT_DEPTH);
+}
+
+static char *below(const char *directory, const char *relative, ending how, const options *o)
+{
+    const bool as_it_is = ends_in(relative, ".png") || (ends_in(relative, ".pfm") && keeps_pfm(o));
+    const size_t dropped = as_it_is || how == ADDED_ENDING ? 0 : strlen(name_ending(relative));
     text name = { 0 };
-    const char *ending = name_ending(relative);
-    const bool as_it_is = strcasecmp(ending, ".png") == 0 || strcasecmp(ending, ".pfm") == 0;
-    text_bytes(&name, relative, strlen(relative) - (as_it_is || keep_ending ? 0 : strlen(ending)));
+    text_bytes(&name, relative, strlen(relative) - dropped);
     if (!as_it_is)
         text_add(&name, ".png");
     char *path = join_path(directory, text_string(&name));
@@ -59,7 +67,7 @@ static target *sorted_targets(const input_list *list)
 }
 
 /* wall.tga and wall.png would both be wall.png: the former becomes wall.tga.png. */
-static void part_collisions(input_list *list, const char *directory)
+static void part_collisions(input_list *list, const char *directory, const options *o)
 {
     target *all = sorted_targets(list);
     char **renamed = need(calloc(list->count + 1, sizeof *renamed));
@@ -68,7 +76,7 @@ static void part_collisions(input_list *list, const char *directory)
         const bool meets_next = i + 1 < list->count && strcmp(all[i].path, all[i + 1].path) == 0;
         const char *relative = list->at[all[i].index].relative;
         if ((meets_previous || meets_next) && !ends_in(relative, ".png"))
-            renamed[all[i].index] = below(directory, relative, true);
+            renamed[all[i].index] = below(directory, relative, ADDED_ENDING, o);
     }
     free(all);
     for (size_t i = 0; i < list->count; i++) {
@@ -211,10 +219,10 @@ bool outputs_plan(input_list *list, const options *o)
     } else {
         for (size_t i = 0; i < list->count; i++) {
             const char *relative = list->at[i].relative;
-            list->at[i].output =
-                below(output, strcmp(relative, "-") == 0 ? "stdin" : relative, false);
+            const char *name = strcmp(relative, "-") == 0 ? "stdin" : relative;
+            list->at[i].output = below(output, name, NEW_ENDING, o);
         }
-        part_collisions(list, output);
+        part_collisions(list, output, o);
     }
     return no_two_alike(list) && no_input_overwritten(list);
 }

@@ -267,7 +267,7 @@ static void tell_json(const production *p, outcome done, const ntpio_error *erro
     const char *message = done == MADE || done == UNCHANGED ? NULL : error->message;
     json_t *object = json_file(p->in, OUTCOMES[done], message);
     const bool written = done == MADE && !p->m->dry_run;
-    if (p->in->output != NULL && (done == MADE || done == UNCHANGED))
+    if (p->in->output != NULL && done == MADE)
         json_set_name(object, "output", p->in->output);
     else
         json_object_set_new(object, "output", json_null());

@@ -12,6 +12,7 @@ import time
 import numpy as np
 import pytest
 import textures
+from spawn import spawn
 
 from pngs import read_png, write_png
 
@@ -47,31 +48,26 @@ def tree(tmp_path):
 def test_hostile_names(run, program, tmp_path, name):
     directory = os.fsencode(tmp_path)
     write_png(os.path.join(directory, name), textures.standard(8, 8))
-    plain = subprocess.run(
-        [os.fsencode(program), b"check", b"--", name], cwd=directory, capture_output=True
-    )
+    plain = spawn([os.fsencode(program), b"check", b"--", name], cwd=directory)
     assert plain.returncode == 0 and plain.stdout.count(b"\n") == 1 and b"\x1b" not in plain.stdout
     plain.stdout.decode()
-    out = subprocess.run(
+    out = spawn(
         [os.fsencode(program), b"check", b"--format", b"json", b"--", name],
         cwd=directory,
-        capture_output=True,
     )
     (file,) = json.loads(out.stdout)["files"]
     raw = base64.b64decode(file["path_base64"]) if "path_base64" in file else file["path"].encode()
     assert raw == name
-    done = subprocess.run(
+    done = spawn(
         [os.fsencode(program), b"clean", b"-o", b"out/", b"--", name],
         cwd=directory,
-        capture_output=True,
     )
     assert done.returncode == 0 and os.path.exists(os.path.join(directory, b"out", name))
     listing = name + b"\0"
-    done = subprocess.run(
+    done = spawn(
         [os.fsencode(program), b"check", b"--files-from", b"-", b"-0"],
         cwd=directory,
         input=listing,
-        capture_output=True,
     )
     assert done.returncode == 0 and done.stdout == plain.stdout
 
@@ -162,15 +158,15 @@ def test_standard_streams(program, tmp_path):
     before = textures.wrong_blue(textures.zzero(), 0.1)  # needs a second pass
     write_png(tmp_path / "a.png", before)
     data = (tmp_path / "a.png").read_bytes()
-    done = subprocess.run([program, "clean", "-", "-o", "-"], input=data, capture_output=True)
+    done = spawn([program, "clean", "-", "-o", "-"], input=data)
     assert done.returncode == 0, done.stderr
     (tmp_path / "b.png").write_bytes(done.stdout)
     assert np.array_equal(read_png(tmp_path / "b.png")[0], textures.zzero())
     assert b"changed" in done.stderr
-    done = subprocess.run([program, "check", "-"], input=data, capture_output=True)
+    done = spawn([program, "check", "-"], input=data)
     assert done.returncode == 1 and done.stdout.startswith(b"-: Z-zero")
     pipe = f"cat a.png | '{program}' check /dev/stdin"
-    assert subprocess.run(["sh", "-c", pipe], cwd=tmp_path, capture_output=True).returncode == 1
+    assert spawn(["sh", "-c", pipe], cwd=tmp_path).returncode == 1
 
 
 def test_order_does_not_depend_on_jobs(run, tmp_path):
@@ -207,12 +203,10 @@ def test_read_only_directory(program, tmp_path):
     locked.chmod(0o555)
     try:
         for args in (["--in-place", "locked"], ["-o", "locked/b.png", "a_n.png"]):
-            done = subprocess.run(
-                [*prefix, program, "clean", *args], cwd=tmp_path, capture_output=True, text=True
-            )
+            done = spawn([*prefix, program, "clean", *args], cwd=tmp_path, text=True)
             assert done.returncode == 3 and "locked" in done.stderr, done
         args = ["-o", "locked/new/b.png", "a_n.png"]
-        done = subprocess.run([*prefix, program, "clean", *args], cwd=tmp_path, capture_output=True)
+        done = spawn([*prefix, program, "clean", *args], cwd=tmp_path)
         assert done.returncode == 3
         assert [p.name for p in locked.iterdir()] == ["a_n.png"]
         assert (locked / "a_n.png").read_bytes() == before
@@ -224,7 +218,7 @@ def test_full_disk(run, tmp_path):
     disk = tmp_path / "disk"
     disk.mkdir()
     mount = ["mount", "-t", "tmpfs", "-o", "size=64k", "tmpfs", str(disk)]
-    if os.geteuid() != 0 or subprocess.run(mount, capture_output=True).returncode != 0:
+    if os.geteuid() != 0 or spawn(mount).returncode != 0:
         pytest.skip("a small file system cannot be mounted")
     try:
         write_png(disk / "a_n.png", textures.wrong_blue(textures.standard(96, 96), 0.1))

@@ -11,6 +11,7 @@ import subprocess
 import numpy as np
 import pytest
 import textures
+from spawn import spawn
 
 import oracle
 from pngs import read_png, write_png
@@ -93,24 +94,24 @@ def test_external_verbs(copied, tmp_path, monkeypatch):
     tool = copied / "ntp-report"
     tool.write_text('#!/bin/sh\necho "$0 $*"\nexit 7\n')
     tool.chmod(0o755)
-    done = subprocess.run([copied / "ntp", "report", "a b", "--x"], capture_output=True, text=True)
+    done = spawn([copied / "ntp", "report", "a b", "--x"], text=True)
     assert (done.returncode, done.stdout) == (7, f"{tool} a b --x\n")
     link = tmp_path / "link"
     link.symlink_to(copied / "ntp")
-    assert subprocess.run([link, "report"], capture_output=True).returncode == 7
+    assert spawn([link, "report"]).returncode == 7
     (copied / "ntp-check").write_text("#!/bin/sh\nexit 9\n")  # our own verbs come first
     (copied / "ntp-check").chmod(0o755)
-    assert subprocess.run([copied / "ntp", "check"], capture_output=True).returncode == 2
+    assert spawn([copied / "ntp", "check"]).returncode == 2
     away = tmp_path / "away"
     away.mkdir()
     shutil.move(tool, away / "ntp-report")
     monkeypatch.setenv("PATH", f"{away}:{os.environ['PATH']}")
-    assert subprocess.run([copied / "ntp", "report"], capture_output=True).returncode == 2
+    assert spawn([copied / "ntp", "report"]).returncode == 2
     for verb in ("../away/report", "", "Report"):
-        assert subprocess.run([copied / "ntp", verb], capture_output=True).returncode == 2
+        assert spawn([copied / "ntp", verb]).returncode == 2
     tool.write_text("#!/bin/sh\n")
     tool.chmod(0o644)
-    assert subprocess.run([copied / "ntp", "report"], capture_output=True).returncode == 3
+    assert spawn([copied / "ntp", "report"]).returncode == 3
 
 
 @pytest.mark.skipif(not os.path.exists("/dev/full"), reason="/dev/full is missing")
@@ -118,16 +119,14 @@ def test_external_verbs(copied, tmp_path, monkeypatch):
 def test_full_standard_output(program, tmp_path, args):
     write_png(tmp_path / "a_n.png", textures.standard())
     with open("/dev/full", "w") as full:
-        done = subprocess.run(
-            [program, *args], stdout=full, stderr=subprocess.PIPE, cwd=tmp_path, text=True
-        )
+        done = spawn([program, *args], stdout=full, cwd=tmp_path, text=True)
     assert done.returncode == 3 and "space" in done.stderr
 
 
 def test_closed_pipe_is_quiet(program, tmp_path):
     write_png(tmp_path / "a_n.png", textures.standard(400, 400))
     pipe = f"'{program}' dump --all a_n.png | head -n 1; echo ${{PIPESTATUS[0]}}"
-    done = subprocess.run(["bash", "-c", pipe], cwd=tmp_path, capture_output=True, text=True)
+    done = spawn(["bash", "-c", pipe], cwd=tmp_path, text=True)
     lines = done.stdout.splitlines()
     assert lines[0].startswith("column,row") and lines[1] == "0" and not done.stderr
 
@@ -144,7 +143,7 @@ def test_decimal_point_in_any_locale(program, tmp_path):
     write_png(tmp_path / "a_n.png", textures.wrong_blue(textures.standard(), 0.1))
     env = {**os.environ, "LC_ALL": "de_DE.UTF-8"}
     args = [program, "check", "a_n.png", "--max-fail", "0.5", "--format", "json"]
-    done = subprocess.run(args, cwd=tmp_path, env=env, capture_output=True, text=True)
+    done = spawn(args, cwd=tmp_path, env=env, text=True)
     assert isinstance(json.loads(done.stdout)["files"][0]["angle_deg"]["max"], float)
 
 
@@ -220,7 +219,7 @@ def test_bash_completion(run, tmp_path):
         'echo "${COMPREPLY[*]}"; COMP_WORDS=(ntp clean --in); COMP_CWORD=2; _ntp; '
         'echo "${COMPREPLY[*]}"; COMP_WORDS=(ntp ch); COMP_CWORD=1; _ntp; echo "${COMPREPLY[*]}"'
     )
-    done = subprocess.run(["bash", "-c", probe], capture_output=True, text=True)
+    done = spawn(["bash", "-c", probe], text=True)
     assert done.stdout.splitlines() == ["neighbor rounded exact", "--in-place", "check"]
 
 
@@ -241,7 +240,5 @@ def test_man_page(run, tmp_path):
     assert all(f"ntp {verb}" in page.read_text() for verb in VERBS)
     if shutil.which("groff") is None:
         pytest.skip("groff is not installed")
-    done = subprocess.run(
-        ["groff", "-man", "-Tutf8", "-ww", "-z", page], capture_output=True, text=True
-    )
+    done = spawn(["groff", "-man", "-Tutf8", "-ww", "-z", page], text=True)
     assert done.returncode == 0 and not done.stderr
