@@ -1,63 +1,313 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * classify.c - what a texture is, from its statistics
+ *
+ * A short list of questions, the most telling first; the first that can be answered decides.
+ * Everything rests on shares of texels, hardly anything on extremes, so that padding, a few bad
+ * texels or lossy compression do not turn the answer.  docs/classification.md tells the same in
+ * words.
  */
 #include "internal.h"
 
+#include <math.h>
 #include <string.h>
 
-static const double UNIT_SHARE = 0.95;
+/* Gray: compression and palettes leave a few texels that are not quite gray. */
+static const double GRAY_SHARE = 0.98;
 
-typedef struct verdict {
+/* Unit length.  Honest encoders reach 1 with NTP_NEIGHBOR; 3 % of bad texels must not matter.  By
+ * 1/8 even JPEG and resizing rarely take more than a tenth of the texels, and chance (a picture's
+ * colors) rarely leaves more than half of them. */
+static const double UNIT_SHARE = 0.93, NEAR_UNIT_SHARE = 0.88, SOME_UNIT_SHARE = 0.6;
+
+/* Lean of the mean of x, y.  Tangent-space textures lean by less than 0.1 as a rule, and by 0.3 on
+ * a slope; a picture's red and green are rarely both that near the middle. */
+static const double LEAN_CENTERED = 0.1, LEAN_MOST = 0.3;
+
+/* x, y that are too long: JPEG and overshooting filters make some; what has more holds no x, y. */
+static const double TOO_LONG_SHARE = 0.08;
+
+/* Object space: all three axes go both ways.  3 % of wrong blues are 1.5 % negative ones. */
+static const double DIRECTIONS_LEAST = 0.05, AXIS_LEAST = 0.02;
+
+/* Z flipped, or another channel being z: (almost) all texels agree. */
+static const double FLIPPED_SHARE = 0.95, OTHER_Z_SHARE = 0.98, OTHER_Z_MEAN = 0.8;
+
+/* The mean of a channel that holds x or y: near the middle, in levels / M. */
+static const double MIDDLE = 0.15;
+
+/* Stored as sRGB, flat is 188/255 = 0.737, and slopes of 1 spread the mean by less than this. */
+static const double GAMMA_FLAT = 0.737, GAMMA_SPREAD = 0.12, GAMMA_SHARE = 0.85;
+
+/* Blue that does not vary: deviation below half an 8-bit level. */
+static const double CONSTANT_DEVIATION = 0.002;
+
+/* Blue as 0..1: of the texels that can tell, half fit to within 3 levels; slope 2 and not 1. */
+static const double ZZERO_NEAR = 0.5, ZZERO_SLOPE = 1.5;
+
+/* Correlation of blue with z: what is filtered or compressed keeps most of it; heights and occlusion
+ * have little, as they go with the place and not with the slope. */
+static const double BLUE_FOLLOWS = 0.6;
+
+/* Columns at block borders step this much farther than others only after block coding. */
+static const double BLOCK_STEP = 1.12;
+
+typedef struct question {
     ntp_classification *out;
     const ntp_stats *s;
-    double used;
-} verdict;
+    double used, lean, unit[2], near[2], rounded[2], negative, red_low, green_low, too_long;
+} question;
 
-static void because(verdict *v, int32_t code, double value)
+static void because(question *q, int32_t code, double value)
 {
-    if (v->out->reason_count < NTP_MAX_REASONS)
-        v->out->reasons[v->out->reason_count++] = (ntp_reason) { code, value };
+    if (q->out->reason_count < NTP_MAX_REASONS)
+        q->out->reasons[q->out->reason_count++] = (ntp_reason) { code, value };
 }
 
-static void decide(verdict *v, ntp_class type, double confidence)
+static bool is(question *q, ntp_class type, double confidence)
 {
-    v->out->type = type;
-    v->out->confidence = confidence;
+    q->out->type = type;
+    q->out->confidence = confidence;
+    return true;
 }
 
-static void classify_rgb(verdict *v)
+static double distance(double a, double b)
 {
-    const ntp_stats *s = v->s;
-    double gray = (double) (s->gray - s->black - s->white) / v->used;
-    double negative = (double) s->used_z_negative / v->used;
-    if (gray > 0.98) {
-        decide(v, NTP_CLASS_HEIGHT, 0.95);
-        because(v, NTP_REASON_GRAY, gray < 1 ? gray : 1);
+    return a < b ? b - a : a - b;
+}
+
+static double most(double a, double b)
+{
+    return a > b ? a : b;
+}
+
+/* `low` where t is 0 or less, `high` where it is 1 or more, between them in proportion. */
+static double blend(double low, double high, double t)
+{
+    return t <= 0 ? low : t >= 1 ? high : low + (high - low) * t;
+}
+
+static void prepare(question *q)
+{
+    const ntp_stats *s = q->s;
+    const ntp_fit *fit[2] = { &s->standard, &s->zzero };
+    double x = 2 * s->used_mean[0] - 1, y = 2 * s->used_mean[1] - 1;
+    q->used = most(1, (double) (s->texels - s->unused) - (double) s->not_finite);
+    q->lean = sqrt(x * x + y * y);
+    for (int32_t z = 0; z < 2; z++) {
+        q->unit[z] = (double) (fit[z]->neighbor - fit[z]->unused_neighbor) / q->used;
+        q->rounded[z] = (double) (fit[z]->rounded - fit[z]->unused_rounded) / q->used;
+        q->near[z] = fit[z]->used_near_unit[2];
+    }
+    q->negative = (double) s->used_z_negative / q->used;
+    q->red_low = (double) s->red_low / q->used;
+    q->green_low = (double) s->green_low / q->used;
+    q->too_long = (double) (s->xy_too_long - s->unused_xy_too_long) / q->used;
+}
+
+/* ------------------------------------------------------------------------- the questions */
+
+/* DXT5nm: alpha and green are balanced and red and blue hold nothing of their own. */
+static bool is_dxt5nm(question *q)
+{
+    const ntp_stats *s = q->s;
+    if (s->channels != 4 && !(s->channels == 2 && s->alpha_zero + s->alpha_full > 0) &&
+        !(s->channels == 2 && s->used_sd[3] > 0))
+        return false;
+    bool gray = s->channels == 2 || (double) s->gray >= GRAY_SHARE * (double) s->texels;
+    bool idle = s->used_sd[0] < CONSTANT_DEVIATION && s->used_sd[2] < CONSTANT_DEVIATION &&
+                distance(s->used_mean[0], 0.5) > 0.4;
+    double ends = (double) (s->alpha_zero + s->alpha_full) / (double) s->texels;
+    if ((!gray && !idle) || ends > 0.05 || s->used_sd[3] < CONSTANT_DEVIATION ||
+        distance(s->used_mean[3], 0.5) > MIDDLE || distance(s->used_mean[1], 0.5) > MIDDLE ||
+        s->ag_in_disc < 1 - TOO_LONG_SHARE)
+        return false;
+    q->out->accidents |= NTP_ACCIDENT_DXT5NM;
+    because(q, NTP_REASON_DXT5NM, s->ag_in_disc);
+    return is(q, NTP_CLASS_XY, gray ? 0.85 : 0.95);
+}
+
+static bool is_one_color(question *q)
+{
+    const ntp_stats *s = q->s;
+    if (s->distinct > 1)
+        return false;
+    because(q, s->unused >= s->texels ? NTP_REASON_NOTHING_USED : NTP_REASON_ONE_COLOR, 1);
+    return is(q, NTP_CLASS_ONE_COLOR, 1);
+}
+
+static bool is_height(question *q)
+{
+    const ntp_stats *s = q->s;
+    double gray = ((double) s->gray - (double) s->black - (double) s->white) / q->used;
+    if (s->channels <= 2 && s->steepness[0] + s->steepness[7] == 0 && s->standard.length_max == 0) {
+        because(q, NTP_REASON_GRAY_FILE, 1);
+        return is(q, NTP_CLASS_HEIGHT, 0.99);
+    }
+    if (s->channels == 2 || gray < GRAY_SHARE)
+        return false;
+    because(q, NTP_REASON_GRAY, gray < 1 ? gray : 1);
+    return is(q, NTP_CLASS_HEIGHT, gray < 1 ? 0.9 : 0.97);
+}
+
+static bool is_two_channels(question *q)
+{
+    if (q->s->channels != 2)
+        return false;
+    because(q, NTP_REASON_TWO_CHANNELS, 1);
+    if (q->too_long > TOO_LONG_SHARE) {
+        because(q, NTP_REASON_XY_TOO_LONG, q->too_long);
+        return is(q, NTP_CLASS_NOT_NORMALS, 0.8);
+    }
+    because(q, q->lean > LEAN_MOST ? NTP_REASON_XY_OFF_CENTER : NTP_REASON_XY_CENTERED, q->lean);
+    return is(q, NTP_CLASS_XY, q->lean > LEAN_MOST ? 0.6 : 0.95);
+}
+
+static bool is_gamma(question *q)
+{
+    const ntp_stats *s = q->s;
+    double flat = (double) s->near_gamma_flat / q->used;
+    if (s->gamma_near_unit < GAMMA_SHARE || s->gamma_near_unit < q->near[0] + 0.1 ||
+        distance(s->used_mean[0], GAMMA_FLAT) > GAMMA_SPREAD ||
+        distance(s->used_mean[1], GAMMA_FLAT) > GAMMA_SPREAD || s->used_mean[2] < 0.8)
+        return false;
+    q->out->accidents |= NTP_ACCIDENT_GAMMA;
+    because(q, NTP_REASON_GAMMA, s->gamma_near_unit);
+    if (flat > 0.02)
+        because(q, NTP_REASON_GAMMA_FLAT, flat);
+    return is(q, NTP_CLASS_STANDARD, flat > 0.02 ? 0.93 : 0.8);
+}
+
+static bool is_swapped(question *q)
+{
+    const ntp_stats *s = q->s;
+    if (q->near[0] < NEAR_UNIT_SHARE || distance(s->used_mean[2], 0.5) > MIDDLE)
+        return false;
+    bool red = q->red_low < 1 - OTHER_Z_SHARE && s->used_mean[0] > OTHER_Z_MEAN &&
+               distance(s->used_mean[1], 0.5) < MIDDLE;
+    bool green = q->green_low < 1 - OTHER_Z_SHARE && s->used_mean[1] > OTHER_Z_MEAN &&
+                 distance(s->used_mean[0], 0.5) < MIDDLE;
+    if (!red && !green)
+        return false;
+    q->out->accidents |= red ? NTP_ACCIDENT_RED_IS_Z : NTP_ACCIDENT_GREEN_IS_Z;
+    because(q, red ? NTP_REASON_RED_IS_Z : NTP_REASON_GREEN_IS_Z,
+            1 - (red ? q->red_low : q->green_low));
+    because(q, NTP_REASON_NEAR_UNIT, q->near[0]);
+    return is(q, NTP_CLASS_STANDARD, 0.92);
+}
+
+static bool is_object_space(question *q)
+{
+    double least = most(q->red_low < 0.5 ? q->red_low : 1 - q->red_low, 0);
+    double green = q->green_low < 0.5 ? q->green_low : 1 - q->green_low;
+    if (green < least)
+        least = green;
+    if (q->near[0] < NEAR_UNIT_SHARE || q->negative < DIRECTIONS_LEAST ||
+        q->negative > 1 - DIRECTIONS_LEAST || least < AXIS_LEAST)
+        return false;
+    because(q, NTP_REASON_ALL_DIRECTIONS, q->negative);
+    because(q, NTP_REASON_NEAR_UNIT, q->near[0]);
+    return is(q, NTP_CLASS_OBJECT_SPACE,
+              q->unit[0] > UNIT_SHARE && q->negative > 0.15 ? 0.96 : 0.8);
+}
+
+static bool is_blue_constant(question *q)
+{
+    const ntp_stats *s = q->s;
+    if (s->used_sd[2] > CONSTANT_DEVIATION || q->too_long > TOO_LONG_SHARE || q->lean > LEAN_MOST ||
+        (s->used_mean[2] > 0.9 && q->unit[0] > UNIT_SHARE))
+        return false;
+    q->out->accidents |= NTP_ACCIDENT_BLUE_CONSTANT;
+    because(q, NTP_REASON_BLUE_CONSTANT, s->used_mean[2]);
+    because(q, NTP_REASON_XY_CENTERED, q->lean);
+    return is(q, NTP_CLASS_XY, q->lean < LEAN_CENTERED ? 0.95 : 0.85);
+}
+
+/* Blue as 0..1? */
+static bool prefers_zzero(const question *q)
+{
+    const ntp_stats *s = q->s;
+    if (q->rounded[0] > UNIT_SHARE || q->rounded[1] > UNIT_SHARE)
+        return q->rounded[1] > q->rounded[0];
+    return s->tilted_near[1] > ZZERO_NEAR && s->tilted_near[1] > s->tilted_near[0] &&
+           s->tilted_off[1] < s->tilted_off[0] && s->blue_slope > ZZERO_SLOPE;
+}
+
+static void note_damage(question *q)
+{
+    const ntp_stats *s = q->s;
+    double step = most(most(s->block_step[0], s->block_step[1]), s->block_step[2]);
+    const ntp_fit *fit = q->out->type == NTP_CLASS_ZZERO ? &s->zzero : &s->standard;
+    double unit = q->unit[q->out->type == NTP_CLASS_ZZERO];
+    if (unit > 0.97)
         return;
+    if (step > BLOCK_STEP) {
+        q->out->accidents |= NTP_ACCIDENT_LOSSY;
+        because(q, NTP_REASON_BLOCKS, step);
+    } else if (fit->used_short > 3 * fit->used_long && fit->used_short > 0.1) {
+        q->out->accidents |= NTP_ACCIDENT_FILTERED;
+        because(q, NTP_REASON_SHORT, fit->used_short);
     }
-    if (s->used_sd[2] == 0 &&
-        (s->used_mean[2] < 0.9 || s->standard.used_near_unit[0] < UNIT_SHARE)) {
-        v->out->accidents |= NTP_ACCIDENT_BLUE_CONSTANT;
-        decide(v, NTP_CLASS_XY, 0.9);
-        because(v, NTP_REASON_BLUE_CONSTANT, s->used_mean[2]);
+}
+
+static bool is_normals(question *q)
+{
+    const ntp_stats *s = q->s;
+    bool zzero = prefers_zzero(q);
+    double unit = q->unit[zzero], near = q->near[zzero];
+    double follows = s->blue_correlation * (q->negative > FLIPPED_SHARE ? -1 : 1);
+    bool tight = unit > UNIT_SHARE;
+    bool loose = near > NEAR_UNIT_SHARE && q->lean < LEAN_MOST &&
+                 (follows > BLUE_FOLLOWS || s->standard.used_near_unit[1] > 0.9 ||
+                  s->standard.used_length_sd < 0.05);
+    bool rough = near > SOME_UNIT_SHARE && q->lean < LEAN_CENTERED && follows > BLUE_FOLLOWS;
+    if (!tight && !loose && !rough)
+        return false;
+    is(q, zzero ? NTP_CLASS_ZZERO : NTP_CLASS_STANDARD,
+       tight   ? 0.97
+       : loose ? blend(0.8, 0.95, (near - NEAR_UNIT_SHARE) / 0.1)
+               : 0.75);
+    if (tight)
+        because(q, zzero ? NTP_REASON_UNIT_ZZERO : NTP_REASON_UNIT, unit);
+    else
+        because(q, zzero ? NTP_REASON_NEAR_UNIT_ZZERO : NTP_REASON_NEAR_UNIT, near);
+    if (zzero)
+        because(q, NTP_REASON_PREFERS_ZZERO, s->tilted_near[1]);
+    else if (q->rounded[1] > UNIT_SHARE && distance(q->rounded[0], q->rounded[1]) < 0.005) {
+        because(q, NTP_REASON_UNDECIDED_ZZERO, 0);
+        q->out->confidence = 0.85;
+    }
+    if (q->negative > FLIPPED_SHARE && !zzero) {
+        q->out->accidents |= NTP_ACCIDENT_Z_FLIPPED;
+        because(q, NTP_REASON_Z_NEGATIVE, q->negative);
+    }
+    note_damage(q);
+    return true;
+}
+
+static bool is_xy(question *q)
+{
+    const ntp_stats *s = q->s;
+    if (q->too_long > TOO_LONG_SHARE || q->lean > LEAN_CENTERED)
+        return false;
+    because(q, NTP_REASON_BLUE_UNRELATED, s->tilted_near[0]);
+    because(q, NTP_REASON_XY_CENTERED, q->lean);
+    return is(q, NTP_CLASS_XY, blend(0.7, 0.92, (0.8 - q->near[0]) / 0.2));
+}
+
+static void classify(question *q)
+{
+    if (is_dxt5nm(q) || is_one_color(q) || is_height(q) || is_two_channels(q) || is_gamma(q) ||
+        is_blue_constant(q) || is_swapped(q) || is_object_space(q) || is_normals(q) || is_xy(q))
         return;
-    }
-    double standard = s->standard.used_near_unit[2], zzero = s->zzero.used_near_unit[2];
-    if (standard > 0.8 && standard >= zzero) {
-        decide(v, NTP_CLASS_STANDARD, 0.9);
-        if (negative > 0.95)
-            v->out->accidents |= NTP_ACCIDENT_Z_FLIPPED;
-        else if (negative > 0.05)
-            decide(v, NTP_CLASS_OBJECT_SPACE, 0.8);
-        because(v, NTP_REASON_NEAR_UNIT, standard);
-    } else if (zzero > 0.8) {
-        decide(v, NTP_CLASS_ZZERO, 0.9);
-        because(v, NTP_REASON_NEAR_UNIT_ZZERO, zzero);
-    } else {
-        decide(v, NTP_CLASS_NOT_NORMALS, 0.7);
-        because(v, NTP_REASON_NOT_UNIT, standard);
-    }
+    because(q, NTP_REASON_NOT_UNIT, q->near[0]);
+    if (q->too_long > TOO_LONG_SHARE)
+        because(q, NTP_REASON_XY_TOO_LONG, q->too_long);
+    if (q->lean > LEAN_CENTERED)
+        because(q, NTP_REASON_XY_OFF_CENTER, q->lean);
+    if (q->s->correlation[0] > 0.8)
+        because(q, NTP_REASON_COLORS_ALIKE, q->s->correlation[0]);
+    is(q, NTP_CLASS_NOT_NORMALS, blend(0.7, 0.95, (q->lean - LEAN_CENTERED) / 0.2));
 }
 
 ntp_status ntp_classify(ntp_classification *result, const ntp_stats *stats)
@@ -65,16 +315,8 @@ ntp_status ntp_classify(ntp_classification *result, const ntp_stats *stats)
     if (result == NULL || stats == NULL || stats->texels == 0)
         return NTP_ERR_ARGUMENT;
     memset(result, 0, sizeof *result);
-    uint64_t used = stats->texels - stats->unused - stats->not_finite;
-    verdict v = { result, stats, (double) used };
-    if (stats->distinct <= 1) {
-        decide(&v, NTP_CLASS_ONE_COLOR, 1);
-        because(&v, used == 0 ? NTP_REASON_NOTHING_USED : NTP_REASON_ONE_COLOR, 1);
-    } else if (stats->channels == 1) {
-        decide(&v, NTP_CLASS_HEIGHT, 0.99);
-        because(&v, NTP_REASON_GRAY_FILE, 1);
-    } else {
-        classify_rgb(&v);
-    }
+    question q = { .out = result, .s = stats };
+    prepare(&q);
+    classify(&q);
     return NTP_OK;
 }
