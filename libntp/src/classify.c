@@ -18,17 +18,31 @@ static const double GRAY_SHARE = 0.98;
 /* Unit length.  Honest encoders reach 1 with NTP_NEIGHBOR; 3 % of bad texels must not matter.  By
  * 1/8 even JPEG and resizing rarely take more than a tenth of the texels, and chance (a picture's
  * colors) rarely leaves more than half of them. */
-static const double UNIT_SHARE = 0.93, NEAR_UNIT_SHARE = 0.88, SOME_UNIT_SHARE = 0.6;
+static const double UNIT_SHARE = 0.93, NEAR_UNIT_SHARE = 0.88;
+
+/* A tight fit that comes from flat texels only: of the tilted ones few fit, and blue does not follow. */
+static const double TILTED_LEAST = 0.01, TILTED_NEAR_LEAST = 0.3;
+
+/* Damaged normals: lengths spread by 0.06 at most, or somewhat more where blue still follows red and
+ * green; heights, occlusion and pictures spread them by 0.1 and more and do not follow.  Blurring and
+ * scaling leave three quarters of the length, faulty generators add up to 15 %. */
+static const double SPREAD_MOST = 0.06, SPREAD_FOLLOWING = 0.18;
+static const double LENGTH_LEAST = 0.75, LENGTH_MOST = 1.15;
 
 /* Lean of the mean of x, y.  Tangent-space textures lean by less than 0.1 as a rule, and by 0.3 on
  * a slope; a picture's red and green are rarely both that near the middle. */
-static const double LEAN_CENTERED = 0.1, LEAN_MOST = 0.3;
+static const double LEAN_SMALL = 0.03, LEAN_CENTERED = 0.15, LEAN_MOST = 0.3;
 
 /* x, y that are too long: JPEG and overshooting filters make some; what has more holds no x, y. */
 static const double TOO_LONG_SHARE = 0.08;
 
-/* Object space: all three axes go both ways.  3 % of wrong blues are 1.5 % negative ones. */
+/* Colors spread evenly put three quarters of (r, g) beyond half the radius; normals stay inside. */
+static const double STEEP_MOST = 0.7;
+
+/* Object space: all three axes go both ways.  3 % of wrong blues are 1.5 % negative ones.  Where the
+ * axes are well mixed less of the length may be lost, as compressed borders of charts lose it. */
 static const double DIRECTIONS_LEAST = 0.05, AXIS_LEAST = 0.02;
+static const double MIXED_LEAST = 0.15, MIXED_UNIT_SHARE = 0.8;
 
 /* Z flipped, or another channel being z: (almost) all texels agree. */
 static const double FLIPPED_SHARE = 0.95, OTHER_Z_SHARE = 0.98, OTHER_Z_MEAN = 0.8;
@@ -39,18 +53,18 @@ static const double MIDDLE = 0.15;
 /* Stored as sRGB, flat is 188/255 = 0.737, and slopes of 1 spread the mean by less than this. */
 static const double GAMMA_FLAT = 0.737, GAMMA_SPREAD = 0.12, GAMMA_SHARE = 0.85;
 
-/* Blue that does not vary: deviation below half an 8-bit level. */
-static const double CONSTANT_DEVIATION = 0.002;
+/* A channel that does not vary: deviation of an eighth of an 8-bit level. */
+static const double CONSTANT_DEVIATION = 0.0005;
 
 /* Blue as 0..1: of the texels that can tell, half fit to within 3 levels; slope 2 and not 1. */
 static const double ZZERO_NEAR = 0.5, ZZERO_SLOPE = 1.5;
 
-/* Correlation of blue with z: what is filtered or compressed keeps most of it; heights and occlusion
- * have little, as they go with the place and not with the slope. */
-static const double BLUE_FOLLOWS = 0.6;
+/* Columns at block borders step this much farther than others only after block coding; it shows in
+ * two channels at least, and errs to both sides. */
+static const double BLOCK_STEP = 1.12, BOTH_SIDES = 0.02;
 
-/* Columns at block borders step this much farther than others only after block coding. */
-static const double BLOCK_STEP = 1.12;
+/* Blurring: lengths are lost, by more than 1/16 in this share of texels, and hardly any gained. */
+static const double BLURRED_SHARE = 0.06, SHORT_OVER_LONG = 3;
 
 typedef struct question {
     ntp_classification *out;
@@ -196,19 +210,22 @@ static bool is_swapped(question *q)
     return is(q, NTP_CLASS_STANDARD, 0.92);
 }
 
+/* Share of the texels on the rarer side. */
+static double rarer(double share)
+{
+    return share < 0.5 ? share : 1 - share;
+}
+
 static bool is_object_space(question *q)
 {
-    double least = most(q->red_low < 0.5 ? q->red_low : 1 - q->red_low, 0);
-    double green = q->green_low < 0.5 ? q->green_low : 1 - q->green_low;
-    if (green < least)
-        least = green;
-    if (q->near[0] < NEAR_UNIT_SHARE || q->negative < DIRECTIONS_LEAST ||
-        q->negative > 1 - DIRECTIONS_LEAST || least < AXIS_LEAST)
+    double z = rarer(q->negative), red = rarer(q->red_low), green = rarer(q->green_low);
+    bool mixed = z > MIXED_LEAST && red > MIXED_LEAST && green > MIXED_LEAST;
+    if (z < DIRECTIONS_LEAST || red < AXIS_LEAST || green < AXIS_LEAST ||
+        q->near[0] < (mixed ? MIXED_UNIT_SHARE : NEAR_UNIT_SHARE))
         return false;
     because(q, NTP_REASON_ALL_DIRECTIONS, q->negative);
     because(q, NTP_REASON_NEAR_UNIT, q->near[0]);
-    return is(q, NTP_CLASS_OBJECT_SPACE,
-              q->unit[0] > UNIT_SHARE && q->negative > 0.15 ? 0.96 : 0.8);
+    return is(q, NTP_CLASS_OBJECT_SPACE, mixed && q->unit[0] > UNIT_SHARE ? 0.96 : 0.8);
 }
 
 static bool is_blue_constant(question *q)
@@ -233,66 +250,98 @@ static bool prefers_zzero(const question *q)
            s->tilted_off[1] < s->tilted_off[0] && s->blue_slope > ZZERO_SLOPE;
 }
 
-static void note_damage(question *q)
+/* The second greatest of the three steps at block borders. */
+static double block_step(const ntp_stats *s)
+{
+    const double *step = s->block_step;
+    double greatest = most(most(step[0], step[1]), step[2]), least = step[0];
+    for (int32_t i = 1; i < 3; i++)
+        least = step[i] < least ? step[i] : least;
+    return step[0] + step[1] + step[2] - greatest - least;
+}
+
+static void note_damage(question *q, bool zzero)
 {
     const ntp_stats *s = q->s;
-    double step = most(most(s->block_step[0], s->block_step[1]), s->block_step[2]);
-    const ntp_fit *fit = q->out->type == NTP_CLASS_ZZERO ? &s->zzero : &s->standard;
-    double unit = q->unit[q->out->type == NTP_CLASS_ZZERO];
-    if (unit > 0.97)
-        return;
-    if (step > BLOCK_STEP) {
+    const ntp_fit *fit = zzero ? &s->zzero : &s->standard;
+    double step = block_step(s);
+    if (step > BLOCK_STEP && fit->used_short > BOTH_SIDES && fit->used_long > BOTH_SIDES) {
         q->out->accidents |= NTP_ACCIDENT_LOSSY;
         because(q, NTP_REASON_BLOCKS, step);
-    } else if (fit->used_short > 3 * fit->used_long && fit->used_short > 0.1) {
+    } else if (fit->used_near_unit[1] < 1 - BLURRED_SHARE &&
+               fit->used_short > SHORT_OVER_LONG * fit->used_long) {
         q->out->accidents |= NTP_ACCIDENT_FILTERED;
         because(q, NTP_REASON_SHORT, fit->used_short);
     }
 }
 
+/* Every texel fits, or nearly: how sure; 0: no. */
+static double fits_tightly(const question *q, bool zzero, double follows)
+{
+    const ntp_stats *s = q->s;
+    bool flat_only = (double) s->tilted > TILTED_LEAST * q->used &&
+                     s->tilted_near[zzero] < TILTED_NEAR_LEAST && follows < TILTED_NEAR_LEAST;
+    return q->unit[zzero] > UNIT_SHARE && !flat_only ? 0.97 : 0;
+}
+
+/* Lengths are off, but as damage puts them off: how sure; 0: no. */
+static double fits_loosely(const question *q, bool zzero, double follows)
+{
+    const ntp_fit *fit = zzero ? &q->s->zzero : &q->s->standard;
+    double spread_most = SPREAD_MOST + SPREAD_FOLLOWING * most(follows, 0);
+    double mean = fit->used_length_mean;
+    if (fit->used_length_sd > spread_most || mean < LENGTH_LEAST || mean > LENGTH_MOST ||
+        q->lean > LEAN_MOST || q->too_long > TOO_LONG_SHARE ||
+        (q->lean > LEAN_CENTERED && q->near[zzero] < NEAR_UNIT_SHARE))
+        return 0;
+    if (q->near[zzero] > NEAR_UNIT_SHARE)
+        return blend(0.8, 0.93, (q->near[zzero] - NEAR_UNIT_SHARE) / 0.1);
+    return blend(0.6, 0.8, (spread_most - fit->used_length_sd) / SPREAD_MOST);
+}
+
 static bool is_normals(question *q)
 {
     const ntp_stats *s = q->s;
-    bool zzero = prefers_zzero(q);
-    double unit = q->unit[zzero], near = q->near[zzero];
-    double follows = s->blue_correlation * (q->negative > FLIPPED_SHARE ? -1 : 1);
-    bool tight = unit > UNIT_SHARE;
-    bool loose = near > NEAR_UNIT_SHARE && q->lean < LEAN_MOST &&
-                 (follows > BLUE_FOLLOWS || s->standard.used_near_unit[1] > 0.9 ||
-                  s->standard.used_length_sd < 0.05);
-    bool rough = near > SOME_UNIT_SHARE && q->lean < LEAN_CENTERED && follows > BLUE_FOLLOWS;
-    if (!tight && !loose && !rough)
+    bool zzero = prefers_zzero(q), flipped = q->negative > FLIPPED_SHARE && !zzero;
+    double follows = flipped ? -s->blue_correlation : s->blue_correlation;
+    double tight = fits_tightly(q, zzero, follows), sure = tight;
+    if (tight == 0)
+        sure = fits_loosely(q, zzero, follows);
+    if (sure == 0)
         return false;
-    is(q, zzero ? NTP_CLASS_ZZERO : NTP_CLASS_STANDARD,
-       tight   ? 0.97
-       : loose ? blend(0.8, 0.95, (near - NEAR_UNIT_SHARE) / 0.1)
-               : 0.75);
-    if (tight)
-        because(q, zzero ? NTP_REASON_UNIT_ZZERO : NTP_REASON_UNIT, unit);
+    is(q, zzero ? NTP_CLASS_ZZERO : NTP_CLASS_STANDARD, sure);
+    if (tight > 0)
+        because(q, zzero ? NTP_REASON_UNIT_ZZERO : NTP_REASON_UNIT, q->unit[zzero]);
     else
-        because(q, zzero ? NTP_REASON_NEAR_UNIT_ZZERO : NTP_REASON_NEAR_UNIT, near);
-    if (zzero)
+        because(q, zzero ? NTP_REASON_NEAR_UNIT_ZZERO : NTP_REASON_NEAR_UNIT, q->near[zzero]);
+    if (zzero) {
         because(q, NTP_REASON_PREFERS_ZZERO, s->tilted_near[1]);
-    else if (q->rounded[1] > UNIT_SHARE && distance(q->rounded[0], q->rounded[1]) < 0.005) {
+    } else if (s->tilted == 0 && !flipped) {
         because(q, NTP_REASON_UNDECIDED_ZZERO, 0);
-        q->out->confidence = 0.85;
+        q->out->confidence = sure < 0.85 ? sure : 0.85;
     }
-    if (q->negative > FLIPPED_SHARE && !zzero) {
+    if (flipped) {
         q->out->accidents |= NTP_ACCIDENT_Z_FLIPPED;
         because(q, NTP_REASON_Z_NEGATIVE, q->negative);
     }
-    note_damage(q);
+    if (tight == 0)
+        note_damage(q, zzero);
     return true;
 }
 
 static bool is_xy(question *q)
 {
     const ntp_stats *s = q->s;
-    if (q->too_long > TOO_LONG_SHARE || q->lean > LEAN_CENTERED)
+    double steep = 0;
+    for (int32_t i = NTP_STEEPNESS_BINS / 2; i < NTP_STEEPNESS_BINS; i++)
+        steep += (double) s->steepness[i];
+    if (q->too_long > TOO_LONG_SHARE || q->lean > LEAN_CENTERED || steep > STEEP_MOST * q->used)
         return false;
+    double centered = blend(0.6, 0.92, (LEAN_CENTERED - q->lean) / (LEAN_CENTERED - LEAN_SMALL));
+    double unlike = blend(0.7, 0.92, (NEAR_UNIT_SHARE - q->near[0]) / 0.2);
     because(q, NTP_REASON_BLUE_UNRELATED, s->tilted_near[0]);
     because(q, NTP_REASON_XY_CENTERED, q->lean);
-    return is(q, NTP_CLASS_XY, blend(0.7, 0.92, (0.8 - q->near[0]) / 0.2));
+    return is(q, NTP_CLASS_XY, centered < unlike ? centered : unlike);
 }
 
 static void classify(question *q)
@@ -307,7 +356,7 @@ static void classify(question *q)
         because(q, NTP_REASON_XY_OFF_CENTER, q->lean);
     if (q->s->correlation[0] > 0.8)
         because(q, NTP_REASON_COLORS_ALIKE, q->s->correlation[0]);
-    is(q, NTP_CLASS_NOT_NORMALS, blend(0.7, 0.95, (q->lean - LEAN_CENTERED) / 0.2));
+    is(q, NTP_CLASS_NOT_NORMALS, blend(0.7, 0.95, (q->lean - LEAN_CENTERED) / 0.15));
 }
 
 ntp_status ntp_classify(ntp_classification *result, const ntp_stats *stats)
