@@ -111,6 +111,7 @@ def test_refusals(run, tmp_path):
             assert done.returncode == 1 and "--type" in done.stderr, (verb, name)
             assert not (tmp_path / "out.png").exists()
     assert run("clean", "p.png", "-o", "out.png", "--type", "standard").returncode == 0
+    (tmp_path / "out.png").unlink()
     done = run("clean", ".", "-o", "d")  # of a directory: left out, no failure
     assert done.returncode == 0 and "left out" in done.stdout
     assert not list(tmp_path.glob("d/*"))
