@@ -118,8 +118,9 @@ typedef struct ntpio_write_options {
     int32_t level;               /* PNG: 0..9 of zlib; -1: fast, and small for normals */
     bool content_is_flat;        /* PNG, level -1: gray, flat art, heatmaps: matching pays */
     bool dry_run;                /* encode nothing, write nothing */
-    const ntpio_info *copy_from; /* text chunks and pHYs to keep, or NULL */
-    const ntpio_text *texts;     /* further texts */
+    const ntpio_info *copy_from; /* PNG: text chunks and pHYs to keep, or NULL; lives until the
+                                  * commit, so that texts after the pixels are kept as well */
+    const ntpio_text *texts;     /* PNG: further texts; copied */
     size_t text_count;
 } ntpio_write_options;
 
@@ -128,7 +129,9 @@ typedef struct ntpio_write_options {
  * (O_TMPFILE where there is one, else ".NAME.ntp-XXXXXX.tmp") and become the target only in
  * ntpio_commit, after a sync: until then, and after a failure at any point, an older file of
  * that name is whole.  Stale temporary files of the same target whose writer is gone are
- * removed.  "-" is standard output.
+ * removed.  A symbolic link stays and what it points at is replaced; permissions are kept; a
+ * file without write permission is refused.  "-" is standard output; it, pipes and devices
+ * are written directly.  Programs should ignore SIGXFSZ and SIGPIPE to get errors instead.
  */
 ntpio_writer *ntpio_create(const char *path, const ntpio_write_options *options,
                            ntpio_error *error);

@@ -1,0 +1,263 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * open.c - finds the format of a file and reads its rows through that format's decoder
+ *
+ * The content decides, whatever the name says; only TGA has no signature, and there the name
+ * or a header without contradictions has to do.
+ */
+#include <stdlib.h>
+#include <string.h>
+
+#include "ntpio_internal.h"
+
+static const ntpio_limits default_limits = { 65535, (uint64_t) 1 << 30, (uint64_t) 4 << 30 };
+
+bool ntpio__little_endian(void)
+{
+    const uint16_t one = 1;
+    uint8_t first;
+    memcpy(&first, &one, 1);
+    return first == 1;
+}
+
+size_t ntpio__row_bytes(const ntpio_info *info)
+{
+    return (size_t) info->width * (size_t) info->channels * (size_t) info->sample_bytes;
+}
+
+bool ntpio__check_size(const ntpio_reader *reader, uint64_t width, uint64_t height,
+                       ntpio_error *error)
+{
+    if (width == 0 || height == 0)
+        return ntpio__fail(error, NTPIO_ERR_CORRUPT, reader->name, "no texels: %llu x %llu",
+                           (unsigned long long) width, (unsigned long long) height);
+    if (width > reader->limits.max_side || height > reader->limits.max_side)
+        return ntpio__fail(error, NTPIO_ERR_LIMIT, reader->name,
+                           "%llu x %llu is larger than the limit of %lu a side",
+                           (unsigned long long) width, (unsigned long long) height,
+                           (unsigned long) reader->limits.max_side);
+    if (width > reader->limits.max_texels / height)
+        return ntpio__fail(error, NTPIO_ERR_LIMIT, reader->name,
+                           "%llu x %llu is more than the limit of %llu texels",
+                           (unsigned long long) width, (unsigned long long) height,
+                           (unsigned long long) reader->limits.max_texels);
+    return true;
+}
+
+bool ntpio__check_memory(const ntpio_reader *reader, uint64_t bytes, ntpio_error *error)
+{
+    if (bytes > reader->limits.max_memory || bytes > PTRDIFF_MAX)
+        return ntpio__fail(error, NTPIO_ERR_LIMIT, reader->name,
+                           "needs %llu MiB of memory, more than the limit of %llu MiB",
+                           (unsigned long long) (bytes >> 20) + 1,
+                           (unsigned long long) (reader->limits.max_memory >> 20));
+    return true;
+}
+
+bool ntpio__hold(ntpio_reader *reader, ntpio_error *error)
+{
+    /* At most 2^32 x 2^32 x 16 by type, but check_size came first: no overflow. */
+    const uint64_t size = (uint64_t) ntpio__row_bytes(&reader->info) * reader->info.height;
+    if (!ntpio__check_memory(reader, size, error))
+        return false;
+    reader->held = malloc((size_t) size);
+    if (reader->held == NULL)
+        return ntpio__fail_memory(error, reader->name);
+    reader->info.streams = false;
+    return true;
+}
+
+/* ------------------------------------------------------------------------ formats */
+
+static bool ends_with(const char *name, const char *suffix)
+{
+    const size_t n = strlen(name), m = strlen(suffix);
+    if (n < m)
+        return false;
+    for (size_t i = 0; i < m; i++) {
+        const char c = name[n - m + i];
+        if ((c >= 'A' && c <= 'Z' ? c + ('a' - 'A') : c) != suffix[i])
+            return false;
+    }
+    return true;
+}
+
+static bool has_tga_footer(ntpio__source *source)
+{
+    static const char signature[] = "TRUEVISION-XFILE.";
+    enum { SIGNATURE_SIZE = sizeof signature }; /* its zero included, as in the file */
+    char last[SIGNATURE_SIZE];
+    uint64_t size;
+    if (!ntpio__can_seek(source) || !ntpio__size(source, &size) || size < SIGNATURE_SIZE)
+        return false;
+    const bool found = ntpio__seek(source, size - SIGNATURE_SIZE) &&
+                       ntpio__read(source, last, SIGNATURE_SIZE) == SIGNATURE_SIZE &&
+                       memcmp(last, signature, SIGNATURE_SIZE) == 0;
+    return ntpio__seek(source, 0) && found;
+}
+
+/* What a file is that is no image of ours, when that helps; else NULL. */
+static const char *foreign(const uint8_t *b, size_t n)
+{
+    static const struct {
+        const char *start, *what;
+    } known[] = {
+        { "version https://git-lfs", "a Git LFS pointer, not the image: run `git lfs pull`" },
+        { "DDS ", "DDS textures are not read" },
+        { "GIF8", "GIF images are not read" },
+        { "BM", "BMP images are not read" },
+        { "II*", "TIFF images are not read" },
+        { "MM", "TIFF images are not read" },
+        { "8BPS", "Photoshop documents are not read" },
+        { "\x76\x2f\x31\x01", "OpenEXR images are not read" },
+        { "#?RADIANCE", "Radiance HDR images are not read" },
+        { "\xabKTX", "KTX textures are not read" },
+        { "RIFF", "RIFF files such as WebP are not read" },
+        { "gimp xcf", "GIMP documents are not read" },
+    };
+    for (size_t i = 0; i < sizeof known / sizeof *known; i++) {
+        const size_t size = strlen(known[i].start);
+        if (n >= size && memcmp(b, known[i].start, size) == 0)
+            return known[i].what;
+    }
+    return NULL;
+}
+
+static const ntpio__decoder *find_decoder(ntpio_reader *reader, ntpio_error *error)
+{
+    const size_t n = ntpio__peek(&reader->source, NTPIO__PEEK);
+    const uint8_t *b = reader->source.bytes + reader->source.at;
+    if (n == 0) {
+        ntpio__fail(error, NTPIO_ERR_CORRUPT, reader->name, "empty file");
+        return NULL;
+    }
+    if (n >= 4 && memcmp(b, "\x89PNG", 4) == 0)
+        return &ntpio__png_decoder;
+    if (n >= 3 && memcmp(b, "\xff\xd8\xff", 3) == 0) {
+#ifdef NTPIO_HAVE_JPEG
+        return &ntpio__jpeg_decoder;
+#else
+        ntpio__fail(error, NTPIO_ERR_FORMAT, reader->name,
+                    "a JPEG image, which this build does not read");
+        return NULL;
+#endif
+    }
+    if (n >= 3 && b[0] == 'P' && (b[1] == 'F' || b[1] == 'f') &&
+        (b[2] == '\n' || b[2] == '\r' || b[2] == ' ' || b[2] == '\t'))
+        return &ntpio__pfm_decoder;
+    const char *what = foreign(b, n);
+    const bool plausible = what == NULL && ntpio__tga_plausible(b, n);
+    if (plausible || ends_with(reader->name, ".tga") || ends_with(reader->name, ".targa")) {
+        if (plausible || (what == NULL && has_tga_footer(&reader->source)))
+            return &ntpio__tga_decoder;
+        ntpio__fail(error, n < 18 ? NTPIO_ERR_CORRUPT : NTPIO_ERR_FORMAT, reader->name, "%s",
+                    what != NULL ? what
+                    : n < 18     ? "truncated"
+                                 : "not a TGA image of a kind that is read here");
+        return NULL;
+    }
+    ntpio__fail(error, NTPIO_ERR_FORMAT, reader->name, "%s",
+                what != NULL ? what : "not a PNG, TGA, JPEG or PFM image");
+    return NULL;
+}
+
+/* ------------------------------------------------------------------------ readers */
+
+static ntpio_reader *new_reader(const char *name, const ntpio_limits *limits, ntpio_error *error)
+{
+    ntpio_reader *reader = calloc(1, sizeof *reader);
+    if (reader != NULL)
+        reader->name = ntpio__copy_string(name, strlen(name));
+    if (reader == NULL || reader->name == NULL) {
+        free(reader);
+        ntpio__fail_memory(error, name);
+        return NULL;
+    }
+    reader->limits = default_limits;
+    if (limits != NULL && limits->max_side != 0)
+        reader->limits.max_side = limits->max_side < INT32_MAX ? limits->max_side : INT32_MAX;
+    if (limits != NULL && limits->max_texels != 0)
+        reader->limits.max_texels = limits->max_texels;
+    if (limits != NULL && limits->max_memory != 0)
+        reader->limits.max_memory = limits->max_memory;
+    return reader;
+}
+
+static ntpio_reader *start(ntpio_reader *reader, ntpio_error *error)
+{
+    const ntpio__decoder *decoder = find_decoder(reader, error);
+    if (decoder != NULL) {
+        reader->info.streams = true;
+        reader->decoder = decoder;
+        if (decoder->open(reader, error))
+            return reader;
+    }
+    ntpio_close(reader);
+    return NULL;
+}
+
+ntpio_reader *ntpio_open(const char *path, const ntpio_limits *limits, ntpio_error *error)
+{
+    const bool standard = strcmp(path, "-") == 0;
+    ntpio_reader *reader = new_reader(standard ? "standard input" : path, limits, error);
+    if (reader == NULL)
+        return NULL;
+    if (!ntpio__source_open(&reader->source, path, error)) {
+        ntpio_close(reader);
+        return NULL;
+    }
+    return start(reader, error);
+}
+
+ntpio_reader *ntpio_open_memory(const void *bytes, size_t size, const char *name,
+                                const ntpio_limits *limits, ntpio_error *error)
+{
+    ntpio_reader *reader = new_reader(name, limits, error);
+    if (reader == NULL)
+        return NULL;
+    ntpio__source_memory(&reader->source, bytes, size);
+    return start(reader, error);
+}
+
+const ntpio_info *ntpio_reader_info(const ntpio_reader *reader)
+{
+    return &reader->info;
+}
+
+bool ntpio_read_rows(ntpio_reader *reader, void *dst, ptrdiff_t stride, uint32_t count,
+                     ntpio_error *error)
+{
+    if (count > reader->info.height - reader->row)
+        return ntpio__fail(error, NTPIO_ERR_USAGE, reader->name, "no more than %lu rows are there",
+                           (unsigned long) reader->info.height);
+    if (reader->held != NULL) {
+        const size_t size = ntpio__row_bytes(&reader->info);
+        for (uint32_t i = 0; i < count; i++)
+            memcpy((uint8_t *) dst + (ptrdiff_t) i * stride,
+                   reader->held + (size_t) (reader->row + i) * size, size);
+    } else if (count != 0 && !reader->decoder->rows(reader, dst, stride, count, error)) {
+        return false;
+    }
+    reader->row += count;
+    return true;
+}
+
+bool ntpio_read_end(ntpio_reader *reader, ntpio_error *error)
+{
+    if (reader->row != reader->info.height)
+        return ntpio__fail(error, NTPIO_ERR_USAGE, reader->name, "rows are left to read");
+    return reader->decoder->end == NULL || reader->decoder->end(reader, error);
+}
+
+void ntpio_close(ntpio_reader *reader)
+{
+    if (reader == NULL)
+        return;
+    if (reader->decoder != NULL)
+        reader->decoder->close(reader);
+    ntpio__source_close(&reader->source);
+    ntpio__free_texts(&reader->info);
+    free(reader->held);
+    free(reader->name);
+    free(reader);
+}

@@ -1,0 +1,434 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * output.c - writes a file beside its target and puts it in place at the end
+ *
+ * An unnamed file (O_TMPFILE) leaves nothing behind however the program dies.  Where there is
+ * none, and for the moment between naming and renaming, the file is ".NAME.ntp-00000N.tmp",
+ * locked by its writer: who gets the lock knows that the writer is gone and removes the file.
+ * Slots N instead of random names, so that stale files are found without reading directories.
+ */
+#include <errno.h>
+#include <fcntl.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "ntpio_internal.h"
+
+#ifndef O_CLOEXEC
+#  define O_CLOEXEC 0
+#endif
+
+enum {
+    BUFFER_SIZE = 1 << 18, /* few system calls */
+    SLOTS = 16,            /* writers of one target at a time */
+    SLOT_SUFFIX = 15,      /* .ntp-00000N.tmp */
+    HASH_SIZE = 9,         /* ~ and 8 hex digits */
+    NAME_LIMIT = 255,      /* where the file system does not say */
+    LINKS_MAX = 40,        /* symbolic links in a row, as in the kernel */
+    PROC_SIZE = 40
+};
+
+struct ntpio__output {
+    int fd, directory; /* directory: -1 when nothing is to be renamed */
+    bool unnamed;      /* of O_TMPFILE */
+    bool can_seek;
+    char *name;   /* for messages */
+    char *target; /* within directory */
+    char *temp;   /* within directory, NULL while there is none */
+    uint8_t *buffer;
+    size_t used;
+    uint64_t offset; /* of the buffer in the file */
+};
+
+static bool fail(const ntpio__output *output, const char *what, int problem, ntpio_error *error)
+{
+    return ntpio__fail(error, NTPIO_ERR_WRITE, output->name, "%s: %s", what, strerror(problem));
+}
+
+/* ------------------------------------------------------------------------ names */
+
+static uint32_t fnv1a(const char *s)
+{
+    uint32_t hash = 2166136261u;
+    for (; *s != 0; s++)
+        hash = (hash ^ (unsigned char) *s) * 16777619u;
+    return hash;
+}
+
+/* A name that is too long for the suffix gives its end for a hash of the whole. */
+static char *slot_name(const ntpio__output *output, unsigned slot)
+{
+    long limit = output->directory >= 0 ? fpathconf(output->directory, _PC_NAME_MAX) : NAME_LIMIT;
+    if (limit < SLOT_SUFFIX + HASH_SIZE + 2)
+        limit = NAME_LIMIT;
+    const size_t length = strlen(output->target);
+    const size_t size = length + HASH_SIZE + SLOT_SUFFIX + 2;
+    char *name = malloc(size);
+    if (name == NULL)
+        return NULL;
+    if (length + 1 + SLOT_SUFFIX <= (size_t) limit) {
+        snprintf(name, size, ".%s.ntp-%06u.tmp", output->target, slot);
+        return name;
+    }
+    size_t keep = (size_t) limit - 1 - SLOT_SUFFIX - HASH_SIZE;
+    keep = keep < length ? keep : length;
+    while (keep > 1 && ((unsigned char) output->target[keep] & 0xc0) == 0x80)
+        keep--;
+    snprintf(name, size, ".%.*s~%08lx.ntp-%06u.tmp", (int) keep, output->target,
+             (unsigned long) fnv1a(output->target), slot);
+    return name;
+}
+
+static char *read_link(const char *path)
+{
+    for (size_t size = 256; size < (size_t) 1 << 20; size *= 2) {
+        char *link = malloc(size);
+        const ssize_t n = link != NULL ? readlink(path, link, size) : -1;
+        if (n >= 0 && (size_t) n < size) {
+            link[n] = 0;
+            return link;
+        }
+        free(link);
+        if (n < 0)
+            return NULL;
+    }
+    return NULL;
+}
+
+/* What the path's symbolic links point at, whether or not it exists; errno on failure. */
+static char *resolve(const char *path)
+{
+    char *at = ntpio__copy_string(path, strlen(path));
+    struct stat st;
+    for (int links = 0; at != NULL && lstat(at, &st) == 0 && S_ISLNK(st.st_mode); links++) {
+        char *link = links < LINKS_MAX ? read_link(at) : NULL;
+        const char *slash = strrchr(at, '/');
+        if (links == LINKS_MAX)
+            errno = ELOOP;
+        if (link != NULL && link[0] != '/' && slash != NULL) {
+            const size_t head = (size_t) (slash - at) + 1, tail = strlen(link);
+            char *joined = malloc(head + tail + 1);
+            if (joined != NULL) {
+                memcpy(joined, at, head);
+                memcpy(joined + head, link, tail + 1);
+            }
+            free(link);
+            link = joined;
+        }
+        free(at);
+        at = link;
+    }
+    return at;
+}
+
+/* ------------------------------------------------------------------------ temporary files */
+
+/* Removes a slot's file when its writer is gone, which holds a lock while it lives. */
+static void remove_stale(const ntpio__output *output, const char *temp)
+{
+    struct stat by_fd, by_name;
+    const int fd = openat(output->directory, temp, O_RDWR | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+    if (fd < 0)
+        return;
+    if (flock(fd, LOCK_EX | LOCK_NB) == 0 && fstat(fd, &by_fd) == 0 && S_ISREG(by_fd.st_mode) &&
+        fstatat(output->directory, temp, &by_name, AT_SYMLINK_NOFOLLOW) == 0 &&
+        by_fd.st_ino == by_name.st_ino && by_fd.st_dev == by_name.st_dev)
+        unlinkat(output->directory, temp, 0);
+    close(fd);
+}
+
+static void remove_all_stale(const ntpio__output *output)
+{
+    for (unsigned slot = 1; slot <= SLOTS; slot++) {
+        char *temp = slot_name(output, slot);
+        if (temp != NULL)
+            remove_stale(output, temp);
+        free(temp);
+    }
+}
+
+static bool open_unnamed(ntpio__output *output)
+{
+#ifdef O_TMPFILE
+    char proc[PROC_SIZE];
+    output->fd = openat(output->directory, ".", O_TMPFILE | O_RDWR | O_CLOEXEC, 0666);
+    if (output->fd < 0)
+        return false;
+    snprintf(proc, sizeof proc, "/proc/self/fd/%d", output->fd);
+    if (access(proc, F_OK) == 0) {
+        flock(output->fd, LOCK_EX | LOCK_NB);
+        output->unnamed = true;
+        return true;
+    }
+    close(output->fd);
+    output->fd = -1;
+#else
+    (void) output;
+#endif
+    return false;
+}
+
+/* Takes a free slot; a cleaner may remove the file before it is locked, hence the link count. */
+static bool open_named(ntpio__output *output, ntpio_error *error)
+{
+    int problem = EEXIST;
+    for (unsigned slot = 1; slot <= SLOTS && problem == EEXIST; slot++) {
+        struct stat st;
+        char *temp = slot_name(output, slot);
+        if (temp == NULL)
+            return ntpio__fail_memory(error, output->name);
+        const int fd = openat(output->directory, temp,
+                              O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
+        problem = fd < 0 ? errno : EEXIST;
+        if (fd >= 0) {
+            flock(fd, LOCK_EX | LOCK_NB);
+            if (fstat(fd, &st) == 0 && st.st_nlink != 0) {
+                output->fd = fd;
+                output->temp = temp;
+                return true;
+            }
+            close(fd);
+        }
+        free(temp);
+    }
+    return fail(output, "cannot be written", problem, error);
+}
+
+/* Gives an unnamed file the target's name, or a slot's when the target exists. */
+static bool link_unnamed(ntpio__output *output, ntpio_error *error)
+{
+    char proc[PROC_SIZE];
+    snprintf(proc, sizeof proc, "/proc/self/fd/%d", output->fd);
+    if (linkat(AT_FDCWD, proc, output->directory, output->target, AT_SYMLINK_FOLLOW) == 0)
+        return true;
+    for (unsigned slot = 1; slot <= SLOTS && errno == EEXIST; slot++) {
+        char *temp = slot_name(output, slot);
+        if (temp == NULL)
+            return ntpio__fail_memory(error, output->name);
+        if (linkat(AT_FDCWD, proc, output->directory, temp, AT_SYMLINK_FOLLOW) == 0) {
+            output->temp = temp;
+            return true;
+        }
+        const int problem = errno;
+        free(temp);
+        errno = problem;
+    }
+    return fail(output, "cannot be put in place", errno, error);
+}
+
+/* ------------------------------------------------------------------------ opening */
+
+/* The new file keeps the old one's permissions and, where allowed, its owner. */
+static bool keep_permissions(ntpio__output *output, const struct stat *old, ntpio_error *error)
+{
+    struct stat own;
+    if (fstat(output->fd, &own) == 0 && (own.st_uid != old->st_uid || own.st_gid != old->st_gid) &&
+        fchown(output->fd, old->st_uid, old->st_gid) != 0 && own.st_gid != old->st_gid &&
+        fchown(output->fd, (uid_t) -1, old->st_gid) != 0)
+        errno = 0; /* only root may give files away */
+    return fchmod(output->fd, old->st_mode & 0777) == 0 ||
+           fail(output, "cannot be written", errno, error);
+}
+
+static bool open_directory(ntpio__output *output, const char *path, ntpio_error *error)
+{
+    const char *slash = strrchr(path, '/');
+    const char *base = slash != NULL ? slash + 1 : path;
+    char *directory = slash == NULL   ? ntpio__copy_string(".", 1)
+                      : slash == path ? ntpio__copy_string("/", 1)
+                                      : ntpio__copy_string(path, (size_t) (slash - path));
+    output->target = ntpio__copy_string(base, strlen(base));
+    if (directory == NULL || output->target == NULL) {
+        free(directory);
+        return ntpio__fail_memory(error, output->name);
+    }
+    output->directory = open(directory, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+#ifdef O_PATH
+    if (output->directory < 0 && errno == EACCES) /* may be searched and written, not listed */
+        output->directory = open(directory, O_PATH | O_DIRECTORY | O_CLOEXEC);
+#endif
+    free(directory);
+    return output->directory >= 0 || fail(output, "cannot be written", errno, error);
+}
+
+static bool open_replacement(ntpio__output *output, const char *path, const struct stat *old,
+                             ntpio_error *error)
+{
+    if (!open_directory(output, path, error))
+        return false;
+    if (output->target[0] == 0)
+        return fail(output, "cannot be written", EISDIR, error);
+    if (old != NULL && faccessat(output->directory, output->target, W_OK, AT_EACCESS) != 0)
+        return fail(output, "cannot be replaced", errno, error);
+    remove_all_stale(output);
+    output->can_seek = true;
+    if (!open_unnamed(output) && !open_named(output, error))
+        return false;
+    return old == NULL || keep_permissions(output, old, error);
+}
+
+static bool open_target(ntpio__output *output, const char *path, ntpio_error *error)
+{
+    struct stat st;
+    char *resolved = resolve(path);
+    if (resolved == NULL)
+        return fail(output, "cannot be written", errno, error);
+    const bool exists = lstat(resolved, &st) == 0;
+    bool done;
+    if (exists && S_ISDIR(st.st_mode)) {
+        done = fail(output, "cannot be written", EISDIR, error);
+    } else if (exists && !S_ISREG(st.st_mode)) { /* a device or a pipe cannot be replaced */
+        output->fd = open(resolved, O_WRONLY | O_CLOEXEC);
+        done = output->fd >= 0 || fail(output, "cannot be written", errno, error);
+    } else {
+        done = open_replacement(output, resolved, exists ? &st : NULL, error);
+    }
+    free(resolved);
+    return done;
+}
+
+ntpio__output *ntpio__output_open(const char *path, ntpio_error *error)
+{
+    const bool standard = strcmp(path, "-") == 0;
+    const char *name = standard ? "standard output" : path;
+    ntpio__output *output = calloc(1, sizeof *output);
+    if (output != NULL) {
+        output->fd = output->directory = -1;
+        output->name = ntpio__copy_string(name, strlen(name));
+        output->buffer = malloc(BUFFER_SIZE);
+    }
+    if (output == NULL || output->name == NULL || output->buffer == NULL) {
+        ntpio__fail_memory(error, name);
+        if (output != NULL)
+            ntpio__output_abort(output);
+        return NULL;
+    }
+    if (standard) {
+        fflush(stdout);
+        output->fd = STDOUT_FILENO;
+    } else if (!open_target(output, path, error)) {
+        ntpio__output_abort(output);
+        return NULL;
+    }
+    return output;
+}
+
+/* ------------------------------------------------------------------------ writing */
+
+static bool write_out(ntpio__output *output, const uint8_t *bytes, size_t size, ntpio_error *error)
+{
+    while (size != 0) {
+        const ssize_t n = output->can_seek ? pwrite(output->fd, bytes, size, (off_t) output->offset)
+                                           : write(output->fd, bytes, size);
+        if (n < 0 && errno == EINTR)
+            continue;
+        if (n <= 0)
+            return fail(output, "cannot be written", n < 0 ? errno : ENOSPC, error);
+        bytes += n;
+        size -= (size_t) n;
+        output->offset += (uint64_t) n;
+    }
+    return true;
+}
+
+static bool flush(ntpio__output *output, ntpio_error *error)
+{
+    const size_t used = output->used;
+    output->used = 0;
+    return write_out(output, output->buffer, used, error);
+}
+
+bool ntpio__output_write(ntpio__output *output, const void *bytes, size_t size, ntpio_error *error)
+{
+    if (size > BUFFER_SIZE - output->used) {
+        if (!flush(output, error))
+            return false;
+        if (size >= BUFFER_SIZE)
+            return write_out(output, bytes, size, error);
+    }
+    memcpy(output->buffer + output->used, bytes, size);
+    output->used += size;
+    return true;
+}
+
+bool ntpio__output_can_seek(const ntpio__output *output)
+{
+    return output->can_seek;
+}
+
+bool ntpio__output_write_at(ntpio__output *output, uint64_t offset, const void *bytes, size_t size,
+                            ntpio_error *error)
+{
+    if (!flush(output, error))
+        return false;
+    output->offset = offset;
+    return write_out(output, bytes, size, error);
+}
+
+static bool sync_file(int fd)
+{
+#ifdef F_FULLFSYNC
+    if (fcntl(fd, F_FULLFSYNC) == 0)
+        return true;
+#endif
+    return fsync(fd) == 0 || errno == EINVAL || errno == ENOTSUP || errno == EROFS;
+}
+
+static bool put_in_place(ntpio__output *output, ntpio_error *error)
+{
+    if (!sync_file(output->fd))
+        return fail(output, "cannot be written", errno, error);
+    if (output->unnamed && !link_unnamed(output, error))
+        return false;
+    if (output->temp != NULL) {
+        if (renameat(output->directory, output->temp, output->directory, output->target) != 0)
+            return fail(output, "cannot be put in place", errno, error);
+        free(output->temp);
+        output->temp = NULL;
+    }
+    if (fsync(output->directory) != 0 && errno == EIO)
+        return fail(output, "cannot be put in place", errno, error);
+    return true;
+}
+
+static void destroy(ntpio__output *output)
+{
+    if (output->fd >= 0 && output->fd != STDOUT_FILENO)
+        close(output->fd);
+    if (output->directory >= 0)
+        close(output->directory);
+    free(output->temp);
+    free(output->target);
+    free(output->name);
+    free(output->buffer);
+    free(output);
+}
+
+bool ntpio__output_commit(ntpio__output *output, ntpio_error *error)
+{
+    if (!flush(output, error) || (output->directory >= 0 && !put_in_place(output, error))) {
+        ntpio__output_abort(output);
+        return false;
+    }
+    if (output->directory < 0 && output->fd != STDOUT_FILENO) {
+        const int fd = output->fd;
+        output->fd = -1;
+        if (close(fd) != 0) {
+            fail(output, "cannot be written", errno, error);
+            destroy(output);
+            return false;
+        }
+    }
+    destroy(output);
+    return true;
+}
+
+void ntpio__output_abort(ntpio__output *output)
+{
+    if (output->temp != NULL)
+        unlinkat(output->directory, output->temp, 0);
+    destroy(output);
+}

@@ -1,0 +1,282 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * png_read.c - PNG through libpng, row by row and raw
+ *
+ * libpng decodes pixels and texts.  The color chunks never reach it: a callback notes that they
+ * are there, so nothing is managed and no hostile profile is unpacked.  What libpng allocates
+ * in all is counted against a budget; its errors come back here by longjmp.
+ */
+#include <png.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "ntpio_internal.h"
+
+enum {
+    READ_SIZE = 1 << 16,           /* of compressed data at a time */
+    CHUNK_COUNT_MAX = 256,         /* of texts; a file with more loses the rest */
+    CHUNK_SIZE_MAX = 4 << 20,      /* of one text, unpacked */
+    CHUNK_BUDGET = 64 << 20,       /* all that libpng allocates but rows */
+    ROW_BUDGET_BYTES_A_TEXEL = 64, /* three rows of 8 bytes a texel, with room */
+    MESSAGE_SIZE = 128
+};
+
+typedef struct png_state {
+    png_structp png;
+    png_infop info, end_info;
+    ntpio_reader *reader;
+    size_t budget;
+    bool ended;      /* the source gave less than was asked for */
+    bool bad_pixels; /* a warning that is an error here */
+    bool out_of_memory;
+    char message[MESSAGE_SIZE];
+} png_state;
+
+/* Cumulative on purpose: libpng allocates nothing for each row. */
+static png_voidp allocate(png_structp png, png_alloc_size_t size)
+{
+    png_state *s = png_get_mem_ptr(png);
+    if (size > s->budget)
+        return NULL;
+    void *memory = malloc(size);
+    s->out_of_memory = s->out_of_memory || memory == NULL;
+    if (memory != NULL)
+        s->budget -= size;
+    return memory;
+}
+
+static void release(png_structp png, png_voidp memory)
+{
+    (void) png;
+    free(memory);
+}
+
+static void on_error(png_structp png, png_const_charp message)
+{
+    png_state *s = png_get_error_ptr(png);
+    snprintf(s->message, sizeof s->message, "%s", message);
+    png_longjmp(png, 1);
+}
+
+/* The checksum of the pixels is judged after the last row, where libpng only warns. */
+static void on_warning(png_structp png, png_const_charp message)
+{
+    png_state *s = png_get_error_ptr(png);
+    if (strncmp(message, "IDAT", 4) == 0 &&
+        (strstr(message, "incorrect data check") != NULL || strstr(message, "ADLER") != NULL))
+        s->bad_pixels = true;
+}
+
+static void on_read(png_structp png, png_bytep dst, size_t size)
+{
+    png_state *s = png_get_io_ptr(png);
+    if (ntpio__read(&s->reader->source, dst, size) != size) {
+        s->ended = true;
+        png_error(png, "truncated");
+    }
+}
+
+/* gAMA, sRGB, iCCP and cHRM are told, never applied. */
+static int on_chunk(png_structp png, png_unknown_chunkp chunk)
+{
+    ntpio_info *info = png_get_user_chunk_ptr(png);
+    const char *name = (const char *) chunk->name;
+    const uint8_t *b = chunk->data;
+    if (memcmp(name, "gAMA", 4) == 0 && chunk->size == 4) {
+        info->has_gama = true;
+        info->gamma = png_get_uint_32(b) / 100000.0;
+    } else if (memcmp(name, "sRGB", 4) == 0) {
+        info->has_srgb = true;
+    } else if (memcmp(name, "iCCP", 4) == 0) {
+        info->has_iccp = true;
+    } else if (memcmp(name, "cHRM", 4) == 0) {
+        info->has_chrm = true;
+    }
+    return 1;
+}
+
+static bool fail(png_state *s, ntpio_error *error)
+{
+    const ntpio_reader *reader = s->reader;
+    const char *m = s->message;
+    if (s->ended)
+        return ntpio__fail_ended(reader, error);
+    if (s->out_of_memory)
+        return ntpio__fail_memory(error, reader->name);
+    if (strlen(m) > 4 && strstr(m, ": CRC error") != NULL)
+        return ntpio__fail(error, NTPIO_ERR_CORRUPT, reader->name, "checksum error in %.4s", m);
+    if (strstr(m, "Not enough image data") != NULL)
+        return ntpio__fail(error, NTPIO_ERR_CORRUPT, reader->name, "truncated image data");
+    return ntpio__fail(error, NTPIO_ERR_CORRUPT, reader->name, "damaged (%s)", m);
+}
+
+static void configure(png_state *s)
+{
+    static const png_byte told[] = "gAMA\0sRGB\0iCCP\0cHRM";
+    static const png_byte dropped[] = "bKGD\0eXIf\0hIST\0oFFs\0pCAL\0sBIT\0sCAL\0sPLT\0sTER\0tIME";
+    png_structp png = s->png;
+    png_set_user_limits(png, PNG_UINT_31_MAX, PNG_UINT_31_MAX); /* check_size does it in words */
+    png_set_chunk_cache_max(png, CHUNK_COUNT_MAX);
+    png_set_chunk_malloc_max(png, CHUNK_SIZE_MAX);
+    png_set_compression_buffer_size(png, READ_SIZE);
+    png_set_keep_unknown_chunks(png, PNG_HANDLE_CHUNK_NEVER, NULL, 0);
+    png_set_keep_unknown_chunks(png, PNG_HANDLE_CHUNK_ALWAYS, told, (int) sizeof told / 5);
+    png_set_keep_unknown_chunks(png, PNG_HANDLE_CHUNK_NEVER, dropped, (int) sizeof dropped / 5);
+    png_set_read_user_chunk_fn(png, &s->reader->info, on_chunk);
+    png_set_read_fn(png, s, on_read);
+}
+
+/* Copies libpng's texts from number `from` on. */
+static bool take_texts(png_state *s, png_infop info, ntpio_error *error)
+{
+    png_textp texts = NULL;
+    int count = 0;
+    png_get_text(s->png, info, &texts, &count);
+    for (int i = 0; i < count; i++) {
+        const png_text *t = &texts[i];
+        const bool itxt = t->compression >= PNG_ITXT_COMPRESSION_NONE;
+        const ntpio_text text = { .key = t->key,
+                                  .value = t->text,
+                                  .language = itxt ? t->lang : NULL,
+                                  .translated_key = itxt ? t->lang_key : NULL,
+                                  .compressed = t->compression == PNG_TEXT_COMPRESSION_zTXt ||
+                                                t->compression == PNG_ITXT_COMPRESSION_zTXt,
+                                  .itxt = itxt };
+        if (!ntpio__add_text(&s->reader->info, &text))
+            return ntpio__fail_memory(error, s->reader->name);
+    }
+    return true;
+}
+
+static bool take_header(png_state *s, ntpio_error *error)
+{
+    ntpio_info *info = &s->reader->info;
+    const int kind = png_get_color_type(s->png, s->info);
+    info->format = NTPIO_PNG;
+    info->width = png_get_image_width(s->png, s->info);
+    info->height = png_get_image_height(s->png, s->info);
+    if (!ntpio__check_size(s->reader, info->width, info->height, error))
+        return false;
+    info->bit_depth = png_get_bit_depth(s->png, s->info);
+    info->sample_bytes = info->bit_depth == 16 ? 2 : 1;
+    info->interlaced = png_get_interlace_type(s->png, s->info) != PNG_INTERLACE_NONE;
+    info->palette = kind == PNG_COLOR_TYPE_PALETTE;
+    info->alpha =
+        (kind & PNG_COLOR_MASK_ALPHA) != 0 || png_get_valid(s->png, s->info, PNG_INFO_tRNS);
+    info->channels = ((kind & PNG_COLOR_MASK_COLOR) != 0 ? 3 : 1) + (info->alpha ? 1 : 0);
+    png_uint_32 x, y;
+    int unit;
+    if (png_get_pHYs(s->png, s->info, &x, &y, &unit) != 0) {
+        info->has_phys = true;
+        info->phys_x = x;
+        info->phys_y = y;
+        info->phys_unit = unit;
+    }
+    s->budget += (size_t) info->width * ROW_BUDGET_BYTES_A_TEXEL;
+    return take_texts(s, s->info, error);
+}
+
+/* Samples below 8 bits grow exactly: 255, 85 and 17 times. */
+static void set_transformations(png_state *s)
+{
+    const ntpio_info *info = &s->reader->info;
+    if (info->palette)
+        png_set_palette_to_rgb(s->png);
+    else if (info->bit_depth < 8)
+        png_set_expand_gray_1_2_4_to_8(s->png);
+    if (png_get_valid(s->png, s->info, PNG_INFO_tRNS) != 0)
+        png_set_tRNS_to_alpha(s->png);
+    if (info->bit_depth == 16 && ntpio__little_endian())
+        png_set_swap(s->png);
+}
+
+/* Adam7: the passes refine an image that has to be whole. */
+static bool read_interlaced(png_state *s, int passes, ntpio_error *error)
+{
+    ntpio_reader *reader = s->reader;
+    const size_t size = ntpio__row_bytes(&reader->info);
+    if (setjmp(png_jmpbuf(s->png)) != 0)
+        return fail(s, error);
+    for (int pass = 0; pass < passes; pass++) {
+        for (uint32_t y = 0; y < reader->info.height; y++)
+            png_read_row(s->png, reader->held + y * size, NULL);
+    }
+    return true;
+}
+
+static bool start_rows(png_state *s, int *passes, ntpio_error *error)
+{
+    if (setjmp(png_jmpbuf(s->png)) != 0)
+        return fail(s, error);
+    set_transformations(s);
+    *passes = s->reader->info.interlaced ? png_set_interlace_handling(s->png) : 1;
+    png_read_update_info(s->png, s->info);
+    if (png_get_rowbytes(s->png, s->info) != ntpio__row_bytes(&s->reader->info))
+        return ntpio__fail(error, NTPIO_ERR_CORRUPT, s->reader->name, "rows of an unexpected size");
+    return true;
+}
+
+static bool read_header(png_state *s, ntpio_error *error)
+{
+    if (setjmp(png_jmpbuf(s->png)) != 0)
+        return fail(s, error);
+    configure(s);
+    png_read_info(s->png, s->info);
+    return true;
+}
+
+static bool png_open(ntpio_reader *reader, ntpio_error *error)
+{
+    png_state *s = calloc(1, sizeof *s);
+    if (s == NULL)
+        return ntpio__fail_memory(error, reader->name);
+    reader->state = s;
+    s->reader = reader;
+    s->budget = CHUNK_BUDGET;
+    s->png = png_create_read_struct_2(PNG_LIBPNG_VER_STRING, s, on_error, on_warning, s, allocate,
+                                      release);
+    if (s->png != NULL) {
+        s->info = png_create_info_struct(s->png);
+        s->end_info = png_create_info_struct(s->png);
+    }
+    if (s->info == NULL || s->end_info == NULL)
+        return ntpio__fail_memory(error, reader->name);
+    int passes = 1;
+    if (!read_header(s, error) || !take_header(s, error) || !start_rows(s, &passes, error))
+        return false;
+    return !reader->info.interlaced ||
+           (ntpio__hold(reader, error) && read_interlaced(s, passes, error));
+}
+
+static bool png_rows(ntpio_reader *reader, uint8_t *dst, ptrdiff_t stride, uint32_t count,
+                     ntpio_error *error)
+{
+    png_state *s = reader->state;
+    if (setjmp(png_jmpbuf(s->png)) != 0)
+        return fail(s, error);
+    for (uint32_t i = 0; i < count; i++)
+        png_read_row(s->png, dst + (ptrdiff_t) i * stride, NULL);
+    return true;
+}
+
+static bool png_end(ntpio_reader *reader, ntpio_error *error)
+{
+    png_state *s = reader->state;
+    if (setjmp(png_jmpbuf(s->png)) != 0)
+        return fail(s, error);
+    png_read_end(s->png, s->end_info);
+    if (s->bad_pixels)
+        return ntpio__fail(error, NTPIO_ERR_CORRUPT, reader->name, "checksum error in the pixels");
+    return take_texts(s, s->end_info, error);
+}
+
+static void png_close(ntpio_reader *reader)
+{
+    png_state *s = reader->state;
+    if (s == NULL)
+        return;
+    png_destroy_read_struct(&s->png, &s->info, &s->end_info);
+    free(s);
+}
+
+const ntpio__decoder ntpio__png_decoder = { png_open, png_rows, png_end, png_close };
