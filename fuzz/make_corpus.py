@@ -1,0 +1,64 @@
+# SPDX-License-Identifier: MIT
+"""Writes a seed corpus for fuzz_io: make_corpus.py TEST_FILES DIRECTORY
+
+The small images of test_files, a chip of each, and headers that those do not have.
+"""
+
+import shutil
+import struct
+import sys
+from pathlib import Path
+
+SUFFIXES = {".png", ".tga", ".jpg", ".pfm"}
+LARGEST = 65536
+
+
+def tga(kind, bits, descriptor, body, map_bits=0, colors=b"", first=0):
+    """A TGA of 4 x 2 texels, type `kind`."""
+    count = len(colors) // max((map_bits + 7) // 8, 1)
+    head = struct.pack("<BBBHHB", 3, bool(colors), kind, first, count, map_bits)
+    return head + struct.pack("<HHHHBB", 0, 0, 4, 2, bits, descriptor) + b"id." + colors + body
+
+
+def pfm(magic, scale, order):
+    """A PFM of 2 x 2 texels."""
+    count = 4 * (3 if magic == b"PF" else 1)
+    floats = struct.pack(order + f"{count}f", *(i / 8 - 1 for i in range(count)))
+    return magic + b"\n2 2\n" + scale + b"\n" + floats
+
+
+def extra():
+    """(name, bytes) of what test_files has no example of."""
+    texels = bytes(range(32))
+    for origin in (0x00, 0x10, 0x20, 0x30):
+        for bits in (15, 16, 24, 32):
+            size = 8 * ((bits + 7) // 8)
+            yield f"color_{bits}_{origin:02x}.tga", tga(2, bits, origin, texels[:size])
+        crossing = bytes([0x85]) + texels[:4] + bytes([0x01]) + texels[4:12]
+        yield f"run_32_{origin:02x}.tga", tga(10, 32, origin, crossing)
+        yield f"gray_{origin:02x}.tga", tga(11, 8, origin, b"\x87\x55")
+        yield f"gray_16_{origin:02x}.tga", tga(3, 16, origin, texels[:16])
+    for map_bits in (15, 16, 24, 32):
+        colors = texels[: 4 * ((map_bits + 7) // 8)]
+        indices = bytes([5, 6, 7, 8, 8, 7, 6, 5])
+        yield f"palette_{map_bits}.tga", tga(1, 8, 0x20, indices, map_bits, colors, 5)
+    yield "palette_run.tga", tga(9, 8, 0x20, b"\x83\x00\x03\x00\x01\x00\x01", 24, texels[:6])
+    yield "float_little.pfm", pfm(b"PF", b"-1.0", "<")
+    yield "float_big.pfm", pfm(b"Pf", b"1e0", ">")
+
+
+def main():
+    source, target = Path(sys.argv[1]), Path(sys.argv[2])
+    shutil.rmtree(target, ignore_errors=True)
+    target.mkdir(parents=True)
+    for path in sorted(source.iterdir()):
+        if path.suffix in SUFFIXES and path.stat().st_size <= LARGEST:
+            data = path.read_bytes()
+            (target / path.name).write_bytes(data)
+            (target / f"chip_{path.name}").write_bytes(data[: len(data) * 7 // 8])
+    for name, data in extra():
+        (target / name).write_bytes(data)
+
+
+if __name__ == "__main__":
+    main()
