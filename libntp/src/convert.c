@@ -77,10 +77,13 @@ static int32_t blue_by_value(const job *j, const texel *t, bool *negative)
     return j->ms < j->md ? (257 * b + 65536) / 2 : (b + 65792) / 514;
 }
 
-/* Is the source's blue the one derived from its red and green, and is z negative? */
+/* Is the source's blue the one derived from its red and green (XY: could there be one), and is z
+ * negative? */
 static bool is_exact(const job *j, const texel *t, bool *negative)
 {
     int32_t b = t->c[2];
+    if (j->src->encoding == NTP_XY)
+        return t->want >= 0;
     *negative = j->src->encoding == NTP_STANDARD && ntp__z_negative(b, j->ms);
     return t->want >= 0 && t->want == (*negative ? j->ms - b : b);
 }
@@ -94,14 +97,15 @@ static void convert_texel(const job *j, const texel *t, int32_t out[4], ntp_conv
         out[k] = by_value(j, t, k);
     if (t->unused)
         return;
-    if (j->src->encoding == NTP_XY) {
-        if (to != NTP_XY) {
-            counts->pulled += ntp__rest(out[0], out[1], j->md) < 0;
-            out[2] = ntp__derive(&out[0], &out[1], j->md, zzero);
-        }
+    bool exact = is_exact(j, t, &negative);
+    if (j->src->encoding == NTP_XY && to != NTP_XY) {
+        counts->pulled += ntp__rest(out[0], out[1], j->md) < 0;
+        out[2] = ntp__derive(&out[0], &out[1], j->md, zzero);
     } else if (to == NTP_XY) {
-        out[2] = j->md;
-    } else if (is_exact(j, t, &negative)) {
+        if (exact && ntp__rest(out[0], out[1], j->md) < 0)
+            ntp__pull(&out[0], &out[1], j->md);
+        out[2] = j->src->encoding == NTP_XY ? out[2] : j->md;
+    } else if (exact) {
         out[2] = ntp__derive(&out[0], &out[1], j->md, zzero);
         if (negative && !zzero)
             out[2] = j->md - out[2];

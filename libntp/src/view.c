@@ -238,7 +238,9 @@ void ntp__unpack(ntp__block *block, const ntp_const_image *v, int32_t x, int32_t
         if (v->channels == 2)
             return;
     } else if (v->channels == 2) {
-        fill(block->c[2], m, n);
+        /* Black stays black. */
+        for (int32_t i = 0; i < n; i++)
+            block->c[2][i] = block->c[0][i] | block->c[1][i] ? m : 0;
     }
     if (v->channels < 4)
         fill(block->c[3], m, n);
