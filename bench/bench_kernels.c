@@ -175,7 +175,7 @@ static void make_content(bench *b, const char *content)
     make_rock(b->height, b->side, rock ? 1.0f : 0.004f);
     if (!rock)
         make_bricks(b->height, b->side);
-    /* Heights in texels: mean slopes of about a third, whatever the side. */
+    /* Heights in texels: x and y of 0.15 to 0.25 rms, as in real textures, whatever the side. */
     make_normals(b, rock ? b->side / 64.0 : b->side / 2.0);
 }
 
