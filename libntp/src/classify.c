@@ -18,7 +18,7 @@ static const double GRAY_SHARE = 0.98;
 /* Unit length.  Honest encoders reach 1 with NTP_NEIGHBOR; 3 % of bad texels must not matter.  By
  * 1/8 even JPEG and resizing rarely take more than a tenth of the texels, and chance (a picture's
  * colors) rarely leaves more than half of them. */
-static const double UNIT_SHARE = 0.93, NEAR_UNIT_SHARE = 0.88;
+static const double ROUNDED_SHARE = 0.96, UNIT_SHARE = 0.93, NEAR_UNIT_SHARE = 0.88;
 
 /* A tight fit that comes from flat texels only: of the tilted ones few fit, and blue does not follow. */
 static const double TILTED_LEAST = 0.01, TILTED_NEAR_LEAST = 0.3;
@@ -36,8 +36,9 @@ static const double LEAN_SMALL = 0.03, LEAN_CENTERED = 0.15, LEAN_MOST = 0.3;
 /* x, y that are too long: JPEG and overshooting filters make some; what has more holds no x, y. */
 static const double TOO_LONG_SHARE = 0.08;
 
-/* Colors spread evenly put three quarters of (r, g) beyond half the radius; normals stay inside. */
-static const double STEEP_MOST = 0.7;
+/* Of colors spread evenly over the disc three quarters are steeper than 1/2 and a sixteenth is
+ * flatter than 1/4; normals crowd in the middle, and where they do not, little is sure. */
+static const double STEEP_MOST = 0.85, MIDDLE_LEAST = 0.1;
 
 /* Object space: all three axes go both ways.  3 % of wrong blues are 1.5 % negative ones.  Where the
  * axes are well mixed less of the length may be lost, as compressed borders of charts lose it. */
@@ -47,8 +48,9 @@ static const double MIXED_LEAST = 0.15, MIXED_UNIT_SHARE = 0.8;
 /* Z flipped, or another channel being z: (almost) all texels agree. */
 static const double FLIPPED_SHARE = 0.95, OTHER_Z_SHARE = 0.98, OTHER_Z_MEAN = 0.8;
 
-/* The mean of a channel that holds x or y: near the middle, in levels / M. */
-static const double MIDDLE = 0.15;
+/* The mean of a channel that holds x or y: near the middle, in levels / M.  An alpha that holds x is
+ * rarely 0 or M; a mask is little else. */
+static const double MIDDLE = 0.15, ALPHA_ENDS_MOST = 0.05;
 
 /* Stored as sRGB, flat is 188/255 = 0.737, and slopes of 1 spread the mean by less than this. */
 static const double GAMMA_FLAT = 0.737, GAMMA_SPREAD = 0.12, GAMMA_SHARE = 0.85;
@@ -56,8 +58,13 @@ static const double GAMMA_FLAT = 0.737, GAMMA_SPREAD = 0.12, GAMMA_SHARE = 0.85;
 /* A channel that does not vary: deviation of an eighth of an 8-bit level. */
 static const double CONSTANT_DEVIATION = 0.0005;
 
-/* Blue as 0..1: of the texels that can tell, half fit to within 3 levels; slope 2 and not 1. */
-static const double ZZERO_NEAR = 0.5, ZZERO_SLOPE = 1.5;
+/* Blue as 0..1: of the texels that can tell, half fit to within 3 levels; slope 2 and not 1.  Of
+ * textures that are not honestly rounded it is believed only where the two blues lie 3 levels apart
+ * on average: blurring a gentle standard texture makes its blue as low as Z-zero's. */
+static const double ZZERO_NEAR = 0.5, ZZERO_SLOPE = 1.5, ZZERO_GAP = 3;
+
+/* A mean blue above this can be occlusion, or z that coarse JPEG took apart: less is sure. */
+static const double OPEN_BLUE = 0.8;
 
 /* Columns at block borders step this much farther than others only after block coding; it shows in
  * two channels at least, and errs to both sides. */
@@ -121,18 +128,17 @@ static void prepare(question *q)
 
 /* ------------------------------------------------------------------------- the questions */
 
-/* DXT5nm: alpha and green are balanced and red and blue hold nothing of their own. */
+/* DXT5nm: alpha and green are balanced, and red and blue hold nothing of their own. */
 static bool is_dxt5nm(question *q)
 {
     const ntp_stats *s = q->s;
-    if (s->channels != 4 && !(s->channels == 2 && s->alpha_zero + s->alpha_full > 0) &&
-        !(s->channels == 2 && s->used_sd[3] > 0))
-        return false;
     bool gray = s->channels == 2 || (double) s->gray >= GRAY_SHARE * (double) s->texels;
     bool idle = s->used_sd[0] < CONSTANT_DEVIATION && s->used_sd[2] < CONSTANT_DEVIATION &&
                 distance(s->used_mean[0], 0.5) > 0.4;
     double ends = (double) (s->alpha_zero + s->alpha_full) / (double) s->texels;
-    if ((!gray && !idle) || ends > 0.05 || s->used_sd[3] < CONSTANT_DEVIATION ||
+    bool still = s->used_sd[1] < CONSTANT_DEVIATION && s->used_sd[3] < CONSTANT_DEVIATION;
+    /* Without alpha ag_in_disc is 0. */
+    if ((!gray && !idle) || still || ends > ALPHA_ENDS_MOST ||
         distance(s->used_mean[3], 0.5) > MIDDLE || distance(s->used_mean[1], 0.5) > MIDDLE ||
         s->ag_in_disc < 1 - TOO_LONG_SHARE)
         return false;
@@ -210,6 +216,17 @@ static bool is_swapped(question *q)
     return is(q, NTP_CLASS_STANDARD, 0.92);
 }
 
+/* Blue as 0..1?  Nine of ten textures are not, so that it takes more than a better fit. */
+static bool prefers_zzero(const question *q)
+{
+    const ntp_stats *s = q->s;
+    if (q->rounded[0] > ROUNDED_SHARE || q->rounded[1] > ROUNDED_SHARE)
+        return q->rounded[1] > q->rounded[0];
+    return s->tilted_near[1] > s->tilted_near[0] && s->tilted_near[1] > ZZERO_NEAR &&
+           s->tilted_off[1] < s->tilted_off[0] && s->tilted_gap > ZZERO_GAP &&
+           s->blue_slope > ZZERO_SLOPE;
+}
+
 /* Share of the texels on the rarer side. */
 static double rarer(double share)
 {
@@ -221,7 +238,7 @@ static bool is_object_space(question *q)
     double z = rarer(q->negative), red = rarer(q->red_low), green = rarer(q->green_low);
     bool mixed = z > MIXED_LEAST && red > MIXED_LEAST && green > MIXED_LEAST;
     if (z < DIRECTIONS_LEAST || red < AXIS_LEAST || green < AXIS_LEAST ||
-        q->near[0] < (mixed ? MIXED_UNIT_SHARE : NEAR_UNIT_SHARE))
+        q->near[0] < (mixed ? MIXED_UNIT_SHARE : NEAR_UNIT_SHARE) || prefers_zzero(q))
         return false;
     because(q, NTP_REASON_ALL_DIRECTIONS, q->negative);
     because(q, NTP_REASON_NEAR_UNIT, q->near[0]);
@@ -232,22 +249,13 @@ static bool is_blue_constant(question *q)
 {
     const ntp_stats *s = q->s;
     if (s->used_sd[2] > CONSTANT_DEVIATION || q->too_long > TOO_LONG_SHARE || q->lean > LEAN_MOST ||
-        (s->used_mean[2] > 0.9 && q->unit[0] > UNIT_SHARE))
+        (s->used_mean[2] > 0.9 && q->unit[0] > UNIT_SHARE) ||
+        (s->used_mean[2] < 0.998 && s->used_mean[2] > 0.9 && q->near[0] > NEAR_UNIT_SHARE))
         return false;
     q->out->accidents |= NTP_ACCIDENT_BLUE_CONSTANT;
     because(q, NTP_REASON_BLUE_CONSTANT, s->used_mean[2]);
     because(q, NTP_REASON_XY_CENTERED, q->lean);
     return is(q, NTP_CLASS_XY, q->lean < LEAN_CENTERED ? 0.95 : 0.85);
-}
-
-/* Blue as 0..1? */
-static bool prefers_zzero(const question *q)
-{
-    const ntp_stats *s = q->s;
-    if (q->rounded[0] > UNIT_SHARE || q->rounded[1] > UNIT_SHARE)
-        return q->rounded[1] > q->rounded[0];
-    return s->tilted_near[1] > ZZERO_NEAR && s->tilted_near[1] > s->tilted_near[0] &&
-           s->tilted_off[1] < s->tilted_off[0] && s->blue_slope > ZZERO_SLOPE;
 }
 
 /* The second greatest of the three steps at block borders. */
@@ -316,6 +324,8 @@ static bool is_normals(question *q)
         because(q, zzero ? NTP_REASON_NEAR_UNIT_ZZERO : NTP_REASON_NEAR_UNIT, q->near[zzero]);
     if (zzero) {
         because(q, NTP_REASON_PREFERS_ZZERO, s->tilted_near[1]);
+        if (tight == 0 && sure > 0.8)
+            q->out->confidence = 0.8;
     } else if (s->tilted == 0 && !flipped) {
         because(q, NTP_REASON_UNDECIDED_ZZERO, 0);
         q->out->confidence = sure < 0.85 ? sure : 0.85;
@@ -329,19 +339,30 @@ static bool is_normals(question *q)
     return true;
 }
 
+static double least(double a, double b)
+{
+    return a < b ? a : b;
+}
+
 static bool is_xy(question *q)
 {
     const ntp_stats *s = q->s;
-    double steep = 0;
+    double steep = 0, middle = (double) (s->steepness[0] + s->steepness[1]) / q->used;
     for (int32_t i = NTP_STEEPNESS_BINS / 2; i < NTP_STEEPNESS_BINS; i++)
-        steep += (double) s->steepness[i];
-    if (q->too_long > TOO_LONG_SHARE || q->lean > LEAN_CENTERED || steep > STEEP_MOST * q->used)
+        steep += (double) s->steepness[i] / q->used;
+    if (q->too_long > TOO_LONG_SHARE || q->lean > LEAN_CENTERED || steep > STEEP_MOST)
         return false;
-    double centered = blend(0.6, 0.92, (LEAN_CENTERED - q->lean) / (LEAN_CENTERED - LEAN_SMALL));
-    double unlike = blend(0.7, 0.92, (NEAR_UNIT_SHARE - q->near[0]) / 0.2);
+    double sure = blend(0.6, 0.92, (LEAN_CENTERED - q->lean) / (LEAN_CENTERED - LEAN_SMALL));
+    sure = least(sure, blend(0.7, 0.92, (NEAR_UNIT_SHARE - q->near[0]) / 0.2));
+    sure = least(sure, blend(0.6, 0.92, (s->standard.used_length_sd - SPREAD_MOST) / 0.08));
+    sure = least(sure, blend(0.6, 0.92, middle / MIDDLE_LEAST - 1));
+    if (s->used_mean[2] > OPEN_BLUE)
+        sure = least(sure, 0.85);
+    if (block_step(s) > BLOCK_STEP)
+        sure = least(sure, 0.75);
     because(q, NTP_REASON_BLUE_UNRELATED, s->tilted_near[0]);
     because(q, NTP_REASON_XY_CENTERED, q->lean);
-    return is(q, NTP_CLASS_XY, centered < unlike ? centered : unlike);
+    return is(q, NTP_CLASS_XY, sure);
 }
 
 static void classify(question *q)
