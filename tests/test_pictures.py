@@ -191,6 +191,8 @@ def test_floats_that_are_no_vector(bad):
     stats = Diff().add(array, flat).stats()
     assert stats["different"] == 2 and stats["levels_max"][:3] == [0, 0, 0]
     assert stats["angles"]["max"] == 0
+    none = np.full((2, 2, 3), bad, np.float32)  # flat has no y that could be flipped
+    assert Diff().add(none, none, ys=(ntp.UP, ntp.DOWN)).stats()["levels_max"] == [0] * 4
 
 
 # ----------------------------------------------------------------------- the shaded plane
