@@ -105,6 +105,8 @@ static bool fail(png_state *s, ntpio_error *error)
         return ntpio__fail_memory(error, reader->name);
     if (strlen(m) > 4 && strstr(m, ": CRC error") != NULL)
         return ntpio__fail(error, NTPIO_ERR_CORRUPT, reader->name, "checksum error in %.4s", m);
+    if (strstr(m, "incorrect data check") != NULL)
+        return ntpio__fail(error, NTPIO_ERR_CORRUPT, reader->name, "checksum error in the pixels");
     if (strstr(m, "Not enough image data") != NULL)
         return ntpio__fail(error, NTPIO_ERR_CORRUPT, reader->name, "truncated image data");
     return ntpio__fail(error, NTPIO_ERR_CORRUPT, reader->name, "damaged (%s)", m);

@@ -1,0 +1,224 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * test_output.c - what is written comes back, and a failure leaves the old file whole and
+ * nothing beside it
+ */
+#include <dirent.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <signal.h>
+#include <sys/file.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "made.h"
+#include "ntpio.h"
+
+static ntpio_error error;
+static uint8_t noise[1 << 20];
+
+static ntpio_write_options rgb(uint32_t side)
+{
+    return (ntpio_write_options) { .format = NTPIO_PNG,
+                                   .width = side,
+                                   .height = side,
+                                   .channels = 3,
+                                   .sample_bytes = 1,
+                                   .level = -1 };
+}
+
+static bool write_all(const char *path, const ntpio_write_options *o)
+{
+    ntpio_writer *w = ntpio_create(path, o, &error);
+    const size_t row = (size_t) o->width * (size_t) (o->channels * o->sample_bytes);
+    if (w == NULL)
+        return false;
+    if (!ntpio_write_rows(w, noise, (ptrdiff_t) row, o->height, &error)) {
+        ntpio_abort(w);
+        return false;
+    }
+    return ntpio_commit(w, &error);
+}
+
+static ntpio_reader *read_back(const char *path, const ntpio_write_options *o)
+{
+    const size_t row = (size_t) o->width * (size_t) (o->channels * o->sample_bytes);
+    uint8_t *image = malloc(row * o->height);
+    ntpio_reader *r = ntpio_open(path, NULL, &error);
+    CHECK(image != NULL && r != NULL);
+    CHECK(ntpio_read_rows(r, image, (ptrdiff_t) row, o->height, &error));
+    CHECK(ntpio_read_end(r, &error));
+    CHECK(memcmp(image, noise, row * o->height) == 0);
+    free(image);
+    return r;
+}
+
+static size_t entries(void)
+{
+    size_t n = 0;
+    DIR *d = opendir(".");
+    CHECK(d != NULL);
+    for (const struct dirent *e; (e = readdir(d)) != NULL;)
+        n += strcmp(e->d_name, ".") != 0 && strcmp(e->d_name, "..") != 0;
+    closedir(d);
+    return n;
+}
+
+static void round_trips(void)
+{
+    for (int format = NTPIO_PNG; format <= NTPIO_PFM; format++) {
+        for (int32_t c = 1; c <= 4; c++) {
+            for (int32_t b = 1; b <= 4; b *= 2) {
+                for (int32_t level = -1; level <= 9; level += 5) {
+                    ntpio_write_options o = rgb(23);
+                    o.format = (ntpio_format) format;
+                    o.channels = c;
+                    o.sample_bytes = b;
+                    o.level = level;
+                    o.content_is_flat = c == 1;
+                    const bool fits = format == NTPIO_PNG   ? b <= 2
+                                      : format == NTPIO_TGA ? b == 1 && c != 2
+                                      : format == NTPIO_PFM ? b == 4 && (c == 1 || c == 3)
+                                                            : false;
+                    CHECK(write_all("trip", &o) == fits);
+                    if (fits)
+                        ntpio_close(read_back("trip", &o));
+                    else
+                        CHECK(error.status == NTPIO_ERR_USAGE);
+                    unlink("trip");
+                }
+            }
+        }
+    }
+    CHECK(entries() == 0);
+}
+
+static void metadata(void)
+{
+    ntpio_text texts[] = {
+        { .key = "Title", .value = "plain" },
+        { .key = "Comment", .value = "packed packed packed", .compressed = true },
+        { .key = "Author",
+          .value = "J\xc3\xb6rg",
+          .language = "de",
+          .translated_key = "Autor",
+          .itxt = true },
+    };
+    ntpio_info info = { .has_phys = true, .phys_x = 11, .phys_y = 12, .phys_unit = 1 };
+    ntpio_write_options o = rgb(5);
+    o.copy_from = &info;
+    info.texts = texts;
+    info.text_count = 2;
+    ntpio_writer *w = ntpio_create("meta.png", &o, &error);
+    CHECK(w != NULL && ntpio_write_rows(w, noise, 15, 5, &error));
+    info.text_count = 3; /* one that came after the pixels */
+    CHECK(ntpio_commit(w, &error));
+    ntpio_reader *r = read_back("meta.png", &o);
+    const ntpio_info *got = ntpio_reader_info(r);
+    CHECK(got->has_phys && got->phys_x == 11 && got->phys_y == 12 && got->text_count == 3);
+    for (size_t i = 0; i < 3; i++) {
+        CHECK(strcmp(got->texts[i].key, texts[i].key) == 0);
+        CHECK(strcmp(got->texts[i].value, texts[i].value) == 0);
+        CHECK(got->texts[i].compressed == texts[i].compressed &&
+              got->texts[i].itxt == texts[i].itxt);
+    }
+    CHECK(strcmp(got->texts[2].translated_key, "Autor") == 0);
+    ntpio_close(r);
+    unlink("meta.png");
+}
+
+static void targets(void)
+{
+    struct stat st;
+    const ntpio_write_options o = rgb(7);
+    char name[256];
+    memset(name, 'n', 255);
+    name[255] = 0;
+    const char *const names[] = { name, "a b\n%n\xff", "-x" };
+    for (size_t i = 0; i < 3; i++) {
+        for (int again = 0; again < 2; again++) /* new, then replaced */
+            CHECK(write_all(names[i], &o));
+        ntpio_close(read_back(names[i], &o));
+        unlink(names[i]);
+    }
+    CHECK(write_all("real", &o) && chmod("real", 0640) == 0 && symlink("real", "link") == 0);
+    CHECK(write_all("link", &o));
+    CHECK(lstat("link", &st) == 0 && S_ISLNK(st.st_mode));
+    CHECK(stat("real", &st) == 0 && (st.st_mode & 0777) == 0640);
+    unlink("real");
+    CHECK(write_all("link", &o) && lstat("real", &st) == 0 && S_ISREG(st.st_mode));
+    unlink("link");
+    unlink("real");
+    CHECK(!write_all(".", &o) && error.status == NTPIO_ERR_WRITE);
+    CHECK(!write_all("none/x.png", &o) && error.status == NTPIO_ERR_WRITE);
+    CHECK(symlink("loop", "loop") == 0 && !write_all("loop", &o));
+    unlink("loop");
+    CHECK(entries() == 0);
+}
+
+static void no_room(void)
+{
+    const struct rlimit little = { 5000, RLIM_INFINITY };
+    struct rlimit all;
+    const ntpio_write_options small = rgb(3), large = rgb(500);
+    CHECK(write_all("old", &small) && getrlimit(RLIMIT_FSIZE, &all) == 0);
+    signal(SIGXFSZ, SIG_IGN);
+    CHECK(setrlimit(RLIMIT_FSIZE, &little) == 0);
+    CHECK(!write_all("old", &large) && error.status == NTPIO_ERR_WRITE);
+    CHECK(!write_all("new", &large) && error.status == NTPIO_ERR_WRITE);
+    CHECK(setrlimit(RLIMIT_FSIZE, &all) == 0);
+    ntpio_close(read_back("old", &small));
+    CHECK(entries() == 1);
+    if (access("/dev/full", W_OK) == 0)
+        CHECK(!write_all("/dev/full", &large) && error.status == NTPIO_ERR_WRITE);
+    unlink("old");
+}
+
+/* A writer dies halfway; another leaves a named file, as one without O_TMPFILE would. */
+static void killed(void)
+{
+    const ntpio_write_options small = rgb(3), large = rgb(500);
+    CHECK(write_all("old", &small));
+    const pid_t child = fork();
+    CHECK(child >= 0);
+    if (child == 0) {
+        ntpio_writer *w = ntpio_create("old", &large, &error);
+        if (w != NULL)
+            ntpio_write_rows(w, noise, 1500, 300, &error);
+        raise(SIGKILL);
+    }
+    CHECK(waitpid(child, NULL, 0) == child);
+    ntpio_close(read_back("old", &small));
+    const int stale = open(".old.ntp-000001.tmp", O_CREAT | O_WRONLY, 0666);
+    const int living = open(".old.ntp-000002.tmp", O_CREAT | O_WRONLY, 0666);
+    CHECK(stale >= 0 && living >= 0 && flock(living, LOCK_EX) == 0);
+    close(stale);
+    CHECK(write_all("old", &small));
+    CHECK(access(".old.ntp-000001.tmp", F_OK) != 0 && access(".old.ntp-000002.tmp", F_OK) == 0);
+    close(living);
+    CHECK(write_all("old", &small) && entries() == 1);
+    ntpio_writer *w = ntpio_create("old", &large, &error);
+    CHECK(w != NULL && !ntpio_commit(w, &error) && error.status == NTPIO_ERR_USAGE);
+    ntpio_close(read_back("old", &small));
+    ntpio_write_options dry = large;
+    dry.dry_run = true;
+    CHECK(write_all("dry", &dry) && entries() == 1);
+    unlink("old");
+}
+
+int main(void)
+{
+    char folder[] = "/tmp/ntpio-test-XXXXXX";
+    CHECK(mkdtemp(folder) != NULL && chdir(folder) == 0);
+    for (size_t i = 0; i < sizeof noise; i++)
+        noise[i] = (uint8_t) sample((uint32_t) i, 3, 1, 8);
+    round_trips();
+    metadata();
+    targets();
+    no_room();
+    killed();
+    CHECK(rmdir(folder) == 0);
+    return 0;
+}
