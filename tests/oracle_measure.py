@@ -60,7 +60,7 @@ def measure(array, encoding_is_zzero=False, touch=0, xy=False):
     """A dict with the fields of ntp_stats; arrays of texels under names of their own."""
     levels, m, stored = levels_of(array)
     r, g = levels[:, 0], levels[:, 1]
-    b = levels[:, 2] if levels.shape[1] > 2 else np.full(len(levels), m)
+    b = levels[:, 2] if levels.shape[1] > 2 else np.where(r + g > 0, m, 0)  # black stays black
     rgb = np.stack([r, g, b], 1)
     channels = levels.shape[1]
     alpha = levels[:, 3] if channels == 4 else np.full(len(levels), m)
