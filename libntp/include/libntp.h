@@ -497,10 +497,11 @@ enum {
     NTP_REASON_COLORS_ALIKE = 28,     /* [correlation of red and green] */
     NTP_REASON_ALL_ROUNDED = 29,      /* every used texel is an honestly rounded unit vector */
     NTP_REASON_LOSSY_FILE = 30,       /* the file format is lossy */
-    NTP_REASON_ALL_CHANNELS = 31,     /* [mean length error of steep texels over that of flat] */
+    NTP_REASON_ALL_CHANNELS = 31,     /* [mean length error of steep texels over that of shallow] */
     NTP_REASON_Z_ALONE = 32,          /* [the same, small] */
     NTP_REASON_FEW_WRONG = 33,        /* [share of used texels that are wrong, grossly] */
-    NTP_REASON_XY_ONLY = 34           /* blue is not z */
+    NTP_REASON_XY_ONLY = 34,          /* blue is not z */
+    NTP_REASON_TOO_FLAT = 35          /* so flat that both methods do about the same */
 };
 
 /* A fact behind a classification, with the number that it is about. */

@@ -18,7 +18,8 @@ static const double GRAY_SHARE = 0.98;
 /* Unit length.  Honest encoders reach 1 with NTP_NEIGHBOR; 3 % of bad texels must not matter.  By
  * 1/8 even JPEG and resizing rarely take more than a tenth of the texels, and chance (a picture's
  * colors) rarely leaves more than half of them. */
-static const double ROUNDED_SHARE = 0.96, UNIT_SHARE = 0.93, NEAR_UNIT_SHARE = 0.88;
+static const double ROUNDED_ALL = 0.995, ROUNDED_SHARE = 0.96, UNIT_SHARE = 0.93,
+                    NEAR_UNIT_SHARE = 0.88;
 
 /* A tight fit that comes from flat texels only: of the tilted ones few fit, and blue does not follow. */
 static const double TILTED_LEAST = 0.01, TILTED_NEAR_LEAST = 0.3;
@@ -100,6 +101,11 @@ static double distance(double a, double b)
 static double most(double a, double b)
 {
     return a > b ? a : b;
+}
+
+static double least(double a, double b)
+{
+    return a < b ? a : b;
 }
 
 /* `low` where t is 0 or less, `high` where it is 1 or more, between them in proportion. */
@@ -220,8 +226,10 @@ static bool is_swapped(question *q)
 static bool prefers_zzero(const question *q)
 {
     const ntp_stats *s = q->s;
-    if (q->rounded[0] > ROUNDED_SHARE || q->rounded[1] > ROUNDED_SHARE)
-        return q->rounded[1] > q->rounded[0];
+    if (q->rounded[0] > ROUNDED_SHARE || q->rounded[1] > ROUNDED_SHARE) {
+        bool clear = s->tilted_gap > ZZERO_GAP || q->rounded[1] > ROUNDED_ALL;
+        return q->rounded[1] > q->rounded[0] && clear;
+    }
     return s->tilted_near[1] > s->tilted_near[0] && s->tilted_near[1] > ZZERO_NEAR &&
            s->tilted_off[1] < s->tilted_off[0] && s->tilted_gap > ZZERO_GAP &&
            s->blue_slope > ZZERO_SLOPE;
@@ -324,11 +332,11 @@ static bool is_normals(question *q)
         because(q, zzero ? NTP_REASON_NEAR_UNIT_ZZERO : NTP_REASON_NEAR_UNIT, q->near[zzero]);
     if (zzero) {
         because(q, NTP_REASON_PREFERS_ZZERO, s->tilted_near[1]);
-        if (tight == 0 && sure > 0.8)
-            q->out->confidence = 0.8;
+        if (q->rounded[1] < ROUNDED_SHARE)
+            q->out->confidence = least(sure, 0.8);
     } else if (s->tilted == 0 && !flipped) {
         because(q, NTP_REASON_UNDECIDED_ZZERO, 0);
-        q->out->confidence = sure < 0.85 ? sure : 0.85;
+        q->out->confidence = least(sure, 0.85);
     }
     if (flipped) {
         q->out->accidents |= NTP_ACCIDENT_Z_FLIPPED;
@@ -337,11 +345,6 @@ static bool is_normals(question *q)
     if (tight == 0)
         note_damage(q, zzero);
     return true;
-}
-
-static double least(double a, double b)
-{
-    return a < b ? a : b;
 }
 
 static bool is_xy(question *q)
@@ -377,7 +380,9 @@ static void classify(question *q)
         because(q, NTP_REASON_XY_OFF_CENTER, q->lean);
     if (q->s->correlation[0] > 0.8)
         because(q, NTP_REASON_COLORS_ALIKE, q->s->correlation[0]);
-    is(q, NTP_CLASS_NOT_NORMALS, blend(0.7, 0.95, (q->lean - LEAN_CENTERED) / 0.15));
+    is(q, NTP_CLASS_NOT_NORMALS,
+       least(blend(0.7, 0.95, (q->lean - LEAN_CENTERED) / 0.15),
+             blend(0.7, 0.95, (NEAR_UNIT_SHARE - 0.2 - q->near[0]) / 0.2)));
 }
 
 ntp_status ntp_classify(ntp_classification *result, const ntp_stats *stats)

@@ -1,30 +1,137 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * method.c - which way of cleaning a texture's errors speak for
+ *
+ * Where blue alone is wrong, red and green are still right, and blue is derived from them.  Where
+ * all three channels err, as after compression or filtering, the direction of the whole vector is
+ * the best that is left, and it is normalized.  The two differ in how the error of the length goes
+ * with steepness: an error of z weighs z in the length, so it fades where texels are steep, while
+ * errors of x and y do not.
  */
 #include "internal.h"
+
+/* A few texels far off: at most this share fails, and those that fail are off by this much (root of
+ * the mean square).  Resizing fails less grossly. */
+static const double FEW_SHARE = 0.1, GROSS_ERROR = 0.15;
+
+/* One sign: of the texels that are off, three of four are too short. */
+static const double SHORT_OVER_LONG = 3;
+
+/* One factor for all texels: practically all are too short, by about the same.  The lengths of a
+ * texture whose z is scaled spread somewhat more, but there blue follows z to the level. */
+static const double ALL_SHORT = 0.95, FACTOR_SPREAD = 0.35, FACTOR_FOLLOWS = 0.97;
+static const double FACTOR_LEAST = 0.02;
+
+/* Blue that does not follow red and green at all; the smallest correlation after hard JPEG. */
+static const double UNRELATED = 0.1, CONSTANT_DEVIATION = 0.0005;
+
+/* Steep over shallow: z alone gives 0.7, all channels 1 and more.  Bins of 1/8; where too few texels
+ * are that steep, both methods give nearly the same. */
+static const double STEEP_OVER_SHALLOW = 0.85, STEEP_LEAST = 0.005;
+enum { SHALLOW_BIN = 2, STEEP_BIN = 5, BINS = 2 };
+
+/* Mean length error over BINS bins from `first` on; the texels go to *count. */
+static double error_from(const ntp_stats *s, int32_t first, double *count)
+{
+    double sum = 0;
+    *count = 0;
+    for (int32_t i = first; i < first + BINS; i++) {
+        sum += (double) s->steepness[i] * s->steepness_length_error[i];
+        *count += (double) s->steepness[i];
+    }
+    return *count > 0 ? sum / *count : 0;
+}
+
+/* Steep over shallow length error; 0 where it cannot be told.  Where lengths are off by a factor
+ * the steepest and the flattest bin that hold texels do. */
+static double steep_over_shallow(const ntp_stats *s, double used)
+{
+    double few = STEEP_LEAST * used, steep_texels, shallow_texels;
+    double steep = error_from(s, STEEP_BIN, &steep_texels);
+    double shallow = error_from(s, SHALLOW_BIN, &shallow_texels);
+    return steep_texels > few && shallow_texels > few && shallow > 0 ? steep / shallow : 0;
+}
+
+/* All texels are short by one factor: of the vector, or of z?  The error in the steepest bin over
+ * that in the flattest is 1, or the ratio of their z squared. */
+static ntp_method method_of_factor(const ntp_stats *s, double used, ntp_reason *why)
+{
+    int32_t flat = -1, steep = -1;
+    for (int32_t i = 0; i < NTP_STEEPNESS_BINS - 1; i++) {
+        if ((double) s->steepness[i] > STEEP_LEAST * used) {
+            flat = flat < 0 ? i : flat;
+            steep = i;
+        }
+    }
+    why->code = NTP_REASON_TOO_FLAT;
+    why->value = 0;
+    if (flat == steep)
+        return NTP_DERIVE;
+    double low = (flat + 0.5) / NTP_STEEPNESS_BINS, high = (steep + 0.5) / NTP_STEEPNESS_BINS;
+    double of_z = (1 - high * high) / (1 - low * low);
+    double ratio = s->steepness_length_error[steep] / s->steepness_length_error[flat];
+    bool all = ratio > (1 + of_z) / 2;
+    why->code = all ? NTP_REASON_ALL_CHANNELS : NTP_REASON_Z_ALONE;
+    why->value = ratio;
+    return all ? NTP_NORMALIZE : NTP_DERIVE;
+}
+
+static ntp_method method_of_errors(const ntp_stats *s, const ntp_fit *fit, bool zzero, double used,
+                                   ntp_reason *why)
+{
+    double wrong = 1 - (double) (fit->neighbor - fit->unused_neighbor) / used;
+    double off = 1 - fit->used_length_mean;
+    double square = fit->used_length_sd * fit->used_length_sd + off * off;
+    *why = (ntp_reason) { NTP_REASON_FEW_WRONG, wrong };
+    if (wrong < FEW_SHARE && square > GROSS_ERROR * GROSS_ERROR * wrong)
+        return NTP_DERIVE;
+    if (!zzero && off > FACTOR_LEAST && fit->used_short > ALL_SHORT &&
+        (fit->used_length_sd < FACTOR_SPREAD * off || s->blue_correlation > FACTOR_FOLLOWS))
+        return method_of_factor(s, used, why);
+    *why = (ntp_reason) { NTP_REASON_SHORT, fit->used_short };
+    if (fit->used_short > SHORT_OVER_LONG * fit->used_long)
+        return NTP_NORMALIZE;
+    double ratio = zzero ? 0 : steep_over_shallow(s, used);
+    *why = (ntp_reason) { NTP_REASON_TOO_FLAT, 0 };
+    if (ratio == 0)
+        return NTP_DERIVE;
+    bool all = ratio > STEEP_OVER_SHALLOW;
+    *why = (ntp_reason) { all ? NTP_REASON_ALL_CHANNELS : NTP_REASON_Z_ALONE, ratio };
+    return all ? NTP_NORMALIZE : NTP_DERIVE;
+}
 
 ntp_status ntp_choose_method(ntp_method *method, ntp_reason *why, const ntp_stats *stats,
                              ntp_encoding encoding, int32_t lossy)
 {
-    ntp_reason unused;
+    ntp_reason unwanted;
     if (why == NULL)
-        why = &unused;
+        why = &unwanted;
     if (method == NULL || stats == NULL || stats->texels == 0 ||
         (encoding != NTP_STANDARD && encoding != NTP_ZZERO && encoding != NTP_XY))
         return NTP_ERR_ARGUMENT;
-    const ntp_fit *fit = encoding == NTP_ZZERO ? &stats->zzero : &stats->standard;
+    bool zzero = encoding == NTP_ZZERO;
+    const ntp_fit *fit = zzero ? &stats->zzero : &stats->standard;
     uint64_t used = stats->texels - stats->unused;
-    *method = NTP_DERIVE;
-    *why = (ntp_reason) { NTP_REASON_Z_ALONE, 0 };
+    double sign = stats->used_z_negative > used / 2 && !zzero ? -1 : 1;
+    bool follows = sign * stats->blue_correlation > UNRELATED;
     if (encoding == NTP_XY) {
-        why->code = NTP_REASON_XY_ONLY;
+        *method = NTP_DERIVE;
+        *why = (ntp_reason) { NTP_REASON_XY_ONLY, 0 };
     } else if (fit->rounded - fit->unused_rounded == used) {
         *method = NTP_KEEP;
-        why->code = NTP_REASON_ALL_ROUNDED;
+        *why = (ntp_reason) { NTP_REASON_ALL_ROUNDED, 1 };
+    } else if (stats->used_sd[2] < CONSTANT_DEVIATION) {
+        *method = NTP_DERIVE;
+        *why = (ntp_reason) { NTP_REASON_BLUE_CONSTANT, stats->used_mean[2] };
     } else if (lossy) {
         *method = NTP_NORMALIZE;
-        why->code = NTP_REASON_LOSSY_FILE;
+        *why = (ntp_reason) { NTP_REASON_LOSSY_FILE, 1 };
+    } else {
+        *method = method_of_errors(stats, fit, zzero, (double) used, why);
+        if (!follows && fit->used_near_unit[2] < 0.9 && why->code != NTP_REASON_FEW_WRONG) {
+            *method = NTP_DERIVE;
+            *why = (ntp_reason) { NTP_REASON_BLUE_UNRELATED, stats->tilted_near[zzero] };
+        }
     }
     return NTP_OK;
 }

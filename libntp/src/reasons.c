@@ -45,10 +45,11 @@ static const char *const TEXTS[] = {
     "red and green go together, with a correlation of #, as the colors of a picture do",
     "every used texel is an honestly rounded unit vector",
     "the file format is lossy",
-    "all three channels err: steep texels are off in length # times as much as flat ones",
-    "blue alone errs: steep texels are off in length # times as much as flat ones",
+    "all three channels err: steep texels are off in length # times as much as shallow ones",
+    "blue alone errs: steep texels are off in length # times as much as shallow ones",
     "% of the used texels are far off in blue while the others are right",
     "blue is not z",
+    "it is so flat that deriving and normalizing do about the same",
 };
 
 typedef struct buffer {
