@@ -195,7 +195,7 @@ def _():
 @file("standard_z_off.png")
 def _():
     levels = GOOD.copy()
-    patch = shapes.smooth_noise(*GOOD.shape[:2], 16, 12) > 0.8
+    patch = shapes.smooth_noise(*GOOD.shape[:2], 16, 12) > 0.88
     levels[..., 2] = np.where(
         patch | scattered(1), 128 + (levels[..., 2] - 128) // 2, levels[..., 2]
     )
