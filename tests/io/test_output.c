@@ -97,14 +97,13 @@ static void round_trips(void)
 
 static void metadata(void)
 {
+    static char title[] = "Title", plain[] = "plain", comment[] = "Comment", author[] = "Author",
+                packed[] = "packed packed packed", name[] = "J\xc3\xb6rg", de[] = "de",
+                autor[] = "Autor";
     ntpio_text texts[] = {
-        { .key = "Title", .value = "plain" },
-        { .key = "Comment", .value = "packed packed packed", .compressed = true },
-        { .key = "Author",
-          .value = "J\xc3\xb6rg",
-          .language = "de",
-          .translated_key = "Autor",
-          .itxt = true },
+        { .key = title, .value = plain },
+        { .key = comment, .value = packed, .compressed = true },
+        { .key = author, .value = name, .language = de, .translated_key = autor, .itxt = true },
     };
     ntpio_info info = { .has_phys = true, .phys_x = 11, .phys_y = 12, .phys_unit = 1 };
     ntpio_write_options o = rgb(5);
