@@ -2,8 +2,8 @@
 /*
  * gradient.c - heightfield -> normals: checks, and the walk over the area
  *
- * The area is cut into strips of NTP__BLOCK columns.  Down a strip goes a ring of rows of
- * heights (the kernel's, at most nine), each read once; tap sums, encoding and packing follow
+ * The area is cut into bands, and those into strips of NTP__BLOCK columns.  Down a strip goes a
+ * ring of rows of heights (the kernel's, at most nine), each read once; tap sums, encoding and packing follow
  * row by row.  Texels that the encoding loop has doubts about are done over exactly.
  */
 #include "gradient.h"
@@ -19,7 +19,7 @@ static const double least_single = 0x1p-60, most_single = 0x1p60;
 static const double least_double = 0x1p-400, most_double = 0x1p400;
 
 /* Error of the encoding loops in units of roundoff; see gradient_kernels.c. */
-static const double encode_error = 17;
+static const double encode_error = 18;
 
 /* Tap sums in doubles that are not exact have fewer than 64 roundings. */
 static const double sum_error = 0x1p-47;
@@ -27,9 +27,8 @@ static const double sum_error = 0x1p-47;
 /* How a call is carried out. */
 typedef struct walk {
     ntp__gradient g;
-    const ntp__kernels_table *kernels;
     bool ints;       /* heights are int32_t */
-    bool blue;       /* is rounded by itself */
+    bool blue;       /* is wanted */
     bool single;     /* in float arithmetic */
     bool doubles;    /* in double arithmetic; neither: every texel exactly */
     double greatest; /* of the heights times the kernel's gain; integers */
@@ -44,8 +43,9 @@ typedef struct strip {
         double d[2][NTP__BLOCK];
     } sums;
     ntp__block out;
-    uint8_t doubt[NTP__BLOCK]; /* to be done exactly */
-    uint8_t moved[NTP__BLOCK]; /* also: repeat-slope takes a slope from outside the block */
+    int32_t doubt[NTP__BLOCK]; /* NTP__DOUBT: to be done exactly; NTP__TOO_LONG */
+    uint8_t moved
+        [NTP__BLOCK]; /* to be done exactly: repeat-slope takes a slope from outside the block */
     bool any_moved;
 } strip;
 
@@ -175,8 +175,8 @@ static void set_arithmetic(walk *w, double greatest)
     w->single = w->ints && g->m == 255 &&
                 within(&g->x, g->cx, least_single, most_single, greatest) &&
                 within(&g->y, g->cy, least_single, most_single, greatest);
-    double roundoff = w->single ? 0x1p-24 : 0x1p-53;
-    w->encode.delta = encode_error * roundoff * w->encode.half;
+    w->encode.relative = encode_error * (w->single ? 0x1p-24 : 0x1p-53);
+    w->encode.absolute = 0;
 }
 
 /* The tap sums, in doubles, are off by up to greatest * sum_error; no component grows faster
@@ -184,9 +184,8 @@ static void set_arithmetic(walk *w, double greatest)
 static void set_inexact(walk *w, double greatest)
 {
     double cx = w->g.cx < 0 ? -w->g.cx : w->g.cx, cy = w->g.cy < 0 ? -w->g.cy : w->g.cy;
-    w->encode.inexact = 1;
-    w->encode.delta += w->encode.half * (cx + cy) * greatest * sum_error;
-    w->doubles = w->doubles && w->encode.delta < 0.25;
+    w->encode.absolute = w->encode.half * (cx + cy) * greatest * sum_error;
+    w->doubles = w->doubles && w->encode.absolute < 0.25;
 }
 
 static ntp_status make_walk(walk *w, const ntp_image *dst, const ntp_const_image *src,
@@ -220,9 +219,9 @@ static ntp_status make_walk(walk *w, const ntp_image *dst, const ntp_const_image
         g->min_z_level = ntp__gradient_z_level(how->min_z, g->m, dst->encoding == NTP_ZZERO);
     g->alpha = how->alpha;
     g->loops = ntp__gradient_kernels_for(NTP__CPU_ALL);
-    w->kernels = ntp__kernels(NTP__CPU_ALL);
     w->ints = ntp__heights_are_int(g);
-    w->blue = !g->derived && dst->encoding != NTP_XY;
+    w->blue = g->derived || dst->encoding != NTP_XY;
+    w->encode.derived = g->derived;
     w->greatest = (double) g->kernel->gain * (double) g->range;
     w->encode.cx = g->cx;
     w->encode.cy = g->cy;
@@ -315,7 +314,6 @@ static bool trust_floats(walk *w, const facts *f)
     /* All sums are exact when all heights are multiples of a unit and 2^53 units are not reached:
      * a float is a multiple of 2^-24 of itself. */
     bool one_product = g->source != NTP_SOURCE_SCREEN;
-    w->encode.inexact = 0;
     if (!one_product)
         set_inexact(w, gain * (f->most > 1 ? 8 * f->most * f->most * f->most : 8));
     else if (!(gain * f->most <= 0x1p28 * f->least))
@@ -327,20 +325,18 @@ static bool trust_floats(walk *w, const facts *f)
 static bool encode(walk *w, strip *s, const facts *f, int32_t n)
 {
     const ntp__gradient *g = &w->g;
-    int32_t *blue = w->blue ? s->out.c[2] : NULL;
+    int32_t *r = s->out.c[0], *gr = s->out.c[1], *b = w->blue ? s->out.c[2] : NULL;
     bool trust = g->src->type == NTP_F32 ? trust_floats(w, f) : w->single || w->doubles;
     if (!trust) {
-        memset(s->doubt, 1, (size_t) n);
+        for (int32_t i = 0; i < n; i++)
+            s->doubt[i] = NTP__DOUBT;
         return true;
     }
-    if (w->single)
-        return w->g.loops->encode_single(s->out.c[0], s->out.c[1], blue, s->doubt, s->sums.i[0],
-                                         s->sums.i[1], n, &w->encode) > 0;
-    if (w->ints)
-        return w->g.loops->encode_i(s->out.c[0], s->out.c[1], blue, s->doubt, s->sums.i[0],
-                                    s->sums.i[1], n, &w->encode) > 0;
-    return w->g.loops->encode_d(s->out.c[0], s->out.c[1], blue, s->doubt, s->sums.d[0],
-                                s->sums.d[1], n, &w->encode) > 0;
+    if (w->ints) {
+        ntp__encode_i_fn *loop = w->single ? g->loops->encode_single : g->loops->encode_i;
+        return loop(r, gr, b, s->doubt, s->sums.i[0], s->sums.i[1], n, &w->encode) != 0;
+    }
+    return g->loops->encode_d(r, gr, b, s->doubt, s->sums.d[0], s->sums.d[1], n, &w->encode) != 0;
 }
 
 static void count(walk *w, const ntp__normal *normal)
@@ -353,40 +349,42 @@ static void count(walk *w, const ntp__normal *normal)
 static bool settle_in_double(const walk *w, strip *s, int32_t i)
 {
     ntp__encode e = w->encode;
-    e.delta = encode_error * 0x1p-53 * e.half;
+    e.relative = encode_error * 0x1p-53;
     int32_t *blue = w->blue ? &s->out.c[2][i] : NULL;
-    return w->g.loops->encode_i(&s->out.c[0][i], &s->out.c[1][i], blue, &s->doubt[i],
-                                &s->sums.i[0][i], &s->sums.i[1][i], 1, &e) == 0;
+    w->g.loops->encode_i(&s->out.c[0][i], &s->out.c[1][i], blue, &s->doubt[i], &s->sums.i[0][i],
+                         &s->sums.i[1][i], 1, &e);
+    return (s->doubt[i] & NTP__DOUBT) == 0;
 }
 
-/* Does over the texels in doubt. */
+static void settle_exactly(walk *w, strip *s, int32_t x, int32_t y, int32_t i, bool known)
+{
+    int64_t sums[2] = { 0, 0 };
+    ntp__normal normal;
+    if (known) {
+        sums[0] = s->sums.i[0][i];
+        sums[1] = s->sums.i[1][i];
+    }
+    ntp__gradient_exact(&normal, &w->g, x + i, y, known ? sums : NULL);
+    count(w, &normal);
+    for (int32_t k = 0; k < 3; k++)
+        s->out.c[k][i] = normal.level[k];
+    if (w->g.derived)
+        s->doubt[i] |= NTP__TOO_LONG;
+}
+
+/* Does over the texels in doubt, and pulls pairs that are too long onto the disc. */
 static void settle(walk *w, strip *s, int32_t x, int32_t y, int32_t n)
 {
+    bool zzero = w->g.dst->encoding == NTP_ZZERO;
     for (int32_t i = 0; i < n; i++) {
-        if (!s->doubt[i] && !s->moved[i])
+        if (s->doubt[i] == 0 && !s->moved[i])
             continue;
         bool known = w->ints && !s->moved[i];
-        if (known && w->single && settle_in_double(w, s, i))
-            continue;
-        int64_t sums[2] = { s->sums.i[0][i], s->sums.i[1][i] };
-        ntp__normal normal;
-        ntp__gradient_exact(&normal, &w->g, x + i, y, known ? sums : NULL);
-        count(w, &normal);
-        for (int32_t k = 0; k < 3; k++)
-            s->out.c[k][i] = normal.level[k];
-    }
-}
-
-/* Blue from the rounded red and green; pairs that are too long are pulled onto the disc. */
-static void derive(walk *w, strip *s, int32_t n)
-{
-    int32_t m = w->g.m;
-    bool zzero = w->g.dst->encoding == NTP_ZZERO;
-    int32_t *r = s->out.c[0], *g = s->out.c[1], *b = s->out.c[2];
-    w->kernels->derive(b, r, g, n, m, zzero);
-    for (int32_t i = 0; i < n; i++) {
-        if (b[i] < 0)
-            b[i] = ntp__derive(&r[i], &g[i], m, zzero);
+        bool certain = (s->doubt[i] & NTP__DOUBT) == 0 && !s->moved[i];
+        if (!certain && !(known && w->single && settle_in_double(w, s, i)))
+            settle_exactly(w, s, x, y, i, known);
+        if (s->doubt[i] & NTP__TOO_LONG)
+            s->out.c[2][i] = ntp__derive(&s->out.c[0][i], &s->out.c[1][i], w->g.m, zzero);
     }
 }
 
@@ -416,9 +414,7 @@ static void do_block(walk *w, strip *s, int32_t x, int32_t y, int32_t n)
     }
     if (encode(w, s, &f, n) || s->any_moved)
         settle(w, s, x, y, n);
-    if (w->g.derived)
-        derive(w, s, n);
-    else
+    if (!w->g.derived)
         raise_blue(w, s, n);
     ntp__gradient_pack(&w->g, &s->out, x, y, n);
 }
@@ -431,6 +427,18 @@ static void do_strip(walk *w, strip *s, const ntp_rect *r, int32_t x, int32_t n)
     s->any_moved = false;
     for (int32_t y = r->y0; y < r->y1; y++)
         do_block(w, s, x, y, n);
+}
+
+/* Strips of a few rows at a time: down the whole image every row of a strip is another page. */
+static void do_bands(walk *w, ntp_rect r)
+{
+    enum { BAND = 32 };
+    strip s;
+    for (ntp_rect band = r; band.y0 < r.y1; band.y0 = band.y1) {
+        band.y1 = r.y1 - band.y0 < BAND ? r.y1 : band.y0 + BAND;
+        for (int32_t x = r.x0; x < r.x1; x += NTP__BLOCK)
+            do_strip(w, &s, &band, x, r.x1 - x < NTP__BLOCK ? r.x1 - x : NTP__BLOCK);
+    }
 }
 
 /* ------------------------------------------------------------------------------- public */
@@ -454,9 +462,7 @@ ntp_status ntp_normals_from_height(const ntp_image *dst, const ntp_const_image *
     NTP__TRY(ntp__check_area(&r, src, area));
     walk w;
     NTP__TRY(make_walk(&w, dst, src, how));
-    strip s;
-    for (int32_t x = r.x0; x < r.x1; x += NTP__BLOCK)
-        do_strip(&w, &s, &r, x, r.x1 - x < NTP__BLOCK ? r.x1 - x : NTP__BLOCK);
+    do_bands(&w, r);
     if (counts != NULL) {
         counts->not_finite += w.counts.not_finite;
         counts->exact += w.counts.exact;

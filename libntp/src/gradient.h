@@ -128,19 +128,25 @@ typedef void ntp__tap_sums_d_fn(double *sums, const double *const rows[NTP__MAX_
 
 /* What the encoding loops need to know. */
 typedef struct ntp__encode {
-    double cx, cy, half, delta; /* c/N, d/N, M/2, the doubt about a component times M/2 */
-    double shortened;           /* sqrt(1 - min_z^2); ignored unless use_shortened */
+    double cx, cy, half; /* c/N, d/N, M/2 */
+    double relative,
+        absolute;     /* the doubt about v = M/2 times a component: relative |v| + absolute */
+    double shortened; /* sqrt(1 - min_z^2); ignored unless use_shortened */
     int32_t use_shortened;
-    int32_t zzero;
-    int32_t inexact; /* the tap sums are: their signs are in doubt near 0 */
+    int32_t derived, zzero; /* blue */
 } ntp__encode;
 
-/* red, green: levels; blue, not NULL: the nearest.  Returns how many texels
- * are in doubt; doubt[i] is nonzero for those. */
-typedef int32_t ntp__encode_i_fn(int32_t *red, int32_t *green, int32_t *blue, uint8_t *doubt,
+enum {
+    NTP__DOUBT = 1,   /* the rounding of red, green or a nearest blue is in doubt */
+    NTP__TOO_LONG = 2 /* red and green are to be pulled onto the disc */
+};
+
+/* red, green: levels; blue: derived or nearest, or NULL.  doubt[i]: the flags of a texel; the flags
+ * of all of them are returned. */
+typedef int32_t ntp__encode_i_fn(int32_t *red, int32_t *green, int32_t *blue, int32_t *doubt,
                                  const int32_t *right, const int32_t *down, int32_t n,
                                  const ntp__encode *e);
-typedef int32_t ntp__encode_d_fn(int32_t *red, int32_t *green, int32_t *blue, uint8_t *doubt,
+typedef int32_t ntp__encode_d_fn(int32_t *red, int32_t *green, int32_t *blue, int32_t *doubt,
                                  const double *right, const double *down, int32_t n,
                                  const ntp__encode *e);
 

@@ -8,12 +8,14 @@
  * The bound.  u is the unit roundoff (2^-24 or 2^-53); every operation below errs by a factor
  * within 1 +- u, squares of factors are left out.  The slope p = D * c: D may be rounded on
  * conversion (1), c is rounded, in double from a rounded N (2), the product (1): 4u.  p*p: 9u.
- * The sum of two such squares: 10u; with 1 added: 11u.  Its root: 5.5u + 1.  1/L: 7.5u.  Times
- * p: 12.5u.  Shortened by min_z: sqrt(1 - z^2) 3u, the root of the sum of squares 6u, their
- * quotient 10u, times p: 15u.  Times M/2: 16u.  A component is at most 1, so M/2 times it is off
- * by less than 17u M/2 (z: 9.5u M).  Its distance to the nearest integer is exact.  Near 0 the error is
- * relative, so the sign is right and 0 is no boundary in doubt; nothing overflows or falls below
- * the normal range as the caller keeps c/N within limits (gradient.c).
+ * The sum of two such squares: 10u; with 1 added: 11u.  Its root: 5.5u + 1.  (M/2)/L: 7.5u.
+ * Times p: 12.5u.  Shortened by min_z: M/2 sqrt(1 - z^2) 4u, the root of the sum of squares 6u,
+ * their quotient 11u, times p: 16u.  So v = M/2 times a component is off by less than 17u |v|,
+ * and its distance to the nearest integer k is exact: floor(v) is right unless that distance is
+ * below 17u (|k| + 1/1000).  18u |k| covers it, with the roundings of the test itself; and k = 0 is
+ * no boundary in doubt, as the sign is right.  z: 8.5u of v, 2 v + 1/2 less than 18u of it.
+ * Nothing overflows or falls below the normal range, as the caller keeps c/N within limits
+ * (gradient.c).  Tap sums that are not exact add an absolute bound.
  */
 #include "gradient.h"
 
@@ -119,61 +121,91 @@ static void tap_sums_d(double *sums, const double *const rows[NTP__MAX_TAPS], nt
 #define ROUND_F 12582912.0f        /* 1.5 * 2^23 */
 #define ROUND_D 6755399441055744.0 /* 1.5 * 2^52 */
 
-/* Levels of n = v / half in [-1, 1]: floor(v) + zero; in doubt near an integer other than 0. */
-#define DEFINE_ENCODE(NAME, T, S, SQRT, ROUND)                                                     \
+/*
+ * Levels of n = v / half in [-1, 1]: floor(v) + zero; in doubt near an integer, where v
+ * comes within relative |v| + absolute.
+ *
+ * The derived blue of M = 255 goes along.  With v = floor(M n / 2) the numerators of red and
+ * green are X = 2 v_x + 1 and Y, and S/4 = (M^2 - X^2 - Y^2)/4 is an exact float.  Its root is
+ * within 2^-24 of itself, but at least 1/1024 from an integer, as S = 7 mod 8: so floor(root) is
+ * right.  For Z-zero, root(S) + 1/2 keeps as far away, as 4 S = 28 mod 32 and (2b - 1)^2 is odd.
+ */
+enum { NO_BLUE, NEAREST_BLUE, DERIVED_BLUE };
+
+#define DEFINE_ENCODE(NAME, T, S, SQRT, ABS, ROUND)                                                \
     static ALWAYS_INLINE int32_t NAME##_loop(                                                      \
         int32_t *restrict red, int32_t *restrict green, int32_t *restrict blue,                    \
-        uint8_t *restrict doubt, const S *restrict right, const S *restrict down, int32_t n,       \
-        const ntp__encode *e, int32_t use_shortened, int32_t nearest)                              \
+        int32_t *restrict doubt, const S *restrict right, const S *restrict down, int32_t n,       \
+        const ntp__encode *e, int32_t use_shortened, int32_t which, int32_t zzero)                 \
     {                                                                                              \
-        const T cx = (T) e->cx, cy = (T) e->cy, half = (T) e->half, delta = (T) e->delta;          \
-        const T shortened = (T) e->shortened;                                                      \
-        const int32_t zero = (int32_t) (e->half + 0.5), inexact = e->inexact;                      \
-        const T blue_factor = (T) (e->zzero ? 2 * e->half : e->half);                              \
-        const T blue_shift = e->zzero ? (T) 0.5 : 0;                                               \
-        const int32_t blue_zero = e->zzero ? 0 : zero;                                             \
+        const T cx = (T) e->cx, cy = (T) e->cy, half = (T) e->half;                                \
+        const T shortened = (T) (e->shortened * e->half);                                          \
+        const T relative = (T) e->relative, absolute = (T) e->absolute;                            \
+        const int32_t zero = (int32_t) (e->half + 0.5);                                            \
+        const T quarter = half * half;                                                             \
         int32_t doubts = 0;                                                                        \
         for (int32_t i = 0; i < n; i++) {                                                          \
             T x = (T) right[i] * cx, y = (T) down[i] * cy;                                         \
             T xy2 = x * x + y * y;                                                                 \
-            T inverse = 1 / SQRT(1 + xy2), factor = inverse;                                       \
+            T inverse = half / SQRT(1 + xy2), factor = inverse;                                    \
             if (use_shortened) {                                                                   \
                 T other = shortened / SQRT(xy2);                                                   \
                 factor = other < factor ? other : factor;                                          \
             }                                                                                      \
-            x = x * factor * half;                                                                 \
-            y = y * factor * half;                                                                 \
+            x *= factor;                                                                           \
+            y *= factor;                                                                           \
             T round_x = (x + ROUND) - ROUND, round_y = (y + ROUND) - ROUND;                        \
             T over_x = x - round_x, over_y = y - round_y;                                          \
-            red[i] = zero + (int32_t) round_x - (over_x < 0);                                      \
-            green[i] = zero + (int32_t) round_y - (over_y < 0);                                    \
-            int32_t near_x = (over_x < delta) & (over_x > -delta) & ((round_x != 0) | inexact);    \
-            int32_t near_y = (over_y < delta) & (over_y > -delta) & ((round_y != 0) | inexact);    \
-            int32_t in_doubt = near_x | near_y;                                                    \
-            if (nearest) {                                                                         \
-                T z = inverse * blue_factor + blue_shift;                                          \
+            T floor_x = round_x - (over_x < 0 ? (T) 1 : (T) 0);                                    \
+            T floor_y = round_y - (over_y < 0 ? (T) 1 : (T) 0);                                    \
+            red[i] = zero + (int32_t) floor_x;                                                     \
+            green[i] = zero + (int32_t) floor_y;                                                   \
+            T near_x = ABS(round_x) * relative - ABS(over_x);                                      \
+            T near_y = ABS(round_y) * relative - ABS(over_y);                                      \
+            T near = (near_x > near_y ? near_x : near_y) + absolute;                               \
+            int32_t flags = near > 0 ? NTP__DOUBT : 0;                                             \
+            if (which == NEAREST_BLUE) {                                                           \
+                T z = zzero ? 2 * inverse + (T) 0.5 : inverse;                                     \
                 T round_z = (z + ROUND) - ROUND, over_z = z - round_z;                             \
-                blue[i] = blue_zero + (int32_t) round_z - (over_z < 0);                            \
-                in_doubt |= (over_z < 2 * delta) & (over_z > -2 * delta);                          \
+                blue[i] = (zzero ? 0 : zero) + (int32_t) round_z - (over_z < 0);                   \
+                flags |= ABS(over_z) < round_z * relative + 2 * absolute ? NTP__DOUBT : 0;         \
             }                                                                                      \
-            doubt[i] = (uint8_t) in_doubt;                                                         \
-            doubts += in_doubt;                                                                    \
+            if (which == DERIVED_BLUE) {                                                           \
+                T a = floor_x + (T) 0.5, b = floor_y + (T) 0.5;                                    \
+                T rest = quarter - a * a - b * b;                                                  \
+                T root = SQRT(rest > 0 ? rest : (T) 0);                                            \
+                blue[i] = zzero ? (int32_t) (2 * root + (T) 0.5) : zero + (int32_t) root;          \
+                flags |= rest < 0 ? NTP__TOO_LONG : 0;                                             \
+            }                                                                                      \
+            doubt[i] = flags;                                                                      \
+            doubts |= flags;                                                                       \
         }                                                                                          \
         return doubts;                                                                             \
-    }                                                                                              \
-    static int32_t NAME(int32_t *red, int32_t *green, int32_t *blue, uint8_t *doubt,               \
-                        const S *right, const S *down, int32_t n, const ntp__encode *e)            \
-    {                                                                                              \
-        if (blue != NULL)                                                                          \
-            return NAME##_loop(red, green, blue, doubt, right, down, n, e, e->use_shortened, 1);   \
-        if (e->use_shortened)                                                                      \
-            return NAME##_loop(red, green, blue, doubt, right, down, n, e, 1, 0);                  \
-        return NAME##_loop(red, green, blue, doubt, right, down, n, e, 0, 0);                      \
     }
 
-DEFINE_ENCODE(encode_single, float, int32_t, sqrtf, ROUND_F)
-DEFINE_ENCODE(encode_i, double, int32_t, sqrt, ROUND_D)
-DEFINE_ENCODE(encode_d, double, double, sqrt, ROUND_D)
+/* The loop with its choices made; derived blue of M = 65535 is another kernel's. */
+#define CHOOSE_ENCODE(NAME, S, DERIVED)                                                            \
+    static int32_t NAME(int32_t *red, int32_t *green, int32_t *blue, int32_t *doubt,               \
+                        const S *right, const S *down, int32_t n, const ntp__encode *e)            \
+    {                                                                                              \
+        if (blue == NULL)                                                                          \
+            return NAME##_loop(red, green, blue, doubt, right, down, n, e, e->use_shortened,       \
+                               NO_BLUE, 0);                                                        \
+        if (!e->derived)                                                                           \
+            return NAME##_loop(red, green, blue, doubt, right, down, n, e, e->use_shortened,       \
+                               NEAREST_BLUE, e->zzero);                                            \
+        if (e->use_shortened)                                                                      \
+            return NAME##_loop(red, green, blue, doubt, right, down, n, e, 1, DERIVED, e->zzero);  \
+        return e->zzero ? NAME##_loop(red, green, blue, doubt, right, down, n, e, 0, DERIVED, 1)   \
+                        : NAME##_loop(red, green, blue, doubt, right, down, n, e, 0, DERIVED, 0);  \
+    }
+
+DEFINE_ENCODE(encode_single, float, int32_t, sqrtf, fabsf, ROUND_F)
+DEFINE_ENCODE(encode_i, double, int32_t, sqrt, fabs, ROUND_D)
+DEFINE_ENCODE(encode_d, double, double, sqrt, fabs, ROUND_D)
+CHOOSE_ENCODE(encode_single, int32_t, DERIVED_BLUE)
+CHOOSE_ENCODE(encode_i, int32_t, DERIVED_BLUE)
+CHOOSE_ENCODE(encode_d, double, DERIVED_BLUE)
 
 /* Four texels make three words; bytes in memory order on every machine. */
 static void pack_rgb8(uint8_t *dst, const int32_t *red, const int32_t *green, const int32_t *blue,
