@@ -479,7 +479,7 @@ enum {
     NTP_REASON_NOT_UNIT = 10,         /* [share with a length of 1 to within 1/8], small */
     NTP_REASON_PREFERS_STANDARD = 11, /* [texels that tell the two readings of blue apart] */
     NTP_REASON_PREFERS_ZZERO = 12,    /* [the same] */
-    NTP_REASON_UNDECIDED_ZZERO = 13,  /* too flat to tell standard from Z-zero */
+    NTP_REASON_UNDECIDED_ZZERO = 13,  /* both readings of blue fit alike */
     NTP_REASON_XY_CENTERED = 14,      /* [length of the mean of x, y], small */
     NTP_REASON_XY_OFF_CENTER = 15,    /* [length of the mean of x, y], large */
     NTP_REASON_XY_TOO_LONG = 16,      /* [share of used texels with x, y longer than 1] */
@@ -716,6 +716,23 @@ NTP_API ntp_status ntp_normals_from_height(const ntp_image *dst, const ntp_const
 
 /* Rows above and below a row that its normals are made of; -1 where how is NULL or no good. */
 NTP_API int32_t ntp_gradient_reach(const ntp_gradient_options *how);
+
+/* What another program's picture of a heightfield takes here; see ntp_gradient_like. */
+typedef struct ntp_peer {
+    ntp_gradient_options options;
+    ntp_y y;             /* of dst */
+    int32_t green_is_up; /* nonzero: it stores z in green and y in blue */
+} ntp_peer;
+
+/*
+ * The settings that give another program's picture, correctly rounded: `name` is "reference"
+ * (value: its -hfs), "eberly" (sigma), "zima" (normalStrength; "zima-corrected": with the sign that
+ * a reader of the article reported), "gegl" (scale), or "gimp-normalmap:FILTER" (scale) with
+ * FILTER one of 4sample, sobel3, sobel5, prewitt3, prewitt5, 3x3, 5x5, 7x7, 9x9.
+ * docs/equivalences.md says how far each goes.  Errors: NTP_ERR_ARGUMENT for another name or a
+ * value that is not finite.
+ */
+NTP_API ntp_status ntp_gradient_like(ntp_peer *peer, const char *name, double value);
 
 /* The name of a kernel or border as in docs/arithmetic.md ("sobel3", "repeat-slope"); never NULL. */
 NTP_API const char *ntp_kernel_name(ntp_kernel kernel);
