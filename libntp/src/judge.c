@@ -55,15 +55,6 @@ void ntp__add_fit(ntp__fit_sums *fit, int32_t steepness, uint32_t flags, int32_t
         fit->length_inverted_min = inverted;
 }
 
-void ntp__add_angle(ntp__angle_sums *angles, uint64_t angle, uint32_t count)
-{
-    angles->texels += count;
-    angles->sum += angle * count;
-    angles->bins[(angle + 500) / 1000] += count;
-    if (angle > angles->max)
-        angles->max = angle;
-}
-
 static void add_fit(ntp__fit_sums *fit, const ntp__row *row, int32_t b, uint32_t count, bool zzero)
 {
     int32_t m = row->m, want = row->want[zzero], levels_off = -1;

@@ -277,7 +277,7 @@ static void count_wide(ntp_tally *t, const ntp__block *block, int32_t n)
             j.angle[i] = (int32_t) wide_angle(&j, i, block, as == NTP_ZZERO);
     }
     for (int32_t i = 0; i < n; i++)
-        ntp__add_angle(angles, (uint32_t) j.angle[i], 1);
+        ntp__angles_add(angles, (uint32_t) j.angle[i], 1);
 }
 
 static void add_planes(ntp_tally *t, const ntp__block *block, int32_t n)

@@ -22,6 +22,9 @@ enum {
     NTP__FLAT_ROWS = 4,
     NTP__ROWS = 128 * 129 / 2 + NTP__FLAT_ROWS,
 
+    /* 256 blues and a cache line more: rows a power of two apart would share few cache sets. */
+    NTP__ROW_CELLS = 256 + 16,
+
     NTP__LENGTH_BINS = 256,   /* of 1/128 */
     NTP__LENGTH_ONE = 1 << 16 /* fixed-point unit of lengths */
 };
@@ -85,7 +88,7 @@ struct ntp_tally {
     uint32_t pair_texels[65536];   /* by r | g << 8; wide texels and pictures too, at 8 bit */
     uint32_t sample_texels[65536]; /* the same of sampled rows, and their blues */
     uint64_t sample_blue[65536];
-    uint32_t cell[NTP__ROWS][256];
+    uint32_t cell[NTP__ROWS][NTP__ROW_CELLS];
 };
 
 /* Red and green, judged: what all blues of a row share. */
@@ -117,10 +120,9 @@ static inline int32_t ntp__steepness_bin(double xy2, int32_t m)
     return (int32_t) (sqrt(xy2) * ((double) NTP_STEEPNESS_BINS / m));
 }
 
-/* The parts of ntp__add, for texels that were judged elsewhere. */
+/* A part of ntp__add, for texels that were judged elsewhere. */
 void ntp__add_fit(ntp__fit_sums *fit, int32_t steepness, uint32_t flags, int32_t levels_off,
                   int32_t length, uint32_t count);
-void ntp__add_angle(ntp__angle_sums *angles, uint64_t angle, uint32_t count);
 
 /* Fills row_of and row_pair, once. */
 void ntp__rows_prepare(ntp_tally *tally);
