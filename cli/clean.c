@@ -86,9 +86,10 @@ static ntp_const_image copy_rows(production *p, const ntp_rect *area)
     const ntp_image *view = &p->s.view;
     ntp_const_image before = ntp_image_as_const(view);
     const size_t row = (size_t) view->row_stride;
-    unsigned char *copy = buffer_reserve(&p->w->extra, row * (size_t) view->ring_rows);
-    memcpy(copy, view->data, row * (size_t) (area->y1 - area->y0));
+    unsigned char *copy = buffer_reserve(&p->w->extra, row * (size_t) p->s.block_rows);
+    memcpy(copy, source_rows(&p->s, area), row * (size_t) (area->y1 - area->y0));
     before.data = copy;
+    before.ring_rows = p->s.block_rows;
     return before;
 }
 
@@ -106,7 +107,7 @@ static bool rows(production *p, const ntp_rect *area, ntpio_error *error)
     if (status != NTP_OK)
         return library_error(&p->s, status, error);
     p->changes = st->counts.changed > 0;
-    return production_write(p, view->data, view->row_stride, area, error);
+    return production_write(p, source_rows(&p->s, area), view->row_stride, area, error);
 }
 
 static ntp_angles angles_of(const production *p)

@@ -169,9 +169,9 @@ static bool begin(production *p, ntpio_write_options *shape, ntpio_error *error)
     const int32_t full_channels = height ? view->channels : FULL;
     const ntp_type type = output_type(p, set);
     const size_t row = (size_t) view->width * (size_t) full_channels * sample_size(type);
-    st->full = ntp_image_packed(buffer_reserve(&p->w->extra, row * (size_t) view->ring_rows),
+    st->full = ntp_image_packed(buffer_reserve(&p->w->extra, row * (size_t) p->s.block_rows),
                                 view->width, view->height, full_channels, type);
-    st->full.ring_rows = view->ring_rows;
+    st->full.ring_rows = p->s.block_rows;
     st->full.encoding = height ? NTP_HEIGHT : set->to;
     st->full.y = height ? NTP_Y_UP : set->to_y;
     st->out_channels = set->out_count > 0 ? set->out_count : view->channels;
@@ -224,7 +224,7 @@ static bool rows(production *p, const ntp_rect *area, ntpio_error *error)
         return library_error(&p->s, status, error);
     if (st->full.encoding == NTP_HEIGHT)
         return production_write(p, st->full.data, st->full.row_stride, area, error);
-    void *out = buffer_reserve(&p->w->extra2, st->out_row * (size_t) p->s.view.ring_rows);
+    void *out = buffer_reserve(&p->w->extra2, st->out_row * (size_t) p->s.block_rows);
     lay_out(st, set, out, (size_t) p->s.view.width * (size_t) (area->y1 - area->y0));
     return production_write(p, out, (ptrdiff_t) st->out_row, area, error);
 }

@@ -117,6 +117,7 @@ static bool compare(comparison *c, ntpio_error *error)
     if (c->b.s.view.ring_rows < ring)
         ring = c->b.s.view.ring_rows;
     c->a.s.view.ring_rows = c->b.s.view.ring_rows = ring;
+    c->a.s.block_rows = c->b.s.block_rows = ring;
     c->diff = need(aligned_alloc(64, (ntp_diff_size() + 63) / 64 * 64));
     memset(c->diff, 0, ntp_diff_size());
     if (!open_heat(c, error) || !compare_rows(c, error))

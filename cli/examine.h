@@ -28,8 +28,11 @@ typedef struct worker {
     buffer raw;   /* rows as the file has them, where their channels are rearranged */
     buffer extra; /* the verb's own */
     buffer extra2;
-    buffer diff;          /* an ntp_diff */
-    uint64_t *histogram;  /* NTP levels 0..65535 */
+    buffer diff;         /* an ntp_diff */
+    uint64_t *histogram; /* NTP levels 0..65535 */
+    unsigned char *map;  /* that holds the tally */
+    size_t map_size;
+    bool may_read_ahead;  /* a processor is idle */
     _Atomic int permille; /* of the file at work, for the progress bar */
 } worker;
 
@@ -50,8 +53,10 @@ typedef struct source {
     const ntpio_info *info;
     ntp_image view; /* set by source_view */
     bool mapped;
-    int8_t map[4]; /* of the view's channels, where mapped */
-    uint32_t next; /* the next row */
+    int8_t map[4];       /* of the view's channels, where mapped */
+    int32_t block_rows;  /* rows that source_next delivers at once */
+    struct ahead *ahead; /* the thread that reads ahead, or NULL */
+    uint32_t next;       /* the next row */
 } source;
 
 bool source_open(source *s, worker *w, const input *in, const ntpio_limits *limits,
@@ -66,6 +71,9 @@ void source_view(source *s, ntp_encoding encoding, ntp_y y, const int8_t *map, i
 /* Reads the next rows into the ring.  1: *area has them; 0: the end was reached and checked;
  * -1: *error tells why not. */
 int source_next(source *s, ntp_rect *area, ntpio_error *error);
+
+/* Where the rows of an area that source_next delivered lie. */
+unsigned char *source_rows(const source *s, const ntp_rect *area);
 
 /* The limits that the options set. */
 ntpio_limits limits_from(const options *o);

@@ -22,10 +22,10 @@ static bool rows(production *p, const ntp_rect *area, ntpio_error *error)
     const ntp_image *view = &p->s.view;
     const ntp_palette palette = (ntp_palette) option_integer(p->m->o, OPT_PALETTE);
     const size_t row = (size_t) view->width * HEAT_CHANNELS;
-    unsigned char *data = buffer_reserve(&p->w->extra, row * (size_t) view->ring_rows);
+    unsigned char *data = buffer_reserve(&p->w->extra, row * (size_t) p->s.block_rows);
     ntp_image heat = ntp_image_packed(data, view->width, view->height, HEAT_CHANNELS, NTP_U8);
     heat.encoding = NTP_HEIGHT;
-    heat.ring_rows = view->ring_rows;
+    heat.ring_rows = p->s.block_rows;
     const ntp_const_image seen = ntp_image_as_const(view);
     const ntp_status status = ntp_heatmap(&heat, &seen, palette, p->touch, area);
     if (status != NTP_OK)

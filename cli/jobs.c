@@ -115,9 +115,14 @@ static int processors(void)
     return online > 0 ? (int) online : 1;
 }
 
+static int threads_allowed(const batch *b)
+{
+    return b->jobs > 0 ? b->jobs : processors();
+}
+
 static int worker_count(const batch *b)
 {
-    size_t count = (size_t) (b->jobs > 0 ? b->jobs : processors());
+    size_t count = (size_t) threads_allowed(b);
     if (count > b->inputs->count)
         count = b->inputs->count;
     return count > MAX_WORKERS ? MAX_WORKERS : (int) count;
@@ -214,10 +219,12 @@ unsigned batch_run(const batch *b)
     q->b = b;
     pthread_mutex_init(&q->lock, NULL);
     pthread_cond_init(&q->changed, NULL);
-    int workers = worker_count(b);
+    const int wanted = worker_count(b);
+    int workers = wanted;
     seat *seats = need(calloc((size_t) workers, sizeof *seats));
     for (int i = 0; i < workers; i++) {
         seats[i] = (seat) { .q = q, .w = worker_new() };
+        seats[i].w->may_read_ahead = threads_allowed(b) >= 2 * wanted;
         const int error = pthread_create(&seats[i].thread, NULL, work_loop, &seats[i]);
         if (error == 0)
             continue;

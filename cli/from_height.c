@@ -1,0 +1,448 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * from_height.c - ntp from-height: normals of a heightfield
+ *
+ * Rows of heights are collected in a ring until a row's neighbors are there.  A border that
+ * wraps needs the rows of the other end, so there the whole heightfield is held.
+ */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+#include "produce.h"
+#include "report.h"
+
+enum {
+    FULL = 4, /* channels of the rows made: x, y, z, alpha or height */
+    ALPHA = 3,
+    CHUNK = 64 /* rows made at once */
+};
+
+typedef struct settings {
+    ntp_gradient_options how;
+    ntp_encoding to;
+    ntp_y to_y;
+    int depth;         /* bytes of a sample; 0: as the input */
+    int8_t out[FULL];  /* for each channel of the file: 0..3 of the rows made, or FROM_* */
+    int32_t out_count; /* 0: by the encoding and the alpha */
+    bool alpha_given;
+    const char *alpha_file, *ao_file;
+    const char *alpha_name;
+    ntpio_limits limits;
+} settings;
+
+typedef struct state {
+    ntp_gradient_counts counts;
+    ntp_image heights; /* the ring */
+    ntp_image made;
+    int32_t reach, done; /* rows written */
+    int32_t out_channels;
+    size_t out_row; /* bytes of a row of the file */
+    const unsigned char *alpha, *ao; /* whole planes in the depth of the output, or NULL */
+} state;
+
+/* ------------------------------------------------------------------------- options */
+
+static bool wrong(const char *option, const char *value, const char *problem)
+{
+    text shown = { 0 };
+    text_name(&shown, value);
+    complain("--%s %s: %s", option, text_string(&shown), problem);
+    text_free(&shown);
+    return false;
+}
+
+static bool read_channels(settings *set, const char *spec)
+{
+    static const char LETTERS[] = "xyzah01";
+    static const int8_t MEANINGS[] = { 0, 1, 2, ALPHA, ALPHA, FROM_ZERO, FROM_ONE };
+    if (spec == NULL)
+        return true;
+    const size_t length = strlen(spec);
+    if (length < 1 || length > FULL)
+        return wrong("channels", spec, "one letter for each channel, 1 to 4 of them");
+    if (strchr(spec, 'a') != NULL && strchr(spec, 'h') != NULL)
+        return wrong("channels", spec, "a and h do not go together; --alpha says what a is");
+    if (strchr(spec, 'h') != NULL && set->alpha_given)
+        return wrong("channels", spec, "h and --alpha do not go together");
+    for (size_t i = 0; i < length; i++) {
+        const char *letter = strchr(LETTERS, spec[i]);
+        if (letter == NULL)
+            return wrong("channels", spec, "the letters are x y z 0 1 h a");
+        set->out[i] = MEANINGS[letter - LETTERS];
+    }
+    if (strchr(spec, 'h') != NULL)
+        set->how.alpha = NTP_ALPHA_HEIGHT;
+    set->out_count = (int32_t) length;
+    return true;
+}
+
+static bool read_alpha(settings *set, const options *o)
+{
+    const char *word = option_string(o, OPT_ALPHA);
+    static const struct {
+        const char *name;
+        ntp_alpha alpha;
+    } WORDS[] = { { "keep", NTP_ALPHA_KEEP },
+                  { "one", NTP_ALPHA_ONE },
+                  { "inverse", NTP_ALPHA_INVERSE },
+                  { "height", NTP_ALPHA_HEIGHT } };
+    set->alpha_given = option_given(o, OPT_ALPHA);
+    set->alpha_name = word;
+    for (size_t i = 0; i < sizeof WORDS / sizeof WORDS[0]; i++) {
+        if (strcmp(word, WORDS[i].name) == 0) {
+            set->how.alpha = WORDS[i].alpha;
+            return true;
+        }
+    }
+    set->how.alpha = NTP_ALPHA_ONE;
+    set->alpha_file = word;
+    return true;
+}
+
+/* --like NAME:VALUE; options that are given beside it win. */
+static bool read_like(settings *set, const char *like)
+{
+    const char *colon = strrchr(like, ':');
+    char name[40];
+    char *end = NULL;
+    ntp_peer peer;
+    if (colon == NULL || colon == like || (size_t) (colon - like) >= sizeof name)
+        return wrong("like", like, "a name, a colon and a number, such as reference:5");
+    snprintf(name, sizeof name, "%.*s", (int) (colon - like), like);
+    const double value = strtod(colon + 1, &end);
+    if (colon[1] == 0 || *end != 0 || strspn(colon + 1, "0123456789.eE+-") != strlen(colon + 1))
+        return wrong("like", like, "what follows the last colon is no number");
+    if (ntp_gradient_like(&peer, name, value) != NTP_OK)
+        return wrong("like", like,
+                     "the names are reference, eberly, zima, zima-corrected, gegl, and "
+                     "gimp-normalmap:FILTER");
+    set->how = peer.options;
+    set->to_y = peer.y;
+    if (peer.green_is_up) {
+        static const int8_t XZY[] = { 0, 2, 1 };
+        memcpy(set->out, XZY, sizeof XZY);
+        set->out_count = 3;
+    }
+    return true;
+}
+
+static bool read_settings(settings *set, const options *o)
+{
+    const char *like = option_string(o, OPT_LIKE);
+    if (like != NULL && option_given(o, OPT_SCALE)) {
+        complain("--like sets the scale; leave out --scale");
+        return false;
+    }
+    if (like == NULL && !option_given(o, OPT_SCALE)) {
+        complain("--scale is needed: how many texels a height of 1 (white) rises");
+        return false;
+    }
+    if (like != NULL && !read_like(set, like))
+        return false;
+    ntp_gradient_options *how = &set->how;
+    if (like == NULL)
+        how->scale = option_number(o, OPT_SCALE);
+    how->dx = option_number(o, OPT_DX);
+    how->dy = option_number(o, OPT_DY);
+    how->min_z = option_number(o, OPT_MIN_Z);
+    how->invert = option_given(o, OPT_INVERT);
+    how->blue = (ntp_blue) option_integer(o, OPT_BLUE);
+    if (option_given(o, OPT_KERNEL))
+        how->kernel = (ntp_kernel) option_integer(o, OPT_KERNEL);
+    if (option_given(o, OPT_SOURCE))
+        how->source = (ntp_height_source) option_integer(o, OPT_SOURCE);
+    if (option_given(o, OPT_BORDER))
+        how->border_x = how->border_y = (ntp_border) option_integer(o, OPT_BORDER);
+    if (option_given(o, OPT_BORDER_X))
+        how->border_x = (ntp_border) option_integer(o, OPT_BORDER_X);
+    if (option_given(o, OPT_BORDER_Y))
+        how->border_y = (ntp_border) option_integer(o, OPT_BORDER_Y);
+    if (option_given(o, OPT_TO_Y))
+        set->to_y = (ntp_y) option_integer(o, OPT_TO_Y);
+    set->ao_file = option_string(o, OPT_AO);
+    set->limits = limits_from(o);
+    if (!(how->dx > 0) || !(how->dy > 0)) {
+        complain("--dx and --dy are greater than 0");
+        return false;
+    }
+    if (ntp_gradient_reach(how) < 0) {
+        complain("the scale or the spacing is out of range");
+        return false;
+    }
+    if (set->ao_file != NULL && set->to != NTP_XY) {
+        complain("--ao goes into the blue channel that --to xy leaves free");
+        return false;
+    }
+    return read_alpha(set, o) && read_channels(set, option_string(o, OPT_CHANNELS));
+}
+
+/* ---------------------------------------------------------------------- other images */
+
+static size_t sample_size(ntp_type type)
+{
+    return type == NTP_U8 ? 1 : type == NTP_U16 ? 2 : 4;
+}
+
+static bool other_size(const char *path, ntpio_error *error)
+{
+    text t = { 0 };
+    text_name(&t, path);
+    error->status = NTPIO_ERR_USAGE;
+    snprintf(error->message, sizeof error->message, "%.380s: not of the size of the heightfield",
+             text_string(&t));
+    text_free(&t);
+    return false;
+}
+
+/* Reads the first channel of an image into a plane of the output's depth. */
+static bool read_plane(const settings *set, const production *p, const char *path, ntp_type type,
+                       unsigned char *plane, ntpio_error *error)
+{
+    ntpio_reader *reader = ntpio_open(path, &set->limits, error);
+    if (reader == NULL)
+        return false;
+    const ntpio_info *info = ntpio_reader_info(reader);
+    const size_t row = (size_t) info->width * (size_t) info->channels * (size_t) info->sample_bytes;
+    bool ok = info->width == p->s.info->width && info->height == p->s.info->height;
+    if (!ok)
+        other_size(path, error);
+    const ntp_type from = info->sample_bytes == 1   ? NTP_U8
+                          : info->sample_bytes == 2 ? NTP_U16
+                                                    : NTP_F32;
+    unsigned char *line = ok ? need(malloc(row)) : NULL;
+    const int32_t width = (int32_t) info->width;
+    ntp_image in = ntp_image_packed(line, width, 1, info->channels, from);
+    in.channels = 1;
+    in.encoding = NTP_HEIGHT;
+    for (uint32_t y = 0; ok && y < info->height; y++) {
+        ok = ntpio_read_rows(reader, line, (ptrdiff_t) row, 1, error);
+        ntp_image out =
+            ntp_image_packed(plane + (size_t) y * info->width * sample_size(type), width, 1, 1, type);
+        const ntp_const_image seen = ntp_image_as_const(&in);
+        if (ok)
+            ntp_convert(&out, &seen, NULL, NULL, NULL);
+    }
+    ok = ok && ntpio_read_end(reader, error);
+    free(line);
+    ntpio_close(reader);
+    return ok;
+}
+
+static bool read_planes(production *p, ntpio_error *error)
+{
+    const settings *set = p->m->settings;
+    state *st = p->state;
+    const ntp_type type = st->made.type;
+    const size_t plane = (size_t) p->s.info->width * p->s.info->height * sample_size(type);
+    const size_t count = (set->alpha_file != NULL) + (size_t) (set->ao_file != NULL);
+    if (count == 0)
+        return true;
+    /* The worker's raw rows are free: the view's channels are those of the file. */
+    unsigned char *planes = buffer_reserve(&p->w->raw, plane * count);
+    if (set->alpha_file != NULL) {
+        if (!read_plane(set, p, set->alpha_file, type, planes, error))
+            return false;
+        st->alpha = planes;
+        planes += plane;
+    }
+    if (set->ao_file != NULL) {
+        if (!read_plane(set, p, set->ao_file, type, planes, error))
+            return false;
+        st->ao = planes;
+    }
+    return true;
+}
+
+/* ------------------------------------------------------------------------- the rows */
+
+static ntp_type output_type(const production *p, const settings *set)
+{
+    const char *output = p->in->output;
+    const bool pfm = output != NULL && strcasecmp(name_ending(output), ".pfm") == 0;
+    if (pfm)
+        return NTP_F32;
+    if (set->depth != 0)
+        return set->depth == 1 ? NTP_U8 : NTP_U16;
+    return p->s.view.type == NTP_F32 ? NTP_U16 : p->s.view.type;
+}
+
+static int32_t output_channels(const production *p, const settings *set)
+{
+    if (set->out_count > 0)
+        return set->out_count;
+    const bool kept = p->s.view.channels % 2 == 0 && !set->alpha_given &&
+                      set->how.source != NTP_SOURCE_ALPHA;
+    return set->alpha_given || kept ? 4 : 3;
+}
+
+static bool begin(production *p, ntpio_write_options *shape, ntpio_error *error)
+{
+    const settings *set = p->m->settings;
+    state *st = p->state;
+    source_view(&p->s, NTP_HEIGHT, NTP_Y_UP, NULL, 0);
+    const ntp_image *view = &p->s.view;
+    const ntp_type type = output_type(p, set);
+    const bool whole = set->how.border_y == NTP_BORDER_WRAP;
+    st->reach = ntp_gradient_reach(&set->how);
+    st->out_channels = output_channels(p, set);
+    st->out_row = (size_t) view->width * (size_t) st->out_channels * sample_size(type);
+
+    const int32_t ring = view->ring_rows + CHUNK + 2 * st->reach;
+    const int32_t rows = whole || ring > view->height ? view->height : ring;
+    const size_t row = (size_t) view->width * (size_t) view->channels * sample_size(view->type);
+    st->heights = *view;
+    st->heights.data = buffer_reserve(&p->w->extra, row * (size_t) rows);
+    st->heights.row_stride = (ptrdiff_t) row;
+    st->heights.ring_rows = rows;
+
+    const size_t made_row = (size_t) view->width * FULL * sample_size(type);
+    st->made = ntp_image_packed(buffer_reserve(&p->w->extra2, made_row * CHUNK), view->width,
+                                view->height, FULL, type);
+    st->made.ring_rows = CHUNK;
+    st->made.encoding = set->to;
+    st->made.y = set->to_y;
+    shape->channels = st->out_channels;
+    shape->sample_bytes = (int32_t) sample_size(type);
+    p->changes = true;
+    return read_planes(p, error);
+}
+
+#define LAY_OUT(TYPE, ONE)                                                                         \
+    for (int32_t y = y0; y < y1; y++) {                                                            \
+        const size_t at = (size_t) y * (size_t) width;                                             \
+        TYPE *from = (TYPE *) st->made.data + (size_t) (y % CHUNK) * (size_t) width * FULL;        \
+        TYPE *to = (TYPE *) out + (size_t) (y - y0) * (size_t) width * (size_t) st->out_channels;  \
+        for (int32_t x = 0; x < width; x++, from += FULL, to += st->out_channels) {                \
+            if (st->ao != NULL)                                                                    \
+                from[2] = ((const TYPE *) st->ao)[at + (size_t) x];                                \
+            if (st->alpha != NULL)                                                                 \
+                from[ALPHA] = ((const TYPE *) st->alpha)[at + (size_t) x];                         \
+            for (int32_t c = 0; c < st->out_channels; c++)                                         \
+                to[c] = map[c] == FROM_ZERO  ? (TYPE) 0                                            \
+                        : map[c] == FROM_ONE ? (TYPE) (ONE)                                        \
+                                             : from[map[c]];                                       \
+        }                                                                                          \
+    }
+
+static void lay_out(const state *st, const settings *set, void *out, int32_t y0, int32_t y1)
+{
+    static const int8_t PLAIN[FULL] = { 0, 1, 2, ALPHA };
+    const int8_t *map = set->out_count > 0 ? set->out : PLAIN;
+    const int32_t width = st->made.width;
+    if (st->made.type == NTP_U8) {
+        LAY_OUT(uint8_t, 255)
+    } else if (st->made.type == NTP_U16) {
+        LAY_OUT(uint16_t, 65535)
+    } else {
+        LAY_OUT(float, 1)
+    }
+}
+
+/* Makes and writes the rows up to `end`, which have their neighbors. */
+static bool make_rows(production *p, int32_t end, ntpio_error *error)
+{
+    const settings *set = p->m->settings;
+    state *st = p->state;
+    const ntp_const_image seen = ntp_image_as_const(&st->heights);
+    while (st->done < end) {
+        /* a chunk does not pass the end of the ring of rows made */
+        const int32_t full = (st->done / CHUNK + 1) * CHUNK;
+        const ntp_rect area = { 0, st->done, st->made.width, full < end ? full : end };
+        const ntp_status status =
+            ntp_normals_from_height(&st->made, &seen, &set->how, &st->counts, &area);
+        if (status != NTP_OK)
+            return library_error(&p->s, status, error);
+        void *out = buffer_reserve(&p->w->diff, st->out_row * CHUNK);
+        lay_out(st, set, out, area.y0, area.y1);
+        if (!production_write(p, out, (ptrdiff_t) st->out_row, &area, error))
+            return false;
+        st->done = area.y1;
+    }
+    return true;
+}
+
+static bool rows(production *p, const ntp_rect *area, ntpio_error *error)
+{
+    const settings *set = p->m->settings;
+    state *st = p->state;
+    const ntp_image *view = &p->s.view;
+    for (int32_t y = area->y0; y < area->y1; y++) {
+        const unsigned char *from =
+            (const unsigned char *) view->data + (size_t) (y % view->ring_rows) * (size_t) view->row_stride;
+        unsigned char *to = (unsigned char *) st->heights.data +
+                            (size_t) (y % st->heights.ring_rows) * (size_t) st->heights.row_stride;
+        memcpy(to, from, (size_t) view->row_stride);
+    }
+    if (area->y1 == view->height)
+        return make_rows(p, view->height, error);
+    if (set->how.border_y == NTP_BORDER_WRAP || area->y1 - st->reach <= st->done)
+        return true;
+    return make_rows(p, area->y1 - st->reach, error);
+}
+
+/* --------------------------------------------------------------------- what was done */
+
+static const char *const ENCODING_NAMES[] = { "standard", "zzero", "xy" };
+static const char *const Y_NAMES[] = { "up", "down" };
+static const char *const SOURCE_NAMES[] = { "red",         "green", "blue", "alpha", "luma",
+                                            "luma-gimp",   "luma-eberly", "mean", "max",   "min",
+                                            "screen" };
+
+static void describe(const production *p, text *line, json_t *object)
+{
+    const settings *set = p->m->settings;
+    const state *st = p->state;
+    const ntp_gradient_options *how = &set->how;
+    const size_t bits = 8 * sample_size(st->made.type);
+    if (line != NULL) {
+        text_addf(line, "%s normals, scale %.15g, %s, green %s, %zu bit", ENCODING_NAMES[set->to],
+                  how->scale, ntp_kernel_name(how->kernel), Y_NAMES[set->to_y], bits);
+        if (st->counts.not_finite > 0) {
+            text_add(line, "; ");
+            text_count(line, st->counts.not_finite);
+            text_add(line, " texels flat for heights that are not finite");
+        }
+    }
+    if (object == NULL)
+        return;
+    json_object_set_new(object, "changed", json_null());
+    json_object_set_new(object, "angle_deg", json_null());
+    json_object_set_new(object, "scale", json_real(how->scale));
+    json_object_set_new(object, "dx", json_real(how->dx));
+    json_object_set_new(object, "dy", json_real(how->dy));
+    json_object_set_new(object, "invert", json_boolean(how->invert));
+    json_object_set_new(object, "kernel", json_string(ntp_kernel_name(how->kernel)));
+    json_object_set_new(object, "border_x", json_string(ntp_border_name(how->border_x)));
+    json_object_set_new(object, "border_y", json_string(ntp_border_name(how->border_y)));
+    json_object_set_new(object, "source", json_string(SOURCE_NAMES[how->source]));
+    json_object_set_new(object, "min_z", json_real(how->min_z));
+    json_object_set_new(object, "blue",
+                        json_string(how->blue == NTP_BLUE_DERIVED ? "derived" : "nearest"));
+    json_object_set_new(object, "to", json_string(ENCODING_NAMES[set->to]));
+    json_object_set_new(object, "to_y", json_string(Y_NAMES[set->to_y]));
+    json_object_set_new(object, "depth", json_integer((json_int_t) bits));
+    json_object_set_new(object, "channels", json_integer(st->out_channels));
+    json_object_set_new(object, "not_finite", json_count(st->counts.not_finite));
+    json_object_set_new(object, "exact", json_count(st->counts.exact));
+    json_object_set_new(object, "texels", json_count(p->f.stats.texels));
+}
+
+int from_height_run(const options *o)
+{
+    settings set = { .to = (ntp_encoding) option_integer(o, OPT_TO),
+                     .depth = option_given(o, OPT_DEPTH) ? (int) option_integer(o, OPT_DEPTH) + 1
+                                                         : 0 };
+    if (!read_settings(&set, o))
+        return NTP_EXIT_USAGE;
+    const maker m = { .o = o,
+                      .forced = NTP_CLASS_HEIGHT,
+                      .any_class = true,
+                      .state_size = sizeof(state),
+                      .settings = &set,
+                      .begin = begin,
+                      .rows = rows,
+                      .describe = describe };
+    return produce(&m);
+}

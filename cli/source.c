@@ -1,0 +1,330 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * source.c - a file as blocks of rows in a ring
+ *
+ * Rows stream through a small ring, so memory does not grow with the image.  Where a processor
+ * is idle, a second thread decodes the next block while the caller works on this one: the ring
+ * holds two blocks then.
+ */
+#include <errno.h>
+#include <pthread.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+
+#include "examine.h"
+
+enum {
+    BLOCK_BYTES = 256 * 1024, /* rows read at once stay in the second-level cache */
+    BLOCK_ROWS = 64,
+    AHEAD_TEXELS = 512 * 512, /* smaller images are read before a thread has started */
+    HUGE_PAGE = 2 * 1024 * 1024
+};
+
+unsigned char *buffer_reserve(buffer *b, size_t size)
+{
+    if (b->size < size) {
+        free(b->data);
+        b->data = need(aligned_alloc(64, (size + 63) / 64 * 64));
+        b->size = size;
+    }
+    return b->data;
+}
+
+worker *worker_new(void)
+{
+    worker *w = need(calloc(1, sizeof *w));
+    /* whole pages of 2 MiB where the system has them: a tally is touched all over */
+    w->map_size = ntp_tally_size() + HUGE_PAGE;
+    w->map = mmap(NULL, w->map_size, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    need(w->map == MAP_FAILED ? NULL : w->map);
+    madvise(w->map, w->map_size, MADV_HUGEPAGE);
+    const uintptr_t past = (uintptr_t) w->map % HUGE_PAGE;
+    w->tally = (ntp_tally *) (void *) (w->map + (past > 0 ? HUGE_PAGE - past : 0));
+    return w;
+}
+
+void worker_free(worker *w)
+{
+    munmap(w->map, w->map_size);
+    free(w->rows.data);
+    free(w->raw.data);
+    free(w->extra.data);
+    free(w->extra2.data);
+    free(w->diff.data);
+    free(w->histogram);
+    free(w);
+}
+
+static bool fail(ntpio_error *error, ntpio_status status, const char *name, const char *what)
+{
+    text shown = { 0 };
+    text_name(&shown, name);
+    error->status = status;
+    snprintf(error->message, sizeof error->message, "%.380s: %s", text_string(&shown), what);
+    text_free(&shown);
+    return false;
+}
+
+bool library_error(const source *s, ntp_status status, ntpio_error *error)
+{
+    return fail(error, NTPIO_ERR_USAGE, s->in->path, ntp_status_string(status));
+}
+
+/* Standard input and pipes can be read only once: all of it. */
+static bool read_all(source *s, FILE *file, ntpio_error *error)
+{
+    const uint64_t most = 4ULL << 30;
+    size_t capacity = 0;
+    for (;;) {
+        if (s->size == capacity) {
+            capacity = capacity == 0 ? 1 << 20 : capacity * 2;
+            unsigned char *grown = capacity <= most ? realloc(s->bytes, capacity) : NULL;
+            if (grown == NULL)
+                return fail(error, NTPIO_ERR_MEMORY, s->in->path, "too large to be held in memory");
+            s->bytes = grown;
+        }
+        const size_t got = fread(s->bytes + s->size, 1, capacity - s->size, file);
+        s->size += got;
+        if (got == 0)
+            break;
+    }
+    return ferror(file) ? fail(error, NTPIO_ERR_OPEN, s->in->path, strerror(errno)) : true;
+}
+
+static bool hold(source *s, ntpio_error *error)
+{
+    struct stat st;
+    if (strcmp(s->in->path, "-") == 0)
+        return read_all(s, stdin, error);
+    if (stat(s->in->path, &st) != 0 || S_ISREG(st.st_mode) || S_ISDIR(st.st_mode))
+        return true;
+    FILE *file = fopen(s->in->path, "rb");
+    if (file == NULL)
+        return fail(error, NTPIO_ERR_OPEN, s->in->path, strerror(errno));
+    const bool ok = read_all(s, file, error);
+    fclose(file);
+    return ok;
+}
+
+static bool start(source *s, ntpio_error *error)
+{
+    const char *name = strcmp(s->in->path, "-") == 0 ? "standard input" : s->in->path;
+    s->next = 0;
+    s->reader = s->bytes != NULL ? ntpio_open_memory(s->bytes, s->size, name, s->limits, error)
+                                 : ntpio_open(s->in->path, s->limits, error);
+    if (s->reader == NULL)
+        return false;
+    s->info = ntpio_reader_info(s->reader);
+    return true;
+}
+
+bool source_open(source *s, worker *w, const input *in, const ntpio_limits *limits,
+                 ntpio_error *error)
+{
+    *s = (source) { .in = in, .w = w, .limits = limits };
+    if (in->problem != NULL)
+        return fail(error, NTPIO_ERR_OPEN, in->path, in->problem);
+    if (hold(s, error) && start(s, error))
+        return true;
+    source_close(s);
+    return false;
+}
+
+static void stop_ahead(source *s);
+
+bool source_rewind(source *s, ntpio_error *error)
+{
+    stop_ahead(s);
+    ntpio_close(s->reader);
+    s->reader = NULL;
+    return start(s, error);
+}
+
+void source_close(source *s)
+{
+    stop_ahead(s);
+    ntpio_close(s->reader);
+    s->reader = NULL;
+    free(s->bytes);
+    s->bytes = NULL;
+}
+
+static ntp_type sample_type(const ntpio_info *info)
+{
+    return info->sample_bytes == 1 ? NTP_U8 : info->sample_bytes == 2 ? NTP_U16 : NTP_F32;
+}
+
+void source_view(source *s, ntp_encoding encoding, ntp_y y, const int8_t *map, int32_t channels)
+{
+    const ntpio_info *info = s->info;
+    s->mapped = map != NULL;
+    if (map != NULL)
+        memcpy(s->map, map, (size_t) channels);
+    else
+        channels = info->channels;
+    const size_t row = (size_t) info->width * (size_t) channels * (size_t) info->sample_bytes;
+    size_t rows = BLOCK_BYTES / row;
+    rows = rows < 1 ? 1 : rows > BLOCK_ROWS ? BLOCK_ROWS : rows;
+    rows = rows > info->height ? info->height : rows;
+    const bool large = (uint64_t) info->width * info->height >= AHEAD_TEXELS;
+    const size_t blocks = s->w->may_read_ahead && large && info->height > 2 * rows ? 2 : 1;
+    unsigned char *data = buffer_reserve(&s->w->rows, blocks * rows * row);
+    s->view = ntp_image_packed(data, (int32_t) info->width, (int32_t) info->height, channels,
+                               sample_type(info));
+    s->view.row_stride = (ptrdiff_t) row;
+    s->view.ring_rows = (int32_t) (blocks * rows);
+    s->block_rows = (int32_t) rows;
+    s->view.encoding = encoding;
+    s->view.y = y;
+}
+
+#define REARRANGE(TYPE, ONE)                                                                       \
+    for (size_t i = 0; i < count; i++) {                                                           \
+        const TYPE *from = (const TYPE *) raw + i * (size_t) channels;                             \
+        TYPE *to = (TYPE *) rows + i * (size_t) s->view.channels;                                  \
+        for (int32_t c = 0; c < s->view.channels; c++)                                             \
+            to[c] = s->map[c] == FROM_ZERO  ? (TYPE) 0                                             \
+                    : s->map[c] == FROM_ONE ? (TYPE) (ONE)                                         \
+                                            : from[s->map[c]];                                     \
+    }
+
+static void rearrange(source *s, const void *raw, void *rows, size_t count)
+{
+    const int32_t channels = s->info->channels;
+    if (s->view.type == NTP_U8) {
+        REARRANGE(uint8_t, 255)
+    } else if (s->view.type == NTP_U16) {
+        REARRANGE(uint16_t, 65535)
+    } else {
+        REARRANGE(float, 1)
+    }
+}
+
+/* Reads block `index` into its place in the ring. */
+static bool read_block(source *s, uint32_t index, ntpio_error *error)
+{
+    const uint32_t block = (uint32_t) s->block_rows, left = s->info->height - index * block;
+    const uint32_t count = left < block ? left : block;
+    const uint32_t slot = index * block % (uint32_t) s->view.ring_rows;
+    unsigned char *rows = s->w->rows.data + (size_t) slot * (size_t) s->view.row_stride;
+    if (!s->mapped)
+        return ntpio_read_rows(s->reader, rows, s->view.row_stride, count, error);
+    const size_t raw_row =
+        (size_t) s->info->width * (size_t) s->info->channels * (size_t) s->info->sample_bytes;
+    unsigned char *raw = buffer_reserve(&s->w->raw, raw_row * block);
+    if (!ntpio_read_rows(s->reader, raw, (ptrdiff_t) raw_row, count, error))
+        return false;
+    rearrange(s, raw, rows, (size_t) s->info->width * count);
+    return true;
+}
+
+/* ------------------------------------------------------------------- reading ahead */
+
+struct ahead {
+    pthread_t thread;
+    pthread_mutex_t lock;
+    pthread_cond_t changed;
+    uint32_t read;     /* blocks that are in the ring */
+    uint32_t released; /* blocks that the caller is done with */
+    bool stop, failed;
+    ntpio_error error;
+};
+
+static void *read_ahead(void *context)
+{
+    source *s = context;
+    struct ahead *a = s->ahead;
+    const uint32_t block = (uint32_t) s->block_rows;
+    const uint32_t blocks = (s->info->height + block - 1) / block;
+    pthread_mutex_lock(&a->lock);
+    while (!a->stop && !a->failed && a->read < blocks) {
+        if (a->read >= a->released + 2) {
+            pthread_cond_wait(&a->changed, &a->lock);
+            continue;
+        }
+        const uint32_t index = a->read;
+        pthread_mutex_unlock(&a->lock);
+        const bool ok = read_block(s, index, &a->error);
+        pthread_mutex_lock(&a->lock);
+        a->read += ok;
+        a->failed = !ok;
+        pthread_cond_signal(&a->changed);
+    }
+    pthread_mutex_unlock(&a->lock);
+    return NULL;
+}
+
+static void stop_ahead(source *s)
+{
+    struct ahead *a = s->ahead;
+    if (a == NULL)
+        return;
+    pthread_mutex_lock(&a->lock);
+    a->stop = true;
+    pthread_cond_signal(&a->changed);
+    pthread_mutex_unlock(&a->lock);
+    pthread_join(a->thread, NULL);
+    pthread_cond_destroy(&a->changed);
+    pthread_mutex_destroy(&a->lock);
+    free(a);
+    s->ahead = NULL;
+}
+
+static void start_ahead(source *s)
+{
+    s->ahead = need(calloc(1, sizeof *s->ahead));
+    pthread_mutex_init(&s->ahead->lock, NULL);
+    pthread_cond_init(&s->ahead->changed, NULL);
+    if (pthread_create(&s->ahead->thread, NULL, read_ahead, s) == 0)
+        return;
+    free(s->ahead); /* without a thread the rows are read when they are asked for */
+    s->ahead = NULL;
+}
+
+static bool take_block(source *s, uint32_t index, ntpio_error *error)
+{
+    struct ahead *a = s->ahead;
+    if (a == NULL)
+        return read_block(s, index, error);
+    pthread_mutex_lock(&a->lock);
+    a->released = index;
+    pthread_cond_signal(&a->changed);
+    while (a->read <= index && !a->failed)
+        pthread_cond_wait(&a->changed, &a->lock);
+    const bool ok = a->read > index;
+    if (!ok)
+        *error = a->error;
+    pthread_mutex_unlock(&a->lock);
+    return ok;
+}
+
+unsigned char *source_rows(const source *s, const ntp_rect *area)
+{
+    return s->w->rows.data + (size_t) (area->y0 % s->view.ring_rows) * (size_t) s->view.row_stride;
+}
+
+int source_next(source *s, ntp_rect *area, ntpio_error *error)
+{
+    const uint32_t height = s->info->height, block = (uint32_t) s->block_rows;
+    if (interrupted_by != 0) {
+        fail(error, NTPIO_OK, s->in->path, "interrupted");
+        return -1;
+    }
+    if (s->next == height) {
+        stop_ahead(s);
+        return ntpio_read_end(s->reader, error) ? 0 : -1;
+    }
+    if (s->next == 0 && s->view.ring_rows > s->block_rows)
+        start_ahead(s);
+    if (!take_block(s, s->next / block, error))
+        return -1;
+    const uint32_t left = height - s->next, count = left < block ? left : block;
+    *area = (ntp_rect) { 0, (int32_t) s->next, s->view.width, (int32_t) (s->next + count) };
+    s->next += count;
+    atomic_store_explicit(&s->w->permille, (int) ((uint64_t) s->next * 1000 / height),
+                          memory_order_relaxed);
+    return 1;
+}
