@@ -21,8 +21,9 @@ static const double GRAY_SHARE = 0.98;
 static const double ROUNDED_ALL = 0.995, ROUNDED_SHARE = 0.96, UNIT_SHARE = 0.93,
                     NEAR_UNIT_SHARE = 0.88;
 
-/* A tight fit that comes from flat texels only: of the tilted ones few fit, and blue does not follow. */
-static const double TILTED_LEAST = 0.01, TILTED_NEAR_LEAST = 0.3;
+/* A tight fit that comes from flat texels only: of the tilted ones few fit, and where blue does not
+ * even follow red and green (correlation) the fit counts for nothing. */
+static const double TILTED_LEAST = 0.01, TILTED_NEAR_LEAST = 0.3, BLUE_FOLLOWS = 0.3;
 
 /* Damaged normals: lengths spread by 0.06 at most, or somewhat more where blue still follows red and
  * green; heights, occlusion and pictures spread them by 0.1 and more and do not follow.  Blurring and
@@ -46,12 +47,20 @@ static const double STEEP_MOST = 0.85, MIDDLE_LEAST = 0.1;
 static const double DIRECTIONS_LEAST = 0.05, AXIS_LEAST = 0.02;
 static const double MIXED_LEAST = 0.15, MIXED_UNIT_SHARE = 0.8;
 
+/* Blue 0 or 255 is of unit length where red and green are flat, whatever it means; so the tilted
+ * texels (steepness 1/4 to 7/8) of an object-space texture must be near unit length by themselves. */
+static const double TILTED_ERROR_MOST = 0.12;
+enum { TILTED_FIRST_BIN = 2, TILTED_LAST_BIN = 6 };
+
 /* Z flipped, or another channel being z: (almost) all texels agree. */
 static const double FLIPPED_SHARE = 0.95, OTHER_Z_SHARE = 0.98, OTHER_Z_MEAN = 0.8;
 
 /* The mean of a channel that holds x or y: near the middle, in levels / M.  An alpha that holds x is
  * rarely 0 or M; a mask is little else. */
 static const double MIDDLE = 0.15, ALPHA_ENDS_MOST = 0.05;
+
+/* Red and blue of DXT5nm: constant but for what block compression does to them. */
+static const double IDLE_DEVIATION = 0.02;
 
 /* Stored as sRGB, flat is 188/255 = 0.737, and slopes of 1 spread the mean by less than this. */
 static const double GAMMA_FLAT = 0.737, GAMMA_SPREAD = 0.12, GAMMA_SHARE = 0.85;
@@ -66,6 +75,9 @@ static const double ZZERO_NEAR = 0.5, ZZERO_SLOPE = 1.5, ZZERO_GAP = 3;
 
 /* A mean blue above this can be occlusion, or z that coarse JPEG took apart: less is sure. */
 static const double OPEN_BLUE = 0.8;
+
+/* Red and green of a picture go together; those of normals do on slanted ridges only. */
+static const double ALIKE = 0.5;
 
 /* Columns at block borders step this much farther than others only after block coding; it shows in
  * two channels at least, and errs to both sides. */
@@ -139,8 +151,8 @@ static bool is_dxt5nm(question *q)
 {
     const ntp_stats *s = q->s;
     bool gray = s->channels == 2 || (double) s->gray >= GRAY_SHARE * (double) s->texels;
-    bool idle = s->used_sd[0] < CONSTANT_DEVIATION && s->used_sd[2] < CONSTANT_DEVIATION &&
-                distance(s->used_mean[0], 0.5) > 0.4;
+    bool idle = s->used_sd[0] < IDLE_DEVIATION && s->used_sd[2] < IDLE_DEVIATION &&
+                distance(s->used_mean[0], 0.5) > 0.5 - MIDDLE;
     double ends = (double) (s->alpha_zero + s->alpha_full) / (double) s->texels;
     bool still = s->used_sd[1] < CONSTANT_DEVIATION && s->used_sd[3] < CONSTANT_DEVIATION;
     /* Without alpha ag_in_disc is 0. */
@@ -162,18 +174,21 @@ static bool is_one_color(question *q)
     return is(q, NTP_CLASS_ONE_COLOR, 1);
 }
 
+/* Gray; and what was measured as NTP_HEIGHT, of which only the channels are known. */
 static bool is_height(question *q)
 {
     const ntp_stats *s = q->s;
     double gray = ((double) s->gray - (double) s->black - (double) s->white) / q->used;
-    if (s->channels <= 2 && s->steepness[0] + s->steepness[7] == 0 && s->standard.length_max == 0) {
+    bool judged = s->standard.length_max > 0;
+    if (s->channels <= 2 && !judged) {
         because(q, NTP_REASON_GRAY_FILE, 1);
         return is(q, NTP_CLASS_HEIGHT, 0.99);
     }
-    if (s->channels == 2 || gray < GRAY_SHARE)
-        return false;
-    because(q, NTP_REASON_GRAY, gray < 1 ? gray : 1);
-    return is(q, NTP_CLASS_HEIGHT, gray < 1 ? 0.9 : 0.97);
+    if (s->channels > 2 && gray > GRAY_SHARE) {
+        because(q, NTP_REASON_GRAY, least(gray, 1));
+        return is(q, NTP_CLASS_HEIGHT, gray < 1 ? 0.9 : 0.97);
+    }
+    return !judged && is(q, NTP_CLASS_NOT_NORMALS, 0.5);
 }
 
 static bool is_two_channels(question *q)
@@ -219,7 +234,7 @@ static bool is_swapped(question *q)
     because(q, red ? NTP_REASON_RED_IS_Z : NTP_REASON_GREEN_IS_Z,
             1 - (red ? q->red_low : q->green_low));
     because(q, NTP_REASON_NEAR_UNIT, q->near[0]);
-    return is(q, NTP_CLASS_STANDARD, 0.92);
+    return is(q, NTP_CLASS_STANDARD, q->unit[0] > UNIT_SHARE ? 0.92 : 0.75);
 }
 
 /* Blue as 0..1?  Nine of ten textures are not, so that it takes more than a better fit. */
@@ -241,12 +256,24 @@ static double rarer(double share)
     return share < 0.5 ? share : 1 - share;
 }
 
+/* Mean length error of the tilted texels, read as standard. */
+static double tilted_error(const ntp_stats *s)
+{
+    double sum = 0, count = 0;
+    for (int32_t i = TILTED_FIRST_BIN; i <= TILTED_LAST_BIN; i++) {
+        sum += (double) s->steepness[i] * s->steepness_length_error[i];
+        count += (double) s->steepness[i];
+    }
+    return count > 0 ? sum / count : 0;
+}
+
 static bool is_object_space(question *q)
 {
     double z = rarer(q->negative), red = rarer(q->red_low), green = rarer(q->green_low);
     bool mixed = z > MIXED_LEAST && red > MIXED_LEAST && green > MIXED_LEAST;
     if (z < DIRECTIONS_LEAST || red < AXIS_LEAST || green < AXIS_LEAST ||
-        q->near[0] < (mixed ? MIXED_UNIT_SHARE : NEAR_UNIT_SHARE) || prefers_zzero(q))
+        q->near[0] < (mixed ? MIXED_UNIT_SHARE : NEAR_UNIT_SHARE) || prefers_zzero(q) ||
+        tilted_error(q->s) > TILTED_ERROR_MOST)
         return false;
     because(q, NTP_REASON_ALL_DIRECTIONS, q->negative);
     because(q, NTP_REASON_NEAR_UNIT, q->near[0]);
@@ -291,13 +318,11 @@ static void note_damage(question *q, bool zzero)
     }
 }
 
-/* Every texel fits, or nearly: how sure; 0: no. */
-static double fits_tightly(const question *q, bool zzero, double follows)
+/* Of the tilted texels few fit, so that what fits may do so because it is flat. */
+static bool fits_only_flat(const question *q, bool zzero)
 {
     const ntp_stats *s = q->s;
-    bool flat_only = (double) s->tilted > TILTED_LEAST * q->used &&
-                     s->tilted_near[zzero] < TILTED_NEAR_LEAST && follows < TILTED_NEAR_LEAST;
-    return q->unit[zzero] > UNIT_SHARE && !flat_only ? 0.97 : 0;
+    return (double) s->tilted > TILTED_LEAST * q->used && s->tilted_near[zzero] < TILTED_NEAR_LEAST;
 }
 
 /* Lengths are off, but as damage puts them off: how sure; 0: no. */
@@ -320,13 +345,15 @@ static bool is_normals(question *q)
     const ntp_stats *s = q->s;
     bool zzero = prefers_zzero(q), flipped = q->negative > FLIPPED_SHARE && !zzero;
     double follows = flipped ? -s->blue_correlation : s->blue_correlation;
-    double tight = fits_tightly(q, zzero, follows), sure = tight;
-    if (tight == 0)
-        sure = fits_loosely(q, zzero, follows);
+    bool flat_only = fits_only_flat(q, zzero);
+    bool tight = q->unit[zzero] > UNIT_SHARE && !(flat_only && follows < BLUE_FOLLOWS);
+    double sure = tight ? 0.97 : fits_loosely(q, zzero, follows);
     if (sure == 0)
         return false;
+    if (flat_only)
+        sure = least(sure, 0.8);
     is(q, zzero ? NTP_CLASS_ZZERO : NTP_CLASS_STANDARD, sure);
-    if (tight > 0)
+    if (tight)
         because(q, zzero ? NTP_REASON_UNIT_ZZERO : NTP_REASON_UNIT, q->unit[zzero]);
     else
         because(q, zzero ? NTP_REASON_NEAR_UNIT_ZZERO : NTP_REASON_NEAR_UNIT, q->near[zzero]);
@@ -334,7 +361,8 @@ static bool is_normals(question *q)
         because(q, NTP_REASON_PREFERS_ZZERO, s->tilted_near[1]);
         if (q->rounded[1] < ROUNDED_SHARE)
             q->out->confidence = least(sure, 0.8);
-    } else if (s->tilted == 0 && !flipped) {
+    } else if (!flipped && (s->tilted == 0 || (s->tilted_near[1] > s->tilted_near[0] &&
+                                               s->blue_slope > ZZERO_SLOPE))) {
         because(q, NTP_REASON_UNDECIDED_ZZERO, 0);
         q->out->confidence = least(sure, 0.85);
     }
@@ -342,7 +370,7 @@ static bool is_normals(question *q)
         q->out->accidents |= NTP_ACCIDENT_Z_FLIPPED;
         because(q, NTP_REASON_Z_NEGATIVE, q->negative);
     }
-    if (tight == 0)
+    if (!tight)
         note_damage(q, zzero);
     return true;
 }
@@ -363,6 +391,8 @@ static bool is_xy(question *q)
         sure = least(sure, 0.85);
     if (block_step(s) > BLOCK_STEP)
         sure = least(sure, 0.75);
+    if (s->correlation[0] > ALIKE)
+        sure = least(sure, 0.75);
     because(q, NTP_REASON_BLUE_UNRELATED, s->tilted_near[0]);
     because(q, NTP_REASON_XY_CENTERED, q->lean);
     return is(q, NTP_CLASS_XY, sure);
@@ -378,7 +408,7 @@ static void classify(question *q)
         because(q, NTP_REASON_XY_TOO_LONG, q->too_long);
     if (q->lean > LEAN_CENTERED)
         because(q, NTP_REASON_XY_OFF_CENTER, q->lean);
-    if (q->s->correlation[0] > 0.8)
+    if (q->s->correlation[0] > ALIKE)
         because(q, NTP_REASON_COLORS_ALIKE, q->s->correlation[0]);
     is(q, NTP_CLASS_NOT_NORMALS,
        least(blend(0.7, 0.95, (q->lean - LEAN_CENTERED) / 0.15),

@@ -11,16 +11,21 @@
 #include "internal.h"
 
 /* A few texels far off: at most this share fails, and those that fail are off by this much (root of
- * the mean square).  Resizing fails less grossly. */
-static const double FEW_SHARE = 0.1, GROSS_ERROR = 0.15;
+ * the mean square), besides what rounding does to all.  Resizing fails less grossly. */
+static const double FEW_SHARE = 0.1, GROSS_ERROR = 0.15, ROUNDING_SQUARE = 2e-5;
 
-/* One sign: of the texels that are off, three of four are too short. */
-static const double SHORT_OVER_LONG = 3;
+/* One sign: of the texels that are off, six of seven are too short.  (Where blue is 255, noise can
+ * only shorten, so that a mostly flat texture with noise comes near this.) */
+static const double SHORT_OVER_LONG = 6;
 
 /* One factor for all texels: practically all are too short, by about the same.  The lengths of a
  * texture whose z is scaled spread somewhat more, but there blue follows z to the level. */
 static const double ALL_SHORT = 0.95, FACTOR_SPREAD = 0.35, FACTOR_FOLLOWS = 0.97;
 static const double FACTOR_LEAST = 0.02;
+
+/* Of a gentle texture the steepest bin tells little; there the slope of blue on derived blue tells:
+ * less than 1 where z is scaled, more where the vector is. */
+static const double OF_Z_TELLS = 0.9;
 
 /* Blue that does not follow red and green at all; the smallest correlation after hard JPEG. */
 static const double UNRELATED = 0.1, CONSTANT_DEVIATION = 0.0005;
@@ -70,7 +75,7 @@ static ntp_method method_of_factor(const ntp_stats *s, double used, ntp_reason *
     double low = (flat + 0.5) / NTP_STEEPNESS_BINS, high = (steep + 0.5) / NTP_STEEPNESS_BINS;
     double of_z = (1 - high * high) / (1 - low * low);
     double ratio = s->steepness_length_error[steep] / s->steepness_length_error[flat];
-    bool all = ratio > (1 + of_z) / 2;
+    bool all = ratio > (1 + of_z) / 2 && (of_z < OF_Z_TELLS || s->blue_slope > 1);
     why->code = all ? NTP_REASON_ALL_CHANNELS : NTP_REASON_Z_ALONE;
     why->value = ratio;
     return all ? NTP_NORMALIZE : NTP_DERIVE;
@@ -83,7 +88,8 @@ static ntp_method method_of_errors(const ntp_stats *s, const ntp_fit *fit, bool 
     double off = 1 - fit->used_length_mean;
     double square = fit->used_length_sd * fit->used_length_sd + off * off;
     *why = (ntp_reason) { NTP_REASON_FEW_WRONG, wrong };
-    if (wrong < FEW_SHARE && square > GROSS_ERROR * GROSS_ERROR * wrong)
+    if (wrong > 0 && wrong < FEW_SHARE &&
+        square - ROUNDING_SQUARE > GROSS_ERROR * GROSS_ERROR * wrong)
         return NTP_DERIVE;
     if (!zzero && off > FACTOR_LEAST && fit->used_short > ALL_SHORT &&
         (fit->used_length_sd < FACTOR_SPREAD * off || s->blue_correlation > FACTOR_FOLLOWS))

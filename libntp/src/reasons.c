@@ -27,7 +27,7 @@ static const char *const TEXTS[] = {
     "only % of the used texels have about unit length",
     "blue goes with red and green as -1..1, not as 0..1, by % of the texels that can tell",
     "blue goes with red and green as 0..1, not as -1..1, by % of the texels that can tell",
-    "it is too flat to tell -1..1 from 0..1 in blue",
+    "blue fits -1..1 and 0..1 about equally well",
     "red and green lie around the middle, leaning by # on average",
     "red and green lie off the middle, leaning by # on average",
     "x and y are longer than 1 in % of the used texels",

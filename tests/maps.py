@@ -1,0 +1,699 @@
+# SPDX-License-Identifier: MIT
+"""Textures of known kind, drawn from a seed: what the classification is tested with.
+
+`draw(rng)` gives one Case: pixels, what they are, what was done to them, and the undamaged
+pixels where cleaning can be judged against them.  Nothing here is taken from libntp.
+"""
+
+import io
+from dataclasses import dataclass, field
+
+import numpy as np
+from PIL import Image
+
+STANDARD, ZZERO, XY, HEIGHT, OBJECT, ONE_COLOR, NOT_NORMALS = range(7)
+CLASSES = ["standard", "zzero", "xy", "height", "object-space", "one-color", "not-normals"]
+GAMMA, RED_IS_Z, GREEN_IS_Z, DXT5NM, LOSSY, FILTERED, Z_FLIPPED, BLUE_CONSTANT = (
+    1 << i for i in range(8)
+)
+
+
+@dataclass
+class Case:
+    name: str
+    pixels: np.ndarray  # (h, w, channels)
+    kind: int
+    also: tuple = ()  # other classes that no look at the texels could refute
+    encoding: int = 0  # how the view is declared: 0 standard, 2 XY, 4 height
+    must: int = 0  # accidents that have to be found
+    may: int = 0  # accidents that may be reported
+    truth: np.ndarray | None = None  # vectors (h, w, 3), z up, of the undamaged map
+    method: int | None = None  # the better way of cleaning: 0 derive, 1 normalize, 2 keep
+    details: dict = field(default_factory=dict)
+
+
+# ---------------------------------------------------------------------------- heights
+
+
+def _fft_noise(rng, h, w, slope):
+    """Noise that tiles, its amplitude falling as frequency ** -slope; mean 0, deviation 1."""
+    fy, fx = np.fft.fftfreq(h)[:, None], np.fft.rfftfreq(w)[None, :]
+    f = np.hypot(fy, fx)
+    f[0, 0] = 1
+    spectrum = np.fft.rfft2(rng.standard_normal((h, w))) * f**-slope
+    spectrum[0, 0] = 0
+    out = np.fft.irfft2(spectrum, s=(h, w))
+    return out / max(out.std(), 1e-12)
+
+
+def _blur(a, radius):
+    """A Gaussian that wraps."""
+    h, w = a.shape
+    fy, fx = np.fft.fftfreq(h)[:, None], np.fft.rfftfreq(w)[None, :]
+    g = np.exp(-2 * (np.pi * radius) ** 2 * (fy**2 + fx**2))
+    return np.fft.irfft2(np.fft.rfft2(a) * g, s=(h, w))
+
+
+def fractal(rng, h, w):
+    return _fft_noise(rng, h, w, rng.uniform(1.2, 2.5))
+
+
+def bricks(rng, h, w):
+    bh, bw = max(h // int(rng.integers(2, 7)), 4), max(w // int(rng.integers(2, 5)), 4)
+    y, x = np.mgrid[:h, :w]
+    row = y // bh
+    x = x + (row % 2) * (bw // 2)
+    joint = max(1, bh // 8)
+    flat = ((y % bh) >= joint) & ((x % bw) >= joint)
+    tops = rng.uniform(0.7, 1, (h // bh + 2, w // bw + 3))
+    out = flat * tops[row, x // bw]
+    out = _blur(out, rng.uniform(0.7, 2))
+    if rng.random() < 0.5:
+        out += 0.03 * fractal(rng, h, w) * out
+    return out
+
+
+def bumps(rng, h, w):
+    out = np.zeros((h, w))
+    y, x = np.mgrid[:h, :w]
+    for _ in range(int(rng.integers(5, 40))):
+        cy, cx = rng.uniform(0, h), rng.uniform(0, w)
+        r = rng.uniform(0.02, 0.12) * min(h, w) + 1
+        dy = (y - cy + h / 2) % h - h / 2
+        dx = (x - cx + w / 2) % w - w / 2
+        out += rng.choice([-1, 1]) * r * np.exp(-(dx * dx + dy * dy) / (2 * r * r))
+    return out
+
+
+def ridges(rng, h, w):
+    y, x = np.mgrid[:h, :w]
+    kx, ky = 0, 0
+    while kx == 0 and ky == 0:
+        kx, ky = int(rng.integers(0, 9)), int(rng.integers(-8, 9))
+    wave = np.sin(2 * np.pi * (kx * x / w + ky * y / h))
+    return np.abs(wave) if rng.random() < 0.3 else wave
+
+
+def hemispheres(rng, h, w):
+    out = np.zeros((h, w))
+    n = int(rng.integers(1, 6))
+    y, x = np.mgrid[:h, :w]
+    cell_h, cell_w = h / n, w / n
+    r = min(cell_h, cell_w) * 0.45
+    dy = (y + 0.5) % cell_h - cell_h / 2
+    dx = (x + 0.5) % cell_w - cell_w / 2
+    inside = r * r - dx * dx - dy * dy
+    out = np.sqrt(np.maximum(inside, 0)) * rng.uniform(0.2, 1)
+    return _blur(out, 0.5)
+
+
+def scratches(rng, h, w):
+    out = np.zeros((h, w))
+    for _ in range(int(rng.integers(10, 80))):
+        cy, cx, a = rng.uniform(0, h), rng.uniform(0, w), rng.uniform(0, np.pi)
+        t = np.arange(int(rng.uniform(0.2, 1) * w))
+        yy = (cy + t * np.sin(a)).astype(int) % h
+        xx = (cx + t * np.cos(a)).astype(int) % w
+        out[yy, xx] -= rng.uniform(0.3, 1)
+    return _blur(out, rng.uniform(0.5, 1.2))
+
+
+def noise(rng, h, w):
+    return _blur(rng.standard_normal((h, w)), rng.uniform(0.5, 1.5))
+
+
+FAMILIES = [fractal, bricks, bumps, ridges, hemispheres, scratches, noise]
+
+
+def draw_size(rng, least=16):
+    while True:
+        h, w = (
+            int(rng.choice([16, 24, 32, 48, 64, 100, 128, 200, 256, 512], p=_SIZES)) for _ in "hw"
+        )
+        if h * w <= 200_000 and h >= least and w >= least:
+            return h, w
+
+
+_SIZES = np.array([1, 1, 3, 3, 6, 5, 6, 4, 4, 1]) / 34
+
+
+def draw_height(rng, h, w):
+    family = FAMILIES[int(rng.integers(len(FAMILIES)))]
+    return family(rng, h, w), family.__name__
+
+
+def normals_of(height, strength):
+    """Unit normals whose slopes have their 98th percentile at `strength`."""
+    p = (np.roll(height, -1, 1) - np.roll(height, 1, 1)) / 2
+    q = -(np.roll(height, -1, 0) - np.roll(height, 1, 0)) / 2
+    steepest = np.quantile(np.hypot(p, q), 0.98)
+    if steepest < 1e-9:
+        steepest = np.hypot(p, q).max() + 1e-9
+    n = np.stack([-p, -q, np.full_like(p, steepest / strength)], -1)
+    return n / np.linalg.norm(n, axis=-1, keepdims=True)
+
+
+def draw_normals(rng, least=0.02, most=3.0, smallest=16, flip=True):
+    """Unit normals of a random heightfield, and what was drawn."""
+    strength = float(np.exp(rng.uniform(np.log(least), np.log(most))))
+    while True:
+        h, w = draw_size(rng, smallest)
+        height, family = draw_height(rng, h, w)
+        n = normals_of(height, strength)
+        if (n[..., 2] < n[..., 2].max() - 1e-6).mean() > 0.02:
+            break
+    if flip and rng.random() < 0.5:
+        n[..., 1] *= -1
+    return n, height, {"family": family, "strength": round(strength, 3), "size": (w, h)}
+
+
+# --------------------------------------------------------------------------- encoders
+
+
+def encode(v, m=255):
+    """-1..1 to levels, rounded."""
+    return np.clip(np.floor((v + 1) / 2 * m + 0.5), 0, m)
+
+
+def to_type(levels, m=255):
+    return levels.astype(np.uint8 if m == 255 else np.uint16)
+
+
+def encode_normals(rng, n, m=255, zzero=False, style=None):
+    """(levels, style): rounded, truncated, or with flat at 127 or 128."""
+    if style is None:
+        style = rng.choice(["rounded", "truncated", "flat127", "flat128"], p=[0.6, 0.15, 0.1, 0.15])
+    half = m // 2
+    if style == "truncated":
+        out = np.clip(np.floor((n + 1) / 2 * m), 0, m)
+        z = np.floor(n[..., 2] * m)
+    elif style == "flat127":
+        out = np.clip(np.floor(n * half + half + 0.5), 0, m)
+        out[..., 2] = encode(n[..., 2], m)
+        z = np.floor(n[..., 2] * m + 0.5)
+    elif style == "flat128":
+        out = np.clip(np.floor(n * half + half + 1.5), 0, m)
+        z = np.floor(n[..., 2] * m + 0.5)
+    else:
+        out = encode(n, m)
+        z = np.floor(n[..., 2] * m + 0.5)
+    if zzero:
+        out[..., 2] = np.clip(z, 0, m)
+    return to_type(out, m), str(style)
+
+
+def srgb_encode(levels):
+    v = levels / 255
+    v = np.where(v <= 0.0031308, 12.92 * v, 1.055 * v ** (1 / 2.4) - 0.055)
+    return to_type(np.floor(v * 255 + 0.5))
+
+
+def jpeg(levels, quality, subsampling):
+    data = io.BytesIO()
+    Image.fromarray(levels).save(data, "JPEG", quality=int(quality), subsampling=int(subsampling))
+    return np.asarray(Image.open(io.BytesIO(data.getvalue())).convert("RGB"))
+
+
+def resize(levels, w, h, method):
+    return np.asarray(Image.fromarray(levels).resize((w, h), method))
+
+
+def with_alpha(levels, alpha):
+    return np.dstack([levels, np.broadcast_to(alpha, levels.shape[:2]).astype(levels.dtype)])
+
+
+# ----------------------------------------------------------------- undamaged normals
+
+
+def plain(rng, zzero=False):
+    n, _, d = draw_normals(rng, 0.3 if zzero else 0.02)
+    m = 65535 if rng.random() < 0.2 else 255
+    levels, style = encode_normals(rng, n, m, zzero)
+    return n, levels, {**d, "style": style, "m": m}
+
+
+def undamaged(rng):
+    n, levels, d = plain(rng)
+    method = 2 if d["style"] == "rounded" else None
+    case = Case("standard", levels, STANDARD, truth=n, method=method, details=d)
+    if rng.random() < 0.2:
+        _add_alpha(rng, case)
+    return case
+
+
+def _add_alpha(rng, case):
+    """An alpha of the usual sorts: opaque, a mask over unused texels, anything."""
+    h, w = case.pixels.shape[:2]
+    m = 255 if case.pixels.dtype == np.uint8 else 65535
+    sort = rng.choice(["opaque", "mask", "any"])
+    alpha = np.full((h, w), m)
+    if sort == "mask":
+        alpha = np.where(_fft_noise(rng, h, w, 2) > 0.3, 0, m)
+        case.truth = None
+    elif sort == "any":
+        alpha = np.clip((_fft_noise(rng, h, w, 1.5) * 0.2 + 0.6) * m, 1, m)
+    case.pixels = with_alpha(case.pixels, alpha)
+    case.details["alpha"] = str(sort)
+    if sort == "any":
+        case.method = None
+
+
+def zzero(rng):
+    n, levels, d = plain(rng, zzero=True)
+    method = 2 if d["style"] == "rounded" else None
+    return Case("zzero", levels, ZZERO, truth=n, method=method, details=d)
+
+
+def gentle_zzero(rng):
+    """Slopes of 0.12 to 0.3: blue tells, by a few levels."""
+    n, _, d = draw_normals(rng, 0.12, 0.3, 64)
+    levels, _ = encode_normals(rng, n, 255, True, "rounded")
+    return Case("gentle zzero", levels, ZZERO, truth=n, method=2, details=d)
+
+
+def padded(rng):
+    _, levels, d = plain(rng)
+    rows = max(1, int(len(levels) * rng.choice([0.03, 0.03, 0.2, 0.6])))
+    m = 255 if levels.dtype == np.uint8 else 65535
+    levels = levels.copy()
+    levels[:rows] = rng.choice([0, m])
+    return Case("padded", levels, STANDARD, details=d)
+
+
+def tilted(rng):
+    """A constant tilt of 0.2 and one bad texel."""
+    n, _, d = draw_normals(rng, 0.02, 0.5)
+    a = rng.uniform(0, 2 * np.pi)
+    n = n + np.array([0.2 * np.cos(a), 0.2 * np.sin(a), 0])
+    n /= np.linalg.norm(n, axis=-1, keepdims=True)
+    levels, _ = encode_normals(rng, n, 255, style="rounded")
+    levels[0, 0] = (10, 240, 13)
+    return Case("tilted, one bad texel", levels, STANDARD, details=d)
+
+
+def wrong_z(rng):
+    n, _, d = draw_normals(rng, 0.05)
+    levels, _ = encode_normals(rng, n, 255, style="rounded")
+    bad = rng.random(n.shape[:2]) < 0.03
+    levels[bad, 2] = rng.integers(0, 256, int(bad.sum()))
+    return Case("3 % wrong z", levels, STANDARD, truth=n, method=0, details=d)
+
+
+def scaled_z(rng):
+    n, _, d = draw_normals(rng, 0.1)
+    z = n * [1, 1, rng.uniform(0.8, 0.95)]
+    return Case(
+        "scaled z", to_type(encode(z)), STANDARD, truth=n, method=0, may=FILTERED, details=d
+    )
+
+
+def noisy_z(rng):
+    n, _, d = draw_normals(rng, 0.1)
+    z = n + rng.standard_normal(n.shape) * [0, 0, rng.uniform(0.02, 0.06)]
+    return Case(
+        "noise in z", to_type(encode(z)), STANDARD, truth=n, method=0, details=d, may=FILTERED
+    )
+
+
+def noisy(rng):
+    n, _, d = draw_normals(rng, 0.1)
+    z = n + rng.standard_normal(n.shape) * rng.uniform(2, 4) * 2 / 255
+    return Case(
+        "noise of a few levels",
+        to_type(encode(z)),
+        STANDARD,
+        truth=n,
+        method=1,
+        may=LOSSY,
+        details=d,
+    )
+
+
+def scaled_vector(rng):
+    n, _, d = draw_normals(rng, 0.25)
+    return Case(
+        "scaled by 0.9",
+        to_type(encode(0.9 * n)),
+        STANDARD,
+        truth=n,
+        method=1,
+        may=FILTERED,
+        details=d,
+    )
+
+
+def lossy(rng):
+    n, _, d = draw_normals(rng, 0.05, 2.0, 32)
+    levels, _ = encode_normals(rng, n, 255, style="rounded")
+    q, sub = int(rng.integers(60, 99)), int(rng.choice([0, 2]))
+    d.update(quality=q, subsampling=sub)
+    # What is too gentle leaves no mark that could be found, or nothing but one color.
+    marked = d["strength"] > 0.3 and q < 80 and min(n.shape[:2]) >= 64
+    pixels = jpeg(levels, q, sub)
+    return Case(
+        "JPEG",
+        pixels,
+        STANDARD,
+        also=(ONE_COLOR,) if (pixels == pixels[0, 0]).all() else (),
+        truth=n,
+        method=1,
+        must=LOSSY if marked else 0,
+        may=LOSSY | FILTERED,
+        details=d,
+    )
+
+
+def resized(rng):
+    """Made twice to four times as large or small, up or down, and not normalized."""
+    n, _, d = draw_normals(rng, 0.1, 2.0, 48)
+    levels, _ = encode_normals(rng, n, 255, style="rounded")
+    h, w = n.shape[:2]
+    how = [Image.BOX, Image.BILINEAR, Image.LANCZOS][int(rng.integers(3))]
+    factor = float(rng.choice([0.25, 0.5, 0.7, 1.5, 2.0]))
+    size = max(8, int(w * factor)), max(8, int(h * factor))
+    big = np.stack([_resize_plane(n[..., k], size, how) for k in range(3)], -1)
+    truth = big / np.maximum(np.linalg.norm(big, axis=-1, keepdims=True), 1e-9)
+    d.update(factor=factor, filter=int(how))
+    shortened = (np.linalg.norm(big, axis=-1) < 0.95).mean() > 0.1
+    return Case(
+        "resized",
+        resize(levels, *size, how),
+        STANDARD,
+        truth=truth,
+        method=1,
+        must=FILTERED if shortened else 0,
+        may=FILTERED | LOSSY,
+        details=d,
+    )
+
+
+def _resize_plane(plane, size, how):
+    return np.asarray(Image.fromarray(plane.astype(np.float32)).resize(size, how), float)
+
+
+def flipped_z(rng):
+    n, _, d = draw_normals(rng, 0.2)
+    levels, _ = encode_normals(rng, n * [1, 1, -1], 255, style="rounded")
+    return Case("flipped z", levels, STANDARD, must=Z_FLIPPED, truth=n, method=2, details=d)
+
+
+def gamma(rng):
+    n, _, d = draw_normals(rng, 0.05, 2.0)
+    levels, _ = encode_normals(rng, n, 255, style="rounded")
+    return Case("stored as sRGB", srgb_encode(levels), STANDARD, must=GAMMA, details=d)
+
+
+def swapped(rng):
+    n, _, d = draw_normals(rng, 0.05, 1.5)
+    levels, _ = encode_normals(rng, n, 255, style="rounded")
+    if rng.random() < 0.6:
+        return Case("red is z", levels[..., ::-1], STANDARD, must=RED_IS_Z, details=d)
+    return Case("green is z", levels[..., [0, 2, 1]], STANDARD, must=GREEN_IS_Z, details=d)
+
+
+def dxt5nm(rng):
+    n, _, d = draw_normals(rng, 0.05, 2.0)
+    levels, _ = encode_normals(rng, n, 255, style="rounded")
+    x, y = levels[..., 0], levels[..., 1]
+    full = np.full_like(x, 255)
+    sort = rng.choice(["1y1x", "1y0x", "yyyx", "ya", "0y0x"])
+    d["layout"] = str(sort)
+    encoding = 0
+    if sort == "1y1x":
+        p = np.dstack([full, y, full, x])
+    elif sort == "1y0x":
+        p = np.dstack([full, y, 0 * full, x])
+    elif sort == "0y0x":
+        p = np.dstack([0 * full, y, 0 * full, x])
+    elif sort == "yyyx":
+        p = np.dstack([y, y, y, x])
+    else:
+        p, encoding = np.dstack([y, x]), 4
+    return Case("DXT5nm", p, XY, encoding=encoding, must=DXT5NM, may=BLUE_CONSTANT, details=d)
+
+
+# --------------------------------------------------------------- red and green only
+
+
+def occlusion(rng, height):
+    """1 in the open, darker in hollows."""
+    h, w = height.shape
+    spread = _blur(height, rng.uniform(2, max(3, min(h, w) / 12))) - height
+    return np.clip(1 - np.maximum(spread / (spread.std() + 1e-9), 0) * rng.uniform(0.1, 0.3), 0, 1)
+
+
+def xy_only(rng):
+    n, height, d = draw_normals(rng, 0.1)
+    m = 65535 if rng.random() < 0.15 else 255
+    levels, style = encode_normals(rng, n, m)
+    sort = rng.choice(["occlusion", "height", "constant", "labpbr"])
+    unit = (height - height.min()) / (np.ptp(height) + 1e-9)
+    must = 0
+    also = ()
+    if sort in ("occlusion", "labpbr"):
+        blue = occlusion(rng, height)
+    elif sort == "height":
+        blue = unit
+    else:
+        value = int(rng.choice([0, 128, 255, 127, 64]))
+        blue = np.full(n.shape[:2], value / 255)
+        d["value"] = value
+        must = BLUE_CONSTANT
+        # A blue of 255 is the z of a gentle surface.
+        if value == 255 and d["strength"] < 0.35:
+            also, must = (STANDARD,), 0
+        if value == 0 and d["strength"] < 0.35:
+            also = (STANDARD,)
+    levels[..., 2] = np.floor(blue * m + 0.5)
+    if sort == "occlusion" and d["strength"] < 0.2:
+        also = (STANDARD,)
+    if sort == "labpbr":
+        levels = with_alpha(levels, np.floor((unit * 0.7 + 0.3) * m))
+    d.update(style=style, sort=str(sort))
+    return Case(
+        "XY with " + str(sort),
+        levels,
+        XY,
+        also=also,
+        must=must,
+        may=BLUE_CONSTANT | Z_FLIPPED,
+        details=d,
+    )
+
+
+def two_channels(rng):
+    _, levels, d = plain(rng)
+    return Case("two channels", np.ascontiguousarray(levels[..., :2]), XY, encoding=2, details=d)
+
+
+# ----------------------------------------------------------------------- object space
+
+
+def _sphere_directions(h, w):
+    """Directions over a latitude-longitude rectangle, y up."""
+    theta = (np.arange(h) + 0.5) / h * np.pi
+    phi = (np.arange(w) + 0.5) / w * 2 * np.pi
+    theta, phi = theta[:, None], phi[None, :]
+    return np.stack(
+        np.broadcast_arrays(
+            np.sin(theta) * np.cos(phi), np.cos(theta), np.sin(theta) * np.sin(phi)
+        ),
+        -1,
+    )
+
+
+def _unit(v):
+    return v / np.maximum(np.linalg.norm(v, axis=-1, keepdims=True), 1e-9)
+
+
+def _blob(rng, h, w):
+    d = _sphere_directions(h, w)
+    bend = np.zeros_like(d)
+    for _ in range(6):
+        axis = _unit(rng.standard_normal(3))
+        k = rng.uniform(1, 6)
+        bend += (
+            rng.uniform(0.02, 0.12)
+            * k
+            * np.cos(k * (d @ axis) + rng.uniform(0, 6))[..., None]
+            * axis
+        )
+    return _unit(d - bend + (bend * d).sum(-1, keepdims=True) * d)
+
+
+def _charts(rng, h, w, directions, detail):
+    """Charts on a background, each a flat side of a body with some detail."""
+    n = np.zeros((h, w, 3))
+    cells = int(np.ceil(np.sqrt(len(directions))))
+    ch, cw = h // cells, w // cells
+    used = np.zeros((h, w), bool)
+    for i, direction in enumerate(directions):
+        y, x = i // cells * ch, i % cells * cw
+        part = np.broadcast_to(direction, (ch, cw, 3))
+        local = normals_of(_fft_noise(rng, max(ch, 4), max(cw, 4), 2)[:ch, :cw], detail)
+        side = _unit(np.cross(direction, [0.31, 0.62, 0.72]))
+        up = np.cross(direction, side)
+        part = local[..., :1] * side + local[..., 1:2] * up + local[..., 2:] * direction
+        n[y : y + ch, x : x + cw] = part
+        used[y : y + ch, x : x + cw] = True
+    return n, used
+
+
+def object_space(rng):
+    h, w = draw_size(rng, 32)
+    sort = rng.choice(["sphere", "blob", "box", "low-poly"])
+    used = np.ones((h, w), bool)
+    if sort == "sphere":
+        n = _sphere_directions(h, w)
+    elif sort == "blob":
+        n = _blob(rng, h, w)
+    elif sort == "box":
+        turn = np.linalg.qr(rng.standard_normal((3, 3)))[0] if rng.random() < 0.5 else np.eye(3)
+        n, used = _charts(rng, h, w, np.concatenate([turn, -turn]), rng.uniform(0.02, 0.5))
+    else:
+        sides = _unit(rng.standard_normal((int(rng.integers(12, 60)), 3)))
+        n, used = _charts(rng, h, w, sides, rng.uniform(0.02, 0.5))
+    levels = to_type(encode(n))
+    levels[~used] = rng.choice([0, 255])
+    q = 0
+    if rng.random() < 0.25:
+        q = int(rng.integers(75, 96))
+        levels = jpeg(levels, q, 0)
+    return Case(
+        "object space " + str(sort),
+        levels,
+        OBJECT,
+        may=LOSSY | FILTERED,
+        details={"size": (w, h), "quality": q},
+    )
+
+
+# -------------------------------------------------------------------- no normals at all
+
+
+def color_noise(rng, h, w):
+    """A surface of one material: a color, brightness that varies, colors that vary less."""
+    mean = rng.uniform(0.15, 0.8, 3)
+    light = 1 + rng.uniform(0.1, 0.4) * _fft_noise(rng, h, w, rng.uniform(0.6, 1.6))
+    tint = np.stack([_fft_noise(rng, h, w, 1.2) for _ in range(3)], -1) * rng.uniform(0, 0.06)
+    return mean * light[..., None] + tint
+
+
+def wood(rng, h, w):
+    x = np.arange(w)
+    rings = np.sin(x / w * rng.uniform(20, 90) + 2 * _fft_noise(rng, h, w, 2))
+    t = np.clip(0.5 + 0.3 * rings + 0.1 * _fft_noise(rng, h, w, 0.5), 0, 1)[..., None]
+    dark = np.array([0.3, 0.17, 0.08]) * rng.uniform(0.6, 1.4)
+    return dark * (1 - t) + np.array([0.72, 0.5, 0.3]) * rng.uniform(0.8, 1.2) * t
+
+
+def gradient(rng, h, w):
+    y, x = np.mgrid[:h, :w]
+    a = rng.uniform(0, 2 * np.pi)
+    t = x / w * np.cos(a) + y / h * np.sin(a)
+    t = ((t - t.min()) / np.ptp(t))[..., None]
+    return rng.uniform(0, 1, 3) * t + rng.uniform(0, 1, 3) * (1 - t)
+
+
+def palette_art(rng, h, w):
+    colors = rng.uniform(0, 1, (int(rng.integers(4, 17)), 3))
+    cell = int(rng.integers(2, 9))
+    index = rng.integers(0, len(colors), (h // cell + 1, w // cell + 1))
+    return colors[np.kron(index, np.ones((cell, cell), int))[:h, :w]]
+
+
+def sky(rng, h, w):
+    t = (np.arange(h) / h)[:, None, None]
+    top, low = np.array([0.2, 0.42, 0.75]), np.array([0.7, 0.83, 0.95])
+    clouds = np.clip(_fft_noise(rng, h, w, 1.7) - rng.uniform(0, 1), 0, 1)[..., None]
+    base = (top + rng.uniform(-0.1, 0.1, 3)) * (1 - t) + low * t
+    return base * (1 - clouds) + np.array([0.95, 0.95, 0.97]) * clouds
+
+
+def leaves(rng, h, w):
+    out = np.broadcast_to(np.array([0.1, 0.12, 0.05]), (h, w, 3)).copy()
+    y, x = np.mgrid[:h, :w]
+    for _ in range(60):
+        cy, cx, r = rng.uniform(0, h), rng.uniform(0, w), rng.uniform(0.03, 0.12) * max(h, w)
+        inside = (y - cy) ** 2 + 2 * (x - cx) ** 2 < r * r
+        out[inside] = np.array([0.25, 0.5, 0.12]) * rng.uniform(0.4, 1.8) * rng.uniform(0.7, 1.3, 3)
+    return out * (1 + 0.1 * _fft_noise(rng, h, w, 1)[..., None])
+
+
+PICTURES = [color_noise, wood, gradient, palette_art, sky, leaves]
+
+
+def picture(rng):
+    h, w = draw_size(rng)
+    paint = PICTURES[int(rng.integers(len(PICTURES)))]
+    levels = to_type(np.clip(np.floor(paint(rng, h, w) * 255 + 0.5), 0, 255))
+    q = 0
+    if rng.random() < 0.3:
+        q = int(rng.integers(70, 98))
+        levels = jpeg(levels, q, 2)
+    return Case(
+        "picture " + paint.__name__,
+        levels,
+        NOT_NORMALS,
+        may=LOSSY,
+        details={"size": (w, h), "quality": q},
+    )
+
+
+def gray_height(rng):
+    h, w = draw_size(rng)
+    height, family = draw_height(rng, h, w)
+    m = 65535 if rng.random() < 0.3 else 255
+    unit = (height - height.min()) / (np.ptp(height) + 1e-9)
+    gray = to_type(np.floor(unit * m + 0.5), m)
+    sort = rng.choice(["gray", "rgb", "rgba", "gray, alpha"])
+    encoding = 4 if sort.startswith("gray") else 0
+    pixels = gray[..., None] if sort == "gray" else np.dstack([gray] * 3)
+    alpha = np.full((h, w), m) if rng.random() < 0.5 else np.where(unit > 0.3, m, 0)
+    if sort == "rgba":
+        pixels = with_alpha(pixels, alpha)
+    if sort == "gray, alpha":
+        pixels = with_alpha(gray, alpha)
+    # Black and white texels are unused ones.
+    also = (ONE_COLOR,) if len(set(np.unique(gray)) - {0, m}) < 2 else ()
+    return Case(
+        "height as " + str(sort),
+        pixels,
+        HEIGHT,
+        also=also,
+        encoding=encoding,
+        may=LOSSY,
+        details={"family": family, "size": (w, h)},
+    )
+
+
+def one_color(rng):
+    h, w = draw_size(rng)
+    color = [
+        (128, 128, 255),
+        (127, 127, 255),
+        (201, 201, 201),
+        (0, 0, 0),
+        (255, 255, 255),
+        (255, 255, 0),
+        tuple(rng.integers(0, 256, 3)),
+    ][int(rng.integers(7))]
+    pixels = np.broadcast_to(np.array(color, np.uint8), (h, w, 3)).copy()
+    if rng.random() < 0.3:
+        pixels[: h // 3] = 0
+    return Case("one color", pixels, ONE_COLOR, details={"color": tuple(map(int, color))})
+
+
+# Weights: how often each is drawn.
+KINDS = [
+    (undamaged, 6), (zzero, 3), (gentle_zzero, 1), (padded, 2), (tilted, 1), (wrong_z, 2),
+    (scaled_z, 1), (noisy_z, 1), (noisy, 1), (scaled_vector, 1), (lossy, 4), (resized, 4),
+    (flipped_z, 1), (gamma, 2), (swapped, 2), (dxt5nm, 2), (xy_only, 6), (two_channels, 1),
+    (object_space, 4), (picture, 6), (gray_height, 3), (one_color, 2),
+]  # fmt: skip
+
+
+def draw(rng):
+    weights = np.array([w for _, w in KINDS], float)
+    kind = KINDS[int(rng.choice(len(KINDS), p=weights / weights.sum()))][0]
+    return kind(rng)

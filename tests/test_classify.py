@@ -1,0 +1,476 @@
+# SPDX-License-Identifier: MIT
+"""Classes, accidents and cleaning methods of textures whose kind is known (maps.py).
+
+The seed is drawn anew at each run and printed; NTP_SEED repeats a run.
+"""
+
+import os
+import re
+from collections import Counter
+
+import numpy as np
+import pytest
+
+import libntp_ffi as ntp
+import maps
+
+DRAWS = 700
+CONFIDENT = 0.9
+
+
+@pytest.fixture(scope="module")
+def seed():
+    chosen = os.environ.get("NTP_SEED")
+    value = int(chosen) if chosen else int.from_bytes(os.urandom(4), "little")
+    print(f"\nNTP_SEED={value}")
+    return value
+
+
+def stats_of(case, encoding=None):
+    pixels = np.ascontiguousarray(case.pixels)
+    tally = ntp.Tally().measure(pixels, case.encoding if encoding is None else encoding)
+    stats = ntp.ffi.new("ntp_stats *")
+    read_as = (case.encoding if encoding is None else encoding) % ntp.HEIGHT
+    ntp.check(ntp.lib.ntp_summarize(stats, tally.pointer, read_as))
+    return stats
+
+
+def reason_text(reason):
+    room = ntp.ffi.new("char[400]")
+    length = ntp.lib.ntp_reason_text(room, 400, reason)
+    text = ntp.ffi.string(room).decode()
+    assert len(text) == length
+    return text
+
+
+def classify(case):
+    result = ntp.ffi.new("ntp_classification *")
+    ntp.check(ntp.lib.ntp_classify(result, stats_of(case)))
+    return result
+
+
+def describe(index, case, result):
+    reasons = "; ".join(reason_text(result.reasons + i) for i in range(result.reason_count))
+    return (
+        f"{index} {case.name} {case.details}: {maps.CLASSES[result.type]} "
+        f"{result.confidence:.2f} accidents {result.accidents}: {reasons}"
+    )
+
+
+def matrix_text(matrix):
+    head = " ".join(f"{name[:9]:>9}" for name in maps.CLASSES)
+    rows = [
+        f"{name:>12} " + " ".join(f"{n:9}" for n in row)
+        for name, row in zip(maps.CLASSES, matrix, strict=True)
+    ]
+    return "\n".join([f"{'is / called':>12} {head}", *rows])
+
+
+@pytest.fixture(scope="module")
+def judged(seed):
+    """(index, case, result) of many draws."""
+    cases = [(i, maps.draw(np.random.default_rng([seed, i]))) for i in range(DRAWS)]
+    return [(i, case, classify(case)) for i, case in cases]
+
+
+def test_drawn_textures_are_recognized(judged, seed):
+    matrix = np.zeros((7, 7), int)
+    wrong, confident = [], []
+    for i, case, result in judged:
+        right = result.type == case.kind or result.type in case.also
+        matrix[case.kind, case.kind if right else result.type] += 1
+        if not right:
+            wrong.append(describe(i, case, result))
+            if result.confidence >= CONFIDENT:
+                confident.append(wrong[-1])
+    share = matrix.trace() / len(judged)
+    report = f"NTP_SEED={seed}: {share:.1%} right\n{matrix_text(matrix)}\n" + "\n".join(wrong)
+    print("\n" + report)
+    assert share >= 0.95, report
+    assert not confident, report
+
+
+def test_no_class_is_given_up(judged, seed):
+    """Each class by itself, in both directions: no class is right at the cost of another."""
+    for kind in range(7):
+        drawn = [r for _, c, r in judged if c.kind == kind]
+        right = sum(r.type == c.kind or r.type in c.also for _, c, r in judged if c.kind == kind)
+        called = [c for _, c, r in judged if r.type == kind]
+        true = sum(c.kind == kind or kind in c.also for c in called)
+        name = f"NTP_SEED={seed} {maps.CLASSES[kind]}"
+        assert len(drawn) >= 5, name
+        assert right >= 0.85 * len(drawn), name
+        assert true >= 0.85 * len(called), name
+
+
+def test_the_sure_are_many(judged, seed):
+    """Confidence says something: most textures get 0.9 or more, and errors are less sure."""
+    right = [r.confidence for _, c, r in judged if r.type == c.kind]
+    assert np.mean(np.array(right) >= CONFIDENT) > 0.6, f"NTP_SEED={seed}"
+    assert all(0.5 <= r.confidence <= 1 for _, _, r in judged)
+
+
+def test_accidents(judged, seed):
+    wanted, missing, false = 0, [], []
+    for i, case, result in judged:
+        wanted += case.must != 0
+        if case.must & ~result.accidents:
+            missing.append(describe(i, case, result))
+        if result.accidents & ~(case.must | case.may):
+            false.append(describe(i, case, result))
+    report = f"NTP_SEED={seed}: of {wanted}\n" + "\n".join([*missing, "false:", *false])
+    assert len(missing) <= 0.12 * wanted, report
+    assert len(false) <= 0.02 * len(judged), report
+
+
+def test_every_answer_has_a_reason(judged):
+    for _, _, result in judged:
+        assert 1 <= result.reason_count <= 6
+        for i in range(result.reason_count):
+            assert len(reason_text(result.reasons + i)) > 10
+
+
+# ------------------------------------------- what the reference program gets wrong, one by one
+
+
+def sample(family, strength, rng, size=128):
+    height = getattr(maps, family)(rng, size, size)
+    return maps.normals_of(height, strength)
+
+
+def rounded(n):
+    return maps.to_type(maps.encode(n))
+
+
+def jpeg(quality):
+    return lambda n, rng: maps.jpeg(rounded(n), quality, 0)
+
+
+def _share_of_texels(levels, rng, share, value):
+    levels = levels.copy()
+    rows = max(1, int(levels.shape[0] * share))
+    levels[:rows] = value
+    return levels
+
+
+def _wrong_z(n, rng):
+    levels = rounded(n)
+    bad = rng.random(n.shape[:2]) < 0.03
+    levels[bad, 2] = rng.integers(0, 256, int(bad.sum()))
+    return levels
+
+
+def _tilted(n, rng):
+    n = n + np.array([0.2, 0, 0])
+    levels = rounded(n / np.linalg.norm(n, axis=-1, keepdims=True))
+    levels[5, 5] = (3, 250, 7)
+    return levels
+
+
+def _constant_blue(value):
+    def damage(n, rng):
+        levels = rounded(n)
+        levels[..., 2] = value
+        return levels
+
+    return damage
+
+
+def _zzero(n, rng):
+    levels = rounded(n)
+    levels[..., 2] = np.floor(n[..., 2] * 255 + 0.5)
+    return levels
+
+
+def _resized(factor, how):
+    def damage(n, rng):
+        side = int(n.shape[0] * factor)
+        return maps.resize(rounded(n), side, side, how)
+
+    return damage
+
+
+S, X = maps.STANDARD, maps.XY
+DAMAGES = {
+    "nothing": (lambda n, rng: rounded(n), S, 0),
+    "truncated": (lambda n, rng: maps.to_type(np.floor((n + 1) / 2 * 255)), S, 0),
+    "3 % black": (lambda n, rng: _share_of_texels(rounded(n), rng, 0.03, 0), S, 0),
+    "3 % white": (lambda n, rng: _share_of_texels(rounded(n), rng, 0.03, 255), S, 0),
+    "70 % black": (lambda n, rng: _share_of_texels(rounded(n), rng, 0.7, 0), S, 0),
+    "3 % wrong z": (_wrong_z, S, 0),
+    "tilted, one bad texel": (_tilted, S, 0),
+    "JPEG 95": (jpeg(95), S, 0),
+    "JPEG 85": (jpeg(85), S, 0),
+    "JPEG 75": (jpeg(75), S, 0),
+    "halved by box": (_resized(0.5, maps.Image.BOX), S, 0),
+    "halved by Lanczos": (_resized(0.5, maps.Image.LANCZOS), S, 0),
+    "doubled": (_resized(2, maps.Image.BILINEAR), S, 0),
+    "z flipped": (lambda n, rng: rounded(n * [1, 1, -1]), S, maps.Z_FLIPPED),
+    "red is z": (lambda n, rng: rounded(n)[..., ::-1], S, maps.RED_IS_Z),
+    "green is z": (lambda n, rng: rounded(n)[..., [0, 2, 1]], S, maps.GREEN_IS_Z),
+    "scaled by 0.9": (lambda n, rng: rounded(0.9 * n), S, 0),
+    "sRGB": (lambda n, rng: maps.srgb_encode(rounded(n)), S, maps.GAMMA),
+    "blue 0": (_constant_blue(0), X, maps.BLUE_CONSTANT),
+    "blue 128": (_constant_blue(128), X, maps.BLUE_CONSTANT),
+    "blue 255": (_constant_blue(255), X, maps.BLUE_CONSTANT),
+    "Z-zero": (_zzero, maps.ZZERO, 0),
+}
+
+
+@pytest.mark.parametrize("family", [f.__name__ for f in maps.FAMILIES])
+@pytest.mark.parametrize("damage", DAMAGES)
+def test_known_errors_of_the_reference_program(damage, family):
+    apply, kind, accident = DAMAGES[damage]
+    for strength in (0.5, 0.8):
+        rng = np.random.default_rng([int(strength * 10), len(family)])
+        pixels = apply(sample(family, strength, rng), rng)
+        case = maps.Case(damage, pixels, kind, details={"family": family, "strength": strength})
+        result = classify(case)
+        text = describe(0, case, result)
+        assert result.type == kind, text
+        assert result.accidents & accident == accident, text
+
+
+def test_gentle_zzero_is_told_where_it_can_be():
+    rng = np.random.default_rng(3)
+    for strength in (0.1, 0.15, 0.25):
+        pixels = _zzero(sample("bumps", strength, rng), rng)
+        assert classify(maps.Case("gentle", pixels, maps.ZZERO)).type == maps.ZZERO, strength
+    flat = _zzero(sample("bumps", 0.02, rng), rng)
+    result = classify(maps.Case("too gentle", flat, maps.ZZERO))
+    assert result.type == maps.STANDARD and result.confidence < CONFIDENT
+
+
+def test_single_colors():
+    for color in [(128, 128, 255), (201, 201, 201), (0, 0, 0), (255, 255, 255), (0, 255, 255)]:
+        pixels = np.full((32, 32, 3), color, np.uint8)
+        assert classify(maps.Case("color", pixels, maps.ONE_COLOR)).type == maps.ONE_COLOR, color
+
+
+def test_object_space_sphere():
+    for h, w in ((64, 128), (256, 512)):
+        pixels = rounded(maps._sphere_directions(h, w))
+        result = classify(maps.Case("sphere", pixels, maps.OBJECT))
+        assert result.type == maps.OBJECT and result.confidence >= CONFIDENT
+
+
+@pytest.mark.parametrize("paint", maps.PICTURES)
+def test_pictures_are_no_normals(paint):
+    wrong = 0
+    for i in range(20):
+        rng = np.random.default_rng([i, 9])
+        pixels = maps.to_type(np.clip(np.floor(paint(rng, 128, 128) * 255 + 0.5), 0, 255))
+        result = classify(maps.Case(paint.__name__, pixels, maps.NOT_NORMALS))
+        if result.type != maps.NOT_NORMALS:
+            wrong += 1
+            assert result.confidence < CONFIDENT, describe(i, maps.Case("", pixels, 6), result)
+    assert wrong <= 4
+
+
+# ------------------------------------------------------------------------- cleaning method
+
+
+def choose(case, lossy=0):
+    encoding = case.kind
+    stats = stats_of(case, encoding)
+    method, why = ntp.ffi.new("ntp_method *"), ntp.ffi.new("ntp_reason *")
+    ntp.check(ntp.lib.ntp_choose_method(method, why, stats, encoding, lossy))
+    return method[0], reason_text(why), stats
+
+
+def mean_angle(levels, truth, m, zzero):
+    """Mean angle in degrees between what the levels say and the undamaged vectors."""
+    v = levels[..., :3].astype(float) * 2 / m - 1
+    if zzero:
+        v[..., 2] = levels[..., 2] / m
+    dot, cross = (v * truth).sum(-1), np.linalg.norm(np.cross(v, truth), axis=-1)
+    return np.degrees(np.arctan2(cross, dot)).mean()
+
+
+def test_the_chosen_method_is_not_the_worse_one(seed):
+    good, total, bad = 0, 0, []
+    counts = Counter()
+    for i in range(DRAWS):
+        case = maps.draw(np.random.default_rng([seed, 1, i]))
+        if case.truth is None or case.kind > maps.ZZERO:
+            continue
+        pixels = np.ascontiguousarray(case.pixels)
+        m = 255 if pixels.dtype == np.uint8 else 65535
+        method, why, _ = choose(case)
+        angles = [
+            mean_angle(
+                ntp.clean(pixels, case.kind, ntp.clean_options(k))[0], case.truth, m, case.kind
+            )
+            for k in range(3)
+        ]
+        total += 1
+        counts[case.name, method] += 1
+        if angles[method] <= 1.1 * min(angles[:2]) + 0.05:
+            good += 1
+        else:
+            bad.append(f"{i} {case.name} {case.details}: {method} {why} {np.round(angles, 2)}")
+    report = (
+        f"NTP_SEED={seed}: {good} of {total}\n" + "\n".join(bad) + f"\n{sorted(counts.items())}"
+    )
+    print("\n" + report)
+    assert total > 200
+    assert good >= 0.95 * total, report
+
+
+def test_method_of_plain_cases():
+    rng = np.random.default_rng(5)
+    n = sample("fractal", 0.8, rng)
+    clean = maps.Case("clean", rounded(n), S)
+    assert choose(clean)[0] == ntp.KEEP
+    assert choose(maps.Case("flipped", rounded(n * [1, 1, -1]), S))[0] == ntp.KEEP
+    assert choose(maps.Case("Z-zero", _zzero(n, rng), maps.ZZERO))[0] == ntp.KEEP
+    assert choose(maps.Case("wrong z", _wrong_z(n, rng), S))[0] == ntp.DERIVE
+    assert choose(maps.Case("blue 255", _constant_blue(255)(n, rng), S))[0] == ntp.DERIVE
+    assert choose(maps.Case("blue 255", _constant_blue(255)(n, rng), S), 1)[0] == ntp.DERIVE
+    assert choose(maps.Case("scaled", rounded(0.9 * n), S))[0] == ntp.NORMALIZE
+    assert choose(maps.Case("scaled z", rounded(n * [1, 1, 0.85]), S))[0] == ntp.DERIVE
+    halved = _resized(0.5, maps.Image.BOX)(n, rng)
+    assert choose(maps.Case("halved", halved, S))[0] == ntp.NORMALIZE
+    assert choose(maps.Case("JPEG", jpeg(85)(n, rng), S), 1)[0] == ntp.NORMALIZE
+    one_off = rounded(n)
+    one_off[3, 3, 2] = 90
+    assert choose(maps.Case("one texel", one_off, S))[0] == ntp.DERIVE
+    padded = rounded(n)
+    padded[:20] = 0
+    assert choose(maps.Case("padded", padded, S))[0] == ntp.KEEP
+    assert choose(maps.Case("XY", rounded(n), maps.XY))[0] in (ntp.DERIVE, ntp.KEEP)
+
+
+# --------------------------------------------------------------------------- names, reasons
+
+
+def reason_codes():
+    text = ntp.HEADER.read_text(encoding="utf-8")
+    return {name: int(n) for name, n in re.findall(r"(NTP_REASON_\w+) = (\d+)", text)}
+
+
+def text_of(code, value, room=400):
+    reason = ntp.ffi.new("ntp_reason *", [code, value])
+    buffer = ntp.ffi.new("char[]", max(room, 1))
+    return ntp.lib.ntp_reason_text(buffer, room, reason), ntp.ffi.string(buffer).decode()
+
+
+def test_reason_texts():
+    codes = reason_codes()
+    texts = {name: text_of(code, 0.5)[1] for name, code in codes.items()}
+    assert len(set(texts.values())) == len(texts) == max(codes.values()) + 1
+    for text in texts.values():
+        assert text[0].islower() or text[0].isdigit()
+        assert not text.endswith(".") and "  " not in text
+    for code in (-1, max(codes.values()) + 1, 2**31 - 1):
+        assert text_of(code, 1)[1] == text_of(0, 1)[1]
+
+
+def test_reason_numbers():
+    code = reason_codes()["NTP_REASON_NEAR_UNIT"]
+    tail = " of the used texels have about unit length"
+    for value, shown in [
+        (0, "0 %"), (1, "100 %"), (0.5, "50.0 %"), (0.97349, "97.3 %"), (0.99999, ">99.9 %"),
+        (1e-6, "<0.1 %"), (0.001, "0.1 %"), (2.5, "250.0 %"),
+    ]:  # fmt: skip
+        assert text_of(code, value)[1] == shown + tail
+    code = reason_codes()["NTP_REASON_XY_CENTERED"]
+    for value, shown in [(0.126, "0.13"), (0, "0.00"), (1.999, "2.00"), (-0.5, "-0.50")]:
+        assert f"by {shown} on" in text_of(code, value)[1]
+    for value in (float("nan"), float("inf"), -float("inf"), 1e300):
+        assert "000000000.00" in text_of(code, value)[1]
+
+
+def test_reason_text_is_cut_like_snprintf():
+    code = reason_codes()["NTP_REASON_UNIT"]
+    length, whole = text_of(code, 0.25)
+    assert length == len(whole)
+    for room in (0, 1, 2, 10, length, length + 1):
+        got_length, got = text_of(code, 0.25, room)
+        assert got_length == length
+        assert got == whole[: max(room - 1, 0)]
+    assert (
+        ntp.lib.ntp_reason_text(ntp.ffi.NULL, 0, ntp.ffi.new("ntp_reason *", [code, 0.25]))
+        == length
+    )
+    assert ntp.lib.ntp_reason_text(ntp.ffi.NULL, 9, ntp.ffi.NULL) > 0
+
+
+def test_class_names():
+    names = [ntp.ffi.string(ntp.lib.ntp_class_name(i)).decode() for i in range(7)]
+    assert names == maps.CLASSES
+    assert ntp.ffi.string(ntp.lib.ntp_class_name(99)) == b"unknown"
+
+
+def test_errors():
+    stats = ntp.ffi.new("ntp_stats *")
+    result = ntp.ffi.new("ntp_classification *")
+    method = ntp.ffi.new("ntp_method *")
+    null = ntp.ffi.NULL
+    assert ntp.lib.ntp_classify(result, stats) == ntp.ERR_ARGUMENT
+    assert ntp.lib.ntp_classify(null, stats) == ntp.ERR_ARGUMENT
+    assert ntp.lib.ntp_classify(result, null) == ntp.ERR_ARGUMENT
+    assert ntp.lib.ntp_choose_method(method, null, stats, 0, 0) == ntp.ERR_ARGUMENT
+    good = stats_of(maps.Case("", np.full((4, 4, 3), 128, np.uint8), S))
+    assert ntp.lib.ntp_choose_method(method, null, good, 0, 0) == ntp.OK
+    assert ntp.lib.ntp_choose_method(null, null, good, 0, 0) == ntp.ERR_ARGUMENT
+    assert ntp.lib.ntp_choose_method(method, null, null, 0, 0) == ntp.ERR_ARGUMENT
+    for encoding in (ntp.VECTOR, ntp.HEIGHT, 9):
+        assert ntp.lib.ntp_choose_method(method, null, good, encoding, 0) == ntp.ERR_ARGUMENT
+
+
+# ----------------------------------------------------------------- how blue goes with x, y
+
+
+def blue_oracle(pixels):
+    """The statistics on tilted texels, written with numpy from their description."""
+    p = pixels.reshape(-1, 3).astype(float)
+    p = p[~((p == 0).all(1) | (p == 255).all(1))]
+    xy = 2 * p[:, :2] / 255 - 1
+    rest = 1 - (xy**2).sum(1)
+    p, rest = p[rest > 0], rest[rest > 0]
+    z = np.sqrt(rest)
+    want = np.stack([127.5 + 127.5 * z, 255 * z])
+    blue = p[:, 2]
+    tilted = want[0] - want[1] > 1
+    off = np.abs(blue - want)[:, tilted]
+    slope, correlation = (
+        np.cov(want[0], blue)[0, 1] / want[0].var(ddof=1),
+        np.corrcoef(want[0], blue),
+    )
+    return {
+        "tilted": int(tilted.sum()),
+        "tilted_gap": (want[0] - want[1])[tilted].mean(),
+        "tilted_off": np.minimum(off, 32).mean(1),
+        "tilted_near": (off <= 3).mean(1),
+        "tilted_above": (blue - want[0] > 4)[tilted].mean(),
+        "blue_slope": slope,
+        "blue_correlation": correlation[0, 1],
+    }
+
+
+def test_statistics_of_blue(seed):
+    rng = np.random.default_rng([seed, 2])
+    for i in range(6):
+        n = sample("fractal", 0.3 * (i + 1), rng, 48)
+        pixels = _wrong_z(n, rng) if i % 2 else _zzero(n, rng)
+        pixels[:3] = 0
+        got = ntp.Tally().measure(pixels).stats()
+        for name, want in blue_oracle(pixels).items():
+            assert got[name] == pytest.approx(want, rel=1e-6, abs=1e-9), (
+                f"NTP_SEED={seed} {i} {name}"
+            )
+
+
+def test_sixteen_bit_content_is_judged_like_eight(seed):
+    """A 16-bit texture of 8-bit levels gets the same answer as the 8-bit one."""
+    for i in range(10):
+        case = maps.draw(np.random.default_rng([seed, 3, i]))
+        if case.pixels.dtype != np.uint8:
+            continue
+        wide = maps.Case(
+            case.name, case.pixels.astype(np.uint16) * 257, case.kind, case.also, case.encoding
+        )
+        a, b = classify(case), classify(wide)
+        assert (a.type, a.accidents) == (b.type, b.accidents), describe(i, case, a)
+        assert a.confidence == pytest.approx(b.confidence, abs=0.02)
