@@ -94,6 +94,14 @@ static void on_skip(j_decompress_ptr jpeg, long count)
     }
 }
 
+/* Intact files, but lossless, of 12 bits and the like. */
+static bool is_unsupported(int code)
+{
+    return code == JERR_SOF_UNSUPPORTED || code == JERR_BAD_PRECISION ||
+           code == JERR_ARITH_NOTIMPL || code == JERR_CONVERSION_NOTIMPL ||
+           code == JERR_FRACT_SAMPLE_NOTIMPL || code == JERR_NOT_COMPILED;
+}
+
 static bool fail(jpeg_state *s, ntpio_error *error)
 {
     char message[JMSG_LENGTH_MAX];
@@ -105,6 +113,9 @@ static bool fail(jpeg_state *s, ntpio_error *error)
     if (s->errors.msg_code == JERR_OUT_OF_MEMORY)
         return ntpio__fail_memory(error, name);
     s->errors.format_message((j_common_ptr) &s->jpeg, message);
+    if (is_unsupported(s->errors.msg_code))
+        return ntpio__fail(error, NTPIO_ERR_FORMAT, name,
+                           "a JPEG of a kind that is not read here (%s)", message);
     return ntpio__fail(error, NTPIO_ERR_CORRUPT, name, "damaged (%s)", message);
 }
 
@@ -135,6 +146,8 @@ static int32_t estimate_quality(const JQUANT_TBL *table)
     return best;
 }
 
+static const char icc_name[] = "ICC_PROFILE"; /* its zero included, as in the file */
+
 static bool take_header(jpeg_state *s, ntpio_error *error)
 {
     const struct jpeg_decompress_struct *jpeg = &s->jpeg;
@@ -155,6 +168,9 @@ static bool take_header(jpeg_state *s, ntpio_error *error)
     info->sample_bytes = 1;
     info->bit_depth = 8;
     info->lossy = true;
+    for (jpeg_saved_marker_ptr m = jpeg->marker_list; m != NULL; m = m->next)
+        info->has_iccp = info->has_iccp || (m->data_length >= sizeof icc_name &&
+                                            memcmp(m->data, icc_name, sizeof icc_name) == 0);
     for (int i = 0; i < jpeg->num_components; i++) {
         const jpeg_component_info *c = &jpeg->comp_info[i];
         info->jpeg_subsampled = info->jpeg_subsampled ||
@@ -177,6 +193,7 @@ static bool read_header(jpeg_state *s, ntpio_error *error)
                                            .resync_to_restart = jpeg_resync_to_restart,
                                            .term_source = on_start };
     s->jpeg.src = &s->source;
+    jpeg_save_markers(&s->jpeg, JPEG_APP0 + 2, sizeof icc_name);
     jpeg_read_header(&s->jpeg, TRUE);
     return true;
 }

@@ -171,8 +171,44 @@ static void check_refusals(void)
     free(progressive.bytes);
 }
 
+/* Where the frame header (SOF0) of a baseline file is. */
+static size_t frame_of(const jpeg_file *file)
+{
+    size_t at = 2;
+    while (file->bytes[at + 1] != 0xc0)
+        at += 2 + ((size_t) file->bytes[at + 2] << 8 | file->bytes[at + 3]);
+    CHECK(file->bytes[at] == 0xff && at < file->size);
+    return at;
+}
+
+/* What a header may say that is no damage: 12 bits, lossless, a profile. */
+static void check_headers(void)
+{
+    jpeg_file file = compress((shape) { 3, 90, false, false });
+    static const char profile[] = "\xff\xe2\0\x12"
+                                  "ICC_PROFILE\0\1\1x";
+    const size_t frame = frame_of(&file), size = sizeof profile;
+    ntpio_info info;
+    ntpio_error error;
+    CHECK(read_all(file.bytes, file.size, NULL, &info, &error) == NTPIO_OK && !info.has_iccp);
+    uint8_t *with = malloc(file.size + size);
+    CHECK(with != NULL);
+    memcpy(with, file.bytes, frame);
+    memcpy(with + frame, profile, size);
+    memcpy(with + frame + size, file.bytes + frame, file.size - frame);
+    CHECK(read_all(with, file.size + size, NULL, &info, &error) == NTPIO_OK && info.has_iccp);
+    free(with);
+    file.bytes[frame + 4] = 12;
+    CHECK(read_all(file.bytes, file.size, NULL, &info, &error) == NTPIO_ERR_FORMAT);
+    file.bytes[frame + 4] = 8;
+    file.bytes[frame + 1] = 0xc3;
+    CHECK(read_all(file.bytes, file.size, NULL, &info, &error) == NTPIO_ERR_FORMAT);
+    free(file.bytes);
+}
+
 int main(void)
 {
+    check_headers();
     for (int progressive = 0; progressive < 2; progressive++) {
         check_shape((shape) { 1, 92, false, progressive });
         check_shape((shape) { 3, 95, false, progressive });
