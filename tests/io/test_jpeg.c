@@ -145,11 +145,12 @@ static void check_shape(shape s)
     CHECK(info.jpeg_subsampled == (s.channels == 3 && s.subsampled));
     check_damage(&file);
     /* What follows the image is none of it. */
-    uint8_t *longer = malloc(file.size + 9);
+    static const uint8_t junk[] = { 0xff, 0xd8, 'j', 'u', 'n', 'k', 0xff };
+    uint8_t *longer = malloc(file.size + sizeof junk);
     CHECK(longer != NULL);
     memcpy(longer, file.bytes, file.size);
-    memcpy(longer + file.size, "\xff\xd8 junk \xff", 9);
-    CHECK(read_all(longer, file.size + 9, NULL, &info, &error) == NTPIO_OK);
+    memcpy(longer + file.size, junk, sizeof junk);
+    CHECK(read_all(longer, file.size + sizeof junk, NULL, &info, &error) == NTPIO_OK);
     free(longer);
     free(file.bytes);
 }
