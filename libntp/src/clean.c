@@ -99,39 +99,47 @@ static void clean_texel(const job *j, int32_t c[4])
     ntp__clean(c, j->m, j->encoding, j->how.method, j->how.keep_negative_z);
 }
 
-/* Texel by texel; returns how many changed. */
+/* One texel of a block; true: it changed. */
+static bool clean_at(const job *j, ntp__block *block, int32_t i)
+{
+    int32_t c[4] = { block->c[0][i], block->c[1][i], block->c[2][i], block->c[3][i] };
+    clean_texel(j, c);
+    bool changed = c[0] != block->c[0][i] || c[1] != block->c[1][i] || c[2] != block->c[2][i];
+    for (int32_t k = 0; k < 3; k++)
+        block->c[k][i] = c[k];
+    return changed;
+}
+
+/* Texel by texel; returns how many changed.  Broken texels are left to store_floats. */
 static uint64_t clean_slowly(const job *j, ntp__block *block, int32_t n)
 {
     uint64_t changed = 0;
     for (int32_t i = 0; i < n; i++) {
-        int32_t c[4] = { block->c[0][i], block->c[1][i], block->c[2][i], block->c[3][i] };
-        clean_texel(j, c);
-        changed += c[0] != block->c[0][i] || c[1] != block->c[1][i] || c[2] != block->c[2][i];
-        for (int32_t k = 0; k < 3; k++)
-            block->c[k][i] = c[k];
+        if (!block->any_broken || !block->broken[i])
+            changed += clean_at(j, block, i);
     }
     return changed;
 }
 
-/* Derives blue with a kernel; texels that are too long or unused make it redo the block slowly. */
+/* Derives blue with a kernel; only texels that are too long or may be unused go one by one. */
 static uint64_t clean_by_derivation(const job *j, ntp__block *block, int32_t n)
 {
     int32_t want[NTP__BLOCK];
     bool keep = j->how.keep_negative_z && j->encoding == NTP_STANDARD;
+    uint64_t changed = 0;
     j->kernels->derive(want, block->c[0], block->c[1], n, j->m, j->encoding == NTP_ZZERO);
-    int32_t odd = 0, changed = 0, m = j->m;
     for (int32_t i = 0; i < n; i++) {
-        int32_t r = block->c[0][i], g = block->c[1][i], b = block->c[2][i];
-        odd |=
-            (want[i] < 0) | (block->c[3][i] == 0) | ((r == g) & (g == b) & ((r == 0) | (r == m)));
-        int32_t mirrored = keep & (b <= (m - 1) / 2);
-        want[i] = mirrored ? m - want[i] : want[i];
-        changed += want[i] != b;
+        int32_t b = block->c[2][i];
+        /* Pairs of black and white are too long. */
+        if (want[i] < 0 || block->c[3][i] == 0) {
+            changed += clean_at(j, block, i);
+            continue;
+        }
+        int32_t blue = keep && ntp__z_negative(b, j->m) ? j->m - want[i] : want[i];
+        changed += blue != b;
+        block->c[2][i] = blue;
     }
-    if (odd)
-        return clean_slowly(j, block, n);
-    memcpy(block->c[2], want, (size_t) n * sizeof want[0]);
-    return (uint64_t) changed;
+    return changed;
 }
 
 static bool blue_is_written(const job *j)
@@ -210,22 +218,8 @@ static void clean_run(const job *j, int32_t x, int32_t y, int32_t n, ntp_clean_c
     bool derive = j->how.method == NTP_DERIVE && !j->how.only_failing && blue_is_written(j);
     if (derive && !block.any_broken)
         counts->changed += clean_by_derivation(j, &block, n);
-    else if (!block.any_broken)
+    else
         counts->changed += clean_slowly(j, &block, n);
-    else {
-        /* Broken texels are counted and written by store_floats. */
-        uint64_t ignored = 0;
-        for (int32_t i = 0; i < n; i++) {
-            int32_t c[4] = { block.c[0][i], block.c[1][i], block.c[2][i], block.c[3][i] };
-            if (block.broken[i])
-                continue;
-            clean_texel(j, c);
-            ignored += c[0] != block.c[0][i] || c[1] != block.c[1][i] || c[2] != block.c[2][i];
-            for (int32_t k = 0; k < 3; k++)
-                block.c[k][i] = c[k];
-        }
-        counts->changed += ignored;
-    }
     if (floats)
         store_floats(j, &before, &block, x, y, n, counts);
     else
