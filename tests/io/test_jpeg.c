@@ -178,7 +178,7 @@ static size_t frame_of(const jpeg_file *file)
     size_t at = 2;
     while (file->bytes[at + 1] != 0xc0)
         at += 2 + ((size_t) file->bytes[at + 2] << 8 | file->bytes[at + 3]);
-    CHECK(file->bytes[at] == 0xff && at < file->size);
+    CHECK(at < file->size && file->bytes[at] == 0xff);
     return at;
 }
 
