@@ -232,7 +232,7 @@ typedef enum ntp_method {
 typedef struct ntp_clean_options {
     ntp_method method;
     int32_t keep_negative_z; /* nonzero: a negative Z stays so; otherwise b becomes M - b first */
-    int32_t only_failing;    /* nonzero: texels that pass `verdict` stay as they are */
+    int32_t only_failing;    /* nonzero: texels that pass `verdict`, and are not negative, stay */
     ntp_verdict verdict;
     uint32_t touch_unused; /* NTP_UNUSED_*: repair such texels too */
 } ntp_clean_options;
@@ -384,8 +384,8 @@ typedef struct ntp_stats {
     uint64_t z_negative;        /* read as standard */
     uint64_t unused_xy_too_long;
     uint64_t unused_z_negative;
-    uint64_t gray;                   /* all of r, g, b equal */
-    uint64_t flat;                   /* r and g both (M-1)/2 or (M+1)/2 */
+    uint64_t gray;                   /* all of r, g, b equal; transparent texels are left out */
+    uint64_t flat;                   /* used texels with r and g both (M-1)/2 or (M+1)/2 */
     uint64_t distinct_flat;          /* different colors among them */
     uint64_t distinct;               /* different used colors, counted up to 2; see also flat */
     uint64_t levels_off_max[2];      /* standard, Z-zero; used texels */
@@ -401,7 +401,7 @@ typedef struct ntp_stats {
     /* Used texels: blue and alpha read as components, and how the channels go together. */
     double used_mean[4]; /* levels / M */
     double used_sd[4];
-    double correlation[3]; /* r-g, r-b, g-b; 0 where a channel is constant */
+    double correlation[3]; /* r-g, r-b, g-b, of sampled rows; 0 where a channel is constant */
     uint64_t used_z_negative;
     uint64_t red_low; /* used texels with r <= (M-1)/2; x negative */
     uint64_t green_low;
@@ -417,7 +417,8 @@ typedef struct ntp_stats {
     double tilted_off[2];  /* mean |blue - derived blue|, at most 32 each; standard, Z-zero */
     double tilted_near[2]; /* share of tilted with at most 3 levels between them */
     double tilted_above;   /* share of tilted with blue more than 4 levels above standard's */
-    double blue_slope;     /* regression of blue on the derived (x, y not too long): 1, or 2 of Z-zero */
+    double
+        blue_slope; /* regression of blue on the derived (x, y not too long): 1, or 2 of Z-zero */
     double blue_correlation;
 } ntp_stats;
 

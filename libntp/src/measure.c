@@ -100,6 +100,7 @@ static void add_transparent(ntp_tally *t, unused_run *run, int32_t r, int32_t g,
                             int32_t m)
 {
     t->transparent++;
+    t->gray -= r == g && g == b; /* counted on the way here */
     if (run->count > 0 && (run->c[0] != r || run->c[1] != g || run->c[2] != b))
         end_run(t, run, m);
     run->c[0] = r;
