@@ -6,7 +6,6 @@
  */
 #include "wide.h"
 
-#include <assert.h>
 #include <stdbool.h>
 #include <string.h>
 
@@ -54,7 +53,6 @@ int32_t ntp__wide_compare(const ntp__wide *a, const ntp__wide *b)
 void ntp__wide_multiply(ntp__wide *out, const ntp__wide *a, const ntp__wide *b)
 {
     out->n = a->n + b->n;
-    assert(out->n <= NTP__WIDE_LIMBS);
     memset(out->limb, 0, (size_t) out->n * sizeof out->limb[0]);
     for (int32_t i = 0; i < a->n; i++) {
         uint64_t carry = 0;
@@ -76,7 +74,6 @@ void ntp__wide_shift(ntp__wide *out, const ntp__wide *a, int32_t bits)
         return;
     }
     out->n = a->n + limbs + 1;
-    assert(out->n <= NTP__WIDE_LIMBS);
     memset(out->limb, 0, (size_t) limbs * sizeof out->limb[0]);
     uint32_t carry = 0;
     for (int32_t i = 0; i < a->n; i++) {
@@ -99,7 +96,6 @@ void ntp__wide_add(ntp__wide *a, const ntp__wide *b)
     }
     a->n = n;
     if (carry != 0) {
-        assert(n < NTP__WIDE_LIMBS);
         a->limb[a->n++] = (uint32_t) carry;
     }
 }
