@@ -33,7 +33,7 @@ static const double LENGTH_LEAST = 0.75, LENGTH_MOST = 1.15;
 
 /* Lean of the mean of x, y.  Tangent-space textures lean by less than 0.1 as a rule, and by 0.3 on
  * a slope; a picture's red and green are rarely both that near the middle. */
-static const double LEAN_SMALL = 0.03, LEAN_CENTERED = 0.15, LEAN_MOST = 0.3;
+static const double LEAN_SMALL = 0.03, LEAN_SLANTED = 0.1, LEAN_CENTERED = 0.15, LEAN_MOST = 0.3;
 
 /* x, y that are too long: JPEG and overshooting filters make some; what has more holds no x, y. */
 static const double TOO_LONG_SHARE = 0.08;
@@ -67,6 +67,10 @@ static const double GAMMA_FLAT = 0.737, GAMMA_SPREAD = 0.12, GAMMA_SHARE = 0.85;
 
 /* A channel that does not vary: deviation of an eighth of an 8-bit level. */
 static const double CONSTANT_DEVIATION = 0.0005;
+
+/* Blue that is filled in is 0, the middle, or M; another constant can be the scaled z of a surface that
+ * is flat. */
+static const double USUAL_BLUE = 0.99;
 
 /* Blue as 0..1: of the texels that can tell, half fit to within 3 levels; slope 2 and not 1.  Of
  * textures that are not honestly rounded it is believed only where the two blues lie 3 levels apart
@@ -290,7 +294,9 @@ static bool is_blue_constant(question *q)
     q->out->accidents |= NTP_ACCIDENT_BLUE_CONSTANT;
     because(q, NTP_REASON_BLUE_CONSTANT, s->used_mean[2]);
     because(q, NTP_REASON_XY_CENTERED, q->lean);
-    return is(q, NTP_CLASS_XY, q->lean < LEAN_CENTERED ? 0.95 : 0.85);
+    double z = 2 * s->used_mean[2] - 1;
+    bool usual = z < -USUAL_BLUE || z > USUAL_BLUE || distance(z, 0) < 1 - USUAL_BLUE;
+    return is(q, NTP_CLASS_XY, usual && q->lean < LEAN_CENTERED ? 0.95 : 0.8);
 }
 
 /* The second greatest of the three steps at block borders. */
@@ -350,7 +356,7 @@ static bool is_normals(question *q)
     double sure = tight ? 0.97 : fits_loosely(q, zzero, follows);
     if (sure == 0)
         return false;
-    if (flat_only)
+    if (flat_only || (!tight && q->lean > LEAN_SLANTED))
         sure = least(sure, 0.8);
     is(q, zzero ? NTP_CLASS_ZZERO : NTP_CLASS_STANDARD, sure);
     if (tight)
