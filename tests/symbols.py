@@ -10,7 +10,7 @@ import sys
 
 import libntp_ffi
 
-ALLOWED = {"memcpy", "memset", "memmove", "memcmp", "strlen", "sqrt", "sqrtf"}
+ALLOWED = {"memcpy", "memset", "memmove", "memcmp", "strcmp", "strlen", "sqrt", "sqrtf"}
 # What compilers, sanitizers and coverage add by themselves.
 GENERATED = ("__stack_chk", "__asan", "__ubsan", "__tsan", "__msan", "__gcov", "__sanitizer")
 GENERATED += (
