@@ -5,7 +5,6 @@
 #ifndef NTP_CLI_H
 #define NTP_CLI_H
 
-#include <signal.h>
 #include <stdbool.h>
 
 #include "text.h"
@@ -23,7 +22,7 @@ enum { RAN_FINDINGS = 1, RAN_USAGE = 2, RAN_FAILED = 4, RAN_INTERRUPTED = 8 };
 int exit_code(unsigned ran);
 
 /* The signal that asks for an end, 0 while none came.  Writers look at it between rows. */
-extern volatile sig_atomic_t interrupted_by;
+extern _Atomic int interrupted_by; /* lock-free: a signal handler sets it, threads read it */
 
 /* "ntp: MESSAGE" on standard error, clearing a progress bar that stands there. */
 void complain(const char *format, ...) TEXT_FORMAT(1, 2);
@@ -45,5 +44,6 @@ int convert_run(const options *o);
 int heatmap_run(const options *o);
 int dump_run(const options *o);
 int diff_run(const options *o);
+int from_height_run(const options *o);
 
 #endif

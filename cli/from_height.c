@@ -38,7 +38,7 @@ typedef struct state {
     ntp_image made;
     int32_t reach, done; /* rows written */
     int32_t out_channels;
-    size_t out_row; /* bytes of a row of the file */
+    size_t out_row;                  /* bytes of a row of the file */
     const unsigned char *alpha, *ao; /* whole planes in the depth of the output, or NULL */
 } state;
 
@@ -185,13 +185,12 @@ static size_t sample_size(ntp_type type)
     return type == NTP_U8 ? 1 : type == NTP_U16 ? 2 : 4;
 }
 
-static bool other_size(const char *path, ntpio_error *error)
+static bool refuse(const char *path, const char *why, ntpio_error *error)
 {
     text t = { 0 };
     text_name(&t, path);
     error->status = NTPIO_ERR_USAGE;
-    snprintf(error->message, sizeof error->message, "%.380s: not of the size of the heightfield",
-             text_string(&t));
+    snprintf(error->message, sizeof error->message, "%.380s: %s", text_string(&t), why);
     text_free(&t);
     return false;
 }
@@ -207,7 +206,7 @@ static bool read_plane(const settings *set, const production *p, const char *pat
     const size_t row = (size_t) info->width * (size_t) info->channels * (size_t) info->sample_bytes;
     bool ok = info->width == p->s.info->width && info->height == p->s.info->height;
     if (!ok)
-        other_size(path, error);
+        refuse(path, "not of the size of the heightfield", error);
     const ntp_type from = info->sample_bytes == 1   ? NTP_U8
                           : info->sample_bytes == 2 ? NTP_U16
                                                     : NTP_F32;
@@ -218,8 +217,8 @@ static bool read_plane(const settings *set, const production *p, const char *pat
     in.encoding = NTP_HEIGHT;
     for (uint32_t y = 0; ok && y < info->height; y++) {
         ok = ntpio_read_rows(reader, line, (ptrdiff_t) row, 1, error);
-        ntp_image out =
-            ntp_image_packed(plane + (size_t) y * info->width * sample_size(type), width, 1, 1, type);
+        ntp_image out = ntp_image_packed(plane + (size_t) y * info->width * sample_size(type),
+                                         width, 1, 1, type);
         const ntp_const_image seen = ntp_image_as_const(&in);
         if (ok)
             ntp_convert(&out, &seen, NULL, NULL, NULL);
@@ -272,8 +271,8 @@ static int32_t output_channels(const production *p, const settings *set)
 {
     if (set->out_count > 0)
         return set->out_count;
-    const bool kept = p->s.view.channels % 2 == 0 && !set->alpha_given &&
-                      set->how.source != NTP_SOURCE_ALPHA;
+    const bool kept =
+        p->s.view.channels % 2 == 0 && !set->alpha_given && set->how.source != NTP_SOURCE_ALPHA;
     return set->alpha_given || kept ? 4 : 3;
 }
 
@@ -281,9 +280,10 @@ static bool begin(production *p, ntpio_write_options *shape, ntpio_error *error)
 {
     const settings *set = p->m->settings;
     state *st = p->state;
-    source_view(&p->s, NTP_HEIGHT, NTP_Y_UP, NULL, 0);
     const ntp_image *view = &p->s.view;
     const ntp_type type = output_type(p, set);
+    if (set->how.source == NTP_SOURCE_ALPHA && view->channels % 2 == 1)
+        return refuse(p->in->path, "it has no alpha that could be the height", error);
     const bool whole = set->how.border_y == NTP_BORDER_WRAP;
     st->reach = ntp_gradient_reach(&set->how);
     st->out_channels = output_channels(p, set);
@@ -369,8 +369,8 @@ static bool rows(production *p, const ntp_rect *area, ntpio_error *error)
     state *st = p->state;
     const ntp_image *view = &p->s.view;
     for (int32_t y = area->y0; y < area->y1; y++) {
-        const unsigned char *from =
-            (const unsigned char *) view->data + (size_t) (y % view->ring_rows) * (size_t) view->row_stride;
+        const unsigned char *from = (const unsigned char *) view->data +
+                                    (size_t) (y % view->ring_rows) * (size_t) view->row_stride;
         unsigned char *to = (unsigned char *) st->heights.data +
                             (size_t) (y % st->heights.ring_rows) * (size_t) st->heights.row_stride;
         memcpy(to, from, (size_t) view->row_stride);
@@ -386,9 +386,9 @@ static bool rows(production *p, const ntp_rect *area, ntpio_error *error)
 
 static const char *const ENCODING_NAMES[] = { "standard", "zzero", "xy" };
 static const char *const Y_NAMES[] = { "up", "down" };
-static const char *const SOURCE_NAMES[] = { "red",         "green", "blue", "alpha", "luma",
-                                            "luma-gimp",   "luma-eberly", "mean", "max",   "min",
-                                            "screen" };
+static const char *const SOURCE_NAMES[] = { "red",  "green",     "blue",        "alpha",
+                                            "luma", "luma-gimp", "luma-eberly", "mean",
+                                            "max",  "min",       "screen" };
 
 static void describe(const production *p, text *line, json_t *object)
 {
@@ -432,8 +432,8 @@ static void describe(const production *p, text *line, json_t *object)
 int from_height_run(const options *o)
 {
     settings set = { .to = (ntp_encoding) option_integer(o, OPT_TO),
-                     .depth = option_given(o, OPT_DEPTH) ? (int) option_integer(o, OPT_DEPTH) + 1
-                                                         : 0 };
+                     .depth =
+                         option_given(o, OPT_DEPTH) ? (int) option_integer(o, OPT_DEPTH) + 1 : 0 };
     if (!read_settings(&set, o))
         return NTP_EXIT_USAGE;
     const maker m = { .o = o,

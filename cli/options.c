@@ -11,6 +11,9 @@
 #define VERDICTS  "neighbor|rounded|exact"
 #define ENCODINGS "standard|zzero|xy"
 #define FORMATS   "text|json"
+#define KERNELS   "central|forward|prewitt3|sobel3|scharr3|prewitt5|sobel5|gimp5|gimp7|gimp9"
+#define BORDERS   "wrap|clamp|mirror|extrapolate|repeat-slope"
+#define SOURCES   "red|green|blue|alpha|luma|luma-gimp|luma-eberly|mean|max|min|screen"
 
 /* clang-format off */
 const option_spec OPTION_TABLE[] = {
@@ -70,6 +73,45 @@ const option_spec OPTION_TABLE[] = {
     { OPT_FROM_CHANNELS, "from-channels", 0, KIND_STRING, "SPEC", NULL, 0, 0, V_CONVERT,
       "what each channel of the input holds, in the same letters, - for nothing of use: -y-x "
       "reads DXT5nm. Without z it is computed" },
+    { OPT_SCALE, "scale", 0, KIND_NUMBER, "S", NULL, -1.7e308, 1.7e308, V_FROM_HEIGHT,
+      "how many texels a height of 1 (white) rises above 0 (black); negative turns hills into dents" },
+    { OPT_DX, "dx", 0, KIND_NUMBER, "D", "1", 0, 1.7e308, V_FROM_HEIGHT,
+      "width of a texel, where texels are not square" },
+    { OPT_DY, "dy", 0, KIND_NUMBER, "D", "1", 0, 1.7e308, V_FROM_HEIGHT, "height of a texel" },
+    { OPT_INVERT, "invert", 0, KIND_FLAG, NULL, NULL, 0, 0, V_FROM_HEIGHT,
+      "black is high and white is low" },
+    { OPT_KERNEL, "kernel", 0, KIND_CHOICE, KERNELS, "central", 0, 0, V_FROM_HEIGHT,
+      "how a slope is taken; wider kernels are smoother, and all are equally strong" },
+    { OPT_BORDER, "border", 0, KIND_CHOICE, BORDERS, "wrap", 0, 0, V_FROM_HEIGHT,
+      "the height beyond the edges: wrap for textures that tile" },
+    { OPT_BORDER_X, "border-x", 0, KIND_CHOICE, BORDERS, NULL, 0, 0, V_FROM_HEIGHT,
+      "the same for the left and right edges only" },
+    { OPT_BORDER_Y, "border-y", 0, KIND_CHOICE, BORDERS, NULL, 0, 0, V_FROM_HEIGHT,
+      "the same for the upper and lower edges only" },
+    { OPT_SOURCE, "source", 0, KIND_CHOICE, SOURCES, "red", 0, 0, V_FROM_HEIGHT,
+      "which number of a color image is the height; gray images have only one" },
+    { OPT_LIKE, "like", 0, KIND_STRING, "PEER:VALUE", NULL, 0, 0, V_FROM_HEIGHT,
+      "the settings of another program, correctly rounded: reference:5, eberly:4, zima:8, gegl:10, "
+      "gimp-normalmap:sobel3:1 (docs/equivalences.md); options given beside it win" },
+    { OPT_TO, "to", 0, KIND_CHOICE, ENCODINGS, "standard", 0, 0, V_FROM_HEIGHT,
+      "how the output stores a normal: standard: x, y, z in -1..1; zzero: z in 0..1; xy: no z" },
+    { OPT_TO_Y, "to-y", 0, KIND_CHOICE, "up|down", "up", 0, 0, V_FROM_HEIGHT,
+      "which way green points: up (OpenGL, glTF, USD) or down (DirectX)" },
+    { OPT_DEPTH, "depth", 0, KIND_CHOICE, "8|16", NULL, 0, 0, V_FROM_HEIGHT,
+      "bits of each sample of the output; default: as the input" },
+    { OPT_BLUE, "blue", 0, KIND_CHOICE, "derived|nearest", "derived", 0, 0, V_FROM_HEIGHT,
+      "derived: blue is computed from the rounded red and green, so ntp clean changes nothing; "
+      "nearest: z rounded by itself" },
+    { OPT_MIN_Z, "min-z", 0, KIND_NUMBER, "Z", "0", 0, 1, V_FROM_HEIGHT,
+      "the least z: steeper normals are turned up to it" },
+    { OPT_ALPHA, "alpha", 0, KIND_STRING, "keep|height|inverse|one|FILE", "keep", 0, 0, V_FROM_HEIGHT,
+      "the alpha of the output: that of the input, the height (LabPBR), the input's inverted, "
+      "opaque, or the first channel of an image" },
+    { OPT_AO, "ao", 0, KIND_STRING, "FILE", NULL, 0, 0, V_FROM_HEIGHT,
+      "with --to xy: an image whose first channel goes into blue (LabPBR: ambient occlusion)" },
+    { OPT_CHANNELS, "channels", 0, KIND_STRING, "SPEC", NULL, 0, 0, V_FROM_HEIGHT,
+      "what each channel of the output holds, one letter each of x y z 0 1, h (height) and a "
+      "(alpha): xyz, xzy, xyzh, 1y0x" },
     { OPT_PALETTE, "palette", 0, KIND_CHOICE, "reference|safe", "reference", 0, 0, V_HEATMAP,
       "reference: red x, y too long, green length off, blue z negative; safe: colors that stay "
       "apart for every kind of color vision" },
@@ -190,6 +232,21 @@ const verb_spec VERB_TABLE[] = {
       "ntp diff a.png b.png -o where.png\n"
       "  a picture of the differences\n",
       diff_run },
+    { "from-height", "PATH...", "make normals from heights",
+      "Turns heightfields (bump maps: white is high) into normals textures. Each of red and green "
+      "is the correctly rounded value of the formula; blue is computed from them. Images of 8 and "
+      "16 bit, gray or color, and PFM.\n"
+      "With --border-y wrap, the default, the heightfield is held in memory; otherwise a few rows "
+      "are.",
+      "ntp from-height wall_height.png -o wall_n.png --scale 8\n"
+      "  white is 8 texels above black\n"
+      "ntp from-height rock.png -o rock_n.png --scale 20 --kernel sobel3 --to-y down --depth 16\n"
+      "  smoother, for DirectX, in 16 bit\n"
+      "ntp from-height bump.png -o bump_n.png --like gimp-normalmap:sobel3:1\n"
+      "  what the old GIMP plug-in makes, rounded\n"
+      "ntp from-height h.png -o labpbr_n.png --scale 4 --to xy --ao ao.png --alpha height\n"
+      "  a LabPBR texture\n",
+      from_height_run },
 };
 const size_t VERB_ROWS = sizeof VERB_TABLE / sizeof VERB_TABLE[0];
 
