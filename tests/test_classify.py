@@ -329,6 +329,9 @@ def test_method_of_plain_cases():
     assert choose(maps.Case("blue 255", _constant_blue(255)(n, rng), S), 1)[0] == ntp.DERIVE
     assert choose(maps.Case("scaled", rounded(0.9 * n), S))[0] == ntp.NORMALIZE
     assert choose(maps.Case("scaled z", rounded(n * [1, 1, 0.85]), S))[0] == ntp.DERIVE
+    too_blue = rounded(n)
+    too_blue[..., 2] = np.minimum(too_blue[..., 2].astype(int) + 9, 255)
+    assert choose(maps.Case("too blue", too_blue, S))[0] == ntp.DERIVE
     halved = _resized(0.5, maps.Image.BOX)(n, rng)
     assert choose(maps.Case("halved", halved, S))[0] == ntp.NORMALIZE
     assert choose(maps.Case("JPEG", jpeg(85)(n, rng), S), 1)[0] == ntp.NORMALIZE

@@ -502,7 +502,8 @@ enum {
     NTP_REASON_Z_ALONE = 32,          /* [the same, small] */
     NTP_REASON_FEW_WRONG = 33,        /* [share of used texels that are wrong, grossly] */
     NTP_REASON_XY_ONLY = 34,          /* blue is not z */
-    NTP_REASON_TOO_FLAT = 35          /* so flat that both methods do about the same */
+    NTP_REASON_TOO_FLAT = 35,         /* so flat that both methods do about the same */
+    NTP_REASON_LONG = 36              /* [share of used texels that are too long] */
 };
 
 /* A fact behind a classification, with the number that it is about. */

@@ -14,9 +14,10 @@
  * the mean square), besides what rounding does to all.  Resizing fails less grossly. */
 static const double FEW_SHARE = 0.1, GROSS_ERROR = 0.15, ROUNDING_SQUARE = 2e-5;
 
-/* One sign: of the texels that are off, six of seven are too short.  (Where blue is 255, noise can
+/* One sign: of the texels that are off, six of seven are too short, or too long, and that by more
+ * than rounding does, which averaging of vectors never makes them.  (Where blue is 255, noise can
  * only shorten, so that a mostly flat texture with noise comes near this.) */
-static const double SHORT_OVER_LONG = 6;
+static const double SHORT_OVER_LONG = 6, LONG_LEAST = 0.01;
 
 /* One factor for all texels: practically all are too short, by about the same.  The lengths of a
  * texture whose z is scaled spread somewhat more, but there blue follows z to the level. */
@@ -97,6 +98,9 @@ static ntp_method method_of_errors(const ntp_stats *s, const ntp_fit *fit, bool 
     *why = (ntp_reason) { NTP_REASON_SHORT, fit->used_short };
     if (fit->used_short > SHORT_OVER_LONG * fit->used_long)
         return NTP_NORMALIZE;
+    *why = (ntp_reason) { NTP_REASON_LONG, fit->used_long };
+    if (-off > LONG_LEAST && fit->used_long > SHORT_OVER_LONG * fit->used_short)
+        return NTP_DERIVE;
     double ratio = zzero ? 0 : steep_over_shallow(s, used);
     *why = (ntp_reason) { NTP_REASON_TOO_FLAT, 0 };
     if (ratio == 0)

@@ -41,7 +41,7 @@ static const char *const TEXTS[] = {
     "green is above one half in % of the used texels, as z is",
     "alpha and green, taken for x and y, are not too long in % of the used texels",
     "colors step # times as far at every eighth column as elsewhere, as in JPEG blocks",
-    "% of the used texels are too short",
+    "% of the used texels are too short, hardly any too long",
     "red and green go together, with a correlation of #, as the colors of a picture do",
     "every used texel is an honestly rounded unit vector",
     "the file format is lossy",
@@ -50,6 +50,7 @@ static const char *const TEXTS[] = {
     "% of the used texels are far off in blue while the others are right",
     "blue is not z",
     "it is so flat that deriving and normalizing do about the same",
+    "% of the used texels are too long, hardly any too short, which only a wrong blue does",
 };
 
 typedef struct buffer {
