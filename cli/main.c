@@ -14,7 +14,7 @@
 
 #include "options.h"
 
-volatile sig_atomic_t interrupted_by;
+_Atomic int interrupted_by;
 
 static void on_signal(int number)
 {
