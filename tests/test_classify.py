@@ -231,6 +231,16 @@ def test_known_errors_of_the_reference_program(damage, family):
         assert result.accidents & accident == accident, text
 
 
+def test_marks_of_compression_and_filtering():
+    n = sample("fractal", 0.8, np.random.default_rng(4), 256)
+    for quality in (60, 75):
+        assert classify(maps.Case("", jpeg(quality)(n, None), S)).accidents == maps.LOSSY
+    rough = sample("noise", 1.5, np.random.default_rng(4), 256)
+    quartered = _resized(0.25, maps.Image.BOX)(rough, None)
+    assert classify(maps.Case("", quartered, S)).accidents == maps.FILTERED
+    assert classify(maps.Case("", rounded(n), S)).accidents == 0
+
+
 def test_gentle_zzero_is_told_where_it_can_be():
     rng = np.random.default_rng(3)
     for strength in (0.1, 0.15, 0.25):
