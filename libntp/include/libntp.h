@@ -740,6 +740,127 @@ NTP_API ntp_status ntp_gradient_like(ntp_peer *peer, const char *name, double va
 NTP_API const char *ntp_kernel_name(ntp_kernel kernel);
 NTP_API const char *ntp_border_name(ntp_border border);
 
+/* -------------------------------------------------------------- operations on normals */
+
+/*
+ * Resizing, turning, strength and blending of NTP_STANDARD, NTP_ZZERO, NTP_XY and NTP_VECTOR
+ * textures.  Every normal that is computed is stored as its unit vector, red and green correctly
+ * rounded, half up (a pair that is then too long is pulled onto the disc), blue derived from them:
+ * it passes NTP_EXACT.  The sign of z stays (NTP_ZZERO: |z|).  NTP_XY texels are read with the z
+ * that the standard texel of their red and green, pulled where too long, would store.  Floats are
+ * read and written on the 16-bit grid, level / 65535.  All sums are of integers, without rounding.
+ */
+
+typedef enum ntp_filter {
+    NTP_FILTER_BOX = 0,      /* the mean over the area that the texel covers */
+    NTP_FILTER_TRIANGLE = 1, /* bilinear; widened where the texture shrinks */
+    NTP_FILTER_LANCZOS3 = 2
+} ntp_filter;
+
+typedef struct ntp_resize_options {
+    ntp_filter filter;
+    ntp_border border_x; /* NTP_BORDER_WRAP, _CLAMP or _MIRROR */
+    ntp_border border_y;
+    uint32_t touch_unused; /* NTP_UNUSED_*; NTP_UNUSED_TRANSPARENT: alpha is data, no weight */
+} ntp_resize_options;
+
+/* The weights of every row and column; opaque, the caller's, read-only after its making. */
+typedef struct ntp_resize_plan ntp_resize_plan;
+
+/* The source rows first..last a row of the result is made of; those below 0 and from the
+ * height on are what the border says they are: rows of the other end with NTP_BORDER_WRAP. */
+typedef struct ntp_rows {
+    int32_t first, last;
+} ntp_rows;
+
+/* Bytes of a plan from src_width x src_height to width x height; 0: an argument is no good. */
+NTP_API size_t ntp_resize_plan_size(const ntp_resize_options *how, int32_t src_width,
+                                    int32_t src_height, int32_t width, int32_t height);
+
+/* Fills memory of that size, aligned to 16, and returns it through *plan. */
+NTP_API ntp_status ntp_resize_plan_init(ntp_resize_plan **plan, void *memory, size_t size,
+                                        const ntp_resize_options *how, int32_t src_width,
+                                        int32_t src_height, int32_t width, int32_t height);
+
+/* Bytes of working memory of each ntp_resize that runs; 0 for NULL. */
+NTP_API size_t ntp_resize_scratch_size(const ntp_resize_plan *plan);
+
+/* The rows behind row y of the result; y is held to the rows there are.  plan is not NULL. */
+NTP_API ntp_rows ntp_resize_rows(const ntp_resize_plan *plan, int32_t y);
+
+/*
+ * Resizes.  dst and src agree in type, encoding, channels and y, have the sizes of the plan, and do
+ * not overlap; area is one of dst.  The vectors are filtered, as stored and weighted with
+ * alpha; unused texels, and floats that are no vector, have no weight.  Alpha is filtered by
+ * itself.  Where no weight is left the result is the flat normal with alpha 0.  A negative z that
+ * no texel under the filter has (Lanczos overshoots) counts as 0.  The third sample of NTP_XY is
+ * filtered as x and y are.  Source rows read: ntp_resize_rows of each row of area.
+ * scratch: ntp_resize_scratch_size bytes, aligned to 16.
+ */
+NTP_API ntp_status ntp_resize(const ntp_image *dst, const ntp_const_image *src,
+                              const ntp_resize_plan *plan, void *scratch, size_t scratch_size,
+                              const ntp_rect *area);
+
+/* Levels of the full mip chain, the texture itself included; 0 for sides below 1. */
+NTP_API int32_t ntp_mip_levels(int32_t width, int32_t height);
+
+/* A side at a level, 0 being the texture: halved and rounded down so often, at least 1. */
+NTP_API int32_t ntp_mip_side(int32_t side, int32_t level);
+
+/* The name of a filter ("box", "triangle", "lanczos3"); never NULL. */
+NTP_API const char *ntp_filter_name(ntp_filter filter);
+
+enum {
+    NTP_MAX_STRENGTH = 1024 /* of slopes; below 1/1024 a strength is rounded to 2^-62 */
+};
+
+typedef struct ntp_transform_options {
+    int32_t flip_x;        /* nonzero: left and right change places; first of all */
+    int32_t flip_y;        /* nonzero: top and bottom */
+    int32_t quarter_turns; /* clockwise as seen, 0..3; after the flips */
+    int32_t use_strength;  /* nonzero: the slopes are multiplied by strength */
+    double strength;       /* -NTP_MAX_STRENGTH..NTP_MAX_STRENGTH; negative: bumps become dents */
+} ntp_transform_options;
+
+/*
+ * Flips and turns the picture and its vectors together, and makes the bumps stronger.  dst and src
+ * agree in type, encoding, channels and y and do not overlap; after an odd number of quarter turns
+ * the width of dst is the height of src.  Flips, turns and a strength of 1 or -1 only move and
+ * mirror levels (r -> M - r): nothing is rounded.  Any other strength computes anew every texel:
+ * (S x, S y, z).  Unused texels, and floats that are no vector, move but keep their color.
+ * area is one of dst.  src->ring_rows is 0 where rows change places (else NTP_ERR_SHAPE).
+ */
+NTP_API ntp_status ntp_transform(const ntp_image *dst, const ntp_const_image *src,
+                                 const ntp_transform_options *how, const ntp_rect *area);
+
+typedef enum ntp_blend_mode {
+    NTP_BLEND_RNM = 0,      /* reoriented: the detail as if it lay on the base's surface */
+    NTP_BLEND_WHITEOUT = 1, /* (x1 + x2, y1 + y2, z1 z2) */
+    NTP_BLEND_UDN = 2       /* (x1 + x2, y1 + y2, z1): keeps less of the detail on slopes */
+} ntp_blend_mode;
+
+typedef struct ntp_blend_options {
+    ntp_blend_mode mode;
+    int32_t use_strength;  /* nonzero: x and y of the detail are multiplied by strength first */
+    double strength;       /* as in ntp_transform_options */
+    uint32_t touch_unused; /* NTP_UNUSED_*: blend such texels too */
+} ntp_blend_options;
+
+/*
+ * Blends a detail over a base.  dst and base agree in size, type, encoding, channels and y, and are
+ * the same memory with the same strides or do not overlap.  The detail may differ in all of these
+ * and is repeated from the upper left corner on; it does not overlap dst.  Where base or
+ * detail is unused, or a float that is no vector, the base's texel is copied.  Alpha, and the
+ * third sample of NTP_XY, are the base's.  Rows of the detail read: those of area mod its height.
+ * Source: C. Barre-Brisebois, S. Hill, Blending in Detail (2012).
+ */
+NTP_API ntp_status ntp_blend(const ntp_image *dst, const ntp_const_image *base,
+                             const ntp_const_image *detail, const ntp_blend_options *how,
+                             const ntp_rect *area);
+
+/* The name of a mode ("rnm", "whiteout", "udn"); never NULL. */
+NTP_API const char *ntp_blend_mode_name(ntp_blend_mode mode);
+
 /* --- cdef end --- */
 
 #ifdef __cplusplus

@@ -1,0 +1,147 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * direction.c - the levels of the direction of a long integer vector
+ *
+ * With M + 1 even, the level floor((M + 1 + M v / L) / 2) is (M + 1) / 2 + floor(M v / 2L).  A
+ * double decides that floor unless the quotient lies within 2^-30 of an integer k: its error is
+ * below 2^16 * 12 * 2^-53.  Then M M v v and 4 k k L L are compared as integers.
+ */
+#include "direction.h"
+#include "level.h"
+#include "wide.h"
+
+#include <math.h>
+
+void ntp__texel_vector(int32_t v[3], const ntp__block *block, int32_t i, int32_t m,
+                       ntp_encoding encoding)
+{
+    int32_t r = block->c[0][i], g = block->c[1][i], b = block->c[2][i];
+    if (encoding == NTP_XY)
+        b = ntp__derive(&r, &g, m, false);
+    v[0] = ntp__num(r, m);
+    v[1] = ntp__num(g, m);
+    v[2] = encoding == NTP_ZZERO ? b : ntp__num(b, m);
+}
+
+bool ntp__texel_unused(const ntp__block *block, int32_t i, int32_t m, uint32_t touch_unused)
+{
+    return (block->any_broken && block->broken[i]) ||
+           ntp__unused(block->c[0][i], block->c[1][i], block->c[2][i], block->c[3][i], m,
+                       touch_unused);
+}
+
+/* |a| as a wide number. */
+static void wide_of(ntp__wide *w, ntp__i128 a)
+{
+    ntp__wide high, shifted;
+    if (ntp__i128_negative(a))
+        a = ntp__i128_negate(a);
+    ntp__wide_set(w, a.lo);
+    ntp__wide_set(&high, a.hi);
+    ntp__wide_shift(&shifted, &high, 64);
+    ntp__wide_add(w, &shifted);
+}
+
+static void wide_square(ntp__wide *out, ntp__i128 a)
+{
+    ntp__wide w;
+    wide_of(&w, a);
+    ntp__wide_multiply(out, &w, &w);
+}
+
+/* The sign of M |v[i]| - 2k L. */
+static int32_t compare_exactly(const ntp__i128 v[3], int32_t i, int32_t k, int32_t m)
+{
+    ntp__wide square, sum, factor, left, right;
+    ntp__wide_set(&sum, 0);
+    for (int32_t j = 0; j < 3; j++) {
+        wide_square(&square, v[j]);
+        ntp__wide_add(&sum, &square);
+    }
+    ntp__wide_set(&factor, 4 * (uint64_t) k * (uint64_t) k);
+    ntp__wide_multiply(&right, &sum, &factor);
+    wide_square(&square, v[i]);
+    ntp__wide_set(&factor, (uint64_t) m * (uint64_t) m);
+    ntp__wide_multiply(&left, &square, &factor);
+    return ntp__wide_compare(&left, &right);
+}
+
+/* floor(M v[i] / 2L); d is that quotient, nearly. */
+static int32_t half_quotient(const ntp__i128 v[3], int32_t i, int32_t m, double d)
+{
+    enum { LIFT = 65536 }; /* makes the quotient positive, so that a cast is a floor */
+    int32_t near = (int32_t) (d + LIFT + 0.5) - LIFT;
+    double away = d - near;
+    if (away > 0x1p-30)
+        return near;
+    if (away < -0x1p-30)
+        return near - 1;
+    if (ntp__i128_is_zero(v[i]))
+        return 0;
+    int32_t sign = compare_exactly(v, i, near, m);
+    if (ntp__i128_negative(v[i]))
+        sign = -sign;
+    return sign >= 0 ? near : near - 1;
+}
+
+void ntp__direction_levels(int32_t c[3], const ntp__i128 v[3], int32_t m, ntp_encoding encoding)
+{
+    double x = ntp__i128_to_double(v[0]), y = ntp__i128_to_double(v[1]);
+    double z = ntp__i128_to_double(v[2]), length2 = x * x + y * y + z * z;
+    c[0] = c[1] = (m + 1) / 2;
+    if (length2 > 0) {
+        double half = 0.5 * m / sqrt(length2);
+        c[0] += half_quotient(v, 0, m, x * half);
+        c[1] += half_quotient(v, 1, m, y * half);
+    }
+    int32_t b = ntp__derive(&c[0], &c[1], m, encoding == NTP_ZZERO);
+    if (encoding != NTP_XY)
+        c[2] = encoding != NTP_ZZERO && ntp__i128_negative(v[2]) ? m - b : b;
+}
+
+int32_t ntp__i128_ratio(ntp__i128 a, ntp__i128 b, int32_t max)
+{
+    double guess = ntp__i128_to_double(a) / ntp__i128_to_double(b) + 0.5;
+    int32_t q = guess > 0 ? guess < max ? (int32_t) guess : max : 0;
+    /* (2q - 1) b <= 2a < (2q + 1) b; the guess is off by one at most. */
+    ntp__i128 twice = ntp__i128_add(a, a);
+    if (q > 0 && ntp__i128_negative(ntp__i128_subtract(twice, ntp__i128_multiply(b, 2 * q - 1))))
+        q--;
+    else if (q < max &&
+             !ntp__i128_negative(ntp__i128_subtract(twice, ntp__i128_multiply(b, 2 * q + 1))))
+        q++;
+    return q;
+}
+
+void ntp__store_levels(const ntp_image *view, const ntp__block *block, int32_t x, int32_t y,
+                       int32_t n)
+{
+    if (view->type != NTP_F32) {
+        ntp__pack(view, block, x, y, n, view->channels);
+        return;
+    }
+    char *d = ntp__at_mut(view, x, y);
+    for (int32_t i = 0; i < n; i++, d += view->pixel_stride) {
+        for (int32_t k = 0; k < view->channels; k++) {
+            bool component = view->encoding == NTP_VECTOR && k < 3;
+            int32_t level = block->c[k][i], v = component ? ntp__num(level, 65535) : level;
+            ((float *) (void *) d)[k] = (float) ((double) v / 65535.0);
+        }
+    }
+}
+
+bool ntp__strength_of(ntp__strength *out, double strength)
+{
+    if (!(strength >= -NTP_MAX_STRENGTH && strength <= NTP_MAX_STRENGTH))
+        return false;
+    double s = strength < 0 ? -strength : strength;
+    int32_t shift = 0;
+    while (shift < 62 && s != (double) (int64_t) s) {
+        s *= 2;
+        shift++;
+    }
+    int64_t numerator = (int64_t) (s + 0.5);
+    out->numerator = strength < 0 ? -numerator : numerator;
+    out->shift = shift;
+    return true;
+}

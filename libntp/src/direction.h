@@ -1,0 +1,47 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * direction.h - what the operations on existing normals share: texels as integer vectors, and
+ * the levels of the direction of a long integer vector
+ */
+#ifndef NTP_DIRECTION_H
+#define NTP_DIRECTION_H
+
+#include "i128.h"
+#include "internal.h"
+
+/*
+ * The numerators over M of the vector that texel i of a block holds.  NTP_XY: as the standard
+ * texel of these red and green, pulled where too long, would store it.
+ */
+void ntp__texel_vector(int32_t v[3], const ntp__block *block, int32_t i, int32_t m,
+                       ntp_encoding encoding);
+
+/* Holds the texel no normal?  Floats that are no vector do not. */
+bool ntp__texel_unused(const ntp__block *block, int32_t i, int32_t m, uint32_t touch_unused);
+
+/*
+ * The levels of v / |v|, |components| < 2^125: r and g correctly rounded (half up), pulled where
+ * they are then too long, b derived from them, of z's sign in the standard encoding.  NTP_XY:
+ * b is left alone.  A vector of length 0 is flat.
+ */
+void ntp__direction_levels(int32_t c[3], const ntp__i128 v[3], int32_t m, ntp_encoding encoding);
+
+/* floor(a / b + 1/2), held to 0..max; b > 0. */
+int32_t ntp__i128_ratio(ntp__i128 a, ntp__i128 b, int32_t max);
+
+/* Writes levels to a view of any type: floats get level / 65535, or (2 level - 65535) / 65535. */
+void ntp__store_levels(const ntp_image *view, const ntp__block *block, int32_t x, int32_t y,
+                       int32_t n);
+
+/*
+ * A strength as numerator / 2^shift: exactly where it is at least 2^-10, else rounded to a multiple
+ * of 2^-62.  False unless it is finite and of at most NTP_MAX_STRENGTH.
+ */
+typedef struct ntp__strength {
+    int64_t numerator; /* below 2^53 */
+    int32_t shift;     /* 0..62 */
+} ntp__strength;
+
+bool ntp__strength_of(ntp__strength *out, double strength);
+
+#endif

@@ -1,0 +1,306 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * resize.c - resizing in the space of vectors
+ *
+ * A row of the result: its source rows are added up, column by column, each texel's vector times
+ * alpha times the row's weight, in 64 bits; then the columns, in 96.  No sum is ever rounded, so
+ * the order of sums and the cut of the image do not matter, and the direction of the sum is
+ * rounded once.  The columns are summed last because then nothing lives longer than a row: a
+ * caller streams with any two rows at hand, and each call stands alone.
+ */
+#include "direction.h"
+#include "level.h"
+#include "resize.h"
+
+#include <string.h>
+
+struct ntp_resize_plan {
+    ntp_resize_options how;
+    ntp__axis x, y;
+};
+
+/* What is summed over. */
+enum {
+    SUM_X,
+    SUM_Y,
+    SUM_Z,
+    SUM_WEIGHT, /* alpha of used texels, or 1 */
+    SUM_ALPHA,
+    SUM_NEGATIVE, /* texels with z < 0 */
+    SUM_EXTRA,    /* third sample of NTP_XY, weighted */
+    SUMS
+};
+
+typedef struct job {
+    const ntp_image *dst;
+    const ntp_const_image *src;
+    const ntp_resize_plan *plan;
+    int64_t *sum[SUMS]; /* one for each column of src; NULL: not needed */
+    int32_t m;
+    bool weighted; /* with alpha */
+} job;
+
+static size_t align16(size_t n)
+{
+    return (n + 15) / 16 * 16;
+}
+
+static size_t axis_size(const ntp__axis *a)
+{
+    return align16((size_t) a->dst * sizeof *a->span) +
+           align16((size_t) a->dst * (size_t) a->stride * sizeof *a->weight);
+}
+
+static bool side_is_good(int32_t side)
+{
+    return side >= 1 && side <= NTP_MAX_SIDE;
+}
+
+static bool border_is_good(ntp_border border)
+{
+    return (int) border >= NTP_BORDER_WRAP && (int) border <= NTP_BORDER_MIRROR;
+}
+
+/* All of the plan but the tables; false where an argument is no good. */
+static bool describe(ntp_resize_plan *p, const ntp_resize_options *how, int32_t src_width,
+                     int32_t src_height, int32_t width, int32_t height)
+{
+    memset(p, 0, sizeof *p);
+    if (how != NULL)
+        p->how = *how;
+    if ((int) p->how.filter < NTP_FILTER_BOX || (int) p->how.filter > NTP_FILTER_LANCZOS3 ||
+        !border_is_good(p->how.border_x) || !border_is_good(p->how.border_y) ||
+        p->how.touch_unused > NTP_UNUSED_ALL || !side_is_good(src_width) ||
+        !side_is_good(src_height) || !side_is_good(width) || !side_is_good(height))
+        return false;
+    p->x.src = src_width;
+    p->x.dst = width;
+    p->x.border = p->how.border_x;
+    p->x.stride = ntp__axis_stride(p->how.filter, src_width, width);
+    p->y.src = src_height;
+    p->y.dst = height;
+    p->y.border = p->how.border_y;
+    p->y.stride = ntp__axis_stride(p->how.filter, src_height, height);
+    return true;
+}
+
+size_t ntp_resize_plan_size(const ntp_resize_options *how, int32_t src_width, int32_t src_height,
+                            int32_t width, int32_t height)
+{
+    ntp_resize_plan p;
+    if (!describe(&p, how, src_width, src_height, width, height))
+        return 0;
+    return align16(sizeof p) + axis_size(&p.x) + axis_size(&p.y);
+}
+
+static void place_axis(ntp__axis *axis, char *memory, ntp_filter filter)
+{
+    axis->span = (ntp__span_of_taps *) (void *) memory;
+    axis->weight = (int32_t *) (void *) (memory + align16((size_t) axis->dst * sizeof *axis->span));
+    ntp__axis_init(axis, filter);
+}
+
+ntp_status ntp_resize_plan_init(ntp_resize_plan **plan, void *memory, size_t size,
+                                const ntp_resize_options *how, int32_t src_width,
+                                int32_t src_height, int32_t width, int32_t height)
+{
+    ntp_resize_plan p;
+    if (plan == NULL || !describe(&p, how, src_width, src_height, width, height))
+        return NTP_ERR_ARGUMENT;
+    if (memory == NULL || (uintptr_t) memory % 16 != 0 ||
+        size < align16(sizeof p) + axis_size(&p.x) + axis_size(&p.y))
+        return NTP_ERR_SCRATCH;
+    char *tables = (char *) memory + align16(sizeof p);
+    place_axis(&p.x, tables, p.how.filter);
+    place_axis(&p.y, tables + axis_size(&p.x), p.how.filter);
+    *plan = (ntp_resize_plan *) memory;
+    **plan = p;
+    return NTP_OK;
+}
+
+size_t ntp_resize_scratch_size(const ntp_resize_plan *plan)
+{
+    return plan == NULL ? 0 : SUMS * align16((size_t) plan->x.src * sizeof(int64_t));
+}
+
+ntp_rows ntp_resize_rows(const ntp_resize_plan *plan, int32_t y)
+{
+    y = y < 0 ? 0 : y < plan->y.dst ? y : plan->y.dst - 1;
+    const ntp__span_of_taps *span = &plan->y.span[y];
+    ntp_rows rows = { span->first, span->first + span->count - 1 };
+    return rows;
+}
+
+/* Adds a run of texels of row y, each times w, to the sums of their columns. */
+static void add_run(const job *j, int32_t x, int32_t y, int32_t n, int64_t w)
+{
+    ntp__block block;
+    ntp__unpack(&block, j->src, x, y, n);
+    for (int32_t i = 0; i < n; i++) {
+        if (j->sum[SUM_ALPHA] != NULL)
+            j->sum[SUM_ALPHA][x + i] += w * block.c[3][i];
+        if (ntp__texel_unused(&block, i, j->m, j->plan->how.touch_unused))
+            continue;
+        int64_t weight = j->weighted ? w * block.c[3][i] : w;
+        int32_t v[3];
+        ntp__texel_vector(v, &block, i, j->m, j->src->encoding);
+        for (int32_t k = 0; k < 3; k++)
+            j->sum[k][x + i] += weight * v[k];
+        j->sum[SUM_WEIGHT][x + i] += weight;
+        j->sum[SUM_NEGATIVE][x + i] += v[2] < 0;
+        if (j->sum[SUM_EXTRA] != NULL)
+            j->sum[SUM_EXTRA][x + i] += weight * block.c[2][i];
+    }
+}
+
+/* The sums of columns x0..x1 - 1 for row y of the result. */
+static void add_rows(const job *j, int32_t y, int32_t x0, int32_t x1)
+{
+    const ntp__axis *axis = &j->plan->y;
+    for (int32_t k = 0; k < SUMS; k++) {
+        if (j->sum[k] != NULL)
+            memset(j->sum[k] + x0, 0, (size_t) (x1 - x0) * sizeof *j->sum[k]);
+    }
+    for (int32_t t = 0; t < axis->span[y].count; t++) {
+        int32_t w = axis->weight[(ptrdiff_t) y * axis->stride + t];
+        int32_t row = ntp__axis_map(axis, axis->span[y].first + t);
+        for (int32_t x = x0; w != 0 && x < x1; x += NTP__BLOCK)
+            add_run(j, x, row, x1 - x < NTP__BLOCK ? x1 - x : NTP__BLOCK, w);
+    }
+}
+
+/* The sum over the columns of texel x: columns of 63 bits go in halves. */
+static ntp__i128 across(const int64_t *column, const ntp__axis *axis, int32_t x)
+{
+    const int32_t *weight = axis->weight + (ptrdiff_t) x * axis->stride;
+    int64_t high = 0, low = 0;
+    for (int32_t t = 0; t < axis->span[x].count; t++) {
+        int64_t c = column[ntp__axis_map(axis, axis->span[x].first + t)];
+        int64_t rest = (int64_t) ((uint64_t) c & 0xffffffffu);
+        low += weight[t] * rest;
+        high += weight[t] * ((c - rest) / 4294967296);
+    }
+    return ntp__i128_add(ntp__i128_shift(ntp__i128_of(high), 32), ntp__i128_of(low));
+}
+
+/* Does a texel behind texel x have a negative z? */
+static bool any_negative(const job *j, int32_t x)
+{
+    const ntp__axis *axis = &j->plan->x;
+    for (int32_t t = 0; t < axis->span[x].count; t++) {
+        if (j->sum[SUM_NEGATIVE][ntp__axis_map(axis, axis->span[x].first + t)] != 0)
+            return true;
+    }
+    return false;
+}
+
+static void resize_texel(const job *j, ntp__block *out, int32_t i, int32_t x, int32_t y)
+{
+    const ntp__axis *axis = &j->plan->x;
+    ntp__i128 v[3], weight = across(j->sum[SUM_WEIGHT], axis, x);
+    int32_t m = j->m, c[3] = { 0, 0, m };
+    /* Lanczos' negative weights can outweigh the others where much is unused. */
+    bool none = ntp__i128_is_zero(weight) || ntp__i128_negative(weight);
+    for (int32_t k = 0; k < 3; k++)
+        v[k] = none ? ntp__i128_of(0) : across(j->sum[k], axis, x);
+    /* Lanczos overshoots: what has no negative z must not get one. */
+    if (ntp__i128_negative(v[2]) && !any_negative(j, x))
+        v[2] = ntp__i128_of(0);
+    ntp__direction_levels(c, v, m, j->src->encoding);
+    if (j->sum[SUM_EXTRA] != NULL && !none)
+        c[2] = ntp__i128_ratio(across(j->sum[SUM_EXTRA], axis, x), weight, m);
+    for (int32_t k = 0; k < 3; k++)
+        out->c[k][i] = c[k];
+    if (j->sum[SUM_ALPHA] == NULL)
+        return;
+    int64_t one = (int64_t) axis->span[x].total * j->plan->y.span[y].total;
+    bool clear = none && !(j->plan->how.touch_unused & NTP_UNUSED_TRANSPARENT);
+    out->c[3][i] =
+        clear ? 0 : ntp__i128_ratio(across(j->sum[SUM_ALPHA], axis, x), ntp__i128_of(one), m);
+}
+
+/* The source columns behind columns x0..x1 - 1 of the result: all where the border has a part. */
+static void columns_of(int32_t *first, int32_t *end, const ntp__axis *axis, int32_t x0, int32_t x1)
+{
+    *first = axis->span[x0].first;
+    *end = axis->span[x1 - 1].first + axis->span[x1 - 1].count;
+    if (*first < 0 || *end > axis->src) {
+        *first = 0;
+        *end = axis->src;
+    }
+}
+
+static void resize_area(const job *j, const ntp_rect *rect)
+{
+    int32_t first, end;
+    columns_of(&first, &end, &j->plan->x, rect->x0, rect->x1);
+    ntp__block out;
+    for (int32_t y = rect->y0; y < rect->y1; y++) {
+        add_rows(j, y, first, end);
+        for (int32_t x = rect->x0; x < rect->x1; x += NTP__BLOCK) {
+            int32_t n = rect->x1 - x < NTP__BLOCK ? rect->x1 - x : NTP__BLOCK;
+            for (int32_t i = 0; i < n; i++)
+                resize_texel(j, &out, i, x + i, y);
+            ntp__store_levels(j->dst, &out, x, y, n);
+        }
+    }
+}
+
+ntp_status ntp_resize(const ntp_image *dst, const ntp_const_image *src, const ntp_resize_plan *plan,
+                      void *scratch, size_t scratch_size, const ntp_rect *area)
+{
+    if (dst == NULL || plan == NULL)
+        return NTP_ERR_ARGUMENT;
+    ntp_const_image target = ntp_image_as_const(dst);
+    NTP__TRY(ntp__check_normals(src));
+    NTP__TRY(ntp__check_normals(&target));
+    if (src->width != plan->x.src || src->height != plan->y.src || dst->width != plan->x.dst ||
+        dst->height != plan->y.dst)
+        return NTP_ERR_SHAPE;
+    if (dst->type != src->type || dst->encoding != src->encoding ||
+        dst->channels != src->channels || dst->y != src->y)
+        return NTP_ERR_FORMAT;
+    if (dst->data == src->data)
+        return NTP_ERR_OVERLAP;
+    ntp_rect rect;
+    NTP__TRY(ntp__check_area(&rect, &target, area));
+    if (scratch == NULL || (uintptr_t) scratch % 16 != 0 ||
+        scratch_size < ntp_resize_scratch_size(plan))
+        return NTP_ERR_SCRATCH;
+
+    job j = { .dst = dst, .src = src, .plan = plan, .m = ntp__max(src->type) };
+    bool alpha = src->channels == 4;
+    j.weighted = alpha && !(plan->how.touch_unused & NTP_UNUSED_TRANSPARENT);
+    size_t plane = ntp_resize_scratch_size(plan) / SUMS;
+    for (size_t k = 0; k < SUMS; k++)
+        j.sum[k] = (int64_t *) (void *) ((char *) scratch + k * plane);
+    if (!alpha)
+        j.sum[SUM_ALPHA] = NULL;
+    if (src->encoding != NTP_XY || src->channels < 3)
+        j.sum[SUM_EXTRA] = NULL;
+    resize_area(&j, &rect);
+    return NTP_OK;
+}
+
+int32_t ntp_mip_side(int32_t side, int32_t level)
+{
+    if (side < 1 || level < 0 || level > 30)
+        return side < 1 ? 0 : level < 0 ? side : 1;
+    return side >> level > 0 ? side >> level : 1;
+}
+
+int32_t ntp_mip_levels(int32_t width, int32_t height)
+{
+    if (width < 1 || height < 1)
+        return 0;
+    int32_t levels = 1;
+    for (int32_t side = width > height ? width : height; side > 1; side /= 2)
+        levels++;
+    return levels;
+}
+
+const char *ntp_filter_name(ntp_filter filter)
+{
+    static const char *const NAME[] = { "box", "triangle", "lanczos3" };
+    return (int) filter >= 0 && (int) filter < 3 ? NAME[filter] : "unknown";
+}

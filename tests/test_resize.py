@@ -1,0 +1,374 @@
+# SPDX-License-Identifier: MIT
+"""ntp_resize against a model in integers and fractions, and what resizing promises."""
+
+import math
+from fractions import Fraction
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+import libntp_ffi as ntp
+import oracle_vectors as model
+
+BOX, TRIANGLE, LANCZOS3 = range(3)
+WRAP, CLAMP, MIRROR, EXTRAPOLATE = range(4)
+NAMES = {ntp.STANDARD: "standard", ntp.ZZERO: "zzero", ntp.XY: "xy"}
+TYPES = {255: np.uint8, 65535: np.uint16}
+
+
+class Plan:
+    """An ntp_resize_plan with its memory."""
+
+    def __init__(self, src, dst, how):
+        sizes = (*src, *dst)
+        self.how = ntp.ffi.new("ntp_resize_options *", list(how))
+        size = ntp.lib.ntp_resize_plan_size(self.how, *sizes)
+        self.memory = ntp.aligned(size)
+        where = ntp.ffi.cast("void *", self.memory.__array_interface__["data"][0])
+        plan = ntp.ffi.new("ntp_resize_plan **")
+        ntp.check(ntp.lib.ntp_resize_plan_init(plan, where, size, self.how, *sizes))
+        self.pointer = plan[0]
+        self.scratch = ntp.aligned(ntp.lib.ntp_resize_scratch_size(self.pointer))
+        self.scratch[:] = 0xA5
+
+    def run(self, dst, src, area=None):
+        where = ntp.ffi.cast("void *", self.scratch.__array_interface__["data"][0])
+        return ntp.lib.ntp_resize(dst, src, self.pointer, where, len(self.scratch), ntp.rect(area))
+
+
+def resize(src, size, filter=BOX, border=WRAP, encoding=ntp.STANDARD, touch=0, areas=(None,)):
+    """src resized to (width, height); border is one for both axes, or a pair."""
+    borders = border if isinstance(border, tuple) else (border, border)
+    plan = Plan(src.shape[1::-1], size, (filter, *borders, touch))
+    dst = np.full((size[1], size[0], src.shape[2]), 77, src.dtype)
+    for area in areas:
+        ntp.check(plan.run(ntp.view(dst, encoding), ntp.view(src, encoding, const=True), area))
+    return dst
+
+
+def mapped(i, n, border):
+    if 0 <= i < n:
+        return i
+    if border == CLAMP or n == 1:
+        return min(max(i, 0), n - 1)
+    if border == WRAP:
+        return i % n
+    j = i % (2 * (n - 1))
+    return min(j, 2 * (n - 1) - j)
+
+
+def weights(j, src, dst, filter, border):
+    """{texel of the source: weight} of texel j of the result; the weights add up to 1."""
+    scale = Fraction(src, dst)
+    out = {}
+    if filter == BOX:
+        for i in range(src):
+            low, high = max(j * scale, Fraction(i)), min((j + 1) * scale, Fraction(i + 1))
+            if high > low:
+                out[i] = (high - low) / scale
+        return out
+    unit = max(scale, Fraction(1))
+    center = (j + Fraction(1, 2)) * scale
+    for i in range(math.floor(center - 3 * unit) - 1, math.ceil(center + 3 * unit) + 2):
+        x = abs(i + Fraction(1, 2) - center) / unit
+        if filter == TRIANGLE:
+            w = max(1 - x, Fraction(0))
+        else:
+            t = math.pi * float(x)
+            w = 1.0 if x == 0 else 3 * math.sin(t) * math.sin(t / 3) / t**2 if x < 3 else 0.0
+            w = Fraction(w)
+        if w:
+            at = mapped(i, src, border)
+            out[at] = out.get(at, 0) + w
+    total = sum(out.values())
+    return {i: w / total for i, w in out.items()}
+
+
+def texel_of_model(src, m, wx, wy, encoding, touch):
+    """One texel of the result as a list of levels, and the filtered vector."""
+    data_alpha = touch & ntp.UNUSED_TRANSPARENT
+    v, weight, alpha, extra, negative = [0, 0, 0], 0, Fraction(0), 0, False
+    for y, b in wy.items():
+        for x, a in wx.items():
+            texel, w = src[y][x], a * b
+            full = texel if encoding != "xy" or len(texel) > 2 else [*texel, max(texel) and m]
+            own = texel[3] if len(texel) == 4 else m
+            alpha += w * own
+            if model.unused(full, m, None if data_alpha else own):
+                continue
+            w *= 1 if data_alpha else own
+            v_texel = model.components(texel, m, encoding)
+            v = [s + w * c for s, c in zip(v, v_texel)]
+            weight += w
+            negative |= v_texel[2] < 0
+            extra += w * full[2]
+    none = weight <= 0
+    if not negative:  # an overshoot
+        v[2] = max(v[2], 0)
+    common = math.lcm(*(Fraction(c).denominator for c in v))
+    v = [0, 0, 0] if none else [int(c * common) for c in v]
+    out = list(model.encode(v, m, encoding))
+    if encoding == "xy" and len(src[0][0]) > 2:
+        out.append(m if none else min(max(model.half_up(extra / weight), 0), m))
+    if len(src[0][0]) == 4:
+        clear = none and not data_alpha
+        out.append(0 if clear else min(max(model.half_up(alpha), 0), m))
+    return out, v
+
+
+def resize_by_model(src, m, size, filter, borders, encoding, touch=0):
+    h, w = len(src), len(src[0])
+    columns = [weights(j, w, size[0], filter, borders[0]) for j in range(size[0])]
+    rows = [weights(j, h, size[1], filter, borders[1]) for j in range(size[1])]
+    return [[texel_of_model(src, m, wx, wy, encoding, touch) for wx in columns] for wy in rows]
+
+
+def noise(shape, m, seed, kind="any"):
+    """Texels of all kinds: steep and flat, unused ones, alpha of all sorts."""
+    rng = np.random.default_rng(seed)
+    h, w, channels = shape
+    src = rng.integers(0, m + 1, shape)
+    if kind == "flat":
+        src[..., :2] = m // 2 + rng.integers(-m // 50, m // 50, (h, w, 2))
+        src[..., 2:3] = m
+    odd = rng.random((h, w))
+    src[odd < 0.1, :3] = 0
+    src[odd > 0.95, :3] = m
+    if channels == 4:
+        src[..., 3] = rng.choice([0, 1, m // 3, m], (h, w))
+    return src.astype(TYPES[m])
+
+
+SIZES = [((5, 4), (3, 7)), ((1, 1), (3, 2)), ((7, 6), (1, 1)), ((4, 6), (8, 3)), ((9, 2), (5, 2))]
+
+
+@pytest.mark.parametrize("m", TYPES)
+@pytest.mark.parametrize("encoding", NAMES)
+@pytest.mark.parametrize("filter", [BOX, TRIANGLE])
+def test_against_fractions(filter, encoding, m):
+    borders = [(WRAP, WRAP), (CLAMP, MIRROR), (MIRROR, CLAMP)]
+    for case, ((w, h), size) in enumerate(SIZES):
+        for channels in (2, 3, 4) if encoding == ntp.XY else (3, 4):
+            for touch in (0, ntp.UNUSED_TRANSPARENT):
+                kind = ("any", "flat")[case % 2]
+                src = noise((h, w, channels), m, 10 * case + channels, kind)
+                border = borders[(case + channels) % 3]
+                got = resize(src, size, filter, border, encoding, touch).tolist()
+                want = resize_by_model(
+                    src.tolist(), m, size, filter, border, NAMES[encoding], touch
+                )
+                assert got == [[t for t, _ in row] for row in want], (case, channels, touch)
+
+
+@pytest.mark.parametrize("m", TYPES)
+def test_lanczos_against_real_numbers(m):
+    """Equal but where the double's value lies next to a rounding boundary."""
+    checked = 0
+    for (w, h), size in [*SIZES, ((13, 11), (4, 5)), ((6, 5), (17, 14))]:
+        src = noise((h, w, 3), m, w, "flat")
+        for border in (WRAP, CLAMP, MIRROR):
+            got = resize(src, size, LANCZOS3, border).tolist()
+            want = resize_by_model(src.tolist(), m, size, LANCZOS3, (border, border), "standard")
+            for row, want_row in zip(got, want):
+                for texel, (levels, v) in zip(row, want_row):
+                    length = math.sqrt(sum(float(c) ** 2 for c in v))
+                    exact = [(float(c) / length + 1) / 2 * m + 0.5 for c in v[:2]] if length else []
+                    if all(abs(e - round(e)) > 1e-3 for e in exact):
+                        assert texel == levels
+                        checked += 1
+    assert checked > 900
+
+
+@pytest.mark.parametrize("m", TYPES)
+@pytest.mark.parametrize("filter", [BOX, TRIANGLE, LANCZOS3])
+@pytest.mark.parametrize("encoding", NAMES)
+def test_constant_clean_maps_stay_constant(encoding, filter, m):
+    rng = np.random.default_rng(m)
+    texels = rng.integers(0, m + 1, (60, 3)).astype(TYPES[m])
+    texels[:4] = [[m // 2] * 2 + [m], [m // 2 + 1] * 2 + [m], [m, m // 2, 0], [1, m // 2, 9]]
+    how = ntp.clean_options(touch_unused=7)
+    texels = ntp.clean(texels[None], encoding, how)[0][0]
+    for i, texel in enumerate(texels):
+        channels = 3 if i % 2 else 4
+        src = np.zeros((5, 6, channels), TYPES[m])
+        src[..., :3] = texel
+        if channels == 4:
+            # With less than that Lanczos' negative weights can win.
+            least = m * 3 // 4 if filter == LANCZOS3 else 1
+            src[..., 3] = rng.integers(least, m + 1, (5, 6))
+        for size in ((3, 4), (11, 7), (1, 1)):
+            got = resize(src, size, filter, i % 3, encoding)
+            assert np.all(got[..., :3] == texel), (texel, got[0, 0], size)
+
+
+@pytest.mark.parametrize("encoding", NAMES)
+@pytest.mark.parametrize("filter", [BOX, TRIANGLE, LANCZOS3])
+@pytest.mark.parametrize("m", TYPES)
+def test_results_are_exact(m, filter, encoding):
+    src = noise((40, 50, 3), m, 5)
+    for size in ((25, 20), (80, 70), (1, 1), (50, 40)):
+        out = resize(src, size, filter, WRAP, encoding)
+        flags = ntp.validate(out, encoding, keep=1)
+        assert np.all(flags & ntp.PASS_EXACT) and not np.any(flags & ntp.XY_TOO_LONG)
+
+
+@pytest.mark.parametrize("filter", [BOX, TRIANGLE, LANCZOS3])
+def test_same_size_keeps_clean_texels(filter):
+    src = ntp.clean(noise((31, 45, 3), 255, 1), how=ntp.clean_options(touch_unused=7))[0]
+    assert np.array_equal(resize(src, (45, 31), filter), src)
+
+
+@pytest.mark.parametrize("filter", [BOX, TRIANGLE, LANCZOS3])
+def test_mip_chain_is_clean(filter):
+    src = ntp.clean(noise((37, 83, 3), 65535, 2), how=ntp.clean_options(touch_unused=7))[0]
+    levels = ntp.lib.ntp_mip_levels(83, 37)
+    assert levels == 7
+    sides = [(ntp.lib.ntp_mip_side(83, k), ntp.lib.ntp_mip_side(37, k)) for k in range(levels)]
+    assert sides == [(83, 37), (41, 18), (20, 9), (10, 4), (5, 2), (2, 1), (1, 1)]
+    for size in sides:
+        out = resize(src, size, filter)
+        assert np.all(ntp.validate(out) & ntp.PASS_EXACT)
+        assert np.array_equal(ntp.clean(out)[0], out)
+
+
+def test_mip_sides():
+    assert [ntp.lib.ntp_mip_side(5, k) for k in (-1, 0, 1, 2, 3, 40)] == [5, 5, 2, 1, 1, 1]
+    assert ntp.lib.ntp_mip_side(0, 1) == 0
+    assert ntp.lib.ntp_mip_levels(1, 1) == 1 and ntp.lib.ntp_mip_levels(65535, 1) == 16
+    assert ntp.lib.ntp_mip_levels(0, 4) == 0
+
+
+@pytest.mark.parametrize("filter", [BOX, TRIANGLE, LANCZOS3])
+@pytest.mark.parametrize("border", [WRAP, CLAMP, MIRROR])
+def test_areas_make_the_whole(filter, border):
+    src = noise((23, 31, 4), 65535, 3)
+    for size in ((300, 17), (9, 40)):
+        whole = resize(src, size, filter, border)
+        xs, ys = sorted({0, 1, 7, size[0]}), sorted({0, 5, 6, size[1]})
+        areas = [(a, c, b, d) for a, b in pairwise(xs) for c, d in pairwise(ys)]
+        assert np.array_equal(resize(src, size, filter, border, areas=areas[::-1]), whole)
+
+
+@pytest.mark.parametrize("filter", [BOX, TRIANGLE, LANCZOS3])
+def test_wrap_moves_with_the_texture(filter):
+    src = noise((24, 36, 4), 255, 4)
+    small = resize(src, (12, 8), filter)
+    for dx, dy in ((1, 1), (5, 3)):
+        moved = np.roll(src, (3 * dy, 3 * dx), (0, 1))
+        assert np.array_equal(resize(moved, (12, 8), filter), np.roll(small, (dy, dx), (0, 1)))
+    large = resize(src, (72, 48), filter)
+    moved = np.roll(src, (5, 7), (0, 1))
+    assert np.array_equal(resize(moved, (72, 48), filter), np.roll(large, (10, 14), (0, 1)))
+
+
+@pytest.mark.parametrize("filter", [BOX, TRIANGLE, LANCZOS3])
+@pytest.mark.parametrize("border", [WRAP, CLAMP, MIRROR])
+def test_commutes_with_a_mirror_of_the_picture(filter, border):
+    src = noise((14, 19, 4), 255, 6)
+    for size in ((7, 5), (40, 33)):
+        out = resize(src, size, filter, border)
+        assert np.array_equal(resize(src[::-1, ::-1], size, filter, border), out[::-1, ::-1])
+
+
+def test_unused_texels_do_not_bleed():
+    tilted = np.array([200, 100, 220, 255], np.uint8)
+    tilted = ntp.clean(tilted[None, None])[0][0, 0]
+    for padding in ([0, 0, 0, 255], [255, 255, 255, 255], [13, 250, 4, 0]):
+        src = np.empty((8, 8, 4), np.uint8)
+        src[:] = padding
+        src[2:5, 1:6] = tilted
+        for filter in (BOX, TRIANGLE):
+            out = resize(src, (4, 4), filter, CLAMP)
+            held = out[..., 3] > 0
+            assert np.all(out[held][:, :3] == tilted[:3]) and held.any()
+            assert np.all(out[~held] == [128, 128, 255, 0])
+
+
+def test_without_alpha_padding_becomes_flat():
+    src = np.zeros((4, 4, 3), np.uint8)
+    assert np.all(resize(src, (2, 2)) == [128, 128, 255])
+
+
+def test_black_in_alpha_as_data_keeps_alpha():
+    src = np.zeros((4, 4, 4), np.uint8)
+    src[..., 3] = 90
+    out = resize(src, (2, 2), touch=ntp.UNUSED_TRANSPARENT)
+    assert np.all(out == [128, 128, 255, 90])
+    assert np.all(resize(src, (2, 2))[..., 3] == 0)
+
+
+@pytest.mark.parametrize("encoding", [ntp.STANDARD, ntp.ZZERO, ntp.XY, ntp.VECTOR])
+def test_floats_go_by_16_bit(encoding):
+    levels = noise((9, 10, 4), 65535, 8)
+    integers = resize(levels, (6, 5), LANCZOS3, MIRROR, ntp.STANDARD if encoding == 3 else encoding)
+    floats = (levels / 65535).astype(np.float32)
+    want = (integers / 65535.0).astype(np.float32)
+    if encoding == ntp.VECTOR:
+        unused = np.all(levels[..., :3] == 0, -1) | np.all(levels[..., :3] == 65535, -1)
+        floats[..., :3] = ((2.0 * levels[..., :3] - 65535) / 65535).astype(np.float32)
+        floats[unused, :3] = np.nan
+        want[..., :3] = ((2.0 * integers[..., :3] - 65535) / 65535).astype(np.float32)
+    floats[0, 0, :3] = np.nan
+    levels[0, 0, :3] = 0
+    assert np.array_equal(resize(floats, (6, 5), LANCZOS3, MIRROR, encoding)[1:4], want[1:4])
+
+
+def test_rows_tell_what_is_read():
+    """A result row comes out right when only the rows named are there, in a ring."""
+    src = noise((40, 12, 3), 255, 9)
+    for filter, border, height in ((LANCZOS3, CLAMP, 10), (TRIANGLE, WRAP, 77), (BOX, WRAP, 7)):
+        plan = Plan((12, 40), (9, height), (filter, WRAP, border, 0))
+        want = resize(src, (9, height), filter, (WRAP, border))
+        for y in range(height):
+            rows = ntp.lib.ntp_resize_rows(plan.pointer, y)
+            known = np.full_like(src, 0x5A)
+            for row in range(rows.first, rows.last + 1):
+                known[mapped(row, 40, border)] = src[mapped(row, 40, border)]
+            dst = np.zeros((height, 9, 3), np.uint8)
+            ntp.check(plan.run(ntp.view(dst), ntp.view(known, const=True), (0, y, 9, y + 1)))
+            assert np.array_equal(dst[y], want[y])
+
+
+def test_views_of_any_stride():
+    src = noise((12, 14, 4), 65535, 11)
+    want = resize(src, (5, 6), TRIANGLE, MIRROR)
+    large = np.zeros((24, 28, 4), np.uint16)
+    large[::2, ::2] = src
+    assert np.array_equal(resize(large[::2, ::2], (5, 6), TRIANGLE, MIRROR), want)
+
+
+def test_greatest_sums_do_not_overflow():
+    """The longest axis there is, 16 bit with alpha, every sample at an end of its range."""
+    texel = [65535, 65535, 65534, 65535]
+    for filter in (BOX, TRIANGLE, LANCZOS3):
+        src = np.zeros((1, 65535, 4), np.uint16)
+        src[:] = texel
+        wide = resize(src, (1, 1), filter, WRAP)
+        tall = resize(src.reshape(65535, 1, 4), (1, 1), filter, WRAP)
+        want = model.encode((65535, 65535, 65533), 65535, "standard")
+        assert wide[0, 0].tolist() == tall[0, 0].tolist() == [*want, 65535]
+
+
+def test_refusals():
+    src, dst = np.zeros((4, 6, 3), np.uint8), np.zeros((2, 3, 3), np.uint8)
+    plan = Plan((6, 4), (3, 2), (0, 0, 0, 0))
+    source, target = ntp.view(src, const=True), ntp.view(dst)
+    assert plan.run(target, source) == ntp.OK
+    assert plan.run(target, source, (0, 0, 4, 1)) == ntp.ERR_SHAPE
+    assert plan.run(target, ntp.ffi.NULL) == ntp.ERR_ARGUMENT
+    assert plan.run(ntp.view(src), source) == ntp.ERR_SHAPE
+    assert plan.run(ntp.view(dst, ntp.ZZERO), source) == ntp.ERR_FORMAT
+    assert plan.run(ntp.view(dst, 4), ntp.view(src, 4, const=True)) == ntp.ERR_FORMAT
+    plan.scratch = plan.scratch[:-16]
+    assert plan.run(target, source) == ntp.ERR_SCRATCH
+    for how, sizes in (
+        ((3, 0, 0, 0), (6, 4, 3, 2)),
+        ((0, EXTRAPOLATE, 0, 0), (6, 4, 3, 2)),
+        ((0, 0, 0, 8), (6, 4, 3, 2)),
+        ((0, 0, 0, 0), (6, 4, 0, 2)),
+        ((0, 0, 0, 0), (65536, 4, 3, 2)),
+    ):
+        assert ntp.lib.ntp_resize_plan_size(ntp.ffi.new("ntp_resize_options *", how), *sizes) == 0
+    names = [ntp.ffi.string(ntp.lib.ntp_filter_name(f)) for f in (0, 1, 2, 9)]
+    assert names == [b"box", b"triangle", b"lanczos3", b"unknown"]
