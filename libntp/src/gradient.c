@@ -49,116 +49,7 @@ typedef struct strip {
     bool any_moved;
 } strip;
 
-/* ------------------------------------------------------------------------------- checks */
-
-static bool finite_double(double v)
-{
-    return v - v == 0;
-}
-
-static bool options_good(const ntp_gradient_options *how)
-{
-    return how != NULL && finite_double(how->scale) && how->dx >= 0 && finite_double(how->dx) &&
-           how->dy >= 0 && finite_double(how->dy) && how->min_z >= 0 && how->min_z <= 1 &&
-           (int) how->kernel >= 0 && (int) how->kernel < (int) NTP__KERNELS &&
-           (int) how->border_x >= 0 && (int) how->border_x <= NTP_BORDER_REPEAT_SLOPE &&
-           (int) how->border_y >= 0 && (int) how->border_y <= NTP_BORDER_REPEAT_SLOPE &&
-           (int) how->source >= 0 && (int) how->source <= NTP_SOURCE_SCREEN &&
-           (how->blue == NTP_BLUE_DERIVED || how->blue == NTP_BLUE_NEAREST) &&
-           (int) how->alpha >= 0 && (int) how->alpha <= NTP_ALPHA_INVERSE_HEIGHT;
-}
-
-static double quotient(double scale, double spacing)
-{
-    return spacing == 0 ? scale : scale / spacing;
-}
-
 /* ------------------------------------------------------------------------------ the plan */
-
-/* Which samples a source reads, their weights, and what stands for height 1. */
-static ntp_status set_source(ntp__gradient *g, ntp_height_source source)
-{
-    static const int32_t luma[3][3] = { { 2126, 7152, 722 },
-                                        { 3000, 5900, 1100 },
-                                        { 2125, 7154, 721 } };
-    int32_t channels = g->src->channels;
-    int64_t m = g->src->type == NTP_F32 ? 1 : ntp__max(g->src->type);
-    bool gray = channels <= 2;
-    g->source = source;
-    g->reads = 1;
-    g->read[0] = 0;
-    g->weight[0] = 1;
-    g->range = m;
-    if (source == NTP_SOURCE_ALPHA) {
-        g->read[0] = channels - 1;
-        return channels == 2 || channels == 4 ? NTP_OK : NTP_ERR_FORMAT;
-    }
-    if (source <= NTP_SOURCE_BLUE) {
-        g->read[0] = gray ? 0 : (int32_t) source;
-        return NTP_OK;
-    }
-    if (gray && source != NTP_SOURCE_SCREEN) {
-        g->source = NTP_SOURCE_RED;
-        return NTP_OK;
-    }
-    g->reads = 3;
-    for (int32_t k = 0; k < 3; k++) {
-        bool weighted = source >= NTP_SOURCE_LUMA && source <= NTP_SOURCE_LUMA_EBERLY;
-        g->read[k] = gray ? 0 : k;
-        g->weight[k] = weighted ? luma[source - NTP_SOURCE_LUMA][k] : 1;
-    }
-    if (source <= NTP_SOURCE_LUMA_EBERLY)
-        g->range = 10000 * m;
-    else if (source == NTP_SOURCE_MEAN)
-        g->range = 3 * m;
-    else if (source == NTP_SOURCE_SCREEN)
-        g->range = m * m * m;
-    return NTP_OK;
-}
-
-/* Where the taps along and across a slope lie: first and last offset of one that is not 0. */
-static void extent(const ntp__kernel *k, bool along, int32_t *first, int32_t *last)
-{
-    *first = NTP__MAX_RADIUS;
-    *last = -NTP__MAX_RADIUS;
-    for (int32_t i = -NTP__MAX_RADIUS; i <= NTP__MAX_RADIUS; i++) {
-        int32_t at = i + NTP__MAX_RADIUS;
-        bool tap = along ? k->term[0].along[at] != 0 || k->term[1].along[at] != 0
-                         : k->term[0].across[at] != 0 || k->term[1].across[at] != 0;
-        if (tap && i < *first)
-            *first = i;
-        if (tap)
-            *last = i;
-    }
-}
-
-static ntp__span positions(const ntp__kernel *k, bool along, ntp_border border, int32_t n)
-{
-    ntp__span span = { 0, n - 1 };
-    int32_t first, last;
-    extent(k, along, &first, &last);
-    if (border == NTP_BORDER_REPEAT_SLOPE && last - first < n) {
-        span.first = first < 0 ? -first : 0;
-        span.last = last > 0 ? n - 1 - last : n - 1;
-    }
-    return span;
-}
-
-static ntp_border beyond(ntp_border border)
-{
-    return border == NTP_BORDER_REPEAT_SLOPE ? NTP_BORDER_EXTRAPOLATE : border;
-}
-
-static void set_borders(ntp__gradient *g, const ntp_gradient_options *how)
-{
-    int32_t width = g->src->width, height = g->src->height;
-    g->border_x = beyond(how->border_x);
-    g->border_y = beyond(how->border_y);
-    g->right_x = positions(g->kernel, true, how->border_x, width);
-    g->right_y = positions(g->kernel, false, how->border_y, height);
-    g->down_x = positions(g->kernel, false, how->border_x, width);
-    g->down_y = positions(g->kernel, true, how->border_y, height);
-}
 
 static bool within(const ntp__scaled *exact, double c, double least, double most, double greatest)
 {
@@ -193,41 +84,16 @@ static ntp_status make_walk(walk *w, const ntp_image *dst, const ntp_const_image
 {
     ntp__gradient *g = &w->g;
     memset(w, 0, sizeof *w);
-    g->src = src;
-    g->dst = dst;
-    g->kernel = &ntp__kernel_table[how->kernel];
-    NTP__TRY(set_source(g, how->source));
-    set_borders(g, how);
-    g->invert = how->invert != 0;
-    /* n.x falls with the slope to the right; n.y, up, grows with the slope down. */
-    double sx = quotient(how->scale, how->dx), sy = quotient(how->scale, how->dy);
-    if (!finite_double(sx) || !finite_double(sy))
-        return NTP_ERR_ARGUMENT;
-    sx = g->invert ? sx : -sx;
-    sy = g->invert != (dst->y == NTP_Y_DOWN) ? -sy : sy;
-    double norm = (double) (g->kernel->denominator * g->range);
-    g->x = ntp__scaled_from(sx);
-    g->y = ntp__scaled_from(sy);
-    g->cx = sx / norm;
-    g->cy = sy / norm;
-    g->min_z = how->min_z;
-    g->min_z_exact = ntp__scaled_from(how->min_z);
-    g->shortened = sqrt((1 - how->min_z) * (1 + how->min_z));
-    g->m = dst->type == NTP_F32 ? 0 : ntp__max(dst->type);
-    g->derived = how->blue == NTP_BLUE_DERIVED;
-    if (g->m > 0)
-        g->min_z_level = ntp__gradient_z_level(how->min_z, g->m, dst->encoding == NTP_ZZERO);
-    g->alpha = how->alpha;
-    g->loops = ntp__gradient_kernels_for(NTP__CPU_ALL);
+    NTP__TRY(ntp__gradient_plan(g, dst, src, how));
     w->ints = ntp__heights_are_int(g);
     w->blue = g->derived || dst->encoding != NTP_XY;
-    w->encode.derived = g->derived;
     w->greatest = (double) g->kernel->gain * (double) g->range;
     w->encode.cx = g->cx;
     w->encode.cy = g->cy;
     w->encode.half = g->m / 2.0;
     w->encode.shortened = g->shortened;
     w->encode.use_shortened = g->min_z > 0;
+    w->encode.derived = g->derived;
     w->encode.zzero = dst->encoding == NTP_ZZERO;
     if (src->type != NTP_F32) {
         set_arithmetic(w, w->greatest);
@@ -271,11 +137,10 @@ static void tap_sums(walk *w, strip *s, facts *f, int32_t x, int32_t y, int32_t 
         f->least = row->least < f->least ? row->least : f->least;
         f->most = row->most > f->most ? row->most : f->most;
     }
-    ntp_kernel kernel = (ntp_kernel) (g->kernel - ntp__kernel_table);
     if (w->ints)
-        w->g.loops->tap_sums_i(s->sums.i[down], rows_i, kernel, down, n);
+        w->g.loops->tap_sums_i(s->sums.i[down], rows_i, g->which, down, n);
     else
-        w->g.loops->tap_sums_d(s->sums.d[down], rows_d, kernel, down, n);
+        w->g.loops->tap_sums_d(s->sums.d[down], rows_d, g->which, down, n);
 }
 
 /* The slope at position at of the strip is that of position from, if that is in the block. */
@@ -447,61 +312,14 @@ ntp_status ntp_normals_from_height(const ntp_image *dst, const ntp_const_image *
                                    const ntp_gradient_options *how, ntp_gradient_counts *counts,
                                    const ntp_rect *area)
 {
-    if (dst == NULL || src == NULL || !options_good(how))
-        return NTP_ERR_ARGUMENT;
-    ntp_const_image view = ntp_image_as_const(dst);
-    NTP__TRY(ntp__check_normals(&view));
-    NTP__TRY(ntp__check_view(src));
-    if (src->encoding != NTP_HEIGHT)
-        return NTP_ERR_FORMAT;
-    if (!ntp__same_size(&view, src))
-        return NTP_ERR_SHAPE;
-    if (dst->data == src->data)
-        return NTP_ERR_OVERLAP;
-    ntp_rect r;
-    NTP__TRY(ntp__check_area(&r, src, area));
     walk w;
+    ntp_rect r;
     NTP__TRY(make_walk(&w, dst, src, how));
+    NTP__TRY(ntp__check_area(&r, src, area));
     do_bands(&w, r);
     if (counts != NULL) {
         counts->not_finite += w.counts.not_finite;
         counts->exact += w.counts.exact;
     }
     return NTP_OK;
-}
-
-int32_t ntp_gradient_reach(const ntp_gradient_options *how)
-{
-    if (!options_good(how))
-        return -1;
-    int32_t radius = ntp__kernel_table[how->kernel].radius;
-    return how->border_y == NTP_BORDER_REPEAT_SLOPE ? 2 * radius : radius;
-}
-
-const char *ntp_kernel_name(ntp_kernel kernel)
-{
-    return (int) kernel >= 0 && (int) kernel < (int) NTP__KERNELS ? ntp__kernel_table[kernel].name
-                                                                  : "unknown";
-}
-
-const char *ntp_border_name(ntp_border border)
-{
-    static const char *const names[] = { "wrap", "clamp", "mirror", "extrapolate", "repeat-slope" };
-    return (int) border >= 0 && (int) border <= NTP_BORDER_REPEAT_SLOPE ? names[border] : "unknown";
-}
-
-extern const ntp__gradient_kernels ntp__gradient_kernels_base;
-#ifdef NTP_HAVE_AVX2
-extern const ntp__gradient_kernels ntp__gradient_kernels_avx2;
-#endif
-
-const ntp__gradient_kernels *ntp__gradient_kernels_for(int mask)
-{
-#ifdef NTP_HAVE_AVX2
-    if ((mask & NTP__CPU_AVX2) && __builtin_cpu_supports("avx2"))
-        return &ntp__gradient_kernels_avx2;
-#else
-    (void) mask;
-#endif
-    return &ntp__gradient_kernels_base;
 }

@@ -38,7 +38,8 @@ typedef struct ntp__gradient {
     const ntp__gradient_kernels *loops;
     const ntp_const_image *src;
     const ntp_image *dst;
-    const ntp__kernel *kernel;
+    const ntp__kernel *kernel; /* in a table of its own in each file: not to be compared */
+    ntp_kernel which;
     ntp_height_source source;
     bool invert;
     int32_t reads, read[NTP__MAX_READS], weight[NTP__MAX_READS]; /* sample index and weight */
@@ -76,6 +77,13 @@ ntp__scaled ntp__scaled_from(double v);
  * sums: the integer tap sums to the right and down, NULL where they are to be made. */
 void ntp__gradient_exact(ntp__normal *normal, const ntp__gradient *g, int32_t x, int32_t y,
                          const int64_t *sums);
+
+/* Checks all arguments and fills in the rest (gradient_plan.c). */
+ntp_status ntp__gradient_plan(ntp__gradient *g, const ntp_image *dst, const ntp_const_image *src,
+                              const ntp_gradient_options *how);
+
+/* Which samples a source of g->src reads, their weights, and what stands for height 1. */
+ntp_status ntp__gradient_source(ntp__gradient *g, ntp_height_source source);
 
 /* Writes a run of levels; an NTP_XY third sample and alpha are filled in here. */
 void ntp__gradient_pack(const ntp__gradient *g, ntp__block *block, int32_t x, int32_t y, int32_t n);
