@@ -1,0 +1,171 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * blend.c - a detail normals texture over a base
+ *
+ * Each mode's vector is a polynomial in the levels of both texels, so its direction is known
+ * exactly and rounded once.  With base B / M, detail D / N and strength n / 2^k, each multiplied
+ * by what clears its fractions (z is the third component, e = (0, 0, 1)):
+ *     reoriented  t = B + M e,  u = (-n Dx, -n Dy, 2^k Dz):  t (t.u) - M t.z u
+ *     whiteout    (2^k N Bx + n M Dx, 2^k N By + n M Dy, 2^k Bz Dz)
+ *     UDN         the same, z = 2^k N Bz
+ * Levels have 17 bits with their sign, n 53, 2^k 62 and n only where k is small: 2^116 holds all.
+ */
+#include "direction.h"
+#include "level.h"
+
+#include <string.h>
+
+typedef struct job {
+    const ntp_image *dst;
+    const ntp_const_image *base, *detail;
+    ntp_blend_options how;
+    ntp__strength strength;
+    int32_t mb, md; /* M of base and detail */
+    bool flip;      /* their y differ */
+} job;
+
+static void reoriented(ntp__i128 out[3], const int32_t b[3], const ntp__i128 d[3], int32_t mb)
+{
+    int64_t t[3] = { b[0], b[1], (int64_t) b[2] + mb };
+    ntp__i128 u[3] = { ntp__i128_negate(d[0]), ntp__i128_negate(d[1]), d[2] };
+    ntp__i128 dot = ntp__i128_of(0);
+    for (int32_t k = 0; k < 3; k++)
+        dot = ntp__i128_add(dot, ntp__i128_multiply(u[k], t[k]));
+    for (int32_t k = 0; k < 3; k++)
+        out[k] =
+            ntp__i128_subtract(ntp__i128_multiply(dot, t[k]), ntp__i128_multiply(u[k], t[2] * mb));
+}
+
+/* The vector of the mode from those of base and detail. */
+static void blend_vectors(const job *j, ntp__i128 out[3], const int32_t b[3], const int32_t d[3])
+{
+    ntp__i128 detail[3];
+    int32_t shift = j->strength.shift;
+    for (int32_t k = 0; k < 2; k++)
+        detail[k] = ntp__i128_multiply(ntp__i128_of(j->strength.numerator), d[k]);
+    detail[2] = ntp__i128_shift(ntp__i128_of(d[2]), shift);
+    if (j->how.mode == NTP_BLEND_RNM) {
+        reoriented(out, b, detail, j->mb);
+        return;
+    }
+    for (int32_t k = 0; k < 2; k++) {
+        ntp__i128 base = ntp__i128_shift(ntp__i128_of((int64_t) b[k] * j->md), shift);
+        out[k] = ntp__i128_add(base, ntp__i128_multiply(detail[k], j->mb));
+    }
+    out[2] = j->how.mode == NTP_BLEND_UDN
+                 ? ntp__i128_shift(ntp__i128_of((int64_t) b[2] * j->md), shift)
+                 : ntp__i128_multiply(detail[2], b[2]);
+}
+
+/* Reads n texels of row y of the detail, which repeats. */
+static void unpack_detail(const job *j, ntp__block *out, int32_t x, int32_t y, int32_t n)
+{
+    const ntp_const_image *v = j->detail;
+    int32_t row = y % v->height;
+    out->any_broken = false;
+    for (int32_t done = 0; done < n;) {
+        int32_t column = (x + done) % v->width, run = v->width - column;
+        run = run < n - done ? run : n - done;
+        ntp__block part;
+        ntp__unpack(&part, v, column, row, run);
+        for (int32_t k = 0; k < 4; k++)
+            memcpy(out->c[k] + done, part.c[k], (size_t) run * sizeof part.c[k][0]);
+        for (int32_t i = 0; i < run; i++)
+            out->broken[done + i] = part.any_broken && part.broken[i];
+        out->any_broken = out->any_broken || part.any_broken;
+        done += run;
+    }
+}
+
+/* Copies the samples of a base texel that a blend leaves as they are. */
+static void copy_samples(const job *j, int32_t x, int32_t y, bool all)
+{
+    ptrdiff_t size = ntp__sample_size(j->base->type);
+    int32_t first = all ? 0 : j->base->encoding == NTP_XY ? 2 : 3;
+    if (first < j->base->channels)
+        memmove((char *) ntp__at_mut(j->dst, x, y) + first * size,
+                (const char *) ntp__at(j->base, x, y) + first * size,
+                (size_t) ((j->base->channels - first) * size));
+}
+
+static void store_texel(const job *j, int32_t x, int32_t y, const int32_t c[3])
+{
+    char *d = ntp__at_mut(j->dst, x, y);
+    bool component = j->base->encoding == NTP_VECTOR;
+    for (int32_t k = 0; k < (j->base->encoding == NTP_XY ? 2 : 3); k++) {
+        if (j->base->type == NTP_U8)
+            ((uint8_t *) d)[k] = (uint8_t) c[k];
+        else if (j->base->type == NTP_U16)
+            ((uint16_t *) (void *) d)[k] = (uint16_t) c[k];
+        else
+            ((float *) (void *) d)[k] =
+                (float) ((double) (component ? ntp__num(c[k], 65535) : c[k]) / 65535.0);
+    }
+}
+
+static void blend_run(const job *j, int32_t x, int32_t y, int32_t n)
+{
+    ntp__block base, detail;
+    uint32_t touch = j->how.touch_unused;
+    ntp__unpack(&base, j->base, x, y, n);
+    unpack_detail(j, &detail, x, y, n);
+    for (int32_t i = 0; i < n; i++) {
+        bool keep = ntp__texel_unused(&base, i, j->mb, touch) ||
+                    ntp__texel_unused(&detail, i, j->md, touch);
+        copy_samples(j, x + i, y, keep);
+        if (keep)
+            continue;
+        int32_t b[3], d[3], c[3];
+        ntp__i128 v[3];
+        ntp__texel_vector(b, &base, i, j->mb, j->base->encoding);
+        ntp__texel_vector(d, &detail, i, j->md, j->detail->encoding);
+        d[1] = j->flip ? -d[1] : d[1];
+        blend_vectors(j, v, b, d);
+        ntp__direction_levels(c, v, j->mb, j->base->encoding);
+        store_texel(j, x + i, y, c);
+    }
+}
+
+ntp_status ntp_blend(const ntp_image *dst, const ntp_const_image *base,
+                     const ntp_const_image *detail, const ntp_blend_options *how,
+                     const ntp_rect *area)
+{
+    if (dst == NULL)
+        return NTP_ERR_ARGUMENT;
+    ntp_const_image target = ntp_image_as_const(dst);
+    NTP__TRY(ntp__check_normals(base));
+    NTP__TRY(ntp__check_normals(detail));
+    NTP__TRY(ntp__check_normals(&target));
+    if (!ntp__same_size(&target, base))
+        return NTP_ERR_SHAPE;
+    if (dst->type != base->type || dst->encoding != base->encoding ||
+        dst->channels != base->channels || dst->y != base->y)
+        return NTP_ERR_FORMAT;
+    if (dst->data == detail->data)
+        return NTP_ERR_OVERLAP;
+    job j = { .dst = dst,
+              .base = base,
+              .detail = detail,
+              .mb = ntp__max(base->type),
+              .md = ntp__max(detail->type),
+              .flip = base->y != detail->y };
+    if (how != NULL)
+        j.how = *how;
+    if ((int) j.how.mode < NTP_BLEND_RNM || (int) j.how.mode > NTP_BLEND_UDN ||
+        j.how.touch_unused > NTP_UNUSED_ALL ||
+        !ntp__strength_of(&j.strength, j.how.use_strength ? j.how.strength : 1.0))
+        return NTP_ERR_ARGUMENT;
+    ntp_rect rect;
+    NTP__TRY(ntp__check_area(&rect, base, area));
+    for (int32_t y = rect.y0; y < rect.y1; y++) {
+        for (int32_t x = rect.x0; x < rect.x1; x += NTP__BLOCK)
+            blend_run(&j, x, y, rect.x1 - x < NTP__BLOCK ? rect.x1 - x : NTP__BLOCK);
+    }
+    return NTP_OK;
+}
+
+const char *ntp_blend_mode_name(ntp_blend_mode mode)
+{
+    static const char *const NAME[] = { "rnm", "whiteout", "udn" };
+    return (int) mode >= 0 && (int) mode < 3 ? NAME[mode] : "unknown";
+}

@@ -1,0 +1,189 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * transform.c - flips, quarter turns and strength
+ *
+ * A turned or flipped picture is the same memory with other strides, so the source is read
+ * through such a view; then red and green change places or are mirrored, which is exact.  A
+ * strength S = n / 2^k makes (n x, n y, 2^k z), whose direction is rounded once.
+ */
+#include "direction.h"
+#include "level.h"
+
+#include <string.h>
+
+typedef struct job {
+    const ntp_image *dst;
+    ntp_const_image src; /* turned: of the size of dst */
+    bool swap;           /* red of the result is green of the source, and the other way round */
+    bool mirror_r, mirror_g;
+    bool stronger; /* strength is neither 1 nor -1 */
+    ntp__strength strength;
+    int32_t m;
+} job;
+
+static void flip_columns(ntp_const_image *v)
+{
+    v->data = (const char *) v->data + (ptrdiff_t) (v->width - 1) * v->pixel_stride;
+    v->pixel_stride = -v->pixel_stride;
+}
+
+static void flip_rows(ntp_const_image *v)
+{
+    v->data = (const char *) v->data + (ptrdiff_t) (v->height - 1) * v->row_stride;
+    v->row_stride = -v->row_stride;
+}
+
+/* Column x of the result is row x of the source, from the bottom up. */
+static void turn_clockwise(ntp_const_image *v)
+{
+    flip_rows(v);
+    ptrdiff_t stride = v->row_stride;
+    v->row_stride = v->pixel_stride;
+    v->pixel_stride = stride;
+    int32_t width = v->width;
+    v->width = v->height;
+    v->height = width;
+}
+
+/* One clockwise turn takes (x, y) to (y, -x), y up; with y down to (-y, x). */
+static void turn_vectors(job *j, ntp_y y)
+{
+    bool r = j->mirror_r, g = j->mirror_g;
+    j->swap = !j->swap;
+    j->mirror_r = y == NTP_Y_DOWN ? !g : g;
+    j->mirror_g = y == NTP_Y_DOWN ? r : !r;
+}
+
+static void move(job *j, const ntp_transform_options *how)
+{
+    if (how->flip_x) {
+        flip_columns(&j->src);
+        j->mirror_r = true;
+    }
+    if (how->flip_y) {
+        flip_rows(&j->src);
+        j->mirror_g = true;
+    }
+    for (int32_t i = 0; i < how->quarter_turns; i++) {
+        turn_clockwise(&j->src);
+        turn_vectors(j, j->src.y);
+    }
+    if (j->strength.numerator < 0) {
+        j->mirror_r = !j->mirror_r;
+        j->mirror_g = !j->mirror_g;
+        j->strength.numerator = -j->strength.numerator;
+    }
+    j->stronger = j->strength.numerator != 1 || j->strength.shift != 0;
+}
+
+/* The levels of a used texel, and its alpha as it is. */
+static void transform_texel(const job *j, ntp__block *block, int32_t i)
+{
+    if (j->stronger) {
+        int32_t c[3] = { 0, 0, block->c[2][i] }, v[3];
+        ntp__i128 scaled[3];
+        ntp__texel_vector(v, block, i, j->m, j->src.encoding);
+        for (int32_t k = 0; k < 2; k++)
+            scaled[k] = ntp__i128_multiply(ntp__i128_of(v[k]), j->strength.numerator);
+        scaled[2] = ntp__i128_shift(ntp__i128_of(v[2]), j->strength.shift);
+        /* Turned before it is rounded: half up is not the same upside down. */
+        ntp__i128 r = scaled[j->swap], g = scaled[!j->swap];
+        scaled[0] = j->mirror_r ? ntp__i128_negate(r) : r;
+        scaled[1] = j->mirror_g ? ntp__i128_negate(g) : g;
+        ntp__direction_levels(c, scaled, j->m, j->src.encoding);
+        for (int32_t k = 0; k < 3; k++)
+            block->c[k][i] = c[k];
+        return;
+    }
+    int32_t r = block->c[j->swap][i], g = block->c[!j->swap][i];
+    block->c[0][i] = j->mirror_r ? j->m - r : r;
+    block->c[1][i] = j->mirror_g ? j->m - g : g;
+}
+
+/* Floats that are only moved and mirrored keep all their bits. */
+static void move_floats(const job *j, const ntp__block *block, int32_t x, int32_t y, int32_t n)
+{
+    bool vector = j->src.encoding == NTP_VECTOR;
+    size_t bytes = (size_t) j->src.channels * sizeof(float);
+    const char *s = ntp__at(&j->src, x, y);
+    char *d = ntp__at_mut(j->dst, x, y);
+    for (int32_t i = 0; i < n; i++, s += j->src.pixel_stride, d += j->dst->pixel_stride) {
+        float in[4], out[4];
+        memcpy(in, s, bytes);
+        memcpy(out, s, bytes);
+        if (!ntp__texel_unused(block, i, j->m, 0)) {
+            float r = in[j->swap], g = in[!j->swap];
+            double one = vector ? 0.0 : 1.0;
+            out[0] = j->mirror_r ? (float) (one - (double) r) : r;
+            out[1] = j->mirror_g ? (float) (one - (double) g) : g;
+        }
+        memcpy(d, out, bytes);
+    }
+}
+
+static void keep_unused_floats(const job *j, const ntp__block *block, int32_t x, int32_t y,
+                               int32_t n)
+{
+    const char *s = ntp__at(&j->src, x, y);
+    char *d = ntp__at_mut(j->dst, x, y);
+    for (int32_t i = 0; i < n; i++, s += j->src.pixel_stride, d += j->dst->pixel_stride) {
+        bool unused = ntp__texel_unused(block, i, j->m, 0);
+        for (int32_t k = unused ? 0 : j->src.encoding == NTP_XY ? 2 : 3; k < j->src.channels; k++)
+            memcpy(d + k * 4, s + k * 4, 4);
+    }
+}
+
+static void transform_run(const job *j, int32_t x, int32_t y, int32_t n)
+{
+    ntp__block block;
+    ntp__unpack(&block, &j->src, x, y, n);
+    bool floats = j->src.type == NTP_F32;
+    if (floats && !j->stronger) {
+        move_floats(j, &block, x, y, n);
+        return;
+    }
+    ntp__block before;
+    if (floats)
+        before = block;
+    for (int32_t i = 0; i < n; i++) {
+        if (!ntp__texel_unused(&block, i, j->m, 0))
+            transform_texel(j, &block, i);
+    }
+    ntp__store_levels(j->dst, &block, x, y, n);
+    if (floats)
+        keep_unused_floats(j, &before, x, y, n);
+}
+
+ntp_status ntp_transform(const ntp_image *dst, const ntp_const_image *src,
+                         const ntp_transform_options *how, const ntp_rect *area)
+{
+    static const ntp_transform_options NOTHING;
+    if (dst == NULL)
+        return NTP_ERR_ARGUMENT;
+    if (how == NULL)
+        how = &NOTHING;
+    ntp_const_image target = ntp_image_as_const(dst);
+    NTP__TRY(ntp__check_normals(src));
+    NTP__TRY(ntp__check_normals(&target));
+    job j = { .dst = dst, .src = *src, .m = ntp__max(src->type) };
+    if (how->quarter_turns < 0 || how->quarter_turns > 3 ||
+        !ntp__strength_of(&j.strength, how->use_strength ? how->strength : 1.0))
+        return NTP_ERR_ARGUMENT;
+    if (src->ring_rows > 0 && (how->flip_y || how->quarter_turns != 0))
+        return NTP_ERR_SHAPE;
+    move(&j, how);
+    if (!ntp__same_size(&target, &j.src))
+        return NTP_ERR_SHAPE;
+    if (dst->type != src->type || dst->encoding != src->encoding ||
+        dst->channels != src->channels || dst->y != src->y)
+        return NTP_ERR_FORMAT;
+    if (dst->data == src->data)
+        return NTP_ERR_OVERLAP;
+    ntp_rect rect;
+    NTP__TRY(ntp__check_area(&rect, &target, area));
+    for (int32_t y = rect.y0; y < rect.y1; y++) {
+        for (int32_t x = rect.x0; x < rect.x1; x += NTP__BLOCK)
+            transform_run(&j, x, y, rect.x1 - x < NTP__BLOCK ? rect.x1 - x : NTP__BLOCK);
+    }
+    return NTP_OK;
+}

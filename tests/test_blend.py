@@ -1,0 +1,180 @@
+# SPDX-License-Identifier: MIT
+"""ntp_blend against the published formulas in fractions."""
+
+import itertools
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+import libntp_ffi as ntp
+import oracle_vectors as model
+from test_resize import NAMES, TYPES, noise
+
+RNM, WHITEOUT, UDN = range(3)
+
+
+def blend(
+    base, detail, mode=RNM, strength=None, encodings=(0, 0), ys=(0, 0), touch=0, area=None, dst=None
+):
+    how = ntp.ffi.new("ntp_blend_options *")
+    how.mode, how.touch_unused = mode, touch
+    how.use_strength, how.strength = strength is not None, strength or 0.0
+    dst = np.full_like(base, 77) if dst is None else dst
+    source = ntp.view(base, encodings[0], ys[0], const=True)
+    second = ntp.view(detail, encodings[1], ys[1], const=True)
+    target = ntp.view(dst, encodings[0], ys[0])
+    ntp.check(ntp.lib.ntp_blend(target, source, second, how, ntp.rect(area)))
+    return dst
+
+
+def blended(mode, n1, n2):
+    """Barre-Brisebois and Hill's formulas on fractions."""
+    if mode == WHITEOUT:
+        return n1[0] + n2[0], n1[1] + n2[1], n1[2] * n2[2]
+    if mode == UDN:
+        return n1[0] + n2[0], n1[1] + n2[1], n1[2]
+    t = (n1[0], n1[1], n1[2] + 1)
+    u = (-n2[0], -n2[1], n2[2])
+    dot = sum(a * b for a, b in zip(t, u))
+    return tuple(a * dot - b * t[2] for a, b in zip(t, u))  # times t.z, which is not negative
+
+
+def blend_by_model(base, detail, mode, strength, encodings, ys, maxima, touch=0):
+    out = base.copy()
+    scale = Fraction(strength)
+    names = [NAMES[e] for e in encodings]
+    for y, x in itertools.product(range(base.shape[0]), range(base.shape[1])):
+        texels = [base[y, x].tolist(), detail[y % detail.shape[0], x % detail.shape[1]].tolist()]
+        vectors, keep = [], False
+        for texel, m, name in zip(texels, maxima, names):
+            alpha = texel[3] if len(texel) == 4 else None
+            full = texel if len(texel) > 2 else [*texel, max(texel) and m]
+            keep = keep or (model.unused(full, m, alpha) and not touch)
+            vectors.append([Fraction(c, m) for c in model.components(texel, m, name)])
+        if keep:
+            continue
+        n1, n2 = vectors
+        n2 = [scale * n2[0], scale * n2[1] * (-1 if ys[0] != ys[1] else 1), n2[2]]
+        v = blended(mode, n1, n2)
+        common = 1
+        for c in v:
+            common *= c.denominator
+        levels = model.encode([int(c * common) for c in v], maxima[0], names[0])
+        out[y, x, : len(levels)] = levels
+    return out
+
+
+@pytest.mark.parametrize("mode", [RNM, WHITEOUT, UDN])
+@pytest.mark.parametrize("m", TYPES)
+def test_against_fractions(m, mode):
+    strengths = itertools.cycle([1.0, 0.5, 0.1, 3.0, 1024.0, 2.0**-10, 0.0, -0.7])
+    depths = itertools.cycle([255, 65535])
+    for e1, e2, ys in itertools.product(NAMES, NAMES, [(0, 0), (0, 1)]):
+        strength, m2 = next(strengths), next(depths)
+        base = noise((6, 9, 2 if e1 == ntp.XY and mode else 4), m, 3 + e1)
+        detail = noise((4, 5, 3), m2, 5 + e2)
+        for touch in (0, 7) if ys == (0, 1) else (0,):
+            got = blend(base, detail, mode, strength, (e1, e2), ys, touch)
+            want = blend_by_model(base, detail, mode, strength, (e1, e2), ys, (m, m2), touch)
+            assert np.array_equal(got, want), (e1, e2, ys, strength, touch)
+
+
+def test_strength_defaults_to_one():
+    base, detail = noise((9, 300, 3), 255, 1), noise((5, 7, 3), 255, 2)
+    for mode in (RNM, WHITEOUT, UDN):
+        assert np.array_equal(blend(base, detail, mode), blend(base, detail, mode, 1.0))
+
+
+def test_no_detail_leaves_clean_texels():
+    """Strength 0: for RNM and UDN the base's own direction, whose levels do not change."""
+    base = ntp.clean(noise((20, 30, 3), 65535, 3))[0]
+    detail = ntp.clean(noise((5, 7, 3), 255, 4))[0]
+    for mode in (RNM, UDN):
+        assert np.array_equal(blend(base, detail, mode, 0.0), base)
+
+
+def test_a_flat_base_shows_the_detail():
+    """The levels nearest to flat are half a level off flat, and so is what is laid on them."""
+    base = np.full((40, 40, 3), [128, 128, 255], np.uint8)
+    rng = np.random.default_rng(5)
+    detail = base.copy()
+    detail[..., :2] = rng.integers(70, 186, (40, 40, 2))
+    detail = ntp.clean(detail)[0]
+    for mode in (RNM, WHITEOUT, UDN):
+        off = blend(base, detail, mode).astype(int)[..., :2] - detail[..., :2]
+        assert np.abs(off).max() <= (22 if mode == UDN else 1)
+
+
+def test_rnm_reorients():
+    """A detail that leans as the base does leans twice as far."""
+    degrees = np.radians([10, 25, 40])
+    base = np.zeros((1, 3, 3), np.float32)
+    base[0, :, 0], base[0, :, 2] = np.sin(degrees), np.cos(degrees)
+    out = blend(base, base, RNM, encodings=(ntp.VECTOR, ntp.VECTOR))
+    got = np.degrees(np.arctan2(out[0, :, 0], out[0, :, 2]))
+    assert np.allclose(got, [20, 50, 80], atol=0.01)
+
+
+@pytest.mark.parametrize("mode", [RNM, WHITEOUT, UDN])
+def test_results_are_exact(mode):
+    base, detail = noise((40, 50, 4), 255, 6), noise((16, 16, 3), 255, 7)
+    out = blend(base, detail, mode, 0.8)
+    unused = np.zeros(base.shape[:2], bool)
+    for y, x in np.ndindex(*unused.shape):
+        unused[y, x] = np.array_equal(out[y, x], base[y, x])
+    assert np.all(unused | (ntp.validate(out, keep=1) & ntp.PASS_EXACT != 0))
+    assert np.array_equal(out[..., 3], base[..., 3])
+
+
+def test_unused_texels_stay():
+    base, detail = noise((8, 8, 4), 255, 8), noise((8, 8, 4), 255, 9)
+    out = blend(base, detail)
+    mask = ntp.validate(base) | ntp.validate(detail)
+    unused = mask & ntp.IS_UNUSED != 0
+    assert unused.any() and np.array_equal(out[unused], base[unused])
+
+
+def test_areas_in_place_and_strides():
+    base, detail = noise((13, 300, 4), 65535, 10), noise((4, 7, 3), 255, 11)
+    whole = blend(base, detail, WHITEOUT, 0.6)
+    own = base.copy()
+    for area in ((0, 0, 270, 5), (270, 0, 300, 5), (0, 5, 300, 13)):
+        blend(own, detail, WHITEOUT, 0.6, area=area, dst=own)
+    assert np.array_equal(own, whole)
+    flipped = blend(base[::-1], np.roll(detail, -(13 % 4), 0)[::-1], WHITEOUT, 0.6)
+    assert np.array_equal(flipped[::-1], whole)
+
+
+def test_floats_go_by_16_bit():
+    base, detail = noise((6, 8, 4), 65535, 12), noise((3, 3, 3), 65535, 13)
+    want = blend(base, detail).astype(np.float64)
+    floats = (base / 65535).astype(np.float32)
+    got = blend(floats, (detail / 65535).astype(np.float32))
+    assert np.array_equal(got, (want / 65535).astype(np.float32))
+    floats[1, 1, 0] = np.inf
+    assert np.array_equal(blend(floats, detail)[1, 1], floats[1, 1])
+
+
+def test_refusals():
+    base, detail = np.zeros((4, 6, 3), np.uint8), np.zeros((2, 2, 3), np.uint8)
+    dst = np.zeros_like(base)
+    how = ntp.ffi.new("ntp_blend_options *")
+
+    def status(target, source=None, second=None, **fields):
+        for name, value in {"mode": 0, "strength": 1.0, "use_strength": 1, **fields}.items():
+            setattr(how, name, value)
+        source = source or ntp.view(base, const=True)
+        second = second or ntp.view(detail, const=True)
+        return ntp.lib.ntp_blend(target, source, second, how, ntp.ffi.NULL)
+
+    assert status(ntp.view(dst)) == ntp.OK
+    assert status(ntp.view(dst[1:])) == ntp.ERR_SHAPE
+    assert status(ntp.view(dst, ntp.ZZERO)) == ntp.ERR_FORMAT
+    height = ntp.view(detail, ntp.HEIGHT, const=True)
+    assert status(ntp.view(dst), second=height) == ntp.ERR_FORMAT
+    assert status(ntp.view(dst), strength=float("nan")) == ntp.ERR_ARGUMENT
+    assert status(ntp.view(dst), mode=2, strength=2000.0) == ntp.ERR_ARGUMENT
+    assert status(ntp.view(base), second=ntp.view(base, const=True)) == ntp.ERR_OVERLAP
+    names = [ntp.ffi.string(ntp.lib.ntp_blend_mode_name(m)) for m in (0, 1, 2, 9)]
+    assert names == [b"rnm", b"whiteout", b"udn", b"unknown"]
