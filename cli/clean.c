@@ -12,7 +12,8 @@
 enum {
     PLAN_TEXELS = 512 * 512, /* a table for 8-bit rows pays from about this many texels on */
     METHODS = 3,
-    ENCODINGS = 3
+    ENCODINGS = 3,
+    ALPHAS = 2 /* transparent texels are unused, or alpha is a height */
 };
 
 static const char *const METHOD_NAMES[METHODS] = { "derive", "normalize", "keep" };
@@ -20,8 +21,8 @@ static const char *const METHOD_NAMES[METHODS] = { "derive", "normalize", "keep"
 /* Tables are made when first needed and shared by all workers. */
 typedef struct plans {
     pthread_mutex_t lock;
-    void *memory[METHODS][ENCODINGS];
-    ntp_clean_plan *made[METHODS][ENCODINGS];
+    void *memory[METHODS][ENCODINGS][ALPHAS];
+    ntp_clean_plan *made[METHODS][ENCODINGS][ALPHAS];
 } plans;
 
 typedef struct settings {
@@ -42,9 +43,10 @@ typedef struct state {
 static const ntp_clean_plan *plan_for(plans *shared, ntp_encoding encoding,
                                       const ntp_clean_options *how)
 {
+    const int alpha = (how->touch_unused & NTP_UNUSED_TRANSPARENT) != 0;
     pthread_mutex_lock(&shared->lock);
-    void **memory = &shared->memory[how->method][encoding];
-    ntp_clean_plan **plan = &shared->made[how->method][encoding];
+    void **memory = &shared->memory[how->method][encoding][alpha];
+    ntp_clean_plan **plan = &shared->made[how->method][encoding][alpha];
     if (*memory == NULL) {
         const size_t size = (ntp_clean_plan_size() + 63) / 64 * 64;
         *memory = need(aligned_alloc(64, size));
@@ -196,8 +198,10 @@ int clean_run(const options *o)
                       .describe = describe };
     const int code = produce(&m);
     for (int i = 0; i < METHODS; i++) {
-        for (int k = 0; k < ENCODINGS; k++)
-            free(shared.memory[i][k]);
+        for (int k = 0; k < ENCODINGS; k++) {
+            for (int a = 0; a < ALPHAS; a++)
+                free(shared.memory[i][k][a]);
+        }
     }
     return code;
 }

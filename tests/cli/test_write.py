@@ -82,6 +82,19 @@ def test_alpha_and_unused_stay(run, tmp_path):
     assert (pixels_of(tmp_path / "c.png")[3:6, 3:6, 2] != 255).all()
 
 
+def test_files_with_and_without_a_height_in_alpha(run, tmp_path):
+    # Large enough for the tables that files share; alpha 0 is a height in one of them.
+    texture = textures.standard(512, 512, 3)
+    texture[..., 2] = 255
+    height = (np.arange(512 * 512).reshape(512, 512) % 256).astype(np.uint8)
+    write_png(tmp_path / "a_n.png", np.dstack([texture, height]))
+    write_png(tmp_path / "b_n.png", texture)
+    for order in (["a_n.png", "b_n.png"], ["b_n.png", "a_n.png"]):
+        done = run("clean", *order, "--type", "xy", "-j", "1", "-o", "out")
+        assert done.returncode == 0, done.stderr
+        assert np.array_equal(pixels_of(tmp_path / "out" / "b_n.png"), texture)
+
+
 def test_zzero_is_found_while_cleaning(run, tmp_path):
     before = textures.zzero()
     before[10:12, :, 2] -= 40
