@@ -24,6 +24,8 @@ static const double encode_error = 18;
 /* Tap sums in doubles that are not exact have fewer than 64 roundings. */
 static const double sum_error = 0x1p-47;
 
+enum { BAND = 32 /* rows; down the whole image every row of a strip would be another page */ };
+
 /* How a call is carried out. */
 typedef struct walk {
     ntp__gradient g;
@@ -34,6 +36,9 @@ typedef struct walk {
     double greatest; /* of the heights times the kernel's gain; integers */
     ntp__encode encode;
     ntp_gradient_counts counts;
+    int32_t first;      /* row of the area */
+    double *errors;     /* dithering: carried down, one for each column; NULL: none */
+    double along[BAND]; /* carried along the rows of a band */
 } walk;
 
 typedef struct strip {
@@ -261,6 +266,31 @@ static void raise_blue(const walk *w, strip *s, int32_t n)
         b[i] = b[i] > least ? b[i] : least;
 }
 
+/* Slopes of a texel times L: n.x and n.y of dst before they are divided by the length. */
+static bool slopes(const walk *w, const strip *s, const facts *f, int32_t x, int32_t y, int32_t i,
+                   double xy[2])
+{
+    if (s->moved[i] || !f->finite)
+        return ntp__gradient_slopes(&w->g, x + i, y, xy);
+    xy[0] = (w->ints ? (double) s->sums.i[0][i] : s->sums.d[0][i]) * w->g.cx;
+    xy[1] = (w->ints ? (double) s->sums.i[1][i] : s->sums.d[1][i]) * w->g.cy;
+    return true;
+}
+
+/* Levels with the errors carried on. */
+static void dither(walk *w, strip *s, const facts *f, int32_t x, int32_t y, int32_t n)
+{
+    double *along = &w->along[(y - w->first) % BAND];
+    for (int32_t i = 0; i < n; i++) {
+        double xy[2];
+        int32_t level[3];
+        w->counts.not_finite += !slopes(w, s, f, x, y, i, xy);
+        ntp__dither(level, &w->g, xy, along, &w->errors[x + i]);
+        for (int32_t k = 0; k < 3; k++)
+            s->out.c[k][i] = level[k];
+    }
+}
+
 static void do_block(walk *w, strip *s, int32_t x, int32_t y, int32_t n)
 {
     if (w->g.dst->type == NTP_F32) {
@@ -277,7 +307,9 @@ static void do_block(walk *w, strip *s, int32_t x, int32_t y, int32_t n)
         tap_sums(w, s, &f, x, y, n, down);
         repeat_slopes(w, s, x, n, down);
     }
-    if (encode(w, s, &f, n) || s->any_moved)
+    if (w->errors != NULL)
+        dither(w, s, &f, x, y, n);
+    else if (encode(w, s, &f, n) || s->any_moved)
         settle(w, s, x, y, n);
     if (!w->g.derived)
         raise_blue(w, s, n);
@@ -294,19 +326,27 @@ static void do_strip(walk *w, strip *s, const ntp_rect *r, int32_t x, int32_t n)
         do_block(w, s, x, y, n);
 }
 
-/* Strips of a few rows at a time: down the whole image every row of a strip is another page. */
 static void do_bands(walk *w, ntp_rect r)
 {
-    enum { BAND = 32 };
     strip s;
+    w->first = r.y0;
     for (ntp_rect band = r; band.y0 < r.y1; band.y0 = band.y1) {
         band.y1 = r.y1 - band.y0 < BAND ? r.y1 : band.y0 + BAND;
+        memset(w->along, 0, sizeof w->along);
         for (int32_t x = r.x0; x < r.x1; x += NTP__BLOCK)
             do_strip(w, &s, &band, x, r.x1 - x < NTP__BLOCK ? r.x1 - x : NTP__BLOCK);
     }
 }
 
 /* ------------------------------------------------------------------------------- public */
+
+static void add_counts(ntp_gradient_counts *counts, const walk *w)
+{
+    if (counts == NULL)
+        return;
+    counts->not_finite += w->counts.not_finite;
+    counts->exact += w->counts.exact;
+}
 
 ntp_status ntp_normals_from_height(const ntp_image *dst, const ntp_const_image *src,
                                    const ntp_gradient_options *how, ntp_gradient_counts *counts,
@@ -317,9 +357,27 @@ ntp_status ntp_normals_from_height(const ntp_image *dst, const ntp_const_image *
     NTP__TRY(make_walk(&w, dst, src, how));
     NTP__TRY(ntp__check_area(&r, src, area));
     do_bands(&w, r);
-    if (counts != NULL) {
-        counts->not_finite += w.counts.not_finite;
-        counts->exact += w.counts.exact;
-    }
+    add_counts(counts, &w);
+    return NTP_OK;
+}
+
+ntp_status ntp_normals_dithered(const ntp_image *dst, const ntp_const_image *src,
+                                const ntp_gradient_options *how, double *errors,
+                                ntp_gradient_counts *counts, const ntp_rect *area)
+{
+    walk w;
+    ntp_rect r;
+    NTP__TRY(make_walk(&w, dst, src, how));
+    NTP__TRY(ntp__check_area(&r, src, area));
+    if (errors == NULL)
+        return NTP_ERR_ARGUMENT;
+    if (dst->type == NTP_F32)
+        return NTP_ERR_FORMAT;
+    if (r.x0 != 0 || r.x1 != src->width)
+        return NTP_ERR_SHAPE;
+    w.errors = errors;
+    w.g.derived = true;
+    do_bands(&w, r);
+    add_counts(counts, &w);
     return NTP_OK;
 }

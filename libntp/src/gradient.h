@@ -71,12 +71,23 @@ typedef struct ntp__mapped {
 
 ntp__mapped ntp__border_map(ntp_border border, int32_t i, int32_t n);
 
+/* What lies beyond an edge: repeat-slope extrapolates where a stencil is longer than the axis. */
+ntp_border ntp__border_beyond(ntp_border border);
+
 ntp__scaled ntp__scaled_from(double v);
 
 /* The correctly rounded normal at (x, y); blue of integers is set where it is not derived.
  * sums: the integer tap sums to the right and down, NULL where they are to be made. */
 void ntp__gradient_exact(ntp__normal *normal, const ntp__gradient *g, int32_t x, int32_t y,
                          const int64_t *sums);
+
+/* n.x and n.y before they are divided by the length, as doubles; false: not finite, both are 0. */
+bool ntp__gradient_slopes(const ntp__gradient *g, int32_t x, int32_t y, double xy[2]);
+
+/* The levels of a texel with the errors carried on (gradient_dither.c): xy as above; along, down:
+ * the errors brought along from the texel before, and those that this one leaves. */
+void ntp__dither(int32_t level[3], const ntp__gradient *g, const double xy[2], double *along,
+                 double *down);
 
 /* Checks all arguments and fills in the rest (gradient_plan.c). */
 ntp_status ntp__gradient_plan(ntp__gradient *g, const ntp_image *dst, const ntp_const_image *src,

@@ -408,6 +408,26 @@ static float nearest_float(ntp__normal *normal, const ntp__gradient *g, const ve
     return nearest + 0.0f;
 }
 
+static double times(ntp__scaled a, ntp__scaled b)
+{
+    ntp__wide x, y, product;
+    ntp__wide_set(&x, a.mantissa);
+    ntp__wide_set(&y, b.mantissa);
+    ntp__wide_multiply(&product, &x, &y);
+    double size = ntp__wide_to_double(&product, a.exponent + b.exponent);
+    return a.negative != b.negative ? -size : size;
+}
+
+bool ntp__gradient_slopes(const ntp__gradient *g, int32_t x, int32_t y, double xy[2])
+{
+    tap_total right = tap_sum(g, x, y, false), down = tap_sum(g, x, y, true);
+    double norm = (double) ((int64_t) g->kernel->denominator * g->range);
+    bool finite = right.finite && down.finite;
+    xy[0] = finite ? times(g->x, right.value) / norm : 0;
+    xy[1] = finite ? times(g->y, down.value) / norm : 0;
+    return finite;
+}
+
 void ntp__gradient_exact(ntp__normal *normal, const ntp__gradient *g, int32_t x, int32_t y,
                          const int64_t *sums)
 {

@@ -101,7 +101,7 @@ static ntp__span positions(const ntp__kernel *k, bool along, ntp_border border, 
     return span;
 }
 
-static ntp_border beyond(ntp_border border)
+ntp_border ntp__border_beyond(ntp_border border)
 {
     return border == NTP_BORDER_REPEAT_SLOPE ? NTP_BORDER_EXTRAPOLATE : border;
 }
@@ -109,8 +109,8 @@ static ntp_border beyond(ntp_border border)
 static void set_borders(ntp__gradient *g, const ntp_gradient_options *how)
 {
     int32_t width = g->src->width, height = g->src->height;
-    g->border_x = beyond(how->border_x);
-    g->border_y = beyond(how->border_y);
+    g->border_x = ntp__border_beyond(how->border_x);
+    g->border_y = ntp__border_beyond(how->border_y);
     g->right_x = positions(g->kernel, true, how->border_x, width);
     g->right_y = positions(g->kernel, false, how->border_y, height);
     g->down_x = positions(g->kernel, false, how->border_x, width);
