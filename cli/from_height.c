@@ -3,8 +3,10 @@
  * from_height.c - ntp from-height: normals of a heightfield
  *
  * Rows of heights are collected in a ring until a row's neighbors are there.  A border that
- * wraps needs the rows of the other end, so there the whole heightfield is held.
+ * wraps needs the rows of the other end, and a blur rows far away: there the whole heightfield is
+ * held.
  */
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -14,7 +16,8 @@
 #include "report.h"
 
 enum {
-    FULL = 4, /* channels of the rows made: x, y, z, alpha or height */
+    MAX_OCTAVES = 8, /* the last is blurred by NTP_MAX_SIGMA */
+    FULL = 4,        /* channels of the rows made: x, y, z, alpha or height */
     ALPHA = 3,
     CHUNK = 64 /* rows made at once */
 };
@@ -26,6 +29,10 @@ typedef struct settings {
     int depth;         /* bytes of a sample; 0: as the input */
     int8_t out[FULL];  /* for each channel of the file: 0..3 of the rows made, or FROM_* */
     int32_t out_count; /* 0: by the encoding and the alpha */
+    double blur;
+    double octave[MAX_OCTAVES]; /* weights */
+    int octaves;                /* 0: no sum of octaves */
+    bool dither;
     bool alpha_given;
     const char *alpha_file, *ao_file;
     const char *alpha_name;
@@ -36,6 +43,7 @@ typedef struct state {
     ntp_gradient_counts counts;
     ntp_image heights; /* the ring */
     ntp_image made;
+    double *errors;      /* of dithering, for each column; NULL: none */
     int32_t reach, done; /* rows written */
     int32_t out_channels;
     size_t out_row;                  /* bytes of a row of the file */
@@ -101,6 +109,28 @@ static bool read_alpha(settings *set, const options *o)
     return true;
 }
 
+/* Weights of the heights as they are, blurred by 1, by 2, by 4 texels, ... */
+static bool read_octaves(settings *set, const char *list)
+{
+    const char *at = list;
+    while (list != NULL) {
+        char *end = NULL;
+        const double weight = strtod(at, &end);
+        const size_t length = strspn(at, "0123456789.eE+-");
+        if (length == 0 || end != at + length || !(weight - weight == 0))
+            return wrong("octaves", list, "numbers with commas between them");
+        if (set->octaves == MAX_OCTAVES)
+            return wrong("octaves", list, "at most 8 octaves");
+        set->octave[set->octaves++] = weight;
+        if (*end == 0)
+            return true;
+        if (*end != ',')
+            return wrong("octaves", list, "numbers with commas between them");
+        at = end + 1;
+    }
+    return true;
+}
+
 /* --like NAME:VALUE; options that are given beside it win. */
 static bool read_like(settings *set, const char *like)
 {
@@ -162,6 +192,8 @@ static bool read_settings(settings *set, const options *o)
     if (option_given(o, OPT_TO_Y))
         set->to_y = (ntp_y) option_integer(o, OPT_TO_Y);
     set->ao_file = option_string(o, OPT_AO);
+    set->blur = option_number(o, OPT_BLUR);
+    set->dither = option_integer(o, OPT_DITHER) == 1;
     set->limits = limits_from(o);
     if (!(how->dx > 0) || !(how->dy > 0)) {
         complain("--dx and --dy are greater than 0");
@@ -175,7 +207,12 @@ static bool read_settings(settings *set, const options *o)
         complain("--ao goes into the blue channel that --to xy leaves free");
         return false;
     }
-    return read_alpha(set, o) && read_channels(set, option_string(o, OPT_CHANNELS));
+    if (set->dither && set->how.blue == NTP_BLUE_NEAREST) {
+        complain("--dither integrable derives blue; leave out --blue nearest");
+        return false;
+    }
+    return read_octaves(set, option_string(o, OPT_OCTAVES)) && read_alpha(set, o) &&
+           read_channels(set, option_string(o, OPT_CHANNELS));
 }
 
 /* ---------------------------------------------------------------------- other images */
@@ -276,6 +313,12 @@ static int32_t output_channels(const production *p, const settings *set)
     return set->alpha_given || kept ? 4 : 3;
 }
 
+/* Are rows needed that come last? */
+static bool needs_all(const settings *set)
+{
+    return set->how.border_y == NTP_BORDER_WRAP || set->blur > 0 || set->octaves > 0;
+}
+
 static bool begin(production *p, ntpio_write_options *shape, ntpio_error *error)
 {
     const settings *set = p->m->settings;
@@ -284,7 +327,9 @@ static bool begin(production *p, ntpio_write_options *shape, ntpio_error *error)
     const ntp_type type = output_type(p, set);
     if (set->how.source == NTP_SOURCE_ALPHA && view->channels % 2 == 1)
         return refuse(p->in->path, "it has no alpha that could be the height", error);
-    const bool whole = set->how.border_y == NTP_BORDER_WRAP;
+    if (set->dither && type == NTP_F32)
+        return refuse(p->in->path, "--dither is for outputs of 8 or 16 bit", error);
+    const bool whole = needs_all(set);
     st->reach = ntp_gradient_reach(&set->how);
     st->out_channels = output_channels(p, set);
     st->out_row = (size_t) view->width * (size_t) st->out_channels * sample_size(type);
@@ -298,8 +343,11 @@ static bool begin(production *p, ntpio_write_options *shape, ntpio_error *error)
     st->heights.ring_rows = rows;
 
     const size_t made_row = (size_t) view->width * FULL * sample_size(type);
-    st->made = ntp_image_packed(buffer_reserve(&p->w->extra2, made_row * CHUNK), view->width,
-                                view->height, FULL, type);
+    const size_t errors = (size_t) view->width * sizeof(double);
+    unsigned char *memory = buffer_reserve(&p->w->extra2, errors + made_row * CHUNK);
+    if (set->dither)
+        st->errors = memset(memory, 0, errors);
+    st->made = ntp_image_packed(memory + errors, view->width, view->height, FULL, type);
     st->made.ring_rows = CHUNK;
     st->made.encoding = set->to;
     st->made.y = set->to_y;
@@ -341,17 +389,22 @@ static void lay_out(const state *st, const settings *set, void *out, int32_t y0,
 }
 
 /* Makes and writes the rows up to `end`, which have their neighbors. */
-static bool make_rows(production *p, int32_t end, ntpio_error *error)
+static bool make_rows(production *p, const ntp_image *heights, int32_t end, ntpio_error *error)
 {
     const settings *set = p->m->settings;
     state *st = p->state;
-    const ntp_const_image seen = ntp_image_as_const(&st->heights);
+    const ntp_const_image seen = ntp_image_as_const(heights);
+    ntp_gradient_options how = set->how;
+    if (heights != &st->heights)
+        how.source = NTP_SOURCE_RED;
     while (st->done < end) {
         /* a chunk does not pass the end of the ring of rows made */
         const int32_t full = (st->done / CHUNK + 1) * CHUNK;
         const ntp_rect area = { 0, st->done, st->made.width, full < end ? full : end };
         const ntp_status status =
-            ntp_normals_from_height(&st->made, &seen, &set->how, &st->counts, &area);
+            st->errors != NULL
+                ? ntp_normals_dithered(&st->made, &seen, &how, st->errors, &st->counts, &area)
+                : ntp_normals_from_height(&st->made, &seen, &how, &st->counts, &area);
         if (status != NTP_OK)
             return library_error(&p->s, status, error);
         void *out = buffer_reserve(&p->w->diff, st->out_row * CHUNK);
@@ -361,6 +414,64 @@ static bool make_rows(production *p, int32_t end, ntpio_error *error)
         st->done = area.y1;
     }
     return true;
+}
+
+/* The weighted sum of the octaves of the whole heightfield; alpha goes along. */
+static ntp_status smooth(const state *st, const settings *set, const ntp_image *out)
+{
+    static const double ONE[] = { 1 };
+    const double *weights = set->octaves > 0 ? set->octave : ONE;
+    const int count = set->octaves > 0 ? set->octaves : 1;
+    const ntp_const_image seen = ntp_image_as_const(&st->heights);
+    ntp_status status = NTP_OK;
+    for (int i = 0; i < count && status == NTP_OK; i++) {
+        /* blurring twice adds the squares of sigma */
+        const double own = i > 0 ? (double) (1 << (i - 1)) : 0;
+        const double sigma = i > 0 ? sqrt(set->blur * set->blur + own * own) : set->blur;
+        const ntp_blur_options how = { .sigma = sigma < NTP_MAX_SIGMA ? sigma : NTP_MAX_SIGMA,
+                                       .weight = weights[i],
+                                       .add = i > 0,
+                                       .border_x = set->how.border_x,
+                                       .border_y = set->how.border_y,
+                                       .source = set->how.source };
+        const size_t size = ntp_height_blur_scratch(&how, out->width);
+        void *scratch = need(aligned_alloc(16, (size + 15) / 16 * 16));
+        status = ntp_height_blur(out, &seen, &how, scratch, size);
+        free(scratch);
+    }
+    return status;
+}
+
+/* The last samples of the pixels of `from` by value. */
+static void copy_alpha(const ntp_image *out, const ntp_image *from)
+{
+    ntp_image to = *out, alpha = *from;
+    const size_t last = (size_t) (from->channels - 1) * sample_size(from->type);
+    to.data = (float *) out->data + 1;
+    to.channels = 1;
+    alpha.data = (unsigned char *) from->data + last;
+    alpha.channels = 1;
+    const ntp_const_image seen = ntp_image_as_const(&alpha);
+    ntp_convert(&to, &seen, NULL, NULL, NULL);
+}
+
+static bool make_smoothed(production *p, ntpio_error *error)
+{
+    const settings *set = p->m->settings;
+    const state *st = p->state;
+    const ntp_image *from = &st->heights;
+    const int32_t channels = from->channels % 2 == 0 ? 2 : 1;
+    const size_t texels = (size_t) from->width * (size_t) from->height;
+    float *data = need(calloc(texels * (size_t) channels, sizeof *data));
+    ntp_image out = ntp_image_packed(data, from->width, from->height, channels, NTP_F32);
+    out.encoding = NTP_HEIGHT;
+    const ntp_status status = smooth(st, set, &out);
+    if (channels == 2)
+        copy_alpha(&out, from);
+    const bool ok = status == NTP_OK ? make_rows(p, &out, from->height, error)
+                                     : library_error(&p->s, status, error);
+    free(data);
+    return ok;
 }
 
 static bool rows(production *p, const ntp_rect *area, ntpio_error *error)
@@ -376,10 +487,11 @@ static bool rows(production *p, const ntp_rect *area, ntpio_error *error)
         memcpy(to, from, (size_t) view->row_stride);
     }
     if (area->y1 == view->height)
-        return make_rows(p, view->height, error);
-    if (set->how.border_y == NTP_BORDER_WRAP || area->y1 - st->reach <= st->done)
+        return set->blur > 0 || set->octaves > 0 ? make_smoothed(p, error)
+                                                 : make_rows(p, &st->heights, view->height, error);
+    if (needs_all(set) || area->y1 - st->reach <= st->done)
         return true;
-    return make_rows(p, area->y1 - st->reach, error);
+    return make_rows(p, &st->heights, area->y1 - st->reach, error);
 }
 
 /* --------------------------------------------------------------------- what was done */
@@ -420,6 +532,12 @@ static void describe(const production *p, text *line, json_t *object)
     json_object_set_new(object, "min_z", json_real(how->min_z));
     json_object_set_new(object, "blue",
                         json_string(how->blue == NTP_BLUE_DERIVED ? "derived" : "nearest"));
+    json_object_set_new(object, "blur", json_real(set->blur));
+    json_t *octaves = need(json_array());
+    for (int i = 0; i < set->octaves; i++)
+        json_array_append_new(octaves, json_real(set->octave[i]));
+    json_object_set_new(object, "octaves", octaves);
+    json_object_set_new(object, "dither", json_string(set->dither ? "integrable" : "none"));
     json_object_set_new(object, "to", json_string(ENCODING_NAMES[set->to]));
     json_object_set_new(object, "to_y", json_string(Y_NAMES[set->to_y]));
     json_object_set_new(object, "depth", json_integer((json_int_t) bits));

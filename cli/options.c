@@ -90,6 +90,14 @@ const option_spec OPTION_TABLE[] = {
       "the same for the upper and lower edges only" },
     { OPT_SOURCE, "source", 0, KIND_CHOICE, SOURCES, "red", 0, 0, V_FROM_HEIGHT,
       "which number of a color image is the height; gray images have only one" },
+    { OPT_BLUR, "blur", 0, KIND_NUMBER, "SIGMA", "0", 0, 64, V_FROM_HEIGHT,
+      "first blur the heights by a Gaussian of so many texels" },
+    { OPT_OCTAVES, "octaves", 0, KIND_STRING, "W,W,...", NULL, 0, 0, V_FROM_HEIGHT,
+      "take a weighted sum of the heights as they are, blurred by 1, by 2, by 4 texels and so on: "
+      "1,1,2 stresses the large shapes" },
+    { OPT_DITHER, "dither", 0, KIND_CHOICE, "none|integrable", "none", 0, 0, V_FROM_HEIGHT,
+      "integrable: carry rounding errors on, so that heights can be reconstructed well from the "
+      "result" },
     { OPT_LIKE, "like", 0, KIND_STRING, "PEER:VALUE", NULL, 0, 0, V_FROM_HEIGHT,
       "the settings of another program, correctly rounded: reference:5, eberly:4, zima:8, gegl:10, "
       "gimp-normalmap:sobel3:1 (docs/equivalences.md); options given beside it win" },
@@ -236,8 +244,8 @@ const verb_spec VERB_TABLE[] = {
       "Turns heightfields (bump maps: white is high) into normals textures. Each of red and green "
       "is the correctly rounded value of the formula; blue is computed from them. Images of 8 and "
       "16 bit, gray or color, and PFM.\n"
-      "With --border-y wrap, the default, the heightfield is held in memory; otherwise a few rows "
-      "are.",
+      "With --border-y wrap, the default, and with --blur or --octaves the heightfield is held in "
+      "memory; otherwise a few rows are.",
       "ntp from-height wall_height.png -o wall_n.png --scale 8\n"
       "  white is 8 texels above black\n"
       "ntp from-height rock.png -o rock_n.png --scale 20 --kernel sobel3 --to-y down --depth 16\n"

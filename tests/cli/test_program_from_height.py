@@ -170,3 +170,26 @@ def test_other_images_must_fit(run, tmp_path):
     done = run("from-height", "h.png", "-o", "n.png", "--scale", "1", "--alpha", "missing.png")
     assert done.returncode == 3
     assert not (tmp_path / "n.png").exists()
+
+
+def test_blur_octaves_dither(run, tmp_path):
+    src = heights((40, 50), np.uint16, 11)
+    plain = make(run, tmp_path, src, "--scale", 9)
+    one = make(run, tmp_path, src, "--scale", 9, "--octaves", "1")  # heights become floats
+    assert np.abs(one.astype(int) - plain)[..., :2].max() <= 1
+    blurred = make(run, tmp_path, src, "--scale", 9, "--blur", 2)
+    assert blurred[..., 2].mean() > plain[..., 2].mean()
+    sums = make(run, tmp_path, src, "--scale", 9, "--octaves", "0,1,0.5")
+    rolled = np.roll(src, (13, 17), (0, 1))
+    again = make(run, tmp_path, rolled, "--scale", 9, "--octaves", "0,1,0.5")
+    assert np.array_equal(again, np.roll(sums, (13, 17), (0, 1)))
+    dithered = make(run, tmp_path, src, "--scale", 0.3, "--depth", 8, "--dither", "integrable")
+    rounded = make(run, tmp_path, src, "--scale", 0.3, "--depth", 8)
+    difference = np.abs(dithered.astype(int) - rounded)[..., :2]
+    assert 0 < difference.max() <= 2
+    with_alpha = heights((20, 30, 4))
+    kept = make(run, tmp_path, with_alpha, "--scale", 9, "--blur", 1)
+    assert np.array_equal(kept[..., 3], with_alpha[..., 3])
+    for wrong in ("", "1,", "a", "1,,2", "1,2,3,4,5,6,7,8,9"):
+        make(run, tmp_path, src, "--scale", 1, "--octaves", wrong, code=2)
+    make(run, tmp_path, src, "--scale", 1, "--blur", "-1", code=2)
