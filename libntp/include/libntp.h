@@ -719,6 +719,43 @@ NTP_API ntp_status ntp_normals_from_height(const ntp_image *dst, const ntp_const
 /* Rows above and below a row that its normals are made of; -1 where how is NULL or no good. */
 NTP_API int32_t ntp_gradient_reach(const ntp_gradient_options *how);
 
+/*
+ * The same for NTP_U8 and NTP_U16, with the rounding error of each slope carried on to the next
+ * texel, to the right for x and down for y ("integrable"): heights that are reconstructed from the
+ * result drift far less, at the price of a slightly noisier picture.  dst is not NTP_VECTOR; blue is
+ * derived.  The area covers full rows; to work in parts go down from row 0.  errors: src->width
+ * doubles, zeroed before row 0, that carry the errors from call to call.
+ */
+NTP_API ntp_status ntp_normals_dithered(const ntp_image *dst, const ntp_const_image *src,
+                                        const ntp_gradient_options *how, double *errors,
+                                        ntp_gradient_counts *counts, const ntp_rect *area);
+
+enum {
+    NTP_MAX_SIGMA = 64 /* texels */
+};
+
+typedef struct ntp_blur_options {
+    double sigma;  /* of the Gaussian, 0..NTP_MAX_SIGMA; 0: no blur */
+    double weight; /* of the result */
+    int32_t add;   /* nonzero: to what dst holds */
+    ntp_border border_x;
+    ntp_border border_y;
+    ntp_height_source source;
+} ntp_blur_options;
+
+/* Bytes of working memory of ntp_height_blur; 0: an argument is no good. */
+NTP_API size_t ntp_height_blur_scratch(const ntp_blur_options *how, int32_t width);
+
+/*
+ * Blurs a heightfield: dst, NTP_F32 NTP_HEIGHT (sample 0 is written), gets weight times the
+ * Gaussian of the heights, or that much more.  The weights are integers that add up to 65536 on
+ * each axis; beyond the edges are the heights of the border (NTP_BORDER_REPEAT_SLOPE:
+ * extrapolated), so a texture that tiles still does.  Octaves are several calls with `add`.
+ * dst and src do not overlap.  scratch: that many bytes, aligned to 16.  The whole image is done.
+ */
+NTP_API ntp_status ntp_height_blur(const ntp_image *dst, const ntp_const_image *src,
+                                   const ntp_blur_options *how, void *scratch, size_t scratch_size);
+
 /* What another program's picture of a heightfield takes here; see ntp_gradient_like. */
 typedef struct ntp_peer {
     ntp_gradient_options options;
