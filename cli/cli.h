@@ -45,5 +45,8 @@ int heatmap_run(const options *o);
 int dump_run(const options *o);
 int diff_run(const options *o);
 int from_height_run(const options *o);
+int transform_run(const options *o);
+int resize_run(const options *o);
+int blend_run(const options *o);
 
 #endif

@@ -17,7 +17,8 @@
 
 /* clang-format off */
 const option_spec OPTION_TABLE[] = {
-    { OPT_TYPE, "type", 0, KIND_CHOICE, TYPES, "auto", 0, 0, V_CHECK | V_CLEAN | V_HEATMAP | V_DUMP | V_DIFF,
+    { OPT_TYPE, "type", 0, KIND_CHOICE, TYPES, "auto", 0, 0,
+      V_CHECK | V_CLEAN | V_HEATMAP | V_DUMP | V_DIFF | V_TRANSFORM | V_RESIZE | V_BLEND,
       "what the files are; auto finds out by their texels. Another value settles it: files that "
       "would be refused or called something else are taken for this" },
     { OPT_Y, "y", 0, KIND_CHOICE, "auto|up|down", "auto", 0, 0, V_CHECK,
@@ -120,11 +121,44 @@ const option_spec OPTION_TABLE[] = {
     { OPT_CHANNELS, "channels", 0, KIND_STRING, "SPEC", NULL, 0, 0, V_FROM_HEIGHT,
       "what each channel of the output holds, one letter each of x y z 0 1, h (height) and a "
       "(alpha): xyz, xzy, xyzh, 1y0x" },
+    { OPT_STRENGTH, "strength", 0, KIND_NUMBER, "S", NULL, -1024, 1024, V_TRANSFORM,
+      "multiply the slopes: 2 makes bumps twice as high, 0.5 half as high, -1 turns them into dents" },
+    { OPT_FLIP, "flip", 0, KIND_CHOICE, "x|y|xy", NULL, 0, 0, V_TRANSFORM,
+      "x: left and right change places; y: top and bottom; before --rotate" },
+    { OPT_ROTATE, "rotate", 0, KIND_CHOICE, "90|180|270", NULL, 0, 0, V_TRANSFORM,
+      "turn clockwise by so many degrees" },
+    { OPT_Y, "y", 0, KIND_CHOICE, "up|down", "up", 0, 0, V_TRANSFORM,
+      "which way green points: up (OpenGL, glTF, USD) or down (DirectX)" },
+    { OPT_SIZE, "size", 0, KIND_STRING, "WxH|P%", NULL, 0, 0, V_RESIZE,
+      "the new size in texels, such as 512x256, or in percent of the old one" },
+    { OPT_MIPS, "mips", 0, KIND_FLAG, NULL, NULL, 0, 0, V_RESIZE,
+      "write a mip chain: the output is level 0, and beside wall.png come wall_mip1.png, half as "
+      "large, wall_mip2.png and so on down to 1 x 1" },
+    { OPT_FILTER, "filter", 0, KIND_CHOICE, "box|triangle|lanczos3", NULL, 0, 0, V_RESIZE,
+      "box: the mean over an area; triangle: bilinear; lanczos3: sharper, can ring. Default: box "
+      "with --mips, else triangle" },
+    { OPT_BORDER, "border", 0, KIND_CHOICE, "wrap|clamp|mirror", "wrap", 0, 0, V_RESIZE,
+      "what lies beyond the edges: wrap for textures that tile" },
+    { OPT_BORDER_X, "border-x", 0, KIND_CHOICE, "wrap|clamp|mirror", NULL, 0, 0, V_RESIZE,
+      "the same for the left and right edges only" },
+    { OPT_BORDER_Y, "border-y", 0, KIND_CHOICE, "wrap|clamp|mirror", NULL, 0, 0, V_RESIZE,
+      "the same for the upper and lower edges only" },
+    { OPT_MODE, "mode", 0, KIND_CHOICE, "rnm|whiteout|udn", "rnm", 0, 0, V_BLEND,
+      "rnm: reoriented, the detail as if it lay on the base's surface; whiteout and udn: sums, "
+      "cheaper in shaders, weaker on slopes (docs/operations.md)" },
+    { OPT_STRENGTH, "strength", 0, KIND_NUMBER, "S", "1", -1024, 1024, V_BLEND,
+      "multiply the slopes of the detail first" },
+    { OPT_Y, "y", 0, KIND_CHOICE, "up|down", "up", 0, 0, V_BLEND,
+      "which way green points in BASE and in the output" },
+    { OPT_DETAIL_Y, "detail-y", 0, KIND_CHOICE, "up|down", "up", 0, 0, V_BLEND,
+      "which way green points in DETAIL" },
     { OPT_PALETTE, "palette", 0, KIND_CHOICE, "reference|safe", "reference", 0, 0, V_HEATMAP,
       "reference: red x, y too long, green length off, blue z negative; safe: colors that stay "
       "apart for every kind of color vision" },
     { OPT_ALL, "all", 0, KIND_FLAG, NULL, NULL, 0, 0, V_DUMP, "list every texel" },
-    { OPT_TOUCH_UNUSED, "touch-unused", 0, KIND_FLAG, NULL, NULL, 0, 0, V_CLEAN | V_CONVERT,
+    { OPT_TOUCH_UNUSED, "touch-unused", 0, KIND_FLAG, NULL, NULL, 0, 0, V_RESIZE,
+      "treat pure black, pure white and transparent texels like any other; alpha gives no weight" },
+    { OPT_TOUCH_UNUSED, "touch-unused", 0, KIND_FLAG, NULL, NULL, 0, 0, V_CLEAN | V_CONVERT | V_BLEND,
       "treat pure black, pure white and transparent texels like any other" },
     { OPT_DRY_RUN, "dry-run", 'n', KIND_FLAG, NULL, NULL, 0, 0, V_CLEAN | V_CONVERT,
       "write nothing, say what would change" },
@@ -255,6 +289,41 @@ const verb_spec VERB_TABLE[] = {
       "ntp from-height h.png -o labpbr_n.png --scale 4 --to xy --ao ao.png --alpha height\n"
       "  a LabPBR texture\n",
       from_height_run },
+    { "transform", "PATH...", "flip, turn, make stronger or weaker",
+      "Flips and turns textures, pixels and vectors together, so that the bumps stay bumps, and "
+      "multiplies their slopes. Flips and turns are exact. With --strength each normal is the "
+      "correctly rounded one. Texels that are pure black, pure white or transparent move but keep "
+      "their color.\n"
+      "What is no texture of tangent-space normals is refused unless --type says what it is. The "
+      "image is held in memory.",
+      "ntp transform wall_n.png -o strong_n.png --strength 2\n"
+      "  bumps twice as high\n"
+      "ntp transform wall_n.png -o turned_n.png --rotate 90\n"
+      "ntp transform left_n.png -o right_n.png --flip x\n"
+      "  the other hand of a pair\n",
+      transform_run },
+    { "resize", "PATH...", "another size or a mip chain, of unit vectors",
+      "Resizes textures as vectors, weighted with alpha, and stores unit vectors again: the "
+      "result passes ntp check --verdict exact. Unused texels (pure black, pure white, "
+      "transparent) do not bleed into others; where only they are, the result is flat, with "
+      "alpha 0.\n"
+      "What is no texture of tangent-space normals is refused unless --type says what it is. The "
+      "image is held in memory.",
+      "ntp resize wall_n.png -o small_n.png --size 50%\n"
+      "ntp resize wall_n.png -o wall_1k_n.png --size 1024x1024 --filter lanczos3\n"
+      "ntp resize wall_n.png -o mips/wall_n.png --mips\n"
+      "  mips/wall_n.png, mips/wall_n_mip1.png, mips/wall_n_mip2.png ...\n"
+      "ntp resize decal_n.png -o decal_half_n.png --size 50% --border clamp\n"
+      "  a texture that does not tile\n",
+      resize_run },
+    { "blend", "BASE DETAIL", "lay the bumps of one texture over another",
+      "Adds the bumps of DETAIL to BASE. A smaller DETAIL is repeated. Size, depth, encoding and "
+      "alpha are those of BASE. Texels that are unused in either stay as they are in BASE.",
+      "ntp blend wall_n.png scratches_n.png -o worn_n.png\n"
+      "ntp blend wall_n.png grain_n.png -o grainy_n.png --strength 0.5\n"
+      "  the detail half as high\n"
+      "ntp blend wall_gl.png scratches_dx.png -o worn_gl.png --detail-y down\n",
+      blend_run },
 };
 const size_t VERB_ROWS = sizeof VERB_TABLE / sizeof VERB_TABLE[0];
 

@@ -24,9 +24,13 @@ enum {
     V_DUMP = 16,
     V_DIFF = 32,
     V_FROM_HEIGHT = 64,
-    V_WRITES = V_CLEAN | V_CONVERT | V_HEATMAP | V_FROM_HEIGHT,
-    V_PATHS = V_CHECK | V_WRITES,
-    V_ALL = V_PATHS | V_DUMP | V_DIFF
+    V_TRANSFORM = 128,
+    V_RESIZE = 256,
+    V_BLEND = 512,
+    V_MAPS = V_CLEAN | V_CONVERT | V_HEATMAP | V_FROM_HEIGHT | V_TRANSFORM | V_RESIZE,
+    V_WRITES = V_MAPS | V_BLEND,
+    V_PATHS = V_CHECK | V_MAPS,
+    V_ALL = V_CHECK | V_WRITES | V_DUMP | V_DIFF
 };
 
 typedef enum option_id {
@@ -70,6 +74,14 @@ typedef enum option_id {
     OPT_ALPHA,
     OPT_AO,
     OPT_LIKE,
+    OPT_STRENGTH,
+    OPT_FLIP,
+    OPT_ROTATE,
+    OPT_SIZE,
+    OPT_MIPS,
+    OPT_FILTER,
+    OPT_MODE,
+    OPT_DETAIL_Y,
     OPT_PALETTE,
     OPT_ALL,
     OPT_LEVEL,

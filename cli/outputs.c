@@ -29,7 +29,8 @@ typedef enum ending { NEW_ENDING, ADDED_ENDING } ending;
 /* Float images stay float where the verb keeps the depth of its input. */
 static bool keeps_pfm(const options *o)
 {
-    return (o->verb_bit & (V_CLEAN | V_CONVERT)) != 0 && !option_given(o, OPT_DEPTH);
+    return (o->verb_bit & (V_CLEAN | V_CONVERT | V_TRANSFORM | V_RESIZE)) != 0 &&
+           !option_given(o, OPT_DEPTH);
 }
 
 static char *below(const char *directory, const char *relative, ending how, const options *o)
@@ -235,6 +236,20 @@ bool output_is_no_input(const char *output, const options *o)
     for (size_t i = 0; i < o->path_count; i++) {
         if (stat(o->paths[i], &st) == 0 && st.st_dev == own.st_dev && st.st_ino == own.st_ino)
             return told(output, " is an input; nothing is overwritten", NULL);
+    }
+    return true;
+}
+
+bool output_is_free(const input_list *list, const char *path)
+{
+    struct stat own, st;
+    const bool there = stat(path, &own) == 0 && S_ISREG(own.st_mode);
+    for (size_t i = 0; i < list->count; i++) {
+        const char *given = list->at[i].path, *output = list->at[i].output;
+        if (strcmp(output, path) == 0 ||
+            (there && strcmp(given, "-") != 0 && stat(given, &st) == 0 && st.st_dev == own.st_dev &&
+             st.st_ino == own.st_ino))
+            return false;
     }
     return true;
 }

@@ -44,6 +44,9 @@ bool outputs_plan(input_list *list, const options *o);
 /* For a verb with one output: false, after telling, when it is one of the paths. */
 bool output_is_no_input(const char *output, const options *o);
 
+/* For an output that no input asked for: is the path neither an input nor the output of one? */
+bool output_is_free(const input_list *list, const char *path);
+
 /* Makes the directories that lead to a file. */
 bool make_parents(const char *path, text *why);
 

@@ -25,6 +25,7 @@ static const char *const OUTCOMES[] = { "ok", "ok", "skipped", "refused", "unrea
 
 typedef struct run {
     const maker *m;
+    const input_list *inputs;
     size_t outcomes[FAILED + 1];
     size_t files;
     bool any;
@@ -47,22 +48,34 @@ static ntpio_format format_of(const char *output)
                                              : NTPIO_PNG;
 }
 
-static bool open_writer(production *p, ntpio_write_options *shape, ntpio_error *error)
+bool production_may_write(const production *p, const char *path, ntpio_error *error)
 {
-    const char *output = p->in->output;
+    if (output_is_free(p->inputs, path))
+        return true;
+    text t = { 0 };
+    text_name(&t, path);
+    error->status = NTPIO_ERR_USAGE;
+    snprintf(error->message, sizeof error->message,
+             "%.380s is an input, or the output of one; nothing is overwritten", text_string(&t));
+    text_free(&t);
+    return false;
+}
+
+ntpio_writer *production_open(const production *p, const char *output, ntpio_write_options *shape,
+                              ntpio_error *error)
+{
     text why = { 0 };
     if (strcmp(output, "-") != 0 && !make_parents(output, &why)) {
         error->status = NTPIO_ERR_WRITE;
         snprintf(error->message, sizeof error->message, "%.500s", text_string(&why));
         text_free(&why);
-        return false;
+        return NULL;
     }
     shape->format = p->m->in_place ? p->s.info->format : format_of(output);
     shape->copy_from = p->s.info;
     shape->level =
         option_given(p->m->o, OPT_LEVEL) ? (int32_t) option_integer(p->m->o, OPT_LEVEL) : -1;
-    p->writer = ntpio_create(output, shape, error);
-    return p->writer != NULL;
+    return ntpio_create(output, shape, error);
 }
 
 typedef enum pass_end { PASS_DONE, PASS_CHANGES, PASS_UNREADABLE, PASS_FAILED } pass_end;
@@ -76,8 +89,13 @@ static pass_end run_pass(production *p, bool writes, ntpio_error *error)
                                   .sample_bytes = p->s.info->sample_bytes };
     memset(p->state, 0, p->m->state_size);
     p->changes = false;
-    if (!p->m->begin(p, &shape, error) || (writes && !open_writer(p, &shape, error)))
+    if (!p->m->begin(p, &shape, error))
         return PASS_FAILED;
+    if (writes) {
+        p->writer = production_open(p, p->in->output, &shape, error);
+        if (p->writer == NULL)
+            return PASS_FAILED;
+    }
     if (!p->known)
         ntp_tally_clear(p->w->tally);
     const ntp_const_image view = ntp_image_as_const(&p->s.view);
@@ -315,8 +333,11 @@ static unsigned ran_of(outcome done, const ntpio_error *error)
 
 static void work(void *context, worker *w, const input *in, result *r)
 {
-    const maker *m = ((const run *) context)->m;
-    production p = { .m = m, .in = in, .w = w, .state = need(calloc(1, m->state_size)) };
+    const run *all = context;
+    const maker *m = all->m;
+    production p = {
+        .m = m, .in = in, .inputs = all->inputs, .w = w, .state = need(calloc(1, m->state_size))
+    };
     ntpio_error error = { 0 };
     const ntpio_limits limits = limits_from(m->o);
     outcome done = UNREADABLE;
@@ -393,7 +414,7 @@ static void end_run(const run *all)
 int produce(const maker *m)
 {
     input_list inputs;
-    run all = { .m = m };
+    run all = { .m = m, .inputs = &inputs };
     if (!inputs_collect(&inputs, m->o))
         return NTP_EXIT_USAGE;
     if (!outputs_plan(&inputs, m->o)) {

@@ -21,6 +21,7 @@ typedef struct maker maker;
 typedef struct production {
     const maker *m;
     const input *in;
+    const input_list *inputs; /* all of the run */
     worker *w;
     source s;
     facts f;              /* complete when `finish` and `describe` are called */
@@ -53,6 +54,12 @@ struct maker {
 
 bool production_write(production *p, const void *rows, ptrdiff_t stride, const ntp_rect *area,
                       ntpio_error *error);
+
+/* For further outputs: is the path neither an input nor the output of one? */
+bool production_may_write(const production *p, const char *path, ntpio_error *error);
+/* Starts a further output; shape says its size and samples, the rest is set as for the first. */
+ntpio_writer *production_open(const production *p, const char *path, ntpio_write_options *shape,
+                              ntpio_error *error);
 
 /* Runs a writing verb over its inputs; returns the exit code. */
 int produce(const maker *m);

@@ -1,0 +1,195 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * blend.c - ntp blend: a detail normals texture over a base
+ *
+ * The base streams through; the detail, which repeats, is held in memory.
+ */
+#include "report.h"
+#include "whole.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct settings {
+    ntp_blend_options how;
+    ntp_y y;
+    ntp_image detail;
+    ntp_class detail_type;
+    uint32_t detail_touch;
+} settings;
+
+typedef struct state {
+    ntp_image made; /* the blended rows */
+    ntp_diff *diff; /* base against result */
+} state;
+
+/* The detail while it is read. */
+typedef struct layer {
+    input in;
+    worker *w;
+    source s;
+    facts f;
+    void *data;
+} layer;
+
+static bool begin(production *p, ntpio_write_options *shape, ntpio_error *error)
+{
+    const settings *set = p->m->settings;
+    state *st = p->state;
+    (void) shape;
+    (void) error;
+    p->s.view.y = set->y;
+    p->changes = true;
+    st->made = p->s.view;
+    st->made.ring_rows = p->s.block_rows;
+    st->made.data =
+        buffer_reserve(&p->w->extra, (size_t) st->made.row_stride * (size_t) p->s.block_rows);
+    st->diff = (ntp_diff *) (void *) buffer_reserve(&p->w->diff, ntp_diff_size());
+    memset(st->diff, 0, ntp_diff_size());
+    return true;
+}
+
+static bool rows(production *p, const ntp_rect *area, ntpio_error *error)
+{
+    const settings *set = p->m->settings;
+    state *st = p->state;
+    const ntp_const_image base = ntp_image_as_const(&p->s.view);
+    const ntp_const_image made = ntp_image_as_const(&st->made);
+    const ntp_const_image detail = ntp_image_as_const(&set->detail);
+    ntp_blend_options how = set->how;
+    how.touch_unused |= p->touch | set->detail_touch;
+    ntp_status status = ntp_blend(&st->made, &base, &detail, &how, area);
+    if (status == NTP_OK)
+        status = ntp_compare(st->diff, NULL, &base, &made, area);
+    if (status != NTP_OK)
+        return library_error(&p->s, status, error);
+    return production_write(p, st->made.data, st->made.row_stride, area, error);
+}
+
+static void describe(const production *p, text *line, json_t *object)
+{
+    const settings *set = p->m->settings;
+    const state *st = p->state;
+    const char *mode = ntp_blend_mode_name(set->how.mode);
+    ntp_diff_stats stats;
+    if (ntp_diff_summarize(&stats, st->diff) != NTP_OK)
+        return;
+    if (line != NULL) {
+        text_addf(line, "%s, with ", class_title(p->f.type.type));
+        text_name(line, p->m->o->paths[1]);
+        text_addf(line, " by %s, strength %.6g; turned by up to ", mode, set->how.strength);
+        text_degrees(line, stats.angles.max);
+        text_add(line, " degrees, ");
+        text_degrees(line, stats.angles.mean);
+        text_add(line, " on average");
+    }
+    if (object == NULL)
+        return;
+    json_object_set_new(object, "changed", json_count(stats.different));
+    json_object_set_new(object, "texels", json_count(stats.texels));
+    json_object_set_new(object, "angle_deg", json_angles(&stats.angles));
+    json_set_name(object, "detail", p->m->o->paths[1]);
+    json_object_set_new(object, "detail_type", json_string(ntp_class_name(set->detail_type)));
+    json_object_set_new(object, "mode", json_string(mode));
+    json_object_set_new(object, "strength", json_real(set->how.strength));
+    json_object_set_new(object, "y", json_string(set->y == NTP_Y_UP ? "up" : "down"));
+    json_object_set_new(object, "detail_y", json_string(set->detail.y == NTP_Y_UP ? "up" : "down"));
+}
+
+/* ---------------------------------------------------------------------- the detail */
+
+static bool no_normals(const facts *f)
+{
+    if (f->forced)
+        return f->encoding == NTP_HEIGHT;
+    return f->type.type == NTP_CLASS_HEIGHT || f->type.type == NTP_CLASS_OBJECT_SPACE ||
+           f->type.type == NTP_CLASS_NOT_NORMALS;
+}
+
+/* Gray files of one color are taken for normals, as those of the base are. */
+static void view_detail(layer *l)
+{
+    static const int8_t EXPAND[4] = { 0, 0, 0, 1 };
+    const int32_t channels = l->s.info->channels;
+    const bool gray = channels < 3;
+    const ntp_encoding encoding = class_encoding(l->f.type.type, gray ? 3 : channels);
+    source_view(&l->s, encoding, NTP_Y_UP, gray ? EXPAND : NULL, gray ? channels + 2 : 0);
+}
+
+static unsigned read_detail(layer *l, settings *set, const options *o, const ntpio_limits *limits)
+{
+    ntpio_error error = { 0 };
+    l->in = (input) { .path = o->paths[1], .named = true };
+    l->w = worker_new();
+    if (!source_open(&l->s, l->w, &l->in, limits, &error) ||
+        !examine(&l->s, forced_class(o), &l->f, &error)) {
+        complain("%s", error.message);
+        return RAN_FAILED;
+    }
+    if (no_normals(&l->f)) {
+        text t = { 0 };
+        text_name(&t, o->paths[1]);
+        complain("%s: %s, not a texture of tangent-space normals; --type standard takes it for one",
+                 text_string(&t), class_title(l->f.type.type));
+        text_free(&t);
+        return RAN_FINDINGS;
+    }
+    bool ok = source_rewind(&l->s, &error);
+    if (ok) {
+        view_detail(l);
+        ok = whole_read(&l->s, &set->detail, &l->data, &error);
+    }
+    if (!ok) {
+        complain("%s", error.message);
+        return RAN_FAILED;
+    }
+    set->detail.y = (ntp_y) option_integer(o, OPT_DETAIL_Y);
+    set->detail_type = l->f.type.type;
+    set->detail_touch = touch_for(&l->f.stats, l->f.encoding);
+    return 0;
+}
+
+static void free_detail(layer *l)
+{
+    source_close(&l->s);
+    facts_free(&l->f);
+    if (l->w != NULL)
+        worker_free(l->w);
+    free(l->data);
+}
+
+int blend_run(const options *o)
+{
+    const char *output = option_string(o, OPT_OUTPUT);
+    if (o->path_count != 2) {
+        complain("ntp blend takes two files, BASE and DETAIL");
+        return NTP_EXIT_USAGE;
+    }
+    if (strcmp(o->paths[0], "-") == 0 && strcmp(o->paths[1], "-") == 0) {
+        complain("standard input can be only one of the two");
+        return NTP_EXIT_USAGE;
+    }
+    if (output != NULL && !output_is_no_input(output, o))
+        return NTP_EXIT_USAGE;
+    settings set = { .y = (ntp_y) option_integer(o, OPT_Y) };
+    set.how.mode = (ntp_blend_mode) option_integer(o, OPT_MODE);
+    set.how.use_strength = 1;
+    set.how.strength = option_number(o, OPT_STRENGTH);
+    set.how.touch_unused = option_given(o, OPT_TOUCH_UNUSED) ? NTP_UNUSED_ALL : 0;
+    const ntpio_limits limits = limits_from(o);
+    layer detail = { 0 };
+    unsigned ran = read_detail(&detail, &set, o, &limits);
+    options base = *o; /* the one input of the run */
+    base.path_count = 1;
+    const maker m = { .o = &base,
+                      .forced = forced_class(o),
+                      .measure_first = true,
+                      .state_size = sizeof(state),
+                      .settings = &set,
+                      .begin = begin,
+                      .rows = rows,
+                      .describe = describe };
+    const int code = ran != 0 ? exit_code(ran) : produce(&m);
+    free_detail(&detail);
+    return code;
+}

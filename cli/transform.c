@@ -1,0 +1,97 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * transform.c - ntp transform: flips, quarter turns and strength, pictures and vectors together
+ */
+#include "report.h"
+#include "whole.h"
+
+typedef struct settings {
+    ntp_transform_options how;
+    ntp_y y;
+} settings;
+
+static ntp_status make(void *context, const ntp_image *dst, const ntp_const_image *src,
+                       const ntp_rect *area)
+{
+    const settings *set = context;
+    return ntp_transform(dst, src, &set->how, area);
+}
+
+static bool begin(production *p, ntpio_write_options *shape, ntpio_error *error)
+{
+    const settings *set = p->m->settings;
+    p->s.view.y = set->y;
+    p->changes = true;
+    if (set->how.quarter_turns % 2 != 0) {
+        shape->width = (uint32_t) p->s.view.height;
+        shape->height = (uint32_t) p->s.view.width;
+    }
+    return whole_begin(p, error);
+}
+
+static bool rows(production *p, const ntp_rect *area, ntpio_error *error)
+{
+    settings set = *(const settings *) p->m->settings;
+    if (!whole_add(p, area))
+        return true;
+    const bool turned = set.how.quarter_turns % 2 != 0;
+    const ntp_image *view = &p->s.view;
+    return whole_write(p, p->writer, turned ? view->height : view->width,
+                       turned ? view->width : view->height, make, &set, error);
+}
+
+static const char *flip_name(const ntp_transform_options *how)
+{
+    return how->flip_x ? how->flip_y ? "xy" : "x" : how->flip_y ? "y" : NULL;
+}
+
+static void describe(const production *p, text *line, json_t *object)
+{
+    const settings *set = p->m->settings;
+    const char *flip = flip_name(&set->how);
+    if (line != NULL) {
+        text_addf(line, "%s", class_title(p->f.type.type));
+        if (flip != NULL)
+            text_addf(line, ", flipped in %s", flip);
+        if (set->how.quarter_turns != 0)
+            text_addf(line, ", turned %d degrees clockwise", 90 * set->how.quarter_turns);
+        if (set->how.use_strength)
+            text_addf(line, ", slopes times %.6g", set->how.strength);
+    }
+    if (object == NULL)
+        return;
+    json_object_set_new(object, "changed", json_null());
+    json_object_set_new(object, "angle_deg", json_null());
+    json_object_set_new(object, "strength",
+                        json_real(set->how.use_strength ? set->how.strength : 1));
+    json_object_set_new(object, "flip", flip != NULL ? json_string(flip) : json_null());
+    json_object_set_new(object, "rotate", json_integer(90 * set->how.quarter_turns));
+    json_object_set_new(object, "y", json_string(set->y == NTP_Y_UP ? "up" : "down"));
+    json_object_set_new(object, "texels", json_count(p->f.stats.texels));
+}
+
+int transform_run(const options *o)
+{
+    const bool flip = option_given(o, OPT_FLIP);
+    const int64_t axes = option_integer(o, OPT_FLIP);
+    const bool turn = option_given(o, OPT_ROTATE);
+    settings set = { .y = (ntp_y) option_integer(o, OPT_Y) };
+    set.how.flip_x = flip && axes != 1;
+    set.how.flip_y = flip && axes != 0;
+    set.how.quarter_turns = turn ? (int32_t) option_integer(o, OPT_ROTATE) + 1 : 0;
+    set.how.use_strength = option_given(o, OPT_STRENGTH);
+    set.how.strength = option_number(o, OPT_STRENGTH);
+    if (!flip && !turn && !set.how.use_strength) {
+        complain("nothing to do: give --strength, --flip or --rotate");
+        return NTP_EXIT_USAGE;
+    }
+    const maker m = { .o = o,
+                      .forced = forced_class(o),
+                      .measure_first = true,
+                      .state_size = 1,
+                      .settings = &set,
+                      .begin = begin,
+                      .rows = rows,
+                      .describe = describe };
+    return produce(&m);
+}
