@@ -128,9 +128,13 @@ static void judge_length(judgement *j)
     else
         text_add(&t, " are not unit vectors");
     const uint64_t off = s->levels_off_max[f->encoding == NTP_ZZERO];
-    text_add(&t, ": blue is up to ");
-    text_count(&t, off);
-    text_addf(&t, " level%s off, the normal up to ", off == 1 ? "" : "s");
+    if (off > 0) {
+        text_add(&t, ": blue is up to ");
+        text_count(&t, off);
+        text_addf(&t, " level%s off, the normal up to ", off == 1 ? "" : "s");
+    } else { /* red and green alone are wrong */
+        text_add(&t, ": the normal is off by up to ");
+    }
     text_degrees(&t, s->angles.max);
     text_add(&t, " degrees (");
     text_degrees(&t, s->angles.mean);
@@ -256,6 +260,12 @@ static void judge_flat(judgement *j)
              (unsigned long long) s->distinct_flat);
 }
 
+/* Lest "-0.00" is printed. */
+static double without_sign_of_zero(double v)
+{
+    return v > -0.005 && v < 0 ? 0 : v;
+}
+
 static void judge_tilt(judgement *j)
 {
     const facts *f = j->f;
@@ -264,7 +274,8 @@ static void judge_tilt(judgement *j)
     if (f->type.type == NTP_CLASS_ONE_COLOR || (worst < 0 ? -worst : worst) <= j->rules->max_tilt)
         return;
     addf(j, NT022, LEVEL_WARNING, 0,
-         "leans on average: the mean of x is %.2f, of y %.2f, where 0 is expected", x, y);
+         "leans on average: the mean of x is %.2f, of y %.2f, where 0 is expected",
+         without_sign_of_zero(x), without_sign_of_zero(y));
 }
 
 static void judge_name(judgement *j)

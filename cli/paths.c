@@ -10,6 +10,7 @@
 #include <dirent.h>
 #include <errno.h>
 #include <fnmatch.h>
+#include <glob.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -134,6 +135,19 @@ static const char *relative_part(const char *path, bool keep_path)
     return slash + 1;
 }
 
+static bool add_path(scan *s, const char *path, bool keep_path);
+
+/* A pattern that the shell left alone, as it does in quotes; false: no file matches. */
+static bool add_matches(scan *s, const char *pattern, bool keep_path)
+{
+    glob_t found = { 0 };
+    const bool any = strpbrk(pattern, "*?[") != NULL && glob(pattern, 0, NULL, &found) == 0;
+    for (size_t i = 0; any && i < found.gl_pathc; i++)
+        add_path(s, found.gl_pathv[i], keep_path);
+    globfree(&found);
+    return any;
+}
+
 static bool add_path(scan *s, const char *path, bool keep_path)
 {
     struct stat st;
@@ -141,7 +155,10 @@ static bool add_path(scan *s, const char *path, bool keep_path)
         complain("a path is empty");
         return false;
     }
-    if (strcmp(path, "-") != 0 && stat(path, &st) == 0 && S_ISDIR(st.st_mode)) {
+    const bool exists = strcmp(path, "-") != 0 && lstat(path, &st) == 0;
+    if (!exists && add_matches(s, path, keep_path))
+        return true;
+    if (exists && stat(path, &st) == 0 && S_ISDIR(st.st_mode)) {
         s->list->from_directory = true;
         if (enter(s, &st))
             scan_directory(s, path, "", 0);

@@ -232,8 +232,12 @@ static json_t *finding_objects(const finding_list *list)
 
 json_t *check_json(const input *in, const checked *c, const check_settings *s)
 {
-    if (!c->readable)
-        return json_file(in, "unreadable", c->error.message);
+    if (!c->readable) {
+        json_t *unread = json_file(in, "unreadable", c->error.message);
+        json_object_set_new(unread, "type", json_null());
+        json_object_set_new(unread, "findings", need(json_array()));
+        return unread;
+    }
     const facts *f = &c->f;
     const bool height = f->encoding == NTP_HEIGHT;
     json_t *object = json_file(in, "ok", NULL);

@@ -246,6 +246,7 @@ def test_unreadable_files(run, tmp_path):
         assert name in done.stderr and not done.stdout
     out = report(run, "a_n.png", "empty.png", "missing.png", code=3)  # 3 before 1
     assert [f["status"] for f in out["files"]] == ["ok", "unreadable", "unreadable"]
+    assert all(f["type"] is None and f["findings"] == [] for f in out["files"][1:])
     assert out["summary"]["unreadable"] == 2
 
 

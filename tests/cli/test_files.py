@@ -101,6 +101,14 @@ def test_directories(run, tree):
     ]
 
 
+def test_patterns(run, tree):
+    assert listed(run, "t/[ab]_n.png") == ["t/a_n.png", "t/b_n.png"]
+    assert listed(run, "t/sub/*/?_n.png") == ["t/sub/deep/d_n.png"]
+    (tree / "[ab]_n.png").write_bytes((tree / "a_n.png").read_bytes())
+    assert listed(run, "t/[ab]_n.png") == ["t/[ab]_n.png"]  # a file of that very name
+    assert run("check", "t/*.gif").returncode == 3
+
+
 def test_links(run, tree):
     (tree / "sub/loop").symlink_to(tree)
     (tree / "again_n.png").symlink_to(tree / "b_n.png")
