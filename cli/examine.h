@@ -28,10 +28,8 @@ typedef struct worker {
     buffer raw;   /* rows as the file has them, where their channels are rearranged */
     buffer extra; /* the verb's own */
     buffer extra2;
-    buffer diff;         /* an ntp_diff */
-    uint64_t *histogram; /* NTP levels 0..65535 */
-    unsigned char *map;  /* that holds the tally */
-    size_t map_size;
+    buffer diff;          /* an ntp_diff */
+    uint64_t *histogram;  /* NTP levels 0..65535 */
     bool may_read_ahead;  /* a processor is idle */
     _Atomic int permille; /* of the file at work, for the progress bar */
 } worker;

@@ -11,7 +11,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/mman.h>
 #include <sys/stat.h>
 
 #include "examine.h"
@@ -19,8 +18,7 @@
 enum {
     BLOCK_BYTES = 256 * 1024, /* rows read at once stay in the second-level cache */
     BLOCK_ROWS = 64,
-    AHEAD_TEXELS = 512 * 512, /* smaller images are read before a thread has started */
-    HUGE_PAGE = 2 * 1024 * 1024
+    AHEAD_TEXELS = 512 * 512 /* smaller images are read before a thread has started */
 };
 
 unsigned char *buffer_reserve(buffer *b, size_t size)
@@ -36,19 +34,13 @@ unsigned char *buffer_reserve(buffer *b, size_t size)
 worker *worker_new(void)
 {
     worker *w = need(calloc(1, sizeof *w));
-    /* whole pages of 2 MiB where the system has them: a tally is touched all over */
-    w->map_size = ntp_tally_size() + HUGE_PAGE;
-    w->map = mmap(NULL, w->map_size, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
-    need(w->map == MAP_FAILED ? NULL : w->map);
-    madvise(w->map, w->map_size, MADV_HUGEPAGE);
-    const uintptr_t past = (uintptr_t) w->map % HUGE_PAGE;
-    w->tally = (ntp_tally *) (void *) (w->map + (past > 0 ? HUGE_PAGE - past : 0));
+    w->tally = need(calloc(1, ntp_tally_size())); /* fresh pages: most are never touched */
     return w;
 }
 
 void worker_free(worker *w)
 {
-    munmap(w->map, w->map_size);
+    free(w->tally);
     free(w->rows.data);
     free(w->raw.data);
     free(w->extra.data);

@@ -84,7 +84,7 @@ def measure(array, encoding_is_zzero=False, touch=0, xy=False):
     s["neighbor_and_near"] = np.count_nonzero(near & (std["flags"] & 1 > 0))
     s["z_negative"], s["unused_z_negative"] = negative.sum(), np.count_nonzero(negative & ~used)
     s["used_z_negative"] = np.count_nonzero(negative & used)
-    s["gray"] = np.count_nonzero((r == g) & (g == b))
+    s["gray"] = np.count_nonzero((r == g) & (g == b) & ~clear)
     flat = np.isin(r, ((m - 1) // 2, (m + 1) // 2)) & np.isin(g, ((m - 1) // 2, (m + 1) // 2))
     s["flat"] = np.count_nonzero(flat & used)
     s["distinct_flat"] = len(np.unique(rgb[flat & used], axis=0))

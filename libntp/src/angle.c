@@ -57,7 +57,7 @@ void ntp__angles_merge(ntp__angle_sums *into, const ntp__angle_sums *from)
     into->sum += from->sum;
     if (from->max > into->max)
         into->max = from->max;
-    for (int32_t i = 0; i < NTP__ANGLE_BINS; i++)
+    for (uint64_t i = 0; i <= (from->max + 500) / 1000; i++)
         into->bins[i] += from->bins[i];
 }
 
@@ -70,10 +70,10 @@ void ntp__angles_describe(ntp_angles *out, const ntp__angle_sums *sums)
         return;
     out->mean = (double) sums->sum / (double) sums->texels / 1e6;
     uint64_t rank = (sums->texels * 99 + 99) / 100, below = 0;
-    for (int32_t i = 0; i < NTP__ANGLE_BINS; i++) {
+    for (uint64_t i = 0; i <= (sums->max + 500) / 1000; i++) {
         below += sums->bins[i];
         if (below >= rank) {
-            out->p99 = i / 1000.0;
+            out->p99 = (double) i / 1000.0;
             return;
         }
     }

@@ -51,11 +51,15 @@ static void add_blue(blue_sums *sums, int32_t r, int32_t g, double blue, double 
 static void add_cells(blue_sums *sums, const ntp_tally *t)
 {
     uint8_t used[NTP__ROWS];
+    uint32_t cells[256];
     ntp__mark_rows(used, t);
     for (int32_t i = 0; i < NTP__ROWS; i++) {
-        for (int32_t b = 0; used[i] && b < 256; b++) {
-            if (t->cell[i][b] > 0)
-                add_blue(sums, t->row_pair[i] & 255, t->row_pair[i] >> 8, b, t->cell[i][b]);
+        if (!used[i])
+            continue;
+        ntp__row_cells(cells, t, i);
+        for (int32_t b = 0; b < 256; b++) {
+            if (cells[b] > 0)
+                add_blue(sums, t->row_pair[i] & 255, t->row_pair[i] >> 8, b, cells[b]);
         }
     }
 }

@@ -2,6 +2,7 @@
 /*
  * judge.c - what one texel, or many of one color, add to the sums of a measurement
  */
+#include "kernels.h"
 #include "level.h"
 #include "tally.h"
 
@@ -36,8 +37,8 @@ void ntp__row_init(ntp__row *row, int32_t r, int32_t g, int32_t m)
     row->cleaned_blue[1] = ntp__blue_of_rest(s, m, true);
 }
 
-void ntp__add_fit(ntp__fit_sums *fit, int32_t steepness, uint32_t flags, int32_t levels_off,
-                  int32_t length, uint32_t count)
+static void add_length(ntp__fit_sums *fit, int32_t steepness, uint32_t flags, int32_t levels_off,
+                       int32_t length, uint32_t count)
 {
     uint64_t error =
         (uint64_t) (length > NTP__LENGTH_ONE ? length - NTP__LENGTH_ONE : NTP__LENGTH_ONE - length);
@@ -74,8 +75,8 @@ static void add_fit(ntp__fit_sums *fit, const ntp__row *row, int32_t b, uint32_t
     int64_t length2 = row->xy2 + ntp__sq(zzero ? b : ntp__num(b, m));
     if (length2 > ntp__sq(m))
         flags |= NTP__LONG;
-    ntp__add_fit(fit, row->steepness, flags, levels_off, ntp__fixed_length((double) length2, m),
-                 count);
+    add_length(fit, row->steepness, flags, levels_off, ntp__fixed_length((double) length2, m),
+               count);
 }
 
 static void add_angle(ntp__angle_sums *angles, const ntp__row *row, int32_t b, uint32_t count,
@@ -104,4 +105,66 @@ void ntp__add(ntp__sums *sums, const ntp__row *row, int32_t b, uint32_t count,
     add_fit(&sums->fit[0], row, b, count, false);
     add_fit(&sums->fit[1], row, b, count, true);
     add_angle(&sums->angles, row, b, count, encoding);
+}
+
+static void add_judged(ntp__fit_sums *sums, const ntp__judged_fit *fit, const uint32_t *count,
+                       int32_t n)
+{
+    int32_t least = INT32_MAX, greatest = 0;
+    uint64_t sum = 0, error2 = 0;
+    for (int32_t i = 0; i < n; i++) {
+        int32_t length = fit->length[i], off = length - NTP__LENGTH_ONE;
+        least = length < least ? length : least;
+        greatest = length > greatest ? length : greatest;
+        sum += (uint64_t) length * count[i];
+        error2 += (uint64_t) ((int64_t) off * off) * count[i];
+    }
+    for (int32_t i = 0; i < n; i++) {
+        int32_t key = fit->key[i], off = ntp__abs(fit->length[i] - NTP__LENGTH_ONE);
+        sums->flags[key] += count[i];
+        sums->levels_off[fit->levels_off[i]] += count[i];
+        sums->lengths[fit->length[i] / (NTP__LENGTH_ONE / 128)] += count[i];
+        sums->length_error[key / 256] += (uint64_t) off * count[i];
+    }
+    sums->length_sum += sum;
+    sums->length_error2 += error2;
+    if ((uint32_t) greatest > sums->length_max)
+        sums->length_max = (uint32_t) greatest;
+    if (~(uint32_t) least > sums->length_inverted_min)
+        sums->length_inverted_min = ~(uint32_t) least;
+}
+
+/* An angle beyond the short series of the kernel. */
+static uint32_t long_angle(const ntp__judged *j, int32_t i, const ntp__block *block, int32_t m,
+                           bool zzero)
+{
+    int64_t x = ntp__num(block->c[0][i], m), y = ntp__num(block->c[1][i], m);
+    int32_t b = block->c[2][i], want = j->fit[zzero].want[i];
+    if (zzero)
+        return ntp__angle(x, y, b, x, y, want);
+    return ntp__angle(x, y, ntp__num(b, m), x, y, ntp__num(want, m));
+}
+
+void ntp__add_block(ntp__sums *sums, const ntp__block *block, const uint32_t *count, int32_t n,
+                    int32_t m, ntp_encoding encoding)
+{
+    ntp__judged j;
+    uint32_t ones[NTP__BLOCK] = { 0 };
+    if (n == 0)
+        return;
+    for (int32_t i = 0; i < n; i++)
+        ones[i] = 1;
+    count = count == NULL ? ones : count;
+    ntp__kernels(NTP__CPU_ALL)
+        ->judge_block(&j, block->c[0], block->c[1], block->c[2], n, m, encoding == NTP_ZZERO);
+    add_judged(&sums->fit[0], &j.fit[0], count, n);
+    add_judged(&sums->fit[1], &j.fit[1], count, n);
+    for (int32_t i = 0; i < n; i++) {
+        uint32_t angle = 0;
+        if (encoding != NTP_XY)
+            angle = j.angle[i] >= 0 ? (uint32_t) j.angle[i]
+                                    : long_angle(&j, i, block, m, encoding == NTP_ZZERO);
+        sums->texels += count[i];
+        ntp__angles_add(&sums->angles, angle, count[i]);
+    }
 }

@@ -295,18 +295,19 @@ static void judge(uint8_t *flags, int32_t *want, const int32_t *r, const int32_t
 }
 
 /* From flags and derived blues to what the sums of a measurement take. */
-static void keys16(ntp__judged_fit *restrict fit, const double *restrict xy2,
-                   const int32_t *restrict steepness, const int32_t *restrict b, int32_t n,
-                   int32_t zzero)
+static void keys(ntp__judged_fit *restrict fit, const double *restrict xy2,
+                 const int32_t *restrict steepness, const int32_t *restrict b, int32_t n, int32_t m,
+                 int32_t zzero)
 {
+    double m2 = (double) m * m;
     for (int32_t i = 0; i < n; i++) {
-        double z = zzero ? b[i] : 2 * b[i] - 65535;
+        double z = zzero ? b[i] : 2 * b[i] - m;
         double length2 = xy2[i] + z * z;
-        int32_t flags = fit->flags[i] | (length2 > 65535.0 * 65535.0 ? NTP__LONG : 0);
-        int32_t up = !zzero && b[i] < 32768 ? 65535 - b[i] : b[i], off = up - fit->want[i];
+        int32_t flags = fit->flags[i] | (length2 > m2 ? NTP__LONG : 0);
+        int32_t up = !zzero && b[i] <= m / 2 ? m - b[i] : b[i], off = up - fit->want[i];
         fit->key[i] = steepness[i] * 256 + flags;
         fit->levels_off[i] = off < 0 ? -off : off;
-        fit->length[i] = ntp__fixed_length(length2, 65535);
+        fit->length[i] = ntp__fixed_length(length2, m);
     }
 }
 
@@ -314,11 +315,12 @@ static void keys16(ntp__judged_fit *restrict fit, const double *restrict xy2,
  * The vector and its cleaned one differ in z alone, so with rho = |(x, y)| the tangent of the
  * angle is rho |z - z'| / (rho*rho + z z').  Up to 1/16 the series of angle.c about 0 serves.
  */
-static void angles16(int32_t *restrict angle, const double *restrict xy2, const int32_t *restrict b,
-                     const int32_t *restrict want, int32_t n, int32_t zzero)
+static void angles_of(int32_t *restrict angle, const double *restrict xy2,
+                      const int32_t *restrict b, const int32_t *restrict want, int32_t n, int32_t m,
+                      int32_t zzero)
 {
     for (int32_t i = 0; i < n; i++) {
-        double z = zzero ? b[i] : 2 * b[i] - 65535, w = zzero ? want[i] : 2 * want[i] - 65535;
+        double z = zzero ? b[i] : 2 * b[i] - m, w = zzero ? want[i] : 2 * want[i] - m;
         double across = sqrt(xy2[i]) * (z > w ? z - w : w - z), along = xy2[i] + z * w;
         double t = across / along, t2 = t * t;
         double series = 1.0 + t2 * (-1.0 / 3 + t2 * (1.0 / 5 + t2 * (-1.0 / 7 + t2 * (1.0 / 9))));
@@ -328,32 +330,28 @@ static void angles16(int32_t *restrict angle, const double *restrict xy2, const 
     }
 }
 
-static void judge16(ntp__judged *j, const int32_t *r, const int32_t *g, const int32_t *b, int32_t n,
-                    int32_t angles)
+static void judge_block(ntp__judged *j, const int32_t *r, const int32_t *g, const int32_t *b,
+                        int32_t n, int32_t m, int32_t angles)
 {
     double xy2[256];
     int32_t steepness[256];
-    judge_standard(j->fit[0].flags, j->fit[0].want, r, g, b, n, 65535);
-    judge_zzero(j->fit[1].flags, j->fit[1].want, r, g, b, n, 65535);
+    judge_standard(j->fit[0].flags, j->fit[0].want, r, g, b, n, m);
+    judge_zzero(j->fit[1].flags, j->fit[1].want, r, g, b, n, m);
     for (int32_t i = 0; i < n; i++) {
-        double x = 2 * r[i] - 65535, y = 2 * g[i] - 65535;
+        double x = 2 * r[i] - m, y = 2 * g[i] - m;
         xy2[i] = x * x + y * y;
-        steepness[i] = ntp__steepness_bin(xy2[i], 65535);
-        /* c / 257 rounded: 65281 / 2^24 is 1/257 closely enough for 16 bits. */
-        uint32_t r8 = (uint32_t) (r[i] + 128) * 65281u >> 24;
-        uint32_t g8 = (uint32_t) (g[i] + 128) * 65281u >> 24;
-        j->pair[i] = (int32_t) (r8 | g8 << 8);
+        steepness[i] = ntp__steepness_bin(xy2[i], m);
     }
-    keys16(&j->fit[0], xy2, steepness, b, n, 0);
-    keys16(&j->fit[1], xy2, steepness, b, n, 1);
+    keys(&j->fit[0], xy2, steepness, b, n, m, 0);
+    keys(&j->fit[1], xy2, steepness, b, n, m, 1);
     if (angles)
-        angles16(j->angle, xy2, b, j->fit[1].want, n, 1);
+        angles_of(j->angle, xy2, b, j->fit[1].want, n, m, 1);
     else
-        angles16(j->angle, xy2, b, j->fit[0].want, n, 0);
+        angles_of(j->angle, xy2, b, j->fit[0].want, n, m, 0);
 }
 
 extern const ntp__kernels_table CONCAT(ntp__kernels_, NTP_ISA);
 const ntp__kernels_table CONCAT(ntp__kernels_, NTP_ISA) = {
-    NTP_ISA_NAME, clean_rgb8_counting, clean_rgb8_blindly, clean_rgba8, clean_rgb16, derive, judge,
-    judge16,
+    NTP_ISA_NAME, clean_rgb8_counting, clean_rgb8_blindly, clean_rgba8, clean_rgb16, derive,
+    judge,        judge_block,
 };

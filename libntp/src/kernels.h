@@ -39,7 +39,7 @@ typedef void ntp__derive_fn(int32_t *want, const int32_t *r, const int32_t *g, i
 typedef void ntp__judge_fn(uint8_t *flags, int32_t *want, const int32_t *r, const int32_t *g,
                            const int32_t *b, int32_t n, int32_t m, int32_t zzero);
 
-/* A block of 16-bit texels whose x, y are not too long, judged as standard or as Z-zero. */
+/* A block of texels whose x, y are not too long, judged as standard or as Z-zero. */
 typedef struct ntp__judged_fit {
     uint8_t flags[256]; /* as judge */
     int32_t want[256];  /* derived blue */
@@ -50,13 +50,12 @@ typedef struct ntp__judged_fit {
 
 typedef struct ntp__judged {
     ntp__judged_fit fit[2]; /* standard, Z-zero */
-    int32_t pair[256];      /* r | g << 8, rounded to 8 bit */
     int32_t angle[256];     /* micro-degrees to the cleaned vector; -1: beyond the short series */
 } ntp__judged;
 
 /* angles: 0 standard, 1 Z-zero, for which the angles are taken. */
-typedef void ntp__judge16_fn(ntp__judged *judged, const int32_t *r, const int32_t *g,
-                             const int32_t *b, int32_t n, int32_t angles);
+typedef void ntp__judge_block_fn(ntp__judged *judged, const int32_t *r, const int32_t *g,
+                                 const int32_t *b, int32_t n, int32_t m, int32_t angles);
 
 typedef struct ntp__kernels_table {
     const char *name;
@@ -66,7 +65,7 @@ typedef struct ntp__kernels_table {
     ntp__clean16_fn *clean_rgb16;
     ntp__derive_fn *derive;
     ntp__judge_fn *judge;
-    ntp__judge16_fn *judge16;
+    ntp__judge_block_fn *judge_block;
 } ntp__kernels_table;
 
 enum { NTP__CPU_AVX2 = 1, NTP__CPU_ALL = -1 };

@@ -22,33 +22,37 @@ static bool is_sampled(const ntp_const_image *src, int32_t y)
     return y % 8 == 0 || src->height <= SMALL;
 }
 
-/* A row, and in the upper half the blue that makes the pair gray (none: no blue). */
-static uint32_t row_entry(uint16_t row, int32_t r, int32_t g)
-{
-    enum { NO_BLUE = 0xffff };
-    return row | (uint32_t) (r == g ? r : NO_BLUE) << 16;
-}
-
 /* Numbers the rows: |X| = 2k + 1 for k = r - 128 or 127 - r. */
 void ntp__rows_prepare(ntp_tally *t)
 {
+    enum { K = 128, NO_BLUE = 256 };
+    int32_t r[K], g[K], want[K];
+    uint32_t rows = 0;
     if (t->rows_ready)
         return;
-    uint16_t rows = 0;
-    for (int32_t k1 = 0; k1 < 128; k1++) {
+    for (int32_t k1 = 0; k1 < K; k1++) {
+        for (int32_t k2 = 0; k2 <= k1; k2++) {
+            r[k2] = K + k1;
+            g[k2] = K + k2;
+        }
+        ntp__kernels(NTP__CPU_ALL)->derive(want, r, g, k1 + 1, 255, 0);
         for (int32_t k2 = 0; k2 <= k1; k2++, rows++) {
-            t->row_pair[rows] = (uint16_t) ((128 + k1) | (128 + k2) << 8);
+            int32_t blue = want[k2] < 0 ? K : want[k2], most = 256 - NTP__NEAR;
+            uint32_t first = (uint32_t) (blue - NTP__NEAR / 2 < most ? blue - NTP__NEAR / 2 : most);
+            t->row_pair[rows] = (uint16_t) ((K + k1) | (K + k2) << 8);
             for (int32_t i = 0; i < 8; i++) {
                 int32_t a = i & 1 ? k2 : k1, b = i & 1 ? k1 : k2;
-                int32_t r = i & 2 ? 127 - a : 128 + a, g = i & 4 ? 127 - b : 128 + b;
-                t->row_of[r | g << 8] = row_entry(rows, r, g);
+                int32_t x = i & 2 ? 127 - a : K + a, y = i & 4 ? 127 - b : K + b;
+                uint32_t gray = x == y ? (uint32_t) x : (uint32_t) NO_BLUE;
+                t->row_of[x | y << 8] = ntp__entry(rows, first, gray);
             }
         }
     }
-    for (int32_t i = 0; i < 4; i++) {
-        t->row_pair[rows] = 128 | 128 << 8;
-        int32_t r = 127 + (i & 1), g = 127 + (i >> 1);
-        t->row_of[r | g << 8] = row_entry(rows++, r, g);
+    for (int32_t i = 0; i < NTP__FLAT_ROWS; i++, rows++) {
+        int32_t x = 127 + (i & 1), y = 127 + (i >> 1);
+        uint32_t entry = t->row_of[x | y << 8];
+        t->row_pair[rows] = K | K << 8;
+        t->row_of[x | y << 8] = ntp__entry(rows, ntp__entry_first(entry), ntp__entry_gray(entry));
     }
     t->rows_ready = 1;
 }
@@ -124,10 +128,21 @@ static inline bool count_black_white(ntp_tally *t, int32_t v, int32_t m)
     return false;
 }
 
+static inline void count_entry(ntp_tally *t, uint32_t entry, uint32_t b)
+{
+    uint32_t row = ntp__entry_row(entry), place = b - ntp__entry_first(entry);
+    if (place < NTP__NEAR) {
+        t->near[row][place]++;
+    } else {
+        t->far[row][b]++;
+        t->far_used[row] = 1;
+    }
+}
+
 static inline void count_cell(ntp_tally *t, uint32_t pair, uint32_t b)
 {
     t->pair_texels[pair]++;
-    t->cell[t->row_of[pair] & 0xffff][b]++;
+    count_entry(t, t->row_of[pair], b);
 }
 
 /* X*X + Y*Y <= M*M at 8 bit. */
@@ -141,10 +156,10 @@ static void count_rgb8(ntp_tally *t, const uint8_t *p, int32_t n)
     uint64_t used = 0;
     for (int32_t i = 0; i < n; i++, p += 3) {
         uint32_t pair = p[0] | (uint32_t) p[1] << 8, b = p[2], entry = t->row_of[pair];
-        if (b == entry >> 16 && count_black_white(t, (int32_t) b, 255))
+        if (b == ntp__entry_gray(entry) && count_black_white(t, (int32_t) b, 255))
             continue;
         t->pair_texels[pair]++;
-        t->cell[entry & 0xffff][b]++;
+        count_entry(t, entry, b);
         used++;
     }
     t->narrow += used;
@@ -221,64 +236,16 @@ static void count_far(ntp_tally *t, int32_t r, int32_t g, int32_t b)
     ntp__add(&t->wide, &row, b, 1, ntp__judged_as((ntp_encoding) t->encoding));
 }
 
-static void add_fits(ntp__fit_sums *sums, const ntp__judged_fit *fit, int32_t n)
-{
-    int32_t least = INT32_MAX, greatest = 0;
-    uint64_t sum = 0, error2 = 0;
-    for (int32_t i = 0; i < n; i++) {
-        int32_t length = fit->length[i], off = length - NTP__LENGTH_ONE;
-        least = length < least ? length : least;
-        greatest = length > greatest ? length : greatest;
-        sum += (uint32_t) length;
-        error2 += (uint64_t) ((int64_t) off * off);
-    }
-    for (int32_t i = 0; i < n; i++) {
-        int32_t key = fit->key[i];
-        sums->flags[key]++;
-        sums->levels_off[fit->levels_off[i]]++;
-        sums->lengths[fit->length[i] / (NTP__LENGTH_ONE / 128)]++;
-        sums->length_error[key / 256] += (uint32_t) ntp__abs(fit->length[i] - NTP__LENGTH_ONE);
-    }
-    sums->length_sum += sum;
-    sums->length_error2 += error2;
-    if ((uint32_t) greatest > sums->length_max)
-        sums->length_max = (uint32_t) greatest;
-    if (~(uint32_t) least > sums->length_inverted_min)
-        sums->length_inverted_min = ~(uint32_t) least;
-}
-
-/* Beyond the short series. */
-static uint32_t wide_angle(const ntp__judged *j, int32_t i, const ntp__block *block, bool zzero)
-{
-    int64_t x = ntp__num(block->c[0][i], 65535), y = ntp__num(block->c[1][i], 65535);
-    int32_t b = block->c[2][i], want = j->fit[zzero].want[i];
-    if (zzero)
-        return ntp__angle(x, y, b, x, y, want);
-    return ntp__angle(x, y, ntp__num(b, 65535), x, y, ntp__num(want, 65535));
-}
-
 /* Used 16-bit texels that are not 8-bit content and whose x, y are not too long: c[0..2]. */
 static void count_wide(ntp_tally *t, const ntp__block *block, int32_t n)
 {
-    ntp_encoding as = ntp__judged_as((ntp_encoding) t->encoding);
-    ntp__angle_sums *angles = &t->wide.angles;
-    ntp__judged j;
-    if (n == 0)
-        return;
-    ntp__kernels(NTP__CPU_ALL)
-        ->judge16(&j, block->c[0], block->c[1], block->c[2], n, as == NTP_ZZERO);
-    t->wide.texels += (uint64_t) n;
-    add_fits(&t->wide.fit[0], &j.fit[0], n);
-    add_fits(&t->wide.fit[1], &j.fit[1], n);
     for (int32_t i = 0; i < n; i++) {
-        t->pair_texels[j.pair[i]]++;
-        if (as == NTP_XY)
-            j.angle[i] = 0;
-        else if (j.angle[i] < 0)
-            j.angle[i] = (int32_t) wide_angle(&j, i, block, as == NTP_ZZERO);
+        /* c / 257 rounded: 65281 / 2^24 is 1/257 closely enough for 16 bits. */
+        uint32_t r = (uint32_t) (block->c[0][i] + 128) * 65281u >> 24;
+        uint32_t g = (uint32_t) (block->c[1][i] + 128) * 65281u >> 24;
+        t->pair_texels[r | g << 8]++;
     }
-    for (int32_t i = 0; i < n; i++)
-        ntp__angles_add(angles, (uint32_t) j.angle[i], 1);
+    ntp__add_block(&t->wide, block, NULL, n, 65535, ntp__judged_as((ntp_encoding) t->encoding));
 }
 
 static void add_planes(ntp_tally *t, const ntp__block *block, int32_t n)

@@ -101,11 +101,15 @@ static void channel_from(ntp_channel *out, const ntp__channel_sums *sums, uint64
 static void count_blues(uint64_t count[256], const ntp_tally *t)
 {
     memset(count, 0, 256 * sizeof *count);
+    uint32_t cells[256];
     uint8_t used[NTP__ROWS];
     ntp__mark_rows(used, t);
     for (int32_t row = 0; row < NTP__ROWS; row++) {
-        for (int32_t b = 0; used[row] && b < 256; b++)
-            count[b] += t->cell[row][b];
+        if (!used[row])
+            continue;
+        ntp__row_cells(cells, t, row);
+        for (int32_t b = 0; b < 256; b++)
+            count[b] += cells[b];
     }
 }
 
@@ -276,12 +280,13 @@ static int32_t bits_set(uint8_t byte)
 
 static void describe_colors(ntp_stats *s, const ntp_tally *t)
 {
-    bool cells = s->max == 255 && t->encoding != NTP_HEIGHT;
-    if (cells) {
+    uint32_t cells[256];
+    if (s->max == 255 && t->encoding != NTP_HEIGHT) {
         for (int32_t row = NTP__ROWS - NTP__FLAT_ROWS; row < NTP__ROWS; row++) {
+            ntp__row_cells(cells, t, row);
             for (int32_t b = 0; b < 256; b++) {
-                s->flat += t->cell[row][b];
-                s->distinct_flat += t->cell[row][b] > 0;
+                s->flat += cells[b];
+                s->distinct_flat += cells[b] > 0;
             }
         }
     } else {
@@ -294,8 +299,11 @@ static void describe_colors(ntp_stats *s, const ntp_tally *t)
         return;
     }
     for (int32_t i = 0; i < 65536 && s->distinct < 2; i++) {
-        for (int32_t b = 0; t->pair_texels[i] > 0 && b < 256; b++)
-            s->distinct += t->cell[t->row_of[i] & 0xffff][b] > 0;
+        if (t->pair_texels[i] == 0)
+            continue;
+        ntp__row_cells(cells, t, (int32_t) ntp__entry_row(t->row_of[i]));
+        for (int32_t b = 0; b < 256; b++)
+            s->distinct += cells[b] > 0;
     }
     if (s->distinct > 2)
         s->distinct = 2;

@@ -2,6 +2,7 @@
 /*
  * tally.c - tallies as wholes: merging, emptying, and adding up what the cells stand for
  */
+#include "level.h"
 #include "tally.h"
 
 #include <string.h>
@@ -15,7 +16,9 @@ static void clear_sums(ntp__sums *s, int32_t m)
         memset(fit, 0, offsetof(ntp__fit_sums, levels_off));
         memset(fit->levels_off, 0, (size_t) (m + 1) * sizeof fit->levels_off[0]);
     }
-    memset(&s->angles, 0, sizeof s->angles);
+    /* The bins above the greatest angle are empty. */
+    memset(s->angles.bins, 0, (s->angles.max / 1000 + 2) * sizeof s->angles.bins[0]);
+    s->angles.texels = s->angles.sum = s->angles.max = 0;
     s->texels = 0;
 }
 
@@ -72,11 +75,21 @@ static void merge_colors(ntp_tally *into, const ntp_tally *from)
     }
 }
 
+void ntp__row_cells(uint32_t cells[256], const ntp_tally *t, int32_t row)
+{
+    if (t->far_used[row])
+        memcpy(cells, t->far[row], 256 * sizeof cells[0]);
+    else
+        memset(cells, 0, 256 * sizeof cells[0]);
+    uint32_t first = ntp__entry_first(t->row_of[t->row_pair[row]]);
+    memcpy(cells + first, t->near[row], sizeof t->near[row]);
+}
+
 void ntp__mark_rows(uint8_t used[NTP__ROWS], const ntp_tally *t)
 {
     memset(used, 0, NTP__ROWS);
     for (int32_t i = 0; i < 65536; i++)
-        used[t->row_of[i] & 0xffff] |= t->pair_texels[i] > 0;
+        used[ntp__entry_row(t->row_of[i])] |= t->pair_texels[i] > 0;
 }
 
 static void merge_cells(ntp_tally *into, const ntp_tally *from)
@@ -89,7 +102,11 @@ static void merge_cells(ntp_tally *into, const ntp_tally *from)
         into->sample_blue[i] += from->sample_blue[i];
     for (int32_t row = 0; row < NTP__ROWS; row++) {
         if (used[row])
-            merge_counts(into->cell[row], from->cell[row], 256);
+            merge_counts(into->near[row], from->near[row], NTP__NEAR);
+        if (from->far_used[row]) {
+            merge_counts(into->far[row], from->far[row], 256);
+            into->far_used[row] = 1;
+        }
     }
 }
 
@@ -152,7 +169,10 @@ ntp_status ntp_tally_clear(ntp_tally *t)
     ntp__mark_rows(used, t);
     for (int32_t row = 0; row < NTP__ROWS; row++) {
         if (used[row])
-            memset(t->cell[row], 0, sizeof t->cell[row]);
+            memset(t->near[row], 0, sizeof t->near[row]);
+        if (t->far_used[row])
+            memset(t->far[row], 0, sizeof t->far[row]);
+        t->far_used[row] = 0;
     }
     memset(t->pair_texels, 0, sizeof t->pair_texels);
     memset(t->sample_texels, 0, sizeof t->sample_texels);
@@ -175,21 +195,56 @@ ntp_status ntp_tally_clear(ntp_tally *t)
 
 /* --------------------------------------------------------------------------- cells to sums */
 
+/* Colors with their counts, waiting to be judged together. */
+typedef struct color_batch {
+    ntp__block block;
+    uint32_t count[NTP__BLOCK];
+    int32_t n;
+} color_batch;
+
+static void end_batch(ntp_tally *t, color_batch *batch, int32_t m, ntp_encoding encoding)
+{
+    ntp__add_block(&t->used, &batch->block, batch->count, batch->n, m, encoding);
+    batch->n = 0;
+}
+
+/* The cells of one row. */
+static void add_row(ntp_tally *t, color_batch *batch, int32_t row, int32_t m, ntp_encoding encoding)
+{
+    uint32_t cells[256];
+    int32_t by = m / 255, r = (t->row_pair[row] & 255) * by, g = (t->row_pair[row] >> 8) * by;
+    ntp__row far;
+    ntp__row_cells(cells, t, row);
+    bool too_long = ntp__rest(r, g, m) < 0;
+    if (too_long)
+        ntp__row_init(&far, r, g, m);
+    for (int32_t b = 0; b < 256; b++) {
+        if (cells[b] == 0)
+            continue;
+        if (too_long) {
+            ntp__add(&t->used, &far, b * by, cells[b], encoding);
+            continue;
+        }
+        batch->block.c[0][batch->n] = r;
+        batch->block.c[1][batch->n] = g;
+        batch->block.c[2][batch->n] = b * by;
+        batch->count[batch->n++] = cells[b];
+        if (batch->n == NTP__BLOCK)
+            end_batch(t, batch, m, encoding);
+    }
+}
+
 static void add_cells(ntp_tally *t, int32_t m, ntp_encoding encoding)
 {
     uint8_t used[NTP__ROWS];
+    color_batch batch;
+    batch.n = 0;
     ntp__mark_rows(used, t);
-    int32_t by = m / 255;
     for (int32_t i = 0; i < NTP__ROWS; i++) {
-        if (!used[i])
-            continue;
-        ntp__row row;
-        ntp__row_init(&row, (t->row_pair[i] & 255) * by, (t->row_pair[i] >> 8) * by, m);
-        for (int32_t b = 0; b < 256; b++) {
-            if (t->cell[i][b] > 0)
-                ntp__add(&t->used, &row, b * by, t->cell[i][b], encoding);
-        }
+        if (used[i])
+            add_row(t, &batch, i, m, encoding);
     }
+    end_batch(t, &batch, m, encoding);
 }
 
 static void add_gray(ntp_tally *t, int32_t level, int32_t m, uint64_t count, ntp_encoding encoding)

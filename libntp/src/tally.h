@@ -22,8 +22,8 @@ enum {
     NTP__FLAT_ROWS = 4,
     NTP__ROWS = 128 * 129 / 2 + NTP__FLAT_ROWS,
 
-    /* 256 blues and a cache line more: rows a power of two apart would share few cache sets. */
-    NTP__ROW_CELLS = 256 + 16,
+    NTP__NEAR = 16, /* cells about the derived blue of a row, from 8 below it: a cache line */
+    NTP__FAR_CELLS = 256 + 16, /* rows a power of two apart would share few cache sets */
 
     NTP__LENGTH_BINS = 256,   /* of 1/128 */
     NTP__LENGTH_ONE = 1 << 16 /* fixed-point unit of lengths */
@@ -83,12 +83,16 @@ struct ntp_tally {
 
     /* The cells: used texels only. */
     uint64_t narrow;
-    uint32_t row_of[65536];        /* by r | g << 8; the upper half: the blue that makes it gray */
+    uint32_t row_of[65536];        /* by r | g << 8: see ntp__entry_row and its like */
     uint16_t row_pair[NTP__ROWS];  /* some r | g << 8 of the row, r, g >= 128 */
     uint32_t pair_texels[65536];   /* by r | g << 8; wide texels and pictures too, at 8 bit */
     uint32_t sample_texels[65536]; /* the same of sampled rows, and their blues */
     uint64_t sample_blue[65536];
-    uint32_t cell[NTP__ROWS][NTP__ROW_CELLS];
+    /* The cells of a row: those near its derived blue, and the others, which a well-formed
+     * texture does without. */
+    uint32_t near[NTP__ROWS][NTP__NEAR];
+    uint8_t far_used[NTP__ROWS];
+    uint32_t far[NTP__ROWS][NTP__FAR_CELLS];
 };
 
 /* Red and green, judged: what all blues of a row share. */
@@ -120,12 +124,40 @@ static inline int32_t ntp__steepness_bin(double xy2, int32_t m)
     return (int32_t) (sqrt(xy2) * ((double) NTP_STEEPNESS_BINS / m));
 }
 
-/* A part of ntp__add, for texels that were judged elsewhere. */
-void ntp__add_fit(ntp__fit_sums *fit, int32_t steepness, uint32_t flags, int32_t levels_off,
-                  int32_t length, uint32_t count);
+/*
+ * Adds count[i] texels (NULL: one each) of the color c[0..2][i], i < n.  Their x, y are not too
+ * long.
+ */
+void ntp__add_block(ntp__sums *sums, const ntp__block *block, const uint32_t *count, int32_t n,
+                    int32_t m, ntp_encoding encoding);
 
 /* Fills row_of and row_pair, once. */
 void ntp__rows_prepare(ntp_tally *tally);
+
+/* An entry of row_of: the row, the blue of its first near cell, and the blue that makes the pair
+ * gray (256: none does). */
+static inline uint32_t ntp__entry(uint32_t row, uint32_t first, uint32_t gray)
+{
+    return row | first << 14 | gray << 22;
+}
+
+static inline uint32_t ntp__entry_row(uint32_t entry)
+{
+    return entry & 0x3fff;
+}
+
+static inline uint32_t ntp__entry_first(uint32_t entry)
+{
+    return entry >> 14 & 255;
+}
+
+static inline uint32_t ntp__entry_gray(uint32_t entry)
+{
+    return entry >> 22;
+}
+
+/* The texels of a row by blue. */
+void ntp__row_cells(uint32_t cells[256], const ntp_tally *tally, int32_t row);
 
 /* Rows of the cells that may hold texels. */
 void ntp__mark_rows(uint8_t used[NTP__ROWS], const ntp_tally *tally);
