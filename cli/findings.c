@@ -78,9 +78,12 @@ const finding_spec FINDING_TABLE[FINDING_COUNT] = {
     [NT035] = { "NT035", "nt035", "warning", "resized or blurred without normalizing",
         "Vectors are too short where the surface bends: neighboring normals were averaged and not made unit vectors again.",
         "`ntp clean --method auto`. Better: resize with a tool that normalizes." },
-    [NT040] = { "NT040", "nt040", "info", "carries color information",
-        "gAMA, sRGB, iCCP or cHRM chunks ask programs to convert colors. Normals are numbers; converted, they are wrong.",
-        "`ntp clean` and `ntp convert` leave these chunks out." },
+    [NT040] = { "NT040", "nt040", "info or error", "taken for colors",
+        "Normals are numbers; converted as colors are, they are wrong. gAMA, sRGB, iCCP or cHRM chunks ask programs to "
+        "do so (info). Flat texels near 188 instead of 128 show that it was done: the numbers went through a conversion "
+        "from linear to sRGB (error).",
+        "`ntp clean` and `ntp convert` leave these chunks out. Converted numbers: export again with color management "
+        "off; the rounding cannot be undone fully." },
     [NT041] = { "NT041", "nt041", "info", "an alpha channel that is opaque everywhere",
         "It holds nothing and costs a quarter of the memory. glTF says that normal textures should not have one.",
         "`ntp convert --channels xyz` drops it." },
@@ -88,9 +91,6 @@ const finding_spec FINDING_TABLE[FINDING_COUNT] = {
         "Pure black, pure white or transparent texels hold no normal; atlases are padded so. They are left alone and "
         "not judged.",
         "Nothing, if no triangle uses them. Mipmaps blend them into their neighbors." },
-    [NT043] = { "NT043", "nt043", "error", "stored with a gamma curve",
-        "Flat texels lie near 188 instead of 128: the numbers went through a conversion from linear to sRGB.",
-        "Export again with color management off. The rounding cannot be undone fully." },
     [NT050] = { "NT050", "nt050", "info", "one color",
         "All used texels are equal: a placeholder, or an export that went wrong.",
         "Nothing, if it is meant. A 1 x 1 texture does the same." },

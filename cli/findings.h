@@ -37,7 +37,6 @@ typedef enum finding_id {
     NT040,
     NT041,
     NT042,
-    NT043,
     NT050,
     NT051,
     FINDING_COUNT

@@ -227,7 +227,7 @@ static void judge_accidents(judgement *j)
     else if ((a & NTP_ACCIDENT_DXT5NM) != 0)
         addf(j, NT012, LEVEL_ERROR, n, "packed as DXT5nm: x is in alpha, y in green");
     if ((a & NTP_ACCIDENT_GAMMA) != 0)
-        addf(j, NT043, LEVEL_ERROR, f->stats.near_gamma_flat,
+        addf(j, NT040, LEVEL_ERROR, f->stats.near_gamma_flat,
              "flat texels lie near 188, not 128: the numbers were converted to sRGB");
     if ((a & NTP_ACCIDENT_LOSSY) != 0 && !f->info.lossy)
         addf(j, NT032, LEVEL_WARNING, n,
@@ -303,7 +303,8 @@ static void judge_file(judgement *j)
              "JPEG with chroma subsampling: the directions are blurred");
     if (s->stored_max == 65535 && s->max == 255)
         addf(j, NT034, LEVEL_INFO, s->texels, "a 16-bit file with 8-bit content");
-    if (info->has_gama || info->has_srgb || info->has_iccp || info->has_chrm)
+    if ((info->has_gama || info->has_srgb || info->has_iccp || info->has_chrm) &&
+        (j->f->type.accidents & NTP_ACCIDENT_GAMMA) == 0)
         addf(j, NT040, LEVEL_INFO, 0, "carries color information (%s%s%s%s): ignore it",
              info->has_iccp ? "iCCP " : "", info->has_srgb ? "sRGB " : "",
              info->has_gama ? "gAMA " : "", info->has_chrm ? "cHRM " : "");
