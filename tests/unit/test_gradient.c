@@ -1,0 +1,181 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * test_gradient.c - the wide integers of heightfield -> normals, and that every instruction set
+ * gives the bytes of the base level
+ */
+#include "gradient.h"
+#include "guarded.h"
+#include "kernels.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { WIDEST = NTP__BLOCK, ROUNDS = 20000 };
+
+static uint64_t next(uint64_t *seed)
+{
+    *seed ^= *seed << 13;
+    *seed ^= *seed >> 7;
+    *seed ^= *seed << 17;
+    return *seed;
+}
+
+/* (a + b)^2 = a^2 + 2ab + b^2 and (a + b) - b = a for numbers of many limbs. */
+static void test_identities(uint64_t *seed)
+{
+    for (int round = 0; round < ROUNDS; round++) {
+        ntp__wide a, b, part, sum, left, right;
+        ntp__wide_set(&part, next(seed));
+        ntp__wide_shift(&a, &part, (int32_t) (next(seed) % 400));
+        ntp__wide_set(&part, next(seed) >> (next(seed) % 64));
+        ntp__wide_shift(&b, &part, (int32_t) (next(seed) % 400));
+        ntp__wide_copy(&sum, &a);
+        ntp__wide_add(&sum, &b);
+        ntp__wide_multiply(&left, &sum, &sum);
+        ntp__wide_multiply(&part, &a, &b);
+        ntp__wide_shift(&right, &part, 1);
+        ntp__wide_multiply(&part, &a, &a);
+        ntp__wide_add(&right, &part);
+        ntp__wide_multiply(&part, &b, &b);
+        ntp__wide_add(&right, &part);
+        CHECK(ntp__wide_compare(&left, &right) == 0);
+        ntp__wide_subtract(&sum, &b);
+        CHECK(ntp__wide_compare(&sum, &a) == 0);
+        CHECK(a.n == 0 || ntp__wide_bits(&a) > 32 * (a.n - 1));
+    }
+}
+
+/* x 2^ex - y 2^ey - z 2^ez of small numbers, where a double tells the sign; and of far exponents. */
+static void test_sign(uint64_t *seed)
+{
+    for (int round = 0; round < ROUNDS; round++) {
+        ntp__wide w[3];
+        uint64_t v[3];
+        int32_t e[3];
+        double value[3];
+        for (int k = 0; k < 3; k++) {
+            v[k] = next(seed) % 16;
+            e[k] = (int32_t) (next(seed) % 12);
+            ntp__wide_set(&w[k], v[k]);
+            value[k] = ldexp((double) v[k], e[k]);
+        }
+        double d = value[0] - value[1] - value[2];
+        int32_t sign = ntp__wide_sign(&w[0], e[0], &w[1], e[1], &w[2], e[2]);
+        CHECK(sign == (d > 0) - (d < 0));
+        /* the same far from 0, and with a z that only breaks ties */
+        CHECK(sign == ntp__wide_sign(&w[0], e[0] - 3000, &w[1], e[1] - 3000, &w[2], e[2] - 3000));
+        d = value[0] - value[1];
+        sign = ntp__wide_sign(&w[0], e[0], &w[1], e[1], &w[2], e[2] - 5000);
+        CHECK(sign == (d > 0 ? 1 : d < 0 ? -1 : v[2] > 0 ? -1 : 0));
+        sign = ntp__wide_sign(&w[0], e[0], &w[1], e[1], &w[2], e[2] + 5000);
+        CHECK(sign == (v[2] > 0 ? -1 : (d > 0) - (d < 0)));
+    }
+}
+
+static void test_to_double(uint64_t *seed)
+{
+    for (int round = 0; round < ROUNDS; round++) {
+        uint64_t v = next(seed) >> (next(seed) % 64);
+        int32_t e = (int32_t) (next(seed) % 2400) - 1300;
+        ntp__wide a, shifted;
+        ntp__wide_set(&a, v);
+        /* (double) v is rounded once; so is a denormal when v has few bits */
+        double expected = e < -1074 ? ldexp((double) (v >> 11), e) : ldexp((double) v, e);
+        if (e < -1074)
+            ntp__wide_set(&a, v >> 11);
+        CHECK(ntp__wide_to_double(&a, e) == expected);
+        ntp__wide_shift(&shifted, &a, 77);
+        CHECK(ntp__wide_to_double(&shifted, e - 77) == expected);
+    }
+}
+
+static void test_sums(const ntp__gradient_kernels *base, const ntp__gradient_kernels *level,
+                      int32_t n, uint64_t *seed)
+{
+    static ntp__height_row row[NTP__MAX_TAPS], row_d[NTP__MAX_TAPS];
+    const int32_t *rows[NTP__MAX_TAPS];
+    const double *rows_d[NTP__MAX_TAPS];
+    for (int k = 0; k < NTP__MAX_TAPS; k++) {
+        for (int32_t i = 0; i < NTP__GRADIENT_ROW; i++) {
+            row[k].h.i[i] = (int32_t) (next(seed) % 65536);
+            row_d[k].h.d[i] = (double) (next(seed) % 65536) / 65535;
+        }
+        rows[k] = row[k].h.i;
+        rows_d[k] = row_d[k].h.d;
+    }
+    for (int kernel = 0; kernel < (int) NTP__KERNELS; kernel++) {
+        for (int down = 0; down < 2; down++) {
+            int32_t a[WIDEST], b[WIDEST];
+            double c[WIDEST], d[WIDEST];
+            base->tap_sums_i(a, rows, (ntp_kernel) kernel, down, n);
+            level->tap_sums_i(b, rows, (ntp_kernel) kernel, down, n);
+            CHECK(memcmp(a, b, (size_t) n * sizeof *a) == 0);
+            base->tap_sums_d(c, rows_d, (ntp_kernel) kernel, down, n);
+            level->tap_sums_d(d, rows_d, (ntp_kernel) kernel, down, n);
+            CHECK(memcmp(c, d, (size_t) n * sizeof *c) == 0);
+        }
+    }
+}
+
+typedef struct levels {
+    int32_t plane[3][WIDEST], doubt[WIDEST], flags;
+} levels;
+
+static void compare_levels(const levels *a, const levels *b, int32_t n)
+{
+    CHECK(a->flags == b->flags);
+    CHECK(memcmp(a->doubt, b->doubt, (size_t) n * sizeof a->doubt[0]) == 0);
+    for (int k = 0; k < 3; k++) {
+        for (int32_t i = 0; i < n; i++) /* blue of texels that are too long is to be derived */
+            CHECK(a->plane[k][i] == b->plane[k][i] || (k == 2 && a->doubt[i] != 0));
+    }
+}
+
+static void test_encode(const ntp__gradient_kernels *base, const ntp__gradient_kernels *level,
+                        int32_t n, uint64_t *seed)
+{
+    int32_t right[WIDEST], down[WIDEST];
+    double right_d[WIDEST], down_d[WIDEST];
+    for (int32_t i = 0; i < n; i++) {
+        right_d[i] = right[i] = (int32_t) (next(seed) % 4001) - 2000;
+        down_d[i] = down[i] = (int32_t) (next(seed) % 4001) - 2000;
+    }
+    for (int choice = 0; choice < 16; choice++) {
+        static levels a, b;
+        ntp__encode e = { .cx = 0.00113,
+                          .cy = -0.00209,
+                          .half = 127.5,
+                          .relative = 0x1.2p-20,
+                          .shortened = 0.8,
+                          .use_shortened = choice & 1,
+                          .derived = choice & 2,
+                          .zzero = choice & 4 };
+        int32_t *blue_a = choice & 8 ? NULL : a.plane[2], *blue_b = choice & 8 ? NULL : b.plane[2];
+        memset(&a, 0, sizeof a);
+        memset(&b, 0, sizeof b);
+        a.flags = base->encode_single(a.plane[0], a.plane[1], blue_a, a.doubt, right, down, n, &e);
+        b.flags = level->encode_single(b.plane[0], b.plane[1], blue_b, b.doubt, right, down, n, &e);
+        compare_levels(&a, &b, n);
+        e.half = 32767.5;
+        a.flags = base->encode_i(a.plane[0], a.plane[1], blue_a, a.doubt, right, down, n, &e);
+        b.flags = level->encode_i(b.plane[0], b.plane[1], blue_b, b.doubt, right, down, n, &e);
+        compare_levels(&a, &b, n);
+        b.flags = level->encode_d(b.plane[0], b.plane[1], blue_b, b.doubt, right_d, down_d, n, &e);
+        compare_levels(&a, &b, n);
+    }
+}
+
+int main(void)
+{
+    uint64_t seed = 88172645463325252u;
+    test_identities(&seed);
+    test_sign(&seed);
+    test_to_double(&seed);
+    const ntp__gradient_kernels *base = ntp__gradient_kernels_for(0);
+    const ntp__gradient_kernels *level = ntp__gradient_kernels_for(NTP__CPU_ALL);
+    for (int32_t n = 1; n <= WIDEST; n += n < 40 ? 1 : 27) {
+        test_sums(base, level, n, &seed);
+        test_encode(base, level, n, &seed);
+    }
+    return 0;
+}
