@@ -130,7 +130,10 @@ static unsigned read_detail(layer *l, settings *set, const options *o, const ntp
         text t = { 0 };
         text_name(&t, o->paths[1]);
         complain("%s: %s, not a texture of tangent-space normals; --type standard takes it for one",
-                 text_string(&t), class_title(l->f.type.type));
+                 text_string(&t),
+                 l->f.type.type == NTP_CLASS_HEIGHT         ? "a height map"
+                 : l->f.type.type == NTP_CLASS_OBJECT_SPACE ? "object-space normals"
+                                                            : "something else");
         text_free(&t);
         return RAN_FINDINGS;
     }

@@ -56,7 +56,9 @@ def blend_by_model(base, detail, mode, strength, encodings, ys, maxima, touch=0)
             continue
         n1, n2 = vectors
         n2 = [scale * n2[0], scale * n2[1] * (-1 if ys[0] != ys[1] else 1), n2[2]]
-        v = blended(mode, n1, n2)
+        v = list(blended(mode, n1, n2))
+        if n1[2] >= 0 and n2[2] >= 0:
+            v[2] = max(v[2], 0)
         common = 1
         for c in v:
             common *= c.denominator
@@ -114,6 +116,15 @@ def test_rnm_reorients():
     out = blend(base, base, RNM, encodings=(ntp.VECTOR, ntp.VECTOR))
     got = np.degrees(np.arctan2(out[0, :, 0], out[0, :, 2]))
     assert np.allclose(got, [20, 50, 80], atol=0.01)
+
+
+def test_no_negative_z_out_of_none():
+    """50 degrees on 60 degrees is 110: it stays at 90."""
+    base, detail = np.zeros((1, 1, 3), np.float32), np.zeros((1, 1, 3), np.float32)
+    for layer, degrees in ((base, 60), (detail, 50)):
+        layer[..., 0], layer[..., 2] = np.sin(np.radians(degrees)), np.cos(np.radians(degrees))
+    out = blend(base, detail, RNM, encodings=(ntp.VECTOR, ntp.VECTOR))
+    assert out[0, 0, 0] > 0.9999 and 0 <= out[0, 0, 2] < 0.01
 
 
 @pytest.mark.parametrize("mode", [RNM, WHITEOUT, UDN])

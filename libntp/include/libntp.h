@@ -886,9 +886,10 @@ typedef struct ntp_blend_options {
 /*
  * Blends a detail over a base.  dst and base agree in size, type, encoding, channels and y, and are
  * the same memory with the same strides or do not overlap.  The detail may differ in all of these
- * and is repeated from the upper left corner on; it does not overlap dst.  Where base or
- * detail is unused, or a float that is no vector, the base's texel is copied.  Alpha, and the
- * third sample of NTP_XY, are the base's.  Rows of the detail read: those of area mod its height.
+ * and is repeated from the upper left corner on; it does not overlap dst.  A negative z out of two
+ * that are not (RNM, both steep) counts as 0.  Where base or detail is unused, or a float that is
+ * no vector, the base's texel is copied.  Alpha, and the third sample of NTP_XY, are the base's.
+ * Rows of the detail read: those of area mod its height.
  * Source: C. Barre-Brisebois, S. Hill, Blending in Detail (2012).
  */
 NTP_API ntp_status ntp_blend(const ntp_image *dst, const ntp_const_image *base,

@@ -121,6 +121,9 @@ static void blend_run(const job *j, int32_t x, int32_t y, int32_t n)
         ntp__texel_vector(d, &detail, i, j->md, j->detail->encoding);
         d[1] = j->flip ? -d[1] : d[1];
         blend_vectors(j, v, b, d);
+        /* A steep detail, reoriented on a steep base, can point below the horizon. */
+        if (ntp__i128_negative(v[2]) && b[2] >= 0 && d[2] >= 0)
+            v[2] = ntp__i128_of(0);
         ntp__direction_levels(c, v, j->mb, j->base->encoding);
         store_texel(j, x + i, y, c);
     }
