@@ -899,6 +899,52 @@ NTP_API ntp_status ntp_blend(const ntp_image *dst, const ntp_const_image *base,
 /* The name of a mode ("rnm", "whiteout", "udn"); never NULL. */
 NTP_API const char *ntp_blend_mode_name(ntp_blend_mode mode);
 
+/* -------------------------------------------------------------------- which way is green */
+
+/*
+ * OpenGL or DirectX, from the texels alone: the slopes of a surface have equal cross derivatives,
+ * with green the other way round opposite ones.  docs/orientation.md says how, and what cannot be
+ * known: a texture with red and green both inverted is that of the inverted height, which is as
+ * good a surface.  So the answer presumes that red points right.
+ *
+ * The accumulator: memory of ntp_orientation_size() bytes, aligned to 16, zero-filled by the
+ * caller.  It holds integer sums only: parts that were measured apart merge exactly.
+ */
+typedef struct ntp_orientation ntp_orientation;
+
+NTP_API size_t ntp_orientation_size(void);
+
+/*
+ * Adds the texels of an area.  src is NTP_STANDARD, NTP_ZZERO, NTP_XY or NTP_VECTOR; only red and
+ * green count, and src->y does not.  Sampled rows are read, of large images fewer; every_row
+ * nonzero: all.  What surrounds a texel is read too: for row y the rows y - 2 .. y + 3, two
+ * columns to the left and three to the right; within 2 or 3 texels of the edges nothing is
+ * measured, nor where a texel around is unused, not finite, or steeper than z = 0.1.
+ * Errors: NTP_ERR_SHAPE when it already holds an image of another size or every_row.
+ */
+NTP_API ntp_status ntp_orientation_measure(ntp_orientation *orientation, const ntp_const_image *src,
+                                           uint32_t touch_unused, int32_t every_row,
+                                           const ntp_rect *area);
+
+/* Nonzero: row y of an image of that height is one of those that are measured. */
+NTP_API int32_t ntp_orientation_row(int32_t height, int32_t every_row, int32_t y);
+
+/* Adds what `from` holds to `into`.  Errors as ntp_orientation_measure. */
+NTP_API ntp_status ntp_orientation_merge(ntp_orientation *into, const ntp_orientation *from);
+
+typedef struct ntp_orientation_result {
+    int32_t decided;   /* 0: it cannot be told: stripes, flat, noise, too small */
+    ntp_y y;           /* the likelier one: which way green points as stored */
+    double confidence; /* 0.8..0.99; 0 where undecided */
+    double statistic;  /* -1..1: how well the cross derivatives agree; positive: Y up */
+    double score;      /* how steadily so over the picture, in standard deviations */
+    uint64_t loops;    /* measured: groups of 6 x 6 texels */
+} ntp_orientation_result;
+
+/* Says what was found. */
+NTP_API ntp_status ntp_orientation_decide(ntp_orientation_result *result,
+                                          const ntp_orientation *orientation);
+
 /* --- cdef end --- */
 
 #ifdef __cplusplus

@@ -1,0 +1,81 @@
+# SPDX-License-Identifier: MIT
+"""The orientation statistic in numpy, written from docs/orientation.md: nothing from libntp."""
+
+import numpy as np
+
+SMOOTH = np.array([1, 5, 10, 10, 5, 1])
+STEEP = np.array([-1, -3, -2, 2, 3, 1])
+ONE = 4096
+
+
+def slopes(pixels):
+    """(X/Z, Y/Z) of (h, w, c) levels in units of 1/4096, and which texels can be used."""
+    c = pixels.astype(np.int64)
+    m = 255 if pixels.dtype == np.uint8 else 65535
+    x, y = 2 * c[..., 0] - m, 2 * c[..., 1] - m
+    s = m * m - x * x - y * y
+    used = 100 * s >= m * m
+    color = c[..., :3]
+    used &= ~((color == 0).all(-1) | ((color == m).all(-1) & (c.shape[-1] > 2)))
+    if c.shape[-1] == 4:
+        used &= c[..., 3] > 0
+    z = np.sqrt(np.where(used, s, 1).astype(float))
+    p, q = np.trunc(x * ONE / z).astype(np.int64), np.trunc(y * ONE / z).astype(np.int64)
+    return np.where(used, p, 0), np.where(used, q, 0), used
+
+
+def _filter(a, taps, axis):
+    n = a.shape[axis] - 5
+    return sum(t * np.take(a, range(k, k + n), axis) for k, t in enumerate(taps))
+
+
+def sampled(height, every_row=False):
+    """Which rows loops are taken in."""
+    step = 1
+    while not every_row and step < 128 and step * 64 <= height:
+        step *= 2
+    y = np.arange(height)
+    onward = step * 5 // 8 // 2 * 2 + 1
+    return y % step == y // step * onward % step
+
+
+def loops(pixels, every_row=False):
+    """u, v of each loop that counts, and its x, y."""
+    h, w = pixels.shape[:2]
+    if h < 6 or w < 6:
+        return np.zeros((4, 0), np.int64)
+    p, q, used = slopes(pixels)
+    u = -_filter(_filter(p, STEEP, 0), SMOOTH, 1)
+    v = _filter(_filter(q, SMOOTH, 0), STEEP, 1)
+    whole = _filter(_filter(used.astype(np.int64), [1] * 6, 0), [1] * 6, 1) == 36
+    y, x = np.mgrid[2 : h - 3, 2 : w - 3]
+    whole &= sampled(h, every_row)[2 : h - 3, None]
+    return np.stack([a[whole] for a in (u, v, x, y)])
+
+
+def statistic(pixels, every_row=False):
+    """(r, z, loops)."""
+    h, w = pixels.shape[:2]
+    u, v, x, y = loops(pixels, every_row)
+    if len(u) == 0:
+        return 0.0, 0.0, 0
+    top = np.maximum(abs(u), abs(v))
+    bits = np.where(top > 0, np.floor(np.log2(np.maximum(top, 1))).astype(int) + 1, 0)
+    shift = np.maximum(bits - 12, 0)
+    uu, vv = np.trunc(u / 2.0**shift), np.trunc(v / 2.0**shift)
+    cells = [-(-side // 16) if side > 128 else 8 for side in (w, h)]
+    block = (y // cells[1]) * 16 + x // cells[0]
+    scale = 4.0 ** np.maximum(np.arange(25) - 12, 0)
+    n = np.bincount(bits, minlength=25)
+    energy = np.bincount(bits, uu * uu + vv * vv, minlength=25) * scale
+    mean = energy.sum() / len(u)
+    weight = np.ones(25)
+    far = energy > 9 * mean * n
+    weight[far] = 9 * mean * n[far] / energy[far]
+    cross = np.bincount(block * 25 + bits, uu * vv, minlength=256 * 25).reshape(256, 25)
+    sums = (cross * (weight * scale)).sum(1)
+    total = (energy * weight).sum()
+    if total == 0:
+        return 0.0, 0.0, len(u)
+    spread = np.sqrt((sums * sums).sum())
+    return 2 * sums.sum() / total, sums.sum() / spread if spread else 0.0, len(u)
