@@ -162,6 +162,21 @@ def test_to_vectors(m):
     assert np.allclose(dst[0, :, 2], z, rtol=1e-7, atol=0)
 
 
+@pytest.mark.parametrize("dtype", [np.uint8, np.uint16, np.float32])
+def test_unused_texels_of_two_channels_stay(dtype):
+    full = 1 if dtype is np.float32 else np.iinfo(dtype).max
+    src = np.array([[[0, 0], [full, full]]], dtype)
+    for target in NAMES:
+        for to in (np.uint8, np.uint16, np.float32):
+            white = 1 if to is np.float32 else np.iinfo(to).max
+            dst = np.full((1, 2, 3), 77, to)
+            counts = ntp.convert(src, dst, ntp.XY, target)
+            assert dst.tolist() == [[[0, 0, 0], [white] * 3]] and not any(counts)
+    dst = np.zeros((1, 2, 3), np.float32)
+    counts = ntp.convert(src, dst, ntp.XY, ntp.VECTOR)
+    assert dst.tolist() == [[[-1, -1, -1], [1, 1, 1]]] and not any(counts)
+
+
 def test_float_images_round_to_16_bit_and_back():
     """Every 16-bit level, and the floats around the rounding boundaries."""
     levels = np.arange(65536)

@@ -92,8 +92,9 @@ def test_not_finite(value):
         for k in range(3):
             array = np.array([[[0.5, 0.5, 1.0]]], np.float32)
             array[0, 0, k] = value
-            flags = inspect(array, encoding)["flags"]
-            assert flags & ntp.NOT_FINITE and not flags & 7
+            got = inspect(array, encoding)
+            assert got["flags"] & ntp.NOT_FINITE and not got["flags"] & 7
+            assert list(got["cleaned"]) == [32768, 32768, 65535] and got["levels_off"] == -1
             cleaned, changed, broken = ntp.clean(array, encoding)
             assert (changed, broken) == (1, 1)
             zero = 0.0 if encoding == ntp.VECTOR else 0.5

@@ -191,7 +191,7 @@ static void vector_floats(const job *j, const texel *t, float out[4], ntp_conver
             out[k] = (float) ((double) v / j->ms);
         }
     }
-    if (from == NTP_XY) {
+    if (from == NTP_XY && !t->unused) {
         int32_t r = t->c[0], g = t->c[1];
         if (ntp__rest(r, g, j->ms) < 0) {
             ntp__pull(&r, &g, j->ms);
@@ -272,6 +272,8 @@ static void convert_run(const job *j, int32_t x, int32_t y, int32_t n, ntp_conve
             t.c[1] = t.c[3];
         if (floats) {
             memcpy(raw, s, (size_t) j->src->channels * sizeof *raw);
+            if (j->src->channels == 2 && !height) /* black stays black */
+                raw[2] = t.c[2] > 0 ? 1.0f : 0.0f;
             t.raw = raw;
         }
         t.unused = can_be_unused &&

@@ -62,6 +62,16 @@ static void describe(ntp_texel *t, const int32_t c[4], int32_t m, ntp_encoding e
     t->angle = ntp__angle(v[0], v[1], v[2], w[0], w[1], w[2]) / 1e6;
 }
 
+/* A texel that is no vector becomes the flat normal. */
+static void flat_cleaned(ntp_texel *t, ntp_encoding encoding)
+{
+    t->cleaned[0] = t->cleaned[1] = (t->max + 1) / 2;
+    if (encoding != NTP_XY)
+        t->cleaned[2] = t->max;
+    t->levels_off = -1;
+    t->angle = 0.0;
+}
+
 ntp_status ntp_inspect(ntp_texel *texel, const ntp_const_image *src, int32_t x, int32_t y,
                        int32_t keep_negative_z)
 {
@@ -79,6 +89,7 @@ ntp_status ntp_inspect(ntp_texel *texel, const ntp_const_image *src, int32_t x, 
     if (block.any_broken) {
         texel->flags &= ~(uint32_t) (NTP_PASS_NEIGHBOR | NTP_PASS_ROUNDED | NTP_PASS_EXACT);
         texel->flags |= NTP_NOT_FINITE;
+        flat_cleaned(texel, encoding);
     }
     return NTP_OK;
 }
