@@ -139,9 +139,15 @@ static inline void count_entry(ntp_tally *t, uint32_t entry, uint32_t b)
     }
 }
 
+static inline void count_levels(ntp_tally *t, uint32_t r, uint32_t g)
+{
+    t->level_texels[0][r]++;
+    t->level_texels[1][g]++;
+}
+
 static inline void count_cell(ntp_tally *t, uint32_t pair, uint32_t b)
 {
-    t->pair_texels[pair]++;
+    count_levels(t, pair & 255, pair >> 8);
     count_entry(t, t->row_of[pair], b);
 }
 
@@ -158,7 +164,7 @@ static void count_rgb8(ntp_tally *t, const uint8_t *p, int32_t n)
         uint32_t pair = p[0] | (uint32_t) p[1] << 8, b = p[2], entry = t->row_of[pair];
         if (b == ntp__entry_gray(entry) && count_black_white(t, (int32_t) b, 255))
             continue;
-        t->pair_texels[pair]++;
+        count_levels(t, p[0], p[1]);
         count_entry(t, entry, b);
         used++;
     }
@@ -231,7 +237,7 @@ static void note_flat(ntp_tally *t, int32_t r, int32_t g, int32_t b)
 static void count_far(ntp_tally *t, int32_t r, int32_t g, int32_t b)
 {
     ntp__row row;
-    t->pair_texels[ntp__narrow(r) | ntp__narrow(g) << 8]++;
+    count_levels(t, (uint32_t) ntp__narrow(r), (uint32_t) ntp__narrow(g));
     ntp__row_init(&row, r, g, 65535);
     ntp__add(&t->wide, &row, b, 1, ntp__judged_as((ntp_encoding) t->encoding));
 }
@@ -243,7 +249,7 @@ static void count_wide(ntp_tally *t, const ntp__block *block, int32_t n)
         /* c / 257 rounded: 65281 / 2^24 is 1/257 closely enough for 16 bits. */
         uint32_t r = (uint32_t) (block->c[0][i] + 128) * 65281u >> 24;
         uint32_t g = (uint32_t) (block->c[1][i] + 128) * 65281u >> 24;
-        t->pair_texels[r | g << 8]++;
+        count_levels(t, r, g);
     }
     ntp__add_block(&t->wide, block, NULL, n, 65535, ntp__judged_as((ntp_encoding) t->encoding));
 }
@@ -278,8 +284,6 @@ static bool count_used(ntp_tally *t, int32_t r, int32_t g, int32_t b, int32_t a,
         t->narrow++;
         return true;
     }
-    if (t->colors < 2)
-        note_color(t, r, g, b);
     if (is_narrow(r) && is_narrow(g) && is_narrow(b)) {
         count_cell(t, (uint32_t) ((r & 255) | (g & 255) << 8), (uint32_t) b & 255);
         t->narrow++;
@@ -348,7 +352,8 @@ static void count_picture(ntp_tally *t, const ntp__block *block, int32_t n, int3
         t->is_wide |= m != 255 && !(is_narrow(r) && is_narrow(g) && is_narrow(b));
         add_color(t, r, g, b);
         note_color(t, r, g, b);
-        t->pair_texels[m == 255 ? r | g << 8 : ntp__narrow(r) | ntp__narrow(g) << 8]++;
+        count_levels(t, (uint32_t) (m == 255 ? r : ntp__narrow(r)),
+                     (uint32_t) (m == 255 ? g : ntp__narrow(g)));
     }
 }
 
@@ -386,6 +391,27 @@ static void sample_row(ntp_tally *t, const ntp_const_image *src, int32_t x0, int
     }
 }
 
+/* Looks for a second used color, which ends the search for good in all but one-color images. */
+static void note_colors(ntp_tally *t, const ntp__block *block, int32_t n, int32_t m)
+{
+    for (int32_t i = 0; i < n && t->colors < 2; i++) {
+        int32_t r = block->c[0][i], g = block->c[1][i], b = block->c[2][i];
+        if ((!block->any_broken || !block->broken[i]) &&
+            !ntp__unused(r, g, b, block->c[3][i], m, t->touched))
+            note_color(t, r, g, b);
+    }
+}
+
+static void note_row(ntp_tally *t, const ntp_const_image *src, int32_t x0, int32_t x1, int32_t y)
+{
+    ntp__block block;
+    for (int32_t x = x0; x < x1 && t->colors < 2; x += NTP__BLOCK) {
+        int32_t n = x1 - x < NTP__BLOCK ? x1 - x : NTP__BLOCK;
+        ntp__unpack(&block, src, x, y, n);
+        note_colors(t, &block, n, ntp__max(src->type));
+    }
+}
+
 static void count_row(ntp_tally *t, const ntp_const_image *src, int32_t x0, int32_t x1, int32_t y)
 {
     bool picture = src->encoding == NTP_HEIGHT;
@@ -406,6 +432,8 @@ static void count_row(ntp_tally *t, const ntp_const_image *src, int32_t x0, int3
                 count_block(t, &block, n, m);
         }
     }
+    if (!picture && t->colors < 2)
+        note_row(t, src, x0, x1, y);
     if (is_sampled(src, y))
         sample_row(t, src, x0, x1, y);
 }

@@ -87,16 +87,21 @@ void ntp__row_cells(uint32_t cells[256], const ntp_tally *t, int32_t row)
 
 void ntp__mark_rows(uint8_t used[NTP__ROWS], const ntp_tally *t)
 {
-    memset(used, 0, NTP__ROWS);
-    for (int32_t i = 0; i < 65536; i++)
-        used[ntp__entry_row(t->row_of[i])] |= t->pair_texels[i] > 0;
+    memcpy(used, t->far_used, NTP__ROWS);
+    for (int32_t row = 0; row < NTP__ROWS; row++) {
+        uint32_t any = 0;
+        for (int32_t i = 0; i < NTP__NEAR; i++)
+            any |= t->near[row][i];
+        used[row] |= any != 0;
+    }
 }
 
 static void merge_cells(ntp_tally *into, const ntp_tally *from)
 {
     uint8_t used[NTP__ROWS];
     ntp__mark_rows(used, from);
-    merge_counts(into->pair_texels, from->pair_texels, 65536);
+    merge_counts(into->level_texels[0], from->level_texels[0], 256);
+    merge_counts(into->level_texels[1], from->level_texels[1], 256);
     merge_counts(into->sample_texels, from->sample_texels, 65536);
     for (int32_t i = 0; i < 65536; i++)
         into->sample_blue[i] += from->sample_blue[i];
@@ -174,7 +179,7 @@ ntp_status ntp_tally_clear(ntp_tally *t)
             memset(t->far[row], 0, sizeof t->far[row]);
         t->far_used[row] = 0;
     }
-    memset(t->pair_texels, 0, sizeof t->pair_texels);
+    memset(t->level_texels, 0, sizeof t->level_texels);
     memset(t->sample_texels, 0, sizeof t->sample_texels);
     memset(t->sample_blue, 0, sizeof t->sample_blue);
     if (t->wide.texels > 0)

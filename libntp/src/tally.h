@@ -71,7 +71,7 @@ struct ntp_tally {
 
     /* 16 bit and pictures: every finite texel; 8 bit: the unused transparent ones. */
     ntp__channel_sums channel[3];
-    /* Different used colors, counted up to 2, and the first; not for 8 bit. */
+    /* Different used colors, counted up to 2, and the first. */
     uint32_t colors, color[3];
     uint64_t wide_flat;
     uint8_t wide_flat_seen[4 * 8192]; /* a bit for each blue of the four flat pairs */
@@ -83,10 +83,11 @@ struct ntp_tally {
 
     /* The cells: used texels only. */
     uint64_t narrow;
-    uint32_t row_of[65536];        /* by r | g << 8: see ntp__entry_row and its like */
-    uint16_t row_pair[NTP__ROWS];  /* some r | g << 8 of the row, r, g >= 128 */
-    uint32_t pair_texels[65536];   /* by r | g << 8; wide texels and pictures too, at 8 bit */
-    uint32_t sample_texels[65536]; /* the same of sampled rows, and their blues */
+    uint32_t row_of[65536];       /* by r | g << 8: see ntp__entry_row and its like */
+    uint16_t row_pair[NTP__ROWS]; /* some r | g << 8 of the row, r, g >= 128 */
+    /* Used texels by red and by green, at 8 bit; wide ones and pictures too. */
+    uint32_t level_texels[2][256];
+    uint32_t sample_texels[65536]; /* of sampled rows, by r | g << 8, and the sum of their blues */
     uint64_t sample_blue[65536];
     /* The cells of a row: those near its derived blue, and the others, which a well-formed
      * texture does without. */
