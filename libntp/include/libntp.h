@@ -22,7 +22,7 @@
  *   level   a stored integer sample c, 0..M; as a component of a vector it means (2c - M)/M,
  *           and a Z-zero blue means b/M.  V = 2c - M is its odd integer numerator.
  *   texel   a pixel of a texture
- *   used    not pure black, not pure white, and not alpha 0 (see ntp_unused)
+ *   used    not pure black, not pure white, and not alpha 0 (see NTP_UNUSED_BLACK)
  *
  * Binary interface: while the major version is 0 the soversion is the minor version, and any
  * minor version may change any struct.  From 1.0 on structs and enum values are frozen, and
@@ -38,6 +38,7 @@
 #define NTP_VERSION_MINOR 1
 #define NTP_VERSION_PATCH 0
 
+/* Define NTP_STATIC before this header to link with the static library on Windows. */
 #if defined(NTP_STATIC)
 #  define NTP_API
 #elif defined(_WIN32)
@@ -82,7 +83,8 @@ NTP_API const char *ntp_status_string(ntp_status status);
 typedef enum ntp_type {
     NTP_U8 = 0,  /* 0..255 */
     NTP_U16 = 1, /* 0..65535, native byte order */
-    NTP_F32 = 2  /* the same unit range as the integers, 0..1; for NTP_VECTOR -1..1 */
+    NTP_F32 = 2 /* the unit range of the integers, 0..1; for NTP_VECTOR -1..1.  What lies outside is
+                  * judged as the nearest end, an alpha that is NaN as 0 */
 } ntp_type;
 
 /* What the samples of a pixel mean. */
@@ -155,7 +157,7 @@ typedef struct ntp_rect {
 NTP_API ntp_image ntp_image_packed(void *data, int32_t width, int32_t height, int32_t channels,
                                    ntp_type type);
 
-/* The same view, read only. */
+/* The same view, read only.  image is not NULL. */
 NTP_API ntp_const_image ntp_image_as_const(const ntp_image *image);
 
 /*
@@ -169,7 +171,11 @@ enum {
     NTP_UNUSED_ALL = 7
 };
 
-/* In every operation below: `area` NULL means all of it; dst and src are of one size. */
+/*
+ * In every operation below `area` NULL means all of the image, and dst and src are of one size
+ * (else NTP_ERR_SHAPE) unless the operation says otherwise.  Any of them can report a malformed
+ * view or a NULL; only what goes beyond that is listed.
+ */
 
 /* --------------------------------------------------------------- validity of one texel */
 
@@ -201,10 +207,10 @@ typedef struct ntp_texel {
     uint32_t cleaned[3]; /* as ntp_clean by NTP_DERIVE would leave them (NTP_XY: blue kept) */
     uint32_t max;        /* M: 255 or 65535 */
     uint32_t flags;      /* as ntp_validate */
-    int32_t levels_off;  /* |b - derived b|, mirrored where z < 0; -1 where x, y are too long */
-    double x, y, z;      /* as stored; NTP_XY: z derived, 0 where x, y are too long */
-    double length;       /* of x, y, z */
-    double angle;        /* degrees between the stored and the cleaned vector, to 1e-6 */
+    int32_t levels_off; /* |b - derived b|, mirrored where z < 0; -1: x, y too long or not finite */
+    double x, y, z;     /* as stored; NTP_XY: z derived, 0 where x, y are too long */
+    double length;      /* of x, y, z */
+    double angle;       /* degrees between stored and cleaned vector, to 1e-6; 0: not finite */
 } ntp_texel;
 
 /*
@@ -217,6 +223,8 @@ NTP_API ntp_status ntp_inspect(ntp_texel *texel, const ntp_const_image *src, int
 /*
  * Writes the flags of each texel into sample 0 of mask, a view of NTP_U8; further samples are
  * left alone.  keep_negative_z: NTP_PASS_EXACT accepts the mirrored blue of a negative Z.
+ * mask does not overlap src.  Errors: NTP_ERR_FORMAT for a mask that is not NTP_U8, or a src of
+ * NTP_HEIGHT.
  */
 NTP_API ntp_status ntp_validate(const ntp_image *mask, const ntp_const_image *src,
                                 int32_t keep_negative_z, const ntp_rect *area);
@@ -256,6 +264,8 @@ NTP_API size_t ntp_clean_plan_size(void);
  * Fills memory of at least ntp_clean_plan_size() bytes, aligned to 16, with the table for
  * images of NTP_U8 with this encoding, cleaned so.  Returns it through *plan.  The plan is
  * read-only afterwards: any number of threads may share it.
+ * Errors: NTP_ERR_ARGUMENT for another encoding than NTP_STANDARD, NTP_ZZERO and NTP_XY;
+ * NTP_ERR_SCRATCH for the memory.
  */
 NTP_API ntp_status ntp_clean_plan_init(ntp_clean_plan **plan, void *memory, size_t size,
                                        ntp_encoding encoding, const ntp_clean_options *how);
@@ -268,7 +278,8 @@ NTP_API ntp_status ntp_clean_plan_init(ntp_clean_plan **plan, void *memory, size
  * copied as it is, another gets the repaired levels divided by 65535.
  * Cleaning a second time changes nothing, for every method and option.
  * plan may be NULL; otherwise it was made for this encoding and `how` (else
- * NTP_ERR_ARGUMENT).  counts may be NULL.
+ * NTP_ERR_ARGUMENT).  how and counts may be NULL.
+ * Errors: NTP_ERR_FORMAT where dst and src do not agree, or for NTP_HEIGHT.
  * Source of the test and of derived Z: Eric Haines, NormalTextureProcessor (2024).
  */
 NTP_API ntp_status ntp_clean(const ntp_image *dst, const ntp_const_image *src,
@@ -303,6 +314,8 @@ typedef struct ntp_convert_counts {
  * channels gets blue M.  NTP_VECTOR sources are divided by their length.  A missing alpha is
  * opaque.  Unused texels are copied through (black stays black).
  * dst and src do not overlap, or are the same view of the same type.  how, counts may be NULL.
+ * Errors: NTP_ERR_FORMAT between heights and normals, or heights of different channels;
+ * NTP_ERR_OVERLAP for different types at one address (no other overlap is detected).
  */
 NTP_API ntp_status ntp_convert(const ntp_image *dst, const ntp_const_image *src,
                                const ntp_convert_options *how, ntp_convert_counts *counts,
@@ -329,8 +342,8 @@ NTP_API ntp_status ntp_tally_clear(ntp_tally *tally);
  * Float images are judged after rounding to 16 bit.  The encoding matters for the angles of
  * 16-bit images only: all else is counted for every encoding at once.
  * To measure an image in parts use areas of one view (with ring_rows where rows stream).
- * Errors: NTP_ERR_FORMAT when the tally already holds another depth, channel count or
- * encoding; NTP_ERR_SHAPE when it would hold more than 2^32 - 1 texels.
+ * Errors: NTP_ERR_FORMAT when the tally already holds another depth, channel count, encoding or
+ * touch_unused; NTP_ERR_SHAPE when it would hold more than 2^32 - 1 texels.
  */
 NTP_API ntp_status ntp_measure(ntp_tally *tally, const ntp_const_image *src, uint32_t touch_unused,
                                const ntp_rect *area);
@@ -347,8 +360,8 @@ typedef struct ntp_fit {
     double length_min, length_mean, length_max; /* every texel */
     double used_length_mean, used_length_sd;
     double used_near_unit[3]; /* share of used texels with |length - 1| <= 1/32, 1/16, 1/8 */
-    double used_short,
-        used_long; /* share of used texels that are not `rounded`, too short / too long */
+    double used_short;        /* share of used texels that are not `rounded` and too short */
+    double used_long;         /* the same, too long */
 } ntp_fit;
 
 /* Per-channel facts, in levels, over every texel. */
@@ -406,7 +419,7 @@ typedef struct ntp_stats {
     uint64_t red_low; /* used texels with r <= (M-1)/2; x negative */
     uint64_t green_low;
     uint64_t near_gamma_flat; /* used texels whose r, g are within 3/255 of 188/255 */
-    double gamma_near_unit;   /* share of used with |length - 1| <= 1/8 after linearising sRGB */
+    double gamma_near_unit;   /* share of used with |length - 1| <= 1/8 after sRGB is made linear */
     double ag_in_disc;        /* share of used whose (alpha, g) as x, y are not too long */
     double block_step[3];     /* mean |step| across columns 8k-1|8k over that elsewhere; 0: none */
     /* How blue goes with red and green, in 8-bit levels; of 16-bit content by a sample.  A texel is
@@ -417,8 +430,7 @@ typedef struct ntp_stats {
     double tilted_off[2];  /* mean |blue - derived blue|, at most 32 each; standard, Z-zero */
     double tilted_near[2]; /* share of tilted with at most 3 levels between them */
     double tilted_above;   /* share of tilted with blue more than 4 levels above standard's */
-    double
-        blue_slope; /* regression of blue on the derived (x, y not too long): 1, or 2 of Z-zero */
+    double blue_slope; /* regression of blue on the derived one (x, y not too long); Z-zero: 2 */
     double blue_correlation;
 } ntp_stats;
 
@@ -438,7 +450,10 @@ NTP_API ntp_status ntp_summarize(ntp_stats *stats, ntp_tally *tally, ntp_encodin
 NTP_API ntp_status ntp_levels_off(uint64_t *counts, size_t size, ntp_tally *tally,
                                   ntp_encoding encoding);
 
-/* The histogram of lengths of every texel: bin i is i/128..(i+1)/128, 256 bins (the last: and above). */
+/*
+ * The histogram of lengths of every texel, read as NTP_STANDARD or NTP_ZZERO: bin i is
+ * i/128..(i+1)/128, and the last is open.
+ */
 NTP_API ntp_status ntp_lengths(uint64_t counts[256], ntp_tally *tally, ntp_encoding encoding);
 
 /* ---------------------------------------------------------------------- classification */
@@ -460,7 +475,7 @@ enum {
     NTP_ACCIDENT_GREEN_IS_Z = 4, /* green and blue swapped */
     NTP_ACCIDENT_DXT5NM = 8,     /* x in alpha, y in green */
     NTP_ACCIDENT_LOSSY = 16,     /* the marks of lossy compression (JPEG, WebP, BCn) */
-    NTP_ACCIDENT_FILTERED = 32,  /* resized or blurred without normalising: too short */
+    NTP_ACCIDENT_FILTERED = 32,  /* resized or blurred without normalizing: too short */
     NTP_ACCIDENT_Z_FLIPPED = 64, /* Z negative (almost) everywhere */
     NTP_ACCIDENT_BLUE_CONSTANT = 128
 };
@@ -532,7 +547,7 @@ NTP_API ntp_status ntp_classify(ntp_classification *result, const ntp_stats *sta
 NTP_API const char *ntp_class_name(ntp_class type);
 
 /* Writes a reason as an English clause, number included, as snprintf would: at most size - 1
- * bytes and a terminating 0; returns the full length. */
+ * bytes and a terminating 0; returns the full length.  text may be NULL to ask for the length. */
 NTP_API size_t ntp_reason_text(char *text, size_t size, const ntp_reason *reason);
 
 /*
