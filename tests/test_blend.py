@@ -82,6 +82,12 @@ def test_against_fractions(m, mode):
             assert np.array_equal(got, want), (e1, e2, ys, strength, touch)
 
 
+def test_the_detail_repeats():
+    base, detail = noise((3, 600, 3), 255, 20), noise((2, 7, 3), 255, 21)
+    want = blend_by_model(base, detail, RNM, 1.0, (0, 0), (0, 0), (255, 255))
+    assert np.array_equal(blend(base, detail), want)
+
+
 def test_strength_defaults_to_one():
     base, detail = noise((9, 300, 3), 255, 1), noise((5, 7, 3), 255, 2)
     for mode in (RNM, WHITEOUT, UDN):
@@ -150,7 +156,7 @@ def test_areas_in_place_and_strides():
     base, detail = noise((13, 300, 4), 65535, 10), noise((4, 7, 3), 255, 11)
     whole = blend(base, detail, WHITEOUT, 0.6)
     own = base.copy()
-    for area in ((0, 0, 270, 5), (270, 0, 300, 5), (0, 5, 300, 13)):
+    for area in ((0, 0, 271, 5), (271, 0, 300, 5), (0, 5, 300, 13)):
         blend(own, detail, WHITEOUT, 0.6, area=area, dst=own)
     assert np.array_equal(own, whole)
     flipped = blend(base[::-1], np.roll(detail, -(13 % 4), 0)[::-1], WHITEOUT, 0.6)

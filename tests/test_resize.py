@@ -330,6 +330,18 @@ def test_rows_tell_what_is_read():
             assert np.array_equal(dst[y], want[y])
 
 
+def test_ties_are_rounded_up():
+    """The mean points along (2, 2, 1)/3: 255 * 2/3 is even, so the levels are exact ties."""
+    for m, k in ((255, 100), (65535, 20000)):
+        for sx, sy in ((1, 1), (-1, 1), (1, -1), (-1, -1)):
+            one = [sx * (k + 1), sy * (k + 1), k - 1]
+            two = [sx * (k - 1), sy * (k - 1), 1]
+            src = (np.array([[one, two]]) + m) // 2
+            got = resize(src.astype(TYPES[m]), (1, 1))[0, 0].tolist()
+            assert got[0] == (m + 1) // 2 + sx * (m // 3)
+            assert got == list(model.encode((2 * sx, 2 * sy, 1), m, "standard"))
+
+
 def test_views_of_any_stride():
     src = noise((12, 14, 4), 65535, 11)
     want = resize(src, (5, 6), TRIANGLE, MIRROR)
