@@ -87,8 +87,11 @@ static unsigned run(dump *d, ntpio_error *error)
     if (!examine(&d->s, forced_class(d->o), &d->f, error))
         return RAN_FAILED;
     if (d->s.view.channels < 3 || (d->f.forced && d->f.encoding == NTP_HEIGHT)) {
-        complain("%s: a height map has no normals to list; --type standard takes it for a texture",
-                 d->s.in->path);
+        complain(
+            "%s: %s", d->s.in->path,
+            d->f.type.type == NTP_CLASS_XY
+                ? "x and y in gray and alpha; ntp convert --from-channels xy makes RGB of them"
+                : "a height map has no normals to list; --type standard takes it for a texture");
         return RAN_FINDINGS;
     }
     if (d->s.view.encoding == NTP_HEIGHT)

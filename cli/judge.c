@@ -190,8 +190,10 @@ static void judge_class(judgement *j)
         addf(j, NT005, LEVEL_INFO, s->texels, "blue stores z in 0..1 (Z-zero), not in -1..1");
         break;
     case NTP_CLASS_XY:
-        addf(j, NT006, LEVEL_INFO, s->texels,
-             "only red and green hold a normal; blue is not z and is not judged");
+        addf(j, NT006, LEVEL_INFO, s->texels, "%s",
+             f->info.channels > 2
+                 ? "only red and green hold a normal; blue is not z and is not judged"
+                 : "gray and alpha hold x and y, in this order or the other; they are not judged");
         break;
     case NTP_CLASS_HEIGHT:
         addf(j, NT007, LEVEL_ERROR, s->texels, "this looks like a height map, not like normals");
@@ -224,7 +226,7 @@ static void judge_accidents(judgement *j)
         addf(j, NT012, LEVEL_ERROR, n, "red and blue seem to be swapped: red holds z");
     else if ((a & NTP_ACCIDENT_GREEN_IS_Z) != 0)
         addf(j, NT012, LEVEL_ERROR, n, "green and blue seem to be swapped: green holds z");
-    else if ((a & NTP_ACCIDENT_DXT5NM) != 0)
+    else if ((a & NTP_ACCIDENT_DXT5NM) != 0 && f->info.channels > 2)
         addf(j, NT012, LEVEL_ERROR, n, "packed as DXT5nm: x is in alpha, y in green");
     if ((a & NTP_ACCIDENT_GAMMA) != 0)
         addf(j, NT040, LEVEL_ERROR, f->stats.near_gamma_flat,

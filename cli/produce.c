@@ -114,6 +114,12 @@ static pass_end run_pass(production *p, bool writes, ntpio_error *error)
     return more == 0 ? PASS_DONE : PASS_UNREADABLE;
 }
 
+/* x and y in gray and alpha: the file does not say which is which. */
+static bool is_gray_and_alpha(const production *p)
+{
+    return p->f.type.type == NTP_CLASS_XY && p->f.encoding == NTP_HEIGHT;
+}
+
 static bool is_refused(const production *p)
 {
     const ntp_class type = p->f.type.type;
@@ -122,18 +128,22 @@ static bool is_refused(const production *p)
     if (p->m->any_class)
         return !p->f.counts;
     return type == NTP_CLASS_HEIGHT || type == NTP_CLASS_OBJECT_SPACE ||
-           type == NTP_CLASS_NOT_NORMALS;
+           type == NTP_CLASS_NOT_NORMALS || is_gray_and_alpha(p);
 }
 
 static outcome refuse(const production *p, ntpio_error *error)
 {
     text t = { 0 };
     text_name(&t, p->in->path);
-    text_addf(&t, ": %s, not a texture of tangent-space normals",
-              p->f.type.type == NTP_CLASS_HEIGHT         ? "a height map"
-              : p->f.type.type == NTP_CLASS_OBJECT_SPACE ? "object-space normals"
-                                                         : "something else");
-    if (p->f.counts && option_row(OPT_TYPE, p->m->o->verb_bit) != NULL)
+    if (is_gray_and_alpha(p))
+        text_add(&t,
+                 ": x and y in gray and alpha; ntp convert --from-channels xy makes RGB of them");
+    else
+        text_addf(&t, ": %s, not a texture of tangent-space normals",
+                  p->f.type.type == NTP_CLASS_HEIGHT         ? "a height map"
+                  : p->f.type.type == NTP_CLASS_OBJECT_SPACE ? "object-space normals"
+                                                             : "something else");
+    if (p->f.counts && !is_gray_and_alpha(p) && option_row(OPT_TYPE, p->m->o->verb_bit) != NULL)
         text_add(&t, "; --type standard takes it for one");
     snprintf(error->message, sizeof error->message, "%.500s", text_string(&t));
     text_free(&t);

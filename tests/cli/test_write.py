@@ -254,6 +254,19 @@ def test_channels(run, tmp_path):
     assert done.returncode == 2 and not (tmp_path / "x.png").exists()
 
 
+def test_two_channels(run, tmp_path):
+    texture = textures.standard()
+    write_png(tmp_path / "a_n.png", texture)
+    assert run("convert", "a_n.png", "-o", "xy_n.png", "--channels", "xy").returncode == 0
+    done = run("check", "xy_n.png", "-v")
+    assert done.returncode == 0 and "NT006" in done.stdout and "NT012" not in done.stdout
+    for verb in (["clean", "-o", "b.png"], ["heatmap", "-o", "b.png"], ["dump"]):
+        done = run(verb[0], "xy_n.png", *verb[1:])
+        assert done.returncode == 1 and "--from-channels xy" in done.stderr, verb
+    run("convert", "xy_n.png", "-o", "back.png", "--from-channels", "xy")
+    assert np.array_equal(pixels_of(tmp_path / "back.png"), texture)
+
+
 def test_convert_says_when_the_input_looks_different(run, tmp_path):
     write_png(tmp_path / "z.png", textures.zzero())
     assert "looks Z-zero" in run("convert", "z.png", "-o", "b.png").stdout
