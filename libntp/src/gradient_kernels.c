@@ -125,10 +125,11 @@ static void tap_sums_d(double *sums, const double *const rows[NTP__MAX_TAPS], nt
  * Levels of n = v / half in [-1, 1]: floor(v) + zero; in doubt near an integer, where v
  * comes within relative |v| + absolute.
  *
- * The derived blue of M = 255 goes along.  With v = floor(M n / 2) the numerators of red and
- * green are X = 2 v_x + 1 and Y, and S/4 = (M^2 - X^2 - Y^2)/4 is an exact float.  Its root is
- * within 2^-24 of itself, but at least 1/1024 from an integer, as S = 7 mod 8: so floor(root) is
- * right.  For Z-zero, root(S) + 1/2 keeps as far away, as 4 S = 28 mod 32 and (2b - 1)^2 is odd.
+ * The derived blue goes along.  With v = floor(M n / 2) the numerators of red and green are
+ * X = 2 v_x + 1 and Y, and S/4 = (M^2 - X^2 - Y^2)/4 is an exact float (M = 255) or double.  S is
+ * 7 mod 8, so 4 k^2 - S is at least 1 and root(S/4) stays 1/(8 M) below any integer k above it, far
+ * more than its rounding: floor(root) is right.  For Z-zero, floor(root(S) + 1/2) is as safe:
+ * 4 S = 28 mod 32, and (2b - 1)^2 is odd.
  */
 enum { NO_BLUE, NEAREST_BLUE, DERIVED_BLUE };
 
@@ -183,8 +184,8 @@ enum { NO_BLUE, NEAREST_BLUE, DERIVED_BLUE };
         return doubts;                                                                             \
     }
 
-/* The loop with its choices made; derived blue of M = 65535 is another kernel's. */
-#define CHOOSE_ENCODE(NAME, S, DERIVED)                                                            \
+/* The loop with its choices made. */
+#define CHOOSE_ENCODE(NAME, S)                                                                     \
     static int32_t NAME(int32_t *red, int32_t *green, int32_t *blue, int32_t *doubt,               \
                         const S *right, const S *down, int32_t n, const ntp__encode *e)            \
     {                                                                                              \
@@ -195,19 +196,20 @@ enum { NO_BLUE, NEAREST_BLUE, DERIVED_BLUE };
             return NAME##_loop(red, green, blue, doubt, right, down, n, e, e->use_shortened,       \
                                NEAREST_BLUE, e->zzero);                                            \
         if (e->use_shortened)                                                                      \
-            return NAME##_loop(red, green, blue, doubt, right, down, n, e, 1, DERIVED, e->zzero);  \
-        return e->zzero ? NAME##_loop(red, green, blue, doubt, right, down, n, e, 0, DERIVED, 1)   \
-                        : NAME##_loop(red, green, blue, doubt, right, down, n, e, 0, DERIVED, 0);  \
+            return NAME##_loop(red, green, blue, doubt, right, down, n, e, 1, DERIVED_BLUE,        \
+                               e->zzero);                                                          \
+        return e->zzero                                                                            \
+                   ? NAME##_loop(red, green, blue, doubt, right, down, n, e, 0, DERIVED_BLUE, 1)   \
+                   : NAME##_loop(red, green, blue, doubt, right, down, n, e, 0, DERIVED_BLUE, 0);  \
     }
 
 DEFINE_ENCODE(encode_single, float, int32_t, sqrtf, fabsf, ROUND_F)
 DEFINE_ENCODE(encode_i, double, int32_t, sqrt, fabs, ROUND_D)
 DEFINE_ENCODE(encode_d, double, double, sqrt, fabs, ROUND_D)
-CHOOSE_ENCODE(encode_single, int32_t, DERIVED_BLUE)
-CHOOSE_ENCODE(encode_i, int32_t, DERIVED_BLUE)
-CHOOSE_ENCODE(encode_d, double, DERIVED_BLUE)
+CHOOSE_ENCODE(encode_single, int32_t)
+CHOOSE_ENCODE(encode_i, int32_t)
+CHOOSE_ENCODE(encode_d, double)
 
-/* Four texels make three words; bytes in memory order on every machine. */
 static void pack_rgb8(uint8_t *dst, const int32_t *red, const int32_t *green, const int32_t *blue,
                       int32_t n)
 {
