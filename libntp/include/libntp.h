@@ -797,10 +797,11 @@ NTP_API const char *ntp_border_name(ntp_border border);
 /*
  * Resizing, turning, strength and blending of NTP_STANDARD, NTP_ZZERO, NTP_XY and NTP_VECTOR
  * textures.  Every normal that is computed is stored as its unit vector, red and green correctly
- * rounded, half up (a pair that is then too long is pulled onto the disc), blue derived from them:
- * it passes NTP_EXACT.  The sign of z stays (NTP_ZZERO: |z|).  NTP_XY texels are read with the z
- * that the standard texel of their red and green, pulled where too long, would store.  Floats are
- * read and written on the 16-bit grid, level / 65535.  All sums are of integers, without rounding.
+ * rounded, half up (a pair that is then too long is pulled onto the disc), blue derived from them,
+ * with z's sign (NTP_ZZERO: |z|): it passes NTP_EXACT with keep_negative_z.  NTP_XY texels are
+ * read with the z that the standard texel of their red and green, pulled where too long, would
+ * store.  Floats are read and written on the 16-bit grid, level / 65535.  All sums are of integers,
+ * without rounding.
  */
 
 typedef enum ntp_filter {
