@@ -597,8 +597,8 @@ def test_like_rounds_the_scale_once():
     for value in [0.0, 0.1, 1.25, -3.7, 1e-310, 5e-324, *rng.normal(size=200)]:
         for name, gain in (("5x5", Fraction(36, 29)), ("9x9", Fraction(170, 77))):
             exact = Fraction(float(value)) * gain
-            scale = peer("gimp-normalmap:" + name, float(value)).options.scale
-            assert scale == exact.numerator / exact.denominator
+            result = peer("gimp-normalmap:" + name, float(value))  # owns the memory
+            assert result.options.scale == exact.numerator / exact.denominator
     for name, value in (("nobody", 1.0), ("gegl", float("nan")), ("gimp-normalmap", 1.0)):
         result = ntp.ffi.new("ntp_peer *")
         assert ntp.lib.ntp_gradient_like(result, name.encode(), value) == ntp.ERR_ARGUMENT
