@@ -259,6 +259,10 @@ static outcome make_output(production *p, ntpio_error *error)
         return done == MADE && !p->changes && m->only_changed ? UNCHANGED : done;
     ntpio_writer *writer = p->writer;
     p->writer = NULL;
+    if (m->only_changed && !p->changes) { /* the probe took it for another class */
+        ntpio_abort(writer);
+        return UNCHANGED;
+    }
     return ntpio_commit(writer, error) ? MADE : FAILED;
 }
 

@@ -153,6 +153,22 @@ def test_in_place(run, tmp_path):
     assert sorted(p.name for p in tmp_path.iterdir()) == ["bad_n.png", "good_n.png"]
 
 
+def test_clean_files_of_other_classes_are_not_written(run, tmp_path):
+    for name, texture in (("z_n.png", textures.zzero()), ("xy_n.png", textures.standard())):
+        if name == "xy_n.png":
+            texture[..., 2] = np.arange(64) % 8 * 30  # blue is something else
+        write_png(tmp_path / name, texture)
+        before = (tmp_path / name).stat()
+        done = run("clean", name, "--in-place", "--format", "json")
+        (item,) = items(done)
+        assert done.returncode == 0 and not item["written"] and item["changed"] == 0, name
+        assert item["type"] == ("zzero" if name == "z_n.png" else "xy")
+        after = (tmp_path / name).stat()
+        assert (before.st_ino, before.st_mtime_ns) == (after.st_ino, after.st_mtime_ns)
+        assert run("clean", name, "-o", "out", "--only-changed").returncode == 0
+        assert not (tmp_path / "out" / name).exists()
+
+
 def test_method_auto_says_why(run, tmp_path):
     write_png(tmp_path / "a_n.png", textures.wrong_blue(textures.standard(), 0.1))
     done = run("clean", "a_n.png", "-o", "b.png", "--method", "auto", "--format", "json")
