@@ -14,13 +14,14 @@ def slopes(pixels):
     m = 255 if pixels.dtype == np.uint8 else 65535
     x, y = 2 * c[..., 0] - m, 2 * c[..., 1] - m
     s = m * m - x * x - y * y
-    used = 100 * s >= m * m
+    used = 100 * s > m * m
     color = c[..., :3]
     used &= ~((color == 0).all(-1) | ((color == m).all(-1) & (c.shape[-1] > 2)))
     if c.shape[-1] == 4:
         used &= c[..., 3] > 0
-    z = np.sqrt(np.where(used, s, 1).astype(float))
-    p, q = np.trunc(x * ONE / z).astype(np.int64), np.trunc(y * ONE / z).astype(np.int64)
+    one, by = (ONE, 1) if m == 255 else (ONE // 2, 4)  # floats: IEEE single
+    z = np.sqrt((np.where(used, s, 4) // by).astype(np.float32))
+    p, q = (np.trunc((a * one).astype(np.float32) / z).astype(np.int64) for a in (x, y))
     return np.where(used, p, 0), np.where(used, q, 0), used
 
 

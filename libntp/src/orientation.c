@@ -12,6 +12,8 @@
 #include "internal.h"
 #include "level.h"
 
+#include <string.h>
+
 enum {
     TAPS = 6,
     BEFORE = 2, /* taps before a loop's texel (x, y) */
@@ -32,8 +34,8 @@ enum {
 };
 
 /* [1 4 6 4 1] with [1 1], and with [-1 1]. */
-static const int32_t SMOOTH[TAPS] = { 1, 5, 10, 10, 5, 1 };
-static const int32_t STEEP[TAPS] = { -1, -3, -2, 2, 3, 1 };
+static const float SMOOTH[TAPS] = { 1, 5, 10, 10, 5, 1 };
+static const float STEEP[TAPS] = { -1, -3, -2, 2, 3, 1 };
 
 struct ntp_orientation {
     uint32_t width, height, every_row; /* 0: empty */
@@ -66,31 +68,52 @@ int32_t ntp_orientation_row(int32_t height, int32_t every_row, int32_t y)
     return y % step == y / step * onward % step;
 }
 
-/* The texels of a column, filtered down the picture. */
+/* Columns of texels, filtered down the picture.  All values are integers below 2^24, of which float
+ * arithmetic is exact, and fast on every processor. */
 typedef struct columns {
-    int32_t u[NTP__BLOCK]; /* of -p, derived */
-    int32_t v[NTP__BLOCK]; /* of q, smoothed */
+    float u[NTP__BLOCK]; /* of -p, derived */
+    float v[NTP__BLOCK]; /* of q, smoothed */
     uint8_t bad[NTP__BLOCK];
 } columns;
 
+/* p and q of a row; not used: z below 1/10, which black and white are too. */
+static void to_slopes(float *p, float *q, uint8_t *bad, const int32_t *r, const int32_t *g,
+                      int32_t n, int32_t m)
+{
+    uint32_t m2 = (uint32_t) m * (uint32_t) m, least = m2 / 100 + 1;
+    /* S as a positive int32_t; z is then stored with so much less. */
+    uint32_t shift = m == 255 ? 0 : 2, half = shift / 2;
+    for (int32_t i = 0; i < n; i++) {
+        int32_t x = ntp__num(r[i], m), y = ntp__num(g[i], m);
+        uint32_t ax = (uint32_t) ntp__abs(x), ay = (uint32_t) ntp__abs(y);
+        uint32_t most = m2 - ax * ax, y2 = ay * ay, s = most > y2 ? most - y2 : 0;
+        bad[i] = s < least;
+        s = s < least ? least : s;
+        /* Each step is rounded to float, also where the processor calculates with more bits; of a
+         * root and a quotient that is the same. */
+        float z = sqrtf((float) (int32_t) (s >> shift));
+        float px = (float) (x * (SLOPE_ONE >> half)) / z,
+              py = (float) (y * (SLOPE_ONE >> half)) / z;
+        p[i] = (float) (int32_t) px;
+        q[i] = (float) (int32_t) py;
+    }
+}
+
 /* Adds a row of texels with its two weights. */
 static void add_row(columns *sums, const ntp__block *block, int32_t n, int32_t m, uint32_t touch,
-                    int32_t steep, int32_t smooth)
+                    float steep, float smooth)
 {
+    float p[NTP__BLOCK], q[NTP__BLOCK];
+    uint8_t bad[NTP__BLOCK];
+    to_slopes(p, q, bad, block->c[0], block->c[1], n, m);
     for (int32_t i = 0; i < n; i++) {
-        int32_t r = block->c[0][i], g = block->c[1][i], x = ntp__num(r, m), y = ntp__num(g, m);
-        /* Exact for every level; the quotient of 8-bit texels is never near an integer. */
-        double s = (double) m * m - (double) x * x - (double) y * y;
-        bool steepest = 100 * s < (double) m * m; /* z < 1/10 */
-        double scale = (double) SLOPE_ONE, z = sqrt(steepest ? 1.0 : s);
-        int32_t p = (int32_t) ((double) x * scale / z), q = (int32_t) ((double) y * scale / z);
-        sums->bad[i] |= (uint8_t) steepest;
-        sums->u[i] += steep * (steepest ? 0 : p);
-        sums->v[i] += smooth * (steepest ? 0 : q);
+        sums->u[i] += steep * p[i];
+        sums->v[i] += smooth * q[i];
+        sums->bad[i] |= bad[i];
     }
-    for (int32_t i = 0; i < n; i++) {
-        sums->bad[i] |= (uint8_t) ntp__unused(block->c[0][i], block->c[1][i], block->c[2][i],
-                                              block->c[3][i], m, touch);
+    if (!(touch & NTP_UNUSED_TRANSPARENT)) {
+        for (int32_t i = 0; i < n; i++)
+            sums->bad[i] |= block->c[3][i] == 0;
     }
     if (block->any_broken) {
         for (int32_t i = 0; i < n; i++)
@@ -98,27 +121,38 @@ static void add_row(columns *sums, const ntp__block *block, int32_t n, int32_t m
     }
 }
 
-/* Bits that v takes, 0 for 0. */
-static int32_t bit_length(uint32_t v)
+/* The loops' derivatives from filtered columns. */
+static void across(float *u, float *v, uint8_t *bad, const columns *c, int32_t n)
 {
-    int32_t bits = 0;
-    for (int32_t half = 16; half > 0; half /= 2) {
-        if (v >> half != 0) {
-            v >>= half;
-            bits += half;
-        }
+    for (int32_t i = 0; i < n; i++) {
+        const float *a = c->u + i, *b = c->v + i;
+        u[i] = (a[0] + a[5]) + 5 * (a[1] + a[4]) + 10 * (a[2] + a[3]);
+        v[i] = (b[5] - b[0]) + 3 * (b[4] - b[1]) + 2 * (b[3] - b[2]);
     }
-    return bits + (v != 0);
+    for (int32_t i = 0; i < n; i++) {
+        const uint8_t *a = c->bad + i;
+        bad[i] = a[0] | a[1] | a[2] | a[3] | a[4] | a[5];
+    }
 }
 
-static void add_loop(ntp_orientation *acc, int64_t *cross, int32_t u, int32_t v)
+/* Bits that an integer takes, 0 for 0: what its exponent says. */
+static inline int32_t bit_length(float v)
 {
-    uint32_t au = (uint32_t) ntp__abs(u), av = (uint32_t) ntp__abs(v);
+    enum { MANTISSA_BITS = 23, HALF = 126 /* the exponent of 0.5 as stored */ };
+    uint32_t bits;
+    memcpy(&bits, &v, sizeof bits);
+    return bits == 0 ? 0 : (int32_t) (bits >> MANTISSA_BITS) - HALF;
+}
+
+static inline void add_loop(ntp_orientation *acc, int64_t *cross, float u, float v)
+{
+    float au = u < 0 ? -u : u, av = v < 0 ? -v : v;
     int32_t size = bit_length(au > av ? au : av), shift = size > BITS ? size - BITS : 0;
-    uint64_t a = au >> shift, b = av >> shift;
+    /* Quotients by 2^shift toward 0: the least bits of either sign are dropped alike. */
+    int32_t a = (int32_t) au >> shift, b = (int32_t) av >> shift, c = a * b;
     acc->loops[size]++;
-    acc->energy[size] += a * a + b * b;
-    cross[size] += (u < 0) == (v < 0) ? (int64_t) (a * b) : -(int64_t) (a * b);
+    acc->energy[size] += (uint32_t) (a * a) + (uint32_t) (b * b);
+    cross[size] += u * v < 0 ? -c : c;
 }
 
 static int32_t cell(int32_t side)
@@ -131,23 +165,27 @@ static int32_t cell(int32_t side)
 static void add_stretch(ntp_orientation *acc, const ntp_const_image *src, uint32_t touch, int32_t x,
                         int32_t y, int32_t n)
 {
-    columns sums = { { 0 }, { 0 }, { 0 } };
+    columns sums;
     ntp__block block;
+    float u[NTP__BLOCK], v[NTP__BLOCK];
+    uint8_t bad[NTP__BLOCK];
     int32_t m = ntp__max(src->type), texels = n + TAPS - 1, wide = cell(src->width);
+    memset(&sums, 0, sizeof sums);
     for (int32_t k = 0; k < TAPS; k++) {
         ntp__unpack(&block, src, x - BEFORE, y - BEFORE + k, texels);
         add_row(&sums, &block, texels, m, touch, -STEEP[k], SMOOTH[k]);
     }
+    across(u, v, bad, &sums, n);
     int64_t(*row)[SIZES] = acc->cross + y / cell(src->height) * SIDE;
+    int32_t block_x = x / wide,
+            next = (block_x + 1) * wide - x; /* the loop the next block starts */
     for (int32_t i = 0; i < n; i++) {
-        int32_t u = 0, v = 0, bad = 0;
-        for (int32_t k = 0; k < TAPS; k++) {
-            u += SMOOTH[k] * sums.u[i + k];
-            v += STEEP[k] * sums.v[i + k];
-            bad |= sums.bad[i + k];
+        if (i == next) {
+            block_x++;
+            next += wide;
         }
-        if (!bad)
-            add_loop(acc, row[(x + i) / wide], u, v);
+        if (!bad[i])
+            add_loop(acc, row[block_x], u[i], v[i]);
     }
 }
 
@@ -199,8 +237,10 @@ ntp_status ntp_orientation_merge(ntp_orientation *into, const ntp_orientation *f
     return NTP_OK;
 }
 
-/* What is found in real textures with a label: below these the answers begin to be wrong. */
-static const double LEAST_STATISTIC = 0.1, LEAST_SCORE = 5;
+/* In real textures with a label the answers begin to be wrong below these.  Where the statistic is
+ * clear, which noise never is, somewhat less steadiness will do. */
+static const double LEAST_STATISTIC = 0.1, LEAST_SCORE = 4;
+static const double CLEAR_STATISTIC = 0.5, CLEAR_SCORE = 3.5;
 /* From here on it is as sure as it gets. */
 static const double SURE_STATISTIC = 0.5, SURE_SCORE = 10;
 /* Labeled textures contradict even a clear answer now and then. */
@@ -258,7 +298,8 @@ ntp_status ntp_orientation_decide(ntp_orientation_result *result,
     r.score = squares > 0 ? sum / sqrt(squares) : 0;
     double clear = sum < 0 ? -r.statistic : r.statistic, steady = sum < 0 ? -r.score : r.score;
     r.y = sum < 0 ? NTP_Y_DOWN : NTP_Y_UP;
-    r.decided = clear >= LEAST_STATISTIC && steady >= LEAST_SCORE;
+    r.decided = (clear >= LEAST_STATISTIC && steady >= LEAST_SCORE) ||
+                (clear >= CLEAR_STATISTIC && steady >= CLEAR_SCORE);
     if (r.decided) {
         double a = held_to_one(clear / SURE_STATISTIC), b = held_to_one(steady / SURE_SCORE);
         r.confidence = CONFIDENCE_LEAST + (CONFIDENCE_MOST - CONFIDENCE_LEAST) * (a < b ? a : b);
