@@ -419,7 +419,7 @@ typedef struct ntp_stats {
     uint64_t red_low; /* used texels with r <= (M-1)/2; x negative */
     uint64_t green_low;
     uint64_t near_gamma_flat; /* used texels whose r, g are within 3/255 of 188/255 */
-    double gamma_near_unit;   /* share of used with |length - 1| <= 1/8 after sRGB is made linear */
+    double gamma_near_unit;   /* share of used with |length - 1| <= 1/8 after decoding sRGB */
     double ag_in_disc;        /* share of used whose (alpha, g) as x, y are not too long */
     double block_step[3];     /* mean |step| across columns 8k-1|8k over that elsewhere; 0: none */
     /* How blue goes with red and green, in 8-bit levels; of 16-bit content by a sample.  A texel is

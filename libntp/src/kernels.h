@@ -2,7 +2,7 @@
 /*
  * kernels.h - the loops that are compiled once for each instruction set
  *
- * kernels.c is plain C; the compiler vectorises it.  Every level gives the same bytes: the
+ * kernels.c is plain C; the compiler vectorizes it.  Every level gives the same bytes: the
  * arithmetic is in 32-bit integers, and the one float square root is corrected to the exact
  * integer root.
  *
@@ -34,8 +34,8 @@ typedef int32_t ntp__clean16_fn(uint16_t *dst, const uint16_t *src, int32_t n, i
 typedef void ntp__derive_fn(int32_t *want, const int32_t *r, const int32_t *g, int32_t n, int32_t m,
                             int32_t zzero);
 
-/* flags[i] = as ntp_validate with an exact that is not mirrored, and NTP__MIRRORED (tally.h); want as
- * above. */
+/* flags[i] = as ntp_validate with an exact that is not mirrored, and NTP__MIRRORED (tally.h);
+ * want as above. */
 typedef void ntp__judge_fn(uint8_t *flags, int32_t *want, const int32_t *r, const int32_t *g,
                            const int32_t *b, int32_t n, int32_t m, int32_t zzero);
 

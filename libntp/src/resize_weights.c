@@ -3,7 +3,7 @@
  * resize_weights.c - the weights of a resizing filter along one axis, as integers
  *
  * A weight is an integer and means weight / (sum of the weights of its texel), so nothing has
- * to be normalised and the weights add up to exactly one.  The center of texel i of the source
+ * to be normalized and the weights add up to exactly one.  The center of texel i of the source
  * lies |N| / D filter units from that of texel j of the result, with the integers
  *     N = (2i + 1) dst - (2j + 1) src,    D = 2 max(src, dst);
  * a unit is a texel of the source, or where the texture shrinks one of the result.  Box and
