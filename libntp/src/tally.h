@@ -4,9 +4,10 @@
  *
  * 8-bit texels are not judged one by one.  Each adds one to the cell of (row, blue), where the
  * row stands for {|X|, |Y|}, all that verdicts, lengths and angles depend on.  Two lookups and
- * two increments a texel, and all facts follow exactly, in integers, when the cells are read (summarize.c).  A 16-bit texel of
- * which every level is a multiple of 257 goes to the same cells, for its X and Y are 257 times
- * those of the 8-bit texel; the others are judged and added to `wide`.
+ * two increments a texel, and all facts follow exactly, in integers, when the cells are read
+ * (summarize.c).  A 16-bit texel of which every level is a multiple of 257 goes to the same
+ * cells, for its X and Y are 257 times those of the 8-bit texel; the others are judged and added
+ * to `wide`.
  */
 #ifndef NTP_TALLY_H
 #define NTP_TALLY_H
