@@ -64,13 +64,15 @@ void text_char(text *t, char c)
 
 void text_addf(text *t, const char *format, ...)
 {
-    va_list arguments;
+    va_list arguments, again;
+    char first[128]; /* most pieces fit, and need formatting but once */
     va_start(arguments, format);
-    va_list again;
     va_copy(again, arguments);
-    const int size = vsnprintf(NULL, 0, format, arguments);
+    const int size = vsnprintf(first, sizeof first, format, arguments);
     va_end(arguments);
-    if (size > 0) {
+    if (size > 0 && (size_t) size < sizeof first) {
+        text_bytes(t, first, (size_t) size);
+    } else if (size > 0) {
         reserve(t, (size_t) size);
         vsnprintf(t->data + t->size, (size_t) size + 1, format, again);
         t->size += (size_t) size;
