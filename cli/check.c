@@ -89,6 +89,7 @@ static void examine_file(const check *c, worker *w, const input *in, checked *do
     source s;
     if (!source_open(&s, w, in, &c->limits, &done->error))
         return;
+    s.orient = option_given(c->o, OPT_DEEP) ? ORIENT_EVERY_ROW : ORIENT_SAMPLED;
     done->readable = examine(&s, c->forced, &done->f, &done->error);
     source_close(&s);
     if (!done->readable)

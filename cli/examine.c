@@ -136,11 +136,14 @@ void first_view(source *s, int forced)
 static bool measure(source *s, uint32_t touch, ntpio_error *error)
 {
     ntp_tally_clear(s->w->tally);
+    orient_begin(s);
     const ntp_const_image view = ntp_image_as_const(&s->view);
     ntp_rect area;
     int more;
     while ((more = source_next(s, &area, error)) > 0) {
-        const ntp_status status = ntp_measure(s->w->tally, &view, touch, &area);
+        ntp_status status = ntp_measure(s->w->tally, &view, touch, &area);
+        if (status == NTP_OK)
+            status = orient_rows(s, &area, touch);
         if (status != NTP_OK)
             return library_error(s, status, error);
     }
@@ -152,6 +155,7 @@ bool examine(source *s, int forced, facts *f, ntpio_error *error)
     first_view(s, forced);
     if (!measure(s, 0, error) || !facts_from_tally(f, s, forced, error))
         return false;
+    orient_end(s, f);
     const uint32_t touch = touch_for(&f->stats, f->encoding);
     const bool angles_differ = f->encoding != s->view.encoding && s->view.type != NTP_U8;
     const bool alpha_differs = touch != 0 && f->stats.transparent > 0;
@@ -166,5 +170,6 @@ bool examine(source *s, int forced, facts *f, ntpio_error *error)
     f->type = type;
     f->forced = forced >= 0;
     f->counts = counts;
+    orient_end(s, f);
     return true;
 }

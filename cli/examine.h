@@ -28,8 +28,10 @@ typedef struct worker {
     buffer raw;   /* rows as the file has them, where their channels are rearranged */
     buffer extra; /* the verb's own */
     buffer extra2;
-    buffer diff;          /* an ntp_diff */
-    uint64_t *histogram;  /* NTP levels 0..65535 */
+    buffer diff;         /* an ntp_diff */
+    uint64_t *histogram; /* NTP levels 0..65535 */
+    ntp_orientation *orientation;
+    buffer band;          /* rows around the one whose orientation is measured */
     bool may_read_ahead;  /* a processor is idle */
     _Atomic int permille; /* of the file at work, for the progress bar */
 } worker;
@@ -39,6 +41,9 @@ void worker_free(worker *w);
 
 /* What a channel of a view is taken from: a channel of the file, or a constant. */
 enum { FROM_ZERO = -1, FROM_ONE = -2 };
+
+/* Whether examine() measures which way green points. */
+typedef enum orient { ORIENT_NOT, ORIENT_SAMPLED, ORIENT_EVERY_ROW } orient;
 
 /* A file being read. */
 typedef struct source {
@@ -55,6 +60,7 @@ typedef struct source {
     int32_t block_rows;  /* rows that source_next delivers at once */
     struct ahead *ahead; /* the thread that reads ahead, or NULL */
     uint32_t next;       /* the next row */
+    orient orient;
 } source;
 
 bool source_open(source *s, worker *w, const input *in, const ntpio_limits *limits,
@@ -90,10 +96,11 @@ typedef struct facts {
     ntpio_info info; /* without the texts */
     ntp_stats stats;
     ntp_classification type;
-    ntp_encoding encoding; /* that the texels were read as */
-    bool forced;           /* by --type */
-    bool counts;           /* named, or a normals texture by its name or content */
-    level_count *levels;   /* the histogram of levels_off, without zeros */
+    ntp_encoding encoding;              /* that the texels were read as */
+    ntp_orientation_result orientation; /* undecided when it was not asked for */
+    bool forced;                        /* by --type */
+    bool counts;                        /* named, or a normals texture by its name or content */
+    level_count *levels;                /* the histogram of levels_off, without zeros */
     size_t level_count;
 } facts;
 
@@ -117,6 +124,11 @@ bool facts_from_tally(facts *f, source *s, int forced, ntpio_error *error);
  * the class has it.
  */
 bool examine(source *s, int forced, facts *f, ntpio_error *error);
+
+/* The orientation: before the first row, for each block of rows, and when the class is known. */
+void orient_begin(source *s);
+ntp_status orient_rows(source *s, const ntp_rect *area, uint32_t touch);
+void orient_end(const source *s, facts *f);
 
 /* Prepares the first view of a file: as forced, else standard, gray files as heights. */
 void first_view(source *s, int forced);

@@ -45,6 +45,12 @@ const finding_spec FINDING_TABLE[FINDING_COUNT] = {
         "The normals point in all directions, as in a map that was baked in object or world space. Engines expect "
         "tangent space, where nearly all of them point to the viewer.",
         "Bake in tangent space, or make sure that the material expects object space." },
+    [NT010] = { "NT010", "nt010", "warning", "green points the wrong way",
+        "The texels look like DirectX (green down) where `--y up` is asked for, or like OpenGL (green up) where "
+        "`--y down` is. Bumps look like dents when the light comes from above or below. It is found from the slopes, "
+        "which fit together in one of the two ways only; docs/orientation.md tells how, and how sure that is. A texture "
+        "with red inverted gives the same picture.",
+        "`ntp convert --from-y down --to-y up`, or the other way round. If you know better, go by what you know." },
     [NT011] = { "NT011", "nt011", "warning", "the name contradicts the required direction of green",
         "The name says DirectX (green down) where `--y up` is asked for, or OpenGL where `--y down` is.",
         "`ntp convert --from-y down --to-y up`, or the other way round." },

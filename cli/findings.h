@@ -24,6 +24,7 @@ typedef enum finding_id {
     NT007,
     NT008,
     NT009,
+    NT010,
     NT011,
     NT012,
     NT020,

@@ -291,6 +291,17 @@ static void judge_name(judgement *j)
              "the name says OpenGL (green up), --y down asks for DirectX");
 }
 
+static void judge_orientation(judgement *j)
+{
+    const ntp_orientation_result *o = &j->f->orientation;
+    const int asked = j->rules->y, found = o->y == NTP_Y_UP ? 1 : 2;
+    if (asked == 0 || !o->decided || found == asked)
+        return;
+    addf(j, NT010, LEVEL_WARNING, 0, "looks %s where %s is required (%.0f %% sure)",
+         found == 1 ? "OpenGL (green up)" : "DirectX (green down)",
+         asked == 1 ? "OpenGL (green up)" : "DirectX (green down)", 100 * o->confidence);
+}
+
 static void judge_file(judgement *j)
 {
     const ntpio_info *info = &j->f->info;
@@ -378,6 +389,7 @@ void judge(finding_list *list, const facts *f, const judge_rules *rules)
         else
             addf(&j, NT050, LEVEL_INFO, f->stats.texels, "all texels have one color");
     }
+    judge_orientation(&j);
     judge_name(&j);
     judge_file(&j);
     tidy(list);

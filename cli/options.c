@@ -41,8 +41,7 @@ const option_spec OPTION_TABLE[] = {
     { OPT_BASELINE, "baseline", 0, KIND_STRING, "FILE", NULL, 0, 0, V_CHECK,
       "the JSON of an earlier check: findings that it holds are not counted again" },
     { OPT_DEEP, "deep", 0, KIND_FLAG, NULL, NULL, 0, 0, V_CHECK,
-      "look at the whole image also where a plain check may look at a part of it (at present a "
-      "plain check looks at the whole image everywhere)" },
+      "look at every row also where a plain check looks at some: to tell which way green points" },
 
     { OPT_OUTPUT, "output", 'o', KIND_STRING, "FILE|DIR", NULL, 0, 0, V_WRITES,
       "where to write: a file, - for standard output, or a directory, in which relative paths "

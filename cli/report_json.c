@@ -250,8 +250,10 @@ json_t *check_json(const input *in, const checked *c, const check_settings *s)
     json_object_set_new(object, "confidence", json_angle(f->type.confidence));
     json_object_set_new(object, "reasons", reasons(f));
     static const char *const Y[] = { "undecided", "up", "down" };
-    json_object_set_new(object, "y", json_string(Y[s->rules.y]));
-    json_object_set_new(object, "y_confidence", json_real(s->rules.y != 0 ? 1 : 0));
+    const ntp_orientation_result *found = &f->orientation;
+    const int seen = !found->decided ? 0 : found->y == NTP_Y_UP ? 1 : 2, y = s->rules.y;
+    json_object_set_new(object, "y", json_string(Y[y != 0 ? y : seen]));
+    json_object_set_new(object, "y_confidence", json_angle(y != 0 ? 1 : found->confidence));
     json_object_set_new(object, "texels", json_count(f->stats.texels));
     json_object_set_new(object, "unused", json_count(f->stats.unused));
     json_object_set_new(object, "counts", json_boolean(f->counts));

@@ -83,6 +83,10 @@ static void add_headline(text *t, const input *in, const checked *c, const check
     text_addf(t, ": %s", class_title(f->type.type));
     if (f->type.confidence < 0.9)
         text_addf(t, " (%.0f %% sure)", 100 * f->type.confidence);
+    if (f->orientation.decided)
+        text_add(t, f->orientation.y == NTP_Y_UP ? ", OpenGL (Y up)" : ", DirectX (Y down)");
+    if (f->orientation.decided && f->orientation.confidence < 0.9)
+        text_addf(t, " (%.0f %% sure)", 100 * f->orientation.confidence);
     text_addf(t, ", %u x %u %d-bit %s%s: ", (unsigned) f->info.width, (unsigned) f->info.height,
               (int) f->info.bit_depth, f->info.palette ? "palette " : "",
               CHANNELS[f->info.channels]);
@@ -127,6 +131,12 @@ static void add_statistics(text *t, const checked *c, const check_settings *s)
     }
     if (f->forced)
         text_add(t, "    because --type says so\n");
+    if (f->orientation.decided)
+        text_addf(t, "    %-24s %s, %.0f %% sure\n", "green points",
+                  f->orientation.y == NTP_Y_UP ? "up: OpenGL (Y up)" : "down: DirectX (Y down)",
+                  100 * f->orientation.confidence);
+    else if (class_is_normals(f->type.type) && f->type.type != NTP_CLASS_OBJECT_SPACE)
+        text_addf(t, "    %-24s up or down: these slopes do not tell\n", "green points");
     add_count_line(t, "unused texels", st->unused, st->texels);
     for (int v = NTP_NEIGHBOR; v <= NTP_EXACT; v++) {
         uint64_t all = 0, used = 0;

@@ -47,6 +47,8 @@ void worker_free(worker *w)
     free(w->extra2.data);
     free(w->diff.data);
     free(w->histogram);
+    free(w->orientation);
+    free(w->band.data);
     free(w);
 }
 

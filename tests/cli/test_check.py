@@ -129,12 +129,36 @@ def test_type_decides(run, tmp_path):
 
 
 def test_direction_of_green(run, tmp_path):
-    write_png(tmp_path / "rock_nor_dx.png", textures.standard())
+    """The texels say OpenGL; the name says DirectX."""
+    pixels = textures.standard()  # y of its slopes goes down the picture
+    pixels[..., 1] = 255 - pixels[..., 1]
+    write_png(tmp_path / "rock_nor_dx.png", pixels)
     file = only(run, "rock_nor_dx.png")
-    assert (file["y"], file["y_confidence"]) == ("undecided", 0)
+    assert file["y"] == "up" and 0.8 <= file["y_confidence"] <= 0.99
+    assert not {"NT010", "NT011"} & set(ids(file))
     file = only(run, "rock_nor_dx.png", "--y", "up")
     assert (file["y"], file["y_confidence"]) == ("up", 1) and "NT011" in ids(file, "warning")
-    assert "NT011" not in ids(only(run, "rock_nor_dx.png", "--y", "down"))
+    assert "NT010" not in ids(file)
+    file = only(run, "rock_nor_dx.png", "--y", "down")
+    assert (file["y"], file["y_confidence"]) == ("down", 1)
+    assert "NT010" in ids(file, "warning") and "NT011" not in ids(file)
+    text = run("check", "-v", "--y", "down", "rock_nor_dx.png").stdout
+    assert "looks OpenGL (green up) where DirectX (green down) is required" in text
+    assert ", OpenGL (Y up)" in text.splitlines()[0] and "% sure" in text
+
+
+def test_direction_of_green_is_found(run, tmp_path):
+    """In a texture that is read in several blocks, sampled and --deep."""
+    pixels = np.tile(textures.standard(), (12, 16, 1))
+    write_png(tmp_path / "a_n.png", pixels)
+    write_png(tmp_path / "b_n.png", np.full((64, 64, 3), (128, 128, 255), np.uint8))
+    write_png(tmp_path / "c_n.png", pixels[:, :, [2, 1, 0]])
+    for deep in ((), ("--deep",)):
+        assert only(run, "a_n.png", *deep)["y"] == "down"
+        assert only(run, "b_n.png", *deep)["y"] == "undecided"
+        assert only(run, "c_n.png", *deep)["y"] == "undecided"  # red and blue are swapped
+        assert "NT010" in ids(only(run, "a_n.png", "--y", "up", *deep), "warning")
+    assert only(run, "a_n.png", "--jobs", "2") == only(run, "a_n.png", "--jobs", "1")
 
 
 def test_facts_of_the_file(run, tmp_path):
