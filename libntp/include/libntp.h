@@ -792,6 +792,103 @@ NTP_API ntp_status ntp_gradient_like(ntp_peer *peer, const char *name, double va
 NTP_API const char *ntp_kernel_name(ntp_kernel kernel);
 NTP_API const char *ntp_border_name(ntp_border border);
 
+/* --------------------------------------------------------------- normals -> heightfield */
+
+typedef enum ntp_height_method {
+    NTP_HEIGHT_AUTO = 0,              /* least squares, as the borders say */
+    NTP_HEIGHT_TELESCOPING = 1,       /* Eberly's sums of slopes: no averaging, errors add up */
+    NTP_HEIGHT_FRANKOT_CHELLAPPA = 2, /* least squares, both borders NTP_BORDER_WRAP */
+    NTP_HEIGHT_POISSON_DCT = 3        /* least squares, neither border NTP_BORDER_WRAP */
+} ntp_height_method;
+
+/* What integer samples of x, y (and z, but for Z-zero) mean.  Float images: as stored. */
+typedef enum ntp_decode {
+    NTP_DECODE_AUTO = 0,    /* NEUTRAL where 8-bit texels pile up at 127 and 128, else UNORM */
+    NTP_DECODE_UNORM = 1,   /* (2c - M)/M */
+    NTP_DECODE_NEUTRAL = 2, /* the same, but (M-1)/2 and (M+1)/2 of x and y are both 0 */
+    NTP_DECODE_TRUNC = 3,   /* (2c + 1 - M)/M: written by an encoder that cut off fractions */
+    NTP_DECODE_SNORM = 4    /* (2c - M - 1)/(M - 1): 128 is 0 */
+} ntp_decode;
+
+typedef enum ntp_z {
+    NTP_Z_STORED = 0, /* NTP_XY: derived */
+    NTP_Z_DERIVED = 1 /* sqrt(1 - x*x - y*y): where blue is not to be trusted */
+} ntp_z;
+
+typedef struct ntp_height_options {
+    ntp_height_method method;
+    ntp_kernel kernel; /* that made the normals: NTP_KERNEL_CENTRAL or NTP_KERNEL_FORWARD */
+    ntp_border border_x;
+    ntp_border border_y;
+    ntp_decode decode;
+    ntp_z z;
+    uint32_t touch_unused; /* NTP_UNUSED_*; other unused texels are flat, but not those of
+                            * NTP_VECTOR that are black or white */
+    int32_t use_seeds;     /* nonzero, telescoping only: heights begin at these */
+    double seeds[4];       /* h(0,0), h(1,0), h(0,1), h(1,1); forward: the first */
+    int32_t equalize;      /* nonzero, telescoping, central: even and odd texels get one mean */
+} ntp_height_options;
+
+/* What was done. */
+typedef struct ntp_height_result {
+    ntp_height_method method; /* never NTP_HEIGHT_AUTO */
+    ntp_decode decode;        /* never NTP_DECODE_AUTO */
+    double min, max;          /* of the heights; (h - min)/(max - min) is 0..1, and max - min the
+                               * scale by which ntp_normals_from_height makes it normals again */
+    uint64_t unused;          /* texels that counted as flat */
+    uint64_t not_finite;      /* float texels with a NaN, an infinity or length 0: flat */
+} ntp_height_result;
+
+/* The caller's part in an operation that takes long.  NULL, or NULL members: nothing of it. */
+typedef struct ntp_hooks {
+    void *user;
+    /* Told the share done so far, 0..1, between parallel_for calls; nonzero stops. */
+    int32_t (*progress)(void *user, double share);
+    /* Calls task(work, i) for each i from 0 to count - 1, on any threads, and returns when all
+     * are done.  count is at most parts. */
+    void (*parallel_for)(void *user, int32_t count, void (*task)(void *work, int32_t index),
+                         void *work);
+    int32_t parts; /* 1..NTP_MAX_PARTS; 0 stands for 1 */
+} ntp_hooks;
+
+enum { NTP_MAX_PARTS = 64 };
+
+/* Bytes of working memory, some rows for each part; 0: an argument is no good. */
+NTP_API size_t ntp_height_scratch_size(const ntp_height_options *how, int32_t width, int32_t height,
+                                       int32_t parts);
+
+/*
+ * The heightfield behind normals: dst, NTP_F32 NTP_HEIGHT of one packed channel, gets heights in
+ * texels.  Slopes are -x/z and -y/z, z at least 1/M (float: 1/65535), texels as wide as high.
+ *
+ * Least squares: of all heightfields the one whose slopes, by this kernel with these borders, come
+ * nearest to the stored ones; where several do, the one of least norm.  Its mean is 0.  Solved
+ * directly: a Fourier (wrap) or cosine transform of each row, a recursion down and up each
+ * column.  Two slopes of one pair of texels (the last one with forward and mirror or extrapolate)
+ * count once, as their mean; central slopes at the edge with extrapolate count a quarter.
+ * Borders: forward: all (clamp: the last slope is not looked at; repeat-slope is extrapolate);
+ * central: wrap, clamp and extrapolate.
+ *
+ * Telescoping (Eberly 3.1, 3.2): forward goes along the first row and down each column; central
+ * goes in steps of two from h(0,0), h(1,0), h(0,1), h(1,1), by default h(0,0) = 0 and each other
+ * the mean of its known or implied neighbors: h(1,0) = p(1,0), h(0,1) = q(0,1), h(1,1) =
+ * (h(0,1) + p(1,1) + h(1,0) + q(1,1))/2.  Without seeds the mean is then made 0.  No slope at a
+ * border is used.
+ *
+ * The result is the same bytes for any number of parts.  dst and src do not overlap, ring_rows is
+ * 0 in both.  scratch: ntp_height_scratch_size bytes for these parts, aligned to 64.
+ * hooks, result may be NULL.  After NTP_ERR_CANCELLED dst holds nothing of use.
+ * Errors: NTP_ERR_ARGUMENT also where method and borders do not agree or seeds are not finite;
+ * NTP_ERR_FORMAT for a kernel or a border of it that is not listed above.
+ */
+NTP_API ntp_status ntp_height_from_normals(const ntp_image *dst, const ntp_const_image *src,
+                                           const ntp_height_options *how, void *scratch,
+                                           size_t scratch_size, const ntp_hooks *hooks,
+                                           ntp_height_result *result);
+
+/* The name of a method as the command line has it ("poisson-dct"); never NULL. */
+NTP_API const char *ntp_height_method_name(ntp_height_method method);
+
 /* -------------------------------------------------------------- operations on normals */
 
 /*

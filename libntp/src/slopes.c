@@ -1,0 +1,142 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * slopes.c - rows of normals as slopes: -x/z to the right, y/z (Y up) down the picture
+ *
+ * Integer samples stay integer numerators, of which the common denominator falls out; a slope is
+ * one division.  Texels that hold no normal are flat.
+ */
+#include "slopes.h"
+
+#include "level.h"
+
+/* Half a level: no texture can tell a z below it from 0. */
+static const double least_float_z = 1.0 / 65535;
+
+/* Texels at 127 and 128 against those at 126 and 129: a flat ground was meant to be flat. */
+enum { PILE = 3 };
+
+static bool piles_up(const uint64_t count[4])
+{
+    return count[1] + count[2] > PILE * (count[0] + count[3]);
+}
+
+/* Do red or green pile up at the two levels next to 0? */
+static bool neutral_by_evidence(const ntp_const_image *src)
+{
+    uint64_t count[2][4] = { { 0 } };
+    ntp__block block;
+    for (int32_t y = 0; y < src->height; y++) {
+        for (int32_t x = 0; x < src->width; x += NTP__BLOCK) {
+            int32_t n = src->width - x < NTP__BLOCK ? src->width - x : NTP__BLOCK;
+            ntp__unpack(&block, src, x, y, n);
+            for (int32_t c = 0; c < 2; c++) {
+                for (int32_t i = 0; i < n; i++) {
+                    uint32_t at = (uint32_t) block.c[c][i] - 126;
+                    if (at < 4)
+                        count[c][at]++;
+                }
+            }
+        }
+    }
+    return piles_up(count[0]) || piles_up(count[1]);
+}
+
+void ntp__slopes_init(ntp__slopes *s, const ntp_const_image *src, const ntp_height_options *how)
+{
+    int32_t m = ntp__max(src->type);
+    s->src = src;
+    s->touch_unused = how->touch_unused;
+    s->derived = how->z == NTP_Z_DERIVED || src->encoding == NTP_XY;
+    s->decode = how->decode;
+    if (src->type == NTP_F32)
+        s->decode = NTP_DECODE_UNORM;
+    else if (s->decode == NTP_DECODE_AUTO)
+        s->decode =
+            src->type == NTP_U8 && neutral_by_evidence(src) ? NTP_DECODE_NEUTRAL : NTP_DECODE_UNORM;
+    s->zero = m + (s->decode == NTP_DECODE_SNORM) - (s->decode == NTP_DECODE_TRUNC);
+    s->range = s->decode == NTP_DECODE_SNORM ? m - 1 : m;
+    s->z_scale = s->range / m;
+    s->neutral = s->decode == NTP_DECODE_NEUTRAL;
+}
+
+static int32_t numerator(int32_t c, int32_t zero, int32_t neutral)
+{
+    int32_t v = 2 * c - zero;
+    return v >= -neutral && v <= neutral ? 0 : v;
+}
+
+static void of_levels(const ntp__slopes *s, const ntp__block *b, double *right, double *down,
+                      int32_t n)
+{
+    bool zzero = s->src->encoding == NTP_ZZERO;
+    double sign = s->src->y == NTP_Y_UP ? 1 : -1, square = s->range * s->range;
+    int32_t zero = s->zero, neutral = s->neutral;
+    for (int32_t i = 0; i < n; i++) {
+        double x = numerator(b->c[0][i], zero, neutral), y = numerator(b->c[1][i], zero, neutral);
+        double z = zzero ? b->c[2][i] * s->z_scale : (double) (2 * b->c[2][i] - zero);
+        if (s->derived) {
+            double rest = square - x * x - y * y;
+            z = rest > 1 ? sqrt(rest) : 1;
+        }
+        z = z > 1 ? z : 1;
+        right[i] = -x / z;
+        down[i] = sign * y / z;
+    }
+}
+
+static void of_floats(const ntp__slopes *s, double *right, double *down, int32_t x, int32_t y,
+                      int32_t n)
+{
+    bool vector = s->src->encoding == NTP_VECTOR, zzero = s->src->encoding == NTP_ZZERO;
+    double sign = s->src->y == NTP_Y_UP ? 1 : -1;
+    for (int32_t i = 0; i < n; i++) {
+        const float *c = ntp__at(s->src, x + i, y);
+        double nx = vector ? (double) c[0] : 2 * (double) c[0] - 1;
+        double ny = vector ? (double) c[1] : 2 * (double) c[1] - 1, nz;
+        if (s->derived) {
+            double rest = 1 - nx * nx - ny * ny;
+            nz = rest > 0 ? sqrt(rest) : 0;
+        } else {
+            nz = vector || zzero ? (double) c[2] : 2 * (double) c[2] - 1;
+        }
+        nz = nz > least_float_z ? nz : least_float_z;
+        right[i] = -nx / nz;
+        down[i] = sign * ny / nz;
+    }
+}
+
+/* Makes texels flat that hold no normal. */
+static void flatten(const ntp__slopes *s, const ntp__block *b, double *right, double *down,
+                    int32_t n, ntp__slope_counts *counts)
+{
+    int32_t m = ntp__max(s->src->type);
+    uint32_t touch = s->touch_unused;
+    if (s->src->encoding == NTP_VECTOR) /* of any length, so that (2, 2, 2) is no padding */
+        touch |= NTP_UNUSED_BLACK | NTP_UNUSED_WHITE;
+    for (int32_t i = 0; i < n; i++) {
+        bool broken = b->any_broken && b->broken[i];
+        bool unused = ntp__unused(b->c[0][i], b->c[1][i], b->c[2][i], b->c[3][i], m, touch);
+        if (!broken && !unused)
+            continue;
+        right[i] = down[i] = 0;
+        if (counts != NULL) {
+            counts->not_finite += broken;
+            counts->unused += !broken;
+        }
+    }
+}
+
+void ntp__slopes_row(const ntp__slopes *s, double *right, double *down, int32_t y,
+                     ntp__slope_counts *counts)
+{
+    ntp__block block;
+    for (int32_t x = 0; x < s->src->width; x += NTP__BLOCK) {
+        int32_t n = s->src->width - x < NTP__BLOCK ? s->src->width - x : NTP__BLOCK;
+        ntp__unpack(&block, s->src, x, y, n);
+        if (s->src->type == NTP_F32)
+            of_floats(s, right + x, down + x, x, y, n);
+        else
+            of_levels(s, &block, right + x, down + x, n);
+        flatten(s, &block, right + x, down + x, n, counts);
+    }
+}

@@ -1,0 +1,33 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * slopes.h - rows of normals as slopes
+ */
+#ifndef NTP_SLOPES_H
+#define NTP_SLOPES_H
+
+#include "internal.h"
+
+/* How the samples of a texture become slopes. */
+typedef struct ntp__slopes {
+    const ntp_const_image *src;
+    ntp_decode decode;
+    uint32_t touch_unused;
+    int32_t zero; /* x is (2 c - zero) / range */
+    double range;
+    double z_scale;  /* z-zero: z is b * z_scale / range */
+    int32_t neutral; /* |2 c - zero| up to this counts as 0 */
+    bool derived;
+} ntp__slopes;
+
+typedef struct ntp__slope_counts {
+    uint64_t unused, not_finite;
+} ntp__slope_counts;
+
+/* Looks at the texture where decode is NTP_DECODE_AUTO. */
+void ntp__slopes_init(ntp__slopes *s, const ntp_const_image *src, const ntp_height_options *how);
+
+/* Slopes of row y to the right and down the picture; counts may be NULL. */
+void ntp__slopes_row(const ntp__slopes *s, double *right, double *down, int32_t y,
+                     ntp__slope_counts *counts);
+
+#endif

@@ -1,0 +1,134 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * telescope.c - Eberly's reconstruction: sums of slopes from texels whose height is given
+ *
+ * David Eberly, "Reconstructing a Height Field from a Normal Map", sections 3.1 (one-sided) and
+ * 3.2 (centered).  The sums are doubles.  A first walk finds the mean, a second one writes, so
+ * that each height is rounded once.
+ */
+#include "integrate.h"
+
+#include <string.h>
+
+typedef struct telescope {
+    const ntp__slopes *slopes;
+    const ntp_image *dst;
+    int32_t width;
+    bool central;
+    double seeds[4];
+    double *right, *down, *down_above; /* slopes of a row, and those down of the one before */
+    double *above[2];                  /* heights of the rows before */
+    double sum[4];                     /* of the heights by parity of column and row */
+    double shift[4];                   /* added to them */
+    uint64_t count[4];
+    bool write;
+} telescope;
+
+/* The second row of seeds, and the whole first rows, along the slopes to the right. */
+static void along_row(const telescope *t, double *h, double first, double second)
+{
+    h[0] = first;
+    if (!t->central) {
+        for (int32_t x = 1; x < t->width; x++)
+            h[x] = h[x - 1] + t->right[x - 1];
+        return;
+    }
+    if (t->width > 1)
+        h[1] = second;
+    for (int32_t x = 2; x < t->width; x++)
+        h[x] = h[x - 2] + 2 * t->right[x - 1];
+}
+
+static void put_row(telescope *t, const double *h, int32_t y)
+{
+    float *row = ntp__at_mut(t->dst, 0, y);
+    for (int32_t x = 0; x < t->width; x++) {
+        int32_t parity = (x & 1) + 2 * (y & 1);
+        if (t->write) {
+            row[x] = (float) (h[x] + t->shift[parity]);
+        } else {
+            t->sum[parity] += h[x];
+            t->count[parity]++;
+        }
+    }
+}
+
+static void walk(telescope *t, ntp__slope_counts *counts)
+{
+    for (int32_t y = 0; y < t->dst->height; y++) {
+        double *h = t->central ? t->above[y & 1] : t->above[0];
+        ntp__slopes_row(t->slopes, t->right, t->down, y, counts);
+        if (y == 0) {
+            along_row(t, h, t->seeds[0], t->seeds[1]);
+        } else if (t->central && y == 1) {
+            along_row(t, h, t->seeds[2], t->seeds[3]);
+        } else {
+            /* h is the row before, or for central slopes the one before that. */
+            double step = t->central ? 2 : 1;
+            for (int32_t x = 0; x < t->width; x++)
+                h[x] += step * t->down_above[x];
+        }
+        put_row(t, h, y);
+        double *swap = t->down;
+        t->down = t->down_above;
+        t->down_above = swap;
+    }
+}
+
+/* The means of known and implied neighbors. */
+static void default_seeds(telescope *t)
+{
+    int32_t w = t->width, h = t->dst->height;
+    double p10, q01;
+    ntp__slopes_row(t->slopes, t->right, t->down, 0, NULL);
+    p10 = w > 1 ? t->right[1] : 0;
+    if (w > 1)
+        t->seeds[1] = p10;
+    if (h < 2)
+        return;
+    ntp__slopes_row(t->slopes, t->right, t->down, 1, NULL);
+    q01 = t->down[0];
+    t->seeds[2] = q01;
+    if (w > 1)
+        t->seeds[3] = (q01 + t->right[1] + p10 + t->down[1]) / 2;
+}
+
+static void set_shifts(telescope *t, bool equalize)
+{
+    double sum = 0, count = 0;
+    for (int32_t i = 0; i < 4; i++) {
+        sum += t->sum[i];
+        count += (double) t->count[i];
+    }
+    for (int32_t i = 0; i < 4; i++) {
+        bool own = equalize && t->count[i] > 0;
+        t->shift[i] = own ? -t->sum[i] / (double) t->count[i] : -sum / count;
+    }
+}
+
+void ntp__telescope(const ntp_image *dst, const ntp__slopes *slopes, const ntp_height_options *how,
+                    double *rows, ntp__slope_counts *counts)
+{
+    telescope t;
+    size_t w = (size_t) dst->width;
+    memset(&t, 0, sizeof t);
+    t.slopes = slopes;
+    t.dst = dst;
+    t.width = dst->width;
+    t.central = how->kernel == NTP_KERNEL_CENTRAL;
+    t.right = rows;
+    t.down = rows + w;
+    t.down_above = rows + 2 * w;
+    t.above[0] = rows + 3 * w;
+    t.above[1] = rows + 4 * w;
+    if (how->use_seeds)
+        memcpy(t.seeds, how->seeds, sizeof t.seeds);
+    else if (t.central)
+        default_seeds(&t);
+    if (!how->use_seeds || (how->equalize && t.central)) {
+        walk(&t, NULL);
+        set_shifts(&t, how->equalize && t.central);
+    }
+    t.write = true;
+    walk(&t, counts);
+}

@@ -1,0 +1,522 @@
+# SPDX-License-Identifier: MIT
+"""Normals -> heightfield against dense float64 least squares, and round trips.
+
+The model writes every stencil as a matrix, out of the taps and borders of oracle_height, and
+solves by singular values (small sizes) or by the eigenvectors of the two axes (large ones).
+"""
+
+import itertools
+import threading
+
+import numpy as np
+import pytest
+
+import libntp_ffi as ntp
+import oracle_height as heights
+
+AUTO, TELESCOPING, FRANKOT_CHELLAPPA, POISSON_DCT = range(4)
+DECODE_AUTO, UNORM, NEUTRAL, TRUNC, SNORM = range(5)
+WRAP, CLAMP, MIRROR, EXTRAPOLATE, REPEAT_SLOPE = range(5)
+KERNELS = ["central", "forward"]
+# What the direct solver takes.
+BORDERS = {"forward": [0, 1, 2, 3, 4], "central": [WRAP, CLAMP, EXTRAPOLATE]}
+CASES = [(k, x, y) for k in KERNELS for x, y in itertools.product(BORDERS[k], repeat=2)]
+SIZES = [(1, 1), (1, 2), (2, 1), (2, 2), (1, 7), (7, 1), (3, 2), (5, 4), (4, 5), (7, 7), (6, 9)]
+
+
+# ------------------------------------------------------------------------------ calling
+
+
+def options(kernel="central", border_x=WRAP, border_y=WRAP, **how):
+    how.update(kernel=heights.NAMES.index(kernel), border_x=border_x, border_y=border_y)
+    return ntp.ffi.new("ntp_height_options *", how)
+
+
+def serial_hooks(parts, **callbacks):
+    hooks = ntp.ffi.new("ntp_hooks *", {"parts": parts})
+    for name, callback in callbacks.items():
+        setattr(hooks, name, callback)
+    return hooks
+
+
+def to_height(src, encoding=ntp.STANDARD, y=ntp.UP, hooks=None, **how):
+    """(heights, result as a dict)."""
+    h, w = src.shape[:2]
+    parts = hooks.parts if hooks else 1
+    chosen = options(**how)
+    size = ntp.lib.ntp_height_scratch_size(chosen, w, h, parts)
+    scratch = ntp.aligned(max(size, 1), 64)
+    where = ntp.ffi.cast("void *", scratch.__array_interface__["data"][0])
+    dst = np.full((h, w), np.nan, np.float32)
+    result = ntp.ffi.new("ntp_height_result *")
+    ntp.check(
+        ntp.lib.ntp_height_from_normals(
+            ntp.view(dst, ntp.HEIGHT),
+            ntp.view(src, encoding, y, const=True),
+            chosen,
+            where,
+            size,
+            hooks or ntp.ffi.NULL,
+            result,
+        )
+    )
+    return dst, ntp.fields(result)
+
+
+def from_height(h, kernel="central", border_x=WRAP, border_y=WRAP, dst=np.uint8, vector=False):
+    how = {"kernel": heights.NAMES.index(kernel), "border_x": border_x, "border_y": border_y}
+    how = ntp.ffi.new("ntp_gradient_options *", {**how, "scale": 1})
+    out = np.zeros((*h.shape, 3), np.float32 if vector else dst)
+    view = ntp.view(out, ntp.VECTOR if vector else ntp.STANDARD)
+    h = np.ascontiguousarray(h, np.float32)
+    src = ntp.view(h, ntp.HEIGHT, const=True)
+    ntp.check(ntp.lib.ntp_normals_from_height(view, src, how, ntp.ffi.NULL, ntp.ffi.NULL))
+    return out
+
+
+# ------------------------------------------------------------------------------ the model
+
+
+def stencil(n, kernel, border):
+    """The matrix of slopes along an axis of n heights, towards greater indices."""
+    matrix = np.zeros((n, n))
+    taps = heights.taps(kernel, False)
+    for i in range(n):
+        at = i
+        if border == REPEAT_SLOPE:
+            at = min(max(i, -min(0, *(t[0] for t in taps))), n - 1 - max(t[0] for t in taps))
+            at = i if n == 1 else at
+        for (offset, _), weight in taps.items():
+            for index, share in heights.reflect(at + offset, n, border):
+                matrix[i, index] += float(weight * share)
+    return matrix / heights.KERNELS[kernel][1]
+
+
+def rows_of(n, kernel, border):
+    """(matrix, what it is multiplied with to take data along): the rows that are fitted."""
+    d, take = stencil(n, kernel, border), np.eye(n)
+    if kernel == "forward" and border in (MIRROR, EXTRAPOLATE, REPEAT_SLOPE) and n > 1:
+        take[n - 2, n - 2] = 0.5
+        take[n - 2, n - 1] = -0.5 if border == MIRROR else 0.5
+        take[n - 1] = 0
+    elif kernel == "central" and border == EXTRAPOLATE:
+        take[0, 0] = take[n - 1, n - 1] = 0.5
+    return take @ d, take
+
+
+def least_norm(p, q, kernel, border_x, border_y):
+    """The heights whose slopes come nearest to p, right, and q, down."""
+    h, w = p.shape
+    dx, take_x = rows_of(w, kernel, border_x)
+    dy, take_y = rows_of(h, kernel, border_y)
+    matrix = np.vstack([np.kron(np.eye(h), dx), np.kron(dy, np.eye(w))])
+    data = np.concatenate([(p @ take_x.T).ravel(), (take_y @ q).ravel()])
+    return np.linalg.lstsq(matrix, data, rcond=1e-11)[0].reshape(h, w)
+
+
+def by_eigenvectors(p, q, kernel, border_x, border_y):
+    """The same for large sizes."""
+    h, w = p.shape
+    dx, take_x = rows_of(w, kernel, border_x)
+    dy, take_y = rows_of(h, kernel, border_y)
+    lx, vx = np.linalg.eigh(dx.T @ dx)
+    ly, vy = np.linalg.eigh(dy.T @ dy)
+    f = p @ take_x.T @ dx + dy.T @ (take_y @ q)
+    total = ly[:, None] + lx[None, :]
+    null = total < 1e-11
+    spectrum = np.where(null, 0, (vy.T @ f @ vx) / np.where(null, 1, total))
+    return vy @ spectrum @ vx.T
+
+
+def slopes(n, encoding=ntp.STANDARD, y=ntp.UP, decode=UNORM, derived=False):
+    """(p right, q down) of a texture, in float64."""
+    c = n.astype(np.float64)
+    if n.dtype == np.float32:
+        least = 1 / 65535
+        v = c if encoding == ntp.VECTOR else 2 * c - 1
+        z_zero = c
+    else:
+        m = np.iinfo(n.dtype).max
+        least = 1 / m
+        v = (2 * c - m) / m
+        if decode == NEUTRAL:
+            v[np.abs(2 * c - m) == 1] = 0
+        if decode == TRUNC:
+            v = (2 * c + 1 - m) / m
+        if decode == SNORM:
+            v = (2 * c - m - 1) / (m - 1)
+            least = 1 / (m - 1)
+        z_zero = c / m
+    if derived or encoding == ntp.XY:
+        z = np.sqrt(np.maximum(1 - v[..., 0] ** 2 - v[..., 1] ** 2, 0))
+    else:
+        z = z_zero[..., 2] if encoding == ntp.ZZERO else v[..., 2]
+        if decode == NEUTRAL and encoding != ntp.ZZERO:
+            z = (2 * c[..., 2] - m) / m
+    z = np.maximum(z, least)
+    return -v[..., 0] / z, (v[..., 1] if y == ntp.UP else -v[..., 1]) / z
+
+
+def near(ours, model, tolerance=2e-6):
+    scale = max(np.ptp(model), np.abs(model).max(), 1e-3)
+    return np.abs(ours - model).max() <= tolerance * scale
+
+
+def vectors_of(p, q):
+    n = np.stack([-p, q, np.ones_like(p)], axis=-1)
+    return (n / np.linalg.norm(n, axis=-1, keepdims=True)).astype(np.float32)
+
+
+def random_vectors(rng, shape, steepness=1.0):
+    return vectors_of(*(rng.normal(size=(2, *shape)) * steepness))
+
+
+def fractal(n, seed=1, rms_slope=0.7, exponent=2.5):
+    """A periodic heightfield with a spectrum of 1/f^exponent, heights in texels."""
+    rng = np.random.default_rng(seed)
+    f = np.hypot(*np.meshgrid(np.fft.fftfreq(n), np.fft.fftfreq(n)))
+    f[0, 0] = np.inf
+    h = np.fft.ifft2(np.fft.fft2(rng.normal(size=(n, n))) * f**-exponent).real
+    dx, dy = np.roll(h, -1, 1) - h, np.roll(h, -1, 0) - h
+    slope = np.sqrt(np.mean(dx * dx + dy * dy))
+    return (h * (rms_slope / slope)).astype(np.float32)
+
+
+def ramp_and_bumps(n):
+    """Not periodic."""
+    y, x = np.mgrid[:n, :n] / n
+    h = 0.3 * n * x - 0.2 * n * y
+    for cx, cy, r in [(0.3, 0.3, 0.1), (0.7, 0.4, 0.06), (0.5, 0.8, 0.15)]:
+        h = h + 0.4 * n * r * np.exp(-((x - cx) ** 2 + (y - cy) ** 2) / (r * r))
+    return h.astype(np.float32)
+
+
+# ---------------------------------------------------------------------- least squares
+
+
+@pytest.mark.parametrize(("kernel", "border_x", "border_y"), CASES)
+def test_least_squares_of_small_sizes(kernel, border_x, border_y):
+    rng = np.random.default_rng([border_x, border_y])
+    for shape in SIZES:
+        n = random_vectors(rng, shape)
+        p, q = slopes(n, ntp.VECTOR)
+        ours, result = to_height(n, ntp.VECTOR, kernel=kernel, border_x=border_x, border_y=border_y)
+        model = least_norm(p, q, kernel, border_x, border_y)
+        assert near(ours, model), (shape, ours, model)
+        assert near(model, by_eigenvectors(p, q, kernel, border_x, border_y), 1e-8)
+        wrap = border_x == WRAP and border_y == WRAP
+        assert result["method"] == (FRANKOT_CHELLAPPA if wrap else POISSON_DCT)
+        assert (result["min"], result["max"]) == (ours.min(), ours.max())
+
+
+@pytest.mark.parametrize("shape", [(64, 48), (97, 101), (30, 211), (256, 33), (33, 300), (17, 600)])
+@pytest.mark.parametrize("kernel", KERNELS)
+@pytest.mark.parametrize("border", [WRAP, CLAMP, EXTRAPOLATE])
+def test_least_squares_of_large_sizes(shape, kernel, border):
+    rng = np.random.default_rng(shape)
+    n = random_vectors(rng, shape, 0.3)
+    p, q = slopes(n, ntp.VECTOR)
+    for border_x, border_y in [(border, border), (border, WRAP), (CLAMP, border)]:
+        ours, _ = to_height(n, ntp.VECTOR, kernel=kernel, border_x=border_x, border_y=border_y)
+        assert near(ours, by_eigenvectors(p, q, kernel, border_x, border_y), 3e-6)
+        assert abs(ours.mean(dtype=np.float64)) < 1e-6 * np.ptp(ours)
+
+
+@pytest.mark.parametrize("shape", [(3, 1000), (1000, 3), (1, 1031), (1031, 1)])
+def test_long_images(shape):
+    rng = np.random.default_rng(4)
+    n = random_vectors(rng, shape, 0.3)
+    p, q = slopes(n, ntp.VECTOR)
+    for kernel, border in [("forward", WRAP), ("forward", CLAMP), ("central", WRAP)]:
+        ours, _ = to_height(n, ntp.VECTOR, kernel=kernel, border_x=border, border_y=border)
+        assert near(ours, by_eigenvectors(p, q, kernel, border, border), 1e-5), (kernel, border)
+
+
+# ------------------------------------------------------------------------------- decoding
+
+
+@pytest.mark.parametrize("dtype", [np.uint8, np.uint16])
+@pytest.mark.parametrize("encoding", [ntp.STANDARD, ntp.ZZERO, ntp.XY])
+@pytest.mark.parametrize("y", [ntp.UP, ntp.DOWN])
+def test_decoding_of_integers(dtype, encoding, y):
+    rng = np.random.default_rng(7)
+    m = np.iinfo(dtype).max
+    channels = 2 if encoding == ntp.XY else 3
+    n = rng.integers(m // 4, 3 * m // 4, (9, 12, channels)).astype(dtype)
+    n[..., :2][:3] = m // 2
+    if channels == 3:
+        n[..., 2] = rng.integers(m // 2 - 2, m, n.shape[:2])
+        n[4, 4, 2] = 0
+    for decode, derived in itertools.product([UNORM, NEUTRAL, TRUNC, SNORM], [False, True]):
+        if encoding == ntp.ZZERO and decode == SNORM:
+            continue
+        p, q = slopes(n, encoding, y, decode, derived)
+        if encoding == ntp.ZZERO and decode == TRUNC:
+            p, q = slopes(n, encoding, y, TRUNC, derived)
+        ours, result = to_height(n, encoding, y, kernel="forward", decode=decode, z=int(derived))
+        assert near(ours, least_norm(p, q, "forward", WRAP, WRAP)), (decode, derived)
+        assert result["decode"] == decode
+
+
+def test_decoding_of_floats():
+    rng = np.random.default_rng(8)
+    v = random_vectors(rng, (6, 7))
+    unit = ((v + 1) / 2).astype(np.float32)
+    zzero = unit.copy()
+    zzero[..., 2] = v[..., 2]
+    for n, encoding in [(v, ntp.VECTOR), (unit, ntp.STANDARD), (zzero, ntp.ZZERO), (unit, ntp.XY)]:
+        for y in (ntp.UP, ntp.DOWN):
+            ours, _ = to_height(n, encoding, y, kernel="forward")
+            p, q = slopes(n, encoding, y)
+            assert near(ours, least_norm(p, q, "forward", WRAP, WRAP))
+
+
+def test_neutral_levels_by_evidence():
+    h = np.zeros((128, 128), np.float32)
+    y, x = np.mgrid[:128, :128]
+    h += 4 * np.exp(-((x - 40.0) ** 2 + (y - 70.0) ** 2) / 60).astype(np.float32)
+    n = from_height(h, border_x=CLAMP, border_y=CLAMP)
+    free = {"border_x": CLAMP, "border_y": CLAMP}
+    ours, result = to_height(n, **free)
+    biased, _ = to_height(n, decode=UNORM, **free)
+    assert result["decode"] == NEUTRAL
+    assert np.std(ours - h) < 0.02
+    assert np.std(biased - h) > 0.1
+    _, result = to_height(from_height(fractal(128)))
+    assert result["decode"] == UNORM
+
+
+# -------------------------------------------------------------------------- round trips
+
+
+@pytest.mark.parametrize("kernel", KERNELS)
+@pytest.mark.parametrize("border", [WRAP, EXTRAPOLATE])
+def test_round_trip_of_8_bits(kernel, border):
+    h = fractal(512) if border == WRAP else fractal(1024)[:512, :512]
+    how = {"kernel": kernel, "border_x": border, "border_y": border}
+    n = from_height(h, **how)
+    ours, _ = to_height(n, **how)
+    again = from_height(ours, **how)
+    off = np.abs(again.astype(int) - n)[..., :2].max(axis=-1)
+    # Extrapolated slopes at the edge itself count less than the others.
+    assert off.max() <= (1 if border == WRAP else 2)
+    assert off[1:-1, 1:-1].max() <= 1
+    assert np.mean(off > 0) <= 0.065
+
+
+@pytest.mark.parametrize("kernel", KERNELS)
+@pytest.mark.parametrize("border", [WRAP, EXTRAPOLATE, CLAMP])
+def test_round_trip_of_16_bits_and_floats(kernel, border):
+    # Next to nothing in the parity modes, which central slopes do not see.
+    h = fractal(256, exponent=3.5) if border == WRAP else ramp_and_bumps(256)
+    if border == CLAMP and kernel == "forward":
+        border = MIRROR
+    how = {"kernel": kernel, "border_x": border, "border_y": border}
+    error = {}
+    for name, n, encoding in [
+        ("u16", from_height(h, dst=np.uint16, **how), ntp.STANDARD),
+        ("f32", from_height(h, vector=True, **how), ntp.VECTOR),
+    ]:
+        ours, _ = to_height(n, encoding, **how)
+        rest = ours - h
+        error[name] = np.std(rest) / np.ptp(h)
+    assert error["u16"] <= 1e-6
+    assert error["f32"] <= 1e-7
+
+
+def test_ramps_are_exact_where_borders_are_free():
+    y, x = np.mgrid[:40, :50].astype(np.float64)
+    h = 0.5 * x - 0.25 * y
+    for kernel in KERNELS:
+        how = {"kernel": kernel, "border_x": EXTRAPOLATE, "border_y": EXTRAPOLATE}
+        ours, _ = to_height(from_height(h, vector=True, **how), ntp.VECTOR, **how)
+        assert near(ours, h - h.mean(), 1e-6)
+
+
+# -------------------------------------------------------------------------- telescoping
+
+
+def telescoped(p, q, central, seeds):
+    """Eberly's sums, one height after another."""
+    h, w = p.shape
+    out = np.zeros((h, w))
+    step = 2 if central else 1
+    for j, i in itertools.product(range(h), range(w)):
+        if i < step and j < step:
+            out[j, i] = seeds[i + 2 * j]
+        elif j < step:
+            out[j, i] = out[j, i - step] + step * p[j, i - step // 2 if central else i - 1]
+        else:
+            out[j, i] = out[j - step, i] + step * q[j - step // 2 if central else j - 1, i]
+    return out
+
+
+@pytest.mark.parametrize("kernel", KERNELS)
+@pytest.mark.parametrize("shape", [*SIZES, (20, 31), (31, 20), (64, 300)])
+def test_telescoping_is_eberlys_construction(kernel, shape):
+    rng = np.random.default_rng(shape)
+    n = random_vectors(rng, shape)
+    p, q = slopes(n, ntp.VECTOR)
+    seeds = [0.5, -1.25, 2, 3]
+    central = kernel == "central"
+    how = {"kernel": kernel, "method": TELESCOPING}
+    ours, result = to_height(n, ntp.VECTOR, use_seeds=1, seeds=seeds, **how)
+    model = telescoped(p, q, central, seeds)
+    assert np.array_equal(ours, model.astype(np.float32))
+    assert result["method"] == TELESCOPING
+    h, w = shape
+    p10 = p[0, 1] if w > 1 else 0
+    q01 = q[1, 0] if h > 1 else 0
+    h11 = (q01 + p[1, 1] + p10 + q[1, 1]) / 2 if min(h, w) > 1 else 0
+    model = telescoped(p, q, central, [0, p10, q01, h11])
+    assert near(to_height(n, ntp.VECTOR, **how)[0], model - model.mean(), 1e-7)
+    if central:
+        for j, i in itertools.product(range(min(h, 2)), range(min(w, 2))):
+            model[j::2, i::2] -= model[j::2, i::2].mean()
+        assert near(to_height(n, ntp.VECTOR, equalize=1, **how)[0], model, 1e-7)
+
+
+@pytest.mark.parametrize("kernel", KERNELS)
+@pytest.mark.parametrize("shape", [(33, 40), (40, 33)])
+def test_telescoping_recovers_consistent_heights(kernel, shape):
+    rng = np.random.default_rng(3)
+    h = np.round(rng.normal(size=shape) * 8) / 8
+    p = h @ stencil(shape[1], kernel, EXTRAPOLATE).T
+    q = stencil(shape[0], kernel, EXTRAPOLATE) @ h
+    n = np.stack([-p, q, np.ones(shape)], axis=-1).astype(np.float32)  # exact, not of length 1
+    seeds = [h[0, 0], h[0, 1], h[1, 0], h[1, 1]]
+    ours, _ = to_height(n, ntp.VECTOR, kernel=kernel, method=TELESCOPING, use_seeds=1, seeds=seeds)
+    assert np.array_equal(ours, h)
+
+
+# ------------------------------------------------------------------- threads and hooks
+
+
+@pytest.mark.parametrize("kernel", KERNELS)
+def test_same_bytes_for_any_number_of_parts(kernel):
+    rng = np.random.default_rng(5)
+    n = rng.integers(60, 200, (150, 700, 3)).astype(np.uint8)
+
+    @ntp.ffi.callback("void(void *, int32_t, void (*)(void *, int32_t), void *)")
+    def parallel_for(_, count, task, work):
+        threads = [threading.Thread(target=task, args=(work, i)) for i in range(count)]
+        for t in threads:
+            t.start()
+        for t in threads:
+            t.join()
+
+    for border in (WRAP, CLAMP):
+        how = {"kernel": kernel, "border_x": border, "border_y": border}
+        alone, facts = to_height(n, **how)
+        for parts in (2, 3, 7, 64):
+            hooks = serial_hooks(parts, parallel_for=parallel_for)
+            ours, result = to_height(n, hooks=hooks, **how)
+            assert np.array_equal(ours.view(np.uint32), alone.view(np.uint32))
+            assert result == facts
+
+
+def test_progress_and_cancellation():
+    n = np.full((100, 300, 3), 130, np.uint8)
+    shares = []
+
+    @ntp.ffi.callback("int32_t(void *, double)")
+    def progress(_, share):
+        shares.append(share)
+        return len(shares) == stop
+
+    stop = 0
+    to_height(n, hooks=serial_hooks(1, progress=progress))
+    assert shares == sorted(shares)
+    assert 0 <= shares[0] and shares[-1] <= 1 and len(shares) > 10
+    for stop in range(1, len(shares) + 1):
+        shares.clear()
+        with pytest.raises(ntp.NtpError) as error:
+            to_height(n, hooks=serial_hooks(1, progress=progress))
+        assert error.value.status == ntp.ERR_CANCELLED
+        assert len(shares) == stop
+
+
+# ---------------------------------------------------------------------------- bad input
+
+
+def test_texels_without_a_normal_are_flat():
+    rng = np.random.default_rng(2)
+    v = random_vectors(rng, (8, 9))
+    clean = v.copy()
+    v[2, 3] = 0
+    v[4, 5, 1] = np.nan
+    v[6, 7, 2] = np.inf
+    for at in [(2, 3), (4, 5), (6, 7)]:
+        clean[at] = (0, 0, 1)
+    for method in (AUTO, TELESCOPING):
+        ours, result = to_height(v, ntp.VECTOR, method=method)
+        assert np.array_equal(ours, to_height(clean, ntp.VECTOR, method=method)[0])
+        assert (result["not_finite"], result["unused"]) == (3, 0)
+    n = rng.integers(100, 150, (8, 9, 4)).astype(np.uint8)
+    n[..., 3] = 255
+    n[0, 0] = 0, 0, 0, 255
+    n[1, 1] = 255
+    n[2, 2, 3] = 0
+    ours, result = to_height(n, decode=NEUTRAL)
+    assert result["unused"] == 3
+    flat = n.copy()
+    for at in [(0, 0), (1, 1), (2, 2)]:
+        flat[at] = 128, 128, 255, 255
+    assert np.array_equal(ours, to_height(flat, decode=NEUTRAL)[0])
+    _, result = to_height(n, touch_unused=7)
+    assert result["unused"] == 0
+
+
+def test_extreme_textures_stay_finite():
+    zeros = np.zeros((13, 17, 3), np.float32)
+    ours, result = to_height(zeros, ntp.VECTOR)
+    assert np.all(ours == 0) and result["not_finite"] == 13 * 17
+    behind = np.full((13, 17, 3), 10, np.uint8)  # z < 0 everywhere
+    for kernel, border in itertools.product(KERNELS, (WRAP, CLAMP)):
+        how = {"kernel": kernel, "border_x": border, "border_y": border}
+        p, q = slopes(behind)
+        assert p.max() == 235
+        ours, _ = to_height(behind, **how)
+        assert near(ours, least_norm(p, q, kernel, border, border))
+    huge = np.zeros((5, 6, 3), np.float32)
+    huge[..., 0] = 3e38
+    assert np.all(np.isfinite(to_height(huge / 1e10, ntp.VECTOR)[0]))
+
+
+def test_arguments():
+    n = np.full((8, 8, 3), 130, np.uint8)
+    wrong = [
+        ({"method": FRANKOT_CHELLAPPA, "border_x": CLAMP}, ntp.ERR_ARGUMENT),
+        ({"method": POISSON_DCT}, ntp.ERR_ARGUMENT),
+        ({"kernel": "sobel3"}, ntp.ERR_FORMAT),
+        ({"border_x": MIRROR}, ntp.ERR_FORMAT),
+        ({"border_y": REPEAT_SLOPE}, ntp.ERR_FORMAT),
+        ({"use_seeds": 1}, ntp.ERR_ARGUMENT),
+        ({"use_seeds": 1, "method": TELESCOPING, "seeds": [np.nan, 0, 0, 0]}, ntp.ERR_ARGUMENT),
+        ({"decode": 5}, ntp.ERR_ARGUMENT),
+        ({"z": 2}, ntp.ERR_ARGUMENT),
+        ({"border_x": 9}, ntp.ERR_ARGUMENT),
+    ]
+    for how, status in wrong:
+        with pytest.raises(ntp.NtpError) as error:
+            to_height(n, **how)
+        assert error.value.status == status, how
+    with pytest.raises(ntp.NtpError) as error:
+        to_height(n, ntp.HEIGHT)
+    assert error.value.status == ntp.ERR_FORMAT
+    dst = np.zeros((8, 8), np.float32)
+    src = ntp.view(n, const=True)
+    view = ntp.view(dst, ntp.HEIGHT)
+    null = ntp.ffi.NULL
+    call = ntp.lib.ntp_height_from_normals
+    scratch = ntp.aligned(1 << 16, 64)
+    where = ntp.ffi.cast("char *", scratch.__array_interface__["data"][0])
+    size = ntp.lib.ntp_height_scratch_size(null, 8, 8, 0)
+    assert 0 < size <= 1 << 16
+    assert call(view, src, null, where, size, null, null) == ntp.OK
+    assert call(view, src, null, where, size - 1, null, null) == ntp.ERR_SCRATCH
+    assert call(view, src, null, where + 4, size, null, null) == ntp.ERR_SCRATCH
+    assert call(view, src, null, null, size, null, null) == ntp.ERR_SCRATCH
+    assert call(null, src, null, where, size, null, null) == ntp.ERR_ARGUMENT
+    assert ntp.lib.ntp_height_scratch_size(null, 0, 8, 1) == 0
+    assert ntp.lib.ntp_height_scratch_size(null, 8, 8, 65) == 0
