@@ -257,7 +257,7 @@ typedef struct ntp_clean_counts {
  */
 typedef struct ntp_clean_plan ntp_clean_plan;
 
-/* Bytes of a plan (about 257 KiB). */
+/* Bytes of a plan (about 320 KiB). */
 NTP_API size_t ntp_clean_plan_size(void);
 
 /*

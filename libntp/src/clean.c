@@ -18,6 +18,7 @@ struct ntp_clean_plan {
     uint32_t kept;   /* bits of r | g << 8 | b << 16 that the table does not decide */
     uint32_t usable; /* 0: with these options blue decides too, and the plan is not used */
     uint32_t table[65536];
+    uint8_t blue[65536]; /* of pairs that stay as they are, for standard Z; see kernels.h */
 };
 
 size_t ntp_clean_plan_size(void)
@@ -70,6 +71,8 @@ ntp_status ntp_clean_plan_init(ntp_clean_plan **plan, void *memory, size_t size,
         bool maybe_unused = i == 0 || i == 65535;
         p->table[i] = (uint32_t) c[0] | (uint32_t) c[1] << 8 | (uint32_t) c[2] << 16 |
                       (maybe_unused ? 0x1000000u : 0);
+        bool stays = c[0] == (i & 255) && c[1] == i >> 8 && !maybe_unused;
+        p->blue[i] = (uint8_t) (stays ? c[2] : 0);
     }
     *plan = p;
     return NTP_OK;
@@ -83,6 +86,7 @@ typedef struct job {
     ntp_encoding encoding; /* NTP_VECTOR is repaired as standard, on the 16-bit grid */
     int32_t m;
     const ntp__kernels_table *kernels;
+    bool count; /* whether the caller asks how many texels changed */
 } job;
 
 static void clean_texel(const job *j, int32_t c[4])
@@ -199,7 +203,7 @@ static bool clean_packed16(const job *j, int32_t x, int32_t y, int32_t n, ntp_cl
         !ntp__is_packed(j->src) || j->dst->pixel_stride != j->src->pixel_stride)
         return false;
     int32_t changed = j->kernels->clean_rgb16(ntp__at_mut(j->dst, x, y), ntp__at(j->src, x, y), n,
-                                              j->encoding == NTP_ZZERO);
+                                              j->encoding == NTP_ZZERO, j->count);
     if (changed >= 0)
         counts->changed += (uint64_t) changed;
     return changed >= 0;
@@ -239,9 +243,10 @@ static bool clean_by_table(const job *j, const ntp_clean_plan *plan, const ntp_r
                                                    : j->kernels->clean_rgb8_blindly;
     uint64_t changed = 0;
     for (int32_t y = rect->y0; y < rect->y1; y++)
-        changed +=
-            clean8(ntp__at_mut(j->dst, rect->x0, y), ntp__at(j->src, rect->x0, y),
-                   (size_t) (rect->x1 - rect->x0), plan->table, plan->kept, j->how.touch_unused);
+        changed += clean8(ntp__at_mut(j->dst, rect->x0, y), ntp__at(j->src, rect->x0, y),
+                          (size_t) (rect->x1 - rect->x0), plan->table,
+                          plan->encoding == NTP_STANDARD ? plan->blue : NULL, plan->kept,
+                          j->how.touch_unused);
     if (counts != NULL)
         counts->changed += changed;
     return true;
@@ -274,6 +279,7 @@ ntp_status ntp_clean(const ntp_image *dst, const ntp_const_image *src, const ntp
         .dst = dst, .src = src, .m = ntp__max(src->type), .kernels = ntp__kernels(NTP__CPU_ALL)
     };
     NTP__TRY(check_options(&j.how, how));
+    j.count = counts != NULL;
     j.encoding = src->encoding == NTP_VECTOR ? NTP_STANDARD : src->encoding;
     if (plan != NULL && (plan->encoding != j.encoding || !same_options(&plan->how, &j.how)))
         return NTP_ERR_ARGUMENT;

@@ -89,50 +89,82 @@ static uint64_t clean_rgb8_slowly(uint8_t *dst, const uint8_t *src, size_t n, co
     return changed;
 }
 
+/* Four pixels with one of the table's flags set among them. */
+static inline void clean_four(uint32_t t[4], const uint8_t *src, const uint32_t *table,
+                              uint32_t touch_unused)
+{
+    for (int i = 0; i < 4; i++)
+        t[i] = clean_one(load24le(src + 3 * i), table, 0, touch_unused);
+}
+
+static inline uint32_t count_four(const uint32_t t[4], const uint8_t *src)
+{
+    uint32_t changed = 0;
+    for (int i = 0; i < 4; i++)
+        changed += t[i] != load24le(src + 3 * i);
+    return changed;
+}
+
 /*
- * Four pixels a step: the table answers for a pair of bytes where it lies, and two stores that
- * no later load overlaps take all twelve results (a store of four bytes for each pixel would
- * stall the loads that follow when dst is src).
+ * Four pixels a step, and two stores that no later load overlaps take all twelve results (a store
+ * of four bytes for each pixel would stall the loads that follow when dst is src).  `blue`, where
+ * there is one, holds only the blue of each pair, 0 for the pairs that change or may be unused:
+ * 64 KiB, of which what a texture uses fits the first cache.
  */
 static inline uint64_t clean_rgb8(uint8_t *dst, const uint8_t *src, size_t n, const uint32_t *table,
-                                  uint32_t kept, uint32_t touch_unused, bool count)
+                                  const uint8_t *blue, uint32_t kept, uint32_t touch_unused,
+                                  bool count)
 {
     uint64_t changed = 0;
     if (kept != 0)
         return clean_rgb8_slowly(dst, src, n, table, kept, touch_unused);
     for (; n >= 4; n -= 4, src += 12, dst += 12) {
-        uint32_t t0 = table[load16le(src)], t1 = table[load16le(src + 3)];
-        uint32_t t2 = table[load16le(src + 6)], t3 = table[load16le(src + 9)];
-        if ((t0 | t1 | t2 | t3) >> 24) {
-            t0 = clean_one(load24le(src), table, 0, touch_unused);
-            t1 = clean_one(load24le(src + 3), table, 0, touch_unused);
-            t2 = clean_one(load24le(src + 6), table, 0, touch_unused);
-            t3 = clean_one(load24le(src + 9), table, 0, touch_unused);
+        uint32_t pair[4], t[4];
+        for (int i = 0; i < 4; i++)
+            pair[i] = load16le(src + 3 * i);
+        if (blue != NULL) {
+            uint32_t b[4] = { blue[pair[0]], blue[pair[1]], blue[pair[2]], blue[pair[3]] };
+            for (int i = 0; i < 4; i++)
+                t[i] = pair[i] | b[i] << 16;
+            /* The blues of standard Z are 128 and more. */
+            if (!(b[0] & b[1] & b[2] & b[3] & 0x80))
+                clean_four(t, src, table, touch_unused);
+        } else {
+            for (int i = 0; i < 4; i++)
+                t[i] = table[pair[i]];
+            if ((t[0] | t[1] | t[2] | t[3]) >> 24)
+                clean_four(t, src, table, touch_unused);
         }
         if (count)
-            changed += (uint64_t) (t0 != load24le(src)) + (t1 != load24le(src + 3)) +
-                       (t2 != load24le(src + 6)) + (t3 != load24le(src + 9));
-        store64le(dst, (uint64_t) t0 | (uint64_t) t1 << 24 | (uint64_t) t2 << 48);
-        store32le(dst + 8, t2 >> 16 | t3 << 8);
+            changed += count_four(t, src);
+        store64le(dst, (uint64_t) t[0] | (uint64_t) t[1] << 24 | (uint64_t) t[2] << 48);
+        store32le(dst + 8, t[2] >> 16 | t[3] << 8);
     }
     return changed + clean_rgb8_slowly(dst, src, n, table, 0, touch_unused);
 }
 
 static uint64_t clean_rgb8_counting(uint8_t *dst, const uint8_t *src, size_t n,
-                                    const uint32_t *table, uint32_t kept, uint32_t touch_unused)
+                                    const uint32_t *table, const uint8_t *blue, uint32_t kept,
+                                    uint32_t touch_unused)
 {
-    return clean_rgb8(dst, src, n, table, kept, touch_unused, true);
+    if (blue != NULL)
+        return clean_rgb8(dst, src, n, table, blue, kept, touch_unused, true);
+    return clean_rgb8(dst, src, n, table, NULL, kept, touch_unused, true);
 }
 
 static uint64_t clean_rgb8_blindly(uint8_t *dst, const uint8_t *src, size_t n,
-                                   const uint32_t *table, uint32_t kept, uint32_t touch_unused)
+                                   const uint32_t *table, const uint8_t *blue, uint32_t kept,
+                                   uint32_t touch_unused)
 {
-    return clean_rgb8(dst, src, n, table, kept, touch_unused, false);
+    if (blue != NULL)
+        return clean_rgb8(dst, src, n, table, blue, kept, touch_unused, false);
+    return clean_rgb8(dst, src, n, table, NULL, kept, touch_unused, false);
 }
 
 static uint64_t clean_rgba8(uint8_t *dst, const uint8_t *src, size_t n, const uint32_t *table,
-                            uint32_t kept, uint32_t touch_unused)
+                            const uint8_t *blue, uint32_t kept, uint32_t touch_unused)
 {
+    (void) blue;
     uint64_t changed = 0;
     uint32_t transparent = touch_unused & NTP_UNUSED_TRANSPARENT ? 0 : 1;
     for (size_t i = 0; i < n; i++, src += 4, dst += 4) {
@@ -202,16 +234,25 @@ static inline int32_t derive16_loop(uint16_t *restrict b, const uint32_t *restri
     return odd < 0;
 }
 
-static int32_t clean_rgb16(uint16_t *dst, const uint16_t *src, int32_t n, int32_t zzero)
+/* Red in the lower half, green in the upper, as two samples lie in memory. */
+static inline uint32_t load_pair(const uint16_t *p)
+{
+    uint32_t v;
+    memcpy(&v, p, 4);
+    return little_endian() ? v : v >> 16 | v << 16;
+}
+
+static int32_t clean_rgb16(uint16_t *dst, const uint16_t *src, int32_t n, int32_t zzero,
+                           int32_t count)
 {
     uint32_t rg[256];
     uint16_t b[256];
     for (int32_t i = 0; i < n; i++)
-        rg[i] = (uint32_t) src[3 * i] | (uint32_t) src[3 * i + 1] << 16;
+        rg[i] = load_pair(src + 3 * i);
     if (zzero ? derive16_loop(b, rg, n, 1) : derive16_loop(b, rg, n, 0))
         return -1;
     int32_t changed = 0;
-    for (int32_t i = 0; i < n; i++)
+    for (int32_t i = 0; count && i < n; i++)
         changed += src[3 * i + 2] != b[i];
     if (dst != src)
         memcpy(dst, src, (size_t) n * 6);

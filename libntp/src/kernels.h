@@ -18,17 +18,20 @@
 /*
  * Cleans packed 8-bit pixels by a table of 65,536 entries indexed by r | g << 8, each holding
  * r' | g' << 8 | b' << 16 and a flag above: nonzero where the pair can be an unused texel.
- * `kept` masks the bits of a pixel that stay (blue of XY images, alpha).  dst may be src.
+ * blue, which may be NULL, is the same for standard Z in 64 KiB: the blue of a pair that stays as it
+ * is and is never unused, else 0.  `kept` masks the bits of a pixel that stay (blue of XY images, alpha).  dst may be src.
  * Returns the number of pixels that changed.
  */
 typedef uint64_t ntp__clean8_fn(uint8_t *dst, const uint8_t *src, size_t n, const uint32_t *table,
-                                uint32_t kept, uint32_t touch_unused);
+                                const uint8_t *blue, uint32_t kept, uint32_t touch_unused);
 
 /*
- * Derives the blue of n <= 256 packed 16-bit pixels; returns how many changed, or -1, with nothing
- * written, when a pair is too long (which the pairs of black and white are).  dst may be src.
+ * Derives the blue of n <= 256 packed 16-bit pixels; returns how many changed (0 unless `count`),
+ * or -1, with nothing written, when a pair is too long (which the pairs of black and white are).
+ * dst may be src.
  */
-typedef int32_t ntp__clean16_fn(uint16_t *dst, const uint16_t *src, int32_t n, int32_t zzero);
+typedef int32_t ntp__clean16_fn(uint16_t *dst, const uint16_t *src, int32_t n, int32_t zzero,
+                                int32_t count);
 
 /* want[i] = the blue derived from r, g; -1 where they are too long. */
 typedef void ntp__derive_fn(int32_t *want, const int32_t *r, const int32_t *g, int32_t n, int32_t m,
