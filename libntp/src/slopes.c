@@ -105,12 +105,25 @@ static void of_floats(const ntp__slopes *s, double *right, double *down, int32_t
     }
 }
 
+/* Can there be a texel without a normal among these?  m has all its bits set. */
+static bool any_suspect(const ntp__block *b, int32_t n, int32_t m)
+{
+    int32_t suspect = b->any_broken;
+    for (int32_t i = 0; i < n; i++) {
+        int32_t r = b->c[0][i], g = b->c[1][i], blue = b->c[2][i];
+        suspect |= (b->c[3][i] == 0) | ((r | g | blue) == 0) | ((r & g & blue) == m);
+    }
+    return suspect != 0;
+}
+
 /* Makes texels flat that hold no normal. */
 static void flatten(const ntp__slopes *s, const ntp__block *b, double *right, double *down,
                     int32_t n, ntp__slope_counts *counts)
 {
     int32_t m = ntp__max(s->src->type);
     uint32_t touch = s->touch_unused;
+    if (!any_suspect(b, n, m))
+        return;
     if (s->src->encoding == NTP_VECTOR) /* of any length, so that (2, 2, 2) is no padding */
         touch |= NTP_UNUSED_BLACK | NTP_UNUSED_WHITE;
     for (int32_t i = 0; i < n; i++) {
