@@ -262,8 +262,8 @@ def test_nine_corruptions(rng):
                 for name, corrupt in CORRUPTIONS.items():
                     pixels = np.ascontiguousarray(corrupt(rng, levels))
                     found = [decide(pixels, every=e) for e in (0, 1)]
-                    # Where most x, y became too long there is no information left.
-                    if found[1]["loops"] < 0.4 * pixels.shape[0] * pixels.shape[1]:
+                    # Where x, y became too long around the edges, the information is gone.
+                    if found[1]["loops"] < 0.75 * pixels.shape[0] * pixels.shape[1]:
                         assert name in ("green doubled", "noise 12")
                     else:
                         total += 1

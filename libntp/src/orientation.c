@@ -39,6 +39,7 @@ static const float STEEP[TAPS] = { -1, -3, -2, 2, 3, 1 };
 
 struct ntp_orientation {
     uint32_t width, height, every_row; /* 0: empty */
+    uint64_t steep; /* loops left out for nothing but a texel that is too steep */
     uint64_t loops[SIZES];
     uint64_t energy[SIZES];            /* sums of u*u + v*v, in units of the size */
     int64_t cross[SIDE * SIDE][SIZES]; /* sums of u*v, likewise */
@@ -68,6 +69,9 @@ int32_t ntp_orientation_row(int32_t height, int32_t every_row, int32_t y)
     return y % step == y / step * onward % step;
 }
 
+/* Why a texel cannot be used. */
+enum { TOO_STEEP = 1, NO_NORMAL = 2 };
+
 /* Columns of texels, filtered down the picture.  All values are integers below 2^24, of which float
  * arithmetic is exact, and fast on every processor. */
 typedef struct columns {
@@ -87,7 +91,8 @@ static void to_slopes(float *p, float *q, uint8_t *bad, const int32_t *r, const 
         int32_t x = ntp__num(r[i], m), y = ntp__num(g[i], m);
         uint32_t ax = (uint32_t) ntp__abs(x), ay = (uint32_t) ntp__abs(y);
         uint32_t most = m2 - ax * ax, y2 = ay * ay, s = most > y2 ? most - y2 : 0;
-        bad[i] = s < least;
+        bool end = (r[i] == g[i]) & ((r[i] == 0) | (r[i] == m)); /* black, white */
+        bad[i] = (uint8_t) (s < least ? end ? NO_NORMAL : TOO_STEEP : 0);
         s = s < least ? least : s;
         /* Each step is rounded to float, also where the processor calculates with more bits; of a
          * root and a quotient that is the same. */
@@ -113,11 +118,11 @@ static void add_row(columns *sums, const ntp__block *block, int32_t n, int32_t m
     }
     if (!(touch & NTP_UNUSED_TRANSPARENT)) {
         for (int32_t i = 0; i < n; i++)
-            sums->bad[i] |= block->c[3][i] == 0;
+            sums->bad[i] |= block->c[3][i] == 0 ? NO_NORMAL : 0;
     }
     if (block->any_broken) {
         for (int32_t i = 0; i < n; i++)
-            sums->bad[i] |= block->broken[i];
+            sums->bad[i] |= block->broken[i] ? NO_NORMAL : 0;
     }
 }
 
@@ -184,6 +189,7 @@ static void add_stretch(ntp_orientation *acc, const ntp_const_image *src, uint32
             block_x++;
             next += wide;
         }
+        acc->steep += bad[i] == TOO_STEEP;
         if (!bad[i])
             add_loop(acc, row[block_x], u[i], v[i]);
     }
@@ -228,6 +234,7 @@ ntp_status ntp_orientation_merge(ntp_orientation *into, const ntp_orientation *f
     if (from->width == 0)
         return NTP_OK;
     NTP__TRY(adopt(into, from->width, from->height, from->every_row));
+    into->steep += from->steep;
     for (int32_t k = 0; k < SIZES; k++) {
         into->loops[k] += from->loops[k];
         into->energy[k] += from->energy[k];
@@ -241,6 +248,8 @@ ntp_status ntp_orientation_merge(ntp_orientation *into, const ntp_orientation *f
  * clear, which noise never is, somewhat less steadiness will do. */
 static const double LEAST_STATISTIC = 0.1, LEAST_SCORE = 4;
 static const double CLEAR_STATISTIC = 0.5, CLEAR_SCORE = 3.5;
+/* Where more than this share is too steep, what is left may mislead: it has to be clear. */
+static const double MOST_STEEP = 0.2;
 /* From here on it is as sure as it gets. */
 static const double SURE_STATISTIC = 0.5, SURE_SCORE = 10;
 /* Labeled textures contradict even a clear answer now and then. */
@@ -298,7 +307,9 @@ ntp_status ntp_orientation_decide(ntp_orientation_result *result,
     r.score = squares > 0 ? sum / sqrt(squares) : 0;
     double clear = sum < 0 ? -r.statistic : r.statistic, steady = sum < 0 ? -r.score : r.score;
     r.y = sum < 0 ? NTP_Y_DOWN : NTP_Y_UP;
-    r.decided = (clear >= LEAST_STATISTIC && steady >= LEAST_SCORE) ||
+    double all = (double) r.loops + (double) orientation->steep;
+    bool too_steep = (double) orientation->steep > MOST_STEEP * all;
+    r.decided = (!too_steep && clear >= LEAST_STATISTIC && steady >= LEAST_SCORE) ||
                 (clear >= CLEAR_STATISTIC && steady >= CLEAR_SCORE);
     if (r.decided) {
         double a = held_to_one(clear / SURE_STATISTIC), b = held_to_one(steady / SURE_SCORE);
