@@ -262,10 +262,9 @@ def test_nine_corruptions(rng):
                 for name, corrupt in CORRUPTIONS.items():
                     pixels = np.ascontiguousarray(corrupt(rng, levels))
                     found = [decide(pixels, every=e) for e in (0, 1)]
-                    # Where x, y became too long around the edges, the information is gone.
-                    if found[1]["loops"] < 0.75 * pixels.shape[0] * pixels.shape[1]:
-                        assert name in ("green doubled", "noise 12")
-                    else:
+                    # Doubled, x, y are too long around steep edges: the information is gone.
+                    share = found[1]["loops"] / (pixels.shape[0] * pixels.shape[1])
+                    if name != "green doubled" or share >= 0.75:
                         total += 1
                         decided = [d + f["decided"] for d, f in zip(decided, found, strict=True)]
                     for f in found:
