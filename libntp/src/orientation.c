@@ -248,7 +248,7 @@ ntp_status ntp_orientation_merge(ntp_orientation *into, const ntp_orientation *f
  * clear, which noise never is, somewhat less steadiness will do. */
 static const double LEAST_STATISTIC = 0.1, LEAST_SCORE = 4;
 static const double CLEAR_STATISTIC = 0.5, CLEAR_SCORE = 3.5;
-/* Where more than this share is too steep, what is left may mislead: it has to be clear. */
+/* Where more than this share is too steep, what is left misleads. */
 static const double MOST_STEEP = 0.2;
 /* From here on it is as sure as it gets. */
 static const double SURE_STATISTIC = 0.5, SURE_SCORE = 10;
@@ -309,8 +309,8 @@ ntp_status ntp_orientation_decide(ntp_orientation_result *result,
     r.y = sum < 0 ? NTP_Y_DOWN : NTP_Y_UP;
     double all = (double) r.loops + (double) orientation->steep;
     bool too_steep = (double) orientation->steep > MOST_STEEP * all;
-    r.decided = (!too_steep && clear >= LEAST_STATISTIC && steady >= LEAST_SCORE) ||
-                (clear >= CLEAR_STATISTIC && steady >= CLEAR_SCORE);
+    r.decided = !too_steep && ((clear >= LEAST_STATISTIC && steady >= LEAST_SCORE) ||
+                               (clear >= CLEAR_STATISTIC && steady >= CLEAR_SCORE));
     if (r.decided) {
         double a = held_to_one(clear / SURE_STATISTIC), b = held_to_one(steady / SURE_SCORE);
         r.confidence = CONFIDENCE_LEAST + (CONFIDENCE_MOST - CONFIDENCE_LEAST) * (a < b ? a : b);
