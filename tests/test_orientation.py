@@ -262,9 +262,9 @@ def test_nine_corruptions(rng):
                 for name, corrupt in CORRUPTIONS.items():
                     pixels = np.ascontiguousarray(corrupt(rng, levels))
                     found = [decide(pixels, every=e) for e in (0, 1)]
-                    # Doubled, x, y are too long around steep edges: the information is gone.
+                    # Around steep edges x, y become too long: the information is gone.
                     share = found[1]["loops"] / (pixels.shape[0] * pixels.shape[1])
-                    if name != "green doubled" or share >= 0.75:
+                    if share >= 0.8:
                         total += 1
                         decided = [d + f["decided"] for d, f in zip(decided, found, strict=True)]
                     for f in found:
@@ -277,6 +277,7 @@ def test_nine_corruptions(rng):
     assert not wrong
     assert decided[1] >= 0.95 * total
     assert decided[0] >= 0.9 * total
+    assert total >= 300
 
 
 def test_encodings(rng):
