@@ -13,7 +13,7 @@ import libntp_ffi as ntp
 import maps
 import oracle_orientation as oracle
 
-SEED = int(os.environ.get("NTP_SEED", 20261121))
+SEED = int(os.environ.get("NTP_SEED", "20261121"))
 
 
 @pytest.fixture
