@@ -14,12 +14,18 @@ size_t ntp_tally_size(void)
     return sizeof(ntp_tally);
 }
 
-/* One row in eight is sampled for what takes more than two increments: steps between columns, and
- * how blue goes together with red and green; every row of a small image. */
+/*
+ * At least 64 rows, all of a small image, and at most one row in 32 of a large one are sampled for
+ * what costs more than a count: steps between columns, and how blue goes together with red and
+ * green.
+ */
 static bool is_sampled(const ntp_const_image *src, int32_t y)
 {
-    enum { SMALL = 64 };
-    return y % 8 == 0 || src->height <= SMALL;
+    enum { ROWS = 64, SPARSEST = 32 };
+    int32_t step = 1;
+    while (step < SPARSEST && src->height >= 2 * step * ROWS)
+        step *= 2;
+    return y % step == 0;
 }
 
 /* Numbers the rows: |X| = 2k + 1 for k = r - 128 or 127 - r. */
@@ -139,15 +145,8 @@ static inline void count_entry(ntp_tally *t, uint32_t entry, uint32_t b)
     }
 }
 
-static inline void count_levels(ntp_tally *t, uint32_t r, uint32_t g)
-{
-    t->level_texels[0][r]++;
-    t->level_texels[1][g]++;
-}
-
 static inline void count_cell(ntp_tally *t, uint32_t pair, uint32_t b)
 {
-    count_levels(t, pair & 255, pair >> 8);
     count_entry(t, t->row_of[pair], b);
 }
 
@@ -157,18 +156,51 @@ static inline bool in_disc8(int32_t a, int32_t b)
     return ntp__rest(a, b, 255) >= 0;
 }
 
+/* Sums and extremes of packed 8-bit RGB, 16 pixels a step; the 48 columns fold to three at the
+ * end. */
+static void add_rgb8(ntp_tally *t, const uint8_t *p, int32_t n)
+{
+    enum { STEP = 48, STEPS = 256 }; /* 256 bytes add up to less than 2^16 */
+    uint8_t least[STEP], greatest[STEP];
+    uint16_t sums[STEP];
+    memset(least, 255, sizeof least);
+    memset(greatest, 0, sizeof greatest);
+    for (; n >= STEP / 3;) {
+        memset(sums, 0, sizeof sums);
+        for (int32_t k = 0; k < STEPS && n >= STEP / 3; k++, n -= STEP / 3, p += STEP) {
+            for (int32_t i = 0; i < STEP; i++) {
+                least[i] = p[i] < least[i] ? p[i] : least[i];
+                greatest[i] = p[i] > greatest[i] ? p[i] : greatest[i];
+                sums[i] = (uint16_t) (sums[i] + p[i]);
+            }
+        }
+        for (int32_t i = 0; i < STEP; i++)
+            t->channel[i % 3].sum += sums[i];
+    }
+    for (int32_t i = 0; i < STEP; i++) {
+        ntp__channel_sums *c = &t->channel[i % 3];
+        c->max = greatest[i] > c->max ? greatest[i] : c->max;
+        if (least[i] <= greatest[i])
+            c->inverted_min =
+                ~(uint32_t) least[i] > c->inverted_min ? ~(uint32_t) least[i] : c->inverted_min;
+    }
+    for (; n > 0; n--, p += 3)
+        add_color(t, p[0], p[1], p[2]);
+}
+
 static void count_rgb8(ntp_tally *t, const uint8_t *p, int32_t n)
 {
-    uint64_t used = 0;
+    uint64_t unused = 0;
+    add_rgb8(t, p, n);
     for (int32_t i = 0; i < n; i++, p += 3) {
         uint32_t pair = p[0] | (uint32_t) p[1] << 8, b = p[2], entry = t->row_of[pair];
-        if (b == ntp__entry_gray(entry) && count_black_white(t, (int32_t) b, 255))
+        if (b == ntp__entry_gray(entry) && count_black_white(t, (int32_t) b, 255)) {
+            unused++;
             continue;
-        count_levels(t, p[0], p[1]);
+        }
         count_entry(t, entry, b);
-        used++;
     }
-    t->narrow += used;
+    t->narrow += (uint64_t) n - unused;
 }
 
 static void count_rgba8(ntp_tally *t, const uint8_t *p, int32_t n)
@@ -179,10 +211,10 @@ static void count_rgba8(ntp_tally *t, const uint8_t *p, int32_t n)
     for (int32_t i = 0; i < n; i++, p += 4) {
         uint32_t r = p[0], g = p[1], b = p[2], a = p[3];
         t->alpha[a]++;
+        add_color(t, (int32_t) r, (int32_t) g, (int32_t) b);
         if ((r == g) & (g == b) && count_black_white(t, (int32_t) b, 255))
             continue;
         if (a < visible) {
-            add_color(t, (int32_t) r, (int32_t) g, (int32_t) b);
             add_transparent(t, &run, (int32_t) r, (int32_t) g, (int32_t) b, 255);
             continue;
         }
@@ -237,7 +269,6 @@ static void note_flat(ntp_tally *t, int32_t r, int32_t g, int32_t b)
 static void count_far(ntp_tally *t, int32_t r, int32_t g, int32_t b)
 {
     ntp__row row;
-    count_levels(t, (uint32_t) ntp__narrow(r), (uint32_t) ntp__narrow(g));
     ntp__row_init(&row, r, g, 65535);
     ntp__add(&t->wide, &row, b, 1, ntp__judged_as((ntp_encoding) t->encoding));
 }
@@ -245,12 +276,6 @@ static void count_far(ntp_tally *t, int32_t r, int32_t g, int32_t b)
 /* Used 16-bit texels that are not 8-bit content and whose x, y are not too long: c[0..2]. */
 static void count_wide(ntp_tally *t, const ntp__block *block, int32_t n)
 {
-    for (int32_t i = 0; i < n; i++) {
-        /* c / 257 rounded: 65281 / 2^24 is 1/257 closely enough for 16 bits. */
-        uint32_t r = (uint32_t) (block->c[0][i] + 128) * 65281u >> 24;
-        uint32_t g = (uint32_t) (block->c[1][i] + 128) * 65281u >> 24;
-        count_levels(t, r, g);
-    }
     ntp__add_block(&t->wide, block, NULL, n, 65535, ntp__judged_as((ntp_encoding) t->encoding));
 }
 
@@ -301,7 +326,7 @@ static void count_block(ntp_tally *t, ntp__block *block, int32_t n, int32_t m)
 {
     unused_run run = { { 0, 0, 0 }, 0 };
     int32_t wide = 0;
-    if (m != 255 && !block->any_broken)
+    if (!block->any_broken)
         add_planes(t, block, n);
     for (int32_t i = 0; i < n; i++) {
         int32_t r = block->c[0][i], g = block->c[1][i], b = block->c[2][i], a = block->c[3][i];
@@ -313,13 +338,11 @@ static void count_block(ntp_tally *t, ntp__block *block, int32_t n, int32_t m)
             t->not_finite++;
             continue;
         }
-        if (m != 255 && block->any_broken)
+        if (block->any_broken)
             add_color(t, r, g, b);
         if (r == g && g == b && count_black_white(t, b, m))
             continue;
         if (a == 0 && !(t->touched & NTP_UNUSED_TRANSPARENT)) {
-            if (m == 255)
-                add_color(t, r, g, b);
             add_transparent(t, &run, r, g, b, m);
             continue;
         }
@@ -352,8 +375,6 @@ static void count_picture(ntp_tally *t, const ntp__block *block, int32_t n, int3
         t->is_wide |= m != 255 && !(is_narrow(r) && is_narrow(g) && is_narrow(b));
         add_color(t, r, g, b);
         note_color(t, r, g, b);
-        count_levels(t, (uint32_t) (m == 255 ? r : ntp__narrow(r)),
-                     (uint32_t) (m == 255 ? g : ntp__narrow(g)));
     }
 }
 

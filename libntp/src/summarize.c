@@ -113,32 +113,6 @@ static void count_blues(uint64_t count[256], const ntp_tally *t)
     }
 }
 
-static void merge_level(ntp__channel_sums *sums, uint32_t level, uint64_t count)
-{
-    if (count == 0)
-        return;
-    sums->sum += level * count;
-    merge_max(&sums->max, level);
-    merge_max(&sums->inverted_min, ~level);
-}
-
-/* Channels of 8-bit images: red and green from the pairs, blue from the cells. */
-static void describe_channels8(ntp_stats *s, const ntp_tally *t, const uint64_t blues[256])
-{
-    ntp__channel_sums sums[3];
-    memcpy(sums, t->channel, sizeof sums);
-    for (uint32_t i = 0; i < 256; i++) {
-        merge_level(&sums[0], i, t->level_texels[0][i]);
-        merge_level(&sums[1], i, t->level_texels[1][i]);
-        merge_level(&sums[2], i, blues[i]);
-    }
-    for (int32_t k = 0; k < 3; k++) {
-        merge_level(&sums[k], 0, t->black);
-        merge_level(&sums[k], 255, t->white);
-        channel_from(&s->channel[k], &sums[k], t->texels - t->not_finite, 1);
-    }
-}
-
 static void describe_alpha(ntp_stats *s, const ntp_tally *t)
 {
     bool alpha = t->channels == 4 || (t->encoding == NTP_HEIGHT && t->channels == 2);
@@ -212,58 +186,50 @@ static void add_moments(moments *m, double n, double x, double y, double z)
     m->product[2] += n * y * z;
 }
 
-/* What needs red, green and blue together: from the sampled rows, with the mean blue of each
- * pair.  Returns the share of colors about the flat one of a texture stored as sRGB. */
-static double describe_samples(ntp_stats *s, const ntp_tally *t)
+/*
+ * What takes more than the sums: from the sampled rows, with the mean blue of each pair; counts are
+ * scaled to all used texels.  Blue by itself is exact where the cells hold every texel.
+ */
+static void describe_samples(ntp_stats *s, const ntp_tally *t, const uint64_t blues[256])
 {
-    moments m = { 0 };
-    uint64_t gamma = 0, flat = 0, all = 0;
+    moments m = { 0 }, blue = { 0 };
+    uint64_t gamma = 0, flat = 0, red = 0, green = 0, all = 0;
     for (uint32_t i = 0; i < 65536; i++) {
         uint64_t n = t->sample_texels[i];
         if (n == 0)
             continue;
         uint32_t r = i & 255, g = i >> 8;
-        double blue = (double) t->sample_blue[i] / (double) n;
-        add_moments(&m, (double) n, r / 255.0, g / 255.0, blue / 255.0);
-        gamma += linear_near_unit(r, g, blue) ? n : 0;
+        double b = (double) t->sample_blue[i] / (double) n;
+        add_moments(&m, (double) n, r / 255.0, g / 255.0, b / 255.0);
+        gamma += linear_near_unit(r, g, b) ? n : 0;
         flat += r >= 185 && r <= 191 && g >= 185 && g <= 191 ? n : 0;
+        red += r < 128 ? n : 0;
+        green += g < 128 ? n : 0;
         all += n;
     }
     if (all == 0)
-        return 0;
+        return;
+    bool picture = t->encoding == NTP_HEIGHT;
+    uint64_t used = picture ? t->texels - t->not_finite : t->narrow + t->wide.texels;
+    double scale = (double) used / (double) all;
+    s->red_low = (uint64_t) ((double) red * scale + 0.5);
+    s->green_low = (uint64_t) ((double) green * scale + 0.5);
+    s->near_gamma_flat = (uint64_t) ((double) flat * scale + 0.5);
+    s->gamma_near_unit = share(gamma, all);
+    s->ag_in_disc = share(t->ag_in_disc, used);
+    for (int32_t k = 0; k < 3; k++) {
+        s->used_mean[k] = m.sum[k] / m.n;
+        s->used_sd[k] = sqrt(variance_of(&m, k));
+    }
     s->correlation[0] = correlation_of(&m, 0, 0, 1);
     s->correlation[1] = correlation_of(&m, 1, 0, 2);
     s->correlation[2] = correlation_of(&m, 2, 1, 2);
-    s->gamma_near_unit = share(gamma, all);
-    s->used_mean[2] = m.sum[2] / m.n;
-    s->used_sd[2] = sqrt(variance_of(&m, 2));
-    return share(flat, all);
-}
-
-/* Red and green of all used texels, and blue where the cells hold every texel. */
-static void describe_levels(ntp_stats *s, const ntp_tally *t, const uint64_t blues[256],
-                            double gamma_flat)
-{
-    moments m[3] = { { 0 } };
-    uint64_t used = 0;
-    for (uint32_t i = 0; i < 256; i++) {
-        uint64_t r = t->level_texels[0][i], g = t->level_texels[1][i];
-        add_moments(&m[0], (double) r, i / 255.0, 0, 0);
-        add_moments(&m[1], (double) g, i / 255.0, 0, 0);
-        add_moments(&m[2], (double) blues[i], i / 255.0, 0, 0);
-        s->red_low += i < 128 ? r : 0;
-        s->green_low += i < 128 ? g : 0;
-        used += r;
+    for (int32_t b = 0; b < 256; b++)
+        add_moments(&blue, (double) blues[b], b / 255.0, 0, 0);
+    if (!picture && (uint64_t) blue.n == used) {
+        s->used_mean[2] = blue.sum[0] / blue.n;
+        s->used_sd[2] = sqrt(variance_of(&blue, 0));
     }
-    if (used == 0)
-        return;
-    bool blue_known = (uint64_t) m[2].n == used;
-    for (int32_t k = 0; k < (blue_known ? 3 : 2); k++) {
-        s->used_mean[k] = m[k].sum[0] / m[k].n;
-        s->used_sd[k] = sqrt(variance_of(&m[k], 0));
-    }
-    s->ag_in_disc = share(t->ag_in_disc, used);
-    s->near_gamma_flat = (uint64_t) (gamma_flat * (double) used + 0.5);
 }
 
 static int32_t bits_set(uint8_t byte)
@@ -330,16 +296,10 @@ ntp_status ntp_summarize(ntp_stats *s, ntp_tally *t, ntp_encoding encoding)
     describe_steepness(s, used);
     uint64_t blues[256];
     count_blues(blues, t);
-    if (t->depth == 8 && t->encoding != NTP_HEIGHT) {
-        describe_channels8(s, t, blues);
-    } else {
-        uint64_t n = t->texels - t->not_finite;
-        for (int32_t k = 0; k < 3; k++)
-            channel_from(&s->channel[k], &t->channel[k], n,
-                         t->depth == 16 && s->max == 255 ? 257 : 1);
-    }
-    double gamma_flat = describe_samples(s, t);
-    describe_levels(s, t, blues, gamma_flat);
+    for (int32_t k = 0; k < 3; k++)
+        channel_from(&s->channel[k], &t->channel[k], t->texels - t->not_finite,
+                     t->depth == 16 && s->max == 255 ? 257 : 1);
+    describe_samples(s, t, blues);
     describe_alpha(s, t);
     describe_colors(s, t);
     ntp__describe_blue(s, t);

@@ -100,8 +100,6 @@ static void merge_cells(ntp_tally *into, const ntp_tally *from)
 {
     uint8_t used[NTP__ROWS];
     ntp__mark_rows(used, from);
-    merge_counts(into->level_texels[0], from->level_texels[0], 256);
-    merge_counts(into->level_texels[1], from->level_texels[1], 256);
     merge_counts(into->sample_texels, from->sample_texels, 65536);
     for (int32_t i = 0; i < 65536; i++)
         into->sample_blue[i] += from->sample_blue[i];
@@ -179,7 +177,6 @@ ntp_status ntp_tally_clear(ntp_tally *t)
             memset(t->far[row], 0, sizeof t->far[row]);
         t->far_used[row] = 0;
     }
-    memset(t->level_texels, 0, sizeof t->level_texels);
     memset(t->sample_texels, 0, sizeof t->sample_texels);
     memset(t->sample_blue, 0, sizeof t->sample_blue);
     if (t->wide.texels > 0)

@@ -67,10 +67,10 @@ struct ntp_tally {
     uint64_t ag_in_disc;
     uint64_t block_steps[3][2], block_count[2]; /* [channel][0 within a block, 1 across] */
     uint32_t alpha[256];                        /* every texel; 16 bit rounded to 8 */
-    ntp__channel_sums alpha_levels;             /* 16 bit only, as wide_alpha_ends and channel */
+    ntp__channel_sums alpha_levels;             /* 16 bit only, as wide_alpha_ends */
     uint64_t wide_alpha_ends[2];                /* alpha 0, alpha M */
 
-    /* 16 bit and pictures: every finite texel; 8 bit: the unused transparent ones. */
+    /* Every finite texel. */
     ntp__channel_sums channel[3];
     /* Different used colors, counted up to 2, and the first. */
     uint32_t colors, color[3];
@@ -84,10 +84,8 @@ struct ntp_tally {
 
     /* The cells: used texels only. */
     uint64_t narrow;
-    uint32_t row_of[65536];       /* by r | g << 8: see ntp__entry_row and its like */
-    uint16_t row_pair[NTP__ROWS]; /* some r | g << 8 of the row, r, g >= 128 */
-    /* Used texels by red and by green, at 8 bit; wide ones and pictures too. */
-    uint32_t level_texels[2][256];
+    uint32_t row_of[65536];        /* by r | g << 8: see ntp__entry_row and its like */
+    uint16_t row_pair[NTP__ROWS];  /* some r | g << 8 of the row, r, g >= 128 */
     uint32_t sample_texels[65536]; /* of sampled rows, by r | g << 8, and the sum of their blues */
     uint64_t sample_blue[65536];
     /* The cells of a row: those near its derived blue, and the others, which a well-formed
