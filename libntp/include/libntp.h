@@ -411,12 +411,13 @@ typedef struct ntp_stats {
     uint64_t steepness_not_rounded[NTP_STEEPNESS_BINS];
     uint64_t steepness_not_neighbor[NTP_STEEPNESS_BINS];
     double steepness_length_error[NTP_STEEPNESS_BINS];
-    /* Used texels: blue and alpha read as components, and how the channels go together. */
-    double used_mean[4]; /* levels / M */
-    double used_sd[4];
-    double correlation[3]; /* r-g, r-b, g-b, of sampled rows; 0 where a channel is constant */
     uint64_t used_z_negative;
-    uint64_t red_low; /* used texels with r <= (M-1)/2; x negative */
+    /* Used texels of sampled rows, which are all of an image below 128 rows, fewer of a larger one,
+     * at least 64; counts are scaled to all used texels. */
+    double used_mean[4]; /* levels / M; alpha is exact, and so is blue of 8 bit */
+    double used_sd[4];
+    double correlation[3]; /* r-g, r-b, g-b; 0 where a channel is constant */
+    uint64_t red_low;      /* used texels with r <= (M-1)/2; x negative */
     uint64_t green_low;
     uint64_t near_gamma_flat; /* used texels whose r, g are within 3/255 of 188/255 */
     double gamma_near_unit;   /* share of used with |length - 1| <= 1/8 after decoding sRGB */
