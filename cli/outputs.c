@@ -149,7 +149,8 @@ static bool no_input_overwritten(const input_list *list)
             continue;
         const node own = { st.st_dev, st.st_ino };
         if (bsearch(&own, inputs, count, sizeof own, by_node) != NULL)
-            ok = told(output, " is an input; nothing is overwritten", NULL);
+            ok = told(output, " is an input; nothing is overwritten (ntp clean has --in-place)",
+                      NULL);
     }
     free(inputs);
     return ok;
@@ -235,7 +236,8 @@ bool output_is_no_input(const char *output, const options *o)
         return true;
     for (size_t i = 0; i < o->path_count; i++) {
         if (stat(o->paths[i], &st) == 0 && st.st_dev == own.st_dev && st.st_ino == own.st_ino)
-            return told(output, " is an input; nothing is overwritten", NULL);
+            return told(output, " is an input; nothing is overwritten (ntp clean has --in-place)",
+                        NULL);
     }
     return true;
 }
