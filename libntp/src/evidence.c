@@ -22,13 +22,10 @@ static double magnitude(double v)
     return v < 0 ? -v : v;
 }
 
-/* `count` texels of this red and green with this (mean) blue, all at 8 bit. */
-static void add_blue(blue_sums *sums, int32_t r, int32_t g, double blue, double count)
+/* `count` texels whose red and green leave this z, with this (mean) blue, all at 8 bit. */
+static void add_blue(blue_sums *sums, double z, double blue, double count)
 {
-    int64_t rest = ntp__rest(r, g, 255);
-    if (rest < 0)
-        return;
-    double z = sqrt((double) rest) / 255, want[2] = { 127.5 + 127.5 * z, 255 * z };
+    double want[2] = { 127.5 + 127.5 * z, 255 * z };
     sums->n += count;
     sums->want += count * want[0];
     sums->blue += count * blue;
@@ -52,14 +49,19 @@ static void add_cells(blue_sums *sums, const ntp_tally *t)
 {
     uint8_t used[NTP__ROWS];
     uint32_t cells[256];
+    int32_t first, end;
     ntp__mark_rows(used, t);
     for (int32_t i = 0; i < NTP__ROWS; i++) {
         if (!used[i])
             continue;
-        ntp__row_cells(cells, t, i);
-        for (int32_t b = 0; b < 256; b++) {
+        int64_t rest = ntp__rest(t->row_pair[i] & 255, t->row_pair[i] >> 8, 255);
+        if (rest < 0)
+            continue;
+        double z = sqrt((double) rest) / 255;
+        ntp__row_cells(cells, &first, &end, t, i);
+        for (int32_t b = first; b < end; b++) {
             if (cells[b] > 0)
-                add_blue(sums, t->row_pair[i] & 255, t->row_pair[i] >> 8, b, cells[b]);
+                add_blue(sums, z, b, cells[b]);
         }
     }
 }
@@ -68,8 +70,9 @@ static void add_samples(blue_sums *sums, const ntp_tally *t)
 {
     for (int32_t i = 0; i < 65536; i++) {
         double n = t->sample_texels[i];
-        if (n > 0)
-            add_blue(sums, i & 255, i >> 8, (double) t->sample_blue[i] / n, n);
+        int64_t rest = ntp__rest(i & 255, i >> 8, 255);
+        if (n > 0 && rest >= 0)
+            add_blue(sums, sqrt((double) rest) / 255, (double) t->sample_blue[i] / n, n);
     }
 }
 

@@ -102,13 +102,14 @@ static void count_blues(uint64_t count[256], const ntp_tally *t)
 {
     memset(count, 0, 256 * sizeof *count);
     uint32_t cells[256];
+    int32_t first, end;
     uint8_t used[NTP__ROWS];
     ntp__mark_rows(used, t);
     for (int32_t row = 0; row < NTP__ROWS; row++) {
         if (!used[row])
             continue;
-        ntp__row_cells(cells, t, row);
-        for (int32_t b = 0; b < 256; b++)
+        ntp__row_cells(cells, &first, &end, t, row);
+        for (int32_t b = first; b < end; b++)
             count[b] += cells[b];
     }
 }
@@ -245,8 +246,9 @@ static void describe_colors(ntp_stats *s, const ntp_tally *t)
     uint32_t cells[256];
     if (s->max == 255 && t->encoding != NTP_HEIGHT) {
         for (int32_t row = NTP__ROWS - NTP__FLAT_ROWS; row < NTP__ROWS; row++) {
-            ntp__row_cells(cells, t, row);
-            for (int32_t b = 0; b < 256; b++) {
+            int32_t first, end;
+            ntp__row_cells(cells, &first, &end, t, row);
+            for (int32_t b = first; b < end; b++) {
                 s->flat += cells[b];
                 s->distinct_flat += cells[b] > 0;
             }

@@ -75,14 +75,15 @@ static void merge_colors(ntp_tally *into, const ntp_tally *from)
     }
 }
 
-void ntp__row_cells(uint32_t cells[256], const ntp_tally *t, int32_t row)
+void ntp__row_cells(uint32_t cells[256], int32_t *first, int32_t *end, const ntp_tally *t,
+                    int32_t row)
 {
+    uint32_t near = ntp__entry_first(t->row_of[t->row_pair[row]]);
+    *first = t->far_used[row] ? 0 : (int32_t) near;
+    *end = t->far_used[row] ? 256 : (int32_t) near + NTP__NEAR;
     if (t->far_used[row])
         memcpy(cells, t->far[row], 256 * sizeof cells[0]);
-    else
-        memset(cells, 0, 256 * sizeof cells[0]);
-    uint32_t first = ntp__entry_first(t->row_of[t->row_pair[row]]);
-    memcpy(cells + first, t->near[row], sizeof t->near[row]);
+    memcpy(cells + near, t->near[row], sizeof t->near[row]);
 }
 
 void ntp__mark_rows(uint8_t used[NTP__ROWS], const ntp_tally *t)
@@ -216,11 +217,12 @@ static void add_row(ntp_tally *t, color_batch *batch, int32_t row, int32_t m, nt
     uint32_t cells[256];
     int32_t by = m / 255, r = (t->row_pair[row] & 255) * by, g = (t->row_pair[row] >> 8) * by;
     ntp__row far;
-    ntp__row_cells(cells, t, row);
+    int32_t first, end;
+    ntp__row_cells(cells, &first, &end, t, row);
     bool too_long = ntp__rest(r, g, m) < 0;
     if (too_long)
         ntp__row_init(&far, r, g, m);
-    for (int32_t b = 0; b < 256; b++) {
+    for (int32_t b = first; b < end; b++) {
         if (cells[b] == 0)
             continue;
         if (too_long) {

@@ -156,8 +156,9 @@ static inline uint32_t ntp__entry_gray(uint32_t entry)
     return entry >> 22;
 }
 
-/* The texels of a row by blue. */
-void ntp__row_cells(uint32_t cells[256], const ntp_tally *tally, int32_t row);
+/* The texels of a row by blue: cells[*first] to cells[*end - 1]; the others are 0 and not set. */
+void ntp__row_cells(uint32_t cells[256], int32_t *first, int32_t *end, const ntp_tally *tally,
+                    int32_t row);
 
 /* Rows of the cells that may hold texels. */
 void ntp__mark_rows(uint8_t used[NTP__ROWS], const ntp_tally *tally);
