@@ -290,8 +290,7 @@ static void describe(const production *p, text *line, json_t *object)
     json_object_set_new(object, "to", json_string(ENCODING_NAMES[set->to]));
     json_object_set_new(object, "from_y", json_string(Y_NAMES[set->from_y]));
     json_object_set_new(object, "to_y", json_string(Y_NAMES[set->to_y]));
-    json_object_set_new(object, "depth",
-                        json_integer((json_int_t) (8 * sample_size(st->full.type))));
+    json_object_set_new(object, "depth", json_integer(8 * (json_int_t) sample_size(st->full.type)));
     json_object_set_new(object, "channels", json_integer(st->out_channels));
     json_object_set_new(object, "z_negative", json_count(st->counts.z_negative));
     json_object_set_new(object, "pulled", json_count(st->counts.pulled));

@@ -364,9 +364,9 @@ static bool begin(production *p, ntpio_write_options *shape, ntpio_error *error)
         TYPE *to = (TYPE *) out + (size_t) (y - y0) * (size_t) width * (size_t) st->out_channels;  \
         for (int32_t x = 0; x < width; x++, from += FULL, to += st->out_channels) {                \
             if (st->ao != NULL)                                                                    \
-                from[2] = ((const TYPE *) st->ao)[at + (size_t) x];                                \
+                from[2] = ((const TYPE *) (const void *) st->ao)[at + (size_t) x];                 \
             if (st->alpha != NULL)                                                                 \
-                from[ALPHA] = ((const TYPE *) st->alpha)[at + (size_t) x];                         \
+                from[ALPHA] = ((const TYPE *) (const void *) st->alpha)[at + (size_t) x];          \
             for (int32_t c = 0; c < st->out_channels; c++)                                         \
                 to[c] = map[c] == FROM_ZERO  ? (TYPE) 0                                            \
                         : map[c] == FROM_ONE ? (TYPE) (ONE)                                        \

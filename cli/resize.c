@@ -41,11 +41,14 @@ static bool read_size(settings *set, const char *spec)
         set->percent = first;
         return true;
     }
-    int width = 0, height = 0, used = 0;
-    if (sscanf(spec, "%5dx%5d%n", &width, &height, &used) == 2 && spec[used] == 0 && width >= 1 &&
-        height >= 1 && width <= NTP_MAX_SIDE && height <= NTP_MAX_SIDE) {
-        set->width = width;
-        set->height = height;
+    const long width = strtol(spec, &end, 10);
+    const bool crossed = end != spec && *end == 'x';
+    const char *second = end + crossed;
+    const long height = crossed ? strtol(second, &end, 10) : 0;
+    if (end != second && *end == 0 && width >= 1 && height >= 1 && width <= NTP_MAX_SIDE &&
+        height <= NTP_MAX_SIDE) {
+        set->width = (int32_t) width;
+        set->height = (int32_t) height;
         return true;
     }
     complain("--size %s: a size is WIDTHxHEIGHT, 1 to %d each, or PERCENT%%", spec, NTP_MAX_SIDE);

@@ -26,8 +26,10 @@ typedef struct blur {
 static double decay(double x)
 {
     int32_t squarings = 0;
-    for (; x > 0.125; x /= 2)
+    while (x > 0.125) {
+        x /= 2;
         squarings++;
+    }
     double term = 1, sum = 1;
     for (int32_t k = 1; k < 16; k++) {
         term *= -x / k;

@@ -169,7 +169,7 @@ static void *run(void *argument)
 
 int main(int argc, char **argv)
 {
-    int step = argc > 1 ? atoi(argv[1]) : 1;
+    int step = argc > 1 ? (int) strtol(argv[1], NULL, 10) : 1;
     sweep jobs[THREADS];
     memset(jobs, 0, sizeof jobs);
     if (step < 1)
