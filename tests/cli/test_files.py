@@ -255,7 +255,12 @@ def slow_texture(tmp_path):
 def interrupted(program, directory, number):
     args = [program, "clean", "big_n.png", "-o", "out_n.png", "--type", "standard"]
     process = subprocess.Popen(
-        [*args, "--level", "9"], cwd=directory, stdout=subprocess.PIPE, stderr=subprocess.PIPE
+        [*args, "--level", "9"],
+        cwd=directory,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        # What runs in the background of a shell would ignore the signal, and so would the program.
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),  # noqa: PLW1509
     )
     time.sleep(0.3)
     process.send_signal(number)
