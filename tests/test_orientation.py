@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Which way green points: against a model in numpy, on maps drawn anew, on labeled textures."""
+"""Which way green points: against a model in numpy, on maps drawn by a seed, on labeled textures."""
 
 import csv
 import itertools
@@ -144,7 +144,7 @@ def test_errors():
     acc.merge(Orientation())
 
 
-# ------------------------------------------------------------------------ drawn anew
+# ------------------------------------------------------------------------ drawn by a seed
 
 
 def tiles(rng, h, w):
