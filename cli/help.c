@@ -69,8 +69,12 @@ void help_program(text *t)
               0, 0, HELP_WIDTH);
     text_add(t, "\n\nVerbs:\n");
     for (size_t i = 0; i < VERB_ROWS; i++)
-        text_addf(t, "  %-10s %s\n", VERB_TABLE[i].name, VERB_TABLE[i].summary);
-    text_add(t, "  help       print this, or the help of a verb\n\n");
+        text_addf(t, "  %-11s %s\n", VERB_TABLE[i].name, VERB_TABLE[i].summary);
+    text_add(t, "  help        print this, or the help of a verb\n"
+                "\nVerbs of the Python package normaltexture, where it put ntp-VERB beside ntp:\n");
+    for (size_t i = 0; i < COMPANIONS; i++)
+        text_addf(t, "  %-11s %s\n", COMPANION_TABLE[i].name, COMPANION_TABLE[i].summary);
+    text_add(t, "\n");
     text_wrap(t,
               "ntp VERB --help tells the rest. PATH is a file, a directory (with -r and all below "
               "it), or - for standard input or output; -- ends options. Another VERB runs the "

@@ -56,14 +56,9 @@ static int print_version(void)
     return print_text(&t);
 }
 
-static int print_help(const char *verb_name)
+static int print_help(const verb_spec *verb)
 {
     text t = { 0 };
-    const verb_spec *verb = verb_name != NULL ? verb_find(verb_name) : NULL;
-    if (verb_name != NULL && verb == NULL) {
-        complain_unknown_verb(verb_name);
-        return NTP_EXIT_USAGE;
-    }
     if (verb != NULL)
         help_verb(&t, verb);
     else
@@ -81,43 +76,64 @@ static int print_generated(const char *what)
     return print_text(&t);
 }
 
-/* The directory that this program was started from, or NULL. */
-static char *own_directory(const char *started_as)
+/* The directory of a path once links are resolved, or NULL. */
+static char *directory_of(const char *path)
 {
-    char *self = realpath("/proc/self/exe", NULL);
-    if (self == NULL && strchr(started_as, '/') != NULL)
-        self = realpath(started_as, NULL);
-    if (self == NULL)
+    char *resolved = realpath(path, NULL);
+    if (resolved == NULL)
         return NULL;
-    char *directory = copy_string(dirname(self));
-    free(self);
+    char *directory = copy_string(dirname(resolved));
+    free(resolved);
     return directory;
 }
 
-/* Becomes ntp-VERB from our own directory; returns where there is none. */
+/* Becomes ntp-VERB from a directory, which is freed.  Returns false where there is none, true
+ * where there is one that could not be run, which is told. */
+static bool failed_to_become(char *directory, const char *verb, char **argv)
+{
+    text name = { 0 };
+    text_addf(&name, "ntp-%s", verb);
+    char *path = join_path(directory, text_string(&name));
+    text_free(&name);
+    free(directory);
+    argv[0] = path;
+    signal(SIGPIPE, SIG_DFL);
+    execv(path, argv);
+    const int error = errno;
+    signal(SIGPIPE, SIG_IGN);
+    const bool found = access(path, F_OK) == 0;
+    if (found) /* what is not there is then what the first line of a script names */
+        complain("%s: %s", path, error == ENOENT ? "its interpreter is missing" : strerror(error));
+    free(path);
+    return found;
+}
+
+/*
+ * Becomes ntp-VERB from our own directory, which is that of this executable, or, where a script
+ * of an installed wheel started it under the script's name, that of the script; the PATH is never
+ * looked at.  Returns where there is none.
+ */
 static int run_external(const char *started_as, const char *verb, char **argv)
 {
     const bool plain =
         verb[0] != 0 && strspn(verb, "abcdefghijklmnopqrstuvwxyz0123456789-") == strlen(verb);
-    char *directory = plain ? own_directory(started_as) : NULL;
-    if (directory != NULL) {
-        text name = { 0 };
-        text_addf(&name, "ntp-%s", verb);
-        char *path = join_path(directory, text_string(&name));
-        argv[0] = path;
-        signal(SIGPIPE, SIG_DFL);
-        execv(path, argv);
-        const int error = errno;
-        text_free(&name);
-        free(directory);
-        if (error != ENOENT) {
-            complain("%s: %s", path, strerror(error));
+    const char *const ways[] = { "/proc/self/exe", strchr(started_as, '/') ? started_as : NULL };
+    for (size_t i = 0; plain && i < sizeof ways / sizeof ways[0]; i++) {
+        char *directory = ways[i] != NULL ? directory_of(ways[i]) : NULL;
+        if (directory != NULL && failed_to_become(directory, verb, argv))
             return NTP_EXIT_FAILED;
-        }
-        free(path);
     }
     complain_unknown_verb(verb);
     return NTP_EXIT_USAGE;
+}
+
+/* "help VERB": of a program beside ntp its own --help. */
+static int explain_verb(const char *started_as, const char *name)
+{
+    const verb_spec *verb = verb_find(name);
+    char help[] = "--help";
+    char *words[] = { NULL, help, NULL };
+    return verb != NULL ? print_help(verb) : run_external(started_as, name, words);
 }
 
 static int run_verb(const verb_spec *verb, int argc, char **argv)
@@ -126,7 +142,7 @@ static int run_verb(const verb_spec *verb, int argc, char **argv)
     int code = NTP_EXIT_USAGE;
     if (options_parse(&o, verb, argc, argv)) {
         if (option_given(&o, OPT_HELP)) {
-            code = print_help(verb->name);
+            code = print_help(verb);
         } else {
             catch_signals();
             code = finish(verb->run(&o));
@@ -149,8 +165,10 @@ int main(int argc, char **argv)
     signal(SIGPIPE, SIG_IGN);
     if (strcmp(word, "--help") == 0 || strcmp(word, "-h") == 0)
         return print_help(NULL);
+    if (strcmp(word, "help") == 0 && argc > 2)
+        return explain_verb(argv[0], argv[2]);
     if (strcmp(word, "help") == 0)
-        return print_help(argc > 2 ? argv[2] : NULL);
+        return print_help(NULL);
     if (strcmp(word, "--version") == 0 || strcmp(word, "-V") == 0)
         return print_version();
     if (strcmp(word, "--generate") == 0)

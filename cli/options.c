@@ -326,6 +326,11 @@ const verb_spec VERB_TABLE[] = {
 };
 const size_t VERB_ROWS = sizeof VERB_TABLE / sizeof VERB_TABLE[0];
 
+const companion COMPANION_TABLE[COMPANIONS] = {
+    { "report", "one HTML page of a check: pictures, heatmaps, what cleaning changes; or SARIF" },
+    { "gltf", "check or clean the normals textures of .gltf and .glb files" },
+};
+
 const option_spec *option_row(option_id id, unsigned verb_bits)
 {
     for (size_t i = 0; i < OPTION_ROWS; i++) {

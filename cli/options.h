@@ -162,6 +162,15 @@ const option_spec *option_row(option_id id, unsigned verb_bit);
 const verb_spec *verb_find(const char *name);
 unsigned verb_bit(const verb_spec *verb);
 
+/* The programs ntp-NAME that the Python package puts beside ntp. */
+typedef struct companion {
+    const char *name;
+    const char *summary;
+} companion;
+
+enum { COMPANIONS = 2 };
+extern const companion COMPANION_TABLE[COMPANIONS];
+
 /* The nearest of the names, or NULL when none is near. */
 const char *nearest_name(const char *wrong, const char *const *names, size_t count);
 void complain_unknown_verb(const char *name);

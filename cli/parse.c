@@ -53,11 +53,17 @@ void complain_unknown_verb(const char *name)
     size_t count = 0;
     for (size_t i = 0; i < VERB_ROWS; i++)
         names[count++] = VERB_TABLE[i].name;
+    for (size_t i = 0; i < COMPANIONS; i++)
+        names[count++] = COMPANION_TABLE[i].name;
     names[count++] = "help";
     text shown = { 0 };
     text_name(&shown, name);
     const char *nearest = nearest_name(name, names, count);
-    if (nearest != NULL)
+    if (nearest != NULL && strcmp(nearest, name) == 0)
+        complain("ntp %s is a program of its own, ntp-%s, which the Python package normaltexture "
+                 "installs beside ntp; there is none here",
+                 name, name);
+    else if (nearest != NULL)
         complain("no verb \"%s\"; did you mean \"%s\"?", text_string(&shown), nearest);
     else
         complain("no verb \"%s\"; ntp --help lists them", text_string(&shown));

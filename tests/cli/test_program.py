@@ -106,12 +106,41 @@ def test_external_verbs(copied, tmp_path, monkeypatch):
     away.mkdir()
     shutil.move(tool, away / "ntp-report")
     monkeypatch.setenv("PATH", f"{away}:{os.environ['PATH']}")
-    assert spawn([copied / "ntp", "report"]).returncode == 2
+    missing = spawn([copied / "ntp", "report"], text=True)
+    assert missing.returncode == 2 and "Python package" in missing.stderr
+    assert '"gltf"' in spawn([copied / "ntp", "gtlf"], text=True).stderr
     for verb in ("../away/report", "", "Report"):
         assert spawn([copied / "ntp", verb]).returncode == 2
     tool.write_text("#!/bin/sh\n")
     tool.chmod(0o644)
     assert spawn([copied / "ntp", "report"]).returncode == 3
+    tool.write_text(f"#!{tmp_path}/gone/python\n")
+    tool.chmod(0o755)
+    gone = spawn([copied / "ntp", "report"], text=True)
+    assert gone.returncode == 3 and "interpreter" in gone.stderr
+
+
+def test_help_of_external_verbs(copied):
+    tool = copied / "ntp-report"
+    tool.write_text('#!/bin/sh\necho "$*"\n')
+    tool.chmod(0o755)
+    assert spawn([copied / "ntp", "help", "report"], text=True).stdout == "--help\n"
+    assert spawn([copied / "ntp", "help", "gltf"]).returncode == 2
+
+
+def test_external_verb_beside_a_script_that_starts_the_program(copied, tmp_path):
+    """As wheels install it: bin/ntp runs the executable elsewhere, under its own name."""
+    scripts = tmp_path / "scripts"
+    scripts.mkdir()
+    start = scripts / "ntp"
+    start.write_text(f'#!/bin/bash\nexec -a "$0" "{copied}/ntp" "$@"\n')
+    start.chmod(0o755)
+    tool = scripts / "ntp-report"
+    tool.write_text("#!/bin/sh\nexit 7\n")
+    tool.chmod(0o755)
+    assert spawn([start, "report"]).returncode == 7
+    env = dict(os.environ, PATH=f"{scripts}:{os.environ['PATH']}")
+    assert spawn(["bash", "-c", "ntp report"], env=env).returncode == 7
 
 
 @pytest.mark.skipif(not os.path.exists("/dev/full"), reason="/dev/full is missing")
