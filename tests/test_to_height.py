@@ -494,7 +494,7 @@ def test_arguments():
         ({"use_seeds": 1}, ntp.ERR_ARGUMENT),
         ({"use_seeds": 1, "method": TELESCOPING, "seeds": [np.nan, 0, 0, 0]}, ntp.ERR_ARGUMENT),
         ({"decode": 5}, ntp.ERR_ARGUMENT),
-        ({"z": 2}, ntp.ERR_ARGUMENT),
+        ({"z": 3}, ntp.ERR_ARGUMENT),
         ({"border_x": 9}, ntp.ERR_ARGUMENT),
     ]
     for how, status in wrong:

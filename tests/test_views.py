@@ -287,9 +287,9 @@ def test_plan_errors():
 
 
 def test_status_strings_and_version():
-    texts = {ntp.ffi.string(ntp.lib.ntp_status_string(s)) for s in range(7)}
-    assert len(texts) == 7
-    for unknown in (7, 1000, 2**31 - 1):
+    texts = {ntp.ffi.string(ntp.lib.ntp_status_string(s)) for s in range(8)}
+    assert len(texts) == 8
+    for unknown in (8, 1000, 2**31 - 1):
         assert ntp.ffi.string(ntp.lib.ntp_status_string(unknown))
     header = ntp.HEADER.read_text(encoding="utf-8")
     version = ntp.lib.ntp_version()

@@ -68,7 +68,8 @@ typedef enum ntp_status {
     NTP_ERR_FORMAT = 3,  /* the operation cannot read or write this type, encoding or channels */
     NTP_ERR_OVERLAP = 4, /* dst and src share memory where they may not */
     NTP_ERR_SCRATCH = 5, /* working memory is NULL, misaligned or too small */
-    NTP_ERR_CANCELLED = 6 /* a progress callback asked to stop */
+    NTP_ERR_CANCELLED = 6, /* a progress callback asked to stop */
+    NTP_ERR_NOT_CONVERGED = 7 /* an iteration ended before it reached its tolerance */
 } ntp_status;
 
 /* The version of the library in use: major << 16 | minor << 8 | patch. */
@@ -799,12 +800,13 @@ typedef enum ntp_height_method {
     NTP_HEIGHT_AUTO = 0,              /* least squares, as the borders say */
     NTP_HEIGHT_TELESCOPING = 1,       /* Eberly's sums of slopes: no averaging, errors add up */
     NTP_HEIGHT_FRANKOT_CHELLAPPA = 2, /* least squares, both borders NTP_BORDER_WRAP */
-    NTP_HEIGHT_POISSON_DCT = 3        /* least squares, neither border NTP_BORDER_WRAP */
+    NTP_HEIGHT_POISSON_DCT = 3,       /* least squares, neither border NTP_BORDER_WRAP */
+    NTP_HEIGHT_WEIGHTED = 4           /* least squares with weights and holes, by iteration */
 } ntp_height_method;
 
 /* What integer samples of x, y (and z, but for Z-zero) mean.  Float images: as stored. */
 typedef enum ntp_decode {
-    NTP_DECODE_AUTO = 0,    /* NEUTRAL where 8-bit texels pile up at 127 and 128, else UNORM */
+    NTP_DECODE_AUTO = 0,    /* by evidence, UNORM without any; see ntp_height_from_normals */
     NTP_DECODE_UNORM = 1,   /* (2c - M)/M */
     NTP_DECODE_NEUTRAL = 2, /* the same, but (M-1)/2 and (M+1)/2 of x and y are both 0 */
     NTP_DECODE_TRUNC = 3,   /* (2c + 1 - M)/M: written by an encoder that cut off fractions */
@@ -812,8 +814,9 @@ typedef enum ntp_decode {
 } ntp_decode;
 
 typedef enum ntp_z {
-    NTP_Z_STORED = 0, /* NTP_XY: derived */
-    NTP_Z_DERIVED = 1 /* sqrt(1 - x*x - y*y): where blue is not to be trusted */
+    NTP_Z_STORED = 0,  /* NTP_XY: derived */
+    NTP_Z_DERIVED = 1, /* sqrt(1 - x*x - y*y): where blue is not to be trusted */
+    NTP_Z_AUTO = 2     /* by evidence: derived where it was, or where lengths are not 1 */
 } ntp_z;
 
 typedef struct ntp_height_options {
@@ -828,7 +831,17 @@ typedef struct ntp_height_options {
     int32_t use_seeds;     /* nonzero, telescoping only: heights begin at these */
     double seeds[4];       /* h(0,0), h(1,0), h(0,1), h(1,1); forward: the first */
     int32_t equalize;      /* nonzero, telescoping, central: even and odd texels get one mean */
+    int32_t measure;       /* nonzero: work out `residual` too, one more pass */
+    int32_t detrend;       /* nonzero: take the best plane out, along borders that do not wrap */
+    int32_t refine;        /* 0..NTP_MAX_ITERATIONS rounds, each as long as the solution */
+    /* NTP_HEIGHT_WEIGHTED; a mask makes it the default method.  NTP_U8 or NTP_U16 NTP_HEIGHT of the
+     * size of src: where sample 0 is 0 there is a hole.  So there is at each unused texel. */
+    const ntp_const_image *mask;
+    double tolerance;       /* of the slopes, relative; 0 stands for 1e-6 */
+    int32_t max_iterations; /* 1..NTP_MAX_ITERATIONS; 0 stands for 500 */
 } ntp_height_options;
+
+enum { NTP_MAX_ITERATIONS = 100000 };
 
 /* What was done. */
 typedef struct ntp_height_result {
@@ -838,6 +851,16 @@ typedef struct ntp_height_result {
                                * scale by which ntp_normals_from_height makes it normals again */
     uint64_t unused;          /* texels that counted as flat */
     uint64_t not_finite;      /* float texels with a NaN, an infinity or length 0: flat */
+    ntp_z z;                  /* never NTP_Z_AUTO */
+    int32_t iterations;       /* NTP_HEIGHT_WEIGHTED: of the last solution */
+    double error;             /* NTP_HEIGHT_WEIGHTED: what is left, to compare with tolerance */
+    uint64_t holes;           /* NTP_HEIGHT_WEIGHTED: texels without a height; they get 0 */
+    uint64_t islands;         /* connected areas, each with a mean of its own; 0: only holes */
+    double trend_x, trend_y;  /* slopes to the right and down that `detrend` took out */
+    int32_t rounds;           /* of `refine`, that were done */
+    uint64_t refine_left;     /* texels whose normal the heights do not give again exactly */
+    double residual;          /* rms of x and y of the heights' normals less those of the texture,
+                               * in levels (floats: of 16 bit); -1: not measured */
 } ntp_height_result;
 
 /* The caller's part in an operation that takes long.  NULL, or NULL members: nothing of it. */

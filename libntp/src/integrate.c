@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * integrate.c - normals -> heightfield: checks, and the direct least-squares solver
+ * integrate.c - normals -> heightfield: the direct least-squares solver
  *
  * The normal equations of "slopes of h nearest to the stored ones" are separable.  Batches of
  * rows are read, their divergence (the adjoint of the stencils) is transformed along the row,
@@ -75,25 +75,12 @@ static size_t part_bytes(const ntp__grid_axis *along, int32_t height)
 static ntp_status check_options(ntp__grid_axis *along, ntp__grid_axis *down,
                                 const ntp_height_options *how, int32_t width, int32_t height)
 {
-    if ((int) how->method < NTP_HEIGHT_AUTO || (int) how->method > NTP_HEIGHT_POISSON_DCT ||
-        (int) how->decode < NTP_DECODE_AUTO || (int) how->decode > NTP_DECODE_SNORM ||
-        (how->z != NTP_Z_STORED && how->z != NTP_Z_DERIVED) || (int) how->kernel < 0 ||
-        (int) how->kernel > NTP_KERNEL_GIMP9 || (int) how->border_x < 0 ||
-        (int) how->border_x > NTP_BORDER_REPEAT_SLOPE || (int) how->border_y < 0 ||
-        (int) how->border_y > NTP_BORDER_REPEAT_SLOPE)
-        return NTP_ERR_ARGUMENT;
+    if (how->method == NTP_HEIGHT_WEIGHTED)
+        return NTP_ERR_FORMAT;
     bool wrap_x = how->border_x == NTP_BORDER_WRAP, wrap_y = how->border_y == NTP_BORDER_WRAP;
     if ((how->method == NTP_HEIGHT_FRANKOT_CHELLAPPA && !(wrap_x && wrap_y)) ||
         (how->method == NTP_HEIGHT_POISSON_DCT && (wrap_x || wrap_y)))
         return NTP_ERR_ARGUMENT;
-    if (how->use_seeds) {
-        for (int32_t i = 0; i < 4; i++) {
-            if (!(how->seeds[i] - how->seeds[i] == 0))
-                return NTP_ERR_ARGUMENT;
-        }
-        if (how->method != NTP_HEIGHT_TELESCOPING)
-            return NTP_ERR_ARGUMENT;
-    }
     /* No slope at a border is used in telescoping. */
     bool sums = how->method == NTP_HEIGHT_TELESCOPING;
     NTP__TRY(
@@ -101,19 +88,21 @@ static ntp_status check_options(ntp__grid_axis *along, ntp__grid_axis *down,
     return ntp__grid_axis_init(down, height, how->kernel, sums ? NTP_BORDER_CLAMP : how->border_y);
 }
 
-size_t ntp_height_scratch_size(const ntp_height_options *how, int32_t width, int32_t height,
-                               int32_t parts)
+ntp_status ntp__integrate_check(const ntp_height_options *how, int32_t width, int32_t height)
 {
-    ntp_height_options zero;
-    memset(&zero, 0, sizeof zero);
     ntp__grid_axis along, down;
-    if (width < 1 || height < 1 || width > NTP_MAX_SIDE || height > NTP_MAX_SIDE || parts < 0 ||
-        parts > NTP_MAX_PARTS ||
-        check_options(&along, &down, how != NULL ? how : &zero, width, height) != NTP_OK)
+    return check_options(&along, &down, how, width, height);
+}
+
+size_t ntp__integrate_scratch(const ntp_height_options *how, int32_t width, int32_t height,
+                              int32_t parts)
+{
+    ntp__grid_axis along, down;
+    if (check_options(&along, &down, how, width, height) != NTP_OK)
         return 0;
-    if (how != NULL && how->method == NTP_HEIGHT_TELESCOPING)
+    if (how->method == NTP_HEIGHT_TELESCOPING)
         return aligned(EXTRA_ROWS * (size_t) width * sizeof(double));
-    size_t count = parts > 0 ? (size_t) parts : 1;
+    size_t count = (size_t) parts;
     return aligned(ntp__fft_tables(kind_of(&along), width)) + aligned(count * sizeof(part)) +
            aligned((size_t) height * sizeof(double)) + count * part_bytes(&along, height);
 }
@@ -278,21 +267,6 @@ static ntp_status each(job *j, job_task *task, int32_t count, double from, doubl
 
 /* ------------------------------------------------------------------------------- public */
 
-static ntp_status check_views(const ntp_image *dst, const ntp_const_image *src)
-{
-    if (dst == NULL)
-        return NTP_ERR_ARGUMENT;
-    ntp_const_image seen = ntp_image_as_const(dst);
-    NTP__TRY(ntp__check_normals(src));
-    NTP__TRY(ntp__check_view(&seen));
-    if (dst->encoding != NTP_HEIGHT || dst->type != NTP_F32 || dst->channels != 1)
-        return NTP_ERR_FORMAT;
-    if (!ntp__same_size(&seen, src) || src->ring_rows != 0 || dst->ring_rows != 0 ||
-        dst->pixel_stride != (ptrdiff_t) sizeof(float))
-        return NTP_ERR_SHAPE;
-    return NTP_OK;
-}
-
 static ntp_status least_squares(job *j, void *scratch)
 {
     int32_t batches = (j->down.n + ROWS - 1) / ROWS;
@@ -303,77 +277,28 @@ static ntp_status least_squares(job *j, void *scratch)
     return each(j, synthesize, batches, 0.75, 1);
 }
 
-static void describe(ntp_height_result *result, const job *j, const ntp_height_options *how,
-                     const ntp__slope_counts *counts)
-{
-    bool wrap = j->along.wrap && j->down.wrap;
-    result->method = how->method != NTP_HEIGHT_AUTO ? how->method
-                     : wrap                         ? NTP_HEIGHT_FRANKOT_CHELLAPPA
-                                                    : NTP_HEIGHT_POISSON_DCT;
-    result->decode = j->slopes.decode;
-    result->unused = counts->unused;
-    result->not_finite = counts->not_finite;
-    float min = *(const float *) j->dst->data, max = min;
-    for (int32_t y = 0; y < j->down.n; y++) {
-        const float *row = ntp__at_mut(j->dst, 0, y);
-        for (int32_t x = 0; x < j->along.n; x++) {
-            min = row[x] < min ? row[x] : min;
-            max = row[x] > max ? row[x] : max;
-        }
-    }
-    result->min = min;
-    result->max = max;
-}
-
-ntp_status ntp_height_from_normals(const ntp_image *dst, const ntp_const_image *src,
-                                   const ntp_height_options *how, void *scratch,
-                                   size_t scratch_size, const ntp_hooks *hooks,
-                                   ntp_height_result *result)
+ntp_status ntp__integrate(const ntp_image *dst, const ntp__slopes *slopes,
+                          const ntp_height_options *how, void *scratch, const ntp_hooks *hooks,
+                          ntp__slope_counts *counts)
 {
     job j;
-    ntp_height_options zero;
-    ntp__slope_counts counts = { 0, 0 };
     memset(&j, 0, sizeof j);
-    memset(&zero, 0, sizeof zero);
-    how = how != NULL ? how : &zero;
-    NTP__TRY(check_views(dst, src));
-    NTP__TRY(check_options(&j.along, &j.down, how, src->width, src->height));
+    NTP__TRY(check_options(&j.along, &j.down, how, dst->width, dst->height));
     j.part_count = hooks != NULL && hooks->parts != 0 ? hooks->parts : 1;
-    if (j.part_count < 1 || j.part_count > NTP_MAX_PARTS)
-        return NTP_ERR_ARGUMENT;
-    if (scratch == NULL || (uintptr_t) scratch % ALIGNMENT != 0 ||
-        scratch_size < ntp_height_scratch_size(how, src->width, src->height, j.part_count))
-        return NTP_ERR_SCRATCH;
     j.dst = dst;
-    j.src = src;
+    j.src = slopes->src;
     j.hooks = hooks;
-    if (stopped(&j, 0))
-        return NTP_ERR_CANCELLED;
-    ntp__slopes_init(&j.slopes, src, how);
-    if (how->method == NTP_HEIGHT_TELESCOPING)
-        ntp__telescope(dst, &j.slopes, how, scratch, &counts);
-    else
-        NTP__TRY(least_squares(&j, scratch));
-    for (int32_t i = 0; j.parts != NULL && i < j.part_count; i++) {
-        counts.unused += j.parts[i].counts.unused;
-        counts.not_finite += j.parts[i].counts.not_finite;
+    j.slopes = *slopes;
+    if (how->method == NTP_HEIGHT_TELESCOPING) {
+        if (stopped(&j, 0))
+            return NTP_ERR_CANCELLED;
+        ntp__telescope(dst, &j.slopes, how, scratch, counts);
+        return NTP_OK;
     }
-    if (result != NULL)
-        describe(result, &j, how, &counts);
+    NTP__TRY(least_squares(&j, scratch));
+    for (int32_t i = 0; i < j.part_count; i++) {
+        counts->unused += j.parts[i].counts.unused;
+        counts->not_finite += j.parts[i].counts.not_finite;
+    }
     return NTP_OK;
-}
-
-const char *ntp_height_method_name(ntp_height_method method)
-{
-    switch (method) {
-    case NTP_HEIGHT_AUTO:
-        return "auto";
-    case NTP_HEIGHT_TELESCOPING:
-        return "telescoping";
-    case NTP_HEIGHT_FRANKOT_CHELLAPPA:
-        return "frankot-chellappa";
-    case NTP_HEIGHT_POISSON_DCT:
-        return "poisson-dct";
-    }
-    return "unknown";
 }

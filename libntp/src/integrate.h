@@ -16,6 +16,16 @@ typedef struct ntp__grid_axis {
     double edge; /* central, not wrap: weight of the slopes at both ends */
 } ntp__grid_axis;
 
+/* The direct solver and telescoping: does it take this, its working memory, and the work, which adds
+ * to counts.  parts: at least 1.  Of `how` the fields up to `equalize` count, but not decode and
+ * z, which the slopes have in them. */
+ntp_status ntp__integrate_check(const ntp_height_options *how, int32_t width, int32_t height);
+size_t ntp__integrate_scratch(const ntp_height_options *how, int32_t width, int32_t height,
+                              int32_t parts);
+ntp_status ntp__integrate(const ntp_image *dst, const ntp__slopes *slopes,
+                          const ntp_height_options *how, void *scratch, const ntp_hooks *hooks,
+                          ntp__slope_counts *counts);
+
 enum { NTP__MAX_TERMS = 4 };
 
 /* A weighted sum of slopes. */

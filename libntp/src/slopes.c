@@ -45,6 +45,7 @@ void ntp__slopes_init(ntp__slopes *s, const ntp_const_image *src, const ntp_heig
 {
     int32_t m = ntp__max(src->type);
     s->src = src;
+    s->right = s->down = NULL;
     s->touch_unused = how->touch_unused;
     s->derived = how->z == NTP_Z_DERIVED || src->encoding == NTP_XY;
     s->decode = how->decode;
@@ -143,6 +144,14 @@ void ntp__slopes_row(const ntp__slopes *s, double *right, double *down, int32_t 
                      ntp__slope_counts *counts)
 {
     ntp__block block;
+    if (s->right != NULL) {
+        size_t row = (size_t) y * (size_t) s->src->width;
+        for (int32_t x = 0; x < s->src->width; x++) {
+            right[x] = (double) s->right[row + (size_t) x];
+            down[x] = (double) s->down[row + (size_t) x];
+        }
+        return;
+    }
     for (int32_t x = 0; x < s->src->width; x += NTP__BLOCK) {
         int32_t n = s->src->width - x < NTP__BLOCK ? s->src->width - x : NTP__BLOCK;
         ntp__unpack(&block, s->src, x, y, n);

@@ -17,6 +17,7 @@ typedef struct ntp__slopes {
     double z_scale;  /* z-zero: z is b * z_scale / range */
     int32_t neutral; /* |2 c - zero| up to this counts as 0 */
     bool derived;
+    const float *right, *down; /* NULL, or packed planes of slopes that stand for those of src */
 } ntp__slopes;
 
 typedef struct ntp__slope_counts {

@@ -28,6 +28,8 @@ const char *ntp_status_string(ntp_status status)
         return "working memory is missing, misaligned or too small";
     case NTP_ERR_CANCELLED:
         return "cancelled";
+    case NTP_ERR_NOT_CONVERGED:
+        return "the iteration did not reach its tolerance";
     }
     return "unknown status";
 }
