@@ -68,7 +68,7 @@ typedef enum ntp_status {
     NTP_ERR_FORMAT = 3,  /* the operation cannot read or write this type, encoding or channels */
     NTP_ERR_OVERLAP = 4, /* dst and src share memory where they may not */
     NTP_ERR_SCRATCH = 5, /* working memory is NULL, misaligned or too small */
-    NTP_ERR_CANCELLED = 6, /* a progress callback asked to stop */
+    NTP_ERR_CANCELLED = 6,    /* a progress callback asked to stop */
     NTP_ERR_NOT_CONVERGED = 7 /* an iteration ended before it reached its tolerance */
 } ntp_status;
 
@@ -659,7 +659,9 @@ typedef enum ntp_kernel {
     NTP_KERNEL_SOBEL5 = 6,
     NTP_KERNEL_GIMP5 = 7, /* those of the gimp-normalmap plug-in */
     NTP_KERNEL_GIMP7 = 8,
-    NTP_KERNEL_GIMP9 = 9
+    NTP_KERNEL_GIMP9 = 9,
+    NTP_KERNEL_BAKED =
+        10 /* of a surface at the texels, by no stencil: ntp_height_from_normals only */
 } ntp_kernel;
 
 /* The height beyond an edge.  The two axes are independent. */
@@ -819,6 +821,13 @@ typedef enum ntp_z {
     NTP_Z_AUTO = 2     /* by evidence: derived where it was, or where lengths are not 1 */
 } ntp_z;
 
+/* Kernels of 3 x 3 and more see little of the finest detail: noise would take its place. */
+typedef enum ntp_prior {
+    NTP_PRIOR_AUTO = 0, /* ROUGHNESS with kernels of 3 x 3 and more, else NONE */
+    NTP_PRIOR_NONE = 1,
+    NTP_PRIOR_ROUGHNESS = 2 /* of heights that fit alike within the rounding, smooth ones */
+} ntp_prior;
+
 typedef struct ntp_height_options {
     ntp_height_method method;
     ntp_kernel kernel; /* that made the normals: NTP_KERNEL_CENTRAL or NTP_KERNEL_FORWARD */
@@ -839,6 +848,9 @@ typedef struct ntp_height_options {
     const ntp_const_image *mask;
     double tolerance;       /* of the slopes, relative; 0 stands for 1e-6 */
     int32_t max_iterations; /* 1..NTP_MAX_ITERATIONS; 0 stands for 500 */
+    double dx;              /* spacing of texels; 0 stands for 1 */
+    double dy;
+    ntp_prior prior;
 } ntp_height_options;
 
 enum { NTP_MAX_ITERATIONS = 100000 };

@@ -172,6 +172,8 @@ int32_t ntp_gradient_reach(const ntp_gradient_options *how)
 
 const char *ntp_kernel_name(ntp_kernel kernel)
 {
+    if (kernel == NTP_KERNEL_BAKED)
+        return "baked";
     return (int) kernel >= 0 && (int) kernel < (int) NTP__KERNELS ? ntp__kernel_table[kernel].name
                                                                   : "unknown";
 }

@@ -81,6 +81,13 @@ static ntp_status check_options(ntp__grid_axis *along, ntp__grid_axis *down,
     if ((how->method == NTP_HEIGHT_FRANKOT_CHELLAPPA && !(wrap_x && wrap_y)) ||
         (how->method == NTP_HEIGHT_POISSON_DCT && (wrap_x || wrap_y)))
         return NTP_ERR_ARGUMENT;
+    if (!(how->dx >= 0) || !(how->dy >= 0) || !(how->dx - how->dx == 0) ||
+        !(how->dy - how->dy == 0) || (int) how->prior < NTP_PRIOR_AUTO ||
+        (int) how->prior > NTP_PRIOR_ROUGHNESS)
+        return NTP_ERR_ARGUMENT;
+    if ((how->dx != 0 && how->dx != 1) || (how->dy != 0 && how->dy != 1) ||
+        how->prior == NTP_PRIOR_ROUGHNESS)
+        return NTP_ERR_FORMAT;
     /* No slope at a border is used in telescoping. */
     bool sums = how->method == NTP_HEIGHT_TELESCOPING;
     NTP__TRY(
