@@ -48,5 +48,6 @@ int from_height_run(const options *o);
 int transform_run(const options *o);
 int resize_run(const options *o);
 int blend_run(const options *o);
+int to_height_run(const options *o);
 
 #endif

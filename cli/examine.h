@@ -33,6 +33,7 @@ typedef struct worker {
     ntp_orientation *orientation;
     buffer band;          /* rows around the one whose orientation is measured */
     bool may_read_ahead;  /* a processor is idle */
+    int threads;          /* that this worker may keep busy, itself included */
     _Atomic int permille; /* of the file at work, for the progress bar */
 } worker;
 
@@ -60,6 +61,7 @@ typedef struct source {
     int32_t block_rows;  /* rows that source_next delivers at once */
     struct ahead *ahead; /* the thread that reads ahead, or NULL */
     uint32_t next;       /* the next row */
+    int read_permille;   /* of the work that reading is; 0: all of it */
     orient orient;
 } source;
 

@@ -12,6 +12,7 @@
 #include <string.h>
 #include <strings.h>
 
+#include "planes.h"
 #include "produce.h"
 #include "report.h"
 
@@ -217,11 +218,6 @@ static bool read_settings(settings *set, const options *o)
 
 /* ---------------------------------------------------------------------- other images */
 
-static size_t sample_size(ntp_type type)
-{
-    return type == NTP_U8 ? 1 : type == NTP_U16 ? 2 : 4;
-}
-
 static bool refuse(const char *path, const char *why, ntpio_error *error)
 {
     text t = { 0 };
@@ -230,40 +226,6 @@ static bool refuse(const char *path, const char *why, ntpio_error *error)
     snprintf(error->message, sizeof error->message, "%.380s: %s", text_string(&t), why);
     text_free(&t);
     return false;
-}
-
-/* Reads the first channel of an image into a plane of the output's depth. */
-static bool read_plane(const settings *set, const production *p, const char *path, ntp_type type,
-                       unsigned char *plane, ntpio_error *error)
-{
-    ntpio_reader *reader = ntpio_open(path, &set->limits, error);
-    if (reader == NULL)
-        return false;
-    const ntpio_info *info = ntpio_reader_info(reader);
-    const size_t row = (size_t) info->width * (size_t) info->channels * (size_t) info->sample_bytes;
-    bool ok = info->width == p->s.info->width && info->height == p->s.info->height;
-    if (!ok)
-        refuse(path, "not of the size of the heightfield", error);
-    const ntp_type from = info->sample_bytes == 1   ? NTP_U8
-                          : info->sample_bytes == 2 ? NTP_U16
-                                                    : NTP_F32;
-    unsigned char *line = ok ? need(malloc(row)) : NULL;
-    const int32_t width = (int32_t) info->width;
-    ntp_image in = ntp_image_packed(line, width, 1, info->channels, from);
-    in.channels = 1;
-    in.encoding = NTP_HEIGHT;
-    for (uint32_t y = 0; ok && y < info->height; y++) {
-        ok = ntpio_read_rows(reader, line, (ptrdiff_t) row, 1, error);
-        ntp_image out = ntp_image_packed(plane + (size_t) y * info->width * sample_size(type),
-                                         width, 1, 1, type);
-        const ntp_const_image seen = ntp_image_as_const(&in);
-        if (ok)
-            ntp_convert(&out, &seen, NULL, NULL, NULL);
-    }
-    ok = ok && ntpio_read_end(reader, error);
-    free(line);
-    ntpio_close(reader);
-    return ok;
 }
 
 static bool read_planes(production *p, ntpio_error *error)
@@ -278,13 +240,14 @@ static bool read_planes(production *p, ntpio_error *error)
     /* The worker's raw rows are free: the view's channels are those of the file. */
     unsigned char *planes = buffer_reserve(&p->w->raw, plane * count);
     if (set->alpha_file != NULL) {
-        if (!read_plane(set, p, set->alpha_file, type, planes, error))
+        if (!plane_read(planes, type, set->alpha_file, &set->limits, p->s.info, "heightfield",
+                        error))
             return false;
         st->alpha = planes;
         planes += plane;
     }
     if (set->ao_file != NULL) {
-        if (!read_plane(set, p, set->ao_file, type, planes, error))
+        if (!plane_read(planes, type, set->ao_file, &set->limits, p->s.info, "heightfield", error))
             return false;
         st->ao = planes;
     }

@@ -225,6 +225,7 @@ unsigned batch_run(const batch *b)
     for (int i = 0; i < workers; i++) {
         seats[i] = (seat) { .q = q, .w = worker_new() };
         seats[i].w->may_read_ahead = threads_allowed(b) >= 2 * wanted;
+        seats[i].w->threads = threads_allowed(b) / wanted;
         const int error = pthread_create(&seats[i].thread, NULL, work_loop, &seats[i]);
         if (error == 0)
             continue;

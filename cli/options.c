@@ -75,9 +75,10 @@ const option_spec OPTION_TABLE[] = {
       "reads DXT5nm. Without z it is computed" },
     { OPT_SCALE, "scale", 0, KIND_NUMBER, "S", NULL, -1.7e308, 1.7e308, V_FROM_HEIGHT,
       "how many texels a height of 1 (white) rises above 0 (black); negative turns hills into dents" },
-    { OPT_DX, "dx", 0, KIND_NUMBER, "D", "1", 0, 1.7e308, V_FROM_HEIGHT,
+    { OPT_DX, "dx", 0, KIND_NUMBER, "D", "1", 0, 1.7e308, V_FROM_HEIGHT | V_TO_HEIGHT,
       "width of a texel, where texels are not square" },
-    { OPT_DY, "dy", 0, KIND_NUMBER, "D", "1", 0, 1.7e308, V_FROM_HEIGHT, "height of a texel" },
+    { OPT_DY, "dy", 0, KIND_NUMBER, "D", "1", 0, 1.7e308, V_FROM_HEIGHT | V_TO_HEIGHT,
+      "height of a texel" },
     { OPT_INVERT, "invert", 0, KIND_FLAG, NULL, NULL, 0, 0, V_FROM_HEIGHT,
       "black is high and white is low" },
     { OPT_KERNEL, "kernel", 0, KIND_CHOICE, KERNELS, "central", 0, 0, V_FROM_HEIGHT,
@@ -120,6 +121,47 @@ const option_spec OPTION_TABLE[] = {
     { OPT_CHANNELS, "channels", 0, KIND_STRING, "SPEC", NULL, 0, 0, V_FROM_HEIGHT,
       "what each channel of the output holds, one letter each of x y z 0 1, h (height) and a "
       "(alpha): xyz, xzy, xyzh, 1y0x" },
+    { OPT_FROM, "from", 0, KIND_CHOICE, "auto|" ENCODINGS, "auto", 0, 0, V_TO_HEIGHT,
+      "how the input stores a normal; auto finds out by its texels. Another value settles it: files "
+      "that would be refused are taken for this" },
+    { OPT_FROM_Y, "from-y", 0, KIND_CHOICE, "auto|up|down", "auto", 0, 0, V_TO_HEIGHT,
+      "which way green points: up (OpenGL) or down (DirectX); auto: as the texels tell, else the "
+      "name of the file, else up" },
+    { OPT_KERNEL, "kernel", 0, KIND_CHOICE, "auto|" KERNELS "|baked", "auto", 0, 0, V_TO_HEIGHT,
+      "how the slopes were taken from heights; baked: they are those of a surface, at texel centers. "
+      "auto: the one that fits best, else central" },
+    { OPT_BORDER, "border", 0, KIND_CHOICE, "auto|" BORDERS, "auto", 0, 0, V_TO_HEIGHT,
+      "the height beyond the edges. auto: wrap where the texture tiles, else extrapolate" },
+    { OPT_BORDER_X, "border-x", 0, KIND_CHOICE, "auto|" BORDERS, NULL, 0, 0, V_TO_HEIGHT,
+      "the same for the left and right edges only" },
+    { OPT_BORDER_Y, "border-y", 0, KIND_CHOICE, "auto|" BORDERS, NULL, 0, 0, V_TO_HEIGHT,
+      "the same for the upper and lower edges only" },
+    { OPT_METHOD, "method", 0, KIND_CHOICE,
+      "auto|telescoping|frankot-chellappa|poisson-dct|weighted", "auto", 0, 0, V_TO_HEIGHT,
+      "frankot-chellappa, poisson-dct: least squares, for textures that tile and that do not; "
+      "weighted: with holes where texels are unused or masked, and less weight on steep texels; "
+      "telescoping: sums of slopes, after Eberly. auto: weighted where there are holes, else as the "
+      "borders say" },
+    { OPT_REFINE, "refine", 0, KIND_INTEGER, "N", "0", 0, 100000, V_TO_HEIGHT,
+      "do up to N more rounds, until the normals of the heights are those of the input" },
+    { OPT_SEEDS, "seeds", 0, KIND_STRING, "H00,H10,H01,H11", NULL, 0, 0, V_TO_HEIGHT,
+      "telescoping: the heights of the four texels at the upper left, in texels; the kernel forward "
+      "uses the first" },
+    { OPT_EQUALIZE, "equalize", 0, KIND_FLAG, NULL, NULL, 0, 0, V_TO_HEIGHT,
+      "telescoping: give texels of even and of odd rows and columns the same mean" },
+    { OPT_MASK, "mask", 0, KIND_STRING, "FILE", NULL, 0, 0, V_TO_HEIGHT,
+      "an image of the same size: where its first channel is 0 there is no surface" },
+    { OPT_DETREND, "detrend", 0, KIND_FLAG, NULL, NULL, 0, 0, V_TO_HEIGHT,
+      "take the best plane out of the heights, where they do not tile" },
+    { OPT_DECODE, "decode", 0, KIND_CHOICE, "auto|unorm|neutral|unorm-trunc|snorm128", "auto", 0, 0,
+      V_TO_HEIGHT,
+      "which level of red and green is 0, of 8 bit: unorm: 127.5; neutral: the same, but 127 and 128 "
+      "are both 0; unorm-trunc: 127, fractions were cut off; snorm128: 128. auto: by the texels" },
+    { OPT_Z, "z", 0, KIND_CHOICE, "auto|stored|derived", "auto", 0, 0, V_TO_HEIGHT,
+      "whether z is read from blue or computed from red and green; auto: by the texels" },
+    { OPT_DEPTH, "depth", 0, KIND_CHOICE, "16|float", "16", 0, 0, V_TO_HEIGHT,
+      "16: a gray PNG of 16 bit, black the lowest and white the highest; float: a PFM of heights in "
+      "texels. The default for -o FILE.pfm is float" },
     { OPT_STRENGTH, "strength", 0, KIND_NUMBER, "S", NULL, -1024, 1024, V_TRANSFORM,
       "multiply the slopes: 2 makes bumps twice as high, 0.5 half as high, -1 turns them into dents" },
     { OPT_FLIP, "flip", 0, KIND_CHOICE, "x|y|xy", NULL, 0, 0, V_TRANSFORM,
@@ -180,7 +222,9 @@ const option_spec OPTION_TABLE[] = {
       "leave out files and directories that match; may be repeated" },
     { OPT_FILES_FROM, "files-from", 0, KIND_STRING, "FILE", NULL, 0, 0, V_PATHS,
       "read paths from FILE, one on each line; - is standard input" },
-    { OPT_JOBS, "jobs", 'j', KIND_INTEGER, "N", NULL, 1, 256, V_PATHS,
+    { OPT_JOBS, "jobs", 'j', KIND_INTEGER, "N", NULL, 1, 256, V_TO_HEIGHT,
+      "work with N threads, on files at once or on parts of one; default: one for each processor" },
+    { OPT_JOBS, "jobs", 'j', KIND_INTEGER, "N", NULL, 1, 256, V_PATHS & ~(unsigned) V_TO_HEIGHT,
       "work on N files at once; default: one for each processor" },
     { OPT_QUIET, "quiet", 'q', KIND_FLAG, NULL, NULL, 0, 0, V_CHECK,
       "print only files with findings" },
@@ -323,6 +367,23 @@ const verb_spec VERB_TABLE[] = {
       "  the detail half as high\n"
       "ntp blend wall_gl.png scratches_dx.png -o worn_gl.png --detail-y down\n",
       blend_run },
+    { "to-height", "PATH...", "make heights from normals",
+      "Reconstructs the heightfield behind a normals texture: of all heights those whose slopes come "
+      "nearest to the stored ones. Writes a gray PNG of 16 bit, or floats (PFM). How high white is "
+      "above black is printed as the scale, and stored in the PNG: ntp from-height with this --scale, "
+      "kernel and border makes the same normals again.\n"
+      "What the texture does not say (which way green points, whether it tiles, how it was made) is "
+      "found out by its texels as far as they tell, printed, and can be set by options. What is no "
+      "texture of tangent-space normals is refused unless --from says what it is. The image is held in "
+      "memory: its samples, and 4 bytes a texel; 40 more with --method weighted.",
+      "ntp to-height wall_n.png -o wall_height.png\n"
+      "ntp to-height wall_n.png -o wall_height.png --border wrap --from-y down\n"
+      "  a texture that tiles, for DirectX\n"
+      "ntp to-height decal_n.png -o decal_height.png --mask decal_mask.png\n"
+      "  no surface where the mask is black\n"
+      "ntp to-height wall_n.png -o wall_height.pfm\n"
+      "  floats, in texels\n",
+      to_height_run },
 };
 const size_t VERB_ROWS = sizeof VERB_TABLE / sizeof VERB_TABLE[0];
 

@@ -33,14 +33,20 @@ static bool keeps_pfm(const options *o)
            !option_given(o, OPT_DEPTH);
 }
 
+static bool makes_pfm(const options *o)
+{
+    return o->verb_bit == V_TO_HEIGHT && option_integer(o, OPT_DEPTH) == 1;
+}
+
 static char *below(const char *directory, const char *relative, ending how, const options *o)
 {
-    const bool as_it_is = ends_in(relative, ".png") || (ends_in(relative, ".pfm") && keeps_pfm(o));
+    const char *made = makes_pfm(o) ? ".pfm" : ".png";
+    const bool as_it_is = ends_in(relative, made) || (ends_in(relative, ".pfm") && keeps_pfm(o));
     const size_t dropped = as_it_is || how == ADDED_ENDING ? 0 : strlen(name_ending(relative));
     text name = { 0 };
     text_bytes(&name, relative, strlen(relative) - dropped);
     if (!as_it_is)
-        text_add(&name, ".png");
+        text_add(&name, made);
     char *path = join_path(directory, text_string(&name));
     text_free(&name);
     return path;

@@ -71,8 +71,11 @@ ntpio_writer *production_open(const production *p, const char *output, ntpio_wri
         text_free(&why);
         return NULL;
     }
-    shape->format = p->m->in_place ? p->s.info->format : format_of(output);
-    shape->copy_from = p->s.info;
+    shape->format = p->m->in_place                                  ? p->s.info->format
+                    : p->m->writes_late && shape->sample_bytes == 4 ? NTPIO_PFM
+                                                                    : format_of(output);
+    if (shape->copy_from == NULL)
+        shape->copy_from = p->s.info;
     shape->level =
         option_given(p->m->o, OPT_LEVEL) ? (int32_t) option_integer(p->m->o, OPT_LEVEL) : -1;
     return ntpio_create(output, shape, error);
@@ -91,7 +94,7 @@ static pass_end run_pass(production *p, bool writes, ntpio_error *error)
     p->changes = false;
     if (!p->m->begin(p, &shape, error))
         return PASS_FAILED;
-    if (writes) {
+    if (writes && !p->m->writes_late) {
         p->writer = production_open(p, p->in->output, &shape, error);
         if (p->writer == NULL)
             return PASS_FAILED;
@@ -143,8 +146,10 @@ static outcome refuse(const production *p, ntpio_error *error)
                   p->f.type.type == NTP_CLASS_HEIGHT         ? "a height map"
                   : p->f.type.type == NTP_CLASS_OBJECT_SPACE ? "object-space normals"
                                                              : "something else");
-    if (p->f.counts && !is_gray_and_alpha(p) && option_row(OPT_TYPE, p->m->o->verb_bit) != NULL)
-        text_add(&t, "; --type standard takes it for one");
+    const unsigned verb = p->m->o->verb_bit;
+    const option_spec *row = option_row(verb == V_TO_HEIGHT ? OPT_FROM : OPT_TYPE, verb);
+    if (p->f.counts && !is_gray_and_alpha(p) && row != NULL)
+        text_addf(&t, "; --%s standard takes it for one", row->name);
     snprintf(error->message, sizeof error->message, "%.500s", text_string(&t));
     text_free(&t);
     return p->f.counts && (p->in->named || p->in->hinted) ? REFUSED : SKIPPED;
@@ -179,6 +184,12 @@ static outcome know_first(production *p, ntpio_error *error)
     return source_rewind(&p->s, error) ? MADE : UNREADABLE;
 }
 
+/* All rows were read, and the facts are known. */
+static outcome finish(production *p, ntpio_error *error)
+{
+    return p->m->finish == NULL || p->m->finish(p, error) ? MADE : FAILED;
+}
+
 /*
  * The speculative passes.  On return the writer holds the finished output, unless nothing is
  * to be written.
@@ -192,7 +203,7 @@ static outcome speculate(production *p, bool writes, ntpio_error *error)
         if (end != PASS_DONE)
             return end_of(end);
         if (p->known)
-            return MADE;
+            return finish(p, error);
         if (!facts_from_tally(&p->f, &p->s, p->m->forced, error))
             return UNREADABLE;
         if (is_refused(p))
@@ -200,7 +211,7 @@ static outcome speculate(production *p, bool writes, ntpio_error *error)
         const uint32_t touch = touch_for(&p->f.stats, p->f.encoding);
         const bool same_touch = touch == p->touch || p->f.stats.transparent == 0;
         if (p->m->any_class || (p->f.encoding == p->s.view.encoding && same_touch))
-            return MADE;
+            return finish(p, error);
         ntpio_abort(p->writer);
         p->writer = NULL;
         if (p->s.view.type != NTP_U8 || !same_touch) {
@@ -356,6 +367,7 @@ static void work(void *context, worker *w, const input *in, result *r)
     const ntpio_limits limits = limits_from(m->o);
     outcome done = UNREADABLE;
     if (source_open(&p.s, w, in, &limits, &error)) {
+        p.s.read_permille = m->read_permille;
         done = make_output(&p, &error);
         ntpio_abort(p.writer);
     }

@@ -42,22 +42,28 @@ struct maker {
     bool only_changed;  /* outputs without a change are not written */
     bool dry_run;
     bool in_place;
+    bool writes_late;  /* `finish` opens the writer, when the rows have all been read */
+    int read_permille; /* share of the work that reading is, for the progress bar; 0: all of it */
     size_t state_size;
     const void *settings; /* the verb's */
     /* Before each pass: starts the state afresh; says what is written. */
     bool (*begin)(production *p, ntpio_write_options *shape, ntpio_error *error);
     /* Rows were read into the view: makes and writes (production_write) the output's rows. */
     bool (*rows)(production *p, const ntp_rect *area, ntpio_error *error);
+    /* After the last row, with the facts known: makes what needs all rows; may be NULL. */
+    bool (*finish)(production *p, ntpio_error *error);
     /* Adds what was done to the file's line or JSON object; either may be NULL. */
     void (*describe)(const production *p, text *line, json_t *object);
 };
 
+/* Writes rows to the output, in order. */
 bool production_write(production *p, const void *rows, ptrdiff_t stride, const ntp_rect *area,
                       ntpio_error *error);
 
 /* For further outputs: is the path neither an input nor the output of one? */
 bool production_may_write(const production *p, const char *path, ntpio_error *error);
-/* Starts a further output; shape says its size and samples, the rest is set as for the first. */
+/* Starts a further output, or the one of `writes_late`; shape says its size, its samples and its
+ * texts, and the rest is set as for the first (copy_from only where it is NULL). */
 ntpio_writer *production_open(const production *p, const char *path, ntpio_write_options *shape,
                               ntpio_error *error);
 

@@ -318,7 +318,8 @@ int source_next(source *s, ntp_rect *area, ntpio_error *error)
     const uint32_t left = height - s->next, count = left < block ? left : block;
     *area = (ntp_rect) { 0, (int32_t) s->next, s->view.width, (int32_t) (s->next + count) };
     s->next += count;
-    atomic_store_explicit(&s->w->permille, (int) ((uint64_t) s->next * 1000 / height),
+    const uint64_t whole = s->read_permille > 0 ? (uint64_t) s->read_permille : 1000;
+    atomic_store_explicit(&s->w->permille, (int) ((uint64_t) s->next * whole / height),
                           memory_order_relaxed);
     return 1;
 }

@@ -1,0 +1,70 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * planes.c - a channel of another image, beside the one at work: an alpha, a mask
+ *
+ * Rows are read one by one and converted by value to the depth that is asked for.
+ */
+#include "planes.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "text.h"
+
+size_t sample_size(ntp_type type)
+{
+    return type == NTP_U8 ? 1 : type == NTP_U16 ? 2 : 4;
+}
+
+static ntp_type type_of(int32_t sample_bytes)
+{
+    return sample_bytes == 1 ? NTP_U8 : sample_bytes == 2 ? NTP_U16 : NTP_F32;
+}
+
+static void refuse_size(const char *path, const char *what, ntpio_error *error)
+{
+    text t = { 0 };
+    text_name(&t, path);
+    error->status = NTPIO_ERR_USAGE;
+    snprintf(error->message, sizeof error->message, "%.380s: not of the size of the %s",
+             text_string(&t), what);
+    text_free(&t);
+}
+
+static bool read_rows(unsigned char *plane, ntp_type type, ntpio_reader *reader, ntpio_error *error)
+{
+    const ntpio_info *info = ntpio_reader_info(reader);
+    const size_t row = (size_t) info->width * (size_t) info->channels * (size_t) info->sample_bytes;
+    const size_t plane_row = (size_t) info->width * sample_size(type);
+    unsigned char *line = need(malloc(row));
+    ntp_image in = ntp_image_packed(line, (int32_t) info->width, 1, info->channels,
+                                    type_of(info->sample_bytes));
+    in.channels = 1;
+    in.encoding = NTP_HEIGHT;
+    const ntp_const_image seen = ntp_image_as_const(&in);
+    bool ok = true;
+    for (uint32_t y = 0; ok && y < info->height; y++) {
+        ok = ntpio_read_rows(reader, line, (ptrdiff_t) row, 1, error);
+        const ntp_image out =
+            ntp_image_packed(plane + y * plane_row, (int32_t) info->width, 1, 1, type);
+        if (ok)
+            ntp_convert(&out, &seen, NULL, NULL, NULL);
+    }
+    free(line);
+    return ok && ntpio_read_end(reader, error);
+}
+
+bool plane_read(unsigned char *plane, ntp_type type, const char *path, const ntpio_limits *limits,
+                const ntpio_info *like, const char *what, ntpio_error *error)
+{
+    ntpio_reader *reader = ntpio_open(path, limits, error);
+    if (reader == NULL)
+        return false;
+    const ntpio_info *info = ntpio_reader_info(reader);
+    const bool fits = info->width == like->width && info->height == like->height;
+    if (!fits)
+        refuse_size(path, what, error);
+    const bool ok = fits && read_rows(plane, type, reader, error);
+    ntpio_close(reader);
+    return ok;
+}

@@ -1,0 +1,41 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * to_height.h - what the files of ntp to-height share
+ */
+#ifndef NTP_CLI_TO_HEIGHT_H
+#define NTP_CLI_TO_HEIGHT_H
+
+#include "produce.h"
+
+enum { AUTO = -1 }; /* of what is found out by evidence */
+
+/* From the options. */
+typedef struct to_height_settings {
+    ntp_height_options how; /* but kernel, borders and mask */
+    int kernel, border_x, border_y;
+    int y; /* an ntp_y, or AUTO */
+    bool is_float;
+    const char *mask_file;
+    ntpio_limits limits;
+} to_height_settings;
+
+/* How a choice was made. */
+typedef enum chosen_by { BY_OPTION, BY_TEXELS, BY_NAME, BY_DEFAULT } chosen_by;
+
+typedef struct to_height_state {
+    ntp_const_image src; /* the whole texture */
+    ntp_height_options how;
+    ntp_height_result result;
+    ntp_y y;
+    chosen_by y_by, kernel_by, border_by[2];
+    double y_confidence;
+    double scale, offset; /* of what is written */
+} to_height_state;
+
+/* Settles Y, the kernel and the borders that are left to evidence. */
+void to_height_choose(to_height_state *st, const to_height_settings *set, const input *in);
+
+/* Adds what was done to the file's line or JSON object. */
+void to_height_describe(const production *p, text *line, json_t *object);
+
+#endif

@@ -1,0 +1,113 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * to_height_report.c - what ntp to-height tells: the scale, and every choice with its ground
+ */
+#include "report.h"
+#include "to_height.h"
+
+static const char *const Y_NAMES[] = { "up", "down" };
+static const char *const Y_TITLES[] = { "OpenGL (Y up)", "DirectX (Y down)" };
+static const char *const BY[] = { "option", "texels", "name", "default" };
+static const char *const ENCODING_NAMES[] = { "standard", "zzero", "xy" };
+static const char *const DECODE_NAMES[] = { "auto", "unorm", "neutral", "unorm-trunc", "snorm128" };
+static const char *const Z_NAMES[] = { "stored", "derived", "auto" };
+
+/* To what tells a part in ten thousand. */
+static void add_height(text *t, double v)
+{
+    text_addf(t, "%.4g", v);
+}
+
+static void add_choices(text *line, const to_height_state *st)
+{
+    static const char *const GROUNDS[] = { "", "", ", by its name", ", supposed" };
+    text_addf(line, ", %s%s", Y_TITLES[st->y], GROUNDS[st->y_by]);
+    text_addf(line, ", %s", ntp_kernel_name(st->how.kernel));
+    if (st->how.border_x == st->how.border_y)
+        text_addf(line, ", border %s", ntp_border_name(st->how.border_x));
+    else
+        text_addf(line, ", border %s across and %s down", ntp_border_name(st->how.border_x),
+                  ntp_border_name(st->how.border_y));
+    text_addf(line, ", %s", ntp_height_method_name(st->result.method));
+}
+
+static void add_line(text *line, const to_height_settings *set, const to_height_state *st)
+{
+    const ntp_height_result *r = &st->result;
+    text_addf(line, "scale %.9g", st->scale);
+    if (set->is_float) {
+        text_add(line, ", ");
+        add_height(line, r->min);
+        text_add(line, " to ");
+        add_height(line, r->max);
+        text_add(line, " texels");
+    } else {
+        text_addf(line, ", offset %.9g", st->offset);
+    }
+    add_choices(line, st);
+    if (r->residual >= 0)
+        text_addf(line, ", normals fit to %.2f levels", r->residual);
+    if (r->islands > 1) {
+        text_add(line, "; ");
+        text_count(line, r->islands);
+        text_add(line, " separate areas, each with a height of its own");
+    }
+    if (r->not_finite > 0) {
+        text_add(line, "; ");
+        text_count(line, r->not_finite);
+        text_add(line, " texels that are no vector");
+    }
+}
+
+static void set_choices(json_t *object, const to_height_state *st)
+{
+    const ntp_height_options *how = &st->how;
+    const ntp_height_result *r = &st->result;
+    json_object_set_new(object, "method", json_string(ntp_height_method_name(r->method)));
+    json_object_set_new(object, "dx", json_real(how->dx));
+    json_object_set_new(object, "dy", json_real(how->dy));
+    json_object_set_new(object, "kernel", json_string(ntp_kernel_name(how->kernel)));
+    json_object_set_new(object, "kernel_by", json_string(BY[st->kernel_by]));
+    json_object_set_new(object, "border_x", json_string(ntp_border_name(how->border_x)));
+    json_object_set_new(object, "border_x_by", json_string(BY[st->border_by[0]]));
+    json_object_set_new(object, "border_y", json_string(ntp_border_name(how->border_y)));
+    json_object_set_new(object, "border_y_by", json_string(BY[st->border_by[1]]));
+    json_object_set_new(object, "from", json_string(ENCODING_NAMES[st->src.encoding]));
+    json_object_set_new(object, "y", json_string(Y_NAMES[st->y]));
+    json_object_set_new(object, "y_by", json_string(BY[st->y_by]));
+    json_object_set_new(object, "y_confidence", json_angle(st->y_confidence));
+    json_object_set_new(object, "decode", json_string(DECODE_NAMES[r->decode]));
+    json_object_set_new(object, "z", json_string(Z_NAMES[r->z]));
+}
+
+void to_height_describe(const production *p, text *line, json_t *object)
+{
+    const to_height_settings *set = p->m->settings;
+    const to_height_state *st = p->state;
+    const ntp_height_result *r = &st->result;
+    if (line != NULL)
+        add_line(line, set, st);
+    if (object == NULL)
+        return;
+    json_object_set_new(object, "changed", json_null());
+    json_object_set_new(object, "angle_deg", json_null());
+    json_object_set_new(object, "scale", json_real(st->scale));
+    json_object_set_new(object, "offset", json_real(st->offset));
+    json_object_set_new(object, "depth", set->is_float ? json_string("float") : json_integer(16));
+    json_object_set_new(object, "min", json_real(r->min));
+    json_object_set_new(object, "max", json_real(r->max));
+    set_choices(object, st);
+    json_object_set_new(object, "residual_levels",
+                        r->residual >= 0 ? json_real(r->residual) : json_null());
+    json_object_set_new(object, "refine_rounds", json_integer(r->rounds));
+    json_object_set_new(object, "refine_left",
+                        st->how.refine > 0 ? json_count(r->refine_left) : json_null());
+    json_object_set_new(object, "trend_x", json_real(r->trend_x));
+    json_object_set_new(object, "trend_y", json_real(r->trend_y));
+    json_object_set_new(object, "iterations", json_integer(r->iterations));
+    json_object_set_new(object, "islands", json_count(r->islands));
+    json_object_set_new(object, "holes", json_count(r->holes));
+    json_object_set_new(object, "unused", json_count(r->unused));
+    json_object_set_new(object, "not_finite", json_count(r->not_finite));
+    json_object_set_new(object, "texels", json_count(p->f.stats.texels));
+}
