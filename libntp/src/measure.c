@@ -28,10 +28,21 @@ static bool is_sampled(const ntp_const_image *src, int32_t y)
     return y % step == 0;
 }
 
+/* The blue of the first near cell: 8 below the derived one, or, so that no near cell is gray and
+ * the loops need not look for black and white, above the level that red and green share. */
+static uint32_t first_near(int32_t k1, int32_t k2, int32_t blue)
+{
+    int32_t most = 256 - NTP__NEAR, gray = 128 + k1;
+    int32_t first = blue - NTP__NEAR / 2 < most ? blue - NTP__NEAR / 2 : most;
+    if (k1 == k2 && gray >= first && gray < first + NTP__NEAR)
+        first = gray + 1;
+    return (uint32_t) first;
+}
+
 /* Numbers the rows: |X| = 2k + 1 for k = r - 128 or 127 - r. */
 void ntp__rows_prepare(ntp_tally *t)
 {
-    enum { K = 128, NO_BLUE = 256 };
+    enum { K = 128 };
     int32_t r[K], g[K], want[K];
     uint32_t rows = 0;
     if (t->rows_ready)
@@ -43,22 +54,19 @@ void ntp__rows_prepare(ntp_tally *t)
         }
         ntp__kernels(NTP__CPU_ALL)->derive(want, r, g, k1 + 1, 255, 0);
         for (int32_t k2 = 0; k2 <= k1; k2++, rows++) {
-            int32_t blue = want[k2] < 0 ? K : want[k2], most = 256 - NTP__NEAR;
-            uint32_t first = (uint32_t) (blue - NTP__NEAR / 2 < most ? blue - NTP__NEAR / 2 : most);
+            uint32_t entry = ntp__entry(rows, first_near(k1, k2, want[k2] < 0 ? K : want[k2]));
             t->row_pair[rows] = (uint16_t) ((K + k1) | (K + k2) << 8);
             for (int32_t i = 0; i < 8; i++) {
                 int32_t a = i & 1 ? k2 : k1, b = i & 1 ? k1 : k2;
                 int32_t x = i & 2 ? 127 - a : K + a, y = i & 4 ? 127 - b : K + b;
-                uint32_t gray = x == y ? (uint32_t) x : (uint32_t) NO_BLUE;
-                t->row_of[x | y << 8] = ntp__entry(rows, first, gray);
+                t->row_of[x | y << 8] = entry;
             }
         }
     }
     for (int32_t i = 0; i < NTP__FLAT_ROWS; i++, rows++) {
         int32_t x = 127 + (i & 1), y = 127 + (i >> 1);
-        uint32_t entry = t->row_of[x | y << 8];
         t->row_pair[rows] = K | K << 8;
-        t->row_of[x | y << 8] = ntp__entry(rows, ntp__entry_first(entry), ntp__entry_gray(entry));
+        t->row_of[x | y << 8] = ntp__entry(rows, ntp__entry_first(t->row_of[x | y << 8]));
     }
     t->rows_ready = 1;
 }
@@ -134,20 +142,20 @@ static inline bool count_black_white(ntp_tally *t, int32_t v, int32_t m)
     return false;
 }
 
-static inline void count_entry(ntp_tally *t, uint32_t entry, uint32_t b)
+static void count_far(ntp_tally *t, uint32_t entry, uint32_t b)
 {
-    uint32_t row = ntp__entry_row(entry), place = b - ntp__entry_first(entry);
-    if (place < NTP__NEAR) {
-        t->near[row][place]++;
-    } else {
-        t->far[row][b]++;
-        t->far_used[row] = 1;
-    }
+    uint32_t row = ntp__entry_cells(entry) / NTP__NEAR;
+    t->far[row][b]++;
+    t->far_used[row] = 1;
 }
 
 static inline void count_cell(ntp_tally *t, uint32_t pair, uint32_t b)
 {
-    count_entry(t, t->row_of[pair], b);
+    uint32_t entry = t->row_of[pair], place = b - ntp__entry_first(entry);
+    if (place < NTP__NEAR)
+        t->near[ntp__entry_cells(entry) + place]++;
+    else
+        count_far(t, entry, b);
 }
 
 /* X*X + Y*Y <= M*M at 8 bit. */
@@ -188,19 +196,43 @@ static void add_rgb8(ntp_tally *t, const uint8_t *p, int32_t n)
         add_color(t, p[0], p[1], p[2]);
 }
 
+/* A texel of no near cell: grays are among them.  True: it is black or white and unused. */
+static bool count_odd(ntp_tally *t, const uint8_t *p)
+{
+    if (p[0] == p[1] && p[1] == p[2] && count_black_white(t, p[2], 255))
+        return true;
+    count_far(t, t->row_of[p[0] | p[1] << 8], p[2]);
+    return false;
+}
+
+/* What `ntp check` spends its time on besides decoding: a look-up and a count. */
+static inline uint64_t count_texel(ntp_tally *t, const uint32_t *row_of, uint32_t *near,
+                                   const uint8_t *p)
+{
+    uint32_t entry = row_of[p[0] | (uint32_t) p[1] << 8];
+    uint32_t place = p[2] - ntp__entry_first(entry);
+    if (place >= NTP__NEAR)
+        return count_odd(t, p);
+    near[ntp__entry_cells(entry) + place]++;
+    return 0;
+}
+
 static void count_rgb8(ntp_tally *t, const uint8_t *p, int32_t n)
 {
     uint64_t unused = 0;
+    uint32_t *near = t->near;
+    const uint32_t *row_of = t->row_of;
     add_rgb8(t, p, n);
-    for (int32_t i = 0; i < n; i++, p += 3) {
-        uint32_t pair = p[0] | (uint32_t) p[1] << 8, b = p[2], entry = t->row_of[pair];
-        if (b == ntp__entry_gray(entry) && count_black_white(t, (int32_t) b, 255)) {
-            unused++;
-            continue;
-        }
-        count_entry(t, entry, b);
+    t->narrow += (uint64_t) n;
+    for (; n >= 4; n -= 4, p += 12) {
+        unused += count_texel(t, row_of, near, p);
+        unused += count_texel(t, row_of, near, p + 3);
+        unused += count_texel(t, row_of, near, p + 6);
+        unused += count_texel(t, row_of, near, p + 9);
     }
-    t->narrow += (uint64_t) n - unused;
+    for (; n > 0; n--, p += 3)
+        unused += count_texel(t, row_of, near, p);
+    t->narrow -= unused;
 }
 
 static void count_rgba8(ntp_tally *t, const uint8_t *p, int32_t n)
@@ -266,7 +298,7 @@ static void note_flat(ntp_tally *t, int32_t r, int32_t g, int32_t b)
 }
 
 /* A used 16-bit texel whose x, y are too long. */
-static void count_far(ntp_tally *t, int32_t r, int32_t g, int32_t b)
+static void count_too_long(ntp_tally *t, int32_t r, int32_t g, int32_t b)
 {
     ntp__row row;
     ntp__row_init(&row, r, g, 65535);
@@ -318,7 +350,7 @@ static bool count_used(ntp_tally *t, int32_t r, int32_t g, int32_t b, int32_t a,
     note_flat(t, r, g, b);
     if (ntp__rest(r, g, m) >= 0)
         return false;
-    count_far(t, r, g, b);
+    count_too_long(t, r, g, b);
     return true;
 }
 

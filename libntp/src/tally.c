@@ -83,7 +83,7 @@ void ntp__row_cells(uint32_t cells[256], int32_t *first, int32_t *end, const ntp
     *end = t->far_used[row] ? 256 : (int32_t) near + NTP__NEAR;
     if (t->far_used[row])
         memcpy(cells, t->far[row], 256 * sizeof cells[0]);
-    memcpy(cells + near, t->near[row], sizeof t->near[row]);
+    memcpy(cells + near, &t->near[row * NTP__NEAR], NTP__NEAR * sizeof cells[0]);
 }
 
 void ntp__mark_rows(uint8_t used[NTP__ROWS], const ntp_tally *t)
@@ -92,7 +92,7 @@ void ntp__mark_rows(uint8_t used[NTP__ROWS], const ntp_tally *t)
     for (int32_t row = 0; row < NTP__ROWS; row++) {
         uint32_t any = 0;
         for (int32_t i = 0; i < NTP__NEAR; i++)
-            any |= t->near[row][i];
+            any |= t->near[row * NTP__NEAR + i];
         used[row] |= any != 0;
     }
 }
@@ -106,7 +106,7 @@ static void merge_cells(ntp_tally *into, const ntp_tally *from)
         into->sample_blue[i] += from->sample_blue[i];
     for (int32_t row = 0; row < NTP__ROWS; row++) {
         if (used[row])
-            merge_counts(into->near[row], from->near[row], NTP__NEAR);
+            merge_counts(&into->near[row * NTP__NEAR], &from->near[row * NTP__NEAR], NTP__NEAR);
         if (from->far_used[row]) {
             merge_counts(into->far[row], from->far[row], 256);
             into->far_used[row] = 1;
@@ -173,7 +173,7 @@ ntp_status ntp_tally_clear(ntp_tally *t)
     ntp__mark_rows(used, t);
     for (int32_t row = 0; row < NTP__ROWS; row++) {
         if (used[row])
-            memset(t->near[row], 0, sizeof t->near[row]);
+            memset(&t->near[row * NTP__NEAR], 0, NTP__NEAR * sizeof t->near[0]);
         if (t->far_used[row])
             memset(t->far[row], 0, sizeof t->far[row]);
         t->far_used[row] = 0;

@@ -23,7 +23,7 @@ enum {
     NTP__FLAT_ROWS = 4,
     NTP__ROWS = 128 * 129 / 2 + NTP__FLAT_ROWS,
 
-    NTP__NEAR = 16, /* cells about the derived blue of a row, from 8 below it: a cache line */
+    NTP__NEAR = 16,            /* cells about the derived blue of a row: a cache line */
     NTP__FAR_CELLS = 256 + 16, /* rows a power of two apart would share few cache sets */
 
     NTP__LENGTH_BINS = 256,   /* of 1/128 */
@@ -84,13 +84,13 @@ struct ntp_tally {
 
     /* The cells: used texels only. */
     uint64_t narrow;
-    uint32_t row_of[65536];        /* by r | g << 8: see ntp__entry_row and its like */
+    uint32_t row_of[65536];        /* by r | g << 8: see ntp__entry */
     uint16_t row_pair[NTP__ROWS];  /* some r | g << 8 of the row, r, g >= 128 */
     uint32_t sample_texels[65536]; /* of sampled rows, by r | g << 8, and the sum of their blues */
     uint64_t sample_blue[65536];
     /* The cells of a row: those near its derived blue, and the others, which a well-formed
      * texture does without. */
-    uint32_t near[NTP__ROWS][NTP__NEAR];
+    uint32_t near[NTP__ROWS * NTP__NEAR];
     uint8_t far_used[NTP__ROWS];
     uint32_t far[NTP__ROWS][NTP__FAR_CELLS];
 };
@@ -134,26 +134,20 @@ void ntp__add_block(ntp__sums *sums, const ntp__block *block, const uint32_t *co
 /* Fills row_of and row_pair, once. */
 void ntp__rows_prepare(ntp_tally *tally);
 
-/* An entry of row_of: the row, the blue of its first near cell, and the blue that makes the pair
- * gray (256: none does). */
-static inline uint32_t ntp__entry(uint32_t row, uint32_t first, uint32_t gray)
+/* An entry of row_of: where the cells of its row begin in `near`, and the blue of the first. */
+static inline uint32_t ntp__entry(uint32_t row, uint32_t first)
 {
-    return row | first << 14 | gray << 22;
+    return row * NTP__NEAR << 8 | first;
 }
 
-static inline uint32_t ntp__entry_row(uint32_t entry)
+static inline uint32_t ntp__entry_cells(uint32_t entry)
 {
-    return entry & 0x3fff;
+    return entry >> 8;
 }
 
 static inline uint32_t ntp__entry_first(uint32_t entry)
 {
-    return entry >> 14 & 255;
-}
-
-static inline uint32_t ntp__entry_gray(uint32_t entry)
-{
-    return entry >> 22;
+    return entry & 255;
 }
 
 /* The texels of a row by blue: cells[*first] to cells[*end - 1]; the others are 0 and not set. */
