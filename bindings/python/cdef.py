@@ -1,0 +1,49 @@
+# SPDX-License-Identifier: MIT
+"""Writes the C source of normaltexture._native: cdef.py libntp.h ntpio.h OUTPUT
+
+The headers are the only declarations: libntp.h is cut between its cdef marks, ntpio.h loses its
+preprocessor lines.  cffi (API mode) has the C compiler check every one of them.
+"""
+
+import re
+import sys
+from pathlib import Path
+
+import cffi
+
+# Python functions that C calls: the two hooks of ntp_height_from_normals.
+CALLBACKS = """
+extern "Python" int32_t ntp_py_progress(void *user, double share);
+extern "Python" void ntp_py_parallel_for(void *user, int32_t count,
+                                         void (*task)(void *work, int32_t index), void *work);
+"""
+
+SOURCE = """
+#include <libntp.h>
+#include <ntpio.h>
+"""
+
+
+def library(header: str) -> str:
+    """What stands between the marks of libntp.h, without the export macro."""
+    begin = header.index("\n", header.index("cdef begin"))
+    end = header.index("/* --- cdef end")
+    return header[begin:end].replace("NTP_API ", "")
+
+
+def files(header: str) -> str:
+    """ntpio.h without its preprocessor lines."""
+    return re.sub(r"^#.*$", "", header, flags=re.MULTILINE)
+
+
+def main(libntp_h: str, ntpio_h: str, output: str) -> None:
+    ffi = cffi.FFI()
+    ffi.cdef(library(Path(libntp_h).read_text(encoding="utf-8")))
+    ffi.cdef(files(Path(ntpio_h).read_text(encoding="utf-8")))
+    ffi.cdef(CALLBACKS)
+    ffi.set_source("normaltexture._native", SOURCE)
+    ffi.emit_c_code(output)
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])

@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: MIT
+"""Normals textures (normal maps): exact conversion, checking, cleaning, from and to heights.
+
+Functions take numpy arrays of shape (height, width) or (height, width, channels), row 0 at the top,
+of uint8, uint16 or float32 samples, and return new ones or fill `out`.  Names, strings and defaults
+are those of the command line.  Results are the same bytes on every machine.
+
+>>> import normaltexture as nt
+>>> texture = nt.read("wall_n.png")
+>>> nt.check("wall_n.png").ok
+False
+>>> cleaned = nt.clean(texture)
+>>> nt.write("wall_clean_n.png", cleaned)
+>>> nt.check("wall_clean_n.png").ok
+True
+"""
+
+from ._clean import CleanCounts, clean
+from ._convert import ConvertCounts, convert, decode, encode
+from ._errors import (
+    ArgumentError,
+    CancelledError,
+    FileError,
+    FileStatus,
+    NormalTextureError,
+    SampleTypeError,
+    Status,
+)
+from ._files import ImageInfo, read, read_info, write
+from ._height import GradientCounts, normals_from_height
+from ._measure import (
+    Angles,
+    Channel,
+    Classification,
+    Fit,
+    MethodChoice,
+    Orientation,
+    Stats,
+    Tally,
+    choose_method,
+    classify,
+    detect_orientation,
+    measure,
+)
+from ._native import ffi as _ffi
+from ._native import lib as _lib
+from ._pictures import Difference, Light, compare, heatmap, shade
+from ._program import CheckedFile, CheckReport, Finding, check, program
+from ._validate import Flag, validate
+
+_version: int = _lib.ntp_version()
+__version__ = f"{_version >> 16}.{_version >> 8 & 255}.{_version & 255}"
+codecs: str = _ffi.string(_lib.ntpio_versions()).decode()
+"""The libraries that files are read and written with, and their versions."""
+
+__all__ = [
+    "Angles",
+    "ArgumentError",
+    "CancelledError",
+    "Channel",
+    "CheckReport",
+    "CheckedFile",
+    "Classification",
+    "CleanCounts",
+    "ConvertCounts",
+    "Difference",
+    "FileError",
+    "FileStatus",
+    "Finding",
+    "Fit",
+    "Flag",
+    "GradientCounts",
+    "ImageInfo",
+    "Light",
+    "MethodChoice",
+    "NormalTextureError",
+    "Orientation",
+    "SampleTypeError",
+    "Stats",
+    "Status",
+    "Tally",
+    "__version__",
+    "check",
+    "choose_method",
+    "classify",
+    "clean",
+    "codecs",
+    "compare",
+    "convert",
+    "decode",
+    "detect_orientation",
+    "encode",
+    "heatmap",
+    "measure",
+    "normals_from_height",
+    "program",
+    "read",
+    "read_info",
+    "shade",
+    "validate",
+    "write",
+]

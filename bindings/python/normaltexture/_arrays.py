@@ -1,0 +1,232 @@
+# SPDX-License-Identifier: MIT
+"""Between numpy arrays and the views of libntp, without copies, and work split over threads.
+
+A view is a pointer, two strides and a meaning.  Any array whose samples of a pixel are adjacent is
+a view: crops, mirrored and strided arrays, a single channel, read-only and memory-mapped ones.
+Others (planar or reversed channels, foreign byte order) are copied once on the way in, and on the
+way out.
+"""
+
+import os
+from collections.abc import Callable, Mapping
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any, Literal, TypeAlias, TypeVar
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ._errors import ArgumentError, SampleTypeError, Status
+from ._native import ffi, lib
+
+Pixels: TypeAlias = NDArray[np.uint8] | NDArray[np.uint16] | NDArray[np.float32]
+Type: TypeAlias = Literal["standard", "zzero", "xy", "vector"]
+AnyType: TypeAlias = Literal["auto", "standard", "zzero", "xy", "vector"]
+Y: TypeAlias = Literal["up", "down"]
+Depth: TypeAlias = Literal[8, 16, "float"]
+T = TypeVar("T")
+
+ENCODINGS: dict[str, int] = {"standard": 0, "zzero": 1, "xy": 2, "vector": 3}
+HEIGHT = 4
+YS: dict[str, int] = {"up": 0, "down": 1}
+DEPTHS: dict[Any, np.dtype[Any]] = {
+    8: np.dtype(np.uint8),
+    16: np.dtype(np.uint16),
+    "float": np.dtype(np.float32),
+}
+TOUCH_NONE, TOUCH_ALL = 0, 7
+
+_SAMPLE_TYPES = {np.dtype(np.uint8).str: 0, np.dtype(np.uint16).str: 1, np.dtype(np.float32).str: 2}
+_KINDS = {"u1": 0, "u2": 1, "f4": 2}
+_CHANNELS = {0: (3, 4), 1: (3, 4), 2: (2, 4), 3: (3, 4), HEIGHT: (1, 4)}
+_MAX_SIDE: int = lib.NTP_MAX_SIDE
+_OVERLAP_WORK = 10_000  # steps that numpy may take to tell whether two arrays share memory
+
+
+def choose(name: str, value: Any, table: Mapping[Any, T]) -> T:
+    """table[value], or an error that names the argument and what it can be."""
+    try:
+        return table[value]
+    except (KeyError, TypeError):
+        choices = ", ".join(map(repr, table))
+        raise ArgumentError(f"{name}={value!r}: must be one of {choices}") from None
+
+
+def number(name: str, value: Any, low: float, high: float) -> float:
+    """A finite float within low..high."""
+    try:
+        result = float(value)
+    except (TypeError, ValueError):
+        raise ArgumentError(f"{name}={value!r}: must be a number") from None
+    if not low <= result <= high:
+        raise ArgumentError(f"{name}={value!r}: must be within {low:g}..{high:g}")
+    return result
+
+
+def pixels(name: str, value: ArrayLike) -> NDArray[Any]:
+    """The argument as an array that a view can describe; copied only where that takes it."""
+    array = value if isinstance(value, np.ndarray) else np.asarray(value)
+    if array.dtype.str not in _SAMPLE_TYPES:
+        if array.dtype.str[1:] not in _KINDS:
+            hint = "; astype(np.float32) makes it one of these" if array.dtype.kind == "f" else ""
+            raise SampleTypeError(
+                f"{name}: samples must be uint8, uint16 or float32, not {array.dtype}{hint}"
+            )
+        array = array.astype(array.dtype.newbyteorder("="))
+    if array.ndim not in (2, 3):
+        raise ArgumentError(
+            f"{name}: the shape must be (height, width) or (height, width, channels),"
+            f" not {array.shape}",
+            Status.SHAPE,
+        )
+    return array if _is_viewable(array) else np.ascontiguousarray(array)
+
+
+def _is_viewable(array: NDArray[Any]) -> bool:
+    """Samples of a pixel are adjacent, and everything is a multiple of a sample's size."""
+    size = array.itemsize
+    strides = array.strides
+    if array.ndim == 3 and array.shape[2] > 1 and strides[2] != size:
+        return False
+    return strides[0] % size == 0 and strides[1] % size == 0 and array.flags.aligned
+
+
+def view(name: str, array: NDArray[Any], encoding: int, y: int = 0, writable: bool = False) -> Any:
+    """An ntp_image or ntp_const_image of an array, which the caller keeps alive."""
+    shape, strides = array.shape, array.strides
+    channels = shape[2] if len(shape) == 3 else 1
+    if not 0 < shape[0] <= _MAX_SIDE or not 0 < shape[1] <= _MAX_SIDE:
+        raise ArgumentError(
+            f"{name}: width and height must be 1..{_MAX_SIDE}, not {shape[1]} x {shape[0]}",
+            Status.SHAPE,
+        )
+    low, high = _CHANNELS[encoding]
+    if not low <= channels <= high:
+        raise ArgumentError(
+            f"{name}: {low} to {high} channels are needed, the shape is {shape}", Status.FORMAT
+        )
+    kind = _SAMPLE_TYPES[array.dtype.str]
+    if encoding == 3 and kind != 2:
+        raise SampleTypeError(f'{name}: type "vector" needs float32 samples, not {array.dtype}')
+    return ffi.new(
+        "ntp_image *" if writable else "ntp_const_image *",
+        (
+            ffi.cast("void *", array.__array_interface__["data"][0]),
+            strides[0],
+            strides[1],
+            shape[1],
+            shape[0],
+            channels,
+            0,
+            kind,
+            encoding,
+            y,
+        ),
+    )
+
+
+class Output:
+    """Where an operation writes: a new array, or the caller's `out`.
+
+    `array` is what the operation fills; `finish()` returns what the caller gets.  The two differ
+    only where `out` is of a layout that no view can describe.
+    """
+
+    __slots__ = ("_result", "array")
+
+    def __init__(self, shape: tuple[int, ...], dtype: np.dtype[Any], out: Any) -> None:
+        if out is None:
+            self.array: NDArray[Any] = np.empty(shape, dtype)
+            self._result = self.array
+            return
+        if not isinstance(out, np.ndarray):
+            raise ArgumentError(f"out: must be a numpy array, not {type(out).__name__}")
+        if out.shape != shape or out.dtype.newbyteorder("=") != dtype:
+            raise ArgumentError(
+                f"out: must be an array of shape {shape} and {dtype},"
+                f" not of shape {out.shape} and {out.dtype}",
+                Status.SHAPE,
+            )
+        if not out.flags.writeable:
+            raise ArgumentError("out: the array is read-only")
+        self._result = out
+        if out.dtype.str in _SAMPLE_TYPES and _is_viewable(out):
+            self.array = out
+        else:
+            self.array = np.empty(shape, dtype)
+
+    def apart_from(self, in_place: bool, **sources: NDArray[Any]) -> None:
+        """Refuses overlap; with in_place a source may be exactly the output."""
+        for name, source in sources.items():
+            if not np.may_share_memory(self.array, source):
+                continue
+            if in_place and _is_same(self.array, source):
+                continue
+            try:
+                shares = np.shares_memory(
+                    self.array,
+                    source,
+                    max_work=_OVERLAP_WORK,  # type: ignore[arg-type]
+                )
+            except np.exceptions.TooHardError:
+                shares = True
+            if shares:
+                allowed = f"the same array as {name}, or " if in_place else ""
+                raise ArgumentError(
+                    f"out: overlaps {name}; it must be {allowed}memory apart", Status.OVERLAP
+                )
+
+    def finish(self) -> Any:
+        if self._result is not self.array:
+            self._result[...] = self.array
+        return self._result
+
+
+def _is_same(a: NDArray[Any], b: NDArray[Any]) -> bool:
+    return (
+        a.__array_interface__["data"][0] == b.__array_interface__["data"][0]
+        and a.shape == b.shape
+        and a.strides == b.strides
+        and a.dtype == b.dtype
+    )
+
+
+def thread_count(threads: int) -> int:
+    """The argument `threads`: 0 stands for one for each processor."""
+    if not isinstance(threads, (int, np.integer)) or not 0 <= threads <= 1024:
+        raise ArgumentError(f"threads={threads!r}: must be an integer 0..1024; 0: all processors")
+    if threads == 0 and hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return int(threads) or os.cpu_count() or 1
+
+
+def run(threads: int, width: int, height: int, work: Callable[[Any], T]) -> list[T]:
+    """work(area) for bands of rows, at once; libntp runs without the GIL."""
+    count = 1 if threads == 1 else min(thread_count(threads), height)
+    if count == 1:
+        return [work(ffi.NULL)]
+    edges = [height * i // count for i in range(count + 1)]
+    areas = [ffi.new("ntp_rect *", (0, edges[i], width, edges[i + 1])) for i in range(count)]
+    with ThreadPoolExecutor(count) as pool:
+        return list(pool.map(work, areas))
+
+
+def memory(size: int, alignment: int = 16) -> tuple[Any, NDArray[np.uint8]]:
+    """Zeroed memory at a multiple of `alignment`: a pointer, and the array that owns it."""
+    owner = np.zeros(size + alignment, np.uint8)
+    start: int = owner.__array_interface__["data"][0]
+    return ffi.cast("void *", start + -start % alignment), owner
+
+
+def fields(struct: Any) -> dict[str, Any]:
+    """The members of a C struct as Python values; nested structs are dicts, arrays tuples."""
+
+    def plain(value: Any) -> Any:
+        if not isinstance(value, ffi.CData):
+            return value
+        kind = ffi.typeof(value)
+        if kind.kind == "array":
+            return tuple(plain(value[i]) for i in range(kind.length))
+        return {name: plain(getattr(value, name)) for name, _ in kind.fields}
+
+    result: dict[str, Any] = plain(struct[0])
+    return result

@@ -1,0 +1,83 @@
+# SPDX-License-Identifier: MIT
+"""Exceptions: each inherits the builtin that fits and keeps the status of the C library."""
+
+from enum import IntEnum
+
+from ._native import ffi, lib
+
+
+class Status(IntEnum):
+    """Why libntp refused a call: `ntp_status` of libntp.h."""
+
+    OK = 0
+    ARGUMENT = 1
+    SHAPE = 2
+    FORMAT = 3
+    OVERLAP = 4
+    SCRATCH = 5
+    CANCELLED = 6
+
+
+class FileStatus(IntEnum):
+    """Why a file could not be read or written: `ntpio_status` of ntpio.h."""
+
+    OK = 0
+    OPEN = 1
+    FORMAT = 2
+    CORRUPT = 3
+    LIMIT = 4
+    MEMORY = 5
+    WRITE = 6
+    USAGE = 7
+
+
+class NormalTextureError(Exception):
+    """What all exceptions of this package inherit.
+
+    Attributes
+    ----------
+    status : Status or FileStatus
+        The status of the C library.
+    """
+
+    status: Status | FileStatus
+
+    def __init__(self, message: str, status: Status | FileStatus = Status.ARGUMENT) -> None:
+        super().__init__(message)
+        self.status = status
+
+    def __reduce__(self) -> tuple[type, tuple[str, Status | FileStatus]]:
+        return type(self), (str(self), self.status)
+
+
+class ArgumentError(NormalTextureError, ValueError):
+    """An argument has a value, shape or layout that is no good; the message names it."""
+
+
+class SampleTypeError(NormalTextureError, TypeError):
+    """An array holds samples of another type than uint8, uint16 and float32."""
+
+    def __init__(self, message: str, status: Status | FileStatus = Status.FORMAT) -> None:
+        super().__init__(message, status)
+
+
+class CancelledError(NormalTextureError, RuntimeError):
+    """The progress callback asked to stop."""
+
+    def __init__(self, message: str, status: Status | FileStatus = Status.CANCELLED) -> None:
+        super().__init__(message, status)
+
+
+class FileError(NormalTextureError, OSError):
+    """A file is missing, damaged, too large, no image, or cannot be written."""
+
+    def __init__(self, message: str, status: Status | FileStatus = FileStatus.OPEN) -> None:
+        super().__init__(message, status)
+
+
+def check(status: int, function: str) -> None:
+    """Raises for a status other than OK: what the checks before the call did not catch."""
+    if status != 0:
+        text = ffi.string(lib.ntp_status_string(status)).decode()
+        kind = CancelledError if status == Status.CANCELLED else ArgumentError
+        raise kind(f"{function}: {text}", Status(status))

@@ -1,0 +1,298 @@
+# SPDX-License-Identifier: MIT
+"""Image files: PNG, TGA, PFM, and JPEG to read, sample for sample.
+
+Numbers go over as they are stored: no color management, no gamma, no premultiplication.  16-bit
+RGB and RGBA PNG are exact both ways.
+"""
+
+import os
+from dataclasses import dataclass
+from typing import Any, Literal, cast, overload
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ._arrays import Pixels, pixels
+from ._errors import ArgumentError, FileError, FileStatus, Status
+from ._measure import _Result
+from ._native import ffi, lib
+
+_FORMATS = ("png", "tga", "jpeg", "pfm")
+_SAMPLES = {1: np.uint8, 2: np.uint16, 4: np.float32}
+_ENDINGS = {".png": 0, ".tga": 1, ".pfm": 3}
+
+
+@dataclass(frozen=True)
+class ImageInfo(_Result):
+    """What a file says about its image.
+
+    Attributes
+    ----------
+    format : {"png", "tga", "jpeg", "pfm"}
+    width, height : int
+    channels : int
+        Of the array that `read` returns: 1 gray, 2 gray and alpha, 3 RGB, 4 RGBA.
+    bit_depth : int
+        Of a sample in the file: 1, 2, 4, 5, 8, 16 or 32.
+    interlaced, palette, lossy, alpha : bool
+        What the file is made of; `alpha`: it has an alpha channel or transparency.
+    color_chunks : tuple of str
+        "gAMA", "sRGB", "iCCP", "cHRM": color information of a PNG, which is not applied.
+    texts : dict
+        The texts of a PNG by their keys.
+    jpeg_quality : int
+        Estimated, 1..100; 0: unknown, or no JPEG.
+    jpeg_subsampled : bool
+        The colors have fewer samples than the brightness, such as 4:2:0.
+    """
+
+    format: Literal["png", "tga", "jpeg", "pfm"]
+    width: int
+    height: int
+    channels: int
+    bit_depth: int
+    interlaced: bool
+    palette: bool
+    lossy: bool
+    alpha: bool
+    color_chunks: tuple[str, ...]
+    texts: dict[str, str]
+    jpeg_quality: int
+    jpeg_subsampled: bool
+
+
+def _raise(error: Any) -> None:
+    message = ffi.string(error.message).decode("utf-8", "replace")
+    raise FileError(message, FileStatus(error.status))
+
+
+def _info(info: Any) -> ImageInfo:
+    chunks = {"gAMA": info.has_gama, "sRGB": info.has_srgb}
+    chunks |= {"iCCP": info.has_iccp, "cHRM": info.has_chrm}
+    texts: dict[str, str] = {}
+    for i in range(info.text_count):
+        text = info.texts[i]
+        coding = "utf-8" if text.itxt else "latin-1"
+        key = ffi.string(text.key).decode("latin-1")
+        texts[key] = ffi.string(text.value).decode(coding, "replace")
+    return ImageInfo(
+        format=cast('Literal["png", "tga", "jpeg", "pfm"]', _FORMATS[info.format]),
+        width=info.width,
+        height=info.height,
+        channels=info.channels,
+        bit_depth=info.bit_depth,
+        interlaced=info.interlaced,
+        palette=info.palette,
+        lossy=info.lossy,
+        alpha=info.alpha,
+        color_chunks=tuple(name for name, has in chunks.items() if has),
+        texts=texts,
+        jpeg_quality=info.jpeg_quality,
+        jpeg_subsampled=info.jpeg_subsampled,
+    )
+
+
+def _open(file: Any, limits: Any, error: Any) -> tuple[Any, Any]:
+    """A reader, and what must outlive it."""
+    if isinstance(file, (bytes, bytearray, memoryview)):
+        held = ffi.from_buffer(file)
+        return lib.ntpio_open_memory(held, len(held), b"<bytes>", limits, error), held
+    os.stat(file)  # missing, or no permission: the builtin exception
+    return lib.ntpio_open(os.fsencode(file), limits, error), None
+
+
+@overload
+def read(
+    file: str | os.PathLike[str] | bytes | bytearray | memoryview,
+    *,
+    max_side: int = ...,
+    max_texels: int = ...,
+    return_info: Literal[False] = ...,
+) -> Pixels: ...
+@overload
+def read(
+    file: str | os.PathLike[str] | bytes | bytearray | memoryview,
+    *,
+    max_side: int = ...,
+    max_texels: int = ...,
+    return_info: Literal[True],
+) -> tuple[Pixels, ImageInfo]: ...
+def read(
+    file: str | os.PathLike[str] | bytes | bytearray | memoryview,
+    *,
+    max_side: int = 65535,
+    max_texels: int = 1 << 30,
+    return_info: bool = False,
+) -> Pixels | tuple[Pixels, ImageInfo]:
+    """Read a PNG, TGA, JPEG or PFM.
+
+    Parameters
+    ----------
+    file : path, or bytes
+        A file, or the content of one.
+    max_side, max_texels : int
+        Refuse images larger than this before anything is allocated.
+    return_info : bool
+        Return `ImageInfo` as well.
+
+    Returns
+    -------
+    array, or (array, ImageInfo)
+        (height, width) for gray images, else (height, width, 2 to 4); uint8, uint16 or, for PFM,
+        float32.  Samples of less than 8 bits are scaled to 8, palettes become RGB.
+
+    Raises
+    ------
+    FileError
+        For what is no image, is damaged, or too large; `status` says which.
+    FileNotFoundError, PermissionError
+        As from `open`.
+
+    Examples
+    --------
+    >>> import normaltexture as nt
+    >>> texture, info = nt.read("wall_n.png", return_info=True)
+    >>> texture.shape, texture.dtype, info.format
+    ((64, 96, 3), dtype('uint8'), 'png')
+    """
+    error = ffi.new("ntpio_error *")
+    limits = ffi.new("ntpio_limits *", (max_side, max_texels, 0))
+    reader, held = _open(file, limits, error)
+    if reader == ffi.NULL:
+        _raise(error)
+    try:
+        info = lib.ntpio_reader_info(reader)
+        shape: tuple[int, ...] = (info.height, info.width, info.channels)
+        image = np.empty(shape[:2] if info.channels == 1 else shape, _SAMPLES[info.sample_bytes])
+        where = ffi.cast("void *", image.__array_interface__["data"][0])
+        if not lib.ntpio_read_rows(reader, where, image.strides[0], info.height, error):
+            _raise(error)
+        if not lib.ntpio_read_end(reader, error):
+            _raise(error)
+        found = _info(info) if return_info else None
+    finally:
+        lib.ntpio_close(reader)
+        del held
+    return image if found is None else (image, found)
+
+
+def read_info(file: str | os.PathLike[str] | bytes | bytearray | memoryview) -> ImageInfo:
+    """Read only what a file says about its image, none of its pixels.
+
+    Parameters
+    ----------
+    file : path, or bytes
+
+    Returns
+    -------
+    ImageInfo
+        Texts that follow the pixels of a PNG are not in it; `read` finds them.
+
+    Examples
+    --------
+    >>> import normaltexture as nt
+    >>> nt.read_info("wall_n.png").bit_depth
+    8
+    """
+    error = ffi.new("ntpio_error *")
+    reader, held = _open(file, ffi.NULL, error)
+    if reader == ffi.NULL:
+        _raise(error)
+    try:
+        return _info(lib.ntpio_reader_info(reader))
+    finally:
+        lib.ntpio_close(reader)
+        del held
+
+
+def _texts(texts: dict[str, str] | None, alive: list[Any]) -> Any:
+    """The dict as C structs; what they point at joins `alive`."""
+    if not texts:
+        return ffi.NULL
+    array = ffi.new("ntpio_text[]", len(texts))
+    for i, (key, value) in enumerate(texts.items()):
+        try:
+            held = ffi.new("char[]", key.encode("latin-1")), ffi.new("char[]", value.encode())
+        except UnicodeEncodeError:
+            raise ArgumentError(f"texts: the key {key!r} is not Latin-1") from None
+        if not 1 <= len(key) <= 79:
+            raise ArgumentError(f"texts: the key {key!r} must have 1..79 characters")
+        empty = ffi.new("char[]", b"")
+        alive += [*held, empty]
+        array[i].key, array[i].value = held
+        array[i].language = array[i].translated_key = empty
+        array[i].itxt = True
+    return array
+
+
+def write(
+    path: str | os.PathLike[str],
+    image: ArrayLike,
+    *,
+    level: int | None = None,
+    texts: dict[str, str] | None = None,
+) -> None:
+    """Write a PNG, TGA or PFM; the ending of the name says which.
+
+    An older file of that name is replaced only when the new one is complete.
+
+    Parameters
+    ----------
+    path : path
+        A name that ends in .png, .tga or .pfm.
+    image : array, (height, width) or (height, width, channels)
+        uint8 or, in a PNG, uint16; float32 in a PFM (1 or 3 channels).  Strided arrays are written
+        row by row, without a copy where a row has no gaps.
+    level : int, optional
+        0..9: how hard a PNG is compressed; default: fast, and nearly as small for normals.
+    texts : dict, optional
+        Texts of a PNG by their keys.
+
+    Raises
+    ------
+    FileError
+        For what the format cannot hold, or cannot be written; `status` says which.
+    ArgumentError, SampleTypeError
+        For other arrays and names.
+
+    Examples
+    --------
+    >>> import numpy as np, normaltexture as nt
+    >>> deep = np.full((2, 3, 3), (32768, 32768, 65535), np.uint16)
+    >>> nt.write("deep.png", deep)
+    >>> np.array_equal(nt.read("deep.png"), deep)
+    True
+    """
+    array = pixels("image", image)
+    name = os.fspath(path)
+    ending = os.path.splitext(os.fsdecode(name))[1].lower()
+    if ending not in _ENDINGS:
+        raise ArgumentError(f"path={name!r}: the name must end in .png, .tga or .pfm")
+    if level is not None and not 0 <= level <= 9:
+        raise ArgumentError(f"level={level!r}: must be within 0..9")
+    channels = array.shape[2] if array.ndim == 3 else 1
+    if not array.size or channels > 4:
+        raise ArgumentError(
+            f"image: 1 to 4 channels are needed, the shape is {array.shape}", Status.SHAPE
+        )
+    if array.strides[1] != channels * array.itemsize and array.shape[1] > 1:
+        array = np.ascontiguousarray(array)
+    alive: list[Any] = []
+    options = ffi.new("ntpio_write_options *")
+    options.format = _ENDINGS[ending]
+    options.width, options.height, options.channels = array.shape[1], array.shape[0], channels
+    options.sample_bytes = array.itemsize
+    options.level = -1 if level is None else level
+    options.content_is_flat = channels < 3
+    options.texts = _texts(texts, alive)
+    options.text_count = len(texts or {})
+    error = ffi.new("ntpio_error *")
+    writer = lib.ntpio_create(os.fsencode(name), options, error)
+    if writer == ffi.NULL:
+        _raise(error)
+    where = ffi.cast("void *", array.__array_interface__["data"][0])
+    if not lib.ntpio_write_rows(writer, where, array.strides[0], array.shape[0], error):
+        lib.ntpio_abort(writer)
+        _raise(error)
+    if not lib.ntpio_commit(writer, error):
+        _raise(error)

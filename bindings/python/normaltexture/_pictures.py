@@ -1,0 +1,299 @@
+# SPDX-License-Identifier: MIT
+"""Pictures of textures: what is wrong where, how they look lit, how two of them differ."""
+
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ._arrays import (
+    ENCODINGS,
+    HEIGHT,
+    TOUCH_ALL,
+    TOUCH_NONE,
+    YS,
+    AnyType,
+    Output,
+    Type,
+    Y,
+    choose,
+    memory,
+    pixels,
+    run,
+    view,
+)
+from ._errors import ArgumentError, Status, check
+from ._measure import Angles, _Result, resolve
+from ._native import ffi, lib
+
+Palette = Literal["reference", "safe"]
+_PALETTES = {"reference": 0, "safe": 1}
+_U8 = np.dtype(np.uint8)
+
+
+def heatmap(
+    src: ArrayLike,
+    *,
+    type: AnyType = "standard",
+    palette: Palette = "reference",
+    touch_unused: bool = False,
+    out: NDArray[np.uint8] | None = None,
+    threads: int = 1,
+) -> NDArray[np.uint8]:
+    """Paint what is wrong where; texels without a fault are gray.
+
+    Parameters
+    ----------
+    src : array, (height, width, channels), uint8, uint16 or float32
+        A normals texture of 3 or 4 channels (`"xy"`: 2 to 4).
+    type : {"standard", "zzero", "xy", "vector", "auto"}
+        How a normal is stored; "auto" finds out, as `ntp heatmap` does.
+    palette : {"reference", "safe"}
+        "reference": red where x, y are too long, green where the length is off, blue where z is
+        negative.  "safe": colors that stay apart for every kind of color vision.
+    touch_unused : bool
+        Judge pure black, pure white and transparent texels too.
+    out : array, (height, width, 3), uint8, optional
+        Where to write.
+    threads : int
+        How many threads share the rows; 0: one for each processor.
+
+    Returns
+    -------
+    array, (height, width, 3), uint8
+
+    Raises
+    ------
+    ArgumentError, SampleTypeError
+        For arguments outside what is listed here.
+
+    Notes
+    -----
+    docs/heatmap.md is the legend.  The colors of "reference" are those of Eric Haines'
+    NormalTextureProcessor.
+
+    Examples
+    --------
+    >>> import numpy as np, normaltexture as nt
+    >>> nt.heatmap(np.array([[[128, 128, 255], [128, 128, 200]]], np.uint8))
+    array([[[168, 168, 168],
+            [  0, 255,   0]]], dtype=uint8)
+    """
+    source = pixels("src", src)
+    if type == "auto":
+        type = resolve(source, type, threads)
+    src_view = view("src", source, choose("type", type, ENCODINGS))
+    output = Output((*source.shape[:2], 3), _U8, out)
+    output.apart_from(True, src=source)
+    heat = view("out", output.array, HEIGHT, writable=True)
+    colors = choose("palette", palette, _PALETTES)
+    touch = TOUCH_ALL if touch_unused else TOUCH_NONE
+
+    def work(area: Any) -> None:
+        check(lib.ntp_heatmap(heat, src_view, colors, touch, area), "heatmap")
+
+    run(threads, source.shape[1], source.shape[0], work)
+    result: NDArray[np.uint8] = output.finish()
+    return result
+
+
+@dataclass(frozen=True)
+class Light(_Result):
+    """A light for `shade`.
+
+    Attributes
+    ----------
+    direction : tuple of 3 floats
+        Towards the light: x right, y up, z to the viewer; any length but 0.
+    ambient, diffuse, specular : float
+        0..1.
+    color : tuple of 3 floats
+        Of the plane, 0..1, linear.
+    """
+
+    direction: tuple[float, float, float] = (-1.0, 1.0, 1.2)
+    ambient: float = 0.1
+    diffuse: float = 0.9
+    specular: float = 0.2
+    color: tuple[float, float, float] = (0.6, 0.6, 0.6)
+
+
+_DEFAULT_LIGHT = Light()
+
+
+def shade(
+    src: ArrayLike,
+    *,
+    type: Type = "standard",
+    y: Y = "up",
+    light: Light = _DEFAULT_LIGHT,
+    out: NDArray[np.uint8] | None = None,
+    threads: int = 1,
+) -> NDArray[np.uint8]:
+    """Show a plane with these normals, lit from a direction and seen from above.
+
+    Parameters
+    ----------
+    src : array, (height, width, channels), uint8, uint16 or float32
+        A normals texture of 3 or 4 channels (`"xy"`: 2 to 4).
+    type : {"standard", "zzero", "xy", "vector"}
+        How a normal is stored.
+    y : {"up", "down"}
+        Which way green points.
+    light : Light
+        Where the light comes from, and how the plane reflects it.
+    out : array, (height, width, 3) or (height, width), uint8, optional
+        Where to write; two dimensions get the luminance.
+    threads : int
+        How many threads share the rows; 0: one for each processor.
+
+    Returns
+    -------
+    array, (height, width, 3), uint8
+
+    Raises
+    ------
+    ArgumentError, SampleTypeError
+        For arguments outside what is listed here.
+
+    Examples
+    --------
+    >>> import numpy as np, normaltexture as nt
+    >>> texture = np.full((1, 2, 3), (128, 128, 255), np.uint8)
+    >>> texture[0, 1] = 37, 218, 128
+    >>> nt.shade(texture)[0, :, 0]
+    array([165, 175], dtype=uint8)
+    """
+    source = pixels("src", src)
+    src_view = view("src", source, choose("type", type, ENCODINGS), choose("y", y, YS))
+    gray = isinstance(out, np.ndarray) and out.ndim == 2
+    output = Output(source.shape[:2] if gray else (*source.shape[:2], 3), _U8, out)
+    output.apart_from(not gray, src=source)
+    picture = view("out", output.array, HEIGHT, writable=True)
+    setup = ffi.new(
+        "ntp_light *",
+        (light.direction, light.ambient, light.diffuse, light.specular, light.color),
+    )
+
+    def work(area: Any) -> None:
+        check(lib.ntp_shade(picture, src_view, setup, area), "shade: light")
+
+    run(threads, source.shape[1], source.shape[0], work)
+    result: NDArray[np.uint8] = output.finish()
+    return result
+
+
+@dataclass(frozen=True)
+class Difference(_Result):
+    """How two textures differ.
+
+    Attributes
+    ----------
+    texels : int
+        How many were compared.
+    different : int
+        Texels of which a sample differs.
+    max : int
+        The greatest level, M, of those below: 255, or 65535 where one texture is deeper.
+    levels_max, levels_mean : tuple
+        The greatest and mean difference of each channel, in levels.
+    angles : Angles
+        Degrees between the two vectors, over all texels.
+    """
+
+    texels: int
+    different: int
+    max: int
+    levels_max: tuple[int, ...]
+    levels_mean: tuple[float, ...]
+    angles: Angles
+
+
+def compare(
+    a: ArrayLike,
+    b: ArrayLike,
+    *,
+    type: Type = "standard",
+    b_type: Type | None = None,
+    y: Y = "up",
+    b_y: Y | None = None,
+    heat: NDArray[np.uint8] | None = None,
+    threads: int = 1,
+) -> Difference:
+    """Compare two textures of one size in levels and degrees, as `ntp diff` does.
+
+    Parameters
+    ----------
+    a, b : array, (height, width, channels), uint8, uint16 or float32
+        Normals textures; depth, encoding and direction of green may differ.  `b` is brought to
+        the encoding of `a`.
+    type, b_type : {"standard", "zzero", "xy", "vector"}
+        How `a` and `b` store a normal; by default alike.
+    y, b_y : {"up", "down"}
+        Which way green points in `a` and `b`; by default alike.
+    heat : array, (height, width, 3), uint8, optional
+        Filled with a picture: black where they are equal, then from blue (0 degrees) by green (5)
+        to red (10 and more).
+    threads : int
+        How many threads share the rows; 0: one for each processor.
+
+    Returns
+    -------
+    Difference
+
+    Raises
+    ------
+    ArgumentError, SampleTypeError
+        For arguments outside what is listed here.
+
+    Examples
+    --------
+    >>> import numpy as np, normaltexture as nt
+    >>> a = np.full((1, 2, 3), (128, 128, 255), np.uint8)
+    >>> b = a.copy(); b[0, 0] = 128, 255, 128
+    >>> found = nt.compare(a, b)
+    >>> found.different, found.levels_max, round(found.angles.max)
+    (1, (0, 127, 127), 90)
+    """
+    first, second = pixels("a", a), pixels("b", b)
+    if first.shape[:2] != second.shape[:2]:
+        raise ArgumentError(
+            f"b: must be of the size of a, {first.shape[:2]}, not {second.shape[:2]}",
+            Status.SHAPE,
+        )
+    a_view = view("a", first, choose("type", type, ENCODINGS), choose("y", y, YS))
+    b_view = view(
+        "b",
+        second,
+        choose("b_type", type if b_type is None else b_type, ENCODINGS),
+        choose("b_y", y if b_y is None else b_y, YS),
+    )
+    heat_view, output = ffi.NULL, None
+    if heat is not None:
+        output = Output((*first.shape[:2], 3), _U8, heat)
+        output.apart_from(False, a=first, b=second)
+        heat_view = view("heat", output.array, HEIGHT, writable=True)
+
+    def work(area: Any) -> tuple[Any, Any]:
+        pointer, owner = memory(lib.ntp_diff_size())
+        part = ffi.cast("ntp_diff *", pointer)
+        check(lib.ntp_compare(part, heat_view, a_view, b_view, area), "compare")
+        return part, owner
+
+    sums, *rest = run(threads, first.shape[1], first.shape[0], work)
+    for part, _ in rest:
+        check(lib.ntp_diff_merge(sums[0], part), "compare")
+    found = ffi.new("ntp_diff_stats *")
+    check(lib.ntp_diff_summarize(found, sums[0]), "compare")
+    if output is not None:
+        output.finish()
+    n = found.channels
+    return Difference(
+        texels=found.texels,
+        different=found.different,
+        max=found.max,
+        levels_max=tuple(found.levels_max[i] for i in range(n)),
+        levels_mean=tuple(found.levels_mean[i] for i in range(n)),
+        angles=Angles(found.angles.texels, found.angles.mean, found.angles.p99, found.angles.max),
+    )

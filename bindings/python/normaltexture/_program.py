@@ -1,0 +1,220 @@
+# SPDX-License-Identifier: MIT
+"""The command line's judgment of files, as objects: `ntp check` is run and its JSON read."""
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+import sysconfig
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+from ._clean import Verdict
+from ._errors import ArgumentError, FileError, FileStatus
+from ._measure import _Result
+
+CheckType = Literal["auto", "standard", "zzero", "xy", "height"]
+Level = Literal["error", "warning", "info"]
+
+
+@dataclass(frozen=True)
+class Finding(_Result):
+    """A finding about a file.
+
+    Attributes
+    ----------
+    id : str
+        "NT001" and so on; docs/findings.md lists them.
+    level : {"error", "warning", "info"}
+    message : str
+    count : int
+        Texels that it is about.
+    """
+
+    id: str
+    level: Level
+    message: str
+    count: int
+
+
+@dataclass(frozen=True)
+class CheckedFile(_Result):
+    """What `check` says about one file.
+
+    Attributes
+    ----------
+    path : str
+    status : {"ok", "unreadable"}
+    message : str or None
+        Why it is unreadable.
+    type : str or None
+        "standard", "zzero", "xy", "height", "object-space", "one-color" or "not-normals".
+    findings : tuple of Finding
+        The weightiest first.
+    data : dict
+        All that the JSON of `ntp check` says about the file, by the names of
+        docs/schema/check-1.json.
+    """
+
+    path: str
+    status: Literal["ok", "unreadable"]
+    message: str | None
+    type: str | None
+    findings: tuple[Finding, ...]
+    data: dict[str, Any]
+
+    @property
+    def level(self) -> Level | None:
+        """The highest level among the findings; None without any."""
+        levels = [finding.level for finding in self.findings]
+        ranked: tuple[Level, ...] = ("error", "warning", "info")
+        return next((level for level in ranked if level in levels), None)
+
+    def to_dict(self) -> dict[str, Any]:
+        """The file's object in the JSON of `ntp check`."""
+        return dict(self.data)
+
+
+@dataclass(frozen=True)
+class CheckReport(_Result):
+    """What `check` found: the files, and the summary of docs/schema/check-1.json."""
+
+    files: tuple[CheckedFile, ...]
+    summary: dict[str, Any]
+    data: dict[str, Any]
+
+    @property
+    def ok(self) -> bool:
+        """No file has an error, and all could be read."""
+        return not self.summary["with_errors"] and not self.summary["unreadable"]
+
+    def to_dict(self) -> dict[str, Any]:
+        """The JSON of `ntp check`, as docs/schema/check-1.json describes it."""
+        return dict(self.data)
+
+
+def program() -> Path:
+    """The `ntp` that belongs to this package.
+
+    `NTP_PROGRAM` in the environment names another.
+
+    Raises
+    ------
+    FileNotFoundError
+        Where neither the scripts directory of this Python nor PATH has one.
+    """
+    if os.environ.get("NTP_PROGRAM"):
+        return Path(os.environ["NTP_PROGRAM"])
+    name = "ntp.exe" if os.name == "nt" else "ntp"
+    beside = [sysconfig.get_path("scripts"), str(Path(sys.executable).parent)]
+    beside.append(str(Path(sysconfig.get_path("scripts", f"{os.name}_user"))))
+    for directory in beside:
+        if (Path(directory) / name).is_file():
+            return Path(directory) / name
+    found = shutil.which(name)
+    if found is None:
+        raise FileNotFoundError(f"{name} is not in {beside[0]}, nor in PATH")
+    return Path(found)
+
+
+def check(
+    paths: str | os.PathLike[str] | Iterable[str | os.PathLike[str]],
+    *,
+    type: CheckType = "auto",
+    y: Literal["auto", "up", "down"] = "auto",
+    verdict: Verdict = "neighbor",
+    keep_negative_z: bool = False,
+    max_fail: float = 2.0,
+    max_tilt: float = 0.1,
+    deep: bool = False,
+    recursive: bool = False,
+    match: Iterable[str] = (),
+    exclude: Iterable[str] = (),
+    jobs: int | None = None,
+) -> CheckReport:
+    """Check files and folders as `ntp check` does: what they are, and whether they are well formed.
+
+    Parameters
+    ----------
+    paths : path, or iterable of paths
+        Files are always judged; in folders, normals textures are.
+    type : {"auto", "standard", "zzero", "xy", "height"}
+        What the files are; "auto" finds out.
+    y : {"auto", "up", "down"}
+        Which way green must point.
+    verdict : {"neighbor", "rounded", "exact"}
+        How strictly a texel is judged.
+    keep_negative_z : bool
+        A negative z is no fault.
+    max_fail : float
+        A larger share of failing texels, in percent, is an error, a smaller one a warning.
+    max_tilt : float
+        Warn where the mean of x or y is farther from 0 than this.
+    deep : bool
+        Look at every row also where a plain check looks at some.
+    recursive : bool
+        Descend into folders.
+    match, exclude : iterable of str
+        Patterns of the names in folders to take, and to leave out.
+    jobs : int, optional
+        Files at once; default: one for each processor.
+
+    Returns
+    -------
+    CheckReport
+
+    Raises
+    ------
+    ArgumentError
+        For an argument that `ntp check` does not take.
+    FileNotFoundError
+        Where the program `ntp` is missing.
+
+    Examples
+    --------
+    >>> import normaltexture as nt
+    >>> report = nt.check("wall_n.png")
+    >>> report.ok, report.files[0].type, report.files[0].findings[0].id
+    (False, 'standard', 'NT001')
+    """
+    named = [paths] if isinstance(paths, (str, os.PathLike)) else list(paths)
+    if not named:
+        raise ArgumentError("paths: at least one is needed")
+    options = [f"--type={type}", f"--y={y}", f"--verdict={verdict}"]
+    options += [f"--max-fail={max_fail!r}", f"--max-tilt={max_tilt!r}"]
+    options += ["--keep-negative-z"] if keep_negative_z else []
+    options += ["--deep"] if deep else []
+    options += ["--recursive"] if recursive else []
+    options += [f"--match={pattern}" for pattern in match]
+    options += [f"--exclude={pattern}" for pattern in exclude]
+    options += [f"--jobs={jobs}"] if jobs is not None else []
+    command: list[Any] = [program(), "check", "--format=json", "--fail-on=never", "--no-progress"]
+    command += [*options, "--", *(os.fspath(path) for path in named)]
+    done = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, check=False)
+    message = done.stderr.decode("utf-8", "replace").strip()
+    if done.returncode == 2:
+        raise ArgumentError(message)
+    try:
+        data = json.loads(done.stdout)
+    except ValueError:
+        raise FileError(
+            f"ntp check: exit {done.returncode}: {message}", FileStatus.CORRUPT
+        ) from None
+    return CheckReport(tuple(map(_file, data["files"])), data["summary"], data)
+
+
+def _file(data: dict[str, Any]) -> CheckedFile:
+    findings = tuple(
+        Finding(f["id"], f["level"], f["message"], f["count"]) for f in data["findings"]
+    )
+    return CheckedFile(
+        path=data["path"],
+        status=data["status"],
+        message=data["message"],
+        type=data["type"],
+        findings=findings,
+        data=data,
+    )
