@@ -89,6 +89,18 @@ KINDS = [f"{e}-{s}-{c}" for e in ENCODINGS for s in ("u8", "u16", "u16of8", "f32
 KINDS += ["xy-u8-2", "xy-u16-2"]
 
 
+@pytest.mark.parametrize("touch", [0, 7])
+def test_grays(touch):
+    """Every gray, and its neighbors in blue: some are also next to a derived blue."""
+    gray = np.arange(256)
+    rgb = [[v, v, np.clip(v + d, 0, 255)] for v in gray for d in (-16, -1, 0, 1, 16)]
+    array = np.array(rgb, np.uint8)[None]
+    got = ntp.Tally().measure(array, ntp.STANDARD, touch).stats(ntp.STANDARD)
+    want = oracle_measure.measure(array, False, touch, False)
+    assert {k: got[k] for k in COUNTS} == {k: want[k] for k in COUNTS}
+    assert got["gray"] == 256 + 2 * 2  # clipping makes two more of 0 and of 255
+
+
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("touch", [0, 7, 4])
 def test_summarize(kind, touch):
