@@ -18,7 +18,9 @@ extern "Python" void ntp_py_parallel_for(void *user, int32_t count,
                                          void (*task)(void *work, int32_t index), void *work);
 """
 
+# stdlib.h: alloca, which cffi's code uses; Python.h of the limited API does not include it.
 SOURCE = """
+#include <stdlib.h>
 #include <libntp.h>
 #include <ntpio.h>
 """
