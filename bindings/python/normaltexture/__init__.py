@@ -23,6 +23,7 @@ from ._errors import (
     FileError,
     FileStatus,
     NormalTextureError,
+    NotConvergedError,
     SampleTypeError,
     Status,
 )
@@ -34,18 +35,19 @@ from ._measure import (
     Classification,
     Fit,
     MethodChoice,
-    Orientation,
     Stats,
     Tally,
     choose_method,
     classify,
-    detect_orientation,
     measure,
 )
 from ._native import ffi as _ffi
 from ._native import lib as _lib
+from ._operations import blend, mip_chain, resize, transform
+from ._orientation import Orientation, detect_orientation
 from ._pictures import Difference, Light, compare, heatmap, shade
 from ._program import CheckedFile, CheckReport, Finding, check, program
+from ._reconstruct import HeightInfo, height_from_normals
 from ._validate import Flag, validate
 
 _version: int = _lib.ntp_version()
@@ -70,16 +72,19 @@ __all__ = [
     "Fit",
     "Flag",
     "GradientCounts",
+    "HeightInfo",
     "ImageInfo",
     "Light",
     "MethodChoice",
     "NormalTextureError",
+    "NotConvergedError",
     "Orientation",
     "SampleTypeError",
     "Stats",
     "Status",
     "Tally",
     "__version__",
+    "blend",
     "check",
     "choose_method",
     "classify",
@@ -91,12 +96,16 @@ __all__ = [
     "detect_orientation",
     "encode",
     "heatmap",
+    "height_from_normals",
     "measure",
+    "mip_chain",
     "normals_from_height",
     "program",
     "read",
     "read_info",
+    "resize",
     "shade",
+    "transform",
     "validate",
     "write",
 ]

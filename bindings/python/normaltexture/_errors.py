@@ -16,6 +16,7 @@ class Status(IntEnum):
     OVERLAP = 4
     SCRATCH = 5
     CANCELLED = 6
+    NOT_CONVERGED = 7
 
 
 class FileStatus(IntEnum):
@@ -68,6 +69,13 @@ class CancelledError(NormalTextureError, RuntimeError):
         super().__init__(message, status)
 
 
+class NotConvergedError(NormalTextureError, ArithmeticError):
+    """An iteration ended before it reached its tolerance."""
+
+    def __init__(self, message: str, status: Status | FileStatus = Status.NOT_CONVERGED) -> None:
+        super().__init__(message, status)
+
+
 class FileError(NormalTextureError, OSError):
     """A file is missing, damaged, too large, no image, or cannot be written."""
 
@@ -79,5 +87,5 @@ def check(status: int, function: str) -> None:
     """Raises for a status other than OK: what the checks before the call did not catch."""
     if status != 0:
         text = ffi.string(lib.ntp_status_string(status)).decode()
-        kind = CancelledError if status == Status.CANCELLED else ArgumentError
-        raise kind(f"{function}: {text}", Status(status))
+        kinds = {Status.CANCELLED: CancelledError, Status.NOT_CONVERGED: NotConvergedError}
+        raise kinds.get(Status(status), ArgumentError)(f"{function}: {text}", Status(status))

@@ -1,0 +1,375 @@
+# SPDX-License-Identifier: MIT
+"""Operations that keep every texel a unit vector: resizing, mip chains, turning, blending."""
+
+import re
+from typing import Any, Literal, TypeAlias
+
+from numpy.typing import ArrayLike, NDArray
+
+from ._arrays import (
+    ENCODINGS,
+    TOUCH_ALL,
+    TOUCH_NONE,
+    YS,
+    Output,
+    Pixels,
+    Type,
+    Y,
+    choose,
+    memory,
+    number,
+    pixels,
+    run,
+    view,
+)
+from ._errors import ArgumentError, check
+from ._native import ffi, lib
+
+Filter: TypeAlias = Literal["box", "triangle", "lanczos3"]
+ResizeBorder: TypeAlias = Literal["wrap", "clamp", "mirror"]
+Mode: TypeAlias = Literal["rnm", "whiteout", "udn"]
+Flip: TypeAlias = Literal["x", "y", "xy"]
+Size: TypeAlias = tuple[int, int] | str
+
+_FILTERS = {"box": 0, "triangle": 1, "lanczos3": 2}
+_BORDERS = {"wrap": 0, "clamp": 1, "mirror": 2}
+_MODES = {"rnm": 0, "whiteout": 1, "udn": 2}
+_FLIPS = {None: (0, 0), "x": (1, 0), "y": (0, 1), "xy": (1, 1)}
+_TURNS = {0: 0, 90: 1, 180: 2, 270: 3}
+_MAX_SIDE: int = lib.NTP_MAX_SIDE
+
+
+def _size(size: Size, width: int, height: int) -> tuple[int, int]:
+    """(width, height) of "512x256", "50%" or (512, 256)."""
+    if isinstance(size, str):
+        if match := re.fullmatch(r"(\d+)x(\d+)", size):
+            sides = int(match[1]), int(match[2])
+        elif match := re.fullmatch(r"(\d+(?:\.\d*)?|\.\d+)%", size):
+            # rounded half up, at least 1, as on the command line
+            share = float(match[1])
+            sides = (
+                max(1, int(width * share / 100 + 0.5)),
+                max(1, int(height * share / 100 + 0.5)),
+            )
+        else:
+            raise ArgumentError(f"size={size!r}: must be (width, height), 'WxH' or 'P%'")
+    else:
+        try:
+            sides = int(size[0]), int(size[1])
+        except (TypeError, ValueError, IndexError):
+            raise ArgumentError(f"size={size!r}: must be (width, height), 'WxH' or 'P%'") from None
+    if not (1 <= sides[0] <= _MAX_SIDE and 1 <= sides[1] <= _MAX_SIDE):
+        raise ArgumentError(f"size={size!r}: sides must be 1..{_MAX_SIDE}")
+    return sides
+
+
+def _resized(
+    source: NDArray[Any], encoding: int, width: int, height: int, how: Any, out: Any, threads: int
+) -> Pixels:
+    src_view = view("src", source, encoding)
+    shape = height, width, source.shape[2]
+    output = Output(shape, source.dtype, out)
+    if out is not None:
+        output.apart_from(False, src=source)
+    dst = view("out", output.array, encoding, writable=True)
+    sides = source.shape[1], source.shape[0], width, height
+    size = lib.ntp_resize_plan_size(how, *sides)
+    room, owner = memory(size)
+    plan = ffi.new("ntp_resize_plan **")
+    check(lib.ntp_resize_plan_init(plan, room, size, how, *sides), "resize")
+    scratch_size = lib.ntp_resize_scratch_size(plan[0])
+
+    def work(area: Any) -> None:
+        scratch, scratch_owner = memory(scratch_size)
+        status = lib.ntp_resize(dst, src_view, plan[0], scratch, scratch_size, area)
+        del scratch_owner
+        check(status, "resize")
+
+    run(threads, width, height, work)
+    del owner
+    result: Pixels = output.finish()
+    return result
+
+
+def _resize_options(
+    filter: Filter,
+    border: ResizeBorder,
+    border_x: ResizeBorder | None,
+    border_y: ResizeBorder | None,
+    touch_unused: bool,
+) -> Any:
+    return ffi.new(
+        "ntp_resize_options *",
+        (
+            choose("filter", filter, _FILTERS),
+            choose("border_x" if border_x else "border", border_x or border, _BORDERS),
+            choose("border_y" if border_y else "border", border_y or border, _BORDERS),
+            TOUCH_ALL if touch_unused else TOUCH_NONE,
+        ),
+    )
+
+
+def resize(
+    src: ArrayLike,
+    *,
+    size: Size,
+    filter: Filter = "triangle",
+    border: ResizeBorder = "wrap",
+    border_x: ResizeBorder | None = None,
+    border_y: ResizeBorder | None = None,
+    type: Type = "standard",
+    touch_unused: bool = False,
+    out: Pixels | None = None,
+    threads: int = 1,
+) -> Pixels:
+    """Resize a texture as vectors, weighted with alpha; every texel is a unit vector again.
+
+    Parameters
+    ----------
+    src : array, (height, width, channels), uint8, uint16 or float32
+        A normals texture of 3 or 4 channels (`"xy"`: 2 to 4).
+    size : (width, height), or str
+        The new size in texels, also as "512x256", or in percent of the old one: "50%".
+    filter : {"box", "triangle", "lanczos3"}
+        The mean over an area; bilinear; sharper, but can ring.
+    border, border_x, border_y : {"wrap", "clamp", "mirror"}
+        What lies beyond the edges; for both axes, or one.
+    type : {"standard", "zzero", "xy", "vector"}
+        How a normal is stored.
+    touch_unused : bool
+        Treat pure black, pure white and transparent texels like any other; alpha gives no weight.
+    out : array, optional
+        Where to write; it does not overlap `src`.
+    threads : int
+        How many threads share the rows; 0: one for each processor.
+
+    Returns
+    -------
+    array of the new size, samples and channels as in `src`
+
+    Raises
+    ------
+    ArgumentError, SampleTypeError
+        For arguments outside what is listed here.
+
+    Notes
+    -----
+    docs/operations.md has the formulas.
+
+    Examples
+    --------
+    >>> import normaltexture as nt
+    >>> nt.resize(nt.read("wall_n.png"), size="50%").shape
+    (32, 48, 3)
+    """
+    encoding = choose("type", type, ENCODINGS)
+    source = pixels("src", src)
+    view("src", source, encoding)
+    how = _resize_options(filter, border, border_x, border_y, touch_unused)
+    width, height = _size(size, source.shape[1], source.shape[0])
+    return _resized(source, encoding, width, height, how, out, threads)
+
+
+def mip_chain(
+    src: ArrayLike,
+    *,
+    filter: Filter = "box",
+    border: ResizeBorder = "wrap",
+    border_x: ResizeBorder | None = None,
+    border_y: ResizeBorder | None = None,
+    type: Type = "standard",
+    touch_unused: bool = False,
+    threads: int = 1,
+) -> list[Pixels]:
+    """Make the full mip chain, down to 1 x 1, each level from the texture itself.
+
+    Parameters
+    ----------
+    src, filter, border, border_x, border_y, type, touch_unused, threads
+        As in `resize`.
+
+    Returns
+    -------
+    list of arrays
+        Level 0 is a copy of `src`; each further one has half the sides, rounded down.
+
+    Examples
+    --------
+    >>> import normaltexture as nt
+    >>> [level.shape[:2] for level in nt.mip_chain(nt.read("wall_n.png"))]
+    [(64, 96), (32, 48), (16, 24), (8, 12), (4, 6), (2, 3), (1, 1)]
+    """
+    encoding = choose("type", type, ENCODINGS)
+    source = pixels("src", src)
+    view("src", source, encoding)
+    how = _resize_options(filter, border, border_x, border_y, touch_unused)
+    height, width = source.shape[:2]
+    chain: list[Any] = [source.copy()]
+    for level in range(1, lib.ntp_mip_levels(width, height)):
+        sides = lib.ntp_mip_side(width, level), lib.ntp_mip_side(height, level)
+        chain.append(_resized(source, encoding, *sides, how, None, threads))
+    return chain
+
+
+def transform(
+    src: ArrayLike,
+    *,
+    strength: float | None = None,
+    flip: Flip | None = None,
+    rotate: Literal[0, 90, 180, 270] = 0,
+    type: Type = "standard",
+    y: Y = "up",
+    out: Pixels | None = None,
+    threads: int = 1,
+) -> Pixels:
+    """Flip and turn a texture, pixels and vectors together, and make its bumps stronger.
+
+    Parameters
+    ----------
+    src : array, (height, width, channels), uint8, uint16 or float32
+        A normals texture of 3 or 4 channels (`"xy"`: 2 to 4).
+    strength : float, optional
+        Multiply the slopes, -1024..1024; -1 turns bumps into dents.
+    flip : {"x", "y", "xy"}, optional
+        "x": left and right change places; "y": top and bottom; before `rotate`.
+    rotate : {0, 90, 180, 270}
+        Turn clockwise by so many degrees.
+    type : {"standard", "zzero", "xy", "vector"}
+        How a normal is stored.
+    y : {"up", "down"}
+        Which way green points.
+    out : array, optional
+        Where to write; it does not overlap `src`.
+    threads : int
+        How many threads share the rows; 0: one for each processor.
+
+    Returns
+    -------
+    array, samples and channels as in `src`
+        Flips, turns and a strength of 1 or -1 are exact; unused texels move but keep their color.
+
+    Raises
+    ------
+    ArgumentError, SampleTypeError
+        For arguments outside what is listed here.
+
+    Examples
+    --------
+    >>> import numpy as np, normaltexture as nt
+    >>> texture = np.array([[[200, 128, 231], [128, 128, 255]]], np.uint8)
+    >>> nt.transform(texture, flip="x")
+    array([[[127, 128, 255],
+            [ 55, 128, 231]]], dtype=uint8)
+    """
+    encoding = choose("type", type, ENCODINGS)
+    source = pixels("src", src)
+    up = choose("y", y, YS)
+    src_view = view("src", source, encoding, up)
+    flips = choose("flip", flip, _FLIPS)
+    turns = choose("rotate", rotate, _TURNS)
+    most = lib.NTP_MAX_STRENGTH
+    factor = 1.0 if strength is None else number("strength", strength, -most, most)
+    how = ffi.new("ntp_transform_options *", (*flips, turns, strength is not None, factor))
+    height, width = source.shape[:2]
+    if turns % 2:
+        width, height = height, width
+    output = Output((height, width, source.shape[2]), source.dtype, out)
+    if out is not None:
+        output.apart_from(False, src=source)
+    dst = view("out", output.array, encoding, up, writable=True)
+
+    def work(area: Any) -> None:
+        check(lib.ntp_transform(dst, src_view, how, area), "transform")
+
+    run(threads, width, height, work)
+    result: Pixels = output.finish()
+    return result
+
+
+def blend(
+    base: ArrayLike,
+    detail: ArrayLike,
+    *,
+    mode: Mode = "rnm",
+    strength: float = 1.0,
+    type: Type = "standard",
+    detail_type: Type | None = None,
+    y: Y = "up",
+    detail_y: Y = "up",
+    touch_unused: bool = False,
+    out: Pixels | None = None,
+    threads: int = 1,
+) -> Pixels:
+    """Lay the bumps of one texture over another.
+
+    Parameters
+    ----------
+    base : array, (height, width, channels), uint8, uint16 or float32
+        A normals texture of 3 or 4 channels (`"xy"`: 2 to 4).
+    detail : array
+        Another; size, depth, encoding and direction of green may differ.  It is repeated from the
+        upper left corner on.
+    mode : {"rnm", "whiteout", "udn"}
+        Reoriented, the detail as if it lay on the base's surface; or sums, weaker on slopes.
+    strength : float
+        Multiply the slopes of the detail first, -1024..1024.
+    type, detail_type : {"standard", "zzero", "xy", "vector"}
+        How the two store a normal; by default alike.
+    y, detail_y : {"up", "down"}
+        Which way green points in each.
+    touch_unused : bool
+        Blend pure black, pure white and transparent texels too.
+    out : array like base, optional
+        Where to write; it may be `base` itself.
+    threads : int
+        How many threads share the rows; 0: one for each processor.
+
+    Returns
+    -------
+    array like base
+        Where base or detail is unused, the base's texel is copied; alpha is the base's.
+
+    Raises
+    ------
+    ArgumentError, SampleTypeError
+        For arguments outside what is listed here.
+
+    Notes
+    -----
+    Source: C. Barre-Brisebois and S. Hill, "Blending in Detail" (2012).
+
+    Examples
+    --------
+    >>> import numpy as np, normaltexture as nt
+    >>> base = np.full((2, 2, 3), (200, 128, 231), np.uint8)
+    >>> detail = nt.encode(np.array([[[0.5, 0, 1]]], np.float32))
+    >>> nt.blend(base, detail)[0, 0]
+    array([240, 128, 187], dtype=uint8)
+    """
+    first, second = pixels("base", base), pixels("detail", detail)
+    encoding, up = choose("type", type, ENCODINGS), choose("y", y, YS)
+    base_view = view("base", first, encoding, up)
+    detail_view = view(
+        "detail",
+        second,
+        choose("detail_type", type if detail_type is None else detail_type, ENCODINGS),
+        choose("detail_y", detail_y, YS),
+    )
+    output = Output(first.shape, first.dtype, out)
+    if out is not None:
+        output.apart_from(True, base=first)
+        output.apart_from(False, detail=second)
+    dst = view("out", output.array, encoding, up, writable=True)
+    most = lib.NTP_MAX_STRENGTH
+    factor = number("strength", strength, -most, most)
+    how = ffi.new(
+        "ntp_blend_options *",
+        (choose("mode", mode, _MODES), factor != 1, factor, TOUCH_ALL if touch_unused else 0),
+    )
+
+    def work(area: Any) -> None:
+        check(lib.ntp_blend(dst, base_view, detail_view, how, area), "blend")
+
+    run(threads, first.shape[1], first.shape[0], work)
+    result: Pixels = output.finish()
+    return result

@@ -1,0 +1,113 @@
+# SPDX-License-Identifier: MIT
+"""Which way green points."""
+
+from dataclasses import dataclass
+from typing import Any, Literal
+
+from numpy.typing import ArrayLike
+
+from ._arrays import ENCODINGS, TOUCH_ALL, TOUCH_NONE, YS, Type, choose, memory, pixels, run, view
+from ._errors import check
+from ._measure import _Result
+from ._native import ffi, lib
+
+
+@dataclass(frozen=True)
+class Orientation(_Result):
+    """Which way green points.
+
+    Attributes
+    ----------
+    y : {"up", "down", "undecided"}
+        "up": OpenGL, glTF, USD; "down": DirectX.
+    confidence : float
+        0.8..0.99; 0 where undecided.
+    likelier : {"up", "down"}
+        The better guess, also where undecided.
+    statistic : float
+        -1..1: how well the cross derivatives agree; positive: up.
+    score : float
+        How steadily so over the picture, in standard deviations.
+    loops : int
+        How much was measured: groups of 6 x 6 texels.
+    """
+
+    y: Literal["up", "down", "undecided"]
+    confidence: float
+    likelier: Literal["up", "down"]
+    statistic: float
+    score: float
+    loops: int
+
+
+def detect_orientation(
+    src: ArrayLike,
+    *,
+    type: Type = "standard",
+    deep: bool = False,
+    touch_unused: bool = False,
+    threads: int = 1,
+) -> Orientation:
+    """Tell OpenGL from DirectX by the texels alone, or say that it cannot be told.
+
+    The slopes of a surface have equal cross derivatives; with green the other way round, opposite
+    ones.  The answer presumes that red points right.
+
+    Parameters
+    ----------
+    src : array, (height, width, channels), uint8, uint16 or float32
+        A normals texture of at least 6 x 6 texels.
+    type : {"standard", "zzero", "xy", "vector"}
+        How a normal is stored; only red and green count.
+    deep : bool
+        Look at every row also of large textures.
+    touch_unused : bool
+        Look at pure black, pure white and transparent texels too.
+    threads : int
+        How many threads share the rows; 0: one for each processor.
+
+    Returns
+    -------
+    Orientation
+
+    Notes
+    -----
+    docs/orientation.md says how it works and what cannot be known.
+
+    Examples
+    --------
+    >>> import normaltexture as nt
+    >>> y, x = np.mgrid[0:64, 0:64].astype(np.float32) / 32 - 1
+    >>> bump = np.exp(-4 * (x * x + y * y))
+    >>> normals = nt.normals_from_height(bump, scale=20, depth=8, to_y="down")
+    >>> nt.detect_orientation(normals).y
+    'down'
+    """
+    encoding = choose("type", type, ENCODINGS)
+    source = pixels("src", src)
+    src_view = view("src", source, encoding)
+    touch = TOUCH_ALL if touch_unused else TOUCH_NONE
+
+    def work(area: Any) -> tuple[Any, Any]:
+        pointer, owner = memory(lib.ntp_orientation_size())
+        part = ffi.cast("ntp_orientation *", pointer)
+        check(
+            lib.ntp_orientation_measure(part, src_view, touch, bool(deep), area),
+            "detect_orientation",
+        )
+        return part, owner
+
+    first, *rest = run(threads, source.shape[1], source.shape[0], work)
+    for part, _ in rest:
+        check(lib.ntp_orientation_merge(first[0], part), "detect_orientation")
+    found = ffi.new("ntp_orientation_result *")
+    check(lib.ntp_orientation_decide(found, first[0]), "detect_orientation")
+    likelier: Literal["up", "down"] = "up" if found.y == YS["up"] else "down"
+    return Orientation(
+        y=likelier if found.decided else "undecided",
+        confidence=found.confidence,
+        likelier=likelier,
+        statistic=found.statistic,
+        score=found.score,
+        loops=found.loops,
+    )

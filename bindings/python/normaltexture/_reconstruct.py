@@ -1,0 +1,424 @@
+# SPDX-License-Identifier: MIT
+"""Normals to heightfields.
+
+libntp runs the parts of the work through two callbacks: one hands them to Python threads, the
+other reports progress and can stop, also for Ctrl-C.
+"""
+
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor, wait
+from dataclasses import dataclass
+from typing import Any, Literal, TypeAlias, cast, get_args, overload
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ._arrays import (
+    ENCODINGS,
+    HEIGHT,
+    TOUCH_ALL,
+    TOUCH_NONE,
+    YS,
+    AnyType,
+    Output,
+    Y,
+    choose,
+    memory,
+    number,
+    pixels,
+    thread_count,
+    view,
+)
+from ._errors import ArgumentError, Status, check
+from ._height import Border, Kernel
+from ._measure import _Result, resolve
+from ._native import ffi, lib
+from ._orientation import detect_orientation
+
+HeightKernel: TypeAlias = Kernel | Literal["auto", "baked"]
+AnyBorder: TypeAlias = Literal["auto"] | Border
+HeightMethod: TypeAlias = Literal[
+    "auto", "telescoping", "frankot-chellappa", "poisson-dct", "weighted"
+]
+Decode: TypeAlias = Literal["auto", "unorm", "neutral", "unorm-trunc", "snorm128"]
+Z: TypeAlias = Literal["auto", "stored", "derived"]
+
+_KERNELS = {"auto": 0} | {name: i for i, name in enumerate(get_args(Kernel))} | {"baked": 10}
+_BORDERS = {"auto": -1} | {name: i for i, name in enumerate(get_args(Border))}
+_METHODS: tuple[str, ...] = get_args(HeightMethod)
+_DECODES: tuple[str, ...] = get_args(Decode)
+_ZS = {"auto": 2, "stored": 0, "derived": 1}
+_SCRATCH_ALIGNMENT = 64
+_MOST = 1.7e308
+
+
+@dataclass(frozen=True)
+class HeightInfo(_Result):
+    """What `height_from_normals` did.
+
+    Attributes
+    ----------
+    method, kernel, border_x, border_y, y, decode, z : str
+        What was chosen for "auto", else what was asked for.
+    scale, offset : float
+        (heights - offset)/scale is 0..1, and `scale` makes that into these normals again by
+        `normals_from_height`.
+    unused, not_finite : int
+        Texels that counted as flat: unused ones, and floats that are no vector.
+    holes, islands : int
+        Method "weighted": texels without a height, and connected areas, each with a mean of its
+        own.
+    iterations, error : int, float
+        Method "weighted": steps of the last solution, and what is left.
+    rounds, refine_left : int
+        Rounds of `refine` that were done, and texels whose normal is not given again exactly.
+    residual : float
+        Root mean square of x and y of the heights' normals less those of the texture, in levels.
+    trend_x, trend_y : float
+        Slopes to the right and down that `detrend` took out.
+    """
+
+    method: str
+    kernel: str
+    border_x: str
+    border_y: str
+    y: Y
+    decode: str
+    z: str
+    scale: float
+    offset: float
+    unused: int
+    not_finite: int
+    holes: int
+    islands: int
+    iterations: int
+    error: float
+    rounds: int
+    refine_left: int
+    residual: float
+    trend_x: float
+    trend_y: float
+
+
+class _Hooks:
+    """The caller's part while libntp works: threads, progress, and what went wrong in it."""
+
+    def __init__(self, parts: int, progress: Callable[[float], object] | None) -> None:
+        self.progress = progress
+        self.pool = ThreadPoolExecutor(parts) if parts > 1 else None
+        self.raised: BaseException | None = None
+        self._handle = ffi.new_handle(self)
+        self.struct = ffi.new("ntp_hooks *")
+        self.struct.user = self._handle
+        self.struct.progress = lib.ntp_py_progress
+        if self.pool is not None:
+            self.struct.parallel_for = lib.ntp_py_parallel_for
+        self.struct.parts = parts
+
+    def close(self) -> None:
+        if self.pool is not None:
+            self.pool.shutdown()
+
+
+def _stop(exception: Any, value: Any, traceback: Any) -> int:
+    """An exception in the progress callback, Ctrl-C included: kept, and libntp is told to stop."""
+    del exception
+    hooks: _Hooks = ffi.from_handle(traceback.tb_frame.f_locals["user"])
+    hooks.raised = value
+    return 1
+
+
+@ffi.def_extern(name="ntp_py_progress", onerror=_stop)  # type: ignore[untyped-decorator]
+def _progress(user: Any, share: float) -> int:
+    hooks: _Hooks = ffi.from_handle(user)
+    if hooks.raised is not None:
+        return 1
+    return int(hooks.progress is not None and hooks.progress(share) is False)
+
+
+@ffi.def_extern(name="ntp_py_parallel_for")  # type: ignore[untyped-decorator]
+def _parallel_for(user: Any, count: int, task: Any, work: Any) -> None:
+    hooks: _Hooks = ffi.from_handle(user)
+    assert hooks.pool is not None
+    running = [hooks.pool.submit(task, work, index) for index in range(count)]
+    while running:  # libntp relies on all being done, so Ctrl-C waits as well
+        try:
+            wait(running)
+            running = []
+        except BaseException as raised:  # noqa: BLE001  raised again by the caller
+            hooks.raised = raised
+
+
+@overload
+def height_from_normals(
+    src: ArrayLike,
+    *,
+    from_: AnyType = ...,
+    from_y: Y | Literal["auto"] = ...,
+    method: HeightMethod = ...,
+    kernel: HeightKernel = ...,
+    border: AnyBorder = ...,
+    border_x: AnyBorder | None = ...,
+    border_y: AnyBorder | None = ...,
+    dx: float = ...,
+    dy: float = ...,
+    refine: int = ...,
+    seeds: Sequence[float] | None = ...,
+    equalize: bool = ...,
+    mask: ArrayLike | None = ...,
+    detrend: bool = ...,
+    decode: Decode = ...,
+    z: Z = ...,
+    touch_unused: bool = ...,
+    progress: Callable[[float], object] | None = ...,
+    return_info: Literal[False] = ...,
+    out: NDArray[np.float32] | None = ...,
+    threads: int = ...,
+) -> NDArray[np.float32]: ...
+@overload
+def height_from_normals(
+    src: ArrayLike,
+    *,
+    from_: AnyType = ...,
+    from_y: Y | Literal["auto"] = ...,
+    method: HeightMethod = ...,
+    kernel: HeightKernel = ...,
+    border: AnyBorder = ...,
+    border_x: AnyBorder | None = ...,
+    border_y: AnyBorder | None = ...,
+    dx: float = ...,
+    dy: float = ...,
+    refine: int = ...,
+    seeds: Sequence[float] | None = ...,
+    equalize: bool = ...,
+    mask: ArrayLike | None = ...,
+    detrend: bool = ...,
+    decode: Decode = ...,
+    z: Z = ...,
+    touch_unused: bool = ...,
+    progress: Callable[[float], object] | None = ...,
+    return_info: Literal[True],
+    out: NDArray[np.float32] | None = ...,
+    threads: int = ...,
+) -> tuple[NDArray[np.float32], HeightInfo]: ...
+def height_from_normals(
+    src: ArrayLike,
+    *,
+    from_: AnyType = "standard",
+    from_y: Y | Literal["auto"] = "auto",
+    method: HeightMethod = "auto",
+    kernel: HeightKernel = "auto",
+    border: AnyBorder = "auto",
+    border_x: AnyBorder | None = None,
+    border_y: AnyBorder | None = None,
+    dx: float = 1.0,
+    dy: float = 1.0,
+    refine: int = 0,
+    seeds: Sequence[float] | None = None,
+    equalize: bool = False,
+    mask: ArrayLike | None = None,
+    detrend: bool = False,
+    decode: Decode = "auto",
+    z: Z = "auto",
+    touch_unused: bool = False,
+    progress: Callable[[float], object] | None = None,
+    return_info: bool = False,
+    out: NDArray[np.float32] | None = None,
+    threads: int = 1,
+) -> NDArray[np.float32] | tuple[NDArray[np.float32], HeightInfo]:
+    """Find the heightfield behind normals, in texels, with mean 0.
+
+    Of all heightfields it is the one whose slopes, by the kernel and borders, come nearest to the
+    stored ones.
+
+    Parameters
+    ----------
+    src : array, (height, width, channels), uint8, uint16 or float32
+        A normals texture of 3 or 4 channels (`"xy"`: 2 to 4).
+    from_ : {"standard", "zzero", "xy", "vector", "auto"}
+        How a normal is stored; "auto" finds out by the texels, as `ntp to-height` does.
+    from_y : {"auto", "up", "down"}
+        Which way green points; "auto": as the texels tell, else up.
+    method : {"auto", "telescoping", "frankot-chellappa", "poisson-dct", "weighted"}
+        Least squares, for textures that tile and that do not; with holes and weights; or Eberly's
+        sums of slopes.  "auto": weighted with a `mask`, else as the borders say.
+    kernel : {"auto", "baked"}, or one of `normals_from_height`
+        How the slopes were taken; "baked": they are those of a surface, at texel centers.
+        "auto": central.
+    border, border_x, border_y : {"auto"}, or one of `normals_from_height`
+        The height beyond the edges.  "auto": extrapolate, or wrap with frankot-chellappa.
+    dx, dy : float
+        Width and height of a texel.
+    refine : int
+        Do up to so many more rounds, until the normals of the heights are those of `src`.
+    seeds : four floats, optional
+        Telescoping: the heights at (0, 0), (1, 0), (0, 1), (1, 1), in texels.
+    equalize : bool
+        Telescoping: give texels of even and of odd rows and columns the same mean.
+    mask : array, (height, width), uint8 or uint16, optional
+        Where it is 0 there is no surface.
+    detrend : bool
+        Take the best plane out of the heights, where they do not tile.
+    decode : {"auto", "unorm", "neutral", "unorm-trunc", "snorm128"}
+        Which level of red and green is 0, of 8 bit: 127.5; both 127 and 128; 127; 128.
+    z : {"auto", "stored", "derived"}
+        Whether z is read from blue or computed from red and green.
+    touch_unused : bool
+        Use pure black, pure white and transparent texels like any other.
+    progress : callable, optional
+        Called now and then with the share done, 0..1; returning False stops.
+    return_info : bool
+        Return `HeightInfo` as well.
+    out : array, (height, width), float32, optional
+        Where to write; it does not overlap `src`.
+    threads : int
+        How many threads work; 0: one for each processor.  The bytes are the same.
+
+    Returns
+    -------
+    array, (height, width), float32, or (array, HeightInfo)
+
+    Raises
+    ------
+    ArgumentError, SampleTypeError
+        For arguments outside what is listed here, and kernels and borders that the method cannot
+        solve.
+    CancelledError
+        Where `progress` returned False.
+
+    Notes
+    -----
+    docs/arithmetic.md and libntp.h describe the methods.  Sources: R. Frankot and R. Chellappa
+    (1988); D. Eberly, "Reconstructing a Height Field from a Normal Map".
+
+    Examples
+    --------
+    >>> import normaltexture as nt
+    >>> height = nt.read("wall_height.png")
+    >>> normals = nt.normals_from_height(height, scale=10, border="extrapolate", depth=16)
+    >>> again, info = nt.height_from_normals(normals, return_info=True)
+    >>> bool(np.abs((again - again.mean()) / 10 - (height / 255 - height.mean() / 255)).max() < .01)
+    True
+    """
+    source = pixels("src", src)
+    if from_ == "auto":
+        from_ = resolve(source, from_, threads)
+    encoding = choose("from_", from_, ENCODINGS)
+    if from_y == "auto":
+        view("src", source, encoding)
+        found = detect_orientation(source, type=from_, deep=True, threads=threads)
+        from_y = "up" if found.y == "undecided" else found.y
+    src_view = view("src", source, encoding, choose("from_y", from_y, YS))
+    height, width = source.shape[:2]
+
+    how = ffi.new("ntp_height_options *")
+    how.method = choose("method", method, {name: i for i, name in enumerate(_METHODS)})
+    how.kernel = choose("kernel", kernel, _KERNELS)
+    free = 0 if method == "frankot-chellappa" else _BORDERS["extrapolate"]
+    for axis, given in (("border_x", border_x), ("border_y", border_y)):
+        value = choose(axis if given else "border", given or border, _BORDERS)
+        setattr(how, axis, free if value < 0 else value)
+    how.decode = choose("decode", decode, {name: i for i, name in enumerate(_DECODES)})
+    how.z = choose("z", z, _ZS)
+    how.touch_unused = TOUCH_ALL if touch_unused else TOUCH_NONE
+    if seeds is not None:
+        values = [float(seed) for seed in seeds]
+        if len(values) != 4 or not np.isfinite(values).all() or method != "telescoping":
+            raise ArgumentError(f'seeds={seeds!r}: four finite numbers, with method="telescoping"')
+        how.use_seeds, how.seeds = 1, values
+    if equalize and method != "telescoping":
+        raise ArgumentError('equalize=True: goes with method="telescoping"')
+    how.equalize, how.detrend, how.measure = bool(equalize), bool(detrend), bool(return_info)
+    how.refine = int(number("refine", refine, 0, lib.NTP_MAX_ITERATIONS))
+    how.dx, how.dy = number("dx", dx, 0, _MOST), number("dy", dy, 0, _MOST)
+    if how.dx == 0 or how.dy == 0:
+        raise ArgumentError(f"dx={dx!r}, dy={dy!r}: must be greater than 0")
+    mask_array = None
+    if mask is not None:
+        mask_array = _mask(mask, source)
+        mask_view = view("mask", mask_array, HEIGHT)
+        how.mask = mask_view
+
+    output = Output((height, width), np.dtype(np.float32), out)
+    if out is not None:
+        output.apart_from(False, src=source)
+    packed = (
+        output.array if output.array.flags.c_contiguous else np.empty_like(output.array, order="C")
+    )
+    dst = view("out", packed, HEIGHT, writable=True)
+    parts = min(thread_count(threads), lib.NTP_MAX_PARTS)
+    size = lib.ntp_height_scratch_size(how, width, height, parts)
+    if size == 0:
+        _cannot(how, Status.ARGUMENT)
+    scratch, owner = memory(size, _SCRATCH_ALIGNMENT)
+    hooks = _Hooks(parts, progress)
+    result = ffi.new("ntp_height_result *")
+    try:
+        status = lib.ntp_height_from_normals(
+            dst, src_view, how, scratch, size, hooks.struct, result
+        )
+    finally:
+        hooks.close()
+    del owner, mask_array
+    if hooks.raised is not None:
+        raise hooks.raised
+    if status in (Status.ARGUMENT, Status.FORMAT):
+        _cannot(how, status)
+    check(status, "height_from_normals")
+    if packed is not output.array:
+        output.array[...] = packed
+    heights = cast("NDArray[np.float32]", output.finish())
+    return (heights, _info(how, result, from_y)) if return_info else heights
+
+
+def _mask(mask: ArrayLike, source: NDArray[Any]) -> NDArray[Any]:
+    array = np.asarray(mask)
+    array = pixels("mask", array.view(np.uint8) if array.dtype == np.bool_ else array)
+    if array.shape[:2] != source.shape[:2] or array.dtype.kind == "f":
+        raise ArgumentError(
+            f"mask: must be uint8 or uint16 of the size of src, {source.shape[:2]},"
+            f" not {array.dtype} of shape {array.shape}",
+            Status.SHAPE,
+        )
+    return array
+
+
+def _name(function: Any, value: int) -> str:
+    name: str = ffi.string(function(value)).decode()
+    return name
+
+
+def _cannot(how: Any, status: int) -> None:
+    raise ArgumentError(
+        f"kernel={_name(lib.ntp_kernel_name, how.kernel)!r} with"
+        f" border_x={_name(lib.ntp_border_name, how.border_x)!r} and"
+        f" border_y={_name(lib.ntp_border_name, how.border_y)!r} cannot be solved by"
+        f" method={_name(lib.ntp_height_method_name, how.method)!r}",
+        Status(status),
+    )
+
+
+def _info(how: Any, result: Any, y: Y) -> HeightInfo:
+    names = {code: name for name, code in _ZS.items()}
+    return HeightInfo(
+        method=_METHODS[result.method],
+        kernel=_name(lib.ntp_kernel_name, how.kernel),
+        border_x=_name(lib.ntp_border_name, how.border_x),
+        border_y=_name(lib.ntp_border_name, how.border_y),
+        y=y,
+        decode=_DECODES[result.decode],
+        z=names[result.z],
+        scale=result.max - result.min,
+        offset=result.min,
+        unused=result.unused,
+        not_finite=result.not_finite,
+        holes=result.holes,
+        islands=result.islands,
+        iterations=result.iterations,
+        error=result.error,
+        rounds=result.rounds,
+        refine_left=result.refine_left,
+        residual=result.residual,
+        trend_x=result.trend_x,
+        trend_y=result.trend_y,
+    )
