@@ -347,14 +347,13 @@ def lossy(rng):
     levels, _ = encode_normals(rng, n, 255, style="rounded")
     q, sub = int(rng.integers(60, 99)), int(rng.choice([0, 2]))
     d.update(quality=q, subsampling=sub)
-    # What is too gentle leaves no mark that could be found, or nothing but one color.
+    # What is too gentle leaves no mark that could be found.
     marked = d["strength"] > 0.3 and q < 80 and min(n.shape[:2]) >= 64
     pixels = jpeg(levels, q, sub)
     return Case(
         "JPEG",
         pixels,
         STANDARD,
-        also=(ONE_COLOR,) if (pixels == pixels[0, 0]).all() else (),
         truth=n,
         method=1,
         must=LOSSY if marked else 0,
@@ -654,13 +653,10 @@ def gray_height(rng):
         pixels = with_alpha(pixels, alpha)
     if sort == "gray, alpha":
         pixels = with_alpha(gray, alpha)
-    # Black and white texels are unused ones.
-    also = (ONE_COLOR,) if len(set(np.unique(gray)) - {0, m}) < 2 else ()
     return Case(
         "height as " + str(sort),
         pixels,
         HEIGHT,
-        also=also,
         encoding=encoding,
         may=LOSSY,
         details={"family": family, "size": (w, h)},
@@ -693,7 +689,22 @@ KINDS = [
 ]  # fmt: skip
 
 
+def has_one_color(case):
+    """Do all used texels agree?  Padding and damage can leave nothing but the flat parts."""
+    channels = case.pixels.shape[2]
+    alpha = channels == 4 or (channels == 2 and case.encoding == 4)
+    color = case.pixels[..., : channels - alpha].reshape(-1, channels - alpha)
+    unused = (color == 0).all(1) | (color == np.iinfo(color.dtype).max).all(1)
+    if alpha:
+        unused |= case.pixels[..., -1].ravel() == 0
+    used = color[~unused]
+    return len(used) == 0 or bool((used == used[0]).all())
+
+
 def draw(rng):
     weights = np.array([w for _, w in KINDS], float)
     kind = KINDS[int(rng.choice(len(KINDS), p=weights / weights.sum()))][0]
-    return kind(rng)
+    case = kind(rng)
+    if has_one_color(case):
+        case.also += (ONE_COLOR,)
+    return case

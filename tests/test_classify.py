@@ -277,6 +277,63 @@ def test_pictures_are_no_normals(paint):
     assert wrong <= 4
 
 
+def test_fades_are_not_taken_for_normals_with_confidence():
+    """A line of colors through the middle of the disc has lengths near 1 as normals do."""
+    rng = np.random.default_rng(11)
+    called = Counter()
+    for i in range(400):
+        h, w = int(rng.integers(16, 80)), int(rng.integers(16, 80))
+        y, x = np.mgrid[:h, :w]
+        a = rng.uniform(0, 2 * np.pi)
+        t = np.cos(a) * x / w + np.sin(a) * y / h
+        t = (t - t.min()) / np.ptp(t) - 0.5
+        middle = np.array([0.5, 0.5, rng.uniform(0.85, 1)]) + rng.uniform(-0.03, 0.03, 3)
+        if i % 4 == 0:
+            middle = np.array([0.737, 0.737, 0.97])  # what flat is as sRGB
+        along = rng.uniform(-0.6, 0.6, 3) * [1, 1, rng.uniform(0, 1)]
+        levels = np.clip(np.round((middle + t[..., None] * along) * 255), 0, 255).astype(np.uint8)
+        if i % 3 == 0:
+            levels = maps.jpeg(levels, int(rng.integers(70, 98)), 2)
+        case = maps.Case("fade", levels, maps.NOT_NORMALS, details={"along": along})
+        result = classify(case)
+        called[result.type] += 1
+        assert result.type in (maps.NOT_NORMALS, maps.ONE_COLOR) or result.confidence < CONFIDENT, (
+            describe(i, case, result)
+        )
+    assert called[maps.STANDARD] + called[maps.XY] > 100  # they do look alike
+
+
+def test_mostly_flat_with_another_blue_is_not_sure():
+    """Flat texels fit any bright blue, or any dark one: few domes have to tell."""
+    for size in (64, 128, 256):
+        y, x = np.mgrid[:size, :size] + 0.5
+        for radius in (0.08, 0.12, 0.16):
+            r = radius * size
+            inside = np.maximum(r * r - (x - size / 2) ** 2 - (y - size / 2) ** 2, 0)
+            height = maps._blur(np.sqrt(inside), 0.7)
+            for strength in (0.25, 0.5, 1.0):
+                levels = rounded(maps.normals_of(height, strength))
+                around = maps._blur(height, r / 3) - height
+                for name, blue in {
+                    "height": height / height.max(),
+                    "occlusion": np.clip(1 - 4 * np.maximum(around, 0) / height.max(), 0, 1),
+                }.items():
+                    levels[..., 2] = np.floor(blue * 255 + 0.5)
+                    case = maps.Case(name, levels, X, details={"r": r, "strength": strength})
+                    result = classify(case)
+                    assert result.type == X or result.confidence < CONFIDENT, describe(
+                        size, case, result
+                    )
+
+
+def test_flipped_z_is_sure():
+    for family in ("fractal", "bricks", "bumps"):
+        n = sample(family, 0.8, np.random.default_rng(6)) * [1, 1, -1]
+        result = classify(maps.Case("flipped", rounded(n), S))
+        assert (result.type, result.accidents) == (S, maps.Z_FLIPPED)
+        assert result.confidence >= CONFIDENT
+
+
 # ------------------------------------------------------------------------- cleaning method
 
 

@@ -31,6 +31,11 @@ static const double TILTED_LEAST = 0.01, TILTED_NEAR_LEAST = 0.3, BLUE_FOLLOWS =
 static const double SPREAD_MOST = 0.06, SPREAD_FOLLOWING = 0.18;
 static const double LENGTH_LEAST = 0.75, LENGTH_MOST = 1.15;
 
+/* Flat texels fit whatever blue is, if it is only bright.  After JPEG those steeper than 1/8 are off
+ * by less than this on average; where occlusion or a height darkens some, they are off by more, or
+ * the few that are spread the lengths. */
+static const double SLOPING_ERROR_MOST = 0.07, SLOPING_SURE = 0.85;
+
 /* Lean of the mean of x, y.  Tangent-space textures lean by less than 0.1 as a rule, and by 0.3 on
  * a slope; a picture's red and green are rarely both that near the middle. */
 static const double LEAN_SMALL = 0.03, LEAN_SLANTED = 0.1, LEAN_CENTERED = 0.15, LEAN_MOST = 0.3;
@@ -83,9 +88,19 @@ static const double OPEN_BLUE = 0.8;
 /* Red and green of a picture go together; those of normals do on slanted ridges only. */
 static const double ALIKE = 0.5;
 
+/* Where (red, green) all but keep to a line, as in a picture that fades from one color to another, a
+ * length near 1 proves little: any line through the middle of the disc has it.  Slopes of one
+ * direction keep to a line as well, so this refutes nothing.  The second part is for rounding. */
+static const double LINE_WIDTH = 0.15, LINE_NOISE = 1.0 / 255, LINE_SURE = 0.85;
+
+/* That blue is no z makes a picture as likely as x, y; a height or an alpha map beside them, as in
+ * LabPBR, makes it less so. */
+static const double XY_SURE = 0.85, XY_ALPHA_SURE = 0.92, ALPHA_VARIES = 0.02;
+
 /* Columns at block borders step this much farther than others only after block coding; it shows in
- * two channels at least, and errs to both sides. */
-static const double BLOCK_STEP = 1.12, BOTH_SIDES = 0.02;
+ * two channels at least, and errs to both sides.  (Steps of gentle textures make ratios such as
+ * 28/25, which must not hang on the rounding of a sum: so the bound is none.) */
+static const double BLOCK_STEP = 1.120001, BOTH_SIDES = 0.02;
 
 /* Blurring: lengths are lost, by more than 1/16 in this share of texels, and hardly any gained. */
 static const double BLURRED_SHARE = 0.06, SHORT_OVER_LONG = 3;
@@ -128,6 +143,16 @@ static double least(double a, double b)
 static double blend(double low, double high, double t)
 {
     return t <= 0 ? low : t >= 1 ? high : low + (high - low) * t;
+}
+
+/* Do two channels keep to a line?  By the variances along and across its direction. */
+static bool keep_to_a_line(const ntp_stats *s, int32_t first, int32_t second)
+{
+    double a = s->used_sd[first] * s->used_sd[first], b = s->used_sd[second] * s->used_sd[second];
+    double ab = s->correlation[first + second - 1] * s->used_sd[first] * s->used_sd[second];
+    double middle = (a + b) / 2, apart = sqrt((a - b) * (a - b) / 4 + ab * ab);
+    double across = most(middle - apart, 0);
+    return across < LINE_WIDTH * LINE_WIDTH * (middle + apart) + LINE_NOISE * LINE_NOISE;
 }
 
 static void prepare(question *q)
@@ -190,7 +215,7 @@ static bool is_height(question *q)
     }
     if (s->channels > 2 && gray > GRAY_SHARE) {
         because(q, NTP_REASON_GRAY, least(gray, 1));
-        return is(q, NTP_CLASS_HEIGHT, gray < 1 ? 0.9 : 0.97);
+        return is(q, NTP_CLASS_HEIGHT, gray < 1 ? 0.88 : 0.97);
     }
     return !judged && is(q, NTP_CLASS_NOT_NORMALS, 0.5);
 }
@@ -220,7 +245,7 @@ static bool is_gamma(question *q)
     because(q, NTP_REASON_GAMMA, s->gamma_near_unit);
     if (flat > 0.02)
         because(q, NTP_REASON_GAMMA_FLAT, flat);
-    return is(q, NTP_CLASS_STANDARD, flat > 0.02 ? 0.93 : 0.8);
+    return is(q, NTP_CLASS_STANDARD, flat > 0.02 && !keep_to_a_line(s, 0, 1) ? 0.93 : 0.8);
 }
 
 static bool is_swapped(question *q)
@@ -238,7 +263,8 @@ static bool is_swapped(question *q)
     because(q, red ? NTP_REASON_RED_IS_Z : NTP_REASON_GREEN_IS_Z,
             1 - (red ? q->red_low : q->green_low));
     because(q, NTP_REASON_NEAR_UNIT, q->near[0]);
-    return is(q, NTP_CLASS_STANDARD, q->unit[0] > UNIT_SHARE ? 0.92 : 0.75);
+    bool sure = q->unit[0] > UNIT_SHARE && !keep_to_a_line(s, red ? 1 : 0, 2);
+    return is(q, NTP_CLASS_STANDARD, sure ? 0.92 : 0.75);
 }
 
 /* Blue as 0..1?  Nine of ten textures are not, so that it takes more than a better fit. */
@@ -260,11 +286,11 @@ static double rarer(double share)
     return share < 0.5 ? share : 1 - share;
 }
 
-/* Mean length error of the tilted texels, read as standard. */
-static double tilted_error(const ntp_stats *s)
+/* Mean length error of the texels in bins of steepness, read as standard. */
+static double length_error(const ntp_stats *s, int32_t first_bin, int32_t last_bin)
 {
     double sum = 0, count = 0;
-    for (int32_t i = TILTED_FIRST_BIN; i <= TILTED_LAST_BIN; i++) {
+    for (int32_t i = first_bin; i <= last_bin; i++) {
         sum += (double) s->steepness[i] * s->steepness_length_error[i];
         count += (double) s->steepness[i];
     }
@@ -277,7 +303,7 @@ static bool is_object_space(question *q)
     bool mixed = z > MIXED_LEAST && red > MIXED_LEAST && green > MIXED_LEAST;
     if (z < DIRECTIONS_LEAST || red < AXIS_LEAST || green < AXIS_LEAST ||
         q->near[0] < (mixed ? MIXED_UNIT_SHARE : NEAR_UNIT_SHARE) || prefers_zzero(q) ||
-        tilted_error(q->s) > TILTED_ERROR_MOST)
+        length_error(q->s, TILTED_FIRST_BIN, TILTED_LAST_BIN) > TILTED_ERROR_MOST)
         return false;
     because(q, NTP_REASON_ALL_DIRECTIONS, q->negative);
     because(q, NTP_REASON_NEAR_UNIT, q->near[0]);
@@ -296,7 +322,8 @@ static bool is_blue_constant(question *q)
     because(q, NTP_REASON_XY_CENTERED, q->lean);
     double z = 2 * s->used_mean[2] - 1;
     bool usual = z < -USUAL_BLUE || z > USUAL_BLUE || distance(z, 0) < 1 - USUAL_BLUE;
-    return is(q, NTP_CLASS_XY, usual && q->lean < LEAN_CENTERED ? 0.95 : 0.8);
+    bool sure = usual && q->lean < LEAN_CENTERED && !keep_to_a_line(s, 0, 1);
+    return is(q, NTP_CLASS_XY, sure ? 0.95 : 0.8);
 }
 
 /* The second greatest of the three steps at block borders. */
@@ -324,11 +351,22 @@ static void note_damage(question *q, bool zzero)
     }
 }
 
-/* Of the tilted texels few fit, so that what fits may do so because it is flat. */
-static bool fits_only_flat(const question *q, bool zzero)
+/* Of the tilted texels few fit, so that what fits may do so because it is flat.  tilted_near takes z
+ * for positive; for a flipped one the texels steeper than 1/8 are asked, and there have to be some. */
+static bool fits_only_flat(const question *q, bool zzero, bool flipped)
 {
     const ntp_stats *s = q->s;
-    return (double) s->tilted > TILTED_LEAST * q->used && s->tilted_near[zzero] < TILTED_NEAR_LEAST;
+    double tilted = (double) s->tilted, fit = s->tilted_near[zzero];
+    if (flipped) {
+        double wrong = 0;
+        tilted = 0;
+        for (int32_t i = 1; i < NTP_STEEPNESS_BINS; i++) {
+            tilted += (double) s->steepness[i];
+            wrong += (double) s->steepness_not_neighbor[i];
+        }
+        fit = tilted > TILTED_LEAST * q->used ? 1 - wrong / tilted : 0;
+    }
+    return (flipped || tilted > TILTED_LEAST * q->used) && fit < TILTED_NEAR_LEAST;
 }
 
 /* Lengths are off, but as damage puts them off: how sure; 0: no. */
@@ -351,13 +389,19 @@ static bool is_normals(question *q)
     const ntp_stats *s = q->s;
     bool zzero = prefers_zzero(q), flipped = q->negative > FLIPPED_SHARE && !zzero;
     double follows = flipped ? -s->blue_correlation : s->blue_correlation;
-    bool flat_only = fits_only_flat(q, zzero);
-    bool tight = q->unit[zzero] > UNIT_SHARE && !(flat_only && follows < BLUE_FOLLOWS);
+    bool flat_only = fits_only_flat(q, zzero, flipped), idle = follows < BLUE_FOLLOWS;
+    bool tight = q->unit[zzero] > UNIT_SHARE && !(flat_only && idle);
     double sure = tight ? 0.97 : fits_loosely(q, zzero, follows);
     if (sure == 0)
         return false;
     if (flat_only || (!tight && q->lean > LEAN_SLANTED))
         sure = least(sure, 0.8);
+    if (!tight && !zzero &&
+        (s->standard.used_length_sd > SPREAD_MOST ||
+         length_error(s, 1, NTP_STEEPNESS_BINS - 1) > SLOPING_ERROR_MOST))
+        sure = least(sure, SLOPING_SURE);
+    if (keep_to_a_line(s, 0, 1) && (!tight || q->lean > LEAN_MOST))
+        sure = least(sure, LINE_SURE);
     is(q, zzero ? NTP_CLASS_ZZERO : NTP_CLASS_STANDARD, sure);
     if (tight)
         because(q, zzero ? NTP_REASON_UNIT_ZZERO : NTP_REASON_UNIT, q->unit[zzero]);
@@ -389,18 +433,25 @@ static bool is_xy(question *q)
         steep += (double) s->steepness[i] / q->used;
     if (q->too_long > TOO_LONG_SHARE || q->lean > LEAN_CENTERED || steep > STEEP_MOST)
         return false;
-    double sure = blend(0.6, 0.92, (LEAN_CENTERED - q->lean) / (LEAN_CENTERED - LEAN_SMALL));
+    double ends = (double) (s->alpha_zero + s->alpha_full) / (double) s->texels;
+    bool alpha = s->used_sd[3] > ALPHA_VARIES && ends < ALPHA_ENDS_MOST;
+    double sure = alpha ? XY_ALPHA_SURE : XY_SURE;
+    sure = least(sure, blend(0.6, 0.92, (LEAN_CENTERED - q->lean) / (LEAN_CENTERED - LEAN_SMALL)));
     sure = least(sure, blend(0.7, 0.92, (NEAR_UNIT_SHARE - q->near[0]) / 0.2));
     sure = least(sure, blend(0.6, 0.92, (s->standard.used_length_sd - SPREAD_MOST) / 0.08));
     sure = least(sure, blend(0.6, 0.92, middle / MIDDLE_LEAST - 1));
     if (s->used_mean[2] > OPEN_BLUE)
-        sure = least(sure, 0.85);
+        sure = least(sure, XY_SURE);
     if (block_step(s) > BLOCK_STEP)
-        sure = least(sure, 0.75);
-    if (s->correlation[0] > ALIKE)
         sure = least(sure, 0.75);
     because(q, NTP_REASON_BLUE_UNRELATED, s->tilted_near[0]);
     because(q, NTP_REASON_XY_CENTERED, q->lean);
+    if (s->correlation[0] > ALIKE) {
+        sure = least(sure, 0.75);
+        because(q, NTP_REASON_COLORS_ALIKE, s->correlation[0]);
+    }
+    if (keep_to_a_line(s, 0, 1))
+        sure = least(sure, 0.75);
     return is(q, NTP_CLASS_XY, sure);
 }
 
