@@ -1,0 +1,241 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * clean_normals.c - ntp:clean-normals, repairs and converts the normals texture in a layer
+ *
+ * The same numbers as `ntp clean`, then `ntp convert`, with the same settings; or the picture of
+ * `ntp heatmap`, which shows what is wrong with the layer as it is.  Every texel is by itself.
+ */
+#include "translate.h"
+
+#ifdef GEGL_PROPERTIES
+
+/* clang-format off */
+enum_start(ntp_op_encoding)
+    enum_value(NTP_OP_STANDARD, "standard", N_("-1 to 1 (standard)"))
+    enum_value(NTP_OP_ZZERO, "zzero", N_("0 to 1 (Z-zero)"))
+    enum_value(NTP_OP_XY, "xy", N_("None: red and green only"))
+enum_end(ntp_op_encoding)
+
+enum_start(ntp_op_green)
+    enum_value(NTP_OP_UP, "up", N_("Up: OpenGL (Y+)"))
+    enum_value(NTP_OP_DOWN, "down", N_("Down: DirectX (Y-)"))
+enum_end(ntp_op_green)
+
+enum_start(ntp_op_repair)
+    enum_value(NTP_OP_DERIVE, "derive", N_("Derive blue from red and green"))
+    enum_value(NTP_OP_NORMALIZE, "normalize", N_("Normalize what is not of length 1"))
+    enum_value(NTP_OP_MIRROR_Z, "keep", N_("Turn negative Z around, nothing else"))
+    enum_value(NTP_OP_NO_REPAIR, "none", N_("None"))
+enum_end(ntp_op_repair)
+
+enum_start(ntp_op_verdict)
+    enum_value(NTP_OP_NEIGHBOR, "neighbor", N_("More than a level off"))
+    enum_value(NTP_OP_ROUNDED, "rounded", N_("Not a rounded unit vector"))
+    enum_value(NTP_OP_EXACT, "exact", N_("Blue not the derived one"))
+enum_end(ntp_op_verdict)
+
+enum_start(ntp_op_show)
+    enum_value(NTP_OP_RESULT, "result", N_("Result"))
+    enum_value(NTP_OP_HEATMAP, "heatmap", N_("What is wrong: heatmap"))
+    enum_value(NTP_OP_HEATMAP_SAFE, "heatmap-safe", N_("What is wrong: heatmap, safe colors"))
+enum_end(ntp_op_show)
+
+property_enum(show, _("Show"), ntp_op_show, ntp_op_show, NTP_OP_RESULT)
+    description(_("The heatmaps judge the layer as it is: gray is good. The help explains the colors"))
+property_enum(repair, _("Repair"), ntp_op_repair, ntp_op_repair, NTP_OP_DERIVE)
+    description(_("How vectors get length 1"))
+property_boolean(only_failing, _("Only what fails"), FALSE)
+    description(_("Leave texels alone that pass the test below"))
+property_enum(verdict, _("A texel fails if it is"), ntp_op_verdict, ntp_op_verdict, NTP_OP_NEIGHBOR)
+    description(_("How strict the test is"))
+    ui_meta("sensitive", "only-failing")
+property_boolean(keep_negative_z, _("Keep negative Z"), FALSE)
+    description(_("Do not turn normals around that point into the surface"))
+property_boolean(touch_unused, _("Unused texels too"), FALSE)
+    description(_("Treat black, white and transparent texels like any other"))
+property_enum(from, _("Range of blue"), ntp_op_encoding, ntp_op_encoding, NTP_OP_STANDARD)
+    description(_("What blue stands for in the layer as it is"))
+property_enum(to, _("Becomes"), ntp_op_encoding, ntp_op_encoding, NTP_OP_STANDARD)
+    description(_("What blue stands for in the result"))
+property_enum(from_y, _("Green points"), ntp_op_green, ntp_op_green, NTP_OP_UP)
+    description(_("Which way green points in the layer as it is"))
+property_enum(to_y, _("Becomes"), ntp_op_green, ntp_op_green, NTP_OP_UP)
+    description(_("Which way green points in the result; green is inverted if that differs"))
+/* clang-format on */
+
+#else
+
+#  define GEGL_OP_POINT_FILTER
+#  define GEGL_OP_BUNDLE
+#  define GEGL_OP_NAME     ntp_clean_normals
+#  define GEGL_OP_C_SOURCE clean_normals.c
+
+#  include <gegl-op.h>
+
+#  include "pixels.h"
+
+/* The menus above count as libntp does. */
+G_STATIC_ASSERT((gint) NTP_OP_XY == (gint) NTP_XY);
+G_STATIC_ASSERT((gint) NTP_OP_DOWN == (gint) NTP_Y_DOWN);
+G_STATIC_ASSERT((gint) NTP_OP_MIRROR_Z == (gint) NTP_KEEP);
+G_STATIC_ASSERT((gint) NTP_OP_EXACT == (gint) NTP_EXACT);
+
+/* Set by prepare(), read by the threads that process. */
+typedef struct state {
+    ntp_clean_options how;
+    const ntp_clean_plan *plan; /* of 8-bit layers; in memory */
+    ntp_encoding plan_encoding;
+    gpointer memory;
+} state;
+
+/* Where blue is not z, alpha is a height or another map: 0 does not make a texel unused. */
+static uint32_t touched(const GeglProperties *o)
+{
+    return o->touch_unused ? NTP_UNUSED_ALL : o->from == NTP_OP_XY ? NTP_UNUSED_TRANSPARENT : 0;
+}
+
+static ntp_clean_options options_of(const GeglProperties *o)
+{
+    return (ntp_clean_options) { .method = (ntp_method) o->repair,
+                                 .keep_negative_z = o->keep_negative_z,
+                                 .only_failing = o->only_failing,
+                                 .verdict = (ntp_verdict) o->verdict,
+                                 .touch_unused = touched(o) };
+}
+
+static gboolean same_options(const ntp_clean_options *a, const ntp_clean_options *b)
+{
+    return a->method == b->method && a->keep_negative_z == b->keep_negative_z &&
+           a->only_failing == b->only_failing && a->verdict == b->verdict &&
+           a->touch_unused == b->touch_unused;
+}
+
+/* The plan is made anew only when something changed that it depends on: GEGL prepares often. */
+static void prepare_plan(state *s, const GeglProperties *o)
+{
+    const ntp_clean_options how = options_of(o);
+    const ntp_encoding encoding = (ntp_encoding) o->from;
+    if (s->plan != NULL && s->plan_encoding == encoding && same_options(&s->how, &how))
+        return;
+    const gsize size = ntp_clean_plan_size();
+    if (s->memory == NULL)
+        s->memory = g_malloc(size + 16);
+    const gsize odd = (gsize) s->memory % 16;
+    ntp_clean_plan *plan = NULL;
+    ntp_clean_plan_init(&plan, (guchar *) s->memory + (16 - odd), size, encoding, &how);
+    s->plan = plan;
+    s->plan_encoding = encoding;
+    s->how = how;
+}
+
+static void prepare(GeglOperation *operation)
+{
+    GeglProperties *o = GEGL_PROPERTIES(operation);
+    const Babl *source = gegl_operation_get_source_format(operation, "input");
+    const pixels p = pixels_as_rgb(source, source == NULL || babl_format_has_alpha(source));
+    gegl_operation_set_format(operation, "input", p.format);
+    gegl_operation_set_format(operation, "output", p.format);
+    if (o->user_data == NULL)
+        o->user_data = g_new0(state, 1);
+    if (p.type == NTP_U8 && o->repair != NTP_OP_NO_REPAIR && o->show == NTP_OP_RESULT)
+        prepare_plan(o->user_data, o);
+}
+
+static void finalize(GObject *object)
+{
+    GeglProperties *o = GEGL_PROPERTIES(object);
+    state *s = o->user_data;
+    if (s != NULL)
+        g_free(s->memory);
+    g_free(s);
+    o->user_data = NULL;
+    G_OBJECT_CLASS(gegl_op_parent_class)->finalize(object);
+}
+
+/* libntp paints in 8 bit; deeper layers get the same levels by value. */
+static gboolean paint(const GeglProperties *o, const pixels *p, const ntp_const_image *src,
+                      ntp_image *dst)
+{
+    const ntp_palette palette =
+        o->show == NTP_OP_HEATMAP ? NTP_PALETTE_REFERENCE : NTP_PALETTE_SAFE;
+    const uint32_t touch = touched(o);
+    dst->encoding = NTP_HEIGHT;
+    if (p->type == NTP_U8)
+        return ntp_heatmap(dst, src, palette, touch, NULL) == NTP_OK;
+    const pixels levels = { .type = NTP_U8, .channels = p->channels };
+    guchar *colors = g_malloc((gsize) src->width * (gsize) p->channels);
+    ntp_image picture = pixels_view(&levels, colors, src->width, 1);
+    const ntp_const_image painted = ntp_image_as_const(&picture);
+    const gboolean ok = ntp_heatmap(&picture, src, palette, touch, NULL) == NTP_OK &&
+                        ntp_convert(dst, &painted, NULL, NULL, NULL) == NTP_OK;
+    g_free(colors);
+    return ok;
+}
+
+static gboolean repair_and_convert(const GeglProperties *o, const pixels *p,
+                                   const ntp_const_image *src, ntp_image *dst)
+{
+    const state *s = o->user_data;
+    const ntp_clean_options how = options_of(o);
+    const ntp_convert_options convert = { .touch_unused = how.touch_unused };
+    const gboolean converts = o->from != o->to || o->from_y != o->to_y;
+    ntp_const_image from = *src;
+    if (o->repair != NTP_OP_NO_REPAIR) {
+        dst->encoding = src->encoding;
+        dst->y = src->y;
+        if (ntp_clean(dst, src, &how, p->type == NTP_U8 ? s->plan : NULL, NULL, NULL) != NTP_OK)
+            return FALSE;
+        from = ntp_image_as_const(dst);
+        if (!converts)
+            return TRUE;
+    }
+    dst->encoding = (ntp_encoding) o->to;
+    dst->y = (ntp_y) o->to_y;
+    return ntp_convert(dst, &from, &convert, NULL, NULL) == NTP_OK;
+}
+
+static gboolean process(GeglOperation *operation, void *in, void *out, glong texels,
+                        const GeglRectangle *area, gint level)
+{
+    const GeglProperties *o = GEGL_PROPERTIES(operation);
+    const pixels p = pixels_of(gegl_operation_get_format(operation, "output"));
+    (void) area; /* no texel depends on its place */
+    (void) level;
+    for (glong done = 0; done < texels; done += NTP_MAX_SIDE) {
+        const gint count = (gint) MIN(NTP_MAX_SIDE, texels - done);
+        const gsize at = (gsize) done * (gsize) p.bytes;
+        ntp_image read = pixels_view(&p, (guchar *) in + at, count, 1);
+        read.encoding = (ntp_encoding) o->from;
+        read.y = (ntp_y) o->from_y;
+        const ntp_const_image src = ntp_image_as_const(&read);
+        ntp_image dst = pixels_view(&p, (guchar *) out + at, count, 1);
+        if (!(o->show == NTP_OP_RESULT ? repair_and_convert(o, &p, &src, &dst)
+                                       : paint(o, &p, &src, &dst)))
+            return FALSE;
+    }
+    return TRUE;
+}
+
+static void gegl_op_class_init(GeglOpClass *klass)
+{
+    GeglOperationClass *operation_class = GEGL_OPERATION_CLASS(klass);
+    GeglOperationPointFilterClass *point_class = GEGL_OPERATION_POINT_FILTER_CLASS(klass);
+
+    G_OBJECT_CLASS(klass)->finalize = finalize;
+    operation_class->prepare = prepare;
+    operation_class->opencl_support = FALSE;
+    point_class->process = process;
+
+    /* clang-format off */
+    gegl_operation_class_set_keys(operation_class,
+        "name", "ntp:clean-normals",
+        "title", _("Clean Normals"),
+        "categories", "generic:normal-map",
+        "description", _("Repair and convert a normals texture (normal map), or show what is wrong with it"),
+        "gimp:menu-path", "<Image>/Filters/Generic",
+        "gimp:menu-label", _("_Clean Normals..."),
+        NULL);
+    /* clang-format on */
+}
+
+#endif

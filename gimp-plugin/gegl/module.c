@@ -1,0 +1,26 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * module.c - what GEGL asks a file of operations for
+ */
+#include <gegl-plugin.h>
+#include <gmodule.h>
+
+void gegl_op_ntp_normals_from_height_register_type(GTypeModule *module);
+void gegl_op_ntp_clean_normals_register_type(GTypeModule *module);
+
+G_MODULE_EXPORT const GeglModuleInfo *gegl_module_query(GTypeModule *module);
+G_MODULE_EXPORT gboolean gegl_module_register(GTypeModule *module);
+
+const GeglModuleInfo *gegl_module_query(GTypeModule *module)
+{
+    static const GeglModuleInfo INFO = { GEGL_MODULE_ABI_VERSION };
+    (void) module;
+    return &INFO;
+}
+
+gboolean gegl_module_register(GTypeModule *module)
+{
+    gegl_op_ntp_normals_from_height_register_type(module);
+    gegl_op_ntp_clean_normals_register_type(module);
+    return TRUE;
+}

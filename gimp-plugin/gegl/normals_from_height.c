@@ -1,0 +1,357 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * normals_from_height.c - ntp:normals-from-height, normals of the heightfield in a layer
+ *
+ * The same numbers as `ntp from-height` with the same settings.  The picture is made in blocks:
+ * each is read with what surrounds it, so that libntp sees either the true edge of the layer or
+ * enough texels beyond the block; the result does not depend on how GEGL cuts the picture.
+ */
+#include "translate.h"
+
+#ifdef GEGL_PROPERTIES
+
+/* clang-format off */
+enum_start(ntp_op_source)
+    enum_value(NTP_OP_RED, "red", N_("Red"))
+    enum_value(NTP_OP_GREEN, "green", N_("Green"))
+    enum_value(NTP_OP_BLUE, "blue", N_("Blue"))
+    enum_value(NTP_OP_ALPHA, "alpha", N_("Alpha"))
+    enum_value(NTP_OP_LUMA, "luma", N_("Luma (Rec. 709)"))
+    enum_value(NTP_OP_LUMA_GIMP, "luma-gimp", N_("Luma (gimp-normalmap)"))
+    enum_value(NTP_OP_LUMA_EBERLY, "luma-eberly", N_("Luma (Eberly)"))
+    enum_value(NTP_OP_MEAN, "mean", N_("Mean of red, green, blue"))
+    enum_value(NTP_OP_MAX, "max", N_("Greatest of red, green, blue"))
+    enum_value(NTP_OP_MIN, "min", N_("Least of red, green, blue"))
+    enum_value(NTP_OP_SCREEN, "screen", N_("Red, green, blue screened"))
+enum_end(ntp_op_source)
+
+enum_start(ntp_op_kernel)
+    enum_value(NTP_OP_CENTRAL, "central", N_("Central difference"))
+    enum_value(NTP_OP_FORWARD, "forward", N_("Forward difference"))
+    enum_value(NTP_OP_PREWITT3, "prewitt3", N_("Prewitt 3x3"))
+    enum_value(NTP_OP_SOBEL3, "sobel3", N_("Sobel 3x3"))
+    enum_value(NTP_OP_SCHARR3, "scharr3", N_("Scharr 3x3"))
+    enum_value(NTP_OP_PREWITT5, "prewitt5", N_("Prewitt 5x5"))
+    enum_value(NTP_OP_SOBEL5, "sobel5", N_("Sobel 5x5"))
+    enum_value(NTP_OP_GIMP5, "gimp5", N_("gimp-normalmap 5x5"))
+    enum_value(NTP_OP_GIMP7, "gimp7", N_("gimp-normalmap 7x7"))
+    enum_value(NTP_OP_GIMP9, "gimp9", N_("gimp-normalmap 9x9"))
+enum_end(ntp_op_kernel)
+
+enum_start(ntp_op_border)
+    enum_value(NTP_OP_WRAP, "wrap", N_("Wrap (textures that tile)"))
+    enum_value(NTP_OP_CLAMP, "clamp", N_("Clamp"))
+    enum_value(NTP_OP_MIRROR, "mirror", N_("Mirror"))
+    enum_value(NTP_OP_EXTRAPOLATE, "extrapolate", N_("Extrapolate the height"))
+    enum_value(NTP_OP_REPEAT_SLOPE, "repeat-slope", N_("Repeat the slope"))
+enum_end(ntp_op_border)
+
+enum_start(ntp_op_to)
+    enum_value(NTP_OP_STANDARD, "standard", N_("-1 to 1 (standard)"))
+    enum_value(NTP_OP_ZZERO, "zzero", N_("0 to 1 (Z-zero)"))
+    enum_value(NTP_OP_XY, "xy", N_("None: red and green only"))
+enum_end(ntp_op_to)
+
+enum_start(ntp_op_y)
+    enum_value(NTP_OP_UP, "up", N_("Up: OpenGL (Y+)"))
+    enum_value(NTP_OP_DOWN, "down", N_("Down: DirectX (Y-)"))
+enum_end(ntp_op_y)
+
+enum_start(ntp_op_blue)
+    enum_value(NTP_OP_DERIVED, "derived", N_("Derived from red and green"))
+    enum_value(NTP_OP_NEAREST, "nearest", N_("Rounded by itself"))
+enum_end(ntp_op_blue)
+
+enum_start(ntp_op_alpha)
+    enum_value(NTP_OP_KEEP, "keep", N_("As it is"))
+    enum_value(NTP_OP_ONE, "one", N_("Opaque"))
+    enum_value(NTP_OP_INVERSE, "inverse", N_("Inverted"))
+    enum_value(NTP_OP_HEIGHT, "height", N_("Height"))
+    enum_value(NTP_OP_INVERSE_HEIGHT, "inverse-height", N_("Inverted height"))
+enum_end(ntp_op_alpha)
+
+property_double(scale, _("Scale"), 10.0)
+    description(_("How many texels white rises above black. 0 is flat; a negative scale inverts the relief"))
+    value_range(-1e9, 1e9)
+    ui_range(-100.0, 100.0)
+    ui_digits(3)
+property_enum(kernel, _("Kernel"), ntp_op_kernel, ntp_op_kernel, NTP_OP_CENTRAL)
+    description(_("How a slope is taken. A wider kernel is smoother, none is stronger"))
+property_enum(source, _("Height"), ntp_op_source, ntp_op_source, NTP_OP_RED)
+    description(_("Which number of a pixel is the height. In a gray picture red, green and blue are the gray value"))
+property_boolean(invert, _("Invert height"), FALSE)
+    description(_("Black is high and white is low"))
+property_enum(to_y, _("Green points"), ntp_op_y, ntp_op_y, NTP_OP_UP)
+    description(_("Up the picture: OpenGL, glTF, USD, Blender, Unity, Godot. Down: DirectX, Unreal"))
+property_enum(border_x, _("Left and right edge"), ntp_op_border, ntp_op_border, NTP_OP_WRAP)
+    description(_("The height beyond the left and right edge"))
+property_enum(border_y, _("Top and bottom edge"), ntp_op_border, ntp_op_border, NTP_OP_WRAP)
+    description(_("The height beyond the top and bottom edge"))
+property_double(dx, _("Spacing X"), 1.0)
+    description(_("Width of a texel, for textures that are stretched"))
+    value_range(1e-6, 1e6)
+    ui_range(0.1, 10.0)
+    ui_digits(3)
+property_double(dy, _("Spacing Y"), 1.0)
+    description(_("Height of a texel"))
+    value_range(1e-6, 1e6)
+    ui_range(0.1, 10.0)
+    ui_digits(3)
+property_double(min_z, _("Minimum Z"), 0.0)
+    description(_("Steeper slopes are made this steep"))
+    value_range(0.0, 1.0)
+    ui_range(0.0, 1.0)
+    ui_digits(3)
+property_enum(to, _("Range of blue"), ntp_op_to, ntp_op_to, NTP_OP_STANDARD)
+    description(_("What the blue channel stands for"))
+property_enum(blue, _("Blue"), ntp_op_blue, ntp_op_blue, NTP_OP_DERIVED)
+    description(_("A derived blue survives any conversion"))
+property_enum(alpha, _("Alpha"), ntp_op_alpha, ntp_op_alpha, NTP_OP_KEEP)
+    description(_("What the alpha channel of the result holds. The height needs a layer with an alpha channel"))
+/* clang-format on */
+
+#else
+
+#  define GEGL_OP_AREA_FILTER
+#  define GEGL_OP_BUNDLE
+#  define GEGL_OP_NAME     ntp_normals_from_height
+#  define GEGL_OP_C_SOURCE normals_from_height.c
+
+#  include <gegl-op.h>
+
+#  include "pixels.h"
+
+/* The menus above count as libntp does. */
+G_STATIC_ASSERT((gint) NTP_OP_SCREEN == (gint) NTP_SOURCE_SCREEN);
+G_STATIC_ASSERT((gint) NTP_OP_GIMP9 == (gint) NTP_KERNEL_GIMP9);
+G_STATIC_ASSERT((gint) NTP_OP_REPEAT_SLOPE == (gint) NTP_BORDER_REPEAT_SLOPE);
+G_STATIC_ASSERT((gint) NTP_OP_XY == (gint) NTP_XY);
+G_STATIC_ASSERT((gint) NTP_OP_DOWN == (gint) NTP_Y_DOWN);
+G_STATIC_ASSERT((gint) NTP_OP_NEAREST == (gint) NTP_BLUE_NEAREST);
+G_STATIC_ASSERT((gint) NTP_OP_INVERSE_HEIGHT == (gint) NTP_ALPHA_INVERSE_HEIGHT);
+
+enum {
+    BLOCK_WIDTH = 512, /* a block of RGBA heights and its normals fit into the second-level cache */
+    BLOCK_HEIGHT = 64
+};
+
+static ntp_gradient_options options_of(GeglOperation *operation)
+{
+    const GeglProperties *o = GEGL_PROPERTIES(operation);
+    return (ntp_gradient_options) { .scale = o->scale,
+                                    .dx = o->dx,
+                                    .dy = o->dy,
+                                    .min_z = o->min_z,
+                                    .kernel = (ntp_kernel) o->kernel,
+                                    .border_x = (ntp_border) o->border_x,
+                                    .border_y = (ntp_border) o->border_y,
+                                    .source = (ntp_height_source) o->source,
+                                    .blue = (ntp_blue) o->blue,
+                                    .alpha = (ntp_alpha) o->alpha,
+                                    .invert = o->invert };
+}
+
+static void prepare(GeglOperation *operation)
+{
+    const GeglProperties *o = GEGL_PROPERTIES(operation);
+    const Babl *source = gegl_operation_get_source_format(operation, "input");
+    const pixels in = pixels_of(source);
+    const gboolean alpha =
+        in.channels % 2 == 0 || o->alpha == NTP_OP_HEIGHT || o->alpha == NTP_OP_INVERSE_HEIGHT;
+    gegl_operation_set_format(operation, "input", in.format);
+    gegl_operation_set_format(operation, "output", pixels_as_rgb(source, alpha).format);
+}
+
+/* ---------------------------------------------------------------- what surrounds an area */
+
+typedef struct span {
+    gint start, size;
+} span;
+
+/*
+ * The texels that those of a span are made of.  Twice the reach of the kernel: near an edge the
+ * border repeat-slope moves the whole stencil inwards.  With a wrapping border the span may begin
+ * before the edge and end beyond it, else it ends there.
+ */
+static span spread(span at, span edges, gint reach, gboolean wrap)
+{
+    gint64 start = (gint64) at.start - 2 * reach;
+    gint64 end = (gint64) at.start + at.size + 2 * reach;
+    if (!wrap) {
+        start = MAX(start, edges.start);
+        end = MIN(end, (gint64) edges.start + edges.size);
+    }
+    return (span) { (gint) start, (gint) (end - start) };
+}
+
+/* The least span inside the edges that holds all of it, once wrapped. */
+static span within(span at, span edges)
+{
+    const gboolean beyond =
+        at.start < edges.start || (gint64) at.start + at.size > (gint64) edges.start + edges.size;
+    return beyond ? edges : at;
+}
+
+static GeglRectangle surroundings(GeglOperation *operation, const GeglRectangle *area,
+                                  gboolean wrapped)
+{
+    const GeglRectangle *edges = gegl_operation_source_get_bounding_box(operation, "input");
+    if (edges == NULL || gegl_rectangle_is_empty(edges) || gegl_rectangle_is_empty(area))
+        return *area;
+    const ntp_gradient_options how = options_of(operation);
+    const gint reach = ntp_gradient_reach(&how);
+    const span columns = { edges->x, edges->width }, rows = { edges->y, edges->height };
+    span x =
+        spread((span) { area->x, area->width }, columns, reach, how.border_x == NTP_BORDER_WRAP);
+    span y = spread((span) { area->y, area->height }, rows, reach, how.border_y == NTP_BORDER_WRAP);
+    if (wrapped) {
+        x = within(x, columns);
+        y = within(y, rows);
+    }
+    return (GeglRectangle) { x.start, y.start, x.size, y.size };
+}
+
+static GeglRectangle get_required_for_output(GeglOperation *operation, const gchar *pad,
+                                             const GeglRectangle *area)
+{
+    (void) pad;
+    return surroundings(operation, area, TRUE);
+}
+
+/* The stencil is as wide to the left as to the right, so this is the same. */
+static GeglRectangle get_invalidated_by_change(GeglOperation *operation, const gchar *pad,
+                                               const GeglRectangle *area)
+{
+    (void) pad;
+    return surroundings(operation, area, TRUE);
+}
+
+/* ------------------------------------------------------------------------------- a block */
+
+/* The first piece of a span that does not cross an edge: where it is read, and how long it is. */
+static span piece(span at, span edges)
+{
+    gint64 place = ((gint64) at.start - edges.start) % edges.size;
+    if (place < 0)
+        place += edges.size;
+    return (span) { (gint) (edges.start + place), (gint) MIN(at.size, edges.size - place) };
+}
+
+/* Reads an area of which a part may lie beyond the edges: the picture is repeated there. */
+static void read_wrapped(GeglBuffer *input, const pixels *in, const GeglRectangle *edges,
+                         const GeglRectangle *area, guchar *data)
+{
+    const gsize stride = (gsize) area->width * (gsize) in->bytes;
+    span y = { area->y, area->height };
+    while (y.size > 0) {
+        const span rows = piece(y, (span) { edges->y, edges->height });
+        guchar *to = data + (gsize) (y.start - area->y) * stride;
+        span x = { area->x, area->width };
+        while (x.size > 0) {
+            const span columns = piece(x, (span) { edges->x, edges->width });
+            const GeglRectangle part = { columns.start, rows.start, columns.size, rows.size };
+            gegl_buffer_get(input, &part, 1.0, in->format, to, (gint) stride, GEGL_ABYSS_NONE);
+            to += (gsize) columns.size * (gsize) in->bytes;
+            x = (span) { x.start + columns.size, x.size - columns.size };
+        }
+        y = (span) { y.start + rows.size, y.size - rows.size };
+    }
+}
+
+typedef struct job {
+    ntp_gradient_options how;
+    pixels in, out;
+    ntp_encoding to;
+    ntp_y to_y;
+    const GeglRectangle *edges;
+    guchar *heights, *normals;
+} job;
+
+static gboolean make_block(GeglOperation *operation, const job *j, GeglBuffer *input,
+                           GeglBuffer *output, const GeglRectangle *block)
+{
+    const GeglRectangle around = surroundings(operation, block, FALSE);
+    read_wrapped(input, &j->in, j->edges, &around, j->heights);
+
+    /* Both views are of what was read; of the normals only the block is in memory. */
+    const ntp_rect area = { block->x - around.x, block->y - around.y,
+                            block->x - around.x + block->width,
+                            block->y - around.y + block->height };
+    ntp_image heights = pixels_view(&j->in, j->heights, around.width, around.height);
+    const ntp_const_image src = ntp_image_as_const(&heights);
+    ntp_image dst = pixels_view(&j->out, j->normals, around.width, around.height);
+    dst.encoding = j->to;
+    dst.y = j->to_y;
+    if (ntp_normals_from_height(&dst, &src, &j->how, NULL, &area) != NTP_OK)
+        return FALSE;
+    const guchar *first =
+        (const guchar *) dst.data + area.y0 * dst.row_stride + area.x0 * dst.pixel_stride;
+    gegl_buffer_set(output, block, 0, j->out.format, first, (gint) dst.row_stride);
+    return TRUE;
+}
+
+static gboolean process(GeglOperation *operation, GeglBuffer *input, GeglBuffer *output,
+                        const GeglRectangle *area, gint level)
+{
+    const GeglProperties *o = GEGL_PROPERTIES(operation);
+    const Babl *source = gegl_operation_get_format(operation, "input");
+    job j = { .how = options_of(operation),
+              .in = pixels_of(source),
+              .out = pixels_as_rgb(
+                  source, babl_format_has_alpha(gegl_operation_get_format(operation, "output"))),
+              .to = (ntp_encoding) o->to,
+              .to_y = (ntp_y) o->to_y,
+              .edges = gegl_operation_source_get_bounding_box(operation, "input") };
+    (void) level; /* everything is made at full size */
+    if (j.edges == NULL || gegl_rectangle_is_empty(j.edges))
+        return TRUE;
+    const gsize margin = 4 * (gsize) ntp_gradient_reach(&j.how);
+    const gsize most = (BLOCK_WIDTH + margin) * (BLOCK_HEIGHT + margin);
+    j.heights = g_malloc(most * (gsize) j.in.bytes);
+    j.normals = g_malloc(most * (gsize) j.out.bytes);
+    /* What was read beyond the edges is never asked for again: the stencils stay inside it. */
+    if (j.how.border_x == NTP_BORDER_WRAP)
+        j.how.border_x = NTP_BORDER_CLAMP;
+    if (j.how.border_y == NTP_BORDER_WRAP)
+        j.how.border_y = NTP_BORDER_CLAMP;
+
+    gboolean ok = TRUE;
+    for (gint y = 0; y < area->height && ok; y += BLOCK_HEIGHT) {
+        for (gint x = 0; x < area->width && ok; x += BLOCK_WIDTH) {
+            const GeglRectangle block = { area->x + x, area->y + y,
+                                          MIN(BLOCK_WIDTH, area->width - x),
+                                          MIN(BLOCK_HEIGHT, area->height - y) };
+            ok = make_block(operation, &j, input, output, &block);
+        }
+    }
+    g_free(j.heights);
+    g_free(j.normals);
+    return ok;
+}
+
+static void gegl_op_class_init(GeglOpClass *klass)
+{
+    GeglOperationClass *operation_class = GEGL_OPERATION_CLASS(klass);
+    GeglOperationFilterClass *filter_class = GEGL_OPERATION_FILTER_CLASS(klass);
+
+    filter_class->process = process;
+    operation_class->prepare = prepare;
+    operation_class->get_required_for_output = get_required_for_output;
+    operation_class->get_invalidated_by_change = get_invalidated_by_change;
+    operation_class->want_in_place = FALSE;
+    operation_class->threaded = TRUE;
+    operation_class->opencl_support = FALSE;
+
+    /* clang-format off */
+    gegl_operation_class_set_keys(operation_class,
+        "name", "ntp:normals-from-height",
+        "title", _("Normals from Height"),
+        "categories", "generic:normal-map",
+        "description", _("Make a normals texture (normal map) of a heightfield, exact to the level"),
+        "gimp:menu-path", "<Image>/Filters/Generic",
+        "gimp:menu-label", _("Normals from _Height..."),
+        NULL);
+    /* clang-format on */
+}
+
+#endif

@@ -1,0 +1,85 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * pixels.c - the pixel formats in which the operations read and write
+ *
+ * babl names formats by text: the letters of the model, each with the mark of its transfer curve
+ * (none linear, ' that of the space, ~ that of sRGB), then the sample type: "R'G'B'A u16".
+ */
+#include "pixels.h"
+
+static const gint SAMPLE_BYTES[] = { [NTP_U8] = 1, [NTP_U16] = 2, [NTP_F32] = 4 };
+static const gchar *const SAMPLE_NAMES[] = {
+    [NTP_U8] = "u8", [NTP_U16] = "u16", [NTP_F32] = "float"
+};
+
+static BablModelFlag flags_of(const Babl *format)
+{
+    return babl_get_model_flags(babl_format_get_model(format));
+}
+
+/* CMYK, CIE Lab and their like have no stored red, green and blue. */
+static gboolean is_rgb_or_gray(const Babl *format)
+{
+    return (flags_of(format) & (BABL_MODEL_FLAG_RGB | BABL_MODEL_FLAG_GRAY)) != 0;
+}
+
+static const gchar *curve_of(const Babl *source)
+{
+    if (source == NULL || babl_format_is_palette(source) || !is_rgb_or_gray(source))
+        return "'";
+    const BablModelFlag flags = flags_of(source);
+    return (flags & BABL_MODEL_FLAG_LINEAR) != 0       ? ""
+           : (flags & BABL_MODEL_FLAG_PERCEPTUAL) != 0 ? "~"
+                                                       : "'";
+}
+
+static ntp_type type_of(const Babl *source)
+{
+    if (source == NULL)
+        return NTP_F32;
+    if (babl_format_is_palette(source))
+        return NTP_U8;
+    if (!is_rgb_or_gray(source))
+        return NTP_F32;
+    const gchar *name = babl_get_name(babl_format_get_type(source, 0));
+    return g_strcmp0(name, "u8") == 0 ? NTP_U8 : g_strcmp0(name, "u16") == 0 ? NTP_U16 : NTP_F32;
+}
+
+static pixels make(const Babl *source, gboolean gray, gboolean alpha)
+{
+    const gchar *curve = curve_of(source);
+    const ntp_type type = type_of(source);
+    gchar name[24];
+    if (gray)
+        g_snprintf(name, sizeof name, "Y%s%s %s", curve, alpha ? "A" : "", SAMPLE_NAMES[type]);
+    else
+        g_snprintf(name, sizeof name, "R%sG%sB%s%s %s", curve, curve, curve, alpha ? "A" : "",
+                   SAMPLE_NAMES[type]);
+    const gint channels = (gray ? 1 : 3) + (alpha ? 1 : 0);
+    const Babl *space = source == NULL ? NULL : babl_format_get_space(source);
+    return (pixels) { .format = babl_format_with_space(name, space),
+                      .type = type,
+                      .channels = channels,
+                      .bytes = channels * SAMPLE_BYTES[type] };
+}
+
+pixels pixels_of(const Babl *source)
+{
+    if (source == NULL)
+        return make(NULL, FALSE, TRUE);
+    const gboolean gray =
+        !babl_format_is_palette(source) && (flags_of(source) & BABL_MODEL_FLAG_GRAY) != 0;
+    return make(source, gray, babl_format_has_alpha(source));
+}
+
+pixels pixels_as_rgb(const Babl *source, gboolean alpha)
+{
+    return make(source, FALSE, alpha);
+}
+
+ntp_image pixels_view(const pixels *p, void *data, gint width, gint height)
+{
+    ntp_image view = ntp_image_packed(data, width, height, p->channels, p->type);
+    view.encoding = NTP_HEIGHT;
+    return view;
+}

@@ -1,0 +1,32 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * pixels.h - the pixel formats in which the operations read and write
+ *
+ * Results are exact only if nobody converts colors behind our back.  So an operation takes the
+ * numbers of its input as they are stored: same sample type, same color space, same transfer curve,
+ * alpha where the input has alpha.  Sample types that libntp does not know go through float.
+ */
+#ifndef NTP_GEGL_PIXELS_H
+#define NTP_GEGL_PIXELS_H
+
+#include <gegl.h>
+
+#include "libntp.h"
+
+typedef struct pixels {
+    const Babl *format;
+    ntp_type type;
+    gint channels; /* 1 gray, 2 gray and alpha, 3 RGB, 4 RGB and alpha */
+    gint bytes;    /* of a pixel */
+} pixels;
+
+/* How to read an input of that format (NULL: not known yet) with its numbers unchanged. */
+pixels pixels_of(const Babl *source);
+
+/* RGB of the same sample type, space and transfer curve, with alpha or without. */
+pixels pixels_as_rgb(const Babl *source, gboolean alpha);
+
+/* A view of width x height pixels, rows without gaps, of heights or plain samples. */
+ntp_image pixels_view(const pixels *p, void *data, gint width, gint height);
+
+#endif

@@ -1,0 +1,317 @@
+# SPDX-License-Identifier: MIT
+"""The GEGL operations through the program `gegl`: the same numbers as `ntp`."""
+
+import os
+import shutil
+import struct
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import libntp_ffi
+import pngs
+
+GAMMA = (b"gAMA", struct.pack(">I", 45455))
+DEPTHS = [8, 16]
+CHANNELS = [1, 2, 3, 4]
+
+
+# GEGL loads all its modules at each start; with these alone a start takes a tenth of the time.
+MODULES = ["gegl-core", "gegl-common", "transformops", "text", "png-load", "png-save"]
+
+
+@pytest.fixture(scope="session")
+def gegl_env(tmp_path_factory):
+    """The environment in which GEGL finds the operations that were built."""
+    module = libntp_ffi.find_built("ntp-gegl.so", "NTP_GEGL")
+    if shutil.which("gegl") is None:
+        pytest.skip("the program gegl is not installed")
+    if module is None:
+        pytest.skip("the GEGL operations are not built: libgegl-dev is missing")
+    query = ["pkg-config", "--variable=pluginsdir", "gegl-0.4"]
+    plugins = Path(subprocess.run(query, capture_output=True, text=True, check=True).stdout.strip())
+    few = tmp_path_factory.mktemp("gegl")
+    files = [plugins / f"{name}.so" for name in MODULES]
+    if all(file.exists() for file in files):
+        for file in files:
+            (few / file.name).symlink_to(file)
+        plugins = few
+    return dict(os.environ, GEGL_PATH=f"{plugins}:{module.parent}", GEGL_USE_OPENCL="no")
+
+
+@pytest.fixture
+def gegl(gegl_env, tmp_path):
+    """gegl(pixels, "ntp:...", "name=value", ...) -> pixels of the result as a PNG file."""
+
+    def call(pixels, *operations, chunks=(), threads=1, depth=None):
+        pngs.write_png(tmp_path / "in.png", pixels, chunks=chunks)
+        out = tmp_path / "out.png"
+        out.unlink(missing_ok=True)
+        depth = depth or pixels.dtype.itemsize * 8
+        done = subprocess.run(
+            ["gegl", "in.png", "-o", "out.png", "--", *operations, "gegl:png-save", "path=out.png"]
+            + [f"bitdepth={depth}", "compression=1"],
+            env=dict(gegl_env, GEGL_THREADS=str(threads)),
+            cwd=tmp_path,
+            capture_output=True,
+            text=True,
+            timeout=300,
+            check=False,
+        )
+        assert done.returncode == 0, done.stderr
+        assert not any(s in done.stderr for s in ("CRITICAL", "WARNING")), done.stderr
+        return pngs.read_png(out)[0]
+
+    return call
+
+
+@pytest.fixture
+def ntp(run, tmp_path):
+    """ntp(pixels, "from-height", option, ...) -> pixels of the result."""
+
+    def call(pixels, verb, *options, chunks=()):
+        pngs.write_png(tmp_path / "ntp-in.png", pixels, chunks=chunks)
+        done = run(verb, "ntp-in.png", "-o", "ntp-out.png", "-q", *options)
+        assert done.returncode == 0, done.stderr
+        return pngs.read_png(tmp_path / "ntp-out.png")[0]
+
+    return call
+
+
+def picture(width, height, channels, depth, seed=5):
+    """Smooth waves in each channel, noise on top."""
+    rng = np.random.default_rng(seed)
+    y, x = np.mgrid[:height, :width]
+    waves = [np.sin(x / (5 + c) + c) * np.cos(y / (7 - c)) for c in range(channels)]
+    unit = np.stack(waves, 2) * 0.45 + 0.5 + rng.normal(0, 0.01, (height, width, channels))
+    top = 2**depth - 1
+    return (unit.clip(0, 1) * top + 0.5).astype(np.uint8 if depth == 8 else np.uint16)
+
+
+def to_options(settings):
+    """{"to_y": "down"} as options of ntp."""
+    return [
+        word
+        for k, v in settings.items()
+        for word in ([f"--{k}", v] if v is not True else [f"--{k}"])
+    ]
+
+
+def to_properties(settings):
+    """The same as properties of the operation."""
+    return [f"{k}={'true' if v is True else v}" for k, v in settings.items()]
+
+
+@pytest.mark.parametrize("chunks", [(), (GAMMA,)], ids=["plain", "gAMA"])
+@pytest.mark.parametrize("depth", DEPTHS)
+@pytest.mark.parametrize("channels", CHANNELS)
+def test_same_as_ntp(gegl, ntp, channels, depth, chunks):
+    heights = picture(150, 133, channels, depth)
+    settings = {"scale": "7.3", "to-y": "down"}
+    expected = ntp(heights, "from-height", *to_options(settings))
+    made = gegl(heights, "ntp:normals-from-height", *to_properties(settings), chunks=chunks)
+    assert made.shape == expected.shape
+    assert np.count_nonzero((made != expected).any(2)) == 0
+
+
+SETTINGS = [
+    {"kernel": kernel, "border-x": border, "border-y": other}
+    for kernel, border, other in [
+        ("central", "clamp", "mirror"),
+        ("forward", "extrapolate", "wrap"),
+        ("prewitt3", "repeat-slope", "repeat-slope"),
+        ("sobel3", "wrap", "clamp"),
+        ("scharr3", "mirror", "extrapolate"),
+        ("prewitt5", "clamp", "clamp"),
+        ("sobel5", "extrapolate", "extrapolate"),
+        ("gimp5", "repeat-slope", "wrap"),
+        ("gimp7", "mirror", "mirror"),
+        ("gimp9", "repeat-slope", "repeat-slope"),
+        ("gimp9", "wrap", "wrap"),
+    ]
+] + [
+    {"source": source}
+    for source in (
+        "green",
+        "blue",
+        "luma",
+        "luma-gimp",
+        "luma-eberly",
+        "mean",
+        "max",
+        "min",
+        "screen",
+    )
+]
+SETTINGS += [
+    {"dx": "0.5", "dy": "3"},
+    {"min-z": "0.6", "invert": True},
+    {"to": "zzero", "blue": "nearest"},
+    {"to": "xy"},
+    {"source": "alpha", "alpha": "keep"},
+    {"alpha": "height"},
+    {"alpha": "inverse"},
+    {"alpha": "one"},
+]
+
+
+@pytest.mark.parametrize("settings", SETTINGS, ids=lambda s: "-".join(map(str, s.values())))
+def test_settings(gegl, ntp, settings):
+    heights = picture(61, 47, 4, 8)
+    settings = {"scale": "-12.5", **settings}
+    expected = ntp(heights, "from-height", *to_options(settings))
+    made = gegl(heights, "ntp:normals-from-height", *to_properties(settings))
+    assert made.shape == expected.shape
+    assert np.count_nonzero((made != expected).any(2)) == 0
+
+
+@pytest.mark.parametrize("border", ["wrap", "clamp", "mirror", "extrapolate", "repeat-slope"])
+@pytest.mark.parametrize("size", [(1, 1), (2, 1), (1, 3), (3, 3), (5, 9), (8, 2)])
+def test_small(gegl, ntp, size, border):
+    heights = picture(*size, 3, 16)
+    for kernel in ("central", "gimp9"):
+        settings = {"scale": "4", "kernel": kernel, "border-x": border, "border-y": border}
+        expected = ntp(heights, "from-height", *to_options(settings))
+        made = gegl(heights, "ntp:normals-from-height", *to_properties(settings))
+        assert (made == expected).all()
+
+
+@pytest.mark.parametrize("border", ["wrap", "repeat-slope"])
+@pytest.mark.parametrize("kernel", ["forward", "gimp9"])
+def test_threads_and_blocks(gegl, ntp, kernel, border):
+    """Larger than a block and a tile, cut among threads."""
+    heights = picture(1201, 517, 1, 8)
+    settings = {"scale": "30", "kernel": kernel, "border-x": border, "border-y": border}
+    expected = ntp(heights, "from-height", *to_options(settings))
+    for threads in (1, 4):
+        made = gegl(heights, "ntp:normals-from-height", *to_properties(settings), threads=threads)
+        assert (made == expected).all()
+
+
+@pytest.mark.parametrize("border", ["wrap", "repeat-slope", "mirror"])
+def test_parts(gegl, border):
+    """A part that is asked for alone is that part of the whole."""
+    heights = picture(90, 70, 3, 8)
+    operation = [
+        "ntp:normals-from-height",
+        "kernel=gimp7",
+        f"border-x={border}",
+        f"border-y={border}",
+    ]
+    whole = gegl(heights, *operation)
+    for x, y, w, h in [
+        (0, 0, 5, 4),
+        (83, 64, 7, 6),
+        (40, 30, 11, 13),
+        (0, 69, 90, 1),
+        (89, 0, 1, 70),
+    ]:
+        part = gegl(
+            heights, *operation, "gegl:crop", f"x={x}", f"y={y}", f"width={w}", f"height={h}"
+        )
+        assert (part == whole[y : y + h, x : x + w]).all()
+
+
+def test_offsets(gegl):
+    """A picture that does not begin at 0, 0 has its edges where it has them."""
+    heights = picture(40, 30, 3, 8)
+    whole = gegl(heights, "ntp:normals-from-height", "kernel=sobel5")
+    moved = gegl(
+        heights, "gegl:translate", "x=-13", "y=57", "ntp:normals-from-height", "kernel=sobel5"
+    )
+    assert (moved == whole).all()
+
+
+def test_alpha_height_of_opaque(gegl, ntp):
+    heights = picture(31, 20, 1, 16)
+    expected = ntp(heights, "from-height", "--scale", "10", "--alpha", "height")
+    made = gegl(heights, "ntp:normals-from-height", "alpha=height")
+    assert made.shape[2] == 4
+    assert (made == expected).all()
+
+
+def test_nothing_to_do(gegl_env, tmp_path):
+    """No input, an empty one, an endless one."""
+    for graph in (
+        ["gegl:nop", "ntp:normals-from-height"],
+        ["gegl:crop", "width=0", "height=0", "ntp:normals-from-height"],
+        ["gegl:checkerboard", "ntp:normals-from-height", "gegl:crop", "width=9", "height=9"],
+        ["gegl:checkerboard", "ntp:clean-normals", "gegl:crop", "width=9", "height=9"],
+    ):
+        done = subprocess.run(
+            ["gegl", "-o", "none.png", "--", *graph],
+            env=gegl_env,
+            cwd=tmp_path,
+            capture_output=True,
+            text=True,
+            timeout=120,
+            check=False,
+        )
+        assert done.returncode >= 0 and "CRITICAL" not in done.stderr, done.stderr
+
+
+def rough_normals(channels, depth, seed=9):
+    """Normals of every sort: unit, short, long, pointing inwards; black, white and transparent."""
+    rng = np.random.default_rng(seed)
+    top = 2**depth - 1
+    pixels = rng.integers(0, top, (60, 80, channels), endpoint=True)
+    pixels[:20, :, 2] = top - pixels[:20, :, 2] // 3
+    pixels[5, :30], pixels[6, :30] = 0, top
+    return pixels.astype(np.uint8 if depth == 8 else np.uint16)
+
+
+CLEANING = [
+    ({}, {}),
+    ({"repair": "normalize"}, {"method": "normalize"}),
+    ({"keep-negative-z": True}, {"keep-negative-z": True}),
+    ({"touch-unused": True}, {"touch-unused": True}),
+    ({"only-failing": True, "verdict": "rounded"}, {"only-failing": True, "verdict": "rounded"}),
+    ({"from": "zzero", "to": "zzero"}, {"type": "zzero"}),
+    ({"from": "xy", "to": "xy"}, {"type": "xy"}),
+]
+
+
+@pytest.mark.parametrize("chunks", [(), (GAMMA,)], ids=["plain", "gAMA"])
+@pytest.mark.parametrize("depth", DEPTHS)
+@pytest.mark.parametrize("channels", [3, 4])
+@pytest.mark.parametrize("properties, options", CLEANING)
+def test_clean(gegl, ntp, properties, options, channels, depth, chunks):
+    normals = rough_normals(channels, depth)
+    options = {"type": "standard", **options}
+    expected = ntp(normals, "clean", *to_options(options))
+    made = gegl(normals, "ntp:clean-normals", *to_properties(properties), chunks=chunks)
+    assert (made == expected).all()
+
+
+CONVERSIONS = [
+    {"to": "zzero"},
+    {"to-y": "down"},
+    {"from": "zzero", "to": "standard", "from-y": "down"},
+    {"to": "xy", "from-y": "down", "to-y": "down"},
+]
+
+
+@pytest.mark.parametrize("depth", DEPTHS)
+@pytest.mark.parametrize("settings", CONVERSIONS, ids=lambda s: "-".join(s.values()))
+def test_convert(gegl, ntp, settings, depth):
+    normals = rough_normals(4, depth)
+    expected = ntp(normals, "convert", *to_options(settings))
+    made = gegl(normals, "ntp:clean-normals", "repair=none", *to_properties(settings))
+    assert (made == expected).all()
+    cleaned = ntp(normals, "clean", "--type", settings.get("from", "standard"))
+    expected = ntp(cleaned, "convert", *to_options(settings))
+    made = gegl(normals, "ntp:clean-normals", *to_properties(settings))
+    assert (made == expected).all()
+
+
+@pytest.mark.parametrize("palette", ["reference", "safe"])
+@pytest.mark.parametrize("depth", DEPTHS)
+def test_heatmap(gegl, ntp, depth, palette):
+    normals = rough_normals(3, depth)
+    show = "heatmap" if palette == "reference" else "heatmap-safe"
+    expected = ntp(normals, "heatmap", "--type", "standard", "--palette", palette)[:, :, :3]
+    assert expected.dtype == np.uint8
+    made = gegl(normals, "ntp:clean-normals", f"show={show}")
+    assert (made == expected.astype(made.dtype) * (1 if depth == 8 else 257)).all()
