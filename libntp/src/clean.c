@@ -195,24 +195,9 @@ static void store_floats(const job *j, const ntp__block *before, const ntp__bloc
     }
 }
 
-/* Packed 16-bit RGB without odd texels: the kernel does it all. */
-static bool clean_packed16(const job *j, int32_t x, int32_t y, int32_t n, ntp_clean_counts *counts)
+/* Up to a block of texels of any kind. */
+static void clean_block(const job *j, int32_t x, int32_t y, int32_t n, ntp_clean_counts *counts)
 {
-    if (j->src->type != NTP_U16 || j->src->channels != 3 || !blue_is_written(j) ||
-        j->how.method != NTP_DERIVE || j->how.only_failing || j->how.keep_negative_z ||
-        !ntp__is_packed(j->src) || j->dst->pixel_stride != j->src->pixel_stride)
-        return false;
-    int32_t changed = j->kernels->clean_rgb16(ntp__at_mut(j->dst, x, y), ntp__at(j->src, x, y), n,
-                                              j->encoding == NTP_ZZERO, j->count);
-    if (changed >= 0)
-        counts->changed += (uint64_t) changed;
-    return changed >= 0;
-}
-
-static void clean_run(const job *j, int32_t x, int32_t y, int32_t n, ntp_clean_counts *counts)
-{
-    if (clean_packed16(j, x, y, n, counts))
-        return;
     ntp__block block;
     ntp__unpack(&block, j->src, x, y, n);
     ntp__block before;
@@ -229,6 +214,39 @@ static void clean_run(const job *j, int32_t x, int32_t y, int32_t n, ntp_clean_c
     else
         ntp__pack(j->dst, &block, x, y, n, blue_is_written(j) ? 3 : 2);
     copy_alpha(j, x, y, n);
+}
+
+static bool is_plain_rgb16(const job *j)
+{
+    return j->src->type == NTP_U16 && j->src->channels == 3 && blue_is_written(j) &&
+           j->how.method == NTP_DERIVE && !j->how.only_failing && !j->how.keep_negative_z &&
+           ntp__is_packed(j->src) && j->dst->pixel_stride == j->src->pixel_stride;
+}
+
+/* Packed 16-bit RGB: a kernel does it but for the surroundings of odd texels. */
+static void clean_rgb16(const job *j, int32_t x0, int32_t x1, int32_t y, ntp_clean_counts *counts)
+{
+    enum { KERNEL_STOPS_BEFORE = 8 };
+    uint64_t *changed = j->count ? &counts->changed : NULL;
+    for (int32_t x = x0; x < x1;) {
+        x += j->kernels->clean_rgb16(ntp__at_mut(j->dst, x, y), ntp__at(j->src, x, y), x1 - x,
+                                     j->encoding == NTP_ZZERO, changed);
+        int32_t n = x1 - x < KERNEL_STOPS_BEFORE ? x1 - x : KERNEL_STOPS_BEFORE;
+        clean_block(j, x, y, n, counts);
+        x += n;
+    }
+}
+
+static void clean_row(const job *j, int32_t x0, int32_t x1, int32_t y, ntp_clean_counts *counts)
+{
+    if (is_plain_rgb16(j)) {
+        clean_rgb16(j, x0, x1, y, counts);
+        return;
+    }
+    for (int32_t x = x0; x < x1; x += NTP__BLOCK) {
+        int32_t n = x1 - x < NTP__BLOCK ? x1 - x : NTP__BLOCK;
+        clean_block(j, x, y, n, counts);
+    }
 }
 
 /* Rows of packed 8-bit pixels through the table. */
@@ -286,12 +304,8 @@ ntp_status ntp_clean(const ntp_image *dst, const ntp_const_image *src, const ntp
 
     ntp_clean_counts local = { 0, 0 };
     if (!clean_by_table(&j, plan, &rect, counts)) {
-        for (int32_t y = rect.y0; y < rect.y1; y++) {
-            for (int32_t x = rect.x0; x < rect.x1; x += NTP__BLOCK) {
-                int32_t n = rect.x1 - x < NTP__BLOCK ? rect.x1 - x : NTP__BLOCK;
-                clean_run(&j, x, y, n, &local);
-            }
-        }
+        for (int32_t y = rect.y0; y < rect.y1; y++)
+            clean_row(&j, rect.x0, rect.x1, y, &local);
     }
     if (counts != NULL) {
         counts->changed += local.changed;

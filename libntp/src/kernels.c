@@ -39,6 +39,13 @@ static inline uint32_t load32le(const uint8_t *p)
     return little_endian() ? v : load16le(p) | load16le(p + 2) << 16;
 }
 
+static inline uint64_t load64le(const uint8_t *p)
+{
+    uint64_t v;
+    memcpy(&v, p, 8);
+    return little_endian() ? v : load32le(p) | (uint64_t) load32le(p + 4) << 32;
+}
+
 static inline void store32le(uint8_t *p, uint32_t v)
 {
     if (little_endian()) {
@@ -60,6 +67,11 @@ static inline void store64le(uint8_t *p, uint64_t v)
 }
 
 enum { RGB = 0xffffff };
+
+/* The blues of eight packed pixels in their three words. */
+#define BLUES_1 UINT64_C(0x0000ff0000ff0000)
+#define BLUES_2 UINT64_C(0x00ff0000ff0000ff)
+#define BLUES_3 UINT64_C(0xff0000ff0000ff00)
 
 static inline uint32_t load24le(const uint8_t *p)
 {
@@ -105,36 +117,18 @@ static inline uint32_t count_four(const uint32_t t[4], const uint8_t *src)
     return changed;
 }
 
-/*
- * Four pixels a step, and two stores that no later load overlaps take all twelve results (a store
- * of four bytes for each pixel would stall the loads that follow when dst is src).  `blue`, where
- * there is one, holds only the blue of each pair, 0 for the pairs that change or may be unused:
- * 64 KiB, of which what a texture uses fits the first cache.
- */
-static inline uint64_t clean_rgb8(uint8_t *dst, const uint8_t *src, size_t n, const uint32_t *table,
-                                  const uint8_t *blue, uint32_t kept, uint32_t touch_unused,
-                                  bool count)
+/* Four pixels a step.  Two stores, which no later load overlaps, take the results: a store of
+ * four bytes for each pixel would stall the loads that follow when dst is src. */
+static inline uint64_t clean_by_pairs(uint8_t *dst, const uint8_t *src, size_t n,
+                                      const uint32_t *table, uint32_t touch_unused, bool count)
 {
     uint64_t changed = 0;
-    if (kept != 0)
-        return clean_rgb8_slowly(dst, src, n, table, kept, touch_unused);
     for (; n >= 4; n -= 4, src += 12, dst += 12) {
-        uint32_t pair[4], t[4];
+        uint32_t t[4];
         for (int i = 0; i < 4; i++)
-            pair[i] = load16le(src + 3 * i);
-        if (blue != NULL) {
-            uint32_t b[4] = { blue[pair[0]], blue[pair[1]], blue[pair[2]], blue[pair[3]] };
-            for (int i = 0; i < 4; i++)
-                t[i] = pair[i] | b[i] << 16;
-            /* The blues of standard Z are 128 and more. */
-            if (!(b[0] & b[1] & b[2] & b[3] & 0x80))
-                clean_four(t, src, table, touch_unused);
-        } else {
-            for (int i = 0; i < 4; i++)
-                t[i] = table[pair[i]];
-            if ((t[0] | t[1] | t[2] | t[3]) >> 24)
-                clean_four(t, src, table, touch_unused);
-        }
+            t[i] = table[load16le(src + 3 * i)];
+        if ((t[0] | t[1] | t[2] | t[3]) >> 24)
+            clean_four(t, src, table, touch_unused);
         if (count)
             changed += count_four(t, src);
         store64le(dst, (uint64_t) t[0] | (uint64_t) t[1] << 24 | (uint64_t) t[2] << 48);
@@ -143,22 +137,61 @@ static inline uint64_t clean_rgb8(uint8_t *dst, const uint8_t *src, size_t n, co
     return changed + clean_rgb8_slowly(dst, src, n, table, 0, touch_unused);
 }
 
+/*
+ * The same where only blue changes, by `blue`, of which what a texture uses fits the first cache:
+ * eight pixels a step are three words that get their blues put in.
+ */
+static inline uint64_t clean_blues(uint8_t *dst, const uint8_t *src, size_t n,
+                                   const uint32_t *table, const uint8_t *blue,
+                                   uint32_t touch_unused, bool count)
+{
+    uint64_t changed = 0;
+    for (; n >= 8; n -= 8, src += 24, dst += 24) {
+        uint64_t b[8], all = 0x80;
+        for (int i = 0; i < 8; i++) {
+            b[i] = blue[load16le(src + 3 * i)];
+            all &= b[i];
+        }
+        if (!all) { /* one is 0: the blues of standard Z are 128 and more */
+            changed += clean_rgb8_slowly(dst, src, 8, table, 0, touch_unused);
+            continue;
+        }
+        for (int i = 0; count && i < 8; i++)
+            changed += b[i] != src[3 * i + 2];
+        uint64_t first = load64le(src), second = load64le(src + 8), third = load64le(src + 16);
+        first = (first & ~BLUES_1) | b[0] << 16 | b[1] << 40;
+        second = (second & ~BLUES_2) | b[2] | b[3] << 24 | b[4] << 48;
+        third = (third & ~BLUES_3) | b[5] << 8 | b[6] << 32 | b[7] << 56;
+        store64le(dst, first);
+        store64le(dst + 8, second);
+        store64le(dst + 16, third);
+    }
+    return changed + clean_rgb8_slowly(dst, src, n, table, 0, touch_unused);
+}
+
+static inline uint64_t clean_rgb8(uint8_t *dst, const uint8_t *src, size_t n, const uint32_t *table,
+                                  const uint8_t *blue, uint32_t kept, uint32_t touch_unused,
+                                  bool count)
+{
+    if (kept != 0)
+        return clean_rgb8_slowly(dst, src, n, table, kept, touch_unused);
+    if (blue != NULL)
+        return clean_blues(dst, src, n, table, blue, touch_unused, count);
+    return clean_by_pairs(dst, src, n, table, touch_unused, count);
+}
+
 static uint64_t clean_rgb8_counting(uint8_t *dst, const uint8_t *src, size_t n,
                                     const uint32_t *table, const uint8_t *blue, uint32_t kept,
                                     uint32_t touch_unused)
 {
-    if (blue != NULL)
-        return clean_rgb8(dst, src, n, table, blue, kept, touch_unused, true);
-    return clean_rgb8(dst, src, n, table, NULL, kept, touch_unused, true);
+    return clean_rgb8(dst, src, n, table, blue, kept, touch_unused, true);
 }
 
 static uint64_t clean_rgb8_blindly(uint8_t *dst, const uint8_t *src, size_t n,
                                    const uint32_t *table, const uint8_t *blue, uint32_t kept,
                                    uint32_t touch_unused)
 {
-    if (blue != NULL)
-        return clean_rgb8(dst, src, n, table, blue, kept, touch_unused, false);
-    return clean_rgb8(dst, src, n, table, NULL, kept, touch_unused, false);
+    return clean_rgb8(dst, src, n, table, blue, kept, touch_unused, false);
 }
 
 static uint64_t clean_rgba8(uint8_t *dst, const uint8_t *src, size_t n, const uint32_t *table,
@@ -199,6 +232,8 @@ static inline int32_t blue(int32_t e, int32_t k, int32_t zzero)
     return zzero ? z : k + t;
 }
 
+#include "clean16.h"
+
 static inline void derive_loop(int32_t *restrict want, const int32_t *restrict r,
                                const int32_t *restrict g, int32_t n, int32_t m, int32_t zzero)
 {
@@ -221,44 +256,13 @@ static void derive(int32_t *want, const int32_t *r, const int32_t *g, int32_t n,
         derive_loop(want, r, g, n, m, 0);
 }
 
-static inline int32_t derive16_loop(uint16_t *restrict b, const uint32_t *restrict rg, int32_t n,
-                                    int32_t zzero)
-{
-    int32_t e0 = 1073709055, odd = 0; /* (65535^2 - 5) / 4 */
-    for (int32_t i = 0; i < n; i++) {
-        int32_t r = (int32_t) (rg[i] & 0xffff) - 32768, g = (int32_t) (rg[i] >> 16) - 32768;
-        int32_t e = e0 - r * (r + 1) - g * (g + 1);
-        odd |= e;
-        b[i] = (uint16_t) blue(e < 0 ? 0 : e, 32768, zzero);
-    }
-    return odd < 0;
-}
-
-/* Red in the lower half, green in the upper, as two samples lie in memory. */
-static inline uint32_t load_pair(const uint16_t *p)
-{
-    uint32_t v;
-    memcpy(&v, p, 4);
-    return little_endian() ? v : v >> 16 | v << 16;
-}
-
 static int32_t clean_rgb16(uint16_t *dst, const uint16_t *src, int32_t n, int32_t zzero,
-                           int32_t count)
+                           uint64_t *changed)
 {
-    uint32_t rg[256];
-    uint16_t b[256];
-    for (int32_t i = 0; i < n; i++)
-        rg[i] = load_pair(src + 3 * i);
-    if (zzero ? derive16_loop(b, rg, n, 1) : derive16_loop(b, rg, n, 0))
-        return -1;
-    int32_t changed = 0;
-    for (int32_t i = 0; count && i < n; i++)
-        changed += src[3 * i + 2] != b[i];
-    if (dst != src)
-        memcpy(dst, src, (size_t) n * 6);
-    for (int32_t i = 0; i < n; i++)
-        dst[3 * i + 2] = b[i];
-    return changed;
+    if (changed != NULL)
+        return zzero ? clean16_run(dst, src, n, true, changed)
+                     : clean16_run(dst, src, n, false, changed);
+    return zzero ? clean16_run(dst, src, n, true, NULL) : clean16_run(dst, src, n, false, NULL);
 }
 
 /* k = (|X| + 1)/2 for a = r - K. */

@@ -26,12 +26,12 @@ typedef uint64_t ntp__clean8_fn(uint8_t *dst, const uint8_t *src, size_t n, cons
                                 const uint8_t *blue, uint32_t kept, uint32_t touch_unused);
 
 /*
- * Derives the blue of n <= 256 packed 16-bit pixels; returns how many changed (0 unless `count`),
- * or -1, with nothing written, when a pair is too long (which the pairs of black and white are).
- * dst may be src.
+ * Derives the blue of packed 16-bit pixels from the first on, and adds how many changed (NULL: not
+ * counted).  Returns n, or, next to a pair that is too long (which the pairs of black and white
+ * are), how many are done; up to 8 of those that follow are for the caller.  dst may be src.
  */
 typedef int32_t ntp__clean16_fn(uint16_t *dst, const uint16_t *src, int32_t n, int32_t zzero,
-                                int32_t count);
+                                uint64_t *changed);
 
 /* want[i] = the blue derived from r, g; -1 where they are too long. */
 typedef void ntp__derive_fn(int32_t *want, const int32_t *r, const int32_t *g, int32_t n, int32_t m,

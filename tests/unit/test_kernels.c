@@ -88,6 +88,48 @@ static void compare_packed(const ntp__kernels_table *level, size_t n, size_t cha
     }
 }
 
+/* What it says is done is, and nothing else; it stops only where a pair is too long. */
+static void check_cleaned16(const uint16_t *dst, const uint16_t *src, const int32_t *want,
+                            int32_t n, int32_t done, uint64_t changed)
+{
+    bool too_long = false;
+    for (int32_t i = 0; i < done; i++) {
+        CHECK(dst[3 * i] == src[3 * i] && dst[3 * i + 1] == src[3 * i + 1]);
+        CHECK(dst[3 * i + 2] == want[i]);
+        changed -= src[3 * i + 2] != want[i];
+    }
+    CHECK(changed == 0);
+    for (int32_t i = done; i < n && i < done + 8; i++)
+        too_long |= want[i] < 0;
+    CHECK(done == n || too_long);
+}
+
+static void compare_clean16(const ntp__kernels_table *level, int32_t n, bool zzero, uint64_t *seed)
+{
+    size_t bytes = (size_t) n * 6;
+    for (int place = 0; place < 4; place++) {
+        guarded from = guarded_alloc(bytes, place & 2), to = guarded_alloc(bytes, place & 2);
+        uint16_t *src = from.data, *dst = to.data, kept[3 * WIDEST];
+        int32_t want[WIDEST];
+        for (int32_t i = 0; i < n; i++) {
+            src[3 * i] = (uint16_t) (place & 1 ? random_level(seed, 65535)
+                                               : 32768 - random_level(seed, 23000));
+            src[3 * i + 1] = (uint16_t) (23000 + random_level(seed, 19000));
+            want[i] = derived_by_search(src[3 * i], src[3 * i + 1], 65535, zzero);
+            src[3 * i + 2] = (uint16_t) (random_bits(seed) & 1 ? want[i] : want[i] + 1);
+        }
+        memcpy(kept, src, bytes);
+        uint64_t changed = 0;
+        int32_t done = level->clean_rgb16(dst, src, n, zzero, &changed);
+        check_cleaned16(dst, src, want, n, done, changed);
+        CHECK(level->clean_rgb16(src, src, n, zzero, NULL) == done); /* in place */
+        CHECK(memcmp(src, dst, (size_t) done * 6) == 0);
+        CHECK(memcmp(src + 3 * done, kept + 3 * done, bytes - (size_t) done * 6) == 0);
+        guarded_free(&from);
+        guarded_free(&to);
+    }
+}
+
 /* All 65,536 pairs of 8 bit; of 16 bit the rows where S is smallest and a thousand others. */
 static void check_derive(const ntp__kernels_table *level)
 {
@@ -153,6 +195,7 @@ int main(void)
         for (int32_t n = 1; n <= WIDEST; n++) {
             for (int kind = 0; kind < 4; kind++)
                 compare_planar(level, n, kind & 1 ? 65535 : 255, kind & 2, &seed);
+            compare_clean16(level, n, n & 1, &seed);
             compare_packed(level, (size_t) n, 3, table, blues, &seed);
             compare_packed(level, (size_t) n, 4, table, blues, &seed);
         }
