@@ -163,8 +163,8 @@ def read(
     try:
         info = lib.ntpio_reader_info(reader)
         shape: tuple[int, ...] = (info.height, info.width, info.channels)
-        dtype: Any = _SAMPLES[info.sample_bytes]
-        image = np.empty(shape[:2] if info.channels == 1 else shape, dtype)
+        shape = shape[:2] if info.channels == 1 else shape
+        image = cast("Pixels", np.empty(shape, _SAMPLES[info.sample_bytes]))
         where = ffi.cast("void *", image.__array_interface__["data"][0])
         if not lib.ntpio_read_rows(reader, where, image.strides[0], info.height, error):
             _raise(error)

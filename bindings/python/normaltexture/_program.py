@@ -109,6 +109,10 @@ def program() -> Path:
     if os.environ.get("NTP_PROGRAM"):
         return Path(os.environ["NTP_PROGRAM"])
     name = "ntp.exe" if os.name == "nt" else "ntp"
+    # Repaired wheels have the program here, and a script that starts it among the scripts.
+    repaired = Path(__file__).parent.with_name("normaltexture.scripts") / name
+    if repaired.is_file():
+        return repaired
     beside = [sysconfig.get_path("scripts"), str(Path(sys.executable).parent)]
     beside.append(str(Path(sysconfig.get_path("scripts", f"{os.name}_user"))))
     for directory in beside:
