@@ -152,6 +152,18 @@ static unsigned read_detail(layer *l, settings *set, const options *o, const ntp
     return 0;
 }
 
+/* The detail may be what -o names, as the base may, but not where it is JPEG. */
+static bool replaces_jpeg(const layer *l, const char *output)
+{
+    if (output == NULL || l->s.info->format != NTPIO_JPEG || !is_same_file(l->in.path, output))
+        return false;
+    text t = { 0 };
+    text_name(&t, l->in.path);
+    complain("%s: JPEG is not written; give -o for a PNG of another name", text_string(&t));
+    text_free(&t);
+    return true;
+}
+
 static void free_detail(layer *l)
 {
     source_close(&l->s);
@@ -172,8 +184,6 @@ int blend_run(const options *o)
         complain("standard input can be only one of the two");
         return NTP_EXIT_USAGE;
     }
-    if (output != NULL && !output_is_no_input(output, o))
-        return NTP_EXIT_USAGE;
     settings set = { .y = (ntp_y) option_integer(o, OPT_Y) };
     set.how.mode = (ntp_blend_mode) option_integer(o, OPT_MODE);
     set.how.use_strength = 1;
@@ -182,6 +192,8 @@ int blend_run(const options *o)
     const ntpio_limits limits = limits_from(o);
     layer detail = { 0 };
     unsigned ran = read_detail(&detail, &set, o, &limits);
+    if (ran == 0 && replaces_jpeg(&detail, output))
+        ran = RAN_USAGE;
     options base = *o; /* the one input of the run */
     base.path_count = 1;
     const maker m = { .o = &base,

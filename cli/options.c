@@ -45,7 +45,8 @@ const option_spec OPTION_TABLE[] = {
 
     { OPT_OUTPUT, "output", 'o', KIND_STRING, "FILE|DIR", NULL, 0, 0, V_WRITES,
       "where to write: a file, - for standard output, or a directory, in which relative paths "
-      "are kept and names end in .png. Only a single input can go to a file" },
+      "are kept and names end in .png. Only a single input can go to a file, which may be the "
+      "input itself unless that is JPEG; in a directory no input is overwritten" },
     { OPT_OUTPUT, "output", 'o', KIND_STRING, "HEATMAP", NULL, 0, 0, V_DIFF,
       "write a picture of the differences: black equal, then blue, green, red up to 10 degrees" },
     { OPT_IN_PLACE, "in-place", 0, KIND_FLAG, NULL, NULL, 0, 0, V_CLEAN,

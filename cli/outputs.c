@@ -2,8 +2,9 @@
 /*
  * outputs.c - where each input's output goes
  *
- * Everything that could destroy a file is refused here, before any work: an output that is
- * one of the inputs (by device and inode, so by any path), and one output for two inputs.
+ * Everything that could destroy a file is refused here, before any work: an output in a directory
+ * that is one of the inputs (by device and inode, so by any path), and one output for two inputs.
+ * A file that -o names is what the user asked for, be it the input.
  */
 #include <errno.h>
 #include <stdlib.h>
@@ -138,6 +139,10 @@ static int by_node(const void *a, const void *b)
     return (x->number > y->number) - (x->number < y->number);
 }
 
+static const char IS_INPUT[] =
+    " is an input; nothing is overwritten unless -o names the file itself (or --in-place is given "
+    "to ntp clean)";
+
 static bool no_input_overwritten(const input_list *list)
 {
     node *inputs = need(calloc(list->count + 1, sizeof *inputs));
@@ -155,8 +160,7 @@ static bool no_input_overwritten(const input_list *list)
             continue;
         const node own = { st.st_dev, st.st_ino };
         if (bsearch(&own, inputs, count, sizeof own, by_node) != NULL)
-            ok = told(output, " is an input; nothing is overwritten (ntp clean has --in-place)",
-                      NULL);
+            ok = told(output, IS_INPUT, NULL);
     }
     free(inputs);
     return ok;
@@ -221,17 +225,14 @@ bool outputs_plan(input_list *list, const options *o)
                  option_row(OPT_IN_PLACE, o->verb_bit) != NULL ? ", or --in-place" : "");
         return false;
     }
-    if (!means_directory(list, output)) {
-        if (!plan_file(list, output))
-            return false;
-    } else {
-        for (size_t i = 0; i < list->count; i++) {
-            const char *relative = list->at[i].relative;
-            const char *name = strcmp(relative, "-") == 0 ? "stdin" : relative;
-            list->at[i].output = below(output, name, NEW_ENDING, o);
-        }
-        part_collisions(list, output, o);
+    if (!means_directory(list, output))
+        return plan_file(list, output);
+    for (size_t i = 0; i < list->count; i++) {
+        const char *relative = list->at[i].relative;
+        const char *name = strcmp(relative, "-") == 0 ? "stdin" : relative;
+        list->at[i].output = below(output, name, NEW_ENDING, o);
     }
+    part_collisions(list, output, o);
     return no_two_alike(list) && no_input_overwritten(list);
 }
 
@@ -242,10 +243,15 @@ bool output_is_no_input(const char *output, const options *o)
         return true;
     for (size_t i = 0; i < o->path_count; i++) {
         if (stat(o->paths[i], &st) == 0 && st.st_dev == own.st_dev && st.st_ino == own.st_ino)
-            return told(output, " is an input; nothing is overwritten (ntp clean has --in-place)",
-                        NULL);
+            return told(output, " is an input; a picture of differences does not replace it", NULL);
     }
     return true;
+}
+
+bool is_same_file(const char *a, const char *b)
+{
+    struct stat x, y;
+    return stat(a, &x) == 0 && stat(b, &y) == 0 && x.st_dev == y.st_dev && x.st_ino == y.st_ino;
 }
 
 bool output_is_free(const input_list *list, const char *path)

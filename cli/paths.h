@@ -37,12 +37,16 @@ void inputs_free(input_list *list);
 
 /*
  * Gives each input its output from -o, or from --in-place.  Returns false after telling of wrong
- * usage: several inputs for one file, two inputs with one output, an output that is an input.
+ * usage: several inputs for one file, two inputs with one output, an output below -o DIR that is an
+ * input.
  */
 bool outputs_plan(input_list *list, const options *o);
 
-/* For a verb with one output: false, after telling, when it is one of the paths. */
+/* For an output that is of another kind than the inputs: false, after telling, when it is one. */
 bool output_is_no_input(const char *output, const options *o);
+
+/* Are both there, and one file, by whatever names? */
+bool is_same_file(const char *a, const char *b);
 
 /* For an output that no input asked for: is the path neither an input nor the output of one? */
 bool output_is_free(const input_list *list, const char *path);

@@ -235,18 +235,27 @@ static bool can_be_dropped(const char *output)
     return strcmp(output, "-") != 0 && (stat(output, &st) != 0 || S_ISREG(st.st_mode));
 }
 
+/* What JPEG left of the texture would be lost for good: its PNG gets a name of its own. */
+static bool replaces_jpeg(const production *p, ntpio_error *error)
+{
+    const char *output = p->in->output;
+    if (p->s.info->format != NTPIO_JPEG || output == NULL || !is_same_file(p->in->path, output))
+        return false;
+    text t = { 0 };
+    text_name(&t, p->in->path);
+    error->status = p->m->in_place ? NTPIO_ERR_WRITE : NTPIO_ERR_USAGE;
+    snprintf(error->message, sizeof error->message,
+             "%.400s: JPEG is not written; give -o for a PNG of another name", text_string(&t));
+    text_free(&t);
+    return true;
+}
+
 static outcome make_output(production *p, ntpio_error *error)
 {
     const maker *m = p->m;
     const bool gray = p->s.info->channels < 3 && m->forced < 0;
-    if (m->in_place && (p->s.info->format == NTPIO_JPEG)) {
-        text t = { 0 };
-        text_name(&t, p->in->path);
-        snprintf(error->message, sizeof error->message,
-                 "%.400s: JPEG is not written; give -o for a PNG", text_string(&t));
-        text_free(&t);
+    if (replaces_jpeg(p, error))
         return FAILED;
-    }
     first_view(&p->s, m->forced);
     outcome done = MADE;
     const bool final = !m->dry_run && !can_be_dropped(p->in->output);

@@ -152,10 +152,11 @@ def test_collisions_and_usage(run, tree, tmp_path):
     wrong("t/a_n.png", "t/b_n.png", "-o", "out.png")
     wrong("t/a_n.png")  # no -o
     wrong("t/a_n.png", "-o", "out", "--in-place")
-    wrong("t/a_n.png", "-o", "t/a_n.png")  # an input
-    wrong("t/a_n.png", "-o", "t/sub/../a_n.png")
-    os.link(tree / "a_n.png", tmp_path / "other.png")
-    wrong("t/a_n.png", "-o", "other.png")
+    wrong("t/a_n.png", "-o", "t")  # an input
+    wrong("t/a_n.png", "-o", "t/sub/..")
+    os.symlink(tree, tmp_path / "same")
+    wrong("t/a_n.png", "-o", "same")
+    wrong("-r", "t", "-o", "t/")
     wrong("t/a_n.png", "t/b_n.png", "-o", "t")
     wrong("t/a_n.png", "-o", "out.jpg")
     wrong("-", "--in-place")

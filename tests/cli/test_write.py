@@ -8,6 +8,7 @@ import zlib
 import numpy as np
 import pytest
 import textures
+from PIL import Image
 
 import oracle
 from pngs import read_png, tga_bytes, write_png
@@ -151,6 +152,94 @@ def test_in_place(run, tmp_path):
     assert run("check", "bad_n.png").returncode == 0
     assert run("clean", "bad_n.png", "--in-place").stdout.count("nothing to repair") == 1
     assert sorted(p.name for p in tmp_path.iterdir()) == ["bad_n.png", "good_n.png"]
+
+
+OVERWRITING = {
+    "clean": [],
+    "convert": ["--to-y", "down"],
+    "heatmap": ["--type", "standard"],
+    "transform": ["--flip", "x"],
+    "resize": ["--size", "50%"],
+    "from-height": ["--scale", "4"],
+    "to-height": ["--from", "standard"],
+    "blend": [],
+}
+
+
+@pytest.mark.parametrize("verb", OVERWRITING)
+def test_output_may_name_the_input(run, tmp_path, verb):
+    """-o FILE that is the input, by its own name or another: written whole, and only then."""
+    before = textures.heights() if verb == "from-height" else noisy()
+    options = OVERWRITING[verb]
+    inputs = ["a_n.png"]
+    if verb == "blend":
+        inputs, options = ["a_n.png", "d_n.png"], ["--type", "standard"]
+        write_png(tmp_path / "d_n.png", textures.standard(8, 8))
+    if verb in ("clean", "convert", "transform", "resize"):
+        options = [*options, *(["--from"] if verb == "convert" else ["--type"]), "standard"]
+    write_png(tmp_path / "a_n.png", before)
+    old = (tmp_path / "a_n.png").read_bytes()
+    done = run(verb, *inputs, "-o", "other.png", *options)
+    assert done.returncode == 0, done.stderr
+    want = (tmp_path / "other.png").read_bytes()
+    for given in ("a_n.png", "./sub/../a_n.png", "link.png"):
+        (tmp_path / "sub").mkdir(exist_ok=True)
+        (tmp_path / "a_n.png").write_bytes(old)
+        if given == "link.png":
+            (tmp_path / given).symlink_to("a_n.png")
+        done = run(verb, *inputs, "-o", given, *options)
+        assert done.returncode == 0, (given, done.stderr)
+        assert (tmp_path / "a_n.png").read_bytes() == want, given
+    assert (tmp_path / "link.png").is_symlink()
+    if verb == "blend":
+        (tmp_path / "a_n.png").write_bytes(old)
+        assert run(verb, *inputs, "-o", "d_n.png", *options).returncode == 0
+        assert (tmp_path / "d_n.png").read_bytes() == want
+        assert (tmp_path / "a_n.png").read_bytes() == old
+
+
+def test_output_by_a_hard_link_leaves_the_input(run, tmp_path):
+    write_png(tmp_path / "a_n.png", noisy())
+    (tmp_path / "b.png").hardlink_to(tmp_path / "a_n.png")
+    before = (tmp_path / "a_n.png").read_bytes()
+    assert run("clean", "a_n.png", "-o", "b.png", "--type", "standard").returncode == 0
+    assert (tmp_path / "a_n.png").read_bytes() == before
+    assert run("check", "--type", "standard", "--verdict", "exact", "b.png").returncode == 0
+
+
+def test_failing_leaves_the_input_that_o_names(run, tmp_path):
+    write_png(tmp_path / "a_n.png", noisy())
+    data = (tmp_path / "a_n.png").read_bytes()
+    (tmp_path / "a_n.png").write_bytes(data[: len(data) // 2])
+    done = run("clean", "a_n.png", "-o", "a_n.png", "--type", "standard")
+    assert done.returncode == 3 and done.stderr
+    assert (tmp_path / "a_n.png").read_bytes() == data[: len(data) // 2]
+    write_png(tmp_path / "p.png", textures.photograph())
+    before = (tmp_path / "p.png").read_bytes()
+    assert run("clean", "p.png", "-o", "p.png").returncode == 1
+    assert (tmp_path / "p.png").read_bytes() == before
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["a_n.png", "p.png"]
+
+
+def test_jpeg_is_never_replaced(run, tmp_path):
+    """Nor one by the name of a PNG."""
+    Image.fromarray(textures.standard()).save(tmp_path / "a_n.jpg", quality=95)
+    data = (tmp_path / "a_n.jpg").read_bytes()
+    (tmp_path / "b_n.png").write_bytes(data)
+    write_png(tmp_path / "d_n.png", textures.standard())
+    for args in (
+        ["clean", "a_n.jpg", "-o", "a_n.jpg"],
+        ["clean", "b_n.png", "-o", "b_n.png"],
+        ["convert", "b_n.png", "-o", "b_n.png", "--to-y", "down"],
+        ["blend", "b_n.png", "d_n.png", "-o", "b_n.png"],
+        ["blend", "d_n.png", "b_n.png", "-o", "b_n.png"],
+    ):
+        done = run(*args)
+        assert done.returncode == 2 and "JPEG" in done.stderr, args
+        assert (tmp_path / "b_n.png").read_bytes() == data
+        assert (tmp_path / "a_n.jpg").read_bytes() == data
+    assert run("clean", "b_n.png", "--in-place").returncode == 3
+    assert (tmp_path / "b_n.png").read_bytes() == data
 
 
 def test_clean_files_of_other_classes_are_not_written(run, tmp_path):
