@@ -416,7 +416,7 @@ def test_same_bytes_for_any_number_of_parts(kernel):
 
 
 def test_progress_and_cancellation():
-    n = np.full((100, 300, 3), 130, np.uint8)
+    n = np.full((200, 300, 3), 130, np.uint8)
     shares = []
 
     @ntp.ffi.callback("int32_t(void *, double)")

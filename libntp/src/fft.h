@@ -4,13 +4,16 @@
  *
  * A batch is NTP__FFT_ROWS real rows: two rows make the real and the imaginary part of a complex
  * line, and NTP__FFT_LANES such lines lie interleaved, so that every butterfly is a plain loop
- * over lanes.  Lanes do not mix; the two rows of a line do, by rounding errors.
+ * over lanes.  Lanes do not mix; the two rows of a line do, by rounding errors.  The arithmetic is
+ * in double, or in float for data that are no better than 8 bit.
  */
 #ifndef NTP_FFT_H
 #define NTP_FFT_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <string.h>
 
 enum {
     NTP__FFT_LANES = 8,
@@ -22,39 +25,88 @@ typedef enum ntp__fft_kind {
     /* X[k] = sum x[i] exp(-2 pi i k/n): the real parts at k <= n/2, the imaginary ones at n - k. */
     NTP__FFT_REAL = 0,
     /* DCT-II: X[k] = sum x[i] cos(pi k (i + 1/2) / n). */
-    NTP__FFT_COSINE = 1
+    NTP__FFT_COSINE = 1,
+    /* DCT-I, n >= 2: X[k] = x[0] + (-1)^k x[n-1] + 2 sum x[i] cos(pi k i/(n-1)), 0 < i < n - 1. */
+    NTP__FFT_MIRROR = 2
 } ntp__fft_kind;
 
-/* A complex transform whose length has no prime factors but 2, 3 and 5. */
-typedef struct ntp__fft_core {
-    int32_t n, stages;
-    int32_t radix[NTP__FFT_STAGES];
-    double *turns; /* cos and -sin of 2 pi k/n */
-} ntp__fft_core;
+typedef struct ntp__fft_loops ntp__fft_loops;
 
+/* Tables are of float where `single`, else of double. */
 typedef struct ntp__fft {
+    const ntp__fft_loops *loops;
     ntp__fft_kind kind;
-    int32_t n;
-    ntp__fft_core core; /* of length n, or longer: then Bluestein's convolution */
-    double *chirp;      /* cos and -sin of pi i*i/n; NULL: core has length n */
-    double *response;   /* the transform of the conjugate chirp, over core.n */
-    double *quarter;    /* cos and sin of pi k/(2n); NTP__FFT_COSINE */
+    bool single;
+    int32_t n;      /* of a row */
+    int32_t period; /* of the complex transform behind it */
+    int32_t m;      /* of the transform that does it: period, or longer (Bluestein) */
+    int32_t stages, radix[NTP__FFT_STAGES]; /* of m, which has no prime factors but 2, 3 and 5 */
+    void *turns;                            /* cos and -sin of 2 pi k/m */
+    void *chirp;                            /* cos and -sin of pi i*i/period; NULL: m is period */
+    void *response;                         /* the transform of the conjugate chirp, over m */
+    void *quarter;                          /* cos and sin of pi k/(2n); NTP__FFT_COSINE */
 } ntp__fft;
 
 /* Bytes of the tables of a length 1..65535, and of the working memory of each batch. */
-size_t ntp__fft_tables(ntp__fft_kind kind, int32_t n);
-size_t ntp__fft_work(ntp__fft_kind kind, int32_t n);
+size_t ntp__fft_plan_bytes(ntp__fft_kind kind, int32_t n, bool single);
+size_t ntp__fft_work_bytes(ntp__fft_kind kind, int32_t n, bool single);
 
 /* Makes the tables in memory of that size; work is that of a batch.  Both aligned to 64. */
-void ntp__fft_init(ntp__fft *fft, ntp__fft_kind kind, int32_t n, void *tables, void *work);
+void ntp__fft_plan(ntp__fft *fft, ntp__fft_kind kind, int32_t n, bool single, void *tables,
+                   void *work);
 
-/* Puts a row into a batch, for ntp__fft_forward; rows that are not put in are to be zeros. */
-void ntp__fft_load(const ntp__fft *fft, int32_t row, const double *line, void *work);
+/* Where row 0..NTP__FFT_ROWS - 1 of a batch, n floats or doubles, goes before `forward`. */
+void *ntp__fft_line(const ntp__fft *fft, void *work, int32_t row);
 
-/* Transforms the batch into rows of n floats.  The inverse undoes it in place, with its factor
- * 1/n.  The arithmetic is in double: errors at low frequencies would be multiplied by n^2. */
-void ntp__fft_forward(const ntp__fft *fft, float *const rows[NTP__FFT_ROWS], void *work);
-void ntp__fft_inverse(const ntp__fft *fft, float *const rows[NTP__FFT_ROWS], void *work);
+/* What a column of a batch of columns is multiplied by at frequency k. */
+typedef void ntp__fft_factors_fn(const void *user, int32_t k, double factor[NTP__FFT_ROWS]);
+
+/* The transforms, compiled once for each instruction set (fft_lines.h). */
+struct ntp__fft_loops {
+    /* Transforms the lines into rows of n floats; the inverse undoes it in place. */
+    void (*forward)(const ntp__fft *fft, float *const rows[NTP__FFT_ROWS], void *work);
+    void (*inverse)(const ntp__fft *fft, float *const rows[NTP__FFT_ROWS], void *work);
+    /* Transforms `columns` adjacent columns, multiplies, and transforms back, all in place; first
+     * is that of row 0, and rows are `stride` floats apart. */
+    void (*filter)(const ntp__fft *fft, float *first, ptrdiff_t stride, int32_t columns,
+                   ntp__fft_factors_fn *factors, const void *user, void *work);
+    /* Fills fft->response from fft->chirp. */
+    void (*respond)(const ntp__fft *fft, void *work);
+};
+
+/* The same in double, a row at a time; rows that are not put in are to be zeros. */
+static inline size_t ntp__fft_tables(ntp__fft_kind kind, int32_t n)
+{
+    return ntp__fft_plan_bytes(kind, n, false);
+}
+
+static inline size_t ntp__fft_work(ntp__fft_kind kind, int32_t n)
+{
+    return ntp__fft_work_bytes(kind, n, false);
+}
+
+static inline void ntp__fft_init(ntp__fft *fft, ntp__fft_kind kind, int32_t n, void *tables,
+                                 void *work)
+{
+    ntp__fft_plan(fft, kind, n, false, tables, work);
+}
+
+static inline void ntp__fft_load(const ntp__fft *fft, int32_t row, const double *line, void *work)
+{
+    memcpy(ntp__fft_line(fft, work, row), line, (size_t) fft->n * sizeof *line);
+}
+
+static inline void ntp__fft_forward(const ntp__fft *fft, float *const rows[NTP__FFT_ROWS],
+                                    void *work)
+{
+    fft->loops->forward(fft, rows, work);
+}
+
+static inline void ntp__fft_inverse(const ntp__fft *fft, float *const rows[NTP__FFT_ROWS],
+                                    void *work)
+{
+    fft->loops->inverse(fft, rows, work);
+}
 
 /* cos and sin of 2 pi k/n, 0 <= k < n <= 2^31, right to the last bit or two, exact at quarters. */
 void ntp__turn(double *c, double *s, int64_t k, int64_t n);

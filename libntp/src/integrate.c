@@ -2,11 +2,12 @@
 /*
  * integrate.c - normals -> heightfield: the direct least-squares solver
  *
- * The normal equations of "slopes of h nearest to the stored ones" are separable.  Batches of
- * rows are read, their divergence (the adjoint of the stencils) is transformed along the row,
- * and kept in dst; then each column is solved by a recursion (integrate_columns.c); then rows are
- * transformed back.  So the working memory is that of a few rows.  Batches and groups of columns
- * are independent: the caller may have them done on several threads.
+ * The normal equations of "slopes of h nearest to the stored ones" are separable.  Rows are taken
+ * in batches: their right-hand sides are transformed along the row, and each column is
+ * solved by a recursion, down the picture as the batches come, and up again as they are
+ * transformed back.  So the working memory is that of a few rows, and the picture is walked over
+ * twice.  Stencils beyond recursion are solved by transforms of the columns in between.  Batches,
+ * and groups of columns, are independent: the caller may have them done on several threads.
  */
 #include "integrate.h"
 
@@ -14,224 +15,160 @@
 
 enum {
     ROWS = NTP__FFT_ROWS,
-    KEPT = 4,       /* rows of slopes that a part remembers: those of a stencil and one more */
-    EXTRA_ROWS = 5, /* of telescoping */
-    ALIGNMENT = 64
+    RUN = 2,                  /* batches of a part that follow each other */
+    GROUP = 8 * NTP__COLUMNS, /* columns of a part */
+    EXTRA_ROWS = 5            /* of telescoping */
 };
 
 /* What a part works with. */
 typedef struct part {
     void *fft_work;
-    double *right[KEPT], *down[KEPT]; /* slopes of rows */
-    int32_t row[KEPT], next;          /* which; -1: none */
-    ntp__slope_counts row_counts[KEPT];
-    double *line; /* divergence of a row */
     float *spare; /* stands for rows below the last one */
-    double *column;
-    ntp__slope_counts counts;
+    ntp__row_cache cache;
 } part;
 
 typedef struct job {
-    const ntp_image *dst;
-    const ntp_const_image *src;
     const ntp_hooks *hooks;
-    ntp__grid_axis along, down;
-    ntp__slopes slopes;
+    ntp__problem problem;
     ntp__fft fft;
-    double *sums; /* of the divergence of each row */
+    ntp__columns columns;
+    ntp__filter filter;
+    double *squares; /* of the right-hand side, of each row */
     part *parts;
     int32_t part_count;
-    int32_t first; /* item of the running parallel_for that part 0 does */
+    const ntp_image *dst;
+    int32_t first, end; /* rows that the parts are at work on */
 } job;
 
 typedef void job_task(job *j, part *p, int32_t item);
 
 /* ------------------------------------------------------------------------ working memory */
 
-static size_t aligned(size_t bytes)
+static size_t part_bytes(const ntp__problem *p)
 {
-    return (bytes + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT;
+    size_t work = ntp__fft_work_bytes(ntp__axis_transform(&p->along), p->along.n, p->single);
+    size_t columns = ntp__fft_work_bytes(ntp__axis_transform(&p->down), p->down.n, p->single);
+    if (p->filter && columns > work)
+        work = columns;
+    return ntp__aligned(work) + ntp__aligned((size_t) p->along.n * sizeof(float)) +
+           ntp__row_cache_bytes(p);
+}
+
+static size_t scratch_bytes(const ntp__problem *p, int32_t parts)
+{
+    size_t count = (size_t) parts;
+    return ntp__aligned(count * sizeof(part)) + ntp__aligned((size_t) p->down.n * sizeof(double)) +
+           ntp__columns_bytes(p) + ntp__filter_bytes(p) +
+           ntp__fft_plan_bytes(ntp__axis_transform(&p->along), p->along.n, p->single) +
+           count * part_bytes(p);
 }
 
 static void *take(char **memory, size_t bytes)
 {
     void *taken = *memory;
-    *memory += aligned(bytes);
+    *memory += ntp__aligned(bytes);
     return taken;
 }
 
-static ntp__fft_kind kind_of(const ntp__grid_axis *along)
-{
-    return along->wrap ? NTP__FFT_REAL : NTP__FFT_COSINE;
-}
-
-static size_t part_bytes(const ntp__grid_axis *along, int32_t height)
-{
-    size_t row = aligned((size_t) along->n * sizeof(double));
-    return aligned(ntp__fft_work(kind_of(along), along->n)) + (2 * KEPT + 1) * row +
-           aligned((size_t) along->n * sizeof(float)) + aligned((size_t) height * sizeof(double));
-}
-
-static ntp_status check_options(ntp__grid_axis *along, ntp__grid_axis *down,
-                                const ntp_height_options *how, int32_t width, int32_t height)
-{
-    if (how->method == NTP_HEIGHT_WEIGHTED)
-        return NTP_ERR_FORMAT;
-    bool wrap_x = how->border_x == NTP_BORDER_WRAP, wrap_y = how->border_y == NTP_BORDER_WRAP;
-    if ((how->method == NTP_HEIGHT_FRANKOT_CHELLAPPA && !(wrap_x && wrap_y)) ||
-        (how->method == NTP_HEIGHT_POISSON_DCT && (wrap_x || wrap_y)))
-        return NTP_ERR_ARGUMENT;
-    if (!(how->dx >= 0) || !(how->dy >= 0) || !(how->dx - how->dx == 0) ||
-        !(how->dy - how->dy == 0) || (int) how->prior < NTP_PRIOR_AUTO ||
-        (int) how->prior > NTP_PRIOR_ROUGHNESS)
-        return NTP_ERR_ARGUMENT;
-    if ((how->dx != 0 && how->dx != 1) || (how->dy != 0 && how->dy != 1) ||
-        how->prior == NTP_PRIOR_ROUGHNESS)
-        return NTP_ERR_FORMAT;
-    /* No slope at a border is used in telescoping. */
-    bool sums = how->method == NTP_HEIGHT_TELESCOPING;
-    NTP__TRY(
-        ntp__grid_axis_init(along, width, how->kernel, sums ? NTP_BORDER_CLAMP : how->border_x));
-    return ntp__grid_axis_init(down, height, how->kernel, sums ? NTP_BORDER_CLAMP : how->border_y);
-}
-
-ntp_status ntp__integrate_check(const ntp_height_options *how, int32_t width, int32_t height)
-{
-    ntp__grid_axis along, down;
-    return check_options(&along, &down, how, width, height);
-}
-
-size_t ntp__integrate_scratch(const ntp_height_options *how, int32_t width, int32_t height,
-                              int32_t parts)
-{
-    ntp__grid_axis along, down;
-    if (check_options(&along, &down, how, width, height) != NTP_OK)
-        return 0;
-    if (how->method == NTP_HEIGHT_TELESCOPING)
-        return aligned(EXTRA_ROWS * (size_t) width * sizeof(double));
-    size_t count = (size_t) parts;
-    return aligned(ntp__fft_tables(kind_of(&along), width)) + aligned(count * sizeof(part)) +
-           aligned((size_t) height * sizeof(double)) + count * part_bytes(&along, height);
-}
-
-static void lay_out(job *j, void *scratch)
+static void lay_out(job *j, void *scratch, const ntp__slopes *slopes)
 {
     char *memory = scratch;
-    int32_t width = j->src->width, height = j->src->height;
-    size_t row = (size_t) width * sizeof(double);
-    ntp__fft_kind kind = kind_of(&j->along);
-    void *tables = take(&memory, ntp__fft_tables(kind, width));
+    const ntp__problem *p = &j->problem;
+    ntp__fft_kind kind = ntp__axis_transform(&p->along);
     j->parts = take(&memory, (size_t) j->part_count * sizeof(part));
-    j->sums = take(&memory, (size_t) height * sizeof(double));
-    memset(j->parts, 0, (size_t) j->part_count * sizeof(part));
+    j->squares = take(&memory, (size_t) p->down.n * sizeof(double));
+    void *columns = take(&memory, ntp__columns_bytes(p));
+    void *filter = take(&memory, ntp__filter_bytes(p));
+    void *tables = take(&memory, ntp__fft_plan_bytes(kind, p->along.n, p->single));
     for (int32_t i = 0; i < j->part_count; i++) {
-        part *p = &j->parts[i];
-        p->fft_work = take(&memory, ntp__fft_work(kind, width));
-        for (int32_t k = 0; k < KEPT; k++) {
-            p->right[k] = take(&memory, row);
-            p->down[k] = take(&memory, row);
-        }
-        p->line = take(&memory, row);
-        p->spare = take(&memory, (size_t) width * sizeof(float));
-        p->column = take(&memory, (size_t) height * sizeof(double));
+        char *own = take(&memory, part_bytes(p));
+        j->parts[i].spare = take(&own, (size_t) p->along.n * sizeof(float));
+        ntp__row_cache_init(&j->parts[i].cache, p, slopes, take(&own, ntp__row_cache_bytes(p)));
+        j->parts[i].fft_work = own;
     }
-    ntp__fft_init(&j->fft, kind, width, tables, j->parts[0].fft_work);
+    ntp__fft_plan(&j->fft, kind, p->along.n, p->single, tables, j->parts[0].fft_work);
+    if (p->filter)
+        ntp__filter_init(&j->filter, p, filter, j->parts[0].fft_work);
+    else
+        ntp__columns_init(&j->columns, p, columns);
 }
 
-/* ----------------------------------------------------------------------------- batches */
+/* --------------------------------------------------------------------------------- tasks */
 
-/* The slopes of row y: its place in what the part remembers. */
-static int32_t get_row(const job *j, part *p, int32_t y)
+static int32_t batch_rows(const job *j, part *p, int32_t first, float *rows[ROWS])
 {
-    for (int32_t k = 0; k < KEPT; k++) {
-        if (p->row[k] == y)
-            return k;
-    }
-    int32_t k = p->next;
-    p->next = (p->next + 1) % KEPT;
-    p->row[k] = y;
-    memset(&p->row_counts[k], 0, sizeof p->row_counts[k]);
-    ntp__slopes_row(&j->slopes, p->right[k], p->down[k], y, &p->row_counts[k]);
-    return k;
+    int32_t left = j->problem.down.n - first;
+    memset(p->spare, 0, (size_t) j->problem.along.n * sizeof(float));
+    for (int32_t i = 0; i < ROWS; i++)
+        rows[i] = i < left ? ntp__at_mut(j->dst, 0, first + i) : p->spare;
+    return left < ROWS ? left : ROWS;
 }
 
-/* f = the adjoint of slopes to the right. */
-static void adjoint_along(double *f, const ntp__grid_axis *axis, const double *right)
+static void analyze_batch(job *j, part *p, int32_t first)
 {
-    int32_t n = axis->n;
-    for (int32_t x = 2; x < n - 2; x++)
-        f[x] = axis->central ? 0.5 * (right[x - 1] - right[x + 1]) : right[x - 1] - right[x];
-    for (int32_t i = 0; i < 4; i++) {
-        int32_t x = i < 2 ? i : n - 4 + i; /* the first two and the last two */
-        if (x >= n || (i >= 2 && x < 2))
-            continue;
-        ntp__terms terms;
-        ntp__adjoint(&terms, axis, x);
-        f[x] = 0;
-        for (int32_t k = 0; k < terms.count; k++)
-            f[x] += terms.weight[k] * right[terms.at[k]];
-    }
-}
-
-static void divergence(job *j, part *p, int32_t y)
-{
-    ntp__terms terms;
-    int32_t n = j->along.n;
-    int32_t own = get_row(j, p, y);
-    p->counts.unused += p->row_counts[own].unused;
-    p->counts.not_finite += p->row_counts[own].not_finite;
-    adjoint_along(p->line, &j->along, p->right[own]);
-    ntp__adjoint(&terms, &j->down, y);
-    for (int32_t i = 0; i < terms.count; i++) {
-        const double *down = p->down[get_row(j, p, terms.at[i])];
-        double weight = terms.weight[i];
-        for (int32_t x = 0; x < n; x++)
-            p->line[x] += weight * down[x];
-    }
-    double sum = 0;
-    for (int32_t x = 0; x < n; x++)
-        sum += p->line[x];
-    j->sums[y] = sum;
-}
-
-static void batch_rows(const job *j, part *p, int32_t item, float *rows[ROWS])
-{
-    memset(p->spare, 0, (size_t) j->along.n * sizeof(float));
+    float *rows[ROWS];
+    double *sums = j->problem.filter ? NULL : j->columns.null[0], sum;
+    size_t real = j->problem.single ? sizeof(float) : sizeof(double);
+    int32_t count = batch_rows(j, p, first, rows);
     for (int32_t i = 0; i < ROWS; i++) {
-        int32_t y = item * ROWS + i;
-        rows[i] = y < j->down.n ? ntp__at_mut(j->dst, 0, y) : p->spare;
+        void *line = ntp__fft_line(&j->fft, p->fft_work, i);
+        if (i >= count) {
+            memset(line, 0, (size_t) j->problem.along.n * real);
+            continue;
+        }
+        ntp__divergence(&p->cache, line, first + i, &sum, &j->squares[first + i]);
+        if (sums != NULL)
+            sums[first + i] = sum;
     }
+    j->fft.loops->forward(&j->fft, rows, p->fft_work);
 }
 
 static void analyze(job *j, part *p, int32_t item)
 {
-    float *rows[ROWS];
-    batch_rows(j, p, item, rows);
-    for (int32_t k = 0; k < KEPT; k++)
-        p->row[k] = -1;
-    for (int32_t i = 0; i < ROWS; i++) {
-        int32_t y = item * ROWS + i;
-        if (y < j->down.n)
-            divergence(j, p, y);
-        else
-            memset(p->line, 0, (size_t) j->along.n * sizeof *p->line);
-        ntp__fft_load(&j->fft, i, p->line, p->fft_work);
+    for (int32_t i = 0; i < RUN; i++) {
+        int32_t y = j->first + (item * RUN + i) * ROWS;
+        if (y < j->end)
+            analyze_batch(j, p, y);
     }
-    ntp__fft_forward(&j->fft, rows, p->fft_work);
-}
-
-static void solve(job *j, part *p, int32_t item)
-{
-    int32_t x0 = item * NTP__COLUMNS, left = j->along.n - x0;
-    ntp__solve_columns(j->dst, &j->along, &j->down, j->sums, p->column, x0,
-                       x0 + (left < NTP__COLUMNS ? left : NTP__COLUMNS));
 }
 
 static void synthesize(job *j, part *p, int32_t item)
 {
-    float *rows[ROWS];
-    batch_rows(j, p, item, rows);
-    ntp__fft_inverse(&j->fft, rows, p->fft_work);
+    for (int32_t i = 0; i < RUN; i++) {
+        float *rows[ROWS];
+        int32_t y = j->first + (item * RUN + i) * ROWS;
+        if (y >= j->end)
+            return;
+        batch_rows(j, p, y, rows);
+        j->fft.loops->inverse(&j->fft, rows, p->fft_work);
+    }
+}
+
+static int32_t group_end(const job *j, int32_t item)
+{
+    int32_t end = (item + 1) * GROUP;
+    return end < j->problem.along.n ? end : j->problem.along.n;
+}
+
+static void columns_down(job *j, part *p, int32_t item)
+{
+    (void) p;
+    for (int32_t y = j->first; y < j->end; y++)
+        ntp__columns_down(&j->columns, ntp__at_mut(j->dst, 0, y), y, item * GROUP,
+                          group_end(j, item));
+}
+
+static void columns_up(job *j, part *p, int32_t item)
+{
+    (void) p;
+    for (int32_t y = j->end - 1; y >= j->first; y--)
+        ntp__columns_up(&j->columns, ntp__at_mut(j->dst, 0, y), y, item * GROUP,
+                        group_end(j, item));
+}
+
+static void filter_columns(job *j, part *p, int32_t item)
+{
+    ntp__filter_columns(&j->filter, j->dst, item * NTP__FFT_ROWS, p->fft_work);
 }
 
 /* ------------------------------------------------------------------------ parallel loops */
@@ -239,12 +176,28 @@ static void synthesize(job *j, part *p, int32_t item)
 typedef struct loop {
     job *j;
     job_task *task;
+    int32_t first, count, each;
 } loop;
 
+/* Part `index` does items index, index + parts, ... */
 static void run_part(void *work, int32_t index)
 {
     const loop *l = work;
-    l->task(l->j, &l->j->parts[index], l->j->first + index);
+    for (int32_t item = index; item < l->count; item += l->j->part_count)
+        l->task(l->j, &l->j->parts[index], l->first + item);
+}
+
+static void each(job *j, job_task *task, int32_t first, int32_t count)
+{
+    loop l = { j, task, first, count, 0 };
+    const ntp_hooks *hooks = j->hooks;
+    int32_t parts = count < j->part_count ? count : j->part_count;
+    if (hooks != NULL && hooks->parallel_for != NULL && parts > 1) {
+        hooks->parallel_for(hooks->user, parts, run_part, &l);
+    } else {
+        for (int32_t i = 0; i < parts; i++)
+            run_part(&l, i);
+    }
 }
 
 static bool stopped(const job *j, double share)
@@ -253,35 +206,141 @@ static bool stopped(const job *j, double share)
     return hooks != NULL && hooks->progress != NULL && hooks->progress(hooks->user, share) != 0;
 }
 
-/* Does all items; `from` to `to` are the shares of the whole work before and after. */
-static ntp_status each(job *j, job_task *task, int32_t count, double from, double to)
+/* -------------------------------------------------------------------------------- passes */
+
+static int32_t groups(const job *j)
 {
-    loop l = { j, task };
-    const ntp_hooks *hooks = j->hooks;
-    for (j->first = 0; j->first < count; j->first += j->part_count) {
-        int32_t left = count - j->first, n = left < j->part_count ? left : j->part_count;
-        if (stopped(j, from + (to - from) * j->first / count))
+    return (j->problem.along.n + GROUP - 1) / GROUP;
+}
+
+/* Rows that are taken at a time, and how many times that is. */
+static int32_t round_rows(const job *j)
+{
+    return j->part_count * RUN * ROWS;
+}
+
+static void set_round(job *j, int32_t round)
+{
+    int32_t rows = round_rows(j), left = j->problem.down.n - round * rows;
+    j->first = round * rows;
+    j->end = j->first + (left < rows ? left : rows);
+}
+
+static ntp_status go_down(job *j, int32_t rounds, double share)
+{
+    for (int32_t i = 0; i < rounds; i++) {
+        if (stopped(j, share * i / rounds))
             return NTP_ERR_CANCELLED;
-        if (hooks != NULL && hooks->parallel_for != NULL && n > 1) {
-            hooks->parallel_for(hooks->user, n, run_part, &l);
-        } else {
-            for (int32_t i = 0; i < n; i++)
-                run_part(&l, i);
-        }
+        set_round(j, i);
+        each(j, analyze, 0, (j->end - j->first + RUN * ROWS - 1) / (RUN * ROWS));
+        if (!j->problem.filter)
+            each(j, columns_down, 0, groups(j));
     }
     return NTP_OK;
 }
 
-/* ------------------------------------------------------------------------------- public */
-
-static ntp_status least_squares(job *j, void *scratch)
+static ntp_status go_up(job *j, int32_t rounds, double share)
 {
-    int32_t batches = (j->down.n + ROWS - 1) / ROWS;
-    int32_t groups = (j->along.n + NTP__COLUMNS - 1) / NTP__COLUMNS;
-    lay_out(j, scratch);
-    NTP__TRY(each(j, analyze, batches, 0, 0.5));
-    NTP__TRY(each(j, solve, groups, 0.5, 0.75));
-    return each(j, synthesize, batches, 0.75, 1);
+    for (int32_t i = rounds - 1; i >= 0; i--) {
+        if (stopped(j, 1 - share * (i + 1) / rounds))
+            return NTP_ERR_CANCELLED;
+        set_round(j, i);
+        if (!j->problem.filter)
+            each(j, columns_up, 0, groups(j));
+        each(j, synthesize, 0, (j->end - j->first + RUN * ROWS - 1) / (RUN * ROWS));
+    }
+    return NTP_OK;
+}
+
+static ntp_status filter_all(job *j)
+{
+    double sum = 0, width = j->problem.along.n, height = j->problem.down.n;
+    int32_t count = (j->problem.along.n + NTP__FFT_ROWS - 1) / NTP__FFT_ROWS;
+    int32_t step = j->part_count * GROUP / NTP__FFT_ROWS;
+    for (int32_t y = 0; y < j->problem.down.n; y++)
+        sum += j->squares[y];
+    ntp__filter_set_prior(&j->filter, sum / (width * height));
+    for (int32_t i = 0; i < count; i += step) {
+        if (stopped(j, (1 + (double) i / count) / 3))
+            return NTP_ERR_CANCELLED;
+        each(j, filter_columns, i, count - i < step ? count - i : step);
+    }
+    return NTP_OK;
+}
+
+static ntp_status least_squares(job *j)
+{
+    int32_t rounds = (j->problem.down.n + round_rows(j) - 1) / round_rows(j);
+    double share = j->problem.filter ? 1.0 / 3 : 0.5;
+    NTP__TRY(go_down(j, rounds, share));
+    if (j->problem.filter)
+        NTP__TRY(filter_all(j));
+    else
+        ntp__columns_turn(&j->columns);
+    return go_up(j, rounds, share);
+}
+
+/* -------------------------------------------------------------------------------- whole */
+
+static bool spacing_good(double d)
+{
+    return d >= 0 && d - d == 0;
+}
+
+/* Heights in steps of dy down: the slopes right are per step of dx, and weigh (dy/dx)^2. */
+static bool set_weights(ntp__problem *p, const ntp_height_options *how)
+{
+    double dx = how->dx != 0 ? how->dx : 1, dy = how->dy != 0 ? how->dy : 1;
+    p->ratio = dy / dx * (dy / dx);
+    p->right_weight = dy * (dy / dx);
+    p->down_weight = dy;
+    return spacing_good(how->dx) && spacing_good(how->dy) && p->ratio > 0x1p-100 &&
+           p->ratio < 0x1p100 && dy > 0x1p-100 && dy < 0x1p100;
+}
+
+ntp_status ntp__problem_init(ntp__problem *p, const ntp_height_options *how, int32_t width,
+                             int32_t height, ntp_type type)
+{
+    bool sums = how->method == NTP_HEIGHT_TELESCOPING;
+    bool wrap_x = how->border_x == NTP_BORDER_WRAP, wrap_y = how->border_y == NTP_BORDER_WRAP;
+    memset(p, 0, sizeof *p);
+    if ((how->method == NTP_HEIGHT_FRANKOT_CHELLAPPA && !(wrap_x && wrap_y)) ||
+        (how->method == NTP_HEIGHT_POISSON_DCT && (wrap_x || wrap_y)) ||
+        (int) how->prior < NTP_PRIOR_AUTO || (int) how->prior > NTP_PRIOR_ROUGHNESS ||
+        !set_weights(p, how))
+        return NTP_ERR_ARGUMENT;
+    if (sums && how->kernel != NTP_KERNEL_CENTRAL && how->kernel != NTP_KERNEL_FORWARD)
+        return NTP_ERR_FORMAT;
+    /* No slope at a border is used in telescoping. */
+    NTP__TRY(ntp__grid_axis_init(&p->along, width, how->kernel,
+                                 sums ? NTP_BORDER_CLAMP : how->border_x));
+    NTP__TRY(ntp__grid_axis_init(&p->down, height, how->kernel,
+                                 sums ? NTP_BORDER_CLAMP : how->border_y));
+    bool taps = p->along.kind == NTP__AXIS_TAPS;
+    bool prior = how->prior == NTP_PRIOR_ROUGHNESS || (how->prior == NTP_PRIOR_AUTO && taps);
+    p->single = type == NTP_U8;
+    p->filter = taps || prior || ntp__axis_transform(&p->down) == NTP__FFT_MIRROR;
+    /* A level is 2/M, its rounding error even over that; floats are 24 bits. */
+    double level = type == NTP_U8 ? 2.0 / 255 : type == NTP_U16 ? 2.0 / 65535 : 0x1p-23;
+    p->sigma = prior ? level * 0.28867513459481288 * p->down_weight : 0;
+    return NTP_OK;
+}
+
+ntp_status ntp__integrate_check(const ntp_height_options *how, int32_t width, int32_t height)
+{
+    ntp__problem p;
+    return ntp__problem_init(&p, how, width, height, NTP_F32);
+}
+
+size_t ntp__integrate_scratch(const ntp_height_options *how, int32_t width, int32_t height,
+                              int32_t parts)
+{
+    ntp__problem p;
+    if (ntp__problem_init(&p, how, width, height, NTP_F32) != NTP_OK)
+        return 0;
+    if (how->method == NTP_HEIGHT_TELESCOPING)
+        return ntp__aligned(EXTRA_ROWS * (size_t) width * sizeof(double));
+    return scratch_bytes(&p, parts);
 }
 
 ntp_status ntp__integrate(const ntp_image *dst, const ntp__slopes *slopes,
@@ -290,22 +349,21 @@ ntp_status ntp__integrate(const ntp_image *dst, const ntp__slopes *slopes,
 {
     job j;
     memset(&j, 0, sizeof j);
-    NTP__TRY(check_options(&j.along, &j.down, how, dst->width, dst->height));
+    NTP__TRY(ntp__problem_init(&j.problem, how, dst->width, dst->height, slopes->src->type));
     j.part_count = hooks != NULL && hooks->parts != 0 ? hooks->parts : 1;
     j.dst = dst;
-    j.src = slopes->src;
     j.hooks = hooks;
-    j.slopes = *slopes;
     if (how->method == NTP_HEIGHT_TELESCOPING) {
         if (stopped(&j, 0))
             return NTP_ERR_CANCELLED;
-        ntp__telescope(dst, &j.slopes, how, scratch, counts);
+        ntp__telescope(dst, slopes, how, scratch, counts);
         return NTP_OK;
     }
-    NTP__TRY(least_squares(&j, scratch));
+    lay_out(&j, scratch, slopes);
+    NTP__TRY(least_squares(&j));
     for (int32_t i = 0; i < j.part_count; i++) {
-        counts->unused += j.parts[i].counts.unused;
-        counts->not_finite += j.parts[i].counts.not_finite;
+        counts->unused += j.parts[i].cache.counts.unused;
+        counts->not_finite += j.parts[i].cache.counts.not_finite;
     }
     return NTP_OK;
 }

@@ -1,32 +1,44 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * integrate.h - what the files of "normals -> heightfield" share
+ * integrate.h - what the files of the direct solver share
+ *
+ * integrate.c walks over the image; integrate_axis.c knows the stencils; integrate_rows.c makes
+ * right-hand sides; integrate_columns.c solves down columns, by recursion or by transforms.
  */
 #ifndef NTP_INTEGRATE_H
 #define NTP_INTEGRATE_H
 
-#include "fft.h"
 #include "slopes.h"
+#include "solver_kernels.h"
+
+enum { NTP__CACHE_LINE = 64 };
+
+static inline size_t ntp__aligned(size_t bytes)
+{
+    return (bytes + NTP__CACHE_LINE - 1) / NTP__CACHE_LINE * NTP__CACHE_LINE;
+}
+
+/* ---------------------------------------------------------------------------------- axes */
+
+typedef enum ntp__axis_kind {
+    NTP__AXIS_FORWARD,
+    NTP__AXIS_CENTRAL,
+    NTP__AXIS_BAKED,
+    NTP__AXIS_TAPS /* of the table in gradient_taps.h */
+} ntp__axis_kind;
 
 /* One axis of the image, with the stencil of the slopes along it. */
 typedef struct ntp__grid_axis {
     int32_t n;
-    bool central, wrap;
+    ntp_kernel kernel;
+    ntp__axis_kind kind;
+    ntp_border border;
+    bool wrap;
     double last; /* forward, not wrap: share of the last slope in the last edge, with its sign */
     double edge; /* central, not wrap: weight of the slopes at both ends */
 } ntp__grid_axis;
 
-/* The direct solver and telescoping: does it take this, its working memory, and the work, which adds
- * to counts.  parts: at least 1.  Of `how` the fields up to `equalize` count, but not decode and
- * z, which the slopes have in them. */
-ntp_status ntp__integrate_check(const ntp_height_options *how, int32_t width, int32_t height);
-size_t ntp__integrate_scratch(const ntp_height_options *how, int32_t width, int32_t height,
-                              int32_t parts);
-ntp_status ntp__integrate(const ntp_image *dst, const ntp__slopes *slopes,
-                          const ntp_height_options *how, void *scratch, const ntp_hooks *hooks,
-                          ntp__slope_counts *counts);
-
-enum { NTP__MAX_TERMS = 4 };
+enum { NTP__MAX_TERMS = 10 };
 
 /* A weighted sum of slopes. */
 typedef struct ntp__terms {
@@ -38,23 +50,126 @@ typedef struct ntp__terms {
 ntp_status ntp__grid_axis_init(ntp__grid_axis *axis, int32_t n, ntp_kernel kernel,
                                ntp_border border);
 
-/* The adjoint of the stencil: what the slopes say about the height at i. */
+/* The adjoint of a one-dimensional stencil: what the slopes say about the height at i. */
 void ntp__adjoint(ntp__terms *terms, const ntp__grid_axis *axis, int32_t i);
 
-/* Eigenvalue of the stencil followed by its adjoint, for element j of a transformed row. */
-double ntp__eigenvalue(const ntp__grid_axis *axis, int32_t j);
+/* Texels around i whose slopes count in the adjoint at i. */
+int32_t ntp__reach(const ntp__grid_axis *axis);
 
-/*
- * Solves (A + lambda) h = f down columns x0..x1 - 1 of a packed float image in place, A being
- * (adjoint)(stencil) of the axis and lambda the eigenvalue of each column on the other axis.
- * Where lambda is 0 the solution has mean 0 on each chain of rows that A couples.  sums: f of
- * column 0, more exactly; column: room for axis->n doubles.
- */
-void ntp__solve_columns(const ntp_image *dst, const ntp__grid_axis *along,
-                        const ntp__grid_axis *down, const double *sums, double *column, int32_t x0,
-                        int32_t x1);
+/* The index of what stands at i, which may lie outside, with its sign: slopes along the axis are
+ * odd (they change sign where the axis is mirrored), those across it even. */
+int32_t ntp__reflected(const ntp__grid_axis *axis, int32_t i, bool odd, double *sign);
 
-enum { NTP__COLUMNS = 256 /* at most, of a call */ };
+/* Which transform makes the stencil diagonal. */
+ntp__fft_kind ntp__axis_transform(const ntp__grid_axis *axis);
+
+enum { NTP__AXIS_TERMS = 2 };
+
+/* What the stencil makes of frequency j: slopes along the axis and means across it, of each term of
+ * a kernel, and the roughness 4 sin^2(w/2). */
+typedef struct ntp__symbol {
+    double along[NTP__AXIS_TERMS], across[NTP__AXIS_TERMS];
+    double roughness;
+} ntp__symbol;
+
+void ntp__symbol_at(ntp__symbol *symbol, const ntp__grid_axis *axis, int32_t j);
+
+/* ------------------------------------------------------------------------------- problem */
+
+/* Rows of normals, and where heights go: whole images, or callbacks. */
+typedef struct ntp__problem {
+    ntp__grid_axis along, down;
+    double right_weight, down_weight; /* of the slopes in the right-hand side */
+    double ratio;                     /* of dy and dx, squared */
+    double sigma;                     /* of the rounding of slopes; 0: no prior */
+    bool single;                      /* arithmetic of rows in float */
+    bool filter;                      /* columns are transformed as well, not recursive */
+} ntp__problem;
+
+ntp_status ntp__problem_init(ntp__problem *p, const ntp_height_options *how, int32_t width,
+                             int32_t height, ntp_type type);
+
+/* ---------------------------------------------------------------------------------- rows */
+
+/* What a part remembers of rows of slopes. */
+typedef struct ntp__row_cache {
+    const ntp__problem *problem;
+    const ntp__slopes *slopes;
+    const ntp__row_loops *loops;
+    void *memory; /* of rows of slopes, right and down */
+    void *line;   /* a row with NTP__PAD more on both sides */
+    int32_t kept;
+    uint64_t uses, used[2 * NTP__MAX_TERMS]; /* when each was asked for last */
+    int32_t row[2 * NTP__MAX_TERMS];         /* which; -1: none */
+    ntp__slope_counts row_counts[2 * NTP__MAX_TERMS];
+    ntp__slope_counts counts;
+} ntp__row_cache;
+
+size_t ntp__row_cache_bytes(const ntp__problem *p);
+void ntp__row_cache_init(ntp__row_cache *cache, const ntp__problem *p, const ntp__slopes *slopes,
+                         void *memory);
+
+/* Right-hand side of row y, floats or doubles; *sum: of what slopes down put in, *squares: of f. */
+void ntp__divergence(ntp__row_cache *cache, void *f, int32_t y, double *sum, double *squares);
+
+/* ------------------------------------------------------------------------------- columns */
+
+typedef struct ntp__columns ntp__columns;
+
+enum { NTP__COLUMNS = 64 /* done at a time */, NTP__MAX_NULLS = 2 };
+
+/* Rows in the order in which they are coupled: first, first + step, ... */
+typedef struct ntp__segment {
+    int32_t first, step, length;
+    double *state, *sum, *power, *entry, *start, *begin; /* of each column */
+} ntp__segment;
+
+struct ntp__columns {
+    const ntp__column_loops *loops;
+    const ntp__grid_axis *down;
+    int32_t width;
+    double scale;
+    int32_t segments;
+    ntp__segment segment[2];
+    double *r, *inverse; /* 0: a null column, which is done apart */
+    int32_t *live;       /* of NTP__COLUMNS each: the last row of a segment where r^i shows */
+    int32_t nulls, null_at[NTP__MAX_NULLS];
+    double *null[NTP__MAX_NULLS]; /* the null columns, whole */
+};
+
+size_t ntp__columns_bytes(const ntp__problem *p);
+void ntp__columns_init(ntp__columns *c, const ntp__problem *p, void *memory);
+
+/* Row y of columns x0..x1 - 1: downwards all rows, in order; then `turn`, then upwards all rows. */
+void ntp__columns_down(ntp__columns *c, float *row, int32_t y, int32_t x0, int32_t x1);
+void ntp__columns_turn(ntp__columns *c);
+void ntp__columns_up(ntp__columns *c, float *row, int32_t y, int32_t x0, int32_t x1);
+
+/* Transforms down the columns and division, for stencils that recursion does not know. */
+typedef struct ntp__filter {
+    const ntp__problem *problem;
+    ntp__fft fft;
+    ntp__symbol *along, *down; /* of each frequency */
+    double prior, precision;
+} ntp__filter;
+
+size_t ntp__filter_bytes(const ntp__problem *p);
+void ntp__filter_init(ntp__filter *f, const ntp__problem *p, void *memory, void *work);
+/* mean_square: of the right-hand side */
+void ntp__filter_set_prior(ntp__filter *f, double mean_square);
+void ntp__filter_columns(const ntp__filter *f, const ntp_image *dst, int32_t x0, void *work);
+
+/* --------------------------------------------------------------------------------- whole */
+
+/* The direct solver and telescoping: does it take this, its working memory, and the work, which adds
+ * to counts.  parts: at least 1.  Of `how` the fields up to `equalize`, dx, dy and prior count, but
+ * not decode and z, which the slopes have in them. */
+ntp_status ntp__integrate_check(const ntp_height_options *how, int32_t width, int32_t height);
+size_t ntp__integrate_scratch(const ntp_height_options *how, int32_t width, int32_t height,
+                              int32_t parts);
+ntp_status ntp__integrate(const ntp_image *dst, const ntp__slopes *slopes,
+                          const ntp_height_options *how, void *scratch, const ntp_hooks *hooks,
+                          ntp__slope_counts *counts);
 
 /* Eberly's sums.  rows: room for 5 rows of doubles. */
 void ntp__telescope(const ntp_image *dst, const ntp__slopes *slopes, const ntp_height_options *how,

@@ -1,146 +1,26 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * integrate_columns.c - the stencils of an axis, and the recursion along columns
+ * integrate_columns.c - the recursion along columns
  *
  * Once rows are transformed, each column is a system of its own: lambda h plus second differences
- * of h.  Forward slopes couple neighbors; central ones couple rows two apart, which makes one or
- * two rings of rows (with mirrored ends the even rows go down and the odd ones up again).  In
- * the order of such a ring, or of a chain with free ends, the system is -1, 2 + mu, -1, and
- * with r + 1/r = 2 + mu it factors into h[i] = r (u[i] + h[i+1]), u[i] = f[i] + r u[i-1]:
- * one pass down and one up.  What enters at the ends follows from two sums of the first pass.
+ * of h.  Forward slopes couple neighbors; central ones couple rows two apart: the even rows are
+ * one segment, the odd ones another.  Along a segment the system is -1, 2 + mu, -1; with
+ * r + 1/r = 2 + mu it factors into u[i] = f[i] + r u[i-1], downwards, and h[i] = r (u[i] + h[i+1]),
+ * upwards.  What enters a segment at its ends are waves that die away as r^i: those that leave
+ * it, or the other one, at the end that the border joins to it, all round.  Their sizes
+ * follow from two sums of the way down.  All state is in double; rows are floats.
  */
 #include "integrate.h"
 
 #include <math.h>
 #include <string.h>
 
-/* Powers of r below this are 0: they no longer show in a float. */
-static const double tiny = 0x1p-200;
+/* Powers of r below this no longer show in a float. */
+static const double tiny = 0x1p-80;
 
-/* --------------------------------------------------------------------------- stencils */
+enum { ARRAYS = 6 /* of a segment */ };
 
-ntp_status ntp__grid_axis_init(ntp__grid_axis *axis, int32_t n, ntp_kernel kernel,
-                               ntp_border border)
-{
-    if (kernel != NTP_KERNEL_CENTRAL && kernel != NTP_KERNEL_FORWARD)
-        return NTP_ERR_FORMAT;
-    axis->n = n;
-    axis->central = kernel == NTP_KERNEL_CENTRAL;
-    axis->wrap = border == NTP_BORDER_WRAP;
-    axis->last = 0;
-    axis->edge = 1;
-    if (axis->central) {
-        if (border == NTP_BORDER_MIRROR || border == NTP_BORDER_REPEAT_SLOPE)
-            return NTP_ERR_FORMAT;
-        /* h[1] - h[0] where clamping makes (h[1] - h[0])/2 */
-        axis->edge = border == NTP_BORDER_EXTRAPOLATE ? 0.5 : 1;
-    } else if (border == NTP_BORDER_MIRROR) {
-        axis->last = -0.5;
-    } else if (border == NTP_BORDER_EXTRAPOLATE || border == NTP_BORDER_REPEAT_SLOPE) {
-        axis->last = 0.5;
-    }
-    return NTP_OK;
-}
-
-static void add_term(ntp__terms *terms, int32_t at, double weight)
-{
-    terms->at[terms->count] = at;
-    terms->weight[terms->count] = weight;
-    terms->count++;
-}
-
-/* The slope between i and i + 1. */
-static void add_edge(ntp__terms *terms, const ntp__grid_axis *axis, int32_t i, double weight)
-{
-    if (i != axis->n - 2 || axis->last == 0) {
-        add_term(terms, i, weight);
-        return;
-    }
-    add_term(terms, i, weight / 2);
-    add_term(terms, i + 1, weight * axis->last);
-}
-
-void ntp__adjoint(ntp__terms *terms, const ntp__grid_axis *axis, int32_t i)
-{
-    int32_t n = axis->n, before = i > 0 ? i - 1 : n - 1, after = i < n - 1 ? i + 1 : 0;
-    terms->count = 0;
-    if (n == 1)
-        return;
-    if (axis->wrap) {
-        add_term(terms, before, axis->central ? 0.5 : 1);
-        add_term(terms, axis->central ? after : i, axis->central ? -0.5 : -1);
-    } else if (!axis->central) {
-        if (i > 0)
-            add_edge(terms, axis, i - 1, 1);
-        if (i < n - 1)
-            add_edge(terms, axis, i, -1);
-    } else {
-        /* Beyond the ends the slopes of mirrored heights: the same, negated. */
-        bool first = i == 0, last = i == n - 1;
-        before = first ? 0 : before;
-        after = last ? n - 1 : after;
-        double b = before == 0 || before == n - 1 ? axis->edge : 1;
-        double a = after == 0 || after == n - 1 ? axis->edge : 1;
-        add_term(terms, before, (first ? -0.5 : 0.5) * b);
-        add_term(terms, after, (last ? 0.5 : -0.5) * a);
-    }
-}
-
-double ntp__eigenvalue(const ntp__grid_axis *axis, int32_t j)
-{
-    int64_t n = axis->n, k = axis->wrap && 2 * (int64_t) j > n ? n - j : j;
-    double c, s;
-    /* Wrap has the frequency 2 pi k/n, free ends pi k/n; forward slopes see half of it. */
-    int64_t whole = (axis->wrap ? 1 : 2) * (axis->central ? 1 : 2) * n;
-    ntp__turn(&c, &s, k, whole);
-    return axis->central ? s * s : 4 * s * s;
-}
-
-/* ------------------------------------------------------------------------------ chains */
-
-/* Rows in the order in which they are coupled. */
-typedef struct chain {
-    const ntp__grid_axis *axis;
-    int32_t length, first;
-    bool ring;
-} chain;
-
-static int32_t row_of(const chain *c, int32_t i)
-{
-    int32_t n = c->axis->n, evens = (n + 1) / 2;
-    if (!c->axis->central)
-        return i;
-    if (c->axis->wrap)
-        return (int32_t) ((c->first + 2 * (int64_t) i) % n);
-    return i < evens ? 2 * i : 2 * (n - 1 - i) + 1;
-}
-
-/* Fills both; returns how many there are. */
-static int32_t make_chains(chain chains[2], const ntp__grid_axis *axis)
-{
-    bool two = axis->central && axis->wrap && axis->n % 2 == 0;
-    for (int32_t i = 0; i < 2; i++) {
-        chains[i].axis = axis;
-        chains[i].length = two ? axis->n / 2 : axis->n;
-        chains[i].first = i;
-        chains[i].ring = axis->central || axis->wrap;
-    }
-    return two ? 2 : 1;
-}
-
-/* ---------------------------------------------------------------------- the recursion */
-
-/* The state of up to NTP__COLUMNS columns. */
-typedef struct columns {
-    double r[NTP__COLUMNS];       /* 0: lambda is 0, the column is done apart */
-    double inverse[NTP__COLUMNS]; /* 1/r */
-    double state[NTP__COLUMNS];   /* u, then h */
-    double power[NTP__COLUMNS];   /* r^i */
-    double sum[NTP__COLUMNS];     /* of r^i f[i] */
-    double entry[NTP__COLUMNS];   /* r^(i+1) times what enters u at the first row */
-    double start[NTP__COLUMNS];   /* entry at `begin` - 1 */
-    double begin[NTP__COLUMNS];   /* the greatest i with r^i not below `tiny` */
-} columns;
+/* -------------------------------------------------------------------------------- set-up */
 
 /* r^e for the greatest e <= limit for which it is not tiny. */
 static double greatest_power(double r, int32_t limit, int32_t *e)
@@ -159,81 +39,208 @@ static double greatest_power(double r, int32_t limit, int32_t *e)
     return product;
 }
 
-static void init_columns(columns *s, const ntp__grid_axis *along, double scale, int32_t x0,
-                         int32_t n)
+static bool two_segments(const ntp__grid_axis *down)
 {
-    for (int32_t i = 0; i < n; i++) {
-        double mu = scale * ntp__eigenvalue(along, x0 + i);
+    return down->kind == NTP__AXIS_CENTRAL && down->n > 1;
+}
+
+static size_t live_bytes(int32_t width)
+{
+    return ntp__aligned((size_t) (width / NTP__COLUMNS + 1) * sizeof(int32_t));
+}
+
+size_t ntp__columns_bytes(const ntp__problem *p)
+{
+    size_t row = ntp__aligned((size_t) p->along.n * sizeof(double));
+    size_t column = ntp__aligned((size_t) p->down.n * sizeof(double));
+    size_t arrays = 2 + ARRAYS * (two_segments(&p->down) ? 2 : 1);
+    return p->filter ? 0 : arrays * row + NTP__MAX_NULLS * column + live_bytes(p->along.n);
+}
+
+static double *take(char **memory, int32_t n)
+{
+    double *taken = (double *) (void *) *memory;
+    *memory += ntp__aligned((size_t) n * sizeof(double));
+    return taken;
+}
+
+static void init_segment(ntp__segment *s, int32_t first, int32_t step, int32_t rows, int32_t width,
+                         char **memory)
+{
+    s->first = first;
+    s->step = step;
+    s->length = (rows - first + step - 1) / step;
+    double **arrays[ARRAYS] = { &s->state, &s->sum, &s->power, &s->entry, &s->start, &s->begin };
+    for (int32_t i = 0; i < ARRAYS; i++) {
+        *arrays[i] = take(memory, width);
+        for (int32_t k = 0; k < width; k++)
+            (*arrays[i])[k] = arrays[i] == &s->power ? 1 : 0;
+    }
+}
+
+void ntp__columns_init(ntp__columns *c, const ntp__problem *p, void *memory)
+{
+    char *rest = memory;
+    bool central = two_segments(&p->down);
+    memset(c, 0, sizeof *c);
+    c->loops = &ntp__solver_kernels_for(NTP__CPU_ALL)->columns;
+    c->down = &p->down;
+    c->width = p->along.n;
+    /* The differences of central slopes are a quarter of -1, 2, -1. */
+    c->scale = central ? 4 : 1;
+    c->segments = central ? 2 : 1;
+    c->r = take(&rest, c->width);
+    c->inverse = take(&rest, c->width);
+    for (int32_t i = 0; i < c->segments; i++)
+        init_segment(&c->segment[i], i, c->segments, p->down.n, c->width, &rest);
+    for (int32_t i = 0; i < NTP__MAX_NULLS; i++)
+        c->null[i] = take(&rest, p->down.n);
+    c->live = (int32_t *) (void *) rest;
+    memset(c->live, 0, live_bytes(c->width));
+    for (int32_t k = 0; k < c->width; k++) {
+        ntp__symbol symbol;
+        int32_t e, *live = &c->live[k / NTP__COLUMNS];
+        ntp__symbol_at(&symbol, &p->along, k);
+        double mu = c->scale * p->ratio * symbol.along[0] * symbol.along[0];
         double half = mu / 2, root = sqrt(mu + half * half);
-        s->r[i] = mu > 0 ? 1 / (1 + half + root) : 0;
-        s->inverse[i] = mu > 0 ? 1 + half + root : 0;
+        c->r[k] = mu > 0 ? 1 / (1 + half + root) : 0;
+        c->inverse[k] = mu > 0 ? 1 + half + root : 0;
+        greatest_power(c->r[k], p->down.n, &e);
+        *live = e > *live ? e : *live;
+        if (!(mu > 0) && c->nulls < NTP__MAX_NULLS)
+            c->null_at[c->nulls++] = k;
     }
 }
 
-static float *row_at(const ntp_image *dst, const chain *c, int32_t i, int32_t x0)
+/* ------------------------------------------------------------------------------ recursion */
+
+static const ntp__segment *segment_of(const ntp__columns *c, int32_t y)
 {
-    return ntp__at_mut(dst, x0, row_of(c, i));
+    return &c->segment[y % c->segments];
 }
 
-static void pass_down(columns *s, const ntp_image *dst, const chain *c, double scale, int32_t x0,
-                      int32_t n)
+void ntp__columns_down(ntp__columns *c, float *row, int32_t y, int32_t x0, int32_t x1)
 {
-    for (int32_t k = 0; k < n; k++) {
-        s->state[k] = s->sum[k] = 0;
-        s->power[k] = 1;
+    const ntp__segment *s = segment_of(c, y);
+    int32_t at_row = y / c->segments;
+    for (int32_t i = 0; i < c->nulls; i++) {
+        int32_t at = c->null_at[i];
+        if (at > 0 && at >= x0 && at < x1)
+            c->null[i][y] = (double) row[at];
     }
-    for (int32_t i = 0; i < c->length; i++) {
-        float *row = row_at(dst, c, i, x0);
-        for (int32_t k = 0; k < n; k++) {
-            double f = scale * (double) row[k];
-            s->state[k] = f + s->r[k] * s->state[k];
-            s->sum[k] += s->power[k] * f;
-            s->power[k] = s->power[k] > tiny ? s->power[k] * s->r[k] : 0;
-            row[k] = s->r[k] > 0 ? (float) s->state[k] : row[k];
+    for (int32_t x = x0; x < x1; x += NTP__COLUMNS) {
+        int32_t n = x1 - x < NTP__COLUMNS ? x1 - x : NTP__COLUMNS;
+        if (at_row <= c->live[x / NTP__COLUMNS])
+            c->loops->down_live(s->state + x, row + x, c->r + x, c->scale, s->sum + x, s->power + x,
+                                tiny, n);
+        else
+            c->loops->down(s->state + x, row + x, c->r + x, c->scale, n);
+    }
+}
+
+void ntp__columns_up(ntp__columns *c, float *row, int32_t y, int32_t x0, int32_t x1)
+{
+    const ntp__segment *s = segment_of(c, y);
+    int32_t at_row = y / c->segments;
+    for (int32_t x = x0; x < x1; x += NTP__COLUMNS) {
+        int32_t n = x1 - x < NTP__COLUMNS ? x1 - x : NTP__COLUMNS;
+        if (at_row <= c->live[x / NTP__COLUMNS])
+            c->loops->up_live(s->state + x, row + x, c->r + x, c->inverse + x, s->entry + x,
+                              s->start + x, s->begin + x, at_row, n);
+        else
+            c->loops->up(s->state + x, row + x, c->r + x, n);
+    }
+    for (int32_t i = 0; i < c->nulls; i++) {
+        if (c->null_at[i] >= x0 && c->null_at[i] < x1)
+            row[c->null_at[i]] = (float) c->null[i][y];
+    }
+}
+
+/* ---------------------------------------------------------------------------------- turn */
+
+/* r^length, 0 where it is tiny. */
+static double whole_power(double r, int32_t length)
+{
+    int32_t e;
+    double power = greatest_power(r, length, &e);
+    return e == length ? power : 0;
+}
+
+/* Where the waves come from: at the upper end of the first segment and of the second, and at their
+ * lower ends. */
+typedef struct waves {
+    double upper[2], lower[2];
+} waves;
+
+/*
+ * In units of the response to one source.  A wave that leaves a segment has come from its sources
+ * (u: the last state; v: the sum of r^i f[i]), and from what entered at the other end, times q = r^length.
+ * One segment: a border that wraps joins its ends, one that is free mirrors.  Two: wrap joins each
+ * to itself, or to the other one where the number of rows is odd; free ends join the two.
+ */
+static waves find_waves(const ntp__columns *c, const double u[2], const double v[2],
+                        const double q[2])
+{
+    waves w = { { 0, 0 }, { 0, 0 } };
+    double all = q[0] * q[1];
+    if (c->segments == 1 && !c->down->wrap) {
+        w.upper[0] = (v[0] + q[0] * u[0]) / (1 - q[0] * q[0]);
+        w.lower[0] = (u[0] + q[0] * v[0]) / (1 - q[0] * q[0]);
+    } else if (c->segments == 1 || (c->down->wrap && c->down->n % 2 == 0)) {
+        for (int32_t i = 0; i < c->segments; i++) {
+            w.upper[i] = u[i] / (1 - q[i]);
+            w.lower[i] = v[i] / (1 - q[i]);
+        }
+    } else if (c->down->wrap) {
+        w.upper[1] = (u[0] + q[0] * u[1]) / (1 - all);
+        w.upper[0] = u[1] + q[1] * w.upper[1];
+        w.lower[0] = (v[1] + q[1] * v[0]) / (1 - all);
+        w.lower[1] = v[0] + q[0] * w.lower[0];
+    } else {
+        for (int32_t i = 0; i < 2; i++) {
+            w.upper[i] = (v[1 - i] + q[1 - i] * u[i]) / (1 - all);
+            w.lower[1 - i] = u[i] + q[i] * w.upper[i];
         }
     }
+    return w;
 }
 
-/* What enters u at the first row, and h at the last: the sums over all the periods of the ring,
- * or of the chain continued by its mirror images. */
-static void set_entries(columns *s, const chain *c, int32_t n)
+static void turn_column(ntp__columns *c, int32_t k)
 {
-    for (int32_t k = 0; k < n; k++) {
-        double r = s->r[k], u = s->state[k], f = s->sum[k], into;
-        int32_t e = 0;
-        s->start[k] = s->entry[k] = 0;
-        s->begin[k] = -1;
-        if (!(r > 0))
-            continue;
-        double power = greatest_power(r, c->length, &e);
-        double all = e == c->length ? power : 0; /* r^length */
-        if (c->ring) {
-            into = u / (1 - all);
-            s->state[k] = r / ((1 - r) * (1 + r)) * (f + r * u) / (1 - all);
-        } else {
-            into = (f + all * u) / (1 - all * all);
-            s->state[k] = r * (u + into * all) / (1 - r);
-        }
-        s->start[k] = into * power;
+    double r = c->r[k], u[2] = { 0, 0 }, v[2] = { 0, 0 }, q[2] = { 1, 1 };
+    for (int32_t i = 0; i < c->segments; i++) {
+        u[i] = c->segment[i].state[k];
+        v[i] = c->segment[i].sum[k];
+        q[i] = whole_power(r, c->segment[i].length);
+    }
+    waves w = find_waves(c, u, v, q);
+    double response = r / ((1 - r) * (1 + r));
+    for (int32_t i = 0; i < c->segments; i++) {
+        ntp__segment *s = &c->segment[i];
+        int32_t e;
+        double power = greatest_power(r, s->length - 1, &e);
+        s->start[k] = w.upper[i] * r * power;
         s->begin[k] = e;
+        s->state[k] = response * (r * u[i] + w.lower[i] + w.upper[i] * r * q[i]);
     }
 }
 
-static void pass_up(columns *s, const ntp_image *dst, const chain *c, int32_t x0, int32_t n)
+/* Second differences of h are -scale f: two sums.  The order is that of the rows that are coupled,
+ * which for central slopes with free ends, or an odd number of rows that wrap, is one round of both
+ * segments. */
+typedef struct chain {
+    int32_t n, length, first, step;
+    bool ring, folded;
+} chain;
+
+static int32_t row_of(const chain *c, int32_t i)
 {
-    for (int32_t i = c->length - 1; i >= 0; i--) {
-        float *row = row_at(dst, c, i, x0);
-        double at = i + 1;
-        for (int32_t k = 0; k < n; k++) {
-            double kept = s->entry[k] * s->inverse[k];
-            s->entry[k] = s->begin[k] == at ? s->start[k] : kept;
-            s->state[k] = s->r[k] * ((double) row[k] + s->entry[k] + s->state[k]);
-            row[k] = s->begin[k] < 0 ? row[k] : (float) s->state[k];
-        }
+    if (c->folded) {
+        int32_t evens = (c->n + 1) / 2;
+        return i < evens ? 2 * i : 2 * (c->n - 1 - i) + 1;
     }
+    return (int32_t) ((c->first + (int64_t) c->step * i) % c->n);
 }
-
-/* ------------------------------------------------------------------- columns of lambda 0 */
 
 static void subtract_mean(double *h, const chain *c)
 {
@@ -245,8 +252,7 @@ static void subtract_mean(double *h, const chain *c)
         h[row_of(c, i)] -= mean;
 }
 
-/* Second differences of h are -scale f: two sums.  On a ring the first one goes round to 0 and
- * has mean 0, as it is a slope of h. */
+/* On a ring the first sum goes round to 0 and has mean 0, as it is a slope of h. */
 static void solve_null(double *h, const chain *c, double scale)
 {
     double flow = 0, height = 0;
@@ -265,35 +271,27 @@ static void solve_null(double *h, const chain *c, double scale)
     subtract_mean(h, c);
 }
 
-/* Takes column x out of the image, and puts its solution back. */
-static void solve_null_column(const ntp_image *dst, const chain chains[2], int32_t count,
-                              const double *sums, double *column, double scale, int32_t x)
+void ntp__columns_turn(ntp__columns *c)
 {
-    for (int32_t y = 0; y < dst->height; y++)
-        column[y] = x == 0 ? sums[y] : *(const float *) ntp__at_mut(dst, x, y);
-    for (int32_t i = 0; i < count; i++)
-        solve_null(column, &chains[i], scale);
-    for (int32_t y = 0; y < dst->height; y++)
-        *(float *) ntp__at_mut(dst, x, y) = (float) column[y];
-}
-
-void ntp__solve_columns(const ntp_image *dst, const ntp__grid_axis *along,
-                        const ntp__grid_axis *down, const double *sums, double *column, int32_t x0,
-                        int32_t x1)
-{
-    chain chains[2];
-    columns s;
-    int32_t count = make_chains(chains, down), n = x1 - x0;
-    /* The differences of central slopes are a quarter of -1, 2, -1. */
-    double scale = down->central ? 4 : 1;
-    init_columns(&s, along, scale, x0, n);
-    for (int32_t k = 0; k < n; k++) {
-        if (!(s.r[k] > 0))
-            solve_null_column(dst, chains, count, sums, column, scale, x0 + k);
+    int32_t n = c->down->n;
+    bool central = c->segments == 2, apart = central && c->down->wrap && n % 2 == 0;
+    for (int32_t k = 0; k < c->width; k++) {
+        for (int32_t i = 0; i < c->segments; i++) {
+            c->segment[i].state[k] = c->r[k] > 0 ? c->segment[i].state[k] : 0;
+            c->segment[i].begin[k] = -1;
+        }
+        if (c->r[k] > 0)
+            turn_column(c, k);
     }
-    for (int32_t i = 0; i < count; i++) {
-        pass_down(&s, dst, &chains[i], scale, x0, n);
-        set_entries(&s, &chains[i], n);
-        pass_up(&s, dst, &chains[i], x0, n);
+    for (int32_t i = 0; i < c->nulls; i++) {
+        for (int32_t first = 0; first < (apart ? 2 : 1); first++) {
+            chain rows = { n,
+                           apart ? n / 2 : n,
+                           first,
+                           central ? 2 : 1,
+                           central || c->down->wrap,
+                           central && !c->down->wrap };
+            solve_null(c->null[i], &rows, c->scale);
+        }
     }
 }

@@ -8,6 +8,9 @@
 #include "slopes.h"
 
 #include "level.h"
+#include "solver_kernels.h"
+
+#include <string.h>
 
 /* Half a level: no texture can tell a z below it from 0. */
 static const double least_float_z = 1.0 / 65535;
@@ -117,33 +120,33 @@ static bool any_suspect(const ntp__block *b, int32_t n, int32_t m)
     return suspect != 0;
 }
 
-/* Makes texels flat that hold no normal. */
-static void flatten(const ntp__slopes *s, const ntp__block *b, double *right, double *down,
-                    int32_t n, ntp__slope_counts *counts)
+/* Marks texels that hold no normal, which are to be flat; false: there is none. */
+static bool find_unused(bool flat[NTP__BLOCK], const ntp__slopes *s, const ntp__block *b, int32_t n,
+                        ntp__slope_counts *counts)
 {
     int32_t m = ntp__max(s->src->type);
     uint32_t touch = s->touch_unused;
     if (!any_suspect(b, n, m))
-        return;
+        return false;
     if (s->src->encoding == NTP_VECTOR) /* of any length, so that (2, 2, 2) is no padding */
         touch |= NTP_UNUSED_BLACK | NTP_UNUSED_WHITE;
     for (int32_t i = 0; i < n; i++) {
         bool broken = b->any_broken && b->broken[i];
         bool unused = ntp__unused(b->c[0][i], b->c[1][i], b->c[2][i], b->c[3][i], m, touch);
-        if (!broken && !unused)
-            continue;
-        right[i] = down[i] = 0;
-        if (counts != NULL) {
+        flat[i] = broken || unused;
+        if (counts != NULL && flat[i]) {
             counts->not_finite += broken;
             counts->unused += !broken;
         }
     }
+    return true;
 }
 
 void ntp__slopes_row(const ntp__slopes *s, double *right, double *down, int32_t y,
                      ntp__slope_counts *counts)
 {
     ntp__block block;
+    bool flat[NTP__BLOCK];
     if (s->right != NULL) {
         size_t row = (size_t) y * (size_t) s->src->width;
         for (int32_t x = 0; x < s->src->width; x++) {
@@ -159,6 +162,72 @@ void ntp__slopes_row(const ntp__slopes *s, double *right, double *down, int32_t 
             of_floats(s, right + x, down + x, x, y, n);
         else
             of_levels(s, &block, right + x, down + x, n);
-        flatten(s, &block, right + x, down + x, n, counts);
+        bool any = find_unused(flat, s, &block, n, counts);
+        for (int32_t i = 0; any && i < n; i++) {
+            if (flat[i])
+                right[x + i] = down[x + i] = 0;
+        }
+    }
+}
+
+/* ------------------------------------------------------------------ in float arithmetic */
+
+static bool packed_levels(const ntp_const_image *src)
+{
+    return src->type == NTP_U8 && src->channels >= 3 &&
+           src->pixel_stride == (ptrdiff_t) src->channels;
+}
+
+/* By way of doubles: what is not packed. */
+static void single_block(const ntp__slopes *s, const ntp__block *block, float *right, float *down,
+                         int32_t x, int32_t y, int32_t n)
+{
+    double p[NTP__BLOCK], q[NTP__BLOCK];
+    if (s->src->type == NTP_F32)
+        of_floats(s, p, q, x, y, n);
+    else
+        of_levels(s, block, p, q, n);
+    for (int32_t i = 0; i < n; i++) {
+        right[i] = (float) p[i];
+        down[i] = (float) q[i];
+    }
+}
+
+void ntp__slopes_row_single(const ntp__slopes *s, float *right, float *down, int32_t y,
+                            ntp__slope_counts *counts)
+{
+    const ntp_const_image *src = s->src;
+    const ntp__solver_kernels *kernels = ntp__solver_kernels_for(NTP__CPU_ALL);
+    const ntp__slope_levels how = { s->zero,
+                                    s->neutral,
+                                    (float) s->z_scale,
+                                    (float) (s->range * s->range),
+                                    src->y == NTP_Y_UP ? 1.0f : -1.0f,
+                                    s->derived,
+                                    src->encoding == NTP_ZZERO };
+    ntp__block block;
+    bool flat[NTP__BLOCK];
+    if (s->right != NULL) {
+        size_t row = (size_t) y * (size_t) src->width;
+        memcpy(right, s->right + row, (size_t) src->width * sizeof *right);
+        memcpy(down, s->down + row, (size_t) src->width * sizeof *down);
+        return;
+    }
+    for (int32_t x = 0; x < src->width; x += NTP__BLOCK) {
+        int32_t n = src->width - x < NTP__BLOCK ? src->width - x : NTP__BLOCK;
+        bool packed = packed_levels(src), any = true;
+        if (packed)
+            any = kernels->slopes8(right + x, down + x, ntp__at(src, x, y), src->channels, n,
+                                   &how) != 0;
+        if (!any)
+            continue;
+        ntp__unpack(&block, src, x, y, n);
+        if (!packed)
+            single_block(s, &block, right + x, down + x, x, y, n);
+        any = find_unused(flat, s, &block, n, counts);
+        for (int32_t i = 0; any && i < n; i++) {
+            if (flat[i])
+                right[x + i] = down[x + i] = 0;
+        }
     }
 }

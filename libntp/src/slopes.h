@@ -31,4 +31,8 @@ void ntp__slopes_init(ntp__slopes *s, const ntp_const_image *src, const ntp_heig
 void ntp__slopes_row(const ntp__slopes *s, double *right, double *down, int32_t y,
                      ntp__slope_counts *counts);
 
+/* The same in float arithmetic, as good as 8-bit textures are. */
+void ntp__slopes_row_single(const ntp__slopes *s, float *right, float *down, int32_t y,
+                            ntp__slope_counts *counts);
+
 #endif

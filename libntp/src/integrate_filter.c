@@ -1,0 +1,88 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * integrate_filter.c - the solver's columns by transforms, for stencils beyond recursion
+ *
+ * In both axes' frequencies the normal equations are numbers: A h = f, A what the stencils of
+ * slopes right and down make of a frequency, squared and added.  A stencil of 3 x 3 or more is
+ * next to blind to the finest detail, where A is so small that rounding errors of the slopes would
+ * be magnified beyond measure.  So of the heights that fit alike smooth ones are preferred, as a
+ * Wiener filter does: h = f / (A + e L^2), L the Laplacian, e the variance of the rounding over
+ * the mean square of the Laplacian of the heights, which f is.  What floats between the passes
+ * cannot hold counts the same way, as noise of f itself: + t L^2 / A.
+ */
+#include "integrate.h"
+
+#include <string.h>
+
+/* (Relative error of f)^2: of floats, and of transforms in float. */
+static const double storage_noise = 0x1p-48, single_noise = 0x1p-44;
+
+/* Below this A is a null mode, but for rounding errors of sines. */
+static const double null_mode = 0x1p-90;
+
+static size_t symbols_bytes(int32_t n)
+{
+    return ntp__aligned((size_t) n * sizeof(ntp__symbol));
+}
+
+size_t ntp__filter_bytes(const ntp__problem *p)
+{
+    if (!p->filter)
+        return 0;
+    return symbols_bytes(p->along.n) + symbols_bytes(p->down.n) +
+           ntp__fft_plan_bytes(ntp__axis_transform(&p->down), p->down.n, p->single);
+}
+
+void ntp__filter_init(ntp__filter *f, const ntp__problem *p, void *memory, void *work)
+{
+    char *rest = memory;
+    memset(f, 0, sizeof *f);
+    f->problem = p;
+    f->along = (ntp__symbol *) (void *) rest;
+    rest += symbols_bytes(p->along.n);
+    f->down = (ntp__symbol *) (void *) rest;
+    rest += symbols_bytes(p->down.n);
+    for (int32_t k = 0; k < p->along.n; k++)
+        ntp__symbol_at(&f->along[k], &p->along, k);
+    for (int32_t k = 0; k < p->down.n; k++)
+        ntp__symbol_at(&f->down[k], &p->down, k);
+    ntp__fft_plan(&f->fft, ntp__axis_transform(&p->down), p->down.n, p->single, rest, work);
+    f->precision = p->single ? single_noise : storage_noise;
+}
+
+void ntp__filter_set_prior(ntp__filter *f, double mean_square)
+{
+    double sigma = f->problem->sigma;
+    f->prior = mean_square > 0 ? sigma * sigma / mean_square : 0;
+}
+
+typedef struct columns {
+    const ntp__filter *filter;
+    int32_t x0, count;
+} columns;
+
+static void factors(const void *user, int32_t k, double factor[NTP__FFT_ROWS])
+{
+    const columns *c = user;
+    const ntp__filter *f = c->filter;
+    const ntp__symbol *y = &f->down[k];
+    double ratio = f->problem->ratio;
+    for (int32_t i = 0; i < NTP__FFT_ROWS; i++) {
+        const ntp__symbol *x = &f->along[c->x0 + (i < c->count ? i : 0)];
+        double right = x->along[0] * y->across[0] + x->along[1] * y->across[1];
+        double down = x->across[0] * y->along[0] + x->across[1] * y->along[1];
+        double rough = ratio * x->roughness + y->roughness;
+        double seen = ratio * right * right + down * down;
+        double square = rough * rough;
+        factor[i] =
+            seen > null_mode ? 1 / (seen + f->prior * square + f->precision * square / seen) : 0;
+    }
+}
+
+void ntp__filter_columns(const ntp__filter *f, const ntp_image *dst, int32_t x0, void *work)
+{
+    int32_t left = dst->width - x0;
+    columns c = { f, x0, left < NTP__FFT_ROWS ? left : NTP__FFT_ROWS };
+    f->fft.loops->filter(&f->fft, ntp__at_mut(dst, x0, 0),
+                         dst->row_stride / (ptrdiff_t) sizeof(float), c.count, factors, &c, work);
+}

@@ -1,0 +1,264 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * integrate_rows.c - right-hand sides: the adjoint of the stencils, applied to rows of slopes
+ *
+ * Rows of slopes are made once and remembered as long as the rows around need them.
+ */
+#include "gradient_taps.h"
+#include "integrate.h"
+
+#include <string.h>
+
+enum {
+    PAD = NTP__MAX_RADIUS,
+    ENDS = 4 /* places at the ends of a row whose terms are not those of the middle */
+};
+
+static size_t real_size(const ntp__problem *p)
+{
+    return p->single ? sizeof(float) : sizeof(double);
+}
+
+static size_t row_bytes(const ntp__problem *p)
+{
+    return ntp__aligned((size_t) p->along.n * real_size(p));
+}
+
+static int32_t kept_rows(const ntp__problem *p)
+{
+    int32_t reach = ntp__reach(&p->down);
+    return 2 * reach + 2 < 2 * NTP__MAX_TERMS ? 2 * reach + 2 : 2 * NTP__MAX_TERMS;
+}
+
+size_t ntp__row_cache_bytes(const ntp__problem *p)
+{
+    return 2 * (size_t) kept_rows(p) * row_bytes(p) +
+           ntp__aligned(((size_t) p->along.n + 2 * PAD) * real_size(p));
+}
+
+void ntp__row_cache_init(ntp__row_cache *cache, const ntp__problem *p, const ntp__slopes *slopes,
+                         void *memory)
+{
+    const ntp__solver_kernels *kernels = ntp__solver_kernels_for(NTP__CPU_ALL);
+    memset(cache, 0, sizeof *cache);
+    cache->problem = p;
+    cache->slopes = slopes;
+    cache->loops = p->single ? &kernels->rows_single : &kernels->rows_double;
+    cache->kept = kept_rows(p);
+    cache->memory = memory;
+    cache->line = (char *) memory + 2 * (size_t) cache->kept * row_bytes(p);
+    for (int32_t k = 0; k < cache->kept; k++)
+        cache->row[k] = -1;
+}
+
+static void *kept_row(const ntp__row_cache *cache, int32_t k, bool down)
+{
+    size_t at = 2 * (size_t) k + (down ? 1 : 0);
+    return (char *) cache->memory + at * row_bytes(cache->problem);
+}
+
+/* The place of row y in what is remembered: more rows than one right-hand side takes, of which the
+ * one not used for the longest time makes way. */
+static int32_t get_row(ntp__row_cache *cache, int32_t y)
+{
+    int32_t k = 0;
+    cache->uses++;
+    for (int32_t i = 0; i < cache->kept; i++) {
+        if (cache->row[i] == y) {
+            cache->used[i] = cache->uses;
+            return i;
+        }
+        k = cache->used[i] < cache->used[k] ? i : k;
+    }
+    ntp__slope_counts *counts = &cache->row_counts[k];
+    cache->used[k] = cache->uses;
+    cache->row[k] = y;
+    memset(counts, 0, sizeof *counts);
+    if (cache->problem->single)
+        ntp__slopes_row_single(cache->slopes, kept_row(cache, k, false), kept_row(cache, k, true),
+                               y, counts);
+    else
+        ntp__slopes_row(cache->slopes, kept_row(cache, k, false), kept_row(cache, k, true), y,
+                        counts);
+    return k;
+}
+
+/* ------------------------------------------------------------------------ sums over rows */
+
+/* A sum of runs of numbers, taken two at a time. */
+typedef struct run_sum {
+    const ntp__row_loops *loops;
+    void *f;
+    int32_t n;
+    bool begun; /* f holds a sum; else what it holds is replaced */
+    const void *waiting;
+    double weight;
+} run_sum;
+
+static void put_pair(run_sum *s, const void *a, double wa, const void *b, double wb)
+{
+    (s->begun ? s->loops->add_pair : s->loops->set_pair)(s->f, a, wa, b, wb, s->n);
+    s->begun = true;
+}
+
+static void put_run(run_sum *s, const void *run, double weight)
+{
+    if (weight == 0 || s->n < 1)
+        return;
+    if (s->waiting == NULL) {
+        s->waiting = run;
+        s->weight = weight;
+        return;
+    }
+    put_pair(s, s->waiting, s->weight, run, weight);
+    s->waiting = NULL;
+}
+
+static void finish(run_sum *s)
+{
+    if (s->waiting != NULL)
+        put_pair(s, s->waiting, s->weight, s->waiting, 0);
+    s->waiting = NULL;
+}
+
+static char *place(const ntp__problem *p, const void *line, int32_t i)
+{
+    return (char *) (uintptr_t) line + (ptrdiff_t) i * (ptrdiff_t) real_size(p);
+}
+
+static double value(const ntp__problem *p, const void *line, int32_t i)
+{
+    return p->single ? (double) ((const float *) line)[i] : ((const double *) line)[i];
+}
+
+static void set_value(const ntp__problem *p, void *line, int32_t i, double v)
+{
+    if (p->single)
+        ((float *) line)[i] = (float) v;
+    else
+        ((double *) line)[i] = v;
+}
+
+/* -------------------------------------------------------------- one-dimensional stencils */
+
+static void add_end(const ntp__problem *p, void *f, const void *right, int32_t x)
+{
+    ntp__terms terms;
+    double sum = value(p, f, x);
+    ntp__adjoint(&terms, &p->along, x);
+    for (int32_t k = 0; k < terms.count; k++)
+        sum += p->right_weight * terms.weight[k] * value(p, right, terms.at[k]);
+    set_value(p, f, x, sum);
+}
+
+/* f += the adjoint of slopes to the right. */
+static void add_along(const ntp__row_cache *cache, void *f, const void *right)
+{
+    const ntp__problem *p = cache->problem;
+    int32_t n = p->along.n;
+    if (n > 2 * ENDS) {
+        ntp__terms terms;
+        run_sum sum = { cache->loops, place(p, f, ENDS), n - 2 * ENDS, true, NULL, 0 };
+        ntp__adjoint(&terms, &p->along, ENDS);
+        for (int32_t k = 0; k < terms.count; k++)
+            put_run(&sum, place(p, right, terms.at[k]), p->right_weight * terms.weight[k]);
+        finish(&sum);
+    }
+    for (int32_t x = 0; x < n; x++) {
+        if (x == ENDS && n > 2 * ENDS)
+            x = n - ENDS;
+        add_end(p, f, right, x);
+    }
+}
+
+static void by_lines(ntp__row_cache *cache, void *f, int32_t y, double *from_down)
+{
+    const ntp__problem *p = cache->problem;
+    ntp__terms terms;
+    run_sum sum = { cache->loops, f, p->along.n, false, NULL, 0 };
+    ntp__adjoint(&terms, &p->down, y);
+    for (int32_t k = 0; k < terms.count; k++)
+        put_run(&sum, kept_row(cache, get_row(cache, terms.at[k]), true),
+                p->down_weight * terms.weight[k]);
+    finish(&sum);
+    if (!sum.begun)
+        memset(f, 0, (size_t) p->along.n * real_size(p));
+    *from_down = cache->loops->sum(f, p->along.n);
+    if (ntp__axis_transform(&p->along) == NTP__FFT_MIRROR)
+        *from_down = 2 * *from_down - value(p, f, 0) - value(p, f, p->along.n - 1);
+    add_along(cache, f, kept_row(cache, get_row(cache, y), false));
+}
+
+/* -------------------------------------------------------------- two-dimensional stencils */
+
+/* Taps of a term of the kernel, turned round: slopes along an axis go into heights with the other
+ * sign. */
+static double tap(const ntp__kernel *kernel, int32_t t, bool along, int32_t i)
+{
+    int32_t at = i + NTP__MAX_RADIUS;
+    return along ? -(double) kernel->term[t].along[at] / kernel->denominator
+                 : kernel->term[t].across[at];
+}
+
+static void pad(const ntp__problem *p, void *line, bool odd)
+{
+    double sign;
+    int32_t n = p->along.n;
+    for (int32_t i = -PAD; i < n + PAD; i++) {
+        int32_t at = ntp__reflected(&p->along, i, odd, &sign);
+        if (i < 0 || i >= n || sign == 0)
+            set_value(p, line, i, sign * value(p, line, at));
+        if (i == 0 && n > 2)
+            i = n - 2;
+    }
+}
+
+/* The part of slopes right (down: slopes down) that one term of the kernel makes. */
+static void add_term(ntp__row_cache *cache, run_sum *sum, int32_t y, int32_t t, bool down)
+{
+    const ntp__problem *p = cache->problem;
+    const ntp__kernel *kernel = &ntp__kernel_table[p->along.kernel];
+    void *line = place(p, cache->line, PAD);
+    run_sum rows = { cache->loops, line, p->along.n, false, NULL, 0 };
+    for (int32_t j = -kernel->radius; j <= kernel->radius; j++) {
+        double sign, weight = tap(kernel, t, down, j);
+        int32_t at = ntp__reflected(&p->down, y + j, down, &sign);
+        if (weight * sign != 0)
+            put_run(&rows, kept_row(cache, get_row(cache, at), down), weight * sign);
+    }
+    finish(&rows);
+    if (!rows.begun)
+        return;
+    pad(p, line, !down);
+    for (int32_t i = -kernel->radius; i <= kernel->radius; i++)
+        put_run(sum, place(p, line, i),
+                tap(kernel, t, !down, i) * (down ? p->down_weight : p->right_weight));
+    finish(sum); /* before line is used again */
+}
+
+static void by_taps(ntp__row_cache *cache, void *f, int32_t y)
+{
+    const ntp__problem *p = cache->problem;
+    run_sum sum = { cache->loops, f, p->along.n, false, NULL, 0 };
+    for (int32_t t = 0; t < ntp__kernel_table[p->along.kernel].terms; t++) {
+        add_term(cache, &sum, y, t, false);
+        add_term(cache, &sum, y, t, true);
+    }
+    if (!sum.begun)
+        memset(f, 0, (size_t) p->along.n * real_size(p));
+}
+
+void ntp__divergence(ntp__row_cache *cache, void *f, int32_t y, double *sum, double *squares)
+{
+    const ntp__problem *p = cache->problem;
+    int32_t own = get_row(cache, y);
+    cache->counts.unused += cache->row_counts[own].unused;
+    cache->counts.not_finite += cache->row_counts[own].not_finite;
+    *sum = *squares = 0;
+    if (p->along.kind == NTP__AXIS_TAPS)
+        by_taps(cache, f, y);
+    else
+        by_lines(cache, f, y, sum);
+    if (p->filter)
+        *squares = cache->loops->sum_squares(f, p->along.n);
+}

@@ -1,0 +1,141 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * solver_kernels.c - compiled once for each instruction set with -DNTP_ISA=...; see solver_kernels.h
+ *
+ * fft_lines.h and row_loops.h are included twice, for float and for double.
+ */
+#include "solver_kernels.h"
+
+#include <math.h>
+#include <string.h>
+
+#if defined(__GNUC__)
+#  define ALWAYS_INLINE inline __attribute__((always_inline))
+#else
+#  define ALWAYS_INLINE inline
+#endif
+
+enum {
+    LANES = NTP__FFT_LANES,
+    CELL = 2 * LANES, /* numbers of one complex element in all lanes */
+    TILE = 16
+};
+
+#define REAL    float
+#define NAME(x) x##_single
+#include "fft_lines.h"
+#include "row_loops.h"
+#undef REAL
+#undef NAME
+#define REAL    double
+#define NAME(x) x##_double
+#include "fft_lines.h"
+#include "row_loops.h"
+#undef REAL
+#undef NAME
+
+/* ------------------------------------------------------------------------------- columns */
+
+static void down(double *restrict state, float *restrict row, const double *restrict r,
+                 double scale, int32_t n)
+{
+    for (int32_t k = 0; k < n; k++) {
+        state[k] = scale * (double) row[k] + r[k] * state[k];
+        row[k] = (float) state[k];
+    }
+}
+
+static void down_live(double *restrict state, float *restrict row, const double *restrict r,
+                      double scale, double *restrict sum, double *restrict power, double tiny,
+                      int32_t n)
+{
+    for (int32_t k = 0; k < n; k++) {
+        double f = scale * (double) row[k];
+        state[k] = f + r[k] * state[k];
+        sum[k] += power[k] * f;
+        power[k] = power[k] > tiny ? power[k] * r[k] : 0;
+        row[k] = (float) state[k];
+    }
+}
+
+static void up(double *restrict state, float *restrict row, const double *restrict r, int32_t n)
+{
+    for (int32_t k = 0; k < n; k++) {
+        state[k] = r[k] * ((double) row[k] + state[k]);
+        row[k] = (float) state[k];
+    }
+}
+
+static void up_live(double *restrict state, float *restrict row, const double *restrict r,
+                    const double *restrict inverse, double *restrict entry,
+                    const double *restrict start, const double *restrict begin, double at,
+                    int32_t n)
+{
+    for (int32_t k = 0; k < n; k++) {
+        double kept = entry[k] * inverse[k];
+        entry[k] = begin[k] == at ? start[k] : kept;
+        state[k] = r[k] * ((double) row[k] + entry[k] + state[k]);
+        row[k] = (float) state[k];
+    }
+}
+
+/* --------------------------------------------------------------------------------- slopes */
+
+/* Half of 2 c - zero would be no integer; the factor falls out of the quotients. */
+static ALWAYS_INLINE int32_t numerator(int32_t c, int32_t zero, int32_t neutral)
+{
+    int32_t v = 2 * c - zero;
+    return v >= -neutral && v <= neutral ? 0 : v;
+}
+
+static ALWAYS_INLINE int32_t slopes8_loop(float *restrict right, float *restrict down_row,
+                                          const uint8_t *restrict src, int32_t step, int32_t n,
+                                          const ntp__slope_levels *how, bool derived, bool zzero)
+{
+    const int32_t zero = how->zero, neutral = how->neutral;
+    const float z_scale = how->z_scale, square = how->square, sign = how->sign;
+    int32_t suspect = 0;
+    for (int32_t i = 0; i < n; i++) {
+        int32_t r = src[step * i], g = src[step * i + 1], b = src[step * i + 2];
+        float x = (float) numerator(r, zero, neutral), y = (float) numerator(g, zero, neutral);
+        float z = zzero ? (float) b * z_scale : (float) (2 * b - zero);
+        if (derived) {
+            float rest = square - x * x - y * y;
+            z = sqrtf(rest > 1 ? rest : 1);
+        }
+        z = z > 1 ? z : 1;
+        right[i] = -x / z;
+        down_row[i] = sign * y / z;
+        suspect |= ((r | g | b) == 0) | ((r & g & b) == 255);
+        if (step == 4)
+            suspect |= src[4 * i + 3] == 0;
+    }
+    return suspect;
+}
+
+static int32_t slopes8(float *right, float *down_row, const uint8_t *src, int32_t step, int32_t n,
+                       const ntp__slope_levels *how)
+{
+    if (how->derived)
+        return slopes8_loop(right, down_row, src, step, n, how, true, false);
+    if (how->zzero)
+        return slopes8_loop(right, down_row, src, step, n, how, false, true);
+    if (step == 3)
+        return slopes8_loop(right, down_row, src, 3, n, how, false, false);
+    return slopes8_loop(right, down_row, src, 4, n, how, false, false);
+}
+
+/* ---------------------------------------------------------------------------------- table */
+
+#define TABLE_NAME_(isa) ntp__solver_kernels_##isa
+#define TABLE_NAME(isa)  TABLE_NAME_(isa)
+
+extern const ntp__solver_kernels TABLE_NAME(NTP_ISA);
+const ntp__solver_kernels TABLE_NAME(NTP_ISA) = {
+    { forward_single, inverse_single, filter_single, respond_single },
+    { forward_double, inverse_double, filter_double, respond_double },
+    { set_pair_single, add_pair_single, sum_single, sum_squares_single },
+    { set_pair_double, add_pair_double, sum_double, sum_squares_double },
+    { down, down_live, up, up_live },
+    slopes8,
+};
