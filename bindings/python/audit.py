@@ -31,7 +31,9 @@ IN_SDIST = (
 IN_WHEEL = (
     "normaltexture/*.py",
     "normaltexture/*.pyi",
-    "normaltexture/*.html",
+    "normaltexture/report/page.html.j2",
+    "normaltexture/report/page.css",
+    "normaltexture/report/page.js",
     "normaltexture/py.typed",
     "normaltexture/_native.abi3.so",
     "normaltexture-*.dist-info/*",

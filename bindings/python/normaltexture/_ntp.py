@@ -9,15 +9,14 @@ import base64
 import json
 import os
 import re
-import shutil
 import subprocess
-import sys
-import sysconfig
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
+
+from . import _program
 
 EXIT_DONE, EXIT_FINDINGS, EXIT_USAGE, EXIT_FAILED, EXIT_INTERRUPTED = 0, 1, 2, 3, 130
 LEVELS = ("info", "warning", "error")
@@ -34,25 +33,17 @@ class ProgramError(RuntimeError):
 
 
 def program() -> Path:
-    """Where ntp is: as NTP_PROGRAM says, else beside this Python, else in the PATH.
+    """Where ntp is.
 
     Raises
     ------
     ProgramError
         There is none.
     """
-    told = os.environ.get("NTP_PROGRAM")
-    if told:
-        return Path(told)
-    places = [sysconfig.get_path("scripts"), os.path.dirname(sys.executable)]
-    for place in places:
-        found = shutil.which("ntp", path=place)
-        if found:
-            return Path(found)
-    found = shutil.which("ntp")
-    if not found:
-        raise ProgramError("the program ntp is not installed beside Python, nor in the PATH")
-    return Path(found)
+    try:
+        return _program.program()
+    except FileNotFoundError as error:
+        raise ProgramError(str(error)) from None
 
 
 def _nul_separated(paths: Iterable[str | bytes | os.PathLike[Any]]) -> bytes:

@@ -1,0 +1,277 @@
+# SPDX-License-Identifier: MIT
+"""Checks the normals textures of a glTF file: the program's findings and those of glTF's rules."""
+
+import os
+import re
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from .. import _ntp
+from ._document import Document, GltfError, load
+from ._rules import RULES
+from ._walk import (
+    NormalImage,
+    is_odd_scale,
+    normal_images,
+    uses_without_coordinates,
+)
+
+Json = dict[str, Any]
+
+# Slots that are decoded from sRGB.
+COLOR_SLOTS = {
+    "basecolortexture",
+    "emissivetexture",
+    "diffusetexture",
+    "specularglossinesstexture",
+    "sheencolortexture",
+    "specularcolortexture",
+    "diffusetransmissioncolortexture",
+}
+_SIGNATURES = [
+    (b"\x89PNG\r\n\x1a\n", "image/png", ".png"),
+    (b"\xff\xd8\xff", "image/jpeg", ".jpg"),
+    (b"\xabKTX 20\xbb", "image/ktx2", ".ktx2"),
+    (b"DDS ", "image/vnd-ms.dds", ".dds"),
+]
+READ_BY_NTP = {"image/png", "image/jpeg"}
+_UNSAFE = re.compile(r"[^A-Za-z0-9._-]+")
+
+
+def media_type(data: bytes) -> tuple[str, str]:
+    """(media type, suffix) of an image by its first bytes; ("", "") when unknown."""
+    for signature, mime, suffix in _SIGNATURES:
+        if data.startswith(signature):
+            return mime, suffix
+    if data[:4] == b"RIFF" and data[8:12] == b"WEBP":
+        return "image/webp", ".webp"
+    if data[4:12] in (b"ftypavif", b"ftypavis"):
+        return "image/avif", ".avif"
+    return "", ""
+
+
+def finding(rule: str, level: str, message: str, count: int = 0) -> Json:
+    """A finding as the program spells it."""
+    return {"id": rule, "level": level, "message": message, "count": count}
+
+
+def declared_type(document: Document, index: int) -> str:
+    """The media type that the file claims for an image, "" for none."""
+    image = document.item("images", index)
+    uri = str(image.get("uri", ""))
+    if uri.startswith("data:"):
+        return str(image.get("mimeType") or re.split("[;,]", uri[5:], maxsplit=1)[0])
+    return str(image.get("mimeType", ""))
+
+
+def document_findings(document: Document, image: NormalImage, data: bytes) -> list[Json]:
+    """What the file around an image says, whatever its texels are."""
+    found = []
+    if image.other_uses:
+        colors = [use for use in image.other_uses if use.slot.lower() in COLOR_SLOTS]
+        names = ", ".join(sorted({use.slot for use in colors or image.other_uses}))
+        level = "error" if colors else "warning"
+        found.append(finding("NT060", level, f"the same image is used as {names}"))
+    for use in image.uses:
+        scale = use.info["scale"]
+        if is_odd_scale(scale):
+            found.append(finding("NT061", "warning", f"{use.pointer} has a scale of {scale:g}"))
+        if use.info["mirrored"] or use.info["turned"]:
+            how = "mirrored" if use.info["mirrored"] else "turned"
+            found.append(
+                finding("NT067", "info", f"{use.pointer} is {how} by KHR_texture_transform")
+            )
+    for use in uses_without_coordinates(document, image):
+        found.append(
+            finding(
+                "NT062",
+                "warning",
+                f"a mesh with {use.pointer} has no TEXCOORD_{use.info['tex_coord']}",
+            )
+        )
+    claimed, actual = declared_type(document, image.index), media_type(data)[0]
+    if claimed and actual and claimed != actual:
+        found.append(
+            finding("NT063", "warning", f"the image is said to be {claimed} and is {actual}")
+        )
+    return found
+
+
+def texel_findings(file: Json) -> list[Json]:
+    """What glTF asks of texels beyond what the program has found."""
+    found = []
+    if file["type"] in ("zzero", "xy"):
+        words = {"zzero": "stores z in 0..1", "xy": "stores no z in blue"}[file["type"]]
+        found.append(finding("NT065", "error", f"glTF asks for standard normals; this {words}"))
+    if file["channels"] in (2, 4):
+        found.append(
+            finding("NT066", "warning", "the image has an alpha channel, which nothing reads")
+        )
+    return found
+
+
+def safe_name(image: NormalImage, suffix: str) -> str:
+    """A file name for an image: what its own name says (such as _DX) stays readable."""
+    stem = _UNSAFE.sub("_", Path(image.name).stem).strip("._-")[:60]
+    return f"{image.index}_{stem or 'image'}{suffix}"
+
+
+def extract(document: Document, image: NormalImage, folder: Path) -> tuple[Path | None, str]:
+    """Writes an image to a folder in a form that ntp reads; else (None, why not).
+
+    Raises
+    ------
+    GltfError
+        The image is missing.
+    """
+    data = document.image_bytes(image.index)
+    mime, suffix = media_type(data)
+    path = folder / safe_name(image, suffix or ".bin")
+    if mime in READ_BY_NTP or not mime:
+        path.write_bytes(data)  # of an unknown type ntp says itself what is wrong
+        return path, ""
+    if mime == "image/ktx2":
+        return None, "KTX2 is not read"
+    try:
+        from ..images import decode_to_png
+
+        path = path.with_suffix(".png")
+        path.write_bytes(decode_to_png(data, mime))
+    except ImportError as error:
+        return None, f"{mime} is not read: {error}"
+    except ValueError as error:
+        return None, f"{mime} could not be read: {error}"
+    return path, ""
+
+
+def image_fields(document: Document, image: NormalImage) -> Json:
+    """What stands beside a file's own fields: which file and image, and who uses it."""
+    return {
+        **_ntp.path_fields(document.path),
+        "image": image.index,
+        "name": image.name,
+        "storage": image.kind,
+        "uses": [use.to_dict() for use in image.uses],
+        "other_uses": [use.to_dict() for use in image.other_uses],
+    }
+
+
+def unreadable(path: str | os.PathLike[str], message: str) -> Json:
+    """The entry of a file that could not be read."""
+    return {
+        **_ntp.path_fields(path),
+        "status": "unreadable",
+        "message": message,
+        "type": None,
+        "findings": [],
+    }
+
+
+def check_document(document: Document, options: tuple[str, ...] = (), y: str = "up") -> list[Json]:
+    """The entries of a loaded file's images, by index."""
+    entries: list[Json] = []
+    readable: list[tuple[Path, Json]] = []
+    with tempfile.TemporaryDirectory(prefix="ntp-gltf-") as scratch:
+        folder = Path(scratch)
+        for image in normal_images(document):
+            entry = image_fields(document, image)
+            entries.append(entry)
+            try:
+                data = document.image_bytes(image.index)
+                path, why_not = extract(document, image, folder)
+            except GltfError as error:
+                entry.update(status="unreadable", message=str(error), type=None, findings=[])
+                continue
+            entry["findings"] = document_findings(document, image, data)
+            if path is None:
+                entry["findings"].append(finding("NT064", "info", why_not))
+                entry.update(status="skipped", message=why_not, type=None)
+            else:
+                readable.append((path, entry))
+        if readable:
+            names = [path.name for path, _ in readable]
+            checked, _ = _ntp.run_json("check", names, ["--y", y, *options], cwd=folder)
+            for (_, entry), file in zip(readable, checked["files"], strict=True):
+                _merge(entry, file)
+    return entries
+
+
+def _merge(entry: Json, file: Json) -> None:
+    """Puts what the program said about an image into its entry."""
+    about_container = entry["findings"]
+    said = {key: value for key, value in file.items() if key not in ("path", "path_base64")}
+    entry.update(said)
+    if file["status"] != "ok":
+        where = f"{entry['path']}, image {entry['image']}"
+        entry["message"] = f"{where}: {file['message'].partition(': ')[2] or file['message']}"
+        return
+    entry["findings"] = file["findings"] + about_container + texel_findings(file)
+
+
+def summarize(files: list[Json]) -> Json:
+    """Counts over entries, as `ntp check` prints them, as far as they make sense here."""
+    worst = [_ntp.worst_level(file) for file in files if file["status"] == "ok"]
+    return {
+        "files": len(files),
+        "containers": len({_ntp.path_of(file) for file in files}),
+        "well_formed": sum(level in (None, "info") for level in worst),
+        "with_warnings": worst.count("warning"),
+        "with_errors": worst.count("error"),
+        "unreadable": sum(file["status"] == "unreadable" for file in files),
+        "skipped": sum(file["status"] == "skipped" for file in files),
+    }
+
+
+def check(
+    paths: Sequence[str | os.PathLike[str]] | str | os.PathLike[str],
+    *,
+    y: str = "up",
+    options: tuple[str, ...] = (),
+) -> Json:
+    """Checks the normals textures in glTF files.
+
+    Parameters
+    ----------
+    paths
+        One .gltf or .glb file, or several.
+    y
+        Which way green has to point: "up" as glTF says, or "auto" to require nothing.
+    options
+        Further options of ``ntp check``, such as ``("--max-fail", "5")``.
+
+    Returns
+    -------
+    dict
+        Of the shape that ``ntp check --format json`` prints, with one entry for each image
+        instead of each file; an entry also has ``image``, ``name``, ``storage``, ``uses`` and
+        ``other_uses``.  A file that cannot be read is an entry with status "unreadable".
+
+    Raises
+    ------
+    normaltexture._ntp.ProgramError
+        The program ntp is missing or refuses an option.
+    """
+    if isinstance(paths, str | os.PathLike):
+        paths = [paths]
+    files: list[Json] = []
+    for path in paths:
+        try:
+            files += check_document(load(path), options, y)
+        except (GltfError, OSError) as error:
+            message = str(error)
+            if isinstance(error, OSError):
+                message = f"{os.fspath(path)}: {error.strerror}"
+            files.append(unreadable(path, message))
+        except (TypeError, AttributeError, KeyError) as error:
+            files.append(unreadable(path, f"{os.fspath(path)}: malformed: {error}"))
+    return {
+        "schema_version": 1,
+        "tool": _ntp.tool_fields(),
+        "files": files,
+        "summary": summarize(files),
+    }
+
+
+__all__ = ["RULES", "check", "check_document"]

@@ -1,0 +1,297 @@
+# SPDX-License-Identifier: MIT
+"""From the JSON of a check to one HTML page that needs nothing else.
+
+The page carries its style, its script and its pictures.  Its content security policy allows just
+these, by their hashes, and no network: whatever a file is called, nothing but text comes of it.
+"""
+
+import base64
+import hashlib
+import os
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+from .. import _console, _ntp
+from .._atomic import write_atomically
+from .._files import read
+from ..gltf._document import GltfError
+from ..gltf._document import load as load_gltf
+from ._pictures import DRAWN, HISTOGRAM_BINS, Palette, Pictures, draw
+from .sarif import all_rules
+
+Json = dict[str, Any]
+
+TYPE_WORDS = {
+    "standard": "standard",
+    "zzero": "Z-zero",
+    "xy": "XY only",
+    "height": "heights",
+    "object-space": "object space",
+    "one-color": "one color",
+    "not-normals": "no normals",
+}
+GREEN_WORDS = {"up": "up (OpenGL)", "down": "down (DirectX)", "undecided": "undecided"}
+_ORDER = {"unreadable": 4, "error": 3, "warning": 2, "ok": 1, "skipped": 0}
+STATE_WORDS = {
+    "error": "error",
+    "warning": "warning",
+    "ok": "well formed",
+    "unreadable": "unreadable",
+    "skipped": "not judged",
+}
+# Files drawn at once; each holds some copies of its pixels.
+_WORKERS = 4
+# The largest file that is drawn: 8192 x 8192.
+MAX_TEXELS = 1 << 26
+
+
+def state(file: Mapping[str, Any]) -> str:
+    """What a file comes to: "error", "warning", "ok", "unreadable" or "skipped"."""
+    if file["status"] == "unreadable":
+        return "unreadable"
+    if file["status"] != "ok" or not _ntp.counts(file):
+        return "skipped"
+    level = _ntp.worst_level(file)
+    return level if level in ("error", "warning") else "ok"
+
+
+def green(file: Mapping[str, Any]) -> str:
+    """Which way green points, in words.
+
+    Where a direction was required, the JSON repeats it as certain, and NT010 tells of the other.
+    """
+    y = str(file["y"])
+    if any(found["id"] == "NT010" for found in file["findings"]):
+        return GREEN_WORDS["down" if y == "up" else "up"]
+    return f"{y}, as required" if file["y_confidence"] == 1 else GREEN_WORDS[y]
+
+
+def percent(part: int, whole: int) -> str:
+    """A share that is never rounded to 0 or to everything."""
+    if part == 0 or whole == 0:
+        return "0 %"
+    share = 100 * part / whole
+    if share < 0.01:
+        return "< 0.01 %"
+    if 99.99 < share < 100:
+        return "> 99.99 %"
+    return f"{share:.3g} %"
+
+
+def _histogram(lengths: Sequence[int]) -> list[Json]:
+    """The bars of a histogram with a logarithmic scale: a single texel is a visible bar."""
+    top = max(lengths, default=0).bit_length()
+    bars = []
+    for i, count in enumerate(lengths):
+        if count:
+            bars.append({"x": i, "height": round(100 * count.bit_length() / max(top, 1), 1)})
+    return bars
+
+
+def _view(file: Mapping[str, Any], number: int, rules: Mapping[str, _ntp.Rule]) -> Json:
+    """What the template shows of a file."""
+    view: Json = {
+        "id": f"file-{number}",
+        "path": _console.shown(file["path"]),
+        "state": state(file),
+        "rank": _ORDER[state(file)],
+        "status": file["status"],
+        "message": _console.shown((file["message"] or "").removeprefix(f"{file['path']}: ")),
+        "findings": [],
+        "pictures": None,
+    }
+    folder, _, view["name"] = view["path"].rpartition("/")
+    view["folder"] = folder + "/" if folder else ""
+    if "image" in file:
+        view["name"] += f", image {file['image']}"
+        view["uses"] = [
+            _console.shown(f"{u['slot']} of {u['material_name'] or u['material']}")
+            for u in file["uses"]
+        ]
+        view["image_name"] = _console.shown(file["name"])
+    for found in file["findings"]:
+        rule = rules.get(found["id"])
+        view["findings"].append({**found, "rule": rule})
+    if file["status"] != "ok":
+        return view
+    view.update(
+        type=TYPE_WORDS.get(file["type"], file["type"]),
+        confidence=file["confidence"],
+        reasons=file["reasons"],
+        green=green(file),
+        size=f"{file['width']} × {file['height']}",
+        texels=file["texels"],
+        layout=f"{file['bit_depth']} bit, {file['channels']} channels",
+        format=file["format"].upper(),
+        angle=file["angle_deg"],
+        length=file["length"],
+        unused=file["unused"],
+    )
+    failing = (file["fail"] or {}).get("neighbor")
+    view["failing"] = failing
+    view["failing_text"] = "" if failing is None else percent(failing, file["texels"])
+    return view
+
+
+def _pixels(file: Mapping[str, Any], max_texels: int) -> Any:
+    path = _ntp.path_of(file)
+    if "image" in file:
+        data = load_gltf(path).image_bytes(file["image"])
+        return read(data, max_texels=max_texels)
+    return read(path, max_texels=max_texels)
+
+
+def _draw_all(
+    files: Sequence[Mapping[str, Any]],
+    limit: int,
+    size: int,
+    palette: Palette,
+    base: str | os.PathLike[str],
+    max_texels: int,
+) -> dict[int, Pictures | str]:
+    """{number of the file: its pictures, or why there are none}, the worst files first."""
+    worst_first = sorted(range(len(files)), key=lambda i: (-_ORDER[state(files[i])], i))
+    wanted = [i for i in worst_first if files[i]["status"] == "ok"]
+    drawn: dict[int, Pictures | str] = {
+        i: f"Pictures are limited to {limit} files." for i in wanted[limit:]
+    }
+
+    def one(number: int) -> Pictures | str:
+        file = files[number]
+        if file["texels"] > max_texels:
+            return "Too large for pictures."
+        try:
+            where = {**file, **_ntp.path_fields(os.path.join(base, _ntp.path_of(file)))}
+            if "path_base64" not in where:
+                where.pop("path_base64", None)
+            return draw(_pixels(where, max_texels), file, size=size, palette=palette)
+        except (OSError, ValueError, RuntimeError, GltfError) as error:
+            return f"No pictures: {_console.shown(str(error))}"
+
+    with ThreadPoolExecutor(min(_WORKERS, os.cpu_count() or 1)) as pool:
+        drawn.update(zip(wanted[:limit], pool.map(one, wanted[:limit]), strict=True))
+    return drawn
+
+
+def _frequent(files: Sequence[Mapping[str, Any]], rules: Mapping[str, _ntp.Rule]) -> list[Json]:
+    """How many files have each warning or error, the most frequent first."""
+    counted: dict[str, int] = {}
+    for file in files:
+        if _ntp.counts(file):
+            for name in {f["id"] for f in file["findings"] if f["level"] != "info"}:
+                counted[name] = counted.get(name, 0) + 1
+    ordered = sorted(counted.items(), key=lambda item: (-item[1], item[0]))
+    return [{"id": name, "files": n, "rule": rules.get(name)} for name, n in ordered]
+
+
+def _hash(text: str) -> str:
+    digest = hashlib.sha256(text.encode("utf-8")).digest()
+    return "sha256-" + base64.b64encode(digest).decode("ascii")
+
+
+def _environment() -> Any:
+    try:
+        import jinja2
+    except ImportError:
+        raise _ntp.ProgramError("HTML needs Jinja2: pip install jinja2") from None
+    loader = jinja2.FunctionLoader(_template)
+    environment = jinja2.Environment(
+        loader=loader,
+        autoescape=True,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        undefined=jinja2.StrictUndefined,
+    )
+    environment.filters["thousands"] = lambda number: f"{number:,}"
+    environment.filters["percent_of"] = percent
+    return environment
+
+
+def _template(name: str) -> str:
+    return (resources.files(__package__) / name).read_text(encoding="utf-8")
+
+
+def build(
+    report: Mapping[str, Any],
+    *,
+    title: str = "Normals textures",
+    base: str | os.PathLike[str] = "",
+    size: int = 256,
+    limit: int = 200,
+    palette: Palette = "reference",
+    max_texels: int = MAX_TEXELS,
+    drawing: Callable[..., dict[int, Pictures | str]] = _draw_all,
+) -> str:
+    """One HTML page of a check.
+
+    Parameters
+    ----------
+    report
+        What ``ntp check --format json``, `normaltexture.gltf.check` or
+        `normaltexture.distributed.check` gives.
+    title
+        The heading.
+    base
+        The directory that relative paths in the report start in; default: the current one.
+    size
+        The longer side of the pictures, in pixels.
+    limit
+        How many files get pictures, the worst first.
+    palette
+        "reference": red, green and blue as the heatmap of ntp has them; "safe": colors that
+        stay apart for every kind of color vision.
+    max_texels
+        Larger files get no pictures.
+
+    Returns
+    -------
+    str
+        The page.  It refers to nothing outside of itself.
+
+    Raises
+    ------
+    normaltexture._ntp.ProgramError
+        Jinja2 or the program ntp is missing.
+    """
+    environment = _environment()
+    files = report["files"]
+    rules = all_rules()
+    views = [_view(file, number, rules) for number, file in enumerate(files, 1)]
+    for number, drawn in drawing(files, limit, size, palette, base, max_texels).items():
+        views[number]["pictures"] = drawn if isinstance(drawn, Pictures) else None
+        views[number]["no_pictures"] = drawn if isinstance(drawn, str) else ""
+        if isinstance(drawn, Pictures):
+            views[number]["bars"] = _histogram(drawn.lengths)
+    states = [view["state"] for view in views]
+    style, script = _template("page.css"), _template("page.js")
+    page: str = environment.get_template("page.html.j2").render(
+        title=title,
+        tool=report["tool"],
+        files=views,
+        tiles=[
+            (name, STATE_WORDS[name], states.count(name))
+            for name in ("ok", "warning", "error", "unreadable", "skipped")
+        ],
+        frequent=_frequent(files, rules),
+        state_words=STATE_WORDS,
+        palette=palette,
+        bins=HISTOGRAM_BINS,
+        style=style,
+        script=script,
+        style_hash=_hash(style),
+        script_hash=_hash(script),
+    )
+    return page
+
+
+def drawable(file: Mapping[str, Any]) -> bool:
+    """Whether a file gets a heatmap and a lit picture."""
+    return file["status"] == "ok" and file["type"] in DRAWN
+
+
+def save(page: str, path: str | os.PathLike[str]) -> None:
+    """Writes a page as UTF-8; an older file is replaced once the page is complete."""
+    write_atomically(Path(path), page.encode("utf-8"))

@@ -1,0 +1,454 @@
+# SPDX-License-Identifier: MIT
+"""normaltexture.gltf: what is found in .gltf and .glb files, and copies that differ in nothing else."""
+
+import io
+import json
+import struct
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import gltf_files as files
+import normaltexture as nt
+from cli import textures
+from normaltexture import gltf
+from normaltexture.gltf._spans import Editor
+from pngs import png_bytes, read_png
+
+
+def green_mirrored(texture):
+    return np.dstack([texture[..., 0], 255 - texture[..., 1], texture[..., 2:]])
+
+
+GOOD = green_mirrored(textures.standard(48, 64))  # up
+BAD = textures.wrong_blue(GOOD, 0.2)
+COLOR = files.noise_color()
+WAYS = ["glb", "files", "data", "bin"]
+
+
+def model(normals=BAD, slot="normalTexture", **more):
+    """A color texture, a normals texture, another color texture."""
+    made = files.Model()
+    first = made.image("color 1.png", png_bytes(COLOR))
+    second = made.image("brick_n.png", png_bytes(normals))
+    third = made.image("color 2.png", png_bytes(COLOR[::-1]))
+    made.material("Brick \u2603", baseColorTexture=first, **({slot: second} | more))
+    made.material("Other", baseColorTexture=third)
+    return made
+
+
+def save(made, tmp_path, how="glb", name="model"):
+    return made.save(tmp_path / (name + (".glb" if how == "glb" else ".gltf")), how)
+
+
+def ids(entry):
+    return {found["id"]: found["level"] for found in entry["findings"]}
+
+
+def pixels(data, tmp_path):
+    path = tmp_path / "pixels.png"
+    path.write_bytes(data)
+    return read_png(path)[0]
+
+
+# ------------------------------------------------------------------------------ finding
+
+
+@pytest.mark.parametrize("how", WAYS)
+def test_finds_normals_textures(tmp_path, how):
+    path = save(model(), tmp_path, how)
+    report = gltf.check(path)
+    (entry,) = report["files"]
+    assert entry["path"] == str(path) and entry["image"] == 1 and entry["status"] == "ok"
+    assert entry["storage"] == {"glb": "buffer", "bin": "buffer", "files": "file"}.get(how, how)
+    assert entry["name"] == "brick_n.png" and entry["type"] == "standard"
+    assert ids(entry)["NT001"] == "error" and (entry["width"], entry["height"]) == (64, 48)
+    (use,) = entry["uses"]
+    assert use["slot"] == "normalTexture" and use["pointer"] == "/materials/0/normalTexture"
+    assert use["material_name"] == "Brick \u2603" and use["wrap_s"] == "repeat"
+    assert report["summary"]["with_errors"] == 1 and json.dumps(report)
+    assert gltf.check(save(model(GOOD), tmp_path, how, "good"))["summary"]["well_formed"] == 1
+
+
+def test_finds_clearcoat_and_alternative_sources(tmp_path):
+    made = model(slot="emissiveTexture")  # the bad one is no normals texture here
+    coat = made.image("coat.png", png_bytes(GOOD))
+    made.textures[coat]["extensions"] = {"EXT_texture_webp": {"source": 4}}
+    made.images.append(("coat.webp", b"RIFF\4\0\0\0WEBP", "image/webp"))
+    made.materials[1]["extensions"] = {
+        "KHR_materials_clearcoat": {"clearcoatNormalTexture": {"index": coat, "scale": 0.5}}
+    }
+    entries = gltf.check(save(made, tmp_path))["files"]
+    assert [entry["image"] for entry in entries] == [3, 4]
+    (use,) = entries[0]["uses"]
+    assert use["slot"] == "clearcoatNormalTexture" and use["scale"] == 0.5
+    pointer = "/materials/1/extensions/KHR_materials_clearcoat/clearcoatNormalTexture"
+    assert use["pointer"] == pointer and entries[0]["type"] == "standard"
+    assert entries[1]["uses"][0]["via"] == "EXT_texture_webp"
+    assert entries[1]["status"] == "skipped" and ids(entries[1])["NT064"] == "info"
+
+
+def test_ktx2_is_said(tmp_path):
+    made = model()
+    made.textures[1]["extensions"] = {"KHR_texture_basisu": {"source": 3}}
+    made.images.append(("n.ktx2", b"\xabKTX 20\xbb\r\n\x1a\n" + bytes(60), "image/ktx2"))
+    entries = gltf.check(save(made, tmp_path))["files"]
+    assert [entry["status"] for entry in entries] == ["ok", "skipped"]
+    assert "KTX2" in entries[1]["message"]
+
+
+def test_rules_of_gltf(tmp_path):
+    def only(made, name):
+        (entry,) = gltf.check(save(made, tmp_path, name=name))["files"]
+        return ids(entry)
+
+    shared = model(GOOD)
+    shared.materials[1]["emissiveTexture"] = {"index": 1}
+    assert only(shared, "a")["NT060"] == "error"
+    shared.materials[1] = {"occlusionTexture": {"index": 1}}
+    assert only(shared, "b")["NT060"] == "warning"
+    assert only(model(GOOD, normalTexture={"index": 1, "scale": -1}), "c")["NT061"] == "warning"
+    bare = model(GOOD)
+    bare.texcoord = False
+    assert only(bare, "d")["NT062"] == "warning"
+    wrong = model(GOOD)
+    wrong.images[1] = (*wrong.images[1][:2], "image/jpeg")
+    assert only(wrong, "e")["NT063"] == "warning"
+    assert only(model(textures.zzero(48, 64)), "f")["NT065"] == "error"
+    opaque = np.dstack([GOOD, np.full(GOOD.shape[:2], 255, np.uint8)])
+    assert only(model(opaque), "g")["NT066"] == "warning"
+    turned = {"index": 1, "extensions": {"KHR_texture_transform": {"scale": [-1, 1]}}}
+    assert only(model(GOOD, normalTexture=turned), "h")["NT067"] == "info"
+    assert only(model(np.dstack([GOOD[..., :2], 255 - GOOD[..., 2:]])), "i")["NT003"] == "error"
+    assert only(model(green_mirrored(GOOD)), "j").get("NT010") == "warning"
+    assert not {"warning", "error"} & set(only(model(GOOD), "k").values())
+    documented = {name for name in gltf.RULES}
+    assert documented == {f"NT{number:03}" for number in (60, 61, 62, 63, 64, 65, 66, 67)}
+
+
+BROKEN = {
+    "empty": b"",
+    "text": b"hello",
+    "lfs": b"version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 1\n",
+    "array": b"[]",
+    "version 1": b'{"asset": {"version": "1.0"}}',
+    "no asset": b"{}",
+    "glb truncated": b"glTF\2\0\0\0\xff\0\0\0",
+    "glb version": b"glTF\1\0\0\0\x0c\0\0\0",
+    "glb without JSON": b"glTF\2\0\0\0\x14\0\0\0\0\0\0\0BIN\0",
+    "deep": b'{"asset":' * 100000,
+    "images no list": b'{"asset":{"version":"2.0"},"images":3,"materials":'
+    b'[{"normalTexture":{"index":0}}],"textures":[{"source":0}]}',
+    "index": b'{"asset":{"version":"2.0"},"materials":[{"normalTexture":{"index":7}}]}',
+    "negative": b'{"asset":{"version":"2.0"},"materials":[{"normalTexture":{"index":-1}}]}',
+    "meshes": b'{"asset":{"version":"2.0"},"meshes":[{"primitives":[3]}],"materials":'
+    b'[{"normalTexture":{"index":0}}],"textures":[{"source":0}],"images":[{"uri":"x.png"}]}',
+}
+
+
+@pytest.mark.parametrize("name", BROKEN)
+def test_broken_files(tmp_path, name):
+    path = tmp_path / "broken.glb"
+    path.write_bytes(BROKEN[name])
+    report = gltf.check([path, save(model(GOOD), tmp_path)])
+    assert report["files"][0]["status"] == "unreadable"
+    assert str(path) in report["files"][0]["message"] and report["files"][-1]["status"] == "ok"
+
+
+@pytest.mark.parametrize(
+    "uri", ["missing.png", "http://localhost/x.png", "//host/x.png", "data:,x", "data:;base64,%%%"]
+)
+def test_missing_images(tmp_path, uri):
+    path = save(model(), tmp_path, "files")
+    path.write_text(path.read_text().replace('"brick_n.png"', json.dumps(uri)))
+    (entry,) = gltf.check(path)["files"]
+    assert entry["status"] == "unreadable" and entry["message"]
+
+
+def test_views_outside_the_buffer(tmp_path):
+    path = save(model(), tmp_path, "data")
+    document = json.loads(path.read_text())
+    for view in ({"byteOffset": 10**9}, {"byteLength": 10**9}, {"byteLength": 0}, {"buffer": 1}):
+        document["bufferViews"].append({"buffer": 0, "byteOffset": 0, "byteLength": 4, **view})
+        document["images"][1] = {"bufferView": len(document["bufferViews"]) - 1}
+        path.write_text(json.dumps(document))
+        (entry,) = gltf.check(path)["files"]
+        assert entry["status"] == "unreadable", view
+
+
+# ----------------------------------------------------------------------------- cleaning
+
+
+def changed_lines(before, after):
+    """The lines of two texts of equal length in lines that differ."""
+    pairs = zip(before.splitlines(), after.splitlines(), strict=True)
+    return [(old.strip(), new.strip()) for old, new in pairs if old != new]
+
+
+@pytest.mark.parametrize("how", WAYS)
+def test_clean_changes_only_normals(tmp_path, how):
+    path = save(model(), tmp_path, how)
+    (tmp_path / "out").mkdir()
+    copy = tmp_path / "out" / path.name
+    report = gltf.clean(path, copy)
+    (entry,) = report["files"]
+    assert entry["written"] and entry["changed"] == round(0.2 * 64 * 48)
+    old_buffer, old = files.resources(path)
+    new_buffer, new = files.resources(copy)
+    assert new[0] == old[0] and new[2] == old[2] and new[1] != old[1]
+    assert np.array_equal(pixels(new[1], tmp_path), GOOD)
+    before, after = files.parse(path), files.parse(copy)
+    assert files.accessor_bytes(after[0], new_buffer) == files.accessor_bytes(before[0], old_buffer)
+    for view in after[0]["bufferViews"]:
+        assert view.get("byteOffset", 0) % 4 == 0
+    edited = changed_lines(before[1].rstrip(), after[1].rstrip())
+    names = {line.partition('"')[2].partition('"')[0] for _, line in edited}
+    allowed = {
+        "glb": {"byteOffset", "byteLength"},
+        "bin": {"byteOffset", "byteLength"},
+        "data": {"uri"},
+        "files": set(),
+    }
+    assert names <= allowed[how], edited
+    assert gltf.check(copy)["files"][0]["fail"]["exact"] == 0
+    again = gltf.clean(copy, tmp_path / "again" / path.name)
+    assert not again["files"][0]["written"]
+    assert (tmp_path / "again" / path.name).read_bytes() == copy.read_bytes()
+
+
+@pytest.mark.parametrize("how", WAYS)
+def test_clean_of_a_clean_file_is_a_copy(tmp_path, how):
+    path = save(model(GOOD), tmp_path, how)
+    copy = tmp_path / "out" / path.name
+    gltf.clean(path, copy)
+    assert copy.read_bytes() == path.read_bytes()
+    assert files.resources(copy) == files.resources(path)
+
+
+@pytest.mark.parametrize("how", WAYS)
+def test_clean_beside_the_original_keeps_it(tmp_path, how):
+    path = save(model(), tmp_path, how)
+    before = {file: file.read_bytes() for file in tmp_path.iterdir()}
+    copy = path.with_stem("cleaned")
+    for _ in range(2):  # a second run takes the same names
+        gltf.clean(path, copy)
+    for file, data in before.items():
+        assert file.read_bytes() == data
+    assert np.array_equal(pixels(files.resources(copy)[1][1], tmp_path), GOOD)
+    made = {file.name for file in tmp_path.iterdir()} - {file.name for file in before}
+    extra = {"files": {"brick_n-clean.png"}, "bin": {"geometry-clean.bin"}}.get(how, set())
+    assert made - {"pixels.png"} == {copy.name} | extra
+
+
+@pytest.mark.parametrize("how", WAYS)
+def test_clean_in_place(tmp_path, how):
+    path = save(model(), tmp_path, how)
+    names = set(tmp_path.iterdir())
+    gltf.clean(path, dry_run=True)
+    assert gltf.check(path)["summary"]["with_errors"] == 1
+    gltf.clean(path)
+    assert set(tmp_path.iterdir()) == names
+    assert gltf.check(path)["summary"]["well_formed"] == 1
+    assert np.array_equal(pixels(files.resources(path)[1][1], tmp_path), GOOD)
+
+
+def jpeg_bytes(image):
+    from PIL import Image
+
+    out = io.BytesIO()
+    Image.fromarray(image).save(out, "JPEG", quality=90, subsampling=0)
+    return out.getvalue()
+
+
+@pytest.mark.parametrize("how", WAYS)
+def test_jpeg_becomes_png(tmp_path, how):
+    made = model()
+    made.images[1] = ("brick_n.jpg", jpeg_bytes(BAD), "image/jpeg")
+    path = save(made, tmp_path, how)
+    copy = tmp_path / "out" / path.name
+    kept = gltf.clean(path, copy, keep_jpeg=True)["files"][0]
+    assert kept["status"] == "skipped" and "JPEG" in kept["message"]
+    assert files.resources(copy)[1] == files.resources(path)[1]
+    assert gltf.clean(path, copy)["files"][0]["written"]
+    data = files.resources(copy)[1][1]
+    assert data.startswith(b"\x89PNG")
+    image = files.parse(copy)[0]["images"][1]
+    if how == "files":
+        assert image["uri"] == "brick_n.png"
+    elif how == "data":
+        assert image["uri"].startswith("data:image/png;base64,")
+    else:
+        assert image["mimeType"] == "image/png"
+    assert "NT063" not in ids(gltf.check(copy)["files"][0])
+
+
+def test_alpha_and_green(tmp_path):
+    opaque = np.dstack([GOOD, np.full(GOOD.shape[:2], 255, np.uint8)])
+    path = save(model(opaque), tmp_path)
+    copy = tmp_path / "copy.glb"
+    assert gltf.clean(path, copy)["files"][0]["alpha_dropped"]
+    assert np.array_equal(pixels(files.resources(copy)[1][1], tmp_path), GOOD)
+    gltf.clean(path, copy, drop_alpha=False)
+    assert copy.read_bytes() == path.read_bytes()
+    opaque[0, 0, 3] = 7  # used for something: kept
+    gltf.clean(save(model(opaque), tmp_path), copy)
+    assert pixels(files.resources(copy)[1][1], tmp_path).shape[2] == 4
+    entry = gltf.clean(save(model(GOOD), tmp_path), copy, flip_green=True)["files"][0]
+    assert entry["green_flipped"]
+    flipped = pixels(files.resources(copy)[1][1], tmp_path)
+    assert np.array_equal(flipped, green_mirrored(GOOD))
+
+
+def test_shared_images_are_left(tmp_path):
+    made = model()
+    made.materials[1]["emissiveTexture"] = {"index": 1}
+    path, copy = save(made, tmp_path), tmp_path / "copy.glb"
+    entry = gltf.clean(path, copy)["files"][0]
+    assert entry["status"] == "skipped" and "emissiveTexture" in entry["message"]
+    assert copy.read_bytes() == path.read_bytes()
+
+
+def test_overlapping_views_are_left(tmp_path):
+    path, copy = save(model(), tmp_path), tmp_path / "copy.glb"
+    document, _, chunk = files.parse(path)
+    view = dict(document["bufferViews"][document["images"][1]["bufferView"]], byteLength=8)
+    document["bufferViews"].append(view)
+    path.write_bytes(files.glb(json.dumps(document), chunk))
+    entry = gltf.clean(path, copy)["files"][0]
+    assert entry["status"] == "skipped" and "overlaps" in entry["message"]
+
+
+def test_offsets_of_extensions_move(tmp_path):
+    path, copy = save(model(), tmp_path), tmp_path / "copy.glb"
+    document, _, chunk = files.parse(path)
+    last = document["bufferViews"][-1]
+    last["extensions"] = {
+        "EXT_meshopt_compression": {
+            "buffer": 0,
+            "byteOffset": last["byteOffset"],
+            "byteLength": last["byteLength"],
+        }
+    }
+    extra = struct.pack("<I4s", 4, b"XTRA") + b"keep"
+    path.write_bytes(files.glb(json.dumps(document), chunk, extra))
+    gltf.clean(path, copy)
+    last = files.parse(copy)[0]["bufferViews"][-1]
+    assert last["extensions"]["EXT_meshopt_compression"]["byteOffset"] == last["byteOffset"]
+    assert copy.read_bytes().endswith(extra)
+
+
+def test_nothing_is_written_outside(tmp_path):
+    inner = tmp_path / "a" / "b"
+    inner.mkdir(parents=True)
+    made = model()
+    path = save(made, inner, "files")
+    (tmp_path / "a" / "brick_n.png").write_bytes((inner / "brick_n.png").read_bytes())
+    path.write_text(path.read_text().replace('"brick_n.png"', '"../brick_n.png"'))
+    assert gltf.check(path)["files"][0]["status"] == "ok"
+    before = {file: file.read_bytes() for file in tmp_path.rglob("*") if file.is_file()}
+    with pytest.raises(gltf.GltfError, match="outside"):
+        gltf.clean(path, tmp_path / "out" / "copy.gltf")
+    after = {file: file.read_bytes() for file in tmp_path.rglob("*") if file.is_file()}
+    assert after == before
+
+
+def test_output_of_another_kind(tmp_path):
+    path = save(model(), tmp_path)
+    with pytest.raises(ValueError, match=r"\.glb"):
+        gltf.clean(path, tmp_path / "copy.gltf")
+
+
+# -------------------------------------------------------------------------- editing text
+
+
+def test_editor_keeps_every_other_byte():
+    text = '\n{ "a" : [1, {"b":\t2.50}, "x\\u00e9"],"c":{} , "d":{"e":1e5} }  '
+    editor = Editor(text)
+    editor.set(["a", 1, "b"], 7)
+    editor.set(["c", "new"], "\u00e9\n")
+    editor.set(["d", "f"], [1])
+    expected = text.replace("2.50", "7").replace("{}", '{"new":"\u00e9\\n"}')
+    assert editor.apply() == expected.replace('{"e"', '{"f":[1],"e"')
+    assert Editor(text).apply() == text
+    with pytest.raises(KeyError):
+        Editor(text).set(["nothing", "here"], 1)
+
+
+def test_editor_agrees_with_json():
+    rng = np.random.default_rng(3)
+
+    def value(depth):
+        kind = int(rng.integers(0, 6 if depth else 4))
+        if kind == 4:
+            return [value(depth - 1) for _ in range(int(rng.integers(0, 4)))]
+        if kind == 5:
+            return {f'k"{i}\\': value(depth - 1) for i in range(int(rng.integers(0, 4)))}
+        return [None, 1.5, "\u2603]}{[,", True][kind]
+
+    def places(node, path=()):
+        if not isinstance(node, dict | list):
+            return
+        for key, child in node.items() if isinstance(node, dict) else enumerate(node):
+            yield (*path, key)
+            yield from places(child, (*path, key))
+
+    for _ in range(60):
+        document = {"root": value(4), "end": 1}
+        paths = list(places(document))
+        path = paths[int(rng.integers(0, len(paths)))]
+        text = json.dumps(document, indent=int(rng.integers(0, 3)) or None)
+        editor = Editor(text)
+        editor.set(path, 12345)
+        node = document
+        for key in path[:-1]:
+            node = node[key]
+        node[path[-1]] = 12345
+        assert json.loads(editor.apply()) == document
+
+
+# ----------------------------------------------------------------------- command line
+
+
+def ntp_gltf(*args, **options):
+    command = [sys.executable, "-m", "normaltexture.gltf._cli", *map(str, args)]
+    return subprocess.run(command, capture_output=True, text=True, check=False, **options)
+
+
+def test_command_line(tmp_path):
+    bad, good = save(model(), tmp_path, name="bad"), save(model(GOOD), tmp_path, name="good")
+    (tmp_path / "deep").mkdir()
+    save(model(), tmp_path / "deep", "files")
+    done = ntp_gltf(bad, good)
+    assert done.returncode == 1 and "error   NT001" in done.stdout and "well formed" in done.stdout
+    assert ntp_gltf(good).returncode == 0 and not ntp_gltf("-q", good).stdout
+    assert ntp_gltf(bad, "--fail-on", "never").returncode == 0
+    assert ntp_gltf(bad, tmp_path / "missing.glb").returncode == 3
+    assert len(json.loads(ntp_gltf(tmp_path, "--format", "json").stdout)["files"]) == 2
+    found = json.loads(ntp_gltf("-r", tmp_path, "--format", "json").stdout)["files"]
+    assert [entry["path"] for entry in found] == sorted(entry["path"] for entry in found)
+    assert len(found) == 3
+    sarif = json.loads(ntp_gltf(bad, "--format", "sarif").stdout)
+    assert sarif["runs"][0]["results"][0]["ruleId"] == "NT001"
+    assert ntp_gltf(bad, "--format", "github").stdout.startswith("::error file=")
+    for wrong in ([], ["--frob", bad], [bad, good, "-o", "x.glb"], [bad, "-n"], [""]):
+        assert ntp_gltf(*wrong, cwd=tmp_path).returncode == 2, wrong
+    assert ntp_gltf("--help").returncode == 0
+
+
+def test_command_line_cleans(tmp_path):
+    bad = save(model(), tmp_path, name="bad")
+    (tmp_path / "deep").mkdir()
+    save(model(), tmp_path / "deep", "files", "other")
+    done = ntp_gltf("bad.glb", "-o", "copy.glb", "-n", cwd=tmp_path)
+    assert done.returncode == 0 and not (tmp_path / "copy.glb").exists()
+    assert "would be written" in done.stdout
+    done = ntp_gltf("-r", ".", "-o", "out", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "out" / "deep" / "geometry.bin").exists()
+    assert ntp_gltf("-r", tmp_path / "out").returncode == 0
+    report = json.loads(ntp_gltf(bad, "--in-place", "--format", "json").stdout)
+    assert report["summary"]["written"] == 1 and ntp_gltf(bad).returncode == 0
+    assert ntp_gltf(tmp_path / "none.glb", "--in-place").returncode == 3
+    assert nt.check(bad.with_name("nothing.png")).files[0].status == "unreadable"
