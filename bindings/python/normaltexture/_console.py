@@ -11,6 +11,9 @@ from typing import Any, NoReturn
 
 from . import _ntp
 
+# Marks that turn the direction of text: with them one name can look like another.
+_REORDERING = "\u200e\u200f\u2028\u2029\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069"
+
 
 class _Parser(argparse.ArgumentParser):
     """Errors in the voice of ntp: one line, exit code 2."""
@@ -113,6 +116,8 @@ def shown(name: str) -> str:
             out.append("\\n")
         elif code < 0x20 or code == 0x7F or 0x80 <= code < 0xA0:
             out.append(f"\\x{code:02x}")
+        elif char in _REORDERING:
+            out.append(f"\\u{code:04x}")
         else:
             out.append(char)
     return "".join(out)

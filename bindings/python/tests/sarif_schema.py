@@ -1,0 +1,84 @@
+# SPDX-License-Identifier: MIT
+"""What SARIF 2.1.0 says of the objects that we write, as a JSON schema in our own words.
+
+It is stricter than the standard's own: a property that is not listed here is an error, so that a
+misspelled name cannot pass.  Section numbers are those of the OASIS standard.
+"""
+
+
+def _object(required, **properties):
+    return {
+        "type": "object",
+        "required": required,
+        "properties": properties,
+        "additionalProperties": False,
+    }
+
+
+TEXT = {"type": "string", "minLength": 1}
+SENTENCE = {"type": "string", "pattern": r"\.$"}
+URI = {"type": "string", "pattern": r"^(file://)?[A-Za-z0-9._~!$&'()*+,;=:@/%-]+$"}
+LEVEL = {"enum": ["none", "note", "warning", "error"]}  # 3.27.10
+MESSAGE = _object(["text"], text=TEXT, markdown=TEXT)  # 3.12
+INDEX = {"type": "integer", "minimum": 0}
+
+RULE = _object(  # reportingDescriptor, 3.49
+    ["id"],
+    id={"type": "string", "pattern": "^NT[0-9]{3}$"},
+    shortDescription=MESSAGE,
+    fullDescription=MESSAGE,
+    help=MESSAGE,
+    defaultConfiguration=_object([], level=LEVEL),
+)
+LOCATION = _object(  # 3.28
+    ["physicalLocation"],
+    physicalLocation=_object(  # 3.29
+        ["artifactLocation"],
+        artifactLocation=_object(["uri"], uri=URI, uriBaseId=TEXT),  # 3.4
+        region=_object(["startLine"], startLine={"type": "integer", "minimum": 1}),  # 3.30
+    ),
+    logicalLocations={
+        "type": "array",
+        "items": _object([], fullyQualifiedName=TEXT, kind=TEXT),  # 3.33
+    },
+)
+RESULT = _object(  # 3.27
+    ["message", "ruleId"],
+    ruleId=TEXT,
+    ruleIndex=INDEX,
+    level=LEVEL,
+    message=_object(["text"], text=SENTENCE),
+    locations={"type": "array", "minItems": 1, "items": LOCATION},
+    partialFingerprints={"type": "object", "additionalProperties": TEXT},
+    properties={"type": "object"},
+)
+DRIVER = _object(  # toolComponent, 3.19
+    ["name"],
+    name=TEXT,
+    version=TEXT,
+    semanticVersion={"type": "string", "pattern": r"^\d+\.\d+\.\d+$"},
+    rules={"type": "array", "items": RULE, "uniqueItems": True},
+)
+RUN = _object(  # 3.14
+    ["tool", "results"],
+    tool=_object(["driver"], driver=DRIVER),
+    invocations={
+        "type": "array",
+        "items": _object(["executionSuccessful"], executionSuccessful={"type": "boolean"}),
+    },
+    originalUriBaseIds={
+        "type": "object",
+        "additionalProperties": _object([], uri=URI, description=MESSAGE),
+    },
+    columnKind={"enum": ["utf16CodeUnits", "unicodeCodePoints"]},
+    results={"type": "array", "items": RESULT},
+)
+SCHEMA = {
+    "$schema": "https://json-schema.org/draft/2020-12/schema",
+    **_object(  # sarifLog, 3.13
+        ["version", "runs"],
+        **{"$schema": {"type": "string", "pattern": "sarif-schema-2.1.0.json$"}},
+        version={"const": "2.1.0"},
+        runs={"type": "array", "items": RUN},
+    ),
+}

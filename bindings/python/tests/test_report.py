@@ -1,0 +1,413 @@
+# SPDX-License-Identifier: MIT
+"""normaltexture.report: the page in a real browser, hostile names, pictures, SARIF, annotations."""
+
+import base64
+import hashlib
+import html
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+from html.parser import HTMLParser
+
+import numpy as np
+import pytest
+from jsonschema import Draft202012Validator
+
+import sarif_schema
+from cli import textures
+from normaltexture import report
+from normaltexture.report import _pictures
+from pngs import read_png, write_png
+
+GOOD = textures.standard(48, 64)
+BAD = textures.wrong_blue(GOOD, 0.1)
+HOSTILE = "<img src=x onerror=\"document.title='owned'\">'&amp;{{7*7}}]]>_n.png"
+
+
+@pytest.fixture
+def folder(tmp_path):
+    place = tmp_path / "textures"
+    place.mkdir()
+    write_png(place / "good_n.png", GOOD)
+    write_png(place / "bad_n.png", BAD)
+    write_png(place / "photo.png", textures.photograph())
+    write_png(place / HOSTILE, BAD)
+    write_png(os.fsencode(place) + b"/caf\xe9\n_n.png", GOOD)
+    write_png(place / "\u202egnp.n_live_n.png", GOOD)
+    (place / "broken_n.png").write_bytes(b"\x89PNG\r\n\x1a\n")
+    return place
+
+
+def ntp_report(*args, **options):
+    command = [sys.executable, "-m", "normaltexture.report._cli", *map(str, args)]
+    options.setdefault("text", True)
+    return subprocess.run(command, capture_output=True, check=False, **options)
+
+
+VOID = {"meta", "img", "input", "link", "br", "line", "rect"}
+
+
+class Page(HTMLParser):
+    """Tags with attributes, the text, and whether they are nested as they should be."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.tags, self.open, self.words, self.scripts = [], [], [], []
+        self.feed(text)
+        assert not self.open, self.open
+
+    def handle_starttag(self, tag, attrs):
+        self.tags.append((tag, dict(attrs)))
+        if tag not in VOID:
+            self.open.append(tag)
+
+    def handle_startendtag(self, tag, attrs):
+        self.tags.append((tag, dict(attrs)))
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag
+
+    def handle_data(self, data):
+        if self.open and self.open[-1] in ("script", "style"):
+            self.scripts.append(data)
+        else:
+            self.words.append(data)
+
+
+def test_page_is_self_contained_and_unharmed_by_names(folder):
+    found = report.check_json([folder])
+    text = report.build(found, title="<script>alert(1)</script>")
+    page = Page(text)
+    for tag, attrs in page.tags:
+        for key, value in attrs.items():
+            assert not key.startswith("on"), (tag, attrs)
+            if key in ("src", "href", "action", "srcset"):
+                assert value.startswith(("data:image/png;base64,", "#")), (tag, value)
+    assert [tag for tag, _ in page.tags].count("script") == 1
+    assert "onerror" not in {key for _, attrs in page.tags for key in attrs}
+    words = "".join(page.words)
+    assert HOSTILE in words and "{{7*7}}" in words and "<script>alert(1)</script>" in words
+    assert "\u202e" not in text and "\\u202e" in words and "\\n_n.png" in words
+    policy = next(a["content"] for t, a in page.tags if a.get("http-equiv"))
+    assert "default-src 'none'" in policy and "unsafe" not in policy
+    assert "http" not in text.partition("<body>")[2].replace("http-equiv", "")
+    assert text.encode() == report.build(found, title="<script>alert(1)</script>").encode()
+
+
+def test_page_is_accessible(folder):
+    page = Page(report.build(report.check_json([folder])))
+    names = [tag for tag, _ in page.tags]
+    assert dict(page.tags)["html"] == {"lang": "en"} and names.count("h1") == 1
+    assert all("alt" in attrs for tag, attrs in page.tags if tag == "img")
+    assert all(attrs.get("scope") for tag, attrs in page.tags if tag == "th")
+    ids = [attrs["id"] for _, attrs in page.tags if "id" in attrs]
+    assert len(ids) == len(set(ids))
+    for _, attrs in page.tags:
+        for key in ("aria-labelledby", "aria-describedby"):
+            assert attrs.get(key, ids[0]) in ids
+        if attrs.get("href", "").startswith("#"):
+            assert attrs["href"][1:] in ids
+    for tag, attrs in page.tags:
+        if tag == "input" and attrs["type"] == "range":
+            assert attrs["aria-label"]
+        if tag == "svg":
+            assert attrs["role"] == "img" and attrs["aria-label"]
+
+
+def luminance(color):
+    parts = [int(color[i : i + 2], 16) / 255 for i in (1, 3, 5)]
+    linear = [p / 12.92 if p <= 0.04045 else ((p + 0.055) / 1.055) ** 2.4 for p in parts]
+    return float(np.dot(linear, [0.2126, 0.7152, 0.0722]))
+
+
+def test_colors_have_contrast():
+    """At least 4.5 to 1 for every text on its background, light and dark (WCAG 2 AA)."""
+    style = report._page._template("page.css")
+    blocks = re.findall(r":root \{(.*?)\}", style, re.DOTALL)
+    assert len(blocks) == 2
+    for block in blocks:
+        colors = dict(re.findall(r"--([a-z-]+): (#[0-9a-f]{6})", block))
+        pairs = [("text", "back"), ("text", "card"), ("text", "hover"), ("muted", "back")]
+        pairs += [("muted", "card"), ("muted", "hover"), ("link", "card"), ("link", "hover")]
+        pairs += [(name, f"{name}-back") for name in ("ok", "warning", "error", "info")]
+        for front, back in pairs:
+            light, dark = sorted([luminance(colors[front]), luminance(colors[back])])[::-1]
+            assert (light + 0.05) / (dark + 0.05) >= 4.5, (front, back)
+
+
+# ------------------------------------------------------------------------------- pictures
+
+
+def decoded(uri, tmp_path):
+    path = tmp_path / "picture.png"
+    path.write_bytes(base64.b64decode(uri.partition(",")[2]))
+    return read_png(path)[0]
+
+
+def test_pictures(tmp_path):
+    entry = {"type": "standard", "format": "png"}
+    drawn = report.draw(BAD, entry)
+    assert np.array_equal(decoded(drawn.texture, tmp_path), BAD)
+    assert np.array_equal(decoded(drawn.cleaned, tmp_path), GOOD)
+    assert drawn.changed == (BAD != GOOD).any(axis=2).sum()
+    heat = decoded(drawn.heatmap, tmp_path).astype(int)
+    colored = np.ptp(heat, axis=2) > 0
+    lengths = np.sqrt((((2.0 * BAD - 255) / 255) ** 2).sum(axis=2))
+    expected = np.histogram(lengths, 64, (0, 2))[0]
+    assert list(drawn.lengths) == expected.tolist()
+    assert colored.any() and not colored[np.abs(lengths - 1) < 0.01].any()
+    assert report.draw(GOOD, entry).cleaned == "" and report.draw(GOOD, entry).changed == 0
+    plain = report.draw(textures.heights(), {"type": "height", "format": "png"})
+    assert plain.texture and not plain.heatmap and not plain.lit
+
+
+@pytest.mark.parametrize("shape", [(300, 200), (33, 500), (1, 1), (7, 1000)])
+def test_one_bad_texel_shows(shape, tmp_path):
+    image = np.full((*shape, 3), (128, 128, 255), np.uint8)
+    image[shape[0] // 2, shape[1] - 1] = 128, 128, 100
+    drawn = report.draw(image, {"type": "standard", "format": "png"}, size=64)
+    heat = decoded(drawn.heatmap, tmp_path).astype(int)
+    assert max(heat.shape[:2]) <= 64 and heat.shape[:2] == (drawn.height, drawn.width)
+    assert (np.ptp(heat, axis=2) > 50).sum() == 1
+
+
+def test_averages():
+    rng = np.random.default_rng(4)
+    for shape in ((50, 70, 3), (64, 64), (13, 200, 3)):
+        image = rng.integers(0, 65536, shape).astype(np.uint16)
+        small = _pictures.average(image, 20)
+        factor = -(-max(shape[:2]) // 20)
+        for y in range(small.shape[0]):
+            for x in range(small.shape[1]):
+                block = image[y * factor : (y + 1) * factor, x * factor : (x + 1) * factor]
+                mean = block.reshape(-1, *shape[2:]).mean(axis=0) / 257
+                assert np.all(np.abs(small[y, x] - mean) <= 0.500001)
+
+
+def test_png_is_valid(tmp_path):
+    rng = np.random.default_rng(4)
+    for shape in ((5, 7), (4, 9, 3), (6, 3, 4)):
+        image = rng.integers(0, 256, shape).astype(np.uint8)
+        (tmp_path / "a.png").write_bytes(_pictures.png(image))
+        assert np.array_equal(read_png(tmp_path / "a.png")[0].reshape(shape), image)
+
+
+def test_limits(folder):
+    found = report.check_json([folder])
+    text = report.build(found, limit=1, size=32)
+    assert text.count("Pictures are limited to 1 files.") == 5
+    assert report.build(found, max_texels=100).count("Too large for pictures.") == 6
+    shutil.rmtree(folder)
+    assert "No pictures: " in report.build(found)
+
+
+# ---------------------------------------------------------------------- SARIF and GitHub
+
+
+def test_sarif(folder, monkeypatch):
+    monkeypatch.chdir(folder.parent)
+    found = report.check_json(["textures"])
+    log = json.loads(json.dumps(report.to_sarif(found)))
+    Draft202012Validator(sarif_schema.SCHEMA).validate(log)
+    (run,) = log["runs"]
+    rules = run["tool"]["driver"]["rules"]
+    results = run["results"]
+    assert [rule["id"] for rule in rules] == sorted({rule["id"] for rule in rules})
+    for result in results:
+        assert rules[result["ruleIndex"]]["id"] == result["ruleId"]
+    uris = [r["locations"][0]["physicalLocation"]["artifactLocation"]["uri"] for r in results]
+    assert "textures/bad_n.png" in uris and "textures/photo.png" not in uris
+    assert all(re.fullmatch(r"[A-Za-z0-9._~/%-]+", uri) for uri in uris)
+    by_id = {result["ruleId"]: result for result in results}
+    assert by_id["NT000"]["level"] == "error" and not run["invocations"][0]["executionSuccessful"]
+    assert {result["level"] for result in results} <= {"error", "warning"}
+    noted = report.to_sarif(found, notes=True)["runs"][0]["results"]
+    assert any(result["level"] == "note" for result in noted) and len(noted) > len(results)
+    prints = [result["partialFingerprints"]["normaltexture/v1"] for result in noted]
+    assert len(set(prints)) == len(prints)
+    assert report.to_sarif(report.check_json(["textures"])) == report.to_sarif(found)
+    absolute = report.to_sarif(report.check_json([folder]))["runs"][0]["results"][0]
+    location = absolute["locations"][0]["physicalLocation"]["artifactLocation"]
+    assert location["uri"].startswith("file:///") and "uriBaseId" not in location
+
+
+def test_github(folder, monkeypatch):
+    monkeypatch.chdir(folder.parent)
+    text = report.to_github(report.check_json(["textures"]))
+    lines = text.splitlines()
+    levels = [line.split(" ")[0] for line in lines]
+    assert levels.count("::error") == 3 and set(levels) <= {"::error", "::warning"}
+    form = re.compile(r"::[a-z]+ file=([^,:]*),line=1,title=([^,:]*)%3A [^,:]*::(.*)")
+    matches = [form.fullmatch(line) for line in lines]
+    assert all(matches)
+    names = {match[1].replace("%3A", ":").replace("%2C", ",") for match in matches}
+    assert f"textures/{HOSTILE}" in names
+    forged = {
+        "path": "a\n::error::x,y",
+        "status": "unreadable",
+        "message": "m\r\n::b",
+        "findings": [],
+    }
+    (line,) = report.to_github({"files": [forged]}).splitlines()
+    assert line.startswith("::error file=a%0A%3A%3Aerror%3A%3Ax%2Cy,") and line.endswith(
+        "m%0D%0A::b"
+    )
+
+
+# -------------------------------------------------------------------------- command line
+
+
+def test_command_line(folder, tmp_path):
+    page = tmp_path / "report.html"
+    done = ntp_report(folder, "-o", page)
+    assert done.returncode == 3 and "broken_n.png" in done.stderr and page.exists()
+    (folder / "broken_n.png").unlink()
+    assert ntp_report(folder, "-o", page, "-q").returncode == 1
+    assert ntp_report(folder, "-o", page, "--fail-on", "never").returncode == 0
+    assert ntp_report(folder / "good_n.png", "-o", page).returncode == 0
+    standard = ntp_report(folder / "good_n.png", "-o", "-")
+    assert Page(standard.stdout) and standard.stdout == page.read_text(encoding="utf-8")
+    sarif = ntp_report(folder, "--format", "sarif")
+    assert sarif.returncode == 1 and json.loads(sarif.stdout)["version"] == "2.1.0"
+    checked = ntp_report(folder, "--format", "json").stdout
+    again = ntp_report("--from-json", "-", "--format", "sarif", input=checked)
+    assert again.stdout == sarif.stdout and again.returncode == 1
+    for wrong in (
+        [],
+        [folder],
+        [folder, "-o", page, "--size", "1"],
+        [folder, "--from-json", "-", "-o", page],
+        [folder, "-o", page, "--y", "left"],
+        [folder, "-o", page, "--max-fail", "1000"],
+    ):
+        done = ntp_report(*wrong, input="{}")
+        assert done.returncode == 2 and done.stderr.startswith("ntp: "), wrong
+    for bad in (
+        "",
+        "[]",
+        "{}",
+        '{"schema_version": 2, "files": []}',
+        '{"schema_version":1,"files":[{}]}',
+    ):
+        assert ntp_report("--from-json", "-", "-o", page, input=bad).returncode == 3
+    assert ntp_report(folder, "-o", tmp_path / "none" / "r.html").returncode == 3
+    assert "--from-json" in ntp_report("--help").stdout
+
+
+def test_beside_ntp(folder, tmp_path):
+    """`ntp report` finds the program that the package installs."""
+    beside = shutil.which("ntp", path=os.path.dirname(sys.executable))
+    if beside is None:
+        pytest.fail("the wheel's ntp is not beside Python")
+    done = subprocess.run(
+        [beside, "report", folder / "good_n.png", "-o", tmp_path / "r.html"], check=False
+    )
+    assert done.returncode == 0 and (tmp_path / "r.html").exists()
+    assert subprocess.run([beside, "gltf"], check=False, capture_output=True).returncode == 2
+
+
+# ------------------------------------------------------------------------------- browser
+
+
+CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
+FLAGS = [
+    "--headless",
+    "--no-sandbox",
+    "--disable-gpu",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+    "--disable-extensions",
+    "--disable-dev-shm-usage",
+    "--hide-scrollbars",
+    "--window-size=1200,1600",
+    "--virtual-time-budget=3000",
+]
+
+
+def browser(tmp_path, page, *flags):
+    profile = tmp_path / f"profile{len(list(tmp_path.iterdir()))}"
+    command = [CHROMIUM, *FLAGS, f"--user-data-dir={profile}", *flags, page.as_uri()]
+    return subprocess.run(command, capture_output=True, check=True, timeout=240, cwd=tmp_path)
+
+
+# Runs in the page, allowed by a policy that the test writes; the result is left in the title.
+PROBE = """
+const log = [];
+const table = document.getElementById("table");
+const names = () => Array.from(table.tBodies[0].rows).filter(r => !r.hidden)
+  .map(r => r.cells[1].textContent.split("/").pop());
+const button = n => table.tHead.rows[0].cells[n].querySelector("button");
+log.push(names());
+button(2).click();
+log.push([table.tHead.rows[0].cells[2].getAttribute("aria-sort"), ...names()]);
+button(6).click(); button(6).click();
+log.push([table.tHead.rows[0].cells[6].getAttribute("aria-sort"),
+          table.tHead.rows[0].cells[2].getAttribute("aria-sort"), ...names()]);
+const find = document.getElementById("find");
+find.value = "bad"; find.dispatchEvent(new Event("input"));
+log.push([...names(), document.querySelectorAll("article:not([hidden])").length]);
+find.value = ""; find.dispatchEvent(new Event("input"));
+document.querySelector("[data-state=error]").click();
+const figure = document.querySelector(".slider");
+const range = figure.querySelector("input");
+range.value = 20; range.dispatchEvent(new Event("input"));
+const before = figure.querySelector(".before");
+const texture = before.src;
+figure.querySelector(".swap").click();
+log.push([getComputedStyle(before).clipPath, before.src !== texture,
+  Array.from(document.images).filter(i => !i.complete || !i.naturalWidth).length,
+  getComputedStyle(document.body).backgroundColor, document.title]);
+document.documentElement.setAttribute("data-log", JSON.stringify(log));
+"""
+
+
+def probed(text, probe=PROBE):
+    """The page with a probe that its policy allows by its hash."""
+    digest = base64.b64encode(hashlib.sha256(probe.encode()).digest()).decode()
+    text = text.replace("script-src '", f"script-src 'sha256-{digest}' '", 1)
+    return text.replace("</body>", f"<script>{probe}</script></body>")
+
+
+@pytest.mark.skipif(CHROMIUM is None, reason="Chromium is not installed")
+def test_page_in_chromium(folder, tmp_path):
+    page = tmp_path / "report.html"
+    page.write_text(probed(report.build(report.check_json([folder]))), encoding="utf-8")
+    done = browser(tmp_path, page, "--dump-dom")
+    dom = done.stdout.decode("utf-8", "replace")
+    match = re.search(r'data-log="([^"]*)"', dom)
+    assert match, done.stderr.decode("utf-8", "replace")[-2000:]
+    first, by_state, by_failing, sought, last = json.loads(html.unescape(match[1]))
+    assert len(first) == 7 and "bad_n.png" in first
+    assert by_state[0] == "descending" and by_state[1] == "broken_n.png"
+    assert by_state[-1] == "photo.png"
+    assert by_failing[:2] == ["ascending", None]
+    assert (by_failing[2], by_failing[-1]) == ("photo.png", "broken_n.png")
+    assert by_failing[-2] == "bad_n.png" and by_failing[-3].startswith("<img")
+    assert sought[:-1] == ["bad_n.png"] and sought[-1] == 1
+    clip, swapped, broken_images, background, title = last
+    assert "80%" in clip and swapped and broken_images == 0
+    assert title == "Normals textures"  # no name has run as a script
+    assert background == "rgb(246, 247, 249)"
+
+
+@pytest.mark.skipif(CHROMIUM is None, reason="Chromium is not installed")
+def test_screenshots(folder, tmp_path):
+    """Light and dark differ as the reader asks, and the pictures are in them."""
+    page = tmp_path / "report.html"
+    page.write_text(report.build(report.check_json([folder])), encoding="utf-8")
+    means = []
+    for number in (0, 1):  # 0: dark
+        shot = tmp_path / f"{number}.png"
+        scheme = f"--blink-settings=preferredColorScheme={number}"
+        browser(tmp_path, page, scheme, f"--screenshot={shot}")
+        pixels = read_png(shot)[0][..., :3].astype(int)
+        assert pixels.shape == (1600, 1200, 3)
+        means.append(pixels.mean())
+        colorful = np.ptp(pixels, axis=2) > 120
+        assert colorful.sum() > 2000
+    assert means[0] < 70 and means[1] > 180
