@@ -208,7 +208,8 @@ def decode(
     -------
     array, (height, width, 3), float32
         (2c - M)/M of each level c, the nearest float; not divided by its length.  Unused texels
-        are (-1, -1, -1) or (1, 1, 1), as they are stored.
+        are (-1, -1, -1) or (1, 1, 1), as they are stored.  Of `"xy"`, x, y are pulled onto the
+        unit disc where too long, and z is the root of 1 - x x - y y.
 
     Raises
     ------

@@ -1,0 +1,205 @@
+# SPDX-License-Identifier: MIT
+"""Memory of every kind gives the same bytes, nothing is copied that need not be, threads agree."""
+
+import gc
+import pickle
+import tracemalloc
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+import pytest
+from hypothesis import given
+
+import normaltexture as nt
+from drawn import heights, layouts, textures
+from normaltexture import _arrays
+
+# (name, function of a texture, may it work in place?)
+FUNCTIONS = {
+    "clean": (nt.clean, True),
+    "validate": (nt.validate, False),
+    "heatmap": (nt.heatmap, True),
+    "shade": (nt.shade, True),
+    "convert": (lambda a, **how: nt.convert(a, from_y="down", **how), True),
+    "deepen": (lambda a, **how: nt.convert(a, depth=16, **how), False),
+    "decode": (nt.decode, False),
+    "resize": (lambda a, **how: nt.resize(a, size=(5, 4), filter="lanczos3", **how), False),
+    "transform": (lambda a, **how: nt.transform(a, rotate=90, strength=1.5, **how), False),
+    "blend": (lambda a, **how: nt.blend(a, a[:2, :3].copy(), strength=0.5, **how), True),
+    "normals_from_height": (
+        lambda a, **how: nt.normals_from_height(a, scale=3, kernel="sobel5", **how),
+        False,
+    ),
+    "height_from_normals": (
+        lambda a, **how: nt.height_from_normals(a, decode="unorm", **how),
+        False,
+    ),
+}
+MEASURES = {
+    "measure": nt.measure,
+    "classify": nt.classify,
+    "compare": lambda a, **how: nt.compare(a, a[..., ::-1].copy(), **how),
+    "detect_orientation": nt.detect_orientation,
+}
+
+
+def texture_of(dtype, shape=(9, 14, 4), seed=1):
+    rng = np.random.default_rng(seed)
+    if dtype == np.float32:
+        return rng.random(shape, np.float32)
+    return rng.integers(0, np.iinfo(dtype).max + 1, shape).astype(dtype)
+
+
+@pytest.mark.parametrize("dtype", [np.uint8, np.uint16, np.float32])
+@pytest.mark.parametrize("name", FUNCTIONS)
+def test_layouts_and_out(name, dtype):
+    function, in_place = FUNCTIONS[name]
+    texture = texture_of(dtype)
+    before = texture.copy()
+    want = function(texture)
+    assert np.array_equal(texture, before)
+    for kind, array in layouts(texture):
+        assert np.array_equal(array, texture), kind
+        assert np.array_equal(function(array), want), kind
+        assert np.array_equal(array, texture), kind
+    for kind, out in layouts(np.zeros_like(want)):
+        if kind == "read-only":
+            continue
+        assert function(texture, out=out) is out, kind
+        assert np.array_equal(out, want), kind
+    if in_place and want.shape == texture.shape and want.dtype == texture.dtype:
+        same = texture.copy()
+        assert function(same, out=same) is same
+        assert np.array_equal(same, want)
+
+
+@pytest.mark.parametrize("dtype", [np.uint8, np.uint16, np.float32])
+@pytest.mark.parametrize("name", MEASURES)
+def test_layouts_of_measures(name, dtype):
+    texture = texture_of(dtype, (20, 30, 4))
+    want = MEASURES[name](texture)
+    for kind, array in layouts(texture):
+        assert MEASURES[name](array) == want, kind
+
+
+@pytest.mark.parametrize("name", [*FUNCTIONS, *MEASURES])
+def test_threads_give_the_same_bytes(name):
+    function = (FUNCTIONS | {n: (f, False) for n, f in MEASURES.items()})[name][0]
+    texture = texture_of(np.uint8, (37, 25, 3))
+    want = function(texture)
+    for threads in (0, 2, 5, 64):
+        got = function(texture, threads=threads)
+        assert np.array_equal(got, want) if isinstance(want, np.ndarray) else got == want
+
+
+def test_crops_are_what_the_whole_is():
+    """What looks at one texel only does not care what lies around it."""
+    texture = texture_of(np.uint16)
+    crop = np.s_[2:7, 3:11]
+    for name in ("clean", "validate", "heatmap", "convert", "deepen", "decode"):
+        function = FUNCTIONS[name][0]
+        assert np.array_equal(function(texture[crop]), function(texture)[crop]), name
+
+
+@given(textures(), textures())
+def test_pure_functions(texture, other):
+    """The same result again, also with other calls between; the arguments are as they were."""
+    copies = texture.copy(), other.copy()
+    first = nt.clean(texture), nt.heatmap(texture), nt.validate(texture)
+    nt.clean(other, out=other)
+    nt.measure(other)
+    again = nt.clean(texture), nt.heatmap(texture), nt.validate(texture)
+    assert all(np.array_equal(a, b) for a, b in zip(first, again))
+    assert np.array_equal(texture, copies[0])
+    assert np.array_equal(other, nt.clean(copies[1]))
+
+
+@given(heights())
+def test_height_arrays_of_two_and_three_dimensions(height):
+    flat = nt.normals_from_height(height, scale=2)
+    assert np.array_equal(nt.normals_from_height(height[:, :, None], scale=2), flat)
+    assert flat.shape == (*height.shape, 3)
+
+
+# --------------------------------------------------------------------------------- copies
+
+
+def test_views_are_the_memory_itself():
+    texture = texture_of(np.uint8, (8, 8, 4))
+    for array in (texture, texture[1:5, 2:], texture[::-1, ::-2], texture[..., 1:]):
+        assert _arrays.pixels("src", array) is array
+        view = _arrays.view("src", array, 2)
+        address = int(_arrays.ffi.cast("uintptr_t", view.data))
+        assert address == array.__array_interface__["data"][0]
+        assert (view.row_stride, view.pixel_stride) == array.strides[:2]
+    gray = texture_of(np.uint16, (8, 8))
+    assert _arrays.pixels("height", gray.T) is not None
+    assert _arrays.view("height", gray.T, 4).pixel_stride == gray.strides[0]  # Fortran order
+
+
+def peak_of(call):
+    """Bytes that a call holds at once, beyond those held before; numpy's arrays count."""
+    call()  # caches
+    gc.collect()
+    tracemalloc.start()
+    before = tracemalloc.get_traced_memory()[0]
+    call()
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    return peak - before
+
+
+@pytest.mark.parametrize("kind", ["contiguous", "crop", "read-only", "memory-mapped"])
+@pytest.mark.parametrize("name", ["clean", "validate", "heatmap", "shade", "convert", "decode"])
+def test_nothing_is_copied(name, kind, tmp_path):
+    texture = texture_of(np.uint8, (700, 900, 3))
+    if kind == "memory-mapped":
+        texture.tofile(tmp_path / "texture.raw")
+        array = np.memmap(tmp_path / "texture.raw", np.uint8, "r", shape=texture.shape)
+    else:
+        array = dict(layouts(texture))[kind]
+    function = FUNCTIONS[name][0]
+    out = function(array)
+    small = 64 << 10
+    assert peak_of(lambda: function(array, out=out)) < small
+    assert peak_of(lambda: function(array)) < out.nbytes + small
+
+
+def test_measure_holds_no_image():
+    small, large = texture_of(np.uint8, (16, 16, 3)), texture_of(np.uint8, (1500, 1500, 3))
+    assert peak_of(lambda: nt.measure(large)) < peak_of(lambda: nt.measure(small)) + (64 << 10)
+
+
+# -------------------------------------------------------------------------------- threads
+
+
+def test_many_threads_on_the_same_arrays():
+    """One source, results and tables shared by 8 threads that work at once."""
+    texture = texture_of(np.uint8, (400, 400, 3))
+    functions = [FUNCTIONS[name][0] for name in ("clean", "heatmap", "shade", "validate")]
+    functions += [nt.measure, nt.classify, lambda a: nt.clean(a, type="zzero")]
+    want = [function(texture) for function in functions]
+    out = np.zeros_like(texture)
+
+    def work(turn):
+        function = functions[turn % len(functions)]
+        rows = slice(turn % 8 * 50, turn % 8 * 50 + 50)
+        nt.clean(texture[rows], out=out[rows])  # parts of one array
+        return function(texture)
+
+    with ThreadPoolExecutor(8) as pool:
+        for turn, got in enumerate(pool.map(work, range(56))):
+            expected = want[turn % len(functions)]
+            same = np.array_equal(got, expected) if isinstance(got, np.ndarray) else got == expected
+            assert same, turn
+    assert np.array_equal(out, want[0])
+
+
+def test_results_travel_between_processes():
+    texture = texture_of(np.uint8)
+    for result in (nt.measure(texture), nt.classify(texture), nt.compare(texture, texture)):
+        assert pickle.loads(pickle.dumps(result)) == result
+    stats = pickle.loads(pickle.dumps(nt.measure(texture)))
+    assert nt.classify(stats) == nt.classify(texture)
+    error = pickle.loads(pickle.dumps(nt.ArgumentError("what", nt.Status.SHAPE)))
+    assert (str(error), error.status) == ("what", nt.Status.SHAPE)

@@ -1,0 +1,223 @@
+# SPDX-License-Identifier: MIT
+"""Heights to normals against exact fractions, and back against least squares in numpy."""
+
+import hypothesis
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import normaltexture as nt
+import oracle_height as oracle
+from drawn import heights, textures
+
+KERNELS = list(oracle.KERNELS)
+BORDERS = ["wrap", "clamp", "mirror", "extrapolate", "repeat-slope"]
+scales = st.sampled_from([0.0, 1.0, -2.5, 0.01, 300.0])
+
+
+@hypothesis.settings(max_examples=120)
+@given(
+    heights(max_side=6),
+    st.sampled_from(KERNELS),
+    st.sampled_from(BORDERS),
+    st.sampled_from(BORDERS),
+    scales,
+    st.sampled_from([(1.0, 1.0), (0.5, 2.0)]),
+    st.booleans(),
+    st.sampled_from([0.0, 0.3]),
+    st.sampled_from(["up", "down"]),
+    st.sampled_from(["standard", "zzero", "xy"]),
+    st.sampled_from(["derived", "nearest"]),
+    st.sampled_from([8, 16]),
+)
+def test_normals_from_height(
+    height, kernel, border_x, border_y, scale, spacing, invert, min_z, to_y, to, blue, depth
+):
+    want = oracle.normals(
+        height, kernel, BORDERS.index(border_x), BORDERS.index(border_y), scale, *spacing,
+        invert=invert, dst=np.uint8 if depth == 8 else np.uint16, min_z=min_z,
+        y_down=to_y == "down", zz=to == "zzero", xy=to == "xy", nearest=blue == "nearest",
+    )  # fmt: skip
+    got = nt.normals_from_height(
+        height, kernel=kernel, border_x=border_x, border_y=border_y, scale=scale,
+        dx=spacing[0], dy=spacing[1], invert=invert, min_z=min_z, to_y=to_y, to=to, blue=blue,
+        depth=depth,
+    )  # fmt: skip
+    assert np.array_equal(got, want)
+
+
+@given(textures(max_side=5), st.sampled_from(list(oracle.SOURCES)))
+def test_sources(picture, source):
+    if source == "alpha" and picture.shape[2] == 3:
+        with pytest.raises(nt.ArgumentError, match=r'source="alpha"'):
+            nt.normals_from_height(picture, scale=1, source=source)
+        return
+    want = oracle.normals(picture, scale=2.0, source=source, dst=picture.dtype.type)
+    got = nt.normals_from_height(picture, scale=2, source=source)
+    assert np.array_equal(got[..., :3], want)
+    if picture.shape[2] == 4 and source != "alpha":
+        assert np.array_equal(got[..., 3], picture[..., 3])
+
+
+@given(heights((np.uint8,)))
+def test_alpha(height):
+    m = 255
+    gray_alpha = np.stack([height, height[::-1]], -1)
+    for alpha, want in (
+        ("keep", height[::-1]),
+        ("one", np.full_like(height, m)),
+        ("inverse", m - height[::-1]),
+        ("height", height),
+    ):
+        got = nt.normals_from_height(gray_alpha, scale=1, alpha=alpha)
+        assert np.array_equal(got[..., 3], want), alpha
+    assert nt.normals_from_height(height, scale=1).shape[2] == 3
+    assert nt.normals_from_height(height, scale=1, alpha="height").shape[2] == 4
+
+
+@given(heights((np.uint8, np.uint16)), scales)
+def test_results_are_clean(height, scale):
+    normals = nt.normals_from_height(height, scale=scale)
+    assert (nt.validate(normals) & nt.Flag.PASS_EXACT > 0).all()
+
+
+def gaussian(height, sigma):
+    """A blur that wraps, in real numbers."""
+    for axis in (0, 1):
+        n = height.shape[axis]
+        radius = int(4 * sigma) + 2
+        i = np.arange(-radius, radius + 1)
+        weights = np.exp(-(i * i) / (2 * sigma * sigma))
+        parts = [w * np.roll(height, -k, axis) for k, w in zip(i, weights / weights.sum())]
+        height = np.sum(parts, 0).reshape(height.shape) if n else height
+    return height
+
+
+def test_blur_and_octaves():
+    height = np.random.default_rng(2).random((40, 48)).astype(np.float32)
+    for how, blurred in (
+        ({"blur": 1.5}, gaussian(height, 1.5)),
+        ({"octaves": [1, 2, 0.5]}, height + 2 * gaussian(height, 1) + 0.5 * gaussian(height, 2)),
+        ({"blur": 3, "octaves": [0, 1]}, gaussian(height, 10**0.5)),
+    ):
+        got = nt.normals_from_height(height, scale=4, to="vector", **how)
+        want = nt.normals_from_height(blurred.astype(np.float32), scale=4, to="vector")
+        assert np.abs(got - want).max() < 2e-3, how
+
+
+def test_like_and_dither():
+    height = (np.random.default_rng(3).random((20, 24)) * 255).astype(np.uint8)
+    same = [
+        ("reference:3", {"scale": 6}),
+        ("eberly:4", {"scale": -8, "to_y": "down"}),
+        ("gegl:10", {"scale": 10, "to_y": "down", "border": "clamp"}),
+        ("gimp-normalmap:sobel3:1", {"scale": 8, "kernel": "sobel3", "to_y": "down",
+                                     "border": "clamp"}),
+    ]  # fmt: skip
+    for like, settings in same:
+        got = nt.normals_from_height(height, like=like)
+        assert np.array_equal(got, nt.normals_from_height(height, **settings)), like
+    zima = nt.normals_from_height(height, like="zima:1")
+    plain = nt.normals_from_height(height, scale=-8, kernel="sobel3", to_y="down", border="wrap")
+    assert np.array_equal(zima[..., [0, 2, 1]], plain)
+    dithered = nt.normals_from_height(height, scale=3, dither="integrable")
+    off = dithered.astype(int) - nt.normals_from_height(height, scale=3)
+    assert off.any() and np.abs(off[..., :2]).max() <= 2
+
+
+# ------------------------------------------------------------------------ reconstruction
+
+
+def slope_matrix(n, border):
+    """Central slopes along an axis of n heights."""
+    d = np.zeros((n, n))
+    for i in range(n):
+        for offset, weight in ((-1, -0.5), (1, 0.5)):
+            for index, share in oracle.reflect(i + offset, n, BORDERS.index(border)):
+                d[i, index] += weight * float(share)
+    return d
+
+
+def least_squares(p, q, border):
+    """The heights of least norm whose central slopes come nearest to p, right, and q, down."""
+    h, w = p.shape
+    matrix = np.vstack(
+        [
+            np.kron(np.eye(h), slope_matrix(w, border)),
+            np.kron(slope_matrix(h, border), np.eye(w)),
+        ]
+    )
+    return np.linalg.lstsq(matrix, np.concatenate([p.ravel(), q.ravel()]), rcond=1e-11)[0]
+
+
+@pytest.mark.parametrize("border", ["wrap", "clamp"])
+@pytest.mark.parametrize("shape", [(5, 7), (8, 6), (1, 4)])
+def test_height_from_normals_is_least_squares(border, shape):
+    rng = np.random.default_rng(sum(shape))
+    p, q = rng.standard_normal((2, *shape))
+    vectors = np.stack([-p, q, np.ones(shape)], -1)
+    vectors = (vectors / np.linalg.norm(vectors, axis=-1, keepdims=True)).astype(np.float32)
+    v = vectors.astype(np.float64)
+    want = least_squares(-v[..., 0] / v[..., 2], v[..., 1] / v[..., 2], border).reshape(shape)
+    for threads in (1, 3):
+        got, info = nt.height_from_normals(
+            vectors, from_="vector", from_y="up", kernel="central", border=border, z="stored",
+            threads=threads, return_info=True,
+        )  # fmt: skip
+        assert np.abs(got - want).max() < 1e-5 * max(1, np.abs(want).max())
+        assert (info.kernel, info.border_x, info.y) == ("central", border, "up")
+        assert info.scale == pytest.approx(np.ptp(want), rel=1e-5)
+        assert info.offset == pytest.approx(want.min(), rel=1e-5, abs=1e-6)
+
+
+def hill(size):
+    y, x = np.mgrid[0:size, 0:size] / (size / 2) - 1
+    return np.exp(-4 * (x * x + y * y)).astype(np.float32)
+
+
+@pytest.mark.parametrize("to_y", ["up", "down"])
+def test_heights_come_back(to_y):
+    """Height -> 16-bit normals -> height, the direction of green found out."""
+    height = hill(64)
+    normals = nt.normals_from_height(height, scale=20, border="extrapolate", to_y=to_y)
+    again, info = nt.height_from_normals(normals, return_info=True)
+    assert info.y == to_y
+    assert np.abs(again / 20 - (height - height.mean())).max() < 2e-3
+    shape = (again - info.offset) / info.scale
+    assert shape.min() == pytest.approx(0, abs=1e-6) and shape.max() == pytest.approx(1, abs=1e-6)
+    made = nt.normals_from_height(
+        shape.astype(np.float32), scale=info.scale, border="extrapolate", to_y=to_y
+    )
+    assert nt.compare(made, normals, y=to_y).angles.mean < 0.02
+
+
+def test_progress_and_cancellation():
+    normals = nt.normals_from_height(hill(128), scale=20, depth=8)
+    shares = []
+    nt.height_from_normals(normals, progress=shares.append, threads=2)
+    assert shares == sorted(shares) and shares and 0 <= shares[0] and shares[-1] <= 1
+    with pytest.raises(nt.CancelledError) as raised:
+        nt.height_from_normals(normals, progress=lambda share: False)
+    assert raised.value.status == nt.Status.CANCELLED
+
+    def interrupted(share):
+        raise KeyboardInterrupt
+
+    for threads in (1, 3):
+        with pytest.raises(KeyboardInterrupt):
+            nt.height_from_normals(normals, progress=interrupted, threads=threads)
+
+
+def test_mask_and_seeds():
+    normals = nt.normals_from_height(hill(32), scale=10, border="extrapolate")
+    mask = np.ones((32, 32), bool)
+    mask[:, 20:] = False
+    again, info = nt.height_from_normals(normals, mask=mask, return_info=True)
+    assert info.method == "weighted" and info.holes == np.count_nonzero(~mask)
+    want = hill(32) * 10
+    inner = np.s_[1:-1, 1:19]
+    assert np.abs((again - want)[inner] - (again - want)[inner].mean()).max() < 0.05
+    seeds = (hill(32)[:2, :2].ravel() * 10).tolist()  # (0, 0), (1, 0), (0, 1), (1, 1)
+    got = nt.height_from_normals(normals, method="telescoping", seeds=seeds, decode="unorm")
+    assert np.abs(got - want).max() < 0.05

@@ -1,0 +1,110 @@
+# SPDX-License-Identifier: MIT
+"""The package as a whole: versions, what is exported, the program, and `check`."""
+
+import importlib.metadata
+import json
+import subprocess
+import sysconfig
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import normaltexture as nt
+from conftest import ROOT
+
+
+def test_versions_agree():
+    assert nt.__version__ == importlib.metadata.version("normaltexture")
+    said = subprocess.run([nt.program(), "--version"], capture_output=True, text=True, check=True)
+    assert said.stdout.splitlines()[0] == f"ntp {nt.__version__}"
+    assert "libpng" in nt.codecs
+
+
+def test_the_installed_package_is_tested():
+    assert not Path(nt.__file__).is_relative_to(ROOT / "bindings")
+
+
+def test_what_is_exported_is_documented():
+    for name in nt.__all__:
+        thing = getattr(nt, name)
+        if callable(thing):
+            assert thing.__doc__, name
+    public = {name for name in vars(nt) if not name.startswith("_")}
+    modules = {name for name in public if isinstance(getattr(nt, name), type(nt))}
+    assert public - modules == {name for name in nt.__all__ if not name.startswith("_")}
+
+
+def test_the_program_of_the_scripts_directory_runs(test_files):
+    script = Path(sysconfig.get_path("scripts")) / "ntp"
+    done = subprocess.run(
+        [script, "check", test_files / "standard.png"], capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0 and "well formed" in done.stdout
+
+
+def test_check(test_files, tmp_path):
+    report = nt.check([test_files / "standard.png", test_files / "standard_z_off.png"])
+    fine, wrong = report.files
+    assert (fine.type, wrong.type) == ("standard", "standard")
+    assert fine.level in (None, "info") and wrong.level == "error"
+    assert wrong.findings[0].id == "NT001" and not report.ok
+    assert wrong.data["fail"]["exact"] == wrong.findings[0].count
+    assert json.loads(json.dumps(report.to_dict()))["summary"]["files"] == 2
+    assert nt.check(test_files / "standard.png").ok
+    missing = nt.check(tmp_path / "none.png")
+    assert missing.files[0].status == "unreadable" and not missing.ok
+    strict = nt.check(test_files / "standard.png", y="down")
+    assert "NT010" in [finding.id for finding in strict.files[0].findings]
+
+
+def test_check_of_folders(test_files, tmp_path):
+    for name in ("wall_n.png", "sub/floor_n.png", "sub/photo.png"):
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        original = "photograph.png" if "photo" in name else "standard.png"
+        (tmp_path / name).write_bytes((test_files / original).read_bytes())
+    assert len(nt.check(tmp_path).files) == 1
+    found = nt.check(tmp_path, recursive=True, exclude=["floor*"])
+    assert sorted(Path(file.path).name for file in found.files) == ["photo.png", "wall_n.png"]
+    assert len(nt.check(tmp_path, recursive=True, match=["*_n.png"], jobs=1).files) == 2
+
+
+def test_check_refuses_what_the_program_refuses(test_files):
+    with pytest.raises(nt.ArgumentError, match="verdict"):
+        nt.check(test_files / "standard.png", verdict="strict")
+    with pytest.raises(nt.ArgumentError, match="at least one"):
+        nt.check([])
+
+
+def test_arrays_and_program_agree(test_files, tmp_path):
+    """What the program writes is what the function returns."""
+
+    def ntp(*args):
+        done = subprocess.run([nt.program(), *map(str, args)], check=True, capture_output=True)
+        return done.stdout
+
+    source, height = test_files / "standard_z_off.png", test_files / "height_gray8.png"
+    texture, heights = nt.read(source), nt.read(height)
+    out = tmp_path / "out.png"
+    cases = [
+        (("clean", source), nt.clean(texture)),
+        (("convert", source, "--to-y", "down", "--depth", 16),
+         nt.convert(texture, to_y="down", depth=16)),
+        (("heatmap", source), nt.heatmap(texture)),
+        (("resize", source, "--size", "30%"), nt.resize(texture, size="30%")),
+        (("transform", source, "--rotate", 90, "--strength", 2),
+         nt.transform(texture, rotate=90, strength=2)),
+        (("blend", source, source, "--strength", 0.5), nt.blend(texture, texture, strength=0.5)),
+        (("from-height", height, "--scale", 5, "--blur", 2, "--octaves", "1,0.5"),
+         nt.normals_from_height(heights, scale=5, blur=2, octaves=[1, 0.5])),
+        (("from-height", height, "--like", "zima:2"), nt.normals_from_height(heights, like="zima:2")),
+    ]  # fmt: skip
+    for command, want in cases:
+        ntp(*command, "-o", out)
+        assert np.array_equal(nt.read(out), want), command
+    pfm = tmp_path / "out.pfm"
+    told = json.loads(ntp("to-height", source, "-o", pfm, "--format", "json"))["files"][0]
+    want, info = nt.height_from_normals(texture, return_info=True)
+    assert np.array_equal(nt.read(pfm), want)
+    for name in ("method", "kernel", "border_x", "border_y", "y", "decode"):
+        assert told[name] == getattr(info, name), name
