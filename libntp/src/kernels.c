@@ -68,11 +68,6 @@ static inline void store64le(uint8_t *p, uint64_t v)
 
 enum { RGB = 0xffffff };
 
-/* The blues of eight packed pixels in their three words. */
-#define BLUES_1 UINT64_C(0x0000ff0000ff0000)
-#define BLUES_2 UINT64_C(0x00ff0000ff0000ff)
-#define BLUES_3 UINT64_C(0xff0000ff0000ff00)
-
 static inline uint32_t load24le(const uint8_t *p)
 {
     return load16le(p) | (uint32_t) p[2] << 16;
@@ -101,97 +96,57 @@ static uint64_t clean_rgb8_slowly(uint8_t *dst, const uint8_t *src, size_t n, co
     return changed;
 }
 
-/* Four pixels with one of the table's flags set among them. */
-static inline void clean_four(uint32_t t[4], const uint8_t *src, const uint32_t *table,
-                              uint32_t touch_unused)
-{
-    for (int i = 0; i < 4; i++)
-        t[i] = clean_one(load24le(src + 3 * i), table, 0, touch_unused);
-}
-
-static inline uint32_t count_four(const uint32_t t[4], const uint8_t *src)
-{
-    uint32_t changed = 0;
-    for (int i = 0; i < 4; i++)
-        changed += t[i] != load24le(src + 3 * i);
-    return changed;
-}
+#include "clean8.h"
 
 /* Four pixels a step.  Two stores, which no later load overlaps, take the results: a store of
  * four bytes for each pixel would stall the loads that follow when dst is src. */
-static inline uint64_t clean_by_pairs(uint8_t *dst, const uint8_t *src, size_t n,
-                                      const uint32_t *table, uint32_t touch_unused, bool count)
+static inline void clean_by_pairs(uint8_t *dst, const uint8_t *src, size_t n, const uint32_t *table,
+                                  uint32_t touch_unused, uint64_t *changed)
 {
-    uint64_t changed = 0;
     for (; n >= 4; n -= 4, src += 12, dst += 12) {
         uint32_t t[4];
         for (int i = 0; i < 4; i++)
             t[i] = table[load16le(src + 3 * i)];
-        if ((t[0] | t[1] | t[2] | t[3]) >> 24)
-            clean_four(t, src, table, touch_unused);
-        if (count)
-            changed += count_four(t, src);
+        if ((t[0] | t[1] | t[2] | t[3]) >> 24) {
+            for (int i = 0; i < 4; i++)
+                t[i] = clean_one(load24le(src + 3 * i), table, 0, touch_unused);
+        }
+        for (int i = 0; changed != NULL && i < 4; i++)
+            *changed += t[i] != load24le(src + 3 * i);
         store64le(dst, (uint64_t) t[0] | (uint64_t) t[1] << 24 | (uint64_t) t[2] << 48);
         store32le(dst + 8, t[2] >> 16 | t[3] << 8);
     }
-    return changed + clean_rgb8_slowly(dst, src, n, table, 0, touch_unused);
+    uint64_t last = clean_rgb8_slowly(dst, src, n, table, 0, touch_unused);
+    if (changed != NULL)
+        *changed += last;
 }
 
-/*
- * The same where only blue changes, by `blue`, of which what a texture uses fits the first cache:
- * eight pixels a step are three words that get their blues put in.
- */
-static inline uint64_t clean_blues(uint8_t *dst, const uint8_t *src, size_t n,
-                                   const uint32_t *table, const uint8_t *blue,
-                                   uint32_t touch_unused, bool count)
+static inline void clean_rgb8(uint8_t *dst, const uint8_t *src, size_t n, const uint32_t *table,
+                              const uint8_t *blue, uint32_t touch_unused, uint64_t *changed)
 {
-    uint64_t changed = 0;
-    for (; n >= 8; n -= 8, src += 24, dst += 24) {
-        uint64_t b[8], all = 0x80;
-        for (int i = 0; i < 8; i++) {
-            b[i] = blue[load16le(src + 3 * i)];
-            all &= b[i];
-        }
-        if (!all) { /* one is 0: the blues of standard Z are 128 and more */
-            changed += clean_rgb8_slowly(dst, src, 8, table, 0, touch_unused);
-            continue;
-        }
-        for (int i = 0; count && i < 8; i++)
-            changed += b[i] != src[3 * i + 2];
-        uint64_t first = load64le(src), second = load64le(src + 8), third = load64le(src + 16);
-        first = (first & ~BLUES_1) | b[0] << 16 | b[1] << 40;
-        second = (second & ~BLUES_2) | b[2] | b[3] << 24 | b[4] << 48;
-        third = (third & ~BLUES_3) | b[5] << 8 | b[6] << 32 | b[7] << 56;
-        store64le(dst, first);
-        store64le(dst + 8, second);
-        store64le(dst + 16, third);
-    }
-    return changed + clean_rgb8_slowly(dst, src, n, table, 0, touch_unused);
-}
-
-static inline uint64_t clean_rgb8(uint8_t *dst, const uint8_t *src, size_t n, const uint32_t *table,
-                                  const uint8_t *blue, uint32_t kept, uint32_t touch_unused,
-                                  bool count)
-{
-    if (kept != 0)
-        return clean_rgb8_slowly(dst, src, n, table, kept, touch_unused);
-    if (blue != NULL)
-        return clean_blues(dst, src, n, table, blue, touch_unused, count);
-    return clean_by_pairs(dst, src, n, table, touch_unused, count);
+    size_t done = blue == NULL ? 0 : clean_blues(dst, src, n, table, blue, touch_unused, changed);
+    clean_by_pairs(dst + 3 * done, src + 3 * done, n - done, table, touch_unused, changed);
 }
 
 static uint64_t clean_rgb8_counting(uint8_t *dst, const uint8_t *src, size_t n,
                                     const uint32_t *table, const uint8_t *blue, uint32_t kept,
                                     uint32_t touch_unused)
 {
-    return clean_rgb8(dst, src, n, table, blue, kept, touch_unused, true);
+    uint64_t changed = 0;
+    if (kept != 0)
+        return clean_rgb8_slowly(dst, src, n, table, kept, touch_unused);
+    clean_rgb8(dst, src, n, table, blue, touch_unused, &changed);
+    return changed;
 }
 
 static uint64_t clean_rgb8_blindly(uint8_t *dst, const uint8_t *src, size_t n,
                                    const uint32_t *table, const uint8_t *blue, uint32_t kept,
                                    uint32_t touch_unused)
 {
-    return clean_rgb8(dst, src, n, table, blue, kept, touch_unused, false);
+    if (kept != 0)
+        return clean_rgb8_slowly(dst, src, n, table, kept, touch_unused);
+    clean_rgb8(dst, src, n, table, blue, touch_unused, NULL);
+    return 0;
 }
 
 static uint64_t clean_rgba8(uint8_t *dst, const uint8_t *src, size_t n, const uint32_t *table,

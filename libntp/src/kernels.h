@@ -18,9 +18,9 @@
 /*
  * Cleans packed 8-bit pixels by a table of 65,536 entries indexed by r | g << 8, each holding
  * r' | g' << 8 | b' << 16 and a flag above: nonzero where the pair can be an unused texel.
- * blue, which may be NULL, is the same for standard Z in 64 KiB: the blue of a pair that stays as it
- * is and is never unused, else 0.  `kept` masks the bits of a pixel that stay (blue of XY images, alpha).  dst may be src.
- * Returns the number of pixels that changed.
+ * `blue` is NULL but where the table derives standard Z; then it is the same in 64 KiB: the blue
+ * of a pair that stays as it is and is never unused, else 0.  `kept` masks the bits of a pixel that
+ * stay (blue of XY images).  dst may be src.  Returns the number of pixels that changed.
  */
 typedef uint64_t ntp__clean8_fn(uint8_t *dst, const uint8_t *src, size_t n, const uint32_t *table,
                                 const uint8_t *blue, uint32_t kept, uint32_t touch_unused);
@@ -63,7 +63,7 @@ typedef void ntp__judge_block_fn(ntp__judged *judged, const int32_t *r, const in
 typedef struct ntp__kernels_table {
     const char *name;
     ntp__clean8_fn *clean_rgb8;         /* counts */
-    ntp__clean8_fn *clean_rgb8_blindly; /* twice as fast, returns nothing of use */
+    ntp__clean8_fn *clean_rgb8_blindly; /* returns nothing of use */
     ntp__clean8_fn *clean_rgba8;
     ntp__clean16_fn *clean_rgb16;
     ntp__derive_fn *derive;

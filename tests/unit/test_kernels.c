@@ -179,10 +179,11 @@ int main(void)
     static uint8_t blues[TABLE];
     uint64_t seed = 12345;
     for (int32_t i = 0; i < TABLE; i++) {
-        bool flagged = i == 0 || i == 65535, stays = !flagged && (random_bits(&seed) & 15) > 0;
-        uint32_t blue = (random_bits(&seed) & 127) + 128, other = random_bits(&seed) & 0xffffff;
-        blues[i] = (uint8_t) (stays ? blue : 0);
-        table[i] = stays ? (uint32_t) i | blue << 16 : other | (flagged ? 0x1000000U : 0);
+        int32_t blue = derived_by_search(i & 255, i >> 8, 255, false);
+        uint32_t other = random_bits(&seed) & 0xffffff;
+        bool flagged = i == 0 || i == 65535;
+        blues[i] = (uint8_t) (blue < 0 ? 0 : blue);
+        table[i] = blue < 0 ? other | (flagged ? 0x1000000U : 0) : (uint32_t) (i | blue << 16);
     }
     base = ntp__kernels(0);
     check_derive(base);

@@ -1,0 +1,171 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * clean8.h - the loops that derive the blue of packed 8-bit pixels; a part of kernels.c
+ *
+ * Where only blue changes, a group of pixels is a few words that get their blues put in.  The
+ * blues come from 64 KiB, of which what a texture uses mostly fits the first cache, or with AVX2
+ * from arithmetic, which is as fast for every texture.
+ */
+#ifndef NTP_CLEAN8_H
+#define NTP_CLEAN8_H
+
+#ifdef __AVX2__
+#  include <immintrin.h>
+#endif
+
+/* The blues of eight packed pixels in their three words: every byte's place once. */
+#define BLUES_1   UINT64_C(0x0000ff0000ff0000)
+#define BLUES_2   UINT64_C(0x00ff0000ff0000ff)
+#define BLUES_3   UINT64_C(0xff0000ff0000ff00)
+#define HIGH_BITS UINT64_C(0x8080808080808080)
+
+/* Bytes that are not 0. */
+static inline uint64_t count_bytes(uint64_t v)
+{
+    uint64_t high = ((v & ~HIGH_BITS) + ~HIGH_BITS) | v; /* the high bit of each such byte */
+    return ((high & HIGH_BITS) >> 7) * UINT64_C(0x0101010101010101) >> 56;
+}
+
+enum { AHEAD = 768 }; /* bytes: a good ten lines */
+
+static inline void prefetch(const uint8_t *dst, const uint8_t *src)
+{
+#ifdef __GNUC__
+    __builtin_prefetch(src, 0);
+    __builtin_prefetch(dst, 1);
+#else
+    (void) dst;
+    (void) src;
+#endif
+}
+
+/* Eight pixels by the blues of their pairs; false, with nothing written, where one is 0. */
+static inline bool put_blues(uint8_t *dst, const uint8_t *src, const uint8_t *blue,
+                             uint64_t *changed)
+{
+    uint64_t b[8];
+    for (int i = 0; i < 8; i++)
+        b[i] = blue[load16le(src + 3 * i)];
+    uint64_t first = b[0] << 16 | b[1] << 40;
+    uint64_t second = b[2] | b[3] << 24 | b[4] << 48;
+    uint64_t third = b[5] << 8 | b[6] << 32 | b[7] << 56;
+    uint64_t all = first | second | third;
+    if ((all & HIGH_BITS) != HIGH_BITS) /* the blues of standard Z are 128 and more */
+        return false;
+    uint64_t s1 = load64le(src), s2 = load64le(src + 8), s3 = load64le(src + 16);
+    if (changed != NULL)
+        *changed += count_bytes(all ^ ((s1 & BLUES_1) | (s2 & BLUES_2) | (s3 & BLUES_3)));
+    store64le(dst, (s1 & ~BLUES_1) | first);
+    store64le(dst + 8, (s2 & ~BLUES_2) | second);
+    store64le(dst + 16, (s3 & ~BLUES_3) | third);
+    return true;
+}
+
+#ifdef __AVX2__
+
+/* Four pairs of bytes as words: those from byte `at` on, three bytes apart. */
+#  define PAIRS(at)                                                                                \
+      (at), -1, (at) + 1, -1, (at) + 3, -1, (at) + 4, -1, (at) + 6, -1, (at) + 7, -1, (at) + 9,    \
+          -1, (at) + 10, -1
+
+/* 2^14 > 16255 - a(a + 1) - c(c + 1), negative where a pair is too long; a = r - 128. */
+static inline __m256i rest8(__m256i pairs)
+{
+    __m256i a = _mm256_sub_epi16(pairs, _mm256_set1_epi16(128));
+    __m256i sum = _mm256_madd_epi16(a, _mm256_add_epi16(a, _mm256_set1_epi16(1)));
+    return _mm256_sub_epi32(_mm256_set1_epi32(16255), sum);
+}
+
+/*
+ * floor(sqrt(e)) or one more, 0 <= e <= 16255: rsqrtps is right to 1.5 * 2^-12, so its product
+ * with e + 1/2 is within 127.5 * 1.5 * 2^-12 < 0.047 of sqrt(e + 1/2), which is no less than
+ * sqrt(e), and with e + 1/2 <= (t + 1)^2 - 1/2 where t is the floor, less than t + 1.  1/16 more
+ * is never less than sqrt(e) and never t + 2.
+ */
+static inline __m256i root8(__m256i e)
+{
+    __m256 f = _mm256_add_ps(_mm256_cvtepi32_ps(e), _mm256_set1_ps(0.5f));
+    __m256 root = _mm256_mul_ps(f, _mm256_rsqrt_ps(f));
+    return _mm256_cvttps_epi32(_mm256_add_ps(root, _mm256_set1_ps(0.0625f)));
+}
+
+/* The derived blues of 16 pixels, in the order 0-3, 8-11, 4-7, 12-15; false: one is too long. */
+static inline bool derive_blues(__m128i *blues, const uint8_t *src)
+{
+    const __m256i low = _mm256_setr_epi8(PAIRS(0), PAIRS(0));
+    const __m256i high = _mm256_setr_epi8(PAIRS(0), PAIRS(4));
+    __m256i p[2];
+    for (int i = 0; i < 2; i++) {
+        const uint8_t *first = src + 24 * i, *second = src + (i == 0 ? 12 : 32);
+        __m128i a = _mm_loadu_si128((const __m128i *) (const void *) first);
+        __m128i b = _mm_loadu_si128((const __m128i *) (const void *) second);
+        p[i] = _mm256_inserti128_si256(_mm256_castsi128_si256(a), b, 1);
+    }
+    __m256i e0 = rest8(_mm256_shuffle_epi8(p[0], low));
+    __m256i e1 = rest8(_mm256_shuffle_epi8(p[1], high));
+    __m256i e = _mm256_packs_epi32(e0, e1), t = _mm256_packs_epi32(root8(e0), root8(e1));
+    if ((uint32_t) _mm256_movemask_epi8(e) & 0xaaaaaaaaU)
+        return false;
+    t = _mm256_add_epi16(t, _mm256_cmpgt_epi16(_mm256_mullo_epi16(t, t), e));
+    t = _mm256_add_epi16(t, _mm256_set1_epi16(128));
+    *blues = _mm_packus_epi16(_mm256_castsi256_si128(t), _mm256_extracti128_si256(t, 1));
+    return true;
+}
+
+#  define N -1
+
+static inline bool put_derived_blues(uint8_t *dst, const uint8_t *src, uint64_t *changed)
+{
+    const __m128i place[3] = { _mm_setr_epi8(N, N, 0, N, N, 1, N, N, 2, N, N, 3, N, N, 8, N),
+                               _mm_setr_epi8(N, 9, N, N, 10, N, N, 11, N, N, 4, N, N, 5, N, N),
+                               _mm_setr_epi8(6, N, N, 7, N, N, 12, N, N, 13, N, N, 14, N, N, 15) };
+    const __m128i rest[3] = { _mm_setr_epi8(N, N, 0, N, N, 0, N, N, 0, N, N, 0, N, N, 0, N),
+                              _mm_setr_epi8(N, 0, N, N, 0, N, N, 0, N, N, 0, N, N, 0, N, N),
+                              _mm_setr_epi8(0, N, N, 0, N, N, 0, N, N, 0, N, N, 0, N, N, 0) };
+    __m128i blues, old[3];
+    if (!derive_blues(&blues, src))
+        return false;
+    for (int i = 0; i < 3; i++)
+        old[i] = _mm_loadu_si128((const __m128i *) (const void *) (src + 16 * i));
+    for (int i = 0; i < 3; i++) {
+        __m128i now =
+            _mm_or_si128(_mm_and_si128(old[i], rest[i]), _mm_shuffle_epi8(blues, place[i]));
+        if (changed != NULL) {
+            int same = _mm_movemask_epi8(_mm_cmpeq_epi8(now, old[i]));
+            *changed += (uint64_t) __builtin_popcount((unsigned) same ^ 0xffff);
+        }
+        _mm_storeu_si128((__m128i *) (void *) (dst + 16 * i), now);
+    }
+    return true;
+}
+
+#  undef N
+#  undef PAIRS
+
+#endif
+
+/* Pixels of which the table's flag is told: groups that a faster way leaves. */
+static inline void clean_by_pairs(uint8_t *dst, const uint8_t *src, size_t n, const uint32_t *table,
+                                  uint32_t touch_unused, uint64_t *changed);
+
+/* All of a row but the last few pixels; returns how many were done. */
+static inline size_t clean_blues(uint8_t *dst, const uint8_t *src, size_t n, const uint32_t *table,
+                                 const uint8_t *blue, uint32_t touch_unused, uint64_t *changed)
+{
+    size_t i = 0;
+#ifdef __AVX2__
+    for (; i + 16 <= n; i += 16) {
+        if (!put_derived_blues(dst + 3 * i, src + 3 * i, changed))
+            clean_by_pairs(dst + 3 * i, src + 3 * i, 16, table, touch_unused, changed);
+    }
+#endif
+    for (; i + 8 <= n; i += 8) {
+        /* Blues of many pairs leave the rows little room in the first cache. */
+        prefetch(dst + 3 * i + AHEAD, src + 3 * i + AHEAD);
+        if (!put_blues(dst + 3 * i, src + 3 * i, blue, changed))
+            clean_by_pairs(dst + 3 * i, src + 3 * i, 8, table, touch_unused, changed);
+    }
+    return i;
+}
+
+#endif
