@@ -1094,6 +1094,30 @@ typedef struct ntp_orientation_result {
 NTP_API ntp_status ntp_orientation_decide(ntp_orientation_result *result,
                                           const ntp_orientation *orientation);
 
+/* ---------------------------------------------------------------- where normals come from */
+
+enum { NTP_KERNELS = 11 /* as many as ntp_kernel has */ };
+
+/* Which kernel made them, as far as the texels tell. */
+typedef struct ntp_origin {
+    /* 1: rounding explains all that is left with `kernel`, and clearly not with the others; 0:
+     * smooth, changed afterwards, or made otherwise */
+    int32_t decided;
+    ntp_kernel kernel;          /* decided or not, the one to reconstruct with */
+    double misfit[NTP_KERNELS]; /* by ntp_kernel: mean square of what is left over that of rounding:
+                                 * 1 is a perfect fit; -1: not tried */
+    uint64_t points;
+} ntp_origin;
+
+/*
+ * Tries kernels on the normals: their two slopes must be the differences of one height.  Red and
+ * green count, and src->y; see ntp_orientation_measure for it.  Tried are central, forward, prewitt3,
+ * sobel3, scharr3, prewitt5 and baked; sobel5 looks like sobel3.  Sampled rows are read, at most 256,
+ * and 1024 columns of each.  The border does not matter.  src->ring_rows is 0.
+ */
+NTP_API ntp_status ntp_find_origin(ntp_origin *origin, const ntp_const_image *src,
+                                   uint32_t touch_unused);
+
 /* --- cdef end --- */
 
 #ifdef __cplusplus

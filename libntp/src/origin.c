@@ -1,0 +1,268 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * origin.c - which kernel made these normals
+ *
+ * A kernel takes slopes p = (D across)(S down) h and q = (S across)(D down) h, with D a difference
+ * and S a mean along one axis.  So (S across)(D down) p = (D across)(S down) q wherever p and q are
+ * of that kernel, but for what rounding did; and what it can do is known.  Each kernel is tried on
+ * points of sampled rows, and the square of the difference is compared with its expectation.
+ */
+#include "internal.h"
+#include "level.h"
+
+#include <string.h>
+
+enum {
+    TAPS = 7,
+    REACH = TAPS / 2,
+    EDGE = REACH + 2, /* points nearer to an edge may hold slopes that a border made */
+    WIDE = NTP__BLOCK,
+    POINTS = WIDE - 2 * REACH, /* of a stretch */
+    MOST_ROWS = 256,
+    MOST_COLUMNS = 1024,
+    CANDIDATES = 7
+};
+
+/* Sobel 5 x 5 is Sobel 3 x 3 of a blurred heightfield, so that nothing tells the two apart; the old
+ * plug-in's kernels are not a product of D and S. */
+static const struct candidate {
+    ntp_kernel kernel;
+    float difference[TAPS], mean[TAPS];
+} CANDIDATE[CANDIDATES] = {
+    { NTP_KERNEL_CENTRAL, { 0, 0, -0.5F, 0, 0.5F, 0, 0 }, { 0, 0, 0, 1, 0, 0, 0 } },
+    { NTP_KERNEL_FORWARD, { 0, 0, 0, -1, 1, 0, 0 }, { 0, 0, 0, 1, 0, 0, 0 } },
+    { NTP_KERNEL_PREWITT3,
+      { 0, 0, -0.5F, 0, 0.5F, 0, 0 },
+      { 0, 0, 1 / 3.0F, 1 / 3.0F, 1 / 3.0F, 0, 0 } },
+    { NTP_KERNEL_SOBEL3, { 0, 0, -0.5F, 0, 0.5F, 0, 0 }, { 0, 0, 0.25F, 0.5F, 0.25F, 0, 0 } },
+    { NTP_KERNEL_SCHARR3,
+      { 0, 0, -0.5F, 0, 0.5F, 0, 0 },
+      { 0, 0, 0.1875F, 0.625F, 0.1875F, 0, 0 } },
+    { NTP_KERNEL_PREWITT5,
+      { 0, -0.1F, -0.2F, 0, 0.2F, 0.1F, 0 },
+      { 0, 0.2F, 0.2F, 0.2F, 0.2F, 0.2F, 0 } },
+    /* the derivative of what seven texels sample */
+    { NTP_KERNEL_BAKED,
+      { -1 / 60.0F, 9 / 60.0F, -45 / 60.0F, 0, 45 / 60.0F, -9 / 60.0F, 1 / 60.0F },
+      { 0, 0, 0, 1, 0, 0, 0 } },
+};
+
+/* Central differences of heights blurred by a binomial: is there anything to see? */
+static const float SEEN_DIFFERENCE[TAPS] = { -1 / 32.0F, -4 / 32.0F, -5 / 32.0F, 0,
+                                             5 / 32.0F,  4 / 32.0F,  1 / 32.0F };
+static const float SEEN_MEAN[TAPS] = {
+    0, 1 / 16.0F, 4 / 16.0F, 6 / 16.0F, 4 / 16.0F, 1 / 16.0F, 0
+};
+
+/* Squares beyond so many times the expected one count less: a few scratches do not decide. */
+static const float LARGE_SQUARE = 100;
+/* A misfit of 1 is that of rounding alone.  A claim asks for no more than this, and no less: there
+ * the levels are so few that rounding is no noise. */
+static const double MOST_MISFIT = 1.2, LEAST_MISFIT = 0.85;
+/* How much worse every other kernel must fit.  Slopes of a smooth surface fit nearly as well what a
+ * wide kernel made, so that `baked` has to be clearer. */
+static const double CLEARLY = 1.15, CLEARLY_BAKED = 1.5;
+/* Central is taken unless another fits better by this factor, and not too badly itself. */
+static const double BETTER = 1.15, USABLE_MISFIT = 4;
+static const uint64_t LEAST_POINTS = 200;
+
+/* The rows around a point's row. */
+typedef struct rows {
+    float p[TAPS][WIDE], q[TAPS][WIDE];             /* slopes to the right and down the picture */
+    float p_noise[TAPS][WIDE], q_noise[TAPS][WIDE]; /* what rounding adds to their squares */
+    uint8_t bad[WIDE];
+} rows;
+
+typedef struct sums {
+    double square[CANDIDATES];
+    uint64_t points;
+} sums;
+
+/* Slopes from red and green, of which the noise of n.z is a function as well. */
+static void to_slopes(rows *at, int32_t k, const ntp__block *b, const ntp_const_image *src,
+                      uint32_t touch, int32_t n)
+{
+    int32_t m = ntp__max(src->type);
+    double m2 = (double) m * m, least = m2 / 100, sign = src->y == NTP_Y_UP ? 1 : -1;
+    float level = 2 / (float) m, noise = level * level / 12;
+    for (int32_t i = 0; i < n; i++) {
+        double x = ntp__num(b->c[0][i], m), y = ntp__num(b->c[1][i], m);
+        double rest = m2 - x * x - y * y;
+        at->bad[i] |= rest < least;
+        double z = sqrt(rest < least ? least : rest);
+        float p = (float) (-x / z), q = (float) (sign * y / z);
+        float pp = p * p, qq = q * q, common = noise * (1 + pp + qq);
+        at->p[k][i] = p;
+        at->q[k][i] = q;
+        at->p_noise[k][i] = common * ((1 + pp) * (1 + pp) + pp * qq);
+        at->q_noise[k][i] = common * ((1 + qq) * (1 + qq) + pp * qq);
+    }
+    for (int32_t i = 0; i < n && !(touch & NTP_UNUSED_TRANSPARENT); i++)
+        at->bad[i] |= b->c[3][i] == 0;
+    for (int32_t i = 0; i < n && b->any_broken; i++)
+        at->bad[i] |= b->broken[i];
+}
+
+static void down(float *out, float (*rows_of)[WIDE], const float taps[TAPS], int32_t n)
+{
+    memset(out, 0, (size_t) n * sizeof *out);
+    for (int32_t k = 0; k < TAPS; k++) {
+        float tap = taps[k];
+        const float *row = rows_of[k];
+        if (tap == 0)
+            continue;
+        for (int32_t i = 0; i < n; i++)
+            out[i] += tap * row[i];
+    }
+}
+
+/* Adds to out[0..n - 1], of which out[0] belongs to in[REACH]. */
+static void across(float *out, const float *in, const float taps[TAPS], int32_t n)
+{
+    for (int32_t k = 0; k < TAPS; k++) {
+        float tap = taps[k];
+        if (tap == 0)
+            continue;
+        for (int32_t i = 0; i < n; i++)
+            out[i] += tap * in[i + k];
+    }
+}
+
+static void negated(float out[TAPS], const float taps[TAPS])
+{
+    for (int32_t k = 0; k < TAPS; k++)
+        out[k] = -taps[k];
+}
+
+static void squared(float out[TAPS], const float taps[TAPS])
+{
+    for (int32_t k = 0; k < TAPS; k++)
+        out[k] = taps[k] * taps[k];
+}
+
+/* The points worth a look: where both mixed differences are more than a level. */
+static int32_t find_points(uint8_t worth[POINTS], rows *at, float level, int32_t n)
+{
+    float line[WIDE], u[POINTS] = { 0 }, v[POINTS] = { 0 };
+    int32_t count = 0;
+    down(line, at->p, SEEN_DIFFERENCE, n + 2 * REACH);
+    across(u, line, SEEN_MEAN, n);
+    down(line, at->q, SEEN_MEAN, n + 2 * REACH);
+    across(v, line, SEEN_DIFFERENCE, n);
+    for (int32_t i = 0; i < n; i++) {
+        uint8_t bad = 0;
+        for (int32_t k = 0; k < TAPS; k++)
+            bad |= at->bad[i + k];
+        worth[i] = !bad && u[i] * u[i] > level * level && v[i] * v[i] > level * level;
+        count += worth[i];
+    }
+    return count;
+}
+
+static void try_candidate(double *sum, const struct candidate *c, rows *at,
+                          const uint8_t worth[POINTS], int32_t n)
+{
+    float line[WIDE], e[POINTS] = { 0 }, expected[POINTS] = { 0 };
+    float minus[TAPS], difference2[TAPS], mean2[TAPS];
+    negated(minus, c->difference);
+    squared(difference2, c->difference);
+    squared(mean2, c->mean);
+    down(line, at->p, c->difference, n + 2 * REACH);
+    across(e, line, c->mean, n);
+    down(line, at->q, c->mean, n + 2 * REACH);
+    across(e, line, minus, n);
+    down(line, at->p_noise, difference2, n + 2 * REACH);
+    across(expected, line, mean2, n);
+    down(line, at->q_noise, mean2, n + 2 * REACH);
+    across(expected, line, difference2, n);
+    for (int32_t i = 0; i < n; i++)
+        e[i] = e[i] * e[i] / expected[i];
+    for (int32_t i = 0; i < n; i++) {
+        if (worth[i])
+            *sum += (double) (e[i] / (1 + e[i] / LARGE_SQUARE));
+    }
+}
+
+/* The points x..x + n - 1 of row y. */
+static void add_stretch(sums *s, const ntp_const_image *src, uint32_t touch, int32_t x, int32_t y,
+                        int32_t n)
+{
+    rows at;
+    ntp__block block;
+    uint8_t worth[POINTS];
+    int32_t texels = n + 2 * REACH;
+    memset(at.bad, 0, sizeof at.bad);
+    for (int32_t k = 0; k < TAPS; k++) {
+        ntp__unpack(&block, src, x - REACH, y - REACH + k, texels);
+        to_slopes(&at, k, &block, src, touch, texels);
+    }
+    int32_t count = find_points(worth, &at, 2 / (float) ntp__max(src->type), n);
+    s->points += (uint64_t) count;
+    for (int32_t i = 0; i < CANDIDATES && count > 0; i++)
+        try_candidate(&s->square[i], &CANDIDATE[i], &at, worth, n);
+}
+
+/* Of up to MOST_ROWS rows; of wide ones MOST_COLUMNS columns, that begin elsewhere in each. */
+static void add_rows(sums *s, const ntp_const_image *src, uint32_t touch)
+{
+    int32_t across_all = src->width - 2 * EDGE, down_all = src->height - 2 * EDGE;
+    if (across_all < 1 || down_all < 1)
+        return;
+    int32_t count = down_all < MOST_ROWS ? down_all : MOST_ROWS;
+    int32_t columns = across_all < MOST_COLUMNS ? across_all : MOST_COLUMNS;
+    for (int32_t i = 0; i < count; i++) {
+        int32_t y = EDGE + (int32_t) ((int64_t) i * down_all / count);
+        /* the golden section of the room there is */
+        int32_t x = EDGE + (int32_t) ((int64_t) i * 40503 % 65536 * (across_all - columns) / 65536);
+        for (int32_t k = 0; k < columns; k += POINTS)
+            add_stretch(s, src, touch, x + k, y, columns - k < POINTS ? columns - k : POINTS);
+    }
+}
+
+/* The candidate that fits best, `but` left out. */
+static int32_t best_of(const double misfit[CANDIDATES], int32_t but)
+{
+    int32_t best = but == 0 ? 1 : 0;
+    for (int32_t i = best + 1; i < CANDIDATES; i++)
+        best = i != but && misfit[i] < misfit[best] ? i : best;
+    return best;
+}
+
+ntp_status ntp_find_origin(ntp_origin *origin, const ntp_const_image *src, uint32_t touch_unused)
+{
+    if (origin == NULL || touch_unused > NTP_UNUSED_ALL)
+        return NTP_ERR_ARGUMENT;
+    NTP__TRY(ntp__check_normals(src));
+    if (src->ring_rows != 0)
+        return NTP_ERR_SHAPE;
+    sums s;
+    memset(&s, 0, sizeof s);
+    add_rows(&s, src, touch_unused);
+    origin->decided = 0;
+    origin->kernel = NTP_KERNEL_CENTRAL;
+    origin->points = s.points;
+    for (int32_t i = 0; i < NTP_KERNELS; i++)
+        origin->misfit[i] = -1;
+    if (s.points < LEAST_POINTS)
+        return NTP_OK;
+    double misfit[CANDIDATES];
+    for (int32_t i = 0; i < CANDIDATES; i++) {
+        misfit[i] = s.square[i] / (double) s.points;
+        origin->misfit[CANDIDATE[i].kernel] = misfit[i];
+    }
+    int32_t best = best_of(misfit, -1), next = best_of(misfit, best), last = CANDIDATES - 1;
+    if (misfit[best] <= USABLE_MISFIT && misfit[0] > BETTER * misfit[best])
+        origin->kernel = CANDIDATE[best].kernel;
+    bool fits = misfit[best] <= MOST_MISFIT && misfit[best] >= LEAST_MISFIT;
+    double clearly = best == last ? CLEARLY_BAKED : CLEARLY;
+    if (next == last && best != last) { /* baked is near every kernel where little is to be seen */
+        double rest[CANDIDATES];
+        memcpy(rest, misfit, sizeof rest);
+        rest[last] = misfit[best] * 1e9;
+        next = best_of(rest, best);
+    }
+    origin->decided = fits && misfit[next] >= clearly * misfit[best];
+    if (origin->decided)
+        origin->kernel = CANDIDATE[best].kernel;
+    return NTP_OK;
+}

@@ -1,0 +1,158 @@
+# SPDX-License-Identifier: MIT
+"""Which kernel made a texture: told where there is detail, left open where there is none."""
+
+import numpy as np
+import pytest
+
+import libntp_ffi as ntp
+import maps
+import oracle_height as heights
+import test_to_height as reconstruction
+
+TRIED = ["central", "forward", "prewitt3", "sobel3", "scharr3", "prewitt5", "baked"]
+NAMES = [*heights.NAMES, "baked"]
+MADE = ["forward", "central", "prewitt3", "sobel3", "scharr3", "prewitt5", "sobel5"]
+
+
+def find(n, y=ntp.UP, encoding=ntp.STANDARD, touch=0):
+    origin = ntp.ffi.new("ntp_origin *")
+    ntp.check(ntp.lib.ntp_find_origin(origin, ntp.view(n, encoding, y, const=True), touch))
+    return ntp.fields(origin)
+
+
+def bricks(n, seed=1):
+    rng = np.random.default_rng(seed)
+    h = maps.bricks(rng, n, n) + 0.15 * maps.fractal(rng, n, n)
+    slope = np.hypot(np.roll(h, -1, 1) - h, np.roll(h, -1, 0) - h)
+    return (h * 0.5 / np.sqrt(np.mean(slope**2))).astype(np.float32)
+
+
+def named(kernel):
+    """What it is called: Sobel 5 x 5 is Sobel 3 x 3 of blurred heights."""
+    return "sobel3" if kernel == "sobel5" else kernel
+
+
+@pytest.mark.parametrize("kernel", MADE)
+@pytest.mark.parametrize("size", [256, 512])
+@pytest.mark.parametrize("surface", [reconstruction.fractal, bricks])
+def test_found_where_there_is_detail(surface, size, kernel):
+    n = reconstruction.from_height(surface(size), kernel)
+    found = find(n)
+    if kernel == "sobel5" and not found["decided"]:
+        return  # so blurred that there may be too little detail
+    assert found["decided"], found
+    assert NAMES[found["kernel"]] == named(kernel)
+    assert 0.9 < found["misfit"][found["kernel"]] < 1.1
+    assert all((m > 0) == (name in TRIED) for m, name in zip(found["misfit"], NAMES, strict=True))
+
+
+def test_orientation_matters():
+    n = reconstruction.from_height(reconstruction.fractal(256))
+    n[..., 1] = 255 - n[..., 1]
+    assert find(n, ntp.DOWN)["decided"]
+    wrong = find(n, ntp.UP)
+    assert not wrong["decided"] and NAMES[wrong["kernel"]] == "central"
+
+
+@pytest.mark.parametrize("dtype", [np.uint16, np.float32])
+def test_deep_textures(dtype):
+    h = reconstruction.fractal(256)
+    for kernel in ["forward", "sobel3"]:
+        vector = dtype == np.float32
+        n = reconstruction.from_height(h, kernel, dst=dtype, vector=vector)
+        if vector:
+            n = ((n + 1) / 2).astype(np.float32)
+        found = find(n)
+        assert NAMES[found["kernel"]] == kernel
+        assert vector or found["decided"]  # floats are rounded finer than the grid of 16 bit
+
+
+def test_encodings_agree():
+    n = reconstruction.from_height(reconstruction.fractal(128), "scharr3")
+    one = find(n)
+    zzero = n.copy()
+    zzero[..., 2] = 77
+    assert find(zzero, encoding=ntp.ZZERO) == one  # blue is not looked at
+    assert find(np.ascontiguousarray(n[..., :2]), encoding=ntp.XY) == one
+
+
+def test_left_open():
+    """Nothing is claimed of smooth, flat, noisy, damaged or tiny textures."""
+    y, x = np.mgrid[:256, :256]
+    smooth = 20 * np.sin(2 * np.pi * x / 256) * np.cos(2 * np.pi * y / 256)
+    rng = np.random.default_rng(5)
+    fractal = reconstruction.from_height(reconstruction.fractal(256))
+    noisy = np.clip(np.round(fractal + rng.normal(0, 3, fractal.shape)), 0, 255).astype(np.uint8)
+    cases = {
+        "smooth": reconstruction.from_height(smooth.astype(np.float32)),
+        "flat": np.full((64, 64, 3), (128, 128, 255), np.uint8),
+        "noise": rng.integers(0, 256, (256, 256, 3), dtype=np.uint8),
+        "noisy": noisy,
+        "JPEG": maps.jpeg(fractal, 90, 0),
+        "black": np.zeros((64, 64, 3), np.uint8),
+        "tiny": fractal[:12, :12].copy(),
+        "a texel": fractal[:1, :1].copy(),
+        "a row": fractal[:1].copy(),
+    }
+    for name, n in cases.items():
+        found = find(n)
+        assert not found["decided"], (name, found)
+        assert name == "noisy" or NAMES[found["kernel"]] == "central", (name, found)
+
+
+def test_holes_do_not_matter():
+    n = reconstruction.from_height(reconstruction.fractal(256), "forward")
+    n = np.dstack([n, np.full(n.shape[:2], 255, np.uint8)])
+    n[100:140, 60:90, :3] = 0
+    n[30:40, 30:70, 3] = 0
+    n[30:40, 30:70, 0] = np.arange(40) * 6
+    found = find(n)
+    assert found["decided"] and NAMES[found["kernel"]] == "forward"
+    assert found["points"] < find(n[..., :3].copy(), touch=ntp.UNUSED_ALL)["points"] + 3000
+
+
+def test_against_a_model():
+    """The misfit of central by numpy, over the points that the library takes."""
+    n = reconstruction.from_height(reconstruction.fractal(100), "central")
+    p, q = reconstruction.slopes(n, ntp.XY)
+    variance = (2 / 255) ** 2 / 12 * (1 + p * p + q * q)
+    noise_p = variance * ((1 + p * p) ** 2 + p * p * q * q)
+    noise_q = variance * ((1 + q * q) ** 2 + p * p * q * q)
+
+    def shift(a, dx, dy):
+        return np.roll(a, (-dy, -dx), (0, 1))
+
+    e = (shift(p, 0, 1) - shift(p, 0, -1) - shift(q, 1, 0) + shift(q, -1, 0)) / 2
+    expected = sum(shift(noise_p, 0, d) + shift(noise_q, d, 0) for d in (-1, 1)) / 4
+    binomial = np.array([1, 4, 6, 4, 1]) / 16
+
+    def seen(a, along):
+        for axis in (0, 1):
+            a = sum(w * np.roll(a, k - 2, axis) for k, w in enumerate(binomial))
+        return np.abs(np.roll(a, -1, along) - np.roll(a, 1, along)) / 2
+
+    worth = np.minimum(seen(p, 0), seen(q, 1)) > 2 / 255
+    inside = np.zeros_like(worth)
+    inside[5:-5, 5:-5] = True
+    steep = np.hypot(p, q) > 9.9
+    assert not steep.any()
+    square = (e * e / expected)[worth & inside]
+    found = find(n)
+    assert found["points"] == pytest.approx(len(square), abs=3)
+    assert found["misfit"][0] == pytest.approx(np.mean(square / (1 + square / 100)), rel=1e-3)
+
+
+def test_errors():
+    n = np.zeros((8, 8, 3), np.uint8)
+    origin = ntp.ffi.new("ntp_origin *")
+    src = ntp.view(n, ntp.STANDARD, const=True)
+    find_origin = ntp.lib.ntp_find_origin
+    assert find_origin(origin, src, 0) == ntp.OK
+    assert find_origin(ntp.ffi.NULL, src, 0) == ntp.ERR_ARGUMENT
+    assert find_origin(origin, ntp.ffi.NULL, 0) == ntp.ERR_ARGUMENT
+    assert find_origin(origin, src, 8) == ntp.ERR_ARGUMENT
+    src.ring_rows = 4
+    assert find_origin(origin, src, 0) == ntp.ERR_SHAPE
+    gray = np.zeros((8, 8), np.uint8)
+    height = ntp.view(gray, ntp.HEIGHT, const=True)
+    assert find_origin(origin, height, 0) == ntp.ERR_FORMAT
