@@ -135,13 +135,34 @@ enum {
     BLOCK_HEIGHT = 64
 };
 
+/*
+ * The number that was typed.  XCF files hold single precision: 7.3 comes back as 7.30000019.  What
+ * can be such a number stands for the decimal of up to 7 digits behind it, so that a layer effect is
+ * the same after its file was opened again.
+ */
+static gdouble as_typed(gdouble value)
+{
+    const gfloat single = (gfloat) value;
+    if ((gdouble) single != value)
+        return value;
+    for (gint digits = 6; digits <= 7; digits++) {
+        gchar format[8], text[G_ASCII_DTOSTR_BUF_SIZE];
+        g_snprintf(format, sizeof format, "%%.%dg", digits);
+        const gdouble typed =
+            g_ascii_strtod(g_ascii_formatd(text, sizeof text, format, value), NULL);
+        if ((gfloat) typed == single)
+            return typed;
+    }
+    return value;
+}
+
 static ntp_gradient_options options_of(GeglOperation *operation)
 {
     const GeglProperties *o = GEGL_PROPERTIES(operation);
-    return (ntp_gradient_options) { .scale = o->scale,
-                                    .dx = o->dx,
-                                    .dy = o->dy,
-                                    .min_z = o->min_z,
+    return (ntp_gradient_options) { .scale = as_typed(o->scale),
+                                    .dx = as_typed(o->dx),
+                                    .dy = as_typed(o->dy),
+                                    .min_z = as_typed(o->min_z),
                                     .kernel = (ntp_kernel) o->kernel,
                                     .border_x = (ntp_border) o->border_x,
                                     .border_y = (ntp_border) o->border_y,

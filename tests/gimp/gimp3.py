@@ -1,0 +1,257 @@
+# SPDX-License-Identifier: MIT
+"""The GEGL operations in GIMP 3: the same numbers as `ntp`.  `./dev gimp3` runs it.
+
+GIMP is started once, for all that is to be done.  Jobs are declared beside their tests.
+"""
+
+import os
+import subprocess
+
+import numpy as np
+import pytest
+from gimps import Gimp3
+from test_gegl import CHANNELS, DEPTHS, GAMMA, picture, rough_normals, to_options
+
+import libntp_ffi
+import pngs
+from libntp_ffi import ffi, lib
+
+CHROOT = os.environ.get("NTP_GIMP3")
+pytestmark = pytest.mark.skipif(not CHROOT, reason="NTP_GIMP3 names no chroot; use ./dev gimp3")
+
+OPERATION = "ntp:normals-from-height"
+SETTINGS = {"scale": 7.3, "to-y": "down", "kernel": "sobel3"}
+PLAIN = [OPERATION, SETTINGS]
+WIDTH, HEIGHT = 150, 133
+PART = (20, 30, 77, 55)  # x, y, width, height of the selection
+PRECISIONS = [
+    f"{kind}_{curve}"
+    for kind in ("U8", "U16", "U32", "HALF", "FLOAT", "DOUBLE")
+    for curve in ("LINEAR", "NON_LINEAR", "PERCEPTUAL")
+]
+
+
+def name_of(channels, depth, gamma):
+    return f"{depth}bit-{channels}{'-gAMA' if gamma else ''}"
+
+
+INPUTS = {
+    name_of(c, d, g): (picture(WIDTH, HEIGHT, c, d), (GAMMA,) if g else ())
+    for c in CHANNELS
+    for d in DEPTHS
+    for g in (False, True)
+}
+INPUTS["rough8"] = rough_normals(3, 8), (GAMMA,)
+INPUTS["rough16"] = rough_normals(4, 16), ()
+INPUTS["one"] = picture(1, 1, 3, 8), ()
+RGB, RGBA = name_of(3, 8, False), name_of(4, 16, False)
+
+
+def jobs():
+    todo = {}
+    for name, (pixels, _) in INPUTS.items():
+        if name.startswith("rough"):
+            continue
+        # Mode > RGB converts by the profile: without one gray becomes three times the same.
+        first = [["discard_profile"], ["mode", "rgb"]] if pixels.shape[2] < 3 else []
+        for how in ("merge", "append"):
+            save = ["save", f"{name}-{how}.png"]
+            todo[f"{name}-{how}"] = {"file": f"{name}.png", "steps": [*first, [how, *PLAIN], save]}
+
+    def job(name, *steps, file=RGB):
+        todo[name] = {"file": f"{file}.png", "steps": list(steps)}
+
+    job("selection-merge", ["select", *PART], ["merge", *PLAIN], ["save", "selection-merge.png"])
+    job("selection-append", ["select", *PART], ["append", *PLAIN], ["save", "selection-append.png"])
+    for file in (RGB, RGBA):
+        xcf = [["append", *PLAIN], ["reopen", f"{file}.xcf"], ["save", f"{file}-xcf.png"]]
+        job(f"{file}-xcf", *xcf, file=file)
+    job(
+        "offsets",
+        ["enlarge", 400, 300, 100, 50],
+        ["offsets", 33, -7],
+        ["merge", *PLAIN],
+        ["dump", "offsets"],
+    )
+    job("group", ["group"], ["append", *PLAIN], ["save", "group.png"])
+    job("indexed", ["mode", "indexed"], ["merge", *PLAIN], ["dump", "indexed"])
+    job("gray", ["merge", *PLAIN], ["dump", "gray"], file=name_of(1, 8, False))
+    job("one-wrap", ["merge", *PLAIN], ["dump", "one-wrap"], file="one")
+    height = {**SETTINGS, "alpha": "height"}
+    job("no-alpha", ["merge", OPERATION, height], ["dump", "no-alpha"])
+    job("alpha", ["add_alpha"], ["merge", OPERATION, height], ["save", "alpha.png"])
+    for precision in PRECISIONS:
+        steps = [["precision", precision], ["dump", f"{precision}-in"], ["merge", *PLAIN]]
+        job(precision, *steps, ["dump", f"{precision}-out"], file=name_of(3, 16, True))
+    for file in ("rough8", "rough16"):
+        for how in ("merge", "append"):
+            clean = ["ntp:clean-normals", {"to": "zzero", "to-y": "down"}]
+            job(f"{file}-{how}", [how, *clean], ["save", f"{file}-{how}.png"], file=file)
+        job(
+            f"{file}-heat",
+            ["append", "ntp:clean-normals", {"show": "heatmap"}],
+            ["save", f"{file}-heat.png"],
+            file=file,
+        )
+    return todo
+
+
+@pytest.fixture(scope="module")
+def gimp():
+    made = Gimp3(CHROOT, "operations")
+    for name, (pixels, chunks) in INPUTS.items():
+        pngs.write_png(made.work / f"{name}.png", pixels, chunks=chunks)
+    made.results, made.complaints = made.run(jobs())
+    return made
+
+
+@pytest.fixture
+def done(gimp):
+    """done(job, file) -> the pixels of a PNG file that the job saved."""
+
+    def look(job, file=None):
+        assert gimp.results[job]["error"] is None, gimp.results[job]["error"]
+        return pngs.read_png(gimp.work / (file or f"{job}.png"))[0]
+
+    return look
+
+
+@pytest.fixture
+def raw(gimp):
+    """raw(job, file, dtype) -> what the job dumped."""
+
+    def look(job, file=None, dtype=np.uint8):
+        assert gimp.results[job]["error"] is None, gimp.results[job]["error"]
+        height, width, size = gimp.results[job]["shape"]
+        data = np.fromfile(gimp.work / (file or job), dtype)
+        return data.reshape(height, width, size // np.dtype(dtype).itemsize)
+
+    return look
+
+
+@pytest.fixture
+def ntp(program, tmp_path):
+    """ntp(pixels, verb, option...) -> the pixels that the program makes."""
+
+    def call(pixels, verb, *options):
+        source, made = tmp_path / "in.png", tmp_path / "out.png"
+        pngs.write_png(source, pixels)
+        subprocess.run([program, verb, "-q", *options, source, "-o", made], check=True)
+        return pngs.read_png(made)[0]
+
+    return call
+
+
+OPTIONS = to_options({k: str(v) for k, v in SETTINGS.items()})
+
+
+def different(a, b):
+    """How many texels differ."""
+    assert a.shape == b.shape and a.dtype == b.dtype
+    return int((a != b).any(2).sum())
+
+
+@pytest.mark.parametrize("how", ["merge", "append"])
+@pytest.mark.parametrize("gamma", [False, True], ids=["plain", "gAMA"])
+@pytest.mark.parametrize("depth", DEPTHS)
+@pytest.mark.parametrize("channels", CHANNELS)
+def test_same_as_ntp(done, ntp, channels, depth, gamma, how):
+    """Merged, and non-destructive."""
+    name = name_of(channels, depth, gamma)
+    assert different(done(f"{name}-{how}"), ntp(INPUTS[name][0], "from-height", *OPTIONS)) == 0
+
+
+def test_selection_merged(done, ntp):
+    """GIMP gives a merged filter the selection alone: it is the picture."""
+    pixels = INPUTS[RGB][0]
+    x, y, w, h = PART
+    expected = pixels.copy()
+    expected[y : y + h, x : x + w] = ntp(pixels[y : y + h, x : x + w], "from-height", *OPTIONS)
+    assert different(done("selection-merge"), expected) == 0
+
+
+def test_selection_non_destructive(done, ntp):
+    """A non-destructive one sees the whole layer."""
+    pixels = INPUTS[RGB][0]
+    x, y, w, h = PART
+    expected = pixels.copy()
+    expected[y : y + h, x : x + w] = ntp(pixels, "from-height", *OPTIONS)[y : y + h, x : x + w]
+    assert different(done("selection-append"), expected) == 0
+
+
+@pytest.mark.parametrize("file", [RGB, RGBA])
+def test_saved_and_reopened(gimp, done, ntp, file):
+    assert different(done(f"{file}-xcf"), ntp(INPUTS[file][0], "from-height", *OPTIONS)) == 0
+    assert gimp.results[f"{file}-xcf"]["filters"] == [OPERATION]
+
+
+def test_offsets(raw, ntp):
+    assert different(raw("offsets"), ntp(INPUTS[RGB][0], "from-height", *OPTIONS)) == 0
+
+
+def test_group(done, ntp):
+    made = done("group")
+    assert different(made[:, :, :3], ntp(INPUTS[RGB][0], "from-height", *OPTIONS)) == 0
+
+
+def test_one_texel(raw):
+    assert raw("one-wrap").tolist() == [[[128, 128, 255]]]
+
+
+def test_alpha(raw, done, ntp):
+    """The height goes into an alpha channel that there is; without one colors are as ever."""
+    pixels = INPUTS[RGB][0]
+    assert different(raw("no-alpha"), ntp(pixels, "from-height", *OPTIONS)) == 0
+    expected = ntp(pixels, "from-height", *OPTIONS, "--alpha", "height")
+    assert different(done("alpha"), expected) == 0
+
+
+def test_gray_and_indexed(raw):
+    """An operation cannot change the mode: nothing of use, but nothing bad either."""
+    assert raw("gray").shape == (HEIGHT, WIDTH, 1)
+    assert raw("indexed").shape == (HEIGHT, WIDTH, 1)
+
+
+def normals_of(heights):
+    """The library's, of the settings above, in the type of the heights."""
+    how = ffi.new("ntp_gradient_options *", {"scale": 7.3, "kernel": lib.NTP_KERNEL_SOBEL3})
+    made = np.zeros_like(heights)
+    src = libntp_ffi.view(heights, encoding=libntp_ffi.HEIGHT, const=True)
+    dst = libntp_ffi.view(made, encoding=libntp_ffi.STANDARD, y=libntp_ffi.DOWN)
+    libntp_ffi.check(lib.ntp_normals_from_height(dst, src, how, ffi.NULL, ffi.NULL))
+    return made
+
+
+@pytest.mark.parametrize("precision", PRECISIONS)
+def test_precision(raw, precision):
+    """The stored numbers are the heights, whatever they mean to GIMP; 8 and 16 bit are exact."""
+    kinds = {"U8": "u1", "U16": "u2", "U32": "u4", "HALF": "f2", "FLOAT": "f4", "DOUBLE": "f8"}
+    dtype = np.dtype(kinds[precision.split("_")[0]])
+    heights, made = (raw(precision, f"{precision}-{end}", dtype) for end in ("in", "out"))
+    if dtype.kind == "u" and dtype.itemsize <= 2:
+        assert different(made, normals_of(heights)) == 0
+        return
+    # The others go through single precision, and back with GIMP's rounding.
+    top = 2**32 - 1 if dtype.kind == "u" else 1
+    expected = normals_of((heights.astype(np.float64) / top).astype(np.float32))
+    step = {"u4": 2.0**-32, "f2": 2.0**-11, "f4": 0, "f8": 0}[dtype.str[1:]]
+    assert np.abs(made.astype(np.float64) / top - expected).max() <= step
+
+
+@pytest.mark.parametrize("how", ["merge", "append"])
+@pytest.mark.parametrize("file", ["rough8", "rough16"])
+def test_clean(done, ntp, file, how):
+    cleaned = ntp(INPUTS[file][0], "clean", "--type", "standard")
+    expected = ntp(cleaned, "convert", "--to", "zzero", "--to-y", "down")
+    assert different(done(f"{file}-{how}"), expected) == 0
+
+
+def test_heatmap(done, ntp):
+    for file in ("rough8", "rough16"):
+        expected = ntp(INPUTS[file][0], "heatmap", "--type", "standard")[:, :, :3]
+        made = done(f"{file}-heat")[:, :, :3]
+        assert different(made, expected.astype(made.dtype) * (257 if file == "rough16" else 1)) == 0
+
+
+def test_no_complaints(gimp):
+    assert gimp.complaints == []

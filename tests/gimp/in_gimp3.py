@@ -1,0 +1,127 @@
+# SPDX-License-Identifier: MIT
+"""Runs inside GIMP 3 (python-fu-eval): does the jobs of jobs.json, notes what came of each.
+
+The directory is in the environment variable NTP_JOBS.  A job has a "file" to open and "steps", each
+[name, argument...] of a function below.  results.json gets, for each job, null or an error.
+"""
+
+import json
+import os
+import traceback
+
+from gi.repository import Gegl, Gimp, Gio
+
+HERE = os.environ["NTP_JOBS"]
+QUIET = Gimp.RunMode.NONINTERACTIVE
+
+
+def path(name):
+    return Gio.File.new_for_path(os.path.join(HERE, name))
+
+
+class Session:
+    """One image, and what is done to it."""
+
+    def __init__(self, file):
+        self.image = Gimp.file_load(QUIET, path(file))
+        self.notes = {}
+
+    @property
+    def layer(self):
+        return self.image.get_layers()[0]
+
+    def _filter(self, operation, settings):
+        made = Gimp.DrawableFilter.new(self.layer, operation, "")
+        config = made.get_config()
+        for name, value in settings.items():
+            config.set_property(name, value)
+        made.update()
+        return made
+
+    def merge(self, operation, settings):
+        self.layer.merge_filter(self._filter(operation, settings))
+
+    def append(self, operation, settings):
+        self.layer.append_filter(self._filter(operation, settings))
+
+    def discard_profile(self):
+        """What Image > Color Management > Discard Color Profile does: the numbers stay."""
+        gray = self.image.get_base_type() == Gimp.ImageBaseType.GRAY
+        profile = (
+            Gimp.ColorProfile.new_d65_gray_srgb_trc if gray else Gimp.ColorProfile.new_rgb_srgb
+        )
+        self.image.set_color_profile(profile())
+
+    def precision(self, name):
+        self.image.convert_precision(getattr(Gimp.Precision, name))
+
+    def mode(self, name):
+        if name == "rgb":
+            self.image.convert_rgb()
+        elif name == "gray":
+            self.image.convert_grayscale()
+        else:
+            none = Gimp.ConvertDitherType.NONE
+            self.image.convert_indexed(
+                none, Gimp.ConvertPaletteType.GENERATE, 256, False, False, ""
+            )
+
+    def select(self, x, y, width, height):
+        self.image.select_rectangle(Gimp.ChannelOps.REPLACE, x, y, width, height)
+
+    def add_alpha(self):
+        self.layer.add_alpha()
+
+    def offsets(self, x, y):
+        self.layer.set_offsets(x, y)
+
+    def enlarge(self, width, height, x, y):
+        self.image.resize(width, height, x, y)
+
+    def group(self):
+        """The layer becomes the only one of a group, which is then the first layer."""
+        group = Gimp.GroupLayer.new(self.image, "group")
+        self.image.insert_layer(group, None, 0)
+        self.image.reorder_item(self.image.get_layers()[1], group, 0)
+
+    def save(self, file):
+        Gimp.file_save(QUIET, self.image, path(file), None)
+
+    def reopen(self, file):
+        self.save(file)
+        self.image.delete()
+        self.image = Gimp.file_load(QUIET, path(file))
+        self.notes["filters"] = [f.get_operation_name() for f in self.layer.get_filters()]
+        self.notes["scale"] = self.layer.get_filters()[0].get_config().get_property("scale")
+
+    def dump(self, file):
+        """The bytes of the layer as they are stored, and in the notes what they are."""
+        buffer = self.layer.get_buffer()
+        box = Gegl.Rectangle.new(0, 0, self.layer.get_width(), self.layer.get_height())
+        with open(os.path.join(HERE, file), "wb") as out:
+            out.write(bytes(buffer.get(box, 1.0, None, Gegl.AbyssPolicy.NONE)))
+        self.notes["shape"] = [
+            self.layer.get_height(),
+            self.layer.get_width(),
+            self.layer.get_bpp(),
+        ]
+
+
+def main():
+    with open(os.path.join(HERE, "jobs.json"), encoding="utf-8") as file:
+        jobs = json.load(file)
+    results = {}
+    for name, job in jobs.items():
+        try:
+            session = Session(job["file"])
+            for step, *arguments in job["steps"]:
+                getattr(session, step)(*arguments)
+            results[name] = {"error": None, **session.notes}
+            session.image.delete()
+        except Exception:  # noqa: BLE001 - whatever it is, the report says it
+            results[name] = {"error": traceback.format_exc()}
+    with open(os.path.join(HERE, "results.json"), "w", encoding="utf-8") as file:
+        json.dump(results, file)
+
+
+main()
