@@ -1,0 +1,12 @@
+/* SPDX-License-Identifier: MIT */
+/* about.h - what the plug-in says of itself */
+#ifndef NTP_PLUGIN_ABOUT_H
+#define NTP_PLUGIN_ABOUT_H
+
+#define PLUGIN_NAME      "ntp-normals"
+#define PLUGIN_MENU      "<Image>/Filters/Normals Texture"
+#define PLUGIN_AUTHORS   "The libntp authors"
+#define PLUGIN_COPYRIGHT "MIT license"
+#define PLUGIN_DATE      "2026"
+
+#endif

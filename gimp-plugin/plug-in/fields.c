@@ -1,0 +1,309 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * fields.c - the tables of fields.h
+ *
+ * The names are those of the command line.  N_() marks what is shown to people.
+ */
+#include "fields.h"
+
+#include <string.h>
+
+#define N_(TEXT) TEXT
+#define END      { NULL, NULL }
+
+/* clang-format off */
+
+static const choice kernels[] = { /* in the order of ntp_kernel */
+    { "central", N_("Central difference") },
+    { "forward", N_("Forward difference") },
+    { "prewitt3", N_("Prewitt 3x3") },
+    { "sobel3", N_("Sobel 3x3") },
+    { "scharr3", N_("Scharr 3x3") },
+    { "prewitt5", N_("Prewitt 5x5") },
+    { "sobel5", N_("Sobel 5x5") },
+    { "gimp5", N_("gimp-normalmap 5x5") },
+    { "gimp7", N_("gimp-normalmap 7x7") },
+    { "gimp9", N_("gimp-normalmap 9x9") },
+    END
+};
+static const choice borders[] = { /* ntp_border */
+    { "wrap", N_("Wrap (tiles)") },
+    { "clamp", N_("Clamp") },
+    { "mirror", N_("Mirror") },
+    { "extrapolate", N_("Extrapolate") },
+    { "repeat-slope", N_("Repeat the slope") },
+    END
+};
+static const choice sources[] = { /* ntp_height_source, and one more */
+    { "red", N_("Red") },
+    { "green", N_("Green") },
+    { "blue", N_("Blue") },
+    { "alpha", N_("Alpha") },
+    { "luma", N_("Luma (Rec. 709)") },
+    { "luma-gimp", N_("Luma of gimp-normalmap") },
+    { "luma-eberly", N_("Luma of Eberly") },
+    { "mean", N_("Mean of the channels") },
+    { "max", N_("Greatest channel") },
+    { "min", N_("Least channel") },
+    { "screen", N_("Screen") },
+    { "biased", N_("Above the mean color") },
+    END
+};
+static const choice green[] = { /* ntp_y */
+    { "up", N_("OpenGL (green up)") },
+    { "down", N_("DirectX (green down)") },
+    END
+};
+static const choice encodings[] = { /* the first three of ntp_encoding */
+    { "standard", N_("Standard: z in -1..1") },
+    { "zzero", N_("Z-zero: z in 0..1") },
+    { "xy", N_("Red and green only") },
+    END
+};
+static const choice readings[] = { /* the same, found out first */
+    { "auto", N_("Find out") },
+    { "standard", N_("Standard: z in -1..1") },
+    { "zzero", N_("Z-zero: z in 0..1") },
+    { "xy", N_("Red and green only") },
+    END
+};
+static const choice blues[] = { /* ntp_blue */
+    { "derived", N_("From red and green") },
+    { "nearest", N_("Rounded by itself") },
+    END
+};
+static const choice alphas[] = { /* alpha_rule of normals.h */
+    { "keep", N_("Unchanged") },
+    { "one", N_("Opaque") },
+    { "zero", N_("Transparent") },
+    { "inverse", N_("Inverted") },
+    { "height", N_("Height") },
+    { "inverse-height", N_("Inverted height") },
+    { "layer", N_("From another layer") },
+    END
+};
+static const choice dudvs[] = { /* dudv_format of normals.h */
+    { "none", N_("Normals") },
+    { "8-signed", N_("DU/DV, 8 bits, signed") },
+    { "8-unsigned", N_("DU/DV, 8 bits, unsigned") },
+    { "16-signed", N_("DU/DV, 16 bits, signed") },
+    { "16-unsigned", N_("DU/DV, 16 bits, unsigned") },
+    END
+};
+static const choice methods[] = { /* ntp_height_method */
+    { "auto", N_("As the borders say") },
+    { "telescoping", N_("Telescoping sums") },
+    { "frankot-chellappa", N_("Frankot-Chellappa (tiles)") },
+    { "poisson-dct", N_("Poisson (free edges)") },
+    END
+};
+static const choice slopes[] = { /* the first two of ntp_kernel */
+    { "central", N_("Central difference") },
+    { "forward", N_("Forward difference") },
+    END
+};
+static const choice decodes[] = { /* ntp_decode */
+    { "auto", N_("Find out") },
+    { "unorm", N_("Exactly as stored") },
+    { "neutral", N_("127 and 128 are both flat") },
+    { "trunc", N_("Written by truncation") },
+    { "snorm128", N_("128 is flat") },
+    END
+};
+static const choice depths[] = { /* ntp_z */
+    { "stored", N_("As stored") },
+    { "derived", N_("From red and green") },
+    END
+};
+static const choice results[] = {
+    { "layer", N_("This layer") },
+    { "image", N_("A new 16-bit gray image") },
+    END
+};
+static const choice repairs[] = { /* ntp_method; auto */
+    { "derive", N_("Derive blue from red and green") },
+    { "normalize", N_("Normalize all three") },
+    { "auto", N_("As the errors suggest") },
+    END
+};
+static const choice verdicts[] = { /* ntp_verdict */
+    { "neighbor", N_("Within a level") },
+    { "rounded", N_("Rounded") },
+    { "exact", N_("Exact") },
+    END
+};
+
+#define NUMBER(NAME, LABEL, HELP, PAGE, VALUE, LOW, HIGH, SOFT_LOW, SOFT_HIGH, DIGITS) \
+    { NAME, LABEL, HELP, FIELD_NUMBER, PAGE, VALUE, LOW, HIGH, SOFT_LOW, SOFT_HIGH, DIGITS, NULL }
+#define CHOICE(NAME, LABEL, HELP, PAGE, VALUE, CHOICES) \
+    { NAME, LABEL, HELP, FIELD_CHOICE, PAGE, VALUE, 0, 0, 0, 0, 0, CHOICES }
+#define SWITCH(NAME, LABEL, HELP, PAGE) \
+    { NAME, LABEL, HELP, FIELD_SWITCH, PAGE, 0, 0, 1, 0, 1, 0, NULL }
+#define LAYER(NAME, LABEL, HELP, PAGE) \
+    { NAME, LABEL, HELP, FIELD_LAYER, PAGE, -1, 0, 0, 0, 0, 0, NULL }
+
+#define MOST 1e6 /* beyond it every slope is vertical */
+
+static const field normals_fields[FN_COUNT] = {
+    [FN_SCALE] = NUMBER("scale", N_("_Scale"),
+        N_("How many texels white rises above black; negative turns hills into dents"),
+        0, 10, -MOST, MOST, -100, 100, 3),
+    [FN_KERNEL] = CHOICE("kernel", N_("_Kernel"),
+        N_("How a slope is taken; wider kernels are smoother, and all are equally strong"),
+        0, 0, kernels),
+    [FN_BORDER_X] = CHOICE("border-x", N_("Left and right _edges"),
+        N_("The height beyond the left and right edges"), 0, 0, borders),
+    [FN_BORDER_Y] = CHOICE("border-y", N_("Upper and lower e_dges"),
+        N_("The height beyond the upper and lower edges"), 0, 0, borders),
+    [FN_SOURCE] = CHOICE("source", N_("_Height from"),
+        N_("Which number of a color is the height; gray has only one"), 0, 4, sources),
+    [FN_INVERT] = SWITCH("invert", N_("_Invert the height"), N_("Black is high, white is low"), 0),
+    [FN_TO_Y] = CHOICE("to-y", N_("_Green points"),
+        N_("Up the picture: OpenGL, glTF, USD, Unity, Blender. Down: DirectX, Unreal"),
+        0, 0, green),
+    [FN_TO] = CHOICE("to", N_("_Blue stores"), N_("How z is stored in blue"), 0, 0, encodings),
+    [FN_MIN_Z] = NUMBER("min-z", N_("_Least z"), N_("Steeper normals are turned up to this z"),
+        0, 0, 0, 1, 0, 1, 3),
+    [FN_ALPHA] = CHOICE("alpha", N_("_Alpha becomes"), N_("What the alpha channel holds then"),
+        0, 0, alphas),
+    [FN_DX] = NUMBER("dx", N_("_Width of a texel"), N_("Where texels are not square"),
+        1, 1, 1e-6, MOST, 0.1, 10, 3),
+    [FN_DY] = NUMBER("dy", N_("H_eight of a texel"), N_("Where texels are not square"),
+        1, 1, 1e-6, MOST, 0.1, 10, 3),
+    [FN_BLUE] = CHOICE("blue", N_("Blue is _computed"),
+        N_("From the rounded red and green: survives any round trip. By itself: the nearest z"),
+        1, 0, blues),
+    [FN_HEIGHT_LAYER] = LAYER("height-layer", N_("Height of anot_her layer"),
+        N_("A layer of the same size that holds the height, in place of the layer itself"), 1),
+    [FN_ALPHA_LAYER] = LAYER("alpha-layer", N_("Layer for al_pha"),
+        N_("The layer whose brightness becomes alpha; scaled to this layer's size"), 1),
+    [FN_FLIP_X] = SWITCH("flip-x", N_("_Flip red"), N_("Red points left"), 1),
+    [FN_SWAP] = SWITCH("swap-rgb", N_("S_wap red and blue"), N_("Store z, y, x"), 1),
+    [FN_DUDV] = CHOICE("dudv", N_("_Store"), N_("Normals, or x and y alone as DU/DV"),
+        1, 0, dudvs),
+};
+
+static const field height_fields[FH_COUNT] = {
+    [FH_BORDER_X] = CHOICE("border-x", N_("Left and right _edges"),
+        N_("What lies beyond the left and right edges: wrap where the texture tiles"),
+        0, 3, borders),
+    [FH_BORDER_Y] = CHOICE("border-y", N_("Upper and lower e_dges"),
+        N_("What lies beyond the upper and lower edges: wrap where the texture tiles"),
+        0, 3, borders),
+    [FH_FROM_Y] = CHOICE("from-y", N_("_Green points"), N_("The wrong way gives dents"),
+        0, 0, green),
+    [FH_FROM] = CHOICE("from", N_("_Blue stores"), N_("How z is stored in blue"), 0, 0, encodings),
+    [FH_METHOD] = CHOICE("method", N_("_Method"), N_("How slopes become heights"), 0, 0, methods),
+    [FH_KERNEL] = CHOICE("kernel", N_("_Kernel"), N_("How the slopes were taken"), 0, 0, slopes),
+    [FH_DECODE] = CHOICE("decode", N_("_Levels"), N_("What the stored levels mean"), 0, 0, decodes),
+    [FH_Z] = CHOICE("z", N_("_z is taken"), N_("From red and green where blue is not to be trusted"),
+        0, 0, depths),
+    [FH_INVERT] = SWITCH("invert", N_("_Invert the height"), N_("Black is high, white is low"), 0),
+    [FH_CONTRAST] = NUMBER("contrast", N_("_Contrast"),
+        N_("Stretches the heights about their middle; what is then beyond black or white is cut"),
+        0, 0, 0, 1, 0, 1, 2),
+    [FH_RESULT] = CHOICE("result", N_("_Result in"),
+        N_("8 bits are few for a height; the new image has 16"), 0, 0, results),
+};
+
+static const field check_fields[FK_COUNT] = {
+    [FK_FROM] = CHOICE("from", N_("_Blue stores"), N_("How z is stored in blue"), 0, 0, readings),
+    [FK_KEEP_NEGATIVE_Z] = SWITCH("keep-negative-z", N_("_Negative z is right"),
+        N_("Normals may point into the surface"), 0),
+};
+
+static const field clean_fields[FC_COUNT] = {
+    [FC_METHOD] = CHOICE("method", N_("_Method"), N_("What is done to a normal that is not right"),
+        0, 0, repairs),
+    [FC_FROM] = CHOICE("from", N_("_Blue stores"), N_("How z is stored in blue"), 0, 0, readings),
+    [FC_KEEP_NEGATIVE_Z] = SWITCH("keep-negative-z", N_("_Negative z is right"),
+        N_("Normals may point into the surface"), 0),
+    [FC_ONLY_FAILING] = SWITCH("only-failing", N_("_Only what fails"),
+        N_("Leave alone what passes the test below"), 0),
+    [FC_VERDICT] = CHOICE("verdict", N_("_Test"), N_("What counts as right"), 0, 0, verdicts),
+    [FC_UNUSED] = SWITCH("touch-unused", N_("Also _unused texels"),
+        N_("Black, white and transparent texels as well"), 0),
+};
+
+/* Plain numbers all, as the old plug-in had them. */
+#define INDEX(NAME, HELP, HIGH) \
+    { NAME, NAME, HELP, FIELD_NUMBER, -1, 0, 0, HIGH, 0, HIGH, 0, NULL }
+static const field classic_fields[FO_COUNT] = {
+    [FO_FILTER] = INDEX("filter", N_("0 4 sample, 1 Sobel 3x3, 2 Sobel 5x5, 3 Prewitt 3x3, "
+        "4 Prewitt 5x5, 5 3x3, 6 5x5, 7 7x7, 8 9x9"), 8),
+    [FO_MIN_Z] = NUMBER("minz", "minz", N_("Least z of a normal"), -1, 0, 0, 1, 0, 1, 3),
+    [FO_SCALE] = NUMBER("scale", "scale", N_("Strength; its effect depends on the filter"),
+        -1, 1, -MOST, MOST, -100, 100, 3),
+    [FO_WRAP] = INDEX("wrap", N_("1: the texture tiles"), 1),
+    [FO_HEIGHT_SOURCE] = INDEX("height-source", N_("0 color, as the conversion says; 1 alpha"), 1),
+    [FO_ALPHA] = INDEX("alpha", N_("0 unchanged, 1 height, 2 inverse height, 3 set to 0, "
+        "4 set to 1, 5 invert, 6 alpha map"), 6),
+    [FO_CONVERSION] = INDEX("conversion", N_("0 none, 1 biased RGB, 2 red, 3 green, 4 blue, "
+        "5 maximum, 6 minimum, 7 colorspace, 8 normalize only, 9 DU/DV to normal, "
+        "10 convert to height"), 10),
+    [FO_DUDV] = INDEX("dudv", N_("0 none, 1 8 bits signed, 2 8 bits unsigned, 3 16 bits signed, "
+        "4 16 bits unsigned"), 4),
+    [FO_FLIP_X] = INDEX("xinvert", N_("1: red points left"), 1),
+    [FO_FLIP_Y] = INDEX("yinvert", N_("1: green points up (OpenGL); 0: down (DirectX)"), 1),
+    [FO_SWAP] = INDEX("swapRGB", N_("1: red and blue change places"), 1),
+    [FO_CONTRAST] = NUMBER("contrast", "contrast", N_("Of a conversion to height"),
+        -1, 0, 0, 1, 0, 1, 3),
+    [FO_ALPHA_LAYER] = LAYER("alphamap", "alphamap", N_("Of alpha 6: its brightness is alpha"), -1),
+};
+
+const procedure procedures[PROCEDURE_COUNT] = {
+    [PROCEDURE_NORMALS] = { "plug-in-ntp-normals-from-height", N_("Normals from _Height..."),
+        N_("Makes a normals texture (normal map) of a heightfield (bump map)"),
+        N_("White is high. Red and green are the correctly rounded values of the formula, in the "
+           "layer's own precision; blue is computed from them. A gray image becomes RGB."),
+        normals_fields, FN_COUNT },
+    [PROCEDURE_HEIGHT] = { "plug-in-ntp-height-from-normals", N_("Height from _Normals..."),
+        N_("Makes a heightfield (bump map) of a normals texture (normal map)"),
+        N_("Finds the heights whose slopes come nearest to the stored normals, and stretches "
+           "them from black to white."),
+        height_fields, FH_COUNT },
+    [PROCEDURE_CHECK] = { "plug-in-ntp-check-normals", N_("_Check Normals..."),
+        N_("Tells whether the layer is a normals texture, and whether it is right"),
+        N_("Says what the texture is, how many texels are not unit vectors and how far they are "
+           "off, and offers to clean them."),
+        check_fields, FK_COUNT },
+    [PROCEDURE_CLEAN] = { "plug-in-ntp-clean-normals", N_("C_lean Normals..."),
+        N_("Repairs the normals of a normals texture"),
+        N_("Makes each stored normal a unit vector, as exactly as its levels can hold one. Alpha "
+           "and unused texels stay."),
+        clean_fields, FC_COUNT },
+    [PROCEDURE_CLASSIC] = { "plug-in-normalmap", NULL,
+        N_("The gimp-normalmap plug-in's arguments, for scripts that call it"),
+        N_("Takes the arguments of the old plug-in and computes what it meant to, correctly "
+           "rounded. New scripts had better call plug-in-ntp-normals-from-height."),
+        classic_fields, FO_COUNT },
+};
+
+/* clang-format on */
+
+const procedure *procedure_find(const char *name)
+{
+    for (int i = 0; i < PROCEDURE_COUNT; i++) {
+        if (strcmp(procedures[i].name, name) == 0)
+            return &procedures[i];
+    }
+    return NULL;
+}
+
+int choice_count(const field *f)
+{
+    int count = 0;
+    while (f->choices != NULL && f->choices[count].name != NULL)
+        count++;
+    return count;
+}
+
+int choice_find(const field *f, const char *name)
+{
+    const int count = choice_count(f);
+    for (int i = 0; i < count; i++) {
+        if (strcmp(f->choices[i].name, name) == 0)
+            return i;
+    }
+    return -1;
+}

@@ -1,0 +1,142 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * fields.h - the procedures of the plug-in and their arguments, declared once
+ *
+ * From these tables come the PDB arguments of both GIMPs, the dialogs, last values and saved
+ * settings.  A value is a double whatever its kind: a number, the index of a choice, 0 or 1 of a
+ * switch, the ID of a layer (0 or less: none).  Knows nothing of GIMP.
+ */
+#ifndef NTP_PLUGIN_FIELDS_H
+#define NTP_PLUGIN_FIELDS_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+typedef enum field_kind { FIELD_NUMBER, FIELD_CHOICE, FIELD_SWITCH, FIELD_LAYER } field_kind;
+
+typedef struct choice {
+    const char *name;  /* in scripts and saved settings */
+    const char *label; /* in the dialog, to be translated */
+} choice;
+
+typedef struct field {
+    const char *name;
+    const char *label;
+    const char *help;
+    field_kind kind;
+    int page;                   /* of the dialog; -1: for scripts only */
+    double value;               /* the default */
+    double low, high;           /* of numbers: what is taken */
+    double soft_low, soft_high; /* and what a slider offers */
+    int digits;
+    const choice *choices; /* up to one without a name */
+} field;
+
+/* The arguments of plug-in-ntp-normals-from-height, in the order of its PDB arguments. */
+enum {
+    FN_SCALE,
+    FN_KERNEL,
+    FN_BORDER_X,
+    FN_BORDER_Y,
+    FN_SOURCE,
+    FN_INVERT,
+    FN_TO_Y,
+    FN_TO,
+    FN_MIN_Z,
+    FN_ALPHA,
+    FN_DX,
+    FN_DY,
+    FN_BLUE,
+    FN_HEIGHT_LAYER,
+    FN_ALPHA_LAYER,
+    FN_FLIP_X,
+    FN_SWAP,
+    FN_DUDV,
+    FN_COUNT
+};
+
+/* plug-in-ntp-height-from-normals */
+enum {
+    FH_BORDER_X,
+    FH_BORDER_Y,
+    FH_FROM_Y,
+    FH_FROM,
+    FH_METHOD,
+    FH_KERNEL,
+    FH_DECODE,
+    FH_Z,
+    FH_INVERT,
+    FH_CONTRAST,
+    FH_RESULT,
+    FH_COUNT
+};
+
+/* plug-in-ntp-check-normals */
+enum { FK_FROM, FK_KEEP_NEGATIVE_Z, FK_COUNT };
+
+/* plug-in-ntp-clean-normals */
+enum { FC_METHOD, FC_FROM, FC_KEEP_NEGATIVE_Z, FC_ONLY_FAILING, FC_VERDICT, FC_UNUSED, FC_COUNT };
+
+/* plug-in-normalmap, the arguments of the old plug-in */
+enum {
+    FO_FILTER,
+    FO_MIN_Z,
+    FO_SCALE,
+    FO_WRAP,
+    FO_HEIGHT_SOURCE,
+    FO_ALPHA,
+    FO_CONVERSION,
+    FO_DUDV,
+    FO_FLIP_X,
+    FO_FLIP_Y,
+    FO_SWAP,
+    FO_CONTRAST,
+    FO_ALPHA_LAYER,
+    FO_COUNT
+};
+
+enum { MAX_FIELDS = 24 };
+
+typedef enum procedure_id {
+    PROCEDURE_NORMALS,
+    PROCEDURE_HEIGHT,
+    PROCEDURE_CHECK,
+    PROCEDURE_CLEAN,
+    PROCEDURE_CLASSIC,
+    PROCEDURE_COUNT
+} procedure_id;
+
+typedef struct procedure {
+    const char *name;
+    const char *menu; /* label, with a mnemonic; NULL: not in the menus */
+    const char *blurb;
+    const char *help;
+    const field *fields;
+    int count;
+} procedure;
+
+extern const procedure procedures[PROCEDURE_COUNT];
+
+/* NULL where there is none of that name. */
+const procedure *procedure_find(const char *name);
+
+typedef struct settings {
+    double value[MAX_FIELDS];
+} settings;
+
+void settings_reset(const procedure *p, settings *s);
+
+/* Brings what is out of range into it; returns the first field for which it had to, or NULL. */
+const field *settings_check(const procedure *p, settings *s);
+
+/* The index of a choice by its name; -1: none. */
+int choice_find(const field *f, const char *name);
+int choice_count(const field *f);
+
+/* Settings as lines of "name = value", numbers in the C locale: returns the length as snprintf. */
+size_t settings_write(const procedure *p, const settings *s, char *text, size_t size);
+
+/* Reads such lines; unknown names and values are left out.  Layers are not saved. */
+void settings_read(const procedure *p, settings *s, const char *text);
+
+#endif

@@ -1,0 +1,80 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * dialog.c - GIMP 3's own dialog for the arguments, with the preview beside it
+ *
+ * GIMP keeps the last values, resets, saves and loads them.
+ */
+#include "dialog.h"
+#include "view.h"
+
+#include <libgimp/gimpui.h>
+
+typedef struct connection {
+    const procedure *procedure;
+    GtkWidget *view;
+} connection;
+
+static void on_change(GObject *config, GParamSpec *spec, gpointer data)
+{
+    const connection *c = data;
+    settings s;
+    (void) spec;
+    config_read(c->procedure, GIMP_PROCEDURE_CONFIG(config), &s);
+    view_update(c->view, &s);
+}
+
+/* The fields of a page as a box; NULL: there are none. */
+static GtkWidget *page_new(GimpProcedureDialog *dialog, const procedure *p, int page)
+{
+    GList *names = NULL;
+    gchar *id = g_strdup_printf("page-%d", page);
+    GtkWidget *box = NULL;
+    for (int i = 0; i < p->count; i++) {
+        const field *f = &p->fields[i];
+        if (f->page != page)
+            continue;
+        if (f->kind == FIELD_NUMBER)
+            gimp_procedure_dialog_get_scale_entry(dialog, f->name, 1);
+        names = g_list_append(names, (gpointer) (guintptr) f->name);
+    }
+    if (names != NULL)
+        box = gimp_procedure_dialog_fill_box_list(dialog, id, names);
+    if (box != NULL)
+        gtk_container_set_border_width(GTK_CONTAINER(box), 6);
+    g_list_free(names);
+    g_free(id);
+    return box;
+}
+
+static GtkWidget *controls_new(GimpProcedureDialog *dialog, const procedure *p)
+{
+    GtkWidget *first = page_new(dialog, p, 0), *second = page_new(dialog, p, 1);
+    if (second == NULL)
+        return first;
+    GtkWidget *book = gtk_notebook_new();
+    gtk_notebook_append_page(GTK_NOTEBOOK(book), first, gtk_label_new(_("Normals")));
+    gtk_notebook_append_page(GTK_NOTEBOOK(book), second, gtk_label_new(_("More")));
+    return book;
+}
+
+gboolean dialog_run(const procedure *p, GimpProcedure *pdb_procedure, GimpProcedureConfig *config,
+                    gint32 id)
+{
+    connection c = { .procedure = p };
+    gimp_ui_init(p->name);
+    GtkWidget *dialog = gimp_procedure_dialog_new(pdb_procedure, config, _(p->blurb));
+    GtkWidget *box = gtk_box_new(GTK_ORIENTATION_HORIZONTAL, 12);
+    gtk_container_set_border_width(GTK_CONTAINER(box), 12);
+    gtk_box_pack_start(GTK_BOX(box), controls_new(GIMP_PROCEDURE_DIALOG(dialog), p), TRUE, TRUE, 0);
+    c.view = view_new(p, id);
+    gtk_box_pack_start(GTK_BOX(box), c.view, FALSE, FALSE, 0);
+    gtk_box_pack_start(GTK_BOX(gtk_dialog_get_content_area(GTK_DIALOG(dialog))), box, TRUE, TRUE,
+                       0);
+    gtk_widget_show_all(box);
+    const gulong handler = g_signal_connect(config, "notify", G_CALLBACK(on_change), &c);
+    on_change(G_OBJECT(config), NULL, &c);
+    const gboolean done = gimp_procedure_dialog_run(GIMP_PROCEDURE_DIALOG(dialog));
+    g_signal_handler_disconnect(config, handler);
+    gtk_widget_destroy(dialog);
+    return done;
+}

@@ -1,0 +1,218 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * host.c - GIMP's layers as rasters, and results into layers
+ *
+ * A layer is read and written in its own model, type and space: the numbers are data, and no
+ * conversion of colors may touch them.  8-bit, 16-bit and float samples are those that are stored;
+ * other types (32-bit integers, half, double) go over float, within the same model and space.
+ */
+#include "host.h"
+
+#include <string.h>
+
+#if HOST_GIMP3
+#  define drawable_width(ID)  gimp_drawable_get_width(HOST_DRAWABLE(ID))
+#  define drawable_height(ID) gimp_drawable_get_height(HOST_DRAWABLE(ID))
+#else
+#  define drawable_width(ID)  gimp_drawable_width(ID)
+#  define drawable_height(ID) gimp_drawable_height(ID)
+#endif
+
+/* ------------------------------------------------------------------------------- reading */
+
+/* The same samples in a type that libntp knows. */
+static const Babl *readable(const Babl *format, ntp_type *type)
+{
+    const Babl *stored = babl_format_get_type(format, 0);
+    const char *encoding = babl_format_get_encoding(format);
+    const char *end = strrchr(encoding, ' ');
+    *type = stored == babl_type("u8") ? NTP_U8 : stored == babl_type("u16") ? NTP_U16 : NTP_F32;
+    if (*type != NTP_F32 || stored == babl_type("float") || end == NULL)
+        return format;
+    char *name = g_strdup_printf("%.*s float", (int) (end - encoding), encoding);
+    const Babl *floats = babl_format_with_space(name, format);
+    g_free(name);
+    return floats;
+}
+
+static bool read_layer(void *user, int32_t y0, int32_t y1, void *rows)
+{
+    const host_layer *layer = user;
+    gegl_buffer_get(layer->buffer, GEGL_RECTANGLE(0, y0, layer->raster.width, y1 - y0), 1,
+                    layer->format, rows, GEGL_AUTO_ROWSTRIDE, GEGL_ABYSS_NONE);
+    return true;
+}
+
+static bool write_layer(void *user, const ntp_rect *area, const void *pixels, ptrdiff_t row_bytes)
+{
+    const host_layer *layer = user;
+    gegl_buffer_set(layer->buffer,
+                    GEGL_RECTANGLE(area->x0, area->y0, area->x1 - area->x0, area->y1 - area->y0), 0,
+                    layer->format, pixels, (gint) row_bytes);
+    return true;
+}
+
+void host_open(host_layer *layer, gint32 id)
+{
+    const Babl *format = gimp_drawable_get_format(HOST_DRAWABLE(id));
+    ntp_type type = NTP_U8;
+    *layer = (host_layer) { .id = id, .buffer = gimp_drawable_get_buffer(HOST_DRAWABLE(id)) };
+    layer->format = readable(format, &type);
+    layer->raster = (raster) { .user = layer,
+                               .read = read_layer,
+                               .width = drawable_width(id),
+                               .height = drawable_height(id),
+                               .channels = babl_format_get_n_components(format),
+                               .type = type };
+}
+
+void host_close(host_layer *layer)
+{
+    g_clear_object(&layer->buffer);
+}
+
+/* ------------------------------------------------------------------------------- writing */
+
+/* The layer's shadow: what becomes of it when merged, where it is selected. */
+static void open_shadow(host_layer *shadow, gint32 id)
+{
+    host_open(shadow, id);
+    g_object_unref(shadow->buffer);
+    shadow->buffer = gimp_drawable_get_shadow_buffer(HOST_DRAWABLE(id));
+    shadow->raster.user = shadow;
+    shadow->raster.write = write_layer;
+}
+
+/* Memory for a result that the layer cannot hold as it is now. */
+static void open_store(host_layer *store, const host_layer *layer, int32_t channels)
+{
+    static const char *const NAMES[][2] = { { "R'G'B' u8", "R'G'B'A u8" },
+                                            { "R'G'B' u16", "R'G'B'A u16" },
+                                            { "R'G'B' float", "R'G'B'A float" } };
+    *store = (host_layer) { .id = layer->id, .raster = layer->raster };
+    store->format = babl_format(NAMES[layer->raster.type][channels == 4]);
+    store->buffer = gegl_buffer_new(GEGL_RECTANGLE(0, 0, layer->raster.width, layer->raster.height),
+                                    store->format);
+    store->raster.user = store;
+    store->raster.write = write_layer;
+    store->raster.channels = channels;
+}
+
+/* Moves samples as they are: the formats mean different colors, not different numbers. */
+static void copy_samples(const host_layer *to, const host_layer *from, const ntp_rect *area)
+{
+    enum { ROWS = 64 };
+    const int32_t width = area->x1 - area->x0;
+    guchar *rows = g_malloc(raster_pixel(&from->raster) * (gsize) width * ROWS);
+    for (int32_t y = area->y0; y < area->y1; y += ROWS) {
+        const int32_t count = MIN(ROWS, area->y1 - y);
+        const GeglRectangle part = { area->x0, y, width, count };
+        gegl_buffer_get(from->buffer, &part, 1, from->format, rows, GEGL_AUTO_ROWSTRIDE,
+                        GEGL_ABYSS_NONE);
+        gegl_buffer_set(to->buffer, &part, 0, to->format, rows, GEGL_AUTO_ROWSTRIDE);
+    }
+    g_free(rows);
+}
+
+void host_open_result(host_layer *result, const host_layer *layer, int32_t channels)
+{
+    if (channels == layer->raster.channels)
+        open_shadow(result, layer->id);
+    else
+        open_store(result, layer, channels);
+}
+
+/* From the store into the layer, made RGB and given alpha where it needs them. */
+static void put_store(const host_layer *store, const ntp_rect *area)
+{
+    const gint32 id = store->id;
+    host_layer shadow;
+    if (gimp_drawable_is_gray(HOST_DRAWABLE(id)))
+        gimp_image_convert_rgb(gimp_item_get_image(HOST_ITEM(id)));
+    if (store->raster.channels == 4 && !gimp_drawable_has_alpha(HOST_DRAWABLE(id)))
+        gimp_layer_add_alpha(HOST_LAYER(id));
+    open_shadow(&shadow, id);
+    copy_samples(&shadow, store, area);
+    host_close(&shadow);
+}
+
+void host_put_result(host_layer *result, const host_layer *layer, const ntp_rect *area)
+{
+    gimp_image_undo_group_start(gimp_item_get_image(HOST_ITEM(layer->id)));
+    if (result->raster.channels != layer->raster.channels)
+        put_store(result, area);
+    host_close(result); /* GIMP gets the shadow's pixels now */
+    gimp_drawable_merge_shadow(HOST_DRAWABLE(layer->id), TRUE);
+    gimp_drawable_update(HOST_DRAWABLE(layer->id), area->x0, area->y0, area->x1 - area->x0,
+                         area->y1 - area->y0);
+    gimp_image_undo_group_end(gimp_item_get_image(HOST_ITEM(layer->id)));
+    gimp_displays_flush();
+}
+
+/* ------------------------------------------------------------------------- which layers */
+
+gboolean host_is_layer(gint32 id)
+{
+#if HOST_GIMP3
+    GimpItem *item = id > 0 ? gimp_item_get_by_id(id) : NULL;
+    return item != NULL && GIMP_IS_LAYER(item);
+#else
+    return id > 0 && gimp_item_is_valid(id) && gimp_item_is_layer(id);
+#endif
+}
+
+const char *host_refusal(gint32 id)
+{
+    if (!host_is_layer(id))
+        return _("This works on layers. Select the layer itself, not its mask or a channel.");
+    if (gimp_item_is_group(HOST_ITEM(id)))
+        return _("This is a layer group. Select a layer in it, or merge the group.");
+    if (gimp_drawable_is_indexed(HOST_DRAWABLE(id)))
+        return _("Indexed images hold numbers of colors, not heights or normals. First choose "
+                 "Image > Mode > RGB.");
+    if (gimp_item_get_lock_content(HOST_ITEM(id)))
+        return _("The layer's pixels are locked. Unlock them in the Layers dialog.");
+    return NULL;
+}
+
+gboolean host_selection(const host_layer *layer, ntp_rect *area)
+{
+    gint x = 0, y = 0, width = 0, height = 0;
+    if (!gimp_drawable_mask_intersect(HOST_DRAWABLE(layer->id), &x, &y, &width, &height))
+        return FALSE;
+    *area = (ntp_rect) { x, y, x + width, y + height };
+    return TRUE;
+}
+
+/* -------------------------------------------------------------------------- surroundings */
+
+static bool show_progress(void *user, double share)
+{
+    (void) user;
+    gimp_progress_update(share);
+    return true; /* cancelling ends the process, before anything is merged */
+}
+
+typedef struct range {
+    void (*task)(void *work, int32_t index);
+    void *work;
+} range;
+
+static void run_range(gsize offset, gsize size, gpointer data)
+{
+    const range *r = data;
+    for (gsize i = offset; i < offset + size; i++)
+        r->task(r->work, (int32_t) i);
+}
+
+static void run_parallel(void *user, int32_t count, void (*task)(void *work, int32_t index),
+                         void *work)
+{
+    (void) user;
+    range r = { task, work };
+    gegl_parallel_distribute_range((gsize) count, 0, run_range, &r);
+}
+
+const surroundings host_surroundings = { .progress = show_progress,
+                                         .parallel = run_parallel,
+                                         .threads = 8 };

@@ -1,0 +1,86 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * host.h - the jobs on GIMP's layers, for GIMP 3 and GIMP 2.10
+ *
+ * Layers are known by their IDs, which both have.  Nothing here shows a window.
+ */
+#ifndef NTP_PLUGIN_HOST_H
+#define NTP_PLUGIN_HOST_H
+
+#include "normals.h"
+#include "report.h"
+
+#include <gegl.h>
+#include <libgimp/gimp.h>
+
+#define HOST_GIMP3 GIMP_CHECK_VERSION(2, 99, 0)
+
+#if HOST_GIMP3
+#  define HOST_DRAWABLE(ID) gimp_drawable_get_by_id(ID)
+#  define HOST_LAYER(ID)    GIMP_LAYER(gimp_item_get_by_id(ID))
+#  define HOST_ITEM(ID)     gimp_item_get_by_id(ID)
+#else
+#  define HOST_DRAWABLE(ID) (ID)
+#  define HOST_LAYER(ID)    (ID)
+#  define HOST_ITEM(ID)     (ID)
+#endif
+
+#define _(TEXT) host_translate(TEXT)
+
+enum { HOST_TEXT = 600 }; /* room for a message */
+
+/* The path of this program, set by main. */
+extern const char *host_program;
+
+/* The path of what is installed in the program's directory; free it. */
+gchar *host_beside(const char *name);
+
+/* Makes the translations known. */
+void host_begin(void);
+
+/* The text in the user's language. */
+const char *host_translate(const char *text);
+
+/* A layer that is open for reading. */
+typedef struct host_layer {
+    gint32 id;
+    raster raster;
+    GeglBuffer *buffer;
+    const Babl *format; /* in which samples are read, and written */
+} host_layer;
+
+void host_open(host_layer *layer, gint32 id);
+void host_close(host_layer *layer);
+
+/*
+ * Opens what a job writes.  With the channels of the layer that is its shadow, otherwise memory
+ * from which the layer is made RGB, and given alpha, when the job is done: a job that is cancelled
+ * leaves no trace.
+ */
+void host_open_result(host_layer *result, const host_layer *layer, int32_t channels);
+
+/* Puts an area of the result into the layer, where it is selected, in one undo step; closes it. */
+void host_put_result(host_layer *result, const host_layer *layer, const ntp_rect *area);
+
+/* Why the procedure cannot work on this drawable, in the user's language; NULL: it can. */
+const char *host_refusal(gint32 id);
+
+/* Is it a layer, so that the argument counts? */
+gboolean host_is_layer(gint32 id);
+
+/* The part of the layer that is selected, all of it without a selection; FALSE: none of it. */
+gboolean host_selection(const host_layer *layer, ntp_rect *area);
+
+/*
+ * Runs the procedure on a layer: one undo step, nothing changed unless TRUE is returned.
+ * message: what went wrong, or what there is to tell; empty: nothing.
+ */
+gboolean host_run(const procedure *p, const settings *s, gint32 id, char message[HOST_TEXT]);
+
+/* The report on a layer.  FALSE: message says why there is none. */
+gboolean host_check(const settings *s, gint32 id, report *r, char message[HOST_TEXT]);
+
+/* Threads and GIMP's progress bar. */
+extern const surroundings host_surroundings;
+
+#endif

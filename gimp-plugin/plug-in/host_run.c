@@ -1,0 +1,267 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * host_run.c - the procedures on layers of GIMP
+ *
+ * Each computes into a result of its own first; only when it is whole does the image change.
+ */
+#include "classic.h"
+#include "host.h"
+
+#include <stdlib.h>
+
+/* The raster of an optional layer; NULL: there is none. */
+static const raster *open_other(host_layer *other, double id)
+{
+    *other = (host_layer) { 0 };
+    if (!host_is_layer((gint32) id))
+        return NULL;
+    host_open(other, (gint32) id);
+    return &other->raster;
+}
+
+static int32_t result_channels(const host_layer *layer, bool needs_alpha)
+{
+    return layer->raster.channels % 2 == 0 || needs_alpha ? 4 : 3;
+}
+
+static job_status run_normals(const normals_job *job, double height_id, double alpha_id,
+                              const host_layer *layer, const ntp_rect *area)
+{
+    const bool needs_alpha = normals_job_needs_alpha(job, layer->raster.type);
+    host_layer heights, mask, result;
+    const raster *height = open_other(&heights, height_id);
+    const raster *alpha = open_other(&mask, job->alpha == ALPHA_LAYER ? alpha_id : -1);
+    host_open_result(&result, layer, result_channels(layer, needs_alpha));
+    const job_status status =
+        normals_job_run(job, height != NULL ? height : &layer->raster, &layer->raster, alpha,
+                        &result.raster, area, &host_surroundings);
+    if (status == JOB_DONE)
+        host_put_result(&result, layer, area);
+    host_close(&result);
+    host_close(&heights);
+    host_close(&mask);
+    return status;
+}
+
+static job_status run_repair(const repair_job *job, double alpha_id, const host_layer *layer,
+                             const ntp_rect *area, uint64_t *changed)
+{
+    host_layer mask, result;
+    const raster *alpha = open_other(&mask, job->alpha == ALPHA_LAYER ? alpha_id : -1);
+    host_open_result(&result, layer, layer->raster.channels);
+    const job_status status = repair_job_run(job, &layer->raster, alpha, &result.raster, area,
+                                             &host_surroundings, changed);
+    if (status == JOB_DONE && (changed == NULL || *changed > 0))
+        host_put_result(&result, layer, area);
+    host_close(&result);
+    host_close(&mask);
+    return status;
+}
+
+/* ------------------------------------------------------------------------------- heights */
+
+/* A new image of one 16-bit gray layer. */
+static job_status show_plane(const float *plane, const host_layer *layer, double range)
+{
+    const gint width = layer->raster.width, height = layer->raster.height;
+    char *name = g_strdup_printf(_("Height, scale %.9g"), range);
+#if HOST_GIMP3
+    GimpImage *image =
+        gimp_image_new_with_precision(width, height, GIMP_GRAY, GIMP_PRECISION_U16_NON_LINEAR);
+    GimpLayer *made =
+        gimp_layer_new(image, name, width, height, GIMP_GRAY_IMAGE, 100, GIMP_LAYER_MODE_NORMAL);
+    gimp_image_insert_layer(image, made, NULL, 0);
+    const gint32 id = gimp_item_get_id(GIMP_ITEM(made));
+#else
+    const gint32 image =
+        gimp_image_new_with_precision(width, height, GIMP_GRAY, GIMP_PRECISION_U16_GAMMA);
+    const gint32 id =
+        gimp_layer_new(image, name, width, height, GIMP_GRAY_IMAGE, 100, GIMP_LAYER_MODE_NORMAL);
+    gimp_image_insert_layer(image, id, -1, 0);
+#endif
+    const ntp_rect all = { 0, 0, width, height };
+    host_layer target, shadow;
+    host_open(&target, id);
+    host_open_result(&shadow, &target, target.raster.channels);
+    gimp_image_undo_disable(image);
+    const job_status status = height_write(plane, &target.raster, &shadow.raster, &all, false);
+    if (status == JOB_DONE)
+        host_put_result(&shadow, &target, &all);
+    gimp_image_undo_enable(image);
+    host_close(&shadow);
+    host_close(&target);
+    gimp_display_new(image);
+    g_free(name);
+    return status;
+}
+
+static job_status put_plane(const float *plane, const host_layer *layer, const ntp_rect *area,
+                            bool alpha_too)
+{
+    host_layer result;
+    host_open_result(&result, layer, layer->raster.channels);
+    const job_status status = height_write(plane, &layer->raster, &result.raster, area, alpha_too);
+    if (status == JOB_DONE)
+        host_put_result(&result, layer, area);
+    host_close(&result);
+    return status;
+}
+
+static job_status run_height(const height_job *job, const raster *normals, bool new_image,
+                             const host_layer *layer, const ntp_rect *area, double *range)
+{
+    float *plane = NULL;
+    job_status status = height_job_run(job, normals, &plane, range, &host_surroundings);
+    if (status == JOB_DONE)
+        status =
+            new_image ? show_plane(plane, layer, *range) : put_plane(plane, layer, area, false);
+    free(plane);
+    return status;
+}
+
+/* --------------------------------------------------------------------- the old arguments */
+
+/* A layer that is repaired while it is read. */
+typedef struct repaired {
+    const raster *layer;
+    const repair_job *job;
+} repaired;
+
+static bool read_repaired(void *user, int32_t y0, int32_t y1, void *rows)
+{
+    const repaired *from = user;
+    const ntp_image view = raster_view(from->layer, rows, y1 - y0);
+    return from->layer->read(from->layer->user, y0, y1, rows) &&
+           repair_rows(from->job, &view, NULL) == JOB_DONE;
+}
+
+static job_status run_classic_height(const classic_job *job, const host_layer *layer,
+                                     const ntp_rect *area)
+{
+    repaired from = { &layer->raster, &job->repair };
+    raster normals = layer->raster;
+    float *plane = NULL;
+    double range = 0;
+    normals.user = &from;
+    normals.read = read_repaired;
+    job_status status = height_job_run(&job->height, &normals, &plane, &range, &host_surroundings);
+    if (status == JOB_DONE)
+        status = put_plane(plane, layer, area, job->alpha == ALPHA_HEIGHT);
+    free(plane);
+    return status;
+}
+
+static job_status run_classic(const settings *s, const host_layer *layer, const ntp_rect *area)
+{
+    const classic_job job = classic_job_from(s, layer->raster.channels, layer->raster.type);
+    switch (job.kind) {
+    case CLASSIC_NORMALS:
+        return run_normals(&job.normals, -1, s->value[FO_ALPHA_LAYER], layer, area);
+    case CLASSIC_REPAIR:
+        return run_repair(&job.repair, s->value[FO_ALPHA_LAYER], layer, area, NULL);
+    default:
+        return run_classic_height(&job, layer, area);
+    }
+}
+
+/* -------------------------------------------------------------------------------- cleaning */
+
+/* The encoding and the method, found out where the settings say so. */
+static job_status run_clean(const settings *s, const host_layer *layer, const ntp_rect *area,
+                            uint64_t *changed)
+{
+    enum { AUTO_METHOD = 2 };
+    static report found;
+    ntp_method method = (ntp_method) s->value[FC_METHOD];
+    ntp_encoding from = (ntp_encoding) ((int) s->value[FC_FROM] - 1);
+    if ((int) s->value[FC_METHOD] == AUTO_METHOD || (int) s->value[FC_FROM] == 0) {
+        settings look = { { 0 } };
+        look.value[FK_FROM] = s->value[FC_FROM];
+        look.value[FK_KEEP_NEGATIVE_Z] = s->value[FC_KEEP_NEGATIVE_Z];
+        const job_status status =
+            report_run(&found, &look, &layer->raster, NULL, &host_surroundings);
+        if (status != JOB_DONE)
+            return status;
+        if (!found.judged)
+            return JOB_NO_NORMALS;
+        from = found.encoding;
+        if ((int) s->value[FC_METHOD] == AUTO_METHOD)
+            method = found.method;
+    }
+    const repair_job job = repair_job_from(s, from, method);
+    return run_repair(&job, -1, layer, area, changed);
+}
+
+gboolean host_check(const settings *s, gint32 id, report *r, char message[HOST_TEXT])
+{
+    host_layer layer;
+    host_open(&layer, id);
+    gimp_progress_init(_("Checking normals"));
+    const job_status status = report_run(r, s, &layer.raster, host_translate, &host_surroundings);
+    gimp_progress_end();
+    host_close(&layer);
+    g_strlcpy(message, status == JOB_DONE ? "" : _(job_status_text(status)), HOST_TEXT);
+    return status == JOB_DONE;
+}
+
+/* --------------------------------------------------------------------------------- running */
+
+static job_status dispatch(const procedure *p, const settings *s, const host_layer *layer,
+                           const ntp_rect *area, char message[HOST_TEXT])
+{
+    const bool gray = layer->raster.channels < 3;
+    uint64_t changed = 0;
+    double range = 0;
+    job_status status = JOB_WRONG;
+    switch ((procedure_id) (p - procedures)) {
+    case PROCEDURE_NORMALS: {
+        const normals_job job = normals_job_from(s);
+        return run_normals(&job, s->value[FN_HEIGHT_LAYER], s->value[FN_ALPHA_LAYER], layer, area);
+    }
+    case PROCEDURE_HEIGHT: {
+        const height_job job = height_job_from(s);
+        if (gray)
+            return JOB_GRAY;
+        return run_height(&job, &layer->raster, s->value[FH_RESULT] != 0, layer, area, &range);
+    }
+    case PROCEDURE_CLEAN:
+        if (gray)
+            return JOB_GRAY;
+        status = run_clean(s, layer, area, &changed);
+        if (status == JOB_DONE && changed == 0)
+            g_strlcpy(message, _("Every texel is right already. Nothing was changed."), HOST_TEXT);
+        return status;
+    case PROCEDURE_CLASSIC:
+        if (gray && s->value[FO_CONVERSION] >= 8) /* those that start from normals */
+            return JOB_GRAY;
+        return run_classic(s, layer, area);
+    default:
+        return status;
+    }
+}
+
+gboolean host_run(const procedure *p, const settings *s, gint32 id, char message[HOST_TEXT])
+{
+    const char *refusal = host_refusal(id);
+    host_layer layer;
+    ntp_rect area;
+    message[0] = 0;
+    if (refusal != NULL) {
+        g_strlcpy(message, refusal, HOST_TEXT);
+        return FALSE;
+    }
+    host_open(&layer, id);
+    if (!host_selection(&layer, &area)) {
+        host_close(&layer);
+        g_strlcpy(message, _("The selection does not touch the layer. Nothing was changed."),
+                  HOST_TEXT);
+        return TRUE;
+    }
+    gimp_progress_init(_("Normals texture"));
+    const job_status status = dispatch(p, s, &layer, &area, message);
+    gimp_progress_end();
+    host_close(&layer);
+    if (status != JOB_DONE)
+        g_strlcpy(message, _(job_status_text(status)), HOST_TEXT);
+    return status == JOB_DONE;
+}

@@ -1,0 +1,339 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * normals.c - bands of heights into bands of normals
+ *
+ * A band is a picture of its own: its rows, and above and below the rows that its slopes reach.
+ * Where they run over an edge that wraps, they are the rows of the other end; over any other edge
+ * there are none, so that libntp sees the edge there and does as the border says.
+ */
+#include "texels.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum { BAND = 128 }; /* rows: enough for threads, little memory */
+
+normals_job normals_job_from(const settings *s)
+{
+    const double *v = s->value;
+    normals_job job = {
+        .how = { .scale = v[FN_SCALE],
+                 .dx = v[FN_DX],
+                 .dy = v[FN_DY],
+                 .min_z = v[FN_MIN_Z],
+                 .kernel = (ntp_kernel) v[FN_KERNEL],
+                 .border_x = (ntp_border) v[FN_BORDER_X],
+                 .border_y = (ntp_border) v[FN_BORDER_Y],
+                 .source = (ntp_height_source) v[FN_SOURCE],
+                 .blue = (ntp_blue) v[FN_BLUE],
+                 .invert = v[FN_INVERT] != 0 },
+        .y = (ntp_y) v[FN_TO_Y],
+        .encoding = (ntp_encoding) v[FN_TO],
+        .alpha = (alpha_rule) v[FN_ALPHA],
+        .dudv = (dudv_format) v[FN_DUDV],
+        .swap = v[FN_SWAP] != 0,
+    };
+    if ((int) v[FN_SOURCE] > NTP_SOURCE_SCREEN) {
+        job.biased = true;
+        job.how.source = NTP_SOURCE_LUMA_GIMP;
+    }
+    /* Red to the left is both slopes negated, then green back: negated before any rounding. */
+    if (v[FN_FLIP_X] != 0) {
+        job.how.scale = -job.how.scale;
+        job.y = job.y == NTP_Y_UP ? NTP_Y_DOWN : NTP_Y_UP;
+    }
+    if (job.dudv != DUDV_NONE)
+        job.alpha = ALPHA_KEEP;
+    if (job.alpha == ALPHA_HEIGHT)
+        job.how.alpha = NTP_ALPHA_HEIGHT;
+    if (job.alpha == ALPHA_INVERSE_HEIGHT)
+        job.how.alpha = NTP_ALPHA_INVERSE_HEIGHT;
+    return job;
+}
+
+bool normals_job_needs_alpha(const normals_job *job, ntp_type type)
+{
+    if (job->dudv != DUDV_NONE)
+        return type == NTP_U8 && job->dudv >= DUDV_16_SIGNED;
+    return job->alpha != ALPHA_KEEP;
+}
+
+/* ---------------------------------------------------------------------------- mean color */
+
+/* What "biased" takes off each color sample, in the samples' own numbers. */
+typedef struct bias {
+    double mean[3];
+} bias;
+
+static void add_samples(const raster *r, const void *row, double sums[3])
+{
+    const int32_t colors = r->channels < 3 ? 1 : 3;
+    for (int32_t x = 0; x < r->width; x++) {
+        for (int32_t c = 0; c < colors; c++) {
+            const int64_t i = (int64_t) x * r->channels + c;
+            sums[c] += r->type == NTP_U8    ? ((const uint8_t *) row)[i]
+                       : r->type == NTP_U16 ? ((const uint16_t *) row)[i]
+                                            : (double) ((const float *) row)[i];
+        }
+    }
+}
+
+static job_status find_bias(bias *b, const raster *r)
+{
+    void *row = malloc(raster_row(r));
+    bool ok = row != NULL;
+    *b = (bias) { 0 };
+    for (int32_t y = 0; ok && y < r->height; y++) {
+        double sums[3] = { 0 };
+        ok = r->read(r->user, y, y + 1, row);
+        if (!ok)
+            break;
+        add_samples(r, row, sums);
+        for (int c = 0; c < 3; c++)
+            b->mean[c] += sums[c] / ((double) r->width * (double) r->height);
+    }
+    const job_status status = row == NULL ? JOB_NO_MEMORY : ok ? JOB_DONE : JOB_NO_PIXELS;
+    free(row);
+    return status;
+}
+
+#define SUBTRACT(TYPE, ROUND)                                                                      \
+    {                                                                                              \
+        TYPE *s = (TYPE *) rows;                                                                   \
+        for (size_t i = 0; i < texels; i++, s += r->channels) {                                    \
+            for (int32_t c = 0; c < colors; c++) {                                                 \
+                const TYPE off = (TYPE) (b->mean[c] + (ROUND));                                    \
+                s[c] = s[c] > off ? (TYPE) (s[c] - off) : (TYPE) 0;                                \
+            }                                                                                      \
+        }                                                                                          \
+    }
+
+static void take_off(const bias *b, const raster *r, void *rows, int32_t count)
+{
+    const size_t texels = (size_t) r->width * (size_t) count;
+    const int32_t colors = r->channels < 3 ? 1 : 3;
+    if (r->type == NTP_U8)
+        SUBTRACT(uint8_t, 0.5)
+    else if (r->type == NTP_U16)
+        SUBTRACT(uint16_t, 0.5)
+    else
+        SUBTRACT(float, 0)
+}
+
+/* --------------------------------------------------------------------------------- bands */
+
+enum { CHUNK = 16 }; /* rows of a task */
+
+typedef struct work {
+    const normals_job *job;
+    const raster *heights, *layer, *result;
+    const surroundings *around;
+    ntp_rect area; /* of the layer */
+    bias bias;
+    int32_t margin; /* rows above and below a band that its slopes may depend on */
+    unsigned char *heights_rows, *layer_rows, *alpha_plane;
+    unsigned char *made, *vectors; /* the result's rows; for DU/DV */
+    /* the band at hand */
+    int32_t y0, y1;       /* its rows */
+    int32_t above, count; /* rows read above y0, and in all */
+    ntp_status status[BAND / CHUNK];
+} work;
+
+static int32_t wrapped(int32_t y, int32_t height)
+{
+    const int32_t rest = y % height;
+    return rest < 0 ? rest + height : rest;
+}
+
+/* Reads the rows from `first` on; those beyond an edge from the other end. */
+static bool read_rows(const raster *r, int32_t first, int32_t count, unsigned char *to)
+{
+    while (count > 0) {
+        const int32_t y = wrapped(first, r->height);
+        const int32_t run = r->height - y < count ? r->height - y : count;
+        if (!r->read(r->user, y, y + run, to))
+            return false;
+        to += raster_row(r) * (size_t) run;
+        first += run;
+        count -= run;
+    }
+    return true;
+}
+
+static bool read_band(work *w)
+{
+    const raster *r = w->heights;
+    const bool wraps = w->job->how.border_y == NTP_BORDER_WRAP;
+    int32_t first = w->y0 - w->margin, end = w->y1 + w->margin;
+    if (r->height <= BAND) { /* all of it: libntp wraps by itself */
+        first = 0;
+        end = r->height;
+    } else if (!wraps) {
+        first = first < 0 ? 0 : first;
+        end = end > r->height ? r->height : end;
+    }
+    w->above = w->y0 - first;
+    w->count = end - first;
+    if (!read_rows(r, first, w->count, w->heights_rows))
+        return false;
+    if (w->job->biased)
+        take_off(&w->bias, r, w->heights_rows, w->count);
+    return w->layer_rows == NULL || w->layer->read(w->layer->user, w->y0, w->y1, w->layer_rows);
+}
+
+/* The alpha that some rows of the layer start from; without data: opaque. */
+static ntp_const_image alpha_of(const work *w, int32_t y0, int32_t y1)
+{
+    ntp_rect part = { w->area.x0, y0, w->area.x1, y1 };
+    ntp_image view = { 0 };
+    if (w->alpha_plane != NULL) {
+        view = ntp_image_packed(w->alpha_plane, w->result->width, w->result->height, 1,
+                                w->result->type);
+    } else if (w->layer_rows != NULL) {
+        const ntp_image rows = raster_view(w->layer, w->layer_rows, w->y1 - w->y0);
+        view = texels_channel(&rows, w->layer->channels - 1);
+        part.y0 -= w->y0;
+        part.y1 -= w->y0;
+    }
+    if (view.data != NULL)
+        view = texels_crop(&view, &part);
+    return ntp_image_as_const(&view);
+}
+
+static ntp_status make_dudv(work *w, const ntp_image *part, const ntp_const_image *heights,
+                            const ntp_rect *area)
+{
+    ntp_image vectors = ntp_image_packed(w->vectors, heights->width, w->count, 3, NTP_F32);
+    vectors.encoding = NTP_VECTOR;
+    vectors.y = w->job->y;
+    const ntp_status status = ntp_normals_from_height(&vectors, heights, &w->job->how, NULL, area);
+    const ntp_image made = texels_crop(&vectors, area);
+    const ntp_const_image seen = ntp_image_as_const(&made);
+    if (status == NTP_OK)
+        texels_dudv(part, &seen, w->job->dudv);
+    return status;
+}
+
+/* Makes the rows of an area that counts from the first row that was read. */
+static ntp_status make_rows(work *w, const ntp_rect *area)
+{
+    const normals_job *job = w->job;
+    const bool alpha_is_height = job->how.alpha != NTP_ALPHA_KEEP;
+    const ntp_image rows = raster_view(w->heights, w->heights_rows, w->count);
+    const ntp_const_image heights = ntp_image_as_const(&rows);
+    ntp_image made = raster_view(w->result, w->made, w->count);
+    const ntp_image part = texels_crop(&made, area);
+    if (made.channels == 4 && !alpha_is_height) {
+        const int32_t first = w->y0 - w->above;
+        const ntp_const_image alpha = alpha_of(w, first + area->y0, first + area->y1);
+        texels_alpha(&part, job->alpha, &alpha);
+        made.channels = 3;
+    }
+    if (job->dudv != DUDV_NONE)
+        return make_dudv(w, &part, &heights, area);
+    made.encoding = job->encoding;
+    made.y = job->y;
+    const ntp_status status = ntp_normals_from_height(&made, &heights, &job->how, NULL, area);
+    if (status == NTP_OK && job->swap)
+        texels_swap(&part);
+    return status;
+}
+
+static void make_chunk(void *data, int32_t index)
+{
+    work *w = data;
+    const int32_t first = w->above + index * CHUNK, end = w->above + w->y1 - w->y0;
+    const ntp_rect area = { w->area.x0, first, w->area.x1,
+                            first + CHUNK < end ? first + CHUNK : end };
+    w->status[index] = make_rows(w, &area);
+}
+
+static job_status make_band(work *w)
+{
+    const int32_t chunks = (w->y1 - w->y0 + CHUNK - 1) / CHUNK;
+    if (!read_band(w))
+        return JOB_NO_PIXELS;
+    surroundings_parallel(w->around, chunks, make_chunk, w);
+    for (int32_t i = 0; i < chunks; i++) {
+        if (w->status[i] != NTP_OK)
+            return w->status[i] == NTP_ERR_FORMAT ? JOB_NO_ALPHA : JOB_WRONG;
+    }
+    const ntp_rect area = { w->area.x0, w->y0, w->area.x1, w->y1 };
+    const unsigned char *pixels = w->made + raster_row(w->result) * (size_t) w->above +
+                                  raster_pixel(w->result) * (size_t) w->area.x0;
+    if (!w->result->write(w->result->user, &area, pixels, (ptrdiff_t) raster_row(w->result)))
+        return JOB_NO_PIXELS;
+    return JOB_DONE;
+}
+
+/* ------------------------------------------------------------------------------- the job */
+
+static bool reserve(work *w, bool alpha_plane)
+{
+    const raster *result = w->result;
+    const bool dudv = w->job->dudv != DUDV_NONE;
+    const size_t rows = BAND + 2 * (size_t) w->margin;
+    const size_t texels = (size_t) result->width * (size_t) result->height;
+    w->heights_rows = malloc(raster_row(w->heights) * rows);
+    w->made = malloc(raster_row(result) * rows);
+    w->vectors = dudv ? malloc(sizeof(float) * 3 * (size_t) result->width * rows) : NULL;
+    w->layer_rows = w->layer != NULL ? malloc(raster_row(w->layer) * BAND) : NULL;
+    w->alpha_plane = alpha_plane ? malloc(raster_sample(result) * texels) : NULL;
+    return w->heights_rows != NULL && w->made != NULL && (!dudv || w->vectors != NULL) &&
+           (w->layer == NULL || w->layer_rows != NULL) && (!alpha_plane || w->alpha_plane != NULL);
+}
+
+static void release(work *w)
+{
+    free(w->heights_rows);
+    free(w->made);
+    free(w->vectors);
+    free(w->layer_rows);
+    free(w->alpha_plane);
+}
+
+static job_status make_bands(work *w)
+{
+    const int32_t rows = w->area.y1 - w->area.y0;
+    job_status status = w->job->biased ? find_bias(&w->bias, w->heights) : JOB_DONE;
+    for (int32_t y = w->area.y0; status == JOB_DONE && y < w->area.y1; y += BAND) {
+        w->y0 = y;
+        w->y1 = w->area.y1 - y > BAND ? y + BAND : w->area.y1;
+        if (!surroundings_progress(w->around, (double) (y - w->area.y0) / (double) rows))
+            return JOB_CANCELLED;
+        status = make_band(w);
+    }
+    return status;
+}
+
+job_status normals_job_run(const normals_job *job, const raster *heights, const raster *layer,
+                           const raster *alpha, const raster *result, const ntp_rect *area,
+                           const surroundings *around)
+{
+    const int32_t reach = ntp_gradient_reach(&job->how);
+    const bool keeps = job->alpha == ALPHA_KEEP || job->alpha == ALPHA_INVERSE;
+    const bool plane = job->alpha == ALPHA_LAYER && alpha != NULL;
+    if (reach < 0)
+        return JOB_WRONG;
+    if (heights->width != result->width || heights->height != result->height)
+        return JOB_WRONG_SIZE;
+    work w = { .job = job,
+               .heights = heights,
+               .layer = keeps && result->channels == 4 && layer != NULL && layer->channels % 2 == 0
+                            ? layer
+                            : NULL,
+               .result = result,
+               .around = around,
+               .area = { 0, 0, result->width, result->height },
+               /* so that a stencil fits in between an edge and the far end of its margin */
+               .margin = 2 * reach + 1 };
+    if (area != NULL)
+        w.area = *area;
+    job_status status = reserve(&w, plane) ? JOB_DONE : JOB_NO_MEMORY;
+    if (status == JOB_DONE && plane)
+        status = raster_plane(alpha, w.alpha_plane, result->width, result->height, result->type);
+    if (status == JOB_DONE)
+        status = make_bands(&w);
+    release(&w);
+    return status;
+}

@@ -1,0 +1,57 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * normals.h - the job of plug-in-ntp-normals-from-height, without GIMP
+ *
+ * Bands of rows are read, made normals of by libntp, and written: any height in little memory.
+ */
+#ifndef NTP_PLUGIN_NORMALS_H
+#define NTP_PLUGIN_NORMALS_H
+
+#include "fields.h"
+#include "raster.h"
+
+typedef enum alpha_rule {
+    ALPHA_KEEP,
+    ALPHA_ONE,
+    ALPHA_ZERO,
+    ALPHA_INVERSE,
+    ALPHA_HEIGHT,
+    ALPHA_INVERSE_HEIGHT,
+    ALPHA_LAYER
+} alpha_rule;
+
+/* x and y alone, as gimp-normalmap's DU/DV: signed as Direct3D's SNORM, two's complement. */
+typedef enum dudv_format {
+    DUDV_NONE,
+    DUDV_8_SIGNED,
+    DUDV_8_UNSIGNED,
+    DUDV_16_SIGNED, /* in 8-bit layers over red and green, blue and alpha, low byte first */
+    DUDV_16_UNSIGNED
+} dudv_format;
+
+typedef struct normals_job {
+    ntp_gradient_options how;
+    ntp_y y;
+    ntp_encoding encoding;
+    alpha_rule alpha;
+    dudv_format dudv;
+    bool biased; /* the height is the luma of what a color has above the mean color */
+    bool swap;   /* red and blue change places */
+} normals_job;
+
+/* What the settings of PROCEDURE_NORMALS ask for. */
+normals_job normals_job_from(const settings *s);
+
+/* Does the result need an alpha channel in a layer of this type? */
+bool normals_job_needs_alpha(const normals_job *job, ntp_type type);
+
+/*
+ * heights: where the height is read.  layer: where its alpha is, or NULL; alpha: the plane's layer
+ * for ALPHA_LAYER, or NULL.  result is written; it has 3 or 4 channels.  All but `alpha` have one
+ * size.  area NULL: everything.
+ */
+job_status normals_job_run(const normals_job *job, const raster *heights, const raster *layer,
+                           const raster *alpha, const raster *result, const ntp_rect *area,
+                           const surroundings *around);
+
+#endif

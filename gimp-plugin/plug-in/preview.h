@@ -1,0 +1,31 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * preview.h - what a dialog shows: texels of the result, and the same lit, without GIMP
+ */
+#ifndef NTP_PLUGIN_PREVIEW_H
+#define NTP_PLUGIN_PREVIEW_H
+
+#include "fields.h"
+#include "raster.h"
+
+typedef struct preview {
+    const procedure *procedure; /* normals, height or clean */
+    const settings *settings;
+    const raster *layer;
+    const raster *heights;  /* another layer's height, or NULL */
+    ntp_encoding found;     /* clean, where the settings say "auto" */
+    int32_t width, height;  /* pixels to fill */
+    double x, y;            /* the texel position at their upper left corner */
+    double step;            /* texels from one pixel to the next */
+    const ntp_light *light; /* or NULL */
+} preview;
+
+/*
+ * Fills packed RGB: map with the texels that the procedure will write, brought to 8 bits, one
+ * under the middle of each pixel, never a mixture; lit with the plane that has these normals.
+ * Heights are an exception: they are made of the texels under the pixels alone, as of a small
+ * texture, and lit is of the normals as they are.
+ */
+job_status preview_render(const preview *p, uint8_t *map, uint8_t *lit);
+
+#endif

@@ -1,0 +1,78 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * raster.h - a layer as the jobs see it: rows that can be read, an area that can be written
+ *
+ * What a job needs of its surroundings: pixels, progress and threads, as functions.  In GIMP they
+ * read and write drawables, in the tests memory.  Samples are those of the layer, never converted.
+ */
+#ifndef NTP_PLUGIN_RASTER_H
+#define NTP_PLUGIN_RASTER_H
+
+#include "libntp.h"
+
+#include <stdbool.h>
+
+typedef struct raster {
+    void *user;
+    /* Reads the rows y0..y1-1, in full and without gaps. */
+    bool (*read)(void *user, int32_t y0, int32_t y1, void *rows);
+    /* Writes an area; pixels is its first, row_bytes leads to the next row. */
+    bool (*write)(void *user, const ntp_rect *area, const void *pixels, ptrdiff_t row_bytes);
+    int32_t width, height;
+    int32_t channels; /* 1 gray, 2 with alpha, 3 RGB, 4 with alpha */
+    ntp_type type;
+} raster;
+
+typedef struct surroundings {
+    void *user;
+    /* Told the share done; returns false where the job is to stop.  May be NULL. */
+    bool (*progress)(void *user, double share);
+    /* Calls task(work, i) for each i from 0 to count - 1 on any threads.  May be NULL. */
+    void (*parallel)(void *user, int32_t count, void (*task)(void *work, int32_t index),
+                     void *work);
+    int32_t threads; /* how many it has, at least 1 */
+} surroundings;
+
+typedef enum job_status {
+    JOB_DONE,
+    JOB_CANCELLED,
+    JOB_NO_MEMORY,
+    JOB_NO_PIXELS,  /* reading or writing failed */
+    JOB_NO_ALPHA,   /* the height is in alpha, and the layer has none */
+    JOB_WRONG_SIZE, /* the other layer has another size */
+    JOB_GRAY,       /* normals are asked for, and the layer is gray */
+    JOB_NO_NORMALS, /* the layer is no normals texture */
+    JOB_WRONG       /* an argument; should not happen with checked settings */
+} job_status;
+
+/* What went wrong, in English, to be translated. */
+const char *job_status_text(job_status status);
+
+static inline size_t raster_sample(const raster *r)
+{
+    return r->type == NTP_U8 ? 1 : r->type == NTP_U16 ? 2 : 4;
+}
+static inline size_t raster_pixel(const raster *r)
+{
+    return raster_sample(r) * (size_t) r->channels;
+}
+static inline size_t raster_row(const raster *r)
+{
+    return raster_pixel(r) * (size_t) r->width;
+}
+
+/* A view of packed rows of that shape, with encoding NTP_HEIGHT. */
+ntp_image raster_view(const raster *r, void *rows, int32_t height);
+
+bool surroundings_progress(const surroundings *s, double share);
+void surroundings_parallel(const surroundings *s, int32_t count,
+                           void (*task)(void *work, int32_t index), void *work);
+
+/*
+ * The brightness of a layer as a plane of width x height samples of that type: gray as it is, a
+ * color's Rec. 709 luma.  A layer of another size is scaled: triangle filter, widened where it
+ * shrinks.
+ */
+job_status raster_plane(const raster *r, void *plane, int32_t width, int32_t height, ntp_type type);
+
+#endif

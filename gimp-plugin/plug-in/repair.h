@@ -1,0 +1,37 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * repair.h - jobs that take each texel by itself, without GIMP: cleaning, and gimp-normalmap's
+ * "Normalize only" and "DU/DV to normal"
+ */
+#ifndef NTP_PLUGIN_REPAIR_H
+#define NTP_PLUGIN_REPAIR_H
+
+#include "normals.h"
+
+typedef struct repair_job {
+    ntp_encoding from;  /* that of the result as well, but for: */
+    bool derive;        /* NTP_XY in, NTP_STANDARD out */
+    bool alpha_is_data; /* alpha 0 is no mark of an unused texel */
+    bool clean;         /* by these options */
+    ntp_clean_options how;
+    bool strengthen; /* slopes times strength, each normal computed anew */
+    double strength;
+    double min_z; /* 0: no limit; steeper ones keep their direction */
+    bool flip_x, flip_y, swap;
+    dudv_format dudv;
+    alpha_rule alpha; /* not the height */
+} repair_job;
+
+/* What the settings of PROCEDURE_CLEAN ask for, once encoding and method are known. */
+repair_job repair_job_from(const settings *s, ntp_encoding from, ntp_method method);
+
+/* layer and result have one size; result 3 channels or 4.  *changed: texels that cleaning changed;
+ * may be NULL. */
+job_status repair_job_run(const repair_job *job, const raster *layer, const raster *alpha,
+                          const raster *result, const ntp_rect *area, const surroundings *around,
+                          uint64_t *changed);
+
+/* The same on rows in memory: `rows` is a view of 3 or 4 channels, changed in place. */
+job_status repair_rows(const repair_job *job, const ntp_image *rows, uint64_t *changed);
+
+#endif

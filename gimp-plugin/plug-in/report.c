@@ -1,0 +1,176 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * report.c - measuring a layer
+ *
+ * Rows stream through a ring.  What the layer is comes out of a first reading, unless it is told;
+ * a second one follows where the first was made under another presumption about blue.
+ */
+#include "report_text.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum {
+    CHUNK = 64, /* rows read at once */
+    RING = 128, /* rows kept; the orientation looks back at less than CHUNK + 8 */
+    AHEAD = 3   /* rows below one that its orientation is measured with */
+};
+
+typedef struct measurement {
+    const raster *layer;
+    const surroundings *around;
+    ntp_tally *tally;
+    ntp_orientation *green;
+    unsigned char *rows;
+    ntp_image view;
+    uint32_t touch;
+} measurement;
+
+static void release(measurement *m)
+{
+    free(m->tally);
+    free(m->green);
+    free(m->rows);
+}
+
+static bool reserve(measurement *m)
+{
+    m->tally = calloc(1, ntp_tally_size());
+    m->green = calloc(1, ntp_orientation_size());
+    m->rows = malloc(raster_row(m->layer) * RING);
+    m->view = raster_view(m->layer, m->rows, m->layer->height);
+    m->view.ring_rows = RING;
+    return m->tally != NULL && m->green != NULL && m->rows != NULL;
+}
+
+static job_status measure(measurement *m)
+{
+    const raster *layer = m->layer;
+    const ntp_const_image seen = ntp_image_as_const(&m->view);
+    int32_t oriented = 0;
+    ntp_tally_clear(m->tally);
+    memset(m->green, 0, ntp_orientation_size());
+    for (int32_t y = 0; y < layer->height; y += CHUNK) {
+        const int32_t end = layer->height - y > CHUNK ? y + CHUNK : layer->height;
+        const ntp_rect area = { 0, y, layer->width, end };
+        if (!surroundings_progress(m->around, (double) y / (double) layer->height))
+            return JOB_CANCELLED;
+        if (!layer->read(layer->user, y, end, m->rows + (size_t) (y % RING) * raster_row(layer)))
+            return JOB_NO_PIXELS;
+        if (ntp_measure(m->tally, &seen, m->touch, &area) != NTP_OK)
+            return JOB_WRONG;
+        const int32_t known = end == layer->height ? end : end - AHEAD;
+        const ntp_rect next = { 0, oriented, layer->width, known };
+        if (m->view.encoding == NTP_HEIGHT || known <= oriented)
+            continue;
+        if (ntp_orientation_measure(m->green, &seen, m->touch, 0, &next) != NTP_OK)
+            return JOB_WRONG;
+        oriented = known;
+    }
+    return JOB_DONE;
+}
+
+static ntp_encoding encoding_of(ntp_class type, int32_t channels)
+{
+    if (channels < 3)
+        return NTP_HEIGHT;
+    switch (type) {
+    case NTP_CLASS_ZZERO:
+        return NTP_ZZERO;
+    case NTP_CLASS_XY:
+        return NTP_XY;
+    case NTP_CLASS_HEIGHT:
+        return NTP_HEIGHT;
+    default:
+        return NTP_STANDARD;
+    }
+}
+
+static ntp_class class_of(int reading)
+{
+    static const ntp_class CLASSES[] = { NTP_CLASS_STANDARD, NTP_CLASS_ZZERO, NTP_CLASS_XY };
+    return CLASSES[reading - 1];
+}
+
+/* An alpha of XY textures that is no mask holds a height: 0 is no hole there. */
+static uint32_t touch_for(const report *r)
+{
+    const ntp_stats *s = &r->stats;
+    const bool mask = s->alpha_zero + s->alpha_full == s->texels;
+    return r->encoding == NTP_XY && s->channels == 4 && !mask ? NTP_UNUSED_TRANSPARENT : 0;
+}
+
+static job_status summarize(report *r, measurement *m)
+{
+    const ntp_encoding encoding = m->view.encoding == NTP_HEIGHT ? NTP_STANDARD : m->view.encoding;
+    return ntp_summarize(&r->stats, m->tally, encoding) == NTP_OK ? JOB_DONE : JOB_WRONG;
+}
+
+static job_status look(report *r, measurement *m, int reading)
+{
+    m->view.encoding = m->layer->channels < 3 ? NTP_HEIGHT
+                       : reading > 0          ? encoding_of(class_of(reading), 3)
+                                              : NTP_STANDARD;
+    job_status status = measure(m);
+    if (status == JOB_DONE)
+        status = summarize(r, m);
+    if (status != JOB_DONE)
+        return status;
+    if (ntp_classify(&r->type, &r->stats) != NTP_OK)
+        return JOB_WRONG;
+    if (reading > 0 && m->layer->channels >= 3) {
+        r->type.type = class_of(reading);
+        r->type.confidence = 1;
+    }
+    r->encoding = encoding_of(r->type.type, m->layer->channels);
+    m->touch = touch_for(r);
+    if (r->encoding == NTP_HEIGHT || (r->encoding == m->view.encoding && m->touch == 0))
+        return JOB_DONE;
+    m->view.encoding = r->encoding;
+    status = measure(m);
+    return status == JOB_DONE ? summarize(r, m) : status;
+}
+
+static void judge(report *r, const settings *s)
+{
+    const ntp_stats *stats = &r->stats;
+    const ntp_fit *fit = r->encoding == NTP_ZZERO ? &stats->zzero : &stats->standard;
+    const bool keeps = s->value[FK_KEEP_NEGATIVE_Z] != 0;
+    const ntp_class type = r->type.type;
+    r->used = stats->texels - stats->unused;
+    r->judged = r->encoding != NTP_HEIGHT && type != NTP_CLASS_NOT_NORMALS &&
+                type != NTP_CLASS_OBJECT_SPACE && type != NTP_CLASS_HEIGHT;
+    if (!r->judged)
+        return;
+    if (r->encoding == NTP_XY) {
+        r->failing = r->inexact = stats->xy_too_long - stats->unused_xy_too_long;
+    } else {
+        const uint64_t exact = fit->exact + (keeps ? fit->exact_mirrored : 0);
+        const uint64_t near = stats->texels - fit->neighbor, far = stats->texels - exact;
+        r->failing = near - (stats->unused - fit->unused_neighbor);
+        const uint64_t padding = stats->unused - fit->unused_exact;
+        r->inexact = far > padding ? far - padding : 0;
+    }
+    const uint64_t negative = stats->z_negative - stats->unused_z_negative;
+    r->right = r->failing == 0 && (keeps || r->encoding != NTP_STANDARD || negative == 0);
+    if (ntp_choose_method(&r->method, NULL, stats, r->encoding, 0) != NTP_OK)
+        r->method = NTP_DERIVE;
+}
+
+job_status report_run(report *r, const settings *s, const raster *layer,
+                      const char *(*translate)(const char *text), const surroundings *around)
+{
+    measurement m = { .layer = layer, .around = around };
+    memset(r, 0, sizeof *r);
+    job_status status = reserve(&m) ? JOB_DONE : JOB_NO_MEMORY;
+    if (status == JOB_DONE)
+        status = look(r, &m, (int) s->value[FK_FROM]);
+    if (status == JOB_DONE) {
+        judge(r, s);
+        if (r->encoding != NTP_HEIGHT)
+            ntp_orientation_decide(&r->green, m.green);
+        report_write(r, translate);
+    }
+    release(&m);
+    return status;
+}

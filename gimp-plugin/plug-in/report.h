@@ -1,0 +1,43 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * report.h - what a layer is and what is wrong with it, in numbers and in words, without GIMP
+ */
+#ifndef NTP_PLUGIN_REPORT_H
+#define NTP_PLUGIN_REPORT_H
+
+#include "fields.h"
+#include "raster.h"
+
+typedef struct report {
+    ntp_stats stats;
+    ntp_classification type;
+    ntp_orientation_result green;
+    ntp_encoding encoding; /* it was judged as; NTP_HEIGHT: not judged */
+    ntp_method method;     /* that suits its errors */
+    uint64_t used;         /* texels that are not padding */
+    uint64_t failing;      /* used texels that are not unit vectors to within a level */
+    uint64_t inexact;      /* used texels whose blue is not that of red and green */
+    bool judged;           /* the counts above mean something */
+    bool right;            /* a normals texture without a texel to repair */
+    char text[2000];       /* for people */
+} report;
+
+enum { REPORT_VALUES = 15 };
+
+/* What scripts are told, in this order. */
+typedef struct report_value {
+    const char *name;
+    const char *help;
+    bool is_text;
+} report_value;
+extern const report_value report_value_table[REPORT_VALUES];
+
+double report_number_of(const report *r, int value);
+const char *report_text_of(const report *r, int value);
+
+/* Reads the layer and fills the report by the settings of PROCEDURE_CHECK.  translate: for the
+ * text; NULL: English. */
+job_status report_run(report *r, const settings *s, const raster *layer,
+                      const char *(*translate)(const char *text), const surroundings *around);
+
+#endif
