@@ -71,6 +71,9 @@ typedef struct ntp__mapped {
 
 ntp__mapped ntp__border_map(ntp_border border, int32_t i, int32_t n);
 
+/* The positions on an axis of n at which slopes are taken, of the taps along or across them. */
+ntp__span ntp__stencil_span(const ntp__kernel *k, bool along, ntp_border border, int32_t n);
+
 /* What lies beyond an edge: repeat-slope extrapolates where a stencil is longer than the axis. */
 ntp_border ntp__border_beyond(ntp_border border);
 

@@ -89,7 +89,7 @@ static void extent(const ntp__kernel *k, bool along, int32_t *first, int32_t *la
     }
 }
 
-static ntp__span positions(const ntp__kernel *k, bool along, ntp_border border, int32_t n)
+ntp__span ntp__stencil_span(const ntp__kernel *k, bool along, ntp_border border, int32_t n)
 {
     ntp__span span = { 0, n - 1 };
     int32_t first, last;
@@ -111,10 +111,10 @@ static void set_borders(ntp__gradient *g, const ntp_gradient_options *how)
     int32_t width = g->src->width, height = g->src->height;
     g->border_x = ntp__border_beyond(how->border_x);
     g->border_y = ntp__border_beyond(how->border_y);
-    g->right_x = positions(g->kernel, true, how->border_x, width);
-    g->right_y = positions(g->kernel, false, how->border_y, height);
-    g->down_x = positions(g->kernel, false, how->border_x, width);
-    g->down_y = positions(g->kernel, true, how->border_y, height);
+    g->right_x = ntp__stencil_span(g->kernel, true, how->border_x, width);
+    g->right_y = ntp__stencil_span(g->kernel, false, how->border_y, height);
+    g->down_x = ntp__stencil_span(g->kernel, false, how->border_x, width);
+    g->down_y = ntp__stencil_span(g->kernel, true, how->border_y, height);
 }
 
 ntp_status ntp__gradient_plan(ntp__gradient *g, const ntp_image *dst, const ntp_const_image *src,

@@ -2,10 +2,11 @@
 /*
  * reconstruct.c - normals -> heightfield: checks, the choice of the method, and what comes after
  *
- * A solver (integrate.c) makes heights of mean 0.  What else is wanted works on these:
+ * A solver (integrate.c, weighted.c) makes heights of mean 0.  What else is wanted works on these:
  * the plane is taken out, and the result described.
  */
 #include "integrate.h"
+#include "weighted.h"
 
 #include <string.h>
 
@@ -37,7 +38,8 @@ static ntp_status resolve(ntp_height_options *resolved, const ntp_height_options
     if (!in_range((int) how->method, NTP_HEIGHT_WEIGHTED) ||
         !in_range((int) how->decode, NTP_DECODE_SNORM) || !in_range((int) how->z, NTP_Z_AUTO) ||
         !in_range((int) how->border_x, NTP_BORDER_REPEAT_SLOPE) ||
-        !in_range((int) how->border_y, NTP_BORDER_REPEAT_SLOPE) || (int) how->kernel < 0 ||
+        !in_range((int) how->border_y, NTP_BORDER_REPEAT_SLOPE) ||
+        !in_range((int) how->kernel, NTP_KERNEL_BAKED) ||
         !in_range(how->refine, NTP_MAX_ITERATIONS) ||
         !in_range(how->max_iterations, NTP_MAX_ITERATIONS) || !(how->tolerance >= 0) ||
         !(how->tolerance < 1))
@@ -89,7 +91,9 @@ size_t ntp_height_scratch_size(const ntp_height_options *how, int32_t width, int
     if (width < 1 || height < 1 || width > NTP_MAX_SIDE || height > NTP_MAX_SIDE || parts < 0 ||
         parts > NTP_MAX_PARTS || resolve(&r, how) != NTP_OK)
         return 0;
-    return ntp__integrate_scratch(&r, width, height, parts > 0 ? parts : 1);
+    parts = parts > 0 ? parts : 1;
+    return r.method == NTP_HEIGHT_WEIGHTED ? ntp__weighted_scratch(&r, width, height, parts)
+                                           : ntp__integrate_scratch(&r, width, height, parts);
 }
 
 /* ------------------------------------------------------------------------------- result */
@@ -155,27 +159,32 @@ ntp_status ntp_height_from_normals(const ntp_image *dst, const ntp_const_image *
     int32_t parts = hooks != NULL && hooks->parts != 0 ? hooks->parts : 1;
     if (parts < 1 || parts > NTP_MAX_PARTS)
         return NTP_ERR_ARGUMENT;
-    NTP__TRY(ntp__integrate_check(&r, src->width, src->height));
+    bool weighted = r.method == NTP_HEIGHT_WEIGHTED;
+    if (!weighted)
+        NTP__TRY(ntp__integrate_check(&r, src->width, src->height));
     if (scratch == NULL || (uintptr_t) scratch % ALIGNMENT != 0 ||
         scratch_size < ntp_height_scratch_size(&r, src->width, src->height, parts))
         return NTP_ERR_SCRATCH;
     if (hooks != NULL && hooks->progress != NULL && hooks->progress(hooks->user, 0) != 0)
         return NTP_ERR_CANCELLED;
     ntp__slopes_init(&slopes, src, &r);
-    NTP__TRY(ntp__integrate(dst, &slopes, &r, scratch, hooks, &counts));
+    done.islands = 1;
+    ntp_status status = weighted ? ntp__weighted_solve(dst, &slopes, &r, scratch, hooks, &done)
+                                 : ntp__integrate(dst, &slopes, &r, scratch, hooks, &counts);
+    if (status != NTP_OK && status != NTP_ERR_NOT_CONVERGED)
+        return status;
     done.method = r.method != NTP_HEIGHT_AUTO ? r.method : NTP_HEIGHT_POISSON_DCT;
     done.decode = slopes.decode;
     done.z = slopes.derived ? NTP_Z_DERIVED : NTP_Z_STORED;
-    done.unused = counts.unused;
-    done.not_finite = counts.not_finite;
-    done.islands = 1;
+    done.unused += counts.unused;
+    done.not_finite += counts.not_finite;
     done.residual = -1;
-    if (r.detrend)
+    if (r.detrend && !weighted)
         detrend(dst, &r, &done);
     find_range(dst, &done);
     if (result != NULL)
         *result = done;
-    return NTP_OK;
+    return status;
 }
 
 const char *ntp_height_method_name(ntp_height_method method)

@@ -1,0 +1,23 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * crew.h - items of work shared out among the parts that the caller's hooks offer
+ */
+#ifndef NTP_CREW_H
+#define NTP_CREW_H
+
+#include "libntp.h"
+
+/* Part `part` does item `item`; items do not touch what others write. */
+typedef void ntp__crew_task(void *job, int32_t part, int32_t item);
+
+typedef struct ntp__crew {
+    const ntp_hooks *hooks;
+    int32_t parts;
+} ntp__crew;
+
+ntp__crew ntp__crew_of(const ntp_hooks *hooks);
+
+/* Does items 0..count - 1. */
+void ntp__crew_each(const ntp__crew *crew, ntp__crew_task *task, void *job, int32_t count);
+
+#endif

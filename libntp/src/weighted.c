@@ -1,0 +1,304 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * weighted.c - weighted least squares by conjugate gradients
+ *
+ * The step d is conjugate to the ones before; z, the residual after the preconditioner, lies in dst
+ * in floats, which makes that a slightly different one each time: the flexible formula for beta
+ * allows it.  What has been reached is told by the residual worked out anew from the
+ * stored slopes; where it is not yet small enough the iteration starts again from there.
+ */
+#include "weighted.h"
+
+#include <math.h>
+#include <string.h>
+
+static const double default_tolerance = 1e-6;
+enum { DEFAULT_ITERATIONS = 500 };
+
+/* Of pairs beside slopes: they decide where the stencil is all but blind, and what they do elsewhere
+ * stays below the rounding of 8 bits, or of 16.  Kernels of 3 x 3 and more are blind to more. */
+static const double strength_8 = 1e-2, strength_16 = 1e-3, strength_16_central = 1e-4;
+static const double strength_without_prior = 1e-5;
+/* Times that where no slope counts; with more the iteration takes longer. */
+static const double alone = 10;
+
+/* ------------------------------------------------------------------------ working memory */
+
+static void lay_out_part(ntp__weighted *w, ntp__weighted_part *part, ntp__scratch *memory)
+{
+    size_t width = (size_t) w->width, row = width * sizeof(double);
+    size_t work_x = ntp__spectrum_work(w->how->border_x, w->width);
+    size_t work_y = ntp__spectrum_work(w->how->border_y, w->height);
+    ntp__weighted_part p;
+    memset(&p, 0, sizeof p);
+    for (int32_t k = 0; k < NTP__KEPT; k++) {
+        p.weighted.right[k] = ntp__take(memory, row);
+        p.weighted.down[k] = ntp__take(memory, row);
+        p.stored.right[k] = ntp__take(memory, row);
+        p.stored.down[k] = ntp__take(memory, row);
+    }
+    for (int32_t k = 0; k < NTP__SPARE; k++)
+        p.spare[k] = ntp__take(memory, row);
+    p.nothing = ntp__take(memory, row);
+    p.no_weights = ntp__take(memory, width * sizeof(float));
+    p.row = ntp__take(memory, width * sizeof(float));
+    p.fft_work = ntp__take(memory, work_x > work_y ? work_x : work_y);
+    if (memory->base == NULL)
+        return;
+    memset(p.nothing, 0, row);
+    memset(p.no_weights, 0, width * sizeof(float));
+    *part = p;
+}
+
+/* Also with memory->base NULL, to measure. */
+static void lay_out(ntp__weighted *w, ntp__scratch *memory)
+{
+    size_t texels = (size_t) w->width * (size_t) w->height;
+    size_t rows = (size_t) w->height * sizeof(double);
+    ntp_kernel kernel = w->rows ? w->how->kernel : NTP_KERNEL_FORWARD;
+    w->parts = ntp__take(memory, (size_t) w->crew.parts * sizeof *w->parts);
+    for (int32_t i = 0; i < w->crew.parts; i++)
+        lay_out_part(w, w->parts != NULL ? &w->parts[i] : NULL, memory);
+    void *fft_work = w->parts != NULL ? w->parts[0].fft_work : NULL;
+    ntp__spectrum_init(&w->along, memory, kernel, w->how->border_x, w->width, fft_work);
+    ntp__spectrum_init(&w->across, memory, kernel, w->how->border_y, w->height, fft_work);
+    w->stencil = ntp__take(memory, sizeof *w->stencil);
+    w->sum = ntp__take(memory, rows);
+    w->sum_also = ntp__take(memory, rows);
+    w->x = ntp__take(memory, texels * sizeof(double));
+    w->r = ntp__take(memory, texels * sizeof(double));
+    w->d = ntp__take(memory, texels * sizeof(double));
+    w->a = ntp__take(memory, texels * sizeof(double));
+    w->right = ntp__take(memory, texels * sizeof(float));
+    w->down = ntp__take(memory, texels * sizeof(float));
+}
+
+static double strength_of(const ntp_height_options *how, const ntp__slopes *slopes)
+{
+    if (how->kernel == NTP_KERNEL_FORWARD)
+        return 0;
+    if (how->kernel == NTP_KERNEL_BAKED)
+        return 1;
+    if (how->prior == NTP_PRIOR_NONE)
+        return strength_without_prior;
+    if (slopes->src->type == NTP_U8)
+        return strength_8;
+    return how->kernel == NTP_KERNEL_CENTRAL ? strength_16_central : strength_16;
+}
+
+static void init(ntp__weighted *w, const ntp_height_options *how, int32_t width, int32_t height,
+                 ntp__crew crew)
+{
+    memset(w, 0, sizeof *w);
+    w->how = how;
+    w->mask = how->mask;
+    w->crew = crew;
+    w->width = width;
+    w->height = height;
+    w->rows = how->kernel != NTP_KERNEL_BAKED;
+    w->dx = how->dx > 0 ? how->dx : 1;
+    w->dy = how->dy > 0 ? how->dy : 1;
+    double x = w->dx / w->dy, y = w->dy / w->dx;
+    w->share_x = x > 1 ? y * y : 1;
+    w->share_y = y > 1 ? x * x : 1;
+}
+
+size_t ntp__weighted_scratch(const ntp_height_options *how, int32_t width, int32_t height,
+                             int32_t parts)
+{
+    ntp__weighted w;
+    ntp__scratch memory = { NULL, 0 };
+    ntp__crew crew = { NULL, parts };
+    init(&w, how, width, height, crew);
+    lay_out(&w, &memory);
+    return memory.used;
+}
+
+/* -------------------------------------------------------------------------------- passes */
+
+static double total(const double *sum, int32_t n)
+{
+    double all = 0;
+    for (int32_t i = 0; i < n; i++)
+        all += sum[i];
+    return all;
+}
+
+/* x and r move along d. */
+static void step(void *job, int32_t part, int32_t item)
+{
+    ntp__weighted *w = job;
+    (void) part;
+    for (int32_t y = item * NTP__BAND; y < w->height && y < (item + 1) * NTP__BAND; y++) {
+        size_t at = ntp__weighted_at(w, y);
+        for (size_t i = at; i < at + (size_t) w->width; i++) {
+            w->x[i] += w->alpha * w->d[i];
+            w->r[i] -= w->alpha * w->a[i];
+        }
+    }
+}
+
+/* sum: r z of each row, sum_also: a z; z is 0 in holes. */
+static void multiply(void *job, int32_t part, int32_t item)
+{
+    ntp__weighted *w = job;
+    (void) part;
+    for (int32_t y = item * NTP__BAND; y < w->height && y < (item + 1) * NTP__BAND; y++) {
+        size_t at = ntp__weighted_at(w, y);
+        float *z = ntp__at_mut(w->dst, 0, y);
+        double rz = 0, az = 0;
+        for (int32_t x = 0; x < w->width; x++) {
+            z[x] = w->right[at + (size_t) x] != 0 ? z[x] : 0;
+            rz += w->r[at + (size_t) x] * (double) z[x];
+            az += w->a[at + (size_t) x] * (double) z[x];
+        }
+        w->sum[y] = rz;
+        w->sum_also[y] = az;
+    }
+}
+
+static void turn(void *job, int32_t part, int32_t item)
+{
+    ntp__weighted *w = job;
+    (void) part;
+    for (int32_t y = item * NTP__BAND; y < w->height && y < (item + 1) * NTP__BAND; y++) {
+        double *d = w->d + ntp__weighted_at(w, y);
+        const float *z = ntp__at_mut(w->dst, 0, y);
+        for (int32_t x = 0; x < w->width; x++)
+            d[x] = w->beta != 0 ? (double) z[x] + w->beta * d[x] : (double) z[x];
+    }
+}
+
+static void each_band(ntp__weighted *w, ntp__crew_task *task)
+{
+    ntp__crew_each(&w->crew, task, w, ntp__bands(w));
+}
+
+/* ----------------------------------------------------------------------------- iteration */
+
+typedef struct progress {
+    double first, last; /* errors */
+    double share;
+} progress;
+
+/* log2, roughly */
+static double magnitude_of(double v)
+{
+    double sum = 0;
+    for (; v > 1; v /= 2)
+        sum++;
+    for (; v > 0 && v < 1; v *= 2)
+        sum--;
+    return sum;
+}
+
+static bool stopped(const ntp__weighted *w, progress *p, double error)
+{
+    const ntp_hooks *hooks = w->crew.hooks;
+    if (hooks == NULL || hooks->progress == NULL)
+        return false;
+    double all = magnitude_of(p->first) - magnitude_of(p->last);
+    double done = magnitude_of(p->first) - magnitude_of(error);
+    double share = all > 0 ? done / all : 1;
+    share = share > 1 ? 1 : share;
+    p->share = share > p->share ? share : p->share;
+    return hooks->progress(hooks->user, p->share) != 0;
+}
+
+/* z and the error of r: the root of r z, about the root of the sum of weight (error of slope)^2. */
+static double precondition(ntp__weighted *w)
+{
+    ntp__weighted_precondition(w);
+    each_band(w, multiply);
+    double rz = total(w->sum, w->height);
+    return rz > 0 ? sqrt(rz) : 0;
+}
+
+/* From x on, r being its residual and z = dst that after the preconditioner; *error is that of r. */
+static ntp_status descend(ntp__weighted *w, double *error, double goal, int32_t most,
+                          int32_t *iterations, progress *p)
+{
+    double rz = *error * *error;
+    w->beta = 0;
+    while (*error > goal && *iterations < most) {
+        if (stopped(w, p, *error))
+            return NTP_ERR_CANCELLED;
+        each_band(w, turn);
+        ntp__weighted_apply(w, w->a, w->d, false);
+        double curvature = total(w->sum, w->height);
+        if (!(curvature > 0))
+            return NTP_OK; /* d is rounding errors: so will the residual be */
+        w->alpha = rz / curvature;
+        each_band(w, step);
+        *error = precondition(w);
+        w->beta = -w->alpha * total(w->sum_also, w->height) / rz;
+        w->beta = w->beta > 0 ? w->beta : 0;
+        rz = *error * *error;
+        ++*iterations;
+    }
+    return NTP_OK;
+}
+
+/* Repeats until the residual worked out from the slopes is small enough, or nothing helps. */
+static ntp_status iterate(ntp__weighted *w, double scale, ntp_height_result *result)
+{
+    double tolerance = w->how->tolerance > 0 ? w->how->tolerance : default_tolerance;
+    int32_t most = w->how->max_iterations > 0 ? w->how->max_iterations : DEFAULT_ITERATIONS;
+    double goal = tolerance * scale;
+    progress p = { scale, goal, 0 };
+    for (;;) {
+        ntp__weighted_apply(w, w->r, w->x, true);
+        double error = precondition(w);
+        result->error = scale > 0 ? error / scale : 0;
+        if (error <= goal)
+            return NTP_OK;
+        int32_t before = result->iterations;
+        NTP__TRY(descend(w, &error, goal, most, &result->iterations, &p));
+        if (result->iterations == before)
+            return NTP_ERR_NOT_CONVERGED;
+    }
+}
+
+static void store(void *job, int32_t part, int32_t item)
+{
+    ntp__weighted *w = job;
+    (void) part;
+    for (int32_t y = item * NTP__BAND; y < w->height && y < (item + 1) * NTP__BAND; y++) {
+        const double *x = w->x + ntp__weighted_at(w, y);
+        float *row = ntp__at_mut(w->dst, 0, y);
+        for (int32_t i = 0; i < w->width; i++)
+            row[i] = (float) x[i];
+    }
+}
+
+ntp_status ntp__weighted_solve(const ntp_image *dst, const ntp__slopes *slopes,
+                               const ntp_height_options *how, void *scratch, const ntp_hooks *hooks,
+                               ntp_height_result *result)
+{
+    ntp__weighted w;
+    ntp__scratch memory = { scratch, 0 };
+    double trend[2] = { 0, 0 };
+    size_t texels = (size_t) dst->width * (size_t) dst->height;
+    init(&w, how, dst->width, dst->height, ntp__crew_of(hooks));
+    w.strength = strength_of(how, slopes);
+    w.strength_alone = w.rows ? alone * w.strength : w.strength;
+    w.dst = dst;
+    w.slopes = slopes;
+    lay_out(&w, &memory);
+    ntp__weighted_setup(&w);
+    double scale = sqrt(total(w.sum, w.height));
+    memset(w.x, 0, texels * sizeof *w.x);
+    memset(w.a, 0, texels * sizeof *w.a);
+    ntp_status status = iterate(&w, scale, result);
+    if (status == NTP_ERR_CANCELLED)
+        return status;
+    for (int32_t i = 0; i < w.crew.parts; i++) {
+        result->holes += w.parts[i].holes;
+        result->not_finite += w.parts[i].not_finite;
+    }
+    result->islands = ntp__islands_level(&w, how->detrend ? trend : NULL);
+    result->trend_x = trend[0];
+    result->trend_y = trend[1];
+    each_band(&w, store);
+    return status;
+}

@@ -1,0 +1,114 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * weighted.h - what the files of weighted least squares share
+ *
+ * Sought are heights h that make the sum of
+ *   weight (slope of h - stored slope)^2           over the texels, right and down, and
+ *   strength weight (difference of h - mean of the two stored slopes)^2     over pairs of neighbors
+ * least.  The weights are about 1/variance.  A slope counts where its stencil reads no hole.  The
+ * pairs hold together what a stencil leaves apart (central: even and odd texels), and decide
+ * where it sees nothing; baked normals have nothing else.
+ */
+#ifndef NTP_WEIGHTED_H
+#define NTP_WEIGHTED_H
+
+#include "crew.h"
+#include "fft.h"
+#include "scratch.h"
+#include "slopes.h"
+#include "stencil.h"
+
+enum {
+    NTP__BAND = 32, /* rows of an item of work */
+    NTP__KEPT = 12, /* rows of slopes that a part remembers: those of a wide stencil */
+    NTP__SPARE = 3  /* more rows to work in */
+};
+
+/* Rows by number; the one used longest ago gives way. */
+typedef struct ntp__kept {
+    int32_t row[NTP__KEPT]; /* -1: none */
+    uint32_t used[NTP__KEPT], clock;
+    double *right[NTP__KEPT], *down[NTP__KEPT];
+} ntp__kept;
+
+typedef struct ntp__weighted_part {
+    ntp__kept weighted, stored;
+    double *spare[NTP__SPARE];
+    float *row;        /* stands for rows below the last one */
+    double *nothing;   /* a row of zeros */
+    float *no_weights; /* the same */
+    void *fft_work;
+    uint64_t holes, not_finite;
+} ntp__weighted_part;
+
+/* An axis of the transform that solves the same problem without weights, holes and ends. */
+typedef struct ntp__spectrum {
+    ntp__fft fft;
+    ntp__gains *gains; /* of element i of a transformed row */
+    double *edge;      /* of pairs */
+} ntp__spectrum;
+
+typedef struct ntp__weighted {
+    const ntp_image *dst; /* between passes: what the transform works in */
+    const ntp__slopes *slopes;
+    const ntp_const_image *mask;
+    const ntp_height_options *how;
+    ntp__crew crew;
+    ntp__weighted_part *parts;
+    ntp__stencil *stencil;
+    int32_t width, height;
+    double dx, dy;           /* spacing */
+    double share_x, share_y; /* 1/dx^2 and 1/dy^2, the greater one 1 */
+    bool rows;               /* the slopes count; else only pairs: baked */
+    double strength;         /* of pairs */
+    double strength_alone;   /* of those near which no slope counts, for holes */
+    bool holes;
+    double *x, *r, *d, *a;  /* of conjugate gradients: heights, residual, direction, its image */
+    float *right, *down;    /* weights: 0 in holes, negative where a stencil reads a hole */
+    double *sum, *sum_also; /* of each row */
+    ntp__spectrum along, across;
+    double alpha, beta; /* of the running pass */
+    const double *from; /* what the running pass applies the operator to */
+    double *to;
+    bool residual; /* to = adjoint of weights (stored - slopes of from), not of slopes of from */
+} ntp__weighted;
+
+/* Working memory for a number of parts, 0: this is not taken; and the solution.  dst gets heights
+ * of mean 0 over each island.  hooks may be NULL.  trend: NULL, or the plane is taken out. */
+size_t ntp__weighted_scratch(const ntp_height_options *how, int32_t width, int32_t height,
+                             int32_t parts);
+ntp_status ntp__weighted_solve(const ntp_image *dst, const ntp__slopes *slopes,
+                               const ntp_height_options *how, void *scratch, const ntp_hooks *hooks,
+                               ntp_height_result *result);
+
+/* Stored slopes of row y, as differences from a texel to the next. */
+void ntp__weighted_stored(const ntp__weighted *w, double *right, double *down, int32_t y);
+
+/* Weights, and what is a hole; the sums of rows are those of weight slope^2 (weighted_setup.c).
+ * Counts are left in the parts. */
+void ntp__weighted_setup(ntp__weighted *w);
+
+/* Rows to of the operator, or of the residual (weighted_operator.c). */
+void ntp__weighted_apply(ntp__weighted *w, double *to, const double *from, bool residual);
+
+/* dst = approximate solution for r (weighted_transform.c). */
+void ntp__weighted_precondition(ntp__weighted *w);
+void ntp__spectrum_init(ntp__spectrum *s, ntp__scratch *memory, ntp_kernel kernel,
+                        ntp_border border, int32_t n, void *fft_work);
+size_t ntp__spectrum_work(ntp_border border, int32_t n);
+
+/* Subtracts its mean from each island of x, 4-connected texels that are no holes, and the best
+ * plane where trend is not NULL; returns how many there are (islands.c).  Works in r, d, a. */
+uint64_t ntp__islands_level(ntp__weighted *w, double trend[2]);
+
+static inline size_t ntp__weighted_at(const ntp__weighted *w, int32_t y)
+{
+    return (size_t) y * (size_t) w->width;
+}
+
+static inline int32_t ntp__bands(const ntp__weighted *w)
+{
+    return (w->height + NTP__BAND - 1) / NTP__BAND;
+}
+
+#endif

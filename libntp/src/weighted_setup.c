@@ -1,0 +1,113 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * weighted_setup.c - the weights of weighted least squares, and its holes
+ *
+ * A level of error in x and y is an error of the slope that grows with the slope.  With n = (x, y, z)
+ * and errors of one variance in each, that of x/z is (z^2 + x^2)/z^4 times as much where z is stored,
+ * and ((z^2 + x^2)^2 + (x y)^2)/z^6 where it is derived from x and y.
+ */
+#include "weighted.h"
+
+#include "direction.h"
+
+/* Weights below it would make the steepest texels as good as holes, and the iteration slow. */
+static const double least_weight = 0.01;
+
+/* Of the weight of a slope of p; q is the other one.  1 where the texel is flat. */
+static double weight_of(double p, double q, bool derived)
+{
+    double p2 = p * p, q2 = q * q, z2 = 1 / (1 + p2 + q2);
+    double weight = derived ? z2 / ((1 + p2) * (1 + p2) + p2 * q2) : z2 / (1 + p2);
+    return weight > least_weight ? weight : least_weight;
+}
+
+static bool in_hole(const ntp__weighted *w, const ntp__block *block, int32_t i, int32_t x,
+                    int32_t y)
+{
+    const ntp_const_image *src = w->slopes->src;
+    uint32_t touch = w->slopes->touch_unused;
+    if (w->mask != NULL) {
+        const void *at = ntp__at(w->mask, x, y);
+        if (w->mask->type == NTP_U8 ? *(const uint8_t *) at == 0 : *(const uint16_t *) at == 0)
+            return true;
+    }
+    if (src->encoding == NTP_VECTOR) /* of any length, so that (2, 2, 2) is no padding */
+        touch |= NTP_UNUSED_BLACK | NTP_UNUSED_WHITE;
+    return ntp__texel_unused(block, i, ntp__max(src->type), touch);
+}
+
+/* Weights of a row, and where its holes are. */
+static void set_row(ntp__weighted *w, ntp__weighted_part *part, int32_t y)
+{
+    double *p = part->spare[0], *q = part->spare[1], energy = 0;
+    float *right = w->right + ntp__weighted_at(w, y), *down = w->down + ntp__weighted_at(w, y);
+    double *hole = w->d + ntp__weighted_at(w, y);
+    ntp__block block;
+    ntp__slopes_row(w->slopes, p, q, y, NULL);
+    for (int32_t x = 0; x < w->width; x++) {
+        int32_t i = x % NTP__BLOCK, left = w->width - x;
+        if (i == 0)
+            ntp__unpack(&block, w->slopes->src, x, y, left < NTP__BLOCK ? left : NTP__BLOCK);
+        bool broken = block.any_broken && block.broken[i];
+        hole[x] = broken || in_hole(w, &block, i, x, y);
+        part->not_finite += broken;
+        part->holes += hole[x] != 0;
+        double a = weight_of(p[x], q[x], w->slopes->derived) * w->share_x;
+        double b = weight_of(q[x], p[x], w->slopes->derived) * w->share_y;
+        right[x] = hole[x] != 0 ? 0 : (float) a;
+        down[x] = hole[x] != 0 ? 0 : (float) b;
+        p[x] *= w->dx;
+        q[x] *= w->dy;
+        energy += (double) right[x] * p[x] * p[x] + (double) down[x] * q[x] * q[x];
+    }
+    w->sum[y] = energy;
+}
+
+static void set_band(void *job, int32_t part, int32_t item)
+{
+    ntp__weighted *w = job;
+    for (int32_t y = item * NTP__BAND; y < w->height && y < (item + 1) * NTP__BAND; y++)
+        set_row(w, &w->parts[part], y);
+}
+
+/* Marks the slopes whose stencil reads a hole; w->stencil has the magnitudes of its weights. */
+static void mark_band(void *job, int32_t part, int32_t item)
+{
+    ntp__weighted *w = job;
+    ntp__plane holes = { w->d, NULL, w->width };
+    double **spare = w->parts[part].spare;
+    for (int32_t y = item * NTP__BAND; y < w->height && y < (item + 1) * NTP__BAND; y++) {
+        float *right = w->right + ntp__weighted_at(w, y), *down = w->down + ntp__weighted_at(w, y);
+        ntp__stencil_slopes(w->stencil, spare[0], spare[1], spare[2], &holes, y);
+        for (int32_t x = 0; x < w->width; x++) {
+            right[x] = spare[0][x] > 0 ? -right[x] : right[x];
+            down[x] = spare[1][x] > 0 ? -down[x] : down[x];
+        }
+    }
+}
+
+void ntp__weighted_stored(const ntp__weighted *w, double *right, double *down, int32_t y)
+{
+    ntp__slopes_row(w->slopes, right, down, y, NULL);
+    if (w->dx == 1 && w->dy == 1)
+        return;
+    for (int32_t x = 0; x < w->width; x++) {
+        right[x] *= w->dx;
+        down[x] *= w->dy;
+    }
+}
+
+void ntp__weighted_setup(ntp__weighted *w)
+{
+    const ntp_height_options *how = w->how;
+    ntp_kernel kernel = w->rows ? how->kernel : NTP_KERNEL_FORWARD;
+    ntp__crew_each(&w->crew, set_band, w, ntp__bands(w));
+    for (int32_t i = 0; i < w->crew.parts; i++)
+        w->holes = w->holes || w->parts[i].holes > 0;
+    if (w->holes && w->rows) {
+        ntp__stencil_init(w->stencil, kernel, how->border_x, how->border_y, w->width, w->height,
+                          true);
+        ntp__crew_each(&w->crew, mark_band, w, ntp__bands(w));
+    }
+    ntp__stencil_init(w->stencil, kernel, how->border_x, how->border_y, w->width, w->height, false);
+}
