@@ -28,7 +28,8 @@ SIZES = [(1, 1), (1, 2), (2, 1), (2, 2), (1, 7), (7, 1), (3, 2), (5, 4), (4, 5),
 
 
 def options(kernel="central", border_x=WRAP, border_y=WRAP, **how):
-    how.update(kernel=heights.NAMES.index(kernel), border_x=border_x, border_y=border_y)
+    number = heights.NAMES.index(kernel) if isinstance(kernel, str) else kernel
+    how.update(kernel=number, border_x=border_x, border_y=border_y)
     return ntp.ffi.new("ntp_height_options *", how)
 
 
@@ -114,11 +115,12 @@ def least_norm(p, q, kernel, border_x, border_y):
     return np.linalg.lstsq(matrix, data, rcond=1e-11)[0].reshape(h, w)
 
 
-def by_eigenvectors(p, q, kernel, border_x, border_y):
+def by_eigenvectors(p, q, kernel, border_x, border_y, spacing=(1, 1)):
     """The same for large sizes."""
     h, w = p.shape
     dx, take_x = rows_of(w, kernel, border_x)
     dy, take_y = rows_of(h, kernel, border_y)
+    dx, dy = dx / spacing[0], dy / spacing[1]
     lx, vx = np.linalg.eigh(dx.T @ dx)
     ly, vy = np.linalg.eigh(dy.T @ dy)
     f = p @ take_x.T @ dx + dy.T @ (take_y @ q)

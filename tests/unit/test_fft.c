@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * test_fft.c - the transforms against direct sums, for every length to 300 and some beyond
+ * test_fft.c - the transforms against direct sums, for every length to 300 and some beyond; and the
+ * same bytes by every instruction set
  */
-#include "fft.h"
+#include "solver_kernels.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -12,7 +13,8 @@
 enum { ROWS = NTP__FFT_ROWS, ALIGNMENT = 64 };
 
 static const double pi = 3.14159265358979323846;
-static const double tolerance = 2e-7; /* of the largest value: results are stored as floats */
+/* Of the largest value: results are stored as floats. */
+static const double tolerance = 2e-7, single_tolerance = 2e-6;
 
 static uint32_t state = 1;
 
@@ -27,7 +29,12 @@ static double direct(ntp__fft_kind kind, const double *line, int32_t n, int32_t 
 {
     double sum = 0;
     for (int64_t i = 0; i < n; i++) {
-        if (kind == NTP__FFT_COSINE)
+        if (kind == NTP__FFT_MIRROR && n == 1)
+            sum += line[i];
+        else if (kind == NTP__FFT_MIRROR)
+            sum += line[i] * (i == 0 || i == n - 1 ? 1 : 2) *
+                   cos(pi * (double) (j * i % (2 * n - 2)) / (n - 1.0));
+        else if (kind == NTP__FFT_COSINE)
             sum += line[i] * cos(pi * (double) (j * (2 * i + 1) % (4 * n)) / (2.0 * n));
         else if (2 * j <= n)
             sum += line[i] * cos(2 * pi * (double) (j * i % n) / n);
@@ -45,43 +52,139 @@ static void *allocate(size_t bytes)
     return memory;
 }
 
-static int check(ntp__fft_kind kind, int32_t n)
-{
+typedef struct batch {
     ntp__fft fft;
-    size_t row = (size_t) n;
-    void *tables = allocate(ntp__fft_tables(kind, n)), *work = allocate(ntp__fft_work(kind, n));
-    double *lines = allocate(ROWS * row * sizeof *lines);
-    float *out = allocate(ROWS * row * sizeof *out), *rows[ROWS];
-    double largest = 0, off = 0;
-    ntp__fft_init(&fft, kind, n, tables, work);
+    void *tables, *work;
+    double *lines;
+    float *out, *rows[ROWS];
+    size_t row;
+} batch;
+
+static void make(batch *b, ntp__fft_kind kind, int32_t n, bool single)
+{
+    size_t row = b->row = (size_t) n;
+    b->tables = allocate(ntp__fft_plan_bytes(kind, n, single));
+    b->work = allocate(ntp__fft_work_bytes(kind, n, single));
+    b->lines = allocate(ROWS * row * sizeof *b->lines);
+    b->out = allocate(ROWS * row * sizeof *b->out);
+    ntp__fft_plan(&b->fft, kind, n, single, b->tables, b->work);
     for (int32_t r = 0; r < ROWS; r++) {
+        b->rows[r] = b->out + (size_t) r * row;
         for (size_t i = 0; i < row; i++)
-            lines[(size_t) r * row + i] = noise();
-        rows[r] = out + (size_t) r * row;
-        ntp__fft_load(&fft, r, lines + (size_t) r * row, work);
+            b->lines[(size_t) r * row + i] = (double) (float) noise();
     }
-    ntp__fft_forward(&fft, rows, work);
-    for (int32_t r = 0; r < ROWS; r += 5) { /* of either parity, and the first and last lanes */
-        for (int32_t j = 0; j < n; j++) {
-            double want = direct(kind, lines + (size_t) r * row, n, j);
-            largest = fmax(largest, fabs(want));
-            off = fmax(off, fabs(want - (double) rows[r][j]));
+}
+
+static void drop(batch *b)
+{
+    free(b->tables);
+    free(b->work);
+    free(b->lines);
+    free(b->out);
+}
+
+static void forward(batch *b)
+{
+    for (int32_t r = 0; r < ROWS; r++) {
+        void *line = ntp__fft_line(&b->fft, b->work, r);
+        for (size_t i = 0; i < b->row; i++) {
+            double v = b->lines[(size_t) r * b->row + i];
+            if (b->fft.single)
+                ((float *) line)[i] = (float) v;
+            else
+                ((double *) line)[i] = v;
         }
     }
-    int bad = off > tolerance * largest;
-    ntp__fft_inverse(&fft, rows, work);
-    double back = 0;
-    for (size_t i = 0; i < ROWS * row; i++)
-        back = fmax(back, fabs(lines[i] - (double) out[i]));
-    bad = bad || back > 2 * tolerance;
+    b->fft.loops->forward(&b->fft, b->rows, b->work);
+}
+
+static int check(ntp__fft_kind kind, int32_t n, bool single)
+{
+    batch b;
+    double largest = 0, off = 0, back = 0, limit = single ? single_tolerance : tolerance;
+    make(&b, kind, n, single);
+    forward(&b);
+    for (int32_t r = 0; r < ROWS; r += 5) { /* rows of both halves, and the first and last lanes */
+        for (int32_t j = 0; j < n; j++) {
+            double want = direct(kind, b.lines + (size_t) r * b.row, n, j);
+            largest = fmax(largest, fabs(want));
+            off = fmax(off, fabs(want - (double) b.rows[r][j]));
+        }
+    }
+    int bad = off > limit * largest;
+    b.fft.loops->inverse(&b.fft, b.rows, b.work);
+    for (size_t i = 0; i < ROWS * b.row; i++)
+        back = fmax(back, fabs(b.lines[i] - (double) b.out[i]));
+    bad = bad || back > 4 * limit;
     if (bad)
-        printf("kind %d, length %d: off by %g of %g, inverse by %g\n", (int) kind, (int) n, off,
-               largest, back);
-    free(tables);
-    free(work);
-    free(lines);
-    free(out);
+        printf("kind %d, length %d, single %d: off by %g of %g, inverse by %g\n", (int) kind,
+               (int) n, (int) single, off, largest, back);
+    drop(&b);
     return bad;
+}
+
+/* Every instruction set has to give the same bytes. */
+static int check_levels(ntp__fft_kind kind, int32_t n, bool single)
+{
+    batch b;
+    const ntp__solver_kernels *base = ntp__solver_kernels_for(0);
+    make(&b, kind, n, single);
+    size_t bytes = ROWS * b.row * sizeof(float);
+    float *first = allocate(bytes);
+    forward(&b);
+    memcpy(first, b.out, bytes);
+    const ntp__fft_loops *best = b.fft.loops;
+    b.fft.loops = single ? &base->fft_single : &base->fft_double;
+    forward(&b);
+    int bad = memcmp(first, b.out, bytes) != 0;
+    b.fft.loops->inverse(&b.fft, b.rows, b.work);
+    memcpy(first, b.out, bytes);
+    forward(&b);
+    best->inverse(&b.fft, b.rows, b.work);
+    bad |= memcmp(first, b.out, bytes) != 0;
+    if (bad)
+        printf("kind %d, length %d: other bytes by other instructions\n", (int) kind, (int) n);
+    free(first);
+    drop(&b);
+    return bad;
+}
+
+static void factors(const void *user, int32_t k, double factor[ROWS])
+{
+    (void) user;
+    for (int32_t r = 0; r < ROWS; r++)
+        factor[r] = k == 0 ? 1 : 2 * (r + 1);
+}
+
+/* Multiplied down columns, all frequencies but 0 by 2 (r + 1): the mean stays. */
+static int check_filter(ntp__fft_kind kind, int32_t n, bool single, int32_t columns)
+{
+    batch b;
+    double off = 0;
+    make(&b, kind, n, single);
+    float *grid = allocate((size_t) n * ROWS * sizeof *grid);
+    for (size_t i = 0; i < (size_t) n * ROWS; i++)
+        grid[i] = (float) b.lines[i];
+    b.fft.loops->filter(&b.fft, grid, ROWS, columns, factors, NULL, b.work);
+    for (size_t r = 0; r < ROWS; r++) {
+        double mean = 0, weight = 0;
+        for (size_t i = 0; i < (size_t) n; i++) {
+            double share = kind == NTP__FFT_MIRROR && (i == 0 || i == (size_t) n - 1) ? 0.5 : 1;
+            mean += share * b.lines[i * ROWS + r];
+            weight += share;
+        }
+        mean /= weight;
+        for (size_t i = 0; i < (size_t) n; i++) {
+            double v = b.lines[i * ROWS + r], want = mean + 2 * ((double) r + 1) * (v - mean);
+            want = r < (size_t) columns ? want : v;
+            off = fmax(off, fabs((double) grid[i * ROWS + r] - want));
+        }
+    }
+    free(grid);
+    drop(&b);
+    if (off > 1e-4)
+        printf("filter, kind %d, length %d: off by %g\n", (int) kind, (int) n, off);
+    return off > 1e-4;
 }
 
 static int check_turns(void)
@@ -106,9 +209,19 @@ int main(void)
 {
     static const int32_t more[] = { 307, 331, 512, 997, 1000, 1024, 1296, 2039 };
     int bad = check_turns();
-    for (int32_t n = 1; n <= 300; n++)
-        bad += check(NTP__FFT_REAL, n) + check(NTP__FFT_COSINE, n);
-    for (size_t i = 0; i < sizeof more / sizeof more[0]; i++)
-        bad += check(NTP__FFT_REAL, more[i]) + check(NTP__FFT_COSINE, more[i]);
+    for (int kind = NTP__FFT_REAL; kind <= NTP__FFT_MIRROR; kind++) {
+        for (int32_t n = 1; n <= 300; n++)
+            bad += check((ntp__fft_kind) kind, n, false) + check((ntp__fft_kind) kind, n, true);
+        for (size_t i = 0; i < sizeof more / sizeof more[0]; i++) {
+            bad += check((ntp__fft_kind) kind, more[i], false);
+            bad += check((ntp__fft_kind) kind, more[i], true);
+        }
+        for (int32_t n = 1; n <= 131; n++) {
+            for (int single = 0; single < 2; single++) {
+                bad += check_levels((ntp__fft_kind) kind, n, single != 0);
+                bad += check_filter((ntp__fft_kind) kind, n, single != 0, 1 + n % ROWS);
+            }
+        }
+    }
     return bad != 0;
 }
