@@ -1118,6 +1118,33 @@ typedef struct ntp_origin {
 NTP_API ntp_status ntp_find_origin(ntp_origin *origin, const ntp_const_image *src,
                                    uint32_t touch_unused);
 
+typedef enum ntp_tiling {
+    NTP_TILING_UNDECIDED = 0,
+    NTP_TILING_TILES = 1, /* the two edges fit together */
+    NTP_TILING_SEAM = 2
+} ntp_tiling;
+
+/* How two opposite edges fit together. */
+typedef struct ntp_seam {
+    ntp_tiling tiling;
+    int32_t wraps; /* 1: the heights close as well: it tiles and does not lean */
+    /* By how much heights differ between the ends of a line, over how much they vary along it;
+     * rounding, and what all lines have in common, are taken out. */
+    double closure;
+    double jump; /* the step across the seam over the mean step inside */
+    double rank; /* share of the steps inside that are larger */
+    double lean; /* mean of x/z (y/z) along the lines: a slope */
+} ntp_seam;
+
+/*
+ * Does a texture tile?  x is about the left and right edges, y about the upper and lower ones.
+ * At most 256 rows and as many columns are read.  Red and green count.  Undecided are textures
+ * below 16 x 16 texels, nearly flat ones, those with many unused texels at the edges, and what is
+ * neither a clear seam nor without one.  src->ring_rows is 0.
+ */
+NTP_API ntp_status ntp_find_seams(ntp_seam *x, ntp_seam *y, const ntp_const_image *src,
+                                  uint32_t touch_unused);
+
 /* --- cdef end --- */
 
 #ifdef __cplusplus

@@ -1,0 +1,180 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * seams.c - does a texture tile?
+ *
+ * Two questions for each axis.  Closure: the slopes along a row add up to the height at its end
+ * over that at its beginning; in a texture that tiles they add up to 0, up to rounding, whose size is
+ * known.  Jump: the step from the last texel to the first is to be like the steps inside.  Sampled
+ * rows are asked, and columns as the rows of the image turned about its diagonal.
+ */
+#include "internal.h"
+#include "level.h"
+
+#include <string.h>
+
+enum {
+    MOST_LINES = 256,
+    LEAST_TEXELS = 16 /* along a line, and lines across */
+};
+
+/* Closure as a share of the height differences within a line. */
+static const double MOST_CLOSURE = 0.2;
+/* Steps that the compression of an image leaves at its edges are no seam while the heights close. */
+static const double MOST_CLOSURE_TIMES_JUMP = 0.4;
+/* Or: at least this share of the steps inside is as large. */
+static const double LEAST_RANK = 0.2;
+/* Certainly a seam: the step is so large, and next to none inside is as large. */
+static const double SEAM_JUMP = 3, SEAM_RANK = 0.02, SEAM_CLOSURE = 0.3;
+/* Heights that vary less than rounding makes them say nothing: in variances. */
+static const double LEAST_SIGNAL = 4;
+/* Slopes above it count as this: so steep a texel says little. */
+static const double STEEPEST = 8;
+
+/* What is added up over lines. */
+typedef struct axis_sums {
+    double full, full2;   /* sums of slopes of a line, and their squares */
+    double variance;      /* of the heights along a line */
+    double noise;         /* expected variance of a line's sum */
+    double jump, inside;  /* step at the seam; mean of the steps inside */
+    double rank;          /* share of steps inside that are larger */
+    int32_t lines, asked; /* used; looked at */
+} axis_sums;
+
+/* One line of texels. */
+typedef struct line {
+    double p[NTP__BLOCK], q[NTP__BLOCK]; /* slopes along and across */
+    bool bad[NTP__BLOCK];                /* no normal */
+    ntp__block block;
+} line;
+
+/* Channel `along` holds the component along the line. */
+static void read_line(line *l, const ntp_const_image *src, uint32_t touch, int32_t along, int32_t x,
+                      int32_t y, int32_t n)
+{
+    int32_t m = ntp__max(src->type);
+    double m2 = (double) m * m;
+    ntp__unpack(&l->block, src, x, y, n);
+    for (int32_t i = 0; i < n; i++) {
+        const int32_t r = l->block.c[0][i], g = l->block.c[1][i];
+        double a = ntp__num(l->block.c[along][i], m), b = ntp__num(l->block.c[1 - along][i], m);
+        double rest = m2 - a * a - b * b, least = m2 / (STEEPEST * STEEPEST);
+        double z = sqrt(rest < least ? least : rest);
+        l->bad[i] = (l->block.any_broken && l->block.broken[i]) ||
+                    ntp__unused(r, g, l->block.c[2][i], l->block.c[3][i], m, touch);
+        l->p[i] = l->bad[i] ? 0 : a / z;
+        l->q[i] = l->bad[i] ? 0 : b / z;
+    }
+}
+
+static double size(double v)
+{
+    return v < 0 ? -v : v;
+}
+
+/* Reads the line's two ends; false where one is no normal. */
+static bool read_ends(double ends[2][2], line *l, const ntp_const_image *src, uint32_t touch,
+                      int32_t along, int32_t y)
+{
+    for (int32_t end = 0; end < 2; end++) {
+        read_line(l, src, touch, along, end == 0 ? 0 : src->width - 1, y, 1);
+        if (l->bad[0])
+            return false;
+        ends[end][0] = l->p[0];
+        ends[end][1] = l->q[0];
+    }
+    return true;
+}
+
+/* Line y: its closure, the variance of its heights, and how its steps compare with the seam's. */
+static void add_line(axis_sums *s, line *l, const ntp_const_image *src, uint32_t touch,
+                     int32_t along, int32_t y)
+{
+    double ends[2][2], height = 0, sum = 0, sum2 = 0, inside = 0, larger = 0, noise = 0;
+    double level = 2.0 / ntp__max(src->type), last_p = 0, last_q = 0;
+    int32_t w = src->width;
+    s->asked++;
+    if (!read_ends(ends, l, src, touch, along, y))
+        return;
+    double jump = size(ends[0][0] - ends[1][0]) + size(ends[0][1] - ends[1][1]);
+    for (int32_t x = 0; x < w; x += NTP__BLOCK) {
+        int32_t n = w - x < NTP__BLOCK ? w - x : NTP__BLOCK;
+        read_line(l, src, touch, along, x, y, n);
+        for (int32_t i = 0; i < n; i++) {
+            double p = l->p[i], q = l->q[i], pp = p * p, qq = q * q;
+            double step = size(p - last_p) + size(q - last_q);
+            height += p;
+            sum += height;
+            sum2 += height * height;
+            noise += (1 + pp + qq) * ((1 + pp) * (1 + pp) + pp * qq);
+            if (x + i > 0) {
+                inside += step;
+                larger += step > jump ? 1 : step < jump ? 0 : 0.5;
+            }
+            last_p = p;
+            last_q = q;
+        }
+    }
+    s->full += height;
+    s->full2 += height * height;
+    s->variance += sum2 / w - sum / w * (sum / w);
+    s->noise += noise * level * level / 12;
+    s->jump += jump;
+    s->inside += inside / (w - 1);
+    s->rank += larger / (w - 1);
+    s->lines++;
+}
+
+static void judge(ntp_seam *seam, const axis_sums *s, const ntp_const_image *src)
+{
+    memset(seam, 0, sizeof *seam);
+    if (s->lines < LEAST_TEXELS || 2 * s->lines < s->asked || !(s->inside > 0))
+        return;
+    double n = s->lines, mean = s->full / n, noise = s->noise / n;
+    /* A line that leans has a variance for that too, which says nothing about closure. */
+    double closing = s->full2 / n - mean * mean - noise;
+    double signal = s->variance / n - mean * mean / 12;
+    double walk = noise / 6; /* the variance of a line's heights that its rounding makes */
+    seam->lean = mean / src->width;
+    seam->jump = s->jump / s->inside;
+    seam->rank = s->rank / n;
+    if (signal < LEAST_SIGNAL * walk)
+        return;
+    seam->closure = closing > 0 ? sqrt(closing / (signal - walk)) : 0;
+    bool closes = seam->closure <= MOST_CLOSURE;
+    if (closes &&
+        (seam->closure * seam->jump <= MOST_CLOSURE_TIMES_JUMP || seam->rank >= LEAST_RANK))
+        seam->tiling = NTP_TILING_TILES;
+    else if (seam->closure >= SEAM_CLOSURE && seam->jump >= SEAM_JUMP && seam->rank <= SEAM_RANK)
+        seam->tiling = NTP_TILING_SEAM;
+    /* Half a level is what encoders that cut off fractions add. */
+    seam->wraps = seam->tiling == NTP_TILING_TILES && size(seam->lean) <= 1.5 / ntp__max(src->type);
+}
+
+static void measure(ntp_seam *seam, const ntp_const_image *src, uint32_t touch, int32_t along)
+{
+    axis_sums s;
+    line l;
+    memset(&s, 0, sizeof s);
+    int32_t lines = src->height < MOST_LINES ? src->height : MOST_LINES;
+    for (int32_t i = 0; i < lines && src->width >= LEAST_TEXELS; i++)
+        add_line(&s, &l, src, touch, along, (int32_t) ((int64_t) i * src->height / lines));
+    judge(seam, &s, src);
+}
+
+ntp_status ntp_find_seams(ntp_seam *x, ntp_seam *y, const ntp_const_image *src,
+                          uint32_t touch_unused)
+{
+    if (x == NULL || y == NULL || touch_unused > NTP_UNUSED_ALL)
+        return NTP_ERR_ARGUMENT;
+    NTP__TRY(ntp__check_normals(src));
+    if (src->ring_rows != 0)
+        return NTP_ERR_SHAPE;
+    ntp_const_image turned = *src; /* about its diagonal */
+    turned.width = src->height;
+    turned.height = src->width;
+    turned.row_stride = src->pixel_stride;
+    turned.pixel_stride = src->row_stride;
+    measure(x, src, touch_unused, 0);
+    measure(y, &turned, touch_unused, 1);
+    return NTP_OK;
+}

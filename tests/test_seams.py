@@ -1,0 +1,149 @@
+# SPDX-License-Identifier: MIT
+"""Does a texture tile?  Periodic surfaces do, parts cut out of them do not."""
+
+import numpy as np
+import pytest
+
+import libntp_ffi as ntp
+import maps
+import test_to_height as reconstruction
+
+UNDECIDED, TILES, SEAM = range(3)
+KERNELS = ["central", "forward", "sobel3", "scharr3"]
+
+
+def find(n, encoding=ntp.STANDARD, touch=0):
+    """(left and right edges, upper and lower ones)."""
+    x, y = ntp.ffi.new("ntp_seam *"), ntp.ffi.new("ntp_seam *")
+    ntp.check(ntp.lib.ntp_find_seams(x, y, ntp.view(n, encoding, const=True), touch))
+    return ntp.fields(x), ntp.fields(y)
+
+
+def bumps(n, seed):
+    """Rounded hills, some of them across the edges."""
+    rng = np.random.default_rng(seed)
+    y, x = np.mgrid[:n, :n] / n
+    h = np.zeros((n, n))
+    for cx, cy, r in rng.uniform([0, 0, 0.05], [1, 1, 0.2], (25, 3)):
+        dx, dy = (x - cx + 0.5) % 1 - 0.5, (y - cy + 0.5) % 1 - 0.5
+        h += n * r * 0.3 * np.exp(-(dx * dx + dy * dy) / (r * r))
+    return h.astype(np.float32)
+
+
+SURFACES = [reconstruction.fractal, bumps]
+
+
+@pytest.mark.parametrize("kernel", KERNELS)
+@pytest.mark.parametrize("surface", SURFACES)
+def test_periodic_surfaces_tile(surface, kernel):
+    for seed, size in [(1, 64), (2, 256), (3, 300)]:
+        n = reconstruction.from_height(surface(size, seed), kernel)
+        for seam in find(n):
+            assert seam["tiling"] == TILES and seam["wraps"], seam
+            assert seam["closure"] < 0.1 and seam["jump"] < 3 and abs(seam["lean"]) < 1 / 255
+
+
+@pytest.mark.parametrize("surface", SURFACES)
+def test_cut_out_parts_do_not(surface):
+    seams = 0
+    for seed, size in [(1, 128), (2, 256), (3, 400), (4, 256)]:
+        n = reconstruction.from_height(surface(size, seed))
+        part = np.ascontiguousarray(n[size // 9 : size * 3 // 4, size // 7 : size * 2 // 3])
+        for seam in find(part):
+            assert seam["tiling"] != TILES and not seam["wraps"], seam
+            seams += seam["tiling"] == SEAM
+    assert seams >= 6
+
+
+def test_each_axis_by_itself():
+    h = reconstruction.fractal(256)
+    n = reconstruction.from_height(h)[:, 30:170].copy()
+    across, down = find(n)
+    assert across["tiling"] == SEAM and down["tiling"] == TILES
+    turned = np.ascontiguousarray(n.transpose(1, 0, 2)[..., [1, 0, 2]])
+    assert find(turned) == (down, across)
+
+
+def test_a_ramp_tiles_but_does_not_wrap():
+    """The normals repeat; the heights climb."""
+    h = reconstruction.fractal(256)
+    p = (np.roll(h, -1, 1) - np.roll(h, 1, 1)) / 2 + 0.2
+    q = (np.roll(h, -1, 0) - np.roll(h, 1, 0)) / 2
+    n = maps.to_type(maps.encode(reconstruction.vectors_of(p, q)))
+    across, down = find(n)
+    assert across["tiling"] == TILES and not across["wraps"]
+    assert across["lean"] == pytest.approx(-0.2, abs=0.01)
+    assert down["wraps"]
+
+
+def test_damage():
+    """JPEG and noise do not make a seam of a texture that tiles, nor tile what has one."""
+    rng = np.random.default_rng(8)
+    n = reconstruction.from_height(bumps(256, 5))
+    part = np.ascontiguousarray(n[20:200, 30:190])
+    noise = rng.normal(0, 3, n.shape)
+    for damaged in [maps.jpeg(n, 90, 0), np.clip(n + noise, 0, 255).round().astype(np.uint8)]:
+        assert all(s["tiling"] != SEAM for s in find(damaged))
+    assert all(s["tiling"] == SEAM for s in find(maps.jpeg(part, 90, 0)))
+
+
+def test_undecided():
+    rng = np.random.default_rng(5)
+    fractal = reconstruction.from_height(reconstruction.fractal(64))
+    cases = {
+        "flat": np.full((64, 64, 3), (128, 128, 255), np.uint8),
+        "dithered": np.full((64, 64, 3), (128, 128, 255), np.uint8)
+        - rng.integers(0, 2, (64, 64, 3), dtype=np.uint8),
+        "black": np.zeros((64, 64, 3), np.uint8),
+        "tiny": fractal[:10, :10].copy(),
+        "a texel": fractal[:1, :1].copy(),
+        "a row": fractal[:1].copy(),
+    }
+    for name, n in cases.items():
+        for seam in find(n):
+            assert seam["tiling"] == UNDECIDED and not seam["wraps"], (name, seam)
+    ring = fractal.copy()
+    ring[:, [0, -1]] = 0  # no normals at the edges
+    assert find(ring)[0]["tiling"] == UNDECIDED
+
+
+def test_encodings_agree():
+    n = reconstruction.from_height(reconstruction.fractal(128))
+    one = find(n)
+    assert find(np.ascontiguousarray(n[..., :2]), ntp.XY) == one
+    deep = n.astype(np.uint16) * 257
+    assert [s["tiling"] for s in find(deep)] == [s["tiling"] for s in one]
+
+
+def test_against_a_model():
+    """The numbers, by numpy."""
+    n = reconstruction.from_height(reconstruction.fractal(120))[:, :97].copy()
+    p, _ = reconstruction.slopes(n, ntp.XY)
+    slopes = -np.stack(reconstruction.slopes(n, ntp.XY))
+    across, _ = find(n)
+    heights = np.cumsum(-p, axis=1)
+    full = heights[:, -1]
+    steps = np.abs(np.diff(slopes, axis=2)).sum(0)
+    jump = np.abs(slopes[:, :, 0] - slopes[:, :, -1]).sum(0)
+    pp, qq = slopes**2
+    noise = (2 / 255) ** 2 / 12 * (1 + pp + qq) * ((1 + pp) ** 2 + pp * qq)
+    noise = noise.sum(1).mean()
+    signal = heights.var(1).mean() - full.mean() ** 2 / 12
+    assert across["lean"] == pytest.approx(full.mean() / 97)
+    assert across["jump"] == pytest.approx(jump.mean() / steps.mean())
+    assert across["closure"] == pytest.approx(np.sqrt((full.var() - noise) / (signal - noise / 6)))
+    assert across["rank"] == pytest.approx((steps > jump[:, None]).mean(), abs=1e-3)
+
+
+def test_errors():
+    n = np.zeros((8, 8, 3), np.uint8)
+    x = ntp.ffi.new("ntp_seam *")
+    src = ntp.view(n, ntp.STANDARD, const=True)
+    find_seams = ntp.lib.ntp_find_seams
+    assert find_seams(x, x, src, 0) == ntp.OK
+    assert find_seams(ntp.ffi.NULL, x, src, 0) == ntp.ERR_ARGUMENT
+    assert find_seams(x, ntp.ffi.NULL, src, 0) == ntp.ERR_ARGUMENT
+    assert find_seams(x, x, ntp.ffi.NULL, 0) == ntp.ERR_ARGUMENT
+    assert find_seams(x, x, src, 8) == ntp.ERR_ARGUMENT
+    src.ring_rows = 4
+    assert find_seams(x, x, src, 0) == ntp.ERR_SHAPE
