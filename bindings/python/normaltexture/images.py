@@ -98,14 +98,13 @@ def _read_by_pillow(data: bytes) -> Pixels:
     pillow = _library("PIL.Image", "WebP, AVIF and DDS")
     try:
         with pillow.open(io.BytesIO(data), formats=["WEBP", "AVIF", "DDS"]) as image:
-            two_channels = image.format == "DDS" and image.info.get("pixel_format") == "BC5"
-            two_channels |= image.format == "DDS" and _is_bc5(data)
             if image.mode not in ("L", "LA", "RGB", "RGBA"):
                 image = image.convert("RGBA" if "A" in image.mode else "RGB")
             pixels = np.array(image)
     except (OSError, SyntaxError, NotImplementedError) as error:
         raise ValueError(str(error) or type(error).__name__) from None
     # BC5 holds red and green only: what stands in blue is a filling.
+    two_channels = media_type(data) == "image/vnd-ms.dds" and _is_bc5(data)
     return _kept(pixels[..., :2] if two_channels else pixels, "the image")
 
 
@@ -163,7 +162,12 @@ def read(file: str | os.PathLike[str] | bytes) -> Pixels:
     if reader is None:
         pixels: Pixels = _read_ours(file)
         return pixels
-    return reader(data)
+    try:
+        return reader(data)
+    except (MissingLibraryError, ValueError):
+        raise
+    except Exception as error:  # each library has its own for a damaged file
+        raise ValueError(f"{media_type(data)}: {error or type(error).__name__}") from error
 
 
 def decode_to_png(data: bytes, mime: str) -> bytes:

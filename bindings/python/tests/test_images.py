@@ -1,156 +1,153 @@
 # SPDX-License-Identifier: MIT
-"""Image files: sample for sample both ways, and what is refused."""
+"""normaltexture.images: WebP, AVIF, TIFF, EXR and DDS give the numbers that are in the file."""
 
-import math
+import builtins
+import io
+import struct
+import sys
 
 import numpy as np
+import OpenEXR
 import pytest
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
-from hypothesis.extra import numpy as hnp
+import tifffile
+from PIL import Image, features
 
+import gltf_files
 import normaltexture as nt
-from drawn import layouts
-from pngs import png_bytes
+from cli import textures
+from normaltexture import gltf, images
+from pngs import png_bytes, read_png
 
-SHAPES = [(5, 7), (5, 7, 2), (5, 7, 3), (5, 7, 4), (1, 1, 3)]
-
-
-def image_of(dtype, shape):
-    rng = np.random.default_rng(len(shape))
-    if dtype == np.float32:
-        return rng.standard_normal(shape).astype(dtype)
-    return rng.integers(0, np.iinfo(dtype).max + 1, shape).astype(dtype)
+RGB = textures.standard(20, 28)
+DEEP = textures.standard(20, 28, depth=16)
+RGBA = np.dstack([RGB, RGB[..., 0]])
 
 
-@pytest.mark.parametrize("shape", SHAPES)
-@pytest.mark.parametrize("dtype", [np.uint8, np.uint16])
-def test_png_is_exact(dtype, shape, tmp_path):
-    image = image_of(dtype, shape)
-    for level in (None, 0, 9):
-        nt.write(tmp_path / "a.png", image, level=level)
-        got, info = nt.read(tmp_path / "a.png", return_info=True)
-        assert got.dtype == dtype and np.array_equal(got, image)
-        assert (info.width, info.height) == shape[1::-1]
-        assert info.channels == (shape[2] if len(shape) == 3 else 1)
-        assert info.bit_depth == 8 * image.itemsize
-    for kind, array in layouts(image):
-        nt.write(tmp_path / "b.png", array)
-        assert np.array_equal(nt.read(tmp_path / "b.png"), image), kind
+def by_pillow(image, kind, **options):
+    out = io.BytesIO()
+    Image.fromarray(image).save(out, kind, **options)
+    return out.getvalue()
 
 
-@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
-@given(
-    hnp.arrays(
-        st.sampled_from([np.dtype(np.uint8), np.dtype(np.uint16)]),
-        st.tuples(st.integers(1, 5), st.integers(1, 5), st.integers(1, 4)),
-    )
-)
-def test_against_a_png_made_in_python(tmp_path, image):
-    data = png_bytes(image, 8 * image.itemsize)
-    got = nt.read(data)
-    assert np.array_equal(got.reshape(image.shape), image)
-    (tmp_path / "c.png").write_bytes(data)
-    assert np.array_equal(nt.read(str(tmp_path / "c.png")), got)
-    assert nt.read_info(memoryview(data)) == nt.read(data, return_info=True)[1]
+def tiff(image, **options):
+    out = io.BytesIO()
+    tifffile.imwrite(out, image, **options)
+    return out.getvalue()
 
 
-@pytest.mark.parametrize("shape", [(4, 3), (4, 3, 3), (4, 3, 4)])
-def test_tga(shape, tmp_path):
-    image = image_of(np.uint8, shape)
-    nt.write(tmp_path / "a.tga", image)
-    got, info = nt.read(tmp_path / "a.tga", return_info=True)
-    assert np.array_equal(got, image) and info.format == "tga"
+@pytest.mark.parametrize("image", [RGB, RGBA], ids=["RGB", "RGBA"])
+def test_webp(image, tmp_path):
+    data = by_pillow(image, "WEBP", lossless=True, exact=True)
+    assert np.array_equal(images.read(data), image)
+    (tmp_path / "a.webp").write_bytes(data)
+    assert np.array_equal(images.read(tmp_path / "a.webp"), image)
+    (tmp_path / "a.png").write_bytes(images.decode_to_png(data, "image/webp"))
+    assert np.array_equal(read_png(tmp_path / "a.png")[0], image)
 
 
-@pytest.mark.parametrize("shape", [(4, 3), (4, 3, 3)])
-def test_pfm(shape, tmp_path):
-    image = image_of(np.float32, shape)
-    image.flat[0], image.flat[1] = math.nan, math.inf
-    nt.write(tmp_path / "a.pfm", image)
-    got, info = nt.read(tmp_path / "a.pfm", return_info=True)
-    assert got.tobytes() == image.tobytes() and info.format == "pfm"
+@pytest.mark.skipif(not features.check("avif"), reason="this Pillow is built without AVIF")
+def test_avif():
+    read = images.read(by_pillow(RGB, "AVIF", quality=100, subsampling="4:4:4"))
+    assert read.shape == RGB.shape and np.abs(read.astype(int) - RGB).max() <= 6
 
 
-def test_texts(tmp_path):
-    texts = {"Title": "Wand", "Comment": "r\u00f6ad \u2014 \u6cd5\u7dda"}
-    nt.write(tmp_path / "a.png", np.zeros((2, 2, 3), np.uint8), texts=texts)
-    assert nt.read(tmp_path / "a.png", return_info=True)[1].texts == texts
-    for key in ("", "x" * 80, "\u6cd5"):
-        with pytest.raises(nt.ArgumentError, match="texts: the key"):
-            nt.write(tmp_path / "b.png", np.zeros((2, 2, 3), np.uint8), texts={key: "v"})
-
-
-def test_info(test_files):
-    jpeg = nt.read_info(test_files / "jpeg.jpg")
-    assert jpeg.lossy and jpeg.format == "jpeg" and 1 <= jpeg.jpeg_quality <= 100
-    assert nt.read_info(test_files / "standard_palette.png").palette
-    assert nt.read_info(test_files / "standard_interlaced.png").interlaced
-    assert nt.read_info(test_files / "gamma.png").to_dict()["format"] == "png"
-
-
+@pytest.mark.parametrize("image", [RGB, RGBA, DEEP, RGB[..., 0], DEEP.astype(np.float32) / 65535])
 @pytest.mark.parametrize(
-    ("name", "status"),
-    [
-        ("broken_truncated.png", nt.FileStatus.CORRUPT),
-        ("broken_crc.png", nt.FileStatus.CORRUPT),
-        ("broken_text.png", nt.FileStatus.FORMAT),
-        ("broken_empty.png", nt.FileStatus.CORRUPT),
-        ("broken_huge.png", nt.FileStatus.LIMIT),
-    ],
+    "how",
+    [{}, {"compression": "zlib"}, {"compression": "lzw", "predictor": True}, {"byteorder": ">"}],
 )
-def test_broken_files(test_files, name, status):
-    for file in (test_files / name, (test_files / name).read_bytes()):
-        with pytest.raises(nt.FileError) as raised:
-            nt.read(file)
-        assert raised.value.status == status
-        assert isinstance(raised.value, OSError)
-        assert ("<bytes>" if isinstance(file, bytes) else name) in str(raised.value)
+def test_tiff(image, how):
+    photometric = "minisblack" if image.ndim == 2 else "rgb"
+    read = images.read(tiff(image, photometric=photometric, **how))
+    assert read.dtype == image.dtype and np.array_equal(read, image)
 
 
-def test_limits(test_files):
-    with pytest.raises(nt.FileError) as raised:
-        nt.read(test_files / "standard.png", max_side=95)
-    assert raised.value.status == nt.FileStatus.LIMIT
-    with pytest.raises(nt.FileError):
-        nt.read(test_files / "standard.png", max_texels=96 * 64 - 1)
-    assert nt.read(test_files / "standard.png", max_side=96, max_texels=96 * 64).shape[1] == 96
+def test_odd_tiffs():
+    planes = np.moveaxis(RGB, -1, 0)
+    data = tiff(planes, photometric="rgb", planarconfig="separate")
+    assert np.array_equal(images.read(data), RGB)
+    assert np.array_equal(
+        images.read(tiff(RGB[..., 0], photometric="miniswhite")), 255 - RGB[..., 0]
+    )
+    pages = tiff(np.stack([RGB, RGB[::-1]]), photometric="rgb")
+    assert np.array_equal(images.read(pages), RGB)
+    with pytest.raises(ValueError, match="uint32"):
+        images.read(tiff(RGB.astype(np.uint32), photometric="rgb"))
 
 
-def test_refusals(tmp_path):
-    image = np.zeros((2, 2, 3), np.uint8)
+@pytest.mark.parametrize("kind", [np.float16, np.float32])
+def test_exr(kind, tmp_path):
+    vectors = (DEEP.astype(np.float64) / 65535 * 2 - 1).astype(kind)
+    header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
+    OpenEXR.File(header, {"RGB": vectors}).write(str(tmp_path / "a.exr"))
+    read = images.read(tmp_path / "a.exr")
+    assert read.dtype == np.float32 and np.array_equal(read, vectors.astype(np.float32))
+    assert nt.measure(read, type="vector").texels == 20 * 28
+
+
+def dds(width, height, four, body, mask=()):
+    """A DDS file; `mask` are bit count and masks of an uncompressed one."""
+    flags = 0x4 if four else 0x40
+    form = struct.pack("<II4s5I", 32, flags, four or bytes(4), *(mask or (0,) * 5))
+    head = struct.pack("<7I44x", 124, 0x1007, height, width, 0, 0, 0)
+    return b"DDS " + head + form + struct.pack("<I16x", 0x1000) + body
+
+
+def test_dds():
+    bgr = RGB[..., ::-1]
+    plain = dds(28, 20, b"", bgr.tobytes(), (24, 0xFF0000, 0xFF00, 0xFF, 0))
+    assert np.array_equal(images.read(plain), RGB)
+    block = bytes([200, 200]) + bytes(6) + bytes([90, 90]) + bytes(6)
+    for four in (b"ATI2", b"BC5U"):
+        two = images.read(dds(8, 4, four, block * 2))
+        assert two.shape == (4, 8, 2) and (two == [200, 90]).all()
+    png = images.decode_to_png(dds(8, 4, b"ATI2", block * 2), "image/vnd-ms.dds")
+    assert nt.read(png).shape == (4, 8, 3)
+
+
+def test_ours_need_nothing(tmp_path):
+    data = png_bytes(DEEP)
+    assert np.array_equal(images.read(data), DEEP)
+    (tmp_path / "a.png").write_bytes(data)
+    assert np.array_equal(images.read(tmp_path / "a.png"), DEEP)
     with pytest.raises(FileNotFoundError):
-        nt.read(tmp_path / "none.png")
-    with pytest.raises(nt.FileError):
-        nt.read(tmp_path)
-    with pytest.raises(nt.ArgumentError, match=r"\.png, \.tga or \.pfm"):
-        nt.write(tmp_path / "a.bmp", image)
-    with pytest.raises(nt.ArgumentError, match="level=10"):
-        nt.write(tmp_path / "a.png", image, level=10)
-    with pytest.raises(nt.ArgumentError, match="1 to 4 channels"):
-        nt.write(tmp_path / "a.png", np.zeros((2, 2, 5), np.uint8))
-    with pytest.raises(nt.SampleTypeError, match="image: samples"):
-        nt.write(tmp_path / "a.png", np.zeros((2, 2, 3)))
-    for name, wrong in (
-        ("a.png", np.zeros((2, 2), np.float32)),
-        ("a.pfm", image),
-        ("a.tga", np.zeros((2, 2, 3), np.uint16)),
-    ):
-        with pytest.raises(nt.FileError) as raised:
-            nt.write(tmp_path / name, wrong)
-        assert raised.value.status == nt.FileStatus.USAGE
-    with pytest.raises(nt.FileError) as raised:
-        nt.write(tmp_path / "missing" / "a.png", image)
-    assert raised.value.status == nt.FileStatus.WRITE
-    assert list(tmp_path.iterdir()) == []
+        images.read(tmp_path / "b.png")
 
 
-def test_an_older_file_stays_until_the_new_one_is_complete(tmp_path):
-    path = tmp_path / "a.png"
-    nt.write(path, np.zeros((2, 2, 3), np.uint8))
-    before = path.read_bytes()
-    with pytest.raises(nt.FileError):
-        nt.write(path, np.zeros((2, 2), np.float32))
-    assert path.read_bytes() == before
-    nt.write(path, np.ones((2, 2, 3), np.uint8))
-    assert nt.read(path).all()
+@pytest.mark.parametrize("start", [b"RIFF\0\0\0\0WEBP", b"II*\0", b"v/1\x01", b"DDS ", b"hello"])
+def test_damaged(start):
+    with pytest.raises((ValueError, nt.FileError)):
+        images.read(start + b"\1" * 60)
+
+
+def test_missing_library(monkeypatch):
+    data = by_pillow(RGB, "WEBP", lossless=True)
+    for name in [name for name in sys.modules if name.partition(".")[0] == "PIL"]:
+        monkeypatch.delitem(sys.modules, name)
+    real = builtins.__import__
+
+    def without_pillow(name, *args, **kwargs):
+        if name.partition(".")[0] == "PIL":
+            raise ImportError("no PIL")
+        return real(name, *args, **kwargs)
+
+    monkeypatch.setattr(builtins, "__import__", without_pillow)
+    monkeypatch.setitem(sys.modules, "PIL", None)
+    with pytest.raises(images.MissingLibraryError, match=r"normaltexture\[images\]"):
+        images.read(data)
+
+
+def test_webp_in_gltf(tmp_path):
+    made = gltf_files.Model()
+    made.image(
+        "n.webp", by_pillow(textures.wrong_blue(RGB, 0.1), "WEBP", lossless=True), "image/webp"
+    )
+    made.textures[0] = {"extensions": {"EXT_texture_webp": {"source": 0}}}
+    made.material("m", normalTexture=0)
+    path = made.save(tmp_path / "a.glb")
+    (entry,) = gltf.check(path)["files"]
+    assert entry["status"] == "ok" and entry["type"] == "standard"
+    assert "NT001" in {found["id"] for found in entry["findings"]}
+    (entry,) = gltf.clean(path, tmp_path / "b.glb")["files"]
+    assert entry["status"] == "skipped" and "image/webp" in entry["message"]
+    assert (tmp_path / "b.glb").read_bytes() == path.read_bytes()
