@@ -47,8 +47,11 @@ _KERNELS = {"auto": 0} | {name: i for i, name in enumerate(get_args(Kernel))} | 
 _BORDERS = {"auto": -1} | {name: i for i, name in enumerate(get_args(Border))}
 _METHODS: tuple[str, ...] = get_args(HeightMethod)
 _DECODES: tuple[str, ...] = get_args(Decode)
+_METHOD_CODES = {name: i for i, name in enumerate(_METHODS)}
+_DECODE_CODES = {name: i for i, name in enumerate(_DECODES)}
 _ZS = {"auto": 2, "stored": 0, "derived": 1}
 _SCRATCH_ALIGNMENT = 64
+_LEAST_SIDE = 6  # below, no texel says which way green points
 _MOST = 1.7e308
 
 
@@ -305,20 +308,21 @@ def height_from_normals(
         from_ = resolve(source, from_, threads)
     encoding = choose("from_", from_, ENCODINGS)
     if from_y == "auto":
-        view("src", source, encoding)
-        found = detect_orientation(source, type=from_, deep=True, threads=threads)
-        from_y = "up" if found.y == "undecided" else found.y
+        from_y = "up"
+        if min(source.shape[:2]) >= _LEAST_SIDE:
+            found = detect_orientation(source, type=from_, deep=True, threads=threads)
+            from_y = "up" if found.y == "undecided" else found.y
     src_view = view("src", source, encoding, choose("from_y", from_y, YS))
     height, width = source.shape[:2]
 
     how = ffi.new("ntp_height_options *")
-    how.method = choose("method", method, {name: i for i, name in enumerate(_METHODS)})
+    how.method = choose("method", method, _METHOD_CODES)
     how.kernel = choose("kernel", kernel, _KERNELS)
     free = 0 if method == "frankot-chellappa" else _BORDERS["extrapolate"]
     for axis, given in (("border_x", border_x), ("border_y", border_y)):
         value = choose(axis if given else "border", given or border, _BORDERS)
         setattr(how, axis, free if value < 0 else value)
-    how.decode = choose("decode", decode, {name: i for i, name in enumerate(_DECODES)})
+    how.decode = choose("decode", decode, _DECODE_CODES)
     how.z = choose("z", z, _ZS)
     how.touch_unused = TOUCH_ALL if touch_unused else TOUCH_NONE
     if seeds is not None:

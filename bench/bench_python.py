@@ -1,0 +1,164 @@
+# SPDX-License-Identifier: MIT
+"""Times normaltexture beside straightforward numpy and OpenCV: bench_python.py [--size N]
+
+Run it where the package is installed, on a machine with nothing else to do: `./dev python`, then
+`.venv-python/bin/python bench/bench_python.py`.  A and B alternate in one run, and the best of each
+stands beside the goal.  The numpy and OpenCV versions are what one would write in a tool: floats,
+whole arrays, rounding half up.  OpenCV is left out where it is not installed.
+"""
+
+import argparse
+import functools
+import sys
+import time
+
+import numpy as np
+
+import normaltexture as nt
+
+try:
+    import cv2
+except ImportError:
+    cv2 = None
+
+CALL_GOAL = 30e-6  # seconds of a call on one texel
+SPEED_GOAL = 10  # times as fast as numpy
+ROUNDS = 7
+
+
+def numpy_clean(texture):
+    """Red and green stay, blue is computed; too long ones are shortened first."""
+    xy = texture[..., :2].astype(np.float32) * (2 / 255) - 1
+    length2 = (xy * xy).sum(-1, keepdims=True)
+    xy = np.where(length2 > 1, xy / np.sqrt(np.maximum(length2, 1)), xy)
+    z = np.sqrt(np.maximum(1 - (xy * xy).sum(-1, keepdims=True), 0))
+    out = np.floor((np.concatenate([xy, z], -1) + 1) * 127.5 + 0.5)
+    return out.astype(np.uint8)
+
+
+def numpy_normals(height, scale):
+    """Central differences that wrap, normalized, encoded."""
+    h = height.astype(np.float32) * (scale / 255)
+    p = (np.roll(h, -1, 1) - np.roll(h, 1, 1)) / 2
+    q = (np.roll(h, 1, 0) - np.roll(h, -1, 0)) / 2
+    n = np.stack([-p, -q, np.ones_like(h)], -1)
+    n /= np.linalg.norm(n, axis=-1, keepdims=True)
+    return np.floor((n + 1) * 127.5 + 0.5).astype(np.uint8)
+
+
+def opencv_clean(texture):
+    """The same with OpenCV's whole-array operations, on separate planes."""
+    r, g, _ = (c.astype(np.float32) for c in cv2.split(texture))
+    x, y = cv2.addWeighted(r, 2 / 255, r, 0, -1), cv2.addWeighted(g, 2 / 255, g, 0, -1)
+    length = cv2.max(cv2.magnitude(x, y), 1.0)
+    x, y = cv2.divide(x, length), cv2.divide(y, length)
+    z = cv2.sqrt(cv2.max(1 - cv2.add(cv2.multiply(x, x), cv2.multiply(y, y)), 0.0))
+    return cv2.convertScaleAbs(cv2.merge([x, y, z]), alpha=127.5, beta=127.5)
+
+
+def opencv_normals(height, scale):
+    """cv2.Sobel of size 1 is the central difference; borders are replicated."""
+    h = height.astype(np.float32)
+    p = cv2.Sobel(h, cv2.CV_32F, 1, 0, ksize=1, scale=-scale / 510)
+    q = cv2.Sobel(h, cv2.CV_32F, 0, 1, ksize=1, scale=scale / 510)
+    length = cv2.sqrt(cv2.multiply(p, p) + cv2.multiply(q, q) + 1)
+    n = cv2.merge([cv2.divide(p, length), cv2.divide(q, length), cv2.divide(1.0, length)])
+    return cv2.convertScaleAbs(n, alpha=127.5, beta=127.5)
+
+
+def seconds(call):
+    start = time.perf_counter()
+    call()
+    return time.perf_counter() - start
+
+
+def best(*calls):
+    """The least time of each; they take turns."""
+    for call in calls:
+        call()
+    times = [[seconds(call) for call in calls] for _ in range(ROUNDS)]
+    return [min(column) for column in zip(*times, strict=True)]
+
+
+class Report:
+    def __init__(self):
+        self.missed = []
+
+    def row(self, name, a, b, goal=None):
+        ratio = b / a
+        mark = ""
+        if goal is not None:
+            mark = f"  goal >= {goal:g}"
+            if ratio < goal:
+                mark += "  missed"
+                self.missed.append(name)
+        print(f"{name:46}{1e3 * a:9.2f} ms{1e3 * b:9.2f} ms{ratio:8.1f} x{mark}", flush=True)
+
+    def call(self, name, function, goal=CALL_GOAL):
+        count = 2000
+        each = min(seconds(lambda: [function() for _ in range(count)]) for _ in range(3)) / count
+        mark = ""
+        if goal is not None:
+            mark = f"  goal <= {1e6 * goal:.0f}"
+            if each > goal:
+                mark += "  missed"
+                self.missed.append(name)
+        print(f"{name:46}{1e6 * each:9.1f} us{mark}", flush=True)
+
+
+def speeds(report, size):
+    rng = np.random.default_rng(1)
+    height = rng.integers(0, 256, (size, size), np.uint8)
+    texture = numpy_normals(height, 3.0)
+    out = np.empty_like(texture)
+    print(f"{size} x {size}, 8 bit{'':28}{'ours':>12}{'theirs':>12}")
+    cases = [
+        ("clean", nt.clean, numpy_clean, opencv_clean, texture, {}),
+        ("normals_from_height", nt.normals_from_height, numpy_normals, opencv_normals, height,
+         {"scale": 3.0}),
+    ]  # fmt: skip
+    for name, function, by_numpy, by_opencv, data, how in cases:
+        ours = functools.partial(function, data, out=out, **how)
+        report.row(
+            f"{name}, numpy", *best(ours, functools.partial(by_numpy, data, **how)), SPEED_GOAL
+        )
+        if cv2 is not None:
+            report.row(f"{name}, OpenCV", *best(ours, functools.partial(by_opencv, data, **how)))
+        report.row(
+            f"{name}, two threads against one", *best(functools.partial(ours, threads=2), ours)
+        )
+
+
+def calls(report):
+    texel = np.array([[[128, 128, 255]]], np.uint8)
+    gray = texel[..., 0]
+    print("\none texel")
+    report.call("clean", lambda: nt.clean(texel))
+    report.call("validate", lambda: nt.validate(texel))
+    report.call("convert", lambda: nt.convert(texel, to="zzero"))
+    report.call("decode", lambda: nt.decode(texel))
+    report.call("heatmap", lambda: nt.heatmap(texel))
+    report.call("shade", lambda: nt.shade(texel))
+    report.call("transform", lambda: nt.transform(texel, flip="x"))
+    report.call("blend", lambda: nt.blend(texel, texel))
+    report.call("resize", lambda: nt.resize(texel, size=(1, 1)))
+    report.call("normals_from_height", lambda: nt.normals_from_height(gray, scale=1))
+    report.call("height_from_normals", lambda: nt.height_from_normals(texel))
+    report.call("detect_orientation", lambda: nt.detect_orientation(texel))
+    report.call("compare", lambda: nt.compare(texel, texel), None)
+    report.call("measure (17 MB of counters)", lambda: nt.measure(texel), None)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--size", type=int, default=2048)
+    arguments = parser.parse_args()
+    report = Report()
+    speeds(report, arguments.size)
+    calls(report)
+    if report.missed:
+        sys.exit(f"missed: {', '.join(report.missed)}")
+
+
+if __name__ == "__main__":
+    main()
