@@ -922,6 +922,40 @@ NTP_API ntp_status ntp_height_from_normals(const ntp_image *dst, const ntp_const
                                            size_t scratch_size, const ntp_hooks *hooks,
                                            ntp_height_result *result);
 
+/*
+ * Rows of normals in, rows of heights out, of a picture too large for memory.  Each function moves
+ * rows y .. y + count - 1, packed, and returns 0; anything else ends the work.  They are called from
+ * the caller's thread only.
+ */
+typedef struct ntp_height_rows {
+    void *user;
+    /* Groups of rows in order down the picture; a few rows around each are asked for as well, with
+     * NTP_BORDER_WRAP those of the other end too. */
+    int32_t (*read_normals)(void *user, void *rows, int32_t y, int32_t count);
+    /* Down the picture rows are written that are not heights yet; then, from the last group to the
+     * first, they are read again, and written as heights. */
+    int32_t (*read_heights)(void *user, float *rows, int32_t y, int32_t count);
+    int32_t (*write_heights)(void *user, const float *rows, int32_t y, int32_t count);
+} ntp_height_rows;
+
+/* Bytes of working memory: for each part about 32 rows of both pictures; 0: an argument is no
+ * good, or this is not solved row by row. */
+NTP_API size_t ntp_height_rows_scratch_size(const ntp_const_image *form,
+                                            const ntp_height_options *how, int32_t parts);
+
+/*
+ * ntp_height_from_normals row by row: the same bytes.  form says what the normals are like: of it
+ * size, channels, type, encoding and y count.  Least squares with NTP_KERNEL_FORWARD, _CENTRAL and
+ * _BAKED without a prior; central not with NTP_BORDER_MIRROR down the picture.  No mask, detrend,
+ * measure or refine.  Evidence is not looked for: NTP_DECODE_AUTO stands for UNORM, NTP_Z_AUTO
+ * for stored.
+ * Errors: NTP_ERR_FORMAT for what is not solved so; NTP_ERR_CANCELLED where a function says so.
+ */
+NTP_API ntp_status ntp_height_from_rows(const ntp_const_image *form, const ntp_height_rows *rows,
+                                        const ntp_height_options *how, void *scratch,
+                                        size_t scratch_size, const ntp_hooks *hooks,
+                                        ntp_height_result *result);
+
 /* The name of a method as the command line has it ("poisson-dct"); never NULL. */
 NTP_API const char *ntp_height_method_name(ntp_height_method method);
 

@@ -94,6 +94,8 @@ static void tap_sums_i(int32_t *sums, const int32_t *const rows[NTP__MAX_TAPS], 
         CASE(sums_i, NTP_KERNEL_GIMP5)
         CASE(sums_i, NTP_KERNEL_GIMP7)
         CASE(sums_i, NTP_KERNEL_GIMP9)
+    case NTP_KERNEL_BAKED: /* has no taps */
+        break;
     }
 }
 
@@ -111,6 +113,8 @@ static void tap_sums_d(double *sums, const double *const rows[NTP__MAX_TAPS], nt
         CASE(sums_d, NTP_KERNEL_GIMP5)
         CASE(sums_d, NTP_KERNEL_GIMP7)
         CASE(sums_d, NTP_KERNEL_GIMP9)
+    case NTP_KERNEL_BAKED: /* has no taps */
+        break;
     }
 }
 

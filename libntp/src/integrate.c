@@ -11,6 +11,7 @@
  */
 #include "integrate.h"
 
+#include <float.h>
 #include <string.h>
 
 enum {
@@ -37,6 +38,12 @@ typedef struct job {
     part *parts;
     int32_t part_count;
     const ntp_image *dst;
+    const ntp_height_rows
+        *rows;          /* NULL, or dst holds only the rows that the parts are at work on */
+    ntp__window window; /* of normals, then */
+    void *normals;
+    size_t row_bytes;
+    float min, max;
     int32_t first, end; /* rows that the parts are at work on */
 } job;
 
@@ -95,12 +102,17 @@ static void lay_out(job *j, void *scratch, const ntp__slopes *slopes)
 
 /* --------------------------------------------------------------------------------- tasks */
 
+static float *height_row(const job *j, int32_t y)
+{
+    return ntp__at_mut(j->dst, 0, j->rows != NULL ? y - j->first : y);
+}
+
 static int32_t batch_rows(const job *j, part *p, int32_t first, float *rows[ROWS])
 {
     int32_t left = j->problem.down.n - first;
     memset(p->spare, 0, (size_t) j->problem.along.n * sizeof(float));
     for (int32_t i = 0; i < ROWS; i++)
-        rows[i] = i < left ? ntp__at_mut(j->dst, 0, first + i) : p->spare;
+        rows[i] = i < left ? height_row(j, first + i) : p->spare;
     return left < ROWS ? left : ROWS;
 }
 
@@ -154,16 +166,14 @@ static void columns_down(job *j, part *p, int32_t item)
 {
     (void) p;
     for (int32_t y = j->first; y < j->end; y++)
-        ntp__columns_down(&j->columns, ntp__at_mut(j->dst, 0, y), y, item * GROUP,
-                          group_end(j, item));
+        ntp__columns_down(&j->columns, height_row(j, y), y, item * GROUP, group_end(j, item));
 }
 
 static void columns_up(job *j, part *p, int32_t item)
 {
     (void) p;
     for (int32_t y = j->end - 1; y >= j->first; y--)
-        ntp__columns_up(&j->columns, ntp__at_mut(j->dst, 0, y), y, item * GROUP,
-                        group_end(j, item));
+        ntp__columns_up(&j->columns, height_row(j, y), y, item * GROUP, group_end(j, item));
 }
 
 static void filter_columns(job *j, part *p, int32_t item)
@@ -226,15 +236,71 @@ static void set_round(job *j, int32_t round)
     j->end = j->first + (left < rows ? left : rows);
 }
 
+/* Reads the normals that the rows of a round take, in up to three runs. */
+static ntp_status read_normals(job *j)
+{
+    int32_t height = j->problem.down.n, reach = ntp__reach(&j->problem.down);
+    int32_t from = j->first - reach, count = j->end - j->first + 2 * reach;
+    bool wrap = j->problem.down.wrap;
+    if (count >= height) {
+        from = 0;
+        count = height;
+    } else if (!wrap) {
+        from = from > 0 ? from : 0;
+        count = j->end + reach < height ? j->end + reach - from : height - from;
+    }
+    j->window.first = from < 0 ? from + height : from;
+    j->window.height = height;
+    for (int32_t i = 0; i < count;) {
+        int32_t y = (j->window.first + i) % height;
+        int32_t n = count - i < height - y ? count - i : height - y;
+        if (j->rows->read_normals(j->rows->user, (char *) j->normals + (size_t) i * j->row_bytes, y,
+                                  n) != 0)
+            return NTP_ERR_CANCELLED;
+        i += n;
+    }
+    return NTP_OK;
+}
+
+static ntp_status write_heights(job *j)
+{
+    int32_t n = j->end - j->first;
+    return j->rows->write_heights(j->rows->user, j->dst->data, j->first, n) == 0
+               ? NTP_OK
+               : NTP_ERR_CANCELLED;
+}
+
+static ntp_status read_heights(job *j)
+{
+    int32_t n = j->end - j->first;
+    return j->rows->read_heights(j->rows->user, j->dst->data, j->first, n) == 0 ? NTP_OK
+                                                                                : NTP_ERR_CANCELLED;
+}
+
+static void find_range(job *j)
+{
+    for (int32_t y = j->first; y < j->end; y++) {
+        const float *row = height_row(j, y);
+        for (int32_t x = 0; x < j->problem.along.n; x++) {
+            j->min = row[x] < j->min ? row[x] : j->min;
+            j->max = row[x] > j->max ? row[x] : j->max;
+        }
+    }
+}
+
 static ntp_status go_down(job *j, int32_t rounds, double share)
 {
     for (int32_t i = 0; i < rounds; i++) {
         if (stopped(j, share * i / rounds))
             return NTP_ERR_CANCELLED;
         set_round(j, i);
+        if (j->rows != NULL)
+            NTP__TRY(read_normals(j));
         each(j, analyze, 0, (j->end - j->first + RUN * ROWS - 1) / (RUN * ROWS));
         if (!j->problem.filter)
             each(j, columns_down, 0, groups(j));
+        if (j->rows != NULL)
+            NTP__TRY(write_heights(j));
     }
     return NTP_OK;
 }
@@ -245,9 +311,15 @@ static ntp_status go_up(job *j, int32_t rounds, double share)
         if (stopped(j, 1 - share * (i + 1) / rounds))
             return NTP_ERR_CANCELLED;
         set_round(j, i);
+        if (j->rows != NULL)
+            NTP__TRY(read_heights(j));
         if (!j->problem.filter)
             each(j, columns_up, 0, groups(j));
         each(j, synthesize, 0, (j->end - j->first + RUN * ROWS - 1) / (RUN * ROWS));
+        if (j->rows != NULL) {
+            find_range(j);
+            NTP__TRY(write_heights(j));
+        }
     }
     return NTP_OK;
 }
@@ -281,50 +353,6 @@ static ntp_status least_squares(job *j)
 }
 
 /* -------------------------------------------------------------------------------- whole */
-
-static bool spacing_good(double d)
-{
-    return d >= 0 && d - d == 0;
-}
-
-/* Heights in steps of dy down: the slopes right are per step of dx, and weigh (dy/dx)^2. */
-static bool set_weights(ntp__problem *p, const ntp_height_options *how)
-{
-    double dx = how->dx != 0 ? how->dx : 1, dy = how->dy != 0 ? how->dy : 1;
-    p->ratio = dy / dx * (dy / dx);
-    p->right_weight = dy * (dy / dx);
-    p->down_weight = dy;
-    return spacing_good(how->dx) && spacing_good(how->dy) && p->ratio > 0x1p-100 &&
-           p->ratio < 0x1p100 && dy > 0x1p-100 && dy < 0x1p100;
-}
-
-ntp_status ntp__problem_init(ntp__problem *p, const ntp_height_options *how, int32_t width,
-                             int32_t height, ntp_type type)
-{
-    bool sums = how->method == NTP_HEIGHT_TELESCOPING;
-    bool wrap_x = how->border_x == NTP_BORDER_WRAP, wrap_y = how->border_y == NTP_BORDER_WRAP;
-    memset(p, 0, sizeof *p);
-    if ((how->method == NTP_HEIGHT_FRANKOT_CHELLAPPA && !(wrap_x && wrap_y)) ||
-        (how->method == NTP_HEIGHT_POISSON_DCT && (wrap_x || wrap_y)) ||
-        (int) how->prior < NTP_PRIOR_AUTO || (int) how->prior > NTP_PRIOR_ROUGHNESS ||
-        !set_weights(p, how))
-        return NTP_ERR_ARGUMENT;
-    if (sums && how->kernel != NTP_KERNEL_CENTRAL && how->kernel != NTP_KERNEL_FORWARD)
-        return NTP_ERR_FORMAT;
-    /* No slope at a border is used in telescoping. */
-    NTP__TRY(ntp__grid_axis_init(&p->along, width, how->kernel,
-                                 sums ? NTP_BORDER_CLAMP : how->border_x));
-    NTP__TRY(ntp__grid_axis_init(&p->down, height, how->kernel,
-                                 sums ? NTP_BORDER_CLAMP : how->border_y));
-    bool taps = p->along.kind == NTP__AXIS_TAPS;
-    bool prior = how->prior == NTP_PRIOR_ROUGHNESS || (how->prior == NTP_PRIOR_AUTO && taps);
-    p->single = type == NTP_U8;
-    p->filter = taps || prior || ntp__axis_transform(&p->down) == NTP__FFT_MIRROR;
-    /* A level is 2/M, its rounding error even over that; floats are 24 bits. */
-    double level = type == NTP_U8 ? 2.0 / 255 : type == NTP_U16 ? 2.0 / 65535 : 0x1p-23;
-    p->sigma = prior ? level * 0.28867513459481288 * p->down_weight : 0;
-    return NTP_OK;
-}
 
 ntp_status ntp__integrate_check(const ntp_height_options *how, int32_t width, int32_t height)
 {
@@ -365,5 +393,70 @@ ntp_status ntp__integrate(const ntp_image *dst, const ntp__slopes *slopes,
         counts->unused += j.parts[i].cache.counts.unused;
         counts->not_finite += j.parts[i].cache.counts.not_finite;
     }
+    return NTP_OK;
+}
+
+/* ---------------------------------------------------------------------------- row by row */
+
+static int32_t window_rows(const ntp__problem *p, int32_t parts)
+{
+    int32_t rows = parts * RUN * ROWS + 2 * ntp__reach(&p->down);
+    return rows < p->down.n ? rows : p->down.n;
+}
+
+static size_t sample_row(const ntp_const_image *form)
+{
+    return (size_t) form->width * (size_t) form->channels * (size_t) ntp__sample_size(form->type);
+}
+
+size_t ntp__stream_scratch(const ntp_const_image *form, const ntp_height_options *how,
+                           int32_t parts)
+{
+    ntp__problem p;
+    if (ntp__problem_init(&p, how, form->width, form->height, form->type) != NTP_OK || p.filter ||
+        how->method == NTP_HEIGHT_TELESCOPING)
+        return 0;
+    size_t rows = (size_t) (parts * RUN * ROWS);
+    return scratch_bytes(&p, parts) + ntp__aligned(rows * (size_t) form->width * sizeof(float)) +
+           ntp__aligned((size_t) window_rows(&p, parts) * sample_row(form));
+}
+
+ntp_status ntp__stream(const ntp_const_image *form, const ntp_height_rows *rows,
+                       const ntp_height_options *how, void *scratch, const ntp_hooks *hooks,
+                       ntp_height_result *result)
+{
+    job j;
+    ntp__slopes slopes;
+    char *memory = scratch;
+    memset(&j, 0, sizeof j);
+    NTP__TRY(ntp__problem_init(&j.problem, how, form->width, form->height, form->type));
+    j.part_count = hooks != NULL && hooks->parts != 0 ? hooks->parts : 1;
+    j.hooks = hooks;
+    j.rows = rows;
+    j.row_bytes = sample_row(form);
+    float *heights = take(&memory, (size_t) round_rows(&j) * (size_t) form->width * sizeof(float));
+    j.normals = take(&memory, (size_t) window_rows(&j.problem, j.part_count) * j.row_bytes);
+    ntp_image dst = ntp_image_packed(heights, form->width, form->height, 1, NTP_F32);
+    ntp_const_image src = *form;
+    src.data = j.normals;
+    src.pixel_stride = form->channels * ntp__sample_size(form->type);
+    src.row_stride = (ptrdiff_t) j.row_bytes;
+    src.ring_rows = 0;
+    j.dst = &dst;
+    ntp__slopes_init(&slopes, &src, how);
+    lay_out(&j, memory, &slopes);
+    for (int32_t i = 0; i < j.part_count; i++)
+        j.parts[i].cache.window = &j.window;
+    j.min = FLT_MAX;
+    j.max = -FLT_MAX;
+    NTP__TRY(least_squares(&j));
+    for (int32_t i = 0; i < j.part_count; i++) {
+        result->unused += j.parts[i].cache.counts.unused;
+        result->not_finite += j.parts[i].cache.counts.not_finite;
+    }
+    result->decode = slopes.decode;
+    result->z = slopes.derived ? NTP_Z_DERIVED : NTP_Z_STORED;
+    result->min = (double) j.min;
+    result->max = (double) j.max;
     return NTP_OK;
 }

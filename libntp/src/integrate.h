@@ -91,10 +91,16 @@ ntp_status ntp__problem_init(ntp__problem *p, const ntp_height_options *how, int
 
 /* ---------------------------------------------------------------------------------- rows */
 
+/* Which rows of a picture of `height` rows a view of a few begins with; they may go round. */
+typedef struct ntp__window {
+    int32_t first, height;
+} ntp__window;
+
 /* What a part remembers of rows of slopes. */
 typedef struct ntp__row_cache {
     const ntp__problem *problem;
     const ntp__slopes *slopes;
+    const ntp__window *window; /* NULL, or what the slopes' texture is a part of */
     const ntp__row_loops *loops;
     void *memory; /* of rows of slopes, right and down */
     void *line;   /* a row with NTP__PAD more on both sides */
@@ -170,6 +176,14 @@ size_t ntp__integrate_scratch(const ntp_height_options *how, int32_t width, int3
 ntp_status ntp__integrate(const ntp_image *dst, const ntp__slopes *slopes,
                           const ntp_height_options *how, void *scratch, const ntp_hooks *hooks,
                           ntp__slope_counts *counts);
+
+/* The same with rows that are read and written; 0, or an error, where columns are transformed.  The
+ * size and format of normals are those of form; decode and z are not AUTO. */
+size_t ntp__stream_scratch(const ntp_const_image *form, const ntp_height_options *how,
+                           int32_t parts);
+ntp_status ntp__stream(const ntp_const_image *form, const ntp_height_rows *rows,
+                       const ntp_height_options *how, void *scratch, const ntp_hooks *hooks,
+                       ntp_height_result *result);
 
 /* Eberly's sums.  rows: room for 5 rows of doubles. */
 void ntp__telescope(const ntp_image *dst, const ntp__slopes *slopes, const ntp_height_options *how,

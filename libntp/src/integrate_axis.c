@@ -199,3 +199,49 @@ void ntp__symbol_at(ntp__symbol *symbol, const ntp__grid_axis *axis, int32_t j)
         }
     }
 }
+
+/* ------------------------------------------------------------------------------- problem */
+
+static bool spacing_good(double d)
+{
+    return d >= 0 && d - d == 0;
+}
+
+/* Heights in steps of dy down: the slopes right are per step of dx, and weigh (dy/dx)^2. */
+static bool set_weights(ntp__problem *p, const ntp_height_options *how)
+{
+    double dx = how->dx != 0 ? how->dx : 1, dy = how->dy != 0 ? how->dy : 1;
+    p->ratio = dy / dx * (dy / dx);
+    p->right_weight = dy * (dy / dx);
+    p->down_weight = dy;
+    return spacing_good(how->dx) && spacing_good(how->dy) && p->ratio > 0x1p-100 &&
+           p->ratio < 0x1p100 && dy > 0x1p-100 && dy < 0x1p100;
+}
+
+ntp_status ntp__problem_init(ntp__problem *p, const ntp_height_options *how, int32_t width,
+                             int32_t height, ntp_type type)
+{
+    bool sums = how->method == NTP_HEIGHT_TELESCOPING;
+    bool wrap_x = how->border_x == NTP_BORDER_WRAP, wrap_y = how->border_y == NTP_BORDER_WRAP;
+    memset(p, 0, sizeof *p);
+    if ((how->method == NTP_HEIGHT_FRANKOT_CHELLAPPA && !(wrap_x && wrap_y)) ||
+        (how->method == NTP_HEIGHT_POISSON_DCT && (wrap_x || wrap_y)) ||
+        (int) how->prior < NTP_PRIOR_AUTO || (int) how->prior > NTP_PRIOR_ROUGHNESS ||
+        !set_weights(p, how))
+        return NTP_ERR_ARGUMENT;
+    if (sums && how->kernel != NTP_KERNEL_CENTRAL && how->kernel != NTP_KERNEL_FORWARD)
+        return NTP_ERR_FORMAT;
+    /* No slope at a border is used in telescoping. */
+    NTP__TRY(ntp__grid_axis_init(&p->along, width, how->kernel,
+                                 sums ? NTP_BORDER_CLAMP : how->border_x));
+    NTP__TRY(ntp__grid_axis_init(&p->down, height, how->kernel,
+                                 sums ? NTP_BORDER_CLAMP : how->border_y));
+    bool taps = p->along.kind == NTP__AXIS_TAPS;
+    bool prior = how->prior == NTP_PRIOR_ROUGHNESS || (how->prior == NTP_PRIOR_AUTO && taps);
+    p->single = type == NTP_U8;
+    p->filter = taps || prior || ntp__axis_transform(&p->down) == NTP__FFT_MIRROR;
+    /* A level is 2/M, its rounding error even over that; floats are 24 bits. */
+    double level = type == NTP_U8 ? 2.0 / 255 : type == NTP_U16 ? 2.0 / 65535 : 0x1p-23;
+    p->sigma = prior ? level * 0.28867513459481288 * p->down_weight : 0;
+    return NTP_OK;
+}

@@ -74,6 +74,10 @@ static int32_t get_row(ntp__row_cache *cache, int32_t y)
     cache->used[k] = cache->uses;
     cache->row[k] = y;
     memset(counts, 0, sizeof *counts);
+    if (cache->window != NULL) {
+        y -= cache->window->first;
+        y += y < 0 ? cache->window->height : 0;
+    }
     if (cache->problem->single)
         ntp__slopes_row_single(cache->slopes, kept_row(cache, k, false), kept_row(cache, k, true),
                                y, counts);
