@@ -69,10 +69,10 @@ static void add_cells(blue_sums *sums, const ntp_tally *t)
 static void add_samples(blue_sums *sums, const ntp_tally *t)
 {
     for (int32_t i = 0; i < 65536; i++) {
-        double n = t->sample_texels[i];
+        double n = t->pair_texels[i];
         int64_t rest = ntp__rest(i & 255, i >> 8, 255);
         if (n > 0 && rest >= 0)
-            add_blue(sums, sqrt((double) rest) / 255, (double) t->sample_blue[i] / n, n);
+            add_blue(sums, sqrt((double) rest) / 255, (double) t->pair_blue[i] / n, n);
     }
 }
 

@@ -14,20 +14,6 @@ size_t ntp_tally_size(void)
     return sizeof(ntp_tally);
 }
 
-/*
- * At least 64 rows, all of a small image, and at most one row in 32 of a large one are sampled for
- * what costs more than a count: steps between columns, and how blue goes together with red and
- * green.
- */
-static bool is_sampled(const ntp_const_image *src, int32_t y)
-{
-    enum { ROWS = 64, SPARSEST = 32 };
-    int32_t step = 1;
-    while (step < SPARSEST && src->height >= 2 * step * ROWS)
-        step *= 2;
-    return y % step == 0;
-}
-
 /* The blue of the first near cell: 8 below the derived one, or, so that no near cell is gray and
  * the loops need not look for black and white, above the level that red and green share. */
 static uint32_t first_near(int32_t k1, int32_t k2, int32_t blue)
@@ -410,40 +396,6 @@ static void count_picture(ntp_tally *t, const ntp__block *block, int32_t n, int3
     }
 }
 
-static void sample_colors(ntp_tally *t, const ntp__block *block, int32_t first, int32_t n,
-                          int32_t m)
-{
-    bool picture = t->encoding == NTP_HEIGHT;
-    for (int32_t i = first; i < first + n; i++) {
-        int32_t r = block->c[0][i], g = block->c[1][i], b = block->c[2][i], a = block->c[3][i];
-        if ((block->any_broken && block->broken[i]) ||
-            (!picture && ntp__unused(r, g, b, a, m, t->touched)))
-            continue;
-        int32_t pair = m == 255 ? r | g << 8 : ntp__narrow(r) | ntp__narrow(g) << 8;
-        t->sample_texels[pair]++;
-        t->sample_blue[pair] += (uint32_t) (m == 255 ? b : ntp__narrow(b));
-    }
-}
-
-/* Sampled rows: colors, and steps between neighboring columns for the 8 x 8 blocks that lossy
- * compression leaves.  The texel before x0 is read where there is one. */
-static void sample_row(ntp_tally *t, const ntp_const_image *src, int32_t x0, int32_t x1, int32_t y)
-{
-    ntp__block block;
-    for (int32_t x = x0; x < x1; x += NTP__BLOCK - 1) {
-        int32_t n = x1 - x < NTP__BLOCK - 1 ? x1 - x : NTP__BLOCK - 1, before = x > 0;
-        ntp__unpack(&block, src, x - before, y, n + before);
-        sample_colors(t, &block, before, n, ntp__max(src->type));
-        for (int32_t i = before == 0; i < n; i++) {
-            int32_t across = (x + i) % 8 == 0, right = i + before;
-            t->block_count[across]++;
-            for (int32_t k = 0; k < 3; k++)
-                t->block_steps[k][across] +=
-                    (uint64_t) ntp__abs(block.c[k][right] - block.c[k][right - 1]);
-        }
-    }
-}
-
 /* Looks for a second used color, which ends the search for good in all but one-color images. */
 static void note_colors(ntp_tally *t, const ntp__block *block, int32_t n, int32_t m)
 {
@@ -487,8 +439,7 @@ static void count_row(ntp_tally *t, const ntp_const_image *src, int32_t x0, int3
     }
     if (!picture && t->colors < 2)
         note_row(t, src, x0, x1, y);
-    if (is_sampled(src, y))
-        sample_row(t, src, x0, x1, y);
+    ntp__sample_row(t, src, x0, x1, y);
 }
 
 /* Makes the tally one of this kind of image, or tells that it is of another. */

@@ -2,7 +2,6 @@
 /*
  * summarize.c - the facts that follow from a tally
  */
-#include "srgb.h"
 #include "tally.h"
 
 #include <math.h>
@@ -147,16 +146,6 @@ static void describe_alpha(ntp_stats *s, const ntp_tally *t)
     }
 }
 
-static bool linear_near_unit(uint32_t r, uint32_t g, double b)
-{
-    double low = NTP__LINEAR_OF_SRGB[(int32_t) b], fraction = b - (int32_t) b;
-    double high = NTP__LINEAR_OF_SRGB[b < 255 ? (int32_t) b + 1 : 255];
-    double x = NTP__LINEAR_OF_SRGB[r] / 32767.5 - 1, y = NTP__LINEAR_OF_SRGB[g] / 32767.5 - 1;
-    double z = (low + (high - low) * fraction) / 32767.5 - 1;
-    double square = x * x + y * y + z * z;
-    return square >= 0.875 * 0.875 && square <= 1.125 * 1.125;
-}
-
 typedef struct moments {
     double n, sum[3], square[3], product[3]; /* products: r g, r b, g b */
 } moments;
@@ -174,49 +163,26 @@ static double correlation_of(const moments *m, int32_t product, int32_t a, int32
     return scale > 1e-12 ? covariance / scale : 0.0;
 }
 
-static void add_moments(moments *m, double n, double x, double y, double z)
-{
-    double v[3] = { x, y, z };
-    m->n += n;
-    for (int32_t k = 0; k < 3; k++) {
-        m->sum[k] += n * v[k];
-        m->square[k] += n * v[k] * v[k];
-    }
-    m->product[0] += n * x * y;
-    m->product[1] += n * x * z;
-    m->product[2] += n * y * z;
-}
-
-/*
- * What takes more than the sums: from the sampled rows, with the mean blue of each pair; counts are
- * scaled to all used texels.  Blue by itself is exact where the cells hold every texel.
- */
+/* What takes more than the sums: from the sampled rows; counts are scaled to all used texels.  Blue
+ * by itself is exact where the cells hold every texel. */
 static void describe_samples(ntp_stats *s, const ntp_tally *t, const uint64_t blues[256])
 {
-    moments m = { 0 }, blue = { 0 };
-    uint64_t gamma = 0, flat = 0, red = 0, green = 0, all = 0;
-    for (uint32_t i = 0; i < 65536; i++) {
-        uint64_t n = t->sample_texels[i];
-        if (n == 0)
-            continue;
-        uint32_t r = i & 255, g = i >> 8;
-        double b = (double) t->sample_blue[i] / (double) n;
-        add_moments(&m, (double) n, r / 255.0, g / 255.0, b / 255.0);
-        gamma += linear_near_unit(r, g, b) ? n : 0;
-        flat += r >= 185 && r <= 191 && g >= 185 && g <= 191 ? n : 0;
-        red += r < 128 ? n : 0;
-        green += g < 128 ? n : 0;
-        all += n;
-    }
-    if (all == 0)
+    const ntp__samples *all = &t->samples;
+    if (all->n == 0)
         return;
+    moments m = { .n = (double) all->n }, blue = { 0 };
+    for (int32_t k = 0; k < 3; k++) {
+        m.sum[k] = (double) all->sum[k] / 255.0;
+        m.square[k] = (double) all->square[k] / (255.0 * 255.0);
+        m.product[k] = (double) all->product[k] / (255.0 * 255.0);
+    }
     bool picture = t->encoding == NTP_HEIGHT;
     uint64_t used = picture ? t->texels - t->not_finite : t->narrow + t->wide.texels;
-    double scale = (double) used / (double) all;
-    s->red_low = (uint64_t) ((double) red * scale + 0.5);
-    s->green_low = (uint64_t) ((double) green * scale + 0.5);
-    s->near_gamma_flat = (uint64_t) ((double) flat * scale + 0.5);
-    s->gamma_near_unit = share(gamma, all);
+    double scale = (double) used / m.n;
+    s->red_low = (uint64_t) ((double) all->red_low * scale + 0.5);
+    s->green_low = (uint64_t) ((double) all->green_low * scale + 0.5);
+    s->near_gamma_flat = (uint64_t) ((double) all->gamma_flat * scale + 0.5);
+    s->gamma_near_unit = share(all->gamma_unit, all->n);
     s->ag_in_disc = share(t->ag_in_disc, used);
     for (int32_t k = 0; k < 3; k++) {
         s->used_mean[k] = m.sum[k] / m.n;
@@ -225,8 +191,12 @@ static void describe_samples(ntp_stats *s, const ntp_tally *t, const uint64_t bl
     s->correlation[0] = correlation_of(&m, 0, 0, 1);
     s->correlation[1] = correlation_of(&m, 1, 0, 2);
     s->correlation[2] = correlation_of(&m, 2, 1, 2);
-    for (int32_t b = 0; b < 256; b++)
-        add_moments(&blue, (double) blues[b], b / 255.0, 0, 0);
+    for (int32_t b = 0; b < 256; b++) {
+        double n = (double) blues[b], v = b / 255.0;
+        blue.n += n;
+        blue.sum[0] += n * v;
+        blue.square[0] += n * v * v;
+    }
     if (!picture && (uint64_t) blue.n == used) {
         s->used_mean[2] = blue.sum[0] / blue.n;
         s->used_sd[2] = sqrt(variance_of(&blue, 0));

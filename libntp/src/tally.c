@@ -97,13 +97,31 @@ void ntp__mark_rows(uint8_t used[NTP__ROWS], const ntp_tally *t)
     }
 }
 
+static void merge_samples(ntp_tally *into, const ntp_tally *from)
+{
+    ntp__samples *a = &into->samples;
+    const ntp__samples *b = &from->samples;
+    a->n += b->n;
+    for (int32_t k = 0; k < 3; k++) {
+        a->sum[k] += b->sum[k];
+        a->square[k] += b->square[k];
+        a->product[k] += b->product[k];
+    }
+    a->red_low += b->red_low;
+    a->green_low += b->green_low;
+    a->gamma_flat += b->gamma_flat;
+    a->gamma_unit += b->gamma_unit;
+    if (from->depth == 8)
+        return;
+    merge_counts(into->pair_texels, from->pair_texels, 65536);
+    for (int32_t i = 0; i < 65536; i++)
+        into->pair_blue[i] += from->pair_blue[i];
+}
+
 static void merge_cells(ntp_tally *into, const ntp_tally *from)
 {
     uint8_t used[NTP__ROWS];
     ntp__mark_rows(used, from);
-    merge_counts(into->sample_texels, from->sample_texels, 65536);
-    for (int32_t i = 0; i < 65536; i++)
-        into->sample_blue[i] += from->sample_blue[i];
     for (int32_t row = 0; row < NTP__ROWS; row++) {
         if (used[row])
             merge_counts(&into->near[row * NTP__NEAR], &from->near[row * NTP__NEAR], NTP__NEAR);
@@ -159,6 +177,7 @@ ntp_status ntp_tally_merge(ntp_tally *into, const ntp_tally *from)
     merge_sums(&into->wide, &from->wide, 65535);
     merge_sums(&into->transparent_wide, &from->transparent_wide, 65535);
     merge_sums(&into->transparent_narrow, &from->transparent_narrow, 255);
+    merge_samples(into, from);
     merge_cells(into, from);
     return NTP_OK;
 }
@@ -178,10 +197,11 @@ ntp_status ntp_tally_clear(ntp_tally *t)
             memset(t->far[row], 0, sizeof t->far[row]);
         t->far_used[row] = 0;
     }
-    memset(t->sample_texels, 0, sizeof t->sample_texels);
-    memset(t->sample_blue, 0, sizeof t->sample_blue);
-    if (t->wide.texels > 0)
+    if (t->depth == 16) {
         memset(&t->wide, 0, sizeof t->wide);
+        memset(t->pair_texels, 0, sizeof t->pair_texels);
+        memset(t->pair_blue, 0, sizeof t->pair_blue);
+    }
     if (t->transparent_wide.texels > 0)
         memset(&t->transparent_wide, 0, sizeof t->transparent_wide);
     if (t->transparent_narrow.texels > 0)
@@ -189,10 +209,8 @@ ntp_status ntp_tally_clear(ntp_tally *t)
     if (t->wide_flat > 0)
         memset(t->wide_flat_seen, 0, sizeof t->wide_flat_seen);
     uint32_t ready = t->rows_ready;
-    memset(t, 0, offsetof(ntp_tally, wide_flat_seen));
+    memset(t, 0, offsetof(ntp_tally, row_of));
     t->rows_ready = ready;
-    t->summed = 0;
-    t->narrow = 0;
     return NTP_OK;
 }
 

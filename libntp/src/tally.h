@@ -59,6 +59,13 @@ typedef struct ntp__channel_sums {
     uint32_t max, inverted_min;
 } ntp__channel_sums;
 
+/* Used texels of sampled rows, at 8 bit. */
+typedef struct ntp__samples {
+    uint64_t n, sum[3], square[3], product[3]; /* products: r g, r b, g b */
+    uint64_t red_low, green_low;               /* below 128 */
+    uint64_t gamma_flat, gamma_unit;           /* near (188, 188); of length 1 as linear levels */
+} ntp__samples;
+
 struct ntp_tally {
     /* What was measured; depth 0: nothing yet. */
     uint32_t depth, channels, encoding, touched;
@@ -70,29 +77,31 @@ struct ntp_tally {
     ntp__channel_sums alpha_levels;             /* 16 bit only, as wide_alpha_ends */
     uint64_t wide_alpha_ends[2];                /* alpha 0, alpha M */
 
+    ntp__samples samples;
+
     /* Every finite texel. */
     ntp__channel_sums channel[3];
     /* Different used colors, counted up to 2, and the first. */
     uint32_t colors, color[3];
-    uint64_t wide_flat;
-    uint8_t wide_flat_seen[4 * 8192]; /* a bit for each blue of the four flat pairs */
-    ntp__sums wide;
-    ntp__sums transparent_wide, transparent_narrow; /* judged at 16 and at 8 bit */
-    /* What ntp_summarize works out of the cells and the above, kept until the tally changes. */
-    uint32_t summed, summed_encoding;
-    ntp__sums used, unused;
+    uint64_t wide_flat, narrow;       /* of used texels; narrow: those of the cells */
+    uint32_t summed, summed_encoding; /* whether `used` and `unused` are of now, and for what */
 
     /* The cells: used texels only. */
-    uint64_t narrow;
-    uint32_t row_of[65536];        /* by r | g << 8: see ntp__entry */
-    uint16_t row_pair[NTP__ROWS];  /* some r | g << 8 of the row, r, g >= 128 */
-    uint32_t sample_texels[65536]; /* of sampled rows, by r | g << 8, and the sum of their blues */
-    uint64_t sample_blue[65536];
-    /* The cells of a row: those near its derived blue, and the others, which a well-formed
-     * texture does without. */
+    uint32_t row_of[65536];       /* by r | g << 8: see ntp__entry */
+    uint16_t row_pair[NTP__ROWS]; /* some r | g << 8 of the row, r, g >= 128 */
+    /* The cells of a row: those near its derived blue; the others are in `far`. */
     uint32_t near[NTP__ROWS * NTP__NEAR];
     uint8_t far_used[NTP__ROWS];
+    /* What ntp_summarize works out of the cells and the above, kept until the tally changes. */
+    ntp__sums used, unused;
+
+    /* From here on, what well-formed textures of 8 bit do without: pages that stay untouched. */
     uint32_t far[NTP__ROWS][NTP__FAR_CELLS];
+    uint8_t wide_flat_seen[4 * 8192]; /* a bit for each blue of the four flat pairs */
+    ntp__sums wide;
+    uint32_t pair_texels[65536]; /* of sampled rows, by r | g << 8 rounded to 8 bit */
+    uint64_t pair_blue[65536];   /* and the sum of their blues */
+    ntp__sums transparent_wide, transparent_narrow; /* judged at 16 and at 8 bit */
 };
 
 /* Red and green, judged: what all blues of a row share. */
@@ -130,6 +139,10 @@ static inline int32_t ntp__steepness_bin(double xy2, int32_t m)
  */
 void ntp__add_block(ntp__sums *sums, const ntp__block *block, const uint32_t *count, int32_t n,
                     int32_t m, ntp_encoding encoding);
+
+/* Adds row y's texels x0 <= x < x1 to the samples, when it is one of those sampled (sample.c). */
+void ntp__sample_row(ntp_tally *tally, const ntp_const_image *src, int32_t x0, int32_t x1,
+                     int32_t y);
 
 /* Fills row_of and row_pair, once. */
 void ntp__rows_prepare(ntp_tally *tally);

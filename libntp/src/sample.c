@@ -1,0 +1,93 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * sample.c - what is measured on some rows only, because it costs more than a count
+ *
+ * How the channels go together, gamma, and the steps between columns that lossy compression
+ * leaves.  All are integer sums, so parts merge exactly.
+ */
+#include "level.h"
+#include "srgb.h"
+#include "tally.h"
+
+/* At least 64 rows, all of a small image, and at most one row in 32 of a large one. */
+static bool is_sampled(const ntp_const_image *src, int32_t y)
+{
+    enum { ROWS = 64, SPARSEST = 32 };
+    int32_t step = 1;
+    while (step < SPARSEST && src->height >= 2 * step * ROWS)
+        step *= 2;
+    return y % step == 0;
+}
+
+/* Within 1/8 of length 1 when the levels are decoded from sRGB first. */
+static bool linear_near_unit(int32_t r, int32_t g, int32_t b)
+{
+    enum { M = 65535 };
+    int64_t x = 2 * (int64_t) NTP__LINEAR_OF_SRGB[r] - M;
+    int64_t y = 2 * (int64_t) NTP__LINEAR_OF_SRGB[g] - M;
+    int64_t z = 2 * (int64_t) NTP__LINEAR_OF_SRGB[b] - M;
+    int64_t square = x * x + y * y + z * z, unit = (int64_t) M * M;
+    return 64 * square >= 49 * unit && 64 * square <= 81 * unit;
+}
+
+static bool near_gamma_flat(int32_t level)
+{
+    return level >= 185 && level <= 191;
+}
+
+static void add_color(ntp__samples *s, int32_t r, int32_t g, int32_t b)
+{
+    const uint32_t v[3] = { (uint32_t) r, (uint32_t) g, (uint32_t) b };
+    s->n++;
+    for (int32_t k = 0; k < 3; k++) {
+        s->sum[k] += v[k];
+        s->square[k] += v[k] * v[k];
+    }
+    s->product[0] += v[0] * v[1];
+    s->product[1] += v[0] * v[2];
+    s->product[2] += v[1] * v[2];
+    s->red_low += r < 128;
+    s->green_low += g < 128;
+    s->gamma_flat += near_gamma_flat(r) && near_gamma_flat(g);
+    s->gamma_unit += linear_near_unit(r, g, b);
+}
+
+static void add_colors(ntp_tally *t, const ntp__block *block, int32_t first, int32_t n, int32_t m)
+{
+    bool picture = t->encoding == NTP_HEIGHT;
+    for (int32_t i = first; i < first + n; i++) {
+        int32_t r = block->c[0][i], g = block->c[1][i], b = block->c[2][i], a = block->c[3][i];
+        if ((block->any_broken && block->broken[i]) ||
+            (!picture && ntp__unused(r, g, b, a, m, t->touched)))
+            continue;
+        if (m != 255) {
+            r = ntp__narrow(r);
+            g = ntp__narrow(g);
+            b = ntp__narrow(b);
+            t->pair_texels[r | g << 8]++;
+            t->pair_blue[r | g << 8] += (uint32_t) b;
+        }
+        add_color(&t->samples, r, g, b);
+    }
+}
+
+/* Steps between neighboring columns, apart where a block of 8 x 8 would end.  The texel before x0
+ * is read where there is one. */
+void ntp__sample_row(ntp_tally *t, const ntp_const_image *src, int32_t x0, int32_t x1, int32_t y)
+{
+    if (!is_sampled(src, y))
+        return;
+    ntp__block block;
+    for (int32_t x = x0; x < x1; x += NTP__BLOCK - 1) {
+        int32_t n = x1 - x < NTP__BLOCK - 1 ? x1 - x : NTP__BLOCK - 1, before = x > 0;
+        ntp__unpack(&block, src, x - before, y, n + before);
+        add_colors(t, &block, before, n, ntp__max(src->type));
+        for (int32_t i = before == 0; i < n; i++) {
+            int32_t across = (x + i) % 8 == 0, right = i + before;
+            t->block_count[across]++;
+            for (int32_t k = 0; k < 3; k++)
+                t->block_steps[k][across] +=
+                    (uint64_t) ntp__abs(block.c[k][right] - block.c[k][right - 1]);
+        }
+    }
+}
