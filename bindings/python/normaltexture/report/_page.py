@@ -33,6 +33,7 @@ TYPE_WORDS = {
     "one-color": "one color",
     "not-normals": "no normals",
 }
+CHANNEL_WORDS = {1: "gray", 2: "gray and alpha", 3: "RGB", 4: "RGBA"}
 GREEN_WORDS = {"up": "up (OpenGL)", "down": "down (DirectX)", "undecided": "undecided"}
 _ORDER = {"unreadable": 4, "error": 3, "warning": 2, "ok": 1, "skipped": 0}
 STATE_WORDS = {
@@ -124,7 +125,7 @@ def _view(file: Mapping[str, Any], number: int, rules: Mapping[str, _ntp.Rule]) 
         green=green(file),
         size=f"{file['width']} × {file['height']}",
         texels=file["texels"],
-        layout=f"{file['bit_depth']} bit, {file['channels']} channels",
+        layout=f"{file['bit_depth']}-bit {CHANNEL_WORDS[file['channels']]}",
         format=file["format"].upper(),
         angle=file["angle_deg"],
         length=file["length"],
