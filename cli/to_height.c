@@ -13,15 +13,14 @@
 #include <string.h>
 #include <strings.h>
 
-#include "parallel.h"
+#include "heights.h"
 #include "planes.h"
 #include "report.h"
 #include "whole.h"
 
 enum {
     BLOCK_ROWS = 64,
-    TEXTS = 2,          /* scale and offset */
-    READ_PERMILLE = 400 /* of the work that reading is */
+    TEXTS = 2 /* scale and offset */
 };
 
 static const char SCALE_KEY[] = "Height scale", OFFSET_KEY[] = "Height offset";
@@ -124,31 +123,6 @@ static bool read_settings(to_height_settings *set, const options *o)
     return read_seeds(&set->how, option_string(o, OPT_SEEDS)) && read_depth(set, o) && agree(set);
 }
 
-/* -------------------------------------------------------------------------- solving */
-
-static int32_t tell_progress(void *user, double share)
-{
-    worker *w = user;
-    const int permille = READ_PERMILLE + (int) (share * (1000 - READ_PERMILLE));
-    atomic_store_explicit(&w->permille, permille, memory_order_relaxed);
-    return interrupted_by != 0;
-}
-
-typedef struct team {
-    worker *w;
-    crew *threads;
-} team;
-
-static int32_t team_progress(void *user, double share)
-{
-    return tell_progress(((team *) user)->w, share);
-}
-
-static void team_run(void *user, int32_t count, void (*task)(void *work, int32_t index), void *work)
-{
-    crew_run(((team *) user)->threads, count, task, work);
-}
-
 static bool cannot(const production *p, ntp_status status, ntpio_error *error)
 {
     const to_height_state *st = p->state;
@@ -159,26 +133,6 @@ static bool cannot(const production *p, ntp_status status, ntpio_error *error)
              ntp_kernel_name(st->how.kernel), ntp_border_name(st->how.border_x),
              ntp_border_name(st->how.border_y));
     return wrong_use(p, why, error);
-}
-
-static bool solve(production *p, const ntp_image *heights, ntpio_error *error)
-{
-    to_height_state *st = p->state;
-    const int32_t parts = p->w->threads < NTP_MAX_PARTS ? p->w->threads : NTP_MAX_PARTS;
-    const ntp_image *view = &p->s.view;
-    const size_t size = ntp_height_scratch_size(&st->how, view->width, view->height, parts);
-    if (size == 0)
-        return cannot(p, NTP_ERR_FORMAT, error);
-    void *scratch = need(aligned_alloc(64, (size + 63) / 64 * 64));
-    team all = { p->w, crew_start(parts) };
-    const ntp_hooks hooks = {
-        .user = &all, .progress = team_progress, .parallel_for = team_run, .parts = parts
-    };
-    const ntp_status status =
-        ntp_height_from_normals(heights, &st->src, &st->how, scratch, size, &hooks, &st->result);
-    crew_stop(all.threads);
-    free(scratch);
-    return status == NTP_OK || cannot(p, status, error);
 }
 
 /* -------------------------------------------------------------------------- writing */
@@ -319,8 +273,6 @@ static bool finish(production *p, ntpio_error *error)
     st->how = set->how;
     st->how.touch_unused = p->touch;
     choose_method(st, p);
-    to_height_choose(st, set, p->in);
-
     unsigned char *plane = NULL;
     ntp_image mask = { 0 };
     ntp_const_image seen;
@@ -334,7 +286,13 @@ static bool finish(production *p, ntpio_error *error)
     }
     ntp_image heights = ntp_image_packed(buffer_reserve(&p->w->extra2, texels * sizeof(float)),
                                          view->width, view->height, 1, NTP_F32);
-    ok = ok && solve(p, &heights, error);
+    if (ok) {
+        ntp_status status = to_height_choose(st, set, p->in, p->w, &heights);
+        if (status == NTP_OK)
+            status = heights_solve(p->w, &heights, &st->src, &st->how,
+                                   (stretch) { SOLVE_PERMILLE, 1000 }, &st->result);
+        ok = status == NTP_OK || cannot(p, status, error);
+    }
     free(plane);
     st->how.mask = NULL;
     if (!ok)

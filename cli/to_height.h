@@ -32,8 +32,11 @@ typedef struct to_height_state {
     double scale, offset; /* of what is written */
 } to_height_state;
 
-/* Settles Y, the kernel and the borders that are left to evidence. */
-void to_height_choose(to_height_state *st, const to_height_settings *set, const input *in);
+enum { READ_PERMILLE = 400, SOLVE_PERMILLE = 600 }; /* of the work: after reading, after choosing */
+
+/* Settles Y, the kernel and the borders that are left to evidence.  heights: room for them. */
+ntp_status to_height_choose(to_height_state *st, const to_height_settings *set, const input *in,
+                            worker *w, const ntp_image *heights);
 
 /* Adds what was done to the file's line or JSON object. */
 void to_height_describe(const production *p, text *line, json_t *object);

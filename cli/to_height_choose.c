@@ -7,6 +7,7 @@
  */
 #include <stdlib.h>
 
+#include "heights.h"
 #include "to_height.h"
 
 static void choose_y(to_height_state *st, const to_height_settings *set, const input *in)
@@ -39,35 +40,51 @@ static void choose_kernel(to_height_state *st, const to_height_settings *set)
     st->kernel_by = found.decided || found.kernel != NTP_KERNEL_CENTRAL ? BY_TEXELS : BY_DEFAULT;
 }
 
-/* Free borders do little harm to a texture that tiles; wrap spoils one that does not. */
-static void choose_borders(to_height_state *st, const to_height_settings *set)
+/*
+ * A border is told by the normals at the edges where the heights are quickly had, else by whether
+ * the texture tiles.
+ */
+static ntp_status choose_borders(to_height_state *st, const to_height_settings *set, worker *w,
+                                 const ntp_image *heights)
 {
+    const ntp_height_method method = st->how.method;
     const int asked[2] = { set->border_x, set->border_y };
-    const ntp_height_method method = set->how.method;
+    const bool fixed[2] = { asked[0] != AUTO, asked[1] != AUTO };
+    ntp_border *chosen[2] = { &st->how.border_x, &st->how.border_y };
     ntp_seam seams[2] = { { 0 }, { 0 } };
-    ntp_border chosen[2];
-    if (asked[0] == AUTO || asked[1] == AUTO)
-        ntp_find_seams(&seams[0], &seams[1], &st->src, st->how.touch_unused);
-    for (int axis = 0; axis < 2; axis++) {
-        const bool by_method =
-            method == NTP_HEIGHT_FRANKOT_CHELLAPPA || method == NTP_HEIGHT_POISSON_DCT;
-        const bool wraps =
-            by_method ? method == NTP_HEIGHT_FRANKOT_CHELLAPPA : seams[axis].wraps != 0;
-        chosen[axis] = asked[axis] != AUTO ? (ntp_border) asked[axis]
-                       : wraps             ? NTP_BORDER_WRAP
-                                           : NTP_BORDER_EXTRAPOLATE;
-        st->border_by[axis] = asked[axis] != AUTO || by_method             ? BY_OPTION
-                              : seams[axis].tiling == NTP_TILING_UNDECIDED ? BY_DEFAULT
-                                                                           : BY_TEXELS;
+    border_choice found[2];
+    ntp_status status = NTP_OK;
+    for (int i = 0; i < 2; i++) {
+        const bool wraps = method == NTP_HEIGHT_FRANKOT_CHELLAPPA;
+        *chosen[i] = fixed[i] ? (ntp_border) asked[i] : NTP_BORDER_WRAP;
+        st->border_by[i] = fixed[i] || wraps ? BY_OPTION : BY_DEFAULT;
     }
-    st->how.border_x = chosen[0];
-    st->how.border_y = chosen[1];
+    if ((fixed[0] && fixed[1]) || method == NTP_HEIGHT_FRANKOT_CHELLAPPA)
+        return NTP_OK;
+    if (method != NTP_HEIGHT_POISSON_DCT)
+        ntp_find_seams(&seams[0], &seams[1], &st->src, st->how.touch_unused);
+    for (int i = 0; i < 2; i++)
+        found[i] = (border_choice) { seams[i].wraps ? NTP_BORDER_WRAP
+                                                    : heights_free_border(st->how.kernel),
+                                     seams[i].wraps != 0 };
+    if (method == NTP_HEIGHT_AUTO || method == NTP_HEIGHT_POISSON_DCT)
+        status = heights_find_borders(found, w, heights, &st->src, &st->how, fixed, seams,
+                                      (stretch) { READ_PERMILLE, SOLVE_PERMILLE });
+    for (int i = 0; i < 2; i++) {
+        if (fixed[i])
+            continue;
+        const bool never = method == NTP_HEIGHT_POISSON_DCT && found[i].border == NTP_BORDER_WRAP;
+        *chosen[i] = never ? heights_free_border(st->how.kernel) : found[i].border;
+        st->border_by[i] = found[i].told && !never ? BY_TEXELS : BY_DEFAULT;
+    }
+    return status;
 }
 
-void to_height_choose(to_height_state *st, const to_height_settings *set, const input *in)
+ntp_status to_height_choose(to_height_state *st, const to_height_settings *set, const input *in,
+                            worker *w, const ntp_image *heights)
 {
     choose_y(st, set, in);
     st->src.y = st->y;
     choose_kernel(st, set);
-    choose_borders(st, set);
+    return choose_borders(st, set, w, heights);
 }
