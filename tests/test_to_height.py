@@ -391,6 +391,56 @@ def test_telescoping_recovers_consistent_heights(kernel, shape):
     assert np.array_equal(ours, h)
 
 
+def untaken(p, q, central, heights_of, border_x, border_y, dx=1, dy=1):
+    """What is off in the equations that the sums leave out, inside and across borders that wrap."""
+    h, w = p.shape
+    reach = 1 if central else 0
+    rows = 1 + reach
+    off = []
+    for y, x in np.ndindex(h, w):
+        inside = reach <= x < w - 1
+        if (inside and y >= rows) or (not inside and border_x == WRAP and w > 1):
+            slope = (heights_of[y, (x + 1) % w] - heights_of[y, x - reach]) / (rows * dx)
+            off.append(abs(slope - p[y, x]))
+        if not reach <= y < h - 1 and border_y == WRAP and h > 1:
+            slope = (heights_of[(y + 1) % h, x] - heights_of[y - reach, x]) / (rows * dy)
+            off.append(abs(slope - q[y, x]))
+    return np.array(off) if off else np.zeros(1)
+
+
+@pytest.mark.parametrize("kernel", KERNELS)
+@pytest.mark.parametrize("borders", [*itertools.product([WRAP, CLAMP], repeat=2)])
+def test_consistency_of_telescoping(kernel, borders):
+    rng = np.random.default_rng(9)
+    central = kernel == "central"
+    how = {"kernel": kernel, "border_x": borders[0], "border_y": borders[1]}
+    for shape in [*SIZES, (12, 17)]:
+        n = random_vectors(rng, shape)
+        p, q = slopes(n, ntp.VECTOR)
+        seeds = [0.5, -1.25, 2, 3]
+        spacing = {"dx": 0.5, "dy": 2.0}
+        model = telescoped(p * 0.5, q * 2, central, seeds)
+        ours, result = to_height(
+            n, ntp.VECTOR, method=TELESCOPING, use_seeds=1, seeds=seeds, **how, **spacing
+        )
+        assert near(ours, model, 1e-7)
+        off = untaken(p, q, central, model, *borders, **spacing)
+        assert np.isclose(result["consistency"], np.sqrt(np.mean(off**2)), rtol=1e-9, atol=1e-12)
+        assert np.isclose(result["consistency_max"], off.max(), rtol=1e-9, atol=1e-12)
+    # Heights of which every difference is a float: nothing is off.
+    h = np.round(rng.normal(size=(14, 16)) * 8) / 8
+    p, q = h @ stencil(16, kernel, WRAP).T, stencil(14, kernel, WRAP) @ h
+    n = np.stack([-p, q, np.ones(h.shape)], axis=-1).astype(np.float32)
+    seeds = [h[0, 0], h[0, 1], h[1, 0], h[1, 1]]
+    how.update(method=TELESCOPING, use_seeds=1, seeds=seeds)
+    ours, result = to_height(n, ntp.VECTOR, **how)
+    assert np.array_equal(ours, h)
+    assert (result["consistency"], result["consistency_max"]) == (0, 0)
+    n[5, 5, 0] += 1
+    assert to_height(n, ntp.VECTOR, **how)[1]["consistency_max"] >= 1
+    assert to_height(n, ntp.VECTOR, kernel=kernel)[1]["consistency"] == 0
+
+
 # ------------------------------------------------------------------- threads and hooks
 
 

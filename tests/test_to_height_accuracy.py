@@ -26,6 +26,7 @@ N = 512
 SLACK = 1.05
 NEAREST = 1  # blue as it is, not derived anew from the rounded red and green
 BAKED = 10
+TELESCOPING = 1
 
 
 def normals(h, kernel, border, dtype):
@@ -132,6 +133,30 @@ def test_sixteen_bits_and_floats(fields, field, kernel):
     assert error(ours, h) <= 1e-6
     ours, _ = to_height(normals(h, kernel, border, np.float32), ntp.VECTOR, **how)
     assert error(ours, h) <= 1e-7
+
+
+def test_sums_drift_and_seeds_make_a_checkerboard(fields):
+    """Why least squares is the default."""
+    h, border = fields["fractal"]
+    seen = np.ascontiguousarray(without_parity(h), np.float32)
+    n = normals(seen, "central", border, np.float32)
+    how = {"kernel": "central", "method": TELESCOPING}
+    by_rule, _ = to_height(n, ntp.VECTOR, **how)
+    equal, facts = to_height(n, ntp.VECTOR, equalize=1, **how)
+    # The mean of neighbors is off by what is between texels; with equal means of even and odd
+    # texels heights come back.
+    assert np.std(by_rule - seen) > 100 * np.std(equal - seen)
+    assert np.std(without_parity(by_rule) - seen) < 1e-4
+    assert np.std(equal - seen) < 1e-4
+    assert facts["consistency"] < 1e-6
+    for kernel, field in [("forward", h), ("central", seen)]:
+        field = np.ascontiguousarray(field, np.float32)
+        n = normals(field, kernel, border, np.uint8)
+        how = {"kernel": kernel, "decode": UNORM}
+        sums, facts = to_height(n, method=TELESCOPING, equalize=1, **how)
+        least, _ = to_height(n, **how)
+        assert error(sums, field) > 8 * error(least, field)
+        assert 0.002 < facts["consistency"] < 0.2
 
 
 def test_baked_bumps():

@@ -6,7 +6,6 @@ oracle_height.  Where a border mirrors heights about a texel, the texels at the 
 """
 
 import functools
-import itertools
 
 import numpy as np
 import pytest
@@ -42,13 +41,15 @@ def rows_down(name):
 
 @functools.cache
 def matrix_of(kernel, down, shape, borders):
+    """Of borders that stand for one texel each: wrap, clamp, mirror."""
     h, w = shape
     taps = rows_down(kernel) if down else heights.taps(kernel, False)
     out = np.zeros((h * w, h * w))
-    for (y, x), ((i, j), weight) in itertools.product(np.ndindex(h, w), taps.items()):
-        for column, a in heights.reflect(x + i, w, borders[0]):
-            for row, b in heights.reflect(y + j, h, borders[1]):
-                out[y * w + x, row * w + column] += float(weight * a * b)
+    at = np.arange(h * w).reshape(h, w)
+    for (i, j), weight in taps.items():
+        columns = [heights.reflect(x + i, w, borders[0])[0][0] for x in range(w)]
+        rows = [heights.reflect(y + j, h, borders[1])[0][0] for y in range(h)]
+        out[at.ravel(), at[np.ix_(rows, columns)].ravel()] += weight
     return out
 
 
@@ -204,7 +205,7 @@ def differences(n, wrap):
 @pytest.mark.parametrize("border_y", [WRAP, CLAMP, EXTRAPOLATE])
 def test_baked_slopes_are_those_of_edges(border_x, border_y):
     rng = np.random.default_rng(15)
-    for shape in [*SHAPES, (3, 3), (20, 31), (31, 4)]:
+    for shape in [*SHAPES, (3, 3), (12, 13), (31, 4)]:
         h, w = shape
         n = random_vectors(rng, shape)
         p, q = slopes(n, ntp.VECTOR)

@@ -873,6 +873,9 @@ typedef struct ntp_height_result {
     uint64_t refine_left;     /* texels whose normal the heights do not give again exactly */
     double residual;          /* rms of x and y of the heights' normals less those of the texture,
                                * in levels (floats: of 16 bit); -1: not measured */
+    /* NTP_HEIGHT_TELESCOPING, of the equations that the sums did not take, those of other paths: rms
+     * and greatest |slope of the heights - stored slope|; else 0 */
+    double consistency, consistency_max;
 } ntp_height_result;
 
 /* The caller's part in an operation that takes long.  NULL, or NULL members: nothing of it. */

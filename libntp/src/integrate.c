@@ -18,7 +18,7 @@ enum {
     ROWS = NTP__FFT_ROWS,
     RUN = 2,                  /* batches of a part that follow each other */
     GROUP = 8 * NTP__COLUMNS, /* columns of a part */
-    EXTRA_ROWS = 5            /* of telescoping */
+    EXTRA_ROWS = 7            /* of telescoping */
 };
 
 /* What a part works with. */

@@ -185,7 +185,7 @@ ntp_status ntp__stream(const ntp_const_image *form, const ntp_height_rows *rows,
                        const ntp_height_options *how, void *scratch, const ntp_hooks *hooks,
                        ntp_height_result *result);
 
-/* Eberly's sums.  rows: room for 5 rows of doubles. */
+/* Eberly's sums.  rows: room for 7 rows of doubles. */
 void ntp__telescope(const ntp_image *dst, const ntp__slopes *slopes, const ntp_height_options *how,
                     double *rows, ntp__slope_counts *counts);
 

@@ -150,7 +150,7 @@ ntp_status ntp_height_from_normals(const ntp_image *dst, const ntp_const_image *
 {
     ntp_height_options r;
     ntp_height_result done;
-    ntp__slope_counts counts = { 0, 0 };
+    ntp__slope_counts counts = { 0, 0, 0, 0 };
     ntp__slopes slopes;
     memset(&done, 0, sizeof done);
     NTP__TRY(check_views(dst, src));
@@ -178,6 +178,8 @@ ntp_status ntp_height_from_normals(const ntp_image *dst, const ntp_const_image *
     done.z = slopes.derived ? NTP_Z_DERIVED : NTP_Z_STORED;
     done.unused += counts.unused;
     done.not_finite += counts.not_finite;
+    done.consistency = counts.consistency;
+    done.consistency_max = counts.consistency_max;
     done.residual = -1;
     if (r.detrend && !weighted)
         detrend(dst, &r, &done);

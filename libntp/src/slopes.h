@@ -22,6 +22,7 @@ typedef struct ntp__slopes {
 
 typedef struct ntp__slope_counts {
     uint64_t unused, not_finite;
+    double consistency, consistency_max; /* of telescoping: see ntp_height_result */
 } ntp__slope_counts;
 
 /* Looks at the texture where decode is NTP_DECODE_AUTO. */

@@ -4,22 +4,28 @@
  *
  * David Eberly, "Reconstructing a Height Field from a Normal Map", sections 3.1 (one-sided) and
  * 3.2 (centered).  The sums are doubles.  A first walk finds the mean, a second one writes, so
- * that each height is rounded once.
+ * that each height is rounded once.  There are more equations than heights: what the sums did not
+ * take is compared with the heights that they made (his conditions of consistency).
  */
 #include "integrate.h"
 
+#include <math.h>
 #include <string.h>
 
 typedef struct telescope {
     const ntp__slopes *slopes;
     const ntp_image *dst;
     int32_t width;
-    bool central;
+    bool central, wrap_x, wrap_y;
+    double dx, dy;
     double seeds[4];
     double *right, *down, *down_above; /* slopes of a row, and those down of the one before */
     double *above[2];                  /* heights of the rows before */
-    double sum[4];                     /* of the heights by parity of column and row */
-    double shift[4];                   /* added to them */
+    double *top[2];                    /* heights of the first rows */
+    double squares, most;              /* of what is off, in the equations not taken */
+    uint64_t equations;
+    double sum[4];   /* of the heights by parity of column and row */
+    double shift[4]; /* added to them */
     uint64_t count[4];
     bool write;
 } telescope;
@@ -30,13 +36,13 @@ static void along_row(const telescope *t, double *h, double first, double second
     h[0] = first;
     if (!t->central) {
         for (int32_t x = 1; x < t->width; x++)
-            h[x] = h[x - 1] + t->right[x - 1];
+            h[x] = h[x - 1] + t->dx * t->right[x - 1];
         return;
     }
     if (t->width > 1)
         h[1] = second;
     for (int32_t x = 2; x < t->width; x++)
-        h[x] = h[x - 2] + 2 * t->right[x - 1];
+        h[x] = h[x - 2] + 2 * t->dx * t->right[x - 1];
 }
 
 static void put_row(telescope *t, const double *h, int32_t y)
@@ -53,6 +59,55 @@ static void put_row(telescope *t, const double *h, int32_t y)
     }
 }
 
+/* ---------------------------------------------------------------------- consistency */
+
+/* One equation: two heights apart by a slope. */
+static void compare(telescope *t, double difference, double spacing, double slope)
+{
+    double off = difference / spacing - slope;
+    off = off < 0 ? -off : off;
+    t->squares += off * off;
+    t->most = off > t->most ? off : t->most;
+    t->equations++;
+}
+
+/* Slopes to the right of row y, but for those that its heights are made of. */
+static void compare_row(telescope *t, const double *h, int32_t y)
+{
+    int32_t n = t->width, reach = t->central ? 1 : 0, rows = t->central ? 2 : 1;
+    double spacing = (1 + reach) * t->dx;
+    for (int32_t x = reach; y >= rows && x < n - 1; x++)
+        compare(t, h[x + 1] - h[x - reach], spacing, t->right[x]);
+    if (!t->wrap_x || n < 2)
+        return;
+    compare(t, h[0] - h[n - 1 - reach], spacing, t->right[n - 1]);
+    if (t->central)
+        compare(t, h[1] - h[n - 1], spacing, t->right[0]);
+}
+
+/* Slopes down across the lower edge; the last row's are in down_above. */
+static void compare_edge(telescope *t)
+{
+    int32_t height = t->dst->height;
+    const double *last = t->above[t->central ? (height - 1) & 1 : 0];
+    const double *before = t->above[height & 1];
+    if (!t->wrap_y || height < 2)
+        return;
+    for (int32_t x = 0; x < t->width; x++) {
+        if (t->central)
+            compare(t, t->top[0][x] - before[x], 2 * t->dy, t->down_above[x]);
+        else
+            compare(t, t->top[0][x] - last[x], t->dy, t->down_above[x]);
+    }
+    if (!t->central)
+        return;
+    ntp__slopes_row(t->slopes, t->right, t->down, 0, NULL);
+    for (int32_t x = 0; x < t->width; x++)
+        compare(t, t->top[1][x] - last[x], 2 * t->dy, t->down[x]);
+}
+
+/* ------------------------------------------------------------------------------- sums */
+
 static void walk(telescope *t, ntp__slope_counts *counts)
 {
     for (int32_t y = 0; y < t->dst->height; y++) {
@@ -64,10 +119,14 @@ static void walk(telescope *t, ntp__slope_counts *counts)
             along_row(t, h, t->seeds[2], t->seeds[3]);
         } else {
             /* h is the row before, or for central slopes the one before that. */
-            double step = t->central ? 2 : 1;
+            double step = t->central ? 2 * t->dy : t->dy;
             for (int32_t x = 0; x < t->width; x++)
                 h[x] += step * t->down_above[x];
         }
+        if (y < 2)
+            memcpy(t->top[y], h, (size_t) t->width * sizeof *h);
+        if (t->write)
+            compare_row(t, h, y);
         put_row(t, h, y);
         double *swap = t->down;
         t->down = t->down_above;
@@ -81,16 +140,16 @@ static void default_seeds(telescope *t)
     int32_t w = t->width, h = t->dst->height;
     double p10, q01;
     ntp__slopes_row(t->slopes, t->right, t->down, 0, NULL);
-    p10 = w > 1 ? t->right[1] : 0;
+    p10 = w > 1 ? t->dx * t->right[1] : 0;
     if (w > 1)
         t->seeds[1] = p10;
     if (h < 2)
         return;
     ntp__slopes_row(t->slopes, t->right, t->down, 1, NULL);
-    q01 = t->down[0];
+    q01 = t->dy * t->down[0];
     t->seeds[2] = q01;
     if (w > 1)
-        t->seeds[3] = (q01 + t->right[1] + p10 + t->down[1]) / 2;
+        t->seeds[3] = (q01 + t->dx * t->right[1] + p10 + t->dy * t->down[1]) / 2;
 }
 
 static void set_shifts(telescope *t, bool equalize)
@@ -121,6 +180,12 @@ void ntp__telescope(const ntp_image *dst, const ntp__slopes *slopes, const ntp_h
     t.down_above = rows + 2 * w;
     t.above[0] = rows + 3 * w;
     t.above[1] = rows + 4 * w;
+    t.top[0] = rows + 5 * w;
+    t.top[1] = rows + 6 * w;
+    t.dx = how->dx != 0 ? how->dx : 1;
+    t.dy = how->dy != 0 ? how->dy : 1;
+    t.wrap_x = how->border_x == NTP_BORDER_WRAP;
+    t.wrap_y = how->border_y == NTP_BORDER_WRAP;
     if (how->use_seeds)
         memcpy(t.seeds, how->seeds, sizeof t.seeds);
     else if (t.central)
@@ -131,4 +196,7 @@ void ntp__telescope(const ntp_image *dst, const ntp__slopes *slopes, const ntp_h
     }
     t.write = true;
     walk(&t, counts);
+    compare_edge(&t);
+    counts->consistency = t.equations > 0 ? sqrt(t.squares / (double) t.equations) : 0;
+    counts->consistency_max = t.most;
 }
