@@ -117,6 +117,12 @@ static void generate_man(text *t)
     text_add(t, "\n.SH VERBS\n");
     for (size_t i = 0; i < VERB_ROWS; i++)
         man_verb(t, &VERB_TABLE[i]);
+    text_add(t, ".SH VERBS OF THE PYTHON PACKAGE\n");
+    for (size_t i = 0; i < COMPANIONS; i++) {
+        text_addf(t, ".TP\n.B ntp %s\n", COMPANION_TABLE[i].name);
+        roff(t, COMPANION_TABLE[i].summary);
+        text_addf(t, "; ntp %s \\-\\-help tells the rest\n", COMPANION_TABLE[i].name);
+    }
     man_findings(t);
     text_add(t, ".SH EXIT STATUS\n.TP\n0\nAll is well, or done.\n.TP\n1\nFindings at or above "
                 "\\-\\-fail\\-on; differences; refused files.\n.TP\n2\nWrong usage.\n.TP\n3\nAn "
@@ -175,6 +181,8 @@ static void generate_bash(text *t)
            "        COMPREPLY=($(compgen -W \"");
     for (size_t i = 0; i < VERB_ROWS; i++)
         text_addf(t, "%s ", VERB_TABLE[i].name);
+    for (size_t i = 0; i < COMPANIONS; i++)
+        text_addf(t, "%s ", COMPANION_TABLE[i].name);
     text_add(t, "help --help --version\" -- \"$current\"))\n        return\n    fi\n"
                 "    case $verb in\n");
     for (size_t i = 0; i < VERB_ROWS; i++)
@@ -240,6 +248,8 @@ static void generate_zsh(text *t)
         zsh_words(t, VERB_TABLE[i].summary);
         text_add(t, "'\n");
     }
+    for (size_t i = 0; i < COMPANIONS; i++)
+        text_addf(t, "        '%s:%s'\n", COMPANION_TABLE[i].name, COMPANION_TABLE[i].summary);
     text_add(t,
              "        'help:print help'\n    )\n    if (( CURRENT == 2 )); then\n"
              "        _describe verb verbs\n        return\n    fi\n"
@@ -296,6 +306,9 @@ static void generate_fish(text *t)
         fish_words(t, VERB_TABLE[i].summary);
         text_add(t, "'\n");
     }
+    for (size_t i = 0; i < COMPANIONS; i++)
+        text_addf(t, "complete -c ntp -n __fish_use_subcommand -a %s -d '%s'\n",
+                  COMPANION_TABLE[i].name, COMPANION_TABLE[i].summary);
     text_add(t, "complete -c ntp -n __fish_use_subcommand -f -a help -d 'print help'\n");
     for (size_t i = 0; i < VERB_ROWS; i++) {
         for (size_t k = 0; k < OPTION_ROWS; k++) {

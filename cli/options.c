@@ -369,14 +369,14 @@ const verb_spec VERB_TABLE[] = {
       "ntp blend wall_gl.png scratches_dx.png -o worn_gl.png --detail-y down\n",
       blend_run },
     { "to-height", "PATH...", "make heights from normals",
-      "Reconstructs the heightfield behind a normals texture: of all heights those whose slopes come "
-      "nearest to the stored ones. Writes a gray PNG of 16 bit, or floats (PFM). How high white is "
-      "above black is printed as the scale, and stored in the PNG: ntp from-height with this --scale, "
-      "kernel and border makes the same normals again.\n"
-      "What the texture does not say (which way green points, whether it tiles, how it was made) is "
-      "found out by its texels as far as they tell, printed, and can be set by options. What is no "
-      "texture of tangent-space normals is refused unless --from says what it is. The image is held in "
-      "memory: its samples, and 4 bytes a texel; 40 more with --method weighted.",
+      "Reconstructs the heightfield behind a normals texture: of all heights those whose slopes "
+      "come nearest to the stored ones. Writes a gray PNG of 16 bit, or floats (PFM). How high "
+      "white is above black is printed as the scale, and stored in the PNG: ntp from-height with "
+      "this --scale, kernel and border makes the same normals again.\n"
+      "What the texture does not say (which way green points, whether it tiles, how it was made) "
+      "is found out by its texels as far as they tell, printed, and can be set by options. What "
+      "is no texture of tangent-space normals is refused unless --from says what it is. The image "
+      "is held in memory: its samples, and 4 bytes a texel; 40 more with --method weighted.",
       "ntp to-height wall_n.png -o wall_height.png\n"
       "ntp to-height wall_n.png -o wall_height.png --border wrap --from-y down\n"
       "  a texture that tiles, for DirectX\n"
@@ -389,8 +389,8 @@ const verb_spec VERB_TABLE[] = {
 const size_t VERB_ROWS = sizeof VERB_TABLE / sizeof VERB_TABLE[0];
 
 const companion COMPANION_TABLE[COMPANIONS] = {
-    { "report", "one HTML page of a check: pictures, heatmaps, what cleaning changes; or SARIF" },
-    { "gltf", "check or clean the normals textures of .gltf and .glb files" },
+    { "report", "an HTML page with pictures, SARIF or annotations of a check" },
+    { "gltf", "check or clean the normals textures in .gltf and .glb files" },
 };
 
 const option_spec *option_row(option_id id, unsigned verb_bits)

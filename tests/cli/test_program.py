@@ -23,6 +23,7 @@ def test_help(run):
     done = run("--help")
     assert done.returncode == 0 and all(f"  {verb} " in done.stdout for verb in VERBS)
     assert run("help").stdout == done.stdout and run("-h").stdout == done.stdout
+    assert max(len(line) for line in done.stdout.splitlines()) < 80
     for verb in VERBS:
         text = run(verb, "--help")
         assert text.returncode == 0 and text.stdout.startswith(f"Usage: ntp {verb}")
@@ -255,7 +256,7 @@ def test_bash_completion(run, tmp_path):
 @pytest.mark.parametrize("shell", ["zsh", "fish"])
 def test_other_completions(run, tmp_path, shell):
     text = run("--generate", shell).stdout
-    assert all(verb in text for verb in VERBS) and "verdict" in text
+    assert all(verb in text for verb in [*VERBS, "report", "gltf"]) and "verdict" in text
     if shutil.which(shell) is None:
         pytest.skip(f"{shell} is not installed")
     script = tmp_path / "completion"
@@ -266,7 +267,7 @@ def test_other_completions(run, tmp_path, shell):
 def test_man_page(run, tmp_path):
     page = tmp_path / "ntp.1"
     page.write_text(run("--generate", "man").stdout)
-    assert all(f"ntp {verb}" in page.read_text() for verb in VERBS)
+    assert all(f"ntp {verb}" in page.read_text() for verb in [*VERBS, "report", "gltf"])
     if shutil.which("groff") is None:
         pytest.skip("groff is not installed")
     env = {name: value for name, value in os.environ.items() if name != "LD_PRELOAD"}
