@@ -14,7 +14,7 @@ import importlib
 import os
 import shutil
 import uuid
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -55,8 +55,23 @@ def _dask(part: str) -> Any:
         raise ImportError(message) from error
 
 
-def _bag(batches: Sequence[Any]) -> Any:
-    return _dask("bag").from_sequence(batches, npartitions=len(batches))
+def _has_scheduler() -> bool:
+    """Whether there is a client, or the user has chosen a scheduler."""
+    if _dask("config").get("scheduler", None) is not None:
+        return True
+    try:
+        importlib.import_module("distributed").default_client()
+    except (ImportError, ValueError):
+        return False
+    return True
+
+
+def _run(work: Callable[..., Any], batches: Sequence[Any], **options: Any) -> list[Any]:
+    """The results of all batches in their order: a bag with a partition for each."""
+    bag = _dask("bag").from_sequence(batches, npartitions=len(batches)).map(work, **options)
+    # Without a cluster threads do: the work is done by the program, a process of its own.
+    results: list[Any] = bag.compute(**({} if _has_scheduler() else {"scheduler": "threads"}))
+    return results
 
 
 def _report(results: Iterable[tuple[list[Json], Json]]) -> Json:
@@ -109,7 +124,7 @@ def check(paths: Iterable[PathLike], *, options: Sequence[str] = (), batch: int 
 
     Notes
     -----
-    It runs on the Dask client that is current, or else in processes of this machine.  A task whose
+    It runs on the Dask client that is current, or else on the processors of this machine.  A task whose
     worker dies is run again elsewhere; checking changes nothing, so that is harmless.
 
     Examples
@@ -122,8 +137,7 @@ def check(paths: Iterable[PathLike], *, options: Sequence[str] = (), batch: int 
     batches = _batches(paths, batch)
     if not batches:
         return _report([])
-    results = _bag(batches).map(_check_batch, options=tuple(options)).compute()
-    return _report(results)
+    return _report(_run(_check_batch, batches, options=tuple(options)))
 
 
 # ------------------------------------------------------------------------------ cleaning
@@ -247,8 +261,7 @@ def clean(
     scratch = os.path.join(out, f".ntp-{uuid.uuid4().hex}")
     os.makedirs(scratch)
     try:
-        bag = _bag(targets).map(_clean_batch, scratch=scratch, options=tuple(options))
-        results = bag.compute()
+        results = _run(_clean_batch, targets, scratch=scratch, options=tuple(options))
     finally:
         shutil.rmtree(scratch, ignore_errors=True)
     return _report(results)

@@ -2,9 +2,12 @@
 """normaltexture.distributed on a real cluster of processes, also while a worker is killed."""
 
 import itertools
+import json
 import os
 import shutil
 import signal
+import subprocess
+import sys
 import threading
 import time
 
@@ -107,6 +110,19 @@ def test_nothing_is_computed_early():
 
 
 # -------------------------------------------------------------------------------- files
+
+
+def test_without_a_cluster(many, tmp_path):
+    """In a plain script, which has no guard for processes that start it anew."""
+    _, paths = many
+    script = tmp_path / "script.py"
+    script.write_text(
+        "import json, sys\nfrom normaltexture import distributed\n"
+        "print(json.dumps(distributed.check(sys.argv[1:], batch=2)))\n"
+    )
+    command = [sys.executable, str(script), *paths]
+    done = subprocess.run(command, capture_output=True, check=True)
+    assert json.loads(done.stdout) == _ntp.run_json("check", paths)[0]
 
 
 @pytest.fixture(scope="module")
