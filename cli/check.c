@@ -5,10 +5,13 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "deep.h"
 #include "jobs.h"
 #include "report.h"
 
 typedef enum check_format { FORMAT_TEXT, FORMAT_JSON, FORMAT_CSV, FORMAT_LIST } check_format;
+
+enum { DEEP_READ_PERMILLE = 250 }; /* of the work that the first reading is */
 
 typedef struct check {
     const options *o;
@@ -90,7 +93,11 @@ static void examine_file(const check *c, worker *w, const input *in, checked *do
     if (!source_open(&s, w, in, &c->limits, &done->error))
         return;
     s.orient = option_given(c->o, OPT_DEEP) ? ORIENT_EVERY_ROW : ORIENT_SAMPLED;
-    done->readable = examine(&s, c->forced, &done->f, &done->error);
+    const bool deep = s.orient == ORIENT_EVERY_ROW;
+    if (deep)
+        s.read_permille = DEEP_READ_PERMILLE;
+    done->readable = examine(&s, c->forced, &done->f, &done->error) &&
+                     (!deep || look_deeper(&s, &done->f, c->settings.rules.y - 1, &done->error));
     source_close(&s);
     if (!done->readable)
         return;

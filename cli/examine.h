@@ -92,6 +92,15 @@ typedef struct level_count {
     uint64_t count;
 } level_count;
 
+/* What look_deeper adds. */
+typedef struct deep_facts {
+    bool known;
+    ntp_y y; /* that it supposes */
+    ntp_origin origin;
+    ntp_seam seam[2]; /* across, down */
+    double residual;  /* of the best heights, in levels; negative: not known */
+} deep_facts;
+
 /* What is known of a file after it was read. */
 typedef struct facts {
     const input *in;
@@ -100,9 +109,10 @@ typedef struct facts {
     ntp_classification type;
     ntp_encoding encoding;              /* that the texels were read as */
     ntp_orientation_result orientation; /* undecided when it was not asked for */
-    bool forced;                        /* by --type */
-    bool counts;                        /* named, or a normals texture by its name or content */
-    level_count *levels;                /* the histogram of levels_off, without zeros */
+    deep_facts deep;
+    bool forced;         /* by --type */
+    bool counts;         /* named, or a normals texture by its name or content */
+    level_count *levels; /* the histogram of levels_off, without zeros */
     size_t level_count;
 } facts;
 

@@ -69,6 +69,11 @@ const finding_spec FINDING_TABLE[FINDING_COUNT] = {
         "The mean of x or y is far from 0 (`--max-tilt`): the surface as a whole leans. Baked maps may do so; "
         "a tiling texture should not.",
         "Check how it was made: a gradient in the source, a wrong tangent space, an offset in a channel." },
+    [NT023] = { "NT023", "nt023", "info", "no surface has these normals",
+        "Found with `--deep`: even the heights that fit best have other normals, by 8 levels and more on average. "
+        "So it is with normals that were painted, mixed as colors, or lossily compressed, and with atlases of separate parts. "
+        "They light well; heights made of them are rough guesses.",
+        "Nothing, unless heights are needed. `ntp blend` mixes textures so that a surface remains." },
     [NT030] = { "NT030", "nt030", "info", "stored with lossy compression (JPEG)",
         "JPEG is made for photographs. It changes nearly every normal a little and steep ones a lot.",
         "Export PNG from the source. Cleaning repairs lengths, not lost directions." },
@@ -103,6 +108,10 @@ const finding_spec FINDING_TABLE[FINDING_COUNT] = {
     [NT051] = { "NT051", "nt051", "info", "sides are not powers of two",
         "Some engines and devices resize such textures, or make no mipmaps for them.",
         "Nothing, unless your target asks for it." },
+    [NT052] = { "NT052", "nt052", "info", "opposite edges do not fit together",
+        "Found with `--deep`: repeated beside itself, the texture shows a seam. The step across it is larger than "
+        "nearly all steps inside, and the heights at the two edges differ.",
+        "Nothing, unless it is meant to tile. It may have been cut, or resized without wrapping around." },
 };
 /* clang-format on */
 

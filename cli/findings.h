@@ -30,6 +30,7 @@ typedef enum finding_id {
     NT020,
     NT021,
     NT022,
+    NT023,
     NT030,
     NT031,
     NT032,
@@ -40,6 +41,7 @@ typedef enum finding_id {
     NT042,
     NT050,
     NT051,
+    NT052,
     FINDING_COUNT
 } finding_id;
 

@@ -14,6 +14,9 @@
 /* JPEG: the error of directions that is still invisible, and that surely is not. */
 static const double LOSSY_WARNING_MEAN = 2, LOSSY_ERROR_P99 = 10;
 
+/* Levels of 8 bit by which the best surface may differ (rms): about 4 degrees. */
+static const double POOR_FIT = 8;
+
 typedef struct judgement {
     finding_list *list;
     const facts *f;
@@ -303,6 +306,25 @@ static void judge_orientation(judgement *j)
 }
 
 static void judge_file(judgement *j)
+static void judge_surface(judgement *j)
+{
+    const deep_facts *deep = &j->f->deep;
+    const bool across = deep->seam[0].tiling == NTP_TILING_SEAM;
+    const bool down = deep->seam[1].tiling == NTP_TILING_SEAM;
+    if (!deep->known)
+        return;
+    const double levels = deep->residual / (j->f->info.sample_bytes == 1 ? 1 : 257);
+    if (levels >= POOR_FIT)
+        addf(j, NT023, LEVEL_INFO, 0,
+             "no surface has these normals: the best one differs by %.0f of 255 levels on average",
+             levels);
+    if (across || down)
+        addf(j, NT052, LEVEL_INFO, 0, "does not tile: the %s edges do not fit together",
+             across && down ? "left and right and the upper and lower"
+             : across       ? "left and right"
+                            : "upper and lower");
+}
+
 {
     const ntpio_info *info = &j->f->info;
     const ntp_stats *s = &j->f->stats;
@@ -393,5 +415,6 @@ void judge(finding_list *list, const facts *f, const judge_rules *rules)
     judge_name(&j);
     judge_file(&j);
     tidy(list);
+    judge_surface(&j);
     sort(list);
 }

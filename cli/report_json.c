@@ -230,6 +230,22 @@ static json_t *finding_objects(const finding_list *list)
     return array;
 }
 
+/* What --deep adds: null without it, and where it cannot be told. */
+static void set_deep(json_t *object, const deep_facts *deep)
+{
+    static const char *const TILING[] = { "undecided", "yes", "no" };
+    json_t *tiles = deep->known ? json_pack("{s:s, s:s}", "x", TILING[deep->seam[0].tiling], "y",
+                                            TILING[deep->seam[1].tiling])
+                                : json_null();
+    const bool told = deep->known && deep->origin.decided;
+    json_object_set_new(object, "kernel",
+                        told ? json_string(ntp_kernel_name(deep->origin.kernel)) : json_null());
+    json_object_set_new(object, "tiles", need(tiles));
+    json_object_set_new(object, "residual_levels",
+                        deep->known && deep->residual >= 0 ? json_angle(deep->residual)
+                                                           : json_null());
+}
+
 json_t *check_json(const input *in, const checked *c, const check_settings *s)
 {
     if (!c->readable) {
@@ -265,6 +281,7 @@ json_t *check_json(const input *in, const checked *c, const check_settings *s)
     json_object_set_new(object, "levels_off", levels(f));
     json_object_set_new(object, "length", length(f));
     json_object_set_new(object, "angle_deg", height ? json_null() : json_angles(&f->stats.angles));
+    set_deep(object, &f->deep);
     json_object_set_new(object, "findings", finding_objects(&c->list));
     return object;
 }

@@ -118,6 +118,24 @@ static void add_count_line(text *t, const char *label, uint64_t count, uint64_t 
     text_add(t, ")\n");
 }
 
+/* What --deep adds. */
+static void add_deep(text *t, const deep_facts *deep)
+{
+    static const char *const TILING[] = { "perhaps", "yes", "no" };
+    if (!deep->known)
+        return;
+    text_addf(t, "    %-24s ", "made from heights");
+    if (deep->origin.decided)
+        text_addf(t, "with the kernel %s\n", ntp_kernel_name(deep->origin.kernel));
+    else
+        text_add(t, "with a kernel that cannot be told, or not from heights\n");
+    text_addf(t, "    %-24s across: %s, down: %s\n", "tiles", TILING[deep->seam[0].tiling],
+              TILING[deep->seam[1].tiling]);
+    if (deep->residual >= 0)
+        text_addf(t, "    %-24s to %.2f levels; rounding alone leaves 0.20\n", "fits a surface",
+                  deep->residual);
+}
+
 static void add_statistics(text *t, const checked *c, const check_settings *s)
 {
     static const char *const FAILS[] = { "fail neighbor", "fail rounded", "fail exact" };
@@ -175,6 +193,8 @@ void check_text(text *t, const input *in, const checked *c, const check_settings
         return;
     add_headline(t, in, c, s);
     add_findings(t, c, s);
+    if (!s->quiet)
+        add_deep(t, &c->f.deep);
     if (s->verbose)
         add_statistics(t, c, s);
 }

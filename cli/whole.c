@@ -23,10 +23,14 @@ bool wrong_use(const production *p, const char *what, ntpio_error *error)
     return false;
 }
 
+bool whole_fits(const source *s)
+{
+    return (uint64_t) s->view.row_stride * (uint64_t) s->view.height <= WHOLE_BYTES;
+}
+
 static bool fits(const source *s, ntpio_error *error)
 {
-    const uint64_t bytes = (uint64_t) s->view.row_stride * (uint64_t) s->view.height;
-    if (bytes <= WHOLE_BYTES)
+    if (whole_fits(s))
         return true;
     text t = { 0 };
     text_name(&t, s->in->path);

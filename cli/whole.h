@@ -10,6 +10,9 @@
 
 #include "produce.h"
 
+/* Is there room for an image of this size, as far as it is ours to say? */
+bool whole_fits(const source *s);
+
 /* In `begin`: makes room; false with an error where the image is too large. */
 bool whole_begin(production *p, ntpio_error *error);
 
