@@ -27,6 +27,7 @@ enum {
     SLOT_SUFFIX = 15,      /* .ntp-00000N.tmp */
     HASH_SIZE = 9,         /* ~ and 8 hex digits */
     NAME_LIMIT = 255,      /* where the file system does not say */
+    NAME_FITS = 128,       /* no file system in use allows less */
     LINKS_MAX = 40,        /* symbolic links in a row, as in the kernel */
     PROC_SIZE = 40
 };
@@ -61,10 +62,12 @@ static uint32_t fnv1a(const char *s)
 /* A name that is too long for the suffix gives its end for a hash of the whole. */
 static char *slot_name(const ntpio__output *output, unsigned slot)
 {
-    long limit = output->directory >= 0 ? fpathconf(output->directory, _PC_NAME_MAX) : NAME_LIMIT;
+    const size_t length = strlen(output->target);
+    long limit = NAME_LIMIT;
+    if (length + 1 + SLOT_SUFFIX > NAME_FITS && output->directory >= 0)
+        limit = fpathconf(output->directory, _PC_NAME_MAX);
     if (limit < SLOT_SUFFIX + HASH_SIZE + 2)
         limit = NAME_LIMIT;
-    const size_t length = strlen(output->target);
     const size_t size = length + HASH_SIZE + SLOT_SUFFIX + 2;
     char *name = malloc(size);
     if (name == NULL)

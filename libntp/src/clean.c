@@ -216,36 +216,39 @@ static void clean_block(const job *j, int32_t x, int32_t y, int32_t n, ntp_clean
     copy_alpha(j, x, y, n);
 }
 
-static bool is_plain_rgb16(const job *j)
+static bool is_plain_rgb(const job *j)
 {
-    return j->src->type == NTP_U16 && j->src->channels == 3 && blue_is_written(j) &&
-           j->how.method == NTP_DERIVE && !j->how.only_failing && !j->how.keep_negative_z &&
-           ntp__is_packed(j->src) && j->dst->pixel_stride == j->src->pixel_stride;
+    return j->src->channels == 3 && blue_is_written(j) && j->how.method == NTP_DERIVE &&
+           !j->how.only_failing && !j->how.keep_negative_z && ntp__is_packed(j->src) &&
+           j->dst->pixel_stride == j->src->pixel_stride;
 }
 
-/* Packed 16-bit RGB: a kernel does it but for the surroundings of odd texels. */
-static void clean_rgb16(const job *j, int32_t x0, int32_t x1, int32_t y, ntp_clean_counts *counts)
+/* Packed RGB: a kernel does it but for the surroundings of odd texels.  Returns how many it did. */
+static int32_t clean_rgb(const job *j, int32_t x, int32_t n, int32_t y, uint64_t *changed)
 {
-    enum { KERNEL_STOPS_BEFORE = 8 };
-    uint64_t *changed = j->count ? &counts->changed : NULL;
-    for (int32_t x = x0; x < x1;) {
-        x += j->kernels->clean_rgb16(ntp__at_mut(j->dst, x, y), ntp__at(j->src, x, y), x1 - x,
-                                     j->encoding == NTP_ZZERO, changed);
-        int32_t n = x1 - x < KERNEL_STOPS_BEFORE ? x1 - x : KERNEL_STOPS_BEFORE;
-        clean_block(j, x, y, n, counts);
-        x += n;
-    }
+    void *dst = ntp__at_mut(j->dst, x, y);
+    const void *src = ntp__at(j->src, x, y);
+    if (j->src->type == NTP_U16)
+        return j->kernels->clean_rgb16(dst, src, n, j->encoding == NTP_ZZERO, changed);
+    return j->kernels->derive_rgb8(dst, src, n, changed);
+}
+
+static bool has_kernel(const job *j)
+{
+    return j->src->type == NTP_U16 || (j->src->type == NTP_U8 && j->encoding == NTP_STANDARD &&
+                                       j->kernels->derive_rgb8 != NULL);
 }
 
 static void clean_row(const job *j, int32_t x0, int32_t x1, int32_t y, ntp_clean_counts *counts)
 {
-    if (is_plain_rgb16(j)) {
-        clean_rgb16(j, x0, x1, y, counts);
-        return;
-    }
-    for (int32_t x = x0; x < x1; x += NTP__BLOCK) {
-        int32_t n = x1 - x < NTP__BLOCK ? x1 - x : NTP__BLOCK;
+    bool plain = is_plain_rgb(j) && has_kernel(j);
+    int32_t most = plain ? NTP__KERNEL_STEP : NTP__BLOCK;
+    for (int32_t x = x0; x < x1;) {
+        if (plain)
+            x += clean_rgb(j, x, x1 - x, y, j->count ? &counts->changed : NULL);
+        int32_t n = x1 - x < most ? x1 - x : most;
         clean_block(j, x, y, n, counts);
+        x += n;
     }
 }
 

@@ -22,27 +22,47 @@ static double magnitude(double v)
     return v < 0 ? -v : v;
 }
 
-/* `count` texels whose red and green leave this z, with this (mean) blue, all at 8 bit. */
-static void add_blue(blue_sums *sums, double z, double blue, double count)
+/* What is the same for all texels whose red and green leave this z. */
+typedef struct blue_row {
+    double want[2], gap, n, blue, blue2;
+} blue_row;
+
+static blue_row row_of(double z)
 {
-    double want[2] = { 127.5 + 127.5 * z, 255 * z };
-    sums->n += count;
-    sums->want += count * want[0];
-    sums->blue += count * blue;
-    sums->want2 += count * want[0] * want[0];
-    sums->blue2 += count * blue * blue;
-    sums->product += count * want[0] * blue;
-    double gap = want[0] - want[1];
-    if (gap <= GAP_THAT_TELLS)
+    blue_row row = { .want = { 127.5 + 127.5 * z, 255 * z } };
+    row.gap = row.want[0] - row.want[1];
+    return row;
+}
+
+/* `count` texels of the row with this (mean) blue, all at 8 bit. */
+static inline void add_blue(blue_sums *sums, blue_row *row, double blue, double count)
+{
+    row->n += count;
+    row->blue += count * blue;
+    row->blue2 += count * blue * blue;
+    if (row->gap <= GAP_THAT_TELLS)
         return;
-    sums->tilted += count;
-    sums->gap += count * gap;
     for (int32_t i = 0; i < 2; i++) {
-        double off = magnitude(blue - want[i]);
+        double off = magnitude(blue - row->want[i]);
         sums->off[i] += count * (off < OFF_MOST ? off : OFF_MOST);
         sums->near[i] += off <= NEAR ? count : 0;
     }
-    sums->above += blue > want[0] + ABOVE ? count : 0;
+    sums->above += blue > row->want[0] + ABOVE ? count : 0;
+}
+
+static void add_row(blue_sums *sums, const blue_row *row)
+{
+    double want = row->want[0];
+    sums->n += row->n;
+    sums->want += row->n * want;
+    sums->want2 += row->n * want * want;
+    sums->blue += row->blue;
+    sums->blue2 += row->blue2;
+    sums->product += want * row->blue;
+    if (row->gap <= GAP_THAT_TELLS)
+        return;
+    sums->tilted += row->n;
+    sums->gap += row->n * row->gap;
 }
 
 static void add_cells(blue_sums *sums, const ntp_tally *t)
@@ -57,12 +77,13 @@ static void add_cells(blue_sums *sums, const ntp_tally *t)
         int64_t rest = ntp__rest(t->row_pair[i] & 255, t->row_pair[i] >> 8, 255);
         if (rest < 0)
             continue;
-        double z = sqrt((double) rest) / 255;
+        blue_row row = row_of(sqrt((double) rest) / 255);
         ntp__row_cells(cells, &first, &end, t, i);
         for (int32_t b = first; b < end; b++) {
             if (cells[b] > 0)
-                add_blue(sums, z, b, cells[b]);
+                add_blue(sums, &row, b, cells[b]);
         }
+        add_row(sums, &row);
     }
 }
 
@@ -71,8 +92,11 @@ static void add_samples(blue_sums *sums, const ntp_tally *t)
     for (int32_t i = 0; i < 65536; i++) {
         double n = t->pair_texels[i];
         int64_t rest = ntp__rest(i & 255, i >> 8, 255);
-        if (n > 0 && rest >= 0)
-            add_blue(sums, sqrt((double) rest) / 255, (double) t->pair_blue[i] / n, n);
+        if (n <= 0 || rest < 0)
+            continue;
+        blue_row row = row_of(sqrt((double) rest) / 255);
+        add_blue(sums, &row, (double) t->pair_blue[i] / n, n);
+        add_row(sums, &row);
     }
 }
 

@@ -149,6 +149,20 @@ static uint64_t clean_rgb8_blindly(uint8_t *dst, const uint8_t *src, size_t n,
     return 0;
 }
 
+#ifdef __AVX2__
+static int32_t derive_rgb8(uint8_t *dst, const uint8_t *src, int32_t n, uint64_t *changed)
+{
+    int32_t i = 0;
+    for (; i + 16 <= n; i += 16) {
+        if (!put_derived_blues(dst + 3 * i, src + 3 * i, changed))
+            break;
+    }
+    return i;
+}
+#else
+#  define derive_rgb8 NULL
+#endif
+
 static uint64_t clean_rgba8(uint8_t *dst, const uint8_t *src, size_t n, const uint32_t *table,
                             const uint8_t *blue, uint32_t kept, uint32_t touch_unused)
 {
@@ -352,6 +366,13 @@ static void judge_block(ntp__judged *j, const int32_t *r, const int32_t *g, cons
 
 extern const ntp__kernels_table CONCAT(ntp__kernels_, NTP_ISA);
 const ntp__kernels_table CONCAT(ntp__kernels_, NTP_ISA) = {
-    NTP_ISA_NAME, clean_rgb8_counting, clean_rgb8_blindly, clean_rgba8, clean_rgb16, derive,
-    judge,        judge_block,
+    NTP_ISA_NAME,
+    clean_rgb8_counting,
+    clean_rgb8_blindly,
+    clean_rgba8,
+    derive_rgb8,
+    clean_rgb16,
+    derive,
+    judge,
+    judge_block,
 };

@@ -28,10 +28,14 @@ typedef uint64_t ntp__clean8_fn(uint8_t *dst, const uint8_t *src, size_t n, cons
 /*
  * Derives the blue of packed 16-bit pixels from the first on, and adds how many changed (NULL: not
  * counted).  Returns n, or, next to a pair that is too long (which the pairs of black and white
- * are), how many are done; up to 8 of those that follow are for the caller.  dst may be src.
+ * are), how many are done; up to NTP__KERNEL_STEP of those that follow are for
+ * the caller.  dst may be src.
  */
 typedef int32_t ntp__clean16_fn(uint16_t *dst, const uint16_t *src, int32_t n, int32_t zzero,
                                 uint64_t *changed);
+
+/* The same of packed 8-bit pixels, standard Z, without a table. */
+typedef int32_t ntp__derive8_fn(uint8_t *dst, const uint8_t *src, int32_t n, uint64_t *changed);
 
 /* want[i] = the blue derived from r, g; -1 where they are too long. */
 typedef void ntp__derive_fn(int32_t *want, const int32_t *r, const int32_t *g, int32_t n, int32_t m,
@@ -65,6 +69,7 @@ typedef struct ntp__kernels_table {
     ntp__clean8_fn *clean_rgb8;         /* counts */
     ntp__clean8_fn *clean_rgb8_blindly; /* returns nothing of use */
     ntp__clean8_fn *clean_rgba8;
+    ntp__derive8_fn *derive_rgb8; /* NULL where a table is faster than arithmetic */
     ntp__clean16_fn *clean_rgb16;
     ntp__derive_fn *derive;
     ntp__judge_fn *judge;
@@ -72,6 +77,8 @@ typedef struct ntp__kernels_table {
 } ntp__kernels_table;
 
 enum { NTP__CPU_AVX2 = 1, NTP__CPU_ALL = -1 };
+
+enum { NTP__KERNEL_STEP = 16 };
 
 /* The best level that the processor and the mask allow; the mask is for tests. */
 const ntp__kernels_table *ntp__kernels(int mask);

@@ -35,7 +35,7 @@ static bool near_gamma_flat(int32_t level)
     return level >= 185 && level <= 191;
 }
 
-static void add_color(ntp__samples *s, int32_t r, int32_t g, int32_t b)
+static inline void add_color(ntp__samples *s, int32_t r, int32_t g, int32_t b)
 {
     const uint32_t v[3] = { (uint32_t) r, (uint32_t) g, (uint32_t) b };
     s->n++;
@@ -52,9 +52,35 @@ static void add_color(ntp__samples *s, int32_t r, int32_t g, int32_t b)
     s->gamma_unit += linear_near_unit(r, g, b);
 }
 
+static void add_samples(ntp__samples *a, const ntp__samples *b)
+{
+    a->n += b->n;
+    for (int32_t k = 0; k < 3; k++) {
+        a->sum[k] += b->sum[k];
+        a->square[k] += b->square[k];
+        a->product[k] += b->product[k];
+    }
+    a->red_low += b->red_low;
+    a->green_low += b->green_low;
+    a->gamma_flat += b->gamma_flat;
+    a->gamma_unit += b->gamma_unit;
+}
+
+void ntp__merge_samples(ntp_tally *into, const ntp_tally *from)
+{
+    add_samples(&into->samples, &from->samples);
+    if (from->depth == 8)
+        return;
+    for (int32_t i = 0; i < 65536; i++) {
+        into->pair_texels[i] += from->pair_texels[i];
+        into->pair_blue[i] += from->pair_blue[i];
+    }
+}
+
 static void add_colors(ntp_tally *t, const ntp__block *block, int32_t first, int32_t n, int32_t m)
 {
     bool picture = t->encoding == NTP_HEIGHT;
+    ntp__samples sum = { 0 }; /* by itself it can stay in registers */
     for (int32_t i = first; i < first + n; i++) {
         int32_t r = block->c[0][i], g = block->c[1][i], b = block->c[2][i], a = block->c[3][i];
         if ((block->any_broken && block->broken[i]) ||
@@ -67,8 +93,9 @@ static void add_colors(ntp_tally *t, const ntp__block *block, int32_t first, int
             t->pair_texels[r | g << 8]++;
             t->pair_blue[r | g << 8] += (uint32_t) b;
         }
-        add_color(&t->samples, r, g, b);
+        add_color(&sum, r, g, b);
     }
+    add_samples(&t->samples, &sum);
 }
 
 /* Steps between neighboring columns, apart where a block of 8 x 8 would end.  The texel before x0

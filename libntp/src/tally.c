@@ -97,27 +97,6 @@ void ntp__mark_rows(uint8_t used[NTP__ROWS], const ntp_tally *t)
     }
 }
 
-static void merge_samples(ntp_tally *into, const ntp_tally *from)
-{
-    ntp__samples *a = &into->samples;
-    const ntp__samples *b = &from->samples;
-    a->n += b->n;
-    for (int32_t k = 0; k < 3; k++) {
-        a->sum[k] += b->sum[k];
-        a->square[k] += b->square[k];
-        a->product[k] += b->product[k];
-    }
-    a->red_low += b->red_low;
-    a->green_low += b->green_low;
-    a->gamma_flat += b->gamma_flat;
-    a->gamma_unit += b->gamma_unit;
-    if (from->depth == 8)
-        return;
-    merge_counts(into->pair_texels, from->pair_texels, 65536);
-    for (int32_t i = 0; i < 65536; i++)
-        into->pair_blue[i] += from->pair_blue[i];
-}
-
 static void merge_cells(ntp_tally *into, const ntp_tally *from)
 {
     uint8_t used[NTP__ROWS];
@@ -177,7 +156,7 @@ ntp_status ntp_tally_merge(ntp_tally *into, const ntp_tally *from)
     merge_sums(&into->wide, &from->wide, 65535);
     merge_sums(&into->transparent_wide, &from->transparent_wide, 65535);
     merge_sums(&into->transparent_narrow, &from->transparent_narrow, 255);
-    merge_samples(into, from);
+    ntp__merge_samples(into, from);
     merge_cells(into, from);
     return NTP_OK;
 }

@@ -144,6 +144,8 @@ void ntp__add_block(ntp__sums *sums, const ntp__block *block, const uint32_t *co
 void ntp__sample_row(ntp_tally *tally, const ntp_const_image *src, int32_t x0, int32_t x1,
                      int32_t y);
 
+void ntp__merge_samples(ntp_tally *into, const ntp_tally *from);
+
 /* Fills row_of and row_pair, once. */
 void ntp__rows_prepare(ntp_tally *tally);
 

@@ -99,7 +99,7 @@ static void check_cleaned16(const uint16_t *dst, const uint16_t *src, const int3
         changed -= src[3 * i + 2] != want[i];
     }
     CHECK(changed == 0);
-    for (int32_t i = done; i < n && i < done + 8; i++)
+    for (int32_t i = done; i < n && i < done + NTP__KERNEL_STEP; i++)
         too_long |= want[i] < 0;
     CHECK(done == n || too_long);
 }
