@@ -32,7 +32,9 @@ examples:
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = _console.parser("ntp gltf", __doc__.partition(": ")[2], _EPILOG)
+    parser = _console.parser(
+        "ntp gltf", "Checks or cleans the normals textures in glTF files.", _EPILOG
+    )
     _console.add_paths(parser, "a .gltf or .glb file, or a directory")
     how = parser.add_argument_group("checking")
     how.add_argument(

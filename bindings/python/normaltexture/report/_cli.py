@@ -30,7 +30,9 @@ examples:
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = _console.parser("ntp report", __doc__.partition(": ")[2], _EPILOG)
+    parser = _console.parser(
+        "ntp report", "Writes an HTML page, SARIF or annotations of a check.", _EPILOG
+    )
     _console.add_paths(parser, "an image file, a directory, or a .gltf or .glb file")
     parser.add_argument(
         "-o",

@@ -212,7 +212,7 @@ def _environment() -> Any:
 
 
 def _template(name: str) -> str:
-    return (resources.files(__package__) / name).read_text(encoding="utf-8")
+    return (resources.files("normaltexture.report") / name).read_text(encoding="utf-8")
 
 
 def build(

@@ -15,6 +15,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from .._arrays import Type
 from .._clean import clean
 from .._measure import measure
 from .._pictures import heatmap, shade
@@ -24,7 +25,12 @@ Palette = Literal["reference", "safe"]
 
 HISTOGRAM_BINS = 64  # of lengths 0..2
 _COLOR_TYPES = {1: 0, 3: 2, 4: 6}
-DRAWN = {"standard": "standard", "zzero": "zzero", "xy": "xy", "one-color": "standard"}
+DRAWN: dict[str, Type] = {
+    "standard": "standard",
+    "zzero": "zzero",
+    "xy": "xy",
+    "one-color": "standard",
+}
 
 
 @dataclass(frozen=True)
@@ -96,7 +102,7 @@ def average(image: NDArray[Any], size: int) -> Bytes:
         if image.ndim == 3:
             divisor = divisor[..., None]
         image = np.stack(rows) / divisor
-    scaled = np.nan_to_num(np.asarray(image, np.float64)) * (255.0 / maximum)
+    scaled = np.multiply(np.nan_to_num(np.asarray(image, np.float64)), 255.0 / maximum)
     return np.clip(scaled + 0.5, 0, 255).astype(np.uint8)
 
 
@@ -131,7 +137,7 @@ def _opaque_rgb(image: NDArray[Any]) -> NDArray[Any]:
     return image[..., :3]
 
 
-def _lit(image: NDArray[Any], kind: Any) -> Bytes:
+def _lit(image: NDArray[Any], kind: Type) -> Bytes:
     return shade(image, type=kind, out=np.empty(image.shape[:2], np.uint8))
 
 
@@ -153,9 +159,8 @@ def draw(
     """
     texture = average(_opaque_rgb(image), size)
     height, width = texture.shape[:2]
-    kind: Any = DRAWN.get(str(file.get("type")))
-    normals = kind is not None and image.ndim == 3 and image.shape[2] >= 3
-    if not normals:
+    kind = DRAWN.get(str(file.get("type")))
+    if kind is None or image.ndim != 3 or image.shape[2] < 3:
         return Pictures(data_uri(texture), width=width, height=height)
     method: Literal["derive", "auto"] = "auto" if file.get("format") == "jpeg" else "derive"
     cleaned, counts = clean(image, type=kind, method=method, return_counts=True)
