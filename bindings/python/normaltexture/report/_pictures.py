@@ -98,7 +98,7 @@ def average(image: NDArray[Any], size: int) -> Bytes:
             np.add.reduceat(image[y : y + factor].sum(axis=0, dtype=np.float64), starts[1], axis=0)
             for y in starts[0]
         ]
-        divisor = counts[0][:, None] * counts[1][None, :]
+        divisor = np.outer(counts[0], counts[1])
         if image.ndim == 3:
             divisor = divisor[..., None]
         image = np.stack(rows) / divisor
