@@ -98,12 +98,34 @@ static void describe(const production *p, text *line, json_t *object)
 
 /* ---------------------------------------------------------------------- the detail */
 
+static bool is_unordered_pair(const facts *f)
+{
+    return !f->forced && f->type.type == NTP_CLASS_XY && f->info.channels < 3;
+}
+
 static bool no_normals(const facts *f)
 {
     if (f->forced)
         return f->encoding == NTP_HEIGHT;
     return f->type.type == NTP_CLASS_HEIGHT || f->type.type == NTP_CLASS_OBJECT_SPACE ||
-           f->type.type == NTP_CLASS_NOT_NORMALS;
+           f->type.type == NTP_CLASS_NOT_NORMALS || is_unordered_pair(f);
+}
+
+static void refuse_detail(const facts *f, const char *path)
+{
+    text t = { 0 };
+    text_name(&t, path);
+    if (is_unordered_pair(f))
+        text_add(&t, ": x and y in gray and alpha, which is which the file does not say; --type xy "
+                     "takes gray for x");
+    else
+        text_addf(&t,
+                  ": %s, not a texture of tangent-space normals; --type standard takes it for one",
+                  f->type.type == NTP_CLASS_HEIGHT         ? "a height map"
+                  : f->type.type == NTP_CLASS_OBJECT_SPACE ? "object-space normals"
+                                                           : "something else");
+    complain("%s", text_string(&t));
+    text_free(&t);
 }
 
 /* Gray files of one color are taken for normals, as those of the base are. */
@@ -111,7 +133,7 @@ static void view_detail(layer *l)
 {
     static const int8_t EXPAND[4] = { 0, 0, 0, 1 };
     const int32_t channels = l->s.info->channels;
-    const bool gray = channels < 3;
+    const bool gray = channels < 3 && l->f.encoding != NTP_XY;
     const ntp_encoding encoding = class_encoding(l->f.type.type, gray ? 3 : channels);
     source_view(&l->s, encoding, NTP_Y_UP, gray ? EXPAND : NULL, gray ? channels + 2 : 0);
 }
@@ -127,14 +149,7 @@ static unsigned read_detail(layer *l, settings *set, const options *o, const ntp
         return RAN_FAILED;
     }
     if (no_normals(&l->f)) {
-        text t = { 0 };
-        text_name(&t, o->paths[1]);
-        complain("%s: %s, not a texture of tangent-space normals; --type standard takes it for one",
-                 text_string(&t),
-                 l->f.type.type == NTP_CLASS_HEIGHT         ? "a height map"
-                 : l->f.type.type == NTP_CLASS_OBJECT_SPACE ? "object-space normals"
-                                                            : "something else");
-        text_free(&t);
+        refuse_detail(&l->f, o->paths[1]);
         return RAN_FINDINGS;
     }
     bool ok = source_rewind(&l->s, &error);

@@ -186,6 +186,7 @@ int clean_run(const options *o)
         set.how.keep_negative_z || set.how.only_failing || set.how.touch_unused != 0;
     const maker m = { .o = o,
                       .forced = forced_class(o),
+                      .any_order = true,
                       .measure_first = set.choose,
                       .only_changed =
                           option_given(o, OPT_ONLY_CHANGED) || option_given(o, OPT_IN_PLACE),

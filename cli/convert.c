@@ -142,6 +142,7 @@ static bool usage(const production *p, const char *what, ntpio_error *error)
 /* How the input is seen; the driver's first view is that of a standard texture. */
 static bool view_input(production *p, ntpio_error *error)
 {
+    static const int8_t PAIR[3] = { 0, 1, FROM_ONE };
     const settings *set = p->m->settings;
     const int32_t channels = p->s.info->channels;
     if (set->in_count > 0) {
@@ -150,9 +151,14 @@ static bool view_input(production *p, ntpio_error *error)
         source_view(&p->s, set->from, set->from_y, set->in, set->in_count);
     } else if (channels >= 3) {
         source_view(&p->s, set->from, set->from_y, NULL, 0);
+    } else if (channels == 2 && set->from == NTP_XY) {
+        source_view(&p->s, NTP_XY, set->from_y, PAIR, 3);
     } else {
         if (set->out_count > 0 || set->from != set->to || set->from_y != set->to_y)
-            return usage(p, "a gray image holds no normals; only --depth converts it", error);
+            return usage(p,
+                         "a gray image holds no normals, so that only --depth converts it (--from "
+                         "xy takes gray and alpha for x and y)",
+                         error);
         source_view(&p->s, NTP_HEIGHT, NTP_Y_UP, NULL, 0);
     }
     return true;
@@ -174,7 +180,8 @@ static bool begin(production *p, ntpio_write_options *shape, ntpio_error *error)
     st->full.ring_rows = p->s.block_rows;
     st->full.encoding = height ? NTP_HEIGHT : set->to;
     st->full.y = height ? NTP_Y_UP : set->to_y;
-    st->out_channels = set->out_count > 0 ? set->out_count : view->channels;
+    const bool stays_pair = p->s.info->channels == 2 && set->in_count == 0 && set->to == NTP_XY;
+    st->out_channels = set->out_count > 0 ? set->out_count : stays_pair ? 2 : view->channels;
     st->out_row = (size_t) view->width * (size_t) st->out_channels * sample_size(type);
     if (option_integer(p->m->o, OPT_FORMAT) == 1 && !height) {
         st->diff = (ntp_diff *) (void *) buffer_reserve(&p->w->diff, ntp_diff_size());

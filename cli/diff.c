@@ -57,7 +57,9 @@ static void view_side(side *s, const side *other)
 {
     static const int8_t EXPAND[4] = { 0, 0, 0, 1 };
     const int32_t channels = s->s.info->channels;
-    if (channels < 3)
+    if (channels < 3 && s->f.encoding == NTP_XY)
+        source_view(&s->s, NTP_XY, NTP_Y_UP, NULL, 0);
+    else if (channels < 3)
         source_view(&s->s, encoding_of(s, other), NTP_Y_UP, EXPAND, channels + 2);
     else
         source_view(&s->s, encoding_of(s, other), NTP_Y_UP, NULL, 0);

@@ -86,12 +86,14 @@ static unsigned run(dump *d, ntpio_error *error)
 {
     if (!examine(&d->s, forced_class(d->o), &d->f, error))
         return RAN_FAILED;
-    if (d->s.view.channels < 3 || (d->f.forced && d->f.encoding == NTP_HEIGHT)) {
+    const bool pair = d->f.encoding == NTP_XY; /* of gray and alpha */
+    if ((d->s.view.channels < 3 && !(pair && d->f.forced)) ||
+        (d->f.forced && d->f.encoding == NTP_HEIGHT)) {
         complain(
             "%s: %s", d->s.in->path,
-            d->f.type.type == NTP_CLASS_XY
-                ? "x and y in gray and alpha; ntp convert --from-channels xy makes RGB of them"
-                : "a height map has no normals to list; --type standard takes it for a texture");
+            pair ? "x and y in gray and alpha, which is which the file does not say; --type xy "
+                   "takes gray for x"
+                 : "a height map has no normals to list; --type standard takes it for a texture");
         return RAN_FINDINGS;
     }
     if (d->s.view.encoding == NTP_HEIGHT)

@@ -3,7 +3,7 @@
  * examine.c - finding out what a file is
  *
  * A file is measured as standard first; what the class changes (16-bit angles, whether alpha 0
- * means unused) makes it be read a second time.
+ * means unused, gray and alpha that hold x and y) makes it be read a second time.
  */
 #include "examine.h"
 
@@ -26,6 +26,8 @@ int forced_class(const options *o)
 
 ntp_encoding class_encoding(ntp_class type, int32_t channels)
 {
+    if (type == NTP_CLASS_XY && channels == 2) /* gray is x, alpha y */
+        return NTP_XY;
     if (type == NTP_CLASS_HEIGHT || channels < 3)
         return NTP_HEIGHT;
     return type == NTP_CLASS_ZZERO ? NTP_ZZERO : type == NTP_CLASS_XY ? NTP_XY : NTP_STANDARD;
@@ -124,7 +126,8 @@ void first_view(source *s, int forced)
 {
     static const int8_t EXPAND[4] = { 0, 0, 0, 1 };
     const bool gray = s->info->channels < 3;
-    if (forced >= 0 && forced != NTP_CLASS_HEIGHT && gray)
+    const bool pair = s->info->channels == 2 && forced == NTP_CLASS_XY;
+    if (forced >= 0 && forced != NTP_CLASS_HEIGHT && gray && !pair)
         source_view(s, class_encoding((ntp_class) forced, 3), NTP_Y_UP, EXPAND,
                     s->info->channels + 2);
     else if (forced >= 0)
@@ -157,10 +160,11 @@ bool examine(source *s, int forced, facts *f, ntpio_error *error)
         return false;
     orient_end(s, f);
     const uint32_t touch = touch_for(&f->stats, f->encoding);
+    const bool pair = f->encoding == NTP_XY && s->view.encoding == NTP_HEIGHT;
     const bool angles_differ = f->encoding != s->view.encoding && s->view.type != NTP_U8;
     const bool alpha_differs = touch != 0 && f->stats.transparent > 0;
     s->view.encoding = f->encoding;
-    if (!angles_differ && !alpha_differs)
+    if (!pair && !angles_differ && !alpha_differs)
         return true;
     const ntp_classification type = f->type; /* settled by the first reading */
     const bool counts = f->counts;

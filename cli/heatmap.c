@@ -58,6 +58,7 @@ int heatmap_run(const options *o)
 {
     const maker m = { .o = o,
                       .forced = forced_class(o),
+                      .any_order = true,
                       .state_size = 1,
                       .begin = begin,
                       .rows = rows,

@@ -156,9 +156,10 @@ static void judge_xy(judgement *j)
     if (j->f->info.lossy)
         level = level == LEVEL_ERROR ? LEVEL_WARNING : LEVEL_INFO;
     text t = { 0 };
-    text_add(&t, "red and green alone are too long in ");
+    const bool pair = j->f->info.channels < 3;
+    text_addf(&t, "%s alone are too long in ", pair ? "gray and alpha" : "red and green");
     add_share(j, &t, count);
-    text_add(&t, ": no blue can be right there");
+    text_addf(&t, ": no %s can be right there", pair ? "z" : "blue");
     add(j, NT002, level, count, &t);
     text_free(&t);
 }
@@ -196,7 +197,7 @@ static void judge_class(judgement *j)
         addf(j, NT006, LEVEL_INFO, s->texels, "%s",
              f->info.channels > 2
                  ? "only red and green hold a normal; blue is not z and is not judged"
-                 : "gray and alpha hold x and y, in this order or the other; they are not judged");
+                 : "gray and alpha hold x and y, in this order or the other");
         break;
     case NTP_CLASS_HEIGHT:
         addf(j, NT007, LEVEL_ERROR, s->texels, "this looks like a height map, not like normals");
@@ -305,7 +306,6 @@ static void judge_orientation(judgement *j)
          asked == 1 ? "OpenGL (green up)" : "DirectX (green down)", 100 * o->confidence);
 }
 
-static void judge_file(judgement *j)
 static void judge_surface(judgement *j)
 {
     const deep_facts *deep = &j->f->deep;
@@ -325,6 +325,7 @@ static void judge_surface(judgement *j)
                             : "upper and lower");
 }
 
+static void judge_file(judgement *j)
 {
     const ntpio_info *info = &j->f->info;
     const ntp_stats *s = &j->f->stats;
@@ -394,9 +395,10 @@ void judge(finding_list *list, const facts *f, const judge_rules *rules)
     judge_class(&j);
     judge_accidents(&j);
     const bool judged = is_judged(f) && j.used > 0;
-    const bool wrong_channels =
-        (f->type.accidents & (NTP_ACCIDENT_RED_IS_Z | NTP_ACCIDENT_GREEN_IS_Z |
-                              NTP_ACCIDENT_DXT5NM | NTP_ACCIDENT_GAMMA)) != 0;
+    const uint32_t misplaced = NTP_ACCIDENT_RED_IS_Z | NTP_ACCIDENT_GREEN_IS_Z |
+                               NTP_ACCIDENT_GAMMA |
+                               (f->info.channels > 2 ? NTP_ACCIDENT_DXT5NM : 0);
+    const bool wrong_channels = (f->type.accidents & misplaced) != 0;
     if (judged && !wrong_channels) {
         judge_length(&j);
         judge_xy(&j);
@@ -413,8 +415,8 @@ void judge(finding_list *list, const facts *f, const judge_rules *rules)
     }
     judge_orientation(&j);
     judge_name(&j);
+    judge_surface(&j);
     judge_file(&j);
     tidy(list);
-    judge_surface(&j);
     sort(list);
 }

@@ -65,7 +65,8 @@ static bool can_tell(const facts *f)
 {
     const uint32_t misplaced =
         NTP_ACCIDENT_RED_IS_Z | NTP_ACCIDENT_GREEN_IS_Z | NTP_ACCIDENT_DXT5NM | NTP_ACCIDENT_GAMMA;
-    return f->encoding != NTP_HEIGHT && (f->type.accidents & misplaced) == 0 &&
+    const bool any_order = f->info.channels < 3 && !f->forced; /* gray is x, or y */
+    return f->encoding != NTP_HEIGHT && !any_order && (f->type.accidents & misplaced) == 0 &&
            (f->type.type == NTP_CLASS_STANDARD || f->type.type == NTP_CLASS_ZZERO ||
             f->type.type == NTP_CLASS_XY);
 }

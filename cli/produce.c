@@ -120,7 +120,7 @@ static pass_end run_pass(production *p, bool writes, ntpio_error *error)
 /* x and y in gray and alpha: the file does not say which is which. */
 static bool is_gray_and_alpha(const production *p)
 {
-    return p->f.type.type == NTP_CLASS_XY && p->f.encoding == NTP_HEIGHT;
+    return p->f.type.type == NTP_CLASS_XY && p->s.info->channels < 3 && !p->f.forced;
 }
 
 static bool is_refused(const production *p)
@@ -131,16 +131,16 @@ static bool is_refused(const production *p)
     if (p->m->any_class)
         return !p->f.counts;
     return type == NTP_CLASS_HEIGHT || type == NTP_CLASS_OBJECT_SPACE ||
-           type == NTP_CLASS_NOT_NORMALS || is_gray_and_alpha(p);
+           type == NTP_CLASS_NOT_NORMALS || (is_gray_and_alpha(p) && !p->m->any_order);
 }
 
 static outcome refuse(const production *p, ntpio_error *error)
 {
     text t = { 0 };
     text_name(&t, p->in->path);
-    if (is_gray_and_alpha(p))
-        text_add(&t,
-                 ": x and y in gray and alpha; ntp convert --from-channels xy makes RGB of them");
+    const bool pair = is_gray_and_alpha(p);
+    if (pair)
+        text_add(&t, ": x and y in gray and alpha, which is which the file does not say");
     else
         text_addf(&t, ": %s, not a texture of tangent-space normals",
                   p->f.type.type == NTP_CLASS_HEIGHT         ? "a height map"
@@ -148,8 +148,9 @@ static outcome refuse(const production *p, ntpio_error *error)
                                                              : "something else");
     const unsigned verb = p->m->o->verb_bit;
     const option_spec *row = option_row(verb == V_TO_HEIGHT ? OPT_FROM : OPT_TYPE, verb);
-    if (p->f.counts && !is_gray_and_alpha(p) && row != NULL)
-        text_addf(&t, "; --%s standard takes it for one", row->name);
+    if (p->f.counts && row != NULL)
+        text_addf(&t, pair ? "; --%s xy takes gray for x" : "; --%s standard takes it for one",
+                  row->name);
     snprintf(error->message, sizeof error->message, "%.500s", text_string(&t));
     text_free(&t);
     return p->f.counts && (p->in->named || p->in->hinted) ? REFUSED : SKIPPED;

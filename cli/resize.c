@@ -246,6 +246,7 @@ int resize_run(const options *o)
     set.how.touch_unused = option_given(o, OPT_TOUCH_UNUSED) ? NTP_UNUSED_ALL : 0;
     const maker m = { .o = o,
                       .forced = forced_class(o),
+                      .any_order = true,
                       .measure_first = true,
                       .state_size = sizeof(state),
                       .settings = &set,

@@ -82,6 +82,10 @@ static const double USUAL_BLUE = 0.99;
  * on average: blurring a gentle standard texture makes its blue as low as Z-zero's. */
 static const double ZZERO_NEAR = 0.5, ZZERO_SLOPE = 1.5, ZZERO_GAP = 3;
 
+/* An encoder that truncates lowers a standard blue by up to a level: where the blues lie less than
+ * two apart that is Z-zero's as well as not. */
+static const double ZZERO_SURE_GAP = 2, ZZERO_SURE = 0.85;
+
 /* A mean blue above this can be occlusion, or z that coarse JPEG took apart: less is sure. */
 static const double OPEN_BLUE = 0.8;
 
@@ -271,6 +275,8 @@ static bool is_swapped(question *q)
 static bool prefers_zzero(const question *q)
 {
     const ntp_stats *s = q->s;
+    if (s->tilted == 0)
+        return false;
     if (q->rounded[0] > ROUNDED_SHARE || q->rounded[1] > ROUNDED_SHARE) {
         bool clear = s->tilted_gap > ZZERO_GAP || q->rounded[1] > ROUNDED_ALL;
         return q->rounded[1] > q->rounded[0] && clear;
@@ -411,6 +417,8 @@ static bool is_normals(question *q)
         because(q, NTP_REASON_PREFERS_ZZERO, s->tilted_near[1]);
         if (q->rounded[1] < ROUNDED_SHARE)
             q->out->confidence = least(sure, 0.8);
+        else if (s->tilted_gap < ZZERO_SURE_GAP)
+            q->out->confidence = least(sure, ZZERO_SURE);
     } else if (!flipped && (s->tilted == 0 || (s->tilted_near[1] > s->tilted_near[0] &&
                                                s->blue_slope > ZZERO_SLOPE))) {
         because(q, NTP_REASON_UNDECIDED_ZZERO, 0);
