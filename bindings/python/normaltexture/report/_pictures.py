@@ -92,7 +92,9 @@ def average(image: NDArray[Any], size: int) -> Bytes:
     factor = _factor(image, size)
     if factor > 1:
         starts = [np.arange(0, side, factor) for side in image.shape[:2]]
-        counts = [np.diff(np.append(s, side)) for s, side in zip(starts, image.shape, strict=False)]
+        counts = [
+            np.minimum(factor, side - s) for s, side in zip(starts, image.shape, strict=False)
+        ]
         # Row by row of blocks, so that the sums need little memory.
         rows = [
             np.add.reduceat(image[y : y + factor].sum(axis=0, dtype=np.float64), starts[1], axis=0)
