@@ -17,6 +17,7 @@ from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
 MIB = 1 << 20
+NAMES = ("png_copy", "png_decode", "bench_kernels", "bench_to_height")
 
 
 def spent(command):
@@ -71,7 +72,7 @@ class Report:
 
 
 def programs(build):
-    found = {name: build / "bench" / name for name in ("png_copy", "png_decode", "bench_kernels")}
+    found = {name: build / "bench" / name for name in NAMES}
     found["ntp"] = build / "cli" / "ntp"
     missing = [str(path) for path in found.values() if not path.exists()]
     if missing:
@@ -132,6 +133,12 @@ def main():
         for isa in ("base", "avx2"):
             options = ["--isa", isa, "--pairs", str(args.pairs), "--only", args.only]
             subprocess.run([tool["bench_kernels"], *options], check=True)
+        print()
+    if tool["bench_to_height"] and args.only in "to height":
+        print("Normals to heights, in memory:", flush=True)
+        subprocess.run([tool["bench_to_height"], "--pairs", str(args.pairs)], check=True)
+        if args.huge:
+            subprocess.run([tool["bench_to_height"], "--rows", "16384"], check=True)
         print()
     if not all(tool[name] for name in ("ntp", "png_copy", "png_decode")):
         sys.exit("the end-to-end benchmarks need all programs")

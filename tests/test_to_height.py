@@ -447,7 +447,7 @@ def test_consistency_of_telescoping(kernel, borders):
 @pytest.mark.parametrize("kernel", KERNELS)
 def test_same_bytes_for_any_number_of_parts(kernel):
     rng = np.random.default_rng(5)
-    n = rng.integers(60, 200, (150, 700, 3)).astype(np.uint8)
+    n = rng.integers(60, 200, (450, 700, 3)).astype(np.uint8)
 
     @ntp.ffi.callback("void(void *, int32_t, void (*)(void *, int32_t), void *)")
     def parallel_for(_, count, task, work):
@@ -468,7 +468,7 @@ def test_same_bytes_for_any_number_of_parts(kernel):
 
 
 def test_progress_and_cancellation():
-    n = np.full((200, 300, 3), 130, np.uint8)
+    n = np.full((700, 100, 3), 130, np.uint8)
     shares = []
 
     @ntp.ffi.callback("int32_t(void *, double)")

@@ -16,7 +16,7 @@
 
 enum {
     ROWS = NTP__FFT_ROWS,
-    RUN = 2,                  /* batches of a part that follow each other */
+    RUN = 8,                  /* batches of a part that follow each other */
     GROUP = 8 * NTP__COLUMNS, /* columns of a part */
     EXTRA_ROWS = 7            /* of telescoping */
 };
@@ -26,10 +26,12 @@ typedef struct part {
     void *fft_work;
     float *spare; /* stands for rows below the last one */
     ntp__row_cache cache;
+    float range[2];
 } part;
 
 typedef struct job {
     const ntp_hooks *hooks;
+    const ntp__solver_kernels *kernels;
     ntp__problem problem;
     ntp__fft fft;
     ntp__columns columns;
@@ -43,7 +45,6 @@ typedef struct job {
     ntp__window window; /* of normals, then */
     void *normals;
     size_t row_bytes;
-    float min, max;
     int32_t first, end; /* rows that the parts are at work on */
 } job;
 
@@ -81,6 +82,7 @@ static void lay_out(job *j, void *scratch, const ntp__slopes *slopes)
 {
     char *memory = scratch;
     const ntp__problem *p = &j->problem;
+    j->kernels = ntp__solver_kernels_for(NTP__CPU_ALL);
     ntp__fft_kind kind = ntp__axis_transform(&p->along);
     j->parts = take(&memory, (size_t) j->part_count * sizeof(part));
     j->squares = take(&memory, (size_t) p->down.n * sizeof(double));
@@ -92,6 +94,8 @@ static void lay_out(job *j, void *scratch, const ntp__slopes *slopes)
         j->parts[i].spare = take(&own, (size_t) p->along.n * sizeof(float));
         ntp__row_cache_init(&j->parts[i].cache, p, slopes, take(&own, ntp__row_cache_bytes(p)));
         j->parts[i].fft_work = own;
+        j->parts[i].range[0] = FLT_MAX;
+        j->parts[i].range[1] = -FLT_MAX;
     }
     ntp__fft_plan(&j->fft, kind, p->along.n, p->single, tables, j->parts[0].fft_work);
     if (p->filter)
@@ -151,8 +155,10 @@ static void synthesize(job *j, part *p, int32_t item)
         int32_t y = j->first + (item * RUN + i) * ROWS;
         if (y >= j->end)
             return;
-        batch_rows(j, p, y, rows);
+        int32_t count = batch_rows(j, p, y, rows);
         j->fft.loops->inverse(&j->fft, rows, p->fft_work);
+        for (int32_t k = 0; k < count; k++)
+            j->kernels->range(p->range, rows[k], j->problem.along.n);
     }
 }
 
@@ -277,17 +283,6 @@ static ntp_status read_heights(job *j)
                                                                                 : NTP_ERR_CANCELLED;
 }
 
-static void find_range(job *j)
-{
-    for (int32_t y = j->first; y < j->end; y++) {
-        const float *row = height_row(j, y);
-        for (int32_t x = 0; x < j->problem.along.n; x++) {
-            j->min = row[x] < j->min ? row[x] : j->min;
-            j->max = row[x] > j->max ? row[x] : j->max;
-        }
-    }
-}
-
 static ntp_status go_down(job *j, int32_t rounds, double share)
 {
     for (int32_t i = 0; i < rounds; i++) {
@@ -316,10 +311,8 @@ static ntp_status go_up(job *j, int32_t rounds, double share)
         if (!j->problem.filter)
             each(j, columns_up, 0, groups(j));
         each(j, synthesize, 0, (j->end - j->first + RUN * ROWS - 1) / (RUN * ROWS));
-        if (j->rows != NULL) {
-            find_range(j);
+        if (j->rows != NULL)
             NTP__TRY(write_heights(j));
-        }
     }
     return NTP_OK;
 }
@@ -371,6 +364,19 @@ size_t ntp__integrate_scratch(const ntp_height_options *how, int32_t width, int3
     return scratch_bytes(&p, parts);
 }
 
+static void add_counts(const job *j, ntp__slope_counts *counts)
+{
+    counts->range[0] = FLT_MAX;
+    counts->range[1] = -FLT_MAX;
+    for (int32_t i = 0; i < j->part_count; i++) {
+        const part *p = &j->parts[i];
+        counts->unused += p->cache.counts.unused;
+        counts->not_finite += p->cache.counts.not_finite;
+        counts->range[0] = p->range[0] < counts->range[0] ? p->range[0] : counts->range[0];
+        counts->range[1] = p->range[1] > counts->range[1] ? p->range[1] : counts->range[1];
+    }
+}
+
 ntp_status ntp__integrate(const ntp_image *dst, const ntp__slopes *slopes,
                           const ntp_height_options *how, void *scratch, const ntp_hooks *hooks,
                           ntp__slope_counts *counts)
@@ -389,10 +395,7 @@ ntp_status ntp__integrate(const ntp_image *dst, const ntp__slopes *slopes,
     }
     lay_out(&j, scratch, slopes);
     NTP__TRY(least_squares(&j));
-    for (int32_t i = 0; i < j.part_count; i++) {
-        counts->unused += j.parts[i].cache.counts.unused;
-        counts->not_finite += j.parts[i].cache.counts.not_finite;
-    }
+    add_counts(&j, counts);
     return NTP_OK;
 }
 
@@ -447,16 +450,14 @@ ntp_status ntp__stream(const ntp_const_image *form, const ntp_height_rows *rows,
     lay_out(&j, memory, &slopes);
     for (int32_t i = 0; i < j.part_count; i++)
         j.parts[i].cache.window = &j.window;
-    j.min = FLT_MAX;
-    j.max = -FLT_MAX;
     NTP__TRY(least_squares(&j));
-    for (int32_t i = 0; i < j.part_count; i++) {
-        result->unused += j.parts[i].cache.counts.unused;
-        result->not_finite += j.parts[i].cache.counts.not_finite;
-    }
+    ntp__slope_counts counts = { 0, 0, 0, 0, { 0, 0 } };
+    add_counts(&j, &counts);
+    result->unused = counts.unused;
+    result->not_finite = counts.not_finite;
     result->decode = slopes.decode;
     result->z = slopes.derived ? NTP_Z_DERIVED : NTP_Z_STORED;
-    result->min = (double) j.min;
-    result->max = (double) j.max;
+    result->min = (double) counts.range[0];
+    result->max = (double) counts.range[1];
     return NTP_OK;
 }

@@ -150,7 +150,7 @@ ntp_status ntp_height_from_normals(const ntp_image *dst, const ntp_const_image *
 {
     ntp_height_options r;
     ntp_height_result done;
-    ntp__slope_counts counts = { 0, 0, 0, 0 };
+    ntp__slope_counts counts = { 0, 0, 0, 0, { 0, 0 } };
     ntp__slopes slopes;
     memset(&done, 0, sizeof done);
     NTP__TRY(check_views(dst, src));
@@ -180,10 +180,14 @@ ntp_status ntp_height_from_normals(const ntp_image *dst, const ntp_const_image *
     done.not_finite += counts.not_finite;
     done.consistency = counts.consistency;
     done.consistency_max = counts.consistency_max;
+    done.min = (double) counts.range[0];
+    done.max = (double) counts.range[1];
     done.residual = -1;
     if (r.detrend && !weighted)
         detrend(dst, &r, &done);
-    find_range(dst, &done);
+    /* The direct solver has found the range as it wrote. */
+    if (weighted || r.method == NTP_HEIGHT_TELESCOPING || r.detrend)
+        find_range(dst, &done);
     if (result != NULL)
         *result = done;
     return status;

@@ -23,6 +23,7 @@ typedef struct ntp__slopes {
 typedef struct ntp__slope_counts {
     uint64_t unused, not_finite;
     double consistency, consistency_max; /* of telescoping: see ntp_height_result */
+    float range[2];                      /* of the heights that the direct solver wrote */
 } ntp__slope_counts;
 
 /* Looks at the texture where decode is NTP_DECODE_AUTO. */

@@ -125,6 +125,33 @@ static int32_t slopes8(float *right, float *down_row, const uint8_t *src, int32_
     return slopes8_loop(right, down_row, src, 4, n, how, false, false);
 }
 
+/* ---------------------------------------------------------------------------------- range */
+
+static void find_range(float range[2], const float *row, int32_t n)
+{
+    enum { WIDE = 16 };
+    float least[WIDE], most[WIDE];
+    for (int32_t l = 0; l < WIDE; l++) {
+        least[l] = range[0];
+        most[l] = range[1];
+    }
+    int32_t whole = n - n % WIDE;
+    for (int32_t i = 0; i < whole; i += WIDE) {
+        for (int32_t l = 0; l < WIDE; l++) {
+            least[l] = row[i + l] < least[l] ? row[i + l] : least[l];
+            most[l] = row[i + l] > most[l] ? row[i + l] : most[l];
+        }
+    }
+    for (int32_t i = whole; i < n; i++) {
+        least[0] = row[i] < least[0] ? row[i] : least[0];
+        most[0] = row[i] > most[0] ? row[i] : most[0];
+    }
+    for (int32_t l = 0; l < WIDE; l++) {
+        range[0] = least[l] < range[0] ? least[l] : range[0];
+        range[1] = most[l] > range[1] ? most[l] : range[1];
+    }
+}
+
 /* ---------------------------------------------------------------------------------- table */
 
 #define TABLE_NAME_(isa) ntp__solver_kernels_##isa
@@ -138,4 +165,5 @@ const ntp__solver_kernels TABLE_NAME(NTP_ISA) = {
     { set_pair_double, add_pair_double, sum_double, sum_squares_double },
     { down, down_live, up, up_live },
     slopes8,
+    find_range,
 };

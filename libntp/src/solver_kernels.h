@@ -51,6 +51,8 @@ typedef struct ntp__solver_kernels {
     ntp__row_loops rows_single, rows_double;
     ntp__column_loops columns;
     ntp__slopes8_fn *slopes8;
+    /* range[0] = the least of these, n numbers, and of range[0]; range[1] = the greatest */
+    void (*range)(float range[2], const float *row, int32_t n);
 } ntp__solver_kernels;
 
 const ntp__solver_kernels *ntp__solver_kernels_for(int mask);
