@@ -81,7 +81,8 @@ typedef struct axis {
     const ntp_image *heights;
     const ntp_const_image *src;
     ntp_gradient_options how;
-    bool down; /* lines are rows */
+    bool down;  /* lines are rows */
+    bool wraps; /* as far as the whole texture tells */
 } axis;
 
 /* Sample c of a pixel, 0..1. */
@@ -132,19 +133,41 @@ static ntp_const_image strip_of(const axis *a, int32_t first)
     return view;
 }
 
-/* The last lines and the first ones beside each other: a copy. */
+static float height_at(const axis *a, int32_t line, int32_t i)
+{
+    const ntp_image *h = a->heights;
+    const int32_t x = a->down ? i : line, y = a->down ? line : i;
+    return ((const float *) h->data)[(size_t) y * (size_t) h->width + (size_t) x];
+}
+
+/* By how much the heights have drifted from one edge to the other: the mean step across the seam
+ * less the mean of the steps beside it. */
+static double drift_of(const axis *a, int32_t lines, int32_t length)
+{
+    double sum = 0;
+    for (int32_t i = 0; i < length; i++) {
+        const double first = (double) height_at(a, 0, i),
+                     last = (double) height_at(a, lines - 1, i);
+        const double after = (double) height_at(a, 1, i);
+        const double before = (double) height_at(a, lines - 2, i);
+        sum += first - last - (after - first + last - before) / 2;
+    }
+    return sum / length;
+}
+
+/* The last lines and the first ones beside each other: a copy.  Where the texture is known to wrap,
+ * what all heights have drifted is rounding, and taken out. */
 static ntp_const_image wrapped_strip(const axis *a, float *memory)
 {
     const int32_t lines = a->down ? a->src->height : a->src->width;
     const int32_t length = a->down ? a->src->width : a->src->height;
-    const ntp_image *h = a->heights;
+    const float drift = a->wraps ? (float) drift_of(a, lines, length) : 0;
     for (int32_t k = 0; k < STRIP; k++) {
         const int32_t line = k < STRIP / 2 ? lines - STRIP / 2 + k : k - STRIP / 2;
         for (int32_t i = 0; i < length; i++) {
             const size_t to = a->down ? (size_t) k * (size_t) length + (size_t) i
                                       : (size_t) i * STRIP + (size_t) k;
-            const int32_t x = a->down ? i : line, y = a->down ? line : i;
-            memory[to] = ((const float *) h->data)[(size_t) y * (size_t) h->width + (size_t) x];
+            memory[to] = height_at(a, line, i) - (k < STRIP / 2 ? 0 : drift);
         }
     }
     const ntp_image view =
@@ -213,7 +236,7 @@ static bool is_solved(const axis *a, const ntp_height_options *how, ntp_border b
     return ntp_height_scratch_size(&with, a->src->width, a->src->height, 1) > 0;
 }
 
-static border_choice look_at_edges(const axis *a, bool wraps, const ntp_height_options *how)
+static border_choice look_at_edges(const axis *a, const ntp_height_options *how)
 {
     const size_t length = (size_t) (a->down ? a->src->width : a->src->height);
     float *copy = need(malloc(length * STRIP * sizeof *copy));
@@ -224,7 +247,7 @@ static border_choice look_at_edges(const axis *a, bool wraps, const ntp_height_o
             is_solved(a, how, (ntp_border) b) ? edge_error(a, (ntp_border) b, copy, memory) : -1;
     free(memory);
     free(copy);
-    return choose(error, wraps, how->kernel);
+    return choose(error, a->wraps, how->kernel);
 }
 
 ntp_status heights_find_borders(border_choice found[2], worker *w, const ntp_image *heights,
@@ -245,11 +268,12 @@ ntp_status heights_find_borders(border_choice found[2], worker *w, const ntp_ima
     if (status != NTP_OK)
         return status == NTP_ERR_CANCELLED ? status : NTP_OK;
     for (int i = 0; i < 2; i++) {
-        const axis a = { heights,
-                         src,
-                         { .scale = 1, .dx = how->dx, .dy = how->dy, .kernel = how->kernel },
-                         i == 1 };
-        found[i] = look_at_edges(&a, seams[i].wraps != 0, &first);
+        const axis a = { .heights = heights,
+                         .src = src,
+                         .how = { .scale = 1, .dx = how->dx, .dy = how->dy, .kernel = how->kernel },
+                         .down = i == 1,
+                         .wraps = seams[i].wraps != 0 };
+        found[i] = look_at_edges(&a, &first);
     }
     return NTP_OK;
 }
