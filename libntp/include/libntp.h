@@ -898,15 +898,28 @@ NTP_API size_t ntp_height_scratch_size(const ntp_height_options *how, int32_t wi
 
 /*
  * The heightfield behind normals: dst, NTP_F32 NTP_HEIGHT of one packed channel, gets heights in
- * texels.  Slopes are -x/z and -y/z, z at least 1/M (float: 1/65535), texels as wide as high.
+ * the unit of dx and dy.  Slopes are -x/z and -y/z, z at least 1/M (float: 1/65535).
  *
  * Least squares: of all heightfields the one whose slopes, by this kernel with these borders, come
  * nearest to the stored ones; where several do, the one of least norm.  Its mean is 0.  Solved
- * directly: a Fourier (wrap) or cosine transform of each row, a recursion down and up each
- * column.  Two slopes of one pair of texels (the last one with forward and mirror or extrapolate)
- * count once, as their mean; central slopes at the edge with extrapolate count a quarter.
- * Borders: forward: all (clamp: the last slope is not looked at; repeat-slope is extrapolate);
- * central: wrap, clamp and extrapolate.
+ * directly: a Fourier (wrap) or cosine transform of each row, and a recursion down and up each
+ * column (forward, central, baked) or transforms of the columns as well (3 x 3 and more, prior,
+ * central with mirror down the picture).  dst is all the memory it takes, but for some rows and
+ * columns.  8-bit textures are transformed in float arithmetic, deeper ones in double.
+ *
+ * Kernel and borders, each axis by itself:
+ *   forward           all.  With clamp the last slope is not looked at; where the last two are
+ *                     slopes of one pair of texels (mirror, extrapolate, repeat-slope, which is
+ *                     extrapolate) they count once, as their mean.
+ *   central           wrap, clamp, mirror, extrapolate (slopes at the edge count a quarter)
+ *   prewitt3, sobel3, scharr3     wrap, clamp, mirror
+ *   prewitt5, sobel5, gimp5..9    wrap, mirror
+ *   baked             wrap; any other is a free end.  Slopes of a surface at the middles of texels;
+ *                     between neighbors lie (-1, 13, 13, -1)/24 of the four around them, at free
+ *                     ends (9, 19, -5, 1)/24.
+ * With mirror the texels at the edge count half, in the mean as well: it is that of the mirrored
+ * plane.  NTP_PRIOR_ROUGHNESS takes, of heights that fit alike within the rounding of the
+ * slopes, the smoother ones.  docs/reconstruction.md has the formulas.
  *
  * Telescoping (Eberly 3.1, 3.2): forward goes along the first row and down each column; central
  * goes in steps of two from h(0,0), h(1,0), h(0,1), h(1,1), by default h(0,0) = 0 and each other
