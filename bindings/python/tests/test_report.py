@@ -313,6 +313,9 @@ def test_beside_ntp(folder, tmp_path):
 
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
+needs_chromium = pytest.mark.skipif(
+    CHROMIUM is None and not os.environ.get("CI"), reason="Chromium is not installed"
+)
 FLAGS = [
     "--headless",
     "--no-sandbox",
@@ -373,7 +376,7 @@ def probed(text, probe=PROBE):
     return text.replace("</body>", f"<script>{probe}</script></body>")
 
 
-@pytest.mark.skipif(CHROMIUM is None, reason="Chromium is not installed")
+@needs_chromium
 def test_page_in_chromium(folder, tmp_path):
     page = tmp_path / "report.html"
     page.write_text(probed(report.build(report.check_json([folder]))), encoding="utf-8")
@@ -395,7 +398,7 @@ def test_page_in_chromium(folder, tmp_path):
     assert background == "rgb(246, 247, 249)"
 
 
-@pytest.mark.skipif(CHROMIUM is None, reason="Chromium is not installed")
+@needs_chromium
 def test_screenshots(folder, tmp_path):
     """Light and dark differ as the reader asks, and the pictures are in them."""
     page = tmp_path / "report.html"

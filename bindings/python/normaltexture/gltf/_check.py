@@ -252,6 +252,18 @@ def check(
     ------
     normaltexture._ntp.ProgramError
         The program ntp is missing or refuses an option.
+
+    Examples
+    --------
+    >>> import json
+    >>> from pathlib import Path
+    >>> from normaltexture import gltf
+    >>> wall = {"asset": {"version": "2.0"}, "images": [{"uri": "wall_n.png"}]}
+    >>> wall |= {"textures": [{"source": 0}], "materials": [{"normalTexture": {"index": 0}}]}
+    >>> size = Path("wall.gltf").write_text(json.dumps(wall))
+    >>> (entry,) = gltf.check("wall.gltf")["files"]
+    >>> entry["type"], entry["findings"][0]["id"], entry["uses"][0]["pointer"]
+    ('standard', 'NT001', '/materials/0/normalTexture')
     """
     if isinstance(paths, str | os.PathLike):
         paths = [paths]

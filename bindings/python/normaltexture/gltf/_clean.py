@@ -92,6 +92,20 @@ def _clean_image(
     return entry, None
 
 
+def _clean_images(document: Document, how: Json) -> tuple[list[Json], dict[int, Replacement]]:
+    """The entries of all images, and what replaces those that change."""
+    images = normal_images(document)
+    normals = {image.index for image in images}
+    found = {entry["image"]: entry for entry in check_document(document)}
+    entries, replacements = [], {}
+    for image in images:
+        entry, new = _clean_image(document, image, found[image.index], normals, how)
+        entries.append(entry)
+        if new is not None:
+            replacements[image.index] = Replacement(new)
+    return entries, replacements
+
+
 def clean(
     path: str | os.PathLike[str],
     output: str | os.PathLike[str] | None = None,
@@ -136,6 +150,19 @@ def clean(
         The file is malformed, or something would be written outside the output's directory.
     ValueError
         The output's name does not end as the input's.
+
+    Examples
+    --------
+    >>> import json
+    >>> from pathlib import Path
+    >>> from normaltexture import gltf
+    >>> wall = {"asset": {"version": "2.0"}, "images": [{"uri": "wall_n.png"}]}
+    >>> wall |= {"textures": [{"source": 0}], "materials": [{"normalTexture": {"index": 0}}]}
+    >>> size = Path("wall.gltf").write_text(json.dumps(wall))
+    >>> gltf.clean("wall.gltf", "clean/wall.gltf")["files"][0]["changed"]
+    268
+    >>> gltf.check("clean/wall.gltf")["summary"]["with_errors"]
+    0
     """
     document = load(path)
     target = Path(path if output is None else output)
@@ -144,21 +171,16 @@ def clean(
         raise ValueError(f"output {os.fspath(target)!r} does not end in {kind}")
     how = {"method": method, "drop_alpha": drop_alpha, "flip_green": flip_green}
     how["keep_jpeg"] = keep_jpeg or output is None
-    images = normal_images(document)
-    normals = {image.index for image in images}
-    found = {entry["image"]: entry for entry in check_document(document)}
-    entries, replacements = [], {}
-    for image in images:
-        entry, new = _clean_image(document, image, found[image.index], normals, how)
-        entries.append(entry)
-        if new is not None:
-            replacements[image.index] = Replacement(new)
-    outputs: Sequence[Path] = []
-    if replacements or output is not None:
-        planned = plan(document, replacements, target, copy_others=output is not None)
-        outputs = [*planned.files, *planned.copies]
-        if not dry_run:
-            write(planned)
+    try:
+        entries, replacements = _clean_images(document, how)
+        outputs: Sequence[Path] = []
+        if replacements or output is not None:
+            planned = plan(document, replacements, target, copy_others=output is not None)
+            outputs = [*planned.files, *planned.copies]
+            if not dry_run:
+                write(planned)
+    except (TypeError, AttributeError, KeyError) as error:
+        raise document.fail(f"malformed: {error}") from error
     states = [entry["status"] for entry in entries]
     return {
         "schema_version": 1,
