@@ -1,12 +1,7 @@
 # SPDX-License-Identifier: MIT
-"""Normals to heightfields.
-
-libntp runs the parts of the work through two callbacks: one hands them to Python threads, the
-other reports progress and can stop, also for Ctrl-C.
-"""
+"""Normals to heightfields."""
 
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor, wait
 from dataclasses import dataclass
 from typing import Any, Literal, TypeAlias, cast, get_args, overload
 
@@ -23,17 +18,17 @@ from ._arrays import (
     Output,
     Y,
     choose,
-    memory,
     number,
     pixels,
-    thread_count,
     view,
 )
+from ._borders import choose_borders, find_kernel
 from ._errors import ArgumentError, Status, check
 from ._height import Border, Kernel
 from ._measure import _Result, resolve
 from ._native import ffi, lib
 from ._orientation import detect_orientation
+from ._solve import Solver
 
 HeightKernel: TypeAlias = Kernel | Literal["auto", "baked"]
 AnyBorder: TypeAlias = Literal["auto"] | Border
@@ -43,14 +38,13 @@ HeightMethod: TypeAlias = Literal[
 Decode: TypeAlias = Literal["auto", "unorm", "neutral", "unorm-trunc", "snorm128"]
 Z: TypeAlias = Literal["auto", "stored", "derived"]
 
-_KERNELS = {"auto": 0} | {name: i for i, name in enumerate(get_args(Kernel))} | {"baked": 10}
+_KERNELS = {"auto": -1} | {name: i for i, name in enumerate(get_args(Kernel))} | {"baked": 10}
 _BORDERS = {"auto": -1} | {name: i for i, name in enumerate(get_args(Border))}
 _METHODS: tuple[str, ...] = get_args(HeightMethod)
 _DECODES: tuple[str, ...] = get_args(Decode)
 _METHOD_CODES = {name: i for i, name in enumerate(_METHODS)}
 _DECODE_CODES = {name: i for i, name in enumerate(_DECODES)}
 _ZS = {"auto": 2, "stored": 0, "derived": 1}
-_SCRATCH_ALIGNMENT = 64
 _LEAST_SIDE = 6  # below, no texel says which way green points
 _MOST = 1.7e308
 
@@ -101,55 +95,6 @@ class HeightInfo(_Result):
     residual: float
     trend_x: float
     trend_y: float
-
-
-class _Hooks:
-    """The caller's part while libntp works: threads, progress, and what went wrong in it."""
-
-    def __init__(self, parts: int, progress: Callable[[float], object] | None) -> None:
-        self.progress = progress
-        self.pool = ThreadPoolExecutor(parts) if parts > 1 else None
-        self.raised: BaseException | None = None
-        self._handle = ffi.new_handle(self)
-        self.struct = ffi.new("ntp_hooks *")
-        self.struct.user = self._handle
-        self.struct.progress = lib.ntp_py_progress
-        if self.pool is not None:
-            self.struct.parallel_for = lib.ntp_py_parallel_for
-        self.struct.parts = parts
-
-    def close(self) -> None:
-        if self.pool is not None:
-            self.pool.shutdown()
-
-
-def _stop(exception: Any, value: Any, traceback: Any) -> int:
-    """An exception in the progress callback, Ctrl-C included: kept, and libntp is told to stop."""
-    del exception
-    hooks: _Hooks = ffi.from_handle(traceback.tb_frame.f_locals["user"])
-    hooks.raised = value
-    return 1
-
-
-@ffi.def_extern(name="ntp_py_progress", onerror=_stop)  # type: ignore[untyped-decorator]
-def _progress(user: Any, share: float) -> int:
-    hooks: _Hooks = ffi.from_handle(user)
-    if hooks.raised is not None:
-        return 1
-    return int(hooks.progress is not None and hooks.progress(share) is False)
-
-
-@ffi.def_extern(name="ntp_py_parallel_for")  # type: ignore[untyped-decorator]
-def _parallel_for(user: Any, count: int, task: Any, work: Any) -> None:
-    hooks: _Hooks = ffi.from_handle(user)
-    assert hooks.pool is not None
-    running = [hooks.pool.submit(task, work, index) for index in range(count)]
-    while running:  # libntp relies on all being done, so Ctrl-C waits as well
-        try:
-            wait(running)
-            running = []
-        except BaseException as raised:  # noqa: BLE001  raised again by the caller
-            hooks.raised = raised
 
 
 @overload
@@ -247,9 +192,10 @@ def height_from_normals(
         sums of slopes.  "auto": weighted with a `mask`, else as the borders say.
     kernel : {"auto", "baked"}, or one of `normals_from_height`
         How the slopes were taken; "baked": they are those of a surface, at texel centers.
-        "auto": central.
+        "auto": the one that fits best, else central.
     border, border_x, border_y : {"auto"}, or one of `normals_from_height`
-        The height beyond the edges.  "auto": extrapolate, or wrap with frankot-chellappa.
+        The height beyond the edges.  "auto": what the normals at the edges tell, else what
+        supposes nothing about them.
     dx, dy : float
         Width and height of a texel.
     refine : int
@@ -317,11 +263,11 @@ def height_from_normals(
 
     how = ffi.new("ntp_height_options *")
     how.method = choose("method", method, _METHOD_CODES)
-    how.kernel = choose("kernel", kernel, _KERNELS)
-    free = 0 if method == "frankot-chellappa" else _BORDERS["extrapolate"]
-    for axis, given in (("border_x", border_x), ("border_y", border_y)):
-        value = choose(axis if given else "border", given or border, _BORDERS)
-        setattr(how, axis, free if value < 0 else value)
+    kernel_code = choose("kernel", kernel, _KERNELS)
+    asked = (
+        choose("border_x" if border_x else "border", border_x or border, _BORDERS),
+        choose("border_y" if border_y else "border", border_y or border, _BORDERS),
+    )
     how.decode = choose("decode", decode, _DECODE_CODES)
     how.z = choose("z", z, _ZS)
     how.touch_unused = TOUCH_ALL if touch_unused else TOUCH_NONE
@@ -350,22 +296,12 @@ def height_from_normals(
         output.array if output.array.flags.c_contiguous else np.empty_like(output.array, order="C")
     )
     dst = view("out", packed, HEIGHT, writable=True)
-    parts = min(thread_count(threads), lib.NTP_MAX_PARTS)
-    size = lib.ntp_height_scratch_size(how, width, height, parts)
-    if size == 0:
-        _cannot(how, Status.ARGUMENT)
-    scratch, owner = memory(size, _SCRATCH_ALIGNMENT)
-    hooks = _Hooks(parts, progress)
+    how.kernel = find_kernel(src_view, how.touch_unused) if kernel_code < 0 else kernel_code
     result = ffi.new("ntp_height_result *")
-    try:
-        status = lib.ntp_height_from_normals(
-            dst, src_view, how, scratch, size, hooks.struct, result
-        )
-    finally:
-        hooks.close()
-    del owner, mask_array
-    if hooks.raised is not None:
-        raise hooks.raised
+    with Solver(dst, src_view, threads, progress) as solver:
+        solved = choose_borders(how, asked, source, src_view, packed, solver)
+        status = solver.solve(how, result, 0.5 if solved else 0.0, 1.0)
+    del mask_array
     if status in (Status.ARGUMENT, Status.FORMAT):
         _cannot(how, status)
     check(status, "height_from_normals")

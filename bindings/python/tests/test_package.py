@@ -102,9 +102,30 @@ def test_arrays_and_program_agree(test_files, tmp_path):
     for command, want in cases:
         ntp(*command, "-o", out)
         assert np.array_equal(nt.read(out), want), command
-    pfm = tmp_path / "out.pfm"
-    told = json.loads(ntp("to-height", source, "-o", pfm, "--format", "json"))["files"][0]
-    want, info = nt.height_from_normals(texture, return_info=True)
-    assert np.array_equal(nt.read(pfm), want)
-    for name in ("method", "kernel", "border_x", "border_y", "y", "decode"):
-        assert told[name] == getattr(info, name), name
+
+
+def test_heights_of_arrays_and_program_agree(test_files, tmp_path):
+    """Kernel, borders and direction of green, told by the texels, are the program's."""
+    height = nt.read(test_files / "height_gray16.png")
+    textures = [nt.read(test_files / name) for name in ("standard.png", "standard_down.png")]
+    for kernel, border, to_y, depth in (
+        ("central", "wrap", "up", 16),
+        ("sobel3", "extrapolate", "down", 16),
+        ("forward", "mirror", "up", 8),
+        ("prewitt3", "clamp", "down", 8),
+    ):
+        textures.append(
+            nt.normals_from_height(
+                height, scale=9, kernel=kernel, border=border, to_y=to_y, depth=depth
+            )
+        )
+    for texture in textures:
+        nt.write(tmp_path / "n.png", texture)
+        command = [nt.program(), "to-height", "--from", "standard", tmp_path / "n.png"]
+        command += ["-o", tmp_path / "h.pfm", "--format", "json"]
+        done = subprocess.run(command, check=True, capture_output=True)
+        told = json.loads(done.stdout)["files"][0]
+        want, info = nt.height_from_normals(texture, return_info=True)
+        for name in ("method", "kernel", "border_x", "border_y", "y", "decode"):
+            assert told[name] == getattr(info, name), name
+        assert np.array_equal(nt.read(tmp_path / "h.pfm"), want)
