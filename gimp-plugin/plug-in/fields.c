@@ -142,12 +142,12 @@ static const choice verdicts[] = { /* ntp_verdict */
 #define LAYER(NAME, LABEL, HELP, PAGE) \
     { NAME, LABEL, HELP, FIELD_LAYER, PAGE, -1, 0, 0, 0, 0, 0, NULL }
 
-#define MOST 1e6 /* beyond it every slope is vertical */
+#define MOST 1e6 /* of a texel's sides */
 
 static const field normals_fields[FN_COUNT] = {
     [FN_SCALE] = NUMBER("scale", N_("_Scale"),
         N_("How many texels white rises above black; negative turns hills into dents"),
-        0, 10, -MOST, MOST, -100, 100, 3),
+        0, 10, -1e9, 1e9, -100, 100, 3),
     [FN_KERNEL] = CHOICE("kernel", N_("_Kernel"),
         N_("How a slope is taken; wider kernels are smoother, and all are equally strong"),
         0, 0, kernels),
@@ -156,7 +156,7 @@ static const field normals_fields[FN_COUNT] = {
     [FN_BORDER_Y] = CHOICE("border-y", N_("Upper and lower e_dges"),
         N_("The height beyond the upper and lower edges"), 0, 0, borders),
     [FN_SOURCE] = CHOICE("source", N_("_Height from"),
-        N_("Which number of a color is the height; gray has only one"), 0, 4, sources),
+        N_("Which number of a color is the height; gray has only one"), 0, 0, sources),
     [FN_INVERT] = SWITCH("invert", N_("_Invert the height"), N_("Black is high, white is low"), 0),
     [FN_TO_Y] = CHOICE("to-y", N_("_Green points"),
         N_("Up the picture: OpenGL, glTF, USD, Unity, Blender. Down: DirectX, Unreal"),
@@ -168,18 +168,18 @@ static const field normals_fields[FN_COUNT] = {
         0, 0, alphas),
     [FN_DX] = NUMBER("dx", N_("_Width of a texel"), N_("Where texels are not square"),
         1, 1, 1e-6, MOST, 0.1, 10, 3),
-    [FN_DY] = NUMBER("dy", N_("H_eight of a texel"), N_("Where texels are not square"),
+    [FN_DY] = NUMBER("dy", N_("Height of a te_xel"), N_("Where texels are not square"),
         1, 1, 1e-6, MOST, 0.1, 10, 3),
-    [FN_BLUE] = CHOICE("blue", N_("Blue is _computed"),
+    [FN_BLUE] = CHOICE("blue", N_("Blue is co_mputed"),
         N_("From the rounded red and green: survives any round trip. By itself: the nearest z"),
         1, 0, blues),
-    [FN_HEIGHT_LAYER] = LAYER("height-layer", N_("Height of anot_her layer"),
+    [FN_HEIGHT_LAYER] = LAYER("height-layer", N_("Height of a_nother layer"),
         N_("A layer of the same size that holds the height, in place of the layer itself"), 1),
     [FN_ALPHA_LAYER] = LAYER("alpha-layer", N_("Layer for al_pha"),
         N_("The layer whose brightness becomes alpha; scaled to this layer's size"), 1),
     [FN_FLIP_X] = SWITCH("flip-x", N_("_Flip red"), N_("Red points left"), 1),
-    [FN_SWAP] = SWITCH("swap-rgb", N_("S_wap red and blue"), N_("Store z, y, x"), 1),
-    [FN_DUDV] = CHOICE("dudv", N_("_Store"), N_("Normals, or x and y alone as DU/DV"),
+    [FN_SWAP] = SWITCH("swap-rgb", N_("Swap red and bl_ue"), N_("Store z, y, x"), 1),
+    [FN_DUDV] = CHOICE("dudv", N_("S_tore"), N_("Normals, or x and y alone as DU/DV"),
         1, 0, dudvs),
 };
 
@@ -199,10 +199,10 @@ static const field height_fields[FH_COUNT] = {
     [FH_Z] = CHOICE("z", N_("_z is taken"), N_("From red and green where blue is not to be trusted"),
         0, 0, depths),
     [FH_INVERT] = SWITCH("invert", N_("_Invert the height"), N_("Black is high, white is low"), 0),
-    [FH_CONTRAST] = NUMBER("contrast", N_("_Contrast"),
+    [FH_CONTRAST] = NUMBER("contrast", N_("Con_trast"),
         N_("Stretches the heights about their middle; what is then beyond black or white is cut"),
         0, 0, 0, 1, 0, 1, 2),
-    [FH_RESULT] = CHOICE("result", N_("_Result in"),
+    [FH_RESULT] = CHOICE("result", N_("Res_ult in"),
         N_("8 bits are few for a height; the new image has 16"), 0, 0, results),
 };
 
@@ -218,7 +218,7 @@ static const field clean_fields[FC_COUNT] = {
     [FC_FROM] = CHOICE("from", N_("_Blue stores"), N_("How z is stored in blue"), 0, 0, readings),
     [FC_KEEP_NEGATIVE_Z] = SWITCH("keep-negative-z", N_("_Negative z is right"),
         N_("Normals may point into the surface"), 0),
-    [FC_ONLY_FAILING] = SWITCH("only-failing", N_("_Only what fails"),
+    [FC_ONLY_FAILING] = SWITCH("only-failing", N_("Onl_y what fails"),
         N_("Leave alone what passes the test below"), 0),
     [FC_VERDICT] = CHOICE("verdict", N_("_Test"), N_("What counts as right"), 0, 0, verdicts),
     [FC_UNUSED] = SWITCH("touch-unused", N_("Also _unused texels"),
@@ -233,7 +233,7 @@ static const field classic_fields[FO_COUNT] = {
         "4 Prewitt 5x5, 5 3x3, 6 5x5, 7 7x7, 8 9x9"), 8),
     [FO_MIN_Z] = NUMBER("minz", "minz", N_("Least z of a normal"), -1, 0, 0, 1, 0, 1, 3),
     [FO_SCALE] = NUMBER("scale", "scale", N_("Strength; its effect depends on the filter"),
-        -1, 1, -MOST, MOST, -100, 100, 3),
+        -1, 1, -1e6, 1e6, -100, 100, 3),
     [FO_WRAP] = INDEX("wrap", N_("1: the texture tiles"), 1),
     [FO_HEIGHT_SOURCE] = INDEX("height-source", N_("0 color, as the conversion says; 1 alpha"), 1),
     [FO_ALPHA] = INDEX("alpha", N_("0 unchanged, 1 height, 2 inverse height, 3 set to 0, "
@@ -252,27 +252,31 @@ static const field classic_fields[FO_COUNT] = {
 };
 
 const procedure procedures[PROCEDURE_COUNT] = {
-    [PROCEDURE_NORMALS] = { "plug-in-ntp-normals-from-height", N_("Normals from _Height..."),
+    [PROCEDURE_NORMALS] = { "plug-in-ntp-normals-from-height", N_("Normals from Height"),
+        N_("Normals from _Height..."),
         N_("Makes a normals texture (normal map) of a heightfield (bump map)"),
         N_("White is high. Red and green are the correctly rounded values of the formula, in the "
            "layer's own precision; blue is computed from them. A gray image becomes RGB."),
         normals_fields, FN_COUNT },
-    [PROCEDURE_HEIGHT] = { "plug-in-ntp-height-from-normals", N_("Height from _Normals..."),
+    [PROCEDURE_HEIGHT] = { "plug-in-ntp-height-from-normals", N_("Height from Normals"),
+        N_("Height from _Normals..."),
         N_("Makes a heightfield (bump map) of a normals texture (normal map)"),
         N_("Finds the heights whose slopes come nearest to the stored normals, and stretches "
            "them from black to white."),
         height_fields, FH_COUNT },
-    [PROCEDURE_CHECK] = { "plug-in-ntp-check-normals", N_("_Check Normals..."),
+    [PROCEDURE_CHECK] = { "plug-in-ntp-check-normals", N_("Check Normals"),
+        N_("_Check Normals..."),
         N_("Tells whether the layer is a normals texture, and whether it is right"),
         N_("Says what the texture is, how many texels are not unit vectors and how far they are "
            "off, and offers to clean them."),
         check_fields, FK_COUNT },
-    [PROCEDURE_CLEAN] = { "plug-in-ntp-clean-normals", N_("C_lean Normals..."),
+    [PROCEDURE_CLEAN] = { "plug-in-ntp-clean-normals", N_("Clean Normals"),
+        N_("C_lean Normals..."),
         N_("Repairs the normals of a normals texture"),
         N_("Makes each stored normal a unit vector, as exactly as its levels can hold one. Alpha "
            "and unused texels stay."),
         clean_fields, FC_COUNT },
-    [PROCEDURE_CLASSIC] = { "plug-in-normalmap", NULL,
+    [PROCEDURE_CLASSIC] = { "plug-in-normalmap", NULL, NULL,
         N_("The gimp-normalmap plug-in's arguments, for scripts that call it"),
         N_("Takes the arguments of the old plug-in and computes what it meant to, correctly "
            "rounded. New scripts had better call plug-in-ntp-normals-from-height."),

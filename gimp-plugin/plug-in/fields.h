@@ -108,7 +108,8 @@ typedef enum procedure_id {
 
 typedef struct procedure {
     const char *name;
-    const char *menu; /* label, with a mnemonic; NULL: not in the menus */
+    const char *title; /* of the dialog */
+    const char *menu;  /* label, with a mnemonic; NULL: not in the menus */
     const char *blurb;
     const char *help;
     const field *fields;

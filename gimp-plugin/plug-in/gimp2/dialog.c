@@ -238,7 +238,7 @@ gboolean dialog_run(const procedure *p, settings *s, gint32 id)
 {
     dialog d = { .procedure = p, .settings = s };
     gimp_ui_init(PLUGIN_NAME, FALSE);
-    d.window = gimp_dialog_new(_(p->blurb), PLUGIN_NAME, NULL, 0, show_help, p->name, _("_Load..."),
+    d.window = gimp_dialog_new(_(p->title), PLUGIN_NAME, NULL, 0, show_help, p->name, _("_Load..."),
                                RESPONSE_LOAD, _("_Save..."), RESPONSE_SAVE, GIMP_STOCK_RESET,
                                RESPONSE_RESET, GTK_STOCK_CANCEL, GTK_RESPONSE_CANCEL, GTK_STOCK_OK,
                                GTK_RESPONSE_OK, NULL);

@@ -23,6 +23,14 @@ static void on_change(GObject *config, GParamSpec *spec, gpointer data)
     view_update(c->view, &s);
 }
 
+/* Its scale covers what is usual, its entry takes all that is allowed. */
+static void make_slider(GimpProcedureDialog *dialog, const field *f)
+{
+    GtkWidget *slider = gimp_procedure_dialog_get_scale_entry(dialog, f->name, 1);
+    gimp_scale_entry_set_bounds(GIMP_SCALE_ENTRY(slider), f->soft_low, f->soft_high, TRUE);
+    gimp_label_spin_set_digits(GIMP_LABEL_SPIN(slider), f->digits);
+}
+
 /* The fields of a page as a box; NULL: there are none. */
 static GtkWidget *page_new(GimpProcedureDialog *dialog, const procedure *p, int page)
 {
@@ -34,7 +42,7 @@ static GtkWidget *page_new(GimpProcedureDialog *dialog, const procedure *p, int 
         if (f->page != page)
             continue;
         if (f->kind == FIELD_NUMBER)
-            gimp_procedure_dialog_get_scale_entry(dialog, f->name, 1);
+            make_slider(dialog, f);
         names = g_list_append(names, (gpointer) (guintptr) f->name);
     }
     if (names != NULL)
@@ -62,7 +70,7 @@ gboolean dialog_run(const procedure *p, GimpProcedure *pdb_procedure, GimpProced
 {
     connection c = { .procedure = p };
     gimp_ui_init(p->name);
-    GtkWidget *dialog = gimp_procedure_dialog_new(pdb_procedure, config, _(p->blurb));
+    GtkWidget *dialog = gimp_procedure_dialog_new(pdb_procedure, config, _(p->title));
     GtkWidget *box = gtk_box_new(GTK_ORIENTATION_HORIZONTAL, 12);
     gtk_container_set_border_width(GTK_CONTAINER(box), 12);
     gtk_box_pack_start(GTK_BOX(box), controls_new(GIMP_PROCEDURE_DIALOG(dialog), p), TRUE, TRUE, 0);

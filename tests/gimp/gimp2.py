@@ -1,0 +1,151 @@
+# SPDX-License-Identifier: MIT
+"""Runs GIMP 2.10 without a window, on Script-Fu that is made from calls of the plug-in."""
+
+import os
+import re
+import shutil
+import subprocess
+
+PROGRAM = "gimp-console-2.10"
+
+# The arguments of each procedure after the drawable, in their order, with their defaults.
+ARGUMENTS = {
+    "plug-in-ntp-normals-from-height": {
+        "scale": 10,
+        "kernel": "central",
+        "border-x": "wrap",
+        "border-y": "wrap",
+        "source": "red",
+        "invert": 0,
+        "to-y": "up",
+        "to": "standard",
+        "min-z": 0,
+        "alpha": "keep",
+        "dx": 1,
+        "dy": 1,
+        "blue": "derived",
+        "height-layer": -1,
+        "alpha-layer": -1,
+        "flip-x": 0,
+        "swap-rgb": 0,
+        "dudv": "none",
+    },
+    "plug-in-ntp-height-from-normals": {
+        "border-x": "extrapolate",
+        "border-y": "extrapolate",
+        "from-y": "up",
+        "from": "standard",
+        "method": 0,
+        "kernel": "central",
+        "decode": 0,
+        "z": 0,
+        "invert": 0,
+        "contrast": 0,
+        "result": 0,
+    },
+    "plug-in-ntp-check-normals": {"from": 0, "keep-negative-z": 0},
+    "plug-in-ntp-clean-normals": {
+        "method": 0,
+        "from": 0,
+        "keep-negative-z": 0,
+        "only-failing": 0,
+        "verdict": 0,
+        "touch-unused": 0,
+    },
+    "plug-in-normalmap": {
+        "filter": 0,
+        "minz": 0,
+        "scale": 1,
+        "wrap": 0,
+        "height-source": 0,
+        "alpha": 0,
+        "conversion": 0,
+        "dudv": 0,
+        "xinvert": 0,
+        "yinvert": 0,
+        "swapRGB": 0,
+        "contrast": 0,
+        "alphamap": -1,
+    },
+}
+CHOICES = {
+    "kernel": "central forward prewitt3 sobel3 scharr3 prewitt5 sobel5 gimp5 gimp7 gimp9",
+    "border-x": "wrap clamp mirror extrapolate repeat-slope",
+    "border-y": "wrap clamp mirror extrapolate repeat-slope",
+    "source": "red green blue alpha luma luma-gimp luma-eberly mean max min screen biased",
+    "to-y": "up down",
+    "from-y": "up down",
+    "to": "standard zzero xy",
+    "from": "standard zzero xy",
+    "alpha": "keep one zero inverse height inverse-height layer",
+    "blue": "derived nearest",
+    "dudv": "none 8-signed 8-unsigned 16-signed 16-unsigned",
+}
+
+
+def call(procedure, layer="layer", **given):
+    """The Script-Fu that calls a procedure with these arguments, by name."""
+    values = dict(ARGUMENTS[procedure])
+    for name, value in given.items():
+        name = name.replace("_", "-")
+        assert name in values, name
+        values[name] = value
+    numbers = []
+    for name, value in values.items():
+        if isinstance(value, str) and value in CHOICES.get(name, "").split():
+            value = CHOICES[name].split().index(value)
+        numbers.append(str(value))
+    return f"({procedure} RUN-NONINTERACTIVE image {layer} {' '.join(numbers)})"
+
+
+def normals(**given):
+    return call("plug-in-ntp-normals-from-height", **given)
+
+
+def opened(file, body):
+    """Script-Fu with `image` and its `layer`."""
+    return f"""(let* ((image (car (gimp-file-load RUN-NONINTERACTIVE "{file}" "x")))
+                      (layer (car (gimp-image-get-active-drawable image))))
+                 {body}
+                 (gimp-image-delete image))"""
+
+
+def saved(file, layer="(car (gimp-image-get-active-drawable image))"):
+    """Script-Fu that saves a layer as PNG: its numbers, also under alpha 0."""
+    return f'(file-png-save2 RUN-NONINTERACTIVE image {layer} "{file}" "x" 0 1 0 0 0 0 0 0 1)'
+
+
+class Gimp2:
+    """GIMP 2.10 with our plug-in, in directories of its own."""
+
+    def __init__(self, plugin, work):
+        self.work = work
+        place = work / "profile" / "plug-ins" / "ntp-normals"
+        place.mkdir(parents=True)
+        shutil.copy(plugin, place / "ntp-normals")
+        self.log = ""
+
+    def run(self, jobs):
+        """Does all jobs in one start of GIMP: {name: Script-Fu} -> {name: its messages}."""
+        command = [PROGRAM, "-i", "-d", "-f"]
+        for name, body in jobs.items():
+            marks = [f'(gimp-message "job-{name}-{end}")' for end in ("begin", "done")]
+            # An error ends one -b only.
+            command += ["-b", marks[0], "-b", f"(begin {body} {marks[1]})"]
+        command += ["-b", "(gimp-quit 0)"]
+        environment = dict(os.environ, GIMP2_DIRECTORY=str(self.work / "profile"), LC_ALL="C.UTF-8")
+        environment["HOME"] = str(self.work)
+        environment.pop("LD_PRELOAD", None)  # of sanitizers: for Python only
+        environment["GEGL_USE_OPENCL"] = "no"
+        done = subprocess.run(
+            command,
+            cwd=self.work,
+            env=environment,
+            capture_output=True,
+            text=True,
+            timeout=1800,
+            check=False,
+        )
+        self.log = done.stdout + done.stderr
+        parts = re.split(r"job-([\w.-]+)-begin\n", self.log)
+        return dict(zip(parts[1::2], parts[2::2], strict=True))

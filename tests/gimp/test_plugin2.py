@@ -1,0 +1,392 @@
+# SPDX-License-Identifier: MIT
+"""The plug-in in GIMP 2.10, without a window: the same numbers as `ntp`.
+
+GIMP is started once, for all that is to be done.
+"""
+
+import json
+import shutil
+import subprocess
+
+import gimp2
+import numpy as np
+import pytest
+from gimp2 import call, normals, opened, saved
+from gimps import complaints
+from plugin_cases import (
+    CASES,
+    HEIGHT,
+    INPUTS,
+    PART,
+    PARTS,
+    SETTINGS,
+    WIDTH,
+    different,
+    options,
+    part_of,
+    picture,
+    rough_normals,
+)
+
+import libntp_ffi
+import pngs
+
+FILTERS = ["4sample", "sobel3", "sobel5", "prewitt3", "prewitt5", "3x3", "5x5", "7x7", "9x9"]
+CONVERSIONS = {2: "red", 3: "green", 4: "blue", 5: "max", 6: "min", 7: "screen"}
+SELECT = f"(gimp-image-select-rectangle image CHANNEL-OP-REPLACE {' '.join(map(str, PART))})"
+# A second layer of the image: what is in another file.
+OTHER = (
+    '(define other (car (gimp-file-load-layer RUN-NONINTERACTIVE image "{}")))'
+    "(gimp-image-insert-layer image other 0 1)"
+)
+MASK = "(gimp-layer-add-mask layer (car (gimp-layer-create-mask layer ADD-MASK-WHITE)))"
+
+
+def classic(**given):
+    return call("plug-in-normalmap", **given)
+
+
+def exact_jobs():
+    jobs = {}
+    for file, name in CASES:
+        body = normals(**SETTINGS[name]) + saved(f"{file}-{name}.png")
+        jobs[f"{file}-{name}"] = opened(f"{file}.png", body)
+    for file in PARTS:
+        body = SELECT + normals(**SETTINGS["sobel"]) + saved(f"{file}-part.png")
+        jobs[f"{file}-part"] = opened(f"{file}.png", body)
+    for alpha in ("keep", "one", "inverse", "height"):
+        jobs[f"alpha-{alpha}"] = opened(
+            "rgba8.png", normals(alpha=alpha) + saved(f"alpha-{alpha}.png")
+        )
+    jobs["adds-alpha"] = opened("gray16.png", normals(alpha="height") + saved("adds-alpha.png"))
+    return jobs
+
+
+def layer_jobs():
+    sobel = SETTINGS["sobel"]
+    return {
+        "other-height": opened(
+            "rgba8.png",
+            OTHER.format("rgb8.png")
+            + normals(height_layer="other", **sobel)
+            + saved("oh.png", "layer"),
+        ),
+        "other-alpha": opened(
+            "rgb8.png",
+            OTHER.format("rgba8.png")
+            + normals(alpha="layer", alpha_layer="other", **sobel)
+            + saved("oa.png", "layer"),
+        ),
+        "offsets": opened(
+            "rgb8.png",
+            "(gimp-layer-set-offsets layer 40 -30)" + normals(**sobel) + saved("offsets.png"),
+        ),
+        "mask": opened(
+            "rgb8.png",
+            MASK
+            + "(gimp-layer-set-edit-mask layer FALSE)"
+            + normals(**sobel)
+            + "(gimp-layer-remove-mask layer MASK-DISCARD)"
+            + saved("mask.png"),
+        ),
+        "one": opened("one.png", normals(**sobel) + saved("one-out.png")),
+    }
+
+
+def refused_jobs():
+    group = "(define group (car (gimp-layer-group-new image))) (gimp-image-insert-layer image group 0 0)"
+    return {
+        "indexed": opened(
+            "rgb8.png", '(gimp-image-convert-indexed image 0 0 200 FALSE FALSE "")' + normals()
+        ),
+        "group": opened("rgb8.png", group + normals(layer="group")),
+        "on-mask": opened("rgb8.png", MASK + normals(layer="(car (gimp-layer-get-mask layer))")),
+        "no-layer": opened("rgb8.png", normals(layer="-1")),
+        "locked": opened("rgb8.png", "(gimp-item-set-lock-content layer TRUE)" + normals()),
+        "no-alpha": opened("rgb8.png", normals(source="alpha")),
+        "other-size": opened("rgb8.png", OTHER.format("one.png") + normals(height_layer="other")),
+        "min-z": opened("rgb8.png", normals(min_z=2)),
+        "kernel": opened("rgb8.png", normals(kernel=77)),
+        "gray-height": opened("gray8.png", call("plug-in-ntp-height-from-normals")),
+        "gray-clean": opened("gray8.png", call("plug-in-ntp-clean-normals")),
+        "gray-classic": opened("gray8.png", classic(conversion=8)),
+        "photograph": opened("noise.png", call("plug-in-ntp-clean-normals")),
+    }
+
+
+def classic_jobs():
+    jobs = {}
+    for i in range(9):
+        body = classic(filter=i, scale=2.5, wrap=i % 2) + saved(f"filter-{i}.png")
+        jobs[f"filter-{i}"] = opened("rgb8.png", body)
+    for i in CONVERSIONS:
+        body = classic(conversion=i, scale=9, filter=1) + saved(f"conversion-{i}.png")
+        jobs[f"conversion-{i}"] = opened("rgb16.png", body)
+    jobs["classic-alpha"] = opened(
+        "rgba8.png", classic(height_source=1, scale=8, alpha=2, yinvert=1) + saved("ca.png")
+    )
+    jobs["classic-normalize"] = opened(
+        "rough8.png",
+        classic(conversion=8) + saved("cn.png") + classic(conversion=8) + saved("cn2.png"),
+    )
+    jobs["classic-height"] = opened(
+        "rough8.png", classic(conversion=10, yinvert=1) + saved("ch.png")
+    )
+    for i in (1, 2, 3, 4):
+        body = classic(dudv=i, scale=8) + saved(f"dudv-{i}.png")
+        jobs[f"dudv-{i}"] = opened("rgba8.png", body)
+    return jobs
+
+
+def normals_jobs():
+    tell = " ".join(f'(number->string (nth {i} values)) " "' for i in (1, 3, 4, 5, 6, 7))
+    check = f"""(let* ((values {call("plug-in-ntp-check-normals")}))
+        (gimp-message (string-append "report " (car values) " " {tell} (nth 11 values))))"""
+    clean = call("plug-in-ntp-clean-normals")
+    return {
+        "check": opened("rough8.png", check),
+        "clean8": opened("rough8.png", clean + saved("clean8.png")),
+        "clean16": opened("rough16.png", clean + saved("clean16.png")),
+        "clean-part": opened("rough8.png", SELECT + clean + saved("clean-part.png")),
+        "clean-again": opened("rough8.png", clean + clean),
+        "height": opened(
+            "rough16.png", call("plug-in-ntp-height-from-normals") + saved("height.png")
+        ),
+    }
+
+
+@pytest.fixture(scope="module")
+def gimp(tmp_path_factory):
+    plugin = libntp_ffi.find_built("gimp2/ntp-normals", "NTP_PLUGIN2")
+    if shutil.which(gimp2.PROGRAM) is None:
+        pytest.skip("GIMP 2.10 is not installed")
+    if plugin is None:
+        pytest.skip("the plug-in is not built: libgimp2.0-dev is missing")
+    made = gimp2.Gimp2(plugin, tmp_path_factory.mktemp("gimp2"))
+    for name, (pixels, chunks) in INPUTS.items():
+        pngs.write_png(made.work / f"{name}.png", pixels, chunks=chunks)
+    pngs.write_png(made.work / "one.png", picture(3, 8, 1, 1))
+    pngs.write_png(made.work / "rough8.png", rough_normals(3, 8))
+    pngs.write_png(made.work / "rough16.png", rough_normals(4, 16))
+    noise = np.random.default_rng(1).integers(0, 256, (HEIGHT, WIDTH, 3)).astype(np.uint8)
+    pngs.write_png(made.work / "noise.png", noise)
+    made.messages = made.run(
+        {**exact_jobs(), **layer_jobs(), **refused_jobs(), **classic_jobs(), **normals_jobs()}
+    )
+    return made
+
+
+@pytest.fixture
+def done(gimp):
+    """done(job, file) -> the pixels of a PNG that the job saved."""
+
+    def look(job, file=None):
+        assert f"job-{job}-done" in gimp.messages[job], gimp.messages[job]
+        return pngs.read_png(gimp.work / (file or f"{job}.png"))[0]
+
+    return look
+
+
+@pytest.fixture
+def ntp(program, tmp_path):
+    """ntp(pixels, verb, option...) -> the pixels that the program makes."""
+
+    def run(pixels, verb, *words):
+        source, made = tmp_path / "in.png", tmp_path / "out.png"
+        pngs.write_png(source, pixels)
+        subprocess.run([program, verb, "-q", *words, source, "-o", made], check=True)
+        return pngs.read_png(made)[0]
+
+    return run
+
+
+@pytest.mark.parametrize(("file", "name"), CASES)
+def test_same_as_ntp(done, ntp, file, name):
+    expected = ntp(INPUTS[file][0], "from-height", "--scale", "10", *options(SETTINGS[name]))
+    assert different(done(f"{file}-{name}"), expected) == 0
+
+
+@pytest.mark.parametrize("file", PARTS)
+def test_selection(done, ntp, file):
+    """Inside, the texels of the whole picture; outside, those that were there."""
+    pixels = INPUTS[file][0]
+    whole = ntp(pixels, "from-height", *options(SETTINGS["sobel"]))
+    made, expected = done(f"{file}-part"), part_of(whole, pixels)
+    x, y, w, h = PART
+    inside = (slice(y, y + h), slice(x, x + w))
+    assert different(made[inside], expected[inside]) == 0
+    if pixels.shape[2] > 2:  # gray outside is converted by GIMP
+        assert different(made, expected) == 0
+
+
+@pytest.mark.parametrize("alpha", ["keep", "one", "inverse", "height"])
+def test_alpha(done, ntp, alpha):
+    expected = ntp(INPUTS["rgba8"][0], "from-height", "--scale", "10", "--alpha", alpha)
+    assert different(done(f"alpha-{alpha}"), expected) == 0
+
+
+def test_alpha_is_added(done, ntp):
+    expected = ntp(INPUTS["gray16"][0], "from-height", "--scale", "10", "--alpha", "height")
+    assert different(done("adds-alpha"), expected) == 0
+
+
+def test_other_layers(done, ntp):
+    made = done("other-height", "oh.png")
+    expected = ntp(INPUTS["rgb8"][0], "from-height", *options(SETTINGS["sobel"]))
+    assert different(made[:, :, :3], expected) == 0
+    assert (made[:, :, 3] == INPUTS["rgba8"][0][:, :, 3]).all()  # the layer's own
+    made = done("other-alpha", "oa.png")
+    assert different(made[:, :, :3], expected) == 0
+    r, g, b = np.moveaxis(INPUTS["rgba8"][0][:, :, :3].astype(int), 2, 0)
+    luma = (2126 * r + 7152 * g + 722 * b) / 10000
+    assert np.abs(made[:, :, 3] - luma).max() <= 0.5001
+
+
+def test_offsets_and_mask(done, ntp):
+    expected = ntp(INPUTS["rgb8"][0], "from-height", *options(SETTINGS["sobel"]))
+    assert different(done("offsets"), expected) == 0
+    assert different(done("mask"), expected) == 0
+
+
+def test_one_texel(done):
+    assert done("one", "one-out.png").tolist() == [[[128, 128, 255]]]
+
+
+REFUSED = {
+    "indexed": "Indexed images",
+    "group": "layer group",
+    "on-mask": "works on layers",
+    "no-layer": "",  # by GIMP itself
+    "locked": "locked",
+    "no-alpha": "no alpha channel",
+    "other-size": "another size",
+    "min-z": "argument min-z",
+    "kernel": "argument kernel",
+    "gray-height": "is gray",
+    "gray-clean": "is gray",
+    "gray-classic": "is gray",
+    "photograph": "not look like a normals texture",
+}
+
+
+@pytest.mark.parametrize("job", REFUSED)
+def test_refused(gimp, job):
+    """With a sentence that says why; the image is as it was."""
+    assert f"job-{job}-done" not in gimp.messages[job]
+    assert REFUSED[job] in gimp.messages[job], gimp.messages[job]
+
+
+@pytest.mark.parametrize("i", range(9))
+def test_classic_filters(done, ntp, i):
+    border = "wrap" if i % 2 else "clamp"
+    like = f"gimp-normalmap:{FILTERS[i]}:2.5"
+    expected = ntp(INPUTS["rgb8"][0], "from-height", "--like", like, "--border", border)
+    assert different(done(f"filter-{i}"), expected) == 0
+
+
+@pytest.mark.parametrize("i", CONVERSIONS)
+def test_classic_conversions(done, ntp, i):
+    like = ["--like", "gimp-normalmap:sobel3:9", "--source", CONVERSIONS[i]]
+    expected = ntp(INPUTS["rgb16"][0], "from-height", *like)
+    assert different(done(f"conversion-{i}"), expected) == 0
+
+
+def test_classic_alpha(done, ntp):
+    pixels = INPUTS["rgba8"][0]
+    like = ["--like", "gimp-normalmap:4sample:8", "--source", "alpha", "--to-y", "up"]
+    made = done("classic-alpha", "ca.png")
+    assert different(made[:, :, :3], ntp(pixels, "from-height", *like, "--channels", "xyz")) == 0
+    assert (made[:, :, 3] == 255 - pixels[:, :, 3]).all()
+
+
+def test_classic_normalize(done, ntp):
+    """As `ntp clean --method normalize`, and a second time changes nothing."""
+    words = ["--type", "standard", "--method", "normalize", "--keep-negative-z"]
+    expected = ntp(rough_normals(3, 8), "clean", *words)
+    assert different(done("classic-normalize", "cn.png"), expected) == 0
+    assert different(done("classic-normalize", "cn2.png"), expected) == 0
+
+
+def test_classic_height(done):
+    """Not inverted: the slopes of the height are those of the normals, by yinvert green up."""
+    made, n = done("classic-height", "ch.png")[:, :, 0].astype(float), rough_normals(3, 8)
+    x, y, z = np.moveaxis(n[:, :, :3] / 127.5 - 1, 2, 0)
+    inner = (slice(2, -2), slice(2, -2))
+    right = ((np.roll(made, -1, 1) - np.roll(made, 1, 1)) / 2)[inner].ravel()
+    down = ((np.roll(made, -1, 0) - np.roll(made, 1, 0)) / 2)[inner].ravel()
+    assert np.corrcoef(right, (-x / z)[inner].ravel())[0, 1] > 0.9
+    assert np.corrcoef(down, (y / z)[inner].ravel())[0, 1] > 0.9
+    assert made.min() == 0 and made.max() == 255
+
+
+@pytest.mark.parametrize("i", [1, 2, 3, 4])
+def test_classic_dudv(done, i):
+    """Against the formula in doubles; at most a few texels lie on the edge of rounding."""
+    pixels = INPUTS["rgba8"][0].astype(np.float64)
+    h = (0.3 * pixels[:, :, 0] + 0.59 * pixels[:, :, 1] + 0.11 * pixels[:, :, 2]) / 255
+    padded = np.pad(h, 1, mode="edge")
+    p = (padded[1:-1, 2:] - padded[1:-1, :-2]) / 2 * 8
+    q = (padded[2:, 1:-1] - padded[:-2, 1:-1]) / 2 * 8
+    n = np.stack([-p, -q], 2) / np.sqrt(1 + p * p + q * q)[:, :, None]
+    made = done(f"dudv-{i}").astype(int)
+    if i in (1, 3):
+        top = 127 if i == 1 else 32767
+        expected = np.floor(n * top + 0.5).astype(int) & (255 if i == 1 else 65535)
+    else:
+        top = 127.5 if i == 2 else 32767.5
+        expected = np.floor((n + 1) * top + 0.5).astype(int)
+    if i > 2:
+        found = made[:, :, ::2] + 256 * made[:, :, 1::2]
+    else:
+        found = made[:, :, :2]
+        assert (made[:, :, 2] == 0).all() and (made[:, :, 3] == INPUTS["rgba8"][0][:, :, 3]).all()
+    off = (found - expected + 4) % (65536 if i > 2 else 256) - 4
+    assert np.abs(off).max() <= 1 and np.count_nonzero(off) <= (2 if i < 3 else 100)
+
+
+def test_check(gimp, program):
+    """The numbers of `ntp check`."""
+    assert "job-check-done" in gimp.messages["check"]
+    words = gimp.messages["check"].split("report ")[1].split()
+    command = [program, "check", "--format", "json", "--type", "standard", "rough8.png"]
+    text = subprocess.run(command, cwd=gimp.work, capture_output=True, check=False).stdout
+    f = json.loads(text)["files"][0]
+    assert words[0] == "standard" and words[7] == f["y"]
+    assert float(words[1]) > 0.7  # as told without --type
+    assert int(float(words[2])) == f["unused"]
+    assert [int(float(w)) for w in words[3:6]] == [
+        f["fail"][v] for v in ("neighbor", "rounded", "exact")
+    ]
+    assert int(float(words[6])) == f["xy_too_long"]
+
+
+@pytest.mark.parametrize("depth", [8, 16])
+def test_clean(done, ntp, depth):
+    pixels = rough_normals(3 if depth == 8 else 4, depth)
+    assert different(done(f"clean{depth}"), ntp(pixels, "clean", "--type", "standard")) == 0
+
+
+def test_clean_selection(done, ntp):
+    pixels = rough_normals(3, 8)
+    expected = part_of(ntp(pixels, "clean", "--type", "standard"), pixels)
+    assert different(done("clean-part"), expected) == 0
+
+
+def test_clean_twice(gimp):
+    assert "Every texel is right already" in gimp.messages["clean-again"]
+
+
+def test_height(done):
+    """Slopes of the height are those of the normals, green up."""
+    made, n = done("height")[:, :, 0].astype(float), rough_normals(3, 16)
+    x, y, z = np.moveaxis(n[:, :, :3] / 32767.5 - 1, 2, 0)
+    inner = (slice(2, -2), slice(2, -2))
+    right = ((np.roll(made, -1, 1) - np.roll(made, 1, 1)) / 2)[inner].ravel()
+    up = ((np.roll(made, 1, 0) - np.roll(made, -1, 0)) / 2)[inner].ravel()
+    assert np.corrcoef(right, (-x / z)[inner].ravel())[0, 1] > 0.9
+    assert np.corrcoef(up, (-y / z)[inner].ravel())[0, 1] > 0.9
+    assert made.min() == 0 and made.max() == 65535
+
+
+def test_no_complaints(gimp):
+    assert complaints(gimp.log) == []
