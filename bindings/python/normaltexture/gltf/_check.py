@@ -207,7 +207,8 @@ def _merge(entry: Json, file: Json) -> None:
         where = f"{entry['path']}, image {entry['image']}"
         entry["message"] = f"{where}: {file['message'].partition(': ')[2] or file['message']}"
         return
-    entry["findings"] = file["findings"] + about_container + texel_findings(file)
+    found = file["findings"] + about_container + texel_findings(file)
+    entry["findings"] = sorted(found, key=lambda f: -_ntp.LEVELS.index(f["level"]))
 
 
 def summarize(files: list[Json]) -> Json:
