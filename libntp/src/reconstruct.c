@@ -6,11 +6,11 @@
  * the plane is taken out, and the result described.
  */
 #include "integrate.h"
+#include "rederive.h"
 #include "weighted.h"
 
+#include <math.h>
 #include <string.h>
-
-enum { ALIGNMENT = 64 };
 
 /* ------------------------------------------------------------------------------- checks */
 
@@ -29,7 +29,8 @@ static ntp_status check_seeds(const ntp_height_options *how)
 }
 
 /* Makes the defaults explicit. */
-static ntp_status resolve(ntp_height_options *resolved, const ntp_height_options *how)
+static ntp_status resolve(ntp_height_options *resolved, const ntp_height_options *how,
+                          int32_t width, int32_t height)
 {
     memset(resolved, 0, sizeof *resolved);
     if (how != NULL)
@@ -44,6 +45,9 @@ static ntp_status resolve(ntp_height_options *resolved, const ntp_height_options
         !in_range(how->max_iterations, NTP_MAX_ITERATIONS) || !(how->tolerance >= 0) ||
         !(how->tolerance < 1))
         return NTP_ERR_ARGUMENT;
+    if (!(how->dx >= 0) || !(how->dx - how->dx == 0) || !(how->dy >= 0) ||
+        !(how->dy - how->dy == 0) || !in_range((int) how->prior, NTP_PRIOR_ROUGHNESS))
+        return NTP_ERR_ARGUMENT;
     NTP__TRY(check_seeds(how));
     bool wrap = how->border_x == NTP_BORDER_WRAP && how->border_y == NTP_BORDER_WRAP;
     if (how->method == NTP_HEIGHT_AUTO && how->mask != NULL)
@@ -55,8 +59,13 @@ static ntp_status resolve(ntp_height_options *resolved, const ntp_height_options
         resolved->method = NTP_HEIGHT_POISSON_DCT;
     if (how->mask != NULL && resolved->method != NTP_HEIGHT_WEIGHTED)
         return NTP_ERR_ARGUMENT;
+    bool again = how->refine > 0 && how->detrend && how->method == NTP_HEIGHT_WEIGHTED;
+    if (again || (how->refine > 0 && how->method == NTP_HEIGHT_TELESCOPING))
+        return NTP_ERR_ARGUMENT;
+    if (how->refine > 0 && how->kernel == NTP_KERNEL_BAKED)
+        return NTP_ERR_FORMAT;
     /* Where one axis wraps, the solver goes by neither name; it is told "auto". */
-    return NTP_OK;
+    return how->method == NTP_HEIGHT_WEIGHTED ? NTP_OK : ntp__integrate_check(how, width, height);
 }
 
 static ntp_status check_views(const ntp_image *dst, const ntp_const_image *src)
@@ -84,16 +93,172 @@ static ntp_status check_mask(const ntp_const_image *mask, const ntp_const_image 
     return ntp__same_size(mask, src) && mask->ring_rows == 0 ? NTP_OK : NTP_ERR_SHAPE;
 }
 
+/* ------------------------------------------------------------------------ working memory */
+
+/* A reconstruction on its way. */
+typedef struct run {
+    ntp_height_options how;
+    const ntp_image *dst;
+    const ntp_hooks *hooks;
+    int32_t width, height;
+    ntp__slopes slopes;
+    ntp__crew crew;
+    ntp__rederive rederive;
+    double *heights;     /* packed; of refine */
+    float *right, *down; /* the same */
+    void *rest;          /* of the solver */
+    double from, to;     /* shares of the whole work that the solver is to report */
+    ntp_height_result result;
+} run;
+
+/* Also with memory->base NULL, to measure. */
+static void lay_out(run *t, ntp__scratch *memory)
+{
+    const ntp_height_options *how = &t->how;
+    size_t texels = (size_t) t->width * (size_t) t->height;
+    if (how->measure || how->refine > 0)
+        ntp__rederive_init(&t->rederive, &t->slopes, how, t->width, t->height, t->crew, memory);
+    if (how->refine > 0) {
+        t->heights = ntp__take(memory, texels * sizeof *t->heights);
+        t->right = ntp__take(memory, texels * sizeof *t->right);
+        t->down = ntp__take(memory, texels * sizeof *t->down);
+    }
+    size_t rest = how->method == NTP_HEIGHT_WEIGHTED
+                      ? ntp__weighted_scratch(how, t->width, t->height, t->crew.parts)
+                      : ntp__integrate_scratch(how, t->width, t->height, t->crew.parts);
+    t->rest = ntp__take(memory, rest);
+}
+
 size_t ntp_height_scratch_size(const ntp_height_options *how, int32_t width, int32_t height,
                                int32_t parts)
 {
-    ntp_height_options r;
+    run t;
+    ntp__scratch memory = { NULL, 0 };
+    memset(&t, 0, sizeof t);
     if (width < 1 || height < 1 || width > NTP_MAX_SIDE || height > NTP_MAX_SIDE || parts < 0 ||
-        parts > NTP_MAX_PARTS || resolve(&r, how) != NTP_OK)
+        parts > NTP_MAX_PARTS || resolve(&t.how, how, width, height) != NTP_OK)
         return 0;
-    parts = parts > 0 ? parts : 1;
-    return r.method == NTP_HEIGHT_WEIGHTED ? ntp__weighted_scratch(&r, width, height, parts)
-                                           : ntp__integrate_scratch(&r, width, height, parts);
+    t.width = width;
+    t.height = height;
+    t.crew.parts = parts > 0 ? parts : 1;
+    lay_out(&t, &memory);
+    return memory.used;
+}
+
+/* ------------------------------------------------------------------------------- solving */
+
+static int32_t report(void *user, double share)
+{
+    const run *t = user;
+    return t->hooks->progress(t->hooks->user, t->from + (t->to - t->from) * share);
+}
+
+static void share_out(void *user, int32_t count, void (*task)(void *work, int32_t index),
+                      void *work)
+{
+    const run *t = user;
+    t->hooks->parallel_for(t->hooks->user, count, task, work);
+}
+
+static const double coarse_tolerance = 1e-3; /* of a round of refinement */
+
+/* dst = heights for these slopes. */
+static ntp_status solve(run *t, const ntp__slopes *slopes)
+{
+    ntp__slope_counts counts = { 0, 0, 0, 0, { 0, 0 } };
+    ntp_hooks hooks = { t, NULL, NULL, t->crew.parts };
+    if (t->hooks != NULL && t->hooks->progress != NULL)
+        hooks.progress = report;
+    if (t->hooks != NULL && t->hooks->parallel_for != NULL)
+        hooks.parallel_for = share_out;
+    if (t->how.method == NTP_HEIGHT_WEIGHTED) {
+        /* On the way to boxes weights would be in the way, and a few digits are enough. */
+        ntp_height_options how = t->how;
+        bool again = slopes != &t->slopes;
+        how.tolerance = again ? coarse_tolerance : how.tolerance;
+        return ntp__weighted_solve(t->dst, slopes, again, &how, t->rest, &hooks, &t->result);
+    }
+    NTP__TRY(ntp__integrate(t->dst, slopes, &t->how, t->rest, &hooks, &counts));
+    if (slopes == &t->slopes) {
+        t->result.unused = counts.unused;
+        t->result.not_finite = counts.not_finite;
+        t->result.consistency = counts.consistency;
+        t->result.consistency_max = counts.consistency_max;
+        t->result.min = (double) counts.range[0];
+        t->result.max = (double) counts.range[1];
+    }
+    return NTP_OK;
+}
+
+/* heights += factor * dst, or = dst */
+static void gather(run *t, double factor, bool add)
+{
+    for (int32_t y = 0; y < t->height; y++) {
+        const float *row = ntp__at_mut(t->dst, 0, y);
+        double *to = t->heights + (size_t) y * (size_t) t->width;
+        for (int32_t x = 0; x < t->width; x++)
+            to[x] = add ? to[x] + factor * (double) row[x] : (double) row[x];
+    }
+}
+
+/* dst = heights, which become what dst holds; 0 for NaN, which stays. */
+static void put_back(run *t)
+{
+    for (int32_t y = 0; y < t->height; y++) {
+        float *row = ntp__at_mut(t->dst, 0, y);
+        double *from = t->heights + (size_t) y * (size_t) t->width;
+        for (int32_t x = 0; x < t->width; x++) {
+            row[x] = from[x] == from[x] ? (float) from[x] : 0;
+            from[x] = from[x] == from[x] ? (double) row[x] : from[x];
+        }
+    }
+}
+
+static void scale_planes(run *t, double scale)
+{
+    size_t texels = (size_t) t->width * (size_t) t->height;
+    for (size_t i = 0; i < texels; i++) {
+        t->right[i] = (float) (scale * (double) t->right[i]);
+        t->down[i] = (float) (scale * (double) t->down[i]);
+    }
+}
+
+/*
+ * Projections onto convex sets, in turn: the slopes that round to the texture, and those that belong
+ * to heights.  The second is least squares; a solution is linear in the slopes, so what is
+ * solved for is the way from these heights to the projected slopes, and some more of it is gone.
+ * It is scaled as slopes are, so that the prior of the solver does not take it for noise.
+ */
+static ntp_status refine(run *t)
+{
+    static const double relaxation = 1.7;
+    ntp__plane heights = { t->heights, NULL, t->width };
+    int32_t rounds = t->how.refine;
+    ntp_status status = NTP_OK;
+    bool holes = t->how.method == NTP_HEIGHT_WEIGHTED;
+    gather(t, 1, false);
+    if (holes)
+        ntp__rederive_mark_holes(&t->rederive, t->heights, NULL);
+    for (int32_t i = 0; i < rounds && status == NTP_OK; i++) {
+        double mean_square;
+        ntp__slopes way = t->slopes;
+        if (ntp__rederive_project(&t->rederive, &heights, t->right, t->down, &mean_square) == 0)
+            break;
+        double scale = mean_square > 0 ? 1 / sqrt(mean_square) : 1;
+        scale_planes(t, scale);
+        way.right = t->right;
+        way.down = t->down;
+        t->from = (i + 1) / (rounds + 1.0);
+        t->to = (i + 2) / (rounds + 1.0);
+        status = solve(t, &way);
+        if (status != NTP_OK && status != NTP_ERR_NOT_CONVERGED)
+            return status;
+        gather(t, relaxation / scale, true);
+        t->result.rounds++;
+    }
+    put_back(t);
+    t->result.refine_left = ntp__rederive_project(&t->rederive, &heights, NULL, NULL, NULL);
+    return status;
 }
 
 /* ------------------------------------------------------------------------------- result */
@@ -143,53 +308,75 @@ static void find_range(const ntp_image *dst, ntp_height_result *result)
 
 /* ------------------------------------------------------------------------------- public */
 
+static void measure(run *t)
+{
+    bool holes = t->how.method == NTP_HEIGHT_WEIGHTED;
+    ntp__plane heights = { NULL, t->dst->data, t->dst->row_stride / (ptrdiff_t) sizeof(float) };
+    if (holes)
+        ntp__rederive_mark_holes(&t->rederive, NULL, t->dst);
+    t->result.residual = ntp__rederive_residual(&t->rederive, &heights);
+    for (int32_t y = 0; holes && y < t->height; y++) {
+        float *row = ntp__at_mut(t->dst, 0, y);
+        for (int32_t x = 0; x < t->width; x++)
+            row[x] = row[x] == row[x] ? row[x] : 0;
+    }
+}
+
+static ntp_status work(run *t)
+{
+    bool weighted = t->how.method == NTP_HEIGHT_WEIGHTED;
+    t->to = 1 / (t->how.refine + 1.0);
+    ntp_status status = solve(t, &t->slopes);
+    if (status == NTP_OK && t->how.refine > 0)
+        status = refine(t);
+    if (status != NTP_OK && status != NTP_ERR_NOT_CONVERGED)
+        return status;
+    if (t->how.measure)
+        measure(t);
+    if (t->how.detrend && !weighted)
+        detrend(t->dst, &t->how, &t->result);
+    /* The direct solver has found the range as it wrote. */
+    if (weighted || t->how.method == NTP_HEIGHT_TELESCOPING || t->how.refine > 0 || t->how.detrend)
+        find_range(t->dst, &t->result);
+    return status;
+}
+
 ntp_status ntp_height_from_normals(const ntp_image *dst, const ntp_const_image *src,
                                    const ntp_height_options *how, void *scratch,
                                    size_t scratch_size, const ntp_hooks *hooks,
                                    ntp_height_result *result)
 {
-    ntp_height_options r;
-    ntp_height_result done;
-    ntp__slope_counts counts = { 0, 0, 0, 0, { 0, 0 } };
-    ntp__slopes slopes;
-    memset(&done, 0, sizeof done);
+    run t;
+    ntp__scratch memory = { scratch, 0 };
+    memset(&t, 0, sizeof t);
     NTP__TRY(check_views(dst, src));
-    NTP__TRY(resolve(&r, how));
-    NTP__TRY(check_mask(r.mask, src));
-    int32_t parts = hooks != NULL && hooks->parts != 0 ? hooks->parts : 1;
-    if (parts < 1 || parts > NTP_MAX_PARTS)
+    NTP__TRY(resolve(&t.how, how, src->width, src->height));
+    NTP__TRY(check_mask(t.how.mask, src));
+    if (t.how.refine > 0 && src->type == NTP_F32)
+        return NTP_ERR_FORMAT;
+    t.crew = ntp__crew_of(hooks);
+    if (t.crew.parts < 1 || t.crew.parts > NTP_MAX_PARTS)
         return NTP_ERR_ARGUMENT;
-    bool weighted = r.method == NTP_HEIGHT_WEIGHTED;
-    if (!weighted)
-        NTP__TRY(ntp__integrate_check(&r, src->width, src->height));
-    if (scratch == NULL || (uintptr_t) scratch % ALIGNMENT != 0 ||
-        scratch_size < ntp_height_scratch_size(&r, src->width, src->height, parts))
+    if (scratch == NULL || (uintptr_t) scratch % NTP__ALIGNMENT != 0 ||
+        scratch_size < ntp_height_scratch_size(how, src->width, src->height, t.crew.parts))
         return NTP_ERR_SCRATCH;
+    t.dst = dst;
+    t.hooks = hooks;
+    t.width = src->width;
+    t.height = src->height;
     if (hooks != NULL && hooks->progress != NULL && hooks->progress(hooks->user, 0) != 0)
         return NTP_ERR_CANCELLED;
-    ntp__slopes_init(&slopes, src, &r);
-    done.islands = 1;
-    ntp_status status = weighted ? ntp__weighted_solve(dst, &slopes, &r, scratch, hooks, &done)
-                                 : ntp__integrate(dst, &slopes, &r, scratch, hooks, &counts);
-    if (status != NTP_OK && status != NTP_ERR_NOT_CONVERGED)
-        return status;
-    done.method = r.method != NTP_HEIGHT_AUTO ? r.method : NTP_HEIGHT_POISSON_DCT;
-    done.decode = slopes.decode;
-    done.z = slopes.derived ? NTP_Z_DERIVED : NTP_Z_STORED;
-    done.unused += counts.unused;
-    done.not_finite += counts.not_finite;
-    done.consistency = counts.consistency;
-    done.consistency_max = counts.consistency_max;
-    done.min = (double) counts.range[0];
-    done.max = (double) counts.range[1];
-    done.residual = -1;
-    if (r.detrend && !weighted)
-        detrend(dst, &r, &done);
-    /* The direct solver has found the range as it wrote. */
-    if (weighted || r.method == NTP_HEIGHT_TELESCOPING || r.detrend)
-        find_range(dst, &done);
-    if (result != NULL)
-        *result = done;
+    ntp__slopes_init(&t.slopes, src, &t.how);
+    lay_out(&t, &memory);
+    t.result.islands = 1;
+    t.result.residual = -1;
+    ntp_status status = work(&t);
+    /* Where one axis wraps the least squares go by the name of the free one. */
+    t.result.method = t.how.method != NTP_HEIGHT_AUTO ? t.how.method : NTP_HEIGHT_POISSON_DCT;
+    t.result.decode = t.slopes.decode;
+    t.result.z = t.slopes.derived ? NTP_Z_DERIVED : NTP_Z_STORED;
+    if (result != NULL && (status == NTP_OK || status == NTP_ERR_NOT_CONVERGED))
+        *result = t.result;
     return status;
 }
 

@@ -13,7 +13,7 @@
 #include <string.h>
 
 static const double default_tolerance = 1e-6;
-enum { DEFAULT_ITERATIONS = 500 };
+enum { DEFAULT_ITERATIONS = 1000 };
 
 /* Of pairs beside slopes: they decide where the stencil is all but blind, and what they do elsewhere
  * stays below the rounding of 8 bits, or of 16.  Kernels of 3 x 3 and more are blind to more. */
@@ -271,7 +271,7 @@ static void store(void *job, int32_t part, int32_t item)
     }
 }
 
-ntp_status ntp__weighted_solve(const ntp_image *dst, const ntp__slopes *slopes,
+ntp_status ntp__weighted_solve(const ntp_image *dst, const ntp__slopes *slopes, bool even,
                                const ntp_height_options *how, void *scratch, const ntp_hooks *hooks,
                                ntp_height_result *result)
 {
@@ -283,7 +283,9 @@ ntp_status ntp__weighted_solve(const ntp_image *dst, const ntp__slopes *slopes,
     w.strength = strength_of(how, slopes);
     w.strength_alone = w.rows ? alone * w.strength : w.strength;
     w.dst = dst;
+    result->iterations = 0;
     w.slopes = slopes;
+    w.even = even;
     lay_out(&w, &memory);
     ntp__weighted_setup(&w);
     double scale = sqrt(total(w.sum, w.height));
@@ -292,6 +294,7 @@ ntp_status ntp__weighted_solve(const ntp_image *dst, const ntp__slopes *slopes,
     ntp_status status = iterate(&w, scale, result);
     if (status == NTP_ERR_CANCELLED)
         return status;
+    result->holes = result->not_finite = 0;
     for (int32_t i = 0; i < w.crew.parts; i++) {
         result->holes += w.parts[i].holes;
         result->not_finite += w.parts[i].not_finite;

@@ -51,6 +51,7 @@ typedef struct ntp__spectrum {
 typedef struct ntp__weighted {
     const ntp_image *dst; /* between passes: what the transform works in */
     const ntp__slopes *slopes;
+    bool even; /* all weights but those of holes are 1 */
     const ntp_const_image *mask;
     const ntp_height_options *how;
     ntp__crew crew;
@@ -73,11 +74,12 @@ typedef struct ntp__weighted {
     bool residual; /* to = adjoint of weights (stored - slopes of from), not of slopes of from */
 } ntp__weighted;
 
-/* Working memory for a number of parts, 0: this is not taken; and the solution.  dst gets heights
- * of mean 0 over each island.  hooks may be NULL.  trend: NULL, or the plane is taken out. */
+/* Working memory for a number of parts, and the solution: dst gets heights of mean 0 over each
+ * island.  even: nothing but holes has weights of its own.  hooks may be NULL.  Of result the
+ * fields of NTP_HEIGHT_WEIGHTED and the trend are set. */
 size_t ntp__weighted_scratch(const ntp_height_options *how, int32_t width, int32_t height,
                              int32_t parts);
-ntp_status ntp__weighted_solve(const ntp_image *dst, const ntp__slopes *slopes,
+ntp_status ntp__weighted_solve(const ntp_image *dst, const ntp__slopes *slopes, bool even,
                                const ntp_height_options *how, void *scratch, const ntp_hooks *hooks,
                                ntp_height_result *result);
 

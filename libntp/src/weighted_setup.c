@@ -13,11 +13,13 @@
 /* Weights below it would make the steepest texels as good as holes, and the iteration slow. */
 static const double least_weight = 0.01;
 
-/* Of the weight of a slope of p; q is the other one.  1 where the texel is flat. */
-static double weight_of(double p, double q, bool derived)
+/* The weight of a slope of p; q is the other one.  1 where the texel is flat. */
+static double weight_of(const ntp__weighted *w, double p, double q)
 {
+    if (w->even)
+        return 1;
     double p2 = p * p, q2 = q * q, z2 = 1 / (1 + p2 + q2);
-    double weight = derived ? z2 / ((1 + p2) * (1 + p2) + p2 * q2) : z2 / (1 + p2);
+    double weight = w->slopes->derived ? z2 / ((1 + p2) * (1 + p2) + p2 * q2) : z2 / (1 + p2);
     return weight > least_weight ? weight : least_weight;
 }
 
@@ -52,8 +54,8 @@ static void set_row(ntp__weighted *w, ntp__weighted_part *part, int32_t y)
         hole[x] = broken || in_hole(w, &block, i, x, y);
         part->not_finite += broken;
         part->holes += hole[x] != 0;
-        double a = weight_of(p[x], q[x], w->slopes->derived) * w->share_x;
-        double b = weight_of(q[x], p[x], w->slopes->derived) * w->share_y;
+        double a = weight_of(w, p[x], q[x]) * w->share_x;
+        double b = weight_of(w, q[x], p[x]) * w->share_y;
         right[x] = hole[x] != 0 ? 0 : (float) a;
         down[x] = hole[x] != 0 ? 0 : (float) b;
         p[x] *= w->dx;

@@ -1,0 +1,271 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * rederive.c - the normals of a reconstructed heightfield against those it was made of
+ *
+ * A stored level stands for a box: every x that rounds to it.  The heights give the texture again
+ * where x and y of each texel lie in their boxes; the projection moves those that do not to the
+ * nearest place inside, each texel by itself.
+ */
+#include "rederive.h"
+
+#include "direction.h"
+
+#include <math.h>
+
+/* Of half a box is used: the rest is for the rounding of heights to float. */
+static const double inside = 0.98;
+
+void ntp__rederive_init(ntp__rederive *r, const ntp__slopes *slopes, const ntp_height_options *how,
+                        int32_t width, int32_t height, ntp__crew crew, ntp__scratch *memory)
+{
+    /* Baked normals are of no stencil; central differences come near. */
+    bool baked = how->kernel == NTP_KERNEL_BAKED;
+    size_t rows = (size_t) height, row = (size_t) width * sizeof(double);
+    r->slopes = slopes;
+    r->mask = how->mask;
+    r->width = width;
+    r->height = height;
+    r->dx = how->dx > 0 ? how->dx : 1;
+    r->dy = how->dy > 0 ? how->dy : 1;
+    r->crew = crew;
+    r->stencil = ntp__take(memory, sizeof *r->stencil);
+    r->parts = ntp__take(memory, (size_t) crew.parts * sizeof *r->parts);
+    for (int32_t i = 0; i < crew.parts * NTP__REDERIVE_ROWS; i++) {
+        double *taken = ntp__take(memory, row);
+        if (memory->base != NULL)
+            r->parts[i / NTP__REDERIVE_ROWS].row[i % NTP__REDERIVE_ROWS] = taken;
+    }
+    r->sum = ntp__take(memory, rows * sizeof *r->sum);
+    r->count = ntp__take(memory, rows * sizeof *r->count);
+    if (memory->base != NULL)
+        ntp__stencil_init(r->stencil, baked ? NTP_KERNEL_CENTRAL : how->kernel, how->border_x,
+                          how->border_y, width, height, false);
+}
+
+static double not_a_number(void)
+{
+    double zero = 0;
+    return zero / zero;
+}
+
+/* Of a texel whose stencil reads a hole. */
+static bool is_nan(double slope_right, double slope_down)
+{
+    return slope_right != slope_right || slope_down != slope_down;
+}
+
+/* Slopes of the heights at row y: of x and y over the spacing. */
+static void slopes_of_heights(const ntp__rederive *r, double *right, double *down, double *work,
+                              int32_t y)
+{
+    ntp__stencil_slopes(r->stencil, right, down, work, &r->heights, y);
+    for (int32_t x = 0; x < r->width; x++) {
+        right[x] /= r->dx;
+        down[x] /= r->dy;
+    }
+}
+
+static bool left_out(const ntp__rederive *r, const ntp__block *block, int32_t i, int32_t x,
+                     int32_t y)
+{
+    const ntp__slopes *s = r->slopes;
+    uint32_t touch = s->touch_unused;
+    if (r->mask != NULL) {
+        const void *at = ntp__at(r->mask, x, y);
+        if (r->mask->type == NTP_U8 ? *(const uint8_t *) at == 0 : *(const uint16_t *) at == 0)
+            return true;
+    }
+    if (s->src->encoding == NTP_VECTOR)
+        touch |= NTP_UNUSED_BLACK | NTP_UNUSED_WHITE;
+    return ntp__texel_unused(block, i, ntp__max(s->src->type), touch);
+}
+
+void ntp__rederive_mark_holes(const ntp__rederive *r, double *heights, const ntp_image *dst)
+{
+    ntp__block block;
+    for (int32_t y = 0; y < r->height; y++) {
+        double *d = heights != NULL ? heights + (size_t) y * (size_t) r->width : NULL;
+        float *f = dst != NULL ? ntp__at_mut(dst, 0, y) : NULL;
+        for (int32_t x = 0; x < r->width; x++) {
+            int32_t i = x % NTP__BLOCK, left = r->width - x;
+            if (i == 0)
+                ntp__unpack(&block, r->slopes->src, x, y, left < NTP__BLOCK ? left : NTP__BLOCK);
+            if (!left_out(r, &block, i, x, y))
+                continue;
+            if (d != NULL)
+                d[x] = not_a_number();
+            if (f != NULL)
+                f[x] = (float) not_a_number();
+        }
+    }
+}
+
+/* ----------------------------------------------------------------------------- residual */
+
+static void residual_row(void *job, int32_t part, int32_t y)
+{
+    ntp__rederive *r = job;
+    double *const *row = r->parts[part].row, sum = 0;
+    uint64_t count = 0;
+    ntp__block block;
+    slopes_of_heights(r, row[0], row[1], row[2], y);
+    ntp__slopes_row(r->slopes, row[2], row[3], y, NULL);
+    for (int32_t x = 0; x < r->width; x++) {
+        int32_t i = x % NTP__BLOCK, left = r->width - x;
+        if (i == 0)
+            ntp__unpack(&block, r->slopes->src, x, y, left < NTP__BLOCK ? left : NTP__BLOCK);
+        if (left_out(r, &block, i, x, y) || is_nan(row[0][x], row[1][x]))
+            continue;
+        double a = row[0][x], b = row[1][x], c = row[2][x], d = row[3][x];
+        double ours = sqrt(1 + a * a + b * b), theirs = sqrt(1 + c * c + d * d);
+        double ex = a / ours - c / theirs, ey = b / ours - d / theirs;
+        sum += ex * ex + ey * ey;
+        count++;
+    }
+    r->sum[y] = sum;
+    r->count[y] = count;
+}
+
+double ntp__rederive_residual(ntp__rederive *r, const ntp__plane *heights)
+{
+    double sum = 0, count = 0;
+    r->heights = *heights;
+    ntp__crew_each(&r->crew, residual_row, r, r->height);
+    for (int32_t y = 0; y < r->height; y++) {
+        sum += r->sum[y];
+        count += (double) r->count[y];
+    }
+    /* A level is 2/range. */
+    return count > 0 ? sqrt(sum / (2 * count)) * r->slopes->range / 2 : 0;
+}
+
+/* --------------------------------------------------------------------------- projection */
+
+/* v moved to within `half` of the value of a level; *off: it rounds to another level. */
+static double to_box(const ntp__slopes *s, double v, int32_t level, bool *off)
+{
+    double middle = (2 * level - s->zero) / s->range, half = 1 / s->range;
+    /* Levels at the ends stand for all that is beyond them too. */
+    bool at_low = level == 0, at_high = level == ntp__max(s->src->type);
+    *off = *off || (v < middle - half && !at_low) || (v >= middle + half && !at_high);
+    half *= inside;
+    if (v < middle - half && !at_low)
+        return middle - half;
+    return v > middle + half && !at_high ? middle + half : v;
+}
+
+/* Slopes p, d right and down, and the stored x, y of their normal. */
+typedef struct slope_pair {
+    double p, d, x, y;
+} slope_pair;
+
+static void set_normal(slope_pair *s, double sign)
+{
+    double length = sqrt(1 + s->p * s->p + s->d * s->d);
+    s->x = -s->p / length;
+    s->y = sign * s->d / length;
+}
+
+static void set_slopes(slope_pair *s, double x, double y, double sign, double least)
+{
+    double z2 = 1 - x * x - y * y, z = z2 > least * least ? sqrt(z2) : least;
+    s->p = -x / z;
+    s->d = sign * y / z;
+    s->x = x;
+    s->y = y;
+}
+
+static double distance(const slope_pair *a, const slope_pair *b)
+{
+    return (a->p - b->p) * (a->p - b->p) + (a->d - b->d) * (a->d - b->d);
+}
+
+/* Moves `at` to the place nearest to `from` where x (or y) is `bound`.  Each step
+ * solves for the tangent of that curve; so close to it a few suffice. */
+static void to_bound(slope_pair *at, const slope_pair *from, bool of_x, double bound, double sign)
+{
+    enum { STEPS = 4 };
+    for (int32_t i = 0; i < STEPS; i++) {
+        double p = at->p, d = at->d, length2 = 1 + p * p + d * d, cube = length2 * sqrt(length2);
+        double gp = of_x ? -(1 + d * d) / cube : -sign * p * d / cube;
+        double gd = of_x ? p * d / cube : sign * (1 + p * p) / cube;
+        double off = (of_x ? at->x : at->y) - bound + gp * (from->p - p) + gd * (from->d - d);
+        double factor = off / (gp * gp + gd * gd);
+        at->p = from->p - factor * gp;
+        at->d = from->d - factor * gd;
+        set_normal(at, sign);
+    }
+}
+
+/* right, down: the shortest way in slopes from there into the boxes; true: out of them. */
+static bool project_texel(const ntp__slopes *s, const ntp__block *block, int32_t i, double *right,
+                          double *down)
+{
+    double sign = s->src->y == NTP_Y_UP ? 1 : -1, least = 1 / s->range;
+    slope_pair from = { *right, *down, 0, 0 };
+    bool off = false, unused = false;
+    set_normal(&from, sign);
+    slope_pair to = from;
+    double x = to_box(s, from.x, block->c[0][i], &off), y = to_box(s, from.y, block->c[1][i], &off);
+    bool move_x = x != from.x, move_y = y != from.y;
+    if (move_x != move_y) {
+        slope_pair corner;
+        to_bound(&to, &from, move_x, move_x ? x : y, sign);
+        set_slopes(&corner, x, y, sign, least);
+        bool astray = !(distance(&to, &from) <= distance(&corner, &from));
+        /* Where that leaves the other box, its edge is as near as it gets. */
+        double *other = move_x ? &y : &x, there = move_x ? to.y : to.x;
+        double held = to_box(s, there, block->c[move_x ? 1 : 0][i], &unused);
+        *other = astray || held == there ? *other : held;
+        move_x = move_y = astray || held != there;
+    }
+    if (move_x && move_y)
+        set_slopes(&to, x, y, sign, least);
+    *right = to.p - from.p;
+    *down = to.d - from.d;
+    return off;
+}
+
+static void project_row(void *job, int32_t part, int32_t y)
+{
+    ntp__rederive *r = job;
+    double *const *row = r->parts[part].row, sum = 0;
+    size_t start = (size_t) y * (size_t) r->width;
+    uint64_t count = 0;
+    ntp__block block;
+    slopes_of_heights(r, row[0], row[1], row[2], y);
+    for (int32_t x = 0; x < r->width; x++) {
+        int32_t i = x % NTP__BLOCK, left = r->width - x;
+        if (i == 0)
+            ntp__unpack(&block, r->slopes->src, x, y, left < NTP__BLOCK ? left : NTP__BLOCK);
+        if (left_out(r, &block, i, x, y) || is_nan(row[0][x], row[1][x]))
+            row[0][x] = row[1][x] = 0;
+        else
+            count += project_texel(r->slopes, &block, i, &row[0][x], &row[1][x]);
+        sum += row[0][x] * row[0][x] + row[1][x] * row[1][x];
+        if (r->right != NULL) {
+            r->right[start + (size_t) x] = (float) row[0][x];
+            r->down[start + (size_t) x] = (float) row[1][x];
+        }
+    }
+    r->sum[y] = sum;
+    r->count[y] = count;
+}
+
+uint64_t ntp__rederive_project(ntp__rederive *r, const ntp__plane *heights, float *right,
+                               float *down, double *mean_square)
+{
+    uint64_t count = 0;
+    double sum = 0;
+    r->heights = *heights;
+    r->right = right;
+    r->down = down;
+    ntp__crew_each(&r->crew, project_row, r, r->height);
+    for (int32_t y = 0; y < r->height; y++) {
+        sum += r->sum[y];
+        count += r->count[y];
+    }
+    if (mean_square != NULL)
+        *mean_square = sum / ((double) r->width * r->height);
+    return count;
+}
