@@ -85,9 +85,8 @@ static void describe(const production *p, text *line, json_t *object)
     }
     if (object == NULL)
         return;
-    json_object_set_new(object, "changed", json_count(stats.different));
+    json_set_changes(object, &stats);
     json_object_set_new(object, "texels", json_count(stats.texels));
-    json_object_set_new(object, "angle_deg", json_angles(&stats.angles));
     json_set_name(object, "detail", p->m->o->paths[1]);
     json_object_set_new(object, "detail_type", json_string(ntp_class_name(set->detail_type)));
     json_object_set_new(object, "mode", json_string(mode));

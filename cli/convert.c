@@ -5,13 +5,12 @@
  * The library converts to x, y, z and alpha in the target's depth; letters then say which of
  * them goes into which channel of the file.
  */
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 
-#include "produce.h"
+#include "planes.h"
 #include "report.h"
+#include "whole.h"
 
 enum {
     FULL = 4,    /* channels of the converted rows: x, y, z, alpha */
@@ -124,21 +123,6 @@ static ntp_type output_type(const production *p, const settings *set)
     return p->s.view.type == NTP_F32 && !pfm ? NTP_U16 : p->s.view.type;
 }
 
-static size_t sample_size(ntp_type type)
-{
-    return type == NTP_U8 ? 1 : type == NTP_U16 ? 2 : 4;
-}
-
-static bool usage(const production *p, const char *what, ntpio_error *error)
-{
-    text t = { 0 };
-    text_name(&t, p->in->path);
-    error->status = NTPIO_ERR_USAGE;
-    snprintf(error->message, sizeof error->message, "%.380s: %s", text_string(&t), what);
-    text_free(&t);
-    return false;
-}
-
 /* How the input is seen; the driver's first view is that of a standard texture. */
 static bool view_input(production *p, ntpio_error *error)
 {
@@ -147,7 +131,7 @@ static bool view_input(production *p, ntpio_error *error)
     const int32_t channels = p->s.info->channels;
     if (set->in_count > 0) {
         if (set->in_needed > channels)
-            return usage(p, "--from-channels names more channels than it has", error);
+            return wrong_use(p, "--from-channels names more channels than it has", error);
         source_view(&p->s, set->from, set->from_y, set->in, set->in_count);
     } else if (channels >= 3) {
         source_view(&p->s, set->from, set->from_y, NULL, 0);
@@ -155,10 +139,11 @@ static bool view_input(production *p, ntpio_error *error)
         source_view(&p->s, NTP_XY, set->from_y, PAIR, 3);
     } else {
         if (set->out_count > 0 || set->from != set->to || set->from_y != set->to_y)
-            return usage(p,
-                         "a gray image holds no normals, so that only --depth converts it (--from "
-                         "xy takes gray and alpha for x and y)",
-                         error);
+            return wrong_use(
+                p,
+                "a gray image holds no normals, so that only --depth converts it (--from "
+                "xy takes gray and alpha for x and y)",
+                error);
         source_view(&p->s, NTP_HEIGHT, NTP_Y_UP, NULL, 0);
     }
     return true;
@@ -286,13 +271,8 @@ static void describe(const production *p, text *line, json_t *object)
     if (object == NULL)
         return;
     ntp_diff_stats stats;
-    if (st->diff != NULL && ntp_diff_summarize(&stats, st->diff) == NTP_OK) {
-        json_object_set_new(object, "changed", json_count(stats.different));
-        json_object_set_new(object, "angle_deg", json_angles(&stats.angles));
-    } else {
-        json_object_set_new(object, "changed", json_null());
-        json_object_set_new(object, "angle_deg", json_null());
-    }
+    const bool known = st->diff != NULL && ntp_diff_summarize(&stats, st->diff) == NTP_OK;
+    json_set_changes(object, known ? &stats : NULL);
     json_object_set_new(object, "from", json_string(ENCODING_NAMES[set->from]));
     json_object_set_new(object, "to", json_string(ENCODING_NAMES[set->to]));
     json_object_set_new(object, "from_y", json_string(Y_NAMES[set->from_y]));

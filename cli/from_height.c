@@ -482,8 +482,7 @@ static void describe(const production *p, text *line, json_t *object)
     }
     if (object == NULL)
         return;
-    json_object_set_new(object, "changed", json_null());
-    json_object_set_new(object, "angle_deg", json_null());
+    json_set_changes(object, NULL);
     json_object_set_new(object, "scale", json_real(how->scale));
     json_object_set_new(object, "dx", json_real(how->dx));
     json_object_set_new(object, "dy", json_real(how->dy));

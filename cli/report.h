@@ -44,6 +44,8 @@ void json_set_name(json_t *object, const char *key, const char *name);
 json_t *json_angle(double degrees);
 json_t *json_angles(const ntp_angles *angles);
 json_t *json_count(uint64_t count);
+/* "changed" and "angle_deg" of what a verb wrote; NULL: null, where in and out cannot be compared. */
+void json_set_changes(json_t *object, const ntp_diff_stats *stats);
 /* The object of a file: path and status, message only where there is one. */
 json_t *json_file(const input *in, const char *status, const char *message);
 

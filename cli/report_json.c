@@ -134,6 +134,13 @@ json_t *json_count(uint64_t count)
     return json_integer((json_int_t) count);
 }
 
+void json_set_changes(json_t *object, const ntp_diff_stats *stats)
+{
+    const bool known = stats != NULL;
+    json_object_set_new(object, "changed", known ? json_count(stats->different) : json_null());
+    json_object_set_new(object, "angle_deg", known ? json_angles(&stats->angles) : json_null());
+}
+
 json_t *json_file(const input *in, const char *status, const char *message)
 {
     json_t *object = need(json_object());

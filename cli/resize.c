@@ -207,8 +207,7 @@ static void describe(const production *p, text *line, json_t *object)
     }
     if (object == NULL)
         return;
-    json_object_set_new(object, "changed", json_null());
-    json_object_set_new(object, "angle_deg", json_null());
+    json_set_changes(object, NULL);
     json_object_set_new(object, "width", json_integer(st->width));
     json_object_set_new(object, "height", json_integer(st->height));
     json_object_set_new(object, "filter", json_string(filter));

@@ -89,8 +89,7 @@ void to_height_describe(const production *p, text *line, json_t *object)
         add_line(line, set, st);
     if (object == NULL)
         return;
-    json_object_set_new(object, "changed", json_null());
-    json_object_set_new(object, "angle_deg", json_null());
+    json_set_changes(object, NULL);
     json_object_set_new(object, "scale", json_real(st->scale));
     json_object_set_new(object, "offset", json_real(st->offset));
     json_object_set_new(object, "depth", set->is_float ? json_string("float") : json_integer(16));

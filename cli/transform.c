@@ -60,8 +60,7 @@ static void describe(const production *p, text *line, json_t *object)
     }
     if (object == NULL)
         return;
-    json_object_set_new(object, "changed", json_null());
-    json_object_set_new(object, "angle_deg", json_null());
+    json_set_changes(object, NULL);
     json_object_set_new(object, "strength",
                         json_real(set->how.use_strength ? set->how.strength : 1));
     json_object_set_new(object, "flip", flip != NULL ? json_string(flip) : json_null());
