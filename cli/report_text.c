@@ -193,10 +193,10 @@ void check_text(text *t, const input *in, const checked *c, const check_settings
         return;
     add_headline(t, in, c, s);
     add_findings(t, c, s);
-    if (!s->quiet)
-        add_deep(t, &c->f.deep);
     if (s->verbose)
         add_statistics(t, c, s);
+    if (!s->quiet)
+        add_deep(t, &c->f.deep);
 }
 
 void check_text_summary(text *t, const check_summary *sum, const check_settings *s)
