@@ -224,7 +224,9 @@ def test_clean_while_a_worker_is_killed(cluster, many, tmp_path):
     published = [entry.get("published") for entry in report["files"]]
     assert set(published) <= {"now", "earlier", None} and published.count(None) == 1
     written = [target for _, state, target in read_log(log) if state == "now"]
-    assert len(written) == len(set(written)) == len(paths) - 1
+    assert len(written) == len(set(written))
+    # One may be missing: killed after the file had its name, before the log had its line.
+    assert len(paths) - 2 <= len(written) <= len(paths) - 1
     for file in (tmp_path / "out").rglob("*_n.png"):
         assert file.stat().st_nlink == 1
     cluster.wait_for_workers(2, timeout=120)  # its nanny has started another
