@@ -10,6 +10,9 @@ import re
 import shutil
 import subprocess
 import sys
+import threading
+import time
+from concurrent.futures import ThreadPoolExecutor
 from html.parser import HTMLParser
 
 import numpy as np
@@ -19,7 +22,7 @@ from jsonschema import Draft202012Validator
 import sarif_schema
 from cli import textures
 from normaltexture import report
-from normaltexture.report import _pictures
+from normaltexture.report import _page, _pictures
 from pngs import read_png, write_png
 
 GOOD = textures.standard(48, 64)
@@ -202,6 +205,26 @@ def test_limits(folder):
     assert report.build(found, max_texels=100).count("Too large for pictures.") == 6
     shutil.rmtree(folder)
     assert "No pictures: " in report.build(found)
+
+
+def test_few_texels_are_held_at_once():
+    budget, used, most = _page._Budget(10), 0, 0
+    lock = threading.Lock()
+
+    def work(texels):
+        nonlocal used, most
+        with budget.take(texels):
+            with lock:
+                used += texels
+                most = max(most, used if texels <= 10 else 0)
+                assert texels <= 10 or used == texels  # larger than the budget: alone
+            time.sleep(0.002)
+            with lock:
+                used -= texels
+
+    with ThreadPoolExecutor(8) as pool:
+        list(pool.map(work, [3, 4, 25, 10, 1, 1, 1, 12, 9, 2] * 4))
+    assert used == 0 and 0 < most <= 10
 
 
 # ---------------------------------------------------------------------- SARIF and GitHub

@@ -8,8 +8,10 @@ these, by their hashes, and no network: whatever a file is called, nothing but t
 import base64
 import hashlib
 import os
-from collections.abc import Callable, Mapping, Sequence
+import threading
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 from importlib import resources
 from pathlib import Path
 from typing import Any
@@ -43,10 +45,32 @@ STATE_WORDS = {
     "unreadable": "unreadable",
     "skipped": "not judged",
 }
-# Files drawn at once; each holds some copies of its pixels.
+# Files drawn at once, and their texels: each texel is held in some five copies.
 _WORKERS = 4
+_TEXELS_AT_ONCE = 1 << 26
 # The largest file that is drawn: 8192 x 8192.
 MAX_TEXELS = 1 << 26
+
+
+class _Budget:
+    """Lets workers go on while their texels together are few enough; a large file goes alone."""
+
+    def __init__(self, most: int) -> None:
+        self._most = most
+        self._used = 0
+        self._changed = threading.Condition()
+
+    @contextmanager
+    def take(self, texels: int) -> Iterator[None]:
+        with self._changed:
+            self._changed.wait_for(lambda: self._used == 0 or self._used + texels <= self._most)
+            self._used += texels
+        try:
+            yield
+        finally:
+            with self._changed:
+                self._used -= texels
+                self._changed.notify_all()
 
 
 def state(file: Mapping[str, Any]) -> str:
@@ -137,8 +161,8 @@ def _view(file: Mapping[str, Any], number: int, rules: Mapping[str, _ntp.Rule]) 
     return view
 
 
-def _pixels(file: Mapping[str, Any], max_texels: int) -> Any:
-    path = _ntp.path_of(file)
+def _pixels(file: Mapping[str, Any], base: str | os.PathLike[str], max_texels: int) -> Any:
+    path = os.path.join(base, _ntp.path_of(file))
     if "image" in file:
         data = load_gltf(path).image_bytes(file["image"])
         return read(data, max_texels=max_texels)
@@ -160,15 +184,16 @@ def _draw_all(
         i: f"Pictures are limited to {limit} files." for i in wanted[limit:]
     }
 
+    budget = _Budget(_TEXELS_AT_ONCE)
+
     def one(number: int) -> Pictures | str:
         file = files[number]
         if file["texels"] > max_texels:
             return "Too large for pictures."
         try:
-            where = {**file, **_ntp.path_fields(os.path.join(base, _ntp.path_of(file)))}
-            if "path_base64" not in where:
-                where.pop("path_base64", None)
-            return draw(_pixels(where, max_texels), file, size=size, palette=palette)
+            with budget.take(file["texels"]):
+                pixels = _pixels(file, base, max_texels)
+                return draw(pixels, file, size=size, palette=palette)
         except (OSError, ValueError, RuntimeError, GltfError) as error:
             return f"No pictures: {_console.shown(str(error))}"
 
