@@ -5,6 +5,7 @@
  * A solver (integrate.c, weighted.c) makes heights of mean 0.  What else is wanted works on these:
  * the plane is taken out, and the result described.
  */
+#include "decode.h"
 #include "integrate.h"
 #include "rederive.h"
 #include "weighted.h"
@@ -366,6 +367,7 @@ ntp_status ntp_height_from_normals(const ntp_image *dst, const ntp_const_image *
     t.height = src->height;
     if (hooks != NULL && hooks->progress != NULL && hooks->progress(hooks->user, 0) != 0)
         return NTP_ERR_CANCELLED;
+    ntp__decode_by_evidence(&t.how, src);
     ntp__slopes_init(&t.slopes, src, &t.how);
     lay_out(&t, &memory);
     t.result.islands = 1;

@@ -1,0 +1,138 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * decode.c - what the levels of a texture mean, and whether its blue is to be trusted
+ *
+ * Normals have length 1, and levels are rounded: read as they were written, a texel's length is
+ * off by the rounding of three levels and no more.  Read by another rule it is off by more, which
+ * a few thousand texels show.  Blue that was derived from red and green is what they give; blue
+ * rounded by itself often differs a level where the normal is tilted.
+ */
+#include "decode.h"
+
+#include "direction.h"
+#include "level.h"
+
+#include <math.h>
+
+enum {
+    ROWS = 256,        /* that are looked at, spread over the picture */
+    LEAST_TEXELS = 500 /* for the decode rule */
+};
+
+/* The mean square of the length's error: a level of 8 bits squared, over 12. */
+static const double noise = 4.0 / (255.0 * 255.0 * 12.0);
+
+/* Of that, what a mean square may be at most to pass as rounding, and how much worse than the best
+ * rule UNORM has to be, also in standard errors. */
+static const double most_noise = 1.5, least_gain = 0.03, least_score = 10;
+
+/* Lengths are off by more than three times the rounding: blue is something else. */
+static const double most_error = 9;
+
+/* Tilted by 25 degrees and more; of these so many, with a share of derived blues of so much. */
+static const double tilted = 0.81;
+enum { LEAST_TILTED = 64 };
+static const double derived_share = 0.98;
+
+typedef struct rule {
+    double zero, range; /* v = (2 c - zero)/range */
+    double sum, gain, gain2;
+} rule;
+
+static double error_of(const rule *r, const int32_t c[3])
+{
+    double x = (2 * c[0] - r->zero) / r->range, y = (2 * c[1] - r->zero) / r->range;
+    double z = (2 * c[2] - r->zero) / r->range;
+    return (x * x + y * y + z * z - 1) / 2;
+}
+
+typedef struct evidence {
+    rule unorm, trunc, snorm;
+    double count;        /* of what the sums of rules are of */
+    double all, lengths; /* of any depth, read as UNORM */
+    double tilted, derived;
+} evidence;
+
+static void compare(rule *r, const int32_t c[3], double square)
+{
+    double e = error_of(r, c), gain = square - e * e;
+    r->sum += e * e;
+    r->gain += gain;
+    r->gain2 += gain * gain;
+}
+
+static void add_levels(evidence *e, const int32_t c[3], int32_t m, bool zzero)
+{
+    int64_t x = 2 * c[0] - m, y = 2 * c[1] - m, rest = (int64_t) m * m - x * x - y * y;
+    double z = zzero ? (double) c[2] / m : (2.0 * c[2] - m) / m;
+    double off = ((double) (x * x + y * y) / ((double) m * m) + z * z - 1) / 2;
+    e->all++;
+    e->lengths += off * off;
+    if (rest >= 0 && (double) rest < tilted * m * m) {
+        e->tilted++;
+        e->derived += ntp__blue_of_rest(rest, m, zzero) == c[2];
+    }
+    bool neutral = x * x == 1 && y * y == 1; /* says nothing, and there can be many */
+    if (m != 255 || zzero || neutral)
+        return;
+    e->count++;
+    double plain = error_of(&e->unorm, c);
+    e->unorm.sum += plain * plain;
+    compare(&e->trunc, c, plain * plain);
+    compare(&e->snorm, c, plain * plain);
+}
+
+static void look(evidence *e, const ntp_const_image *src, uint32_t touch)
+{
+    ntp__block block;
+    int32_t m = ntp__max(src->type), step = (src->height + ROWS - 1) / ROWS;
+    bool zzero = src->encoding == NTP_ZZERO;
+    for (int32_t y = 0; y < src->height; y += step) {
+        for (int32_t x = 0; x < src->width; x += NTP__BLOCK) {
+            int32_t n = src->width - x < NTP__BLOCK ? src->width - x : NTP__BLOCK;
+            ntp__unpack(&block, src, x, y, n);
+            for (int32_t i = 0; i < n; i++) {
+                int32_t c[3] = { block.c[0][i], block.c[1][i], block.c[2][i] };
+                if (!ntp__texel_unused(&block, i, m, touch))
+                    add_levels(e, c, m, zzero);
+            }
+        }
+    }
+}
+
+/* Is this rule, and not UNORM, the one the texture was written by? */
+static bool convinces(const evidence *e, const rule *r)
+{
+    return e->count >= LEAST_TEXELS && r->sum <= most_noise * noise * e->count &&
+           r->gain >= least_gain * noise * e->count && r->gain >= least_score * sqrt(r->gain2);
+}
+
+void ntp__decode_by_evidence(ntp_height_options *how, const ntp_const_image *src)
+{
+    evidence e = {
+        { 255, 255, 0, 0, 0 }, { 254, 255, 0, 0, 0 }, { 256, 254, 0, 0, 0 }, 0, 0, 0, 0, 0
+    };
+    bool decode =
+        how->decode == NTP_DECODE_AUTO && src->type == NTP_U8 && src->encoding == NTP_STANDARD;
+    if (how->z == NTP_Z_AUTO && src->encoding == NTP_XY)
+        how->z = NTP_Z_DERIVED;
+    if (how->z == NTP_Z_AUTO && src->encoding == NTP_VECTOR) /* which may have any length */
+        how->z = NTP_Z_STORED;
+    if (!decode && how->z != NTP_Z_AUTO)
+        return;
+    look(&e, src, how->touch_unused);
+    double lengths = e.lengths, all = e.all;
+    if (decode && convinces(&e, &e.trunc) && e.trunc.sum <= e.snorm.sum)
+        how->decode = NTP_DECODE_TRUNC;
+    else if (decode && convinces(&e, &e.snorm))
+        how->decode = NTP_DECODE_SNORM;
+    if (e.count > 0 && (how->decode == NTP_DECODE_TRUNC || how->decode == NTP_DECODE_SNORM)) {
+        lengths = how->decode == NTP_DECODE_TRUNC ? e.trunc.sum : e.snorm.sum;
+        all = e.count;
+    }
+    if (how->z != NTP_Z_AUTO)
+        return;
+    bool made =
+        src->type != NTP_F32 && e.tilted >= LEAST_TILTED && e.derived >= derived_share * e.tilted;
+    how->z = made || lengths > most_error * noise * all ? NTP_Z_DERIVED : NTP_Z_STORED;
+}

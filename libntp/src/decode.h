@@ -1,0 +1,17 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * decode.h - what the levels of a texture mean, and whether its blue is to be trusted
+ */
+#ifndef NTP_DECODE_H
+#define NTP_DECODE_H
+
+#include "internal.h"
+
+/*
+ * Settles how->decode where it is NTP_DECODE_AUTO and the texture shows another rule than that of
+ * (2c - M)/M (else it stays: the pile of neutral levels is looked for later), and how->z where it
+ * is NTP_Z_AUTO.
+ */
+void ntp__decode_by_evidence(ntp_height_options *how, const ntp_const_image *src);
+
+#endif

@@ -1,0 +1,121 @@
+# SPDX-License-Identifier: MIT
+"""What the levels of a texture mean, and whether its blue counts, told from the texture alone."""
+
+import numpy as np
+import pytest
+
+import libntp_ffi as ntp
+from test_to_height import CLAMP, DECODE_AUTO, NEUTRAL, SNORM, TRUNC, UNORM, WRAP, fractal
+from test_to_height import to_height as reconstruct
+
+STORED, DERIVED, AUTO = range(3)
+
+
+def normals(h, wrap):
+    """Float normals of one-sided differences, Y up."""
+    edge = "wrap" if wrap else "edge"
+    padded = np.pad(h.astype(np.float64), ((0, 1), (0, 1)), mode=edge)
+    p, q = padded[:-1, 1:] - h, padded[1:, :-1] - h
+    n = np.stack([-p, q, np.ones_like(p)], axis=-1)
+    return n / np.linalg.norm(n, axis=-1, keepdims=True)
+
+
+def encode(n, rule):
+    if rule == TRUNC:
+        return np.clip(np.floor((n + 1) / 2 * 255), 0, 255).astype(np.uint8)
+    if rule == SNORM:
+        return np.floor(n * 127 + 128.5).astype(np.uint8)
+    return np.floor((n + 1) / 2 * 255 + 0.5).astype(np.uint8)
+
+
+def derived_blue(c):
+    v = (2 * c.astype(np.float64) - 255) / 255
+    z = np.sqrt(np.maximum(1 - v[..., 0] ** 2 - v[..., 1] ** 2, 0))
+    c = c.copy()
+    c[..., 2] = np.floor((z + 1) / 2 * 255 + 0.5)
+    return c
+
+
+def bumps(n, count=9):
+    y, x = np.mgrid[:n, :n]
+    rng = np.random.default_rng(2)
+    h = np.zeros((n, n))
+    for cx, cy in rng.uniform(0.1, 0.9, (count, 2)) * n:
+        h += 6 * np.exp(-((x - cx) ** 2 + (y - cy) ** 2) / 90)
+    return h
+
+
+FIELDS = {
+    "fractal": lambda: (fractal(256), True),
+    "steep": lambda: (fractal(256, seed=4, rms_slope=2), True),
+    "gentle": lambda: (fractal(256, seed=5, rms_slope=0.15), True),
+    "bumps": lambda: (bumps(512), False),
+}
+
+
+@pytest.mark.parametrize("field", FIELDS)
+@pytest.mark.parametrize("rule", [UNORM, TRUNC, SNORM])
+def test_the_rule_of_the_encoder(field, rule):
+    h, wrap = FIELDS[field]()
+    border = WRAP if wrap else CLAMP
+    how = {"kernel": "forward", "border_x": border, "border_y": border}
+    n = encode(normals(h, wrap), rule)
+    _, result = reconstruct(n, **how)
+    flat = field == "bumps"
+    assert result["decode"] == (NEUTRAL if flat and rule == UNORM else rule)
+    # As good as the best of all rules.
+    error = {
+        d: np.std(reconstruct(n, decode=d, **how)[0] - h)
+        for d in (DECODE_AUTO, UNORM, NEUTRAL, TRUNC, SNORM)
+    }
+    assert error[DECODE_AUTO] <= 1.1 * min(error.values()), error
+
+
+@pytest.mark.parametrize("field", FIELDS)
+def test_derived_blue_does_not_mislead(field):
+    h, wrap = FIELDS[field]()
+    n = derived_blue(encode(normals(h, wrap), UNORM))
+    _, result = reconstruct(n)
+    assert result["decode"] in (UNORM, NEUTRAL)
+
+
+def test_noise_and_flat_textures_are_read_plainly():
+    rng = np.random.default_rng(3)
+    for n in (
+        rng.integers(0, 256, (128, 128, 3)),
+        rng.integers(120, 136, (128, 128, 3)),
+        np.full((64, 64, 3), (128, 128, 255)),
+        np.full((64, 64, 3), (127, 127, 254)),
+        np.zeros((64, 64, 3)),
+    ):
+        _, result = reconstruct(n.astype(np.uint8))
+        assert result["decode"] in (UNORM, NEUTRAL)
+
+
+def test_whether_blue_counts():
+    h = fractal(256, rms_slope=1)
+    n = normals(h, True)
+    how = {"kernel": "forward", "z": AUTO}
+    rounded = encode(n, UNORM)
+    assert reconstruct(rounded, **how)[1]["z"] == STORED
+    assert reconstruct(derived_blue(rounded), **how)[1]["z"] == DERIVED
+    wrong = rounded.copy()
+    wrong[..., 2] = 255
+    assert reconstruct(wrong, **how)[1]["z"] == DERIVED
+    assert reconstruct(rounded[..., :2].copy(), ntp.XY, **how)[1]["z"] == DERIVED
+    flat = np.full((64, 64, 3), (128, 128, 255), np.uint8)
+    assert reconstruct(flat, **how)[1]["z"] == STORED
+    deep = np.floor((n + 1) / 2 * 65535 + 0.5).astype(np.uint16)
+    assert reconstruct(deep, **how)[1]["z"] == STORED
+    unit = ((n + 1) / 2).astype(np.float32)
+    assert reconstruct(unit, **how)[1]["z"] == STORED
+    assert reconstruct((3 * n).astype(np.float32), ntp.VECTOR, **how)[1]["z"] == STORED
+    z_zero = rounded.copy()
+    z_zero[..., 2] = np.floor(n[..., 2] * 255 + 0.5)
+    assert reconstruct(z_zero, ntp.ZZERO, **how)[1]["z"] == STORED
+    assert reconstruct(rounded, kernel="forward")[1]["z"] == STORED
+    # And it is the better choice where the ground is steep.
+    steep = fractal(256, rms_slope=4)
+    n = encode(normals(steep, True), UNORM)
+    error = {z: np.std(reconstruct(n, kernel="forward", z=z)[0] - steep) for z in range(3)}
+    assert error[AUTO] == error[STORED] < error[DERIVED]
