@@ -830,7 +830,7 @@ typedef enum ntp_prior {
 
 typedef struct ntp_height_options {
     ntp_height_method method;
-    ntp_kernel kernel; /* that made the normals: NTP_KERNEL_CENTRAL or NTP_KERNEL_FORWARD */
+    ntp_kernel kernel; /* that made the normals, or NTP_KERNEL_BAKED */
     ntp_border border_x;
     ntp_border border_y;
     ntp_decode decode;
@@ -846,8 +846,8 @@ typedef struct ntp_height_options {
     /* NTP_HEIGHT_WEIGHTED; a mask makes it the default method.  NTP_U8 or NTP_U16 NTP_HEIGHT of the
      * size of src: where sample 0 is 0 there is a hole.  So there is at each unused texel. */
     const ntp_const_image *mask;
-    double tolerance;       /* of the slopes, relative; 0 stands for 1e-6 */
-    int32_t max_iterations; /* 1..NTP_MAX_ITERATIONS; 0 stands for 500 */
+    double tolerance;       /* rms error of slopes over their rms; 0 stands for 1e-6 */
+    int32_t max_iterations; /* 1..NTP_MAX_ITERATIONS; 0 stands for 1000 */
     double dx;              /* spacing of texels; 0 stands for 1 */
     double dy;
     ntp_prior prior;
@@ -865,12 +865,12 @@ typedef struct ntp_height_result {
     uint64_t not_finite;      /* float texels with a NaN, an infinity or length 0: flat */
     ntp_z z;                  /* never NTP_Z_AUTO */
     int32_t iterations;       /* NTP_HEIGHT_WEIGHTED: of the last solution */
-    double error;             /* NTP_HEIGHT_WEIGHTED: what is left, to compare with tolerance */
+    double error;             /* NTP_HEIGHT_WEIGHTED: what is left, as tolerance; worked out anew */
     uint64_t holes;           /* NTP_HEIGHT_WEIGHTED: texels without a height; they get 0 */
     uint64_t islands;         /* connected areas, each with a mean of its own; 0: only holes */
     double trend_x, trend_y;  /* slopes to the right and down that `detrend` took out */
     int32_t rounds;           /* of `refine`, that were done */
-    uint64_t refine_left;     /* texels whose normal the heights do not give again exactly */
+    uint64_t refine_left;     /* after `refine`: texels whose red or green is not given again */
     double residual;          /* rms of x and y of the heights' normals less those of the texture,
                                * in levels (floats: of 16 bit); -1: not measured */
     /* NTP_HEIGHT_TELESCOPING, of the equations that the sums did not take, those of other paths: rms
@@ -921,6 +921,26 @@ NTP_API size_t ntp_height_scratch_size(const ntp_height_options *how, int32_t wi
  * plane.  NTP_PRIOR_ROUGHNESS takes, of heights that fit alike within the rounding of the
  * slopes, the smoother ones.  docs/reconstruction.md has the formulas.
  *
+ * NTP_HEIGHT_WEIGHTED takes every kernel with every border.  It weighs each slope by about
+ * 1/variance, 1/((1 + p*p + q*q)(1 + p*p)) for p with z as stored and less with z derived, at least
+ * 0.01, and counts those whose kernel reads no hole.  Pairs of neighbors, whose difference is to
+ * be the mean of their slopes, count a little besides (a hundredth for 8 bits): they hold together
+ * what a kernel leaves apart, and take the place of the prior.  Heights in holes are 0.  An island
+ * is what is connected by sides, across borders that wrap too; of each the mean is 0.  Conjugate
+ * gradients, about 40 bytes a texel; steep textures and ragged holes take more iterations.
+ * NTP_ERR_NOT_CONVERGED says that `tolerance` was not reached; dst and result hold how far it got.
+ *
+ * refine: rounds that bring the heights to where their normals, by ntp_normals_from_height with
+ * this kernel and these borders, have the stored red and green, which NTP_DECODE_* says how to round;
+ * it ends when all texels do.  Not for telescoping, baked normals and floats.  detrend works on the
+ * refined heights, whose normals then are others; with NTP_HEIGHT_WEIGHTED that is an error.
+ *
+ * Evidence: NTP_DECODE_AUTO takes, for 8-bit NTP_STANDARD, TRUNC or SNORM where lengths read so are
+ * 1 but for rounding, and clearly more so than read as UNORM; else, for 8 bits, NEUTRAL where
+ * texels pile up at 127 and 128; else UNORM.  NTP_Z_AUTO takes the derived z where tilted texels
+ * have the blue that is derived from red and green, or where lengths are off by more than three times
+ * their rounding; NTP_VECTOR: stored.
+ *
  * Telescoping (Eberly 3.1, 3.2): forward goes along the first row and down each column; central
  * goes in steps of two from h(0,0), h(1,0), h(0,1), h(1,1), by default h(0,0) = 0 and each other
  * the mean of its known or implied neighbors: h(1,0) = p(1,0), h(0,1) = q(0,1), h(1,1) =
@@ -930,8 +950,10 @@ NTP_API size_t ntp_height_scratch_size(const ntp_height_options *how, int32_t wi
  * The result is the same bytes for any number of parts.  dst and src do not overlap, ring_rows is
  * 0 in both.  scratch: ntp_height_scratch_size bytes for these parts, aligned to 64.
  * hooks, result may be NULL.  After NTP_ERR_CANCELLED dst holds nothing of use.
- * Errors: NTP_ERR_ARGUMENT also where method and borders do not agree or seeds are not finite;
- * NTP_ERR_FORMAT for a kernel or a border of it that is not listed above.
+ * Errors: NTP_ERR_ARGUMENT also where method and borders do not agree, seeds are not finite, a
+ * mask has another method, or telescoping is refined; NTP_ERR_FORMAT for a kernel or a border of it
+ * that is not listed above, a float mask, and what cannot be refined; NTP_ERR_SHAPE for a mask of
+ * another size; NTP_ERR_NOT_CONVERGED.
  */
 NTP_API ntp_status ntp_height_from_normals(const ntp_image *dst, const ntp_const_image *src,
                                            const ntp_height_options *how, void *scratch,
