@@ -257,6 +257,15 @@ def test_sarif(folder, monkeypatch):
     assert location["uri"].startswith("file:///") and "uriBaseId" not in location
 
 
+def test_names_are_no_links():
+    forged = {"path": "a.png", "status": "unreadable", "message": "[a](//b): c [d]", "findings": []}
+    tool = {"name": "ntp", "version": "0.1.0"}
+    log = report.to_sarif({"tool": tool, "files": [forged]})
+    Draft202012Validator(sarif_schema.SCHEMA).validate(log)
+    message = log["runs"][0]["results"][0]["message"]["text"]
+    assert message == r"\[a\](//b): c \[d\]."
+
+
 def test_github(folder, monkeypatch):
     monkeypatch.chdir(folder.parent)
     text = report.to_github(report.check_json(["textures"]))

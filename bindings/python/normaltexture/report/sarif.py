@@ -99,9 +99,10 @@ def _result(
 
 
 def _sentence(message: str) -> str:
-    """SARIF asks for a plain sentence; brackets would be read as links."""
-    text = message.replace("\\", "\\\\").replace("[", "\\[").replace("]", "\\]")
-    return text if text.endswith(".") else text + "."
+    """A sentence, in which no name can pose as a link ("[text](target)" would be one)."""
+    if "](" in message:
+        message = message.replace("\\", "\\\\").replace("[", "\\[").replace("]", "\\]")
+    return message if message.endswith(".") else message + "."
 
 
 def _rule(rule: _ntp.Rule) -> Json:
