@@ -55,7 +55,7 @@ bool normals_job_needs_alpha(const normals_job *job, ntp_type type)
 {
     if (job->dudv != DUDV_NONE)
         return type == NTP_U8 && job->dudv >= DUDV_16_SIGNED;
-    return job->alpha != ALPHA_KEEP;
+    return job->alpha != ALPHA_KEEP && job->alpha != ALPHA_INVERSE;
 }
 
 /* ---------------------------------------------------------------------------- mean color */

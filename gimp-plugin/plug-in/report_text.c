@@ -157,7 +157,7 @@ static void write_lengths(writer *w)
     } else {
         line(w, tr(w, N_("%.1f %% of the texels (%llu) are not unit vectors.")),
              percent(r, r->failing), (unsigned long long) r->failing);
-        line(w, tr(w, N_("They are off by %.2f degrees on average, by %.2f at most.")),
+        line(w, tr(w, N_("All directions are off by %.2f degrees on average, by %.2f at most.")),
              r->stats.angles.mean, r->stats.angles.max);
     }
     const uint64_t longs = r->stats.xy_too_long - r->stats.unused_xy_too_long;

@@ -70,7 +70,7 @@ void texels_alpha(const ntp_image *view, alpha_rule rule, const ntp_const_image 
 {
     const ntp_image alpha = texels_channel(view, 3);
     if (rule == ALPHA_ONE || rule == ALPHA_ZERO || plane->data == NULL) {
-        fill_alpha(&alpha, rule == ALPHA_ZERO || rule == ALPHA_INVERSE ? 0 : 255);
+        fill_alpha(&alpha, rule == ALPHA_ZERO ? 0 : 255);
         return;
     }
     ntp_convert(&alpha, plane, NULL, NULL, NULL);

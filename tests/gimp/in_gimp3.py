@@ -84,6 +84,33 @@ class Session:
         self.image.insert_layer(group, None, 0)
         self.image.reorder_item(self.image.get_layers()[1], group, 0)
 
+    def other(self, file):
+        """A second layer, below the first; "other" as an argument."""
+        self.second = Gimp.file_load_layer(QUIET, self.image, path(file))
+        self.image.insert_layer(self.second, None, 1)
+
+    def mask(self):
+        self.layer.add_mask(self.layer.create_mask(Gimp.AddMaskType.WHITE))
+
+    def lock(self):
+        self.layer.set_lock_content(True)
+
+    def call(self, procedure, settings, target="layer"):
+        """A procedure on the layer, its mask or none; notes what it answers, or why it refuses."""
+        made = Gimp.get_pdb().lookup_procedure(procedure)
+        config = made.create_config()
+        config.set_property("run-mode", QUIET)
+        config.set_property("image", self.image)
+        targets = {"layer": [self.layer], "mask": [self.layer.get_mask()], "none": []}
+        config.set_core_object_array("drawables", targets[target])
+        for name, value in settings.items():
+            config.set_property(name, self.second if value == "other" else value)
+        answer = made.run(config)
+        if answer.index(0) == Gimp.PDBStatusType.SUCCESS:
+            self.notes["values"] = [answer.index(i) for i in range(1, answer.length())]
+        else:
+            self.notes["refused"] = Gimp.get_pdb().get_last_error()
+
     def save(self, file):
         Gimp.file_save(QUIET, self.image, path(file), None)
 

@@ -1,0 +1,255 @@
+# SPDX-License-Identifier: MIT
+"""The plug-in in GIMP 3: the same numbers as `ntp`.  `./dev gimp3` runs it."""
+
+import json
+import os
+import subprocess
+
+import numpy as np
+import pytest
+from gimps import Gimp3
+from plugin_cases import (
+    CASES,
+    INPUTS,
+    PART,
+    PARTS,
+    SETTINGS,
+    different,
+    options,
+    part_of,
+    picture,
+    rough_normals,
+)
+
+import libntp_ffi
+import pngs
+from libntp_ffi import ffi, lib
+
+CHROOT = os.environ.get("NTP_GIMP3")
+pytestmark = pytest.mark.skipif(not CHROOT, reason="NTP_GIMP3 names no chroot; use ./dev gimp3")
+
+NORMALS = "plug-in-ntp-normals-from-height"
+SOBEL = SETTINGS["sobel"]
+TYPES = {"U8": "u1", "U16": "u2", "U32": "u4", "HALF": "f2", "FLOAT": "f4", "DOUBLE": "f8"}
+PRECISIONS = [f"{kind}_{curve}" for kind in TYPES for curve in ("LINEAR", "NON_LINEAR")]
+FILTERS = ["4sample", "sobel3", "sobel5", "prewitt3", "prewitt5", "3x3", "5x5", "7x7", "9x9"]
+
+
+def refused_jobs():
+    """Each with a part of the reason that is given."""
+    sobel = ["call", NORMALS, SOBEL]
+    return {
+        "indexed": ("rgb8", [["mode", "indexed"], sobel], "Indexed images"),
+        "group": ("rgb8", [["group"], sobel], "layer group"),
+        "mask": ("rgb8", [["mask"], [*sobel, "mask"]], "works on layers"),
+        "none": ("rgb8", [[*sobel, "none"]], "Select one layer"),
+        "locked": ("rgb8", [["lock"], sobel], "locked"),
+        "no-alpha": ("rgb8", [["call", NORMALS, {"source": "alpha"}]], "no alpha channel"),
+        "size": (
+            "rgb8",
+            [["other", "one.png"], ["call", NORMALS, {"height-layer": "other"}]],
+            "size",
+        ),
+        "gray": ("gray8", [["call", "plug-in-ntp-clean-normals", {}]], "is gray"),
+    }
+
+
+def jobs():
+    todo = {}
+
+    def job(name, file, *steps):
+        todo[name] = {"file": f"{file}.png", "steps": list(steps)}
+
+    for file, name in CASES:
+        settings = {"scale": 10, **SETTINGS[name]}
+        save = ["save", f"{file}-{name}.png"]
+        job(f"{file}-{name}", file, ["call", NORMALS, settings], save)
+    for file in PARTS:
+        save = ["save", f"{file}-part.png"]
+        job(f"{file}-part", file, ["select", *PART], ["call", NORMALS, SOBEL], save)
+    for alpha in ("height", "one"):
+        settings = {**SOBEL, "alpha": alpha}
+        job(f"alpha-{alpha}", "rgb8", ["call", NORMALS, settings], ["save", f"alpha-{alpha}.png"])
+    other = {**SOBEL, "height-layer": "other"}
+    job("other", "rgba8", ["other", "rgb8.png"], ["call", NORMALS, other], ["dump", "other"])
+    other = {**SOBEL, "alpha": "layer", "alpha-layer": "other"}
+    job("masked", "rgb8", ["other", "gray8.png"], ["call", NORMALS, other], ["dump", "masked"])
+    move = [["enlarge", 400, 300, 100, 50], ["offsets", 33, -7], ["mask"]]
+    job("offsets", "rgb8", *move, ["call", NORMALS, SOBEL], ["dump", "offsets"])
+    job("one", "one", ["call", NORMALS, SOBEL], ["dump", "one"])
+    for precision in PRECISIONS:
+        steps = [["precision", precision], ["dump", f"{precision}-in"], ["call", NORMALS, SOBEL]]
+        job(precision, "rgb16-gama", *steps, ["dump", f"{precision}-out"])
+    for i in range(9):
+        old = {"filter": i, "scale": 2.5, "wrap": i % 2}
+        job(f"filter-{i}", "rgb8", ["call", "plug-in-normalmap", old], ["dump", f"filter-{i}"])
+    for depth in (8, 16):
+        clean = ["call", "plug-in-ntp-clean-normals", {}]
+        job(f"clean{depth}", f"rough{depth}", clean, ["save", f"clean{depth}.png"])
+    job("check", "rough8", ["call", "plug-in-ntp-check-normals", {}])
+    height = ["call", "plug-in-ntp-height-from-normals", {}]
+    job("height", "rough16", height, ["save", "height.png"])
+    for name, (file, steps, _) in refused_jobs().items():
+        job(name, file, *steps)
+    return todo
+
+
+@pytest.fixture(scope="module")
+def gimp():
+    made = Gimp3(CHROOT, "plugin")
+    for name, (pixels, chunks) in INPUTS.items():
+        pngs.write_png(made.work / f"{name}.png", pixels, chunks=chunks)
+    pngs.write_png(made.work / "one.png", picture(3, 8, 1, 1))
+    pngs.write_png(made.work / "rough8.png", rough_normals(3, 8))
+    pngs.write_png(made.work / "rough16.png", rough_normals(4, 16))
+    made.results, made.complaints = made.run(jobs())
+    return made
+
+
+@pytest.fixture
+def done(gimp):
+    """done(job) -> the pixels of the PNG that the job saved."""
+
+    def look(job):
+        result = gimp.results[job]
+        assert result["error"] is None and "refused" not in result, result
+        return pngs.read_png(gimp.work / f"{job}.png")[0]
+
+    return look
+
+
+@pytest.fixture
+def raw(gimp):
+    """raw(job, file, dtype) -> what the job dumped."""
+
+    def look(job, file=None, dtype=np.uint8):
+        result = gimp.results[job]
+        assert result["error"] is None and "refused" not in result, result
+        height, width, size = result["shape"]
+        data = np.fromfile(gimp.work / (file or job), dtype)
+        return data.reshape(height, width, size // np.dtype(dtype).itemsize)
+
+    return look
+
+
+@pytest.fixture
+def ntp(program, tmp_path):
+    """ntp(pixels, verb, option...) -> the pixels that the program makes."""
+
+    def run(pixels, verb, *words):
+        source, made = tmp_path / "in.png", tmp_path / "out.png"
+        pngs.write_png(source, pixels)
+        subprocess.run([program, verb, "-q", *words, source, "-o", made], check=True)
+        return pngs.read_png(made)[0]
+
+    return run
+
+
+@pytest.mark.parametrize(("file", "name"), CASES)
+def test_same_as_ntp(done, ntp, file, name):
+    expected = ntp(INPUTS[file][0], "from-height", "--scale", "10", *options(SETTINGS[name]))
+    assert different(done(f"{file}-{name}"), expected) == 0
+
+
+@pytest.mark.parametrize("file", PARTS)
+def test_selection(done, ntp, file):
+    """Inside, the texels of the whole picture; outside, those that were there."""
+    pixels = INPUTS[file][0]
+    whole = ntp(pixels, "from-height", *options(SOBEL))
+    made, expected = done(f"{file}-part"), part_of(whole, pixels)
+    x, y, w, h = PART
+    inside = (slice(y, y + h), slice(x, x + w))
+    assert different(made[inside], expected[inside]) == 0
+    if pixels.shape[2] > 2:  # gray outside is converted by GIMP
+        assert different(made, expected) == 0
+
+
+@pytest.mark.parametrize("alpha", ["height", "one"])
+def test_alpha(done, ntp, alpha):
+    """The channel is added."""
+    expected = ntp(INPUTS["rgb8"][0], "from-height", *options(SOBEL), "--alpha", alpha)
+    assert different(done(f"alpha-{alpha}"), expected) == 0
+
+
+def test_layers(raw, ntp):
+    """Another layer's height or brightness; offsets and a layer mask change nothing."""
+    expected = ntp(INPUTS["rgb8"][0], "from-height", *options(SOBEL))
+    made = raw("other")
+    assert different(made[:, :, :3], expected) == 0
+    assert (made[:, :, 3] == INPUTS["rgba8"][0][:, :, 3]).all()
+    made = raw("masked")
+    assert different(made[:, :, :3], expected) == 0
+    assert (made[:, :, 3] == INPUTS["gray8"][0][:, :, 0]).all()
+    assert different(raw("offsets"), expected) == 0
+    assert raw("one").tolist() == [[[128, 128, 255]]]
+
+
+def normals_of(heights):
+    """The library's, of the settings above, in the type of the heights."""
+    how = ffi.new("ntp_gradient_options *", {"scale": 7.3, "kernel": lib.NTP_KERNEL_SOBEL3})
+    made = np.zeros_like(heights)
+    src = libntp_ffi.view(heights, encoding=libntp_ffi.HEIGHT, const=True)
+    dst = libntp_ffi.view(made, encoding=libntp_ffi.STANDARD, y=libntp_ffi.DOWN)
+    libntp_ffi.check(lib.ntp_normals_from_height(dst, src, how, ffi.NULL, ffi.NULL))
+    return made
+
+
+@pytest.mark.parametrize("precision", PRECISIONS)
+def test_precision(raw, precision):
+    """The stored numbers are the heights; 8 bit, 16 bit and float are exact."""
+    dtype = np.dtype(TYPES[precision.split("_")[0]])
+    heights, made = (raw(precision, f"{precision}-{end}", dtype) for end in ("in", "out"))
+    if dtype.kind == "u" and dtype.itemsize <= 2:
+        assert different(made, normals_of(heights)) == 0
+        return
+    # The others go through single precision, and back with GIMP's rounding.
+    top = 2**32 - 1 if dtype.kind == "u" else 1
+    expected = normals_of((heights.astype(np.float64) / top).astype(np.float32))
+    step = {"u4": 2.0**-32, "f2": 2.0**-11, "f4": 0, "f8": 0}[dtype.str[1:]]
+    assert np.abs(made.astype(np.float64) / top - expected).max() <= step
+
+
+@pytest.mark.parametrize("i", range(9))
+def test_old_filters(raw, ntp, i):
+    like = ["--like", f"gimp-normalmap:{FILTERS[i]}:2.5", "--border", "wrap" if i % 2 else "clamp"]
+    assert different(raw(f"filter-{i}"), ntp(INPUTS["rgb8"][0], "from-height", *like)) == 0
+
+
+@pytest.mark.parametrize("depth", [8, 16])
+def test_clean(done, ntp, depth):
+    pixels = rough_normals(3 if depth == 8 else 4, depth)
+    assert different(done(f"clean{depth}"), ntp(pixels, "clean", "--type", "standard")) == 0
+
+
+def test_check(gimp, program):
+    """The numbers of `ntp check`."""
+    values = gimp.results["check"]["values"]
+    command = [program, "check", "--format", "json", "--type", "standard", "rough8.png"]
+    text = subprocess.run(command, cwd=gimp.work, capture_output=True, check=False).stdout
+    f = json.loads(text)["files"][0]
+    fail = [f["fail"][v] for v in ("neighbor", "rounded", "exact")]
+    assert values[0] == "standard" and values[2] == f["texels"] and values[3] == f["unused"]
+    assert values[4:7] == fail and values[7] == f["xy_too_long"] and values[11] == f["y"]
+
+
+def test_height(done):
+    """Slopes of the height are those of the normals, green up."""
+    made, n = done("height")[:, :, 0].astype(float), rough_normals(3, 16)
+    x, y, z = np.moveaxis(n[:, :, :3] / 32767.5 - 1, 2, 0)
+    inner = (slice(2, -2), slice(2, -2))
+    right = ((np.roll(made, -1, 1) - np.roll(made, 1, 1)) / 2)[inner].ravel()
+    up = ((np.roll(made, 1, 0) - np.roll(made, -1, 0)) / 2)[inner].ravel()
+    assert np.corrcoef(right, (-x / z)[inner].ravel())[0, 1] > 0.9
+    assert np.corrcoef(up, (-y / z)[inner].ravel())[0, 1] > 0.9
+
+
+@pytest.mark.parametrize("job", refused_jobs())
+def test_refused(gimp, job):
+    """With a sentence that says why."""
+    result = gimp.results[job]
+    assert result["error"] is None
+    assert refused_jobs()[job][2] in result["refused"]
+
+
+def test_no_complaints(gimp):
+    assert gimp.complaints == []
