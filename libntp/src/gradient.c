@@ -316,14 +316,35 @@ static void do_block(walk *w, strip *s, int32_t x, int32_t y, int32_t n)
     ntp__gradient_pack(&w->g, &s->out, x, y, n);
 }
 
+/* Rows of a strip lie apart, where no processor looks ahead by itself. */
+static void fetch_ahead(const walk *w, int32_t x, int32_t y, int32_t n)
+{
+#if defined(__GNUC__)
+    enum { ROWS = 2, LINE = 64 };
+    const ntp__gradient *g = &w->g;
+    int32_t from = y + g->kernel->radius + ROWS, to = y + ROWS;
+    if (from >= g->src->height)
+        return;
+    const char *s = ntp__at(g->src, x, from), *d = ntp__at_mut(g->dst, x, to);
+    for (ptrdiff_t i = 0; i < n * g->src->pixel_stride; i += LINE)
+        __builtin_prefetch(s + i, 0);
+    for (ptrdiff_t i = 0; i < n * g->dst->pixel_stride; i += LINE)
+        __builtin_prefetch(d + i, 1);
+#else
+    (void) w, (void) x, (void) y, (void) n;
+#endif
+}
+
 static void do_strip(walk *w, strip *s, const ntp_rect *r, int32_t x, int32_t n)
 {
     for (int32_t k = 0; k < NTP__MAX_TAPS; k++)
         s->row[k].filled = false;
     memset(s->moved, 0, sizeof s->moved);
     s->any_moved = false;
-    for (int32_t y = r->y0; y < r->y1; y++)
+    for (int32_t y = r->y0; y < r->y1; y++) {
+        fetch_ahead(w, x, y, n);
         do_block(w, s, x, y, n);
+    }
 }
 
 static void do_bands(walk *w, ntp_rect r)
