@@ -36,6 +36,10 @@ static const double LENGTH_LEAST = 0.75, LENGTH_MOST = 1.15;
  * the few that are spread the lengths. */
 static const double SLOPING_ERROR_MOST = 0.07, SLOPING_SURE = 0.85;
 
+/* A blue that goes to both ends fits where it is 0 and where it is M: with more negative z than a few
+ * wrong texels make it may be a height as well. */
+static const double NEGATIVE_MOST = 0.05, NEGATIVE_SURE = 0.8;
+
 /* Lean of the mean of x, y.  Tangent-space textures lean by less than 0.1 as a rule, and by 0.3 on
  * a slope; a picture's red and green are rarely both that near the middle. */
 static const double LEAN_SMALL = 0.03, LEAN_SLANTED = 0.1, LEAN_CENTERED = 0.15, LEAN_MOST = 0.3;
@@ -406,6 +410,8 @@ static bool is_normals(question *q)
         (s->standard.used_length_sd > SPREAD_MOST ||
          length_error(s, 1, NTP_STEEPNESS_BINS - 1) > SLOPING_ERROR_MOST))
         sure = least(sure, SLOPING_SURE);
+    if (!zzero && !flipped && q->negative > NEGATIVE_MOST)
+        sure = least(sure, NEGATIVE_SURE);
     if (keep_to_a_line(s, 0, 1) && (!tight || q->lean > LEAN_MOST))
         sure = least(sure, LINE_SURE);
     is(q, zzero ? NTP_CLASS_ZZERO : NTP_CLASS_STANDARD, sure);
