@@ -9,6 +9,8 @@
 
 #include <libgimp/gimpui.h>
 
+enum { SLIDER = 120 }; /* pixels, at least */
+
 typedef struct connection {
     const procedure *procedure;
     GtkWidget *view;
@@ -29,6 +31,7 @@ static void make_slider(GimpProcedureDialog *dialog, const field *f)
     GtkWidget *slider = gimp_procedure_dialog_get_scale_entry(dialog, f->name, 1);
     gimp_scale_entry_set_bounds(GIMP_SCALE_ENTRY(slider), f->soft_low, f->soft_high, TRUE);
     gimp_label_spin_set_digits(GIMP_LABEL_SPIN(slider), f->digits);
+    gtk_widget_set_size_request(gimp_scale_entry_get_range(GIMP_SCALE_ENTRY(slider)), SLIDER, -1);
 }
 
 /* The fields of a page as a box; NULL: there are none. */
