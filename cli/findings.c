@@ -109,8 +109,8 @@ const finding_spec FINDING_TABLE[FINDING_COUNT] = {
         "Some engines and devices resize such textures, or make no mipmaps for them.",
         "Nothing, unless your target asks for it." },
     [NT052] = { "NT052", "nt052", "info", "opposite edges do not fit together",
-        "Found with `--deep`: repeated beside itself, the texture shows a seam. The step across it is larger than "
-        "nearly all steps inside, and the heights at the two edges differ.",
+        "Found with `--deep`: repeated beside itself, the texture shows a seam. In most "
+        "lines the step across it is the largest of all, and the heights at the two edges differ.",
         "Nothing, unless it is meant to tile. It may have been cut, or resized without wrapping around." },
 };
 /* clang-format on */

@@ -132,6 +132,7 @@ def test_against_a_model():
     assert across["lean"] == pytest.approx(full.mean() / 97)
     assert across["jump"] == pytest.approx(jump.mean() / steps.mean())
     assert across["closure"] == pytest.approx(np.sqrt((full.var() - noise) / (signal - noise / 6)))
+    assert across["largest"] == pytest.approx((steps > jump[:, None]).max(1).__invert__().mean())
     assert across["rank"] == pytest.approx((steps > jump[:, None]).mean(), abs=1e-3)
 
 

@@ -1203,9 +1203,10 @@ typedef struct ntp_seam {
     /* By how much heights differ between the ends of a line, over how much they vary along it;
      * rounding, and what all lines have in common, are taken out. */
     double closure;
-    double jump; /* the step across the seam over the mean step inside */
-    double rank; /* share of the steps inside that are larger */
-    double lean; /* mean of x/z (y/z) along the lines: a slope */
+    double jump;    /* the step across the seam over the mean step inside */
+    double rank;    /* share of the steps inside that are larger */
+    double largest; /* share of lines in which no step inside is larger */
+    double lean;    /* mean of x/z (y/z) along the lines: a slope */
 } ntp_seam;
 
 /*

@@ -23,8 +23,9 @@ static const double MOST_CLOSURE = 0.2;
 static const double MOST_CLOSURE_TIMES_JUMP = 0.4;
 /* Or: at least this share of the steps inside is as large. */
 static const double LEAST_RANK = 0.2;
-/* Certainly a seam: the step is so large, and next to none inside is as large. */
-static const double SEAM_JUMP = 3, SEAM_RANK = 0.02, SEAM_CLOSURE = 0.3;
+/* Certainly a seam: the step is large, and in most lines the largest of all.  (An edge of bricks or
+ * planks along the border of the picture is large too, but so are the others.) */
+static const double SEAM_JUMP = 3, SEAM_LARGEST = 0.6, SEAM_CLOSURE = 0.3;
 /* Heights that vary less than rounding makes them say nothing: in variances. */
 static const double LEAST_SIGNAL = 4;
 /* Slopes above it count as this: so steep a texel says little. */
@@ -37,6 +38,7 @@ typedef struct axis_sums {
     double noise;         /* expected variance of a line's sum */
     double jump, inside;  /* step at the seam; mean of the steps inside */
     double rank;          /* share of steps inside that are larger */
+    int32_t largest;      /* lines in which none is */
     int32_t lines, asked; /* used; looked at */
 } axis_sums;
 
@@ -121,6 +123,7 @@ static void add_line(axis_sums *s, line *l, const ntp_const_image *src, uint32_t
     s->jump += jump;
     s->inside += inside / (w - 1);
     s->rank += larger / (w - 1);
+    s->largest += larger < 1;
     s->lines++;
 }
 
@@ -137,6 +140,7 @@ static void judge(ntp_seam *seam, const axis_sums *s, const ntp_const_image *src
     seam->lean = mean / src->width;
     seam->jump = s->jump / s->inside;
     seam->rank = s->rank / n;
+    seam->largest = s->largest / n;
     if (signal < LEAST_SIGNAL * walk)
         return;
     seam->closure = closing > 0 ? sqrt(closing / (signal - walk)) : 0;
@@ -144,7 +148,8 @@ static void judge(ntp_seam *seam, const axis_sums *s, const ntp_const_image *src
     if (closes &&
         (seam->closure * seam->jump <= MOST_CLOSURE_TIMES_JUMP || seam->rank >= LEAST_RANK))
         seam->tiling = NTP_TILING_TILES;
-    else if (seam->closure >= SEAM_CLOSURE && seam->jump >= SEAM_JUMP && seam->rank <= SEAM_RANK)
+    else if (seam->closure >= SEAM_CLOSURE && seam->jump >= SEAM_JUMP &&
+             seam->largest >= SEAM_LARGEST)
         seam->tiling = NTP_TILING_SEAM;
     /* Half a level is what encoders that cut off fractions add. */
     seam->wraps = seam->tiling == NTP_TILING_TILES && size(seam->lean) <= 1.5 / ntp__max(src->type);
