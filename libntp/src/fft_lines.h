@@ -181,9 +181,11 @@ static void NAME(scatter)(const ntp__fft *fft, float *const rows[CELL], const RE
         size_t count = n - i < TILE ? n - i : TILE;
         for (size_t j = 0; j < count; j++) {
             const REAL *cell = z + CELL * NAME(place)(fft, i + j);
-            size_t swap = turned ? LANES : 0;
-            memcpy(tile[j], cell + swap, LANES * sizeof *cell);
-            memcpy(tile[j] + LANES, cell + LANES - swap, LANES * sizeof *cell);
+            EACH_LANE
+            {
+                tile[j][l] = turned ? cell[l + LANES] : cell[l];
+                tile[j][l + LANES] = turned ? cell[l] : cell[l + LANES];
+            }
         }
         NAME(tile_to_rows)(rows, i, (const REAL(*)[CELL]) tile, count);
     }
