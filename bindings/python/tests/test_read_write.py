@@ -1,0 +1,156 @@
+# SPDX-License-Identifier: MIT
+"""Image files: sample for sample both ways, and what is refused."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as hnp
+
+import normaltexture as nt
+from drawn import layouts
+from pngs import png_bytes
+
+SHAPES = [(5, 7), (5, 7, 2), (5, 7, 3), (5, 7, 4), (1, 1, 3)]
+
+
+def image_of(dtype, shape):
+    rng = np.random.default_rng(len(shape))
+    if dtype == np.float32:
+        return rng.standard_normal(shape).astype(dtype)
+    return rng.integers(0, np.iinfo(dtype).max + 1, shape).astype(dtype)
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+@pytest.mark.parametrize("dtype", [np.uint8, np.uint16])
+def test_png_is_exact(dtype, shape, tmp_path):
+    image = image_of(dtype, shape)
+    for level in (None, 0, 9):
+        nt.write(tmp_path / "a.png", image, level=level)
+        got, info = nt.read(tmp_path / "a.png", return_info=True)
+        assert got.dtype == dtype and np.array_equal(got, image)
+        assert (info.width, info.height) == shape[1::-1]
+        assert info.channels == (shape[2] if len(shape) == 3 else 1)
+        assert info.bit_depth == 8 * image.itemsize
+    for kind, array in layouts(image):
+        nt.write(tmp_path / "b.png", array)
+        assert np.array_equal(nt.read(tmp_path / "b.png"), image), kind
+
+
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(
+    hnp.arrays(
+        st.sampled_from([np.dtype(np.uint8), np.dtype(np.uint16)]),
+        st.tuples(st.integers(1, 5), st.integers(1, 5), st.integers(1, 4)),
+    )
+)
+def test_against_a_png_made_in_python(tmp_path, image):
+    data = png_bytes(image, 8 * image.itemsize)
+    got = nt.read(data)
+    assert np.array_equal(got.reshape(image.shape), image)
+    (tmp_path / "c.png").write_bytes(data)
+    assert np.array_equal(nt.read(str(tmp_path / "c.png")), got)
+    assert nt.read_info(memoryview(data)) == nt.read(data, return_info=True)[1]
+
+
+@pytest.mark.parametrize("shape", [(4, 3), (4, 3, 3), (4, 3, 4)])
+def test_tga(shape, tmp_path):
+    image = image_of(np.uint8, shape)
+    nt.write(tmp_path / "a.tga", image)
+    got, info = nt.read(tmp_path / "a.tga", return_info=True)
+    assert np.array_equal(got, image) and info.format == "tga"
+
+
+@pytest.mark.parametrize("shape", [(4, 3), (4, 3, 3)])
+def test_pfm(shape, tmp_path):
+    image = image_of(np.float32, shape)
+    image.flat[0], image.flat[1] = math.nan, math.inf
+    nt.write(tmp_path / "a.pfm", image)
+    got, info = nt.read(tmp_path / "a.pfm", return_info=True)
+    assert got.tobytes() == image.tobytes() and info.format == "pfm"
+
+
+def test_texts(tmp_path):
+    texts = {"Title": "Wand", "Comment": "r\u00f6ad \u2014 \u6cd5\u7dda"}
+    nt.write(tmp_path / "a.png", np.zeros((2, 2, 3), np.uint8), texts=texts)
+    assert nt.read(tmp_path / "a.png", return_info=True)[1].texts == texts
+    for key in ("", "x" * 80, "\u6cd5"):
+        with pytest.raises(nt.ArgumentError, match="texts: the key"):
+            nt.write(tmp_path / "b.png", np.zeros((2, 2, 3), np.uint8), texts={key: "v"})
+
+
+def test_info(test_files):
+    jpeg = nt.read_info(test_files / "jpeg.jpg")
+    assert jpeg.lossy and jpeg.format == "jpeg" and 1 <= jpeg.jpeg_quality <= 100
+    assert nt.read_info(test_files / "standard_palette.png").palette
+    assert nt.read_info(test_files / "standard_interlaced.png").interlaced
+    assert nt.read_info(test_files / "gamma.png").to_dict()["format"] == "png"
+
+
+@pytest.mark.parametrize(
+    ("name", "status"),
+    [
+        ("broken_truncated.png", nt.FileStatus.CORRUPT),
+        ("broken_crc.png", nt.FileStatus.CORRUPT),
+        ("broken_text.png", nt.FileStatus.FORMAT),
+        ("broken_empty.png", nt.FileStatus.CORRUPT),
+        ("broken_huge.png", nt.FileStatus.LIMIT),
+    ],
+)
+def test_broken_files(test_files, name, status):
+    for file in (test_files / name, (test_files / name).read_bytes()):
+        with pytest.raises(nt.FileError) as raised:
+            nt.read(file)
+        assert raised.value.status == status
+        assert isinstance(raised.value, OSError)
+        assert ("<bytes>" if isinstance(file, bytes) else name) in str(raised.value)
+
+
+def test_limits(test_files):
+    with pytest.raises(nt.FileError) as raised:
+        nt.read(test_files / "standard.png", max_side=95)
+    assert raised.value.status == nt.FileStatus.LIMIT
+    with pytest.raises(nt.FileError):
+        nt.read(test_files / "standard.png", max_texels=96 * 64 - 1)
+    assert nt.read(test_files / "standard.png", max_side=96, max_texels=96 * 64).shape[1] == 96
+
+
+def test_refusals(tmp_path):
+    image = np.zeros((2, 2, 3), np.uint8)
+    with pytest.raises(FileNotFoundError):
+        nt.read(tmp_path / "none.png")
+    with pytest.raises(nt.FileError):
+        nt.read(tmp_path)
+    with pytest.raises(nt.ArgumentError, match=r"\.png, \.tga or \.pfm"):
+        nt.write(tmp_path / "a.bmp", image)
+    with pytest.raises(nt.ArgumentError, match="level=10"):
+        nt.write(tmp_path / "a.png", image, level=10)
+    with pytest.raises(nt.ArgumentError, match="1 to 4 channels"):
+        nt.write(tmp_path / "a.png", np.zeros((2, 2, 5), np.uint8))
+    with pytest.raises(nt.SampleTypeError, match="image: samples"):
+        nt.write(tmp_path / "a.png", np.zeros((2, 2, 3)))
+    for name, wrong in (
+        ("a.png", np.zeros((2, 2), np.float32)),
+        ("a.pfm", image),
+        ("a.tga", np.zeros((2, 2, 3), np.uint16)),
+    ):
+        with pytest.raises(nt.FileError) as raised:
+            nt.write(tmp_path / name, wrong)
+        assert raised.value.status == nt.FileStatus.USAGE
+    with pytest.raises(nt.FileError) as raised:
+        nt.write(tmp_path / "missing" / "a.png", image)
+    assert raised.value.status == nt.FileStatus.WRITE
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_an_older_file_stays_until_the_new_one_is_complete(tmp_path):
+    path = tmp_path / "a.png"
+    nt.write(path, np.zeros((2, 2, 3), np.uint8))
+    before = path.read_bytes()
+    with pytest.raises(nt.FileError):
+        nt.write(path, np.zeros((2, 2), np.float32))
+    assert path.read_bytes() == before
+    nt.write(path, np.ones((2, 2, 3), np.uint8))
+    assert nt.read(path).all()
