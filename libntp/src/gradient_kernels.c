@@ -240,9 +240,9 @@ static void pack_rgb8(uint8_t *dst, const int32_t *red, const int32_t *green, co
         memcpy(dst + 3 * i, &word, sizeof word);
     }
     for (; i < n; i++) {
-        dst[3 * i] = (uint8_t) packed[i];
-        dst[3 * i + 1] = (uint8_t) (packed[i] >> 8);
-        dst[3 * i + 2] = (uint8_t) (packed[i] >> 16);
+        dst[3 * i] = (uint8_t) red[i];
+        dst[3 * i + 1] = (uint8_t) green[i];
+        dst[3 * i + 2] = (uint8_t) blue[i];
     }
 }
 
