@@ -103,14 +103,14 @@ def masks(shape, rng):
 @pytest.mark.parametrize(
     ("kernel", "border"),
     [
-        *itertools.product(["forward", "central", model.BAKED], range(5)),
-        ("sobel3", 0),
-        ("gimp5", 0),
+        *itertools.product(["central"], range(5)),
+        *itertools.product(["forward", "sobel3", model.BAKED], [WRAP, EXTRAPOLATE]),
+        ("gimp5", WRAP),
     ],
 )
 def test_holes(kernel, border):
     rng = np.random.default_rng([KERNELS.index(kernel), border])
-    shape = (13, 12)
+    shape = (11, 12)
     n = random_vectors(rng, shape, 0.7)
     p, q = slopes(n, ntp.VECTOR)
     for name, holes in masks(shape, rng).items():

@@ -34,6 +34,7 @@ typedef struct ntp__kept {
 typedef struct ntp__weighted_part {
     ntp__kept weighted, stored;
     double *spare[NTP__SPARE];
+    int32_t flows_of;  /* the row of pairs whose flows lie in the last of them */
     float *row;        /* stands for rows below the last one */
     double *nothing;   /* a row of zeros */
     float *no_weights; /* the same */

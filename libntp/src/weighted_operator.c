@@ -10,6 +10,8 @@
 
 #include <string.h>
 
+enum { NO_FLOWS = -2 };
+
 /* ------------------------------------------------------------------------ rows of slopes */
 
 /* The place of row y; *found: it was there. */
@@ -130,58 +132,103 @@ static void neighborhood(float weight[4], double slope[4], const float *weights,
     }
 }
 
-static void add_pairs_of_row(const ntp__weighted *w, ntp__weighted_part *part, double *out,
-                             int32_t y)
+/* Of pairs h[i], next[i]: weight times difference.  Without branches, as most of the time goes here. */
+static void multiply_pairs(const ntp__weighted *w, double *restrict flow,
+                           const float *const near[4], const double *restrict h,
+                           const double *restrict next, int32_t n)
 {
-    int32_t n = w->width;
-    bool wrap = w->how->border_x == NTP_BORDER_WRAP;
-    const float *weights = w->right + ntp__weighted_at(w, y);
-    const double *h = w->from + ntp__weighted_at(w, y), *slopes = NULL;
-    if (w->residual)
-        slopes = part->stored.right[stored_row(w, part, y)];
-    for (int32_t x = 0; n > 1 && x < (wrap ? n : n - 1); x++) {
-        int32_t next = x + 1 < n ? x + 1 : 0;
-        float weight[4];
-        double slope[4];
-        neighborhood(weight, slope, weights, slopes, x, n, wrap);
-        double data = w->residual ? pair_data(w, weight, slope) : 0;
-        double flow = pair_weight(w, weight[0], weight[1], weight[2], weight[3]) *
-                      (w->residual ? data - (h[next] - h[x]) : h[next] - h[x]);
-        out[next] += flow;
-        out[x] -= flow;
+    double strength = w->strength, alone = w->strength_alone;
+    const float *before = near[0], *a = near[1], *b = near[2], *after = near[3];
+    for (int32_t i = 0; i < n; i++) {
+        float ma = magnitude(a[i]), mb = magnitude(b[i]), least = ma < mb ? ma : mb;
+        int counted = (before[i] > 0) | (a[i] > 0) | (b[i] > 0) | (after[i] > 0);
+        flow[i] = (double) least * (counted ? strength : alone) * (next[i] - h[i]);
     }
 }
 
-/* out += sign * the flows through the pairs of rows y and y + 1. */
-static void add_pairs_below(const ntp__weighted *w, ntp__weighted_part *part, double *out,
-                            int32_t y, double sign)
+static double flow_at(const ntp__weighted *w, const float *weights, const double *slopes,
+                      const double *h, int32_t x, bool wrap)
 {
-    const float *weights[4];
+    float weight[4];
+    double slope[4];
+    neighborhood(weight, slope, weights, slopes, x, w->width, wrap);
+    double difference = h[x + 1 < w->width ? x + 1 : 0] - h[x];
+    if (w->residual)
+        difference = pair_data(w, weight, slope) - difference;
+    return pair_weight(w, weight[0], weight[1], weight[2], weight[3]) * difference;
+}
+
+static void add_pairs_of_row(const ntp__weighted *w, ntp__weighted_part *part, double *out,
+                             int32_t y)
+{
+    int32_t n = w->width, inner = w->residual || n < 4 ? 0 : n - 3;
+    bool wrap = w->how->border_x == NTP_BORDER_WRAP;
+    const float *weights = w->right + ntp__weighted_at(w, y);
+    const double *h = w->from + ntp__weighted_at(w, y), *slopes = NULL;
+    double *flow = part->spare[1];
+    if (n == 1)
+        return;
+    if (w->residual)
+        slopes = part->stored.right[stored_row(w, part, y)];
+    if (inner > 0) {
+        const float *near[4] = { weights, weights + 1, weights + 2, weights + 3 };
+        multiply_pairs(w, flow + 1, near, h + 1, h + 2, inner);
+    }
+    for (int32_t x = 0; x < n; x++) {
+        if (inner > 0 && x == 1)
+            x += inner;
+        flow[x] = x < n - 1 || wrap ? flow_at(w, weights, slopes, h, x, wrap) : 0;
+    }
+    for (int32_t x = 0; x < n; x++)
+        out[x] -= flow[x];
+    for (int32_t x = 1; x < n; x++)
+        out[x] += flow[x - 1];
+    out[0] += flow[n - 1];
+}
+
+/* Flows through the pairs of rows y and y + 1. */
+static void make_flows_below(const ntp__weighted *w, ntp__weighted_part *part, int32_t y)
+{
+    const float *near[4];
     const double *slopes[4];
     int32_t n = w->height;
     bool wrap = w->how->border_y == NTP_BORDER_WRAP;
-    if (n < 2 || (!wrap && (y < 0 || y + 1 >= n)))
-        return;
     for (int32_t i = 0; i < 4; i++) {
         int32_t at = y - 1 + i;
         bool inside = wrap || (at >= 0 && at < n);
         at = (at + n) % n;
-        weights[i] = inside ? w->down + ntp__weighted_at(w, at) : part->no_weights;
+        near[i] = inside ? w->down + ntp__weighted_at(w, at) : part->no_weights;
         slopes[i] = part->nothing;
         if (w->residual && inside)
             slopes[i] = part->stored.down[stored_row(w, part, at)];
     }
     const double *h = w->from + ntp__weighted_at(w, (y + n) % n);
     const double *next = w->from + ntp__weighted_at(w, (y + 1) % n);
-    for (int32_t x = 0; x < w->width; x++) {
-        float weight[4] = { weights[0][x], weights[1][x], weights[2][x], weights[3][x] };
-        double flow = next[x] - h[x];
-        if (w->residual) {
-            double slope[4] = { slopes[0][x], slopes[1][x], slopes[2][x], slopes[3][x] };
-            flow = pair_data(w, weight, slope) - flow;
-        }
-        out[x] += sign * pair_weight(w, weight[0], weight[1], weight[2], weight[3]) * flow;
+    double *flow = part->spare[2];
+    if (!w->residual) {
+        multiply_pairs(w, flow, near, h, next, w->width);
+        return;
     }
+    for (int32_t x = 0; x < w->width; x++) {
+        float weight[4] = { near[0][x], near[1][x], near[2][x], near[3][x] };
+        double slope[4] = { slopes[0][x], slopes[1][x], slopes[2][x], slopes[3][x] };
+        flow[x] = pair_weight(w, weight[0], weight[1], weight[2], weight[3]) *
+                  (pair_data(w, weight, slope) - (next[x] - h[x]));
+    }
+}
+
+/* out += sign * the flows through the pairs of rows y and y + 1, which are kept for the next row. */
+static void add_pairs_below(const ntp__weighted *w, ntp__weighted_part *part, double *out,
+                            int32_t y, double sign)
+{
+    bool wrap = w->how->border_y == NTP_BORDER_WRAP;
+    if (w->height < 2 || (!wrap && (y < 0 || y + 1 >= w->height)))
+        return;
+    if (part->flows_of != y)
+        make_flows_below(w, part, y);
+    part->flows_of = y;
+    for (int32_t x = 0; x < w->width; x++)
+        out[x] += sign * part->spare[2][x];
 }
 
 /* --------------------------------------------------------------------------- the passes */
@@ -212,6 +259,7 @@ static void apply_band(void *job, int32_t part, int32_t item)
     ntp__weighted *w = job;
     forget(&w->parts[part].weighted);
     forget(&w->parts[part].stored);
+    w->parts[part].flows_of = NO_FLOWS;
     for (int32_t y = item * NTP__BAND; y < w->height && y < (item + 1) * NTP__BAND; y++)
         apply_row(w, &w->parts[part], y);
 }
