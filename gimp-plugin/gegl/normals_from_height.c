@@ -190,14 +190,14 @@ typedef struct span {
 } span;
 
 /*
- * The texels that those of a span are made of.  Twice the reach of the kernel: near an edge the
- * border repeat-slope moves the whole stencil inwards.  With a wrapping border the span may begin
- * before the edge and end beyond it, else it ends there.
+ * The texels that those of a span are made of.  With a wrapping border the span may begin before the
+ * edge and end beyond it, else it ends there.  The reach is such that borders act on this part as
+ * they do on the whole.
  */
 static span spread(span at, span edges, gint reach, gboolean wrap)
 {
-    gint64 start = (gint64) at.start - 2 * reach;
-    gint64 end = (gint64) at.start + at.size + 2 * reach;
+    gint64 start = (gint64) at.start - reach;
+    gint64 end = (gint64) at.start + at.size + reach;
     if (!wrap) {
         start = MAX(start, edges.start);
         end = MIN(end, (gint64) edges.start + edges.size);
@@ -326,7 +326,7 @@ static gboolean process(GeglOperation *operation, GeglBuffer *input, GeglBuffer 
     (void) level; /* everything is made at full size */
     if (j.edges == NULL || gegl_rectangle_is_empty(j.edges))
         return TRUE;
-    const gsize margin = 4 * (gsize) ntp_gradient_reach(&j.how);
+    const gsize margin = 2 * (gsize) ntp_gradient_reach(&j.how);
     const gsize most = (BLOCK_WIDTH + margin) * (BLOCK_HEIGHT + margin);
     j.heights = g_malloc(most * (gsize) j.in.bytes);
     j.normals = g_malloc(most * (gsize) j.out.bytes);
