@@ -540,8 +540,8 @@ def test_arguments():
     wrong = [
         ({"method": FRANKOT_CHELLAPPA, "border_x": CLAMP}, ntp.ERR_ARGUMENT),
         ({"method": POISSON_DCT}, ntp.ERR_ARGUMENT),
-        ({"kernel": "sobel3"}, ntp.ERR_FORMAT),
-        ({"border_x": MIRROR}, ntp.ERR_FORMAT),
+        ({"kernel": 11}, ntp.ERR_ARGUMENT),
+        ({"kernel": "sobel3", "method": TELESCOPING}, ntp.ERR_FORMAT),
         ({"border_y": REPEAT_SLOPE}, ntp.ERR_FORMAT),
         ({"use_seeds": 1}, ntp.ERR_ARGUMENT),
         ({"use_seeds": 1, "method": TELESCOPING, "seeds": [np.nan, 0, 0, 0]}, ntp.ERR_ARGUMENT),
