@@ -12,6 +12,8 @@ from pathlib import Path
 
 WARNINGS = ["-Wall", "-Wextra", "-pedantic", "-Werror", "-Wshadow", "-Wconversion"]
 WARNINGS += ["-Wundef", "-Wcast-qual"]
+# Parts of one source each, in its words and types: they mean nothing by themselves.
+PARTS = {"clean8.h", "clean16.h", "fft_butterflies.h", "fft_lines.h", "row_loops.h"}
 LANGUAGES = {"c": ["c99", "c11", "c17"], "c++": ["c++98", "c++17"]}
 
 
@@ -41,7 +43,8 @@ def main(root, *compiler):
             good &= compiles(cc, language, std, "libntp.h", core[:1])
             good &= compiles(cc, language, std, "libntp.h", core[:1], ["NTP_STATIC"])
     for folder, directories in (("libntp/src", core), ("io", [*core, root / "io"])):
-        for header in sorted((root / folder).glob("*.h")):
+        headers = {path.name: path for path in (root / folder).glob("*.h")}
+        for header in (headers[name] for name in sorted(headers.keys() - PARTS)):
             good &= compiles(list(compiler), "c", "c11", header.name, directories, ["_GNU_SOURCE"])
     return 0 if good else 1
 

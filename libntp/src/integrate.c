@@ -419,7 +419,7 @@ size_t ntp__stream_scratch(const ntp_const_image *form, const ntp_height_options
     if (ntp__problem_init(&p, how, form->width, form->height, form->type) != NTP_OK || p.filter ||
         how->method == NTP_HEIGHT_TELESCOPING)
         return 0;
-    size_t rows = (size_t) (parts * RUN * ROWS);
+    size_t rows = (size_t) parts * RUN * ROWS;
     return scratch_bytes(&p, parts) + ntp__aligned(rows * (size_t) form->width * sizeof(float)) +
            ntp__aligned((size_t) window_rows(&p, parts) * sample_row(form));
 }

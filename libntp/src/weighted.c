@@ -184,11 +184,15 @@ typedef struct progress {
 /* log2, roughly */
 static double magnitude_of(double v)
 {
-    double sum = 0;
-    for (; v > 1; v /= 2)
+    int32_t sum = 0;
+    while (v > 1) {
+        v /= 2;
         sum++;
-    for (; v > 0 && v < 1; v *= 2)
+    }
+    while (v > 0 && v < 1) {
+        v *= 2;
         sum--;
+    }
     return sum;
 }
 
