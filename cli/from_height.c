@@ -18,7 +18,7 @@
 
 enum {
     MAX_OCTAVES = 8, /* the last is blurred by NTP_MAX_SIGMA */
-    FULL = 4,        /* channels of the rows made: x, y, z, alpha or height */
+    FULL = 4,        /* channels of the rows made: x, y, z, alpha or height; plain RGB: 3 */
     ALPHA = 3,
     CHUNK = 64 /* rows made at once */
 };
@@ -305,12 +305,14 @@ static bool begin(production *p, ntpio_write_options *shape, ntpio_error *error)
     st->heights.row_stride = (ptrdiff_t) row;
     st->heights.ring_rows = rows;
 
-    const size_t made_row = (size_t) view->width * FULL * sample_size(type);
+    const bool plain = st->out_channels == 3 && set->out_count == 0 && set->ao_file == NULL;
+    const int32_t channels = plain ? 3 : FULL;
+    const size_t made_row = (size_t) view->width * (size_t) channels * sample_size(type);
     const size_t errors = (size_t) view->width * sizeof(double);
     unsigned char *memory = buffer_reserve(&p->w->extra2, errors + made_row * CHUNK);
     if (set->dither)
         st->errors = memset(memory, 0, errors);
-    st->made = ntp_image_packed(memory + errors, view->width, view->height, FULL, type);
+    st->made = ntp_image_packed(memory + errors, view->width, view->height, channels, type);
     st->made.ring_rows = CHUNK;
     st->made.encoding = set->to;
     st->made.y = set->to_y;
@@ -370,8 +372,12 @@ static bool make_rows(production *p, const ntp_image *heights, int32_t end, ntpi
                 : ntp_normals_from_height(&st->made, &seen, &how, &st->counts, &area);
         if (status != NTP_OK)
             return library_error(&p->s, status, error);
-        void *out = buffer_reserve(&p->w->diff, st->out_row * CHUNK);
-        lay_out(st, set, out, area.y0, area.y1);
+        unsigned char *out = (unsigned char *) st->made.data +
+                             (size_t) (area.y0 % CHUNK) * (size_t) st->made.row_stride;
+        if (st->made.channels == FULL) {
+            out = buffer_reserve(&p->w->diff, st->out_row * CHUNK);
+            lay_out(st, set, out, area.y0, area.y1);
+        }
         if (!production_write(p, out, (ptrdiff_t) st->out_row, &area, error))
             return false;
         st->done = area.y1;
@@ -506,7 +512,8 @@ static void describe(const production *p, text *line, json_t *object)
     json_object_set_new(object, "channels", json_integer(st->out_channels));
     json_object_set_new(object, "not_finite", json_count(st->counts.not_finite));
     json_object_set_new(object, "exact", json_count(st->counts.exact));
-    json_object_set_new(object, "texels", json_count(p->f.stats.texels));
+    json_object_set_new(object, "texels",
+                        json_count((uint64_t) st->made.width * (uint64_t) st->made.height));
 }
 
 int from_height_run(const options *o)
@@ -519,6 +526,7 @@ int from_height_run(const options *o)
     const maker m = { .o = o,
                       .forced = NTP_CLASS_HEIGHT,
                       .any_class = true,
+                      .asks_nothing = true,
                       .state_size = sizeof(state),
                       .settings = &set,
                       .begin = begin,

@@ -105,8 +105,9 @@ static pass_end run_pass(production *p, bool writes, ntpio_error *error)
     ntp_rect area;
     int more;
     while ((more = source_next(&p->s, &area, error)) > 0) {
-        const ntp_status status =
-            p->known ? NTP_OK : ntp_measure(p->w->tally, &view, p->touch, &area);
+        const ntp_rect seen = { area.x0, area.y0, area.x1, p->m->asks_nothing ? 1 : area.y1 };
+        const bool skip = p->known || seen.y0 >= seen.y1;
+        const ntp_status status = skip ? NTP_OK : ntp_measure(p->w->tally, &view, p->touch, &seen);
         if (status != NTP_OK)
             library_error(&p->s, status, error);
         if (status != NTP_OK || !p->m->rows(p, &area, error))

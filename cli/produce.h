@@ -39,6 +39,7 @@ struct maker {
     int forced;     /* class from --type, or -1 */
     bool any_class; /* the verb does not mind what the texels are, where the file is named */
     bool any_order; /* the verb does the same to x and y, so that it may not know which is which */
+    bool asks_nothing;  /* with a forced class: the facts may be those of the first row */
     bool measure_first; /* the rows need the facts */
     bool only_changed;  /* outputs without a change are not written */
     bool dry_run;
