@@ -97,7 +97,11 @@ def main():
     # As most textures come: libpng's own defaults, which is what Pillow asks for.
     Image.fromarray(image).save(folder / "rock_n.png")
     write(folder / "rock16_n.png", normals(height, 65535))
-    del height
+    unit = (height - height.min()) / np.ptp(height)
+    for depth, kind in ((8, np.uint8), (16, np.uint16)):
+        levels = (unit * (2**depth - 1) + 0.5).astype(kind)
+        Image.fromarray(levels).save(folder / f"height{depth}.png")
+    del height, unit
     write(folder / "rock_sub_n.png", image)
     Image.fromarray(image[:256, :256]).save(folder / "small_n.png")
     (folder / "many").mkdir(exist_ok=True)

@@ -65,6 +65,18 @@ class Report:
         a_ms, b_ms = (1000 * statistics.median(column) for column in zip(*times, strict=True))
         self.row(name, f"{a_ms:.1f} ms", f"{b_ms:.1f} ms", ratio, goal)
 
+    def compare_sum(self, name, a, b, goal, pairs):
+        """The same where B is what several commands take, some of them to be taken away."""
+        if not self.wanted(name):
+            return
+        times = []
+        for _ in range(pairs):
+            other = sum(sign * spent(command)[0] for sign, command in b)
+            times.append((spent(a)[0], other))
+        ratio = statistics.median(x / y for x, y in times)
+        a_ms, b_ms = (1000 * statistics.median(column) for column in zip(*times, strict=True))
+        self.row(name, f"{a_ms:.1f} ms", f"{b_ms:.1f} ms", ratio, goal)
+
     def memory(self, name, command, limit):
         if self.wanted(name):
             peak = spent(command)[1]
@@ -105,6 +117,13 @@ def end_to_end(report, tool, src, out, pairs):
         report.compare(f"check {label} / libpng decode", a, [decode, src / name], 1.15, pairs)
     b = [copy, src / "small_n.png", out / "b.png"]
     report.compare("clean 256 x 256 / libpng copy", clean("small_n.png"), b, 1.3, 5 * pairs)
+    for depth in (8, 16):
+        height, normals = src / f"height{depth}.png", out / "n.png"
+        a = [ntp, "from-height", "-q", height, "-o", normals, "--scale", "9", "--depth", "8"]
+        spent(a)
+        # Reading the heights and writing the normals: copying those less reading them.
+        b = [(1, [decode, height]), (1, [copy, normals, out / "b.png"]), (-1, [decode, normals])]
+        report.compare_sum(f"from-height {depth} bit / libpng", a, b, 1.1, pairs)
     many = [ntp, "clean", "-q", "-r", src / "many", "-o", out / "many", "--jobs"]
     report.compare("clean 8 files, 2 jobs / 1 job", [*many, "2"], [*many, "1"], 0.56, pairs)
     report.memory("clean RGB8 4096 x 4096, peak / limit", clean("rock_n.png"), 64 * MIB)
