@@ -223,6 +223,7 @@ def _texts(texts: dict[str, str] | None, alive: list[Any]) -> Any:
         array[i].key, array[i].value = held
         array[i].language = array[i].translated_key = empty
         array[i].itxt = True
+    alive.append(array)
     return array
 
 
