@@ -12,6 +12,7 @@
 #include <string.h>
 #include <strings.h>
 
+#include "parallel.h"
 #include "planes.h"
 #include "produce.h"
 #include "report.h"
@@ -20,7 +21,8 @@ enum {
     MAX_OCTAVES = 8, /* the last is blurred by NTP_MAX_SIGMA */
     FULL = 4,        /* channels of the rows made: x, y, z, alpha or height; plain RGB: 3 */
     ALPHA = 3,
-    CHUNK = 64 /* rows made at once */
+    CHUNK = 64,       /* rows made at once */
+    RING = 2 * CHUNK, /* rows that are being made or written */
 };
 
 typedef struct settings {
@@ -309,11 +311,11 @@ static bool begin(production *p, ntpio_write_options *shape, ntpio_error *error)
     const int32_t channels = plain ? 3 : FULL;
     const size_t made_row = (size_t) view->width * (size_t) channels * sample_size(type);
     const size_t errors = (size_t) view->width * sizeof(double);
-    unsigned char *memory = buffer_reserve(&p->w->extra2, errors + made_row * CHUNK);
+    unsigned char *memory = buffer_reserve(&p->w->extra2, errors + made_row * RING);
     if (set->dither)
         st->errors = memset(memory, 0, errors);
     st->made = ntp_image_packed(memory + errors, view->width, view->height, channels, type);
-    st->made.ring_rows = CHUNK;
+    st->made.ring_rows = RING;
     st->made.encoding = set->to;
     st->made.y = set->to_y;
     shape->channels = st->out_channels;
@@ -325,7 +327,7 @@ static bool begin(production *p, ntpio_write_options *shape, ntpio_error *error)
 #define LAY_OUT(TYPE, ONE)                                                                         \
     for (int32_t y = y0; y < y1; y++) {                                                            \
         const size_t at = (size_t) y * (size_t) width;                                             \
-        TYPE *from = (TYPE *) st->made.data + (size_t) (y % CHUNK) * (size_t) width * FULL;        \
+        TYPE *from = (TYPE *) st->made.data + (size_t) (y % RING) * (size_t) width * FULL;         \
         TYPE *to = (TYPE *) out + (size_t) (y - y0) * (size_t) width * (size_t) st->out_channels;  \
         for (int32_t x = 0; x < width; x++, from += FULL, to += st->out_channels) {                \
             if (st->ao != NULL)                                                                    \
@@ -353,36 +355,82 @@ static void lay_out(const state *st, const settings *set, void *out, int32_t y0,
     }
 }
 
-/* Makes and writes the rows up to `end`, which have their neighbors. */
+/* Rows being written, and those that are made meanwhile. */
+typedef struct step {
+    production *p;
+    const ntp_image *heights;
+    ntp_gradient_options how;
+    ntp_rect write, make;
+    ntp_status status; /* of what was made */
+    bool written;
+    ntpio_error *error;
+} step;
+
+static void make_chunk(step *s)
+{
+    state *st = s->p->state;
+    const ntp_const_image seen = ntp_image_as_const(s->heights);
+    if (s->make.y0 == s->make.y1)
+        return;
+    s->status =
+        st->errors != NULL
+            ? ntp_normals_dithered(&st->made, &seen, &s->how, st->errors, &st->counts, &s->make)
+            : ntp_normals_from_height(&st->made, &seen, &s->how, &st->counts, &s->make);
+}
+
+static bool write_chunk(const step *s)
+{
+    const state *st = s->p->state;
+    unsigned char *out = (unsigned char *) st->made.data +
+                         (size_t) (s->write.y0 % RING) * (size_t) st->made.row_stride;
+    if (st->made.channels == FULL) {
+        out = buffer_reserve(&s->p->w->diff, st->out_row * CHUNK);
+        lay_out(st, s->p->m->settings, out, s->write.y0, s->write.y1);
+    }
+    return production_write(s->p, out, (ptrdiff_t) st->out_row, &s->write, s->error);
+}
+
+static void do_half(void *work, int32_t index)
+{
+    step *s = work;
+    if (index == 0)
+        s->written = write_chunk(s);
+    else
+        make_chunk(s);
+}
+
+/* The rows from y on, up to the end of the chunk that they are in. */
+static ntp_rect chunk_from(const state *st, int32_t y, int32_t end)
+{
+    const int32_t full = (y / CHUNK + 1) * CHUNK;
+    return (ntp_rect) { 0, y, st->made.width, full < end ? full : end };
+}
+
+/* Makes and writes the rows up to `end`, which have their neighbors.  Many rows at once, as where
+ * the borders wrap, are made by a second thread while the first one compresses. */
 static bool make_rows(production *p, const ntp_image *heights, int32_t end, ntpio_error *error)
 {
     const settings *set = p->m->settings;
     state *st = p->state;
-    const ntp_const_image seen = ntp_image_as_const(heights);
-    ntp_gradient_options how = set->how;
+    step s = { .p = p, .heights = heights, .how = set->how, .written = true, .error = error };
     if (heights != &st->heights)
-        how.source = NTP_SOURCE_RED;
-    while (st->done < end) {
-        /* a chunk does not pass the end of the ring of rows made */
-        const int32_t full = (st->done / CHUNK + 1) * CHUNK;
-        const ntp_rect area = { 0, st->done, st->made.width, full < end ? full : end };
-        const ntp_status status =
-            st->errors != NULL
-                ? ntp_normals_dithered(&st->made, &seen, &how, st->errors, &st->counts, &area)
-                : ntp_normals_from_height(&st->made, &seen, &how, &st->counts, &area);
-        if (status != NTP_OK)
-            return library_error(&p->s, status, error);
-        unsigned char *out = (unsigned char *) st->made.data +
-                             (size_t) (area.y0 % CHUNK) * (size_t) st->made.row_stride;
-        if (st->made.channels == FULL) {
-            out = buffer_reserve(&p->w->diff, st->out_row * CHUNK);
-            lay_out(st, set, out, area.y0, area.y1);
+        s.how.source = NTP_SOURCE_RED;
+    crew *two = p->w->threads > 1 && end - st->done > RING ? crew_start(2) : NULL;
+    s.make = chunk_from(st, st->done, end);
+    make_chunk(&s);
+    while (st->done < end && s.status == NTP_OK && s.written) {
+        s.write = s.make;
+        s.make = chunk_from(st, s.write.y1, end);
+        if (two != NULL) {
+            crew_run(two, 2, do_half, &s);
+        } else {
+            do_half(&s, 0);
+            do_half(&s, 1);
         }
-        if (!production_write(p, out, (ptrdiff_t) st->out_row, &area, error))
-            return false;
-        st->done = area.y1;
+        st->done = s.write.y1;
     }
-    return true;
+    crew_stop(two);
+    return s.status == NTP_OK ? s.written : library_error(&p->s, s.status, error);
 }
 
 /* The weighted sum of the octaves of the whole heightfield; alpha goes along. */
