@@ -242,19 +242,30 @@ static void settle_exactly(walk *w, strip *s, int32_t x, int32_t y, int32_t i, b
         s->doubt[i] |= NTP__TOO_LONG;
 }
 
-/* Does over the texels in doubt, and pulls pairs that are too long onto the disc. */
-static void settle(walk *w, strip *s, int32_t x, int32_t y, int32_t n)
+static void settle_texel(walk *w, strip *s, int32_t x, int32_t y, int32_t i)
 {
     bool zzero = w->g.dst->encoding == NTP_ZZERO;
-    for (int32_t i = 0; i < n; i++) {
-        if (s->doubt[i] == 0 && !s->moved[i])
-            continue;
-        bool known = w->ints && !s->moved[i];
-        bool certain = (s->doubt[i] & NTP__DOUBT) == 0 && !s->moved[i];
-        if (!certain && !(known && w->single && settle_in_double(w, s, i)))
-            settle_exactly(w, s, x, y, i, known);
-        if (s->doubt[i] & NTP__TOO_LONG)
-            s->out.c[2][i] = ntp__derive(&s->out.c[0][i], &s->out.c[1][i], w->g.m, zzero);
+    bool known = w->ints && !s->moved[i];
+    bool certain = (s->doubt[i] & NTP__DOUBT) == 0 && !s->moved[i];
+    if (!certain && !(known && w->single && settle_in_double(w, s, i)))
+        settle_exactly(w, s, x, y, i, known);
+    if (s->doubt[i] & NTP__TOO_LONG)
+        s->out.c[2][i] = ntp__derive(&s->out.c[0][i], &s->out.c[1][i], w->g.m, zzero);
+}
+
+/* Does over the texels in doubt, and pulls pairs that are too long onto the disc.  They are few,
+ * and most groups hold none. */
+static void settle(walk *w, strip *s, int32_t x, int32_t y, int32_t n)
+{
+    enum { GROUP = 16 };
+    for (int32_t first = 0; first < n; first += GROUP) {
+        int32_t end = n - first < GROUP ? n : first + GROUP, any = 0;
+        for (int32_t i = first; i < end; i++)
+            any |= s->doubt[i] | s->moved[i];
+        for (int32_t i = first; any != 0 && i < end; i++) {
+            if (s->doubt[i] != 0 || s->moved[i])
+                settle_texel(w, s, x, y, i);
+        }
     }
 }
 
