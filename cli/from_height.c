@@ -6,6 +6,8 @@
  * wraps needs the rows of the other end, and a blur rows far away: there the whole heightfield is
  * held.
  */
+#include "from_height.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -14,33 +16,12 @@
 
 #include "parallel.h"
 #include "planes.h"
-#include "produce.h"
 #include "report.h"
 
 enum {
-    MAX_OCTAVES = 8, /* the last is blurred by NTP_MAX_SIGMA */
-    FULL = 4,        /* channels of the rows made: x, y, z, alpha or height; plain RGB: 3 */
-    ALPHA = 3,
     CHUNK = 64,       /* rows made at once */
     RING = 2 * CHUNK, /* rows that are being made or written */
 };
-
-typedef struct settings {
-    ntp_gradient_options how;
-    ntp_encoding to;
-    ntp_y to_y;
-    int depth;         /* bytes of a sample; 0: as the input */
-    int8_t out[FULL];  /* for each channel of the file: 0..3 of the rows made, or FROM_* */
-    int32_t out_count; /* 0: by the encoding and the alpha */
-    double blur;
-    double octave[MAX_OCTAVES]; /* weights */
-    int octaves;                /* 0: no sum of octaves */
-    bool dither;
-    bool alpha_given;
-    const char *alpha_file, *ao_file;
-    const char *alpha_name;
-    ntpio_limits limits;
-} settings;
 
 typedef struct state {
     ntp_gradient_counts counts;
@@ -52,171 +33,6 @@ typedef struct state {
     size_t out_row;                  /* bytes of a row of the file */
     const unsigned char *alpha, *ao; /* whole planes in the depth of the output, or NULL */
 } state;
-
-/* ------------------------------------------------------------------------- options */
-
-static bool wrong(const char *option, const char *value, const char *problem)
-{
-    text shown = { 0 };
-    text_name(&shown, value);
-    complain("--%s %s: %s", option, text_string(&shown), problem);
-    text_free(&shown);
-    return false;
-}
-
-static bool read_channels(settings *set, const char *spec)
-{
-    static const char LETTERS[] = "xyzah01";
-    static const int8_t MEANINGS[] = { 0, 1, 2, ALPHA, ALPHA, FROM_ZERO, FROM_ONE };
-    if (spec == NULL)
-        return true;
-    const size_t length = strlen(spec);
-    if (length < 1 || length > FULL)
-        return wrong("channels", spec, "one letter for each channel, 1 to 4 of them");
-    if (strchr(spec, 'a') != NULL && strchr(spec, 'h') != NULL)
-        return wrong("channels", spec, "a and h do not go together; --alpha says what a is");
-    if (strchr(spec, 'h') != NULL && set->alpha_given)
-        return wrong("channels", spec, "h and --alpha do not go together");
-    for (size_t i = 0; i < length; i++) {
-        const char *letter = strchr(LETTERS, spec[i]);
-        if (letter == NULL)
-            return wrong("channels", spec, "the letters are x y z 0 1 h a");
-        set->out[i] = MEANINGS[letter - LETTERS];
-    }
-    if (strchr(spec, 'h') != NULL)
-        set->how.alpha = NTP_ALPHA_HEIGHT;
-    set->out_count = (int32_t) length;
-    return true;
-}
-
-static bool read_alpha(settings *set, const options *o)
-{
-    const char *word = option_string(o, OPT_ALPHA);
-    static const struct {
-        const char *name;
-        ntp_alpha alpha;
-    } WORDS[] = { { "keep", NTP_ALPHA_KEEP },
-                  { "one", NTP_ALPHA_ONE },
-                  { "inverse", NTP_ALPHA_INVERSE },
-                  { "height", NTP_ALPHA_HEIGHT } };
-    set->alpha_given = option_given(o, OPT_ALPHA);
-    set->alpha_name = word;
-    for (size_t i = 0; i < sizeof WORDS / sizeof WORDS[0]; i++) {
-        if (strcmp(word, WORDS[i].name) == 0) {
-            set->how.alpha = WORDS[i].alpha;
-            return true;
-        }
-    }
-    set->how.alpha = NTP_ALPHA_ONE;
-    set->alpha_file = word;
-    return true;
-}
-
-/* Weights of the heights as they are, blurred by 1, by 2, by 4 texels, ... */
-static bool read_octaves(settings *set, const char *list)
-{
-    const char *at = list;
-    while (list != NULL) {
-        char *end = NULL;
-        const double weight = strtod(at, &end);
-        const size_t length = strspn(at, "0123456789.eE+-");
-        if (length == 0 || end != at + length || !(weight - weight == 0))
-            return wrong("octaves", list, "numbers with commas between them");
-        if (set->octaves == MAX_OCTAVES)
-            return wrong("octaves", list, "at most 8 octaves");
-        set->octave[set->octaves++] = weight;
-        if (*end == 0)
-            return true;
-        if (*end != ',')
-            return wrong("octaves", list, "numbers with commas between them");
-        at = end + 1;
-    }
-    return true;
-}
-
-/* --like NAME:VALUE; options that are given beside it win. */
-static bool read_like(settings *set, const char *like)
-{
-    const char *colon = strrchr(like, ':');
-    char name[40];
-    char *end = NULL;
-    ntp_peer peer;
-    if (colon == NULL || colon == like || (size_t) (colon - like) >= sizeof name)
-        return wrong("like", like, "a name, a colon and a number, such as reference:5");
-    snprintf(name, sizeof name, "%.*s", (int) (colon - like), like);
-    const double value = strtod(colon + 1, &end);
-    if (colon[1] == 0 || *end != 0 || strspn(colon + 1, "0123456789.eE+-") != strlen(colon + 1))
-        return wrong("like", like, "what follows the last colon is no number");
-    if (ntp_gradient_like(&peer, name, value) != NTP_OK)
-        return wrong("like", like,
-                     "the names are reference, eberly, zima, zima-corrected, gegl, and "
-                     "gimp-normalmap:FILTER");
-    set->how = peer.options;
-    set->to_y = peer.y;
-    if (peer.green_is_up) {
-        static const int8_t XZY[] = { 0, 2, 1 };
-        memcpy(set->out, XZY, sizeof XZY);
-        set->out_count = 3;
-    }
-    return true;
-}
-
-static bool read_settings(settings *set, const options *o)
-{
-    const char *like = option_string(o, OPT_LIKE);
-    if (like != NULL && option_given(o, OPT_SCALE)) {
-        complain("--like sets the scale; leave out --scale");
-        return false;
-    }
-    if (like == NULL && !option_given(o, OPT_SCALE)) {
-        complain("--scale is needed: how many texels a height of 1 (white) rises");
-        return false;
-    }
-    if (like != NULL && !read_like(set, like))
-        return false;
-    ntp_gradient_options *how = &set->how;
-    if (like == NULL)
-        how->scale = option_number(o, OPT_SCALE);
-    how->dx = option_number(o, OPT_DX);
-    how->dy = option_number(o, OPT_DY);
-    how->min_z = option_number(o, OPT_MIN_Z);
-    how->invert = option_given(o, OPT_INVERT);
-    how->blue = (ntp_blue) option_integer(o, OPT_BLUE);
-    if (option_given(o, OPT_KERNEL))
-        how->kernel = (ntp_kernel) option_integer(o, OPT_KERNEL);
-    if (option_given(o, OPT_SOURCE))
-        how->source = (ntp_height_source) option_integer(o, OPT_SOURCE);
-    if (option_given(o, OPT_BORDER))
-        how->border_x = how->border_y = (ntp_border) option_integer(o, OPT_BORDER);
-    if (option_given(o, OPT_BORDER_X))
-        how->border_x = (ntp_border) option_integer(o, OPT_BORDER_X);
-    if (option_given(o, OPT_BORDER_Y))
-        how->border_y = (ntp_border) option_integer(o, OPT_BORDER_Y);
-    if (option_given(o, OPT_TO_Y))
-        set->to_y = (ntp_y) option_integer(o, OPT_TO_Y);
-    set->ao_file = option_string(o, OPT_AO);
-    set->blur = option_number(o, OPT_BLUR);
-    set->dither = option_integer(o, OPT_DITHER) == 1;
-    set->limits = limits_from(o);
-    if (!(how->dx > 0) || !(how->dy > 0)) {
-        complain("--dx and --dy are greater than 0");
-        return false;
-    }
-    if (ntp_gradient_reach(how) < 0) {
-        complain("the scale or the spacing is out of range");
-        return false;
-    }
-    if (set->ao_file != NULL && set->to != NTP_XY) {
-        complain("--ao goes into the blue channel that --to xy leaves free");
-        return false;
-    }
-    if (set->dither && set->how.blue == NTP_BLUE_NEAREST) {
-        complain("--dither integrable derives blue; leave out --blue nearest");
-        return false;
-    }
-    return read_octaves(set, option_string(o, OPT_OCTAVES)) && read_alpha(set, o) &&
-           read_channels(set, option_string(o, OPT_CHANNELS));
-}
 
 /* ---------------------------------------------------------------------- other images */
 
@@ -232,7 +48,7 @@ static bool refuse(const char *path, const char *why, ntpio_error *error)
 
 static bool read_planes(production *p, ntpio_error *error)
 {
-    const settings *set = p->m->settings;
+    const from_height_settings *set = p->m->settings;
     state *st = p->state;
     const ntp_type type = st->made.type;
     const size_t plane = (size_t) p->s.info->width * p->s.info->height * sample_size(type);
@@ -258,7 +74,7 @@ static bool read_planes(production *p, ntpio_error *error)
 
 /* ------------------------------------------------------------------------- the rows */
 
-static ntp_type output_type(const production *p, const settings *set)
+static ntp_type output_type(const production *p, const from_height_settings *set)
 {
     const char *output = p->in->output;
     const bool pfm = output != NULL && strcasecmp(name_ending(output), ".pfm") == 0;
@@ -269,7 +85,7 @@ static ntp_type output_type(const production *p, const settings *set)
     return p->s.view.type == NTP_F32 ? NTP_U16 : p->s.view.type;
 }
 
-static int32_t output_channels(const production *p, const settings *set)
+static int32_t output_channels(const production *p, const from_height_settings *set)
 {
     if (set->out_count > 0)
         return set->out_count;
@@ -279,14 +95,14 @@ static int32_t output_channels(const production *p, const settings *set)
 }
 
 /* Are rows needed that come last? */
-static bool needs_all(const settings *set)
+static bool needs_all(const from_height_settings *set)
 {
     return set->how.border_y == NTP_BORDER_WRAP || set->blur > 0 || set->octaves > 0;
 }
 
 static bool begin(production *p, ntpio_write_options *shape, ntpio_error *error)
 {
-    const settings *set = p->m->settings;
+    const from_height_settings *set = p->m->settings;
     state *st = p->state;
     const ntp_image *view = &p->s.view;
     const ntp_type type = output_type(p, set);
@@ -341,7 +157,8 @@ static bool begin(production *p, ntpio_write_options *shape, ntpio_error *error)
         }                                                                                          \
     }
 
-static void lay_out(const state *st, const settings *set, void *out, int32_t y0, int32_t y1)
+static void lay_out(const state *st, const from_height_settings *set, void *out, int32_t y0,
+                    int32_t y1)
 {
     static const int8_t PLAIN[FULL] = { 0, 1, 2, ALPHA };
     const int8_t *map = set->out_count > 0 ? set->out : PLAIN;
@@ -410,7 +227,7 @@ static ntp_rect chunk_from(const state *st, int32_t y, int32_t end)
  * the borders wrap, are made by a second thread while the first one compresses. */
 static bool make_rows(production *p, const ntp_image *heights, int32_t end, ntpio_error *error)
 {
-    const settings *set = p->m->settings;
+    const from_height_settings *set = p->m->settings;
     state *st = p->state;
     step s = { .p = p, .heights = heights, .how = set->how, .written = true, .error = error };
     if (heights != &st->heights)
@@ -434,7 +251,7 @@ static bool make_rows(production *p, const ntp_image *heights, int32_t end, ntpi
 }
 
 /* The weighted sum of the octaves of the whole heightfield; alpha goes along. */
-static ntp_status smooth(const state *st, const settings *set, const ntp_image *out)
+static ntp_status smooth(const state *st, const from_height_settings *set, const ntp_image *out)
 {
     static const double ONE[] = { 1 };
     const double *weights = set->octaves > 0 ? set->octave : ONE;
@@ -474,7 +291,7 @@ static void copy_alpha(const ntp_image *out, const ntp_image *from)
 
 static bool make_smoothed(production *p, ntpio_error *error)
 {
-    const settings *set = p->m->settings;
+    const from_height_settings *set = p->m->settings;
     const state *st = p->state;
     const ntp_image *from = &st->heights;
     const int32_t channels = from->channels % 2 == 0 ? 2 : 1;
@@ -493,7 +310,7 @@ static bool make_smoothed(production *p, ntpio_error *error)
 
 static bool rows(production *p, const ntp_rect *area, ntpio_error *error)
 {
-    const settings *set = p->m->settings;
+    const from_height_settings *set = p->m->settings;
     state *st = p->state;
     const ntp_image *view = &p->s.view;
     for (int32_t y = area->y0; y < area->y1; y++) {
@@ -521,7 +338,7 @@ static const char *const SOURCE_NAMES[] = { "red",  "green",     "blue",        
 
 static void describe(const production *p, text *line, json_t *object)
 {
-    const settings *set = p->m->settings;
+    const from_height_settings *set = p->m->settings;
     const state *st = p->state;
     const ntp_gradient_options *how = &set->how;
     const size_t bits = 8 * sample_size(st->made.type);
@@ -566,10 +383,8 @@ static void describe(const production *p, text *line, json_t *object)
 
 int from_height_run(const options *o)
 {
-    settings set = { .to = (ntp_encoding) option_integer(o, OPT_TO),
-                     .depth =
-                         option_given(o, OPT_DEPTH) ? (int) option_integer(o, OPT_DEPTH) + 1 : 0 };
-    if (!read_settings(&set, o))
+    from_height_settings set = { .out_count = 0 };
+    if (!from_height_read_settings(&set, o))
         return NTP_EXIT_USAGE;
     const maker m = { .o = o,
                       .forced = NTP_CLASS_HEIGHT,
