@@ -1,0 +1,131 @@
+# SPDX-License-Identifier: MIT
+"""The error diffusion that keeps slopes integrable, and the blur that comes before."""
+
+import itertools
+import math
+
+import numpy as np
+import pytest
+
+import libntp_ffi as ntp
+import oracle_height as model
+from from_height import from_height, options
+
+
+def dithered(src, encoding=ntp.STANDARD, y=ntp.UP, dst=np.uint8, parts=(), **how):
+    out = np.zeros((*src.shape[:2], 3), dst)
+    errors = np.zeros(src.shape[1])
+    where = ntp.ffi.cast("double *", errors.__array_interface__["data"][0])
+    counts = ntp.ffi.new("ntp_gradient_counts *")
+    ends = [0, *parts, src.shape[0]]
+    for y0, y1 in itertools.pairwise(ends):
+        status = ntp.lib.ntp_normals_dithered(
+            ntp.view(out, encoding, y),
+            ntp.view(src, ntp.HEIGHT, const=True),
+            options(**how),
+            where,
+            counts,
+            ntp.rect((0, y0, src.shape[1], y1)),
+        )
+        ntp.check(status)
+    return out, counts.not_finite
+
+
+def decoded_slopes(normals, m):
+    """n.x / n.z and n.y / n.z of red and green."""
+    x, y = (2.0 * normals[..., k] - m for k in (0, 1))
+    z = np.sqrt(m * m - x * x - y * y)
+    return x / z, y / z
+
+
+def gentle(h=60, w=333):
+    y, x = np.mgrid[0:h, 0:w]
+    wave = np.sin(x * 0.11) * np.cos(y * 0.07) + 0.3 * np.sin(x * 0.4 + y * 0.3)
+    return ((wave + 1.5) / 3 * 65535).astype(np.uint16)
+
+
+@pytest.mark.parametrize("border", model.BORDERS)
+@pytest.mark.parametrize("kernel", ["forward", "central", "gimp9"])
+@pytest.mark.parametrize("dst, m", [(np.uint8, 255), (np.uint16, 65535)])
+def test_dithering_keeps_sums_of_slopes(border, kernel, dst, m):
+    """Along each row the decoded slopes add up to the true ones but for half a step, anywhere."""
+    src = gentle()
+    how = {"scale": 8.0, "kernel": kernel, "border_x": border, "border_y": border}
+    exact, _, _ = from_height(src, ntp.VECTOR, dst=np.float32, **how)
+    want = exact[..., :2] / exact[..., 2:]
+    got = decoded_slopes(dithered(src, dst=dst, **how)[0], m)
+    plain = decoded_slopes(from_height(src, dst=dst, **how)[0], m)
+    for axis in (0, 1):
+        drift = np.abs(np.cumsum(got[axis] - want[..., axis], 1 - axis)).max()
+        rounded = np.abs(np.cumsum(plain[axis] - want[..., axis], 1 - axis)).max()
+        steepest = 1 + (want**2).sum(-1).max()
+        assert drift < 1.2 * steepest**1.5 / m + 1e-4
+        assert drift < rounded
+
+
+def test_dithering_in_parts_is_clean_and_bounded():
+    src = gentle()
+    for how in ({"scale": 8.0}, {"scale": 1e5}, {"scale": 1e300}, {"scale": 9.0, "min_z": 0.8}):
+        for encoding in (ntp.STANDARD, ntp.ZZERO, ntp.XY):
+            whole, _ = dithered(src, encoding, **how)
+            parts, _ = dithered(src, encoding, parts=(1, 7, 40), **how)
+            assert np.array_equal(whole, parts)
+            clean = ntp.clean_options(touch_unused=ntp.UNUSED_ALL)
+            assert ntp.clean(whole, encoding, clean)[1] == 0
+    bad = src.astype(np.float32) / 65535
+    bad[5, 9] = np.nan
+    out, count = dithered(bad, scale=5.0)
+    assert count == 4 and out[5, 100:].std() > 0
+    flat = np.full((9, 9), 77, np.uint8)
+    assert (dithered(flat, scale=5.0)[0] == dithered(flat, scale=5.0)[0][0, 0]).mean() > 0.3
+
+
+def blur(src, sigma, weight=1.0, add=None, border_x=0, border_y=0, source="red"):
+    how = ntp.ffi.new("ntp_blur_options *")
+    how.sigma, how.weight, how.add = sigma, weight, add is not None
+    how.border_x, how.border_y, how.source = border_x, border_y, model.SOURCES[source]
+    out = np.zeros(src.shape[:2], np.float32) if add is None else add.copy()
+    scratch = ntp.aligned(ntp.lib.ntp_height_blur_scratch(how, src.shape[1]))
+    memory = ntp.ffi.cast("void *", scratch.__array_interface__["data"][0])
+    view = ntp.view(src, ntp.HEIGHT, const=True)
+    ntp.check(ntp.lib.ntp_height_blur(ntp.view(out, ntp.HEIGHT), view, how, memory, len(scratch)))
+    return out
+
+
+@pytest.mark.parametrize("border", model.BORDERS)
+@pytest.mark.parametrize("sigma", [0.3, 1.0, 2.7])
+def test_blur_is_the_gaussian(border, sigma):
+    rng = np.random.default_rng(40)
+    src = rng.integers(0, 65536, (12, 15)).astype(np.uint16)
+    radius = math.ceil(3 * sigma)
+    weights = np.exp(-(np.arange(-radius, radius + 1) ** 2) / (2 * sigma * sigma))
+    weights /= weights.sum()
+
+    def matrix(n):
+        a = np.zeros((n, n))
+        for i in range(n):
+            for k, w in zip(range(-radius, radius + 1), weights, strict=True):
+                for index, factor in model.reflect(i + k, n, border):
+                    a[i, index] += w * factor
+        return a
+
+    want = matrix(12) @ (src / 65535) @ matrix(15).T
+    assert np.abs(blur(src, sigma, border_x=border, border_y=border) - want).max() < 3e-3
+
+
+def test_blur_is_seamless_and_keeps_constants():
+    rng = np.random.default_rng(41)
+    src = rng.integers(0, 256, (31, 47)).astype(np.uint8)
+    for sigma in (0.5, 3.3, 20.0, 64.0):
+        whole = blur(src, sigma)
+        rolled = blur(np.roll(src, (11, 20), (0, 1)).copy(), sigma)
+        assert np.array_equal(rolled, np.roll(whole, (11, 20), (0, 1)))
+        for border in model.BORDERS:
+            same = blur(np.full((9, 5), 51, np.uint8), sigma, border_x=border, border_y=border)
+            assert np.abs(same - 0.2).max() < 1e-6
+    assert np.array_equal(blur(src, 0.0), (src / 255).astype(np.float32))
+    two = blur(src, 2.0, 0.5, add=blur(src, 0.0))
+    assert np.abs(two - (src / 255 + 0.5 * blur(src, 2.0))).max() < 1e-6
+    for wrong in (-1.0, 65.0, float("nan")):
+        with pytest.raises(ntp.NtpError):
+            blur(src, wrong)
