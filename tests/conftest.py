@@ -16,6 +16,9 @@ import pytest
 
 import libntp_ffi
 
+# Messages of the system in English, names and output in UTF-8, whatever the user speaks.
+os.environ["LC_ALL"] = "C.UTF-8"
+
 TESTS = Path(__file__).resolve().parent
 ALLOWED_SKIPS = TESTS / "allowed_skips.txt"
 _skipped = {}
@@ -48,6 +51,9 @@ def pytest_collection_modifyitems(config, items):
                 item.add_marker(pytest.mark.skip(reason="libntp.so is not built"))
 
 
+PATIENCE = 900  # seconds: ends what hangs; a busy machine, or a sanitizer, is no failure
+
+
 @pytest.fixture(scope="session")
 def program():
     """The built `ntp`."""
@@ -65,7 +71,7 @@ def run(program, tmp_path):
         kwargs.setdefault("cwd", tmp_path)
         kwargs.setdefault("capture_output", True)
         kwargs.setdefault("text", True)
-        kwargs.setdefault("timeout", 120)
+        kwargs.setdefault("timeout", PATIENCE)
         return subprocess.run([program, *map(str, args)], check=False, **kwargs)
 
     return call

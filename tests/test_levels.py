@@ -3,13 +3,21 @@
 
 import numpy as np
 import pytest
-from hypothesis import example, given, settings
+from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
 import libntp_ffi as ntp
 import oracle
 
-settings.register_profile("texels", max_examples=300, deadline=None, derandomize=True)
+# The same examples at each run, however long a busy machine takes to draw them.
+settings.register_profile(
+    "texels",
+    max_examples=300,
+    deadline=None,
+    derandomize=True,
+    database=None,
+    suppress_health_check=list(HealthCheck),
+)
 settings.load_profile("texels")
 
 DEPTHS = {255: np.uint8, 65535: np.uint16}

@@ -12,7 +12,7 @@ import jsonschema
 import numpy as np
 import pytest
 import textures
-from spawn import spawn
+from spawn import spawn, start
 
 import libntp_ffi
 import test_to_height as reconstruction
@@ -478,19 +478,14 @@ def test_interrupted(program, tmp_path):
     n = reconstruction.from_height(reconstruction.fractal(256))
     write_png(tmp_path / "n.png", np.tile(n, (8, 8, 1)))
     args = [program, "to-height", "n.png", "-o", "h.png", "--refine", "100000", "--no-progress"]
-    with subprocess.Popen(
-        args,
-        cwd=tmp_path,
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.PIPE,
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),  # noqa: PLW1509
-    ) as child:
-        while not catches(child.pid, signal.SIGINT):
+    pipes = {"stdout": subprocess.DEVNULL, "stderr": subprocess.PIPE}
+    with start(args, cwd=tmp_path, **pipes) as child:
+        while child.poll() is None and not catches(child.pid, signal.SIGINT):
             time.sleep(0.05)
         time.sleep(0.5)  # most likely it reads or solves by now; either will do
         child.send_signal(signal.SIGINT)
         errors = child.stderr.read()
-        assert child.wait(timeout=100) == 130, errors
+        assert child.wait(timeout=900) == 130, errors
     assert sorted(p.name for p in tmp_path.iterdir()) == ["n.png"]
 
 

@@ -3,7 +3,8 @@
 
 They test the installed package: `./dev python` builds the sdist, from it the wheel, installs that
 into a virtual environment, and runs them there.  The oracles are those of the repository's tests.
-With CI set hypothesis draws the same examples each time, and a skipped test is a failure.
+hypothesis draws the same examples each time; with NTP_SEED set, others, anew at each run
+(--hypothesis-seed=N repeats them).  With CI set a skipped test is a failure.
 """
 
 import os
@@ -16,9 +17,17 @@ import pytest
 ROOT = Path(__file__).resolve().parents[3]
 sys.path.insert(0, str(ROOT / "tests"))
 
-hypothesis.settings.register_profile("ci", derandomize=True, deadline=None, database=None)
-hypothesis.settings.register_profile("dev", deadline=None)
-hypothesis.settings.load_profile("ci" if os.environ.get("CI") else "dev")
+# Messages of the system in English, names and output in UTF-8, whatever the user speaks.
+os.environ["LC_ALL"] = "C.UTF-8"
+
+hypothesis.settings.register_profile(
+    "normaltexture",
+    derandomize="NTP_SEED" not in os.environ,
+    deadline=None,  # a busy machine is no failure
+    database=None,
+    suppress_health_check=list(hypothesis.HealthCheck),
+)
+hypothesis.settings.load_profile("normaltexture")
 
 _skipped = []
 
