@@ -5,20 +5,18 @@
  * The same numbers as `ntp clean`, then `ntp convert`, with the same settings; or the picture of
  * `ntp heatmap`, which shows what is wrong with the layer as it is.  Every texel is by itself.
  */
+#include "../choices.h"
 #include "translate.h"
 
 #ifdef GEGL_PROPERTIES
 
 /* clang-format off */
 enum_start(ntp_op_encoding)
-    enum_value(NTP_OP_STANDARD, "standard", N_("-1 to 1 (standard)"))
-    enum_value(NTP_OP_ZZERO, "zzero", N_("0 to 1 (Z-zero)"))
-    enum_value(NTP_OP_XY, "xy", N_("None: red and green only"))
+    NTP_ENCODING_CHOICES(enum_value)
 enum_end(ntp_op_encoding)
 
 enum_start(ntp_op_green)
-    enum_value(NTP_OP_UP, "up", N_("Up: OpenGL (Y+)"))
-    enum_value(NTP_OP_DOWN, "down", N_("Down: DirectX (Y-)"))
+    NTP_GREEN_CHOICES(enum_value)
 enum_end(ntp_op_green)
 
 enum_start(ntp_op_repair)

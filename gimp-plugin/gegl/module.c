@@ -4,6 +4,7 @@
  */
 #include <gegl-plugin.h>
 #include <gmodule.h>
+#include <libintl.h>
 
 void gegl_op_ntp_normals_from_height_register_type(GTypeModule *module);
 void gegl_op_ntp_clean_normals_register_type(GTypeModule *module);
@@ -20,6 +21,9 @@ const GeglModuleInfo *gegl_module_query(GTypeModule *module)
 
 gboolean gegl_module_register(GTypeModule *module)
 {
+    /* Before the classes are made, which look up their texts. */
+    bindtextdomain(GETTEXT_PACKAGE, NTP_LOCALE_DIR);
+    bind_textdomain_codeset(GETTEXT_PACKAGE, "UTF-8");
     gegl_op_ntp_normals_from_height_register_type(module);
     gegl_op_ntp_clean_normals_register_type(module);
     return TRUE;

@@ -6,64 +6,38 @@
  * each is read with what surrounds it, so that libntp sees either the true edge of the layer or
  * enough texels beyond the block; the result does not depend on how GEGL cuts the picture.
  */
+#include "../choices.h"
 #include "translate.h"
 
 #ifdef GEGL_PROPERTIES
 
 /* clang-format off */
 enum_start(ntp_op_source)
-    enum_value(NTP_OP_RED, "red", N_("Red"))
-    enum_value(NTP_OP_GREEN, "green", N_("Green"))
-    enum_value(NTP_OP_BLUE, "blue", N_("Blue"))
-    enum_value(NTP_OP_ALPHA, "alpha", N_("Alpha"))
-    enum_value(NTP_OP_LUMA, "luma", N_("Luma (Rec. 709)"))
-    enum_value(NTP_OP_LUMA_GIMP, "luma-gimp", N_("Luma (gimp-normalmap)"))
-    enum_value(NTP_OP_LUMA_EBERLY, "luma-eberly", N_("Luma (Eberly)"))
-    enum_value(NTP_OP_MEAN, "mean", N_("Mean of red, green, blue"))
-    enum_value(NTP_OP_MAX, "max", N_("Greatest of red, green, blue"))
-    enum_value(NTP_OP_MIN, "min", N_("Least of red, green, blue"))
-    enum_value(NTP_OP_SCREEN, "screen", N_("Red, green, blue screened"))
+    NTP_SOURCE_CHOICES(enum_value)
 enum_end(ntp_op_source)
 
 enum_start(ntp_op_kernel)
-    enum_value(NTP_OP_CENTRAL, "central", N_("Central difference"))
-    enum_value(NTP_OP_FORWARD, "forward", N_("Forward difference"))
-    enum_value(NTP_OP_PREWITT3, "prewitt3", N_("Prewitt 3x3"))
-    enum_value(NTP_OP_SOBEL3, "sobel3", N_("Sobel 3x3"))
-    enum_value(NTP_OP_SCHARR3, "scharr3", N_("Scharr 3x3"))
-    enum_value(NTP_OP_PREWITT5, "prewitt5", N_("Prewitt 5x5"))
-    enum_value(NTP_OP_SOBEL5, "sobel5", N_("Sobel 5x5"))
-    enum_value(NTP_OP_GIMP5, "gimp5", N_("gimp-normalmap 5x5"))
-    enum_value(NTP_OP_GIMP7, "gimp7", N_("gimp-normalmap 7x7"))
-    enum_value(NTP_OP_GIMP9, "gimp9", N_("gimp-normalmap 9x9"))
+    NTP_KERNEL_CHOICES(enum_value)
 enum_end(ntp_op_kernel)
 
 enum_start(ntp_op_border)
-    enum_value(NTP_OP_WRAP, "wrap", N_("Wrap (textures that tile)"))
-    enum_value(NTP_OP_CLAMP, "clamp", N_("Clamp"))
-    enum_value(NTP_OP_MIRROR, "mirror", N_("Mirror"))
-    enum_value(NTP_OP_EXTRAPOLATE, "extrapolate", N_("Extrapolate the height"))
-    enum_value(NTP_OP_REPEAT_SLOPE, "repeat-slope", N_("Repeat the slope"))
+    NTP_BORDER_CHOICES(enum_value)
 enum_end(ntp_op_border)
 
 enum_start(ntp_op_to)
-    enum_value(NTP_OP_STANDARD, "standard", N_("-1 to 1 (standard)"))
-    enum_value(NTP_OP_ZZERO, "zzero", N_("0 to 1 (Z-zero)"))
-    enum_value(NTP_OP_XY, "xy", N_("None: red and green only"))
+    NTP_ENCODING_CHOICES(enum_value)
 enum_end(ntp_op_to)
 
 enum_start(ntp_op_y)
-    enum_value(NTP_OP_UP, "up", N_("Up: OpenGL (Y+)"))
-    enum_value(NTP_OP_DOWN, "down", N_("Down: DirectX (Y-)"))
+    NTP_GREEN_CHOICES(enum_value)
 enum_end(ntp_op_y)
 
 enum_start(ntp_op_blue)
-    enum_value(NTP_OP_DERIVED, "derived", N_("Derived from red and green"))
-    enum_value(NTP_OP_NEAREST, "nearest", N_("Rounded by itself"))
+    NTP_BLUE_CHOICES(enum_value)
 enum_end(ntp_op_blue)
 
 enum_start(ntp_op_alpha)
-    enum_value(NTP_OP_KEEP, "keep", N_("As it is"))
+    enum_value(NTP_OP_KEEP, "keep", N_("Unchanged"))
     enum_value(NTP_OP_ONE, "one", N_("Opaque"))
     enum_value(NTP_OP_INVERSE, "inverse", N_("Inverted"))
     enum_value(NTP_OP_HEIGHT, "height", N_("Height"))

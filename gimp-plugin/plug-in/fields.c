@@ -8,68 +8,43 @@
 
 #include <string.h>
 
+#include "../choices.h"
+
 #define N_(TEXT) TEXT
 #define END      { NULL, NULL }
+
+#define CHOICE_ROW(ID, NAME, LABEL) { NAME, LABEL },
 
 /* clang-format off */
 
 static const choice kernels[] = { /* in the order of ntp_kernel */
-    { "central", N_("Central difference") },
-    { "forward", N_("Forward difference") },
-    { "prewitt3", N_("Prewitt 3x3") },
-    { "sobel3", N_("Sobel 3x3") },
-    { "scharr3", N_("Scharr 3x3") },
-    { "prewitt5", N_("Prewitt 5x5") },
-    { "sobel5", N_("Sobel 5x5") },
-    { "gimp5", N_("gimp-normalmap 5x5") },
-    { "gimp7", N_("gimp-normalmap 7x7") },
-    { "gimp9", N_("gimp-normalmap 9x9") },
+    NTP_KERNEL_CHOICES(CHOICE_ROW)
     END
 };
 static const choice borders[] = { /* ntp_border */
-    { "wrap", N_("Wrap (tiles)") },
-    { "clamp", N_("Clamp") },
-    { "mirror", N_("Mirror") },
-    { "extrapolate", N_("Extrapolate") },
-    { "repeat-slope", N_("Repeat the slope") },
+    NTP_BORDER_CHOICES(CHOICE_ROW)
     END
 };
 static const choice sources[] = { /* ntp_height_source, and one more */
-    { "red", N_("Red") },
-    { "green", N_("Green") },
-    { "blue", N_("Blue") },
-    { "alpha", N_("Alpha") },
-    { "luma", N_("Luma (Rec. 709)") },
-    { "luma-gimp", N_("Luma of gimp-normalmap") },
-    { "luma-eberly", N_("Luma of Eberly") },
-    { "mean", N_("Mean of the channels") },
-    { "max", N_("Greatest channel") },
-    { "min", N_("Least channel") },
-    { "screen", N_("Screen") },
+    NTP_SOURCE_CHOICES(CHOICE_ROW)
     { "biased", N_("Above the mean color") },
     END
 };
 static const choice green[] = { /* ntp_y */
-    { "up", N_("OpenGL (green up)") },
-    { "down", N_("DirectX (green down)") },
+    NTP_GREEN_CHOICES(CHOICE_ROW)
     END
 };
 static const choice encodings[] = { /* the first three of ntp_encoding */
-    { "standard", N_("Standard: z in -1..1") },
-    { "zzero", N_("Z-zero: z in 0..1") },
-    { "xy", N_("Red and green only") },
+    NTP_ENCODING_CHOICES(CHOICE_ROW)
     END
 };
 static const choice readings[] = { /* the same, found out first */
     { "auto", N_("Find out") },
-    { "standard", N_("Standard: z in -1..1") },
-    { "zzero", N_("Z-zero: z in 0..1") },
-    { "xy", N_("Red and green only") },
+    NTP_ENCODING_CHOICES(CHOICE_ROW)
     END
 };
 static const choice blues[] = { /* ntp_blue */
-    { "derived", N_("From red and green") },
-    { "nearest", N_("Rounded by itself") },
+    NTP_BLUE_CHOICES(CHOICE_ROW)
     END
 };
 static const choice alphas[] = { /* alpha_rule of normals.h */
