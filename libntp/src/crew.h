@@ -17,6 +17,16 @@ typedef struct ntp__crew {
 
 ntp__crew ntp__crew_of(const ntp_hooks *hooks);
 
+typedef struct ntp__crew_items {
+    ntp__crew_task *task;
+    void *job;
+    int32_t count;
+} ntp__crew_items;
+
+/* Does items of two kinds, none of which touches what another writes; every other part begins with
+ * the second kind, so that what waits for memory goes on beside what computes. */
+void ntp__crew_both(const ntp__crew *crew, const ntp__crew_items *a, const ntp__crew_items *b);
+
 /* Does items 0..count - 1. */
 void ntp__crew_each(const ntp__crew *crew, ntp__crew_task *task, void *job, int32_t count);
 

@@ -7,8 +7,11 @@
  * solved by a recursion, down the picture as the batches come, and up again as they are
  * transformed back.  So the working memory is that of a few rows, and the picture is walked over
  * twice.  Stencils beyond recursion are solved by transforms of the columns in between.  Batches,
- * and groups of columns, are independent: the caller may have them done on several threads.
+ * and groups of columns, are independent: the caller may have them done on several threads.  Then
+ * the columns of a round of batches are done along with the rows of the next one: threads wait for
+ * each other half as often, and what waits for memory goes on beside what computes.
  */
+#include "crew.h"
 #include "integrate.h"
 
 #include <float.h>
@@ -16,10 +19,16 @@
 
 enum {
     ROWS = NTP__FFT_ROWS,
-    RUN = 8,                  /* batches of a part that follow each other */
-    GROUP = 8 * NTP__COLUMNS, /* columns of a part */
-    EXTRA_ROWS = 7            /* of telescoping */
+    RUN = 8,                       /* batches of a part that follow each other */
+    MOST_GROUP = 8 * NTP__COLUMNS, /* columns of a part */
+    EXTRA_ROWS = 7,                /* of telescoping */
+    NONE = -1                      /* no round */
 };
+
+/* Rows that the parts are at work on. */
+typedef struct span {
+    int32_t first, end;
+} span;
 
 /* What a part works with. */
 typedef struct part {
@@ -30,25 +39,24 @@ typedef struct part {
 } part;
 
 typedef struct job {
-    const ntp_hooks *hooks;
+    ntp__crew crew;
     const ntp__solver_kernels *kernels;
     ntp__problem problem;
     ntp__fft fft;
-    ntp__columns columns;
+    ntp__columns recursion;
     ntp__filter filter;
     double *squares; /* of the right-hand side, of each row */
     part *parts;
-    int32_t part_count;
     const ntp_image *dst;
     const ntp_height_rows
         *rows;          /* NULL, or dst holds only the rows that the parts are at work on */
     ntp__window window; /* of normals, then */
     void *normals;
     size_t row_bytes;
-    int32_t first, end; /* rows that the parts are at work on */
+    span held;           /* the rows that dst holds, then */
+    span lines, columns; /* rows whose lines, and whose columns, are being done */
+    int32_t group;       /* columns of an item */
 } job;
-
-typedef void job_task(job *j, part *p, int32_t item);
 
 /* ------------------------------------------------------------------------ working memory */
 
@@ -84,12 +92,12 @@ static void lay_out(job *j, void *scratch, const ntp__slopes *slopes)
     const ntp__problem *p = &j->problem;
     j->kernels = ntp__solver_kernels_for(NTP__CPU_ALL);
     ntp__fft_kind kind = ntp__axis_transform(&p->along);
-    j->parts = take(&memory, (size_t) j->part_count * sizeof(part));
+    j->parts = take(&memory, (size_t) j->crew.parts * sizeof(part));
     j->squares = take(&memory, (size_t) p->down.n * sizeof(double));
     void *columns = take(&memory, ntp__columns_bytes(p));
     void *filter = take(&memory, ntp__filter_bytes(p));
     void *tables = take(&memory, ntp__fft_plan_bytes(kind, p->along.n, p->single));
-    for (int32_t i = 0; i < j->part_count; i++) {
+    for (int32_t i = 0; i < j->crew.parts; i++) {
         char *own = take(&memory, part_bytes(p));
         j->parts[i].spare = take(&own, (size_t) p->along.n * sizeof(float));
         ntp__row_cache_init(&j->parts[i].cache, p, slopes, take(&own, ntp__row_cache_bytes(p)));
@@ -101,14 +109,14 @@ static void lay_out(job *j, void *scratch, const ntp__slopes *slopes)
     if (p->filter)
         ntp__filter_init(&j->filter, p, filter, j->parts[0].fft_work);
     else
-        ntp__columns_init(&j->columns, p, columns);
+        ntp__columns_init(&j->recursion, p, columns);
 }
 
 /* --------------------------------------------------------------------------------- tasks */
 
 static float *height_row(const job *j, int32_t y)
 {
-    return ntp__at_mut(j->dst, 0, j->rows != NULL ? y - j->first : y);
+    return ntp__at_mut(j->dst, 0, j->rows != NULL ? y - j->held.first : y);
 }
 
 static int32_t batch_rows(const job *j, part *p, int32_t first, float *rows[ROWS])
@@ -123,7 +131,7 @@ static int32_t batch_rows(const job *j, part *p, int32_t first, float *rows[ROWS
 static void analyze_batch(job *j, part *p, int32_t first)
 {
     float *rows[ROWS];
-    double *sums = j->problem.filter ? NULL : j->columns.null[0], sum;
+    double *sums = j->problem.filter ? NULL : j->recursion.null[0], sum;
     size_t real = j->problem.single ? sizeof(float) : sizeof(double);
     int32_t count = batch_rows(j, p, first, rows);
     for (int32_t i = 0; i < ROWS; i++) {
@@ -139,21 +147,24 @@ static void analyze_batch(job *j, part *p, int32_t first)
     j->fft.loops->forward(&j->fft, rows, p->fft_work);
 }
 
-static void analyze(job *j, part *p, int32_t item)
+static void analyze(void *work, int32_t part_index, int32_t item)
 {
+    job *j = work;
     for (int32_t i = 0; i < RUN; i++) {
-        int32_t y = j->first + (item * RUN + i) * ROWS;
-        if (y < j->end)
-            analyze_batch(j, p, y);
+        int32_t y = j->lines.first + (item * RUN + i) * ROWS;
+        if (y < j->lines.end)
+            analyze_batch(j, &j->parts[part_index], y);
     }
 }
 
-static void synthesize(job *j, part *p, int32_t item)
+static void synthesize(void *work, int32_t part_index, int32_t item)
 {
+    job *j = work;
+    part *p = &j->parts[part_index];
     for (int32_t i = 0; i < RUN; i++) {
         float *rows[ROWS];
-        int32_t y = j->first + (item * RUN + i) * ROWS;
-        if (y >= j->end)
+        int32_t y = j->lines.first + (item * RUN + i) * ROWS;
+        if (y >= j->lines.end)
             return;
         int32_t count = batch_rows(j, p, y, rows);
         j->fft.loops->inverse(&j->fft, rows, p->fft_work);
@@ -164,96 +175,90 @@ static void synthesize(job *j, part *p, int32_t item)
 
 static int32_t group_end(const job *j, int32_t item)
 {
-    int32_t end = (item + 1) * GROUP;
+    int32_t end = (item + 1) * j->group;
     return end < j->problem.along.n ? end : j->problem.along.n;
 }
 
-static void columns_down(job *j, part *p, int32_t item)
+static void columns_down(void *work, int32_t part_index, int32_t item)
 {
-    (void) p;
-    for (int32_t y = j->first; y < j->end; y++)
-        ntp__columns_down(&j->columns, height_row(j, y), y, item * GROUP, group_end(j, item));
+    job *j = work;
+    (void) part_index;
+    for (int32_t y = j->columns.first; y < j->columns.end; y++)
+        ntp__columns_down(&j->recursion, height_row(j, y), y, item * j->group, group_end(j, item));
 }
 
-static void columns_up(job *j, part *p, int32_t item)
+static void columns_up(void *work, int32_t part_index, int32_t item)
 {
-    (void) p;
-    for (int32_t y = j->end - 1; y >= j->first; y--)
-        ntp__columns_up(&j->columns, height_row(j, y), y, item * GROUP, group_end(j, item));
+    job *j = work;
+    (void) part_index;
+    for (int32_t y = j->columns.end - 1; y >= j->columns.first; y--)
+        ntp__columns_up(&j->recursion, height_row(j, y), y, item * j->group, group_end(j, item));
 }
 
-static void filter_columns(job *j, part *p, int32_t item)
+static void filter_columns(void *work, int32_t part_index, int32_t item)
 {
-    ntp__filter_columns(&j->filter, j->dst, item * NTP__FFT_ROWS, p->fft_work);
-}
-
-/* ------------------------------------------------------------------------ parallel loops */
-
-typedef struct loop {
-    job *j;
-    job_task *task;
-    int32_t first, count, each;
-} loop;
-
-/* Part `index` does items index, index + parts, ... */
-static void run_part(void *work, int32_t index)
-{
-    const loop *l = work;
-    for (int32_t item = index; item < l->count; item += l->j->part_count)
-        l->task(l->j, &l->j->parts[index], l->first + item);
-}
-
-static void each(job *j, job_task *task, int32_t first, int32_t count)
-{
-    loop l = { j, task, first, count, 0 };
-    const ntp_hooks *hooks = j->hooks;
-    int32_t parts = count < j->part_count ? count : j->part_count;
-    if (hooks != NULL && hooks->parallel_for != NULL && parts > 1) {
-        hooks->parallel_for(hooks->user, parts, run_part, &l);
-    } else {
-        for (int32_t i = 0; i < parts; i++)
-            run_part(&l, i);
-    }
+    const job *j = work;
+    ntp__filter_columns(&j->filter, j->dst, (j->lines.first + item) * NTP__FFT_ROWS,
+                        j->parts[part_index].fft_work);
 }
 
 static bool stopped(const job *j, double share)
 {
-    const ntp_hooks *hooks = j->hooks;
+    const ntp_hooks *hooks = j->crew.hooks;
     return hooks != NULL && hooks->progress != NULL && hooks->progress(hooks->user, share) != 0;
 }
 
 /* -------------------------------------------------------------------------------- passes */
 
-static int32_t groups(const job *j)
-{
-    return (j->problem.along.n + GROUP - 1) / GROUP;
-}
-
 /* Rows that are taken at a time, and how many times that is. */
 static int32_t round_rows(const job *j)
 {
-    return j->part_count * RUN * ROWS;
+    return j->crew.parts * RUN * ROWS;
 }
 
-static void set_round(job *j, int32_t round)
+static span round_at(const job *j, int32_t round)
 {
     int32_t rows = round_rows(j), left = j->problem.down.n - round * rows;
-    j->first = round * rows;
-    j->end = j->first + (left < rows ? left : rows);
+    span s = { round * rows, round * rows + (left < rows ? left : rows) };
+    return s;
+}
+
+/* Rows of one round along with columns of another; none before the first round and after the last. */
+static void run(job *j, ntp__crew_task *lines, int32_t line_round, ntp__crew_task *columns,
+                int32_t column_round, int32_t rounds)
+{
+    ntp__crew_items some = { lines, j, 0 }, more = { columns, j, 0 };
+    if (line_round >= 0 && line_round < rounds) {
+        j->lines = round_at(j, line_round);
+        some.count = (j->lines.end - j->lines.first + RUN * ROWS - 1) / (RUN * ROWS);
+    }
+    if (column_round >= 0 && column_round < rounds && !j->problem.filter) {
+        j->columns = round_at(j, column_round);
+        more.count = (j->problem.along.n + j->group - 1) / j->group;
+    }
+    ntp__crew_both(&j->crew, &some, &more);
+}
+
+/* All parts get columns, in whole groups of NTP__COLUMNS. */
+static void set_group(job *j)
+{
+    int32_t each = (j->problem.along.n + j->crew.parts - 1) / j->crew.parts;
+    int32_t group = (each + NTP__COLUMNS - 1) / NTP__COLUMNS * NTP__COLUMNS;
+    j->group = group < MOST_GROUP ? group : MOST_GROUP;
 }
 
 /* Reads the normals that the rows of a round take, in up to three runs. */
 static ntp_status read_normals(job *j)
 {
     int32_t height = j->problem.down.n, reach = ntp__reach(&j->problem.down);
-    int32_t from = j->first - reach, count = j->end - j->first + 2 * reach;
+    int32_t from = j->held.first - reach, count = j->held.end - j->held.first + 2 * reach;
     bool wrap = j->problem.down.wrap;
     if (count >= height) {
         from = 0;
         count = height;
     } else if (!wrap) {
         from = from > 0 ? from : 0;
-        count = j->end + reach < height ? j->end + reach - from : height - from;
+        count = j->held.end + reach < height ? j->held.end + reach - from : height - from;
     }
     j->window.first = from < 0 ? from + height : from;
     j->window.height = height;
@@ -270,30 +275,42 @@ static ntp_status read_normals(job *j)
 
 static ntp_status write_heights(job *j)
 {
-    int32_t n = j->end - j->first;
-    return j->rows->write_heights(j->rows->user, j->dst->data, j->first, n) == 0
+    int32_t n = j->held.end - j->held.first;
+    return j->rows->write_heights(j->rows->user, j->dst->data, j->held.first, n) == 0
                ? NTP_OK
                : NTP_ERR_CANCELLED;
 }
 
 static ntp_status read_heights(job *j)
 {
-    int32_t n = j->end - j->first;
-    return j->rows->read_heights(j->rows->user, j->dst->data, j->first, n) == 0 ? NTP_OK
-                                                                                : NTP_ERR_CANCELLED;
+    int32_t n = j->held.end - j->held.first;
+    return j->rows->read_heights(j->rows->user, j->dst->data, j->held.first, n) == 0
+               ? NTP_OK
+               : NTP_ERR_CANCELLED;
+}
+
+/* One part walks over the rows of a round while they are in its cache; callbacks have no more than
+ * one round in memory. */
+static bool in_step(const job *j)
+{
+    return j->crew.parts == 1 || j->rows != NULL;
 }
 
 static ntp_status go_down(job *j, int32_t rounds, double share)
 {
-    for (int32_t i = 0; i < rounds; i++) {
+    bool step = in_step(j);
+    for (int32_t i = 0; i < rounds + (step ? 0 : 1); i++) {
         if (stopped(j, share * i / rounds))
             return NTP_ERR_CANCELLED;
-        set_round(j, i);
+        if (!step) {
+            run(j, analyze, i, columns_down, i - 1, rounds);
+            continue;
+        }
+        j->held = round_at(j, i);
         if (j->rows != NULL)
             NTP__TRY(read_normals(j));
-        each(j, analyze, 0, (j->end - j->first + RUN * ROWS - 1) / (RUN * ROWS));
-        if (!j->problem.filter)
-            each(j, columns_down, 0, groups(j));
+        run(j, analyze, i, NULL, NONE, rounds);
+        run(j, NULL, NONE, columns_down, i, rounds);
         if (j->rows != NULL)
             NTP__TRY(write_heights(j));
     }
@@ -302,15 +319,19 @@ static ntp_status go_down(job *j, int32_t rounds, double share)
 
 static ntp_status go_up(job *j, int32_t rounds, double share)
 {
-    for (int32_t i = rounds - 1; i >= 0; i--) {
+    bool step = in_step(j);
+    for (int32_t i = rounds - 1; i >= (step ? 0 : -1); i--) {
         if (stopped(j, 1 - share * (i + 1) / rounds))
             return NTP_ERR_CANCELLED;
-        set_round(j, i);
+        if (!step) {
+            run(j, synthesize, i + 1, columns_up, i, rounds);
+            continue;
+        }
+        j->held = round_at(j, i);
         if (j->rows != NULL)
             NTP__TRY(read_heights(j));
-        if (!j->problem.filter)
-            each(j, columns_up, 0, groups(j));
-        each(j, synthesize, 0, (j->end - j->first + RUN * ROWS - 1) / (RUN * ROWS));
+        run(j, NULL, NONE, columns_up, i, rounds);
+        run(j, synthesize, i, NULL, NONE, rounds);
         if (j->rows != NULL)
             NTP__TRY(write_heights(j));
     }
@@ -321,14 +342,15 @@ static ntp_status filter_all(job *j)
 {
     double sum = 0, width = j->problem.along.n, height = j->problem.down.n;
     int32_t count = (j->problem.along.n + NTP__FFT_ROWS - 1) / NTP__FFT_ROWS;
-    int32_t step = j->part_count * GROUP / NTP__FFT_ROWS;
+    int32_t step = j->crew.parts * MOST_GROUP / NTP__FFT_ROWS;
     for (int32_t y = 0; y < j->problem.down.n; y++)
         sum += j->squares[y];
     ntp__filter_set_prior(&j->filter, sum / (width * height));
     for (int32_t i = 0; i < count; i += step) {
         if (stopped(j, (1 + (double) i / count) / 3))
             return NTP_ERR_CANCELLED;
-        each(j, filter_columns, i, count - i < step ? count - i : step);
+        j->lines.first = i;
+        ntp__crew_each(&j->crew, filter_columns, j, count - i < step ? count - i : step);
     }
     return NTP_OK;
 }
@@ -337,11 +359,12 @@ static ntp_status least_squares(job *j)
 {
     int32_t rounds = (j->problem.down.n + round_rows(j) - 1) / round_rows(j);
     double share = j->problem.filter ? 1.0 / 3 : 0.5;
+    set_group(j);
     NTP__TRY(go_down(j, rounds, share));
     if (j->problem.filter)
         NTP__TRY(filter_all(j));
     else
-        ntp__columns_turn(&j->columns);
+        ntp__columns_turn(&j->recursion);
     return go_up(j, rounds, share);
 }
 
@@ -368,7 +391,7 @@ static void add_counts(const job *j, ntp__slope_counts *counts)
 {
     counts->range[0] = FLT_MAX;
     counts->range[1] = -FLT_MAX;
-    for (int32_t i = 0; i < j->part_count; i++) {
+    for (int32_t i = 0; i < j->crew.parts; i++) {
         const part *p = &j->parts[i];
         counts->unused += p->cache.counts.unused;
         counts->not_finite += p->cache.counts.not_finite;
@@ -384,9 +407,8 @@ ntp_status ntp__integrate(const ntp_image *dst, const ntp__slopes *slopes,
     job j;
     memset(&j, 0, sizeof j);
     NTP__TRY(ntp__problem_init(&j.problem, how, dst->width, dst->height, slopes->src->type));
-    j.part_count = hooks != NULL && hooks->parts != 0 ? hooks->parts : 1;
+    j.crew = ntp__crew_of(hooks);
     j.dst = dst;
-    j.hooks = hooks;
     if (how->method == NTP_HEIGHT_TELESCOPING) {
         if (stopped(&j, 0))
             return NTP_ERR_CANCELLED;
@@ -433,12 +455,11 @@ ntp_status ntp__stream(const ntp_const_image *form, const ntp_height_rows *rows,
     char *memory = scratch;
     memset(&j, 0, sizeof j);
     NTP__TRY(ntp__problem_init(&j.problem, how, form->width, form->height, form->type));
-    j.part_count = hooks != NULL && hooks->parts != 0 ? hooks->parts : 1;
-    j.hooks = hooks;
+    j.crew = ntp__crew_of(hooks);
     j.rows = rows;
     j.row_bytes = sample_row(form);
     float *heights = take(&memory, (size_t) round_rows(&j) * (size_t) form->width * sizeof(float));
-    j.normals = take(&memory, (size_t) window_rows(&j.problem, j.part_count) * j.row_bytes);
+    j.normals = take(&memory, (size_t) window_rows(&j.problem, j.crew.parts) * j.row_bytes);
     ntp_image dst = ntp_image_packed(heights, form->width, form->height, 1, NTP_F32);
     ntp_const_image src = *form;
     src.data = j.normals;
@@ -448,7 +469,7 @@ ntp_status ntp__stream(const ntp_const_image *form, const ntp_height_rows *rows,
     j.dst = &dst;
     ntp__slopes_init(&slopes, &src, how);
     lay_out(&j, memory, &slopes);
-    for (int32_t i = 0; i < j.part_count; i++)
+    for (int32_t i = 0; i < j.crew.parts; i++)
         j.parts[i].cache.window = &j.window;
     NTP__TRY(least_squares(&j));
     ntp__slope_counts counts = { 0, 0, 0, 0, { 0, 0 } };
