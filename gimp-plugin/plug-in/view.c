@@ -141,7 +141,8 @@ static void paint(cairo_t *cr, const view *v, const uint8_t *rgb, int width, int
         }
     }
     cairo_surface_mark_dirty(surface);
-    cairo_set_source_surface(cr, surface, (width - v->width) / 2, (height - v->height) / 2);
+    const int left = (width - v->width) / 2, above = (height - v->height) / 2;
+    cairo_set_source_surface(cr, surface, left, above);
     cairo_paint(cr);
     cairo_surface_destroy(surface);
 }
