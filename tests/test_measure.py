@@ -105,7 +105,36 @@ def test_grays(touch):
 @pytest.mark.parametrize("touch", [0, 7, 4])
 def test_summarize(kind, touch):
     array, encoding = make(kind)
-    tally = ntp.Tally().measure(array, encoding, touch)
+    check_summary(ntp.Tally().measure(array, encoding, touch), array, encoding, touch)
+
+
+FEW = 4096  # NTP__FEW of tally.h: fewer texels are measured in another way
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("width,height", [(2, 3), (17, 5), (64, 63), (64, 64), (64, 65)])
+def test_few_texels(kind, width, height):
+    """The same in a new tally, in one that has tables from before, and in parts."""
+    array, encoding = make(kind)
+    small = np.tile(array, (2, 1, 1))[7 : 7 + height, 3 : 3 + width]
+    fresh = ntp.Tally().measure(small, encoding)
+    check_summary(fresh, small, encoding, 0)
+    used = ntp.Tally().measure(array, encoding)
+    used.stats(encoding)
+    ntp.check(ntp.lib.ntp_tally_clear(used.pointer))
+    want = everything(fresh, encoding)
+    assert everything(used.measure(small, encoding), encoding) == want
+    rows = ntp.Tally()
+    for y in range(height):  # goes on to more than a few
+        rows.measure(small, encoding, area=(0, y, width, y + 1))
+    assert everything(rows, encoding) == want
+    many = ntp.Tally().measure(array, encoding)
+    assert array.shape[0] * array.shape[1] > FEW
+    both = ntp.Tally().measure(small, encoding).merge(many)
+    assert everything(both, encoding) == everything(many.merge(fresh), encoding)
+
+
+def check_summary(tally, array, encoding, touch):
     got = tally.stats(encoding)
     want = oracle_measure.measure(array, encoding == ntp.ZZERO, touch, encoding == ntp.XY)
     narrow = want["max"] == 255
@@ -129,6 +158,7 @@ def test_summarize(kind, touch):
         assert have["mean"] == pytest.approx(need["mean"], rel=1e-12)
     degrees = want["degrees"]
     angles = got["angles"]
+    assert len(degrees) > 0
     assert angles["texels"] == len(degrees)
     assert angles["mean"] == pytest.approx(degrees.mean(), abs=2e-6)
     assert angles["max"] == pytest.approx(degrees.max(), abs=2e-6)
@@ -255,8 +285,12 @@ def test_errors():
     with pytest.raises(ntp.NtpError) as error:
         ntp.Tally().measure(a16).stats(ntp.ZZERO)
     assert error.value.status == ntp.ERR_FORMAT
+    tally = ntp.Tally().measure(a8)
+    most = int(np.flatnonzero(tally.levels_off())[-1])
+    assert 0 < most < 255
+    assert np.array_equal(tally.levels_off(size=most + 1), tally.levels_off()[: most + 1])
     with pytest.raises(ntp.NtpError) as error:
-        ntp.Tally().measure(a8).levels_off(size=255)
+        tally.levels_off(size=most)
     assert error.value.status == ntp.ERR_ARGUMENT
     with pytest.raises(ntp.NtpError) as error:
         ntp.Tally().measure(a8, area=(0, 0, 84, 1))

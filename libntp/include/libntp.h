@@ -446,8 +446,8 @@ NTP_API ntp_status ntp_summarize(ntp_stats *stats, ntp_tally *tally, ntp_encodin
 
 /*
  * The histogram of ntp_texel.levels_off over every texel with x, y not too long, read as
- * NTP_STANDARD or NTP_ZZERO: counts[0..stats.max].  counts has room for `size` numbers, at
- * least stats.max + 1 (else NTP_ERR_ARGUMENT).
+ * NTP_STANDARD or NTP_ZZERO: counts[0..stats.max].  counts has room for `size` numbers: fewer
+ * than stats.max + 1 will do where no texel is further off (else NTP_ERR_ARGUMENT).
  */
 NTP_API ntp_status ntp_levels_off(uint64_t *counts, size_t size, ntp_tally *tally,
                                   ntp_encoding encoding);

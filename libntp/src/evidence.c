@@ -67,13 +67,9 @@ static void add_row(blue_sums *sums, const blue_row *row)
 
 static void add_cells(blue_sums *sums, const ntp_tally *t)
 {
-    uint8_t used[NTP__ROWS];
     uint32_t cells[256];
     int32_t first, end;
-    ntp__mark_rows(used, t);
-    for (int32_t i = 0; i < NTP__ROWS; i++) {
-        if (!used[i])
-            continue;
+    for (int32_t i = 0; (i = ntp__next_row(t->row_seen, i)) < NTP__ROWS; i++) {
         int64_t rest = ntp__rest(t->row_pair[i] & 255, t->row_pair[i] >> 8, 255);
         if (rest < 0)
             continue;
@@ -90,6 +86,10 @@ static void add_cells(blue_sums *sums, const ntp_tally *t)
 static void add_samples(blue_sums *sums, const ntp_tally *t)
 {
     for (int32_t i = 0; i < 65536; i++) {
+        if (t->pair_seen[i / NTP__PAIR_GROUP] == 0) {
+            i += NTP__PAIR_GROUP - 1;
+            continue;
+        }
         double n = t->pair_texels[i];
         int64_t rest = ntp__rest(i & 255, i >> 8, 255);
         if (n <= 0 || rest < 0)

@@ -46,6 +46,8 @@ static void add_length(ntp__fit_sums *fit, int32_t steepness, uint32_t flags, in
     fit->flags[(uint32_t) steepness * 256 + flags] += count;
     if (levels_off >= 0)
         fit->levels_off[levels_off] += count;
+    if (levels_off > (int32_t) fit->levels_off_max)
+        fit->levels_off_max = (uint32_t) levels_off;
     fit->lengths[bin < NTP__LENGTH_BINS ? bin : NTP__LENGTH_BINS - 1] += count;
     fit->length_sum += (uint64_t) length * count;
     fit->length_error[steepness] += error * count;
@@ -110,12 +112,13 @@ void ntp__add(ntp__sums *sums, const ntp__row *row, int32_t b, uint32_t count,
 static void add_judged(ntp__fit_sums *sums, const ntp__judged_fit *fit, const uint32_t *count,
                        int32_t n)
 {
-    int32_t least = INT32_MAX, greatest = 0;
+    int32_t least = INT32_MAX, greatest = 0, levels_off = 0;
     uint64_t sum = 0, error2 = 0;
     for (int32_t i = 0; i < n; i++) {
         int32_t length = fit->length[i], off = length - NTP__LENGTH_ONE;
         least = length < least ? length : least;
         greatest = length > greatest ? length : greatest;
+        levels_off = fit->levels_off[i] > levels_off ? fit->levels_off[i] : levels_off;
         sum += (uint64_t) length * count[i];
         error2 += (uint64_t) ((int64_t) off * off) * count[i];
     }
@@ -128,6 +131,8 @@ static void add_judged(ntp__fit_sums *sums, const ntp__judged_fit *fit, const ui
     }
     sums->length_sum += sum;
     sums->length_error2 += error2;
+    if ((uint32_t) levels_off > sums->levels_off_max)
+        sums->levels_off_max = (uint32_t) levels_off;
     if ((uint32_t) greatest > sums->length_max)
         sums->length_max = (uint32_t) greatest;
     if (~(uint32_t) least > sums->length_inverted_min)

@@ -14,49 +14,6 @@ size_t ntp_tally_size(void)
     return sizeof(ntp_tally);
 }
 
-/* The blue of the first near cell: 8 below the derived one, or, so that no near cell is gray and
- * the loops need not look for black and white, above the level that red and green share. */
-static uint32_t first_near(int32_t k1, int32_t k2, int32_t blue)
-{
-    int32_t most = 256 - NTP__NEAR, gray = 128 + k1;
-    int32_t first = blue - NTP__NEAR / 2 < most ? blue - NTP__NEAR / 2 : most;
-    if (k1 == k2 && gray >= first && gray < first + NTP__NEAR)
-        first = gray + 1;
-    return (uint32_t) first;
-}
-
-/* Numbers the rows: |X| = 2k + 1 for k = r - 128 or 127 - r. */
-void ntp__rows_prepare(ntp_tally *t)
-{
-    enum { K = 128 };
-    int32_t r[K], g[K], want[K];
-    uint32_t rows = 0;
-    if (t->rows_ready)
-        return;
-    for (int32_t k1 = 0; k1 < K; k1++) {
-        for (int32_t k2 = 0; k2 <= k1; k2++) {
-            r[k2] = K + k1;
-            g[k2] = K + k2;
-        }
-        ntp__kernels(NTP__CPU_ALL)->derive(want, r, g, k1 + 1, 255, 0);
-        for (int32_t k2 = 0; k2 <= k1; k2++, rows++) {
-            uint32_t entry = ntp__entry(rows, first_near(k1, k2, want[k2] < 0 ? K : want[k2]));
-            t->row_pair[rows] = (uint16_t) ((K + k1) | (K + k2) << 8);
-            for (int32_t i = 0; i < 8; i++) {
-                int32_t a = i & 1 ? k2 : k1, b = i & 1 ? k1 : k2;
-                int32_t x = i & 2 ? 127 - a : K + a, y = i & 4 ? 127 - b : K + b;
-                t->row_of[x | y << 8] = entry;
-            }
-        }
-    }
-    for (int32_t i = 0; i < NTP__FLAT_ROWS; i++, rows++) {
-        int32_t x = 127 + (i & 1), y = 127 + (i >> 1);
-        t->row_pair[rows] = K | K << 8;
-        t->row_of[x | y << 8] = ntp__entry(rows, ntp__entry_first(t->row_of[x | y << 8]));
-    }
-    t->rows_ready = 1;
-}
-
 /* A run of equal unused colors, so that a transparent background is judged once. */
 typedef struct unused_run {
     int32_t c[3];
@@ -132,7 +89,7 @@ static void count_far(ntp_tally *t, uint32_t entry, uint32_t b)
 {
     uint32_t row = ntp__entry_cells(entry) / NTP__NEAR;
     t->far[row][b]++;
-    t->far_used[row] = 1;
+    t->row_seen[row] |= NTP__SEEN_FAR;
 }
 
 static inline void count_cell(ntp_tally *t, uint32_t pair, uint32_t b)
@@ -142,6 +99,30 @@ static inline void count_cell(ntp_tally *t, uint32_t pair, uint32_t b)
         t->near[ntp__entry_cells(entry) + place]++;
     else
         count_far(t, entry, b);
+}
+
+/* The same, and notes the row. */
+static void count_noted(ntp_tally *t, int32_t r, int32_t g, int32_t b)
+{
+    uint32_t pair = (uint32_t) (r | g << 8);
+    uint32_t entry = t->rows_ready ? t->row_of[pair] : ntp__find_row(t, r, g);
+    uint32_t cells = ntp__entry_cells(entry), place = (uint32_t) b - ntp__entry_first(entry);
+    if (place < NTP__NEAR) {
+        t->near[cells + place]++;
+        t->row_seen[cells / NTP__NEAR] |= NTP__SEEN_NEAR;
+    } else {
+        count_far(t, entry, (uint32_t) b);
+    }
+}
+
+/* A used texel of 8-bit content. */
+static void count_narrow(ntp_tally *t, int32_t r, int32_t g, int32_t b)
+{
+    t->narrow++;
+    if (t->few)
+        count_noted(t, r, g, b);
+    else
+        count_cell(t, (uint32_t) (r | g << 8), (uint32_t) b);
 }
 
 /* X*X + Y*Y <= M*M at 8 bit. */
@@ -323,13 +304,11 @@ static bool count_used(ntp_tally *t, int32_t r, int32_t g, int32_t b, int32_t a,
         t->ag_in_disc += in_disc8(a8, g8);
     }
     if (m == 255) {
-        count_cell(t, (uint32_t) (r | g << 8), (uint32_t) b);
-        t->narrow++;
+        count_narrow(t, r, g, b);
         return true;
     }
     if (is_narrow(r) && is_narrow(g) && is_narrow(b)) {
-        count_cell(t, (uint32_t) ((r & 255) | (g & 255) << 8), (uint32_t) b & 255);
-        t->narrow++;
+        count_narrow(t, r & 255, g & 255, b & 255);
         return true;
     }
     t->is_wide = 1;
@@ -420,7 +399,8 @@ static void note_row(ntp_tally *t, const ntp_const_image *src, int32_t x0, int32
 static void count_row(ntp_tally *t, const ntp_const_image *src, int32_t x0, int32_t x1, int32_t y)
 {
     bool picture = src->encoding == NTP_HEIGHT;
-    bool bytes = !picture && src->type == NTP_U8 && src->channels >= 3 && ntp__is_packed(src);
+    bool bytes =
+        !picture && !t->few && src->type == NTP_U8 && src->channels >= 3 && ntp__is_packed(src);
     int32_t m = ntp__max(src->type), step = bytes ? x1 - x0 : NTP__BLOCK;
     for (int32_t x = x0; x < x1; x += step) {
         int32_t n = x1 - x < step ? x1 - x : step;
@@ -472,7 +452,10 @@ ntp_status ntp_measure(ntp_tally *tally, const ntp_const_image *src, uint32_t to
     NTP__TRY(ntp__check_area(&rect, src, area));
     uint64_t width = (uint64_t) (rect.x1 - rect.x0), height = (uint64_t) (rect.y1 - rect.y0);
     NTP__TRY(adopt(tally, src, touch_unused, width * height));
-    ntp__rows_prepare(tally);
+    tally->few = !tally->unnoted && tally->texels + width * height <= NTP__FEW;
+    if (!tally->few)
+        ntp__rows_prepare(tally);
+    tally->unnoted = !tally->few;
     tally->summed = 0;
     for (int32_t y = rect.y0; y < rect.y1; y++)
         count_row(tally, src, rect.x0, rect.x1, y);

@@ -71,10 +71,30 @@ void ntp__merge_samples(ntp_tally *into, const ntp_tally *from)
     add_samples(&into->samples, &from->samples);
     if (from->depth == 8)
         return;
-    for (int32_t i = 0; i < 65536; i++) {
-        into->pair_texels[i] += from->pair_texels[i];
-        into->pair_blue[i] += from->pair_blue[i];
+    for (int32_t group = 0; group < 65536 / NTP__PAIR_GROUP; group++) {
+        if (from->pair_seen[group] == 0)
+            continue;
+        into->pair_seen[group] = 1;
+        for (int32_t i = group * NTP__PAIR_GROUP; i < (group + 1) * NTP__PAIR_GROUP; i++) {
+            into->pair_texels[i] += from->pair_texels[i];
+            into->pair_blue[i] += from->pair_blue[i];
+        }
     }
+}
+
+void ntp__clear_samples(ntp_tally *t)
+{
+    memset(&t->samples, 0, sizeof t->samples);
+    if (t->depth == 8)
+        return;
+    for (int32_t group = 0; group < 65536 / NTP__PAIR_GROUP; group++) {
+        int32_t first = group * NTP__PAIR_GROUP;
+        if (t->pair_seen[group] == 0)
+            continue;
+        memset(&t->pair_texels[first], 0, NTP__PAIR_GROUP * sizeof t->pair_texels[0]);
+        memset(&t->pair_blue[first], 0, NTP__PAIR_GROUP * sizeof t->pair_blue[0]);
+    }
+    memset(t->pair_seen, 0, sizeof t->pair_seen);
 }
 
 static void add_colors(ntp_tally *t, const ntp__block *block, int32_t first, int32_t n, int32_t m)
@@ -90,8 +110,10 @@ static void add_colors(ntp_tally *t, const ntp__block *block, int32_t first, int
             r = ntp__narrow(r);
             g = ntp__narrow(g);
             b = ntp__narrow(b);
-            t->pair_texels[r | g << 8]++;
-            t->pair_blue[r | g << 8] += (uint32_t) b;
+            int32_t pair = r | g << 8;
+            t->pair_seen[pair / NTP__PAIR_GROUP] = 1;
+            t->pair_texels[pair]++;
+            t->pair_blue[pair] += (uint32_t) b;
         }
         add_color(&sum, r, g, b);
     }

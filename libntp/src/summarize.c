@@ -13,12 +13,26 @@ static void merge_max(uint32_t *into, uint32_t from)
         *into = from;
 }
 
-static uint64_t flagged(const ntp__fit_sums *fit, uint32_t mask, uint32_t value)
+/* Texels by flags, of one reading: used and unused ones. */
+typedef struct flag_counts {
+    uint32_t used[256], unused[256];
+} flag_counts;
+
+static void count_flags(flag_counts *count, const ntp_tally *t, int32_t z)
 {
-    uint64_t count = 0;
-    for (uint32_t i = 0; i < NTP_STEEPNESS_BINS * 256; i++)
-        count += (i & mask) == value ? fit->flags[i] : 0;
-    return count;
+    memset(count, 0, sizeof *count);
+    for (int32_t i = 0; i < NTP_STEEPNESS_BINS; i++) {
+        ntp__merge_counts(count->used, &t->used.fit[z].flags[i * 256], 256);
+        ntp__merge_counts(count->unused, &t->unused.fit[z].flags[i * 256], 256);
+    }
+}
+
+static uint64_t flagged(const uint32_t count[256], uint32_t mask, uint32_t value)
+{
+    uint64_t sum = 0;
+    for (uint32_t i = 0; i < 256; i++)
+        sum += (i & mask) == value ? count[i] : 0;
+    return sum;
 }
 
 static double share(uint64_t part, uint64_t whole)
@@ -35,18 +49,25 @@ static uint64_t near_unit(const ntp__fit_sums *fit, int32_t bins)
     return count;
 }
 
+static void describe_flags(ntp_fit *out, const flag_counts *count, uint64_t used)
+{
+    const uint32_t *yes = count->used, *no = count->unused;
+    out->unused_neighbor = flagged(no, NTP_PASS_NEIGHBOR, NTP_PASS_NEIGHBOR);
+    out->unused_rounded = flagged(no, NTP_PASS_ROUNDED, NTP_PASS_ROUNDED);
+    out->unused_exact = flagged(no, NTP_PASS_EXACT, NTP_PASS_EXACT);
+    out->neighbor = out->unused_neighbor + flagged(yes, NTP_PASS_NEIGHBOR, NTP_PASS_NEIGHBOR);
+    out->rounded = out->unused_rounded + flagged(yes, NTP_PASS_ROUNDED, NTP_PASS_ROUNDED);
+    out->exact = out->unused_exact + flagged(yes, NTP_PASS_EXACT, NTP_PASS_EXACT);
+    out->exact_mirrored =
+        flagged(yes, NTP__MIRRORED, NTP__MIRRORED) + flagged(no, NTP__MIRRORED, NTP__MIRRORED);
+    out->used_short = share(flagged(yes, NTP_PASS_ROUNDED | NTP__LONG, 0), used);
+    out->used_long = share(flagged(yes, NTP_PASS_ROUNDED | NTP__LONG, NTP__LONG), used);
+}
+
 static void describe_fit(ntp_fit *out, const ntp_tally *t, int32_t z)
 {
     const ntp__fit_sums *used = &t->used.fit[z], *unused = &t->unused.fit[z];
     uint64_t n = t->used.texels, all = n + t->unused.texels;
-    out->unused_neighbor = flagged(unused, NTP_PASS_NEIGHBOR, NTP_PASS_NEIGHBOR);
-    out->unused_rounded = flagged(unused, NTP_PASS_ROUNDED, NTP_PASS_ROUNDED);
-    out->unused_exact = flagged(unused, NTP_PASS_EXACT, NTP_PASS_EXACT);
-    out->neighbor = out->unused_neighbor + flagged(used, NTP_PASS_NEIGHBOR, NTP_PASS_NEIGHBOR);
-    out->rounded = out->unused_rounded + flagged(used, NTP_PASS_ROUNDED, NTP_PASS_ROUNDED);
-    out->exact = out->unused_exact + flagged(used, NTP_PASS_EXACT, NTP_PASS_EXACT);
-    out->exact_mirrored =
-        flagged(used, NTP__MIRRORED, NTP__MIRRORED) + flagged(unused, NTP__MIRRORED, NTP__MIRRORED);
     uint64_t le = 0;
     for (int32_t i = 0; i < 4; i++) {
         le += used->levels_off[i];
@@ -67,8 +88,25 @@ static void describe_fit(ntp_fit *out, const ntp_tally *t, int32_t z)
     out->used_length_sd = n > 0 && variance > 0 ? sqrt(variance) : 0.0;
     for (int32_t i = 0; i < 3; i++)
         out->used_near_unit[i] = share(near_unit(used, 4 << i), n);
-    out->used_short = share(flagged(used, NTP_PASS_ROUNDED | NTP__LONG, 0), n);
-    out->used_long = share(flagged(used, NTP_PASS_ROUNDED | NTP__LONG, NTP__LONG), n);
+}
+
+/* What flags tell. */
+static void describe_verdicts(ntp_stats *s, const ntp_tally *t)
+{
+    flag_counts standard, zzero;
+    count_flags(&standard, t, 0);
+    count_flags(&zzero, t, 1);
+    describe_flags(&s->standard, &standard, t->used.texels);
+    describe_flags(&s->zzero, &zzero, t->used.texels);
+    const uint32_t *used = standard.used, *unused = standard.unused;
+    s->unused_xy_too_long = flagged(unused, NTP_XY_TOO_LONG, NTP_XY_TOO_LONG);
+    s->xy_too_long = s->unused_xy_too_long + flagged(used, NTP_XY_TOO_LONG, NTP_XY_TOO_LONG);
+    s->xy_far_too_long = flagged(used, NTP__FAR, NTP__FAR) + flagged(unused, NTP__FAR, NTP__FAR);
+    s->neighbor_and_near = flagged(used, NTP_PASS_NEIGHBOR | NTP__FAR, NTP_PASS_NEIGHBOR) +
+                           flagged(unused, NTP_PASS_NEIGHBOR | NTP__FAR, NTP_PASS_NEIGHBOR);
+    s->unused_z_negative = flagged(unused, NTP_Z_NEGATIVE, NTP_Z_NEGATIVE);
+    s->used_z_negative = flagged(used, NTP_Z_NEGATIVE, NTP_Z_NEGATIVE);
+    s->z_negative = s->used_z_negative + s->unused_z_negative;
 }
 
 static void describe_steepness(ntp_stats *s, const ntp__fit_sums *fit)
@@ -102,11 +140,7 @@ static void count_blues(uint64_t count[256], const ntp_tally *t)
     memset(count, 0, 256 * sizeof *count);
     uint32_t cells[256];
     int32_t first, end;
-    uint8_t used[NTP__ROWS];
-    ntp__mark_rows(used, t);
-    for (int32_t row = 0; row < NTP__ROWS; row++) {
-        if (!used[row])
-            continue;
+    for (int32_t row = 0; (row = ntp__next_row(t->row_seen, row)) < NTP__ROWS; row++) {
         ntp__row_cells(cells, &first, &end, t, row);
         for (int32_t b = first; b < end; b++)
             count[b] += cells[b];
@@ -203,11 +237,15 @@ static void describe_samples(ntp_stats *s, const ntp_tally *t, const uint64_t bl
     }
 }
 
-static int32_t bits_set(uint8_t byte)
+/* Of `size` bytes, a multiple of 8. */
+static uint64_t bits_set(const uint8_t *bytes, size_t size)
 {
-    int32_t n = 0;
-    for (; byte != 0; byte = (uint8_t) (byte & (byte - 1)))
-        n++;
+    uint64_t n = 0, word;
+    for (size_t i = 0; i < size; i += sizeof word) {
+        memcpy(&word, bytes + i, sizeof word);
+        for (; word != 0; word &= word - 1)
+            n++;
+    }
     return n;
 }
 
@@ -217,6 +255,8 @@ static void describe_colors(ntp_stats *s, const ntp_tally *t)
     if (s->max == 255 && t->encoding != NTP_HEIGHT) {
         for (int32_t row = NTP__ROWS - NTP__FLAT_ROWS; row < NTP__ROWS; row++) {
             int32_t first, end;
+            if (t->row_seen[row] == 0)
+                continue;
             ntp__row_cells(cells, &first, &end, t, row);
             for (int32_t b = first; b < end; b++) {
                 s->flat += cells[b];
@@ -225,8 +265,8 @@ static void describe_colors(ntp_stats *s, const ntp_tally *t)
         }
     } else {
         s->flat = t->wide_flat;
-        for (size_t i = 0; t->wide_flat > 0 && i < sizeof t->wide_flat_seen; i++)
-            s->distinct_flat += (uint64_t) bits_set(t->wide_flat_seen[i]);
+        if (t->wide_flat > 0)
+            s->distinct_flat = bits_set(t->wide_flat_seen, sizeof t->wide_flat_seen);
     }
     s->distinct = t->colors;
 }
@@ -237,7 +277,6 @@ ntp_status ntp_summarize(ntp_stats *s, ntp_tally *t, ntp_encoding encoding)
         return NTP_ERR_ARGUMENT;
     NTP__TRY(ntp__sum_up(t, encoding));
     memset(s, 0, sizeof *s);
-    const ntp__fit_sums *used = &t->used.fit[0], *unused = &t->unused.fit[0];
     s->texels = t->texels;
     s->black = t->black;
     s->white = t->white;
@@ -248,24 +287,13 @@ ntp_status ntp_summarize(ntp_stats *s, ntp_tally *t, ntp_encoding encoding)
     s->stored_max = t->depth == 8 ? 255 : 65535;
     s->channels = (int32_t) t->channels;
     s->gray = t->gray;
-    s->unused_xy_too_long = flagged(unused, NTP_XY_TOO_LONG, NTP_XY_TOO_LONG);
-    s->xy_too_long = s->unused_xy_too_long + flagged(used, NTP_XY_TOO_LONG, NTP_XY_TOO_LONG);
-    s->xy_far_too_long = flagged(used, NTP__FAR, NTP__FAR) + flagged(unused, NTP__FAR, NTP__FAR);
-    s->neighbor_and_near = flagged(used, NTP_PASS_NEIGHBOR | NTP__FAR, NTP_PASS_NEIGHBOR) +
-                           flagged(unused, NTP_PASS_NEIGHBOR | NTP__FAR, NTP_PASS_NEIGHBOR);
-    s->unused_z_negative = flagged(unused, NTP_Z_NEGATIVE, NTP_Z_NEGATIVE);
-    s->used_z_negative = flagged(used, NTP_Z_NEGATIVE, NTP_Z_NEGATIVE);
-    s->z_negative = s->used_z_negative + s->unused_z_negative;
-    for (int32_t z = 0; z < 2; z++) {
-        for (uint32_t i = 0; i <= s->max; i++) {
-            if (t->used.fit[z].levels_off[i] > 0)
-                s->levels_off_max[z] = i;
-        }
-    }
+    describe_verdicts(s, t);
+    for (int32_t z = 0; z < 2; z++)
+        s->levels_off_max[z] = t->used.fit[z].levels_off_max;
     describe_fit(&s->standard, t, 0);
     describe_fit(&s->zzero, t, 1);
     ntp__angles_describe(&s->angles, &t->used.angles);
-    describe_steepness(s, used);
+    describe_steepness(s, &t->used.fit[0]);
     uint64_t blues[256];
     count_blues(blues, t);
     for (int32_t k = 0; k < 3; k++)
@@ -292,13 +320,13 @@ ntp_status ntp_levels_off(uint64_t *counts, size_t size, ntp_tally *tally, ntp_e
         return NTP_ERR_ARGUMENT;
     NTP__TRY(ntp__sum_up(tally, tally->summed ? (ntp_encoding) tally->summed_encoding
                                               : ntp__judged_as((ntp_encoding) tally->encoding)));
-    size_t bins = (size_t) ntp__tally_max(tally) + 1;
-    if (size < bins)
-        return NTP_ERR_ARGUMENT;
     int32_t z = encoding == NTP_ZZERO;
-    for (size_t i = 0; i < bins; i++)
-        counts[i] =
-            (uint64_t) tally->used.fit[z].levels_off[i] + tally->unused.fit[z].levels_off[i];
+    const ntp__fit_sums *used = &tally->used.fit[z], *unused = &tally->unused.fit[z];
+    if (size <= used->levels_off_max || size <= unused->levels_off_max)
+        return NTP_ERR_ARGUMENT;
+    size_t bins = (size_t) ntp__tally_max(tally) + 1;
+    for (size_t i = 0; i < size && i < bins; i++)
+        counts[i] = (uint64_t) used->levels_off[i] + unused->levels_off[i];
     return NTP_OK;
 }
 

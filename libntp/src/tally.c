@@ -9,12 +9,12 @@
 
 /* ------------------------------------------------------------------ sums of judged texels */
 
-static void clear_sums(ntp__sums *s, int32_t m)
+static void clear_sums(ntp__sums *s)
 {
     for (int32_t z = 0; z < 2; z++) {
         ntp__fit_sums *fit = &s->fit[z];
+        memset(fit->levels_off, 0, (fit->levels_off_max + 1) * sizeof fit->levels_off[0]);
         memset(fit, 0, offsetof(ntp__fit_sums, levels_off));
-        memset(fit->levels_off, 0, (size_t) (m + 1) * sizeof fit->levels_off[0]);
     }
     /* The bins above the greatest angle are empty. */
     memset(s->angles.bins, 0, (s->angles.max / 1000 + 2) * sizeof s->angles.bins[0]);
@@ -28,13 +28,7 @@ static void merge_max(uint32_t *into, uint32_t from)
         *into = from;
 }
 
-static void merge_counts(uint32_t *into, const uint32_t *from, size_t n)
-{
-    for (size_t i = 0; i < n; i++)
-        into[i] += from[i];
-}
-
-static void merge_sums(ntp__sums *into, const ntp__sums *from, int32_t m)
+static void merge_sums(ntp__sums *into, const ntp__sums *from)
 {
     if (from->texels == 0)
         return;
@@ -42,9 +36,10 @@ static void merge_sums(ntp__sums *into, const ntp__sums *from, int32_t m)
     for (int32_t z = 0; z < 2; z++) {
         ntp__fit_sums *a = &into->fit[z];
         const ntp__fit_sums *b = &from->fit[z];
-        merge_counts(a->flags, b->flags, NTP_STEEPNESS_BINS * 256);
-        merge_counts(a->lengths, b->lengths, NTP__LENGTH_BINS);
-        merge_counts(a->levels_off, b->levels_off, (size_t) m + 1);
+        ntp__merge_counts(a->flags, b->flags, NTP_STEEPNESS_BINS * 256);
+        ntp__merge_counts(a->lengths, b->lengths, NTP__LENGTH_BINS);
+        ntp__merge_counts(a->levels_off, b->levels_off, (size_t) b->levels_off_max + 1);
+        merge_max(&a->levels_off_max, b->levels_off_max);
         for (int32_t i = 0; i < NTP_STEEPNESS_BINS; i++)
             a->length_error[i] += b->length_error[i];
         a->length_error2 += b->length_error2;
@@ -75,42 +70,6 @@ static void merge_colors(ntp_tally *into, const ntp_tally *from)
     }
 }
 
-void ntp__row_cells(uint32_t cells[256], int32_t *first, int32_t *end, const ntp_tally *t,
-                    int32_t row)
-{
-    uint32_t near = ntp__entry_first(t->row_of[t->row_pair[row]]);
-    *first = t->far_used[row] ? 0 : (int32_t) near;
-    *end = t->far_used[row] ? 256 : (int32_t) near + NTP__NEAR;
-    if (t->far_used[row])
-        memcpy(cells, t->far[row], 256 * sizeof cells[0]);
-    memcpy(cells + near, &t->near[row * NTP__NEAR], NTP__NEAR * sizeof cells[0]);
-}
-
-void ntp__mark_rows(uint8_t used[NTP__ROWS], const ntp_tally *t)
-{
-    memcpy(used, t->far_used, NTP__ROWS);
-    for (int32_t row = 0; row < NTP__ROWS; row++) {
-        uint32_t any = 0;
-        for (int32_t i = 0; i < NTP__NEAR; i++)
-            any |= t->near[row * NTP__NEAR + i];
-        used[row] |= any != 0;
-    }
-}
-
-static void merge_cells(ntp_tally *into, const ntp_tally *from)
-{
-    uint8_t used[NTP__ROWS];
-    ntp__mark_rows(used, from);
-    for (int32_t row = 0; row < NTP__ROWS; row++) {
-        if (used[row])
-            merge_counts(&into->near[row * NTP__NEAR], &from->near[row * NTP__NEAR], NTP__NEAR);
-        if (from->far_used[row]) {
-            merge_counts(into->far[row], from->far[row], 256);
-            into->far_used[row] = 1;
-        }
-    }
-}
-
 ntp_status ntp_tally_merge(ntp_tally *into, const ntp_tally *from)
 {
     if (into == NULL || from == NULL || into == from)
@@ -128,7 +87,6 @@ ntp_status ntp_tally_merge(ntp_tally *into, const ntp_tally *from)
     into->touched = from->touched;
     into->is_wide |= from->is_wide;
     into->summed = 0;
-    ntp__rows_prepare(into);
     into->texels += from->texels;
     into->black += from->black;
     into->white += from->white;
@@ -144,7 +102,7 @@ ntp_status ntp_tally_merge(ntp_tally *into, const ntp_tally *from)
         for (int32_t k = 0; k < 3; k++)
             into->block_steps[k][i] += from->block_steps[k][i];
     }
-    merge_counts(into->alpha, from->alpha, 256);
+    ntp__merge_counts(into->alpha, from->alpha, 256);
     merge_channel(&into->alpha_levels, &from->alpha_levels);
     for (int32_t k = 0; k < 3; k++)
         merge_channel(&into->channel[k], &from->channel[k]);
@@ -153,11 +111,11 @@ ntp_status ntp_tally_merge(ntp_tally *into, const ntp_tally *from)
         for (size_t i = 0; i < sizeof into->wide_flat_seen; i++)
             into->wide_flat_seen[i] |= from->wide_flat_seen[i];
     }
-    merge_sums(&into->wide, &from->wide, 65535);
-    merge_sums(&into->transparent_wide, &from->transparent_wide, 65535);
-    merge_sums(&into->transparent_narrow, &from->transparent_narrow, 255);
+    merge_sums(&into->wide, &from->wide);
+    merge_sums(&into->transparent_wide, &from->transparent_wide);
+    merge_sums(&into->transparent_narrow, &from->transparent_narrow);
     ntp__merge_samples(into, from);
-    merge_cells(into, from);
+    ntp__merge_cells(into, from);
     return NTP_OK;
 }
 
@@ -167,24 +125,14 @@ ntp_status ntp_tally_clear(ntp_tally *t)
         return NTP_ERR_ARGUMENT;
     if (t->depth == 0)
         return NTP_OK;
-    uint8_t used[NTP__ROWS];
-    ntp__mark_rows(used, t);
-    for (int32_t row = 0; row < NTP__ROWS; row++) {
-        if (used[row])
-            memset(&t->near[row * NTP__NEAR], 0, NTP__NEAR * sizeof t->near[0]);
-        if (t->far_used[row])
-            memset(t->far[row], 0, sizeof t->far[row]);
-        t->far_used[row] = 0;
-    }
-    if (t->depth == 16) {
-        memset(&t->wide, 0, sizeof t->wide);
-        memset(t->pair_texels, 0, sizeof t->pair_texels);
-        memset(t->pair_blue, 0, sizeof t->pair_blue);
-    }
+    ntp__clear_cells(t);
+    ntp__clear_samples(t);
+    if (t->wide.texels > 0)
+        clear_sums(&t->wide);
     if (t->transparent_wide.texels > 0)
-        memset(&t->transparent_wide, 0, sizeof t->transparent_wide);
+        clear_sums(&t->transparent_wide);
     if (t->transparent_narrow.texels > 0)
-        memset(&t->transparent_narrow, 0, sizeof t->transparent_narrow);
+        clear_sums(&t->transparent_narrow);
     if (t->wide_flat > 0)
         memset(t->wide_flat_seen, 0, sizeof t->wide_flat_seen);
     uint32_t ready = t->rows_ready;
@@ -237,14 +185,11 @@ static void add_row(ntp_tally *t, color_batch *batch, int32_t row, int32_t m, nt
 
 static void add_cells(ntp_tally *t, int32_t m, ntp_encoding encoding)
 {
-    uint8_t used[NTP__ROWS];
     color_batch batch;
     batch.n = 0;
-    ntp__mark_rows(used, t);
-    for (int32_t i = 0; i < NTP__ROWS; i++) {
-        if (used[i])
-            add_row(t, &batch, i, m, encoding);
-    }
+    ntp__note_rows(t);
+    for (int32_t row = 0; (row = ntp__next_row(t->row_seen, row)) < NTP__ROWS; row++)
+        add_row(t, &batch, row, m, encoding);
     end_batch(t, &batch, m, encoding);
 }
 
@@ -269,12 +214,12 @@ ntp_status ntp__sum_up(ntp_tally *t, ntp_encoding encoding)
     if (t->summed && t->summed_encoding == (uint32_t) encoding)
         return NTP_OK;
     const ntp__sums *transparent = m == 255 ? &t->transparent_narrow : &t->transparent_wide;
-    clear_sums(&t->used, m);
-    clear_sums(&t->unused, m);
+    clear_sums(&t->used);
+    clear_sums(&t->unused);
     if (!picture) {
-        merge_sums(&t->used, &t->wide, m);
+        merge_sums(&t->used, &t->wide);
         add_cells(t, m, encoding);
-        merge_sums(&t->unused, transparent, m);
+        merge_sums(&t->unused, transparent);
         add_gray(t, 0, m, t->black, encoding);
         add_gray(t, m, m, t->white, encoding);
     }

@@ -8,6 +8,9 @@
  * (summarize.c).  A 16-bit texel of which every level is a multiple of 257 goes to the same
  * cells, for its X and Y are 257 times those of the 8-bit texel; the others are judged and added
  * to `wide`.
+ *
+ * Tables of megabytes are slow to look through, so it is noted which parts of them hold counts: of
+ * small images for each texel, of large ones, where that would cost more, once at the end.
  */
 #ifndef NTP_TALLY_H
 #define NTP_TALLY_H
@@ -16,6 +19,7 @@
 #include "internal.h"
 
 #include <math.h>
+#include <string.h>
 
 enum {
     /* Unordered pairs of 128 magnitudes, and a row for each of the four flat pairs, which are
@@ -25,6 +29,8 @@ enum {
 
     NTP__NEAR = 16,            /* cells about the derived blue of a row: a cache line */
     NTP__FAR_CELLS = 256 + 16, /* rows a power of two apart would share few cache sets */
+    NTP__FEW = 4096,           /* texels up to which it pays to note the rows of each */
+    NTP__PAIR_GROUP = 64,      /* pairs of red and green that are noted together */
 
     NTP__LENGTH_BINS = 256,   /* of 1/128 */
     NTP__LENGTH_ONE = 1 << 16 /* fixed-point unit of lengths */
@@ -37,6 +43,9 @@ enum {
     NTP__MIRRORED = 128 /* blue is M - derived blue */
 };
 
+/* Where the cells of a row hold counts. */
+enum { NTP__SEEN_NEAR = 1, NTP__SEEN_FAR = 2 };
+
 /* What judged texels add, read as standard or as Z-zero. */
 typedef struct ntp__fit_sums {
     uint32_t flags[NTP_STEEPNESS_BINS * 256]; /* texels by steepness * 256 + flags */
@@ -44,6 +53,7 @@ typedef struct ntp__fit_sums {
     uint64_t length_sum;
     uint32_t length_max, length_inverted_min; /* ~min: zero-filled memory means none yet */
     uint32_t lengths[NTP__LENGTH_BINS];
+    uint32_t levels_off_max; /* of the texels below */
     uint32_t levels_off[65536];
 } ntp__fit_sums;
 
@@ -87,11 +97,14 @@ struct ntp_tally {
     uint32_t summed, summed_encoding; /* whether `used` and `unused` are of now, and for what */
 
     /* The cells: used texels only. */
-    uint32_t row_of[65536];       /* by r | g << 8: see ntp__entry */
-    uint16_t row_pair[NTP__ROWS]; /* some r | g << 8 of the row, r, g >= 128 */
+    uint32_t few;                 /* those being measured are few: their rows are noted */
+    uint32_t unnoted;             /* some rows with near cells are not in row_seen */
+    uint8_t row_seen[NTP__ROWS];  /* NTP__SEEN_* */
+    uint32_t row_of[65536];       /* by r | g << 8: see ntp__entry; when rows_ready */
+    uint16_t row_pair[NTP__ROWS]; /* of a row seen: some r | g << 8 of it, r, g >= 128 */
+    uint8_t row_first[NTP__ROWS]; /* and the blue of its first near cell */
     /* The cells of a row: those near its derived blue; the others are in `far`. */
     uint32_t near[NTP__ROWS * NTP__NEAR];
-    uint8_t far_used[NTP__ROWS];
     /* What ntp_summarize works out of the cells and the above, kept until the tally changes. */
     ntp__sums used, unused;
 
@@ -99,6 +112,7 @@ struct ntp_tally {
     uint32_t far[NTP__ROWS][NTP__FAR_CELLS];
     uint8_t wide_flat_seen[4 * 8192]; /* a bit for each blue of the four flat pairs */
     ntp__sums wide;
+    uint8_t pair_seen[65536 / NTP__PAIR_GROUP];
     uint32_t pair_texels[65536]; /* of sampled rows, by r | g << 8 rounded to 8 bit */
     uint64_t pair_blue[65536];   /* and the sum of their blues */
     ntp__sums transparent_wide, transparent_narrow; /* judged at 16 and at 8 bit */
@@ -146,8 +160,13 @@ void ntp__sample_row(ntp_tally *tally, const ntp_const_image *src, int32_t x0, i
 
 void ntp__merge_samples(ntp_tally *into, const ntp_tally *from);
 
-/* Fills row_of and row_pair, once. */
+void ntp__clear_samples(ntp_tally *tally);
+
+/* Fills row_of, once. */
 void ntp__rows_prepare(ntp_tally *tally);
+
+/* The entry of one pair, without the table. */
+uint32_t ntp__find_row(ntp_tally *tally, int32_t r, int32_t g);
 
 /* An entry of row_of: where the cells of its row begin in `near`, and the blue of the first. */
 static inline uint32_t ntp__entry(uint32_t row, uint32_t first)
@@ -165,12 +184,36 @@ static inline uint32_t ntp__entry_first(uint32_t entry)
     return entry & 255;
 }
 
-/* The texels of a row by blue: cells[*first] to cells[*end - 1]; the others are 0 and not set. */
+/* The texels of a row that was seen, by blue: cells[*first] to cells[*end - 1]; the others are 0
+ * and not set. */
 void ntp__row_cells(uint32_t cells[256], int32_t *first, int32_t *end, const ntp_tally *tally,
                     int32_t row);
 
-/* Rows of the cells that may hold texels. */
-void ntp__mark_rows(uint8_t used[NTP__ROWS], const ntp_tally *tally);
+/* The first row from `row` on of which seen[row] is not 0; NTP__ROWS: none. */
+static inline int32_t ntp__next_row(const uint8_t seen[NTP__ROWS], int32_t row)
+{
+    uint64_t eight;
+    for (; row + 8 <= NTP__ROWS; row += 8) {
+        memcpy(&eight, seen + row, sizeof eight);
+        if (eight != 0)
+            break;
+    }
+    while (row < NTP__ROWS && seen[row] == 0)
+        row++;
+    return row;
+}
+
+/* Completes row_seen. */
+void ntp__note_rows(ntp_tally *tally);
+
+void ntp__merge_cells(ntp_tally *into, const ntp_tally *from);
+void ntp__clear_cells(ntp_tally *tally);
+
+static inline void ntp__merge_counts(uint32_t *into, const uint32_t *from, size_t n)
+{
+    for (size_t i = 0; i < n; i++)
+        into[i] += from[i];
+}
 
 /* Fills tally->used and tally->unused, with angles by this encoding.  Errors as ntp_summarize. */
 ntp_status ntp__sum_up(ntp_tally *tally, ntp_encoding encoding);

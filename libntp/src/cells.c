@@ -1,0 +1,130 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * cells.c - the cells of a tally: which row is whose, and which rows hold counts
+ *
+ * There are 8260 rows, with their far cells 9.5 MB.  A small texture has texels in a few of them, so
+ * all that looks through the cells goes by the notes in row_seen.
+ */
+#include "kernels.h"
+#include "level.h"
+#include "tally.h"
+
+#include <string.h>
+
+/* The blue of the first near cell: 8 below the derived one, or, so that no near cell is gray and
+ * the loops need not look for black and white, above the level that red and green share. */
+static uint32_t first_near(int32_t k1, int32_t k2, int32_t blue)
+{
+    int32_t most = 256 - NTP__NEAR, gray = 128 + k1;
+    int32_t first = blue - NTP__NEAR / 2 < most ? blue - NTP__NEAR / 2 : most;
+    if (k1 == k2 && gray >= first && gray < first + NTP__NEAR)
+        first = gray + 1;
+    return (uint32_t) first;
+}
+
+enum { K = 128 }; /* magnitudes: |X| = 2k + 1 for k = r - 128 or 127 - r */
+
+/* Row number `row` is that of k1 >= k2, with this derived blue (-1: too long). */
+static uint32_t define_row(ntp_tally *t, uint32_t row, int32_t k1, int32_t k2, int32_t want)
+{
+    uint32_t first = first_near(k1, k2, want < 0 ? K : want);
+    t->row_pair[row] = (uint16_t) ((K + k1) | (K + k2) << 8);
+    t->row_first[row] = (uint8_t) first;
+    return ntp__entry(row, first);
+}
+
+void ntp__rows_prepare(ntp_tally *t)
+{
+    int32_t r[K], g[K], want[K];
+    uint32_t rows = 0;
+    if (t->rows_ready)
+        return;
+    for (int32_t k1 = 0; k1 < K; k1++) {
+        for (int32_t k2 = 0; k2 <= k1; k2++) {
+            r[k2] = K + k1;
+            g[k2] = K + k2;
+        }
+        ntp__kernels(NTP__CPU_ALL)->derive(want, r, g, k1 + 1, 255, 0);
+        for (int32_t k2 = 0; k2 <= k1; k2++, rows++) {
+            uint32_t entry = define_row(t, rows, k1, k2, want[k2]);
+            for (int32_t i = 0; i < 8; i++) {
+                int32_t a = i & 1 ? k2 : k1, b = i & 1 ? k1 : k2;
+                int32_t x = i & 2 ? 127 - a : K + a, y = i & 4 ? 127 - b : K + b;
+                t->row_of[x | y << 8] = entry;
+            }
+        }
+    }
+    for (int32_t i = 0; i < NTP__FLAT_ROWS; i++, rows++) {
+        int32_t x = 127 + (i & 1), y = 127 + (i >> 1);
+        t->row_of[x | y << 8] = define_row(t, rows, 0, 0, 255);
+    }
+    t->rows_ready = 1;
+}
+
+uint32_t ntp__find_row(ntp_tally *t, int32_t r, int32_t g)
+{
+    int32_t a = r < K ? K - 1 - r : r - K, b = g < K ? K - 1 - g : g - K;
+    int32_t k1 = a > b ? a : b, k2 = a > b ? b : a, row = k1 * (k1 + 1) / 2 + k2;
+    if (k1 == 0)
+        row = NTP__ROWS - NTP__FLAT_ROWS + (r - (K - 1)) + 2 * (g - (K - 1));
+    int64_t rest = ntp__rest(r, g, 255);
+    return define_row(t, (uint32_t) row, k1, k2,
+                      rest < 0 ? -1 : ntp__blue_of_rest(rest, 255, false));
+}
+
+void ntp__row_cells(uint32_t cells[256], int32_t *first, int32_t *end, const ntp_tally *t,
+                    int32_t row)
+{
+    int32_t near = t->row_first[row];
+    bool far = t->row_seen[row] & NTP__SEEN_FAR;
+    *first = far ? 0 : near;
+    *end = far ? 256 : near + NTP__NEAR;
+    if (far)
+        memcpy(cells, t->far[row], 256 * sizeof cells[0]);
+    memcpy(cells + near, &t->near[row * NTP__NEAR], NTP__NEAR * sizeof cells[0]);
+}
+
+/* Adds to `seen`, which is t's own or a copy, the rows that were not noted. */
+static void find_rows(uint8_t seen[NTP__ROWS], const ntp_tally *t)
+{
+    if (!t->unnoted)
+        return;
+    for (int32_t row = 0; row < NTP__ROWS; row++) {
+        uint32_t any = 0;
+        for (int32_t i = 0; i < NTP__NEAR; i++)
+            any |= t->near[row * NTP__NEAR + i];
+        seen[row] |= any != 0 ? NTP__SEEN_NEAR : 0;
+    }
+}
+
+void ntp__note_rows(ntp_tally *t)
+{
+    find_rows(t->row_seen, t);
+    t->unnoted = 0;
+}
+
+void ntp__merge_cells(ntp_tally *into, const ntp_tally *from)
+{
+    uint8_t seen[NTP__ROWS];
+    memcpy(seen, from->row_seen, sizeof seen);
+    find_rows(seen, from);
+    for (int32_t row = 0; (row = ntp__next_row(seen, row)) < NTP__ROWS; row++) {
+        ntp__merge_counts(&into->near[row * NTP__NEAR], &from->near[row * NTP__NEAR], NTP__NEAR);
+        if (seen[row] & NTP__SEEN_FAR)
+            ntp__merge_counts(into->far[row], from->far[row], 256);
+        into->row_seen[row] |= seen[row];
+        into->row_pair[row] = from->row_pair[row];
+        into->row_first[row] = from->row_first[row];
+    }
+}
+
+void ntp__clear_cells(ntp_tally *t)
+{
+    ntp__note_rows(t);
+    for (int32_t row = 0; (row = ntp__next_row(t->row_seen, row)) < NTP__ROWS; row++) {
+        memset(&t->near[row * NTP__NEAR], 0, NTP__NEAR * sizeof t->near[0]);
+        if (t->row_seen[row] & NTP__SEEN_FAR)
+            memset(t->far[row], 0, sizeof t->far[row]);
+    }
+    memset(t->row_seen, 0, sizeof t->row_seen);
+}
