@@ -15,8 +15,13 @@
 #include <math.h>
 
 enum {
-    ROWS = 256,        /* that are looked at, spread over the picture */
-    LEAST_TEXELS = 500 /* for the decode rule */
+    ROWS = 256,         /* that are looked at, spread over the picture */
+    LEAST_TEXELS = 500, /* for the decode rule */
+    /* Texels of one red and green have one and the same rounding error: a ramp would tell nothing a
+     * million times.  Only so many of each vote, counted by the low bits of both. */
+    MOST_VOTES = 8,
+    VOTE_BITS = 6,
+    VOTE_MASK = (1 << VOTE_BITS) - 1
 };
 
 /* The mean square of the length's error: a level of 8 bits squared, over 12. */
@@ -35,14 +40,14 @@ enum { LEAST_TILTED = 64 };
 static const double derived_share = 0.98;
 
 typedef struct rule {
-    double zero, range; /* v = (2 c - zero)/range */
+    double zero, unit; /* v = (2 c - zero) unit */
     double sum, gain, gain2;
 } rule;
 
 static double error_of(const rule *r, const int32_t c[3])
 {
-    double x = (2 * c[0] - r->zero) / r->range, y = (2 * c[1] - r->zero) / r->range;
-    double z = (2 * c[2] - r->zero) / r->range;
+    double x = (2 * c[0] - r->zero) * r->unit, y = (2 * c[1] - r->zero) * r->unit;
+    double z = (2 * c[2] - r->zero) * r->unit;
     return (x * x + y * y + z * z - 1) / 2;
 }
 
@@ -51,6 +56,7 @@ typedef struct evidence {
     double count;        /* of what the sums of rules are of */
     double all, lengths; /* of any depth, read as UNORM */
     double tilted, derived;
+    uint8_t votes[1 << 2 * VOTE_BITS];
 } evidence;
 
 static void compare(rule *r, const int32_t c[3], double square)
@@ -73,8 +79,10 @@ static void add_levels(evidence *e, const int32_t c[3], int32_t m, bool zzero)
         e->derived += ntp__blue_of_rest(rest, m, zzero) == c[2];
     }
     bool neutral = x * x == 1 && y * y == 1; /* says nothing, and there can be many */
-    if (m != 255 || zzero || neutral)
+    uint8_t *votes = &e->votes[(c[1] & VOTE_MASK) << VOTE_BITS | (c[0] & VOTE_MASK)];
+    if (m != 255 || zzero || neutral || *votes == MOST_VOTES)
         return;
+    *votes += 1;
     e->count++;
     double plain = error_of(&e->unorm, c);
     e->unorm.sum += plain * plain;
@@ -109,9 +117,15 @@ static bool convinces(const evidence *e, const rule *r)
 
 void ntp__decode_by_evidence(ntp_height_options *how, const ntp_const_image *src)
 {
-    evidence e = {
-        { 255, 255, 0, 0, 0 }, { 254, 255, 0, 0, 0 }, { 256, 254, 0, 0, 0 }, 0, 0, 0, 0, 0
-    };
+    evidence e = { { 255, 1 / 255.0, 0, 0, 0 },
+                   { 254, 1 / 255.0, 0, 0, 0 },
+                   { 256, 1 / 254.0, 0, 0, 0 },
+                   0,
+                   0,
+                   0,
+                   0,
+                   0,
+                   { 0 } };
     bool decode =
         how->decode == NTP_DECODE_AUTO && src->type == NTP_U8 && src->encoding == NTP_STANDARD;
     if (how->z == NTP_Z_AUTO && src->encoding == NTP_XY)
