@@ -7,6 +7,7 @@ import shutil
 import subprocess
 import sys
 import sysconfig
+import threading
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,6 +19,9 @@ from ._measure import _Result
 
 CheckType = Literal["auto", "standard", "zzero", "xy", "height"]
 Level = Literal["error", "warning", "info"]
+
+# sysconfig of Python 3.11 fails where two threads are the first to ask it.
+_ONE_AT_A_TIME = threading.Lock()
 
 
 @dataclass(frozen=True)
@@ -113,8 +117,9 @@ def program() -> Path:
     repaired = Path(__file__).parent.with_name("normaltexture.scripts") / name
     if repaired.is_file():
         return repaired
-    beside = [sysconfig.get_path("scripts"), str(Path(sys.executable).parent)]
-    beside.append(str(Path(sysconfig.get_path("scripts", f"{os.name}_user"))))
+    with _ONE_AT_A_TIME:
+        beside = [sysconfig.get_path("scripts"), str(Path(sys.executable).parent)]
+        beside.append(str(Path(sysconfig.get_path("scripts", f"{os.name}_user"))))
     for directory in beside:
         if (Path(directory) / name).is_file():
             return Path(directory) / name

@@ -9,10 +9,13 @@ import sys
 
 import numpy as np
 import pytest
+from jsonschema import Draft202012Validator
+from referencing import Registry, Resource
 
 import gltf_files as files
 import normaltexture as nt
 from cli import textures
+from conftest import ROOT
 from normaltexture import gltf
 from normaltexture.gltf._spans import Editor
 from pngs import png_bytes, read_png
@@ -452,3 +455,53 @@ def test_command_line_cleans(tmp_path):
     assert report["summary"]["written"] == 1 and ntp_gltf(bad).returncode == 0
     assert ntp_gltf(tmp_path / "none.glb", "--in-place").returncode == 3
     assert nt.check(bad.with_name("nothing.png")).files[0].status == "unreadable"
+
+
+def schema():
+    """Of docs/schema/gltf-1.json, with the one that it refers to."""
+    read = {
+        name: json.loads((ROOT / "docs" / "schema" / name).read_text(encoding="utf-8"))
+        for name in ("gltf-1.json", "check-1.json")
+    }
+    pairs = [(name, Resource.from_contents(body)) for name, body in read.items()]
+    Draft202012Validator.check_schema(read["gltf-1.json"])
+    return Draft202012Validator(read["gltf-1.json"], registry=Registry().with_resources(pairs))
+
+
+def test_json_is_as_the_schema_says(tmp_path):
+    """Of every kind of entry: clean, damaged, refused, skipped, unreadable, and lost images."""
+    made = {"bad": model(), "good": model(GOOD), "xy": model(GOOD)}
+    made["photo"], made["heights"] = model(textures.photograph()), model(textures.heights())
+    made["shared"], made["gone"], made["ktx"] = model(GOOD), model(), model()
+    made["shared"].materials[1]["emissiveTexture"] = {"index": 1}
+    made["ktx"].textures[1]["extensions"] = {"KHR_texture_basisu": {"source": 3}}
+    made["ktx"].images.append(("n.ktx2", b"\xabKTX 20\xbb\r\n\x1a\n" + bytes(60), "image/ktx2"))
+    for name, one in made.items():
+        save(one, tmp_path / name, "files") if name == "gone" else save(one, tmp_path, name=name)
+    next((tmp_path / "gone").glob("brick_n*")).unlink()
+    (tmp_path / "broken.glb").write_bytes(b"no glTF")
+    validator = schema()
+
+    def states(*args):
+        done = ntp_gltf("-r", ".", "--format", "json", *args, cwd=tmp_path)
+        assert done.returncode == 3 and "broken.glb" in done.stderr + done.stdout
+        told = json.loads(done.stdout)
+        validator.validate(told)
+        assert told["summary"]["files"] == len(told["files"])
+        return told, {entry["status"] for entry in told["files"]}
+
+    assert states()[1] == {"ok", "skipped", "unreadable"}
+    told, found = states("-o", "out", "-n")
+    assert found == {"ok", "skipped", "refused", "unreadable"} and told["outputs"]
+    assert told["summary"]["failed"] == 2 and told["summary"]["refused"] == 2
+    assert not any("--type" in entry["message"] for entry in told["files"] if entry["message"])
+    # The schema is no rubber stamp.
+    for spoil in (
+        lambda entry: entry.pop("uses"),
+        lambda entry: entry.update(storage="web"),
+        lambda entry: entry.update(written="yes"),
+        lambda entry: entry.pop("angle_deg"),
+    ):
+        wrong = json.loads(json.dumps(told))
+        spoil(next(entry for entry in wrong["files"] if entry["status"] == "ok"))
+        assert not validator.is_valid(wrong)

@@ -4,6 +4,7 @@
 import importlib.metadata
 import json
 import subprocess
+import sys
 import sysconfig
 from pathlib import Path
 
@@ -41,6 +42,24 @@ def test_the_program_of_the_scripts_directory_runs(test_files):
         [script, "check", test_files / "standard.png"], capture_output=True, text=True, check=False
     )
     assert done.returncode == 0 and "well formed" in done.stdout
+
+
+def test_the_program_is_found_by_many_threads_at_once(tmp_path):
+    """In processes where nothing has looked for it before."""
+    script = tmp_path / "threads.py"
+    script.write_text(
+        "import sys, threading\n"
+        "from concurrent.futures import ThreadPoolExecutor\n"
+        "import normaltexture as nt\n"
+        "sys.setswitchinterval(1e-6)\n"
+        "start = threading.Barrier(8)\n"
+        "with ThreadPoolExecutor(8) as pool:\n"
+        "    found = set(pool.map(lambda _: start.wait() >= 0 and nt.program(), range(8)))\n"
+        "assert len(found) == 1\n"
+    )
+    for _ in range(8):
+        done = subprocess.run([sys.executable, script], capture_output=True, check=False)
+        assert done.returncode == 0, done.stderr.decode()
 
 
 def test_check(test_files, tmp_path):

@@ -86,8 +86,9 @@ def _clean_image(
         with tempfile.TemporaryDirectory(prefix="ntp-gltf-") as scratch:
             new, said = _clean_one(document, image, found, Path(scratch), how)
         entry.update(said, written=new is not None)
-        if entry["message"]:
-            entry["message"] = f"{where}: {entry['message'].partition(': ')[2]}"
+        if entry["message"]:  # without the program's advice, which names options of its own
+            reason = entry["message"].partition(": ")[2].partition("; --")[0]
+            entry["message"] = f"{where}: {reason}"
         return entry, new
     return entry, None
 

@@ -167,6 +167,7 @@ def _run_clean(args: argparse.Namespace, paths: Sequence[str]) -> int:
                 message = f"{error.filename or path}: {error.strerror}"
             print(f"ntp: {_console.shown(message)}", file=sys.stderr)
             code = _ntp.EXIT_FAILED
+            reports.append(_failed(path, message))
             continue
         reports.append(report)
         states = {file["status"] for file in report["files"]}
@@ -181,12 +182,20 @@ def _run_clean(args: argparse.Namespace, paths: Sequence[str]) -> int:
     return code
 
 
+def _failed(path: str, message: str) -> Json:
+    """The report of a file of which nothing was made."""
+    entry = {**_ntp.path_fields(path), "status": "unreadable", "message": message}
+    entry["written"] = False
+    return {"files": [entry], "outputs": [], "summary": {"files": 1, "failed": 1}}
+
+
 def _joined(reports: Sequence[Json]) -> Json:
     """One report of several."""
-    summary: dict[str, int] = {}
+    names = ("files", "written", "unchanged", "skipped", "refused", "failed")
+    summary = dict.fromkeys(names, 0)
     for report in reports:
         for key, count in report["summary"].items():
-            summary[key] = summary.get(key, 0) + count
+            summary[key] += count
     return {
         "schema_version": 1,
         "tool": _ntp.tool_fields(),
