@@ -38,7 +38,9 @@ def gegl_env(tmp_path_factory):
         for file in files:
             (few / file.name).symlink_to(file)
         plugins = few
-    return dict(os.environ, GEGL_PATH=f"{plugins}:{module.parent}", GEGL_USE_OPENCL="no")
+    # Nothing in the home directory is read or written.
+    own = {"HOME": str(few), "GEGL_SWAP": "RAM", "GEGL_USE_OPENCL": "no"}
+    return dict(os.environ, GEGL_PATH=f"{plugins}:{module.parent}", **own)
 
 
 @pytest.fixture
@@ -57,7 +59,7 @@ def gegl(gegl_env, tmp_path):
             cwd=tmp_path,
             capture_output=True,
             text=True,
-            timeout=300,
+            timeout=900,
             check=False,
         )
         assert done.returncode == 0, done.stderr
@@ -251,7 +253,7 @@ def test_nothing_to_do(gegl_env, tmp_path):
             cwd=tmp_path,
             capture_output=True,
             text=True,
-            timeout=120,
+            timeout=900,
             check=False,
         )
         assert done.returncode >= 0 and "CRITICAL" not in done.stderr, done.stderr
