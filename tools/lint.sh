@@ -1,0 +1,60 @@
+# SPDX-License-Identifier: MIT
+# ./dev format and ./dev lint.
+
+c_files() { git ls-files '*.c' '*.h'; }
+
+format() {
+    need_venv
+    if [ "${1:-}" = --check ]; then
+        c_files | xargs clang-format --dry-run -Werror
+        ruff format --check .
+    else
+        c_files | xargs clang-format -i
+        ruff format .
+    fi
+}
+
+lint_cppcheck() {
+    # Suppressed: loops that do fill what cppcheck takes for uninitialized.
+    cppcheck --quiet --std=c11 --enable=warning,performance,portability --inline-suppr \
+        --suppress=missingIncludeSystem --suppress=uninitvar:libntp/src/wide.c \
+        --suppress=legacyUninitvar:io/png_write.c \
+        --suppress=uninitvar:bench/bench_to_height.c --error-exitcode=1 -j "$jobs" \
+        -Ilibntp/include -Ilibntp/src -Iio -Icli -Igimp-plugin/plug-in '-DG_DEFINE_TYPE(A,B,C)=' \
+        -DNTP_BUILDING -DNTP_ISA=base '-DNTP_ISA_NAME="base"' \
+        '-Djson_array_foreach(a,i,v)=while((v=json_array_get(a,(i=0)))!=NULL)' \
+        '-Djson_object_foreach(o,k,v)=while((v=json_object_get(o,(k="")))!=NULL)' \
+        libntp io cli gimp-plugin examples bench
+}
+
+lint_tidy() {
+    python - <<'END' >build/tidy-files
+import json, os
+top = os.getcwd()
+names = {os.path.realpath(os.path.join(e["directory"], e["file"])) for e in json.load(open("build/compile_commands.json"))}
+names = {os.path.relpath(n, top) for n in names}
+print("\n".join(sorted(n for n in names if n.endswith(".c") and n.split("/")[0] in ("libntp", "io", "cli", "gimp-plugin", "tests"))))
+END
+    xargs -n 1 -P "$jobs" clang-tidy --quiet -p build --warnings-as-errors='*' <build/tidy-files
+}
+
+lint_python() { ruff check . && ruff format --check .; }
+
+lint_spelling() {
+    codespell --skip '*.png,*.tga,*.jpg,*.pfm' --ignore-words-list 'ue,fo,ba,nd,paeth,chekc,autor,aci' $(git ls-files '*.md' '*.c' '*.h' '*.py' '*.txt' '*.sh' dev)
+}
+
+lint() {
+    need_tools
+    need_test_tools # what the parts for GIMP are built with: what is not built is not looked at
+    need_lint_tools
+    build_main
+    stage cppcheck lint_cppcheck
+    stage clang-tidy lint_tidy
+    stage ruff lint_python
+    stage clang-format format --check
+    stage codespell lint_spelling
+    stage "shader snippets" python docs/check_shaders.py
+    stage "outputs in the pages" python docs/console.py --check build/cli/ntp
+    finish_stages
+}
