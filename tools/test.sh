@@ -49,6 +49,11 @@ pytest_asan_done() { # waits, and shows
     [ "$(cat build-asan/pytest.status)" = 0 ]
 }
 
+# For --quick: single texels, what ntp says and writes, the table of test_files.
+quick_tests="tests/test_levels.py tests/test_inspect.py tests/test_files_table.py
+    tests/cli/test_check.py tests/cli/test_program.py tests/cli/test_write.py"
+pytest_quick() { NTP_BUILD=$top/build python -m pytest -q -p no:cacheprovider $quick_tests; }
+
 run_tests() {
     quick=no
     [ "${1:-}" != --quick ] || { quick=yes; shift; }
@@ -66,7 +71,8 @@ run_tests() {
             stage "suite $suite" meson_test build --suite "$suite"
         done
     elif [ $quick = yes ]; then
-        stage tests meson_test build --no-suite sweep --no-suite exhaustive
+        stage "C tests" meson_test build --no-suite sweep --no-suite exhaustive --no-suite python
+        stage "a choice of the Python tests" pytest_quick
     else
         stage "build with ASan and UBSan" build_asan
         finish_stages
