@@ -5,9 +5,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "deep.h"
 #include "jobs.h"
 #include "report.h"
+#include "surface.h"
 
 typedef enum check_format { FORMAT_TEXT, FORMAT_JSON, FORMAT_CSV, FORMAT_LIST } check_format;
 
@@ -87,17 +87,28 @@ static void mark_known(const check *c, const input *in, finding_list *list)
 
 /* ------------------------------------------------------------------------- one file */
 
+/* Is the surface told of?  Where it is not, and no finding comes of it, nobody waits for it. */
+static bool tells_of_surface(const check *c)
+{
+    return c->format == FORMAT_JSON || (c->format == FORMAT_TEXT && c->settings.verbose);
+}
+
 static void examine_file(const check *c, worker *w, const input *in, checked *done)
 {
     source s;
     if (!source_open(&s, w, in, &c->limits, &done->error))
         return;
-    s.orient = option_given(c->o, OPT_DEEP) ? ORIENT_EVERY_ROW : ORIENT_SAMPLED;
-    const bool deep = s.orient == ORIENT_EVERY_ROW;
+    const bool deep = option_given(c->o, OPT_DEEP);
+    const int y = c->settings.rules.y - 1;
+    s.orient = deep ? ORIENT_EVERY_ROW : ORIENT_SAMPLED;
+    s.keep_crop = deep || tells_of_surface(c);
     if (deep)
         s.read_permille = DEEP_READ_PERMILLE;
-    done->readable = examine(&s, c->forced, &done->f, &done->error) &&
-                     (!deep || look_deeper(&s, &done->f, c->settings.rules.y - 1, &done->error));
+    done->readable = examine(&s, c->forced, &done->f, &done->error);
+    if (done->readable && deep)
+        done->readable = surface_look_deeper(&s, &done->f, y, &done->error);
+    else if (done->readable && s.keep_crop)
+        surface_look(&s, &done->f, y);
     source_close(&s);
     if (!done->readable)
         return;

@@ -11,6 +11,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "crop.h"
+
 ntpio_limits limits_from(const options *o)
 {
     return (ntpio_limits) { .max_side = (uint32_t) option_integer(o, OPT_MAX_SIDE),
@@ -140,6 +142,7 @@ static bool measure(source *s, uint32_t touch, ntpio_error *error)
 {
     ntp_tally_clear(s->w->tally);
     orient_begin(s);
+    crop_begin(s);
     const ntp_const_image view = ntp_image_as_const(&s->view);
     ntp_rect area;
     int more;
@@ -149,6 +152,7 @@ static bool measure(source *s, uint32_t touch, ntpio_error *error)
             status = orient_rows(s, &area, touch);
         if (status != NTP_OK)
             return library_error(s, status, error);
+        crop_rows(s, &area);
     }
     return more == 0;
 }

@@ -31,7 +31,10 @@ typedef struct worker {
     buffer diff;         /* an ntp_diff */
     uint64_t *histogram; /* NTP levels 0..65535 */
     ntp_orientation *orientation;
-    buffer band;          /* rows around the one whose orientation is measured */
+    buffer band; /* rows around the one whose orientation is measured */
+    buffer crop; /* what crop.c keeps: the middle, rows, columns */
+    buffer across;
+    buffer down;
     bool may_read_ahead;  /* a processor is idle */
     int threads;          /* that this worker may keep busy, itself included */
     _Atomic int permille; /* of the file at work, for the progress bar */
@@ -63,6 +66,7 @@ typedef struct source {
     uint32_t next;       /* the next row */
     int read_permille;   /* of the work that reading is; 0: all of it */
     orient orient;
+    bool keep_crop; /* for surface.c */
 } source;
 
 bool source_open(source *s, worker *w, const input *in, const ntpio_limits *limits,
@@ -92,14 +96,15 @@ typedef struct level_count {
     uint64_t count;
 } level_count;
 
-/* What look_deeper adds. */
-typedef struct deep_facts {
+/* What surface.c adds. */
+typedef struct surface_facts {
     bool known;
-    ntp_y y; /* that it supposes */
+    bool deep;     /* asked for by --deep */
+    ntp_rect area; /* that the kernel and the residual are of */
     ntp_origin origin;
-    ntp_seam seam[2]; /* across, down */
+    ntp_seam seam[2]; /* of the whole texture: across, down */
     double residual;  /* of the best heights, in levels; negative: not known */
-} deep_facts;
+} surface_facts;
 
 /* What is known of a file after it was read. */
 typedef struct facts {
@@ -109,7 +114,7 @@ typedef struct facts {
     ntp_classification type;
     ntp_encoding encoding;              /* that the texels were read as */
     ntp_orientation_result orientation; /* undecided when it was not asked for */
-    deep_facts deep;
+    surface_facts surface;
     bool forced;         /* by --type */
     bool counts;         /* named, or a normals texture by its name or content */
     level_count *levels; /* the histogram of levels_off, without zeros */

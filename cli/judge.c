@@ -308,12 +308,12 @@ static void judge_orientation(judgement *j)
 
 static void judge_surface(judgement *j)
 {
-    const deep_facts *deep = &j->f->deep;
-    const bool across = deep->seam[0].tiling == NTP_TILING_SEAM;
-    const bool down = deep->seam[1].tiling == NTP_TILING_SEAM;
-    if (!deep->known)
+    const surface_facts *found = &j->f->surface;
+    const bool across = found->seam[0].tiling == NTP_TILING_SEAM;
+    const bool down = found->seam[1].tiling == NTP_TILING_SEAM;
+    if (!found->known || !found->deep) /* findings are for those who ask */
         return;
-    const double levels = deep->residual / (j->f->info.sample_bytes == 1 ? 1 : 257);
+    const double levels = found->residual / (j->f->info.sample_bytes == 1 ? 1 : 257);
     if (levels >= POOR_FIT)
         addf(j, NT023, LEVEL_INFO, 0,
              "no surface has these normals: the best one differs by %.0f of 255 levels on average",

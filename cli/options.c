@@ -41,8 +41,8 @@ const option_spec OPTION_TABLE[] = {
     { OPT_BASELINE, "baseline", 0, KIND_STRING, "FILE", NULL, 0, 0, V_CHECK,
       "the JSON of an earlier check: findings that it holds are not counted again" },
     { OPT_DEEP, "deep", 0, KIND_FLAG, NULL, NULL, 0, 0, V_CHECK,
-      "hold the whole texture in memory and also find out which kernel made it, whether it tiles, and "
-      "how well a surface fits; tell which way green points from every row, not from some" },
+      "hold the whole texture in memory to find out which kernel made it and how well a surface fits, "
+      "not its middle, and say so; tell which way green points from every row, not from some" },
 
     { OPT_OUTPUT, "output", 'o', KIND_STRING, "FILE|DIR", NULL, 0, 0, V_WRITES,
       "where to write: a file, - for standard output, or a directory, in which relative paths "

@@ -237,20 +237,31 @@ static json_t *finding_objects(const finding_list *list)
     return array;
 }
 
-/* What --deep adds: null without it, and where it cannot be told. */
-static void set_deep(json_t *object, const deep_facts *deep)
+static json_t *rectangle(const ntp_rect *r)
+{
+    return need(json_pack("{s:i, s:i, s:i, s:i}", "x", (int) r->x0, "y", (int) r->y0, "width",
+                          (int) (r->x1 - r->x0), "height", (int) (r->y1 - r->y0)));
+}
+
+/* null where there are no slopes, and what cannot be told. */
+static void set_surface(json_t *object, const surface_facts *found)
 {
     static const char *const TILING[] = { "undecided", "yes", "no" };
-    json_t *tiles = deep->known ? json_pack("{s:s, s:s}", "x", TILING[deep->seam[0].tiling], "y",
-                                            TILING[deep->seam[1].tiling])
-                                : json_null();
-    const bool told = deep->known && deep->origin.decided;
-    json_object_set_new(object, "kernel",
-                        told ? json_string(ntp_kernel_name(deep->origin.kernel)) : json_null());
-    json_object_set_new(object, "tiles", need(tiles));
-    json_object_set_new(object, "residual_levels",
-                        deep->known && deep->residual >= 0 ? json_angle(deep->residual)
-                                                           : json_null());
+    json_t *kernel = json_null(), *tiles = json_null(), *residual = json_null(),
+           *area = json_null();
+    if (found->known) {
+        area = rectangle(&found->area);
+        tiles = need(json_pack("{s:s, s:s}", "x", TILING[found->seam[0].tiling], "y",
+                               TILING[found->seam[1].tiling]));
+    }
+    if (found->known && found->origin.decided)
+        kernel = json_string(ntp_kernel_name(found->origin.kernel));
+    if (found->known && found->residual >= 0)
+        residual = json_angle(found->residual);
+    json_object_set_new(object, "kernel", kernel);
+    json_object_set_new(object, "tiles", tiles);
+    json_object_set_new(object, "residual_levels", residual);
+    json_object_set_new(object, "surface_area", area);
 }
 
 json_t *check_json(const input *in, const checked *c, const check_settings *s)
@@ -288,7 +299,7 @@ json_t *check_json(const input *in, const checked *c, const check_settings *s)
     json_object_set_new(object, "levels_off", levels(f));
     json_object_set_new(object, "length", length(f));
     json_object_set_new(object, "angle_deg", height ? json_null() : json_angles(&f->stats.angles));
-    set_deep(object, &f->deep);
+    set_surface(object, &f->surface);
     json_object_set_new(object, "findings", finding_objects(&c->list));
     return object;
 }

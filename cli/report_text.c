@@ -118,22 +118,35 @@ static void add_count_line(text *t, const char *label, uint64_t count, uint64_t 
     text_add(t, ")\n");
 }
 
-/* What --deep adds. */
-static void add_deep(text *t, const deep_facts *deep)
+/* " (its middle, 1024 x 1024)" where an area is not all of the texture. */
+static void add_area(text *t, const facts *f)
+{
+    const ntp_rect *area = &f->surface.area;
+    const int32_t width = area->x1 - area->x0, height = area->y1 - area->y0;
+    if ((uint32_t) width < f->info.width || (uint32_t) height < f->info.height)
+        text_addf(t, " (its middle, %d x %d)", (int) width, (int) height);
+}
+
+static void add_surface(text *t, const facts *f)
 {
     static const char *const TILING[] = { "perhaps", "yes", "no" };
-    if (!deep->known)
+    const surface_facts *found = &f->surface;
+    if (!found->known)
         return;
     text_addf(t, "    %-24s ", "made from heights");
-    if (deep->origin.decided)
-        text_addf(t, "with the kernel %s\n", ntp_kernel_name(deep->origin.kernel));
+    if (found->origin.decided)
+        text_addf(t, "with the kernel %s", ntp_kernel_name(found->origin.kernel));
     else
-        text_add(t, "with a kernel that cannot be told, or not from heights\n");
-    text_addf(t, "    %-24s across: %s, down: %s\n", "tiles", TILING[deep->seam[0].tiling],
-              TILING[deep->seam[1].tiling]);
-    if (deep->residual >= 0)
-        text_addf(t, "    %-24s to %.2f levels; rounding alone leaves 0.20\n", "fits a surface",
-                  deep->residual);
+        text_add(t, "with a kernel that cannot be told, or not from heights");
+    add_area(t, f);
+    text_addf(t, "\n    %-24s across: %s, down: %s\n", "tiles", TILING[found->seam[0].tiling],
+              TILING[found->seam[1].tiling]);
+    if (found->residual < 0)
+        return;
+    text_addf(t, "    %-24s to %.2f levels; rounding alone leaves 0.20", "fits a surface",
+              found->residual);
+    add_area(t, f);
+    text_char(t, '\n');
 }
 
 static void add_statistics(text *t, const checked *c, const check_settings *s)
@@ -195,8 +208,8 @@ void check_text(text *t, const input *in, const checked *c, const check_settings
     add_findings(t, c, s);
     if (s->verbose)
         add_statistics(t, c, s);
-    if (!s->quiet)
-        add_deep(t, &c->f.deep);
+    if (s->verbose || (c->f.surface.deep && !s->quiet))
+        add_surface(t, &c->f);
 }
 
 void check_text_summary(text *t, const check_summary *sum, const check_settings *s)

@@ -49,6 +49,9 @@ void worker_free(worker *w)
     free(w->histogram);
     free(w->orientation);
     free(w->band.data);
+    free(w->crop.data);
+    free(w->across.data);
+    free(w->down.data);
     free(w);
 }
 

@@ -22,6 +22,7 @@ from test_to_height import (
 )
 
 WEIGHTED = 4
+INSIDE = 2  # NTP_MEASURE_INSIDE
 DERIVED = 1
 KERNELS = [*heights.NAMES, model.BAKED]
 
@@ -356,7 +357,42 @@ def test_residual_is_that_of_the_normals():
         b = vectors(p2.reshape(20, 23), q2.reshape(20, 23))[used]
         rms = np.sqrt(np.mean((a - b)[:, :2] ** 2)) * m / 2
         assert abs(result["residual"] - rms) <= 1e-4 * rms
+
+        inside = np.zeros((20, 23), bool)
+        first = 0 if kernel == "forward" else 1
+        inside[first:-1, first:-1] = True
+        a = vectors(p, q)[used & inside]
+        b = vectors(p2.reshape(20, 23), q2.reshape(20, 23))[used & inside]
+        rms = np.sqrt(np.mean((a - b)[:, :2] ** 2)) * m / 2
+        found = weighted(n, method=0, measure=INSIDE, **how)[1]["residual"]
+        assert abs(found - rms) <= 1e-4 * rms
     assert weighted(n, method=0)[1]["residual"] == -1
+
+
+@pytest.mark.parametrize("shape", [(127, 40), (130, 40), (131, 40), (700, 40)])
+def test_residual_inside_is_of_128_rows(shape):
+    """Those that are spread evenly: floor(k rows / 128)."""
+    rng = np.random.default_rng(9)
+    n = rng.integers(90, 165, (*shape, 3)).astype(np.uint8)
+    n[..., 2] = 240
+    ours, result = weighted(n, method=0, measure=INSIDE, border_x=CLAMP, border_y=CLAMP)
+    a = vectors(*slopes(n))
+    p2 = (ours[1:-1, 2:] - ours[1:-1, :-2]) / 2
+    q2 = (ours[2:, 1:-1] - ours[:-2, 1:-1]) / 2
+    square = ((a[1:-1, 1:-1] - vectors(p2, q2))[..., :2] ** 2).mean((1, 2))
+    rows = shape[0] - 2
+    seen = [y for y in range(rows) if rows <= 128 or y * 128 % rows < 128]
+    assert len(seen) == min(rows, 128)
+    rms = np.sqrt(square[seen].mean()) * 255 / 2
+    assert abs(result["residual"] - rms) <= 1e-4 * rms
+
+
+def test_residual_of_nothing():
+    n = np.full((1, 9, 3), (128, 128, 255), np.uint8)
+    assert weighted(n, method=0, measure=INSIDE)[1]["residual"] == -1
+    black = np.zeros((9, 9, 3), np.uint8)
+    for measure in (1, INSIDE):
+        assert weighted(black, method=0, measure=measure)[1]["residual"] == -1
 
 
 def vectors(p, q):

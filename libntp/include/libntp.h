@@ -828,6 +828,13 @@ typedef enum ntp_prior {
     NTP_PRIOR_ROUGHNESS = 2 /* of heights that fit alike within the rounding, smooth ones */
 } ntp_prior;
 
+/* What `residual` is of. */
+typedef enum ntp_measured {
+    NTP_MEASURE_NOT = 0,
+    NTP_MEASURE_ALL = 1,   /* all texels */
+    NTP_MEASURE_INSIDE = 2 /* of at most 128 rows, texels whose kernel reaches over no border */
+} ntp_measured;
+
 typedef struct ntp_height_options {
     ntp_height_method method;
     ntp_kernel kernel; /* that made the normals, or NTP_KERNEL_BAKED */
@@ -840,7 +847,7 @@ typedef struct ntp_height_options {
     int32_t use_seeds;     /* nonzero, telescoping only: heights begin at these */
     double seeds[4];       /* h(0,0), h(1,0), h(0,1), h(1,1); forward: the first */
     int32_t equalize;      /* nonzero, telescoping, central: even and odd texels get one mean */
-    int32_t measure;       /* nonzero: work out `residual` too, one more pass */
+    int32_t measure;       /* an ntp_measured: work out `residual` too, one more pass */
     int32_t detrend;       /* nonzero: take the best plane out, along borders that do not wrap */
     int32_t refine;        /* 0..NTP_MAX_ITERATIONS rounds, each as long as the solution */
     /* NTP_HEIGHT_WEIGHTED; a mask makes it the default method.  NTP_U8 or NTP_U16 NTP_HEIGHT of the
@@ -872,7 +879,7 @@ typedef struct ntp_height_result {
     int32_t rounds;           /* of `refine`, that were done */
     uint64_t refine_left;     /* after `refine`: texels whose red or green is not given again */
     double residual;          /* rms of x and y of the heights' normals less those of the texture,
-                               * in levels (floats: of 16 bit); -1: not measured */
+                               * in levels (floats: of 16 bit); -1: not measured, or no texel counts */
     /* NTP_HEIGHT_TELESCOPING, of the equations that the sums did not take, those of other paths: rms
      * and greatest |slope of the heights - stored slope|; else 0 */
     double consistency, consistency_max;
@@ -1184,8 +1191,9 @@ typedef struct ntp_origin {
 /*
  * Tries kernels on the normals: their two slopes must be the differences of one height.  Red and
  * green count, and src->y; see ntp_orientation_measure for it.  Tried are central, forward, prewitt3,
- * sobel3, scharr3, prewitt5 and baked; sobel5 looks like sobel3.  Sampled rows are read, at most 256,
- * and 1024 columns of each.  The border does not matter.  src->ring_rows is 0.
+ * sobel3, scharr3, prewitt5 and baked; sobel5 looks like sobel3.  Sampled rows are read, at most 1024
+ * and no more than show detail enough, and 256 columns of each.  The border does not matter.
+ * src->ring_rows is 0.
  */
 NTP_API ntp_status ntp_find_origin(ntp_origin *origin, const ntp_const_image *src,
                                    uint32_t touch_unused);
@@ -1211,9 +1219,10 @@ typedef struct ntp_seam {
 
 /*
  * Does a texture tile?  x is about the left and right edges, y about the upper and lower ones.
- * At most 256 rows and as many columns are read.  Red and green count.  Undecided are textures
+ * At most 128 rows and as many columns are read.  Red and green count.  Undecided are textures
  * below 16 x 16 texels, nearly flat ones, those with many unused texels at the edges, and what is
- * neither a clear seam nor without one.  src->ring_rows is 0.
+ * neither a clear seam nor without one.  src->ring_rows is 0.  One of x and y may be NULL: it is not
+ * looked for.
  */
 NTP_API ntp_status ntp_find_seams(ntp_seam *x, ntp_seam *y, const ntp_const_image *src,
                                   uint32_t touch_unused);

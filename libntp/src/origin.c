@@ -18,8 +18,9 @@ enum {
     EDGE = REACH + 2, /* points nearer to an edge may hold slopes that a border made */
     WIDE = NTP__BLOCK,
     POINTS = WIDE - 2 * REACH, /* of a stretch */
-    MOST_ROWS = 256,
-    MOST_COLUMNS = 1024,
+    MOST_ROWS = 1024,
+    MOST_COLUMNS = 256,
+    ENOUGH_POINTS = 1 << 14, /* the mean of so many squares is sure to a few hundredths */
     CANDIDATES = 7
 };
 
@@ -84,16 +85,24 @@ static void to_slopes(rows *at, int32_t k, const ntp__block *b, const ntp_const_
 {
     int32_t m = ntp__max(src->type);
     double m2 = (double) m * m, least = m2 / 100, sign = src->y == NTP_Y_UP ? 1 : -1;
+    double rest[WIDE], inverse[WIDE];
     float level = 2 / (float) m, noise = level * level / 12;
+    /* short loops, which compilers vectorize */
     for (int32_t i = 0; i < n; i++) {
         double x = ntp__num(b->c[0][i], m), y = ntp__num(b->c[1][i], m);
-        double rest = m2 - x * x - y * y;
-        at->bad[i] |= rest < least;
-        double z = sqrt(rest < least ? least : rest);
-        float p = (float) (-x / z), q = (float) (sign * y / z);
+        rest[i] = m2 - x * x - y * y;
+    }
+    for (int32_t i = 0; i < n; i++)
+        at->bad[i] |= rest[i] < least;
+    for (int32_t i = 0; i < n; i++)
+        inverse[i] = 1 / sqrt(rest[i] < least ? least : rest[i]);
+    for (int32_t i = 0; i < n; i++) {
+        at->p[k][i] = (float) (-ntp__num(b->c[0][i], m) * inverse[i]);
+        at->q[k][i] = (float) (sign * ntp__num(b->c[1][i], m) * inverse[i]);
+    }
+    for (int32_t i = 0; i < n; i++) {
+        float p = at->p[k][i], q = at->q[k][i];
         float pp = p * p, qq = q * q, common = noise * (1 + pp + qq);
-        at->p[k][i] = p;
-        at->q[k][i] = q;
         at->p_noise[k][i] = common * ((1 + pp) * (1 + pp) + pp * qq);
         at->q_noise[k][i] = common * ((1 + qq) * (1 + qq) + pp * qq);
     }
@@ -202,20 +211,38 @@ static void add_stretch(sums *s, const ntp_const_image *src, uint32_t touch, int
         try_candidate(&s->square[i], &CANDIDATE[i], &at, worth, n);
 }
 
-/* Of up to MOST_ROWS rows; of wide ones MOST_COLUMNS columns, that begin elsewhere in each. */
+/* A step that visits all of `count` rows, each far from the last: near the golden section. */
+static int32_t scattering_step(int32_t count)
+{
+    int32_t step = (int32_t) ((int64_t) count * 40503 / 65536);
+    for (;; step++) {
+        int32_t a = count, b = step;
+        while (b > 0) { /* Euclid: the two are to have no divisor in common */
+            int32_t rest = a % b;
+            a = b;
+            b = rest;
+        }
+        if (a == 1)
+            return step;
+    }
+}
+
+/* Of up to MOST_ROWS rows, until there are enough points; of wide ones MOST_COLUMNS columns, that
+ * begin elsewhere in each. */
 static void add_rows(sums *s, const ntp_const_image *src, uint32_t touch)
 {
     int32_t across_all = src->width - 2 * EDGE, down_all = src->height - 2 * EDGE;
     if (across_all < 1 || down_all < 1)
         return;
-    int32_t count = down_all < MOST_ROWS ? down_all : MOST_ROWS;
+    int32_t count = down_all < MOST_ROWS ? down_all : MOST_ROWS, step = scattering_step(count);
     int32_t columns = across_all < MOST_COLUMNS ? across_all : MOST_COLUMNS;
-    for (int32_t i = 0; i < count; i++) {
+    for (int32_t k = 0, i = 0; k < count && s->points < ENOUGH_POINTS;
+         k++, i = (i + step) % count) {
         int32_t y = EDGE + (int32_t) ((int64_t) i * down_all / count);
         /* the golden section of the room there is */
         int32_t x = EDGE + (int32_t) ((int64_t) i * 40503 % 65536 * (across_all - columns) / 65536);
-        for (int32_t k = 0; k < columns; k += POINTS)
-            add_stretch(s, src, touch, x + k, y, columns - k < POINTS ? columns - k : POINTS);
+        for (int32_t c = 0; c < columns; c += POINTS)
+            add_stretch(s, src, touch, x + c, y, columns - c < POINTS ? columns - c : POINTS);
     }
 }
 

@@ -15,6 +15,28 @@
 /* Of half a box is used: the rest is for the rounding of heights to float. */
 static const double inside = 0.98;
 
+enum { MOST_ROWS = 128 }; /* that NTP_MEASURE_INSIDE looks at */
+
+/* Leaves out the texels whose slopes a line makes of heights beyond a border. */
+static void hold_inside(int32_t *first, int32_t *end, const ntp__line *line)
+{
+    *first = line->low > *first ? line->low : *first;
+    *end = line->high < *end ? line->high : *end;
+}
+
+static void choose_seen(ntp__rederive *r, bool only_inside)
+{
+    const ntp__stencil *s = r->stencil;
+    r->seen = (ntp_rect) { 0, 0, r->width, r->height };
+    r->rows = only_inside ? MOST_ROWS : r->height;
+    for (int32_t t = 0; only_inside && t < s->terms; t++) {
+        hold_inside(&r->seen.x0, &r->seen.x1, &s->along_x[t]);
+        hold_inside(&r->seen.x0, &r->seen.x1, &s->across_x[t]);
+        hold_inside(&r->seen.y0, &r->seen.y1, &s->along_y[t]);
+        hold_inside(&r->seen.y0, &r->seen.y1, &s->across_y[t]);
+    }
+}
+
 void ntp__rederive_init(ntp__rederive *r, const ntp__slopes *slopes, const ntp_height_options *how,
                         int32_t width, int32_t height, ntp__crew crew, ntp__scratch *memory)
 {
@@ -37,9 +59,11 @@ void ntp__rederive_init(ntp__rederive *r, const ntp__slopes *slopes, const ntp_h
     }
     r->sum = ntp__take(memory, rows * sizeof *r->sum);
     r->count = ntp__take(memory, rows * sizeof *r->count);
-    if (memory->base != NULL)
+    if (memory->base != NULL) {
         ntp__stencil_init(r->stencil, baked ? NTP_KERNEL_CENTRAL : how->kernel, how->border_x,
                           how->border_y, width, height, false);
+        choose_seen(r, how->measure == NTP_MEASURE_INSIDE);
+    }
 }
 
 static double not_a_number(void)
@@ -102,25 +126,47 @@ void ntp__rederive_mark_holes(const ntp__rederive *r, double *heights, const ntp
 
 /* ----------------------------------------------------------------------------- residual */
 
+/* Is this row among those looked at, which are spread evenly? */
+static bool is_sampled(const ntp__rederive *r, int32_t y)
+{
+    int64_t rows = (int64_t) r->seen.y1 - r->seen.y0, at = (int64_t) y - r->seen.y0;
+    return at >= 0 && at < rows && (rows <= r->rows || at * r->rows % rows < r->rows);
+}
+
+/* The squares of x and y of one slope pair's normal less those of the other's, n of them. */
+static void squares_off(double *out, double *const *row, int32_t x, int32_t n)
+{
+    const double *right = row[0] + x, *down = row[1] + x, *p = row[2] + x, *q = row[3] + x;
+    for (int32_t i = 0; i < n; i++) {
+        double a = right[i], b = down[i], c = p[i], d = q[i];
+        double ours = sqrt(1 + a * a + b * b), theirs = sqrt(1 + c * c + d * d);
+        double ex = a / ours - c / theirs, ey = b / ours - d / theirs;
+        out[i] = ex * ex + ey * ey;
+    }
+}
+
 static void residual_row(void *job, int32_t part, int32_t y)
 {
     ntp__rederive *r = job;
-    double *const *row = r->parts[part].row, sum = 0;
+    double *const *row = r->parts[part].row, square[NTP__BLOCK], sum = 0;
     uint64_t count = 0;
     ntp__block block;
+    r->sum[y] = 0;
+    r->count[y] = 0;
+    if (!is_sampled(r, y))
+        return;
     slopes_of_heights(r, row[0], row[1], row[2], y);
     ntp__slopes_row(r->slopes, row[2], row[3], y, NULL);
-    for (int32_t x = 0; x < r->width; x++) {
-        int32_t i = x % NTP__BLOCK, left = r->width - x;
-        if (i == 0)
-            ntp__unpack(&block, r->slopes->src, x, y, left < NTP__BLOCK ? left : NTP__BLOCK);
-        if (left_out(r, &block, i, x, y) || is_nan(row[0][x], row[1][x]))
-            continue;
-        double a = row[0][x], b = row[1][x], c = row[2][x], d = row[3][x];
-        double ours = sqrt(1 + a * a + b * b), theirs = sqrt(1 + c * c + d * d);
-        double ex = a / ours - c / theirs, ey = b / ours - d / theirs;
-        sum += ex * ex + ey * ey;
-        count++;
+    for (int32_t x = r->seen.x0; x < r->seen.x1; x += NTP__BLOCK) {
+        int32_t n = r->seen.x1 - x < NTP__BLOCK ? r->seen.x1 - x : NTP__BLOCK;
+        ntp__unpack(&block, r->slopes->src, x, y, n);
+        squares_off(square, row, x, n);
+        for (int32_t i = 0; i < n; i++) {
+            if (left_out(r, &block, i, x + i, y) || is_nan(row[0][x + i], row[1][x + i]))
+                continue;
+            sum += square[i];
+            count++;
+        }
     }
     r->sum[y] = sum;
     r->count[y] = count;
@@ -136,7 +182,7 @@ double ntp__rederive_residual(ntp__rederive *r, const ntp__plane *heights)
         count += (double) r->count[y];
     }
     /* A level is 2/range. */
-    return count > 0 ? sqrt(sum / (2 * count)) * r->slopes->range / 2 : 0;
+    return count > 0 ? sqrt(sum / (2 * count)) * r->slopes->range / 2 : -1;
 }
 
 /* --------------------------------------------------------------------------- projection */

@@ -21,6 +21,8 @@ typedef struct ntp__rederive {
     const ntp_const_image *mask;
     int32_t width, height;
     double dx, dy;
+    ntp_rect seen; /* by the residual */
+    int32_t rows;  /* of it, at most */
     ntp__stencil *stencil;
     ntp__rederive_part *parts;
     ntp__crew crew;
@@ -37,7 +39,8 @@ void ntp__rederive_init(ntp__rederive *r, const ntp__slopes *slopes, const ntp_h
 /* Makes heights of holes NaN, in a packed plane or an image: slopes that read them then do not count. */
 void ntp__rederive_mark_holes(const ntp__rederive *r, double *heights, const ntp_image *dst);
 
-/* Root of the mean square of x and y less those stored, in levels; unused texels do not count. */
+/* Root of the mean square of x and y less those stored, in levels; unused texels do not count.
+ * Negative: none counts. */
 double ntp__rederive_residual(ntp__rederive *r, const ntp__plane *heights);
 
 /* right, down: what takes the slopes of these heights to the nearest that round to the stored red

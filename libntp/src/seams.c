@@ -13,7 +13,7 @@
 #include <string.h>
 
 enum {
-    MOST_LINES = 256,
+    MOST_LINES = 128,
     LEAST_TEXELS = 16 /* along a line, and lines across */
 };
 
@@ -42,10 +42,11 @@ typedef struct axis_sums {
     int32_t lines, asked; /* used; looked at */
 } axis_sums;
 
-/* One line of texels. */
+/* A stretch of a line. */
 typedef struct line {
-    double p[NTP__BLOCK], q[NTP__BLOCK]; /* slopes along and across */
-    bool bad[NTP__BLOCK];                /* no normal */
+    double p[NTP__BLOCK + 1], q[NTP__BLOCK + 1]; /* slopes along and across, from index 1 on */
+    bool bad[NTP__BLOCK];                        /* no normal */
+    double step[NTP__BLOCK], noise[NTP__BLOCK];
     ntp__block block;
 } line;
 
@@ -54,17 +55,23 @@ static void read_line(line *l, const ntp_const_image *src, uint32_t touch, int32
                       int32_t y, int32_t n)
 {
     int32_t m = ntp__max(src->type);
-    double m2 = (double) m * m;
-    ntp__unpack(&l->block, src, x, y, n);
+    double m2 = (double) m * m, least = m2 / (STEEPEST * STEEPEST), inverse[NTP__BLOCK];
+    ntp__block *b = &l->block;
+    ntp__unpack(b, src, x, y, n);
     for (int32_t i = 0; i < n; i++) {
-        const int32_t r = l->block.c[0][i], g = l->block.c[1][i];
-        double a = ntp__num(l->block.c[along][i], m), b = ntp__num(l->block.c[1 - along][i], m);
-        double rest = m2 - a * a - b * b, least = m2 / (STEEPEST * STEEPEST);
-        double z = sqrt(rest < least ? least : rest);
-        l->bad[i] = (l->block.any_broken && l->block.broken[i]) ||
-                    ntp__unused(r, g, l->block.c[2][i], l->block.c[3][i], m, touch);
-        l->p[i] = l->bad[i] ? 0 : a / z;
-        l->q[i] = l->bad[i] ? 0 : b / z;
+        double p = ntp__num(b->c[0][i], m), q = ntp__num(b->c[1][i], m);
+        double rest = m2 - p * p - q * q;
+        inverse[i] = 1 / sqrt(rest < least ? least : rest);
+    }
+    for (int32_t i = 0; i < n; i++) {
+        l->p[i + 1] = ntp__num(b->c[along][i], m) * inverse[i];
+        l->q[i + 1] = ntp__num(b->c[1 - along][i], m) * inverse[i];
+    }
+    for (int32_t i = 0; i < n; i++) {
+        l->bad[i] = (b->any_broken && b->broken[i]) ||
+                    ntp__unused(b->c[0][i], b->c[1][i], b->c[2][i], b->c[3][i], m, touch);
+        if (l->bad[i])
+            l->p[i + 1] = l->q[i + 1] = 0;
     }
 }
 
@@ -81,39 +88,48 @@ static bool read_ends(double ends[2][2], line *l, const ntp_const_image *src, ui
         read_line(l, src, touch, along, end == 0 ? 0 : src->width - 1, y, 1);
         if (l->bad[0])
             return false;
-        ends[end][0] = l->p[0];
-        ends[end][1] = l->q[0];
+        ends[end][0] = l->p[1];
+        ends[end][1] = l->q[1];
     }
     return true;
+}
+
+static void find_steps(line *l, int32_t n)
+{
+    for (int32_t i = 0; i < n; i++) {
+        double p = l->p[i + 1], q = l->q[i + 1], pp = p * p, qq = q * q;
+        l->step[i] = size(p - l->p[i]) + size(q - l->q[i]);
+        l->noise[i] = (1 + pp + qq) * ((1 + pp) * (1 + pp) + pp * qq);
+    }
 }
 
 /* Line y: its closure, the variance of its heights, and how its steps compare with the seam's. */
 static void add_line(axis_sums *s, line *l, const ntp_const_image *src, uint32_t touch,
                      int32_t along, int32_t y)
 {
-    double ends[2][2], height = 0, sum = 0, sum2 = 0, inside = 0, larger = 0, noise = 0;
-    double level = 2.0 / ntp__max(src->type), last_p = 0, last_q = 0;
+    double ends[2][2], height = 0, sum = 0, sum2 = 0, inside = 0, noise = 0;
+    double level = 2.0 / ntp__max(src->type);
     int32_t w = src->width;
+    int64_t larger = 0; /* steps, twice; as large ones: once */
     s->asked++;
     if (!read_ends(ends, l, src, touch, along, y))
         return;
     double jump = size(ends[0][0] - ends[1][0]) + size(ends[0][1] - ends[1][1]);
     for (int32_t x = 0; x < w; x += NTP__BLOCK) {
         int32_t n = w - x < NTP__BLOCK ? w - x : NTP__BLOCK;
+        l->p[0] = x > 0 ? l->p[NTP__BLOCK] : 0; /* the last of the stretch before */
+        l->q[0] = x > 0 ? l->q[NTP__BLOCK] : 0;
         read_line(l, src, touch, along, x, y, n);
+        find_steps(l, n);
         for (int32_t i = 0; i < n; i++) {
-            double p = l->p[i], q = l->q[i], pp = p * p, qq = q * q;
-            double step = size(p - last_p) + size(q - last_q);
-            height += p;
+            height += l->p[i + 1];
             sum += height;
             sum2 += height * height;
-            noise += (1 + pp + qq) * ((1 + pp) * (1 + pp) + pp * qq);
-            if (x + i > 0) {
-                inside += step;
-                larger += step > jump ? 1 : step < jump ? 0 : 0.5;
-            }
-            last_p = p;
-            last_q = q;
+            noise += l->noise[i];
+        }
+        for (int32_t i = x == 0 ? 1 : 0; i < n; i++) {
+            inside += l->step[i];
+            larger += (l->step[i] > jump) + (l->step[i] >= jump);
         }
     }
     s->full += height;
@@ -122,8 +138,8 @@ static void add_line(axis_sums *s, line *l, const ntp_const_image *src, uint32_t
     s->noise += noise * level * level / 12;
     s->jump += jump;
     s->inside += inside / (w - 1);
-    s->rank += larger / (w - 1);
-    s->largest += larger < 1;
+    s->rank += 0.5 * (double) larger / (w - 1);
+    s->largest += larger < 2;
     s->lines++;
 }
 
@@ -169,7 +185,7 @@ static void measure(ntp_seam *seam, const ntp_const_image *src, uint32_t touch, 
 ntp_status ntp_find_seams(ntp_seam *x, ntp_seam *y, const ntp_const_image *src,
                           uint32_t touch_unused)
 {
-    if (x == NULL || y == NULL || touch_unused > NTP_UNUSED_ALL)
+    if ((x == NULL && y == NULL) || touch_unused > NTP_UNUSED_ALL)
         return NTP_ERR_ARGUMENT;
     NTP__TRY(ntp__check_normals(src));
     if (src->ring_rows != 0)
@@ -179,7 +195,9 @@ ntp_status ntp_find_seams(ntp_seam *x, ntp_seam *y, const ntp_const_image *src,
     turned.height = src->width;
     turned.row_stride = src->pixel_stride;
     turned.pixel_stride = src->row_stride;
-    measure(x, src, touch_unused, 0);
-    measure(y, &turned, touch_unused, 1);
+    if (x != NULL)
+        measure(x, src, touch_unused, 0);
+    if (y != NULL)
+        measure(y, &turned, touch_unused, 1);
     return NTP_OK;
 }

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""ntp check --deep: the kernel, the seams, the fit of a surface, and what a plain check leaves."""
+"""ntp check: the kernel, the seams, the fit of a surface; of the middle, and --deep of all of it."""
 
 import json
 
@@ -16,7 +16,7 @@ import test_to_height as reconstruction
 from pngs import write_png
 
 SCHEMA = json.loads((libntp_ffi.ROOT / "docs/schema/check-1.json").read_text())
-ADDED = ("kernel", "tiles", "residual_levels")
+ADDED = ("kernel", "tiles", "residual_levels", "surface_area")
 
 
 def only(run, *args, code=0):
@@ -55,11 +55,83 @@ def test_fit_does_not_depend_on_the_border(run, tmp_path, border):
     assert file["tiles"]["x"] != "yes" and file["tiles"]["y"] != "yes"
 
 
-def test_plain_check_says_none_of_it(run, tmp_path):
-    write_png(tmp_path / "a_n.png", textures.standard())
+def test_plain_check(run, tmp_path):
+    """The same as --deep up to 1024 x 1024, but for findings; said in JSON and with -v."""
+    n = reconstruction.from_height(reconstruction.fractal(256), "sobel3")[:, 30:170]
+    write_png(tmp_path / "a_n.png", n)
+    plain, deep = only(run, "a_n.png"), only(run, "a_n.png", "--deep")
+    assert all(plain[key] == deep[key] for key in ADDED)
+    assert plain["kernel"] == "sobel3" and plain["tiles"] == {"x": "no", "y": "yes"}
+    assert plain["surface_area"] == {"x": 0, "y": 0, "width": 140, "height": 256}
+    assert "NT052" in ids(deep) and "NT052" not in ids(plain)
+    text = run("check", "-v", "a_n.png").stdout
+    assert "with the kernel sobel3\n" in text and "across: no, down: yes\n" in text
+    assert "fits a surface" in text and "middle" not in text
+    assert "tiles" not in run("check", "a_n.png").stdout
+
+
+def rms_off_inside(n):
+    """By float64 transforms: what the central differences of the best heights leave, in levels."""
+    p, q = reconstruction.slopes(n)
+    free = reconstruction.EXTRAPOLATE
+    ours = reconstruction.by_eigenvectors(p, q, "central", free, free)
+    p2 = (ours[1:-1, 2:] - ours[1:-1, :-2]) / 2
+    q2 = (ours[2:, 1:-1] - ours[:-2, 1:-1]) / 2
+    pair = (p[1:-1, 1:-1], q[1:-1, 1:-1]), (p2, q2)
+    a, b = (np.stack(v) / np.sqrt(1 + v[0] ** 2 + v[1] ** 2) for v in pair)
+    return np.sqrt(np.mean((a - b) ** 2)) * 127.5
+
+
+def test_middle_of_a_large_texture(run, tmp_path):
+    """The kernel and the fit are those of the middle, the seams those of the whole."""
+    rng = np.random.default_rng(5)
+    n = np.tile(reconstruction.from_height(reconstruction.fractal(128)), (9, 10, 1))[:1100, :1200]
+    painted = n.copy()
+    paint = reconstruction.random_vectors(rng, (38, 1200), 0.3)
+    painted[:38] = painted[-38:] = maps.to_type(maps.encode(paint))
+    write_png(tmp_path / "a_n.png", n)
+    write_png(tmp_path / "b_n.png", painted)
+    whole, part = only(run, "a_n.png"), only(run, "b_n.png")
+    assert whole["surface_area"] == {"x": 88, "y": 38, "width": 1024, "height": 1024}
+    assert part["surface_area"] == whole["surface_area"]
+    assert part["kernel"] == whole["kernel"] == "central"
+    assert part["residual_levels"] == whole["residual_levels"] < 0.3  # not a row of the paint
+    assert whole["tiles"] == {"x": "no", "y": "no"}
+    deep = only(run, "b_n.png", "--deep")
+    assert deep["surface_area"] == {"x": 0, "y": 0, "width": 1200, "height": 1100}
+    assert deep["residual_levels"] > 1
+    assert "(its middle, 1024 x 1024)\n" in run("check", "-v", "a_n.png").stdout
+    assert "middle" not in run("check", "-v", "--deep", "a_n.png").stdout
+
+    write_png(tmp_path / "c_n.png", n[:1024, :1152])  # 9 tiles across, 8 down
+    tiled = only(run, "c_n.png")
+    assert tiled["tiles"] == {"x": "yes", "y": "yes"} and tiled["surface_area"]["x"] == 64
+
+
+@pytest.mark.parametrize("shape", [(16, 3000), (3000, 17), (40, 1025)])
+def test_long_textures(run, tmp_path, shape):
+    """Lines from edge to edge: what ntp_find_seams says of the whole."""
+    n = reconstruction.from_height(reconstruction.fractal(3000)[: shape[0], : shape[1]].copy())
+    write_png(tmp_path / "a_n.png", n)
     file = only(run, "a_n.png")
-    assert all(file[key] is None for key in ADDED)
-    assert "tiles" not in run("check", "-v", "a_n.png").stdout
+    x, y = (libntp_ffi.ffi.new("ntp_seam *") for _ in "xy")
+    src = libntp_ffi.view(n, libntp_ffi.STANDARD, const=True)
+    libntp_ffi.check(libntp_ffi.lib.ntp_find_seams(x, y, src, 0))
+    said = [("undecided", "yes", "no")[seam.tiling] for seam in (x, y)]
+    assert file["tiles"] == {"x": said[0], "y": said[1]}
+    area = file["surface_area"]
+    assert (area["width"], area["height"]) == (min(shape[1], 1024), min(shape[0], 1024))
+
+
+def test_fit_is_that_of_the_best_heights(run, tmp_path):
+    """Against dense float64 least squares, on noise."""
+    rng = np.random.default_rng(11)
+    n = reconstruction.random_vectors(rng, (70, 90), 0.3)
+    levels = maps.to_type(maps.encode(n))
+    write_png(tmp_path / "a_n.png", levels)
+    file = only(run, "a_n.png", "--y", "up")
+    assert file["kernel"] is None
+    assert file["residual_levels"] == pytest.approx(rms_off_inside(levels), rel=2e-3)
 
 
 def test_seam(run, tmp_path):
@@ -92,12 +164,18 @@ def test_green_down(run, tmp_path):
     assert wrong["kernel"] is None and wrong["residual_levels"] > 5
 
 
-def test_holes_leave_the_fit_open(run, tmp_path):
-    n = reconstruction.from_height(reconstruction.fractal(128))
+@pytest.mark.parametrize("kernel", ["central", "forward", "scharr3"])
+def test_holes(run, tmp_path, kernel):
+    """--deep fits what is around them; a plain check leaves the fit open."""
+    n = reconstruction.from_height(reconstruction.fractal(128), kernel)
     n[40:60, 50:90] = 0
+    n[100, 20] = n[7, 100:103] = 255
     write_png(tmp_path / "a_n.png", n)
     file = only(run, "a_n.png", "--deep")
-    assert file["residual_levels"] is None and file["kernel"] == "central"
+    assert file["kernel"] == kernel and 0.15 < file["residual_levels"] < 0.3
+    plain = only(run, "a_n.png")
+    assert plain["kernel"] == kernel and plain["residual_levels"] is None
+    assert "fits a surface" not in run("check", "-v", "a_n.png").stdout
 
 
 def test_what_has_no_slopes(run, tmp_path):
@@ -117,6 +195,9 @@ def test_what_has_no_slopes(run, tmp_path):
         (file,) = json.loads(done.stdout)["files"]
         jsonschema.validate(json.loads(done.stdout), SCHEMA)
         assert file["kernel"] is None, name
+        plain = json.loads(run("check", "--format", "json", name).stdout)
+        jsonschema.validate(plain, SCHEMA)
+        assert all(plain["files"][0][key] == file[key] for key in ADDED), name
 
 
 def test_standard_input(program, tmp_path):

@@ -1,0 +1,24 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * crop.h - what ntp check keeps of a file while its rows go by: the middle, and some lines
+ */
+#ifndef NTP_CLI_CROP_H
+#define NTP_CLI_CROP_H
+
+#include "examine.h"
+
+/* Where in the image the middle is: at most 1024 x 1024 texels. */
+ntp_rect crop_area(const source *s);
+bool crop_is_whole(const source *s);
+
+/* Before the first row, and for each block of rows; both do nothing unless s->keep_crop. */
+void crop_begin(source *s);
+void crop_rows(source *s, const ntp_rect *area);
+
+/* After the last row: the middle, seen as the view is now. */
+ntp_image crop_image(const source *s);
+
+/* Do the edges of the image fit together?  Across, and down. */
+ntp_status crop_seams(const source *s, ntp_seam seam[2], uint32_t touch);
+
+#endif

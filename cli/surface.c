@@ -1,0 +1,158 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * surface.c - what a texture tells of the surface behind it: the kernel, the seams, how it fits
+ *
+ * The fit is that of the best heights there are: what their normals leave unexplained.  A texture
+ * that was made from heights fits to the rounding: each level is off by 0.29 (rms), and half of the
+ * square of that goes into the heights.  One that was painted, or mixed as colors, does not fit.
+ * A plain check asks the middle of the image, and has no time for textures with holes.
+ */
+#include "surface.h"
+
+#include <stdlib.h>
+
+#include "crop.h"
+#include "heights.h"
+#include "whole.h"
+
+enum {
+    READ_PERMILLE = 500,
+    MOST_TEXELS = 16384 * 16384,     /* of a scan of many files, several of them at once */
+    MOST_TEXELS_HOLES = 4096 * 4096, /* the same, with 40 bytes for each */
+    HOLES_ITERATIONS = 200
+};
+
+/* So exact that what is left out is little beside the rounding of 8 bits. */
+static const double HOLES_TOLERANCE = 1e-4;
+
+/* Residuals: of rounding alone, with a margin; and, in levels of 8 bit, what no border makes. */
+static const double FITS = 0.25, FAR_OFF = 1;
+
+static bool is_tangent_space(const facts *f)
+{
+    const uint32_t misplaced =
+        NTP_ACCIDENT_RED_IS_Z | NTP_ACCIDENT_GREEN_IS_Z | NTP_ACCIDENT_DXT5NM | NTP_ACCIDENT_GAMMA;
+    return f->encoding != NTP_HEIGHT && (f->type.accidents & misplaced) == 0 &&
+           (f->type.type == NTP_CLASS_STANDARD || f->type.type == NTP_CLASS_ZZERO ||
+            f->type.type == NTP_CLASS_XY);
+}
+
+/* Sets src->y to which way green points, by what is known, and finds the kernel; without any of it,
+ * the way in which kernels fit better. */
+static void find_kernel(ntp_origin *origin, ntp_const_image *src, const facts *f, uint32_t touch,
+                        int asked)
+{
+    const bool known = asked >= 0 || f->orientation.decided || f->in->y != NAME_Y_NONE;
+    src->y = asked >= 0                ? (ntp_y) asked
+             : f->orientation.decided  ? f->orientation.y
+             : f->in->y == NAME_Y_DOWN ? NTP_Y_DOWN
+                                       : NTP_Y_UP;
+    ntp_find_origin(origin, src, touch);
+    if (known)
+        return;
+    ntp_origin other = { 0 };
+    ntp_const_image flipped = *src;
+    flipped.y = NTP_Y_DOWN;
+    ntp_find_origin(&other, &flipped, touch);
+    if (other.points > 0 && other.misfit[other.kernel] < origin->misfit[origin->kernel]) {
+        *origin = other;
+        *src = flipped;
+    }
+}
+
+/* The rms of what the best heights leave, in levels, but for the edges; negative: it was not to be
+ * had.  An axis whose edges do not close gets this border. */
+static double fit_heights(source *s, const surface_facts *found, const ntp_const_image *src,
+                          uint32_t touch, bool holes, ntp_border border)
+{
+    const size_t texels = (size_t) src->width * (size_t) src->height;
+    const ntp_image heights = ntp_image_packed(
+        buffer_reserve(&s->w->extra2, texels * sizeof(float)), src->width, src->height, 1, NTP_F32);
+    const bool wraps_x = found->seam[0].wraps && src->width == s->view.width;
+    const bool wraps_y = found->seam[1].wraps && src->height == s->view.height;
+    const ntp_height_options how = { .method = holes ? NTP_HEIGHT_WEIGHTED : NTP_HEIGHT_AUTO,
+                                     .kernel = found->origin.kernel,
+                                     .border_x = wraps_x ? NTP_BORDER_WRAP : border,
+                                     .border_y = wraps_y ? NTP_BORDER_WRAP : border,
+                                     .z = NTP_Z_AUTO,
+                                     .touch_unused = touch,
+                                     .measure = NTP_MEASURE_INSIDE,
+                                     .tolerance = HOLES_TOLERANCE,
+                                     .max_iterations = HOLES_ITERATIONS,
+                                     .dx = 1,
+                                     .dy = 1 };
+    const stretch part = { s->read_permille, 1000 };
+    ntp_height_result done = { .residual = -1 };
+    const ntp_status status = heights_solve(s->w, &heights, src, &how, part, &done);
+    return status == NTP_OK ? done.residual : -1;
+}
+
+/*
+ * The free border of central takes three times as long as one that supposes a little about slopes
+ * at the edge.  That one is tried first: where it leaves no more than rounding, or so much that the
+ * edge is not the reason, it has the answer.
+ */
+static double find_residual(source *s, const surface_facts *found, const ntp_const_image *src,
+                            uint32_t touch, bool holes)
+{
+    const ntp_border free_border = heights_free_border(found->origin.kernel);
+    const double level = src->type == NTP_U8 ? 1 : 257;
+    double quick = -1;
+    if (found->origin.kernel == NTP_KERNEL_CENTRAL && !holes)
+        quick = fit_heights(s, found, src, touch, false, NTP_BORDER_EXTRAPOLATE);
+    if (quick >= 0 && (quick <= FITS || quick >= FAR_OFF * level))
+        return quick;
+    const double exact = fit_heights(s, found, src, touch, holes, free_border);
+    return quick >= 0 && (exact < 0 || quick < exact) ? quick : exact;
+}
+
+/* Looks at an area of the image, of which src has the texels. */
+static void look_at(source *s, facts *f, const ntp_image *image, ntp_rect area, int y, bool deep)
+{
+    const uint32_t touch = touch_for(&f->stats, f->encoding);
+    const bool holes = f->stats.unused > 0;
+    surface_facts *found = &f->surface;
+    ntp_const_image src = ntp_image_as_const(image);
+    src.encoding = f->encoding;
+    find_kernel(&found->origin, &src, f, touch, y);
+    crop_seams(s, found->seam, touch);
+    /* Slopes beside a hole are of heights that are not known: those are left out, which takes long. */
+    found->residual = deep || !holes ? find_residual(s, found, &src, touch, holes) : -1;
+    found->area = area;
+    found->deep = deep;
+    found->known = true;
+}
+
+void surface_look(source *s, facts *f, int y)
+{
+    const ntp_image crop = crop_image(s);
+    if (is_tangent_space(f))
+        look_at(s, f, &crop, crop_area(s), y, false);
+}
+
+/* Is there memory for the whole texture and its heights? */
+static bool whole_is_possible(const source *s, const facts *f)
+{
+    const uint64_t texels = (uint64_t) s->view.width * (uint64_t) s->view.height;
+    return whole_fits(s) && texels <= (f->stats.unused > 0 ? MOST_TEXELS_HOLES : MOST_TEXELS);
+}
+
+bool surface_look_deeper(source *s, facts *f, int y, ntpio_error *error)
+{
+    ntp_image whole = crop_image(s);
+    ntp_rect area = crop_area(s);
+    void *data = NULL;
+    if (!is_tangent_space(f))
+        return true;
+    s->read_permille = READ_PERMILLE;
+    if (!crop_is_whole(s) && whole_is_possible(s, f)) {
+        area = (ntp_rect) { 0, 0, s->view.width, s->view.height };
+        if (!source_rewind(s, error) || !whole_read(s, &whole, &data, error)) {
+            free(data);
+            return false;
+        }
+    }
+    look_at(s, f, &whole, area, y, true);
+    free(data);
+    return interrupted_by == 0;
+}
