@@ -2,6 +2,7 @@
 """The GEGL operations through the program `gegl`: the same numbers as `ntp`."""
 
 import os
+import shlex
 import shutil
 import struct
 import subprocess
@@ -257,6 +258,54 @@ def test_nothing_to_do(gegl_env, tmp_path):
             check=False,
         )
         assert done.returncode >= 0 and "CRITICAL" not in done.stderr, done.stderr
+
+
+def documented():
+    """The commands of the README, under "Without GIMP"."""
+    text = (Path(__file__).resolve().parents[2] / "gimp-plugin" / "README.md").read_text()
+    block = text.split("## Without GIMP")[1].split("```sh")[1].split("```")[0]
+    return [shlex.split(line) for line in block.strip().splitlines()]
+
+
+def gegl_says(gegl_env, tmp_path, *words):
+    """What the program says in all; --info prints a pointer as if it were text."""
+    done = subprocess.run(
+        words, env=gegl_env, cwd=tmp_path, capture_output=True, timeout=900, check=False
+    )
+    text = (done.stdout + done.stderr).decode(errors="replace")
+    assert done.returncode == 0 and "CRITICAL" not in text, text
+    return text
+
+
+def test_documented(gegl_env, tmp_path, ntp):
+    heights, normals = picture(40, 30, 3, 8), rough_normals(3, 8)
+    pngs.write_png(tmp_path / "heights.png", heights)
+    pngs.write_png(tmp_path / "rock_n.png", normals)
+    made, cleaned, info = documented()
+    gegl_says(gegl_env, tmp_path, *made)
+    options = to_options(dict(word.split("=") for word in made if "=" in word))
+    expected = ntp(heights, "from-height", *options)
+    assert (pngs.read_png(tmp_path / "normals.png")[0] == expected * np.uint16(257)).all()
+    gegl_says(gegl_env, tmp_path, *cleaned)
+    expected = ntp(normals, "clean", "--type", "standard")
+    assert (pngs.read_png(tmp_path / "rock_clean.png")[0] == expected * np.uint16(257)).all()
+    text = gegl_says(gegl_env, tmp_path, *info)
+    assert all(name in text for name in ("kernel", "border-x", "How many texels white rises"))
+
+
+@pytest.mark.parametrize(
+    "word, answer",
+    [
+        ("kernel=sobel", "prewitt3 sobel3 scharr3"),
+        ("border=wrap", "'border-x', 'border-y'"),
+        ("min-z=1.5", "out of range for property 'min-z'"),
+    ],
+)
+def test_mistakes(gegl_env, tmp_path, word, answer):
+    """Said with what there is instead, as the README tells."""
+    pngs.write_png(tmp_path / "in.png", picture(9, 9, 3, 8))
+    command = ["gegl", "in.png", "-o", "out.png", "--", "ntp:normals-from-height", word]
+    assert answer in gegl_says(gegl_env, tmp_path, *command)
 
 
 def rough_normals(channels, depth, seed=9):
