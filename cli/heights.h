@@ -20,19 +20,12 @@ typedef struct stretch {
 ntp_status heights_solve(worker *w, const ntp_image *heights, const ntp_const_image *src,
                          const ntp_height_options *how, stretch part, ntp_height_result *result);
 
-/* The border that supposes least: with it, slopes at the edge do not matter. */
-ntp_border heights_free_border(ntp_kernel kernel);
-
-typedef struct border_choice {
-    ntp_border border;
-    bool told; /* by the texels */
-} border_choice;
-
 /*
  * Which borders the normals at the edges were made with.  heights: room for the heights of src, which
- * it spoils.  how: its borders count where `fixed` says so.  seams: of ntp_find_seams.
+ * it spoils.  how: its borders count where `fixed` says so.  seams: of ntp_find_seams.  found stays
+ * as it is where no heights are to be had.
  */
-ntp_status heights_find_borders(border_choice found[2], worker *w, const ntp_image *heights,
+ntp_status heights_find_borders(ntp_edge_fit found[2], worker *w, const ntp_image *heights,
                                 const ntp_const_image *src, const ntp_height_options *how,
                                 const bool fixed[2], const ntp_seam seams[2], stretch part);
 

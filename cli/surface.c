@@ -95,7 +95,7 @@ static double fit_heights(source *s, const surface_facts *found, const ntp_const
 static double find_residual(source *s, const surface_facts *found, const ntp_const_image *src,
                             uint32_t touch, bool holes)
 {
-    const ntp_border free_border = heights_free_border(found->origin.kernel);
+    const ntp_border free_border = ntp_free_border(found->origin.kernel);
     const double level = src->type == NTP_U8 ? 1 : 257;
     double quick = -1;
     if (found->origin.kernel == NTP_KERNEL_CENTRAL && !holes)

@@ -52,7 +52,7 @@ static ntp_status choose_borders(to_height_state *st, const to_height_settings *
     const bool fixed[2] = { asked[0] != AUTO, asked[1] != AUTO };
     ntp_border *chosen[2] = { &st->how.border_x, &st->how.border_y };
     ntp_seam seams[2] = { { 0 }, { 0 } };
-    border_choice found[2];
+    ntp_edge_fit found[2];
     ntp_status status = NTP_OK;
     for (int i = 0; i < 2; i++) {
         const bool wraps = method == NTP_HEIGHT_FRANKOT_CHELLAPPA;
@@ -64,9 +64,9 @@ static ntp_status choose_borders(to_height_state *st, const to_height_settings *
     if (method != NTP_HEIGHT_POISSON_DCT)
         ntp_find_seams(&seams[0], &seams[1], &st->src, st->how.touch_unused);
     for (int i = 0; i < 2; i++)
-        found[i] = (border_choice) { seams[i].wraps ? NTP_BORDER_WRAP
-                                                    : heights_free_border(st->how.kernel),
-                                     seams[i].wraps != 0 };
+        found[i] = (ntp_edge_fit) { .border = seams[i].wraps ? NTP_BORDER_WRAP
+                                                             : ntp_free_border(st->how.kernel),
+                                    .told = seams[i].wraps };
     if (method == NTP_HEIGHT_AUTO || method == NTP_HEIGHT_POISSON_DCT)
         status = heights_find_borders(found, w, heights, &st->src, &st->how, fixed, seams,
                                       (stretch) { READ_PERMILLE, SOLVE_PERMILLE });
@@ -74,7 +74,7 @@ static ntp_status choose_borders(to_height_state *st, const to_height_settings *
         if (fixed[i])
             continue;
         const bool never = method == NTP_HEIGHT_POISSON_DCT && found[i].border == NTP_BORDER_WRAP;
-        *chosen[i] = never ? heights_free_border(st->how.kernel) : found[i].border;
+        *chosen[i] = never ? ntp_free_border(st->how.kernel) : found[i].border;
         st->border_by[i] = found[i].told && !never ? BY_TEXELS : BY_DEFAULT;
     }
     return status;

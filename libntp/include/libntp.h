@@ -1227,6 +1227,32 @@ typedef struct ntp_seam {
 NTP_API ntp_status ntp_find_seams(ntp_seam *x, ntp_seam *y, const ntp_const_image *src,
                                   uint32_t touch_unused);
 
+enum { NTP_BORDERS = 5 /* as many as ntp_border has */ };
+
+/* Which border the normals at two opposite edges were made with. */
+typedef struct ntp_edge_fit {
+    ntp_border border;
+    int32_t told; /* 1: by the texels; 0: it is the one that supposes least */
+    /* By ntp_border: how far normals of the heights are from those at the edges, in levels of 8
+     * bit, rms of x and y; -1: not tried */
+    double error[NTP_BORDERS];
+} ntp_edge_fit;
+
+/* The border with which slopes at the edge do not matter: to reconstruct with where it is unknown. */
+NTP_API ntp_border ntp_free_border(ntp_kernel kernel);
+
+/*
+ * Which border was it?  Along x (down nonzero: along y).  heights: those of src, by least squares
+ * with ntp_free_border where the border is to be found; NTP_F32 NTP_HEIGHT.  Of how the method,
+ * kernel, dx, dy and touch_unused count; borders that its method does not take are not tried.  wraps:
+ * what ntp_find_seams says, 0 where it was not asked; what it says is taken where it fits about as
+ * well as the best.  Not told are textures below 16 x 16 texels, baked ones, and those that no
+ * border fits.  ring_rows is 0 in both.  Errors: NTP_ERR_FORMAT for other heights.
+ */
+NTP_API ntp_status ntp_find_border(ntp_edge_fit *fit, const ntp_const_image *src,
+                                   const ntp_const_image *heights, const ntp_height_options *how,
+                                   int32_t down, int32_t wraps);
+
 /* --- cdef end --- */
 
 #ifdef __cplusplus

@@ -299,7 +299,7 @@ def height_from_normals(
     how.kernel = find_kernel(src_view, how.touch_unused) if kernel_code < 0 else kernel_code
     result = ffi.new("ntp_height_result *")
     with Solver(dst, src_view, threads, progress) as solver:
-        solved = choose_borders(how, asked, source, src_view, packed, solver)
+        solved = choose_borders(how, asked, src_view, view("out", packed, HEIGHT), solver)
         status = solver.solve(how, result, 0.5 if solved else 0.0, 1.0)
     del mask_array
     if status in (Status.ARGUMENT, Status.FORMAT):

@@ -1,0 +1,185 @@
+# SPDX-License-Identifier: MIT
+"""Which border made the normals at the edges: told where it can be, and the numbers behind it."""
+
+import numpy as np
+import pytest
+
+import libntp_ffi as ntp
+import test_to_height as reconstruction
+from oracle_height import CLAMP, EXTRAPOLATE, KERNELS, MIRROR, NAMES, REPEAT_SLOPE, WRAP
+
+BAKED = len(NAMES)
+WEIGHTED = 4
+FORWARD = NAMES.index("forward")
+REACH = 4  # of the largest kernel
+
+
+def find(n, heights, kernel, down, wraps=0, encoding=ntp.STANDARD, y=ntp.UP, **how):
+    """What is found out along one axis, as a dict."""
+    how = ntp.ffi.new("ntp_height_options *", {"kernel": kernel, **how})
+    fit = ntp.ffi.new("ntp_edge_fit *")
+    views = ntp.view(n, encoding, y, const=True), ntp.view(heights, ntp.HEIGHT, const=True)
+    ntp.check(ntp.lib.ntp_find_border(fit, *views, how, down, wraps))
+    return {"border": fit.border, "told": fit.told, "error": list(fit.error)}
+
+
+# --------------------------------------------------------------------------- the numbers
+
+
+def beyond(h, border, wraps):
+    """REACH more rows above and below."""
+    n, k = len(h), np.arange(1, REACH + 1)[:, None]
+    if border == WRAP:
+        steps = h[0] - h[-1] - (h[1] - h[0] + h[-1] - h[-2]) / 2
+        drift = steps.mean() if wraps else 0
+        return np.vstack([h[-REACH:] + drift, h, h[:REACH] - drift])
+    if border == MIRROR:
+        return np.vstack([h[REACH:0:-1], h, h[-2 : -2 - REACH : -1]])
+    if border == EXTRAPOLATE:
+        above, below = h[0] - k[::-1] * (h[1] - h[0]), h[-1] + k * (h[-1] - h[-2])
+        return np.vstack([above, h, below])
+    return np.vstack([h[np.zeros(REACH, int)], h, h[np.full(REACH, n - 1)]])
+
+
+def slope(h, taps, denominator, border, wraps):
+    """By a kernel given as {(row, column): weight}, away from the left and right edges."""
+    n, w = h.shape
+    tall = beyond(h, border, wraps)
+    rows = np.arange(n)
+    if border == REPEAT_SLOPE:
+        used = [r for r, _ in taps]
+        rows = rows.clip(-min(used), n - 1 - max(used))
+    total = np.zeros((n, w - 2 * REACH))
+    for (r, c), weight in taps.items():
+        total += weight * tall[rows + REACH + r, REACH + c : w - REACH + c]
+    return total / denominator
+
+
+def error_of(stored, h, kernel, border, down, wraps, level):
+    """Root mean square over x and y of the first and the last line, in levels."""
+    rows, denominator = KERNELS[NAMES[kernel]]
+    middle = len(rows) // 2, len(rows[0]) // 2
+    right = {
+        (r - middle[0], c - middle[1]): weight
+        for r, row in enumerate(rows)
+        for c, weight in enumerate(row)
+        if weight
+    }
+    below = {(c, r): weight for (r, c), weight in right.items()}
+    if not down:  # the picture is turned about its diagonal, and the kernels with it
+        h, stored, right, below = h.T, stored.swapaxes(0, 1), below, right
+    p = slope(h, right, denominator, border, wraps)[[0, -1]]
+    q = slope(h, below, denominator, border, wraps)[[0, -1]]
+    length = np.sqrt(1 + p * p + q * q)
+    made = np.stack([-p / length, q / length], axis=-1)
+    made = np.floor((made + 1) / 2 * level + 0.5)
+    off = made - stored[[0, -1], REACH:-REACH, :2]
+    return np.sqrt(np.mean(off * off)) / (level / 255)
+
+
+@pytest.mark.parametrize("down", [0, 1])
+@pytest.mark.parametrize("kernel", ["central", "forward", "sobel3", "sobel5", "gimp9"])
+@pytest.mark.parametrize("dtype", [np.uint8, np.uint16])
+def test_errors_are_those_of_normals_made_with_each_border(kernel, down, dtype):
+    """Of any heights, whether or not they belong to the texture."""
+    rng = np.random.default_rng(5)
+    size = (150, 41) if down == 0 else (41, 150)
+    h = reconstruction.fractal(256, seed=6)[: size[0], : size[1]].astype(np.float32)
+    h = np.ascontiguousarray(0.3 * h + rng.normal(0, 0.05, size).astype(np.float32))
+    level = np.iinfo(dtype).max
+    n = rng.integers(level // 3, level * 2 // 3, (*size, 3)).astype(dtype)
+    number = NAMES.index(kernel)
+    for wraps in (0, 1):
+        error = find(n, h, number, down, wraps, method=WEIGHTED)["error"]
+        for border in (WRAP, CLAMP, MIRROR, EXTRAPOLATE, REPEAT_SLOPE):
+            want = error_of(n.astype(float), h.astype(float), number, border, down, wraps, level)
+            assert error[border] == pytest.approx(want, rel=1e-4), (border, wraps)
+
+
+def test_only_what_the_method_takes_is_tried():
+    h = reconstruction.fractal(64).astype(np.float32)
+    n = reconstruction.from_height(h, "sobel3")
+    error = find(n, h, NAMES.index("sobel3"), 0)["error"]
+    assert [e >= 0 for e in error] == [True, True, True, False, False]
+    error = find(n, h, NAMES.index("sobel3"), 0, method=3)["error"]  # poisson-dct
+    assert [e >= 0 for e in error] == [False, True, True, False, False]
+
+
+# --------------------------------------------------------------------------- what is told
+
+
+def solve_freely(n, kernel):
+    border = ntp.lib.ntp_free_border(kernel)
+    return reconstruction.to_height(n, kernel=kernel, border_x=border, border_y=border)[0]
+
+
+@pytest.mark.parametrize("dtype", [np.uint8, np.uint16])
+@pytest.mark.parametrize(
+    ("kernel", "border"),
+    [
+        ("central", WRAP),
+        ("central", CLAMP),
+        ("central", MIRROR),
+        ("central", EXTRAPOLATE),
+        ("forward", WRAP),
+        ("forward", CLAMP),
+        ("forward", EXTRAPOLATE),
+        ("sobel3", CLAMP),
+        ("sobel3", MIRROR),
+        ("scharr3", WRAP),
+    ],
+)
+def test_the_border_is_found(kernel, border, dtype):
+    h = reconstruction.fractal(128, seed=7)[:, :100].astype(np.float32)
+    if border == WRAP:
+        h = reconstruction.fractal(128, seed=7).astype(np.float32)
+    n = reconstruction.from_height(h, kernel, border, border, dst=dtype)
+    number = NAMES.index(kernel)
+    made = solve_freely(n, number)
+    for down in (0, 1):
+        found = find(n, made, number, down, wraps=int(border == WRAP))
+        assert found["told"] and found["border"] == border, found
+        assert found["error"][border] < 2.5  # the heights were found without that border
+
+
+def test_what_cannot_be_told():
+    rng = np.random.default_rng(8)
+    noise = rng.integers(60, 196, (64, 64, 3)).astype(np.uint8)
+    for kernel in (0, FORWARD):
+        free = CLAMP if kernel == FORWARD else MIRROR
+        found = find(noise, solve_freely(noise, kernel), kernel, 0)
+        assert (found["border"], found["told"]) == (free, 0)
+        small = np.ascontiguousarray(noise[:15])
+        for down in (0, 1):
+            found = find(small, np.zeros((15, 64), np.float32), kernel, down)
+            assert (found["border"], found["told"]) == (free, 0) and max(found["error"]) == -1
+            found = find(small, np.zeros((15, 64), np.float32), kernel, down, wraps=1)
+            assert (found["border"], found["told"]) == (WRAP, 1)
+    found = find(noise, np.zeros((64, 64), np.float32), BAKED, 1)
+    assert (found["border"], found["told"]) == (MIRROR, 0)
+
+
+def test_unused_texels_at_the_edges_do_not_count():
+    h = reconstruction.fractal(96, seed=9).astype(np.float32)[:90, :80]
+    n = reconstruction.from_height(h, "central", EXTRAPOLATE, EXTRAPOLATE)
+    plain = find(n, h, 0, 1)
+    n[0, 10:30] = n[-1, 40:50] = 0
+    hidden = find(n, h, 0, 1)
+    assert hidden["border"] == plain["border"] == EXTRAPOLATE
+    assert hidden["error"][EXTRAPOLATE] < 0.01 < find(n, h, 0, 1, touch_unused=1)["error"][WRAP]
+    assert find(n, h, 0, 1, touch_unused=1)["error"][EXTRAPOLATE] > 10
+
+
+def test_wrong_arguments():
+    n, h = np.zeros((20, 20, 3), np.uint8), np.zeros((20, 20), np.float32)
+    null = ntp.ffi.NULL
+    how, fit = ntp.ffi.new("ntp_height_options *"), ntp.ffi.new("ntp_edge_fit *")
+    src, made = ntp.view(n, const=True), ntp.view(h, ntp.HEIGHT, const=True)
+    call = ntp.lib.ntp_find_border
+    assert call(fit, src, made, how, 0, 0) == ntp.lib.NTP_OK
+    assert call(null, src, made, how, 0, 0) == ntp.lib.NTP_ERR_ARGUMENT
+    assert call(fit, src, made, null, 0, 0) == ntp.lib.NTP_ERR_ARGUMENT
+    levels = ntp.view(np.zeros((20, 20), np.uint8), ntp.HEIGHT, const=True)
+    assert call(fit, src, levels, how, 0, 0) == ntp.lib.NTP_ERR_FORMAT
+    other = ntp.view(np.zeros((20, 21), np.float32), ntp.HEIGHT, const=True)
+    assert call(fit, src, other, how, 0, 0) == ntp.lib.NTP_ERR_SHAPE
