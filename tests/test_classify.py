@@ -218,6 +218,9 @@ DAMAGES = {
     "3 % black": (lambda n, rng: _share_of_texels(rounded(n), rng, 0.03, 0), S, 0),
     "3 % white": (lambda n, rng: _share_of_texels(rounded(n), rng, 0.03, 255), S, 0),
     "70 % black": (lambda n, rng: _share_of_texels(rounded(n), rng, 0.7, 0), S, 0),
+    "60 % gray": (lambda n, rng: _share_of_texels(rounded(n), rng, 0.6, 128), S, 0),
+    "25 % green": (lambda n, rng: _share_of_texels(rounded(n), rng, 0.25, (0, 255, 0)), S, 0),
+    "40 % magenta": (lambda n, rng: _share_of_texels(rounded(n), rng, 0.4, (255, 0, 255)), S, 0),
     "3 % wrong z": (_wrong_z, S, 0),
     "tilted, one bad texel": (_tilted, S, 0),
     "JPEG 95": (jpeg(95), S, 0),
@@ -235,6 +238,11 @@ DAMAGES = {
     "blue 128": (_constant_blue(128), X, maps.BLUE_CONSTANT),
     "blue 255": (_constant_blue(255), X, maps.BLUE_CONSTANT),
     "Z-zero": (_zzero, maps.ZZERO, 0),
+    "Z-zero, 60 % gray": (
+        lambda n, rng: _share_of_texels(_zzero(n, rng), rng, 0.6, 128),
+        maps.ZZERO,
+        0,
+    ),
 }
 
 

@@ -51,6 +51,13 @@ static const double TOO_LONG_SHARE = 0.08;
  * flatter than 1/4; normals crowd in the middle, and where they do not, little is sure. */
 static const double STEEP_MOST = 0.85, MIDDLE_LEAST = 0.1;
 
+/* Padding of another color than black and white, such as gray, or the green that a flip makes of
+ * black, is flat in red and green or too long.  Where this share of the tilted texels has the blue of a
+ * normal, one that a constant blue has not, the rest is taken for it.  Pale pictures have a few such
+ * texels too, but hardly a unit vector. */
+static const double PADDED_NEAR = 0.75, PADDED_GAP = 3, PADDED_UNIT = 0.1, PADDED_SURE = 0.85;
+enum { PADDED_TEXELS_LEAST = 64 };
+
 /* Object space: all three axes go both ways.  3 % of wrong blues are 1.5 % negative ones.  Where the
  * axes are well mixed less of the length may be lost, as compressed borders of charts lose it. */
 static const double DIRECTIONS_LEAST = 0.05, AXIS_LEAST = 0.02;
@@ -439,6 +446,25 @@ static bool is_normals(question *q)
     return true;
 }
 
+/* Normals beside much padding: only the tilted texels are asked. */
+static bool is_padded(question *q)
+{
+    const ntp_stats *s = q->s;
+    const bool zzero = s->tilted_near[1] > s->tilted_near[0];
+    const double tilted = (double) s->tilted;
+    if (tilted < PADDED_TEXELS_LEAST || tilted < TILTED_LEAST * q->used ||
+        s->tilted_gap < PADDED_GAP || s->tilted_near[zzero] < PADDED_NEAR ||
+        q->unit[zzero] < PADDED_UNIT)
+        return false;
+    because(q, zzero ? NTP_REASON_PREFERS_ZZERO : NTP_REASON_PREFERS_STANDARD,
+            s->tilted_near[zzero]);
+    because(q, zzero ? NTP_REASON_UNIT_ZZERO : NTP_REASON_UNIT, q->unit[zzero]);
+    if (q->too_long > 0)
+        because(q, NTP_REASON_XY_TOO_LONG, q->too_long);
+    return is(q, zzero ? NTP_CLASS_ZZERO : NTP_CLASS_STANDARD,
+              blend(0.7, PADDED_SURE, (s->tilted_near[zzero] - PADDED_NEAR) / 0.15));
+}
+
 static bool is_xy(question *q)
 {
     const ntp_stats *s = q->s;
@@ -458,7 +484,10 @@ static bool is_xy(question *q)
         sure = least(sure, XY_SURE);
     if (block_step(s) > BLOCK_STEP)
         sure = least(sure, 0.75);
-    because(q, NTP_REASON_BLUE_UNRELATED, s->tilted_near[0]);
+    if (s->tilted_near[0] < 0.5)
+        because(q, NTP_REASON_BLUE_UNRELATED, s->tilted_near[0]);
+    else
+        because(q, NTP_REASON_NOT_UNIT, q->near[0]);
     because(q, NTP_REASON_XY_CENTERED, q->lean);
     if (s->correlation[0] > ALIKE) {
         sure = least(sure, 0.75);
@@ -472,7 +501,8 @@ static bool is_xy(question *q)
 static void classify(question *q)
 {
     if (is_dxt5nm(q) || is_one_color(q) || is_height(q) || is_two_channels(q) || is_gamma(q) ||
-        is_blue_constant(q) || is_swapped(q) || is_object_space(q) || is_normals(q) || is_xy(q))
+        is_blue_constant(q) || is_swapped(q) || is_object_space(q) || is_normals(q) ||
+        is_padded(q) || is_xy(q))
         return;
     because(q, NTP_REASON_NOT_UNIT, q->near[0]);
     if (q->too_long > TOO_LONG_SHARE)
