@@ -66,15 +66,16 @@ static const choice dudvs[] = { /* dudv_format of normals.h */
     END
 };
 static const choice methods[] = { /* ntp_height_method */
-    { "auto", N_("As the borders say") },
+    { "auto", N_("As the edges say") },
     { "telescoping", N_("Telescoping sums") },
     { "frankot-chellappa", N_("Frankot-Chellappa (tiles)") },
     { "poisson-dct", N_("Poisson (free edges)") },
+    { "weighted", N_("Weighted, by iteration") },
     END
 };
-static const choice slopes[] = { /* the first two of ntp_kernel */
-    { "central", N_("Central difference") },
-    { "forward", N_("Forward difference") },
+static const choice slopes[] = { /* ntp_kernel, with the one that is no stencil */
+    NTP_KERNEL_CHOICES(CHOICE_ROW)
+    { "baked", N_("None: a baked surface") },
     END
 };
 static const choice decodes[] = { /* ntp_decode */
@@ -120,26 +121,26 @@ static const choice verdicts[] = { /* ntp_verdict */
 #define MOST 1e6 /* of a texel's sides */
 
 static const field normals_fields[FN_COUNT] = {
-    [FN_SCALE] = NUMBER("scale", N_("_Scale"),
+    [FN_SCALE] = NUMBER("scale", N_("Sc_ale"),
         N_("How many texels white rises above black; negative turns hills into dents"),
         0, 10, -1e9, 1e9, -100, 100, 3),
     [FN_KERNEL] = CHOICE("kernel", N_("_Kernel"),
         N_("How a slope is taken; wider kernels are smoother, and all are equally strong"),
         0, 0, kernels),
-    [FN_BORDER_X] = CHOICE("border-x", N_("Left and right _edges"),
+    [FN_BORDER_X] = CHOICE("border-x", N_("Le_ft and right edges"),
         N_("The height beyond the left and right edges"), 0, 0, borders),
     [FN_BORDER_Y] = CHOICE("border-y", N_("Upper and lower e_dges"),
         N_("The height beyond the upper and lower edges"), 0, 0, borders),
-    [FN_SOURCE] = CHOICE("source", N_("_Height from"),
+    [FN_SOURCE] = CHOICE("source", N_("Heigh_t from"),
         N_("Which number of a color is the height; gray has only one"), 0, 0, sources),
     [FN_INVERT] = SWITCH("invert", N_("_Invert the height"), N_("Black is high, white is low"), 0),
     [FN_TO_Y] = CHOICE("to-y", N_("_Green points"),
         N_("Up the picture: OpenGL, glTF, USD, Unity, Blender. Down: DirectX, Unreal"),
         0, 0, green),
-    [FN_TO] = CHOICE("to", N_("_Blue stores"), N_("How z is stored in blue"), 0, 0, encodings),
-    [FN_MIN_Z] = NUMBER("min-z", N_("_Least z"), N_("Steeper normals are turned up to this z"),
+    [FN_TO] = CHOICE("to", N_("Bl_ue stores"), N_("How z is stored in blue"), 0, 0, encodings),
+    [FN_MIN_Z] = NUMBER("min-z", N_("Least _z"), N_("Steeper normals are turned up to this z"),
         0, 0, 0, 1, 0, 1, 3),
-    [FN_ALPHA] = CHOICE("alpha", N_("_Alpha becomes"), N_("What the alpha channel holds then"),
+    [FN_ALPHA] = CHOICE("alpha", N_("Alpha _becomes"), N_("What the alpha channel holds then"),
         0, 0, alphas),
     [FN_DX] = NUMBER("dx", N_("_Width of a texel"), N_("Where texels are not square"),
         1, 1, 1e-6, MOST, 0.1, 10, 3),
@@ -150,16 +151,16 @@ static const field normals_fields[FN_COUNT] = {
         1, 0, blues),
     [FN_HEIGHT_LAYER] = LAYER("height-layer", N_("Height of a_nother layer"),
         N_("A layer of the same size that holds the height, in place of the layer itself"), 1),
-    [FN_ALPHA_LAYER] = LAYER("alpha-layer", N_("Layer for al_pha"),
+    [FN_ALPHA_LAYER] = LAYER("alpha-layer", N_("La_yer for alpha"),
         N_("The layer whose brightness becomes alpha; scaled to this layer's size"), 1),
-    [FN_FLIP_X] = SWITCH("flip-x", N_("_Flip red"), N_("Red points left"), 1),
-    [FN_SWAP] = SWITCH("swap-rgb", N_("Swap red and bl_ue"), N_("Store z, y, x"), 1),
-    [FN_DUDV] = CHOICE("dudv", N_("S_tore"), N_("Normals, or x and y alone as DU/DV"),
+    [FN_FLIP_X] = SWITCH("flip-x", N_("Fli_p red"), N_("Red points left"), 1),
+    [FN_SWAP] = SWITCH("swap-rgb", N_("Swap r_ed and blue"), N_("Store z, y, x"), 1),
+    [FN_DUDV] = CHOICE("dudv", N_("_Values to store"), N_("Normals, or x and y alone as DU/DV"),
         1, 0, dudvs),
 };
 
 static const field height_fields[FH_COUNT] = {
-    [FH_BORDER_X] = CHOICE("border-x", N_("Left and right _edges"),
+    [FH_BORDER_X] = CHOICE("border-x", N_("Le_ft and right edges"),
         N_("What lies beyond the left and right edges: wrap where the texture tiles"),
         0, 3, borders),
     [FH_BORDER_Y] = CHOICE("border-y", N_("Upper and lower e_dges"),
@@ -167,22 +168,22 @@ static const field height_fields[FH_COUNT] = {
         0, 3, borders),
     [FH_FROM_Y] = CHOICE("from-y", N_("_Green points"), N_("The wrong way gives dents"),
         0, 0, green),
-    [FH_FROM] = CHOICE("from", N_("_Blue stores"), N_("How z is stored in blue"), 0, 0, encodings),
+    [FH_FROM] = CHOICE("from", N_("Bl_ue stores"), N_("How z is stored in blue"), 0, 0, encodings),
     [FH_METHOD] = CHOICE("method", N_("_Method"), N_("How slopes become heights"), 0, 0, methods),
     [FH_KERNEL] = CHOICE("kernel", N_("_Kernel"), N_("How the slopes were taken"), 0, 0, slopes),
-    [FH_DECODE] = CHOICE("decode", N_("_Levels"), N_("What the stored levels mean"), 0, 0, decodes),
+    [FH_DECODE] = CHOICE("decode", N_("Le_vels"), N_("What the stored levels mean"), 0, 0, decodes),
     [FH_Z] = CHOICE("z", N_("_z is taken"), N_("From red and green where blue is not to be trusted"),
         0, 0, depths),
     [FH_INVERT] = SWITCH("invert", N_("_Invert the height"), N_("Black is high, white is low"), 0),
-    [FH_CONTRAST] = NUMBER("contrast", N_("Con_trast"),
+    [FH_CONTRAST] = NUMBER("contrast", N_("Co_ntrast"),
         N_("Stretches the heights about their middle; what is then beyond black or white is cut"),
         0, 0, 0, 1, 0, 1, 2),
-    [FH_RESULT] = CHOICE("result", N_("Res_ult in"),
+    [FH_RESULT] = CHOICE("result", N_("Resul_t in"),
         N_("8 bits are few for a height; the new image has 16"), 0, 0, results),
 };
 
 static const field check_fields[FK_COUNT] = {
-    [FK_FROM] = CHOICE("from", N_("_Blue stores"), N_("How z is stored in blue"), 0, 0, readings),
+    [FK_FROM] = CHOICE("from", N_("Bl_ue stores"), N_("How z is stored in blue"), 0, 0, readings),
     [FK_KEEP_NEGATIVE_Z] = SWITCH("keep-negative-z", N_("_Negative z is right"),
         N_("Normals may point into the surface"), 0),
 };
@@ -190,13 +191,13 @@ static const field check_fields[FK_COUNT] = {
 static const field clean_fields[FC_COUNT] = {
     [FC_METHOD] = CHOICE("method", N_("_Method"), N_("What is done to a normal that is not right"),
         0, 0, repairs),
-    [FC_FROM] = CHOICE("from", N_("_Blue stores"), N_("How z is stored in blue"), 0, 0, readings),
+    [FC_FROM] = CHOICE("from", N_("Bl_ue stores"), N_("How z is stored in blue"), 0, 0, readings),
     [FC_KEEP_NEGATIVE_Z] = SWITCH("keep-negative-z", N_("_Negative z is right"),
         N_("Normals may point into the surface"), 0),
     [FC_ONLY_FAILING] = SWITCH("only-failing", N_("Onl_y what fails"),
         N_("Leave alone what passes the test below"), 0),
     [FC_VERDICT] = CHOICE("verdict", N_("_Test"), N_("What counts as right"), 0, 0, verdicts),
-    [FC_UNUSED] = SWITCH("touch-unused", N_("Also _unused texels"),
+    [FC_UNUSED] = SWITCH("touch-unused", N_("_Also unused texels"),
         N_("Black, white and transparent texels as well"), 0),
 };
 

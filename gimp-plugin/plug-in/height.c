@@ -57,14 +57,19 @@ job_status height_job_run(const height_job *job, const raster *normals, float **
 {
     const size_t texels = (size_t) normals->width * (size_t) normals->height;
     const int32_t parts = around != NULL && around->threads > 1 ? around->threads : 1;
-    const size_t size = ntp_height_scratch_size(&job->how, normals->width, normals->height, parts);
+    ntp_height_options how = job->how;
+    size_t size = ntp_height_scratch_size(&how, normals->width, normals->height, parts);
+    if (size == 0 && how.method == NTP_HEIGHT_AUTO) { /* it takes every kernel with every border */
+        how.method = NTP_HEIGHT_WEIGHTED;
+        size = ntp_height_scratch_size(&how, normals->width, normals->height, parts);
+    }
     const ntp_hooks hooks = { .user = (void *) (uintptr_t) around,
                               .progress = tell_progress,
                               .parallel_for = run_parts,
                               .parts = parts };
     *plane = NULL;
     if (size == 0)
-        return JOB_WRONG;
+        return JOB_NO_METHOD;
     unsigned char *rows = malloc(raster_row(normals) * (size_t) normals->height);
     void *scratch = aligned_alloc(64, rounded_up(size, 64));
     float *heights = malloc(texels * sizeof *heights);
@@ -79,7 +84,7 @@ job_status height_job_run(const height_job *job, const raster *normals, float **
         ntp_status done = NTP_ERR_CANCELLED;
         status = JOB_NO_PIXELS;
         if (normals->read(normals->user, 0, normals->height, rows)) {
-            done = ntp_height_from_normals(&made, &seen, &job->how, scratch, size, &hooks, &found);
+            done = ntp_height_from_normals(&made, &seen, &how, scratch, size, &hooks, &found);
             status = done == NTP_OK              ? JOB_DONE
                      : done == NTP_ERR_CANCELLED ? JOB_CANCELLED
                                                  : JOB_WRONG;

@@ -31,6 +31,9 @@ const char *job_status_text(job_status status)
     case JOB_NO_NORMALS:
         return N_("This does not look like a normals texture. If it is one all the same, say how "
                   "blue stores z.");
+    case JOB_NO_METHOD:
+        return N_("This method does not take this kernel with these edges. Choose the method \"As "
+                  "the edges say\", or edges that wrap or mirror.");
     default:
         return N_("A value is out of range.");
     }

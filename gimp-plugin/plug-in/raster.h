@@ -42,6 +42,7 @@ typedef enum job_status {
     JOB_WRONG_SIZE, /* the other layer has another size */
     JOB_GRAY,       /* normals are asked for, and the layer is gray */
     JOB_NO_NORMALS, /* the layer is no normals texture */
+    JOB_NO_METHOD,  /* no heights by that method from that kernel and those borders */
     JOB_WRONG       /* an argument; should not happen with checked settings */
 } job_status;
 

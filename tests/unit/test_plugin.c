@@ -416,6 +416,68 @@ static void test_height(void)
     memory_free(normals);
 }
 
+/* Heights of a wave that tiles, 12 texels high, and its normals by that kernel; by none: its own. */
+static void wave(memory *heights, memory *normals, int kernel)
+{
+    const int w = heights->raster.width, h = heights->raster.height;
+    const double a = 2 * 3.14159265358979323846 / w, b = 2 * 3.14159265358979323846 / h;
+    for (int i = 0; i < w * h; i++) {
+        const double x = a * (i % w), y = b * (i / w);
+        const double p = -6 * a * cos(x) * cos(y), q = 6 * b * sin(x) * sin(y);
+        const double n[3] = { p, -q, 1 }, length = sqrt(p * p + q * q + 1); /* green up */
+        ((uint16_t *) (void *) heights->data)[i] =
+            (uint16_t) (65535 * (0.5 + 0.5 * sin(x) * cos(y)));
+        for (int c = 0; c < 3; c++)
+            ((uint16_t *) (void *) normals->data)[3 * i + c] =
+                (uint16_t) ((n[c] / length + 1) * 32767.5 + 0.5);
+    }
+    if (kernel == NTP_KERNEL_BAKED)
+        return;
+    settings s;
+    settings_reset(&procedures[PROCEDURE_NORMALS], &s);
+    s.value[FN_SCALE] = 12;
+    s.value[FN_KERNEL] = kernel;
+    const normals_job forth = normals_job_from(&s);
+    assert(normals_job_run(&forth, &heights->raster, NULL, NULL, &normals->raster, NULL, NULL) ==
+           JOB_DONE);
+}
+
+/* Every kernel leads back, tiling and open, by some method. */
+static void test_height_kernels(void)
+{
+    enum { W = 26, H = 21 };
+    memory *in = memory_new(W, H, 1, NTP_U16), *normals = memory_new(W, H, 3, NTP_U16);
+    const field *kernel = &procedures[PROCEDURE_HEIGHT].fields[FH_KERNEL];
+    float *plane = NULL;
+    double range = 0;
+    settings s;
+    assert(choice_find(kernel, "baked") == NTP_KERNEL_BAKED);
+    for (int k = 0; k < choice_count(kernel); k++) {
+        wave(in, normals, k);
+        settings_reset(&procedures[PROCEDURE_HEIGHT], &s);
+        s.value[FH_KERNEL] = k;
+        for (int border = NTP_BORDER_WRAP; border <= NTP_BORDER_EXTRAPOLATE; border += 3) {
+            s.value[FH_BORDER_X] = s.value[FH_BORDER_Y] = border;
+            const height_job back = height_job_from(&s);
+            assert(height_job_run(&back, &normals->raster, &plane, &range, NULL) == JOB_DONE);
+            double worst = 0;
+            for (int i = 0; i < W * H; i++) {
+                const double h = ((uint16_t *) (void *) in->data)[i] / 65535.0;
+                worst = fmax(worst, fabs((double) plane[i] - h));
+            }
+            assert(border != NTP_BORDER_WRAP || (worst < 0.02 && fabs(range - 12) < 0.3));
+            free(plane);
+        }
+    }
+    s.value[FH_KERNEL] = NTP_KERNEL_SOBEL5;
+    s.value[FH_METHOD] = NTP_HEIGHT_POISSON_DCT;
+    s.value[FH_BORDER_X] = s.value[FH_BORDER_Y] = NTP_BORDER_EXTRAPOLATE;
+    const height_job back = height_job_from(&s);
+    assert(height_job_run(&back, &normals->raster, &plane, &range, NULL) == JOB_NO_METHOD);
+    memory_free(in);
+    memory_free(normals);
+}
+
 /* ------------------------------------------------------------------- preview and report */
 
 static void test_preview(void)
@@ -527,6 +589,7 @@ int main(void)
     test_classic_bias();
     test_classic_normals();
     test_height();
+    test_height_kernels();
     test_preview();
     test_report();
     return 0;

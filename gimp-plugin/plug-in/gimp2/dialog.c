@@ -20,6 +20,7 @@ typedef struct dialog {
     GtkWidget *window, *view;
     GtkWidget *controls[MAX_FIELDS]; /* of numbers: NULL */
     GtkAdjustment *numbers[MAX_FIELDS];
+    GtkWidget *first; /* the entry of the first number: typing goes there */
     gboolean filling; /* the widgets follow the settings, not the other way round */
 } dialog;
 
@@ -87,6 +88,8 @@ static void add_number(dialog *d, GtkTable *table, gint row, int i)
         step, 10 * step, (guint) f->digits, FALSE, f->low, f->high, _(f->help), NULL);
     d->numbers[i] = GTK_ADJUSTMENT(number);
     g_signal_connect(number, "value-changed", G_CALLBACK(on_change), d);
+    if (d->first == NULL)
+        d->first = GIMP_SCALE_ENTRY_SPINBUTTON(number);
 }
 
 static GtkWidget *choice_new(const field *f)
@@ -255,6 +258,10 @@ gboolean dialog_run(const procedure *p, settings *s, gint32 id)
     }
     gtk_widget_show_all(box);
     fill(&d);
+    if (d.first != NULL) {
+        gtk_widget_grab_focus(d.first);
+        gtk_entry_set_activates_default(GTK_ENTRY(d.first), TRUE);
+    }
     const gboolean done = run_window(&d);
     gtk_widget_destroy(d.window);
     return done;

@@ -5,6 +5,7 @@
  * GIMP keeps the last values, resets, saves and loads them.
  */
 #include "dialog.h"
+#include "help.h"
 #include "view.h"
 
 #include <libgimp/gimpui.h>
@@ -68,12 +69,23 @@ static GtkWidget *controls_new(GimpProcedureDialog *dialog, const procedure *p)
     return book;
 }
 
+/* What gimp_procedure_dialog_new makes, with our help pages in place of GIMP's manual. */
+static GtkWidget *dialog_new(const procedure *p, GimpProcedure *pdb_procedure,
+                             GimpProcedureConfig *config)
+{
+    gboolean header = FALSE;
+    g_object_get(gtk_settings_get_default(), "gtk-dialogs-use-header", &header, NULL);
+    return g_object_new(GIMP_TYPE_PROCEDURE_DIALOG, "procedure", pdb_procedure, "config", config,
+                        "title", _(p->title), "help-func", show_help, "help-id", p->name,
+                        "use-header-bar", header, NULL);
+}
+
 gboolean dialog_run(const procedure *p, GimpProcedure *pdb_procedure, GimpProcedureConfig *config,
                     gint32 id)
 {
     connection c = { .procedure = p };
     gimp_ui_init(p->name);
-    GtkWidget *dialog = gimp_procedure_dialog_new(pdb_procedure, config, _(p->title));
+    GtkWidget *dialog = dialog_new(p, pdb_procedure, config);
     GtkWidget *box = gtk_box_new(GTK_ORIENTATION_HORIZONTAL, 12);
     gtk_container_set_border_width(GTK_CONTAINER(box), 12);
     gtk_box_pack_start(GTK_BOX(box), controls_new(GIMP_PROCEDURE_DIALOG(dialog), p), TRUE, TRUE, 0);
