@@ -80,7 +80,16 @@ def jobs():
     height = {**SETTINGS, "alpha": "height"}
     job("no-alpha", ["merge", OPERATION, height], ["dump", "no-alpha"])
     job("alpha", ["add_alpha"], ["merge", OPERATION, height], ["save", "alpha.png"])
+    masked = [["select", *PART], ["mask", "SELECTION"], ["select_all"]]
+    job("mask-merge", *masked, ["merge", *PLAIN], ["dump", "mask-merge"])
+    job("mask-append", *masked, ["append", *PLAIN], ["save", "mask-append.png"])
     for precision in PRECISIONS:
+        for name, what, file in (
+            ("rgba", [OPERATION, height], RGBA),
+            ("clean", ["ntp:clean-normals", {"to-y": "down"}], "rough16"),
+        ):
+            steps = [["precision", precision], ["dump", f"{precision}-{name}-in"], ["merge", *what]]
+            job(f"{precision}-{name}", *steps, ["dump", f"{precision}-{name}-out"], file=file)
         steps = [["precision", precision], ["dump", f"{precision}-in"], ["merge", *PLAIN]]
         job(precision, *steps, ["dump", f"{precision}-out"], file=name_of(3, 16, True))
     for file in ("rough8", "rough16"):
@@ -185,6 +194,18 @@ def test_saved_and_reopened(gimp, done, ntp, file):
     assert gimp.results[f"{file}-xcf"]["filters"] == [OPERATION]
 
 
+def test_mask(raw, done, ntp):
+    """A layer mask hides texels, it does not change them."""
+    expected = ntp(INPUTS[RGB][0], "from-height", *OPTIONS)
+    assert different(raw("mask-merge"), expected) == 0
+    x, y, w, h = PART
+    made = done("mask-append")
+    shown = np.zeros((HEIGHT, WIDTH), bool)
+    shown[y : y + h, x : x + w] = True
+    assert ((made[:, :, 3] == 255) == shown).all() and ((made[:, :, 3] == 0) == ~shown).all()
+    assert (made[shown][:, :3] == expected[shown]).all()
+
+
 def test_offsets(raw, ntp):
     assert different(raw("offsets"), ntp(INPUTS[RGB][0], "from-height", *OPTIONS)) == 0
 
@@ -213,8 +234,10 @@ def test_gray_and_indexed(raw):
 
 
 def normals_of(heights):
-    """The library's, of the settings above, in the type of the heights."""
-    how = ffi.new("ntp_gradient_options *", {"scale": 7.3, "kernel": lib.NTP_KERNEL_SOBEL3})
+    """The library's, of the settings above, in the type of the heights; an alpha is the height."""
+    alpha = lib.NTP_ALPHA_HEIGHT if heights.shape[2] == 4 else lib.NTP_ALPHA_KEEP
+    kernel = lib.NTP_KERNEL_SOBEL3
+    how = ffi.new("ntp_gradient_options *", {"scale": 7.3, "kernel": kernel, "alpha": alpha})
     made = np.zeros_like(heights)
     src = libntp_ffi.view(heights, encoding=libntp_ffi.HEIGHT, const=True)
     dst = libntp_ffi.view(made, encoding=libntp_ffi.STANDARD, y=libntp_ffi.DOWN)
@@ -222,12 +245,30 @@ def normals_of(heights):
     return made
 
 
+def cleaned(normals):
+    """The library's, with green turned down."""
+    made = np.zeros_like(normals)
+    src = libntp_ffi.view(normals, encoding=libntp_ffi.STANDARD, const=True)
+    dst = libntp_ffi.view(made, encoding=libntp_ffi.STANDARD)
+    libntp_ffi.check(lib.ntp_clean(dst, src, ffi.NULL, ffi.NULL, ffi.NULL, ffi.NULL))
+    turned = np.zeros_like(normals)
+    src = libntp_ffi.view(made, encoding=libntp_ffi.STANDARD, const=True)
+    dst = libntp_ffi.view(turned, encoding=libntp_ffi.STANDARD, y=libntp_ffi.DOWN)
+    libntp_ffi.check(lib.ntp_convert(dst, src, ffi.NULL, ffi.NULL, ffi.NULL))
+    return turned
+
+
+KINDS = {"U8": "u1", "U16": "u2", "U32": "u4", "HALF": "f2", "FLOAT": "f4", "DOUBLE": "f8"}
+
+
+@pytest.mark.parametrize("kind", ["", "-rgba"], ids=["rgb", "rgba"])
 @pytest.mark.parametrize("precision", PRECISIONS)
-def test_precision(raw, precision):
+def test_precision(raw, precision, kind):
     """The stored numbers are the heights, whatever they mean to GIMP; 8 and 16 bit are exact."""
-    kinds = {"U8": "u1", "U16": "u2", "U32": "u4", "HALF": "f2", "FLOAT": "f4", "DOUBLE": "f8"}
-    dtype = np.dtype(kinds[precision.split("_")[0]])
-    heights, made = (raw(precision, f"{precision}-{end}", dtype) for end in ("in", "out"))
+    dtype = np.dtype(KINDS[precision.split("_")[0]])
+    name = precision + kind
+    heights, made = (raw(name, f"{name}-{end}", dtype) for end in ("in", "out"))
+    assert heights.shape[2] == (4 if kind else 3)
     if dtype.kind == "u" and dtype.itemsize <= 2:
         assert different(made, normals_of(heights)) == 0
         return
@@ -236,6 +277,22 @@ def test_precision(raw, precision):
     expected = normals_of((heights.astype(np.float64) / top).astype(np.float32))
     step = {"u4": 2.0**-32, "f2": 2.0**-11, "f4": 0, "f8": 0}[dtype.str[1:]]
     assert np.abs(made.astype(np.float64) / top - expected).max() <= step
+
+
+@pytest.mark.parametrize("precision", PRECISIONS)
+def test_clean_precision(raw, precision):
+    """Stored numbers again; what is neither 8, 16 nor 32 bits of float goes through the latter."""
+    dtype = np.dtype(KINDS[precision.split("_")[0]])
+    name = f"{precision}-clean"
+    normals, made = (raw(name, f"{name}-{end}", dtype) for end in ("in", "out"))
+    if dtype.str[1:] in ("u1", "u2", "f4"):
+        assert different(made, cleaned(normals)) == 0
+        return
+    # Where red and green alone have about length 1, blue comes of the last bits.
+    top = 2**32 - 1 if dtype.kind == "u" else 1
+    expected = cleaned((normals.astype(np.float64) / top).astype(np.float32))
+    off = np.abs(made.astype(np.float64) / top - expected)
+    assert off[:, :, [0, 1, 3]].max() <= 2.0**-11 and off[:, :, 2].max() <= 2.0**-9
 
 
 @pytest.mark.parametrize("how", ["merge", "append"])

@@ -69,6 +69,9 @@ class Session:
     def select(self, x, y, width, height):
         self.image.select_rectangle(Gimp.ChannelOps.REPLACE, x, y, width, height)
 
+    def select_all(self):
+        Gimp.Selection.none(self.image)
+
     def add_alpha(self):
         self.layer.add_alpha()
 
@@ -89,8 +92,8 @@ class Session:
         self.second = Gimp.file_load_layer(QUIET, self.image, path(file))
         self.image.insert_layer(self.second, None, 1)
 
-    def mask(self):
-        self.layer.add_mask(self.layer.create_mask(Gimp.AddMaskType.WHITE))
+    def mask(self, kind="WHITE"):
+        self.layer.add_mask(self.layer.create_mask(getattr(Gimp.AddMaskType, kind)))
 
     def lock(self):
         self.layer.set_lock_content(True)
