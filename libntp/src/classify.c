@@ -289,7 +289,8 @@ static bool prefers_zzero(const question *q)
     if (s->tilted == 0)
         return false;
     if (q->rounded[0] > ROUNDED_SHARE || q->rounded[1] > ROUNDED_SHARE) {
-        bool clear = s->tilted_gap > ZZERO_GAP || q->rounded[1] > ROUNDED_ALL;
+        bool clear = (s->tilted_gap > ZZERO_GAP && s->tilted_near[1] >= s->tilted_near[0]) ||
+                     q->rounded[1] > ROUNDED_ALL;
         return q->rounded[1] > q->rounded[0] && clear;
     }
     return s->tilted_near[1] > s->tilted_near[0] && s->tilted_near[1] > ZZERO_NEAR &&
