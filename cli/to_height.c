@@ -67,6 +67,8 @@ static bool agree(const to_height_settings *set)
         complain("--seeds goes with --method telescoping");
     else if (method != NTP_HEIGHT_TELESCOPING && set->how.equalize)
         complain("--equalize goes with --method telescoping");
+    else if (method == NTP_HEIGHT_TELESCOPING && set->how.refine > 0)
+        complain("--refine goes with least squares, not with --method telescoping");
     else if (set->mask_file != NULL && method != NTP_HEIGHT_AUTO && method != NTP_HEIGHT_WEIGHTED)
         complain("--mask goes with --method weighted");
     else
@@ -123,12 +125,30 @@ static bool read_settings(to_height_settings *set, const options *o)
     return read_seeds(&set->how, option_string(o, OPT_SEEDS)) && read_depth(set, o) && agree(set);
 }
 
+/* What --refine does not go with; NULL: it is not that. */
+static const char *why_not_refined(const to_height_state *st)
+{
+    if (st->how.refine == 0)
+        return NULL;
+    if (st->how.kernel == NTP_KERNEL_BAKED)
+        return "--refine makes normals again by a kernel, and baked ones have none; --kernel sets "
+               "another";
+    if (st->src.type == NTP_F32)
+        return "--refine is for textures of 8 and 16 bits: floats are not rounded";
+    if (st->how.method == NTP_HEIGHT_WEIGHTED && st->how.detrend)
+        return "--refine and --detrend do not go together with --method weighted";
+    return NULL;
+}
+
 static bool cannot(const production *p, ntp_status status, ntpio_error *error)
 {
     const to_height_state *st = p->state;
+    const char *refined = why_not_refined(st);
     char why[200];
     if (status == NTP_ERR_CANCELLED || status == NTP_ERR_NOT_CONVERGED)
         return library_error(&p->s, status, error);
+    if (refined != NULL)
+        return wrong_use(p, refined, error);
     snprintf(why, sizeof why, "kernel %s with borders %s and %s cannot be solved by this method",
              ntp_kernel_name(st->how.kernel), ntp_border_name(st->how.border_x),
              ntp_border_name(st->how.border_y));

@@ -391,6 +391,30 @@ def test_usage_errors(run, tmp_path, args):
     assert [p.name for p in tmp_path.iterdir()] == ["n.png"]
 
 
+@pytest.mark.parametrize(
+    ("args", "why"),
+    [
+        (("--kernel", "baked"), "baked ones have none"),
+        (("--method", "telescoping"), "--method telescoping"),
+        (("--kernel", "central", "--method", "weighted", "--detrend"), "--detrend"),
+    ],
+)
+def test_what_cannot_be_refined(run, tmp_path, args, why):
+    write_png(tmp_path / "n.png", textures.standard())
+    done = run("to-height", "n.png", "-o", "out.png", "--refine", 2, *args)
+    assert done.returncode == 2 and "--refine" in done.stderr and why in done.stderr, done.stderr
+    assert [p.name for p in tmp_path.iterdir()] == ["n.png"]
+
+
+def test_floats_cannot_be_refined(run, tmp_path):
+    n = textures.standard()[..., :3] / 127.5 - 1
+    n = (n / np.linalg.norm(n, axis=-1, keepdims=True)).astype("<f4")
+    h, w = n.shape[:2]
+    (tmp_path / "n.pfm").write_bytes(b"PF\n%d %d\n-1.0\n" % (w, h) + n[::-1].tobytes())
+    done = run("to-height", "n.pfm", "-o", "out.png", "--refine", 2, "--from", "standard")
+    assert done.returncode == 2 and "floats are not rounded" in done.stderr, done.stderr
+
+
 def test_what_is_no_normals_texture(run, tmp_path):
     write_png(tmp_path / "h.png", textures.heights())
     write_png(tmp_path / "p.png", textures.photograph())

@@ -303,7 +303,7 @@ def height_from_normals(
         status = solver.solve(how, result, 0.5 if solved else 0.0, 1.0)
     del mask_array
     if status in (Status.ARGUMENT, Status.FORMAT):
-        _cannot(how, status)
+        _cannot(how, status, source.dtype.kind == "f")
     check(status, "height_from_normals")
     if packed is not output.array:
         output.array[...] = packed
@@ -328,7 +328,19 @@ def _name(function: Any, value: int) -> str:
     return name
 
 
-def _cannot(how: Any, status: int) -> None:
+def _cannot(how: Any, status: int, floats: bool) -> None:
+    if how.refine > 0:
+        why = None
+        if how.method == lib.NTP_HEIGHT_TELESCOPING:
+            why = 'refine: goes with least squares, not with method="telescoping"'
+        elif how.kernel == lib.NTP_KERNEL_BAKED:
+            why = 'refine: makes normals again, by a kernel; kernel="baked" is none'
+        elif floats:
+            why = "refine: is for textures of 8 and 16 bits; floats are not rounded"
+        elif how.method == lib.NTP_HEIGHT_WEIGHTED and how.detrend:
+            why = 'refine, detrend: do not go together with method="weighted"'
+        if why is not None:
+            raise ArgumentError(why, Status(status))
     raise ArgumentError(
         f"kernel={_name(lib.ntp_kernel_name, how.kernel)!r} with"
         f" border_x={_name(lib.ntp_border_name, how.border_x)!r} and"

@@ -221,3 +221,20 @@ def test_mask_and_seeds():
     seeds = (hill(32)[:2, :2].ravel() * 10).tolist()  # (0, 0), (1, 0), (0, 1), (1, 1)
     got = nt.height_from_normals(normals, method="telescoping", seeds=seeds, decode="unorm")
     assert np.abs(got - want).max() < 0.05
+
+
+@pytest.mark.parametrize(
+    ("how", "why"),
+    [
+        ({"kernel": "baked"}, "baked"),
+        ({"kernel": "central", "method": "telescoping"}, "telescoping"),
+        ({"kernel": "central", "method": "weighted", "detrend": True}, "detrend"),
+    ],
+)
+def test_what_cannot_be_refined_is_said(how, why):
+    flat = np.full((32, 32, 3), (128, 128, 255), np.uint8)
+    with pytest.raises(nt.ArgumentError, match="refine") as raised:
+        nt.height_from_normals(flat, refine=2, **how)
+    assert why in str(raised.value)
+    with pytest.raises(nt.ArgumentError, match="floats are not rounded"):
+        nt.height_from_normals(flat.astype(np.float32) / 255, refine=2, kernel="central")
