@@ -145,8 +145,11 @@ def calls(report):
     report.call("normals_from_height", lambda: nt.normals_from_height(gray, scale=1))
     report.call("height_from_normals", lambda: nt.height_from_normals(texel))
     report.call("detect_orientation", lambda: nt.detect_orientation(texel))
-    report.call("compare", lambda: nt.compare(texel, texel), None)
-    report.call("measure (17 MB of counters)", lambda: nt.measure(texel), None)
+    report.call("compare", lambda: nt.compare(texel, texel))
+    report.call("measure", lambda: nt.measure(texel))
+    report.call("measure, 16 bit", lambda: nt.measure(nt.convert(texel, depth=16)))
+    report.call("classify", lambda: nt.classify(texel))
+    report.call("choose_method", lambda: nt.choose_method(texel))
 
 
 def main():

@@ -13,25 +13,34 @@ static void merge_max(uint32_t *into, uint32_t from)
         *into = from;
 }
 
-/* Texels by flags, of one reading: used and unused ones. */
+/* Texels by flags: those that occur. */
 typedef struct flag_counts {
-    uint32_t used[256], unused[256];
+    int32_t n;
+    uint32_t flags[256];
+    uint64_t count[256];
 } flag_counts;
 
-static void count_flags(flag_counts *count, const ntp_tally *t, int32_t z)
+static void count_flags(flag_counts *out, const ntp__sums *sums, int32_t z)
 {
-    memset(count, 0, sizeof *count);
-    for (int32_t i = 0; i < NTP_STEEPNESS_BINS; i++) {
-        ntp__merge_counts(count->used, &t->used.fit[z].flags[i * 256], 256);
-        ntp__merge_counts(count->unused, &t->unused.fit[z].flags[i * 256], 256);
+    uint32_t count[256] = { 0 };
+    out->n = 0;
+    if (sums->texels == 0)
+        return;
+    for (int32_t i = 0; i < NTP_STEEPNESS_BINS; i++)
+        ntp__merge_counts(count, &sums->fit[z].flags[i * 256], 256);
+    for (uint32_t f = 0; f < 256; f++) {
+        if (count[f] == 0)
+            continue;
+        out->flags[out->n] = f;
+        out->count[out->n++] = count[f];
     }
 }
 
-static uint64_t flagged(const uint32_t count[256], uint32_t mask, uint32_t value)
+static uint64_t flagged(const flag_counts *count, uint32_t mask, uint32_t value)
 {
     uint64_t sum = 0;
-    for (uint32_t i = 0; i < 256; i++)
-        sum += (i & mask) == value ? count[i] : 0;
+    for (int32_t i = 0; i < count->n; i++)
+        sum += (count->flags[i] & mask) == value ? count->count[i] : 0;
     return sum;
 }
 
@@ -49,9 +58,9 @@ static uint64_t near_unit(const ntp__fit_sums *fit, int32_t bins)
     return count;
 }
 
-static void describe_flags(ntp_fit *out, const flag_counts *count, uint64_t used)
+static void describe_flags(ntp_fit *out, const flag_counts *yes, const flag_counts *no,
+                           uint64_t used)
 {
-    const uint32_t *yes = count->used, *no = count->unused;
     out->unused_neighbor = flagged(no, NTP_PASS_NEIGHBOR, NTP_PASS_NEIGHBOR);
     out->unused_rounded = flagged(no, NTP_PASS_ROUNDED, NTP_PASS_ROUNDED);
     out->unused_exact = flagged(no, NTP_PASS_EXACT, NTP_PASS_EXACT);
@@ -93,12 +102,14 @@ static void describe_fit(ntp_fit *out, const ntp_tally *t, int32_t z)
 /* What flags tell. */
 static void describe_verdicts(ntp_stats *s, const ntp_tally *t)
 {
-    flag_counts standard, zzero;
-    count_flags(&standard, t, 0);
-    count_flags(&zzero, t, 1);
-    describe_flags(&s->standard, &standard, t->used.texels);
-    describe_flags(&s->zzero, &zzero, t->used.texels);
-    const uint32_t *used = standard.used, *unused = standard.unused;
+    flag_counts yes, no;
+    const flag_counts *used = &yes, *unused = &no;
+    count_flags(&yes, &t->used, 1);
+    count_flags(&no, &t->unused, 1);
+    describe_flags(&s->zzero, used, unused, t->used.texels);
+    count_flags(&yes, &t->used, 0);
+    count_flags(&no, &t->unused, 0);
+    describe_flags(&s->standard, used, unused, t->used.texels);
     s->unused_xy_too_long = flagged(unused, NTP_XY_TOO_LONG, NTP_XY_TOO_LONG);
     s->xy_too_long = s->unused_xy_too_long + flagged(used, NTP_XY_TOO_LONG, NTP_XY_TOO_LONG);
     s->xy_far_too_long = flagged(used, NTP__FAR, NTP__FAR) + flagged(unused, NTP__FAR, NTP__FAR);
@@ -115,6 +126,8 @@ static void describe_steepness(ntp_stats *s, const ntp__fit_sums *fit)
         uint64_t all = 0, rounded = 0, neighbor = 0;
         const uint32_t *flags = &fit->flags[i * 256];
         for (uint32_t f = 0; f < 256; f++) {
+            if (flags[f] == 0)
+                continue;
             all += flags[f];
             rounded += f & NTP_PASS_ROUNDED ? flags[f] : 0;
             neighbor += f & NTP_PASS_NEIGHBOR ? flags[f] : 0;
@@ -157,14 +170,14 @@ static void describe_alpha(ntp_stats *s, const ntp_tally *t)
         return;
     for (uint32_t a = 0; a < 256; a++) {
         uint64_t count = t->alpha[a];
+        if (count == 0)
+            continue;
         n += count;
         mean += (double) (count * a) / 255.0;
         square += (double) (count * a * a) / (255.0 * 255.0);
-        if (count > 0) {
-            merge_max(&sums.max, a);
-            merge_max(&sums.inverted_min, ~a);
-            sums.sum += a * count;
-        }
+        merge_max(&sums.max, a);
+        merge_max(&sums.inverted_min, ~a);
+        sums.sum += a * count;
     }
     s->used_mean[3] = mean / (double) n;
     double variance = square / (double) n - s->used_mean[3] * s->used_mean[3];
@@ -226,6 +239,8 @@ static void describe_samples(ntp_stats *s, const ntp_tally *t, const uint64_t bl
     s->correlation[1] = correlation_of(&m, 1, 0, 2);
     s->correlation[2] = correlation_of(&m, 2, 1, 2);
     for (int32_t b = 0; b < 256; b++) {
+        if (blues[b] == 0)
+            continue;
         double n = (double) blues[b], v = b / 255.0;
         blue.n += n;
         blue.sum[0] += n * v;

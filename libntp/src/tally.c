@@ -11,6 +11,8 @@
 
 static void clear_sums(ntp__sums *s)
 {
+    if (s->texels == 0)
+        return;
     for (int32_t z = 0; z < 2; z++) {
         ntp__fit_sums *fit = &s->fit[z];
         memset(fit->levels_off, 0, (fit->levels_off_max + 1) * sizeof fit->levels_off[0]);
@@ -127,12 +129,9 @@ ntp_status ntp_tally_clear(ntp_tally *t)
         return NTP_OK;
     ntp__clear_cells(t);
     ntp__clear_samples(t);
-    if (t->wide.texels > 0)
-        clear_sums(&t->wide);
-    if (t->transparent_wide.texels > 0)
-        clear_sums(&t->transparent_wide);
-    if (t->transparent_narrow.texels > 0)
-        clear_sums(&t->transparent_narrow);
+    clear_sums(&t->wide);
+    clear_sums(&t->transparent_wide);
+    clear_sums(&t->transparent_narrow);
     if (t->wide_flat > 0)
         memset(t->wide_flat_seen, 0, sizeof t->wide_flat_seen);
     uint32_t ready = t->rows_ready;

@@ -10,6 +10,8 @@ way out.
 import os
 from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
+from operator import itemgetter
+from struct import Struct
 from typing import Any, Literal, TypeAlias, TypeVar
 
 import numpy as np
@@ -24,6 +26,7 @@ AnyType: TypeAlias = Literal["auto", "standard", "zzero", "xy", "vector"]
 Y: TypeAlias = Literal["up", "down"]
 Depth: TypeAlias = Literal[8, 16, "float"]
 T = TypeVar("T")
+_Members: TypeAlias = tuple[tuple[str, ...], Callable[[tuple[Any, ...]], tuple[Any, ...]]]
 
 ENCODINGS: dict[str, int] = {"standard": 0, "zzero": 1, "xy": 2, "vector": 3}
 HEIGHT = 4
@@ -39,6 +42,9 @@ _SAMPLE_TYPES = {np.dtype(np.uint8).str: 0, np.dtype(np.uint16).str: 1, np.dtype
 _KINDS = {"u1": 0, "u2": 1, "f4": 2}
 _CHANNELS = {0: (3, 4), 1: (3, 4), 2: (2, 4), 3: (3, 4), HEIGHT: (1, 4)}
 _MAX_SIDE: int = lib.NTP_MAX_SIDE
+_MOST_IDLE = 2  # pieces of memory that a pool keeps
+_CODES = {"uint64_t": "Q", "uint32_t": "I", "int32_t": "i", "double": "d"}
+_ALIGNED = "0Q"  # of the module struct: aligned as a struct with members of 8 bytes is
 _OVERLAP_WORK = 10_000  # steps that numpy may take to tell whether two arrays share memory
 
 
@@ -217,16 +223,66 @@ def memory(size: int, alignment: int = 16) -> tuple[Any, NDArray[np.uint8]]:
     return ffi.cast("void *", start + -start % alignment), owner
 
 
-def fields(struct: Any) -> dict[str, Any]:
-    """The members of a C struct as Python values; nested structs are dicts, arrays tuples."""
+class Pool:
+    """Zeroed memory of one size, cleared after use and used again.
 
-    def plain(value: Any) -> Any:
-        if not isinstance(value, ffi.CData):
-            return value
-        kind = ffi.typeof(value)
-        if kind.kind == "array":
-            return tuple(plain(value[i]) for i in range(kind.length))
-        return {name: plain(getattr(value, name)) for name, _ in kind.fields}
+    Fresh memory costs more than a small texture: the system zeroes each page at its first touch.
+    """
 
-    result: dict[str, Any] = plain(struct[0])
-    return result
+    def __init__(self, size: int, clear: Callable[[Any], object]) -> None:
+        self._size, self._clear = size, clear
+        self._idle: list[tuple[Any, NDArray[np.uint8]]] = []
+
+    def take(self) -> tuple[Any, NDArray[np.uint8]]:
+        """As `memory`."""
+        try:
+            return self._idle.pop()
+        except IndexError:
+            return memory(self._size)
+
+    def give(self, pointer: Any, owner: NDArray[np.uint8]) -> None:
+        """Takes back what is not used any more."""
+        if len(self._idle) < _MOST_IDLE:
+            self._clear(pointer)
+            self._idle.append((pointer, owner))
+
+
+class Layout:
+    """The members of a C struct, read all at once; structs in it are dicts, arrays tuples."""
+
+    def __init__(self, name: str) -> None:
+        self._codes, self._index = "", 0
+        self._structs: dict[str, _Members | list[_Members]] = {}
+        self._members = self._place(ffi.typeof(name))
+        self._format = Struct(self._codes)
+        if self._format.size != ffi.sizeof(name):
+            raise AssertionError(f"{name} is laid out in another way")
+
+    def _place(self, ctype: Any) -> _Members:
+        """Finds out where the members of a struct stand among the numbers in it."""
+        self._codes += _ALIGNED
+        places: dict[str, int | slice] = {}
+        for name, field in ctype.fields:
+            is_array = field.type.kind == "array"
+            kind, count = (field.type.item, field.type.length) if is_array else (field.type, 1)
+            if kind.kind == "struct":
+                parts = [self._place(kind) for _ in range(count)]
+                self._structs[name] = parts if is_array else parts[0]
+                continue
+            self._codes += f"{count}{_CODES[kind.cname]}"
+            places[name] = slice(self._index, self._index + count) if is_array else self._index
+            self._index += count
+        self._codes += _ALIGNED
+        return tuple(places), itemgetter(*places.values())
+
+    def read(self, struct: Any) -> dict[str, Any]:
+        """The values of a struct by name."""
+        numbers = self._format.unpack_from(ffi.buffer(struct))
+        names, pick = self._members
+        values = dict(zip(names, pick(numbers), strict=True))
+        for name, part in self._structs.items():
+            if isinstance(part, tuple):
+                values[name] = dict(zip(part[0], part[1](numbers), strict=True))
+            else:
+                values[name] = tuple([dict(zip(n, p(numbers), strict=True)) for n, p in part])
+        return values

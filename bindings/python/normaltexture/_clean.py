@@ -21,7 +21,7 @@ from ._arrays import (
     view,
 )
 from ._errors import check
-from ._measure import _Result, choose_method, resolve
+from ._measure import Stats, _Result, choose_method, measure, resolve
 from ._native import ffi, lib
 
 Method = Literal["derive", "normalize", "auto"]
@@ -158,12 +158,15 @@ def clean(
             [217, 217, 143]]], dtype=uint8)
     """
     source = pixels("src", src)
-    if type == "auto":
-        type = resolve(source, type, threads)
-    encoding = choose("type", type, ENCODINGS)
     code = choose("method", method, _METHODS)
+    stats: Stats | None = None
+    if type == "auto":
+        stats = measure(source, threads=threads)
+        type = resolve(stats, type, threads)
+    encoding = choose("type", type, ENCODINGS)
     if code < 0:
-        code = _METHODS[choose_method(source, type=type, threads=threads).method]
+        known = stats if stats is not None and type == stats.type else source
+        code = _METHODS[choose_method(known, type=type, threads=threads).method]
     how = (
         code,
         int(bool(keep_negative_z)),

@@ -5,8 +5,10 @@
 what `measure` has found, also from another process.
 """
 
+import builtins
 from dataclasses import asdict, dataclass, field
-from typing import Any, Literal, Self
+from struct import Struct
+from typing import Any, Literal, Self, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,15 +18,15 @@ from ._arrays import (
     TOUCH_ALL,
     TOUCH_NONE,
     AnyType,
+    Layout,
+    Pool,
     Type,
     choose,
-    fields,
-    memory,
     pixels,
     run,
     view,
 )
-from ._errors import ArgumentError, check
+from ._errors import ArgumentError, Status, check
 from ._native import ffi, lib
 
 Class = Literal["standard", "zzero", "xy", "height", "object-space", "one-color", "not-normals"]
@@ -48,7 +50,11 @@ ACCIDENTS = {
     128: "blue-constant",
 }
 
+T = TypeVar("T")
 _LENGTH_BINS = 256
+_LENGTHS = Struct(f"{_LENGTH_BINS}Q")
+_LAYOUT = Layout("ntp_stats")
+_TALLIES = Pool(lib.ntp_tally_size(), lambda memory: lib.ntp_tally_clear(memory))
 
 
 class _Result:
@@ -174,19 +180,25 @@ class Stats(_Result):
         return self.zzero if self.type == "zzero" else self.standard
 
     @classmethod
-    def _from(cls, struct: Any, type: Type, levels_off: Any, lengths: Any) -> Self:
-        values = fields(struct)
-        values["channel"] = tuple(Channel(**c) for c in values["channel"][: values["channels"]])
-        values["standard"] = Fit(**values["standard"])
-        values["zzero"] = Fit(**values["zzero"])
-        values["angles"] = Angles(**values["angles"])
-        return cls(
-            **values,
-            type=type,
-            levels_off=tuple(levels_off),
-            lengths=tuple(lengths),
-            _struct=bytes(ffi.buffer(struct)),
-        )
+    def _from(cls, struct: Any, type: Type, levels_off: list[int], lengths: Any) -> Self:
+        values = _LAYOUT.read(struct)
+        values["channel"] = tuple(_made(Channel, c) for c in values["channel"][: struct.channels])
+        values["standard"] = _made(Fit, values["standard"])
+        values["zzero"] = _made(Fit, values["zzero"])
+        values["angles"] = _made(Angles, values["angles"])
+        values["type"] = type
+        values["levels_off"] = tuple(levels_off)
+        values["lengths"] = _LENGTHS.unpack(ffi.buffer(lengths))
+        values["_struct"] = bytes(ffi.buffer(struct))
+        return _made(cls, values)
+
+
+def _made(cls: builtins.type[T], values: dict[str, Any]) -> T:
+    """cls(**values) at once: a frozen dataclass sets field after field, which here takes longer
+    than the measurement of a small texture."""
+    made = object.__new__(cls)
+    object.__setattr__(made, "__dict__", values)
+    return made
 
 
 class Tally:
@@ -207,8 +219,11 @@ class Tally:
         self._encoding = choose("type", type, ENCODINGS)
         self._type: Type = type
         self._touch = TOUCH_ALL if touch_unused else TOUCH_NONE
-        pointer, self._owner = memory(lib.ntp_tally_size())
-        self._pointer = ffi.cast("ntp_tally *", pointer)
+        self._pointer, self._owner = _TALLIES.take()
+
+    def __del__(self) -> None:
+        if hasattr(self, "_owner"):
+            _TALLIES.give(self._pointer, self._owner)
 
     def add(self, src: ArrayLike) -> Self:
         """Add the texels of an array; of one depth, and one number of channels."""
@@ -226,20 +241,32 @@ class Tally:
 
     def stats(self) -> Stats:
         """Work out the statistics of what was added."""
+        struct = self._summarize()
+        z = 1 if self._encoding == 1 else 0
+        lengths = ffi.new("uint64_t[]", _LENGTH_BINS)
+        check(lib.ntp_lengths(lengths, self._pointer, z), "measure")
+        return Stats._from(struct, self._type, self._levels_off(struct, z), lengths)
+
+    def _summarize(self) -> Any:
         struct = ffi.new("ntp_stats *")
         encoding = 0 if self._encoding == 3 else self._encoding
         check(lib.ntp_summarize(struct, self._pointer, encoding), "measure")
-        z = 1 if encoding == 1 else 0
-        off = np.zeros(struct.max + 1, np.uint64)
-        check(lib.ntp_levels_off(_counts(off), len(off), self._pointer, z), "measure")
-        lengths = np.zeros(_LENGTH_BINS, np.uint64)
-        check(lib.ntp_lengths(_counts(lengths), self._pointer, z), "measure")
-        last = int(np.flatnonzero(off)[-1]) + 1 if off.any() else 0
-        return Stats._from(struct, self._type, off[:last].tolist(), lengths.tolist())
+        return struct
 
-
-def _counts(array: NDArray[np.uint64]) -> Any:
-    return ffi.cast("uint64_t *", array.__array_interface__["data"][0])
+    def _levels_off(self, struct: Any, z: int) -> list[int]:
+        """The histogram up to its last texel; unused texels may be further off than used ones."""
+        size = struct.levels_off_max[z] + 1
+        counts = ffi.new("uint64_t[]", size)
+        status = lib.ntp_levels_off(counts, size, self._pointer, z)
+        if status == Status.ARGUMENT:
+            size = struct.max + 1
+            counts = ffi.new("uint64_t[]", size)
+            status = lib.ntp_levels_off(counts, size, self._pointer, z)
+        check(status, "measure")
+        while size > 0 and counts[size - 1] == 0:
+            size -= 1
+        values: list[int] = ffi.unpack(counts, size)
+        return values
 
 
 def measure(
@@ -277,6 +304,11 @@ def measure(
     >>> stats.texels, stats.standard.neighbor, round(stats.standard.length_min, 3)
     (64, 63, 0.569)
     """
+    return _tally(src, type, touch_unused, threads).stats()
+
+
+def _tally(src: ArrayLike, type: Type, touch_unused: bool, threads: int) -> Tally:
+    """A tally of all of a texture."""
     encoding = choose("type", type, ENCODINGS)
     source = pixels("src", src)
     src_view = view("src", source, encoding)
@@ -289,7 +321,7 @@ def measure(
     first, *rest = run(threads, source.shape[1], source.shape[0], work)
     for tally in rest:
         first.merge(tally)
-    return first.stats()
+    return first
 
 
 @dataclass(frozen=True)
@@ -315,13 +347,10 @@ class Classification(_Result):
     reasons: tuple[str, ...]
 
 
-def _struct_of(src: ArrayLike | Stats, touch_unused: bool, threads: int) -> Any:
+def _struct_of(src: ArrayLike | Stats, type: Type, touch_unused: bool, threads: int) -> Any:
     if isinstance(src, Stats):
-        struct = ffi.new("ntp_stats *")
-        ffi.memmove(struct, src._struct, len(src._struct))
-        return struct
-    stats = measure(src, touch_unused=touch_unused, threads=threads)
-    return _struct_of(stats, touch_unused, threads)
+        return ffi.from_buffer("ntp_stats *", src._struct)
+    return _tally(src, type, touch_unused, threads)._summarize()
 
 
 def _reason(reason: Any) -> str:
@@ -360,7 +389,8 @@ def classify(
     ('red-is-z',)
     """
     result = ffi.new("ntp_classification *")
-    check(lib.ntp_classify(result, _struct_of(src, touch_unused, threads)), "classify")
+    struct = _struct_of(src, "standard", touch_unused, threads)
+    check(lib.ntp_classify(result, struct), "classify")
     return Classification(
         type=CLASSES[result.type],
         confidence=result.confidence,
@@ -402,19 +432,14 @@ def choose_method(
         err together, as after lossy compression or resizing, "derive" otherwise.
     """
     encoding = choose("type", type, ENCODINGS)
-    stats = src if isinstance(src, Stats) else measure(src, type=type, threads=threads)
+    struct = _struct_of(src, type, False, threads)
     method, why = ffi.new("ntp_method *"), ffi.new("ntp_reason *")
-    check(
-        lib.ntp_choose_method(
-            method, why, _struct_of(stats, False, threads), encoding % 3, bool(lossy)
-        ),
-        "choose_method",
-    )
+    check(lib.ntp_choose_method(method, why, struct, encoding % 3, bool(lossy)), "choose_method")
     names: tuple[Literal["derive", "normalize", "keep"], ...] = ("derive", "normalize", "keep")
     return MethodChoice(names[method[0]], _reason(why))
 
 
-def resolve(src: NDArray[Any], type: AnyType, threads: int) -> Type:
+def resolve(src: NDArray[Any] | Stats, type: AnyType, threads: int) -> Type:
     """The argument `type`, "auto" found out as the command line does."""
     if type != "auto":
         choose("type", type, {"auto": 0} | ENCODINGS)

@@ -178,6 +178,11 @@ def test_many_threads_on_the_same_arrays():
     texture = texture_of(np.uint8, (400, 400, 3))
     functions = [FUNCTIONS[name][0] for name in ("clean", "heatmap", "shade", "validate")]
     functions += [nt.measure, nt.classify, lambda a: nt.clean(a, type="zzero")]
+    functions += [nt.detect_orientation, lambda a: nt.compare(a, a[::-1])]
+    functions += [lambda a: nt.convert(a, depth=16, threads=2), lambda a: nt.blend(a, a[:64, :64])]
+    functions += [lambda a: nt.resize(a, size="50%"), lambda a: nt.transform(a, rotate=90)]
+    functions += [lambda a: nt.normals_from_height(a[..., 0], scale=3.0)]
+    functions += [lambda a: nt.height_from_normals(a[:64, :64], kernel="central", threads=2)]
     want = [function(texture) for function in functions]
     out = np.zeros_like(texture)
 
@@ -188,7 +193,7 @@ def test_many_threads_on_the_same_arrays():
         return function(texture)
 
     with ThreadPoolExecutor(8) as pool:
-        for turn, got in enumerate(pool.map(work, range(56))):
+        for turn, got in enumerate(pool.map(work, range(4 * len(functions)))):
             expected = want[turn % len(functions)]
             same = np.array_equal(got, expected) if isinstance(got, np.ndarray) else got == expected
             assert same, turn

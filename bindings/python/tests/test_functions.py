@@ -209,6 +209,21 @@ def test_floats_are_judged_as_16_bit(texture):
     assert nt.measure(floats) == nt.measure(texture)
 
 
+def test_levels_off_of_unused_texels():
+    """They are in the histogram, also where they are further off than the used ones."""
+    texture = np.full((3, 4, 4), (128, 128, 255, 255), np.uint8)
+    texture[0, 0] = 128, 128, 200, 0
+    for dtype, unit in ((np.uint8, 1), (np.uint16, 257)):
+        stats = nt.measure((texture * dtype(unit)).astype(dtype))
+        assert (stats.levels_off_max[0], len(stats.levels_off)) == (0, 56)
+        assert (stats.levels_off[0], stats.levels_off[55]) == (11, 1)
+    texture[0, 0, 2] = 201
+    deep = texture.astype(np.uint16) * 257 - 1
+    deep[0, 0, 3] = 0
+    assert sum(nt.measure(deep).levels_off) == 12
+    assert nt.measure(np.zeros((2, 2, 3), np.uint8)).levels_off == ()
+
+
 @given(textures(max_side=9), st.integers(1, 8))
 def test_tally_in_parts(texture, cut):
     cut = min(cut, texture.shape[0])
