@@ -5,6 +5,7 @@ import csv
 import io
 import json
 import os
+import shlex
 import shutil
 import subprocess
 
@@ -245,7 +246,7 @@ def test_bash_completion(run, tmp_path):
     script.write_text(run("--generate", "bash").stdout)
     subprocess.run(["bash", "-n", script], check=True)
     probe = (
-        f"source {script}; COMP_WORDS=(ntp check --verdict ''); COMP_CWORD=3; _ntp; "
+        f"source {shlex.quote(str(script))}; COMP_WORDS=(ntp check --verdict ''); COMP_CWORD=3; _ntp; "
         'echo "${COMPREPLY[*]}"; COMP_WORDS=(ntp clean --in); COMP_CWORD=2; _ntp; '
         'echo "${COMPREPLY[*]}"; COMP_WORDS=(ntp ch); COMP_CWORD=1; _ntp; echo "${COMPREPLY[*]}"'
     )
