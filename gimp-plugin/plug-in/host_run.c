@@ -170,25 +170,18 @@ static job_status run_classic(const settings *s, const host_layer *layer, const 
 static job_status run_clean(const settings *s, const host_layer *layer, const ntp_rect *area,
                             uint64_t *changed)
 {
-    enum { AUTO_METHOD = 2 };
     static report found;
-    ntp_method method = (ntp_method) s->value[FC_METHOD];
-    ntp_encoding from = (ntp_encoding) ((int) s->value[FC_FROM] - 1);
-    if ((int) s->value[FC_METHOD] == AUTO_METHOD || (int) s->value[FC_FROM] == 0) {
-        settings look = { { 0 } };
-        look.value[FK_FROM] = s->value[FC_FROM];
-        look.value[FK_KEEP_NEGATIVE_Z] = s->value[FC_KEEP_NEGATIVE_Z];
+    settings question;
+    const bool finds_out = repair_finds_out(s, &question);
+    if (finds_out) {
         const job_status status =
-            report_run(&found, &look, &layer->raster, NULL, &host_surroundings);
+            report_run(&found, &question, &layer->raster, NULL, &host_surroundings);
         if (status != JOB_DONE)
             return status;
         if (!found.judged)
             return JOB_NO_NORMALS;
-        from = found.encoding;
-        if ((int) s->value[FC_METHOD] == AUTO_METHOD)
-            method = found.method;
     }
-    const repair_job job = repair_job_from(s, from, method);
+    const repair_job job = repair_job_from(s, finds_out ? &found : NULL);
     return run_repair(&job, -1, layer, area, changed);
 }
 

@@ -134,16 +134,12 @@ static job_status show_normals(const preview *p, uint8_t *map, uint8_t *lit)
 
 static job_status show_clean(const preview *p, uint8_t *map, uint8_t *lit)
 {
-    const int from = (int) p->settings->value[FC_FROM],
-              method = (int) p->settings->value[FC_METHOD];
-    const ntp_encoding encoding = from > 0 ? (ntp_encoding) (from - 1) : p->found;
-    const maker m = { .p = p,
-                      .repair = repair_job_from(p->settings, encoding,
-                                                method > 1 ? NTP_NORMALIZE : (ntp_method) method) };
+    const maker m = { .p = p, .repair = repair_job_from(p->settings, p->found) };
     const job_status status = sample(&m, map);
-    if (status == JOB_DONE)
-        light_up(p, encoding, NTP_Y_UP, map, lit);
-    return status;
+    if (status != JOB_DONE)
+        return status;
+    light_up(p, m.repair.from, NTP_Y_UP, map, lit);
+    return p->found != NULL && !p->found->judged ? JOB_NO_NORMALS : JOB_DONE;
 }
 
 /* --------------------------------------------------------------------------------- heights */

@@ -5,15 +5,14 @@
 #ifndef NTP_PLUGIN_PREVIEW_H
 #define NTP_PLUGIN_PREVIEW_H
 
-#include "fields.h"
-#include "raster.h"
+#include "report.h"
 
 typedef struct preview {
     const procedure *procedure; /* normals, height or clean */
     const settings *settings;
     const raster *layer;
     const raster *heights;  /* another layer's height, or NULL */
-    ntp_encoding found;     /* clean, where the settings say "auto" */
+    const report *found;    /* clean, where that is left to a report; or NULL */
     int32_t width, height;  /* pixels to fill */
     double x, y;            /* the texel position at their upper left corner */
     double step;            /* texels from one pixel to the next */

@@ -10,13 +10,34 @@
 
 enum { BAND = 128, CHUNK = 16 };
 
-repair_job repair_job_from(const settings *s, ntp_encoding from, ntp_method method)
+enum { FROM_AUTO = 0, METHOD_AUTO = 2 };
+
+bool repair_finds_out(const settings *s, settings *question)
+{
+    *question = (settings) { { 0 } };
+    question->value[FK_FROM] = s->value[FC_FROM];
+    question->value[FK_KEEP_NEGATIVE_Z] = s->value[FC_KEEP_NEGATIVE_Z];
+    return (int) s->value[FC_FROM] == FROM_AUTO || (int) s->value[FC_METHOD] == METHOD_AUTO;
+}
+
+static ntp_encoding encoding_of(const settings *s, const report *found)
+{
+    if (found != NULL && found->judged)
+        return found->encoding;
+    return (int) s->value[FC_FROM] == FROM_AUTO ? NTP_STANDARD
+                                                : (ntp_encoding) ((int) s->value[FC_FROM] - 1);
+}
+
+repair_job repair_job_from(const settings *s, const report *found)
 {
     const double *v = s->value;
+    const bool suits = (int) v[FC_METHOD] == METHOD_AUTO;
     return (repair_job) {
-        .from = from,
+        .from = encoding_of(s, found),
         .clean = true,
-        .how = { .method = method,
+        .how = { .method = !suits          ? (ntp_method) v[FC_METHOD]
+                           : found != NULL ? found->method
+                                           : NTP_DERIVE,
                  .keep_negative_z = v[FC_KEEP_NEGATIVE_Z] != 0,
                  .only_failing = v[FC_ONLY_FAILING] != 0,
                  .verdict = (ntp_verdict) v[FC_VERDICT],

@@ -7,6 +7,7 @@
 #define NTP_PLUGIN_REPAIR_H
 
 #include "normals.h"
+#include "report.h"
 
 typedef struct repair_job {
     ntp_encoding from;  /* that of the result as well, but for: */
@@ -22,8 +23,12 @@ typedef struct repair_job {
     alpha_rule alpha; /* not the height */
 } repair_job;
 
-/* What the settings of PROCEDURE_CLEAN ask for, once encoding and method are known. */
-repair_job repair_job_from(const settings *s, ntp_encoding from, ntp_method method);
+/* Do the settings of PROCEDURE_CLEAN leave something to a report on the layer?  Then *question gets
+ * the settings of that report. */
+bool repair_finds_out(const settings *s, settings *question);
+
+/* What the settings of PROCEDURE_CLEAN ask for.  found: the report; NULL where none is needed. */
+repair_job repair_job_from(const settings *s, const report *found);
 
 /* layer and result have one size; result 3 channels or 4.  *changed: texels that cleaning changed;
  * may be NULL. */

@@ -61,6 +61,16 @@ static GtkWidget *column_new(void)
 #endif
 }
 
+static void to_the_left(GtkWidget *label) /* and to the top */
+{
+#if GTK_MAJOR_VERSION >= 3
+    gtk_label_set_xalign(GTK_LABEL(label), 0);
+    gtk_label_set_yalign(GTK_LABEL(label), 0);
+#else
+    gtk_misc_set_alignment(GTK_MISC(label), 0, 0);
+#endif
+}
+
 static GtkWidget *controls_new(window *w)
 {
     const field *fields = procedures[PROCEDURE_CHECK].fields;
@@ -75,7 +85,9 @@ static GtkWidget *controls_new(window *w)
     w->negative = gtk_check_button_new_with_mnemonic(_(fields[FK_KEEP_NEGATIVE_Z].label));
     gtk_toggle_button_set_active(GTK_TOGGLE_BUTTON(w->negative),
                                  w->settings->value[FK_KEEP_NEGATIVE_Z] != 0);
+    to_the_left(label);
     w->text = gtk_label_new("");
+    to_the_left(w->text);
     gtk_label_set_line_wrap(GTK_LABEL(w->text), TRUE);
     gtk_label_set_selectable(GTK_LABEL(w->text), TRUE);
     gtk_widget_set_size_request(w->text, 330, -1);

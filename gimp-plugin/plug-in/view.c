@@ -8,6 +8,7 @@
  */
 #include "view.h"
 #include "preview.h"
+#include "repair.h"
 
 #include <math.h>
 #include <string.h>
@@ -27,8 +28,9 @@ typedef struct view {
     settings settings;
     host_layer layer, heights;
     gint32 heights_id;
-    ntp_encoding found; /* of the layer, for cleaning; looked for once */
+    report found; /* for cleaning: what the layer is, and what suits it */
     gboolean looked;
+    settings question; /* that it answers */
     ntp_light light;
     int zoom;
     double x, y;       /* the texel in the middle */
@@ -74,22 +76,25 @@ static const raster *other_heights(view *v)
     return v->heights.buffer != NULL ? &v->heights.raster : NULL;
 }
 
-static void look_once(view *v)
+/* As cleaning will, where the settings leave something to be found out; again when they change. */
+static const report *look(view *v)
 {
-    static report found;
-    settings s = { { 0 } };
-    if (v->looked || v->procedure != &procedures[PROCEDURE_CLEAN] || v->layer.raster.channels < 3)
-        return;
-    v->looked = TRUE;
-    if (report_run(&found, &s, &v->layer.raster, NULL, NULL) == JOB_DONE &&
-        found.encoding != NTP_HEIGHT)
-        v->found = found.encoding;
+    settings question;
+    if (v->procedure != &procedures[PROCEDURE_CLEAN] || v->layer.raster.channels < 3 ||
+        !repair_finds_out(&v->settings, &question))
+        return NULL;
+    if (!v->looked || memcmp(&question, &v->question, sizeof question) != 0) {
+        v->looked = TRUE;
+        v->question = question;
+        if (report_run(&v->found, &question, &v->layer.raster, NULL, NULL) != JOB_DONE)
+            v->found.judged = false;
+    }
+    return &v->found;
 }
 
 static void render(view *v)
 {
     fit(v);
-    look_once(v);
     const gsize size = (gsize) v->width * (gsize) v->height * 3;
     v->map = g_realloc(v->map, size);
     v->lit = g_realloc(v->lit, size);
@@ -99,7 +104,7 @@ static void render(view *v)
                         .settings = &v->settings,
                         .layer = &v->layer.raster,
                         .heights = other_heights(v),
-                        .found = v->found,
+                        .found = look(v),
                         .width = v->width,
                         .height = v->height,
                         .x = v->x - v->width * v->step / 2,

@@ -117,6 +117,12 @@ def saved(file, layer="(car (gimp-image-get-active-drawable image))"):
     return f'(file-png-save2 RUN-NONINTERACTIVE image {layer} "{file}" "x" 0 1 0 0 0 0 0 0 1)'
 
 
+def stored(file):
+    """Script-Fu that saves the image as XCF: its layer's samples as they are."""
+    layer = "(car (gimp-image-get-active-drawable image))"
+    return f'(gimp-xcf-save RUN-NONINTERACTIVE image {layer} "{file}" "x")'
+
+
 class Gimp2:
     """GIMP 2.10 with our plug-in, in directories of its own."""
 

@@ -14,6 +14,7 @@ from plugin_cases import (
     PART,
     PARTS,
     SETTINGS,
+    assert_normals_of,
     different,
     options,
     part_of,
@@ -21,9 +22,7 @@ from plugin_cases import (
     rough_normals,
 )
 
-import libntp_ffi
 import pngs
-from libntp_ffi import ffi, lib
 
 CHROOT = os.environ.get("NTP_GIMP3")
 pytestmark = pytest.mark.skipif(not CHROOT, reason="NTP_GIMP3 names no chroot; use ./dev gimp3")
@@ -31,7 +30,8 @@ pytestmark = pytest.mark.skipif(not CHROOT, reason="NTP_GIMP3 names no chroot; u
 NORMALS = "plug-in-ntp-normals-from-height"
 SOBEL = SETTINGS["sobel"]
 TYPES = {"U8": "u1", "U16": "u2", "U32": "u4", "HALF": "f2", "FLOAT": "f4", "DOUBLE": "f8"}
-PRECISIONS = [f"{kind}_{curve}" for kind in TYPES for curve in ("LINEAR", "NON_LINEAR")]
+CURVES = ("LINEAR", "NON_LINEAR", "PERCEPTUAL")
+PRECISIONS = [f"{kind}_{curve}" for kind in TYPES for curve in CURVES]
 FILTERS = ["4sample", "sobel3", "sobel5", "prewitt3", "prewitt5", "3x3", "5x5", "7x7", "9x9"]
 
 
@@ -184,29 +184,10 @@ def test_layers(raw, ntp):
     assert raw("one").tolist() == [[[128, 128, 255]]]
 
 
-def normals_of(heights):
-    """The library's, of the settings above, in the type of the heights."""
-    how = ffi.new("ntp_gradient_options *", {"scale": 7.3, "kernel": lib.NTP_KERNEL_SOBEL3})
-    made = np.zeros_like(heights)
-    src = libntp_ffi.view(heights, encoding=libntp_ffi.HEIGHT, const=True)
-    dst = libntp_ffi.view(made, encoding=libntp_ffi.STANDARD, y=libntp_ffi.DOWN)
-    libntp_ffi.check(lib.ntp_normals_from_height(dst, src, how, ffi.NULL, ffi.NULL))
-    return made
-
-
 @pytest.mark.parametrize("precision", PRECISIONS)
 def test_precision(raw, precision):
-    """The stored numbers are the heights; 8 bit, 16 bit and float are exact."""
     dtype = np.dtype(TYPES[precision.split("_")[0]])
-    heights, made = (raw(precision, f"{precision}-{end}", dtype) for end in ("in", "out"))
-    if dtype.kind == "u" and dtype.itemsize <= 2:
-        assert different(made, normals_of(heights)) == 0
-        return
-    # The others go through single precision, and back with GIMP's rounding.
-    top = 2**32 - 1 if dtype.kind == "u" else 1
-    expected = normals_of((heights.astype(np.float64) / top).astype(np.float32))
-    step = {"u4": 2.0**-32, "f2": 2.0**-11, "f4": 0, "f8": 0}[dtype.str[1:]]
-    assert np.abs(made.astype(np.float64) / top - expected).max() <= step
+    assert_normals_of(*(raw(precision, f"{precision}-{end}", dtype) for end in ("in", "out")))
 
 
 @pytest.mark.parametrize("i", range(9))

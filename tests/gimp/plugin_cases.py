@@ -5,6 +5,9 @@ import struct
 
 import numpy as np
 
+import libntp_ffi
+from libntp_ffi import ffi, lib
+
 GAMMA = (b"gAMA", struct.pack(">I", 45455))
 WIDTH, HEIGHT = 151, 134  # no multiple of a tile or a band
 PART = (20, 30, 77, 55)  # x, y, width, height of a selection
@@ -72,6 +75,30 @@ def different(a, b):
     """How many texels differ."""
     assert a.shape == b.shape and a.dtype == b.dtype, (a.shape, b.shape, a.dtype, b.dtype)
     return int((a != b).any(2).sum())
+
+
+def normals_of(heights):
+    """The library's, by the settings "sobel", in the type of the heights."""
+    how = ffi.new("ntp_gradient_options *", {"scale": 7.3, "kernel": lib.NTP_KERNEL_SOBEL3})
+    made = np.zeros((*heights.shape[:2], 3), heights.dtype)
+    src = libntp_ffi.view(heights, encoding=libntp_ffi.HEIGHT, const=True)
+    dst = libntp_ffi.view(made, encoding=libntp_ffi.STANDARD, y=libntp_ffi.DOWN)
+    libntp_ffi.check(lib.ntp_normals_from_height(dst, src, how, ffi.NULL, ffi.NULL))
+    return made
+
+
+def assert_normals_of(heights, made):
+    """The stored numbers are the heights; 8 bit, 16 bit and float are exact."""
+    dtype = heights.dtype
+    assert made.dtype == dtype and made.shape == (*heights.shape[:2], 3)
+    if dtype.kind == "u" and dtype.itemsize <= 2:
+        assert different(made, normals_of(heights)) == 0
+        return
+    # The others go through single precision, and back with GIMP's rounding.
+    top = 2**32 - 1 if dtype.kind == "u" else 1
+    expected = normals_of((heights.astype(np.float64) / top).astype(np.float32))
+    step = {"u4": 2.0**-32, "f2": 2.0**-11, "f4": 0, "f8": 0}[dtype.str[1:]]
+    assert np.abs(made.astype(np.float64) / top - expected).max() <= step
 
 
 def part_of(whole, pixels):

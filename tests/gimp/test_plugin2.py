@@ -11,7 +11,7 @@ import subprocess
 import gimp2
 import numpy as np
 import pytest
-from gimp2 import call, normals, opened, saved
+from gimp2 import call, normals, opened, saved, stored
 from gimps import complaints
 from plugin_cases import (
     CASES,
@@ -21,12 +21,14 @@ from plugin_cases import (
     PARTS,
     SETTINGS,
     WIDTH,
+    assert_normals_of,
     different,
     options,
     part_of,
     picture,
     rough_normals,
 )
+from xcf import read_xcf
 
 import libntp_ffi
 import pngs
@@ -40,6 +42,13 @@ OTHER = (
     "(gimp-image-insert-layer image other 0 1)"
 )
 MASK = "(gimp-layer-add-mask layer (car (gimp-layer-create-mask layer ADD-MASK-WHITE)))"
+
+
+PRECISIONS = [
+    f"{kind}-{curve}"
+    for kind in ("U8", "U16", "U32", "HALF", "FLOAT", "DOUBLE")
+    for curve in ("LINEAR", "GAMMA")
+]
 
 
 def classic(**given):
@@ -59,6 +68,19 @@ def exact_jobs():
             "rgba8.png", normals(alpha=alpha) + saved(f"alpha-{alpha}.png")
         )
     jobs["adds-alpha"] = opened("gray16.png", normals(alpha="height") + saved("adds-alpha.png"))
+    return jobs
+
+
+def precision_jobs():
+    """Gray becomes RGB on the way."""
+    jobs = {}
+    for file in ("gray16", "rgb16-gama"):
+        for precision in PRECISIONS:
+            name = f"{file}-{precision}"
+            convert = f"(gimp-image-convert-precision image PRECISION-{precision})"
+            body = "" if precision == "U16-GAMMA" else convert
+            body += stored(f"{name}-in.xcf") + normals(**SETTINGS["sobel"])
+            jobs[name] = opened(f"{file}.png", body + stored(f"{name}-out.xcf"))
     return jobs
 
 
@@ -171,7 +193,14 @@ def gimp(tmp_path_factory):
     noise = np.random.default_rng(1).integers(0, 256, (HEIGHT, WIDTH, 3)).astype(np.uint8)
     pngs.write_png(made.work / "noise.png", noise)
     made.messages = made.run(
-        {**exact_jobs(), **layer_jobs(), **refused_jobs(), **classic_jobs(), **normals_jobs()}
+        {
+            **exact_jobs(),
+            **precision_jobs(),
+            **layer_jobs(),
+            **refused_jobs(),
+            **classic_jobs(),
+            **normals_jobs(),
+        }
     )
     return made
 
@@ -217,6 +246,14 @@ def test_selection(done, ntp, file):
     assert different(made[inside], expected[inside]) == 0
     if pixels.shape[2] > 2:  # gray outside is converted by GIMP
         assert different(made, expected) == 0
+
+
+@pytest.mark.parametrize("file", ["gray16", "rgb16-gama"])
+@pytest.mark.parametrize("precision", PRECISIONS)
+def test_precision(gimp, file, precision):
+    name = f"{file}-{precision}"
+    assert f"job-{name}-done" in gimp.messages[name], gimp.messages[name]
+    assert_normals_of(*(read_xcf(gimp.work / f"{name}-{end}.xcf") for end in ("in", "out")))
 
 
 @pytest.mark.parametrize("alpha", ["keep", "one", "inverse", "height"])

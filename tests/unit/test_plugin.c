@@ -422,7 +422,8 @@ static void wave(memory *heights, memory *normals, int kernel)
     const int w = heights->raster.width, h = heights->raster.height;
     const double a = 2 * 3.14159265358979323846 / w, b = 2 * 3.14159265358979323846 / h;
     for (int i = 0; i < w * h; i++) {
-        const double x = a * (i % w), y = b * (i / w);
+        const int column = i % w, row = i / w;
+        const double x = a * column, y = b * row;
         const double p = -6 * a * cos(x) * cos(y), q = 6 * b * sin(x) * sin(y);
         const double n[3] = { p, -q, 1 }, length = sqrt(p * p + q * q + 1); /* green up */
         ((uint16_t *) (void *) heights->data)[i] =
@@ -512,6 +513,46 @@ static void test_preview(void)
     memory_free(whole);
 }
 
+/* What is shown of cleaning is what cleaning writes, by the method that the report found. */
+static void test_preview_of_cleaning(void)
+{
+    enum { W = 60, H = 50 };
+    memory *in = memory_new(W, H, 3, NTP_U16), *wave_height = memory_new(W, H, 1, NTP_U16);
+    memory *bytes = memory_new(W, H, 3, NTP_U8), *made = memory_new(W, H, 3, NTP_U8);
+    static report found;
+    static uint8_t map[W * H * 3], lit[W * H * 3];
+    settings s, question;
+    wave(wave_height, in, NTP_KERNEL_BAKED);
+    for (int i = 0; i < W * H * 3; i++)
+        bytes->data[i] = (unsigned char) (((uint16_t *) (void *) in->data)[i] >> 8);
+    for (int i = 0; i < W * H; i += 7) /* blue that red and green do not agree with */
+        bytes->data[3 * i + 2] = (unsigned char) (bytes->data[3 * i + 2] - 40);
+    for (int how = 0; how < 3; how++) {
+        settings_reset(&procedures[PROCEDURE_CLEAN], &s);
+        s.value[FC_METHOD] = how;
+        assert(repair_finds_out(&s, &question));
+        assert(report_run(&found, &question, &bytes->raster, NULL, NULL) == JOB_DONE);
+        assert(found.judged && found.encoding == NTP_STANDARD);
+        const repair_job job = repair_job_from(&s, &found);
+        assert(how > 1 || job.how.method == (ntp_method) how);
+        assert(repair_job_run(&job, &bytes->raster, NULL, &made->raster, NULL, NULL, NULL) ==
+               JOB_DONE);
+        const preview p = { .procedure = &procedures[PROCEDURE_CLEAN],
+                            .settings = &s,
+                            .layer = &bytes->raster,
+                            .found = &found,
+                            .width = W,
+                            .height = H,
+                            .step = 1 };
+        assert(preview_render(&p, map, lit) == JOB_DONE);
+        assert(memcmp(map, made->data, sizeof map) == 0);
+    }
+    memory_free(in);
+    memory_free(wave_height);
+    memory_free(bytes);
+    memory_free(made);
+}
+
 static void test_report(void)
 {
     enum { W = 256, H = 200 };
@@ -591,6 +632,7 @@ int main(void)
     test_height();
     test_height_kernels();
     test_preview();
+    test_preview_of_cleaning();
     test_report();
     return 0;
 }
