@@ -212,7 +212,7 @@ int diff_run(const options *o)
         complain("standard input can be only one of the two");
         return NTP_EXIT_USAGE;
     }
-    if (output != NULL && !output_is_no_input(output, o))
+    if (output != NULL && !output_is_allowed(output, o))
         return NTP_EXIT_USAGE;
     if (output != NULL && strcmp(output, "-") == 0)
         output_to_stderr();

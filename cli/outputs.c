@@ -192,6 +192,25 @@ static bool plan_in_place(input_list *list)
     return true;
 }
 
+/* JPEG, and the formats of other programs: a PNG must not go by such a name. */
+static bool format_is_written(const char *output)
+{
+    static const char *const OTHERS[] = { ".avif", ".bmp", ".dds",  ".exr",  ".gif", ".hdr",
+                                          ".jp2",  ".ktx", ".ktx2", ".pgm",  ".pnm", ".ppm",
+                                          ".psd",  ".svg", ".tif",  ".tiff", ".webp" };
+    if (ends_in(output, ".jpg") || ends_in(output, ".jpeg") || ends_in(output, ".jpe")) {
+        complain("-o %s: JPEG damages normals and is not written; use .png", output);
+        return false;
+    }
+    for (size_t i = 0; i < sizeof OTHERS / sizeof OTHERS[0]; i++) {
+        if (ends_in(output, OTHERS[i])) {
+            complain("-o %s: such files are not written; use .png", output);
+            return false;
+        }
+    }
+    return true;
+}
+
 static bool plan_file(input_list *list, const char *output)
 {
     if (list->count > 1 || list->from_directory) {
@@ -199,10 +218,8 @@ static bool plan_file(input_list *list, const char *output)
                  list->from_directory ? "those of a directory" : "several");
         return false;
     }
-    if (ends_in(output, ".jpg") || ends_in(output, ".jpeg")) {
-        complain("-o %s: JPEG damages normals and is not written; use .png", output);
+    if (!format_is_written(output))
         return false;
-    }
     if (list->count == 1)
         list->at[0].output = copy_string(output);
     return true;
@@ -236,9 +253,11 @@ bool outputs_plan(input_list *list, const options *o)
     return no_two_alike(list) && no_input_overwritten(list);
 }
 
-bool output_is_no_input(const char *output, const options *o)
+bool output_is_allowed(const char *output, const options *o)
 {
     struct stat st, own;
+    if (!format_is_written(output))
+        return false;
     if (strcmp(output, "-") == 0 || stat(output, &own) != 0 || !S_ISREG(own.st_mode))
         return true;
     for (size_t i = 0; i < o->path_count; i++) {

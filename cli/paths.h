@@ -38,12 +38,13 @@ void inputs_free(input_list *list);
 /*
  * Gives each input its output from -o, or from --in-place.  Returns false after telling of wrong
  * usage: several inputs for one file, two inputs with one output, an output below -o DIR that is an
- * input.
+ * input, a format that is not written.
  */
 bool outputs_plan(input_list *list, const options *o);
 
-/* For an output that is of another kind than the inputs: false, after telling, when it is one. */
-bool output_is_no_input(const char *output, const options *o);
+/* For an output that is of another kind than the inputs: false, after telling, when it is one, or has
+ * the name of a format that is not written. */
+bool output_is_allowed(const char *output, const options *o);
 
 /* Are both there, and one file, by whatever names? */
 bool is_same_file(const char *a, const char *b);

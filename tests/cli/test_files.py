@@ -149,6 +149,7 @@ def test_collisions_and_usage(run, tree, tmp_path):
         done = run("clean", *args)
         assert done.returncode == 2 and done.stderr and not done.stdout, args
         assert not (tmp_path / "out").exists()
+        return done.stderr
 
     shutil.copytree(tree, tmp_path / "u")
     wrong("t/a_n.png", "u/a_n.png", "-o", "out")  # one output for two inputs
@@ -161,7 +162,8 @@ def test_collisions_and_usage(run, tree, tmp_path):
     wrong("t/a_n.png", "-o", "same")
     wrong("-r", "t", "-o", "t/")
     wrong("t/a_n.png", "t/b_n.png", "-o", "t")
-    wrong("t/a_n.png", "-o", "out.jpg")
+    for name in ("out.jpg", "out.JPE", "out.bmp", "out.tiff"):
+        assert name in wrong("t/a_n.png", "-o", name)
     wrong("-", "--in-place")
     assert sorted(p.name for p in tree.iterdir()) == ["a_n.png", "b_n.png", "notes.txt", "sub"]
 
