@@ -23,6 +23,7 @@ from ._arrays import (
     run,
     view,
 )
+from ._channels import Packed, unpacked
 from ._errors import SampleTypeError, check
 from ._measure import _Result
 from ._native import ffi, lib
@@ -68,6 +69,8 @@ def convert(
     to_y: Y = ...,
     depth: Depth | None = ...,
     blue: Blue = ...,
+    channels: str | None = ...,
+    from_channels: str | None = ...,
     touch_unused: bool = ...,
     return_counts: Literal[False] = ...,
     out: Pixels | None = ...,
@@ -83,6 +86,8 @@ def convert(
     to_y: Y = ...,
     depth: Depth | None = ...,
     blue: Blue = ...,
+    channels: str | None = ...,
+    from_channels: str | None = ...,
     touch_unused: bool = ...,
     return_counts: Literal[True],
     out: Pixels | None = ...,
@@ -97,6 +102,8 @@ def convert(
     to_y: Y = "up",
     depth: Depth | None = None,
     blue: Blue = "derived",
+    channels: str | None = None,
+    from_channels: str | None = None,
     touch_unused: bool = False,
     return_counts: bool = False,
     out: Pixels | None = None,
@@ -120,6 +127,12 @@ def convert(
         Samples of the result: uint8, uint16 or float32 in 0..1; by default those of `src`.
     blue : {"derived", "nearest"}
         From `"vector"` only: computed from the rounded red and green, or z rounded by itself.
+    channels : str, optional
+        What each channel of the result holds, one letter each of x y z 0 1 and a (alpha):
+        "xyz", "xzy", "1y0x" (DXT5nm); one letter makes an array of two dimensions.
+    from_channels : str, optional
+        What each channel of `src` holds, in the same letters, - for nothing of use: "-y-x" reads
+        DXT5nm.  Without z it is computed.
     touch_unused : bool
         Convert pure black, pure white and transparent texels too, which are copied otherwise.
     return_counts : bool
@@ -148,18 +161,25 @@ def convert(
     array([[[128,  55, 232]]], dtype=uint8)
     >>> nt.convert(texture, depth=16)
     array([[[32896, 51400, 59722]]], dtype=uint16)
+    >>> packed = nt.convert(texture, channels="1y0x")
+    >>> packed
+    array([[[255, 200,   0, 128]]], dtype=uint8)
+    >>> nt.convert(packed, from_channels="-y-x", channels="xyz")
+    array([[[128, 200, 232]]], dtype=uint8)
     """
     source = pixels("src", src)
+    if from_channels is not None:
+        source, from_ = unpacked(source, from_channels, from_)
     encoding, target = choose("from_", from_, ENCODINGS), choose("to", to, ENCODINGS)
     src_view = view("src", source, encoding, choose("from_y", from_y, YS))
     dtype = _depth_of(source, depth, to)
-    channels = source.shape[2] if target == 2 else max(source.shape[2], 3)
+    count = source.shape[2] if target == 2 else max(source.shape[2], 3)
     if isinstance(out, np.ndarray) and out.ndim == 3 and 2 <= out.shape[2] <= 4:
-        channels = out.shape[2]
-    output = Output((*source.shape[:2], channels), dtype, out)
-    if out is not None:
-        output.apart_from(source.dtype == dtype, src=source)
-    dst = view("out", output.array, target, choose("to_y", to_y, YS), writable=True)
+        count = out.shape[2]
+    packed = Packed(channels, "xyza01", (*source.shape[:2], count), dtype, out)
+    if out is not None and channels is None:
+        packed.output.apart_from(source.dtype == dtype, src=source)
+    dst = view("out", packed.array, target, choose("to_y", to_y, YS), writable=True)
     how = ffi.new(
         "ntp_convert_options *",
         (choose("blue", blue, BLUES), TOUCH_ALL if touch_unused else TOUCH_NONE),
@@ -171,7 +191,7 @@ def convert(
         return counts
 
     parts = run(threads, source.shape[1], source.shape[0], work)
-    result: Pixels = output.finish()
+    result: Pixels = packed.finish()
     if not return_counts:
         return result
     return result, ConvertCounts(

@@ -15,7 +15,6 @@ from ._arrays import (
     HEIGHT,
     YS,
     Depth,
-    Output,
     Pixels,
     Type,
     Y,
@@ -26,6 +25,7 @@ from ._arrays import (
     run,
     view,
 )
+from ._channels import Packed, Shape, plane
 from ._convert import BLUES, Blue
 from ._errors import ArgumentError, Status, check
 from ._measure import _Result
@@ -154,7 +154,9 @@ def normals_from_height(
     depth: Depth | None = ...,
     blue: Blue = ...,
     min_z: float = ...,
-    alpha: Alpha | None = ...,
+    alpha: Alpha | ArrayLike | None = ...,
+    ao: ArrayLike | None = ...,
+    channels: str | None = ...,
     return_counts: Literal[False] = ...,
     out: Pixels | None = ...,
     threads: int = ...,
@@ -181,7 +183,9 @@ def normals_from_height(
     depth: Depth | None = ...,
     blue: Blue = ...,
     min_z: float = ...,
-    alpha: Alpha | None = ...,
+    alpha: Alpha | ArrayLike | None = ...,
+    ao: ArrayLike | None = ...,
+    channels: str | None = ...,
     return_counts: Literal[True],
     out: Pixels | None = ...,
     threads: int = ...,
@@ -207,7 +211,9 @@ def normals_from_height(
     depth: Depth | None = None,
     blue: Blue = "derived",
     min_z: float = 0.0,
-    alpha: Alpha | None = None,
+    alpha: Alpha | ArrayLike | None = None,
+    ao: ArrayLike | None = None,
+    channels: str | None = None,
     return_counts: bool = False,
     out: Pixels | None = None,
     threads: int = 1,
@@ -256,9 +262,16 @@ def normals_from_height(
         itself.
     min_z : float
         The least z, 0..1: steeper normals are turned up to it.
-    alpha : {"keep", "one", "inverse", "height"}, optional
-        The alpha of the result: that of `height`, opaque, 1 minus that of `height`, or the height
-        (LabPBR).  By default the result has one where `height` has, and keeps it.
+    alpha : {"keep", "one", "inverse", "height"} or array, optional
+        The alpha of the result: that of `height`, opaque, 1 minus that of `height`, the height
+        (LabPBR), or the first channel of an image of the same size.  By default the result has one
+        where `height` has, and keeps it.
+    ao : array, optional
+        With `to="xy"`: an image of the same size whose first channel goes into blue (LabPBR:
+        ambient occlusion).
+    channels : str, optional
+        What each channel of the result holds, one letter each of x y z 0 1, h (height) and a
+        (alpha): "xyz", "xzy", "xyzh", "1y0x"; one letter makes an array of two dimensions.
     return_counts : bool
         Return `GradientCounts` as well.
     out : array, optional
@@ -321,9 +334,20 @@ def normals_from_height(
         how.border_y = choose("border_y", border_y, BORDERS)
     if source is not None:
         how.source = choose("source", source, _SOURCES)
-    how.alpha = choose("alpha", "keep" if alpha is None else alpha, _ALPHAS)
+    if alpha is None or isinstance(alpha, str):
+        how.alpha = choose("alpha", "keep" if alpha is None else alpha, _ALPHAS)
+    else:
+        how.alpha = _ALPHAS["one"]
     if lib.ntp_gradient_reach(how) < 0:
         raise ArgumentError(f"scale={scale!r}, dx={dx!r}, dy={dy!r}: out of range")
+
+    target = choose("to", to, ENCODINGS)
+    if ao is not None and to != "xy":
+        raise ArgumentError('ao: goes into the blue channel that to="xy" leaves free')
+    if isinstance(channels, str) and "h" in channels:
+        if "a" in channels or alpha is not None:
+            raise ArgumentError(f"channels={channels!r}: h does not go with a, nor with alpha")
+        how.alpha = _ALPHAS["height"]
 
     has_alpha = array.ndim == 3 and array.shape[2] % 2 == 0
     if how.source == _SOURCES["alpha"] and not has_alpha:
@@ -331,21 +355,21 @@ def normals_from_height(
             f'source="alpha": height has no alpha, its shape is {array.shape}', Status.FORMAT
         )
     kept = has_alpha and how.source != _SOURCES["alpha"]
-    target = choose("to", to, ENCODINGS)
     if depth is None and (to == "vector" or array.dtype.kind != "f"):
         dtype = DEPTHS["float"] if to == "vector" else array.dtype
     else:
         dtype = choose("depth", 16 if depth is None else depth, DEPTHS)
-    channels = 4 if alpha is not None or kept else 3
+    count = 4 if alpha is not None or kept else 3
     if isinstance(out, np.ndarray) and out.ndim == 3 and 2 <= out.shape[2] <= 4:
-        channels = out.shape[2]
-    output = Output((*array.shape[:2], channels), dtype, out)
-    output.apart_from(False, height=array)
+        count = out.shape[2]
+    packed = Packed(channels, "xyzah01", (*array.shape[:2], count), dtype, out)
+    packed.output.apart_from(False, height=array)
+    others = _others(alpha, ao, array.shape, dtype)
     if number("blur", blur, 0, lib.NTP_MAX_SIGMA) > 0 or octaves is not None:
         array = _blurred(array, float(blur), octaves, how)
         how.source = _SOURCES["red"]
     src_view = view("height", array, HEIGHT)
-    dst = view("out", output.array, target, y, writable=True)
+    dst = view("out", packed.array, target, y, writable=True)
 
     if choose("dither", dither, _DITHERS):
         parts = [_dithered(dst, src_view, how, array.shape[1])]
@@ -358,14 +382,29 @@ def normals_from_height(
             return counts
 
         parts = run(threads, array.shape[1], array.shape[0], work)
-    if green_is_up:
-        output.array[..., [1, 2]] = output.array[..., [2, 1]]
-    result: Pixels = output.finish()
+    for channel, other in others.items():
+        if channel < packed.array.shape[2]:
+            packed.array[..., channel] = other
+    if green_is_up and channels is None:
+        packed.array[..., [1, 2]] = packed.array[..., [2, 1]]
+    result: Pixels = packed.finish()
     if not return_counts:
         return result
     return result, GradientCounts(
         sum(part.not_finite for part in parts), sum(part.exact for part in parts)
     )
+
+
+def _others(
+    alpha: Alpha | ArrayLike | None, ao: ArrayLike | None, shape: Shape, dtype: np.dtype[Any]
+) -> dict[int, NDArray[Any]]:
+    """Channels of the result that come from other images."""
+    others = {}
+    if ao is not None:
+        others[2] = plane("ao", ao, shape, dtype)
+    if alpha is not None and not isinstance(alpha, str):
+        others[3] = plane("alpha", alpha, shape, dtype)
+    return others
 
 
 def _dithered(dst: Any, src: Any, how: Any, width: int) -> Any:

@@ -1,0 +1,126 @@
+# SPDX-License-Identifier: MIT
+"""Layouts of channels: against numpy, and against what the program writes."""
+
+import subprocess
+
+import numpy as np
+import pytest
+
+import normaltexture as nt
+
+H, W = 9, 13
+
+
+def drawn(channels, dtype, seed=1):
+    rng = np.random.default_rng(seed)
+    return rng.integers(0, np.iinfo(dtype).max, (H, W, channels), dtype, endpoint=True)
+
+
+def laid_out(full, letters):
+    """The channels that letters name, of x, y, z, alpha."""
+    one = np.iinfo(full.dtype).max
+    planes = {"0": np.zeros((H, W), full.dtype), "1": np.full((H, W), one, full.dtype)}
+    planes |= {letter: full[..., i] for i, letter in enumerate("xyza")}
+    planes["h"] = planes["a"]
+    result = np.stack([planes[letter] for letter in letters], -1)
+    return result[..., 0] if len(letters) == 1 else result
+
+
+@pytest.mark.parametrize("dtype", [np.uint8, np.uint16])
+@pytest.mark.parametrize("letters", ["xyz", "1y0x", "xy", "z", "azyx", "xx"])
+def test_convert_lays_out(dtype, letters):
+    texture = drawn(4, dtype)
+    full = nt.convert(texture, to="zzero", to_y="down")
+    got = nt.convert(texture, to="zzero", to_y="down", channels=letters)
+    assert np.array_equal(got, laid_out(full, letters))
+    out = np.empty_like(got)
+    assert nt.convert(texture, to="zzero", to_y="down", channels=letters, out=out) is out
+    assert np.array_equal(out, got)
+
+
+@pytest.mark.parametrize("letters,plain", [("-y-x", False), ("zyx", True), ("xyz", True),
+                                           ("xyza", True), ("ax0y", False)])  # fmt: skip
+def test_convert_reads(letters, plain):
+    texture = drawn(4, np.uint8)
+    at = {letter: texture[..., i] for i, letter in enumerate(letters)}
+    planes = [at["x"], at["y"], at.get("z", np.full((H, W), 255, np.uint8))]
+    source = np.stack(planes + ([at["a"]] if "a" in at else []), -1)
+    want = nt.convert(source, from_="zzero" if plain else "xy", depth=16)
+    assert np.array_equal(nt.convert(texture, from_="zzero", from_channels=letters, depth=16), want)
+
+
+def test_convert_is_the_program(tmp_path):
+    nt.write(tmp_path / "in.png", drawn(4, np.uint8))
+    for spec, arguments in [
+        (["--channels", "1y0x"], {"channels": "1y0x"}),
+        (["--channels", "zx"], {"channels": "zx"}),
+        (["--from-channels", "-y-x", "--to", "zzero"], {"from_channels": "-y-x", "to": "zzero"}),
+        (["--from-channels", "zyx", "--channels", "xzya"],
+         {"from_channels": "zyx", "channels": "xzya"}),
+    ]:  # fmt: skip
+        subprocess.run(
+            [nt.program(), "convert", tmp_path / "in.png", "-o", tmp_path / "out.png", *spec],
+            check=True, capture_output=True,
+        )  # fmt: skip
+        got = nt.convert(nt.read(tmp_path / "in.png"), **arguments)
+        want = nt.read(tmp_path / "out.png")
+        assert np.array_equal(got[..., : want.shape[2]], want), spec
+
+
+@pytest.mark.parametrize("like", [None, "zima:2"])
+def test_heights_are_packed(like):
+    height, ao, alpha = (drawn(1, np.uint8, seed)[..., 0] for seed in (2, 3, 4))
+    how = {"like": like} if like else {"scale": 4.0}
+    full = nt.normals_from_height(height, alpha="height", **how)
+    if like:  # its z is in green
+        full = full[..., [0, 2, 1, 3]]
+    assert np.array_equal(full[..., 3], height)
+    for letters in ("xzyh", "1y0x", "h", "xyz"):
+        got = nt.normals_from_height(height, channels=letters, **how)
+        assert np.array_equal(got, laid_out(full, letters)), letters
+    got = nt.normals_from_height(height, alpha=alpha, **how)
+    assert np.array_equal(got[..., 3], alpha)
+    labpbr = nt.normals_from_height(height, to="xy", ao=ao, channels="xyzh", scale=4.0)
+    assert np.array_equal(labpbr[..., 2], ao) and np.array_equal(labpbr[..., 3], height)
+    deep = nt.normals_from_height(height, to="xy", ao=ao, alpha=alpha, depth=16, scale=4.0)
+    assert np.array_equal(deep[..., 2], ao.astype(np.uint16) * 257)
+    assert np.array_equal(deep[..., 3], alpha.astype(np.uint16) * 257)
+
+
+def test_heights_are_the_program(tmp_path):
+    height, ao, alpha = drawn(1, np.uint16)[..., 0], drawn(1, np.uint8, 3), drawn(3, np.uint8, 4)
+    for name, image in (("in", height), ("ao", ao), ("alpha", alpha)):
+        nt.write(tmp_path / f"{name}.png", image)
+    for spec, arguments in [
+        (["--to", "xy", "--ao", tmp_path / "ao.png", "--channels", "xyzh"],
+         {"to": "xy", "ao": ao, "channels": "xyzh"}),
+        (["--alpha", tmp_path / "alpha.png"], {"alpha": alpha}),
+        (["--alpha", tmp_path / "alpha.png", "--channels", "a1zx"],
+         {"alpha": alpha, "channels": "a1zx"}),
+    ]:  # fmt: skip
+        subprocess.run(
+            [nt.program(), "from-height", tmp_path / "in.png", "-o", tmp_path / "out.png",
+             "--scale", "3", *spec],
+            check=True, capture_output=True,
+        )  # fmt: skip
+        got = nt.normals_from_height(height, scale=3.0, **arguments)
+        assert np.array_equal(got, nt.read(tmp_path / "out.png")), spec
+
+
+def test_wrong_layouts():
+    texture, height = drawn(3, np.uint8), drawn(1, np.uint8)[..., 0]
+    for letters in ("", "xyzxy", "xh", 5, "X"):
+        with pytest.raises(nt.ArgumentError, match="^channels="):
+            nt.convert(texture, channels=letters)
+    for letters in ("x", "xz", "xxy", "xyzaa", "xyq", "-y-x", 7):
+        with pytest.raises(nt.ArgumentError, match="^from_channels="):
+            nt.convert(texture, from_channels=letters)
+    with pytest.raises(nt.ArgumentError, match="^channels="):
+        nt.normals_from_height(height, scale=1, channels="ha")
+    with pytest.raises(nt.ArgumentError, match="^channels="):
+        nt.normals_from_height(height, scale=1, channels="xh", alpha="one")
+    with pytest.raises(nt.ArgumentError, match="^ao: "):
+        nt.normals_from_height(height, scale=1, ao=height)
+    for name in ("ao", "alpha"):
+        with pytest.raises(nt.ArgumentError, match=f"^{name}: must be of the size"):
+            nt.normals_from_height(height, scale=1, to="xy", **{name: height[1:]})
