@@ -115,6 +115,10 @@ def end_to_end(report, tool, src, out, pairs):
     for label, name in (("RGB8 rock", "rock_n.png"), ("RGB8 bricks", "bricks_n.png")):
         a = [ntp, "check", "-q", src / name]
         report.compare(f"check {label} / libpng decode", a, [decode, src / name], 1.15, pairs)
+        a = [ntp, "check", "--format", "json", src / name]  # with the surface of the middle
+        report.compare(
+            f"check, JSON, {label} / libpng decode", a, [decode, src / name], 1.15, pairs
+        )
     b = [copy, src / "small_n.png", out / "b.png"]
     report.compare("clean 256 x 256 / libpng copy", clean("small_n.png"), b, 1.3, 5 * pairs)
     for depth in (8, 16):

@@ -152,6 +152,8 @@ def test_no_surface(run, tmp_path):
     file = only(run, "a_n.png", "--deep")
     assert file["kernel"] is None and file["residual_levels"] > 8 and "NT023" in ids(file)
     assert all(f["level"] == "info" for f in file["findings"] if f["id"] == "NT023")
+    plain = only(run, "a_n.png")  # the numbers, but no finding
+    assert plain["residual_levels"] == file["residual_levels"] and "NT023" not in ids(plain)
 
 
 def test_green_down(run, tmp_path):
