@@ -495,7 +495,7 @@ enum {
     NTP_REASON_NEAR_UNIT = 8,         /* [share with a length of 1 to within 1/8] */
     NTP_REASON_NEAR_UNIT_ZZERO = 9,   /* the same with blue as 0..1 */
     NTP_REASON_NOT_UNIT = 10,         /* [share with a length of 1 to within 1/8], small */
-    NTP_REASON_PREFERS_STANDARD = 11, /* [texels that tell the two readings of blue apart] */
+    NTP_REASON_PREFERS_STANDARD = 11, /* [share of the tilted texels whose blue fits] */
     NTP_REASON_PREFERS_ZZERO = 12,    /* [the same] */
     NTP_REASON_UNDECIDED_ZZERO = 13,  /* both readings of blue fit alike */
     NTP_REASON_XY_CENTERED = 14,      /* [length of the mean of x, y], small */
