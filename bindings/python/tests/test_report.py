@@ -360,22 +360,28 @@ FLAGS = [
     "--disable-dev-shm-usage",
     "--hide-scrollbars",
     "--window-size=1200,1600",
-    "--virtual-time-budget=3000",
 ]
 
 
-def browser(tmp_path, page, *flags, enough=lambda done: True, tries=6):
+def browser(tmp_path, page, *flags, enough=lambda done: True, tries=16):
     """What Chromium did, started again while it fails, hangs, or has not done enough.
 
-    On a busy machine it may end before a page has run its scripts or painted its pictures.
+    On a busy machine it may end before a page has run its scripts or painted its pictures, so each
+    try gives the page twice the time, by the page's own clock.
     """
-    for _ in range(tries):
+    for number in range(tries):
+        patience = f"--virtual-time-budget={3000 * 2 ** min(number, 6)}"
         profile = tmp_path / f"profile{len(list(tmp_path.iterdir()))}"
-        command = [CHROMIUM, *FLAGS, f"--user-data-dir={profile}", *flags, page.as_uri()]
+        command = [CHROMIUM, *FLAGS, patience, f"--user-data-dir={profile}", *flags]
         home = dict(os.environ, HOME=str(tmp_path))
         try:
             done = subprocess.run(
-                command, capture_output=True, check=False, timeout=300, cwd=tmp_path, env=home
+                [*command, page.as_uri()],
+                capture_output=True,
+                check=False,
+                timeout=300,
+                cwd=tmp_path,
+                env=home,
             )
         except subprocess.TimeoutExpired as hang:
             print(hang)
