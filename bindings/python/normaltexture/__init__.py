@@ -45,10 +45,11 @@ from ._native import ffi as _ffi
 from ._native import lib as _lib
 from ._operations import blend, mip_chain, resize, transform
 from ._orientation import Orientation, detect_orientation
+from ._origin import Origin, Seam, find_origin, find_seams
 from ._pictures import Difference, Light, compare, heatmap, shade
 from ._program import CheckedFile, CheckReport, Finding, check, program
 from ._reconstruct import HeightInfo, height_from_normals
-from ._validate import Flag, validate
+from ._validate import Flag, Texel, inspect, validate
 
 _version: int = _lib.ntp_version()
 __version__ = f"{_version >> 16}.{_version >> 8 & 255}.{_version & 255}"
@@ -79,10 +80,13 @@ __all__ = [
     "NormalTextureError",
     "NotConvergedError",
     "Orientation",
+    "Origin",
     "SampleTypeError",
+    "Seam",
     "Stats",
     "Status",
     "Tally",
+    "Texel",
     "__version__",
     "blend",
     "check",
@@ -95,8 +99,11 @@ __all__ = [
     "decode",
     "detect_orientation",
     "encode",
+    "find_origin",
+    "find_seams",
     "heatmap",
     "height_from_normals",
+    "inspect",
     "measure",
     "mip_chain",
     "normals_from_height",

@@ -73,6 +73,9 @@ class HeightInfo(_Result):
         Root mean square of x and y of the heights' normals less those of the texture, in levels.
     trend_x, trend_y : float
         Slopes to the right and down that `detrend` took out.
+    consistency, consistency_max : float
+        Method "telescoping": root mean square and greatest difference between slopes of the heights
+        and stored slopes that the sums did not take; else 0.
     """
 
     method: str
@@ -95,6 +98,8 @@ class HeightInfo(_Result):
     residual: float
     trend_x: float
     trend_y: float
+    consistency: float
+    consistency_max: float
 
 
 @overload
@@ -373,4 +378,6 @@ def _info(how: Any, result: Any, y: Y) -> HeightInfo:
         residual=result.residual,
         trend_x=result.trend_x,
         trend_y=result.trend_y,
+        consistency=result.consistency,
+        consistency_max=result.consistency_max,
     )

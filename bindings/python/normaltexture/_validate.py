@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
-"""What can be said about each texel: a mask of flags."""
+"""What can be said about each texel: a mask of flags; and about one of them, everything."""
 
+from dataclasses import dataclass
 from enum import IntFlag
 from typing import Any
 
@@ -8,8 +9,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ._arrays import ENCODINGS, HEIGHT, Output, Type, choose, pixels, run, view
-from ._errors import check
-from ._native import lib
+from ._errors import ArgumentError, check
+from ._measure import _Result
+from ._native import ffi, lib
 
 
 class Flag(IntFlag):
@@ -94,3 +96,93 @@ def validate(
     run(threads, source.shape[1], source.shape[0], work)
     result: NDArray[np.uint8] = output.finish()
     return result
+
+
+@dataclass(frozen=True)
+class Texel(_Result):
+    """All that can be said about one texel.
+
+    Attributes
+    ----------
+    stored : tuple of int
+        Red, green, blue and alpha in levels; floats rounded to 16 bit, absent alpha is `max`.
+    cleaned : tuple of int
+        Red, green and blue as `clean` leaves them.
+    max : int
+        The greatest level: 255 or 65535.
+    flags : Flag
+        As `validate` writes them.
+    levels_off : int
+        How many levels blue is off; -1 where x, y are too long or not finite.
+    x, y, z : float
+        The vector as stored; of `"xy"`, z is derived.
+    length : float
+        Of x, y, z.
+    angle : float
+        Degrees between the stored and the cleaned vector.
+    """
+
+    stored: tuple[int, ...]
+    cleaned: tuple[int, ...]
+    max: int
+    flags: Flag
+    levels_off: int
+    x: float
+    y: float
+    z: float
+    length: float
+    angle: float
+
+
+def inspect(
+    src: ArrayLike, x: int, y: int, *, type: Type = "standard", keep_negative_z: bool = False
+) -> Texel:
+    """Say everything about one texel, as `ntp dump` does.
+
+    Parameters
+    ----------
+    src : array, (height, width, channels), uint8, uint16 or float32
+        A normals texture of 3 or 4 channels (`"xy"`: 2 to 4).
+    x, y : int
+        Column and row; the upper left texel is at 0, 0.
+    type : {"standard", "zzero", "xy", "vector"}
+        How a normal is stored.
+    keep_negative_z : bool
+        A negative z is no fault and stays.
+
+    Returns
+    -------
+    Texel
+
+    Raises
+    ------
+    ArgumentError, SampleTypeError
+        For arguments outside what is listed here.
+
+    Examples
+    --------
+    >>> import numpy as np, normaltexture as nt
+    >>> texel = nt.inspect(np.array([[[200, 100, 10]]], np.uint8), 0, 0)
+    >>> texel.cleaned, texel.levels_off, round(texel.length, 3), texel.flags
+    ((200, 100, 229), 16, 1.104, <Flag.Z_NEGATIVE: 16>)
+    """
+    source = pixels("src", src)
+    src_view = view("src", source, choose("type", type, ENCODINGS))
+    height, width = source.shape[:2]
+    for name, value, side in (("x", x, width), ("y", y, height)):
+        if not isinstance(value, (int, np.integer)) or not 0 <= value < side:
+            raise ArgumentError(f"{name}={value!r}: must be an integer 0..{side - 1}")
+    found = ffi.new("ntp_texel *")
+    check(lib.ntp_inspect(found, src_view, x, y, bool(keep_negative_z)), "inspect")
+    return Texel(
+        stored=tuple(found.stored),
+        cleaned=tuple(found.cleaned),
+        max=found.max,
+        flags=Flag(found.flags),
+        levels_off=found.levels_off,
+        x=found.x,
+        y=found.y,
+        z=found.z,
+        length=found.length,
+        angle=found.angle,
+    )

@@ -209,6 +209,53 @@ def test_floats_are_judged_as_16_bit(texture):
     assert nt.measure(floats) == nt.measure(texture)
 
 
+@given(textures(max_side=4), types, st.booleans())
+def test_inspect(texture, type, keep):
+    flags = nt.validate(texture, type=type, keep_negative_z=keep)
+    cleaned = nt.clean(texture, type=type, keep_negative_z=keep, touch_unused=True)
+    vectors = nt.decode(texture, from_=type)
+    for y, x in np.ndindex(*texture.shape[:2]):
+        texel = nt.inspect(texture, x, y, type=type, keep_negative_z=keep)
+        assert texel.flags == flags[y, x] and texel.max == max_of(texture)
+        assert list(texel.stored[: texture.shape[2]]) == texture[y, x].tolist()
+        colors = min(texture.shape[2], 3)
+        assert list(texel.cleaned[:colors]) == cleaned[y, x, :colors].tolist()
+        if type != "xy":
+            assert (texel.x, texel.y, texel.z) == pytest.approx(vectors[y, x].tolist(), abs=1e-6)
+        assert texel.length == pytest.approx(np.hypot(np.hypot(texel.x, texel.y), texel.z))
+    for wrong in ((-1, 0), (0, texture.shape[0]), (0.5, 0)):
+        with pytest.raises(nt.ArgumentError, match="^[xy]="):
+            nt.inspect(texture, *wrong)
+
+
+@pytest.mark.parametrize("kernel", ["central", "forward", "sobel3"])
+@pytest.mark.parametrize("y", ["up", "down"])
+def test_origin_and_seams(kernel, y):
+    rows, columns = np.mgrid[0:96, 0:96] * (2 * np.pi / 96)
+    rough = np.random.default_rng(5).normal(0, 0.05, (96, 96))
+    hills = np.sin(3 * columns + np.cos(rows)) + np.cos(2 * rows) + rough
+    normals = nt.normals_from_height(hills.astype(np.float32), scale=1.0, kernel=kernel, to_y=y)
+    origin = nt.find_origin(normals, y=y)
+    assert origin.decided and origin.kernel == kernel
+    assert origin.misfit[kernel] == min(origin.misfit.values()) and "gimp9" not in origin.misfit
+    assert [seam.tiling for seam in nt.find_seams(normals)] == ["tiles", "tiles"]
+    smooth = nt.normals_from_height((hills - rough).astype(np.float32), scale=4.0)
+    assert [seam.tiling for seam in nt.find_seams(smooth[:, :72])] == ["seam", "tiles"]
+    assert [seam.tiling for seam in nt.find_seams(normals[:8])] == ["undecided", "undecided"]
+    with pytest.raises(nt.ArgumentError, match="^y="):
+        nt.find_origin(normals, y="left")
+
+
+def test_consistency_of_telescoping():
+    height = np.random.default_rng(6).normal(size=(20, 30)).astype(np.float32)
+    consistent = nt.normals_from_height(height, scale=1.0, kernel="forward", depth=16)
+    how = {"kernel": "forward", "border": "wrap", "method": "telescoping", "return_info": True}
+    _, info = nt.height_from_normals(consistent, from_y="up", z="stored", **how)
+    assert 0 < info.consistency <= info.consistency_max < 0.02
+    _, info = nt.height_from_normals(consistent[::-1], from_y="up", z="stored", **how)
+    assert info.consistency > 0.1
+
+
 def test_levels_off_of_unused_texels():
     """They are in the histogram, also where they are further off than the used ones."""
     texture = np.full((3, 4, 4), (128, 128, 255, 255), np.uint8)
