@@ -45,13 +45,14 @@ def test_kernel_tiling_and_fit(run, tmp_path, kernel):
     assert "fits a surface" not in run("check", "a_n.png", "--deep", "-q").stdout
 
 
+@pytest.mark.parametrize("kernel", ["central", "forward", "scharr3"])
 @pytest.mark.parametrize("border", ["clamp", "extrapolate", "mirror"])
-def test_fit_does_not_depend_on_the_border(run, tmp_path, border):
+def test_fit_does_not_depend_on_the_border(run, tmp_path, border, kernel):
     number = model.BORDER_NAMES.index(border)
     h = reconstruction.fractal(256)[20:180, 30:200].copy()
-    write_png(tmp_path / "a_n.png", reconstruction.from_height(h, "central", number, number))
+    write_png(tmp_path / "a_n.png", reconstruction.from_height(h, kernel, number, number))
     file = only(run, "a_n.png", "--deep")
-    assert file["residual_levels"] < 0.4
+    assert file["kernel"] == kernel and file["residual_levels"] < 0.4
     assert file["tiles"]["x"] != "yes" and file["tiles"]["y"] != "yes"
 
 
