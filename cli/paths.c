@@ -3,7 +3,7 @@
  * paths.c - from the command line to a list of files
  *
  * Directories are read sorted by bytes, so that every machine lists them in one order.  A
- * directory is entered once, however many links lead to it; a file is taken once.
+ * directory is entered once, however many links lead to it; a file that is found is taken once.
  */
 #include "paths.h"
 
@@ -218,13 +218,36 @@ static void free_input(input *in)
     free(in->problem);
 }
 
+/* The directory of a path without links, and the name in it. */
+static char *canonical_name(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    char *directory = copy_string(slash == NULL ? "." : slash == path ? "/" : path);
+    if (slash != NULL && slash != path)
+        directory[slash - path] = 0;
+    char *resolved = strcmp(path, "-") != 0 ? realpath(directory, NULL) : NULL;
+    free(directory);
+    if (resolved == NULL)
+        return copy_string(path);
+    char *name = join_path(resolved, slash == NULL ? path : slash + 1);
+    free(resolved);
+    return name;
+}
+
+/* What makes two inputs one: the file that links lead to.  But a link that is named is judged, beside
+ * what it leads to, unless both would be written. */
+static char *identity_of(const input *in, bool in_place)
+{
+    char *resolved = in->named && !in_place ? NULL : realpath(in->path, NULL);
+    return resolved != NULL ? resolved : canonical_name(in->path);
+}
+
 /* Keeps the first of several names of one file. */
-static void drop_duplicates(input_list *list)
+static void drop_duplicates(input_list *list, bool in_place)
 {
     identity *all = need(calloc(list->count + 1, sizeof *all));
     for (size_t i = 0; i < list->count; i++) {
-        char *canonical = realpath(list->at[i].path, NULL);
-        all[i] = (identity) { canonical != NULL ? canonical : copy_string(list->at[i].path), i };
+        all[i] = (identity) { identity_of(&list->at[i], in_place), i };
     }
     qsort(all, list->count, sizeof *all, by_identity);
     bool *drop = need(calloc(list->count + 1, sizeof *drop));
@@ -267,7 +290,7 @@ bool inputs_collect(input_list *list, const options *o)
         ok = false;
     }
     if (ok && list->count > 1)
-        drop_duplicates(list);
+        drop_duplicates(list, option_given(o, OPT_IN_PLACE));
     if (ok && list->count == 0)
         complain("no image found%s", list->from_directory && !option_given(o, OPT_RECURSIVE)
                                          ? "; -r looks below the directory as well"

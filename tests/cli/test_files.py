@@ -121,6 +121,10 @@ def test_links(run, tree):
     assert done.returncode == 3  # the dangling link cannot be read
     names = [f["path"] for f in files]
     assert "t/b_n.png" not in names and "t/again_n.png" in names and len(names) == 6
+    both = ["t/again_n.png", "t/b_n.png"]
+    assert listed(run, *both, "./t/b_n.png", "t//b_n.png") == both  # what is named is judged
+    assert run("clean", *both, "-o", "out").returncode == 0
+    assert sorted(os.listdir(tree.parent / "out")) == ["again_n.png", "b_n.png"]
 
 
 def test_empty_directory(run, tmp_path):
