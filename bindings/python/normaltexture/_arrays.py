@@ -113,10 +113,14 @@ def view(name: str, array: NDArray[Any], encoding: int, y: int = 0, writable: bo
     kind = _SAMPLE_TYPES[array.dtype.str]
     if encoding == 3 and kind != 2:
         raise SampleTypeError(f'{name}: type "vector" needs float32 samples, not {array.dtype}')
+    if array.flags.c_contiguous:
+        data = ffi.from_buffer(array)  # the quicker way to the address
+    else:
+        data = ffi.cast("void *", array.__array_interface__["data"][0])
     return ffi.new(
         "ntp_image *" if writable else "ntp_const_image *",
         (
-            ffi.cast("void *", array.__array_interface__["data"][0]),
+            data,
             strides[0],
             strides[1],
             shape[1],
@@ -279,10 +283,10 @@ class Layout:
         """The values of a struct by name."""
         numbers = self._format.unpack_from(ffi.buffer(struct))
         names, pick = self._members
-        values = dict(zip(names, pick(numbers), strict=True))
+        values = dict(zip(names, pick(numbers), strict=False))
         for name, part in self._structs.items():
             if isinstance(part, tuple):
-                values[name] = dict(zip(part[0], part[1](numbers), strict=True))
+                values[name] = dict(zip(part[0], part[1](numbers), strict=False))
             else:
-                values[name] = tuple([dict(zip(n, p(numbers), strict=True)) for n, p in part])
+                values[name] = tuple([dict(zip(n, p(numbers), strict=False)) for n, p in part])
         return values

@@ -10,6 +10,8 @@ from ._errors import CancelledError, Status
 from ._native import ffi, lib
 from ._solve import Solver
 
+_LEAST_SIDE = 16  # of a texture of which ntp_find_border tells anything
+
 
 def find_kernel(src: Any, touch_unused: int) -> int:
     """The kernel to reconstruct with."""
@@ -35,7 +37,11 @@ def choose_borders(
     free = lib.ntp_free_border(how.kernel)
     wraps = bool(seams[0].wraps), bool(seams[1].wraps)
     found = [wrap if wraps[i] else free for i in (0, 1)]
-    tried = method in (lib.NTP_HEIGHT_AUTO, poisson) and how.kernel != lib.NTP_KERNEL_BAKED
+    tried = (
+        method in (lib.NTP_HEIGHT_AUTO, poisson)
+        and how.kernel != lib.NTP_KERNEL_BAKED
+        and min(src.width, src.height) >= _LEAST_SIDE
+    )
     if tried:
         first = ffi.new("ntp_height_options *", how[0])
         first.refine = first.detrend = first.measure = 0
