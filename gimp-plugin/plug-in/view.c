@@ -76,6 +76,15 @@ static const raster *other_heights(view *v)
     return v->heights.buffer != NULL ? &v->heights.raster : NULL;
 }
 
+static gboolean same_settings(const settings *a, const settings *b)
+{
+    for (int i = 0; i < MAX_FIELDS; i++) {
+        if (a->value[i] != b->value[i])
+            return FALSE;
+    }
+    return TRUE;
+}
+
 /* As cleaning will, where the settings leave something to be found out; again when they change. */
 static const report *look(view *v)
 {
@@ -83,7 +92,7 @@ static const report *look(view *v)
     if (v->procedure != &procedures[PROCEDURE_CLEAN] || v->layer.raster.channels < 3 ||
         !repair_finds_out(&v->settings, &question))
         return NULL;
-    if (!v->looked || memcmp(&question, &v->question, sizeof question) != 0) {
+    if (!v->looked || !same_settings(&question, &v->question)) {
         v->looked = TRUE;
         v->question = question;
         if (report_run(&v->found, &question, &v->layer.raster, NULL, NULL) != JOB_DONE)
