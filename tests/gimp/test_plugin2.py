@@ -33,8 +33,11 @@ from xcf import read_xcf
 import libntp_ffi
 import pngs
 
+if shutil.which(gimp2.PROGRAM) is None and shutil.which("gimp-console-3.0"):
+    pytest.skip("this system has GIMP 3: see ./dev gimp3", allow_module_level=True)
+
 FILTERS = ["4sample", "sobel3", "sobel5", "prewitt3", "prewitt5", "3x3", "5x5", "7x7", "9x9"]
-CONVERSIONS = {2: "red", 3: "green", 4: "blue", 5: "max", 6: "min", 7: "screen"}
+CONVERSIONS = {0: "luma-gimp", 2: "red", 3: "green", 4: "blue", 5: "max", 6: "min", 7: "screen"}
 SELECT = f"(gimp-image-select-rectangle image CHANNEL-OP-REPLACE {' '.join(map(str, PART))})"
 # A second layer of the image: what is in another file.
 OTHER = (
@@ -49,6 +52,8 @@ PRECISIONS = [
     for kind in ("U8", "U16", "U32", "HALF", "FLOAT", "DOUBLE")
     for curve in ("LINEAR", "GAMMA")
 ]
+PRECISE = [("rgb16-gama", precision) for precision in PRECISIONS]
+PRECISE += [("gray16", f"{kind}-GAMMA") for kind in ("U8", "U16", "U32", "HALF", "FLOAT", "DOUBLE")]
 
 
 def classic(**given):
@@ -74,13 +79,12 @@ def exact_jobs():
 def precision_jobs():
     """Gray becomes RGB on the way."""
     jobs = {}
-    for file in ("gray16", "rgb16-gama"):
-        for precision in PRECISIONS:
-            name = f"{file}-{precision}"
-            convert = f"(gimp-image-convert-precision image PRECISION-{precision})"
-            body = "" if precision == "U16-GAMMA" else convert
-            body += stored(f"{name}-in.xcf") + normals(**SETTINGS["sobel"])
-            jobs[name] = opened(f"{file}.png", body + stored(f"{name}-out.xcf"))
+    for file, precision in PRECISE:
+        name = f"{file}-{precision}"
+        convert = f"(gimp-image-convert-precision image PRECISION-{precision})"
+        body = "" if precision == "U16-GAMMA" else convert
+        body += stored(f"{name}-in.xcf") + normals(**SETTINGS["sobel"])
+        jobs[name] = opened(f"{file}.png", body + stored(f"{name}-out.xcf"))
     return jobs
 
 
@@ -144,6 +148,13 @@ def classic_jobs():
     for i in CONVERSIONS:
         body = classic(conversion=i, scale=9, filter=1) + saved(f"conversion-{i}.png")
         jobs[f"conversion-{i}"] = opened("rgb16.png", body)
+    for i in range(7):
+        body = OTHER.format("gray8.png") + classic(alpha=i, scale=5, alphamap="other")
+        jobs[f"alpha-{i}"] = opened("rgba8.png", body + saved(f"alpha-{i}.png", "layer"))
+    jobs["classic-biased"] = opened(
+        "rgb16.png", classic(conversion=1, scale=9, filter=1) + saved("cb.png")
+    )
+    jobs["classic-xy"] = opened("rough8.png", classic(conversion=9) + saved("cx.png"))
     jobs["classic-alpha"] = opened(
         "rgba8.png", classic(height_source=1, scale=8, alpha=2, yinvert=1) + saved("ca.png")
     )
@@ -248,8 +259,7 @@ def test_selection(done, ntp, file):
         assert different(made, expected) == 0
 
 
-@pytest.mark.parametrize("file", ["gray16", "rgb16-gama"])
-@pytest.mark.parametrize("precision", PRECISIONS)
+@pytest.mark.parametrize(("file", "precision"), PRECISE)
 def test_precision(gimp, file, precision):
     name = f"{file}-{precision}"
     assert f"job-{name}-done" in gimp.messages[name], gimp.messages[name]
@@ -334,6 +344,37 @@ def test_classic_alpha(done, ntp):
     made = done("classic-alpha", "ca.png")
     assert different(made[:, :, :3], ntp(pixels, "from-height", *like, "--channels", "xyz")) == 0
     assert (made[:, :, 3] == 255 - pixels[:, :, 3]).all()
+
+
+def test_classic_biased(done, ntp):
+    """The luma of what a color has above the mean color."""
+    pixels = INPUTS["rgb16"][0]
+    mean = (pixels.reshape(-1, 3).mean(0) + 0.5).astype(int)
+    above = np.maximum(pixels.astype(int) - mean, 0).astype(np.uint16)
+    expected = ntp(above, "from-height", "--like", "gimp-normalmap:sobel3:9")
+    assert different(done("classic-biased", "cb.png"), expected) == 0
+
+
+def test_classic_xy(done):
+    """z = sqrt(1 - x x - y y); x and y stay."""
+    pixels, made = rough_normals(3, 8), done("classic-xy", "cx.png")
+    x, y = np.moveaxis(pixels[:, :, :2] / 127.5 - 1, 2, 0)
+    z = np.sqrt(1 - x * x - y * y)
+    assert (made[:, :, :2] == pixels[:, :, :2]).all()
+    assert (made[:, :, 2] == np.floor((z + 1) * 127.5 + 0.5)).all()
+
+
+@pytest.mark.parametrize("i", range(7))
+def test_classic_alphas(done, ntp, i):
+    pixels = INPUTS["rgba8"][0]
+    expected = ntp(pixels, "from-height", "--like", "gimp-normalmap:4sample:5", "--channels", "xyz")
+    made, old = done(f"alpha-{i}"), pixels.astype(int)
+    assert different(made[:, :, :3], expected) == 0
+    height = (30 * old[:, :, 0] + 59 * old[:, :, 1] + 11 * old[:, :, 2]) / 100
+    flat = np.zeros_like(height)
+    other = INPUTS["gray8"][0][:, :, 0].astype(float)
+    alphas = (old[:, :, 3], height, 255 - height, flat, flat + 255, 255 - old[:, :, 3], other)
+    assert np.abs(made[:, :, 3] - alphas[i]).max() <= 0.5
 
 
 def test_classic_normalize(done, ntp):

@@ -145,7 +145,11 @@ static GtkWidget *page_new(dialog *d, int page)
         }
         add_field(d, GTK_TABLE(table), row++, i);
     }
-    return table;
+    if (table == NULL)
+        return NULL;
+    GtkWidget *box = gtk_vbox_new(FALSE, 0); /* so that rows keep their height beside the preview */
+    gtk_box_pack_start(GTK_BOX(box), table, FALSE, FALSE, 0);
+    return box;
 }
 
 static GtkWidget *controls_new(dialog *d)
