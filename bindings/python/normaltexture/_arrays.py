@@ -37,6 +37,7 @@ DEPTHS: dict[Any, np.dtype[Any]] = {
     "float": np.dtype(np.float32),
 }
 TOUCH_NONE, TOUCH_ALL = 0, 7
+MOST = 1.7e308  # within the range of a double
 
 _SAMPLE_TYPES = {np.dtype(np.uint8).str: 0, np.dtype(np.uint16).str: 1, np.dtype(np.float32).str: 2}
 _KINDS = {"u1": 0, "u2": 1, "f4": 2}
@@ -66,6 +67,14 @@ def number(name: str, value: Any, low: float, high: float) -> float:
     if not low <= result <= high:
         raise ArgumentError(f"{name}={value!r}: must be within {low:g}..{high:g}")
     return result
+
+
+def spacing(dx: Any, dy: Any) -> tuple[float, float]:
+    """The arguments `dx` and `dy`: width and height of a texel."""
+    width, height = number("dx", dx, 0, MOST), number("dy", dy, 0, MOST)
+    if width == 0 or height == 0:
+        raise ArgumentError(f"dx={dx!r}, dy={dy!r}: must be greater than 0")
+    return width, height
 
 
 def pixels(name: str, value: ArrayLike) -> NDArray[Any]:

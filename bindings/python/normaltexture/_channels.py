@@ -24,15 +24,23 @@ def _one(dtype: np.dtype[Any]) -> float:
 class Packed:
     """An array that an operation fills with x, y, z and alpha, and the output made of it.
 
-    Without letters the two are the same array.
+    Without letters the two are the same array, of `count` channels or as many as `out` has.
     """
 
     def __init__(
-        self, letters: str | None, known: str, shape: Shape, dtype: np.dtype[Any], out: Any
+        self,
+        letters: str | None,
+        known: str,
+        shape: Shape,
+        count: int,
+        dtype: np.dtype[Any],
+        out: Any,
     ) -> None:
         self._places: list[Place] | None = None
         if letters is None:
-            self.output = Output(shape, dtype, out)
+            if isinstance(out, np.ndarray) and out.ndim == 3 and 2 <= out.shape[2] <= _FULL:
+                count = out.shape[2]
+            self.output = Output((*shape[:2], count), dtype, out)
             self.array = self.output.array
             return
         if (

@@ -174,9 +174,7 @@ def convert(
     src_view = view("src", source, encoding, choose("from_y", from_y, YS))
     dtype = _depth_of(source, depth, to)
     count = source.shape[2] if target == 2 else max(source.shape[2], 3)
-    if isinstance(out, np.ndarray) and out.ndim == 3 and 2 <= out.shape[2] <= 4:
-        count = out.shape[2]
-    packed = Packed(channels, "xyza01", (*source.shape[:2], count), dtype, out)
+    packed = Packed(channels, "xyza01", source.shape, count, dtype, out)
     if out is not None and channels is None:
         packed.output.apart_from(source.dtype == dtype, src=source)
     dst = view("out", packed.array, target, choose("to_y", to_y, YS), writable=True)

@@ -13,6 +13,7 @@ from ._arrays import (
     DEPTHS,
     ENCODINGS,
     HEIGHT,
+    MOST,
     YS,
     Depth,
     Pixels,
@@ -23,6 +24,7 @@ from ._arrays import (
     number,
     pixels,
     run,
+    spacing,
     view,
 )
 from ._channels import Packed, Shape, plane
@@ -65,7 +67,6 @@ BORDERS = {name: i for i, name in enumerate(get_args(Border))}
 _SOURCES = {name: i for i, name in enumerate(get_args(Source))}
 _ALPHAS = {"keep": 0, "one": 1, "inverse": 2, "height": 3}
 _DITHERS = {"none": False, "integrable": True}
-_MOST = 1.7e308
 _MAX_OCTAVES = 8
 
 
@@ -317,10 +318,8 @@ def normals_from_height(
     elif scale is None:
         raise ArgumentError("scale=None: it is needed; how many texels a height of 1 rises")
     else:
-        how.scale = number("scale", scale, -_MOST, _MOST)
-    how.dx, how.dy = number("dx", dx, 0, _MOST), number("dy", dy, 0, _MOST)
-    if how.dx == 0 or how.dy == 0:
-        raise ArgumentError(f"dx={dx!r}, dy={dy!r}: must be greater than 0")
+        how.scale = number("scale", scale, -MOST, MOST)
+    how.dx, how.dy = spacing(dx, dy)
     how.min_z = number("min_z", min_z, 0, 1)
     how.invert = bool(invert)
     how.blue = choose("blue", blue, BLUES)
@@ -360,9 +359,7 @@ def normals_from_height(
     else:
         dtype = choose("depth", 16 if depth is None else depth, DEPTHS)
     count = 4 if alpha is not None or kept else 3
-    if isinstance(out, np.ndarray) and out.ndim == 3 and 2 <= out.shape[2] <= 4:
-        count = out.shape[2]
-    packed = Packed(channels, "xyzah01", (*array.shape[:2], count), dtype, out)
+    packed = Packed(channels, "xyzah01", array.shape, count, dtype, out)
     packed.output.apart_from(False, height=array)
     others = _others(alpha, ao, array.shape, dtype)
     if number("blur", blur, 0, lib.NTP_MAX_SIGMA) > 0 or octaves is not None:

@@ -20,6 +20,7 @@ from ._arrays import (
     choose,
     number,
     pixels,
+    spacing,
     view,
 )
 from ._borders import choose_borders, find_kernel
@@ -46,7 +47,6 @@ _METHOD_CODES = {name: i for i, name in enumerate(_METHODS)}
 _DECODE_CODES = {name: i for i, name in enumerate(_DECODES)}
 _ZS = {"auto": 2, "stored": 0, "derived": 1}
 _LEAST_SIDE = 6  # below, no texel says which way green points
-_MOST = 1.7e308
 
 
 @dataclass(frozen=True)
@@ -285,9 +285,7 @@ def height_from_normals(
         raise ArgumentError('equalize=True: goes with method="telescoping"')
     how.equalize, how.detrend, how.measure = bool(equalize), bool(detrend), bool(return_info)
     how.refine = int(number("refine", refine, 0, lib.NTP_MAX_ITERATIONS))
-    how.dx, how.dy = number("dx", dx, 0, _MOST), number("dy", dy, 0, _MOST)
-    if how.dx == 0 or how.dy == 0:
-        raise ArgumentError(f"dx={dx!r}, dy={dy!r}: must be greater than 0")
+    how.dx, how.dy = spacing(dx, dy)
     mask_array = None
     if mask is not None:
         mask_array = _mask(mask, source)
