@@ -325,6 +325,19 @@ static void judge_surface(judgement *j)
                             : "upper and lower");
 }
 
+static void judge_color_chunks(judgement *j)
+{
+    const ntpio_info *info = &j->f->info;
+    text t = { 0 };
+    text_addf(&t, "%s%s%s%s%s", info->has_iccp ? ", iCCP" : "", info->has_srgb ? ", sRGB" : "",
+              info->has_gama ? ", gAMA" : "", info->has_chrm ? ", cHRM" : "",
+              info->has_cicp ? ", cICP" : "");
+    if (t.size > 0 && (j->f->type.accidents & NTP_ACCIDENT_GAMMA) == 0)
+        addf(j, NT040, LEVEL_INFO, 0, "carries color information (%s): ignore it",
+             text_string(&t) + strlen(", "));
+    text_free(&t);
+}
+
 static void judge_file(judgement *j)
 {
     const ntpio_info *info = &j->f->info;
@@ -339,11 +352,7 @@ static void judge_file(judgement *j)
              "JPEG with chroma subsampling: the directions are blurred");
     if (s->stored_max == 65535 && s->max == 255)
         addf(j, NT034, LEVEL_INFO, s->texels, "a 16-bit file with 8-bit content");
-    if ((info->has_gama || info->has_srgb || info->has_iccp || info->has_chrm) &&
-        (j->f->type.accidents & NTP_ACCIDENT_GAMMA) == 0)
-        addf(j, NT040, LEVEL_INFO, 0, "carries color information (%s%s%s%s): ignore it",
-             info->has_iccp ? "iCCP " : "", info->has_srgb ? "sRGB " : "",
-             info->has_gama ? "gAMA " : "", info->has_chrm ? "cHRM " : "");
+    judge_color_chunks(j);
     if (info->alpha && s->alpha_full == s->texels)
         addf(j, NT041, LEVEL_INFO, s->texels, "the alpha channel is opaque everywhere");
     if (s->unused > 0 && s->unused < s->texels) {

@@ -298,7 +298,8 @@ static void list_dropped(const ntpio_info *info, text *line, json_t *object)
     } CHUNKS[] = { { "gAMA", info->has_gama },
                    { "sRGB", info->has_srgb },
                    { "iCCP", info->has_iccp },
-                   { "cHRM", info->has_chrm } };
+                   { "cHRM", info->has_chrm },
+                   { "cICP", info->has_cicp } };
     json_t *list = need(json_array());
     for (size_t i = 0; i < sizeof CHUNKS / sizeof CHUNKS[0]; i++) {
         if (!CHUNKS[i].there)

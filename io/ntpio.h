@@ -67,8 +67,8 @@ typedef struct ntpio_info {
     bool palette;
     bool lossy; /* JPEG */
     bool alpha; /* the file has an alpha channel or PNG transparency (tRNS) */
-    bool has_gama, has_srgb, has_iccp, has_chrm; /* PNG color chunks: reported, never applied */
-    double gamma;                                /* of gAMA */
+    bool has_gama, has_srgb, has_iccp, has_chrm, has_cicp; /* PNG color chunks: never applied */
+    double gamma;                                          /* of gAMA */
     bool has_phys;
     uint32_t phys_x, phys_y; /* pHYs: pixels per unit */
     int32_t phys_unit;       /* 1: metre */

@@ -76,7 +76,7 @@ static void on_read(png_structp png, png_bytep dst, size_t size)
     }
 }
 
-/* gAMA, sRGB, iCCP and cHRM are told, never applied. */
+/* gAMA, sRGB, iCCP, cHRM and cICP are told, never applied. */
 static int on_chunk(png_structp png, png_unknown_chunkp chunk)
 {
     ntpio_info *info = png_get_user_chunk_ptr(png);
@@ -91,6 +91,8 @@ static int on_chunk(png_structp png, png_unknown_chunkp chunk)
         info->has_iccp = true;
     } else if (memcmp(name, "cHRM", 4) == 0) {
         info->has_chrm = true;
+    } else if (memcmp(name, "cICP", 4) == 0) {
+        info->has_cicp = true;
     }
     return 1;
 }
@@ -114,7 +116,7 @@ static bool fail(png_state *s, ntpio_error *error)
 
 static void configure(png_state *s)
 {
-    static const png_byte told[] = "gAMA\0sRGB\0iCCP\0cHRM";
+    static const png_byte told[] = "gAMA\0sRGB\0iCCP\0cHRM\0cICP";
     static const png_byte dropped[] = "bKGD\0eXIf\0hIST\0oFFs\0pCAL\0sBIT\0sCAL\0sPLT\0sTER\0tIME";
     png_structp png = s->png;
     png_set_user_limits(png, PNG_UINT_31_MAX, PNG_UINT_31_MAX); /* check_size does it in words */

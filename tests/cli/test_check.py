@@ -164,9 +164,16 @@ def test_direction_of_green_is_found(run, tmp_path):
 def test_facts_of_the_file(run, tmp_path):
     rgb = textures.standard(48, 64)
     alpha = np.full((48, 64, 1), 255, np.uint8)
-    chunks = [(b"gAMA", (45455).to_bytes(4, "big")), (b"sRGB", b"\0")]
+    chunks = [
+        (b"gAMA", (45455).to_bytes(4, "big")),
+        (b"sRGB", b"\0"),
+        (b"cICP", bytes([1, 13, 0, 1])),
+    ]
     write_png(tmp_path / "a_n.png", np.dstack([rgb, alpha]), chunks=chunks)
-    assert {"NT040", "NT041", "NT051"} <= ids(only(run, "a_n.png", code=0), "info")
+    file = only(run, "a_n.png", code=0)
+    assert {"NT040", "NT041", "NT051"} <= ids(file, "info")
+    color = [f["message"] for f in file["findings"] if f["id"] == "NT040"]
+    assert color == ["carries color information (sRGB, gAMA, cICP): ignore it"]
     write_png(tmp_path / "b_n.png", rgb.astype(np.uint16) * 257)
     file = only(run, "b_n.png", code=0)
     assert "NT034" in ids(file) and file["bit_depth"] == 16

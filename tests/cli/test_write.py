@@ -278,11 +278,12 @@ def test_chunks(run, tmp_path):
         (b"zTXt", b"Comment\0\0" + zlib.compress(b"long")),
         (b"iTXt", b"Title\0\0\0en\0\0" + "Straße".encode()),
     ]
-    write_png(tmp_path / "a_n.png", noisy(), chunks=chunks)
+    color = [(b"cICP", bytes([1, 13, 0, 1]))]
+    write_png(tmp_path / "a_n.png", noisy(), chunks=[*color, *chunks])
     done = run("clean", "a_n.png", "-o", "b.png")
-    assert "gAMA" in done.stdout
+    assert "gAMA, cICP" in done.stdout
     _, kept = read_png(tmp_path / "b.png")
-    assert b"gAMA" not in kept and kept[b"pHYs"] == [chunks[1][1]]
+    assert b"gAMA" not in kept and b"cICP" not in kept and kept[b"pHYs"] == [chunks[1][1]]
     assert kept[b"tEXt"] == [b"Author\0somebody"] and b"iTXt" in kept and b"zTXt" in kept
 
 

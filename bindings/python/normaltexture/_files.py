@@ -37,7 +37,7 @@ class ImageInfo(_Result):
     interlaced, palette, lossy, alpha : bool
         What the file is made of; `alpha`: it has an alpha channel or transparency.
     color_chunks : tuple of str
-        "gAMA", "sRGB", "iCCP", "cHRM": color information of a PNG, which is not applied.
+        "gAMA", "sRGB", "iCCP", "cHRM", "cICP": color information of a PNG, which is not applied.
     texts : dict
         The texts of a PNG by their keys.
     jpeg_quality : int
@@ -68,7 +68,7 @@ def _raise(error: Any) -> None:
 
 def _info(info: Any) -> ImageInfo:
     chunks = {"gAMA": info.has_gama, "sRGB": info.has_srgb}
-    chunks |= {"iCCP": info.has_iccp, "cHRM": info.has_chrm}
+    chunks |= {"iCCP": info.has_iccp, "cHRM": info.has_chrm, "cICP": info.has_cicp}
     texts: dict[str, str] = {}
     for i in range(info.text_count):
         text = info.texts[i]
