@@ -446,6 +446,17 @@ def test_diff_merges():
     assert empty.stats() == whole.stats()
 
 
+def test_a_cleared_diff_is_empty():
+    a, b = image(255, 4).astype(np.uint8), image(65535, 4, seed=2).astype(np.uint16)
+    up, down = np.float32([[[0, 0, 1]]]), np.float32([[[0, 0, -1]]])
+    opposite = Diff().add(up, down, encodings=(ntp.VECTOR, ntp.VECTOR))
+    assert opposite.stats()["angles"]["max"] > 179.9  # the last bin
+    for used in (Diff().add(a, b), Diff().add(a, a), opposite, Diff()):
+        ntp.check(ntp.lib.ntp_diff_clear(used.pointer))
+        assert not used.memory.any()
+    assert ntp.lib.ntp_diff_clear(NULL) == ntp.ERR_ARGUMENT
+
+
 def test_diff_errors():
     a = image(255, 3).astype(np.uint8)
     wide = a.astype(np.uint16)

@@ -10,6 +10,7 @@
 #include "internal.h"
 
 #include <math.h>
+#include <string.h>
 
 static const double PI = 3.14159265358979323846;
 
@@ -49,6 +50,13 @@ uint32_t ntp__angle(int64_t x1, int64_t y1, int64_t z1, int64_t x2, int64_t y2, 
     else
         radians = PI / 2 - (d < 0 ? -arc_tangent(-d / s) : arc_tangent(d / s));
     return (uint32_t) (radians * (180e6 / PI) + 0.5);
+}
+
+void ntp__angles_clear(ntp__angle_sums *angles)
+{
+    /* The bins above the greatest angle are empty. */
+    memset(angles->bins, 0, ((angles->max + 500) / 1000 + 1) * sizeof angles->bins[0]);
+    angles->texels = angles->sum = angles->max = 0;
 }
 
 void ntp__angles_merge(ntp__angle_sums *into, const ntp__angle_sums *from)

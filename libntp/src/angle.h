@@ -27,6 +27,9 @@ static inline void ntp__angles_add(ntp__angle_sums *angles, uint32_t angle, uint
         angles->max = angle;
 }
 
+/* Makes the sums empty again. */
+void ntp__angles_clear(ntp__angle_sums *angles);
+
 void ntp__angles_merge(ntp__angle_sums *into, const ntp__angle_sums *from);
 
 /* p99 is the middle of the bin in which the texel of that rank lies. */

@@ -238,6 +238,15 @@ ntp_status ntp_diff_merge(ntp_diff *into, const ntp_diff *from)
     return NTP_OK;
 }
 
+ntp_status ntp_diff_clear(ntp_diff *diff)
+{
+    if (diff == NULL)
+        return NTP_ERR_ARGUMENT;
+    ntp__angles_clear(&diff->angles);
+    memset(diff, 0, offsetof(ntp_diff, angles));
+    return NTP_OK;
+}
+
 ntp_status ntp_diff_summarize(ntp_diff_stats *stats, const ntp_diff *diff)
 {
     if (stats == NULL || diff == NULL || diff->max == 0)

@@ -18,9 +18,7 @@ static void clear_sums(ntp__sums *s)
         memset(fit->levels_off, 0, (fit->levels_off_max + 1) * sizeof fit->levels_off[0]);
         memset(fit, 0, offsetof(ntp__fit_sums, levels_off));
     }
-    /* The bins above the greatest angle are empty. */
-    memset(s->angles.bins, 0, (s->angles.max / 1000 + 2) * sizeof s->angles.bins[0]);
-    s->angles.texels = s->angles.sum = s->angles.max = 0;
+    ntp__angles_clear(&s->angles);
     s->texels = 0;
 }
 

@@ -84,8 +84,9 @@ def unpacked(source: NDArray[Any], letters: str, type: Type) -> tuple[NDArray[An
         raise ArgumentError(
             f"{wrong}names more channels than src has, its shape is {source.shape}", Status.SHAPE
         )
-    planes = np.empty((*source.shape[:2], 4 if "a" in letters else 3), source.dtype)
-    for channel, letter in enumerate("xyza"[: planes.shape[2]]):
+    count = 4 if "a" in letters else 3
+    planes = np.empty((*source.shape[:2], count), source.dtype)
+    for channel, letter in enumerate("xyza"[:count]):
         at = letters.find(letter)
         planes[..., channel] = source[..., at] if at >= 0 else _one(source.dtype)
     return planes, type if "z" in letters else "xy"

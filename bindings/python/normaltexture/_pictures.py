@@ -15,10 +15,10 @@ from ._arrays import (
     YS,
     AnyType,
     Output,
+    Pool,
     Type,
     Y,
     choose,
-    memory,
     pixels,
     run,
     view,
@@ -30,6 +30,7 @@ from ._native import ffi, lib
 Palette = Literal["reference", "safe"]
 _PALETTES = {"reference": 0, "safe": 1}
 _U8 = np.dtype(np.uint8)
+_DIFFS = Pool(lib.ntp_diff_size(), lambda memory: lib.ntp_diff_clear(memory))
 
 
 def heatmap(
@@ -276,16 +277,18 @@ def compare(
         heat_view = view("heat", output.array, HEIGHT, writable=True)
 
     def work(area: Any) -> tuple[Any, Any]:
-        pointer, owner = memory(lib.ntp_diff_size())
-        part = ffi.cast("ntp_diff *", pointer)
+        part, owner = _DIFFS.take()
         check(lib.ntp_compare(part, heat_view, a_view, b_view, area), "compare")
         return part, owner
 
-    sums, *rest = run(threads, first.shape[1], first.shape[0], work)
-    for part, _ in rest:
-        check(lib.ntp_diff_merge(sums[0], part), "compare")
+    parts = run(threads, first.shape[1], first.shape[0], work)
+    sums = parts[0][0]
+    for part, _ in parts[1:]:
+        check(lib.ntp_diff_merge(sums, part), "compare")
     found = ffi.new("ntp_diff_stats *")
-    check(lib.ntp_diff_summarize(found, sums[0]), "compare")
+    check(lib.ntp_diff_summarize(found, sums), "compare")
+    for part, owner in parts:
+        _DIFFS.give(part, owner)
     if output is not None:
         output.finish()
     n = found.channels
