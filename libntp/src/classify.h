@@ -1,0 +1,114 @@
+/* SPDX-License-Identifier: MIT */
+/* classify.h - the thresholds of the classification, each with its reason */
+#ifndef NTP_CLASSIFY_H
+#define NTP_CLASSIFY_H
+
+/* Gray: compression and palettes leave a few texels that are not quite gray. */
+static const double GRAY_SHARE = 0.98;
+
+/* Unit length.  Honest encoders reach 1 with NTP_NEIGHBOR; 3 % of bad texels must not matter.  By
+ * 1/8 even JPEG and resizing rarely take more than a tenth of the texels, and chance (a picture's
+ * colors) rarely leaves more than half of them. */
+static const double ROUNDED_ALL = 0.995, ROUNDED_SHARE = 0.96, UNIT_SHARE = 0.93,
+                    NEAR_UNIT_SHARE = 0.88;
+
+/* A tight fit that comes from flat texels only: of the tilted ones few fit, and where blue does not
+ * even follow red and green (correlation) the fit counts for nothing. */
+static const double TILTED_LEAST = 0.01, TILTED_NEAR_LEAST = 0.3, BLUE_FOLLOWS = 0.3;
+
+/* Damaged normals: lengths spread by 0.06 at most, or somewhat more where blue still follows red and
+ * green; heights, occlusion and pictures spread them by 0.1 and more and do not follow.  Blurring and
+ * scaling leave three quarters of the length, faulty generators add up to 15 %. */
+static const double SPREAD_MOST = 0.06, SPREAD_FOLLOWING = 0.18;
+static const double LENGTH_LEAST = 0.75, LENGTH_MOST = 1.15;
+
+/* Flat texels fit whatever blue is, if it is only bright.  After JPEG those steeper than 1/8 are off
+ * by less than this on average; where occlusion or a height darkens some, they are off by more, or
+ * the few that are spread the lengths. */
+static const double SLOPING_ERROR_MOST = 0.07, SLOPING_SURE = 0.85;
+
+/* A blue that goes to both ends fits where it is 0 and where it is M: with more negative z than a few
+ * wrong texels make it may be a height as well. */
+static const double NEGATIVE_MOST = 0.05, NEGATIVE_SURE = 0.8;
+
+/* Lean of the mean of x, y.  Tangent-space textures lean by less than 0.1 as a rule, and by 0.3 on
+ * a slope; a picture's red and green are rarely both that near the middle. */
+static const double LEAN_SMALL = 0.03, LEAN_SLANTED = 0.1, LEAN_CENTERED = 0.15, LEAN_MOST = 0.3;
+
+/* x, y that are too long: JPEG and overshooting filters make some; what has more holds no x, y. */
+static const double TOO_LONG_SHARE = 0.08;
+
+/* Of colors spread evenly over the disc three quarters are steeper than 1/2 and a sixteenth is
+ * flatter than 1/4; normals crowd in the middle, and where they do not, little is sure. */
+static const double STEEP_MOST = 0.85, MIDDLE_LEAST = 0.1;
+
+/* Padding of another color than black and white, such as gray, or the green that a flip makes of
+ * black, is flat in red and green or too long.  Where this share of the tilted texels has the blue of a
+ * normal, one that a constant blue has not, the rest is taken for it.  Pale pictures have a few such
+ * texels too, but hardly a unit vector. */
+static const double PADDED_NEAR = 0.75, PADDED_GAP = 3, PADDED_UNIT = 0.1, PADDED_SURE = 0.85;
+enum { PADDED_TEXELS_LEAST = 64 };
+
+/* Object space: all three axes go both ways.  3 % of wrong blues are 1.5 % negative ones.  Where the
+ * axes are well mixed less of the length may be lost, as compressed borders of charts lose it. */
+static const double DIRECTIONS_LEAST = 0.05, AXIS_LEAST = 0.02;
+static const double MIXED_LEAST = 0.15, MIXED_UNIT_SHARE = 0.8;
+
+/* Blue 0 or 255 is of unit length where red and green are flat, whatever it means; so the tilted
+ * texels (steepness 1/4 to 7/8) of an object-space texture must be near unit length by themselves. */
+static const double TILTED_ERROR_MOST = 0.12;
+enum { TILTED_FIRST_BIN = 2, TILTED_LAST_BIN = 6 };
+
+/* Z flipped, or another channel being z: (almost) all texels agree. */
+static const double FLIPPED_SHARE = 0.95, OTHER_Z_SHARE = 0.98, OTHER_Z_MEAN = 0.8;
+
+/* The mean of a channel that holds x or y: near the middle, in levels / M.  An alpha that holds x is
+ * rarely 0 or M; a mask is little else. */
+static const double MIDDLE = 0.15, ALPHA_ENDS_MOST = 0.05;
+
+/* Red and blue of DXT5nm: constant but for what block compression does to them. */
+static const double IDLE_DEVIATION = 0.02;
+
+/* Stored as sRGB, flat is 188/255 = 0.737, and slopes of 1 spread the mean by less than this. */
+static const double GAMMA_FLAT = 0.737, GAMMA_SPREAD = 0.12, GAMMA_SHARE = 0.85;
+
+/* A channel that does not vary: deviation of an eighth of an 8-bit level. */
+static const double CONSTANT_DEVIATION = 0.0005;
+
+/* Blue that is filled in is 0, the middle, or M; another constant can be the scaled z of a surface that
+ * is flat. */
+static const double USUAL_BLUE = 0.99;
+
+/* Blue as 0..1: of the texels that can tell, half fit to within 3 levels; slope 2 and not 1.  Of
+ * textures that are not honestly rounded it is believed only where the two blues lie 3 levels apart
+ * on average: blurring a gentle standard texture makes its blue as low as Z-zero's. */
+static const double ZZERO_NEAR = 0.5, ZZERO_SLOPE = 1.5, ZZERO_GAP = 3;
+
+/* An encoder that truncates lowers a standard blue by up to a level: where the blues lie less than
+ * two apart that is Z-zero's as well as not. */
+static const double ZZERO_SURE_GAP = 2, ZZERO_SURE = 0.85;
+
+/* A mean blue above this can be occlusion, or z that coarse JPEG took apart: less is sure. */
+static const double OPEN_BLUE = 0.8;
+
+/* Red and green of a picture go together; those of normals do on slanted ridges only. */
+static const double ALIKE = 0.5;
+
+/* Where (red, green) all but keep to a line, as in a picture that fades from one color to another, a
+ * length near 1 proves little: any line through the middle of the disc has it.  Slopes of one
+ * direction keep to a line as well, so this refutes nothing.  The second part is for rounding. */
+static const double LINE_WIDTH = 0.15, LINE_NOISE = 1.0 / 255, LINE_SURE = 0.85;
+
+/* That blue is no z makes a picture as likely as x, y; a height or an alpha map beside them, as in
+ * LabPBR, makes it less so. */
+static const double XY_SURE = 0.85, XY_ALPHA_SURE = 0.92, ALPHA_VARIES = 0.02;
+
+/* Columns at block borders step this much farther than others only after block coding; it shows in
+ * two channels at least, and errs to both sides.  (Steps of gentle textures make ratios such as
+ * 28/25, which must not hang on the rounding of a sum: so the bound is none.) */
+static const double BLOCK_STEP = 1.120001, BOTH_SIDES = 0.02;
+
+/* Blurring: lengths are lost, by more than 1/16 in this share of texels, and hardly any gained. */
+static const double BLURRED_SHARE = 0.06, SHORT_OVER_LONG = 3;
+
+#endif
