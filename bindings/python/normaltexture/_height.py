@@ -59,13 +59,13 @@ Source = Literal[
     "min",
     "screen",
 ]
-Alpha = Literal["keep", "one", "inverse", "height"]
+Alpha = Literal["keep", "one", "inverse", "height", "inverse-height"]
 Dither = Literal["none", "integrable"]
 
 KERNELS = {name: i for i, name in enumerate(get_args(Kernel))}
 BORDERS = {name: i for i, name in enumerate(get_args(Border))}
 _SOURCES = {name: i for i, name in enumerate(get_args(Source))}
-_ALPHAS = {"keep": 0, "one": 1, "inverse": 2, "height": 3}
+_ALPHAS = {name: i for i, name in enumerate(get_args(Alpha))}
 _DITHERS = {"none": False, "integrable": True}
 _MAX_OCTAVES = 8
 
@@ -263,10 +263,10 @@ def normals_from_height(
         itself.
     min_z : float
         The least z, 0..1: steeper normals are turned up to it.
-    alpha : {"keep", "one", "inverse", "height"} or array, optional
+    alpha : {"keep", "one", "inverse", "height", "inverse-height"} or array, optional
         The alpha of the result: that of `height`, opaque, 1 minus that of `height`, the height
-        (LabPBR), or the first channel of an image of the same size.  By default the result has one
-        where `height` has, and keeps it.
+        (LabPBR), 1 minus the height, or the first channel of an image of the same size.  By
+        default the result has one where `height` has, and keeps it.
     ao : array, optional
         With `to="xy"`: an image of the same size whose first channel goes into blue (LabPBR:
         ambient occlusion).

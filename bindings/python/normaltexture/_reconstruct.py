@@ -245,6 +245,9 @@ def height_from_normals(
     docs/arithmetic.md and libntp.h describe the methods.  Sources: R. Frankot and R. Chellappa
     (1988); D. Eberly, "Reconstructing a Height Field from a Normal Map".
 
+    Least squares take as much memory as the heights, and some rows.  For textures beyond memory
+    `src` and `out` may be of `numpy.memmap`: they are gone through in order.
+
     Examples
     --------
     >>> import normaltexture as nt

@@ -69,6 +69,7 @@ def test_alpha(height):
         ("one", np.full_like(height, m)),
         ("inverse", m - height[::-1]),
         ("height", height),
+        ("inverse-height", m - height),
     ):
         got = nt.normals_from_height(gray_alpha, scale=1, alpha=alpha)
         assert np.array_equal(got[..., 3], want), alpha
