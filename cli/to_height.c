@@ -145,8 +145,14 @@ static bool cannot(const production *p, ntp_status status, ntpio_error *error)
     const to_height_state *st = p->state;
     const char *refined = why_not_refined(st);
     char why[200];
-    if (status == NTP_ERR_CANCELLED || status == NTP_ERR_NOT_CONVERGED)
+    if (status == NTP_ERR_CANCELLED)
         return library_error(&p->s, status, error);
+    if (status == NTP_ERR_NOT_CONVERGED)
+        return wrong_use(
+            p,
+            "the weighted least squares did not reach their tolerance, as where long "
+            "ways lead around holes; --method poisson-dct, without --mask, takes them for flat",
+            error);
     if (refined != NULL)
         return wrong_use(p, refined, error);
     snprintf(why, sizeof why, "kernel %s with borders %s and %s cannot be solved by this method",

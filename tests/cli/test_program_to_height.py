@@ -286,6 +286,20 @@ def test_mask_and_islands(run, tmp_path, surface):
     assert not (tmp_path / "x.png").exists()
 
 
+@pytest.mark.usefixtures("surface")
+def test_what_does_not_converge_is_said(run, tmp_path):
+    """One corridor to and fro: 8192 texels long, one wide."""
+    make_normals(run)
+    mask = np.zeros((128, 128), np.uint8)
+    mask[::2] = 1
+    mask[1::4, -1] = mask[3::4, 0] = 1
+    write_png(tmp_path / "mask.png", mask)
+    done = run("to-height", "n.png", "-o", "x.png", "--mask", "mask.png")
+    assert done.returncode == 2 and not (tmp_path / "x.png").exists()
+    assert "n.png: the weighted least squares did not reach their tolerance" in done.stderr
+    assert run("to-height", "n.png", "-o", "x.png", "--method", "poisson-dct").returncode == 0
+
+
 def test_unused_texels_are_holes(run, tmp_path):
     n = reconstruction.from_height(reconstruction.fractal(128))
     n[:, 60:70] = 0
