@@ -46,44 +46,44 @@ python_clean_install() { # with nothing but what the wheel's metadata asks for
     build-python/clean/bin/ntp help gltf >/dev/null
 }
 
-python_package() {
-    need_tools
+enter_python_venv() { # from here on `python` has the package's tools
     need_python_tools
     need_python_venv
     PATH=$top/.venv-python/bin:$PATH
     unset NTP_PROGRAM NTP_BUILD NTP_LIBRARY
     rm -rf build-python/dist
     mkdir -p build-python/dist
-    install="python -m pip --disable-pip-version-check install -q --no-deps --force-reinstall"
+}
+
+install_wheel() {
+    python -m pip --disable-pip-version-check install -q --no-deps --force-reinstall "$@"
+}
+
+install_tree() { # the package of this tree as it is
+    enter_python_venv
+    wheel_of . -Cbuild-dir=build-python/tree
+    install_wheel build-python/dist/*.whl
+}
+
+python_package() {
+    need_tools
     if [ "${1:-}" = --tree ]; then
-        wheel_of . -Cbuild-dir=build-python/tree
-        $install build-python/dist/*.whl
+        install_tree
         stage "tests of the package" python_tests
     else
+        enter_python_venv
         [ -z "$(git status --porcelain bindings libntp io cli meson.build)" ] ||
             say "not committed, so not in the sdist: $(git status --porcelain | wc -l) files"
         stage "sdist and wheel" python_build
         finish_stages
         stage "manylinux wheel, audit" python_repair
         finish_stages
-        $install build-python/repaired/*.whl
+        install_wheel build-python/repaired/*.whl
         stage "tests of the package" python_tests
         stage "mypy and pyright" python_types
         stage "clean environment" python_clean_install
     fi
     finish_stages
-}
-
-install_tree() { # the Python package of this tree as it is
-    need_python_tools
-    need_python_venv
-    PATH=$top/.venv-python/bin:$PATH
-    unset NTP_PROGRAM NTP_BUILD NTP_LIBRARY
-    rm -rf build-python/dist
-    mkdir -p build-python/dist
-    wheel_of . -Cbuild-dir=build-python/tree
-    python -m pip --disable-pip-version-check install -q --no-deps --force-reinstall \
-        build-python/dist/*.whl
 }
 
 docs_site() { # without the network: what it takes is in .venv-python
