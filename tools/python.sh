@@ -61,7 +61,7 @@ install_wheel() {
 
 install_tree() { # the package of this tree as it is
     enter_python_venv
-    wheel_of . -Cbuild-dir=build-python/tree
+    wheel_of . --config-settings=build-dir=build-python/tree
     install_wheel build-python/dist/*.whl
 }
 
