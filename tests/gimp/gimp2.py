@@ -6,8 +6,6 @@ import re
 import shutil
 import subprocess
 
-from gimps import complaints, what_happens_twice
-
 PROGRAM = "gimp-console-2.10"
 
 # The arguments of each procedure after the drawable, in their order, with their defaults.
@@ -135,15 +133,6 @@ class Gimp2:
 
     def run(self, jobs):
         """Does all jobs in one start of GIMP: {name: Script-Fu} -> {name: its messages}."""
-
-        def once():
-            messages = self._run(jobs)
-            assert list(messages) == list(jobs), self.log
-            return messages, complaints(self.log)
-
-        return what_happens_twice(once)[0]
-
-    def _run(self, jobs):
         command = [PROGRAM, "-i", "-d", "-f"]
         for name, body in jobs.items():
             marks = [f'(gimp-message "job-{name}-{end}")' for end in ("begin", "done")]

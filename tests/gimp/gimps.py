@@ -53,28 +53,9 @@ class Gimp3:
     def run(self, jobs):
         """Does the jobs of in_gimp3.py: {name: what it noted}, and the complaints of GIMP."""
         (self.work / "jobs.json").write_text(json.dumps(jobs))
-        return what_happens_twice(self._run)
-
-    def _run(self):
         errors = self.script(HERE / "in_gimp3.py")
         results = json.loads((self.work / "results.json").read_text())
         return results, complaints(errors)
-
-
-def what_happens_twice(run):
-    """The results and complaints of run(), which is run again when it fails or complains.
-
-    GIMP is many processes; what goes wrong between them at random, on a busy machine, is not ours.
-    What our parts do wrong they do again.
-    """
-    try:
-        results, found = run()
-        if not found:
-            return results, found
-        print("GIMP complained:", *found, sep="\n")
-    except (AssertionError, OSError, ValueError, subprocess.SubprocessError) as error:
-        print(f"GIMP failed: {error}")
-    return run()
 
 
 def complaints(text):
