@@ -3,8 +3,9 @@
 
 The seed is drawn anew at each run and printed; NTP_SEED repeats a run.  With CI set it is always
 CI_SEED, so that a change is judged by its own effect.  Bounds on shares are more than five standard
-deviations away from what hundreds of seeds gave.  No wrong answer may have a confidence of 0.9 or more,
-neither in these draws nor in those of FIXED_SEEDS.
+deviations away from what hundreds of seeds gave.  No wrong answer may have a confidence of 0.9 or
+more, neither in these draws nor in those of FIXED_SEEDS.  One is known in 26,099 draws of seeds that
+nobody had seen, draw 170 of 3901100012: about one run in forty finds such a one.
 """
 
 import os
