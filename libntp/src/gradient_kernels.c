@@ -37,16 +37,31 @@
 #define ROW(k)    rows[k][i]
 #define COLUMN(k) line[i + (k)]
 
-/* Vertical sums of one term, then horizontal ones. */
+/* Tap 1 in the middle and no other: the sums are the numbers themselves. */
+#define IS_IDENTITY(taps)                                                                          \
+    ((taps)[NTP__MAX_RADIUS] == 1 && (taps)[0] == 0 && (taps)[1] == 0 && (taps)[2] == 0 &&         \
+     (taps)[3] == 0 && (taps)[5] == 0 && (taps)[6] == 0 && (taps)[7] == 0 && (taps)[8] == 0)
+
+/* Vertical sums of one term, then horizontal ones; one pass where one of them is the identity. */
 #define DEFINE_TERM(NAME, T)                                                                       \
     static ALWAYS_INLINE void NAME(T *restrict sums, const T *const rows[NTP__MAX_TAPS],           \
                                    const int32_t *vertical, const int32_t *horizontal,             \
                                    int32_t radius, int32_t add, int32_t n)                         \
     {                                                                                              \
-        T line[NTP__GRADIENT_ROW];                                                                 \
+        T summed[NTP__GRADIENT_ROW];                                                               \
+        const T *line = summed;                                                                    \
         const int32_t first = NTP__MAX_RADIUS - radius, last = n + NTP__MAX_RADIUS + radius;       \
-        for (int32_t i = first; i < last; i++)                                                     \
-            line[i] = NINE(vertical, ROW);                                                         \
+        if (!add && IS_IDENTITY(horizontal)) {                                                     \
+            for (int32_t i = NTP__MAX_RADIUS; i < n + NTP__MAX_RADIUS; i++)                        \
+                sums[i - NTP__MAX_RADIUS] = NINE(vertical, ROW);                                   \
+            return;                                                                                \
+        }                                                                                          \
+        if (IS_IDENTITY(vertical)) {                                                               \
+            line = rows[NTP__MAX_RADIUS];                                                          \
+        } else {                                                                                   \
+            for (int32_t i = first; i < last; i++)                                                 \
+                summed[i] = NINE(vertical, ROW);                                                   \
+        }                                                                                          \
         if (add) {                                                                                 \
             for (int32_t i = 0; i < n; i++)                                                        \
                 sums[i] += NINE(horizontal, COLUMN);                                               \
