@@ -27,6 +27,7 @@ except ImportError:
 SCALE = 20.3
 CENTRAL, SOBEL3, GIMP9 = 0, 3, 9
 MIRROR = 2
+STRIP = 128  # rows
 
 
 def heightfield(n):
@@ -55,13 +56,18 @@ class Ours:
         ntp.check(ntp.lib.ntp_normals_from_height(*self.views, self.how, null, area))
 
     def on_two_threads(self):
+        """Whichever thread is free takes the next strip."""
         end = self.out.shape[0]
-        halves = (0, end // 2), (end // 2, end)
-        threads = [threading.Thread(target=self.rows, args=half) for half in halves]
-        for thread in threads:
-            thread.start()
-        for thread in threads:
-            thread.join()
+        strips = iter(range(0, end, STRIP))
+
+        def work():
+            for first in strips:
+                self.rows(first, min(first + STRIP, end))
+
+        other = threading.Thread(target=work)
+        other.start()
+        work()
+        other.join()
 
 
 def opencv(src):
