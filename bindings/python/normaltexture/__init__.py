@@ -15,6 +15,7 @@ False
 True
 """
 
+from ._classify import Classification, MethodChoice, choose_method, classify
 from ._clean import CleanCounts, clean
 from ._convert import ConvertCounts, convert, decode, encode
 from ._errors import (
@@ -32,13 +33,9 @@ from ._height import GradientCounts, normals_from_height
 from ._measure import (
     Angles,
     Channel,
-    Classification,
     Fit,
-    MethodChoice,
     Stats,
     Tally,
-    choose_method,
-    classify,
     measure,
 )
 from ._native import ffi as _ffi

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Between numpy arrays and the views of libntp, without copies, and work split over threads.
+"""Between numpy arrays and the views of libntp, without copies; memory for libntp.
 
 A view is a pointer, two strides and a meaning.  Any array whose samples of a pixel are adjacent is
 a view: crops, mirrored and strided arrays, a single channel, read-only and memory-mapped ones.
@@ -7,9 +7,7 @@ Others (planar or reversed channels, foreign byte order) are copied once on the 
 way out.
 """
 
-import os
 from collections.abc import Callable, Mapping
-from concurrent.futures import ThreadPoolExecutor
 from operator import itemgetter
 from struct import Struct
 from typing import Any, Literal, TypeAlias, TypeVar
@@ -23,6 +21,7 @@ from ._native import ffi, lib
 Pixels: TypeAlias = NDArray[np.uint8] | NDArray[np.uint16] | NDArray[np.float32]
 Type: TypeAlias = Literal["standard", "zzero", "xy", "vector"]
 AnyType: TypeAlias = Literal["auto", "standard", "zzero", "xy", "vector"]
+MeasuredType: TypeAlias = Type | Literal["height"]
 Y: TypeAlias = Literal["up", "down"]
 Depth: TypeAlias = Literal[8, 16, "float"]
 T = TypeVar("T")
@@ -30,6 +29,7 @@ _Members: TypeAlias = tuple[tuple[str, ...], Callable[[tuple[Any, ...]], tuple[A
 
 ENCODINGS: dict[str, int] = {"standard": 0, "zzero": 1, "xy": 2, "vector": 3}
 HEIGHT = 4
+MEASURED: dict[str, int] = ENCODINGS | {"height": HEIGHT}
 YS: dict[str, int] = {"up": 0, "down": 1}
 DEPTHS: dict[Any, np.dtype[Any]] = {
     8: np.dtype(np.uint8),
@@ -39,7 +39,7 @@ DEPTHS: dict[Any, np.dtype[Any]] = {
 TOUCH_NONE, TOUCH_ALL = 0, 7
 MOST = 1.7e308  # within the range of a double
 
-_SAMPLE_TYPES = {np.dtype(np.uint8).str: 0, np.dtype(np.uint16).str: 1, np.dtype(np.float32).str: 2}
+_SAMPLE_TYPES = {np.dtype(np.uint8): 0, np.dtype(np.uint16): 1, np.dtype(np.float32): 2}
 _KINDS = {"u1": 0, "u2": 1, "f4": 2}
 _CHANNELS = {0: (3, 4), 1: (3, 4), 2: (2, 4), 3: (3, 4), HEIGHT: (1, 4)}
 _MAX_SIDE: int = lib.NTP_MAX_SIDE
@@ -80,7 +80,7 @@ def spacing(dx: Any, dy: Any) -> tuple[float, float]:
 def pixels(name: str, value: ArrayLike) -> NDArray[Any]:
     """The argument as an array that a view can describe; copied only where that takes it."""
     array = value if isinstance(value, np.ndarray) else np.asarray(value)
-    if array.dtype.str not in _SAMPLE_TYPES:
+    if array.dtype not in _SAMPLE_TYPES:
         if array.dtype.str[1:] not in _KINDS:
             hint = "; astype(np.float32) makes it one of these" if array.dtype.kind == "f" else ""
             raise SampleTypeError(
@@ -119,13 +119,11 @@ def view(name: str, array: NDArray[Any], encoding: int, y: int = 0, writable: bo
         raise ArgumentError(
             f"{name}: {low} to {high} channels are needed, the shape is {shape}", Status.FORMAT
         )
-    kind = _SAMPLE_TYPES[array.dtype.str]
+    kind = _SAMPLE_TYPES[array.dtype]
     if encoding == 3 and kind != 2:
         raise SampleTypeError(f'{name}: type "vector" needs float32 samples, not {array.dtype}')
-    if array.flags.c_contiguous:
-        data = ffi.from_buffer(array)  # the quicker way to the address
-    else:
-        data = ffi.cast("void *", array.__array_interface__["data"][0])
+    # the quicker way to the address; it takes memory without gaps, which one pixel is
+    data = ffi.from_buffer(array if array.flags.c_contiguous else array[:1, :1])
     return ffi.new(
         "ntp_image *" if writable else "ntp_const_image *",
         (
@@ -168,7 +166,7 @@ class Output:
         if not out.flags.writeable:
             raise ArgumentError("out: the array is read-only")
         self._result = out
-        if out.dtype.str in _SAMPLE_TYPES and _is_viewable(out):
+        if out.dtype in _SAMPLE_TYPES and _is_viewable(out):
             self.array = out
         else:
             self.array = np.empty(shape, dtype)
@@ -209,31 +207,12 @@ def _is_same(a: NDArray[Any], b: NDArray[Any]) -> bool:
     )
 
 
-def thread_count(threads: int) -> int:
-    """The argument `threads`: 0 stands for one for each processor."""
-    if not isinstance(threads, (int, np.integer)) or not 0 <= threads <= 1024:
-        raise ArgumentError(f"threads={threads!r}: must be an integer 0..1024; 0: all processors")
-    if threads == 0 and hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return int(threads) or os.cpu_count() or 1
-
-
-def run(threads: int, width: int, height: int, work: Callable[[Any], T]) -> list[T]:
-    """work(area) for bands of rows, at once; libntp runs without the GIL."""
-    count = 1 if threads == 1 else min(thread_count(threads), height)
-    if count == 1:
-        return [work(ffi.NULL)]
-    edges = [height * i // count for i in range(count + 1)]
-    areas = [ffi.new("ntp_rect *", (0, edges[i], width, edges[i + 1])) for i in range(count)]
-    with ThreadPoolExecutor(count) as pool:
-        return list(pool.map(work, areas))
-
-
 def memory(size: int, alignment: int = 16) -> tuple[Any, NDArray[np.uint8]]:
     """Zeroed memory at a multiple of `alignment`: a pointer, and the array that owns it."""
     owner = np.zeros(size + alignment, np.uint8)
-    start: int = owner.__array_interface__["data"][0]
-    return ffi.cast("void *", start + -start % alignment), owner
+    start = ffi.from_buffer(owner)
+    address = int(ffi.cast("uintptr_t", start))
+    return ffi.cast("void *", start + -address % alignment), owner
 
 
 class Pool:
@@ -288,9 +267,9 @@ class Layout:
         self._codes += _ALIGNED
         return tuple(places), itemgetter(*places.values())
 
-    def read(self, struct: Any) -> dict[str, Any]:
+    def read(self, struct: bytes) -> dict[str, Any]:
         """The values of a struct by name."""
-        numbers = self._format.unpack_from(ffi.buffer(struct))
+        numbers = self._format.unpack(struct)
         names, pick = self._members
         values = dict(zip(names, pick(numbers), strict=False))
         for name, part in self._structs.items():

@@ -10,7 +10,7 @@ from ._errors import CancelledError, Status
 from ._native import ffi, lib
 from ._solve import Solver
 
-_LEAST_SIDE = 16  # of a texture of which ntp_find_border tells anything
+_LEAST_SIDE = 16  # of a texture of which ntp_find_seams and ntp_find_border tell anything
 
 
 def find_kernel(src: Any, touch_unused: int) -> int:
@@ -31,16 +31,16 @@ def choose_borders(
     how.border_x, how.border_y = (max(border, wrap) for border in asked)
     if all(fixed) or method == lib.NTP_HEIGHT_FRANKOT_CHELLAPPA:
         return False
-    seams = ffi.new("ntp_seam[2]")
-    if method != poisson:
+    tells = min(src.width, src.height) >= _LEAST_SIDE
+    wraps = False, False
+    if method != poisson and tells:
+        seams = ffi.new("ntp_seam[2]")
         lib.ntp_find_seams(seams, seams + 1, src, how.touch_unused)
+        wraps = bool(seams[0].wraps), bool(seams[1].wraps)
     free = lib.ntp_free_border(how.kernel)
-    wraps = bool(seams[0].wraps), bool(seams[1].wraps)
     found = [wrap if wraps[i] else free for i in (0, 1)]
     tried = (
-        method in (lib.NTP_HEIGHT_AUTO, poisson)
-        and how.kernel != lib.NTP_KERNEL_BAKED
-        and min(src.width, src.height) >= _LEAST_SIDE
+        method in (lib.NTP_HEIGHT_AUTO, poisson) and how.kernel != lib.NTP_KERNEL_BAKED and tells
     )
     if tried:
         first = ffi.new("ntp_height_options *", how[0])

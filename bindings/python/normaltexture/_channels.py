@@ -6,7 +6,7 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._arrays import HEIGHT, Output, Type, pixels, view
+from ._arrays import HEIGHT, Output, pixels, view
 from ._errors import ArgumentError, Status, check
 from ._native import ffi, lib
 
@@ -24,7 +24,8 @@ def _one(dtype: np.dtype[Any]) -> float:
 class Packed:
     """An array that an operation fills with x, y, z and alpha, and the output made of it.
 
-    Without letters the two are the same array, of `count` channels or as many as `out` has.
+    Without letters the two are the same array, of `count` channels or as many as `out` has; where
+    `count` is 0, of this shape.
     """
 
     def __init__(
@@ -38,9 +39,14 @@ class Packed:
     ) -> None:
         self._places: list[Place] | None = None
         if letters is None:
-            if isinstance(out, np.ndarray) and out.ndim == 3 and 2 <= out.shape[2] <= _FULL:
+            if (
+                count
+                and isinstance(out, np.ndarray)
+                and out.ndim == 3
+                and 2 <= out.shape[2] <= _FULL
+            ):
                 count = out.shape[2]
-            self.output = Output((*shape[:2], count), dtype, out)
+            self.output = Output((*shape[:2], count) if count else shape, dtype, out)
             self.array = self.output.array
             return
         if (
@@ -69,8 +75,8 @@ class Packed:
         return self.output.finish()
 
 
-def unpacked(source: NDArray[Any], letters: str, type: Type) -> tuple[NDArray[Any], Type]:
-    """x, y, z and alpha of an array in another layout, copied; without z it is XY-only."""
+def unpacked(source: NDArray[Any], letters: str) -> tuple[NDArray[Any], bool]:
+    """x, y, z and alpha of an array in another layout, copied; is there a z?"""
     wrong = f"from_channels={letters!r}: "
     if not isinstance(letters, str) or not 2 <= len(letters) <= _FULL:
         raise ArgumentError(f"{wrong}must be 2 to {_FULL} letters, one for each channel")
@@ -89,7 +95,7 @@ def unpacked(source: NDArray[Any], letters: str, type: Type) -> tuple[NDArray[An
     for channel, letter in enumerate("xyza"[:count]):
         at = letters.find(letter)
         planes[..., channel] = source[..., at] if at >= 0 else _one(source.dtype)
-    return planes, type if "z" in letters else "xy"
+    return planes, "z" in letters
 
 
 def plane(name: str, value: ArrayLike, shape: Shape, dtype: np.dtype[Any]) -> NDArray[Any]:

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Cleaning: every texel a unit vector again."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from threading import Lock
 from typing import Any, Literal, overload
@@ -17,12 +18,13 @@ from ._arrays import (
     choose,
     memory,
     pixels,
-    run,
     view,
 )
+from ._classify import resolve_both
 from ._errors import check
-from ._measure import Stats, _Result, choose_method, measure, resolve
+from ._measure import _Result
 from ._native import ffi, lib
+from ._threads import COPYING, QUICK, run
 
 Method = Literal["derive", "normalize", "auto"]
 Verdict = Literal["neighbor", "rounded", "exact"]
@@ -159,14 +161,9 @@ def clean(
     """
     source = pixels("src", src)
     code = choose("method", method, _METHODS)
-    stats: Stats | None = None
-    if type == "auto":
-        stats = measure(source, threads=threads)
-        type = resolve(stats, type, threads)
+    if type == "auto" or code < 0:
+        type, code = resolve_both(source, type, code, threads)
     encoding = choose("type", type, ENCODINGS)
-    if code < 0:
-        known = stats if stats is not None and type == stats.type else source
-        code = _METHODS[choose_method(known, type=type, threads=threads).method]
     how = (
         code,
         int(bool(keep_negative_z)),
@@ -184,12 +181,14 @@ def clean(
     if src_view.type == 0 and source.shape[0] * source.shape[1] >= _PLAN_PAYS:
         plan = _plan(encoding, how, options)
 
-    def work(area: Any) -> Any:
+    def work(areas: Iterable[Any]) -> Any:
         counts = ffi.new("ntp_clean_counts *")
-        check(lib.ntp_clean(dst, src_view, options, plan, counts, area), "clean")
+        for area in areas:
+            check(lib.ntp_clean(dst, src_view, options, plan, counts, area), "clean")
         return counts
 
-    parts = run(threads, source.shape[1], source.shape[0], work)
+    grain = COPYING if code == 0 and src_view.type < 2 else QUICK
+    parts = run(threads, source.shape[1], source.shape[0], work, grain)
     result: Pixels = output.finish()
     if not return_counts:
         return result

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Between encodings, depths, directions of green, and float vectors."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any, Literal, cast, overload
 
@@ -9,24 +10,26 @@ from numpy.typing import ArrayLike, NDArray
 
 from ._arrays import (
     DEPTHS,
-    ENCODINGS,
+    HEIGHT,
+    MEASURED,
     TOUCH_ALL,
     TOUCH_NONE,
     YS,
     Depth,
+    MeasuredType,
     Output,
     Pixels,
     Type,
     Y,
     choose,
     pixels,
-    run,
     view,
 )
 from ._channels import Packed, unpacked
-from ._errors import SampleTypeError, check
+from ._errors import ArgumentError, SampleTypeError, Status, check
 from ._measure import _Result
 from ._native import ffi, lib
+from ._threads import QUICK, THOROUGH, run
 
 Blue = Literal["derived", "nearest"]
 BLUES = {"derived": 0, "nearest": 1}
@@ -59,12 +62,22 @@ def _depth_of(source: NDArray[Any], depth: Depth | None, to: str) -> np.dtype[An
     return source.dtype.newbyteorder("=") if depth is None else choose("depth", depth, DEPTHS)
 
 
+def _only_heights(from_: str, to: str, channels: str | None, from_channels: str | None) -> None:
+    if from_ != to:
+        raise ArgumentError(
+            f"from_={from_!r}, to={to!r}: normals_from_height and height_from_normals do that",
+            Status.FORMAT,
+        )
+    if channels is not None or from_channels is not None:
+        raise ArgumentError('channels, from_channels: name those of normals, not of to="height"')
+
+
 @overload
 def convert(
     src: ArrayLike,
     *,
-    from_: Type = ...,
-    to: Type = ...,
+    from_: MeasuredType = ...,
+    to: MeasuredType = ...,
     from_y: Y = ...,
     to_y: Y = ...,
     depth: Depth | None = ...,
@@ -80,8 +93,8 @@ def convert(
 def convert(
     src: ArrayLike,
     *,
-    from_: Type = ...,
-    to: Type = ...,
+    from_: MeasuredType = ...,
+    to: MeasuredType = ...,
     from_y: Y = ...,
     to_y: Y = ...,
     depth: Depth | None = ...,
@@ -96,8 +109,8 @@ def convert(
 def convert(
     src: ArrayLike,
     *,
-    from_: Type = "standard",
-    to: Type = "standard",
+    from_: MeasuredType = "standard",
+    to: MeasuredType = "standard",
     from_y: Y = "up",
     to_y: Y = "up",
     depth: Depth | None = None,
@@ -118,9 +131,10 @@ def convert(
     ----------
     src : array, (height, width, channels), uint8, uint16 or float32
         A normals texture of 3 or 4 channels (`"xy"`: 2 to 4).
-    from_, to : {"standard", "zzero", "xy", "vector"}
+    from_, to : {"standard", "zzero", "xy", "vector", "height"}
         How a normal is stored, before and after.  From `"xy"` blue is derived; `"xy"` of 3 or 4
-        channels gets blue M (255, 65535 or 1).
+        channels gets blue M (255, 65535 or 1).  Where both are "height" the samples of a gray image,
+        or of any picture, go to another depth.
     from_y, to_y : {"up", "down"}
         Which way green points, before and after: OpenGL or DirectX.
     depth : {8, 16, "float"}, optional
@@ -168,12 +182,18 @@ def convert(
     array([[[128, 200, 232]]], dtype=uint8)
     """
     source = pixels("src", src)
+    encoding, target = choose("from_", from_, MEASURED), choose("to", to, MEASURED)
+    if encoding == HEIGHT or target == HEIGHT:
+        _only_heights(from_, to, channels, from_channels)
     if from_channels is not None:
-        source, from_ = unpacked(source, from_channels, from_)
-    encoding, target = choose("from_", from_, ENCODINGS), choose("to", to, ENCODINGS)
+        source, has_z = unpacked(source, from_channels)
+        encoding = encoding if has_z else MEASURED["xy"]
     src_view = view("src", source, encoding, choose("from_y", from_y, YS))
     dtype = _depth_of(source, depth, to)
-    count = source.shape[2] if target == 2 else max(source.shape[2], 3)
+    if target == HEIGHT:
+        count = 0
+    else:
+        count = source.shape[2] if target == 2 else max(source.shape[2], 3)
     packed = Packed(channels, "xyza01", source.shape, count, dtype, out)
     if out is not None and channels is None:
         packed.output.apart_from(source.dtype == dtype, src=source)
@@ -183,12 +203,15 @@ def convert(
         (choose("blue", blue, BLUES), TOUCH_ALL if touch_unused else TOUCH_NONE),
     )
 
-    def work(area: Any) -> Any:
+    def work(areas: Iterable[Any]) -> Any:
         counts = ffi.new("ntp_convert_counts *")
-        check(lib.ntp_convert(dst, src_view, how, counts, area), "convert")
+        for area in areas:
+            check(lib.ntp_convert(dst, src_view, how, counts, area), "convert")
         return counts
 
-    parts = run(threads, source.shape[1], source.shape[0], work)
+    parts = run(
+        threads, source.shape[1], source.shape[0], work, THOROUGH if encoding == 3 else QUICK
+    )
     result: Pixels = packed.finish()
     if not return_counts:
         return result

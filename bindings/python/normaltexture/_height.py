@@ -2,7 +2,7 @@
 """Heightfields to normals."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal, get_args, overload
 
@@ -23,7 +23,6 @@ from ._arrays import (
     memory,
     number,
     pixels,
-    run,
     spacing,
     view,
 )
@@ -32,6 +31,7 @@ from ._convert import BLUES, Blue
 from ._errors import ArgumentError, Status, check
 from ._measure import _Result
 from ._native import ffi, lib
+from ._threads import run
 
 Kernel = Literal[
     "central",
@@ -372,10 +372,11 @@ def normals_from_height(
         parts = [_dithered(dst, src_view, how, array.shape[1])]
     else:
 
-        def work(area: Any) -> Any:
+        def work(areas: Iterable[Any]) -> Any:
             counts = ffi.new("ntp_gradient_counts *")
-            status = lib.ntp_normals_from_height(dst, src_view, how, counts, area)
-            check(status, "normals_from_height")
+            for area in areas:
+                status = lib.ntp_normals_from_height(dst, src_view, how, counts, area)
+                check(status, "normals_from_height")
             return counts
 
         parts = run(threads, array.shape[1], array.shape[0], work)

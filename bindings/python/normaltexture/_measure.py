@@ -1,59 +1,40 @@
 # SPDX-License-Identifier: MIT
-"""Statistics of a texture, and what they say it is.
+"""Statistics of a texture.
 
 `Stats` keeps the C struct as bytes beside its fields, so that `classify` takes either an array or
 what `measure` has found, also from another process.
 """
 
 import builtins
+from collections.abc import Iterable
 from dataclasses import asdict, dataclass, field
-from struct import Struct
-from typing import Any, Literal, Self, TypeVar
+from typing import TYPE_CHECKING, Any, Self, TypeVar
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ._arrays import (
-    ENCODINGS,
+    MEASURED,
     TOUCH_ALL,
     TOUCH_NONE,
-    AnyType,
     Layout,
+    MeasuredType,
     Pool,
-    Type,
     choose,
     pixels,
-    run,
     view,
 )
-from ._errors import ArgumentError, Status, check
+from ._errors import Status, check
 from ._native import ffi, lib
-
-Class = Literal["standard", "zzero", "xy", "height", "object-space", "one-color", "not-normals"]
-CLASSES: tuple[Class, ...] = (
-    "standard",
-    "zzero",
-    "xy",
-    "height",
-    "object-space",
-    "one-color",
-    "not-normals",
-)
-ACCIDENTS = {
-    1: "gamma",
-    2: "red-is-z",
-    4: "green-is-z",
-    8: "dxt5nm",
-    16: "lossy",
-    32: "filtered",
-    64: "z-flipped",
-    128: "blue-constant",
-}
+from ._threads import run
 
 T = TypeVar("T")
 _LENGTH_BINS = 256
-_LENGTHS = Struct(f"{_LENGTH_BINS}Q")
+_COUNT_SIZE = 8
+_GRAIN = 1 << 19  # texels: two tallies are to be added up
 _LAYOUT = Layout("ntp_stats")
+_NUMBERS = frozenset(name for name, _ in ffi.typeof("ntp_stats").fields)
+_HISTOGRAMS = frozenset(("lengths", "levels_off"))
 _TALLIES = Pool(lib.ntp_tally_size(), lambda memory: lib.ntp_tally_clear(memory))
 
 
@@ -169,28 +150,44 @@ class Stats(_Result):
     tilted_above: float
     blue_slope: float
     blue_correlation: float
-    type: Type
+    type: MeasuredType
     levels_off: tuple[int, ...] = field(repr=False)
     lengths: tuple[int, ...] = field(repr=False)
     _struct: bytes = field(repr=False, compare=False)
+    _histograms: bytes = field(repr=False, compare=False)
+
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any:
+            """What C has worked out is read when it is first asked for: that takes longer than
+            the measurement of a small texture, and `classify` goes without."""
+            if name in _HISTOGRAMS:
+                numbers = tuple(memoryview(self._histograms).cast("Q"))
+                values = {"lengths": numbers[:_LENGTH_BINS], "levels_off": numbers[_LENGTH_BINS:]}
+            elif name in _NUMBERS:
+                values = _numbers(self._struct)
+            else:
+                raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+            self.__dict__.update(values)
+            return values[name]
+
+        def __dir__(self) -> Iterable[str]:
+            return sorted({*super().__dir__(), *_HISTOGRAMS, *_NUMBERS})
 
     @property
     def fit(self) -> Fit:
         """`zzero` for a texture measured as Z-zero, else `standard`."""
         return self.zzero if self.type == "zzero" else self.standard
 
-    @classmethod
-    def _from(cls, struct: Any, type: Type, levels_off: list[int], lengths: Any) -> Self:
-        values = _LAYOUT.read(struct)
-        values["channel"] = tuple(_made(Channel, c) for c in values["channel"][: struct.channels])
-        values["standard"] = _made(Fit, values["standard"])
-        values["zzero"] = _made(Fit, values["zzero"])
-        values["angles"] = _made(Angles, values["angles"])
-        values["type"] = type
-        values["levels_off"] = tuple(levels_off)
-        values["lengths"] = _LENGTHS.unpack(ffi.buffer(lengths))
-        values["_struct"] = bytes(ffi.buffer(struct))
-        return _made(cls, values)
+
+def _numbers(struct: bytes) -> dict[str, Any]:
+    """The members of an ntp_stats, as those of Stats."""
+    values = _LAYOUT.read(struct)
+    values["channel"] = tuple([_made(Channel, c) for c in values["channel"][: values["channels"]]])
+    values["standard"] = _made(Fit, values["standard"])
+    values["zzero"] = _made(Fit, values["zzero"])
+    values["angles"] = _made(Angles, values["angles"])
+    return values
 
 
 def _made(cls: builtins.type[T], values: dict[str, Any]) -> T:
@@ -215,9 +212,9 @@ class Tally:
     16
     """
 
-    def __init__(self, *, type: Type = "standard", touch_unused: bool = False) -> None:
-        self._encoding = choose("type", type, ENCODINGS)
-        self._type: Type = type
+    def __init__(self, *, type: MeasuredType = "standard", touch_unused: bool = False) -> None:
+        self._encoding = choose("type", type, MEASURED)
+        self._type: MeasuredType = type
         self._touch = TOUCH_ALL if touch_unused else TOUCH_NONE
         self._pointer, self._owner = _TALLIES.take()
 
@@ -242,45 +239,56 @@ class Tally:
     def stats(self) -> Stats:
         """Work out the statistics of what was added."""
         struct = self._summarize()
-        z = 1 if self._encoding == 1 else 0
-        lengths = ffi.new("uint64_t[]", _LENGTH_BINS)
-        check(lib.ntp_lengths(lengths, self._pointer, z), "measure")
-        return Stats._from(struct, self._type, self._levels_off(struct, z), lengths)
+        return _made(
+            Stats,
+            {
+                "type": self._type,
+                "_struct": bytes(ffi.buffer(struct)),
+                "_histograms": self._histograms(struct),
+            },
+        )
 
     def _summarize(self) -> Any:
         struct = ffi.new("ntp_stats *")
-        encoding = 0 if self._encoding == 3 else self._encoding
+        encoding = self._encoding if self._encoding in (0, 1, 2) else 0
         check(lib.ntp_summarize(struct, self._pointer, encoding), "measure")
         return struct
 
-    def _levels_off(self, struct: Any, z: int) -> list[int]:
-        """The histogram up to its last texel; unused texels may be further off than used ones."""
+    def _histograms(self, struct: Any) -> bytes:
+        """Of lengths, and of how far blue is off; unused texels may be further off than used."""
+        z = 1 if self._encoding == 1 else 0
         size = struct.levels_off_max[z] + 1
-        counts = ffi.new("uint64_t[]", size)
-        status = lib.ntp_levels_off(counts, size, self._pointer, z)
+        counts = ffi.new("uint64_t[]", _LENGTH_BINS + size)
+        check(lib.ntp_lengths(counts, self._pointer, z), "measure")
+        status = lib.ntp_levels_off(counts + _LENGTH_BINS, size, self._pointer, z)
         if status == Status.ARGUMENT:
             size = struct.max + 1
-            counts = ffi.new("uint64_t[]", size)
-            status = lib.ntp_levels_off(counts, size, self._pointer, z)
+            counts = ffi.new("uint64_t[]", _LENGTH_BINS + size)
+            check(lib.ntp_lengths(counts, self._pointer, z), "measure")
+            status = lib.ntp_levels_off(counts + _LENGTH_BINS, size, self._pointer, z)
         check(status, "measure")
-        while size > 0 and counts[size - 1] == 0:
+        while size > 0 and counts[_LENGTH_BINS + size - 1] == 0:
             size -= 1
-        values: list[int] = ffi.unpack(counts, size)
-        return values
+        return bytes(ffi.buffer(counts, (_LENGTH_BINS + size) * _COUNT_SIZE))
 
 
 def measure(
-    src: ArrayLike, *, type: Type = "standard", touch_unused: bool = False, threads: int = 1
+    src: ArrayLike,
+    *,
+    type: MeasuredType = "standard",
+    touch_unused: bool = False,
+    threads: int = 1,
 ) -> Stats:
     """Count and measure everything that is known about a texture, in one pass.
 
     Parameters
     ----------
     src : array, (height, width, channels), uint8, uint16 or float32
-        A normals texture; floats are judged as 16-bit levels.
-    type : {"standard", "zzero", "xy", "vector"}
+        A normals texture of 3 or 4 channels (`"xy"`: 2 to 4); floats are judged as 16-bit levels.
+    type : {"standard", "zzero", "xy", "vector", "height"}
         How a normal is stored.  It decides the angles and histograms; counts of both readings of
-        blue are in `standard` and `zzero`.
+        blue are in `standard` and `zzero`.  "height": a gray image, or any picture of 1 to 4
+        channels; these are only described.
     touch_unused : bool
         Count pure black, pure white and transparent texels like any other.
     threads : int
@@ -304,153 +312,22 @@ def measure(
     >>> stats.texels, stats.standard.neighbor, round(stats.standard.length_min, 3)
     (64, 63, 0.569)
     """
-    return _tally(src, type, touch_unused, threads).stats()
+    return tally(src, type, touch_unused, threads).stats()
 
 
-def _tally(src: ArrayLike, type: Type, touch_unused: bool, threads: int) -> Tally:
+def tally(src: ArrayLike, type: MeasuredType, touch_unused: bool, threads: int) -> Tally:
     """A tally of all of a texture."""
-    encoding = choose("type", type, ENCODINGS)
+    encoding = choose("type", type, MEASURED)
     source = pixels("src", src)
     src_view = view("src", source, encoding)
 
-    def work(area: Any) -> Tally:
-        tally = Tally(type=type, touch_unused=touch_unused)
-        tally._add(src_view, area)
-        return tally
+    def work(areas: Iterable[Any]) -> Tally:
+        part = Tally(type=type, touch_unused=touch_unused)
+        for area in areas:
+            part._add(src_view, area)
+        return part
 
-    first, *rest = run(threads, source.shape[1], source.shape[0], work)
-    for tally in rest:
-        first.merge(tally)
+    first, *rest = run(threads, source.shape[1], source.shape[0], work, _GRAIN)
+    for part in rest:
+        first.merge(part)
     return first
-
-
-@dataclass(frozen=True)
-class Classification(_Result):
-    """What a texture is, how surely, and why.
-
-    Attributes
-    ----------
-    type : str
-        "standard", "zzero", "xy", "height", "object-space", "one-color" or "not-normals".
-    confidence : float
-        0..1; 0.5 is a coin toss between two.
-    accidents : tuple of str
-        What happened to it: "gamma", "red-is-z", "green-is-z", "dxt5nm", "lossy", "filtered",
-        "z-flipped", "blue-constant".
-    reasons : tuple of str
-        English clauses, the weightiest first.
-    """
-
-    type: Class
-    confidence: float
-    accidents: tuple[str, ...]
-    reasons: tuple[str, ...]
-
-
-def _struct_of(src: ArrayLike | Stats, type: Type, touch_unused: bool, threads: int) -> Any:
-    if isinstance(src, Stats):
-        return ffi.from_buffer("ntp_stats *", src._struct)
-    return _tally(src, type, touch_unused, threads)._summarize()
-
-
-def _reason(reason: Any) -> str:
-    size = lib.ntp_reason_text(ffi.NULL, 0, reason) + 1
-    text = ffi.new("char[]", size)
-    lib.ntp_reason_text(text, size, reason)
-    words: str = ffi.string(text).decode()
-    return words
-
-
-def classify(
-    src: ArrayLike | Stats, *, touch_unused: bool = False, threads: int = 1
-) -> Classification:
-    """Tell standard, Z-zero and XY-only textures from heights, photographs and other maps.
-
-    Parameters
-    ----------
-    src : array, (height, width, channels) of 3 or 4 channels, or Stats
-        A texture, or what `measure` said about it.
-    touch_unused : bool
-        Look at pure black, pure white and transparent texels too.
-    threads : int
-        How many threads share the rows; 0: one for each processor.
-
-    Returns
-    -------
-    Classification
-
-    Examples
-    --------
-    >>> import normaltexture as nt
-    >>> texture = nt.read("wall_n.png")
-    >>> nt.classify(texture).type
-    'standard'
-    >>> nt.classify(texture[..., ::-1]).accidents
-    ('red-is-z',)
-    """
-    result = ffi.new("ntp_classification *")
-    struct = _struct_of(src, "standard", touch_unused, threads)
-    check(lib.ntp_classify(result, struct), "classify")
-    return Classification(
-        type=CLASSES[result.type],
-        confidence=result.confidence,
-        accidents=tuple(name for bit, name in ACCIDENTS.items() if result.accidents & bit),
-        reasons=tuple(
-            _reason(ffi.addressof(result.reasons, i)) for i in range(result.reason_count)
-        ),
-    )
-
-
-@dataclass(frozen=True)
-class MethodChoice(_Result):
-    """The cleaning method for which a texture's errors speak, and the evidence."""
-
-    method: Literal["derive", "normalize", "keep"]
-    reason: str
-
-
-def choose_method(
-    src: ArrayLike | Stats, *, type: Type = "standard", lossy: bool = False, threads: int = 1
-) -> MethodChoice:
-    """Find the cleaning method for which a texture's errors speak.
-
-    Parameters
-    ----------
-    src : array, (height, width, channels) of 3 or 4 channels, or Stats
-        A texture, or what `measure` said about it.
-    type : {"standard", "zzero", "xy", "vector"}
-        How a normal is stored.
-    lossy : bool
-        The texture comes from a file format that is known to be lossy, such as JPEG.
-    threads : int
-        How many threads share the rows; 0: one for each processor.
-
-    Returns
-    -------
-    MethodChoice
-        "keep" where every used texel is an honest rounding, "normalize" where all three channels
-        err together, as after lossy compression or resizing, "derive" otherwise.
-    """
-    encoding = choose("type", type, ENCODINGS)
-    struct = _struct_of(src, type, False, threads)
-    method, why = ffi.new("ntp_method *"), ffi.new("ntp_reason *")
-    check(lib.ntp_choose_method(method, why, struct, encoding % 3, bool(lossy)), "choose_method")
-    names: tuple[Literal["derive", "normalize", "keep"], ...] = ("derive", "normalize", "keep")
-    return MethodChoice(names[method[0]], _reason(why))
-
-
-def resolve(src: NDArray[Any] | Stats, type: AnyType, threads: int) -> Type:
-    """The argument `type`, "auto" found out as the command line does."""
-    if type != "auto":
-        choose("type", type, {"auto": 0} | ENCODINGS)
-        return type
-    found = classify(src, threads=threads)
-    if found.type == "standard" or found.type == "one-color":
-        return "standard"
-    if found.type == "zzero" or found.type == "xy":
-        return found.type
-    because = "; ".join(found.reasons)
-    raise ArgumentError(
-        f'type="auto": src looks like {found.type}, not like a normals texture ({because});'
-        ' name its type to go on, such as type="standard"'
-    )

@@ -2,6 +2,7 @@
 """Operations that keep every texel a unit vector: resizing, mip chains, turning, blending."""
 
 import re
+from collections.abc import Iterable
 from typing import Any, Literal, TypeAlias
 
 from numpy.typing import ArrayLike, NDArray
@@ -19,11 +20,11 @@ from ._arrays import (
     memory,
     number,
     pixels,
-    run,
     view,
 )
 from ._errors import ArgumentError, check
 from ._native import ffi, lib
+from ._threads import QUICK, THOROUGH, run
 
 Filter: TypeAlias = Literal["box", "triangle", "lanczos3"]
 ResizeBorder: TypeAlias = Literal["wrap", "clamp", "mirror"]
@@ -79,13 +80,14 @@ def _resized(
     check(lib.ntp_resize_plan_init(plan, room, size, how, *sides), "resize")
     scratch_size = lib.ntp_resize_scratch_size(plan[0])
 
-    def work(area: Any) -> None:
+    def work(areas: Iterable[Any]) -> None:
         scratch, scratch_owner = memory(scratch_size)
-        status = lib.ntp_resize(dst, src_view, plan[0], scratch, scratch_size, area)
+        for area in areas:
+            status = lib.ntp_resize(dst, src_view, plan[0], scratch, scratch_size, area)
+            check(status, "resize")
         del scratch_owner
-        check(status, "resize")
 
-    run(threads, width, height, work)
+    run(threads, width, height, work, THOROUGH)
     del owner
     result: Pixels = output.finish()
     return result
@@ -278,10 +280,11 @@ def transform(
         output.apart_from(False, src=source)
     dst = view("out", output.array, encoding, up, writable=True)
 
-    def work(area: Any) -> None:
-        check(lib.ntp_transform(dst, src_view, how, area), "transform")
+    def work(areas: Iterable[Any]) -> None:
+        for area in areas:
+            check(lib.ntp_transform(dst, src_view, how, area), "transform")
 
-    run(threads, width, height, work)
+    run(threads, width, height, work, QUICK if factor in (1, -1) else THOROUGH)
     result: Pixels = output.finish()
     return result
 
@@ -367,9 +370,10 @@ def blend(
         (choose("mode", mode, _MODES), factor != 1, factor, TOUCH_ALL if touch_unused else 0),
     )
 
-    def work(area: Any) -> None:
-        check(lib.ntp_blend(dst, base_view, detail_view, how, area), "blend")
+    def work(areas: Iterable[Any]) -> None:
+        for area in areas:
+            check(lib.ntp_blend(dst, base_view, detail_view, how, area), "blend")
 
-    run(threads, first.shape[1], first.shape[0], work)
+    run(threads, first.shape[1], first.shape[0], work, THOROUGH)
     result: Pixels = output.finish()
     return result

@@ -1,15 +1,17 @@
 # SPDX-License-Identifier: MIT
 """Which way green points."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any, Literal
 
 from numpy.typing import ArrayLike
 
-from ._arrays import ENCODINGS, TOUCH_ALL, TOUCH_NONE, YS, Type, choose, memory, pixels, run, view
+from ._arrays import ENCODINGS, TOUCH_ALL, TOUCH_NONE, YS, Type, choose, memory, pixels, view
 from ._errors import check
 from ._measure import _Result
 from ._native import ffi, lib
+from ._threads import QUICK, THOROUGH, run
 
 
 @dataclass(frozen=True)
@@ -88,16 +90,17 @@ def detect_orientation(
     src_view = view("src", source, encoding)
     touch = TOUCH_ALL if touch_unused else TOUCH_NONE
 
-    def work(area: Any) -> tuple[Any, Any]:
+    def work(areas: Iterable[Any]) -> tuple[Any, Any]:
         pointer, owner = memory(lib.ntp_orientation_size())
         part = ffi.cast("ntp_orientation *", pointer)
-        check(
-            lib.ntp_orientation_measure(part, src_view, touch, bool(deep), area),
-            "detect_orientation",
-        )
+        for area in areas:
+            check(
+                lib.ntp_orientation_measure(part, src_view, touch, bool(deep), area),
+                "detect_orientation",
+            )
         return part, owner
 
-    first, *rest = run(threads, source.shape[1], source.shape[0], work)
+    first, *rest = run(threads, source.shape[1], source.shape[0], work, THOROUGH if deep else QUICK)
     for part, _ in rest:
         check(lib.ntp_orientation_merge(first[0], part), "detect_orientation")
     found = ffi.new("ntp_orientation_result *")

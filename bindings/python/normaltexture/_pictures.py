@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Pictures of textures: what is wrong where, how they look lit, how two of them differ."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -10,22 +11,25 @@ from numpy.typing import ArrayLike, NDArray
 from ._arrays import (
     ENCODINGS,
     HEIGHT,
+    MEASURED,
     TOUCH_ALL,
     TOUCH_NONE,
     YS,
     AnyType,
+    MeasuredType,
     Output,
     Pool,
     Type,
     Y,
     choose,
     pixels,
-    run,
     view,
 )
+from ._classify import resolve
 from ._errors import ArgumentError, Status, check
-from ._measure import Angles, _Result, resolve
+from ._measure import Angles, _Result
 from ._native import ffi, lib
+from ._threads import THOROUGH, run
 
 Palette = Literal["reference", "safe"]
 _PALETTES = {"reference": 0, "safe": 1}
@@ -91,8 +95,9 @@ def heatmap(
     colors = choose("palette", palette, _PALETTES)
     touch = TOUCH_ALL if touch_unused else TOUCH_NONE
 
-    def work(area: Any) -> None:
-        check(lib.ntp_heatmap(heat, src_view, colors, touch, area), "heatmap")
+    def work(areas: Iterable[Any]) -> None:
+        for area in areas:
+            check(lib.ntp_heatmap(heat, src_view, colors, touch, area), "heatmap")
 
     run(threads, source.shape[1], source.shape[0], work)
     result: NDArray[np.uint8] = output.finish()
@@ -177,8 +182,9 @@ def shade(
         (light.direction, light.ambient, light.diffuse, light.specular, light.color),
     )
 
-    def work(area: Any) -> None:
-        check(lib.ntp_shade(picture, src_view, setup, area), "shade: light")
+    def work(areas: Iterable[Any]) -> None:
+        for area in areas:
+            check(lib.ntp_shade(picture, src_view, setup, area), "shade: light")
 
     run(threads, source.shape[1], source.shape[0], work)
     result: NDArray[np.uint8] = output.finish()
@@ -215,8 +221,8 @@ def compare(
     a: ArrayLike,
     b: ArrayLike,
     *,
-    type: Type = "standard",
-    b_type: Type | None = None,
+    type: MeasuredType = "standard",
+    b_type: MeasuredType | None = None,
     y: Y = "up",
     b_y: Y | None = None,
     heat: NDArray[np.uint8] | None = None,
@@ -229,8 +235,9 @@ def compare(
     a, b : array, (height, width, channels), uint8, uint16 or float32
         Normals textures; depth, encoding and direction of green may differ.  `b` is brought to
         the encoding of `a`.
-    type, b_type : {"standard", "zzero", "xy", "vector"}
-        How `a` and `b` store a normal; by default alike.
+    type, b_type : {"standard", "zzero", "xy", "vector", "height"}
+        How `a` and `b` store a normal; by default alike.  Two heights, or pictures of any kind, of
+        1 to 4 channels are compared in levels only.
     y, b_y : {"up", "down"}
         Which way green points in `a` and `b`; by default alike.
     heat : array, (height, width, 3), uint8, optional
@@ -263,11 +270,11 @@ def compare(
             f"b: must be of the size of a, {first.shape[:2]}, not {second.shape[:2]}",
             Status.SHAPE,
         )
-    a_view = view("a", first, choose("type", type, ENCODINGS), choose("y", y, YS))
+    a_view = view("a", first, choose("type", type, MEASURED), choose("y", y, YS))
     b_view = view(
         "b",
         second,
-        choose("b_type", type if b_type is None else b_type, ENCODINGS),
+        choose("b_type", type if b_type is None else b_type, MEASURED),
         choose("b_y", y if b_y is None else b_y, YS),
     )
     heat_view, output = ffi.NULL, None
@@ -276,12 +283,13 @@ def compare(
         output.apart_from(False, a=first, b=second)
         heat_view = view("heat", output.array, HEIGHT, writable=True)
 
-    def work(area: Any) -> tuple[Any, Any]:
+    def work(areas: Iterable[Any]) -> tuple[Any, Any]:
         part, owner = _DIFFS.take()
-        check(lib.ntp_compare(part, heat_view, a_view, b_view, area), "compare")
+        for area in areas:
+            check(lib.ntp_compare(part, heat_view, a_view, b_view, area), "compare")
         return part, owner
 
-    parts = run(threads, first.shape[1], first.shape[0], work)
+    parts = run(threads, first.shape[1], first.shape[0], work, THOROUGH)
     sums = parts[0][0]
     for part, _ in parts[1:]:
         check(lib.ntp_diff_merge(sums, part), "compare")

@@ -24,9 +24,10 @@ from ._arrays import (
     view,
 )
 from ._borders import choose_borders, find_kernel
+from ._classify import resolve
 from ._errors import ArgumentError, Status, check
 from ._height import Border, Kernel
-from ._measure import _Result, resolve
+from ._measure import _made, _Result
 from ._native import ffi, lib
 from ._orientation import detect_orientation
 from ._solve import Solver
@@ -46,6 +47,9 @@ _DECODES: tuple[str, ...] = get_args(Decode)
 _METHOD_CODES = {name: i for i, name in enumerate(_METHODS)}
 _DECODE_CODES = {name: i for i, name in enumerate(_DECODES)}
 _ZS = {"auto": 2, "stored": 0, "derived": 1}
+_KERNEL_NAMES, _BORDER_NAMES, _Z_NAMES = (
+    {code: name for name, code in table.items()} for table in (_KERNELS, _BORDERS, _ZS)
+)
 _LEAST_SIDE = 6  # below, no texel says which way green points
 
 
@@ -304,9 +308,9 @@ def height_from_normals(
     dst = view("out", packed, HEIGHT, writable=True)
     how.kernel = find_kernel(src_view, how.touch_unused) if kernel_code < 0 else kernel_code
     result = ffi.new("ntp_height_result *")
-    with Solver(dst, src_view, threads, progress) as solver:
-        solved = choose_borders(how, asked, src_view, view("out", packed, HEIGHT), solver)
-        status = solver.solve(how, result, 0.5 if solved else 0.0, 1.0)
+    solver = Solver(dst, src_view, threads, progress)
+    solved = choose_borders(how, asked, src_view, ffi.cast("ntp_const_image *", dst), solver)
+    status = solver.solve(how, result, 0.5 if solved else 0.0, 1.0)
     del mask_array
     if status in (Status.ARGUMENT, Status.FORMAT):
         _cannot(how, status, source.dtype.kind == "f")
@@ -329,11 +333,6 @@ def _mask(mask: ArrayLike, source: NDArray[Any]) -> NDArray[Any]:
     return array
 
 
-def _name(function: Any, value: int) -> str:
-    name: str = ffi.string(function(value)).decode()
-    return name
-
-
 def _cannot(how: Any, status: int, floats: bool) -> None:
     if how.refine > 0:
         why = None
@@ -348,37 +347,39 @@ def _cannot(how: Any, status: int, floats: bool) -> None:
         if why is not None:
             raise ArgumentError(why, Status(status))
     raise ArgumentError(
-        f"kernel={_name(lib.ntp_kernel_name, how.kernel)!r} with"
-        f" border_x={_name(lib.ntp_border_name, how.border_x)!r} and"
-        f" border_y={_name(lib.ntp_border_name, how.border_y)!r} cannot be solved by"
-        f" method={_name(lib.ntp_height_method_name, how.method)!r}",
+        f"kernel={_KERNEL_NAMES[how.kernel]!r} with"
+        f" border_x={_BORDER_NAMES[how.border_x]!r} and"
+        f" border_y={_BORDER_NAMES[how.border_y]!r} cannot be solved by"
+        f" method={_METHODS[how.method]!r}",
         Status(status),
     )
 
 
 def _info(how: Any, result: Any, y: Y) -> HeightInfo:
-    names = {code: name for name, code in _ZS.items()}
-    return HeightInfo(
-        method=_METHODS[result.method],
-        kernel=_name(lib.ntp_kernel_name, how.kernel),
-        border_x=_name(lib.ntp_border_name, how.border_x),
-        border_y=_name(lib.ntp_border_name, how.border_y),
-        y=y,
-        decode=_DECODES[result.decode],
-        z=names[result.z],
-        scale=result.max - result.min,
-        offset=result.min,
-        unused=result.unused,
-        not_finite=result.not_finite,
-        holes=result.holes,
-        islands=result.islands,
-        iterations=result.iterations,
-        error=result.error,
-        rounds=result.rounds,
-        refine_left=result.refine_left,
-        residual=result.residual,
-        trend_x=result.trend_x,
-        trend_y=result.trend_y,
-        consistency=result.consistency,
-        consistency_max=result.consistency_max,
+    return _made(
+        HeightInfo,
+        {
+            "method": _METHODS[result.method],
+            "kernel": _KERNEL_NAMES[how.kernel],
+            "border_x": _BORDER_NAMES[how.border_x],
+            "border_y": _BORDER_NAMES[how.border_y],
+            "y": y,
+            "decode": _DECODES[result.decode],
+            "z": _Z_NAMES[result.z],
+            "scale": result.max - result.min,
+            "offset": result.min,
+            "unused": result.unused,
+            "not_finite": result.not_finite,
+            "holes": result.holes,
+            "islands": result.islands,
+            "iterations": result.iterations,
+            "error": result.error,
+            "rounds": result.rounds,
+            "refine_left": result.refine_left,
+            "residual": result.residual,
+            "trend_x": result.trend_x,
+            "trend_y": result.trend_y,
+            "consistency": result.consistency,
+            "consistency_max": result.consistency_max,
+        },
     )

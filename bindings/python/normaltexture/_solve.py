@@ -5,85 +5,112 @@ libntp runs the parts of the work through two callbacks: one hands them to threa
 reports progress and can stop, also for Ctrl-C.
 """
 
+from collections import deque
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor, wait
-from typing import Any, Self
+from contextlib import suppress
+from functools import partial
+from typing import Any
 
-from ._arrays import memory, thread_count
+from ._arrays import memory
 from ._errors import Status
 from ._native import ffi, lib
+from ._threads import Helpers, thread_count
 
-_SCRATCH_ALIGNMENT = 64
+SCRATCH_ALIGNMENT = 64
+_GRAIN = 1 << 16  # texels of a part: its work comes in pieces, for each of which threads are woken
+_AT_ONCE = 1 << 14  # texels up to which nobody waits for a solution, and Ctrl-C can
 
 
-class Solver:
-    """Heights of one texture, into one array, as often as is asked; a context manager."""
+class Callbacks:
+    """What libntp may call while it works."""
+
+    def __init__(self, threads: int, texels: int, progress: Callable[[float], object] | None):
+        self.progress = progress
+        self.raised: BaseException | None = None
+        self.begin, self.end = 0.0, 1.0
+        self.parts = 1
+        if threads != 1:
+            most = min(thread_count(threads), lib.NTP_MAX_PARTS)
+            self.parts = max(1, min(most, texels // _GRAIN))
+        self._is_long = progress is not None or texels > _AT_ONCE
+
+    def hooks(self, handle: Any, is_long: bool) -> Any:
+        """An ntp_hooks; `handle` is one of this object, which the caller keeps alive."""
+        return ffi.new(
+            "ntp_hooks *",
+            (
+                handle,
+                lib.ntp_py_progress if is_long or self._is_long else ffi.NULL,
+                lib.ntp_py_parallel_for if self.parts > 1 else ffi.NULL,
+                self.parts,
+            ),
+        )
+
+    def check(self) -> None:
+        """Raises what a callback raised."""
+        if self.raised is not None:
+            raise self.raised
+
+
+class Solver(Callbacks):
+    """Heights of one texture, into one array, as often as is asked."""
 
     def __init__(
         self, dst: Any, src: Any, threads: int, progress: Callable[[float], object] | None
     ) -> None:
+        super().__init__(threads, src.width * src.height, progress)
         self._dst, self._src = dst, src
-        self._parts = min(thread_count(threads), int(lib.NTP_MAX_PARTS))
-        self.pool = ThreadPoolExecutor(self._parts) if self._parts > 1 else None
-        self.progress = progress
-        self.raised: BaseException | None = None
-        self.begin, self.end = 0.0, 1.0
-        self._handle = ffi.new_handle(self)
-        self._hooks = ffi.new("ntp_hooks *")
-        self._hooks.user = self._handle
-        self._hooks.progress = lib.ntp_py_progress
-        if self.pool is not None:
-            self._hooks.parallel_for = lib.ntp_py_parallel_for
-        self._hooks.parts = self._parts
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        if self.pool is not None:
-            self.pool.shutdown()
 
     def solve(self, how: Any, result: Any, begin: float, end: float) -> int:
         """The status; what a callback raised is raised here."""
-        size = lib.ntp_height_scratch_size(how, self._src.width, self._src.height, self._parts)
+        size = lib.ntp_height_scratch_size(how, self._src.width, self._src.height, self.parts)
         if size == 0:
             return int(Status.FORMAT)
         self.begin, self.end = begin, end
-        scratch, owner = memory(size, _SCRATCH_ALIGNMENT)
+        handle = ffi.new_handle(self)
+        scratch, owner = memory(size, SCRATCH_ALIGNMENT)
         status: int = lib.ntp_height_from_normals(
-            self._dst, self._src, how, scratch, size, self._hooks, result
+            self._dst, self._src, how, scratch, size, self.hooks(handle, how.refine > 0), result
         )
         del owner
-        if self.raised is not None:
-            raise self.raised
+        self.check()
         return status
 
 
 def _stop(exception: Any, value: Any, traceback: Any) -> int:
     """An exception in the progress callback, Ctrl-C included: kept, and libntp is told to stop."""
     del exception
-    solver: Solver = ffi.from_handle(traceback.tb_frame.f_locals["user"])
+    solver: Callbacks = ffi.from_handle(traceback.tb_frame.f_locals["user"])
     solver.raised = value
     return 1
 
 
 @ffi.def_extern(name="ntp_py_progress", onerror=_stop)  # type: ignore[untyped-decorator]
 def _progress(user: Any, share: float) -> int:
-    solver: Solver = ffi.from_handle(user)
+    solver: Callbacks = ffi.from_handle(user)
     if solver.raised is not None:
         return 1
     told = solver.begin + (solver.end - solver.begin) * share
     return int(solver.progress is not None and solver.progress(told) is False)
 
 
+def _rest(task: Callable[[int], object], queue: deque[int]) -> None:
+    """Does what the others leave of the queue.  Not in Python's loop: where Ctrl-C cuts in between
+    taking an index and using it, that is lost."""
+    with suppress(IndexError):
+        deque(map(task, iter(queue.popleft, None)), 0)
+
+
 @ffi.def_extern(name="ntp_py_parallel_for")  # type: ignore[untyped-decorator]
 def _parallel_for(user: Any, count: int, task: Any, work: Any) -> None:
-    solver: Solver = ffi.from_handle(user)
-    assert solver.pool is not None
-    running = [solver.pool.submit(task, work, index) for index in range(count)]
-    while running:  # libntp relies on all being done, so Ctrl-C waits as well
+    solver: Callbacks = ffi.from_handle(user)
+    queue = deque(range(count))
+    rest = partial(_rest, partial(task, work), queue)
+    helpers = Helpers(count - 1, rest)
+    while True:  # libntp relies on all being done, so Ctrl-C waits as well
         try:
-            wait(running)
-            running = []
-        except BaseException as raised:  # noqa: BLE001  raised again by solve()
+            rest()
+            helpers.wait()
+            return
+        except BaseException as raised:  # noqa: BLE001  raised again by the solver
             solver.raised = raised

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """What can be said about each texel: a mask of flags; and about one of them, everything."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import IntFlag
 from typing import Any
@@ -8,10 +9,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._arrays import ENCODINGS, HEIGHT, Output, Type, choose, pixels, run, view
+from ._arrays import ENCODINGS, HEIGHT, Output, Type, choose, pixels, view
 from ._errors import ArgumentError, check
 from ._measure import _Result
 from ._native import ffi, lib
+from ._threads import run
 
 
 class Flag(IntFlag):
@@ -90,8 +92,9 @@ def validate(
     output.apart_from(False, src=source)
     mask = view("out", output.array, HEIGHT, writable=True)
 
-    def work(area: Any) -> None:
-        check(lib.ntp_validate(mask, src_view, bool(keep_negative_z), area), "validate")
+    def work(areas: Iterable[Any]) -> None:
+        for area in areas:
+            check(lib.ntp_validate(mask, src_view, bool(keep_negative_z), area), "validate")
 
     run(threads, source.shape[1], source.shape[0], work)
     result: NDArray[np.uint8] = output.finish()

@@ -3,8 +3,10 @@
 
 import gc
 import pickle
+import threading
 import tracemalloc
 from concurrent.futures import ThreadPoolExecutor
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -12,7 +14,7 @@ from hypothesis import given
 
 import normaltexture as nt
 from drawn import heights, layouts, textures
-from normaltexture import _arrays
+from normaltexture import _arrays, _threads
 
 # (name, function of a texture, may it work in place?)
 FUNCTIONS = {
@@ -82,14 +84,85 @@ def test_layouts_of_measures(name, dtype):
         assert MEASURES[name](array) == want, kind
 
 
+@pytest.mark.parametrize("shape", [(37, 25, 3), (1300, 900, 3)])
 @pytest.mark.parametrize("name", [*FUNCTIONS, *MEASURES])
-def test_threads_give_the_same_bytes(name):
+def test_threads_give_the_same_bytes(name, shape):
+    """Small textures stay with the caller; of the large ones all functions make strips."""
     function = (FUNCTIONS | {n: (f, False) for n, f in MEASURES.items()})[name][0]
-    texture = texture_of(np.uint8, (37, 25, 3))
+    texture = texture_of(np.uint8, shape)
     want = function(texture)
-    for threads in (0, 2, 5, 64):
+    for threads in (0, 2, 5) if shape[0] > 100 else (0, 2, 64):
         got = function(texture, threads=threads)
         assert np.array_equal(got, want) if isinstance(want, np.ndarray) else got == want
+
+
+def recorded(threads, width, height, grain, before=lambda: None):
+    """What run() hands out: for each that worked, its thread and the rows of its strips."""
+
+    def work(areas):
+        rows = []
+        for area in areas:
+            before()
+            rows.append((area.x0, area.y0, area.x1, area.y1) if area else None)
+        return threading.get_ident(), rows
+
+    return _threads.run(threads, width, height, work, grain)
+
+
+def test_strips_cover_the_image_once():
+    for width, height, threads, grain in ((7, 64, 3, 7), (640, 3, 2, 1), (10, 99, 5, 55)):
+        parts = recorded(threads, width, height, grain)
+        strips = sorted(strip for _, rows in parts for strip in rows)
+        assert 2 <= len(strips) <= threads * 8 and 1 <= len(parts) <= threads
+        assert strips[0][1] == 0 and strips[-1][3] == height
+        assert all((x0, x1) == (0, width) for x0, _, x1, _ in strips)
+        assert all(a[3] == b[1] for a, b in pairwise(strips))
+        assert min((y1 - y0 + 1) * width for _, y0, _, y1 in strips) > grain
+
+
+def test_what_is_too_small_stays_with_the_caller():
+    for threads, width, height, grain in ((1, 999, 999, 1), (8, 10, 10, 51), (8, 10**4, 1, 1)):
+        assert recorded(threads, width, height, grain) == [(threading.get_ident(), [None])]
+
+
+def test_helpers_take_part_and_all_have_ended():
+    """Three strips can only be under way at once where three threads work on them."""
+    meeting = threading.Barrier(3)
+    parts = recorded(3, 1, 3, 1, before=meeting.wait)
+    assert len({thread for thread, _ in parts}) == 3
+    assert sorted(len(rows) for _, rows in parts) == [1, 1, 1]
+
+
+@pytest.mark.parametrize("who", ["caller", "helper"])
+def test_exceptions_of_strips_are_raised(who):
+    caller, both = threading.get_ident(), threading.Barrier(2)
+    written = []
+
+    def work(areas):
+        for area in areas:
+            if len(written) < 2:
+                written.append(area.y0)
+                both.wait()
+            if (threading.get_ident() == caller) == (who == "caller"):
+                raise KeyError(who)
+        return 1
+
+    with pytest.raises(KeyError, match=who):
+        _threads.run(2, 1, 16, work, 1)
+    assert sorted(written) == [0, 1]
+
+
+def test_without_more_threads_the_caller_does_it_all(monkeypatch):
+    def none(function, arguments):
+        raise RuntimeError("can't start new thread")
+
+    monkeypatch.setattr(_threads, "start_new_thread", none)
+    parts = recorded(4, 10, 64, 1)
+    assert len(parts) == 1 and len(parts[0][1]) == 32
+    texture = texture_of(np.uint8, (300, 300, 3))
+    assert np.array_equal(
+        nt.height_from_normals(texture, threads=3), nt.height_from_normals(texture)
+    )
 
 
 def test_crops_are_what_the_whole_is():

@@ -239,3 +239,60 @@ def test_what_cannot_be_refined_is_said(how, why):
     assert why in str(raised.value)
     with pytest.raises(nt.ArgumentError, match="floats are not rounded"):
         nt.height_from_normals(flat.astype(np.float32) / 255, refine=2, kernel="central")
+
+
+# ------------------------------------------------------------------- heights as pictures
+
+
+@given(
+    st.one_of(
+        heights((np.uint8, np.uint16)),
+        textures(channels=(1, 2, 3, 4)),
+    )
+)
+def test_measure_and_classify_of_heights(picture):
+    stats = nt.measure(picture, type="height")
+    narrow = picture.dtype == np.uint8 or not (picture.astype(int) % 257).any()
+    m = 255 if narrow else 65535
+    channels = picture[..., None] if picture.ndim == 2 else picture
+    levels = channels // 257 if picture.dtype == np.uint16 and narrow else channels
+    assert (stats.texels, stats.channels, stats.max) == (levels[..., 0].size, levels.shape[2], m)
+    color = levels.shape[2] - 1 + levels.shape[2] % 2  # without alpha
+    for k in range(color):
+        have = stats.channel[k]
+        assert (have.min, have.max) == (levels[..., k].min(), levels[..., k].max())
+        assert have.mean == pytest.approx(levels[..., k].mean())
+    assert not any(stats.lengths) and stats.type == "height"
+    if picture.ndim == 2 or picture.shape[2] == 1:
+        found = nt.classify(picture)
+        assert found.type == ("height" if len(np.unique(levels)) > 1 else "one-color")
+        assert found == nt.classify(stats)
+
+
+@given(heights((np.uint8, np.uint16)), st.integers(0, 1 << 30), st.booleans())
+def test_compare_of_heights(height, seed, deepen):
+    other = np.random.default_rng(seed).permutation(height.ravel()).reshape(height.shape)
+    found = nt.compare(height, other, type="height")
+    off = np.abs(height.astype(int) - other)
+    assert (found.different, found.levels_max) == (np.count_nonzero(off), (off.max(),))
+    assert found.levels_mean == pytest.approx((off.mean(),)) and found.angles.texels == 0
+    if deepen and height.dtype == np.uint8:
+        deep = nt.convert(height, from_="height", to="height", depth=16)
+        assert np.array_equal(deep, height.astype(np.uint16) * 257)
+        assert nt.compare(deep, height, type="height").different == 0
+        assert np.array_equal(nt.convert(deep, from_="height", to="height", depth=8), height)
+
+
+def test_heights_and_normals_do_not_mix():
+    normals = np.zeros((2, 3, 3), np.uint8)
+    for how in (
+        {"from_": "height"},
+        {"to": "height"},
+        {"from_": "height", "to": "height", "channels": "xyz"},
+    ):
+        with pytest.raises(nt.ArgumentError, match="height"):
+            nt.convert(normals, **how)
+    with pytest.raises(nt.ArgumentError):
+        nt.compare(normals, normals, b_type="height")
+    with pytest.raises(nt.ArgumentError, match="looks like"):
+        nt.clean(hill(16), type="auto")
