@@ -105,6 +105,32 @@ def rows_of(n, kernel, border):
     return take @ d, take
 
 
+def edge(h, p, q, dx, dy):
+    """Changes of the two columns at the left: the least squares, the other heights held."""
+    n = h.shape[0]
+    rest_x, rest_y = (p - h @ dx.T)[:, :3], (q - dy @ h)[:, :2]
+    inward, along = dx[:3, :2], dy
+    matrix = np.kron(np.eye(n), inward.T @ inward) + np.kron(along.T @ along, np.eye(2))
+    data = rest_x @ inward + along.T @ rest_y
+    return np.linalg.solve(matrix, data.ravel()).reshape(n, 2)
+
+
+def with_edges(h, p, q, kernel, borders, spacing=(1, 1)):
+    """What central slopes with extrapolated borders have besides: edges with full weights."""
+    h = h.copy()
+    dx, dy = (stencil(n, kernel, b) for n, b in zip(h.shape[::-1], borders, strict=True))
+    dx, dy = dx / spacing[0], dy / spacing[1]
+    sides = [(kernel, b, n >= 4) for b, n in zip(borders, h.shape[::-1], strict=True)]
+    across, down = (side == ("central", EXTRAPOLATE, True) for side in sides)
+    if across:
+        h[:, :2] += edge(h, p, q, dx, dy)
+        h[:, :-3:-1] += edge(h[:, ::-1], -p[:, ::-1], q[:, ::-1], -dx[::-1, ::-1], dy)
+    if down:
+        h[:2] += edge(h.T, q.T, p.T, dy, dx).T
+        h[:-3:-1] += edge(h[::-1].T, -q[::-1].T, p[::-1].T, -dy[::-1, ::-1], dx).T
+    return h - h.mean() if across or down else h
+
+
 def least_norm(p, q, kernel, border_x, border_y):
     """The heights whose slopes come nearest to p, right, and q, down."""
     h, w = p.shape
@@ -112,11 +138,12 @@ def least_norm(p, q, kernel, border_x, border_y):
     dy, take_y = rows_of(h, kernel, border_y)
     matrix = np.vstack([np.kron(np.eye(h), dx), np.kron(dy, np.eye(w))])
     data = np.concatenate([(p @ take_x.T).ravel(), (take_y @ q).ravel()])
-    return np.linalg.lstsq(matrix, data, rcond=1e-11)[0].reshape(h, w)
+    heights = np.linalg.lstsq(matrix, data, rcond=1e-11)[0].reshape(h, w)
+    return with_edges(heights, p, q, kernel, (border_x, border_y))
 
 
-def by_eigenvectors(p, q, kernel, border_x, border_y, spacing=(1, 1)):
-    """The same for large sizes."""
+def by_eigenvectors(p, q, kernel, border_x, border_y, spacing=(1, 1), edges=True):
+    """The same for large sizes; edges: of extrapolated borders are fitted again."""
     h, w = p.shape
     dx, take_x = rows_of(w, kernel, border_x)
     dy, take_y = rows_of(h, kernel, border_y)
@@ -127,7 +154,8 @@ def by_eigenvectors(p, q, kernel, border_x, border_y, spacing=(1, 1)):
     total = ly[:, None] + lx[None, :]
     null = total < 1e-11
     spectrum = np.where(null, 0, (vy.T @ f @ vx) / np.where(null, 1, total))
-    return vy @ spectrum @ vx.T
+    solution = vy @ spectrum @ vx.T
+    return with_edges(solution, p, q, kernel, (border_x, border_y), spacing) if edges else solution
 
 
 def slopes(n, encoding=ntp.STANDARD, y=ntp.UP, decode=UNORM, derived=False):

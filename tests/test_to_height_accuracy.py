@@ -18,20 +18,22 @@ from test_to_height import (
     by_eigenvectors,
     fractal,
     slopes,
+    stencil,
     to_height,
     vectors_of,
 )
 
 N = 512
 SLACK = 1.05
-NEAREST = 1  # blue as it is, not derived anew from the rounded red and green
+DERIVED, NEAREST = range(2)  # blue from the rounded red and green, or as it is
+STORED, Z_AUTO = 0, 2
 BAKED = 10
 TELESCOPING = 1
 
 
-def normals(h, kernel, border, dtype):
+def normals(h, kernel, border, dtype, blue=NEAREST):
     how = {"kernel": heights.NAMES.index(kernel), "border_x": border, "border_y": border}
-    how = ntp.ffi.new("ntp_gradient_options *", {**how, "scale": 1, "blue": NEAREST})
+    how = ntp.ffi.new("ntp_gradient_options *", {**how, "scale": 1, "blue": blue})
     out = np.zeros((*h.shape, 3), dtype)
     view = ntp.view(out, ntp.VECTOR if dtype is np.float32 else ntp.STANDARD)
     src = ntp.view(h, ntp.HEIGHT, const=True)
@@ -122,6 +124,43 @@ def test_eight_bits(fields, field, kernel):
         assert error(ours, h) <= SLACK * error(model, h)
         # What float arithmetic adds is nothing beside the rounding of 8 bits.
         assert np.abs(ours - model).max() <= 1e-6 * np.ptp(h)
+
+
+@pytest.mark.parametrize("kernel", ["forward", "central"])
+@pytest.mark.parametrize("border", [WRAP, EXTRAPOLATE])
+def test_a_level_at_most_with_derived_blue(kernel, border):
+    """As from-height and to-height do it by default.  Derived blue has no part of the normal that
+    red and green had not: slopes beyond 53 degrees are less sure, at the edges as elsewhere."""
+    for seed in (1, 4):
+        h = fractal(N, seed) if border == WRAP else fractal(2 * N, seed)[:N, :N]
+        h = np.ascontiguousarray(h if kernel == "forward" else without_parity(h), np.float32)
+        n = normals(h, kernel, border, np.uint8, DERIVED)
+        for z in (STORED, Z_AUTO):
+            ours, _ = to_height(n, kernel=kernel, border_x=border, border_y=border, z=z)
+            again = normals(ours, kernel, border, np.uint8, DERIVED)
+            off = np.abs(again.astype(int) - n)[..., :2].max(axis=-1)
+            assert off.max() <= 2
+            assert np.count_nonzero(off == 2) <= 4
+            assert np.all(n[off == 2, 2] < 204)
+            assert np.mean(off > 0) <= 0.065
+
+
+def test_extrapolated_edges_cost_next_to_nothing(fields):
+    """The sum of squares, edges counting fully, beside the least one."""
+    h = np.ascontiguousarray(fields["ramp"][0][:200, :160], np.float32)
+    n = normals(h, "central", EXTRAPOLATE, np.uint8)
+    ours, _ = to_height(n, decode=UNORM, border_x=EXTRAPOLATE, border_y=EXTRAPOLATE)
+    p, q = slopes(n)
+    dx, dy = (stencil(m, "central", EXTRAPOLATE) for m in h.shape[::-1])
+    lx, vx = np.linalg.eigh(dx.T @ dx)
+    ly, vy = np.linalg.eigh(dy.T @ dy)
+    total = ly[:, None] + lx[None, :]
+    f = vy.T @ (p @ dx + dy.T @ q) @ vx
+    best = vy @ np.where(total < 1e-11, 0, f / np.maximum(total, 1e-11)) @ vx.T
+    squares = [np.sum((v @ dx.T - p) ** 2) + np.sum((dy @ v - q) ** 2) for v in (ours, best)]
+    assert squares[1] <= squares[0] <= 1.002 * squares[1]
+    quarter = by_eigenvectors(p, q, "central", EXTRAPOLATE, EXTRAPOLATE, edges=False)
+    assert np.sum((quarter @ dx.T - p) ** 2) + np.sum((dy @ quarter - q) ** 2) > 1.008 * squares[1]
 
 
 @pytest.mark.parametrize(("field", "kernel"), [k for k in FIGURES if k[0] != "bricks"][:6])

@@ -5,7 +5,19 @@ import numpy as np
 import pytest
 
 import libntp_ffi as ntp
-from test_to_height import CLAMP, EXTRAPOLATE, MIRROR, UNORM, WRAP, options, serial_hooks, to_height
+from test_to_height import (
+    CLAMP,
+    EXTRAPOLATE,
+    MIRROR,
+    UNORM,
+    WRAP,
+    by_eigenvectors,
+    near,
+    options,
+    serial_hooks,
+    slopes,
+    to_height,
+)
 
 BAKED = 10
 CASES = [
@@ -13,7 +25,7 @@ CASES = [
     ("forward", CLAMP, EXTRAPOLATE),
     ("central", WRAP, WRAP),
     ("central", WRAP, CLAMP),
-    ("central", MIRROR, EXTRAPOLATE),
+    ("central", MIRROR, CLAMP),
     (BAKED, WRAP, WRAP),
     (BAKED, CLAMP, CLAMP),
 ]
@@ -101,6 +113,18 @@ def test_the_same_bytes(kernel, border_x, border_y, dtype):
             assert rows.most <= 128 * parts + 6
     writes = [y for name, y, _ in rows.calls if name == "write"]
     assert writes == [0, 384, 768, 768, 384, 0]
+
+
+def test_extrapolated_edges_keep_a_quarter_of_weight():
+    rng = np.random.default_rng(22)
+    n = rng.integers(100, 156, (133, 40, 3)).astype(np.uint8)
+    n[..., 2] = 255
+    how = {"kernel": "central", "border_x": EXTRAPOLATE, "border_y": EXTRAPOLATE}
+    rows = Rows(n)
+    facts = by_rows(rows, **how)
+    p, q = slopes(n)
+    assert near(rows.heights, by_eigenvectors(p, q, *how.values(), edges=False))
+    assert (facts["min"], facts["max"]) == (rows.heights.min(), rows.heights.max())
 
 
 def test_rows_that_cannot_be_read_or_written_end_it():

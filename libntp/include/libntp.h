@@ -921,7 +921,8 @@ NTP_API size_t ntp_height_scratch_size(const ntp_height_options *how, int32_t wi
  *   forward           all.  With clamp the last slope is not looked at; where the last two are
  *                     slopes of one pair of texels (mirror, extrapolate, repeat-slope, which is
  *                     extrapolate) they count once, as their mean.
- *   central           wrap, clamp, mirror, extrapolate (slopes at the edge count a quarter)
+ *   central           wrap, clamp, mirror, extrapolate (slopes at the edge count a quarter; then the
+ *                     two outermost lines of texels are fitted again, all slopes counting alike)
  *   prewitt3, sobel3, scharr3     wrap, clamp, mirror
  *   prewitt5, sobel5, gimp5..9    wrap, mirror
  *   baked             wrap; any other is a free end.  Slopes of a surface at the middles of texels;
@@ -992,7 +993,8 @@ NTP_API size_t ntp_height_rows_scratch_size(const ntp_const_image *form,
                                             const ntp_height_options *how, int32_t parts);
 
 /*
- * ntp_height_from_normals row by row: the same bytes.  form says what the normals are like: of it
+ * ntp_height_from_normals row by row: the same bytes, but for central with NTP_BORDER_EXTRAPOLATE,
+ * of which edges are not fitted again.  form says what the normals are like: of it
  * size, channels, type, encoding and y count.  Least squares with NTP_KERNEL_FORWARD, _CENTRAL and
  * _BAKED without a prior; central not with NTP_BORDER_MIRROR down the picture.  No mask, detrend,
  * measure or refine.  Evidence is not looked for: NTP_DECODE_AUTO stands for UNORM, NTP_Z_AUTO
@@ -1228,6 +1230,27 @@ typedef struct ntp_seam {
  * looked for.
  */
 NTP_API ntp_status ntp_find_seams(ntp_seam *x, ntp_seam *y, const ntp_const_image *src,
+                                  uint32_t touch_unused);
+
+/* The steps in which slopes come that were taken of heights with few levels. */
+typedef struct ntp_steps {
+    int32_t found;   /* 1: they do; 0: they do not, or it cannot be told: the rest is 0 then */
+    int32_t teeth;   /* multiples of the step that occur, but for 0 and signs; on both axes */
+    double slope;    /* the step */
+    double degrees;  /* between a flat normal and the next */
+    double share;    /* of the texels that lie on a multiple, as far as rounding tells */
+    double expected; /* the share that chance would put there */
+} ntp_steps;
+
+/*
+ * Do the slopes of normals come in steps?  Those of a heightfield with few levels, such as an 8-bit
+ * one, do: they are whole multiples of one step, and smooth ground is flat terraces with edges
+ * between (banding).  Red and green count; at most 16384 texels for each axis are read.  Not told are
+ * steps of about the size of the texture's own levels, gentle textures in which even slopes and even
+ * levels are the same, fewer than 4 multiples (large smooth shapes have no more, but neither have
+ * beveled tiles), and steps along one axis only.  src->ring_rows is 0.
+ */
+NTP_API ntp_status ntp_find_steps(ntp_steps *steps, const ntp_const_image *src,
                                   uint32_t touch_unused);
 
 enum { NTP_BORDERS = 5 /* as many as ntp_border has */ };

@@ -384,7 +384,8 @@ size_t ntp__integrate_scratch(const ntp_height_options *how, int32_t width, int3
         return 0;
     if (how->method == NTP_HEIGHT_TELESCOPING)
         return ntp__aligned(EXTRA_ROWS * (size_t) width * sizeof(double));
-    return scratch_bytes(&p, parts);
+    size_t solution = scratch_bytes(&p, parts), edges = ntp__edges_bytes(&p);
+    return solution > edges ? solution : edges;
 }
 
 static void add_counts(const job *j, ntp__slope_counts *counts)
@@ -418,6 +419,7 @@ ntp_status ntp__integrate(const ntp_image *dst, const ntp__slopes *slopes,
     lay_out(&j, scratch, slopes);
     NTP__TRY(least_squares(&j));
     add_counts(&j, counts);
+    ntp__edges_fit(dst, slopes, &j.problem, scratch, counts->range);
     return NTP_OK;
 }
 

@@ -3,7 +3,8 @@
  * integrate.h - what the files of the direct solver share
  *
  * integrate.c walks over the image; integrate_axis.c knows the stencils; integrate_rows.c makes
- * right-hand sides; integrate_columns.c solves down columns, by recursion or by transforms.
+ * right-hand sides; integrate_columns.c solves down columns, by recursion or by transforms;
+ * integrate_edges.c mends edges.
  */
 #ifndef NTP_INTEGRATE_H
 #define NTP_INTEGRATE_H
@@ -164,6 +165,14 @@ void ntp__filter_init(ntp__filter *f, const ntp__problem *p, void *memory, void 
 /* mean_square: of the right-hand side */
 void ntp__filter_set_prior(ntp__filter *f, double mean_square);
 void ntp__filter_columns(const ntp__filter *f, const ntp_image *dst, int32_t x0, void *work);
+
+/* --------------------------------------------------------------------------------- edges */
+
+/* Fits the outermost texels along central, extrapolated borders again, with full weights; sets the
+ * range then.  In whole images only. */
+size_t ntp__edges_bytes(const ntp__problem *p);
+void ntp__edges_fit(const ntp_image *dst, const ntp__slopes *slopes, const ntp__problem *p,
+                    void *memory, float range[2]);
 
 /* --------------------------------------------------------------------------------- whole */
 
