@@ -265,20 +265,17 @@ static double fit(edge *e)
 /* ---------------------------------------------------------------------------------- whole */
 
 /* Takes out the mean, and finds the range. */
-static void settle(const ntp_image *dst, double mean, float range[2])
+static void settle(const ntp_image *dst, float mean, float range[2])
 {
-    float low = FLT_MAX, high = -FLT_MAX;
+    const ntp__solver_kernels *kernels = ntp__solver_kernels_for(NTP__CPU_ALL);
+    range[0] = FLT_MAX;
+    range[1] = -FLT_MAX;
     for (int32_t y = 0; y < dst->height; y++) {
         float *row = ntp__at_mut(dst, 0, y);
-        for (int32_t x = 0; x < dst->width; x++) {
-            float v = (float) ((double) row[x] - mean);
-            row[x] = v;
-            low = v < low ? v : low;
-            high = v > high ? v : high;
-        }
+        for (int32_t x = 0; x < dst->width; x++)
+            row[x] -= mean;
+        kernels->range(range, row, dst->width);
     }
-    range[0] = low;
-    range[1] = high;
 }
 
 void ntp__edges_fit(const ntp_image *dst, const ntp__slopes *slopes, const ntp__problem *p,
@@ -312,5 +309,5 @@ void ntp__edges_fit(const ntp_image *dst, const ntp__slopes *slopes, const ntp__
         if (wanted(inward))
             change += fit(&e);
     }
-    settle(dst, change / ((double) dst->width * dst->height), range);
+    settle(dst, (float) (change / ((double) dst->width * dst->height)), range);
 }
