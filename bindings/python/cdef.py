@@ -11,11 +11,15 @@ from pathlib import Path
 
 import cffi
 
-# Python functions that C calls: the two hooks of ntp_height_from_normals.
+# Python functions that C calls: the hooks of ntp_height_from_normals, and those that move rows.
 CALLBACKS = """
 extern "Python" int32_t ntp_py_progress(void *user, double share);
 extern "Python" void ntp_py_parallel_for(void *user, int32_t count,
                                          void (*task)(void *work, int32_t index), void *work);
+extern "Python" int32_t ntp_py_read_normals(void *user, void *rows, int32_t y, int32_t count);
+extern "Python" int32_t ntp_py_read_heights(void *user, float *rows, int32_t y, int32_t count);
+extern "Python" int32_t ntp_py_write_heights(void *user, const float *rows, int32_t y,
+                                             int32_t count);
 """
 
 # stdlib.h: alloca, which cffi's code uses; Python.h of the limited API does not include it.

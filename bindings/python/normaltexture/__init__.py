@@ -46,6 +46,7 @@ from ._origin import Origin, Seam, find_origin, find_seams
 from ._pictures import Difference, Light, compare, heatmap, shade
 from ._program import CheckedFile, CheckReport, Finding, check, program
 from ._reconstruct import HeightInfo, height_from_normals
+from ._rows import height_from_rows
 from ._validate import Flag, Texel, inspect, validate
 
 _version: int = _lib.ntp_version()
@@ -100,6 +101,7 @@ __all__ = [
     "find_seams",
     "heatmap",
     "height_from_normals",
+    "height_from_rows",
     "inspect",
     "measure",
     "mip_chain",

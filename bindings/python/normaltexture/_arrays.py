@@ -39,10 +39,10 @@ DEPTHS: dict[Any, np.dtype[Any]] = {
 TOUCH_NONE, TOUCH_ALL = 0, 7
 MOST = 1.7e308  # within the range of a double
 
-_SAMPLE_TYPES = {np.dtype(np.uint8): 0, np.dtype(np.uint16): 1, np.dtype(np.float32): 2}
+SAMPLE_TYPES = {np.dtype(np.uint8): 0, np.dtype(np.uint16): 1, np.dtype(np.float32): 2}
 _KINDS = {"u1": 0, "u2": 1, "f4": 2}
-_CHANNELS = {0: (3, 4), 1: (3, 4), 2: (2, 4), 3: (3, 4), HEIGHT: (1, 4)}
-_MAX_SIDE: int = lib.NTP_MAX_SIDE
+CHANNELS = {0: (3, 4), 1: (3, 4), 2: (2, 4), 3: (3, 4), HEIGHT: (1, 4)}
+MAX_SIDE: int = lib.NTP_MAX_SIDE
 _MOST_IDLE = 2  # pieces of memory that a pool keeps
 _CODES = {"uint64_t": "Q", "uint32_t": "I", "int32_t": "i", "double": "d"}
 _ALIGNED = "0Q"  # of the module struct: aligned as a struct with members of 8 bytes is
@@ -80,7 +80,7 @@ def spacing(dx: Any, dy: Any) -> tuple[float, float]:
 def pixels(name: str, value: ArrayLike) -> NDArray[Any]:
     """The argument as an array that a view can describe; copied only where that takes it."""
     array = value if isinstance(value, np.ndarray) else np.asarray(value)
-    if array.dtype not in _SAMPLE_TYPES:
+    if array.dtype not in SAMPLE_TYPES:
         if array.dtype.str[1:] not in _KINDS:
             hint = "; astype(np.float32) makes it one of these" if array.dtype.kind == "f" else ""
             raise SampleTypeError(
@@ -109,17 +109,17 @@ def view(name: str, array: NDArray[Any], encoding: int, y: int = 0, writable: bo
     """An ntp_image or ntp_const_image of an array, which the caller keeps alive."""
     shape, strides = array.shape, array.strides
     channels = shape[2] if len(shape) == 3 else 1
-    if not 0 < shape[0] <= _MAX_SIDE or not 0 < shape[1] <= _MAX_SIDE:
+    if not 0 < shape[0] <= MAX_SIDE or not 0 < shape[1] <= MAX_SIDE:
         raise ArgumentError(
-            f"{name}: width and height must be 1..{_MAX_SIDE}, not {shape[1]} x {shape[0]}",
+            f"{name}: width and height must be 1..{MAX_SIDE}, not {shape[1]} x {shape[0]}",
             Status.SHAPE,
         )
-    low, high = _CHANNELS[encoding]
+    low, high = CHANNELS[encoding]
     if not low <= channels <= high:
         raise ArgumentError(
             f"{name}: {low} to {high} channels are needed, the shape is {shape}", Status.FORMAT
         )
-    kind = _SAMPLE_TYPES[array.dtype]
+    kind = SAMPLE_TYPES[array.dtype]
     if encoding == 3 and kind != 2:
         raise SampleTypeError(f'{name}: type "vector" needs float32 samples, not {array.dtype}')
     # the quicker way to the address; it takes memory without gaps, which one pixel is
@@ -166,7 +166,7 @@ class Output:
         if not out.flags.writeable:
             raise ArgumentError("out: the array is read-only")
         self._result = out
-        if out.dtype in _SAMPLE_TYPES and _is_viewable(out):
+        if out.dtype in SAMPLE_TYPES and _is_viewable(out):
             self.array = out
         else:
             self.array = np.empty(shape, dtype)

@@ -3,7 +3,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, Literal, TypeAlias, cast, get_args, overload
+from typing import Any, Literal, NoReturn, TypeAlias, cast, get_args, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -44,11 +44,11 @@ _KERNELS = {"auto": -1} | {name: i for i, name in enumerate(get_args(Kernel))} |
 _BORDERS = {"auto": -1} | {name: i for i, name in enumerate(get_args(Border))}
 _METHODS: tuple[str, ...] = get_args(HeightMethod)
 _DECODES: tuple[str, ...] = get_args(Decode)
-_METHOD_CODES = {name: i for i, name in enumerate(_METHODS)}
-_DECODE_CODES = {name: i for i, name in enumerate(_DECODES)}
-_ZS = {"auto": 2, "stored": 0, "derived": 1}
+METHOD_CODES = {name: i for i, name in enumerate(_METHODS)}
+DECODE_CODES = {name: i for i, name in enumerate(_DECODES)}
+ZS = {"auto": 2, "stored": 0, "derived": 1}
 _KERNEL_NAMES, _BORDER_NAMES, _Z_NAMES = (
-    {code: name for name, code in table.items()} for table in (_KERNELS, _BORDERS, _ZS)
+    {code: name for name, code in table.items()} for table in (_KERNELS, _BORDERS, ZS)
 )
 _LEAST_SIDE = 6  # below, no texel says which way green points
 
@@ -274,14 +274,14 @@ def height_from_normals(
     height, width = source.shape[:2]
 
     how = ffi.new("ntp_height_options *")
-    how.method = choose("method", method, _METHOD_CODES)
+    how.method = choose("method", method, METHOD_CODES)
     kernel_code = choose("kernel", kernel, _KERNELS)
     asked = (
         choose("border_x" if border_x else "border", border_x or border, _BORDERS),
         choose("border_y" if border_y else "border", border_y or border, _BORDERS),
     )
-    how.decode = choose("decode", decode, _DECODE_CODES)
-    how.z = choose("z", z, _ZS)
+    how.decode = choose("decode", decode, DECODE_CODES)
+    how.z = choose("z", z, ZS)
     how.touch_unused = TOUCH_ALL if touch_unused else TOUCH_NONE
     if seeds is not None:
         values = [float(seed) for seed in seeds]
@@ -313,12 +313,12 @@ def height_from_normals(
     status = solver.solve(how, result, 0.5 if solved else 0.0, 1.0)
     del mask_array
     if status in (Status.ARGUMENT, Status.FORMAT):
-        _cannot(how, status, source.dtype.kind == "f")
+        cannot(how, status, source.dtype.kind == "f")
     check(status, "height_from_normals")
     if packed is not output.array:
         output.array[...] = packed
     heights = cast("NDArray[np.float32]", output.finish())
-    return (heights, _info(how, result, from_y)) if return_info else heights
+    return (heights, info_of(how, result, from_y)) if return_info else heights
 
 
 def _mask(mask: ArrayLike, source: NDArray[Any]) -> NDArray[Any]:
@@ -333,7 +333,7 @@ def _mask(mask: ArrayLike, source: NDArray[Any]) -> NDArray[Any]:
     return array
 
 
-def _cannot(how: Any, status: int, floats: bool) -> None:
+def cannot(how: Any, status: int, floats: bool, in_what_way: str = "") -> NoReturn:
     if how.refine > 0:
         why = None
         if how.method == lib.NTP_HEIGHT_TELESCOPING:
@@ -349,13 +349,13 @@ def _cannot(how: Any, status: int, floats: bool) -> None:
     raise ArgumentError(
         f"kernel={_KERNEL_NAMES[how.kernel]!r} with"
         f" border_x={_BORDER_NAMES[how.border_x]!r} and"
-        f" border_y={_BORDER_NAMES[how.border_y]!r} cannot be solved by"
+        f" border_y={_BORDER_NAMES[how.border_y]!r} cannot be solved{in_what_way} by"
         f" method={_METHODS[how.method]!r}",
         Status(status),
     )
 
 
-def _info(how: Any, result: Any, y: Y) -> HeightInfo:
+def info_of(how: Any, result: Any, y: Y) -> HeightInfo:
     return _made(
         HeightInfo,
         {

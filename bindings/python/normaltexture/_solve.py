@@ -77,15 +77,15 @@ class Solver(Callbacks):
         return status
 
 
-def _stop(exception: Any, value: Any, traceback: Any) -> int:
-    """An exception in the progress callback, Ctrl-C included: kept, and libntp is told to stop."""
+def stop(exception: Any, value: Any, traceback: Any) -> int:
+    """An exception in a callback, Ctrl-C included: it is kept, and libntp is told to stop."""
     del exception
     solver: Callbacks = ffi.from_handle(traceback.tb_frame.f_locals["user"])
     solver.raised = value
     return 1
 
 
-@ffi.def_extern(name="ntp_py_progress", onerror=_stop)  # type: ignore[untyped-decorator]
+@ffi.def_extern(name="ntp_py_progress", onerror=stop)  # type: ignore[untyped-decorator]
 def _progress(user: Any, share: float) -> int:
     solver: Callbacks = ffi.from_handle(user)
     if solver.raised is not None:

@@ -1,13 +1,14 @@
 # SPDX-License-Identifier: MIT
 """How a typed program uses the package; mypy and pyright read it, nobody runs it."""
 
-from typing import Any, assert_type
+from typing import Any, Literal, assert_type
 
 import numpy as np
 from numpy.typing import NDArray
 
 import normaltexture as nt
 
+Type = Literal["standard", "zzero", "xy", "vector", "height"]
 Pixels = NDArray[np.uint8] | NDArray[np.uint16] | NDArray[np.float32]
 
 texture = nt.read("wall_n.png")
@@ -28,7 +29,27 @@ assert_type(
     nt.height_from_normals(texture, return_info=True), tuple[NDArray[np.float32], nt.HeightInfo]
 )
 
+
+def read_normals(y: int, count: int) -> Pixels:
+    return texture[y : y + count]
+
+
+def write_heights(y: int, rows: NDArray[np.float32]) -> None:
+    print(y, rows.max())
+
+
+def read_heights(y: int, count: int) -> NDArray[np.float32]:
+    return np.zeros((count, texture.shape[1]), np.float32)
+
+
+assert_type(
+    nt.height_from_rows(read_normals, write_heights, read_heights, shape=(64, 96, 3)),
+    nt.HeightInfo,
+)
+assert_type(nt.measure(texture, type="height").type, Type)
+
 # Strings that the command line does not know are errors already here.
+print(nt.measure(texture).pixels)  # type: ignore[attr-defined]  # pyright: ignore
 nt.clean(texture, method="newest")  # type: ignore[call-overload]  # pyright: ignore
 nt.heatmap(texture, palette="pink")  # type: ignore[arg-type]  # pyright: ignore
 nt.resize(texture, size=(64, 64), border="extrapolate")  # type: ignore[arg-type]  # pyright: ignore
