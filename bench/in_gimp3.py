@@ -26,19 +26,24 @@ def merge(image, layer, operation, settings):
     return time.perf_counter() - start
 
 
-def call(image, layer):
+def call(image, layer, **others):
     """Calls the plug-in."""
     procedure = Gimp.get_pdb().lookup_procedure("plug-in-ntp-normals-from-height")
     config = procedure.create_config()
     config.set_property("run-mode", Gimp.RunMode.NONINTERACTIVE)
     config.set_property("image", image)
     config.set_core_object_array("drawables", [layer])
-    for name, value in CLAMPED.items():
+    for name, value in (CLAMPED | others).items():
         config.set_property(name, value)
     start = time.perf_counter()
     answer = procedure.run(config)
     assert answer.index(0) == Gimp.PDBStatusType.SUCCESS
     return time.perf_counter() - start
+
+
+def alone(image, layer):
+    """Calls the plug-in for what the operation does not offer, so that it does all by itself."""
+    return call(image, layer, **{"swap-rgb": True})
 
 
 def start(image, layer):
@@ -54,7 +59,10 @@ def start(image, layer):
 
 
 def copy(image, layer):
-    """What any plug-in has to do: all texels come from GIMP and go back, unchanged."""
+    """The round trip of a buffer: all texels come from GIMP and go back, unchanged.
+
+    The least that it can take: tiles are passed on as they are, by a process that did it before.
+    """
     box = Gegl.Rectangle.new(0, 0, layer.get_width(), layer.get_height())
     start = time.perf_counter()
     shadow = layer.get_shadow_buffer()
@@ -69,6 +77,7 @@ TURNS = {
     "gimp": lambda image, layer: merge(image, layer, "gegl:normal-map", {"scale": 10.0}),
     "filter": lambda image, layer: merge(image, layer, "ntp:normals-from-height", CLAMPED),
     "plug-in": call,
+    "alone": alone,
     "start": start,
     "copy": copy,
 }
@@ -91,7 +100,7 @@ def main():
             layer = image.get_layers()[-1].copy()
             image.insert_layer(layer, None, 0)
             times[name].append(TURNS[name](image, layer))
-            if turn == ROUNDS - 1 and name in ("filter", "plug-in"):
+            if turn == ROUNDS - 1 and name in ("filter", "plug-in", "alone"):
                 write(layer, f"result-{name}")
             image.remove_layer(layer)
     with open(os.path.join(HERE, "times.json"), "w", encoding="utf-8") as out:

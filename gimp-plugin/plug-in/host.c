@@ -146,7 +146,6 @@ void host_put_result(host_layer *result, const host_layer *layer, const ntp_rect
     gimp_drawable_update(HOST_DRAWABLE(layer->id), area->x0, area->y0, area->x1 - area->x0,
                          area->y1 - area->y0);
     gimp_image_undo_group_end(gimp_item_get_image(HOST_ITEM(layer->id)));
-    gimp_displays_flush();
 }
 
 /* ------------------------------------------------------------------------- which layers */

@@ -6,6 +6,9 @@
  */
 #include "classic.h"
 #include "host.h"
+#if HOST_GIMP3
+#  include "gimp3/operation.h"
+#endif
 
 #include <stdlib.h>
 
@@ -209,6 +212,10 @@ static job_status dispatch(const procedure *p, const settings *s, const host_lay
     switch ((procedure_id) (p - procedures)) {
     case PROCEDURE_NORMALS: {
         const normals_job job = normals_job_from(s);
+#if HOST_GIMP3
+        if (operation_merge(s, layer))
+            return JOB_DONE;
+#endif
         return run_normals(&job, s->value[FN_HEIGHT_LAYER], s->value[FN_ALPHA_LAYER], layer, area);
     }
     case PROCEDURE_HEIGHT: {

@@ -50,10 +50,20 @@ class Gimp3:
         assert done.returncode == 0, done.stdout + done.stderr
         return done.stderr
 
-    def run(self, jobs):
+    def without_our_operations(self):
+        """GEGL_PATH for a GIMP that has no operation of ours."""
+        installed = next(self.chroot.glob("usr/lib/*/gegl-0.4/ntp-gegl.so")).parent
+        path = self.work / "gegl"
+        path.mkdir(exist_ok=True)
+        for file in installed.iterdir():
+            if file.name != "ntp-gegl.so":
+                (path / file.name).symlink_to("/" / file.relative_to(self.chroot))
+        return f"{self.inside}/gegl"
+
+    def run(self, jobs, **environment):
         """Does the jobs of in_gimp3.py: {name: what it noted}, and the complaints of GIMP."""
         (self.work / "jobs.json").write_text(json.dumps(jobs))
-        errors = self.script(HERE / "in_gimp3.py")
+        errors = self.script(HERE / "in_gimp3.py", **environment)
         results = json.loads((self.work / "results.json").read_text())
         return results, complaints(errors)
 

@@ -184,6 +184,8 @@ static void run(const gchar *name, gint given, const GimpParam *params, gint *co
     }
     if (done) {
         values[0].data.d_status = GIMP_PDB_SUCCESS;
+        if (mode != GIMP_RUN_NONINTERACTIVE)
+            gimp_displays_flush();
         if (mode == GIMP_RUN_INTERACTIVE)
             gimp_set_data(p->name, &s, sizeof s);
         if (p == &procedures[PROCEDURE_CHECK])

@@ -141,6 +141,8 @@ static GimpValueArray *run(GimpProcedure *pdb, GimpRunMode mode, GimpImage *imag
     settings_check(p, &s);
     if (!(checks ? check(&s, id, mode, &found, message) : host_run(p, &s, id, message)))
         return give_up(pdb, GIMP_PDB_EXECUTION_ERROR, message);
+    if (mode != GIMP_RUN_NONINTERACTIVE)
+        gimp_displays_flush();
     if (message[0] != 0)
         g_message("%s", message);
     GimpValueArray *values = gimp_procedure_new_return_values(pdb, GIMP_PDB_SUCCESS, NULL);
