@@ -23,6 +23,7 @@ except ImportError:
 
 CALL_GOAL = 30e-6  # seconds of a call on one texel
 SPEED_GOAL = 10  # times as fast as numpy
+THREADS_GOAL = 0.8  # times as fast as one thread, also where there is little to do
 ROUNDS = 7
 
 
@@ -129,32 +130,93 @@ def speeds(report, size):
         )
         if cv2 is not None:
             report.row(f"{name}, OpenCV", *best(ours, functools.partial(by_opencv, data, **how)))
-        report.row(
-            f"{name}, two threads against one", *best(functools.partial(ours, threads=2), ours)
-        )
+
+
+def threads(report, size):
+    """Two threads are to help where there is much to do, and never to cost much."""
+    rng = np.random.default_rng(1)
+    print(f"\n{'two threads beside one':46}{'two':>12}{'one':>12}")
+    for side in sorted({64, 256, 512, size}):
+        height = rng.integers(0, 256, (side, side), np.uint8)
+        texture = nt.normals_from_height(height, scale=3)
+        out = np.empty_like(texture)
+        cases = {
+            "clean": lambda n, t=texture, o=out: nt.clean(t, out=o, threads=n),
+            "normals_from_height": lambda n, h=height, o=out: nt.normals_from_height(
+                h, scale=3, out=o, threads=n
+            ),
+            "heatmap": lambda n, t=texture, o=out: nt.heatmap(t, out=o, threads=n),
+            "measure": lambda n, t=texture: nt.measure(t, threads=n),
+        }
+        for name, call in cases.items():
+            times = best(functools.partial(call, 2), functools.partial(call, 1))
+            report.row(f"{name}, {side} x {side}", *times, THREADS_GOAL)
+
+
+def texels():
+    """One texel in the forms that the functions take."""
+    texel = np.array([[[128, 128, 255]]], np.uint8)
+    return texel, nt.convert(texel, depth=16), nt.convert(texel, depth="float"), nt.decode(texel)
 
 
 def calls(report):
-    texel = np.array([[[128, 128, 255]]], np.uint8)
-    gray, deep = texel[..., 0], nt.convert(texel, depth=16)
-    print("\none texel")
-    report.call("clean", lambda: nt.clean(texel))
-    report.call("validate", lambda: nt.validate(texel))
-    report.call("convert", lambda: nt.convert(texel, to="zzero"))
-    report.call("decode", lambda: nt.decode(texel))
-    report.call("heatmap", lambda: nt.heatmap(texel))
-    report.call("shade", lambda: nt.shade(texel))
-    report.call("transform", lambda: nt.transform(texel, flip="x"))
-    report.call("blend", lambda: nt.blend(texel, texel))
-    report.call("resize", lambda: nt.resize(texel, size=(1, 1)))
-    report.call("normals_from_height", lambda: nt.normals_from_height(gray, scale=1))
-    report.call("height_from_normals", lambda: nt.height_from_normals(texel))
-    report.call("detect_orientation", lambda: nt.detect_orientation(texel))
-    report.call("compare", lambda: nt.compare(texel, texel))
-    report.call("measure", lambda: nt.measure(texel))
-    report.call("measure, 16 bit", lambda: nt.measure(deep))
-    report.call("classify", lambda: nt.classify(texel))
-    report.call("choose_method", lambda: nt.choose_method(texel))
+    """Each function that takes an array; `read`, `read_info`, `write` and `check` take files."""
+    texel, deep, floats, vector = texels()
+    gray, stats = texel[..., 0], nt.measure(texel)
+    heights = np.zeros((1, 1), np.float32)
+    tally = nt.Tally()
+    cases = {
+        "clean": lambda: nt.clean(texel),
+        "clean, 16 bit": lambda: nt.clean(deep),
+        "clean, float": lambda: nt.clean(floats),
+        "clean, counts": lambda: nt.clean(texel, return_counts=True),
+        "clean, a mirrored view": lambda: nt.clean(texel[::-1, ::-1]),
+        'clean, type="auto"': lambda: nt.clean(texel, type="auto"),
+        'clean, type="auto", method="auto"': lambda: nt.clean(texel, type="auto", method="auto"),
+        "validate": lambda: nt.validate(texel),
+        "inspect": lambda: nt.inspect(texel, 0, 0),
+        "convert": lambda: nt.convert(texel, to="zzero"),
+        "convert, to DXT5nm": lambda: nt.convert(texel, channels="1y0x"),
+        "decode": lambda: nt.decode(texel),
+        "encode": lambda: nt.encode(vector),
+        "heatmap": lambda: nt.heatmap(texel),
+        'heatmap, type="auto"': lambda: nt.heatmap(texel, type="auto"),
+        "shade": lambda: nt.shade(texel),
+        "transform": lambda: nt.transform(texel, flip="x"),
+        "transform, strength": lambda: nt.transform(texel, strength=2),
+        "blend": lambda: nt.blend(texel, texel),
+        "resize": lambda: nt.resize(texel, size=(1, 1)),
+        "resize, to 2 x 2": lambda: nt.resize(texel, size=(2, 2), filter="lanczos3"),
+        "mip_chain": lambda: nt.mip_chain(texel),
+        "normals_from_height": lambda: nt.normals_from_height(gray, scale=1),
+        "normals_from_height, 5 settings": lambda: nt.normals_from_height(
+            gray, scale=1, kernel="sobel3", border="clamp", to="xy", to_y="down", depth=16
+        ),
+        "height_from_normals": lambda: nt.height_from_normals(texel),
+        'height_from_normals, from_="auto"': lambda: nt.height_from_normals(texel, from_="auto"),
+        "height_from_normals, info": lambda: nt.height_from_normals(texel, return_info=True),
+        "height_from_rows": lambda: nt.height_from_rows(
+            lambda y, n: texel, lambda y, rows: None, lambda y, n: heights, shape=(1, 1, 3)
+        ),
+        "detect_orientation": lambda: nt.detect_orientation(texel),
+        "find_origin": lambda: nt.find_origin(texel),
+        "find_seams": lambda: nt.find_seams(texel),
+        "compare": lambda: nt.compare(texel, texel),
+        "measure": lambda: nt.measure(texel),
+        "measure, and a number of it": lambda: nt.measure(texel).standard.neighbor,
+        "measure, 16 bit": lambda: nt.measure(deep),
+        "measure, 16 bit, and a number of it": lambda: nt.measure(deep).standard.neighbor,
+        "measure, float": lambda: nt.measure(floats),
+        'measure, type="height"': lambda: nt.measure(gray, type="height"),
+        "Tally.add": lambda: tally.add(texel),
+        "classify": lambda: nt.classify(texel),
+        "classify, 16 bit": lambda: nt.classify(deep),
+        "classify, of Stats": lambda: nt.classify(stats),
+        "choose_method": lambda: nt.choose_method(texel),
+    }
+    print("\none texel; read, read_info, write and check, of files, are not among them")
+    for name, call in cases.items():
+        report.call(name, call)
 
 
 def main():
@@ -163,6 +225,7 @@ def main():
     arguments = parser.parse_args()
     report = Report()
     speeds(report, arguments.size)
+    threads(report, arguments.size)
     calls(report)
     if report.missed:
         sys.exit(f"missed: {', '.join(report.missed)}")

@@ -240,11 +240,11 @@ class Pool:
 
 
 class Layout:
-    """The members of a C struct, read all at once; structs in it are dicts, arrays tuples."""
+    """The members of a C struct, read many at once; arrays are tuples."""
 
     def __init__(self, name: str) -> None:
         self._codes, self._index = "", 0
-        self._structs: dict[str, _Members | list[_Members]] = {}
+        self._structs: dict[str, list[_Members]] = {}
         self._members = self._place(ffi.typeof(name))
         self._format = Struct(self._codes)
         if self._format.size != ffi.sizeof(name):
@@ -258,8 +258,7 @@ class Layout:
             is_array = field.type.kind == "array"
             kind, count = (field.type.item, field.type.length) if is_array else (field.type, 1)
             if kind.kind == "struct":
-                parts = [self._place(kind) for _ in range(count)]
-                self._structs[name] = parts if is_array else parts[0]
+                self._structs[name] = [self._place(kind) for _ in range(count)]
                 continue
             self._codes += f"{count}{_CODES[kind.cname]}"
             places[name] = slice(self._index, self._index + count) if is_array else self._index
@@ -267,14 +266,12 @@ class Layout:
         self._codes += _ALIGNED
         return tuple(places), itemgetter(*places.values())
 
-    def read(self, struct: bytes) -> dict[str, Any]:
-        """The values of a struct by name."""
-        numbers = self._format.unpack(struct)
+    def numbers(self, struct: bytes) -> dict[str, Any]:
+        """The values that are numbers, or arrays of them, by name."""
         names, pick = self._members
-        values = dict(zip(names, pick(numbers), strict=False))
-        for name, part in self._structs.items():
-            if isinstance(part, tuple):
-                values[name] = dict(zip(part[0], part[1](numbers), strict=False))
-            else:
-                values[name] = tuple([dict(zip(n, p(numbers), strict=False)) for n, p in part])
-        return values
+        return dict(zip(names, pick(self._format.unpack(struct)), strict=False))
+
+    def structs(self, struct: bytes, name: str) -> list[dict[str, Any]]:
+        """The values of a struct in it, or of an array of them."""
+        numbers = self._format.unpack(struct)
+        return [dict(zip(n, p(numbers), strict=False)) for n, p in self._structs[name]]

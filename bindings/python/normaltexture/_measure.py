@@ -6,7 +6,7 @@ what `measure` has found, also from another process.
 """
 
 import builtins
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING, Any, Self, TypeVar
 
@@ -33,8 +33,6 @@ _LENGTH_BINS = 256
 _COUNT_SIZE = 8
 _GRAIN = 1 << 19  # texels: two tallies are to be added up
 _LAYOUT = Layout("ntp_stats")
-_NUMBERS = frozenset(name for name, _ in ffi.typeof("ntp_stats").fields)
-_HISTOGRAMS = frozenset(("lengths", "levels_off"))
 _TALLIES = Pool(lib.ntp_tally_size(), lambda memory: lib.ntp_tally_clear(memory))
 
 
@@ -161,18 +159,14 @@ class Stats(_Result):
         def __getattr__(self, name: str) -> Any:
             """What C has worked out is read when it is first asked for: that takes longer than
             the measurement of a small texture, and `classify` goes without."""
-            if name in _HISTOGRAMS:
-                numbers = tuple(memoryview(self._histograms).cast("Q"))
-                values = {"lengths": numbers[:_LENGTH_BINS], "levels_off": numbers[_LENGTH_BINS:]}
-            elif name in _NUMBERS:
-                values = _numbers(self._struct)
-            else:
+            if name not in _LATER:
                 raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+            values = _LATER[name](self, name)
             self.__dict__.update(values)
             return values[name]
 
         def __dir__(self) -> Iterable[str]:
-            return sorted({*super().__dir__(), *_HISTOGRAMS, *_NUMBERS})
+            return sorted({*super().__dir__(), *_LATER})
 
     @property
     def fit(self) -> Fit:
@@ -180,14 +174,31 @@ class Stats(_Result):
         return self.zzero if self.type == "zzero" else self.standard
 
 
-def _numbers(struct: bytes) -> dict[str, Any]:
-    """The members of an ntp_stats, as those of Stats."""
-    values = _LAYOUT.read(struct)
-    values["channel"] = tuple([_made(Channel, c) for c in values["channel"][: values["channels"]]])
-    values["standard"] = _made(Fit, values["standard"])
-    values["zzero"] = _made(Fit, values["zzero"])
-    values["angles"] = _made(Angles, values["angles"])
-    return values
+def _numbers(stats: Stats, _: str) -> dict[str, Any]:
+    return _LAYOUT.numbers(stats._struct)
+
+
+def _part(stats: Stats, name: str) -> dict[str, Any]:
+    kind = Angles if name == "angles" else Fit
+    return {name: _made(kind, _LAYOUT.structs(stats._struct, name)[0])}
+
+
+def _channels(stats: Stats, name: str) -> dict[str, Any]:
+    parts = _LAYOUT.structs(stats._struct, name)[: stats.channels]
+    return {name: tuple([_made(Channel, part) for part in parts])}
+
+
+def _histograms(stats: Stats, _: str) -> dict[str, Any]:
+    numbers = tuple(memoryview(stats._histograms).cast("Q"))
+    return {"lengths": numbers[:_LENGTH_BINS], "levels_off": numbers[_LENGTH_BINS:]}
+
+
+_LATER: dict[str, Callable[[Stats, str], dict[str, Any]]] = (
+    {name: _numbers for name, _ in ffi.typeof("ntp_stats").fields}
+    | dict.fromkeys(("standard", "zzero", "angles"), _part)
+    | {"channel": _channels}
+    | dict.fromkeys(("lengths", "levels_off"), _histograms)
+)
 
 
 def _made(cls: builtins.type[T], values: dict[str, Any]) -> T:

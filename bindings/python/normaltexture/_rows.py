@@ -54,19 +54,18 @@ class _Rows(Callbacks):
         self.read_normals, self.write_heights, self.read_heights = functions
         self._row = shape[1:]
         self._dtype = dtype
-        self._scratch = np.empty(0, np.uint8)
+        self._scratch, self._begin = np.empty(0, np.uint8), 0
 
     def room(self, size: int) -> Any:
         """Working memory."""
         pointer, self._scratch = memory(size, SCRATCH_ALIGNMENT)
+        self._begin = int(ffi.cast("uintptr_t", ffi.from_buffer(self._scratch)))
         return pointer
 
     def _there(self, rows: Any, shape: tuple[int, ...], dtype: np.dtype[Any]) -> NDArray[Any]:
         """Rows in the working memory, which lives as long as the array."""
-        begin = int(ffi.cast("uintptr_t", rows))
-        begin -= int(ffi.cast("uintptr_t", ffi.from_buffer(self._scratch)))
-        size = int(np.prod(shape)) * dtype.itemsize
-        return self._scratch[begin : begin + size].view(dtype).reshape(shape)
+        begin = int(ffi.cast("uintptr_t", rows)) - self._begin
+        return np.ndarray(shape, dtype, self._scratch.data, begin)
 
     def fill(self, name: str, rows: Any, y: int, count: int) -> None:
         """Puts there what one of the reading functions gives."""
@@ -74,7 +73,7 @@ class _Rows(Callbacks):
         shape = (count, *self._row) if is_normals else (count, self._row[0])
         dtype = self._dtype if is_normals else _FLOAT
         got = np.asarray((self.read_normals if is_normals else self.read_heights)(y, count))
-        if got.shape != shape or got.dtype.newbyteorder("=") != dtype:
+        if got.shape != shape or (got.dtype != dtype and got.dtype.newbyteorder("=") != dtype):
             raise ArgumentError(
                 f"{name}({y}, {count}): must return an array of shape {shape} and {dtype},"
                 f" not of shape {got.shape} and {got.dtype}",
@@ -147,7 +146,8 @@ def height_from_rows(
     """Find the heightfield behind normals, row by row, for pictures too large for memory.
 
     The heights are those of `height_from_normals`, byte for byte, with the same kernel, borders,
-    `from_y`, `decode` and `z`, of which nothing is found out here.
+    `from_y`, `decode` and `z`, of which nothing is found out here.  But for "central" with
+    "extrapolate": there the edges are not fitted again.
 
     Parameters
     ----------
