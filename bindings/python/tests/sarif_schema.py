@@ -2,8 +2,14 @@
 """What SARIF 2.1.0 says of the objects that we write, as a JSON schema in our own words.
 
 It is stricter than the standard's own: a property that is not listed here is an error, so that a
-misspelled name cannot pass.  Section numbers are those of the OASIS standard.
+misspelled name cannot pass.  Section numbers are those of the OASIS standard.  No package ships the
+standard's schema itself; but the classes of sarif_om are generated from it, and know all properties
+and which of them are required.
 """
+
+import attr
+import sarif_om
+from jsonschema import Draft202012Validator
 
 
 def _object(required, **properties):
@@ -82,3 +88,51 @@ SCHEMA = {
         runs={"type": "array", "items": RUN},
     ),
 }
+
+# Which class an object is of, or those in an array, by the property that holds it.
+CLASSES = {
+    "runs": sarif_om.Run,
+    "tool": sarif_om.Tool,
+    "driver": sarif_om.ToolComponent,
+    "rules": sarif_om.ReportingDescriptor,
+    "shortDescription": sarif_om.MultiformatMessageString,
+    "fullDescription": sarif_om.MultiformatMessageString,
+    "help": sarif_om.MultiformatMessageString,
+    "defaultConfiguration": sarif_om.ReportingConfiguration,
+    "invocations": sarif_om.Invocation,
+    "originalUriBaseIds": sarif_om.ArtifactLocation,
+    "results": sarif_om.Result,
+    "message": sarif_om.Message,
+    "description": sarif_om.Message,
+    "locations": sarif_om.Location,
+    "physicalLocation": sarif_om.PhysicalLocation,
+    "artifactLocation": sarif_om.ArtifactLocation,
+    "region": sarif_om.Region,
+    "logicalLocations": sarif_om.LogicalLocation,
+}
+MAPS = {
+    "originalUriBaseIds"
+}  # objects whose property names are ours; their values are of the class
+FREE = {"properties", "partialFingerprints"}
+
+
+def check_properties(value, kind=sarif_om.SarifLog):
+    """Each object has properties of its class only, and all that the class requires."""
+    known = {a.metadata["schema_property_name"]: a.default for a in attr.fields(kind)}
+    required = {name for name, default in known.items() if default is attr.NOTHING}
+    assert required <= set(value) <= set(known), (kind.__name__, sorted(value))
+    for name, held in value.items():
+        values = list(held.values()) if name in MAPS else held if isinstance(held, list) else [held]
+        for each in values:
+            if isinstance(each, dict) and name not in FREE:
+                check_properties(each, CLASSES[name])
+
+
+def check_objects(log):
+    """Each object is as SCHEMA says."""
+    Draft202012Validator(SCHEMA).validate(log)
+
+
+def validate(log):
+    check_objects(log)
+    check_properties(log)

@@ -15,9 +15,9 @@ import time
 from concurrent.futures import ThreadPoolExecutor
 from html.parser import HTMLParser
 
+import jsonschema
 import numpy as np
 import pytest
-from jsonschema import Draft202012Validator
 
 import sarif_schema
 from cli import textures
@@ -234,7 +234,7 @@ def test_sarif(folder, monkeypatch):
     monkeypatch.chdir(folder.parent)
     found = report.check_json(["textures"])
     log = json.loads(json.dumps(report.to_sarif(found)))
-    Draft202012Validator(sarif_schema.SCHEMA).validate(log)
+    sarif_schema.validate(log)
     (run,) = log["runs"]
     rules = run["tool"]["driver"]["rules"]
     results = run["results"]
@@ -257,11 +257,29 @@ def test_sarif(folder, monkeypatch):
     assert location["uri"].startswith("file:///") and "uriBaseId" not in location
 
 
+@pytest.mark.parametrize(
+    "spoil",
+    [
+        lambda run: run["tool"]["driver"].pop("name"),
+        lambda run: run["results"][0].update(ruleID="NT001"),
+        lambda run: run["results"][0]["locations"][0].update(region={"startLine": 1}),
+        lambda run: run["results"][0].update(message={"txt": "Wrong."}),
+    ],
+)
+def test_wrong_sarif_is_seen_by_both_oracles(folder, spoil):
+    log = report.to_sarif(report.check_json([folder]))
+    spoil(log["runs"][0])
+    with pytest.raises(jsonschema.ValidationError):
+        sarif_schema.check_objects(log)
+    with pytest.raises(AssertionError):
+        sarif_schema.check_properties(log)
+
+
 def test_names_are_no_links():
     forged = {"path": "a.png", "status": "unreadable", "message": "[a](//b): c [d]", "findings": []}
     tool = {"name": "ntp", "version": "0.1.0"}
     log = report.to_sarif({"tool": tool, "files": [forged]})
-    Draft202012Validator(sarif_schema.SCHEMA).validate(log)
+    sarif_schema.validate(log)
     message = log["runs"][0]["results"][0]["message"]["text"]
     assert message == r"\[a\](//b): c \[d\]."
 
