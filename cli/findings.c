@@ -83,6 +83,12 @@ const finding_spec FINDING_TABLE[FINDING_COUNT] = {
     [NT032] = { "NT032", "nt032", "warning", "marks of lossy compression in a lossless file",
         "The texels show the 8 x 8 blocks or the noise of JPEG, WebP or GPU compression: it was stored so once.",
         "Go back to the source. `ntp clean --method auto` repairs the lengths." },
+    [NT033] = { "NT033", "nt033", "info", "made from heights with few levels (banding)",
+        "Found with `--deep`: slopes come in steps, all of them whole multiples of one. So do those of an 8-bit "
+        "heightfield: what should be a smooth slope is flat terraces with edges between, which show in highlights and "
+        "reflections. It is told only where it is sure; a gentle or very smooth texture may have such steps unnoticed.",
+        "Bake from heights of 16 bit or float; smooth 8-bit heights before normals are made of them. Nothing, where "
+        "steps are meant." },
     [NT034] = { "NT034", "nt034", "info", "16 bit with 8-bit content",
         "Every level is a multiple of 257: an 8-bit texture in a 16-bit file. It is judged as 8 bit.",
         "Export in 16 bit from the source, or save half the size with `ntp convert --depth 8`." },

@@ -34,6 +34,7 @@ typedef enum finding_id {
     NT030,
     NT031,
     NT032,
+    NT033,
     NT034,
     NT035,
     NT040,

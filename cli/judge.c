@@ -318,6 +318,12 @@ static void judge_surface(judgement *j)
         addf(j, NT023, LEVEL_INFO, 0,
              "no surface has these normals: the best one differs by %.0f of 255 levels on average",
              levels);
+    if (found->steps.found)
+        addf(j, NT033, LEVEL_INFO, 0,
+             "slopes come in steps of %.2f degrees: the heights had few levels, and smooth ground "
+             "is "
+             "flat terraces with edges between",
+             found->steps.degrees);
     if (across || down)
         addf(j, NT052, LEVEL_INFO, 0, "does not tile: the %s edges do not fit together",
              across && down ? "left and right and the upper and lower"

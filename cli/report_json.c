@@ -248,7 +248,7 @@ static void set_surface(json_t *object, const surface_facts *found)
 {
     static const char *const TILING[] = { "undecided", "yes", "no" };
     json_t *kernel = json_null(), *tiles = json_null(), *residual = json_null(),
-           *area = json_null();
+           *area = json_null(), *steps = json_null();
     if (found->known) {
         area = rectangle(&found->area);
         tiles = need(json_pack("{s:s, s:s}", "x", TILING[found->seam[0].tiling], "y",
@@ -258,9 +258,12 @@ static void set_surface(json_t *object, const surface_facts *found)
         kernel = json_string(ntp_kernel_name(found->origin.kernel));
     if (found->known && found->residual >= 0)
         residual = json_angle(found->residual);
+    if (found->known && found->steps.found)
+        steps = json_angle(found->steps.degrees);
     json_object_set_new(object, "kernel", kernel);
     json_object_set_new(object, "tiles", tiles);
     json_object_set_new(object, "residual_levels", residual);
+    json_object_set_new(object, "slope_step_deg", steps);
     json_object_set_new(object, "surface_area", area);
 }
 

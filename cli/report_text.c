@@ -141,6 +141,9 @@ static void add_surface(text *t, const facts *f)
     add_area(t, f);
     text_addf(t, "\n    %-24s across: %s, down: %s\n", "tiles", TILING[found->seam[0].tiling],
               TILING[found->seam[1].tiling]);
+    if (found->steps.found)
+        text_addf(t, "    %-24s of %.2f degrees: the heights had few levels\n",
+                  "slopes come in steps", found->steps.degrees);
     if (found->residual < 0)
         return;
     text_addf(t, "    %-24s to %.2f levels; rounding alone leaves 0.20", "fits a surface",

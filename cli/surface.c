@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * surface.c - what a texture tells of the surface behind it: the kernel, the seams, how it fits
+ * surface.c - what a texture tells of the surface behind it: kernel, seams, steps, how it fits
  *
  * The fit is that of the best heights there are: what their normals leave unexplained.  A texture
  * that was made from heights fits to the rounding: each level is off by 0.29 (rms), and half of the
@@ -116,6 +116,8 @@ static void look_at(source *s, facts *f, const ntp_image *image, ntp_rect area, 
     src.encoding = f->encoding;
     find_kernel(&found->origin, &src, f, touch, y);
     crop_seams(s, found->seam, touch);
+    if (!f->info.lossy)
+        ntp_find_steps(&found->steps, &src, touch);
     /* Slopes beside a hole are of heights that are not known: those are left out, which takes long. */
     found->residual = deep || !holes ? find_residual(s, found, &src, touch, holes) : -1;
     found->area = area;

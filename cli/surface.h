@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * surface.h - what a texture tells of the surface behind it: the kernel, the seams, how it fits
+ * surface.h - what a texture tells of the surface behind it: kernel, seams, steps, how it fits
  */
 #ifndef NTP_CLI_SURFACE_H
 #define NTP_CLI_SURFACE_H

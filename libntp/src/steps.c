@@ -22,6 +22,7 @@ enum {
     LEAST_TEETH = 4,      /* multiples that occur: beveled tiles have fewer angles */
     MANY_TEETH = 8,       /* so many that planes do not have them */
     LEAST_IN_A_TOOTH = 2, /* samples */
+    LEAST_AT_A_PLACE = 2, /* that rounding does not tell apart: single ones are outliers */
     LEAST_MOVES = 100,
     ENCODERS = 4
 };
@@ -207,7 +208,7 @@ static double refined(const sample *s, int32_t n, double step)
     return (low + high) / 2;
 }
 
-/* Samples that rounding does not tell apart count as one. */
+/* Samples that rounding does not tell apart count as one: they are of one place. */
 static comb fit_of(const sample *s, int32_t n, double step)
 {
     comb c = { .step = step };
@@ -229,7 +230,8 @@ static comb fit_of(const sample *s, int32_t n, double step)
             last = tooth;
             c.teeth += tooth > 0 && in_tooth == LEAST_IN_A_TOOTH;
         }
-        c.evidence += sum / (i - first);
+        if (i - first >= LEAST_AT_A_PLACE)
+            c.evidence += sum / (i - first);
     }
     c.share = (double) hits / n;
     c.expected /= n;

@@ -16,7 +16,7 @@ import test_to_height as reconstruction
 from pngs import write_png
 
 SCHEMA = json.loads((libntp_ffi.ROOT / "docs/schema/check-1.json").read_text())
-ADDED = ("kernel", "tiles", "residual_levels", "surface_area")
+ADDED = ("kernel", "tiles", "residual_levels", "slope_step_deg", "surface_area")
 
 
 def only(run, *args, code=0):
@@ -155,6 +155,27 @@ def test_no_surface(run, tmp_path):
     assert all(f["level"] == "info" for f in file["findings"] if f["id"] == "NT023")
     plain = only(run, "a_n.png")  # the numbers, but no finding
     assert plain["residual_levels"] == file["residual_levels"] and "NT023" not in ids(plain)
+
+
+def test_steps(run, tmp_path):
+    """Of 8-bit heights: a note with --deep, the number in JSON, nothing of the same heights in 16 bit."""
+    h = reconstruction.fractal(256)
+    h = (h - h.min()) / np.ptp(h)
+    for name, levels in (("a_n.png", 255), ("b_n.png", 65535)):
+        coarse = (30 * np.floor(h * levels + 0.5) / levels).astype(np.float32)
+        write_png(tmp_path / name, reconstruction.from_height(coarse))
+    file, fine = only(run, "a_n.png", "--deep"), only(run, "b_n.png", "--deep")
+    assert file["slope_step_deg"] == pytest.approx(np.degrees(np.arctan(30 / 510)), rel=0.01)
+    (note,) = (f for f in file["findings"] if f["id"] == "NT033")
+    assert note["level"] == "info" and "steps of 3.3" in note["message"]
+    assert fine["slope_step_deg"] is None and "NT033" not in ids(fine)
+    plain = only(run, "a_n.png")
+    assert plain["slope_step_deg"] == file["slope_step_deg"] and "NT033" not in ids(plain)
+    for option in ("-v", "--deep"):
+        assert "slopes come in steps     of 3.3" in run("check", option, "a_n.png").stdout
+        assert "in steps" not in run("check", option, "b_n.png").stdout
+    maps.Image.fromarray(reconstruction.from_height(coarse)).save(tmp_path / "c_n.jpg", quality=95)
+    assert only(run, "c_n.jpg", "--deep")["slope_step_deg"] is None
 
 
 def test_green_down(run, tmp_path):
