@@ -320,9 +320,8 @@ static void judge_surface(judgement *j)
              levels);
     if (found->steps.found)
         addf(j, NT033, LEVEL_INFO, 0,
-             "slopes come in steps of %.2f degrees: the heights had few levels, and smooth ground "
-             "is "
-             "flat terraces with edges between",
+             "slopes come in steps of %.2f degrees: the heights had few levels, and smooth "
+             "ground is flat terraces with edges between",
              found->steps.degrees);
     if (across || down)
         addf(j, NT052, LEVEL_INFO, 0, "does not tile: the %s edges do not fit together",
