@@ -201,6 +201,7 @@ def calls(report):
         "detect_orientation": lambda: nt.detect_orientation(texel),
         "find_origin": lambda: nt.find_origin(texel),
         "find_seams": lambda: nt.find_seams(texel),
+        "find_steps": lambda: nt.find_steps(texel),
         "compare": lambda: nt.compare(texel, texel),
         "measure": lambda: nt.measure(texel),
         "measure, and a number of it": lambda: nt.measure(texel).standard.neighbor,

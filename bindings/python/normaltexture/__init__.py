@@ -42,7 +42,7 @@ from ._native import ffi as _ffi
 from ._native import lib as _lib
 from ._operations import blend, mip_chain, resize, transform
 from ._orientation import Orientation, detect_orientation
-from ._origin import Origin, Seam, find_origin, find_seams
+from ._origin import Origin, Seam, Steps, find_origin, find_seams, find_steps
 from ._pictures import Difference, Light, compare, heatmap, shade
 from ._program import CheckedFile, CheckReport, Finding, check, program
 from ._reconstruct import HeightInfo, height_from_normals
@@ -83,6 +83,7 @@ __all__ = [
     "Seam",
     "Stats",
     "Status",
+    "Steps",
     "Tally",
     "Texel",
     "__version__",
@@ -99,6 +100,7 @@ __all__ = [
     "encode",
     "find_origin",
     "find_seams",
+    "find_steps",
     "heatmap",
     "height_from_normals",
     "height_from_rows",

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Where normals come from: which kernel made them, and whether they tile."""
+"""Where normals come from: which kernel made them, of how fine heights, and whether they tile."""
 
 from dataclasses import dataclass
 from typing import Any, Literal, get_args
@@ -68,6 +68,30 @@ class Seam(_Result):
     rank: float
     largest: float
     lean: float
+
+
+@dataclass(frozen=True)
+class Steps(_Result):
+    """The steps in which slopes come that were taken of heights with few levels.
+
+    Attributes
+    ----------
+    found : bool
+        They do; where it is False, which is also where it cannot be told, the rest is 0.
+    teeth : int
+        Multiples of the step that occur, but for 0 and signs, on both axes.
+    slope, degrees : float
+        The step, and the angle between a flat normal and the next.
+    share, expected : float
+        Of the texels that lie on a multiple, and what chance would put there.
+    """
+
+    found: bool
+    teeth: int
+    slope: float
+    degrees: float
+    share: float
+    expected: float
 
 
 def find_origin(
@@ -169,4 +193,54 @@ def _seam(found: Any) -> Seam:
         rank=found.rank,
         largest=found.largest,
         lean=found.lean,
+    )
+
+
+def find_steps(src: ArrayLike, *, type: Type = "standard", touch_unused: bool = False) -> Steps:
+    """Tell normals that were made of heights with few levels, such as those of 8 bits.
+
+    Their slopes are whole multiples of one step, and smooth ground is flat terraces with edges
+    between: banding, which no cleaning takes away.
+
+    Parameters
+    ----------
+    src : array, (height, width, channels), uint8, uint16 or float32
+        A normals texture of 3 or 4 channels (`"xy"`: 2 to 4).
+    type : {"standard", "zzero", "xy", "vector"}
+        How a normal is stored; only red and green count.
+    touch_unused : bool
+        Look at pure black, pure white and transparent texels too.
+
+    Returns
+    -------
+    Steps
+        Not told are steps of about the size of the texture's own levels, gentle textures, fewer
+        than four multiples, and steps along one axis only.
+
+    Raises
+    ------
+    ArgumentError, SampleTypeError
+        For arguments outside what is listed here.
+
+    Examples
+    --------
+    >>> import normaltexture as nt
+    >>> height = nt.read("wall_height.png")  # of 8 bits
+    >>> nt.find_steps(nt.normals_from_height(height, scale=10)).found
+    True
+    >>> nt.find_steps(nt.normals_from_height(height, scale=10, blur=2)).found
+    False
+    """
+    source = pixels("src", src)
+    src_view = view("src", source, choose("type", type, ENCODINGS))
+    found = ffi.new("ntp_steps *")
+    touch = TOUCH_ALL if touch_unused else TOUCH_NONE
+    check(lib.ntp_find_steps(found, src_view, touch), "find_steps")
+    return Steps(
+        found=bool(found.found),
+        teeth=found.teeth,
+        slope=found.slope,
+        degrees=found.degrees,
+        share=found.share,
+        expected=found.expected,
     )

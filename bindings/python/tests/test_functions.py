@@ -258,6 +258,20 @@ def test_consistency_of_telescoping():
     assert info.consistency > 0.1
 
 
+@pytest.mark.parametrize("depth", [8, 16])
+def test_steps_of_coarse_heights(test_files, depth):
+    """Central slopes of 8-bit heights are multiples of scale/(2 * 255)."""
+    height = nt.read(test_files / "height_gray8.png")
+    found = nt.find_steps(nt.normals_from_height(height, scale=10, depth=depth))
+    assert found.found and found.slope == pytest.approx(10 / 510, rel=1e-2)
+    assert found.degrees == pytest.approx(math.degrees(math.atan(10 / 510)), rel=1e-2)
+    assert found.teeth >= 4 and 1 >= found.share > found.expected > 0
+    smooth = nt.normals_from_height(height, scale=10, depth=depth, blur=2)
+    assert nt.find_steps(smooth) == nt.Steps(False, 0, 0.0, 0.0, 0.0, 0.0)
+    with pytest.raises(nt.ArgumentError, match="type="):
+        nt.find_steps(smooth, type="bumps")
+
+
 def test_levels_off_of_unused_texels():
     """They are in the histogram, also where they are further off than the used ones."""
     texture = np.full((3, 4, 4), (128, 128, 255, 255), np.uint8)
