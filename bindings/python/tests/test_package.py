@@ -3,6 +3,7 @@
 
 import importlib.metadata
 import json
+import re
 import subprocess
 import sys
 import sysconfig
@@ -13,6 +14,7 @@ import pytest
 
 import normaltexture as nt
 from conftest import ROOT
+from normaltexture._native import lib
 
 
 def test_versions_agree():
@@ -34,6 +36,29 @@ def test_what_is_exported_is_documented():
     public = {name for name in vars(nt) if not name.startswith("_")}
     modules = {name for name in public if isinstance(getattr(nt, name), type(nt))}
     assert public - modules == {name for name in nt.__all__ if not name.startswith("_")}
+
+
+# Functions of libntp for which Python has something else.
+ELSEWHERE = {
+    "ntp_image_packed": "arrays",
+    "ntp_image_as_const": "arrays",
+    "ntp_resize_rows": "a ring of rows: arrays are whole",
+    "ntp_orientation_row": "a ring of rows",
+    "ntp_class_name": "strings, as are the names below",
+    "ntp_kernel_name": "",
+    "ntp_border_name": "",
+    "ntp_height_method_name": "",
+    "ntp_filter_name": "",
+    "ntp_blend_mode_name": "",
+}
+
+
+def test_all_of_the_library_is_within_reach():
+    sources = Path(nt.__file__).parent.rglob("*.py")
+    used = set(re.findall(r"lib\.(ntp(?:io)?_\w+)", "".join(map(Path.read_text, sources))))
+    functions = {name for name in dir(lib) if callable(getattr(lib, name))}
+    assert len(functions) > 70
+    assert functions - used == set(ELSEWHERE)
 
 
 def test_the_program_of_the_scripts_directory_runs(test_files):
