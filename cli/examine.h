@@ -100,11 +100,12 @@ typedef struct level_count {
 typedef struct surface_facts {
     bool known;
     bool deep;     /* asked for by --deep */
-    ntp_rect area; /* that the kernel, the residual and the steps are of */
+    ntp_rect area; /* that the kernel and the steps are of */
     ntp_origin origin;
-    ntp_seam seam[2]; /* of the whole texture: across, down */
-    double residual;  /* of the best heights, in levels; negative: not known */
-    ntp_steps steps;  /* of slopes */
+    ntp_seam seam[2];  /* of the whole texture: across, down */
+    double residual;   /* of the best heights, in levels; negative: not known */
+    ntp_rect fit_area; /* that the residual is of */
+    ntp_steps steps;   /* of slopes */
 } surface_facts;
 
 /* What is known of a file after it was read. */

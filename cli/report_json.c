@@ -248,7 +248,7 @@ static void set_surface(json_t *object, const surface_facts *found)
 {
     static const char *const TILING[] = { "undecided", "yes", "no" };
     json_t *kernel = json_null(), *tiles = json_null(), *residual = json_null(),
-           *area = json_null(), *steps = json_null();
+           *area = json_null(), *fit_area = json_null(), *steps = json_null();
     if (found->known) {
         area = rectangle(&found->area);
         tiles = need(json_pack("{s:s, s:s}", "x", TILING[found->seam[0].tiling], "y",
@@ -256,8 +256,10 @@ static void set_surface(json_t *object, const surface_facts *found)
     }
     if (found->known && found->origin.decided)
         kernel = json_string(ntp_kernel_name(found->origin.kernel));
-    if (found->known && found->residual >= 0)
+    if (found->known && found->residual >= 0) {
         residual = json_angle(found->residual);
+        fit_area = rectangle(&found->fit_area);
+    }
     if (found->known && found->steps.found)
         steps = json_angle(found->steps.degrees);
     json_object_set_new(object, "kernel", kernel);
@@ -265,6 +267,7 @@ static void set_surface(json_t *object, const surface_facts *found)
     json_object_set_new(object, "residual_levels", residual);
     json_object_set_new(object, "slope_step_deg", steps);
     json_object_set_new(object, "surface_area", area);
+    json_object_set_new(object, "residual_area", fit_area);
 }
 
 json_t *check_json(const input *in, const checked *c, const check_settings *s)

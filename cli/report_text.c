@@ -119,12 +119,17 @@ static void add_count_line(text *t, const char *label, uint64_t count, uint64_t 
 }
 
 /* " (its middle, 1024 x 1024)" where an area is not all of the texture. */
-static void add_area(text *t, const facts *f)
+static void add_area(text *t, const facts *f, const ntp_rect *area)
 {
-    const ntp_rect *area = &f->surface.area;
+    const ntp_rect *middle = &f->surface.area;
     const int32_t width = area->x1 - area->x0, height = area->y1 - area->y0;
-    if ((uint32_t) width < f->info.width || (uint32_t) height < f->info.height)
+    if ((uint32_t) width == f->info.width && (uint32_t) height == f->info.height)
+        return;
+    if (width == middle->x1 - middle->x0 && height == middle->y1 - middle->y0)
         text_addf(t, " (its middle, %d x %d)", (int) width, (int) height);
+    else
+        text_addf(t, " (%d x %d texels at %d, %d)", (int) width, (int) height, (int) area->x0,
+                  (int) area->y0);
 }
 
 static void add_surface(text *t, const facts *f)
@@ -138,7 +143,7 @@ static void add_surface(text *t, const facts *f)
         text_addf(t, "with the kernel %s", ntp_kernel_name(found->origin.kernel));
     else
         text_add(t, "with a kernel that cannot be told, or not from heights");
-    add_area(t, f);
+    add_area(t, f, &found->area);
     text_addf(t, "\n    %-24s across: %s, down: %s\n", "tiles", TILING[found->seam[0].tiling],
               TILING[found->seam[1].tiling]);
     if (found->steps.found)
@@ -148,7 +153,7 @@ static void add_surface(text *t, const facts *f)
         return;
     text_addf(t, "    %-24s to %.2f levels; rounding alone leaves 0.20", "fits a surface",
               found->residual);
-    add_area(t, f);
+    add_area(t, f, &found->fit_area);
     text_char(t, '\n');
 }
 

@@ -5,13 +5,15 @@
  * The fit is that of the best heights there are: what their normals leave unexplained.  A texture
  * that was made from heights fits to the rounding: each level is off by 0.29 (rms), and half of the
  * square of that goes into the heights.  One that was painted, or mixed as colors, does not fit.
- * A plain check asks the middle of the image, and has no time for textures with holes.
+ * A plain check asks the middle of the image; where that has holes, a part of it that has none, or a
+ * small one with the holes left out, which takes long.
  */
 #include "surface.h"
 
 #include <stdlib.h>
 
 #include "crop.h"
+#include "fullest.h"
 #include "heights.h"
 #include "whole.h"
 
@@ -19,11 +21,17 @@ enum {
     READ_PERMILLE = 500,
     MOST_TEXELS = 16384 * 16384,     /* of a scan of many files, several of them at once */
     MOST_TEXELS_HOLES = 4096 * 4096, /* the same, with 40 bytes for each */
-    HOLES_ITERATIONS = 200
+    HOLES_ITERATIONS = 200,
+    QUICK_ITERATIONS = 80, /* of a plain check */
+    SMALL = 128,           /* side of the part with holes that it has time for */
+    LEAST_USED = 4         /* one texel in so many, for its fit to mean anything */
 };
 
+/* Sides of parts without holes, the best first. */
+static const int32_t PART_SIDES[] = { 512, 256, SMALL };
+
 /* So exact that what is left out is little beside the rounding of 8 bits. */
-static const double HOLES_TOLERANCE = 1e-4;
+static const double HOLES_TOLERANCE = 1e-4, QUICK_TOLERANCE = 3e-4;
 
 /* Residuals: of rounding alone, with a margin; and, in levels of 8 bit, what no border makes. */
 static const double FITS = 0.25, FAR_OFF = 1;
@@ -77,8 +85,9 @@ static double fit_heights(source *s, const surface_facts *found, const ntp_const
                                      .z = NTP_Z_AUTO,
                                      .touch_unused = touch,
                                      .measure = NTP_MEASURE_INSIDE,
-                                     .tolerance = HOLES_TOLERANCE,
-                                     .max_iterations = HOLES_ITERATIONS,
+                                     .tolerance = found->deep ? HOLES_TOLERANCE : QUICK_TOLERANCE,
+                                     .max_iterations =
+                                         found->deep ? HOLES_ITERATIONS : QUICK_ITERATIONS,
                                      .dx = 1,
                                      .dy = 1 };
     const stretch part = { s->read_permille, 1000 };
@@ -106,6 +115,60 @@ static double find_residual(source *s, const surface_facts *found, const ntp_con
     return quick >= 0 && (exact < 0 || quick < exact) ? quick : exact;
 }
 
+static ntp_const_image part_of(const ntp_const_image *src, const ntp_rect *part)
+{
+    ntp_const_image image = *src;
+    image.data = (const unsigned char *) src->data + (ptrdiff_t) part->y0 * src->row_stride +
+                 (ptrdiff_t) part->x0 * src->pixel_stride;
+    image.width = part->x1 - part->x0;
+    image.height = part->y1 - part->y0;
+    return image;
+}
+
+/* Chooses a part of src without holes, or a small one that has more texels than holes; false: there
+ * is none. */
+static bool choose_part(ntp_rect *part, bool *holes, source *s, const ntp_const_image *src)
+{
+    const int32_t w = src->width, h = src->height;
+    uint8_t *flags = buffer_reserve(&s->w->extra2, (size_t) w * (size_t) h);
+    const ntp_image mask = ntp_image_packed(flags, w, h, 1, NTP_U8);
+    uint32_t used = 0;
+    *part = (ntp_rect) { 0, 0, w, h };
+    if (ntp_validate(&mask, src, 0, NULL) != NTP_OK)
+        return false;
+    for (size_t i = 0; i < (size_t) w * (size_t) h; i++)
+        used += (flags[i] & NTP_IS_UNUSED) == 0;
+    uint32_t texels = (uint32_t) w * (uint32_t) h;
+    *holes = used < texels;
+    if (!*holes)
+        return true;
+    if (texels > SMALL * SMALL) {
+        for (size_t i = 0; i < sizeof PART_SIDES / sizeof *PART_SIDES; i++) {
+            texels = (uint32_t) PART_SIDES[i] * (uint32_t) PART_SIDES[i];
+            used = fullest_square(part, flags, w, h, PART_SIDES[i]);
+            if (used == texels) {
+                *holes = false;
+                return true;
+            }
+        }
+    }
+    return used > 0 && used >= texels / LEAST_USED;
+}
+
+/* Around holes, in a plain check. */
+static double find_residual_quickly(source *s, surface_facts *found, const ntp_const_image *src,
+                                    uint32_t touch)
+{
+    ntp_rect part;
+    bool holes = true;
+    if (!choose_part(&part, &holes, s, src))
+        return -1;
+    const ntp_const_image image = part_of(src, &part);
+    const int32_t x = found->area.x0, y = found->area.y0;
+    found->fit_area = (ntp_rect) { x + part.x0, y + part.y0, x + part.x1, y + part.y1 };
+    return find_residual(s, found, &image, touch, holes);
+}
+
 /* Looks at an area of the image, of which src has the texels. */
 static void look_at(source *s, facts *f, const ntp_image *image, ntp_rect area, int y, bool deep)
 {
@@ -118,11 +181,12 @@ static void look_at(source *s, facts *f, const ntp_image *image, ntp_rect area, 
     crop_seams(s, found->seam, touch);
     if (!f->info.lossy)
         ntp_find_steps(&found->steps, &src, touch);
-    /* Slopes beside a hole are of heights that are not known: those are left out, which takes long. */
-    found->residual = deep || !holes ? find_residual(s, found, &src, touch, holes) : -1;
-    found->area = area;
+    found->area = found->fit_area = area;
     found->deep = deep;
     found->known = true;
+    /* Slopes beside a hole are of heights that are not known: those are left out. */
+    found->residual = deep || !holes ? find_residual(s, found, &src, touch, holes)
+                                     : find_residual_quickly(s, found, &src, touch);
 }
 
 void surface_look(source *s, facts *f, int y)

@@ -16,7 +16,10 @@ import test_to_height as reconstruction
 from pngs import write_png
 
 SCHEMA = json.loads((libntp_ffi.ROOT / "docs/schema/check-1.json").read_text())
-ADDED = ("kernel", "tiles", "residual_levels", "slope_step_deg", "surface_area")
+ADDED = (
+    *("kernel", "tiles", "residual_levels", "slope_step_deg", "surface_area"),
+    "residual_area",
+)
 
 
 def only(run, *args, code=0):
@@ -188,18 +191,77 @@ def test_green_down(run, tmp_path):
     assert wrong["kernel"] is None and wrong["residual_levels"] > 5
 
 
+def box(area):
+    return area["x"], area["y"], area["width"], area["height"]
+
+
 @pytest.mark.parametrize("kernel", ["central", "forward", "scharr3"])
 def test_holes(run, tmp_path, kernel):
-    """--deep fits what is around them; a plain check leaves the fit open."""
+    """The fit is of what is around them; of the whole of a small texture."""
     n = reconstruction.from_height(reconstruction.fractal(128), kernel)
     n[40:60, 50:90] = 0
     n[100, 20] = n[7, 100:103] = 255
     write_png(tmp_path / "a_n.png", n)
-    file = only(run, "a_n.png", "--deep")
-    assert file["kernel"] == kernel and 0.15 < file["residual_levels"] < 0.3
-    plain = only(run, "a_n.png")
-    assert plain["kernel"] == kernel and plain["residual_levels"] is None
-    assert "fits a surface" not in run("check", "-v", "a_n.png").stdout
+    file, plain = only(run, "a_n.png", "--deep"), only(run, "a_n.png")
+    assert file["kernel"] == plain["kernel"] == kernel
+    assert 0.15 < file["residual_levels"] < 0.3
+    assert plain["residual_levels"] == pytest.approx(file["residual_levels"], rel=0.05)
+    assert box(plain["residual_area"]) == box(file["residual_area"]) == (0, 0, 128, 128)
+
+
+def fullest(used, side):
+    """Corner of the square in 16s that has most used texels, the nearest to the middle; the share."""
+    h, w = used.shape
+    best = None
+    for y in range(0, h // 16 * 16 - side + 1, 16):
+        for x in range(0, w // 16 * 16 - side + 1, 16):
+            off = np.hypot(x + side / 2 - w // 16 * 8, y + side / 2 - h // 16 * 8)
+            key = (-used[y : y + side, x : x + side].sum(), off)
+            if best is None or key < best[0]:
+                best = key, (x, y)
+    return best[1], -best[0][0] / side**2
+
+
+@pytest.mark.parametrize(("case", "side"), [("few", 256), ("rows", 128), ("many", 128)])
+def test_part_of_a_texture_with_holes(run, tmp_path, case, side):
+    """A square without holes if there is one, else around the fewest; by exhaustive search."""
+    rng = np.random.default_rng(31)
+    n = reconstruction.from_height(reconstruction.fractal(512))[:505, :490].copy()
+    used = np.ones(n.shape[:2], bool)
+    if case == "few":
+        used[300:310] = used[:, 100:110] = False
+    elif case == "rows":
+        used[::150] = False
+    else:
+        used[rng.random(used.shape) < 0.01] = False
+        used[:200, :300] &= rng.random((200, 300)) < 0.5
+    n[~used] = 0
+    write_png(tmp_path / "a_n.png", n)
+    file = only(run, "a_n.png")
+    (x, y), share = fullest(used, side)
+    assert box(file["residual_area"]) == (x, y, side, side)
+    assert box(file["surface_area"]) == (0, 0, 490, 505)
+    assert 0.15 < file["residual_levels"] < 0.3 and (share == 1) == (case != "many")
+    assert f"({side} x {side} texels at {x}, {y})\n" in run("check", "-v", "a_n.png").stdout
+    part = n[y : y + side, x : x + side].copy()
+    if share == 1:  # as of a texture that is no more than this part
+        write_png(tmp_path / "b_n.png", part)
+        alone = only(run, "b_n.png", "--y", "up")["residual_levels"]
+        assert file["residual_levels"] == pytest.approx(alone, rel=0.05)
+
+
+def test_paint_around_holes_and_too_many(run, tmp_path):
+    rng = np.random.default_rng(32)
+    n = maps.to_type(maps.encode(reconstruction.random_vectors(rng, (300, 300), 0.3)))
+    n[rng.random(n.shape[:2]) < 0.05] = 0
+    write_png(tmp_path / "a_n.png", n)
+    file = only(run, "a_n.png")
+    assert file["residual_levels"] > 8 and "NT023" not in ids(file)
+    n = reconstruction.from_height(reconstruction.fractal(300))
+    n[rng.random(n.shape[:2]) < 0.9] = 0
+    write_png(tmp_path / "b_n.png", n)
+    file = only(run, "b_n.png")
+    assert file["residual_levels"] is None and file["residual_area"] is None
 
 
 def test_what_has_no_slopes(run, tmp_path):
