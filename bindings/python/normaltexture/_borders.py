@@ -10,6 +10,11 @@ from ._errors import CancelledError, Status
 from ._native import ffi, lib
 from ._solve import Solver
 
+_WRAP: int = lib.NTP_BORDER_WRAP
+_AUTO: int = lib.NTP_HEIGHT_AUTO
+_POISSON: int = lib.NTP_HEIGHT_POISSON_DCT
+_FRANKOT_CHELLAPPA: int = lib.NTP_HEIGHT_FRANKOT_CHELLAPPA
+_BAKED: int = lib.NTP_KERNEL_BAKED
 _LEAST_SIDE = 16  # of a texture of which ntp_find_seams and ntp_find_border tell anything
 
 
@@ -26,22 +31,19 @@ def choose_borders(
 ) -> bool:
     """Sets the borders of `how`; -1 in `asked` is for the texels to tell.  Did it solve?"""
     method = how.method
-    wrap, poisson = int(lib.NTP_BORDER_WRAP), lib.NTP_HEIGHT_POISSON_DCT
     fixed = asked[0] >= 0, asked[1] >= 0
-    how.border_x, how.border_y = (max(border, wrap) for border in asked)
-    if all(fixed) or method == lib.NTP_HEIGHT_FRANKOT_CHELLAPPA:
+    how.border_x, how.border_y = max(asked[0], _WRAP), max(asked[1], _WRAP)
+    if all(fixed) or method == _FRANKOT_CHELLAPPA:
         return False
     tells = min(src.width, src.height) >= _LEAST_SIDE
     wraps = False, False
-    if method != poisson and tells:
+    if method != _POISSON and tells:
         seams = ffi.new("ntp_seam[2]")
         lib.ntp_find_seams(seams, seams + 1, src, how.touch_unused)
         wraps = bool(seams[0].wraps), bool(seams[1].wraps)
     free = lib.ntp_free_border(how.kernel)
-    found = [wrap if wraps[i] else free for i in (0, 1)]
-    tried = (
-        method in (lib.NTP_HEIGHT_AUTO, poisson) and how.kernel != lib.NTP_KERNEL_BAKED and tells
-    )
+    found = [_WRAP if wraps[0] else free, _WRAP if wraps[1] else free]
+    tried = tells and method in (_AUTO, _POISSON) and how.kernel != _BAKED
     if tried:
         first = ffi.new("ntp_height_options *", how[0])
         first.refine = first.detrend = first.measure = 0
@@ -56,7 +58,7 @@ def choose_borders(
                 lib.ntp_find_border(fit, src, heights, first, i, wraps[i])
                 found[i] = fit.border
     for i, name in enumerate(("border_x", "border_y")):
-        never = method == poisson and found[i] == wrap
+        never = method == _POISSON and found[i] == _WRAP
         if not fixed[i]:
             setattr(how, name, free if never else found[i])
     return tried

@@ -35,7 +35,9 @@ class Callbacks:
         self._is_long = progress is not None or texels > _AT_ONCE
 
     def hooks(self, handle: Any, is_long: bool) -> Any:
-        """An ntp_hooks; `handle` is one of this object, which the caller keeps alive."""
+        """An ntp_hooks, if any are of use; the caller keeps `handle`, of this object, alive."""
+        if self.parts == 1 and not (is_long or self._is_long):
+            return ffi.NULL
         return ffi.new(
             "ntp_hooks *",
             (
