@@ -68,10 +68,16 @@ static void find_kernel(ntp_origin *origin, ntp_const_image *src, const facts *f
     }
 }
 
+/* What levels mean, as far as it is known. */
+typedef struct meaning {
+    ntp_decode decode;
+    ntp_z z;
+} meaning;
+
 /* The rms of what the best heights leave, in levels, but for the edges; negative: it was not to be
- * had.  An axis whose edges do not close gets this border. */
+ * had.  An axis whose edges do not close gets this border.  read: becomes what was found out. */
 static double fit_heights(source *s, const surface_facts *found, const ntp_const_image *src,
-                          uint32_t touch, bool holes, ntp_border border)
+                          uint32_t touch, bool holes, ntp_border border, meaning *read)
 {
     const size_t texels = (size_t) src->width * (size_t) src->height;
     const ntp_image heights = ntp_image_packed(
@@ -82,7 +88,8 @@ static double fit_heights(source *s, const surface_facts *found, const ntp_const
                                      .kernel = found->origin.kernel,
                                      .border_x = wraps_x ? NTP_BORDER_WRAP : border,
                                      .border_y = wraps_y ? NTP_BORDER_WRAP : border,
-                                     .z = NTP_Z_AUTO,
+                                     .decode = read->decode,
+                                     .z = read->z,
                                      .touch_unused = touch,
                                      .measure = NTP_MEASURE_INSIDE,
                                      .tolerance = found->deep ? HOLES_TOLERANCE : QUICK_TOLERANCE,
@@ -93,7 +100,10 @@ static double fit_heights(source *s, const surface_facts *found, const ntp_const
     const stretch part = { s->read_permille, 1000 };
     ntp_height_result done = { .residual = -1 };
     const ntp_status status = heights_solve(s->w, &heights, src, &how, part, &done);
-    return status == NTP_OK ? done.residual : -1;
+    if (status != NTP_OK)
+        return -1;
+    *read = (meaning) { done.decode, done.z };
+    return done.residual;
 }
 
 /*
@@ -106,12 +116,13 @@ static double find_residual(source *s, const surface_facts *found, const ntp_con
 {
     const ntp_border free_border = ntp_free_border(found->origin.kernel);
     const double level = src->type == NTP_U8 ? 1 : 257;
+    meaning read = { NTP_DECODE_AUTO, NTP_Z_AUTO };
     double quick = -1;
     if (found->origin.kernel == NTP_KERNEL_CENTRAL && !holes)
-        quick = fit_heights(s, found, src, touch, false, NTP_BORDER_EXTRAPOLATE);
+        quick = fit_heights(s, found, src, touch, false, NTP_BORDER_EXTRAPOLATE, &read);
     if (quick >= 0 && (quick <= FITS || quick >= FAR_OFF * level))
         return quick;
-    const double exact = fit_heights(s, found, src, touch, holes, free_border);
+    const double exact = fit_heights(s, found, src, touch, holes, free_border, &read);
     return quick >= 0 && (exact < 0 || quick < exact) ? quick : exact;
 }
 

@@ -9,7 +9,6 @@
  */
 #include "decode.h"
 
-#include "direction.h"
 #include "level.h"
 
 #include <math.h>
@@ -54,7 +53,8 @@ static double error_of(const rule *r, const int32_t c[3])
 typedef struct evidence {
     rule unorm, trunc, snorm;
     double count;        /* of what the sums of rules are of */
-    double all, lengths; /* of any depth, read as UNORM */
+    double all, lengths; /* of any depth, read as UNORM; squares of 2 m^2 times the error */
+    double most_rest;    /* of a tilted texel, of m^2 */
     double tilted, derived;
     uint8_t votes[1 << 2 * VOTE_BITS];
 } evidence;
@@ -67,16 +67,24 @@ static void compare(rule *r, const int32_t c[3], double square)
     r->gain2 += gain * gain;
 }
 
+/* Is this the blue that is derived where x^2 + y^2 leave `rest`?  Without a root. */
+static bool is_derived(int64_t blue, int64_t rest, int32_t m, bool zzero)
+{
+    int64_t low = zzero ? 2 * blue - 1 : 2 * blue - m - 1, high = low + 2;
+    int64_t scaled = zzero ? 4 * rest : rest;
+    return low >= 0 && low * low <= scaled && scaled < high * high;
+}
+
 static void add_levels(evidence *e, const int32_t c[3], int32_t m, bool zzero)
 {
-    int64_t x = 2 * c[0] - m, y = 2 * c[1] - m, rest = (int64_t) m * m - x * x - y * y;
-    double z = zzero ? (double) c[2] / m : (2.0 * c[2] - m) / m;
-    double off = ((double) (x * x + y * y) / ((double) m * m) + z * z - 1) / 2;
+    int64_t x = 2 * c[0] - m, y = 2 * c[1] - m, z = zzero ? c[2] : 2 * c[2] - m;
+    int64_t rest = (int64_t) m * m - x * x - y * y;
+    double off = (double) (z * z - rest);
     e->all++;
     e->lengths += off * off;
-    if (rest >= 0 && (double) rest < tilted * m * m) {
+    if (rest >= 0 && (double) rest < e->most_rest) {
         e->tilted++;
-        e->derived += ntp__blue_of_rest(rest, m, zzero) == c[2];
+        e->derived += is_derived(c[2], rest, m, zzero);
     }
     bool neutral = x * x == 1 && y * y == 1; /* says nothing, and there can be many */
     uint8_t *votes = &e->votes[(c[1] & VOTE_MASK) << VOTE_BITS | (c[0] & VOTE_MASK)];
@@ -101,7 +109,8 @@ static void look(evidence *e, const ntp_const_image *src, uint32_t touch)
             ntp__unpack(&block, src, x, y, n);
             for (int32_t i = 0; i < n; i++) {
                 int32_t c[3] = { block.c[0][i], block.c[1][i], block.c[2][i] };
-                if (!ntp__texel_unused(&block, i, m, touch))
+                if (!(block.any_broken && block.broken[i]) &&
+                    !ntp__unused(c[0], c[1], c[2], block.c[3][i], m, touch))
                     add_levels(e, c, m, zzero);
             }
         }
@@ -125,7 +134,9 @@ void ntp__decode_by_evidence(ntp_height_options *how, const ntp_const_image *src
                    0,
                    0,
                    0,
+                   0,
                    { 0 } };
+    double m = ntp__max(src->type), unit = 2 * m * m;
     bool decode =
         how->decode == NTP_DECODE_AUTO && src->type == NTP_U8 && src->encoding == NTP_STANDARD;
     if (how->z == NTP_Z_AUTO && src->encoding == NTP_XY)
@@ -134,8 +145,9 @@ void ntp__decode_by_evidence(ntp_height_options *how, const ntp_const_image *src
         how->z = NTP_Z_STORED;
     if (!decode && how->z != NTP_Z_AUTO)
         return;
+    e.most_rest = tilted * m * m;
     look(&e, src, how->touch_unused);
-    double lengths = e.lengths, all = e.all;
+    double lengths = e.lengths / (unit * unit), all = e.all;
     if (decode && convinces(&e, &e.trunc) && e.trunc.sum <= e.snorm.sum)
         how->decode = NTP_DECODE_TRUNC;
     else if (decode && convinces(&e, &e.snorm))

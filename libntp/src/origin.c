@@ -186,10 +186,10 @@ static void try_candidate(double *sum, const struct candidate *c, rows *at,
     across(expected, line, difference2, n);
     for (int32_t i = 0; i < n; i++)
         e[i] = e[i] * e[i] / expected[i];
-    for (int32_t i = 0; i < n; i++) {
-        if (worth[i])
-            *sum += (double) (e[i] / (1 + e[i] / LARGE_SQUARE));
-    }
+    for (int32_t i = 0; i < n; i++)
+        e[i] = e[i] / (1 + e[i] / LARGE_SQUARE);
+    for (int32_t i = 0; i < n; i++)
+        *sum += (double) (worth[i] ? e[i] : 0);
 }
 
 /* The points x..x + n - 1 of row y. */
