@@ -255,7 +255,7 @@ def test_many_threads_on_the_same_arrays():
     functions += [lambda a: nt.convert(a, depth=16, threads=2), lambda a: nt.blend(a, a[:64, :64])]
     functions += [lambda a: nt.resize(a, size="50%"), lambda a: nt.transform(a, rotate=90)]
     functions += [lambda a: nt.normals_from_height(a[..., 0], scale=3.0)]
-    functions += [lambda a: nt.height_from_normals(a[:64, :64], kernel="central", threads=2)]
+    functions += [lambda a: nt.height_from_normals(a, kernel="central", threads=2)]
     want = [function(texture) for function in functions]
     out = np.zeros_like(texture)
 
