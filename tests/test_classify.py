@@ -4,8 +4,8 @@
 The seed is drawn anew at each run and printed; NTP_SEED repeats a run.  With CI set it is always
 CI_SEED, so that a change is judged by its own effect.  Bounds on shares are more than five standard
 deviations away from what hundreds of seeds gave.  No wrong answer may have a confidence of 0.9 or
-more, neither in these draws nor in those of FIXED_SEEDS.  One is known in 26,099 draws of seeds that
-nobody had seen, draw 170 of 3901100012: about one run in forty finds such a one.
+more, neither in these draws nor in those of FIXED_SEEDS; in 37,800 draws of seeds that nobody had
+looked at before none had more than 0.85.
 """
 
 import os
@@ -22,7 +22,14 @@ DRAWS = 700
 FIXED_DRAWS = 250
 # Each had a wrong answer of high confidence once, or a bound that it came near to.
 FIXED_SEEDS = [(205, 500), (20, 0), (35, 250), (16, 400)]
+# Draws that were called something else with confidence once.
+CONFIDENT_ONCE = [
+    ("draw", 3901100012, 170),
+    ("draw", 5601200005, 226),
+    ("zzero", 7701200017, 589, 7),
+]
 CONFIDENT = 0.9
+UNSURE = 0.85  # no error is surer than this, so that there is a margin below CONFIDENT
 CI_SEED = 20261121
 
 
@@ -94,7 +101,7 @@ def test_drawn_textures_are_recognized(judged, seed):
     share = matrix.trace() / len(judged)
     report = f"NTP_SEED={seed}: {share:.1%} right\n{matrix_text(matrix)}\n" + "\n".join(wrong)
     print("\n" + report)
-    assert share >= 0.95, report
+    assert share >= 0.98, report
     assert not confident, report
 
 
@@ -110,6 +117,14 @@ def test_no_confident_error(fixed, first):
             wrong.append(describe(i, case, result))
     assert not wrong, "\n".join(wrong)
     assert right >= 0.95 * FIXED_DRAWS
+
+
+@pytest.mark.parametrize("what", CONFIDENT_ONCE, ids=str)
+def test_errors_that_were_confident_once(what):
+    case = getattr(maps, what[0])(np.random.default_rng(what[1:]))
+    result = classify(case)
+    right = result.type == case.kind or result.type in case.also
+    assert right or result.confidence <= UNSURE, describe(what, case, result)
 
 
 def test_no_class_is_given_up(judged, seed):
@@ -354,6 +369,71 @@ def test_mostly_flat_with_another_blue_is_not_sure():
                     assert result.type == X or result.confidence < CONFIDENT, describe(
                         size, case, result
                     )
+
+
+def test_well_formed_textures_are_sure():
+    for family in (f.__name__ for f in maps.FAMILIES):
+        for strength in (0.3, 0.8, 2):
+            n = sample(family, strength, np.random.default_rng(8))
+            result = classify(maps.Case(family, rounded(n), S))
+            assert result.type == S and result.confidence >= 0.95, (family, strength)
+
+
+def test_blue_that_follows_is_sure_whatever_the_lengths():
+    """Scaled vectors: no texel is a unit vector, but blue goes up and down with z."""
+    for family in ("fractal", "bricks", "bumps"):
+        n = sample(family, 0.8, np.random.default_rng(6))
+        for scaled in (0.85 * n, n * [1, 1, 0.82]):
+            result = classify(maps.Case("scaled", rounded(scaled), S))
+            assert result.type == S and result.confidence >= CONFIDENT, family
+            texts = [reason_text(result.reasons + i) for i in range(result.reason_count)]
+            assert "goes up and down with the z" in " ".join(texts)
+
+
+def test_bright_blue_over_gentle_slopes_is_not_sure():
+    """Lengths are near 1 whatever blue means: constant, or an occlusion that is 1 nearly everywhere."""
+    for seed in range(12):
+        rng = np.random.default_rng([seed, 12])
+        levels = rounded(sample("hemispheres", rng.uniform(0.35, 0.45), rng, 64))
+        for share in (0, 0.02, 0.05):
+            blue = np.full(levels.shape[:2], 255)
+            blue[: int(64 * share)] = rng.integers(40, 250)
+            case = maps.Case("bright", np.dstack([levels[..., :2], blue]).astype(np.uint8), X)
+            result = classify(case)
+            assert result.type == X or result.confidence <= UNSURE, describe(seed, case, result)
+
+
+def test_halved_colors():
+    """JPEG with halved colors takes the relation to blue from noise, but makes all channels alike."""
+    for seed in range(6):
+        rng = np.random.default_rng([seed, 13])
+        n = sample("noise", rng.uniform(1, 1.6), rng, 64)
+        case = maps.Case("halved", maps.jpeg(rounded(n), rng.integers(70, 92), 2), S)
+        result = classify(case)
+        assert result.type == S and result.confidence < CONFIDENT, describe(seed, case, result)
+
+
+def test_zzero_that_is_not_honestly_rounded():
+    """A level too low, where the two readings lie two to three apart: blue follows at a slope of 2."""
+    for seed in range(6):
+        for family in ("fractal", "bumps", "hemispheres"):
+            rng = np.random.default_rng([seed, 14])
+            levels = _zzero(sample(family, rng.uniform(0.3, 0.36), rng), rng)
+            low = (levels - (levels > 0)).astype(np.uint8)
+            case = maps.Case(family, low, maps.ZZERO)
+            result = classify(case)
+            assert result.type == maps.ZZERO, describe(seed, case, result)
+
+
+def test_ridges_with_a_height_are_no_object_space():
+    """Sine and cosine: unit vectors in all directions, but red and green keep to a line."""
+    y, x = np.mgrid[:64, :64]
+    for kx, ky in ((2, 1), (3, -2), (1, 4)):
+        wave = 2 * np.pi * (kx * x + ky * y) / 64
+        along = np.array([kx, ky]) / np.hypot(kx, ky)
+        n = np.dstack([np.cos(wave) * along[0], np.cos(wave) * along[1], np.sin(wave)])
+        result = classify(maps.Case("ridges", rounded(n), X))
+        assert result.type != maps.OBJECT and result.confidence < CONFIDENT
 
 
 def test_flipped_z_is_sure():

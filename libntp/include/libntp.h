@@ -520,7 +520,9 @@ enum {
     NTP_REASON_FEW_WRONG = 33,        /* [share of used texels that are wrong, grossly] */
     NTP_REASON_XY_ONLY = 34,          /* blue is not z */
     NTP_REASON_TOO_FLAT = 35,         /* so flat that both methods do about the same */
-    NTP_REASON_LONG = 36              /* [share of used texels that are too long] */
+    NTP_REASON_LONG = 36,             /* [share of used texels that are too long] */
+    NTP_REASON_ALL_ALIKE = 37,        /* [correlation of blue with red and green, the lesser] */
+    NTP_REASON_FOLLOWS = 38           /* [correlation of blue with the derived blue] */
 };
 
 /* A fact behind a classification, with the number that it is about. */

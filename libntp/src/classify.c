@@ -53,6 +53,15 @@ static double blend(double low, double high, double t)
     return t <= 0 ? low : t >= 1 ? high : low + (high - low) * t;
 }
 
+/* Texels in bins of steepness. */
+static double count_bins(const ntp_stats *s, int32_t first_bin, int32_t end_bin)
+{
+    double count = 0;
+    for (int32_t i = first_bin; i < end_bin; i++)
+        count += (double) s->steepness[i];
+    return count;
+}
+
 /* Do two channels keep to a line?  By the variances along and across its direction. */
 static bool keep_to_a_line(const ntp_stats *s, int32_t first, int32_t second)
 {
@@ -175,20 +184,39 @@ static bool is_swapped(question *q)
     return is(q, NTP_CLASS_STANDARD, sure ? 0.92 : 0.75);
 }
 
+/* Enough texels steeper than 1/8 to tell anything? */
+static bool has_slopes(const question *q)
+{
+    return count_bins(q->s, 1, NTP_STEEPNESS_BINS) >=
+           most(SLOPING_TEXELS_LEAST, TILTED_LEAST * q->used);
+}
+
+/* Do blue and the derived blue keep to a line of this slope, and on enough slopes to tell? */
+static bool follows_as(const question *q, double slope, double correlation, double off)
+{
+    double sign = slope < 0 ? -1 : 1;
+    return has_slopes(q) && sign * q->s->blue_correlation > correlation &&
+           distance(q->s->blue_slope, slope) < off;
+}
+
 /* Blue as 0..1?  Nine of ten textures are not, so that it takes more than a better fit. */
 static bool prefers_zzero(const question *q)
 {
     const ntp_stats *s = q->s;
     if (s->tilted == 0)
         return false;
+    bool line = follows_as(q, 2, ZZERO_FOLLOWS, ZZERO_SLOPE_OFF);
     if (q->rounded[0] > ROUNDED_SHARE || q->rounded[1] > ROUNDED_SHARE) {
         bool clear = (s->tilted_gap > ZZERO_GAP && s->tilted_near[1] >= s->tilted_near[0]) ||
-                     q->rounded[1] > ROUNDED_ALL;
+                     q->rounded[1] > ROUNDED_ALL || line;
         return q->rounded[1] > q->rounded[0] && clear;
     }
+    if (line)
+        return true;
     return s->tilted_near[1] > s->tilted_near[0] && s->tilted_near[1] > ZZERO_NEAR &&
            s->tilted_off[1] < s->tilted_off[0] && s->tilted_gap > ZZERO_GAP &&
-           s->blue_slope > ZZERO_SLOPE;
+           s->blue_slope > ZZERO_SLOPE &&
+           (s->tilted_gap > ZZERO_WIDE_GAP || s->blue_correlation > ZZERO_GENTLE_FOLLOWS);
 }
 
 /* Share of the texels on the rarer side. */
@@ -208,17 +236,25 @@ static double length_error(const ntp_stats *s, int32_t first_bin, int32_t last_b
     return count > 0 ? sum / count : 0;
 }
 
+/* Share of the texels that are steeper than 1/2. */
+static double steep_share(const question *q)
+{
+    return count_bins(q->s, NTP_STEEPNESS_BINS / 2, NTP_STEEPNESS_BINS) / q->used;
+}
+
 static bool is_object_space(question *q)
 {
     double z = rarer(q->negative), red = rarer(q->red_low), green = rarer(q->green_low);
     bool mixed = z > MIXED_LEAST && red > MIXED_LEAST && green > MIXED_LEAST;
     if (z < DIRECTIONS_LEAST || red < AXIS_LEAST || green < AXIS_LEAST ||
+        steep_share(q) < BODY_STEEP_LEAST || keep_to_a_line(q->s, 0, 1) ||
         q->near[0] < (mixed ? MIXED_UNIT_SHARE : NEAR_UNIT_SHARE) || prefers_zzero(q) ||
         length_error(q->s, TILTED_FIRST_BIN, TILTED_LAST_BIN) > TILTED_ERROR_MOST)
         return false;
     because(q, NTP_REASON_ALL_DIRECTIONS, q->negative);
     because(q, NTP_REASON_NEAR_UNIT, q->near[0]);
-    return is(q, NTP_CLASS_OBJECT_SPACE, mixed && q->unit[0] > UNIT_SHARE ? 0.96 : 0.8);
+    bool sure = mixed && q->unit[0] > UNIT_SHARE && q->unit[1] < UNIT_SHARE;
+    return is(q, NTP_CLASS_OBJECT_SPACE, sure ? 0.96 : 0.8);
 }
 
 static bool is_blue_constant(question *q)
@@ -262,37 +298,49 @@ static void note_damage(question *q, bool zzero)
     }
 }
 
-/* Of the tilted texels few fit, so that what fits may do so because it is flat.  tilted_near takes z
- * for positive; for a flipped one the texels steeper than 1/8 are asked, and there have to be some. */
-static bool fits_only_flat(const question *q, bool zzero, bool flipped)
+/*
+ * Share of the tilted texels that fit; 1 where none are tilted, so that nothing speaks against it.
+ * tilted_near takes z for positive; for a flipped one the texels steeper than 1/8 are asked, and there
+ * have to be some.
+ */
+static double fit_on_slopes(const question *q, bool zzero, bool flipped)
 {
     const ntp_stats *s = q->s;
-    double tilted = (double) s->tilted, fit = s->tilted_near[zzero];
-    if (flipped) {
-        double wrong = 0;
-        tilted = 0;
-        for (int32_t i = 1; i < NTP_STEEPNESS_BINS; i++) {
-            tilted += (double) s->steepness[i];
-            wrong += (double) s->steepness_not_neighbor[i];
-        }
-        fit = tilted > TILTED_LEAST * q->used ? 1 - wrong / tilted : 0;
-    }
-    return (flipped || tilted > TILTED_LEAST * q->used) && fit < TILTED_NEAR_LEAST;
+    double sloping = count_bins(s, 1, NTP_STEEPNESS_BINS), wrong = 0;
+    if (!flipped)
+        return s->tilted > 0 ? s->tilted_near[zzero] : 1;
+    for (int32_t i = 1; i < NTP_STEEPNESS_BINS; i++)
+        wrong += (double) s->steepness_not_neighbor[i];
+    return sloping > TILTED_LEAST * q->used ? 1 - wrong / sloping : 0;
 }
 
 /* Lengths are off, but as damage puts them off: how sure; 0: no. */
 static double fits_loosely(const question *q, bool zzero, double follows)
 {
     const ntp_fit *fit = zzero ? &q->s->zzero : &q->s->standard;
-    double spread_most = SPREAD_MOST + SPREAD_FOLLOWING * most(follows, 0);
+    bool upright = zzero || rarer(q->negative) < NEGATIVE_DAMAGED;
+    double spread_most = SPREAD_MOST + (upright ? SPREAD_FOLLOWING * most(follows, 0) : 0);
     double mean = fit->used_length_mean;
     if (fit->used_length_sd > spread_most || mean < LENGTH_LEAST || mean > LENGTH_MOST ||
         q->lean > LEAN_MOST || q->too_long > TOO_LONG_SHARE ||
         (q->lean > LEAN_CENTERED && q->near[zzero] < NEAR_UNIT_SHARE))
         return 0;
     if (q->near[zzero] > NEAR_UNIT_SHARE)
-        return blend(0.8, 0.93, (q->near[zzero] - NEAR_UNIT_SHARE) / 0.1);
+        return blend(0.8, LOOSE_SURE, (q->near[zzero] - NEAR_UNIT_SHARE) / 0.1);
     return blend(0.6, 0.8, (spread_most - fit->used_length_sd) / SPREAD_MOST);
+}
+
+/* Does blue go up and down with z, by as much? */
+static bool follows_z(const question *q, bool flipped, double correlation)
+{
+    return follows_as(q, flipped ? -1 : 1, correlation, Z_SLOPE_OFF);
+}
+
+/* Do lengths keep close together, on slopes as well, where blue goes with z at all? */
+static bool keeps_length(const question *q, double follows)
+{
+    return has_slopes(q) && follows > BLUE_FOLLOWS && q->s->standard.used_length_sd < KEPT_SPREAD &&
+           length_error(q->s, 1, NTP_STEEPNESS_BINS - 1) < KEPT_SLOPING_ERROR;
 }
 
 static bool is_normals(question *q)
@@ -300,17 +348,23 @@ static bool is_normals(question *q)
     const ntp_stats *s = q->s;
     bool zzero = prefers_zzero(q), flipped = q->negative > FLIPPED_SHARE && !zzero;
     double follows = flipped ? -s->blue_correlation : s->blue_correlation;
-    bool flat_only = fits_only_flat(q, zzero, flipped), idle = follows < BLUE_FOLLOWS;
+    double on_slopes = fit_on_slopes(q, zzero, flipped);
+    bool enough = flipped || (double) s->tilted > TILTED_LEAST * q->used;
+    bool flat_only = enough && on_slopes < TILTED_NEAR_LEAST, idle = follows < BLUE_FOLLOWS;
     bool tight = q->unit[zzero] > UNIT_SHARE && !(flat_only && idle);
     double sure = tight ? 0.97 : fits_loosely(q, zzero, follows);
     if (sure == 0)
         return false;
-    if (flat_only || (!tight && q->lean > LEAN_SLANTED))
+    bool closely = follows_z(q, flipped, Z_FOLLOWS_CLOSELY);
+    bool seen = tight && on_slopes >= TILTED_NEAR_SURE &&
+                (s->tilted >= SLOPING_TEXELS_LEAST || q->unit[zzero] > UNIT_FLAT_SURE);
+    if (closely && !tight)
+        sure = LOOSE_SURE;
+    if ((flat_only && !closely) || (!tight && q->lean > LEAN_SLANTED))
         sure = least(sure, 0.8);
-    if (!tight && !zzero &&
-        (s->standard.used_length_sd > SPREAD_MOST ||
-         length_error(s, 1, NTP_STEEPNESS_BINS - 1) > SLOPING_ERROR_MOST))
-        sure = least(sure, SLOPING_SURE);
+    if (s->channel[2].min == s->channel[2].max ||
+        !(seen || follows_z(q, flipped, Z_FOLLOWS) || keeps_length(q, follows)))
+        sure = least(sure, UNSEEN_SURE);
     if (!zzero && !flipped && q->negative > NEGATIVE_MOST)
         sure = least(sure, NEGATIVE_SURE);
     if (keep_to_a_line(s, 0, 1) && (!tight || q->lean > LEAN_MOST))
@@ -318,6 +372,8 @@ static bool is_normals(question *q)
     is(q, zzero ? NTP_CLASS_ZZERO : NTP_CLASS_STANDARD, sure);
     if (tight)
         because(q, zzero ? NTP_REASON_UNIT_ZZERO : NTP_REASON_UNIT, q->unit[zzero]);
+    else if (closely)
+        because(q, NTP_REASON_FOLLOWS, follows);
     else
         because(q, zzero ? NTP_REASON_NEAR_UNIT_ZZERO : NTP_REASON_NEAR_UNIT, q->near[zzero]);
     if (zzero) {
@@ -359,13 +415,36 @@ static bool is_padded(question *q)
               blend(0.7, PADDED_SURE, (s->tilted_near[zzero] - PADDED_NEAR) / 0.15));
 }
 
+/* Standard after compression that left blue little of its own: all three channels go together. */
+static bool is_compressed(question *q)
+{
+    const ntp_stats *s = q->s;
+    double alike = least(s->correlation[1], s->correlation[2]);
+    if (alike < COMPRESSED_ALIKE || s->used_mean[2] < OPEN_BLUE || q->lean > LEAN_SLANTED ||
+        q->negative > NEGATIVE_DAMAGED || q->too_long > TOO_LONG_SHARE ||
+        q->near[0] < COMPRESSED_NEAR || s->standard.used_length_mean < LENGTH_LEAST)
+        return false;
+    q->out->accidents |= NTP_ACCIDENT_LOSSY;
+    because(q, NTP_REASON_ALL_ALIKE, alike);
+    because(q, NTP_REASON_XY_CENTERED, q->lean);
+    return is(q, NTP_CLASS_STANDARD, COMPRESSED_SURE);
+}
+
+/* What varies in a picture is brightness, in all its channels, and seldom about the middle. */
+static bool is_bright_and_dark(const question *q)
+{
+    double alike = 0;
+    for (int32_t i = 0; i < 3; i++)
+        alike = most(alike, distance(q->s->correlation[i], 0));
+    return q->lean > LEAN_PICTURE && alike > ALIKE;
+}
+
 static bool is_xy(question *q)
 {
     const ntp_stats *s = q->s;
-    double steep = 0, middle = (double) (s->steepness[0] + s->steepness[1]) / q->used;
-    for (int32_t i = NTP_STEEPNESS_BINS / 2; i < NTP_STEEPNESS_BINS; i++)
-        steep += (double) s->steepness[i] / q->used;
-    if (q->too_long > TOO_LONG_SHARE || q->lean > LEAN_CENTERED || steep > STEEP_MOST)
+    double middle = (double) (s->steepness[0] + s->steepness[1]) / q->used;
+    if (q->too_long > TOO_LONG_SHARE || q->lean > LEAN_CENTERED || steep_share(q) > STEEP_MOST ||
+        is_bright_and_dark(q))
         return false;
     double ends = (double) (s->alpha_zero + s->alpha_full) / (double) s->texels;
     bool alpha = s->used_sd[3] > ALPHA_VARIES && ends < ALPHA_ENDS_MOST;
@@ -396,7 +475,7 @@ static void classify(question *q)
 {
     if (is_dxt5nm(q) || is_one_color(q) || is_height(q) || is_two_channels(q) || is_gamma(q) ||
         is_blue_constant(q) || is_swapped(q) || is_object_space(q) || is_normals(q) ||
-        is_padded(q) || is_xy(q))
+        is_padded(q) || is_compressed(q) || is_xy(q))
         return;
     because(q, NTP_REASON_NOT_UNIT, q->near[0]);
     if (q->too_long > TOO_LONG_SHARE)

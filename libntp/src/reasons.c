@@ -51,6 +51,8 @@ static const char *const TEXTS[] = {
     "blue is not z",
     "it is so flat that deriving and normalizing do about the same",
     "% of the used texels are too long, hardly any too short, which only a wrong blue does",
+    "all three channels go together, with a correlation of #, as lossy compression makes them",
+    "blue goes up and down with the z of red and green, with a correlation of #",
 };
 
 typedef struct buffer {
