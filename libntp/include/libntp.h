@@ -837,7 +837,8 @@ typedef enum ntp_prior {
 typedef enum ntp_measured {
     NTP_MEASURE_NOT = 0,
     NTP_MEASURE_ALL = 1,   /* all texels */
-    NTP_MEASURE_INSIDE = 2 /* of at most 128 rows, texels whose kernel reaches over no border */
+    NTP_MEASURE_INSIDE = 2 /* of at most 128 rows, texels whose kernel reaches over no border, and
+                            * that lie not beside an edge that was fitted again */
 } ntp_measured;
 
 typedef struct ntp_height_options {

@@ -168,6 +168,8 @@ void ntp__filter_columns(const ntp__filter *f, const ntp_image *dst, int32_t x0,
 
 /* --------------------------------------------------------------------------------- edges */
 
+enum { NTP__EDGE_LINES = 3 }; /* whose slopes change */
+
 /* Fits the outermost texels along central, extrapolated borders again, with full weights; sets the
  * range then.  In whole images only. */
 size_t ntp__edges_bytes(const ntp__problem *p);

@@ -17,8 +17,8 @@
 #include <string.h>
 
 enum {
-    LINES = 2,          /* that are fitted */
-    DEEP = LINES + 1,   /* lines whose slopes inward change */
+    DEEP = NTP__EDGE_LINES,
+    LINES = DEEP - 1,   /* that are fitted */
     LEAST = DEEP + 1,   /* texels across, for none of these to be at the other edge */
     ARRAYS = 2 + 3 + 2, /* the right-hand sides, the factors, a row of slopes */
     SIDES = 2           /* of an axis */

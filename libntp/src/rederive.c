@@ -9,6 +9,7 @@
 #include "rederive.h"
 
 #include "direction.h"
+#include "integrate.h"
 
 #include <math.h>
 
@@ -24,9 +25,19 @@ static void hold_inside(int32_t *first, int32_t *end, const ntp__line *line)
     *end = line->high < *end ? line->high : *end;
 }
 
-static void choose_seen(ntp__rederive *r, bool only_inside)
+/* The lines whose slopes the direct solver fits again, of an edge that may well be none. */
+static void hold_off_edges(int32_t *first, int32_t *end, ntp_border border)
+{
+    if (border == NTP_BORDER_EXTRAPOLATE && *end - *first > 4 * NTP__EDGE_LINES) {
+        *first += NTP__EDGE_LINES - 1;
+        *end -= NTP__EDGE_LINES - 1;
+    }
+}
+
+static void choose_seen(ntp__rederive *r, const ntp_height_options *how)
 {
     const ntp__stencil *s = r->stencil;
+    bool only_inside = how->measure == NTP_MEASURE_INSIDE;
     r->seen = (ntp_rect) { 0, 0, r->width, r->height };
     r->rows = only_inside ? MOST_ROWS : r->height;
     for (int32_t t = 0; only_inside && t < s->terms; t++) {
@@ -34,6 +45,10 @@ static void choose_seen(ntp__rederive *r, bool only_inside)
         hold_inside(&r->seen.x0, &r->seen.x1, &s->across_x[t]);
         hold_inside(&r->seen.y0, &r->seen.y1, &s->along_y[t]);
         hold_inside(&r->seen.y0, &r->seen.y1, &s->across_y[t]);
+    }
+    if (only_inside && how->kernel == NTP_KERNEL_CENTRAL && how->method != NTP_HEIGHT_WEIGHTED) {
+        hold_off_edges(&r->seen.x0, &r->seen.x1, how->border_x);
+        hold_off_edges(&r->seen.y0, &r->seen.y1, how->border_y);
     }
 }
 
@@ -62,7 +77,7 @@ void ntp__rederive_init(ntp__rederive *r, const ntp__slopes *slopes, const ntp_h
     if (memory->base != NULL) {
         ntp__stencil_init(r->stencil, baked ? NTP_KERNEL_CENTRAL : how->kernel, how->border_x,
                           how->border_y, width, height, false);
-        choose_seen(r, how->measure == NTP_MEASURE_INSIDE);
+        choose_seen(r, how);
     }
 }
 

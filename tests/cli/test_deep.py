@@ -79,9 +79,9 @@ def rms_off_inside(n):
     p, q = reconstruction.slopes(n)
     free = reconstruction.EXTRAPOLATE
     ours = reconstruction.by_eigenvectors(p, q, "central", free, free)
-    p2 = (ours[1:-1, 2:] - ours[1:-1, :-2]) / 2
-    q2 = (ours[2:, 1:-1] - ours[:-2, 1:-1]) / 2
-    pair = (p[1:-1, 1:-1], q[1:-1, 1:-1]), (p2, q2)
+    p2 = (ours[3:-3, 4:-2] - ours[3:-3, 2:-4]) / 2
+    q2 = (ours[4:-2, 3:-3] - ours[2:-4, 3:-3]) / 2
+    pair = (p[3:-3, 3:-3], q[3:-3, 3:-3]), (p2, q2)
     a, b = (np.stack(v) / np.sqrt(1 + v[0] ** 2 + v[1] ** 2) for v in pair)
     return np.sqrt(np.mean((a - b) ** 2)) * 127.5
 
