@@ -34,6 +34,7 @@ ACCIDENTS = {
 
 _METHODS: tuple[Literal["derive", "normalize", "keep"], ...] = ("derive", "normalize", "keep")
 _CLAUSE = 128  # bytes of a reason, as a rule
+_COLOR = 3  # channels; fewer are gray, or gray and alpha, which may be x and y
 
 
 @dataclass(frozen=True)
@@ -77,9 +78,8 @@ def _facts(src: ArrayLike | Stats, type: MeasuredType, touch_unused: bool, threa
 
 
 def _natural_type(src: NDArray[Any]) -> MeasuredType:
-    """What an array is measured as when its type is not known."""
-    channels = src.shape[2] if src.ndim == 3 else 1
-    return "height" if channels == 1 else "xy" if channels == 2 else "standard"
+    """What an array is measured as when its type is not known, as on the command line."""
+    return "standard" if src.ndim == 3 and src.shape[2] >= _COLOR else "height"
 
 
 def _classification(stats: Any) -> Classification:
@@ -105,7 +105,7 @@ def classify(
     Parameters
     ----------
     src : array, (height, width) or (height, width, 1 to 4), or Stats
-        A texture, or what `measure` said about it.  Two channels are taken for x and y.
+        A texture, or what `measure` said about it.  Two channels may be gray and alpha, or x and y.
     touch_unused : bool
         Look at pure black, pure white and transparent texels too.
     threads : int

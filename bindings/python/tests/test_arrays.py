@@ -152,6 +152,17 @@ def test_exceptions_of_strips_are_raised(who):
     assert sorted(written) == [0, 1]
 
 
+def test_nobody_waits_for_a_helper_that_has_not_begun(monkeypatch):
+    """And then it does nothing any more."""
+    waiting, called = [], []
+    monkeypatch.setattr(_threads, "start_new_thread", lambda run, arguments: waiting.append(run))
+    helpers = _threads.Helpers(2, lambda: called.append(1))
+    waiting.pop()()
+    helpers.wait()
+    waiting.pop()()
+    assert called == [1] and helpers.results() == [None]
+
+
 def test_without_more_threads_the_caller_does_it_all(monkeypatch):
     def none(function, arguments):
         raise RuntimeError("can't start new thread")

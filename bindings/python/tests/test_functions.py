@@ -482,6 +482,14 @@ def test_auto_is_what_the_texels_say(test_files):
     assert np.array_equal(nt.heatmap(damaged, type="auto"), nt.heatmap(damaged, type="zzero"))
     with pytest.raises(nt.ArgumentError, match="not-normals"):
         nt.clean(nt.read(test_files / "photograph.png"), type="auto")
+    pairs = nt.read(test_files / "standard.png")[..., :2]
+    assert nt.classify(pairs).type == "xy"
+    assert np.array_equal(nt.clean(pairs, type="auto"), nt.clean(pairs, type="xy"))
+    gray_alpha = np.full((*pairs.shape[:2], 2), 255, np.uint8)
+    gray_alpha[..., 0] = nt.read(test_files / "height_gray8.png")[: len(pairs), : pairs.shape[1]]
+    assert nt.classify(gray_alpha).type == "height"
+    with pytest.raises(nt.ArgumentError, match="height"):
+        nt.clean(gray_alpha, type="auto")
     lossy = nt.read(test_files / "jpeg.jpg")
     method = nt.choose_method(lossy).method
     assert np.array_equal(nt.clean(lossy, method="auto"), nt.clean(lossy, method=method))
