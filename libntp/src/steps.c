@@ -143,7 +143,7 @@ static void sort(sample *s, int32_t n)
     }
 }
 
-/* Fills s, sorted, and returns how many there are. */
+/* Fills s and returns how many there are. */
 static int32_t gather(sample s[SAMPLES], const reader *r)
 {
     ntp__block b;
@@ -153,7 +153,6 @@ static int32_t gather(sample s[SAMPLES], const reader *r)
         for (int32_t i = k % EVERY; i < length && n < SAMPLES; i += EVERY)
             n += take(&s[n], r, &b, i);
     }
-    sort(s, n);
     return n;
 }
 
@@ -238,14 +237,15 @@ static comb fit_of(const sample *s, int32_t n, double step)
     return c;
 }
 
-/* The best comb with a step of least..most. */
-static comb best_comb(const sample *s, int32_t n, double least, double most)
+/* The best comb with a step of least..most.  Sorts all samples only where some agree with a comb. */
+static comb best_comb(sample *s, int32_t n, double least, double most)
 {
     sample few[FEW];
     comb best = { 0 };
     int32_t m = 0;
     for (int32_t i = 0; i < FEW && i < n; i++)
         few[m++] = s[n <= FEW ? i : (int32_t) ((int64_t) i * n / FEW)];
+    sort(few, m);
     for (double step = most; step >= least; step *= FINER) {
         double exact = refined(few, m, step);
         if (exact == 0)
@@ -254,7 +254,10 @@ static comb best_comb(const sample *s, int32_t n, double least, double most)
         if (c.evidence > best.evidence)
             best = c;
     }
-    return best.step > 0 ? fit_of(s, n, best.step) : best;
+    if (best.step == 0)
+        return best;
+    sort(s, n);
+    return fit_of(s, n, best.step);
 }
 
 /* ------------------------------------------------------------------------ how they lie */
@@ -322,13 +325,15 @@ static axis_steps find_axis(const reader *r)
 {
     sample s[SAMPLES];
     axis_steps axis = { 0 };
-    double width = 0;
+    double width = 0, farthest = 0;
     int32_t n = gather(s, r);
     if (n < LEAST_SAMPLES)
         return axis;
-    for (int32_t i = 0; i < n; i++)
+    for (int32_t i = 0; i < n; i++) {
         width += (double) s[i].high - (double) s[i].low;
-    axis.comb = best_comb(s, n, width / n / MOST_CHANCE, (double) s[n - 1].high / LEAST_TEETH);
+        farthest = (double) s[i].high > farthest ? (double) s[i].high : farthest;
+    }
+    axis.comb = best_comb(s, n, width / n / MOST_CHANCE, farthest / LEAST_TEETH);
     const comb *c = &axis.comb;
     axis.found = c->teeth >= LEAST_TEETH && c->share >= LEAST_SHARE &&
                  c->evidence >= LEAST_EVIDENCE && !levels_explain(s, r, c) && lie_as_rounded(r, c);
