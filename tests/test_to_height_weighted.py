@@ -86,6 +86,24 @@ def test_every_kernel_and_border(kernel, border_x):
 # --------------------------------------------------------------------- holes and islands
 
 
+def maze(shape, rng):
+    """Corridors one texel wide, with one way from each texel to each other one; True: corridor."""
+    used = np.zeros(shape, bool)
+    path = [(0, 0)]
+    used[0, 0] = True
+    while path:
+        y, x = path[-1]
+        ways = [(y + 2, x), (y - 2, x), (y, x + 2), (y, x - 2)]
+        ways = [w for w in ways if 0 <= w[0] < shape[0] and 0 <= w[1] < shape[1] and not used[w]]
+        if ways:
+            to = ways[rng.integers(len(ways))]
+            used[to] = used[(y + to[0]) // 2, (x + to[1]) // 2] = True
+            path.append(to)
+        else:
+            path.pop()
+    return used
+
+
 def masks(shape, rng):
     """Name and holes (True) of masks of one shape."""
     h, w = shape
@@ -97,6 +115,7 @@ def masks(shape, rng):
         "disc": disc,
         "islands": (x == w // 2) | (y == 2),
         "labyrinth": walls,
+        "maze": ~maze(shape, rng),
         "one texel": ~((x == 3) & (y == 4)),
     }
 
@@ -128,6 +147,36 @@ def test_holes(kernel, border):
         assert np.all(ours[holes] == 0)
         for i in range(count):
             assert abs(ours[label == i].mean(dtype=np.float64)) < 1e-6 * max(np.ptp(ours), 1e-3)
+
+
+@pytest.mark.parametrize(
+    ("kernel", "border", "most"),
+    [
+        *[("forward", WRAP, 2), ("forward", CLAMP, 2), ("sobel3", WRAP, 2)],
+        *[("central", WRAP, 700), ("central", CLAMP, 700)],
+    ],
+)
+def test_mazes(kernel, border, most):
+    """Where corridors are a texel wide and make no loop, sums along them are the solution; but for
+    central slopes, which skip a texel."""
+    rng = np.random.default_rng(41)
+    used = maze((102, 120), rng)  # at no border that wraps is there another corridor
+    h = fractal(120)[:102]
+    n = from_height(h, kernel, border, border)
+    how = {"kernel": kernel, "border_x": border, "border_y": border}
+    ours, result = weighted(n, mask=used.astype(np.uint8), **how)
+    assert result["iterations"] <= most and result["error"] <= 1e-6
+    assert result["islands"] == 1 and np.all(ours[~used] == 0)
+    # Along the way each height is the one before and the mean of two slopes, or the slope.
+    p, q = slopes(n)
+    along = used[:, :-1] & used[:, 1:], used[:-1] & used[1:]
+    want = (p[:, :-1] + p[:, 1:]) / 2, (q[:-1] + q[1:]) / 2
+    if kernel == "forward":
+        want = p[:, :-1], q[:-1]
+    got = ours[:, 1:] - ours[:, :-1], ours[1:] - ours[:-1]
+    for a, b, where in zip(got, want, along, strict=True):
+        off = np.abs(a - b)[where]
+        assert off.max() < 1e-5 if kernel != "central" else np.median(off) < 0.02
 
 
 def test_what_is_a_hole():

@@ -295,6 +295,7 @@ ntp_status ntp__weighted_solve(const ntp_image *dst, const ntp__slopes *slopes, 
     double scale = sqrt(total(w.sum, w.height));
     memset(w.x, 0, texels * sizeof *w.x);
     memset(w.a, 0, texels * sizeof *w.a);
+    ntp__weighted_start(&w);
     ntp_status status = iterate(&w, scale, result);
     if (status == NTP_ERR_CANCELLED)
         return status;

@@ -100,6 +100,10 @@ void ntp__spectrum_init(ntp__spectrum *s, ntp__scratch *memory, ntp_kernel kerne
                         ntp_border border, int32_t n, void *fft_work);
 size_t ntp__spectrum_work(ntp_border border, int32_t n);
 
+/* In a maze: heights in x that nearly fit; false: it is none, x is as it was.  Works in r, d, a, and
+ * leaves zeros in a. */
+bool ntp__weighted_start(ntp__weighted *w);
+
 /* Subtracts its mean from each island of x, 4-connected texels that are no holes, and the best
  * plane where trend is not NULL; returns how many there are (islands.c).  Works in r, d, a. */
 uint64_t ntp__islands_level(ntp__weighted *w, double trend[2]);

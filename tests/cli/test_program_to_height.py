@@ -306,9 +306,9 @@ def maze(rng, side):
 
 def test_what_does_not_converge_is_said(run, tmp_path):
     rng = np.random.default_rng(1)
-    write_png(tmp_path / "n.png", rng.integers(90, 166, (161, 161, 3)).astype(np.uint8))
-    write_png(tmp_path / "mask.png", maze(rng, 161))
-    args = ["--from", "standard", "--kernel", "forward"]
+    write_png(tmp_path / "n.png", rng.integers(90, 166, (162, 162, 3)).astype(np.uint8))
+    write_png(tmp_path / "mask.png", np.kron(maze(rng, 81), np.ones((2, 2), np.uint8)))
+    args = ["--from", "standard", "--kernel", "forward", "--z", "stored"]
     done = run("to-height", "n.png", "-o", "x.png", *args, "--mask", "mask.png")
     assert done.returncode == 2 and not (tmp_path / "x.png").exists()
     assert "n.png: the weighted least squares did not reach their tolerance" in done.stderr
