@@ -378,7 +378,8 @@ static bool is_normals(question *q)
         because(q, zzero ? NTP_REASON_NEAR_UNIT_ZZERO : NTP_REASON_NEAR_UNIT, q->near[zzero]);
     if (zzero) {
         because(q, NTP_REASON_PREFERS_ZZERO, s->tilted_near[1]);
-        if (q->rounded[1] < ROUNDED_SHARE)
+        bool line = follows_as(q, 2, ZZERO_FOLLOWS, ZZERO_SLOPE_OFF);
+        if (q->rounded[1] < ROUNDED_SHARE || !(line || q->rounded[1] > ROUNDED_ALL))
             q->out->confidence = least(sure, 0.8);
         else if (s->tilted_gap < ZZERO_SURE_GAP)
             q->out->confidence = least(sure, ZZERO_SURE);

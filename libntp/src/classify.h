@@ -107,7 +107,8 @@ static const double ZZERO_NEAR = 0.5, ZZERO_SLOPE = 1.5, ZZERO_GAP = 3;
 
 /* Below 6 levels a blurred standard texture may still lie nearer to Z-zero and have its slope,
  * but blue then no longer follows red and green closely.  Where it does, at a slope of 2, it is
- * Z-zero whatever the levels: of standard ones with this correlation none came near 1.8. */
+ * Z-zero whatever the levels: of standard ones with this correlation none came near 1.8.  Off this
+ * line only honest rounding of all texels is sure. */
 static const double ZZERO_WIDE_GAP = 6, ZZERO_GENTLE_FOLLOWS = 0.9;
 static const double ZZERO_FOLLOWS = 0.97, ZZERO_SLOPE_OFF = 0.2;
 
