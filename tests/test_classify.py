@@ -4,8 +4,8 @@
 The seed is drawn anew at each run and printed; NTP_SEED repeats a run.  With CI set it is always
 CI_SEED, so that a change is judged by its own effect.  Bounds on shares are more than five standard
 deviations away from what hundreds of seeds gave.  No wrong answer may have a confidence of 0.9 or
-more, neither in these draws nor in those of FIXED_SEEDS; in 37,800 draws of seeds that nobody had
-looked at before none had more than 0.85.
+more, neither in these draws nor in those of FIXED_SEEDS; in 513,800 draws of other seeds, 110,600 of
+them looked at only after the last change of a rule, none had more than 0.85.
 """
 
 import os
