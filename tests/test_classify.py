@@ -324,6 +324,17 @@ def test_pictures_are_no_normals(paint):
     assert wrong <= 4
 
 
+def test_a_gray_chart_is_not_taken_for_gamma_encoded_normals():
+    """A gray of 230 is of unit length where it is decoded from sRGB."""
+    pixels = np.full((300, 300, 3), 230, np.uint8)
+    pixels[:20] = pixels[:, :20] = 255
+    for y in range(40, 260, 30):
+        pixels[y : y + 4, 30:280] = 60
+    pixels[100:140, 60:90] = 23, 179, 183
+    pixels[150:190, 160:190] = 243, 94, 90
+    assert classify(maps.Case("chart", pixels, maps.NOT_NORMALS)).type == maps.NOT_NORMALS
+
+
 def test_fades_are_not_taken_for_normals_with_confidence():
     """A line of colors through the middle of the disc has lengths near 1 as normals do."""
     rng = np.random.default_rng(11)

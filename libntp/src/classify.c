@@ -154,9 +154,10 @@ static bool is_gamma(question *q)
 {
     const ntp_stats *s = q->s;
     double flat = (double) s->near_gamma_flat / q->used;
+    double rise = s->used_mean[2] - most(s->used_mean[0], s->used_mean[1]);
     if (s->gamma_near_unit < GAMMA_SHARE || s->gamma_near_unit < q->near[0] + 0.1 ||
         distance(s->used_mean[0], GAMMA_FLAT) > GAMMA_SPREAD ||
-        distance(s->used_mean[1], GAMMA_FLAT) > GAMMA_SPREAD || s->used_mean[2] < 0.8)
+        distance(s->used_mean[1], GAMMA_FLAT) > GAMMA_SPREAD || rise < GAMMA_RISE)
         return false;
     q->out->accidents |= NTP_ACCIDENT_GAMMA;
     because(q, NTP_REASON_GAMMA, s->gamma_near_unit);

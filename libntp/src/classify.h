@@ -90,8 +90,9 @@ static const double MIDDLE = 0.15, ALPHA_ENDS_MOST = 0.05;
 /* Red and blue of DXT5nm: constant but for what block compression does to them. */
 static const double IDLE_DEVIATION = 0.02;
 
-/* Stored as sRGB, flat is 188/255 = 0.737, and slopes of 1 spread the mean by less than this. */
-static const double GAMMA_FLAT = 0.737, GAMMA_SPREAD = 0.12, GAMMA_SHARE = 0.85;
+/* Stored as sRGB, flat is 188/255 = 0.737, and slopes of 1 spread the mean by less than this.  The
+ * mean of blue is above theirs by 0.2 and more; a gray of 230 has unit length too. */
+static const double GAMMA_FLAT = 0.737, GAMMA_SPREAD = 0.12, GAMMA_SHARE = 0.85, GAMMA_RISE = 0.1;
 
 /* A channel that does not vary: deviation of an eighth of an 8-bit level. */
 static const double CONSTANT_DEVIATION = 0.0005;
