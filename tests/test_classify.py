@@ -9,7 +9,6 @@ them looked at only after the last change of a rule, none had more than 0.85.
 """
 
 import os
-import re
 from collections import Counter
 
 import numpy as np
@@ -17,6 +16,7 @@ import pytest
 
 import libntp_ffi as ntp
 import maps
+import surfaces
 
 DRAWS = 700
 FIXED_DRAWS = 250
@@ -173,8 +173,8 @@ def test_every_answer_has_a_reason(judged):
 
 
 def sample(family, strength, rng, size=128):
-    height = getattr(maps, family)(rng, size, size)
-    return maps.normals_of(height, strength)
+    height = getattr(surfaces, family)(rng, size, size)
+    return surfaces.normals_of(height, strength)
 
 
 def rounded(n):
@@ -264,7 +264,7 @@ DAMAGES = {
 }
 
 
-@pytest.mark.parametrize("family", [f.__name__ for f in maps.FAMILIES])
+@pytest.mark.parametrize("family", [f.__name__ for f in surfaces.FAMILIES])
 @pytest.mark.parametrize("damage", DAMAGES)
 def test_known_errors_of_the_reference_program(damage, family):
     apply, kind, accident = DAMAGES[damage]
@@ -368,10 +368,10 @@ def test_mostly_flat_with_another_blue_is_not_sure():
         for radius in (0.08, 0.12, 0.16):
             r = radius * size
             inside = np.maximum(r * r - (x - size / 2) ** 2 - (y - size / 2) ** 2, 0)
-            height = maps._blur(np.sqrt(inside), 0.7)
+            height = surfaces.blur(np.sqrt(inside), 0.7)
             for strength in (0.25, 0.5, 1.0):
-                levels = rounded(maps.normals_of(height, strength))
-                around = maps._blur(height, r / 3) - height
+                levels = rounded(surfaces.normals_of(height, strength))
+                around = surfaces.blur(height, r / 3) - height
                 for name, blue in {
                     "height": height / height.max(),
                     "occlusion": np.clip(1 - 4 * np.maximum(around, 0) / height.max(), 0, 1),
@@ -385,7 +385,7 @@ def test_mostly_flat_with_another_blue_is_not_sure():
 
 
 def test_well_formed_textures_are_sure():
-    for family in (f.__name__ for f in maps.FAMILIES):
+    for family in (f.__name__ for f in surfaces.FAMILIES):
         for strength in (0.3, 0.8, 2):
             n = sample(family, strength, np.random.default_rng(8))
             result = classify(maps.Case(family, rounded(n), S))
@@ -532,84 +532,6 @@ def test_method_of_plain_cases():
     padded[:20] = 0
     assert choose(maps.Case("padded", padded, S))[0] == ntp.KEEP
     assert choose(maps.Case("XY", rounded(n), maps.XY))[0] in (ntp.DERIVE, ntp.KEEP)
-
-
-# --------------------------------------------------------------------------- names, reasons
-
-
-def reason_codes():
-    text = ntp.HEADER.read_text(encoding="utf-8")
-    return {name: int(n) for name, n in re.findall(r"(NTP_REASON_\w+) = (\d+)", text)}
-
-
-def text_of(code, value, room=400):
-    reason = ntp.ffi.new("ntp_reason *", [code, value])
-    buffer = ntp.ffi.new("char[]", max(room, 1))
-    return ntp.lib.ntp_reason_text(buffer, room, reason), ntp.ffi.string(buffer).decode()
-
-
-def test_reason_texts():
-    codes = reason_codes()
-    texts = {name: text_of(code, 0.5)[1] for name, code in codes.items()}
-    assert len(set(texts.values())) == len(texts) == max(codes.values()) + 1
-    for text in texts.values():
-        assert text[0].islower() or text[0].isdigit()
-        assert not text.endswith(".") and "  " not in text
-    for code in (-1, max(codes.values()) + 1, 2**31 - 1):
-        assert text_of(code, 1)[1] == text_of(0, 1)[1]
-
-
-def test_reason_numbers():
-    code = reason_codes()["NTP_REASON_NEAR_UNIT"]
-    tail = " of the used texels have about unit length"
-    for value, shown in [
-        (0, "0 %"), (1, "100 %"), (0.5, "50.0 %"), (0.97349, "97.3 %"), (0.99999, ">99.9 %"),
-        (1e-6, "<0.1 %"), (0.001, "0.1 %"), (2.5, "250.0 %"),
-    ]:  # fmt: skip
-        assert text_of(code, value)[1] == shown + tail
-    code = reason_codes()["NTP_REASON_XY_CENTERED"]
-    for value, shown in [(0.126, "0.13"), (0, "0.00"), (1.999, "2.00"), (-0.5, "-0.50")]:
-        assert f"by {shown} on" in text_of(code, value)[1]
-    for value in (float("nan"), float("inf"), -float("inf"), 1e300):
-        assert "000000000.00" in text_of(code, value)[1]
-
-
-def test_reason_text_is_cut_like_snprintf():
-    code = reason_codes()["NTP_REASON_UNIT"]
-    length, whole = text_of(code, 0.25)
-    assert length == len(whole)
-    for room in (0, 1, 2, 10, length, length + 1):
-        got_length, got = text_of(code, 0.25, room)
-        assert got_length == length
-        assert got == whole[: max(room - 1, 0)]
-    assert (
-        ntp.lib.ntp_reason_text(ntp.ffi.NULL, 0, ntp.ffi.new("ntp_reason *", [code, 0.25]))
-        == length
-    )
-    assert ntp.lib.ntp_reason_text(ntp.ffi.NULL, 9, ntp.ffi.NULL) > 0
-
-
-def test_class_names():
-    names = [ntp.ffi.string(ntp.lib.ntp_class_name(i)).decode() for i in range(7)]
-    assert names == maps.CLASSES
-    assert ntp.ffi.string(ntp.lib.ntp_class_name(99)) == b"unknown"
-
-
-def test_errors():
-    stats = ntp.ffi.new("ntp_stats *")
-    result = ntp.ffi.new("ntp_classification *")
-    method = ntp.ffi.new("ntp_method *")
-    null = ntp.ffi.NULL
-    assert ntp.lib.ntp_classify(result, stats) == ntp.ERR_ARGUMENT
-    assert ntp.lib.ntp_classify(null, stats) == ntp.ERR_ARGUMENT
-    assert ntp.lib.ntp_classify(result, null) == ntp.ERR_ARGUMENT
-    assert ntp.lib.ntp_choose_method(method, null, stats, 0, 0) == ntp.ERR_ARGUMENT
-    good = stats_of(maps.Case("", np.full((4, 4, 3), 128, np.uint8), S))
-    assert ntp.lib.ntp_choose_method(method, null, good, 0, 0) == ntp.OK
-    assert ntp.lib.ntp_choose_method(null, null, good, 0, 0) == ntp.ERR_ARGUMENT
-    assert ntp.lib.ntp_choose_method(method, null, null, 0, 0) == ntp.ERR_ARGUMENT
-    for encoding in (ntp.VECTOR, ntp.HEIGHT, 9):
-        assert ntp.lib.ntp_choose_method(method, null, good, encoding, 0) == ntp.ERR_ARGUMENT
 
 
 # ----------------------------------------------------------------- how blue goes with x, y

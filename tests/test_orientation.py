@@ -12,6 +12,7 @@ from PIL import Image
 import libntp_ffi as ntp
 import maps
 import oracle_orientation as oracle
+import surfaces
 
 SEED = int(os.environ.get("NTP_SEED", "20261121"))
 
@@ -155,7 +156,7 @@ def tiles(rng, h, w):
     lean = rng.uniform(-1, 1, (2, n * n))
     dy, dx = (y * n / h) % 1 - 0.5, (x * n / w) % 1 - 0.5
     top = rng.uniform(0, 1, n * n)[i] + lean[0][i] * dx + lean[1][i] * dy
-    return maps._blur(top, rng.uniform(0.8, 2))
+    return surfaces.blur(top, rng.uniform(0.8, 2))
 
 
 def diagonal(rng, h, w):
@@ -165,7 +166,7 @@ def diagonal(rng, h, w):
 
 
 FAMILIES = [
-    maps.fractal, maps.bricks, maps.bumps, maps.hemispheres, maps.scratches, maps.noise,
+    surfaces.fractal, surfaces.bricks, surfaces.bumps, surfaces.hemispheres, surfaces.scratches, surfaces.noise,
     tiles, diagonal,
 ]  # fmt: skip
 
@@ -354,7 +355,7 @@ def test_holes(rng):
         a = np.dstack([levels, np.full((256, 256), 255, np.uint8)])
         before = verdict(a)
         assert before in (0, up)
-        hole = maps._fft_noise(rng, 256, 256, 2) > 0.8
+        hole = surfaces.fft_noise(rng, 256, 256, 2) > 0.8
         a[hole, 3] = 0
         one = Orientation().measure(a)
         a[hole, :3] = rng.integers(0, 256, (int(hole.sum()), 3))

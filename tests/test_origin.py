@@ -7,6 +7,7 @@ import pytest
 import libntp_ffi as ntp
 import maps
 import oracle_height as heights
+import surfaces
 import test_to_height as reconstruction
 
 TRIED = ["central", "forward", "prewitt3", "sobel3", "scharr3", "prewitt5", "baked"]
@@ -22,7 +23,7 @@ def find(n, y=ntp.UP, encoding=ntp.STANDARD, touch=0):
 
 def bricks(n, seed=1):
     rng = np.random.default_rng(seed)
-    h = maps.bricks(rng, n, n) + 0.15 * maps.fractal(rng, n, n)
+    h = surfaces.bricks(rng, n, n) + 0.15 * surfaces.fractal(rng, n, n)
     slope = np.hypot(np.roll(h, -1, 1) - h, np.roll(h, -1, 0) - h)
     return (h * 0.5 / np.sqrt(np.mean(slope**2))).astype(np.float32)
 

@@ -13,6 +13,7 @@ import pytest
 
 import libntp_ffi as ntp
 import maps
+import surfaces
 
 SEED = int(os.environ.get("NTP_SEED", "20261121"))
 DIVISORS = {"central": 2, "forward": 1, "prewitt3": 6, "sobel3": 8}
@@ -61,7 +62,7 @@ def made(h, kernel="central", scale=25.0, levels=255):
     return vectors(step * sums(h, kernel, 1), step * sums(h, kernel, 0)), step
 
 
-def textures_of(kernel, scale, m, levels=255, surface=maps.fractal, seed=1, n=256):
+def textures_of(kernel, scale, m, levels=255, surface=surfaces.fractal, seed=1, n=256):
     h = quantized(surface(np.random.default_rng(seed), n, n), levels)
     v, step = made(h, kernel, scale, levels)
     return maps.to_type(maps.encode(v, m), m), step
@@ -93,7 +94,7 @@ def test_other_numbers_of_levels(levels):
 
 
 def test_smooth_bumps():
-    h = maps.bumps(np.random.default_rng(5), 256, 256)
+    h = surfaces.bumps(np.random.default_rng(5), 256, 256)
     for m, scale in ((255, 30), (65535, 6)):
         v, step = made(quantized(h), scale=scale)
         assert find(maps.to_type(maps.encode(v, m), m))["slope"] == pytest.approx(step, rel=0.01)
@@ -102,7 +103,7 @@ def test_smooth_bumps():
 def test_encoders():
     """8 bit: rounded, cut off, with 127 or 128 for 0; in a 16-bit image as well."""
     rng = np.random.default_rng(2)
-    v, step = made(quantized(maps.fractal(rng, 256, 256)), scale=30)
+    v, step = made(quantized(surfaces.fractal(rng, 256, 256)), scale=30)
     for style in ("rounded", "truncated", "flat127", "flat128"):
         n, _ = maps.encode_normals(rng, v, 255, style=style)
         found = find(n)
@@ -155,13 +156,13 @@ def test_drawn_textures():
 
 
 @pytest.mark.parametrize("m", [255, 65535])
-@pytest.mark.parametrize("surface", maps.FAMILIES)
+@pytest.mark.parametrize("surface", surfaces.FAMILIES)
 def test_good_textures(surface, m):
     """Heights of 16 bit and more, gentle and steep."""
     rng = np.random.default_rng(4)
     for strength in (0.02, 0.1, 0.5, 2):
         h = surface(rng, 256, 256)
-        assert not told(maps.to_type(maps.encode(maps.normals_of(h, strength), m), m))
+        assert not told(maps.to_type(maps.encode(surfaces.normals_of(h, strength), m), m))
         v, _ = made(quantized(h, 65535), scale=30, levels=65535)
         assert not told(maps.to_type(maps.encode(v), 255))
 
@@ -174,10 +175,10 @@ def test_gentle_heights_of_8_bit():
 
 
 @pytest.mark.parametrize("strength", [0.05, 0.2, 1])
-@pytest.mark.parametrize("surface", [maps.fractal, maps.noise])
+@pytest.mark.parametrize("surface", [surfaces.fractal, surfaces.noise])
 def test_images_of_fewer_bits(surface, strength):
     """Levels that are evenly spaced, not slopes."""
-    v = maps.normals_of(surface(np.random.default_rng(6), 256, 256), strength)
+    v = surfaces.normals_of(surface(np.random.default_rng(6), 256, 256), strength)
     n8 = maps.to_type(maps.encode(v)).astype(np.uint16)
     n16 = maps.to_type(maps.encode(v, 65535), 65535)
     assert not told(n8 << 8) and not told((n8 << 8) + np.uint16(128))
@@ -245,10 +246,10 @@ def test_damaged_and_empty():
 
 @pytest.mark.parametrize("m", [255, 65535])
 def test_both_axes_have_to_agree(m):
-    h = quantized(maps.fractal(np.random.default_rng(1), 256, 256))
+    h = quantized(surfaces.fractal(np.random.default_rng(1), 256, 256))
     p, q = (30 / 510 * sums(h, "central", axis) for axis in (1, 0))
     assert told(stored(p, q, m))
-    for other in (0 * q, 1.3 * q, maps.fractal(np.random.default_rng(2), 256, 256)):
+    for other in (0 * q, 1.3 * q, surfaces.fractal(np.random.default_rng(2), 256, 256)):
         assert not told(stored(p, other, m)) and not told(stored(other, q, m))
 
 
