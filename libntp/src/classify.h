@@ -122,7 +122,7 @@ static const double OPEN_BLUE = 0.8;
 
 /* Red and green of a picture go together; those of normals do on slanted ridges only.  Where any
  * two channels do and the mean lies this far off the middle, it is a picture: slopes that go
- * round or to and fro do not lean, and blue goes with the steepness of a slope, not with its
+ * round or back and forth do not lean, and blue goes with the steepness of a slope, not with its
  * direction. */
 static const double ALIKE = 0.5, LEAN_PICTURE = 0.05;
 

@@ -165,8 +165,9 @@ static void solve_round(double *v, int32_t n, double number)
         for (int32_t step = 2; step >= -2; step -= 4) { /* down, then up */
             int32_t at = ring;
             double state = 0, power = 1;
-            for (int32_t i = 0; i < length; i++, power *= r) {
+            for (int32_t i = 0; i < length; i++) {
                 state = v[at] + r * state;
+                power *= r;
                 at = (at + step + n) % n;
             }
             state /= 1 - power; /* what the round before has left behind */

@@ -98,8 +98,8 @@ static void read_stretch(ntp__block *b, const ntp_const_image *src, int32_t k, i
 
 static void bounds(double *low, double *high, const reader *r, int32_t level)
 {
-    double v = 2 * (level / r->unit) - r->zero;
-    v = v < 0 ? -v : v;
+    int32_t twice = 2 * (level / r->unit) - r->zero;
+    double v = twice < 0 ? -twice : twice;
     *low = v > r->half ? (v - r->half) / r->range : 0;
     *high = (v + r->half) / r->range;
 }
@@ -171,11 +171,16 @@ static bool holds(const sample *s, double v)
 /* ln x to 1e-4, x > 0: what it decides lies far apart. */
 static double logarithm(double x)
 {
+    static const double LN_2 = 0.693147180559945;
     double sum = 0;
-    for (; x > 1.5; x /= 2)
-        sum += 0.693147180559945;
-    for (; x < 0.75; x *= 2)
-        sum -= 0.693147180559945;
+    while (x > 1.5) {
+        x /= 2;
+        sum += LN_2;
+    }
+    while (x < 0.75) {
+        x *= 2;
+        sum -= LN_2;
+    }
     double t = (x - 1) / (x + 1), t2 = t * t;
     return sum + 2 * t * (1 + t2 * (1 / 3.0 + t2 / 5));
 }
@@ -246,8 +251,10 @@ static comb best_comb(sample *s, int32_t n, double least, double most)
     for (int32_t i = 0; i < FEW && i < n; i++)
         few[m++] = s[n <= FEW ? i : (int32_t) ((int64_t) i * n / FEW)];
     sort(few, m);
-    for (double step = most; step >= least; step *= FINER) {
+    double step = most;
+    while (step >= least) {
         double exact = refined(few, m, step);
+        step *= FINER;
         if (exact == 0)
             continue;
         comb c = fit_of(few, m, exact);
