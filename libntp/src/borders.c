@@ -40,14 +40,7 @@ typedef struct edges {
 
 static ntp_const_image turn(const ntp_const_image *view, bool down)
 {
-    ntp_const_image turned = *view;
-    if (!down) {
-        turned.row_stride = view->pixel_stride;
-        turned.pixel_stride = view->row_stride;
-        turned.width = view->height;
-        turned.height = view->width;
-    }
-    return turned;
+    return down ? *view : ntp__transposed(view);
 }
 
 static double height_at(const edges *e, int32_t line, int32_t i)

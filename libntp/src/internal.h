@@ -64,6 +64,8 @@ static inline void *ntp__at_mut(const ntp_image *v, int32_t x, int32_t y)
 ntp_status ntp__check_view(const ntp_const_image *view);
 /* The same, and an encoding of normals. */
 ntp_status ntp__check_normals(const ntp_const_image *view);
+/* The image turned about its diagonal: columns are rows.  Not of a ring of rows. */
+ntp_const_image ntp__transposed(const ntp_const_image *view);
 /* A U8 picture of min_channels to max_channels. */
 ntp_status ntp__check_picture(const ntp_const_image *view, int32_t min_channels,
                               int32_t max_channels);

@@ -190,11 +190,7 @@ ntp_status ntp_find_seams(ntp_seam *x, ntp_seam *y, const ntp_const_image *src,
     NTP__TRY(ntp__check_normals(src));
     if (src->ring_rows != 0)
         return NTP_ERR_SHAPE;
-    ntp_const_image turned = *src; /* about its diagonal */
-    turned.width = src->height;
-    turned.height = src->width;
-    turned.row_stride = src->pixel_stride;
-    turned.pixel_stride = src->row_stride;
+    const ntp_const_image turned = ntp__transposed(src);
     if (x != NULL)
         measure(x, src, touch_unused, 0);
     if (y != NULL)

@@ -408,11 +408,7 @@ ntp_status ntp_find_steps(ntp_steps *steps, const ntp_const_image *src, uint32_t
     NTP__TRY(ntp__check_normals(src));
     if (src->ring_rows != 0)
         return NTP_ERR_SHAPE;
-    ntp_const_image turned = *src; /* about its diagonal */
-    turned.width = src->height;
-    turned.height = src->width;
-    turned.row_stride = src->pixel_stride;
-    turned.pixel_stride = src->row_stride;
+    const ntp_const_image turned = ntp__transposed(src);
     memset(steps, 0, sizeof *steps);
     reader r = { .touch = touch_unused, .max = ntp__max(src->type) };
     bool of_8_bits = src->type == NTP_U8 || is_of_8_bits(src);

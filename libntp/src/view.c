@@ -107,6 +107,16 @@ ntp_status ntp__check_normals(const ntp_const_image *v)
     return v->encoding == NTP_HEIGHT ? NTP_ERR_FORMAT : NTP_OK;
 }
 
+ntp_const_image ntp__transposed(const ntp_const_image *v)
+{
+    ntp_const_image turned = *v;
+    turned.width = v->height;
+    turned.height = v->width;
+    turned.row_stride = v->pixel_stride;
+    turned.pixel_stride = v->row_stride;
+    return turned;
+}
+
 ntp_status ntp__check_picture(const ntp_const_image *v, int32_t min_channels, int32_t max_channels)
 {
     NTP__TRY(ntp__check_view(v));
