@@ -70,6 +70,7 @@ property_enum(to_y, _("Becomes"), ntp_op_green, ntp_op_green, NTP_OP_UP)
 
 #  include <gegl-op.h>
 
+#  include "blending.h"
 #  include "pixels.h"
 
 /* The menus above count as libntp does. */
@@ -84,6 +85,7 @@ typedef struct state {
     const ntp_clean_plan *plan; /* of 8-bit layers; in memory */
     ntp_encoding plan_encoding;
     gpointer memory;
+    blending *blending;
 } state;
 
 /* Where blue is not z, alpha is a height or another map: 0 does not make a texel unused. */
@@ -131,20 +133,25 @@ static void prepare(GeglOperation *operation)
     GeglProperties *o = GEGL_PROPERTIES(operation);
     const Babl *source = gegl_operation_get_source_format(operation, "input");
     const pixels p = pixels_as_rgb(source, source == NULL || babl_format_has_alpha(source));
-    gegl_operation_set_format(operation, "input", p.format);
-    gegl_operation_set_format(operation, "output", p.format);
     if (o->user_data == NULL)
         o->user_data = g_new0(state, 1);
+    state *s = o->user_data;
+    const Babl *light =
+        blending_ahead(operation) == AHEAD_MASK ? blending_prepare(&s->blending, &p) : NULL;
+    gegl_operation_set_format(operation, "input", p.format);
+    gegl_operation_set_format(operation, "output", light != NULL ? light : p.format);
     if (p.type == NTP_U8 && o->repair != NTP_OP_NO_REPAIR && o->show == NTP_OP_RESULT)
-        prepare_plan(o->user_data, o);
+        prepare_plan(s, o);
 }
 
 static void finalize(GObject *object)
 {
     GeglProperties *o = GEGL_PROPERTIES(object);
     state *s = o->user_data;
-    if (s != NULL)
+    if (s != NULL) {
         g_free(s->memory);
+        blending_free(s->blending);
+    }
     g_free(s);
     o->user_data = NULL;
     G_OBJECT_CLASS(gegl_op_parent_class)->finalize(object);
@@ -192,26 +199,39 @@ static gboolean repair_and_convert(const GeglProperties *o, const pixels *p,
     return ntp_convert(dst, &from, &convert, NULL, NULL) == NTP_OK;
 }
 
+static gboolean make(const GeglProperties *o, const pixels *p, gpointer in, gpointer out,
+                     gint texels)
+{
+    ntp_image read = pixels_view(p, in, texels, 1);
+    read.encoding = (ntp_encoding) o->from;
+    read.y = (ntp_y) o->from_y;
+    const ntp_const_image src = ntp_image_as_const(&read);
+    ntp_image dst = pixels_view(p, out, texels, 1);
+    return o->show == NTP_OP_RESULT ? repair_and_convert(o, p, &src, &dst)
+                                    : paint(o, p, &src, &dst);
+}
+
 static gboolean process(GeglOperation *operation, void *in, void *out, glong texels,
                         const GeglRectangle *area, gint level)
 {
     const GeglProperties *o = GEGL_PROPERTIES(operation);
-    const pixels p = pixels_of(gegl_operation_get_format(operation, "output"));
+    const state *s = o->user_data;
+    const pixels p = pixels_of(gegl_operation_get_format(operation, "input"));
+    const gboolean blended = p.format != gegl_operation_get_format(operation, "output");
+    guint16 *made = blended ? g_malloc((gsize) MIN(NTP_MAX_SIDE, texels) * (gsize) p.bytes) : NULL;
+    gboolean ok = TRUE;
     (void) area; /* no texel depends on its place */
     (void) level;
-    for (glong done = 0; done < texels; done += NTP_MAX_SIDE) {
+    for (glong done = 0; done < texels && ok; done += NTP_MAX_SIDE) {
         const gint count = (gint) MIN(NTP_MAX_SIDE, texels - done);
         const gsize at = (gsize) done * (gsize) p.bytes;
-        ntp_image read = pixels_view(&p, (guchar *) in + at, count, 1);
-        read.encoding = (ntp_encoding) o->from;
-        read.y = (ntp_y) o->from_y;
-        const ntp_const_image src = ntp_image_as_const(&read);
-        ntp_image dst = pixels_view(&p, (guchar *) out + at, count, 1);
-        if (!(o->show == NTP_OP_RESULT ? repair_and_convert(o, &p, &src, &dst)
-                                       : paint(o, &p, &src, &dst)))
-            return FALSE;
+        ok =
+            make(o, &p, (guchar *) in + at, blended ? (gpointer) made : (guchar *) out + at, count);
+        if (ok && blended)
+            blending_put(s->blending, p.channels, made, (gfloat *) out + 4 * done, (gsize) count);
     }
-    return TRUE;
+    g_free(made);
+    return ok;
 }
 
 static void gegl_op_class_init(GeglOpClass *klass)

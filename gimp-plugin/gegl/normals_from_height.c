@@ -93,6 +93,7 @@ property_enum(alpha, _("Alpha"), ntp_op_alpha, ntp_op_alpha, NTP_OP_KEEP)
 
 #  include <gegl-op.h>
 
+#  include "blending.h"
 #  include "pixels.h"
 
 /* The menus above count as libntp does. */
@@ -146,15 +147,38 @@ static ntp_gradient_options options_of(GeglOperation *operation)
                                     .invert = o->invert };
 }
 
+/* Set by prepare(), read by the threads that process. */
+typedef struct state {
+    pixels made;
+    blending *blending;
+} state;
+
 static void prepare(GeglOperation *operation)
 {
-    const GeglProperties *o = GEGL_PROPERTIES(operation);
-    const Babl *source = gegl_operation_get_source_format(operation, "input");
-    const pixels in = pixels_of(source);
-    const gboolean alpha =
-        in.channels % 2 == 0 || o->alpha == NTP_OP_HEIGHT || o->alpha == NTP_OP_INVERSE_HEIGHT;
+    GeglProperties *o = GEGL_PROPERTIES(operation);
+    const pixels in = pixels_of(gegl_operation_get_source_format(operation, "input"));
+    const ahead next = blending_ahead(operation);
+    /* GIMP drops an alpha channel that the layer has not, and converts the others meanwhile. */
+    const gboolean adds_alpha =
+        next == AHEAD_OTHER && (o->alpha == NTP_OP_HEIGHT || o->alpha == NTP_OP_INVERSE_HEIGHT);
+    if (o->user_data == NULL)
+        o->user_data = g_new0(state, 1);
+    state *s = o->user_data;
+    s->made = pixels_as_rgb(in.format, in.channels % 2 == 0 || adds_alpha);
+    const Babl *light = next == AHEAD_MASK ? blending_prepare(&s->blending, &in) : NULL;
     gegl_operation_set_format(operation, "input", in.format);
-    gegl_operation_set_format(operation, "output", pixels_as_rgb(source, alpha).format);
+    gegl_operation_set_format(operation, "output", light != NULL ? light : s->made.format);
+}
+
+static void finalize(GObject *object)
+{
+    GeglProperties *o = GEGL_PROPERTIES(object);
+    state *s = o->user_data;
+    if (s != NULL)
+        blending_free(s->blending);
+    g_free(s);
+    o->user_data = NULL;
+    G_OBJECT_CLASS(gegl_op_parent_class)->finalize(object);
 }
 
 /* ---------------------------------------------------------------- what surrounds an area */
@@ -259,8 +283,27 @@ typedef struct job {
     ntp_encoding to;
     ntp_y to_y;
     const GeglRectangle *edges;
+    const Babl *format; /* of the output */
+    const blending *blending;
     guchar *heights, *normals;
 } job;
+
+/* Puts a block of finished texels out, as GIMP's blending wants them where there is one. */
+static void put(const job *j, GeglBuffer *output, const GeglRectangle *block, const guchar *first,
+                gint stride)
+{
+    if (j->format == j->out.format) {
+        gegl_buffer_set(output, block, 0, j->format, first, stride);
+        return;
+    }
+    gfloat *light = g_new(gfloat, 4 * (gsize) block->width * (gsize) block->height);
+    for (gsize y = 0; y < (gsize) block->height; y++)
+        blending_put(j->blending, j->out.channels,
+                     (const guint16 *) (gconstpointer) (first + y * (gsize) stride),
+                     light + 4 * y * (gsize) block->width, (gsize) block->width);
+    gegl_buffer_set(output, block, 0, j->format, light, GEGL_AUTO_ROWSTRIDE);
+    g_free(light);
+}
 
 static gboolean make_block(GeglOperation *operation, const job *j, GeglBuffer *input,
                            GeglBuffer *output, const GeglRectangle *block)
@@ -281,7 +324,7 @@ static gboolean make_block(GeglOperation *operation, const job *j, GeglBuffer *i
         return FALSE;
     const guchar *first =
         (const guchar *) dst.data + area.y0 * dst.row_stride + area.x0 * dst.pixel_stride;
-    gegl_buffer_set(output, block, 0, j->out.format, first, (gint) dst.row_stride);
+    put(j, output, block, first, (gint) dst.row_stride);
     return TRUE;
 }
 
@@ -289,11 +332,12 @@ static gboolean process(GeglOperation *operation, GeglBuffer *input, GeglBuffer 
                         const GeglRectangle *area, gint level)
 {
     const GeglProperties *o = GEGL_PROPERTIES(operation);
-    const Babl *source = gegl_operation_get_format(operation, "input");
+    const state *s = o->user_data;
     job j = { .how = options_of(operation),
-              .in = pixels_of(source),
-              .out = pixels_as_rgb(
-                  source, babl_format_has_alpha(gegl_operation_get_format(operation, "output"))),
+              .in = pixels_of(gegl_operation_get_format(operation, "input")),
+              .out = s->made,
+              .format = gegl_operation_get_format(operation, "output"),
+              .blending = s->blending,
               .to = (ntp_encoding) o->to,
               .to_y = (ntp_y) o->to_y,
               .edges = gegl_operation_source_get_bounding_box(operation, "input") };
@@ -329,6 +373,7 @@ static void gegl_op_class_init(GeglOpClass *klass)
     GeglOperationClass *operation_class = GEGL_OPERATION_CLASS(klass);
     GeglOperationFilterClass *filter_class = GEGL_OPERATION_FILTER_CLASS(klass);
 
+    G_OBJECT_CLASS(klass)->finalize = finalize;
     filter_class->process = process;
     operation_class->prepare = prepare;
     operation_class->get_required_for_output = get_required_for_output;

@@ -83,13 +83,13 @@ static void open_shadow(host_layer *shadow, gint32 id)
     shadow->raster.write = write_layer;
 }
 
-/* Memory for a result that the layer cannot hold as it is now. */
+/* Memory for a result that does not go into the shadow as it is. */
 static void open_store(host_layer *store, const host_layer *layer, int32_t channels)
 {
     static const char *const NAMES[][2] = { { "R'G'B' u8", "R'G'B'A u8" },
                                             { "R'G'B' u16", "R'G'B'A u16" },
                                             { "R'G'B' float", "R'G'B'A float" } };
-    *store = (host_layer) { .id = layer->id, .raster = layer->raster };
+    *store = (host_layer) { .id = layer->id, .raster = layer->raster, .apart = TRUE };
     store->format = babl_format(NAMES[layer->raster.type][channels == 4]);
     store->buffer = gegl_buffer_new(GEGL_RECTANGLE(0, 0, layer->raster.width, layer->raster.height),
                                     store->format);
@@ -114,37 +114,79 @@ static void copy_samples(const host_layer *to, const host_layer *from, const ntp
     g_free(rows);
 }
 
+/*
+ * GIMP 3 blends what is selected into the layer in single precision and in the linear light of the
+ * image's profile, and converts when it adds an alpha channel.  babl does that by approximations, for
+ * a gamma curve worse than a level of 16 bits; of the curve of sRGB every level comes back.
+ */
+static gboolean is_blended_coarsely(const host_layer *layer)
+{
+#if HOST_GIMP3
+    GimpImage *image = gimp_item_get_image(HOST_ITEM(layer->id));
+    if (layer->raster.type == NTP_U8 || gimp_selection_is_empty(image))
+        return FALSE;
+    GimpColorProfile *profile = gimp_image_get_color_profile(image);
+    const gboolean has_profile = profile != NULL;
+    g_clear_object(&profile);
+    return has_profile;
+#else
+    (void) layer;
+    return FALSE;
+#endif
+}
+
 void host_open_result(host_layer *result, const host_layer *layer, int32_t channels)
 {
-    if (channels == layer->raster.channels)
+    if (channels == layer->raster.channels && !is_blended_coarsely(layer))
         open_shadow(result, layer->id);
     else
         open_store(result, layer, channels);
 }
 
-/* From the store into the layer, made RGB and given alpha where it needs them. */
-static void put_store(const host_layer *store, const ntp_rect *area)
+/* From memory into the shadow, and from there into the layer, which gets alpha if it needs it. */
+static void merge(host_layer *result, const ntp_rect *area)
 {
-    const gint32 id = store->id;
-    host_layer shadow;
-    if (gimp_drawable_is_gray(HOST_DRAWABLE(id)))
-        gimp_image_convert_rgb(gimp_item_get_image(HOST_ITEM(id)));
-    if (store->raster.channels == 4 && !gimp_drawable_has_alpha(HOST_DRAWABLE(id)))
-        gimp_layer_add_alpha(HOST_LAYER(id));
-    open_shadow(&shadow, id);
-    copy_samples(&shadow, store, area);
-    host_close(&shadow);
+    const gint32 id = result->id;
+    if (result->apart) {
+        host_layer shadow;
+        if (result->raster.channels == 4 && !gimp_drawable_has_alpha(HOST_DRAWABLE(id)))
+            gimp_layer_add_alpha(HOST_LAYER(id));
+        open_shadow(&shadow, id);
+        copy_samples(&shadow, result, area);
+        host_close(&shadow);
+    }
+    host_close(result); /* GIMP gets the shadow's pixels now */
+    gimp_drawable_merge_shadow(HOST_DRAWABLE(id), TRUE);
+    gimp_drawable_update(HOST_DRAWABLE(id), area->x0, area->y0, area->x1 - area->x0,
+                         area->y1 - area->y0);
 }
+
+#if HOST_GIMP3
+/* The numbers stay as they are; only the light in which they are blended is another. */
+static void merge_as_srgb(host_layer *result, const ntp_rect *area)
+{
+    GimpImage *image = gimp_item_get_image(HOST_ITEM(result->id));
+    GimpColorProfile *own = gimp_image_get_color_profile(image);
+    GimpColorProfile *srgb = gimp_color_profile_new_rgb_srgb();
+    gimp_image_set_color_profile(image, srgb);
+    merge(result, area);
+    gimp_image_set_color_profile(image, own);
+    g_object_unref(srgb);
+    g_object_unref(own);
+}
+#endif
 
 void host_put_result(host_layer *result, const host_layer *layer, const ntp_rect *area)
 {
     gimp_image_undo_group_start(gimp_item_get_image(HOST_ITEM(layer->id)));
-    if (result->raster.channels != layer->raster.channels)
-        put_store(result, area);
-    host_close(result); /* GIMP gets the shadow's pixels now */
-    gimp_drawable_merge_shadow(HOST_DRAWABLE(layer->id), TRUE);
-    gimp_drawable_update(HOST_DRAWABLE(layer->id), area->x0, area->y0, area->x1 - area->x0,
-                         area->y1 - area->y0);
+    if (gimp_drawable_is_gray(HOST_DRAWABLE(layer->id)) && result->raster.channels > 2)
+        gimp_image_convert_rgb(gimp_item_get_image(HOST_ITEM(layer->id)));
+#if HOST_GIMP3
+    if (result->apart && is_blended_coarsely(layer))
+        merge_as_srgb(result, area);
+    else
+#endif
+        merge(result, area);
     gimp_image_undo_group_end(gimp_item_get_image(HOST_ITEM(layer->id)));
 }
 

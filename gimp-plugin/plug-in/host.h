@@ -47,6 +47,7 @@ typedef struct host_layer {
     raster raster;
     GeglBuffer *buffer;
     const Babl *format; /* in which samples are read, and written */
+    gboolean apart;     /* not GIMP's memory, but that of a result */
 } host_layer;
 
 void host_open(host_layer *layer, gint32 id);

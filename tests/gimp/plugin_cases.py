@@ -63,7 +63,8 @@ SETTINGS = {
 CASES = [(file, "sobel") for file in INPUTS]
 CASES += [("rgb8", "gimp9"), ("rgba16", "luma"), ("rgb8", "screen"), ("gray16-gama", "zzero")]
 CASES += [("rgba16", "spacing"), ("rgb16", "zzero")]
-PARTS = ["gray8", "graya16", "rgb8-gama", "rgba16"]  # on which a selection is tried
+# On which a selection is tried.
+PARTS = ["gray8", "graya16", "gray16-gama", "rgb8-gama", "rgb16-gama", "rgba16", "rgba16-gama"]
 
 
 def options(settings):
