@@ -15,6 +15,11 @@ bench() {
     fi
     need_tools
     build_dir build-bench -Dbench=true -Dtests=false -Dbuildtype=release
+    if [ "${1:-}" = quality ]; then
+        shift
+        NTP_LIBRARY=$top/build-bench/libntp/libntp.so python bench/quality.py "$@"
+        return
+    fi
     python bench/run.py build-bench "$@"
     pip_install python -r bench/requirements.txt
     printf '\nHeights to normals, beside OpenCV and numpy:\n'
