@@ -29,7 +29,9 @@ static ahead ahead_of(GeglNode *node, gint most_nodes)
     GeglNode **consumers = NULL;
     const gchar **pads = NULL;
     ahead found = AHEAD_OTHER;
-    const gint count = gegl_node_get_consumers(node, "output", &consumers, &pads);
+    const gint count = gegl_node_has_pad(node, "output")
+                           ? gegl_node_get_consumers(node, "output", &consumers, &pads)
+                           : 0;
     for (gint i = 0; i < count && found == AHEAD_OTHER; i++) {
         const gchar *name = gegl_node_get_operation(consumers[i]);
         if (!g_str_equal(pads[i], "aux"))
