@@ -25,34 +25,19 @@ BORDERS = 5  # kinds
 TEXTURES = 50
 
 
-def classify(case):
-    pixels = np.ascontiguousarray(case.pixels)
-    stats, result = ntp.ffi.new("ntp_stats *"), ntp.ffi.new("ntp_classification *")
-    tally = ntp.Tally().measure(pixels, case.encoding)
-    ntp.check(ntp.lib.ntp_summarize(stats, tally.pointer, case.encoding % ntp.HEIGHT))
-    ntp.check(ntp.lib.ntp_classify(result, stats))
-    return result
-
-
-def has_steps(pixels, encoding=ntp.STANDARD):
-    steps = ntp.ffi.new("ntp_steps *")
-    ntp.check(ntp.lib.ntp_find_steps(steps, ntp.view(pixels, encoding, const=True), 0))
-    return bool(steps.found)
-
-
 def draws(seconds, seed):
     wrong, right, steps, count = [], 0, 0, 0
     end = time.monotonic() + seconds
     while time.monotonic() < end:
         case = maps.draw(np.random.default_rng([seed, count]))
-        result = classify(case)
+        result = ntp.classify(case.pixels, case.encoding)
         if result.type == case.kind or result.type in case.also:
             right += result.confidence >= 0.9
         else:
             wrong.append(result.confidence)
         if case.encoding != ntp.HEIGHT and case.pixels.shape[2] >= 2:
             encoding = ntp.XY if case.pixels.shape[2] == 2 else ntp.STANDARD
-            steps += has_steps(np.ascontiguousarray(case.pixels), encoding)
+            steps += ntp.find_steps(case.pixels, encoding)["found"]
         count += 1
     if count == 0:
         return
@@ -85,7 +70,7 @@ def table(seed):
                     border = i % BORDERS
                     how = {"kernel": kernel, "scale": scale, "border_x": border, "border_y": border}
                     n, _, _ = from_height.from_height(h, dst=dtype, **how)
-                    told += has_steps(n)
+                    told += ntp.find_steps(n)["found"]
                 row.append(f"{told / TEXTURES:.0%}"[:-1])
             print(
                 f"| {kernel} | {8 * dtype(0).itemsize} bit | " + " | ".join(row) + " |", flush=True
@@ -101,4 +86,5 @@ def main():
     table(arguments.seed)
 
 
-main()
+if __name__ == "__main__":
+    main()

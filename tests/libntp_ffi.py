@@ -219,6 +219,28 @@ class Tally:
         return counts
 
 
+def stats_of(pixels, encoding):
+    """What is measured of an array that is declared so, summarized."""
+    tally = Tally().measure(np.ascontiguousarray(pixels), encoding)
+    stats = ffi.new("ntp_stats *")
+    check(lib.ntp_summarize(stats, tally.pointer, encoding % HEIGHT))
+    return stats
+
+
+def classify(pixels, encoding):
+    result = ffi.new("ntp_classification *")
+    check(lib.ntp_classify(result, stats_of(pixels, encoding)))
+    return result
+
+
+def find_steps(pixels, encoding=STANDARD, touch=0):
+    steps = ffi.new("ntp_steps *")
+    check(
+        lib.ntp_find_steps(steps, view(np.ascontiguousarray(pixels), encoding, const=True), touch)
+    )
+    return fields(steps)
+
+
 def public_functions():
     """The names that libntp.h declares."""
     text = re.sub(r"/\*.*?\*/", "", cdef_text(), flags=re.DOTALL)

@@ -44,12 +44,7 @@ def seed():
 
 
 def stats_of(case, encoding=None):
-    pixels = np.ascontiguousarray(case.pixels)
-    tally = ntp.Tally().measure(pixels, case.encoding if encoding is None else encoding)
-    stats = ntp.ffi.new("ntp_stats *")
-    read_as = (case.encoding if encoding is None else encoding) % ntp.HEIGHT
-    ntp.check(ntp.lib.ntp_summarize(stats, tally.pointer, read_as))
-    return stats
+    return ntp.stats_of(case.pixels, case.encoding if encoding is None else encoding)
 
 
 def reason_text(reason):
@@ -61,9 +56,7 @@ def reason_text(reason):
 
 
 def classify(case):
-    result = ntp.ffi.new("ntp_classification *")
-    ntp.check(ntp.lib.ntp_classify(result, stats_of(case)))
-    return result
+    return ntp.classify(case.pixels, case.encoding)
 
 
 def describe(index, case, result):

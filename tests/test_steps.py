@@ -19,14 +19,8 @@ SEED = int(os.environ.get("NTP_SEED", "20261121"))
 DIVISORS = {"central": 2, "forward": 1, "prewitt3": 6, "sobel3": 8}
 
 
-def find(n, encoding=ntp.STANDARD, touch=0):
-    steps = ntp.ffi.new("ntp_steps *")
-    ntp.check(ntp.lib.ntp_find_steps(steps, ntp.view(n, encoding, const=True), touch))
-    return ntp.fields(steps)
-
-
 def told(n, **how):
-    return find(n, **how)["found"]
+    return ntp.find_steps(n, **how)["found"]
 
 
 def quantized(h, levels=255):
@@ -79,7 +73,7 @@ def textures_of(kernel, scale, m, levels=255, surface=surfaces.fractal, seed=1, 
 )
 def test_heights_of_8_bit(kernel, scale, m):
     n, step = textures_of(kernel, scale, m)
-    found = find(n)
+    found = ntp.find_steps(n)
     assert found["found"]
     assert found["slope"] == pytest.approx(step, rel=0.01 if m == 255 else 0.002)
     assert found["degrees"] == pytest.approx(degrees(atan(found["slope"])), abs=1e-3)
@@ -90,14 +84,16 @@ def test_heights_of_8_bit(kernel, scale, m):
 @pytest.mark.parametrize("levels", [63, 1023])
 def test_other_numbers_of_levels(levels):
     n, step = textures_of("central", 0.1 * levels, 65535, levels)
-    assert find(n)["slope"] == pytest.approx(step, rel=0.002)
+    assert ntp.find_steps(n)["slope"] == pytest.approx(step, rel=0.002)
 
 
 def test_smooth_bumps():
     h = surfaces.bumps(np.random.default_rng(5), 256, 256)
     for m, scale in ((255, 30), (65535, 6)):
         v, step = made(quantized(h), scale=scale)
-        assert find(maps.to_type(maps.encode(v, m), m))["slope"] == pytest.approx(step, rel=0.01)
+        assert ntp.find_steps(maps.to_type(maps.encode(v, m), m))["slope"] == pytest.approx(
+            step, rel=0.01
+        )
 
 
 def test_encoders():
@@ -106,25 +102,25 @@ def test_encoders():
     v, step = made(quantized(surfaces.fractal(rng, 256, 256)), scale=30)
     for style in ("rounded", "truncated", "flat127", "flat128"):
         n, _ = maps.encode_normals(rng, v, 255, style=style)
-        found = find(n)
+        found = ntp.find_steps(n)
         assert found["slope"] == pytest.approx(step, rel=0.02), style
-        assert find(n.astype(np.uint16) * 257) == found
-        assert find(n.astype(np.float32) / 255) == found
+        assert ntp.find_steps(n.astype(np.uint16) * 257) == found
+        assert ntp.find_steps(n.astype(np.float32) / 255) == found
 
 
 def test_what_does_not_matter():
     n, step = textures_of("central", 30, 255)
-    found = find(n)
+    found = ntp.find_steps(n)
     other = n.copy()
     other[..., 2] = 77
-    assert find(other, encoding=ntp.ZZERO) == found
-    assert find(np.ascontiguousarray(n[..., :2]), encoding=ntp.XY) == found
-    assert find(ntp.clean(other, how=ntp.clean_options())[0])["slope"] == found["slope"]
+    assert ntp.find_steps(other, encoding=ntp.ZZERO) == found
+    assert ntp.find_steps(np.ascontiguousarray(n[..., :2]), encoding=ntp.XY) == found
+    assert ntp.find_steps(ntp.clean(other, how=ntp.clean_options())[0])["slope"] == found["slope"]
     for same in (np.dstack([255 - n[..., :1], n[..., 1:]]), n[::-1], n[:, ::-1]):
-        assert find(same)["slope"] == pytest.approx(step, rel=0.01)
+        assert ntp.find_steps(same)["slope"] == pytest.approx(step, rel=0.01)
     padded = n.copy()
     padded[:90] = 0
-    assert find(padded)["slope"] == pytest.approx(step, rel=0.01)
+    assert ntp.find_steps(padded)["slope"] == pytest.approx(step, rel=0.01)
     assert not told(padded[:90]) and told(n[:90]) and told(n[:, :60])
     noise = stored(*np.random.default_rng(9).normal(0, 0.3, (2, 90, 256)))
     hidden = maps.with_alpha(np.concatenate([noise, n[90:]]), 255)
@@ -138,7 +134,7 @@ def test_some_texels_are_other():
     rng = np.random.default_rng(3)
     bad = rng.random(n.shape[:2]) < 0.02
     n[bad] = stored(*rng.normal(0, 0.3, (2, bad.sum())), m=65535)
-    assert find(n)["slope"] == pytest.approx(step, rel=0.002)
+    assert ntp.find_steps(n)["slope"] == pytest.approx(step, rel=0.002)
 
 
 # -------------------------------------------------------------------------- it is silent
@@ -238,7 +234,7 @@ def test_damaged_and_empty():
     for color in ((128, 128, 255), (127, 127, 255), (0, 0, 0), (200, 90, 180)):
         assert not told(np.full((64, 64, 3), color, np.uint8))
     for shape in ((1, 1), (1, 300), (300, 1), (7, 7)):
-        found = find(np.ascontiguousarray(n[: shape[0], : shape[1]]))
+        found = ntp.find_steps(np.ascontiguousarray(n[: shape[0], : shape[1]]))
         assert found == {k: 0 for k in found}
     nan = np.full((32, 32, 3), np.nan, np.float32)
     assert not told(nan)
