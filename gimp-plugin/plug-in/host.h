@@ -54,9 +54,9 @@ void host_open(host_layer *layer, gint32 id);
 void host_close(host_layer *layer);
 
 /*
- * Opens what a job writes.  With the channels of the layer that is its shadow, otherwise memory
- * from which the layer is made RGB, and given alpha, when the job is done: a job that is cancelled
- * leaves no trace.
+ * Opens what a job writes.  With the channels of the layer that is its shadow.  Otherwise, and where
+ * GIMP would blend it coarsely, it is memory from which the layer is made RGB, and given alpha, when
+ * the job is done: a job that is cancelled leaves no trace.
  */
 void host_open_result(host_layer *result, const host_layer *layer, int32_t channels);
 

@@ -23,6 +23,7 @@ OPERATION = "ntp:normals-from-height"
 SETTINGS = {"scale": 7.3, "to-y": "down", "kernel": "sobel3"}
 PLAIN = [OPERATION, SETTINGS]
 CLEAN = ["ntp:clean-normals", {"to-y": "down"}]
+ZZERO = ["ntp:clean-normals", {"to": "zzero", "to-y": "down"}]
 OTHER = ["gegl:invert-gamma", {}]  # not ours
 WIDTH, HEIGHT = 150, 133
 PART = (20, 30, 77, 55)  # x, y, width, height of the selection
@@ -66,7 +67,7 @@ def jobs():
 
     for file in SELECTED:
         for how in ("merge", "append"):
-            for name, what in (("normals", PLAIN), ("clean", CLEAN), ("other", OTHER)):
+            for name, what in (("normals", PLAIN), ("zzero", ZZERO), ("other", OTHER)):
                 steps = [["select", *PART], [how, *what]]
                 job(f"{file}-{name}-{how}", *steps, ["save", f"{file}-{name}-{how}.png"], file=file)
     for file in (RGB, RGBA):
@@ -106,8 +107,7 @@ def jobs():
         job(precision, *steps, ["dump", f"{precision}-out"], file=name_of(3, 16, True))
     for file in ("rough8", "rough16"):
         for how in ("merge", "append"):
-            clean = ["ntp:clean-normals", {"to": "zzero", "to-y": "down"}]
-            job(f"{file}-{how}", [how, *clean], ["save", f"{file}-{how}.png"], file=file)
+            job(f"{file}-{how}", [how, *ZZERO], ["save", f"{file}-{how}.png"], file=file)
         job(
             f"{file}-heat",
             ["append", "ntp:clean-normals", {"show": "heatmap"}],
@@ -205,8 +205,9 @@ def assert_selected(made, expected, inside, file, other):
         return
     off = np.abs(made[inside].astype(int) - expected[inside]).max(2)
     dark = expected[inside].min(2) < 512
+    print(f"\n{file}: {(off > 0).sum()} of {off.size} selected texels off, by up to {off.max()}")
     assert (off[~dark] > 0).mean() < 1e-3
-    assert off.max() <= 64
+    assert off.max() <= 33
     outside = np.ones(made.shape[:2], bool)
     outside[inside] = False
     assert (made[outside] == other[outside]).all()
@@ -224,10 +225,10 @@ def test_selection(done, ntp, file, how):
 @pytest.mark.parametrize("how", ["merge", "append"])
 @pytest.mark.parametrize("file", SELECTED)
 def test_selection_cleaned(done, file, how):
-    """Of pictures that are no normals at all: every level comes about."""
+    """Of pictures that are no normals at all, with Z from 0: the darkest levels come about."""
     pixels = INPUTS[file][0]
-    expected = selected(pixels, how, cleaned)
-    assert_selected(done(f"{file}-clean-{how}"), *expected, file, done(f"{file}-other-{how}"))
+    expected = selected(pixels, how, lambda p: cleaned(p, libntp_ffi.ZZERO))
+    assert_selected(done(f"{file}-zzero-{how}"), *expected, file, done(f"{file}-other-{how}"))
 
 
 @pytest.mark.parametrize("file", [RGB, RGBA])
@@ -290,7 +291,7 @@ def normals_of(heights):
     return made
 
 
-def cleaned(normals):
+def cleaned(normals, encoding=libntp_ffi.STANDARD):
     """The library's, with green turned down."""
     made = np.zeros_like(normals)
     src = libntp_ffi.view(normals, encoding=libntp_ffi.STANDARD, const=True)
@@ -298,7 +299,7 @@ def cleaned(normals):
     libntp_ffi.check(lib.ntp_clean(dst, src, ffi.NULL, ffi.NULL, ffi.NULL, ffi.NULL))
     turned = np.zeros_like(normals)
     src = libntp_ffi.view(made, encoding=libntp_ffi.STANDARD, const=True)
-    dst = libntp_ffi.view(turned, encoding=libntp_ffi.STANDARD, y=libntp_ffi.DOWN)
+    dst = libntp_ffi.view(turned, encoding=encoding, y=libntp_ffi.DOWN)
     libntp_ffi.check(lib.ntp_convert(dst, src, ffi.NULL, ffi.NULL, ffi.NULL))
     return turned
 

@@ -72,6 +72,8 @@ def jobs():
     for file in PARTS:
         save = ["save", f"{file}-part.png"]
         job(f"{file}-part", file, ["select", *PART], ["call", NORMALS, SOBEL], save)
+    part = [["select", *PART], ["call", NORMALS, {**SOBEL, "alpha": "height"}], ["note_profile"]]
+    job("part-alpha", "rgb16-gama", *part, ["save", "part-alpha.png"])
     for alpha in ("height", "one"):
         settings = {**SOBEL, "alpha": alpha}
         job(f"alpha-{alpha}", "rgb8", ["call", NORMALS, settings], ["save", f"alpha-{alpha}.png"])
@@ -193,6 +195,15 @@ def test_selection(done, ntp, file):
     assert different(made[inside], expected[inside]) == 0
     if pixels.shape[2] > 2:  # gray outside is converted by GIMP
         assert different(made, expected) == 0
+
+
+def test_alpha_in_selection(gimp, done, ntp):
+    """The channel is opaque beside it, no other sample changes, and the image keeps its profile."""
+    pixels = INPUTS["rgb16-gama"][0]
+    opaque = np.dstack([pixels, np.full(pixels.shape[:2], 65535, np.uint16)])
+    whole = ntp(pixels, "from-height", *options(SOBEL), "--alpha", "height")
+    assert different(done("part-alpha"), part_of(whole, opaque)) == 0
+    assert "gAMA" in gimp.results["part-alpha"]["profile"]
 
 
 @pytest.mark.parametrize("alpha", ["height", "one"])

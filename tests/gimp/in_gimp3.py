@@ -114,6 +114,10 @@ class Session:
         else:
             self.notes["refused"] = Gimp.get_pdb().get_last_error()
 
+    def note_profile(self):
+        profile = self.image.get_color_profile()
+        self.notes["profile"] = profile and profile.get_label()
+
     def save(self, file):
         Gimp.file_save(QUIET, self.image, path(file), None)
 
