@@ -37,7 +37,8 @@ def draws(seconds, seed):
             wrong.append(result.confidence)
         if case.encoding != ntp.HEIGHT and case.pixels.shape[2] >= 2:
             encoding = ntp.XY if case.pixels.shape[2] == 2 else ntp.STANDARD
-            steps += ntp.find_steps(case.pixels, encoding)["found"]
+            pixels = np.ascontiguousarray(case.pixels)
+            steps += ntp.find_steps(pixels, encoding)["found"]
         count += 1
     if count == 0:
         return

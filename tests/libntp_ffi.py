@@ -221,7 +221,8 @@ class Tally:
 
 def stats_of(pixels, encoding):
     """What is measured of an array that is declared so, summarized."""
-    tally = Tally().measure(np.ascontiguousarray(pixels), encoding)
+    array = np.ascontiguousarray(pixels)
+    tally = Tally().measure(array, encoding)
     stats = ffi.new("ntp_stats *")
     check(lib.ntp_summarize(stats, tally.pointer, encoding % HEIGHT))
     return stats
@@ -233,11 +234,9 @@ def classify(pixels, encoding):
     return result
 
 
-def find_steps(pixels, encoding=STANDARD, touch=0):
+def find_steps(array, encoding=STANDARD, touch=0):
     steps = ffi.new("ntp_steps *")
-    check(
-        lib.ntp_find_steps(steps, view(np.ascontiguousarray(pixels), encoding, const=True), touch)
-    )
+    check(lib.ntp_find_steps(steps, view(array, encoding, const=True), touch))
     return fields(steps)
 
 
