@@ -10,7 +10,7 @@
  * were touched before.  Content: fractal rock, a brick wall, and noise, which is the worst for
  * branches and tables and has no goals.
  */
-#include "kernels.h"
+#include "texel/kernels.h"
 #include "libntp.h"
 
 #include <math.h>
@@ -39,7 +39,7 @@ typedef struct bench {
 
 /* ------------------------------------------------------------------- instruction set by option */
 
-/* The library is linked from an archive, in which dispatch.c is left when ntp__kernels is here. */
+/* The library is linked from an archive, in which cpu.c is left when ntp__kernels is here. */
 static int allowed = NTP__CPU_ALL;
 
 extern const ntp__kernels_table ntp__kernels_base;

@@ -7,7 +7,7 @@
 
 #include <stdbool.h>
 
-#include "text.h"
+#include "text/text.h"
 
 enum {
     NTP_EXIT_DONE = 0,

@@ -8,8 +8,8 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "findings.h"
-#include "options.h"
+#include "findings/findings.h"
+#include "options/options.h"
 
 /* ------------------------------------------------------------------------- man page */
 

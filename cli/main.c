@@ -12,7 +12,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "options.h"
+#include "options/options.h"
 
 _Atomic int interrupted_by;
 

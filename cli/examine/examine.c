@@ -5,13 +5,13 @@
  * A file is measured as standard first; what the class changes (16-bit angles, whether alpha 0
  * means unused, gray and alpha that hold x and y) makes it be read a second time.
  */
-#include "examine.h"
+#include "examine/examine.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "crop.h"
+#include "examine/middle_and_lines.h"
 
 ntpio_limits limits_from(const options *o)
 {

@@ -10,8 +10,8 @@
 #include <stdatomic.h>
 #include <stdbool.h>
 
-#include "options.h"
-#include "paths.h"
+#include "options/options.h"
+#include "files/paths.h"
 
 /* A piece of memory that grows and is used again. */
 typedef struct buffer {
@@ -32,7 +32,7 @@ typedef struct worker {
     uint64_t *histogram; /* NTP levels 0..65535 */
     ntp_orientation *orientation;
     buffer band; /* rows around the one whose orientation is measured */
-    buffer crop; /* what crop.c keeps: the middle, rows, columns */
+    buffer crop; /* what middle_and_lines.c keeps: the middle, rows, columns */
     buffer across;
     buffer down;
     bool may_read_ahead;  /* a processor is idle */

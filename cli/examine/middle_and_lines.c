@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * crop.c - what ntp check keeps of a file while its rows go by: the middle, and some lines
+ * middle_and_lines.c - what ntp check keeps of a file while its rows go by: the middle, and some lines
  *
  * How well a surface fits is asked of the texels in the middle, whether the edges fit together of
  * some rows and columns that go from one edge to the other.  So memory does not grow with the
  * image.  Where the image is no larger than the middle there are no lines: it has them all.
  */
-#include "crop.h"
+#include "examine/middle_and_lines.h"
 
 #include <string.h>
 

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * crop.h - what ntp check keeps of a file while its rows go by: the middle, and some lines
+ * middle_and_lines.h - what ntp check keeps of a file while its rows go by: the middle, and some lines
  */
 #ifndef NTP_CLI_CROP_H
 #define NTP_CLI_CROP_H
 
-#include "examine.h"
+#include "examine/examine.h"
 
 /* Where in the image the middle is: at most 1024 x 1024 texels. */
 ntp_rect crop_area(const source *s);

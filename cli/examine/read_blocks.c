@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * source.c - a file as blocks of rows in a ring
+ * read_blocks.c - a file as blocks of rows in a ring
  *
  * Rows stream through a small ring, so memory does not grow with the image.  Where a processor
  * is idle, a second thread decodes the next block while the caller works on this one: the ring
@@ -13,7 +13,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#include "examine.h"
+#include "examine/examine.h"
 
 enum {
     BLOCK_BYTES = 256 * 1024, /* rows read at once stay in the second-level cache */

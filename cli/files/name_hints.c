@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * names.c - what the name of a file says about it
+ * name_hints.c - what the name of a file says about it
  *
  * A name is cut into words at '_', '-', '.', blanks, and where a capital follows a small
  * letter: "BrickWall_1K_NormalGL" is brick, wall, 1, k, normal, gl.  Long words for "normals"
@@ -10,7 +10,7 @@
 #include <string.h>
 #include <strings.h>
 
-#include "paths.h"
+#include "files/paths.h"
 
 enum { MAX_WORDS = 24, WORD_SIZE = 24 };
 

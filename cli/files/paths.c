@@ -5,7 +5,7 @@
  * Directories are read sorted by bytes, so that every machine lists them in one order.  A
  * directory is entered once, however many links lead to it; a file that is found is taken once.
  */
-#include "paths.h"
+#include "files/paths.h"
 
 #include <dirent.h>
 #include <errno.h>

@@ -8,7 +8,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-#include "options.h"
+#include "options/options.h"
 
 typedef enum name_y { NAME_Y_NONE, NAME_Y_UP, NAME_Y_DOWN } name_y;
 
@@ -55,7 +55,7 @@ bool output_is_free(const input_list *list, const char *path);
 /* Makes the directories that lead to a file. */
 bool make_parents(const char *path, text *why);
 
-/* names.c */
+/* name_hints.c */
 bool name_is_normals(const char *path);
 name_y name_orientation(const char *path);
 bool name_is_image(const char *path);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * outputs.c - where each input's output goes
+ * plan_outputs.c - where each input's output goes
  *
  * Everything that could destroy a file is refused here, before any work: an output in a directory
  * that is one of the inputs (by device and inode, so by any path), and one output for two inputs.
@@ -12,7 +12,7 @@
 #include <strings.h>
 #include <sys/stat.h>
 
-#include "paths.h"
+#include "files/paths.h"
 
 static bool is_directory(const char *path)
 {

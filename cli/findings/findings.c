@@ -4,7 +4,7 @@
  *
  * Ids are never reused or renumbered.
  */
-#include "findings.h"
+#include "findings/findings.h"
 
 /* clang-format off */
 const finding_spec FINDING_TABLE[FINDING_COUNT] = {

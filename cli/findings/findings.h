@@ -9,8 +9,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "examine.h"
-#include "options.h"
+#include "examine/examine.h"
+#include "options/options.h"
 
 typedef enum finding_level { LEVEL_INFO, LEVEL_WARNING, LEVEL_ERROR } finding_level;
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * judge.c - from the facts about a file to findings, in words
+ * rules.c - from the facts about a file to findings, in words
  *
  * Every rule is a function that looks at the facts and may add one finding.  Shares are of the
  * used texels; counts given to programs cover all of them.
@@ -9,7 +9,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "findings.h"
+#include "findings/findings.h"
 
 /* JPEG: the error of directions that is still invisible, and that surely is not. */
 static const double LOSSY_WARNING_MEAN = 2, LOSSY_ERROR_P99 = 10;

@@ -5,7 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "options.h"
+#include "options/options.h"
 
 enum {
     HELP_WIDTH = 79, /* columns of a plain terminal, less one */

@@ -5,7 +5,7 @@
  * Rows of one name may differ between verbs; a row says in its mask whose it is.  The order is
  * that of the help.
  */
-#include "options.h"
+#include "options/options.h"
 
 #define TYPES     "auto|standard|zzero|xy|height"
 #define VERDICTS  "neighbor|rounded|exact"

@@ -7,10 +7,10 @@
 
 #include <jansson.h>
 
-#include "examine.h"
-#include "findings.h"
-#include "jobs.h"
-#include "options.h"
+#include "examine/examine.h"
+#include "findings/findings.h"
+#include "run/jobs.h"
+#include "options/options.h"
 
 /* ---- colors */
 

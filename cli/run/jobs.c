@@ -5,7 +5,7 @@
  * Workers take the next input and leave its result in a slot of a ring; the main thread takes
  * the results out in order.  The ring bounds how far a worker may run ahead of a slow file.
  */
-#include "jobs.h"
+#include "run/jobs.h"
 
 #include <errno.h>
 #include <pthread.h>
@@ -18,7 +18,7 @@
 #include <unistd.h>
 
 #include "cli.h"
-#include "examine.h"
+#include "examine/examine.h"
 
 enum {
     AHEAD = 256,              /* results that may wait for their turn */

@@ -7,8 +7,8 @@
 
 #include <stdbool.h>
 
-#include "paths.h"
-#include "text.h"
+#include "files/paths.h"
+#include "text/text.h"
 
 struct worker;
 

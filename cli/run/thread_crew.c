@@ -1,17 +1,17 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * parallel.c - threads that wait for the parts of one large piece of work
+ * thread_crew.c - threads that wait for the parts of one large piece of work
  *
  * Whoever is free takes the next index, the caller among them; then the caller waits until the
  * last one is done.
  */
-#include "parallel.h"
+#include "run/thread_crew.h"
 
 #include <pthread.h>
 #include <stdbool.h>
 #include <stdlib.h>
 
-#include "text.h"
+#include "text/text.h"
 
 struct crew {
     pthread_mutex_t lock;

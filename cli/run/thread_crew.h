@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * parallel.h - threads that wait for the parts of one large piece of work
+ * thread_crew.h - threads that wait for the parts of one large piece of work
  *
  * libntp starts no threads; its long operations call back with parts that may be done at once
  * (ntp_hooks.parallel_for).  A crew does them.

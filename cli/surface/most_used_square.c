@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * fullest.c - the part of a texture in which most texels are used
+ * most_used_square.c - the part of a texture in which most texels are used
  *
  * Used texels are counted in cells; of the squares that cells make up the fullest is taken, and of
  * equally full ones the one nearest to the middle.
  */
-#include "fullest.h"
+#include "surface/most_used_square.h"
 
 #include "cli.h"
 

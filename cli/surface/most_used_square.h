@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * fullest.h - the part of a texture in which most texels are used
+ * most_used_square.h - the part of a texture in which most texels are used
  */
 #ifndef NTP_CLI_FULLEST_H
 #define NTP_CLI_FULLEST_H

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * heights.c - heights of a texture that is held in memory, and what its edges tell of borders
+ * solve_heights.c - heights of a texture that is held in memory, and what its edges tell of borders
  */
-#include "heights.h"
+#include "surface/solve_heights.h"
 
 #include <stdlib.h>
 
-#include "parallel.h"
+#include "run/thread_crew.h"
 
 /* -------------------------------------------------------------------------- solving */
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * heights.h - heights of a texture that is held in memory, and what its edges tell of borders
+ * solve_heights.h - heights of a texture that is held in memory, and what its edges tell of borders
  */
 #ifndef NTP_CLI_HEIGHTS_H
 #define NTP_CLI_HEIGHTS_H
@@ -8,7 +8,7 @@
 #include <libntp.h>
 #include <stdbool.h>
 
-#include "examine.h"
+#include "examine/examine.h"
 
 /* A part of the work on a file, in thousandths, for the progress bar. */
 typedef struct stretch {

@@ -8,14 +8,14 @@
  * A plain check asks the middle of the image; where that has holes, a part of it that has none, or a
  * small one with the holes left out, which takes long.
  */
-#include "surface.h"
+#include "surface/surface.h"
 
 #include <stdlib.h>
 
-#include "crop.h"
-#include "fullest.h"
-#include "heights.h"
-#include "whole.h"
+#include "examine/middle_and_lines.h"
+#include "surface/most_used_square.h"
+#include "surface/solve_heights.h"
+#include "write/whole_image.h"
 
 enum {
     READ_PERMILLE = 500,

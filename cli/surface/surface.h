@@ -5,7 +5,7 @@
 #ifndef NTP_CLI_SURFACE_H
 #define NTP_CLI_SURFACE_H
 
-#include "examine.h"
+#include "examine/examine.h"
 
 /*
  * Adds f->surface, for a file whose other facts are known.  s->keep_crop was set when it was

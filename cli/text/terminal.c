@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * output.c - standard output and standard error
+ * terminal.c - standard output and standard error
  *
  * Results are written whole and checked: a full disk behind standard output is an error, a
  * reader that went away is not.
@@ -12,7 +12,7 @@
 #include <unistd.h>
 
 #include "cli.h"
-#include "jobs.h"
+#include "run/jobs.h"
 
 static struct {
     bool failed, closed, to_stderr;

@@ -2,7 +2,7 @@
 /*
  * text.c - growing strings; see text.h
  */
-#include "text.h"
+#include "text/text.h"
 
 #include <stdarg.h>
 #include <stdio.h>

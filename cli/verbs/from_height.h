@@ -3,8 +3,8 @@
 #ifndef NTP_CLI_FROM_HEIGHT_H
 #define NTP_CLI_FROM_HEIGHT_H
 
-#include "options.h"
-#include "produce.h"
+#include "options/options.h"
+#include "write/write_run.h"
 
 enum {
     MAX_OCTAVES = 8, /* the last is blurred by NTP_MAX_SIGMA */

@@ -5,13 +5,13 @@
  * --like fills the settings first, with the kernel, border, weights and order of channels of a
  * peer; what is given beside it wins.
  */
-#include "from_height.h"
+#include "verbs/from_height.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "text.h"
+#include "text/text.h"
 
 static bool wrong(const char *option, const char *value, const char *problem)
 {

@@ -5,7 +5,7 @@
 #ifndef NTP_CLI_TO_HEIGHT_H
 #define NTP_CLI_TO_HEIGHT_H
 
-#include "produce.h"
+#include "write/write_run.h"
 
 enum { AUTO = -1 }; /* of what is found out by evidence */
 

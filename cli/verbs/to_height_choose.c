@@ -7,8 +7,8 @@
  */
 #include <stdlib.h>
 
-#include "heights.h"
-#include "to_height.h"
+#include "surface/solve_heights.h"
+#include "verbs/to_height.h"
 
 static void choose_y(to_height_state *st, const to_height_settings *set, const input *in)
 {

@@ -2,8 +2,8 @@
 /*
  * to_height_report.c - what ntp to-height tells: the scale, and every choice with its ground
  */
-#include "report.h"
-#include "to_height.h"
+#include "report/report.h"
+#include "verbs/to_height.h"
 
 static const char *const Y_NAMES[] = { "up", "down" };
 static const char *const Y_TITLES[] = { "OpenGL (Y up)", "DirectX (Y down)" };

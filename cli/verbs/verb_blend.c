@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * blend.c - ntp blend: a detail normals texture over a base
+ * verb_blend.c - ntp blend: a detail normals texture over a base
  *
  * The base streams through; the detail, which repeats, is held in memory.
  */
-#include "report.h"
-#include "whole.h"
+#include "report/report.h"
+#include "write/whole_image.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * check.c - ntp check: what textures are, and whether they are well formed
+ * verb_check.c - ntp check: what textures are, and whether they are well formed
  */
 #include <stdlib.h>
 #include <string.h>
 
-#include "jobs.h"
-#include "report.h"
-#include "surface.h"
+#include "run/jobs.h"
+#include "report/report.h"
+#include "surface/surface.h"
 
 typedef enum check_format { FORMAT_TEXT, FORMAT_JSON, FORMAT_CSV, FORMAT_LIST } check_format;
 

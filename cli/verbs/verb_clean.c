@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * clean.c - ntp clean: repairs normals
+ * verb_clean.c - ntp clean: repairs normals
  */
 #include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "produce.h"
-#include "report.h"
+#include "write/write_run.h"
+#include "report/report.h"
 
 enum {
     PLAN_TEXELS = 512 * 512, /* a table for 8-bit rows pays from about this many texels on */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * convert.c - ntp convert: encoding, depth, direction of green, layout of channels
+ * verb_convert.c - ntp convert: encoding, depth, direction of green, layout of channels
  *
  * The library converts to x, y, z and alpha in the target's depth; letters then say which of
  * them goes into which channel of the file.
@@ -8,9 +8,9 @@
 #include <string.h>
 #include <strings.h>
 
-#include "planes.h"
-#include "report.h"
-#include "whole.h"
+#include "write/side_image.h"
+#include "report/report.h"
+#include "write/whole_image.h"
 
 enum {
     FULL = 4,    /* channels of the converted rows: x, y, z, alpha */

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * diff.c - ntp diff: two textures, in levels and degrees
+ * verb_diff.c - ntp diff: two textures, in levels and degrees
  */
 #include <stdlib.h>
 #include <string.h>
 
-#include "report.h"
+#include "report/report.h"
 
 typedef struct side {
     input in;

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * dump.c - ntp dump: texels as CSV
+ * verb_dump.c - ntp dump: texels as CSV
  *
  * The file is read twice: to find out what it is, then to print.
  */
 #include <string.h>
 
-#include "report.h"
+#include "report/report.h"
 
 typedef struct dump {
     const options *o;

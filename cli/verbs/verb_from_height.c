@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * from_height.c - ntp from-height: normals of a heightfield
+ * verb_from_height.c - ntp from-height: normals of a heightfield
  *
  * Rows of heights are collected in a ring until a row's neighbors are there.  A border that
  * wraps needs the rows of the other end, and a blur rows far away: there the whole heightfield is
  * held.
  */
-#include "from_height.h"
+#include "verbs/from_height.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -14,9 +14,9 @@
 #include <string.h>
 #include <strings.h>
 
-#include "parallel.h"
-#include "planes.h"
-#include "report.h"
+#include "run/thread_crew.h"
+#include "write/side_image.h"
+#include "report/report.h"
 
 enum {
     CHUNK = 64,       /* rows made at once */

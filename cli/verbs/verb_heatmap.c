@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * heatmap.c - ntp heatmap: paints what is wrong where
+ * verb_heatmap.c - ntp heatmap: paints what is wrong where
  */
-#include "produce.h"
-#include "report.h"
+#include "write/write_run.h"
+#include "report/report.h"
 
 enum { HEAT_CHANNELS = 3 };
 

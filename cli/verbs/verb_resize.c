@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * resize.c - ntp resize: another size, or all sizes of a mip chain
+ * verb_resize.c - ntp resize: another size, or all sizes of a mip chain
  *
  * Each level of a chain is made from the texture itself, not from the level before: normals
  * that were made unit vectors have lost how much they disagreed, and would be averaged wrongly.
  */
-#include "report.h"
-#include "whole.h"
+#include "report/report.h"
+#include "write/whole_image.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * to_height.c - ntp to-height: heightfields of normals
+ * verb_to_height.c - ntp to-height: heightfields of normals
  *
  * The texture is held whole, and so are its heights, as floats: 4 bytes a texel beside the input,
  * about 40 more with --method weighted.  The solver runs on all threads that the other files leave.
  */
-#include "to_height.h"
+#include "verbs/to_height.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -13,10 +13,10 @@
 #include <string.h>
 #include <strings.h>
 
-#include "heights.h"
-#include "planes.h"
-#include "report.h"
-#include "whole.h"
+#include "surface/solve_heights.h"
+#include "write/side_image.h"
+#include "report/report.h"
+#include "write/whole_image.h"
 
 enum {
     BLOCK_ROWS = 64,

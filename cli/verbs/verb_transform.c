@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * transform.c - ntp transform: flips, quarter turns and strength, pictures and vectors together
+ * verb_transform.c - ntp transform: flips, quarter turns and strength, pictures and vectors together
  */
-#include "report.h"
-#include "whole.h"
+#include "report/report.h"
+#include "write/whole_image.h"
 
 typedef struct settings {
     ntp_transform_options how;

@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * planes.c - a channel of another image, beside the one at work: an alpha, a mask
+ * side_image.c - a channel of another image, beside the one at work: an alpha, a mask
  *
  * Rows are read one by one and converted by value to the depth that is asked for.
  */
-#include "planes.h"
+#include "write/side_image.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "text.h"
+#include "text/text.h"
 
 size_t sample_size(ntp_type type)
 {

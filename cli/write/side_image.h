@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * planes.h - a channel of another image, beside the one at work: an alpha, a mask
+ * side_image.h - a channel of another image, beside the one at work: an alpha, a mask
  */
 #ifndef NTP_CLI_PLANES_H
 #define NTP_CLI_PLANES_H

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * whole.c - for verbs whose rows depend on rows far away: the input held whole in memory
+ * whole_image.c - for verbs whose rows depend on rows far away: the input held whole in memory
  */
-#include "whole.h"
+#include "write/whole_image.h"
 
 #include <stdio.h>
 #include <stdlib.h>

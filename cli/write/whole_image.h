@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * whole.h - for verbs whose rows depend on rows far away: the input held whole in memory
+ * whole_image.h - for verbs whose rows depend on rows far away: the input held whole in memory
  *
  * The rows of an input are kept as they come; then the output is made and written a few rows
  * at a time.  So a file takes the memory of its samples, up to WHOLE_BYTES.
@@ -8,7 +8,7 @@
 #ifndef NTP_CLI_WHOLE_H
 #define NTP_CLI_WHOLE_H
 
-#include "produce.h"
+#include "write/write_run.h"
 
 /* Is there room for an image of this size, as far as it is ours to say? */
 bool whole_fits(const source *s);

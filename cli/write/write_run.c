@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * produce.c - the passes over one file, what is told about it, and the run over all
+ * write_run.c - the passes over one file, what is told about it, and the run over all
  */
-#include "produce.h"
+#include "write/write_run.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -10,7 +10,7 @@
 #include <strings.h>
 #include <sys/stat.h>
 
-#include "report.h"
+#include "report/report.h"
 
 typedef enum outcome {
     MADE,      /* written, or would be */

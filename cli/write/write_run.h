@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * produce.h - reading a texture and writing another: the part that the writing verbs share
+ * write_run.h - reading a texture and writing another: the part that the writing verbs share
  *
  * A file is taken for a standard texture (or what --type says), and its output is written
  * while it is measured.  Only when the measurement says otherwise, the output is dropped and
@@ -11,9 +11,9 @@
 
 #include <jansson.h>
 
-#include "examine.h"
-#include "jobs.h"
-#include "options.h"
+#include "examine/examine.h"
+#include "run/jobs.h"
+#include "options/options.h"
 
 typedef struct maker maker;
 

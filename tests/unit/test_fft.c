@@ -3,7 +3,7 @@
  * test_fft.c - the transforms against direct sums, for every length to 300 and some beyond; and the
  * same bytes by every instruction set
  */
-#include "solver_kernels.h"
+#include "to_height/shared/solver_kernels.h"
 
 #include <math.h>
 #include <stdio.h>

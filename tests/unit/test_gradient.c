@@ -3,9 +3,9 @@
  * test_gradient.c - the wide integers of heightfield -> normals, and that every instruction set
  * gives the bytes of the base level
  */
-#include "gradient.h"
+#include "from_height/gradient.h"
 #include "guarded.h"
-#include "kernels.h"
+#include "texel/kernels.h"
 
 #include <math.h>
 #include <string.h>

@@ -6,7 +6,7 @@
  * roots behind them against integers, for every argument where that is feasible.
  */
 #include "guarded.h"
-#include "kernels.h"
+#include "texel/kernels.h"
 #include "libntp.h"
 
 #include <math.h>

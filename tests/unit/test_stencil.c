@@ -5,7 +5,7 @@
  * <A x, y> = <x, A' y> for random x, y; and the operator against ntp_normals_from_height, which knows
  * the same kernels and borders by other code: slopes of unit heights, one after another.
  */
-#include "stencil.h"
+#include "to_height/shared/slope_operator.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * wide.c - natural numbers of up to 2048 bits, on the stack
+ * bignum.c - natural numbers of up to 2048 bits, on the stack
  *
  * Schoolbook arithmetic: the numbers have a few limbs, hardly ever more than twenty.
  */
-#include "wide.h"
+#include "base/bignum.h"
 
 #include <stdbool.h>
 #include <string.h>

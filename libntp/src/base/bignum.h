@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * wide.h - natural numbers of up to 2048 bits, on the stack
+ * bignum.h - natural numbers of up to 2048 bits, on the stack
  *
  * For the few texels whose rounding a double cannot decide.  Only what that needs: product,
  * sum, difference, shift, comparison.  Limbs of 32 bits, the lowest first, so that plain C

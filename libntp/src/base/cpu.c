@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * dispatch.c - which instruction set's kernels run; no state, the processor is asked each time
+ * cpu.c - which instruction set's kernels run; no state, the processor is asked each time
  */
-#include "kernels.h"
-#include "solver_kernels.h"
+#include "texel/kernels.h"
+#include "to_height/shared/solver_kernels.h"
 
 extern const ntp__kernels_table ntp__kernels_base;
 #ifdef NTP_HAVE_AVX2

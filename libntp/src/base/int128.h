@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * i128.h - signed integers of 128 bits, in plain C
+ * int128.h - signed integers of 128 bits, in plain C
  *
  * Two's complement in two words; sums and products are taken mod 2^128, so they are right
  * whenever the result fits.  For sums of weighted levels and for blends, whose numerators have

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * crew.c - items of work shared out among the parts that the caller's hooks offer
+ * parts.c - items of work shared out among the parts that the caller's hooks offer
  *
  * Each part does every parts-th item, so that one call of parallel_for does them all.  What an
  * item computes does not depend on the part that does it.
  */
-#include "crew.h"
+#include "base/parts.h"
 
 #include <stddef.h>
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * crew.h - items of work shared out among the parts that the caller's hooks offer
+ * parts.h - items of work shared out among the parts that the caller's hooks offer
  */
 #ifndef NTP_CREW_H
 #define NTP_CREW_H

@@ -2,7 +2,7 @@
 /*
  * view.c - views over the caller's pixels: checks, and the way from and to planar levels
  */
-#include "internal.h"
+#include "base/view.h"
 
 #include <string.h>
 

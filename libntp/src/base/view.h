@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * internal.h - what the files of the core share: view checks, row addressing, blocks of texels
+ * view.h - what the files of the core share: view checks, row addressing, blocks of texels
  *
  * Every operation has one shape: check all arguments, then for each row of the area and each
  * block of at most NTP__BLOCK texels: unpack to planar levels, work, pack.  Types, strides and

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * method.c - which way of cleaning a texture's errors speak for
+ * choose_method.c - which way of cleaning a texture's errors speak for
  *
  * Where blue alone is wrong, red and green are still right, and blue is derived from them.  Where
  * all three channels err, as after compression or filtering, the direction of the whole vector is
@@ -8,7 +8,7 @@
  * with steepness: an error of z weighs z in the length, so it fades where texels are steep, while
  * errors of x and y do not.
  */
-#include "internal.h"
+#include "base/view.h"
 
 /* A few texels far off: at most this share fails, and those that fail are off by this much (root of
  * the mean square), besides what rounding does to all.  Resizing fails less grossly. */

@@ -7,8 +7,8 @@
  * texels or lossy compression do not turn the answer.  docs/classification.md tells the same in
  * words.
  */
-#include "classify.h"
-#include "internal.h"
+#include "classify/thresholds.h"
+#include "base/view.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * reasons.c - the names of classes, and reasons as English clauses
+ * reason_text.c - the names of classes, and reasons as English clauses
  *
  * A reason is a template and a number.  Numbers are formatted here, because snprintf's depend on
  * the locale: '%' stands for the number as a percentage, '#' for it with two decimals.
  */
-#include "internal.h"
+#include "base/view.h"
 
 #include <string.h>
 

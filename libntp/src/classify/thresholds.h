@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* classify.h - the thresholds of the classification, each with its reason */
+/* thresholds.h - the thresholds of the classification, each with its reason */
 #ifndef NTP_CLASSIFY_H
 #define NTP_CLASSIFY_H
 

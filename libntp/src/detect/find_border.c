@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * borders.c - which border the normals at the edges of a texture were made with
+ * find_border.c - which border the normals at the edges of a texture were made with
  *
  * The heights were found without regard to the slopes at the edges, so these can be asked: each
  * border makes normals of the heights there, and the one that gives back the stored ones is told.
  * Lines along an edge are taken in stretches; columns are the rows of the picture turned about
  * its diagonal.
  */
-#include "direction.h"
-#include "gradient_taps.h"
-#include "internal.h"
+#include "texel/direction.h"
+#include "stencil/taps.h"
+#include "base/view.h"
 
 #include <math.h>
 

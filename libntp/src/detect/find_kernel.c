@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * origin.c - which kernel made these normals
+ * find_kernel.c - which kernel made these normals
  *
  * A kernel takes slopes p = (D across)(S down) h and q = (S across)(D down) h, with D a difference
  * and S a mean along one axis.  So (S across)(D down) p = (D across)(S down) q wherever p and q are
  * of that kernel, but for what rounding did; and what it can do is known.  Each kernel is tried on
  * points of sampled rows, and the square of the difference is compared with its expectation.
  */
-#include "internal.h"
-#include "level.h"
+#include "base/view.h"
+#include "texel/level.h"
 
 #include <string.h>
 

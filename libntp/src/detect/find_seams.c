@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * seams.c - does a texture tile?
+ * find_seams.c - does a texture tile?
  *
  * Two questions for each axis.  Closure: the slopes along a row add up to the height at its end
  * over that at its beginning; in a texture that tiles they add up to 0, up to rounding, whose size is
  * known.  Jump: the step from the last texel to the first is to be like the steps inside.  Sampled
  * rows are asked, and columns as the rows of the image turned about its diagonal.
  */
-#include "internal.h"
-#include "level.h"
+#include "base/view.h"
+#include "texel/level.h"
 
 #include <string.h>
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * steps.c - do slopes come in steps, as those of heights with few levels do?
+ * find_steps.c - do slopes come in steps, as those of heights with few levels do?
  *
  * Each slope of whole-numbered heights is a whole multiple of one step.  A texel tells its slope up
  * to rounding: an interval.  So of sampled texels the intervals are sorted, and steps are tried: does
@@ -8,8 +8,8 @@
  * told apart: levels that are evenly spaced themselves (an image of fewer bits), domes whose slope
  * grows by as much at each texel, and planes with a few angles.
  */
-#include "internal.h"
-#include "level.h"
+#include "base/view.h"
+#include "texel/level.h"
 
 #include <string.h>
 

@@ -9,8 +9,8 @@
  * integer, by the size of the derivatives and by the block of the picture, so that parts merge
  * exactly; large derivatives are weighted down at the end.  docs/orientation.md tells the rest.
  */
-#include "internal.h"
-#include "level.h"
+#include "base/view.h"
+#include "texel/level.h"
 
 #include <string.h>
 

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * height_blur.c - Gaussian blur of a heightfield with integer weights
+ * blur.c - Gaussian blur of a heightfield with integer weights
  *
  * Two passes: rows go through a ring of horizontally blurred rows.  Sums are doubles taken in one
  * order, the same at every place, so a texture that tiles still does, and all machines agree.
  */
-#include "gradient.h"
+#include "from_height/gradient.h"
 
 #include <string.h>
 

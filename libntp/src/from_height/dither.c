@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * gradient_dither.c - rounding that keeps the sum of slopes: one texel
+ * dither.c - rounding that keeps the sum of slopes: one texel
  *
  * The height between two texels is a sum of slopes, so their rounding errors add up along a row.
  * Here the error of a slope, as a reader of the texture will see it, goes to the next texel: the
  * sum is then off by one texel's error only, anywhere.
  */
-#include "gradient.h"
-#include "level.h"
+#include "from_height/gradient.h"
+#include "texel/level.h"
 
 #include <math.h>
 

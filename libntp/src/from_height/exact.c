@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * gradient_exact.c - one texel of heightfield -> normals, without any doubt
+ * exact.c - one texel of heightfield -> normals, without any doubt
  *
  * The vector (a, b, N) with a = c D, b = d E is made of integers times powers of two, so the
  * question "is |a| / L at least u / w", L the length, is the sign of
@@ -8,9 +8,9 @@
  * and "is |a| sqrt(1 - min_z^2) / |(a, b)| at least u / w" is the sign of
  *     (w^2 - u^2) a^2  -  u^2 b^2  -  w^2 min_z^2 a^2.
  * The component is the lesser of the two, so it is at least u / w when both are.  A double
- * finds the one boundary u / w that matters; wide.c has the numbers.
+ * finds the one boundary u / w that matters; bignum.c has the numbers.
  */
-#include "gradient.h"
+#include "from_height/gradient.h"
 
 #include <math.h>
 #include <string.h>

@@ -6,10 +6,10 @@
  * ring of rows of heights (the kernel's, at most nine), each read once; tap sums, encoding and packing follow
  * row by row.  Texels that the encoding loop has doubts about are done over exactly.
  */
-#include "gradient.h"
+#include "from_height/gradient.h"
 
-#include "kernels.h"
-#include "level.h"
+#include "texel/kernels.h"
+#include "texel/level.h"
 
 #include <string.h>
 

@@ -4,16 +4,16 @@
  *
  * A texel's normal is (c x D, d y E, N) divided by its length: D and E are integer tap sums of
  * heights (right and up the picture), N = denominator * range, and c, d are scale/dx and
- * scale/dy.  gradient.c walks over the area; gradient_rows.c makes rows of heights, extended
+ * scale/dy.  gradient.c walks over the area; height_rows.c makes rows of heights, extended
  * beyond the borders; gradient_kernels.c has the loops, which are right for nearly every texel
- * and say for which not; gradient_exact.c decides those.
+ * and say for which not; exact.c decides those.
  */
 #ifndef NTP_GRADIENT_H
 #define NTP_GRADIENT_H
 
-#include "gradient_taps.h"
-#include "internal.h"
-#include "wide.h"
+#include "stencil/taps.h"
+#include "base/view.h"
+#include "base/bignum.h"
 
 enum {
     NTP__GRADIENT_ROW = NTP__BLOCK + 2 * NTP__MAX_RADIUS,
@@ -87,12 +87,12 @@ void ntp__gradient_exact(ntp__normal *normal, const ntp__gradient *g, int32_t x,
 /* n.x and n.y before they are divided by the length, as doubles; false: not finite, both are 0. */
 bool ntp__gradient_slopes(const ntp__gradient *g, int32_t x, int32_t y, double xy[2]);
 
-/* The levels of a texel with the errors carried on (gradient_dither.c): xy as above; along, down:
+/* The levels of a texel with the errors carried on (dither.c): xy as above; along, down:
  * the errors brought along from the texel before, and those that this one leaves. */
 void ntp__dither(int32_t level[3], const ntp__gradient *g, const double xy[2], double *along,
                  double *down);
 
-/* Checks all arguments and fills in the rest (gradient_plan.c). */
+/* Checks all arguments and fills in the rest (plan.c). */
 ntp_status ntp__gradient_plan(ntp__gradient *g, const ntp_image *dst, const ntp_const_image *src,
                               const ntp_gradient_options *how);
 
@@ -119,7 +119,7 @@ static inline int32_t ntp__clamp(int32_t v, ntp__span span)
     return v < span.first ? span.first : v > span.last ? span.last : v;
 }
 
-/* --- rows of heights (gradient_rows.c) --- */
+/* --- rows of heights (height_rows.c) --- */
 
 /* A row of heights of the columns x - 4 .. x + n + 4, with what lies beyond the border. */
 typedef struct ntp__height_row {

@@ -17,7 +17,7 @@
  * Nothing overflows or falls below the normal range, as the caller keeps c/N within limits
  * (gradient.c).  Tap sums that are not exact add an absolute bound.
  */
-#include "gradient.h"
+#include "from_height/gradient.h"
 
 #include <math.h>
 #include <string.h>

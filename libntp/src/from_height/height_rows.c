@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * gradient_rows.c - heights out of pixels, and what lies beyond the borders
+ * height_rows.c - heights out of pixels, and what lies beyond the borders
  *
  * Integer heights are numerators over g->range: the sample itself, or a weighted sum, or the
  * numerator of 1 - (1-r)(1-g)(1-b) over M^3.
  */
-#include "gradient.h"
+#include "from_height/gradient.h"
 
 #include <string.h>
 

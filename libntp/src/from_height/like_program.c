@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * gradient_like.c - the settings under which other programs make the same picture
+ * like_program.c - the settings under which other programs make the same picture
  *
  * Each program has a kernel of some gain on a ramp; ours have gain 1, so the gain goes into the
  * scale, as a fraction that is rounded once.
  */
-#include "gradient.h"
+#include "from_height/gradient.h"
 
 #include <string.h>
 

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * gradient_pack.c - the result of heightfield -> normals on its way into pixels
+ * pack.c - the result of heightfield -> normals on its way into pixels
  */
-#include "gradient.h"
+#include "from_height/gradient.h"
 
-#include "level.h"
+#include "texel/level.h"
 
 static float unit_alpha(const ntp__gradient *g, int32_t x, int32_t y)
 {

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * gradient_plan.c - from the options of heightfield -> normals to numbers, and their checks
+ * plan.c - from the options of heightfield -> normals to numbers, and their checks
  */
-#include "gradient.h"
+#include "from_height/gradient.h"
 
-#include "kernels.h"
+#include "texel/kernels.h"
 
 #include <math.h>
 #include <string.h>

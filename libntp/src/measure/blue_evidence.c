@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * evidence.c - how blue goes with red and green
+ * blue_blue_evidence.c - how blue goes with red and green
  *
  * Standard and Z-zero differ in what blue should be only where a texel is tilted, so the two
  * readings are compared there, and there alone.  The regression of blue on the derived blue tells
  * the two apart also when blue is shifted or scaled, for its slope is 1 or 2.
  */
-#include "level.h"
-#include "tally.h"
+#include "texel/level.h"
+#include "measure/tally.h"
 
 /* In 8-bit levels. */
 static const double GAP_THAT_TELLS = 1, OFF_MOST = 32, NEAR = 3, ABOVE = 4;

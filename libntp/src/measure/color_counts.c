@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * cells.c - the cells of a tally: which row is whose, and which rows hold counts
+ * color_counts.c - the cells of a tally: which row is whose, and which rows hold counts
  *
  * There are 8260 rows, with their far cells 9.5 MB.  A small texture has texels in a few of them, so
  * all that looks through the cells goes by the notes in row_seen.
  */
-#include "kernels.h"
-#include "level.h"
-#include "tally.h"
+#include "texel/kernels.h"
+#include "texel/level.h"
+#include "measure/tally.h"
 
 #include <string.h>
 

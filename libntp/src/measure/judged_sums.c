@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * judge.c - what one texel, or many of one color, add to the sums of a measurement
+ * judged_sums.c - what one texel, or many of one color, add to the sums of a measurement
  */
-#include "kernels.h"
-#include "level.h"
-#include "tally.h"
+#include "texel/kernels.h"
+#include "texel/level.h"
+#include "measure/tally.h"
 
 #include <math.h>
 #include <string.h>

@@ -2,10 +2,10 @@
 /*
  * measure.c - one pass over the texels, into a tally; see tally.h for the idea
  */
-#include "tally.h"
+#include "measure/tally.h"
 
-#include "kernels.h"
-#include "level.h"
+#include "texel/kernels.h"
+#include "texel/level.h"
 
 #include <string.h>
 

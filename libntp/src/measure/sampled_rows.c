@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * sample.c - what is measured on some rows only, because it costs more than a count
+ * sampled_rows.c - what is measured on some rows only, because it costs more than a count
  *
  * How the channels go together, gamma, and the steps between columns that lossy compression
  * leaves.  All are integer sums, so parts merge exactly.
  */
-#include "level.h"
-#include "srgb.h"
-#include "tally.h"
+#include "texel/level.h"
+#include "texel/srgb.h"
+#include "measure/tally.h"
 
 /* At least 64 rows, all of a small image, and at most one row in 32 of a large one. */
 static bool is_sampled(const ntp_const_image *src, int32_t y)

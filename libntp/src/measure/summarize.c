@@ -2,7 +2,7 @@
 /*
  * summarize.c - the facts that follow from a tally
  */
-#include "tally.h"
+#include "measure/tally.h"
 
 #include <math.h>
 #include <string.h>

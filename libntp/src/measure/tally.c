@@ -2,8 +2,8 @@
 /*
  * tally.c - tallies as wholes: merging, emptying, and adding up what the cells stand for
  */
-#include "level.h"
-#include "tally.h"
+#include "texel/level.h"
+#include "measure/tally.h"
 
 #include <string.h>
 

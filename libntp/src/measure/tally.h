@@ -15,8 +15,8 @@
 #ifndef NTP_TALLY_H
 #define NTP_TALLY_H
 
-#include "angle.h"
-#include "internal.h"
+#include "texel/angle.h"
+#include "base/view.h"
 
 #include <math.h>
 #include <string.h>
@@ -154,7 +154,7 @@ static inline int32_t ntp__steepness_bin(double xy2, int32_t m)
 void ntp__add_block(ntp__sums *sums, const ntp__block *block, const uint32_t *count, int32_t n,
                     int32_t m, ntp_encoding encoding);
 
-/* Adds row y's texels x0 <= x < x1 to the samples, when it is one of those sampled (sample.c). */
+/* Adds row y's texels x0 <= x < x1 to the samples, when it is one of those sampled (sampled_rows.c). */
 void ntp__sample_row(ntp_tally *tally, const ntp_const_image *src, int32_t x0, int32_t x1,
                      int32_t y);
 
@@ -218,7 +218,7 @@ static inline void ntp__merge_counts(uint32_t *into, const uint32_t *from, size_
 /* Fills tally->used and tally->unused, with angles by this encoding.  Errors as ntp_summarize. */
 ntp_status ntp__sum_up(ntp_tally *tally, ntp_encoding encoding);
 
-/* Fills in stats how blue goes with red and green (evidence.c). */
+/* Fills in stats how blue goes with red and green (blue_evidence.c). */
 void ntp__describe_blue(ntp_stats *stats, const ntp_tally *tally);
 
 /* M that the texels are judged at. */

@@ -6,9 +6,9 @@
  * levels of an 8-bit image count 257 each where the other image is deeper.  Of the angles only
  * integers are kept, as of the levels, so that parts add up exactly.
  */
-#include "angle.h"
-#include "level.h"
-#include "picture.h"
+#include "texel/angle.h"
+#include "texel/level.h"
+#include "picture/picture.h"
 
 #include <string.h>
 

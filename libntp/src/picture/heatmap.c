@@ -7,8 +7,8 @@
  * there is none; the reference palette takes the three strengths as red, green and blue, the
  * safe palette scales the hue of the weightiest fault by its strength.
  */
-#include "level.h"
-#include "picture.h"
+#include "texel/level.h"
+#include "picture/picture.h"
 
 enum {
     STRONG = 255,

@@ -2,7 +2,7 @@
 /*
  * picture.c - checks shared by the operations that paint a picture of a texture
  */
-#include "picture.h"
+#include "picture/picture.h"
 
 ntp_status ntp__check_painting(const ntp_image *dst, const ntp_const_image *src,
                                int32_t min_channels)

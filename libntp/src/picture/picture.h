@@ -5,7 +5,7 @@
 #ifndef NTP_PICTURE_H
 #define NTP_PICTURE_H
 
-#include "internal.h"
+#include "base/view.h"
 
 /*
  * dst is a U8 picture of src's size with min_channels to 4 channels, but not 2, and either has

@@ -6,8 +6,8 @@
  * no fused multiply-add: so the bytes are the same everywhere.  Sums of three are taken from
  * left to right.
  */
-#include "level.h"
-#include "picture.h"
+#include "texel/level.h"
+#include "picture/picture.h"
 
 #include <math.h>
 

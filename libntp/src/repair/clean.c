@@ -6,9 +6,9 @@
  * blocks cleaned by derivation through a kernel with its few odd texels redone one by one, and
  * everything else texel by texel with the arithmetic of level.h.
  */
-#include "internal.h"
-#include "kernels.h"
-#include "level.h"
+#include "base/view.h"
+#include "texel/kernels.h"
+#include "texel/level.h"
 
 #include <string.h>
 

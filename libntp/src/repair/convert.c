@@ -6,10 +6,10 @@
  * converted red and green, which keeps clean textures clean.  Blues are derived a block at a
  * time by the kernels, for the source (is the texel exact?) and for the target.
  */
-#include "internal.h"
-#include "kernels.h"
-#include "level.h"
-#include "vector.h"
+#include "base/view.h"
+#include "texel/kernels.h"
+#include "texel/level.h"
+#include "texel/float_vector.h"
 
 #include <math.h>
 #include <string.h>

@@ -2,10 +2,10 @@
 /*
  * inspect.c - the verdicts: on one texel in full, on many as a byte of flags each
  */
-#include "internal.h"
-#include "kernels.h"
-#include "level.h"
-#include "tally.h"
+#include "base/view.h"
+#include "texel/kernels.h"
+#include "texel/level.h"
+#include "measure/tally.h"
 
 #include <math.h>
 #include <string.h>

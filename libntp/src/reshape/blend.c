@@ -10,8 +10,8 @@
  *     UDN         the same, z = 2^k N Bz
  * Levels have 17 bits with their sign, n 53, 2^k 62 and n only where k is small: 2^116 holds all.
  */
-#include "direction.h"
-#include "level.h"
+#include "texel/direction.h"
+#include "texel/level.h"
 
 #include <string.h>
 

@@ -8,9 +8,9 @@
  * rounded once.  The columns are summed last because then nothing lives longer than a row: a
  * caller streams with any two rows at hand, and each call stands alone.
  */
-#include "direction.h"
-#include "level.h"
-#include "resize.h"
+#include "texel/direction.h"
+#include "texel/level.h"
+#include "reshape/resize.h"
 
 #include <string.h>
 

@@ -5,7 +5,7 @@
 #ifndef NTP_RESIZE_H
 #define NTP_RESIZE_H
 
-#include "internal.h"
+#include "base/view.h"
 
 /* The texels first..first + count - 1 that make one texel of the result. */
 typedef struct ntp__span_of_taps {

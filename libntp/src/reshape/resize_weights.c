@@ -11,8 +11,8 @@
  * rounded.  Lanczos weights are rounded to about 2^-30, from a sine of our own in integers, so
  * that they are the same everywhere.
  */
-#include "resize.h"
-#include "gradient.h"
+#include "reshape/resize.h"
+#include "from_height/gradient.h"
 
 /*
  * Sums of |weight| stay below 1.6 * 2^30: a column of 16-bit levels times 16-bit alphas then

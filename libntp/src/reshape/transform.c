@@ -6,8 +6,8 @@
  * through such a view; then red and green change places or are mirrored, which is exact.  A
  * strength S = n / 2^k makes (n x, n y, 2^k z), whose direction is rounded once.
  */
-#include "direction.h"
-#include "level.h"
+#include "texel/direction.h"
+#include "texel/level.h"
 
 #include <string.h>
 

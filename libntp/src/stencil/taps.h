@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * gradient_taps.h - the gradient kernels, as integers
+ * taps.h - the gradient kernels, as integers
  *
  * Each kernel is a sum of one or two separable terms.  The slope to the right weights columns by
  * `along` and rows by `across`; the slope down is the transpose.  Index 4 is the texel itself.

@@ -6,8 +6,8 @@
  * taken about the nearest i/8: atan(t) = atan(i/8) + atan(u), u = (t - i/8)/(1 + t i/8), where
  * |u| <= 1/16 and the series to u^9 is short by less than 1/16^11/11 = 6e-15 radians.
  */
-#include "angle.h"
-#include "internal.h"
+#include "texel/angle.h"
+#include "base/view.h"
 
 #include <math.h>
 #include <string.h>

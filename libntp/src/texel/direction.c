@@ -6,9 +6,9 @@
  * double decides that floor unless the quotient lies within 2^-30 of an integer k: its error is
  * below 2^16 * 12 * 2^-53.  Then M M v v and 4 k k L L are compared as integers.
  */
-#include "direction.h"
-#include "level.h"
-#include "wide.h"
+#include "texel/direction.h"
+#include "texel/level.h"
+#include "base/bignum.h"
 
 #include <math.h>
 

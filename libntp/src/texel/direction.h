@@ -6,8 +6,8 @@
 #ifndef NTP_DIRECTION_H
 #define NTP_DIRECTION_H
 
-#include "i128.h"
-#include "internal.h"
+#include "base/int128.h"
+#include "base/view.h"
 
 /*
  * The numerators over M of the vector that texel i of a block holds.  NTP_XY: as the standard

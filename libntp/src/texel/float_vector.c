@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * vector.c - float vectors to levels, correctly rounded
+ * float_vector.c - float vectors to levels, correctly rounded
  *
  * A double quotient decides all but the vectors whose quotient lies within 2^-30 of an
  * integer.  For those M*M x*x and k*k (x*x + y*y + z*z) are compared as integers of 704 bits:
  * floats are multiples of 2^-149 below 2^128, so their squares are multiples of 2^-298 below
  * 2^256, and the factors have at most 34 bits.
  */
-#include "vector.h"
+#include "texel/float_vector.h"
 
 #include <math.h>
 #include <stdbool.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * vector.h - float vectors to levels, correctly rounded
+ * float_vector.h - float vectors to levels, correctly rounded
  */
 #ifndef NTP_VECTOR_H
 #define NTP_VECTOR_H

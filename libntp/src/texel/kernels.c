@@ -6,9 +6,9 @@
  * k = (|X| + 1)/2 also X*X = 4k(k - 1) + 1.  Working with a(a + 1) and k keeps all sums of
  * three squares, and of their neighbors k - 1 and k + 1, within 32 bits at M = 65535.
  */
-#include "kernels.h"
+#include "texel/kernels.h"
 
-#include "tally.h"
+#include "measure/tally.h"
 
 #include <math.h>
 #include <stdbool.h>
@@ -96,7 +96,7 @@ static uint64_t clean_rgb8_slowly(uint8_t *dst, const uint8_t *src, size_t n, co
     return changed;
 }
 
-#include "clean8.h"
+#include "texel/clean8.h"
 
 /* Four pixels a step.  Two stores, which no later load overlaps, take the results: a store of
  * four bytes for each pixel would stall the loads that follow when dst is src. */
@@ -201,7 +201,7 @@ static inline int32_t blue(int32_t e, int32_t k, int32_t zzero)
     return zzero ? z : k + t;
 }
 
-#include "clean16.h"
+#include "texel/clean16.h"
 
 static inline void derive_loop(int32_t *restrict want, const int32_t *restrict r,
                                const int32_t *restrict g, int32_t n, int32_t m, int32_t zzero)

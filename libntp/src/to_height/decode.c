@@ -7,9 +7,9 @@
  * a few thousand texels show.  Blue that was derived from red and green is what they give; blue
  * rounded by itself often differs a level where the normal is tilted.
  */
-#include "decode.h"
+#include "to_height/decode.h"
 
-#include "level.h"
+#include "texel/level.h"
 
 #include <math.h>
 

@@ -5,7 +5,7 @@
 #ifndef NTP_DECODE_H
 #define NTP_DECODE_H
 
-#include "internal.h"
+#include "base/view.h"
 
 /*
  * Settles how->decode where it is NTP_DECODE_AUTO and the texture shows another rule than that of

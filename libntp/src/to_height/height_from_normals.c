@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * reconstruct.c - normals -> heightfield: checks, the choice of the method, and what comes after
+ * height_from_normals.c - normals -> heightfield: checks, the choice of the method, and what comes after
  *
- * A solver (integrate.c, weighted.c) makes heights of mean 0.  What else is wanted works on these:
+ * A solver (direct/solve.c, weighted/solve.c) makes heights of mean 0.  What else is wanted works on these:
  * the plane is taken out, and the result described.
  */
-#include "decode.h"
-#include "integrate.h"
-#include "rederive.h"
-#include "weighted.h"
+#include "to_height/decode.h"
+#include "to_height/direct/direct.h"
+#include "to_height/round_trip.h"
+#include "to_height/weighted/weighted.h"
 
 #include <math.h>
 #include <string.h>

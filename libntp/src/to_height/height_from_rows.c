@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * stream.c - normals -> heightfield, row by row, for pictures beyond memory
+ * height_from_rows.c - normals -> heightfield, row by row, for pictures beyond memory
  *
- * The direct solver (integrate.c) walks down the picture and up again; between the two, rows of
+ * The direct solver (direct/solve.c) walks down the picture and up again; between the two, rows of
  * the heights' file hold what the second walk needs.
  */
-#include "integrate.h"
+#include "to_height/direct/direct.h"
 
 #include <string.h>
 

@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * rederive.c - the normals of a reconstructed heightfield against those it was made of
+ * round_trip.c - the normals of a reconstructed heightfield against those it was made of
  *
  * A stored level stands for a box: every x that rounds to it.  The heights give the texture again
  * where x and y of each texel lie in their boxes; the projection moves those that do not to the
  * nearest place inside, each texel by itself.
  */
-#include "rederive.h"
+#include "to_height/round_trip.h"
 
-#include "direction.h"
-#include "integrate.h"
+#include "texel/direction.h"
+#include "to_height/direct/direct.h"
 
 #include <math.h>
 

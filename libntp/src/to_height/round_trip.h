@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * rederive.h - the normals of a reconstructed heightfield against those it was made of
+ * round_trip.h - the normals of a reconstructed heightfield against those it was made of
  */
 #ifndef NTP_REDERIVE_H
 #define NTP_REDERIVE_H
 
-#include "crew.h"
-#include "scratch.h"
-#include "slopes.h"
-#include "stencil.h"
+#include "base/parts.h"
+#include "base/scratch.h"
+#include "to_height/shared/slopes.h"
+#include "to_height/shared/slope_operator.h"
 
 enum { NTP__REDERIVE_ROWS = 5 };
 

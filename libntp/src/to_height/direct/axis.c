@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * integrate_axis.c - the stencils of an axis: their adjoints, and what they make of frequencies
+ * axis.c - the stencils of an axis: their adjoints, and what they make of frequencies
  *
  * Beyond free ends heights go on mirrored, about the edge of the last texel (clamp) or about its
  * middle (mirror); slopes along the axis go on with the other sign.  Then every stencil is a
  * convolution, cosines are its eigenvectors, and the adjoint is the convolution turned round.
  * One-sided and baked slopes live on the edges between texels, as the compact Laplacian.
  */
-#include "gradient_taps.h"
-#include "integrate.h"
+#include "stencil/taps.h"
+#include "to_height/direct/direct.h"
 
 #include <string.h>
 

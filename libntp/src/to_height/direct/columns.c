@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * integrate_columns.c - the recursion along columns
+ * columns.c - the recursion along columns
  *
  * Once rows are transformed, each column is a system of its own: lambda h plus second differences
  * of h.  Forward slopes couple neighbors; central ones couple rows two apart: the even rows are
@@ -10,7 +10,7 @@
  * it, or the other one, at the end that the border joins to it, all round.  Their sizes
  * follow from two sums of the way down.  All state is in double; rows are floats.
  */
-#include "integrate.h"
+#include "to_height/direct/direct.h"
 
 #include <math.h>
 #include <string.h>

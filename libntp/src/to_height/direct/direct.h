@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * integrate.h - what the files of the direct solver share
+ * direct.h - what the files of the direct solver share
  *
- * integrate.c walks over the image; integrate_axis.c knows the stencils; integrate_rows.c makes
- * right-hand sides; integrate_columns.c solves down columns, by recursion or by transforms;
- * integrate_edges.c mends edges.
+ * direct/solve.c walks over the image; axis.c knows the stencils; right_hand_side.c makes
+ * right-hand sides; columns.c solves down columns, by recursion or by transforms;
+ * edges.c mends edges.
  */
 #ifndef NTP_INTEGRATE_H
 #define NTP_INTEGRATE_H
 
-#include "slopes.h"
-#include "solver_kernels.h"
+#include "to_height/shared/slopes.h"
+#include "to_height/shared/solver_kernels.h"
 
 enum { NTP__CACHE_LINE = 64 };
 
@@ -25,7 +25,7 @@ typedef enum ntp__axis_kind {
     NTP__AXIS_FORWARD,
     NTP__AXIS_CENTRAL,
     NTP__AXIS_BAKED,
-    NTP__AXIS_TAPS /* of the table in gradient_taps.h */
+    NTP__AXIS_TAPS /* of the table in stencil/taps.h */
 } ntp__axis_kind;
 
 /* One axis of the image, with the stencil of the slopes along it. */

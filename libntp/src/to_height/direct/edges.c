@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * integrate_edges.c - the edges of central slopes with extrapolated borders, fitted with full weight
+ * edges.c - the edges of central slopes with extrapolated borders, fitted with full weight
  *
  * In the direct solution slopes at these edges count a quarter, for then cosines are eigenvectors.
  * What that costs is at the edges, so the two outermost lines of texels on each such side are fitted
@@ -10,7 +10,7 @@
  * diagonal.  Both are solved exactly.  So the sum of squares comes within some hundredths of a
  * percent of the least there is.
  */
-#include "integrate.h"
+#include "to_height/direct/direct.h"
 
 #include <float.h>
 #include <math.h>
@@ -156,7 +156,7 @@ static void add_rows(edge *e)
 /* ------------------------------------------------------------------------------ solutions */
 
 /* Differences of texels two apart, round the edge: a quarter of -1, 2 + mu, -1, which factors as in
- * integrate_columns.c.  v becomes the solution. */
+ * columns.c.  v becomes the solution. */
 static void solve_round(double *v, int32_t n, double number)
 {
     double mu = 4 * number, r = 1 / (1 + mu / 2 + sqrt(mu + mu * mu / 4));

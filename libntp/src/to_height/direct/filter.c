@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * integrate_filter.c - the solver's columns by transforms, for stencils beyond recursion
+ * filter.c - the solver's columns by transforms, for stencils beyond recursion
  *
  * In both axes' frequencies the normal equations are numbers: A h = f, A what the stencils of
  * slopes right and down make of a frequency, squared and added.  A stencil of 3 x 3 or more is
@@ -10,7 +10,7 @@
  * the mean square of the Laplacian of the heights, which f is.  What floats between the passes
  * cannot hold counts the same way, as noise of f itself: + t L^2 / A.
  */
-#include "integrate.h"
+#include "to_height/direct/direct.h"
 
 #include <string.h>
 

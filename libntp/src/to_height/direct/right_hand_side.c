@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * integrate_rows.c - right-hand sides: the adjoint of the stencils, applied to rows of slopes
+ * right_hand_side.c - right-hand sides: the adjoint of the stencils, applied to rows of slopes
  *
  * Rows of slopes are made once and remembered as long as the rows around need them.
  */
-#include "gradient_taps.h"
-#include "integrate.h"
+#include "stencil/taps.h"
+#include "to_height/direct/direct.h"
 
 #include <string.h>
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * integrate.c - normals -> heightfield: the direct least-squares solver
+ * solve.c - normals -> heightfield: the direct least-squares solver
  *
  * The normal equations of "slopes of h nearest to the stored ones" are separable.  Rows are taken
  * in batches: their right-hand sides are transformed along the row, and each column is
@@ -11,8 +11,8 @@
  * the columns of a round of batches are done along with the rows of the next one: threads wait for
  * each other half as often, and what waits for memory goes on beside what computes.
  */
-#include "crew.h"
-#include "integrate.h"
+#include "base/parts.h"
+#include "to_height/direct/direct.h"
 
 #include <float.h>
 #include <string.h>

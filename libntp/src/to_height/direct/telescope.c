@@ -7,7 +7,7 @@
  * that each height is rounded once.  There are more equations than heights: what the sums did not
  * take is compared with the heights that they made (his conditions of consistency).
  */
-#include "integrate.h"
+#include "to_height/direct/direct.h"
 
 #include <math.h>
 #include <string.h>

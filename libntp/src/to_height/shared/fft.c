@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * fft.c - tables of the Fourier and cosine transforms; fft_lines.h has the transforms
+ * fft.c - tables of the Fourier and cosine transforms; fft_lines_tmpl.h has the transforms
  *
  * Sines and cosines are our own, in double: no two libms agree, and the bytes of a heightfield
  * are to be the same everywhere.
  */
-#include "fft.h"
+#include "to_height/shared/fft.h"
 
-#include "solver_kernels.h"
+#include "to_height/shared/solver_kernels.h"
 
 #include <string.h>
 

@@ -61,7 +61,7 @@ void *ntp__fft_line(const ntp__fft *fft, void *work, int32_t row);
 /* What a column of a batch of columns is multiplied by at frequency k. */
 typedef void ntp__fft_factors_fn(const void *user, int32_t k, double factor[NTP__FFT_ROWS]);
 
-/* The transforms, compiled once for each instruction set (fft_lines.h). */
+/* The transforms, compiled once for each instruction set (fft_lines_tmpl.h). */
 struct ntp__fft_loops {
     /* Transforms the lines into rows of n floats; the inverse undoes it in place. */
     void (*forward)(const ntp__fft *fft, float *const rows[NTP__FFT_ROWS], void *work);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * fft_butterflies.h - a complex Fourier transform of interleaved lines; included by fft_lines.h
+ * fft_butterflies_tmpl.h - a complex Fourier transform of interleaved lines; included by fft_lines_tmpl.h
  *
  * Stockham's algorithm (no bit reversal) with radices 4, 2, 3 and 5.  NAME(x) and REAL are those of
  * the precision.  A cell is one complex element of all lines: LANES real parts, then LANES

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * fft_lines.h - transforms of a batch of rows in one precision; included with REAL and NAME(x)
+ * fft_lines_tmpl.h - transforms of a batch of rows in one precision; included with REAL and NAME(x)
  *
  * Row r lies in lane r of the cells: the real parts of 8 complex lines, then the imaginary parts.
  * The DCT-II is Makhoul's: even texels forwards, odd ones backwards, a Fourier transform, and a
  * turn of each pair of frequencies k, n - k.  The DCT-I is the Fourier transform of the row and its
  * mirror image.  Rows and cells change places in tiles, so that both are walked along.
  */
-#include "fft_butterflies.h"
+#include "to_height/shared/fft_butterflies_tmpl.h"
 
 /* ------------------------------------------------------------------- pairs of frequencies */
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * row_loops.h - sums over rows in one precision; included with REAL and NAME(x)
+ * row_loops_tmpl.h - sums over rows in one precision; included with REAL and NAME(x)
  */
 
 static void NAME(set_pair)(void *f, const void *a, double wa, const void *b, double wb, int32_t n)

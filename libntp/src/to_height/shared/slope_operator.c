@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * stencil.c - slopes of a heightfield as a linear operator, and its adjoint
+ * slope_operator.c - slopes of a heightfield as a linear operator, and its adjoint
  *
  * The lines follow ntp_normals_from_height: the same taps, and the same heights beyond each border.
  * The operator and its adjoint read one table, so that they stay adjoint to rounding.
  */
-#include "stencil.h"
+#include "to_height/shared/slope_operator.h"
 
-#include "fft.h"
+#include "to_height/shared/fft.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * stencil.h - slopes of a heightfield as a linear operator, and its adjoint
+ * slope_operator.h - slopes of a heightfield as a linear operator, and its adjoint
  *
  * A slope is a sum of one or two products of an operator on rows with one on columns.  A line is
  * such an operator on one axis: taps in the interior, single entries near the ends, where the
@@ -9,7 +9,7 @@
 #ifndef NTP_STENCIL_H
 #define NTP_STENCIL_H
 
-#include "gradient.h"
+#include "from_height/gradient.h"
 
 /* Near the ends: up to 4 positions at each, 9 taps, of which each stands for up to 2 texels. */
 enum { NTP__LINE_ENTRIES = 2 * NTP__MAX_RADIUS * NTP__MAX_TAPS * 2 };

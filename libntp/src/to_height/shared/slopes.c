@@ -5,10 +5,10 @@
  * Integer samples stay integer numerators, of which the common denominator falls out; a slope is
  * one division.  Texels that hold no normal are flat.
  */
-#include "slopes.h"
+#include "to_height/shared/slopes.h"
 
-#include "level.h"
-#include "solver_kernels.h"
+#include "texel/level.h"
+#include "to_height/shared/solver_kernels.h"
 
 #include <string.h>
 

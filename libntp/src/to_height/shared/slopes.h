@@ -5,7 +5,7 @@
 #ifndef NTP_SLOPES_H
 #define NTP_SLOPES_H
 
-#include "internal.h"
+#include "base/view.h"
 
 /* How the samples of a texture become slopes. */
 typedef struct ntp__slopes {

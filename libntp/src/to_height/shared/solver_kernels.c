@@ -2,9 +2,9 @@
 /*
  * solver_kernels.c - compiled once for each instruction set with -DNTP_ISA=...; see solver_kernels.h
  *
- * fft_lines.h and row_loops.h are included twice, for float and for double.
+ * fft_lines_tmpl.h and row_loops_tmpl.h are included twice, for float and for double.
  */
-#include "solver_kernels.h"
+#include "to_height/shared/solver_kernels.h"
 
 #include <math.h>
 #include <string.h>
@@ -23,14 +23,14 @@ enum {
 
 #define REAL    float
 #define NAME(x) x##_single
-#include "fft_lines.h"
-#include "row_loops.h"
+#include "to_height/shared/fft_lines_tmpl.h"
+#include "to_height/shared/row_loops_tmpl.h"
 #undef REAL
 #undef NAME
 #define REAL    double
 #define NAME(x) x##_double
-#include "fft_lines.h"
-#include "row_loops.h"
+#include "to_height/shared/fft_lines_tmpl.h"
+#include "to_height/shared/row_loops_tmpl.h"
 #undef REAL
 #undef NAME
 

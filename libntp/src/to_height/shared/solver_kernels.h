@@ -8,8 +8,8 @@
 #ifndef NTP_SOLVER_KERNELS_H
 #define NTP_SOLVER_KERNELS_H
 
-#include "fft.h"
-#include "kernels.h"
+#include "to_height/shared/fft.h"
+#include "texel/kernels.h"
 
 /* Loops over n numbers of a row, all float or all double. */
 typedef struct ntp__row_loops {
@@ -32,7 +32,7 @@ typedef struct ntp__slope_levels {
 typedef int32_t ntp__slopes8_fn(float *right, float *down, const uint8_t *src, int32_t step,
                                 int32_t n, const ntp__slope_levels *how);
 
-/* The recursion along columns, a row at a time; see integrate_columns.c. */
+/* The recursion along columns, a row at a time; see columns.c. */
 typedef struct ntp__column_loops {
     /* state = scale row + r state; row = state */
     void (*down)(double *state, float *row, const double *r, double scale, int32_t n);

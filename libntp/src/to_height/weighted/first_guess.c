@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * weighted_start.c - where the iteration begins in mazes
+ * first_guess.c - where the iteration begins in mazes
  *
  * The preconditioner knows no walls, and in corridors of a texel or two the way from one place to
  * the next may be thousands of texels long: the iteration finds heights along it slowly.  But there
@@ -8,7 +8,7 @@
  * more than two neighbors, the heights to begin with are such sums, each island from its first
  * texel on.  Where corridors make no loops that leaves next to nothing to iterate.
  */
-#include "weighted.h"
+#include "to_height/weighted/weighted.h"
 
 #include <string.h>
 

@@ -6,7 +6,7 @@
  * to their neighbors on the right and below (union by the least texel, which names the
  * island), across a border that wraps too.
  */
-#include "weighted.h"
+#include "to_height/weighted/weighted.h"
 
 #include <string.h>
 

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * weighted_operator.c - the normal equations of weighted least squares, row by row
+ * operator.c - the normal equations of weighted least squares, row by row
  *
  * A row of the result is a sum over the weighted slopes that read it, and the flows through its
  * pairs.  Each part keeps the rows of slopes it has made; where bands of two parts meet, both make
  * them.  So every row is made in one order, by whichever part.
  */
-#include "weighted.h"
+#include "to_height/weighted/weighted.h"
 
 #include <string.h>
 

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * weighted_transform.c - the preconditioner of weighted least squares
+ * precondition.c - the preconditioner of weighted least squares
  *
  * Without weights, holes and ends the normal equations are diagonal in frequencies: the squares of
  * the gains of the stencil, and those of the pairs.  A Fourier (wrap) or cosine transform along
  * both axes, a division, and the way back.  The plane of dst holds it all.
  */
-#include "weighted.h"
+#include "to_height/weighted/weighted.h"
 
 #include <string.h>
 

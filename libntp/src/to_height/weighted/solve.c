@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * weighted.c - weighted least squares by conjugate gradients
+ * solve.c - weighted least squares by conjugate gradients
  *
  * The step d is conjugate to the ones before; z, the residual after the preconditioner, lies in dst
  * in floats, which makes that a slightly different one each time: the flexible formula for beta
  * allows it.  What has been reached is told by the residual worked out anew from the
  * stored slopes; where it is not yet small enough the iteration starts again from there.
  */
-#include "weighted.h"
+#include "to_height/weighted/weighted.h"
 
 #include <math.h>
 #include <string.h>

@@ -12,11 +12,11 @@
 #ifndef NTP_WEIGHTED_H
 #define NTP_WEIGHTED_H
 
-#include "crew.h"
-#include "fft.h"
-#include "scratch.h"
-#include "slopes.h"
-#include "stencil.h"
+#include "base/parts.h"
+#include "to_height/shared/fft.h"
+#include "base/scratch.h"
+#include "to_height/shared/slopes.h"
+#include "to_height/shared/slope_operator.h"
 
 enum {
     NTP__BAND = 32, /* rows of an item of work */
@@ -87,14 +87,14 @@ ntp_status ntp__weighted_solve(const ntp_image *dst, const ntp__slopes *slopes, 
 /* Stored slopes of row y, as differences from a texel to the next. */
 void ntp__weighted_stored(const ntp__weighted *w, double *right, double *down, int32_t y);
 
-/* Weights, and what is a hole; the sums of rows are those of weight slope^2 (weighted_setup.c).
+/* Weights, and what is a hole; the sums of rows are those of weight slope^2 (weights.c).
  * Counts are left in the parts. */
 void ntp__weighted_setup(ntp__weighted *w);
 
-/* Rows to of the operator, or of the residual (weighted_operator.c). */
+/* Rows to of the operator, or of the residual (operator.c). */
 void ntp__weighted_apply(ntp__weighted *w, double *to, const double *from, bool residual);
 
-/* dst = approximate solution for r (weighted_transform.c). */
+/* dst = approximate solution for r (precondition.c). */
 void ntp__weighted_precondition(ntp__weighted *w);
 void ntp__spectrum_init(ntp__spectrum *s, ntp__scratch *memory, ntp_kernel kernel,
                         ntp_border border, int32_t n, void *fft_work);

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * weighted_setup.c - the weights of weighted least squares, and its holes
+ * weights.c - the weights of weighted least squares, and its holes
  *
  * A level of error in x and y is an error of the slope that grows with the slope.  With n = (x, y, z)
  * and errors of one variance in each, that of x/z is (z^2 + x^2)/z^4 times as much where z is stored,
  * and ((z^2 + x^2)^2 + (x y)^2)/z^6 where it is derived from x and y.
  */
-#include "weighted.h"
+#include "to_height/weighted/weighted.h"
 
-#include "direction.h"
+#include "texel/direction.h"
 
 /* Weights below it would make the steepest texels as good as holes, and the iteration slow. */
 static const double least_weight = 0.01;
