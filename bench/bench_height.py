@@ -43,7 +43,7 @@ class Ours:
     def __init__(self, src, kernel):
         self.out = np.zeros((*src.shape, 3), np.uint8)
         self.views = ntp.view(self.out), ntp.view(src, ntp.HEIGHT, const=True)
-        self.how = ntp.ffi.new("ntp_gradient_options *")
+        self.how = ntp.ffi.new("ntp_normals_options *")
         self.how.scale, self.how.kernel = SCALE, kernel
         self.how.border_x = self.how.border_y = MIRROR
 

@@ -140,19 +140,19 @@ static void expect(ntp_status status)
 
 static ntp_image image8(uint8_t *data, const bench *b)
 {
-    return ntp_image_packed(data, b->side, b->side, 3, NTP_U8);
+    return ntp_image_packed(data, b->side, b->side, 3, NTP_TYPE_U8);
 }
 
 static ntp_image image16(uint16_t *data, const bench *b)
 {
-    return ntp_image_packed(data, b->side, b->side, 3, NTP_U16);
+    return ntp_image_packed(data, b->side, b->side, 3, NTP_TYPE_U16);
 }
 
 /* Normals of which each channel was rounded by itself, as most bakers do it. */
 static void make_normals(bench *b, double scale)
 {
-    ntp_gradient_options how = { .scale = scale, .blue = NTP_BLUE_NEAREST };
-    ntp_image height = ntp_image_packed(b->height, b->side, b->side, 1, NTP_F32);
+    ntp_normals_options how = { .scale = scale, .blue = NTP_BLUE_NEAREST };
+    ntp_image height = ntp_image_packed(b->height, b->side, b->side, 1, NTP_TYPE_F32);
     ntp_const_image src = ntp_image_as_const(&height);
     ntp_image rgb8 = image8(b->src8, b), rgb16 = image16(b->src16, b);
     expect(ntp_normals_from_height(&rgb8, &src, &how, NULL, NULL));
@@ -216,8 +216,8 @@ static void measure(bench *b, const ntp_image *image)
 {
     ntp_const_image from = ntp_image_as_const(image);
     expect(ntp_tally_clear(b->tally));
-    expect(ntp_measure(b->tally, &from, 0, NULL));
-    expect(ntp_summarize(&b->stats, b->tally, NTP_STANDARD));
+    expect(ntp_tally_add(b->tally, &from, 0, NULL));
+    expect(ntp_tally_summarize(&b->stats, b->tally, NTP_ENCODING_STANDARD));
 }
 
 static void measure8(bench *b)
@@ -235,7 +235,7 @@ static void measure16(bench *b)
 static void validate8(bench *b)
 {
     ntp_image src = image8(b->src8, b);
-    ntp_image mask = ntp_image_packed(b->dst8, b->side, b->side, 1, NTP_U8);
+    ntp_image mask = ntp_image_packed(b->dst8, b->side, b->side, 1, NTP_TYPE_U8);
     ntp_const_image from = ntp_image_as_const(&src);
     expect(ntp_validate(&mask, &from, 0, NULL));
 }
@@ -377,7 +377,7 @@ static void set_up(bench *b)
     b->src16 = buffer(b->bytes16);
     b->dst16 = buffer(b->bytes16);
     size_t size = ntp_clean_plan_size();
-    expect(ntp_clean_plan_init(&b->plan, buffer(size), size, NTP_STANDARD, NULL));
+    expect(ntp_clean_plan_init(&b->plan, buffer(size), size, NTP_ENCODING_STANDARD, NULL));
     b->tally = memset(buffer(ntp_tally_size()), 0, ntp_tally_size());
 }
 

@@ -140,8 +140,8 @@ static void time_threads(int32_t size, int pairs, ntp_border border, const char 
     float *heights = allocate(sizeof(float) * texels);
     for (int32_t y = 0; y < size; y++)
         fill(normals + 3 * (size_t) size * (size_t) y, y, size);
-    ntp_image src = ntp_image_packed(normals, size, size, 3, NTP_U8);
-    ntp_image dst = ntp_image_packed(heights, size, size, 1, NTP_F32);
+    ntp_image src = ntp_image_packed(normals, size, size, 3, NTP_TYPE_U8);
+    ntp_image dst = ntp_image_packed(heights, size, size, 1, NTP_TYPE_F32);
     ntp_const_image seen = ntp_image_as_const(&src);
     ntp_height_options how = { .kernel = NTP_KERNEL_FORWARD,
                                .border_x = border,
@@ -217,7 +217,7 @@ static void time_rows(int32_t size)
     if (r.file == NULL)
         fail("no temporary file");
     ntp_height_rows calls = { &r, read_normals, read_heights, write_heights };
-    ntp_const_image form = { .width = size, .height = size, .channels = 3, .type = NTP_U8 };
+    ntp_const_image form = { .width = size, .height = size, .channels = 3, .type = NTP_TYPE_U8 };
     ntp_height_options how = { .kernel = NTP_KERNEL_FORWARD };
     size_t bytes = ntp_height_rows_scratch_size(&form, &how, PARTS);
     void *scratch = allocate(bytes);

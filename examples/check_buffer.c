@@ -38,15 +38,15 @@ static void describe(const ntp_const_image *view, int x, int y)
         return;
     printf("(%d, %d): %u %u %u, length %.4f%s%s, cleaned %u %u %u, %.2f degrees off\n", x, y,
            (unsigned) texel.stored[0], (unsigned) texel.stored[1], (unsigned) texel.stored[2],
-           texel.length, texel.flags & NTP_XY_TOO_LONG ? ", x and y too long" : "",
-           texel.flags & NTP_Z_NEGATIVE ? ", z negative" : "", (unsigned) texel.cleaned[0],
+           texel.length, texel.flags & NTP_FLAG_XY_TOO_LONG ? ", x and y too long" : "",
+           texel.flags & NTP_FLAG_Z_NEGATIVE ? ", z negative" : "", (unsigned) texel.cleaned[0],
            (unsigned) texel.cleaned[1], (unsigned) texel.cleaned[2], texel.angle);
 }
 
 int main(void)
 {
     fill();
-    ntp_image whole = ntp_image_packed(pixels, WIDTH, HEIGHT, CHANNELS, NTP_U16);
+    ntp_image whole = ntp_image_packed(pixels, WIDTH, HEIGHT, CHANNELS, NTP_TYPE_U16);
 
     /* The 32 x 16 texels from (8, 8), upside down: the last row first, a negative stride. */
     ntp_image crop = whole;
@@ -57,7 +57,7 @@ int main(void)
     ntp_const_image view = ntp_image_as_const(&crop);
 
     static unsigned char flags[16][32];
-    ntp_image mask = ntp_image_packed(flags, 32, 16, 1, NTP_U8);
+    ntp_image mask = ntp_image_packed(flags, 32, 16, 1, NTP_TYPE_U8);
     ntp_status status = ntp_validate(&mask, &view, 0, NULL);
     if (status != NTP_OK) {
         fprintf(stderr, "validate: %s\n", ntp_status_string(status));
@@ -66,7 +66,8 @@ int main(void)
     int bad = 0;
     for (int y = 0; y < 16; y++) {
         for (int x = 0; x < 32; x++) {
-            if ((flags[y][x] & NTP_PASS_NEIGHBOR) == 0 || (flags[y][x] & NTP_Z_NEGATIVE) != 0) {
+            if ((flags[y][x] & NTP_FLAG_NEIGHBOR) == 0 ||
+                (flags[y][x] & NTP_FLAG_Z_NEGATIVE) != 0) {
                 describe(&view, x, y);
                 bad++;
             }

@@ -40,16 +40,16 @@ static int fail(const char *what, ntp_status status)
 /* Measures, says what it is, and cleans in place. */
 static int process(unsigned char *rgb, int width, int height)
 {
-    ntp_image image = ntp_image_packed(rgb, width, height, 3, NTP_U8);
+    ntp_image image = ntp_image_packed(rgb, width, height, 3, NTP_TYPE_U8);
     ntp_const_image source = ntp_image_as_const(&image);
 
     ntp_tally *tally = (ntp_tally *) calloc(1, ntp_tally_size());
     if (tally == NULL)
         return fail("tally", NTP_ERR_SCRATCH);
     ntp_stats stats;
-    ntp_status status = ntp_measure(tally, &source, 0, NULL);
+    ntp_status status = ntp_tally_add(tally, &source, 0, NULL);
     if (status == NTP_OK)
-        status = ntp_summarize(&stats, tally, NTP_STANDARD);
+        status = ntp_tally_summarize(&stats, tally, NTP_ENCODING_STANDARD);
     free(tally);
     if (status != NTP_OK)
         return fail("measure", status);

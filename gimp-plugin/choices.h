@@ -30,7 +30,7 @@
     ROW(NTP_OP_EXTRAPOLATE, "extrapolate", N_("Extrapolate the height")) \
     ROW(NTP_OP_REPEAT_SLOPE, "repeat-slope", N_("Repeat the slope"))
 
-#define NTP_SOURCE_CHOICES(ROW) /* ntp_height_source */ \
+#define NTP_HEIGHT_SOURCE_CHOICES(ROW) /* ntp_height_source */ \
     ROW(NTP_OP_RED, "red", N_("Red")) \
     ROW(NTP_OP_GREEN, "green", N_("Green")) \
     ROW(NTP_OP_BLUE, "blue", N_("Blue")) \

@@ -13,7 +13,7 @@ def options(kernel="central", source="red", **how):
     how.setdefault("scale", 1.0)
     how["kernel"] = model.NAMES.index(kernel)
     how["source"] = model.SOURCES[source]
-    return ntp.ffi.new("ntp_gradient_options *", how)
+    return ntp.ffi.new("ntp_normals_options *", how)
 
 
 def from_height(src, encoding=ntp.STANDARD, y=ntp.UP, dst=np.uint8, out=None, area=None,
@@ -21,7 +21,7 @@ def from_height(src, encoding=ntp.STANDARD, y=ntp.UP, dst=np.uint8, out=None, ar
     """(normals, texels that took the exact path, texels that are not finite)."""
     if out is None:
         out = np.zeros((*src.shape[:2], channels), dst)
-    counts = ntp.ffi.new("ntp_gradient_counts *")
+    counts = ntp.ffi.new("ntp_normals_counts *")
     view = ntp.view(src, ntp.HEIGHT, const=True)
     status = ntp.lib.ntp_normals_from_height(
         ntp.view(out, encoding, y), view, options(**how), counts, ntp.rect(area)

@@ -194,7 +194,7 @@ class Tally:
 
     def measure(self, array, encoding=STANDARD, touch_unused=0, area=None):
         src = view(array, encoding, const=True)
-        check(lib.ntp_measure(self.pointer, src, touch_unused, rect(area)))
+        check(lib.ntp_tally_add(self.pointer, src, touch_unused, rect(area)))
         return self
 
     def merge(self, other):
@@ -203,19 +203,19 @@ class Tally:
 
     def stats(self, encoding=STANDARD):
         stats = ffi.new("ntp_stats *")
-        check(lib.ntp_summarize(stats, self.pointer, encoding))
+        check(lib.ntp_tally_summarize(stats, self.pointer, encoding))
         return fields(stats)
 
     def levels_off(self, encoding=STANDARD, size=65536):
         counts = np.zeros(size, np.uint64)
         where = ffi.cast("uint64_t *", counts.__array_interface__["data"][0])
-        check(lib.ntp_levels_off(where, size, self.pointer, encoding))
+        check(lib.ntp_tally_levels_off(where, size, self.pointer, encoding))
         return counts
 
     def lengths(self, encoding=STANDARD):
         counts = np.zeros(256, np.uint64)
         where = ffi.cast("uint64_t *", counts.__array_interface__["data"][0])
-        check(lib.ntp_lengths(where, self.pointer, encoding))
+        check(lib.ntp_tally_lengths(where, self.pointer, encoding))
         return counts
 
 
@@ -224,7 +224,7 @@ def stats_of(pixels, encoding):
     array = np.ascontiguousarray(pixels)
     tally = Tally().measure(array, encoding)
     stats = ffi.new("ntp_stats *")
-    check(lib.ntp_summarize(stats, tally.pointer, encoding % HEIGHT))
+    check(lib.ntp_tally_summarize(stats, tally.pointer, encoding % HEIGHT))
     return stats
 
 

@@ -262,7 +262,7 @@ def in_shell(r, g, b, m, zz, step):
 
 
 def flags(r, g, b, m, zz=False, keep=False):
-    """The byte of ntp_validate, without NTP_IS_UNUSED."""
+    """The byte of ntp_validate, without NTP_FLAG_UNUSED."""
     r, g, b = np.broadcast_arrays(*(np.asarray(c, np.int64) for c in (r, g, b)))
     inside = radicands(r, g, m) >= 0
     want = derived_blues(r, g, m, zz)

@@ -17,7 +17,7 @@ REACH = 4  # of the largest kernel
 def find(n, heights, kernel, down, wraps=0, encoding=ntp.STANDARD, y=ntp.UP, **how):
     """What is found out along one axis, as a dict."""
     how = ntp.ffi.new("ntp_height_options *", {"kernel": kernel, **how})
-    fit = ntp.ffi.new("ntp_edge_fit *")
+    fit = ntp.ffi.new("ntp_border_fit *")
     views = ntp.view(n, encoding, y, const=True), ntp.view(heights, ntp.HEIGHT, const=True)
     ntp.check(ntp.lib.ntp_find_border(fit, *views, how, down, wraps))
     return {"border": fit.border, "told": fit.told, "error": list(fit.error)}
@@ -173,7 +173,7 @@ def test_unused_texels_at_the_edges_do_not_count():
 def test_wrong_arguments():
     n, h = np.zeros((20, 20, 3), np.uint8), np.zeros((20, 20), np.float32)
     null = ntp.ffi.NULL
-    how, fit = ntp.ffi.new("ntp_height_options *"), ntp.ffi.new("ntp_edge_fit *")
+    how, fit = ntp.ffi.new("ntp_height_options *"), ntp.ffi.new("ntp_border_fit *")
     src, made = ntp.view(n, const=True), ntp.view(h, ntp.HEIGHT, const=True)
     call = ntp.lib.ntp_find_border
     assert call(fit, src, made, how, 0, 0) == ntp.lib.NTP_OK

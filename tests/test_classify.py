@@ -456,7 +456,7 @@ def test_flipped_z_is_sure():
 def choose(case, lossy=0):
     encoding = case.kind
     stats = stats_of(case, encoding)
-    method, why = ntp.ffi.new("ntp_method *"), ntp.ffi.new("ntp_reason *")
+    method, why = ntp.ffi.new("ntp_clean_method *"), ntp.ffi.new("ntp_reason *")
     ntp.check(ntp.lib.ntp_choose_method(method, why, stats, encoding, lossy))
     return method[0], reason_text(why), stats
 

@@ -71,7 +71,7 @@ def test_class_names():
 def test_errors():
     stats = ntp.ffi.new("ntp_stats *")
     result = ntp.ffi.new("ntp_classification *")
-    method = ntp.ffi.new("ntp_method *")
+    method = ntp.ffi.new("ntp_clean_method *")
     null = ntp.ffi.NULL
     assert ntp.lib.ntp_classify(result, stats) == ntp.ERR_ARGUMENT
     assert ntp.lib.ntp_classify(null, stats) == ntp.ERR_ARGUMENT

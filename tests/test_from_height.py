@@ -247,7 +247,7 @@ def test_streaming_through_a_ring(kernel, border):
     src = rng.integers(0, 256, (40, 33)).astype(np.uint8)
     how = {"kernel": kernel, "border_x": border, "border_y": border, "scale": 9.0}
     whole, _, _ = from_height(src, **how)
-    reach = ntp.lib.ntp_gradient_reach(options(**how))
+    reach = ntp.lib.ntp_normals_reach(options(**how))
     rows = 2 * reach + 1
     ring = np.zeros((rows, 33), np.uint8)
     got = np.zeros_like(whole)
@@ -343,7 +343,7 @@ def test_argument_errors():
     out = ntp.view(np.zeros((4, 4, 3), np.uint8))
     view = ntp.view(src, ntp.HEIGHT, const=True)
     assert ntp.lib.ntp_normals_from_height(out, view, null, null, null) == ntp.ERR_ARGUMENT
-    assert ntp.lib.ntp_gradient_reach(null) == -1
+    assert ntp.lib.ntp_normals_reach(null) == -1
 
 
 # -------------------------------------------------------------------------------- alpha

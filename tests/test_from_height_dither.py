@@ -16,7 +16,7 @@ def dithered(src, encoding=ntp.STANDARD, y=ntp.UP, dst=np.uint8, parts=(), **how
     out = np.zeros((*src.shape[:2], 3), dst)
     errors = np.zeros(src.shape[1])
     where = ntp.ffi.cast("double *", errors.__array_interface__["data"][0])
-    counts = ntp.ffi.new("ntp_gradient_counts *")
+    counts = ntp.ffi.new("ntp_normals_counts *")
     ends = [0, *parts, src.shape[0]]
     for y0, y1 in itertools.pairwise(ends):
         status = ntp.lib.ntp_normals_dithered(
@@ -85,7 +85,7 @@ def blur(src, sigma, weight=1.0, add=None, border_x=0, border_y=0, source="red")
     how.sigma, how.weight, how.add = sigma, weight, add is not None
     how.border_x, how.border_y, how.source = border_x, border_y, model.SOURCES[source]
     out = np.zeros(src.shape[:2], np.float32) if add is None else add.copy()
-    scratch = ntp.aligned(ntp.lib.ntp_height_blur_scratch(how, src.shape[1]))
+    scratch = ntp.aligned(ntp.lib.ntp_height_blur_scratch_size(how, src.shape[1]))
     memory = ntp.ffi.cast("void *", scratch.__array_interface__["data"][0])
     view = ntp.view(src, ntp.HEIGHT, const=True)
     ntp.check(ntp.lib.ntp_height_blur(ntp.view(out, ntp.HEIGHT), view, how, memory, len(scratch)))

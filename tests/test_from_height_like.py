@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""`ntp_gradient_like`: the pictures of other programs, each by a model of its formula."""
+"""`ntp_normals_like`: the pictures of other programs, each by a model of its formula."""
 
 from fractions import Fraction
 
@@ -31,7 +31,7 @@ GIMP_FILTERS["5x5"] = [[w / sum(abs(v) for r in _five for v in r) for w in row] 
 
 def peer(name, value):
     result = ntp.ffi.new("ntp_peer *")
-    ntp.check(ntp.lib.ntp_gradient_like(result, name.encode(), value))
+    ntp.check(ntp.lib.ntp_normals_like(result, name.encode(), value))
     return result
 
 
@@ -44,7 +44,7 @@ def as_peer(src, name, value):
     made = ntp.view(out, ntp.STANDARD, likeness.y)
     options = ntp.ffi.addressof(likeness, "options")
     ntp.check(ntp.lib.ntp_normals_from_height(made, view, options, null, null))
-    return out[..., [0, 2, 1]] if likeness.green_is_up else out
+    return out[..., [0, 2, 1]] if likeness.swap_green_blue else out
 
 
 def rounded_normal(nx, ny):
@@ -172,4 +172,4 @@ def test_like_rounds_the_scale_once():
             assert result.options.scale == exact.numerator / exact.denominator
     for name, value in (("nobody", 1.0), ("gegl", float("nan")), ("gimp-normalmap", 1.0)):
         result = ntp.ffi.new("ntp_peer *")
-        assert ntp.lib.ntp_gradient_like(result, name.encode(), value) == ntp.ERR_ARGUMENT
+        assert ntp.lib.ntp_normals_like(result, name.encode(), value) == ntp.ERR_ARGUMENT

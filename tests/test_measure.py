@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""ntp_measure, ntp_summarize and the histograms against numpy; parts merge to the whole."""
+"""ntp_tally_add, ntp_tally_summarize and the histograms against numpy; parts merge to the whole."""
 
 import numpy as np
 import pytest
@@ -299,9 +299,9 @@ def test_errors():
         ntp.Tally().measure(a8, touch_unused=8)
     assert error.value.status == ntp.ERR_ARGUMENT
     lib, null = ntp.lib, ntp.ffi.NULL
-    assert lib.ntp_measure(null, ntp.view(a8, const=True), 0, null) == ntp.ERR_ARGUMENT
-    assert lib.ntp_measure(ntp.Tally().pointer, null, 0, null) == ntp.ERR_ARGUMENT
-    assert lib.ntp_summarize(null, ntp.Tally().pointer, 0) == ntp.ERR_ARGUMENT
+    assert lib.ntp_tally_add(null, ntp.view(a8, const=True), 0, null) == ntp.ERR_ARGUMENT
+    assert lib.ntp_tally_add(ntp.Tally().pointer, null, 0, null) == ntp.ERR_ARGUMENT
+    assert lib.ntp_tally_summarize(null, ntp.Tally().pointer, 0) == ntp.ERR_ARGUMENT
 
 
 def test_not_finite():

@@ -34,7 +34,7 @@ class Orientation:
 
     def measure(self, array, encoding=ntp.STANDARD, touch=0, every=0, area=None, **fields):
         src = ntp.view(array, encoding, const=True, **fields)
-        ntp.check(ntp.lib.ntp_orientation_measure(self.pointer, src, touch, every, ntp.rect(area)))
+        ntp.check(ntp.lib.ntp_orientation_add(self.pointer, src, touch, every, ntp.rect(area)))
         return self
 
     def merge(self, other):
@@ -43,7 +43,7 @@ class Orientation:
 
     def decide(self):
         result = ntp.ffi.new("ntp_orientation_result *")
-        ntp.check(ntp.lib.ntp_orientation_decide(result, self.pointer))
+        ntp.check(ntp.lib.ntp_orientation_summarize(result, self.pointer))
         return ntp.fields(result)
 
 
@@ -139,9 +139,9 @@ def test_errors():
     assert error.value.status == ntp.ERR_FORMAT
     null = ntp.ffi.NULL
     lib = ntp.lib
-    assert lib.ntp_orientation_measure(null, null, 0, 0, null) == ntp.ERR_ARGUMENT
+    assert lib.ntp_orientation_add(null, null, 0, 0, null) == ntp.ERR_ARGUMENT
     assert lib.ntp_orientation_merge(acc.pointer, null) == ntp.ERR_ARGUMENT
-    assert lib.ntp_orientation_decide(null, acc.pointer) == ntp.ERR_ARGUMENT
+    assert lib.ntp_orientation_summarize(null, acc.pointer) == ntp.ERR_ARGUMENT
     acc.merge(Orientation())
 
 

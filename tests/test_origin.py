@@ -16,8 +16,8 @@ MADE = ["forward", "central", "prewitt3", "sobel3", "scharr3", "prewitt5", "sobe
 
 
 def find(n, y=ntp.UP, encoding=ntp.STANDARD, touch=0):
-    origin = ntp.ffi.new("ntp_origin *")
-    ntp.check(ntp.lib.ntp_find_origin(origin, ntp.view(n, encoding, y, const=True), touch))
+    origin = ntp.ffi.new("ntp_kernel_fit *")
+    ntp.check(ntp.lib.ntp_find_kernel(origin, ntp.view(n, encoding, y, const=True), touch))
     return ntp.fields(origin)
 
 
@@ -145,9 +145,9 @@ def test_against_a_model():
 
 def test_errors():
     n = np.zeros((8, 8, 3), np.uint8)
-    origin = ntp.ffi.new("ntp_origin *")
+    origin = ntp.ffi.new("ntp_kernel_fit *")
     src = ntp.view(n, ntp.STANDARD, const=True)
-    find_origin = ntp.lib.ntp_find_origin
+    find_origin = ntp.lib.ntp_find_kernel
     assert find_origin(origin, src, 0) == ntp.OK
     assert find_origin(ntp.ffi.NULL, src, 0) == ntp.ERR_ARGUMENT
     assert find_origin(origin, ntp.ffi.NULL, 0) == ntp.ERR_ARGUMENT

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""ntp_heatmap, ntp_shade and ntp_compare against models written apart from the C code.
+"""ntp_heatmap, ntp_shade and ntp_diff_add against models written apart from the C code.
 
 The heatmap's model finds lengths by searching a table of squares, the shaded plane's follows
 the formula in libntp.h in numpy's doubles, the comparison's converts texel by texel with
@@ -47,7 +47,7 @@ class Diff:
     def add(self, a, b, encodings=(0, 0), ys=(0, 0), heat=None, area=None):
         heat_view = NULL if heat is None else ntp.view(heat, ntp.HEIGHT)
         views = [ntp.view(v, e, y, const=True) for v, e, y in zip((a, b), encodings, ys)]
-        ntp.check(ntp.lib.ntp_compare(self.pointer, heat_view, *views, ntp.rect(area)))
+        ntp.check(ntp.lib.ntp_diff_add(self.pointer, heat_view, *views, ntp.rect(area)))
         return self
 
     def stats(self):
@@ -554,7 +554,7 @@ def test_picture_errors():
     for how in ((2, 0), (-1, 0), (0, 8)):
         status = paints["heatmap"](good, source, NULL, *[ntp.ffi.cast("uint32_t", v) for v in how])
         assert status == ntp.ERR_ARGUMENT
-    compare, diff = ntp.lib.ntp_compare, Diff()
+    compare, diff = ntp.lib.ntp_diff_add, Diff()
     assert compare(NULL, good, source, source, NULL) == ntp.ERR_ARGUMENT
     assert compare(diff.pointer, good, NULL, source, NULL) == ntp.ERR_ARGUMENT
     assert compare(diff.pointer, good, source, source, outside) == ntp.ERR_SHAPE

@@ -65,7 +65,7 @@ def to_height(src, encoding=ntp.STANDARD, y=ntp.UP, hooks=None, **how):
 
 def from_height(h, kernel="central", border_x=WRAP, border_y=WRAP, dst=np.uint8, vector=False):
     how = {"kernel": heights.NAMES.index(kernel), "border_x": border_x, "border_y": border_y}
-    how = ntp.ffi.new("ntp_gradient_options *", {**how, "scale": 1})
+    how = ntp.ffi.new("ntp_normals_options *", {**how, "scale": 1})
     out = np.zeros((*h.shape, 3), np.float32 if vector else dst)
     view = ntp.view(out, ntp.VECTOR if vector else ntp.STANDARD)
     h = np.ascontiguousarray(h, np.float32)

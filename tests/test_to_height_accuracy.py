@@ -33,7 +33,7 @@ TELESCOPING = 1
 
 def normals(h, kernel, border, dtype, blue=NEAREST):
     how = {"kernel": heights.NAMES.index(kernel), "border_x": border, "border_y": border}
-    how = ntp.ffi.new("ntp_gradient_options *", {**how, "scale": 1, "blue": blue})
+    how = ntp.ffi.new("ntp_normals_options *", {**how, "scale": 1, "blue": blue})
     out = np.zeros((*h.shape, 3), dtype)
     view = ntp.view(out, ntp.VECTOR if dtype is np.float32 else ntp.STANDARD)
     src = ntp.view(h, ntp.HEIGHT, const=True)

@@ -233,7 +233,7 @@ def test_baked_surfaces_come_out_to_fourth_order():
 
 def test_baked_is_for_reconstruction_only():
     h = fractal(16)
-    how = ntp.ffi.new("ntp_gradient_options *", {"kernel": BAKED, "scale": 1})
+    how = ntp.ffi.new("ntp_normals_options *", {"kernel": BAKED, "scale": 1})
     out = np.zeros((16, 16, 3), np.uint8)
     status = ntp.lib.ntp_normals_from_height(
         ntp.view(out), ntp.view(h, ntp.HEIGHT, const=True), how, ntp.ffi.NULL, ntp.ffi.NULL

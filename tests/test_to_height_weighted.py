@@ -22,7 +22,7 @@ from test_to_height import (
 )
 
 WEIGHTED = 4
-INSIDE = 2  # NTP_MEASURE_INSIDE
+INSIDE = 2  # NTP_RESIDUAL_INSIDE
 DERIVED = 1
 KERNELS = [*heights.NAMES, model.BAKED]
 

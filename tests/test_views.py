@@ -179,7 +179,7 @@ def test_ring_rows(rows):
             ring_in[slot] = array[j]
         area = ntp.rect((0, y, 90, min(y + rows, 23)))
         ntp.check(ntp.lib.ntp_clean(dst, src, ntp.ffi.NULL, ntp.ffi.NULL, counts, area))
-        ntp.check(ntp.lib.ntp_measure(tally.pointer, src, 0, area))
+        ntp.check(ntp.lib.ntp_tally_add(tally.pointer, src, 0, area))
         for j, slot in here:
             got[j] = ring_out[slot]
     assert np.array_equal(got, want)
@@ -218,7 +218,7 @@ def test_bad_views(fields, want):
     assert np.all(mask == 7)
     assert lib.ntp_inspect(texel, src, 0, 0, 0) == want
     if fields != {"encoding": ntp.HEIGHT}:
-        assert lib.ntp_measure(ntp.Tally().pointer, src, 0, null) == want
+        assert lib.ntp_tally_add(ntp.Tally().pointer, src, 0, null) == want
 
 
 def test_misaligned_views():

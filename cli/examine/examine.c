@@ -29,10 +29,12 @@ int forced_class(const options *o)
 ntp_encoding class_encoding(ntp_class type, int32_t channels)
 {
     if (type == NTP_CLASS_XY && channels == 2) /* gray is x, alpha y */
-        return NTP_XY;
+        return NTP_ENCODING_XY;
     if (type == NTP_CLASS_HEIGHT || channels < 3)
-        return NTP_HEIGHT;
-    return type == NTP_CLASS_ZZERO ? NTP_ZZERO : type == NTP_CLASS_XY ? NTP_XY : NTP_STANDARD;
+        return NTP_ENCODING_HEIGHT;
+    return type == NTP_CLASS_ZZERO ? NTP_ENCODING_ZZERO
+           : type == NTP_CLASS_XY  ? NTP_ENCODING_XY
+                                   : NTP_ENCODING_STANDARD;
 }
 
 bool class_is_normals(ntp_class type)
@@ -66,7 +68,8 @@ const char *class_title(ntp_class type)
 uint32_t touch_for(const ntp_stats *stats, ntp_encoding encoding)
 {
     const bool mask = stats->alpha_zero + stats->alpha_full == stats->texels;
-    return encoding == NTP_XY && stats->channels == 4 && !mask ? NTP_UNUSED_TRANSPARENT : 0;
+    return encoding == NTP_ENCODING_XY && stats->channels == 4 && !mask ? NTP_UNUSED_TRANSPARENT
+                                                                        : 0;
 }
 
 void facts_free(facts *f)
@@ -80,7 +83,7 @@ static void keep_levels(facts *f, source *s)
     worker *w = s->w;
     if (w->histogram == NULL)
         w->histogram = need(calloc(65536, sizeof *w->histogram));
-    if (ntp_levels_off(w->histogram, 65536, w->tally, f->encoding) != NTP_OK)
+    if (ntp_tally_levels_off(w->histogram, 65536, w->tally, f->encoding) != NTP_OK)
         return;
     size_t count = 0;
     for (uint32_t i = 0; i <= f->stats.max; i++)
@@ -102,8 +105,9 @@ bool facts_from_tally(facts *f, source *s, int forced, ntpio_error *error)
     f->info.text_count = 0;
     f->forced = forced >= 0;
     /* heights have no reading of their own: their counts are those of any other */
-    const ntp_encoding read_as = s->view.encoding == NTP_HEIGHT ? NTP_STANDARD : s->view.encoding;
-    ntp_status status = ntp_summarize(&f->stats, s->w->tally, read_as);
+    const ntp_encoding read_as =
+        s->view.encoding == NTP_ENCODING_HEIGHT ? NTP_ENCODING_STANDARD : s->view.encoding;
+    ntp_status status = ntp_tally_summarize(&f->stats, s->w->tally, read_as);
     if (status == NTP_OK)
         status = ntp_classify(&f->type, &f->stats);
     if (status != NTP_OK)
@@ -113,13 +117,13 @@ bool facts_from_tally(facts *f, source *s, int forced, ntpio_error *error)
         f->type.confidence = 1;
     }
     f->encoding = class_encoding(f->type.type, s->view.channels);
-    if (s->view.type == NTP_U8 && f->encoding != s->view.encoding && f->encoding != NTP_HEIGHT &&
-        s->view.encoding != NTP_HEIGHT)
-        status = ntp_summarize(&f->stats, s->w->tally, f->encoding);
+    if (s->view.type == NTP_TYPE_U8 && f->encoding != s->view.encoding &&
+        f->encoding != NTP_ENCODING_HEIGHT && s->view.encoding != NTP_ENCODING_HEIGHT)
+        status = ntp_tally_summarize(&f->stats, s->w->tally, f->encoding);
     if (status != NTP_OK)
         return library_error(s, status, error);
     f->counts = s->in->named || s->in->hinted || class_is_normals(f->type.type);
-    if (f->encoding == NTP_STANDARD || f->encoding == NTP_ZZERO)
+    if (f->encoding == NTP_ENCODING_STANDARD || f->encoding == NTP_ENCODING_ZZERO)
         keep_levels(f, s);
     return true;
 }
@@ -135,7 +139,7 @@ void first_view(source *s, int forced)
     else if (forced >= 0)
         source_view(s, class_encoding((ntp_class) forced, s->info->channels), NTP_Y_UP, NULL, 0);
     else
-        source_view(s, gray ? NTP_HEIGHT : NTP_STANDARD, NTP_Y_UP, NULL, 0);
+        source_view(s, gray ? NTP_ENCODING_HEIGHT : NTP_ENCODING_STANDARD, NTP_Y_UP, NULL, 0);
 }
 
 static bool measure(source *s, uint32_t touch, ntpio_error *error)
@@ -147,7 +151,7 @@ static bool measure(source *s, uint32_t touch, ntpio_error *error)
     ntp_rect area;
     int more;
     while ((more = source_next(s, &area, error)) > 0) {
-        ntp_status status = ntp_measure(s->w->tally, &view, touch, &area);
+        ntp_status status = ntp_tally_add(s->w->tally, &view, touch, &area);
         if (status == NTP_OK)
             status = orient_rows(s, &area, touch);
         if (status != NTP_OK)
@@ -164,8 +168,8 @@ bool examine(source *s, int forced, facts *f, ntpio_error *error)
         return false;
     orient_end(s, f);
     const uint32_t touch = touch_for(&f->stats, f->encoding);
-    const bool pair = f->encoding == NTP_XY && s->view.encoding == NTP_HEIGHT;
-    const bool angles_differ = f->encoding != s->view.encoding && s->view.type != NTP_U8;
+    const bool pair = f->encoding == NTP_ENCODING_XY && s->view.encoding == NTP_ENCODING_HEIGHT;
+    const bool angles_differ = f->encoding != s->view.encoding && s->view.type != NTP_TYPE_U8;
     const bool alpha_differs = touch != 0 && f->stats.transparent > 0;
     s->view.encoding = f->encoding;
     if (!pair && !angles_differ && !alpha_differs)

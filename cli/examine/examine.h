@@ -101,7 +101,7 @@ typedef struct surface_facts {
     bool known;
     bool deep;     /* asked for by --deep */
     ntp_rect area; /* that the kernel and the steps are of */
-    ntp_origin origin;
+    ntp_kernel_fit origin;
     ntp_seam seam[2];  /* of the whole texture: across, down */
     double residual;   /* of the best heights, in levels; negative: not known */
     ntp_rect fit_area; /* that the residual is of */

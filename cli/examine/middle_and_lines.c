@@ -114,7 +114,7 @@ static void keep_columns(const source *s, const ntp_image *columns, const unsign
 
 void crop_rows(source *s, const ntp_rect *area)
 {
-    if (!s->keep_crop || s->view.encoding == NTP_HEIGHT)
+    if (!s->keep_crop || s->view.encoding == NTP_ENCODING_HEIGHT)
         return;
     const ntp_rect part = crop_area(s);
     const ntp_image crop = crop_image(s), rows = packed_rows(s), columns = packed_columns(s);

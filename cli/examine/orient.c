@@ -11,7 +11,7 @@
 #include <string.h>
 
 enum {
-    BEFORE = 2, /* rows that ntp_orientation_measure reads above the measured one */
+    BEFORE = 2, /* rows that ntp_orientation_add reads above the measured one */
     AFTER = 3,  /* and below */
     RING = BEFORE + 1 + AFTER
 };
@@ -39,7 +39,7 @@ static bool is_needed(int32_t height, int32_t every_row, int32_t y)
 ntp_status orient_rows(source *s, const ntp_rect *area, uint32_t touch)
 {
     const int32_t height = s->view.height, every_row = s->orient == ORIENT_EVERY_ROW;
-    if (s->orient == ORIENT_NOT || s->view.encoding == NTP_HEIGHT)
+    if (s->orient == ORIENT_NOT || s->view.encoding == NTP_ENCODING_HEIGHT)
         return NTP_OK;
     const size_t row = (size_t) s->view.row_stride;
     const unsigned char *from = source_rows(s, area);
@@ -53,7 +53,7 @@ ntp_status orient_rows(source *s, const ntp_rect *area, uint32_t touch)
         if (!ntp_orientation_row(height, every_row, y - AFTER))
             continue;
         const ntp_status status =
-            ntp_orientation_measure(s->w->orientation, &view, touch, every_row, &measured);
+            ntp_orientation_add(s->w->orientation, &view, touch, every_row, &measured);
         if (status != NTP_OK)
             return status;
     }
@@ -66,7 +66,8 @@ static bool can_tell(const facts *f)
     const uint32_t misplaced =
         NTP_ACCIDENT_RED_IS_Z | NTP_ACCIDENT_GREEN_IS_Z | NTP_ACCIDENT_DXT5NM | NTP_ACCIDENT_GAMMA;
     const bool any_order = f->info.channels < 3 && !f->forced; /* gray is x, or y */
-    return f->encoding != NTP_HEIGHT && !any_order && (f->type.accidents & misplaced) == 0 &&
+    return f->encoding != NTP_ENCODING_HEIGHT && !any_order &&
+           (f->type.accidents & misplaced) == 0 &&
            (f->type.type == NTP_CLASS_STANDARD || f->type.type == NTP_CLASS_ZZERO ||
             f->type.type == NTP_CLASS_XY);
 }
@@ -75,5 +76,5 @@ void orient_end(const source *s, facts *f)
 {
     f->orientation = (ntp_orientation_result) { 0 };
     if (s->orient != ORIENT_NOT && can_tell(f))
-        ntp_orientation_decide(&f->orientation, s->w->orientation);
+        ntp_orientation_summarize(&f->orientation, s->w->orientation);
 }

@@ -151,7 +151,9 @@ void source_close(source *s)
 
 static ntp_type sample_type(const ntpio_info *info)
 {
-    return info->sample_bytes == 1 ? NTP_U8 : info->sample_bytes == 2 ? NTP_U16 : NTP_F32;
+    return info->sample_bytes == 1   ? NTP_TYPE_U8
+           : info->sample_bytes == 2 ? NTP_TYPE_U16
+                                     : NTP_TYPE_F32;
 }
 
 void source_view(source *s, ntp_encoding encoding, ntp_y y, const int8_t *map, int32_t channels)
@@ -191,9 +193,9 @@ void source_view(source *s, ntp_encoding encoding, ntp_y y, const int8_t *map, i
 static void rearrange(source *s, const void *raw, void *rows, size_t count)
 {
     const int32_t channels = s->info->channels;
-    if (s->view.type == NTP_U8) {
+    if (s->view.type == NTP_TYPE_U8) {
         REARRANGE(uint8_t, 255)
-    } else if (s->view.type == NTP_U16) {
+    } else if (s->view.type == NTP_TYPE_U16) {
         REARRANGE(uint16_t, 65535)
     } else {
         REARRANGE(float, 1)

@@ -58,12 +58,12 @@ static void TEXT_FORMAT(5, 6)
 
 static const ntp_fit *fit_of(const facts *f)
 {
-    return f->encoding == NTP_ZZERO ? &f->stats.zzero : &f->stats.standard;
+    return f->encoding == NTP_ENCODING_ZZERO ? &f->stats.zzero : &f->stats.standard;
 }
 
 static bool is_judged(const facts *f)
 {
-    return f->encoding != NTP_HEIGHT &&
+    return f->encoding != NTP_ENCODING_HEIGHT &&
            (f->type.type == NTP_CLASS_STANDARD || f->type.type == NTP_CLASS_ZZERO ||
             f->type.type == NTP_CLASS_XY || f->type.type == NTP_CLASS_ONE_COLOR);
 }
@@ -75,15 +75,15 @@ bool failing_texels(const facts *f, ntp_verdict verdict, bool keep_negative_z, u
     const ntp_fit *fit = fit_of(f);
     if (!is_judged(f))
         return false;
-    if (f->encoding == NTP_XY) {
+    if (f->encoding == NTP_ENCODING_XY) {
         *all = s->xy_too_long;
         *used = s->xy_too_long - s->unused_xy_too_long;
         return true;
     }
     uint64_t pass = fit->neighbor, unused_pass = fit->unused_neighbor;
-    if (verdict == NTP_ROUNDED)
+    if (verdict == NTP_VERDICT_ROUNDED)
         pass = fit->rounded, unused_pass = fit->unused_rounded;
-    if (verdict == NTP_EXACT) {
+    if (verdict == NTP_VERDICT_EXACT) {
         /* black, white and transparent texels are rarely mirrored exactly: counted as used */
         pass = fit->exact + (keep_negative_z ? fit->exact_mirrored : 0);
         unused_pass = fit->unused_exact;
@@ -115,7 +115,7 @@ static void judge_length(judgement *j)
     const ntp_stats *s = &f->stats;
     uint64_t all = 0, used = 0;
     if (!failing_texels(f, j->rules->verdict, j->rules->keep_negative_z, &all, &used) ||
-        used == 0 || f->encoding == NTP_XY)
+        used == 0 || f->encoding == NTP_ENCODING_XY)
         return;
     finding_level level = level_of_share(j, used);
     if (f->info.lossy) {
@@ -126,11 +126,11 @@ static void judge_length(judgement *j)
     }
     text t = { 0 };
     add_share(j, &t, used);
-    if (j->rules->verdict == NTP_EXACT)
+    if (j->rules->verdict == NTP_VERDICT_EXACT)
         text_add(&t, " do not have the blue that red and green imply");
     else
         text_add(&t, " are not unit vectors");
-    const uint64_t off = s->levels_off_max[f->encoding == NTP_ZZERO];
+    const uint64_t off = s->levels_off_max[f->encoding == NTP_ENCODING_ZZERO];
     if (off > 0) {
         text_add(&t, ": blue is up to ");
         text_count(&t, off);
@@ -168,7 +168,7 @@ static void judge_z(judgement *j)
 {
     const ntp_stats *s = &j->f->stats;
     const uint64_t count = s->z_negative - s->unused_z_negative;
-    if (count == 0 || j->f->encoding != NTP_STANDARD || j->rules->keep_negative_z)
+    if (count == 0 || j->f->encoding != NTP_ENCODING_STANDARD || j->rules->keep_negative_z)
         return;
     finding_level level = level_of_share(j, count);
     if (j->f->info.lossy)
@@ -222,7 +222,7 @@ static void judge_accidents(judgement *j)
     const uint64_t n = f->stats.texels;
     if (f->forced && f->type.type == NTP_CLASS_HEIGHT)
         return;
-    if ((a & NTP_ACCIDENT_BLUE_CONSTANT) != 0 && f->encoding != NTP_XY &&
+    if ((a & NTP_ACCIDENT_BLUE_CONSTANT) != 0 && f->encoding != NTP_ENCODING_XY &&
         f->type.type != NTP_CLASS_ONE_COLOR)
         addf(j, NT004, LEVEL_WARNING, n, "blue is %u in every texel: it was not computed",
              (unsigned) f->stats.channel[2].min);
@@ -247,8 +247,8 @@ static void judge_exactness(judgement *j)
 {
     const facts *f = j->f;
     uint64_t all = 0, used = 0;
-    if (f->encoding == NTP_XY || f->info.lossy || j->rules->verdict == NTP_EXACT ||
-        !failing_texels(f, NTP_EXACT, j->rules->keep_negative_z, &all, &used) || used == 0)
+    if (f->encoding == NTP_ENCODING_XY || f->info.lossy || j->rules->verdict == NTP_VERDICT_EXACT ||
+        !failing_texels(f, NTP_VERDICT_EXACT, j->rules->keep_negative_z, &all, &used) || used == 0)
         return;
     text t = { 0 };
     text_add(&t, "in ");

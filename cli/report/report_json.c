@@ -183,7 +183,7 @@ static json_t *fails(const facts *f, const check_settings *s)
 {
     static const char *const NAMES[] = { "neighbor", "rounded", "exact" };
     json_t *object = need(json_object());
-    for (int v = NTP_NEIGHBOR; v <= NTP_EXACT; v++) {
+    for (int v = NTP_VERDICT_NEIGHBOR; v <= NTP_VERDICT_EXACT; v++) {
         uint64_t all = 0, used = 0;
         const bool judged =
             f->type.type <= NTP_CLASS_XY &&
@@ -210,9 +210,9 @@ static json_t *levels(const facts *f)
 
 static json_t *length(const facts *f)
 {
-    if (f->encoding != NTP_STANDARD && f->encoding != NTP_ZZERO)
+    if (f->encoding != NTP_ENCODING_STANDARD && f->encoding != NTP_ENCODING_ZZERO)
         return json_null();
-    const ntp_fit *fit = f->encoding == NTP_ZZERO ? &f->stats.zzero : &f->stats.standard;
+    const ntp_fit *fit = f->encoding == NTP_ENCODING_ZZERO ? &f->stats.zzero : &f->stats.standard;
     json_t *object = need(json_object());
     json_object_set_new(object, "min", json_real(fit->length_min));
     json_object_set_new(object, "mean", json_real(fit->length_mean));
@@ -279,7 +279,7 @@ json_t *check_json(const input *in, const checked *c, const check_settings *s)
         return unread;
     }
     const facts *f = &c->f;
-    const bool height = f->encoding == NTP_HEIGHT;
+    const bool height = f->encoding == NTP_ENCODING_HEIGHT;
     json_t *object = json_file(in, "ok", NULL);
     json_object_set_new(object, "format", json_string(format_name(f->info.format)));
     json_object_set_new(object, "width", json_integer((json_int_t) f->info.width));

@@ -177,21 +177,21 @@ static void add_statistics(text *t, const checked *c, const check_settings *s)
     else if (class_is_normals(f->type.type) && f->type.type != NTP_CLASS_OBJECT_SPACE)
         text_addf(t, "    %-24s up or down: these slopes do not tell\n", "green points");
     add_count_line(t, "unused texels", st->unused, st->texels);
-    for (int v = NTP_NEIGHBOR; v <= NTP_EXACT; v++) {
+    for (int v = NTP_VERDICT_NEIGHBOR; v <= NTP_VERDICT_EXACT; v++) {
         uint64_t all = 0, used = 0;
-        if (f->encoding != NTP_XY &&
+        if (f->encoding != NTP_ENCODING_XY &&
             failing_texels(f, (ntp_verdict) v, s->rules.keep_negative_z, &all, &used))
             add_count_line(t, FAILS[v], all, st->texels);
     }
-    if (f->encoding != NTP_HEIGHT) {
+    if (f->encoding != NTP_ENCODING_HEIGHT) {
         add_count_line(t, "x, y too long", st->xy_too_long, st->texels);
-        if (f->encoding == NTP_STANDARD)
+        if (f->encoding == NTP_ENCODING_STANDARD)
             add_count_line(t, "z negative", st->z_negative, st->texels);
         text_addf(t, "    %-24s mean %.3f, 99 %% within %.3f, at most %.3f degrees\n",
                   "stored against cleaned", st->angles.mean, st->angles.p99, st->angles.max);
     }
-    if (f->encoding == NTP_STANDARD || f->encoding == NTP_ZZERO) {
-        const ntp_fit *fit = f->encoding == NTP_ZZERO ? &st->zzero : &st->standard;
+    if (f->encoding == NTP_ENCODING_STANDARD || f->encoding == NTP_ENCODING_ZZERO) {
+        const ntp_fit *fit = f->encoding == NTP_ENCODING_ZZERO ? &st->zzero : &st->standard;
         text_addf(t, "    %-24s %.4f to %.4f, mean %.4f\n", "length", fit->length_min,
                   fit->length_max, fit->length_mean);
     }
@@ -279,12 +279,12 @@ void check_csv(text *t, const input *in, const checked *c, const check_settings 
         return;
     }
     const facts *f = &c->f;
-    const bool height = f->encoding == NTP_HEIGHT;
+    const bool height = f->encoding == NTP_ENCODING_HEIGHT;
     text_addf(t, ",ok,%s,%.3f,%u,%u,%d,%d,%llu,%llu", ntp_class_name(f->type.type),
               f->type.confidence, (unsigned) f->info.width, (unsigned) f->info.height,
               (int) f->info.bit_depth, (int) f->info.channels, (unsigned long long) f->stats.texels,
               (unsigned long long) f->stats.unused);
-    for (int v = NTP_NEIGHBOR; v <= NTP_EXACT; v++) {
+    for (int v = NTP_VERDICT_NEIGHBOR; v <= NTP_VERDICT_EXACT; v++) {
         uint64_t all = 0, used = 0;
         text_char(t, ',');
         if (f->type.type <= NTP_CLASS_XY &&

@@ -29,7 +29,7 @@ static void add_row(uint32_t *cells, int32_t columns, const uint8_t *flags)
 {
     for (int32_t c = 0; c < columns; c++) {
         for (int32_t i = 0; i < CELL; i++)
-            cells[c] += (flags[c * CELL + i] & NTP_IS_UNUSED) == 0;
+            cells[c] += (flags[c * CELL + i] & NTP_FLAG_UNUSED) == 0;
     }
 }
 

@@ -25,7 +25,7 @@ ntp_status heights_solve(worker *w, const ntp_image *heights, const ntp_const_im
  * it spoils.  how: its borders count where `fixed` says so.  seams: of ntp_find_seams.  found stays
  * as it is where no heights are to be had.
  */
-ntp_status heights_find_borders(ntp_edge_fit found[2], worker *w, const ntp_image *heights,
+ntp_status heights_find_borders(ntp_border_fit found[2], worker *w, const ntp_image *heights,
                                 const ntp_const_image *src, const ntp_height_options *how,
                                 const bool fixed[2], const ntp_seam seams[2], stretch part);
 

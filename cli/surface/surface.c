@@ -40,28 +40,28 @@ static bool is_tangent_space(const facts *f)
 {
     const uint32_t misplaced =
         NTP_ACCIDENT_RED_IS_Z | NTP_ACCIDENT_GREEN_IS_Z | NTP_ACCIDENT_DXT5NM | NTP_ACCIDENT_GAMMA;
-    return f->encoding != NTP_HEIGHT && (f->type.accidents & misplaced) == 0 &&
+    return f->encoding != NTP_ENCODING_HEIGHT && (f->type.accidents & misplaced) == 0 &&
            (f->type.type == NTP_CLASS_STANDARD || f->type.type == NTP_CLASS_ZZERO ||
             f->type.type == NTP_CLASS_XY);
 }
 
 /* Sets src->y to which way green points, by what is known, and finds the kernel; without any of it,
  * the way in which kernels fit better. */
-static void find_kernel(ntp_origin *origin, ntp_const_image *src, const facts *f, uint32_t touch,
-                        int asked)
+static void find_kernel(ntp_kernel_fit *origin, ntp_const_image *src, const facts *f,
+                        uint32_t touch, int asked)
 {
     const bool known = asked >= 0 || f->orientation.decided || f->in->y != NAME_Y_NONE;
     src->y = asked >= 0                ? (ntp_y) asked
              : f->orientation.decided  ? f->orientation.y
              : f->in->y == NAME_Y_DOWN ? NTP_Y_DOWN
                                        : NTP_Y_UP;
-    ntp_find_origin(origin, src, touch);
+    ntp_find_kernel(origin, src, touch);
     if (known)
         return;
-    ntp_origin other = { 0 };
+    ntp_kernel_fit other = { 0 };
     ntp_const_image flipped = *src;
     flipped.y = NTP_Y_DOWN;
-    ntp_find_origin(&other, &flipped, touch);
+    ntp_find_kernel(&other, &flipped, touch);
     if (other.points > 0 && other.misfit[other.kernel] < origin->misfit[origin->kernel]) {
         *origin = other;
         *src = flipped;
@@ -80,8 +80,9 @@ static double fit_heights(source *s, const surface_facts *found, const ntp_const
                           uint32_t touch, bool holes, ntp_border border, meaning *read)
 {
     const size_t texels = (size_t) src->width * (size_t) src->height;
-    const ntp_image heights = ntp_image_packed(
-        buffer_reserve(&s->w->extra2, texels * sizeof(float)), src->width, src->height, 1, NTP_F32);
+    const ntp_image heights =
+        ntp_image_packed(buffer_reserve(&s->w->extra2, texels * sizeof(float)), src->width,
+                         src->height, 1, NTP_TYPE_F32);
     const bool wraps_x = found->seam[0].wraps && src->width == s->view.width;
     const bool wraps_y = found->seam[1].wraps && src->height == s->view.height;
     const ntp_height_options how = { .method = holes ? NTP_HEIGHT_WEIGHTED : NTP_HEIGHT_AUTO,
@@ -91,7 +92,7 @@ static double fit_heights(source *s, const surface_facts *found, const ntp_const
                                      .decode = read->decode,
                                      .z = read->z,
                                      .touch_unused = touch,
-                                     .measure = NTP_MEASURE_INSIDE,
+                                     .measure = NTP_RESIDUAL_INSIDE,
                                      .tolerance = found->deep ? HOLES_TOLERANCE : QUICK_TOLERANCE,
                                      .max_iterations =
                                          found->deep ? HOLES_ITERATIONS : QUICK_ITERATIONS,
@@ -115,7 +116,7 @@ static double find_residual(source *s, const surface_facts *found, const ntp_con
                             uint32_t touch, bool holes)
 {
     const ntp_border free_border = ntp_free_border(found->origin.kernel);
-    const double level = src->type == NTP_U8 ? 1 : 257;
+    const double level = src->type == NTP_TYPE_U8 ? 1 : 257;
     meaning read = { NTP_DECODE_AUTO, NTP_Z_AUTO };
     double quick = -1;
     if (found->origin.kernel == NTP_KERNEL_CENTRAL && !holes)
@@ -142,13 +143,13 @@ static bool choose_part(ntp_rect *part, bool *holes, source *s, const ntp_const_
 {
     const int32_t w = src->width, h = src->height;
     uint8_t *flags = buffer_reserve(&s->w->extra2, (size_t) w * (size_t) h);
-    const ntp_image mask = ntp_image_packed(flags, w, h, 1, NTP_U8);
+    const ntp_image mask = ntp_image_packed(flags, w, h, 1, NTP_TYPE_U8);
     uint32_t used = 0;
     *part = (ntp_rect) { 0, 0, w, h };
     if (ntp_validate(&mask, src, 0, NULL) != NTP_OK)
         return false;
     for (size_t i = 0; i < (size_t) w * (size_t) h; i++)
-        used += (flags[i] & NTP_IS_UNUSED) == 0;
+        used += (flags[i] & NTP_FLAG_UNUSED) == 0;
     uint32_t texels = (uint32_t) w * (uint32_t) h;
     *holes = used < texels;
     if (!*holes)

@@ -13,7 +13,7 @@ enum {
 };
 
 typedef struct from_height_settings {
-    ntp_gradient_options how;
+    ntp_normals_options how;
     ntp_encoding to;
     ntp_y to_y;
     int depth;         /* bytes of a sample; 0: as the input */

@@ -105,13 +105,13 @@ static bool read_like(from_height_settings *set, const char *like)
     const double value = strtod(colon + 1, &end);
     if (colon[1] == 0 || *end != 0 || strspn(colon + 1, "0123456789.eE+-") != strlen(colon + 1))
         return wrong("like", like, "what follows the last colon is no number");
-    if (ntp_gradient_like(&peer, name, value) != NTP_OK)
+    if (ntp_normals_like(&peer, name, value) != NTP_OK)
         return wrong("like", like,
                      "the names are reference, eberly, zima, zima-corrected, gegl, and "
                      "gimp-normalmap:FILTER");
     set->how = peer.options;
     set->to_y = peer.y;
-    if (peer.green_is_up) {
+    if (peer.swap_green_blue) {
         static const int8_t XZY[] = { 0, 2, 1 };
         memcpy(set->out, XZY, sizeof XZY);
         set->out_count = 3;
@@ -134,7 +134,7 @@ bool from_height_read_settings(from_height_settings *set, const options *o)
     }
     if (like != NULL && !read_like(set, like))
         return false;
-    ntp_gradient_options *how = &set->how;
+    ntp_normals_options *how = &set->how;
     if (like == NULL)
         how->scale = option_number(o, OPT_SCALE);
     how->dx = option_number(o, OPT_DX);
@@ -162,11 +162,11 @@ bool from_height_read_settings(from_height_settings *set, const options *o)
         complain("--dx and --dy are greater than 0");
         return false;
     }
-    if (ntp_gradient_reach(how) < 0) {
+    if (ntp_normals_reach(how) < 0) {
         complain("the scale or the spacing is out of range");
         return false;
     }
-    if (set->ao_file != NULL && set->to != NTP_XY) {
+    if (set->ao_file != NULL && set->to != NTP_ENCODING_XY) {
         complain("--ao goes into the blue channel that --to xy leaves free");
         return false;
     }

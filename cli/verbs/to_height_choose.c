@@ -20,8 +20,8 @@ static void choose_y(to_height_state *st, const to_height_settings *set, const i
         return;
     }
     ntp_orientation *memory = need(calloc(1, ntp_orientation_size()));
-    if (ntp_orientation_measure(memory, &st->src, st->how.touch_unused, 1, NULL) == NTP_OK)
-        ntp_orientation_decide(&found, memory);
+    if (ntp_orientation_add(memory, &st->src, st->how.touch_unused, 1, NULL) == NTP_OK)
+        ntp_orientation_summarize(&found, memory);
     free(memory);
     st->y_confidence = found.confidence;
     st->y_by = found.decided ? BY_TEXELS : in->y != NAME_Y_NONE ? BY_NAME : BY_DEFAULT;
@@ -30,12 +30,12 @@ static void choose_y(to_height_state *st, const to_height_settings *set, const i
 
 static void choose_kernel(to_height_state *st, const to_height_settings *set)
 {
-    ntp_origin found = { .kernel = NTP_KERNEL_CENTRAL };
+    ntp_kernel_fit found = { .kernel = NTP_KERNEL_CENTRAL };
     st->how.kernel = (ntp_kernel) set->kernel;
     st->kernel_by = BY_OPTION;
     if (set->kernel != AUTO)
         return;
-    ntp_find_origin(&found, &st->src, st->how.touch_unused);
+    ntp_find_kernel(&found, &st->src, st->how.touch_unused);
     st->how.kernel = found.kernel;
     st->kernel_by = found.decided || found.kernel != NTP_KERNEL_CENTRAL ? BY_TEXELS : BY_DEFAULT;
 }
@@ -52,7 +52,7 @@ static ntp_status choose_borders(to_height_state *st, const to_height_settings *
     const bool fixed[2] = { asked[0] != AUTO, asked[1] != AUTO };
     ntp_border *chosen[2] = { &st->how.border_x, &st->how.border_y };
     ntp_seam seams[2] = { { 0 }, { 0 } };
-    ntp_edge_fit found[2];
+    ntp_border_fit found[2];
     ntp_status status = NTP_OK;
     for (int i = 0; i < 2; i++) {
         const bool wraps = method == NTP_HEIGHT_FRANKOT_CHELLAPPA;
@@ -64,9 +64,9 @@ static ntp_status choose_borders(to_height_state *st, const to_height_settings *
     if (method != NTP_HEIGHT_POISSON_DCT)
         ntp_find_seams(&seams[0], &seams[1], &st->src, st->how.touch_unused);
     for (int i = 0; i < 2; i++)
-        found[i] = (ntp_edge_fit) { .border = seams[i].wraps ? NTP_BORDER_WRAP
-                                                             : ntp_free_border(st->how.kernel),
-                                    .told = seams[i].wraps };
+        found[i] = (ntp_border_fit) { .border = seams[i].wraps ? NTP_BORDER_WRAP
+                                                               : ntp_free_border(st->how.kernel),
+                                      .told = seams[i].wraps };
     if (method == NTP_HEIGHT_AUTO || method == NTP_HEIGHT_POISSON_DCT)
         status = heights_find_borders(found, w, heights, &st->src, &st->how, fixed, seams,
                                       (stretch) { READ_PERMILLE, SOLVE_PERMILLE });

@@ -60,7 +60,7 @@ static bool rows(production *p, const ntp_rect *area, ntpio_error *error)
     how.touch_unused |= p->touch | set->detail_touch;
     ntp_status status = ntp_blend(&st->made, &base, &detail, &how, area);
     if (status == NTP_OK)
-        status = ntp_compare(st->diff, NULL, &base, &made, area);
+        status = ntp_diff_add(st->diff, NULL, &base, &made, area);
     if (status != NTP_OK)
         return library_error(&p->s, status, error);
     return production_write(p, st->made.data, st->made.row_stride, area, error);
@@ -105,7 +105,7 @@ static bool is_unordered_pair(const facts *f)
 static bool no_normals(const facts *f)
 {
     if (f->forced)
-        return f->encoding == NTP_HEIGHT;
+        return f->encoding == NTP_ENCODING_HEIGHT;
     return f->type.type == NTP_CLASS_HEIGHT || f->type.type == NTP_CLASS_OBJECT_SPACE ||
            f->type.type == NTP_CLASS_NOT_NORMALS || is_unordered_pair(f);
 }
@@ -132,7 +132,7 @@ static void view_detail(layer *l)
 {
     static const int8_t EXPAND[4] = { 0, 0, 0, 1 };
     const int32_t channels = l->s.info->channels;
-    const bool gray = channels < 3 && l->f.encoding != NTP_XY;
+    const bool gray = channels < 3 && l->f.encoding != NTP_ENCODING_XY;
     const ntp_encoding encoding = class_encoding(l->f.type.type, gray ? 3 : channels);
     source_view(&l->s, encoding, NTP_Y_UP, gray ? EXPAND : NULL, gray ? channels + 2 : 0);
 }

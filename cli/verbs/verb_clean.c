@@ -71,12 +71,12 @@ static bool begin(production *p, ntpio_write_options *shape, ntpio_error *error)
         if (status != NTP_OK)
             return library_error(&p->s, status, error);
     }
-    if (set->compare_angles || st->how.method != NTP_DERIVE) {
+    if (set->compare_angles || st->how.method != NTP_CLEAN_DERIVE) {
         st->diff = (ntp_diff *) (void *) buffer_reserve(&p->w->diff, ntp_diff_size());
         memset(st->diff, 0, ntp_diff_size());
     }
     const bool large = (int64_t) view->width * view->height >= PLAN_TEXELS;
-    if (large && view->type == NTP_U8)
+    if (large && view->type == NTP_TYPE_U8)
         st->plan = plan_for(set->shared, view->encoding, &st->how);
     shape->channels = view->channels;
     return true;
@@ -105,7 +105,7 @@ static bool rows(production *p, const ntp_rect *area, ntpio_error *error)
         before = copy_rows(p, area);
     ntp_status status = ntp_clean(view, &same, &st->how, st->plan, &st->counts, area);
     if (status == NTP_OK && st->diff != NULL)
-        status = ntp_compare(st->diff, NULL, &same, &before, area);
+        status = ntp_diff_add(st->diff, NULL, &same, &before, area);
     if (status != NTP_OK)
         return library_error(&p->s, status, error);
     p->changes = st->counts.changed > 0;
@@ -173,7 +173,8 @@ static void describe(const production *p, text *line, json_t *object)
 
 int clean_run(const options *o)
 {
-    static const ntp_method METHODS_OF_OPTION[] = { NTP_DERIVE, NTP_NORMALIZE, NTP_DERIVE };
+    static const ntp_clean_method METHODS_OF_OPTION[] = { NTP_CLEAN_DERIVE, NTP_CLEAN_NORMALIZE,
+                                                          NTP_CLEAN_DERIVE };
     const int64_t method = option_integer(o, OPT_METHOD);
     plans shared = { .lock = PTHREAD_MUTEX_INITIALIZER };
     settings set = { .shared = &shared, .choose = method == 2 };

@@ -104,7 +104,7 @@ static bool read_input_spec(settings *set, const char *spec)
         return wrong_spec("from-channels", spec, "x and y are needed");
     if (where[2] == NOTHING) {
         where[2] = FROM_ONE;
-        set->from = NTP_XY;
+        set->from = NTP_ENCODING_XY;
     }
     memcpy(set->in, where, sizeof where);
     set->in_count = where[3] == NOTHING ? 3 : 4;
@@ -119,8 +119,8 @@ static ntp_type output_type(const production *p, const settings *set)
     const char *output = p->in->output;
     const bool pfm = output != NULL && strcasecmp(name_ending(output), ".pfm") == 0;
     if (set->depth != 0)
-        return set->depth == 1 ? NTP_U8 : NTP_U16;
-    return p->s.view.type == NTP_F32 && !pfm ? NTP_U16 : p->s.view.type;
+        return set->depth == 1 ? NTP_TYPE_U8 : NTP_TYPE_U16;
+    return p->s.view.type == NTP_TYPE_F32 && !pfm ? NTP_TYPE_U16 : p->s.view.type;
 }
 
 /* How the input is seen; the driver's first view is that of a standard texture. */
@@ -135,8 +135,8 @@ static bool view_input(production *p, ntpio_error *error)
         source_view(&p->s, set->from, set->from_y, set->in, set->in_count);
     } else if (channels >= 3) {
         source_view(&p->s, set->from, set->from_y, NULL, 0);
-    } else if (channels == 2 && set->from == NTP_XY) {
-        source_view(&p->s, NTP_XY, set->from_y, PAIR, 3);
+    } else if (channels == 2 && set->from == NTP_ENCODING_XY) {
+        source_view(&p->s, NTP_ENCODING_XY, set->from_y, PAIR, 3);
     } else {
         if (set->out_count > 0 || set->from != set->to || set->from_y != set->to_y)
             return wrong_use(
@@ -144,7 +144,7 @@ static bool view_input(production *p, ntpio_error *error)
                 "a gray image holds no normals, so that only --depth converts it (--from "
                 "xy takes gray and alpha for x and y)",
                 error);
-        source_view(&p->s, NTP_HEIGHT, NTP_Y_UP, NULL, 0);
+        source_view(&p->s, NTP_ENCODING_HEIGHT, NTP_Y_UP, NULL, 0);
     }
     return true;
 }
@@ -156,16 +156,17 @@ static bool begin(production *p, ntpio_write_options *shape, ntpio_error *error)
     if (!view_input(p, error))
         return false;
     const ntp_image *view = &p->s.view;
-    const bool height = view->encoding == NTP_HEIGHT;
+    const bool height = view->encoding == NTP_ENCODING_HEIGHT;
     const int32_t full_channels = height ? view->channels : FULL;
     const ntp_type type = output_type(p, set);
     const size_t row = (size_t) view->width * (size_t) full_channels * sample_size(type);
     st->full = ntp_image_packed(buffer_reserve(&p->w->extra, row * (size_t) p->s.block_rows),
                                 view->width, view->height, full_channels, type);
     st->full.ring_rows = p->s.block_rows;
-    st->full.encoding = height ? NTP_HEIGHT : set->to;
+    st->full.encoding = height ? NTP_ENCODING_HEIGHT : set->to;
     st->full.y = height ? NTP_Y_UP : set->to_y;
-    const bool stays_pair = p->s.info->channels == 2 && set->in_count == 0 && set->to == NTP_XY;
+    const bool stays_pair =
+        p->s.info->channels == 2 && set->in_count == 0 && set->to == NTP_ENCODING_XY;
     st->out_channels = set->out_count > 0 ? set->out_count : stays_pair ? 2 : view->channels;
     st->out_row = (size_t) view->width * (size_t) st->out_channels * sample_size(type);
     if (option_integer(p->m->o, OPT_FORMAT) == 1 && !height) {
@@ -194,9 +195,9 @@ static void lay_out(const state *st, const settings *set, void *out, size_t texe
     static const int8_t PLAIN[FULL] = { 0, 1, 2, 3 };
     const int8_t *map = set->out_count > 0 ? set->out : PLAIN;
     const void *full = st->full.data;
-    if (st->full.type == NTP_U8) {
+    if (st->full.type == NTP_TYPE_U8) {
         LAY_OUT(uint8_t, 255)
-    } else if (st->full.type == NTP_U16) {
+    } else if (st->full.type == NTP_TYPE_U16) {
         LAY_OUT(uint16_t, 65535)
     } else {
         LAY_OUT(float, 1)
@@ -211,10 +212,10 @@ static bool rows(production *p, const ntp_rect *area, ntpio_error *error)
     const ntp_const_image made = ntp_image_as_const(&st->full);
     ntp_status status = ntp_convert(&st->full, &seen, &set->how, &st->counts, area);
     if (status == NTP_OK && st->diff != NULL)
-        status = ntp_compare(st->diff, NULL, &seen, &made, area);
+        status = ntp_diff_add(st->diff, NULL, &seen, &made, area);
     if (status != NTP_OK)
         return library_error(&p->s, status, error);
-    if (st->full.encoding == NTP_HEIGHT)
+    if (st->full.encoding == NTP_ENCODING_HEIGHT)
         return production_write(p, st->full.data, st->full.row_stride, area, error);
     void *out = buffer_reserve(&p->w->extra2, st->out_row * (size_t) p->s.block_rows);
     lay_out(st, set, out, (size_t) p->s.view.width * (size_t) (area->y1 - area->y0));
@@ -230,14 +231,14 @@ static bool looks_different(const production *p, const settings *set)
 {
     const ntp_class type = p->f.type.type;
     return set->in_count == 0 && type <= NTP_CLASS_XY && p->f.type.confidence > 0.8 &&
-           (ntp_encoding) type != set->from && p->s.view.encoding != NTP_HEIGHT;
+           (ntp_encoding) type != set->from && p->s.view.encoding != NTP_ENCODING_HEIGHT;
 }
 
 static void describe_text(const production *p, text *line)
 {
     const settings *set = p->m->settings;
     const state *st = p->state;
-    if (p->s.view.encoding == NTP_HEIGHT)
+    if (p->s.view.encoding == NTP_ENCODING_HEIGHT)
         text_add(line, "heights");
     else
         text_addf(line, "%s to %s", ENCODING_NAMES[set->from], ENCODING_NAMES[set->to]);

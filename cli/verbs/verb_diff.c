@@ -28,9 +28,10 @@ typedef struct comparison {
 static ntp_encoding encoding_of(const side *one, const side *other)
 {
     const bool sure = one->f.type.confidence >= 0.8;
-    if (one->f.encoding == NTP_XY && other->f.encoding == NTP_XY)
-        return NTP_XY;
-    return one->f.encoding == NTP_ZZERO && sure ? NTP_ZZERO : NTP_STANDARD;
+    if (one->f.encoding == NTP_ENCODING_XY && other->f.encoding == NTP_ENCODING_XY)
+        return NTP_ENCODING_XY;
+    return one->f.encoding == NTP_ENCODING_ZZERO && sure ? NTP_ENCODING_ZZERO
+                                                         : NTP_ENCODING_STANDARD;
 }
 
 static bool open_side(comparison *c, side *s, const char *path, ntpio_error *error)
@@ -57,8 +58,8 @@ static void view_side(side *s, const side *other)
 {
     static const int8_t EXPAND[4] = { 0, 0, 0, 1 };
     const int32_t channels = s->s.info->channels;
-    if (channels < 3 && s->f.encoding == NTP_XY)
-        source_view(&s->s, NTP_XY, NTP_Y_UP, NULL, 0);
+    if (channels < 3 && s->f.encoding == NTP_ENCODING_XY)
+        source_view(&s->s, NTP_ENCODING_XY, NTP_Y_UP, NULL, 0);
     else if (channels < 3)
         source_view(&s->s, encoding_of(s, other), NTP_Y_UP, EXPAND, channels + 2);
     else
@@ -87,16 +88,16 @@ static bool compare_rows(comparison *c, ntpio_error *error)
     const ntp_const_image b = ntp_image_as_const(&c->b.s.view);
     const size_t row = (size_t) a.width * 3;
     ntp_image heat = ntp_image_packed(buffer_reserve(&c->a.w->extra, row * (size_t) a.ring_rows),
-                                      a.width, a.height, 3, NTP_U8);
+                                      a.width, a.height, 3, NTP_TYPE_U8);
     heat.ring_rows = a.ring_rows;
-    heat.encoding = NTP_HEIGHT;
+    heat.encoding = NTP_ENCODING_HEIGHT;
     ntp_rect area, same;
     int more;
     while ((more = source_next(&c->a.s, &area, error)) > 0) {
         if (source_next(&c->b.s, &same, error) <= 0)
             return false;
         const ntp_status status =
-            ntp_compare(c->diff, c->writer != NULL ? &heat : NULL, &a, &b, &area);
+            ntp_diff_add(c->diff, c->writer != NULL ? &heat : NULL, &a, &b, &area);
         if (status != NTP_OK)
             return library_error(&c->a.s, status, error);
         if (c->writer != NULL && !ntpio_write_rows(c->writer, heat.data, heat.row_stride,

@@ -12,7 +12,7 @@ typedef struct dump {
     const options *o;
     source s;
     facts f;
-    uint32_t pass_bit; /* NTP_PASS_*: of the verdict */
+    uint32_t pass_bit; /* NTP_FLAG_*: of the verdict */
     bool all, keep_negative_z;
 } dump;
 
@@ -33,10 +33,10 @@ static void add_flags(text *t, uint32_t flags)
         bool when;
         const char *name;
     } FLAGS[] = {
-        { NTP_PASS_NEIGHBOR, false, "not_neighbor" }, { NTP_PASS_ROUNDED, false, "not_rounded" },
-        { NTP_PASS_EXACT, false, "not_exact" },       { NTP_XY_TOO_LONG, true, "xy_too_long" },
-        { NTP_Z_NEGATIVE, true, "z_negative" },       { NTP_IS_UNUSED, true, "unused" },
-        { NTP_NOT_FINITE, true, "not_finite" },
+        { NTP_FLAG_NEIGHBOR, false, "not_neighbor" }, { NTP_FLAG_ROUNDED, false, "not_rounded" },
+        { NTP_FLAG_EXACT, false, "not_exact" },       { NTP_FLAG_XY_TOO_LONG, true, "xy_too_long" },
+        { NTP_FLAG_Z_NEGATIVE, true, "z_negative" },  { NTP_FLAG_UNUSED, true, "unused" },
+        { NTP_FLAG_NOT_FINITE, true, "not_finite" },
     };
     const char *separator = "";
     for (size_t i = 0; i < sizeof FLAGS / sizeof FLAGS[0]; i++) {
@@ -86,9 +86,9 @@ static unsigned run(dump *d, ntpio_error *error)
 {
     if (!examine(&d->s, forced_class(d->o), &d->f, error))
         return RAN_FAILED;
-    const bool pair = d->f.encoding == NTP_XY; /* of gray and alpha */
+    const bool pair = d->f.encoding == NTP_ENCODING_XY; /* of gray and alpha */
     if ((d->s.view.channels < 3 && !(pair && d->f.forced)) ||
-        (d->f.forced && d->f.encoding == NTP_HEIGHT)) {
+        (d->f.forced && d->f.encoding == NTP_ENCODING_HEIGHT)) {
         complain(
             "%s: %s", d->s.in->path,
             pair ? "x and y in gray and alpha, which is which the file does not say; --type xy "
@@ -96,8 +96,8 @@ static unsigned run(dump *d, ntpio_error *error)
                  : "a height map has no normals to list; --type standard takes it for a texture");
         return RAN_FINDINGS;
     }
-    if (d->s.view.encoding == NTP_HEIGHT)
-        d->s.view.encoding = NTP_STANDARD;
+    if (d->s.view.encoding == NTP_ENCODING_HEIGHT)
+        d->s.view.encoding = NTP_ENCODING_STANDARD;
     if (!source_rewind(&d->s, error))
         return RAN_FAILED;
     header(d);
@@ -114,7 +114,7 @@ static unsigned run(dump *d, ntpio_error *error)
 
 int dump_run(const options *o)
 {
-    static const uint32_t PASS_BITS[] = { NTP_PASS_NEIGHBOR, NTP_PASS_ROUNDED, NTP_PASS_EXACT };
+    static const uint32_t PASS_BITS[] = { NTP_FLAG_NEIGHBOR, NTP_FLAG_ROUNDED, NTP_FLAG_EXACT };
     if (o->path_count != 1) {
         complain("ntp dump takes one file");
         return NTP_EXIT_USAGE;

@@ -24,7 +24,7 @@ enum {
 };
 
 typedef struct state {
-    ntp_gradient_counts counts;
+    ntp_normals_counts counts;
     ntp_image heights; /* the ring */
     ntp_image made;
     double *errors;      /* of dithering, for each column; NULL: none */
@@ -79,18 +79,18 @@ static ntp_type output_type(const production *p, const from_height_settings *set
     const char *output = p->in->output;
     const bool pfm = output != NULL && strcasecmp(name_ending(output), ".pfm") == 0;
     if (pfm)
-        return NTP_F32;
+        return NTP_TYPE_F32;
     if (set->depth != 0)
-        return set->depth == 1 ? NTP_U8 : NTP_U16;
-    return p->s.view.type == NTP_F32 ? NTP_U16 : p->s.view.type;
+        return set->depth == 1 ? NTP_TYPE_U8 : NTP_TYPE_U16;
+    return p->s.view.type == NTP_TYPE_F32 ? NTP_TYPE_U16 : p->s.view.type;
 }
 
 static int32_t output_channels(const production *p, const from_height_settings *set)
 {
     if (set->out_count > 0)
         return set->out_count;
-    const bool kept =
-        p->s.view.channels % 2 == 0 && !set->alpha_given && set->how.source != NTP_SOURCE_ALPHA;
+    const bool kept = p->s.view.channels % 2 == 0 && !set->alpha_given &&
+                      set->how.source != NTP_HEIGHT_SOURCE_ALPHA;
     return set->alpha_given || kept ? 4 : 3;
 }
 
@@ -106,12 +106,12 @@ static bool begin(production *p, ntpio_write_options *shape, ntpio_error *error)
     state *st = p->state;
     const ntp_image *view = &p->s.view;
     const ntp_type type = output_type(p, set);
-    if (set->how.source == NTP_SOURCE_ALPHA && view->channels % 2 == 1)
+    if (set->how.source == NTP_HEIGHT_SOURCE_ALPHA && view->channels % 2 == 1)
         return refuse(p->in->path, "it has no alpha that could be the height", error);
-    if (set->dither && type == NTP_F32)
+    if (set->dither && type == NTP_TYPE_F32)
         return refuse(p->in->path, "--dither is for outputs of 8 or 16 bit", error);
     const bool whole = needs_all(set);
-    st->reach = ntp_gradient_reach(&set->how);
+    st->reach = ntp_normals_reach(&set->how);
     st->out_channels = output_channels(p, set);
     st->out_row = (size_t) view->width * (size_t) st->out_channels * sample_size(type);
 
@@ -163,9 +163,9 @@ static void lay_out(const state *st, const from_height_settings *set, void *out,
     static const int8_t PLAIN[FULL] = { 0, 1, 2, ALPHA };
     const int8_t *map = set->out_count > 0 ? set->out : PLAIN;
     const int32_t width = st->made.width;
-    if (st->made.type == NTP_U8) {
+    if (st->made.type == NTP_TYPE_U8) {
         LAY_OUT(uint8_t, 255)
-    } else if (st->made.type == NTP_U16) {
+    } else if (st->made.type == NTP_TYPE_U16) {
         LAY_OUT(uint16_t, 65535)
     } else {
         LAY_OUT(float, 1)
@@ -176,7 +176,7 @@ static void lay_out(const state *st, const from_height_settings *set, void *out,
 typedef struct step {
     production *p;
     const ntp_image *heights;
-    ntp_gradient_options how;
+    ntp_normals_options how;
     ntp_rect write, make;
     ntp_status status; /* of what was made */
     bool written;
@@ -231,7 +231,7 @@ static bool make_rows(production *p, const ntp_image *heights, int32_t end, ntpi
     state *st = p->state;
     step s = { .p = p, .heights = heights, .how = set->how, .written = true, .error = error };
     if (heights != &st->heights)
-        s.how.source = NTP_SOURCE_RED;
+        s.how.source = NTP_HEIGHT_SOURCE_RED;
     crew *two = p->w->threads > 1 && end - st->done > RING ? crew_start(2) : NULL;
     s.make = chunk_from(st, st->done, end);
     make_chunk(&s);
@@ -268,7 +268,7 @@ static ntp_status smooth(const state *st, const from_height_settings *set, const
                                        .border_x = set->how.border_x,
                                        .border_y = set->how.border_y,
                                        .source = set->how.source };
-        const size_t size = ntp_height_blur_scratch(&how, out->width);
+        const size_t size = ntp_height_blur_scratch_size(&how, out->width);
         void *scratch = need(aligned_alloc(16, (size + 15) / 16 * 16));
         status = ntp_height_blur(out, &seen, &how, scratch, size);
         free(scratch);
@@ -297,8 +297,8 @@ static bool make_smoothed(production *p, ntpio_error *error)
     const int32_t channels = from->channels % 2 == 0 ? 2 : 1;
     const size_t texels = (size_t) from->width * (size_t) from->height;
     float *data = need(calloc(texels * (size_t) channels, sizeof *data));
-    ntp_image out = ntp_image_packed(data, from->width, from->height, channels, NTP_F32);
-    out.encoding = NTP_HEIGHT;
+    ntp_image out = ntp_image_packed(data, from->width, from->height, channels, NTP_TYPE_F32);
+    out.encoding = NTP_ENCODING_HEIGHT;
     const ntp_status status = smooth(st, set, &out);
     if (channels == 2)
         copy_alpha(&out, from);
@@ -340,7 +340,7 @@ static void describe(const production *p, text *line, json_t *object)
 {
     const from_height_settings *set = p->m->settings;
     const state *st = p->state;
-    const ntp_gradient_options *how = &set->how;
+    const ntp_normals_options *how = &set->how;
     const size_t bits = 8 * sample_size(st->made.type);
     if (line != NULL) {
         text_addf(line, "%s normals, scale %.15g, %s, green %s, %zu bit", ENCODING_NAMES[set->to],

@@ -23,8 +23,8 @@ static bool rows(production *p, const ntp_rect *area, ntpio_error *error)
     const ntp_palette palette = (ntp_palette) option_integer(p->m->o, OPT_PALETTE);
     const size_t row = (size_t) view->width * HEAT_CHANNELS;
     unsigned char *data = buffer_reserve(&p->w->extra, row * (size_t) p->s.block_rows);
-    ntp_image heat = ntp_image_packed(data, view->width, view->height, HEAT_CHANNELS, NTP_U8);
-    heat.encoding = NTP_HEIGHT;
+    ntp_image heat = ntp_image_packed(data, view->width, view->height, HEAT_CHANNELS, NTP_TYPE_U8);
+    heat.encoding = NTP_ENCODING_HEIGHT;
     heat.ring_rows = p->s.block_rows;
     const ntp_const_image seen = ntp_image_as_const(view);
     const ntp_status status = ntp_heatmap(&heat, &seen, palette, p->touch, area);
@@ -38,7 +38,7 @@ static void describe(const production *p, text *line, json_t *object)
 {
     static const char *const PALETTES[] = { "reference", "safe" };
     uint64_t all = 0, used = 0;
-    failing_texels(&p->f, NTP_NEIGHBOR, false, &all, &used);
+    failing_texels(&p->f, NTP_VERDICT_NEIGHBOR, false, &all, &used);
     if (line != NULL) {
         text_addf(line, "%s, ", class_title(p->f.type.type));
         text_percent(line, all, p->f.stats.texels);

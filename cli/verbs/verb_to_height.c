@@ -133,7 +133,7 @@ static const char *why_not_refined(const to_height_state *st)
     if (st->how.kernel == NTP_KERNEL_BAKED)
         return "--refine makes normals again by a kernel, and baked ones have none; --kernel sets "
                "another";
-    if (st->src.type == NTP_F32)
+    if (st->src.type == NTP_TYPE_F32)
         return "--refine is for textures of 8 and 16 bits: floats are not rounded";
     if (st->how.method == NTP_HEIGHT_WEIGHTED && st->how.detrend)
         return "--refine and --detrend do not go together with --method weighted";
@@ -304,14 +304,15 @@ static bool finish(production *p, ntpio_error *error)
     ntp_const_image seen;
     bool ok = true;
     if (set->mask_file != NULL) {
-        plane = need(malloc(texels * sample_size(NTP_U16)));
-        mask = ntp_image_packed(plane, view->width, view->height, 1, NTP_U16);
+        plane = need(malloc(texels * sample_size(NTP_TYPE_U16)));
+        mask = ntp_image_packed(plane, view->width, view->height, 1, NTP_TYPE_U16);
         seen = ntp_image_as_const(&mask);
         st->how.mask = &seen;
-        ok = plane_read(plane, NTP_U16, set->mask_file, &set->limits, p->s.info, "texture", error);
+        ok = plane_read(plane, NTP_TYPE_U16, set->mask_file, &set->limits, p->s.info, "texture",
+                        error);
     }
     ntp_image heights = ntp_image_packed(buffer_reserve(&p->w->extra2, texels * sizeof(float)),
-                                         view->width, view->height, 1, NTP_F32);
+                                         view->width, view->height, 1, NTP_TYPE_F32);
     if (ok) {
         ntp_status status = to_height_choose(st, set, p->in, p->w, &heights);
         if (status == NTP_OK)

@@ -13,12 +13,12 @@
 
 size_t sample_size(ntp_type type)
 {
-    return type == NTP_U8 ? 1 : type == NTP_U16 ? 2 : 4;
+    return type == NTP_TYPE_U8 ? 1 : type == NTP_TYPE_U16 ? 2 : 4;
 }
 
 static ntp_type type_of(int32_t sample_bytes)
 {
-    return sample_bytes == 1 ? NTP_U8 : sample_bytes == 2 ? NTP_U16 : NTP_F32;
+    return sample_bytes == 1 ? NTP_TYPE_U8 : sample_bytes == 2 ? NTP_TYPE_U16 : NTP_TYPE_F32;
 }
 
 static void refuse_size(const char *path, const char *what, ntpio_error *error)
@@ -40,7 +40,7 @@ static bool read_rows(unsigned char *plane, ntp_type type, ntpio_reader *reader,
     ntp_image in = ntp_image_packed(line, (int32_t) info->width, 1, info->channels,
                                     type_of(info->sample_bytes));
     in.channels = 1;
-    in.encoding = NTP_HEIGHT;
+    in.encoding = NTP_ENCODING_HEIGHT;
     const ntp_const_image seen = ntp_image_as_const(&in);
     bool ok = true;
     for (uint32_t y = 0; ok && y < info->height; y++) {

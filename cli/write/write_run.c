@@ -107,7 +107,8 @@ static pass_end run_pass(production *p, bool writes, ntpio_error *error)
     while ((more = source_next(&p->s, &area, error)) > 0) {
         const ntp_rect seen = { area.x0, area.y0, area.x1, p->m->asks_nothing ? 1 : area.y1 };
         const bool skip = p->known || seen.y0 >= seen.y1;
-        const ntp_status status = skip ? NTP_OK : ntp_measure(p->w->tally, &view, p->touch, &seen);
+        const ntp_status status =
+            skip ? NTP_OK : ntp_tally_add(p->w->tally, &view, p->touch, &seen);
         if (status != NTP_OK)
             library_error(&p->s, status, error);
         if (status != NTP_OK || !p->m->rows(p, &area, error))
@@ -128,7 +129,7 @@ static bool is_refused(const production *p)
 {
     const ntp_class type = p->f.type.type;
     if (p->f.forced)
-        return p->f.encoding == NTP_HEIGHT && !p->m->any_class;
+        return p->f.encoding == NTP_ENCODING_HEIGHT && !p->m->any_class;
     if (p->m->any_class)
         return !p->f.counts;
     return type == NTP_CLASS_HEIGHT || type == NTP_CLASS_OBJECT_SPACE ||
@@ -166,9 +167,9 @@ static outcome end_of(pass_end end)
 static void view_as_known(production *p)
 {
     static const int8_t EXPAND[4] = { 0, 0, 0, 1 };
-    const bool gray = p->s.info->channels < 3 && p->f.encoding == NTP_HEIGHT;
+    const bool gray = p->s.info->channels < 3 && p->f.encoding == NTP_ENCODING_HEIGHT;
     if (gray && p->f.type.type == NTP_CLASS_ONE_COLOR && !p->m->any_class)
-        source_view(&p->s, NTP_STANDARD, NTP_Y_UP, EXPAND, p->s.info->channels + 2);
+        source_view(&p->s, NTP_ENCODING_STANDARD, NTP_Y_UP, EXPAND, p->s.info->channels + 2);
     else
         p->s.view.encoding = p->f.encoding;
 }
@@ -216,7 +217,7 @@ static outcome speculate(production *p, bool writes, ntpio_error *error)
             return finish(p, error);
         ntpio_abort(p->writer);
         p->writer = NULL;
-        if (p->s.view.type != NTP_U8 || !same_touch) {
+        if (p->s.view.type != NTP_TYPE_U8 || !same_touch) {
             facts_free(&p->f);
             const outcome known = source_rewind(&p->s, error) ? know_first(p, error) : UNREADABLE;
             if (known != MADE)

@@ -102,8 +102,8 @@ const Babl *blending_prepare(blending **b, const pixels *stored)
 {
     const Babl *space = babl_format_get_space(stored->format);
     const BablModelFlag flags = babl_get_model_flags(babl_format_get_model(stored->format));
-    if (stored->type != NTP_U16 || stored->channels < 3 || (flags & BABL_MODEL_FLAG_LINEAR) != 0 ||
-        space == babl_space("sRGB"))
+    if (stored->type != NTP_TYPE_U16 || stored->channels < 3 ||
+        (flags & BABL_MODEL_FLAG_LINEAR) != 0 || space == babl_space("sRGB"))
         return NULL;
     if (*b == NULL)
         *b = g_new0(blending, 1);

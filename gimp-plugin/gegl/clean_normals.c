@@ -74,10 +74,10 @@ property_enum(to_y, _("Becomes"), ntp_op_green, ntp_op_green, NTP_OP_UP)
 #  include "pixels.h"
 
 /* The menus above count as libntp does. */
-G_STATIC_ASSERT((gint) NTP_OP_XY == (gint) NTP_XY);
+G_STATIC_ASSERT((gint) NTP_OP_XY == (gint) NTP_ENCODING_XY);
 G_STATIC_ASSERT((gint) NTP_OP_DOWN == (gint) NTP_Y_DOWN);
-G_STATIC_ASSERT((gint) NTP_OP_MIRROR_Z == (gint) NTP_KEEP);
-G_STATIC_ASSERT((gint) NTP_OP_EXACT == (gint) NTP_EXACT);
+G_STATIC_ASSERT((gint) NTP_OP_MIRROR_Z == (gint) NTP_CLEAN_KEEP);
+G_STATIC_ASSERT((gint) NTP_OP_EXACT == (gint) NTP_VERDICT_EXACT);
 
 /* Set by prepare(), read by the threads that process. */
 typedef struct state {
@@ -96,7 +96,7 @@ static uint32_t touched(const GeglProperties *o)
 
 static ntp_clean_options options_of(const GeglProperties *o)
 {
-    return (ntp_clean_options) { .method = (ntp_method) o->repair,
+    return (ntp_clean_options) { .method = (ntp_clean_method) o->repair,
                                  .keep_negative_z = o->keep_negative_z,
                                  .only_failing = o->only_failing,
                                  .verdict = (ntp_verdict) o->verdict,
@@ -140,7 +140,7 @@ static void prepare(GeglOperation *operation)
         blending_ahead(operation) == AHEAD_MASK ? blending_prepare(&s->blending, &p) : NULL;
     gegl_operation_set_format(operation, "input", p.format);
     gegl_operation_set_format(operation, "output", light != NULL ? light : p.format);
-    if (p.type == NTP_U8 && o->repair != NTP_OP_NO_REPAIR && o->show == NTP_OP_RESULT)
+    if (p.type == NTP_TYPE_U8 && o->repair != NTP_OP_NO_REPAIR && o->show == NTP_OP_RESULT)
         prepare_plan(s, o);
 }
 
@@ -164,10 +164,10 @@ static gboolean paint(const GeglProperties *o, const pixels *p, const ntp_const_
     const ntp_palette palette =
         o->show == NTP_OP_HEATMAP ? NTP_PALETTE_REFERENCE : NTP_PALETTE_SAFE;
     const uint32_t touch = touched(o);
-    dst->encoding = NTP_HEIGHT;
-    if (p->type == NTP_U8)
+    dst->encoding = NTP_ENCODING_HEIGHT;
+    if (p->type == NTP_TYPE_U8)
         return ntp_heatmap(dst, src, palette, touch, NULL) == NTP_OK;
-    const pixels levels = { .type = NTP_U8, .channels = p->channels };
+    const pixels levels = { .type = NTP_TYPE_U8, .channels = p->channels };
     guchar *colors = g_malloc((gsize) src->width * (gsize) p->channels);
     ntp_image picture = pixels_view(&levels, colors, src->width, 1);
     const ntp_const_image painted = ntp_image_as_const(&picture);
@@ -188,7 +188,8 @@ static gboolean repair_and_convert(const GeglProperties *o, const pixels *p,
     if (o->repair != NTP_OP_NO_REPAIR) {
         dst->encoding = src->encoding;
         dst->y = src->y;
-        if (ntp_clean(dst, src, &how, p->type == NTP_U8 ? s->plan : NULL, NULL, NULL) != NTP_OK)
+        if (ntp_clean(dst, src, &how, p->type == NTP_TYPE_U8 ? s->plan : NULL, NULL, NULL) !=
+            NTP_OK)
             return FALSE;
         from = ntp_image_as_const(dst);
         if (!converts)

@@ -13,7 +13,7 @@
 
 /* clang-format off */
 enum_start(ntp_op_source)
-    NTP_SOURCE_CHOICES(enum_value)
+    NTP_HEIGHT_SOURCE_CHOICES(enum_value)
 enum_end(ntp_op_source)
 
 enum_start(ntp_op_kernel)
@@ -97,10 +97,10 @@ property_enum(alpha, _("Alpha"), ntp_op_alpha, ntp_op_alpha, NTP_OP_KEEP)
 #  include "pixels.h"
 
 /* The menus above count as libntp does. */
-G_STATIC_ASSERT((gint) NTP_OP_SCREEN == (gint) NTP_SOURCE_SCREEN);
+G_STATIC_ASSERT((gint) NTP_OP_SCREEN == (gint) NTP_HEIGHT_SOURCE_SCREEN);
 G_STATIC_ASSERT((gint) NTP_OP_GIMP9 == (gint) NTP_KERNEL_GIMP9);
 G_STATIC_ASSERT((gint) NTP_OP_REPEAT_SLOPE == (gint) NTP_BORDER_REPEAT_SLOPE);
-G_STATIC_ASSERT((gint) NTP_OP_XY == (gint) NTP_XY);
+G_STATIC_ASSERT((gint) NTP_OP_XY == (gint) NTP_ENCODING_XY);
 G_STATIC_ASSERT((gint) NTP_OP_DOWN == (gint) NTP_Y_DOWN);
 G_STATIC_ASSERT((gint) NTP_OP_NEAREST == (gint) NTP_BLUE_NEAREST);
 G_STATIC_ASSERT((gint) NTP_OP_INVERSE_HEIGHT == (gint) NTP_ALPHA_INVERSE_HEIGHT);
@@ -131,20 +131,20 @@ static gdouble as_typed(gdouble value)
     return value;
 }
 
-static ntp_gradient_options options_of(GeglOperation *operation)
+static ntp_normals_options options_of(GeglOperation *operation)
 {
     const GeglProperties *o = GEGL_PROPERTIES(operation);
-    return (ntp_gradient_options) { .scale = as_typed(o->scale),
-                                    .dx = as_typed(o->dx),
-                                    .dy = as_typed(o->dy),
-                                    .min_z = as_typed(o->min_z),
-                                    .kernel = (ntp_kernel) o->kernel,
-                                    .border_x = (ntp_border) o->border_x,
-                                    .border_y = (ntp_border) o->border_y,
-                                    .source = (ntp_height_source) o->source,
-                                    .blue = (ntp_blue) o->blue,
-                                    .alpha = (ntp_alpha) o->alpha,
-                                    .invert = o->invert };
+    return (ntp_normals_options) { .scale = as_typed(o->scale),
+                                   .dx = as_typed(o->dx),
+                                   .dy = as_typed(o->dy),
+                                   .min_z = as_typed(o->min_z),
+                                   .kernel = (ntp_kernel) o->kernel,
+                                   .border_x = (ntp_border) o->border_x,
+                                   .border_y = (ntp_border) o->border_y,
+                                   .source = (ntp_height_source) o->source,
+                                   .blue = (ntp_blue) o->blue,
+                                   .alpha = (ntp_alpha) o->alpha,
+                                   .invert = o->invert };
 }
 
 /* Set by prepare(), read by the threads that process. */
@@ -217,8 +217,8 @@ static GeglRectangle surroundings(GeglOperation *operation, const GeglRectangle 
     const GeglRectangle *edges = gegl_operation_source_get_bounding_box(operation, "input");
     if (edges == NULL || gegl_rectangle_is_empty(edges) || gegl_rectangle_is_empty(area))
         return *area;
-    const ntp_gradient_options how = options_of(operation);
-    const gint reach = ntp_gradient_reach(&how);
+    const ntp_normals_options how = options_of(operation);
+    const gint reach = ntp_normals_reach(&how);
     const span columns = { edges->x, edges->width }, rows = { edges->y, edges->height };
     span x =
         spread((span) { area->x, area->width }, columns, reach, how.border_x == NTP_BORDER_WRAP);
@@ -278,7 +278,7 @@ static void read_wrapped(GeglBuffer *input, const pixels *in, const GeglRectangl
 }
 
 typedef struct job {
-    ntp_gradient_options how;
+    ntp_normals_options how;
     pixels in, out;
     ntp_encoding to;
     ntp_y to_y;
@@ -344,7 +344,7 @@ static gboolean process(GeglOperation *operation, GeglBuffer *input, GeglBuffer 
     (void) level; /* everything is made at full size */
     if (j.edges == NULL || gegl_rectangle_is_empty(j.edges))
         return TRUE;
-    const gsize margin = 2 * (gsize) ntp_gradient_reach(&j.how);
+    const gsize margin = 2 * (gsize) ntp_normals_reach(&j.how);
     const gsize most = (BLOCK_WIDTH + margin) * (BLOCK_HEIGHT + margin);
     j.heights = g_malloc(most * (gsize) j.in.bytes);
     j.normals = g_malloc(most * (gsize) j.out.bytes);

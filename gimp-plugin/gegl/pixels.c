@@ -7,9 +7,9 @@
  */
 #include "pixels.h"
 
-static const gint SAMPLE_BYTES[] = { [NTP_U8] = 1, [NTP_U16] = 2, [NTP_F32] = 4 };
+static const gint SAMPLE_BYTES[] = { [NTP_TYPE_U8] = 1, [NTP_TYPE_U16] = 2, [NTP_TYPE_F32] = 4 };
 static const gchar *const SAMPLE_NAMES[] = {
-    [NTP_U8] = "u8", [NTP_U16] = "u16", [NTP_F32] = "float"
+    [NTP_TYPE_U8] = "u8", [NTP_TYPE_U16] = "u16", [NTP_TYPE_F32] = "float"
 };
 
 static BablModelFlag flags_of(const Babl *format)
@@ -36,13 +36,15 @@ static const gchar *curve_of(const Babl *source)
 static ntp_type type_of(const Babl *source)
 {
     if (source == NULL)
-        return NTP_F32;
+        return NTP_TYPE_F32;
     if (babl_format_is_palette(source))
-        return NTP_U8;
+        return NTP_TYPE_U8;
     if (!is_rgb_or_gray(source))
-        return NTP_F32;
+        return NTP_TYPE_F32;
     const gchar *name = babl_get_name(babl_format_get_type(source, 0));
-    return g_strcmp0(name, "u8") == 0 ? NTP_U8 : g_strcmp0(name, "u16") == 0 ? NTP_U16 : NTP_F32;
+    return g_strcmp0(name, "u8") == 0    ? NTP_TYPE_U8
+           : g_strcmp0(name, "u16") == 0 ? NTP_TYPE_U16
+                                         : NTP_TYPE_F32;
 }
 
 static pixels make(const Babl *source, gboolean gray, gboolean alpha)
@@ -80,6 +82,6 @@ pixels pixels_as_rgb(const Babl *source, gboolean alpha)
 ntp_image pixels_view(const pixels *p, void *data, gint width, gint height)
 {
     ntp_image view = ntp_image_packed(data, width, height, p->channels, p->type);
-    view.encoding = NTP_HEIGHT;
+    view.encoding = NTP_ENCODING_HEIGHT;
     return view;
 }

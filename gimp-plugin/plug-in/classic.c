@@ -13,17 +13,18 @@ enum { /* conversions */
        TO_HEIGHT = 10
 };
 
-/* The names under which ntp_gradient_like knows the filters. */
+/* The names under which ntp_normals_like knows the filters. */
 static const char *const filters[] = { "gimp-normalmap:4sample",  "gimp-normalmap:sobel3",
                                        "gimp-normalmap:sobel5",   "gimp-normalmap:prewitt3",
                                        "gimp-normalmap:prewitt5", "gimp-normalmap:3x3",
                                        "gimp-normalmap:5x5",      "gimp-normalmap:7x7",
                                        "gimp-normalmap:9x9" };
 
-static const ntp_height_source height_sources[] = { NTP_SOURCE_LUMA_GIMP, NTP_SOURCE_LUMA_GIMP,
-                                                    NTP_SOURCE_RED,       NTP_SOURCE_GREEN,
-                                                    NTP_SOURCE_BLUE,      NTP_SOURCE_MAX,
-                                                    NTP_SOURCE_MIN,       NTP_SOURCE_SCREEN };
+static const ntp_height_source height_sources[] = {
+    NTP_HEIGHT_SOURCE_LUMA_GIMP, NTP_HEIGHT_SOURCE_LUMA_GIMP, NTP_HEIGHT_SOURCE_RED,
+    NTP_HEIGHT_SOURCE_GREEN,     NTP_HEIGHT_SOURCE_BLUE,      NTP_HEIGHT_SOURCE_MAX,
+    NTP_HEIGHT_SOURCE_MIN,       NTP_HEIGHT_SOURCE_SCREEN
+};
 
 static const alpha_rule alpha_rules[] = { ALPHA_KEEP, ALPHA_HEIGHT, ALPHA_INVERSE_HEIGHT,
                                           ALPHA_ZERO, ALPHA_ONE,    ALPHA_INVERSE,
@@ -35,13 +36,13 @@ static normals_job normals_of(const settings *s, alpha_rule alpha, dudv_format d
     const int conversion = (int) v[FO_CONVERSION];
     ntp_peer peer;
     normals_job job = { 0 };
-    if (ntp_gradient_like(&peer, filters[(int) v[FO_FILTER]], v[FO_SCALE]) != NTP_OK)
+    if (ntp_normals_like(&peer, filters[(int) v[FO_FILTER]], v[FO_SCALE]) != NTP_OK)
         return job;
     job.how = peer.options;
     job.how.min_z = v[FO_MIN_Z];
     job.how.border_x = job.how.border_y = v[FO_WRAP] != 0 ? NTP_BORDER_WRAP : NTP_BORDER_CLAMP;
     if (v[FO_HEIGHT_SOURCE] != 0 && has_alpha) {
-        job.how.source = NTP_SOURCE_ALPHA;
+        job.how.source = NTP_HEIGHT_SOURCE_ALPHA;
     } else {
         job.how.source = height_sources[conversion];
         job.biased = conversion == BIASED_RGB;
@@ -65,7 +66,7 @@ static repair_job repair_of(const settings *s, alpha_rule alpha, dudv_format dud
 {
     const double *v = s->value;
     repair_job job = {
-        .from = (int) v[FO_CONVERSION] == DUDV_TO_NORMAL ? NTP_XY : NTP_STANDARD,
+        .from = (int) v[FO_CONVERSION] == DUDV_TO_NORMAL ? NTP_ENCODING_XY : NTP_ENCODING_STANDARD,
         .derive = (int) v[FO_CONVERSION] == DUDV_TO_NORMAL,
         .alpha_is_data = true,
         .strengthen = v[FO_SCALE] != 1,
@@ -76,7 +77,7 @@ static repair_job repair_of(const settings *s, alpha_rule alpha, dudv_format dud
         .swap = v[FO_SWAP] != 0,
         .dudv = dudv,
         .alpha = alpha == ALPHA_HEIGHT || alpha == ALPHA_INVERSE_HEIGHT ? ALPHA_KEEP : alpha,
-        .how = { .method = NTP_NORMALIZE, .keep_negative_z = 1 },
+        .how = { .method = NTP_CLEAN_NORMALIZE, .keep_negative_z = 1 },
     };
     job.clean = !job.derive;
     if (job.strength > NTP_MAX_STRENGTH)
@@ -91,7 +92,7 @@ static height_job height_of(const settings *s)
     const ntp_border border = s->value[FO_WRAP] != 0 ? NTP_BORDER_WRAP : NTP_BORDER_EXTRAPOLATE;
     return (height_job) { .how = { .border_x = border, .border_y = border },
                           .y = NTP_Y_DOWN,
-                          .encoding = NTP_STANDARD,
+                          .encoding = NTP_ENCODING_STANDARD,
                           .contrast = s->value[FO_CONTRAST] };
 }
 
@@ -102,7 +103,7 @@ classic_job classic_job_from(const settings *s, int32_t channels, ntp_type type)
     const int conversion = (int) v[FO_CONVERSION];
     dudv_format dudv = (dudv_format) v[FO_DUDV];
     classic_job job = { .alpha = alpha_rules[(int) v[FO_ALPHA]] };
-    if (dudv >= DUDV_16_SIGNED && type == NTP_U8 && !has_alpha)
+    if (dudv >= DUDV_16_SIGNED && type == NTP_TYPE_U8 && !has_alpha)
         dudv = DUDV_NONE; /* as the old plug-in: there is no room for them */
     if (!has_alpha || dudv != DUDV_NONE)
         job.alpha = ALPHA_KEEP;

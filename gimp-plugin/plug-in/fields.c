@@ -26,7 +26,7 @@ static const choice borders[] = { /* ntp_border */
     END
 };
 static const choice sources[] = { /* ntp_height_source, and one more */
-    NTP_SOURCE_CHOICES(CHOICE_ROW)
+    NTP_HEIGHT_SOURCE_CHOICES(CHOICE_ROW)
     { "biased", N_("Above the mean color") },
     END
 };
@@ -96,7 +96,7 @@ static const choice results[] = {
     { "image", N_("A new 16-bit gray image") },
     END
 };
-static const choice repairs[] = { /* ntp_method; auto */
+static const choice repairs[] = { /* ntp_clean_method; auto */
     { "derive", N_("Derive blue from red and green") },
     { "normalize", N_("Normalize all three") },
     { "auto", N_("As the errors suggest") },

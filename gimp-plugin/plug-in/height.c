@@ -77,7 +77,8 @@ job_status height_job_run(const height_job *job, const raster *normals, float **
     job_status status = JOB_NO_MEMORY;
     if (rows != NULL && scratch != NULL && heights != NULL) {
         ntp_image source = raster_view(normals, rows, normals->height);
-        ntp_image made = ntp_image_packed(heights, normals->width, normals->height, 1, NTP_F32);
+        ntp_image made =
+            ntp_image_packed(heights, normals->width, normals->height, 1, NTP_TYPE_F32);
         source.encoding = job->encoding;
         source.y = job->y;
         const ntp_const_image seen = ntp_image_as_const(&source);
@@ -123,7 +124,7 @@ job_status height_write(const float *plane, const raster *layer, const raster *r
         const ntp_image view = raster_view(result, row, 1);
         ntp_image heights =
             ntp_image_packed((float *) (uintptr_t) plane + (size_t) y * (size_t) result->width,
-                             result->width, 1, 1, NTP_F32);
+                             result->width, 1, 1, NTP_TYPE_F32);
         const ntp_const_image seen = ntp_image_as_const(&heights);
         bool ok = !keeps || layer->read(layer->user, y, y + 1, row);
         fill_row(&view, &seen, alpha_too);

@@ -26,8 +26,10 @@ static const Babl *readable(const Babl *format, ntp_type *type)
     const Babl *stored = babl_format_get_type(format, 0);
     const char *encoding = babl_format_get_encoding(format);
     const char *end = strrchr(encoding, ' ');
-    *type = stored == babl_type("u8") ? NTP_U8 : stored == babl_type("u16") ? NTP_U16 : NTP_F32;
-    if (*type != NTP_F32 || stored == babl_type("float") || end == NULL)
+    *type = stored == babl_type("u8")    ? NTP_TYPE_U8
+            : stored == babl_type("u16") ? NTP_TYPE_U16
+                                         : NTP_TYPE_F32;
+    if (*type != NTP_TYPE_F32 || stored == babl_type("float") || end == NULL)
         return format;
     char *name = g_strdup_printf("%.*s float", (int) (end - encoding), encoding);
     const Babl *floats = babl_format_with_space(name, format);
@@ -55,7 +57,7 @@ static bool write_layer(void *user, const ntp_rect *area, const void *pixels, pt
 void host_open(host_layer *layer, gint32 id)
 {
     const Babl *format = gimp_drawable_get_format(HOST_DRAWABLE(id));
-    ntp_type type = NTP_U8;
+    ntp_type type = NTP_TYPE_U8;
     *layer = (host_layer) { .id = id, .buffer = gimp_drawable_get_buffer(HOST_DRAWABLE(id)) };
     layer->format = readable(format, &type);
     layer->raster = (raster) { .user = layer,
@@ -123,7 +125,7 @@ static gboolean is_blended_coarsely(const host_layer *layer)
 {
 #if HOST_GIMP3
     GimpImage *image = gimp_item_get_image(HOST_ITEM(layer->id));
-    if (layer->raster.type == NTP_U8 || gimp_selection_is_empty(image))
+    if (layer->raster.type == NTP_TYPE_U8 || gimp_selection_is_empty(image))
         return FALSE;
     GimpColorProfile *profile = gimp_image_get_color_profile(image);
     const gboolean has_profile = profile != NULL;

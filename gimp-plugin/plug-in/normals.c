@@ -33,9 +33,9 @@ normals_job normals_job_from(const settings *s)
         .dudv = (dudv_format) v[FN_DUDV],
         .swap = v[FN_SWAP] != 0,
     };
-    if ((int) v[FN_SOURCE] > NTP_SOURCE_SCREEN) {
+    if ((int) v[FN_SOURCE] > NTP_HEIGHT_SOURCE_SCREEN) {
         job.biased = true;
-        job.how.source = NTP_SOURCE_LUMA_GIMP;
+        job.how.source = NTP_HEIGHT_SOURCE_LUMA_GIMP;
     }
     /* Red to the left is both slopes negated, then green back: negated before any rounding. */
     if (v[FN_FLIP_X] != 0) {
@@ -54,7 +54,7 @@ normals_job normals_job_from(const settings *s)
 bool normals_job_needs_alpha(const normals_job *job, ntp_type type)
 {
     if (job->dudv != DUDV_NONE)
-        return type == NTP_U8 && job->dudv >= DUDV_16_SIGNED;
+        return type == NTP_TYPE_U8 && job->dudv >= DUDV_16_SIGNED;
     return job->alpha != ALPHA_KEEP && job->alpha != ALPHA_INVERSE;
 }
 
@@ -71,9 +71,9 @@ static void add_samples(const raster *r, const void *row, double sums[3])
     for (int32_t x = 0; x < r->width; x++) {
         for (int32_t c = 0; c < colors; c++) {
             const int64_t i = (int64_t) x * r->channels + c;
-            sums[c] += r->type == NTP_U8    ? ((const uint8_t *) row)[i]
-                       : r->type == NTP_U16 ? ((const uint16_t *) row)[i]
-                                            : (double) ((const float *) row)[i];
+            sums[c] += r->type == NTP_TYPE_U8    ? ((const uint8_t *) row)[i]
+                       : r->type == NTP_TYPE_U16 ? ((const uint16_t *) row)[i]
+                                                 : (double) ((const float *) row)[i];
         }
     }
 }
@@ -112,9 +112,9 @@ static void take_off(const bias *b, const raster *r, void *rows, int32_t count)
 {
     const size_t texels = (size_t) r->width * (size_t) count;
     const int32_t colors = r->channels < 3 ? 1 : 3;
-    if (r->type == NTP_U8)
+    if (r->type == NTP_TYPE_U8)
         SUBTRACT(uint8_t, 0.5)
-    else if (r->type == NTP_U16)
+    else if (r->type == NTP_TYPE_U16)
         SUBTRACT(uint16_t, 0.5)
     else
         SUBTRACT(float, 0)
@@ -203,8 +203,8 @@ static ntp_const_image alpha_of(const work *w, int32_t y0, int32_t y1)
 static ntp_status make_dudv(work *w, const ntp_image *part, const ntp_const_image *heights,
                             const ntp_rect *area)
 {
-    ntp_image vectors = ntp_image_packed(w->vectors, heights->width, w->count, 3, NTP_F32);
-    vectors.encoding = NTP_VECTOR;
+    ntp_image vectors = ntp_image_packed(w->vectors, heights->width, w->count, 3, NTP_TYPE_F32);
+    vectors.encoding = NTP_ENCODING_VECTOR;
     vectors.y = w->job->y;
     const ntp_status status = ntp_normals_from_height(&vectors, heights, &w->job->how, NULL, area);
     const ntp_image made = texels_crop(&vectors, area);
@@ -310,7 +310,7 @@ job_status normals_job_run(const normals_job *job, const raster *heights, const 
                            const raster *alpha, const raster *result, const ntp_rect *area,
                            const surroundings *around)
 {
-    const int32_t reach = ntp_gradient_reach(&job->how);
+    const int32_t reach = ntp_normals_reach(&job->how);
     const bool keeps = job->alpha == ALPHA_KEEP || job->alpha == ALPHA_INVERSE;
     const bool plane = job->alpha == ALPHA_LAYER && alpha != NULL;
     if (reach < 0)

@@ -30,7 +30,7 @@ typedef enum dudv_format {
 } dudv_format;
 
 typedef struct normals_job {
-    ntp_gradient_options how;
+    ntp_normals_options how;
     ntp_y y;
     ntp_encoding encoding;
     alpha_rule alpha;

@@ -48,7 +48,7 @@ static job_status make(const maker *m, const ntp_rect *area, unsigned char *data
                             .width = p->layer->width,
                             .height = p->layer->height,
                             .channels = RGBA,
-                            .type = NTP_U8 };
+                            .type = NTP_TYPE_U8 };
     if (p->procedure == &procedures[PROCEDURE_NORMALS])
         return normals_job_run(&m->normals, p->heights != NULL ? p->heights : p->layer, NULL, NULL,
                                &result, area, NULL);
@@ -102,11 +102,11 @@ static job_status sample(const maker *m, uint8_t *out)
 static void light_up(const preview *p, ntp_encoding encoding, ntp_y y, uint8_t *normals,
                      uint8_t *lit)
 {
-    ntp_image view = ntp_image_packed(normals, p->width, p->height, RGB, NTP_U8);
-    ntp_image out = ntp_image_packed(lit, p->width, p->height, RGB, NTP_U8);
+    ntp_image view = ntp_image_packed(normals, p->width, p->height, RGB, NTP_TYPE_U8);
+    ntp_image out = ntp_image_packed(lit, p->width, p->height, RGB, NTP_TYPE_U8);
     view.encoding = encoding;
     view.y = y;
-    out.encoding = NTP_HEIGHT;
+    out.encoding = NTP_ENCODING_HEIGHT;
     const ntp_const_image seen = ntp_image_as_const(&view);
     ntp_shade(&out, &seen, p->light, NULL);
 }
@@ -155,7 +155,7 @@ static bool read_small(void *user, int32_t y0, int32_t y1, void *rows)
 static job_status show_height(const preview *p, uint8_t *map, uint8_t *lit)
 {
     const height_job job = height_job_from(p->settings);
-    const maker m = { .p = p, .repair = { .from = NTP_STANDARD } };
+    const maker m = { .p = p, .repair = { .from = NTP_ENCODING_STANDARD } };
     float *plane = NULL;
     double range = 0;
     job_status status = sample(&m, map);
@@ -167,7 +167,7 @@ static job_status show_height(const preview *p, uint8_t *map, uint8_t *lit)
                            .width = p->width,
                            .height = p->height,
                            .channels = RGB,
-                           .type = NTP_U8 };
+                           .type = NTP_TYPE_U8 };
     status = height_job_run(&job, &small, &plane, &range, NULL);
     light_up(p, job.encoding, job.y, map, lit);
     const size_t count = (size_t) p->width * (size_t) p->height;

@@ -42,7 +42,7 @@ const char *job_status_text(job_status status)
 ntp_image raster_view(const raster *r, void *rows, int32_t height)
 {
     ntp_image view = ntp_image_packed(rows, r->width, height, r->channels, r->type);
-    view.encoding = NTP_HEIGHT;
+    view.encoding = NTP_ENCODING_HEIGHT;
     return view;
 }
 
@@ -66,9 +66,9 @@ void surroundings_parallel(const surroundings *s, int32_t count,
 
 static double sample(const void *at, ntp_type type)
 {
-    if (type == NTP_U8)
+    if (type == NTP_TYPE_U8)
         return *(const uint8_t *) at / 255.0;
-    if (type == NTP_U16)
+    if (type == NTP_TYPE_U16)
         return *(const uint16_t *) at / 65535.0;
     const float value = *(const float *) at;
     return value > 0 ? value < 1 ? (double) value : 1 : 0; /* NaN is 0 */
@@ -76,9 +76,9 @@ static double sample(const void *at, ntp_type type)
 
 static void store(void *at, ntp_type type, double value)
 {
-    if (type == NTP_U8)
+    if (type == NTP_TYPE_U8)
         *(uint8_t *) at = (uint8_t) (value * 255 + 0.5);
-    else if (type == NTP_U16)
+    else if (type == NTP_TYPE_U16)
         *(uint16_t *) at = (uint16_t) (value * 65535 + 0.5);
     else
         *(float *) at = (float) value;

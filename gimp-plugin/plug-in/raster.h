@@ -51,7 +51,7 @@ const char *job_status_text(job_status status);
 
 static inline size_t raster_sample(const raster *r)
 {
-    return r->type == NTP_U8 ? 1 : r->type == NTP_U16 ? 2 : 4;
+    return r->type == NTP_TYPE_U8 ? 1 : r->type == NTP_TYPE_U16 ? 2 : 4;
 }
 static inline size_t raster_pixel(const raster *r)
 {
@@ -62,7 +62,7 @@ static inline size_t raster_row(const raster *r)
     return raster_pixel(r) * (size_t) r->width;
 }
 
-/* A view of packed rows of that shape, with encoding NTP_HEIGHT. */
+/* A view of packed rows of that shape, with encoding NTP_ENCODING_HEIGHT. */
 ntp_image raster_view(const raster *r, void *rows, int32_t height);
 
 bool surroundings_progress(const surroundings *s, double share);

@@ -24,7 +24,7 @@ static ntp_encoding encoding_of(const settings *s, const report *found)
 {
     if (found != NULL && found->judged)
         return found->encoding;
-    return (int) s->value[FC_FROM] == FROM_AUTO ? NTP_STANDARD
+    return (int) s->value[FC_FROM] == FROM_AUTO ? NTP_ENCODING_STANDARD
                                                 : (ntp_encoding) ((int) s->value[FC_FROM] - 1);
 }
 
@@ -35,9 +35,9 @@ repair_job repair_job_from(const settings *s, const report *found)
     return (repair_job) {
         .from = encoding_of(s, found),
         .clean = true,
-        .how = { .method = !suits          ? (ntp_method) v[FC_METHOD]
+        .how = { .method = !suits          ? (ntp_clean_method) v[FC_METHOD]
                            : found != NULL ? found->method
-                                           : NTP_DERIVE,
+                                           : NTP_CLEAN_DERIVE,
                  .keep_negative_z = v[FC_KEEP_NEGATIVE_Z] != 0,
                  .only_failing = v[FC_ONLY_FAILING] != 0,
                  .verdict = (ntp_verdict) v[FC_VERDICT],
@@ -49,18 +49,18 @@ repair_job repair_job_from(const settings *s, const report *found)
 
 static double component(const void *sample, ntp_type type)
 {
-    if (type == NTP_U8)
+    if (type == NTP_TYPE_U8)
         return (2.0 * *(const uint8_t *) sample - 255) / 255;
-    if (type == NTP_U16)
+    if (type == NTP_TYPE_U16)
         return (2.0 * *(const uint16_t *) sample - 65535) / 65535;
     return 2 * (double) *(const float *) sample - 1;
 }
 
 static void set_component(void *sample, ntp_type type, double v)
 {
-    if (type == NTP_U8)
+    if (type == NTP_TYPE_U8)
         *(uint8_t *) sample = (uint8_t) ((v + 1) * 127.5 + 0.5);
-    else if (type == NTP_U16)
+    else if (type == NTP_TYPE_U16)
         *(uint16_t *) sample = (uint16_t) ((v + 1) * 32767.5 + 0.5);
     else
         *(float *) sample = (float) ((v + 1) / 2);
@@ -68,7 +68,7 @@ static void set_component(void *sample, ntp_type type, double v)
 
 static size_t sample_size(ntp_type type)
 {
-    return type == NTP_U8 ? 1 : type == NTP_U16 ? 2 : 4;
+    return type == NTP_TYPE_U8 ? 1 : type == NTP_TYPE_U16 ? 2 : 4;
 }
 
 /* A normal that is steeper than min_z is turned up to it, in its own direction. */
@@ -87,9 +87,9 @@ static void turn_up(unsigned char *texel, ntp_type type, double min_z)
 
 static void flip(unsigned char *sample, ntp_type type)
 {
-    if (type == NTP_U8)
+    if (type == NTP_TYPE_U8)
         *sample = (uint8_t) (255 - *sample);
-    else if (type == NTP_U16)
+    else if (type == NTP_TYPE_U16)
         *(uint16_t *) (void *) sample = (uint16_t) (65535 - *(uint16_t *) (void *) sample);
     else
         *(float *) (void *) sample = 1 - *(float *) (void *) sample;
@@ -142,8 +142,8 @@ static job_status store_dudv(const ntp_image *rows, const ntp_image *normals, du
     float *memory = malloc(texels * 3 * sizeof *memory);
     if (memory == NULL)
         return JOB_NO_MEMORY;
-    ntp_image vectors = ntp_image_packed(memory, rows->width, rows->height, 3, NTP_F32);
-    vectors.encoding = NTP_VECTOR;
+    ntp_image vectors = ntp_image_packed(memory, rows->width, rows->height, 3, NTP_TYPE_F32);
+    vectors.encoding = NTP_ENCODING_VECTOR;
     const ntp_const_image seen = ntp_image_as_const(normals);
     const ntp_const_image found = ntp_image_as_const(&vectors);
     const ntp_convert_options all = { .touch_unused = NTP_UNUSED_ALL };
@@ -171,7 +171,7 @@ job_status repair_rows(const repair_job *job, const ntp_image *rows, uint64_t *c
         status = strengthen(&view, job->strength);
     if (status == JOB_DONE && job->derive) {
         const ntp_const_image xy = ntp_image_as_const(&view);
-        view.encoding = NTP_STANDARD;
+        view.encoding = NTP_ENCODING_STANDARD;
         if (ntp_convert(&view, &xy, NULL, NULL, NULL) != NTP_OK)
             return JOB_WRONG;
     }

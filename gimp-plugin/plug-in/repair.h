@@ -11,7 +11,7 @@
 
 typedef struct repair_job {
     ntp_encoding from;  /* that of the result as well, but for: */
-    bool derive;        /* NTP_XY in, NTP_STANDARD out */
+    bool derive;        /* NTP_ENCODING_XY in, NTP_ENCODING_STANDARD out */
     bool alpha_is_data; /* alpha 0 is no mark of an unused texel */
     bool clean;         /* by these options */
     ntp_clean_options how;

@@ -57,13 +57,13 @@ static job_status measure(measurement *m)
             return JOB_CANCELLED;
         if (!layer->read(layer->user, y, end, m->rows + (size_t) (y % RING) * raster_row(layer)))
             return JOB_NO_PIXELS;
-        if (ntp_measure(m->tally, &seen, m->touch, &area) != NTP_OK)
+        if (ntp_tally_add(m->tally, &seen, m->touch, &area) != NTP_OK)
             return JOB_WRONG;
         const int32_t known = end == layer->height ? end : end - AHEAD;
         const ntp_rect next = { 0, oriented, layer->width, known };
-        if (m->view.encoding == NTP_HEIGHT || known <= oriented)
+        if (m->view.encoding == NTP_ENCODING_HEIGHT || known <= oriented)
             continue;
-        if (ntp_orientation_measure(m->green, &seen, m->touch, 0, &next) != NTP_OK)
+        if (ntp_orientation_add(m->green, &seen, m->touch, 0, &next) != NTP_OK)
             return JOB_WRONG;
         oriented = known;
     }
@@ -73,16 +73,16 @@ static job_status measure(measurement *m)
 static ntp_encoding encoding_of(ntp_class type, int32_t channels)
 {
     if (channels < 3)
-        return NTP_HEIGHT;
+        return NTP_ENCODING_HEIGHT;
     switch (type) {
     case NTP_CLASS_ZZERO:
-        return NTP_ZZERO;
+        return NTP_ENCODING_ZZERO;
     case NTP_CLASS_XY:
-        return NTP_XY;
+        return NTP_ENCODING_XY;
     case NTP_CLASS_HEIGHT:
-        return NTP_HEIGHT;
+        return NTP_ENCODING_HEIGHT;
     default:
-        return NTP_STANDARD;
+        return NTP_ENCODING_STANDARD;
     }
 }
 
@@ -97,20 +97,21 @@ static uint32_t touch_for(const report *r)
 {
     const ntp_stats *s = &r->stats;
     const bool mask = s->alpha_zero + s->alpha_full == s->texels;
-    return r->encoding == NTP_XY && s->channels == 4 && !mask ? NTP_UNUSED_TRANSPARENT : 0;
+    return r->encoding == NTP_ENCODING_XY && s->channels == 4 && !mask ? NTP_UNUSED_TRANSPARENT : 0;
 }
 
 static job_status summarize(report *r, measurement *m)
 {
-    const ntp_encoding encoding = m->view.encoding == NTP_HEIGHT ? NTP_STANDARD : m->view.encoding;
-    return ntp_summarize(&r->stats, m->tally, encoding) == NTP_OK ? JOB_DONE : JOB_WRONG;
+    const ntp_encoding encoding =
+        m->view.encoding == NTP_ENCODING_HEIGHT ? NTP_ENCODING_STANDARD : m->view.encoding;
+    return ntp_tally_summarize(&r->stats, m->tally, encoding) == NTP_OK ? JOB_DONE : JOB_WRONG;
 }
 
 static job_status look(report *r, measurement *m, int reading)
 {
-    m->view.encoding = m->layer->channels < 3 ? NTP_HEIGHT
+    m->view.encoding = m->layer->channels < 3 ? NTP_ENCODING_HEIGHT
                        : reading > 0          ? encoding_of(class_of(reading), 3)
-                                              : NTP_STANDARD;
+                                              : NTP_ENCODING_STANDARD;
     job_status status = measure(m);
     if (status == JOB_DONE)
         status = summarize(r, m);
@@ -124,7 +125,7 @@ static job_status look(report *r, measurement *m, int reading)
     }
     r->encoding = encoding_of(r->type.type, m->layer->channels);
     m->touch = touch_for(r);
-    if (r->encoding == NTP_HEIGHT || (r->encoding == m->view.encoding && m->touch == 0))
+    if (r->encoding == NTP_ENCODING_HEIGHT || (r->encoding == m->view.encoding && m->touch == 0))
         return JOB_DONE;
     m->view.encoding = r->encoding;
     status = measure(m);
@@ -134,15 +135,15 @@ static job_status look(report *r, measurement *m, int reading)
 static void judge(report *r, const settings *s)
 {
     const ntp_stats *stats = &r->stats;
-    const ntp_fit *fit = r->encoding == NTP_ZZERO ? &stats->zzero : &stats->standard;
+    const ntp_fit *fit = r->encoding == NTP_ENCODING_ZZERO ? &stats->zzero : &stats->standard;
     const bool keeps = s->value[FK_KEEP_NEGATIVE_Z] != 0;
     const ntp_class type = r->type.type;
     r->used = stats->texels - stats->unused;
-    r->judged = r->encoding != NTP_HEIGHT && type != NTP_CLASS_NOT_NORMALS &&
+    r->judged = r->encoding != NTP_ENCODING_HEIGHT && type != NTP_CLASS_NOT_NORMALS &&
                 type != NTP_CLASS_OBJECT_SPACE && type != NTP_CLASS_HEIGHT;
     if (!r->judged)
         return;
-    if (r->encoding == NTP_XY) {
+    if (r->encoding == NTP_ENCODING_XY) {
         r->failing = r->inexact = stats->xy_too_long - stats->unused_xy_too_long;
     } else {
         const uint64_t exact = fit->exact + (keeps ? fit->exact_mirrored : 0);
@@ -152,9 +153,9 @@ static void judge(report *r, const settings *s)
         r->inexact = far > padding ? far - padding : 0;
     }
     const uint64_t negative = stats->z_negative - stats->unused_z_negative;
-    r->right = r->failing == 0 && (keeps || r->encoding != NTP_STANDARD || negative == 0);
+    r->right = r->failing == 0 && (keeps || r->encoding != NTP_ENCODING_STANDARD || negative == 0);
     if (ntp_choose_method(&r->method, NULL, stats, r->encoding, 0) != NTP_OK)
-        r->method = NTP_DERIVE;
+        r->method = NTP_CLEAN_DERIVE;
 }
 
 job_status report_run(report *r, const settings *s, const raster *layer,
@@ -167,8 +168,8 @@ job_status report_run(report *r, const settings *s, const raster *layer,
         status = look(r, &m, (int) s->value[FK_FROM]);
     if (status == JOB_DONE) {
         judge(r, s);
-        if (r->encoding != NTP_HEIGHT)
-            ntp_orientation_decide(&r->green, m.green);
+        if (r->encoding != NTP_ENCODING_HEIGHT)
+            ntp_orientation_summarize(&r->green, m.green);
         report_write(r, translate);
     }
     release(&m);

@@ -53,8 +53,8 @@ const report_value report_value_table[REPORT_VALUES] = {
 double report_number_of(const report *r, int value)
 {
     const ntp_stats *s = &r->stats;
-    const ntp_fit *fit = r->encoding == NTP_ZZERO ? &s->zzero : &s->standard;
-    const bool xy = r->encoding == NTP_XY;
+    const ntp_fit *fit = r->encoding == NTP_ENCODING_ZZERO ? &s->zzero : &s->standard;
+    const bool xy = r->encoding == NTP_ENCODING_XY;
     switch (value) {
     case V_CONFIDENCE:
         return r->type.confidence;
@@ -165,7 +165,7 @@ static void write_lengths(writer *w)
         line(w, tr(w, N_("Red and green alone are too long in %llu: no blue can be right there.")),
              (unsigned long long) longs);
     const uint64_t negative = r->stats.z_negative - r->stats.unused_z_negative;
-    if (negative > 0 && r->encoding == NTP_STANDARD)
+    if (negative > 0 && r->encoding == NTP_ENCODING_STANDARD)
         line(w, tr(w, N_("%llu point into the surface (blue below one half).")),
              (unsigned long long) negative);
     if (r->failing == 0 && r->inexact > 0)
@@ -225,7 +225,7 @@ void report_write(report *r, const char *(*translate)(const char *text))
         line(&w, "%s", tr(&w, N_("There is nothing to clean.")));
     else if (r->judged && r->used > 0)
         line(&w, "%s",
-             tr(&w, r->method == NTP_NORMALIZE
+             tr(&w, r->method == NTP_CLEAN_NORMALIZE
                         ? N_("Cleaning by normalizing suits these errors.")
                         : N_("Cleaning by deriving blue suits these errors.")));
     if (w.length > 0)

@@ -6,7 +6,7 @@
 
 static size_t sample_size(const ntp_image *view)
 {
-    return view->type == NTP_U8 ? 1 : view->type == NTP_U16 ? 2 : 4;
+    return view->type == NTP_TYPE_U8 ? 1 : view->type == NTP_TYPE_U16 ? 2 : 4;
 }
 
 static unsigned char *at(const ntp_image *view, int32_t x, int32_t y)
@@ -28,16 +28,16 @@ ntp_image texels_channel(const ntp_image *view, int32_t channel)
     ntp_image one = *view;
     one.data = (unsigned char *) view->data + (size_t) channel * sample_size(view);
     one.channels = 1;
-    one.encoding = NTP_HEIGHT;
+    one.encoding = NTP_ENCODING_HEIGHT;
     return one;
 }
 
 /* The number of a level: v is 0..1 of the type's range. */
 static void store_share(unsigned char *to, ntp_type type, uint32_t level, uint32_t max)
 {
-    if (type == NTP_U8)
+    if (type == NTP_TYPE_U8)
         *to = (uint8_t) (max == 255 ? level : (level + 128) / 257);
-    else if (type == NTP_U16)
+    else if (type == NTP_TYPE_U16)
         *(uint16_t *) (void *) to = (uint16_t) (max == 255 ? level * 257 : level);
     else
         *(float *) (void *) to = (float) ((double) level / (double) max);
@@ -56,9 +56,9 @@ static void invert_alpha(const ntp_image *alpha)
     for (int32_t y = 0; y < alpha->height; y++) {
         for (int32_t x = 0; x < alpha->width; x++) {
             unsigned char *a = at(alpha, x, y);
-            if (alpha->type == NTP_U8)
+            if (alpha->type == NTP_TYPE_U8)
                 *a = (uint8_t) (255 - *a);
-            else if (alpha->type == NTP_U16)
+            else if (alpha->type == NTP_TYPE_U16)
                 *(uint16_t *) (void *) a = (uint16_t) (65535 - *(uint16_t *) (void *) a);
             else
                 *(float *) (void *) a = 1 - *(float *) (void *) a;
@@ -123,7 +123,7 @@ void texels_dudv(const ntp_image *view, const ntp_const_image *vectors, dudv_for
                                                              x * vectors->pixel_stride);
             const uint32_t du = pattern((double) v[0], format), dv = pattern((double) v[1], format);
             unsigned char *to = at(view, x, y);
-            if (wide && view->type == NTP_U8) { /* the caller made sure of four channels */
+            if (wide && view->type == NTP_TYPE_U8) { /* the caller made sure of four channels */
                 to[0] = (uint8_t) (du & 255);
                 to[1] = (uint8_t) (du >> 8);
                 to[2] = (uint8_t) (dv & 255);

@@ -20,7 +20,7 @@ void texels_alpha(const ntp_image *view, alpha_rule rule, const ntp_const_image 
 /* Red and blue change places. */
 void texels_swap(const ntp_image *view);
 
-/* Stores x and y of vectors (NTP_VECTOR, 3 channels) in that format; other samples become 0, alpha
+/* Stores x and y of vectors (NTP_ENCODING_VECTOR, 3 channels) in that format; other samples become 0, alpha
  * stays where the format leaves it. */
 void texels_dudv(const ntp_image *view, const ntp_const_image *vectors, dudv_format format);
 

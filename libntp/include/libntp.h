@@ -82,19 +82,20 @@ NTP_API const char *ntp_status_string(ntp_status status);
 
 /* How one sample is stored. */
 typedef enum ntp_type {
-    NTP_U8 = 0,  /* 0..255 */
-    NTP_U16 = 1, /* 0..65535, native byte order */
-    NTP_F32 = 2 /* the unit range of the integers, 0..1; for NTP_VECTOR -1..1.  What lies outside is
+    NTP_TYPE_U8 = 0,  /* 0..255 */
+    NTP_TYPE_U16 = 1, /* 0..65535, native byte order */
+    NTP_TYPE_F32 =
+        2 /* the unit range of the integers, 0..1; for NTP_ENCODING_VECTOR -1..1.  What lies outside is
                   * judged as the nearest end, an alpha that is NaN as 0 */
 } ntp_type;
 
 /* What the samples of a pixel mean. */
 typedef enum ntp_encoding {
-    NTP_STANDARD = 0, /* x, y, z each stored as (v + 1)/2: glTF, USD, most tools */
-    NTP_ZZERO = 1,    /* x, y as above; z, never negative, stored as it is in 0..1 */
-    NTP_XY = 2,       /* x, y as above; z is implied; a third sample is not ours and is kept */
-    NTP_VECTOR = 3,   /* x, y, z as they are; NTP_F32 only */
-    NTP_HEIGHT = 4    /* sample 0 is a height; or the samples are a plain picture */
+    NTP_ENCODING_STANDARD = 0, /* x, y, z each stored as (v + 1)/2: glTF, USD, most tools */
+    NTP_ENCODING_ZZERO = 1,    /* x, y as above; z, never negative, stored as it is in 0..1 */
+    NTP_ENCODING_XY = 2, /* x, y as above; z is implied; a third sample is not ours and is kept */
+    NTP_ENCODING_VECTOR = 3, /* x, y, z as they are; NTP_TYPE_F32 only */
+    NTP_ENCODING_HEIGHT = 4  /* sample 0 is a height; or the samples are a plain picture */
 } ntp_encoding;
 
 /* Which way the y component points. */
@@ -113,8 +114,8 @@ enum {
  * too.  Row 0 is the top of the picture.  data and both strides are multiples of the sample's
  * size.
  *
- * Channels: NTP_STANDARD, NTP_ZZERO and NTP_VECTOR have 3 or 4, NTP_XY 2 to 4, NTP_HEIGHT
- * 1 to 4.  The second of two NTP_HEIGHT samples and the fourth of four are alpha.
+ * Channels: NTP_ENCODING_STANDARD, NTP_ENCODING_ZZERO and NTP_ENCODING_VECTOR have 3 or 4, NTP_ENCODING_XY 2 to 4, NTP_ENCODING_HEIGHT
+ * 1 to 4.  The second of two NTP_ENCODING_HEIGHT samples and the fourth of four are alpha.
  *
  * ring_rows: 0 when every row is in memory.  Otherwise only so many rows are, row y at
  * data + (y mod ring_rows) * row_stride, and each call touches only rows that are there: the
@@ -153,7 +154,7 @@ typedef struct ntp_rect {
     int32_t x0, y0, x1, y1;
 } ntp_rect;
 
-/* A view of rows without gaps, Y up, encoding NTP_STANDARD (NTP_XY for 2 channels, NTP_HEIGHT
+/* A view of rows without gaps, Y up, encoding NTP_ENCODING_STANDARD (NTP_ENCODING_XY for 2 channels, NTP_ENCODING_HEIGHT
  * for 1).  Nothing is checked here; every operation checks the views that it is given. */
 NTP_API ntp_image ntp_image_packed(void *data, int32_t width, int32_t height, int32_t channels,
                                    ntp_type type);
@@ -182,64 +183,66 @@ enum {
 
 /*
  * Three strictnesses, all in integers; exact implies rounded implies neighbor.  They do not
- * look at the sign of Z (that is a flag).  For NTP_XY all three ask only that x, y are not
+ * look at the sign of Z (that is a flag).  For NTP_ENCODING_XY all three ask only that x, y are not
  * longer than 1.
  */
 typedef enum ntp_verdict {
-    NTP_NEIGHBOR = 0, /* among the 27 triplets at -1, 0, +1 level some are short, some long */
-    NTP_ROUNDED = 1,  /* the +-1/2-level box meets the unit sphere: an honest rounding */
-    NTP_EXACT = 2     /* blue is the one derived from red and green */
+    NTP_VERDICT_NEIGHBOR =
+        0, /* among the 27 triplets at -1, 0, +1 level some are short, some long */
+    NTP_VERDICT_ROUNDED = 1, /* the +-1/2-level box meets the unit sphere: an honest rounding */
+    NTP_VERDICT_EXACT = 2    /* blue is the one derived from red and green */
 } ntp_verdict;
 
 /* One byte per texel, as ntp_validate writes it. */
 enum {
-    NTP_PASS_NEIGHBOR = 1,
-    NTP_PASS_ROUNDED = 2,
-    NTP_PASS_EXACT = 4,  /* either sign of Z when keep_negative_z */
-    NTP_XY_TOO_LONG = 8, /* x*x + y*y > 1 */
-    NTP_Z_NEGATIVE = 16, /* NTP_STANDARD and NTP_VECTOR: z < 0 */
-    NTP_IS_UNUSED = 32,  /* black, white or transparent; the other bits are set as well */
-    NTP_NOT_FINITE = 64  /* a float sample is NaN or infinite; no NTP_PASS_ bit is set */
+    NTP_FLAG_NEIGHBOR = 1,
+    NTP_FLAG_ROUNDED = 2,
+    NTP_FLAG_EXACT = 4,       /* either sign of Z when keep_negative_z */
+    NTP_FLAG_XY_TOO_LONG = 8, /* x*x + y*y > 1 */
+    NTP_FLAG_Z_NEGATIVE = 16, /* NTP_ENCODING_STANDARD and NTP_ENCODING_VECTOR: z < 0 */
+    NTP_FLAG_UNUSED = 32,     /* black, white or transparent; the other bits are set as well */
+    NTP_FLAG_NOT_FINITE = 64  /* a float sample is NaN or infinite; no pass bit is set */
 };
 
 /* All that can be said about one texel. */
 typedef struct ntp_texel {
-    uint32_t stored[4];  /* levels; float images rounded to 16 bit; absent alpha is M */
-    uint32_t cleaned[3]; /* as ntp_clean by NTP_DERIVE would leave them (NTP_XY: blue kept) */
-    uint32_t max;        /* M: 255 or 65535 */
-    uint32_t flags;      /* as ntp_validate */
+    uint32_t stored[4]; /* levels; float images rounded to 16 bit; absent alpha is M */
+    uint32_t cleaned
+        [3]; /* as ntp_clean by NTP_CLEAN_DERIVE would leave them (NTP_ENCODING_XY: blue kept) */
+    uint32_t max;       /* M: 255 or 65535 */
+    uint32_t flags;     /* as ntp_validate */
     int32_t levels_off; /* |b - derived b|, mirrored where z < 0; -1: x, y too long or not finite */
-    double x, y, z;     /* as stored; NTP_XY: z derived, 0 where x, y are too long */
+    double x, y, z;     /* as stored; NTP_ENCODING_XY: z derived, 0 where x, y are too long */
     double length;      /* of x, y, z */
     double angle;       /* degrees between stored and cleaned vector, to 1e-6; 0: not finite */
 } ntp_texel;
 
 /*
- * Describes the texel at (x, y).  src is NTP_STANDARD, NTP_ZZERO, NTP_XY or NTP_VECTOR.
+ * Describes the texel at (x, y).  src is NTP_ENCODING_STANDARD, NTP_ENCODING_ZZERO, NTP_ENCODING_XY or NTP_ENCODING_VECTOR.
  * Errors: NTP_ERR_ARGUMENT for coordinates outside, and those of a view.
  */
 NTP_API ntp_status ntp_inspect(ntp_texel *texel, const ntp_const_image *src, int32_t x, int32_t y,
                                int32_t keep_negative_z);
 
 /*
- * Writes the flags of each texel into sample 0 of mask, a view of NTP_U8; further samples are
- * left alone.  keep_negative_z: NTP_PASS_EXACT accepts the mirrored blue of a negative Z.
- * mask does not overlap src.  Errors: NTP_ERR_FORMAT for a mask that is not NTP_U8, or a src of
- * NTP_HEIGHT.
+ * Writes the flags of each texel into sample 0 of mask, a view of NTP_TYPE_U8; further samples are
+ * left alone.  keep_negative_z: NTP_FLAG_EXACT accepts the mirrored blue of a negative Z.
+ * mask does not overlap src.  Errors: NTP_ERR_FORMAT for a mask that is not NTP_TYPE_U8, or a src of
+ * NTP_ENCODING_HEIGHT.
  */
 NTP_API ntp_status ntp_validate(const ntp_image *mask, const ntp_const_image *src,
                                 int32_t keep_negative_z, const ntp_rect *area);
 
 /* ---------------------------------------------------------------------------- cleaning */
 
-typedef enum ntp_method {
-    NTP_DERIVE = 0,    /* keep x, y (pulled onto the unit disc where too long), derive z */
-    NTP_NORMALIZE = 1, /* a texel that is not `rounded` is divided by its length */
-    NTP_KEEP = 2       /* mirror negative Z only */
-} ntp_method;
+typedef enum ntp_clean_method {
+    NTP_CLEAN_DERIVE = 0,    /* keep x, y (pulled onto the unit disc where too long), derive z */
+    NTP_CLEAN_NORMALIZE = 1, /* a texel that is not `rounded` is divided by its length */
+    NTP_CLEAN_KEEP = 2       /* mirror negative Z only */
+} ntp_clean_method;
 
 typedef struct ntp_clean_options {
-    ntp_method method;
+    ntp_clean_method method;
     int32_t keep_negative_z; /* nonzero: a negative Z stays so; otherwise b becomes M - b first */
     int32_t only_failing;    /* nonzero: texels that pass `verdict`, and are not negative, stay */
     ntp_verdict verdict;
@@ -263,9 +266,9 @@ NTP_API size_t ntp_clean_plan_size(void);
 
 /*
  * Fills memory of at least ntp_clean_plan_size() bytes, aligned to 16, with the table for
- * images of NTP_U8 with this encoding, cleaned so.  Returns it through *plan.  The plan is
+ * images of NTP_TYPE_U8 with this encoding, cleaned so.  Returns it through *plan.  The plan is
  * read-only afterwards: any number of threads may share it.
- * Errors: NTP_ERR_ARGUMENT for another encoding than NTP_STANDARD, NTP_ZZERO and NTP_XY;
+ * Errors: NTP_ERR_ARGUMENT for another encoding than NTP_ENCODING_STANDARD, NTP_ENCODING_ZZERO and NTP_ENCODING_XY;
  * NTP_ERR_SCRATCH for the memory.
  */
 NTP_API ntp_status ntp_clean_plan_init(ntp_clean_plan **plan, void *memory, size_t size,
@@ -274,13 +277,13 @@ NTP_API ntp_status ntp_clean_plan_init(ntp_clean_plan **plan, void *memory, size
 /*
  * Repairs normals.  dst and src agree in size, type, encoding, channels and y, and are the
  * same memory with the same strides or do not overlap (overlap is not detected).  Encodings:
- * NTP_STANDARD, NTP_ZZERO, NTP_XY (blue is kept, it is not Z) and NTP_VECTOR.  Alpha is
+ * NTP_ENCODING_STANDARD, NTP_ENCODING_ZZERO, NTP_ENCODING_XY (blue is kept, it is not Z) and NTP_ENCODING_VECTOR.  Alpha is
  * copied.  Float images are judged and repaired on the 16-bit grid: a texel that passes is
  * copied as it is, another gets the repaired levels divided by 65535.
  * Cleaning a second time changes nothing, for every method and option.
  * plan may be NULL; otherwise it was made for this encoding and `how` (else
  * NTP_ERR_ARGUMENT).  how and counts may be NULL.
- * Errors: NTP_ERR_FORMAT where dst and src do not agree, or for NTP_HEIGHT.
+ * Errors: NTP_ERR_FORMAT where dst and src do not agree, or for NTP_ENCODING_HEIGHT.
  * Source of the test and of derived Z: Eric Haines, NormalTextureProcessor (2024).
  */
 NTP_API ntp_status ntp_clean(const ntp_image *dst, const ntp_const_image *src,
@@ -295,7 +298,7 @@ typedef enum ntp_blue {
 } ntp_blue;
 
 typedef struct ntp_convert_options {
-    ntp_blue blue;         /* from NTP_VECTOR only */
+    ntp_blue blue;         /* from NTP_ENCODING_VECTOR only */
     uint32_t touch_unused; /* NTP_UNUSED_*: convert and flip such texels too */
 } ntp_convert_options;
 
@@ -312,7 +315,7 @@ typedef struct ntp_convert_counts {
  * 16 bit 257c, 16 to 8 bit round(c/257)), a Y flip is M - g.  But a texel that is `exact`
  * (either sign of Z) gets its blue derived anew in the target's depth and encoding, so that a
  * clean texture stays clean.  XY-only sources get a derived blue; an XY target of 3 or 4
- * channels gets blue M.  NTP_VECTOR sources are divided by their length.  A missing alpha is
+ * channels gets blue M.  NTP_ENCODING_VECTOR sources are divided by their length.  A missing alpha is
  * opaque.  Unused texels are copied through (black stays black).
  * dst and src do not overlap, or are the same view of the same type.  how, counts may be NULL.
  * Errors: NTP_ERR_FORMAT between heights and normals, or heights of different channels;
@@ -338,18 +341,18 @@ NTP_API size_t ntp_tally_size(void);
 NTP_API ntp_status ntp_tally_clear(ntp_tally *tally);
 
 /*
- * Adds the texels of an area to the tally, in one pass.  src is NTP_STANDARD, NTP_ZZERO,
- * NTP_XY or NTP_VECTOR of 2 to 4 channels, or NTP_HEIGHT (channels are then only described).
+ * Adds the texels of an area to the tally, in one pass.  src is NTP_ENCODING_STANDARD, NTP_ENCODING_ZZERO,
+ * NTP_ENCODING_XY or NTP_ENCODING_VECTOR of 2 to 4 channels, or NTP_ENCODING_HEIGHT (channels are then only described).
  * Float images are judged after rounding to 16 bit.  The encoding matters for the angles of
  * 16-bit images only: all else is counted for every encoding at once.
  * To measure an image in parts use areas of one view (with ring_rows where rows stream).
  * Errors: NTP_ERR_FORMAT when the tally already holds another depth, channel count, encoding or
  * touch_unused; NTP_ERR_SHAPE when it would hold more than 2^32 - 1 texels.
  */
-NTP_API ntp_status ntp_measure(ntp_tally *tally, const ntp_const_image *src, uint32_t touch_unused,
-                               const ntp_rect *area);
+NTP_API ntp_status ntp_tally_add(ntp_tally *tally, const ntp_const_image *src,
+                                 uint32_t touch_unused, const ntp_rect *area);
 
-/* Adds what `from` holds to `into`.  Errors as ntp_measure. */
+/* Adds what `from` holds to `into`.  Errors as ntp_tally_add. */
 NTP_API ntp_status ntp_tally_merge(ntp_tally *into, const ntp_tally *from);
 
 /* How texels fare when the samples are read as one encoding.  Counts cover every texel. */
@@ -382,7 +385,7 @@ enum {
         8 /* used texels by the length of x, y: bin i is i/8..(i+1)/8; too long: last */
 };
 
-/* What a tally says; see ntp_summarize. */
+/* What a tally says; see ntp_tally_summarize. */
 typedef struct ntp_stats {
     uint64_t texels;
     uint64_t unused; /* black + white + transparent, each texel once, in this order */
@@ -437,26 +440,26 @@ typedef struct ntp_stats {
 } ntp_stats;
 
 /*
- * Works out the facts from a tally, read as `encoding` (NTP_STANDARD, NTP_ZZERO or NTP_XY;
+ * Works out the facts from a tally, read as `encoding` (NTP_ENCODING_STANDARD, NTP_ENCODING_ZZERO or NTP_ENCODING_XY;
  * it decides the angles).  A 16-bit tally of which every level is a multiple of 257 is judged as
  * 8 bit; any other knows the angles of the encoding that was measured, else NTP_ERR_FORMAT.
  * An empty tally is NTP_ERR_ARGUMENT.  Working memory is in the tally: one call at a time.
  */
-NTP_API ntp_status ntp_summarize(ntp_stats *stats, ntp_tally *tally, ntp_encoding encoding);
+NTP_API ntp_status ntp_tally_summarize(ntp_stats *stats, ntp_tally *tally, ntp_encoding encoding);
 
 /*
  * The histogram of ntp_texel.levels_off over every texel with x, y not too long, read as
- * NTP_STANDARD or NTP_ZZERO: counts[0..stats.max].  counts has room for `size` numbers: fewer
+ * NTP_ENCODING_STANDARD or NTP_ENCODING_ZZERO: counts[0..stats.max].  counts has room for `size` numbers: fewer
  * than stats.max + 1 will do where no texel is further off (else NTP_ERR_ARGUMENT).
  */
-NTP_API ntp_status ntp_levels_off(uint64_t *counts, size_t size, ntp_tally *tally,
-                                  ntp_encoding encoding);
+NTP_API ntp_status ntp_tally_levels_off(uint64_t *counts, size_t size, ntp_tally *tally,
+                                        ntp_encoding encoding);
 
 /*
- * The histogram of lengths of every texel, read as NTP_STANDARD or NTP_ZZERO: bin i is
+ * The histogram of lengths of every texel, read as NTP_ENCODING_STANDARD or NTP_ENCODING_ZZERO: bin i is
  * i/128..(i+1)/128, and the last is open.
  */
-NTP_API ntp_status ntp_lengths(uint64_t counts[256], ntp_tally *tally, ntp_encoding encoding);
+NTP_API ntp_status ntp_tally_lengths(uint64_t counts[256], ntp_tally *tally, ntp_encoding encoding);
 
 /* ---------------------------------------------------------------------- classification */
 
@@ -555,13 +558,13 @@ NTP_API const char *ntp_class_name(ntp_class type);
 NTP_API size_t ntp_reason_text(char *text, size_t size, const ntp_reason *reason);
 
 /*
- * The cleaning method for which a texture's errors speak: NTP_KEEP when every used texel is
- * `rounded`, NTP_NORMALIZE when all three channels err together (as after lossy compression or
- * resizing), NTP_DERIVE otherwise.  lossy: the file format is known to be lossy.
+ * The cleaning method for which a texture's errors speak: NTP_CLEAN_KEEP when every used texel is
+ * `rounded`, NTP_CLEAN_NORMALIZE when all three channels err together (as after lossy compression or
+ * resizing), NTP_CLEAN_DERIVE otherwise.  lossy: the file format is known to be lossy.
  * The evidence goes to *why (may be NULL), for ntp_reason_text.
  */
-NTP_API ntp_status ntp_choose_method(ntp_method *method, ntp_reason *why, const ntp_stats *stats,
-                                     ntp_encoding encoding, int32_t lossy);
+NTP_API ntp_status ntp_choose_method(ntp_clean_method *method, ntp_reason *why,
+                                     const ntp_stats *stats, ntp_encoding encoding, int32_t lossy);
 
 /* ---------------------------------------------------------------------------- pictures */
 
@@ -571,18 +574,18 @@ typedef enum ntp_palette {
 } ntp_palette;
 
 /*
- * In the pictures below dst (heat) is NTP_U8, NTP_HEIGHT encoding, 3 or 4 channels, alpha made
+ * In the pictures below dst (heat) is NTP_TYPE_U8, NTP_ENCODING_HEIGHT encoding, 3 or 4 channels, alpha made
  * opaque.  It does not overlap the source, or is the same 8-bit memory with the same strides.
  *
  * Shows what is wrong where; docs/heatmap.md is the legend.  A level is 2/M.  Reference palette:
  *   red    |(x, y)| > 1: 128; by more than one level: 255
  *   green  | |(x, y, z)| - 1 | of at least two levels: 128; of at least three: 255.  Where x, y
  *          are longer than 1 they are pulled onto the disc first, so that this speaks of z
- *   blue   z < 0 (NTP_STANDARD, NTP_VECTOR): M - b in 8 bit: 128 just below 0, 255 at -1
+ *   blue   z < 0 (NTP_ENCODING_STANDARD, NTP_ENCODING_VECTOR): M - b in 8 bit: 128 just below 0, 255 at -1
  *   gray   no fault, or unused: 100 + luma/2, luma 0..255 by Rec. 709 of the stored levels
  * The safe palette has one hue for each texel, that of the first fault of: z < 0, yellow
  * (240, 228, 66); x, y too long, vermilion (213, 94, 0); length, sky blue (86, 180, 233); times
- * the fault's value above / 255.  Of NTP_XY only x, y are judged.  Floats are judged as 16-bit
+ * the fault's value above / 255.  Of NTP_ENCODING_XY only x, y are judged.  Floats are judged as 16-bit
  * levels; those that are no vector (NaN, infinite, length 0) are white.
  */
 NTP_API ntp_status ntp_heatmap(const ntp_image *dst, const ntp_const_image *src,
@@ -598,7 +601,7 @@ typedef struct ntp_light {
 
 /*
  * A plane with these normals, lit from a direction l and seen from straight above: for previews
- * and thumbnails.  With n the stored vector over its length (NTP_XY: z derived, 0 where x, y are
+ * and thumbnails.  With n the stored vector over its length (NTP_ENCODING_XY: z derived, 0 where x, y are
  * too long; y down is turned up) and h halfway between l and the viewer, each channel is
  *   color (ambient + diffuse (n.l)) + specular (n.h)^32, of n.l and n.h what is above 0,
  * no specular where n.l is not; its square root (gamma 2) goes to 0..255.  dst as in
@@ -618,31 +621,31 @@ NTP_API size_t ntp_diff_size(void);
 
 typedef struct ntp_diff_stats {
     uint64_t texels;
-    uint64_t different;     /* texels of which a compared sample differs */
-    uint32_t max;           /* M of the levels below: that of the deeper image */
-    int32_t channels;       /* compared: the fewer of the two; 2 where just one is NTP_XY */
+    uint64_t different; /* texels of which a compared sample differs */
+    uint32_t max;       /* M of the levels below: that of the deeper image */
+    int32_t channels;   /* compared: the fewer of the two; 2 where just one is NTP_ENCODING_XY */
     uint32_t levels_max[4]; /* greatest and mean |difference| of each channel */
     double levels_mean[4];
-    ntp_angles angles; /* between the two vectors, over all texels; none for NTP_HEIGHT */
+    ntp_angles angles; /* between the two vectors, over all texels; none for NTP_ENCODING_HEIGHT */
 } ntp_diff_stats;
 
 /*
  * Adds the differences between a and b, which agree in size and may differ in type, encoding
  * and y.  For the levels b is brought to a's encoding and y as by ntp_convert at b's depth;
  * then 8-bit levels count 257 each beside a deeper image.  Angles are between the vectors as
- * stored (NTP_XY: z derived, 0 where x, y are too long).  Texels that are unused in both are 0
+ * stored (NTP_ENCODING_XY: z derived, 0 where x, y are too long).  Texels that are unused in both are 0
  * degrees apart; floats are rounded to 16 bit, those that are no vector count as flat, and as
- * different from one that is.  Two NTP_HEIGHT views of the same channels compare in levels only.
+ * different from one that is.  Two NTP_ENCODING_HEIGHT views of the same channels compare in levels only.
  * heat: NULL, or a picture as in ntp_heatmap: black where levels and vectors are equal, then
  * from blue (0 degrees) by green (5) to red (10 and more), each step linear in the angle; of
  * heights a difference of M counts as 180 degrees.
  * Errors: NTP_ERR_FORMAT when diff already holds another depth, channel count or kind;
  * NTP_ERR_SHAPE when it would hold more than 2^32 - 1 texels.
  */
-NTP_API ntp_status ntp_compare(ntp_diff *diff, const ntp_image *heat, const ntp_const_image *a,
-                               const ntp_const_image *b, const ntp_rect *area);
+NTP_API ntp_status ntp_diff_add(ntp_diff *diff, const ntp_image *heat, const ntp_const_image *a,
+                                const ntp_const_image *b, const ntp_rect *area);
 
-/* Adds what `from` holds to `into`.  Errors as ntp_compare. */
+/* Adds what `from` holds to `into`.  Errors as ntp_diff_add. */
 NTP_API ntp_status ntp_diff_merge(ntp_diff *into, const ntp_diff *from);
 
 /* Makes a used diff empty again, faster than zeroing all of it. */
@@ -680,17 +683,17 @@ typedef enum ntp_border {
 
 /* Which number of a pixel is the height.  Gray pixels count as r = g = b. */
 typedef enum ntp_height_source {
-    NTP_SOURCE_RED = 0,
-    NTP_SOURCE_GREEN = 1,
-    NTP_SOURCE_BLUE = 2,
-    NTP_SOURCE_ALPHA = 3,
-    NTP_SOURCE_LUMA = 4,        /* 0.2126 r + 0.7152 g + 0.0722 b of the stored numbers: Rec. 709 */
-    NTP_SOURCE_LUMA_GIMP = 5,   /* 0.3, 0.59, 0.11: gimp-normalmap */
-    NTP_SOURCE_LUMA_EBERLY = 6, /* 0.2125, 0.7154, 0.0721 */
-    NTP_SOURCE_MEAN = 7,
-    NTP_SOURCE_MAX = 8,
-    NTP_SOURCE_MIN = 9,
-    NTP_SOURCE_SCREEN = 10 /* 1 - (1 - r)(1 - g)(1 - b) */
+    NTP_HEIGHT_SOURCE_RED = 0,
+    NTP_HEIGHT_SOURCE_GREEN = 1,
+    NTP_HEIGHT_SOURCE_BLUE = 2,
+    NTP_HEIGHT_SOURCE_ALPHA = 3,
+    NTP_HEIGHT_SOURCE_LUMA = 4, /* 0.2126 r + 0.7152 g + 0.0722 b of the stored numbers: Rec. 709 */
+    NTP_HEIGHT_SOURCE_LUMA_GIMP = 5,   /* 0.3, 0.59, 0.11: gimp-normalmap */
+    NTP_HEIGHT_SOURCE_LUMA_EBERLY = 6, /* 0.2125, 0.7154, 0.0721 */
+    NTP_HEIGHT_SOURCE_MEAN = 7,
+    NTP_HEIGHT_SOURCE_MAX = 8,
+    NTP_HEIGHT_SOURCE_MIN = 9,
+    NTP_HEIGHT_SOURCE_SCREEN = 10 /* 1 - (1 - r)(1 - g)(1 - b) */
 } ntp_height_source;
 
 /* What becomes of the alpha of dst. */
@@ -702,7 +705,7 @@ typedef enum ntp_alpha {
     NTP_ALPHA_INVERSE_HEIGHT = 4
 } ntp_alpha;
 
-typedef struct ntp_gradient_options {
+typedef struct ntp_normals_options {
     double scale; /* texels that a height of 1 rises; 0 is flat, negative inverts */
     double dx;    /* spacing of texels; 0 stands for 1 */
     double dy;
@@ -714,45 +717,45 @@ typedef struct ntp_gradient_options {
     ntp_blue blue;
     ntp_alpha alpha;
     int32_t invert; /* nonzero: a height h is 1 - h */
-} ntp_gradient_options;
+} ntp_normals_options;
 
 /* Adds to these; the caller zeroes them once. */
-typedef struct ntp_gradient_counts {
+typedef struct ntp_normals_counts {
     uint64_t not_finite; /* float heights: texels with a NaN or infinity under the stencil: flat */
     uint64_t exact;      /* texels whose rounding took more than a double */
-} ntp_gradient_counts;
+} ntp_normals_counts;
 
 /*
  * Normals of a heightfield: n = (-p, -q, 1) / sqrt(1 + p*p + q*q), p and q the slopes to the
  * right and up the picture.  Red and green are the correctly rounded encodings of n.x and n.y,
  * rounded half up, for every input; blue is derived from them (a pair that is too long after
  * rounding is pulled onto the disc) or, by NTP_BLUE_NEAREST, n.z rounded by itself.
- * src is NTP_HEIGHT of 1 to 4 channels; dst is NTP_STANDARD, NTP_ZZERO, NTP_XY (a third sample
- * becomes 1) or NTP_VECTOR, of any type; y follows dst->y.  Floats of dst: x, y and z each
+ * src is NTP_ENCODING_HEIGHT of 1 to 4 channels; dst is NTP_ENCODING_STANDARD, NTP_ENCODING_ZZERO, NTP_ENCODING_XY (a third sample
+ * becomes 1) or NTP_ENCODING_VECTOR, of any type; y follows dst->y.  Floats of dst: x, y and z each
  * nearest, `blue` does not matter.  dst and src do not overlap.
- * The texels read are those of the area and, on each side, ntp_gradient_reach(how) more, as far
+ * The texels read are those of the area and, on each side, ntp_normals_reach(how) more, as far
  * as the image goes; with NTP_BORDER_WRAP also as many at the other end where the area is that
  * near an edge, and those rows must then be in the ring at the same time.
  * Errors: NTP_ERR_ARGUMENT for how NULL, a scale that is not finite, dx or dy negative or not
  * finite, min_z outside 0..1; NTP_ERR_FORMAT for a source that src does not have.
  */
 NTP_API ntp_status ntp_normals_from_height(const ntp_image *dst, const ntp_const_image *src,
-                                           const ntp_gradient_options *how,
-                                           ntp_gradient_counts *counts, const ntp_rect *area);
+                                           const ntp_normals_options *how,
+                                           ntp_normals_counts *counts, const ntp_rect *area);
 
 /* Rows above and below a row that its normals are made of; -1 where how is NULL or no good. */
-NTP_API int32_t ntp_gradient_reach(const ntp_gradient_options *how);
+NTP_API int32_t ntp_normals_reach(const ntp_normals_options *how);
 
 /*
- * The same for NTP_U8 and NTP_U16, with the rounding error of each slope carried on to the next
+ * The same for NTP_TYPE_U8 and NTP_TYPE_U16, with the rounding error of each slope carried on to the next
  * texel, to the right for x and down for y ("integrable"): heights that are reconstructed from the
- * result drift far less, at the price of a slightly noisier picture.  dst is not NTP_VECTOR; blue is
+ * result drift far less, at the price of a slightly noisier picture.  dst is not NTP_ENCODING_VECTOR; blue is
  * derived.  The area covers full rows; to work in parts go down from row 0.  errors: src->width
  * doubles, zeroed before row 0, that carry the errors from call to call.
  */
 NTP_API ntp_status ntp_normals_dithered(const ntp_image *dst, const ntp_const_image *src,
-                                        const ntp_gradient_options *how, double *errors,
-                                        ntp_gradient_counts *counts, const ntp_rect *area);
+                                        const ntp_normals_options *how, double *errors,
+                                        ntp_normals_counts *counts, const ntp_rect *area);
 
 enum {
     NTP_MAX_SIGMA = 64 /* texels */
@@ -768,10 +771,10 @@ typedef struct ntp_blur_options {
 } ntp_blur_options;
 
 /* Bytes of working memory of ntp_height_blur; 0: an argument is no good. */
-NTP_API size_t ntp_height_blur_scratch(const ntp_blur_options *how, int32_t width);
+NTP_API size_t ntp_height_blur_scratch_size(const ntp_blur_options *how, int32_t width);
 
 /*
- * Blurs a heightfield: dst, NTP_F32 NTP_HEIGHT (sample 0 is written), gets weight times the
+ * Blurs a heightfield: dst, NTP_TYPE_F32 NTP_ENCODING_HEIGHT (sample 0 is written), gets weight times the
  * Gaussian of the heights, or that much more.  The weights are integers that add up to 65536 on
  * each axis; beyond the edges are the heights of the border (NTP_BORDER_REPEAT_SLOPE:
  * extrapolated), so a texture that tiles still does.  Octaves are several calls with `add`.
@@ -780,11 +783,11 @@ NTP_API size_t ntp_height_blur_scratch(const ntp_blur_options *how, int32_t widt
 NTP_API ntp_status ntp_height_blur(const ntp_image *dst, const ntp_const_image *src,
                                    const ntp_blur_options *how, void *scratch, size_t scratch_size);
 
-/* What another program's picture of a heightfield takes here; see ntp_gradient_like. */
+/* What another program's picture of a heightfield takes here; see ntp_normals_like. */
 typedef struct ntp_peer {
-    ntp_gradient_options options;
-    ntp_y y;             /* of dst */
-    int32_t green_is_up; /* nonzero: it stores z in green and y in blue */
+    ntp_normals_options options;
+    ntp_y y;                 /* of dst */
+    int32_t swap_green_blue; /* nonzero: it stores z in green and y in blue */
 } ntp_peer;
 
 /*
@@ -795,7 +798,7 @@ typedef struct ntp_peer {
  * docs/equivalences.md says how far each goes.  Errors: NTP_ERR_ARGUMENT for another name or a
  * value that is not finite.
  */
-NTP_API ntp_status ntp_gradient_like(ntp_peer *peer, const char *name, double value);
+NTP_API ntp_status ntp_normals_like(ntp_peer *peer, const char *name, double value);
 
 /* The name of a kernel or border as in docs/arithmetic.md ("sobel3", "repeat-slope"); never NULL. */
 NTP_API const char *ntp_kernel_name(ntp_kernel kernel);
@@ -821,7 +824,7 @@ typedef enum ntp_decode {
 } ntp_decode;
 
 typedef enum ntp_z {
-    NTP_Z_STORED = 0,  /* NTP_XY: derived */
+    NTP_Z_STORED = 0,  /* NTP_ENCODING_XY: derived */
     NTP_Z_DERIVED = 1, /* sqrt(1 - x*x - y*y): where blue is not to be trusted */
     NTP_Z_AUTO = 2     /* by evidence: derived where it was, or where lengths are not 1 */
 } ntp_z;
@@ -834,12 +837,12 @@ typedef enum ntp_prior {
 } ntp_prior;
 
 /* What `residual` is of. */
-typedef enum ntp_measured {
-    NTP_MEASURE_NOT = 0,
-    NTP_MEASURE_ALL = 1,   /* all texels */
-    NTP_MEASURE_INSIDE = 2 /* of at most 128 rows, texels whose kernel reaches over no border, and
+typedef enum ntp_residual_scope {
+    NTP_RESIDUAL_NONE = 0,
+    NTP_RESIDUAL_ALL = 1,   /* all texels */
+    NTP_RESIDUAL_INSIDE = 2 /* of at most 128 rows, texels whose kernel reaches over no border, and
                             * that lie not beside an edge that was fitted again */
-} ntp_measured;
+} ntp_residual_scope;
 
 typedef struct ntp_height_options {
     ntp_height_method method;
@@ -849,14 +852,14 @@ typedef struct ntp_height_options {
     ntp_decode decode;
     ntp_z z;
     uint32_t touch_unused; /* NTP_UNUSED_*; other unused texels are flat, but not those of
-                            * NTP_VECTOR that are black or white */
+                            * NTP_ENCODING_VECTOR that are black or white */
     int32_t use_seeds;     /* nonzero, telescoping only: heights begin at these */
     double seeds[4];       /* h(0,0), h(1,0), h(0,1), h(1,1); forward: the first */
     int32_t equalize;      /* nonzero, telescoping, central: even and odd texels get one mean */
-    int32_t measure;       /* an ntp_measured: work out `residual` too, one more pass */
+    int32_t measure;       /* an ntp_residual_scope: work out `residual` too, one more pass */
     int32_t detrend;       /* nonzero: take the best plane out, along borders that do not wrap */
     int32_t refine;        /* 0..NTP_MAX_ITERATIONS rounds, each as long as the solution */
-    /* NTP_HEIGHT_WEIGHTED; a mask makes it the default method.  NTP_U8 or NTP_U16 NTP_HEIGHT of the
+    /* NTP_HEIGHT_WEIGHTED; a mask makes it the default method.  NTP_TYPE_U8 or NTP_TYPE_U16 NTP_ENCODING_HEIGHT of the
      * size of src: where sample 0 is 0 there is a hole.  So there is at each unused texel. */
     const ntp_const_image *mask;
     double tolerance;       /* rms error of slopes over their rms; 0 stands for 1e-6 */
@@ -910,7 +913,7 @@ NTP_API size_t ntp_height_scratch_size(const ntp_height_options *how, int32_t wi
                                        int32_t parts);
 
 /*
- * The heightfield behind normals: dst, NTP_F32 NTP_HEIGHT of one packed channel, gets heights in
+ * The heightfield behind normals: dst, NTP_TYPE_F32 NTP_ENCODING_HEIGHT of one packed channel, gets heights in
  * the unit of dx and dy.  Slopes are -x/z and -y/z, z at least 1/M (float: 1/65535).
  *
  * Least squares: of all heightfields the one whose slopes, by this kernel with these borders, come
@@ -949,11 +952,11 @@ NTP_API size_t ntp_height_scratch_size(const ntp_height_options *how, int32_t wi
  * it ends when all texels do.  Not for telescoping, baked normals and floats.  detrend works on the
  * refined heights, whose normals then are others; with NTP_HEIGHT_WEIGHTED that is an error.
  *
- * Evidence: NTP_DECODE_AUTO takes, for 8-bit NTP_STANDARD, TRUNC or SNORM where lengths read so are
+ * Evidence: NTP_DECODE_AUTO takes, for 8-bit NTP_ENCODING_STANDARD, TRUNC or SNORM where lengths read so are
  * 1 but for rounding, and clearly more so than read as UNORM; else, for 8 bits, NEUTRAL where
  * texels pile up at 127 and 128; else UNORM.  NTP_Z_AUTO takes the derived z where tilted texels
  * have the blue that is derived from red and green, or where lengths are off by more than three times
- * their rounding; NTP_VECTOR: stored.
+ * their rounding; NTP_ENCODING_VECTOR: stored.
  *
  * Telescoping (Eberly 3.1, 3.2): forward goes along the first row and down each column; central
  * goes in steps of two from h(0,0), h(1,0), h(0,1), h(1,1), by default h(0,0) = 0 and each other
@@ -1015,10 +1018,10 @@ NTP_API const char *ntp_height_method_name(ntp_height_method method);
 /* -------------------------------------------------------------- operations on normals */
 
 /*
- * Resizing, turning, strength and blending of NTP_STANDARD, NTP_ZZERO, NTP_XY and NTP_VECTOR
+ * Resizing, turning, strength and blending of NTP_ENCODING_STANDARD, NTP_ENCODING_ZZERO, NTP_ENCODING_XY and NTP_ENCODING_VECTOR
  * textures.  Every normal that is computed is stored as its unit vector, red and green correctly
  * rounded, half up (a pair that is then too long is pulled onto the disc), blue derived from them,
- * with z's sign (NTP_ZZERO: |z|): it passes NTP_EXACT with keep_negative_z.  NTP_XY texels are
+ * with z's sign (NTP_ENCODING_ZZERO: |z|): it passes NTP_VERDICT_EXACT with keep_negative_z.  NTP_ENCODING_XY texels are
  * read with the z that the standard texel of their red and green, pulled where too long, would
  * store.  Floats are read and written on the 16-bit grid, level / 65535.  All sums are of integers,
  * without rounding.
@@ -1066,7 +1069,7 @@ NTP_API ntp_rows ntp_resize_rows(const ntp_resize_plan *plan, int32_t y);
  * not overlap; area is one of dst.  The vectors are filtered, as stored and weighted with
  * alpha; unused texels, and floats that are no vector, have no weight.  Alpha is filtered by
  * itself.  Where no weight is left the result is the flat normal with alpha 0.  A negative z that
- * no texel under the filter has (Lanczos overshoots) counts as 0.  The third sample of NTP_XY is
+ * no texel under the filter has (Lanczos overshoots) counts as 0.  The third sample of NTP_ENCODING_XY is
  * filtered as x and y are.  Source rows read: ntp_resize_rows of each row of area.
  * scratch: ntp_resize_scratch_size bytes, aligned to 16.
  */
@@ -1124,7 +1127,7 @@ typedef struct ntp_blend_options {
  * the same memory with the same strides or do not overlap.  The detail may differ in all of these
  * and is repeated from the upper left corner on; it does not overlap dst.  A negative z out of two
  * that are not (RNM, both steep) counts as 0.  Where base or detail is unused, or a float that is
- * no vector, the base's texel is copied.  Alpha, and the third sample of NTP_XY, are the base's.
+ * no vector, the base's texel is copied.  Alpha, and the third sample of NTP_ENCODING_XY, are the base's.
  * Rows of the detail read: those of area mod its height.
  * Source: C. Barre-Brisebois, S. Hill, Blending in Detail (2012).
  */
@@ -1151,21 +1154,21 @@ typedef struct ntp_orientation ntp_orientation;
 NTP_API size_t ntp_orientation_size(void);
 
 /*
- * Adds the texels of an area.  src is NTP_STANDARD, NTP_ZZERO, NTP_XY or NTP_VECTOR; only red and
+ * Adds the texels of an area.  src is NTP_ENCODING_STANDARD, NTP_ENCODING_ZZERO, NTP_ENCODING_XY or NTP_ENCODING_VECTOR; only red and
  * green count, and src->y does not.  Sampled rows are read, of large images fewer; every_row
  * nonzero: all.  What surrounds a texel is read too: for row y the rows y - 2 .. y + 3, two
  * columns to the left and three to the right; within 2 or 3 texels of the edges nothing is
  * measured, nor where a texel around is unused, not finite, or steeper than z = 0.1.
  * Errors: NTP_ERR_SHAPE when it already holds an image of another size or every_row.
  */
-NTP_API ntp_status ntp_orientation_measure(ntp_orientation *orientation, const ntp_const_image *src,
-                                           uint32_t touch_unused, int32_t every_row,
-                                           const ntp_rect *area);
+NTP_API ntp_status ntp_orientation_add(ntp_orientation *orientation, const ntp_const_image *src,
+                                       uint32_t touch_unused, int32_t every_row,
+                                       const ntp_rect *area);
 
 /* Nonzero: row y of an image of that height is one of those that are measured. */
 NTP_API int32_t ntp_orientation_row(int32_t height, int32_t every_row, int32_t y);
 
-/* Adds what `from` holds to `into`.  Errors as ntp_orientation_measure. */
+/* Adds what `from` holds to `into`.  Errors as ntp_orientation_add. */
 NTP_API ntp_status ntp_orientation_merge(ntp_orientation *into, const ntp_orientation *from);
 
 typedef struct ntp_orientation_result {
@@ -1178,15 +1181,15 @@ typedef struct ntp_orientation_result {
 } ntp_orientation_result;
 
 /* Says what was found. */
-NTP_API ntp_status ntp_orientation_decide(ntp_orientation_result *result,
-                                          const ntp_orientation *orientation);
+NTP_API ntp_status ntp_orientation_summarize(ntp_orientation_result *result,
+                                             const ntp_orientation *orientation);
 
 /* ---------------------------------------------------------------- where normals come from */
 
 enum { NTP_KERNELS = 11 /* as many as ntp_kernel has */ };
 
 /* Which kernel made them, as far as the texels tell. */
-typedef struct ntp_origin {
+typedef struct ntp_kernel_fit {
     /* 1: rounding explains all that is left with `kernel`, and clearly not with the others; 0:
      * smooth, changed afterwards, or made otherwise */
     int32_t decided;
@@ -1194,16 +1197,16 @@ typedef struct ntp_origin {
     double misfit[NTP_KERNELS]; /* by ntp_kernel: mean square of what is left over that of rounding:
                                  * 1 is a perfect fit; -1: not tried */
     uint64_t points;
-} ntp_origin;
+} ntp_kernel_fit;
 
 /*
  * Tries kernels on the normals: their two slopes must be the differences of one height.  Red and
- * green count, and src->y; see ntp_orientation_measure for it.  Tried are central, forward, prewitt3,
+ * green count, and src->y; see ntp_orientation_add for it.  Tried are central, forward, prewitt3,
  * sobel3, scharr3, prewitt5 and baked; sobel5 looks like sobel3.  Sampled rows are read, at most 1024
  * and no more than show detail enough, and 256 columns of each.  The border does not matter.
  * src->ring_rows is 0.
  */
-NTP_API ntp_status ntp_find_origin(ntp_origin *origin, const ntp_const_image *src,
+NTP_API ntp_status ntp_find_kernel(ntp_kernel_fit *origin, const ntp_const_image *src,
                                    uint32_t touch_unused);
 
 typedef enum ntp_tiling {
@@ -1259,26 +1262,26 @@ NTP_API ntp_status ntp_find_steps(ntp_steps *steps, const ntp_const_image *src,
 enum { NTP_BORDERS = 5 /* as many as ntp_border has */ };
 
 /* Which border the normals at two opposite edges were made with. */
-typedef struct ntp_edge_fit {
+typedef struct ntp_border_fit {
     ntp_border border;
     int32_t told; /* 1: by the texels; 0: it is the one that supposes least */
     /* By ntp_border: how far normals of the heights are from those at the edges, in levels of 8
      * bit, rms of x and y; -1: not tried */
     double error[NTP_BORDERS];
-} ntp_edge_fit;
+} ntp_border_fit;
 
 /* The border with which slopes at the edge do not matter: to reconstruct with where it is unknown. */
 NTP_API ntp_border ntp_free_border(ntp_kernel kernel);
 
 /*
  * Which border was it?  Along x (down nonzero: along y).  heights: those of src, by least squares
- * with ntp_free_border where the border is to be found; NTP_F32 NTP_HEIGHT.  Of how the method,
+ * with ntp_free_border where the border is to be found; NTP_TYPE_F32 NTP_ENCODING_HEIGHT.  Of how the method,
  * kernel, dx, dy and touch_unused count; borders that its method does not take are not tried.  wraps:
  * what ntp_find_seams says, 0 where it was not asked; what it says is taken where it fits about as
  * well as the best.  Not told are textures below 16 x 16 texels, baked ones, and those that no
  * border fits.  ring_rows is 0 in both.  Errors: NTP_ERR_FORMAT for other heights.
  */
-NTP_API ntp_status ntp_find_border(ntp_edge_fit *fit, const ntp_const_image *src,
+NTP_API ntp_status ntp_find_border(ntp_border_fit *fit, const ntp_const_image *src,
                                    const ntp_const_image *heights, const ntp_height_options *how,
                                    int32_t down, int32_t wraps);
 

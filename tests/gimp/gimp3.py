@@ -283,7 +283,7 @@ def normals_of(heights):
     """The library's, of the settings above, in the type of the heights; an alpha is the height."""
     alpha = lib.NTP_ALPHA_HEIGHT if heights.shape[2] == 4 else lib.NTP_ALPHA_KEEP
     kernel = lib.NTP_KERNEL_SOBEL3
-    how = ffi.new("ntp_gradient_options *", {"scale": 7.3, "kernel": kernel, "alpha": alpha})
+    how = ffi.new("ntp_normals_options *", {"scale": 7.3, "kernel": kernel, "alpha": alpha})
     made = np.zeros_like(heights)
     src = libntp_ffi.view(heights, encoding=libntp_ffi.HEIGHT, const=True)
     dst = libntp_ffi.view(made, encoding=libntp_ffi.STANDARD, y=libntp_ffi.DOWN)

@@ -80,7 +80,7 @@ def different(a, b):
 
 def normals_of(heights):
     """The library's, by the settings "sobel", in the type of the heights."""
-    how = ffi.new("ntp_gradient_options *", {"scale": 7.3, "kernel": lib.NTP_KERNEL_SOBEL3})
+    how = ffi.new("ntp_normals_options *", {"scale": 7.3, "kernel": lib.NTP_KERNEL_SOBEL3})
     made = np.zeros((*heights.shape[:2], 3), heights.dtype)
     src = libntp_ffi.view(heights, encoding=libntp_ffi.HEIGHT, const=True)
     dst = libntp_ffi.view(made, encoding=libntp_ffi.STANDARD, y=libntp_ffi.DOWN)

@@ -113,16 +113,16 @@ static void complain(sweep *job, const char *what, bool zzero, int r, int g)
 static void sweep_red(sweep *job, int r, bool zzero)
 {
     const ntp_clean_options how = { .touch_unused = NTP_UNUSED_ALL };
-    const ntp_encoding encoding = zzero ? NTP_ZZERO : NTP_STANDARD;
+    const ntp_encoding encoding = zzero ? NTP_ENCODING_ZZERO : NTP_ENCODING_STANDARD;
     for (int g = 0; g <= M; g++) {
         job->source[g][0] = (uint16_t) r;
         job->source[g][1] = (uint16_t) g;
         job->source[g][2] = (uint16_t) (((uint32_t) g * 40503U + (uint32_t) r * 60493U) >> 3);
     }
-    ntp_image source = row_view(job->source, 3, NTP_U16, encoding);
-    ntp_image once = row_view(job->once, 3, NTP_U16, encoding);
-    ntp_image twice = row_view(job->twice, 3, NTP_U16, encoding);
-    ntp_image mask = row_view(job->mask, 1, NTP_U8, NTP_HEIGHT);
+    ntp_image source = row_view(job->source, 3, NTP_TYPE_U16, encoding);
+    ntp_image once = row_view(job->once, 3, NTP_TYPE_U16, encoding);
+    ntp_image twice = row_view(job->twice, 3, NTP_TYPE_U16, encoding);
+    ntp_image mask = row_view(job->mask, 1, NTP_TYPE_U8, NTP_ENCODING_HEIGHT);
     ntp_const_image from = ntp_image_as_const(&source), between = ntp_image_as_const(&once);
     ntp_clean_counts counts = { 0, 0 };
     ntp_status status = ntp_clean(&once, &from, &how, NULL, NULL, NULL);
@@ -136,12 +136,12 @@ static void sweep_red(sweep *job, int r, bool zzero)
     }
     if (counts.changed != 0 || memcmp(job->once, job->twice, sizeof(uint16_t[3]) * (M + 1)) != 0)
         complain(job, "second pass changes", zzero, r, 0);
-    const int want = NTP_PASS_NEIGHBOR | NTP_PASS_ROUNDED | NTP_PASS_EXACT;
+    const int want = NTP_FLAG_NEIGHBOR | NTP_FLAG_ROUNDED | NTP_FLAG_EXACT;
     for (int g = 0; g <= M; g++) {
         bool inside;
         if (!is_right(job->source[g], job->once[g], zzero, &inside))
             complain(job, "wrong", zzero, r, g);
-        if ((job->mask[g] & ~NTP_IS_UNUSED) != want)
+        if ((job->mask[g] & ~NTP_FLAG_UNUSED) != want)
             complain(job, "fails a verdict", zzero, r, g);
         job->inside += inside;
     }

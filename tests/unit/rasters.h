@@ -78,9 +78,9 @@ static inline void fill(memory *m)
     const size_t samples =
         raster_row(&m->raster) * (size_t) m->raster.height / raster_sample(&m->raster);
     for (size_t i = 0; i < samples; i++) {
-        if (m->raster.type == NTP_U8)
+        if (m->raster.type == NTP_TYPE_U8)
             m->data[i] = (unsigned char) draw();
-        else if (m->raster.type == NTP_U16)
+        else if (m->raster.type == NTP_TYPE_U16)
             ((uint16_t *) (void *) m->data)[i] = (uint16_t) draw();
         else
             ((float *) (void *) m->data)[i] = (float) draw() / 16777216.0f;

@@ -39,7 +39,7 @@ static void test_bands(void)
         s.value[FN_TO] = draw() % 2;
         assert(settings_check(p, &s) == NULL);
         const normals_job job = normals_job_from(&s);
-        if (job.how.source == NTP_SOURCE_ALPHA && channels % 2 == 1) {
+        if (job.how.source == NTP_HEIGHT_SOURCE_ALPHA && channels % 2 == 1) {
             assert(normals_job_run(&job, &in->raster, &in->raster, NULL, &made->raster, NULL,
                                    NULL) == JOB_NO_ALPHA);
         } else {
@@ -67,14 +67,14 @@ static void test_bands(void)
 
 static void test_flip_and_swap(void)
 {
-    memory *in = memory_new(9, 7, 1, NTP_U8), *made = memory_new(9, 7, 3, NTP_U8);
-    memory *plain = memory_new(9, 7, 3, NTP_U8);
+    memory *in = memory_new(9, 7, 1, NTP_TYPE_U8), *made = memory_new(9, 7, 3, NTP_TYPE_U8);
+    memory *plain = memory_new(9, 7, 3, NTP_TYPE_U8);
     settings s;
     fill(in);
     settings_reset(&procedures[PROCEDURE_NORMALS], &s);
     s.value[FN_SCALE] = 3;
     /* heights of a picture mirrored left to right have the other slope to the right */
-    memory *mirrored = memory_new(9, 7, 1, NTP_U8);
+    memory *mirrored = memory_new(9, 7, 1, NTP_TYPE_U8);
     for (int y = 0; y < 7; y++) {
         for (int x = 0; x < 9; x++)
             mirrored->data[y * 9 + x] = in->data[y * 9 + 8 - x];
@@ -103,8 +103,8 @@ static void test_alpha_rules(void)
 {
     static const int EXPECTED[] = { 40, 255, 0, 215, 200, 55, 90 }; /* in the order of alphas */
     for (int rule = ALPHA_KEEP; rule <= ALPHA_LAYER; rule++) {
-        memory *in = memory_new(5, 4, 2, NTP_U8), *made = memory_new(5, 4, 4, NTP_U8);
-        memory *mask = memory_new(2, 2, 1, NTP_U16);
+        memory *in = memory_new(5, 4, 2, NTP_TYPE_U8), *made = memory_new(5, 4, 4, NTP_TYPE_U8);
+        memory *mask = memory_new(2, 2, 1, NTP_TYPE_U16);
         settings s;
         for (int i = 0; i < 20; i++) {
             in->data[2 * i] = 200;
@@ -133,8 +133,8 @@ static bool stop(void *user, double share)
 
 static void test_failures(void)
 {
-    memory *in = memory_new(8, 600, 1, NTP_U8), *made = memory_new(8, 600, 3, NTP_U8);
-    memory *small = memory_new(8, 599, 1, NTP_U8);
+    memory *in = memory_new(8, 600, 1, NTP_TYPE_U8), *made = memory_new(8, 600, 3, NTP_TYPE_U8);
+    memory *small = memory_new(8, 599, 1, NTP_TYPE_U8);
     const surroundings impatient = { .progress = stop };
     settings s;
     settings_reset(&procedures[PROCEDURE_NORMALS], &s);
@@ -155,7 +155,8 @@ static void test_failures(void)
 
 static void test_preview(void)
 {
-    memory *in = memory_new(300, 200, 1, NTP_U8), *whole = memory_new(300, 200, 3, NTP_U8);
+    memory *in = memory_new(300, 200, 1, NTP_TYPE_U8),
+           *whole = memory_new(300, 200, 3, NTP_TYPE_U8);
     settings s;
     fill(in);
     settings_reset(&procedures[PROCEDURE_NORMALS], &s);
@@ -189,8 +190,9 @@ static void test_preview(void)
 static void test_preview_of_cleaning(void)
 {
     enum { W = 60, H = 50 };
-    memory *in = memory_new(W, H, 3, NTP_U16), *wave_height = memory_new(W, H, 1, NTP_U16);
-    memory *bytes = memory_new(W, H, 3, NTP_U8), *made = memory_new(W, H, 3, NTP_U8);
+    memory *in = memory_new(W, H, 3, NTP_TYPE_U16),
+           *wave_height = memory_new(W, H, 1, NTP_TYPE_U16);
+    memory *bytes = memory_new(W, H, 3, NTP_TYPE_U8), *made = memory_new(W, H, 3, NTP_TYPE_U8);
     static report found;
     static uint8_t map[W * H * 3], lit[W * H * 3];
     settings s, question;
@@ -204,9 +206,9 @@ static void test_preview_of_cleaning(void)
         s.value[FC_METHOD] = how;
         assert(repair_finds_out(&s, &question));
         assert(report_run(&found, &question, &bytes->raster, NULL, NULL) == JOB_DONE);
-        assert(found.judged && found.encoding == NTP_STANDARD);
+        assert(found.judged && found.encoding == NTP_ENCODING_STANDARD);
         const repair_job job = repair_job_from(&s, &found);
-        assert(how > 1 || job.how.method == (ntp_method) how);
+        assert(how > 1 || job.how.method == (ntp_clean_method) how);
         assert(repair_job_run(&job, &bytes->raster, NULL, &made->raster, NULL, NULL, NULL) ==
                JOB_DONE);
         const preview p = { .procedure = &procedures[PROCEDURE_CLEAN],
@@ -228,7 +230,7 @@ static void test_preview_of_cleaning(void)
 static void test_report(void)
 {
     enum { W = 256, H = 200 };
-    memory *in = memory_new(W, H, 1, NTP_U16), *normals = memory_new(W, H, 3, NTP_U8);
+    memory *in = memory_new(W, H, 1, NTP_TYPE_U16), *normals = memory_new(W, H, 3, NTP_TYPE_U8);
     static report r;
     settings s, check = { { 0 } };
     settings_reset(&procedures[PROCEDURE_NORMALS], &s);

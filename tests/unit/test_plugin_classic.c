@@ -22,7 +22,7 @@ static settings classic(void)
 static void test_classic_filters(void)
 {
     static const double GAIN[] = { 1, 8, 128, 6, 40, 1, 36.0 / 29, 124.0 / 69, 170.0 / 77 };
-    memory *in = memory_new(33, 20, 4, NTP_U8), *made = memory_new(33, 20, 4, NTP_U8);
+    memory *in = memory_new(33, 20, 4, NTP_TYPE_U8), *made = memory_new(33, 20, 4, NTP_TYPE_U8);
     for (int i = 0; i < 33 * 20; i++) {
         memset(in->data + 4 * i, 5 * (i % 33), 3);
         in->data[4 * i + 3] = 17;
@@ -31,7 +31,7 @@ static void test_classic_filters(void)
         settings s = classic();
         s.value[FO_FILTER] = filter;
         s.value[FO_SCALE] = 10;
-        const classic_job job = classic_job_from(&s, 4, NTP_U8);
+        const classic_job job = classic_job_from(&s, 4, NTP_TYPE_U8);
         assert(job.kind == CLASSIC_NORMALS);
         assert(normals_job_run(&job.normals, &in->raster, &in->raster, NULL, &made->raster, NULL,
                                NULL) == JOB_DONE);
@@ -48,14 +48,14 @@ static void test_classic_filters(void)
 static void test_classic_dudv(void)
 {
     static const double X = -0.6; /* of a ramp with slope 0.75 */
-    memory *in = memory_new(9, 3, 4, NTP_U8), *made = memory_new(9, 3, 4, NTP_U8);
+    memory *in = memory_new(9, 3, 4, NTP_TYPE_U8), *made = memory_new(9, 3, 4, NTP_TYPE_U8);
     for (int i = 0; i < 27; i++)
         memset(in->data + 4 * i, 20 * (i % 9), 4);
     for (int format = DUDV_8_SIGNED; format <= DUDV_16_UNSIGNED; format++) {
         settings s = classic();
         s.value[FO_DUDV] = format;
         s.value[FO_SCALE] = 0.75 * 255 / 20;
-        const classic_job job = classic_job_from(&s, 4, NTP_U8);
+        const classic_job job = classic_job_from(&s, 4, NTP_TYPE_U8);
         assert(normals_job_run(&job.normals, &in->raster, &in->raster, NULL, &made->raster, NULL,
                                NULL) == JOB_DONE);
         const unsigned char *texel = made->data + 4 * (9 + 4);
@@ -78,8 +78,9 @@ static void test_classic_dudv(void)
 /* "Above the mean color": half the picture at 200, half at 100, the mean 150. */
 static void test_classic_bias(void)
 {
-    memory *in = memory_new(40, 8, 3, NTP_U8), *made = memory_new(40, 8, 3, NTP_U8);
-    memory *heights = memory_new(40, 8, 1, NTP_U8), *expected = memory_new(40, 8, 3, NTP_U8);
+    memory *in = memory_new(40, 8, 3, NTP_TYPE_U8), *made = memory_new(40, 8, 3, NTP_TYPE_U8);
+    memory *heights = memory_new(40, 8, 1, NTP_TYPE_U8),
+           *expected = memory_new(40, 8, 3, NTP_TYPE_U8);
     for (int i = 0; i < 40 * 8; i++) {
         memset(in->data + 3 * i, i % 40 < 20 ? 100 : 200, 3);
         heights->data[i] = i % 40 < 20 ? 0 : 50;
@@ -88,7 +89,7 @@ static void test_classic_bias(void)
     s.value[FO_CONVERSION] = 1;
     s.value[FO_SCALE] = 4;
     s.value[FO_WRAP] = 1;
-    const classic_job job = classic_job_from(&s, 3, NTP_U8);
+    const classic_job job = classic_job_from(&s, 3, NTP_TYPE_U8);
     assert(normals_job_run(&job.normals, &in->raster, NULL, NULL, &made->raster, NULL, NULL) ==
            JOB_DONE);
     normals_job plain = job.normals;
@@ -103,12 +104,12 @@ static void test_classic_bias(void)
 
 static void test_classic_normals(void)
 {
-    memory *in = memory_new(64, 70, 4, NTP_U8), *once = memory_new(64, 70, 4, NTP_U8);
-    memory *twice = memory_new(64, 70, 4, NTP_U8);
+    memory *in = memory_new(64, 70, 4, NTP_TYPE_U8), *once = memory_new(64, 70, 4, NTP_TYPE_U8);
+    memory *twice = memory_new(64, 70, 4, NTP_TYPE_U8);
     settings s = classic();
     fill(in);
     s.value[FO_CONVERSION] = 8; /* normalize only: a second time changes nothing */
-    classic_job job = classic_job_from(&s, 4, NTP_U8);
+    classic_job job = classic_job_from(&s, 4, NTP_TYPE_U8);
     assert(job.kind == CLASSIC_REPAIR);
     assert(repair_job_run(&job.repair, &in->raster, NULL, &once->raster, NULL, NULL, NULL) ==
            JOB_DONE);
@@ -116,14 +117,14 @@ static void test_classic_normals(void)
            JOB_DONE);
     assert(memcmp(once->data, twice->data, bytes_of(once)) == 0);
     s.value[FO_MIN_Z] = 0.9; /* is honored, to within half a level */
-    job = classic_job_from(&s, 4, NTP_U8);
+    job = classic_job_from(&s, 4, NTP_TYPE_U8);
     assert(repair_job_run(&job.repair, &in->raster, NULL, &once->raster, NULL, NULL, NULL) ==
            JOB_DONE);
     for (size_t i = 0; i < 64 * 70; i++)
         assert(once->data[4 * i + 2] >= 242 && once->data[4 * i + 3] == in->data[4 * i + 3]);
     s = classic();
     s.value[FO_CONVERSION] = 9; /* z = sqrt(1 - x^2 - y^2), with a plus it would be 1.02 */
-    job = classic_job_from(&s, 4, NTP_U8);
+    job = classic_job_from(&s, 4, NTP_TYPE_U8);
     in->data[0] = 40;
     in->data[1] = 80;
     assert(repair_job_run(&job.repair, &in->raster, NULL, &once->raster, NULL, NULL, NULL) ==

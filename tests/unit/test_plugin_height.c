@@ -14,7 +14,7 @@
 static void test_height(void)
 {
     enum { W = 40, H = 33 };
-    memory *in = memory_new(W, H, 1, NTP_U16), *normals = memory_new(W, H, 3, NTP_U16);
+    memory *in = memory_new(W, H, 1, NTP_TYPE_U16), *normals = memory_new(W, H, 3, NTP_TYPE_U16);
     settings s;
     settings_reset(&procedures[PROCEDURE_NORMALS], &s);
     s.value[FN_SCALE] = 12;
@@ -57,7 +57,7 @@ static void test_height(void)
 static void test_height_kernels(void)
 {
     enum { W = 26, H = 21 };
-    memory *in = memory_new(W, H, 1, NTP_U16), *normals = memory_new(W, H, 3, NTP_U16);
+    memory *in = memory_new(W, H, 1, NTP_TYPE_U16), *normals = memory_new(W, H, 3, NTP_TYPE_U16);
     const field *kernel = &procedures[PROCEDURE_HEIGHT].fields[FH_KERNEL];
     float *plane = NULL;
     double range = 0;

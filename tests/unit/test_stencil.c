@@ -90,15 +90,15 @@ static void check_slopes(const ntp__stencil *s, ntp_kernel kernel, ntp_border bx
     int32_t n = s->width * s->height;
     for (int32_t i = 0; i < n; i++)
         x[i] = heights[i] = (float) random_unit();
-    ntp_gradient_options how;
+    ntp_normals_options how;
     memset(&how, 0, sizeof how);
     how.scale = 1;
     how.kernel = kernel;
     how.border_x = bx;
     how.border_y = by;
-    ntp_image src = ntp_image_packed(heights, s->width, s->height, 1, NTP_F32);
-    ntp_image dst = ntp_image_packed(normals, s->width, s->height, 3, NTP_F32);
-    dst.encoding = NTP_VECTOR;
+    ntp_image src = ntp_image_packed(heights, s->width, s->height, 1, NTP_TYPE_F32);
+    ntp_image dst = ntp_image_packed(normals, s->width, s->height, 3, NTP_TYPE_F32);
+    dst.encoding = NTP_ENCODING_VECTOR;
     ntp_const_image seen = ntp_image_as_const(&src);
     if (ntp_normals_from_height(&dst, &seen, &how, NULL, NULL) != NTP_OK)
         fail("normals", kernel, (int) bx, (int) by, s->width, s->height, 0);

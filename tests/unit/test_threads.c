@@ -31,7 +31,7 @@ static void *work(void *argument)
         ntp_rect area = { 0, y, WIDTH, y + 1 };
         CHECK(ntp_clean(&b->dst, &b->src, b->how, b->plan, &b->counts, &area) == NTP_OK);
         CHECK(ntp_validate(&b->mask, &b->src, 0, &area) == NTP_OK);
-        CHECK(ntp_measure(b->tally, &b->src, 0, &area) == NTP_OK);
+        CHECK(ntp_tally_add(b->tally, &b->src, 0, &area) == NTP_OK);
     }
     return NULL;
 }
@@ -52,26 +52,27 @@ int main(void)
     for (size_t i = 0; i < sizeof src; i++)
         ((uint8_t *) src)[i] = (uint8_t) random_level(&seed, 255);
 
-    const ntp_clean_options how = { NTP_DERIVE, 0, 0, NTP_NEIGHBOR, 0 };
+    const ntp_clean_options how = { NTP_CLEAN_DERIVE, 0, 0, NTP_VERDICT_NEIGHBOR, 0 };
     ntp_clean_plan *plan = NULL;
     void *memory = zeroed(ntp_clean_plan_size());
-    CHECK(ntp_clean_plan_init(&plan, memory, ntp_clean_plan_size(), NTP_STANDARD, &how) == NTP_OK);
-    ntp_image source = ntp_image_packed(src, WIDTH, HEIGHT, 3, NTP_U8);
-    ntp_image target = ntp_image_packed(whole, WIDTH, HEIGHT, 3, NTP_U8);
-    ntp_image flags = ntp_image_packed(whole_mask, WIDTH, HEIGHT, 1, NTP_U8);
+    CHECK(ntp_clean_plan_init(&plan, memory, ntp_clean_plan_size(), NTP_ENCODING_STANDARD, &how) ==
+          NTP_OK);
+    ntp_image source = ntp_image_packed(src, WIDTH, HEIGHT, 3, NTP_TYPE_U8);
+    ntp_image target = ntp_image_packed(whole, WIDTH, HEIGHT, 3, NTP_TYPE_U8);
+    ntp_image flags = ntp_image_packed(whole_mask, WIDTH, HEIGHT, 1, NTP_TYPE_U8);
     ntp_const_image from = ntp_image_as_const(&source);
     ntp_clean_counts counts = { 0, 0 };
     ntp_tally *tally = zeroed(ntp_tally_size()), *merged = zeroed(ntp_tally_size());
     CHECK(ntp_clean(&target, &from, &how, NULL, &counts, NULL) == NTP_OK);
     CHECK(ntp_validate(&flags, &from, 0, NULL) == NTP_OK);
-    CHECK(ntp_measure(tally, &from, 0, NULL) == NTP_OK);
+    CHECK(ntp_tally_add(tally, &from, 0, NULL) == NTP_OK);
 
     band bands[THREADS];
     memset(bands, 0, sizeof bands);
     for (int i = 0; i < THREADS; i++) {
         band *b = &bands[i];
-        b->dst = ntp_image_packed(dst, WIDTH, HEIGHT, 3, NTP_U8);
-        b->mask = ntp_image_packed(mask, WIDTH, HEIGHT, 1, NTP_U8);
+        b->dst = ntp_image_packed(dst, WIDTH, HEIGHT, 3, NTP_TYPE_U8);
+        b->mask = ntp_image_packed(mask, WIDTH, HEIGHT, 1, NTP_TYPE_U8);
         b->src = from;
         b->how = &how;
         b->plan = plan;
@@ -92,8 +93,8 @@ int main(void)
     ntp_stats one, many;
     memset(&one, 0, sizeof one);
     memset(&many, 0, sizeof many);
-    CHECK(ntp_summarize(&one, tally, NTP_STANDARD) == NTP_OK);
-    CHECK(ntp_summarize(&many, merged, NTP_STANDARD) == NTP_OK);
+    CHECK(ntp_tally_summarize(&one, tally, NTP_ENCODING_STANDARD) == NTP_OK);
+    CHECK(ntp_tally_summarize(&many, merged, NTP_ENCODING_STANDARD) == NTP_OK);
     CHECK(one.texels == (uint64_t) WIDTH * HEIGHT);
     /* Both were zero-filled, padding included.  NOLINTNEXTLINE */
     CHECK(memcmp(&one, &many, sizeof one) == 0);

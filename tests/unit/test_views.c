@@ -12,26 +12,27 @@
 
 static ntp_encoding encoding_for(int32_t channels, ntp_type type, uint32_t pick)
 {
-    const ntp_encoding any[] = { NTP_STANDARD, NTP_ZZERO, NTP_XY, NTP_VECTOR };
+    const ntp_encoding any[] = { NTP_ENCODING_STANDARD, NTP_ENCODING_ZZERO, NTP_ENCODING_XY,
+                                 NTP_ENCODING_VECTOR };
     if (channels == 1)
-        return NTP_HEIGHT;
+        return NTP_ENCODING_HEIGHT;
     if (channels == 2)
-        return NTP_XY;
-    return any[pick % (type == NTP_F32 ? 4 : 3)];
+        return NTP_ENCODING_XY;
+    return any[pick % (type == NTP_TYPE_F32 ? 4 : 3)];
 }
 
 static size_t sample_size(ntp_type type)
 {
-    return type == NTP_U8 ? 1 : type == NTP_U16 ? 2 : 4;
+    return type == NTP_TYPE_U8 ? 1 : type == NTP_TYPE_U16 ? 2 : 4;
 }
 
 static void fill(void *data, size_t samples, ntp_type type, uint64_t *seed)
 {
     for (size_t i = 0; i < samples; i++) {
-        int32_t level = random_level(seed, type == NTP_U8 ? 255 : 65535);
-        if (type == NTP_U8)
+        int32_t level = random_level(seed, type == NTP_TYPE_U8 ? 255 : 65535);
+        if (type == NTP_TYPE_U8)
             ((uint8_t *) data)[i] = (uint8_t) level;
-        else if (type == NTP_U16)
+        else if (type == NTP_TYPE_U16)
             ((uint16_t *) data)[i] = (uint16_t) level;
         else
             ((float *) data)[i] = (float) level / 65535.0f;
@@ -64,10 +65,11 @@ static void clean_and_validate(int32_t w, int32_t channels, ntp_type type, uint6
     guarded gs, gd, gm;
     ntp_image src = guarded_view(&gs, w, 2, channels, type, seed);
     ntp_image dst = guarded_view(&gd, w, 2, channels, type, seed);
-    ntp_image mask = guarded_view(&gm, w, 2, 1, NTP_U8, seed);
+    ntp_image mask = guarded_view(&gm, w, 2, 1, NTP_TYPE_U8, seed);
     dst.encoding = src.encoding;
     ntp_const_image from = ntp_image_as_const(&src);
-    ntp_clean_options how = { (ntp_method) (random_bits(seed) % 3), 0, 0, NTP_NEIGHBOR, 0 };
+    ntp_clean_options how = { (ntp_clean_method) (random_bits(seed) % 3), 0, 0,
+                              NTP_VERDICT_NEIGHBOR, 0 };
     CHECK(ntp_clean(&dst, &from, &how, NULL, NULL, NULL) == NTP_OK);
     CHECK(ntp_clean(&src, &from, &how, NULL, NULL, NULL) == NTP_OK);
     if (dst.row_stride == src.row_stride && dst.pixel_stride == src.pixel_stride)
@@ -84,8 +86,8 @@ static void clean_by_plan(int32_t w, int32_t channels, ntp_clean_plan *plan,
                           const ntp_clean_options *how, uint64_t *seed)
 {
     guarded gs;
-    ntp_image view = guarded_view(&gs, w, 2, channels, NTP_U8, seed);
-    view.encoding = NTP_STANDARD;
+    ntp_image view = guarded_view(&gs, w, 2, channels, NTP_TYPE_U8, seed);
+    view.encoding = NTP_ENCODING_STANDARD;
     ntp_const_image from = ntp_image_as_const(&view);
     CHECK(ntp_clean(&view, &from, how, plan, NULL, NULL) == NTP_OK);
     guarded_free(&gs);
@@ -93,7 +95,7 @@ static void clean_by_plan(int32_t w, int32_t channels, ntp_clean_plan *plan,
 
 static void convert_between(int32_t w, int32_t from_channels, ntp_type from_type, uint64_t *seed)
 {
-    for (ntp_type type = NTP_U8; type <= NTP_F32; type++) {
+    for (ntp_type type = NTP_TYPE_U8; type <= NTP_TYPE_F32; type++) {
         for (int32_t channels = 1; channels <= 4; channels++) {
             guarded gs, gd;
             if ((from_channels == 1) != (channels == 1))
@@ -115,9 +117,10 @@ static void measure(int32_t w, int32_t channels, ntp_type type, uint64_t *seed)
     ntp_image view = guarded_view(&gs, w, 2, channels, type, seed);
     ntp_const_image from = ntp_image_as_const(&view);
     ntp_stats stats;
-    CHECK(ntp_measure(gt.data, &from, 0, NULL) == NTP_OK);
-    ntp_encoding encoding = view.encoding >= NTP_VECTOR ? NTP_STANDARD : view.encoding;
-    CHECK(ntp_summarize(&stats, gt.data, encoding) == NTP_OK);
+    CHECK(ntp_tally_add(gt.data, &from, 0, NULL) == NTP_OK);
+    ntp_encoding encoding =
+        view.encoding >= NTP_ENCODING_VECTOR ? NTP_ENCODING_STANDARD : view.encoding;
+    CHECK(ntp_tally_summarize(&stats, gt.data, encoding) == NTP_OK);
     CHECK(stats.texels == (uint64_t) w * 2);
     guarded_free(&gs);
     guarded_free(&gt);
@@ -127,16 +130,16 @@ int main(void)
 {
     uint64_t seed = 99;
     ntp_clean_plan *plan = NULL;
-    const ntp_clean_options how = { NTP_DERIVE, 0, 0, NTP_NEIGHBOR, 0 };
+    const ntp_clean_options how = { NTP_CLEAN_DERIVE, 0, 0, NTP_VERDICT_NEIGHBOR, 0 };
     guarded memory = guarded_alloc((ntp_clean_plan_size() + 15) / 16 * 16, false);
-    CHECK(ntp_clean_plan_init(&plan, memory.data, ntp_clean_plan_size(), NTP_STANDARD, &how) ==
-          NTP_OK);
+    CHECK(ntp_clean_plan_init(&plan, memory.data, ntp_clean_plan_size(), NTP_ENCODING_STANDARD,
+                              &how) == NTP_OK);
     for (int32_t w = 1; w <= 300; w++) {
-        for (ntp_type type = NTP_U8; type <= NTP_F32; type++) {
+        for (ntp_type type = NTP_TYPE_U8; type <= NTP_TYPE_F32; type++) {
             for (int32_t channels = 1; channels <= 4; channels++) {
                 if (channels > 1)
                     clean_and_validate(w, channels, type, &seed);
-                if (channels > 2 && type == NTP_U8)
+                if (channels > 2 && type == NTP_TYPE_U8)
                     clean_by_plan(w, channels, plan, &how, &seed);
                 if (w < 40 || w % 16 == 0)
                     convert_between(w, channels, type, &seed);

@@ -20,8 +20,8 @@ _LEAST_SIDE = 16  # of a texture of which ntp_find_seams and ntp_find_border tel
 
 def find_kernel(src: Any, touch_unused: int) -> int:
     """The kernel to reconstruct with."""
-    origin = ffi.new("ntp_origin *")
-    if lib.ntp_find_origin(origin, src, touch_unused) != Status.OK:
+    origin = ffi.new("ntp_kernel_fit *")
+    if lib.ntp_find_kernel(origin, src, touch_unused) != Status.OK:
         return int(lib.NTP_KERNEL_CENTRAL)
     return int(origin.kernel)
 
@@ -52,7 +52,7 @@ def choose_borders(
         status = solver.solve(first, ffi.NULL, 0.0, 0.5)
         if status == Status.CANCELLED:
             raise CancelledError("height_from_normals: cancelled")
-        fit = ffi.new("ntp_edge_fit *")
+        fit = ffi.new("ntp_border_fit *")
         for i in (0, 1):
             if status == Status.OK:
                 lib.ntp_find_border(fit, src, heights, first, i, wraps[i])

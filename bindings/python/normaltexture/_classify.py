@@ -169,7 +169,7 @@ def choose_method(
     """
     encoding = choose("type", type, ENCODINGS)
     stats = _facts(src, type, False, threads)
-    method, why = ffi.new("ntp_method *"), ffi.new("ntp_reason *")
+    method, why = ffi.new("ntp_clean_method *"), ffi.new("ntp_reason *")
     check(lib.ntp_choose_method(method, why, stats, encoding % 3, bool(lossy)), "choose_method")
     return MethodChoice(_METHODS[method[0]], _reason(why))
 
@@ -190,7 +190,7 @@ def resolve_both(src: NDArray[Any], type: AnyType, method: int, threads: int) ->
     if method < 0:
         if found != measured:
             stats = _facts(src, found, False, threads)
-        chosen = ffi.new("ntp_method *")
+        chosen = ffi.new("ntp_clean_method *")
         encoding = choose("type", found, ENCODINGS) % 3
         check(lib.ntp_choose_method(chosen, ffi.NULL, stats, encoding, 0), "clean")
         method = chosen[0]

@@ -91,7 +91,7 @@ def _like(like: str) -> Any:
     name, _, value = like.rpartition(":")
     peer = ffi.new("ntp_peer *")
     try:
-        status = lib.ntp_gradient_like(peer, name.encode(), float(value))
+        status = lib.ntp_normals_like(peer, name.encode(), float(value))
     except ValueError:
         status = Status.ARGUMENT
     if status != Status.OK:
@@ -121,7 +121,7 @@ def _blurred(
             "ntp_blur_options *",
             (sigma, weight, int(octave > 0), how.border_x, how.border_y, how.source),
         )
-        size = lib.ntp_height_blur_scratch(options, width)
+        size = lib.ntp_height_blur_scratch_size(options, width)
         scratch, owner = memory(size)
         status = lib.ntp_height_blur(dst, src, options, scratch, size)
         del owner
@@ -306,15 +306,15 @@ def normals_from_height(
     """
     array = pixels("height", height)
     y = choose("to_y", "up" if to_y is None else to_y, YS)
-    green_is_up = False
-    how = ffi.new("ntp_gradient_options *")
+    swap_green_blue = False
+    how = ffi.new("ntp_normals_options *")
     if like is not None:
         if scale is not None:
             raise ArgumentError(f"scale={scale!r}: like sets the scale; leave it out")
         peer = _like(like)
         how[0] = peer.options
         y = peer.y if to_y is None else y
-        green_is_up = bool(peer.green_is_up)
+        swap_green_blue = bool(peer.swap_green_blue)
     elif scale is None:
         raise ArgumentError("scale=None: it is needed; how many texels a height of 1 rises")
     else:
@@ -337,7 +337,7 @@ def normals_from_height(
         how.alpha = choose("alpha", "keep" if alpha is None else alpha, _ALPHAS)
     else:
         how.alpha = _ALPHAS["one"]
-    if lib.ntp_gradient_reach(how) < 0:
+    if lib.ntp_normals_reach(how) < 0:
         raise ArgumentError(f"scale={scale!r}, dx={dx!r}, dy={dy!r}: out of range")
 
     target = choose("to", to, ENCODINGS)
@@ -373,7 +373,7 @@ def normals_from_height(
     else:
 
         def work(areas: Iterable[Any]) -> Any:
-            counts = ffi.new("ntp_gradient_counts *")
+            counts = ffi.new("ntp_normals_counts *")
             for area in areas:
                 status = lib.ntp_normals_from_height(dst, src_view, how, counts, area)
                 check(status, "normals_from_height")
@@ -383,7 +383,7 @@ def normals_from_height(
     for channel, other in others.items():
         if channel < packed.array.shape[2]:
             packed.array[..., channel] = other
-    if green_is_up and channels is None:
+    if swap_green_blue and channels is None:
         packed.array[..., [1, 2]] = packed.array[..., [2, 1]]
     result: Pixels = packed.finish()
     if not return_counts:
@@ -408,7 +408,7 @@ def _others(
 def _dithered(dst: Any, src: Any, how: Any, width: int) -> Any:
     """One pass down the rows: each takes over the rounding errors of the one above."""
     errors = np.zeros(width, np.float64)
-    counts = ffi.new("ntp_gradient_counts *")
+    counts = ffi.new("ntp_normals_counts *")
     where = ffi.cast("double *", errors.__array_interface__["data"][0])
     status = lib.ntp_normals_dithered(dst, src, how, where, counts, ffi.NULL)
     check(status, 'normals_from_height: dither="integrable"')

@@ -240,7 +240,7 @@ class Tally:
         return self
 
     def _add(self, src_view: Any, area: Any) -> None:
-        check(lib.ntp_measure(self._pointer, src_view, self._touch, area), "measure")
+        check(lib.ntp_tally_add(self._pointer, src_view, self._touch, area), "measure")
 
     def merge(self, other: Self) -> Self:
         """Add what another tally holds."""
@@ -262,7 +262,7 @@ class Tally:
     def _summarize(self) -> Any:
         struct = ffi.new("ntp_stats *")
         encoding = self._encoding if self._encoding in (0, 1, 2) else 0
-        check(lib.ntp_summarize(struct, self._pointer, encoding), "measure")
+        check(lib.ntp_tally_summarize(struct, self._pointer, encoding), "measure")
         return struct
 
     def _histograms(self, struct: Any) -> bytes:
@@ -270,13 +270,13 @@ class Tally:
         z = 1 if self._encoding == 1 else 0
         size = struct.levels_off_max[z] + 1
         counts = ffi.new("uint64_t[]", _LENGTH_BINS + size)
-        check(lib.ntp_lengths(counts, self._pointer, z), "measure")
-        status = lib.ntp_levels_off(counts + _LENGTH_BINS, size, self._pointer, z)
+        check(lib.ntp_tally_lengths(counts, self._pointer, z), "measure")
+        status = lib.ntp_tally_levels_off(counts + _LENGTH_BINS, size, self._pointer, z)
         if status == Status.ARGUMENT:
             size = struct.max + 1
             counts = ffi.new("uint64_t[]", _LENGTH_BINS + size)
-            check(lib.ntp_lengths(counts, self._pointer, z), "measure")
-            status = lib.ntp_levels_off(counts + _LENGTH_BINS, size, self._pointer, z)
+            check(lib.ntp_tally_lengths(counts, self._pointer, z), "measure")
+            status = lib.ntp_tally_levels_off(counts + _LENGTH_BINS, size, self._pointer, z)
         check(status, "measure")
         while size > 0 and counts[_LENGTH_BINS + size - 1] == 0:
             size -= 1

@@ -95,7 +95,7 @@ def detect_orientation(
         part = ffi.cast("ntp_orientation *", pointer)
         for area in areas:
             check(
-                lib.ntp_orientation_measure(part, src_view, touch, bool(deep), area),
+                lib.ntp_orientation_add(part, src_view, touch, bool(deep), area),
                 "detect_orientation",
             )
         return part, owner
@@ -104,7 +104,7 @@ def detect_orientation(
     for part, _ in rest:
         check(lib.ntp_orientation_merge(first[0], part), "detect_orientation")
     found = ffi.new("ntp_orientation_result *")
-    check(lib.ntp_orientation_decide(found, first[0]), "detect_orientation")
+    check(lib.ntp_orientation_summarize(found, first[0]), "detect_orientation")
     likelier: Literal["up", "down"] = "up" if found.y == YS["up"] else "down"
     return Orientation(
         y=likelier if found.decided else "undecided",

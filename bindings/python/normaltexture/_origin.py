@@ -129,9 +129,9 @@ def find_origin(
     """
     source = pixels("src", src)
     src_view = view("src", source, choose("type", type, ENCODINGS), choose("y", y, YS))
-    found = ffi.new("ntp_origin *")
+    found = ffi.new("ntp_kernel_fit *")
     check(
-        lib.ntp_find_origin(found, src_view, TOUCH_ALL if touch_unused else TOUCH_NONE),
+        lib.ntp_find_kernel(found, src_view, TOUCH_ALL if touch_unused else TOUCH_NONE),
         "find_origin",
     )
     return Origin(

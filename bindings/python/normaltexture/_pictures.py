@@ -286,7 +286,7 @@ def compare(
     def work(areas: Iterable[Any]) -> tuple[Any, Any]:
         part, owner = _DIFFS.take()
         for area in areas:
-            check(lib.ntp_compare(part, heat_view, a_view, b_view, area), "compare")
+            check(lib.ntp_diff_add(part, heat_view, a_view, b_view, area), "compare")
         return part, owner
 
     parts = run(threads, first.shape[1], first.shape[0], work, THOROUGH)

@@ -274,10 +274,10 @@ def reach(kernel: Kernel = "central") -> int:
     """How many texels on each side a normal is made of."""
     if kernel not in KERNELS:
         raise ArgumentError(f"kernel={kernel!r}: must be one of {', '.join(KERNELS)}")
-    how = ffi.new("ntp_gradient_options *")
+    how = ffi.new("ntp_normals_options *")
     how.scale = 1.0
     how.kernel = KERNELS[kernel]
-    found: int = lib.ntp_gradient_reach(how)
+    found: int = lib.ntp_normals_reach(how)
     return found
 
 

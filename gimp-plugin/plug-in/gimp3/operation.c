@@ -39,7 +39,7 @@ static gboolean takes_settings(const settings *s, gboolean has_alpha)
             return FALSE;
     }
     const double source = s->value[FN_SOURCE];
-    if (source > NTP_SOURCE_SCREEN || (source == NTP_SOURCE_ALPHA && !has_alpha))
+    if (source > NTP_HEIGHT_SOURCE_SCREEN || (source == NTP_HEIGHT_SOURCE_ALPHA && !has_alpha))
         return FALSE;
     return !host_is_layer((gint32) s->value[FN_HEIGHT_LAYER]) && s->value[FN_ALPHA] == ALPHA_KEEP &&
            s->value[FN_FLIP_X] == 0 && s->value[FN_SWAP] == 0 && s->value[FN_DUDV] == DUDV_NONE;

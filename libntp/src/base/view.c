@@ -46,7 +46,9 @@ ntp_image ntp_image_packed(void *data, int32_t width, int32_t height, int32_t ch
     image.height = height;
     image.channels = channels;
     image.type = type;
-    image.encoding = channels >= 3 ? NTP_STANDARD : channels == 2 ? NTP_XY : NTP_HEIGHT;
+    image.encoding = channels >= 3   ? NTP_ENCODING_STANDARD
+                     : channels == 2 ? NTP_ENCODING_XY
+                                     : NTP_ENCODING_HEIGHT;
     image.y = NTP_Y_UP;
     return image;
 }
@@ -70,13 +72,13 @@ ntp_const_image ntp_image_as_const(const ntp_image *image)
 static bool channels_fit(const ntp_const_image *v)
 {
     switch (v->encoding) {
-    case NTP_STANDARD:
-    case NTP_ZZERO:
-    case NTP_VECTOR:
+    case NTP_ENCODING_STANDARD:
+    case NTP_ENCODING_ZZERO:
+    case NTP_ENCODING_VECTOR:
         return v->channels == 3 || v->channels == 4;
-    case NTP_XY:
+    case NTP_ENCODING_XY:
         return v->channels >= 2 && v->channels <= 4;
-    case NTP_HEIGHT:
+    case NTP_ENCODING_HEIGHT:
         return v->channels >= 1 && v->channels <= 4;
     }
     return false;
@@ -86,8 +88,9 @@ ntp_status ntp__check_view(const ntp_const_image *v)
 {
     if (v == NULL || v->data == NULL)
         return NTP_ERR_ARGUMENT;
-    if ((int) v->type < NTP_U8 || (int) v->type > NTP_F32 || (int) v->encoding < NTP_STANDARD ||
-        (int) v->encoding > NTP_HEIGHT || (v->y != NTP_Y_UP && v->y != NTP_Y_DOWN))
+    if ((int) v->type < NTP_TYPE_U8 || (int) v->type > NTP_TYPE_F32 ||
+        (int) v->encoding < NTP_ENCODING_STANDARD || (int) v->encoding > NTP_ENCODING_HEIGHT ||
+        (v->y != NTP_Y_UP && v->y != NTP_Y_DOWN))
         return NTP_ERR_ARGUMENT;
     if (v->width < 1 || v->height < 1 || v->width > NTP_MAX_SIDE || v->height > NTP_MAX_SIDE ||
         v->ring_rows < 0)
@@ -96,7 +99,7 @@ ntp_status ntp__check_view(const ntp_const_image *v)
     if ((uintptr_t) v->data % (uintptr_t) size != 0 || v->row_stride % size != 0 ||
         v->pixel_stride % size != 0)
         return NTP_ERR_SHAPE;
-    if (!channels_fit(v) || (v->encoding == NTP_VECTOR && v->type != NTP_F32))
+    if (!channels_fit(v) || (v->encoding == NTP_ENCODING_VECTOR && v->type != NTP_TYPE_F32))
         return NTP_ERR_FORMAT;
     return NTP_OK;
 }
@@ -104,7 +107,7 @@ ntp_status ntp__check_view(const ntp_const_image *v)
 ntp_status ntp__check_normals(const ntp_const_image *v)
 {
     NTP__TRY(ntp__check_view(v));
-    return v->encoding == NTP_HEIGHT ? NTP_ERR_FORMAT : NTP_OK;
+    return v->encoding == NTP_ENCODING_HEIGHT ? NTP_ERR_FORMAT : NTP_OK;
 }
 
 ntp_const_image ntp__transposed(const ntp_const_image *v)
@@ -120,8 +123,8 @@ ntp_const_image ntp__transposed(const ntp_const_image *v)
 ntp_status ntp__check_picture(const ntp_const_image *v, int32_t min_channels, int32_t max_channels)
 {
     NTP__TRY(ntp__check_view(v));
-    if (v->type != NTP_U8 || v->encoding != NTP_HEIGHT || v->channels < min_channels ||
-        v->channels > max_channels)
+    if (v->type != NTP_TYPE_U8 || v->encoding != NTP_ENCODING_HEIGHT ||
+        v->channels < min_channels || v->channels > max_channels)
         return NTP_ERR_FORMAT;
     return NTP_OK;
 }
@@ -173,9 +176,9 @@ static bool finite_float(float v)
 static void unpack_f32(ntp__block *block, const ntp_const_image *v, int32_t x, int32_t y, int32_t n,
                        int32_t channels)
 {
-    bool vector = v->encoding == NTP_VECTOR;
+    bool vector = v->encoding == NTP_ENCODING_VECTOR;
     const char *p = ntp__at(v, x, y);
-    int32_t checked = v->encoding == NTP_XY ? 2 : channels > 3 ? 3 : channels;
+    int32_t checked = v->encoding == NTP_ENCODING_XY ? 2 : channels > 3 ? 3 : channels;
     block->any_broken = false;
     for (int32_t i = 0; i < n; i++, p += v->pixel_stride) {
         const float *s = (const float *) (const void *) p;
@@ -185,8 +188,8 @@ static void unpack_f32(ntp__block *block, const ntp_const_image *v, int32_t x, i
             broken = broken || (k < checked && !finite_float(s[k]));
             block->c[k][i] = component ? ntp__level_of_component(s[k]) : ntp__level_of_unit(s[k]);
         }
-        float zero = vector ? 0.0f : 0.5f, zero_z = v->encoding == NTP_ZZERO ? 0.0f : zero;
-        if (channels >= 3 && v->encoding <= NTP_VECTOR && v->encoding != NTP_XY)
+        float zero = vector ? 0.0f : 0.5f, zero_z = v->encoding == NTP_ENCODING_ZZERO ? 0.0f : zero;
+        if (channels >= 3 && v->encoding <= NTP_ENCODING_VECTOR && v->encoding != NTP_ENCODING_XY)
             broken = broken || (s[0] == zero && s[1] == zero && s[2] == zero_z);
         block->broken[i] = broken;
         block->any_broken = block->any_broken || broken;
@@ -226,23 +229,23 @@ void ntp__unpack(ntp__block *block, const ntp_const_image *v, int32_t x, int32_t
     int32_t m = ntp__max(v->type);
     bool packed = ntp__is_packed(v);
     block->any_broken = false;
-    if (v->type == NTP_F32)
+    if (v->type == NTP_TYPE_F32)
         unpack_f32(block, v, x, y, n, v->channels);
-    else if (v->type == NTP_U8 && packed && v->channels == 3)
+    else if (v->type == NTP_TYPE_U8 && packed && v->channels == 3)
         UNPACK_PACKED(uint8_t, 3);
-    else if (v->type == NTP_U8 && packed && v->channels == 4)
+    else if (v->type == NTP_TYPE_U8 && packed && v->channels == 4)
         UNPACK_PACKED(uint8_t, 4);
-    else if (v->type == NTP_U16 && packed && v->channels == 3)
+    else if (v->type == NTP_TYPE_U16 && packed && v->channels == 3)
         UNPACK_PACKED(uint16_t, 3);
-    else if (v->type == NTP_U16 && packed && v->channels == 4)
+    else if (v->type == NTP_TYPE_U16 && packed && v->channels == 4)
         UNPACK_PACKED(uint16_t, 4);
-    else if (v->type == NTP_U8)
+    else if (v->type == NTP_TYPE_U8)
         UNPACK_STRIDED(uint8_t);
     else
         UNPACK_STRIDED(uint16_t);
 
     size_t bytes = (size_t) n * sizeof block->c[0][0];
-    if (v->encoding == NTP_HEIGHT && v->channels <= 2) {
+    if (v->encoding == NTP_ENCODING_HEIGHT && v->channels <= 2) {
         if (v->channels == 2)
             memcpy(block->c[3], block->c[1], bytes);
         memcpy(block->c[1], block->c[0], bytes);
@@ -279,7 +282,7 @@ void ntp__unpack(ntp__block *block, const ntp_const_image *v, int32_t x, int32_t
 void ntp__pack(const ntp_image *v, const ntp__block *block, int32_t x, int32_t y, int32_t n,
                int32_t channels)
 {
-    if (v->type == NTP_U8)
+    if (v->type == NTP_TYPE_U8)
         PACK(uint8_t);
     else
         PACK(uint16_t);

@@ -35,12 +35,12 @@ typedef struct ntp__block {
 /* M of a type: floats are judged at 16 bit. */
 static inline int32_t ntp__max(ntp_type type)
 {
-    return type == NTP_U8 ? 255 : 65535;
+    return type == NTP_TYPE_U8 ? 255 : 65535;
 }
 
 static inline ptrdiff_t ntp__sample_size(ntp_type type)
 {
-    return type == NTP_U8 ? 1 : type == NTP_U16 ? 2 : 4;
+    return type == NTP_TYPE_U8 ? 1 : type == NTP_TYPE_U16 ? 2 : 4;
 }
 
 static inline int32_t ntp__ring_row(int32_t ring_rows, int32_t y)
@@ -86,7 +86,7 @@ static inline bool ntp__is_packed(const ntp_const_image *v)
 /* Reads n <= NTP__BLOCK texels of row y from column x on. */
 void ntp__unpack(ntp__block *block, const ntp_const_image *view, int32_t x, int32_t y, int32_t n);
 
-/* Writes the first `channels` planes as integer samples (NTP_U8, NTP_U16). */
+/* Writes the first `channels` planes as integer samples (NTP_TYPE_U8, NTP_TYPE_U16). */
 void ntp__pack(const ntp_image *view, const ntp__block *block, int32_t x, int32_t y, int32_t n,
                int32_t channels);
 

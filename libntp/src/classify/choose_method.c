@@ -60,7 +60,7 @@ static double steep_over_shallow(const ntp_stats *s, double used)
 
 /* All texels are short by one factor: of the vector, or of z?  The error in the steepest bin over
  * that in the flattest is 1, or the ratio of their z squared. */
-static ntp_method method_of_factor(const ntp_stats *s, double used, ntp_reason *why)
+static ntp_clean_method method_of_factor(const ntp_stats *s, double used, ntp_reason *why)
 {
     int32_t flat = -1, steep = -1;
     for (int32_t i = 0; i < NTP_STEEPNESS_BINS - 1; i++) {
@@ -72,18 +72,18 @@ static ntp_method method_of_factor(const ntp_stats *s, double used, ntp_reason *
     why->code = NTP_REASON_TOO_FLAT;
     why->value = 0;
     if (flat == steep)
-        return NTP_DERIVE;
+        return NTP_CLEAN_DERIVE;
     double low = (flat + 0.5) / NTP_STEEPNESS_BINS, high = (steep + 0.5) / NTP_STEEPNESS_BINS;
     double of_z = (1 - high * high) / (1 - low * low);
     double ratio = s->steepness_length_error[steep] / s->steepness_length_error[flat];
     bool all = ratio > (1 + of_z) / 2 && (of_z < OF_Z_TELLS || s->blue_slope > 1);
     why->code = all ? NTP_REASON_ALL_CHANNELS : NTP_REASON_Z_ALONE;
     why->value = ratio;
-    return all ? NTP_NORMALIZE : NTP_DERIVE;
+    return all ? NTP_CLEAN_NORMALIZE : NTP_CLEAN_DERIVE;
 }
 
-static ntp_method method_of_errors(const ntp_stats *s, const ntp_fit *fit, bool zzero, double used,
-                                   ntp_reason *why)
+static ntp_clean_method method_of_errors(const ntp_stats *s, const ntp_fit *fit, bool zzero,
+                                         double used, ntp_reason *why)
 {
     double wrong = 1 - (double) (fit->neighbor - fit->unused_neighbor) / used;
     double off = 1 - fit->used_length_mean;
@@ -91,55 +91,56 @@ static ntp_method method_of_errors(const ntp_stats *s, const ntp_fit *fit, bool 
     *why = (ntp_reason) { NTP_REASON_FEW_WRONG, wrong };
     if (wrong > 0 && wrong < FEW_SHARE &&
         square - ROUNDING_SQUARE > GROSS_ERROR * GROSS_ERROR * wrong)
-        return NTP_DERIVE;
+        return NTP_CLEAN_DERIVE;
     if (!zzero && off > FACTOR_LEAST && fit->used_short > ALL_SHORT &&
         (fit->used_length_sd < FACTOR_SPREAD * off || s->blue_correlation > FACTOR_FOLLOWS))
         return method_of_factor(s, used, why);
     *why = (ntp_reason) { NTP_REASON_SHORT, fit->used_short };
     if (fit->used_short > SHORT_OVER_LONG * fit->used_long)
-        return NTP_NORMALIZE;
+        return NTP_CLEAN_NORMALIZE;
     *why = (ntp_reason) { NTP_REASON_LONG, fit->used_long };
     if (-off > LONG_LEAST && fit->used_long > SHORT_OVER_LONG * fit->used_short)
-        return NTP_DERIVE;
+        return NTP_CLEAN_DERIVE;
     double ratio = zzero ? 0 : steep_over_shallow(s, used);
     *why = (ntp_reason) { NTP_REASON_TOO_FLAT, 0 };
     if (ratio == 0)
-        return NTP_DERIVE;
+        return NTP_CLEAN_DERIVE;
     bool all = ratio > STEEP_OVER_SHALLOW;
     *why = (ntp_reason) { all ? NTP_REASON_ALL_CHANNELS : NTP_REASON_Z_ALONE, ratio };
-    return all ? NTP_NORMALIZE : NTP_DERIVE;
+    return all ? NTP_CLEAN_NORMALIZE : NTP_CLEAN_DERIVE;
 }
 
-ntp_status ntp_choose_method(ntp_method *method, ntp_reason *why, const ntp_stats *stats,
+ntp_status ntp_choose_method(ntp_clean_method *method, ntp_reason *why, const ntp_stats *stats,
                              ntp_encoding encoding, int32_t lossy)
 {
     ntp_reason unwanted;
     if (why == NULL)
         why = &unwanted;
     if (method == NULL || stats == NULL || stats->texels == 0 ||
-        (encoding != NTP_STANDARD && encoding != NTP_ZZERO && encoding != NTP_XY))
+        (encoding != NTP_ENCODING_STANDARD && encoding != NTP_ENCODING_ZZERO &&
+         encoding != NTP_ENCODING_XY))
         return NTP_ERR_ARGUMENT;
-    bool zzero = encoding == NTP_ZZERO;
+    bool zzero = encoding == NTP_ENCODING_ZZERO;
     const ntp_fit *fit = zzero ? &stats->zzero : &stats->standard;
     uint64_t used = stats->texels - stats->unused;
     double sign = stats->used_z_negative > used / 2 && !zzero ? -1 : 1;
     bool follows = sign * stats->blue_correlation > UNRELATED;
-    if (encoding == NTP_XY) {
-        *method = NTP_DERIVE;
+    if (encoding == NTP_ENCODING_XY) {
+        *method = NTP_CLEAN_DERIVE;
         *why = (ntp_reason) { NTP_REASON_XY_ONLY, 0 };
     } else if (fit->rounded - fit->unused_rounded == used) {
-        *method = NTP_KEEP;
+        *method = NTP_CLEAN_KEEP;
         *why = (ntp_reason) { NTP_REASON_ALL_ROUNDED, 1 };
     } else if (stats->used_sd[2] < CONSTANT_DEVIATION) {
-        *method = NTP_DERIVE;
+        *method = NTP_CLEAN_DERIVE;
         *why = (ntp_reason) { NTP_REASON_BLUE_CONSTANT, stats->used_mean[2] };
     } else if (lossy) {
-        *method = NTP_NORMALIZE;
+        *method = NTP_CLEAN_NORMALIZE;
         *why = (ntp_reason) { NTP_REASON_LOSSY_FILE, 1 };
     } else {
         *method = method_of_errors(stats, fit, zzero, (double) used, why);
         if (!follows && fit->used_near_unit[2] < 0.9 && why->code != NTP_REASON_FEW_WRONG) {
-            *method = NTP_DERIVE;
+            *method = NTP_CLEAN_DERIVE;
             *why = (ntp_reason) { NTP_REASON_BLUE_UNRELATED, stats->tilted_near[zzero] };
         }
     }

@@ -120,7 +120,7 @@ static bool is_one_color(question *q)
     return is(q, NTP_CLASS_ONE_COLOR, 1);
 }
 
-/* Gray; and what was measured as NTP_HEIGHT, of which only the channels are known. */
+/* Gray; and what was measured as NTP_ENCODING_HEIGHT, of which only the channels are known. */
 static bool is_height(question *q)
 {
     const ntp_stats *s = q->s;

@@ -6,7 +6,7 @@
 /* Gray: compression and palettes leave a few texels that are not quite gray. */
 static const double GRAY_SHARE = 0.98;
 
-/* Unit length.  Honest encoders reach 1 with NTP_NEIGHBOR; 3 % of bad texels must not matter.  By
+/* Unit length.  Honest encoders reach 1 with NTP_VERDICT_NEIGHBOR; 3 % of bad texels must not matter.  By
  * 1/8 even JPEG and resizing rarely take more than a tenth of the texels, and chance (a picture's
  * colors) rarely leaves more than half of them. */
 static const double ROUNDED_ALL = 0.995, ROUNDED_SHARE = 0.96, UNIT_SHARE = 0.93,

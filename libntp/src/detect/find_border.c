@@ -32,7 +32,7 @@ static const double much_worse = 1.5;
 typedef struct edges {
     const ntp_const_image *src;
     ntp_const_image turned, heights;
-    ntp_gradient_options how;
+    ntp_normals_options how;
     uint32_t touch;
     bool down;   /* upper and lower: nothing is turned */
     float drift; /* of the heights from the one edge to the other */
@@ -90,8 +90,8 @@ static void copy_heights(stretch *s, const edges *e, bool wrapped, bool last, in
 static ntp_status make_normals(stretch *s, const edges *e, ntp_border border, int32_t at, int32_t n)
 {
     const ntp_const_image *src = e->src;
-    ntp_gradient_options how = e->how;
-    ntp_image heights = ntp_image_packed(s->heights, n, STRIP, 1, NTP_F32);
+    ntp_normals_options how = e->how;
+    ntp_image heights = ntp_image_packed(s->heights, n, STRIP, 1, NTP_TYPE_F32);
     ntp_image normals = ntp_image_packed(s->normals, n, STRIP, src->channels, src->type);
     ntp_const_image packed = ntp_image_as_const(&heights), made = ntp_image_as_const(&normals);
     ntp_const_image from = turn(&packed, e->down), to = turn(&made, e->down);
@@ -148,7 +148,7 @@ static double error_of(const edges *e, ntp_border border)
             compare(&total, &s, e, last ? lines - 1 : 0, i, n);
         }
     }
-    double level = e->src->type == NTP_U8 ? 1 : 257;
+    double level = e->src->type == NTP_TYPE_U8 ? 1 : 257;
     return total.count > 0 ? sqrt(total.sum / (double) total.count) / level : -1;
 }
 
@@ -158,7 +158,7 @@ ntp_border ntp_free_border(ntp_kernel kernel)
 }
 
 /* What fits, and first of all what the whole texture speaks for. */
-static void choose(ntp_edge_fit *fit, bool wraps, ntp_kernel kernel)
+static void choose(ntp_border_fit *fit, bool wraps, ntp_kernel kernel)
 {
     const double *error = fit->error;
     ntp_border likely = wraps ? NTP_BORDER_WRAP : NTP_BORDER_EXTRAPOLATE;
@@ -188,7 +188,7 @@ static bool is_solved(const ntp_height_options *how, const ntp_const_image *src,
     return ntp_height_scratch_size(&with, src->width, src->height, 1) > 0;
 }
 
-ntp_status ntp_find_border(ntp_edge_fit *fit, const ntp_const_image *src,
+ntp_status ntp_find_border(ntp_border_fit *fit, const ntp_const_image *src,
                            const ntp_const_image *heights, const ntp_height_options *how,
                            int32_t down, int32_t wraps)
 {
@@ -196,7 +196,7 @@ ntp_status ntp_find_border(ntp_edge_fit *fit, const ntp_const_image *src,
         return NTP_ERR_ARGUMENT;
     NTP__TRY(ntp__check_normals(src));
     NTP__TRY(ntp__check_view(heights));
-    if (heights->encoding != NTP_HEIGHT || heights->type != NTP_F32)
+    if (heights->encoding != NTP_ENCODING_HEIGHT || heights->type != NTP_TYPE_F32)
         return NTP_ERR_FORMAT;
     if (!ntp__same_size(src, heights) || src->ring_rows != 0 || heights->ring_rows != 0)
         return NTP_ERR_SHAPE;
@@ -206,7 +206,7 @@ ntp_status ntp_find_border(ntp_edge_fit *fit, const ntp_const_image *src,
                 .how = { .scale = 1, .dx = how->dx, .dy = how->dy, .kernel = how->kernel },
                 .touch = how->touch_unused,
                 .down = down != 0 };
-    if (src->encoding == NTP_VECTOR) /* of any length, so that (2, 2, 2) is no padding */
+    if (src->encoding == NTP_ENCODING_VECTOR) /* of any length, so that (2, 2, 2) is no padding */
         e.touch |= NTP_UNUSED_BLACK | NTP_UNUSED_WHITE;
     for (int32_t b = 0; b < NTP_BORDERS; b++)
         fit->error[b] = -1;

@@ -255,7 +255,8 @@ static int32_t best_of(const double misfit[CANDIDATES], int32_t but)
     return best;
 }
 
-ntp_status ntp_find_origin(ntp_origin *origin, const ntp_const_image *src, uint32_t touch_unused)
+ntp_status ntp_find_kernel(ntp_kernel_fit *origin, const ntp_const_image *src,
+                           uint32_t touch_unused)
 {
     if (origin == NULL || touch_unused > NTP_UNUSED_ALL)
         return NTP_ERR_ARGUMENT;

@@ -411,7 +411,7 @@ ntp_status ntp_find_steps(ntp_steps *steps, const ntp_const_image *src, uint32_t
     const ntp_const_image turned = ntp__transposed(src);
     memset(steps, 0, sizeof *steps);
     reader r = { .touch = touch_unused, .max = ntp__max(src->type) };
-    bool of_8_bits = src->type == NTP_U8 || is_of_8_bits(src);
+    bool of_8_bits = src->type == NTP_TYPE_U8 || is_of_8_bits(src);
     for (int32_t encoder = 0; encoder < (of_8_bits ? ENCODERS : 1); encoder++) {
         set_encoder(&r, encoder, of_8_bits);
         if (find_both(steps, r, src, &turned))

@@ -207,8 +207,8 @@ static ntp_status adopt(ntp_orientation *acc, uint32_t width, uint32_t height, u
     return NTP_OK;
 }
 
-ntp_status ntp_orientation_measure(ntp_orientation *orientation, const ntp_const_image *src,
-                                   uint32_t touch_unused, int32_t every_row, const ntp_rect *area)
+ntp_status ntp_orientation_add(ntp_orientation *orientation, const ntp_const_image *src,
+                               uint32_t touch_unused, int32_t every_row, const ntp_rect *area)
 {
     if (orientation == NULL || touch_unused > NTP_UNUSED_ALL)
         return NTP_ERR_ARGUMENT;
@@ -284,8 +284,8 @@ static double held_to_one(double v)
     return v < 1 ? v : 1;
 }
 
-ntp_status ntp_orientation_decide(ntp_orientation_result *result,
-                                  const ntp_orientation *orientation)
+ntp_status ntp_orientation_summarize(ntp_orientation_result *result,
+                                     const ntp_orientation *orientation)
 {
     if (result == NULL || orientation == NULL)
         return NTP_ERR_ARGUMENT;

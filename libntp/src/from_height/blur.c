@@ -64,7 +64,7 @@ static bool options_good(const ntp_blur_options *how)
            how->weight - how->weight == 0 && (int) how->border_x >= 0 &&
            (int) how->border_x <= NTP_BORDER_REPEAT_SLOPE && (int) how->border_y >= 0 &&
            (int) how->border_y <= NTP_BORDER_REPEAT_SLOPE && (int) how->source >= 0 &&
-           (int) how->source <= NTP_SOURCE_SCREEN;
+           (int) how->source <= NTP_HEIGHT_SOURCE_SCREEN;
 }
 
 /* Rows of the ring, a row of heights with what lies beyond the edges, and another row. */
@@ -73,7 +73,7 @@ static size_t scratch_doubles(int32_t radius, int32_t width)
     return (size_t) (2 * radius + 1) * (size_t) width + 2 * (size_t) width + 2 * (size_t) radius;
 }
 
-size_t ntp_height_blur_scratch(const ntp_blur_options *how, int32_t width)
+size_t ntp_height_blur_scratch_size(const ntp_blur_options *how, int32_t width)
 {
     if (!options_good(how) || width < 1 || width > NTP_MAX_SIDE)
         return 0;
@@ -145,7 +145,8 @@ ntp_status ntp_height_blur(const ntp_image *dst, const ntp_const_image *src,
     ntp_const_image view = ntp_image_as_const(dst);
     NTP__TRY(ntp__check_view(&view));
     NTP__TRY(ntp__check_view(src));
-    if (src->encoding != NTP_HEIGHT || dst->encoding != NTP_HEIGHT || dst->type != NTP_F32)
+    if (src->encoding != NTP_ENCODING_HEIGHT || dst->encoding != NTP_ENCODING_HEIGHT ||
+        dst->type != NTP_TYPE_F32)
         return NTP_ERR_FORMAT;
     if (!ntp__same_size(&view, src))
         return NTP_ERR_SHAPE;
@@ -156,7 +157,7 @@ ntp_status ntp_height_blur(const ntp_image *dst, const ntp_const_image *src,
     b.g.src = src;
     NTP__TRY(ntp__gradient_source(&b.g, how->source));
     if (scratch == NULL || (uintptr_t) scratch % sizeof(double) != 0 ||
-        scratch_size < ntp_height_blur_scratch(how, src->width))
+        scratch_size < ntp_height_blur_scratch_size(how, src->width))
         return NTP_ERR_SCRATCH;
     set_weights(&b, how->sigma);
     b.g.border_x = ntp__border_beyond(how->border_x);

@@ -42,7 +42,7 @@ void ntp__dither(int32_t level[3], const ntp__gradient *g, const double xy[2], d
         factor = g->shortened / sqrt(x * x + y * y);
     level[0] = level_of(x * factor, m);
     level[1] = level_of(y * factor, m);
-    level[2] = ntp__derive(&level[0], &level[1], m, g->dst->encoding == NTP_ZZERO);
+    level[2] = ntp__derive(&level[0], &level[1], m, g->dst->encoding == NTP_ENCODING_ZZERO);
     double z = sqrt((double) ntp__rest(level[0], level[1], m));
     *along = left(x, ntp__num(level[0], m) / z, length2, half);
     *down = left(y, ntp__num(level[1], m) / z, length2, half);

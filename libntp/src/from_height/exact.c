@@ -108,14 +108,14 @@ static bool collect_height(collector *c, const ntp__gradient *g, int32_t x, int3
             return false;
     }
     ntp__wide a, b, product;
-    if (g->source == NTP_SOURCE_SCREEN) {
+    if (g->source == NTP_HEIGHT_SOURCE_SCREEN) {
         /* The 1 of 1 - (1-r)(1-g)(1-b) drops out: taps add up to 0. */
         bool negative = one_minus(&a, s[g->read[0]]) != one_minus(&b, s[g->read[1]]);
         ntp__wide_multiply(&product, &a, &b);
         negative = negative != one_minus(&b, s[g->read[2]]);
         ntp__wide_multiply(&a, &product, &b);
         collect(c, &a, !negative, weight);
-    } else if (g->source == NTP_SOURCE_MAX || g->source == NTP_SOURCE_MIN) {
+    } else if (g->source == NTP_HEIGHT_SOURCE_MAX || g->source == NTP_HEIGHT_SOURCE_MIN) {
         bool negative = fixed_point(&a, (float) ntp__height_value(g, x, y));
         collect(c, &a, negative, weight);
     } else {
@@ -140,7 +140,7 @@ static tap_total tap_sum(const ntp__gradient *g, int32_t x, int32_t y, bool down
     int64_t total = 0;
     collector c = { { 0, { 0 } }, { 0, { 0 } } };
     tap_total result = { { 0, 0, false }, true };
-    bool floats = g->src->type == NTP_F32;
+    bool floats = g->src->type == NTP_TYPE_F32;
     x = ntp__clamp(x, down ? g->down_x : g->right_x);
     y = ntp__clamp(y, down ? g->down_y : g->right_y);
     for (int32_t j = -radius; j <= radius; j++) {
@@ -168,7 +168,7 @@ static tap_total tap_sum(const ntp__gradient *g, int32_t x, int32_t y, bool down
         bool negative = ntp__wide_compare(&c.plus, &c.minus) < 0;
         ntp__wide *greater = negative ? &c.minus : &c.plus;
         ntp__wide_subtract(greater, negative ? &c.plus : &c.minus);
-        int32_t unit = g->source == NTP_SOURCE_SCREEN ? -447 : -149;
+        int32_t unit = g->source == NTP_HEIGHT_SOURCE_SCREEN ? -447 : -149;
         result.value = ntp__scaled_from(ntp__wide_to_double(greater, unit));
         result.value.negative = negative;
     }
@@ -445,20 +445,20 @@ void ntp__gradient_exact(ntp__normal *normal, const ntp__gradient *g, int32_t x,
     set_part(&v, 1, g->y, down.value);
     set_part(&v, 2, norm, one);
     set_near(&v);
-    if (g->dst->type != NTP_F32) {
+    if (g->dst->type != NTP_TYPE_F32) {
         normal->level[0] = signed_level(normal, g, &v, 0);
         normal->level[1] = signed_level(normal, g, &v, 1);
-        if (g->derived || encoding == NTP_XY)
+        if (g->derived || encoding == NTP_ENCODING_XY)
             return;
-        int32_t z =
-            encoding == NTP_ZZERO ? zzero_level(normal, g, &v) : signed_level(normal, g, &v, 2);
+        int32_t z = encoding == NTP_ENCODING_ZZERO ? zzero_level(normal, g, &v)
+                                                   : signed_level(normal, g, &v, 2);
         normal->level[2] = z > g->min_z_level ? z : g->min_z_level;
         return;
     }
-    bool unit = encoding != NTP_VECTOR;
+    bool unit = encoding != NTP_ENCODING_VECTOR;
     normal->value[0] = nearest_float(normal, g, &v, 0, unit);
     normal->value[1] = nearest_float(normal, g, &v, 1, unit);
-    float z = nearest_float(normal, g, &v, 2, unit && encoding != NTP_ZZERO);
-    double least = unit && encoding != NTP_ZZERO ? (g->min_z + 1) / 2 : g->min_z;
+    float z = nearest_float(normal, g, &v, 2, unit && encoding != NTP_ENCODING_ZZERO);
+    double least = unit && encoding != NTP_ENCODING_ZZERO ? (g->min_z + 1) / 2 : g->min_z;
     normal->value[2] = z > (float) least ? z : (float) least;
 }

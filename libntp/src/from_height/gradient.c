@@ -35,7 +35,7 @@ typedef struct walk {
     bool doubles;    /* in double arithmetic; neither: every texel exactly */
     double greatest; /* of the heights times the kernel's gain; integers */
     ntp__encode encode;
-    ntp_gradient_counts counts;
+    ntp_normals_counts counts;
     int32_t first;      /* row of the area */
     double *errors;     /* dithering: carried down, one for each column; NULL: none */
     double along[BAND]; /* carried along the rows of a band */
@@ -85,13 +85,13 @@ static void set_inexact(walk *w, double greatest)
 }
 
 static ntp_status make_walk(walk *w, const ntp_image *dst, const ntp_const_image *src,
-                            const ntp_gradient_options *how)
+                            const ntp_normals_options *how)
 {
     ntp__gradient *g = &w->g;
     memset(w, 0, sizeof *w);
     NTP__TRY(ntp__gradient_plan(g, dst, src, how));
     w->ints = ntp__heights_are_int(g);
-    w->blue = g->derived || dst->encoding != NTP_XY;
+    w->blue = g->derived || dst->encoding != NTP_ENCODING_XY;
     w->greatest = (double) g->kernel->gain * (double) g->range;
     w->encode.cx = g->cx;
     w->encode.cy = g->cy;
@@ -99,8 +99,8 @@ static ntp_status make_walk(walk *w, const ntp_image *dst, const ntp_const_image
     w->encode.shortened = g->shortened;
     w->encode.use_shortened = g->min_z > 0;
     w->encode.derived = g->derived;
-    w->encode.zzero = dst->encoding == NTP_ZZERO;
-    if (src->type != NTP_F32) {
+    w->encode.zzero = dst->encoding == NTP_ENCODING_ZZERO;
+    if (src->type != NTP_TYPE_F32) {
         set_arithmetic(w, w->greatest);
         if (w->greatest > 0x1p53)
             set_inexact(w, w->greatest);
@@ -183,7 +183,7 @@ static bool trust_floats(walk *w, const facts *f)
     set_arithmetic(w, gain * f->most);
     /* All sums are exact when all heights are multiples of a unit and 2^53 units are not reached:
      * a float is a multiple of 2^-24 of itself. */
-    bool one_product = g->source != NTP_SOURCE_SCREEN;
+    bool one_product = g->source != NTP_HEIGHT_SOURCE_SCREEN;
     if (!one_product)
         set_inexact(w, gain * (f->most > 1 ? 8 * f->most * f->most * f->most : 8));
     else if (!(gain * f->most <= 0x1p28 * f->least))
@@ -196,7 +196,7 @@ static bool encode(walk *w, strip *s, const facts *f, int32_t n)
 {
     const ntp__gradient *g = &w->g;
     int32_t *r = s->out.c[0], *gr = s->out.c[1], *b = w->blue ? s->out.c[2] : NULL;
-    bool trust = g->src->type == NTP_F32 ? trust_floats(w, f) : w->single || w->doubles;
+    bool trust = g->src->type == NTP_TYPE_F32 ? trust_floats(w, f) : w->single || w->doubles;
     if (!trust) {
         for (int32_t i = 0; i < n; i++)
             s->doubt[i] = NTP__DOUBT;
@@ -244,7 +244,7 @@ static void settle_exactly(walk *w, strip *s, int32_t x, int32_t y, int32_t i, b
 
 static void settle_texel(walk *w, strip *s, int32_t x, int32_t y, int32_t i)
 {
-    bool zzero = w->g.dst->encoding == NTP_ZZERO;
+    bool zzero = w->g.dst->encoding == NTP_ENCODING_ZZERO;
     bool known = w->ints && !s->moved[i];
     bool certain = (s->doubt[i] & NTP__DOUBT) == 0 && !s->moved[i];
     if (!certain && !(known && w->single && settle_in_double(w, s, i)))
@@ -304,7 +304,7 @@ static void dither(walk *w, strip *s, const facts *f, int32_t x, int32_t y, int3
 
 static void do_block(walk *w, strip *s, int32_t x, int32_t y, int32_t n)
 {
-    if (w->g.dst->type == NTP_F32) {
+    if (w->g.dst->type == NTP_TYPE_F32) {
         for (int32_t i = 0; i < n; i++) {
             ntp__normal normal;
             ntp__gradient_exact(&normal, &w->g, x + i, y, NULL);
@@ -372,7 +372,7 @@ static void do_bands(walk *w, ntp_rect r)
 
 /* ------------------------------------------------------------------------------- public */
 
-static void add_counts(ntp_gradient_counts *counts, const walk *w)
+static void add_counts(ntp_normals_counts *counts, const walk *w)
 {
     if (counts == NULL)
         return;
@@ -381,7 +381,7 @@ static void add_counts(ntp_gradient_counts *counts, const walk *w)
 }
 
 ntp_status ntp_normals_from_height(const ntp_image *dst, const ntp_const_image *src,
-                                   const ntp_gradient_options *how, ntp_gradient_counts *counts,
+                                   const ntp_normals_options *how, ntp_normals_counts *counts,
                                    const ntp_rect *area)
 {
     walk w;
@@ -394,8 +394,8 @@ ntp_status ntp_normals_from_height(const ntp_image *dst, const ntp_const_image *
 }
 
 ntp_status ntp_normals_dithered(const ntp_image *dst, const ntp_const_image *src,
-                                const ntp_gradient_options *how, double *errors,
-                                ntp_gradient_counts *counts, const ntp_rect *area)
+                                const ntp_normals_options *how, double *errors,
+                                ntp_normals_counts *counts, const ntp_rect *area)
 {
     walk w;
     ntp_rect r;
@@ -403,7 +403,7 @@ ntp_status ntp_normals_dithered(const ntp_image *dst, const ntp_const_image *src
     NTP__TRY(ntp__check_area(&r, src, area));
     if (errors == NULL)
         return NTP_ERR_ARGUMENT;
-    if (dst->type == NTP_F32)
+    if (dst->type == NTP_TYPE_F32)
         return NTP_ERR_FORMAT;
     if (r.x0 != 0 || r.x1 != src->width)
         return NTP_ERR_SHAPE;

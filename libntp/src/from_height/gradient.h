@@ -94,12 +94,12 @@ void ntp__dither(int32_t level[3], const ntp__gradient *g, const double xy[2], d
 
 /* Checks all arguments and fills in the rest (plan.c). */
 ntp_status ntp__gradient_plan(ntp__gradient *g, const ntp_image *dst, const ntp_const_image *src,
-                              const ntp_gradient_options *how);
+                              const ntp_normals_options *how);
 
 /* Which samples a source of g->src reads, their weights, and what stands for height 1. */
 ntp_status ntp__gradient_source(ntp__gradient *g, ntp_height_source source);
 
-/* Writes a run of levels; an NTP_XY third sample and alpha are filled in here. */
+/* Writes a run of levels; an NTP_ENCODING_XY third sample and alpha are filled in here. */
 void ntp__gradient_pack(const ntp__gradient *g, ntp__block *block, int32_t x, int32_t y, int32_t n);
 void ntp__gradient_pack_float(const ntp__gradient *g, const ntp__normal *normal, int32_t x,
                               int32_t y);

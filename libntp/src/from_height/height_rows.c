@@ -43,15 +43,15 @@ static int64_t combine_integers(const ntp__gradient *g, const int64_t s[NTP__MAX
 {
     int64_t m = ntp__max(g->src->type);
     switch (g->source) {
-    case NTP_SOURCE_MAX: {
+    case NTP_HEIGHT_SOURCE_MAX: {
         int64_t v = s[0] > s[1] ? s[0] : s[1];
         return v > s[2] ? v : s[2];
     }
-    case NTP_SOURCE_MIN: {
+    case NTP_HEIGHT_SOURCE_MIN: {
         int64_t v = s[0] < s[1] ? s[0] : s[1];
         return v < s[2] ? v : s[2];
     }
-    case NTP_SOURCE_SCREEN:
+    case NTP_HEIGHT_SOURCE_SCREEN:
         return m * m * m - (m - s[0]) * (m - s[1]) * (m - s[2]);
     default: {
         int64_t sum = 0;
@@ -67,8 +67,8 @@ int64_t ntp__height_integer(const ntp__gradient *g, int32_t x, int32_t y)
     const void *p = ntp__at(g->src, x, y);
     int64_t s[NTP__MAX_READS] = { 0 };
     for (int32_t k = 0; k < g->reads; k++)
-        s[k] = g->src->type == NTP_U8 ? ((const uint8_t *) p)[g->read[k]]
-                                      : ((const uint16_t *) p)[g->read[k]];
+        s[k] = g->src->type == NTP_TYPE_U8 ? ((const uint8_t *) p)[g->read[k]]
+                                           : ((const uint16_t *) p)[g->read[k]];
     return combine_integers(g, s);
 }
 
@@ -80,13 +80,13 @@ static double combine_floats(const ntp__gradient *g, const float *s)
         return g->weight[0] * a;
     double b = (double) s[g->read[1]], c = (double) s[g->read[2]];
     switch (g->source) {
-    case NTP_SOURCE_MAX:
+    case NTP_HEIGHT_SOURCE_MAX:
         a = a > b ? a : b;
         return a > c ? a : c;
-    case NTP_SOURCE_MIN:
+    case NTP_HEIGHT_SOURCE_MIN:
         a = a < b ? a : b;
         return a < c ? a : c;
-    case NTP_SOURCE_SCREEN:
+    case NTP_HEIGHT_SOURCE_SCREEN:
         return 1 - (1 - a) * (1 - b) * (1 - c);
     default:
         return g->weight[0] * a + g->weight[1] * b + g->weight[2] * c;
@@ -95,7 +95,7 @@ static double combine_floats(const ntp__gradient *g, const float *s)
 
 double ntp__height_value(const ntp__gradient *g, int32_t x, int32_t y)
 {
-    if (g->src->type != NTP_F32)
+    if (g->src->type != NTP_TYPE_F32)
         return (double) ntp__height_integer(g, x, y) / (double) g->range;
     const float *s = ntp__at(g->src, x, y);
     double h = combine_floats(g, s);
@@ -104,7 +104,7 @@ double ntp__height_value(const ntp__gradient *g, int32_t x, int32_t y)
 
 int32_t ntp__height_level(const ntp__gradient *g, int32_t x, int32_t y, int32_t m)
 {
-    if (g->src->type == NTP_F32) {
+    if (g->src->type == NTP_TYPE_F32) {
         double c = ntp__height_value(g, x, y) * m + 0.5;
         return c > 0 ? c < m + 1 ? (int32_t) c : m : 0;
     }
@@ -119,7 +119,7 @@ int32_t ntp__height_level(const ntp__gradient *g, int32_t x, int32_t y, int32_t 
 
 bool ntp__heights_are_int(const ntp__gradient *g)
 {
-    return g->src->type != NTP_F32 && g->kernel->gain * g->range < INT32_MAX;
+    return g->src->type != NTP_TYPE_F32 && g->kernel->gain * g->range < INT32_MAX;
 }
 
 /* The samples of the texels x..x+n-1 of a row inside the image. */
@@ -129,18 +129,18 @@ static void read_integers(ntp__height_row *row, int32_t at, const ntp__gradient 
     const ntp_const_image *v = g->src;
     bool single = g->reads == 1 && g->weight[0] == 1 && ntp__heights_are_int(g);
     const char *p = (const char *) ntp__at(v, x, y) + g->read[0] * ntp__sample_size(v->type);
-    if (single && v->type == NTP_U8 && v->pixel_stride == 1) {
+    if (single && v->type == NTP_TYPE_U8 && v->pixel_stride == 1) {
         const uint8_t *s = (const uint8_t *) p;
         for (int32_t i = 0; i < n; i++)
             row->h.i[at + i] = s[i];
-    } else if (single && v->type == NTP_U16 && v->pixel_stride == 2) {
+    } else if (single && v->type == NTP_TYPE_U16 && v->pixel_stride == 2) {
         const uint16_t *s = (const uint16_t *) (const void *) p;
         for (int32_t i = 0; i < n; i++)
             row->h.i[at + i] = s[i];
     } else if (single) {
         for (int32_t i = 0; i < n; i++, p += v->pixel_stride)
-            row->h.i[at + i] =
-                v->type == NTP_U8 ? *(const uint8_t *) p : *(const uint16_t *) (const void *) p;
+            row->h.i[at + i] = v->type == NTP_TYPE_U8 ? *(const uint8_t *) p
+                                                      : *(const uint16_t *) (const void *) p;
     } else if (ntp__heights_are_int(g)) {
         for (int32_t i = 0; i < n; i++)
             row->h.i[at + i] = (int32_t) ntp__height_integer(g, x + i, y);
@@ -171,7 +171,7 @@ static void read_floats(ntp__height_row *row, int32_t at, const ntp__gradient *g
 static void read_texels(ntp__height_row *row, int32_t at, const ntp__gradient *g, int32_t x,
                         int32_t y, int32_t n)
 {
-    if (g->src->type == NTP_F32)
+    if (g->src->type == NTP_TYPE_F32)
         read_floats(row, at, g, x, y, n);
     else
         read_integers(row, at, g, x, y, n);

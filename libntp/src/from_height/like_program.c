@@ -16,21 +16,23 @@ typedef struct likeness {
     ntp_border border;
     ntp_y y;
     ntp_height_source source;
-    bool green_is_up;
+    bool swap_green_blue;
 } likeness;
 
 #define GIMP(NAME, KERNEL, GAIN, OVER)                                                             \
-    { "gimp-normalmap:" NAME, KERNEL, GAIN, OVER, NTP_BORDER_CLAMP, NTP_Y_DOWN,                    \
-      NTP_SOURCE_LUMA_GIMP,   false }
+    { "gimp-normalmap:" NAME,      KERNEL, GAIN, OVER, NTP_BORDER_CLAMP, NTP_Y_DOWN,               \
+      NTP_HEIGHT_SOURCE_LUMA_GIMP, false }
 
 static const likeness likenesses[] = {
-    { "reference", NTP_KERNEL_CENTRAL, 2, 1, NTP_BORDER_WRAP, NTP_Y_UP, NTP_SOURCE_RED, false },
-    { "eberly", NTP_KERNEL_CENTRAL, -2, 1, NTP_BORDER_WRAP, NTP_Y_DOWN, NTP_SOURCE_LUMA_EBERLY,
+    { "reference", NTP_KERNEL_CENTRAL, 2, 1, NTP_BORDER_WRAP, NTP_Y_UP, NTP_HEIGHT_SOURCE_RED,
       false },
-    { "zima", NTP_KERNEL_SOBEL3, -8, 1, NTP_BORDER_WRAP, NTP_Y_DOWN, NTP_SOURCE_RED, true },
-    { "zima-corrected", NTP_KERNEL_SOBEL3, 8, 1, NTP_BORDER_WRAP, NTP_Y_DOWN, NTP_SOURCE_RED,
+    { "eberly", NTP_KERNEL_CENTRAL, -2, 1, NTP_BORDER_WRAP, NTP_Y_DOWN,
+      NTP_HEIGHT_SOURCE_LUMA_EBERLY, false },
+    { "zima", NTP_KERNEL_SOBEL3, -8, 1, NTP_BORDER_WRAP, NTP_Y_DOWN, NTP_HEIGHT_SOURCE_RED, true },
+    { "zima-corrected", NTP_KERNEL_SOBEL3, 8, 1, NTP_BORDER_WRAP, NTP_Y_DOWN, NTP_HEIGHT_SOURCE_RED,
       true },
-    { "gegl", NTP_KERNEL_CENTRAL, 1, 1, NTP_BORDER_CLAMP, NTP_Y_DOWN, NTP_SOURCE_LUMA, false },
+    { "gegl", NTP_KERNEL_CENTRAL, 1, 1, NTP_BORDER_CLAMP, NTP_Y_DOWN, NTP_HEIGHT_SOURCE_LUMA,
+      false },
     GIMP("4sample", NTP_KERNEL_CENTRAL, 1, 1),
     GIMP("sobel3", NTP_KERNEL_SOBEL3, 8, 1),
     GIMP("sobel5", NTP_KERNEL_SOBEL5, 128, 1),
@@ -64,7 +66,7 @@ static double scaled(double value, int32_t gain, int32_t over)
     return s.negative != (gain < 0) ? -size : size;
 }
 
-ntp_status ntp_gradient_like(ntp_peer *peer, const char *name, double value)
+ntp_status ntp_normals_like(ntp_peer *peer, const char *name, double value)
 {
     if (peer == NULL || name == NULL || !(value - value == 0))
         return NTP_ERR_ARGUMENT;
@@ -79,7 +81,7 @@ ntp_status ntp_gradient_like(ntp_peer *peer, const char *name, double value)
         peer->options.border_y = l->border;
         peer->options.source = l->source;
         peer->y = l->y;
-        peer->green_is_up = l->green_is_up;
+        peer->swap_green_blue = l->swap_green_blue;
         return NTP_OK;
     }
     return NTP_ERR_ARGUMENT;

@@ -18,9 +18,9 @@ static float unit_alpha(const ntp__gradient *g, int32_t x, int32_t y)
     if (g->alpha == NTP_ALPHA_ONE || channels % 2 == 1)
         return 1;
     const void *p = ntp__at(g->src, x, y);
-    double a = g->src->type == NTP_U8    ? ((const uint8_t *) p)[channels - 1] / 255.0
-               : g->src->type == NTP_U16 ? ((const uint16_t *) p)[channels - 1] / 65535.0
-                                         : (double) ((const float *) p)[channels - 1];
+    double a = g->src->type == NTP_TYPE_U8    ? ((const uint8_t *) p)[channels - 1] / 255.0
+               : g->src->type == NTP_TYPE_U16 ? ((const uint16_t *) p)[channels - 1] / 65535.0
+                                              : (double) ((const float *) p)[channels - 1];
     return (float) (g->alpha == NTP_ALPHA_INVERSE ? 1 - a : a);
 }
 
@@ -35,10 +35,10 @@ static int32_t level_alpha(const ntp__gradient *g, int32_t x, int32_t y)
         return m;
     const void *p = ntp__at(g->src, x, y);
     int32_t a;
-    if (g->src->type == NTP_F32) {
+    if (g->src->type == NTP_TYPE_F32) {
         double c = (double) ((const float *) p)[channels - 1] * m + 0.5;
         a = c > 0 ? c < m + 1 ? (int32_t) c : m : 0;
-    } else if (g->src->type == NTP_U8) {
+    } else if (g->src->type == NTP_TYPE_U8) {
         a = ((const uint8_t *) p)[channels - 1] * (m / 255);
     } else {
         a = ((const uint16_t *) p)[channels - 1];
@@ -50,8 +50,8 @@ static int32_t level_alpha(const ntp__gradient *g, int32_t x, int32_t y)
 void ntp__gradient_pack(const ntp__gradient *g, ntp__block *block, int32_t x, int32_t y, int32_t n)
 {
     const ntp_image *dst = g->dst;
-    bool rgb8 = dst->type == NTP_U8 && dst->channels == 3 && dst->pixel_stride == 3;
-    if (dst->encoding == NTP_XY) {
+    bool rgb8 = dst->type == NTP_TYPE_U8 && dst->channels == 3 && dst->pixel_stride == 3;
+    if (dst->encoding == NTP_ENCODING_XY) {
         for (int32_t i = 0; i < n; i++)
             block->c[2][i] = g->m;
     }
@@ -73,7 +73,7 @@ void ntp__gradient_pack_float(const ntp__gradient *g, const ntp__normal *normal,
     d[0] = normal->value[0];
     d[1] = normal->value[1];
     if (dst->channels > 2)
-        d[2] = dst->encoding == NTP_XY ? 1.0f : normal->value[2];
+        d[2] = dst->encoding == NTP_ENCODING_XY ? 1.0f : normal->value[2];
     if (dst->channels > 3)
         d[3] = unit_alpha(g, x, y);
 }

@@ -16,14 +16,14 @@ static bool finite_double(double v)
     return v - v == 0;
 }
 
-static bool options_good(const ntp_gradient_options *how)
+static bool options_good(const ntp_normals_options *how)
 {
     return how != NULL && finite_double(how->scale) && how->dx >= 0 && finite_double(how->dx) &&
            how->dy >= 0 && finite_double(how->dy) && how->min_z >= 0 && how->min_z <= 1 &&
            (int) how->kernel >= 0 && (int) how->kernel < (int) NTP__KERNELS &&
            (int) how->border_x >= 0 && (int) how->border_x <= NTP_BORDER_REPEAT_SLOPE &&
            (int) how->border_y >= 0 && (int) how->border_y <= NTP_BORDER_REPEAT_SLOPE &&
-           (int) how->source >= 0 && (int) how->source <= NTP_SOURCE_SCREEN &&
+           (int) how->source >= 0 && (int) how->source <= NTP_HEIGHT_SOURCE_SCREEN &&
            (how->blue == NTP_BLUE_DERIVED || how->blue == NTP_BLUE_NEAREST) &&
            (int) how->alpha >= 0 && (int) how->alpha <= NTP_ALPHA_INVERSE_HEIGHT;
 }
@@ -39,36 +39,36 @@ ntp_status ntp__gradient_source(ntp__gradient *g, ntp_height_source source)
                                         { 3000, 5900, 1100 },
                                         { 2125, 7154, 721 } };
     int32_t channels = g->src->channels;
-    int64_t m = g->src->type == NTP_F32 ? 1 : ntp__max(g->src->type);
+    int64_t m = g->src->type == NTP_TYPE_F32 ? 1 : ntp__max(g->src->type);
     bool gray = channels <= 2;
     g->source = source;
     g->reads = 1;
     g->read[0] = 0;
     g->weight[0] = 1;
     g->range = m;
-    if (source == NTP_SOURCE_ALPHA) {
+    if (source == NTP_HEIGHT_SOURCE_ALPHA) {
         g->read[0] = channels - 1;
         return channels == 2 || channels == 4 ? NTP_OK : NTP_ERR_FORMAT;
     }
-    if (source <= NTP_SOURCE_BLUE) {
+    if (source <= NTP_HEIGHT_SOURCE_BLUE) {
         g->read[0] = gray ? 0 : (int32_t) source;
         return NTP_OK;
     }
-    if (gray && source != NTP_SOURCE_SCREEN) {
-        g->source = NTP_SOURCE_RED;
+    if (gray && source != NTP_HEIGHT_SOURCE_SCREEN) {
+        g->source = NTP_HEIGHT_SOURCE_RED;
         return NTP_OK;
     }
     g->reads = 3;
     for (int32_t k = 0; k < 3; k++) {
-        bool weighted = source >= NTP_SOURCE_LUMA && source <= NTP_SOURCE_LUMA_EBERLY;
+        bool weighted = source >= NTP_HEIGHT_SOURCE_LUMA && source <= NTP_HEIGHT_SOURCE_LUMA_EBERLY;
         g->read[k] = gray ? 0 : k;
-        g->weight[k] = weighted ? luma[source - NTP_SOURCE_LUMA][k] : 1;
+        g->weight[k] = weighted ? luma[source - NTP_HEIGHT_SOURCE_LUMA][k] : 1;
     }
-    if (source <= NTP_SOURCE_LUMA_EBERLY)
+    if (source <= NTP_HEIGHT_SOURCE_LUMA_EBERLY)
         g->range = 10000 * m;
-    else if (source == NTP_SOURCE_MEAN)
+    else if (source == NTP_HEIGHT_SOURCE_MEAN)
         g->range = 3 * m;
-    else if (source == NTP_SOURCE_SCREEN)
+    else if (source == NTP_HEIGHT_SOURCE_SCREEN)
         g->range = m * m * m;
     return NTP_OK;
 }
@@ -106,7 +106,7 @@ ntp_border ntp__border_beyond(ntp_border border)
     return border == NTP_BORDER_REPEAT_SLOPE ? NTP_BORDER_EXTRAPOLATE : border;
 }
 
-static void set_borders(ntp__gradient *g, const ntp_gradient_options *how)
+static void set_borders(ntp__gradient *g, const ntp_normals_options *how)
 {
     int32_t width = g->src->width, height = g->src->height;
     g->border_x = ntp__border_beyond(how->border_x);
@@ -118,14 +118,14 @@ static void set_borders(ntp__gradient *g, const ntp_gradient_options *how)
 }
 
 ntp_status ntp__gradient_plan(ntp__gradient *g, const ntp_image *dst, const ntp_const_image *src,
-                              const ntp_gradient_options *how)
+                              const ntp_normals_options *how)
 {
     if (dst == NULL || src == NULL || !options_good(how))
         return NTP_ERR_ARGUMENT;
     ntp_const_image view = ntp_image_as_const(dst);
     NTP__TRY(ntp__check_normals(&view));
     NTP__TRY(ntp__check_view(src));
-    if (src->encoding != NTP_HEIGHT)
+    if (src->encoding != NTP_ENCODING_HEIGHT)
         return NTP_ERR_FORMAT;
     if (!ntp__same_size(&view, src))
         return NTP_ERR_SHAPE;
@@ -153,16 +153,17 @@ ntp_status ntp__gradient_plan(ntp__gradient *g, const ntp_image *dst, const ntp_
     g->min_z = how->min_z;
     g->min_z_exact = ntp__scaled_from(how->min_z);
     g->shortened = sqrt((1 - how->min_z) * (1 + how->min_z));
-    g->m = dst->type == NTP_F32 ? 0 : ntp__max(dst->type);
+    g->m = dst->type == NTP_TYPE_F32 ? 0 : ntp__max(dst->type);
     g->derived = how->blue == NTP_BLUE_DERIVED;
     g->alpha = how->alpha;
     if (g->m > 0)
-        g->min_z_level = ntp__gradient_z_level(how->min_z, g->m, dst->encoding == NTP_ZZERO);
+        g->min_z_level =
+            ntp__gradient_z_level(how->min_z, g->m, dst->encoding == NTP_ENCODING_ZZERO);
     g->loops = ntp__gradient_kernels_for(NTP__CPU_ALL);
     return NTP_OK;
 }
 
-int32_t ntp_gradient_reach(const ntp_gradient_options *how)
+int32_t ntp_normals_reach(const ntp_normals_options *how)
 {
     if (!options_good(how))
         return -1;

@@ -116,7 +116,7 @@ static void describe_regression(ntp_stats *s, const blue_sums *sums)
 void ntp__describe_blue(ntp_stats *s, const ntp_tally *t)
 {
     blue_sums sums = { 0 };
-    if (t->encoding == NTP_HEIGHT)
+    if (t->encoding == NTP_ENCODING_HEIGHT)
         return;
     if (s->max == 255)
         add_cells(&sums, t);

@@ -27,7 +27,7 @@ void ntp__row_init(ntp__row *row, int32_t r, int32_t g, int32_t m)
         row->want[1] = row->cleaned_blue[1] = ntp__blue_of_rest(s, m, true);
         return;
     }
-    row->flags = NTP_XY_TOO_LONG;
+    row->flags = NTP_FLAG_XY_TOO_LONG;
     if ((double) row->xy2 > FAR_SQUARED * (double) ntp__sq(m))
         row->flags |= NTP__FAR;
     row->want[0] = row->want[1] = -1;
@@ -62,14 +62,14 @@ static void add_fit(ntp__fit_sums *fit, const ntp__row *row, int32_t b, uint32_t
 {
     int32_t m = row->m, want = row->want[zzero], levels_off = -1;
     bool negative = !zzero && ntp__z_negative(b, m);
-    uint32_t flags = row->flags | (negative ? (uint32_t) NTP_Z_NEGATIVE : 0);
+    uint32_t flags = row->flags | (negative ? (uint32_t) NTP_FLAG_Z_NEGATIVE : 0);
     if (ntp__neighbor(row->r, row->g, b, m, zzero))
-        flags |= NTP_PASS_NEIGHBOR;
+        flags |= NTP_FLAG_NEIGHBOR;
     if (ntp__rounded(row->r, row->g, b, m, zzero))
-        flags |= NTP_PASS_ROUNDED;
+        flags |= NTP_FLAG_ROUNDED;
     if (want >= 0) {
         if (b == want)
-            flags |= NTP_PASS_EXACT;
+            flags |= NTP_FLAG_EXACT;
         if (!zzero && m - b == want)
             flags |= NTP__MIRRORED;
         levels_off = ntp__abs((negative ? m - b : b) - want);
@@ -85,9 +85,9 @@ static void add_angle(ntp__angle_sums *angles, const ntp__row *row, int32_t b, u
                       ntp_encoding encoding)
 {
     int32_t m = row->m;
-    bool zzero = encoding == NTP_ZZERO;
+    bool zzero = encoding == NTP_ENCODING_ZZERO;
     int64_t x = ntp__num(row->r, m), y = ntp__num(row->g, m), z, wz;
-    if (encoding == NTP_XY) {
+    if (encoding == NTP_ENCODING_XY) {
         z = row->want[0] < 0 ? 0 : ntp__num(row->want[0], m);
         wz = ntp__num(row->cleaned_blue[0], m);
     } else {
@@ -161,14 +161,15 @@ void ntp__add_block(ntp__sums *sums, const ntp__block *block, const uint32_t *co
         ones[i] = 1;
     count = count == NULL ? ones : count;
     ntp__kernels(NTP__CPU_ALL)
-        ->judge_block(&j, block->c[0], block->c[1], block->c[2], n, m, encoding == NTP_ZZERO);
+        ->judge_block(&j, block->c[0], block->c[1], block->c[2], n, m,
+                      encoding == NTP_ENCODING_ZZERO);
     add_judged(&sums->fit[0], &j.fit[0], count, n);
     add_judged(&sums->fit[1], &j.fit[1], count, n);
     for (int32_t i = 0; i < n; i++) {
         uint32_t angle = 0;
-        if (encoding != NTP_XY)
+        if (encoding != NTP_ENCODING_XY)
             angle = j.angle[i] >= 0 ? (uint32_t) j.angle[i]
-                                    : long_angle(&j, i, block, m, encoding == NTP_ZZERO);
+                                    : long_angle(&j, i, block, m, encoding == NTP_ENCODING_ZZERO);
         sums->texels += count[i];
         ntp__angles_add(&sums->angles, angle, count[i]);
     }

@@ -398,9 +398,9 @@ static void note_row(ntp_tally *t, const ntp_const_image *src, int32_t x0, int32
 
 static void count_row(ntp_tally *t, const ntp_const_image *src, int32_t x0, int32_t x1, int32_t y)
 {
-    bool picture = src->encoding == NTP_HEIGHT;
-    bool bytes =
-        !picture && !t->few && src->type == NTP_U8 && src->channels >= 3 && ntp__is_packed(src);
+    bool picture = src->encoding == NTP_ENCODING_HEIGHT;
+    bool bytes = !picture && !t->few && src->type == NTP_TYPE_U8 && src->channels >= 3 &&
+                 ntp__is_packed(src);
     int32_t m = ntp__max(src->type), step = bytes ? x1 - x0 : NTP__BLOCK;
     for (int32_t x = x0; x < x1; x += step) {
         int32_t n = x1 - x < step ? x1 - x : step;
@@ -425,7 +425,7 @@ static void count_row(ntp_tally *t, const ntp_const_image *src, int32_t x0, int3
 /* Makes the tally one of this kind of image, or tells that it is of another. */
 static ntp_status adopt(ntp_tally *t, const ntp_const_image *src, uint32_t touch, uint64_t texels)
 {
-    uint32_t depth = src->type == NTP_U8 ? 8 : 16;
+    uint32_t depth = src->type == NTP_TYPE_U8 ? 8 : 16;
     if (touch > NTP_UNUSED_ALL)
         return NTP_ERR_ARGUMENT;
     if (t->depth != 0) {
@@ -442,8 +442,8 @@ static ntp_status adopt(ntp_tally *t, const ntp_const_image *src, uint32_t touch
     return NTP_OK;
 }
 
-ntp_status ntp_measure(ntp_tally *tally, const ntp_const_image *src, uint32_t touch_unused,
-                       const ntp_rect *area)
+ntp_status ntp_tally_add(ntp_tally *tally, const ntp_const_image *src, uint32_t touch_unused,
+                         const ntp_rect *area)
 {
     if (tally == NULL)
         return NTP_ERR_ARGUMENT;

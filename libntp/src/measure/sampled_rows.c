@@ -99,7 +99,7 @@ void ntp__clear_samples(ntp_tally *t)
 
 static void add_colors(ntp_tally *t, const ntp__block *block, int32_t first, int32_t n, int32_t m)
 {
-    bool picture = t->encoding == NTP_HEIGHT;
+    bool picture = t->encoding == NTP_ENCODING_HEIGHT;
     ntp__samples sum = { 0 }; /* by itself it can stay in registers */
     for (int32_t i = first; i < first + n; i++) {
         int32_t r = block->c[0][i], g = block->c[1][i], b = block->c[2][i], a = block->c[3][i];

@@ -61,16 +61,16 @@ static uint64_t near_unit(const ntp__fit_sums *fit, int32_t bins)
 static void describe_flags(ntp_fit *out, const flag_counts *yes, const flag_counts *no,
                            uint64_t used)
 {
-    out->unused_neighbor = flagged(no, NTP_PASS_NEIGHBOR, NTP_PASS_NEIGHBOR);
-    out->unused_rounded = flagged(no, NTP_PASS_ROUNDED, NTP_PASS_ROUNDED);
-    out->unused_exact = flagged(no, NTP_PASS_EXACT, NTP_PASS_EXACT);
-    out->neighbor = out->unused_neighbor + flagged(yes, NTP_PASS_NEIGHBOR, NTP_PASS_NEIGHBOR);
-    out->rounded = out->unused_rounded + flagged(yes, NTP_PASS_ROUNDED, NTP_PASS_ROUNDED);
-    out->exact = out->unused_exact + flagged(yes, NTP_PASS_EXACT, NTP_PASS_EXACT);
+    out->unused_neighbor = flagged(no, NTP_FLAG_NEIGHBOR, NTP_FLAG_NEIGHBOR);
+    out->unused_rounded = flagged(no, NTP_FLAG_ROUNDED, NTP_FLAG_ROUNDED);
+    out->unused_exact = flagged(no, NTP_FLAG_EXACT, NTP_FLAG_EXACT);
+    out->neighbor = out->unused_neighbor + flagged(yes, NTP_FLAG_NEIGHBOR, NTP_FLAG_NEIGHBOR);
+    out->rounded = out->unused_rounded + flagged(yes, NTP_FLAG_ROUNDED, NTP_FLAG_ROUNDED);
+    out->exact = out->unused_exact + flagged(yes, NTP_FLAG_EXACT, NTP_FLAG_EXACT);
     out->exact_mirrored =
         flagged(yes, NTP__MIRRORED, NTP__MIRRORED) + flagged(no, NTP__MIRRORED, NTP__MIRRORED);
-    out->used_short = share(flagged(yes, NTP_PASS_ROUNDED | NTP__LONG, 0), used);
-    out->used_long = share(flagged(yes, NTP_PASS_ROUNDED | NTP__LONG, NTP__LONG), used);
+    out->used_short = share(flagged(yes, NTP_FLAG_ROUNDED | NTP__LONG, 0), used);
+    out->used_long = share(flagged(yes, NTP_FLAG_ROUNDED | NTP__LONG, NTP__LONG), used);
 }
 
 static void describe_fit(ntp_fit *out, const ntp_tally *t, int32_t z)
@@ -110,13 +110,14 @@ static void describe_verdicts(ntp_stats *s, const ntp_tally *t)
     count_flags(&yes, &t->used, 0);
     count_flags(&no, &t->unused, 0);
     describe_flags(&s->standard, used, unused, t->used.texels);
-    s->unused_xy_too_long = flagged(unused, NTP_XY_TOO_LONG, NTP_XY_TOO_LONG);
-    s->xy_too_long = s->unused_xy_too_long + flagged(used, NTP_XY_TOO_LONG, NTP_XY_TOO_LONG);
+    s->unused_xy_too_long = flagged(unused, NTP_FLAG_XY_TOO_LONG, NTP_FLAG_XY_TOO_LONG);
+    s->xy_too_long =
+        s->unused_xy_too_long + flagged(used, NTP_FLAG_XY_TOO_LONG, NTP_FLAG_XY_TOO_LONG);
     s->xy_far_too_long = flagged(used, NTP__FAR, NTP__FAR) + flagged(unused, NTP__FAR, NTP__FAR);
-    s->neighbor_and_near = flagged(used, NTP_PASS_NEIGHBOR | NTP__FAR, NTP_PASS_NEIGHBOR) +
-                           flagged(unused, NTP_PASS_NEIGHBOR | NTP__FAR, NTP_PASS_NEIGHBOR);
-    s->unused_z_negative = flagged(unused, NTP_Z_NEGATIVE, NTP_Z_NEGATIVE);
-    s->used_z_negative = flagged(used, NTP_Z_NEGATIVE, NTP_Z_NEGATIVE);
+    s->neighbor_and_near = flagged(used, NTP_FLAG_NEIGHBOR | NTP__FAR, NTP_FLAG_NEIGHBOR) +
+                           flagged(unused, NTP_FLAG_NEIGHBOR | NTP__FAR, NTP_FLAG_NEIGHBOR);
+    s->unused_z_negative = flagged(unused, NTP_FLAG_Z_NEGATIVE, NTP_FLAG_Z_NEGATIVE);
+    s->used_z_negative = flagged(used, NTP_FLAG_Z_NEGATIVE, NTP_FLAG_Z_NEGATIVE);
     s->z_negative = s->used_z_negative + s->unused_z_negative;
 }
 
@@ -129,8 +130,8 @@ static void describe_steepness(ntp_stats *s, const ntp__fit_sums *fit)
             if (flags[f] == 0)
                 continue;
             all += flags[f];
-            rounded += f & NTP_PASS_ROUNDED ? flags[f] : 0;
-            neighbor += f & NTP_PASS_NEIGHBOR ? flags[f] : 0;
+            rounded += f & NTP_FLAG_ROUNDED ? flags[f] : 0;
+            neighbor += f & NTP_FLAG_NEIGHBOR ? flags[f] : 0;
         }
         s->steepness[i] = all;
         s->steepness_not_rounded[i] = all - rounded;
@@ -162,7 +163,7 @@ static void count_blues(uint64_t count[256], const ntp_tally *t)
 
 static void describe_alpha(ntp_stats *s, const ntp_tally *t)
 {
-    bool alpha = t->channels == 4 || (t->encoding == NTP_HEIGHT && t->channels == 2);
+    bool alpha = t->channels == 4 || (t->encoding == NTP_ENCODING_HEIGHT && t->channels == 2);
     double mean = 0, square = 0;
     uint64_t n = 0;
     ntp__channel_sums sums = { 0, 0, 0 };
@@ -223,7 +224,7 @@ static void describe_samples(ntp_stats *s, const ntp_tally *t, const uint64_t bl
         m.square[k] = (double) all->square[k] / (255.0 * 255.0);
         m.product[k] = (double) all->product[k] / (255.0 * 255.0);
     }
-    bool picture = t->encoding == NTP_HEIGHT;
+    bool picture = t->encoding == NTP_ENCODING_HEIGHT;
     uint64_t used = picture ? t->texels - t->not_finite : t->narrow + t->wide.texels;
     double scale = (double) used / m.n;
     s->red_low = (uint64_t) ((double) all->red_low * scale + 0.5);
@@ -267,7 +268,7 @@ static uint64_t bits_set(const uint8_t *bytes, size_t size)
 static void describe_colors(ntp_stats *s, const ntp_tally *t)
 {
     uint32_t cells[256];
-    if (s->max == 255 && t->encoding != NTP_HEIGHT) {
+    if (s->max == 255 && t->encoding != NTP_ENCODING_HEIGHT) {
         for (int32_t row = NTP__ROWS - NTP__FLAT_ROWS; row < NTP__ROWS; row++) {
             int32_t first, end;
             if (t->row_seen[row] == 0)
@@ -286,7 +287,7 @@ static void describe_colors(ntp_stats *s, const ntp_tally *t)
     s->distinct = t->colors;
 }
 
-ntp_status ntp_summarize(ntp_stats *s, ntp_tally *t, ntp_encoding encoding)
+ntp_status ntp_tally_summarize(ntp_stats *s, ntp_tally *t, ntp_encoding encoding)
 {
     if (s == NULL)
         return NTP_ERR_ARGUMENT;
@@ -326,16 +327,17 @@ ntp_status ntp_summarize(ntp_stats *s, ntp_tally *t, ntp_encoding encoding)
     return NTP_OK;
 }
 
-ntp_status ntp_levels_off(uint64_t *counts, size_t size, ntp_tally *tally, ntp_encoding encoding)
+ntp_status ntp_tally_levels_off(uint64_t *counts, size_t size, ntp_tally *tally,
+                                ntp_encoding encoding)
 {
-    if (encoding != NTP_STANDARD && encoding != NTP_ZZERO)
+    if (encoding != NTP_ENCODING_STANDARD && encoding != NTP_ENCODING_ZZERO)
         return NTP_ERR_ARGUMENT;
     /* Levels do not depend on the encoding that angles are taken for. */
     if (tally == NULL || tally->depth == 0 || counts == NULL)
         return NTP_ERR_ARGUMENT;
     NTP__TRY(ntp__sum_up(tally, tally->summed ? (ntp_encoding) tally->summed_encoding
                                               : ntp__judged_as((ntp_encoding) tally->encoding)));
-    int32_t z = encoding == NTP_ZZERO;
+    int32_t z = encoding == NTP_ENCODING_ZZERO;
     const ntp__fit_sums *used = &tally->used.fit[z], *unused = &tally->unused.fit[z];
     if (size <= used->levels_off_max || size <= unused->levels_off_max)
         return NTP_ERR_ARGUMENT;
@@ -345,14 +347,14 @@ ntp_status ntp_levels_off(uint64_t *counts, size_t size, ntp_tally *tally, ntp_e
     return NTP_OK;
 }
 
-ntp_status ntp_lengths(uint64_t counts[256], ntp_tally *tally, ntp_encoding encoding)
+ntp_status ntp_tally_lengths(uint64_t counts[256], ntp_tally *tally, ntp_encoding encoding)
 {
     if (counts == NULL || tally == NULL || tally->depth == 0 ||
-        (encoding != NTP_STANDARD && encoding != NTP_ZZERO))
+        (encoding != NTP_ENCODING_STANDARD && encoding != NTP_ENCODING_ZZERO))
         return NTP_ERR_ARGUMENT;
     NTP__TRY(ntp__sum_up(tally, tally->summed ? (ntp_encoding) tally->summed_encoding
                                               : ntp__judged_as((ntp_encoding) tally->encoding)));
-    int32_t z = encoding == NTP_ZZERO;
+    int32_t z = encoding == NTP_ENCODING_ZZERO;
     for (int32_t i = 0; i < NTP__LENGTH_BINS; i++)
         counts[i] = (uint64_t) tally->used.fit[z].lengths[i] + tally->unused.fit[z].lengths[i];
     return NTP_OK;

@@ -202,10 +202,11 @@ static void add_gray(ntp_tally *t, int32_t level, int32_t m, uint64_t count, ntp
 ntp_status ntp__sum_up(ntp_tally *t, ntp_encoding encoding)
 {
     if (t == NULL || t->depth == 0 ||
-        (encoding != NTP_STANDARD && encoding != NTP_ZZERO && encoding != NTP_XY))
+        (encoding != NTP_ENCODING_STANDARD && encoding != NTP_ENCODING_ZZERO &&
+         encoding != NTP_ENCODING_XY))
         return NTP_ERR_ARGUMENT;
     int32_t m = ntp__tally_max(t);
-    bool picture = t->encoding == NTP_HEIGHT;
+    bool picture = t->encoding == NTP_ENCODING_HEIGHT;
     if (!picture && m != 255 && encoding != ntp__judged_as((ntp_encoding) t->encoding))
         return NTP_ERR_FORMAT;
     if (t->summed && t->summed_encoding == (uint32_t) encoding)

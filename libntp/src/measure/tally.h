@@ -36,7 +36,7 @@ enum {
     NTP__LENGTH_ONE = 1 << 16 /* fixed-point unit of lengths */
 };
 
-/* Flags of a judged texel: those of ntp_validate up to NTP_Z_NEGATIVE, and: */
+/* Flags of a judged texel: those of ntp_validate up to NTP_FLAG_Z_NEGATIVE, and: */
 enum {
     NTP__LONG = 32,     /* the vector is longer than 1 */
     NTP__FAR = 64,      /* x, y are beyond the reference program's limit */
@@ -105,7 +105,7 @@ struct ntp_tally {
     uint8_t row_first[NTP__ROWS]; /* and the blue of its first near cell */
     /* The cells of a row: those near its derived blue; the others are in `far`. */
     uint32_t near[NTP__ROWS * NTP__NEAR];
-    /* What ntp_summarize works out of the cells and the above, kept until the tally changes. */
+    /* What ntp_tally_summarize works out of the cells and the above, kept until the tally changes. */
     ntp__sums used, unused;
 
     /* From here on, what well-formed textures of 8 bit do without: pages that stay untouched. */
@@ -124,7 +124,7 @@ typedef struct ntp__row {
     int64_t xy2;     /* X*X + Y*Y */
     int32_t want[2]; /* derived blue, standard and Z-zero; -1: too long */
     int32_t steepness;
-    uint32_t flags;     /* NTP_XY_TOO_LONG, NTP__FAR */
+    uint32_t flags;     /* NTP_FLAG_XY_TOO_LONG, NTP__FAR */
     int32_t cleaned[2]; /* r, g as ntp_clean leaves them */
     int32_t cleaned_blue[2];
 } ntp__row;
@@ -215,7 +215,7 @@ static inline void ntp__merge_counts(uint32_t *into, const uint32_t *from, size_
         into[i] += from[i];
 }
 
-/* Fills tally->used and tally->unused, with angles by this encoding.  Errors as ntp_summarize. */
+/* Fills tally->used and tally->unused, with angles by this encoding.  Errors as ntp_tally_summarize. */
 ntp_status ntp__sum_up(ntp_tally *tally, ntp_encoding encoding);
 
 /* Fills in stats how blue goes with red and green (blue_evidence.c). */
@@ -230,7 +230,8 @@ static inline int32_t ntp__tally_max(const ntp_tally *t)
 /* Encoding by which angles are taken: vectors and pictures count as standard. */
 static inline ntp_encoding ntp__judged_as(ntp_encoding encoding)
 {
-    return encoding == NTP_ZZERO || encoding == NTP_XY ? encoding : NTP_STANDARD;
+    return encoding == NTP_ENCODING_ZZERO || encoding == NTP_ENCODING_XY ? encoding
+                                                                         : NTP_ENCODING_STANDARD;
 }
 
 #endif

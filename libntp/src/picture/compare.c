@@ -60,11 +60,11 @@ static void decode(int64_t v[3], const texel *t, int32_t m, ntp_encoding encodin
 {
     v[0] = ntp__num(t->c[0], m);
     v[1] = ntp__num(t->c[1], m);
-    if (encoding == NTP_XY) {
+    if (encoding == NTP_ENCODING_XY) {
         int64_t rest = ntp__rest(t->c[0], t->c[1], m);
         v[2] = rest < 0 ? 0 : ntp__num(ntp__blue_of_rest(rest, m, false), m);
     } else {
-        v[2] = encoding == NTP_ZZERO ? t->c[2] : ntp__num(t->c[2], m);
+        v[2] = encoding == NTP_ENCODING_ZZERO ? t->c[2] : ntp__num(t->c[2], m);
     }
 }
 
@@ -84,7 +84,7 @@ static uint32_t angle_between(const job *j, const texel *a, const texel *b)
 static int32_t blue_as_in_a(const job *j, const texel *b)
 {
     int32_t m = j->mb, blue = b->c[2];
-    bool zzero = j->encoding_b == NTP_ZZERO, negative = !zzero && ntp__z_negative(blue, m);
+    bool zzero = j->encoding_b == NTP_ENCODING_ZZERO, negative = !zzero && ntp__z_negative(blue, m);
     int64_t rest = ntp__rest(b->c[0], b->c[1], m);
     if (rest >= 0 && ntp__blue_of_rest(rest, m, zzero) == (negative ? m - blue : blue))
         return ntp__blue_of_rest(rest, m, !zzero);
@@ -158,17 +158,18 @@ static ntp_status prepare(job *j, const ntp_const_image *a, const ntp_const_imag
 {
     if (!ntp__same_size(a, b))
         return NTP_ERR_SHAPE;
-    j->vectors = a->encoding != NTP_HEIGHT;
-    if (j->vectors != (b->encoding != NTP_HEIGHT) || (!j->vectors && a->channels != b->channels))
+    j->vectors = a->encoding != NTP_ENCODING_HEIGHT;
+    if (j->vectors != (b->encoding != NTP_ENCODING_HEIGHT) ||
+        (!j->vectors && a->channels != b->channels))
         return NTP_ERR_FORMAT;
-    j->encoding_a = a->encoding == NTP_VECTOR ? NTP_STANDARD : a->encoding;
-    j->encoding_b = b->encoding == NTP_VECTOR ? NTP_STANDARD : b->encoding;
+    j->encoding_a = a->encoding == NTP_ENCODING_VECTOR ? NTP_ENCODING_STANDARD : a->encoding;
+    j->encoding_b = b->encoding == NTP_ENCODING_VECTOR ? NTP_ENCODING_STANDARD : b->encoding;
     j->ma = ntp__max(a->type);
     j->mb = ntp__max(b->type);
     j->m = j->ma > j->mb ? j->ma : j->mb;
     j->flip = j->vectors && a->y != b->y;
     j->channels = a->channels < b->channels ? a->channels : b->channels;
-    if ((j->encoding_a == NTP_XY) != (j->encoding_b == NTP_XY))
+    if ((j->encoding_a == NTP_ENCODING_XY) != (j->encoding_b == NTP_ENCODING_XY))
         j->channels = 2;
     return NTP_OK;
 }
@@ -187,8 +188,8 @@ size_t ntp_diff_size(void)
     return sizeof(ntp_diff);
 }
 
-ntp_status ntp_compare(ntp_diff *diff, const ntp_image *heat, const ntp_const_image *a,
-                       const ntp_const_image *b, const ntp_rect *area)
+ntp_status ntp_diff_add(ntp_diff *diff, const ntp_image *heat, const ntp_const_image *a,
+                        const ntp_const_image *b, const ntp_rect *area)
 {
     if (diff == NULL)
         return NTP_ERR_ARGUMENT;

@@ -50,14 +50,14 @@ static strengths judge(int32_t r, int32_t g, int32_t b, int32_t m, ntp_encoding 
 {
     int64_t rest = ntp__rest(r, g, m);
     strengths s = { xy_strength(ntp__sq(m) - rest, m), 0, 0 };
-    if (encoding == NTP_XY)
+    if (encoding == NTP_ENCODING_XY)
         return s;
     /* Over-long x, y have their own color: the length speaks of z, beside the pulled pair. */
     if (rest < 0) {
         ntp__pull(&r, &g, m);
         rest = ntp__rest(r, g, m);
     }
-    bool zzero = encoding == NTP_ZZERO;
+    bool zzero = encoding == NTP_ENCODING_ZZERO;
     int64_t length2 = ntp__sq(m) - rest + ntp__sq(zzero ? b : ntp__num(b, m));
     if (length_off(length2, m, LENGTH_STRONG_LEVELS))
         s.length = STRONG;
@@ -95,7 +95,8 @@ static void paint_run(const ntp_image *dst, const ntp_const_image *src, ntp_pale
 {
     ntp__block block;
     int32_t m = ntp__max(src->type);
-    ntp_encoding encoding = src->encoding == NTP_VECTOR ? NTP_STANDARD : src->encoding;
+    ntp_encoding encoding =
+        src->encoding == NTP_ENCODING_VECTOR ? NTP_ENCODING_STANDARD : src->encoding;
     ntp__unpack(&block, src, x, y, n);
     uint8_t *d = ntp__at_mut(dst, x, y);
     for (int32_t i = 0; i < n; i++, d += dst->pixel_stride) {

@@ -92,11 +92,11 @@ static void decode(double n[3], const job *j, int32_t r, int32_t g, int32_t b)
     int32_t m = ntp__max(j->src->type);
     int32_t y = ntp__num(g, m);
     double v[3] = { ntp__num(r, m), j->src->y == NTP_Y_DOWN ? -y : y, 0.0 };
-    if (j->src->encoding == NTP_XY) {
+    if (j->src->encoding == NTP_ENCODING_XY) {
         int64_t rest = ntp__rest(r, g, m);
         v[2] = rest > 0 ? sqrt((double) rest) : 0.0;
     } else {
-        v[2] = j->src->encoding == NTP_ZZERO ? b : ntp__num(b, m);
+        v[2] = j->src->encoding == NTP_ENCODING_ZZERO ? b : ntp__num(b, m);
     }
     to_unit(n, v);
 }

@@ -32,8 +32,8 @@ static ntp_status check_options(ntp_clean_options *out, const ntp_clean_options 
     if (how == NULL)
         return NTP_OK;
     *out = *how;
-    if ((int) how->method < NTP_DERIVE || (int) how->method > NTP_KEEP ||
-        (int) how->verdict < NTP_NEIGHBOR || (int) how->verdict > NTP_EXACT ||
+    if ((int) how->method < NTP_CLEAN_DERIVE || (int) how->method > NTP_CLEAN_KEEP ||
+        (int) how->verdict < NTP_VERDICT_NEIGHBOR || (int) how->verdict > NTP_VERDICT_EXACT ||
         how->touch_unused > NTP_UNUSED_ALL)
         return NTP_ERR_ARGUMENT;
     out->keep_negative_z = how->keep_negative_z != 0;
@@ -44,17 +44,18 @@ static ntp_status check_options(ntp_clean_options *out, const ntp_clean_options 
 /* Does blue play a part beyond being replaced? */
 static bool table_suffices(ntp_encoding encoding, const ntp_clean_options *how)
 {
-    if (encoding == NTP_XY)
-        return how->method != NTP_KEEP;
-    return how->method == NTP_DERIVE && !how->only_failing &&
-           !(encoding == NTP_STANDARD && how->keep_negative_z);
+    if (encoding == NTP_ENCODING_XY)
+        return how->method != NTP_CLEAN_KEEP;
+    return how->method == NTP_CLEAN_DERIVE && !how->only_failing &&
+           !(encoding == NTP_ENCODING_STANDARD && how->keep_negative_z);
 }
 
 ntp_status ntp_clean_plan_init(ntp_clean_plan **plan, void *memory, size_t size,
                                ntp_encoding encoding, const ntp_clean_options *how)
 {
     ntp_clean_options options;
-    if (plan == NULL || (encoding != NTP_STANDARD && encoding != NTP_ZZERO && encoding != NTP_XY))
+    if (plan == NULL || (encoding != NTP_ENCODING_STANDARD && encoding != NTP_ENCODING_ZZERO &&
+                         encoding != NTP_ENCODING_XY))
         return NTP_ERR_ARGUMENT;
     NTP__TRY(check_options(&options, how));
     if (memory == NULL || (uintptr_t) memory % 16 != 0 || size < sizeof(ntp_clean_plan))
@@ -63,7 +64,7 @@ ntp_status ntp_clean_plan_init(ntp_clean_plan **plan, void *memory, size_t size,
     ntp_clean_plan *p = (ntp_clean_plan *) memory;
     p->encoding = encoding;
     p->how = options;
-    p->kept = encoding == NTP_XY ? 0xff0000 : 0;
+    p->kept = encoding == NTP_ENCODING_XY ? 0xff0000 : 0;
     p->usable = table_suffices(encoding, &options);
     for (int32_t i = 0; p->usable && i < 65536; i++) {
         int32_t c[3] = { i & 255, i >> 8, 255 };
@@ -83,7 +84,7 @@ typedef struct job {
     const ntp_image *dst;
     const ntp_const_image *src;
     ntp_clean_options how;
-    ntp_encoding encoding; /* NTP_VECTOR is repaired as standard, on the 16-bit grid */
+    ntp_encoding encoding; /* NTP_ENCODING_VECTOR is repaired as standard, on the 16-bit grid */
     int32_t m;
     const ntp__kernels_table *kernels;
     bool count; /* whether the caller asks how many texels changed */
@@ -94,10 +95,10 @@ static void clean_texel(const job *j, int32_t c[4])
     if (ntp__unused(c[0], c[1], c[2], c[3], j->m, j->how.touch_unused))
         return;
     if (j->how.only_failing) {
-        static const uint32_t PASS[] = { NTP_PASS_NEIGHBOR, NTP_PASS_ROUNDED, NTP_PASS_EXACT };
+        static const uint32_t PASS[] = { NTP_FLAG_NEIGHBOR, NTP_FLAG_ROUNDED, NTP_FLAG_EXACT };
         bool keep = j->how.keep_negative_z;
         uint32_t flags = ntp__flags(c[0], c[1], c[2], j->m, j->encoding, keep);
-        if ((flags & PASS[j->how.verdict]) && (keep || !(flags & NTP_Z_NEGATIVE)))
+        if ((flags & PASS[j->how.verdict]) && (keep || !(flags & NTP_FLAG_Z_NEGATIVE)))
             return;
     }
     ntp__clean(c, j->m, j->encoding, j->how.method, j->how.keep_negative_z);
@@ -129,9 +130,9 @@ static uint64_t clean_slowly(const job *j, ntp__block *block, int32_t n)
 static uint64_t clean_by_derivation(const job *j, ntp__block *block, int32_t n)
 {
     int32_t want[NTP__BLOCK];
-    bool keep = j->how.keep_negative_z && j->encoding == NTP_STANDARD;
+    bool keep = j->how.keep_negative_z && j->encoding == NTP_ENCODING_STANDARD;
     uint64_t changed = 0;
-    j->kernels->derive(want, block->c[0], block->c[1], n, j->m, j->encoding == NTP_ZZERO);
+    j->kernels->derive(want, block->c[0], block->c[1], n, j->m, j->encoding == NTP_ENCODING_ZZERO);
     for (int32_t i = 0; i < n; i++) {
         int32_t b = block->c[2][i];
         /* Pairs of black and white are too long. */
@@ -148,7 +149,7 @@ static uint64_t clean_by_derivation(const job *j, ntp__block *block, int32_t n)
 
 static bool blue_is_written(const job *j)
 {
-    return j->encoding != NTP_XY;
+    return j->encoding != NTP_ENCODING_XY;
 }
 
 static void copy_alpha(const job *j, int32_t x, int32_t y, int32_t n)
@@ -168,7 +169,7 @@ static void copy_alpha(const job *j, int32_t x, int32_t y, int32_t n)
 static void store_floats(const job *j, const ntp__block *before, const ntp__block *after, int32_t x,
                          int32_t y, int32_t n, ntp_clean_counts *counts)
 {
-    bool vector = j->src->encoding == NTP_VECTOR;
+    bool vector = j->src->encoding == NTP_ENCODING_VECTOR;
     const char *s = ntp__at(j->src, x, y);
     char *d = ntp__at_mut(j->dst, x, y);
     int32_t channels = blue_is_written(j) ? 3 : 2;
@@ -201,10 +202,10 @@ static void clean_block(const job *j, int32_t x, int32_t y, int32_t n, ntp_clean
     ntp__block block;
     ntp__unpack(&block, j->src, x, y, n);
     ntp__block before;
-    bool floats = j->src->type == NTP_F32;
+    bool floats = j->src->type == NTP_TYPE_F32;
     if (floats)
         before = block;
-    bool derive = j->how.method == NTP_DERIVE && !j->how.only_failing && blue_is_written(j);
+    bool derive = j->how.method == NTP_CLEAN_DERIVE && !j->how.only_failing && blue_is_written(j);
     if (derive && !block.any_broken)
         counts->changed += clean_by_derivation(j, &block, n);
     else
@@ -218,7 +219,7 @@ static void clean_block(const job *j, int32_t x, int32_t y, int32_t n, ntp_clean
 
 static bool is_plain_rgb(const job *j)
 {
-    return j->src->channels == 3 && blue_is_written(j) && j->how.method == NTP_DERIVE &&
+    return j->src->channels == 3 && blue_is_written(j) && j->how.method == NTP_CLEAN_DERIVE &&
            !j->how.only_failing && !j->how.keep_negative_z && ntp__is_packed(j->src) &&
            j->dst->pixel_stride == j->src->pixel_stride;
 }
@@ -228,15 +229,16 @@ static int32_t clean_rgb(const job *j, int32_t x, int32_t n, int32_t y, uint64_t
 {
     void *dst = ntp__at_mut(j->dst, x, y);
     const void *src = ntp__at(j->src, x, y);
-    if (j->src->type == NTP_U16)
-        return j->kernels->clean_rgb16(dst, src, n, j->encoding == NTP_ZZERO, changed);
+    if (j->src->type == NTP_TYPE_U16)
+        return j->kernels->clean_rgb16(dst, src, n, j->encoding == NTP_ENCODING_ZZERO, changed);
     return j->kernels->derive_rgb8(dst, src, n, changed);
 }
 
 static bool has_kernel(const job *j)
 {
-    return j->src->type == NTP_U16 || (j->src->type == NTP_U8 && j->encoding == NTP_STANDARD &&
-                                       j->kernels->derive_rgb8 != NULL);
+    return j->src->type == NTP_TYPE_U16 ||
+           (j->src->type == NTP_TYPE_U8 && j->encoding == NTP_ENCODING_STANDARD &&
+            j->kernels->derive_rgb8 != NULL);
 }
 
 static void clean_row(const job *j, int32_t x0, int32_t x1, int32_t y, ntp_clean_counts *counts)
@@ -256,7 +258,7 @@ static void clean_row(const job *j, int32_t x0, int32_t x1, int32_t y, ntp_clean
 static bool clean_by_table(const job *j, const ntp_clean_plan *plan, const ntp_rect *rect,
                            ntp_clean_counts *counts)
 {
-    if (plan == NULL || !plan->usable || j->src->type != NTP_U8 || j->src->channels < 3 ||
+    if (plan == NULL || !plan->usable || j->src->type != NTP_TYPE_U8 || j->src->channels < 3 ||
         !ntp__is_packed(j->src) || j->dst->pixel_stride != j->src->pixel_stride)
         return false;
     ntp__clean8_fn *clean8 = j->src->channels == 4 ? j->kernels->clean_rgba8
@@ -266,7 +268,7 @@ static bool clean_by_table(const job *j, const ntp_clean_plan *plan, const ntp_r
     for (int32_t y = rect->y0; y < rect->y1; y++)
         changed += clean8(ntp__at_mut(j->dst, rect->x0, y), ntp__at(j->src, rect->x0, y),
                           (size_t) (rect->x1 - rect->x0), plan->table,
-                          plan->encoding == NTP_STANDARD ? plan->blue : NULL, plan->kept,
+                          plan->encoding == NTP_ENCODING_STANDARD ? plan->blue : NULL, plan->kept,
                           j->how.touch_unused);
     if (counts != NULL)
         counts->changed += changed;
@@ -301,7 +303,7 @@ ntp_status ntp_clean(const ntp_image *dst, const ntp_const_image *src, const ntp
     };
     NTP__TRY(check_options(&j.how, how));
     j.count = counts != NULL;
-    j.encoding = src->encoding == NTP_VECTOR ? NTP_STANDARD : src->encoding;
+    j.encoding = src->encoding == NTP_ENCODING_VECTOR ? NTP_ENCODING_STANDARD : src->encoding;
     if (plan != NULL && (plan->encoding != j.encoding || !same_options(&plan->how, &j.how)))
         return NTP_ERR_ARGUMENT;
 

@@ -52,7 +52,8 @@ static int32_t by_value(const job *j, const texel *t, int32_t k)
 /* Blue by value from one meaning of z to another; *negative: |z| was taken of z < 0. */
 static int32_t blue_by_value(const job *j, const texel *t, bool *negative)
 {
-    bool from_zzero = j->src->encoding == NTP_ZZERO, to_zzero = j->dst->encoding == NTP_ZZERO;
+    bool from_zzero = j->src->encoding == NTP_ENCODING_ZZERO,
+         to_zzero = j->dst->encoding == NTP_ENCODING_ZZERO;
     if (from_zzero == to_zzero)
         return by_value(j, t, 2);
     if (to_zzero) {
@@ -82,9 +83,9 @@ static int32_t blue_by_value(const job *j, const texel *t, bool *negative)
 static bool is_exact(const job *j, const texel *t, bool *negative)
 {
     int32_t b = t->c[2];
-    if (j->src->encoding == NTP_XY)
+    if (j->src->encoding == NTP_ENCODING_XY)
         return t->want >= 0;
-    *negative = j->src->encoding == NTP_STANDARD && ntp__z_negative(b, j->ms);
+    *negative = j->src->encoding == NTP_ENCODING_STANDARD && ntp__z_negative(b, j->ms);
     return t->want >= 0 && t->want == (*negative ? j->ms - b : b);
 }
 
@@ -92,19 +93,19 @@ static bool is_exact(const job *j, const texel *t, bool *negative)
 static void convert_texel(const job *j, const texel *t, int32_t out[4], ntp_convert_counts *counts)
 {
     ntp_encoding to = j->dst->encoding;
-    bool zzero = to == NTP_ZZERO, negative = false;
+    bool zzero = to == NTP_ENCODING_ZZERO, negative = false;
     for (int32_t k = 0; k < 4; k++)
         out[k] = by_value(j, t, k);
     if (t->unused)
         return;
     bool exact = is_exact(j, t, &negative);
-    if (j->src->encoding == NTP_XY && to != NTP_XY) {
+    if (j->src->encoding == NTP_ENCODING_XY && to != NTP_ENCODING_XY) {
         counts->pulled += ntp__rest(out[0], out[1], j->md) < 0;
         out[2] = ntp__derive(&out[0], &out[1], j->md, zzero);
-    } else if (to == NTP_XY) {
+    } else if (to == NTP_ENCODING_XY) {
         if (exact && ntp__rest(out[0], out[1], j->md) < 0)
             ntp__pull(&out[0], &out[1], j->md);
-        out[2] = j->src->encoding == NTP_XY ? out[2] : j->md;
+        out[2] = j->src->encoding == NTP_ENCODING_XY ? out[2] : j->md;
     } else if (exact) {
         out[2] = ntp__derive(&out[0], &out[1], j->md, zzero);
         if (negative && !zzero)
@@ -121,7 +122,7 @@ static void convert_texel(const job *j, const texel *t, int32_t out[4], ntp_conv
 /* The target's levels of one float vector. */
 static void convert_vector(const job *j, const texel *t, int32_t out[4], ntp_convert_counts *counts)
 {
-    bool zzero = j->dst->encoding == NTP_ZZERO, negative = t->raw[2] < 0;
+    bool zzero = j->dst->encoding == NTP_ENCODING_ZZERO, negative = t->raw[2] < 0;
     int32_t z;
     ntp__vector_levels(out, &z, t->raw, j->md);
     out[3] = j->src->channels == 4 ? level_of(t->raw[3], j->md) : j->md;
@@ -129,7 +130,7 @@ static void convert_vector(const job *j, const texel *t, int32_t out[4], ntp_con
         float flipped[3] = { t->raw[0], -t->raw[1], t->raw[2] };
         ntp__vector_levels(out, &z, flipped, j->md);
     }
-    if (j->dst->encoding == NTP_XY) {
+    if (j->dst->encoding == NTP_ENCODING_XY) {
         out[2] = j->md;
         return;
     }
@@ -148,8 +149,8 @@ static void convert_vector(const job *j, const texel *t, int32_t out[4], ntp_con
 static void levels_to_floats(const job *j, const texel *t, const int32_t level[4], float out[4])
 {
     for (int32_t k = 0; k < 4; k++) {
-        bool same = t->raw != NULL && j->src->encoding != NTP_VECTOR && k < j->src->channels &&
-                    level_of(t->raw[k], j->md) == level[k];
+        bool same = t->raw != NULL && j->src->encoding != NTP_ENCODING_VECTOR &&
+                    k < j->src->channels && level_of(t->raw[k], j->md) == level[k];
         out[k] = same ? t->raw[k] : (float) ((double) level[k] / j->md);
     }
     if (t->raw == NULL && j->ms == 255 && t->unused) {
@@ -162,7 +163,7 @@ static void biased_floats(const job *j, const texel *t, float out[4], ntp_conver
 {
     int32_t level[4];
     bool flipped = j->flip && !t->unused;
-    if (j->src->encoding == NTP_VECTOR) {
+    if (j->src->encoding == NTP_ENCODING_VECTOR) {
         convert_vector(j, t, level, counts);
         levels_to_floats(j, t, level, out);
         return;
@@ -180,18 +181,19 @@ static void vector_floats(const job *j, const texel *t, float out[4], ntp_conver
 {
     const float *raw = t->raw;
     ntp_encoding from = j->src->encoding;
-    if (from == NTP_VECTOR) {
+    if (from == NTP_ENCODING_VECTOR) {
         memcpy(out, raw, 3 * sizeof *out);
     } else if (raw != NULL) {
         for (int32_t k = 0; k < 3; k++)
-            out[k] = k == 2 && from == NTP_ZZERO ? raw[k] : (float) (2.0 * (double) raw[k] - 1.0);
+            out[k] = k == 2 && from == NTP_ENCODING_ZZERO ? raw[k]
+                                                          : (float) (2.0 * (double) raw[k] - 1.0);
     } else {
         for (int32_t k = 0; k < 3; k++) {
-            int32_t v = k == 2 && from == NTP_ZZERO ? t->c[2] : ntp__num(t->c[k], j->ms);
+            int32_t v = k == 2 && from == NTP_ENCODING_ZZERO ? t->c[2] : ntp__num(t->c[k], j->ms);
             out[k] = (float) ((double) v / j->ms);
         }
     }
-    if (from == NTP_XY && !t->unused) {
+    if (from == NTP_ENCODING_XY && !t->unused) {
         int32_t r = t->c[0], g = t->c[1];
         if (ntp__rest(r, g, j->ms) < 0) {
             ntp__pull(&r, &g, j->ms);
@@ -211,7 +213,7 @@ static void vector_floats(const job *j, const texel *t, float out[4], ntp_conver
 /* What a texel that is no vector at all becomes. */
 static void flat_levels(const job *j, int32_t out[4])
 {
-    bool height = j->dst->encoding == NTP_HEIGHT;
+    bool height = j->dst->encoding == NTP_ENCODING_HEIGHT;
     out[0] = out[1] = height ? 0 : (j->md + 1) / 2;
     out[2] = height ? 0 : j->md;
     out[3] = j->md;
@@ -221,7 +223,8 @@ static void store_floats(const job *j, const texel *t, bool broken, float *d,
                          ntp_convert_counts *counts)
 {
     float out[4];
-    bool vector = j->dst->encoding == NTP_VECTOR, height = j->dst->encoding == NTP_HEIGHT;
+    bool vector = j->dst->encoding == NTP_ENCODING_VECTOR,
+         height = j->dst->encoding == NTP_ENCODING_HEIGHT;
     if (broken) {
         out[0] = out[1] = vector || height ? 0.0f : 0.5f;
         out[2] = height ? 0.0f : 1.0f;
@@ -244,10 +247,10 @@ static void levels_of(const job *j, const texel *t, bool broken, int32_t out[4],
 {
     if (broken)
         flat_levels(j, out);
-    else if (j->dst->encoding == NTP_HEIGHT)
+    else if (j->dst->encoding == NTP_ENCODING_HEIGHT)
         for (int32_t k = 0; k < 4; k++)
             out[k] = k < j->src->channels ? by_value(j, t, k) : j->md;
-    else if (j->src->encoding == NTP_VECTOR)
+    else if (j->src->encoding == NTP_ENCODING_VECTOR)
         convert_vector(j, t, out, counts);
     else
         convert_texel(j, t, out, counts);
@@ -257,10 +260,11 @@ static void convert_run(const job *j, int32_t x, int32_t y, int32_t n, ntp_conve
 {
     ntp__block block;
     int32_t want[NTP__BLOCK];
-    bool floats = j->src->type == NTP_F32, height = j->src->encoding == NTP_HEIGHT;
-    bool can_be_unused = !height && j->src->encoding != NTP_VECTOR;
+    bool floats = j->src->type == NTP_TYPE_F32, height = j->src->encoding == NTP_ENCODING_HEIGHT;
+    bool can_be_unused = !height && j->src->encoding != NTP_ENCODING_VECTOR;
     ntp__unpack(&block, j->src, x, y, n);
-    j->kernels->derive(want, block.c[0], block.c[1], n, j->ms, j->src->encoding == NTP_ZZERO);
+    j->kernels->derive(want, block.c[0], block.c[1], n, j->ms,
+                       j->src->encoding == NTP_ENCODING_ZZERO);
     const char *s = ntp__at(j->src, x, y);
     char *d = ntp__at_mut(j->dst, x, y);
     for (int32_t i = 0; i < n; i++, s += j->src->pixel_stride, d += j->dst->pixel_stride) {
@@ -280,14 +284,14 @@ static void convert_run(const job *j, int32_t x, int32_t y, int32_t n, ntp_conve
                    ntp__unused(t.c[0], t.c[1], t.c[2], t.c[3], j->ms, j->how.touch_unused);
         bool broken = block.any_broken && block.broken[i];
         counts->not_finite += broken;
-        if (j->dst->type == NTP_F32) {
+        if (j->dst->type == NTP_TYPE_F32) {
             store_floats(j, &t, broken, (float *) (void *) d, counts);
             continue;
         }
         int32_t out[4];
         levels_of(j, &t, broken, out, counts);
         for (int32_t k = 0; k < j->dst->channels; k++) {
-            if (j->dst->type == NTP_U8)
+            if (j->dst->type == NTP_TYPE_U8)
                 ((uint8_t *) d)[k] = (uint8_t) out[k];
             else
                 ((uint16_t *) (void *) d)[k] = (uint16_t) out[k];
@@ -306,8 +310,8 @@ ntp_status ntp_convert(const ntp_image *dst, const ntp_const_image *src,
     NTP__TRY(ntp__check_view(&target));
     if (!ntp__same_size(&target, src))
         return NTP_ERR_SHAPE;
-    if ((src->encoding == NTP_HEIGHT) != (dst->encoding == NTP_HEIGHT) ||
-        (src->encoding == NTP_HEIGHT && src->channels != dst->channels))
+    if ((src->encoding == NTP_ENCODING_HEIGHT) != (dst->encoding == NTP_ENCODING_HEIGHT) ||
+        (src->encoding == NTP_ENCODING_HEIGHT && src->channels != dst->channels))
         return NTP_ERR_FORMAT;
     if (dst->data == src->data && dst->type != src->type)
         return NTP_ERR_OVERLAP;
@@ -317,7 +321,7 @@ ntp_status ntp_convert(const ntp_image *dst, const ntp_const_image *src,
               .src = src,
               .ms = ntp__max(src->type),
               .md = ntp__max(dst->type),
-              .flip = src->y != dst->y && src->encoding != NTP_HEIGHT,
+              .flip = src->y != dst->y && src->encoding != NTP_ENCODING_HEIGHT,
               .kernels = ntp__kernels(NTP__CPU_ALL) };
     if (how != NULL)
         j.how = *how;

@@ -15,7 +15,7 @@ static void numerators(int64_t v[3], const int32_t c[3], int32_t m, ntp_encoding
 {
     v[0] = ntp__num(c[0], m);
     v[1] = ntp__num(c[1], m);
-    v[2] = encoding == NTP_ZZERO ? c[2] : ntp__num(c[2], m);
+    v[2] = encoding == NTP_ENCODING_ZZERO ? c[2] : ntp__num(c[2], m);
 }
 
 /* For XY-only: z derived, or 0 where x, y are too long. */
@@ -29,7 +29,7 @@ static void implied_z(double *z, int64_t v[3], const int32_t c[3], int32_t m)
 static void describe(ntp_texel *t, const int32_t c[4], int32_t m, ntp_encoding encoding, bool keep)
 {
     int32_t cleaned[3] = { c[0], c[1], c[2] };
-    ntp__clean(cleaned, m, encoding, NTP_DERIVE, keep);
+    ntp__clean(cleaned, m, encoding, NTP_CLEAN_DERIVE, keep);
     for (int32_t k = 0; k < 4; k++) {
         t->stored[k] = (uint32_t) c[k];
         if (k < 3)
@@ -38,14 +38,15 @@ static void describe(ntp_texel *t, const int32_t c[4], int32_t m, ntp_encoding e
     t->max = (uint32_t) m;
     t->flags = ntp__flags(c[0], c[1], c[2], m, encoding, keep);
     if (ntp__unused(c[0], c[1], c[2], c[3], m, 0))
-        t->flags |= NTP_IS_UNUSED;
+        t->flags |= NTP_FLAG_UNUSED;
 
     int64_t s = ntp__rest(c[0], c[1], m);
-    bool negative = encoding == NTP_STANDARD && ntp__z_negative(c[2], m);
+    bool negative = encoding == NTP_ENCODING_STANDARD && ntp__z_negative(c[2], m);
     t->levels_off = -1;
     if (s >= 0) {
-        int32_t b = ntp__blue_of_rest(s, m, encoding == NTP_ZZERO);
-        t->levels_off = encoding == NTP_XY ? 0 : ntp__abs((negative ? m - c[2] : c[2]) - b);
+        int32_t b = ntp__blue_of_rest(s, m, encoding == NTP_ENCODING_ZZERO);
+        t->levels_off =
+            encoding == NTP_ENCODING_XY ? 0 : ntp__abs((negative ? m - c[2] : c[2]) - b);
     }
     int64_t v[3], w[3];
     numerators(v, c, m, encoding);
@@ -53,7 +54,7 @@ static void describe(ntp_texel *t, const int32_t c[4], int32_t m, ntp_encoding e
     t->x = (double) v[0] / m;
     t->y = (double) v[1] / m;
     t->z = (double) v[2] / m;
-    if (encoding == NTP_XY) {
+    if (encoding == NTP_ENCODING_XY) {
         double unused_z;
         implied_z(&t->z, v, c, m);
         implied_z(&unused_z, w, cleaned, m);
@@ -66,7 +67,7 @@ static void describe(ntp_texel *t, const int32_t c[4], int32_t m, ntp_encoding e
 static void flat_cleaned(ntp_texel *t, ntp_encoding encoding)
 {
     t->cleaned[0] = t->cleaned[1] = (t->max + 1) / 2;
-    if (encoding != NTP_XY)
+    if (encoding != NTP_ENCODING_XY)
         t->cleaned[2] = t->max;
     t->levels_off = -1;
     t->angle = 0.0;
@@ -83,12 +84,13 @@ ntp_status ntp_inspect(ntp_texel *texel, const ntp_const_image *src, int32_t x, 
     ntp__block block;
     ntp__unpack(&block, src, x, y, 1);
     int32_t c[4] = { block.c[0][0], block.c[1][0], block.c[2][0], block.c[3][0] };
-    ntp_encoding encoding = src->encoding == NTP_VECTOR ? NTP_STANDARD : src->encoding;
+    ntp_encoding encoding =
+        src->encoding == NTP_ENCODING_VECTOR ? NTP_ENCODING_STANDARD : src->encoding;
     memset(texel, 0, sizeof *texel);
     describe(texel, c, ntp__max(src->type), encoding, keep_negative_z != 0);
     if (block.any_broken) {
-        texel->flags &= ~(uint32_t) (NTP_PASS_NEIGHBOR | NTP_PASS_ROUNDED | NTP_PASS_EXACT);
-        texel->flags |= NTP_NOT_FINITE;
+        texel->flags &= ~(uint32_t) (NTP_FLAG_NEIGHBOR | NTP_FLAG_ROUNDED | NTP_FLAG_EXACT);
+        texel->flags |= NTP_FLAG_NOT_FINITE;
         flat_cleaned(texel, encoding);
     }
     return NTP_OK;
@@ -99,21 +101,23 @@ static void flag_run(uint8_t *flags, const ntp__block *block, int32_t n, int32_t
 {
     int32_t want[NTP__BLOCK];
     const ntp__kernels_table *kernels = ntp__kernels(NTP__CPU_ALL);
-    kernels->judge(flags, want, block->c[0], block->c[1], block->c[2], n, m, encoding == NTP_ZZERO);
+    kernels->judge(flags, want, block->c[0], block->c[1], block->c[2], n, m,
+                   encoding == NTP_ENCODING_ZZERO);
     for (int32_t i = 0; i < n; i++) {
         uint32_t f = flags[i];
-        if (encoding == NTP_XY) {
-            f &= NTP_XY_TOO_LONG;
-            f |= f ? 0 : NTP_PASS_NEIGHBOR | NTP_PASS_ROUNDED | NTP_PASS_EXACT;
+        if (encoding == NTP_ENCODING_XY) {
+            f &= NTP_FLAG_XY_TOO_LONG;
+            f |= f ? 0 : NTP_FLAG_NEIGHBOR | NTP_FLAG_ROUNDED | NTP_FLAG_EXACT;
         }
-        if (keep && encoding == NTP_STANDARD && (f & NTP__MIRRORED) && (f & NTP_Z_NEGATIVE))
-            f |= NTP_PASS_EXACT;
+        if (keep && encoding == NTP_ENCODING_STANDARD && (f & NTP__MIRRORED) &&
+            (f & NTP_FLAG_Z_NEGATIVE))
+            f |= NTP_FLAG_EXACT;
         f &= ~(uint32_t) NTP__MIRRORED;
         if (ntp__unused(block->c[0][i], block->c[1][i], block->c[2][i], block->c[3][i], m, 0))
-            f |= NTP_IS_UNUSED;
+            f |= NTP_FLAG_UNUSED;
         if (block->any_broken && block->broken[i]) {
-            f &= ~(uint32_t) (NTP_PASS_NEIGHBOR | NTP_PASS_ROUNDED | NTP_PASS_EXACT);
-            f |= NTP_NOT_FINITE;
+            f &= ~(uint32_t) (NTP_FLAG_NEIGHBOR | NTP_FLAG_ROUNDED | NTP_FLAG_EXACT);
+            f |= NTP_FLAG_NOT_FINITE;
         }
         flags[i] = (uint8_t) f;
     }
@@ -127,13 +131,14 @@ ntp_status ntp_validate(const ntp_image *mask, const ntp_const_image *src, int32
     ntp_const_image target = ntp_image_as_const(mask);
     NTP__TRY(ntp__check_normals(src));
     NTP__TRY(ntp__check_view(&target));
-    if (mask->type != NTP_U8)
+    if (mask->type != NTP_TYPE_U8)
         return NTP_ERR_FORMAT;
     if (!ntp__same_size(&target, src))
         return NTP_ERR_SHAPE;
     ntp_rect rect;
     NTP__TRY(ntp__check_area(&rect, src, area));
-    ntp_encoding encoding = src->encoding == NTP_VECTOR ? NTP_STANDARD : src->encoding;
+    ntp_encoding encoding =
+        src->encoding == NTP_ENCODING_VECTOR ? NTP_ENCODING_STANDARD : src->encoding;
     for (int32_t y = rect.y0; y < rect.y1; y++) {
         for (int32_t x = rect.x0; x < rect.x1; x += NTP__BLOCK) {
             int32_t n = rect.x1 - x < NTP__BLOCK ? rect.x1 - x : NTP__BLOCK;

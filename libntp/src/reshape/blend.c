@@ -81,7 +81,7 @@ static void unpack_detail(const job *j, ntp__block *out, int32_t x, int32_t y, i
 static void copy_samples(const job *j, int32_t x, int32_t y, bool all)
 {
     ptrdiff_t size = ntp__sample_size(j->base->type);
-    int32_t first = all ? 0 : j->base->encoding == NTP_XY ? 2 : 3;
+    int32_t first = all ? 0 : j->base->encoding == NTP_ENCODING_XY ? 2 : 3;
     if (first < j->base->channels)
         memmove((char *) ntp__at_mut(j->dst, x, y) + first * size,
                 (const char *) ntp__at(j->base, x, y) + first * size,
@@ -91,11 +91,11 @@ static void copy_samples(const job *j, int32_t x, int32_t y, bool all)
 static void store_texel(const job *j, int32_t x, int32_t y, const int32_t c[3])
 {
     char *d = ntp__at_mut(j->dst, x, y);
-    bool component = j->base->encoding == NTP_VECTOR;
-    for (int32_t k = 0; k < (j->base->encoding == NTP_XY ? 2 : 3); k++) {
-        if (j->base->type == NTP_U8)
+    bool component = j->base->encoding == NTP_ENCODING_VECTOR;
+    for (int32_t k = 0; k < (j->base->encoding == NTP_ENCODING_XY ? 2 : 3); k++) {
+        if (j->base->type == NTP_TYPE_U8)
             ((uint8_t *) d)[k] = (uint8_t) c[k];
-        else if (j->base->type == NTP_U16)
+        else if (j->base->type == NTP_TYPE_U16)
             ((uint16_t *) (void *) d)[k] = (uint16_t) c[k];
         else
             ((float *) (void *) d)[k] =

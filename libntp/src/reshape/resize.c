@@ -27,7 +27,7 @@ enum {
     SUM_WEIGHT, /* alpha of used texels, or 1 */
     SUM_ALPHA,
     SUM_NEGATIVE, /* texels with z < 0 */
-    SUM_EXTRA,    /* third sample of NTP_XY, weighted */
+    SUM_EXTRA,    /* third sample of NTP_ENCODING_XY, weighted */
     SUMS
 };
 
@@ -276,7 +276,7 @@ ntp_status ntp_resize(const ntp_image *dst, const ntp_const_image *src, const nt
         j.sum[k] = (int64_t *) (void *) ((char *) scratch + k * plane);
     if (!alpha)
         j.sum[SUM_ALPHA] = NULL;
-    if (src->encoding != NTP_XY || src->channels < 3)
+    if (src->encoding != NTP_ENCODING_XY || src->channels < 3)
         j.sum[SUM_EXTRA] = NULL;
     resize_area(&j, &rect);
     return NTP_OK;

@@ -103,7 +103,7 @@ static void transform_texel(const job *j, ntp__block *block, int32_t i)
 /* Floats that are only moved and mirrored keep all their bits. */
 static void move_floats(const job *j, const ntp__block *block, int32_t x, int32_t y, int32_t n)
 {
-    bool vector = j->src.encoding == NTP_VECTOR;
+    bool vector = j->src.encoding == NTP_ENCODING_VECTOR;
     size_t bytes = (size_t) j->src.channels * sizeof(float);
     const char *s = ntp__at(&j->src, x, y);
     char *d = ntp__at_mut(j->dst, x, y);
@@ -128,7 +128,10 @@ static void keep_unused_floats(const job *j, const ntp__block *block, int32_t x,
     char *d = ntp__at_mut(j->dst, x, y);
     for (int32_t i = 0; i < n; i++, s += j->src.pixel_stride, d += j->dst->pixel_stride) {
         bool unused = ntp__texel_unused(block, i, j->m, 0);
-        for (int32_t k = unused ? 0 : j->src.encoding == NTP_XY ? 2 : 3; k < j->src.channels; k++)
+        for (int32_t k = unused                               ? 0
+                         : j->src.encoding == NTP_ENCODING_XY ? 2
+                                                              : 3;
+             k < j->src.channels; k++)
             memcpy(d + k * 4, s + k * 4, 4);
     }
 }
@@ -137,7 +140,7 @@ static void transform_run(const job *j, int32_t x, int32_t y, int32_t n)
 {
     ntp__block block;
     ntp__unpack(&block, &j->src, x, y, n);
-    bool floats = j->src.type == NTP_F32;
+    bool floats = j->src.type == NTP_TYPE_F32;
     if (floats && !j->stronger) {
         move_floats(j, &block, x, y, n);
         return;

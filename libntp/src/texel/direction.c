@@ -16,11 +16,11 @@ void ntp__texel_vector(int32_t v[3], const ntp__block *block, int32_t i, int32_t
                        ntp_encoding encoding)
 {
     int32_t r = block->c[0][i], g = block->c[1][i], b = block->c[2][i];
-    if (encoding == NTP_XY)
+    if (encoding == NTP_ENCODING_XY)
         b = ntp__derive(&r, &g, m, false);
     v[0] = ntp__num(r, m);
     v[1] = ntp__num(g, m);
-    v[2] = encoding == NTP_ZZERO ? b : ntp__num(b, m);
+    v[2] = encoding == NTP_ENCODING_ZZERO ? b : ntp__num(b, m);
 }
 
 bool ntp__texel_unused(const ntp__block *block, int32_t i, int32_t m, uint32_t touch_unused)
@@ -94,9 +94,9 @@ void ntp__direction_levels(int32_t c[3], const ntp__i128 v[3], int32_t m, ntp_en
         c[0] += half_quotient(v, 0, m, x * half);
         c[1] += half_quotient(v, 1, m, y * half);
     }
-    int32_t b = ntp__derive(&c[0], &c[1], m, encoding == NTP_ZZERO);
-    if (encoding != NTP_XY)
-        c[2] = encoding != NTP_ZZERO && ntp__i128_negative(v[2]) ? m - b : b;
+    int32_t b = ntp__derive(&c[0], &c[1], m, encoding == NTP_ENCODING_ZZERO);
+    if (encoding != NTP_ENCODING_XY)
+        c[2] = encoding != NTP_ENCODING_ZZERO && ntp__i128_negative(v[2]) ? m - b : b;
 }
 
 int32_t ntp__i128_ratio(ntp__i128 a, ntp__i128 b, int32_t max)
@@ -116,14 +116,14 @@ int32_t ntp__i128_ratio(ntp__i128 a, ntp__i128 b, int32_t max)
 void ntp__store_levels(const ntp_image *view, const ntp__block *block, int32_t x, int32_t y,
                        int32_t n)
 {
-    if (view->type != NTP_F32) {
+    if (view->type != NTP_TYPE_F32) {
         ntp__pack(view, block, x, y, n, view->channels);
         return;
     }
     char *d = ntp__at_mut(view, x, y);
     for (int32_t i = 0; i < n; i++, d += view->pixel_stride) {
         for (int32_t k = 0; k < view->channels; k++) {
-            bool component = view->encoding == NTP_VECTOR && k < 3;
+            bool component = view->encoding == NTP_ENCODING_VECTOR && k < 3;
             int32_t level = block->c[k][i], v = component ? ntp__num(level, 65535) : level;
             ((float *) (void *) d)[k] = (float) ((double) v / 65535.0);
         }

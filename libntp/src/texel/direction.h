@@ -10,7 +10,7 @@
 #include "base/view.h"
 
 /*
- * The numerators over M of the vector that texel i of a block holds.  NTP_XY: as the standard
+ * The numerators over M of the vector that texel i of a block holds.  NTP_ENCODING_XY: as the standard
  * texel of these red and green, pulled where too long, would store it.
  */
 void ntp__texel_vector(int32_t v[3], const ntp__block *block, int32_t i, int32_t m,
@@ -21,7 +21,7 @@ bool ntp__texel_unused(const ntp__block *block, int32_t i, int32_t m, uint32_t t
 
 /*
  * The levels of v / |v|, |components| < 2^125: r and g correctly rounded (half up), pulled where
- * they are then too long, b derived from them, of z's sign in the standard encoding.  NTP_XY:
+ * they are then too long, b derived from them, of z's sign in the standard encoding.  NTP_ENCODING_XY:
  * b is left alone.  A vector of length 0 is flat.
  */
 void ntp__direction_levels(int32_t c[3], const ntp__i128 v[3], int32_t m, ntp_encoding encoding);

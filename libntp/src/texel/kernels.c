@@ -264,10 +264,11 @@ static void judge_standard(uint8_t *restrict flags, int32_t *restrict want,
         /* 4(a - ks + 3) <= 4 am + 1 <= 4(a + ks) */
         uint32_t rounded = (a + 3 <= am + ks) & (a + ks > am);
         uint32_t in = e >= 0;
-        flags[i] = (uint8_t) (neighbor * NTP_PASS_NEIGHBOR | rounded * NTP_PASS_ROUNDED |
-                              (in & (b[i] == t)) * NTP_PASS_EXACT |
-                              (in & (m - b[i] == t)) * NTP__MIRRORED | (in ^ 1) * NTP_XY_TOO_LONG |
-                              (uint32_t) (z < 0) * NTP_Z_NEGATIVE);
+        flags[i] =
+            (uint8_t) (neighbor * NTP_FLAG_NEIGHBOR | rounded * NTP_FLAG_ROUNDED |
+                       (in & (b[i] == t)) * NTP_FLAG_EXACT |
+                       (in & (m - b[i] == t)) * NTP__MIRRORED | (in ^ 1) * NTP_FLAG_XY_TOO_LONG |
+                       (uint32_t) (z < 0) * NTP_FLAG_Z_NEGATIVE);
         want[i] = e < 0 ? -1 : t;
     }
 }
@@ -293,8 +294,9 @@ static void judge_zzero(uint8_t *restrict flags, int32_t *restrict want, const i
         rounded &= (q_out < 0) | (u * (u + 1) >= 4 * (uint32_t) q_out + 1);
         int32_t t = blue(e < 0 ? 0 : e, k0, 1);
         uint32_t in = e >= 0;
-        flags[i] = (uint8_t) (neighbor * NTP_PASS_NEIGHBOR | rounded * NTP_PASS_ROUNDED |
-                              (in & (b[i] == t)) * NTP_PASS_EXACT | (in ^ 1) * NTP_XY_TOO_LONG);
+        flags[i] =
+            (uint8_t) (neighbor * NTP_FLAG_NEIGHBOR | rounded * NTP_FLAG_ROUNDED |
+                       (in & (b[i] == t)) * NTP_FLAG_EXACT | (in ^ 1) * NTP_FLAG_XY_TOO_LONG);
         want[i] = e < 0 ? -1 : t;
     }
 }

@@ -180,36 +180,36 @@ static inline bool ntp__unused(int32_t r, int32_t g, int32_t b, int32_t a, int32
            (r == m && g == m && b == m && !(touch & NTP_UNUSED_WHITE));
 }
 
-/* The flags of ntp_validate, but for NTP_IS_UNUSED and NTP_NOT_FINITE. */
+/* The flags of ntp_validate, but for NTP_FLAG_UNUSED and NTP_FLAG_NOT_FINITE. */
 static inline uint32_t ntp__flags(int32_t r, int32_t g, int32_t b, int32_t m, ntp_encoding encoding,
                                   bool keep_negative_z)
 {
     int64_t s = ntp__rest(r, g, m);
-    uint32_t flags = s < 0 ? (uint32_t) NTP_XY_TOO_LONG : 0;
-    if (encoding == NTP_XY)
-        return s < 0 ? flags : NTP_PASS_NEIGHBOR | NTP_PASS_ROUNDED | NTP_PASS_EXACT;
-    bool zzero = encoding == NTP_ZZERO, negative = !zzero && ntp__z_negative(b, m);
+    uint32_t flags = s < 0 ? (uint32_t) NTP_FLAG_XY_TOO_LONG : 0;
+    if (encoding == NTP_ENCODING_XY)
+        return s < 0 ? flags : NTP_FLAG_NEIGHBOR | NTP_FLAG_ROUNDED | NTP_FLAG_EXACT;
+    bool zzero = encoding == NTP_ENCODING_ZZERO, negative = !zzero && ntp__z_negative(b, m);
     if (negative)
-        flags |= NTP_Z_NEGATIVE;
+        flags |= NTP_FLAG_Z_NEGATIVE;
     if (ntp__neighbor(r, g, b, m, zzero))
-        flags |= NTP_PASS_NEIGHBOR;
+        flags |= NTP_FLAG_NEIGHBOR;
     if (ntp__rounded(r, g, b, m, zzero))
-        flags |= NTP_PASS_ROUNDED;
+        flags |= NTP_FLAG_ROUNDED;
     if (s >= 0) {
         int32_t want = ntp__blue_of_rest(s, m, zzero);
         if (b == want || (negative && keep_negative_z && m - b == want))
-            flags |= NTP_PASS_EXACT;
+            flags |= NTP_FLAG_EXACT;
     }
     return flags;
 }
 
 /* Repairs one texel in place; unused texels are the caller's business. */
-static inline void ntp__clean(int32_t c[3], int32_t m, ntp_encoding encoding, ntp_method method,
-                              bool keep_negative_z)
+static inline void ntp__clean(int32_t c[3], int32_t m, ntp_encoding encoding,
+                              ntp_clean_method method, bool keep_negative_z)
 {
-    bool zzero = encoding == NTP_ZZERO;
-    if (encoding == NTP_XY) {
-        if (method != NTP_KEEP && ntp__rest(c[0], c[1], m) < 0)
+    bool zzero = encoding == NTP_ENCODING_ZZERO;
+    if (encoding == NTP_ENCODING_XY) {
+        if (method != NTP_CLEAN_KEEP && ntp__rest(c[0], c[1], m) < 0)
             ntp__pull(&c[0], &c[1], m);
         return;
     }
@@ -218,10 +218,10 @@ static inline void ntp__clean(int32_t c[3], int32_t m, ntp_encoding encoding, nt
         c[2] = m - c[2];
         negative = false;
     }
-    if (method == NTP_DERIVE) {
+    if (method == NTP_CLEAN_DERIVE) {
         int32_t b = ntp__derive(&c[0], &c[1], m, zzero);
         c[2] = negative ? m - b : b;
-    } else if (method == NTP_NORMALIZE && !ntp__rounded(c[0], c[1], c[2], m, zzero)) {
+    } else if (method == NTP_CLEAN_NORMALIZE && !ntp__rounded(c[0], c[1], c[2], m, zzero)) {
         ntp__normalize(&c[0], &c[1], &c[2], m, zzero);
     }
 }

@@ -102,7 +102,7 @@ static void look(evidence *e, const ntp_const_image *src, uint32_t touch)
 {
     ntp__block block;
     int32_t m = ntp__max(src->type), step = (src->height + ROWS - 1) / ROWS;
-    bool zzero = src->encoding == NTP_ZZERO;
+    bool zzero = src->encoding == NTP_ENCODING_ZZERO;
     for (int32_t y = 0; y < src->height; y += step) {
         for (int32_t x = 0; x < src->width; x += NTP__BLOCK) {
             int32_t n = src->width - x < NTP__BLOCK ? src->width - x : NTP__BLOCK;
@@ -137,11 +137,12 @@ void ntp__decode_by_evidence(ntp_height_options *how, const ntp_const_image *src
                    0,
                    { 0 } };
     double m = ntp__max(src->type), unit = 2 * m * m;
-    bool decode =
-        how->decode == NTP_DECODE_AUTO && src->type == NTP_U8 && src->encoding == NTP_STANDARD;
-    if (how->z == NTP_Z_AUTO && src->encoding == NTP_XY)
+    bool decode = how->decode == NTP_DECODE_AUTO && src->type == NTP_TYPE_U8 &&
+                  src->encoding == NTP_ENCODING_STANDARD;
+    if (how->z == NTP_Z_AUTO && src->encoding == NTP_ENCODING_XY)
         how->z = NTP_Z_DERIVED;
-    if (how->z == NTP_Z_AUTO && src->encoding == NTP_VECTOR) /* which may have any length */
+    if (how->z == NTP_Z_AUTO &&
+        src->encoding == NTP_ENCODING_VECTOR) /* which may have any length */
         how->z = NTP_Z_STORED;
     if (!decode && how->z != NTP_Z_AUTO)
         return;
@@ -158,7 +159,7 @@ void ntp__decode_by_evidence(ntp_height_options *how, const ntp_const_image *src
     }
     if (how->z != NTP_Z_AUTO)
         return;
-    bool made =
-        src->type != NTP_F32 && e.tilted >= LEAST_TILTED && e.derived >= derived_share * e.tilted;
+    bool made = src->type != NTP_TYPE_F32 && e.tilted >= LEAST_TILTED &&
+                e.derived >= derived_share * e.tilted;
     how->z = made || lengths > most_error * noise * all ? NTP_Z_DERIVED : NTP_Z_STORED;
 }

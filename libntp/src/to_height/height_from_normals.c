@@ -76,7 +76,7 @@ static ntp_status check_views(const ntp_image *dst, const ntp_const_image *src)
     ntp_const_image seen = ntp_image_as_const(dst);
     NTP__TRY(ntp__check_normals(src));
     NTP__TRY(ntp__check_view(&seen));
-    if (dst->encoding != NTP_HEIGHT || dst->type != NTP_F32 || dst->channels != 1)
+    if (dst->encoding != NTP_ENCODING_HEIGHT || dst->type != NTP_TYPE_F32 || dst->channels != 1)
         return NTP_ERR_FORMAT;
     if (!ntp__same_size(&seen, src) || src->ring_rows != 0 || dst->ring_rows != 0 ||
         dst->pixel_stride != (ptrdiff_t) sizeof(float))
@@ -89,7 +89,7 @@ static ntp_status check_mask(const ntp_const_image *mask, const ntp_const_image 
     if (mask == NULL)
         return NTP_OK;
     NTP__TRY(ntp__check_view(mask));
-    if (mask->encoding != NTP_HEIGHT || mask->type == NTP_F32)
+    if (mask->encoding != NTP_ENCODING_HEIGHT || mask->type == NTP_TYPE_F32)
         return NTP_ERR_FORMAT;
     return ntp__same_size(mask, src) && mask->ring_rows == 0 ? NTP_OK : NTP_ERR_SHAPE;
 }
@@ -353,7 +353,7 @@ ntp_status ntp_height_from_normals(const ntp_image *dst, const ntp_const_image *
     NTP__TRY(check_views(dst, src));
     NTP__TRY(resolve(&t.how, how, src->width, src->height));
     NTP__TRY(check_mask(t.how.mask, src));
-    if (t.how.refine > 0 && src->type == NTP_F32)
+    if (t.how.refine > 0 && src->type == NTP_TYPE_F32)
         return NTP_ERR_FORMAT;
     t.crew = ntp__crew_of(hooks);
     if (t.crew.parts < 1 || t.crew.parts > NTP_MAX_PARTS)

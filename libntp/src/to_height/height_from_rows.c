@@ -37,7 +37,7 @@ static ntp_status check_form(ntp_const_image *checked, const ntp_const_image *fo
     if (form == NULL)
         return NTP_ERR_ARGUMENT;
     *checked = *form;
-    if ((int) form->type < NTP_U8 || (int) form->type > NTP_F32 || form->channels < 1 ||
+    if ((int) form->type < NTP_TYPE_U8 || (int) form->type > NTP_TYPE_F32 || form->channels < 1 ||
         form->channels > 4)
         return NTP_ERR_ARGUMENT;
     checked->data = checked; /* anything that is aligned */

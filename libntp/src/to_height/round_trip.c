@@ -16,7 +16,7 @@
 /* Of half a box is used: the rest is for the rounding of heights to float. */
 static const double inside = 0.98;
 
-enum { MOST_ROWS = 128 }; /* that NTP_MEASURE_INSIDE looks at */
+enum { MOST_ROWS = 128 }; /* that NTP_RESIDUAL_INSIDE looks at */
 
 /* Leaves out the texels whose slopes a line makes of heights beyond a border. */
 static void hold_inside(int32_t *first, int32_t *end, const ntp__line *line)
@@ -37,7 +37,7 @@ static void hold_off_edges(int32_t *first, int32_t *end, ntp_border border)
 static void choose_seen(ntp__rederive *r, const ntp_height_options *how)
 {
     const ntp__stencil *s = r->stencil;
-    bool only_inside = how->measure == NTP_MEASURE_INSIDE;
+    bool only_inside = how->measure == NTP_RESIDUAL_INSIDE;
     r->seen = (ntp_rect) { 0, 0, r->width, r->height };
     r->rows = only_inside ? MOST_ROWS : r->height;
     for (int32_t t = 0; only_inside && t < s->terms; t++) {
@@ -111,10 +111,10 @@ static bool left_out(const ntp__rederive *r, const ntp__block *block, int32_t i,
     uint32_t touch = s->touch_unused;
     if (r->mask != NULL) {
         const void *at = ntp__at(r->mask, x, y);
-        if (r->mask->type == NTP_U8 ? *(const uint8_t *) at == 0 : *(const uint16_t *) at == 0)
+        if (r->mask->type == NTP_TYPE_U8 ? *(const uint8_t *) at == 0 : *(const uint16_t *) at == 0)
             return true;
     }
-    if (s->src->encoding == NTP_VECTOR)
+    if (s->src->encoding == NTP_ENCODING_VECTOR)
         touch |= NTP_UNUSED_BLACK | NTP_UNUSED_WHITE;
     return ntp__texel_unused(block, i, ntp__max(s->src->type), touch);
 }

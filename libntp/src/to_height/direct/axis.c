@@ -238,10 +238,10 @@ ntp_status ntp__problem_init(ntp__problem *p, const ntp_height_options *how, int
                                  sums ? NTP_BORDER_CLAMP : how->border_y));
     bool taps = p->along.kind == NTP__AXIS_TAPS;
     bool prior = how->prior == NTP_PRIOR_ROUGHNESS || (how->prior == NTP_PRIOR_AUTO && taps);
-    p->single = type == NTP_U8;
+    p->single = type == NTP_TYPE_U8;
     p->filter = taps || prior || ntp__axis_transform(&p->down) == NTP__FFT_MIRROR;
     /* A level is 2/M, its rounding error even over that; floats are 24 bits. */
-    double level = type == NTP_U8 ? 2.0 / 255 : type == NTP_U16 ? 2.0 / 65535 : 0x1p-23;
+    double level = type == NTP_TYPE_U8 ? 2.0 / 255 : type == NTP_TYPE_U16 ? 2.0 / 65535 : 0x1p-23;
     p->sigma = prior ? level * 0.28867513459481288 * p->down_weight : 0;
     return NTP_OK;
 }

@@ -373,14 +373,14 @@ static ntp_status least_squares(job *j)
 ntp_status ntp__integrate_check(const ntp_height_options *how, int32_t width, int32_t height)
 {
     ntp__problem p;
-    return ntp__problem_init(&p, how, width, height, NTP_F32);
+    return ntp__problem_init(&p, how, width, height, NTP_TYPE_F32);
 }
 
 size_t ntp__integrate_scratch(const ntp_height_options *how, int32_t width, int32_t height,
                               int32_t parts)
 {
     ntp__problem p;
-    if (ntp__problem_init(&p, how, width, height, NTP_F32) != NTP_OK)
+    if (ntp__problem_init(&p, how, width, height, NTP_TYPE_F32) != NTP_OK)
         return 0;
     if (how->method == NTP_HEIGHT_TELESCOPING)
         return ntp__aligned(EXTRA_ROWS * (size_t) width * sizeof(double));
@@ -462,7 +462,7 @@ ntp_status ntp__stream(const ntp_const_image *form, const ntp_height_rows *rows,
     j.row_bytes = sample_row(form);
     float *heights = take(&memory, (size_t) round_rows(&j) * (size_t) form->width * sizeof(float));
     j.normals = take(&memory, (size_t) window_rows(&j.problem, j.crew.parts) * j.row_bytes);
-    ntp_image dst = ntp_image_packed(heights, form->width, form->height, 1, NTP_F32);
+    ntp_image dst = ntp_image_packed(heights, form->width, form->height, 1, NTP_TYPE_F32);
     ntp_const_image src = *form;
     src.data = j.normals;
     src.pixel_stride = form->channels * ntp__sample_size(form->type);

@@ -50,13 +50,13 @@ void ntp__slopes_init(ntp__slopes *s, const ntp_const_image *src, const ntp_heig
     s->src = src;
     s->right = s->down = NULL;
     s->touch_unused = how->touch_unused;
-    s->derived = how->z == NTP_Z_DERIVED || src->encoding == NTP_XY;
+    s->derived = how->z == NTP_Z_DERIVED || src->encoding == NTP_ENCODING_XY;
     s->decode = how->decode;
-    if (src->type == NTP_F32)
+    if (src->type == NTP_TYPE_F32)
         s->decode = NTP_DECODE_UNORM;
     else if (s->decode == NTP_DECODE_AUTO)
-        s->decode =
-            src->type == NTP_U8 && neutral_by_evidence(src) ? NTP_DECODE_NEUTRAL : NTP_DECODE_UNORM;
+        s->decode = src->type == NTP_TYPE_U8 && neutral_by_evidence(src) ? NTP_DECODE_NEUTRAL
+                                                                         : NTP_DECODE_UNORM;
     s->zero = m + (s->decode == NTP_DECODE_SNORM) - (s->decode == NTP_DECODE_TRUNC);
     s->range = s->decode == NTP_DECODE_SNORM ? m - 1 : m;
     s->z_scale = s->range / m;
@@ -72,7 +72,7 @@ static int32_t numerator(int32_t c, int32_t zero, int32_t neutral)
 static void of_levels(const ntp__slopes *s, const ntp__block *b, double *right, double *down,
                       int32_t n)
 {
-    bool zzero = s->src->encoding == NTP_ZZERO;
+    bool zzero = s->src->encoding == NTP_ENCODING_ZZERO;
     double sign = s->src->y == NTP_Y_UP ? 1 : -1, square = s->range * s->range;
     int32_t zero = s->zero, neutral = s->neutral;
     for (int32_t i = 0; i < n; i++) {
@@ -91,7 +91,8 @@ static void of_levels(const ntp__slopes *s, const ntp__block *b, double *right, 
 static void of_floats(const ntp__slopes *s, double *right, double *down, int32_t x, int32_t y,
                       int32_t n)
 {
-    bool vector = s->src->encoding == NTP_VECTOR, zzero = s->src->encoding == NTP_ZZERO;
+    bool vector = s->src->encoding == NTP_ENCODING_VECTOR,
+         zzero = s->src->encoding == NTP_ENCODING_ZZERO;
     double sign = s->src->y == NTP_Y_UP ? 1 : -1;
     for (int32_t i = 0; i < n; i++) {
         const float *c = ntp__at(s->src, x + i, y);
@@ -128,7 +129,8 @@ static bool find_unused(bool flat[NTP__BLOCK], const ntp__slopes *s, const ntp__
     uint32_t touch = s->touch_unused;
     if (!any_suspect(b, n, m))
         return false;
-    if (s->src->encoding == NTP_VECTOR) /* of any length, so that (2, 2, 2) is no padding */
+    if (s->src->encoding ==
+        NTP_ENCODING_VECTOR) /* of any length, so that (2, 2, 2) is no padding */
         touch |= NTP_UNUSED_BLACK | NTP_UNUSED_WHITE;
     for (int32_t i = 0; i < n; i++) {
         bool broken = b->any_broken && b->broken[i];
@@ -158,7 +160,7 @@ void ntp__slopes_row(const ntp__slopes *s, double *right, double *down, int32_t 
     for (int32_t x = 0; x < s->src->width; x += NTP__BLOCK) {
         int32_t n = s->src->width - x < NTP__BLOCK ? s->src->width - x : NTP__BLOCK;
         ntp__unpack(&block, s->src, x, y, n);
-        if (s->src->type == NTP_F32)
+        if (s->src->type == NTP_TYPE_F32)
             of_floats(s, right + x, down + x, x, y, n);
         else
             of_levels(s, &block, right + x, down + x, n);
@@ -174,7 +176,7 @@ void ntp__slopes_row(const ntp__slopes *s, double *right, double *down, int32_t 
 
 static bool packed_levels(const ntp_const_image *src)
 {
-    return src->type == NTP_U8 && src->channels >= 3 &&
+    return src->type == NTP_TYPE_U8 && src->channels >= 3 &&
            src->pixel_stride == (ptrdiff_t) src->channels;
 }
 
@@ -183,7 +185,7 @@ static void single_block(const ntp__slopes *s, const ntp__block *block, float *r
                          int32_t x, int32_t y, int32_t n)
 {
     double p[NTP__BLOCK], q[NTP__BLOCK];
-    if (s->src->type == NTP_F32)
+    if (s->src->type == NTP_TYPE_F32)
         of_floats(s, p, q, x, y, n);
     else
         of_levels(s, block, p, q, n);
@@ -204,7 +206,7 @@ void ntp__slopes_row_single(const ntp__slopes *s, float *right, float *down, int
                                     (float) (s->range * s->range),
                                     src->y == NTP_Y_UP ? 1.0f : -1.0f,
                                     s->derived,
-                                    src->encoding == NTP_ZZERO };
+                                    src->encoding == NTP_ENCODING_ZZERO };
     ntp__block block;
     bool flat[NTP__BLOCK];
     if (s->right != NULL) {

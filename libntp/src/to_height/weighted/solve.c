@@ -81,7 +81,7 @@ static double strength_of(const ntp_height_options *how, const ntp__slopes *slop
         return 1;
     if (how->prior == NTP_PRIOR_NONE)
         return strength_without_prior;
-    if (slopes->src->type == NTP_U8)
+    if (slopes->src->type == NTP_TYPE_U8)
         return strength_8;
     return how->kernel == NTP_KERNEL_CENTRAL ? strength_16_central : strength_16;
 }

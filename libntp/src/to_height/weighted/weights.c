@@ -30,10 +30,10 @@ static bool in_hole(const ntp__weighted *w, const ntp__block *block, int32_t i, 
     uint32_t touch = w->slopes->touch_unused;
     if (w->mask != NULL) {
         const void *at = ntp__at(w->mask, x, y);
-        if (w->mask->type == NTP_U8 ? *(const uint8_t *) at == 0 : *(const uint16_t *) at == 0)
+        if (w->mask->type == NTP_TYPE_U8 ? *(const uint8_t *) at == 0 : *(const uint16_t *) at == 0)
             return true;
     }
-    if (src->encoding == NTP_VECTOR) /* of any length, so that (2, 2, 2) is no padding */
+    if (src->encoding == NTP_ENCODING_VECTOR) /* of any length, so that (2, 2, 2) is no padding */
         touch |= NTP_UNUSED_BLACK | NTP_UNUSED_WHITE;
     return ntp__texel_unused(block, i, ntp__max(src->type), touch);
 }
