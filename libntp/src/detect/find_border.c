@@ -7,7 +7,7 @@
  * Lines along an edge are taken in stretches; columns are the rows of the picture turned about
  * its diagonal.
  */
-#include "texel/direction.h"
+#include "texel/unused.h"
 #include "stencil/taps.h"
 #include "base/view.h"
 

@@ -11,19 +11,15 @@
 #ifndef NTP_GRADIENT_H
 #define NTP_GRADIENT_H
 
-#include "stencil/taps.h"
-#include "base/view.h"
 #include "base/bignum.h"
+#include "base/view.h"
+#include "stencil/border.h"
+#include "stencil/taps.h"
 
 enum {
     NTP__GRADIENT_ROW = NTP__BLOCK + 2 * NTP__MAX_RADIUS,
     NTP__MAX_READS = 3 /* samples that a height is made of */
 };
-
-/* The positions of a slope along one axis are moved into first..last (repeat-slope). */
-typedef struct ntp__span {
-    int32_t first, last;
-} ntp__span;
 
 /* mantissa 2^exponent, the sign apart; mantissa is odd or 0. */
 typedef struct ntp__scaled {
@@ -64,19 +60,6 @@ typedef struct ntp__normal {
     bool wide;        /* the wide integers were asked */
 } ntp__normal;
 
-/* The texels that stand for index i of an axis of n: sum of weight * h[index]. */
-typedef struct ntp__mapped {
-    int32_t count, index[2], weight[2];
-} ntp__mapped;
-
-ntp__mapped ntp__border_map(ntp_border border, int32_t i, int32_t n);
-
-/* The positions on an axis of n at which slopes are taken, of the taps along or across them. */
-ntp__span ntp__stencil_span(const ntp__kernel *k, bool along, ntp_border border, int32_t n);
-
-/* What lies beyond an edge: repeat-slope extrapolates where a stencil is longer than the axis. */
-ntp_border ntp__border_beyond(ntp_border border);
-
 ntp__scaled ntp__scaled_from(double v);
 
 /* The correctly rounded normal at (x, y); blue of integers is set where it is not derived.
@@ -113,11 +96,6 @@ double ntp__height_value(const ntp__gradient *g, int32_t x, int32_t y);
 
 /* Exact height at a texel, times range; integer sources only. */
 int64_t ntp__height_integer(const ntp__gradient *g, int32_t x, int32_t y);
-
-static inline int32_t ntp__clamp(int32_t v, ntp__span span)
-{
-    return v < span.first ? span.first : v > span.last ? span.last : v;
-}
 
 /* --- rows of heights (height_rows.c) --- */
 

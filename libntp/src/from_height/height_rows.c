@@ -9,36 +9,6 @@
 
 #include <string.h>
 
-static int32_t modulo(int32_t i, int32_t n)
-{
-    int32_t rest = i % n;
-    return rest < 0 ? rest + n : rest;
-}
-
-ntp__mapped ntp__border_map(ntp_border border, int32_t i, int32_t n)
-{
-    ntp__mapped one = { 1, { i, 0 }, { 1, 0 } };
-    if (i >= 0 && i < n)
-        return one;
-    int32_t edge = i < 0 ? 0 : n - 1;
-    if (n == 1 || border == NTP_BORDER_CLAMP) {
-        one.index[0] = edge;
-    } else if (border == NTP_BORDER_WRAP) {
-        one.index[0] = modulo(i, n);
-    } else if (border == NTP_BORDER_MIRROR) {
-        int32_t j = modulo(i, 2 * (n - 1));
-        one.index[0] = j < n ? j : 2 * (n - 1) - j;
-    } else {
-        int32_t beyond = i < 0 ? -i : i - (n - 1);
-        one.count = 2;
-        one.index[0] = edge;
-        one.index[1] = i < 0 ? 1 : n - 2;
-        one.weight[0] = 1 + beyond;
-        one.weight[1] = -beyond;
-    }
-    return one;
-}
-
 static int64_t combine_integers(const ntp__gradient *g, const int64_t s[NTP__MAX_READS])
 {
     int64_t m = ntp__max(g->src->type);

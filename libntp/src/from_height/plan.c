@@ -73,39 +73,6 @@ ntp_status ntp__gradient_source(ntp__gradient *g, ntp_height_source source)
     return NTP_OK;
 }
 
-/* Where the taps along and across a slope lie: first and last offset of one that is not 0. */
-static void extent(const ntp__kernel *k, bool along, int32_t *first, int32_t *last)
-{
-    *first = NTP__MAX_RADIUS;
-    *last = -NTP__MAX_RADIUS;
-    for (int32_t i = -NTP__MAX_RADIUS; i <= NTP__MAX_RADIUS; i++) {
-        int32_t at = i + NTP__MAX_RADIUS;
-        bool tap = along ? k->term[0].along[at] != 0 || k->term[1].along[at] != 0
-                         : k->term[0].across[at] != 0 || k->term[1].across[at] != 0;
-        if (tap && i < *first)
-            *first = i;
-        if (tap)
-            *last = i;
-    }
-}
-
-ntp__span ntp__stencil_span(const ntp__kernel *k, bool along, ntp_border border, int32_t n)
-{
-    ntp__span span = { 0, n - 1 };
-    int32_t first, last;
-    extent(k, along, &first, &last);
-    if (border == NTP_BORDER_REPEAT_SLOPE && last - first < n) {
-        span.first = first < 0 ? -first : 0;
-        span.last = last > 0 ? n - 1 - last : n - 1;
-    }
-    return span;
-}
-
-ntp_border ntp__border_beyond(ntp_border border)
-{
-    return border == NTP_BORDER_REPEAT_SLOPE ? NTP_BORDER_EXTRAPOLATE : border;
-}
-
 static void set_borders(ntp__gradient *g, const ntp_normals_options *how)
 {
     int32_t width = g->src->width, height = g->src->height;

@@ -11,6 +11,7 @@
  * Levels have 17 bits with their sign, n 53, 2^k 62 and n only where k is small: 2^116 holds all.
  */
 #include "texel/direction.h"
+#include "texel/unused.h"
 #include "texel/level.h"
 
 #include <string.h>

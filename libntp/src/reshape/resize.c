@@ -9,6 +9,7 @@
  * caller streams with any two rows at hand, and each call stands alone.
  */
 #include "texel/direction.h"
+#include "texel/unused.h"
 #include "texel/level.h"
 #include "reshape/resize.h"
 

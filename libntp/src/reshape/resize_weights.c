@@ -12,7 +12,7 @@
  * that they are the same everywhere.
  */
 #include "reshape/resize.h"
-#include "from_height/gradient.h"
+#include "stencil/border.h"
 
 /*
  * Sums of |weight| stay below 1.6 * 2^30: a column of 16-bit levels times 16-bit alphas then

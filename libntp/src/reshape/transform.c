@@ -7,6 +7,7 @@
  * strength S = n / 2^k makes (n x, n y, 2^k z), whose direction is rounded once.
  */
 #include "texel/direction.h"
+#include "texel/unused.h"
 #include "texel/level.h"
 
 #include <string.h>

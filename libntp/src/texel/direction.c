@@ -23,13 +23,6 @@ void ntp__texel_vector(int32_t v[3], const ntp__block *block, int32_t i, int32_t
     v[2] = encoding == NTP_ENCODING_ZZERO ? b : ntp__num(b, m);
 }
 
-bool ntp__texel_unused(const ntp__block *block, int32_t i, int32_t m, uint32_t touch_unused)
-{
-    return (block->any_broken && block->broken[i]) ||
-           ntp__unused(block->c[0][i], block->c[1][i], block->c[2][i], block->c[3][i], m,
-                       touch_unused);
-}
-
 /* |a| as a wide number. */
 static void wide_of(ntp__wide *w, ntp__i128 a)
 {

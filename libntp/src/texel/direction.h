@@ -16,9 +16,6 @@
 void ntp__texel_vector(int32_t v[3], const ntp__block *block, int32_t i, int32_t m,
                        ntp_encoding encoding);
 
-/* Holds the texel no normal?  Floats that are no vector do not. */
-bool ntp__texel_unused(const ntp__block *block, int32_t i, int32_t m, uint32_t touch_unused);
-
 /*
  * The levels of v / |v|, |components| < 2^125: r and g correctly rounded (half up), pulled where
  * they are then too long, b derived from them, of z's sign in the standard encoding.  NTP_ENCODING_XY:

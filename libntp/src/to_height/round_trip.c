@@ -8,7 +8,7 @@
  */
 #include "to_height/round_trip.h"
 
-#include "texel/direction.h"
+#include "texel/unused.h"
 #include "to_height/direct/direct.h"
 
 #include <math.h>

@@ -9,7 +9,7 @@
 #ifndef NTP_STENCIL_H
 #define NTP_STENCIL_H
 
-#include "from_height/gradient.h"
+#include "stencil/border.h"
 
 /* Near the ends: up to 4 positions at each, 9 taps, of which each stands for up to 2 texels. */
 enum { NTP__LINE_ENTRIES = 2 * NTP__MAX_RADIUS * NTP__MAX_TAPS * 2 };

@@ -8,7 +8,7 @@
  */
 #include "to_height/weighted/weighted.h"
 
-#include "texel/direction.h"
+#include "texel/unused.h"
 
 /* Weights below it would make the steepest texels as good as holes, and the iteration slow. */
 static const double least_weight = 0.01;
