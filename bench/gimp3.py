@@ -23,7 +23,7 @@ from PIL import Image
 ROOT = Path(__file__).resolve().parent.parent
 sys.path[:0] = [str(ROOT / "tests"), str(ROOT / "tests" / "gimp")]
 
-from gimps import Gimp3
+from support.gimps import Gimp3
 
 GOAL = 1.3  # of the filter: times GIMP's own
 PLUGIN_GOAL = 1  # of the plug-in: times the filter and a round trip of all texels

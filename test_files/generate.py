@@ -2,7 +2,7 @@
 """generate.py [DIR]: writes the test files; README.md beside it says what each one shows.
 
 The bytes do not depend on the machine or on the version of a library: see shapes.py, and
-tests/pngs.py for the writers.  Two files are made by Pillow and therefore kept as they are:
+tests/support/pngs.py for the writers.  Two files are made by Pillow and therefore kept as they are:
 jpeg.jpg and jpeg_progressive.jpg (`generate.py --jpeg` makes them anew).
 """
 
@@ -14,8 +14,8 @@ import numpy as np
 HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE), str(HERE.parent / "tests")]
 
-import pngs
 import shapes
+from support import pngs
 
 N = shapes.normals(shapes.height())
 GENTLE = shapes.normals(shapes.height(), 2.0)

@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 
 import libntp_ffi as ntp
-import test_to_height as reconstruction
-from oracle_height import CLAMP, EXTRAPOLATE, KERNELS, MIRROR, NAMES, REPEAT_SLOPE, WRAP
+from support import to_height as reconstruction
+from support.oracle_height import CLAMP, EXTRAPOLATE, KERNELS, MIRROR, NAMES, REPEAT_SLOPE, WRAP
 
 BAKED = len(NAMES)
 WEIGHTED = 4

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Classes, accidents and cleaning methods of textures whose kind is known (maps.py).
+"""Classes, accidents and cleaning methods of textures whose kind is known (support/maps.py).
 
 The seed is drawn anew at each run and printed; NTP_SEED repeats a run.  With CI set it is always
 CI_SEED, so that a change is judged by its own effect.  Bounds on shares are more than five standard
@@ -15,8 +15,7 @@ import numpy as np
 import pytest
 
 import libntp_ffi as ntp
-import maps
-import surfaces
+from support import maps, surfaces
 
 DRAWS = 700
 FIXED_DRAWS = 250

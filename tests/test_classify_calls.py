@@ -6,7 +6,7 @@ import re
 import numpy as np
 
 import libntp_ffi as ntp
-import maps
+from support import maps
 from test_classify import stats_of
 
 

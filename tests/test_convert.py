@@ -7,9 +7,8 @@ import numpy as np
 import pytest
 
 import libntp_ffi as ntp
-import oracle
-import oracle_convert
-from test_oracle import random_texels
+from support import oracle, oracle_convert
+from support.texels import random_texels
 
 DEPTHS = {255: np.uint8, 65535: np.uint16}
 NAMES = {ntp.STANDARD: "standard", ntp.ZZERO: "zzero", ntp.XY: "xy"}

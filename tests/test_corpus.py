@@ -15,7 +15,7 @@ import pytest
 from PIL import Image
 
 import libntp_ffi as ntp
-import pngs
+from support import pngs
 
 CORPUS = Path(os.environ.get("NTP_CORPUS", ntp.ROOT.parent / "shared" / "corpus"))
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import libntp_ffi as ntp
-import oracle
+from support import oracle
 
 M = 255
 ENCODINGS = {"standard": ntp.STANDARD, "zzero": ntp.ZZERO}

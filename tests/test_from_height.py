@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 import libntp_ffi as ntp
-import oracle
-import oracle_height as model
-from from_height import SCALES, both, from_height, options, random_heights, random_how
+from support import oracle
+from support import oracle_height as model
+from support.from_height import SCALES, both, from_height, options, random_heights, random_how
 
 # ------------------------------------------------------------------------ every setting
 

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import libntp_ffi as ntp
-import oracle_height as model
-from from_height import from_height, options
+from support import oracle_height as model
+from support.from_height import from_height, options
 
 
 def dithered(src, encoding=ntp.STANDARD, y=ntp.UP, dst=np.uint8, parts=(), **how):

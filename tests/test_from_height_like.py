@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import libntp_ffi as ntp
-import oracle
-import oracle_height as model
+from support import oracle
+from support import oracle_height as model
 
 GIMP_FILTERS = {  # its kernels for du as it applies them, and the response to a unit ramp
     "4sample": [[Fraction(-1, 2), 0, Fraction(1, 2)]],

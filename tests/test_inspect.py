@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import libntp_ffi as ntp
-import oracle
-from test_oracle import random_texels
+from support import oracle
+from support.texels import random_texels
 
 NAMES = {ntp.STANDARD: "standard", ntp.ZZERO: "zzero", ntp.XY: "xy"}
 

@@ -7,7 +7,7 @@ from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
 import libntp_ffi as ntp
-import oracle
+from support import oracle
 
 # The same examples at each run, however long a busy machine takes to draw them.
 settings.register_profile(

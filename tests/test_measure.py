@@ -5,7 +5,8 @@ import numpy as np
 import pytest
 
 import libntp_ffi as ntp
-import oracle_measure
+from support import oracle_measure
+from support.texels import cuts, image
 
 ENCODINGS = {"standard": ntp.STANDARD, "zzero": ntp.ZZERO, "xy": ntp.XY}
 COUNTS = [
@@ -45,29 +46,6 @@ FIT_COUNTS = [
     "unused_exact",
     "used_levels_le",
 ]
-
-
-def image(m, channels=3, seed=1, h=61, w=83):
-    """Normals of every kind: good, off by a few levels, random, unused, flat, gray."""
-    rng = np.random.default_rng(seed)
-    tilt = rng.uniform(0, 1.05, (h, w)) ** 2
-    turn = rng.uniform(0, 2 * np.pi, (h, w))
-    v = np.stack(
-        [tilt * np.cos(turn), tilt * np.sin(turn), np.sqrt(np.maximum(1 - tilt**2, 0))], -1
-    )
-    v[..., 2] *= rng.choice([1, 1, 1, -1], (h, w))
-    out = np.floor((v + 1) / 2 * m + 0.5).astype(int)
-    out[..., 2] += rng.choice([0, 0, 0, 1, -2, 5], (h, w))
-    out = np.where(rng.random((h, w, 1)) < 0.1, rng.integers(0, m + 1, (h, w, 3)), out)
-    half = (m + 1) // 2
-    specials = [[0] * 3, [m] * 3, [half, half, m], [half - 1, half, m], [half] * 3]
-    pick = rng.integers(0, 40, (h, w))
-    for i, special in enumerate(specials):
-        out[pick == i] = special
-    if channels == 4:
-        alpha = rng.choice([0, m, m, m // 3], (h, w))
-        out = np.dstack([out, alpha])
-    return np.clip(out, 0, m)[..., :channels]
 
 
 def make(kind):
@@ -188,22 +166,6 @@ def test_block_step(m, dtype, width):
     got = ntp.Tally().measure(array).stats()["block_step"]
     want = oracle_measure.block_steps(array, m) if width > 1 else np.zeros(3)
     assert got == pytest.approx(want, rel=1e-9)
-
-
-def cuts(h, w, rng, count):
-    """Rectangles that cover h by w exactly once."""
-    areas = [(0, 0, w, h)]
-    while len(areas) < count:
-        x0, y0, x1, y1 = areas.pop(rng.integers(len(areas)))
-        if rng.random() < 0.5 and x1 - x0 > 1:
-            x = int(rng.integers(x0 + 1, x1))
-            areas += [(x0, y0, x, y1), (x, y0, x1, y1)]
-        elif y1 - y0 > 1:
-            y = int(rng.integers(y0 + 1, y1))
-            areas += [(x0, y0, x1, y), (x0, y, x1, y1)]
-        else:
-            areas.append((x0, y0, x1, y1))
-    return areas
 
 
 def everything(tally, encoding):

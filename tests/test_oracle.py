@@ -6,7 +6,8 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-import oracle
+from support import oracle
+from support.texels import random_texels
 
 M8, M16 = 255, 65535
 LEVELS = np.arange(256)
@@ -17,21 +18,6 @@ def planes():
     g, b = np.meshgrid(LEVELS, LEVELS, indexing="ij")
     for r in range(256):
         yield r, g, b
-
-
-def random_texels(m, count, seed):
-    """Texels of every kind: anywhere, near the sphere, near the disc's edge."""
-    rng = np.random.default_rng(seed)
-    texels = rng.integers(0, m + 1, (count, 3))
-    v = rng.normal(size=(count, 3))
-    v /= np.linalg.norm(v, axis=1, keepdims=True)
-    near = np.clip(np.floor((v + 1) / 2 * m + 0.5), 0, m).astype(int)
-    near = np.clip(near + rng.integers(-2, 3, near.shape), 0, m)
-    angle = rng.uniform(0, 2 * np.pi, count)
-    radius = rng.choice([1 - 1 / m, 1, 1 + 1 / m, 1.004, 1.3], count)
-    edge = np.stack([radius * np.cos(angle), radius * np.sin(angle), rng.uniform(-1, 1, count)], 1)
-    edge = np.clip(np.floor((edge + 1) / 2 * m + 0.5), 0, m).astype(int)
-    return np.concatenate([texels, near, edge])
 
 
 def test_encode():

@@ -10,9 +10,8 @@ import pytest
 from PIL import Image
 
 import libntp_ffi as ntp
-import maps
-import oracle_orientation as oracle
-import surfaces
+from support import maps, surfaces
+from support import oracle_orientation as oracle
 
 SEED = int(os.environ.get("NTP_SEED", "20261121"))
 

@@ -5,10 +5,9 @@ import numpy as np
 import pytest
 
 import libntp_ffi as ntp
-import maps
-import oracle_height as heights
-import surfaces
-import test_to_height as reconstruction
+from support import maps, surfaces
+from support import oracle_height as heights
+from support import to_height as reconstruction
 
 TRIED = ["central", "forward", "prewitt3", "sobel3", "scharr3", "prewitt5", "baked"]
 NAMES = [*heights.NAMES, "baked"]

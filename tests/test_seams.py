@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 
 import libntp_ffi as ntp
-import maps
-import test_to_height as reconstruction
+from support import maps
+from support import to_height as reconstruction
 
 UNDECIDED, TILES, SEAM = range(3)
 KERNELS = ["central", "forward", "sobel3", "scharr3"]

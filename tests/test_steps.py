@@ -12,8 +12,7 @@ import numpy as np
 import pytest
 
 import libntp_ffi as ntp
-import maps
-import surfaces
+from support import maps, surfaces
 
 SEED = int(os.environ.get("NTP_SEED", "20261121"))
 DIVISORS = {"central": 2, "forward": 1, "prewitt3": 6, "sobel3": 8}

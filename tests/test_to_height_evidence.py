@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 
 import libntp_ffi as ntp
-from test_to_height import CLAMP, DECODE_AUTO, NEUTRAL, SNORM, TRUNC, UNORM, WRAP, fractal
-from test_to_height import to_height as reconstruct
+from support.to_height import CLAMP, DECODE_AUTO, NEUTRAL, SNORM, TRUNC, UNORM, WRAP, fractal
+from support.to_height import to_height as reconstruct
 
 STORED, DERIVED, AUTO = range(3)
 

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 import libntp_ffi as ntp
-import oracle_height as heights
-from test_to_height import (
+from support import oracle_height as heights
+from support.to_height import (
     CLAMP,
     EXTRAPOLATE,
     MIRROR,

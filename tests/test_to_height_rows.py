@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 import libntp_ffi as ntp
-from test_to_height import (
+from support.to_height import (
     CLAMP,
     EXTRAPOLATE,
     MIRROR,

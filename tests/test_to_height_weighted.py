@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 import libntp_ffi as ntp
-import oracle_height as heights
-import oracle_reconstruct as model
-from test_to_height import (
+from support import oracle_height as heights
+from support import oracle_reconstruct as model
+from support.to_height import (
     CLAMP,
     EXTRAPOLATE,
     UNORM,

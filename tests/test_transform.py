@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 import libntp_ffi as ntp
-import oracle_vectors as model
-from test_resize import NAMES, TYPES, noise
+from support import oracle_vectors as model
+from support.oracle_transform import moved_picture, turned, unused_mask
+from support.texels import NAMES, TYPES, noise
 
 STRENGTHS = [0.0, 0.5, 0.1, 2.0, 1 / 3, 7.25, 1000.0, 1024.0, 2.0**-10, -0.7, -3.0, 1 + 2.0**-52]
 
@@ -25,25 +26,6 @@ def transform(
     source = ntp.view(src, encoding, y, const=True)
     ntp.check(ntp.lib.ntp_transform(ntp.view(dst, encoding, y), source, how, ntp.rect(area)))
     return dst
-
-
-def turned(x, y, flips, turns, y_axis):
-    """The stored components after flips and clockwise turns."""
-    x, y = (-x if flips[0] else x), (-y if flips[1] else y)
-    for _ in range(turns):
-        x, y = (y, -x) if y_axis == ntp.UP else (-y, x)
-    return x, y
-
-
-def moved_picture(src, flips, turns):
-    out = src[:, ::-1] if flips[0] else src
-    out = out[::-1] if flips[1] else out
-    return np.rot90(out, -turns)
-
-
-def unused_mask(src, m):
-    black_or_white = np.all(src[..., :3] == 0, -1) | np.all(src[..., :3] == m, -1)
-    return black_or_white | (src[..., 3] == 0) if src.shape[2] == 4 else black_or_white
 
 
 @pytest.mark.parametrize("y_axis", [ntp.UP, ntp.DOWN])

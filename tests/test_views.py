@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import libntp_ffi as ntp
-from test_measure import cuts, image
+from support.texels import cuts, image
 
 ENCODINGS = {
     2: [ntp.XY],

@@ -26,7 +26,7 @@ IN_SDIST = (
     "bindings/python/cdef.py",
     "bindings/python/normaltexture/py.typed",
     "bindings/python/tests/conftest.py",
-    "tests/oracle.py",
+    "tests/support/oracle.py",
 )
 IN_WHEEL = (
     "normaltexture/*.py",

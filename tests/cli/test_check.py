@@ -8,11 +8,10 @@ import json
 import jsonschema
 import numpy as np
 import pytest
-import textures
 
 import libntp_ffi
-import oracle
-from pngs import chunk, write_png
+from support import oracle, textures
+from support.pngs import chunk, write_png
 
 SCHEMA = json.loads((libntp_ffi.ROOT / "docs/schema/check-1.json").read_text())
 

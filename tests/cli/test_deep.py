@@ -6,14 +6,13 @@ import json
 import jsonschema
 import numpy as np
 import pytest
-import textures
-from spawn import spawn
 
 import libntp_ffi
-import maps
-import oracle_height as model
-import test_to_height as reconstruction
-from pngs import write_png
+from support import maps, textures
+from support import oracle_height as model
+from support import to_height as reconstruction
+from support.pngs import write_png
+from support.spawn import spawn
 
 SCHEMA = json.loads((libntp_ffi.ROOT / "docs/schema/check-1.json").read_text())
 ADDED = (

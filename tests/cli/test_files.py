@@ -14,10 +14,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import textures
-from spawn import spawn, start
 
-from pngs import read_png, write_png
+from support import textures
+from support.pngs import read_png, write_png
+from support.spawn import spawn, start
 
 HOSTILE = [
     b"two words_n.png",

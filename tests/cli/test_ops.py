@@ -5,11 +5,10 @@ import json
 
 import numpy as np
 import pytest
-import textures
 
-import oracle
-import oracle_vectors as model
-from pngs import read_png, write_png
+from support import oracle, textures
+from support import oracle_vectors as model
+from support.pngs import read_png, write_png
 
 
 def pixels_of(path):

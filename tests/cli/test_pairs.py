@@ -5,10 +5,9 @@ import json
 
 import numpy as np
 import pytest
-import textures
 
-import oracle
-from pngs import read_png, write_png
+from support import oracle, textures
+from support.pngs import read_png, write_png
 
 
 def pairs(depth=8, bad_rows=3):

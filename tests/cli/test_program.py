@@ -11,11 +11,10 @@ import subprocess
 
 import numpy as np
 import pytest
-import textures
-from spawn import spawn
 
-import oracle
-from pngs import read_png, write_png
+from support import oracle, textures
+from support.pngs import read_png, write_png
+from support.spawn import spawn
 
 VERBS = ["check", "clean", "convert", "heatmap", "dump", "diff"]
 

@@ -6,8 +6,8 @@ import json
 import numpy as np
 import pytest
 
-import oracle_height as model
-from pngs import read_png, write_png
+from support import oracle_height as model
+from support.pngs import read_png, write_png
 
 
 def pixels_of(path):

@@ -11,12 +11,12 @@ import time
 import jsonschema
 import numpy as np
 import pytest
-import textures
-from spawn import spawn, start
 
 import libntp_ffi
-import test_to_height as reconstruction
-from pngs import chunk, read_png, write_png
+from support import textures
+from support import to_height as reconstruction
+from support.pngs import chunk, read_png, write_png
+from support.spawn import spawn, start
 
 SCHEMA = json.loads((libntp_ffi.ROOT / "docs/schema/to-height-1.json").read_text())
 KERNELS = ["central", "forward", "prewitt3", "sobel3", "scharr3"]

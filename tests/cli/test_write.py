@@ -7,11 +7,10 @@ import zlib
 
 import numpy as np
 import pytest
-import textures
 from PIL import Image
 
-import oracle
-from pngs import read_png, tga_bytes, write_png
+from support import oracle, textures
+from support.pngs import read_png, tga_bytes, write_png
 
 
 def pixels_of(path):

@@ -9,12 +9,12 @@ import subprocess
 
 import numpy as np
 import pytest
-from gimps import Gimp3
-from test_gegl import CHANNELS, DEPTHS, GAMMA, picture, rough_normals, to_options
 
 import libntp_ffi
-import pngs
 from libntp_ffi import ffi, lib
+from support import pngs
+from support.gegl_pictures import CHANNELS, DEPTHS, GAMMA, picture, rough_normals, to_options
+from support.gimps import Gimp3
 
 CHROOT = os.environ.get("NTP_GIMP3")
 pytestmark = pytest.mark.skipif(not CHROOT, reason="NTP_GIMP3 names no chroot; use ./dev gimp3")

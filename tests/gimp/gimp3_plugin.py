@@ -7,8 +7,10 @@ import subprocess
 
 import numpy as np
 import pytest
-from gimps import Gimp3
-from plugin_cases import (
+
+from support import pngs
+from support.gimps import Gimp3
+from support.plugin_cases import (
     CASES,
     INPUTS,
     PART,
@@ -21,8 +23,6 @@ from plugin_cases import (
     picture,
     rough_normals,
 )
-
-import pngs
 
 CHROOT = os.environ.get("NTP_GIMP3")
 pytestmark = pytest.mark.skipif(not CHROOT, reason="NTP_GIMP3 names no chroot; use ./dev gimp3")

@@ -4,7 +4,6 @@
 import os
 import shlex
 import shutil
-import struct
 import subprocess
 from pathlib import Path
 
@@ -12,12 +11,8 @@ import numpy as np
 import pytest
 
 import libntp_ffi
-import pngs
-
-GAMMA = (b"gAMA", struct.pack(">I", 45455))
-DEPTHS = [8, 16]
-CHANNELS = [1, 2, 3, 4]
-
+from support import pngs
+from support.gegl_pictures import CHANNELS, DEPTHS, GAMMA, picture, rough_normals, to_options
 
 # GEGL loads all its modules at each start; with these alone a start takes a tenth of the time.
 MODULES = ["gegl-core", "gegl-common", "transformops", "text", "png-load", "png-save"]
@@ -81,25 +76,6 @@ def ntp(run, tmp_path):
         return pngs.read_png(tmp_path / "ntp-out.png")[0]
 
     return call
-
-
-def picture(width, height, channels, depth, seed=5):
-    """Smooth waves in each channel, noise on top."""
-    rng = np.random.default_rng(seed)
-    y, x = np.mgrid[:height, :width]
-    waves = [np.sin(x / (5 + c) + c) * np.cos(y / (7 - c)) for c in range(channels)]
-    unit = np.stack(waves, 2) * 0.45 + 0.5 + rng.normal(0, 0.01, (height, width, channels))
-    top = 2**depth - 1
-    return (unit.clip(0, 1) * top + 0.5).astype(np.uint8 if depth == 8 else np.uint16)
-
-
-def to_options(settings):
-    """{"to_y": "down"} as options of ntp."""
-    return [
-        word
-        for k, v in settings.items()
-        for word in ([f"--{k}", v] if v is not True else [f"--{k}"])
-    ]
 
 
 def to_properties(settings):
@@ -306,16 +282,6 @@ def test_mistakes(gegl_env, tmp_path, word, answer):
     pngs.write_png(tmp_path / "in.png", picture(9, 9, 3, 8))
     command = ["gegl", "in.png", "-o", "out.png", "--", "ntp:normals-from-height", word]
     assert answer in gegl_says(gegl_env, tmp_path, *command)
-
-
-def rough_normals(channels, depth, seed=9):
-    """Normals of every sort: unit, short, long, pointing inwards; black, white and transparent."""
-    rng = np.random.default_rng(seed)
-    top = 2**depth - 1
-    pixels = rng.integers(0, top, (60, 80, channels), endpoint=True)
-    pixels[:20, :, 2] = top - pixels[:20, :, 2] // 3
-    pixels[5, :30], pixels[6, :30] = 0, top
-    return pixels.astype(np.uint8 if depth == 8 else np.uint16)
 
 
 CLEANING = [

@@ -8,12 +8,14 @@ import json
 import shutil
 import subprocess
 
-import gimp2
 import numpy as np
 import pytest
-from gimp2 import call, normals, opened, saved, stored
-from gimps import complaints
-from plugin_cases import (
+
+import libntp_ffi
+from support import gimp2, pngs
+from support.gimp2 import call, normals, opened, saved, stored
+from support.gimps import complaints
+from support.plugin_cases import (
     CASES,
     HEIGHT,
     INPUTS,
@@ -28,10 +30,7 @@ from plugin_cases import (
     picture,
     rough_normals,
 )
-from xcf import read_xcf
-
-import libntp_ffi
-import pngs
+from support.xcf import read_xcf
 
 if shutil.which(gimp2.PROGRAM) is None and shutil.which("gimp-console-3.0"):
     pytest.skip("this system has GIMP 3: see ./dev gimp3", allow_module_level=True)

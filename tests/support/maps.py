@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from PIL import Image
 
-from surfaces import blur, draw_height, draw_normals, draw_size, fft_noise, normals_of
+from .surfaces import blur, draw_height, draw_normals, draw_size, fft_noise, normals_of
 
 STANDARD, ZZERO, XY, HEIGHT, OBJECT, ONE_COLOR, NOT_NORMALS = range(7)
 CLASSES = ["standard", "zzero", "xy", "height", "object-space", "one-color", "not-normals"]

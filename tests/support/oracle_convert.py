@@ -9,7 +9,8 @@ import math
 from fractions import Fraction
 
 from libntp_ffi import STANDARD, XY, ZZERO
-from oracle import derived_blue, encode, encode_zzero, exact, pull, radicand
+
+from .oracle import derived_blue, encode, encode_zzero, exact, pull, radicand
 
 
 def deepen(c, m, to):

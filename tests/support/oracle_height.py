@@ -11,7 +11,7 @@ from fractions import Fraction
 
 import numpy as np
 
-import oracle
+from . import oracle
 
 WRAP, CLAMP, MIRROR, EXTRAPOLATE, REPEAT_SLOPE = range(5)
 BORDERS = range(5)

@@ -3,7 +3,7 @@
 
 import numpy as np
 
-import oracle
+from . import oracle
 
 STEEP = 8
 

@@ -9,7 +9,7 @@ import functools
 
 import numpy as np
 
-import oracle_height as heights
+from . import oracle_height as heights
 
 WRAP, CLAMP, MIRROR, EXTRAPOLATE, REPEAT_SLOPE = range(5)
 BAKED = "baked"

@@ -7,7 +7,7 @@ which a direction does not depend on.
 
 import math
 
-import oracle
+from . import oracle
 
 
 def components(texel, m, encoding):

@@ -3,7 +3,7 @@
 
 import numpy as np
 
-import oracle
+from . import oracle
 
 
 def slopes(h=64, w=64, seed=1, steepness=0.7):

@@ -5,7 +5,7 @@ import sys
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
-import oracle
+from support import oracle
 
 PUBLISHED = {
     ("standard", "rounded"): 20_238_939_248,

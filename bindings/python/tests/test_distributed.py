@@ -17,9 +17,9 @@ import pytest
 from distributed import Client, LocalCluster, WorkerPlugin, get_client
 
 import normaltexture as nt
-from cli import textures
 from normaltexture import _ntp, distributed
-from pngs import write_png
+from support import textures
+from support.pngs import write_png
 
 KERNELS = [
     "central",

@@ -12,15 +12,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import normaltexture as nt
-import oracle
-import oracle_convert
-import oracle_measure
-import oracle_orientation
-import test_pictures as pictures
 from drawn import DEPTHS, ENCODINGS, textures
-from test_blend import blend_by_model
-from test_resize import resize_by_model
-from test_transform import moved_picture, turned, unused_mask
+from support import oracle, oracle_convert, oracle_measure, oracle_orientation
+from support import oracle_pictures as pictures
+from support.oracle_blend import blend_by_model
+from support.oracle_resize import resize_by_model
+from support.oracle_transform import moved_picture, turned, unused_mask
 
 types = st.sampled_from(list(ENCODINGS))
 ups = st.sampled_from(["up", "down"])

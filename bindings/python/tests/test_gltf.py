@@ -14,11 +14,11 @@ from referencing import Registry, Resource
 
 import gltf_files as files
 import normaltexture as nt
-from cli import textures
 from conftest import ROOT
 from normaltexture import gltf
 from normaltexture.gltf._spans import Editor
-from pngs import png_bytes, read_png
+from support import textures
+from support.pngs import png_bytes, read_png
 
 
 def green_mirrored(texture):

@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import normaltexture as nt
-import oracle_height as oracle
 from drawn import heights, textures
+from support import oracle_height as oracle
 
 KERNELS = list(oracle.KERNELS)
 BORDERS = ["wrap", "clamp", "mirror", "extrapolate", "repeat-slope"]

@@ -11,8 +11,8 @@ from pathlib import Path
 import pytest
 import yaml
 
-from cli import textures
-from pngs import read_png, write_png
+from support import textures
+from support.pngs import read_png, write_png
 from test_gltf import BAD as GLTF_BAD
 from test_gltf import model, save
 

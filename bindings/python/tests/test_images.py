@@ -14,9 +14,9 @@ from PIL import Image, features
 
 import gltf_files
 import normaltexture as nt
-from cli import textures
 from normaltexture import gltf, images
-from pngs import png_bytes, read_png
+from support import textures
+from support.pngs import png_bytes, read_png
 
 RGB = textures.standard(20, 28)
 DEEP = textures.standard(20, 28, depth=16)

@@ -11,7 +11,7 @@ from hypothesis.extra import numpy as hnp
 
 import normaltexture as nt
 from drawn import layouts
-from pngs import png_bytes
+from support.pngs import png_bytes
 
 SHAPES = [(5, 7), (5, 7, 2), (5, 7, 3), (5, 7, 4), (1, 1, 3)]
 

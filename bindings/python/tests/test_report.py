@@ -20,10 +20,10 @@ import numpy as np
 import pytest
 
 import sarif_schema
-from cli import textures
 from normaltexture import report
 from normaltexture.report import _page, _pictures
-from pngs import read_png, write_png
+from support import textures
+from support.pngs import read_png, write_png
 
 GOOD = textures.standard(48, 64)
 BAD = textures.wrong_blue(GOOD, 0.1)
