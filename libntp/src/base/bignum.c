@@ -2,7 +2,7 @@
 /*
  * bignum.c - natural numbers of up to 2048 bits, on the stack
  *
- * Schoolbook arithmetic: the numbers have a few limbs, hardly ever more than twenty.
+ * Schoolbook arithmetic: the numbers have a few limbs, seldom more than twenty.
  */
 #include "base/bignum.h"
 

@@ -2,12 +2,12 @@
 /*
  * bignum.h - natural numbers of up to 2048 bits, on the stack
  *
- * For the few texels whose rounding a double cannot decide.  Only what that needs: product,
- * sum, difference, shift, comparison.  Limbs of 32 bits, the lowest first, so that plain C
- * multiplies them.
+ * For the few texels and vectors whose rounding a double cannot decide.  Only what that needs:
+ * product, sum, difference, shift, comparison.  Limbs of 32 bits, the lowest first, so that plain C
+ * multiplies them.  Signed integers of 128 bits are enough for sums and blends: int128.h.
  */
-#ifndef NTP_WIDE_H
-#define NTP_WIDE_H
+#ifndef NTP_BIGNUM_H
+#define NTP_BIGNUM_H
 
 #include <stdint.h>
 

@@ -6,8 +6,8 @@
  * whenever the result fits.  For sums of weighted levels and for blends, whose numerators have
  * up to 120 bits.
  */
-#ifndef NTP_I128_H
-#define NTP_I128_H
+#ifndef NTP_INT128_H
+#define NTP_INT128_H
 
 #include <stdbool.h>
 #include <stdint.h>

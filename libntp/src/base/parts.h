@@ -2,8 +2,8 @@
 /*
  * parts.h - items of work shared out among the parts that the caller's hooks offer
  */
-#ifndef NTP_CREW_H
-#define NTP_CREW_H
+#ifndef NTP_PARTS_H
+#define NTP_PARTS_H
 
 #include "libntp.h"
 

@@ -3,73 +3,48 @@
  * float_vector.c - float vectors to levels, correctly rounded
  *
  * A double quotient decides all but the vectors whose quotient lies within 2^-30 of an
- * integer.  For those M*M x*x and k*k (x*x + y*y + z*z) are compared as integers of 704 bits:
+ * integer.  For those M*M x*x and k*k (x*x + y*y + z*z) are compared as integers of up to 590 bits:
  * floats are multiples of 2^-149 below 2^128, so their squares are multiples of 2^-298 below
- * 2^256, and the factors have at most 34 bits.
+ * 2^256, the factors have at most 34 bits, and three terms add two.
  */
 #include "texel/float_vector.h"
+
+#include "base/bignum.h"
 
 #include <math.h>
 #include <stdbool.h>
 #include <string.h>
 
-enum {
-    WORDS = 22, /* of 32 bits: 298 + 256 + 34 + 2 bits and room */
-    LOWEST_EXPONENT = -149
-};
-
-typedef struct wide {
-    uint32_t word[WORDS]; /* least first */
-} wide;
-
-static void add_at(wide *w, uint64_t value, int32_t bit)
-{
-    int32_t i = bit / 32, shift = bit % 32;
-    uint64_t parts[3] = { (value << shift) & 0xffffffffu, (value >> (32 - shift)) & 0xffffffffu,
-                          shift ? value >> (64 - shift) : 0 };
-    uint64_t carry = 0;
-    for (int32_t k = 0; i + k < WORDS && (k < 3 || carry); k++) {
-        uint64_t sum = w->word[i + k] + (k < 3 ? parts[k] : 0) + carry;
-        w->word[i + k] = (uint32_t) sum;
-        carry = sum >> 32;
-    }
-}
-
-/* Adds factor * v * v in units of 2^-298. */
-static void add_square(wide *w, uint64_t factor, float v)
+/* sum += factor * v * v, in units of 2^-298. */
+static void add_square(ntp__wide *sum, uint64_t factor, float v)
 {
     uint32_t bits;
-    memcpy(&bits, &v, 4);
+    memcpy(&bits, &v, sizeof bits);
     int32_t exponent = (int32_t) (bits >> 23 & 255);
     uint64_t mantissa = bits & 0x7fffff;
+    /* Denormals have the exponent of the least normal floats, and no leading bit. */
     if (exponent > 0)
         mantissa |= 0x800000;
     else
         exponent = 1;
-    int32_t at = 2 * (exponent - 150 - LOWEST_EXPONENT);
-    uint64_t square = mantissa * mantissa;
-    /* square has 48 bits, factor 34: multiply in halves. */
-    add_at(w, (square & 0xffffff) * factor, at);
-    add_at(w, (square >> 24) * factor, at + 24);
-}
-
-static int compare(const wide *a, const wide *b)
-{
-    for (int32_t i = WORDS - 1; i >= 0; i--) {
-        if (a->word[i] != b->word[i])
-            return a->word[i] < b->word[i] ? -1 : 1;
-    }
-    return 0;
+    ntp__wide square, times, product, shifted;
+    ntp__wide_set(&square, mantissa * mantissa);
+    ntp__wide_set(&times, factor);
+    ntp__wide_multiply(&product, &square, &times);
+    ntp__wide_shift(&shifted, &product, 2 * (exponent - 1));
+    ntp__wide_add(sum, &shifted);
 }
 
 /* The sign of num |v[i]| - k L. */
-static int compare_quotient(uint64_t num, uint64_t k, const float v[3], int32_t i)
+static int32_t compare_quotient(uint64_t num, uint64_t k, const float v[3], int32_t i)
 {
-    wide left = { { 0 } }, right = { { 0 } };
+    ntp__wide left, right;
+    ntp__wide_set(&left, 0);
+    ntp__wide_set(&right, 0);
     add_square(&left, num * num, v[i]);
     for (int32_t j = 0; j < 3; j++)
         add_square(&right, k * k, v[j]);
-    return compare(&left, &right);
+    return ntp__wide_compare(&left, &right);
 }
 
 /* floor(num |v[i]| / L); *whole tells whether nothing was cut off. */
@@ -90,7 +65,7 @@ static int32_t quotient(bool *whole, int32_t num, const float v[3], int32_t i)
         return near;
     if (away < -0x1p-30)
         return near - 1;
-    int sign = compare_quotient((uint64_t) num, (uint64_t) near, v, i);
+    int32_t sign = compare_quotient((uint64_t) num, (uint64_t) near, v, i);
     *whole = sign == 0;
     return sign >= 0 ? near : near - 1;
 }
