@@ -4,6 +4,8 @@
  */
 #include "base/view.h"
 
+#include "base/finite.h"
+
 #include <string.h>
 
 uint32_t ntp_version(void)
@@ -167,12 +169,6 @@ int32_t ntp__level_of_component(float v)
     return (65536 + below) / 2;
 }
 
-/* Neither NaN nor infinite. */
-static bool finite_float(float v)
-{
-    return v - v == 0.0f;
-}
-
 static void unpack_f32(ntp__block *block, const ntp_const_image *v, int32_t x, int32_t y, int32_t n,
                        int32_t channels)
 {
@@ -185,7 +181,7 @@ static void unpack_f32(ntp__block *block, const ntp_const_image *v, int32_t x, i
         bool broken = false;
         for (int32_t k = 0; k < channels; k++) {
             bool component = vector && k < 3;
-            broken = broken || (k < checked && !finite_float(s[k]));
+            broken = broken || (k < checked && !ntp__is_finite((double) s[k]));
             block->c[k][i] = component ? ntp__level_of_component(s[k]) : ntp__level_of_unit(s[k]);
         }
         float zero = vector ? 0.0f : 0.5f, zero_z = v->encoding == NTP_ENCODING_ZZERO ? 0.0f : zero;

@@ -7,6 +7,8 @@
  */
 #include "from_height/gradient.h"
 
+#include "base/finite.h"
+
 #include <string.h>
 
 static int64_t combine_integers(const ntp__gradient *g, const int64_t s[NTP__MAX_READS])
@@ -130,7 +132,7 @@ static void read_floats(ntp__height_row *row, int32_t at, const ntp__gradient *g
         for (int32_t k = 0; k < g->reads; k++) {
             double size = (double) s[g->read[k]];
             size = size < 0 ? -size : size;
-            row->finite = row->finite && size - size == 0;
+            row->finite = row->finite && ntp__is_finite(size);
             row->most = size > row->most ? size : row->most;
             row->least = size > 0 && size < row->least ? size : row->least;
         }

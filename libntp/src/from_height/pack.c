@@ -4,13 +4,14 @@
  */
 #include "from_height/gradient.h"
 
+#include "base/finite.h"
 #include "texel/level.h"
 
 static float unit_alpha(const ntp__gradient *g, int32_t x, int32_t y)
 {
     if (g->alpha == NTP_ALPHA_HEIGHT || g->alpha == NTP_ALPHA_INVERSE_HEIGHT) {
         double h = ntp__height_value(g, x, y);
-        if (!(h - h == 0))
+        if (!ntp__is_finite(h))
             return 0;
         return (float) (g->invert != (g->alpha == NTP_ALPHA_INVERSE_HEIGHT) ? 1 - h : h);
     }

@@ -4,6 +4,7 @@
  */
 #include "from_height/gradient.h"
 
+#include "base/finite.h"
 #include "texel/kernels.h"
 
 #include <math.h>
@@ -11,15 +12,10 @@
 
 /* ------------------------------------------------------------------------------- checks */
 
-static bool finite_double(double v)
-{
-    return v - v == 0;
-}
-
 static bool options_good(const ntp_normals_options *how)
 {
-    return how != NULL && finite_double(how->scale) && how->dx >= 0 && finite_double(how->dx) &&
-           how->dy >= 0 && finite_double(how->dy) && how->min_z >= 0 && how->min_z <= 1 &&
+    return how != NULL && ntp__is_finite(how->scale) && how->dx >= 0 && ntp__is_finite(how->dx) &&
+           how->dy >= 0 && ntp__is_finite(how->dy) && how->min_z >= 0 && how->min_z <= 1 &&
            (int) how->kernel >= 0 && (int) how->kernel < (int) NTP__KERNELS &&
            (int) how->border_x >= 0 && (int) how->border_x <= NTP_BORDER_REPEAT_SLOPE &&
            (int) how->border_y >= 0 && (int) how->border_y <= NTP_BORDER_REPEAT_SLOPE &&
@@ -108,7 +104,7 @@ ntp_status ntp__gradient_plan(ntp__gradient *g, const ntp_image *dst, const ntp_
     g->invert = how->invert != 0;
     /* n.x falls with the slope to the right; n.y, up, grows with the slope down. */
     double sx = quotient(how->scale, how->dx), sy = quotient(how->scale, how->dy);
-    if (!finite_double(sx) || !finite_double(sy))
+    if (!ntp__is_finite(sx) || !ntp__is_finite(sy))
         return NTP_ERR_ARGUMENT;
     sx = g->invert ? sx : -sx;
     sy = g->invert != (dst->y == NTP_Y_DOWN) ? -sy : sy;

@@ -5,6 +5,7 @@
  * A solver (direct/solve.c, weighted/solve.c) makes heights of mean 0.  What else is wanted works on these:
  * the plane is taken out, and the result described.
  */
+#include "base/finite.h"
 #include "to_height/decode.h"
 #include "to_height/direct/direct.h"
 #include "to_height/round_trip.h"
@@ -23,7 +24,7 @@ static bool in_range(int value, int last)
 static ntp_status check_seeds(const ntp_height_options *how)
 {
     for (int32_t i = 0; how->use_seeds && i < 4; i++) {
-        if (!(how->seeds[i] - how->seeds[i] == 0))
+        if (!ntp__is_finite(how->seeds[i]))
             return NTP_ERR_ARGUMENT;
     }
     return how->use_seeds && how->method != NTP_HEIGHT_TELESCOPING ? NTP_ERR_ARGUMENT : NTP_OK;
@@ -46,8 +47,8 @@ static ntp_status resolve(ntp_height_options *resolved, const ntp_height_options
         !in_range(how->max_iterations, NTP_MAX_ITERATIONS) || !(how->tolerance >= 0) ||
         !(how->tolerance < 1))
         return NTP_ERR_ARGUMENT;
-    if (!(how->dx >= 0) || !(how->dx - how->dx == 0) || !(how->dy >= 0) ||
-        !(how->dy - how->dy == 0) || !in_range((int) how->prior, NTP_PRIOR_ROUGHNESS))
+    if (!(how->dx >= 0) || !ntp__is_finite(how->dx) || !(how->dy >= 0) ||
+        !ntp__is_finite(how->dy) || !in_range((int) how->prior, NTP_PRIOR_ROUGHNESS))
         return NTP_ERR_ARGUMENT;
     NTP__TRY(check_seeds(how));
     bool wrap = how->border_x == NTP_BORDER_WRAP && how->border_y == NTP_BORDER_WRAP;
@@ -209,8 +210,9 @@ static void put_back(run *t)
         float *row = ntp__at_mut(t->dst, 0, y);
         double *from = t->heights + (size_t) y * (size_t) t->width;
         for (int32_t x = 0; x < t->width; x++) {
-            row[x] = from[x] == from[x] ? (float) from[x] : 0;
-            from[x] = from[x] == from[x] ? (double) row[x] : from[x];
+            bool hole = ntp__is_nan(from[x]);
+            row[x] = hole ? 0 : (float) from[x];
+            from[x] = hole ? from[x] : (double) row[x];
         }
     }
 }
@@ -319,7 +321,7 @@ static void measure(run *t)
     for (int32_t y = 0; holes && y < t->height; y++) {
         float *row = ntp__at_mut(t->dst, 0, y);
         for (int32_t x = 0; x < t->width; x++)
-            row[x] = row[x] == row[x] ? row[x] : 0;
+            row[x] = ntp__is_nan((double) row[x]) ? 0 : row[x];
     }
 }
 

@@ -8,6 +8,7 @@
  */
 #include "to_height/round_trip.h"
 
+#include "base/finite.h"
 #include "texel/unused.h"
 #include "to_height/direct/direct.h"
 
@@ -88,9 +89,9 @@ static double not_a_number(void)
 }
 
 /* Of a texel whose stencil reads a hole. */
-static bool is_nan(double slope_right, double slope_down)
+static bool reads_hole(double slope_right, double slope_down)
 {
-    return slope_right != slope_right || slope_down != slope_down;
+    return ntp__is_nan(slope_right) || ntp__is_nan(slope_down);
 }
 
 /* Slopes of the heights at row y: of x and y over the spacing. */
@@ -177,7 +178,7 @@ static void residual_row(void *job, int32_t part, int32_t y)
         ntp__unpack(&block, r->slopes->src, x, y, n);
         squares_off(square, row, x, n);
         for (int32_t i = 0; i < n; i++) {
-            if (left_out(r, &block, i, x + i, y) || is_nan(row[0][x + i], row[1][x + i]))
+            if (left_out(r, &block, i, x + i, y) || reads_hole(row[0][x + i], row[1][x + i]))
                 continue;
             sum += square[i];
             count++;
@@ -299,7 +300,7 @@ static void project_row(void *job, int32_t part, int32_t y)
         int32_t i = x % NTP__BLOCK, left = r->width - x;
         if (i == 0)
             ntp__unpack(&block, r->slopes->src, x, y, left < NTP__BLOCK ? left : NTP__BLOCK);
-        if (left_out(r, &block, i, x, y) || is_nan(row[0][x], row[1][x]))
+        if (left_out(r, &block, i, x, y) || reads_hole(row[0][x], row[1][x]))
             row[0][x] = row[1][x] = 0;
         else
             count += project_texel(r->slopes, &block, i, &row[0][x], &row[1][x]);

@@ -7,6 +7,7 @@
  * convolution, cosines are its eigenvectors, and the adjoint is the convolution turned round.
  * One-sided and baked slopes live on the edges between texels, as the compact Laplacian.
  */
+#include "base/finite.h"
 #include "stencil/taps.h"
 #include "to_height/direct/direct.h"
 
@@ -204,7 +205,7 @@ void ntp__symbol_at(ntp__symbol *symbol, const ntp__grid_axis *axis, int32_t j)
 
 static bool spacing_good(double d)
 {
-    return d >= 0 && d - d == 0;
+    return d >= 0 && ntp__is_finite(d);
 }
 
 /* Heights in steps of dy down: the slopes right are per step of dx, and weigh (dy/dx)^2. */
