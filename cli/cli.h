@@ -24,6 +24,10 @@ int exit_code(unsigned ran);
 /* The signal that asks for an end, 0 while none came.  Writers look at it between rows. */
 extern _Atomic int interrupted_by; /* lock-free: a signal handler sets it, threads read it */
 
+/* The progress bar: `done` is the share of all work.  It stands until it is drawn anew or cleared. */
+void progress_draw(double done, size_t files, size_t total);
+void progress_clear(void);
+
 /* "ntp: MESSAGE" on standard error, clearing a progress bar that stands there. */
 void complain(const char *format, ...) TEXT_FORMAT(1, 2);
 
@@ -35,19 +39,5 @@ bool output_failed(void);
 bool output_closed(void);
 /* Sends results to standard error, because standard output is an image. */
 void output_to_stderr(void);
-
-/* The verbs; options.c has the table that names them. */
-typedef struct options options;
-int check_run(const options *o);
-int clean_run(const options *o);
-int convert_run(const options *o);
-int heatmap_run(const options *o);
-int dump_run(const options *o);
-int diff_run(const options *o);
-int from_height_run(const options *o);
-int transform_run(const options *o);
-int resize_run(const options *o);
-int blend_run(const options *o);
-int to_height_run(const options *o);
 
 #endif

@@ -4,6 +4,8 @@
  *
  * `ntp --generate WHAT` prints them while the project is built.
  */
+#include "generate.h"
+
 #include <libntp.h>
 #include <stdio.h>
 #include <string.h>

@@ -12,9 +12,9 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "generate.h"
 #include "options/options.h"
-
-_Atomic int interrupted_by;
+#include "verbs/verbs.h"
 
 static void on_signal(int number)
 {
@@ -136,6 +136,32 @@ static int explain_verb(const char *started_as, const char *name)
     return verb != NULL ? print_help(verb) : run_external(started_as, name, words);
 }
 
+/* Which function does which verb; every one that the table of options knows. */
+static int run_parsed(const options *o)
+{
+    static const struct {
+        unsigned verb_bit;
+        int (*run)(const options *o);
+    } VERBS[] = {
+        { V_CHECK, check_run },
+        { V_CLEAN, clean_run },
+        { V_CONVERT, convert_run },
+        { V_HEATMAP, heatmap_run },
+        { V_DUMP, dump_run },
+        { V_DIFF, diff_run },
+        { V_FROM_HEIGHT, from_height_run },
+        { V_TRANSFORM, transform_run },
+        { V_RESIZE, resize_run },
+        { V_BLEND, blend_run },
+        { V_TO_HEIGHT, to_height_run },
+    };
+    for (size_t i = 0; i < sizeof VERBS / sizeof VERBS[0]; i++) {
+        if (VERBS[i].verb_bit == o->verb_bit)
+            return VERBS[i].run(o);
+    }
+    return NTP_EXIT_USAGE;
+}
+
 static int run_verb(const verb_spec *verb, int argc, char **argv)
 {
     options o;
@@ -145,7 +171,7 @@ static int run_verb(const verb_spec *verb, int argc, char **argv)
             code = print_help(verb);
         } else {
             catch_signals();
-            code = finish(verb->run(&o));
+            code = finish(run_parsed(&o));
         }
     }
     options_free(&o);

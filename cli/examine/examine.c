@@ -130,12 +130,10 @@ bool facts_from_tally(facts *f, source *s, int forced, ntpio_error *error)
 
 void first_view(source *s, int forced)
 {
-    static const int8_t EXPAND[4] = { 0, 0, 0, 1 };
     const bool gray = s->info->channels < 3;
     const bool pair = s->info->channels == 2 && forced == NTP_CLASS_XY;
     if (forced >= 0 && forced != NTP_CLASS_HEIGHT && gray && !pair)
-        source_view(s, class_encoding((ntp_class) forced, 3), NTP_Y_UP, EXPAND,
-                    s->info->channels + 2);
+        source_view_as_rgb(s, class_encoding((ntp_class) forced, 3));
     else if (forced >= 0)
         source_view(s, class_encoding((ntp_class) forced, s->info->channels), NTP_Y_UP, NULL, 0);
     else

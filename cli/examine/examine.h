@@ -5,85 +5,8 @@
 #ifndef NTP_CLI_EXAMINE_H
 #define NTP_CLI_EXAMINE_H
 
-#include <libntp.h>
-#include <ntpio.h>
-#include <stdatomic.h>
-#include <stdbool.h>
-
+#include "examine/read_blocks.h"
 #include "options/options.h"
-#include "files/paths.h"
-
-/* A piece of memory that grows and is used again. */
-typedef struct buffer {
-    unsigned char *data;
-    size_t size;
-} buffer;
-
-unsigned char *buffer_reserve(buffer *b, size_t size);
-
-/* What one thread works with, from file to file. */
-typedef struct worker {
-    ntp_tally *tally;
-    buffer rows;  /* the ring of rows that a view looks at */
-    buffer raw;   /* rows as the file has them, where their channels are rearranged */
-    buffer extra; /* the verb's own */
-    buffer extra2;
-    buffer diff;         /* an ntp_diff */
-    uint64_t *histogram; /* NTP levels 0..65535 */
-    ntp_orientation *orientation;
-    buffer band; /* rows around the one whose orientation is measured */
-    buffer crop; /* what middle_and_lines.c keeps: the middle, rows, columns */
-    buffer across;
-    buffer down;
-    bool may_read_ahead;  /* a processor is idle */
-    int threads;          /* that this worker may keep busy, itself included */
-    _Atomic int permille; /* of the file at work, for the progress bar */
-} worker;
-
-worker *worker_new(void);
-void worker_free(worker *w);
-
-/* What a channel of a view is taken from: a channel of the file, or a constant. */
-enum { FROM_ZERO = -1, FROM_ONE = -2 };
-
-/* Whether examine() measures which way green points. */
-typedef enum orient { ORIENT_NOT, ORIENT_SAMPLED, ORIENT_EVERY_ROW } orient;
-
-/* A file being read. */
-typedef struct source {
-    const input *in;
-    const ntpio_limits *limits;
-    worker *w;
-    unsigned char *bytes; /* the whole file where it cannot be read twice */
-    size_t size;
-    ntpio_reader *reader;
-    const ntpio_info *info;
-    ntp_image view; /* set by source_view */
-    bool mapped;
-    int8_t map[4];       /* of the view's channels, where mapped */
-    int32_t block_rows;  /* rows that source_next delivers at once */
-    struct ahead *ahead; /* the thread that reads ahead, or NULL */
-    uint32_t next;       /* the next row */
-    int read_permille;   /* of the work that reading is; 0: all of it */
-    orient orient;
-    bool keep_crop; /* for surface.c */
-} source;
-
-bool source_open(source *s, worker *w, const input *in, const ntpio_limits *limits,
-                 ntpio_error *error);
-/* Back to the first row; the view stays. */
-bool source_rewind(source *s, ntpio_error *error);
-void source_close(source *s);
-
-/* How the rows are to be seen.  map: NULL, or where each of `channels` comes from. */
-void source_view(source *s, ntp_encoding encoding, ntp_y y, const int8_t *map, int32_t channels);
-
-/* Reads the next rows into the ring.  1: *area has them; 0: the end was reached and checked;
- * -1: *error tells why not. */
-int source_next(source *s, ntp_rect *area, ntpio_error *error);
-
-/* Where the rows of an area that source_next delivered lie. */
-unsigned char *source_rows(const source *s, const ntp_rect *area);
 
 /* The limits that the options set. */
 ntpio_limits limits_from(const options *o);
@@ -151,8 +74,5 @@ void orient_end(const source *s, facts *f);
 
 /* Prepares the first view of a file: as forced, else standard, gray files as heights. */
 void first_view(source *s, int forced);
-
-/* A status of libntp that cannot happen with right arguments, as an error about the file. */
-bool library_error(const source *s, ntp_status status, ntpio_error *error);
 
 #endif

@@ -2,8 +2,8 @@
 /*
  * middle_and_lines.h - what ntp check keeps of a file while its rows go by: the middle, and some lines
  */
-#ifndef NTP_CLI_CROP_H
-#define NTP_CLI_CROP_H
+#ifndef NTP_CLI_MIDDLE_AND_LINES_H
+#define NTP_CLI_MIDDLE_AND_LINES_H
 
 #include "examine/examine.h"
 

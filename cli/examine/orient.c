@@ -5,10 +5,10 @@
  * The measurement of a row needs its neighbors, of which some may have been in an earlier block.
  * So the rows that are needed are kept in a ring of their own, which is as high as that.
  */
-#include "examine/examine.h"
-
 #include <stdlib.h>
 #include <string.h>
+
+#include "examine/examine.h"
 
 enum {
     BEFORE = 2, /* rows that ntp_orientation_add reads above the measured one */

@@ -6,6 +6,8 @@
  * is idle, a second thread decodes the next block while the caller works on this one: the ring
  * holds two blocks then.
  */
+#include "examine/read_blocks.h"
+
 #include <errno.h>
 #include <pthread.h>
 #include <stdio.h>
@@ -13,7 +15,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#include "examine/examine.h"
+#include "cli.h"
 
 enum {
     BLOCK_BYTES = 256 * 1024, /* rows read at once stay in the second-level cache */
@@ -21,41 +23,7 @@ enum {
     AHEAD_TEXELS = 512 * 512 /* smaller images are read before a thread has started */
 };
 
-unsigned char *buffer_reserve(buffer *b, size_t size)
-{
-    if (b->size < size) {
-        free(b->data);
-        b->data = need(aligned_alloc(64, (size + 63) / 64 * 64));
-        b->size = size;
-    }
-    return b->data;
-}
-
-worker *worker_new(void)
-{
-    worker *w = need(calloc(1, sizeof *w));
-    w->tally = need(calloc(1, ntp_tally_size())); /* fresh pages: most are never touched */
-    return w;
-}
-
-void worker_free(worker *w)
-{
-    free(w->tally);
-    free(w->rows.data);
-    free(w->raw.data);
-    free(w->extra.data);
-    free(w->extra2.data);
-    free(w->diff.data);
-    free(w->histogram);
-    free(w->orientation);
-    free(w->band.data);
-    free(w->crop.data);
-    free(w->across.data);
-    free(w->down.data);
-    free(w);
-}
-
-static bool fail(ntpio_error *error, ntpio_status status, const char *name, const char *what)
+bool file_error(ntpio_error *error, ntpio_status status, const char *name, const char *what)
 {
     text shown = { 0 };
     text_name(&shown, name);
@@ -67,7 +35,7 @@ static bool fail(ntpio_error *error, ntpio_status status, const char *name, cons
 
 bool library_error(const source *s, ntp_status status, ntpio_error *error)
 {
-    return fail(error, NTPIO_ERR_USAGE, s->in->path, ntp_status_string(status));
+    return file_error(error, NTPIO_ERR_USAGE, s->in->path, ntp_status_string(status));
 }
 
 /* Standard input and pipes can be read only once: all of it. */
@@ -80,7 +48,8 @@ static bool read_all(source *s, FILE *file, ntpio_error *error)
             capacity = capacity == 0 ? 1 << 20 : capacity * 2;
             unsigned char *grown = capacity <= most ? realloc(s->bytes, capacity) : NULL;
             if (grown == NULL)
-                return fail(error, NTPIO_ERR_MEMORY, s->in->path, "too large to be held in memory");
+                return file_error(error, NTPIO_ERR_MEMORY, s->in->path,
+                                  "too large to be held in memory");
             s->bytes = grown;
         }
         const size_t got = fread(s->bytes + s->size, 1, capacity - s->size, file);
@@ -88,7 +57,7 @@ static bool read_all(source *s, FILE *file, ntpio_error *error)
         if (got == 0)
             break;
     }
-    return ferror(file) ? fail(error, NTPIO_ERR_OPEN, s->in->path, strerror(errno)) : true;
+    return ferror(file) ? file_error(error, NTPIO_ERR_OPEN, s->in->path, strerror(errno)) : true;
 }
 
 static bool hold(source *s, ntpio_error *error)
@@ -100,7 +69,7 @@ static bool hold(source *s, ntpio_error *error)
         return true;
     FILE *file = fopen(s->in->path, "rb");
     if (file == NULL)
-        return fail(error, NTPIO_ERR_OPEN, s->in->path, strerror(errno));
+        return file_error(error, NTPIO_ERR_OPEN, s->in->path, strerror(errno));
     const bool ok = read_all(s, file, error);
     fclose(file);
     return ok;
@@ -123,7 +92,7 @@ bool source_open(source *s, worker *w, const input *in, const ntpio_limits *limi
 {
     *s = (source) { .in = in, .w = w, .limits = limits };
     if (in->problem != NULL)
-        return fail(error, NTPIO_ERR_OPEN, in->path, in->problem);
+        return file_error(error, NTPIO_ERR_OPEN, in->path, in->problem);
     if (hold(s, error) && start(s, error))
         return true;
     source_close(s);
@@ -178,6 +147,12 @@ void source_view(source *s, ntp_encoding encoding, ntp_y y, const int8_t *map, i
     s->block_rows = (int32_t) rows;
     s->view.encoding = encoding;
     s->view.y = y;
+}
+
+void source_view_as_rgb(source *s, ntp_encoding encoding)
+{
+    static const int8_t EXPAND[4] = { 0, 0, 0, 1 };
+    source_view(s, encoding, NTP_Y_UP, EXPAND, s->info->channels + 2);
 }
 
 #define REARRANGE(TYPE, ONE)                                                                       \
@@ -309,7 +284,7 @@ int source_next(source *s, ntp_rect *area, ntpio_error *error)
 {
     const uint32_t height = s->info->height, block = (uint32_t) s->block_rows;
     if (interrupted_by != 0) {
-        fail(error, NTPIO_OK, s->in->path, "interrupted");
+        file_error(error, NTPIO_OK, s->in->path, "interrupted");
         return -1;
     }
     if (s->next == height) {

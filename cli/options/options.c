@@ -265,8 +265,7 @@ const verb_spec VERB_TABLE[] = {
       "  the files with errors, for another program\n"
       "ntp check -r textures --format json > before.json\n"
       "ntp check -r textures --baseline before.json\n"
-      "  later: count only what is new\n",
-      check_run },
+      "  later: count only what is new\n" },
     { "clean", "PATH...", "repair normals",
       "Makes every texel of a normals texture a unit vector. By default red and green stay and "
       "blue is computed from them; where red and green alone are longer than 1 they are pulled "
@@ -282,8 +281,7 @@ const verb_spec VERB_TABLE[] = {
       "ntp clean -r textures --in-place\n"
       "  repair a tree; files that are in order are not touched\n"
       "ntp clean scan.jpg -o scan_n.png --method auto\n"
-      "  rescue a texture that was stored as JPEG\n",
-      clean_run },
+      "  rescue a texture that was stored as JPEG\n" },
     { "convert", "PATH...", "change encoding, depth, channels, or the direction of green",
       "Converts between standard, Z-zero and XY-only textures, 8 and 16 bit, green up (OpenGL) and "
       "green down (DirectX), and lays out channels. Nothing is repaired: each number goes over by "
@@ -295,30 +293,26 @@ const verb_spec VERB_TABLE[] = {
       "ntp convert labpbr_n.png -o full_n.png --from xy\n"
       "  compute the missing blue\n"
       "ntp convert packed.png -o plain.png --from-channels -y-x\n"
-      "  unpack DXT5nm\n",
-      convert_run },
+      "  unpack DXT5nm\n" },
     { "heatmap", "PATH...", "paint what is wrong where",
       "Writes a picture of each texture in which faults are colored and the rest is gray. Red: x "
       "and y too long. Green: length off. Blue: z negative. docs/heatmap.md is the legend.",
       "ntp heatmap wall_n.png -o wall_faults.png\n"
       "ntp heatmap -r textures -o faults --palette safe\n"
-      "  pictures of a tree, in colors that everybody can tell apart\n",
-      heatmap_run },
+      "  pictures of a tree, in colors that everybody can tell apart\n" },
     { "dump", "PATH", "list texels as CSV",
       "Prints a row for each texel that fails --verdict, or for every texel with --all: position, "
       "stored levels, vector, length, what is wrong, how far off it is, and the repaired levels.",
       "ntp dump wall_n.png | head\n"
       "  the first bad texels\n"
-      "ntp dump --all tiny_n.png > tiny.csv\n",
-      dump_run },
+      "ntp dump --all tiny_n.png > tiny.csv\n" },
     { "diff", "A B", "compare two textures in levels and degrees",
       "Says how many texels of two textures of one size differ, by how many levels, and by what "
       "angle. Depth and encoding may differ; B is converted to A's. Exit 0: the same, 1: "
       "different.",
       "ntp diff wall_n.png wall_clean_n.png\n"
       "ntp diff a.png b.png -o where.png\n"
-      "  a picture of the differences\n",
-      diff_run },
+      "  a picture of the differences\n" },
     { "from-height", "PATH...", "make normals from heights",
       "Turns heightfields (bump maps: white is high) into normals textures. Each of red and green "
       "is the correctly rounded value of the formula; blue is computed from them. Images of 8 and "
@@ -332,8 +326,7 @@ const verb_spec VERB_TABLE[] = {
       "ntp from-height bump.png -o bump_n.png --like gimp-normalmap:sobel3:1\n"
       "  what the old GIMP plug-in makes, rounded\n"
       "ntp from-height h.png -o labpbr_n.png --scale 4 --to xy --ao ao.png --alpha height\n"
-      "  a LabPBR texture\n",
-      from_height_run },
+      "  a LabPBR texture\n" },
     { "transform", "PATH...", "flip, turn, make stronger or weaker",
       "Flips and turns textures, pixels and vectors together, so that the bumps stay bumps, and "
       "multiplies their slopes. Flips and turns are exact. With --strength each normal is the "
@@ -345,8 +338,7 @@ const verb_spec VERB_TABLE[] = {
       "  bumps twice as high\n"
       "ntp transform wall_n.png -o turned_n.png --rotate 90\n"
       "ntp transform left_n.png -o right_n.png --flip x\n"
-      "  the other hand of a pair\n",
-      transform_run },
+      "  the other hand of a pair\n" },
     { "resize", "PATH...", "another size or a mip chain, of unit vectors",
       "Resizes textures as vectors, weighted with alpha, and stores unit vectors again: the "
       "result passes ntp check --verdict exact. Unused texels (pure black, pure white, "
@@ -359,16 +351,14 @@ const verb_spec VERB_TABLE[] = {
       "ntp resize wall_n.png -o mips/wall_n.png --mips\n"
       "  mips/wall_n.png, mips/wall_n_mip1.png, mips/wall_n_mip2.png ...\n"
       "ntp resize decal_n.png -o decal_half_n.png --size 50% --border clamp\n"
-      "  a texture that does not tile\n",
-      resize_run },
+      "  a texture that does not tile\n" },
     { "blend", "BASE DETAIL", "lay the bumps of one texture over another",
       "Adds the bumps of DETAIL to BASE. A smaller DETAIL is repeated. Size, depth, encoding and "
       "alpha are those of BASE. Texels that are unused in either stay as they are in BASE.",
       "ntp blend wall_n.png scratches_n.png -o worn_n.png\n"
       "ntp blend wall_n.png grain_n.png -o grainy_n.png --strength 0.5\n"
       "  the detail half as high\n"
-      "ntp blend wall_gl.png scratches_dx.png -o worn_gl.png --detail-y down\n",
-      blend_run },
+      "ntp blend wall_gl.png scratches_dx.png -o worn_gl.png --detail-y down\n" },
     { "to-height", "PATH...", "make heights from normals",
       "Reconstructs the heightfield behind a normals texture: of all heights those whose slopes "
       "come nearest to the stored ones. Writes a gray PNG of 16 bit, or floats (PFM). How high "
@@ -384,8 +374,7 @@ const verb_spec VERB_TABLE[] = {
       "ntp to-height decal_n.png -o decal_height.png --mask decal_mask.png\n"
       "  no surface where the mask is black\n"
       "ntp to-height wall_n.png -o wall_height.pfm\n"
-      "  floats, in texels\n",
-      to_height_run },
+      "  floats, in texels\n" },
 };
 const size_t VERB_ROWS = sizeof VERB_TABLE / sizeof VERB_TABLE[0];
 

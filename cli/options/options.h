@@ -3,8 +3,8 @@
  * options.h - the verbs and options of ntp, from one table
  *
  * options.c holds the table; parsing, --help, the man page and the completions are all made
- * from it.  A new verb is a file with its run function, a row in the table of verbs, and rows
- * for those of its options that are not there yet.
+ * from it.  A new verb is a file in verbs/ with its run function, a row in the table of verbs here,
+ * one in main.c, and rows for those of its options that are not there yet.
  */
 #ifndef NTP_CLI_OPTIONS_H
 #define NTP_CLI_OPTIONS_H
@@ -136,7 +136,6 @@ typedef struct verb_spec {
     const char *summary;
     const char *description;
     const char *examples; /* lines "command\n  what it does" */
-    int (*run)(const options *o);
 } verb_spec;
 
 extern const option_spec OPTION_TABLE[];
@@ -153,13 +152,13 @@ typedef struct option_value {
     size_t count;
 } option_value;
 
-struct options {
+typedef struct options {
     const verb_spec *verb;
     unsigned verb_bit;
     option_value values[OPT_COUNT];
     char **paths;
     size_t path_count;
-};
+} options;
 
 /* Fills *o from the words after the verb.  Returns false after telling what is wrong. */
 bool options_parse(options *o, const verb_spec *verb, int argc, char **argv);
@@ -206,7 +205,5 @@ static inline const char *option_string(const options *o, option_id id)
 /* help.c */
 void help_program(text *t);
 void help_verb(text *t, const verb_spec *verb);
-/* generate.c: "man", "bash", "zsh", "fish", "findings"; false for another word. */
-bool generate(text *t, const char *what);
 
 #endif

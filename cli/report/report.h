@@ -9,7 +9,6 @@
 
 #include "examine/examine.h"
 #include "findings/findings.h"
-#include "run/jobs.h"
 #include "options/options.h"
 
 /* ---- colors */

@@ -18,7 +18,6 @@
 #include <unistd.h>
 
 #include "cli.h"
-#include "examine/examine.h"
 
 enum {
     AHEAD = 256,              /* results that may wait for their turn */
@@ -40,15 +39,6 @@ typedef struct queue {
     } slots[AHEAD];
 } queue;
 
-static bool progress_is_drawn;
-
-void progress_clear(void)
-{
-    if (progress_is_drawn)
-        fputs("\r\033[K", stderr);
-    progress_is_drawn = false;
-}
-
 bool progress_wanted(const options *o)
 {
     return !option_given(o, OPT_NO_PROGRESS) && isatty(STDERR_FILENO);
@@ -59,19 +49,6 @@ static int64_t now_ms(void)
     struct timespec t;
     clock_gettime(CLOCK_MONOTONIC, &t);
     return (int64_t) t.tv_sec * 1000 + t.tv_nsec / 1000000;
-}
-
-static void progress_draw(double done, size_t files, size_t total)
-{
-    enum { CELLS = 30 };
-    char bar[CELLS + 1];
-    const int full = (int) (done * CELLS);
-    for (int i = 0; i < CELLS; i++)
-        bar[i] = i < full ? '#' : '.';
-    bar[CELLS] = 0;
-    fprintf(stderr, "\r[%s] %3d %%  %zu of %zu files\033[K", bar, (int) (100 * done), files, total);
-    fflush(stderr);
-    progress_is_drawn = true;
 }
 
 typedef struct seat {

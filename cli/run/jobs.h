@@ -7,10 +7,9 @@
 
 #include <stdbool.h>
 
+#include "examine/worker.h"
 #include "files/paths.h"
 #include "text/text.h"
-
-struct worker;
 
 /* What became of one input. */
 typedef struct result {
@@ -27,7 +26,7 @@ typedef struct batch {
     bool reads_only;    /* nobody listens to the results: stop */
     void *context;
     /* In a thread of its own; the context is read only there. */
-    void (*work)(void *context, struct worker *w, const input *in, result *r);
+    void (*work)(void *context, worker *w, const input *in, result *r);
     /* In the main thread, in order; the batch prints out and err. */
     void (*deliver)(void *context, const input *in, result *r);
 } batch;
@@ -37,8 +36,5 @@ unsigned batch_run(const batch *b);
 
 /* Whether a bar may be drawn: standard error is a terminal and --no-progress was not given. */
 bool progress_wanted(const options *o);
-
-/* Removes the progress bar until it is next drawn. */
-void progress_clear(void);
 
 #endif

@@ -5,8 +5,8 @@
  * libntp starts no threads; its long operations call back with parts that may be done at once
  * (ntp_hooks.parallel_for).  A crew does them.
  */
-#ifndef NTP_CLI_PARALLEL_H
-#define NTP_CLI_PARALLEL_H
+#ifndef NTP_CLI_THREAD_CREW_H
+#define NTP_CLI_THREAD_CREW_H
 
 #include <stdint.h>
 

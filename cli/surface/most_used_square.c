@@ -7,9 +7,9 @@
  */
 #include "surface/most_used_square.h"
 
-#include "cli.h"
-
 #include <stdlib.h>
+
+#include "cli.h"
 
 enum { CELL = 16 };
 

@@ -2,8 +2,8 @@
 /*
  * most_used_square.h - the part of a texture in which most texels are used
  */
-#ifndef NTP_CLI_FULLEST_H
-#define NTP_CLI_FULLEST_H
+#ifndef NTP_CLI_MOST_USED_SQUARE_H
+#define NTP_CLI_MOST_USED_SQUARE_H
 
 #include <libntp.h>
 #include <stdint.h>

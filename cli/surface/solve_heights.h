@@ -2,8 +2,8 @@
 /*
  * solve_heights.h - heights of a texture that is held in memory, and what its edges tell of borders
  */
-#ifndef NTP_CLI_HEIGHTS_H
-#define NTP_CLI_HEIGHTS_H
+#ifndef NTP_CLI_SOLVE_HEIGHTS_H
+#define NTP_CLI_SOLVE_HEIGHTS_H
 
 #include <libntp.h>
 #include <stdbool.h>

@@ -12,10 +12,11 @@
 
 #include <stdlib.h>
 
+#include "cli.h"
+#include "examine/hold_image.h"
 #include "examine/middle_and_lines.h"
 #include "surface/most_used_square.h"
 #include "surface/solve_heights.h"
-#include "write/whole_image.h"
 
 enum {
     READ_PERMILLE = 500,
@@ -212,7 +213,7 @@ void surface_look(source *s, facts *f, int y)
 static bool whole_is_possible(const source *s, const facts *f)
 {
     const uint64_t texels = (uint64_t) s->view.width * (uint64_t) s->view.height;
-    return whole_fits(s) && texels <= (f->stats.unused > 0 ? MOST_TEXELS_HOLES : MOST_TEXELS);
+    return hold_is_possible(s) && texels <= (f->stats.unused > 0 ? MOST_TEXELS_HOLES : MOST_TEXELS);
 }
 
 bool surface_look_deeper(source *s, facts *f, int y, ntpio_error *error)
@@ -225,7 +226,7 @@ bool surface_look_deeper(source *s, facts *f, int y, ntpio_error *error)
     s->read_permille = READ_PERMILLE;
     if (!crop_is_whole(s) && whole_is_possible(s, f)) {
         area = (ntp_rect) { 0, 0, s->view.width, s->view.height };
-        if (!source_rewind(s, error) || !whole_read(s, &whole, &data, error)) {
+        if (!source_rewind(s, error) || !hold_all(&whole, &data, s, error)) {
             free(data);
             return false;
         }

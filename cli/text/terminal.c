@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * terminal.c - standard output and standard error
+ * terminal.c - standard output, standard error and the progress bar on it
  *
  * Results are written whole and checked: a full disk behind standard output is an error, a
  * reader that went away is not.
@@ -12,11 +12,14 @@
 #include <unistd.h>
 
 #include "cli.h"
-#include "run/jobs.h"
+
+_Atomic int interrupted_by;
 
 static struct {
     bool failed, closed, to_stderr;
 } out;
+
+static bool progress_is_drawn;
 
 int exit_code(unsigned ran)
 {
@@ -27,6 +30,26 @@ int exit_code(unsigned ran)
     if ((ran & RAN_FAILED) != 0)
         return NTP_EXIT_FAILED;
     return (ran & RAN_FINDINGS) != 0 ? NTP_EXIT_FINDINGS : NTP_EXIT_DONE;
+}
+
+void progress_clear(void)
+{
+    if (progress_is_drawn)
+        fputs("\r\033[K", stderr);
+    progress_is_drawn = false;
+}
+
+void progress_draw(double done, size_t files, size_t total)
+{
+    enum { CELLS = 30 };
+    char bar[CELLS + 1];
+    const int full = (int) (done * CELLS);
+    for (int i = 0; i < CELLS; i++)
+        bar[i] = i < full ? '#' : '.';
+    bar[CELLS] = 0;
+    fprintf(stderr, "\r[%s] %3d %%  %zu of %zu files\033[K", bar, (int) (100 * done), files, total);
+    fflush(stderr);
+    progress_is_drawn = true;
 }
 
 void complain(const char *format, ...)

@@ -4,11 +4,13 @@
  *
  * The base streams through; the detail, which repeats, is held in memory.
  */
-#include "report/report.h"
-#include "write/whole_image.h"
-
 #include <stdlib.h>
 #include <string.h>
+
+#include "examine/hold_image.h"
+#include "report/report.h"
+#include "verbs/verbs.h"
+#include "write/whole_image.h"
 
 typedef struct settings {
     ntp_blend_options how;
@@ -130,11 +132,12 @@ static void refuse_detail(const facts *f, const char *path)
 /* Gray files of one color are taken for normals, as those of the base are. */
 static void view_detail(layer *l)
 {
-    static const int8_t EXPAND[4] = { 0, 0, 0, 1 };
     const int32_t channels = l->s.info->channels;
     const bool gray = channels < 3 && l->f.encoding != NTP_ENCODING_XY;
-    const ntp_encoding encoding = class_encoding(l->f.type.type, gray ? 3 : channels);
-    source_view(&l->s, encoding, NTP_Y_UP, gray ? EXPAND : NULL, gray ? channels + 2 : 0);
+    if (gray)
+        source_view_as_rgb(&l->s, class_encoding(l->f.type.type, 3));
+    else
+        source_view(&l->s, class_encoding(l->f.type.type, channels), NTP_Y_UP, NULL, 0);
 }
 
 static unsigned read_detail(layer *l, settings *set, const options *o, const ntpio_limits *limits)
@@ -154,7 +157,7 @@ static unsigned read_detail(layer *l, settings *set, const options *o, const ntp
     bool ok = source_rewind(&l->s, &error);
     if (ok) {
         view_detail(l);
-        ok = whole_read(&l->s, &set->detail, &l->data, &error);
+        ok = hold_all(&set->detail, &l->data, &l->s, &error);
     }
     if (!ok) {
         complain("%s", error.message);

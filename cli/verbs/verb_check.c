@@ -5,9 +5,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "run/jobs.h"
 #include "report/report.h"
+#include "run/jobs.h"
 #include "surface/surface.h"
+#include "verbs/verbs.h"
 
 typedef enum check_format { FORMAT_TEXT, FORMAT_JSON, FORMAT_CSV, FORMAT_LIST } check_format;
 

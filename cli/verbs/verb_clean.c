@@ -6,8 +6,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "write/write_run.h"
 #include "report/report.h"
+#include "verbs/verbs.h"
+#include "write/write_run.h"
 
 enum {
     PLAN_TEXELS = 512 * 512, /* a table for 8-bit rows pays from about this many texels on */

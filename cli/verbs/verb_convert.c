@@ -8,8 +8,9 @@
 #include <string.h>
 #include <strings.h>
 
-#include "write/side_image.h"
 #include "report/report.h"
+#include "verbs/verbs.h"
+#include "write/side_image.h"
 #include "write/whole_image.h"
 
 enum {

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "report/report.h"
+#include "verbs/verbs.h"
 
 typedef struct side {
     input in;
@@ -56,12 +57,11 @@ static void close_side(side *s)
 /* Gray files become RGB where the other one is. */
 static void view_side(side *s, const side *other)
 {
-    static const int8_t EXPAND[4] = { 0, 0, 0, 1 };
     const int32_t channels = s->s.info->channels;
     if (channels < 3 && s->f.encoding == NTP_ENCODING_XY)
         source_view(&s->s, NTP_ENCODING_XY, NTP_Y_UP, NULL, 0);
     else if (channels < 3)
-        source_view(&s->s, encoding_of(s, other), NTP_Y_UP, EXPAND, channels + 2);
+        source_view_as_rgb(&s->s, encoding_of(s, other));
     else
         source_view(&s->s, encoding_of(s, other), NTP_Y_UP, NULL, 0);
 }

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "report/report.h"
+#include "verbs/verbs.h"
 
 typedef struct dump {
     const options *o;

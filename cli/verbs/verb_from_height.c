@@ -6,7 +6,7 @@
  * wraps needs the rows of the other end, and a blur rows far away: there the whole heightfield is
  * held.
  */
-#include "verbs/from_height.h"
+#include "verbs/verb_from_height.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -14,9 +14,10 @@
 #include <string.h>
 #include <strings.h>
 
-#include "run/thread_crew.h"
-#include "write/side_image.h"
 #include "report/report.h"
+#include "run/thread_crew.h"
+#include "verbs/verbs.h"
+#include "write/side_image.h"
 
 enum {
     CHUNK = 64,       /* rows made at once */
@@ -35,16 +36,6 @@ typedef struct state {
 } state;
 
 /* ---------------------------------------------------------------------- other images */
-
-static bool refuse(const char *path, const char *why, ntpio_error *error)
-{
-    text t = { 0 };
-    text_name(&t, path);
-    error->status = NTPIO_ERR_USAGE;
-    snprintf(error->message, sizeof error->message, "%.380s: %s", text_string(&t), why);
-    text_free(&t);
-    return false;
-}
 
 static bool read_planes(production *p, ntpio_error *error)
 {
@@ -107,9 +98,9 @@ static bool begin(production *p, ntpio_write_options *shape, ntpio_error *error)
     const ntp_image *view = &p->s.view;
     const ntp_type type = output_type(p, set);
     if (set->how.source == NTP_HEIGHT_SOURCE_ALPHA && view->channels % 2 == 1)
-        return refuse(p->in->path, "it has no alpha that could be the height", error);
+        return wrong_use(p, "it has no alpha that could be the height", error);
     if (set->dither && type == NTP_TYPE_F32)
-        return refuse(p->in->path, "--dither is for outputs of 8 or 16 bit", error);
+        return wrong_use(p, "--dither is for outputs of 8 or 16 bit", error);
     const bool whole = needs_all(set);
     st->reach = ntp_normals_reach(&set->how);
     st->out_channels = output_channels(p, set);

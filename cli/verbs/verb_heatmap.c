@@ -2,8 +2,9 @@
 /*
  * verb_heatmap.c - ntp heatmap: paints what is wrong where
  */
-#include "write/write_run.h"
 #include "report/report.h"
+#include "verbs/verbs.h"
+#include "write/write_run.h"
 
 enum { HEAT_CHANNELS = 3 };
 

@@ -5,12 +5,13 @@
  * Each level of a chain is made from the texture itself, not from the level before: normals
  * that were made unit vectors have lost how much they disagreed, and would be averaged wrongly.
  */
-#include "report/report.h"
-#include "write/whole_image.h"
-
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+#include "report/report.h"
+#include "verbs/verbs.h"
+#include "write/whole_image.h"
 
 typedef struct settings {
     ntp_resize_options how;

@@ -5,7 +5,7 @@
  * The texture is held whole, and so are its heights, as floats: 4 bytes a texel beside the input,
  * about 40 more with --method weighted.  The solver runs on all threads that the other files leave.
  */
-#include "verbs/to_height.h"
+#include "verbs/verb_to_height.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -13,9 +13,10 @@
 #include <string.h>
 #include <strings.h>
 
-#include "surface/solve_heights.h"
-#include "write/side_image.h"
 #include "report/report.h"
+#include "surface/solve_heights.h"
+#include "verbs/verbs.h"
+#include "write/side_image.h"
 #include "write/whole_image.h"
 
 enum {

@@ -3,6 +3,7 @@
  * verb_transform.c - ntp transform: flips, quarter turns and strength, pictures and vectors together
  */
 #include "report/report.h"
+#include "verbs/verbs.h"
 #include "write/whole_image.h"
 
 typedef struct settings {

@@ -9,6 +9,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "examine/read_blocks.h"
 #include "text/text.h"
 
 size_t sample_size(ntp_type type)
@@ -19,16 +20,6 @@ size_t sample_size(ntp_type type)
 static ntp_type type_of(int32_t sample_bytes)
 {
     return sample_bytes == 1 ? NTP_TYPE_U8 : sample_bytes == 2 ? NTP_TYPE_U16 : NTP_TYPE_F32;
-}
-
-static void refuse_size(const char *path, const char *what, ntpio_error *error)
-{
-    text t = { 0 };
-    text_name(&t, path);
-    error->status = NTPIO_ERR_USAGE;
-    snprintf(error->message, sizeof error->message, "%.380s: not of the size of the %s",
-             text_string(&t), what);
-    text_free(&t);
 }
 
 static bool read_rows(unsigned char *plane, ntp_type type, ntpio_reader *reader, ntpio_error *error)
@@ -62,9 +53,10 @@ bool plane_read(unsigned char *plane, ntp_type type, const char *path, const ntp
         return false;
     const ntpio_info *info = ntpio_reader_info(reader);
     const bool fits = info->width == like->width && info->height == like->height;
-    if (!fits)
-        refuse_size(path, what, error);
-    const bool ok = fits && read_rows(plane, type, reader, error);
+    char problem[80];
+    snprintf(problem, sizeof problem, "not of the size of the %s", what);
+    const bool ok = fits ? read_rows(plane, type, reader, error)
+                         : file_error(error, NTPIO_ERR_USAGE, path, problem);
     ntpio_close(reader);
     return ok;
 }

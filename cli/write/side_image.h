@@ -2,8 +2,8 @@
 /*
  * side_image.h - a channel of another image, beside the one at work: an alpha, a mask
  */
-#ifndef NTP_CLI_PLANES_H
-#define NTP_CLI_PLANES_H
+#ifndef NTP_CLI_SIDE_IMAGE_H
+#define NTP_CLI_SIDE_IMAGE_H
 
 #include <libntp.h>
 #include <ntpio.h>

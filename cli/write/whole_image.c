@@ -4,78 +4,23 @@
  */
 #include "write/whole_image.h"
 
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
+#include "cli.h"
+#include "examine/hold_image.h"
 
 enum { BLOCK_ROWS = 64 };
 
-/* As many as ntpio holds of an image that does not stream. */
-static const uint64_t WHOLE_BYTES = (uint64_t) 4 << 30;
-
-bool wrong_use(const production *p, const char *what, ntpio_error *error)
-{
-    text t = { 0 };
-    text_name(&t, p->in->path);
-    error->status = NTPIO_ERR_USAGE;
-    snprintf(error->message, sizeof error->message, "%.380s: %s", text_string(&t), what);
-    text_free(&t);
-    return false;
-}
-
-bool whole_fits(const source *s)
-{
-    return (uint64_t) s->view.row_stride * (uint64_t) s->view.height <= WHOLE_BYTES;
-}
-
-static bool fits(const source *s, ntpio_error *error)
-{
-    if (whole_fits(s))
-        return true;
-    text t = { 0 };
-    text_name(&t, s->in->path);
-    error->status = NTPIO_ERR_LIMIT;
-    snprintf(error->message, sizeof error->message, "%.380s: too large to be held in memory",
-             text_string(&t));
-    text_free(&t);
-    return false;
-}
-
 bool whole_begin(production *p, ntpio_error *error)
 {
-    if (!fits(&p->s, error))
+    if (!hold_check(&p->s, error))
         return false;
     buffer_reserve(&p->w->extra, (size_t) p->s.view.row_stride * (size_t) p->s.view.height);
     return true;
 }
 
-static void keep_rows(const source *s, const ntp_rect *area, unsigned char *data)
-{
-    const size_t row = (size_t) s->view.row_stride;
-    memcpy(data + (size_t) area->y0 * row, source_rows(s, area),
-           row * (size_t) (area->y1 - area->y0));
-}
-
 bool whole_add(production *p, const ntp_rect *area)
 {
-    keep_rows(&p->s, area, p->w->extra.data);
+    hold_rows(p->w->extra.data, &p->s, area);
     return area->y1 == p->s.view.height;
-}
-
-bool whole_read(source *s, ntp_image *whole, void **data, ntpio_error *error)
-{
-    ntp_rect area;
-    int more;
-    *data = NULL;
-    if (!fits(s, error))
-        return false;
-    *data = need(malloc((size_t) s->view.row_stride * (size_t) s->view.height));
-    while ((more = source_next(s, &area, error)) > 0)
-        keep_rows(s, &area, *data);
-    *whole = s->view;
-    whole->data = *data;
-    whole->ring_rows = 0;
-    return more == 0;
 }
 
 bool whole_write(production *p, ntpio_writer *writer, int32_t width, int32_t height,

@@ -3,24 +3,18 @@
  * whole_image.h - for verbs whose rows depend on rows far away: the input held whole in memory
  *
  * The rows of an input are kept as they come; then the output is made and written a few rows
- * at a time.  So a file takes the memory of its samples, up to WHOLE_BYTES.
+ * at a time.  So a file takes the memory of its samples.
  */
-#ifndef NTP_CLI_WHOLE_H
-#define NTP_CLI_WHOLE_H
+#ifndef NTP_CLI_WHOLE_IMAGE_H
+#define NTP_CLI_WHOLE_IMAGE_H
 
 #include "write/write_run.h"
-
-/* Is there room for an image of this size, as far as it is ours to say? */
-bool whole_fits(const source *s);
 
 /* In `begin`: makes room; false with an error where the image is too large. */
 bool whole_begin(production *p, ntpio_error *error);
 
 /* In `rows`: keeps the rows; true when they were the last. */
 bool whole_add(production *p, const ntp_rect *area);
-
-/* All rows of a source that nobody has read from yet; *data is to be freed. */
-bool whole_read(source *s, ntp_image *whole, void **data, ntpio_error *error);
 
 /* Makes the area of dst, which has the samples of src. */
 typedef ntp_status make_rows(void *context, const ntp_image *dst, const ntp_const_image *src,
@@ -29,8 +23,5 @@ typedef ntp_status make_rows(void *context, const ntp_image *dst, const ntp_cons
 /* After the last row: makes an image of this size and writes it. */
 bool whole_write(production *p, ntpio_writer *writer, int32_t width, int32_t height,
                  make_rows *make, void *context, ntpio_error *error);
-
-/* *error becomes one of usage: "NAME: what". */
-bool wrong_use(const production *p, const char *what, ntpio_error *error);
 
 #endif

@@ -33,6 +33,11 @@ typedef struct run {
 
 /* ----------------------------------------------------------------------- one file */
 
+bool wrong_use(const production *p, const char *what, ntpio_error *error)
+{
+    return file_error(error, NTPIO_ERR_USAGE, p->in->path, what);
+}
+
 bool production_write(production *p, const void *rows, ptrdiff_t stride, const ntp_rect *area,
                       ntpio_error *error)
 {
@@ -166,10 +171,9 @@ static outcome end_of(pass_end end)
 /* Sets the view for the class that the facts name; gray files become RGB where needed. */
 static void view_as_known(production *p)
 {
-    static const int8_t EXPAND[4] = { 0, 0, 0, 1 };
     const bool gray = p->s.info->channels < 3 && p->f.encoding == NTP_ENCODING_HEIGHT;
     if (gray && p->f.type.type == NTP_CLASS_ONE_COLOR && !p->m->any_class)
-        source_view(&p->s, NTP_ENCODING_STANDARD, NTP_Y_UP, EXPAND, p->s.info->channels + 2);
+        source_view_as_rgb(&p->s, NTP_ENCODING_STANDARD);
     else
         p->s.view.encoding = p->f.encoding;
 }
@@ -244,12 +248,8 @@ static bool replaces_jpeg(const production *p, ntpio_error *error)
     const char *output = p->in->output;
     if (p->s.info->format != NTPIO_JPEG || output == NULL || !is_same_file(p->in->path, output))
         return false;
-    text t = { 0 };
-    text_name(&t, p->in->path);
-    error->status = p->m->in_place ? NTPIO_ERR_WRITE : NTPIO_ERR_USAGE;
-    snprintf(error->message, sizeof error->message,
-             "%.400s: JPEG is not written; give -o for a PNG of another name", text_string(&t));
-    text_free(&t);
+    file_error(error, p->m->in_place ? NTPIO_ERR_WRITE : NTPIO_ERR_USAGE, p->in->path,
+               "JPEG is not written; give -o for a PNG of another name");
     return true;
 }
 

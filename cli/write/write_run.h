@@ -6,14 +6,14 @@
  * while it is measured.  Only when the measurement says otherwise, the output is dropped and
  * the file is read again with the right encoding; so one pass suffices for most.
  */
-#ifndef NTP_CLI_PRODUCE_H
-#define NTP_CLI_PRODUCE_H
+#ifndef NTP_CLI_WRITE_RUN_H
+#define NTP_CLI_WRITE_RUN_H
 
 #include <jansson.h>
 
 #include "examine/examine.h"
-#include "run/jobs.h"
 #include "options/options.h"
+#include "run/jobs.h"
 
 typedef struct maker maker;
 
@@ -57,6 +57,9 @@ struct maker {
     /* Adds what was done to the file's line or JSON object; either may be NULL. */
     void (*describe)(const production *p, text *line, json_t *object);
 };
+
+/* *error becomes one of usage: "NAME: what".  Returns false. */
+bool wrong_use(const production *p, const char *what, ntpio_error *error);
 
 /* Writes rows to the output, in order. */
 bool production_write(production *p, const void *rows, ptrdiff_t stride, const ntp_rect *area,

@@ -1,17 +1,16 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * from_height_options.c - the options of ntp from-height
+ * verb_from_height_options.c - the options of ntp from-height
  *
  * --like fills the settings first, with the kernel, border, weights and order of channels of a
  * peer; what is given beside it wins.
  */
-#include "verbs/from_height.h"
-
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "text/text.h"
+#include "verbs/verb_from_height.h"
 
 static bool wrong(const char *option, const char *value, const char *problem)
 {

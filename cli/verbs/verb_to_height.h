@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * to_height.h - what the files of ntp to-height share
+ * verb_to_height.h - what the files of ntp to-height share
  */
-#ifndef NTP_CLI_TO_HEIGHT_H
-#define NTP_CLI_TO_HEIGHT_H
+#ifndef NTP_CLI_VERB_TO_HEIGHT_H
+#define NTP_CLI_VERB_TO_HEIGHT_H
 
 #include "write/write_run.h"
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* from_height.h - what the options of ntp from-height ask for */
-#ifndef NTP_CLI_FROM_HEIGHT_H
-#define NTP_CLI_FROM_HEIGHT_H
+/* verb_from_height.h - what the options of ntp from-height ask for */
+#ifndef NTP_CLI_VERB_FROM_HEIGHT_H
+#define NTP_CLI_VERB_FROM_HEIGHT_H
 
 #include "options/options.h"
 #include "write/write_run.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * to_height_choose.c - what the options leave to evidence: Y, the kernel, the borders
+ * verb_to_height_choose.c - what the options leave to evidence: Y, the kernel, the borders
  *
  * The texels are asked first.  What they do not tell is taken from the name (Y) or from what is
  * safe: the central kernel, and borders that suppose nothing about the other end.
@@ -8,7 +8,7 @@
 #include <stdlib.h>
 
 #include "surface/solve_heights.h"
-#include "verbs/to_height.h"
+#include "verbs/verb_to_height.h"
 
 static void choose_y(to_height_state *st, const to_height_settings *set, const input *in)
 {

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * to_height_report.c - what ntp to-height tells: the scale, and every choice with its ground
+ * verb_to_height_report.c - what ntp to-height tells: the scale, and every choice with its ground
  */
 #include "report/report.h"
-#include "verbs/to_height.h"
+#include "verbs/verb_to_height.h"
 
 static const char *const Y_NAMES[] = { "up", "down" };
 static const char *const Y_TITLES[] = { "OpenGL (Y up)", "DirectX (Y down)" };

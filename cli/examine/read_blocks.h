@@ -1,0 +1,66 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * read_blocks.h - a file as blocks of rows in a ring
+ */
+#ifndef NTP_CLI_READ_BLOCKS_H
+#define NTP_CLI_READ_BLOCKS_H
+
+#include <libntp.h>
+#include <ntpio.h>
+#include <stdbool.h>
+
+#include "examine/worker.h"
+#include "files/paths.h"
+
+/* What a channel of a view is taken from: a channel of the file, or a constant. */
+enum { FROM_ZERO = -1, FROM_ONE = -2 };
+
+/* Whether examine() measures which way green points. */
+typedef enum orient { ORIENT_NOT, ORIENT_SAMPLED, ORIENT_EVERY_ROW } orient;
+
+/* A file being read. */
+typedef struct source {
+    const input *in;
+    const ntpio_limits *limits;
+    worker *w;
+    unsigned char *bytes; /* the whole file where it cannot be read twice */
+    size_t size;
+    ntpio_reader *reader;
+    const ntpio_info *info;
+    ntp_image view; /* set by source_view */
+    bool mapped;
+    int8_t map[4];       /* of the view's channels, where mapped */
+    int32_t block_rows;  /* rows that source_next delivers at once */
+    struct ahead *ahead; /* the thread that reads ahead, or NULL */
+    uint32_t next;       /* the next row */
+    int read_permille;   /* of the work that reading is; 0: all of it */
+    orient orient;
+    bool keep_crop; /* for surface.c */
+} source;
+
+bool source_open(source *s, worker *w, const input *in, const ntpio_limits *limits,
+                 ntpio_error *error);
+/* Back to the first row; the view stays. */
+bool source_rewind(source *s, ntpio_error *error);
+void source_close(source *s);
+
+/* How the rows are to be seen.  map: NULL, or where each of `channels` comes from. */
+void source_view(source *s, ntp_encoding encoding, ntp_y y, const int8_t *map, int32_t channels);
+
+/* The same of gray files: gray becomes red, green and blue; alpha stays. */
+void source_view_as_rgb(source *s, ntp_encoding encoding);
+
+/* Reads the next rows into the ring.  1: *area has them; 0: the end was reached and checked;
+ * -1: *error tells why not. */
+int source_next(source *s, ntp_rect *area, ntpio_error *error);
+
+/* Where the rows of an area that source_next delivered lie. */
+unsigned char *source_rows(const source *s, const ntp_rect *area);
+
+/* *error becomes "NAME: what".  Returns false. */
+bool file_error(ntpio_error *error, ntpio_status status, const char *name, const char *what);
+
+/* A status of libntp that cannot happen with right arguments, as an error about the file. */
+bool library_error(const source *s, ntp_status status, ntpio_error *error);
+
+#endif

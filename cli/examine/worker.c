@@ -1,0 +1,43 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * worker.c - the memory that a thread works with, from file to file
+ */
+#include "examine/worker.h"
+
+#include <stdlib.h>
+
+#include "text/text.h"
+
+unsigned char *buffer_reserve(buffer *b, size_t size)
+{
+    if (b->size < size) {
+        free(b->data);
+        b->data = need(aligned_alloc(64, (size + 63) / 64 * 64));
+        b->size = size;
+    }
+    return b->data;
+}
+
+worker *worker_new(void)
+{
+    worker *w = need(calloc(1, sizeof *w));
+    w->tally = need(calloc(1, ntp_tally_size())); /* fresh pages: most are never touched */
+    return w;
+}
+
+void worker_free(worker *w)
+{
+    free(w->tally);
+    free(w->rows.data);
+    free(w->raw.data);
+    free(w->extra.data);
+    free(w->extra2.data);
+    free(w->diff.data);
+    free(w->histogram);
+    free(w->orientation);
+    free(w->band.data);
+    free(w->crop.data);
+    free(w->across.data);
+    free(w->down.data);
+    free(w);
+}

@@ -1,0 +1,44 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * worker.h - the memory that a thread works with, from file to file
+ */
+#ifndef NTP_CLI_WORKER_H
+#define NTP_CLI_WORKER_H
+
+#include <libntp.h>
+#include <stdatomic.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+/* A piece of memory that grows and is used again. */
+typedef struct buffer {
+    unsigned char *data;
+    size_t size;
+} buffer;
+
+unsigned char *buffer_reserve(buffer *b, size_t size);
+
+/* What one thread works with, from file to file. */
+typedef struct worker {
+    ntp_tally *tally;
+    buffer rows;  /* the ring of rows that a view looks at */
+    buffer raw;   /* rows as the file has them, where their channels are rearranged */
+    buffer extra; /* the verb's own */
+    buffer extra2;
+    buffer diff;         /* an ntp_diff */
+    uint64_t *histogram; /* NTP levels 0..65535 */
+    ntp_orientation *orientation;
+    buffer band; /* rows around the one whose orientation is measured */
+    buffer crop; /* what middle_and_lines.c keeps: the middle, rows, columns */
+    buffer across;
+    buffer down;
+    bool may_read_ahead;  /* a processor is idle */
+    int threads;          /* that this worker may keep busy, itself included */
+    _Atomic int permille; /* of the file at work, for the progress bar */
+} worker;
+
+worker *worker_new(void);
+void worker_free(worker *w);
+
+#endif
