@@ -39,23 +39,17 @@ typedef struct bench {
 
 /* ------------------------------------------------------------------- instruction set by option */
 
-/* The library is linked from an archive, in which cpu.c is left when ntp__kernels is here. */
+/* The library is linked from an archive, in which cpu.c is left when its function is here. */
 static int allowed = NTP__CPU_ALL;
 
-extern const ntp__kernels_table ntp__kernels_base;
-#ifdef NTP_HAVE_AVX2
-extern const ntp__kernels_table ntp__kernels_avx2;
-#endif
-
-const ntp__kernels_table *ntp__kernels(int mask)
+bool ntp__cpu_has_avx2(int mask)
 {
 #ifdef NTP_HAVE_AVX2
-    if ((mask & allowed & NTP__CPU_AVX2) && __builtin_cpu_supports("avx2"))
-        return &ntp__kernels_avx2;
+    return (mask & allowed & NTP__CPU_AVX2) != 0 && __builtin_cpu_supports("avx2");
 #else
     (void) mask;
+    return false;
 #endif
-    return &ntp__kernels_base;
 }
 
 /* ------------------------------------------------------------------------------------ textures */

@@ -94,10 +94,4 @@ void ntp__pack(const ntp_image *view, const ntp__block *block, int32_t x, int32_
 int32_t ntp__level_of_unit(float v);
 int32_t ntp__level_of_component(float v);
 
-/*
- * The angle between two vectors of integers in micro-degrees, from cross and dot product by an
- * arc tangent of our own (libm's differ between systems).  |components| <= 2^17, neither zero.
- */
-uint32_t ntp__angle(int64_t x1, int64_t y1, int64_t z1, int64_t x2, int64_t y2, int64_t z2);
-
 #endif

@@ -9,6 +9,7 @@
  * grows by as much at each texel, and planes with a few angles.
  */
 #include "base/view.h"
+#include "texel/angle.h"
 #include "texel/level.h"
 
 #include <string.h>

@@ -4,8 +4,8 @@
  */
 #include "from_height/gradient.h"
 
+#include "base/cpu.h"
 #include "base/finite.h"
-#include "texel/kernels.h"
 
 #include <math.h>
 #include <string.h>
@@ -148,18 +148,9 @@ const char *ntp_border_name(ntp_border border)
     return (int) border >= 0 && (int) border <= NTP_BORDER_REPEAT_SLOPE ? names[border] : "unknown";
 }
 
-extern const ntp__gradient_kernels ntp__gradient_kernels_base;
-#ifdef NTP_HAVE_AVX2
-extern const ntp__gradient_kernels ntp__gradient_kernels_avx2;
-#endif
+extern const ntp__gradient_kernels ntp__gradient_kernels_base, ntp__gradient_kernels_avx2;
 
 const ntp__gradient_kernels *ntp__gradient_kernels_for(int mask)
 {
-#ifdef NTP_HAVE_AVX2
-    if ((mask & NTP__CPU_AVX2) && __builtin_cpu_supports("avx2"))
-        return &ntp__gradient_kernels_avx2;
-#else
-    (void) mask;
-#endif
-    return &ntp__gradient_kernels_base;
+    return NTP__CPU_PICK(mask, ntp__gradient_kernels_base, ntp__gradient_kernels_avx2);
 }

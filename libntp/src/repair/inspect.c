@@ -3,6 +3,7 @@
  * inspect.c - the verdicts: on one texel in full, on many as a byte of flags each
  */
 #include "base/view.h"
+#include "texel/angle.h"
 #include "texel/kernels.h"
 #include "texel/level.h"
 #include "measure/tally.h"

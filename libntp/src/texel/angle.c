@@ -7,7 +7,6 @@
  * |u| <= 1/16 and the series to u^9 is short by less than 1/16^11/11 = 6e-15 radians.
  */
 #include "texel/angle.h"
-#include "base/view.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,11 +1,17 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * angle.h - sums of angles that merge exactly: of a measurement and of a comparison
+ * angle.h - angles between vectors of integers, and sums of angles that merge exactly
  */
 #ifndef NTP_ANGLE_H
 #define NTP_ANGLE_H
 
 #include "libntp.h"
+
+/*
+ * The angle between two vectors of integers in micro-degrees, from cross and dot product by an
+ * arc tangent of our own (libm's differ between systems).  |components| <= 2^17, neither zero.
+ */
+uint32_t ntp__angle(int64_t x1, int64_t y1, int64_t z1, int64_t x2, int64_t y2, int64_t z2);
 
 enum {
     NTP__ANGLE_BINS = 180001 /* of 0.001 degrees */

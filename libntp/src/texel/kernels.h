@@ -12,6 +12,8 @@
 #ifndef NTP_KERNELS_H
 #define NTP_KERNELS_H
 
+#include "base/cpu.h"
+
 #include <stddef.h>
 #include <stdint.h>
 
@@ -76,11 +78,9 @@ typedef struct ntp__kernels_table {
     ntp__judge_block_fn *judge_block;
 } ntp__kernels_table;
 
-enum { NTP__CPU_AVX2 = 1, NTP__CPU_ALL = -1 };
-
 enum { NTP__KERNEL_STEP = 16 };
 
-/* The best level that the processor and the mask allow; the mask is for tests. */
+/* Those for this processor; the mask is of cpu.h. */
 const ntp__kernels_table *ntp__kernels(int mask);
 
 #endif

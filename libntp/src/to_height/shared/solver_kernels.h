@@ -8,8 +8,8 @@
 #ifndef NTP_SOLVER_KERNELS_H
 #define NTP_SOLVER_KERNELS_H
 
+#include "base/cpu.h"
 #include "to_height/shared/fft.h"
-#include "texel/kernels.h"
 
 /* Loops over n numbers of a row, all float or all double. */
 typedef struct ntp__row_loops {
