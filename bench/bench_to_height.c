@@ -146,7 +146,8 @@ static void time_threads(int32_t size, int pairs, ntp_border border, const char 
     ntp_height_options how = { .kernel = NTP_KERNEL_FORWARD,
                                .border_x = border,
                                .border_y = border,
-                               .decode = NTP_DECODE_UNORM };
+                               .decode = NTP_DECODE_UNORM,
+                               .z = NTP_Z_STORED };
     size_t bytes = ntp_height_scratch_size(&how, size, size, PARTS);
     void *scratch = allocate(bytes);
     helper h;

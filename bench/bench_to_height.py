@@ -21,7 +21,7 @@ import libntp_ffi as ntp
 
 FORWARD = 1
 WRAP, CLAMP = 0, 1
-UNORM = 1
+UNORM, STORED = 1, 1
 GOAL = 0.6
 
 
@@ -42,6 +42,7 @@ class Ours:
         h, w = src.shape[:2]
         self.dst = np.zeros((h, w), np.float32)
         how = {"kernel": kernel, "border_x": border, "border_y": border, "decode": UNORM}
+        how["z"] = STORED
         self.how = ntp.ffi.new("ntp_height_options *", how)
         self.size = ntp.lib.ntp_height_scratch_size(self.how, w, h, 1)
         self.scratch = ntp.aligned(self.size, 64)

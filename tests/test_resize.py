@@ -296,4 +296,4 @@ def test_refusals():
     ):
         assert ntp.lib.ntp_resize_plan_size(ntp.ffi.new("ntp_resize_options *", how), *sizes) == 0
     names = [ntp.ffi.string(ntp.lib.ntp_filter_name(f)) for f in (0, 1, 2, 9)]
-    assert names == [b"box", b"triangle", b"lanczos3", b"unknown"]
+    assert names == [b"triangle", b"box", b"lanczos3", b"unknown"]

@@ -9,6 +9,7 @@ import pytest
 import libntp_ffi as ntp
 from support.to_height import (
     CLAMP,
+    DERIVED,
     EXTRAPOLATE,
     FRANKOT_CHELLAPPA,
     KERNELS,
@@ -16,6 +17,7 @@ from support.to_height import (
     NEUTRAL,
     POISSON_DCT,
     SNORM,
+    STORED,
     TELESCOPING,
     TRUNC,
     UNORM,
@@ -97,10 +99,11 @@ def test_decoding_of_integers(dtype, encoding, y):
     for decode, derived in itertools.product([UNORM, NEUTRAL, TRUNC, SNORM], [False, True]):
         if encoding == ntp.ZZERO and decode == SNORM:
             continue
+        z = DERIVED if derived else STORED
         p, q = slopes(n, encoding, y, decode, derived)
         if encoding == ntp.ZZERO and decode == TRUNC:
             p, q = slopes(n, encoding, y, TRUNC, derived)
-        ours, result = to_height(n, encoding, y, kernel="forward", decode=decode, z=int(derived))
+        ours, result = to_height(n, encoding, y, kernel="forward", decode=decode, z=z)
         assert near(ours, least_norm(p, q, "forward", WRAP, WRAP)), (decode, derived)
         assert result["decode"] == decode
 

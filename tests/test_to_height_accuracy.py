@@ -26,7 +26,7 @@ from support.to_height import (
 N = 512
 SLACK = 1.05
 DERIVED, NEAREST = range(2)  # blue from the rounded red and green, or as it is
-STORED, Z_AUTO = 0, 2
+STORED, Z_AUTO = 1, 0
 BAKED = 10
 TELESCOPING = 1
 

@@ -8,7 +8,7 @@ import libntp_ffi as ntp
 from support.to_height import CLAMP, DECODE_AUTO, NEUTRAL, SNORM, TRUNC, UNORM, WRAP, fractal
 from support.to_height import to_height as reconstruct
 
-STORED, DERIVED, AUTO = range(3)
+AUTO, STORED, DERIVED = range(3)
 
 
 def normals(h, wrap):

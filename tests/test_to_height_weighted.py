@@ -23,7 +23,7 @@ from support.to_height import (
 
 WEIGHTED = 4
 INSIDE = 2  # NTP_RESIDUAL_INSIDE
-DERIVED = 1
+STORED, DERIVED = 1, 2
 KERNELS = [*heights.NAMES, model.BAKED]
 
 
@@ -38,7 +38,7 @@ def weighted(src, encoding=ntp.STANDARD, y=ntp.UP, hooks=None, mask=None, status
     """(heights, result as a dict)."""
     h, w = src.shape[:2]
     how["kernel"] = KERNELS.index(how.get("kernel", "central"))
-    how = {"method": WEIGHTED, "decode": UNORM, **how}
+    how = {"method": WEIGHTED, "decode": UNORM, "z": STORED, **how}
     chosen = ntp.ffi.new("ntp_height_options *", how)
     mask_view = ntp.ffi.NULL if mask is None else ntp.view(mask, ntp.HEIGHT, const=True)
     chosen.mask = mask_view
@@ -223,14 +223,15 @@ def test_derived_z_and_spacing():
     rng = np.random.default_rng(12)
     shape = (9, 8)
     n = rng.integers(70, 190, (*shape, 3)).astype(np.uint8)
-    for derived in (0, 1):
-        p, q = slopes(n, derived=bool(derived))
-        how = {"border_x": WRAP, "border_y": CLAMP, "tolerance": 1e-11, "z": derived}
+    for z in (STORED, DERIVED):
+        derived = z == DERIVED
+        p, q = slopes(n, derived=derived)
+        how = {"border_x": WRAP, "border_y": CLAMP, "tolerance": 1e-11, "z": z}
         ours, result = weighted(n, **how)
         none = np.zeros(shape, bool)
-        oracle = model.solve(p, q, "central", WRAP, CLAMP, none, 1e-2, bool(derived))
+        oracle = model.solve(p, q, "central", WRAP, CLAMP, none, 1e-2, derived)
         assert near(ours, oracle)
-        assert result["z"] == derived
+        assert result["z"] == z
         # Twice as far apart texels with half the slopes give the same heights.
     v = random_vectors(rng, shape)
     half = v * np.array([0.5, 0.25, 1], np.float32)

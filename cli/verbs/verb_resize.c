@@ -226,6 +226,8 @@ static ntp_border border_of(const options *o, option_id axis)
 
 int resize_run(const options *o)
 {
+    static const ntp_filter FILTERS[] = { NTP_FILTER_BOX, NTP_FILTER_TRIANGLE,
+                                          NTP_FILTER_LANCZOS3 };
     const char *size = option_string(o, OPT_SIZE), *output = option_string(o, OPT_OUTPUT);
     settings set = { .mips = option_given(o, OPT_MIPS) };
     if ((size != NULL) == set.mips) {
@@ -238,7 +240,7 @@ int resize_run(const options *o)
     }
     if (size != NULL && !read_size(&set, size))
         return NTP_EXIT_USAGE;
-    set.how.filter = option_given(o, OPT_FILTER) ? (ntp_filter) option_integer(o, OPT_FILTER)
+    set.how.filter = option_given(o, OPT_FILTER) ? FILTERS[option_integer(o, OPT_FILTER)]
                      : set.mips                  ? NTP_FILTER_BOX
                                                  : NTP_FILTER_TRIANGLE;
     set.how.border_x = border_of(o, OPT_BORDER_X);

@@ -102,7 +102,6 @@ static int border_of(const options *o, option_id axis)
 
 static bool read_settings(to_height_settings *set, const options *o)
 {
-    static const ntp_z Z[] = { NTP_Z_AUTO, NTP_Z_STORED, NTP_Z_DERIVED };
     *set = (to_height_settings) { .kernel = (int) option_integer(o, OPT_KERNEL) - 1,
                                   .border_x = border_of(o, OPT_BORDER_X),
                                   .border_y = border_of(o, OPT_BORDER_Y),
@@ -112,7 +111,7 @@ static bool read_settings(to_height_settings *set, const options *o)
     set->y = Y[option_integer(o, OPT_FROM_Y)];
     set->how.method = (ntp_height_method) option_integer(o, OPT_METHOD);
     set->how.decode = (ntp_decode) option_integer(o, OPT_DECODE);
-    set->how.z = Z[option_integer(o, OPT_Z)];
+    set->how.z = (ntp_z) option_integer(o, OPT_Z);
     set->how.refine = (int32_t) option_integer(o, OPT_REFINE);
     set->how.detrend = option_given(o, OPT_DETREND);
     set->how.equalize = option_given(o, OPT_EQUALIZE);

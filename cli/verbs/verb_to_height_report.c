@@ -10,7 +10,7 @@ static const char *const Y_TITLES[] = { "OpenGL (Y up)", "DirectX (Y down)" };
 static const char *const BY[] = { "option", "texels", "name", "default" };
 static const char *const ENCODING_NAMES[] = { "standard", "zzero", "xy" };
 static const char *const DECODE_NAMES[] = { "auto", "unorm", "neutral", "unorm-trunc", "snorm128" };
-static const char *const Z_NAMES[] = { "stored", "derived", "auto" };
+static const char *const Z_NAMES[] = { "auto", "stored", "derived" };
 
 /* To what tells a part in ten thousand. */
 static void add_height(text *t, double v)

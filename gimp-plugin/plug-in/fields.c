@@ -86,7 +86,7 @@ static const choice decodes[] = { /* ntp_decode */
     { "snorm128", N_("128 is flat") },
     END
 };
-static const choice depths[] = { /* ntp_z */
+static const choice depths[] = { /* ntp_z, without AUTO */
     { "stored", N_("As stored") },
     { "derived", N_("From red and green") },
     END

@@ -17,7 +17,7 @@ height_job height_job_from(const settings *s)
                  .border_x = (ntp_border) v[FH_BORDER_X],
                  .border_y = (ntp_border) v[FH_BORDER_Y],
                  .decode = (ntp_decode) v[FH_DECODE],
-                 .z = (ntp_z) v[FH_Z] },
+                 .z = v[FH_Z] != 0 ? NTP_Z_DERIVED : NTP_Z_STORED },
         .y = (ntp_y) v[FH_FROM_Y],
         .encoding = (ntp_encoding) v[FH_FROM],
         .invert = v[FH_INVERT] != 0,

@@ -824,9 +824,9 @@ typedef enum ntp_decode {
 } ntp_decode;
 
 typedef enum ntp_z {
-    NTP_Z_STORED = 0,  /* NTP_ENCODING_XY: derived */
-    NTP_Z_DERIVED = 1, /* sqrt(1 - x*x - y*y): where blue is not to be trusted */
-    NTP_Z_AUTO = 2     /* by evidence: derived where it was, or where lengths are not 1 */
+    NTP_Z_AUTO = 0,   /* by evidence: derived where it was, or where lengths are not 1 */
+    NTP_Z_STORED = 1, /* NTP_ENCODING_XY: derived */
+    NTP_Z_DERIVED = 2 /* sqrt(1 - x*x - y*y): where blue is not to be trusted */
 } ntp_z;
 
 /* Kernels of 3 x 3 and more see little of the finest detail: noise would take its place. */
@@ -1028,8 +1028,8 @@ NTP_API const char *ntp_height_method_name(ntp_height_method method);
  */
 
 typedef enum ntp_filter {
-    NTP_FILTER_BOX = 0,      /* the mean over the area that the texel covers */
-    NTP_FILTER_TRIANGLE = 1, /* bilinear; widened where the texture shrinks */
+    NTP_FILTER_TRIANGLE = 0, /* bilinear; widened where the texture shrinks */
+    NTP_FILTER_BOX = 1,      /* the mean over the area that the texel covers: for mip chains */
     NTP_FILTER_LANCZOS3 = 2
 } ntp_filter;
 
@@ -1083,7 +1083,7 @@ NTP_API int32_t ntp_mip_levels(int32_t width, int32_t height);
 /* A side at a level, 0 being the texture: halved and rounded down so often, at least 1. */
 NTP_API int32_t ntp_mip_side(int32_t side, int32_t level);
 
-/* The name of a filter ("box", "triangle", "lanczos3"); never NULL. */
+/* The name of a filter ("triangle", "box", "lanczos3"); never NULL. */
 NTP_API const char *ntp_filter_name(ntp_filter filter);
 
 enum {

@@ -8,7 +8,7 @@ import libntp_ffi as ntp
 
 from . import oracle_vectors as model
 
-BOX, TRIANGLE, LANCZOS3 = range(3)
+TRIANGLE, BOX, LANCZOS3 = range(3)
 WRAP, CLAMP, MIRROR, EXTRAPOLATE = range(4)
 
 

@@ -13,13 +13,14 @@ from . import oracle_height as heights
 
 AUTO, TELESCOPING, FRANKOT_CHELLAPPA, POISSON_DCT = range(4)
 DECODE_AUTO, UNORM, NEUTRAL, TRUNC, SNORM = range(5)
+Z_AUTO, STORED, DERIVED = range(3)
 WRAP, CLAMP, MIRROR, EXTRAPOLATE, REPEAT_SLOPE = range(5)
 KERNELS = ["central", "forward"]
 
 
 def options(kernel="central", border_x=WRAP, border_y=WRAP, **how):
     number = heights.NAMES.index(kernel) if isinstance(kernel, str) else kernel
-    how.update(kernel=number, border_x=border_x, border_y=border_y)
+    how = {"kernel": number, "border_x": border_x, "border_y": border_y, "z": STORED, **how}
     return ntp.ffi.new("ntp_height_options *", how)
 
 

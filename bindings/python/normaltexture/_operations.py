@@ -32,7 +32,7 @@ Mode: TypeAlias = Literal["rnm", "whiteout", "udn"]
 Flip: TypeAlias = Literal["x", "y", "xy"]
 Size: TypeAlias = tuple[int, int] | str
 
-_FILTERS = {"box": 0, "triangle": 1, "lanczos3": 2}
+_FILTERS = {"triangle": 0, "box": 1, "lanczos3": 2}
 _BORDERS = {"wrap": 0, "clamp": 1, "mirror": 2}
 _MODES = {"rnm": 0, "whiteout": 1, "udn": 2}
 _FLIPS = {None: (0, 0), "x": (1, 0), "y": (0, 1), "xy": (1, 1)}

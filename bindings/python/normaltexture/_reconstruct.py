@@ -46,7 +46,7 @@ _METHODS: tuple[str, ...] = get_args(HeightMethod)
 _DECODES: tuple[str, ...] = get_args(Decode)
 METHOD_CODES = {name: i for i, name in enumerate(_METHODS)}
 DECODE_CODES = {name: i for i, name in enumerate(_DECODES)}
-ZS = {"auto": 2, "stored": 0, "derived": 1}
+ZS = {"auto": 0, "stored": 1, "derived": 2}
 _KERNEL_NAMES, _BORDER_NAMES, _Z_NAMES = (
     {code: name for name, code in table.items()} for table in (_KERNELS, _BORDERS, ZS)
 )

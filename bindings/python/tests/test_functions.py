@@ -352,7 +352,7 @@ def test_compare(texture, seed, type, b_y):
 def test_resize(texture, type, width, height, filter, border_x, border_y):
     borders = tuple(["wrap", "clamp", "mirror"].index(b) for b in (border_x, border_y))
     want = resize_by_model(
-        texture.tolist(), max_of(texture), (width, height), ["box", "triangle"].index(filter),
+        texture.tolist(), max_of(texture), (width, height), {"triangle": 0, "box": 1}[filter],
         borders, type,
     )  # fmt: skip
     got = nt.resize(

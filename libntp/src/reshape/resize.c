@@ -69,7 +69,7 @@ static bool describe(ntp_resize_plan *p, const ntp_resize_options *how, int32_t 
     memset(p, 0, sizeof *p);
     if (how != NULL)
         p->how = *how;
-    if ((int) p->how.filter < NTP_FILTER_BOX || (int) p->how.filter > NTP_FILTER_LANCZOS3 ||
+    if ((int) p->how.filter < NTP_FILTER_TRIANGLE || (int) p->how.filter > NTP_FILTER_LANCZOS3 ||
         !border_is_good(p->how.border_x) || !border_is_good(p->how.border_y) ||
         p->how.touch_unused > NTP_UNUSED_ALL || !side_is_good(src_width) ||
         !side_is_good(src_height) || !side_is_good(width) || !side_is_good(height))
@@ -302,6 +302,6 @@ int32_t ntp_mip_levels(int32_t width, int32_t height)
 
 const char *ntp_filter_name(ntp_filter filter)
 {
-    static const char *const NAME[] = { "box", "triangle", "lanczos3" };
+    static const char *const NAME[] = { "triangle", "box", "lanczos3" };
     return (int) filter >= 0 && (int) filter < 3 ? NAME[filter] : "unknown";
 }

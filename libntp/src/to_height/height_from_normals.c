@@ -39,7 +39,7 @@ static ntp_status resolve(ntp_height_options *resolved, const ntp_height_options
         *resolved = *how;
     how = resolved;
     if (!in_range((int) how->method, NTP_HEIGHT_WEIGHTED) ||
-        !in_range((int) how->decode, NTP_DECODE_SNORM) || !in_range((int) how->z, NTP_Z_AUTO) ||
+        !in_range((int) how->decode, NTP_DECODE_SNORM) || !in_range((int) how->z, NTP_Z_DERIVED) ||
         !in_range((int) how->border_x, NTP_BORDER_REPEAT_SLOPE) ||
         !in_range((int) how->border_y, NTP_BORDER_REPEAT_SLOPE) ||
         !in_range((int) how->kernel, NTP_KERNEL_BAKED) ||

@@ -17,7 +17,7 @@ static ntp_status resolve(ntp_height_options *resolved, const ntp_height_options
         *resolved = *how;
     if ((int) resolved->method < NTP_HEIGHT_AUTO || (int) resolved->method > NTP_HEIGHT_WEIGHTED ||
         (int) resolved->decode < NTP_DECODE_AUTO || (int) resolved->decode > NTP_DECODE_SNORM ||
-        (int) resolved->z < NTP_Z_STORED || (int) resolved->z > NTP_Z_AUTO ||
+        (int) resolved->z < NTP_Z_AUTO || (int) resolved->z > NTP_Z_DERIVED ||
         (int) resolved->border_x < 0 || (int) resolved->border_x > NTP_BORDER_REPEAT_SLOPE ||
         (int) resolved->border_y < 0 || (int) resolved->border_y > NTP_BORDER_REPEAT_SLOPE)
         return NTP_ERR_ARGUMENT;
