@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Times heightfield -> normals beside numpy and OpenCV: bench_height.py [--pairs N] [--size N]
 
-NTP_LIBRARY names the libntp.so.  A and B alternate, and the median of the pairwise ratios of
+NTP_BUILD names the build.  A and B alternate, and the median of the pairwise ratios of
 processor time (of elapsed time for two threads) stands beside the goal.  OpenCV (the opencv-python-headless package) is
 left out where it is not installed.
 """

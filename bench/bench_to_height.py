@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Times normals -> heightfield beside scipy.fft: bench_to_height.py [--pairs N] [--size N]
 
-NTP_LIBRARY names the libntp.so.  The same least squares on both sides, RGB8 normals to float
+NTP_BUILD names the build.  The same least squares on both sides, RGB8 normals to float
 heights, one thread; A and B alternate, and the median of the pairwise ratios of processor time
 stands beside the goal.  The rows "slopes" give scipy its slopes ready made, ours decodes.
 """

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""How often libntp is right: quality.py [SECONDS] [--seed N]; NTP_LIBRARY names the library.
+"""How often libntp is right: quality.py [SECONDS] [--seed N]; NTP_BUILD names the build.
 
 Draws textures of known kind, as tests/test_classify.py does, and counts what the classification and
 the search for banding say of them; then makes the table of docs/classification.md.

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
 """What the tests share: where the built files are, the corpus, and the rule on skips.
 
-NTP_PROGRAM, NTP_LIBRARY and NTP_BUILD say where the built files are (else build*/ is searched),
-NTP_CORPUS where the corpus of real textures is (else ../shared/corpus beside the repository).
+NTP_BUILD says where the built files are (else in build/), NTP_CORPUS where the corpus of real
+textures is (else ../shared/corpus beside the repository).
 With CI set, a skipped test that allowed_skips.txt does not list fails the run.
 """
 
@@ -41,14 +41,18 @@ def _sample(config, items):
     items[:] = [item for item in items if item not in left_out]
 
 
+def pytest_configure(config):
+    config.addinivalue_line("markers", "xdist_group(name): one process of pytest-xdist runs these")
+    if libntp_ffi.lib is None:
+        raise pytest.UsageError(
+            f"there is no libntp/libntp.so in {libntp_ffi.BUILD}: build it (ninja -C build), set "
+            "NTP_BUILD to a build directory that has it, or run ./dev test"
+        )
+
+
 def pytest_collection_modifyitems(config, items):
-    """Without a built library, tests that import it cannot run: said once, for each test."""
     if os.environ.get("NTP_SANITIZED"):
         _sample(config, items)
-    if libntp_ffi.lib is None:
-        for item in items:
-            if getattr(item.module, "ntp", None) is libntp_ffi:
-                item.add_marker(pytest.mark.skip(reason="libntp.so is not built"))
 
 
 PATIENCE = 900  # seconds: ends what hangs; a busy machine, or a sanitizer, is no failure
@@ -57,10 +61,10 @@ PATIENCE = 900  # seconds: ends what hangs; a busy machine, or a sanitizer, is n
 @pytest.fixture(scope="session")
 def program():
     """The built `ntp`."""
-    path = libntp_ffi.find_built("ntp", "NTP_PROGRAM")
-    if path is None or not Path(path).exists():
+    path = libntp_ffi.find_built("cli/ntp")
+    if path is None:
         pytest.skip("the program is not built")
-    return Path(path)
+    return path
 
 
 @pytest.fixture
@@ -94,9 +98,9 @@ def allowed_skips():
 
 
 def _short_id(nodeid):
-    """Without the directories; a module that skips itself has no "::" in its id."""
+    """Without directories and group; a module that skips itself has no "::" in its id."""
     module, colons, test = nodeid.partition("::")
-    return module.rpartition("/")[2] + colons + test
+    return module.rpartition("/")[2] + colons + test.removesuffix("@gimp2")
 
 
 def pytest_runtest_logreport(report):
@@ -126,7 +130,7 @@ def _unexpected():
 
 def pytest_terminal_summary(terminalreporter):
     unexpected = _unexpected()
-    if unexpected and os.environ.get("CI"):
+    if unexpected:
         terminalreporter.section("skipped, and not listed in allowed_skips.txt")
         for test, reason in unexpected.items():
             terminalreporter.line(f"{test}: {reason}")

@@ -15,6 +15,8 @@ import numpy as np
 
 ROOT = Path(__file__).resolve().parent.parent
 HEADER = ROOT / "libntp" / "include" / "libntp.h"
+# The one directory from which built files come: no test may take another build's.
+BUILD = Path(os.environ.get("NTP_BUILD") or ROOT / "build").resolve()
 
 STANDARD, ZZERO, XY, VECTOR, HEIGHT = range(5)
 U8, U16, F32 = range(3)
@@ -40,23 +42,14 @@ def cdef_text(header=HEADER):
     return text[begin:end].replace("NTP_API ", "")
 
 
-def find_built(name, env):
-    """A built file: from the environment, else the newest of that name below build*/."""
-    if os.environ.get(env):
-        return Path(os.environ[env])
-    roots = [Path(os.environ["NTP_BUILD"])] if os.environ.get("NTP_BUILD") else []
-    roots += sorted(ROOT.glob("build*"))
-    for root in roots:
-        found = sorted(root.rglob(name), key=lambda p: p.stat().st_mtime, reverse=True)
-        found = [p for p in found if p.is_file()]
-        if found:
-            return found[0]
-    return None
+def find_built(name):
+    """A file of the build that is tested, by its path in there; None if it was not built."""
+    return BUILD / name if (BUILD / name).is_file() else None
 
 
 ffi = cffi.FFI()
 ffi.cdef(cdef_text())
-_path = find_built("libntp.so", "NTP_LIBRARY")
+_path = find_built("libntp/libntp.so")
 lib = ffi.dlopen(str(_path)) if _path else None
 
 

@@ -17,15 +17,15 @@ bench() {
     build_dir build-bench -Dbench=true -Dtests=false -Dbuildtype=release
     if [ "${1:-}" = quality ]; then
         shift
-        NTP_LIBRARY=$top/build-bench/libntp/libntp.so python bench/quality.py "$@"
+        NTP_BUILD=$top/build-bench python bench/quality.py "$@"
         return
     fi
     python bench/run.py build-bench "$@"
     pip_install python -r bench/requirements.txt
     printf '\nHeights to normals, beside OpenCV and numpy:\n'
-    NTP_LIBRARY=$top/build-bench/libntp/libntp.so python bench/bench_height.py
+    NTP_BUILD=$top/build-bench python bench/bench_height.py
     printf '\nNormals to heights, beside scipy.fft:\n'
-    NTP_LIBRARY=$top/build-bench/libntp/libntp.so python bench/bench_to_height.py
+    NTP_BUILD=$top/build-bench python bench/bench_to_height.py
 }
 
 fuzz() {

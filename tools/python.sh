@@ -50,7 +50,7 @@ enter_python_venv() { # from here on `python` has the package's tools
     need_python_tools
     need_python_venv
     PATH=$top/.venv-python/bin:$PATH
-    unset NTP_PROGRAM NTP_BUILD NTP_LIBRARY
+    unset NTP_PROGRAM NTP_BUILD
     rm -rf build-python/dist
     mkdir -p build-python/dist
 }

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-# ./dev test: every test, and the same under ASan and UBSan.
+# ./dev test: every test, or the same under ASan and UBSan, or some of them.
 
 # Sanitizers of these compilers fail where a kernel gives addresses more random bits than they know.
 plain_addresses() {
@@ -20,68 +20,108 @@ meson_test() { # meson_test DIR ARG...; in CI a skipped test is a failure (pytes
     fi
 }
 
+pytest_of() { # pytest_of DIR ARG...: the built files come from this directory only
+    pytest_dir=$1
+    shift
+    NTP_BUILD=$top/$pytest_dir python -m pytest -q -p no:cacheprovider "$@"
+}
+
+# On all cores; --dist loadgroup: modules that start GIMP stay in one process.
+pytest_all() { pytest_of build -rs -n "$jobs" --dist loadgroup tests; }
+
+c_tests() { meson_test build --no-suite sweep --no-suite exhaustive --no-suite python; }
+
 # The C tests of the sanitizer build, then its library inside Python and its program.
-test_asan() {
+c_tests_sanitized() {
     export ASAN_OPTIONS=detect_leaks=1:abort_on_error=1 UBSAN_OPTIONS=print_stacktrace=1:halt_on_error=1
     meson_test build-asan --no-suite python --no-suite exhaustive --no-suite sweep \
         --no-suite symbols --no-suite examples --no-suite headers
 }
 
-pytest_asan() {
-    # Python's own allocations at exit are no leaks of ours; the program is checked for leaks above.
-    plain_addresses env NTP_BUILD=$top/build-asan NTP_PROGRAM=$top/build-asan/cli/ntp \
-        NTP_LIBRARY=$top/build-asan/libntp/libntp.so NTP_SANITIZED=1 \
+pytest_sanitized() {
+    # Python's own allocations at exit are no leaks of ours; the C tests look for leaks.
+    plain_addresses env NTP_BUILD=$top/build-asan NTP_SANITIZED=1 \
         LD_PRELOAD="$(cc -print-file-name=libasan.so) $(cc -print-file-name=libubsan.so)" \
         ASAN_OPTIONS=detect_leaks=0 UBSAN_OPTIONS=print_stacktrace=1:halt_on_error=1 \
-        python -m pytest -q -p no:cacheprovider tests --ignore=tests/test_exhaustive.py "$@"
-}
-
-pytest_asan_beside() { # the status file appears whole
-    set +e
-    pytest_asan >build-asan/pytest.log 2>&1
-    echo $? >build-asan/pytest.status.new
-    mv build-asan/pytest.status.new build-asan/pytest.status
-}
-
-pytest_asan_done() { # waits, and shows
-    while [ ! -f build-asan/pytest.status ]; do sleep 1; done
-    tail -n 200 build-asan/pytest.log
-    [ "$(cat build-asan/pytest.status)" = 0 ]
+        python -m pytest -q -rs -p no:cacheprovider -n "$jobs" --dist loadgroup \
+        tests --ignore=tests/test_exhaustive.py
 }
 
 # For --quick: single texels, what ntp says and writes, the table of test_files.
 quick_tests="tests/test_levels.py tests/test_inspect.py tests/test_files_table.py
     tests/cli/test_check.py tests/cli/test_program.py tests/cli/test_write.py"
-pytest_quick() { NTP_BUILD=$top/build python -m pytest -q -p no:cacheprovider $quick_tests; }
+pytest_quick() { pytest_of build -n "$jobs" --dist loadgroup $quick_tests; }
+
+c_file() { # c_file FILE: the C test that is made of it, by the name that meson has for it
+    [ -f "$1" ] || die "there is no $1"
+    name=$(basename "$1" .c)
+    name=${name#test_}
+    case $1 in */io/*) name=io_$name ;; esac
+    meson_test build "$name"
+}
+
+package_file() { # package_file ARG...: tests of the Python package, which is installed first
+    install_tree
+    python -m pytest -q -p no:cacheprovider "$@"
+}
+
+test_some() { # test_some FILE|SUITE... or FILE... ARG...: what follows a Python file is pytest's
+    while [ $# -gt 0 ]; do
+        case $1 in
+        tests/gimp/gimp3*) die "this file runs in GIMP 3: ./dev gimp3" ;;
+        --) shift; stage pytest pytest_of build tests "$@"; return ;;
+        -*) stage pytest pytest_of build tests "$@"; return ;;
+        *.c) stage "$1" c_file "$1" ;;
+        bindings/python/*) stage "$*" package_file "$@"; return ;;
+        tests | tests/*) stage "$*" pytest_of build "$@"; return ;;
+        python) stage "suite $1" pytest_all ;;
+        unit | io | headers | symbols | exhaustive | sweep | examples)
+            stage "suite $1" meson_test build --suite "$1" ;;
+        *) die "no such suite or file: $1 (./dev help lists them)" ;;
+        esac
+        shift
+    done
+}
+
+not_run() {
+    say "not run: ASan and UBSan (./dev test --sanitize), all 2^32 pairs of 16 bit (./dev test sweep),"
+    say "the Python package (./dev python), GIMP 3 (./dev gimp3), the pages (./dev docs), fuzzing (./dev fuzz)"
+}
 
 run_tests() {
-    quick=no
-    [ "${1:-}" != --quick ] || { quick=yes; shift; }
     need_tools
     need_test_tools
-    if [ "${1:-}" = -- ]; then
-        shift
-        build_main
-        NTP_BUILD=$top/build exec python -m pytest -p no:cacheprovider "$@"
-    fi
+    case ${1:-} in
+    --sanitize)
+        stage "build with ASan and UBSan" build_dir build-asan -Dwerror="$werror" \
+            -Db_sanitize=address,undefined -Db_lundef=false -Doptimization=1
+        finish_stages
+        stage "C tests under ASan and UBSan" c_tests_sanitized
+        stage "pytest under ASan and UBSan" pytest_sanitized
+        finish_stages
+        say "all tests passed; of modules with many cases every fourth was run"
+        return
+        ;;
+    esac
     stage build build_main
     finish_stages
-    if [ $# -gt 0 ]; then
-        for suite in "$@"; do
-            stage "suite $suite" meson_test build --suite "$suite"
-        done
-    elif [ $quick = yes ]; then
-        stage "C tests" meson_test build --no-suite sweep --no-suite exhaustive --no-suite python
+    case ${1:-} in
+    --quick)
+        stage "C tests" c_tests
         stage "a choice of the Python tests" pytest_quick
-    else
-        stage "build with ASan and UBSan" build_asan
         finish_stages
-        rm -f build-asan/pytest.status
-        pytest_asan_beside &
-        stage "tests (pytest under ASan and UBSan goes on beside them)" meson_test build --no-suite sweep
-        stage "C tests under ASan and UBSan" test_asan
-        stage "pytest under ASan and UBSan, from here" pytest_asan_done
-    fi
-    finish_stages
-    say "all tests passed"
+        say "passed; not run: the other tests (./dev test)"
+        ;;
+    '')
+        stage "C tests" c_tests
+        stage "pytest" pytest_all
+        finish_stages
+        say "all tests passed"
+        not_run
+        ;;
+    *)
+        test_some "$@"
+        finish_stages
+        ;;
+    esac
 }

@@ -10,9 +10,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import libntp_ffi
 from support import pngs
 from support.gegl_pictures import CHANNELS, DEPTHS, GAMMA, picture, rough_normals, to_options
+from support.gimps import built_with
 
 # GEGL loads all its modules at each start; with these alone a start takes a tenth of the time.
 MODULES = ["gegl-core", "gegl-common", "transformops", "text", "png-load", "png-save"]
@@ -21,11 +21,9 @@ MODULES = ["gegl-core", "gegl-common", "transformops", "text", "png-load", "png-
 @pytest.fixture(scope="session")
 def gegl_env(tmp_path_factory):
     """The environment in which GEGL finds the operations that were built."""
-    module = libntp_ffi.find_built("ntp-gegl.so", "NTP_GEGL")
+    module = built_with("gegl-0.4 >= 0.4.36", "gegl", "gimp-plugin/gegl/ntp-gegl.so")
     if shutil.which("gegl") is None:
         pytest.skip("the program gegl is not installed")
-    if module is None:
-        pytest.skip("the GEGL operations are not built: libgegl-dev is missing")
     query = ["pkg-config", "--variable=pluginsdir", "gegl-0.4"]
     plugins = Path(subprocess.run(query, capture_output=True, text=True, check=True).stdout.strip())
     few = tmp_path_factory.mktemp("gegl")

@@ -11,10 +11,9 @@ import subprocess
 import numpy as np
 import pytest
 
-import libntp_ffi
 from support import gimp2, pngs
 from support.gimp2 import call, normals, opened, saved, stored
-from support.gimps import complaints
+from support.gimps import built_with, complaints
 from support.plugin_cases import (
     CASES,
     HEIGHT,
@@ -34,6 +33,9 @@ from support.xcf import read_xcf
 
 if shutil.which(gimp2.PROGRAM) is None and shutil.which("gimp-console-3.0"):
     pytest.skip("this system has GIMP 3: see ./dev gimp3", allow_module_level=True)
+
+# One process of pytest takes all of them, so that GIMP is started once.
+pytestmark = pytest.mark.xdist_group("gimp2")
 
 FILTERS = ["4sample", "sobel3", "sobel5", "prewitt3", "prewitt5", "3x3", "5x5", "7x7", "9x9"]
 CONVERSIONS = {0: "luma-gimp", 2: "red", 3: "green", 4: "blue", 5: "max", 6: "min", 7: "screen"}
@@ -189,11 +191,10 @@ def normals_jobs():
 
 @pytest.fixture(scope="module")
 def gimp(tmp_path_factory):
-    plugin = libntp_ffi.find_built("gimp2/ntp-normals", "NTP_PLUGIN2")
+    file = "gimp-plugin/plug-in/gimp2/ntp-normals"
+    plugin = built_with("gimpui-2.0 >= 2.10", "gimp", file)
     if shutil.which(gimp2.PROGRAM) is None:
         pytest.skip("GIMP 2.10 is not installed")
-    if plugin is None:
-        pytest.skip("the plug-in is not built: libgimp2.0-dev is missing")
     made = gimp2.Gimp2(plugin, tmp_path_factory.mktemp("gimp2"))
     for name, (pixels, chunks) in INPUTS.items():
         pngs.write_png(made.work / f"{name}.png", pixels, chunks=chunks)

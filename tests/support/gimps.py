@@ -8,6 +8,10 @@ import shutil
 import subprocess
 from pathlib import Path
 
+import pytest
+
+import libntp_ffi
+
 HERE = Path(__file__).resolve().parent
 
 # What GIMP 3.0 prints about itself, whether our parts are there or not.
@@ -16,6 +20,26 @@ NOISE = re.compile(
     r"|g_object_unref: assertion 'G_IS_OBJECT"
     r"|stale context|contexts left|gimp_wire_read|gimp_flush"
 )
+
+
+def built_with(package, option, file):
+    """A file that the build makes where pkg-config knows a package.
+
+    Without the package the test is skipped.  With it a build that lacks the file was configured
+    before the package came, which is a failure.
+    """
+    path = libntp_ffi.find_built(file)
+    if path is not None:
+        return path
+    settings = json.loads((libntp_ffi.BUILD / "meson-info/intro-buildoptions.json").read_text())
+    if "disabled" in [entry["value"] for entry in settings if entry["name"] == option]:
+        pytest.skip(f"{libntp_ffi.BUILD} was configured with -D{option}=disabled")
+    if subprocess.run(["pkg-config", "--exists", package], check=False).returncode != 0:
+        pytest.skip(f"not built: pkg-config does not know {package}")
+    pytest.fail(
+        f"{package} is installed, but {file} is not in {libntp_ffi.BUILD}, which was "
+        "configured before: meson setup --reconfigure --clearcache, or ./dev test"
+    )
 
 
 class Gimp3:
