@@ -10,7 +10,7 @@ quietly() { # quietly LOG COMMAND...: shows the log only on failure
 # What the build looks for by pkg-config; what it finds decides what is built.
 looked_for="libpng zlib libjpeg popt jansson gegl-0.4 gimp-3.0 gimpui-3.0 gimp-2.0 gimpui-2.0"
 
-first_line() { "$@" 2>&1 | sed -n 1p || true; }
+first_line() { "$@" 2>/dev/null | sed -n 1p; }
 
 what_is_here() { # what a build directory was configured with, besides its options
     for package in $looked_for; do

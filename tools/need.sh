@@ -121,6 +121,7 @@ need_venv() {
         find_python || die "no Python 3.11 or newer with venv found"
         say "making .venv ($("$python" --version))"
         "$python" -m venv --clear .venv
+        hash -r # of a shell that remembers where it found python3
     fi
     pip_install .venv/bin/python -r tests/requirements.txt ||
         die "pip could not install tests/requirements.txt (it needs the network once)"
