@@ -10,7 +10,8 @@
 #include "examine/hold_image.h"
 #include "report/report.h"
 #include "verbs/verbs.h"
-#include "write/whole_image.h"
+#include "write/refusal.h"
+#include "write/write_run.h"
 
 typedef struct settings {
     ntp_blend_options how;
@@ -99,36 +100,6 @@ static void describe(const production *p, text *line, json_t *object)
 
 /* ---------------------------------------------------------------------- the detail */
 
-static bool is_unordered_pair(const facts *f)
-{
-    return !f->forced && f->type.type == NTP_CLASS_XY && f->info.channels < 3;
-}
-
-static bool no_normals(const facts *f)
-{
-    if (f->forced)
-        return f->encoding == NTP_ENCODING_HEIGHT;
-    return f->type.type == NTP_CLASS_HEIGHT || f->type.type == NTP_CLASS_OBJECT_SPACE ||
-           f->type.type == NTP_CLASS_NOT_NORMALS || is_unordered_pair(f);
-}
-
-static void refuse_detail(const facts *f, const char *path)
-{
-    text t = { 0 };
-    text_name(&t, path);
-    if (is_unordered_pair(f))
-        text_add(&t, ": x and y in gray and alpha, which is which the file does not say; --type xy "
-                     "takes gray for x");
-    else
-        text_addf(&t,
-                  ": %s, not a texture of tangent-space normals; --type standard takes it for one",
-                  f->type.type == NTP_CLASS_HEIGHT         ? "a height map"
-                  : f->type.type == NTP_CLASS_OBJECT_SPACE ? "object-space normals"
-                                                           : "something else");
-    complain("%s", text_string(&t));
-    text_free(&t);
-}
-
 /* Gray files of one color are taken for normals, as those of the base are. */
 static void view_detail(layer *l)
 {
@@ -150,8 +121,13 @@ static unsigned read_detail(layer *l, settings *set, const options *o, const ntp
         complain("%s", error.message);
         return RAN_FAILED;
     }
-    if (no_normals(&l->f)) {
-        refuse_detail(&l->f, o->paths[1]);
+    if (!has_tangent_normals(&l->f, false)) {
+        text t = { 0 };
+        text_name(&t, o->paths[1]);
+        text_add(&t, ": ");
+        add_refusal(&t, &l->f, "type");
+        complain("%s", text_string(&t));
+        text_free(&t);
         return RAN_FINDINGS;
     }
     bool ok = source_rewind(&l->s, &error);
@@ -215,7 +191,7 @@ int blend_run(const options *o)
     base.path_count = 1;
     const maker m = { .o = &base,
                       .forced = forced_class(o),
-                      .measure_first = true,
+                      .plan = PLAN_MEASURE_FIRST,
                       .state_size = sizeof(state),
                       .settings = &set,
                       .begin = begin,

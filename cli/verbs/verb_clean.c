@@ -134,7 +134,8 @@ static void describe_text(const production *p, text *line)
     text_count(line, st->counts.changed);
     text_add(line, st->counts.changed == 1 ? " texel (" : " texels (");
     text_percent(line, st->counts.changed, p->f.stats.texels);
-    text_addf(line, ") %s, turned by up to ", p->m->dry_run ? "would change" : "changed");
+    text_addf(line, ") %s, turned by up to ",
+              option_given(p->m->o, OPT_DRY_RUN) ? "would change" : "changed");
     text_degrees(line, angles.max);
     text_add(line, " degrees, ");
     text_degrees(line, angles.mean);
@@ -189,11 +190,7 @@ int clean_run(const options *o)
     const maker m = { .o = o,
                       .forced = forced_class(o),
                       .any_order = true,
-                      .measure_first = set.choose,
-                      .only_changed =
-                          option_given(o, OPT_ONLY_CHANGED) || option_given(o, OPT_IN_PLACE),
-                      .dry_run = option_given(o, OPT_DRY_RUN),
-                      .in_place = option_given(o, OPT_IN_PLACE),
+                      .plan = set.choose ? PLAN_MEASURE_FIRST : PLAN_WHILE_READING,
                       .state_size = sizeof(state),
                       .settings = &set,
                       .begin = begin,

@@ -302,8 +302,7 @@ int convert_run(const options *o)
         return NTP_EXIT_USAGE;
     const maker m = { .o = o,
                       .forced = -1,
-                      .any_class = true,
-                      .dry_run = option_given(o, OPT_DRY_RUN),
+                      .plan = PLAN_AS_TOLD,
                       .state_size = sizeof(state),
                       .settings = &set,
                       .begin = begin,

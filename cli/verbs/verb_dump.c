@@ -8,6 +8,7 @@
 
 #include "report/report.h"
 #include "verbs/verbs.h"
+#include "write/refusal.h"
 
 typedef struct dump {
     const options *o;
@@ -90,11 +91,14 @@ static unsigned run(dump *d, ntpio_error *error)
     const bool pair = d->f.encoding == NTP_ENCODING_XY; /* of gray and alpha */
     if ((d->s.view.channels < 3 && !(pair && d->f.forced)) ||
         (d->f.forced && d->f.encoding == NTP_ENCODING_HEIGHT)) {
-        complain(
-            "%s: %s", d->s.in->path,
-            pair ? "x and y in gray and alpha, which is which the file does not say; --type xy "
-                   "takes gray for x"
-                 : "a height map has no normals to list; --type standard takes it for a texture");
+        text t = { 0 };
+        if (pair)
+            add_refusal(&t, &d->f, "type");
+        else
+            text_add(&t,
+                     "a height map has no normals to list; --type standard takes it for a texture");
+        complain("%s: %s", d->s.in->path, text_string(&t));
+        text_free(&t);
         return RAN_FINDINGS;
     }
     if (d->s.view.encoding == NTP_ENCODING_HEIGHT)

@@ -379,8 +379,7 @@ int from_height_run(const options *o)
         return NTP_EXIT_USAGE;
     const maker m = { .o = o,
                       .forced = NTP_CLASS_HEIGHT,
-                      .any_class = true,
-                      .asks_nothing = true,
+                      .plan = PLAN_AS_TOLD,
                       .state_size = sizeof(state),
                       .settings = &set,
                       .begin = begin,

@@ -249,7 +249,7 @@ int resize_run(const options *o)
     const maker m = { .o = o,
                       .forced = forced_class(o),
                       .any_order = true,
-                      .measure_first = true,
+                      .plan = PLAN_MEASURE_FIRST,
                       .state_size = sizeof(state),
                       .settings = &set,
                       .begin = begin,

@@ -335,7 +335,7 @@ int to_height_run(const options *o)
         return NTP_EXIT_USAGE;
     const maker m = { .o = o,
                       .forced = (int) option_integer(o, OPT_FROM) - 1,
-                      .writes_late = true,
+                      .plan = PLAN_AFTER_READING,
                       .read_permille = READ_PERMILLE,
                       .state_size = sizeof(to_height_state),
                       .settings = &set,

@@ -87,7 +87,7 @@ int transform_run(const options *o)
     }
     const maker m = { .o = o,
                       .forced = forced_class(o),
-                      .measure_first = true,
+                      .plan = PLAN_MEASURE_FIRST,
                       .state_size = 1,
                       .settings = &set,
                       .begin = begin,

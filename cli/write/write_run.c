@@ -11,6 +11,7 @@
 #include <sys/stat.h>
 
 #include "report/report.h"
+#include "write/refusal.h"
 
 typedef enum outcome {
     MADE,      /* written, or would be */
@@ -31,6 +32,29 @@ typedef struct run {
     bool any;
 } run;
 
+/* ----------------------------------------------------------------------- the plan */
+
+static bool is_dry_run(const maker *m)
+{
+    return option_given(m->o, OPT_DRY_RUN);
+}
+
+static bool is_in_place(const maker *m)
+{
+    return option_given(m->o, OPT_IN_PLACE);
+}
+
+/* Outputs without a change are not written. */
+static bool needs_change(const maker *m)
+{
+    return is_in_place(m) || option_given(m->o, OPT_ONLY_CHANGED);
+}
+
+static bool one_row_tells(const maker *m)
+{
+    return m->plan == PLAN_AS_TOLD && m->forced >= 0;
+}
+
 /* ----------------------------------------------------------------------- one file */
 
 bool wrong_use(const production *p, const char *what, ntpio_error *error)
@@ -45,9 +69,13 @@ bool production_write(production *p, const void *rows, ptrdiff_t stride, const n
            ntpio_write_rows(p->writer, rows, stride, (uint32_t) (area->y1 - area->y0), error);
 }
 
-static ntpio_format format_of(const char *output)
+static ntpio_format format_of(const production *p, const char *output, int32_t sample_bytes)
 {
     const char *ending = name_ending(output);
+    if (is_in_place(p->m))
+        return p->s.info->format;
+    if (p->m->plan == PLAN_AFTER_READING && sample_bytes == 4) /* standard output, too */
+        return NTPIO_PFM;
     return strcasecmp(ending, ".tga") == 0   ? NTPIO_TGA
            : strcasecmp(ending, ".pfm") == 0 ? NTPIO_PFM
                                              : NTPIO_PNG;
@@ -76,9 +104,7 @@ ntpio_writer *production_open(const production *p, const char *output, ntpio_wri
         text_free(&why);
         return NULL;
     }
-    shape->format = p->m->in_place                                  ? p->s.info->format
-                    : p->m->writes_late && shape->sample_bytes == 4 ? NTPIO_PFM
-                                                                    : format_of(output);
+    shape->format = format_of(p, output, shape->sample_bytes);
     if (shape->copy_from == NULL)
         shape->copy_from = p->s.info;
     shape->level =
@@ -99,7 +125,7 @@ static pass_end run_pass(production *p, bool writes, ntpio_error *error)
     p->changes = false;
     if (!p->m->begin(p, &shape, error))
         return PASS_FAILED;
-    if (writes && !p->m->writes_late) {
+    if (writes && p->m->plan != PLAN_AFTER_READING) {
         p->writer = production_open(p, p->in->output, &shape, error);
         if (p->writer == NULL)
             return PASS_FAILED;
@@ -110,7 +136,7 @@ static pass_end run_pass(production *p, bool writes, ntpio_error *error)
     ntp_rect area;
     int more;
     while ((more = source_next(&p->s, &area, error)) > 0) {
-        const ntp_rect seen = { area.x0, area.y0, area.x1, p->m->asks_nothing ? 1 : area.y1 };
+        const ntp_rect seen = { area.x0, area.y0, area.x1, one_row_tells(p->m) ? 1 : area.y1 };
         const bool skip = p->known || seen.y0 >= seen.y1;
         const ntp_status status =
             skip ? NTP_OK : ntp_tally_add(p->w->tally, &view, p->touch, &seen);
@@ -124,40 +150,21 @@ static pass_end run_pass(production *p, bool writes, ntpio_error *error)
     return more == 0 ? PASS_DONE : PASS_UNREADABLE;
 }
 
-/* x and y in gray and alpha: the file does not say which is which. */
-static bool is_gray_and_alpha(const production *p)
-{
-    return p->f.type.type == NTP_CLASS_XY && p->s.info->channels < 3 && !p->f.forced;
-}
-
 static bool is_refused(const production *p)
 {
-    const ntp_class type = p->f.type.type;
-    if (p->f.forced)
-        return p->f.encoding == NTP_ENCODING_HEIGHT && !p->m->any_class;
-    if (p->m->any_class)
-        return !p->f.counts;
-    return type == NTP_CLASS_HEIGHT || type == NTP_CLASS_OBJECT_SPACE ||
-           type == NTP_CLASS_NOT_NORMALS || (is_gray_and_alpha(p) && !p->m->any_order);
+    if (p->m->plan == PLAN_AS_TOLD)
+        return !p->f.forced && !p->f.counts;
+    return !has_tangent_normals(&p->f, p->m->any_order);
 }
 
 static outcome refuse(const production *p, ntpio_error *error)
 {
-    text t = { 0 };
-    text_name(&t, p->in->path);
-    const bool pair = is_gray_and_alpha(p);
-    if (pair)
-        text_add(&t, ": x and y in gray and alpha, which is which the file does not say");
-    else
-        text_addf(&t, ": %s, not a texture of tangent-space normals",
-                  p->f.type.type == NTP_CLASS_HEIGHT         ? "a height map"
-                  : p->f.type.type == NTP_CLASS_OBJECT_SPACE ? "object-space normals"
-                                                             : "something else");
     const unsigned verb = p->m->o->verb_bit;
     const option_spec *row = option_row(verb == V_TO_HEIGHT ? OPT_FROM : OPT_TYPE, verb);
-    if (p->f.counts && row != NULL)
-        text_addf(&t, pair ? "; --%s xy takes gray for x" : "; --%s standard takes it for one",
-                  row->name);
+    text t = { 0 };
+    text_name(&t, p->in->path);
+    text_add(&t, ": ");
+    add_refusal(&t, &p->f, p->f.counts && row != NULL ? row->name : NULL);
     snprintf(error->message, sizeof error->message, "%.500s", text_string(&t));
     text_free(&t);
     return p->f.counts && (p->in->named || p->in->hinted) ? REFUSED : SKIPPED;
@@ -172,7 +179,7 @@ static outcome end_of(pass_end end)
 static void view_as_known(production *p)
 {
     const bool gray = p->s.info->channels < 3 && p->f.encoding == NTP_ENCODING_HEIGHT;
-    if (gray && p->f.type.type == NTP_CLASS_ONE_COLOR && !p->m->any_class)
+    if (gray && p->f.type.type == NTP_CLASS_ONE_COLOR && p->m->plan != PLAN_AS_TOLD)
         source_view_as_rgb(&p->s, NTP_ENCODING_STANDARD);
     else
         p->s.view.encoding = p->f.encoding;
@@ -217,7 +224,7 @@ static outcome speculate(production *p, bool writes, ntpio_error *error)
             return refuse(p, error);
         const uint32_t touch = touch_for(&p->f.stats, p->f.encoding);
         const bool same_touch = touch == p->touch || p->f.stats.transparent == 0;
-        if (p->m->any_class || (p->f.encoding == p->s.view.encoding && same_touch))
+        if (p->m->plan == PLAN_AS_TOLD || (p->f.encoding == p->s.view.encoding && same_touch))
             return finish(p, error);
         ntpio_abort(p->writer);
         p->writer = NULL;
@@ -248,7 +255,7 @@ static bool replaces_jpeg(const production *p, ntpio_error *error)
     const char *output = p->in->output;
     if (p->s.info->format != NTPIO_JPEG || output == NULL || !is_same_file(p->in->path, output))
         return false;
-    file_error(error, p->m->in_place ? NTPIO_ERR_WRITE : NTPIO_ERR_USAGE, p->in->path,
+    file_error(error, is_in_place(p->m) ? NTPIO_ERR_WRITE : NTPIO_ERR_USAGE, p->in->path,
                "JPEG is not written; give -o for a PNG of another name");
     return true;
 }
@@ -261,12 +268,13 @@ static outcome make_output(production *p, ntpio_error *error)
         return FAILED;
     first_view(&p->s, m->forced);
     outcome done = MADE;
-    const bool final = !m->dry_run && !can_be_dropped(p->in->output);
-    if (m->measure_first || (!m->any_class && (gray || final)))
+    const bool dry_run = is_dry_run(m), only_changed = needs_change(m);
+    const bool final = !dry_run && !can_be_dropped(p->in->output);
+    if (m->plan == PLAN_MEASURE_FIRST || (m->plan != PLAN_AS_TOLD && (gray || final)))
         done = know_first(p, error);
     if (done != MADE)
         return done;
-    if (m->only_changed && !m->dry_run) {
+    if (only_changed && !dry_run) {
         p->probing = true;
         done = speculate(p, false, error);
         p->probing = false;
@@ -277,12 +285,12 @@ static outcome make_output(production *p, ntpio_error *error)
         if (!source_rewind(&p->s, error))
             return UNREADABLE;
     }
-    done = speculate(p, !m->dry_run, error);
-    if (done != MADE || m->dry_run)
-        return done == MADE && !p->changes && m->only_changed ? UNCHANGED : done;
+    done = speculate(p, !dry_run, error);
+    if (done != MADE || dry_run)
+        return done == MADE && !p->changes && only_changed ? UNCHANGED : done;
     ntpio_writer *writer = p->writer;
     p->writer = NULL;
-    if (m->only_changed && !p->changes) { /* the probe took it for another class */
+    if (only_changed && !p->changes) { /* the probe took it for another class */
         ntpio_abort(writer);
         return UNCHANGED;
     }
@@ -322,7 +330,7 @@ static void tell_json(const production *p, outcome done, const ntpio_error *erro
 {
     const char *message = done == MADE || done == UNCHANGED ? NULL : error->message;
     json_t *object = json_file(p->in, OUTCOMES[done], message);
-    const bool written = done == MADE && !p->m->dry_run;
+    const bool written = done == MADE && !is_dry_run(p->m);
     if (p->in->output != NULL && done == MADE)
         json_set_name(object, "output", p->in->output);
     else
@@ -345,7 +353,7 @@ static void tell_text(const production *p, outcome done, const ntpio_error *erro
     if (quiet || (done != MADE && done != UNCHANGED))
         return;
     text_name(&r->out, p->in->path);
-    if (done == MADE && p->in->output != NULL && !p->m->in_place) {
+    if (done == MADE && p->in->output != NULL && !is_in_place(p->m)) {
         text_add(&r->out, " -> ");
         text_name(&r->out, p->in->output);
     }
@@ -353,10 +361,10 @@ static void tell_text(const production *p, outcome done, const ntpio_error *erro
     p->m->describe(p, &r->out, NULL);
     if (done == UNCHANGED)
         text_add(&r->out, ", not written");
-    else if (p->m->dry_run)
+    else if (is_dry_run(p->m))
         text_add(&r->out, " (dry run)");
     text_char(&r->out, '\n');
-    if (done == MADE && !p->m->dry_run)
+    if (done == MADE && !is_dry_run(p->m))
         list_dropped(&p->f.info, &r->out, NULL);
 }
 
@@ -427,7 +435,7 @@ static void end_run(const run *all)
         json_t *summary = need(json_object());
         json_object_set_new(summary, "files", json_integer((json_int_t) all->files));
         json_object_set_new(summary, "written",
-                            json_integer(all->m->dry_run ? 0 : (json_int_t) n[MADE]));
+                            json_integer(is_dry_run(all->m) ? 0 : (json_int_t) n[MADE]));
         json_object_set_new(summary, "unchanged", json_integer((json_int_t) n[UNCHANGED]));
         json_object_set_new(summary, "skipped", json_integer((json_int_t) n[SKIPPED]));
         json_object_set_new(summary, "refused", json_integer((json_int_t) n[REFUSED]));
@@ -435,7 +443,7 @@ static void end_run(const run *all)
         json_end(&t, summary);
     } else if (all->files > 1 && !option_given(all->m->o, OPT_QUIET)) {
         text_addf(&t, "\n%zu files: %zu %s", all->files, n[MADE],
-                  all->m->dry_run ? "would be written" : "written");
+                  is_dry_run(all->m) ? "would be written" : "written");
         if (n[UNCHANGED] > 0)
             text_addf(&t, ", %zu unchanged", n[UNCHANGED]);
         if (n[SKIPPED] > 0)

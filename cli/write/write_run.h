@@ -33,18 +33,26 @@ typedef struct production {
     void *state;          /* the verb's */
 } production;
 
+/* When the rows of an output are made, and what is known of the texels by then. */
+typedef enum maker_plan {
+    /* While the file is read, as of a standard texture (or what --type says).  Where the facts say
+     * otherwise in the end, the output is dropped and made again. */
+    PLAN_WHILE_READING,
+    /* While the file is read once more: the rows need the facts. */
+    PLAN_MEASURE_FIRST,
+    /* While the file is read: the options say what the texels are, and named files are never refused.
+     * With a forced class the facts may be those of the first row. */
+    PLAN_AS_TOLD,
+    /* In `finish`, which opens the writer: the verb keeps the rows until the last one was read. */
+    PLAN_AFTER_READING
+} maker_plan;
+
 /* What a verb adds. */
 struct maker {
     const options *o;
     int forced;     /* class from --type, or -1 */
-    bool any_class; /* the verb does not mind what the texels are, where the file is named */
-    bool any_order; /* the verb does the same to x and y, so that it may not know which is which */
-    bool asks_nothing;  /* with a forced class: the facts may be those of the first row */
-    bool measure_first; /* the rows need the facts */
-    bool only_changed;  /* outputs without a change are not written */
-    bool dry_run;
-    bool in_place;
-    bool writes_late;  /* `finish` opens the writer, when the rows have all been read */
+    bool any_order; /* the verb does the same to x and y: it need not know which is which */
+    maker_plan plan;
     int read_permille; /* share of the work that reading is, for the progress bar; 0: all of it */
     size_t state_size;
     const void *settings; /* the verb's */
@@ -67,7 +75,7 @@ bool production_write(production *p, const void *rows, ptrdiff_t stride, const n
 
 /* For further outputs: is the path neither an input nor the output of one? */
 bool production_may_write(const production *p, const char *path, ntpio_error *error);
-/* Starts a further output, or the one of `writes_late`; shape says its size, its samples and its
+/* Starts a further output, or the one of PLAN_AFTER_READING; shape says its size, its samples and its
  * texts, and the rest is set as for the first (copy_from only where it is NULL). */
 ntpio_writer *production_open(const production *p, const char *path, ntpio_write_options *shape,
                               ntpio_error *error);

@@ -1,0 +1,34 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * refusal.c - files without normals in tangent space: which they are, and what is told
+ */
+#include "write/refusal.h"
+
+bool is_unordered_pair(const facts *f)
+{
+    return f->type.type == NTP_CLASS_XY && f->info.channels < 3 && !f->forced;
+}
+
+bool has_tangent_normals(const facts *f, bool any_order)
+{
+    const ntp_class type = f->type.type;
+    if (f->forced)
+        return f->encoding != NTP_ENCODING_HEIGHT;
+    return type != NTP_CLASS_HEIGHT && type != NTP_CLASS_OBJECT_SPACE &&
+           type != NTP_CLASS_NOT_NORMALS && (any_order || !is_unordered_pair(f));
+}
+
+void add_refusal(text *t, const facts *f, const char *option)
+{
+    const bool pair = is_unordered_pair(f);
+    if (pair)
+        text_add(t, "x and y in gray and alpha, which is which the file does not say");
+    else
+        text_addf(t, "%s, not a texture of tangent-space normals",
+                  f->type.type == NTP_CLASS_HEIGHT         ? "a height map"
+                  : f->type.type == NTP_CLASS_OBJECT_SPACE ? "object-space normals"
+                                                           : "something else");
+    if (option != NULL)
+        text_addf(t, pair ? "; --%s xy takes gray for x" : "; --%s standard takes it for one",
+                  option);
+}
