@@ -16,6 +16,7 @@
 #include <sys/stat.h>
 
 #include "cli.h"
+#include "examine/samples.h"
 
 enum {
     BLOCK_BYTES = 256 * 1024, /* rows read at once stay in the second-level cache */
@@ -118,13 +119,6 @@ void source_close(source *s)
     s->bytes = NULL;
 }
 
-static ntp_type sample_type(const ntpio_info *info)
-{
-    return info->sample_bytes == 1   ? NTP_TYPE_U8
-           : info->sample_bytes == 2 ? NTP_TYPE_U16
-                                     : NTP_TYPE_F32;
-}
-
 void source_view(source *s, ntp_encoding encoding, ntp_y y, const int8_t *map, int32_t channels)
 {
     const ntpio_info *info = s->info;
@@ -141,7 +135,7 @@ void source_view(source *s, ntp_encoding encoding, ntp_y y, const int8_t *map, i
     const size_t blocks = s->w->may_read_ahead && large && info->height > 2 * rows ? 2 : 1;
     unsigned char *data = buffer_reserve(&s->w->rows, blocks * rows * row);
     s->view = ntp_image_packed(data, (int32_t) info->width, (int32_t) info->height, channels,
-                               sample_type(info));
+                               sample_type(info->sample_bytes));
     s->view.row_stride = (ptrdiff_t) row;
     s->view.ring_rows = (int32_t) (blocks * rows);
     s->block_rows = (int32_t) rows;
@@ -153,28 +147,6 @@ void source_view_as_rgb(source *s, ntp_encoding encoding)
 {
     static const int8_t EXPAND[4] = { 0, 0, 0, 1 };
     source_view(s, encoding, NTP_Y_UP, EXPAND, s->info->channels + 2);
-}
-
-#define REARRANGE(TYPE, ONE)                                                                       \
-    for (size_t i = 0; i < count; i++) {                                                           \
-        const TYPE *from = (const TYPE *) raw + i * (size_t) channels;                             \
-        TYPE *to = (TYPE *) rows + i * (size_t) s->view.channels;                                  \
-        for (int32_t c = 0; c < s->view.channels; c++)                                             \
-            to[c] = s->map[c] == FROM_ZERO  ? (TYPE) 0                                             \
-                    : s->map[c] == FROM_ONE ? (TYPE) (ONE)                                         \
-                                            : from[s->map[c]];                                     \
-    }
-
-static void rearrange(source *s, const void *raw, void *rows, size_t count)
-{
-    const int32_t channels = s->info->channels;
-    if (s->view.type == NTP_TYPE_U8) {
-        REARRANGE(uint8_t, 255)
-    } else if (s->view.type == NTP_TYPE_U16) {
-        REARRANGE(uint16_t, 65535)
-    } else {
-        REARRANGE(float, 1)
-    }
 }
 
 /* Reads block `index` into its place in the ring. */
@@ -191,7 +163,8 @@ static bool read_block(source *s, uint32_t index, ntpio_error *error)
     unsigned char *raw = buffer_reserve(&s->w->raw, raw_row * block);
     if (!ntpio_read_rows(s->reader, raw, (ptrdiff_t) raw_row, count, error))
         return false;
-    rearrange(s, raw, rows, (size_t) s->info->width * count);
+    const channel_order order = { s->view.type, s->view.channels, s->info->channels, s->map };
+    reorder_channels(rows, raw, &order, (size_t) s->info->width * count);
     return true;
 }
 

@@ -12,9 +12,6 @@
 #include "examine/worker.h"
 #include "files/paths.h"
 
-/* What a channel of a view is taken from: a channel of the file, or a constant. */
-enum { FROM_ZERO = -1, FROM_ONE = -2 };
-
 /* Whether examine() measures which way green points. */
 typedef enum orient { ORIENT_NOT, ORIENT_SAMPLED, ORIENT_EVERY_ROW } orient;
 

@@ -8,6 +8,7 @@
 #include <string.h>
 #include <strings.h>
 
+#include "examine/samples.h"
 #include "report/report.h"
 #include "verbs/verbs.h"
 #include "write/side_image.h"
@@ -181,32 +182,9 @@ static bool begin(production *p, ntpio_write_options *shape, ntpio_error *error)
     return true;
 }
 
-#define LAY_OUT(TYPE, ONE)                                                                         \
-    for (size_t i = 0; i < texels; i++) {                                                          \
-        const TYPE *from = (const TYPE *) full + i * FULL;                                         \
-        TYPE *to = (TYPE *) out + i * (size_t) st->out_channels;                                   \
-        for (int32_t c = 0; c < st->out_channels; c++)                                             \
-            to[c] = map[c] == FROM_ZERO  ? (TYPE) 0                                                \
-                    : map[c] == FROM_ONE ? (TYPE) (ONE)                                            \
-                                         : from[map[c]];                                           \
-    }
-
-static void lay_out(const state *st, const settings *set, void *out, size_t texels)
-{
-    static const int8_t PLAIN[FULL] = { 0, 1, 2, 3 };
-    const int8_t *map = set->out_count > 0 ? set->out : PLAIN;
-    const void *full = st->full.data;
-    if (st->full.type == NTP_TYPE_U8) {
-        LAY_OUT(uint8_t, 255)
-    } else if (st->full.type == NTP_TYPE_U16) {
-        LAY_OUT(uint16_t, 65535)
-    } else {
-        LAY_OUT(float, 1)
-    }
-}
-
 static bool rows(production *p, const ntp_rect *area, ntpio_error *error)
 {
+    static const int8_t PLAIN[FULL] = { 0, 1, 2, 3 };
     const settings *set = p->m->settings;
     state *st = p->state;
     const ntp_const_image seen = ntp_image_as_const(&p->s.view);
@@ -219,7 +197,10 @@ static bool rows(production *p, const ntp_rect *area, ntpio_error *error)
     if (st->full.encoding == NTP_ENCODING_HEIGHT)
         return production_write(p, st->full.data, st->full.row_stride, area, error);
     void *out = buffer_reserve(&p->w->extra2, st->out_row * (size_t) p->s.block_rows);
-    lay_out(st, set, out, (size_t) p->s.view.width * (size_t) (area->y1 - area->y0));
+    const channel_order order = { st->full.type, st->out_channels, FULL,
+                                  set->out_count > 0 ? set->out : PLAIN };
+    reorder_channels(out, st->full.data, &order,
+                     (size_t) p->s.view.width * (size_t) (area->y1 - area->y0));
     return production_write(p, out, (ptrdiff_t) st->out_row, area, error);
 }
 

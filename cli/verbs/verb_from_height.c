@@ -14,6 +14,7 @@
 #include <string.h>
 #include <strings.h>
 
+#include "examine/samples.h"
 #include "report/report.h"
 #include "run/thread_crew.h"
 #include "verbs/verbs.h"
@@ -131,35 +132,32 @@ static bool begin(production *p, ntpio_write_options *shape, ntpio_error *error)
     return read_planes(p, error);
 }
 
-#define LAY_OUT(TYPE, ONE)                                                                         \
-    for (int32_t y = y0; y < y1; y++) {                                                            \
-        const size_t at = (size_t) y * (size_t) width;                                             \
-        TYPE *from = (TYPE *) st->made.data + (size_t) (y % RING) * (size_t) width * FULL;         \
-        TYPE *to = (TYPE *) out + (size_t) (y - y0) * (size_t) width * (size_t) st->out_channels;  \
-        for (int32_t x = 0; x < width; x++, from += FULL, to += st->out_channels) {                \
-            if (st->ao != NULL)                                                                    \
-                from[2] = ((const TYPE *) (const void *) st->ao)[at + (size_t) x];                 \
-            if (st->alpha != NULL)                                                                 \
-                from[ALPHA] = ((const TYPE *) (const void *) st->alpha)[at + (size_t) x];          \
-            for (int32_t c = 0; c < st->out_channels; c++)                                         \
-                to[c] = map[c] == FROM_ZERO  ? (TYPE) 0                                            \
-                        : map[c] == FROM_ONE ? (TYPE) (ONE)                                        \
-                                             : from[map[c]];                                       \
-        }                                                                                          \
-    }
+/* Sets one channel of packed pixels of FULL channels to a plane of the same type. */
+static void set_channel(unsigned char *pixels, const unsigned char *plane, size_t count,
+                        size_t sample, size_t channel)
+{
+    pixels += channel * sample;
+    for (size_t i = 0; i < count; i++)
+        memcpy(pixels + i * FULL * sample, plane + i * sample, sample);
+}
 
 static void lay_out(const state *st, const from_height_settings *set, void *out, int32_t y0,
                     int32_t y1)
 {
     static const int8_t PLAIN[FULL] = { 0, 1, 2, ALPHA };
-    const int8_t *map = set->out_count > 0 ? set->out : PLAIN;
-    const int32_t width = st->made.width;
-    if (st->made.type == NTP_TYPE_U8) {
-        LAY_OUT(uint8_t, 255)
-    } else if (st->made.type == NTP_TYPE_U16) {
-        LAY_OUT(uint16_t, 65535)
-    } else {
-        LAY_OUT(float, 1)
+    const channel_order order = { st->made.type, st->out_channels, FULL,
+                                  set->out_count > 0 ? set->out : PLAIN };
+    const size_t width = (size_t) st->made.width, sample = sample_size(st->made.type);
+    for (int32_t y = y0; y < y1; y++) {
+        const size_t plane_row = (size_t) y * width * sample;
+        unsigned char *from =
+            (unsigned char *) st->made.data + (size_t) (y % RING) * (size_t) st->made.row_stride;
+        unsigned char *to = (unsigned char *) out + (size_t) (y - y0) * st->out_row;
+        if (st->ao != NULL)
+            set_channel(from, st->ao + plane_row, width, sample, 2);
+        if (st->alpha != NULL)
+            set_channel(from, st->alpha + plane_row, width, sample, ALPHA);
+        reorder_channels(to, from, &order, width);
     }
 }
 

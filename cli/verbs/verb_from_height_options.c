@@ -9,6 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "examine/samples.h"
 #include "text/text.h"
 #include "verbs/verb_from_height.h"
 

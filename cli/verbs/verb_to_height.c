@@ -13,6 +13,7 @@
 #include <string.h>
 #include <strings.h>
 
+#include "examine/samples.h"
 #include "report/report.h"
 #include "surface/solve_heights.h"
 #include "verbs/verbs.h"

@@ -10,17 +10,8 @@
 #include <stdlib.h>
 
 #include "examine/read_blocks.h"
+#include "examine/samples.h"
 #include "text/text.h"
-
-size_t sample_size(ntp_type type)
-{
-    return type == NTP_TYPE_U8 ? 1 : type == NTP_TYPE_U16 ? 2 : 4;
-}
-
-static ntp_type type_of(int32_t sample_bytes)
-{
-    return sample_bytes == 1 ? NTP_TYPE_U8 : sample_bytes == 2 ? NTP_TYPE_U16 : NTP_TYPE_F32;
-}
 
 static bool read_rows(unsigned char *plane, ntp_type type, ntpio_reader *reader, ntpio_error *error)
 {
@@ -29,7 +20,7 @@ static bool read_rows(unsigned char *plane, ntp_type type, ntpio_reader *reader,
     const size_t plane_row = (size_t) info->width * sample_size(type);
     unsigned char *line = need(malloc(row));
     ntp_image in = ntp_image_packed(line, (int32_t) info->width, 1, info->channels,
-                                    type_of(info->sample_bytes));
+                                    sample_type(info->sample_bytes));
     in.channels = 1;
     in.encoding = NTP_ENCODING_HEIGHT;
     const ntp_const_image seen = ntp_image_as_const(&in);

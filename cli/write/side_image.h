@@ -8,10 +8,6 @@
 #include <libntp.h>
 #include <ntpio.h>
 #include <stdbool.h>
-#include <stddef.h>
-
-/* Bytes of a sample. */
-size_t sample_size(ntp_type type);
 
 /*
  * Reads the first channel of the image at `path` into a packed plane of that type and size.  False
