@@ -69,7 +69,7 @@ def table(seed):
                     border = i % BORDERS
                     how = {"kernel": kernel, "scale": scale, "border_x": border, "border_y": border}
                     n, _, _ = from_height.from_height(h, dst=dtype, **how)
-                    told += ntp.find_steps(n)["found"]
+                    told += ntp.find_steps(n)["decided"]
                 row.append(f"{told / TEXTURES:.0%}"[:-1])
             print(
                 f"| {kernel} | {8 * dtype(0).itemsize} bit | " + " | ".join(row) + " |", flush=True

@@ -20,7 +20,7 @@ def find(n, heights, kernel, down, wraps=0, encoding=ntp.STANDARD, y=ntp.UP, **h
     fit = ntp.ffi.new("ntp_border_fit *")
     views = ntp.view(n, encoding, y, const=True), ntp.view(heights, ntp.HEIGHT, const=True)
     ntp.check(ntp.lib.ntp_find_border(fit, *views, how, down, wraps))
-    return {"border": fit.border, "told": fit.told, "error": list(fit.error)}
+    return {"border": fit.border, "decided": fit.decided, "error": list(fit.error)}
 
 
 # --------------------------------------------------------------------------- the numbers
@@ -138,7 +138,7 @@ def test_the_border_is_found(kernel, border, dtype):
     made = solve_freely(n, number)
     for down in (0, 1):
         found = find(n, made, number, down, wraps=int(border == WRAP))
-        assert found["told"] and found["border"] == border, found
+        assert found["decided"] and found["border"] == border, found
         assert found["error"][border] < 2.5  # the heights were found without that border
 
 
@@ -148,15 +148,15 @@ def test_what_cannot_be_told():
     for kernel in (0, FORWARD):
         free = CLAMP if kernel == FORWARD else MIRROR
         found = find(noise, solve_freely(noise, kernel), kernel, 0)
-        assert (found["border"], found["told"]) == (free, 0)
+        assert (found["border"], found["decided"]) == (free, 0)
         small = np.ascontiguousarray(noise[:15])
         for down in (0, 1):
             found = find(small, np.zeros((15, 64), np.float32), kernel, down)
-            assert (found["border"], found["told"]) == (free, 0) and max(found["error"]) == -1
+            assert (found["border"], found["decided"]) == (free, 0) and max(found["error"]) == -1
             found = find(small, np.zeros((15, 64), np.float32), kernel, down, wraps=1)
-            assert (found["border"], found["told"]) == (WRAP, 1)
+            assert (found["border"], found["decided"]) == (WRAP, 1)
     found = find(noise, np.zeros((64, 64), np.float32), BAKED, 1)
-    assert (found["border"], found["told"]) == (MIRROR, 0)
+    assert (found["border"], found["decided"]) == (MIRROR, 0)
 
 
 def test_unused_texels_at_the_edges_do_not_count():

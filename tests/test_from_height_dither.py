@@ -14,8 +14,10 @@ from support.from_height import from_height, options
 
 def dithered(src, encoding=ntp.STANDARD, y=ntp.UP, dst=np.uint8, parts=(), **how):
     out = np.zeros((*src.shape[:2], 3), dst)
-    errors = np.zeros(src.shape[1])
-    where = ntp.ffi.cast("double *", errors.__array_interface__["data"][0])
+    size = ntp.lib.ntp_normals_dithered_scratch_size(src.shape[1])
+    errors = ntp.aligned(size, 16)
+    errors[:] = 0
+    where = ntp.ffi.cast("void *", errors.__array_interface__["data"][0])
     counts = ntp.ffi.new("ntp_normals_counts *")
     ends = [0, *parts, src.shape[0]]
     for y0, y1 in itertools.pairwise(ends):
@@ -24,11 +26,25 @@ def dithered(src, encoding=ntp.STANDARD, y=ntp.UP, dst=np.uint8, parts=(), **how
             ntp.view(src, ntp.HEIGHT, const=True),
             options(**how),
             where,
+            size,
             counts,
             ntp.rect((0, y0, src.shape[1], y1)),
         )
         ntp.check(status)
     return out, counts.not_finite
+
+
+def test_working_memory():
+    out, src = np.zeros((2, 5, 3), np.uint8), np.zeros((2, 5), np.uint8)
+    size = ntp.lib.ntp_normals_dithered_scratch_size(5)
+    memory = ntp.aligned(size + 16, 16)
+    where = memory.__array_interface__["data"][0]
+    views = ntp.view(out), ntp.view(src, ntp.HEIGHT, const=True), options(scale=1.0)
+    for address, bytes_ in ((0, size), (where + 8, size), (where, size - 1)):
+        scratch = ntp.ffi.cast("void *", address)
+        status = ntp.lib.ntp_normals_dithered(*views, scratch, bytes_, ntp.ffi.NULL, ntp.ffi.NULL)
+        assert status == ntp.ERR_SCRATCH and not out.any()
+    assert [ntp.lib.ntp_normals_dithered_scratch_size(n) for n in (-1, 0, 65536)] == [0, 0, 0]
 
 
 def decoded_slopes(normals, m):

@@ -124,6 +124,10 @@ def test_cuts_and_order(rng):
 def test_errors():
     a, b = np.zeros((8, 8, 3), np.uint8), np.zeros((8, 9, 3), np.uint8)
     acc = Orientation().measure(a)
+    empty = Orientation().measure(a)
+    ntp.check(ntp.lib.ntp_orientation_clear(empty.pointer))
+    assert not empty.memory.any()
+    assert ntp.lib.ntp_orientation_clear(ntp.ffi.NULL) == ntp.ERR_ARGUMENT
     for other, how in ((b, {}), (a, {"every": 1})):
         with pytest.raises(ntp.NtpError) as error:
             acc.measure(other, **how)

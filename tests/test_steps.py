@@ -19,7 +19,7 @@ DIVISORS = {"central": 2, "forward": 1, "prewitt3": 6, "sobel3": 8}
 
 
 def told(n, **how):
-    return ntp.find_steps(n, **how)["found"]
+    return ntp.find_steps(n, **how)["decided"]
 
 
 def quantized(h, levels=255):
@@ -73,7 +73,7 @@ def textures_of(kernel, scale, m, levels=255, surface=surfaces.fractal, seed=1, 
 def test_heights_of_8_bit(kernel, scale, m):
     n, step = textures_of(kernel, scale, m)
     found = ntp.find_steps(n)
-    assert found["found"]
+    assert found["decided"]
     assert found["slope"] == pytest.approx(step, rel=0.01 if m == 255 else 0.002)
     assert found["degrees"] == pytest.approx(degrees(atan(found["slope"])), abs=1e-3)
     assert found["teeth"] >= 4 and found["share"] > 0.99

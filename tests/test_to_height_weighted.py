@@ -295,7 +295,7 @@ def test_same_bytes_for_any_number_of_parts(kernel):
         for i in reversed(range(count)):
             task(work, i)
 
-    how = {"kernel": kernel, "border_x": WRAP, "border_y": CLAMP, "mask": mask, "measure": 1}
+    how = {"kernel": kernel, "border_x": WRAP, "border_y": CLAMP, "mask": mask, "residual_scope": 1}
     alone, facts = weighted(n, tolerance=1e-3, **how)
     for parts in (2, 7, 64):
         hooks = serial_hooks(parts, parallel_for=backwards)
@@ -397,7 +397,7 @@ def test_residual_is_that_of_the_normals():
         n[..., 2] = 4 * (m // 5)
         n[3, 4] = 0
         how = {"kernel": kernel, "border_x": border, "border_y": border}
-        ours, result = weighted(n, method=0, measure=1, **how)
+        ours, result = weighted(n, method=0, residual_scope=1, **how)
         p, q = slopes(n)
         p2 = model.slope_rows((20, 23), kernel, border, border, False)[0] @ ours.ravel()
         q2 = model.slope_rows((20, 23), kernel, border, border, True)[0] @ ours.ravel()
@@ -415,7 +415,7 @@ def test_residual_is_that_of_the_normals():
         a = vectors(p, q)[used & inside]
         b = vectors(p2.reshape(20, 23), q2.reshape(20, 23))[used & inside]
         rms = np.sqrt(np.mean((a - b)[:, :2] ** 2)) * m / 2
-        found = weighted(n, method=0, measure=INSIDE, **how)[1]["residual"]
+        found = weighted(n, method=0, residual_scope=INSIDE, **how)[1]["residual"]
         assert abs(found - rms) <= 1e-4 * rms
     assert weighted(n, method=0)[1]["residual"] == -1
 
@@ -426,7 +426,7 @@ def test_residual_inside_is_of_128_rows(shape):
     rng = np.random.default_rng(9)
     n = rng.integers(90, 165, (*shape, 3)).astype(np.uint8)
     n[..., 2] = 240
-    ours, result = weighted(n, method=0, measure=INSIDE, border_x=CLAMP, border_y=CLAMP)
+    ours, result = weighted(n, method=0, residual_scope=INSIDE, border_x=CLAMP, border_y=CLAMP)
     a = vectors(*slopes(n))
     p2 = (ours[1:-1, 2:] - ours[1:-1, :-2]) / 2
     q2 = (ours[2:, 1:-1] - ours[:-2, 1:-1]) / 2
@@ -440,10 +440,10 @@ def test_residual_inside_is_of_128_rows(shape):
 
 def test_residual_of_nothing():
     n = np.full((1, 9, 3), (128, 128, 255), np.uint8)
-    assert weighted(n, method=0, measure=INSIDE)[1]["residual"] == -1
+    assert weighted(n, method=0, residual_scope=INSIDE)[1]["residual"] == -1
     black = np.zeros((9, 9, 3), np.uint8)
-    for measure in (1, INSIDE):
-        assert weighted(black, method=0, measure=measure)[1]["residual"] == -1
+    for scope in (1, INSIDE):
+        assert weighted(black, method=0, residual_scope=scope)[1]["residual"] == -1
 
 
 def vectors(p, q):

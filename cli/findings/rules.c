@@ -309,8 +309,8 @@ static void judge_orientation(judgement *j)
 static void judge_surface(judgement *j)
 {
     const surface_facts *found = &j->f->surface;
-    const bool across = found->seam[0].tiling == NTP_TILING_SEAM;
-    const bool down = found->seam[1].tiling == NTP_TILING_SEAM;
+    const bool across = found->seam[0].decided && !found->seam[0].tiles;
+    const bool down = found->seam[1].decided && !found->seam[1].tiles;
     if (!found->known || !found->deep) /* findings are for those who ask */
         return;
     const double levels = found->residual / (j->f->info.sample_bytes == 1 ? 1 : 257);
@@ -318,7 +318,7 @@ static void judge_surface(judgement *j)
         addf(j, NT023, LEVEL_INFO, 0,
              "no surface has these normals: the best one differs by %.0f of 255 levels on average",
              levels);
-    if (found->steps.found)
+    if (found->steps.decided)
         addf(j, NT033, LEVEL_INFO, 0,
              "slopes come in steps of %.2f degrees: the heights had few levels, and smooth "
              "ground is flat terraces with edges between",

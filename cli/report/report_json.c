@@ -243,16 +243,20 @@ static json_t *rectangle(const ntp_rect *r)
                           (int) (r->x1 - r->x0), "height", (int) (r->y1 - r->y0)));
 }
 
+static const char *tiling(const ntp_seam *seam)
+{
+    return !seam->decided ? "undecided" : seam->tiles ? "yes" : "no";
+}
+
 /* null where there are no slopes, and what cannot be told. */
 static void set_surface(json_t *object, const surface_facts *found)
 {
-    static const char *const TILING[] = { "undecided", "yes", "no" };
     json_t *kernel = json_null(), *tiles = json_null(), *residual = json_null(),
            *area = json_null(), *fit_area = json_null(), *steps = json_null();
     if (found->known) {
         area = rectangle(&found->area);
-        tiles = need(json_pack("{s:s, s:s}", "x", TILING[found->seam[0].tiling], "y",
-                               TILING[found->seam[1].tiling]));
+        tiles = need(
+            json_pack("{s:s, s:s}", "x", tiling(&found->seam[0]), "y", tiling(&found->seam[1])));
     }
     if (found->known && found->origin.decided)
         kernel = json_string(ntp_kernel_name(found->origin.kernel));
@@ -260,7 +264,7 @@ static void set_surface(json_t *object, const surface_facts *found)
         residual = json_angle(found->residual);
         fit_area = rectangle(&found->fit_area);
     }
-    if (found->known && found->steps.found)
+    if (found->known && found->steps.decided)
         steps = json_angle(found->steps.degrees);
     json_object_set_new(object, "kernel", kernel);
     json_object_set_new(object, "tiles", tiles);

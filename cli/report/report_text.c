@@ -132,9 +132,13 @@ static void add_area(text *t, const facts *f, const ntp_rect *area)
                   (int) area->y0);
 }
 
+static const char *tiling(const ntp_seam *seam)
+{
+    return !seam->decided ? "perhaps" : seam->tiles ? "yes" : "no";
+}
+
 static void add_surface(text *t, const facts *f)
 {
-    static const char *const TILING[] = { "perhaps", "yes", "no" };
     const surface_facts *found = &f->surface;
     if (!found->known)
         return;
@@ -144,9 +148,9 @@ static void add_surface(text *t, const facts *f)
     else
         text_add(t, "with a kernel that cannot be told, or not from heights");
     add_area(t, f, &found->area);
-    text_addf(t, "\n    %-24s across: %s, down: %s\n", "tiles", TILING[found->seam[0].tiling],
-              TILING[found->seam[1].tiling]);
-    if (found->steps.found)
+    text_addf(t, "\n    %-24s across: %s, down: %s\n", "tiles", tiling(&found->seam[0]),
+              tiling(&found->seam[1]));
+    if (found->steps.decided)
         text_addf(t, "    %-24s of %.2f degrees: the heights had few levels\n",
                   "slopes come in steps", found->steps.degrees);
     if (found->residual < 0)

@@ -60,7 +60,8 @@ ntp_status heights_find_borders(ntp_border_fit found[2], worker *w, const ntp_im
     ntp_height_options first = *how;
     if (how->kernel == NTP_KERNEL_BAKED) /* made without any */
         return NTP_OK;
-    first.refine = first.detrend = first.measure = 0;
+    first.refine = first.detrend = 0;
+    first.residual_scope = NTP_RESIDUAL_NONE;
     first.border_x = fixed[0] ? how->border_x : unknown;
     first.border_y = fixed[1] ? how->border_y : unknown;
     const ntp_status status = heights_solve(w, heights, src, &first, part, NULL);

@@ -93,7 +93,7 @@ static double fit_heights(source *s, const surface_facts *found, const ntp_const
                                      .decode = read->decode,
                                      .z = read->z,
                                      .touch_unused = touch,
-                                     .measure = NTP_RESIDUAL_INSIDE,
+                                     .residual_scope = NTP_RESIDUAL_INSIDE,
                                      .tolerance = found->deep ? HOLES_TOLERANCE : QUICK_TOLERANCE,
                                      .max_iterations =
                                          found->deep ? HOLES_ITERATIONS : QUICK_ITERATIONS,

@@ -29,7 +29,8 @@ typedef struct state {
     ntp_normals_counts counts;
     ntp_image heights; /* the ring */
     ntp_image made;
-    double *errors;      /* of dithering, for each column; NULL: none */
+    void *errors; /* of dithering; NULL: none */
+    size_t errors_size;
     int32_t reach, done; /* rows written */
     int32_t out_channels;
     size_t out_row;                  /* bytes of a row of the file */
@@ -118,10 +119,12 @@ static bool begin(production *p, ntpio_write_options *shape, ntpio_error *error)
     const bool plain = st->out_channels == 3 && set->out_count == 0 && set->ao_file == NULL;
     const int32_t channels = plain ? 3 : FULL;
     const size_t made_row = (size_t) view->width * (size_t) channels * sample_size(type);
-    const size_t errors = (size_t) view->width * sizeof(double);
+    const size_t needed = set->dither ? ntp_normals_dithered_scratch_size(view->width) : 0;
+    const size_t errors = (needed + 15) / 16 * 16;
     unsigned char *memory = buffer_reserve(&p->w->extra2, errors + made_row * RING);
     if (set->dither)
         st->errors = memset(memory, 0, errors);
+    st->errors_size = errors;
     st->made = ntp_image_packed(memory + errors, view->width, view->height, channels, type);
     st->made.ring_rows = RING;
     st->made.encoding = set->to;
@@ -178,10 +181,10 @@ static void make_chunk(step *s)
     const ntp_const_image seen = ntp_image_as_const(s->heights);
     if (s->make.y0 == s->make.y1)
         return;
-    s->status =
-        st->errors != NULL
-            ? ntp_normals_dithered(&st->made, &seen, &s->how, st->errors, &st->counts, &s->make)
-            : ntp_normals_from_height(&st->made, &seen, &s->how, &st->counts, &s->make);
+    s->status = st->errors != NULL
+                    ? ntp_normals_dithered(&st->made, &seen, &s->how, st->errors, st->errors_size,
+                                           &st->counts, &s->make)
+                    : ntp_normals_from_height(&st->made, &seen, &s->how, &st->counts, &s->make);
 }
 
 static bool write_chunk(const step *s)

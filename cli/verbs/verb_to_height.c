@@ -116,7 +116,7 @@ static bool read_settings(to_height_settings *set, const options *o)
     set->how.refine = (int32_t) option_integer(o, OPT_REFINE);
     set->how.detrend = option_given(o, OPT_DETREND);
     set->how.equalize = option_given(o, OPT_EQUALIZE);
-    set->how.measure = 1;
+    set->how.residual_scope = NTP_RESIDUAL_ALL;
     set->how.dx = option_number(o, OPT_DX);
     set->how.dy = option_number(o, OPT_DY);
     if (!(set->how.dx > 0) || !(set->how.dy > 0)) {

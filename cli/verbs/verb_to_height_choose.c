@@ -66,7 +66,7 @@ static ntp_status choose_borders(to_height_state *st, const to_height_settings *
     for (int i = 0; i < 2; i++)
         found[i] = (ntp_border_fit) { .border = seams[i].wraps ? NTP_BORDER_WRAP
                                                                : ntp_free_border(st->how.kernel),
-                                      .told = seams[i].wraps };
+                                      .decided = seams[i].wraps };
     if (method == NTP_HEIGHT_AUTO || method == NTP_HEIGHT_POISSON_DCT)
         status = heights_find_borders(found, w, heights, &st->src, &st->how, fixed, seams,
                                       (stretch) { READ_PERMILLE, SOLVE_PERMILLE });
@@ -75,7 +75,7 @@ static ntp_status choose_borders(to_height_state *st, const to_height_settings *
             continue;
         const bool never = method == NTP_HEIGHT_POISSON_DCT && found[i].border == NTP_BORDER_WRAP;
         *chosen[i] = never ? ntp_free_border(st->how.kernel) : found[i].border;
-        st->border_by[i] = found[i].told && !never ? BY_TEXELS : BY_DEFAULT;
+        st->border_by[i] = found[i].decided && !never ? BY_TEXELS : BY_DEFAULT;
     }
     return status;
 }

@@ -746,16 +746,21 @@ NTP_API ntp_status ntp_normals_from_height(const ntp_image *dst, const ntp_const
 /* Rows above and below a row that its normals are made of; -1 where how is NULL or no good. */
 NTP_API int32_t ntp_normals_reach(const ntp_normals_options *how);
 
+/* Bytes of working memory of ntp_normals_dithered; 0: an argument is no good. */
+NTP_API size_t ntp_normals_dithered_scratch_size(int32_t width);
+
 /*
  * The same for NTP_TYPE_U8 and NTP_TYPE_U16, with the rounding error of each slope carried on to the next
  * texel, to the right for x and down for y ("integrable"): heights that are reconstructed from the
  * result drift far less, at the price of a slightly noisier picture.  dst is not NTP_ENCODING_VECTOR; blue is
- * derived.  The area covers full rows; to work in parts go down from row 0.  errors: src->width
- * doubles, zeroed before row 0, that carry the errors from call to call.
+ * derived.  The area covers full rows; to work in parts go down from row 0.  scratch:
+ * ntp_normals_dithered_scratch_size bytes, aligned to 16, zeroed before row 0; it carries the
+ * errors from call to call.
  */
 NTP_API ntp_status ntp_normals_dithered(const ntp_image *dst, const ntp_const_image *src,
-                                        const ntp_normals_options *how, double *errors,
-                                        ntp_normals_counts *counts, const ntp_rect *area);
+                                        const ntp_normals_options *how, void *scratch,
+                                        size_t scratch_size, ntp_normals_counts *counts,
+                                        const ntp_rect *area);
 
 enum {
     NTP_MAX_SIGMA = 64 /* texels */
@@ -856,9 +861,9 @@ typedef struct ntp_height_options {
     int32_t use_seeds;     /* nonzero, telescoping only: heights begin at these */
     double seeds[4];       /* h(0,0), h(1,0), h(0,1), h(1,1); forward: the first */
     int32_t equalize;      /* nonzero, telescoping, central: even and odd texels get one mean */
-    int32_t measure;       /* an ntp_residual_scope: work out `residual` too, one more pass */
-    int32_t detrend;       /* nonzero: take the best plane out, along borders that do not wrap */
-    int32_t refine;        /* 0..NTP_MAX_ITERATIONS rounds, each as long as the solution */
+    ntp_residual_scope residual_scope; /* of what to work out `residual` too, in one more pass */
+    int32_t detrend; /* nonzero: take the best plane out, along borders that do not wrap */
+    int32_t refine;  /* 0..NTP_MAX_ITERATIONS rounds, each as long as the solution */
     /* NTP_HEIGHT_WEIGHTED; a mask makes it the default method.  NTP_TYPE_U8 or NTP_TYPE_U16 NTP_ENCODING_HEIGHT of the
      * size of src: where sample 0 is 0 there is a hole.  So there is at each unused texel. */
     const ntp_const_image *mask;
@@ -1003,7 +1008,7 @@ NTP_API size_t ntp_height_rows_scratch_size(const ntp_const_image *form,
  * of which edges are not fitted again.  form says what the normals are like: of it
  * size, channels, type, encoding and y count.  Least squares with NTP_KERNEL_FORWARD, _CENTRAL and
  * _BAKED without a prior; central not with NTP_BORDER_MIRROR down the picture.  No mask, detrend,
- * measure or refine.  Evidence is not looked for: NTP_DECODE_AUTO stands for UNORM, NTP_Z_AUTO
+ * residual_scope or refine.  Evidence is not looked for: NTP_DECODE_AUTO stands for UNORM, NTP_Z_AUTO
  * for stored.
  * Errors: NTP_ERR_FORMAT for what is not solved so; NTP_ERR_CANCELLED where a function says so.
  */
@@ -1171,6 +1176,9 @@ NTP_API int32_t ntp_orientation_row(int32_t height, int32_t every_row, int32_t y
 /* Adds what `from` holds to `into`.  Errors as ntp_orientation_add. */
 NTP_API ntp_status ntp_orientation_merge(ntp_orientation *into, const ntp_orientation *from);
 
+/* Makes a used accumulator empty again. */
+NTP_API ntp_status ntp_orientation_clear(ntp_orientation *orientation);
+
 typedef struct ntp_orientation_result {
     int32_t decided;   /* 0: it cannot be told: stripes, flat, noise, too small */
     ntp_y y;           /* the likelier one: which way green points as stored */
@@ -1209,16 +1217,11 @@ typedef struct ntp_kernel_fit {
 NTP_API ntp_status ntp_find_kernel(ntp_kernel_fit *origin, const ntp_const_image *src,
                                    uint32_t touch_unused);
 
-typedef enum ntp_tiling {
-    NTP_TILING_UNDECIDED = 0,
-    NTP_TILING_TILES = 1, /* the two edges fit together */
-    NTP_TILING_SEAM = 2
-} ntp_tiling;
-
 /* How two opposite edges fit together. */
 typedef struct ntp_seam {
-    ntp_tiling tiling;
-    int32_t wraps; /* 1: the heights close as well: it tiles and does not lean */
+    int32_t decided; /* 0: neither clearly a seam nor clearly none */
+    int32_t tiles;   /* decided only: 1: the two edges fit together; 0: there is a seam */
+    int32_t wraps;   /* 1: the heights close as well: it tiles and does not lean */
     /* By how much heights differ between the ends of a line, over how much they vary along it;
      * rounding, and what all lines have in common, are taken out. */
     double closure;
@@ -1240,7 +1243,7 @@ NTP_API ntp_status ntp_find_seams(ntp_seam *x, ntp_seam *y, const ntp_const_imag
 
 /* The steps in which slopes come that were taken of heights with few levels. */
 typedef struct ntp_steps {
-    int32_t found;   /* 1: they do; 0: they do not, or it cannot be told: the rest is 0 then */
+    int32_t decided; /* 1: they do; 0: they do not, or it cannot be told: the rest is 0 then */
     int32_t teeth;   /* multiples of the step that occur, but for 0 and signs; on both axes */
     double slope;    /* the step */
     double degrees;  /* between a flat normal and the next */
@@ -1264,7 +1267,7 @@ enum { NTP_BORDERS = 5 /* as many as ntp_border has */ };
 /* Which border the normals at two opposite edges were made with. */
 typedef struct ntp_border_fit {
     ntp_border border;
-    int32_t told; /* 1: by the texels; 0: it is the one that supposes least */
+    int32_t decided; /* 1: by the texels; 0: it is the one that supposes least */
     /* By ntp_border: how far normals of the heights are from those at the edges, in levels of 8
      * bit, rms of x and y; -1: not tried */
     double error[NTP_BORDERS];

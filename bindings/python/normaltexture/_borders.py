@@ -46,7 +46,7 @@ def choose_borders(
     tried = tells and method in (_AUTO, _POISSON) and how.kernel != _BAKED
     if tried:
         first = ffi.new("ntp_height_options *", how[0])
-        first.refine = first.detrend = first.measure = 0
+        first.refine = first.detrend = first.residual_scope = 0
         first.border_x = how.border_x if fixed[0] else free
         first.border_y = how.border_y if fixed[1] else free
         status = solver.solve(first, ffi.NULL, 0.0, 0.5)

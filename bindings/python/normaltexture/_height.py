@@ -407,9 +407,10 @@ def _others(
 
 def _dithered(dst: Any, src: Any, how: Any, width: int) -> Any:
     """One pass down the rows: each takes over the rounding errors of the one above."""
-    errors = np.zeros(width, np.float64)
+    size = lib.ntp_normals_dithered_scratch_size(width)
     counts = ffi.new("ntp_normals_counts *")
-    where = ffi.cast("double *", errors.__array_interface__["data"][0])
-    status = lib.ntp_normals_dithered(dst, src, how, where, counts, ffi.NULL)
+    where, owner = memory(size)
+    status = lib.ntp_normals_dithered(dst, src, how, where, size, counts, ffi.NULL)
+    del owner
     check(status, 'normals_from_height: dither="integrable"')
     return counts

@@ -13,7 +13,6 @@ from ._measure import _Result
 from ._native import ffi, lib
 
 _KERNELS: tuple[Kernel | Literal["baked"], ...] = (*get_args(Kernel), "baked")
-_TILINGS: tuple[Literal["undecided", "tiles", "seam"], ...] = ("undecided", "tiles", "seam")
 
 
 @dataclass(frozen=True)
@@ -186,7 +185,7 @@ def find_seams(
 
 def _seam(found: Any) -> Seam:
     return Seam(
-        tiling=_TILINGS[found.tiling],
+        tiling=("tiles" if found.tiles else "seam") if found.decided else "undecided",
         wraps=bool(found.wraps),
         closure=found.closure,
         jump=found.jump,
@@ -237,7 +236,7 @@ def find_steps(src: ArrayLike, *, type: Type = "standard", touch_unused: bool = 
     touch = TOUCH_ALL if touch_unused else TOUCH_NONE
     check(lib.ntp_find_steps(found, src_view, touch), "find_steps")
     return Steps(
-        found=bool(found.found),
+        found=bool(found.decided),
         teeth=found.teeth,
         slope=found.slope,
         degrees=found.degrees,

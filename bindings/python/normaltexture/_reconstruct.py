@@ -290,7 +290,8 @@ def height_from_normals(
         how.use_seeds, how.seeds = 1, values
     if equalize and method != "telescoping":
         raise ArgumentError('equalize=True: goes with method="telescoping"')
-    how.equalize, how.detrend, how.measure = bool(equalize), bool(detrend), bool(return_info)
+    how.equalize, how.detrend = bool(equalize), bool(detrend)
+    how.residual_scope = lib.NTP_RESIDUAL_ALL if return_info else lib.NTP_RESIDUAL_NONE
     how.refine = int(number("refine", refine, 0, lib.NTP_MAX_ITERATIONS))
     how.dx, how.dy = spacing(dx, dy)
     mask_array = None

@@ -167,7 +167,7 @@ static void choose(ntp_border_fit *fit, bool wraps, ntp_kernel kernel)
         if (error[b] >= 0 && (best < 0 || error[b] < error[best]))
             best = b;
     }
-    fit->told = 1;
+    fit->decided = 1;
     if (best >= 0 && error[best] <= most_error) {
         bool as_good = error[likely] >= 0 && error[likely] <= nearly * error[best] + nearly_levels;
         fit->border = as_good ? likely : (ntp_border) best;
@@ -176,7 +176,7 @@ static void choose(ntp_border_fit *fit, bool wraps, ntp_kernel kernel)
         fit->border = NTP_BORDER_WRAP;
     } else {
         fit->border = ntp_free_border(kernel);
-        fit->told = 0;
+        fit->decided = 0;
     }
 }
 
@@ -212,7 +212,7 @@ ntp_status ntp_find_border(ntp_border_fit *fit, const ntp_const_image *src,
         fit->error[b] = -1;
     if (src->width < LEAST_SIDE || src->height < LEAST_SIDE || how->kernel == NTP_KERNEL_BAKED) {
         fit->border = wraps ? NTP_BORDER_WRAP : ntp_free_border(how->kernel);
-        fit->told = wraps != 0;
+        fit->decided = wraps != 0;
         return NTP_OK;
     }
     e.drift = wraps ? (float) find_drift(&e) : 0;

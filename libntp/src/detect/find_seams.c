@@ -161,14 +161,13 @@ static void judge(ntp_seam *seam, const axis_sums *s, const ntp_const_image *src
         return;
     seam->closure = closing > 0 ? sqrt(closing / (signal - walk)) : 0;
     bool closes = seam->closure <= MOST_CLOSURE;
-    if (closes &&
-        (seam->closure * seam->jump <= MOST_CLOSURE_TIMES_JUMP || seam->rank >= LEAST_RANK))
-        seam->tiling = NTP_TILING_TILES;
-    else if (seam->closure >= SEAM_CLOSURE && seam->jump >= SEAM_JUMP &&
-             seam->largest >= SEAM_LARGEST)
-        seam->tiling = NTP_TILING_SEAM;
+    bool has_seam =
+        seam->closure >= SEAM_CLOSURE && seam->jump >= SEAM_JUMP && seam->largest >= SEAM_LARGEST;
+    seam->tiles = closes && (seam->closure * seam->jump <= MOST_CLOSURE_TIMES_JUMP ||
+                             seam->rank >= LEAST_RANK);
+    seam->decided = seam->tiles || has_seam;
     /* Half a level is what encoders that cut off fractions add. */
-    seam->wraps = seam->tiling == NTP_TILING_TILES && size(seam->lean) <= 1.5 / ntp__max(src->type);
+    seam->wraps = seam->tiles && size(seam->lean) <= 1.5 / ntp__max(src->type);
 }
 
 static void measure(ntp_seam *seam, const ntp_const_image *src, uint32_t touch, int32_t along)

@@ -393,7 +393,7 @@ static bool find_both(ntp_steps *steps, reader r, const ntp_const_image *src,
     double apart = x.comb.step - y.comb.step;
     if (!y.found || (apart < 0 ? -apart : apart) > SAME_STEP * x.comb.step)
         return false;
-    steps->found = 1;
+    steps->decided = 1;
     steps->teeth = x.comb.teeth < y.comb.teeth ? x.comb.teeth : y.comb.teeth;
     steps->slope = (x.comb.step + y.comb.step) / 2;
     steps->degrees = degrees_of(steps->slope);

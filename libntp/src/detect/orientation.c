@@ -279,6 +279,14 @@ static bool weigh(double weight[SIZES], double *energy, const ntp_orientation *a
     return true;
 }
 
+ntp_status ntp_orientation_clear(ntp_orientation *orientation)
+{
+    if (orientation == NULL)
+        return NTP_ERR_ARGUMENT;
+    memset(orientation, 0, sizeof *orientation);
+    return NTP_OK;
+}
+
 static double held_to_one(double v)
 {
     return v < 1 ? v : 1;

@@ -393,21 +393,27 @@ ntp_status ntp_normals_from_height(const ntp_image *dst, const ntp_const_image *
     return NTP_OK;
 }
 
+size_t ntp_normals_dithered_scratch_size(int32_t width)
+{
+    return width > 0 && width <= NTP_MAX_SIDE ? (size_t) width * sizeof(double) : 0;
+}
+
 ntp_status ntp_normals_dithered(const ntp_image *dst, const ntp_const_image *src,
-                                const ntp_normals_options *how, double *errors,
+                                const ntp_normals_options *how, void *scratch, size_t scratch_size,
                                 ntp_normals_counts *counts, const ntp_rect *area)
 {
     walk w;
     ntp_rect r;
     NTP__TRY(make_walk(&w, dst, src, how));
     NTP__TRY(ntp__check_area(&r, src, area));
-    if (errors == NULL)
-        return NTP_ERR_ARGUMENT;
     if (dst->type == NTP_TYPE_F32)
         return NTP_ERR_FORMAT;
     if (r.x0 != 0 || r.x1 != src->width)
         return NTP_ERR_SHAPE;
-    w.errors = errors;
+    if (scratch == NULL || (uintptr_t) scratch % 16 != 0 ||
+        scratch_size < ntp_normals_dithered_scratch_size(src->width))
+        return NTP_ERR_SCRATCH;
+    w.errors = scratch;
     w.g.derived = true;
     do_bands(&w, r);
     add_counts(counts, &w);

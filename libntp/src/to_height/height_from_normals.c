@@ -43,6 +43,7 @@ static ntp_status resolve(ntp_height_options *resolved, const ntp_height_options
         !in_range((int) how->border_x, NTP_BORDER_REPEAT_SLOPE) ||
         !in_range((int) how->border_y, NTP_BORDER_REPEAT_SLOPE) ||
         !in_range((int) how->kernel, NTP_KERNEL_BAKED) ||
+        !in_range((int) how->residual_scope, NTP_RESIDUAL_INSIDE) ||
         !in_range(how->refine, NTP_MAX_ITERATIONS) ||
         !in_range(how->max_iterations, NTP_MAX_ITERATIONS) || !(how->tolerance >= 0) ||
         !(how->tolerance < 1))
@@ -118,7 +119,7 @@ static void lay_out(run *t, ntp__scratch *memory)
 {
     const ntp_height_options *how = &t->how;
     size_t texels = (size_t) t->width * (size_t) t->height;
-    if (how->measure || how->refine > 0)
+    if (how->residual_scope != NTP_RESIDUAL_NONE || how->refine > 0)
         ntp__rederive_init(&t->rederive, &t->slopes, how, t->width, t->height, t->crew, memory);
     if (how->refine > 0) {
         t->heights = ntp__take(memory, texels * sizeof *t->heights);
@@ -334,7 +335,7 @@ static ntp_status work(run *t)
         status = refine(t);
     if (status != NTP_OK && status != NTP_ERR_NOT_CONVERGED)
         return status;
-    if (t->how.measure)
+    if (t->how.residual_scope != NTP_RESIDUAL_NONE)
         measure(t);
     if (t->how.detrend && !weighted)
         detrend(t->dst, &t->how, &t->result);

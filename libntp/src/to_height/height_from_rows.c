@@ -22,7 +22,8 @@ static ntp_status resolve(ntp_height_options *resolved, const ntp_height_options
         (int) resolved->border_y < 0 || (int) resolved->border_y > NTP_BORDER_REPEAT_SLOPE)
         return NTP_ERR_ARGUMENT;
     if (resolved->method == NTP_HEIGHT_TELESCOPING || resolved->method == NTP_HEIGHT_WEIGHTED ||
-        resolved->mask != NULL || resolved->measure || resolved->detrend || resolved->refine != 0)
+        resolved->mask != NULL || resolved->residual_scope != NTP_RESIDUAL_NONE ||
+        resolved->detrend || resolved->refine != 0)
         return NTP_ERR_FORMAT;
     if (resolved->decode == NTP_DECODE_AUTO)
         resolved->decode = NTP_DECODE_UNORM;

@@ -38,7 +38,7 @@ static void hold_off_edges(int32_t *first, int32_t *end, ntp_border border)
 static void choose_seen(ntp__rederive *r, const ntp_height_options *how)
 {
     const ntp__stencil *s = r->stencil;
-    bool only_inside = how->measure == NTP_RESIDUAL_INSIDE;
+    bool only_inside = how->residual_scope == NTP_RESIDUAL_INSIDE;
     r->seen = (ntp_rect) { 0, 0, r->width, r->height };
     r->rows = only_inside ? MOST_ROWS : r->height;
     for (int32_t t = 0; only_inside && t < s->terms; t++) {
