@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { ROWS = NTP__FFT_ROWS, ALIGNMENT = 64 };
+enum { ROWS = NTP__FFT_ROWS };
 
 static const double pi = 3.14159265358979323846;
 /* Of the largest value: results are stored as floats. */
@@ -46,7 +46,7 @@ static double direct(ntp__fft_kind kind, const double *line, int32_t n, int32_t 
 
 static void *allocate(size_t bytes)
 {
-    void *memory = aligned_alloc(ALIGNMENT, (bytes / ALIGNMENT + 1) * ALIGNMENT);
+    void *memory = aligned_alloc(NTP__ALIGNMENT, (bytes / NTP__ALIGNMENT + 1) * NTP__ALIGNMENT);
     if (memory == NULL)
         abort();
     return memory;
@@ -63,11 +63,14 @@ typedef struct batch {
 static void make(batch *b, ntp__fft_kind kind, int32_t n, bool single)
 {
     size_t row = b->row = (size_t) n;
-    b->tables = allocate(ntp__fft_plan_bytes(kind, n, single));
+    ntp__scratch tables = { NULL, 0 };
+    ntp__fft_plan(&b->fft, &tables, kind, n, single, NULL);
+    b->tables = allocate(tables.used);
+    tables = (ntp__scratch) { b->tables, 0 };
     b->work = allocate(ntp__fft_work_bytes(kind, n, single));
     b->lines = allocate(ROWS * row * sizeof *b->lines);
     b->out = allocate(ROWS * row * sizeof *b->out);
-    ntp__fft_plan(&b->fft, kind, n, single, b->tables, b->work);
+    ntp__fft_plan(&b->fft, &tables, kind, n, single, b->work);
     for (int32_t r = 0; r < ROWS; r++) {
         b->rows[r] = b->out + (size_t) r * row;
         for (size_t i = 0; i < row; i++)

@@ -79,7 +79,7 @@ ntp_status ntp_height_from_rows(const ntp_const_image *form, const ntp_height_ro
     size_t size = ntp__stream_scratch(&checked, &r, parts);
     if (size == 0)
         return NTP_ERR_FORMAT;
-    if (scratch == NULL || (uintptr_t) scratch % NTP__CACHE_LINE != 0 || scratch_size < size)
+    if (scratch == NULL || (uintptr_t) scratch % NTP__ALIGNMENT != 0 || scratch_size < size)
         return NTP_ERR_SCRATCH;
     NTP__TRY(ntp__stream(&checked, rows, &r, scratch, hooks, &done));
     bool wrap = r.border_x == NTP_BORDER_WRAP && r.border_y == NTP_BORDER_WRAP;

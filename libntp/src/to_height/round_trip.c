@@ -9,8 +9,8 @@
 #include "to_height/round_trip.h"
 
 #include "base/finite.h"
-#include "texel/unused.h"
 #include "to_height/direct/direct.h"
+#include "to_height/shared/holes.h"
 
 #include <math.h>
 
@@ -105,32 +105,26 @@ static void slopes_of_heights(const ntp__rederive *r, double *right, double *dow
     }
 }
 
-static bool left_out(const ntp__rederive *r, const ntp__block *block, int32_t i, int32_t x,
-                     int32_t y)
+/* Unpacks n texels from (x, y) on, and finds the holes among them. */
+static void look_at(const ntp__rederive *r, ntp__block *block, bool hole[NTP__BLOCK], int32_t x,
+                    int32_t y, int32_t n)
 {
-    const ntp__slopes *s = r->slopes;
-    uint32_t touch = s->touch_unused;
-    if (r->mask != NULL) {
-        const void *at = ntp__at(r->mask, x, y);
-        if (r->mask->type == NTP_TYPE_U8 ? *(const uint8_t *) at == 0 : *(const uint16_t *) at == 0)
-            return true;
-    }
-    if (s->src->encoding == NTP_ENCODING_VECTOR)
-        touch |= NTP_UNUSED_BLACK | NTP_UNUSED_WHITE;
-    return ntp__texel_unused(block, i, ntp__max(s->src->type), touch);
+    ntp__unpack(block, r->slopes->src, x, y, n);
+    ntp__find_holes(hole, r->slopes, r->mask, block, x, y, n);
 }
 
 void ntp__rederive_mark_holes(const ntp__rederive *r, double *heights, const ntp_image *dst)
 {
     ntp__block block;
+    bool hole[NTP__BLOCK];
     for (int32_t y = 0; y < r->height; y++) {
         double *d = heights != NULL ? heights + (size_t) y * (size_t) r->width : NULL;
         float *f = dst != NULL ? ntp__at_mut(dst, 0, y) : NULL;
         for (int32_t x = 0; x < r->width; x++) {
             int32_t i = x % NTP__BLOCK, left = r->width - x;
             if (i == 0)
-                ntp__unpack(&block, r->slopes->src, x, y, left < NTP__BLOCK ? left : NTP__BLOCK);
-            if (!left_out(r, &block, i, x, y))
+                look_at(r, &block, hole, x, y, left < NTP__BLOCK ? left : NTP__BLOCK);
+            if (!hole[i])
                 continue;
             if (d != NULL)
                 d[x] = not_a_number();
@@ -167,6 +161,7 @@ static void residual_row(void *job, int32_t part, int32_t y)
     double *const *row = r->parts[part].row, square[NTP__BLOCK], sum = 0;
     uint64_t count = 0;
     ntp__block block;
+    bool hole[NTP__BLOCK];
     r->sum[y] = 0;
     r->count[y] = 0;
     if (!is_sampled(r, y))
@@ -175,10 +170,10 @@ static void residual_row(void *job, int32_t part, int32_t y)
     ntp__slopes_row(r->slopes, row[2], row[3], y, NULL);
     for (int32_t x = r->seen.x0; x < r->seen.x1; x += NTP__BLOCK) {
         int32_t n = r->seen.x1 - x < NTP__BLOCK ? r->seen.x1 - x : NTP__BLOCK;
-        ntp__unpack(&block, r->slopes->src, x, y, n);
+        look_at(r, &block, hole, x, y, n);
         squares_off(square, row, x, n);
         for (int32_t i = 0; i < n; i++) {
-            if (left_out(r, &block, i, x + i, y) || reads_hole(row[0][x + i], row[1][x + i]))
+            if (hole[i] || reads_hole(row[0][x + i], row[1][x + i]))
                 continue;
             sum += square[i];
             count++;
@@ -295,12 +290,13 @@ static void project_row(void *job, int32_t part, int32_t y)
     size_t start = (size_t) y * (size_t) r->width;
     uint64_t count = 0;
     ntp__block block;
+    bool hole[NTP__BLOCK];
     slopes_of_heights(r, row[0], row[1], row[2], y);
     for (int32_t x = 0; x < r->width; x++) {
         int32_t i = x % NTP__BLOCK, left = r->width - x;
         if (i == 0)
-            ntp__unpack(&block, r->slopes->src, x, y, left < NTP__BLOCK ? left : NTP__BLOCK);
-        if (left_out(r, &block, i, x, y) || reads_hole(row[0][x], row[1][x]))
+            look_at(r, &block, hole, x, y, left < NTP__BLOCK ? left : NTP__BLOCK);
+        if (hole[i] || reads_hole(row[0][x], row[1][x]))
             row[0][x] = row[1][x] = 0;
         else
             count += project_texel(r->slopes, &block, i, &row[0][x], &row[1][x]);

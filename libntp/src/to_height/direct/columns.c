@@ -18,8 +18,6 @@
 /* Powers of r below this no longer show in a float. */
 static const double tiny = 0x1p-80;
 
-enum { ARRAYS = 6 /* of a segment */ };
-
 /* -------------------------------------------------------------------------------- set-up */
 
 /* r^e for the greatest e <= limit for which it is not tiny. */
@@ -39,49 +37,65 @@ static double greatest_power(double r, int32_t limit, int32_t *e)
     return product;
 }
 
-static bool two_segments(const ntp__grid_axis *down)
+static int32_t groups_of(const ntp__columns *c)
 {
-    return down->kind == NTP__AXIS_CENTRAL && down->n > 1;
+    return (c->width + NTP__COLUMNS - 1) / NTP__COLUMNS;
 }
 
-static size_t live_bytes(int32_t width)
-{
-    return ntp__aligned((size_t) (width / NTP__COLUMNS + 1) * sizeof(int32_t));
-}
-
-size_t ntp__columns_bytes(const ntp__problem *p)
-{
-    size_t row = ntp__aligned((size_t) p->along.n * sizeof(double));
-    size_t column = ntp__aligned((size_t) p->down.n * sizeof(double));
-    size_t arrays = 2 + ARRAYS * (two_segments(&p->down) ? 2 : 1);
-    return p->filter ? 0 : arrays * row + NTP__MAX_NULLS * column + live_bytes(p->along.n);
-}
-
-static double *take(char **memory, int32_t n)
-{
-    double *taken = (double *) (void *) *memory;
-    *memory += ntp__aligned((size_t) n * sizeof(double));
-    return taken;
-}
-
-static void init_segment(ntp__segment *s, int32_t first, int32_t step, int32_t rows, int32_t width,
-                         char **memory)
+static void init_segment(ntp__segment *s, ntp__scratch *memory, int32_t first, int32_t step,
+                         int32_t rows, int32_t width)
 {
     s->first = first;
     s->step = step;
     s->length = (rows - first + step - 1) / step;
-    double **arrays[ARRAYS] = { &s->state, &s->sum, &s->power, &s->entry, &s->start, &s->begin };
-    for (int32_t i = 0; i < ARRAYS; i++) {
-        *arrays[i] = take(memory, width);
-        for (int32_t k = 0; k < width; k++)
-            (*arrays[i])[k] = arrays[i] == &s->power ? 1 : 0;
+    double **arrays[] = { &s->state, &s->sum, &s->power, &s->entry, &s->start, &s->begin };
+    for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++)
+        *arrays[i] = ntp__take(memory, (size_t) width * sizeof(double));
+}
+
+static void lay_out(ntp__columns *c, ntp__scratch *memory, const ntp__problem *p)
+{
+    size_t row = (size_t) c->width * sizeof(double), column = (size_t) p->down.n * sizeof(double);
+    c->r = ntp__take(memory, row);
+    c->inverse = ntp__take(memory, row);
+    for (int32_t i = 0; i < c->segments; i++)
+        init_segment(&c->segment[i], memory, i, c->segments, p->down.n, c->width);
+    for (int32_t i = 0; i < NTP__MAX_NULLS; i++)
+        c->null[i] = ntp__take(memory, column);
+    c->live = ntp__take(memory, (size_t) groups_of(c) * sizeof *c->live);
+}
+
+/* Before the first row. */
+static void clear(ntp__columns *c)
+{
+    memset(c->live, 0, (size_t) groups_of(c) * sizeof *c->live);
+    for (int32_t i = 0; i < c->segments; i++) {
+        ntp__segment *s = &c->segment[i];
+        for (int32_t k = 0; k < c->width; k++) {
+            s->state[k] = s->sum[k] = s->entry[k] = s->start[k] = s->begin[k] = 0;
+            s->power[k] = 1;
+        }
     }
 }
 
-void ntp__columns_init(ntp__columns *c, const ntp__problem *p, void *memory)
+static void set_column(ntp__columns *c, const ntp__problem *p, int32_t k)
 {
-    char *rest = memory;
-    bool central = two_segments(&p->down);
+    ntp__symbol symbol;
+    int32_t e, *live = &c->live[k / NTP__COLUMNS];
+    ntp__symbol_at(&symbol, &p->along, k);
+    double mu = c->scale * p->ratio * symbol.along[0] * symbol.along[0];
+    double half = mu / 2, root = sqrt(mu + half * half);
+    c->r[k] = mu > 0 ? 1 / (1 + half + root) : 0;
+    c->inverse[k] = mu > 0 ? 1 + half + root : 0;
+    greatest_power(c->r[k], p->down.n, &e);
+    *live = e > *live ? e : *live;
+    if (!(mu > 0) && c->nulls < NTP__MAX_NULLS)
+        c->null_at[c->nulls++] = k;
+}
+
+void ntp__columns_init(ntp__columns *c, ntp__scratch *memory, const ntp__problem *p)
+{
+    bool central = p->down.kind == NTP__AXIS_CENTRAL && p->down.n > 1;
     memset(c, 0, sizeof *c);
     c->loops = &ntp__solver_kernels_for(NTP__CPU_ALL)->columns;
     c->down = &p->down;
@@ -89,27 +103,12 @@ void ntp__columns_init(ntp__columns *c, const ntp__problem *p, void *memory)
     /* The differences of central slopes are a quarter of -1, 2, -1. */
     c->scale = central ? 4 : 1;
     c->segments = central ? 2 : 1;
-    c->r = take(&rest, c->width);
-    c->inverse = take(&rest, c->width);
-    for (int32_t i = 0; i < c->segments; i++)
-        init_segment(&c->segment[i], i, c->segments, p->down.n, c->width, &rest);
-    for (int32_t i = 0; i < NTP__MAX_NULLS; i++)
-        c->null[i] = take(&rest, p->down.n);
-    c->live = (int32_t *) (void *) rest;
-    memset(c->live, 0, live_bytes(c->width));
-    for (int32_t k = 0; k < c->width; k++) {
-        ntp__symbol symbol;
-        int32_t e, *live = &c->live[k / NTP__COLUMNS];
-        ntp__symbol_at(&symbol, &p->along, k);
-        double mu = c->scale * p->ratio * symbol.along[0] * symbol.along[0];
-        double half = mu / 2, root = sqrt(mu + half * half);
-        c->r[k] = mu > 0 ? 1 / (1 + half + root) : 0;
-        c->inverse[k] = mu > 0 ? 1 + half + root : 0;
-        greatest_power(c->r[k], p->down.n, &e);
-        *live = e > *live ? e : *live;
-        if (!(mu > 0) && c->nulls < NTP__MAX_NULLS)
-            c->null_at[c->nulls++] = k;
-    }
+    lay_out(c, memory, p);
+    if (memory->base == NULL)
+        return;
+    clear(c);
+    for (int32_t k = 0; k < c->width; k++)
+        set_column(c, p, k);
 }
 
 /* ------------------------------------------------------------------------------ recursion */

@@ -9,15 +9,10 @@
 #ifndef NTP_INTEGRATE_H
 #define NTP_INTEGRATE_H
 
+#include "base/scratch.h"
+#include "to_height/shared/row_cache.h"
 #include "to_height/shared/slopes.h"
 #include "to_height/shared/solver_kernels.h"
-
-enum { NTP__CACHE_LINE = 64 };
-
-static inline size_t ntp__aligned(size_t bytes)
-{
-    return (bytes + NTP__CACHE_LINE - 1) / NTP__CACHE_LINE * NTP__CACHE_LINE;
-}
 
 /* ---------------------------------------------------------------------------------- axes */
 
@@ -90,6 +85,9 @@ typedef struct ntp__problem {
 ntp_status ntp__problem_init(ntp__problem *p, const ntp_height_options *how, int32_t width,
                              int32_t height, ntp_type type);
 
+/* What takes a scratch below lays its arrays out in it; with base NULL, `used` counts and nothing
+ * else is done. */
+
 /* ---------------------------------------------------------------------------------- rows */
 
 /* Which rows of a picture of `height` rows a view of a few begins with; they may go round. */
@@ -97,27 +95,23 @@ typedef struct ntp__window {
     int32_t first, height;
 } ntp__window;
 
-/* What a part remembers of rows of slopes. */
-typedef struct ntp__row_cache {
+/* The slopes that a part makes right-hand sides of, floats or doubles. */
+typedef struct ntp__source {
     const ntp__problem *problem;
     const ntp__slopes *slopes;
     const ntp__window *window; /* NULL, or what the slopes' texture is a part of */
     const ntp__row_loops *loops;
-    void *memory; /* of rows of slopes, right and down */
-    void *line;   /* a row with NTP__PAD more on both sides */
-    int32_t kept;
-    uint64_t uses, used[2 * NTP__MAX_TERMS]; /* when each was asked for last */
-    int32_t row[2 * NTP__MAX_TERMS];         /* which; -1: none */
-    ntp__slope_counts row_counts[2 * NTP__MAX_TERMS];
+    ntp__row_cache rows;
+    void *line;                                     /* a row, and NTP__MAX_RADIUS on both sides */
+    ntp__slope_counts row_counts[NTP__MOST_CACHED]; /* of each row in the cache */
     ntp__slope_counts counts;
-} ntp__row_cache;
+} ntp__source;
 
-size_t ntp__row_cache_bytes(const ntp__problem *p);
-void ntp__row_cache_init(ntp__row_cache *cache, const ntp__problem *p, const ntp__slopes *slopes,
-                         void *memory);
+void ntp__source_init(ntp__source *source, ntp__scratch *memory, const ntp__problem *p,
+                      const ntp__slopes *slopes);
 
-/* Right-hand side of row y, floats or doubles; *sum: of what slopes down put in, *squares: of f. */
-void ntp__divergence(ntp__row_cache *cache, void *f, int32_t y, double *sum, double *squares);
+/* Right-hand side of row y; *sum: of what slopes down put in, *squares: of f. */
+void ntp__right_hand_side(ntp__source *source, void *f, int32_t y, double *sum, double *squares);
 
 /* ------------------------------------------------------------------------------- columns */
 
@@ -144,8 +138,7 @@ struct ntp__columns {
     double *null[NTP__MAX_NULLS]; /* the null columns, whole */
 };
 
-size_t ntp__columns_bytes(const ntp__problem *p);
-void ntp__columns_init(ntp__columns *c, const ntp__problem *p, void *memory);
+void ntp__columns_init(ntp__columns *c, ntp__scratch *memory, const ntp__problem *p);
 
 /* Row y of columns x0..x1 - 1: downwards all rows, in order; then `turn`, then upwards all rows. */
 void ntp__columns_down(ntp__columns *c, float *row, int32_t y, int32_t x0, int32_t x1);
@@ -160,8 +153,7 @@ typedef struct ntp__filter {
     double prior, precision;
 } ntp__filter;
 
-size_t ntp__filter_bytes(const ntp__problem *p);
-void ntp__filter_init(ntp__filter *f, const ntp__problem *p, void *memory, void *work);
+void ntp__filter_init(ntp__filter *f, ntp__scratch *memory, const ntp__problem *p, void *work);
 /* mean_square: of the right-hand side */
 void ntp__filter_set_prior(ntp__filter *f, double mean_square);
 void ntp__filter_columns(const ntp__filter *f, const ntp_image *dst, int32_t x0, void *work);
@@ -172,9 +164,8 @@ enum { NTP__EDGE_LINES = 3 }; /* whose slopes change */
 
 /* Fits the outermost texels along central, extrapolated borders again, with full weights; sets the
  * range then.  In whole images only. */
-size_t ntp__edges_bytes(const ntp__problem *p);
 void ntp__edges_fit(const ntp_image *dst, const ntp__slopes *slopes, const ntp__problem *p,
-                    void *memory, float range[2]);
+                    ntp__scratch *memory, float range[2]);
 
 /* --------------------------------------------------------------------------------- whole */
 
@@ -196,8 +187,8 @@ ntp_status ntp__stream(const ntp_const_image *form, const ntp_height_rows *rows,
                        const ntp_height_options *how, void *scratch, const ntp_hooks *hooks,
                        ntp_height_result *result);
 
-/* Eberly's sums.  rows: room for 7 rows of doubles. */
+/* Eberly's sums.  Memory without a base: as above; of dst the width counts. */
 void ntp__telescope(const ntp_image *dst, const ntp__slopes *slopes, const ntp_height_options *how,
-                    double *rows, ntp__slope_counts *counts);
+                    ntp__scratch *memory, ntp__slope_counts *counts);
 
 #endif

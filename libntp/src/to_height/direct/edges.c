@@ -53,12 +53,6 @@ static int32_t longest(const ntp__problem *p)
     return p->along.n > p->down.n ? p->along.n : p->down.n;
 }
 
-size_t ntp__edges_bytes(const ntp__problem *p)
-{
-    bool any = wanted(&p->along) || wanted(&p->down);
-    return any ? ARRAYS * ntp__aligned((size_t) longest(p) * sizeof(double)) : 0;
-}
-
 /* ------------------------------------------------------------------------ right-hand sides */
 
 /* The texel `depth` lines in, at place i of the edge. */
@@ -280,14 +274,15 @@ static void settle(const ntp_image *dst, float mean, float range[2])
 }
 
 void ntp__edges_fit(const ntp_image *dst, const ntp__slopes *slopes, const ntp__problem *p,
-                    void *memory, float range[2])
+                    ntp__scratch *memory, float range[2])
 {
     double *arrays[ARRAYS], change = 0;
-    size_t bytes = ntp__aligned((size_t) longest(p) * sizeof(double));
-    if (ntp__edges_bytes(p) == 0)
+    if (!wanted(&p->along) && !wanted(&p->down))
         return;
     for (int32_t i = 0; i < ARRAYS; i++)
-        arrays[i] = (double *) (void *) ((char *) memory + (size_t) i * bytes);
+        arrays[i] = ntp__take(memory, (size_t) longest(p) * sizeof(double));
+    if (memory->base == NULL)
+        return;
     for (int32_t i = 0; i < 2 * SIDES; i++) {
         bool is_column = i < SIDES;
         const ntp__grid_axis *inward = is_column ? &p->along : &p->down;

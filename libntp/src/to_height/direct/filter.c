@@ -20,34 +20,20 @@ static const double storage_noise = 0x1p-48, single_noise = 0x1p-44;
 /* Below this A is a null mode, but for rounding errors of sines. */
 static const double null_mode = 0x1p-90;
 
-static size_t symbols_bytes(int32_t n)
+void ntp__filter_init(ntp__filter *f, ntp__scratch *memory, const ntp__problem *p, void *work)
 {
-    return ntp__aligned((size_t) n * sizeof(ntp__symbol));
-}
-
-size_t ntp__filter_bytes(const ntp__problem *p)
-{
-    if (!p->filter)
-        return 0;
-    return symbols_bytes(p->along.n) + symbols_bytes(p->down.n) +
-           ntp__fft_plan_bytes(ntp__axis_transform(&p->down), p->down.n, p->single);
-}
-
-void ntp__filter_init(ntp__filter *f, const ntp__problem *p, void *memory, void *work)
-{
-    char *rest = memory;
     memset(f, 0, sizeof *f);
     f->problem = p;
-    f->along = (ntp__symbol *) (void *) rest;
-    rest += symbols_bytes(p->along.n);
-    f->down = (ntp__symbol *) (void *) rest;
-    rest += symbols_bytes(p->down.n);
+    f->along = ntp__take(memory, (size_t) p->along.n * sizeof *f->along);
+    f->down = ntp__take(memory, (size_t) p->down.n * sizeof *f->down);
+    ntp__fft_plan(&f->fft, memory, ntp__axis_transform(&p->down), p->down.n, p->single, work);
+    f->precision = p->single ? single_noise : storage_noise;
+    if (memory->base == NULL)
+        return;
     for (int32_t k = 0; k < p->along.n; k++)
         ntp__symbol_at(&f->along[k], &p->along, k);
     for (int32_t k = 0; k < p->down.n; k++)
         ntp__symbol_at(&f->down[k], &p->down, k);
-    ntp__fft_plan(&f->fft, ntp__axis_transform(&p->down), p->down.n, p->single, rest, work);
-    f->precision = p->single ? single_noise : storage_noise;
 }
 
 void ntp__filter_set_prior(ntp__filter *f, double mean_square)

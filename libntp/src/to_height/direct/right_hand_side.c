@@ -2,7 +2,7 @@
 /*
  * right_hand_side.c - right-hand sides: the adjoint of the stencils, applied to rows of slopes
  *
- * Rows of slopes are made once and remembered as long as the rows around need them.
+ * Slopes are read row by row through the cache of the part that makes the right-hand side.
  */
 #include "stencil/taps.h"
 #include "to_height/direct/direct.h"
@@ -19,72 +19,50 @@ static size_t real_size(const ntp__problem *p)
     return p->single ? sizeof(float) : sizeof(double);
 }
 
-static size_t row_bytes(const ntp__problem *p)
-{
-    return ntp__aligned((size_t) p->along.n * real_size(p));
-}
-
-static int32_t kept_rows(const ntp__problem *p)
-{
-    int32_t reach = ntp__reach(&p->down);
-    return 2 * reach + 2 < 2 * NTP__MAX_TERMS ? 2 * reach + 2 : 2 * NTP__MAX_TERMS;
-}
-
-size_t ntp__row_cache_bytes(const ntp__problem *p)
-{
-    return 2 * (size_t) kept_rows(p) * row_bytes(p) +
-           ntp__aligned(((size_t) p->along.n + 2 * PAD) * real_size(p));
-}
-
-void ntp__row_cache_init(ntp__row_cache *cache, const ntp__problem *p, const ntp__slopes *slopes,
-                         void *memory)
+void ntp__source_init(ntp__source *source, ntp__scratch *memory, const ntp__problem *p,
+                      const ntp__slopes *slopes)
 {
     const ntp__solver_kernels *kernels = ntp__solver_kernels_for(NTP__CPU_ALL);
-    memset(cache, 0, sizeof *cache);
-    cache->problem = p;
-    cache->slopes = slopes;
-    cache->loops = p->single ? &kernels->rows_single : &kernels->rows_double;
-    cache->kept = kept_rows(p);
-    cache->memory = memory;
-    cache->line = (char *) memory + 2 * (size_t) cache->kept * row_bytes(p);
-    for (int32_t k = 0; k < cache->kept; k++)
-        cache->row[k] = -1;
+    size_t width = (size_t) p->along.n;
+    /* One more than one right-hand side takes, and its own. */
+    int32_t kept = 2 * ntp__reach(&p->down) + 2;
+    memset(source, 0, sizeof *source);
+    source->problem = p;
+    source->slopes = slopes;
+    source->loops = p->single ? &kernels->rows_single : &kernels->rows_double;
+    ntp__row_cache_init(&source->rows, memory, kept < NTP__MOST_CACHED ? kept : NTP__MOST_CACHED,
+                        width * real_size(p));
+    source->line = ntp__take(memory, (width + 2 * PAD) * real_size(p));
 }
 
-static void *kept_row(const ntp__row_cache *cache, int32_t k, bool down)
+/* The place of row y of slopes. */
+static int32_t get_row(ntp__source *source, int32_t y)
 {
-    size_t at = 2 * (size_t) k + (down ? 1 : 0);
-    return (char *) cache->memory + at * row_bytes(cache->problem);
-}
-
-/* The place of row y in what is remembered: more rows than one right-hand side takes, of which the
- * one not used for the longest time makes way. */
-static int32_t get_row(ntp__row_cache *cache, int32_t y)
-{
-    int32_t k = 0;
-    cache->uses++;
-    for (int32_t i = 0; i < cache->kept; i++) {
-        if (cache->row[i] == y) {
-            cache->used[i] = cache->uses;
-            return i;
-        }
-        k = cache->used[i] < cache->used[k] ? i : k;
-    }
-    ntp__slope_counts *counts = &cache->row_counts[k];
-    cache->used[k] = cache->uses;
-    cache->row[k] = y;
+    int32_t k;
+    if (ntp__row_cache_find(&source->rows, y, &k))
+        return k;
+    ntp__slope_counts *counts = &source->row_counts[k];
     memset(counts, 0, sizeof *counts);
-    if (cache->window != NULL) {
-        y -= cache->window->first;
-        y += y < 0 ? cache->window->height : 0;
+    if (source->window != NULL) {
+        y -= source->window->first;
+        y += y < 0 ? source->window->height : 0;
     }
-    if (cache->problem->single)
-        ntp__slopes_row_single(cache->slopes, kept_row(cache, k, false), kept_row(cache, k, true),
-                               y, counts);
+    void *right = source->rows.right[k], *down = source->rows.down[k];
+    if (source->problem->single)
+        ntp__slopes_row_single(source->slopes, right, down, y, counts);
     else
-        ntp__slopes_row(cache->slopes, kept_row(cache, k, false), kept_row(cache, k, true), y,
-                        counts);
+        ntp__slopes_row(source->slopes, right, down, y, counts);
     return k;
+}
+
+static const void *right_row(ntp__source *source, int32_t y)
+{
+    return source->rows.right[get_row(source, y)];
+}
+
+static const void *down_row(ntp__source *source, int32_t y)
+{
+    return source->rows.down[get_row(source, y)];
 }
 
 /* ------------------------------------------------------------------------ sums over rows */
@@ -156,13 +134,13 @@ static void add_end(const ntp__problem *p, void *f, const void *right, int32_t x
 }
 
 /* f += the adjoint of slopes to the right. */
-static void add_along(const ntp__row_cache *cache, void *f, const void *right)
+static void add_along(const ntp__source *source, void *f, const void *right)
 {
-    const ntp__problem *p = cache->problem;
+    const ntp__problem *p = source->problem;
     int32_t n = p->along.n;
     if (n > 2 * ENDS) {
         ntp__terms terms;
-        run_sum sum = { cache->loops, place(p, f, ENDS), n - 2 * ENDS, true, NULL, 0 };
+        run_sum sum = { source->loops, place(p, f, ENDS), n - 2 * ENDS, true, NULL, 0 };
         ntp__adjoint(&terms, &p->along, ENDS);
         for (int32_t k = 0; k < terms.count; k++)
             put_run(&sum, place(p, right, terms.at[k]), p->right_weight * terms.weight[k]);
@@ -175,22 +153,21 @@ static void add_along(const ntp__row_cache *cache, void *f, const void *right)
     }
 }
 
-static void by_lines(ntp__row_cache *cache, void *f, int32_t y, double *from_down)
+static void by_lines(ntp__source *source, void *f, int32_t y, double *from_down)
 {
-    const ntp__problem *p = cache->problem;
+    const ntp__problem *p = source->problem;
     ntp__terms terms;
-    run_sum sum = { cache->loops, f, p->along.n, false, NULL, 0 };
+    run_sum sum = { source->loops, f, p->along.n, false, NULL, 0 };
     ntp__adjoint(&terms, &p->down, y);
     for (int32_t k = 0; k < terms.count; k++)
-        put_run(&sum, kept_row(cache, get_row(cache, terms.at[k]), true),
-                p->down_weight * terms.weight[k]);
+        put_run(&sum, down_row(source, terms.at[k]), p->down_weight * terms.weight[k]);
     finish(&sum);
     if (!sum.begun)
         memset(f, 0, (size_t) p->along.n * real_size(p));
-    *from_down = cache->loops->sum(f, p->along.n);
+    *from_down = source->loops->sum(f, p->along.n);
     if (ntp__axis_transform(&p->along) == NTP__FFT_MIRROR)
         *from_down = 2 * *from_down - value(p, f, 0) - value(p, f, p->along.n - 1);
-    add_along(cache, f, kept_row(cache, get_row(cache, y), false));
+    add_along(source, f, right_row(source, y));
 }
 
 /* -------------------------------------------------------------- two-dimensional stencils */
@@ -218,17 +195,17 @@ static void pad(const ntp__problem *p, void *line, bool odd)
 }
 
 /* The part of slopes right (down: slopes down) that one term of the kernel makes. */
-static void add_term(ntp__row_cache *cache, run_sum *sum, int32_t y, int32_t t, bool down)
+static void add_term(ntp__source *source, run_sum *sum, int32_t y, int32_t t, bool down)
 {
-    const ntp__problem *p = cache->problem;
+    const ntp__problem *p = source->problem;
     const ntp__kernel *kernel = &ntp__kernel_table[p->along.kernel];
-    void *line = place(p, cache->line, PAD);
-    run_sum rows = { cache->loops, line, p->along.n, false, NULL, 0 };
+    void *line = place(p, source->line, PAD);
+    run_sum rows = { source->loops, line, p->along.n, false, NULL, 0 };
     for (int32_t j = -kernel->radius; j <= kernel->radius; j++) {
         double sign, weight = tap(kernel, t, down, j);
         int32_t at = ntp__reflected(&p->down, y + j, down, &sign);
         if (weight * sign != 0)
-            put_run(&rows, kept_row(cache, get_row(cache, at), down), weight * sign);
+            put_run(&rows, down ? down_row(source, at) : right_row(source, at), weight * sign);
     }
     finish(&rows);
     if (!rows.begun)
@@ -240,29 +217,29 @@ static void add_term(ntp__row_cache *cache, run_sum *sum, int32_t y, int32_t t, 
     finish(sum); /* before line is used again */
 }
 
-static void by_taps(ntp__row_cache *cache, void *f, int32_t y)
+static void by_taps(ntp__source *source, void *f, int32_t y)
 {
-    const ntp__problem *p = cache->problem;
-    run_sum sum = { cache->loops, f, p->along.n, false, NULL, 0 };
+    const ntp__problem *p = source->problem;
+    run_sum sum = { source->loops, f, p->along.n, false, NULL, 0 };
     for (int32_t t = 0; t < ntp__kernel_table[p->along.kernel].terms; t++) {
-        add_term(cache, &sum, y, t, false);
-        add_term(cache, &sum, y, t, true);
+        add_term(source, &sum, y, t, false);
+        add_term(source, &sum, y, t, true);
     }
     if (!sum.begun)
         memset(f, 0, (size_t) p->along.n * real_size(p));
 }
 
-void ntp__divergence(ntp__row_cache *cache, void *f, int32_t y, double *sum, double *squares)
+void ntp__right_hand_side(ntp__source *source, void *f, int32_t y, double *sum, double *squares)
 {
-    const ntp__problem *p = cache->problem;
-    int32_t own = get_row(cache, y);
-    cache->counts.unused += cache->row_counts[own].unused;
-    cache->counts.not_finite += cache->row_counts[own].not_finite;
+    const ntp__problem *p = source->problem;
+    int32_t own = get_row(source, y);
+    source->counts.unused += source->row_counts[own].unused;
+    source->counts.not_finite += source->row_counts[own].not_finite;
     *sum = *squares = 0;
     if (p->along.kind == NTP__AXIS_TAPS)
-        by_taps(cache, f, y);
+        by_taps(source, f, y);
     else
-        by_lines(cache, f, y, sum);
+        by_lines(source, f, y, sum);
     if (p->filter)
-        *squares = cache->loops->sum_squares(f, p->along.n);
+        *squares = source->loops->sum_squares(f, p->along.n);
 }

@@ -34,7 +34,7 @@ typedef struct span {
 typedef struct part {
     void *fft_work;
     float *spare; /* stands for rows below the last one */
-    ntp__row_cache cache;
+    ntp__source source;
     float range[2];
 } part;
 
@@ -60,56 +60,36 @@ typedef struct job {
 
 /* ------------------------------------------------------------------------ working memory */
 
-static size_t part_bytes(const ntp__problem *p)
+/* What takes memory below can do so with memory->base NULL, to measure. */
+
+static void lay_out_part(const job *j, part *to, ntp__scratch *memory, const ntp__slopes *slopes)
 {
+    const ntp__problem *p = &j->problem;
     size_t work = ntp__fft_work_bytes(ntp__axis_transform(&p->along), p->along.n, p->single);
     size_t columns = ntp__fft_work_bytes(ntp__axis_transform(&p->down), p->down.n, p->single);
-    if (p->filter && columns > work)
-        work = columns;
-    return ntp__aligned(work) + ntp__aligned((size_t) p->along.n * sizeof(float)) +
-           ntp__row_cache_bytes(p);
+    part own = { .range = { FLT_MAX, -FLT_MAX } };
+    own.spare = ntp__take(memory, (size_t) p->along.n * sizeof *own.spare);
+    ntp__source_init(&own.source, memory, p, slopes);
+    own.source.window = j->rows != NULL ? &j->window : NULL;
+    own.fft_work = ntp__take(memory, p->filter && columns > work ? columns : work);
+    if (to != NULL)
+        *to = own;
 }
 
-static size_t scratch_bytes(const ntp__problem *p, int32_t parts)
+static void lay_out(job *j, ntp__scratch *memory, const ntp__slopes *slopes)
 {
-    size_t count = (size_t) parts;
-    return ntp__aligned(count * sizeof(part)) + ntp__aligned((size_t) p->down.n * sizeof(double)) +
-           ntp__columns_bytes(p) + ntp__filter_bytes(p) +
-           ntp__fft_plan_bytes(ntp__axis_transform(&p->along), p->along.n, p->single) +
-           count * part_bytes(p);
-}
-
-static void *take(char **memory, size_t bytes)
-{
-    void *taken = *memory;
-    *memory += ntp__aligned(bytes);
-    return taken;
-}
-
-static void lay_out(job *j, void *scratch, const ntp__slopes *slopes)
-{
-    char *memory = scratch;
     const ntp__problem *p = &j->problem;
     j->kernels = ntp__solver_kernels_for(NTP__CPU_ALL);
-    ntp__fft_kind kind = ntp__axis_transform(&p->along);
-    j->parts = take(&memory, (size_t) j->crew.parts * sizeof(part));
-    j->squares = take(&memory, (size_t) p->down.n * sizeof(double));
-    void *columns = take(&memory, ntp__columns_bytes(p));
-    void *filter = take(&memory, ntp__filter_bytes(p));
-    void *tables = take(&memory, ntp__fft_plan_bytes(kind, p->along.n, p->single));
-    for (int32_t i = 0; i < j->crew.parts; i++) {
-        char *own = take(&memory, part_bytes(p));
-        j->parts[i].spare = take(&own, (size_t) p->along.n * sizeof(float));
-        ntp__row_cache_init(&j->parts[i].cache, p, slopes, take(&own, ntp__row_cache_bytes(p)));
-        j->parts[i].fft_work = own;
-        j->parts[i].range[0] = FLT_MAX;
-        j->parts[i].range[1] = -FLT_MAX;
-    }
-    ntp__fft_plan(&j->fft, kind, p->along.n, p->single, tables, j->parts[0].fft_work);
+    j->parts = ntp__take(memory, (size_t) j->crew.parts * sizeof *j->parts);
+    j->squares = ntp__take(memory, (size_t) p->down.n * sizeof *j->squares);
+    for (int32_t i = 0; i < j->crew.parts; i++)
+        lay_out_part(j, j->parts != NULL ? &j->parts[i] : NULL, memory, slopes);
+    void *work = j->parts != NULL ? j->parts[0].fft_work : NULL;
+    ntp__fft_plan(&j->fft, memory, ntp__axis_transform(&p->along), p->along.n, p->single, work);
     if (p->filter)
-        ntp__filter_init(&j->filter, p, filter, j->parts[0].fft_work);
+        ntp__filter_init(&j->filter, memory, p, work);
     else
-        ntp__columns_init(&j->recursion, p, columns);
+        ntp__columns_init(&j->recursion, memory, p);
 }
 
 /* --------------------------------------------------------------------------------- tasks */
@@ -140,7 +120,7 @@ static void analyze_batch(job *j, part *p, int32_t first)
             memset(line, 0, (size_t) j->problem.along.n * real);
             continue;
         }
-        ntp__divergence(&p->cache, line, first + i, &sum, &j->squares[first + i]);
+        ntp__right_hand_side(&p->source, line, first + i, &sum, &j->squares[first + i]);
         if (sums != NULL)
             sums[first + i] = sum;
     }
@@ -379,13 +359,20 @@ ntp_status ntp__integrate_check(const ntp_height_options *how, int32_t width, in
 size_t ntp__integrate_scratch(const ntp_height_options *how, int32_t width, int32_t height,
                               int32_t parts)
 {
-    ntp__problem p;
-    if (ntp__problem_init(&p, how, width, height, NTP_TYPE_F32) != NTP_OK)
+    job j;
+    ntp__scratch solution = { NULL, 0 }, after = { NULL, 0 };
+    ntp_image dst = { .width = width, .height = height };
+    memset(&j, 0, sizeof j);
+    if (ntp__problem_init(&j.problem, how, width, height, NTP_TYPE_F32) != NTP_OK)
         return 0;
-    if (how->method == NTP_HEIGHT_TELESCOPING)
-        return ntp__aligned(EXTRA_ROWS * (size_t) width * sizeof(double));
-    size_t solution = scratch_bytes(&p, parts), edges = ntp__edges_bytes(&p);
-    return solution > edges ? solution : edges;
+    if (how->method == NTP_HEIGHT_TELESCOPING) {
+        ntp__telescope(&dst, NULL, how, &solution, NULL);
+        return solution.used;
+    }
+    j.crew.parts = parts;
+    lay_out(&j, &solution, NULL);
+    ntp__edges_fit(&dst, NULL, &j.problem, &after, NULL);
+    return solution.used > after.used ? solution.used : after.used;
 }
 
 static void add_counts(const job *j, ntp__slope_counts *counts)
@@ -394,8 +381,8 @@ static void add_counts(const job *j, ntp__slope_counts *counts)
     counts->range[1] = -FLT_MAX;
     for (int32_t i = 0; i < j->crew.parts; i++) {
         const part *p = &j->parts[i];
-        counts->unused += p->cache.counts.unused;
-        counts->not_finite += p->cache.counts.not_finite;
+        counts->unused += p->source.counts.unused;
+        counts->not_finite += p->source.counts.not_finite;
         counts->range[0] = p->range[0] < counts->range[0] ? p->range[0] : counts->range[0];
         counts->range[1] = p->range[1] > counts->range[1] ? p->range[1] : counts->range[1];
     }
@@ -406,6 +393,7 @@ ntp_status ntp__integrate(const ntp_image *dst, const ntp__slopes *slopes,
                           ntp__slope_counts *counts)
 {
     job j;
+    ntp__scratch solution = { scratch, 0 }, after = { scratch, 0 };
     memset(&j, 0, sizeof j);
     NTP__TRY(ntp__problem_init(&j.problem, how, dst->width, dst->height, slopes->src->type));
     j.crew = ntp__crew_of(hooks);
@@ -413,13 +401,13 @@ ntp_status ntp__integrate(const ntp_image *dst, const ntp__slopes *slopes,
     if (how->method == NTP_HEIGHT_TELESCOPING) {
         if (stopped(&j, 0))
             return NTP_ERR_CANCELLED;
-        ntp__telescope(dst, slopes, how, scratch, counts);
+        ntp__telescope(dst, slopes, how, &solution, counts);
         return NTP_OK;
     }
-    lay_out(&j, scratch, slopes);
+    lay_out(&j, &solution, slopes);
     NTP__TRY(least_squares(&j));
     add_counts(&j, counts);
-    ntp__edges_fit(dst, slopes, &j.problem, scratch, counts->range);
+    ntp__edges_fit(dst, slopes, &j.problem, &after, counts->range);
     return NTP_OK;
 }
 
@@ -436,16 +424,31 @@ static size_t sample_row(const ntp_const_image *form)
     return (size_t) form->width * (size_t) form->channels * (size_t) ntp__sample_size(form->type);
 }
 
+/* The two windows, of normals and of heights, and then the rest. */
+static void lay_out_windows(job *j, ntp__scratch *memory, const ntp_const_image *form,
+                            ntp_image *heights)
+{
+    j->row_bytes = sample_row(form);
+    *heights = ntp_image_packed(
+        ntp__take(memory, (size_t) round_rows(j) * (size_t) form->width * sizeof(float)),
+        form->width, form->height, 1, NTP_TYPE_F32);
+    j->normals = ntp__take(memory, (size_t) window_rows(&j->problem, j->crew.parts) * j->row_bytes);
+}
+
 size_t ntp__stream_scratch(const ntp_const_image *form, const ntp_height_options *how,
                            int32_t parts)
 {
-    ntp__problem p;
-    if (ntp__problem_init(&p, how, form->width, form->height, form->type) != NTP_OK || p.filter ||
-        how->method == NTP_HEIGHT_TELESCOPING)
+    job j;
+    ntp__scratch memory = { NULL, 0 };
+    ntp_image dst;
+    memset(&j, 0, sizeof j);
+    if (ntp__problem_init(&j.problem, how, form->width, form->height, form->type) != NTP_OK ||
+        j.problem.filter || how->method == NTP_HEIGHT_TELESCOPING)
         return 0;
-    size_t rows = (size_t) parts * RUN * ROWS;
-    return scratch_bytes(&p, parts) + ntp__aligned(rows * (size_t) form->width * sizeof(float)) +
-           ntp__aligned((size_t) window_rows(&p, parts) * sample_row(form));
+    j.crew.parts = parts;
+    lay_out_windows(&j, &memory, form, &dst);
+    lay_out(&j, &memory, NULL);
+    return memory.used;
 }
 
 ntp_status ntp__stream(const ntp_const_image *form, const ntp_height_rows *rows,
@@ -454,15 +457,14 @@ ntp_status ntp__stream(const ntp_const_image *form, const ntp_height_rows *rows,
 {
     job j;
     ntp__slopes slopes;
-    char *memory = scratch;
+    ntp__scratch memory = { scratch, 0 };
+    ntp_image dst;
+    ntp__slope_counts counts = { 0, 0, 0, 0, { 0, 0 } };
     memset(&j, 0, sizeof j);
     NTP__TRY(ntp__problem_init(&j.problem, how, form->width, form->height, form->type));
     j.crew = ntp__crew_of(hooks);
     j.rows = rows;
-    j.row_bytes = sample_row(form);
-    float *heights = take(&memory, (size_t) round_rows(&j) * (size_t) form->width * sizeof(float));
-    j.normals = take(&memory, (size_t) window_rows(&j.problem, j.crew.parts) * j.row_bytes);
-    ntp_image dst = ntp_image_packed(heights, form->width, form->height, 1, NTP_TYPE_F32);
+    lay_out_windows(&j, &memory, form, &dst);
     ntp_const_image src = *form;
     src.data = j.normals;
     src.pixel_stride = form->channels * ntp__sample_size(form->type);
@@ -470,11 +472,8 @@ ntp_status ntp__stream(const ntp_const_image *form, const ntp_height_rows *rows,
     src.ring_rows = 0;
     j.dst = &dst;
     ntp__slopes_init(&slopes, &src, how);
-    lay_out(&j, memory, &slopes);
-    for (int32_t i = 0; i < j.crew.parts; i++)
-        j.parts[i].cache.window = &j.window;
+    lay_out(&j, &memory, &slopes);
     NTP__TRY(least_squares(&j));
-    ntp__slope_counts counts = { 0, 0, 0, 0, { 0, 0 } };
     add_counts(&j, &counts);
     result->unused = counts.unused;
     result->not_finite = counts.not_finite;

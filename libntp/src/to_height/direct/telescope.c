@@ -166,22 +166,20 @@ static void set_shifts(telescope *t, bool equalize)
 }
 
 void ntp__telescope(const ntp_image *dst, const ntp__slopes *slopes, const ntp_height_options *how,
-                    double *rows, ntp__slope_counts *counts)
+                    ntp__scratch *memory, ntp__slope_counts *counts)
 {
     telescope t;
-    size_t w = (size_t) dst->width;
     memset(&t, 0, sizeof t);
+    double **rows[] = { &t.right,    &t.down,   &t.down_above, &t.above[0],
+                        &t.above[1], &t.top[0], &t.top[1] };
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++)
+        *rows[i] = ntp__take(memory, (size_t) dst->width * sizeof(double));
+    if (memory->base == NULL)
+        return;
     t.slopes = slopes;
     t.dst = dst;
     t.width = dst->width;
     t.central = how->kernel == NTP_KERNEL_CENTRAL;
-    t.right = rows;
-    t.down = rows + w;
-    t.down_above = rows + 2 * w;
-    t.above[0] = rows + 3 * w;
-    t.above[1] = rows + 4 * w;
-    t.top[0] = rows + 5 * w;
-    t.top[1] = rows + 6 * w;
     t.dx = how->dx != 0 ? how->dx : 1;
     t.dy = how->dy != 0 ? how->dy : 1;
     t.wrap_x = how->border_x == NTP_BORDER_WRAP;

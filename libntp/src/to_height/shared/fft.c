@@ -11,8 +11,6 @@
 
 #include <string.h>
 
-enum { ALIGNMENT = 64 };
-
 /* ------------------------------------------------------------------------------ angles */
 
 static const double quarter_pi = 0.78539816339744830962;
@@ -83,15 +81,7 @@ static int32_t core_length(int32_t period)
 
 static size_t pairs(int32_t n, bool single)
 {
-    size_t bytes = 2 * (size_t) n * (single ? sizeof(float) : sizeof(double));
-    return (bytes + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT;
-}
-
-size_t ntp__fft_plan_bytes(ntp__fft_kind kind, int32_t n, bool single)
-{
-    int32_t period = period_of(kind, n), m = core_length(period);
-    size_t bytes = pairs(m, single) + (kind == NTP__FFT_COSINE ? pairs(n, single) : 0);
-    return m == period ? bytes : bytes + pairs(period, single) + pairs(m, single);
+    return 2 * (size_t) n * (single ? sizeof(float) : sizeof(double));
 }
 
 size_t ntp__fft_work_bytes(ntp__fft_kind kind, int32_t n, bool single)
@@ -100,13 +90,6 @@ size_t ntp__fft_work_bytes(ntp__fft_kind kind, int32_t n, bool single)
 }
 
 /* ------------------------------------------------------------------------------ tables */
-
-static void *take(char **memory, int32_t n, bool single)
-{
-    void *table = *memory;
-    *memory += pairs(n, single);
-    return table;
-}
 
 /* table[k] = (cos, sign sin) of angle/n of a turn. */
 static void put_turn(const ntp__fft *fft, void *table, int32_t k, int64_t angle, int64_t n,
@@ -137,10 +120,35 @@ static void factorize(ntp__fft *fft)
     }
 }
 
-void ntp__fft_plan(ntp__fft *fft, ntp__fft_kind kind, int32_t n, bool single, void *tables,
+static void lay_out(ntp__fft *fft, ntp__scratch *memory)
+{
+    bool bluestein = fft->m != fft->period;
+    fft->turns = ntp__take(memory, pairs(fft->m, fft->single));
+    if (fft->kind == NTP__FFT_COSINE)
+        fft->quarter = ntp__take(memory, pairs(fft->n, fft->single));
+    if (bluestein) {
+        fft->chirp = ntp__take(memory, pairs(fft->period, fft->single));
+        fft->response = ntp__take(memory, pairs(fft->m, fft->single));
+    }
+}
+
+static void fill_tables(ntp__fft *fft, void *work)
+{
+    for (int32_t k = 0; k < fft->m; k++)
+        put_turn(fft, fft->turns, k, k, fft->m, -1);
+    for (int32_t k = 0; fft->quarter != NULL && k < fft->n; k++)
+        put_turn(fft, fft->quarter, k, k, 4 * (int64_t) fft->n, 1);
+    if (fft->chirp == NULL)
+        return;
+    int64_t whole = 2 * (int64_t) fft->period;
+    for (int64_t i = 0; i < fft->period; i++)
+        put_turn(fft, fft->chirp, (int32_t) i, i * i % whole, whole, -1);
+    fft->loops->respond(fft, work);
+}
+
+void ntp__fft_plan(ntp__fft *fft, ntp__scratch *memory, ntp__fft_kind kind, int32_t n, bool single,
                    void *work)
 {
-    char *memory = tables;
     const ntp__solver_kernels *kernels = ntp__solver_kernels_for(NTP__CPU_ALL);
     memset(fft, 0, sizeof *fft);
     fft->loops = single ? &kernels->fft_single : &kernels->fft_double;
@@ -150,22 +158,9 @@ void ntp__fft_plan(ntp__fft *fft, ntp__fft_kind kind, int32_t n, bool single, vo
     fft->period = period_of(kind, n);
     fft->m = core_length(fft->period);
     factorize(fft);
-    fft->turns = take(&memory, fft->m, single);
-    for (int32_t k = 0; k < fft->m; k++)
-        put_turn(fft, fft->turns, k, k, fft->m, -1);
-    if (kind == NTP__FFT_COSINE) {
-        fft->quarter = take(&memory, n, single);
-        for (int32_t k = 0; k < n; k++)
-            put_turn(fft, fft->quarter, k, k, 4 * (int64_t) n, 1);
-    }
-    if (fft->m == fft->period)
-        return;
-    int64_t whole = 2 * (int64_t) fft->period;
-    fft->chirp = take(&memory, fft->period, single);
-    fft->response = take(&memory, fft->m, single);
-    for (int64_t i = 0; i < fft->period; i++)
-        put_turn(fft, fft->chirp, (int32_t) i, i * i % whole, whole, -1);
-    fft->loops->respond(fft, work);
+    lay_out(fft, memory);
+    if (memory->base != NULL)
+        fill_tables(fft, work);
 }
 
 void *ntp__fft_line(const ntp__fft *fft, void *work, int32_t row)

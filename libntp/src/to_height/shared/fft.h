@@ -10,10 +10,11 @@
 #ifndef NTP_FFT_H
 #define NTP_FFT_H
 
+#include "base/scratch.h"
+
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
-#include <string.h>
 
 enum {
     NTP__FFT_LANES = 8,
@@ -47,13 +48,13 @@ typedef struct ntp__fft {
     void *quarter;                          /* cos and sin of pi k/(2n); NTP__FFT_COSINE */
 } ntp__fft;
 
-/* Bytes of the tables of a length 1..65535, and of the working memory of each batch. */
-size_t ntp__fft_plan_bytes(ntp__fft_kind kind, int32_t n, bool single);
-size_t ntp__fft_work_bytes(ntp__fft_kind kind, int32_t n, bool single);
-
-/* Makes the tables in memory of that size; work is that of a batch.  Both aligned to 64. */
-void ntp__fft_plan(ntp__fft *fft, ntp__fft_kind kind, int32_t n, bool single, void *tables,
+/* Makes the tables of a length 1..65535 in memory that it takes, as ntp__fft_work_bytes of work let it;
+ * with memory->base NULL it only measures. */
+void ntp__fft_plan(ntp__fft *fft, ntp__scratch *memory, ntp__fft_kind kind, int32_t n, bool single,
                    void *work);
+
+/* Bytes of the working memory of each batch, aligned as ntp__take does. */
+size_t ntp__fft_work_bytes(ntp__fft_kind kind, int32_t n, bool single);
 
 /* Where row 0..NTP__FFT_ROWS - 1 of a batch, n floats or doubles, goes before `forward`. */
 void *ntp__fft_line(const ntp__fft *fft, void *work, int32_t row);
@@ -73,40 +74,6 @@ struct ntp__fft_loops {
     /* Fills fft->response from fft->chirp. */
     void (*respond)(const ntp__fft *fft, void *work);
 };
-
-/* The same in double, a row at a time; rows that are not put in are to be zeros. */
-static inline size_t ntp__fft_tables(ntp__fft_kind kind, int32_t n)
-{
-    return ntp__fft_plan_bytes(kind, n, false);
-}
-
-static inline size_t ntp__fft_work(ntp__fft_kind kind, int32_t n)
-{
-    return ntp__fft_work_bytes(kind, n, false);
-}
-
-static inline void ntp__fft_init(ntp__fft *fft, ntp__fft_kind kind, int32_t n, void *tables,
-                                 void *work)
-{
-    ntp__fft_plan(fft, kind, n, false, tables, work);
-}
-
-static inline void ntp__fft_load(const ntp__fft *fft, int32_t row, const double *line, void *work)
-{
-    memcpy(ntp__fft_line(fft, work, row), line, (size_t) fft->n * sizeof *line);
-}
-
-static inline void ntp__fft_forward(const ntp__fft *fft, float *const rows[NTP__FFT_ROWS],
-                                    void *work)
-{
-    fft->loops->forward(fft, rows, work);
-}
-
-static inline void ntp__fft_inverse(const ntp__fft *fft, float *const rows[NTP__FFT_ROWS],
-                                    void *work)
-{
-    fft->loops->inverse(fft, rows, work);
-}
 
 /* cos and sin of 2 pi k/n, 0 <= k < n <= 2^31, right to the last bit or two, exact at quarters. */
 void ntp__turn(double *c, double *s, int64_t k, int64_t n);

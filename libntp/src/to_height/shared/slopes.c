@@ -50,6 +50,8 @@ void ntp__slopes_init(ntp__slopes *s, const ntp_const_image *src, const ntp_heig
     s->src = src;
     s->right = s->down = NULL;
     s->touch_unused = how->touch_unused;
+    if (src->encoding == NTP_ENCODING_VECTOR) /* of any length, so that (2, 2, 2) is no padding */
+        s->touch_unused |= NTP_UNUSED_BLACK | NTP_UNUSED_WHITE;
     s->derived = how->z == NTP_Z_DERIVED || src->encoding == NTP_ENCODING_XY;
     s->decode = how->decode;
     if (src->type == NTP_TYPE_F32)
@@ -126,15 +128,12 @@ static bool find_unused(bool flat[NTP__BLOCK], const ntp__slopes *s, const ntp__
                         ntp__slope_counts *counts)
 {
     int32_t m = ntp__max(s->src->type);
-    uint32_t touch = s->touch_unused;
     if (!any_suspect(b, n, m))
         return false;
-    if (s->src->encoding ==
-        NTP_ENCODING_VECTOR) /* of any length, so that (2, 2, 2) is no padding */
-        touch |= NTP_UNUSED_BLACK | NTP_UNUSED_WHITE;
     for (int32_t i = 0; i < n; i++) {
         bool broken = b->any_broken && b->broken[i];
-        bool unused = ntp__unused(b->c[0][i], b->c[1][i], b->c[2][i], b->c[3][i], m, touch);
+        bool unused =
+            ntp__unused(b->c[0][i], b->c[1][i], b->c[2][i], b->c[3][i], m, s->touch_unused);
         flat[i] = broken || unused;
         if (counts != NULL && flat[i]) {
             counts->not_finite += broken;

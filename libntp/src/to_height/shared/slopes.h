@@ -11,8 +11,8 @@
 typedef struct ntp__slopes {
     const ntp_const_image *src;
     ntp_decode decode;
-    uint32_t touch_unused;
-    int32_t zero; /* x is (2 c - zero) / range */
+    uint32_t touch_unused; /* with what is no padding in this encoding */
+    int32_t zero;          /* x is (2 c - zero) / range */
     double range;
     double z_scale;  /* z-zero: z is b * z_scale / range */
     int32_t neutral; /* |2 c - zero| up to this counts as 0 */

@@ -14,36 +14,11 @@ enum { NO_FLOWS = -2 };
 
 /* ------------------------------------------------------------------------ rows of slopes */
 
-/* The place of row y; *found: it was there. */
-static int32_t place_of(ntp__kept *kept, int32_t y, bool *found)
-{
-    int32_t oldest = 0, at = -1;
-    for (int32_t k = 0; k < NTP__KEPT; k++) {
-        at = kept->row[k] == y ? k : at;
-        oldest = kept->used[k] < kept->used[oldest] ? k : oldest;
-    }
-    *found = at >= 0;
-    at = *found ? at : oldest;
-    kept->row[at] = y;
-    kept->used[at] = ++kept->clock;
-    return at;
-}
-
-static void forget(ntp__kept *kept)
-{
-    kept->clock = 0;
-    for (int32_t k = 0; k < NTP__KEPT; k++) {
-        kept->row[k] = -1;
-        kept->used[k] = 0;
-    }
-}
-
 /* Stored slopes of row y. */
 static int32_t stored_row(const ntp__weighted *w, ntp__weighted_part *part, int32_t y)
 {
-    bool found;
-    int32_t k = place_of(&part->stored, y, &found);
-    if (!found)
+    int32_t k;
+    if (!ntp__row_cache_find(&part->stored, y, &k))
         ntp__weighted_stored(w, part->stored.right[k], part->stored.down[k], y);
     return k;
 }
@@ -58,9 +33,8 @@ static void weigh(double *slope, const double *stored, const float *weight, int3
 
 static int32_t weighted_row(const ntp__weighted *w, ntp__weighted_part *part, int32_t y)
 {
-    bool found;
-    int32_t k = place_of(&part->weighted, y, &found);
-    if (found)
+    int32_t k;
+    if (ntp__row_cache_find(&part->weighted, y, &k))
         return k;
     double *right = part->weighted.right[k], *down = part->weighted.down[k];
     ntp__plane from = { w->from, NULL, w->width };
@@ -257,8 +231,8 @@ static void apply_row(ntp__weighted *w, ntp__weighted_part *part, int32_t y)
 static void apply_band(void *job, int32_t part, int32_t item)
 {
     ntp__weighted *w = job;
-    forget(&w->parts[part].weighted);
-    forget(&w->parts[part].stored);
+    ntp__row_cache_forget(&w->parts[part].weighted);
+    ntp__row_cache_forget(&w->parts[part].stored);
     w->parts[part].flows_of = NO_FLOWS;
     for (int32_t y = item * NTP__BAND; y < w->height && y < (item + 1) * NTP__BAND; y++)
         apply_row(w, &w->parts[part], y);

@@ -19,19 +19,18 @@ static ntp__fft_kind kind_of(ntp_border border)
 
 size_t ntp__spectrum_work(ntp_border border, int32_t n)
 {
-    return ntp__fft_work(kind_of(border), n);
+    return ntp__fft_work_bytes(kind_of(border), n, false);
 }
 
 void ntp__spectrum_init(ntp__spectrum *s, ntp__scratch *memory, ntp_kernel kernel,
                         ntp_border border, int32_t n, void *fft_work)
 {
     ntp__fft_kind kind = kind_of(border);
-    void *tables = ntp__take(memory, ntp__fft_tables(kind, n));
+    ntp__fft_plan(&s->fft, memory, kind, n, false, fft_work);
     s->gains = ntp__take(memory, (size_t) n * sizeof *s->gains);
     s->edge = ntp__take(memory, (size_t) n * sizeof *s->edge);
     if (memory->base == NULL)
         return;
-    ntp__fft_init(&s->fft, kind, n, tables, fft_work);
     for (int32_t i = 0; i < n; i++) {
         /* Element i has the frequency i turns in n (wrap: or n - i), or half as many. */
         int64_t whole = kind == NTP__FFT_REAL ? n : 2 * (int64_t) n;
@@ -63,9 +62,10 @@ static void forward_rows(void *job, int32_t index, int32_t item)
     for (int32_t i = 0; i < ROWS; i++) {
         int32_t y = item * ROWS + i;
         const double *line = y < w->height ? w->r + ntp__weighted_at(w, y) : part->nothing;
-        ntp__fft_load(&w->along.fft, i, line, part->fft_work);
+        memcpy(ntp__fft_line(&w->along.fft, part->fft_work, i), line,
+               (size_t) w->width * sizeof *line);
     }
-    ntp__fft_forward(&w->along.fft, rows, part->fft_work);
+    w->along.fft.loops->forward(&w->along.fft, rows, part->fft_work);
 }
 
 static void inverse_rows(void *job, int32_t index, int32_t item)
@@ -73,7 +73,7 @@ static void inverse_rows(void *job, int32_t index, int32_t item)
     ntp__weighted *w = job;
     float *rows[ROWS];
     rows_of(w, &w->parts[index], item, rows);
-    ntp__fft_inverse(&w->along.fft, rows, w->parts[index].fft_work);
+    w->along.fft.loops->inverse(&w->along.fft, rows, w->parts[index].fft_work);
 }
 
 typedef struct group {

@@ -31,12 +31,8 @@ static void lay_out_part(ntp__weighted *w, ntp__weighted_part *part, ntp__scratc
     size_t work_y = ntp__spectrum_work(w->how->border_y, w->height);
     ntp__weighted_part p;
     memset(&p, 0, sizeof p);
-    for (int32_t k = 0; k < NTP__KEPT; k++) {
-        p.weighted.right[k] = ntp__take(memory, row);
-        p.weighted.down[k] = ntp__take(memory, row);
-        p.stored.right[k] = ntp__take(memory, row);
-        p.stored.down[k] = ntp__take(memory, row);
-    }
+    ntp__row_cache_init(&p.weighted, memory, NTP__KEPT, row);
+    ntp__row_cache_init(&p.stored, memory, NTP__KEPT, row);
     for (int32_t k = 0; k < NTP__SPARE; k++)
         p.spare[k] = ntp__take(memory, row);
     p.nothing = ntp__take(memory, row);

@@ -13,10 +13,11 @@
 #define NTP_WEIGHTED_H
 
 #include "base/parts.h"
-#include "to_height/shared/fft.h"
 #include "base/scratch.h"
-#include "to_height/shared/slopes.h"
+#include "to_height/shared/fft.h"
+#include "to_height/shared/row_cache.h"
 #include "to_height/shared/slope_operator.h"
+#include "to_height/shared/slopes.h"
 
 enum {
     NTP__BAND = 32, /* rows of an item of work */
@@ -24,15 +25,8 @@ enum {
     NTP__SPARE = 3  /* more rows to work in */
 };
 
-/* Rows by number; the one used longest ago gives way. */
-typedef struct ntp__kept {
-    int32_t row[NTP__KEPT]; /* -1: none */
-    uint32_t used[NTP__KEPT], clock;
-    double *right[NTP__KEPT], *down[NTP__KEPT];
-} ntp__kept;
-
 typedef struct ntp__weighted_part {
-    ntp__kept weighted, stored;
+    ntp__row_cache weighted, stored;
     double *spare[NTP__SPARE];
     int32_t flows_of;  /* the row of pairs whose flows lie in the last of them */
     float *row;        /* stands for rows below the last one */

@@ -8,7 +8,7 @@
  */
 #include "to_height/weighted/weighted.h"
 
-#include "texel/unused.h"
+#include "to_height/shared/holes.h"
 
 /* Weights below it would make the steepest texels as good as holes, and the iteration slow. */
 static const double least_weight = 0.01;
@@ -23,19 +23,21 @@ static double weight_of(const ntp__weighted *w, double p, double q)
     return weight > least_weight ? weight : least_weight;
 }
 
-static bool in_hole(const ntp__weighted *w, const ntp__block *block, int32_t i, int32_t x,
-                    int32_t y)
+/* hole = 1 in the holes of a row, else 0; counts them. */
+static void mark_holes(const ntp__weighted *w, ntp__weighted_part *part, double *hole, int32_t y)
 {
-    const ntp_const_image *src = w->slopes->src;
-    uint32_t touch = w->slopes->touch_unused;
-    if (w->mask != NULL) {
-        const void *at = ntp__at(w->mask, x, y);
-        if (w->mask->type == NTP_TYPE_U8 ? *(const uint8_t *) at == 0 : *(const uint16_t *) at == 0)
-            return true;
+    for (int32_t x = 0; x < w->width; x += NTP__BLOCK) {
+        ntp__block block;
+        bool found[NTP__BLOCK];
+        int32_t n = w->width - x < NTP__BLOCK ? w->width - x : NTP__BLOCK;
+        ntp__unpack(&block, w->slopes->src, x, y, n);
+        ntp__find_holes(found, w->slopes, w->mask, &block, x, y, n);
+        for (int32_t i = 0; i < n; i++) {
+            hole[x + i] = found[i];
+            part->holes += found[i];
+            part->not_finite += block.any_broken && block.broken[i];
+        }
     }
-    if (src->encoding == NTP_ENCODING_VECTOR) /* of any length, so that (2, 2, 2) is no padding */
-        touch |= NTP_UNUSED_BLACK | NTP_UNUSED_WHITE;
-    return ntp__texel_unused(block, i, ntp__max(src->type), touch);
 }
 
 /* Weights of a row, and where its holes are. */
@@ -44,16 +46,9 @@ static void set_row(ntp__weighted *w, ntp__weighted_part *part, int32_t y)
     double *p = part->spare[0], *q = part->spare[1], energy = 0;
     float *right = w->right + ntp__weighted_at(w, y), *down = w->down + ntp__weighted_at(w, y);
     double *hole = w->d + ntp__weighted_at(w, y);
-    ntp__block block;
     ntp__slopes_row(w->slopes, p, q, y, NULL);
+    mark_holes(w, part, hole, y);
     for (int32_t x = 0; x < w->width; x++) {
-        int32_t i = x % NTP__BLOCK, left = w->width - x;
-        if (i == 0)
-            ntp__unpack(&block, w->slopes->src, x, y, left < NTP__BLOCK ? left : NTP__BLOCK);
-        bool broken = block.any_broken && block.broken[i];
-        hole[x] = broken || in_hole(w, &block, i, x, y);
-        part->not_finite += broken;
-        part->holes += hole[x] != 0;
         double a = weight_of(w, p[x], q[x]) * w->share_x;
         double b = weight_of(w, q[x], p[x]) * w->share_y;
         right[x] = hole[x] != 0 ? 0 : (float) a;
