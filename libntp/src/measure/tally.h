@@ -16,6 +16,7 @@
 #define NTP_TALLY_H
 
 #include "texel/angle.h"
+#include "texel/judged.h"
 #include "base/view.h"
 
 #include <math.h>
@@ -32,15 +33,7 @@ enum {
     NTP__FEW = 4096,           /* texels up to which it pays to note the rows of each */
     NTP__PAIR_GROUP = 64,      /* pairs of red and green that are noted together */
 
-    NTP__LENGTH_BINS = 256,   /* of 1/128 */
-    NTP__LENGTH_ONE = 1 << 16 /* fixed-point unit of lengths */
-};
-
-/* Flags of a judged texel: those of ntp_validate up to NTP_FLAG_Z_NEGATIVE, and: */
-enum {
-    NTP__LONG = 32,     /* the vector is longer than 1 */
-    NTP__FAR = 64,      /* x, y are beyond the reference program's limit */
-    NTP__MIRRORED = 128 /* blue is M - derived blue */
+    NTP__LENGTH_BINS = 256 /* of 1/128 */
 };
 
 /* Where the cells of a row hold counts. */
@@ -134,18 +127,6 @@ void ntp__row_init(ntp__row *row, int32_t r, int32_t g, int32_t m);
 /* Adds `count` texels of this row and blue.  encoding: what the angle is taken for. */
 void ntp__add(ntp__sums *sums, const ntp__row *row, int32_t b, uint32_t count,
               ntp_encoding encoding);
-
-/* A length in NTP__LENGTH_ONE, from its square in numerators. */
-static inline int32_t ntp__fixed_length(double length2, int32_t m)
-{
-    return (int32_t) (sqrt(length2) * ((double) NTP__LENGTH_ONE / m) + 0.5);
-}
-
-/* The bin of x, y's length; to be cut off at the last one where they are too long. */
-static inline int32_t ntp__steepness_bin(double xy2, int32_t m)
-{
-    return (int32_t) (sqrt(xy2) * ((double) NTP_STEEPNESS_BINS / m));
-}
 
 /*
  * Adds count[i] texels (NULL: one each) of the color c[0..2][i], i < n.  Their x, y are not too

@@ -6,7 +6,7 @@
 #include "texel/angle.h"
 #include "texel/kernels.h"
 #include "texel/level.h"
-#include "measure/tally.h"
+#include "texel/judged.h"
 
 #include <math.h>
 #include <string.h>

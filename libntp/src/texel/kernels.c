@@ -8,7 +8,7 @@
  */
 #include "texel/kernels.h"
 
-#include "measure/tally.h"
+#include "texel/judged.h"
 
 #include <math.h>
 #include <stdbool.h>

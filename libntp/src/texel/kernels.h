@@ -43,7 +43,7 @@ typedef int32_t ntp__derive8_fn(uint8_t *dst, const uint8_t *src, int32_t n, uin
 typedef void ntp__derive_fn(int32_t *want, const int32_t *r, const int32_t *g, int32_t n, int32_t m,
                             int32_t zzero);
 
-/* flags[i] = as ntp_validate with an exact that is not mirrored, and NTP__MIRRORED (tally.h);
+/* flags[i] = as ntp_validate with an exact that is not mirrored, and NTP__MIRRORED (judged.h);
  * want as above. */
 typedef void ntp__judge_fn(uint8_t *flags, int32_t *want, const int32_t *r, const int32_t *g,
                            const int32_t *b, int32_t n, int32_t m, int32_t zzero);
