@@ -17,7 +17,8 @@
 #include "stencil/taps.h"
 
 enum {
-    NTP__GRADIENT_ROW = NTP__BLOCK + 2 * NTP__MAX_RADIUS,
+    NTP__LANES = 8, /* the loops do a multiple of these */
+    NTP__GRADIENT_ROW = NTP__BLOCK + 2 * NTP__MAX_RADIUS + NTP__LANES,
     NTP__MAX_READS = 3 /* samples that a height is made of */
 };
 
@@ -99,7 +100,8 @@ int64_t ntp__height_integer(const ntp__gradient *g, int32_t x, int32_t y);
 
 /* --- rows of heights (height_rows.c) --- */
 
-/* A row of heights of the columns x - 4 .. x + n + 4, with what lies beyond the border. */
+/* A row of heights of the columns x - 4 .. x + n + 4, with what lies beyond the border.  Behind
+ * them are zeros, which the loops of tap sums read. */
 typedef struct ntp__height_row {
     int32_t y; /* the row, -4..height + 3 */
     bool filled, finite;
@@ -120,7 +122,8 @@ void ntp__height_row_fill(ntp__height_row *row, const ntp__gradient *g, int32_t 
 /* --- loops (gradient_kernels.c); all write n <= NTP__BLOCK numbers --- */
 
 /* Tap sums of the slope to the right (rows: along x) or down, from rows y - 4 .. y + 4; row
- * pointers at column x - 4; those beyond the radius are not read. */
+ * pointers at column x - 4; those beyond the radius are not read.  These two read and write up to the
+ * next multiple of NTP__LANES. */
 typedef void ntp__tap_sums_i_fn(int32_t *sums, const int32_t *const rows[NTP__MAX_TAPS],
                                 ntp_kernel kernel, int32_t down, int32_t n);
 typedef void ntp__tap_sums_d_fn(double *sums, const double *const rows[NTP__MAX_TAPS],

@@ -2,8 +2,10 @@
 /*
  * gradient_kernels.c - the loops of heightfield -> normals, compiled once per instruction set
  *
- * Each loop is plain C that vectorises.  The tap sums are exact; the encoding is floating point
- * with a proved bound, and texels that come within it of a rounding boundary are reported.
+ * Each loop is plain C that vectorises.  tap_sums_tmpl.h and encode_tmpl.h are included once for
+ * each type of number.  Their loops do a multiple of NTP__LANES numbers: no loop has a remainder,
+ * which would be most of the code.  The tap sums are exact.  The encoding is floating point with a
+ * proved bound, and texels that come within it of a rounding boundary are reported.
  *
  * The bound.  u is the unit roundoff (2^-24 or 2^-53); every operation below errs by a factor
  * within 1 +- u, squares of factors are left out.  The slope p = D * c: D may be rounded on
@@ -34,7 +36,7 @@
     (TERM(taps, 0, value(0)) + TERM(taps, 1, value(1)) + TERM(taps, 2, value(2)) +                 \
      TERM(taps, 3, value(3)) + TERM(taps, 4, value(4)) + TERM(taps, 5, value(5)) +                 \
      TERM(taps, 6, value(6)) + TERM(taps, 7, value(7)) + TERM(taps, 8, value(8)))
-#define ROW(k)    rows[k][i]
+#define ROW(k)    rows[k][NTP__MAX_RADIUS + i]
 #define COLUMN(k) line[i + (k)]
 
 /* Tap 1 in the middle and no other: the sums are the numbers themselves. */
@@ -42,97 +44,16 @@
     ((taps)[NTP__MAX_RADIUS] == 1 && (taps)[0] == 0 && (taps)[1] == 0 && (taps)[2] == 0 &&         \
      (taps)[3] == 0 && (taps)[5] == 0 && (taps)[6] == 0 && (taps)[7] == 0 && (taps)[8] == 0)
 
-/* Vertical sums of one term, then horizontal ones; one pass where one of them is the identity. */
-#define DEFINE_TERM(NAME, T)                                                                       \
-    static ALWAYS_INLINE void NAME(T *restrict sums, const T *const rows[NTP__MAX_TAPS],           \
-                                   const int32_t *vertical, const int32_t *horizontal,             \
-                                   int32_t radius, int32_t add, int32_t n)                         \
-    {                                                                                              \
-        T summed[NTP__GRADIENT_ROW];                                                               \
-        const T *line = summed;                                                                    \
-        const int32_t first = NTP__MAX_RADIUS - radius, last = n + NTP__MAX_RADIUS + radius;       \
-        if (!add && IS_IDENTITY(horizontal)) {                                                     \
-            for (int32_t i = NTP__MAX_RADIUS; i < n + NTP__MAX_RADIUS; i++)                        \
-                sums[i - NTP__MAX_RADIUS] = NINE(vertical, ROW);                                   \
-            return;                                                                                \
-        }                                                                                          \
-        if (IS_IDENTITY(vertical)) {                                                               \
-            line = rows[NTP__MAX_RADIUS];                                                          \
-        } else {                                                                                   \
-            for (int32_t i = first; i < last; i++)                                                 \
-                summed[i] = NINE(vertical, ROW);                                                   \
-        }                                                                                          \
-        if (add) {                                                                                 \
-            for (int32_t i = 0; i < n; i++)                                                        \
-                sums[i] += NINE(horizontal, COLUMN);                                               \
-        } else {                                                                                   \
-            for (int32_t i = 0; i < n; i++)                                                        \
-                sums[i] = NINE(horizontal, COLUMN);                                                \
-        }                                                                                          \
-    }
-
-#define DEFINE_KERNEL(NAME, T)                                                                     \
-    static ALWAYS_INLINE void NAME##_kernel(T *restrict sums, const T *const rows[NTP__MAX_TAPS],  \
-                                            const ntp__kernel *k, int32_t down, int32_t n)         \
-    {                                                                                              \
-        const ntp__taps *a = &k->term[0], *b = &k->term[1];                                        \
-        NAME##_term(sums, rows, down ? a->along : a->across, down ? a->across : a->along,          \
-                    k->radius, 0, n);                                                              \
-        if (k->terms > 1)                                                                          \
-            NAME##_term(sums, rows, down ? b->along : b->across, down ? b->across : b->along,      \
-                        k->radius, 1, n);                                                          \
-    }
-
-DEFINE_TERM(sums_i_term, int32_t)
-DEFINE_TERM(sums_d_term, double)
-DEFINE_KERNEL(sums_i, int32_t)
-DEFINE_KERNEL(sums_d, double)
-
-#define CASE(NAME, KERNEL)                                                                         \
-    case KERNEL:                                                                                   \
-        if (down)                                                                                  \
-            NAME##_kernel(sums, rows, &ntp__kernel_table[KERNEL], 1, n);                           \
-        else                                                                                       \
-            NAME##_kernel(sums, rows, &ntp__kernel_table[KERNEL], 0, n);                           \
-        break;
-
-static void tap_sums_i(int32_t *sums, const int32_t *const rows[NTP__MAX_TAPS], ntp_kernel kernel,
-                       int32_t down, int32_t n)
-{
-    switch (kernel) {
-        CASE(sums_i, NTP_KERNEL_CENTRAL)
-        CASE(sums_i, NTP_KERNEL_FORWARD)
-        CASE(sums_i, NTP_KERNEL_PREWITT3)
-        CASE(sums_i, NTP_KERNEL_SOBEL3)
-        CASE(sums_i, NTP_KERNEL_SCHARR3)
-        CASE(sums_i, NTP_KERNEL_PREWITT5)
-        CASE(sums_i, NTP_KERNEL_SOBEL5)
-        CASE(sums_i, NTP_KERNEL_GIMP5)
-        CASE(sums_i, NTP_KERNEL_GIMP7)
-        CASE(sums_i, NTP_KERNEL_GIMP9)
-    case NTP_KERNEL_BAKED: /* has no taps */
-        break;
-    }
-}
-
-static void tap_sums_d(double *sums, const double *const rows[NTP__MAX_TAPS], ntp_kernel kernel,
-                       int32_t down, int32_t n)
-{
-    switch (kernel) {
-        CASE(sums_d, NTP_KERNEL_CENTRAL)
-        CASE(sums_d, NTP_KERNEL_FORWARD)
-        CASE(sums_d, NTP_KERNEL_PREWITT3)
-        CASE(sums_d, NTP_KERNEL_SOBEL3)
-        CASE(sums_d, NTP_KERNEL_SCHARR3)
-        CASE(sums_d, NTP_KERNEL_PREWITT5)
-        CASE(sums_d, NTP_KERNEL_SOBEL5)
-        CASE(sums_d, NTP_KERNEL_GIMP5)
-        CASE(sums_d, NTP_KERNEL_GIMP7)
-        CASE(sums_d, NTP_KERNEL_GIMP9)
-    case NTP_KERNEL_BAKED: /* has no taps */
-        break;
-    }
-}
+#define T       int32_t
+#define NAME(x) x##_i
+#include "from_height/tap_sums_tmpl.h"
+#undef T
+#undef NAME
+#define T       double
+#define NAME(x) x##_d
+#include "from_height/tap_sums_tmpl.h"
+#undef T
+#undef NAME
 
 /*
  * Adding and taking away this number rounds a double (float) to the nearest integer; the result
@@ -152,86 +73,29 @@ static void tap_sums_d(double *sums, const double *const rows[NTP__MAX_TAPS], nt
  * more than its rounding: floor(root) is right.  For Z-zero, floor(root(S) + 1/2) is as safe:
  * 4 S = 28 mod 32, and (2b - 1)^2 is odd.
  */
-enum { NO_BLUE, NEAREST_BLUE, DERIVED_BLUE };
-
-#define DEFINE_ENCODE(NAME, T, S, SQRT, ABS, ROUND)                                                \
-    static ALWAYS_INLINE int32_t NAME##_loop(                                                      \
-        int32_t *restrict red, int32_t *restrict green, int32_t *restrict blue,                    \
-        int32_t *restrict doubt, const S *restrict right, const S *restrict down, int32_t n,       \
-        const ntp__encode *e, int32_t use_shortened, int32_t which, int32_t zzero)                 \
-    {                                                                                              \
-        const T cx = (T) e->cx, cy = (T) e->cy, half = (T) e->half;                                \
-        const T shortened = (T) (e->shortened * e->half);                                          \
-        const T relative = (T) e->relative, absolute = (T) e->absolute;                            \
-        const int32_t zero = (int32_t) (e->half + 0.5);                                            \
-        const T quarter = half * half;                                                             \
-        int32_t doubts = 0;                                                                        \
-        T inverse[NTP__BLOCK];                                                                     \
-        for (int32_t i = 0; i < n; i++) {                                                          \
-            T x = (T) right[i] * cx, y = (T) down[i] * cy;                                         \
-            inverse[i] = half / SQRT(1 + (x * x + y * y));                                         \
-        }                                                                                          \
-        for (int32_t i = 0; i < n; i++) {                                                          \
-            T x = (T) right[i] * cx, y = (T) down[i] * cy, factor = inverse[i];                    \
-            if (use_shortened) {                                                                   \
-                T other = shortened / SQRT(x * x + y * y);                                         \
-                factor = other < factor ? other : factor;                                          \
-            }                                                                                      \
-            x *= factor;                                                                           \
-            y *= factor;                                                                           \
-            T round_x = (x + ROUND) - ROUND, round_y = (y + ROUND) - ROUND;                        \
-            T over_x = x - round_x, over_y = y - round_y;                                          \
-            red[i] = zero + (int32_t) round_x - (over_x < 0);                                      \
-            green[i] = zero + (int32_t) round_y - (over_y < 0);                                    \
-            T near_x = ABS(round_x) * relative - ABS(over_x);                                      \
-            T near_y = ABS(round_y) * relative - ABS(over_y);                                      \
-            T near = (near_x > near_y ? near_x : near_y) + absolute;                               \
-            doubt[i] = near > 0 ? NTP__DOUBT : 0;                                                  \
-            doubts |= doubt[i];                                                                    \
-        }                                                                                          \
-        for (int32_t i = 0; which == NEAREST_BLUE && i < n; i++) {                                 \
-            T z = zzero ? 2 * inverse[i] + (T) 0.5 : inverse[i];                                   \
-            T round_z = (z + ROUND) - ROUND, over_z = z - round_z;                                 \
-            blue[i] = (zzero ? 0 : zero) + (int32_t) round_z - (over_z < 0);                       \
-            doubt[i] |= ABS(over_z) < round_z * relative + 2 * absolute ? NTP__DOUBT : 0;          \
-            doubts |= doubt[i];                                                                    \
-        }                                                                                          \
-        for (int32_t i = 0; which == DERIVED_BLUE && i < n; i++) {                                 \
-            T a = (T) red[i] - half, b = (T) green[i] - half;                                      \
-            T rest = quarter - a * a - b * b;                                                      \
-            T root = SQRT(rest > 0 ? rest : (T) 0);                                                \
-            blue[i] = zzero ? (int32_t) (2 * root + (T) 0.5) : zero + (int32_t) root;              \
-            doubt[i] |= rest < 0 ? NTP__TOO_LONG : 0;                                              \
-            doubts |= doubt[i];                                                                    \
-        }                                                                                          \
-        return doubts;                                                                             \
-    }
-
-/* The loop with its choices made. */
-#define CHOOSE_ENCODE(NAME, S)                                                                     \
-    static int32_t NAME(int32_t *red, int32_t *green, int32_t *blue, int32_t *doubt,               \
-                        const S *right, const S *down, int32_t n, const ntp__encode *e)            \
-    {                                                                                              \
-        if (blue == NULL)                                                                          \
-            return NAME##_loop(red, green, blue, doubt, right, down, n, e, e->use_shortened,       \
-                               NO_BLUE, 0);                                                        \
-        if (!e->derived)                                                                           \
-            return NAME##_loop(red, green, blue, doubt, right, down, n, e, e->use_shortened,       \
-                               NEAREST_BLUE, e->zzero);                                            \
-        if (e->use_shortened)                                                                      \
-            return NAME##_loop(red, green, blue, doubt, right, down, n, e, 1, DERIVED_BLUE,        \
-                               e->zzero);                                                          \
-        return e->zzero                                                                            \
-                   ? NAME##_loop(red, green, blue, doubt, right, down, n, e, 0, DERIVED_BLUE, 1)   \
-                   : NAME##_loop(red, green, blue, doubt, right, down, n, e, 0, DERIVED_BLUE, 0);  \
-    }
-
-DEFINE_ENCODE(encode_single, float, int32_t, sqrtf, fabsf, ROUND_F)
-DEFINE_ENCODE(encode_i, double, int32_t, sqrt, fabs, ROUND_D)
-DEFINE_ENCODE(encode_d, double, double, sqrt, fabs, ROUND_D)
-CHOOSE_ENCODE(encode_single, int32_t)
-CHOOSE_ENCODE(encode_i, int32_t)
-CHOOSE_ENCODE(encode_d, double)
+#define T       float
+#define SUM     int32_t
+#define SQRT    sqrtf
+#define ABS     fabsf
+#define ROUND   ROUND_F
+#define NAME(x) x##_single
+#include "from_height/encode_tmpl.h"
+#undef T
+#undef SQRT
+#undef ABS
+#undef ROUND
+#undef NAME
+#define T       double
+#define SQRT    sqrt
+#define ABS     fabs
+#define ROUND   ROUND_D
+#define NAME(x) x##_i
+#include "from_height/encode_tmpl.h"
+#undef SUM
+#undef NAME
+#define SUM     double
+#define NAME(x) x##_d
+#include "from_height/encode_tmpl.h"
 
 static inline bool is_little_endian(void)
 {

@@ -181,6 +181,12 @@ static void fill_inside(ntp__height_row *row, const ntp__gradient *g, int32_t x,
         else
             row->h.d[at] = sum_d;
     }
+    for (int32_t i = last - base; i < last - base + 2 * NTP__LANES && i < NTP__GRADIENT_ROW; i++) {
+        if (ints)
+            row->h.i[i] = 0;
+        else
+            row->h.d[i] = 0;
+    }
 }
 
 void ntp__height_row_fill(ntp__height_row *row, const ntp__gradient *g, int32_t x, int32_t y,
