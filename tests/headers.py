@@ -12,8 +12,6 @@ from pathlib import Path
 
 WARNINGS = ["-Wall", "-Wextra", "-pedantic", "-Werror", "-Wshadow", "-Wconversion"]
 WARNINGS += ["-Wundef", "-Wcast-qual"]
-# Parts of one source each, in its words and types: they mean nothing by themselves.
-PARTS = {"clean8.h", "clean16.h"}
 LANGUAGES = {"c": ["c99", "c11", "c17"], "c++": ["c++98", "c++17"]}
 
 
@@ -44,7 +42,7 @@ def main(root, *compiler):
             good &= compiles(cc, language, std, "libntp.h", core[:1], ["NTP_STATIC"])
     for folder, directories in (("libntp/src", core), ("io", [*core, root / "io"])):
         for header in sorted((root / folder).rglob("*.h")):
-            if header.name in PARTS or header.name.endswith("_tmpl.h"):
+            if header.name.endswith("_tmpl.h"):  # a part of a source, in its words and types
                 continue
             name = header.relative_to(root / folder).as_posix()
             good &= compiles(list(compiler), "c", "c11", name, directories, ["_GNU_SOURCE"])

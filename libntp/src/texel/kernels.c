@@ -96,7 +96,7 @@ static uint64_t clean_rgb8_slowly(uint8_t *dst, const uint8_t *src, size_t n, co
     return changed;
 }
 
-#include "texel/clean8.h"
+#include "texel/clean8_tmpl.h"
 
 /* Four pixels a step.  Two stores, which no later load overlaps, take the results: a store of
  * four bytes for each pixel would stall the loads that follow when dst is src. */
@@ -201,7 +201,7 @@ static inline int32_t blue(int32_t e, int32_t k, int32_t zzero)
     return zzero ? z : k + t;
 }
 
-#include "texel/clean16.h"
+#include "texel/clean16_tmpl.h"
 
 static inline void derive_loop(int32_t *restrict want, const int32_t *restrict r,
                                const int32_t *restrict g, int32_t n, int32_t m, int32_t zzero)

@@ -1,14 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * clean16.h - the loop that derives the blue of packed 16-bit pixels; a part of kernels.c
+ * clean16_tmpl.h - the loop that derives the blue of packed 16-bit pixels; a part of kernels.c
  *
  * Eight pixels a step.  On x86 they are done by hand, because compilers do not see that
  * pmaddwd of (a, c) with itself and with (1, 1) gives a(a + 1) + c(c + 1): that and the square
  * root are all the arithmetic there is.  Elsewhere, and for the last pixels, plain C.
  */
-#ifndef NTP_CLEAN16_H
-#define NTP_CLEAN16_H
-
 #ifdef __SSE2__
 #  include <immintrin.h>
 #endif
@@ -154,5 +151,3 @@ static inline int32_t clean16_run(uint16_t *dst, const uint16_t *src, int32_t n,
     }
     return clean16_few(dst + 3 * i, src + 3 * i, n - i, zzero, changed) ? n : i;
 }
-
-#endif

@@ -1,14 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * clean8.h - the loops that derive the blue of packed 8-bit pixels; a part of kernels.c
+ * clean8_tmpl.h - the loops that derive the blue of packed 8-bit pixels; a part of kernels.c
  *
  * Where only blue changes, a group of pixels is a few words that get their blues put in.  The
  * blues come from 64 KiB, of which what a texture uses mostly fits the first cache, or with AVX2
  * from arithmetic, which is as fast for every texture.
  */
-#ifndef NTP_CLEAN8_H
-#define NTP_CLEAN8_H
-
 #ifdef __AVX2__
 #  include <immintrin.h>
 #endif
@@ -167,5 +164,3 @@ static inline size_t clean_blues(uint8_t *dst, const uint8_t *src, size_t n, con
     }
     return i;
 }
-
-#endif
