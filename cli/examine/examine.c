@@ -59,7 +59,7 @@ const char *class_title(ntp_class type)
     case NTP_CLASS_ONE_COLOR:
         return "one color";
     default:
-        return "no normals texture";
+        return "not a normals texture";
     }
 }
 

@@ -208,7 +208,7 @@ static void judge_class(judgement *j)
         break;
     case NTP_CLASS_NOT_NORMALS:
         addf(j, NT008, LEVEL_ERROR, s->texels,
-             "this is no normals texture: its colors are not those of unit vectors");
+             "this is not a normals texture: its colors are not those of unit vectors");
         break;
     default:
         break;
@@ -237,10 +237,11 @@ static void judge_accidents(judgement *j)
              "flat texels lie near 188, not 128: the numbers were converted to sRGB");
     if ((a & NTP_ACCIDENT_LOSSY) != 0 && !f->info.lossy)
         addf(j, NT032, LEVEL_WARNING, n,
-             "the texels show lossy compression, though the file is lossless");
+             "the texels show lossy compression, although the file is lossless");
     if ((a & NTP_ACCIDENT_FILTERED) != 0 && !f->info.lossy)
         addf(j, NT035, LEVEL_WARNING, n,
-             "normals are too short where the surface bends: resized or blurred, not normalized");
+             "normals are too short where the surface is curved: resized or blurred, not "
+             "normalized");
 }
 
 static void judge_exactness(judgement *j)
@@ -280,7 +281,7 @@ static void judge_tilt(judgement *j)
     if (f->type.type == NTP_CLASS_ONE_COLOR || (worst < 0 ? -worst : worst) <= j->rules->max_tilt)
         return;
     addf(j, NT022, LEVEL_WARNING, 0,
-         "leans on average: the mean of x is %.2f, of y %.2f, where 0 is expected",
+         "tilted on average: the mean of x is %.2f and of y %.2f, but 0 is expected",
          without_sign_of_zero(x), without_sign_of_zero(y));
 }
 
@@ -289,10 +290,10 @@ static void judge_name(judgement *j)
     const name_y name = j->f->in->y;
     if (j->rules->y == 1 && name == NAME_Y_DOWN)
         addf(j, NT011, LEVEL_WARNING, 0,
-             "the name says DirectX (green down), --y up asks for OpenGL");
+             "the name says DirectX (green down), but --y up requires OpenGL");
     if (j->rules->y == 2 && name == NAME_Y_UP)
         addf(j, NT011, LEVEL_WARNING, 0,
-             "the name says OpenGL (green up), --y down asks for DirectX");
+             "the name says OpenGL (green up), but --y down requires DirectX");
 }
 
 static void judge_orientation(judgement *j)
@@ -320,8 +321,8 @@ static void judge_surface(judgement *j)
              levels);
     if (found->steps.decided)
         addf(j, NT033, LEVEL_INFO, 0,
-             "slopes come in steps of %.2f degrees: the heights had few levels, and smooth "
-             "ground is flat terraces with edges between",
+             "slopes are quantized in steps of %.2f degrees: low-bit heights made flat terraces "
+             "with edges between them",
              found->steps.degrees);
     if (across || down)
         addf(j, NT052, LEVEL_INFO, 0, "does not tile: the %s edges do not fit together",
@@ -338,7 +339,7 @@ static void judge_color_chunks(judgement *j)
               info->has_gama ? ", gAMA" : "", info->has_chrm ? ", cHRM" : "",
               info->has_cicp ? ", cICP" : "");
     if (t.size > 0 && (j->f->type.accidents & NTP_ACCIDENT_GAMMA) == 0)
-        addf(j, NT040, LEVEL_INFO, 0, "carries color information (%s): ignore it",
+        addf(j, NT040, LEVEL_INFO, 0, "contains color information (%s): ignore it",
              text_string(&t) + strlen(", "));
     text_free(&t);
 }
@@ -423,7 +424,7 @@ void judge(finding_list *list, const facts *f, const judge_rules *rules)
     }
     if (f->type.type == NTP_CLASS_ONE_COLOR) {
         if (j.used == 0)
-            addf(&j, NT050, LEVEL_INFO, f->stats.texels, "nothing but unused texels");
+            addf(&j, NT050, LEVEL_INFO, f->stats.texels, "all texels are unused");
         else
             addf(&j, NT050, LEVEL_INFO, f->stats.texels, "all texels have one color");
     }

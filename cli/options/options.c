@@ -19,46 +19,48 @@
 const option_spec OPTION_TABLE[] = {
     { OPT_TYPE, "type", 0, KIND_CHOICE, TYPES, "auto", 0, 0,
       V_CHECK | V_CLEAN | V_HEATMAP | V_DUMP | V_DIFF | V_TRANSFORM | V_RESIZE | V_BLEND,
-      "what the files are; auto finds out by their texels. Another value settles it: files that "
-      "would be refused or called something else are taken for this" },
+      "what the files are; auto: detect it from their texels. Any other value is final: files "
+      "that would be refused or classified as something else are taken for this" },
     { OPT_Y, "y", 0, KIND_CHOICE, "auto|up|down", "auto", 0, 0, V_CHECK,
       "which way green points: up (OpenGL, glTF, USD) or down (DirectX)" },
     { OPT_VERDICT, "verdict", 0, KIND_CHOICE, VERDICTS, "neighbor", 0, 0, V_CHECK,
-      "how strictly a texel is judged. neighbor: within one level of unit length; rounded: an "
-      "honest rounding of a unit vector; exact: blue is the one that red and green imply" },
+      "how strictly a texel is judged. neighbor: within one level of unit length; rounded: a "
+      "correctly rounded unit vector; exact: blue is the one that red and green imply" },
     { OPT_VERDICT, "verdict", 0, KIND_CHOICE, VERDICTS, "neighbor", 0, 0, V_CLEAN,
       "which texels --only-failing repairs (see ntp check --help)" },
     { OPT_VERDICT, "verdict", 0, KIND_CHOICE, VERDICTS, "neighbor", 0, 0, V_DUMP,
       "list the texels that fail this verdict (see ntp check --help)" },
     { OPT_KEEP_NEGATIVE_Z, "keep-negative-z", 0, KIND_FLAG, NULL, NULL, 0, 0, V_CHECK | V_CLEAN | V_DUMP,
-      "normals may point away from the viewer: a negative Z is no fault and stays" },
+      "normals may point away from the viewer: a negative Z is not an error and stays" },
     { OPT_MAX_FAIL, "max-fail", 0, KIND_NUMBER, "PERCENT", "2", 0, 100, V_CHECK,
-      "a larger share of failing texels is an error, a smaller one a warning" },
+      "a larger share of failing texels is an error, a smaller one is a warning" },
     { OPT_MAX_TILT, "max-tilt", 0, KIND_NUMBER, "X", "0.1", 0, 1, V_CHECK,
       "warn where the mean of x or y, in -1..1, is farther from 0 than this" },
     { OPT_FAIL_ON, "fail-on", 0, KIND_CHOICE, "error|warning|never", "error", 0, 0, V_CHECK,
-      "exit with 1 when a finding is of this level or above" },
+      "exit with 1 if a finding has this level or above" },
     { OPT_BASELINE, "baseline", 0, KIND_STRING, "FILE", NULL, 0, 0, V_CHECK,
-      "the JSON of an earlier check: findings that it holds are not counted again" },
+      "the JSON of an earlier check: findings that it contains are not counted again" },
     { OPT_DEEP, "deep", 0, KIND_FLAG, NULL, NULL, 0, 0, V_CHECK,
-      "hold the whole texture in memory to find out which kernel made it and how well a surface fits, "
-      "not its middle, and say so; tell which way green points from every row, not from some" },
+      "use the whole texture, not only its middle, to detect which kernel made it and how well "
+      "a surface fits, and print both; use every row, not only some, to detect which way green "
+      "points. The texture is held in memory" },
 
     { OPT_OUTPUT, "output", 'o', KIND_STRING, "FILE|DIR", NULL, 0, 0, V_WRITES,
       "where to write: a file, - for standard output, or a directory, in which relative paths "
-      "are kept and names end in .png. Only a single input can go to a file, which may be the "
-      "input itself unless that is JPEG; in a directory no input is overwritten" },
+      "are kept and names end in .png. A file takes only a single input; it may be the input "
+      "itself unless that is JPEG. In a directory no input is overwritten" },
     { OPT_OUTPUT, "output", 'o', KIND_STRING, "HEATMAP", NULL, 0, 0, V_DIFF,
-      "write a picture of the differences: black equal, then blue, green, red up to 10 degrees" },
+      "write a picture of the differences: black means equal, then come blue, green, and red "
+      "for 10 degrees and more" },
     { OPT_IN_PLACE, "in-place", 0, KIND_FLAG, NULL, NULL, 0, 0, V_CLEAN,
       "repair the files themselves; only files that change are written" },
     { OPT_METHOD, "method", 0, KIND_CHOICE, "derive|normalize|auto", "derive", 0, 0, V_CLEAN,
       "derive: keep x and y, compute z; normalize: divide each failing vector by its length "
-      "(better after JPEG or resizing); auto: what the errors of the file speak for" },
+      "(better after JPEG or resizing); auto: choose by the errors of the file" },
     { OPT_ONLY_FAILING, "only-failing", 0, KIND_FLAG, NULL, NULL, 0, 0, V_CLEAN,
       "leave texels that pass --verdict as they are" },
     { OPT_ONLY_CHANGED, "only-changed", 0, KIND_FLAG, NULL, NULL, 0, 0, V_CLEAN,
-      "write only files of which a texel changes" },
+      "write only files in which a texel changes" },
     { OPT_FROM, "from", 0, KIND_CHOICE, ENCODINGS, "standard", 0, 0, V_CONVERT,
       "how the input stores a normal: standard: x, y, z in -1..1; zzero: z in 0..1; xy: no z" },
     { OPT_TO, "to", 0, KIND_CHOICE, ENCODINGS, "standard", 0, 0, V_CONVERT,
@@ -66,15 +68,15 @@ const option_spec OPTION_TABLE[] = {
     { OPT_FROM_Y, "from-y", 0, KIND_CHOICE, "up|down", "up", 0, 0, V_CONVERT,
       "which way green points in the input: up (OpenGL) or down (DirectX)" },
     { OPT_TO_Y, "to-y", 0, KIND_CHOICE, "up|down", "up", 0, 0, V_CONVERT,
-      "which way green shall point in the output" },
+      "which way green points in the output" },
     { OPT_DEPTH, "depth", 0, KIND_CHOICE, "8|16", NULL, 0, 0, V_CONVERT,
       "bits of each sample of the output; default: as the input" },
     { OPT_CHANNELS, "channels", 0, KIND_STRING, "SPEC", NULL, 0, 0, V_CONVERT,
       "what each channel of the output holds, one letter each of x y z 0 1 and a (alpha): xyz, "
       "xzy, 1y0x (DXT5nm); two letters make a gray and alpha PNG" },
     { OPT_FROM_CHANNELS, "from-channels", 0, KIND_STRING, "SPEC", NULL, 0, 0, V_CONVERT,
-      "what each channel of the input holds, in the same letters, - for nothing of use: -y-x "
-      "reads DXT5nm. Without z it is computed" },
+      "what each channel of the input holds, in the same letters, with - for an unused channel: "
+      "-y-x reads DXT5nm. If z is missing, it is computed" },
     { OPT_SCALE, "scale", 0, KIND_NUMBER, "S", NULL, -1.7e308, 1.7e308, V_FROM_HEIGHT,
       "how many texels a height of 1 (white) rises above 0 (black); negative turns hills into dents" },
     { OPT_DX, "dx", 0, KIND_NUMBER, "D", "1", 0, 1.7e308, V_FROM_HEIGHT | V_TO_HEIGHT,
@@ -84,7 +86,7 @@ const option_spec OPTION_TABLE[] = {
     { OPT_INVERT, "invert", 0, KIND_FLAG, NULL, NULL, 0, 0, V_FROM_HEIGHT,
       "black is high and white is low" },
     { OPT_KERNEL, "kernel", 0, KIND_CHOICE, KERNELS, "central", 0, 0, V_FROM_HEIGHT,
-      "how a slope is taken; wider kernels are smoother, and all are equally strong" },
+      "how a slope is computed; wider kernels are smoother, and all are equally strong" },
     { OPT_BORDER, "border", 0, KIND_CHOICE, BORDERS, "wrap", 0, 0, V_FROM_HEIGHT,
       "the height beyond the edges: wrap for textures that tile" },
     { OPT_BORDER_X, "border-x", 0, KIND_CHOICE, BORDERS, NULL, 0, 0, V_FROM_HEIGHT,
@@ -92,18 +94,18 @@ const option_spec OPTION_TABLE[] = {
     { OPT_BORDER_Y, "border-y", 0, KIND_CHOICE, BORDERS, NULL, 0, 0, V_FROM_HEIGHT,
       "the same for the upper and lower edges only" },
     { OPT_SOURCE, "source", 0, KIND_CHOICE, SOURCES, "red", 0, 0, V_FROM_HEIGHT,
-      "which number of a color image is the height; gray images have only one" },
+      "what of a color image is the height; gray images have only one channel" },
     { OPT_BLUR, "blur", 0, KIND_NUMBER, "SIGMA", "0", 0, 64, V_FROM_HEIGHT,
-      "first blur the heights by a Gaussian of so many texels" },
+      "first blur the heights by a Gaussian with this sigma, in texels" },
     { OPT_OCTAVES, "octaves", 0, KIND_STRING, "W,W,...", NULL, 0, 0, V_FROM_HEIGHT,
-      "take a weighted sum of the heights as they are, blurred by 1, by 2, by 4 texels and so on: "
-      "1,1,2 stresses the large shapes" },
+      "use a weighted sum of the heights without blur and blurred by 1, by 2, by 4 texels and "
+      "so on: 1,1,2 emphasizes large shapes" },
     { OPT_DITHER, "dither", 0, KIND_CHOICE, "none|integrable", "none", 0, 0, V_FROM_HEIGHT,
-      "integrable: carry rounding errors on, so that heights can be reconstructed well from the "
-      "result" },
+      "integrable: pass rounding errors on to the next texels, so that heights can be "
+      "reconstructed accurately from the result" },
     { OPT_LIKE, "like", 0, KIND_STRING, "PEER:VALUE", NULL, 0, 0, V_FROM_HEIGHT,
-      "the settings of another program, correctly rounded: reference:5, eberly:4, zima:8, gegl:10, "
-      "gimp-normalmap:sobel3:1 (docs/equivalences.md); options given beside it win" },
+      "the settings of another program, correctly rounded: reference:5, eberly:4, zima:8, "
+      "gegl:10, gimp-normalmap:sobel3:1 (docs/equivalences.md); other options override them" },
     { OPT_TO, "to", 0, KIND_CHOICE, ENCODINGS, "standard", 0, 0, V_FROM_HEIGHT,
       "how the output stores a normal: standard: x, y, z in -1..1; zzero: z in 0..1; xy: no z" },
     { OPT_TO_Y, "to-y", 0, KIND_CHOICE, "up|down", "up", 0, 0, V_FROM_HEIGHT,
@@ -112,9 +114,9 @@ const option_spec OPTION_TABLE[] = {
       "bits of each sample of the output; default: as the input" },
     { OPT_BLUE, "blue", 0, KIND_CHOICE, "derived|nearest", "derived", 0, 0, V_FROM_HEIGHT,
       "derived: blue is computed from the rounded red and green, so ntp clean changes nothing; "
-      "nearest: z rounded by itself" },
+      "nearest: z is rounded independently" },
     { OPT_MIN_Z, "min-z", 0, KIND_NUMBER, "Z", "0", 0, 1, V_FROM_HEIGHT,
-      "the least z: steeper normals are turned up to it" },
+      "the least z: steeper normals are raised to it" },
     { OPT_ALPHA, "alpha", 0, KIND_STRING, "keep|height|inverse|one|FILE", "keep", 0, 0, V_FROM_HEIGHT,
       "the alpha of the output: that of the input, the height (LabPBR), the input's inverted, "
       "opaque, or the first channel of an image" },
@@ -124,16 +126,17 @@ const option_spec OPTION_TABLE[] = {
       "what each channel of the output holds, one letter each of x y z 0 1, h (height) and a "
       "(alpha): xyz, xzy, xyzh, 1y0x" },
     { OPT_FROM, "from", 0, KIND_CHOICE, "auto|" ENCODINGS, "auto", 0, 0, V_TO_HEIGHT,
-      "how the input stores a normal; auto finds out by its texels. Another value settles it: files "
-      "that would be refused are taken for this" },
+      "how the input stores a normal; auto: detect it from the texels. Any other value is "
+      "final: files that would be refused are taken for this" },
     { OPT_FROM_Y, "from-y", 0, KIND_CHOICE, "auto|up|down", "auto", 0, 0, V_TO_HEIGHT,
-      "which way green points: up (OpenGL) or down (DirectX); auto: as the texels tell, else the "
-      "name of the file, else up" },
+      "which way green points: up (OpenGL) or down (DirectX); auto: detect it from the texels, "
+      "else from the name of the file, else up" },
     { OPT_KERNEL, "kernel", 0, KIND_CHOICE, "auto|" KERNELS "|baked", "auto", 0, 0, V_TO_HEIGHT,
-      "how the slopes were taken from heights; baked: they are those of a surface, at texel centers. "
-      "auto: the one that fits best, else central" },
+      "how the slopes were computed from heights; baked: they are those of a surface, at texel "
+      "centers. auto: the one that fits best, else central" },
     { OPT_BORDER, "border", 0, KIND_CHOICE, "auto|" BORDERS, "auto", 0, 0, V_TO_HEIGHT,
-      "the height beyond the edges. auto: wrap where the texture tiles, else extrapolate" },
+      "the height beyond the edges. auto: detect it from the normals at the edges and from "
+      "whether the texture tiles, else mirror, or clamp for the kernel forward" },
     { OPT_BORDER_X, "border-x", 0, KIND_CHOICE, "auto|" BORDERS, NULL, 0, 0, V_TO_HEIGHT,
       "the same for the left and right edges only" },
     { OPT_BORDER_Y, "border-y", 0, KIND_CHOICE, "auto|" BORDERS, NULL, 0, 0, V_TO_HEIGHT,
@@ -142,8 +145,8 @@ const option_spec OPTION_TABLE[] = {
       "auto|telescoping|frankot-chellappa|poisson-dct|weighted", "auto", 0, 0, V_TO_HEIGHT,
       "frankot-chellappa, poisson-dct: least squares, for textures that tile and that do not; "
       "weighted: with holes where texels are unused or masked, and less weight on steep texels; "
-      "telescoping: sums of slopes, after Eberly. auto: weighted where there are holes, else as the "
-      "borders say" },
+      "telescoping: sums of slopes, after Eberly. auto: weighted if there are holes, else by "
+      "the borders" },
     { OPT_REFINE, "refine", 0, KIND_INTEGER, "N", "0", 0, 100000, V_TO_HEIGHT,
       "do up to N more rounds, until the normals of the heights are those of the input" },
     { OPT_SEEDS, "seeds", 0, KIND_STRING, "H00,H10,H01,H11", NULL, 0, 0, V_TO_HEIGHT,
@@ -152,31 +155,32 @@ const option_spec OPTION_TABLE[] = {
     { OPT_EQUALIZE, "equalize", 0, KIND_FLAG, NULL, NULL, 0, 0, V_TO_HEIGHT,
       "telescoping: give texels of even and of odd rows and columns the same mean" },
     { OPT_MASK, "mask", 0, KIND_STRING, "FILE", NULL, 0, 0, V_TO_HEIGHT,
-      "an image of the same size: where its first channel is 0 there is no surface" },
+      "an image of the same size: there is no surface where its first channel is 0" },
     { OPT_DETREND, "detrend", 0, KIND_FLAG, NULL, NULL, 0, 0, V_TO_HEIGHT,
-      "take the best plane out of the heights, where they do not tile" },
+      "remove the best-fitting plane from the heights, where they do not tile" },
     { OPT_DECODE, "decode", 0, KIND_CHOICE, "auto|unorm|neutral|unorm-trunc|snorm128", "auto", 0, 0,
       V_TO_HEIGHT,
-      "which level of red and green is 0, of 8 bit: unorm: 127.5; neutral: the same, but 127 and 128 "
-      "are both 0; unorm-trunc: 127, fractions were cut off; snorm128: 128. auto: by the texels" },
+      "which level of red and green is 0, in 8 bit: unorm: 127.5; neutral: the same, but 127 "
+      "and 128 are both 0; unorm-trunc: 127, levels were truncated; snorm128: 128. auto: detect "
+      "it from the texels" },
     { OPT_Z, "z", 0, KIND_CHOICE, "auto|stored|derived", "auto", 0, 0, V_TO_HEIGHT,
-      "whether z is read from blue or computed from red and green; auto: by the texels" },
+      "whether z is read from blue or computed from red and green; auto: decide by the texels" },
     { OPT_DEPTH, "depth", 0, KIND_CHOICE, "16|float", "16", 0, 0, V_TO_HEIGHT,
-      "16: a gray PNG of 16 bit, black the lowest and white the highest; float: a PFM of heights in "
-      "texels. The default for -o FILE.pfm is float" },
+      "16: a 16-bit gray PNG, where black is lowest and white is highest; float: a PFM of "
+      "heights in texels. The default for -o FILE.pfm is float" },
     { OPT_STRENGTH, "strength", 0, KIND_NUMBER, "S", NULL, -1024, 1024, V_TRANSFORM,
       "multiply the slopes: 2 makes bumps twice as high, 0.5 half as high, -1 turns them into dents" },
     { OPT_FLIP, "flip", 0, KIND_CHOICE, "x|y|xy", NULL, 0, 0, V_TRANSFORM,
-      "x: left and right change places; y: top and bottom; before --rotate" },
+      "x: exchange left and right; y: exchange top and bottom; done before --rotate" },
     { OPT_ROTATE, "rotate", 0, KIND_CHOICE, "90|180|270", NULL, 0, 0, V_TRANSFORM,
-      "turn clockwise by so many degrees" },
+      "turn clockwise by this many degrees" },
     { OPT_Y, "y", 0, KIND_CHOICE, "up|down", "up", 0, 0, V_TRANSFORM,
       "which way green points: up (OpenGL, glTF, USD) or down (DirectX)" },
     { OPT_SIZE, "size", 0, KIND_STRING, "WxH|P%", NULL, 0, 0, V_RESIZE,
       "the new size in texels, such as 512x256, or in percent of the old one" },
     { OPT_MIPS, "mips", 0, KIND_FLAG, NULL, NULL, 0, 0, V_RESIZE,
-      "write a mip chain: the output is level 0, and beside wall.png come wall_mip1.png, half as "
-      "large, wall_mip2.png and so on down to 1 x 1" },
+      "write a mip chain: the output, such as wall.png, is level 0, and wall_mip1.png beside it "
+      "is half as large; then come wall_mip2.png and so on down to 1 x 1" },
     { OPT_FILTER, "filter", 0, KIND_CHOICE, "box|triangle|lanczos3", NULL, 0, 0, V_RESIZE,
       "box: the mean over an area; triangle: bilinear; lanczos3: sharper, can ring. Default: box "
       "with --mips, else triangle" },
@@ -187,8 +191,8 @@ const option_spec OPTION_TABLE[] = {
     { OPT_BORDER_Y, "border-y", 0, KIND_CHOICE, "wrap|clamp|mirror", NULL, 0, 0, V_RESIZE,
       "the same for the upper and lower edges only" },
     { OPT_MODE, "mode", 0, KIND_CHOICE, "rnm|whiteout|udn", "rnm", 0, 0, V_BLEND,
-      "rnm: reoriented, the detail as if it lay on the base's surface; whiteout and udn: sums, "
-      "cheaper in shaders, weaker on slopes (docs/operations.md)" },
+      "rnm: reoriented, as if the detail lay on the surface of the base; whiteout and udn: "
+      "sums, cheaper in shaders, weaker on slopes (docs/operations.md)" },
     { OPT_STRENGTH, "strength", 0, KIND_NUMBER, "S", "1", -1024, 1024, V_BLEND,
       "multiply the slopes of the detail first" },
     { OPT_Y, "y", 0, KIND_CHOICE, "up|down", "up", 0, 0, V_BLEND,
@@ -196,8 +200,8 @@ const option_spec OPTION_TABLE[] = {
     { OPT_DETAIL_Y, "detail-y", 0, KIND_CHOICE, "up|down", "up", 0, 0, V_BLEND,
       "which way green points in DETAIL" },
     { OPT_PALETTE, "palette", 0, KIND_CHOICE, "reference|safe", "reference", 0, 0, V_HEATMAP,
-      "reference: red x, y too long, green length off, blue z negative; safe: colors that stay "
-      "apart for every kind of color vision" },
+      "reference: red: x, y too long, green: wrong length, blue: negative z; safe: colors that "
+      "can be told apart with every kind of color vision" },
     { OPT_ALL, "all", 0, KIND_FLAG, NULL, NULL, 0, 0, V_DUMP, "list every texel" },
     { OPT_TOUCH_UNUSED, "touch-unused", 0, KIND_FLAG, NULL, NULL, 0, 0, V_RESIZE,
       "treat pure black, pure white and transparent texels like any other; alpha gives no weight" },
@@ -206,7 +210,7 @@ const option_spec OPTION_TABLE[] = {
     { OPT_DRY_RUN, "dry-run", 'n', KIND_FLAG, NULL, NULL, 0, 0, V_CLEAN | V_CONVERT,
       "write nothing, say what would change" },
     { OPT_LEVEL, "level", 0, KIND_INTEGER, "0..9", NULL, 0, 9, V_WRITES,
-      "how hard PNG output is compressed; default: fast, and nearly as small for normals" },
+      "compression level of PNG output; default: fast, and nearly as small for normals" },
 
     { OPT_FORMAT, "format", 0, KIND_CHOICE, "text|json|csv|list", "text", 0, 0, V_CHECK,
       "text for people, JSON (see docs/schema/check-1.json), CSV with a row for each file, or "
@@ -214,14 +218,14 @@ const option_spec OPTION_TABLE[] = {
     { OPT_FORMAT, "format", 0, KIND_CHOICE, FORMATS, "text", 0, 0, V_WRITES | V_DIFF,
       "text for people, or JSON" },
     { OPT_NUL, "null", '0', KIND_FLAG, NULL, NULL, 0, 0, V_PATHS,
-      "names in --files-from and --format list end in a NUL, not a newline" },
+      "names in --files-from and --format list end with a NUL, not a newline" },
     { OPT_RECURSIVE, "recursive", 'r', KIND_FLAG, NULL, NULL, 0, 0, V_PATHS,
       "descend into directories" },
     { OPT_MATCH, "match", 0, KIND_STRING, "GLOB", NULL, 0, 0, V_PATHS,
-      "of directories take only files whose name, or path where GLOB has a slash, matches; may "
-      "be repeated" },
+      "in directories use only files whose name matches (the path, if GLOB has a slash); may be "
+      "repeated" },
     { OPT_EXCLUDE, "exclude", 0, KIND_STRING, "GLOB", NULL, 0, 0, V_PATHS,
-      "leave out files and directories that match; may be repeated" },
+      "skip files and directories that match; may be repeated" },
     { OPT_FILES_FROM, "files-from", 0, KIND_STRING, "FILE", NULL, 0, 0, V_PATHS,
       "read paths from FILE, one on each line; - is standard input" },
     { OPT_JOBS, "jobs", 'j', KIND_INTEGER, "N", NULL, 1, 256, V_TO_HEIGHT,
@@ -231,15 +235,15 @@ const option_spec OPTION_TABLE[] = {
     { OPT_QUIET, "quiet", 'q', KIND_FLAG, NULL, NULL, 0, 0, V_CHECK,
       "print only files with findings" },
     { OPT_QUIET, "quiet", 'q', KIND_FLAG, NULL, NULL, 0, 0, V_WRITES | V_DUMP | V_DIFF,
-      "print only what went wrong" },
+      "print only problems" },
     { OPT_VERBOSE, "verbose", 'v', KIND_FLAG, NULL, NULL, 0, 0, V_CHECK,
       "add notes, reasons and statistics" },
     { OPT_VERBOSE, "verbose", 'v', KIND_FLAG, NULL, NULL, 0, 0, V_WRITES,
-      "say more about each file" },
+      "print more about each file" },
     { OPT_COLOR, "color", 0, KIND_CHOICE, "auto|always|never", "auto", 0, 0, V_PATHS,
       "color the text; auto: on a terminal, unless NO_COLOR is set" },
     { OPT_NO_PROGRESS, "no-progress", 0, KIND_FLAG, NULL, NULL, 0, 0, V_PATHS,
-      "draw no progress bar" },
+      "do not draw a progress bar" },
     { OPT_MAX_SIDE, "max-side", 0, KIND_INTEGER, "N", "65535", 1, 65535, V_ALL,
       "refuse images wider or higher than this" },
     { OPT_MAX_TEXELS, "max-texels", 0, KIND_INTEGER, "N", "1073741824", 1, 4294836225.0, V_ALL,
@@ -251,41 +255,33 @@ const size_t OPTION_ROWS = sizeof OPTION_TABLE / sizeof OPTION_TABLE[0];
 
 const verb_spec VERB_TABLE[] = {
     { "check", "PATH...", "say what textures are, and whether they are well formed",
-      "Reads each texture and says what it is (standard, Z-zero or XY-only normals, a height map, "
-      "object-space normals, one color, or no normals texture), whether its normals are well "
-      "formed, why not, and how bad it is. Nothing is written.\n"
-      "Files that are named are always judged. In a directory a file counts when its name is that "
-      "of a normals texture (brick_n.png, brick_normal.png, BrickNormalGL.png ...) or its content "
-      "is; other images are listed and are no findings.",
-      "ntp check wall_n.png\n"
-      "  is this texture in order?\n"
-      "ntp check -r textures --fail-on warning\n"
-      "  a whole tree, as a gate in a build\n"
-      "ntp check -r textures --format list -0 | xargs -0 ls -l\n"
-      "  the files with errors, for another program\n"
-      "ntp check -r textures --format json > before.json\n"
-      "ntp check -r textures --baseline before.json\n"
-      "  later: count only what is new\n" },
+      "Reads each texture and says what it is (standard, Z-zero or XY-only normals, a height "
+      "map, object-space normals, one color, or not a normals texture). It says whether the "
+      "normals are well formed and, if not, why and by how much. Nothing is written.\nFiles "
+      "that are named are always judged. In a directory a file is judged if its name is that of "
+      "a normals texture (brick_n.png, brick_normal.png, BrickNormalGL.png ...) or its content "
+      "is. Other images are listed and are not findings.",
+      "ntp check wall_n.png\n  is this texture correct?\nntp check -r textures --fail-on "
+      "warning\n  check a whole tree and let a build fail\nntp check -r textures --format list "
+      "-0 | xargs -0 ls -l\n  the files with errors, for another program\nntp check -r textures "
+      "--format json > before.json\nntp check -r textures --baseline before.json\n  later: "
+      "count only new findings\n" },
     { "clean", "PATH...", "repair normals",
       "Makes every texel of a normals texture a unit vector. By default red and green stay and "
-      "blue is computed from them; where red and green alone are longer than 1 they are pulled "
-      "back, with their direction kept. Alpha, and texels that are pure black, pure white or "
-      "transparent, stay as they are. Cleaning twice changes nothing more.\n"
-      "Heights, object-space maps and what is no normals texture are refused unless --type says "
-      "what they are. gAMA, sRGB, iCCP and cHRM chunks are left out: normals are numbers, not "
-      "colors.",
-      "ntp clean wall_n.png -o wall_clean_n.png\n"
-      "  write a repaired copy\n"
-      "ntp clean -r textures --in-place --dry-run\n"
-      "  what would change, and by how many degrees?\n"
-      "ntp clean -r textures --in-place\n"
-      "  repair a tree; files that are in order are not touched\n"
-      "ntp clean scan.jpg -o scan_n.png --method auto\n"
-      "  rescue a texture that was stored as JPEG\n" },
+      "blue is computed from them; where red and green alone are longer than 1, they are "
+      "shortened to length 1 and keep their direction. Alpha, and texels that are pure black, "
+      "pure white or transparent, stay as they are. Cleaning again changes nothing.\nHeights, "
+      "object-space maps and other images are refused unless --type says what they are. gAMA, "
+      "sRGB, iCCP and cHRM chunks are left out: normals are numbers, not colors.",
+      "ntp clean wall_n.png -o wall_clean_n.png\n  write a repaired copy\nntp clean -r textures "
+      "--in-place --dry-run\n  what would change, and by how many degrees?\nntp clean -r "
+      "textures --in-place\n  repair a tree; correct files are not touched\nntp clean scan.jpg "
+      "-o scan_n.png --method auto\n  repair a texture that was stored as JPEG\n" },
     { "convert", "PATH...", "change encoding, depth, channels, or the direction of green",
-      "Converts between standard, Z-zero and XY-only textures, 8 and 16 bit, green up (OpenGL) and "
-      "green down (DirectX), and lays out channels. Nothing is repaired: each number goes over by "
-      "value, correctly rounded. A clean texture stays clean. Unused texels keep their color.",
+      "Converts between standard, Z-zero and XY-only textures, 8 and 16 bit, green up (OpenGL) "
+      "and green down (DirectX), and rearranges channels. Nothing is repaired: each number is "
+      "converted by value, correctly rounded. A clean texture stays clean. Unused texels keep "
+      "their color.",
       "ntp convert wall_dx.png -o wall_gl.png --from-y down\n"
       "  DirectX to OpenGL\n"
       "ntp convert wall_n.png -o wall16.png --depth 16\n"
@@ -294,65 +290,58 @@ const verb_spec VERB_TABLE[] = {
       "  compute the missing blue\n"
       "ntp convert packed.png -o plain.png --from-channels -y-x\n"
       "  unpack DXT5nm\n" },
-    { "heatmap", "PATH...", "paint what is wrong where",
-      "Writes a picture of each texture in which faults are colored and the rest is gray. Red: x "
-      "and y too long. Green: length off. Blue: z negative. docs/heatmap.md is the legend.",
-      "ntp heatmap wall_n.png -o wall_faults.png\n"
-      "ntp heatmap -r textures -o faults --palette safe\n"
-      "  pictures of a tree, in colors that everybody can tell apart\n" },
+    { "heatmap", "PATH...", "show in a picture which texels are wrong",
+      "Writes a picture of each texture in which wrong texels are colored and the others are "
+      "gray. Red: x and y too long. Green: wrong length. Blue: negative z. docs/heatmap.md is "
+      "the legend.",
+      "ntp heatmap wall_n.png -o wall_faults.png\nntp heatmap -r textures -o faults --palette "
+      "safe\n  heatmaps of a tree, in colors that everybody can tell apart\n" },
     { "dump", "PATH", "list texels as CSV",
-      "Prints a row for each texel that fails --verdict, or for every texel with --all: position, "
-      "stored levels, vector, length, what is wrong, how far off it is, and the repaired levels.",
+      "Prints a row for each texel that fails --verdict, or for every texel with --all: "
+      "position, stored levels, vector, length, flags, size of the error, and repaired levels.",
       "ntp dump wall_n.png | head\n"
       "  the first bad texels\n"
       "ntp dump --all tiny_n.png > tiny.csv\n" },
     { "diff", "A B", "compare two textures in levels and degrees",
-      "Says how many texels of two textures of one size differ, by how many levels, and by what "
-      "angle. Depth and encoding may differ; B is converted to A's. Exit 0: the same, 1: "
-      "different.",
+      "Says how many texels of two textures of the same size differ, by how many levels, and by "
+      "what angle. Depth and encoding may differ; B is converted to those of A. The exit code "
+      "is 0 if they are the same, and 1 if they differ.",
       "ntp diff wall_n.png wall_clean_n.png\n"
       "ntp diff a.png b.png -o where.png\n"
       "  a picture of the differences\n" },
     { "from-height", "PATH...", "make normals from heights",
-      "Turns heightfields (bump maps: white is high) into normals textures. Each of red and green "
-      "is the correctly rounded value of the formula; blue is computed from them. Images of 8 and "
-      "16 bit, gray or color, and PFM.\n"
-      "With --border-y wrap, the default, and with --blur or --octaves the heightfield is held in "
-      "memory; otherwise a few rows are.",
-      "ntp from-height wall_height.png -o wall_n.png --scale 8\n"
-      "  white is 8 texels above black\n"
-      "ntp from-height rock.png -o rock_n.png --scale 20 --kernel sobel3 --to-y down --depth 16\n"
-      "  smoother, for DirectX, in 16 bit\n"
-      "ntp from-height bump.png -o bump_n.png --like gimp-normalmap:sobel3:1\n"
-      "  what the old GIMP plug-in makes, rounded\n"
-      "ntp from-height h.png -o labpbr_n.png --scale 4 --to xy --ao ao.png --alpha height\n"
-      "  a LabPBR texture\n" },
+      "Turns heightfields (bump maps: white is high) into normals textures. Red and green are "
+      "the correctly rounded values of the formula; blue is computed from them. Input may be 8 "
+      "or 16 bit, gray or color, and PFM.\nWith --border-y wrap, the default, and with --blur "
+      "or --octaves, the heightfield is held in memory; otherwise only a few rows are.",
+      "ntp from-height wall_height.png -o wall_n.png --scale 8\n  white is 8 texels above "
+      "black\nntp from-height rock.png -o rock_n.png --scale 20 --kernel sobel3 --to-y down "
+      "--depth 16\n  smoother, for DirectX, in 16 bit\nntp from-height bump.png -o bump_n.png "
+      "--like gimp-normalmap:sobel3:1\n  as the old GIMP plug-in, but correctly rounded\nntp "
+      "from-height h.png -o labpbr_n.png --scale 4 --to xy --ao ao.png --alpha height\n  a "
+      "LabPBR texture\n" },
     { "transform", "PATH...", "flip, turn, make stronger or weaker",
-      "Flips and turns textures, pixels and vectors together, so that the bumps stay bumps, and "
-      "multiplies their slopes. Flips and turns are exact. With --strength each normal is the "
-      "correctly rounded one. Texels that are pure black, pure white or transparent move but keep "
-      "their color.\n"
-      "What is no texture of tangent-space normals is refused unless --type says what it is. The "
-      "image is held in memory.",
-      "ntp transform wall_n.png -o strong_n.png --strength 2\n"
-      "  bumps twice as high\n"
-      "ntp transform wall_n.png -o turned_n.png --rotate 90\n"
-      "ntp transform left_n.png -o right_n.png --flip x\n"
-      "  the other hand of a pair\n" },
-    { "resize", "PATH...", "another size or a mip chain, of unit vectors",
+      "Flips and turns textures, pixels and vectors together, so that bumps stay bumps, and "
+      "multiplies their slopes. Flips and turns are exact. With --strength each normal is "
+      "correctly rounded. Texels that are pure black, pure white or transparent move but keep "
+      "their color.\nAn image that does not hold tangent-space normals is refused unless --type "
+      "says what it is. The image is held in memory.",
+      "ntp transform wall_n.png -o strong_n.png --strength 2\n  bumps twice as high\nntp "
+      "transform wall_n.png -o turned_n.png --rotate 90\nntp transform left_n.png -o "
+      "right_n.png --flip x\n  the mirror image of a texture\n" },
+    { "resize", "PATH...", "change the size, or make a mip chain, of unit vectors",
       "Resizes textures as vectors, weighted with alpha, and stores unit vectors again: the "
       "result passes ntp check --verdict exact. Unused texels (pure black, pure white, "
-      "transparent) do not bleed into others; where only they are, the result is flat, with "
-      "alpha 0.\n"
-      "What is no texture of tangent-space normals is refused unless --type says what it is. The "
-      "image is held in memory.",
+      "transparent) do not bleed into others; where there are only unused texels, the result is "
+      "flat, with alpha 0.\nAn image that does not hold tangent-space normals is refused unless "
+      "--type says what it is. The image is held in memory.",
       "ntp resize wall_n.png -o small_n.png --size 50%\n"
       "ntp resize wall_n.png -o wall_1k_n.png --size 1024x1024 --filter lanczos3\n"
       "ntp resize wall_n.png -o mips/wall_n.png --mips\n"
       "  mips/wall_n.png, mips/wall_n_mip1.png, mips/wall_n_mip2.png ...\n"
       "ntp resize decal_n.png -o decal_half_n.png --size 50% --border clamp\n"
       "  a texture that does not tile\n" },
-    { "blend", "BASE DETAIL", "lay the bumps of one texture over another",
+    { "blend", "BASE DETAIL", "add the bumps of one texture to another",
       "Adds the bumps of DETAIL to BASE. A smaller DETAIL is repeated. Size, depth, encoding and "
       "alpha are those of BASE. Texels that are unused in either stay as they are in BASE.",
       "ntp blend wall_n.png scratches_n.png -o worn_n.png\n"
@@ -360,14 +349,14 @@ const verb_spec VERB_TABLE[] = {
       "  the detail half as high\n"
       "ntp blend wall_gl.png scratches_dx.png -o worn_gl.png --detail-y down\n" },
     { "to-height", "PATH...", "make heights from normals",
-      "Reconstructs the heightfield behind a normals texture: of all heights those whose slopes "
-      "come nearest to the stored ones. Writes a gray PNG of 16 bit, or floats (PFM). How high "
-      "white is above black is printed as the scale, and stored in the PNG: ntp from-height with "
-      "this --scale, kernel and border makes the same normals again.\n"
-      "What the texture does not say (which way green points, whether it tiles, how it was made) "
-      "is found out by its texels as far as they tell, printed, and can be set by options. What "
-      "is no texture of tangent-space normals is refused unless --from says what it is. The image "
-      "is held in memory: its samples, and 4 bytes a texel; 40 more with --method weighted.",
+      "Reconstructs the heightfield of a normals texture: the heights whose slopes are closest "
+      "to the stored ones. Writes a 16-bit gray PNG, or floats (PFM). The scale, by which white "
+      "is higher than black, is printed and stored in the PNG: ntp from-height with this "
+      "--scale, kernel and border makes the same normals again.\nWhat the texture does not say "
+      "(which way green points, whether it tiles, how it was made) is detected from its texels "
+      "if possible, and printed; options override it. An image that does not hold tangent-space "
+      "normals is refused unless --from says what it is. The image is held in memory: its "
+      "samples, and 4 bytes a texel; 40 more with --method weighted.",
       "ntp to-height wall_n.png -o wall_height.png\n"
       "ntp to-height wall_n.png -o wall_height.png --border wrap --from-y down\n"
       "  a texture that tiles, for DirectX\n"

@@ -151,8 +151,8 @@ static void add_surface(text *t, const facts *f)
     text_addf(t, "\n    %-24s across: %s, down: %s\n", "tiles", tiling(&found->seam[0]),
               tiling(&found->seam[1]));
     if (found->steps.decided)
-        text_addf(t, "    %-24s of %.2f degrees: the heights had few levels\n",
-                  "slopes come in steps", found->steps.degrees);
+        text_addf(t, "    %-24s in steps of %.2f degrees: low-bit heights\n",
+                  "slopes are quantized", found->steps.degrees);
     if (found->residual < 0)
         return;
     text_addf(t, "    %-24s to %.2f levels; rounding alone leaves 0.20", "fits a surface",

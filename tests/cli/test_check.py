@@ -172,7 +172,7 @@ def test_facts_of_the_file(run, tmp_path):
     file = only(run, "a_n.png", code=0)
     assert {"NT040", "NT041", "NT051"} <= ids(file, "info")
     color = [f["message"] for f in file["findings"] if f["id"] == "NT040"]
-    assert color == ["carries color information (sRGB, gAMA, cICP): ignore it"]
+    assert color == ["contains color information (sRGB, gAMA, cICP): ignore it"]
     write_png(tmp_path / "b_n.png", rgb.astype(np.uint16) * 257)
     file = only(run, "b_n.png", code=0)
     assert "NT034" in ids(file) and file["bit_depth"] == 16

@@ -174,7 +174,7 @@ def test_steps(run, tmp_path):
     plain = only(run, "a_n.png")
     assert plain["slope_step_deg"] == file["slope_step_deg"] and "NT033" not in ids(plain)
     for option in ("-v", "--deep"):
-        assert "slopes come in steps     of 3.3" in run("check", option, "a_n.png").stdout
+        assert "slopes are quantized     in steps of 3.3" in run("check", option, "a_n.png").stdout
         assert "in steps" not in run("check", option, "b_n.png").stdout
     maps.Image.fromarray(reconstruction.from_height(coarse)).save(tmp_path / "c_n.jpg", quality=95)
     assert only(run, "c_n.jpg", "--deep")["slope_step_deg"] is None
