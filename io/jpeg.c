@@ -13,7 +13,7 @@
 #include <jpeglib.h>
 #include <jerror.h>
 
-#include "ntpio_internal.h"
+#include "formats.h"
 
 enum {
     BUFFER_SIZE = 1 << 14,

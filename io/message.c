@@ -5,11 +5,12 @@
  * A message is one line of valid UTF-8 whatever the file is called: names come from strangers'
  * disks and end up on terminals.
  */
+#include "message.h"
+
 #include <stdarg.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include "ntpio_internal.h"
 
 enum {
     NAME_ROOM = 256, /* of the message; a longer name loses its beginning */

@@ -9,6 +9,11 @@
  * right-to-left compressed TGA, progressive JPEG inside its library) is held whole and
  * `info.streams` says so.
  *
+ * open.c finds the format of a file and deals out its rows; a format is in png_read.c, png_write.c,
+ * tga.c, jpeg.c or pfm.c, and knows only reader.h, writer.h and what they include.  source.c is
+ * where bytes come from, output.c how a file is put in its target's place, writer.c joins an
+ * encoder with an output, message.c words errors.
+ *
  * Every function that can fail fills a ntpio_error with one sentence that names the file.
  */
 #ifndef NTPIO_H

@@ -7,15 +7,18 @@
  * locked by its writer: who gets the lock knows that the writer is gone and removes the file.
  * Slots N instead of random names, so that stale files are found without reading directories.
  */
+#include "output.h"
+
 #include <errno.h>
 #include <fcntl.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "ntpio_internal.h"
+#include "message.h"
 
 #ifndef O_CLOEXEC
 #  define O_CLOEXEC 0

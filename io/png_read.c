@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ntpio_internal.h"
+#include "formats.h"
 
 enum {
     READ_SIZE = 1 << 16,           /* of compressed data at a time */

@@ -11,7 +11,7 @@
 #include <string.h>
 #include <zlib.h>
 
-#include "ntpio_internal.h"
+#include "formats.h"
 
 enum {
     IDAT_SIZE = 1 << 18, /* of compressed data at a time: few system calls */

@@ -5,12 +5,14 @@
  * One buffer in front of unbuffered stdio, so that the start of a pipe can be looked at before
  * a decoder is chosen, and so that large reads go past the buffer.
  */
+#include "source.h"
+
 #include <errno.h>
 #include <limits.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "ntpio_internal.h"
+#include "message.h"
 
 enum { BUFFER_SIZE = 1 << 16 };
 
@@ -126,17 +128,4 @@ bool ntpio__size(ntpio__source *source, uint64_t *size)
     const long end = ftell(source->file);
     *size = end < 0 ? 0 : (uint64_t) end;
     return fseek(source->file, here, SEEK_SET) == 0 && end >= 0;
-}
-
-bool ntpio__fail_ended(const ntpio_reader *reader, ntpio_error *error)
-{
-    if (reader->source.problem != 0)
-        return ntpio__fail(error, NTPIO_ERR_OPEN, reader->name, "cannot be read: %s",
-                           strerror(reader->source.problem));
-    return ntpio__fail(error, NTPIO_ERR_CORRUPT, reader->name, "truncated");
-}
-
-bool ntpio__read_all(ntpio_reader *reader, void *dst, size_t size, ntpio_error *error)
-{
-    return ntpio__read(&reader->source, dst, size) == size || ntpio__fail_ended(reader, error);
 }

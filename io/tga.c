@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ntpio_internal.h"
+#include "formats.h"
 
 enum {
     HEADER_SIZE = 18,

@@ -7,13 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <png.h>
-#include <zlib.h>
-#ifdef NTPIO_HAVE_JPEG
-#  include <jpeglib.h>
-#endif
-
-#include "ntpio_internal.h"
+#include "formats.h"
 
 enum { TGA_SIDE_MAX = 65535, SIDE_MAX = INT32_MAX };
 
@@ -131,18 +125,4 @@ void ntpio_abort(ntpio_writer *writer)
     if (writer->output != NULL)
         ntpio__output_abort(writer->output);
     destroy(writer);
-}
-
-#define TEXT_OF_(x) #x
-#define TEXT_OF(x)  TEXT_OF_(x)
-
-const char *ntpio_versions(void)
-{
-    return "libpng " PNG_LIBPNG_VER_STRING ", zlib " ZLIB_VERSION
-#if defined(NTPIO_HAVE_JPEG) && defined(LIBJPEG_TURBO_VERSION)
-           ", libjpeg-turbo " TEXT_OF(LIBJPEG_TURBO_VERSION)
-#elif defined(NTPIO_HAVE_JPEG)
-           ", libjpeg " TEXT_OF(JPEG_LIB_VERSION)
-#endif
-               ;
 }

@@ -1,0 +1,29 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * formats.h - every format's decoder and encoder, for open.c and writer.c to choose from
+ */
+#ifndef NTPIO_FORMATS_H
+#define NTPIO_FORMATS_H
+
+#include <string.h>
+
+#include "reader.h"
+#include "writer.h"
+
+extern const ntpio__decoder ntpio__png_decoder, ntpio__tga_decoder, ntpio__jpeg_decoder,
+    ntpio__pfm_decoder;
+extern const ntpio__encoder ntpio__png_encoder, ntpio__tga_encoder, ntpio__pfm_encoder;
+
+/* Whether bytes without a signature could start a TGA file. */
+bool ntpio__tga_plausible(const uint8_t *bytes, size_t size);
+
+/* Of this machine; formats say their own order. */
+static inline bool ntpio__little_endian(void)
+{
+    const uint16_t one = 1;
+    uint8_t first;
+    memcpy(&first, &one, 1);
+    return first == 1;
+}
+
+#endif

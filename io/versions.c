@@ -1,0 +1,27 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * versions.c - which libraries this build reads and writes with
+ */
+#include <stdio.h>
+
+#include <png.h>
+#include <zlib.h>
+#ifdef NTPIO_HAVE_JPEG
+#  include <jpeglib.h>
+#endif
+
+#include "ntpio.h"
+
+#define TEXT_OF_(x) #x
+#define TEXT_OF(x)  TEXT_OF_(x)
+
+const char *ntpio_versions(void)
+{
+    return "libpng " PNG_LIBPNG_VER_STRING ", zlib " ZLIB_VERSION
+#if defined(NTPIO_HAVE_JPEG) && defined(LIBJPEG_TURBO_VERSION)
+           ", libjpeg-turbo " TEXT_OF(LIBJPEG_TURBO_VERSION)
+#elif defined(NTPIO_HAVE_JPEG)
+           ", libjpeg " TEXT_OF(JPEG_LIB_VERSION)
+#endif
+               ;
+}
