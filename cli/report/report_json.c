@@ -11,6 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "options/names.h"
 #include "report/report.h"
 
 enum {
@@ -181,7 +182,6 @@ static json_t *reasons(const facts *f)
 
 static json_t *fails(const facts *f, const check_settings *s)
 {
-    static const char *const NAMES[] = { "neighbor", "rounded", "exact" };
     json_t *object = need(json_object());
     for (int v = NTP_VERDICT_NEIGHBOR; v <= NTP_VERDICT_EXACT; v++) {
         uint64_t all = 0, used = 0;
@@ -192,7 +192,7 @@ static json_t *fails(const facts *f, const check_settings *s)
             json_decref(object);
             return json_null();
         }
-        json_object_set_new(object, NAMES[v], json_count(all));
+        json_object_set_new(object, verdict_name((ntp_verdict) v), json_count(all));
     }
     return object;
 }

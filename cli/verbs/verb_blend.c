@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "examine/hold_image.h"
+#include "options/names.h"
 #include "report/report.h"
 #include "verbs/verbs.h"
 #include "write/refusal.h"
@@ -94,8 +95,8 @@ static void describe(const production *p, text *line, json_t *object)
     json_object_set_new(object, "detail_type", json_string(ntp_class_name(set->detail_type)));
     json_object_set_new(object, "mode", json_string(mode));
     json_object_set_new(object, "strength", json_real(set->how.strength));
-    json_object_set_new(object, "y", json_string(set->y == NTP_Y_UP ? "up" : "down"));
-    json_object_set_new(object, "detail_y", json_string(set->detail.y == NTP_Y_UP ? "up" : "down"));
+    json_object_set_new(object, "y", json_string(y_name(set->y)));
+    json_object_set_new(object, "detail_y", json_string(y_name(set->detail.y)));
 }
 
 /* ---------------------------------------------------------------------- the detail */

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "options/names.h"
 #include "report/report.h"
 #include "verbs/verbs.h"
 #include "write/write_run.h"
@@ -16,8 +17,6 @@ enum {
     ENCODINGS = 3,
     ALPHAS = 2 /* transparent texels are unused, or alpha is a height */
 };
-
-static const char *const METHOD_NAMES[METHODS] = { "derive", "normalize", "keep" };
 
 /* Tables are made when first needed and shared by all workers. */
 typedef struct plans {
@@ -146,7 +145,7 @@ static void describe_text(const production *p, text *line)
         return;
     char why[300];
     ntp_reason_text(why, sizeof why, &st->why);
-    text_addf(line, "; method %s, because %s", METHOD_NAMES[st->how.method], why);
+    text_addf(line, "; method %s, because %s", clean_method_name(st->how.method), why);
 }
 
 static void describe(const production *p, text *line, json_t *object)
@@ -161,7 +160,7 @@ static void describe(const production *p, text *line, json_t *object)
     json_object_set_new(object, "changed", json_count(st->counts.changed));
     json_object_set_new(object, "texels", json_count(p->f.stats.texels));
     json_object_set_new(object, "angle_deg", json_angles(&angles));
-    json_object_set_new(object, "method", json_string(METHOD_NAMES[st->how.method]));
+    json_object_set_new(object, "method", json_string(clean_method_name(st->how.method)));
     if (set->choose) {
         char why[300];
         ntp_reason_text(why, sizeof why, &st->why);

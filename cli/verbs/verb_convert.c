@@ -9,6 +9,7 @@
 #include <strings.h>
 
 #include "examine/samples.h"
+#include "options/names.h"
 #include "report/report.h"
 #include "verbs/verbs.h"
 #include "write/side_image.h"
@@ -206,9 +207,6 @@ static bool rows(production *p, const ntp_rect *area, ntpio_error *error)
 
 /* --------------------------------------------------------------------- what was done */
 
-static const char *const ENCODING_NAMES[] = { "standard", "zzero", "xy" };
-static const char *const Y_NAMES[] = { "up", "down" };
-
 static bool looks_different(const production *p, const settings *set)
 {
     const ntp_class type = p->f.type.type;
@@ -223,9 +221,9 @@ static void describe_text(const production *p, text *line)
     if (p->s.view.encoding == NTP_ENCODING_HEIGHT)
         text_add(line, "heights");
     else
-        text_addf(line, "%s to %s", ENCODING_NAMES[set->from], ENCODING_NAMES[set->to]);
+        text_addf(line, "%s to %s", encoding_name(set->from), encoding_name(set->to));
     if (set->from_y != set->to_y)
-        text_addf(line, ", green from %s to %s", Y_NAMES[set->from_y], Y_NAMES[set->to_y]);
+        text_addf(line, ", green from %s to %s", y_name(set->from_y), y_name(set->to_y));
     text_addf(line, ", %zu bit", 8 * sample_size(st->full.type));
     const struct {
         uint64_t count;
@@ -242,7 +240,7 @@ static void describe_text(const production *p, text *line)
     }
     if (looks_different(p, set))
         text_addf(line, "\n  note: the input looks %s; it was taken as --from %s says",
-                  class_title(p->f.type.type), ENCODING_NAMES[set->from]);
+                  class_title(p->f.type.type), encoding_name(set->from));
 }
 
 static void describe(const production *p, text *line, json_t *object)
@@ -256,10 +254,10 @@ static void describe(const production *p, text *line, json_t *object)
     ntp_diff_stats stats;
     const bool known = st->diff != NULL && ntp_diff_summarize(&stats, st->diff) == NTP_OK;
     json_set_changes(object, known ? &stats : NULL);
-    json_object_set_new(object, "from", json_string(ENCODING_NAMES[set->from]));
-    json_object_set_new(object, "to", json_string(ENCODING_NAMES[set->to]));
-    json_object_set_new(object, "from_y", json_string(Y_NAMES[set->from_y]));
-    json_object_set_new(object, "to_y", json_string(Y_NAMES[set->to_y]));
+    json_object_set_new(object, "from", json_string(encoding_name(set->from)));
+    json_object_set_new(object, "to", json_string(encoding_name(set->to)));
+    json_object_set_new(object, "from_y", json_string(y_name(set->from_y)));
+    json_object_set_new(object, "to_y", json_string(y_name(set->to_y)));
     json_object_set_new(object, "depth", json_integer(8 * (json_int_t) sample_size(st->full.type)));
     json_object_set_new(object, "channels", json_integer(st->out_channels));
     json_object_set_new(object, "z_negative", json_count(st->counts.z_negative));

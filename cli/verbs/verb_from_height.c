@@ -15,6 +15,7 @@
 #include <strings.h>
 
 #include "examine/samples.h"
+#include "options/names.h"
 #include "report/report.h"
 #include "run/thread_crew.h"
 #include "verbs/verbs.h"
@@ -322,12 +323,6 @@ static bool rows(production *p, const ntp_rect *area, ntpio_error *error)
 
 /* --------------------------------------------------------------------- what was done */
 
-static const char *const ENCODING_NAMES[] = { "standard", "zzero", "xy" };
-static const char *const Y_NAMES[] = { "up", "down" };
-static const char *const SOURCE_NAMES[] = { "red",  "green",     "blue",        "alpha",
-                                            "luma", "luma-gimp", "luma-eberly", "mean",
-                                            "max",  "min",       "screen" };
-
 static void describe(const production *p, text *line, json_t *object)
 {
     const from_height_settings *set = p->m->settings;
@@ -335,8 +330,8 @@ static void describe(const production *p, text *line, json_t *object)
     const ntp_normals_options *how = &set->how;
     const size_t bits = 8 * sample_size(st->made.type);
     if (line != NULL) {
-        text_addf(line, "%s normals, scale %.15g, %s, green %s, %zu bit", ENCODING_NAMES[set->to],
-                  how->scale, ntp_kernel_name(how->kernel), Y_NAMES[set->to_y], bits);
+        text_addf(line, "%s normals, scale %.15g, %s, green %s, %zu bit", encoding_name(set->to),
+                  how->scale, ntp_kernel_name(how->kernel), y_name(set->to_y), bits);
         if (st->counts.not_finite > 0) {
             text_add(line, "; ");
             text_count(line, st->counts.not_finite);
@@ -353,7 +348,7 @@ static void describe(const production *p, text *line, json_t *object)
     json_object_set_new(object, "kernel", json_string(ntp_kernel_name(how->kernel)));
     json_object_set_new(object, "border_x", json_string(ntp_border_name(how->border_x)));
     json_object_set_new(object, "border_y", json_string(ntp_border_name(how->border_y)));
-    json_object_set_new(object, "source", json_string(SOURCE_NAMES[how->source]));
+    json_object_set_new(object, "source", json_string(source_name(how->source)));
     json_object_set_new(object, "min_z", json_real(how->min_z));
     json_object_set_new(object, "blue",
                         json_string(how->blue == NTP_BLUE_DERIVED ? "derived" : "nearest"));
@@ -363,8 +358,8 @@ static void describe(const production *p, text *line, json_t *object)
         json_array_append_new(octaves, json_real(set->octave[i]));
     json_object_set_new(object, "octaves", octaves);
     json_object_set_new(object, "dither", json_string(set->dither ? "integrable" : "none"));
-    json_object_set_new(object, "to", json_string(ENCODING_NAMES[set->to]));
-    json_object_set_new(object, "to_y", json_string(Y_NAMES[set->to_y]));
+    json_object_set_new(object, "to", json_string(encoding_name(set->to)));
+    json_object_set_new(object, "to_y", json_string(y_name(set->to_y)));
     json_object_set_new(object, "depth", json_integer((json_int_t) bits));
     json_object_set_new(object, "channels", json_integer(st->out_channels));
     json_object_set_new(object, "not_finite", json_count(st->counts.not_finite));

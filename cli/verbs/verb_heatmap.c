@@ -37,7 +37,6 @@ static bool rows(production *p, const ntp_rect *area, ntpio_error *error)
 
 static void describe(const production *p, text *line, json_t *object)
 {
-    static const char *const PALETTES[] = { "reference", "safe" };
     uint64_t all = 0, used = 0;
     failing_texels(&p->f, NTP_VERDICT_NEIGHBOR, false, &all, &used);
     if (line != NULL) {
@@ -49,8 +48,7 @@ static void describe(const production *p, text *line, json_t *object)
         return;
     json_object_set_new(object, "changed", json_null());
     json_object_set_new(object, "angle_deg", json_angles(&p->f.stats.angles));
-    json_object_set_new(object, "palette",
-                        json_string(PALETTES[option_integer(p->m->o, OPT_PALETTE)]));
+    json_object_set_new(object, "palette", json_string(option_string(p->m->o, OPT_PALETTE)));
     json_object_set_new(object, "fail", json_count(all));
     json_object_set_new(object, "texels", json_count(p->f.stats.texels));
 }

@@ -193,7 +193,6 @@ static json_t *levels_json(const production *p)
 
 static void describe(const production *p, text *line, json_t *object)
 {
-    static const char *const BORDERS[] = { "wrap", "clamp", "mirror" };
     const settings *set = p->m->settings;
     const state *st = p->state;
     const char *filter = ntp_filter_name(set->how.filter);
@@ -212,8 +211,8 @@ static void describe(const production *p, text *line, json_t *object)
     json_object_set_new(object, "width", json_integer(st->width));
     json_object_set_new(object, "height", json_integer(st->height));
     json_object_set_new(object, "filter", json_string(filter));
-    json_object_set_new(object, "border_x", json_string(BORDERS[set->how.border_x]));
-    json_object_set_new(object, "border_y", json_string(BORDERS[set->how.border_y]));
+    json_object_set_new(object, "border_x", json_string(ntp_border_name(set->how.border_x)));
+    json_object_set_new(object, "border_y", json_string(ntp_border_name(set->how.border_y)));
     json_object_set_new(object, "texels", json_count((uint64_t) st->width * (uint64_t) st->height));
     if (set->mips)
         json_object_set_new(object, "mips", levels_json(p));

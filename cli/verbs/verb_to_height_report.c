@@ -2,15 +2,12 @@
 /*
  * verb_to_height_report.c - what ntp to-height tells: the scale, and every choice with its ground
  */
+#include "options/names.h"
 #include "report/report.h"
 #include "verbs/verb_to_height.h"
 
-static const char *const Y_NAMES[] = { "up", "down" };
 static const char *const Y_TITLES[] = { "OpenGL (Y up)", "DirectX (Y down)" };
 static const char *const BY[] = { "option", "texels", "name", "default" };
-static const char *const ENCODING_NAMES[] = { "standard", "zzero", "xy" };
-static const char *const DECODE_NAMES[] = { "auto", "unorm", "neutral", "unorm-trunc", "snorm128" };
-static const char *const Z_NAMES[] = { "auto", "stored", "derived" };
 
 /* To what tells a part in ten thousand. */
 static void add_height(text *t, double v)
@@ -72,12 +69,12 @@ static void set_choices(json_t *object, const to_height_state *st)
     json_object_set_new(object, "border_x_by", json_string(BY[st->border_by[0]]));
     json_object_set_new(object, "border_y", json_string(ntp_border_name(how->border_y)));
     json_object_set_new(object, "border_y_by", json_string(BY[st->border_by[1]]));
-    json_object_set_new(object, "from", json_string(ENCODING_NAMES[st->src.encoding]));
-    json_object_set_new(object, "y", json_string(Y_NAMES[st->y]));
+    json_object_set_new(object, "from", json_string(encoding_name(st->src.encoding)));
+    json_object_set_new(object, "y", json_string(y_name(st->y)));
     json_object_set_new(object, "y_by", json_string(BY[st->y_by]));
     json_object_set_new(object, "y_confidence", json_angle(st->y_confidence));
-    json_object_set_new(object, "decode", json_string(DECODE_NAMES[r->decode]));
-    json_object_set_new(object, "z", json_string(Z_NAMES[r->z]));
+    json_object_set_new(object, "decode", json_string(decode_name(r->decode)));
+    json_object_set_new(object, "z", json_string(z_name(r->z)));
 }
 
 void to_height_describe(const production *p, text *line, json_t *object)

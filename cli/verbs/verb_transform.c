@@ -2,6 +2,7 @@
 /*
  * verb_transform.c - ntp transform: flips, quarter turns and strength, pictures and vectors together
  */
+#include "options/names.h"
 #include "report/report.h"
 #include "verbs/verbs.h"
 #include "write/whole_image.h"
@@ -66,7 +67,7 @@ static void describe(const production *p, text *line, json_t *object)
                         json_real(set->how.use_strength ? set->how.strength : 1));
     json_object_set_new(object, "flip", flip != NULL ? json_string(flip) : json_null());
     json_object_set_new(object, "rotate", json_integer(90 * set->how.quarter_turns));
-    json_object_set_new(object, "y", json_string(set->y == NTP_Y_UP ? "up" : "down"));
+    json_object_set_new(object, "y", json_string(y_name(set->y)));
     json_object_set_new(object, "texels", json_count(p->f.stats.texels));
 }
 

@@ -1,0 +1,18 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * names.h - names of values for which libntp has no function, as the options have them
+ */
+#ifndef NTP_CLI_NAMES_H
+#define NTP_CLI_NAMES_H
+
+#include <libntp.h>
+
+const char *encoding_name(ntp_encoding encoding);
+const char *y_name(ntp_y y);
+const char *verdict_name(ntp_verdict verdict);
+const char *clean_method_name(ntp_clean_method method);
+const char *source_name(ntp_height_source source);
+const char *decode_name(ntp_decode decode);
+const char *z_name(ntp_z z);
+
+#endif

@@ -1,0 +1,113 @@
+# SPDX-License-Identifier: MIT
+"""The words that options take, against the values of libntp.h that they stand for."""
+
+import json
+import re
+
+import numpy as np
+import pytest
+
+from libntp_ffi import ffi, lib
+from support import textures
+from support.pngs import write_png
+
+
+def words(run, verb, option):
+    """The choices of an option, as --help lists them."""
+    found = re.search(rf"--{option} ([a-z0-9-]+(?:\|[a-z0-9-]+)+)", run(verb, "--help").stdout)
+    return found[1].split("|")
+
+
+def enumerators(kind):
+    """The values of an enumeration, in order, in the words of an option: NTP_KERNEL_SOBEL3 is sobel3."""
+    elements = ffi.typeof(kind).elements
+    assert sorted(elements) == list(range(len(elements)))
+    names = [elements[i] for i in range(len(elements))]
+    prefix = "NTP_HEIGHT_" if kind == "ntp_height_method" else f"{kind.upper()}_"
+    prefix = {"ntp_blend_mode": "NTP_BLEND_"}.get(kind, prefix)
+    assert all(name.startswith(prefix) for name in names)
+    spelled = {"trunc": "unorm-trunc", "snorm": "snorm128"} if kind == "ntp_decode" else {}
+    values = [name[len(prefix) :].lower().replace("_", "-") for name in names]
+    return [spelled.get(value, value) for value in values]
+
+
+@pytest.mark.parametrize(
+    "verb,option,kind,before",
+    [
+        ("check", "type", "ntp_class", ["auto"]),
+        ("check", "verdict", "ntp_verdict", []),
+        ("convert", "from", "ntp_encoding", []),
+        ("convert", "to-y", "ntp_y", []),
+        ("heatmap", "palette", "ntp_palette", []),
+        ("blend", "mode", "ntp_blend_mode", []),
+        ("from-height", "kernel", "ntp_kernel", []),
+        ("from-height", "border", "ntp_border", []),
+        ("from-height", "source", "ntp_height_source", []),
+        ("from-height", "blue", "ntp_blue", []),
+        ("to-height", "from", "ntp_encoding", ["auto"]),
+        ("to-height", "kernel", "ntp_kernel", ["auto"]),
+        ("to-height", "border", "ntp_border", ["auto"]),
+        ("to-height", "method", "ntp_height_method", []),
+        ("to-height", "decode", "ntp_decode", []),
+        ("to-height", "z", "ntp_z", []),
+        ("resize", "border", "ntp_border", []),
+    ],
+)
+def test_words_are_enumerators(run, verb, option, kind, before):
+    """A choice stands for the value of its place: a verb may leave out the last ones only."""
+    choices = words(run, verb, option)
+    assert choices[: len(before)] == before
+    choices = choices[len(before) :]
+    assert choices == enumerators(kind)[: len(choices)]
+
+
+@pytest.mark.parametrize(
+    "verb,option,name_of",
+    [
+        ("from-height", "kernel", "ntp_kernel_name"),
+        ("to-height", "kernel", "ntp_kernel_name"),
+        ("from-height", "border", "ntp_border_name"),
+        ("to-height", "method", "ntp_height_method_name"),
+        ("blend", "mode", "ntp_blend_mode_name"),
+        ("resize", "filter", "ntp_filter_name"),
+    ],
+)
+def test_words_are_names(run, verb, option, name_of):
+    kind = name_of.removesuffix("_name")
+    names = {ffi.string(getattr(lib, name_of)(i)).decode() for i in ffi.typeof(kind).elements}
+    assert set(words(run, verb, option)) - {"auto"} <= names
+    assert names - set(words(run, verb, option)) <= {"auto", "baked"}
+
+
+@pytest.mark.parametrize(
+    "verb,option,key",
+    [
+        ("convert", "from", "from"),
+        ("convert", "to", "to"),
+        ("convert", "to-y", "to_y"),
+        ("clean", "method", "method"),
+        ("heatmap", "palette", "palette"),
+        ("resize", "filter", "filter"),
+        ("resize", "border", "border_y"),
+        ("from-height", "source", "source"),
+        ("from-height", "to", "to"),
+        ("from-height", "to-y", "to_y"),
+        ("from-height", "kernel", "kernel"),
+        ("from-height", "border", "border_x"),
+        ("from-height", "blue", "blue"),
+        ("to-height", "decode", "decode"),
+        ("to-height", "z", "z"),
+        ("to-height", "from-y", "y"),
+        ("to-height", "from", "from"),
+    ],
+)
+def test_reports_say_what_was_given(run, tmp_path, verb, option, key):
+    rgba = np.dstack([textures.standard(16, 16), np.full((16, 16), 255, np.uint8)])
+    write_png(tmp_path / "a.png", rgba)
+    more = {"resize": ["--size", "8x8"], "from-height": ["--scale", "2"]}.get(verb, [])
+    for word in words(run, verb, option):
+        if word == "auto":
+            continue
+        done = run(verb, "a.png", "-o", "b.png", *more, f"--{option}", word, "--format", "json")
+        assert done.returncode == 0, done.stderr
+        assert json.loads(done.stdout)["files"][0][key] == word
