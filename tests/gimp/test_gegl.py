@@ -247,7 +247,9 @@ def gegl_says(gegl_env, tmp_path, *words):
         words, env=gegl_env, cwd=tmp_path, capture_output=True, timeout=900, check=False
     )
     text = (done.stdout + done.stderr).decode(errors="replace")
-    assert done.returncode == 0 and "CRITICAL" not in text, text
+    # GLib of Debian 13 says so of a value out of range; the program goes on and says it too.
+    lines = [line for line in text.splitlines() if "is invalid or out of range for" not in line]
+    assert done.returncode == 0 and "CRITICAL" not in "".join(lines), text
     return text
 
 
