@@ -6,21 +6,13 @@ import pytest
 
 import libntp_ffi as ntp
 from support import to_height as reconstruction
+from support.find import find_border as find
 from support.oracle_height import CLAMP, EXTRAPOLATE, KERNELS, MIRROR, NAMES, REPEAT_SLOPE, WRAP
 
 BAKED = len(NAMES)
 WEIGHTED = 4
 FORWARD = NAMES.index("forward")
 REACH = 4  # of the largest kernel
-
-
-def find(n, heights, kernel, down, wraps=0, encoding=ntp.STANDARD, y=ntp.UP, **how):
-    """What is found out along one axis, as a dict."""
-    how = ntp.ffi.new("ntp_height_options *", {"kernel": kernel, **how})
-    fit = ntp.ffi.new("ntp_border_fit *")
-    views = ntp.view(n, encoding, y, const=True), ntp.view(heights, ntp.HEIGHT, const=True)
-    ntp.check(ntp.lib.ntp_find_border(fit, *views, how, down, wraps))
-    return {"border": fit.border, "decided": fit.decided, "error": list(fit.error)}
 
 
 # --------------------------------------------------------------------------- the numbers

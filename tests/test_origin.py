@@ -8,16 +8,11 @@ import libntp_ffi as ntp
 from support import maps, surfaces
 from support import oracle_height as heights
 from support import to_height as reconstruction
+from support.find import find_kernel as find
 
 TRIED = ["central", "forward", "prewitt3", "sobel3", "scharr3", "prewitt5", "baked"]
 NAMES = [*heights.NAMES, "baked"]
 MADE = ["forward", "central", "prewitt3", "sobel3", "scharr3", "prewitt5", "sobel5"]
-
-
-def find(n, y=ntp.UP, encoding=ntp.STANDARD, touch=0):
-    origin = ntp.ffi.new("ntp_kernel_fit *")
-    ntp.check(ntp.lib.ntp_find_kernel(origin, ntp.view(n, encoding, y, const=True), touch))
-    return ntp.fields(origin)
 
 
 def bricks(n, seed=1):

@@ -7,6 +7,7 @@ import pytest
 import libntp_ffi as ntp
 from support import maps
 from support import to_height as reconstruction
+from support.find import find_seams as find
 
 UNDECIDED, TILES, SEAM = "undecided", "tiles", "seam"
 
@@ -19,13 +20,6 @@ def told(seam):
 
 
 KERNELS = ["central", "forward", "sobel3", "scharr3"]
-
-
-def find(n, encoding=ntp.STANDARD, touch=0):
-    """(left and right edges, upper and lower ones)."""
-    x, y = ntp.ffi.new("ntp_seam *"), ntp.ffi.new("ntp_seam *")
-    ntp.check(ntp.lib.ntp_find_seams(x, y, ntp.view(n, encoding, const=True), touch))
-    return ntp.fields(x), ntp.fields(y)
 
 
 def bumps(n, seed):

@@ -1,0 +1,26 @@
+# SPDX-License-Identifier: MIT
+"""What the library finds out about where normals come from, as dicts."""
+
+import libntp_ffi as ntp
+
+
+def find_kernel(n, y=ntp.UP, encoding=ntp.STANDARD, touch=0):
+    origin = ntp.ffi.new("ntp_kernel_fit *")
+    ntp.check(ntp.lib.ntp_find_kernel(origin, ntp.view(n, encoding, y, const=True), touch))
+    return ntp.fields(origin)
+
+
+def find_seams(n, encoding=ntp.STANDARD, touch=0):
+    """(left and right edges, upper and lower ones)."""
+    x, y = ntp.ffi.new("ntp_seam *"), ntp.ffi.new("ntp_seam *")
+    ntp.check(ntp.lib.ntp_find_seams(x, y, ntp.view(n, encoding, const=True), touch))
+    return ntp.fields(x), ntp.fields(y)
+
+
+def find_border(n, heights, kernel, down, wraps=0, encoding=ntp.STANDARD, y=ntp.UP, **how):
+    """What is found out along one axis."""
+    how = ntp.ffi.new("ntp_height_options *", {"kernel": kernel, **how})
+    fit = ntp.ffi.new("ntp_border_fit *")
+    views = ntp.view(n, encoding, y, const=True), ntp.view(heights, ntp.HEIGHT, const=True)
+    ntp.check(ntp.lib.ntp_find_border(fit, *views, how, down, wraps))
+    return {"border": fit.border, "decided": fit.decided, "error": list(fit.error)}
