@@ -124,7 +124,7 @@ static bool convinces(const evidence *e, const rule *r)
            r->gain >= least_gain * noise * e->count && r->gain >= least_score * sqrt(r->gain2);
 }
 
-void ntp__decode_by_evidence(ntp_height_options *how, const ntp_const_image *src)
+void ntp__decode_by_evidence(ntp__height_plan *plan, const ntp_const_image *src)
 {
     evidence e = { { 255, 1 / 255.0, 0, 0, 0 },
                    { 254, 1 / 255.0, 0, 0, 0 },
@@ -137,29 +137,29 @@ void ntp__decode_by_evidence(ntp_height_options *how, const ntp_const_image *src
                    0,
                    { 0 } };
     double m = ntp__max(src->type), unit = 2 * m * m;
-    bool decode = how->decode == NTP_DECODE_AUTO && src->type == NTP_TYPE_U8 &&
+    bool decode = plan->decode == NTP_DECODE_AUTO && src->type == NTP_TYPE_U8 &&
                   src->encoding == NTP_ENCODING_STANDARD;
-    if (how->z == NTP_Z_AUTO && src->encoding == NTP_ENCODING_XY)
-        how->z = NTP_Z_DERIVED;
-    if (how->z == NTP_Z_AUTO &&
+    if (plan->z == NTP_Z_AUTO && src->encoding == NTP_ENCODING_XY)
+        plan->z = NTP_Z_DERIVED;
+    if (plan->z == NTP_Z_AUTO &&
         src->encoding == NTP_ENCODING_VECTOR) /* which may have any length */
-        how->z = NTP_Z_STORED;
-    if (!decode && how->z != NTP_Z_AUTO)
+        plan->z = NTP_Z_STORED;
+    if (!decode && plan->z != NTP_Z_AUTO)
         return;
     e.most_rest = tilted * m * m;
-    look(&e, src, how->touch_unused);
+    look(&e, src, plan->touch_unused);
     double lengths = e.lengths / (unit * unit), all = e.all;
     if (decode && convinces(&e, &e.trunc) && e.trunc.sum <= e.snorm.sum)
-        how->decode = NTP_DECODE_TRUNC;
+        plan->decode = NTP_DECODE_TRUNC;
     else if (decode && convinces(&e, &e.snorm))
-        how->decode = NTP_DECODE_SNORM;
-    if (e.count > 0 && (how->decode == NTP_DECODE_TRUNC || how->decode == NTP_DECODE_SNORM)) {
-        lengths = how->decode == NTP_DECODE_TRUNC ? e.trunc.sum : e.snorm.sum;
+        plan->decode = NTP_DECODE_SNORM;
+    if (e.count > 0 && (plan->decode == NTP_DECODE_TRUNC || plan->decode == NTP_DECODE_SNORM)) {
+        lengths = plan->decode == NTP_DECODE_TRUNC ? e.trunc.sum : e.snorm.sum;
         all = e.count;
     }
-    if (how->z != NTP_Z_AUTO)
+    if (plan->z != NTP_Z_AUTO)
         return;
     bool made = src->type != NTP_TYPE_F32 && e.tilted >= LEAST_TILTED &&
                 e.derived >= derived_share * e.tilted;
-    how->z = made || lengths > most_error * noise * all ? NTP_Z_DERIVED : NTP_Z_STORED;
+    plan->z = made || lengths > most_error * noise * all ? NTP_Z_DERIVED : NTP_Z_STORED;
 }

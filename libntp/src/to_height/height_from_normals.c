@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * height_from_normals.c - normals -> heightfield: checks, the choice of the method, and what comes after
+ * height_from_normals.c - normals -> heightfield: the way through the solvers, and what comes after
  *
  * A solver (direct/solve.c, weighted/solve.c) makes heights of mean 0.  What else is wanted works on these:
  * the plane is taken out, and the result described.
@@ -8,6 +8,7 @@
 #include "base/finite.h"
 #include "to_height/decode.h"
 #include "to_height/direct/direct.h"
+#include "to_height/make_plan.h"
 #include "to_height/round_trip.h"
 #include "to_height/weighted/weighted.h"
 
@@ -15,61 +16,6 @@
 #include <string.h>
 
 /* ------------------------------------------------------------------------------- checks */
-
-static bool in_range(int value, int last)
-{
-    return value >= 0 && value <= last;
-}
-
-static ntp_status check_seeds(const ntp_height_options *how)
-{
-    for (int32_t i = 0; how->use_seeds && i < 4; i++) {
-        if (!ntp__is_finite(how->seeds[i]))
-            return NTP_ERR_ARGUMENT;
-    }
-    return how->use_seeds && how->method != NTP_HEIGHT_TELESCOPING ? NTP_ERR_ARGUMENT : NTP_OK;
-}
-
-/* Makes the defaults explicit. */
-static ntp_status resolve(ntp_height_options *resolved, const ntp_height_options *how,
-                          int32_t width, int32_t height)
-{
-    memset(resolved, 0, sizeof *resolved);
-    if (how != NULL)
-        *resolved = *how;
-    how = resolved;
-    if (!in_range((int) how->method, NTP_HEIGHT_WEIGHTED) ||
-        !in_range((int) how->decode, NTP_DECODE_SNORM) || !in_range((int) how->z, NTP_Z_DERIVED) ||
-        !in_range((int) how->border_x, NTP_BORDER_REPEAT_SLOPE) ||
-        !in_range((int) how->border_y, NTP_BORDER_REPEAT_SLOPE) ||
-        !in_range((int) how->kernel, NTP_KERNEL_BAKED) ||
-        !in_range((int) how->residual_scope, NTP_RESIDUAL_INSIDE) ||
-        !in_range(how->refine, NTP_MAX_ITERATIONS) ||
-        !in_range(how->max_iterations, NTP_MAX_ITERATIONS) || !(how->tolerance >= 0) ||
-        !(how->tolerance < 1))
-        return NTP_ERR_ARGUMENT;
-    if (!(how->dx >= 0) || !ntp__is_finite(how->dx) || !(how->dy >= 0) ||
-        !ntp__is_finite(how->dy) || !in_range((int) how->prior, NTP_PRIOR_ROUGHNESS))
-        return NTP_ERR_ARGUMENT;
-    NTP__TRY(check_seeds(how));
-    bool wrap = how->border_x == NTP_BORDER_WRAP && how->border_y == NTP_BORDER_WRAP;
-    if (how->method == NTP_HEIGHT_AUTO && how->mask != NULL)
-        resolved->method = NTP_HEIGHT_WEIGHTED;
-    else if (how->method == NTP_HEIGHT_AUTO && wrap)
-        resolved->method = NTP_HEIGHT_FRANKOT_CHELLAPPA;
-    else if (how->method == NTP_HEIGHT_AUTO && how->border_x != NTP_BORDER_WRAP &&
-             how->border_y != NTP_BORDER_WRAP)
-        resolved->method = NTP_HEIGHT_POISSON_DCT;
-    if (how->mask != NULL && resolved->method != NTP_HEIGHT_WEIGHTED)
-        return NTP_ERR_ARGUMENT;
-    bool again = how->refine > 0 && how->detrend && how->method == NTP_HEIGHT_WEIGHTED;
-    if (again || (how->refine > 0 && how->method == NTP_HEIGHT_TELESCOPING))
-        return NTP_ERR_ARGUMENT;
-    if (how->refine > 0 && how->kernel == NTP_KERNEL_BAKED)
-        return NTP_ERR_FORMAT;
-    /* Where one axis wraps, the solver goes by neither name; it is told "auto". */
-    return how->method == NTP_HEIGHT_WEIGHTED ? NTP_OK : ntp__integrate_check(how, width, height);
-}
 
 static ntp_status check_views(const ntp_image *dst, const ntp_const_image *src)
 {
@@ -100,13 +46,12 @@ static ntp_status check_mask(const ntp_const_image *mask, const ntp_const_image 
 
 /* A reconstruction on its way. */
 typedef struct run {
-    ntp_height_options how;
+    ntp__height_plan plan;
     const ntp_image *dst;
     const ntp_hooks *hooks;
-    int32_t width, height;
     ntp__slopes slopes;
     ntp__crew crew;
-    ntp__rederive rederive;
+    ntp__round_trip round_trip;
     double *heights;     /* packed; of refine */
     float *right, *down; /* the same */
     void *rest;          /* of the solver */
@@ -117,18 +62,19 @@ typedef struct run {
 /* Also with memory->base NULL, to measure. */
 static void lay_out(run *t, ntp__scratch *memory)
 {
-    const ntp_height_options *how = &t->how;
-    size_t texels = (size_t) t->width * (size_t) t->height;
-    if (how->residual_scope != NTP_RESIDUAL_NONE || how->refine > 0)
-        ntp__rederive_init(&t->rederive, &t->slopes, how, t->width, t->height, t->crew, memory);
-    if (how->refine > 0) {
+    const ntp__height_plan *plan = &t->plan;
+    size_t texels = (size_t) plan->width * (size_t) plan->height;
+    int32_t parts = t->crew.parts;
+    if (plan->residual_scope != NTP_RESIDUAL_NONE || plan->refine > 0)
+        ntp__round_trip_init(&t->round_trip, &t->slopes, plan, t->crew, memory);
+    if (plan->refine > 0) {
         t->heights = ntp__take(memory, texels * sizeof *t->heights);
         t->right = ntp__take(memory, texels * sizeof *t->right);
         t->down = ntp__take(memory, texels * sizeof *t->down);
     }
-    size_t rest = how->method == NTP_HEIGHT_WEIGHTED
-                      ? ntp__weighted_scratch(how, t->width, t->height, t->crew.parts)
-                      : ntp__integrate_scratch(how, t->width, t->height, t->crew.parts);
+    size_t rest = plan->solver == NTP__SOLVER_WEIGHTED      ? ntp__weighted_scratch(plan, parts)
+                  : plan->solver == NTP__SOLVER_TELESCOPING ? ntp__telescope_scratch(plan)
+                                                            : ntp__direct_scratch(plan, parts);
     t->rest = ntp__take(memory, rest);
 }
 
@@ -139,10 +85,8 @@ size_t ntp_height_scratch_size(const ntp_height_options *how, int32_t width, int
     ntp__scratch memory = { NULL, 0 };
     memset(&t, 0, sizeof t);
     if (width < 1 || height < 1 || width > NTP_MAX_SIDE || height > NTP_MAX_SIDE || parts < 0 ||
-        parts > NTP_MAX_PARTS || resolve(&t.how, how, width, height) != NTP_OK)
+        parts > NTP_MAX_PARTS || ntp__make_plan(&t.plan, how, width, height) != NTP_OK)
         return 0;
-    t.width = width;
-    t.height = height;
     t.crew.parts = parts > 0 ? parts : 1;
     lay_out(&t, &memory);
     return memory.used;
@@ -174,14 +118,20 @@ static ntp_status solve(run *t, const ntp__slopes *slopes)
         hooks.progress = report;
     if (t->hooks != NULL && t->hooks->parallel_for != NULL)
         hooks.parallel_for = share_out;
-    if (t->how.method == NTP_HEIGHT_WEIGHTED) {
+    if (t->plan.solver == NTP__SOLVER_WEIGHTED) {
         /* On the way to boxes weights would be in the way, and a few digits are enough. */
-        ntp_height_options how = t->how;
+        ntp__height_plan plan = t->plan;
         bool again = slopes != &t->slopes;
-        how.tolerance = again ? coarse_tolerance : how.tolerance;
-        return ntp__weighted_solve(t->dst, slopes, again, &how, t->rest, &hooks, &t->result);
+        plan.tolerance = again ? coarse_tolerance : plan.tolerance;
+        return ntp__weighted_solve(t->dst, slopes, again, &plan, t->rest, &hooks, &t->result);
     }
-    NTP__TRY(ntp__integrate(t->dst, slopes, &t->how, t->rest, &hooks, &counts));
+    if (t->plan.solver == NTP__SOLVER_TELESCOPING) {
+        if (hooks.progress != NULL && hooks.progress(t, 0) != 0)
+            return NTP_ERR_CANCELLED;
+        ntp__telescope(t->dst, slopes, &t->plan, t->rest, &counts);
+    } else {
+        NTP__TRY(ntp__direct_solve(t->dst, slopes, &t->plan, t->rest, &hooks, &counts));
+    }
     if (slopes == &t->slopes) {
         t->result.unused = counts.unused;
         t->result.not_finite = counts.not_finite;
@@ -196,10 +146,10 @@ static ntp_status solve(run *t, const ntp__slopes *slopes)
 /* heights += factor * dst, or = dst */
 static void gather(run *t, double factor, bool add)
 {
-    for (int32_t y = 0; y < t->height; y++) {
+    for (int32_t y = 0; y < t->plan.height; y++) {
         const float *row = ntp__at_mut(t->dst, 0, y);
-        double *to = t->heights + (size_t) y * (size_t) t->width;
-        for (int32_t x = 0; x < t->width; x++)
+        double *to = t->heights + (size_t) y * (size_t) t->plan.width;
+        for (int32_t x = 0; x < t->plan.width; x++)
             to[x] = add ? to[x] + factor * (double) row[x] : (double) row[x];
     }
 }
@@ -207,10 +157,10 @@ static void gather(run *t, double factor, bool add)
 /* dst = heights, which become what dst holds; 0 for NaN, which stays. */
 static void put_back(run *t)
 {
-    for (int32_t y = 0; y < t->height; y++) {
+    for (int32_t y = 0; y < t->plan.height; y++) {
         float *row = ntp__at_mut(t->dst, 0, y);
-        double *from = t->heights + (size_t) y * (size_t) t->width;
-        for (int32_t x = 0; x < t->width; x++) {
+        double *from = t->heights + (size_t) y * (size_t) t->plan.width;
+        for (int32_t x = 0; x < t->plan.width; x++) {
             bool hole = ntp__is_nan(from[x]);
             row[x] = hole ? 0 : (float) from[x];
             from[x] = hole ? from[x] : (double) row[x];
@@ -220,7 +170,7 @@ static void put_back(run *t)
 
 static void scale_planes(run *t, double scale)
 {
-    size_t texels = (size_t) t->width * (size_t) t->height;
+    size_t texels = (size_t) t->plan.width * (size_t) t->plan.height;
     for (size_t i = 0; i < texels; i++) {
         t->right[i] = (float) (scale * (double) t->right[i]);
         t->down[i] = (float) (scale * (double) t->down[i]);
@@ -236,17 +186,17 @@ static void scale_planes(run *t, double scale)
 static ntp_status refine(run *t)
 {
     static const double relaxation = 1.7;
-    ntp__plane heights = { t->heights, NULL, t->width };
-    int32_t rounds = t->how.refine;
+    ntp__plane heights = { t->heights, NULL, t->plan.width };
+    int32_t rounds = t->plan.refine;
     ntp_status status = NTP_OK;
-    bool holes = t->how.method == NTP_HEIGHT_WEIGHTED;
+    bool holes = t->plan.solver == NTP__SOLVER_WEIGHTED;
     gather(t, 1, false);
     if (holes)
-        ntp__rederive_mark_holes(&t->rederive, t->heights, NULL);
+        ntp__round_trip_mark_holes(&t->round_trip, t->heights, NULL);
     for (int32_t i = 0; i < rounds && status == NTP_OK; i++) {
         double mean_square;
         ntp__slopes way = t->slopes;
-        if (ntp__rederive_project(&t->rederive, &heights, t->right, t->down, &mean_square) == 0)
+        if (ntp__round_trip_project(&t->round_trip, &heights, t->right, t->down, &mean_square) == 0)
             break;
         double scale = mean_square > 0 ? 1 / sqrt(mean_square) : 1;
         scale_planes(t, scale);
@@ -261,7 +211,7 @@ static ntp_status refine(run *t)
         t->result.rounds++;
     }
     put_back(t);
-    t->result.refine_left = ntp__rederive_project(&t->rederive, &heights, NULL, NULL, NULL);
+    t->result.refine_left = ntp__round_trip_project(&t->round_trip, &heights, NULL, NULL, NULL);
     return status;
 }
 
@@ -269,7 +219,7 @@ static ntp_status refine(run *t)
 
 /* Takes the best plane out of heights of mean 0, along the axes that do not wrap.  The columns, and
  * the rows, of a rectangle are orthogonal: two fits, each of one slope. */
-static void detrend(const ntp_image *dst, const ntp_height_options *how, ntp_height_result *result)
+static void detrend(const ntp_image *dst, const ntp__height_plan *plan, ntp_height_result *result)
 {
     double along = 0, down = 0, w = dst->width, h = dst->height;
     double middle_x = (w - 1) / 2, middle_y = (h - 1) / 2;
@@ -284,9 +234,9 @@ static void detrend(const ntp_image *dst, const ntp_height_options *how, ntp_hei
         down += sum * (y - middle_y);
     }
     /* The sum of (i - middle)^2 over n places is n (n^2 - 1)/12. */
-    if (how->border_x != NTP_BORDER_WRAP && dst->width > 1)
+    if (!plan->wrap_x && dst->width > 1)
         result->trend_x = 12 * along / (h * w * (w * w - 1));
-    if (how->border_y != NTP_BORDER_WRAP && dst->height > 1)
+    if (!plan->wrap_y && dst->height > 1)
         result->trend_y = 12 * down / (w * h * (h * h - 1));
     for (int32_t y = 0; y < dst->height; y++) {
         float *row = ntp__at_mut(dst, 0, y);
@@ -314,33 +264,34 @@ static void find_range(const ntp_image *dst, ntp_height_result *result)
 
 static void measure(run *t)
 {
-    bool holes = t->how.method == NTP_HEIGHT_WEIGHTED;
+    bool holes = t->plan.solver == NTP__SOLVER_WEIGHTED;
     ntp__plane heights = { NULL, t->dst->data, t->dst->row_stride / (ptrdiff_t) sizeof(float) };
     if (holes)
-        ntp__rederive_mark_holes(&t->rederive, NULL, t->dst);
-    t->result.residual = ntp__rederive_residual(&t->rederive, &heights);
-    for (int32_t y = 0; holes && y < t->height; y++) {
+        ntp__round_trip_mark_holes(&t->round_trip, NULL, t->dst);
+    t->result.residual = ntp__round_trip_residual(&t->round_trip, &heights);
+    for (int32_t y = 0; holes && y < t->plan.height; y++) {
         float *row = ntp__at_mut(t->dst, 0, y);
-        for (int32_t x = 0; x < t->width; x++)
+        for (int32_t x = 0; x < t->plan.width; x++)
             row[x] = ntp__is_nan((double) row[x]) ? 0 : row[x];
     }
 }
 
 static ntp_status work(run *t)
 {
-    bool weighted = t->how.method == NTP_HEIGHT_WEIGHTED;
-    t->to = 1 / (t->how.refine + 1.0);
+    bool weighted = t->plan.solver == NTP__SOLVER_WEIGHTED;
+    t->to = 1 / (t->plan.refine + 1.0);
     ntp_status status = solve(t, &t->slopes);
-    if (status == NTP_OK && t->how.refine > 0)
+    if (status == NTP_OK && t->plan.refine > 0)
         status = refine(t);
     if (status != NTP_OK && status != NTP_ERR_NOT_CONVERGED)
         return status;
-    if (t->how.residual_scope != NTP_RESIDUAL_NONE)
+    if (t->plan.residual_scope != NTP_RESIDUAL_NONE)
         measure(t);
-    if (t->how.detrend && !weighted)
-        detrend(t->dst, &t->how, &t->result);
+    if (t->plan.detrend && !weighted)
+        detrend(t->dst, &t->plan, &t->result);
     /* The direct solver has found the range as it wrote. */
-    if (weighted || t->how.method == NTP_HEIGHT_TELESCOPING || t->how.refine > 0 || t->how.detrend)
+    if (weighted || t->plan.solver == NTP__SOLVER_TELESCOPING || t->plan.refine > 0 ||
+        t->plan.detrend)
         find_range(t->dst, &t->result);
     return status;
 }
@@ -354,9 +305,9 @@ ntp_status ntp_height_from_normals(const ntp_image *dst, const ntp_const_image *
     ntp__scratch memory = { scratch, 0 };
     memset(&t, 0, sizeof t);
     NTP__TRY(check_views(dst, src));
-    NTP__TRY(resolve(&t.how, how, src->width, src->height));
-    NTP__TRY(check_mask(t.how.mask, src));
-    if (t.how.refine > 0 && src->type == NTP_TYPE_F32)
+    NTP__TRY(ntp__make_plan(&t.plan, how, src->width, src->height));
+    NTP__TRY(check_mask(t.plan.mask, src));
+    if (t.plan.refine > 0 && src->type == NTP_TYPE_F32)
         return NTP_ERR_FORMAT;
     t.crew = ntp__crew_of(hooks);
     if (t.crew.parts < 1 || t.crew.parts > NTP_MAX_PARTS)
@@ -366,18 +317,15 @@ ntp_status ntp_height_from_normals(const ntp_image *dst, const ntp_const_image *
         return NTP_ERR_SCRATCH;
     t.dst = dst;
     t.hooks = hooks;
-    t.width = src->width;
-    t.height = src->height;
     if (hooks != NULL && hooks->progress != NULL && hooks->progress(hooks->user, 0) != 0)
         return NTP_ERR_CANCELLED;
-    ntp__decode_by_evidence(&t.how, src);
-    ntp__slopes_init(&t.slopes, src, &t.how);
+    ntp__decode_by_evidence(&t.plan, src);
+    ntp__slopes_init(&t.slopes, src, &t.plan);
     lay_out(&t, &memory);
     t.result.islands = 1;
     t.result.residual = -1;
     ntp_status status = work(&t);
-    /* Where one axis wraps the least squares go by the name of the free one. */
-    t.result.method = t.how.method != NTP_HEIGHT_AUTO ? t.how.method : NTP_HEIGHT_POISSON_DCT;
+    t.result.method = t.plan.method;
     t.result.decode = t.slopes.decode;
     t.result.z = t.slopes.derived ? NTP_Z_DERIVED : NTP_Z_STORED;
     if (result != NULL && (status == NTP_OK || status == NTP_ERR_NOT_CONVERGED))

@@ -35,10 +35,10 @@ static void hold_off_edges(int32_t *first, int32_t *end, ntp_border border)
     }
 }
 
-static void choose_seen(ntp__rederive *r, const ntp_height_options *how)
+static void choose_seen(ntp__round_trip *r, const ntp__height_plan *plan)
 {
     const ntp__stencil *s = r->stencil;
-    bool only_inside = how->residual_scope == NTP_RESIDUAL_INSIDE;
+    bool only_inside = plan->residual_scope == NTP_RESIDUAL_INSIDE;
     r->seen = (ntp_rect) { 0, 0, r->width, r->height };
     r->rows = only_inside ? MOST_ROWS : r->height;
     for (int32_t t = 0; only_inside && t < s->terms; t++) {
@@ -47,38 +47,38 @@ static void choose_seen(ntp__rederive *r, const ntp_height_options *how)
         hold_inside(&r->seen.y0, &r->seen.y1, &s->along_y[t]);
         hold_inside(&r->seen.y0, &r->seen.y1, &s->across_y[t]);
     }
-    if (only_inside && how->kernel == NTP_KERNEL_CENTRAL && how->method != NTP_HEIGHT_WEIGHTED) {
-        hold_off_edges(&r->seen.x0, &r->seen.x1, how->border_x);
-        hold_off_edges(&r->seen.y0, &r->seen.y1, how->border_y);
+    if (only_inside && plan->kernel == NTP_KERNEL_CENTRAL && plan->solver != NTP__SOLVER_WEIGHTED) {
+        hold_off_edges(&r->seen.x0, &r->seen.x1, plan->border_x);
+        hold_off_edges(&r->seen.y0, &r->seen.y1, plan->border_y);
     }
 }
 
-void ntp__rederive_init(ntp__rederive *r, const ntp__slopes *slopes, const ntp_height_options *how,
-                        int32_t width, int32_t height, ntp__crew crew, ntp__scratch *memory)
+void ntp__round_trip_init(ntp__round_trip *r, const ntp__slopes *slopes,
+                          const ntp__height_plan *plan, ntp__crew crew, ntp__scratch *memory)
 {
     /* Baked normals are of no stencil; central differences come near. */
-    bool baked = how->kernel == NTP_KERNEL_BAKED;
-    size_t rows = (size_t) height, row = (size_t) width * sizeof(double);
+    bool baked = plan->kernel == NTP_KERNEL_BAKED;
+    size_t rows = (size_t) plan->height, row = (size_t) plan->width * sizeof(double);
     r->slopes = slopes;
-    r->mask = how->mask;
-    r->width = width;
-    r->height = height;
-    r->dx = how->dx > 0 ? how->dx : 1;
-    r->dy = how->dy > 0 ? how->dy : 1;
+    r->mask = plan->mask;
+    r->width = plan->width;
+    r->height = plan->height;
+    r->dx = plan->dx;
+    r->dy = plan->dy;
     r->crew = crew;
     r->stencil = ntp__take(memory, sizeof *r->stencil);
     r->parts = ntp__take(memory, (size_t) crew.parts * sizeof *r->parts);
-    for (int32_t i = 0; i < crew.parts * NTP__REDERIVE_ROWS; i++) {
+    for (int32_t i = 0; i < crew.parts * NTP__ROUND_TRIP_ROWS; i++) {
         double *taken = ntp__take(memory, row);
         if (memory->base != NULL)
-            r->parts[i / NTP__REDERIVE_ROWS].row[i % NTP__REDERIVE_ROWS] = taken;
+            r->parts[i / NTP__ROUND_TRIP_ROWS].row[i % NTP__ROUND_TRIP_ROWS] = taken;
     }
     r->sum = ntp__take(memory, rows * sizeof *r->sum);
     r->count = ntp__take(memory, rows * sizeof *r->count);
     if (memory->base != NULL) {
-        ntp__stencil_init(r->stencil, baked ? NTP_KERNEL_CENTRAL : how->kernel, how->border_x,
-                          how->border_y, width, height, false);
-        choose_seen(r, how);
+        ntp__stencil_init(r->stencil, baked ? NTP_KERNEL_CENTRAL : plan->kernel, plan->border_x,
+                          plan->border_y, plan->width, plan->height, false);
+        choose_seen(r, plan);
     }
 }
 
@@ -95,7 +95,7 @@ static bool reads_hole(double slope_right, double slope_down)
 }
 
 /* Slopes of the heights at row y: of x and y over the spacing. */
-static void slopes_of_heights(const ntp__rederive *r, double *right, double *down, double *work,
+static void slopes_of_heights(const ntp__round_trip *r, double *right, double *down, double *work,
                               int32_t y)
 {
     ntp__stencil_slopes(r->stencil, right, down, work, &r->heights, y);
@@ -106,14 +106,14 @@ static void slopes_of_heights(const ntp__rederive *r, double *right, double *dow
 }
 
 /* Unpacks n texels from (x, y) on, and finds the holes among them. */
-static void look_at(const ntp__rederive *r, ntp__block *block, bool hole[NTP__BLOCK], int32_t x,
+static void look_at(const ntp__round_trip *r, ntp__block *block, bool hole[NTP__BLOCK], int32_t x,
                     int32_t y, int32_t n)
 {
     ntp__unpack(block, r->slopes->src, x, y, n);
     ntp__find_holes(hole, r->slopes, r->mask, block, x, y, n);
 }
 
-void ntp__rederive_mark_holes(const ntp__rederive *r, double *heights, const ntp_image *dst)
+void ntp__round_trip_mark_holes(const ntp__round_trip *r, double *heights, const ntp_image *dst)
 {
     ntp__block block;
     bool hole[NTP__BLOCK];
@@ -137,7 +137,7 @@ void ntp__rederive_mark_holes(const ntp__rederive *r, double *heights, const ntp
 /* ----------------------------------------------------------------------------- residual */
 
 /* Is this row among those looked at, which are spread evenly? */
-static bool is_sampled(const ntp__rederive *r, int32_t y)
+static bool is_sampled(const ntp__round_trip *r, int32_t y)
 {
     int64_t rows = (int64_t) r->seen.y1 - r->seen.y0, at = (int64_t) y - r->seen.y0;
     return at >= 0 && at < rows && (rows <= r->rows || at * r->rows % rows < r->rows);
@@ -157,7 +157,7 @@ static void squares_off(double *out, double *const *row, int32_t x, int32_t n)
 
 static void residual_row(void *job, int32_t part, int32_t y)
 {
-    ntp__rederive *r = job;
+    ntp__round_trip *r = job;
     double *const *row = r->parts[part].row, square[NTP__BLOCK], sum = 0;
     uint64_t count = 0;
     ntp__block block;
@@ -183,7 +183,7 @@ static void residual_row(void *job, int32_t part, int32_t y)
     r->count[y] = count;
 }
 
-double ntp__rederive_residual(ntp__rederive *r, const ntp__plane *heights)
+double ntp__round_trip_residual(ntp__round_trip *r, const ntp__plane *heights)
 {
     double sum = 0, count = 0;
     r->heights = *heights;
@@ -285,7 +285,7 @@ static bool project_texel(const ntp__slopes *s, const ntp__block *block, int32_t
 
 static void project_row(void *job, int32_t part, int32_t y)
 {
-    ntp__rederive *r = job;
+    ntp__round_trip *r = job;
     double *const *row = r->parts[part].row, sum = 0;
     size_t start = (size_t) y * (size_t) r->width;
     uint64_t count = 0;
@@ -310,8 +310,8 @@ static void project_row(void *job, int32_t part, int32_t y)
     r->count[y] = count;
 }
 
-uint64_t ntp__rederive_project(ntp__rederive *r, const ntp__plane *heights, float *right,
-                               float *down, double *mean_square)
+uint64_t ntp__round_trip_project(ntp__round_trip *r, const ntp__plane *heights, float *right,
+                                 float *down, double *mean_square)
 {
     uint64_t count = 0;
     double sum = 0;

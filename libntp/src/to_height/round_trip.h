@@ -2,21 +2,21 @@
 /*
  * round_trip.h - the normals of a reconstructed heightfield against those it was made of
  */
-#ifndef NTP_REDERIVE_H
-#define NTP_REDERIVE_H
+#ifndef NTP_ROUND_TRIP_H
+#define NTP_ROUND_TRIP_H
 
 #include "base/parts.h"
 #include "base/scratch.h"
 #include "to_height/shared/slopes.h"
 #include "to_height/shared/slope_operator.h"
 
-enum { NTP__REDERIVE_ROWS = 5 };
+enum { NTP__ROUND_TRIP_ROWS = 5 };
 
-typedef struct ntp__rederive_part {
-    double *row[NTP__REDERIVE_ROWS];
-} ntp__rederive_part;
+typedef struct ntp__round_trip_part {
+    double *row[NTP__ROUND_TRIP_ROWS];
+} ntp__round_trip_part;
 
-typedef struct ntp__rederive {
+typedef struct ntp__round_trip {
     const ntp__slopes *slopes; /* stored */
     const ntp_const_image *mask;
     int32_t width, height;
@@ -24,28 +24,28 @@ typedef struct ntp__rederive {
     ntp_rect seen; /* by the residual */
     int32_t rows;  /* of it, at most */
     ntp__stencil *stencil;
-    ntp__rederive_part *parts;
+    ntp__round_trip_part *parts;
     ntp__crew crew;
     double *sum;     /* of each row */
     uint64_t *count; /* of each row */
     ntp__plane heights;
     float *right, *down; /* packed planes that a projection writes */
-} ntp__rederive;
+} ntp__round_trip;
 
 /* Lays out its memory, or measures it where memory->base is NULL (slopes NULL then). */
-void ntp__rederive_init(ntp__rederive *r, const ntp__slopes *slopes, const ntp_height_options *how,
-                        int32_t width, int32_t height, ntp__crew crew, ntp__scratch *memory);
+void ntp__round_trip_init(ntp__round_trip *r, const ntp__slopes *slopes,
+                          const ntp__height_plan *plan, ntp__crew crew, ntp__scratch *memory);
 
 /* Makes heights of holes NaN, in a packed plane or an image: slopes that read them then do not count. */
-void ntp__rederive_mark_holes(const ntp__rederive *r, double *heights, const ntp_image *dst);
+void ntp__round_trip_mark_holes(const ntp__round_trip *r, double *heights, const ntp_image *dst);
 
 /* Root of the mean square of x and y less those stored, in levels; unused texels do not count.
  * Negative: none counts. */
-double ntp__rederive_residual(ntp__rederive *r, const ntp__plane *heights);
+double ntp__round_trip_residual(ntp__round_trip *r, const ntp__plane *heights);
 
 /* right, down: what takes the slopes of these heights to the nearest that round to the stored red
  * and green; NULL: nothing is written.  Returns how many texels do not; *mean_square: of both. */
-uint64_t ntp__rederive_project(ntp__rederive *r, const ntp__plane *heights, float *right,
-                               float *down, double *mean_square);
+uint64_t ntp__round_trip_project(ntp__round_trip *r, const ntp__plane *heights, float *right,
+                                 float *down, double *mean_square);
 
 #endif

@@ -7,7 +7,6 @@
  * convolution, cosines are its eigenvectors, and the adjoint is the convolution turned round.
  * One-sided and baked slopes live on the edges between texels, as the compact Laplacian.
  */
-#include "base/finite.h"
 #include "stencil/taps.h"
 #include "to_height/direct/direct.h"
 
@@ -17,12 +16,21 @@ enum { RADIUS = NTP__MAX_RADIUS, BAKED = 4 /* slopes that make an edge */ };
 
 /* --------------------------------------------------------------------------------- kinds */
 
-ntp_status ntp__grid_axis_init(ntp__grid_axis *axis, int32_t n, ntp_kernel kernel,
-                               ntp_border border)
+/* Does the solver know the heights beyond this border? */
+static bool border_known(ntp_kernel kernel, ntp_border border)
+{
+    if (kernel == NTP_KERNEL_BAKED || kernel == NTP_KERNEL_FORWARD)
+        return true;
+    if (kernel == NTP_KERNEL_CENTRAL)
+        return border != NTP_BORDER_REPEAT_SLOPE;
+    /* Clamped heights are mirrored ones as far as one texel. */
+    bool clamp = border == NTP_BORDER_CLAMP && ntp__kernel_table[kernel].radius == 1;
+    return border == NTP_BORDER_WRAP || border == NTP_BORDER_MIRROR || clamp;
+}
+
+static void init_axis(ntp__grid_axis *axis, int32_t n, ntp_kernel kernel, ntp_border border)
 {
     memset(axis, 0, sizeof *axis);
-    if ((int) kernel < 0 || (int) kernel > NTP_KERNEL_BAKED)
-        return NTP_ERR_ARGUMENT;
     axis->n = n;
     axis->kernel = kernel;
     axis->border = border;
@@ -38,18 +46,11 @@ ntp_status ntp__grid_axis_init(ntp__grid_axis *axis, int32_t n, ntp_kernel kerne
             axis->last = 0.5;
     } else if (kernel == NTP_KERNEL_CENTRAL) {
         axis->kind = NTP__AXIS_CENTRAL;
-        if (border == NTP_BORDER_REPEAT_SLOPE)
-            return NTP_ERR_FORMAT;
         /* h[1] - h[0] where clamping makes (h[1] - h[0])/2; 0 where mirroring does */
         axis->edge = border == NTP_BORDER_EXTRAPOLATE ? 0.5 : 1;
     } else {
         axis->kind = NTP__AXIS_TAPS;
-        /* Clamped heights are mirrored ones as far as one texel. */
-        bool clamp = border == NTP_BORDER_CLAMP && ntp__kernel_table[kernel].radius == 1;
-        if (!axis->wrap && border != NTP_BORDER_MIRROR && !clamp)
-            return NTP_ERR_FORMAT;
     }
-    return NTP_OK;
 }
 
 ntp__fft_kind ntp__axis_transform(const ntp__grid_axis *axis)
@@ -203,46 +204,40 @@ void ntp__symbol_at(ntp__symbol *symbol, const ntp__grid_axis *axis, int32_t j)
 
 /* ------------------------------------------------------------------------------- problem */
 
-static bool spacing_good(double d)
-{
-    return d >= 0 && ntp__is_finite(d);
-}
-
 /* Heights in steps of dy down: the slopes right are per step of dx, and weigh (dy/dx)^2. */
-static bool set_weights(ntp__problem *p, const ntp_height_options *how)
+static bool set_weights(ntp__problem *p, const ntp__height_plan *plan)
 {
-    double dx = how->dx != 0 ? how->dx : 1, dy = how->dy != 0 ? how->dy : 1;
+    double dx = plan->dx, dy = plan->dy;
     p->ratio = dy / dx * (dy / dx);
     p->right_weight = dy * (dy / dx);
     p->down_weight = dy;
-    return spacing_good(how->dx) && spacing_good(how->dy) && p->ratio > 0x1p-100 &&
-           p->ratio < 0x1p100 && dy > 0x1p-100 && dy < 0x1p100;
+    return p->ratio > 0x1p-100 && p->ratio < 0x1p100 && dy > 0x1p-100 && dy < 0x1p100;
 }
 
-ntp_status ntp__problem_init(ntp__problem *p, const ntp_height_options *how, int32_t width,
-                             int32_t height, ntp_type type)
+ntp_status ntp__direct_check(const ntp__height_plan *plan)
 {
-    bool sums = how->method == NTP_HEIGHT_TELESCOPING;
-    bool wrap_x = how->border_x == NTP_BORDER_WRAP, wrap_y = how->border_y == NTP_BORDER_WRAP;
-    memset(p, 0, sizeof *p);
-    if ((how->method == NTP_HEIGHT_FRANKOT_CHELLAPPA && !(wrap_x && wrap_y)) ||
-        (how->method == NTP_HEIGHT_POISSON_DCT && (wrap_x || wrap_y)) ||
-        (int) how->prior < NTP_PRIOR_AUTO || (int) how->prior > NTP_PRIOR_ROUGHNESS ||
-        !set_weights(p, how))
+    ntp__problem p;
+    ntp_kernel kernel = plan->kernel;
+    if (!set_weights(&p, plan))
         return NTP_ERR_ARGUMENT;
-    if (sums && how->kernel != NTP_KERNEL_CENTRAL && how->kernel != NTP_KERNEL_FORWARD)
-        return NTP_ERR_FORMAT;
-    /* No slope at a border is used in telescoping. */
-    NTP__TRY(ntp__grid_axis_init(&p->along, width, how->kernel,
-                                 sums ? NTP_BORDER_CLAMP : how->border_x));
-    NTP__TRY(ntp__grid_axis_init(&p->down, height, how->kernel,
-                                 sums ? NTP_BORDER_CLAMP : how->border_y));
+    /* Telescoping uses no slope at a border. */
+    bool known = plan->solver == NTP__SOLVER_TELESCOPING
+                     ? kernel == NTP_KERNEL_CENTRAL || kernel == NTP_KERNEL_FORWARD
+                     : border_known(kernel, plan->border_x) && border_known(kernel, plan->border_y);
+    return known ? NTP_OK : NTP_ERR_FORMAT;
+}
+
+void ntp__problem_init(ntp__problem *p, const ntp__height_plan *plan, ntp_type type)
+{
+    memset(p, 0, sizeof *p);
+    set_weights(p, plan);
+    init_axis(&p->along, plan->width, plan->kernel, plan->border_x);
+    init_axis(&p->down, plan->height, plan->kernel, plan->border_y);
     bool taps = p->along.kind == NTP__AXIS_TAPS;
-    bool prior = how->prior == NTP_PRIOR_ROUGHNESS || (how->prior == NTP_PRIOR_AUTO && taps);
+    bool prior = plan->prior == NTP_PRIOR_ROUGHNESS || (plan->prior == NTP_PRIOR_AUTO && taps);
     p->single = type == NTP_TYPE_U8;
     p->filter = taps || prior || ntp__axis_transform(&p->down) == NTP__FFT_MIRROR;
     /* A level is 2/M, its rounding error even over that; floats are 24 bits. */
     double level = type == NTP_TYPE_U8 ? 2.0 / 255 : type == NTP_TYPE_U16 ? 2.0 / 65535 : 0x1p-23;
     p->sigma = prior ? level * 0.28867513459481288 * p->down_weight : 0;
-    return NTP_OK;
 }

@@ -6,8 +6,8 @@
  * right-hand sides; columns.c solves down columns, by recursion or by transforms;
  * edges.c mends edges.
  */
-#ifndef NTP_INTEGRATE_H
-#define NTP_INTEGRATE_H
+#ifndef NTP_DIRECT_H
+#define NTP_DIRECT_H
 
 #include "base/scratch.h"
 #include "to_height/shared/row_cache.h"
@@ -42,9 +42,6 @@ typedef struct ntp__terms {
     int32_t at[NTP__MAX_TERMS];
     double weight[NTP__MAX_TERMS];
 } ntp__terms;
-
-ntp_status ntp__grid_axis_init(ntp__grid_axis *axis, int32_t n, ntp_kernel kernel,
-                               ntp_border border);
 
 /* The adjoint of a one-dimensional stencil: what the slopes say about the height at i. */
 void ntp__adjoint(ntp__terms *terms, const ntp__grid_axis *axis, int32_t i);
@@ -82,8 +79,8 @@ typedef struct ntp__problem {
     bool filter;                      /* columns are transformed as well, not recursive */
 } ntp__problem;
 
-ntp_status ntp__problem_init(ntp__problem *p, const ntp_height_options *how, int32_t width,
-                             int32_t height, ntp_type type);
+/* Of a plan that ntp__direct_check takes, but not for telescoping. */
+void ntp__problem_init(ntp__problem *p, const ntp__height_plan *plan, ntp_type type);
 
 /* What takes a scratch below lays its arrays out in it; with base NULL, `used` counts and nothing
  * else is done. */
@@ -169,26 +166,26 @@ void ntp__edges_fit(const ntp_image *dst, const ntp__slopes *slopes, const ntp__
 
 /* --------------------------------------------------------------------------------- whole */
 
-/* The direct solver and telescoping: does it take this, its working memory, and the work, which adds
- * to counts.  parts: at least 1.  Of `how` the fields up to `equalize`, dx, dy and prior count, but
- * not decode and z, which the slopes have in them. */
-ntp_status ntp__integrate_check(const ntp_height_options *how, int32_t width, int32_t height);
-size_t ntp__integrate_scratch(const ntp_height_options *how, int32_t width, int32_t height,
-                              int32_t parts);
-ntp_status ntp__integrate(const ntp_image *dst, const ntp__slopes *slopes,
-                          const ntp_height_options *how, void *scratch, const ntp_hooks *hooks,
-                          ntp__slope_counts *counts);
+/* Does this room take the plan, which is not one of weighted least squares? */
+ntp_status ntp__direct_check(const ntp__height_plan *plan);
+
+/* Working memory for a number of parts, at least 1, and the work, which adds to counts. */
+size_t ntp__direct_scratch(const ntp__height_plan *plan, int32_t parts);
+ntp_status ntp__direct_solve(const ntp_image *dst, const ntp__slopes *slopes,
+                             const ntp__height_plan *plan, void *scratch, const ntp_hooks *hooks,
+                             ntp__slope_counts *counts);
 
 /* The same with rows that are read and written; 0, or an error, where columns are transformed.  The
  * size and format of normals are those of form; decode and z are not AUTO. */
-size_t ntp__stream_scratch(const ntp_const_image *form, const ntp_height_options *how,
-                           int32_t parts);
-ntp_status ntp__stream(const ntp_const_image *form, const ntp_height_rows *rows,
-                       const ntp_height_options *how, void *scratch, const ntp_hooks *hooks,
-                       ntp_height_result *result);
+size_t ntp__direct_rows_scratch(const ntp_const_image *form, const ntp__height_plan *plan,
+                                int32_t parts);
+ntp_status ntp__direct_rows(const ntp_const_image *form, const ntp_height_rows *rows,
+                            const ntp__height_plan *plan, void *scratch, const ntp_hooks *hooks,
+                            ntp_height_result *result);
 
-/* Eberly's sums.  Memory without a base: as above; of dst the width counts. */
-void ntp__telescope(const ntp_image *dst, const ntp__slopes *slopes, const ntp_height_options *how,
-                    ntp__scratch *memory, ntp__slope_counts *counts);
+/* Eberly's sums, and the memory they work in. */
+size_t ntp__telescope_scratch(const ntp__height_plan *plan);
+void ntp__telescope(const ntp_image *dst, const ntp__slopes *slopes, const ntp__height_plan *plan,
+                    void *scratch, ntp__slope_counts *counts);
 
 #endif

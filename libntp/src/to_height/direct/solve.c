@@ -21,7 +21,6 @@ enum {
     ROWS = NTP__FFT_ROWS,
     RUN = 8,                       /* batches of a part that follow each other */
     MOST_GROUP = 8 * NTP__COLUMNS, /* columns of a part */
-    EXTRA_ROWS = 7,                /* of telescoping */
     NONE = -1                      /* no round */
 };
 
@@ -350,28 +349,15 @@ static ntp_status least_squares(job *j)
 
 /* -------------------------------------------------------------------------------- whole */
 
-ntp_status ntp__integrate_check(const ntp_height_options *how, int32_t width, int32_t height)
-{
-    ntp__problem p;
-    return ntp__problem_init(&p, how, width, height, NTP_TYPE_F32);
-}
-
-size_t ntp__integrate_scratch(const ntp_height_options *how, int32_t width, int32_t height,
-                              int32_t parts)
+size_t ntp__direct_scratch(const ntp__height_plan *plan, int32_t parts)
 {
     job j;
     ntp__scratch solution = { NULL, 0 }, after = { NULL, 0 };
-    ntp_image dst = { .width = width, .height = height };
     memset(&j, 0, sizeof j);
-    if (ntp__problem_init(&j.problem, how, width, height, NTP_TYPE_F32) != NTP_OK)
-        return 0;
-    if (how->method == NTP_HEIGHT_TELESCOPING) {
-        ntp__telescope(&dst, NULL, how, &solution, NULL);
-        return solution.used;
-    }
+    ntp__problem_init(&j.problem, plan, NTP_TYPE_F32);
     j.crew.parts = parts;
     lay_out(&j, &solution, NULL);
-    ntp__edges_fit(&dst, NULL, &j.problem, &after, NULL);
+    ntp__edges_fit(NULL, NULL, &j.problem, &after, NULL);
     return solution.used > after.used ? solution.used : after.used;
 }
 
@@ -388,22 +374,16 @@ static void add_counts(const job *j, ntp__slope_counts *counts)
     }
 }
 
-ntp_status ntp__integrate(const ntp_image *dst, const ntp__slopes *slopes,
-                          const ntp_height_options *how, void *scratch, const ntp_hooks *hooks,
-                          ntp__slope_counts *counts)
+ntp_status ntp__direct_solve(const ntp_image *dst, const ntp__slopes *slopes,
+                             const ntp__height_plan *plan, void *scratch, const ntp_hooks *hooks,
+                             ntp__slope_counts *counts)
 {
     job j;
     ntp__scratch solution = { scratch, 0 }, after = { scratch, 0 };
     memset(&j, 0, sizeof j);
-    NTP__TRY(ntp__problem_init(&j.problem, how, dst->width, dst->height, slopes->src->type));
+    ntp__problem_init(&j.problem, plan, slopes->src->type);
     j.crew = ntp__crew_of(hooks);
     j.dst = dst;
-    if (how->method == NTP_HEIGHT_TELESCOPING) {
-        if (stopped(&j, 0))
-            return NTP_ERR_CANCELLED;
-        ntp__telescope(dst, slopes, how, &solution, counts);
-        return NTP_OK;
-    }
     lay_out(&j, &solution, slopes);
     NTP__TRY(least_squares(&j));
     add_counts(&j, counts);
@@ -435,15 +415,15 @@ static void lay_out_windows(job *j, ntp__scratch *memory, const ntp_const_image 
     j->normals = ntp__take(memory, (size_t) window_rows(&j->problem, j->crew.parts) * j->row_bytes);
 }
 
-size_t ntp__stream_scratch(const ntp_const_image *form, const ntp_height_options *how,
-                           int32_t parts)
+size_t ntp__direct_rows_scratch(const ntp_const_image *form, const ntp__height_plan *plan,
+                                int32_t parts)
 {
     job j;
     ntp__scratch memory = { NULL, 0 };
     ntp_image dst;
     memset(&j, 0, sizeof j);
-    if (ntp__problem_init(&j.problem, how, form->width, form->height, form->type) != NTP_OK ||
-        j.problem.filter || how->method == NTP_HEIGHT_TELESCOPING)
+    ntp__problem_init(&j.problem, plan, form->type);
+    if (j.problem.filter)
         return 0;
     j.crew.parts = parts;
     lay_out_windows(&j, &memory, form, &dst);
@@ -451,9 +431,9 @@ size_t ntp__stream_scratch(const ntp_const_image *form, const ntp_height_options
     return memory.used;
 }
 
-ntp_status ntp__stream(const ntp_const_image *form, const ntp_height_rows *rows,
-                       const ntp_height_options *how, void *scratch, const ntp_hooks *hooks,
-                       ntp_height_result *result)
+ntp_status ntp__direct_rows(const ntp_const_image *form, const ntp_height_rows *rows,
+                            const ntp__height_plan *plan, void *scratch, const ntp_hooks *hooks,
+                            ntp_height_result *result)
 {
     job j;
     ntp__slopes slopes;
@@ -461,7 +441,7 @@ ntp_status ntp__stream(const ntp_const_image *form, const ntp_height_rows *rows,
     ntp_image dst;
     ntp__slope_counts counts = { 0, 0, 0, 0, { 0, 0 } };
     memset(&j, 0, sizeof j);
-    NTP__TRY(ntp__problem_init(&j.problem, how, form->width, form->height, form->type));
+    ntp__problem_init(&j.problem, plan, form->type);
     j.crew = ntp__crew_of(hooks);
     j.rows = rows;
     lay_out_windows(&j, &memory, form, &dst);
@@ -471,7 +451,7 @@ ntp_status ntp__stream(const ntp_const_image *form, const ntp_height_rows *rows,
     src.row_stride = (ptrdiff_t) j.row_bytes;
     src.ring_rows = 0;
     j.dst = &dst;
-    ntp__slopes_init(&slopes, &src, how);
+    ntp__slopes_init(&slopes, &src, plan);
     lay_out(&j, &memory, &slopes);
     NTP__TRY(least_squares(&j));
     add_counts(&j, &counts);

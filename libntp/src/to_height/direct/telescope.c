@@ -165,32 +165,45 @@ static void set_shifts(telescope *t, bool equalize)
     }
 }
 
-void ntp__telescope(const ntp_image *dst, const ntp__slopes *slopes, const ntp_height_options *how,
-                    ntp__scratch *memory, ntp__slope_counts *counts)
+static void lay_out(telescope *t, ntp__scratch *memory, const ntp__height_plan *plan)
+{
+    double **rows[] = { &t->right,    &t->down,   &t->down_above, &t->above[0],
+                        &t->above[1], &t->top[0], &t->top[1] };
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++)
+        *rows[i] = ntp__take(memory, (size_t) plan->width * sizeof(double));
+}
+
+size_t ntp__telescope_scratch(const ntp__height_plan *plan)
 {
     telescope t;
+    ntp__scratch memory = { NULL, 0 };
+    lay_out(&t, &memory, plan);
+    return memory.used;
+}
+
+void ntp__telescope(const ntp_image *dst, const ntp__slopes *slopes, const ntp__height_plan *plan,
+                    void *scratch, ntp__slope_counts *counts)
+{
+    telescope t;
+    ntp__scratch memory = { scratch, 0 };
     memset(&t, 0, sizeof t);
-    double **rows[] = { &t.right,    &t.down,   &t.down_above, &t.above[0],
-                        &t.above[1], &t.top[0], &t.top[1] };
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++)
-        *rows[i] = ntp__take(memory, (size_t) dst->width * sizeof(double));
-    if (memory->base == NULL)
-        return;
+    lay_out(&t, &memory, plan);
     t.slopes = slopes;
     t.dst = dst;
-    t.width = dst->width;
-    t.central = how->kernel == NTP_KERNEL_CENTRAL;
-    t.dx = how->dx != 0 ? how->dx : 1;
-    t.dy = how->dy != 0 ? how->dy : 1;
-    t.wrap_x = how->border_x == NTP_BORDER_WRAP;
-    t.wrap_y = how->border_y == NTP_BORDER_WRAP;
-    if (how->use_seeds)
-        memcpy(t.seeds, how->seeds, sizeof t.seeds);
+    t.width = plan->width;
+    t.central = plan->kernel == NTP_KERNEL_CENTRAL;
+    t.dx = plan->dx;
+    t.dy = plan->dy;
+    t.wrap_x = plan->wrap_x;
+    t.wrap_y = plan->wrap_y;
+    bool equalize = plan->equalize && t.central;
+    if (plan->use_seeds)
+        memcpy(t.seeds, plan->seeds, sizeof t.seeds);
     else if (t.central)
         default_seeds(&t);
-    if (!how->use_seeds || (how->equalize && t.central)) {
+    if (!plan->use_seeds || equalize) {
         walk(&t, NULL);
-        set_shifts(&t, how->equalize && t.central);
+        set_shifts(&t, equalize);
     }
     t.write = true;
     walk(&t, counts);

@@ -44,16 +44,16 @@ static bool neutral_by_evidence(const ntp_const_image *src)
     return piles_up(count[0]) || piles_up(count[1]);
 }
 
-void ntp__slopes_init(ntp__slopes *s, const ntp_const_image *src, const ntp_height_options *how)
+void ntp__slopes_init(ntp__slopes *s, const ntp_const_image *src, const ntp__height_plan *plan)
 {
     int32_t m = ntp__max(src->type);
     s->src = src;
     s->right = s->down = NULL;
-    s->touch_unused = how->touch_unused;
+    s->touch_unused = plan->touch_unused;
     if (src->encoding == NTP_ENCODING_VECTOR) /* of any length, so that (2, 2, 2) is no padding */
         s->touch_unused |= NTP_UNUSED_BLACK | NTP_UNUSED_WHITE;
-    s->derived = how->z == NTP_Z_DERIVED || src->encoding == NTP_ENCODING_XY;
-    s->decode = how->decode;
+    s->derived = plan->z == NTP_Z_DERIVED || src->encoding == NTP_ENCODING_XY;
+    s->decode = plan->decode;
     if (src->type == NTP_TYPE_F32)
         s->decode = NTP_DECODE_UNORM;
     else if (s->decode == NTP_DECODE_AUTO)

@@ -6,6 +6,7 @@
 #define NTP_SLOPES_H
 
 #include "base/view.h"
+#include "to_height/shared/height_plan.h"
 
 /* How the samples of a texture become slopes. */
 typedef struct ntp__slopes {
@@ -27,7 +28,7 @@ typedef struct ntp__slope_counts {
 } ntp__slope_counts;
 
 /* Looks at the texture where decode is NTP_DECODE_AUTO. */
-void ntp__slopes_init(ntp__slopes *s, const ntp_const_image *src, const ntp_height_options *how);
+void ntp__slopes_init(ntp__slopes *s, const ntp_const_image *src, const ntp__height_plan *plan);
 
 /* Slopes of row y to the right and down the picture; counts may be NULL. */
 void ntp__slopes_row(const ntp__slopes *s, double *right, double *down, int32_t y,

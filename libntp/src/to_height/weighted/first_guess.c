@@ -70,7 +70,7 @@ static double difference(const walk *k, int32_t side, size_t from, size_t to)
     const double *slope = side % 2 == 0 ? k->p : k->q;
     size_t first = side < 2 ? from : to;
     double mean = (slope[from] + slope[to]) / 2;
-    double up = k->w->how->kernel == NTP_KERNEL_FORWARD ? slope[first] : mean;
+    double up = k->w->plan->kernel == NTP_KERNEL_FORWARD ? slope[first] : mean;
     return side < 2 ? up : -up;
 }
 
@@ -82,7 +82,7 @@ static double height_beyond(const walk *k, int32_t side, int32_t x, int32_t y, s
     double slope = side % 2 == 0 ? k->p[from] : k->q[from];
     bool counts = (side % 2 == 0 ? w->right[from] : w->down[from]) > 0;
     size_t before;
-    if (w->how->kernel == NTP_KERNEL_CENTRAL && counts &&
+    if (w->plan->kernel == NTP_KERNEL_CENTRAL && counts &&
         neighbor(k, (side + 2) % SIDES, x, y, &before) && k->seen[before])
         return w->x[before] + (side < 2 ? 2 * slope : -2 * slope);
     return w->x[from] + difference(k, side, from, to);
@@ -118,8 +118,7 @@ bool ntp__weighted_start(ntp__weighted *w)
                .q = w->d,
                .queue = (uint32_t *) (void *) w->a,
                .seen = (uint8_t *) (w->a + (texels + 1) / 2),
-               .wrap = { w->how->border_x == NTP_BORDER_WRAP,
-                         w->how->border_y == NTP_BORDER_WRAP } };
+               .wrap = { w->plan->wrap_x, w->plan->wrap_y } };
     if (!w->holes || !is_narrow(&k))
         return false;
     for (int32_t y = 0; y < w->height; y++)

@@ -39,7 +39,7 @@ static void label(islands *s)
 {
     const ntp__weighted *w = s->w;
     uint32_t width = (uint32_t) w->width, height = (uint32_t) w->height;
-    bool wrap_x = w->how->border_x == NTP_BORDER_WRAP, wrap_y = w->how->border_y == NTP_BORDER_WRAP;
+    bool wrap_x = w->plan->wrap_x, wrap_y = w->plan->wrap_y;
     for (uint32_t i = 0; i < width * height; i++)
         s->root[i] = i;
     for (uint32_t y = 0; y < height; y++) {
@@ -103,8 +103,8 @@ static double moment(const islands *s, quantity a, quantity b)
 /* The plane that fits best on all islands, each with a constant of its own. */
 static void find_trend(islands *s, double trend[2])
 {
-    bool free_x = s->w->how->border_x != NTP_BORDER_WRAP;
-    bool free_y = s->w->how->border_y != NTP_BORDER_WRAP;
+    bool free_x = !s->w->plan->wrap_x;
+    bool free_y = !s->w->plan->wrap_y;
     find_means(s, COLUMN);
     double xx = moment(s, COLUMN, COLUMN), xy = moment(s, ROW, COLUMN);
     double xh = moment(s, HEIGHT, COLUMN);

@@ -136,7 +136,7 @@ static void add_pairs_of_row(const ntp__weighted *w, ntp__weighted_part *part, d
                              int32_t y)
 {
     int32_t n = w->width, inner = w->residual || n < 4 ? 0 : n - 3;
-    bool wrap = w->how->border_x == NTP_BORDER_WRAP;
+    bool wrap = w->plan->wrap_x;
     const float *weights = w->right + ntp__weighted_at(w, y);
     const double *h = w->from + ntp__weighted_at(w, y), *slopes = NULL;
     double *flow = part->spare[1];
@@ -166,7 +166,7 @@ static void make_flows_below(const ntp__weighted *w, ntp__weighted_part *part, i
     const float *near[4];
     const double *slopes[4];
     int32_t n = w->height;
-    bool wrap = w->how->border_y == NTP_BORDER_WRAP;
+    bool wrap = w->plan->wrap_y;
     for (int32_t i = 0; i < 4; i++) {
         int32_t at = y - 1 + i;
         bool inside = wrap || (at >= 0 && at < n);
@@ -195,7 +195,7 @@ static void make_flows_below(const ntp__weighted *w, ntp__weighted_part *part, i
 static void add_pairs_below(const ntp__weighted *w, ntp__weighted_part *part, double *out,
                             int32_t y, double sign)
 {
-    bool wrap = w->how->border_y == NTP_BORDER_WRAP;
+    bool wrap = w->plan->wrap_y;
     if (w->height < 2 || (!wrap && (y < 0 || y + 1 >= w->height)))
         return;
     if (part->flows_of != y)

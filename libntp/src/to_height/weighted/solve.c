@@ -12,9 +12,6 @@
 #include <math.h>
 #include <string.h>
 
-static const double default_tolerance = 1e-6;
-enum { DEFAULT_ITERATIONS = 1000 };
-
 /* Of pairs beside slopes: they decide where the stencil is all but blind, and what they do elsewhere
  * stays below the rounding of 8 bits, or of 16.  Kernels of 3 x 3 and more are blind to more. */
 static const double strength_8 = 1e-2, strength_16 = 1e-3, strength_16_central = 1e-4;
@@ -27,8 +24,8 @@ static const double alone = 10;
 static void lay_out_part(ntp__weighted *w, ntp__weighted_part *part, ntp__scratch *memory)
 {
     size_t width = (size_t) w->width, row = width * sizeof(double);
-    size_t work_x = ntp__spectrum_work(w->how->border_x, w->width);
-    size_t work_y = ntp__spectrum_work(w->how->border_y, w->height);
+    size_t work_x = ntp__spectrum_work(w->plan->border_x, w->width);
+    size_t work_y = ntp__spectrum_work(w->plan->border_y, w->height);
     ntp__weighted_part p;
     memset(&p, 0, sizeof p);
     ntp__row_cache_init(&p.weighted, memory, NTP__KEPT, row);
@@ -51,13 +48,13 @@ static void lay_out(ntp__weighted *w, ntp__scratch *memory)
 {
     size_t texels = (size_t) w->width * (size_t) w->height;
     size_t rows = (size_t) w->height * sizeof(double);
-    ntp_kernel kernel = w->rows ? w->how->kernel : NTP_KERNEL_FORWARD;
+    ntp_kernel kernel = w->rows ? w->plan->kernel : NTP_KERNEL_FORWARD;
     w->parts = ntp__take(memory, (size_t) w->crew.parts * sizeof *w->parts);
     for (int32_t i = 0; i < w->crew.parts; i++)
         lay_out_part(w, w->parts != NULL ? &w->parts[i] : NULL, memory);
     void *fft_work = w->parts != NULL ? w->parts[0].fft_work : NULL;
-    ntp__spectrum_init(&w->along, memory, kernel, w->how->border_x, w->width, fft_work);
-    ntp__spectrum_init(&w->across, memory, kernel, w->how->border_y, w->height, fft_work);
+    ntp__spectrum_init(&w->along, memory, kernel, w->plan->border_x, w->width, fft_work);
+    ntp__spectrum_init(&w->across, memory, kernel, w->plan->border_y, w->height, fft_work);
     w->stencil = ntp__take(memory, sizeof *w->stencil);
     w->sum = ntp__take(memory, rows);
     w->sum_also = ntp__take(memory, rows);
@@ -69,43 +66,41 @@ static void lay_out(ntp__weighted *w, ntp__scratch *memory)
     w->down = ntp__take(memory, texels * sizeof(float));
 }
 
-static double strength_of(const ntp_height_options *how, const ntp__slopes *slopes)
+static double strength_of(const ntp__height_plan *plan, const ntp__slopes *slopes)
 {
-    if (how->kernel == NTP_KERNEL_FORWARD)
+    if (plan->kernel == NTP_KERNEL_FORWARD)
         return 0;
-    if (how->kernel == NTP_KERNEL_BAKED)
+    if (plan->kernel == NTP_KERNEL_BAKED)
         return 1;
-    if (how->prior == NTP_PRIOR_NONE)
+    if (plan->prior == NTP_PRIOR_NONE)
         return strength_without_prior;
     if (slopes->src->type == NTP_TYPE_U8)
         return strength_8;
-    return how->kernel == NTP_KERNEL_CENTRAL ? strength_16_central : strength_16;
+    return plan->kernel == NTP_KERNEL_CENTRAL ? strength_16_central : strength_16;
 }
 
-static void init(ntp__weighted *w, const ntp_height_options *how, int32_t width, int32_t height,
-                 ntp__crew crew)
+static void init(ntp__weighted *w, const ntp__height_plan *plan, ntp__crew crew)
 {
     memset(w, 0, sizeof *w);
-    w->how = how;
-    w->mask = how->mask;
+    w->plan = plan;
+    w->mask = plan->mask;
     w->crew = crew;
-    w->width = width;
-    w->height = height;
-    w->rows = how->kernel != NTP_KERNEL_BAKED;
-    w->dx = how->dx > 0 ? how->dx : 1;
-    w->dy = how->dy > 0 ? how->dy : 1;
+    w->width = plan->width;
+    w->height = plan->height;
+    w->rows = plan->kernel != NTP_KERNEL_BAKED;
+    w->dx = plan->dx;
+    w->dy = plan->dy;
     double x = w->dx / w->dy, y = w->dy / w->dx;
     w->share_x = x > 1 ? y * y : 1;
     w->share_y = y > 1 ? x * x : 1;
 }
 
-size_t ntp__weighted_scratch(const ntp_height_options *how, int32_t width, int32_t height,
-                             int32_t parts)
+size_t ntp__weighted_scratch(const ntp__height_plan *plan, int32_t parts)
 {
     ntp__weighted w;
     ntp__scratch memory = { NULL, 0 };
     ntp__crew crew = { NULL, parts };
-    init(&w, how, width, height, crew);
+    init(&w, plan, crew);
     lay_out(&w, &memory);
     return memory.used;
 }
@@ -242,9 +237,8 @@ static ntp_status descend(ntp__weighted *w, double *error, double goal, int32_t 
 /* Repeats until the residual worked out from the slopes is small enough, or nothing helps. */
 static ntp_status iterate(ntp__weighted *w, double scale, ntp_height_result *result)
 {
-    double tolerance = w->how->tolerance > 0 ? w->how->tolerance : default_tolerance;
-    int32_t most = w->how->max_iterations > 0 ? w->how->max_iterations : DEFAULT_ITERATIONS;
-    double goal = tolerance * scale;
+    int32_t most = w->plan->max_iterations;
+    double goal = w->plan->tolerance * scale;
     progress p = { scale, goal, 0 };
     for (;;) {
         ntp__weighted_apply(w, w->r, w->x, true);
@@ -272,15 +266,15 @@ static void store(void *job, int32_t part, int32_t item)
 }
 
 ntp_status ntp__weighted_solve(const ntp_image *dst, const ntp__slopes *slopes, bool even,
-                               const ntp_height_options *how, void *scratch, const ntp_hooks *hooks,
+                               const ntp__height_plan *plan, void *scratch, const ntp_hooks *hooks,
                                ntp_height_result *result)
 {
     ntp__weighted w;
     ntp__scratch memory = { scratch, 0 };
     double trend[2] = { 0, 0 };
     size_t texels = (size_t) dst->width * (size_t) dst->height;
-    init(&w, how, dst->width, dst->height, ntp__crew_of(hooks));
-    w.strength = strength_of(how, slopes);
+    init(&w, plan, ntp__crew_of(hooks));
+    w.strength = strength_of(plan, slopes);
     w.strength_alone = w.rows ? alone * w.strength : w.strength;
     w.dst = dst;
     result->iterations = 0;
@@ -300,7 +294,7 @@ ntp_status ntp__weighted_solve(const ntp_image *dst, const ntp__slopes *slopes, 
         result->holes += w.parts[i].holes;
         result->not_finite += w.parts[i].not_finite;
     }
-    result->islands = ntp__islands_level(&w, how->detrend ? trend : NULL);
+    result->islands = ntp__islands_level(&w, plan->detrend ? trend : NULL);
     result->trend_x = trend[0];
     result->trend_y = trend[1];
     each_band(&w, store);

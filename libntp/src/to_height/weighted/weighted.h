@@ -48,7 +48,7 @@ typedef struct ntp__weighted {
     const ntp__slopes *slopes;
     bool even; /* all weights but those of holes are 1 */
     const ntp_const_image *mask;
-    const ntp_height_options *how;
+    const ntp__height_plan *plan;
     ntp__crew crew;
     ntp__weighted_part *parts;
     ntp__stencil *stencil;
@@ -72,10 +72,9 @@ typedef struct ntp__weighted {
 /* Working memory for a number of parts, and the solution: dst gets heights of mean 0 over each
  * island.  even: nothing but holes has weights of its own.  hooks may be NULL.  Of result the
  * fields of NTP_HEIGHT_WEIGHTED and the trend are set. */
-size_t ntp__weighted_scratch(const ntp_height_options *how, int32_t width, int32_t height,
-                             int32_t parts);
+size_t ntp__weighted_scratch(const ntp__height_plan *plan, int32_t parts);
 ntp_status ntp__weighted_solve(const ntp_image *dst, const ntp__slopes *slopes, bool even,
-                               const ntp_height_options *how, void *scratch, const ntp_hooks *hooks,
+                               const ntp__height_plan *plan, void *scratch, const ntp_hooks *hooks,
                                ntp_height_result *result);
 
 /* Stored slopes of row y, as differences from a texel to the next. */

@@ -96,15 +96,16 @@ void ntp__weighted_stored(const ntp__weighted *w, double *right, double *down, i
 
 void ntp__weighted_setup(ntp__weighted *w)
 {
-    const ntp_height_options *how = w->how;
-    ntp_kernel kernel = w->rows ? how->kernel : NTP_KERNEL_FORWARD;
+    const ntp__height_plan *plan = w->plan;
+    ntp_kernel kernel = w->rows ? plan->kernel : NTP_KERNEL_FORWARD;
     ntp__crew_each(&w->crew, set_band, w, ntp__bands(w));
     for (int32_t i = 0; i < w->crew.parts; i++)
         w->holes = w->holes || w->parts[i].holes > 0;
     if (w->holes && w->rows) {
-        ntp__stencil_init(w->stencil, kernel, how->border_x, how->border_y, w->width, w->height,
+        ntp__stencil_init(w->stencil, kernel, plan->border_x, plan->border_y, w->width, w->height,
                           true);
         ntp__crew_each(&w->crew, mark_band, w, ntp__bands(w));
     }
-    ntp__stencil_init(w->stencil, kernel, how->border_x, how->border_y, w->width, w->height, false);
+    ntp__stencil_init(w->stencil, kernel, plan->border_x, plan->border_y, w->width, w->height,
+                      false);
 }

@@ -1,0 +1,43 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * height_plan.h - what is to be solved: ntp_height_options, checked, with all defaults filled in
+ *
+ * to_height/make_plan.c makes it, and is the only place that checks options.  The solvers read it as
+ * it is.
+ */
+#ifndef NTP_HEIGHT_PLAN_H
+#define NTP_HEIGHT_PLAN_H
+
+#include "libntp.h"
+
+#include <stdbool.h>
+
+typedef enum ntp__solver {
+    NTP__SOLVER_DIRECT,      /* transforms along rows, and what columns take */
+    NTP__SOLVER_TELESCOPING, /* sums of slopes */
+    NTP__SOLVER_WEIGHTED     /* iteration */
+} ntp__solver;
+
+typedef struct ntp__height_plan {
+    int32_t width, height;
+    ntp__solver solver;
+    ntp_height_method method; /* the name that the result bears */
+    ntp_kernel kernel;
+    ntp_border border_x, border_y;
+    bool wrap_x, wrap_y;
+    double dx, dy; /* above 0 */
+    ntp_prior prior;
+    ntp_decode decode; /* AUTO and */
+    ntp_z z;           /* AUTO until the texture is looked at */
+    uint32_t touch_unused;
+    const ntp_const_image *mask; /* weighted, or NULL */
+    double tolerance;            /* of weighted */
+    int32_t max_iterations;
+    bool use_seeds, equalize; /* of telescoping */
+    double seeds[4];
+    ntp_residual_scope residual_scope;
+    bool detrend;
+    int32_t refine;
+} ntp__height_plan;
+
+#endif
