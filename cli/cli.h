@@ -28,7 +28,8 @@ extern _Atomic int interrupted_by; /* lock-free: a signal handler sets it, threa
 void progress_draw(double done, size_t files, size_t total);
 void progress_clear(void);
 
-/* "ntp: MESSAGE" on standard error, clearing a progress bar that stands there. */
+/* "ntp: MESSAGE" on standard error, names in it made fit to print (text_name).  A progress bar that
+ * stands there is cleared. */
 void complain(const char *format, ...) TEXT_FORMAT(1, 2);
 
 /* Everything that is a result goes through here.  After a reader went away (EPIPE) it is

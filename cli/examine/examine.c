@@ -37,10 +37,22 @@ ntp_encoding class_encoding(ntp_class type, int32_t channels)
                                    : NTP_ENCODING_STANDARD;
 }
 
+bool class_is_tangent(ntp_class type)
+{
+    return type == NTP_CLASS_STANDARD || type == NTP_CLASS_ZZERO || type == NTP_CLASS_XY;
+}
+
 bool class_is_normals(ntp_class type)
 {
-    return type == NTP_CLASS_STANDARD || type == NTP_CLASS_ZZERO || type == NTP_CLASS_XY ||
-           type == NTP_CLASS_OBJECT_SPACE;
+    return class_is_tangent(type) || type == NTP_CLASS_OBJECT_SPACE;
+}
+
+bool facts_are_tangent(const facts *f)
+{
+    const uint32_t misplaced =
+        NTP_ACCIDENT_RED_IS_Z | NTP_ACCIDENT_GREEN_IS_Z | NTP_ACCIDENT_DXT5NM | NTP_ACCIDENT_GAMMA;
+    return f->encoding != NTP_ENCODING_HEIGHT && (f->type.accidents & misplaced) == 0 &&
+           class_is_tangent(f->type.type);
 }
 
 const char *class_title(ntp_class type)

@@ -24,7 +24,7 @@ void orient_begin(source *s)
     if (w->orientation == NULL)
         w->orientation = need(calloc(1, ntp_orientation_size()));
     else
-        memset(w->orientation, 0, ntp_orientation_size());
+        ntp_orientation_clear(w->orientation);
     buffer_reserve(&w->band, RING * (size_t) s->view.row_stride);
 }
 
@@ -60,16 +60,11 @@ ntp_status orient_rows(source *s, const ntp_rect *area, uint32_t touch)
     return NTP_OK;
 }
 
-/* Only x and y in tangent space, and where they should be, tell anything. */
+/* Only x and y in tangent space tell anything, and only where it is known which is which. */
 static bool can_tell(const facts *f)
 {
-    const uint32_t misplaced =
-        NTP_ACCIDENT_RED_IS_Z | NTP_ACCIDENT_GREEN_IS_Z | NTP_ACCIDENT_DXT5NM | NTP_ACCIDENT_GAMMA;
     const bool any_order = f->info.channels < 3 && !f->forced; /* gray is x, or y */
-    return f->encoding != NTP_ENCODING_HEIGHT && !any_order &&
-           (f->type.accidents & misplaced) == 0 &&
-           (f->type.type == NTP_CLASS_STANDARD || f->type.type == NTP_CLASS_ZZERO ||
-            f->type.type == NTP_CLASS_XY);
+    return facts_are_tangent(f) && !any_order;
 }
 
 void orient_end(const source *s, facts *f)

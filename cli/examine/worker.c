@@ -12,7 +12,7 @@ unsigned char *buffer_reserve(buffer *b, size_t size)
 {
     if (b->size < size) {
         free(b->data);
-        b->data = need(aligned_alloc(64, (size + 63) / 64 * 64));
+        b->data = need_aligned(size);
         b->size = size;
     }
     return b->data;
@@ -23,6 +23,13 @@ worker *worker_new(void)
     worker *w = need(calloc(1, sizeof *w));
     w->tally = need(calloc(1, ntp_tally_size())); /* fresh pages: most are never touched */
     return w;
+}
+
+ntp_diff *worker_diff(worker *w)
+{
+    ntp_diff *diff = (ntp_diff *) (void *) buffer_reserve(&w->diff, ntp_diff_size());
+    ntp_diff_clear(diff);
+    return diff;
 }
 
 void worker_free(worker *w)

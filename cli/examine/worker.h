@@ -39,6 +39,10 @@ typedef struct worker {
 } worker;
 
 worker *worker_new(void);
+
+/* An empty ntp_diff in the worker's memory. */
+ntp_diff *worker_diff(worker *w);
+
 void worker_free(worker *w);
 
 #endif

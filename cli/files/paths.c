@@ -300,6 +300,17 @@ bool inputs_collect(input_list *list, const options *o)
     return ok;
 }
 
+bool inputs_are_two(const options *o, const char *called)
+{
+    if (o->path_count != 2)
+        complain("ntp %s takes two files%s", o->verb->name, called);
+    else if (strcmp(o->paths[0], "-") == 0 && strcmp(o->paths[1], "-") == 0)
+        complain("standard input can be only one of the two");
+    else
+        return true;
+    return false;
+}
+
 void inputs_free(input_list *list)
 {
     for (size_t i = 0; i < list->count; i++)

@@ -42,6 +42,10 @@ void inputs_free(input_list *list);
  */
 bool outputs_plan(input_list *list, const options *o);
 
+/* For verbs of two files: are there two, of which standard input is one at most?  False, after telling:
+ * "ntp VERB takes two files", and what they are called. */
+bool inputs_are_two(const options *o, const char *called);
+
 /* For an output that is of another kind than the inputs: false, after telling, when it is one, or has
  * the name of a format that is not written. */
 bool output_is_allowed(const char *output, const options *o);

@@ -20,6 +20,12 @@ static bool is_directory(const char *path)
     return stat(path, &st) == 0 && S_ISDIR(st.st_mode);
 }
 
+static bool is_regular(const char *path)
+{
+    struct stat st;
+    return stat(path, &st) == 0 && S_ISREG(st.st_mode);
+}
+
 static bool ends_in(const char *path, const char *ending)
 {
     return strcasecmp(name_ending(path), ending) == 0;
@@ -96,18 +102,6 @@ static void part_collisions(input_list *list, const char *directory, const optio
     free(renamed);
 }
 
-static bool told(const char *path, const char *problem, const char *other)
-{
-    text t = { 0 };
-    text_name(&t, path);
-    text_add(&t, problem);
-    if (other != NULL)
-        text_name(&t, other);
-    complain("%s", text_string(&t));
-    text_free(&t);
-    return false;
-}
-
 static bool no_two_alike(const input_list *list)
 {
     target *all = sorted_targets(list);
@@ -115,12 +109,9 @@ static bool no_two_alike(const input_list *list)
     for (size_t i = 1; ok && i < list->count; i++) {
         if (strcmp(all[i].path, all[i - 1].path) != 0)
             continue;
-        text both = { 0 };
-        text_name(&both, list->at[all[i - 1].index].path);
-        text_add(&both, " and ");
-        text_name(&both, list->at[all[i].index].path);
-        ok = told(text_string(&both), " would both be written to ", all[i].path);
-        text_free(&both);
+        complain("%s and %s would both be written to %s", list->at[all[i - 1].index].path,
+                 list->at[all[i].index].path, all[i].path);
+        ok = false;
     }
     free(all);
     return ok;
@@ -159,8 +150,10 @@ static bool no_input_overwritten(const input_list *list)
         if (strcmp(output, "-") == 0 || stat(output, &st) != 0 || !S_ISREG(st.st_mode))
             continue;
         const node own = { st.st_dev, st.st_ino };
-        if (bsearch(&own, inputs, count, sizeof own, by_node) != NULL)
-            ok = told(output, IS_INPUT, NULL);
+        if (bsearch(&own, inputs, count, sizeof own, by_node) != NULL) {
+            complain("%s%s", output, IS_INPUT);
+            ok = false;
+        }
     }
     free(inputs);
     return ok;
@@ -255,14 +248,15 @@ bool outputs_plan(input_list *list, const options *o)
 
 bool output_is_allowed(const char *output, const options *o)
 {
-    struct stat st, own;
     if (!format_is_written(output))
         return false;
-    if (strcmp(output, "-") == 0 || stat(output, &own) != 0 || !S_ISREG(own.st_mode))
+    if (strcmp(output, "-") == 0 || !is_regular(output))
         return true;
     for (size_t i = 0; i < o->path_count; i++) {
-        if (stat(o->paths[i], &st) == 0 && st.st_dev == own.st_dev && st.st_ino == own.st_ino)
-            return told(output, " is an input; a picture of differences does not replace it", NULL);
+        if (is_same_file(o->paths[i], output)) {
+            complain("%s is an input; a picture of differences does not replace it", output);
+            return false;
+        }
     }
     return true;
 }
@@ -275,13 +269,11 @@ bool is_same_file(const char *a, const char *b)
 
 bool output_is_free(const input_list *list, const char *path)
 {
-    struct stat own, st;
-    const bool there = stat(path, &own) == 0 && S_ISREG(own.st_mode);
+    const bool there = is_regular(path);
     for (size_t i = 0; i < list->count; i++) {
-        const char *given = list->at[i].path, *output = list->at[i].output;
-        if (strcmp(output, path) == 0 ||
-            (there && strcmp(given, "-") != 0 && stat(given, &st) == 0 && st.st_dev == own.st_dev &&
-             st.st_ino == own.st_ino))
+        const char *given = list->at[i].path;
+        if (strcmp(list->at[i].output, path) == 0 ||
+            (there && strcmp(given, "-") != 0 && is_same_file(given, path)))
             return false;
     }
     return true;

@@ -64,8 +64,7 @@ static const ntp_fit *fit_of(const facts *f)
 static bool is_judged(const facts *f)
 {
     return f->encoding != NTP_ENCODING_HEIGHT &&
-           (f->type.type == NTP_CLASS_STANDARD || f->type.type == NTP_CLASS_ZZERO ||
-            f->type.type == NTP_CLASS_XY || f->type.type == NTP_CLASS_ONE_COLOR);
+           (class_is_tangent(f->type.type) || f->type.type == NTP_CLASS_ONE_COLOR);
 }
 
 bool failing_texels(const facts *f, ntp_verdict verdict, bool keep_negative_z, uint64_t *all,

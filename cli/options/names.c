@@ -25,6 +25,12 @@ const char *y_name(ntp_y y)
     return NAME_OF(NAMES, y);
 }
 
+const char *y_title(ntp_y y)
+{
+    static const char *const TITLES[] = { "OpenGL (Y up)", "DirectX (Y down)" };
+    return NAME_OF(TITLES, y);
+}
+
 const char *verdict_name(ntp_verdict verdict)
 {
     static const char *const NAMES[] = { "neighbor", "rounded", "exact" };

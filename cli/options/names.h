@@ -9,6 +9,7 @@
 
 const char *encoding_name(ntp_encoding encoding);
 const char *y_name(ntp_y y);
+const char *y_title(ntp_y y); /* for people: OpenGL (Y up) */
 const char *verdict_name(ntp_verdict verdict);
 const char *clean_method_name(ntp_clean_method method);
 const char *source_name(ntp_height_source source);

@@ -56,26 +56,20 @@ void complain_unknown_verb(const char *name)
     for (size_t i = 0; i < COMPANIONS; i++)
         names[count++] = COMPANION_TABLE[i].name;
     names[count++] = "help";
-    text shown = { 0 };
-    text_name(&shown, name);
     const char *nearest = nearest_name(name, names, count);
     if (nearest != NULL && strcmp(nearest, name) == 0)
         complain("ntp %s is a program of its own, ntp-%s, which the Python package normaltexture "
                  "installs beside ntp; there is none here",
                  name, name);
     else if (nearest != NULL)
-        complain("no verb \"%s\"; did you mean \"%s\"?", text_string(&shown), nearest);
+        complain("no verb \"%s\"; did you mean \"%s\"?", name, nearest);
     else
-        complain("no verb \"%s\"; ntp --help lists them", text_string(&shown));
-    text_free(&shown);
+        complain("no verb \"%s\"; ntp --help lists them", name);
 }
 
 static bool wrong_value(const option_spec *row, const char *value, const char *expected)
 {
-    text shown = { 0 };
-    text_name(&shown, value);
-    complain("--%s: \"%s\" is not %s", row->name, text_string(&shown), expected);
-    text_free(&shown);
+    complain("--%s: \"%s\" is not %s", row->name, value, expected);
     return false;
 }
 
@@ -173,15 +167,11 @@ static void complain_bad_option(const options *o, const char *bad)
     char *word = copy_string(bad + strspn(bad, "-"));
     word[strcspn(word, "=")] = 0;
     const char *nearest = strncmp(bad, "--", 2) == 0 ? nearest_name(word, names, count) : NULL;
-    text shown = { 0 };
-    text_name(&shown, bad);
     if (nearest != NULL)
-        complain("ntp %s has no option \"%s\"; did you mean --%s?", o->verb->name,
-                 text_string(&shown), nearest);
+        complain("ntp %s has no option \"%s\"; did you mean --%s?", o->verb->name, bad, nearest);
     else
-        complain("ntp %s has no option \"%s\"; ntp %s --help lists them", o->verb->name,
-                 text_string(&shown), o->verb->name);
-    text_free(&shown);
+        complain("ntp %s has no option \"%s\"; ntp %s --help lists them", o->verb->name, bad,
+                 o->verb->name);
     free(word);
 }
 

@@ -9,6 +9,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "options/names.h"
 #include "report/report.h"
 
 bool colors_wanted(const options *o)
@@ -84,7 +85,7 @@ static void add_headline(text *t, const input *in, const checked *c, const check
     if (f->type.confidence < 0.9)
         text_addf(t, " (%.0f %% sure)", 100 * f->type.confidence);
     if (f->orientation.decided)
-        text_add(t, f->orientation.y == NTP_Y_UP ? ", OpenGL (Y up)" : ", DirectX (Y down)");
+        text_addf(t, ", %s", y_title(f->orientation.y));
     if (f->orientation.decided && f->orientation.confidence < 0.9)
         text_addf(t, " (%.0f %% sure)", 100 * f->orientation.confidence);
     text_addf(t, ", %u x %u %d-bit %s%s: ", (unsigned) f->info.width, (unsigned) f->info.height,
@@ -175,9 +176,8 @@ static void add_statistics(text *t, const checked *c, const check_settings *s)
     if (f->forced)
         text_add(t, "    because --type says so\n");
     if (f->orientation.decided)
-        text_addf(t, "    %-24s %s, %.0f %% sure\n", "green points",
-                  f->orientation.y == NTP_Y_UP ? "up: OpenGL (Y up)" : "down: DirectX (Y down)",
-                  100 * f->orientation.confidence);
+        text_addf(t, "    %-24s %s: %s, %.0f %% sure\n", "green points", y_name(f->orientation.y),
+                  y_title(f->orientation.y), 100 * f->orientation.confidence);
     else if (class_is_normals(f->type.type) && f->type.type != NTP_CLASS_OBJECT_SPACE)
         text_addf(t, "    %-24s up or down: these slopes do not tell\n", "green points");
     add_count_line(t, "unused texels", st->unused, st->texels);

@@ -37,7 +37,7 @@ ntp_status heights_solve(worker *w, const ntp_image *heights, const ntp_const_im
     const size_t size = ntp_height_scratch_size(how, src->width, src->height, parts);
     if (size == 0)
         return NTP_ERR_FORMAT;
-    void *scratch = need(aligned_alloc(64, (size + 63) / 64 * 64));
+    void *scratch = need_aligned(size);
     team all = { w, crew_start(parts), part };
     const ntp_hooks hooks = {
         .user = &all, .progress = tell_progress, .parallel_for = run_parts, .parts = parts

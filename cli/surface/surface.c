@@ -37,15 +37,6 @@ static const double HOLES_TOLERANCE = 1e-4, QUICK_TOLERANCE = 3e-4;
 /* Residuals: of rounding alone, with a margin; and, in levels of 8 bit, what no border makes. */
 static const double FITS = 0.25, FAR_OFF = 1;
 
-static bool is_tangent_space(const facts *f)
-{
-    const uint32_t misplaced =
-        NTP_ACCIDENT_RED_IS_Z | NTP_ACCIDENT_GREEN_IS_Z | NTP_ACCIDENT_DXT5NM | NTP_ACCIDENT_GAMMA;
-    return f->encoding != NTP_ENCODING_HEIGHT && (f->type.accidents & misplaced) == 0 &&
-           (f->type.type == NTP_CLASS_STANDARD || f->type.type == NTP_CLASS_ZZERO ||
-            f->type.type == NTP_CLASS_XY);
-}
-
 /* Sets src->y to which way green points, by what is known, and finds the kernel; without any of it,
  * the way in which kernels fit better. */
 static void find_kernel(ntp_kernel_fit *origin, ntp_const_image *src, const facts *f,
@@ -205,7 +196,7 @@ static void look_at(source *s, facts *f, const ntp_image *image, ntp_rect area, 
 void surface_look(source *s, facts *f, int y)
 {
     const ntp_image crop = crop_image(s);
-    if (is_tangent_space(f))
+    if (facts_are_tangent(f))
         look_at(s, f, &crop, crop_area(s), y, false);
 }
 
@@ -221,7 +212,7 @@ bool surface_look_deeper(source *s, facts *f, int y, ntpio_error *error)
     ntp_image whole = crop_image(s);
     ntp_rect area = crop_area(s);
     void *data = NULL;
-    if (!is_tangent_space(f))
+    if (!facts_are_tangent(f))
         return true;
     s->read_permille = READ_PERMILLE;
     if (!crop_is_whole(s) && whole_is_possible(s, f)) {

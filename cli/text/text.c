@@ -20,6 +20,12 @@ void *need(void *memory)
     return memory;
 }
 
+void *need_aligned(size_t size)
+{
+    enum { LINE = 64 }; /* of a cache: no less than libntp asks for */
+    return need(aligned_alloc(LINE, (size + LINE - 1) / LINE * LINE));
+}
+
 char *copy_string(const char *string)
 {
     return need(strdup(string));

@@ -52,8 +52,9 @@ bool utf8_valid(const char *s);
 /* The least number of letters typed wrong, left out, added or exchanged. */
 unsigned edit_distance(const char *a, const char *b);
 
-/* Memory or the end of the program. */
+/* Memory or the end of the program; need_aligned: at 64 bytes, to be freed. */
 void *need(void *memory);
+void *need_aligned(size_t size);
 char *copy_string(const char *string);
 char *join_path(const char *directory, const char *name);
 

@@ -48,8 +48,7 @@ static bool begin(production *p, ntpio_write_options *shape, ntpio_error *error)
     st->made.ring_rows = p->s.block_rows;
     st->made.data =
         buffer_reserve(&p->w->extra, (size_t) st->made.row_stride * (size_t) p->s.block_rows);
-    st->diff = (ntp_diff *) (void *) buffer_reserve(&p->w->diff, ntp_diff_size());
-    memset(st->diff, 0, ntp_diff_size());
+    st->diff = worker_diff(p->w);
     return true;
 }
 
@@ -124,10 +123,8 @@ static unsigned read_detail(layer *l, settings *set, const options *o, const ntp
     }
     if (!has_tangent_normals(&l->f, false)) {
         text t = { 0 };
-        text_name(&t, o->paths[1]);
-        text_add(&t, ": ");
         add_refusal(&t, &l->f, "type");
-        complain("%s", text_string(&t));
+        complain("%s: %s", o->paths[1], text_string(&t));
         text_free(&t);
         return RAN_FINDINGS;
     }
@@ -151,10 +148,7 @@ static bool replaces_jpeg(const layer *l, const char *output)
 {
     if (output == NULL || l->s.info->format != NTPIO_JPEG || !is_same_file(l->in.path, output))
         return false;
-    text t = { 0 };
-    text_name(&t, l->in.path);
-    complain("%s: JPEG is not written; give -o for a PNG of another name", text_string(&t));
-    text_free(&t);
+    complain("%s: JPEG is not written; give -o for a PNG of another name", l->in.path);
     return true;
 }
 
@@ -170,14 +164,8 @@ static void free_detail(layer *l)
 int blend_run(const options *o)
 {
     const char *output = option_string(o, OPT_OUTPUT);
-    if (o->path_count != 2) {
-        complain("ntp blend takes two files, BASE and DETAIL");
+    if (!inputs_are_two(o, ", BASE and DETAIL"))
         return NTP_EXIT_USAGE;
-    }
-    if (strcmp(o->paths[0], "-") == 0 && strcmp(o->paths[1], "-") == 0) {
-        complain("standard input can be only one of the two");
-        return NTP_EXIT_USAGE;
-    }
     settings set = { .y = (ntp_y) option_integer(o, OPT_Y) };
     set.how.mode = (ntp_blend_mode) option_integer(o, OPT_MODE);
     set.how.use_strength = 1;

@@ -48,8 +48,8 @@ static const ntp_clean_plan *plan_for(plans *shared, ntp_encoding encoding,
     void **memory = &shared->memory[how->method][encoding][alpha];
     ntp_clean_plan **plan = &shared->made[how->method][encoding][alpha];
     if (*memory == NULL) {
-        const size_t size = (ntp_clean_plan_size() + 63) / 64 * 64;
-        *memory = need(aligned_alloc(64, size));
+        const size_t size = ntp_clean_plan_size();
+        *memory = need_aligned(size);
         if (ntp_clean_plan_init(plan, *memory, size, encoding, how) != NTP_OK)
             *plan = NULL;
     }
@@ -71,10 +71,8 @@ static bool begin(production *p, ntpio_write_options *shape, ntpio_error *error)
         if (status != NTP_OK)
             return library_error(&p->s, status, error);
     }
-    if (set->compare_angles || st->how.method != NTP_CLEAN_DERIVE) {
-        st->diff = (ntp_diff *) (void *) buffer_reserve(&p->w->diff, ntp_diff_size());
-        memset(st->diff, 0, ntp_diff_size());
-    }
+    if (set->compare_angles || st->how.method != NTP_CLEAN_DERIVE)
+        st->diff = worker_diff(p->w);
     const bool large = (int64_t) view->width * view->height >= PLAN_TEXELS;
     if (large && view->type == NTP_TYPE_U8)
         st->plan = plan_for(set->shared, view->encoding, &st->how);

@@ -172,10 +172,8 @@ static bool begin(production *p, ntpio_write_options *shape, ntpio_error *error)
         p->s.info->channels == 2 && set->in_count == 0 && set->to == NTP_ENCODING_XY;
     st->out_channels = set->out_count > 0 ? set->out_count : stays_pair ? 2 : view->channels;
     st->out_row = (size_t) view->width * (size_t) st->out_channels * sample_size(type);
-    if (option_integer(p->m->o, OPT_FORMAT) == 1 && !height) {
-        st->diff = (ntp_diff *) (void *) buffer_reserve(&p->w->diff, ntp_diff_size());
-        memset(st->diff, 0, ntp_diff_size());
-    }
+    if (option_integer(p->m->o, OPT_FORMAT) == 1 && !height)
+        st->diff = worker_diff(p->w);
     shape->channels = st->out_channels;
     shape->sample_bytes = (int32_t) sample_size(type);
     shape->content_is_flat = height;

@@ -121,8 +121,7 @@ static bool compare(comparison *c, ntpio_error *error)
         ring = c->b.s.view.ring_rows;
     c->a.s.view.ring_rows = c->b.s.view.ring_rows = ring;
     c->a.s.block_rows = c->b.s.block_rows = ring;
-    c->diff = need(aligned_alloc(64, (ntp_diff_size() + 63) / 64 * 64));
-    memset(c->diff, 0, ntp_diff_size());
+    c->diff = worker_diff(c->a.w);
     if (!open_heat(c, error) || !compare_rows(c, error))
         return false;
     const ntp_status status = ntp_diff_summarize(&c->stats, c->diff);
@@ -205,15 +204,7 @@ static void tell_text(const comparison *c, text *t)
 int diff_run(const options *o)
 {
     const char *output = option_string(o, OPT_OUTPUT);
-    if (o->path_count != 2) {
-        complain("ntp diff takes two files");
-        return NTP_EXIT_USAGE;
-    }
-    if (strcmp(o->paths[0], "-") == 0 && strcmp(o->paths[1], "-") == 0) {
-        complain("standard input can be only one of the two");
-        return NTP_EXIT_USAGE;
-    }
-    if (output != NULL && !output_is_allowed(output, o))
+    if (!inputs_are_two(o, "") || (output != NULL && !output_is_allowed(output, o)))
         return NTP_EXIT_USAGE;
     if (output != NULL && strcmp(output, "-") == 0)
         output_to_stderr();
@@ -238,7 +229,6 @@ int diff_run(const options *o)
     output_text(&t);
     text_free(&t);
     ntpio_abort(c.writer);
-    free(c.diff);
     close_side(&c.a);
     close_side(&c.b);
     return exit_code(ran);

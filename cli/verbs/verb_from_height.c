@@ -262,7 +262,7 @@ static ntp_status smooth(const state *st, const from_height_settings *set, const
                                        .border_y = set->how.border_y,
                                        .source = set->how.source };
         const size_t size = ntp_height_blur_scratch_size(&how, out->width);
-        void *scratch = need(aligned_alloc(16, (size + 15) / 16 * 16));
+        void *scratch = need_aligned(size);
         status = ntp_height_blur(out, &seen, &how, scratch, size);
         free(scratch);
     }

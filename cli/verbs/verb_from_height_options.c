@@ -15,10 +15,7 @@
 
 static bool wrong(const char *option, const char *value, const char *problem)
 {
-    text shown = { 0 };
-    text_name(&shown, value);
-    complain("--%s %s: %s", option, text_string(&shown), problem);
-    text_free(&shown);
+    complain("--%s %s: %s", option, value, problem);
     return false;
 }
 
@@ -119,24 +116,24 @@ static bool read_like(from_height_settings *set, const char *like)
     return true;
 }
 
-bool from_height_read_settings(from_height_settings *set, const options *o)
+/* --scale or --like, whose settings the other options change. */
+static bool read_base(from_height_settings *set, const options *o)
 {
-    set->to = (ntp_encoding) option_integer(o, OPT_TO);
-    set->depth = option_given(o, OPT_DEPTH) ? (int) option_integer(o, OPT_DEPTH) + 1 : 0;
     const char *like = option_string(o, OPT_LIKE);
-    if (like != NULL && option_given(o, OPT_SCALE)) {
+    set->how.scale = option_number(o, OPT_SCALE);
+    if (like != NULL && option_given(o, OPT_SCALE))
         complain("--like sets the scale; leave out --scale");
-        return false;
-    }
-    if (like == NULL && !option_given(o, OPT_SCALE)) {
+    else if (like == NULL && !option_given(o, OPT_SCALE))
         complain("--scale is needed: how many texels a height of 1 (white) rises");
-        return false;
-    }
-    if (like != NULL && !read_like(set, like))
-        return false;
+    else
+        return like == NULL || read_like(set, like);
+    return false;
+}
+
+/* What is given beside --like wins; without it, the defaults are those of a structure of zeros. */
+static void read_given(from_height_settings *set, const options *o)
+{
     ntp_normals_options *how = &set->how;
-    if (like == NULL)
-        how->scale = option_number(o, OPT_SCALE);
     how->dx = option_number(o, OPT_DX);
     how->dy = option_number(o, OPT_DY);
     how->min_z = option_number(o, OPT_MIN_Z);
@@ -154,26 +151,35 @@ bool from_height_read_settings(from_height_settings *set, const options *o)
         how->border_y = (ntp_border) option_integer(o, OPT_BORDER_Y);
     if (option_given(o, OPT_TO_Y))
         set->to_y = (ntp_y) option_integer(o, OPT_TO_Y);
+    set->to = (ntp_encoding) option_integer(o, OPT_TO);
+    set->depth = option_given(o, OPT_DEPTH) ? (int) option_integer(o, OPT_DEPTH) + 1 : 0;
     set->ao_file = option_string(o, OPT_AO);
     set->blur = option_number(o, OPT_BLUR);
     set->dither = option_integer(o, OPT_DITHER) == 1;
     set->limits = limits_from(o);
-    if (!(how->dx > 0) || !(how->dy > 0)) {
+}
+
+/* What contradicts itself for every input. */
+static bool agree(const from_height_settings *set)
+{
+    if (!(set->how.dx > 0) || !(set->how.dy > 0))
         complain("--dx and --dy are greater than 0");
-        return false;
-    }
-    if (ntp_normals_reach(how) < 0) {
+    else if (ntp_normals_reach(&set->how) < 0)
         complain("the scale or the spacing is out of range");
-        return false;
-    }
-    if (set->ao_file != NULL && set->to != NTP_ENCODING_XY) {
+    else if (set->ao_file != NULL && set->to != NTP_ENCODING_XY)
         complain("--ao goes into the blue channel that --to xy leaves free");
-        return false;
-    }
-    if (set->dither && set->how.blue == NTP_BLUE_NEAREST) {
+    else if (set->dither && set->how.blue == NTP_BLUE_NEAREST)
         complain("--dither integrable derives blue; leave out --blue nearest");
+    else
+        return true;
+    return false;
+}
+
+bool from_height_read_settings(from_height_settings *set, const options *o)
+{
+    if (!read_base(set, o))
         return false;
-    }
-    return read_octaves(set, option_string(o, OPT_OCTAVES)) && read_alpha(set, o) &&
+    read_given(set, o);
+    return agree(set) && read_octaves(set, option_string(o, OPT_OCTAVES)) && read_alpha(set, o) &&
            read_channels(set, option_string(o, OPT_CHANNELS));
 }

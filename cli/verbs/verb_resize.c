@@ -101,11 +101,6 @@ static ntp_status make(void *context, const ntp_image *dst, const ntp_const_imag
     return ntp_resize(dst, src, z->plan, z->scratch, z->scratch_size, area);
 }
 
-static void *room(size_t size)
-{
-    return need(aligned_alloc(64, (size + 63) / 64 * 64));
-}
-
 static bool make_size(production *p, ntpio_writer *writer, int32_t width, int32_t height,
                       ntpio_error *error)
 {
@@ -113,13 +108,13 @@ static bool make_size(production *p, ntpio_writer *writer, int32_t width, int32_
     ntp_resize_options how = ((const settings *) p->m->settings)->how;
     how.touch_unused |= p->touch;
     const size_t size = ntp_resize_plan_size(&how, view->width, view->height, width, height);
-    sizing z = { .memory = room(size) };
+    sizing z = { .memory = need_aligned(size) };
     const ntp_status status = ntp_resize_plan_init(&z.plan, z.memory, size, &how, view->width,
                                                    view->height, width, height);
     bool ok = status == NTP_OK || library_error(&p->s, status, error);
     if (ok) {
         z.scratch_size = ntp_resize_scratch_size(z.plan);
-        z.scratch = room(z.scratch_size);
+        z.scratch = need_aligned(z.scratch_size);
         ok = whole_write(p, writer, width, height, make, &z, error);
     }
     free(z.scratch);

@@ -39,10 +39,7 @@ static bool read_seeds(ntp_height_options *how, const char *list)
         const size_t length = strspn(at, "0123456789.eE+-");
         if (length == 0 || end != at + length || !isfinite(how->seeds[i]) ||
             *end != (i < 3 ? ',' : 0)) {
-            text shown = { 0 };
-            text_name(&shown, list);
-            complain("--seeds %s: four numbers with commas between them", text_string(&shown));
-            text_free(&shown);
+            complain("--seeds %s: four numbers with commas between them", list);
             return false;
         }
         at = end + 1;

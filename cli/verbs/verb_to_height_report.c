@@ -6,7 +6,6 @@
 #include "report/report.h"
 #include "verbs/verb_to_height.h"
 
-static const char *const Y_TITLES[] = { "OpenGL (Y up)", "DirectX (Y down)" };
 static const char *const BY[] = { "option", "texels", "name", "default" };
 
 /* To what tells a part in ten thousand. */
@@ -18,7 +17,7 @@ static void add_height(text *t, double v)
 static void add_choices(text *line, const to_height_state *st)
 {
     static const char *const GROUNDS[] = { "", "", ", by its name", ", supposed" };
-    text_addf(line, ", %s%s", Y_TITLES[st->y], GROUNDS[st->y_by]);
+    text_addf(line, ", %s%s", y_title(st->y), GROUNDS[st->y_by]);
     text_addf(line, ", %s", ntp_kernel_name(st->how.kernel));
     if (st->how.border_x == st->how.border_y)
         text_addf(line, ", border %s", ntp_border_name(st->how.border_x));
