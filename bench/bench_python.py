@@ -162,7 +162,7 @@ def texels():
 def calls(report):
     """Each function that takes an array; `read`, `read_info`, `write` and `check` take files."""
     texel, deep, floats, vector = texels()
-    gray, stats = texel[..., 0], nt.measure(texel)
+    gray, counted = texel[..., 0], nt.Tally().add(texel)
     heights = np.zeros((1, 1), np.float32)
     tally = nt.Tally()
     cases = {
@@ -212,7 +212,7 @@ def calls(report):
         "Tally.add": lambda: tally.add(texel),
         "classify": lambda: nt.classify(texel),
         "classify, 16 bit": lambda: nt.classify(deep),
-        "classify, of Stats": lambda: nt.classify(stats),
+        "classify, of a Tally": lambda: nt.classify(counted),
         "choose_method": lambda: nt.choose_method(texel),
     }
     print("\none texel; read, read_info, write and check, of files, are not among them")

@@ -50,12 +50,13 @@ static int process(unsigned char *rgb, int width, int height)
     ntp_status status = ntp_tally_add(tally, &source, 0, NULL);
     if (status == NTP_OK)
         status = ntp_tally_summarize(&stats, tally, NTP_ENCODING_STANDARD);
+    ntp_classification found;
+    if (status == NTP_OK)
+        status = ntp_classify(&found, tally);
     free(tally);
     if (status != NTP_OK)
         return fail("measure", status);
 
-    ntp_classification found;
-    ntp_classify(&found, &stats);
     printf("%s, confidence %.2f\n", ntp_class_name(found.type), found.confidence);
     for (int i = 0; i < found.reason_count; i++) {
         char text[200];

@@ -212,18 +212,14 @@ class Tally:
         return counts
 
 
-def stats_of(pixels, encoding):
-    """What is measured of an array that is declared so, summarized."""
-    array = np.ascontiguousarray(pixels)
-    tally = Tally().measure(array, encoding)
-    stats = ffi.new("ntp_stats *")
-    check(lib.ntp_tally_summarize(stats, tally.pointer, encoding % HEIGHT))
-    return stats
+def tally_of(pixels, encoding):
+    """What is measured of an array that is declared so."""
+    return Tally().measure(np.ascontiguousarray(pixels), encoding)
 
 
 def classify(pixels, encoding):
     result = ffi.new("ntp_classification *")
-    check(lib.ntp_classify(result, stats_of(pixels, encoding)))
+    check(lib.ntp_classify(result, tally_of(pixels, encoding).pointer))
     return result
 
 

@@ -16,6 +16,7 @@ import pytest
 
 import libntp_ffi as ntp
 from support import maps, surfaces
+from support.evidence import evidence
 
 DRAWS = 700
 FIXED_DRAWS = 250
@@ -42,8 +43,8 @@ def seed():
     return value
 
 
-def stats_of(case, encoding=None):
-    return ntp.stats_of(case.pixels, case.encoding if encoding is None else encoding)
+def tally_of(case, encoding=None):
+    return ntp.tally_of(case.pixels, case.encoding if encoding is None else encoding)
 
 
 def reason_text(reason):
@@ -454,10 +455,10 @@ def test_flipped_z_is_sure():
 
 def choose(case, lossy=0):
     encoding = case.kind
-    stats = stats_of(case, encoding)
+    tally = tally_of(case, encoding)
     method, why = ntp.ffi.new("ntp_clean_method *"), ntp.ffi.new("ntp_reason *")
-    ntp.check(ntp.lib.ntp_choose_method(method, why, stats, encoding, lossy))
-    return method[0], reason_text(why), stats
+    ntp.check(ntp.lib.ntp_choose_method(method, why, tally.pointer, encoding, lossy))
+    return method[0], reason_text(why), evidence(tally)
 
 
 def mean_angle(levels, truth, m, zzero):
@@ -562,7 +563,7 @@ def test_statistics_of_blue(seed):
         n = sample("fractal", 0.3 * (i + 1), rng, 48)
         pixels = _wrong_z(n, rng) if i % 2 else _zzero(n, rng)
         pixels[:3] = 0
-        got = ntp.Tally().measure(pixels).stats()
+        got = evidence(ntp.Tally().measure(pixels))
         for name, want in blue_oracle(pixels).items():
             assert got[name] == pytest.approx(want, rel=1e-6, abs=1e-9), (
                 f"NTP_SEED={seed} {i} {name}"

@@ -7,7 +7,7 @@ import numpy as np
 
 import libntp_ffi as ntp
 from support import maps
-from test_classify import stats_of
+from test_classify import tally_of
 
 
 def reason_codes():
@@ -69,15 +69,16 @@ def test_class_names():
 
 
 def test_errors():
-    stats = ntp.ffi.new("ntp_stats *")
+    new = ntp.Tally()
+    tally = tally_of(maps.Case("", np.full((4, 4, 3), 128, np.uint8), maps.STANDARD))
+    empty, good = new.pointer, tally.pointer
     result = ntp.ffi.new("ntp_classification *")
     method = ntp.ffi.new("ntp_clean_method *")
     null = ntp.ffi.NULL
-    assert ntp.lib.ntp_classify(result, stats) == ntp.ERR_ARGUMENT
-    assert ntp.lib.ntp_classify(null, stats) == ntp.ERR_ARGUMENT
+    assert ntp.lib.ntp_classify(result, empty) == ntp.ERR_ARGUMENT
+    assert ntp.lib.ntp_classify(null, good) == ntp.ERR_ARGUMENT
     assert ntp.lib.ntp_classify(result, null) == ntp.ERR_ARGUMENT
-    assert ntp.lib.ntp_choose_method(method, null, stats, 0, 0) == ntp.ERR_ARGUMENT
-    good = stats_of(maps.Case("", np.full((4, 4, 3), 128, np.uint8), maps.STANDARD))
+    assert ntp.lib.ntp_choose_method(method, null, empty, 0, 0) == ntp.ERR_ARGUMENT
     assert ntp.lib.ntp_choose_method(method, null, good, 0, 0) == ntp.OK
     assert ntp.lib.ntp_choose_method(null, null, good, 0, 0) == ntp.ERR_ARGUMENT
     assert ntp.lib.ntp_choose_method(method, null, null, 0, 0) == ntp.ERR_ARGUMENT

@@ -121,7 +121,7 @@ bool facts_from_tally(facts *f, source *s, int forced, ntpio_error *error)
         s->view.encoding == NTP_ENCODING_HEIGHT ? NTP_ENCODING_STANDARD : s->view.encoding;
     ntp_status status = ntp_tally_summarize(&f->stats, s->w->tally, read_as);
     if (status == NTP_OK)
-        status = ntp_classify(&f->type, &f->stats);
+        status = ntp_classify(&f->type, s->w->tally);
     if (status != NTP_OK)
         return library_error(s, status, error);
     if (forced >= 0) {

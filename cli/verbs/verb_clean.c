@@ -66,7 +66,7 @@ static bool begin(production *p, ntpio_write_options *shape, ntpio_error *error)
     st->how = set->how;
     st->how.touch_unused |= p->touch;
     if (set->choose) {
-        const ntp_status status = ntp_choose_method(&st->how.method, &st->why, &p->f.stats,
+        const ntp_status status = ntp_choose_method(&st->how.method, &st->why, p->w->tally,
                                                     view->encoding, p->s.info->lossy);
         if (status != NTP_OK)
             return library_error(&p->s, status, error);

@@ -117,7 +117,7 @@ static job_status look(report *r, measurement *m, int reading)
         status = summarize(r, m);
     if (status != JOB_DONE)
         return status;
-    if (ntp_classify(&r->type, &r->stats) != NTP_OK)
+    if (ntp_classify(&r->type, m->tally) != NTP_OK)
         return JOB_WRONG;
     if (reading > 0 && m->layer->channels >= 3) {
         r->type.type = class_of(reading);
@@ -132,7 +132,7 @@ static job_status look(report *r, measurement *m, int reading)
     return status == JOB_DONE ? summarize(r, m) : status;
 }
 
-static void judge(report *r, const settings *s)
+static void judge(report *r, const settings *s, ntp_tally *tally)
 {
     const ntp_stats *stats = &r->stats;
     const ntp_fit *fit = r->encoding == NTP_ENCODING_ZZERO ? &stats->zzero : &stats->standard;
@@ -154,7 +154,7 @@ static void judge(report *r, const settings *s)
     }
     const uint64_t negative = stats->z_negative - stats->unused_z_negative;
     r->right = r->failing == 0 && (keeps || r->encoding != NTP_ENCODING_STANDARD || negative == 0);
-    if (ntp_choose_method(&r->method, NULL, stats, r->encoding, 0) != NTP_OK)
+    if (ntp_choose_method(&r->method, NULL, tally, r->encoding, 0) != NTP_OK)
         r->method = NTP_CLEAN_DERIVE;
 }
 
@@ -167,7 +167,7 @@ job_status report_run(report *r, const settings *s, const raster *layer,
     if (status == JOB_DONE)
         status = look(r, &m, (int) s->value[FK_FROM]);
     if (status == JOB_DONE) {
-        judge(r, s);
+        judge(r, s, m.tally);
         if (r->encoding != NTP_ENCODING_HEIGHT)
             ntp_orientation_summarize(&r->green, m.green);
         report_write(r, translate);

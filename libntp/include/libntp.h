@@ -362,10 +362,6 @@ typedef struct ntp_fit {
     uint64_t unused_neighbor, unused_rounded, unused_exact; /* the unused among them */
     uint64_t used_levels_le[4]; /* used texels with x, y not too long and blue off by <= 0,1,2,3 */
     double length_min, length_mean, length_max; /* every texel */
-    double used_length_mean, used_length_sd;
-    double used_near_unit[3]; /* share of used texels with |length - 1| <= 1/32, 1/16, 1/8 */
-    double used_short;        /* share of used texels that are not `rounded` and too short */
-    double used_long;         /* the same, too long */
 } ntp_fit;
 
 /* Per-channel facts, in levels, over every texel. */
@@ -379,11 +375,6 @@ typedef struct ntp_angles {
     uint64_t texels;
     double mean, p99, max;
 } ntp_angles;
-
-enum {
-    NTP_STEEPNESS_BINS =
-        8 /* used texels by the length of x, y: bin i is i/8..(i+1)/8; too long: last */
-};
 
 /* What a tally says; see ntp_tally_summarize. */
 typedef struct ntp_stats {
@@ -409,34 +400,10 @@ typedef struct ntp_stats {
     uint64_t alpha_zero, alpha_full; /* texels with alpha 0, alpha M; 0 without alpha */
     ntp_fit standard, zzero;
     ntp_angles angles; /* stored against cleaned, by the encoding measured */
-    /* Used texels by steepness: how many, how many are not `rounded` and not `neighbor` as standard,
-     * and the mean of |length - 1|. */
-    uint64_t steepness[NTP_STEEPNESS_BINS];
-    uint64_t steepness_not_rounded[NTP_STEEPNESS_BINS];
-    uint64_t steepness_not_neighbor[NTP_STEEPNESS_BINS];
-    double steepness_length_error[NTP_STEEPNESS_BINS];
-    uint64_t used_z_negative;
-    /* Used texels of sampled rows, which are all of an image below 128 rows, fewer of a larger one,
-     * at least 64; counts are scaled to all used texels. */
-    double used_mean[4]; /* levels / M; alpha is exact, and so is blue of 8 bit */
-    double used_sd[4];
-    double correlation[3]; /* r-g, r-b, g-b; 0 where a channel is constant */
-    uint64_t red_low;      /* used texels with r <= (M-1)/2; x negative */
-    uint64_t green_low;
+    /* From sampled rows, which are all of an image below 128 rows, fewer of a larger one, at least
+     * 64; the count is scaled to all used texels. */
+    double used_mean[4];      /* levels / M; alpha is exact, and so is blue of 8 bit */
     uint64_t near_gamma_flat; /* used texels whose r, g are within 3/255 of 188/255 */
-    double gamma_near_unit;   /* share of used with |length - 1| <= 1/8 after decoding sRGB */
-    double ag_in_disc;        /* share of used whose (alpha, g) as x, y are not too long */
-    double block_step[3];     /* mean |step| across columns 8k-1|8k over that elsewhere; 0: none */
-    /* How blue goes with red and green, in 8-bit levels; of 16-bit content by a sample.  A texel is
-     * tilted where x, y are not too long and the blues derived as standard and as Z-zero lie more
-     * than a level apart. */
-    uint64_t tilted;       /* used texels, of 16-bit content sampled ones */
-    double tilted_gap;     /* mean distance of these two blues */
-    double tilted_off[2];  /* mean |blue - derived blue|, at most 32 each; standard, Z-zero */
-    double tilted_near[2]; /* share of tilted with at most 3 levels between them */
-    double tilted_above;   /* share of tilted with blue more than 4 levels above standard's */
-    double blue_slope; /* regression of blue on the derived one (x, y not too long); Z-zero: 2 */
-    double blue_correlation;
 } ntp_stats;
 
 /*
@@ -545,10 +512,11 @@ typedef struct ntp_classification {
 } ntp_classification;
 
 /*
- * What a texture is, from its statistics.  Best-fit normals (CryEngine) are not told apart.
- * The thresholds, each with its reason, stand at the top of classify.c.
+ * What a texture is, from all that was measured of it; docs/classification.md has the rules.
+ * Best-fit normals (CryEngine) are not told apart.  Working memory is in the tally: one call at a
+ * time.  An empty tally is NTP_ERR_ARGUMENT.
  */
-NTP_API ntp_status ntp_classify(ntp_classification *result, const ntp_stats *stats);
+NTP_API ntp_status ntp_classify(ntp_classification *result, ntp_tally *tally);
 
 /* The name of a class as the command line prints it ("standard", "zzero", ...); never NULL. */
 NTP_API const char *ntp_class_name(ntp_class type);
@@ -561,10 +529,12 @@ NTP_API size_t ntp_reason_text(char *text, size_t size, const ntp_reason *reason
  * The cleaning method for which a texture's errors speak: NTP_CLEAN_KEEP when every used texel is
  * `rounded`, NTP_CLEAN_NORMALIZE when all three channels err together (as after lossy compression or
  * resizing), NTP_CLEAN_DERIVE otherwise.  lossy: the file format is known to be lossy.
- * The evidence goes to *why (may be NULL), for ntp_reason_text.
+ * The evidence goes to *why (may be NULL), for ntp_reason_text.  encoding is NTP_ENCODING_STANDARD,
+ * NTP_ENCODING_ZZERO or NTP_ENCODING_XY, and need not be the one that was measured.  The tally as
+ * in ntp_classify.
  */
-NTP_API ntp_status ntp_choose_method(ntp_clean_method *method, ntp_reason *why,
-                                     const ntp_stats *stats, ntp_encoding encoding, int32_t lossy);
+NTP_API ntp_status ntp_choose_method(ntp_clean_method *method, ntp_reason *why, ntp_tally *tally,
+                                     ntp_encoding encoding, int32_t lossy);
 
 /* ---------------------------------------------------------------------------- pictures */
 

@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ._arrays import ENCODINGS, AnyType, MeasuredType, Type, choose, pixels
 from ._errors import ArgumentError, check
-from ._measure import Stats, _made, _Result, tally
+from ._measure import Tally, _made, _Result, tally
 from ._native import ffi, lib
 
 Class = Literal["standard", "zzero", "xy", "height", "object-space", "one-color", "not-normals"]
@@ -70,11 +70,10 @@ def _reason(reason: Any) -> str:
         size = length + 1
 
 
-def _facts(src: ArrayLike | Stats, type: MeasuredType, touch_unused: bool, threads: int) -> Any:
-    """An ntp_stats."""
-    if isinstance(src, Stats):
-        return ffi.from_buffer("ntp_stats *", src._struct)
-    return tally(src, type, touch_unused, threads)._summarize()
+def _measured(
+    src: ArrayLike | Tally, type: MeasuredType, touch_unused: bool, threads: int
+) -> Tally:
+    return src if isinstance(src, Tally) else tally(src, type, touch_unused, threads)
 
 
 def _natural_type(src: NDArray[Any]) -> MeasuredType:
@@ -82,9 +81,9 @@ def _natural_type(src: NDArray[Any]) -> MeasuredType:
     return "standard" if src.ndim == 3 and src.shape[2] >= _COLOR else "height"
 
 
-def _classification(stats: Any) -> Classification:
+def _classification(measured: Tally) -> Classification:
     found = ffi.new("ntp_classification *")
-    check(lib.ntp_classify(found, stats), "classify")
+    check(lib.ntp_classify(found, measured._pointer), "classify")
     reasons = found.reasons
     return _made(
         Classification,
@@ -98,14 +97,14 @@ def _classification(stats: Any) -> Classification:
 
 
 def classify(
-    src: ArrayLike | Stats, *, touch_unused: bool = False, threads: int = 1
+    src: ArrayLike | Tally, *, touch_unused: bool = False, threads: int = 1
 ) -> Classification:
     """Tell standard, Z-zero and XY-only textures from heights, photographs and other maps.
 
     Parameters
     ----------
-    src : array, (height, width) or (height, width, 1 to 4), or Stats
-        A texture, or what `measure` said about it.  Two channels may be gray and alpha, or x and y.
+    src : array, (height, width) or (height, width, 1 to 4), or Tally
+        A texture, or what was measured of it.  Two channels may be gray and alpha, or x and y.
     touch_unused : bool
         Look at pure black, pure white and transparent texels too.
     threads : int
@@ -131,10 +130,10 @@ def classify(
     >>> nt.classify(nt.read("wall_height.png")).type
     'height'
     """
-    if isinstance(src, Stats):
-        return _classification(_facts(src, src.type, touch_unused, threads))
+    if isinstance(src, Tally):
+        return _classification(src)
     source = pixels("src", src)
-    return _classification(_facts(source, _natural_type(source), touch_unused, threads))
+    return _classification(_measured(source, _natural_type(source), touch_unused, threads))
 
 
 @dataclass(frozen=True)
@@ -146,14 +145,14 @@ class MethodChoice(_Result):
 
 
 def choose_method(
-    src: ArrayLike | Stats, *, type: Type = "standard", lossy: bool = False, threads: int = 1
+    src: ArrayLike | Tally, *, type: Type = "standard", lossy: bool = False, threads: int = 1
 ) -> MethodChoice:
     """Find the cleaning method for which a texture's errors speak.
 
     Parameters
     ----------
-    src : array, (height, width, channels) of 3 or 4 channels, or Stats
-        A texture, or what `measure` said about it.
+    src : array, (height, width, channels) of 3 or 4 channels, or Tally
+        A texture, or what was measured of it.
     type : {"standard", "zzero", "xy", "vector"}
         How a normal is stored.
     lossy : bool
@@ -168,9 +167,10 @@ def choose_method(
         err together, as after lossy compression or resizing, "derive" otherwise.
     """
     encoding = choose("type", type, ENCODINGS)
-    stats = _facts(src, type, False, threads)
+    measured = _measured(src, type, False, threads)
     method, why = ffi.new("ntp_clean_method *"), ffi.new("ntp_reason *")
-    check(lib.ntp_choose_method(method, why, stats, encoding % 3, bool(lossy)), "choose_method")
+    tally = measured._pointer
+    check(lib.ntp_choose_method(method, why, tally, encoding % 3, bool(lossy)), "choose_method")
     return MethodChoice(_METHODS[method[0]], _reason(why))
 
 
@@ -179,33 +179,33 @@ def resolve(src: NDArray[Any], type: AnyType, threads: int) -> Type:
     if type != "auto":
         choose("type", type, {"auto": 0} | ENCODINGS)
         return type
-    return _type_of(_facts(src, _natural_type(src), False, threads))
+    return _type_of(_measured(src, _natural_type(src), False, threads))
 
 
 def resolve_both(src: NDArray[Any], type: AnyType, method: int, threads: int) -> tuple[Type, int]:
     """The arguments `type` and, less than 0 for "auto", `method` of `clean`."""
     measured = _natural_type(src) if type == "auto" else type
-    stats = _facts(src, measured, False, threads)
-    found = _type_of(stats) if type == "auto" else type
+    counted = _measured(src, measured, False, threads)
+    found = _type_of(counted) if type == "auto" else type
     if method < 0:
         if found != measured:
-            stats = _facts(src, found, False, threads)
+            counted = _measured(src, found, False, threads)
         chosen = ffi.new("ntp_clean_method *")
         encoding = choose("type", found, ENCODINGS) % 3
-        check(lib.ntp_choose_method(chosen, ffi.NULL, stats, encoding, 0), "clean")
+        check(lib.ntp_choose_method(chosen, ffi.NULL, counted._pointer, encoding, 0), "clean")
         method = chosen[0]
     return found, method
 
 
-def _type_of(stats: Any) -> Type:
+def _type_of(measured: Tally) -> Type:
     result = ffi.new("ntp_classification *")
-    check(lib.ntp_classify(result, stats), "classify")
+    check(lib.ntp_classify(result, measured._pointer), "classify")
     name: Class = CLASSES[result.type]
     if name == "standard" or name == "one-color":
         return "standard"
     if name == "zzero" or name == "xy":
         return name
-    because = "; ".join(_classification(stats).reasons)
+    because = "; ".join(_classification(measured).reasons)
     raise ArgumentError(
         f'type="auto": src looks like {name}, not like a normals texture ({because});'
         ' name its type to go on, such as type="standard"'

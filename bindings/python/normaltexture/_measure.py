@@ -67,11 +67,6 @@ class Fit(_Result):
     length_min: float
     length_mean: float
     length_max: float
-    used_length_mean: float
-    used_length_sd: float
-    used_near_unit: tuple[float, ...]
-    used_short: float
-    used_long: float
 
 
 @dataclass(frozen=True)
@@ -127,27 +122,8 @@ class Stats(_Result):
     standard: Fit
     zzero: Fit
     angles: Angles
-    steepness: tuple[int, ...]
-    steepness_not_rounded: tuple[int, ...]
-    steepness_not_neighbor: tuple[int, ...]
-    steepness_length_error: tuple[float, ...]
-    used_z_negative: int
     used_mean: tuple[float, ...]
-    used_sd: tuple[float, ...]
-    correlation: tuple[float, ...]
-    red_low: int
-    green_low: int
     near_gamma_flat: int
-    gamma_near_unit: float
-    ag_in_disc: float
-    block_step: tuple[float, ...]
-    tilted: int
-    tilted_gap: float
-    tilted_off: tuple[float, ...]
-    tilted_near: tuple[float, ...]
-    tilted_above: float
-    blue_slope: float
-    blue_correlation: float
     type: MeasuredType
     levels_off: tuple[int, ...] = field(repr=False)
     lengths: tuple[int, ...] = field(repr=False)

@@ -459,7 +459,7 @@ def test_classes(test_files):
     for name, kind in names.items():
         found = nt.classify(nt.read(test_files / name))
         assert found.type == kind, name
-        assert found == nt.classify(nt.measure(nt.read(test_files / name)))
+        assert found == nt.classify(nt.Tally().add(nt.read(test_files / name)))
         assert 0 <= found.confidence <= 1 and found.reasons
     accidents = nt.classify(nt.read(test_files / "green_blue_swapped.png")).accidents
     assert accidents == ("green-is-z",)

@@ -8,6 +8,7 @@
  * with steepness: an error of z weighs z in the length, so it fades where texels are steep, while
  * errors of x and y do not.
  */
+#include "measure/evidence.h"
 #include "base/view.h"
 
 /* A few texels far off: at most this share fails, and those that fail are off by this much (root of
@@ -37,34 +38,34 @@ static const double STEEP_OVER_SHALLOW = 0.85, STEEP_LEAST = 0.005;
 enum { SHALLOW_BIN = 2, STEEP_BIN = 5, BINS = 2 };
 
 /* Mean length error over BINS bins from `first` on; the texels go to *count. */
-static double error_from(const ntp_stats *s, int32_t first, double *count)
+static double error_from(const ntp__evidence *e, int32_t first, double *count)
 {
     double sum = 0;
     *count = 0;
     for (int32_t i = first; i < first + BINS; i++) {
-        sum += (double) s->steepness[i] * s->steepness_length_error[i];
-        *count += (double) s->steepness[i];
+        sum += (double) e->steepness[i] * e->steepness_length_error[i];
+        *count += (double) e->steepness[i];
     }
     return *count > 0 ? sum / *count : 0;
 }
 
 /* Steep over shallow length error; 0 where it cannot be told.  Where lengths are off by a factor
  * the steepest and the flattest bin that hold texels do. */
-static double steep_over_shallow(const ntp_stats *s, double used)
+static double steep_over_shallow(const ntp__evidence *e, double used)
 {
     double few = STEEP_LEAST * used, steep_texels, shallow_texels;
-    double steep = error_from(s, STEEP_BIN, &steep_texels);
-    double shallow = error_from(s, SHALLOW_BIN, &shallow_texels);
+    double steep = error_from(e, STEEP_BIN, &steep_texels);
+    double shallow = error_from(e, SHALLOW_BIN, &shallow_texels);
     return steep_texels > few && shallow_texels > few && shallow > 0 ? steep / shallow : 0;
 }
 
 /* All texels are short by one factor: of the vector, or of z?  The error in the steepest bin over
  * that in the flattest is 1, or the ratio of their z squared. */
-static ntp_clean_method method_of_factor(const ntp_stats *s, double used, ntp_reason *why)
+static ntp_clean_method method_of_factor(const ntp__evidence *e, double used, ntp_reason *why)
 {
     int32_t flat = -1, steep = -1;
-    for (int32_t i = 0; i < NTP_STEEPNESS_BINS - 1; i++) {
-        if ((double) s->steepness[i] > STEEP_LEAST * used) {
+    for (int32_t i = 0; i < NTP__STEEPNESS_BINS - 1; i++) {
+        if ((double) e->steepness[i] > STEEP_LEAST * used) {
             flat = flat < 0 ? i : flat;
             steep = i;
         }
@@ -73,35 +74,37 @@ static ntp_clean_method method_of_factor(const ntp_stats *s, double used, ntp_re
     why->value = 0;
     if (flat == steep)
         return NTP_CLEAN_DERIVE;
-    double low = (flat + 0.5) / NTP_STEEPNESS_BINS, high = (steep + 0.5) / NTP_STEEPNESS_BINS;
+    double low = (flat + 0.5) / NTP__STEEPNESS_BINS, high = (steep + 0.5) / NTP__STEEPNESS_BINS;
     double of_z = (1 - high * high) / (1 - low * low);
-    double ratio = s->steepness_length_error[steep] / s->steepness_length_error[flat];
-    bool all = ratio > (1 + of_z) / 2 && (of_z < OF_Z_TELLS || s->blue_slope > 1);
+    double ratio = e->steepness_length_error[steep] / e->steepness_length_error[flat];
+    bool all = ratio > (1 + of_z) / 2 && (of_z < OF_Z_TELLS || e->blue_slope > 1);
     why->code = all ? NTP_REASON_ALL_CHANNELS : NTP_REASON_Z_ALONE;
     why->value = ratio;
     return all ? NTP_CLEAN_NORMALIZE : NTP_CLEAN_DERIVE;
 }
 
-static ntp_clean_method method_of_errors(const ntp_stats *s, const ntp_fit *fit, bool zzero,
-                                         double used, ntp_reason *why)
+static ntp_clean_method method_of_errors(const ntp__evidence *e, bool zzero, double used,
+                                         ntp_reason *why)
 {
-    double wrong = 1 - (double) (fit->neighbor - fit->unused_neighbor) / used;
-    double off = 1 - fit->used_length_mean;
-    double square = fit->used_length_sd * fit->used_length_sd + off * off;
+    const ntp_fit *counts = zzero ? &e->stats.zzero : &e->stats.standard;
+    const ntp__fit_evidence *fit = &e->fit[zzero];
+    double wrong = 1 - (double) (counts->neighbor - counts->unused_neighbor) / used;
+    double off = 1 - fit->length_mean;
+    double square = fit->length_sd * fit->length_sd + off * off;
     *why = (ntp_reason) { NTP_REASON_FEW_WRONG, wrong };
     if (wrong > 0 && wrong < FEW_SHARE &&
         square - ROUNDING_SQUARE > GROSS_ERROR * GROSS_ERROR * wrong)
         return NTP_CLEAN_DERIVE;
-    if (!zzero && off > FACTOR_LEAST && fit->used_short > ALL_SHORT &&
-        (fit->used_length_sd < FACTOR_SPREAD * off || s->blue_correlation > FACTOR_FOLLOWS))
-        return method_of_factor(s, used, why);
-    *why = (ntp_reason) { NTP_REASON_SHORT, fit->used_short };
-    if (fit->used_short > SHORT_OVER_LONG * fit->used_long)
+    if (!zzero && off > FACTOR_LEAST && fit->too_short > ALL_SHORT &&
+        (fit->length_sd < FACTOR_SPREAD * off || e->blue_correlation > FACTOR_FOLLOWS))
+        return method_of_factor(e, used, why);
+    *why = (ntp_reason) { NTP_REASON_SHORT, fit->too_short };
+    if (fit->too_short > SHORT_OVER_LONG * fit->too_long)
         return NTP_CLEAN_NORMALIZE;
-    *why = (ntp_reason) { NTP_REASON_LONG, fit->used_long };
-    if (-off > LONG_LEAST && fit->used_long > SHORT_OVER_LONG * fit->used_short)
+    *why = (ntp_reason) { NTP_REASON_LONG, fit->too_long };
+    if (-off > LONG_LEAST && fit->too_long > SHORT_OVER_LONG * fit->too_short)
         return NTP_CLEAN_DERIVE;
-    double ratio = zzero ? 0 : steep_over_shallow(s, used);
+    double ratio = zzero ? 0 : steep_over_shallow(e, used);
     *why = (ntp_reason) { NTP_REASON_TOO_FLAT, 0 };
     if (ratio == 0)
         return NTP_CLEAN_DERIVE;
@@ -110,38 +113,40 @@ static ntp_clean_method method_of_errors(const ntp_stats *s, const ntp_fit *fit,
     return all ? NTP_CLEAN_NORMALIZE : NTP_CLEAN_DERIVE;
 }
 
-ntp_status ntp_choose_method(ntp_clean_method *method, ntp_reason *why, const ntp_stats *stats,
+ntp_status ntp_choose_method(ntp_clean_method *method, ntp_reason *why, ntp_tally *tally,
                              ntp_encoding encoding, int32_t lossy)
 {
+    ntp__evidence e;
     ntp_reason unwanted;
     if (why == NULL)
         why = &unwanted;
-    if (method == NULL || stats == NULL || stats->texels == 0 ||
-        (encoding != NTP_ENCODING_STANDARD && encoding != NTP_ENCODING_ZZERO &&
-         encoding != NTP_ENCODING_XY))
+    if (method == NULL || (encoding != NTP_ENCODING_STANDARD && encoding != NTP_ENCODING_ZZERO &&
+                           encoding != NTP_ENCODING_XY))
         return NTP_ERR_ARGUMENT;
+    NTP__TRY(ntp__gather_evidence(&e, tally));
     bool zzero = encoding == NTP_ENCODING_ZZERO;
+    const ntp_stats *stats = &e.stats;
     const ntp_fit *fit = zzero ? &stats->zzero : &stats->standard;
     uint64_t used = stats->texels - stats->unused;
-    double sign = stats->used_z_negative > used / 2 && !zzero ? -1 : 1;
-    bool follows = sign * stats->blue_correlation > UNRELATED;
+    double sign = e.used_z_negative > used / 2 && !zzero ? -1 : 1;
+    bool follows = sign * e.blue_correlation > UNRELATED;
     if (encoding == NTP_ENCODING_XY) {
         *method = NTP_CLEAN_DERIVE;
         *why = (ntp_reason) { NTP_REASON_XY_ONLY, 0 };
     } else if (fit->rounded - fit->unused_rounded == used) {
         *method = NTP_CLEAN_KEEP;
         *why = (ntp_reason) { NTP_REASON_ALL_ROUNDED, 1 };
-    } else if (stats->used_sd[2] < CONSTANT_DEVIATION) {
+    } else if (e.used_sd[2] < CONSTANT_DEVIATION) {
         *method = NTP_CLEAN_DERIVE;
         *why = (ntp_reason) { NTP_REASON_BLUE_CONSTANT, stats->used_mean[2] };
     } else if (lossy) {
         *method = NTP_CLEAN_NORMALIZE;
         *why = (ntp_reason) { NTP_REASON_LOSSY_FILE, 1 };
     } else {
-        *method = method_of_errors(stats, fit, zzero, (double) used, why);
-        if (!follows && fit->used_near_unit[2] < 0.9 && why->code != NTP_REASON_FEW_WRONG) {
+        *method = method_of_errors(&e, zzero, (double) used, why);
+        if (!follows && e.fit[zzero].near_unit[2] < 0.9 && why->code != NTP_REASON_FEW_WRONG) {
             *method = NTP_CLEAN_DERIVE;
-            *why = (ntp_reason) { NTP_REASON_BLUE_UNRELATED, stats->tilted_near[zzero] };
+            *why = (ntp_reason) { NTP_REASON_BLUE_UNRELATED, e.tilted_near[zzero] };
         }
     }
     return NTP_OK;

@@ -8,6 +8,7 @@
  * words.
  */
 #include "classify/thresholds.h"
+#include "measure/evidence.h"
 #include "base/view.h"
 
 #include <math.h>
@@ -15,7 +16,8 @@
 
 typedef struct question {
     ntp_classification *out;
-    const ntp_stats *s;
+    const ntp__evidence *e;
+    const ntp_stats *s; /* of e */
     double used, lean, unit[2], near[2], rounded[2], negative, red_low, green_low, too_long;
 } question;
 
@@ -54,19 +56,19 @@ static double blend(double low, double high, double t)
 }
 
 /* Texels in bins of steepness. */
-static double count_bins(const ntp_stats *s, int32_t first_bin, int32_t end_bin)
+static double count_bins(const ntp__evidence *e, int32_t first_bin, int32_t end_bin)
 {
     double count = 0;
     for (int32_t i = first_bin; i < end_bin; i++)
-        count += (double) s->steepness[i];
+        count += (double) e->steepness[i];
     return count;
 }
 
 /* Do two channels keep to a line?  By the variances along and across its direction. */
-static bool keep_to_a_line(const ntp_stats *s, int32_t first, int32_t second)
+static bool keep_to_a_line(const ntp__evidence *e, int32_t first, int32_t second)
 {
-    double a = s->used_sd[first] * s->used_sd[first], b = s->used_sd[second] * s->used_sd[second];
-    double ab = s->correlation[first + second - 1] * s->used_sd[first] * s->used_sd[second];
+    double a = e->used_sd[first] * e->used_sd[first], b = e->used_sd[second] * e->used_sd[second];
+    double ab = e->correlation[first + second - 1] * e->used_sd[first] * e->used_sd[second];
     double middle = (a + b) / 2, apart = sqrt((a - b) * (a - b) / 4 + ab * ab);
     double across = most(middle - apart, 0);
     return across < LINE_WIDTH * LINE_WIDTH * (middle + apart) + LINE_NOISE * LINE_NOISE;
@@ -75,6 +77,7 @@ static bool keep_to_a_line(const ntp_stats *s, int32_t first, int32_t second)
 static void prepare(question *q)
 {
     const ntp_stats *s = q->s;
+    const ntp__evidence *e = q->e;
     const ntp_fit *fit[2] = { &s->standard, &s->zzero };
     double x = 2 * s->used_mean[0] - 1, y = 2 * s->used_mean[1] - 1;
     q->used = most(1, (double) (s->texels - s->unused) - (double) s->not_finite);
@@ -82,11 +85,11 @@ static void prepare(question *q)
     for (int32_t z = 0; z < 2; z++) {
         q->unit[z] = (double) (fit[z]->neighbor - fit[z]->unused_neighbor) / q->used;
         q->rounded[z] = (double) (fit[z]->rounded - fit[z]->unused_rounded) / q->used;
-        q->near[z] = fit[z]->used_near_unit[2];
+        q->near[z] = q->e->fit[z].near_unit[2];
     }
-    q->negative = (double) s->used_z_negative / q->used;
-    q->red_low = (double) s->red_low / q->used;
-    q->green_low = (double) s->green_low / q->used;
+    q->negative = (double) e->used_z_negative / q->used;
+    q->red_low = (double) e->red_low / q->used;
+    q->green_low = (double) e->green_low / q->used;
     q->too_long = (double) (s->xy_too_long - s->unused_xy_too_long) / q->used;
 }
 
@@ -96,18 +99,19 @@ static void prepare(question *q)
 static bool is_dxt5nm(question *q)
 {
     const ntp_stats *s = q->s;
+    const ntp__evidence *e = q->e;
     bool gray = s->channels == 2 || (double) s->gray >= GRAY_SHARE * (double) s->texels;
-    bool idle = s->used_sd[0] < IDLE_DEVIATION && s->used_sd[2] < IDLE_DEVIATION &&
+    bool idle = e->used_sd[0] < IDLE_DEVIATION && e->used_sd[2] < IDLE_DEVIATION &&
                 distance(s->used_mean[0], 0.5) > 0.5 - MIDDLE;
     double ends = (double) (s->alpha_zero + s->alpha_full) / (double) s->texels;
-    bool still = s->used_sd[1] < CONSTANT_DEVIATION && s->used_sd[3] < CONSTANT_DEVIATION;
+    bool still = e->used_sd[1] < CONSTANT_DEVIATION && e->used_sd[3] < CONSTANT_DEVIATION;
     /* Without alpha ag_in_disc is 0. */
     if ((!gray && !idle) || still || ends > ALPHA_ENDS_MOST ||
         distance(s->used_mean[3], 0.5) > MIDDLE || distance(s->used_mean[1], 0.5) > MIDDLE ||
-        s->ag_in_disc < 1 - TOO_LONG_SHARE)
+        e->ag_in_disc < 1 - TOO_LONG_SHARE)
         return false;
     q->out->accidents |= NTP_ACCIDENT_DXT5NM;
-    because(q, NTP_REASON_DXT5NM, s->ag_in_disc);
+    because(q, NTP_REASON_DXT5NM, e->ag_in_disc);
     return is(q, NTP_CLASS_XY, gray ? 0.85 : 0.95);
 }
 
@@ -153,17 +157,18 @@ static bool is_two_channels(question *q)
 static bool is_gamma(question *q)
 {
     const ntp_stats *s = q->s;
+    const ntp__evidence *e = q->e;
     double flat = (double) s->near_gamma_flat / q->used;
     double rise = s->used_mean[2] - most(s->used_mean[0], s->used_mean[1]);
-    if (s->gamma_near_unit < GAMMA_SHARE || s->gamma_near_unit < q->near[0] + 0.1 ||
+    if (e->gamma_near_unit < GAMMA_SHARE || e->gamma_near_unit < q->near[0] + 0.1 ||
         distance(s->used_mean[0], GAMMA_FLAT) > GAMMA_SPREAD ||
         distance(s->used_mean[1], GAMMA_FLAT) > GAMMA_SPREAD || rise < GAMMA_RISE)
         return false;
     q->out->accidents |= NTP_ACCIDENT_GAMMA;
-    because(q, NTP_REASON_GAMMA, s->gamma_near_unit);
+    because(q, NTP_REASON_GAMMA, e->gamma_near_unit);
     if (flat > 0.02)
         because(q, NTP_REASON_GAMMA_FLAT, flat);
-    return is(q, NTP_CLASS_STANDARD, flat > 0.02 && !keep_to_a_line(s, 0, 1) ? 0.93 : 0.8);
+    return is(q, NTP_CLASS_STANDARD, flat > 0.02 && !keep_to_a_line(q->e, 0, 1) ? 0.93 : 0.8);
 }
 
 static bool is_swapped(question *q)
@@ -181,14 +186,14 @@ static bool is_swapped(question *q)
     because(q, red ? NTP_REASON_RED_IS_Z : NTP_REASON_GREEN_IS_Z,
             1 - (red ? q->red_low : q->green_low));
     because(q, NTP_REASON_NEAR_UNIT, q->near[0]);
-    bool sure = q->unit[0] > UNIT_SHARE && !keep_to_a_line(s, red ? 1 : 0, 2);
+    bool sure = q->unit[0] > UNIT_SHARE && !keep_to_a_line(q->e, red ? 1 : 0, 2);
     return is(q, NTP_CLASS_STANDARD, sure ? 0.92 : 0.75);
 }
 
 /* Enough texels steeper than 1/8 to tell anything? */
 static bool has_slopes(const question *q)
 {
-    return count_bins(q->s, 1, NTP_STEEPNESS_BINS) >=
+    return count_bins(q->e, 1, NTP__STEEPNESS_BINS) >=
            most(SLOPING_TEXELS_LEAST, TILTED_LEAST * q->used);
 }
 
@@ -196,28 +201,28 @@ static bool has_slopes(const question *q)
 static bool follows_as(const question *q, double slope, double correlation, double off)
 {
     double sign = slope < 0 ? -1 : 1;
-    return has_slopes(q) && sign * q->s->blue_correlation > correlation &&
-           distance(q->s->blue_slope, slope) < off;
+    return has_slopes(q) && sign * q->e->blue_correlation > correlation &&
+           distance(q->e->blue_slope, slope) < off;
 }
 
 /* Blue as 0..1?  Nine of ten textures are not, so that it takes more than a better fit. */
 static bool prefers_zzero(const question *q)
 {
-    const ntp_stats *s = q->s;
-    if (s->tilted == 0)
+    const ntp__evidence *e = q->e;
+    if (e->tilted == 0)
         return false;
     bool line = follows_as(q, 2, ZZERO_FOLLOWS, ZZERO_SLOPE_OFF);
     if (q->rounded[0] > ROUNDED_SHARE || q->rounded[1] > ROUNDED_SHARE) {
-        bool clear = (s->tilted_gap > ZZERO_GAP && s->tilted_near[1] >= s->tilted_near[0]) ||
+        bool clear = (e->tilted_gap > ZZERO_GAP && e->tilted_near[1] >= e->tilted_near[0]) ||
                      q->rounded[1] > ROUNDED_ALL || line;
         return q->rounded[1] > q->rounded[0] && clear;
     }
     if (line)
         return true;
-    return s->tilted_near[1] > s->tilted_near[0] && s->tilted_near[1] > ZZERO_NEAR &&
-           s->tilted_off[1] < s->tilted_off[0] && s->tilted_gap > ZZERO_GAP &&
-           s->blue_slope > ZZERO_SLOPE &&
-           (s->tilted_gap > ZZERO_WIDE_GAP || s->blue_correlation > ZZERO_GENTLE_FOLLOWS);
+    return e->tilted_near[1] > e->tilted_near[0] && e->tilted_near[1] > ZZERO_NEAR &&
+           e->tilted_off[1] < e->tilted_off[0] && e->tilted_gap > ZZERO_GAP &&
+           e->blue_slope > ZZERO_SLOPE &&
+           (e->tilted_gap > ZZERO_WIDE_GAP || e->blue_correlation > ZZERO_GENTLE_FOLLOWS);
 }
 
 /* Share of the texels on the rarer side. */
@@ -227,12 +232,12 @@ static double rarer(double share)
 }
 
 /* Mean length error of the texels in bins of steepness, read as standard. */
-static double length_error(const ntp_stats *s, int32_t first_bin, int32_t last_bin)
+static double length_error(const ntp__evidence *e, int32_t first_bin, int32_t last_bin)
 {
     double sum = 0, count = 0;
     for (int32_t i = first_bin; i <= last_bin; i++) {
-        sum += (double) s->steepness[i] * s->steepness_length_error[i];
-        count += (double) s->steepness[i];
+        sum += (double) e->steepness[i] * e->steepness_length_error[i];
+        count += (double) e->steepness[i];
     }
     return count > 0 ? sum / count : 0;
 }
@@ -240,7 +245,7 @@ static double length_error(const ntp_stats *s, int32_t first_bin, int32_t last_b
 /* Share of the texels that are steeper than 1/2. */
 static double steep_share(const question *q)
 {
-    return count_bins(q->s, NTP_STEEPNESS_BINS / 2, NTP_STEEPNESS_BINS) / q->used;
+    return count_bins(q->e, NTP__STEEPNESS_BINS / 2, NTP__STEEPNESS_BINS) / q->used;
 }
 
 static bool is_object_space(question *q)
@@ -248,9 +253,9 @@ static bool is_object_space(question *q)
     double z = rarer(q->negative), red = rarer(q->red_low), green = rarer(q->green_low);
     bool mixed = z > MIXED_LEAST && red > MIXED_LEAST && green > MIXED_LEAST;
     if (z < DIRECTIONS_LEAST || red < AXIS_LEAST || green < AXIS_LEAST ||
-        steep_share(q) < BODY_STEEP_LEAST || keep_to_a_line(q->s, 0, 1) ||
+        steep_share(q) < BODY_STEEP_LEAST || keep_to_a_line(q->e, 0, 1) ||
         q->near[0] < (mixed ? MIXED_UNIT_SHARE : NEAR_UNIT_SHARE) || prefers_zzero(q) ||
-        length_error(q->s, TILTED_FIRST_BIN, TILTED_LAST_BIN) > TILTED_ERROR_MOST)
+        length_error(q->e, TILTED_FIRST_BIN, TILTED_LAST_BIN) > TILTED_ERROR_MOST)
         return false;
     because(q, NTP_REASON_ALL_DIRECTIONS, q->negative);
     because(q, NTP_REASON_NEAR_UNIT, q->near[0]);
@@ -261,7 +266,8 @@ static bool is_object_space(question *q)
 static bool is_blue_constant(question *q)
 {
     const ntp_stats *s = q->s;
-    if (s->used_sd[2] > CONSTANT_DEVIATION || q->too_long > TOO_LONG_SHARE || q->lean > LEAN_MOST ||
+    const ntp__evidence *e = q->e;
+    if (e->used_sd[2] > CONSTANT_DEVIATION || q->too_long > TOO_LONG_SHARE || q->lean > LEAN_MOST ||
         (s->used_mean[2] > 0.9 && q->unit[0] > UNIT_SHARE) ||
         (s->used_mean[2] < 0.998 && s->used_mean[2] > 0.9 && q->near[0] > NEAR_UNIT_SHARE))
         return false;
@@ -270,14 +276,14 @@ static bool is_blue_constant(question *q)
     because(q, NTP_REASON_XY_CENTERED, q->lean);
     double z = 2 * s->used_mean[2] - 1;
     bool usual = z < -USUAL_BLUE || z > USUAL_BLUE || distance(z, 0) < 1 - USUAL_BLUE;
-    bool sure = usual && q->lean < LEAN_CENTERED && !keep_to_a_line(s, 0, 1);
+    bool sure = usual && q->lean < LEAN_CENTERED && !keep_to_a_line(q->e, 0, 1);
     return is(q, NTP_CLASS_XY, sure ? 0.95 : 0.8);
 }
 
 /* The second greatest of the three steps at block borders. */
-static double block_step(const ntp_stats *s)
+static double block_step(const ntp__evidence *e)
 {
-    const double *step = s->block_step;
+    const double *step = e->block_step;
     double greatest = most(most(step[0], step[1]), step[2]), least = step[0];
     for (int32_t i = 1; i < 3; i++)
         least = step[i] < least ? step[i] : least;
@@ -286,16 +292,15 @@ static double block_step(const ntp_stats *s)
 
 static void note_damage(question *q, bool zzero)
 {
-    const ntp_stats *s = q->s;
-    const ntp_fit *fit = zzero ? &s->zzero : &s->standard;
-    double step = block_step(s);
-    if (step > BLOCK_STEP && fit->used_short > BOTH_SIDES && fit->used_long > BOTH_SIDES) {
+    const ntp__fit_evidence *fit = &q->e->fit[zzero];
+    double step = block_step(q->e);
+    if (step > BLOCK_STEP && fit->too_short > BOTH_SIDES && fit->too_long > BOTH_SIDES) {
         q->out->accidents |= NTP_ACCIDENT_LOSSY;
         because(q, NTP_REASON_BLOCKS, step);
-    } else if (fit->used_near_unit[1] < 1 - BLURRED_SHARE &&
-               fit->used_short > SHORT_OVER_LONG * fit->used_long) {
+    } else if (fit->near_unit[1] < 1 - BLURRED_SHARE &&
+               fit->too_short > SHORT_OVER_LONG * fit->too_long) {
         q->out->accidents |= NTP_ACCIDENT_FILTERED;
-        because(q, NTP_REASON_SHORT, fit->used_short);
+        because(q, NTP_REASON_SHORT, fit->too_short);
     }
 }
 
@@ -306,29 +311,29 @@ static void note_damage(question *q, bool zzero)
  */
 static double fit_on_slopes(const question *q, bool zzero, bool flipped)
 {
-    const ntp_stats *s = q->s;
-    double sloping = count_bins(s, 1, NTP_STEEPNESS_BINS), wrong = 0;
+    const ntp__evidence *e = q->e;
+    double sloping = count_bins(q->e, 1, NTP__STEEPNESS_BINS), wrong = 0;
     if (!flipped)
-        return s->tilted > 0 ? s->tilted_near[zzero] : 1;
-    for (int32_t i = 1; i < NTP_STEEPNESS_BINS; i++)
-        wrong += (double) s->steepness_not_neighbor[i];
+        return e->tilted > 0 ? e->tilted_near[zzero] : 1;
+    for (int32_t i = 1; i < NTP__STEEPNESS_BINS; i++)
+        wrong += (double) e->steepness_not_neighbor[i];
     return sloping > TILTED_LEAST * q->used ? 1 - wrong / sloping : 0;
 }
 
 /* Lengths are off, but as damage puts them off: how sure; 0: no. */
 static double fits_loosely(const question *q, bool zzero, double follows)
 {
-    const ntp_fit *fit = zzero ? &q->s->zzero : &q->s->standard;
+    const ntp__fit_evidence *fit = &q->e->fit[zzero];
     bool upright = zzero || rarer(q->negative) < NEGATIVE_DAMAGED;
     double spread_most = SPREAD_MOST + (upright ? SPREAD_FOLLOWING * most(follows, 0) : 0);
-    double mean = fit->used_length_mean;
-    if (fit->used_length_sd > spread_most || mean < LENGTH_LEAST || mean > LENGTH_MOST ||
+    double mean = fit->length_mean;
+    if (fit->length_sd > spread_most || mean < LENGTH_LEAST || mean > LENGTH_MOST ||
         q->lean > LEAN_MOST || q->too_long > TOO_LONG_SHARE ||
         (q->lean > LEAN_CENTERED && q->near[zzero] < NEAR_UNIT_SHARE))
         return 0;
     if (q->near[zzero] > NEAR_UNIT_SHARE)
         return blend(0.8, LOOSE_SURE, (q->near[zzero] - NEAR_UNIT_SHARE) / 0.1);
-    return blend(0.6, 0.8, (spread_most - fit->used_length_sd) / SPREAD_MOST);
+    return blend(0.6, 0.8, (spread_most - fit->length_sd) / SPREAD_MOST);
 }
 
 /* Does blue go up and down with z, by as much? */
@@ -340,17 +345,18 @@ static bool follows_z(const question *q, bool flipped, double correlation)
 /* Do lengths keep close together, on slopes as well, where blue goes with z at all? */
 static bool keeps_length(const question *q, double follows)
 {
-    return has_slopes(q) && follows > BLUE_FOLLOWS && q->s->standard.used_length_sd < KEPT_SPREAD &&
-           length_error(q->s, 1, NTP_STEEPNESS_BINS - 1) < KEPT_SLOPING_ERROR;
+    return has_slopes(q) && follows > BLUE_FOLLOWS && q->e->fit[0].length_sd < KEPT_SPREAD &&
+           length_error(q->e, 1, NTP__STEEPNESS_BINS - 1) < KEPT_SLOPING_ERROR;
 }
 
 static bool is_normals(question *q)
 {
     const ntp_stats *s = q->s;
+    const ntp__evidence *e = q->e;
     bool zzero = prefers_zzero(q), flipped = q->negative > FLIPPED_SHARE && !zzero;
-    double follows = flipped ? -s->blue_correlation : s->blue_correlation;
+    double follows = flipped ? -e->blue_correlation : e->blue_correlation;
     double on_slopes = fit_on_slopes(q, zzero, flipped);
-    bool enough = flipped || (double) s->tilted > TILTED_LEAST * q->used;
+    bool enough = flipped || (double) e->tilted > TILTED_LEAST * q->used;
     bool flat_only = enough && on_slopes < TILTED_NEAR_LEAST, idle = follows < BLUE_FOLLOWS;
     bool tight = q->unit[zzero] > UNIT_SHARE && !(flat_only && idle);
     double sure = tight ? 0.97 : fits_loosely(q, zzero, follows);
@@ -358,7 +364,7 @@ static bool is_normals(question *q)
         return false;
     bool closely = follows_z(q, flipped, Z_FOLLOWS_CLOSELY);
     bool seen = tight && on_slopes >= TILTED_NEAR_SURE &&
-                (s->tilted >= SLOPING_TEXELS_LEAST || q->unit[zzero] > UNIT_FLAT_SURE);
+                (e->tilted >= SLOPING_TEXELS_LEAST || q->unit[zzero] > UNIT_FLAT_SURE);
     if (closely && !tight)
         sure = LOOSE_SURE;
     if ((flat_only && !closely) || (!tight && q->lean > LEAN_SLANTED))
@@ -368,7 +374,7 @@ static bool is_normals(question *q)
         sure = least(sure, UNSEEN_SURE);
     if (!zzero && !flipped && q->negative > NEGATIVE_MOST)
         sure = least(sure, NEGATIVE_SURE);
-    if (keep_to_a_line(s, 0, 1) && (!tight || q->lean > LEAN_MOST))
+    if (keep_to_a_line(q->e, 0, 1) && (!tight || q->lean > LEAN_MOST))
         sure = least(sure, LINE_SURE);
     is(q, zzero ? NTP_CLASS_ZZERO : NTP_CLASS_STANDARD, sure);
     if (tight)
@@ -378,14 +384,14 @@ static bool is_normals(question *q)
     else
         because(q, zzero ? NTP_REASON_NEAR_UNIT_ZZERO : NTP_REASON_NEAR_UNIT, q->near[zzero]);
     if (zzero) {
-        because(q, NTP_REASON_PREFERS_ZZERO, s->tilted_near[1]);
+        because(q, NTP_REASON_PREFERS_ZZERO, e->tilted_near[1]);
         bool line = follows_as(q, 2, ZZERO_FOLLOWS, ZZERO_SLOPE_OFF);
         if (q->rounded[1] < ROUNDED_SHARE || !(line || q->rounded[1] > ROUNDED_ALL))
             q->out->confidence = least(sure, 0.8);
-        else if (s->tilted_gap < ZZERO_SURE_GAP)
+        else if (e->tilted_gap < ZZERO_SURE_GAP)
             q->out->confidence = least(sure, ZZERO_SURE);
-    } else if (!flipped && (s->tilted == 0 || (s->tilted_near[1] > s->tilted_near[0] &&
-                                               s->blue_slope > ZZERO_SLOPE))) {
+    } else if (!flipped && (e->tilted == 0 || (e->tilted_near[1] > e->tilted_near[0] &&
+                                               e->blue_slope > ZZERO_SLOPE))) {
         because(q, NTP_REASON_UNDECIDED_ZZERO, 0);
         q->out->confidence = least(sure, 0.85);
     }
@@ -401,30 +407,31 @@ static bool is_normals(question *q)
 /* Normals beside much padding: only the tilted texels are asked. */
 static bool is_padded(question *q)
 {
-    const ntp_stats *s = q->s;
-    const bool zzero = s->tilted_near[1] > s->tilted_near[0];
-    const double tilted = (double) s->tilted;
+    const ntp__evidence *e = q->e;
+    const bool zzero = e->tilted_near[1] > e->tilted_near[0];
+    const double tilted = (double) e->tilted;
     if (tilted < PADDED_TEXELS_LEAST || tilted < TILTED_LEAST * q->used ||
-        s->tilted_gap < PADDED_GAP || s->tilted_near[zzero] < PADDED_NEAR ||
+        e->tilted_gap < PADDED_GAP || e->tilted_near[zzero] < PADDED_NEAR ||
         q->unit[zzero] < PADDED_UNIT)
         return false;
     because(q, zzero ? NTP_REASON_PREFERS_ZZERO : NTP_REASON_PREFERS_STANDARD,
-            s->tilted_near[zzero]);
+            e->tilted_near[zzero]);
     because(q, zzero ? NTP_REASON_UNIT_ZZERO : NTP_REASON_UNIT, q->unit[zzero]);
     if (q->too_long > 0)
         because(q, NTP_REASON_XY_TOO_LONG, q->too_long);
     return is(q, zzero ? NTP_CLASS_ZZERO : NTP_CLASS_STANDARD,
-              blend(0.7, PADDED_SURE, (s->tilted_near[zzero] - PADDED_NEAR) / 0.15));
+              blend(0.7, PADDED_SURE, (e->tilted_near[zzero] - PADDED_NEAR) / 0.15));
 }
 
 /* Standard after compression that left blue little of its own: all three channels go together. */
 static bool is_compressed(question *q)
 {
     const ntp_stats *s = q->s;
-    double alike = least(s->correlation[1], s->correlation[2]);
+    const ntp__evidence *e = q->e;
+    double alike = least(e->correlation[1], e->correlation[2]);
     if (alike < COMPRESSED_ALIKE || s->used_mean[2] < OPEN_BLUE || q->lean > LEAN_SLANTED ||
         q->negative > NEGATIVE_DAMAGED || q->too_long > TOO_LONG_SHARE ||
-        q->near[0] < COMPRESSED_NEAR || s->standard.used_length_mean < LENGTH_LEAST)
+        q->near[0] < COMPRESSED_NEAR || q->e->fit[0].length_mean < LENGTH_LEAST)
         return false;
     q->out->accidents |= NTP_ACCIDENT_LOSSY;
     because(q, NTP_REASON_ALL_ALIKE, alike);
@@ -437,38 +444,39 @@ static bool is_bright_and_dark(const question *q)
 {
     double alike = 0;
     for (int32_t i = 0; i < 3; i++)
-        alike = most(alike, distance(q->s->correlation[i], 0));
+        alike = most(alike, distance(q->e->correlation[i], 0));
     return q->lean > LEAN_PICTURE && alike > ALIKE;
 }
 
 static bool is_xy(question *q)
 {
     const ntp_stats *s = q->s;
-    double middle = (double) (s->steepness[0] + s->steepness[1]) / q->used;
+    const ntp__evidence *e = q->e;
+    double middle = (double) (e->steepness[0] + e->steepness[1]) / q->used;
     if (q->too_long > TOO_LONG_SHARE || q->lean > LEAN_CENTERED || steep_share(q) > STEEP_MOST ||
         is_bright_and_dark(q))
         return false;
     double ends = (double) (s->alpha_zero + s->alpha_full) / (double) s->texels;
-    bool alpha = s->used_sd[3] > ALPHA_VARIES && ends < ALPHA_ENDS_MOST;
+    bool alpha = e->used_sd[3] > ALPHA_VARIES && ends < ALPHA_ENDS_MOST;
     double sure = alpha ? XY_ALPHA_SURE : XY_SURE;
     sure = least(sure, blend(0.6, 0.92, (LEAN_CENTERED - q->lean) / (LEAN_CENTERED - LEAN_SMALL)));
     sure = least(sure, blend(0.7, 0.92, (NEAR_UNIT_SHARE - q->near[0]) / 0.2));
-    sure = least(sure, blend(0.6, 0.92, (s->standard.used_length_sd - SPREAD_MOST) / 0.08));
+    sure = least(sure, blend(0.6, 0.92, (q->e->fit[0].length_sd - SPREAD_MOST) / 0.08));
     sure = least(sure, blend(0.6, 0.92, middle / MIDDLE_LEAST - 1));
     if (s->used_mean[2] > OPEN_BLUE)
         sure = least(sure, XY_SURE);
-    if (block_step(s) > BLOCK_STEP)
+    if (block_step(q->e) > BLOCK_STEP)
         sure = least(sure, 0.75);
-    if (s->tilted_near[0] < 0.5)
-        because(q, NTP_REASON_BLUE_UNRELATED, s->tilted_near[0]);
+    if (e->tilted_near[0] < 0.5)
+        because(q, NTP_REASON_BLUE_UNRELATED, e->tilted_near[0]);
     else
         because(q, NTP_REASON_NOT_UNIT, q->near[0]);
     because(q, NTP_REASON_XY_CENTERED, q->lean);
-    if (s->correlation[0] > ALIKE) {
+    if (e->correlation[0] > ALIKE) {
         sure = least(sure, 0.75);
-        because(q, NTP_REASON_COLORS_ALIKE, s->correlation[0]);
+        because(q, NTP_REASON_COLORS_ALIKE, e->correlation[0]);
     }
-    if (keep_to_a_line(s, 0, 1))
+    if (keep_to_a_line(q->e, 0, 1))
         sure = least(sure, 0.75);
     return is(q, NTP_CLASS_XY, sure);
 }
@@ -484,19 +492,21 @@ static void classify(question *q)
         because(q, NTP_REASON_XY_TOO_LONG, q->too_long);
     if (q->lean > LEAN_CENTERED)
         because(q, NTP_REASON_XY_OFF_CENTER, q->lean);
-    if (q->s->correlation[0] > ALIKE)
-        because(q, NTP_REASON_COLORS_ALIKE, q->s->correlation[0]);
+    if (q->e->correlation[0] > ALIKE)
+        because(q, NTP_REASON_COLORS_ALIKE, q->e->correlation[0]);
     is(q, NTP_CLASS_NOT_NORMALS,
        least(blend(0.7, 0.95, (q->lean - LEAN_CENTERED) / 0.15),
              blend(0.7, 0.95, (NEAR_UNIT_SHARE - 0.2 - q->near[0]) / 0.2)));
 }
 
-ntp_status ntp_classify(ntp_classification *result, const ntp_stats *stats)
+ntp_status ntp_classify(ntp_classification *result, ntp_tally *tally)
 {
-    if (result == NULL || stats == NULL || stats->texels == 0)
+    ntp__evidence e;
+    if (result == NULL)
         return NTP_ERR_ARGUMENT;
+    NTP__TRY(ntp__gather_evidence(&e, tally));
     memset(result, 0, sizeof *result);
-    question q = { .out = result, .s = stats };
+    question q = { .out = result, .e = &e, .s = &e.stats };
     prepare(&q);
     classify(&q);
     return NTP_OK;

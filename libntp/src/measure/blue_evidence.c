@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * blue_blue_evidence.c - how blue goes with red and green
+ * blue_evidence.c - how blue goes with red and green
  *
  * Standard and Z-zero differ in what blue should be only where a texel is tilted, so the two
  * readings are compared there, and there alone.  The regression of blue on the derived blue tells
@@ -100,7 +100,7 @@ static void add_samples(blue_sums *sums, const ntp_tally *t)
     }
 }
 
-static void describe_regression(ntp_stats *s, const blue_sums *sums)
+static void describe_regression(ntp__evidence *e, const blue_sums *sums)
 {
     double n = sums->n, want = sums->want / n, blue = sums->blue / n;
     double want_variance = sums->want2 / n - want * want;
@@ -108,29 +108,29 @@ static void describe_regression(ntp_stats *s, const blue_sums *sums)
     double covariance = sums->product / n - want * blue;
     const double least = 1e-6; /* below this only rounding of doubles is left */
     if (want_variance > least)
-        s->blue_slope = covariance / want_variance;
+        e->blue_slope = covariance / want_variance;
     if (want_variance > least && blue_variance > least)
-        s->blue_correlation = covariance / sqrt(want_variance * blue_variance);
+        e->blue_correlation = covariance / sqrt(want_variance * blue_variance);
 }
 
-void ntp__describe_blue(ntp_stats *s, const ntp_tally *t)
+void ntp__describe_blue(ntp__evidence *e, const ntp_tally *t)
 {
     blue_sums sums = { 0 };
     if (t->encoding == NTP_ENCODING_HEIGHT)
         return;
-    if (s->max == 255)
+    if (ntp__tally_max(t) == 255)
         add_cells(&sums, t);
     else
         add_samples(&sums, t);
     if (sums.n > 0)
-        describe_regression(s, &sums);
-    s->tilted = (uint64_t) sums.tilted;
+        describe_regression(e, &sums);
+    e->tilted = (uint64_t) sums.tilted;
     if (sums.tilted == 0)
         return;
-    s->tilted_gap = sums.gap / sums.tilted;
-    s->tilted_above = sums.above / sums.tilted;
+    e->tilted_gap = sums.gap / sums.tilted;
+    e->tilted_above = sums.above / sums.tilted;
     for (int32_t i = 0; i < 2; i++) {
-        s->tilted_off[i] = sums.off[i] / sums.tilted;
-        s->tilted_near[i] = sums.near[i] / sums.tilted;
+        e->tilted_off[i] = sums.off[i] / sums.tilted;
+        e->tilted_near[i] = sums.near[i] / sums.tilted;
     }
 }

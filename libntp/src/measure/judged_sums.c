@@ -20,7 +20,7 @@ void ntp__row_init(ntp__row *row, int32_t r, int32_t g, int32_t m)
     row->g = row->cleaned[1] = g;
     row->xy2 = ntp__sq(m) - s;
     int32_t bin = ntp__steepness_bin((double) row->xy2, m);
-    row->steepness = bin < NTP_STEEPNESS_BINS ? bin : NTP_STEEPNESS_BINS - 1;
+    row->steepness = bin < NTP__STEEPNESS_BINS ? bin : NTP__STEEPNESS_BINS - 1;
     row->flags = 0;
     if (s >= 0) {
         row->want[0] = row->cleaned_blue[0] = ntp__blue_of_rest(s, m, false);

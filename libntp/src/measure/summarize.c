@@ -26,7 +26,7 @@ static void count_flags(flag_counts *out, const ntp__sums *sums, int32_t z)
     out->n = 0;
     if (sums->texels == 0)
         return;
-    for (int32_t i = 0; i < NTP_STEEPNESS_BINS; i++)
+    for (int32_t i = 0; i < NTP__STEEPNESS_BINS; i++)
         ntp__merge_counts(count, &sums->fit[z].flags[i * 256], 256);
     for (uint32_t f = 0; f < 256; f++) {
         if (count[f] == 0)
@@ -49,17 +49,7 @@ static double share(uint64_t part, uint64_t whole)
     return whole > 0 ? (double) part / (double) whole : 0.0;
 }
 
-/* Texels whose length lies within `bins` of 1/128 from 1. */
-static uint64_t near_unit(const ntp__fit_sums *fit, int32_t bins)
-{
-    uint64_t count = 0;
-    for (int32_t i = 128 - bins; i < 128 + bins; i++)
-        count += fit->lengths[i];
-    return count;
-}
-
-static void describe_flags(ntp_fit *out, const flag_counts *yes, const flag_counts *no,
-                           uint64_t used)
+static void describe_flags(ntp_fit *out, const flag_counts *yes, const flag_counts *no)
 {
     out->unused_neighbor = flagged(no, NTP_FLAG_NEIGHBOR, NTP_FLAG_NEIGHBOR);
     out->unused_rounded = flagged(no, NTP_FLAG_ROUNDED, NTP_FLAG_ROUNDED);
@@ -69,8 +59,6 @@ static void describe_flags(ntp_fit *out, const flag_counts *yes, const flag_coun
     out->exact = out->unused_exact + flagged(yes, NTP_FLAG_EXACT, NTP_FLAG_EXACT);
     out->exact_mirrored =
         flagged(yes, NTP__MIRRORED, NTP__MIRRORED) + flagged(no, NTP__MIRRORED, NTP__MIRRORED);
-    out->used_short = share(flagged(yes, NTP_FLAG_ROUNDED | NTP__LONG, 0), used);
-    out->used_long = share(flagged(yes, NTP_FLAG_ROUNDED | NTP__LONG, NTP__LONG), used);
 }
 
 static void describe_fit(ntp_fit *out, const ntp_tally *t, int32_t z)
@@ -91,12 +79,6 @@ static void describe_fit(ntp_fit *out, const ntp_tally *t, int32_t z)
     out->length_min = all > 0 ? ~inverted / one : 0.0;
     out->length_max = longest / one;
     out->length_mean = share(used->length_sum + unused->length_sum, all) / one;
-    out->used_length_mean = share(used->length_sum, n) / one;
-    double off = out->used_length_mean - 1.0;
-    double variance = share(used->length_error2, n) / (one * one) - off * off;
-    out->used_length_sd = n > 0 && variance > 0 ? sqrt(variance) : 0.0;
-    for (int32_t i = 0; i < 3; i++)
-        out->used_near_unit[i] = share(near_unit(used, 4 << i), n);
 }
 
 /* What flags tell. */
@@ -106,10 +88,10 @@ static void describe_verdicts(ntp_stats *s, const ntp_tally *t)
     const flag_counts *used = &yes, *unused = &no;
     count_flags(&yes, &t->used, 1);
     count_flags(&no, &t->unused, 1);
-    describe_flags(&s->zzero, used, unused, t->used.texels);
+    describe_flags(&s->zzero, used, unused);
     count_flags(&yes, &t->used, 0);
     count_flags(&no, &t->unused, 0);
-    describe_flags(&s->standard, used, unused, t->used.texels);
+    describe_flags(&s->standard, used, unused);
     s->unused_xy_too_long = flagged(unused, NTP_FLAG_XY_TOO_LONG, NTP_FLAG_XY_TOO_LONG);
     s->xy_too_long =
         s->unused_xy_too_long + flagged(used, NTP_FLAG_XY_TOO_LONG, NTP_FLAG_XY_TOO_LONG);
@@ -117,27 +99,7 @@ static void describe_verdicts(ntp_stats *s, const ntp_tally *t)
     s->neighbor_and_near = flagged(used, NTP_FLAG_NEIGHBOR | NTP__FAR, NTP_FLAG_NEIGHBOR) +
                            flagged(unused, NTP_FLAG_NEIGHBOR | NTP__FAR, NTP_FLAG_NEIGHBOR);
     s->unused_z_negative = flagged(unused, NTP_FLAG_Z_NEGATIVE, NTP_FLAG_Z_NEGATIVE);
-    s->used_z_negative = flagged(used, NTP_FLAG_Z_NEGATIVE, NTP_FLAG_Z_NEGATIVE);
-    s->z_negative = s->used_z_negative + s->unused_z_negative;
-}
-
-static void describe_steepness(ntp_stats *s, const ntp__fit_sums *fit)
-{
-    for (int32_t i = 0; i < NTP_STEEPNESS_BINS; i++) {
-        uint64_t all = 0, rounded = 0, neighbor = 0;
-        const uint32_t *flags = &fit->flags[i * 256];
-        for (uint32_t f = 0; f < 256; f++) {
-            if (flags[f] == 0)
-                continue;
-            all += flags[f];
-            rounded += f & NTP_FLAG_ROUNDED ? flags[f] : 0;
-            neighbor += f & NTP_FLAG_NEIGHBOR ? flags[f] : 0;
-        }
-        s->steepness[i] = all;
-        s->steepness_not_rounded[i] = all - rounded;
-        s->steepness_not_neighbor[i] = all - neighbor;
-        s->steepness_length_error[i] = share(fit->length_error[i], all) / NTP__LENGTH_ONE;
-    }
+    s->z_negative = s->unused_z_negative + flagged(used, NTP_FLAG_Z_NEGATIVE, NTP_FLAG_Z_NEGATIVE);
 }
 
 static void channel_from(ntp_channel *out, const ntp__channel_sums *sums, uint64_t texels,
@@ -161,28 +123,26 @@ static void count_blues(uint64_t count[256], const ntp_tally *t)
     }
 }
 
+static bool has_alpha(const ntp_tally *t)
+{
+    return t->channels == 4 || (t->encoding == NTP_ENCODING_HEIGHT && t->channels == 2);
+}
+
 static void describe_alpha(ntp_stats *s, const ntp_tally *t)
 {
-    bool alpha = t->channels == 4 || (t->encoding == NTP_ENCODING_HEIGHT && t->channels == 2);
-    double mean = 0, square = 0;
     uint64_t n = 0;
     ntp__channel_sums sums = { 0, 0, 0 };
-    if (!alpha)
+    if (!has_alpha(t))
         return;
     for (uint32_t a = 0; a < 256; a++) {
         uint64_t count = t->alpha[a];
         if (count == 0)
             continue;
         n += count;
-        mean += (double) (count * a) / 255.0;
-        square += (double) (count * a * a) / (255.0 * 255.0);
         merge_max(&sums.max, a);
         merge_max(&sums.inverted_min, ~a);
         sums.sum += a * count;
     }
-    s->used_mean[3] = mean / (double) n;
-    double variance = square / (double) n - s->used_mean[3] * s->used_mean[3];
-    s->used_sd[3] = variance > 0 ? sqrt(variance) : 0;
     if (t->depth == 8) {
         channel_from(&s->channel[3], &sums, n, 1);
         s->alpha_zero = t->alpha[0];
@@ -193,6 +153,8 @@ static void describe_alpha(ntp_stats *s, const ntp_tally *t)
         s->alpha_full = t->wide_alpha_ends[1];
     }
 }
+
+/* ------------------------------------------------------------------ means and variances */
 
 typedef struct moments {
     double n, sum[3], square[3], product[3]; /* products: r g, r b, g b */
@@ -211,47 +173,92 @@ static double correlation_of(const moments *m, int32_t product, int32_t a, int32
     return scale > 1e-12 ? covariance / scale : 0.0;
 }
 
-/* What takes more than the sums: from the sampled rows; counts are scaled to all used texels.  Blue
- * by itself is exact where the cells hold every texel. */
-static void describe_samples(ntp_stats *s, const ntp_tally *t, const uint64_t blues[256])
+/* Levels / M, each as often as count says. */
+static moments moments_of_levels(const uint64_t count[256])
+{
+    moments m = { 0 };
+    for (int32_t i = 0; i < 256; i++) {
+        if (count[i] == 0)
+            continue;
+        double n = (double) count[i], v = i / 255.0;
+        m.n += n;
+        m.sum[0] += n * v;
+        m.square[0] += n * v * v;
+    }
+    return m;
+}
+
+static moments moments_of_alpha(const ntp_tally *t)
+{
+    moments m = { 0 };
+    for (uint32_t a = 0; a < 256; a++) {
+        uint64_t count = t->alpha[a];
+        if (count == 0)
+            continue;
+        m.n += (double) count;
+        m.sum[0] += (double) (count * a) / 255.0;
+        m.square[0] += (double) (count * a * a) / (255.0 * 255.0);
+    }
+    return m;
+}
+
+/* What takes more than the sums is known of the sampled rows. */
+static moments moments_of_samples(const ntp_tally *t)
 {
     const ntp__samples *all = &t->samples;
-    if (all->n == 0)
-        return;
-    moments m = { .n = (double) all->n }, blue = { 0 };
+    moments m = { .n = (double) all->n };
     for (int32_t k = 0; k < 3; k++) {
         m.sum[k] = (double) all->sum[k] / 255.0;
         m.square[k] = (double) all->square[k] / (255.0 * 255.0);
         m.product[k] = (double) all->product[k] / (255.0 * 255.0);
     }
-    bool picture = t->encoding == NTP_ENCODING_HEIGHT;
-    uint64_t used = picture ? t->texels - t->not_finite : t->narrow + t->wide.texels;
-    double scale = (double) used / m.n;
-    s->red_low = (uint64_t) ((double) all->red_low * scale + 0.5);
-    s->green_low = (uint64_t) ((double) all->green_low * scale + 0.5);
-    s->near_gamma_flat = (uint64_t) ((double) all->gamma_flat * scale + 0.5);
-    s->gamma_near_unit = share(all->gamma_unit, all->n);
-    s->ag_in_disc = share(t->ag_in_disc, used);
-    for (int32_t k = 0; k < 3; k++) {
-        s->used_mean[k] = m.sum[k] / m.n;
-        s->used_sd[k] = sqrt(variance_of(&m, k));
-    }
-    s->correlation[0] = correlation_of(&m, 0, 0, 1);
-    s->correlation[1] = correlation_of(&m, 1, 0, 2);
-    s->correlation[2] = correlation_of(&m, 2, 1, 2);
-    for (int32_t b = 0; b < 256; b++) {
-        if (blues[b] == 0)
-            continue;
-        double n = (double) blues[b], v = b / 255.0;
-        blue.n += n;
-        blue.sum[0] += n * v;
-        blue.square[0] += n * v * v;
-    }
-    if (!picture && (uint64_t) blue.n == used) {
-        s->used_mean[2] = blue.sum[0] / blue.n;
-        s->used_sd[2] = sqrt(variance_of(&blue, 0));
-    }
+    return m;
 }
+
+static bool is_picture(const ntp_tally *t)
+{
+    return t->encoding == NTP_ENCODING_HEIGHT;
+}
+
+static uint64_t used_texels(const ntp_tally *t)
+{
+    return is_picture(t) ? t->texels - t->not_finite : t->narrow + t->wide.texels;
+}
+
+/* A count of sampled texels, scaled to all used ones. */
+static uint64_t scaled(const ntp_tally *t, uint64_t count)
+{
+    double scale = (double) used_texels(t) / (double) t->samples.n;
+    return (uint64_t) ((double) count * scale + 0.5);
+}
+
+/* Blue by itself is exact where the cells hold every texel; false: they do not. */
+static bool moments_of_blue(moments *blue, const ntp_tally *t)
+{
+    uint64_t blues[256];
+    count_blues(blues, t);
+    *blue = moments_of_levels(blues);
+    return !is_picture(t) && (uint64_t) blue->n == used_texels(t);
+}
+
+static void describe_samples(ntp_stats *s, const ntp_tally *t)
+{
+    moments blue;
+    if (has_alpha(t)) {
+        moments alpha = moments_of_alpha(t);
+        s->used_mean[3] = alpha.sum[0] / alpha.n;
+    }
+    if (t->samples.n == 0)
+        return;
+    moments m = moments_of_samples(t);
+    s->near_gamma_flat = scaled(t, t->samples.gamma_flat);
+    for (int32_t k = 0; k < 3; k++)
+        s->used_mean[k] = m.sum[k] / m.n;
+    if (moments_of_blue(&blue, t))
+        s->used_mean[2] = blue.sum[0] / blue.n;
+}
+
+/* ------------------------------------------------------------------------------- colors */
 
 /* Of `size` bytes, a multiple of 8. */
 static uint64_t bits_set(const uint8_t *bytes, size_t size)
@@ -309,22 +316,20 @@ ntp_status ntp_tally_summarize(ntp_stats *s, ntp_tally *t, ntp_encoding encoding
     describe_fit(&s->standard, t, 0);
     describe_fit(&s->zzero, t, 1);
     ntp__angles_describe(&s->angles, &t->used.angles);
-    describe_steepness(s, &t->used.fit[0]);
-    uint64_t blues[256];
-    count_blues(blues, t);
     for (int32_t k = 0; k < 3; k++)
         channel_from(&s->channel[k], &t->channel[k], t->texels - t->not_finite,
                      t->depth == 16 && s->max == 255 ? 257 : 1);
-    describe_samples(s, t, blues);
+    describe_samples(s, t);
     describe_alpha(s, t);
     describe_colors(s, t);
-    ntp__describe_blue(s, t);
-    for (int32_t k = 0; k < 3; k++) {
-        double within = share(t->block_steps[k][0], t->block_count[0]);
-        double across = share(t->block_steps[k][1], t->block_count[1]);
-        s->block_step[k] = within > 0 ? across / within : 0.0;
-    }
     return NTP_OK;
+}
+
+/* What the tally is summed up as, or will be at once: what does not depend on it may ask so. */
+static ntp_encoding encoding_at_hand(const ntp_tally *t)
+{
+    return t->summed ? (ntp_encoding) t->summed_encoding
+                     : ntp__judged_as((ntp_encoding) t->encoding);
 }
 
 ntp_status ntp_tally_levels_off(uint64_t *counts, size_t size, ntp_tally *tally,
@@ -335,8 +340,7 @@ ntp_status ntp_tally_levels_off(uint64_t *counts, size_t size, ntp_tally *tally,
     /* Levels do not depend on the encoding that angles are taken for. */
     if (tally == NULL || tally->depth == 0 || counts == NULL)
         return NTP_ERR_ARGUMENT;
-    NTP__TRY(ntp__sum_up(tally, tally->summed ? (ntp_encoding) tally->summed_encoding
-                                              : ntp__judged_as((ntp_encoding) tally->encoding)));
+    NTP__TRY(ntp__sum_up(tally, encoding_at_hand(tally)));
     int32_t z = encoding == NTP_ENCODING_ZZERO;
     const ntp__fit_sums *used = &tally->used.fit[z], *unused = &tally->unused.fit[z];
     if (size <= used->levels_off_max || size <= unused->levels_off_max)
@@ -352,10 +356,99 @@ ntp_status ntp_tally_lengths(uint64_t counts[256], ntp_tally *tally, ntp_encodin
     if (counts == NULL || tally == NULL || tally->depth == 0 ||
         (encoding != NTP_ENCODING_STANDARD && encoding != NTP_ENCODING_ZZERO))
         return NTP_ERR_ARGUMENT;
-    NTP__TRY(ntp__sum_up(tally, tally->summed ? (ntp_encoding) tally->summed_encoding
-                                              : ntp__judged_as((ntp_encoding) tally->encoding)));
+    NTP__TRY(ntp__sum_up(tally, encoding_at_hand(tally)));
     int32_t z = encoding == NTP_ENCODING_ZZERO;
     for (int32_t i = 0; i < NTP__LENGTH_BINS; i++)
         counts[i] = (uint64_t) tally->used.fit[z].lengths[i] + tally->unused.fit[z].lengths[i];
+    return NTP_OK;
+}
+
+/* ----------------------------------------------------------------------------- evidence */
+
+/* Texels whose length lies within `bins` of 1/128 from 1. */
+static uint64_t near_unit(const ntp__fit_sums *fit, int32_t bins)
+{
+    uint64_t count = 0;
+    for (int32_t i = 128 - bins; i < 128 + bins; i++)
+        count += fit->lengths[i];
+    return count;
+}
+
+static void gather_lengths(ntp__fit_evidence *out, const ntp__sums *used, int32_t z)
+{
+    const ntp__fit_sums *fit = &used->fit[z];
+    uint64_t n = used->texels;
+    double one = NTP__LENGTH_ONE;
+    flag_counts count;
+    count_flags(&count, used, z);
+    out->too_short = share(flagged(&count, NTP_FLAG_ROUNDED | NTP__LONG, 0), n);
+    out->too_long = share(flagged(&count, NTP_FLAG_ROUNDED | NTP__LONG, NTP__LONG), n);
+    out->length_mean = share(fit->length_sum, n) / one;
+    double off = out->length_mean - 1.0;
+    double variance = share(fit->length_error2, n) / (one * one) - off * off;
+    out->length_sd = n > 0 && variance > 0 ? sqrt(variance) : 0.0;
+    for (int32_t i = 0; i < 3; i++)
+        out->near_unit[i] = share(near_unit(fit, 4 << i), n);
+}
+
+static void gather_steepness(ntp__evidence *e, const ntp__fit_sums *fit)
+{
+    for (int32_t i = 0; i < NTP__STEEPNESS_BINS; i++) {
+        uint64_t all = 0, rounded = 0, neighbor = 0;
+        const uint32_t *flags = &fit->flags[i * 256];
+        for (uint32_t f = 0; f < 256; f++) {
+            if (flags[f] == 0)
+                continue;
+            all += flags[f];
+            rounded += f & NTP_FLAG_ROUNDED ? flags[f] : 0;
+            neighbor += f & NTP_FLAG_NEIGHBOR ? flags[f] : 0;
+        }
+        e->steepness[i] = all;
+        e->steepness_not_rounded[i] = all - rounded;
+        e->steepness_not_neighbor[i] = all - neighbor;
+        e->steepness_length_error[i] = share(fit->length_error[i], all) / NTP__LENGTH_ONE;
+    }
+}
+
+static void gather_samples(ntp__evidence *e, const ntp_tally *t)
+{
+    moments blue;
+    if (has_alpha(t)) {
+        moments alpha = moments_of_alpha(t);
+        e->used_sd[3] = sqrt(variance_of(&alpha, 0));
+    }
+    if (t->samples.n == 0)
+        return;
+    moments m = moments_of_samples(t);
+    e->red_low = scaled(t, t->samples.red_low);
+    e->green_low = scaled(t, t->samples.green_low);
+    e->gamma_near_unit = share(t->samples.gamma_unit, t->samples.n);
+    e->ag_in_disc = share(t->ag_in_disc, used_texels(t));
+    for (int32_t k = 0; k < 3; k++)
+        e->used_sd[k] = sqrt(variance_of(&m, k));
+    e->correlation[0] = correlation_of(&m, 0, 0, 1);
+    e->correlation[1] = correlation_of(&m, 1, 0, 2);
+    e->correlation[2] = correlation_of(&m, 2, 1, 2);
+    if (moments_of_blue(&blue, t))
+        e->used_sd[2] = sqrt(variance_of(&blue, 0));
+}
+
+ntp_status ntp__gather_evidence(ntp__evidence *e, ntp_tally *t)
+{
+    if (t == NULL || t->depth == 0)
+        return NTP_ERR_ARGUMENT;
+    memset(e, 0, sizeof *e);
+    NTP__TRY(ntp_tally_summarize(&e->stats, t, encoding_at_hand(t)));
+    e->used_z_negative = e->stats.z_negative - e->stats.unused_z_negative;
+    gather_lengths(&e->fit[0], &t->used, 0);
+    gather_lengths(&e->fit[1], &t->used, 1);
+    gather_steepness(e, &t->used.fit[0]);
+    gather_samples(e, t);
+    ntp__describe_blue(e, t);
+    for (int32_t k = 0; k < 3; k++) {
+        double within = share(t->block_steps[k][0], t->block_count[0]);
+        double across = share(t->block_steps[k][1], t->block_count[1]);
+        e->block_step[k] = within > 0 ? across / within : 0.0;
+    }
     return NTP_OK;
 }

@@ -36,11 +36,11 @@ static void merge_sums(ntp__sums *into, const ntp__sums *from)
     for (int32_t z = 0; z < 2; z++) {
         ntp__fit_sums *a = &into->fit[z];
         const ntp__fit_sums *b = &from->fit[z];
-        ntp__merge_counts(a->flags, b->flags, NTP_STEEPNESS_BINS * 256);
+        ntp__merge_counts(a->flags, b->flags, NTP__STEEPNESS_BINS * 256);
         ntp__merge_counts(a->lengths, b->lengths, NTP__LENGTH_BINS);
         ntp__merge_counts(a->levels_off, b->levels_off, (size_t) b->levels_off_max + 1);
         merge_max(&a->levels_off_max, b->levels_off_max);
-        for (int32_t i = 0; i < NTP_STEEPNESS_BINS; i++)
+        for (int32_t i = 0; i < NTP__STEEPNESS_BINS; i++)
             a->length_error[i] += b->length_error[i];
         a->length_error2 += b->length_error2;
         a->length_sum += b->length_sum;

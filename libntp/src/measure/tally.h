@@ -15,6 +15,7 @@
 #ifndef NTP_TALLY_H
 #define NTP_TALLY_H
 
+#include "measure/evidence.h"
 #include "texel/angle.h"
 #include "texel/judged.h"
 #include "base/view.h"
@@ -41,8 +42,8 @@ enum { NTP__SEEN_NEAR = 1, NTP__SEEN_FAR = 2 };
 
 /* What judged texels add, read as standard or as Z-zero. */
 typedef struct ntp__fit_sums {
-    uint32_t flags[NTP_STEEPNESS_BINS * 256]; /* texels by steepness * 256 + flags */
-    uint64_t length_error[NTP_STEEPNESS_BINS], length_error2;
+    uint32_t flags[NTP__STEEPNESS_BINS * 256]; /* texels by steepness * 256 + flags */
+    uint64_t length_error[NTP__STEEPNESS_BINS], length_error2;
     uint64_t length_sum;
     uint32_t length_max, length_inverted_min; /* ~min: zero-filled memory means none yet */
     uint32_t lengths[NTP__LENGTH_BINS];
@@ -199,8 +200,8 @@ static inline void ntp__merge_counts(uint32_t *into, const uint32_t *from, size_
 /* Fills tally->used and tally->unused, with angles by this encoding.  Errors as ntp_tally_summarize. */
 ntp_status ntp__sum_up(ntp_tally *tally, ntp_encoding encoding);
 
-/* Fills in stats how blue goes with red and green (blue_evidence.c). */
-void ntp__describe_blue(ntp_stats *stats, const ntp_tally *tally);
+/* Fills in how blue goes with red and green (blue_evidence.c). */
+void ntp__describe_blue(ntp__evidence *evidence, const ntp_tally *tally);
 
 /* M that the texels are judged at. */
 static inline int32_t ntp__tally_max(const ntp_tally *t)

@@ -17,7 +17,9 @@ enum {
 };
 
 enum {
-    NTP__LENGTH_ONE = 1 << 16 /* fixed-point unit of lengths */
+    NTP__LENGTH_ONE = 1 << 16, /* fixed-point unit of lengths */
+    /* Texels by the length of x, y: bin i is i/8..(i+1)/8; too long: last. */
+    NTP__STEEPNESS_BINS = 8
 };
 
 /* A length in NTP__LENGTH_ONE, from its square in numerators. */
@@ -29,7 +31,7 @@ static inline int32_t ntp__fixed_length(double length2, int32_t m)
 /* The bin of x, y's length; to be cut off at the last one where they are too long. */
 static inline int32_t ntp__steepness_bin(double xy2, int32_t m)
 {
-    return (int32_t) (sqrt(xy2) * ((double) NTP_STEEPNESS_BINS / m));
+    return (int32_t) (sqrt(xy2) * ((double) NTP__STEEPNESS_BINS / m));
 }
 
 #endif
