@@ -2,20 +2,22 @@
 /*
  * libntp.h - normals textures (normal maps): exact conversion, checking, cleaning
  *
- * This header is the manual of the library.  The arithmetic itself is set out, with its
- * proofs, in docs/arithmetic.md; where a comment here says "derived", "pulled", "exact",
- * "rounded" or "neighbor", that page defines the word in integers.
+ * This header is the manual of the library.  docs/arithmetic.md has the arithmetic with its proofs.
+ * It defines in integers the words "derived", "pulled", "exact", "rounded" and "neighbor", which
+ * the comments here use.
  *
  * Rules that hold for every function
- *   - Nothing allocates, keeps state between calls, starts a thread, prints, or reads the
- *     locale.  Memory is the caller's; where working memory is needed its size is asked for.
- *   - Results are the same bytes on every processor, compiler and cut of the image: an
- *     operation on an area writes what the operation on the whole would write there.
- *   - Two calls may run at once unless one writes memory that the other touches; calls on
- *     disjoint areas of one destination are safe.
- *   - Arguments are checked before anything is written; on an error nothing was written.
- *   - A zero-filled options struct, or NULL in its place, asks for the defaults.
- *   - Destination first, then source, then how, then where.
+ *   - No function allocates, keeps state between calls, starts a thread, prints, or reads the
+ *     locale.  Memory belongs to the caller.  Where working memory is needed, a function returns
+ *     its size.
+ *   - Results are the same bytes on every processor and with every compiler.  They do not depend on
+ *     how an image is divided into areas: an operation on an area writes what the same operation on
+ *     the whole image would write there.
+ *   - Two calls may run at the same time, unless one writes memory that the other reads or writes.
+ *     Calls on disjoint areas of one destination are safe.
+ *   - Arguments are checked before anything is written.  If they are wrong, nothing is written.
+ *   - A zero-filled options struct, or NULL in its place, means the defaults.
+ *   - The order of arguments is: destination, source, how, where.
  *
  * Words
  *   M       255 for 8-bit samples, 65535 for 16-bit samples
@@ -24,9 +26,9 @@
  *   texel   a pixel of a texture
  *   used    not pure black, not pure white, and not alpha 0 (see NTP_UNUSED_BLACK)
  *
- * Binary interface: while the major version is 0 the soversion is the minor version, and any
- * minor version may change any struct.  From 1.0 on structs and enum values are frozen, and
- * growth is a new function beside the old one.
+ * Binary interface: while the major version is 0, the soversion is the minor version, and any minor
+ * version may change any struct.  From 1.0 on, structs and enum values are frozen, and new features
+ * come as new functions beside the old ones.
  */
 #ifndef LIBNTP_H
 #define LIBNTP_H
@@ -64,7 +66,7 @@ extern "C" {
 typedef enum ntp_status {
     NTP_OK = 0,
     NTP_ERR_ARGUMENT = 1, /* NULL, or a value outside its documented range */
-    NTP_ERR_SHAPE = 2,   /* a view is malformed, or two views do not agree, or an area is outside */
+    NTP_ERR_SHAPE = 2,   /* a view is malformed, two views do not match, or an area is outside */
     NTP_ERR_FORMAT = 3,  /* the operation cannot read or write this type, encoding or channels */
     NTP_ERR_OVERLAP = 4, /* dst and src share memory where they may not */
     NTP_ERR_SCRATCH = 5, /* working memory is NULL, misaligned or too small */
@@ -85,15 +87,15 @@ typedef enum ntp_type {
     NTP_TYPE_U8 = 0,  /* 0..255 */
     NTP_TYPE_U16 = 1, /* 0..65535, native byte order */
     NTP_TYPE_F32 =
-        2 /* the unit range of the integers, 0..1; for NTP_ENCODING_VECTOR -1..1.  What lies outside is
-                  * judged as the nearest end, an alpha that is NaN as 0 */
+        2 /* the unit range of the integers, 0..1; for NTP_ENCODING_VECTOR -1..1. Values outside are
+           * judged as the nearest end, and an alpha that is NaN as 0 */
 } ntp_type;
 
 /* What the samples of a pixel mean. */
 typedef enum ntp_encoding {
     NTP_ENCODING_STANDARD = 0, /* x, y, z each stored as (v + 1)/2: glTF, USD, most tools */
     NTP_ENCODING_ZZERO = 1,    /* x, y as above; z, never negative, stored as it is in 0..1 */
-    NTP_ENCODING_XY = 2, /* x, y as above; z is implied; a third sample is not ours and is kept */
+    NTP_ENCODING_XY = 2, /* x, y as above; z is implied; a third sample is other data, kept */
     NTP_ENCODING_VECTOR = 3, /* x, y, z as they are; NTP_TYPE_F32 only */
     NTP_ENCODING_HEIGHT = 4  /* sample 0 is a height; or the samples are a plain picture */
 } ntp_encoding;
@@ -109,18 +111,17 @@ enum {
 };
 
 /*
- * A view of pixels that the caller owns.  The samples of a pixel are adjacent; pixels and rows
- * lie at any stride, so a crop, a mirrored image or one channel of an RGBA image is a view
- * too.  Row 0 is the top of the picture.  data and both strides are multiples of the sample's
- * size.
+ * A view of pixels that the caller owns.  The samples of a pixel are adjacent.  Pixels and rows may
+ * have any stride, so a crop, a mirrored image or one channel of an RGBA image is a view too.  Row
+ * 0 is the top of the picture.  data and both strides are multiples of the sample's size.
  *
  * Channels: NTP_ENCODING_STANDARD, NTP_ENCODING_ZZERO and NTP_ENCODING_VECTOR have 3 or 4, NTP_ENCODING_XY 2 to 4, NTP_ENCODING_HEIGHT
  * 1 to 4.  The second of two NTP_ENCODING_HEIGHT samples and the fourth of four are alpha.
  *
- * ring_rows: 0 when every row is in memory.  Otherwise only so many rows are, row y at
- * data + (y mod ring_rows) * row_stride, and each call touches only rows that are there: the
- * rows of its area and, where the operation says so, their neighbors.  With it a caller
- * streams an image of any height through a few rows and keeps true coordinates.
+ * ring_rows: 0 if every row is in memory.  Otherwise only this many rows are, with row y at data +
+ * (y mod ring_rows) * row_stride.  A call then reads and writes only the rows of its area and,
+ * where the operation says so, their neighbors; these have to be in memory.  So a caller can
+ * process an image of any height with a few rows in memory, and use its true coordinates.
  */
 typedef struct ntp_image {
     void *data;             /* sample 0 of pixel (0, 0) */
@@ -154,8 +155,9 @@ typedef struct ntp_rect {
     int32_t x0, y0, x1, y1;
 } ntp_rect;
 
-/* A view of rows without gaps, Y up, encoding NTP_ENCODING_STANDARD (NTP_ENCODING_XY for 2 channels, NTP_ENCODING_HEIGHT
- * for 1).  Nothing is checked here; every operation checks the views that it is given. */
+/* A view of rows without gaps, Y up, encoding NTP_ENCODING_STANDARD (NTP_ENCODING_XY for 2
+ * channels, NTP_ENCODING_HEIGHT for 1).  This function checks nothing; every operation checks the
+ * views that it is given. */
 NTP_API ntp_image ntp_image_packed(void *data, int32_t width, int32_t height, int32_t channels,
                                    ntp_type type);
 
@@ -164,32 +166,33 @@ NTP_API ntp_const_image ntp_image_as_const(const ntp_image *image);
 
 /*
  * Texels that hold no normal: atlases are padded with them.  They are left alone and counted
- * apart; a mask of these values in a field `touch_unused` treats such texels like any other.
+ * separately.  A mask of these values in a field `touch_unused` makes operations treat such texels
+ * like any other.
  */
 enum {
     NTP_UNUSED_BLACK = 1,       /* all samples but alpha are 0 */
     NTP_UNUSED_WHITE = 2,       /* all samples but alpha are M */
-    NTP_UNUSED_TRANSPARENT = 4, /* alpha is 0; set it in touch_unused where alpha is a height */
+    NTP_UNUSED_TRANSPARENT = 4, /* alpha is 0; set it in touch_unused if alpha is a height */
     NTP_UNUSED_ALL = 7
 };
 
 /*
- * In every operation below `area` NULL means all of the image, and dst and src are of one size
- * (else NTP_ERR_SHAPE) unless the operation says otherwise.  Any of them can report a malformed
- * view or a NULL; only what goes beyond that is listed.
+ * In every operation below, `area` NULL means the whole image, and dst and src have the same size
+ * (else NTP_ERR_SHAPE) unless the operation says otherwise.  Every operation can report a malformed
+ * view or a NULL; only other errors are listed.
  */
 
 /* --------------------------------------------------------------- validity of one texel */
 
 /*
- * Three strictnesses, all in integers; exact implies rounded implies neighbor.  They do not
- * look at the sign of Z (that is a flag).  For NTP_ENCODING_XY all three ask only that x, y are not
- * longer than 1.
+ * Three degrees of strictness, all in integers; exact implies rounded implies neighbor.  They
+ * ignore the sign of Z, which is a flag.  For NTP_ENCODING_XY all three require only that x, y are
+ * not longer than 1.
  */
 typedef enum ntp_verdict {
     NTP_VERDICT_NEIGHBOR =
-        0, /* among the 27 triplets at -1, 0, +1 level some are short, some long */
-    NTP_VERDICT_ROUNDED = 1, /* the +-1/2-level box meets the unit sphere: an honest rounding */
+        0, /* of the 27 triplets at -1, 0, +1 level one is not longer than 1, one not shorter */
+    NTP_VERDICT_ROUNDED = 1, /* the +-1/2-level box meets the unit sphere: correctly rounded */
     NTP_VERDICT_EXACT = 2    /* blue is the one derived from red and green */
 } ntp_verdict;
 
@@ -200,15 +203,15 @@ enum {
     NTP_FLAG_EXACT = 4,       /* either sign of Z when keep_negative_z */
     NTP_FLAG_XY_TOO_LONG = 8, /* x*x + y*y > 1 */
     NTP_FLAG_Z_NEGATIVE = 16, /* NTP_ENCODING_STANDARD and NTP_ENCODING_VECTOR: z < 0 */
-    NTP_FLAG_UNUSED = 32,     /* black, white or transparent; the other bits are set as well */
+    NTP_FLAG_UNUSED = 32,     /* black, white or transparent; the other bits are set too */
     NTP_FLAG_NOT_FINITE = 64  /* a float sample is NaN or infinite; no pass bit is set */
 };
 
-/* All that can be said about one texel. */
+/* Everything about one texel. */
 typedef struct ntp_texel {
     uint32_t stored[4]; /* levels; float images rounded to 16 bit; absent alpha is M */
     uint32_t cleaned
-        [3]; /* as ntp_clean by NTP_CLEAN_DERIVE would leave them (NTP_ENCODING_XY: blue kept) */
+        [3]; /* the result of ntp_clean by NTP_CLEAN_DERIVE (NTP_ENCODING_XY: blue kept) */
     uint32_t max;       /* M: 255 or 65535 */
     uint32_t flags;     /* as ntp_validate */
     int32_t levels_off; /* |b - derived b|, mirrored where z < 0; -1: x, y too long or not finite */
@@ -243,21 +246,22 @@ typedef enum ntp_clean_method {
 
 typedef struct ntp_clean_options {
     ntp_clean_method method;
-    int32_t keep_negative_z; /* nonzero: a negative Z stays so; otherwise b becomes M - b first */
+    int32_t keep_negative_z; /* nonzero: a negative Z stays negative; otherwise b becomes M - b
+                              * first */
     int32_t only_failing;    /* nonzero: texels that pass `verdict`, and are not negative, stay */
     ntp_verdict verdict;
     uint32_t touch_unused; /* NTP_UNUSED_*: repair such texels too */
 } ntp_clean_options;
 
-/* Adds to these; the caller zeroes them once. */
+/* Operations add to these; the caller zeroes them once. */
 typedef struct ntp_clean_counts {
     uint64_t changed;    /* texels of which a sample changed */
     uint64_t not_finite; /* float texels with a NaN, an infinity or length 0: made flat */
 } ntp_clean_counts;
 
 /*
- * A table that makes cleaning 8-bit images as fast as copying them; opaque, the caller's.
- * ntp_clean gives the same bytes with and without one.
+ * A table that makes cleaning 8-bit images as fast as copying them.  It is opaque, in memory of the
+ * caller.  ntp_clean gives the same bytes with and without one.
  */
 typedef struct ntp_clean_plan ntp_clean_plan;
 
@@ -265,25 +269,25 @@ typedef struct ntp_clean_plan ntp_clean_plan;
 NTP_API size_t ntp_clean_plan_size(void);
 
 /*
- * Fills memory of at least ntp_clean_plan_size() bytes, aligned to 16, with the table for
- * images of NTP_TYPE_U8 with this encoding, cleaned so.  Returns it through *plan.  The plan is
- * read-only afterwards: any number of threads may share it.
- * Errors: NTP_ERR_ARGUMENT for another encoding than NTP_ENCODING_STANDARD, NTP_ENCODING_ZZERO and NTP_ENCODING_XY;
- * NTP_ERR_SCRATCH for the memory.
+ * Fills memory of at least ntp_clean_plan_size() bytes, aligned to 16, with the table for images of
+ * NTP_TYPE_U8 with this encoding and these options.  Returns it through *plan.  The plan is
+ * read-only afterwards, so any number of threads may share it.
+ * Errors: NTP_ERR_ARGUMENT for an encoding other than NTP_ENCODING_STANDARD, NTP_ENCODING_ZZERO and
+ * NTP_ENCODING_XY; NTP_ERR_SCRATCH for the memory.
  */
 NTP_API ntp_status ntp_clean_plan_init(ntp_clean_plan **plan, void *memory, size_t size,
                                        ntp_encoding encoding, const ntp_clean_options *how);
 
 /*
- * Repairs normals.  dst and src agree in size, type, encoding, channels and y, and are the
- * same memory with the same strides or do not overlap (overlap is not detected).  Encodings:
- * NTP_ENCODING_STANDARD, NTP_ENCODING_ZZERO, NTP_ENCODING_XY (blue is kept, it is not Z) and NTP_ENCODING_VECTOR.  Alpha is
- * copied.  Float images are judged and repaired on the 16-bit grid: a texel that passes is
- * copied as it is, another gets the repaired levels divided by 65535.
- * Cleaning a second time changes nothing, for every method and option.
- * plan may be NULL; otherwise it was made for this encoding and `how` (else
- * NTP_ERR_ARGUMENT).  how and counts may be NULL.
- * Errors: NTP_ERR_FORMAT where dst and src do not agree, or for NTP_ENCODING_HEIGHT.
+ * Repairs normals.  dst and src have the same size, type, encoding, channels and y. They are the
+ * same memory with the same strides, or do not overlap (overlap is not detected).  Encodings:
+ * NTP_ENCODING_STANDARD, NTP_ENCODING_ZZERO, NTP_ENCODING_XY (blue is kept, it is not Z) and
+ * NTP_ENCODING_VECTOR.  Alpha is copied.  Float images are judged and repaired on the 16-bit grid:
+ * a texel that passes is copied as it is, any other gets the repaired levels divided by 65535.
+ * Cleaning a second time changes nothing, for every method and option.  plan may be NULL; otherwise
+ * it must have been made for this encoding and `how` (else NTP_ERR_ARGUMENT).  how and counts may
+ * be NULL.
+ * Errors: NTP_ERR_FORMAT if dst and src do not match, or for NTP_ENCODING_HEIGHT.
  * Source of the test and of derived Z: Eric Haines, NormalTextureProcessor (2024).
  */
 NTP_API ntp_status ntp_clean(const ntp_image *dst, const ntp_const_image *src,
@@ -294,7 +298,7 @@ NTP_API ntp_status ntp_clean(const ntp_image *dst, const ntp_const_image *src,
 
 typedef enum ntp_blue {
     NTP_BLUE_DERIVED = 0, /* from the rounded red and green: survives any round trip */
-    NTP_BLUE_NEAREST = 1  /* z rounded by itself */
+    NTP_BLUE_NEAREST = 1  /* z is rounded independently */
 } ntp_blue;
 
 typedef struct ntp_convert_options {
@@ -302,7 +306,7 @@ typedef struct ntp_convert_options {
     uint32_t touch_unused; /* NTP_UNUSED_*: convert and flip such texels too */
 } ntp_convert_options;
 
-/* Adds to these; the caller zeroes them once. */
+/* Operations add to these; the caller zeroes them once. */
 typedef struct ntp_convert_counts {
     uint64_t z_negative; /* texels whose negative z became |z| */
     uint64_t not_finite; /* float texels with NaN, infinity or length 0: made flat (a height: 0) */
@@ -310,14 +314,14 @@ typedef struct ntp_convert_counts {
 } ntp_convert_counts;
 
 /*
- * Converts between any two of the normals encodings, types and Y orientations, or a height
- * between types.  It repairs nothing: each sample goes over by value, correctly rounded (8 to
- * 16 bit 257c, 16 to 8 bit round(c/257)), a Y flip is M - g.  But a texel that is `exact`
- * (either sign of Z) gets its blue derived anew in the target's depth and encoding, so that a
- * clean texture stays clean.  XY-only sources get a derived blue; an XY target of 3 or 4
- * channels gets blue M.  NTP_ENCODING_VECTOR sources are divided by their length.  A missing alpha is
- * opaque.  Unused texels are copied through (black stays black).
- * dst and src do not overlap, or are the same view of the same type.  how, counts may be NULL.
+ * Converts between any two of the normals encodings, types and Y orientations, or a height between
+ * types.  It repairs nothing: each sample is converted by value and correctly rounded (8 to 16 bit
+ * 257c, 16 to 8 bit round(c/257)), and a Y flip is M - g. However, a texel that is `exact` (either
+ * sign of Z) gets its blue derived again in the target's depth and encoding, so that a clean
+ * texture stays clean.  XY-only sources get a derived blue; an XY target of 3 or 4 channels gets
+ * blue M. NTP_ENCODING_VECTOR sources are divided by their length.  A missing alpha is opaque.
+ * Unused texels keep their color (black stays black).  dst and src do not overlap, or are the same
+ * view of the same type.  how and counts may be NULL.
  * Errors: NTP_ERR_FORMAT between heights and normals, or heights of different channels;
  * NTP_ERR_OVERLAP for different types at one address (no other overlap is detected).
  */
@@ -539,24 +543,27 @@ NTP_API ntp_status ntp_choose_method(ntp_clean_method *method, ntp_reason *why, 
 /* ---------------------------------------------------------------------------- pictures */
 
 typedef enum ntp_palette {
-    NTP_PALETTE_REFERENCE = 0, /* red: x, y too long; green: length off; blue: z negative */
-    NTP_PALETTE_SAFE = 1       /* three hues that stay apart for every kind of color vision */
+    NTP_PALETTE_REFERENCE = 0, /* red: x, y too long; green: wrong length; blue: negative z */
+    NTP_PALETTE_SAFE = 1       /* three hues that can be told apart with every kind of color vision
+                                * */
 } ntp_palette;
 
 /*
- * In the pictures below dst (heat) is NTP_TYPE_U8, NTP_ENCODING_HEIGHT encoding, 3 or 4 channels, alpha made
- * opaque.  It does not overlap the source, or is the same 8-bit memory with the same strides.
+ * In the functions below, dst (heat) is NTP_TYPE_U8 with encoding NTP_ENCODING_HEIGHT and 3 or 4
+ * channels; alpha becomes opaque.  It does not overlap the source, or is the same 8-bit memory with
+ * the same strides.
  *
- * Shows what is wrong where; docs/heatmap.md is the legend.  A level is 2/M.  Reference palette:
+ * Shows in a picture which texels are wrong; docs/heatmap.md is the legend.  A level is 2/M.
+ * Reference palette:
  *   red    |(x, y)| > 1: 128; by more than one level: 255
  *   green  | |(x, y, z)| - 1 | of at least two levels: 128; of at least three: 255.  Where x, y
  *          are longer than 1 they are pulled onto the disc first, so that this speaks of z
  *   blue   z < 0 (NTP_ENCODING_STANDARD, NTP_ENCODING_VECTOR): M - b in 8 bit: 128 just below 0, 255 at -1
- *   gray   no fault, or unused: 100 + luma/2, luma 0..255 by Rec. 709 of the stored levels
- * The safe palette has one hue for each texel, that of the first fault of: z < 0, yellow
- * (240, 228, 66); x, y too long, vermilion (213, 94, 0); length, sky blue (86, 180, 233); times
- * the fault's value above / 255.  Of NTP_ENCODING_XY only x, y are judged.  Floats are judged as 16-bit
- * levels; those that are no vector (NaN, infinite, length 0) are white.
+ *   gray no fault, or unused: 100 + luma/2, luma 0..255 by Rec. 709 of the stored levels The safe
+ *   palette has one hue for each texel, that of its first fault in this order: z < 0, yellow (240,
+ *   228, 66); x, y too long, vermilion (213, 94, 0); length, sky blue (86, 180, 233).  The hue is
+ *   multiplied by the fault's value above / 255.  For NTP_ENCODING_XY only x, y are judged.  Floats
+ *   are judged as 16-bit levels; floats that are not a vector (NaN, infinite, length 0) are white.
  */
 NTP_API ntp_status ntp_heatmap(const ntp_image *dst, const ntp_const_image *src,
                                ntp_palette palette, uint32_t touch_unused, const ntp_rect *area);
@@ -570,20 +577,22 @@ typedef struct ntp_light {
 } ntp_light;
 
 /*
- * A plane with these normals, lit from a direction l and seen from straight above: for previews
- * and thumbnails.  With n the stored vector over its length (NTP_ENCODING_XY: z derived, 0 where x, y are
- * too long; y down is turned up) and h halfway between l and the viewer, each channel is
- *   color (ambient + diffuse (n.l)) + specular (n.h)^32, of n.l and n.h what is above 0,
- * no specular where n.l is not; its square root (gamma 2) goes to 0..255.  dst as in
- * ntp_heatmap, or with 1 channel: the Rec. 709 luminance.  Unused texels, and floats that are
- * no vector, show a dark checker of 8 x 8 texels.
- * light NULL or zero-filled: direction (-1, 1, 1.2), the upper left; ambient 0.1, diffuse 0.9,
- * specular 0.2, color 0.6.
+ * Shows a plane with these normals, lit from a direction l and seen from straight above: for
+ * previews and thumbnails.  With n the stored vector divided by its length (NTP_ENCODING_XY: z
+ * derived, 0 where x, y are too long; y down is turned up) and h halfway between l and the viewer,
+ * each channel is
+ *   color (ambient + diffuse (n.l)) + specular (n.h)^32, where negative n.l and n.h count as 0, and
+ *   there is no specular part where n.l is not above 0. The square root of this (gamma 2) is mapped
+ *   to 0..255.  dst is as in ntp_heatmap, or has 1 channel, which gets the Rec. 709 luminance.
+ *   Unused texels, and floats that are not a vector, show a dark checker of 8 x 8 texels.
+ *   light NULL or zero-filled: direction (-1, 1, 1.2), the upper left; ambient 0.1, diffuse 0.9,
+ *   specular 0.2, color 0.6.
  */
 NTP_API ntp_status ntp_shade(const ntp_image *dst, const ntp_const_image *src,
                              const ntp_light *light, const ntp_rect *area);
 
-/* Differences between two textures; integer sums, so that parts add up exactly, in any order. */
+/* Differences between two textures.  The sums are integers, so parts add up exactly, in any order.
+ */
 typedef struct ntp_diff ntp_diff;
 
 /* Bytes of an ntp_diff: zero-filled by the caller, aligned to 16. */
@@ -591,26 +600,28 @@ NTP_API size_t ntp_diff_size(void);
 
 typedef struct ntp_diff_stats {
     uint64_t texels;
-    uint64_t different; /* texels of which a compared sample differs */
-    uint32_t max;       /* M of the levels below: that of the deeper image */
-    int32_t channels;   /* compared: the fewer of the two; 2 where just one is NTP_ENCODING_XY */
+    uint64_t different; /* texels in which a compared sample differs */
+    uint32_t max;       /* M of the levels below, which is that of the deeper image */
+    int32_t channels;   /* compared: the smaller number of the two; 2 if just one is NTP_ENCODING_XY
+                         * */
     uint32_t levels_max[4]; /* greatest and mean |difference| of each channel */
     double levels_mean[4];
     ntp_angles angles; /* between the two vectors, over all texels; none for NTP_ENCODING_HEIGHT */
 } ntp_diff_stats;
 
 /*
- * Adds the differences between a and b, which agree in size and may differ in type, encoding
- * and y.  For the levels b is brought to a's encoding and y as by ntp_convert at b's depth;
- * then 8-bit levels count 257 each beside a deeper image.  Angles are between the vectors as
- * stored (NTP_ENCODING_XY: z derived, 0 where x, y are too long).  Texels that are unused in both are 0
- * degrees apart; floats are rounded to 16 bit, those that are no vector count as flat, and as
- * different from one that is.  Two NTP_ENCODING_HEIGHT views of the same channels compare in levels only.
- * heat: NULL, or a picture as in ntp_heatmap: black where levels and vectors are equal, then
- * from blue (0 degrees) by green (5) to red (10 and more), each step linear in the angle; of
+ * Adds the differences between a and b, which have the same size and may differ in type, encoding
+ * and y. For the levels, b is converted to the encoding and y of a as by ntp_convert at the depth
+ * of b; if the other image is deeper, 8-bit levels are then multiplied by 257.  Angles are between
+ * the vectors as stored (NTP_ENCODING_XY: z derived, 0 where x, y are too long).  Texels that are
+ * unused in both are 0 degrees apart.  Floats are rounded to 16 bit; those that are not a vector
+ * count as flat, and as different from a vector.  Two NTP_ENCODING_HEIGHT views with the same
+ * channels are compared in levels only.
+ * heat: NULL, or a picture as in ntp_heatmap.  It is black where levels and vectors are equal, and
+ * goes from blue (0 degrees) through green (5) to red (10 and more), linearly in the angle.  For
  * heights a difference of M counts as 180 degrees.
- * Errors: NTP_ERR_FORMAT when diff already holds another depth, channel count or kind;
- * NTP_ERR_SHAPE when it would hold more than 2^32 - 1 texels.
+ * Errors: NTP_ERR_FORMAT if diff already holds another depth, channel count or kind; NTP_ERR_SHAPE
+ * if it would hold more than 2^32 - 1 texels.
  */
 NTP_API ntp_status ntp_diff_add(ntp_diff *diff, const ntp_image *heat, const ntp_const_image *a,
                                 const ntp_const_image *b, const ntp_rect *area);
@@ -626,7 +637,7 @@ NTP_API ntp_status ntp_diff_summarize(ntp_diff_stats *stats, const ntp_diff *dif
 
 /* --------------------------------------------------------------- heightfield -> normals */
 
-/* How a slope is taken; each has gain 1 on a ramp, so that none is stronger.  Radius 1 to 4. */
+/* How a slope is computed.  Each has gain 1 on a ramp, so none is stronger.  Radius 1 to 4. */
 typedef enum ntp_kernel {
     NTP_KERNEL_CENTRAL = 0,
     NTP_KERNEL_FORWARD = 1, /* to the next texel on the right and below */
@@ -639,19 +650,20 @@ typedef enum ntp_kernel {
     NTP_KERNEL_GIMP7 = 8,
     NTP_KERNEL_GIMP9 = 9,
     NTP_KERNEL_BAKED =
-        10 /* of a surface at the texels, by no stencil: ntp_height_from_normals only */
+        10 /* slopes of a surface at the texel centers, without a stencil: ntp_height_from_normals
+            * only */
 } ntp_kernel;
 
 /* The height beyond an edge.  The two axes are independent. */
 typedef enum ntp_border {
-    NTP_BORDER_WRAP = 0,        /* the other end: for textures that tile */
+    NTP_BORDER_WRAP = 0,        /* the opposite end: for textures that tile */
     NTP_BORDER_CLAMP = 1,       /* the texel at the edge */
     NTP_BORDER_MIRROR = 2,      /* reflected about the texel at the edge */
     NTP_BORDER_EXTRAPOLATE = 3, /* the line through the last two texels */
     NTP_BORDER_REPEAT_SLOPE = 4 /* the slope of the nearest texel whose stencil lies inside */
 } ntp_border;
 
-/* Which number of a pixel is the height.  Gray pixels count as r = g = b. */
+/* What of a pixel is the height.  Gray pixels count as r = g = b. */
 typedef enum ntp_height_source {
     NTP_HEIGHT_SOURCE_RED = 0,
     NTP_HEIGHT_SOURCE_GREEN = 1,
@@ -668,15 +680,15 @@ typedef enum ntp_height_source {
 
 /* What becomes of the alpha of dst. */
 typedef enum ntp_alpha {
-    NTP_ALPHA_KEEP = 0, /* that of src by value, opaque where it has none */
+    NTP_ALPHA_KEEP = 0, /* that of src by value, opaque if it has none */
     NTP_ALPHA_ONE = 1,
     NTP_ALPHA_INVERSE = 2, /* 1 - that of src */
-    NTP_ALPHA_HEIGHT = 3,  /* the height that the normals are made of (LabPBR) */
+    NTP_ALPHA_HEIGHT = 3,  /* the height from which the normals are made (LabPBR) */
     NTP_ALPHA_INVERSE_HEIGHT = 4
 } ntp_alpha;
 
 typedef struct ntp_normals_options {
-    double scale; /* texels that a height of 1 rises; 0 is flat, negative inverts */
+    double scale; /* how many texels a height of 1 rises; 0 is flat, negative inverts */
     double dx;    /* spacing of texels; 0 stands for 1 */
     double dy;
     double min_z; /* 0..1: where z would be less, x and y are shortened to sqrt(1 - min_z^2) */
@@ -689,23 +701,24 @@ typedef struct ntp_normals_options {
     int32_t invert; /* nonzero: a height h is 1 - h */
 } ntp_normals_options;
 
-/* Adds to these; the caller zeroes them once. */
+/* Operations add to these; the caller zeroes them once. */
 typedef struct ntp_normals_counts {
-    uint64_t not_finite; /* float heights: texels with a NaN or infinity under the stencil: flat */
-    uint64_t exact;      /* texels whose rounding took more than a double */
+    uint64_t not_finite; /* float heights: texels with a NaN or infinity under the stencil; they
+                          * become flat */
+    uint64_t exact;      /* texels whose rounding needed more precision than a double */
 } ntp_normals_counts;
 
 /*
- * Normals of a heightfield: n = (-p, -q, 1) / sqrt(1 + p*p + q*q), p and q the slopes to the
- * right and up the picture.  Red and green are the correctly rounded encodings of n.x and n.y,
- * rounded half up, for every input; blue is derived from them (a pair that is too long after
- * rounding is pulled onto the disc) or, by NTP_BLUE_NEAREST, n.z rounded by itself.
- * src is NTP_ENCODING_HEIGHT of 1 to 4 channels; dst is NTP_ENCODING_STANDARD, NTP_ENCODING_ZZERO, NTP_ENCODING_XY (a third sample
- * becomes 1) or NTP_ENCODING_VECTOR, of any type; y follows dst->y.  Floats of dst: x, y and z each
- * nearest, `blue` does not matter.  dst and src do not overlap.
- * The texels read are those of the area and, on each side, ntp_normals_reach(how) more, as far
- * as the image goes; with NTP_BORDER_WRAP also as many at the other end where the area is that
- * near an edge, and those rows must then be in the ring at the same time.
+ * Normals of a heightfield: n = (-p, -q, 1) / sqrt(1 + p*p + q*q), p and q the slopes to the right
+ * and up the picture.  Red and green are the correctly rounded encodings of n.x and n.y, rounded
+ * half up, for every input; blue is derived from them (a pair that is too long after rounding is
+ * pulled onto the disc) or, with NTP_BLUE_NEAREST, n.z is rounded independently.  src is
+ * NTP_ENCODING_HEIGHT of 1 to 4 channels; dst is NTP_ENCODING_STANDARD, NTP_ENCODING_ZZERO,
+ * NTP_ENCODING_XY (a third sample becomes 1) or NTP_ENCODING_VECTOR, of any type; y follows dst->y.
+ * Float results are x, y and z, each the nearest float; `blue` does not matter.  dst and src do not
+ * overlap.  The texels read are those of the area and ntp_normals_reach(how) more on each side,
+ * within the image.  If the area is that close to an edge, NTP_BORDER_WRAP also reads as many at
+ * the opposite end; these rows must then be in the ring at the same time.
  * Errors: NTP_ERR_ARGUMENT for how NULL, a scale that is not finite, dx or dy negative or not
  * finite, min_z outside 0..1; NTP_ERR_FORMAT for a source that src does not have.
  */
@@ -713,19 +726,19 @@ NTP_API ntp_status ntp_normals_from_height(const ntp_image *dst, const ntp_const
                                            const ntp_normals_options *how,
                                            ntp_normals_counts *counts, const ntp_rect *area);
 
-/* Rows above and below a row that its normals are made of; -1 where how is NULL or no good. */
+/* How many rows above and below a row its normals depend on; -1 if how is NULL or invalid. */
 NTP_API int32_t ntp_normals_reach(const ntp_normals_options *how);
 
-/* Bytes of working memory of ntp_normals_dithered; 0: an argument is no good. */
+/* Bytes of working memory of ntp_normals_dithered; 0 if an argument is invalid. */
 NTP_API size_t ntp_normals_dithered_scratch_size(int32_t width);
 
 /*
- * The same for NTP_TYPE_U8 and NTP_TYPE_U16, with the rounding error of each slope carried on to the next
- * texel, to the right for x and down for y ("integrable"): heights that are reconstructed from the
- * result drift far less, at the price of a slightly noisier picture.  dst is not NTP_ENCODING_VECTOR; blue is
- * derived.  The area covers full rows; to work in parts go down from row 0.  scratch:
- * ntp_normals_dithered_scratch_size bytes, aligned to 16, zeroed before row 0; it carries the
- * errors from call to call.
+ * The same for NTP_TYPE_U8 and NTP_TYPE_U16, with the rounding error of each slope passed on to the
+ * next texel, to the right for x and down for y ("integrable").  Heights that are reconstructed
+ * from the result drift far less, but the picture is slightly noisier.  dst is not
+ * NTP_ENCODING_VECTOR; blue is derived.  The area covers full rows; to work in parts, start at row
+ * 0 and go down.  scratch: ntp_normals_dithered_scratch_size bytes, aligned to 16, zeroed before
+ * row 0; it keeps the errors from call to call.
  */
 NTP_API ntp_status ntp_normals_dithered(const ntp_image *dst, const ntp_const_image *src,
                                         const ntp_normals_options *how, void *scratch,
@@ -739,26 +752,27 @@ enum {
 typedef struct ntp_blur_options {
     double sigma;  /* of the Gaussian, 0..NTP_MAX_SIGMA; 0: no blur */
     double weight; /* of the result */
-    int32_t add;   /* nonzero: to what dst holds */
+    int32_t add;   /* nonzero: add to the values in dst */
     ntp_border border_x;
     ntp_border border_y;
     ntp_height_source source;
 } ntp_blur_options;
 
-/* Bytes of working memory of ntp_height_blur; 0: an argument is no good. */
+/* Bytes of working memory of ntp_height_blur; 0 if an argument is invalid. */
 NTP_API size_t ntp_height_blur_scratch_size(const ntp_blur_options *how, int32_t width);
 
 /*
- * Blurs a heightfield: dst, NTP_TYPE_F32 NTP_ENCODING_HEIGHT (sample 0 is written), gets weight times the
- * Gaussian of the heights, or that much more.  The weights are integers that add up to 65536 on
- * each axis; beyond the edges are the heights of the border (NTP_BORDER_REPEAT_SLOPE:
- * extrapolated), so a texture that tiles still does.  Octaves are several calls with `add`.
- * dst and src do not overlap.  scratch: that many bytes, aligned to 16.  The whole image is done.
+ * Blurs a heightfield: dst, NTP_TYPE_F32 NTP_ENCODING_HEIGHT (sample 0 is written), is set to
+ * weight times the blurred heights, or this is added to it.  The weights of the Gaussian are
+ * integers that add up to 65536 on each axis.  Beyond the edges the border gives the heights
+ * (NTP_BORDER_REPEAT_SLOPE: extrapolated), so a texture that tiles still tiles.  Octaves are
+ * several calls with `add`.  dst and src do not overlap.  scratch: ntp_height_blur_scratch_size
+ * bytes, aligned to 16.  The whole image is processed.
  */
 NTP_API ntp_status ntp_height_blur(const ntp_image *dst, const ntp_const_image *src,
                                    const ntp_blur_options *how, void *scratch, size_t scratch_size);
 
-/* What another program's picture of a heightfield takes here; see ntp_normals_like. */
+/* The settings that give another program's picture of a heightfield; see ntp_normals_like. */
 typedef struct ntp_peer {
     ntp_normals_options options;
     ntp_y y;                 /* of dst */
@@ -768,10 +782,10 @@ typedef struct ntp_peer {
 /*
  * The settings that give another program's picture, correctly rounded: `name` is "reference"
  * (value: its -hfs), "eberly" (sigma), "zima" (normalStrength; "zima-corrected": with the sign that
- * a reader of the article reported), "gegl" (scale), or "gimp-normalmap:FILTER" (scale) with
- * FILTER one of 4sample, sobel3, sobel5, prewitt3, prewitt5, 3x3, 5x5, 7x7, 9x9.
- * docs/equivalences.md says how far each goes.  Errors: NTP_ERR_ARGUMENT for another name or a
- * value that is not finite.
+ * a reader of the article reported), "gegl" (scale), or "gimp-normalmap:FILTER" (scale) with FILTER
+ * one of 4sample, sobel3, sobel5, prewitt3, prewitt5, 3x3, 5x5, 7x7, 9x9.  docs/equivalences.md
+ * says how the programs differ from that.
+ * Errors: NTP_ERR_ARGUMENT for another name or a value that is not finite.
  */
 NTP_API ntp_status ntp_normals_like(ntp_peer *peer, const char *name, double value);
 
@@ -883,7 +897,7 @@ typedef struct ntp_hooks {
 
 enum { NTP_MAX_PARTS = 64 };
 
-/* Bytes of working memory, some rows for each part; 0: an argument is no good. */
+/* Bytes of working memory, some rows for each part; 0 if an argument is invalid. */
 NTP_API size_t ntp_height_scratch_size(const ntp_height_options *how, int32_t width, int32_t height,
                                        int32_t parts);
 
@@ -1024,7 +1038,7 @@ typedef struct ntp_rows {
     int32_t first, last;
 } ntp_rows;
 
-/* Bytes of a plan from src_width x src_height to width x height; 0: an argument is no good. */
+/* Bytes of a plan from src_width x src_height to width x height; 0 if an argument is invalid. */
 NTP_API size_t ntp_resize_plan_size(const ntp_resize_options *how, int32_t src_width,
                                     int32_t src_height, int32_t width, int32_t height);
 
