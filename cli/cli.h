@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * cli.h - what every part of the program shares: exit codes, messages, standard output
+ * cli.h - what every room uses: exit codes, messages, standard output, the progress bar
  */
 #ifndef NTP_CLI_H
 #define NTP_CLI_H
@@ -17,23 +17,24 @@ enum {
     NTP_EXIT_INTERRUPTED = 130
 };
 
-/* What happened in a run; a mask.  The exit code is the weightiest of them. */
+/* What happened in a run; a mask.  The worst of them decides the exit code. */
 enum { RAN_FINDINGS = 1, RAN_USAGE = 2, RAN_FAILED = 4, RAN_INTERRUPTED = 8 };
 int exit_code(unsigned ran);
 
-/* The signal that asks for an end, 0 while none came.  Writers look at it between rows. */
+/* The signal that ended the run, or 0.  Whoever reads or writes looks at it between blocks of
+ * rows. */
 extern _Atomic int interrupted_by; /* lock-free: a signal handler sets it, threads read it */
 
-/* The progress bar: `done` is the share of all work.  It stands until it is drawn anew or cleared. */
+/* The progress bar; `done` is the share of all work. */
 void progress_draw(double done, size_t files, size_t total);
 void progress_clear(void);
 
-/* "ntp: MESSAGE" on standard error, names in it made fit to print (text_name).  A progress bar that
- * stands there is cleared. */
+/* Prints "ntp: MESSAGE" on standard error.  Clears the progress bar, and escapes what is unfit to
+ * print, as text_name does. */
 void complain(const char *format, ...) TEXT_FORMAT(1, 2);
 
-/* Everything that is a result goes through here.  After a reader went away (EPIPE) it is
- * dropped; any other failure is told once, and output_failed() is true from then on. */
+/* Every result goes through here.  Results are dropped once their reader is gone (EPIPE).  Any
+ * other failure is reported once, and output_failed() is true from then on. */
 void output_text(const text *t);
 void output_flush(void);
 bool output_failed(void);

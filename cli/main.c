@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * main.c - from the first word to a verb, our own or a program that stands beside ntp
+ * main.c - from the first word to a verb: one of ours, or a program ntp-VERB beside ntp
  */
 #include <errno.h>
 #include <libgen.h>
@@ -87,8 +87,8 @@ static char *directory_of(const char *path)
     return directory;
 }
 
-/* Becomes ntp-VERB from a directory, which is freed.  Returns false where there is none, true
- * where there is one that could not be run, which is told. */
+/* Becomes the program ntp-VERB of a directory; frees `directory`.  Returns false if there is
+ * none, and true, after a message, if it cannot be run. */
 static bool failed_to_become(char *directory, const char *verb, char **argv)
 {
     text name = { 0 };
@@ -102,16 +102,16 @@ static bool failed_to_become(char *directory, const char *verb, char **argv)
     const int error = errno;
     signal(SIGPIPE, SIG_IGN);
     const bool found = access(path, F_OK) == 0;
-    if (found) /* what is not there is then what the first line of a script names */
+    if (found) /* ENOENT is then about the first line of a script */
         complain("%s: %s", path, error == ENOENT ? "its interpreter is missing" : strerror(error));
     free(path);
     return found;
 }
 
 /*
- * Becomes ntp-VERB from our own directory, which is that of this executable, or, where a script
- * of an installed wheel started it under the script's name, that of the script; the PATH is never
- * looked at.  Returns where there is none.
+ * Becomes ntp-VERB of our own directory, or returns if there is none.  Our directory is that of
+ * this executable, or that of the script of an installed wheel which started it under the script's
+ * name.  PATH is never used.
  */
 static int run_external(const char *started_as, const char *verb, char **argv)
 {
@@ -127,7 +127,7 @@ static int run_external(const char *started_as, const char *verb, char **argv)
     return NTP_EXIT_USAGE;
 }
 
-/* "help VERB": of a program beside ntp its own --help. */
+/* "help VERB": a program beside ntp prints its own --help. */
 static int explain_verb(const char *started_as, const char *name)
 {
     const verb_spec *verb = verb_find(name);
@@ -136,7 +136,7 @@ static int explain_verb(const char *started_as, const char *name)
     return verb != NULL ? print_help(verb) : run_external(started_as, name, words);
 }
 
-/* Which function does which verb; every one that the table of options knows. */
+/* The functions of the verbs, for every row of the table in options.c. */
 static int run_parsed(const options *o)
 {
     static const struct {

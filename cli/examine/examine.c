@@ -2,8 +2,8 @@
 /*
  * examine.c - finding out what a file is
  *
- * A file is measured as standard first; what the class changes (16-bit angles, whether alpha 0
- * means unused, gray and alpha that hold x and y) makes it be read a second time.
+ * A file is first measured as a standard texture.  It is read a second time if its class changes
+ * what was measured: angles in 16 bit, whether alpha 0 means unused, x and y in gray and alpha.
  */
 #include "examine/examine.h"
 
@@ -75,8 +75,8 @@ const char *class_title(ntp_class type)
     }
 }
 
-/* LabPBR textures keep a height in alpha: there, alpha 0 is a depth, not a hole.  An alpha of
- * only 0 and M is a mask. */
+/* LabPBR textures have a height in alpha: there, alpha 0 is a depth and not a hole.  But an
+ * alpha of only 0 and M is a mask. */
 uint32_t touch_for(const ntp_stats *stats, ntp_encoding encoding)
 {
     const bool mask = stats->alpha_zero + stats->alpha_full == stats->texels;
@@ -116,7 +116,7 @@ bool facts_from_tally(facts *f, source *s, int forced, ntpio_error *error)
     f->info.texts = NULL;
     f->info.text_count = 0;
     f->forced = forced >= 0;
-    /* heights have no reading of their own: their counts are those of any other */
+    /* heights are not read in a way of their own: they are counted like any other encoding */
     const ntp_encoding read_as =
         s->view.encoding == NTP_ENCODING_HEIGHT ? NTP_ENCODING_STANDARD : s->view.encoding;
     ntp_status status = ntp_tally_summarize(&f->stats, s->w->tally, read_as);
@@ -156,7 +156,7 @@ static bool measure(source *s, uint32_t touch, ntpio_error *error)
 {
     ntp_tally_clear(s->w->tally);
     orient_begin(s);
-    crop_begin(s);
+    middle_begin(s);
     const ntp_const_image view = ntp_image_as_const(&s->view);
     ntp_rect area;
     int more;
@@ -166,7 +166,7 @@ static bool measure(source *s, uint32_t touch, ntpio_error *error)
             status = orient_rows(s, &area, touch);
         if (status != NTP_OK)
             return library_error(s, status, error);
-        crop_rows(s, &area);
+        middle_rows(s, &area);
     }
     return more == 0;
 }

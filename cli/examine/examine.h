@@ -1,6 +1,15 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * examine.h - reading a file row by row, and finding out what it is
+ * examine.h - finding out what a file is
+ *
+ * The room that reads images and measures them.
+ *   worker.c            the memory of a thread, used again from file to file
+ *   read_blocks.c       a file as blocks of rows in a ring; a second thread may read ahead
+ *   hold_image.c        a file held whole
+ *   samples.c           sizes of samples; channels in another order (reorder_tmpl.h)
+ *   examine.c           the facts of a file: its class, statistics, encoding
+ *   orient.c            which way green points, measured while rows go by
+ *   middle_and_lines.c  what a check keeps of the rows: the middle, and some lines
  */
 #ifndef NTP_CLI_EXAMINE_H
 #define NTP_CLI_EXAMINE_H
@@ -26,7 +35,7 @@ typedef struct surface_facts {
     ntp_rect area; /* that the kernel and the steps are of */
     ntp_kernel_fit origin;
     ntp_seam seam[2];  /* of the whole texture: across, down */
-    double residual;   /* of the best heights, in levels; negative: not known */
+    double residual;   /* rms of what the best heights leave, in levels; negative: not known */
     ntp_rect fit_area; /* that the residual is of */
     ntp_steps steps;   /* of slopes */
 } surface_facts;
@@ -41,7 +50,7 @@ typedef struct facts {
     ntp_orientation_result orientation; /* undecided when it was not asked for */
     surface_facts surface;
     bool forced;         /* by --type */
-    bool counts;         /* named, or a normals texture by its name or content */
+    bool counts;         /* it is judged: named, or a normals texture by its name or content */
     level_count *levels; /* the histogram of levels_off, without zeros */
     size_t level_count;
 } facts;
@@ -59,15 +68,15 @@ bool facts_are_tangent(const facts *f);
 /* "Z-zero" where ntp_class_name says "zzero": for people. */
 const char *class_title(ntp_class type);
 
-/* The unused texels to touch for a file read so: alpha 0 where alpha is a height. */
+/* The kinds of unused texels that are normals after all: alpha 0 where alpha is a height. */
 uint32_t touch_for(const ntp_stats *stats, ntp_encoding encoding);
 
 /* Works out the facts from the worker's tally, measured as the view says. */
 bool facts_from_tally(facts *f, source *s, int forced, ntpio_error *error);
 
 /*
- * Reads the whole file, again where the class asks for it, and fills *f.  Leaves the view as
- * the class has it.
+ * Reads the whole file, a second time if its class needs it, and fills *f.  The view is then that
+ * of the class.
  */
 bool examine(source *s, int forced, facts *f, ntpio_error *error);
 
@@ -76,7 +85,7 @@ void orient_begin(source *s);
 ntp_status orient_rows(source *s, const ntp_rect *area, uint32_t touch);
 void orient_end(const source *s, facts *f);
 
-/* Prepares the first view of a file: as forced, else standard, gray files as heights. */
+/* Sets the first view of a file: of the forced class, else standard, and heights for gray files. */
 void first_view(source *s, int forced);
 
 #endif

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * hold_image.c - all rows of a file in memory
+ * hold_image.c - a file held whole in memory
  */
 #include "examine/hold_image.h"
 

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * middle_and_lines.c - what ntp check keeps of a file while its rows go by: the middle, and some lines
+ * middle_and_lines.c - what a check keeps of the rows that go by: the middle, and some lines
  *
- * How well a surface fits is asked of the texels in the middle, whether the edges fit together of
- * some rows and columns that go from one edge to the other.  So memory does not grow with the
- * image.  Where the image is no larger than the middle there are no lines: it has them all.
+ * The middle shows how well a surface fits.  Rows and columns from one edge to the other show
+ * whether the edges fit together.  So memory does not grow with the image.  An image no larger than
+ * the middle needs no lines.
  */
 #include "examine/middle_and_lines.h"
 
@@ -14,7 +14,7 @@ enum {
     SIDE = 1024,           /* of the middle, at most */
     MOST_LINES = 128,      /* rows, and columns */
     LEAST_LINES = 16,      /* that ntp_find_seams asks for */
-    LINE_TEXELS = 1 << 20, /* of all rows, and of all columns: long lines are fewer */
+    LINE_TEXELS = 1 << 20, /* of all rows, and of all columns: there are fewer long lines */
 };
 
 static int32_t held_to(int32_t v, int32_t least, int32_t most)
@@ -33,7 +33,7 @@ static int32_t line_at(int32_t i, int32_t lines, int32_t count)
     return (int32_t) ((int64_t) i * count / lines);
 }
 
-ntp_rect crop_area(const source *s)
+ntp_rect middle_area(const source *s)
 {
     const int32_t w = s->view.width, h = s->view.height;
     const int32_t wide = w < SIDE ? w : SIDE, high = h < SIDE ? h : SIDE;
@@ -41,7 +41,7 @@ ntp_rect crop_area(const source *s)
     return (ntp_rect) { x, y, x + wide, y + high };
 }
 
-bool crop_is_whole(const source *s)
+bool middle_is_whole(const source *s)
 {
     return s->view.width <= SIDE && s->view.height <= SIDE;
 }
@@ -72,19 +72,19 @@ static void reserve(buffer *b, const ntp_image *image)
     buffer_reserve(b, (size_t) image->row_stride * (size_t) image->height);
 }
 
-ntp_image crop_image(const source *s)
+ntp_image middle_image(const source *s)
 {
-    const ntp_rect area = crop_area(s);
-    return packed(s, &s->w->crop, area.x1 - area.x0, area.y1 - area.y0);
+    const ntp_rect area = middle_area(s);
+    return packed(s, &s->w->middle, area.x1 - area.x0, area.y1 - area.y0);
 }
 
-void crop_begin(source *s)
+void middle_begin(source *s)
 {
-    if (!s->keep_crop)
+    if (!s->keep_middle)
         return;
-    const ntp_image crop = crop_image(s), rows = packed_rows(s), columns = packed_columns(s);
-    reserve(&s->w->crop, &crop);
-    if (crop_is_whole(s))
+    const ntp_image middle = middle_image(s), rows = packed_rows(s), columns = packed_columns(s);
+    reserve(&s->w->middle, &middle);
+    if (middle_is_whole(s))
         return;
     reserve(&s->w->across, &rows);
     reserve(&s->w->down, &columns);
@@ -94,7 +94,7 @@ void crop_begin(source *s)
 static void keep_row(const source *s, const ntp_image *rows, const unsigned char *row, int32_t y)
 {
     const int32_t h = s->view.height;
-    /* the line whose place is y or next above it */
+    /* the line at y, or the next one above */
     const int32_t i = (int32_t) (((int64_t) (y + 1) * rows->height - 1) / h);
     if (line_at(i, rows->height, h) == y)
         memcpy((unsigned char *) rows->data + (ptrdiff_t) i * rows->row_stride, row,
@@ -112,18 +112,18 @@ static void keep_columns(const source *s, const ntp_image *columns, const unsign
     }
 }
 
-void crop_rows(source *s, const ntp_rect *area)
+void middle_rows(source *s, const ntp_rect *area)
 {
-    if (!s->keep_crop || s->view.encoding == NTP_ENCODING_HEIGHT)
+    if (!s->keep_middle || s->view.encoding == NTP_ENCODING_HEIGHT)
         return;
-    const ntp_rect part = crop_area(s);
-    const ntp_image crop = crop_image(s), rows = packed_rows(s), columns = packed_columns(s);
-    const bool lines = !crop_is_whole(s);
+    const ntp_rect part = middle_area(s);
+    const ntp_image middle = middle_image(s), rows = packed_rows(s), columns = packed_columns(s);
+    const bool lines = !middle_is_whole(s);
     const unsigned char *from = source_rows(s, area);
     for (int32_t y = area->y0; y < area->y1; y++, from += s->view.row_stride) {
         if (y >= part.y0 && y < part.y1)
-            memcpy((unsigned char *) crop.data + (ptrdiff_t) (y - part.y0) * crop.row_stride,
-                   from + (ptrdiff_t) part.x0 * s->view.pixel_stride, (size_t) crop.row_stride);
+            memcpy((unsigned char *) middle.data + (ptrdiff_t) (y - part.y0) * middle.row_stride,
+                   from + (ptrdiff_t) part.x0 * s->view.pixel_stride, (size_t) middle.row_stride);
         if (lines) {
             keep_row(s, &rows, from, y);
             keep_columns(s, &columns, from, y);
@@ -131,12 +131,12 @@ void crop_rows(source *s, const ntp_rect *area)
     }
 }
 
-ntp_status crop_seams(const source *s, ntp_seam seam[2], uint32_t touch)
+ntp_status middle_seams(const source *s, ntp_seam seam[2], uint32_t touch)
 {
-    const ntp_image crop = crop_image(s), rows = packed_rows(s), columns = packed_columns(s);
-    const ntp_const_image all = ntp_image_as_const(&crop), across = ntp_image_as_const(&rows),
+    const ntp_image middle = middle_image(s), rows = packed_rows(s), columns = packed_columns(s);
+    const ntp_const_image all = ntp_image_as_const(&middle), across = ntp_image_as_const(&rows),
                           down = ntp_image_as_const(&columns);
-    if (crop_is_whole(s))
+    if (middle_is_whole(s))
         return ntp_find_seams(&seam[0], &seam[1], &all, touch);
     const ntp_status status = ntp_find_seams(&seam[0], NULL, &across, touch);
     return status == NTP_OK ? ntp_find_seams(NULL, &seam[1], &down, touch) : status;

@@ -2,8 +2,8 @@
 /*
  * orient.c - which way green points, measured while the rows of a file go by
  *
- * The measurement of a row needs its neighbors, of which some may have been in an earlier block.
- * So the rows that are needed are kept in a ring of their own, which is as high as that.
+ * The measurement of a row needs its neighbors, and some of them may be in an earlier block.  So a
+ * ring keeps the rows that are needed.
  */
 #include <stdlib.h>
 #include <string.h>
@@ -60,10 +60,10 @@ ntp_status orient_rows(source *s, const ntp_rect *area, uint32_t touch)
     return NTP_OK;
 }
 
-/* Only x and y in tangent space tell anything, and only where it is known which is which. */
+/* The measurement needs x and y in tangent space, and has to know which is which. */
 static bool can_tell(const facts *f)
 {
-    const bool any_order = f->info.channels < 3 && !f->forced; /* gray is x, or y */
+    const bool any_order = f->info.channels < 3 && !f->forced; /* gray may be x or y */
     return facts_are_tangent(f) && !any_order;
 }
 

@@ -2,9 +2,9 @@
 /*
  * read_blocks.c - a file as blocks of rows in a ring
  *
- * Rows stream through a small ring, so memory does not grow with the image.  Where a processor
- * is idle, a second thread decodes the next block while the caller works on this one: the ring
- * holds two blocks then.
+ * Rows go through a small ring, so memory does not grow with the image.  If a processor is idle, a
+ * second thread decodes the next block while the caller works on this one; the ring then holds two
+ * blocks.
  */
 #include "examine/read_blocks.h"
 
@@ -19,9 +19,9 @@
 #include "examine/samples.h"
 
 enum {
-    BLOCK_BYTES = 256 * 1024, /* rows read at once stay in the second-level cache */
+    BLOCK_BYTES = 256 * 1024, /* a block stays in the second-level cache */
     BLOCK_ROWS = 64,
-    AHEAD_TEXELS = 512 * 512 /* smaller images are read before a thread has started */
+    AHEAD_TEXELS = 512 * 512 /* a smaller image is read before a thread has started */
 };
 
 bool file_error(ntpio_error *error, ntpio_status status, const char *name, const char *what)

@@ -32,7 +32,7 @@ typedef struct source {
     uint32_t next;       /* the next row */
     int read_permille;   /* of the work that reading is; 0: all of it */
     orient orient;
-    bool keep_crop; /* for surface.c */
+    bool keep_middle; /* for middle_and_lines.c */
 } source;
 
 bool source_open(source *s, worker *w, const input *in, const ntpio_limits *limits,
@@ -41,23 +41,23 @@ bool source_open(source *s, worker *w, const input *in, const ntpio_limits *limi
 bool source_rewind(source *s, ntpio_error *error);
 void source_close(source *s);
 
-/* How the rows are to be seen.  map: NULL, or where each of `channels` comes from. */
+/* Sets how the rows are seen.  map: NULL, or what each of `channels` is taken from. */
 void source_view(source *s, ntp_encoding encoding, ntp_y y, const int8_t *map, int32_t channels);
 
 /* The same of gray files: gray becomes red, green and blue; alpha stays. */
 void source_view_as_rgb(source *s, ntp_encoding encoding);
 
-/* Reads the next rows into the ring.  1: *area has them; 0: the end was reached and checked;
- * -1: *error tells why not. */
+/* Reads the next rows into the ring.  Returns 1 if *area has them, 0 if the end was reached and
+ * checked, -1 with *error if reading failed. */
 int source_next(source *s, ntp_rect *area, ntpio_error *error);
 
-/* Where the rows of an area that source_next delivered lie. */
+/* Where the rows of an area are that source_next delivered. */
 unsigned char *source_rows(const source *s, const ntp_rect *area);
 
 /* *error becomes "NAME: what".  Returns false. */
 bool file_error(ntpio_error *error, ntpio_status status, const char *name, const char *what);
 
-/* A status of libntp that cannot happen with right arguments, as an error about the file. */
+/* A status of libntp as an error about the file.  Correct arguments make none.  Returns false. */
 bool library_error(const source *s, ntp_status status, ntpio_error *error);
 
 #endif

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * samples.c - the sizes of samples, and pixels with their channels in another order
+ * samples.c - sizes of samples, and channels in another order
  */
 #include "examine/samples.h"
 

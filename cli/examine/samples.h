@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * samples.h - the sizes of samples, and pixels with their channels in another order
+ * samples.h - sizes of samples, and channels in another order
  */
 #ifndef NTP_CLI_SAMPLES_H
 #define NTP_CLI_SAMPLES_H

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * worker.c - the memory that a thread works with, from file to file
+ * worker.c - the memory of a thread, used again from file to file
  */
 #include "examine/worker.h"
 
@@ -43,7 +43,7 @@ void worker_free(worker *w)
     free(w->histogram);
     free(w->orientation);
     free(w->band.data);
-    free(w->crop.data);
+    free(w->middle.data);
     free(w->across.data);
     free(w->down.data);
     free(w);

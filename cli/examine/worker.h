@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * worker.h - the memory that a thread works with, from file to file
+ * worker.h - the memory of a thread, used again from file to file
  */
 #ifndef NTP_CLI_WORKER_H
 #define NTP_CLI_WORKER_H
@@ -11,7 +11,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* A piece of memory that grows and is used again. */
+/* Memory that grows.  What it held is lost when it does. */
 typedef struct buffer {
     unsigned char *data;
     size_t size;
@@ -19,7 +19,6 @@ typedef struct buffer {
 
 unsigned char *buffer_reserve(buffer *b, size_t size);
 
-/* What one thread works with, from file to file. */
 typedef struct worker {
     ntp_tally *tally;
     buffer rows;  /* the ring of rows that a view looks at */
@@ -29,8 +28,8 @@ typedef struct worker {
     buffer diff;         /* an ntp_diff */
     uint64_t *histogram; /* NTP levels 0..65535 */
     ntp_orientation *orientation;
-    buffer band; /* rows around the one whose orientation is measured */
-    buffer crop; /* what middle_and_lines.c keeps: the middle, rows, columns */
+    buffer band;   /* rows around the one whose orientation is measured */
+    buffer middle; /* what middle_and_lines.c keeps: the middle, rows, columns */
     buffer across;
     buffer down;
     bool may_read_ahead;  /* a processor is idle */

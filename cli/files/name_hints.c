@@ -2,9 +2,10 @@
 /*
  * name_hints.c - what the name of a file says about it
  *
- * A name is cut into words at '_', '-', '.', blanks, and where a capital follows a small
- * letter: "BrickWall_1K_NormalGL" is brick, wall, 1, k, normal, gl.  Long words for "normals"
- * count anywhere, short ones (n, nm, nor ...) only at the end, before sizes and orientations.
+ * A name is split into words at '_', '-', '.', blanks, and where a capital follows a small letter:
+ * "BrickWall_1K_NormalGL" is brick, wall, 1, k, normal, gl.  Long words for "normals" count
+ * anywhere.  Short ones (n, nm, nor ...) count only at the end, where sizes and orientations may
+ * follow.
  */
 #include <ctype.h>
 #include <string.h>

@@ -2,8 +2,8 @@
 /*
  * paths.c - from the command line to a list of files
  *
- * Directories are read sorted by bytes, so that every machine lists them in one order.  A
- * directory is entered once, however many links lead to it; a file that is found is taken once.
+ * Directories are sorted by bytes, so every machine lists them in the same order.  A directory is
+ * entered once and a file taken once, however many links lead to it.
  */
 #include "files/paths.h"
 
@@ -51,7 +51,7 @@ static bool matches_any(const option_value *globs, const char *relative)
     return false;
 }
 
-/* Marks a directory as entered; false when it was before. */
+/* Marks a directory as entered; returns false if it was entered before. */
 static bool enter(scan *s, const struct stat *st)
 {
     for (size_t i = 0; i < s->seen_count; i++) {
@@ -137,7 +137,7 @@ static const char *relative_part(const char *path, bool keep_path)
 
 static bool add_path(scan *s, const char *path, bool keep_path);
 
-/* A pattern that the shell left alone, as it does in quotes; false: no file matches. */
+/* A pattern that the shell left alone, as it does in quotes.  Returns false if no file matches. */
 static bool add_matches(scan *s, const char *pattern, bool keep_path)
 {
     glob_t found = { 0 };
@@ -234,15 +234,15 @@ static char *canonical_name(const char *path)
     return name;
 }
 
-/* What makes two inputs one: the file that links lead to.  But a link that is named is judged, beside
- * what it leads to, unless both would be written. */
+/* Two inputs are one if their links lead to the same file.  But a link that is named counts as a
+ * file of its own, unless both would be written. */
 static char *identity_of(const input *in, bool in_place)
 {
     char *resolved = in->named && !in_place ? NULL : realpath(in->path, NULL);
     return resolved != NULL ? resolved : canonical_name(in->path);
 }
 
-/* Keeps the first of several names of one file. */
+/* Of several names of one file, keeps the first. */
 static void drop_duplicates(input_list *list, bool in_place)
 {
     identity *all = need(calloc(list->count + 1, sizeof *all));

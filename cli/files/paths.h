@@ -1,6 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * paths.h - which files a run is about, and where each one's output goes
+ * paths.h - which files a run reads, and where each output goes
+ *
+ * The room of file names; nothing here reads an image.
+ *   paths.c         from the command line to a list of inputs: directories, globs, lists
+ *   plan_outputs.c  the output of each input; refuses what would destroy a file
+ *   name_hints.c    what a name says: a normals texture? green up or down?
  */
 #ifndef NTP_CLI_PATHS_H
 #define NTP_CLI_PATHS_H
@@ -15,10 +20,10 @@ typedef enum name_y { NAME_Y_NONE, NAME_Y_UP, NAME_Y_DOWN } name_y;
 typedef struct input {
     char *path;     /* as it is opened and shown; "-" is standard input */
     char *relative; /* where it goes below -o DIR, with the input's own ending */
-    char *output;   /* where the output goes; NULL: nowhere yet */
-    char *problem;  /* a directory that could not be read: why; NULL for files */
+    char *output;   /* where the output goes; NULL: not decided */
+    char *problem;  /* why a directory could not be read; NULL for files */
     bool named;     /* given by name: always judged */
-    bool hinted;    /* its name is that of a normals texture */
+    bool hinted;    /* it has the name of a normals texture */
     name_y y;       /* what the name says about green */
 } input;
 
@@ -29,31 +34,31 @@ typedef struct input_list {
 } input_list;
 
 /*
- * Collects the inputs of a run: named files in the order given, the files of a directory sorted by
- * name; each file once.  Returns false after telling of wrong usage.
+ * Collects the inputs of a run, each file once: named files in the order given, the files of a
+ * directory sorted by name.  Returns false after a message about wrong usage.
  */
 bool inputs_collect(input_list *list, const options *o);
 void inputs_free(input_list *list);
 
 /*
- * Gives each input its output from -o, or from --in-place.  Returns false after telling of wrong
- * usage: several inputs for one file, two inputs with one output, an output below -o DIR that is an
- * input, a format that is not written.
+ * Gives each input its output from -o, or from --in-place.  Returns false after a message about
+ * wrong usage: several inputs for one file, two inputs with one output, an output below -o DIR that
+ * is an input, a format that is not written.
  */
 bool outputs_plan(input_list *list, const options *o);
 
-/* For verbs of two files: are there two, of which standard input is one at most?  False, after telling:
- * "ntp VERB takes two files", and what they are called. */
+/* For verbs of two files: are there two, and at most one is standard input?  Returns false after a
+ * message; `called` ends "ntp VERB takes two files". */
 bool inputs_are_two(const options *o, const char *called);
 
-/* For an output that is of another kind than the inputs: false, after telling, when it is one, or has
- * the name of a format that is not written. */
+/* For an output of another kind than the inputs.  Returns false after a message, if it is an
+ * input or has the name of a format that is not written. */
 bool output_is_allowed(const char *output, const options *o);
 
-/* Are both there, and one file, by whatever names? */
+/* Do both names lead to the same file? */
 bool is_same_file(const char *a, const char *b);
 
-/* For an output that no input asked for: is the path neither an input nor the output of one? */
+/* For an additional output: is the path neither an input nor the output of one? */
 bool output_is_free(const input_list *list, const char *path);
 
 /* Makes the directories that lead to a file. */

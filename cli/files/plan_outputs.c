@@ -2,9 +2,9 @@
 /*
  * plan_outputs.c - where each input's output goes
  *
- * Everything that could destroy a file is refused here, before any work: an output in a directory
- * that is one of the inputs (by device and inode, so by any path), and one output for two inputs.
- * A file that -o names is what the user asked for, be it the input.
+ * What could destroy a file is refused here, before any work: two inputs with one output, and an
+ * output below -o DIR that is one of the inputs (compared by device and inode, so by any path).
+ * But the file that -o names may be the input: the user asked for it.
  */
 #include <errno.h>
 #include <stdlib.h>
@@ -159,8 +159,8 @@ static bool no_input_overwritten(const input_list *list)
     return ok;
 }
 
-/* -o names a directory: it is one, ends in a slash, or several inputs or a whole directory go
- * there and its name is not that of an image; a single file's -o without any ending does too. */
+/* Does -o name a directory?  It does if it is one or ends with a slash.  It also does if its
+ * name is not that of an image, and either several inputs go there or it has no ending at all. */
 static bool means_directory(const input_list *list, const char *output)
 {
     struct stat st;
@@ -185,7 +185,7 @@ static bool plan_in_place(input_list *list)
     return true;
 }
 
-/* JPEG, and the formats of other programs: a PNG must not go by such a name. */
+/* False for JPEG and the formats of other programs: a PNG must not have such a name. */
 static bool format_is_written(const char *output)
 {
     static const char *const OTHERS[] = { ".avif", ".bmp", ".dds",  ".exr",  ".gif", ".hdr",

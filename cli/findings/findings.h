@@ -1,6 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * findings.h - what `ntp check` can find, as one table, and the judging of one file
+ * findings.h - what `ntp check` can find, and the judging of one file
+ *
+ * The room of findings.
+ *   findings.c  the table: id, level, title, reason and remedy; docs/findings.md is made from it
+ *   rules.c     from the facts of a file to its findings
  */
 #ifndef NTP_CLI_FINDINGS_H
 #define NTP_CLI_FINDINGS_H
@@ -60,7 +64,7 @@ extern const finding_spec FINDING_TABLE[FINDING_COUNT];
 typedef struct finding {
     finding_id id;
     finding_level level;
-    bool known; /* in the baseline: shown, not counted */
+    bool known; /* in the baseline: shown but not counted */
     uint64_t count;
     char message[400];
 } finding;
@@ -80,7 +84,8 @@ typedef struct judge_rules {
 
 judge_rules judge_rules_from(const options *o);
 
-/* Texels that fail a verdict in the file's own encoding; false where verdicts mean nothing. */
+/* Counts the texels that fail a verdict in the file's own encoding.  Returns false if verdicts mean
+ * nothing there. */
 bool failing_texels(const facts *f, ntp_verdict verdict, bool keep_negative_z, uint64_t *all,
                     uint64_t *used);
 

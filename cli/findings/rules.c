@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * rules.c - from the facts about a file to findings, in words
+ * rules.c - from the facts of a file to its findings
  *
- * Every rule is a function that looks at the facts and may add one finding.  Shares are of the
- * used texels; counts given to programs cover all of them.
+ * Every rule is a function that looks at the facts and may add a finding.  Shares are of the used
+ * texels.  Counts in reports are of all texels.
  */
 #include <stdarg.h>
 #include <stdio.h>
@@ -11,10 +11,10 @@
 
 #include "findings/findings.h"
 
-/* JPEG: the error of directions that is still invisible, and that surely is not. */
+/* JPEG: an angle that is still invisible, and one that is certainly visible. */
 static const double LOSSY_WARNING_MEAN = 2, LOSSY_ERROR_P99 = 10;
 
-/* Levels of 8 bit by which the best surface may differ (rms): about 4 degrees. */
+/* From this rms on, in levels of 8 bit, no surface has these normals.  It is about 4 degrees. */
 static const double POOR_FIT = 8;
 
 typedef struct judgement {
@@ -83,7 +83,7 @@ bool failing_texels(const facts *f, ntp_verdict verdict, bool keep_negative_z, u
     if (verdict == NTP_VERDICT_ROUNDED)
         pass = fit->rounded, unused_pass = fit->unused_rounded;
     if (verdict == NTP_VERDICT_EXACT) {
-        /* black, white and transparent texels are rarely mirrored exactly: counted as used */
+        /* unused texels are rarely exact with z mirrored, so these all count as used */
         pass = fit->exact + (keep_negative_z ? fit->exact_mirrored : 0);
         unused_pass = fit->unused_exact;
     }
@@ -134,7 +134,7 @@ static void judge_length(judgement *j)
         text_add(&t, ": blue is up to ");
         text_count(&t, off);
         text_addf(&t, " level%s off, the normal up to ", off == 1 ? "" : "s");
-    } else { /* red and green alone are wrong */
+    } else { /* only red and green are wrong */
         text_add(&t, ": the normal is off by up to ");
     }
     text_degrees(&t, s->angles.max);
@@ -266,7 +266,7 @@ static void judge_flat(judgement *j)
              (unsigned long long) s->distinct_flat);
 }
 
-/* Lest "-0.00" is printed. */
+/* For "%.2f", which would print "-0.00". */
 static double without_sign_of_zero(double v)
 {
     return v > -0.005 && v < 0 ? 0 : v;
@@ -311,7 +311,7 @@ static void judge_surface(judgement *j)
     const surface_facts *found = &j->f->surface;
     const bool across = found->seam[0].decided && !found->seam[0].tiles;
     const bool down = found->seam[1].decided && !found->seam[1].tiles;
-    if (!found->known || !found->deep) /* findings are for those who ask */
+    if (!found->known || !found->deep) /* only --deep makes findings of the surface */
         return;
     const double levels = found->residual / (j->f->info.sample_bytes == 1 ? 1 : 257);
     if (levels >= POOR_FIT)

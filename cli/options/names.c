@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * names.c - names of values for which libntp has no function, as the options have them
+ * names.c - names of values that libntp does not name; they are the words of the options
  */
 #include "options/names.h"
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * names.h - names of values for which libntp has no function, as the options have them
+ * names.h - names of values that libntp does not name; they are the words of the options
  */
 #ifndef NTP_CLI_NAMES_H
 #define NTP_CLI_NAMES_H

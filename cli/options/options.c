@@ -2,8 +2,8 @@
 /*
  * options.c - the table of verbs and options
  *
- * Rows of one name may differ between verbs; a row says in its mask whose it is.  The order is
- * that of the help.
+ * An option may have several rows, each with a mask of the verbs that it is for.  The order is that
+ * of the help.  tests/cli/test_names.py holds the choices equal to the values of libntp.h.
  */
 #include "options/options.h"
 
@@ -257,26 +257,34 @@ const verb_spec VERB_TABLE[] = {
     { "check", "PATH...", "say what textures are, and whether they are well formed",
       "Reads each texture and says what it is (standard, Z-zero or XY-only normals, a height "
       "map, object-space normals, one color, or not a normals texture). It says whether the "
-      "normals are well formed and, if not, why and by how much. Nothing is written.\nFiles "
-      "that are named are always judged. In a directory a file is judged if its name is that of "
-      "a normals texture (brick_n.png, brick_normal.png, BrickNormalGL.png ...) or its content "
-      "is. Other images are listed and are not findings.",
-      "ntp check wall_n.png\n  is this texture correct?\nntp check -r textures --fail-on "
-      "warning\n  check a whole tree and let a build fail\nntp check -r textures --format list "
-      "-0 | xargs -0 ls -l\n  the files with errors, for another program\nntp check -r textures "
-      "--format json > before.json\nntp check -r textures --baseline before.json\n  later: "
-      "count only new findings\n" },
+      "normals are well formed and, if not, why and by how much. Nothing is written.\n"
+      "Files that are named are always judged. In a directory a file is judged if its name is "
+      "that of a normals texture (brick_n.png, brick_normal.png, BrickNormalGL.png ...) or its "
+      "content is. Other images are listed and are not findings.",
+      "ntp check wall_n.png\n"
+      "  is this texture correct?\n"
+      "ntp check -r textures --fail-on warning\n"
+      "  check a whole tree and let a build fail\n"
+      "ntp check -r textures --format list -0 | xargs -0 ls -l\n"
+      "  the files with errors, for another program\n"
+      "ntp check -r textures --format json > before.json\n"
+      "ntp check -r textures --baseline before.json\n"
+      "  later: count only new findings\n" },
     { "clean", "PATH...", "repair normals",
       "Makes every texel of a normals texture a unit vector. By default red and green stay and "
       "blue is computed from them; where red and green alone are longer than 1, they are "
       "shortened to length 1 and keep their direction. Alpha, and texels that are pure black, "
-      "pure white or transparent, stay as they are. Cleaning again changes nothing.\nHeights, "
-      "object-space maps and other images are refused unless --type says what they are. gAMA, "
-      "sRGB, iCCP and cHRM chunks are left out: normals are numbers, not colors.",
-      "ntp clean wall_n.png -o wall_clean_n.png\n  write a repaired copy\nntp clean -r textures "
-      "--in-place --dry-run\n  what would change, and by how many degrees?\nntp clean -r "
-      "textures --in-place\n  repair a tree; correct files are not touched\nntp clean scan.jpg "
-      "-o scan_n.png --method auto\n  repair a texture that was stored as JPEG\n" },
+      "pure white or transparent, stay as they are. Cleaning again changes nothing.\n"
+      "Heights, object-space maps and other images are refused unless --type says what they "
+      "are. gAMA, sRGB, iCCP and cHRM chunks are left out: normals are numbers, not colors.",
+      "ntp clean wall_n.png -o wall_clean_n.png\n"
+      "  write a repaired copy\n"
+      "ntp clean -r textures --in-place --dry-run\n"
+      "  what would change, and by how many degrees?\n"
+      "ntp clean -r textures --in-place\n"
+      "  repair a tree; correct files are not touched\n"
+      "ntp clean scan.jpg -o scan_n.png --method auto\n"
+      "  repair a texture that was stored as JPEG\n" },
     { "convert", "PATH...", "change encoding, depth, channels, or the direction of green",
       "Converts between standard, Z-zero and XY-only textures, 8 and 16 bit, green up (OpenGL) "
       "and green down (DirectX), and rearranges channels. Nothing is repaired: each number is "
@@ -294,8 +302,9 @@ const verb_spec VERB_TABLE[] = {
       "Writes a picture of each texture in which wrong texels are colored and the others are "
       "gray. Red: x and y too long. Green: wrong length. Blue: negative z. docs/heatmap.md is "
       "the legend.",
-      "ntp heatmap wall_n.png -o wall_faults.png\nntp heatmap -r textures -o faults --palette "
-      "safe\n  heatmaps of a tree, in colors that everybody can tell apart\n" },
+      "ntp heatmap wall_n.png -o wall_faults.png\n"
+      "ntp heatmap -r textures -o faults --palette safe\n"
+      "  heatmaps of a tree, in colors that everybody can tell apart\n" },
     { "dump", "PATH", "list texels as CSV",
       "Prints a row for each texel that fails --verdict, or for every texel with --all: "
       "position, stored levels, vector, length, flags, size of the error, and repaired levels.",
@@ -312,29 +321,37 @@ const verb_spec VERB_TABLE[] = {
     { "from-height", "PATH...", "make normals from heights",
       "Turns heightfields (bump maps: white is high) into normals textures. Red and green are "
       "the correctly rounded values of the formula; blue is computed from them. Input may be 8 "
-      "or 16 bit, gray or color, and PFM.\nWith --border-y wrap, the default, and with --blur "
-      "or --octaves, the heightfield is held in memory; otherwise only a few rows are.",
-      "ntp from-height wall_height.png -o wall_n.png --scale 8\n  white is 8 texels above "
-      "black\nntp from-height rock.png -o rock_n.png --scale 20 --kernel sobel3 --to-y down "
-      "--depth 16\n  smoother, for DirectX, in 16 bit\nntp from-height bump.png -o bump_n.png "
-      "--like gimp-normalmap:sobel3:1\n  as the old GIMP plug-in, but correctly rounded\nntp "
-      "from-height h.png -o labpbr_n.png --scale 4 --to xy --ao ao.png --alpha height\n  a "
-      "LabPBR texture\n" },
+      "or 16 bit, gray or color, and PFM.\n"
+      "With --border-y wrap, the default, and with --blur or --octaves, the heightfield is held "
+      "in memory; otherwise only a few rows are.",
+      "ntp from-height wall_height.png -o wall_n.png --scale 8\n"
+      "  white is 8 texels above black\n"
+      "ntp from-height rock.png -o rock_n.png --scale 20 --kernel sobel3 --to-y down --depth "
+      "16\n"
+      "  smoother, for DirectX, in 16 bit\n"
+      "ntp from-height bump.png -o bump_n.png --like gimp-normalmap:sobel3:1\n"
+      "  as the old GIMP plug-in, but correctly rounded\n"
+      "ntp from-height h.png -o labpbr_n.png --scale 4 --to xy --ao ao.png --alpha height\n"
+      "  a LabPBR texture\n" },
     { "transform", "PATH...", "flip, turn, make stronger or weaker",
       "Flips and turns textures, pixels and vectors together, so that bumps stay bumps, and "
       "multiplies their slopes. Flips and turns are exact. With --strength each normal is "
       "correctly rounded. Texels that are pure black, pure white or transparent move but keep "
-      "their color.\nAn image that does not hold tangent-space normals is refused unless --type "
-      "says what it is. The image is held in memory.",
-      "ntp transform wall_n.png -o strong_n.png --strength 2\n  bumps twice as high\nntp "
-      "transform wall_n.png -o turned_n.png --rotate 90\nntp transform left_n.png -o "
-      "right_n.png --flip x\n  the mirror image of a texture\n" },
+      "their color.\n"
+      "An image that does not hold tangent-space normals is refused unless --type says what it "
+      "is. The image is held in memory.",
+      "ntp transform wall_n.png -o strong_n.png --strength 2\n"
+      "  bumps twice as high\n"
+      "ntp transform wall_n.png -o turned_n.png --rotate 90\n"
+      "ntp transform left_n.png -o right_n.png --flip x\n"
+      "  the mirror image of a texture\n" },
     { "resize", "PATH...", "change the size, or make a mip chain, of unit vectors",
       "Resizes textures as vectors, weighted with alpha, and stores unit vectors again: the "
       "result passes ntp check --verdict exact. Unused texels (pure black, pure white, "
       "transparent) do not bleed into others; where there are only unused texels, the result is "
-      "flat, with alpha 0.\nAn image that does not hold tangent-space normals is refused unless "
-      "--type says what it is. The image is held in memory.",
+      "flat, with alpha 0.\n"
+      "An image that does not hold tangent-space normals is refused unless --type says what it "
+      "is. The image is held in memory.",
       "ntp resize wall_n.png -o small_n.png --size 50%\n"
       "ntp resize wall_n.png -o wall_1k_n.png --size 1024x1024 --filter lanczos3\n"
       "ntp resize wall_n.png -o mips/wall_n.png --mips\n"
@@ -342,8 +359,8 @@ const verb_spec VERB_TABLE[] = {
       "ntp resize decal_n.png -o decal_half_n.png --size 50% --border clamp\n"
       "  a texture that does not tile\n" },
     { "blend", "BASE DETAIL", "add the bumps of one texture to another",
-      "Adds the bumps of DETAIL to BASE. A smaller DETAIL is repeated. Size, depth, encoding and "
-      "alpha are those of BASE. Texels that are unused in either stay as they are in BASE.",
+      "Adds the bumps of DETAIL to BASE. A smaller DETAIL is repeated. Size, depth, encoding "
+      "and alpha are those of BASE. Texels that are unused in either stay as they are in BASE.",
       "ntp blend wall_n.png scratches_n.png -o worn_n.png\n"
       "ntp blend wall_n.png grain_n.png -o grainy_n.png --strength 0.5\n"
       "  the detail half as high\n"
@@ -352,11 +369,12 @@ const verb_spec VERB_TABLE[] = {
       "Reconstructs the heightfield of a normals texture: the heights whose slopes are closest "
       "to the stored ones. Writes a 16-bit gray PNG, or floats (PFM). The scale, by which white "
       "is higher than black, is printed and stored in the PNG: ntp from-height with this "
-      "--scale, kernel and border makes the same normals again.\nWhat the texture does not say "
-      "(which way green points, whether it tiles, how it was made) is detected from its texels "
-      "if possible, and printed; options override it. An image that does not hold tangent-space "
-      "normals is refused unless --from says what it is. The image is held in memory: its "
-      "samples, and 4 bytes a texel; 40 more with --method weighted.",
+      "--scale, kernel and border makes the same normals again.\n"
+      "What the texture does not say (which way green points, whether it tiles, how it was "
+      "made) is detected from its texels if possible, and printed; options override it. An "
+      "image that does not hold tangent-space normals is refused unless --from says what it is. "
+      "The image is held in memory: its samples, and 4 bytes a texel; 40 more with --method "
+      "weighted.",
       "ntp to-height wall_n.png -o wall_height.png\n"
       "ntp to-height wall_n.png -o wall_height.png --border wrap --from-y down\n"
       "  a texture that tiles, for DirectX\n"

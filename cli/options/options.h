@@ -1,10 +1,16 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * options.h - the verbs and options of ntp, from one table
+ * options.h - the verbs and options of ntp
  *
- * options.c holds the table; parsing, --help, the man page and the completions are all made
- * from it.  A new verb is a file in verbs/ with its run function, a row in the table of verbs here,
- * one in main.c, and rows for those of its options that are not there yet.
+ * The room of the command line.  One table says what verbs and options there are; parsing, --help,
+ * the man page and the completions are made from it.
+ *   options.c  the table of options and the table of verbs
+ *   parse.c    words to option values, and the messages about wrong ones
+ *   help.c     the texts of --help
+ *   names.c    names of values that libntp does not name
+ *
+ * A new verb is a file in verbs/, a row in the table of verbs, a row in main.c, and rows for its
+ * options.
  */
 #ifndef NTP_CLI_OPTIONS_H
 #define NTP_CLI_OPTIONS_H
@@ -123,8 +129,8 @@ typedef struct option_spec {
     const char *name;
     char letter; /* 0: none */
     option_kind kind;
-    const char *value;    /* what help calls the value; KIND_CHOICE: "a|b|c" */
-    const char *standard; /* the default, as one would write it; NULL: none */
+    const char *value;    /* the value's name in the help; KIND_CHOICE: "a|b|c" */
+    const char *standard; /* the default, as a user would type it; NULL: none */
     double least, most;   /* of numbers */
     unsigned verbs;
     const char *help;
@@ -160,7 +166,7 @@ typedef struct options {
     size_t path_count;
 } options;
 
-/* Fills *o from the words after the verb.  Returns false after telling what is wrong. */
+/* Fills *o from the words after the verb.  Returns false after a message about what is wrong. */
 bool options_parse(options *o, const verb_spec *verb, int argc, char **argv);
 void options_free(options *o);
 
@@ -178,7 +184,7 @@ typedef struct companion {
 enum { COMPANIONS = 2 };
 extern const companion COMPANION_TABLE[COMPANIONS];
 
-/* The nearest of the names, or NULL when none is near. */
+/* The nearest of the names, or NULL if none is near. */
 const char *nearest_name(const char *wrong, const char *const *names, size_t count);
 void complain_unknown_verb(const char *name);
 

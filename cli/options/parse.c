@@ -2,8 +2,8 @@
 /*
  * parse.c - from words to options, by popt
  *
- * popt splits the words; the table in options.c says what they mean.  Values are read here,
- * not by popt, so that messages name the option, the value and what was expected.
+ * popt splits the words; the table in options.c says what they mean.  Values are read here and not
+ * by popt: so messages name the option, the value and what was expected.
  */
 #include <errno.h>
 #include <popt.h>
@@ -29,7 +29,7 @@ unsigned verb_bit(const verb_spec *verb)
 
 const char *nearest_name(const char *wrong, const char *const *names, size_t count)
 {
-    enum { FAR = 3 }; /* more than two slips is another word */
+    enum { FAR = 3 }; /* with three wrong letters it is another word */
     const char *nearest = NULL;
     unsigned least = FAR;
     for (size_t i = 0; i < count; i++) {
@@ -119,7 +119,7 @@ static bool read_number(const option_spec *row, const char *value, option_value 
     return true;
 }
 
-/* Takes over `value`, which popt allocated; NULL for flags. */
+/* Takes over `value`, which popt allocated; it is NULL for flags. */
 static bool read_value(options *o, const option_spec *row, char *value)
 {
     option_value *into = &o->values[row->id];

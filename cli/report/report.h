@@ -1,6 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * report.h - results as text, JSON, CSV and lists
+ *
+ * The room of what is printed.
+ *   report_text.c  what `ntp check` prints for people, its CSV, and colors
+ *   report_json.c  JSON of every verb; the report of `ntp check` (docs/schema/check-1.json)
  */
 #ifndef NTP_CLI_REPORT_H
 #define NTP_CLI_REPORT_H
@@ -22,7 +26,7 @@ typedef enum paint {
     PAINT_GREEN
 } paint;
 
-/* Whether --color, NO_COLOR, CLICOLOR_FORCE and the terminal ask for colors. */
+/* Do --color, NO_COLOR, CLICOLOR_FORCE and the terminal ask for colors? */
 bool colors_wanted(const options *o);
 void text_paint(text *t, bool colors, paint p, const char *words);
 
@@ -34,18 +38,18 @@ void json_begin(text *t);
 void json_item(text *t, json_t *item, bool first);
 /* Closes the list and adds the summary; takes the reference. */
 void json_end(text *t, json_t *summary);
-/* A document by itself: "schema_version" and "tool" are added first. */
+/* A whole document: "schema_version" and "tool", then the body. */
 void json_document(text *t, json_t *body);
 
-/* Sets `key` to a name: valid UTF-8, and `key`_base64 where that loses bytes. */
+/* Sets `key` to a name in valid UTF-8.  If that loses bytes, also sets `key`_base64. */
 void json_set_name(json_t *object, const char *key, const char *name);
-/* To 0.001. */
+/* Rounded to 0.001. */
 json_t *json_angle(double degrees);
 json_t *json_angles(const ntp_angles *angles);
 json_t *json_count(uint64_t count);
-/* "changed" and "angle_deg" of what a verb wrote; NULL: null, where in and out cannot be compared. */
+/* Sets "changed" and "angle_deg" of an output.  NULL: input and output cannot be compared. */
 void json_set_changes(json_t *object, const ntp_diff_stats *stats);
-/* The object of a file: path and status, message only where there is one. */
+/* The object of a file: its path, its status, and a message or null. */
 json_t *json_file(const input *in, const char *status, const char *message);
 
 /* ---- check */
@@ -63,7 +67,7 @@ typedef struct checked {
     ntpio_error error;
     facts f;
     finding_list list;
-    bool fails; /* a finding that counts is at or above --fail-on */
+    bool fails; /* a finding that counts has the level of --fail-on or above */
 } checked;
 
 typedef struct check_summary {

@@ -2,8 +2,8 @@
 /*
  * report_json.c - JSON, by jansson; docs/schema/check-1.json describes it
  *
- * A report is printed item by item, so that memory does not grow with the number of files;
- * only the items are built as trees.
+ * Only items are built as trees.  A report is printed item by item, so memory does not grow with
+ * the number of files.
  */
 #include <libntp.h>
 #include <ntpio.h>
@@ -16,7 +16,7 @@
 
 enum {
     SCHEMA_VERSION = 1,
-    /* 15 digits print what was rounded to 0.001 as it was meant */
+    /* 15 digits print 0.001 as it was meant */
     DUMP_FLAGS = JSON_REAL_PRECISION(15) | JSON_PRESERVE_ORDER
 };
 
@@ -248,7 +248,7 @@ static const char *tiling(const ntp_seam *seam)
     return !seam->decided ? "undecided" : seam->tiles ? "yes" : "no";
 }
 
-/* null where there are no slopes, and what cannot be told. */
+/* null: there are no slopes, or it is not known. */
 static void set_surface(json_t *object, const surface_facts *found)
 {
     json_t *kernel = json_null(), *tiles = json_null(), *residual = json_null(),

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * report_text.c - what `ntp check` tells people
+ * report_text.c - what `ntp check` prints for people, and its CSV
  *
- * One headline for each file, its findings indented below, the heaviest first.  Notes (level
- * info), reasons and statistics wait for -v.
+ * Each file has a headline; its findings follow, indented, the worst first.  -v adds notes (level
+ * info), reasons and statistics.
  */
 #include <stdlib.h>
 #include <string.h>

@@ -2,8 +2,8 @@
 /*
  * jobs.c - a queue of inputs, worker threads, and one thread that prints
  *
- * Workers take the next input and leave its result in a slot of a ring; the main thread takes
- * the results out in order.  The ring bounds how far a worker may run ahead of a slow file.
+ * Workers take the next input and leave its result in a slot of a ring.  The main thread takes
+ * results out in order.  The ring limits how far workers get ahead of a slow file.
  */
 #include "run/jobs.h"
 
@@ -20,9 +20,9 @@
 #include "cli.h"
 
 enum {
-    AHEAD = 256,              /* results that may wait for their turn */
+    AHEAD = 256,              /* results that may wait to be printed */
     POLL_MS = 100,            /* how often the main thread looks at signals and progress */
-    FIRST_PROGRESS_MS = 1000, /* shorter work needs no bar */
+    FIRST_PROGRESS_MS = 1000, /* a shorter run needs no bar */
     MAX_WORKERS = 256,
 };
 
@@ -30,7 +30,7 @@ typedef struct queue {
     const batch *b;
     pthread_mutex_t lock;
     pthread_cond_t changed;
-    size_t next;      /* first input that nobody took */
+    size_t next;      /* first input that no worker took */
     size_t delivered; /* inputs whose result was printed */
     bool stop;
     struct {
@@ -143,7 +143,7 @@ static void show_progress(const queue *q, const seat *seats, int workers, int64_
     progress_draw(done / (double) q->b->inputs->count, q->delivered, q->b->inputs->count);
 }
 
-/* Prints results in order until all are there or the work was stopped. */
+/* Prints results in order, until all are printed or the work is stopped. */
 static unsigned deliver_all(queue *q, const seat *seats, int workers)
 {
     const int64_t started = now_ms();
@@ -174,7 +174,7 @@ static unsigned deliver_all(queue *q, const seat *seats, int workers)
     return ran;
 }
 
-/* Results that were ready when the work was stopped. */
+/* Prints the results that were ready when the work was stopped. */
 static unsigned drop_rest(queue *q)
 {
     unsigned ran = 0;
@@ -199,7 +199,8 @@ static unsigned finish(unsigned ran)
     return ran;
 }
 
-/* One input and nobody who watches: a thread would cost a small file a tenth of its time. */
+/* One input without a progress bar: starting a thread would cost a tenth of the time of a small
+ * file. */
 static unsigned run_alone(const batch *b)
 {
     worker *w = worker_new();
@@ -234,7 +235,7 @@ unsigned batch_run(const batch *b)
         if (error == 0)
             continue;
         worker_free(seats[i].w);
-        workers = i; /* fewer threads do the same work; ends the loop */
+        workers = i; /* fewer threads do the same work; this ends the loop */
         if (i == 0)
             complain("cannot start a thread: %s", strerror(error));
     }

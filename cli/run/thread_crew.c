@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * thread_crew.c - threads that wait for the parts of one large piece of work
+ * thread_crew.c - threads for the parts of one large piece of work
  *
- * Whoever is free takes the next index, the caller among them; then the caller waits until the
- * last one is done.
+ * Each thread takes the next index, and so does the caller.  Then the caller waits for the last
+ * one.
  */
 #include "run/thread_crew.h"
 
@@ -18,13 +18,13 @@ struct crew {
     pthread_cond_t has_work, is_done;
     void (*task)(void *work, int32_t index);
     void *work;
-    int32_t count, next, open; /* indices: all, not yet taken, not yet done */
+    int32_t count, next, open; /* all indices; the next one to take; how many are not done */
     bool stop;
     int threads; /* besides the caller */
     pthread_t thread[];
 };
 
-/* Does parts while there are any.  The lock is held before and after. */
+/* Does parts while there are any.  The caller holds the lock before and after. */
 static void take_part(crew *c)
 {
     while (c->next < c->count) {

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * thread_crew.h - threads that wait for the parts of one large piece of work
+ * thread_crew.h - threads for the parts of one large piece of work
  *
- * libntp starts no threads; its long operations call back with parts that may be done at once
- * (ntp_hooks.parallel_for).  A crew does them.
+ * libntp starts no threads.  Its long operations call back with parts that may be done at once
+ * (ntp_hooks.parallel_for), and a crew does them.
  */
 #ifndef NTP_CLI_THREAD_CREW_H
 #define NTP_CLI_THREAD_CREW_H
@@ -12,7 +12,7 @@
 
 typedef struct crew crew;
 
-/* Starts threads - 1 threads, as the caller is one; fewer where the system has no more. */
+/* Starts threads - 1 threads, as the caller is one; fewer if the system refuses. */
 crew *crew_start(int threads);
 
 /* Ends them.  NULL is allowed. */

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * most_used_square.c - the part of a texture in which most texels are used
+ * most_used_square.c - the square of a texture that has the most used texels
  *
- * Used texels are counted in cells; of the squares that cells make up the fullest is taken, and of
- * equally full ones the one nearest to the middle.
+ * Used texels are counted in cells of 16 x 16.  Of all squares of whole cells, the one with the
+ * most used texels is taken; of equal ones, the one nearest to the middle.
  */
 #include "surface/most_used_square.h"
 
@@ -13,7 +13,7 @@
 
 enum { CELL = 16 };
 
-/* Counts of the cells left of and above a corner. */
+/* At each corner of a cell, the count of all cells to the left and above. */
 typedef struct grid {
     int32_t columns, rows; /* whole cells */
     uint32_t *sum;         /* (columns + 1) * (rows + 1) */
@@ -24,7 +24,7 @@ static uint32_t *corner(const grid *g, int32_t column, int32_t row)
     return g->sum + (size_t) row * (size_t) (g->columns + 1) + (size_t) column;
 }
 
-/* The used texels of a row, cell by cell. */
+/* Adds the used texels of a row to its cells. */
 static void add_row(uint32_t *cells, int32_t columns, const uint8_t *flags)
 {
     for (int32_t c = 0; c < columns; c++) {
@@ -52,8 +52,8 @@ static int32_t from_middle(const grid *g, int32_t column, int32_t row, int32_t s
     return x * x + y * y;
 }
 
-uint32_t fullest_square(ntp_rect *square, const uint8_t *flags, int32_t width, int32_t height,
-                        int32_t side)
+uint32_t most_used_square(ntp_rect *square, const uint8_t *flags, int32_t width, int32_t height,
+                          int32_t side)
 {
     grid g = { width / CELL, height / CELL, NULL };
     const int32_t cells = side / CELL;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * solve_heights.c - heights of a texture that is held in memory, and what its edges tell of borders
+ * solve_heights.c - heights of a texture in memory, and the borders that its edges show
  */
 #include "surface/solve_heights.h"
 

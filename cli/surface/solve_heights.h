@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * solve_heights.h - heights of a texture that is held in memory, and what its edges tell of borders
+ * solve_heights.h - heights of a texture in memory, and the borders that its edges show
  */
 #ifndef NTP_CLI_SOLVE_HEIGHTS_H
 #define NTP_CLI_SOLVE_HEIGHTS_H
@@ -10,20 +10,20 @@
 
 #include "examine/examine.h"
 
-/* A part of the work on a file, in thousandths, for the progress bar. */
+/* A part of the work on a file, in thousandths; the progress bar shows it. */
 typedef struct stretch {
     int from, to;
 } stretch;
 
-/* ntp_height_from_normals on all threads of the worker.  NTP_ERR_FORMAT: this kernel with these
- * borders by this method is not to be had. */
+/* ntp_height_from_normals on all threads of the worker.  NTP_ERR_FORMAT: the method cannot solve
+ * this kernel with these borders. */
 ntp_status heights_solve(worker *w, const ntp_image *heights, const ntp_const_image *src,
                          const ntp_height_options *how, stretch part, ntp_height_result *result);
 
 /*
- * Which borders the normals at the edges were made with.  heights: room for the heights of src, which
- * it spoils.  how: its borders count where `fixed` says so.  seams: of ntp_find_seams.  found stays
- * as it is where no heights are to be had.
+ * Finds the borders that the normals at the edges were made with.  heights: memory for the heights
+ * of src.  how: its borders hold where `fixed` says so.  seams: those of ntp_find_seams.  `found`
+ * does not change if the heights cannot be solved.
  */
 ntp_status heights_find_borders(ntp_border_fit found[2], worker *w, const ntp_image *heights,
                                 const ntp_const_image *src, const ntp_height_options *how,

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * surface.c - what a texture tells of the surface behind it: kernel, seams, steps, how it fits
+ * surface.c - what a texture says about the surface behind it: kernel, seams, steps, fit
  *
- * The fit is that of the best heights there are: what their normals leave unexplained.  A texture
- * that was made from heights fits to the rounding: each level is off by 0.29 (rms), and half of the
- * square of that goes into the heights.  One that was painted, or mixed as colors, does not fit.
- * A plain check asks the middle of the image; where that has holes, a part of it that has none, or a
- * small one with the holes left out, which takes long.
+ * The fit is what the best heights leave unexplained of the normals.  A texture made from heights
+ * fits up to rounding: each level is off by 0.29 (rms), and half of the square of that goes into
+ * the heights.  A texture that was painted, or mixed as colors, does not fit.  A plain check uses
+ * the middle of the image.  If that has holes, it uses a part without any, or a small part and
+ * leaves the holes out, which takes long.
  */
 #include "surface/surface.h"
 
@@ -20,25 +20,26 @@
 
 enum {
     READ_PERMILLE = 500,
-    MOST_TEXELS = 16384 * 16384,     /* of a scan of many files, several of them at once */
-    MOST_TEXELS_HOLES = 4096 * 4096, /* the same, with 40 bytes for each */
+    MOST_TEXELS = 16384 * 16384,     /* several files may be checked at once */
+    MOST_TEXELS_HOLES = 4096 * 4096, /* holes take 40 bytes for each texel */
     HOLES_ITERATIONS = 200,
     QUICK_ITERATIONS = 80, /* of a plain check */
-    SMALL = 128,           /* side of the part with holes that it has time for */
-    LEAST_USED = 4         /* one texel in so many, for its fit to mean anything */
+    SMALL = 128,           /* side of a part with holes: a plain check has no more time */
+    LEAST_USED = 4         /* one texel of so many is used, else its fit means nothing */
 };
 
-/* Sides of parts without holes, the best first. */
+/* Sides of parts without holes, the largest first. */
 static const int32_t PART_SIDES[] = { 512, 256, SMALL };
 
-/* So exact that what is left out is little beside the rounding of 8 bits. */
+/* The error of the iteration is small beside the rounding of 8 bits. */
 static const double HOLES_TOLERANCE = 1e-4, QUICK_TOLERANCE = 3e-4;
 
-/* Residuals: of rounding alone, with a margin; and, in levels of 8 bit, what no border makes. */
+/* Residuals: rounding alone with a margin; and, in levels of 8 bit, more than a border can
+ * cause. */
 static const double FITS = 0.25, FAR_OFF = 1;
 
-/* Sets src->y to which way green points, by what is known, and finds the kernel; without any of it,
- * the way in which kernels fit better. */
+/* Sets src->y and finds the kernel.  If neither the option nor the texels nor the name say which
+ * way green points, it is the way in which a kernel fits better. */
 static void find_kernel(ntp_kernel_fit *origin, ntp_const_image *src, const facts *f,
                         uint32_t touch, int asked)
 {
@@ -60,14 +61,15 @@ static void find_kernel(ntp_kernel_fit *origin, ntp_const_image *src, const fact
     }
 }
 
-/* What levels mean, as far as it is known. */
+/* What levels mean, once it is known. */
 typedef struct meaning {
     ntp_decode decode;
     ntp_z z;
 } meaning;
 
-/* The rms of what the best heights leave, in levels, but for the edges; negative: it was not to be
- * had.  An axis whose edges do not close gets this border.  read: becomes what was found out. */
+/* The rms of what the best heights leave, in levels, without the edges; negative if they cannot
+ * be solved.  `border` is for an axis whose edges do not fit together.  *read becomes what was
+ * found. */
 static double fit_heights(source *s, const surface_facts *found, const ntp_const_image *src,
                           uint32_t touch, bool holes, ntp_border border, meaning *read)
 {
@@ -100,9 +102,9 @@ static double fit_heights(source *s, const surface_facts *found, const ntp_const
 }
 
 /*
- * The free border of central takes three times as long as one that supposes a little about slopes
- * at the edge.  That one is tried first: where it leaves no more than rounding, or so much that the
- * edge is not the reason, it has the answer.
+ * The free border of the kernel central takes three times as long as one that assumes a little
+ * about slopes at the edge.  So that one is tried first.  It is enough if it leaves no more than
+ * rounding, or so much that the edge cannot be the cause.
  */
 static double find_residual(source *s, const surface_facts *found, const ntp_const_image *src,
                             uint32_t touch, bool holes)
@@ -149,7 +151,7 @@ static bool choose_part(ntp_rect *part, bool *holes, source *s, const ntp_const_
     if (texels > SMALL * SMALL) {
         for (size_t i = 0; i < sizeof PART_SIDES / sizeof *PART_SIDES; i++) {
             texels = (uint32_t) PART_SIDES[i] * (uint32_t) PART_SIDES[i];
-            used = fullest_square(part, flags, w, h, PART_SIDES[i]);
+            used = most_used_square(part, flags, w, h, PART_SIDES[i]);
             if (used == texels) {
                 *holes = false;
                 return true;
@@ -159,7 +161,7 @@ static bool choose_part(ntp_rect *part, bool *holes, source *s, const ntp_const_
     return used > 0 && used >= texels / LEAST_USED;
 }
 
-/* Around holes, in a plain check. */
+/* For a plain check of a texture with holes. */
 static double find_residual_quickly(source *s, surface_facts *found, const ntp_const_image *src,
                                     uint32_t touch)
 {
@@ -173,7 +175,7 @@ static double find_residual_quickly(source *s, surface_facts *found, const ntp_c
     return find_residual(s, found, &image, touch, holes);
 }
 
-/* Looks at an area of the image, of which src has the texels. */
+/* Fills the facts from `area` of the texture, whose texels are in `image`. */
 static void look_at(source *s, facts *f, const ntp_image *image, ntp_rect area, int y, bool deep)
 {
     const uint32_t touch = touch_for(&f->stats, f->encoding);
@@ -182,25 +184,25 @@ static void look_at(source *s, facts *f, const ntp_image *image, ntp_rect area, 
     ntp_const_image src = ntp_image_as_const(image);
     src.encoding = f->encoding;
     find_kernel(&found->origin, &src, f, touch, y);
-    crop_seams(s, found->seam, touch);
+    middle_seams(s, found->seam, touch);
     if (!f->info.lossy)
         ntp_find_steps(&found->steps, &src, touch);
     found->area = found->fit_area = area;
     found->deep = deep;
     found->known = true;
-    /* Slopes beside a hole are of heights that are not known: those are left out. */
+    /* Slopes beside a hole were taken of heights that are not known, so holes are left out. */
     found->residual = deep || !holes ? find_residual(s, found, &src, touch, holes)
                                      : find_residual_quickly(s, found, &src, touch);
 }
 
 void surface_look(source *s, facts *f, int y)
 {
-    const ntp_image crop = crop_image(s);
+    const ntp_image middle = middle_image(s);
     if (facts_are_tangent(f))
-        look_at(s, f, &crop, crop_area(s), y, false);
+        look_at(s, f, &middle, middle_area(s), y, false);
 }
 
-/* Is there memory for the whole texture and its heights? */
+/* May the whole texture and its heights be held? */
 static bool whole_is_possible(const source *s, const facts *f)
 {
     const uint64_t texels = (uint64_t) s->view.width * (uint64_t) s->view.height;
@@ -209,13 +211,13 @@ static bool whole_is_possible(const source *s, const facts *f)
 
 bool surface_look_deeper(source *s, facts *f, int y, ntpio_error *error)
 {
-    ntp_image whole = crop_image(s);
-    ntp_rect area = crop_area(s);
+    ntp_image whole = middle_image(s);
+    ntp_rect area = middle_area(s);
     void *data = NULL;
     if (!facts_are_tangent(f))
         return true;
     s->read_permille = READ_PERMILLE;
-    if (!crop_is_whole(s) && whole_is_possible(s, f)) {
+    if (!middle_is_whole(s) && whole_is_possible(s, f)) {
         area = (ntp_rect) { 0, 0, s->view.width, s->view.height };
         if (!source_rewind(s, error) || !hold_all(&whole, &data, s, error)) {
             free(data);

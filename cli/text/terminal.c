@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * terminal.c - standard output, standard error and the progress bar on it
+ * terminal.c - standard output, and standard error with the progress bar
  *
- * Results are written whole and checked: a full disk behind standard output is an error, a
- * reader that went away is not.
+ * Results are written whole and checked.  A full disk behind standard output is an error.  A reader
+ * that went away is none.
  */
 #include <errno.h>
 #include <stdarg.h>

@@ -71,7 +71,7 @@ void text_char(text *t, char c)
 void text_addf(text *t, const char *format, ...)
 {
     va_list arguments, again;
-    char first[128]; /* most pieces fit, and need formatting but once */
+    char first[128]; /* most pieces fit and are formatted only once */
     va_start(arguments, format);
     va_copy(again, arguments);
     const int size = vsnprintf(first, sizeof first, format, arguments);

@@ -2,8 +2,12 @@
 /*
  * text.h - growing strings, and the ways in which names and numbers are shown
  *
- * Results are built in memory by the workers and printed by one thread, so that their order
- * never depends on --jobs.  Running out of memory for a message ends the program.
+ * The room of strings and output.  Every other room uses it.
+ *   text.c      growing strings; names, counts, shares and angles for people; memory or the end
+ *   terminal.c  standard output, standard error, the progress bar (declared in cli.h)
+ *
+ * Workers build results in memory, and one thread prints them: their order never depends on --jobs.
+ * The program ends when there is no memory for a message.
  */
 #ifndef NTP_CLI_TEXT_H
 #define NTP_CLI_TEXT_H
@@ -30,26 +34,27 @@ void text_char(text *t, char c);
 void text_free(text *t);
 const char *text_string(const text *t);
 
-/* A name for people: control characters and what is not UTF-8 as \n or \x1b. */
+/* A name for people: control characters and bytes that are not UTF-8 become \n or \x1b. */
 void text_name(text *t, const char *name);
 
 /* 1234567 as 1,234,567. */
 void text_count(text *t, uint64_t count);
 
-/* part of whole in percent, with as many digits as tell it from 0 and 100; "12.3 %". */
+/* part of whole in percent: "12.3 %".  It has enough digits to differ from 0 and 100. */
 void text_percent(text *t, uint64_t part, uint64_t whole);
 
 /* An angle for people: 0.38, 6.7, 44. */
 void text_degrees(text *t, double degrees);
 
-/* Words wrapped at `width`, the first line at column `column`, others indented by `indent`. */
+/* Words wrapped at `width`.  The first line starts at `column`, the others are indented by
+ * `indent`. */
 void text_wrap(text *t, const char *words, int column, int indent, int width);
 
-/* The length of the UTF-8 sequence at s (s ends in 0), or 0 where it is not one. */
+/* The length of the UTF-8 sequence at s, or 0 if there is none.  s ends with a 0. */
 size_t utf8_length(const char *s);
 bool utf8_valid(const char *s);
 
-/* The least number of letters typed wrong, left out, added or exchanged. */
+/* How many letters were typed wrong, left out, added or exchanged, at least. */
 unsigned edit_distance(const char *a, const char *b);
 
 /* Memory or the end of the program; need_aligned: at 64 bytes, to be freed. */

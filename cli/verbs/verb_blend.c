@@ -2,7 +2,7 @@
 /*
  * verb_blend.c - ntp blend: a detail normals texture over a base
  *
- * The base streams through; the detail, which repeats, is held in memory.
+ * The base is read block by block.  The detail, which repeats, is held in memory.
  */
 #include <stdlib.h>
 #include <string.h>
@@ -100,7 +100,7 @@ static void describe(const production *p, text *line, json_t *object)
 
 /* ---------------------------------------------------------------------- the detail */
 
-/* Gray files of one color are taken for normals, as those of the base are. */
+/* A gray file of one color becomes RGB, as in the base. */
 static void view_detail(layer *l)
 {
     const int32_t channels = l->s.info->channels;
@@ -143,7 +143,7 @@ static unsigned read_detail(layer *l, settings *set, const options *o, const ntp
     return 0;
 }
 
-/* The detail may be what -o names, as the base may, but not where it is JPEG. */
+/* -o may name the detail, as it may name the base, but not a JPEG. */
 static bool replaces_jpeg(const layer *l, const char *output)
 {
     if (output == NULL || l->s.info->format != NTPIO_JPEG || !is_same_file(l->in.path, output))
@@ -176,7 +176,7 @@ int blend_run(const options *o)
     unsigned ran = read_detail(&detail, &set, o, &limits);
     if (ran == 0 && replaces_jpeg(&detail, output))
         ran = RAN_USAGE;
-    options base = *o; /* the one input of the run */
+    options base = *o; /* the base is the only input of the run */
     base.path_count = 1;
     const maker m = { .o = &base,
                       .forced = forced_class(o),

@@ -18,7 +18,7 @@ typedef struct check {
     const options *o;
     check_settings settings;
     check_format format;
-    int forced;
+    int forced; /* class from --type, or -1 */
     ntpio_limits limits;
     json_t *baseline; /* object of "path\nid": true; NULL without --baseline */
     check_summary summary;
@@ -27,7 +27,7 @@ typedef struct check {
 
 /* ------------------------------------------------------------------------- baseline */
 
-/* path_base64 tells names apart that are the same after replacing what is not UTF-8. */
+/* Names that are not UTF-8 may be equal in "path"; path_base64 keeps them apart. */
 static void baseline_key(text *key, const json_t *file, const char *id)
 {
     const json_t *coded = json_object_get(file, "path_base64");
@@ -88,7 +88,7 @@ static void mark_known(const check *c, const input *in, finding_list *list)
 
 /* ------------------------------------------------------------------------- one file */
 
-/* Is the surface told of?  Where it is not, and no finding comes of it, nobody waits for it. */
+/* Does the report have anything about the surface?  If not, it is not examined. */
 static bool tells_of_surface(const check *c)
 {
     return c->format == FORMAT_JSON || (c->format == FORMAT_TEXT && c->settings.verbose);
@@ -102,13 +102,13 @@ static void examine_file(const check *c, worker *w, const input *in, checked *do
     const bool deep = option_given(c->o, OPT_DEEP);
     const int y = c->settings.rules.y - 1;
     s.orient = deep ? ORIENT_EVERY_ROW : ORIENT_SAMPLED;
-    s.keep_crop = deep || tells_of_surface(c);
+    s.keep_middle = deep || tells_of_surface(c);
     if (deep)
         s.read_permille = DEEP_READ_PERMILLE;
     done->readable = examine(&s, c->forced, &done->f, &done->error);
     if (done->readable && deep)
         done->readable = surface_look_deeper(&s, &done->f, y, &done->error);
-    else if (done->readable && s.keep_crop)
+    else if (done->readable && s.keep_middle)
         surface_look(&s, &done->f, y);
     source_close(&s);
     if (!done->readable)

@@ -12,13 +12,13 @@
 #include "write/write_run.h"
 
 enum {
-    PLAN_TEXELS = 512 * 512, /* a table for 8-bit rows pays from about this many texels on */
+    PLAN_TEXELS = 512 * 512, /* from about here on, a table for 8-bit rows saves time */
     METHODS = 3,
     ENCODINGS = 3,
-    ALPHAS = 2 /* transparent texels are unused, or alpha is a height */
+    ALPHAS = 2 /* alpha 0 means unused, or alpha is a height */
 };
 
-/* Tables are made when first needed and shared by all workers. */
+/* Tables are made when they are first needed; all workers share them. */
 typedef struct plans {
     pthread_mutex_t lock;
     void *memory[METHODS][ENCODINGS][ALPHAS];
@@ -28,7 +28,7 @@ typedef struct plans {
 typedef struct settings {
     ntp_clean_options how;
     bool choose;         /* --method auto */
-    bool compare_angles; /* the angles that are measured are those of a plain derive */
+    bool compare_angles; /* the measured angles are those of --method derive for all texels */
     plans *shared;
 } settings;
 
@@ -37,7 +37,7 @@ typedef struct state {
     ntp_clean_counts counts;
     ntp_reason why; /* of the method, with --method auto */
     const ntp_clean_plan *plan;
-    ntp_diff *diff; /* stored against cleaned; NULL: the measured angles say it */
+    ntp_diff *diff; /* stored against cleaned; NULL: the measured angles are right */
 } state;
 
 static const ntp_clean_plan *plan_for(plans *shared, ntp_encoding encoding,

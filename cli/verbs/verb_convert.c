@@ -2,7 +2,7 @@
 /*
  * verb_convert.c - ntp convert: encoding, depth, direction of green, layout of channels
  *
- * The library converts to x, y, z and alpha in the target's depth; letters then say which of
+ * The library converts to x, y, z and alpha in the depth of the output.  Then letters say which of
  * them goes into which channel of the file.
  */
 #include <string.h>
@@ -126,7 +126,7 @@ static ntp_type output_type(const production *p, const settings *set)
     return p->s.view.type == NTP_TYPE_F32 && !pfm ? NTP_TYPE_U16 : p->s.view.type;
 }
 
-/* How the input is seen; the driver's first view is that of a standard texture. */
+/* Sets how the input is seen; until now it was seen as a standard texture. */
 static bool view_input(production *p, ntpio_error *error)
 {
     static const int8_t PAIR[3] = { 0, 1, FROM_ONE };

@@ -24,8 +24,8 @@ typedef struct comparison {
     ntpio_writer *writer;
 } comparison;
 
-/* 0.8: a class that is taken for granted.  XY is read as such only when both are, because an XY
- * texture has no blue to compare. */
+/* A class with a confidence of 0.8 is trusted.  A texture is read as XY only if both are,
+ * because XY has no blue to compare. */
 static ntp_encoding encoding_of(const side *one, const side *other)
 {
     const bool sure = one->f.type.confidence >= 0.8;
@@ -54,7 +54,7 @@ static void close_side(side *s)
     free(s->in.path);
 }
 
-/* Gray files become RGB where the other one is. */
+/* Gray files become RGB, except those that hold x and y. */
 static void view_side(side *s, const side *other)
 {
     const int32_t channels = s->s.info->channels;
@@ -115,7 +115,7 @@ static bool compare(comparison *c, ntpio_error *error)
         return true;
     view_side(&c->a, &c->b);
     view_side(&c->b, &c->a);
-    /* rows of both files come in equal blocks */
+    /* both files are read in blocks of the same size */
     int32_t ring = c->a.s.view.ring_rows;
     if (c->b.s.view.ring_rows < ring)
         ring = c->b.s.view.ring_rows;

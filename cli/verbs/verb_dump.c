@@ -2,7 +2,7 @@
 /*
  * verb_dump.c - ntp dump: texels as CSV
  *
- * The file is read twice: to find out what it is, then to print.
+ * The file is read twice: first to find out what it is, then to print.
  */
 #include <string.h>
 

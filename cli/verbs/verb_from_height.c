@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * verb_from_height.c - ntp from-height: normals of a heightfield
+ * verb_from_height.c - ntp from-height: normals from a heightfield
  *
- * Rows of heights are collected in a ring until a row's neighbors are there.  A border that
- * wraps needs the rows of the other end, and a blur rows far away: there the whole heightfield is
- * held.
+ * A ring keeps rows of heights until the neighbors of a row are there.  A border that wraps needs
+ * the rows of the other end, and a blur needs rows far away: then the whole heightfield is held.
  */
 #include "verbs/verb_from_height.h"
 
@@ -49,17 +48,18 @@ static bool read_planes(production *p, ntpio_error *error)
     const size_t count = (set->alpha_file != NULL) + (size_t) (set->ao_file != NULL);
     if (count == 0)
         return true;
-    /* The worker's raw rows are free: the view's channels are those of the file. */
+    /* The worker's `raw` is free: it is for views whose channels are not those of the file. */
     unsigned char *planes = buffer_reserve(&p->w->raw, plane * count);
     if (set->alpha_file != NULL) {
-        if (!plane_read(planes, type, set->alpha_file, &set->limits, p->s.info, "heightfield",
-                        error))
+        if (!side_image_read(planes, type, set->alpha_file, &set->limits, p->s.info, "heightfield",
+                             error))
             return false;
         st->alpha = planes;
         planes += plane;
     }
     if (set->ao_file != NULL) {
-        if (!plane_read(planes, type, set->ao_file, &set->limits, p->s.info, "heightfield", error))
+        if (!side_image_read(planes, type, set->ao_file, &set->limits, p->s.info, "heightfield",
+                             error))
             return false;
         st->ao = planes;
     }
@@ -88,7 +88,7 @@ static int32_t output_channels(const production *p, const from_height_settings *
     return set->alpha_given || kept ? 4 : 3;
 }
 
-/* Are rows needed that come last? */
+/* Do the first rows need the last ones? */
 static bool needs_all(const from_height_settings *set)
 {
     return set->how.border_y == NTP_BORDER_WRAP || set->blur > 0 || set->octaves > 0;
@@ -165,7 +165,7 @@ static void lay_out(const state *st, const from_height_settings *set, void *out,
     }
 }
 
-/* Rows being written, and those that are made meanwhile. */
+/* The rows that are written, and those that are made at the same time. */
 typedef struct step {
     production *p;
     const ntp_image *heights;
@@ -216,8 +216,8 @@ static ntp_rect chunk_from(const state *st, int32_t y, int32_t end)
     return (ntp_rect) { 0, y, st->made.width, full < end ? full : end };
 }
 
-/* Makes and writes the rows up to `end`, which have their neighbors.  Many rows at once, as where
- * the borders wrap, are made by a second thread while the first one compresses. */
+/* Makes and writes the rows before `end`, whose neighbors are there.  If there are many rows, as
+ * with borders that wrap, a second thread makes them while the first one compresses. */
 static bool make_rows(production *p, const ntp_image *heights, int32_t end, ntpio_error *error)
 {
     const from_height_settings *set = p->m->settings;
@@ -243,7 +243,7 @@ static bool make_rows(production *p, const ntp_image *heights, int32_t end, ntpi
     return s.status == NTP_OK ? s.written : library_error(&p->s, s.status, error);
 }
 
-/* The weighted sum of the octaves of the whole heightfield; alpha goes along. */
+/* The weighted sum of the octaves of the whole heightfield. */
 static ntp_status smooth(const state *st, const from_height_settings *set, const ntp_image *out)
 {
     static const double ONE[] = { 1 };
@@ -269,7 +269,7 @@ static ntp_status smooth(const state *st, const from_height_settings *set, const
     return status;
 }
 
-/* The last samples of the pixels of `from` by value. */
+/* Converts the last channel of `from` to the second of `out`. */
 static void copy_alpha(const ntp_image *out, const ntp_image *from)
 {
     ntp_image to = *out, alpha = *from;

@@ -29,7 +29,7 @@ typedef struct from_height_settings {
     ntpio_limits limits;
 } from_height_settings;
 
-/* False: wrong, which was said. */
+/* Returns false after a message about what is wrong. */
 bool from_height_read_settings(from_height_settings *set, const options *o);
 
 #endif

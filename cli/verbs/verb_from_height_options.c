@@ -2,8 +2,8 @@
 /*
  * verb_from_height_options.c - the options of ntp from-height
  *
- * --like fills the settings first, with the kernel, border, weights and order of channels of a
- * peer; what is given beside it wins.
+ * --like fills the settings first, with the kernel, border, weights and channel order of another
+ * program.  Other options override them.
  */
 #include <stdio.h>
 #include <stdlib.h>
@@ -67,7 +67,7 @@ static bool read_alpha(from_height_settings *set, const options *o)
     return true;
 }
 
-/* Weights of the heights as they are, blurred by 1, by 2, by 4 texels, ... */
+/* The weights of the heights without blur, and blurred by 1, by 2, by 4 texels, ... */
 static bool read_octaves(from_height_settings *set, const char *list)
 {
     const char *at = list;
@@ -89,7 +89,7 @@ static bool read_octaves(from_height_settings *set, const char *list)
     return true;
 }
 
-/* --like NAME:VALUE; options that are given beside it win. */
+/* --like NAME:VALUE; other options override it. */
 static bool read_like(from_height_settings *set, const char *like)
 {
     const char *colon = strrchr(like, ':');
@@ -116,7 +116,7 @@ static bool read_like(from_height_settings *set, const char *like)
     return true;
 }
 
-/* --scale or --like, whose settings the other options change. */
+/* --scale or --like: one of them is needed. */
 static bool read_base(from_height_settings *set, const options *o)
 {
     const char *like = option_string(o, OPT_LIKE);
@@ -130,7 +130,7 @@ static bool read_base(from_height_settings *set, const options *o)
     return false;
 }
 
-/* What is given beside --like wins; without it, the defaults are those of a structure of zeros. */
+/* The options that override --like.  Without --like, the defaults are zeros. */
 static void read_given(from_height_settings *set, const options *o)
 {
     ntp_normals_options *how = &set->how;
@@ -159,7 +159,7 @@ static void read_given(from_height_settings *set, const options *o)
     set->limits = limits_from(o);
 }
 
-/* What contradicts itself for every input. */
+/* Reports options that contradict each other, whatever the input is. */
 static bool agree(const from_height_settings *set)
 {
     if (!(set->how.dx > 0) || !(set->how.dy > 0))

@@ -2,8 +2,9 @@
 /*
  * verb_resize.c - ntp resize: another size, or all sizes of a mip chain
  *
- * Each level of a chain is made from the texture itself, not from the level before: normals
- * that were made unit vectors have lost how much they disagreed, and would be averaged wrongly.
+ * Each level of a chain is made from the texture itself, not from the level before.  The mean of
+ * normals is short where they differ; a level of unit vectors has lost that, and its means would be
+ * wrong.
  */
 #include <stdio.h>
 #include <stdlib.h>
@@ -25,7 +26,7 @@ typedef struct state {
     int32_t levels;        /* of the chain; 1 without one */
 } state;
 
-/* A size in the making. */
+/* What one size needs while it is made. */
 typedef struct sizing {
     ntp_resize_plan *plan;
     void *memory, *scratch;
@@ -56,7 +57,7 @@ static bool read_size(settings *set, const char *spec)
     return false;
 }
 
-/* A side times the percentage, rounded, at least 1; 0 where it is too long. */
+/* A side times the percentage, rounded, at least 1; 0 if it is too long. */
 static int32_t scaled_side(int32_t side, double percent)
 {
     const double scaled = side * percent / 100 + 0.5;

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * verb_to_height.c - ntp to-height: heightfields of normals
+ * verb_to_height.c - ntp to-height: heightfields from normals
  *
- * The texture is held whole, and so are its heights, as floats: 4 bytes a texel beside the input,
- * about 40 more with --method weighted.  The solver runs on all threads that the other files leave.
+ * The texture and its heights are held whole.  Heights are floats: 4 bytes for each texel beside
+ * the input, and about 40 more with --method weighted.  The solver uses all threads that other
+ * files leave.
  */
 #include "verbs/verb_to_height.h"
 
@@ -52,7 +53,7 @@ static bool is_free(int border)
     return border != AUTO && border != NTP_BORDER_WRAP;
 }
 
-/* What contradicts itself for every input. */
+/* Reports options that contradict each other, whatever the input is. */
 static bool agree(const to_height_settings *set)
 {
     const ntp_height_method method = set->how.method;
@@ -123,7 +124,7 @@ static bool read_settings(to_height_settings *set, const options *o)
     return read_seeds(&set->how, option_string(o, OPT_SEEDS)) && read_depth(set, o) && agree(set);
 }
 
-/* What --refine does not go with; NULL: it is not that. */
+/* Why --refine is impossible here; NULL if it is possible. */
 static const char *why_not_refined(const to_height_state *st)
 {
     if (st->how.refine == 0)
@@ -161,7 +162,7 @@ static bool cannot(const production *p, ntp_status status, ntpio_error *error)
 
 /* -------------------------------------------------------------------------- writing */
 
-/* A number as nine digits tell it, so that what is printed is what was used. */
+/* A number of nine digits: what is printed is exactly what was used. */
 static double nine_digits(double v, bool up)
 {
     char digits[40];
@@ -173,7 +174,7 @@ static double nine_digits(double v, bool up)
     return strtod(digits, NULL);
 }
 
-/* height = offset + scale * (what is written, 0..1). */
+/* height = offset + scale * value; the value written is in 0..1. */
 static void choose_scale(to_height_state *st, bool is_float)
 {
     st->offset = is_float ? 0 : nine_digits(st->result.min, false);
@@ -206,7 +207,7 @@ static bool is_ours(const char *key)
     return strcmp(key, SCALE_KEY) == 0 || strcmp(key, OFFSET_KEY) == 0;
 }
 
-/* The texts of the input but for such a scale and offset, and the new ones. */
+/* The texts of the input without its scale and offset, and the new ones. */
 static ntpio_text *all_texts(const ntpio_info *info, const to_height_state *st, size_t *count)
 {
     ntpio_text *texts = need(calloc(info->text_count + TEXTS, sizeof *texts));
@@ -277,7 +278,7 @@ static bool rows(production *p, const ntp_rect *area, ntpio_error *error)
     return true;
 }
 
-/* Texels without a normal have no height where --method weighted takes them out. */
+/* Unused texels are holes, for which --method auto needs weights. */
 static void choose_method(to_height_state *st, const production *p)
 {
     const ntp_stats *s = &p->f.stats;
@@ -306,8 +307,8 @@ static bool finish(production *p, ntpio_error *error)
         mask = ntp_image_packed(plane, view->width, view->height, 1, NTP_TYPE_U16);
         seen = ntp_image_as_const(&mask);
         st->how.mask = &seen;
-        ok = plane_read(plane, NTP_TYPE_U16, set->mask_file, &set->limits, p->s.info, "texture",
-                        error);
+        ok = side_image_read(plane, NTP_TYPE_U16, set->mask_file, &set->limits, p->s.info,
+                             "texture", error);
     }
     ntp_image heights = ntp_image_packed(buffer_reserve(&p->w->extra2, texels * sizeof(float)),
                                          view->width, view->height, 1, NTP_TYPE_F32);

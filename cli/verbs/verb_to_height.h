@@ -1,17 +1,17 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * verb_to_height.h - what the files of ntp to-height share
+ * verb_to_height.h - what the three files of ntp to-height share
  */
 #ifndef NTP_CLI_VERB_TO_HEIGHT_H
 #define NTP_CLI_VERB_TO_HEIGHT_H
 
 #include "write/write_run.h"
 
-enum { AUTO = -1 }; /* of what is found out by evidence */
+enum { AUTO = -1 }; /* the evidence decides */
 
 /* From the options. */
 typedef struct to_height_settings {
-    ntp_height_options how; /* but kernel, borders and mask */
+    ntp_height_options how; /* without kernel, borders and mask */
     int kernel, border_x, border_y;
     int y; /* an ntp_y, or AUTO */
     bool is_float;
@@ -32,9 +32,10 @@ typedef struct to_height_state {
     double scale, offset; /* of what is written */
 } to_height_state;
 
-enum { READ_PERMILLE = 400, SOLVE_PERMILLE = 600 }; /* of the work: after reading, after choosing */
+enum { READ_PERMILLE = 400, SOLVE_PERMILLE = 600 }; /* the progress after reading, after choosing */
 
-/* Settles Y, the kernel and the borders that are left to evidence.  heights: room for them. */
+/* Decides Y, the kernel and the borders where the options leave them open.  heights: memory for
+ * them. */
 ntp_status to_height_choose(to_height_state *st, const to_height_settings *set, const input *in,
                             worker *w, const ntp_image *heights);
 

@@ -2,8 +2,8 @@
 /*
  * verb_to_height_choose.c - what the options leave to evidence: Y, the kernel, the borders
  *
- * The texels are asked first.  What they do not tell is taken from the name (Y) or from what is
- * safe: the central kernel, and borders that suppose nothing about the other end.
+ * The texels come first.  What they do not show is taken from the name (Y) or is a safe default:
+ * the kernel central, and borders that assume nothing about the other end.
  */
 #include <stdlib.h>
 
@@ -41,8 +41,8 @@ static void choose_kernel(to_height_state *st, const to_height_settings *set)
 }
 
 /*
- * A border is told by the normals at the edges where the heights are quickly had, else by whether
- * the texture tiles.
+ * The normals at the edges show the border if the heights can be solved quickly.  Otherwise the
+ * border is wrap if the texture tiles.
  */
 static ntp_status choose_borders(to_height_state *st, const to_height_settings *set, worker *w,
                                  const ntp_image *heights)

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * verb_to_height_report.c - what ntp to-height tells: the scale, and every choice with its ground
+ * verb_to_height_report.c - what ntp to-height reports: the scale, and each choice with its reason
  */
 #include "options/names.h"
 #include "report/report.h"
@@ -8,7 +8,7 @@
 
 static const char *const BY[] = { "option", "texels", "name", "default" };
 
-/* To what tells a part in ten thousand. */
+/* Exact to a part in ten thousand. */
 static void add_height(text *t, double v)
 {
     text_addf(t, "%.4g", v);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * verb_transform.c - ntp transform: flips, quarter turns and strength, pictures and vectors together
+ * verb_transform.c - ntp transform: flips, quarter turns and strength, pictures and vectors
+ * together
  */
 #include "options/names.h"
 #include "report/report.h"

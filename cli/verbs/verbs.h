@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * verbs.h - the verbs of ntp, one file for each: verb_check.c, verb_clean.c ...
+ * verbs.h - the verbs of ntp
  *
- * A verb reads its options into settings and either runs a batch of its own (check, diff, dump) or
- * fills a maker and lets write/ run it over the inputs: then it says what a pass begins with, what
- * is done with rows, and how it is told.  Where a verb is more than a file, what its files share is
- * in a header: verb_from_height.h (options apart), verb_to_height.h (choices and report apart).
+ * The room of verbs: verb_NAME.c has the function NAME_run, which main.c calls.  check, diff and
+ * dump run by themselves; the others fill a maker for write/.  Two verbs have more files:
+ *   verb_from_height.c  with verb_from_height_options.c
+ *   verb_to_height.c    with verb_to_height_choose.c (what the options leave open) and
+ *                       verb_to_height_report.c
  */
 #ifndef NTP_CLI_VERBS_H
 #define NTP_CLI_VERBS_H

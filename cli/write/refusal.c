@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * refusal.c - files without normals in tangent space: which they are, and what is told
+ * refusal.c - which files are refused: those without normals in tangent space
  */
 #include "write/refusal.h"
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * side_image.c - a channel of another image, beside the one at work: an alpha, a mask
+ * side_image.c - a channel of a second image: an alpha, a mask
  *
- * Rows are read one by one and converted by value to the depth that is asked for.
+ * Rows are read one by one and converted by value to the depth of the first image.
  */
 #include "write/side_image.h"
 
@@ -36,8 +36,9 @@ static bool read_rows(unsigned char *plane, ntp_type type, ntpio_reader *reader,
     return ok && ntpio_read_end(reader, error);
 }
 
-bool plane_read(unsigned char *plane, ntp_type type, const char *path, const ntpio_limits *limits,
-                const ntpio_info *like, const char *what, ntpio_error *error)
+bool side_image_read(unsigned char *plane, ntp_type type, const char *path,
+                     const ntpio_limits *limits, const ntpio_info *like, const char *what,
+                     ntpio_error *error)
 {
     ntpio_reader *reader = ntpio_open(path, limits, error);
     if (reader == NULL)

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * whole_image.c - for verbs whose rows depend on rows far away: the input held whole in memory
+ * whole_image.c - for verbs whose rows depend on rows far away: the whole input in memory
  */
 #include "write/whole_image.h"
 

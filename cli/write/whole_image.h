@@ -1,19 +1,19 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * whole_image.h - for verbs whose rows depend on rows far away: the input held whole in memory
+ * whole_image.h - for verbs whose rows depend on rows far away: the whole input in memory
  *
- * The rows of an input are kept as they come; then the output is made and written a few rows
- * at a time.  So a file takes the memory of its samples.
+ * Rows of the input are kept as they come.  Then the output is made and written a few rows at a
+ * time.  So a file takes the memory of its samples.
  */
 #ifndef NTP_CLI_WHOLE_IMAGE_H
 #define NTP_CLI_WHOLE_IMAGE_H
 
 #include "write/write_run.h"
 
-/* In `begin`: makes room; false with an error where the image is too large. */
+/* For `begin`: reserves memory; returns false with an error if the image is too large. */
 bool whole_begin(production *p, ntpio_error *error);
 
-/* In `rows`: keeps the rows; true when they were the last. */
+/* For `rows`: keeps the rows; returns true if they were the last. */
 bool whole_add(production *p, const ntp_rect *area);
 
 /* Makes the area of dst, which has the samples of src. */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * write_run.c - the passes over one file, what is told about it, and the run over all
+ * write_run.c - the passes over a file, its report, and the run over all files
  */
 #include "write/write_run.h"
 
@@ -44,7 +44,7 @@ static bool is_in_place(const maker *m)
     return option_given(m->o, OPT_IN_PLACE);
 }
 
-/* Outputs without a change are not written. */
+/* Is an output only written if it differs from the input? */
 static bool needs_change(const maker *m)
 {
     return is_in_place(m) || option_given(m->o, OPT_ONLY_CHANGED);
@@ -175,7 +175,7 @@ static outcome end_of(pass_end end)
     return end == PASS_UNREADABLE ? UNREADABLE : FAILED;
 }
 
-/* Sets the view for the class that the facts name; gray files become RGB where needed. */
+/* Sets the view of the class in the facts.  A gray file of one color becomes RGB. */
 static void view_as_known(production *p)
 {
     const bool gray = p->s.info->channels < 3 && p->f.encoding == NTP_ENCODING_HEIGHT;
@@ -185,7 +185,7 @@ static void view_as_known(production *p)
         p->s.view.encoding = p->f.encoding;
 }
 
-/* Reads first, so that the rows can be made with the facts known. */
+/* Reads the file once, so that the facts are known when the rows are made. */
 static outcome know_first(production *p, ntpio_error *error)
 {
     if (!examine(&p->s, p->m->forced, &p->f, error))
@@ -198,15 +198,15 @@ static outcome know_first(production *p, ntpio_error *error)
     return source_rewind(&p->s, error) ? MADE : UNREADABLE;
 }
 
-/* All rows were read, and the facts are known. */
+/* After all rows were read, when the facts are known. */
 static outcome finish(production *p, ntpio_error *error)
 {
     return p->m->finish == NULL || p->m->finish(p, error) ? MADE : FAILED;
 }
 
 /*
- * The speculative passes.  On return the writer holds the finished output, unless nothing is
- * to be written.
+ * Makes the output, on the supposition that the view is right, and again if it was not.  On return
+ * the writer has the whole output, unless nothing is written.
  */
 static outcome speculate(production *p, bool writes, ntpio_error *error)
 {
@@ -242,14 +242,14 @@ static outcome speculate(production *p, bool writes, ntpio_error *error)
     }
 }
 
-/* What went to standard output or into a pipe cannot be taken back. */
+/* What went to standard output or to a pipe cannot be taken back. */
 static bool can_be_dropped(const char *output)
 {
     struct stat st;
     return strcmp(output, "-") != 0 && (stat(output, &st) != 0 || S_ISREG(st.st_mode));
 }
 
-/* What JPEG left of the texture would be lost for good: its PNG gets a name of its own. */
+/* A JPEG is never replaced: that would destroy the only original. */
 static bool replaces_jpeg(const production *p, ntpio_error *error)
 {
     const char *output = p->in->output;
@@ -290,7 +290,7 @@ static outcome make_output(production *p, ntpio_error *error)
         return done == MADE && !p->changes && only_changed ? UNCHANGED : done;
     ntpio_writer *writer = p->writer;
     p->writer = NULL;
-    if (only_changed && !p->changes) { /* the probe took it for another class */
+    if (only_changed && !p->changes) { /* the probe had supposed another class */
         ntpio_abort(writer);
         return UNCHANGED;
     }

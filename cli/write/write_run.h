@@ -1,10 +1,17 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * write_run.h - reading a texture and writing another: the part that the writing verbs share
+ * write_run.h - a run of a verb that writes: from inputs to outputs
  *
- * A file is taken for a standard texture (or what --type says), and its output is written
- * while it is measured.  Only when the measurement says otherwise, the output is dropped and
- * the file is read again with the right encoding; so one pass suffices for most.
+ * The room that the writing verbs share.  A verb fills a `maker`; the run reads each file, finds
+ * out what it is, lets the verb make rows, and writes and reports.
+ *   write_run.c    the passes over a file, its report, and the run over all files
+ *   refusal.c      which files are refused, and the words for it
+ *   whole_image.c  for verbs that need the whole input in memory
+ *   side_image.c   a channel of a second image: an alpha, a mask
+ *
+ * Most files need one pass: a file is first taken for a standard texture (or what --type says), and
+ * its output is written while it is measured.  If the measurement says otherwise, the output is
+ * dropped and the file is read again.
  */
 #ifndef NTP_CLI_WRITE_RUN_H
 #define NTP_CLI_WRITE_RUN_H
@@ -28,22 +35,22 @@ typedef struct production {
     bool known;           /* the facts are known before the rows come */
     uint32_t touch;       /* unused texels to treat like others, for this encoding */
     ntpio_writer *writer; /* NULL: nothing is written in this pass */
-    bool probing;         /* only to find out whether anything changes */
+    bool probing;         /* this pass only finds out whether anything changes */
     bool changes;         /* set by the verb's rows as soon as a sample changes */
     void *state;          /* the verb's */
 } production;
 
-/* When the rows of an output are made, and what is known of the texels by then. */
+/* When the rows of an output are made, and what is known about the texels then. */
 typedef enum maker_plan {
-    /* While the file is read, as of a standard texture (or what --type says).  Where the facts say
-     * otherwise in the end, the output is dropped and made again. */
+    /* While the file is read for the first time, and taken for a standard texture (or what --type
+     * says).  If the facts say otherwise at the end, the output is dropped and made again. */
     PLAN_WHILE_READING,
-    /* While the file is read once more: the rows need the facts. */
+    /* While the file is read for the second time: the rows need the facts. */
     PLAN_MEASURE_FIRST,
-    /* While the file is read: the options say what the texels are, and named files are never refused.
+    /* While the file is read: the options say what the texels are.  Named files are never refused.
      * With a forced class the facts may be those of the first row. */
     PLAN_AS_TOLD,
-    /* In `finish`, which opens the writer: the verb keeps the rows until the last one was read. */
+    /* In `finish`, which opens the writer.  Until then the verb keeps the rows. */
     PLAN_AFTER_READING
 } maker_plan;
 
@@ -51,18 +58,19 @@ typedef enum maker_plan {
 struct maker {
     const options *o;
     int forced;     /* class from --type, or -1 */
-    bool any_order; /* the verb does the same to x and y: it need not know which is which */
+    bool any_order; /* the verb treats x and y alike and need not know which is which */
     maker_plan plan;
-    int read_permille; /* share of the work that reading is, for the progress bar; 0: all of it */
+    int read_permille; /* how much of the work is reading, for the progress bar; 0: all of it */
     size_t state_size;
     const void *settings; /* the verb's */
-    /* Before each pass: starts the state afresh; says what is written. */
+    /* Before each pass: sets up the state, which is all zeros, and the shape of the output. */
     bool (*begin)(production *p, ntpio_write_options *shape, ntpio_error *error);
-    /* Rows were read into the view: makes and writes (production_write) the output's rows. */
+    /* Rows were read into the view: makes the rows of the output and writes them
+     * (production_write). */
     bool (*rows)(production *p, const ntp_rect *area, ntpio_error *error);
-    /* After the last row, with the facts known: makes what needs all rows; may be NULL. */
+    /* After the last row, when the facts are known: makes what needs all rows.  May be NULL. */
     bool (*finish)(production *p, ntpio_error *error);
-    /* Adds what was done to the file's line or JSON object; either may be NULL. */
+    /* Adds what was done to the line or to the JSON object of the file.  Either may be NULL. */
     void (*describe)(const production *p, text *line, json_t *object);
 };
 
@@ -73,10 +81,10 @@ bool wrong_use(const production *p, const char *what, ntpio_error *error);
 bool production_write(production *p, const void *rows, ptrdiff_t stride, const ntp_rect *area,
                       ntpio_error *error);
 
-/* For further outputs: is the path neither an input nor the output of one? */
+/* For a further output: is the path neither an input nor the output of one? */
 bool production_may_write(const production *p, const char *path, ntpio_error *error);
-/* Starts a further output, or the one of PLAN_AFTER_READING; shape says its size, its samples and its
- * texts, and the rest is set as for the first (copy_from only where it is NULL). */
+/* Starts a further output, or that of PLAN_AFTER_READING.  shape has its size, samples and
+ * texts; the rest is set here, copy_from only if it is NULL. */
 ntpio_writer *production_open(const production *p, const char *path, ntpio_write_options *shape,
                               ntpio_error *error);
 
