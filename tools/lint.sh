@@ -51,6 +51,7 @@ lint() {
     build_main
     stage cppcheck lint_cppcheck
     stage clang-tidy lint_tidy
+    stage rooms python tools/rooms.py build
     stage ruff lint_python
     stage clang-format format --check
     stage codespell lint_spelling

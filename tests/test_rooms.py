@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: MIT
+"""tools/rooms.py: the tree keeps the direction of its rooms, and a planted fault is told."""
+
+import importlib.util
+import os
+import shutil
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parent.parent
+
+
+@pytest.fixture
+def rooms(tmp_path, monkeypatch):
+    """tools/rooms.py on a copy of the sources."""
+    spec = importlib.util.spec_from_file_location("rooms", ROOT / "tools" / "rooms.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    for folder in ("libntp/src", "cli"):
+        shutil.copytree(ROOT / folder, tmp_path / folder)
+    shutil.copy(ROOT / "CONTRIBUTING.md", tmp_path)
+    monkeypatch.setattr(module, "ROOT", tmp_path)
+    return module
+
+
+def faults(rooms, folder, names):
+    house = rooms.House(folder, names)
+    house.check_rooms((rooms.ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8"))
+    house.check_includes()
+    return house.faults
+
+
+def both(rooms):
+    return faults(rooms, "libntp/src", rooms.LIBRARY) + faults(rooms, "cli", rooms.PROGRAM)
+
+
+def add_line(path, line):
+    path.write_text(line + "\n" + path.read_text(encoding="utf-8"), encoding="utf-8")
+
+
+def test_the_tree_keeps_the_direction(rooms):
+    assert both(rooms) == []
+
+
+@pytest.mark.parametrize(
+    ("path", "include", "told"),
+    [
+        ("libntp/src/base/view.c", "texel/level.h", "base may not include texel/level.h"),
+        ("libntp/src/detect/find_steps.c", "measure/tally.h", "detect may not include measure/"),
+        (
+            "libntp/src/to_height/direct/axis.c",
+            "to_height/weighted/weighted.h",
+            "to_height/direct may not include to_height/weighted/weighted.h",
+        ),
+        ("libntp/src/reshape/blend.c", "elsewhere.h", "elsewhere.h is no file of these rooms"),
+        ("cli/examine/orient.c", "report/report.h", "examine may not include report/report.h"),
+    ],
+)
+def test_an_include_against_the_direction_is_told(rooms, path, include, told):
+    add_line(rooms.ROOT / path, f'#include "{include}"')
+    (fault,) = both(rooms)
+    assert fault.startswith(f"{path}: line 1: {told}")
+
+
+def test_a_room_that_contributing_does_not_name_is_told(rooms):
+    page = rooms.ROOT / "CONTRIBUTING.md"
+    page.write_text(page.read_text(encoding="utf-8").replace("`detect/`", ""), encoding="utf-8")
+    (fault,) = both(rooms)
+    assert "does not name the room `detect/`" in fault
+
+
+def test_a_call_against_the_direction_is_told(rooms, monkeypatch):
+    build = Path(os.environ.get("NTP_BUILD", ROOT / "build"))
+    house = rooms.House("libntp/src", rooms.LIBRARY)
+    house.check_calls(build)
+    assert house.faults == []
+    monkeypatch.setattr(
+        house, "order", {name: len(house.order) - i for name, i in house.order.items()}
+    )
+    house.check_calls(build)
+    assert any("against the direction" in fault for fault in house.faults)
