@@ -46,7 +46,7 @@ def repository(tmp_path):
 
     def run(*command):
         return subprocess.run(
-            command, cwd=place, env=env, capture_output=True, text=True, check=False, timeout=300
+            command, cwd=place, env=env, capture_output=True, text=True, check=False, timeout=900
         )
 
     assert run("git", "init", "-q").returncode == 0
