@@ -183,7 +183,9 @@ class Tally:
 
     def __init__(self):
         self.memory = aligned(lib.ntp_tally_size())
-        self.pointer = ffi.cast("ntp_tally *", self.memory.__array_interface__["data"][0])
+        pointer = ffi.cast("ntp_tally *", self.memory.__array_interface__["data"][0])
+        # The memory lives as long as the pointer, which may outlive this.
+        self.pointer = ffi.gc(pointer, lambda _, memory=self.memory: None)
 
     def measure(self, array, encoding=STANDARD, touch_unused=0, area=None):
         src = view(array, encoding, const=True)
