@@ -3,6 +3,9 @@
 
 frac_fail_pm1 is the reference program's test: `neighbor` and |(x, y)| <= 1.00774.  The manifest
 takes blue against the derived blue without mirroring, and 128 where x, y are too long.
+
+corpus_labels.csv says what each is: by facts (the manifest, the publisher), by numbers (how blue goes
+with the z of red and green, found by numpy alone), by eye.  Where in doubt it names a second class.
 """
 
 import csv
@@ -110,3 +113,44 @@ def test_heights(corpus, row):
     assert stats["channel"][0]["min"] == float(row["val_min"])
     assert stats["channel"][0]["max"] == float(row["val_max"])
     assert stats["gray"] == stats["texels"] == int(row["width"]) * int(row["height"])
+
+
+CLASSES = ["standard", "zzero", "xy", "height", "object-space", "one-color", "not-normals"]
+LABELS = Path(__file__).resolve().parent / "corpus_labels.csv"
+
+
+def labels():
+    """{file: classes that are right}"""
+    with open(LABELS, newline="", encoding="utf-8") as file:
+        found = list(csv.DictReader(file))
+    assert all(row["judged_by"] in ("facts", "numbers", "eye") for row in found)
+    return {row["file"]: {row["class"], row["or"]} - {""} for row in found}
+
+
+def classify(array):
+    """(class, confidence)"""
+    gray = array.ndim == 2 or array.shape[2] < 3
+    result = ntp.classify(np.ascontiguousarray(array), ntp.HEIGHT if gray else ntp.STANDARD)
+    return CLASSES[result.type], result.confidence
+
+
+def test_every_texture_has_a_label(corpus):
+    drawn = {row["file"] for row in rows(("PNG", "TGA", "JPEG"), ("normals", "height"))}
+    assert set(labels()) == drawn
+    assert all(right <= set(CLASSES) for right in labels().values())
+
+
+@pytest.mark.parametrize("row", rows(("PNG", "TGA", "JPEG"), ("normals", "height")), ids=name_of)
+def test_labels(corpus, row):
+    called, confidence = classify(pixels(row))
+    assert called in labels()[row["file"]], confidence
+
+
+@pytest.mark.parametrize(
+    "path", sorted((ntp.ROOT / "docs" / "images").glob("*.png")), ids=lambda p: p.name
+)
+def test_pictures_of_the_documentation_are_no_normals(path):
+    """Real pictures: windows of GIMP, some of which show a normals texture among other things."""
+    with Image.open(path) as image:
+        called, _ = classify(np.array(image.convert("RGB")))
+    assert called == "not-normals"
