@@ -1,12 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * inspect.c - the verdicts: on one texel in full, on many as a byte of flags each
+ * inspect.c - the verdict on one texel, in full
  */
 #include "base/view.h"
 #include "texel/angle.h"
-#include "texel/kernels.h"
 #include "texel/level.h"
-#include "texel/judged.h"
 
 #include <math.h>
 #include <string.h>
@@ -93,64 +91,6 @@ ntp_status ntp_inspect(ntp_texel *texel, const ntp_const_image *src, int32_t x, 
         texel->flags &= ~(uint32_t) (NTP_FLAG_NEIGHBOR | NTP_FLAG_ROUNDED | NTP_FLAG_EXACT);
         texel->flags |= NTP_FLAG_NOT_FINITE;
         flat_cleaned(texel, encoding);
-    }
-    return NTP_OK;
-}
-
-static void flag_run(uint8_t *flags, const ntp__block *block, int32_t n, int32_t m,
-                     ntp_encoding encoding, bool keep)
-{
-    int32_t want[NTP__BLOCK];
-    const ntp__kernels_table *kernels = ntp__kernels(NTP__CPU_ALL);
-    kernels->judge(flags, want, block->c[0], block->c[1], block->c[2], n, m,
-                   encoding == NTP_ENCODING_ZZERO);
-    for (int32_t i = 0; i < n; i++) {
-        uint32_t f = flags[i];
-        if (encoding == NTP_ENCODING_XY) {
-            f &= NTP_FLAG_XY_TOO_LONG;
-            f |= f ? 0 : NTP_FLAG_NEIGHBOR | NTP_FLAG_ROUNDED | NTP_FLAG_EXACT;
-        }
-        if (keep && encoding == NTP_ENCODING_STANDARD && (f & NTP__MIRRORED) &&
-            (f & NTP_FLAG_Z_NEGATIVE))
-            f |= NTP_FLAG_EXACT;
-        f &= ~(uint32_t) NTP__MIRRORED;
-        if (ntp__unused(block->c[0][i], block->c[1][i], block->c[2][i], block->c[3][i], m, 0))
-            f |= NTP_FLAG_UNUSED;
-        if (block->any_broken && block->broken[i]) {
-            f &= ~(uint32_t) (NTP_FLAG_NEIGHBOR | NTP_FLAG_ROUNDED | NTP_FLAG_EXACT);
-            f |= NTP_FLAG_NOT_FINITE;
-        }
-        flags[i] = (uint8_t) f;
-    }
-}
-
-ntp_status ntp_validate(const ntp_image *mask, const ntp_const_image *src, int32_t keep_negative_z,
-                        const ntp_rect *area)
-{
-    if (mask == NULL)
-        return NTP_ERR_ARGUMENT;
-    ntp_const_image target = ntp_image_as_const(mask);
-    NTP__TRY(ntp__check_normals(src));
-    NTP__TRY(ntp__check_view(&target));
-    if (mask->type != NTP_TYPE_U8)
-        return NTP_ERR_FORMAT;
-    if (!ntp__same_size(&target, src))
-        return NTP_ERR_SHAPE;
-    ntp_rect rect;
-    NTP__TRY(ntp__check_area(&rect, src, area));
-    ntp_encoding encoding =
-        src->encoding == NTP_ENCODING_VECTOR ? NTP_ENCODING_STANDARD : src->encoding;
-    for (int32_t y = rect.y0; y < rect.y1; y++) {
-        for (int32_t x = rect.x0; x < rect.x1; x += NTP__BLOCK) {
-            int32_t n = rect.x1 - x < NTP__BLOCK ? rect.x1 - x : NTP__BLOCK;
-            ntp__block block;
-            uint8_t flags[NTP__BLOCK];
-            ntp__unpack(&block, src, x, y, n);
-            flag_run(flags, &block, n, ntp__max(src->type), encoding, keep_negative_z != 0);
-            uint8_t *d = ntp__at_mut(mask, x, y);
-            for (int32_t i = 0; i < n; i++)
-                d[i * mask->pixel_stride] = flags[i];
-        }
     }
     return NTP_OK;
 }
