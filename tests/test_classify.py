@@ -393,7 +393,7 @@ def test_blue_that_follows_is_sure_whatever_the_lengths():
             result = classify(maps.Case("scaled", rounded(scaled), S))
             assert result.type == S and result.confidence >= CONFIDENT, family
             texts = [reason_text(result.reasons + i) for i in range(result.reason_count)]
-            assert "goes up and down with the z" in " ".join(texts)
+            assert "varies with the z" in " ".join(texts)
 
 
 def test_bright_blue_over_gentle_slopes_is_not_sure():
