@@ -8,55 +8,20 @@
  * with steepness: an error of z weighs z in the length, so it fades where texels are steep, while
  * errors of x and y do not.
  */
-#include "measure/evidence.h"
+#include "classify/question.h"
+#include "classify/thresholds.h"
 #include "base/view.h"
-
-/* A few texels far off: at most this share fails, and those that fail are off by this much (root of
- * the mean square), besides what rounding does to all.  Resizing fails less grossly. */
-static const double FEW_SHARE = 0.1, GROSS_ERROR = 0.15, ROUNDING_SQUARE = 2e-5;
-
-/* One sign: of the texels that are off, six of seven are too short, or too long, and that by more
- * than rounding does, which averaging of vectors never makes them.  (Where blue is 255, noise can
- * only shorten, so that a mostly flat texture with noise comes near this.) */
-static const double SHORT_OVER_LONG = 6, LONG_LEAST = 0.01;
-
-/* One factor for all texels: practically all are too short, by about the same.  The lengths of a
- * texture whose z is scaled spread somewhat more, but there blue follows z to the level. */
-static const double ALL_SHORT = 0.95, FACTOR_SPREAD = 0.35, FACTOR_FOLLOWS = 0.97;
-static const double FACTOR_LEAST = 0.02;
-
-/* Of a gentle texture the steepest bin tells little; there the slope of blue on derived blue tells:
- * less than 1 where z is scaled, more where the vector is. */
-static const double OF_Z_TELLS = 0.9;
-
-/* Blue that does not follow red and green at all; the smallest correlation after hard JPEG. */
-static const double UNRELATED = 0.1, CONSTANT_DEVIATION = 0.0005;
-
-/* Steep over shallow: z alone gives 0.7, all channels 1 and more.  Bins of 1/8; where too few texels
- * are that steep, both methods give nearly the same. */
-static const double STEEP_OVER_SHALLOW = 0.85, STEEP_LEAST = 0.005;
-enum { SHALLOW_BIN = 2, STEEP_BIN = 5, BINS = 2 };
-
-/* Mean length error over BINS bins from `first` on; the texels go to *count. */
-static double error_from(const ntp__evidence *e, int32_t first, double *count)
-{
-    double sum = 0;
-    *count = 0;
-    for (int32_t i = first; i < first + BINS; i++) {
-        sum += (double) e->steepness[i] * e->steepness_length_error[i];
-        *count += (double) e->steepness[i];
-    }
-    return *count > 0 ? sum / *count : 0;
-}
 
 /* Steep over shallow length error; 0 where it cannot be told.  Where lengths are off by a factor
  * the steepest and the flattest bin that hold texels do. */
 static double steep_over_shallow(const ntp__evidence *e, double used)
 {
-    double few = STEEP_LEAST * used, steep_texels, shallow_texels;
-    double steep = error_from(e, STEEP_BIN, &steep_texels);
-    double shallow = error_from(e, SHALLOW_BIN, &shallow_texels);
-    return steep_texels > few && shallow_texels > few && shallow > 0 ? steep / shallow : 0;
+    double few = STEEP_LEAST * used;
+    double steep = ntp__length_error(e, STEEP_BIN, STEEP_BIN + COMPARED_BINS);
+    double shallow = ntp__length_error(e, SHALLOW_BIN, SHALLOW_BIN + COMPARED_BINS);
+    bool enough = ntp__count_bins(e, STEEP_BIN, STEEP_BIN + COMPARED_BINS) > few &&
+                  ntp__count_bins(e, SHALLOW_BIN, SHALLOW_BIN + COMPARED_BINS) > few;
+    return enough && shallow > 0 ? steep / shallow : 0;
 }
 
 /* All texels are short by one factor: of the vector, or of z?  The error in the steepest bin over
@@ -99,10 +64,10 @@ static ntp_clean_method method_of_errors(const ntp__evidence *e, bool zzero, dou
         (fit->length_sd < FACTOR_SPREAD * off || e->blue_correlation > FACTOR_FOLLOWS))
         return method_of_factor(e, used, why);
     *why = (ntp_reason) { NTP_REASON_SHORT, fit->too_short };
-    if (fit->too_short > SHORT_OVER_LONG * fit->too_long)
+    if (fit->too_short > ONE_SIDED * fit->too_long)
         return NTP_CLEAN_NORMALIZE;
     *why = (ntp_reason) { NTP_REASON_LONG, fit->too_long };
-    if (-off > LONG_LEAST && fit->too_long > SHORT_OVER_LONG * fit->too_short)
+    if (-off > LONG_LEAST && fit->too_long > ONE_SIDED * fit->too_short)
         return NTP_CLEAN_DERIVE;
     double ratio = zzero ? 0 : steep_over_shallow(e, used);
     *why = (ntp_reason) { NTP_REASON_TOO_FLAT, 0 };
@@ -144,7 +109,8 @@ ntp_status ntp_choose_method(ntp_clean_method *method, ntp_reason *why, ntp_tall
         *why = (ntp_reason) { NTP_REASON_LOSSY_FILE, 1 };
     } else {
         *method = method_of_errors(&e, zzero, (double) used, why);
-        if (!follows && e.fit[zzero].near_unit[2] < 0.9 && why->code != NTP_REASON_FEW_WRONG) {
+        if (!follows && e.fit[zzero].near_unit[2] < UNRELATED_UNIT_SHARE &&
+            why->code != NTP_REASON_FEW_WRONG) {
             *method = NTP_CLEAN_DERIVE;
             *why = (ntp_reason) { NTP_REASON_BLUE_UNRELATED, e.tilted_near[zzero] };
         }

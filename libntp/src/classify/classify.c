@@ -7,19 +7,12 @@
  * texels or lossy compression do not turn the answer.  docs/classification.md tells the same in
  * words.
  */
+#include "classify/question.h"
 #include "classify/thresholds.h"
-#include "measure/evidence.h"
 #include "base/view.h"
 
 #include <math.h>
 #include <string.h>
-
-typedef struct question {
-    ntp_classification *out;
-    const ntp__evidence *e;
-    const ntp_stats *s; /* of e */
-    double used, lean, unit[2], near[2], rounded[2], negative, red_low, green_low, too_long;
-} question;
 
 static void because(question *q, int32_t code, double value)
 {
@@ -32,46 +25,6 @@ static bool is(question *q, ntp_class type, double confidence)
     q->out->type = type;
     q->out->confidence = confidence;
     return true;
-}
-
-static double distance(double a, double b)
-{
-    return a < b ? b - a : a - b;
-}
-
-static double most(double a, double b)
-{
-    return a > b ? a : b;
-}
-
-static double least(double a, double b)
-{
-    return a < b ? a : b;
-}
-
-/* `low` where t is 0 or less, `high` where it is 1 or more, between them in proportion. */
-static double blend(double low, double high, double t)
-{
-    return t <= 0 ? low : t >= 1 ? high : low + (high - low) * t;
-}
-
-/* Texels in bins of steepness. */
-static double count_bins(const ntp__evidence *e, int32_t first_bin, int32_t end_bin)
-{
-    double count = 0;
-    for (int32_t i = first_bin; i < end_bin; i++)
-        count += (double) e->steepness[i];
-    return count;
-}
-
-/* Do two channels keep to a line?  By the variances along and across its direction. */
-static bool keep_to_a_line(const ntp__evidence *e, int32_t first, int32_t second)
-{
-    double a = e->used_sd[first] * e->used_sd[first], b = e->used_sd[second] * e->used_sd[second];
-    double ab = e->correlation[first + second - 1] * e->used_sd[first] * e->used_sd[second];
-    double middle = (a + b) / 2, apart = sqrt((a - b) * (a - b) / 4 + ab * ab);
-    double across = most(middle - apart, 0);
-    return across < LINE_WIDTH * LINE_WIDTH * (middle + apart) + LINE_NOISE * LINE_NOISE;
 }
 
 static void prepare(question *q)
@@ -102,17 +55,17 @@ static bool is_dxt5nm(question *q)
     const ntp__evidence *e = q->e;
     bool gray = s->channels == 2 || (double) s->gray >= GRAY_SHARE * (double) s->texels;
     bool idle = e->used_sd[0] < IDLE_DEVIATION && e->used_sd[2] < IDLE_DEVIATION &&
-                distance(s->used_mean[0], 0.5) > 0.5 - MIDDLE;
+                off_middle(s->used_mean[0]) > IDLE_OFF_MIDDLE;
     double ends = (double) (s->alpha_zero + s->alpha_full) / (double) s->texels;
     bool still = e->used_sd[1] < CONSTANT_DEVIATION && e->used_sd[3] < CONSTANT_DEVIATION;
     /* Without alpha ag_in_disc is 0. */
     if ((!gray && !idle) || still || ends > ALPHA_ENDS_MOST ||
-        distance(s->used_mean[3], 0.5) > MIDDLE || distance(s->used_mean[1], 0.5) > MIDDLE ||
+        off_middle(s->used_mean[3]) > MIDDLE || off_middle(s->used_mean[1]) > MIDDLE ||
         e->ag_in_disc < 1 - TOO_LONG_SHARE)
         return false;
     q->out->accidents |= NTP_ACCIDENT_DXT5NM;
     because(q, NTP_REASON_DXT5NM, e->ag_in_disc);
-    return is(q, NTP_CLASS_XY, gray ? 0.85 : 0.95);
+    return is(q, NTP_CLASS_XY, gray ? DXT5NM_GRAY_SURE : DXT5NM_SURE);
 }
 
 static bool is_one_color(question *q)
@@ -132,13 +85,13 @@ static bool is_height(question *q)
     bool judged = s->standard.length_max > 0;
     if (s->channels <= 2 && !judged) {
         because(q, NTP_REASON_GRAY_FILE, 1);
-        return is(q, NTP_CLASS_HEIGHT, 0.99);
+        return is(q, NTP_CLASS_HEIGHT, GRAY_FILE_SURE);
     }
     if (s->channels > 2 && gray > GRAY_SHARE) {
         because(q, NTP_REASON_GRAY, least(gray, 1));
-        return is(q, NTP_CLASS_HEIGHT, gray < 1 ? 0.88 : 0.97);
+        return is(q, NTP_CLASS_HEIGHT, gray < 1 ? NEARLY_GRAY_SURE : GRAY_SURE);
     }
-    return !judged && is(q, NTP_CLASS_NOT_NORMALS, 0.5);
+    return !judged && is(q, NTP_CLASS_NOT_NORMALS, NOT_ASKED_SURE);
 }
 
 static bool is_two_channels(question *q)
@@ -148,10 +101,10 @@ static bool is_two_channels(question *q)
     because(q, NTP_REASON_TWO_CHANNELS, 1);
     if (q->too_long > TOO_LONG_SHARE) {
         because(q, NTP_REASON_XY_TOO_LONG, q->too_long);
-        return is(q, NTP_CLASS_NOT_NORMALS, 0.8);
+        return is(q, NTP_CLASS_NOT_NORMALS, PAIR_TOO_LONG_SURE);
     }
     because(q, q->lean > LEAN_MOST ? NTP_REASON_XY_OFF_CENTER : NTP_REASON_XY_CENTERED, q->lean);
-    return is(q, NTP_CLASS_XY, q->lean > LEAN_MOST ? 0.6 : 0.95);
+    return is(q, NTP_CLASS_XY, q->lean > LEAN_MOST ? PAIR_LEANING_SURE : PAIR_SURE);
 }
 
 static bool is_gamma(question *q)
@@ -160,40 +113,41 @@ static bool is_gamma(question *q)
     const ntp__evidence *e = q->e;
     double flat = (double) s->near_gamma_flat / q->used;
     double rise = s->used_mean[2] - most(s->used_mean[0], s->used_mean[1]);
-    if (e->gamma_near_unit < GAMMA_SHARE || e->gamma_near_unit < q->near[0] + 0.1 ||
+    if (e->gamma_near_unit < GAMMA_SHARE || e->gamma_near_unit < q->near[0] + GAMMA_GAIN ||
         distance(s->used_mean[0], GAMMA_FLAT) > GAMMA_SPREAD ||
         distance(s->used_mean[1], GAMMA_FLAT) > GAMMA_SPREAD || rise < GAMMA_RISE)
         return false;
     q->out->accidents |= NTP_ACCIDENT_GAMMA;
     because(q, NTP_REASON_GAMMA, e->gamma_near_unit);
-    if (flat > 0.02)
+    if (flat > GAMMA_FLAT_SHARE)
         because(q, NTP_REASON_GAMMA_FLAT, flat);
-    return is(q, NTP_CLASS_STANDARD, flat > 0.02 && !keep_to_a_line(q->e, 0, 1) ? 0.93 : 0.8);
+    bool sure = flat > GAMMA_FLAT_SHARE && !ntp__keep_to_a_line(q->e, 0, 1);
+    return is(q, NTP_CLASS_STANDARD, sure ? GAMMA_SURE : GAMMA_UNSEEN_SURE);
 }
 
 static bool is_swapped(question *q)
 {
     const ntp_stats *s = q->s;
-    if (q->near[0] < NEAR_UNIT_SHARE || distance(s->used_mean[2], 0.5) > MIDDLE)
+    if (q->near[0] < NEAR_UNIT_SHARE || off_middle(s->used_mean[2]) > MIDDLE)
         return false;
     bool red = q->red_low < 1 - OTHER_Z_SHARE && s->used_mean[0] > OTHER_Z_MEAN &&
-               distance(s->used_mean[1], 0.5) < MIDDLE;
+               off_middle(s->used_mean[1]) < MIDDLE;
     bool green = q->green_low < 1 - OTHER_Z_SHARE && s->used_mean[1] > OTHER_Z_MEAN &&
-                 distance(s->used_mean[0], 0.5) < MIDDLE;
+                 off_middle(s->used_mean[0]) < MIDDLE;
     if (!red && !green)
         return false;
     q->out->accidents |= red ? NTP_ACCIDENT_RED_IS_Z : NTP_ACCIDENT_GREEN_IS_Z;
     because(q, red ? NTP_REASON_RED_IS_Z : NTP_REASON_GREEN_IS_Z,
             1 - (red ? q->red_low : q->green_low));
     because(q, NTP_REASON_NEAR_UNIT, q->near[0]);
-    bool sure = q->unit[0] > UNIT_SHARE && !keep_to_a_line(q->e, red ? 1 : 0, 2);
-    return is(q, NTP_CLASS_STANDARD, sure ? 0.92 : 0.75);
+    bool sure = q->unit[0] > UNIT_SHARE && !ntp__keep_to_a_line(q->e, red ? 1 : 0, 2);
+    return is(q, NTP_CLASS_STANDARD, sure ? SWAPPED_SURE : SWAPPED_LOOSE_SURE);
 }
 
 /* Enough texels steeper than 1/8 to tell anything? */
 static bool has_slopes(const question *q)
 {
-    return count_bins(q->e, 1, NTP__STEEPNESS_BINS) >=
+    return ntp__count_bins(q->e, 1, NTP__STEEPNESS_BINS) >=
            most(SLOPING_TEXELS_LEAST, TILTED_LEAST * q->used);
 }
 
@@ -225,27 +179,10 @@ static bool prefers_zzero(const question *q)
            (e->tilted_gap > ZZERO_WIDE_GAP || e->blue_correlation > ZZERO_GENTLE_FOLLOWS);
 }
 
-/* Share of the texels on the rarer side. */
-static double rarer(double share)
-{
-    return share < 0.5 ? share : 1 - share;
-}
-
-/* Mean length error of the texels in bins of steepness, read as standard. */
-static double length_error(const ntp__evidence *e, int32_t first_bin, int32_t last_bin)
-{
-    double sum = 0, count = 0;
-    for (int32_t i = first_bin; i <= last_bin; i++) {
-        sum += (double) e->steepness[i] * e->steepness_length_error[i];
-        count += (double) e->steepness[i];
-    }
-    return count > 0 ? sum / count : 0;
-}
-
 /* Share of the texels that are steeper than 1/2. */
 static double steep_share(const question *q)
 {
-    return count_bins(q->e, NTP__STEEPNESS_BINS / 2, NTP__STEEPNESS_BINS) / q->used;
+    return ntp__count_bins(q->e, NTP__STEEPNESS_BINS / 2, NTP__STEEPNESS_BINS) / q->used;
 }
 
 static bool is_object_space(question *q)
@@ -253,14 +190,14 @@ static bool is_object_space(question *q)
     double z = rarer(q->negative), red = rarer(q->red_low), green = rarer(q->green_low);
     bool mixed = z > MIXED_LEAST && red > MIXED_LEAST && green > MIXED_LEAST;
     if (z < DIRECTIONS_LEAST || red < AXIS_LEAST || green < AXIS_LEAST ||
-        steep_share(q) < BODY_STEEP_LEAST || keep_to_a_line(q->e, 0, 1) ||
+        steep_share(q) < BODY_STEEP_LEAST || ntp__keep_to_a_line(q->e, 0, 1) ||
         q->near[0] < (mixed ? MIXED_UNIT_SHARE : NEAR_UNIT_SHARE) || prefers_zzero(q) ||
-        length_error(q->e, TILTED_FIRST_BIN, TILTED_LAST_BIN) > TILTED_ERROR_MOST)
+        ntp__length_error(q->e, TILTED_FIRST_BIN, TILTED_END_BIN) > TILTED_ERROR_MOST)
         return false;
     because(q, NTP_REASON_ALL_DIRECTIONS, q->negative);
     because(q, NTP_REASON_NEAR_UNIT, q->near[0]);
     bool sure = mixed && q->unit[0] > UNIT_SHARE && q->unit[1] < UNIT_SHARE;
-    return is(q, NTP_CLASS_OBJECT_SPACE, sure ? 0.96 : 0.8);
+    return is(q, NTP_CLASS_OBJECT_SPACE, sure ? OBJECT_SURE : OBJECT_LOOSE_SURE);
 }
 
 static bool is_blue_constant(question *q)
@@ -268,37 +205,28 @@ static bool is_blue_constant(question *q)
     const ntp_stats *s = q->s;
     const ntp__evidence *e = q->e;
     if (e->used_sd[2] > CONSTANT_DEVIATION || q->too_long > TOO_LONG_SHARE || q->lean > LEAN_MOST ||
-        (s->used_mean[2] > 0.9 && q->unit[0] > UNIT_SHARE) ||
-        (s->used_mean[2] < 0.998 && s->used_mean[2] > 0.9 && q->near[0] > NEAR_UNIT_SHARE))
+        (s->used_mean[2] > BRIGHT_BLUE && q->unit[0] > UNIT_SHARE) ||
+        (s->used_mean[2] < FULL_BLUE && s->used_mean[2] > BRIGHT_BLUE &&
+         q->near[0] > NEAR_UNIT_SHARE))
         return false;
     q->out->accidents |= NTP_ACCIDENT_BLUE_CONSTANT;
     because(q, NTP_REASON_BLUE_CONSTANT, s->used_mean[2]);
     because(q, NTP_REASON_XY_CENTERED, q->lean);
     double z = 2 * s->used_mean[2] - 1;
     bool usual = z < -USUAL_BLUE || z > USUAL_BLUE || distance(z, 0) < 1 - USUAL_BLUE;
-    bool sure = usual && q->lean < LEAN_CENTERED && !keep_to_a_line(q->e, 0, 1);
-    return is(q, NTP_CLASS_XY, sure ? 0.95 : 0.8);
-}
-
-/* The second greatest of the three steps at block borders. */
-static double block_step(const ntp__evidence *e)
-{
-    const double *step = e->block_step;
-    double greatest = most(most(step[0], step[1]), step[2]), least = step[0];
-    for (int32_t i = 1; i < 3; i++)
-        least = step[i] < least ? step[i] : least;
-    return step[0] + step[1] + step[2] - greatest - least;
+    bool sure = usual && q->lean < LEAN_CENTERED && !ntp__keep_to_a_line(q->e, 0, 1);
+    return is(q, NTP_CLASS_XY, sure ? BLUE_CONSTANT_SURE : BLUE_UNUSUAL_SURE);
 }
 
 static void note_damage(question *q, bool zzero)
 {
     const ntp__fit_evidence *fit = &q->e->fit[zzero];
-    double step = block_step(q->e);
+    double step = ntp__block_step(q->e);
     if (step > BLOCK_STEP && fit->too_short > BOTH_SIDES && fit->too_long > BOTH_SIDES) {
         q->out->accidents |= NTP_ACCIDENT_LOSSY;
         because(q, NTP_REASON_BLOCKS, step);
     } else if (fit->near_unit[1] < 1 - BLURRED_SHARE &&
-               fit->too_short > SHORT_OVER_LONG * fit->too_long) {
+               fit->too_short > BLURRED_SHORT_OVER_LONG * fit->too_long) {
         q->out->accidents |= NTP_ACCIDENT_FILTERED;
         because(q, NTP_REASON_SHORT, fit->too_short);
     }
@@ -312,7 +240,7 @@ static void note_damage(question *q, bool zzero)
 static double fit_on_slopes(const question *q, bool zzero, bool flipped)
 {
     const ntp__evidence *e = q->e;
-    double sloping = count_bins(q->e, 1, NTP__STEEPNESS_BINS), wrong = 0;
+    double sloping = ntp__count_bins(q->e, 1, NTP__STEEPNESS_BINS), wrong = 0;
     if (!flipped)
         return e->tilted > 0 ? e->tilted_near[zzero] : 1;
     for (int32_t i = 1; i < NTP__STEEPNESS_BINS; i++)
@@ -332,8 +260,8 @@ static double fits_loosely(const question *q, bool zzero, double follows)
         (q->lean > LEAN_CENTERED && q->near[zzero] < NEAR_UNIT_SHARE))
         return 0;
     if (q->near[zzero] > NEAR_UNIT_SHARE)
-        return blend(0.8, LOOSE_SURE, (q->near[zzero] - NEAR_UNIT_SHARE) / 0.1);
-    return blend(0.6, 0.8, (spread_most - fit->length_sd) / SPREAD_MOST);
+        return blend(NEAR_SURE, LOOSE_SURE, (q->near[zzero] - NEAR_UNIT_SHARE) / NEAR_UNIT_RANGE);
+    return blend(SPREAD_SURE, NEAR_SURE, (spread_most - fit->length_sd) / SPREAD_MOST);
 }
 
 /* Does blue go up and down with z, by as much? */
@@ -346,7 +274,7 @@ static bool follows_z(const question *q, bool flipped, double correlation)
 static bool keeps_length(const question *q, double follows)
 {
     return has_slopes(q) && follows > BLUE_FOLLOWS && q->e->fit[0].length_sd < KEPT_SPREAD &&
-           length_error(q->e, 1, NTP__STEEPNESS_BINS - 1) < KEPT_SLOPING_ERROR;
+           ntp__length_error(q->e, 1, NTP__STEEPNESS_BINS) < KEPT_SLOPING_ERROR;
 }
 
 static bool is_normals(question *q)
@@ -359,7 +287,7 @@ static bool is_normals(question *q)
     bool enough = flipped || (double) e->tilted > TILTED_LEAST * q->used;
     bool flat_only = enough && on_slopes < TILTED_NEAR_LEAST, idle = follows < BLUE_FOLLOWS;
     bool tight = q->unit[zzero] > UNIT_SHARE && !(flat_only && idle);
-    double sure = tight ? 0.97 : fits_loosely(q, zzero, follows);
+    double sure = tight ? TIGHT_SURE : fits_loosely(q, zzero, follows);
     if (sure == 0)
         return false;
     bool closely = follows_z(q, flipped, Z_FOLLOWS_CLOSELY);
@@ -368,13 +296,13 @@ static bool is_normals(question *q)
     if (closely && !tight)
         sure = LOOSE_SURE;
     if ((flat_only && !closely) || (!tight && q->lean > LEAN_SLANTED))
-        sure = least(sure, 0.8);
+        sure = least(sure, FLAT_ONLY_SURE);
     if (s->channel[2].min == s->channel[2].max ||
         !(seen || follows_z(q, flipped, Z_FOLLOWS) || keeps_length(q, follows)))
         sure = least(sure, UNSEEN_SURE);
     if (!zzero && !flipped && q->negative > NEGATIVE_MOST)
         sure = least(sure, NEGATIVE_SURE);
-    if (keep_to_a_line(q->e, 0, 1) && (!tight || q->lean > LEAN_MOST))
+    if (ntp__keep_to_a_line(q->e, 0, 1) && (!tight || q->lean > LEAN_MOST))
         sure = least(sure, LINE_SURE);
     is(q, zzero ? NTP_CLASS_ZZERO : NTP_CLASS_STANDARD, sure);
     if (tight)
@@ -387,13 +315,13 @@ static bool is_normals(question *q)
         because(q, NTP_REASON_PREFERS_ZZERO, e->tilted_near[1]);
         bool line = follows_as(q, 2, ZZERO_FOLLOWS, ZZERO_SLOPE_OFF);
         if (q->rounded[1] < ROUNDED_SHARE || !(line || q->rounded[1] > ROUNDED_ALL))
-            q->out->confidence = least(sure, 0.8);
+            q->out->confidence = least(sure, ZZERO_LOOSE_SURE);
         else if (e->tilted_gap < ZZERO_SURE_GAP)
             q->out->confidence = least(sure, ZZERO_SURE);
     } else if (!flipped && (e->tilted == 0 || (e->tilted_near[1] > e->tilted_near[0] &&
                                                e->blue_slope > ZZERO_SLOPE))) {
         because(q, NTP_REASON_UNDECIDED_ZZERO, 0);
-        q->out->confidence = least(sure, 0.85);
+        q->out->confidence = least(sure, EITHER_Z_SURE);
     }
     if (flipped) {
         q->out->accidents |= NTP_ACCIDENT_Z_FLIPPED;
@@ -420,7 +348,8 @@ static bool is_padded(question *q)
     if (q->too_long > 0)
         because(q, NTP_REASON_XY_TOO_LONG, q->too_long);
     return is(q, zzero ? NTP_CLASS_ZZERO : NTP_CLASS_STANDARD,
-              blend(0.7, PADDED_SURE, (e->tilted_near[zzero] - PADDED_NEAR) / 0.15));
+              blend(PADDED_LEAST_SURE, PADDED_SURE,
+                    (e->tilted_near[zzero] - PADDED_NEAR) / PADDED_RANGE));
 }
 
 /* Standard after compression that left blue little of its own: all three channels go together. */
@@ -459,25 +388,28 @@ static bool is_xy(question *q)
     double ends = (double) (s->alpha_zero + s->alpha_full) / (double) s->texels;
     bool alpha = e->used_sd[3] > ALPHA_VARIES && ends < ALPHA_ENDS_MOST;
     double sure = alpha ? XY_ALPHA_SURE : XY_SURE;
-    sure = least(sure, blend(0.6, 0.92, (LEAN_CENTERED - q->lean) / (LEAN_CENTERED - LEAN_SMALL)));
-    sure = least(sure, blend(0.7, 0.92, (NEAR_UNIT_SHARE - q->near[0]) / 0.2));
-    sure = least(sure, blend(0.6, 0.92, (q->e->fit[0].length_sd - SPREAD_MOST) / 0.08));
-    sure = least(sure, blend(0.6, 0.92, middle / MIDDLE_LEAST - 1));
+    sure = least(sure, blend(XY_LEANING_SURE, XY_ALPHA_SURE,
+                             (LEAN_CENTERED - q->lean) / (LEAN_CENTERED - LEAN_SMALL)));
+    sure = least(
+        sure, blend(XY_NEAR_SURE, XY_ALPHA_SURE, (NEAR_UNIT_SHARE - q->near[0]) / FAR_FROM_UNIT));
+    sure = least(sure, blend(XY_KEPT_SURE, XY_ALPHA_SURE,
+                             (q->e->fit[0].length_sd - SPREAD_MOST) / XY_SPREAD_RANGE));
+    sure = least(sure, blend(XY_SPREAD_OUT_SURE, XY_ALPHA_SURE, middle / MIDDLE_LEAST - 1));
     if (s->used_mean[2] > OPEN_BLUE)
         sure = least(sure, XY_SURE);
-    if (block_step(q->e) > BLOCK_STEP)
-        sure = least(sure, 0.75);
-    if (e->tilted_near[0] < 0.5)
+    if (ntp__block_step(q->e) > BLOCK_STEP)
+        sure = least(sure, XY_PICTURE_SURE);
+    if (e->tilted_near[0] < UNRELATED_NEAR)
         because(q, NTP_REASON_BLUE_UNRELATED, e->tilted_near[0]);
     else
         because(q, NTP_REASON_NOT_UNIT, q->near[0]);
     because(q, NTP_REASON_XY_CENTERED, q->lean);
     if (e->correlation[0] > ALIKE) {
-        sure = least(sure, 0.75);
+        sure = least(sure, XY_PICTURE_SURE);
         because(q, NTP_REASON_COLORS_ALIKE, e->correlation[0]);
     }
-    if (keep_to_a_line(q->e, 0, 1))
-        sure = least(sure, 0.75);
+    if (ntp__keep_to_a_line(q->e, 0, 1))
+        sure = least(sure, XY_PICTURE_SURE);
     return is(q, NTP_CLASS_XY, sure);
 }
 
@@ -495,8 +427,9 @@ static void classify(question *q)
     if (q->e->correlation[0] > ALIKE)
         because(q, NTP_REASON_COLORS_ALIKE, q->e->correlation[0]);
     is(q, NTP_CLASS_NOT_NORMALS,
-       least(blend(0.7, 0.95, (q->lean - LEAN_CENTERED) / 0.15),
-             blend(0.7, 0.95, (NEAR_UNIT_SHARE - 0.2 - q->near[0]) / 0.2)));
+       least(blend(NOT_LEAST_SURE, NOT_SURE, (q->lean - LEAN_CENTERED) / NOT_LEAN_RANGE),
+             blend(NOT_LEAST_SURE, NOT_SURE,
+                   (NEAR_UNIT_SHARE - FAR_FROM_UNIT - q->near[0]) / FAR_FROM_UNIT)));
 }
 
 ntp_status ntp_classify(ntp_classification *result, ntp_tally *tally)

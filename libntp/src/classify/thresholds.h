@@ -1,10 +1,15 @@
 /* SPDX-License-Identifier: MIT */
-/* thresholds.h - the thresholds of the classification, each with its reason */
+/* thresholds.h - the thresholds of classify.c and choose_method.c, each with its reason */
 #ifndef NTP_CLASSIFY_H
 #define NTP_CLASSIFY_H
 
 /* Gray: compression and palettes leave a few texels that are not quite gray. */
 static const double GRAY_SHARE = 0.98;
+static const double GRAY_SURE = 0.97, NEARLY_GRAY_SURE = 0.88;
+
+/* A gray file is a height but where it holds something else by mistake.  What was only described, not
+ * judged, may be anything. */
+static const double GRAY_FILE_SURE = 0.99, NOT_ASKED_SURE = 0.5;
 
 /* Unit length.  Honest encoders reach 1 with NTP_VERDICT_NEIGHBOR; 3 % of bad texels must not matter.  By
  * 1/8 even JPEG and resizing rarely take more than a tenth of the texels, and chance (a picture's
@@ -37,6 +42,12 @@ static const double LENGTH_LEAST = 0.75, LENGTH_MOST = 1.15;
 static const double Z_FOLLOWS = 0.9, Z_FOLLOWS_CLOSELY = 0.95, Z_SLOPE_OFF = 0.3;
 static const double KEPT_SPREAD = 0.03, KEPT_SLOPING_ERROR = 0.05;
 static const double LOOSE_SURE = 0.93, UNSEEN_SURE = 0.85;
+
+/* How sure lengths make it: more so the more of them are near 1 (all of it a tenth above the share
+ * that it takes), less so the more they spread.  What fits to the level is sure, unless the fit comes
+ * from flat texels only. */
+static const double TIGHT_SURE = 0.97, NEAR_SURE = 0.8, NEAR_UNIT_RANGE = 0.1;
+static const double SPREAD_SURE = 0.6, FLAT_ONLY_SURE = 0.8;
 enum { SLOPING_TEXELS_LEAST = 64 };
 
 /* A blue that goes to both ends fits where it is 0 and where it is M: with more negative z than a
@@ -59,7 +70,8 @@ static const double STEEP_MOST = 0.9, MIDDLE_LEAST = 0.1;
  * black, is flat in red and green or too long.  Where this share of the tilted texels has the
  * blue of a normal, one that a constant blue has not, the rest is taken for it.  Pale pictures
  * have a few such texels too, but hardly a unit vector. */
-static const double PADDED_NEAR = 0.75, PADDED_GAP = 3, PADDED_UNIT = 0.1, PADDED_SURE = 0.85;
+static const double PADDED_NEAR = 0.75, PADDED_GAP = 3, PADDED_UNIT = 0.1;
+static const double PADDED_LEAST_SURE = 0.7, PADDED_SURE = 0.85, PADDED_RANGE = 0.15;
 enum { PADDED_TEXELS_LEAST = 64 };
 
 /* Object space: all three axes go both ways.  3 % of wrong blues are 1.5 % negative ones.  Where
@@ -73,26 +85,44 @@ static const double MIXED_LEAST = 0.15, MIXED_UNIT_SHARE = 0.8;
  * line. */
 static const double BODY_STEEP_LEAST = 0.4;
 
+/* Unit vectors to the level with well mixed axes are hardly anything else. */
+static const double OBJECT_SURE = 0.96, OBJECT_LOOSE_SURE = 0.8;
+
 /* Blue 0 or 255 is of unit length where red and green are flat, whatever it means; so the tilted
  * texels (steepness 1/4 to 7/8) of an object-space texture must be near unit length by
  * themselves. JPEG at the borders of charts takes up to 0.15 from them where sides of a box leave
  * hardly others. */
 static const double TILTED_ERROR_MOST = 0.16;
-enum { TILTED_FIRST_BIN = 2, TILTED_LAST_BIN = 6 };
+enum { TILTED_FIRST_BIN = 2, TILTED_END_BIN = 7 };
 
 /* Z flipped, or another channel being z: (almost) all texels agree. */
 static const double FLIPPED_SHARE = 0.95, OTHER_Z_SHARE = 0.98, OTHER_Z_MEAN = 0.8;
+
+/* Colors of a picture may have this mean too; unit vectors to the level, off a line, do not come by
+ * chance. */
+static const double SWAPPED_SURE = 0.92, SWAPPED_LOOSE_SURE = 0.75;
 
 /* The mean of a channel that holds x or y: near the middle, in levels / M.  An alpha that holds x
  * is rarely 0 or M; a mask is little else. */
 static const double MIDDLE = 0.15, ALPHA_ENDS_MOST = 0.05;
 
-/* Red and blue of DXT5nm: constant but for what block compression does to them. */
-static const double IDLE_DEVIATION = 0.02;
+/* Two channels that are x and y by their number alone: a lean can be a slope, but hardly one so
+ * steep. */
+static const double PAIR_SURE = 0.95, PAIR_LEANING_SURE = 0.6, PAIR_TOO_LONG_SURE = 0.8;
+
+/* Red and blue of DXT5nm: constant but for what block compression does to them, and near 0 or M, as
+ * no x is.  Where they repeat green it may be a gray picture with an alpha that is balanced as well. */
+static const double IDLE_DEVIATION = 0.02, IDLE_OFF_MIDDLE = 0.35;
+static const double DXT5NM_SURE = 0.95, DXT5NM_GRAY_SURE = 0.85;
 
 /* Stored as sRGB, flat is 188/255 = 0.737, and slopes of 1 spread the mean by less than this.  The
  * mean of blue is above theirs by 0.2 and more; a gray of 230 has unit length too. */
 static const double GAMMA_FLAT = 0.737, GAMMA_SPREAD = 0.12, GAMMA_SHARE = 0.85, GAMMA_RISE = 0.1;
+
+/* Decoding has to bring a tenth of the lengths nearer to 1.  Flat texels at 188 are proof; without
+ * this many of them another bright picture may do the same. */
+static const double GAMMA_GAIN = 0.1, GAMMA_FLAT_SHARE = 0.02;
+static const double GAMMA_SURE = 0.93, GAMMA_UNSEEN_SURE = 0.8;
 
 /* A channel that does not vary: deviation of an eighth of an 8-bit level. */
 static const double CONSTANT_DEVIATION = 0.0005;
@@ -100,6 +130,11 @@ static const double CONSTANT_DEVIATION = 0.0005;
 /* Blue that is filled in is 0, the middle, or M; another constant can be the scaled z of a
  * surface that is flat. */
 static const double USUAL_BLUE = 0.99;
+static const double BLUE_CONSTANT_SURE = 0.95, BLUE_UNUSUAL_SURE = 0.8;
+
+/* Nor is a bright constant blue filled in where it makes unit vectors: z of a gentle surface, rounded
+ * to one level.  M alone makes most lengths of gentle slopes nearly 1, but not to the level. */
+static const double BRIGHT_BLUE = 0.9, FULL_BLUE = 0.998;
 
 /* Blue as 0..1: of the texels that can tell, half fit to within 3 levels; slope 2 and not 1.  Of
  * textures that are not honestly rounded it is believed only where the two blues lie 3 levels apart
@@ -116,6 +151,10 @@ static const double ZZERO_FOLLOWS = 0.97, ZZERO_SLOPE_OFF = 0.2;
 /* An encoder that truncates lowers a standard blue by up to a level: where the blues lie less than
  * two apart that is Z-zero's as well as not. */
 static const double ZZERO_SURE_GAP = 2, ZZERO_SURE = 0.85;
+
+/* Z-zero of which some texels are no honest rounding; and a standard texture of which blue would fit
+ * as 0..1 as well, since nothing in it tilts enough. */
+static const double ZZERO_LOOSE_SURE = 0.8, EITHER_Z_SURE = 0.85;
 
 /* A mean blue above this can be occlusion, or z that coarse JPEG took apart: less is sure. */
 static const double OPEN_BLUE = 0.8;
@@ -141,12 +180,54 @@ static const double LINE_WIDTH = 0.15, LINE_NOISE = 1.0 / 255, LINE_SURE = 0.85;
  * LabPBR, makes it less so. */
 static const double XY_SURE = 0.85, XY_ALPHA_SURE = 0.92, ALPHA_VARIES = 0.02;
 
+/* Less sure is x, y without z the farther the mean lies off the middle, the more lengths are near 1
+ * (all of it is gone a fifth below the share of normals), the less they spread, and the fewer texels
+ * are gentle.  Block coding, colors that go together and a line of colors are marks of pictures. */
+static const double XY_LEANING_SURE = 0.6, XY_NEAR_SURE = 0.7, XY_KEPT_SURE = 0.6;
+static const double XY_SPREAD_OUT_SURE = 0.6, XY_PICTURE_SURE = 0.75;
+static const double FAR_FROM_UNIT = 0.2, XY_SPREAD_RANGE = 0.08;
+
+/* Blue of tilted texels that is z for fewer than half of them is said to be unrelated. */
+static const double UNRELATED_NEAR = 0.5;
+
+/* No normals: the surer the farther the mean lies off the middle, and the fewer lengths are near 1. */
+static const double NOT_LEAST_SURE = 0.7, NOT_SURE = 0.95, NOT_LEAN_RANGE = 0.15;
+
 /* Columns at block borders step this much farther than others only after block coding; it shows in
  * two channels at least, and errs to both sides.  (Steps of gentle textures make ratios such as
  * 28/25, which must not hang on the rounding of a sum: so the bound is none.) */
 static const double BLOCK_STEP = 1.120001, BOTH_SIDES = 0.02;
 
 /* Blurring: lengths are lost, by more than 1/16 in this share of texels, and hardly any gained. */
-static const double BLURRED_SHARE = 0.06, SHORT_OVER_LONG = 3;
+static const double BLURRED_SHARE = 0.06, BLURRED_SHORT_OVER_LONG = 3;
+
+/* ------------------------------------------------------------------------ which way to clean */
+
+/* A few texels far off: at most this share fails, and those that fail are off by this much (root of
+ * the mean square), besides what rounding does to all.  Resizing fails less grossly. */
+static const double FEW_SHARE = 0.1, GROSS_ERROR = 0.15, ROUNDING_SQUARE = 2e-5;
+
+/* One sign: of the texels that are off, six of seven are too short, or too long, and that by more
+ * than rounding does, which averaging of vectors never makes them.  (Where blue is 255, noise can
+ * only shorten, so that a mostly flat texture with noise comes near this.) */
+static const double ONE_SIDED = 6, LONG_LEAST = 0.01;
+
+/* One factor for all texels: practically all are too short, by about the same.  The lengths of a
+ * texture whose z is scaled spread somewhat more, but there blue follows z to the level. */
+static const double ALL_SHORT = 0.95, FACTOR_SPREAD = 0.35, FACTOR_FOLLOWS = 0.97;
+static const double FACTOR_LEAST = 0.02;
+
+/* Of a gentle texture the steepest bin tells little; there the slope of blue on derived blue tells:
+ * less than 1 where z is scaled, more where the vector is. */
+static const double OF_Z_TELLS = 0.9;
+
+/* Blue that does not follow red and green at all; the smallest correlation after hard JPEG.  Where
+ * nine of ten lengths are near 1 it is z all the same. */
+static const double UNRELATED = 0.1, UNRELATED_UNIT_SHARE = 0.9;
+
+/* Steep over shallow: z alone gives 0.7, all channels 1 and more.  Bins of 1/8; where too few texels
+ * are that steep, both methods give nearly the same. */
+static const double STEEP_OVER_SHALLOW = 0.85, STEEP_LEAST = 0.005;
+enum { SHALLOW_BIN = 2, STEEP_BIN = 5, COMPARED_BINS = 2 };
 
 #endif

@@ -1,0 +1,66 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * question.h - what the rules of the classification are made of
+ */
+#ifndef NTP_QUESTION_H
+#define NTP_QUESTION_H
+
+#include "measure/evidence.h"
+
+#include <stdbool.h>
+
+typedef struct question {
+    ntp_classification *out;
+    const ntp__evidence *e;
+    const ntp_stats *s; /* of e */
+    /* Shares of the used texels; the arrays by reading, standard and Z-zero. */
+    double unit[2], near[2], rounded[2], negative, red_low, green_low, too_long;
+    double used, lean;
+} question;
+
+static inline double distance(double a, double b)
+{
+    return a < b ? b - a : a - b;
+}
+
+static inline double most(double a, double b)
+{
+    return a > b ? a : b;
+}
+
+static inline double least(double a, double b)
+{
+    return a < b ? a : b;
+}
+
+/* `low` where t is 0 or less, `high` where it is 1 or more, between them in proportion. */
+static inline double blend(double low, double high, double t)
+{
+    return t <= 0 ? low : t >= 1 ? high : low + (high - low) * t;
+}
+
+/* How far the mean of a channel lies from that of a channel that holds x or y. */
+static inline double off_middle(double mean)
+{
+    return distance(mean, 0.5);
+}
+
+/* Share of the texels on the rarer side. */
+static inline double rarer(double share)
+{
+    return share < 0.5 ? share : 1 - share;
+}
+
+/* Texels in bins of steepness. */
+double ntp__count_bins(const ntp__evidence *e, int32_t first_bin, int32_t end_bin);
+
+/* Their mean length error, read as standard; 0 where there are none. */
+double ntp__length_error(const ntp__evidence *e, int32_t first_bin, int32_t end_bin);
+
+/* Do two channels keep to a line?  By the variances along and across its direction. */
+bool ntp__keep_to_a_line(const ntp__evidence *e, int32_t first, int32_t second);
+
+/* The second greatest of the three steps at block borders. */
+double ntp__block_step(const ntp__evidence *e);
+
+#endif
