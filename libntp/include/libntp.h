@@ -65,12 +65,12 @@ extern "C" {
 
 typedef enum ntp_status {
     NTP_OK = 0,
-    NTP_ERR_ARGUMENT = 1, /* NULL, or a value outside its documented range */
-    NTP_ERR_SHAPE = 2,   /* a view is malformed, two views do not match, or an area is outside */
-    NTP_ERR_FORMAT = 3,  /* the operation cannot read or write this type, encoding or channels */
-    NTP_ERR_OVERLAP = 4, /* dst and src share memory where they may not */
-    NTP_ERR_SCRATCH = 5, /* working memory is NULL, misaligned or too small */
-    NTP_ERR_CANCELLED = 6,    /* a progress callback asked to stop */
+    NTP_ERR_ARGUMENT = 1,  /* NULL, or a value outside its documented range */
+    NTP_ERR_SHAPE = 2,     /* a view is malformed, two views do not match, or an area is outside */
+    NTP_ERR_FORMAT = 3,    /* the operation cannot read or write this type, encoding or channels */
+    NTP_ERR_OVERLAP = 4,   /* dst and src share memory where they may not */
+    NTP_ERR_SCRATCH = 5,   /* working memory is NULL, misaligned or too small */
+    NTP_ERR_CANCELLED = 6, /* a progress callback asked to stop */
     NTP_ERR_NOT_CONVERGED = 7 /* an iteration ended before it reached its tolerance */
 } ntp_status;
 
@@ -95,9 +95,9 @@ typedef enum ntp_type {
 typedef enum ntp_encoding {
     NTP_ENCODING_STANDARD = 0, /* x, y, z each stored as (v + 1)/2: glTF, USD, most tools */
     NTP_ENCODING_ZZERO = 1,    /* x, y as above; z, never negative, stored as it is in 0..1 */
-    NTP_ENCODING_XY = 2, /* x, y as above; z is implied; a third sample is other data, kept */
-    NTP_ENCODING_VECTOR = 3, /* x, y, z as they are; NTP_TYPE_F32 only */
-    NTP_ENCODING_HEIGHT = 4  /* sample 0 is a height; or the samples are a plain picture */
+    NTP_ENCODING_XY = 2,       /* x, y as above; z is implied; a third sample is other data, kept */
+    NTP_ENCODING_VECTOR = 3,   /* x, y, z as they are; NTP_TYPE_F32 only */
+    NTP_ENCODING_HEIGHT = 4    /* sample 0 is a height; or the samples are a plain picture */
 } ntp_encoding;
 
 /* Which way the y component points. */
@@ -209,11 +209,10 @@ enum {
 
 /* Everything about one texel. */
 typedef struct ntp_texel {
-    uint32_t stored[4]; /* levels; float images rounded to 16 bit; absent alpha is M */
-    uint32_t cleaned
-        [3]; /* the result of ntp_clean by NTP_CLEAN_DERIVE (NTP_ENCODING_XY: blue kept) */
-    uint32_t max;       /* M: 255 or 65535 */
-    uint32_t flags;     /* as ntp_validate */
+    uint32_t stored[4];  /* levels; float images rounded to 16 bit; absent alpha is M */
+    uint32_t cleaned[3]; /* as by NTP_CLEAN_DERIVE; NTP_ENCODING_XY keeps its blue */
+    uint32_t max;        /* M: 255 or 65535 */
+    uint32_t flags;      /* as ntp_validate */
     int32_t levels_off; /* |b - derived b|, mirrored where z < 0; -1: x, y too long or not finite */
     double x, y, z;     /* as stored; NTP_ENCODING_XY: z derived, 0 where x, y are too long */
     double length;      /* of x, y, z */
@@ -796,7 +795,7 @@ NTP_API const char *ntp_border_name(ntp_border border);
 /* --------------------------------------------------------------- normals -> heightfield */
 
 typedef enum ntp_height_method {
-    NTP_HEIGHT_AUTO = 0,              /* least squares, as the borders say */
+    NTP_HEIGHT_AUTO = 0,              /* least squares; the borders decide which */
     NTP_HEIGHT_TELESCOPING = 1,       /* Eberly's sums of slopes: no averaging, errors add up */
     NTP_HEIGHT_FRANKOT_CHELLAPPA = 2, /* least squares, both borders NTP_BORDER_WRAP */
     NTP_HEIGHT_POISSON_DCT = 3,       /* least squares, neither border NTP_BORDER_WRAP */
@@ -805,32 +804,32 @@ typedef enum ntp_height_method {
 
 /* What integer samples of x, y (and z, but for Z-zero) mean.  Float images: as stored. */
 typedef enum ntp_decode {
-    NTP_DECODE_AUTO = 0,    /* by evidence, UNORM without any; see ntp_height_from_normals */
+    NTP_DECODE_AUTO = 0,    /* decided by the texels, else UNORM; see ntp_height_from_normals */
     NTP_DECODE_UNORM = 1,   /* (2c - M)/M */
     NTP_DECODE_NEUTRAL = 2, /* the same, but (M-1)/2 and (M+1)/2 of x and y are both 0 */
-    NTP_DECODE_TRUNC = 3,   /* (2c + 1 - M)/M: written by an encoder that cut off fractions */
+    NTP_DECODE_TRUNC = 3,   /* (2c + 1 - M)/M: written by an encoder that truncates */
     NTP_DECODE_SNORM = 4    /* (2c - M - 1)/(M - 1): 128 is 0 */
 } ntp_decode;
 
 typedef enum ntp_z {
-    NTP_Z_AUTO = 0,   /* by evidence: derived where it was, or where lengths are not 1 */
+    NTP_Z_AUTO = 0,   /* decided by the texels: derived if blue was, or if lengths are not 1 */
     NTP_Z_STORED = 1, /* NTP_ENCODING_XY: derived */
-    NTP_Z_DERIVED = 2 /* sqrt(1 - x*x - y*y): where blue is not to be trusted */
+    NTP_Z_DERIVED = 2 /* sqrt(1 - x*x - y*y): if blue is unreliable */
 } ntp_z;
 
-/* Kernels of 3 x 3 and more see little of the finest detail: noise would take its place. */
+/* Kernels of 3 x 3 and more respond little to the finest detail; a prior keeps noise out of it. */
 typedef enum ntp_prior {
     NTP_PRIOR_AUTO = 0, /* ROUGHNESS with kernels of 3 x 3 and more, else NONE */
     NTP_PRIOR_NONE = 1,
-    NTP_PRIOR_ROUGHNESS = 2 /* of heights that fit alike within the rounding, smooth ones */
+    NTP_PRIOR_ROUGHNESS = 2 /* of heights that fit equally well within rounding, smooth ones */
 } ntp_prior;
 
-/* What `residual` is of. */
+/* Which texels `residual` covers. */
 typedef enum ntp_residual_scope {
     NTP_RESIDUAL_NONE = 0,
     NTP_RESIDUAL_ALL = 1,   /* all texels */
-    NTP_RESIDUAL_INSIDE = 2 /* of at most 128 rows, texels whose kernel reaches over no border, and
-                            * that lie not beside an edge that was fitted again */
+    NTP_RESIDUAL_INSIDE = 2 /* in at most 128 rows, texels whose kernel does not cross a border and
+                             * that are not beside an edge that was fitted again */
 } ntp_residual_scope;
 
 typedef struct ntp_height_options {
@@ -840,19 +839,20 @@ typedef struct ntp_height_options {
     ntp_border border_y;
     ntp_decode decode;
     ntp_z z;
-    uint32_t touch_unused; /* NTP_UNUSED_*; other unused texels are flat, but not those of
-                            * NTP_ENCODING_VECTOR that are black or white */
-    int32_t use_seeds;     /* nonzero, telescoping only: heights begin at these */
+    uint32_t touch_unused; /* NTP_UNUSED_*; other unused texels count as flat, except black and
+                            * white ones of NTP_ENCODING_VECTOR */
+    int32_t use_seeds;     /* nonzero, telescoping only: heights start at `seeds` */
     double seeds[4];       /* h(0,0), h(1,0), h(0,1), h(1,1); forward: the first */
-    int32_t equalize;      /* nonzero, telescoping, central: even and odd texels get one mean */
-    ntp_residual_scope residual_scope; /* of what to work out `residual` too, in one more pass */
-    int32_t detrend; /* nonzero: take the best plane out, along borders that do not wrap */
-    int32_t refine;  /* 0..NTP_MAX_ITERATIONS rounds, each as long as the solution */
-    /* NTP_HEIGHT_WEIGHTED; a mask makes it the default method.  NTP_TYPE_U8 or NTP_TYPE_U16 NTP_ENCODING_HEIGHT of the
-     * size of src: where sample 0 is 0 there is a hole.  So there is at each unused texel. */
+    int32_t equalize;      /* nonzero, telescoping, central: one mean for even and odd texels */
+    ntp_residual_scope residual_scope; /* compute `residual` for these texels, in one more pass */
+    int32_t detrend; /* nonzero: remove the best-fitting plane, along borders that do not wrap */
+    int32_t refine;  /* 0..NTP_MAX_ITERATIONS rounds, each takes as long as the solution */
+    /* NTP_HEIGHT_WEIGHTED; a mask makes it the default method.  It is NTP_TYPE_U8 or NTP_TYPE_U16,
+     * NTP_ENCODING_HEIGHT, and has the size of src.  Texels where its sample 0 is 0 are holes.
+     * Unused texels are holes too. */
     const ntp_const_image *mask;
-    double tolerance;       /* rms error of slopes over their rms; 0 stands for 1e-6 */
-    int32_t max_iterations; /* 1..NTP_MAX_ITERATIONS; 0 stands for 1000 */
+    double tolerance;       /* rms error of slopes divided by their rms; 0 means 1e-6 */
+    int32_t max_iterations; /* 1..NTP_MAX_ITERATIONS; 0 means 1000 */
     double dx;              /* spacing of texels; 0 stands for 1 */
     double dy;
     ntp_prior prior;
@@ -864,35 +864,36 @@ enum { NTP_MAX_ITERATIONS = 100000 };
 typedef struct ntp_height_result {
     ntp_height_method method; /* never NTP_HEIGHT_AUTO */
     ntp_decode decode;        /* never NTP_DECODE_AUTO */
-    double min, max;          /* of the heights; (h - min)/(max - min) is 0..1, and max - min the
-                               * scale by which ntp_normals_from_height makes it normals again */
+    double min, max;          /* of the heights; (h - min)/(max - min) is 0..1, and with the scale
+                               * max - min ntp_normals_from_height makes normals of it again */
     uint64_t unused;          /* texels that counted as flat */
     uint64_t not_finite;      /* float texels with a NaN, an infinity or length 0: flat */
     ntp_z z;                  /* never NTP_Z_AUTO */
     int32_t iterations;       /* NTP_HEIGHT_WEIGHTED: of the last solution */
-    double error;             /* NTP_HEIGHT_WEIGHTED: what is left, as tolerance; worked out anew */
+    double error;             /* NTP_HEIGHT_WEIGHTED: the final error, in the unit of tolerance */
     uint64_t holes;           /* NTP_HEIGHT_WEIGHTED: texels without a height; they get 0 */
-    uint64_t islands;         /* connected areas, each with a mean of its own; 0: only holes */
-    double trend_x, trend_y;  /* slopes to the right and down that `detrend` took out */
-    int32_t rounds;           /* of `refine`, that were done */
-    uint64_t refine_left;     /* after `refine`: texels whose red or green is not given again */
-    double residual;          /* rms of x and y of the heights' normals less those of the texture,
-                               * in levels (floats: of 16 bit); -1: not measured, or no texel counts */
-    /* NTP_HEIGHT_TELESCOPING, of the equations that the sums did not take, those of other paths: rms
-     * and greatest |slope of the heights - stored slope|; else 0 */
+    uint64_t islands;         /* connected areas, each with its own mean; 0: only holes */
+    double trend_x, trend_y;  /* slopes to the right and down that `detrend` removed */
+    int32_t rounds;           /* done by `refine` */
+    uint64_t refine_left;     /* after `refine`: texels whose red or green still differs */
+    double residual;          /* rms difference of x and y between the normals of the heights and
+                               * the texture, in levels (floats: of 16 bit); -1: not measured, or no
+                               * texel counts */
+    /* NTP_HEIGHT_TELESCOPING: rms and maximum of |slope of the heights - stored slope| in the
+     * equations that the sums did not use, which are those of other paths; else 0 */
     double consistency, consistency_max;
 } ntp_height_result;
 
-/* The caller's part in an operation that takes long.  NULL, or NULL members: nothing of it. */
+/* Callbacks for operations that take long.  Members, and a pointer to it, may be NULL. */
 typedef struct ntp_hooks {
     void *user;
-    /* Told the share done so far, 0..1, between parallel_for calls; nonzero stops. */
+    /* Gets the share done so far, 0..1, between parallel_for calls.  Returning nonzero cancels. */
     int32_t (*progress)(void *user, double share);
     /* Calls task(work, i) for each i from 0 to count - 1, on any threads, and returns when all
      * are done.  count is at most parts. */
     void (*parallel_for)(void *user, int32_t count, void (*task)(void *work, int32_t index),
                          void *work);
-    int32_t parts; /* 1..NTP_MAX_PARTS; 0 stands for 1 */
+    int32_t parts; /* 1..NTP_MAX_PARTS; 0 means 1 */
 } ntp_hooks;
 
 enum { NTP_MAX_PARTS = 64 };
@@ -902,64 +903,68 @@ NTP_API size_t ntp_height_scratch_size(const ntp_height_options *how, int32_t wi
                                        int32_t parts);
 
 /*
- * The heightfield behind normals: dst, NTP_TYPE_F32 NTP_ENCODING_HEIGHT of one packed channel, gets heights in
- * the unit of dx and dy.  Slopes are -x/z and -y/z, z at least 1/M (float: 1/65535).
+ * Reconstructs the heightfield of normals: dst, NTP_TYPE_F32 NTP_ENCODING_HEIGHT of one packed
+ * channel, gets heights in the unit of dx and dy.  Slopes are -x/z and -y/z, with z at least 1/M
+ * (float: 1/65535).
  *
- * Least squares: of all heightfields the one whose slopes, by this kernel with these borders, come
- * nearest to the stored ones; where several do, the one of least norm.  Its mean is 0.  Solved
- * directly: a Fourier (wrap) or cosine transform of each row, and a recursion down and up each
+ * Least squares give the heightfield whose slopes, by this kernel with these borders, are closest
+ * to the stored ones; if there are several, the one of least norm.  Its mean is 0. The solution is
+ * direct: a Fourier (wrap) or cosine transform of each row, then a recursion down and up each
  * column (forward, central, baked) or transforms of the columns as well (3 x 3 and more, prior,
- * central with mirror down the picture).  dst is all the memory it takes, but for some rows and
+ * central with mirror down the picture).  Beside dst it needs memory for only some rows and
  * columns.  8-bit textures are transformed in float arithmetic, deeper ones in double.
  *
- * Kernel and borders, each axis by itself:
- *   forward           all.  With clamp the last slope is not looked at; where the last two are
+ * Kernels and borders; the two axes are independent:
+ *   forward           all.  With clamp the last slope is ignored; where the last two are
  *                     slopes of one pair of texels (mirror, extrapolate, repeat-slope, which is
- *                     extrapolate) they count once, as their mean.
+ *                     extrapolate), only their mean counts.
  *   central           wrap, clamp, mirror, extrapolate (slopes at the edge count a quarter; then the
- *                     two outermost lines of texels are fitted again, all slopes counting alike)
+ *                     two outermost lines of texels are fitted again with equal weights)
  *   prewitt3, sobel3, scharr3     wrap, clamp, mirror
  *   prewitt5, sobel5, gimp5..9    wrap, mirror
- *   baked             wrap; any other is a free end.  Slopes of a surface at the middles of texels;
- *                     between neighbors lie (-1, 13, 13, -1)/24 of the four around them, at free
- *                     ends (9, 19, -5, 1)/24.
- * With mirror the texels at the edge count half, in the mean as well: it is that of the mirrored
- * plane.  NTP_PRIOR_ROUGHNESS takes, of heights that fit alike within the rounding of the
- * slopes, the smoother ones.  docs/reconstruction.md has the formulas.
+ *   baked             wrap; any other is a free end.  Slopes of a surface at texel centers; the
+ *                     difference of two neighbors is (-1, 13, 13, -1)/24 of the four slopes around
+ *                     them, at free ends (9, 19, -5, 1)/24.
+ * With mirror the texels at the edge count half, also in the mean, which is that of the mirrored
+ * plane.  Of heights that fit equally well within the rounding of the slopes, NTP_PRIOR_ROUGHNESS
+ * prefers smoother ones.  docs/reconstruction.md has the formulas.
  *
- * NTP_HEIGHT_WEIGHTED takes every kernel with every border.  It weighs each slope by about
- * 1/variance, 1/((1 + p*p + q*q)(1 + p*p)) for p with z as stored and less with z derived, at least
- * 0.01, and counts those whose kernel reads no hole.  Pairs of neighbors, whose difference is to
- * be the mean of their slopes, count a little besides (a hundredth for 8 bits): they hold together
- * what a kernel leaves apart, and take the place of the prior.  Heights in holes are 0.  An island
- * is what is connected by sides, across borders that wrap too; of each the mean is 0.  Conjugate
- * gradients, about 40 bytes a texel; steep textures and ragged holes take more iterations.
- * NTP_ERR_NOT_CONVERGED says that `tolerance` was not reached; dst and result hold how far it got.
+ * NTP_HEIGHT_WEIGHTED supports every kernel with every border.  The weight of a slope is about
+ * 1/variance, which is 1/((1 + p*p + q*q)(1 + p*p)) for p with z as stored and less with z derived,
+ * and at least 0.01.  Slopes whose kernel reads a hole do not count.  In addition, pairs of
+ * neighbors count a little (a hundredth for 8 bits): their difference should be the mean of their
+ * slopes.  They connect texels that the kernel leaves independent, and replace the prior.  Heights
+ * in holes are 0. Texels connected by their sides form an island, also across borders that wrap;
+ * the mean of each island is 0. The method is conjugate gradients and needs about 40 bytes a texel.
+ * Steep textures and ragged holes need more iterations.  NTP_ERR_NOT_CONVERGED means that
+ * `tolerance` was not reached; dst and result are then those of the last iteration.
  *
- * refine: rounds that bring the heights to where their normals, by ntp_normals_from_height with
- * this kernel and these borders, have the stored red and green, which NTP_DECODE_* says how to round;
- * it ends when all texels do.  Not for telescoping, baked normals and floats.  detrend works on the
- * refined heights, whose normals then are others; with NTP_HEIGHT_WEIGHTED that is an error.
+ * refine: rounds that change the heights until their normals, by ntp_normals_from_height with this
+ * kernel and these borders, have the stored red and green, rounded as NTP_DECODE_* says.  They end
+ * when all texels agree.  refine is not for telescoping, baked normals and floats.  detrend is
+ * applied to the refined heights and changes their normals; with NTP_HEIGHT_WEIGHTED using both is
+ * an error.
  *
- * Evidence: NTP_DECODE_AUTO takes, for 8-bit NTP_ENCODING_STANDARD, TRUNC or SNORM where lengths read so are
- * 1 but for rounding, and clearly more so than read as UNORM; else, for 8 bits, NEUTRAL where
- * texels pile up at 127 and 128; else UNORM.  NTP_Z_AUTO takes the derived z where tilted texels
- * have the blue that is derived from red and green, or where lengths are off by more than three times
- * their rounding; NTP_ENCODING_VECTOR: stored.
+ * Automatic choices: for 8-bit NTP_ENCODING_STANDARD, NTP_DECODE_AUTO chooses TRUNC or SNORM if the
+ * lengths decoded so are 1 to within rounding, and clearly closer to 1 than with UNORM.  Otherwise,
+ * for 8 bits, it chooses NEUTRAL if 127 and 128 are far more frequent than their neighbors; else
+ * UNORM.  NTP_Z_AUTO chooses the derived z if tilted texels have the blue that is derived from red
+ * and green, or if lengths are off by more than three times their rounding; NTP_ENCODING_VECTOR:
+ * stored.
  *
- * Telescoping (Eberly 3.1, 3.2): forward goes along the first row and down each column; central
- * goes in steps of two from h(0,0), h(1,0), h(0,1), h(1,1), by default h(0,0) = 0 and each other
- * the mean of its known or implied neighbors: h(1,0) = p(1,0), h(0,1) = q(0,1), h(1,1) =
- * (h(0,1) + p(1,1) + h(1,0) + q(1,1))/2.  Without seeds the mean is then made 0.  No slope at a
- * border is used.
+ * Telescoping (Eberly 3.1, 3.2): forward goes along the first row and down each column.  central
+ * goes in steps of two from h(0,0), h(1,0), h(0,1), h(1,1); by default h(0,0) = 0, and each other
+ * is the mean of its known or implied neighbors: h(1,0) = p(1,0), h(0,1) = q(0,1), h(1,1) = (h(0,1)
+ * + p(1,1) + h(1,0) + q(1,1))/2.  Without seeds the mean is then set to 0. No slope at a border is
+ * used.
  *
- * The result is the same bytes for any number of parts.  dst and src do not overlap, ring_rows is
- * 0 in both.  scratch: ntp_height_scratch_size bytes for these parts, aligned to 64.
- * hooks, result may be NULL.  After NTP_ERR_CANCELLED dst holds nothing of use.
- * Errors: NTP_ERR_ARGUMENT also where method and borders do not agree, seeds are not finite, a
- * mask has another method, or telescoping is refined; NTP_ERR_FORMAT for a kernel or a border of it
- * that is not listed above, a float mask, and what cannot be refined; NTP_ERR_SHAPE for a mask of
- * another size; NTP_ERR_NOT_CONVERGED.
+ * The result is the same bytes for any number of parts.  dst and src do not overlap, and ring_rows
+ * is 0 in both.  scratch: ntp_height_scratch_size bytes for these parts, aligned to 64.  hooks and
+ * result may be NULL.  After NTP_ERR_CANCELLED the content of dst is undefined.
+ * Errors: NTP_ERR_ARGUMENT also if the method does not support the borders, seeds are not finite, a
+ * mask is given with another method, or telescoping is refined; NTP_ERR_FORMAT for a kernel, or a
+ * border of it, that is not listed above, for a float mask, and for what cannot be refined;
+ * NTP_ERR_SHAPE for a mask of another size; NTP_ERR_NOT_CONVERGED.
  */
 NTP_API ntp_status ntp_height_from_normals(const ntp_image *dst, const ntp_const_image *src,
                                            const ntp_height_options *how, void *scratch,
@@ -967,41 +972,42 @@ NTP_API ntp_status ntp_height_from_normals(const ntp_image *dst, const ntp_const
                                            ntp_height_result *result);
 
 /*
- * Rows of normals in, rows of heights out, of a picture too large for memory.  Each function moves
- * rows y .. y + count - 1, packed, and returns 0; anything else ends the work.  They are called from
- * the caller's thread only.
+ * Functions that read rows of normals and write rows of heights, for a picture too large for
+ * memory.  Each reads or writes rows y .. y + count - 1, packed, and returns 0; any other value
+ * ends the work.  They are called from the caller's thread only.
  */
 typedef struct ntp_height_rows {
     void *user;
-    /* Groups of rows in order down the picture; a few rows around each are asked for as well, with
-     * NTP_BORDER_WRAP those of the other end too. */
+    /* Reads groups of rows in order down the picture.  A few rows around each group are read as
+     * well, and with NTP_BORDER_WRAP those of the opposite end. */
     int32_t (*read_normals)(void *user, void *rows, int32_t y, int32_t count);
-    /* Down the picture rows are written that are not heights yet; then, from the last group to the
-     * first, they are read again, and written as heights. */
+    /* On the way down, rows are written that are not heights yet.  Then, from the last group to the
+     * first, they are read again and written as heights. */
     int32_t (*read_heights)(void *user, float *rows, int32_t y, int32_t count);
     int32_t (*write_heights)(void *user, const float *rows, int32_t y, int32_t count);
 } ntp_height_rows;
 
-/* Bytes of working memory: for each part about 32 rows of both pictures; 0: an argument is no
- * good, or this is not solved row by row. */
+/* Bytes of working memory: for each part about 32 rows of both pictures; 0 if an argument is
+ * invalid, or if this cannot be solved row by row. */
 NTP_API size_t ntp_height_rows_scratch_size(const ntp_const_image *form,
                                             const ntp_height_options *how, int32_t parts);
 
 /*
- * ntp_height_from_normals row by row: the same bytes, but for central with NTP_BORDER_EXTRAPOLATE,
- * of which edges are not fitted again.  form says what the normals are like: of it
- * size, channels, type, encoding and y count.  Least squares with NTP_KERNEL_FORWARD, _CENTRAL and
- * _BAKED without a prior; central not with NTP_BORDER_MIRROR down the picture.  No mask, detrend,
- * residual_scope or refine.  Evidence is not looked for: NTP_DECODE_AUTO stands for UNORM, NTP_Z_AUTO
- * for stored.
- * Errors: NTP_ERR_FORMAT for what is not solved so; NTP_ERR_CANCELLED where a function says so.
+ * ntp_height_from_normals row by row.  The bytes are the same, except for central with
+ * NTP_BORDER_EXTRAPOLATE, whose edges are not fitted again.  form describes the normals by its
+ * size, channels, type, encoding and y. Supported are least squares with NTP_KERNEL_FORWARD,
+ * _CENTRAL and _BAKED without a prior, but not central with NTP_BORDER_MIRROR down the picture; and
+ * no mask, detrend, residual_scope or refine.  Nothing is decided by the texels: NTP_DECODE_AUTO
+ * means UNORM, and NTP_Z_AUTO means stored.
+ * Errors: NTP_ERR_FORMAT for what is not supported; NTP_ERR_CANCELLED if a function returned
+ * nonzero.
  */
 NTP_API ntp_status ntp_height_from_rows(const ntp_const_image *form, const ntp_height_rows *rows,
                                         const ntp_height_options *how, void *scratch,
                                         size_t scratch_size, const ntp_hooks *hooks,
                                         ntp_height_result *result);
 
-/* The name of a method as the command line has it ("poisson-dct"); never NULL. */
+/* The name of a method as on the command line ("poisson-dct"); never NULL. */
 NTP_API const char *ntp_height_method_name(ntp_height_method method);
 
 /* -------------------------------------------------------------- operations on normals */
