@@ -119,7 +119,7 @@ def speeds(report, size):
     out = np.empty_like(texture)
     print(f"{size} x {size}, 8 bit{'':28}{'ours':>12}{'theirs':>12}")
     cases = [
-        ("clean", nt.clean, numpy_clean, opencv_clean, texture, {}),
+        ("clean", functools.partial(nt.clean, type="standard"), numpy_clean, opencv_clean, texture, {}),
         ("normals_from_height", nt.normals_from_height, numpy_normals, opencv_normals, height,
          {"scale": 3.0}),
     ]  # fmt: skip
@@ -141,11 +141,11 @@ def threads(report, size):
         texture = nt.normals_from_height(height, scale=3)
         out = np.empty_like(texture)
         cases = {
-            "clean": lambda n, t=texture, o=out: nt.clean(t, out=o, threads=n),
+            "clean": lambda n, t=texture, o=out: nt.clean(t, type="standard", out=o, threads=n),
             "normals_from_height": lambda n, h=height, o=out: nt.normals_from_height(
                 h, scale=3, out=o, threads=n
             ),
-            "heatmap": lambda n, t=texture, o=out: nt.heatmap(t, out=o, threads=n),
+            "heatmap": lambda n, t=texture, o=out: nt.heatmap(t, type="standard", out=o, threads=n),
             "measure": lambda n, t=texture: nt.measure(t, threads=n),
         }
         for name, call in cases.items():
@@ -166,43 +166,47 @@ def calls(report):
     heights = np.zeros((1, 1), np.float32)
     tally = nt.Tally()
     cases = {
-        "clean": lambda: nt.clean(texel),
-        "clean, 16 bit": lambda: nt.clean(deep),
-        "clean, float": lambda: nt.clean(floats),
-        "clean, counts": lambda: nt.clean(texel, return_counts=True),
-        "clean, a mirrored view": lambda: nt.clean(texel[::-1, ::-1]),
+        "clean": lambda: nt.clean(texel, type="standard"),
+        "clean, 16 bit": lambda: nt.clean(deep, type="standard"),
+        "clean, float": lambda: nt.clean(floats, type="standard"),
+        "clean, counts": lambda: nt.clean_with_counts(texel, type="standard"),
+        "clean, a mirrored view": lambda: nt.clean(texel[::-1, ::-1], type="standard"),
         'clean, type="auto"': lambda: nt.clean(texel, type="auto"),
         'clean, type="auto", method="auto"': lambda: nt.clean(texel, type="auto", method="auto"),
-        "validate": lambda: nt.validate(texel),
-        "inspect": lambda: nt.inspect(texel, 0, 0),
+        "validate": lambda: nt.validate(texel, type="standard"),
+        "inspect": lambda: nt.inspect(texel, 0, 0, type="standard"),
         "convert": lambda: nt.convert(texel, to="zzero"),
         "convert, to DXT5nm": lambda: nt.convert(texel, channels="1y0x"),
         "decode": lambda: nt.decode(texel),
         "encode": lambda: nt.encode(vector),
-        "heatmap": lambda: nt.heatmap(texel),
+        "heatmap": lambda: nt.heatmap(texel, type="standard"),
         'heatmap, type="auto"': lambda: nt.heatmap(texel, type="auto"),
-        "shade": lambda: nt.shade(texel),
-        "transform": lambda: nt.transform(texel, flip="x"),
-        "transform, strength": lambda: nt.transform(texel, strength=2),
-        "blend": lambda: nt.blend(texel, texel),
-        "resize": lambda: nt.resize(texel, size=(1, 1)),
-        "resize, to 2 x 2": lambda: nt.resize(texel, size=(2, 2), filter="lanczos3"),
-        "mip_chain": lambda: nt.mip_chain(texel),
+        "shade": lambda: nt.shade(texel, type="standard"),
+        "transform": lambda: nt.transform(texel, type="standard", flip="x"),
+        "transform, strength": lambda: nt.transform(texel, type="standard", strength=2),
+        "blend": lambda: nt.blend(texel, texel, type="standard"),
+        "resize": lambda: nt.resize(texel, type="standard", size=(1, 1)),
+        "resize, to 2 x 2": lambda: nt.resize(
+            texel, type="standard", size=(2, 2), filter="lanczos3"
+        ),
+        "mip_chain": lambda: nt.mip_chain(texel, type="standard"),
         "normals_from_height": lambda: nt.normals_from_height(gray, scale=1),
         "normals_from_height, 5 settings": lambda: nt.normals_from_height(
             gray, scale=1, kernel="sobel3", border="clamp", to="xy", to_y="down", depth=16
         ),
-        "height_from_normals": lambda: nt.height_from_normals(texel),
-        'height_from_normals, from_="auto"': lambda: nt.height_from_normals(texel, from_="auto"),
-        "height_from_normals, info": lambda: nt.height_from_normals(texel, return_info=True),
+        "height_from_normals": lambda: nt.height_from_normals(texel, type="standard"),
+        'height_from_normals, type="auto"': lambda: nt.height_from_normals(texel),
+        "height_from_normals, info": lambda: nt.height_from_normals_with_info(
+            texel, type="standard"
+        ),
         "height_from_rows": lambda: nt.height_from_rows(
             lambda y, n: texel, lambda y, rows: None, lambda y, n: heights, shape=(1, 1, 3)
         ),
         "detect_orientation": lambda: nt.detect_orientation(texel),
-        "find_origin": lambda: nt.find_origin(texel),
+        "find_kernel": lambda: nt.find_kernel(texel),
         "find_seams": lambda: nt.find_seams(texel),
         "find_steps": lambda: nt.find_steps(texel),
-        "compare": lambda: nt.compare(texel, texel),
+        "compare": lambda: nt.compare(texel, texel, type="standard"),
         "measure": lambda: nt.measure(texel),
         "measure, and a number of it": lambda: nt.measure(texel).standard.neighbor,
         "measure, 16 bit": lambda: nt.measure(deep),

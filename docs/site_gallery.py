@@ -36,7 +36,7 @@ ENTRIES = [
         (
             "fine = nt.normals_from_height(noisy, scale=14)\n"
             'wide = nt.normals_from_height(noisy, scale=14, kernel="gimp9")\n'
-            "soft = nt.normals_from_height(noisy, scale=14, blur=3)"
+            "soft = nt.normals_from_height(nt.blur_height(noisy, 3), scale=14)"
         ),
         {
             "central, lit": "nt.shade(fine)",
@@ -47,7 +47,7 @@ ENTRIES = [
     (
         "Which way is green",
         "The same surface for OpenGL and for DirectX; read the wrong way, bumps are dents.",
-        'down = nt.convert(normals, from_y="up", to_y="down")',
+        'down = nt.convert(normals, to_y="down")',
         {
             "green up": "normals",
             "green down": "down",
@@ -104,7 +104,7 @@ ENTRIES = [
         "Heights from normals",
         "The surface behind the normals, and what is left to the height map above.",
         (
-            'again, info = nt.height_from_normals(normals, kernel="sobel3", return_info=True)\n'
+            'again, info = nt.height_from_normals_with_info(normals, kernel="sobel3")\n'
             "shape = (again - info.offset) / info.scale"
         ),
         {"normals": "normals", "heights": "gray(shape)", "difference times 100": "difference"},

@@ -33,7 +33,7 @@ python_tests() {
     site=$(cd build-python && python -c 'import normaltexture; print(*normaltexture.__path__)')
     python -m pytest -q -p no:cacheprovider bindings/python/tests "$@"
     PYTHONPATH=bindings/python/tests python -m pytest -q -p no:cacheprovider -c /dev/null \
-        --rootdir "$site" -p doctest_place --doctest-modules "$site"
+        --rootdir "$site" -p pysupport.doctest_place --doctest-modules "$site"
 }
 
 python_clean_install() { # with nothing but what the wheel's metadata asks for
@@ -93,7 +93,7 @@ docs_site() { # without the network: what it takes is in .venv-python
 
 docs_examples() {
     PYTHONPATH=bindings/python/tests python -m pytest -q -p no:cacheprovider -c /dev/null \
-        --rootdir docs -p doctest_place --doctest-glob='*.md' docs/tutorial-pipelines.md
+        --rootdir docs -p pysupport.doctest_place --doctest-glob='*.md' docs/tutorial-pipelines.md
 }
 
 docs() {

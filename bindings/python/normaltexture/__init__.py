@@ -3,7 +3,8 @@
 
 Functions take numpy arrays of shape (height, width) or (height, width, channels), row 0 at the top,
 of uint8, uint16 or float32 samples, and return new ones or fill `out`.  Names, strings and defaults
-are those of the command line.  Results are the same bytes on every machine.
+are those of the command line: `type` and `y` say what an array is, `to` and `to_y` what the result
+shall be.  Results are the same bytes on every machine.
 
 >>> import normaltexture as nt
 >>> texture = nt.read("wall_n.png")
@@ -15,9 +16,11 @@ False
 True
 """
 
+from ._blur import blur_height
+from ._channels import pack_channels
 from ._classify import Classification, MethodChoice, choose_method, classify
-from ._clean import CleanCounts, clean
-from ._convert import ConvertCounts, convert, decode, encode
+from ._clean import CleanCounts, clean, clean_with_counts
+from ._convert import ConvertCounts, convert, convert_with_counts
 from ._errors import (
     ArgumentError,
     CancelledError,
@@ -28,8 +31,13 @@ from ._errors import (
     SampleTypeError,
     Status,
 )
-from ._files import ImageInfo, read, read_info, write
-from ._height import GradientCounts, normals_from_height
+from ._files import ImageInfo, read, read_info, read_with_info, write
+from ._height import (
+    NormalsCounts,
+    like,
+    normals_from_height,
+    normals_from_height_with_counts,
+)
 from ._measure import (
     Angles,
     Channel,
@@ -42,12 +50,13 @@ from ._native import ffi as _ffi
 from ._native import lib as _lib
 from ._operations import blend, mip_chain, resize, transform
 from ._orientation import Orientation, detect_orientation
-from ._origin import Origin, Seam, Steps, find_origin, find_seams, find_steps
+from ._origin import KernelFit, Seam, Steps, find_kernel, find_seams, find_steps
 from ._pictures import Difference, Light, compare, heatmap, shade
 from ._program import CheckedFile, CheckReport, Finding, check, program
-from ._reconstruct import HeightInfo, height_from_normals
+from ._reconstruct import HeightInfo, height_from_normals, height_from_normals_with_info
 from ._rows import height_from_rows
 from ._validate import Flag, Texel, inspect, validate
+from ._vectors import decode, encode
 
 _version: int = _lib.ntp_version()
 __version__ = f"{_version >> 16}.{_version >> 8 & 255}.{_version & 255}"
@@ -70,15 +79,15 @@ __all__ = [
     "Finding",
     "Fit",
     "Flag",
-    "GradientCounts",
     "HeightInfo",
     "ImageInfo",
+    "KernelFit",
     "Light",
     "MethodChoice",
     "NormalTextureError",
+    "NormalsCounts",
     "NotConvergedError",
     "Orientation",
-    "Origin",
     "SampleTypeError",
     "Seam",
     "Stats",
@@ -88,29 +97,37 @@ __all__ = [
     "Texel",
     "__version__",
     "blend",
+    "blur_height",
     "check",
     "choose_method",
     "classify",
     "clean",
+    "clean_with_counts",
     "codecs",
     "compare",
     "convert",
+    "convert_with_counts",
     "decode",
     "detect_orientation",
     "encode",
-    "find_origin",
+    "find_kernel",
     "find_seams",
     "find_steps",
     "heatmap",
     "height_from_normals",
+    "height_from_normals_with_info",
     "height_from_rows",
     "inspect",
+    "like",
     "measure",
     "mip_chain",
     "normals_from_height",
+    "normals_from_height_with_counts",
+    "pack_channels",
     "program",
     "read",
     "read_info",
+    "read_with_info",
     "resize",
     "shade",
     "transform",

@@ -10,43 +10,37 @@ way out.
 from collections.abc import Callable, Mapping
 from operator import itemgetter
 from struct import Struct
-from typing import Any, Literal, TypeAlias, TypeVar
+from typing import Any, TypeAlias, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ._errors import ArgumentError, SampleTypeError, Status
+from ._names import HEIGHT, STANDARD, VECTOR, XY, ZZERO
 from ._native import ffi, lib
 
-Pixels: TypeAlias = NDArray[np.uint8] | NDArray[np.uint16] | NDArray[np.float32]
-Type: TypeAlias = Literal["standard", "zzero", "xy", "vector"]
-AnyType: TypeAlias = Literal["auto", "standard", "zzero", "xy", "vector"]
-MeasuredType: TypeAlias = Type | Literal["height"]
-Y: TypeAlias = Literal["up", "down"]
-Depth: TypeAlias = Literal[8, 16, "float"]
 T = TypeVar("T")
 _Members: TypeAlias = tuple[tuple[str, ...], Callable[[tuple[Any, ...]], tuple[Any, ...]]]
 
-ENCODINGS: dict[str, int] = {"standard": 0, "zzero": 1, "xy": 2, "vector": 3}
-HEIGHT = 4
-MEASURED: dict[str, int] = ENCODINGS | {"height": HEIGHT}
-YS: dict[str, int] = {"up": 0, "down": 1}
 DEPTHS: dict[Any, np.dtype[Any]] = {
     8: np.dtype(np.uint8),
     16: np.dtype(np.uint16),
     "float": np.dtype(np.float32),
 }
-TOUCH_NONE, TOUCH_ALL = 0, 7
 MOST = 1.7e308  # within the range of a double
 
-SAMPLE_TYPES = {np.dtype(np.uint8): 0, np.dtype(np.uint16): 1, np.dtype(np.float32): 2}
-_KINDS = {"u1": 0, "u2": 1, "f4": 2}
-CHANNELS = {0: (3, 4), 1: (3, 4), 2: (2, 4), 3: (3, 4), HEIGHT: (1, 4)}
+SAMPLE_TYPES: dict[np.dtype[Any], int] = {
+    np.dtype(np.uint8): lib.NTP_TYPE_U8,
+    np.dtype(np.uint16): lib.NTP_TYPE_U16,
+    np.dtype(np.float32): lib.NTP_TYPE_F32,
+}
+_KINDS = {dtype.str[1:] for dtype in SAMPLE_TYPES}  # in any byte order
+CHANNELS = {STANDARD: (3, 4), ZZERO: (3, 4), XY: (2, 4), VECTOR: (3, 4), HEIGHT: (1, 4)}
 MAX_SIDE: int = lib.NTP_MAX_SIDE
 _MOST_IDLE = 2  # pieces of memory that a pool keeps
 _CODES = {"uint64_t": "Q", "uint32_t": "I", "int32_t": "i", "double": "d"}
 _ALIGNED = "0Q"  # of the module struct: aligned as a struct with members of 8 bytes is
-_OVERLAP_WORK = 10_000  # steps that numpy may take to tell whether two arrays share memory
+_OVERLAP_WORK: Any = 10_000  # steps that numpy may take to tell whether two arrays share memory
 
 
 def choose(name: str, value: Any, table: Mapping[Any, T]) -> T:
@@ -105,7 +99,13 @@ def _is_viewable(array: NDArray[Any]) -> bool:
     return strides[0] % size == 0 and strides[1] % size == 0 and array.flags.aligned
 
 
-def view(name: str, array: NDArray[Any], encoding: int, y: int = 0, writable: bool = False) -> Any:
+def view(
+    name: str,
+    array: NDArray[Any],
+    encoding: int,
+    y: int = lib.NTP_Y_UP,
+    writable: bool = False,
+) -> Any:
     """An ntp_image or ntp_const_image of an array, which the caller keeps alive."""
     shape, strides = array.shape, array.strides
     channels = shape[2] if len(shape) == 3 else 1
@@ -120,7 +120,7 @@ def view(name: str, array: NDArray[Any], encoding: int, y: int = 0, writable: bo
             f"{name}: {low} to {high} channels are needed, the shape is {shape}", Status.FORMAT
         )
     kind = SAMPLE_TYPES[array.dtype]
-    if encoding == 3 and kind != 2:
+    if encoding == VECTOR and kind != lib.NTP_TYPE_F32:
         raise SampleTypeError(f'{name}: type "vector" needs float32 samples, not {array.dtype}')
     # the quicker way to the address; it takes memory without gaps, which one pixel is
     data = ffi.from_buffer(array if array.flags.c_contiguous else array[:1, :1])
@@ -182,7 +182,7 @@ class Output:
                 shares = np.shares_memory(
                     self.array,
                     source,
-                    max_work=_OVERLAP_WORK,  # type: ignore[arg-type]
+                    max_work=_OVERLAP_WORK,
                 )
             except np.exceptions.TooHardError:
                 shares = True

@@ -2,38 +2,22 @@
 """What the statistics of a texture say it is, and how it is best cleaned."""
 
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any, Literal, overload
 
-from numpy.typing import ArrayLike, NDArray
+import numpy as np
+from numpy.typing import NDArray
 
-from ._arrays import ENCODINGS, AnyType, MeasuredType, Type, choose, pixels
+from ._arrays import choose, pixels
 from ._errors import ArgumentError, check
 from ._measure import Tally, _made, _Result, tally
+from ._names import ACCIDENTS, AUTO, CLASSES, CLEAN_METHODS, STANDARD, TYPES, VECTOR, names_of
 from ._native import ffi, lib
+from .typing import AnyPixels, AutoType, ChosenMethod, Class, MeasuredType, Stored, Type
 
-Class = Literal["standard", "zzero", "xy", "height", "object-space", "one-color", "not-normals"]
-CLASSES: tuple[Class, ...] = (
-    "standard",
-    "zzero",
-    "xy",
-    "height",
-    "object-space",
-    "one-color",
-    "not-normals",
-)
-ACCIDENTS = {
-    1: "gamma",
-    2: "red-is-z",
-    4: "green-is-z",
-    8: "dxt5nm",
-    16: "lossy",
-    32: "filtered",
-    64: "z-flipped",
-    128: "blue-constant",
-}
-
-_METHODS: tuple[Literal["derive", "normalize", "keep"], ...] = ("derive", "normalize", "keep")
+_CLASS_NAMES: Any = names_of(CLASSES)
+_METHOD_NAMES: Any = names_of(CLEAN_METHODS)
 _CLAUSE = 128  # bytes of a reason, as a rule
+_SURE = 0.8  # of a class that `ntp diff` takes for granted
 _COLOR = 3  # channels; fewer are gray, or gray and alpha, which may be x and y
 
 
@@ -71,7 +55,7 @@ def _reason(reason: Any) -> str:
 
 
 def _measured(
-    src: ArrayLike | Tally, type: MeasuredType, touch_unused: bool, threads: int
+    src: AnyPixels | Tally, type: MeasuredType, touch_unused: bool, threads: int
 ) -> Tally:
     return src if isinstance(src, Tally) else tally(src, type, touch_unused, threads)
 
@@ -88,16 +72,16 @@ def _classification(measured: Tally) -> Classification:
     return _made(
         Classification,
         {
-            "type": CLASSES[found.type],
+            "type": _CLASS_NAMES[found.type],
             "confidence": found.confidence,
-            "accidents": tuple([n for bit, n in ACCIDENTS.items() if found.accidents & bit]),
+            "accidents": tuple([n for n, bit in ACCIDENTS.items() if found.accidents & bit]),
             "reasons": tuple([_reason(reasons + i) for i in range(found.reason_count)]),
         },
     )
 
 
 def classify(
-    src: ArrayLike | Tally, *, touch_unused: bool = False, threads: int = 1
+    src: AnyPixels | Tally, *, touch_unused: bool = False, threads: int = 1
 ) -> Classification:
     """Tell standard, Z-zero and XY-only textures from heights, photographs and other maps.
 
@@ -140,12 +124,28 @@ def classify(
 class MethodChoice(_Result):
     """The cleaning method for which a texture's errors speak, and the evidence."""
 
-    method: Literal["derive", "normalize", "keep"]
+    method: ChosenMethod
     reason: str
 
 
+@overload
 def choose_method(
-    src: ArrayLike | Tally, *, type: Type = "standard", lossy: bool = False, threads: int = 1
+    src: NDArray[np.float32] | Tally,
+    *,
+    type: Literal["vector"],
+    lossy: bool = ...,
+    threads: int = ...,
+) -> MethodChoice: ...
+@overload
+def choose_method(
+    src: AnyPixels | Tally,
+    *,
+    type: Stored = ...,
+    lossy: bool = ...,
+    threads: int = ...,
+) -> MethodChoice: ...
+def choose_method(
+    src: AnyPixels | Tally, *, type: Type = "standard", lossy: bool = False, threads: int = 1
 ) -> MethodChoice:
     """Find the cleaning method for which a texture's errors speak.
 
@@ -166,47 +166,62 @@ def choose_method(
         "keep" where every used texel is an honest rounding, "normalize" where all three channels
         err together, as after lossy compression or resizing, "derive" otherwise.
     """
-    encoding = choose("type", type, ENCODINGS)
+    encoding = _as_read(choose("type", type, TYPES))
     measured = _measured(src, type, False, threads)
     method, why = ffi.new("ntp_clean_method *"), ffi.new("ntp_reason *")
-    tally = measured._pointer
-    check(lib.ntp_choose_method(method, why, tally, encoding % 3, bool(lossy)), "choose_method")
-    return MethodChoice(_METHODS[method[0]], _reason(why))
+    counts = measured._pointer
+    check(lib.ntp_choose_method(method, why, counts, encoding, bool(lossy)), "choose_method")
+    return MethodChoice(_METHOD_NAMES[method[0]], _reason(why))
 
 
-def resolve(src: NDArray[Any], type: AnyType, threads: int) -> Type:
+def _as_read(encoding: int) -> int:
+    """What the samples are read as: vectors are judged as standard levels."""
+    return STANDARD if encoding == VECTOR else encoding
+
+
+def resolve(src: NDArray[Any], type: AutoType, threads: int, name: str = "src") -> Type:
     """The argument `type`, "auto" found out as the command line does."""
     if type != "auto":
-        choose("type", type, {"auto": 0} | ENCODINGS)
+        choose("type", type, {"auto": AUTO} | TYPES)
         return type
-    return _type_of(_measured(src, _natural_type(src), False, threads))
+    return _type_of(_measured(src, _natural_type(src), False, threads), name)
 
 
-def resolve_both(src: NDArray[Any], type: AnyType, method: int, threads: int) -> tuple[Type, int]:
-    """The arguments `type` and, less than 0 for "auto", `method` of `clean`."""
+def likely(src: NDArray[Any], threads: int) -> MeasuredType:
+    """What an array is compared as: as the texels tell, where they are sure; never refused."""
+    if src.ndim < _COLOR or src.shape[2] == 1:
+        return "height"
+    found = _classification(_measured(src, _natural_type(src), False, threads))
+    if found.type == "xy" or (found.type == "zzero" and found.confidence >= _SURE):
+        return found.type
+    return "height" if src.shape[2] < _COLOR else "standard"
+
+
+def resolve_both(src: NDArray[Any], type: AutoType, method: int, threads: int) -> tuple[Type, int]:
+    """The arguments `type` and, AUTO for "auto", `method` of `clean`."""
     measured = _natural_type(src) if type == "auto" else type
     counted = _measured(src, measured, False, threads)
     found = _type_of(counted) if type == "auto" else type
-    if method < 0:
+    if method == AUTO:
         if found != measured:
             counted = _measured(src, found, False, threads)
         chosen = ffi.new("ntp_clean_method *")
-        encoding = choose("type", found, ENCODINGS) % 3
+        encoding = _as_read(choose("type", found, TYPES))
         check(lib.ntp_choose_method(chosen, ffi.NULL, counted._pointer, encoding, 0), "clean")
         method = chosen[0]
     return found, method
 
 
-def _type_of(measured: Tally) -> Type:
+def _type_of(measured: Tally, name: str = "src") -> Type:
     result = ffi.new("ntp_classification *")
     check(lib.ntp_classify(result, measured._pointer), "classify")
-    name: Class = CLASSES[result.type]
-    if name == "standard" or name == "one-color":
+    kind: Class = _CLASS_NAMES[result.type]
+    if kind == "standard" or kind == "one-color":
         return "standard"
-    if name == "zzero" or name == "xy":
-        return name
+    if kind == "zzero" or kind == "xy":
+        return kind
     because = "; ".join(_classification(measured).reasons)
     raise ArgumentError(
-        f'type="auto": src looks like {name}, not like a normals texture ({because});'
+        f'type="auto": {name} looks like {kind}, not like a normals texture ({because});'
         ' name its type to go on, such as type="standard"'
     )

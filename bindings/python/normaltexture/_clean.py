@@ -4,33 +4,21 @@
 from collections.abc import Iterable
 from dataclasses import dataclass
 from threading import Lock
-from typing import Any, Literal, overload
+from typing import Any, Literal, Unpack, overload
 
-from numpy.typing import ArrayLike
+import numpy as np
+from numpy.typing import NDArray
 
-from ._arrays import (
-    ENCODINGS,
-    TOUCH_ALL,
-    TOUCH_NONE,
-    AnyType,
-    Output,
-    Pixels,
-    choose,
-    memory,
-    pixels,
-    view,
-)
+from ._arrays import Output, choose, memory, pixels, view
 from ._classify import resolve_both
 from ._errors import check
 from ._measure import _Result
+from ._names import AUTO, CLEAN_METHODS, TOUCH_ALL, TOUCH_NONE, TYPES, VERDICTS
 from ._native import ffi, lib
 from ._threads import COPYING, QUICK, run
+from .typing import AnyPixels, AutoStored, AutoType, CleanHow, CleanMethod, SampleT, Verdict
 
-Method = Literal["derive", "normalize", "auto"]
-Verdict = Literal["neighbor", "rounded", "exact"]
-
-_METHODS = {"derive": 0, "normalize": 1, "auto": -1, "keep": 2}
-VERDICTS = {"neighbor": 0, "rounded": 1, "exact": 2}
+_METHODS = {name: CLEAN_METHODS[name] for name in ("derive", "normalize")} | {"auto": AUTO}
 
 # A plan is a table of 320 KiB that makes cleaning 8-bit images as fast as copying them; making it
 # costs about as much as cleaning this many texels without one.
@@ -70,54 +58,41 @@ def _plan(encoding: int, how: tuple[int, ...], options: Any) -> Any:
 
 @overload
 def clean(
-    src: ArrayLike,
+    src: NDArray[np.float32],
     *,
-    type: AnyType = ...,
-    method: Method = ...,
-    verdict: Verdict = ...,
-    only_failing: bool = ...,
-    keep_negative_z: bool = ...,
-    touch_unused: bool = ...,
-    return_counts: Literal[False] = ...,
-    out: Pixels | None = ...,
-    threads: int = ...,
-) -> Pixels: ...
+    type: Literal["vector"],
+    out: NDArray[np.float32] | None = ...,
+    **how: Unpack[CleanHow],
+) -> NDArray[np.float32]: ...
 @overload
 def clean(
-    src: ArrayLike,
+    src: NDArray[SampleT],
     *,
-    type: AnyType = ...,
-    method: Method = ...,
-    verdict: Verdict = ...,
-    only_failing: bool = ...,
-    keep_negative_z: bool = ...,
-    touch_unused: bool = ...,
-    return_counts: Literal[True],
-    out: Pixels | None = ...,
-    threads: int = ...,
-) -> tuple[Pixels, CleanCounts]: ...
+    type: AutoStored = ...,
+    out: NDArray[SampleT] | None = ...,
+    **how: Unpack[CleanHow],
+) -> NDArray[SampleT]: ...
 def clean(
-    src: ArrayLike,
+    src: AnyPixels,
     *,
-    type: AnyType = "standard",
-    method: Method = "derive",
+    type: AutoType = "auto",
+    method: CleanMethod = "derive",
     verdict: Verdict = "neighbor",
     only_failing: bool = False,
     keep_negative_z: bool = False,
     touch_unused: bool = False,
-    return_counts: bool = False,
-    out: Pixels | None = None,
+    out: NDArray[Any] | None = None,
     threads: int = 1,
-) -> Pixels | tuple[Pixels, CleanCounts]:
+) -> NDArray[Any]:
     """Repair normals: each texel becomes a unit vector.  Cleaning twice changes nothing more.
 
     Parameters
     ----------
     src : array, (height, width, channels), uint8, uint16 or float32
         A normals texture of 3 or 4 channels (`"xy"`: 2 to 4).  It is not written.
-    type : {"standard", "zzero", "xy", "vector", "auto"}
+    type : {"auto", "standard", "zzero", "xy", "vector"}
         How a normal is stored.  "auto" finds out by the texels, as `ntp clean` does, and refuses
-        what is no normals texture.
+        what is no normals texture.  "vector": the components as they are, float32.
     method : {"derive", "normalize", "auto"}
         "derive": keep x and y (pulled onto the unit disc where too long), compute z.  "normalize":
         divide each vector that is no honest rounding by its length; better after lossy compression
@@ -130,8 +105,6 @@ def clean(
         A negative z stays negative; otherwise it is mirrored first.
     touch_unused : bool
         Repair pure black, pure white and transparent texels too.
-    return_counts : bool
-        Return `CleanCounts` as well.
     out : array like src, optional
         Where to write; it may be `src` itself.
     threads : int
@@ -139,7 +112,7 @@ def clean(
 
     Returns
     -------
-    array like src, or (array, CleanCounts)
+    array like src
         Alpha, and the third channel of `"xy"`, are copied.
 
     Raises
@@ -155,15 +128,91 @@ def clean(
     Examples
     --------
     >>> import numpy as np, normaltexture as nt
-    >>> nt.clean(np.array([[[200, 100, 10], [255, 255, 128]]], np.uint8))
+    >>> nt.clean(np.array([[[200, 100, 10], [255, 255, 128]]], np.uint8), type="standard")
     array([[[200, 100, 229],
             [217, 217, 143]]], dtype=uint8)
     """
+    return _clean(
+        src, type, method, verdict, only_failing, keep_negative_z, touch_unused, out, threads
+    )[0]
+
+
+@overload
+def clean_with_counts(
+    src: NDArray[np.float32],
+    *,
+    type: Literal["vector"],
+    out: NDArray[np.float32] | None = ...,
+    **how: Unpack[CleanHow],
+) -> tuple[NDArray[np.float32], CleanCounts]: ...
+@overload
+def clean_with_counts(
+    src: NDArray[SampleT],
+    *,
+    type: AutoStored = ...,
+    out: NDArray[SampleT] | None = ...,
+    **how: Unpack[CleanHow],
+) -> tuple[NDArray[SampleT], CleanCounts]: ...
+def clean_with_counts(
+    src: AnyPixels,
+    *,
+    type: AutoType = "auto",
+    method: CleanMethod = "derive",
+    verdict: Verdict = "neighbor",
+    only_failing: bool = False,
+    keep_negative_z: bool = False,
+    touch_unused: bool = False,
+    out: NDArray[Any] | None = None,
+    threads: int = 1,
+) -> tuple[NDArray[Any], CleanCounts]:
+    """Repair normals, and count what was changed.
+
+    Parameters
+    ----------
+    src, type, method, verdict, only_failing, keep_negative_z, touch_unused, out, threads
+        As in `clean`.
+
+    Returns
+    -------
+    (array like src, CleanCounts)
+
+    Raises
+    ------
+    ArgumentError, SampleTypeError
+        As `clean`.
+
+    Examples
+    --------
+    >>> import normaltexture as nt
+    >>> cleaned, counts = nt.clean_with_counts(nt.read("wall_n.png"))
+    >>> counts.changed
+    268
+    """
+    result, parts = _clean(
+        src, type, method, verdict, only_failing, keep_negative_z, touch_unused, out, threads
+    )
+    return result, CleanCounts(
+        sum(part.changed for part in parts), sum(part.not_finite for part in parts)
+    )
+
+
+def _clean(
+    src: AnyPixels,
+    type: AutoType,
+    method: CleanMethod,
+    verdict: Verdict,
+    only_failing: bool,
+    keep_negative_z: bool,
+    touch_unused: bool,
+    out: Any,
+    threads: int,
+) -> tuple[NDArray[Any], list[Any]]:
+    """The array, and an ntp_clean_counts for each part of the work."""
     source = pixels("src", src)
     code = choose("method", method, _METHODS)
-    if type == "auto" or code < 0:
+    if type == "auto" or code == AUTO:
         type, code = resolve_both(source, type, code, threads)
-    encoding = choose("type", type, ENCODINGS)
+    encoding = choose("type", type, TYPES)
     how = (
         code,
         int(bool(keep_negative_z)),
@@ -178,7 +227,7 @@ def clean(
         output.apart_from(True, src=source)
     dst = view("out", output.array, encoding, writable=True)
     plan = ffi.NULL
-    if src_view.type == 0 and source.shape[0] * source.shape[1] >= _PLAN_PAYS:
+    if src_view.type == lib.NTP_TYPE_U8 and source.shape[0] * source.shape[1] >= _PLAN_PAYS:
         plan = _plan(encoding, how, options)
 
     def work(areas: Iterable[Any]) -> Any:
@@ -187,11 +236,8 @@ def clean(
             check(lib.ntp_clean(dst, src_view, options, plan, counts, area), "clean")
         return counts
 
-    grain = COPYING if code == 0 and src_view.type < 2 else QUICK
+    is_quick = code == lib.NTP_CLEAN_DERIVE and source.dtype.kind == "u"
+    grain = COPYING if is_quick else QUICK
     parts = run(threads, source.shape[1], source.shape[0], work, grain)
-    result: Pixels = output.finish()
-    if not return_counts:
-        return result
-    return result, CleanCounts(
-        sum(part.changed for part in parts), sum(part.not_finite for part in parts)
-    )
+    result: NDArray[Any] = output.finish()
+    return result, parts

@@ -7,6 +7,7 @@ import signal
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from fnmatch import fnmatch
+from io import TextIOWrapper
 from typing import Any, NoReturn
 
 from . import _ntp
@@ -176,8 +177,9 @@ def run(
 ) -> int:
     """Parses, works, and turns what goes wrong into a message and an exit code."""
     try:
-        sys.stdout.reconfigure(errors="backslashreplace")  # type: ignore[union-attr]
-        sys.stderr.reconfigure(errors="backslashreplace")  # type: ignore[union-attr]
+        for stream in (sys.stdout, sys.stderr):
+            if isinstance(stream, TextIOWrapper):
+                stream.reconfigure(errors="backslashreplace")
         code = work(options.parse_args(argv))
         sys.stdout.flush()
         return code

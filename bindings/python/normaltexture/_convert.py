@@ -1,38 +1,34 @@
 # SPDX-License-Identifier: MIT
-"""Between encodings, depths, directions of green, and float vectors."""
+"""Between encodings, depths and directions of green."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Any, Literal, cast, overload
+from typing import Any, Literal, Unpack, overload
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from ._arrays import (
-    DEPTHS,
-    HEIGHT,
-    MEASURED,
-    TOUCH_ALL,
-    TOUCH_NONE,
-    YS,
-    Depth,
-    MeasuredType,
-    Output,
-    Pixels,
-    Type,
-    Y,
-    choose,
-    pixels,
-    view,
-)
+from ._arrays import DEPTHS, choose, pixels, view
 from ._channels import Packed, unpacked
 from ._errors import ArgumentError, SampleTypeError, Status, check
 from ._measure import _Result
+from ._names import BLUES, HEIGHT, MEASURED, TOUCH_ALL, TOUCH_NONE, VECTOR, XY, YS
 from ._native import ffi, lib
 from ._threads import QUICK, THOROUGH, run
+from .typing import (
+    AnyPixels,
+    Blue,
+    ConvertHow,
+    Depth,
+    MeasuredType,
+    SampleT,
+    Stored,
+    Type,
+    Y,
+)
 
-Blue = Literal["derived", "nearest"]
-BLUES = {"derived": 0, "nearest": 1}
+# What an array of integers or floats holds; "vector" is of floats only.
+_Kept = Literal["standard", "zzero", "xy", "height"]
 
 
 @dataclass(frozen=True)
@@ -62,10 +58,10 @@ def _depth_of(source: NDArray[Any], depth: Depth | None, to: str) -> np.dtype[An
     return source.dtype.newbyteorder("=") if depth is None else choose("depth", depth, DEPTHS)
 
 
-def _only_heights(from_: str, to: str, channels: str | None, from_channels: str | None) -> None:
-    if from_ != to:
+def _only_heights(type: str, to: str, channels: str | None, from_channels: str | None) -> None:
+    if type != to:
         raise ArgumentError(
-            f"from_={from_!r}, to={to!r}: normals_from_height and height_from_normals do that",
+            f"type={type!r}, to={to!r}: normals_from_height and height_from_normals do that",
             Status.FORMAT,
         )
     if channels is not None or from_channels is not None:
@@ -74,54 +70,99 @@ def _only_heights(from_: str, to: str, channels: str | None, from_channels: str 
 
 @overload
 def convert(
-    src: ArrayLike,
+    src: NDArray[SampleT],
     *,
-    from_: MeasuredType = ...,
-    to: MeasuredType = ...,
-    from_y: Y = ...,
-    to_y: Y = ...,
-    depth: Depth | None = ...,
-    blue: Blue = ...,
-    channels: str | None = ...,
-    from_channels: str | None = ...,
-    touch_unused: bool = ...,
-    return_counts: Literal[False] = ...,
-    out: Pixels | None = ...,
-    threads: int = ...,
-) -> Pixels: ...
+    type: _Kept = ...,
+    to: _Kept = ...,
+    depth: None = ...,
+    out: NDArray[SampleT] | None = ...,
+    **how: Unpack[ConvertHow],
+) -> NDArray[SampleT]: ...
 @overload
 def convert(
-    src: ArrayLike,
+    src: AnyPixels,
     *,
-    from_: MeasuredType = ...,
-    to: MeasuredType = ...,
-    from_y: Y = ...,
-    to_y: Y = ...,
-    depth: Depth | None = ...,
-    blue: Blue = ...,
-    channels: str | None = ...,
-    from_channels: str | None = ...,
-    touch_unused: bool = ...,
-    return_counts: Literal[True],
-    out: Pixels | None = ...,
-    threads: int = ...,
-) -> tuple[Pixels, ConvertCounts]: ...
+    type: _Kept = ...,
+    to: _Kept = ...,
+    depth: Literal[8],
+    out: NDArray[np.uint8] | None = ...,
+    **how: Unpack[ConvertHow],
+) -> NDArray[np.uint8]: ...
+@overload
 def convert(
-    src: ArrayLike,
+    src: AnyPixels,
     *,
-    from_: MeasuredType = "standard",
+    type: _Kept = ...,
+    to: _Kept = ...,
+    depth: Literal[16],
+    out: NDArray[np.uint16] | None = ...,
+    **how: Unpack[ConvertHow],
+) -> NDArray[np.uint16]: ...
+@overload
+def convert(
+    src: AnyPixels,
+    *,
+    type: _Kept = ...,
+    to: MeasuredType = ...,
+    depth: Literal["float"],
+    out: NDArray[np.float32] | None = ...,
+    **how: Unpack[ConvertHow],
+) -> NDArray[np.float32]: ...
+@overload
+def convert(
+    src: AnyPixels,
+    *,
+    type: _Kept = ...,
+    to: Literal["vector"],
+    depth: None = ...,
+    out: NDArray[np.float32] | None = ...,
+    **how: Unpack[ConvertHow],
+) -> NDArray[np.float32]: ...
+@overload
+def convert(
+    src: NDArray[np.float32],
+    *,
+    type: Literal["vector"],
+    to: Type = ...,
+    depth: Literal["float"] | None = ...,
+    out: NDArray[np.float32] | None = ...,
+    **how: Unpack[ConvertHow],
+) -> NDArray[np.float32]: ...
+@overload
+def convert(
+    src: NDArray[np.float32],
+    *,
+    type: Literal["vector"],
+    to: Stored = ...,
+    depth: Literal[8],
+    out: NDArray[np.uint8] | None = ...,
+    **how: Unpack[ConvertHow],
+) -> NDArray[np.uint8]: ...
+@overload
+def convert(
+    src: NDArray[np.float32],
+    *,
+    type: Literal["vector"],
+    to: Stored = ...,
+    depth: Literal[16],
+    out: NDArray[np.uint16] | None = ...,
+    **how: Unpack[ConvertHow],
+) -> NDArray[np.uint16]: ...
+def convert(
+    src: AnyPixels,
+    *,
+    type: MeasuredType = "standard",
     to: MeasuredType = "standard",
-    from_y: Y = "up",
+    y: Y = "up",
     to_y: Y = "up",
     depth: Depth | None = None,
     blue: Blue = "derived",
     channels: str | None = None,
     from_channels: str | None = None,
     touch_unused: bool = False,
-    return_counts: bool = False,
-    out: Pixels | None = None,
+    out: NDArray[Any] | None = None,
     threads: int = 1,
-) -> Pixels | tuple[Pixels, ConvertCounts]:
+) -> NDArray[Any]:
     """Change encoding, depth or the direction of green.  Nothing is repaired.
 
     Each sample goes over by value, correctly rounded; a flip of green is M - g.  A texel whose
@@ -131,11 +172,11 @@ def convert(
     ----------
     src : array, (height, width, channels), uint8, uint16 or float32
         A normals texture of 3 or 4 channels (`"xy"`: 2 to 4).
-    from_, to : {"standard", "zzero", "xy", "vector", "height"}
+    type, to : {"standard", "zzero", "xy", "vector", "height"}
         How a normal is stored, before and after.  From `"xy"` blue is derived; `"xy"` of 3 or 4
         channels gets blue M (255, 65535 or 1).  Where both are "height" the samples of a gray image,
         or of any picture, go to another depth.
-    from_y, to_y : {"up", "down"}
+    y, to_y : {"up", "down"}
         Which way green points, before and after: OpenGL or DirectX.
     depth : {8, 16, "float"}, optional
         Samples of the result: uint8, uint16 or float32 in 0..1; by default those of `src`.
@@ -149,8 +190,6 @@ def convert(
         DXT5nm.  Without z it is computed.
     touch_unused : bool
         Convert pure black, pure white and transparent texels too, which are copied otherwise.
-    return_counts : bool
-        Return `ConvertCounts` as well.
     out : array, optional
         Where to write; its channels may differ from those of `src` (a missing alpha is opaque).
         It may be `src` itself where the samples stay of one type.
@@ -159,7 +198,7 @@ def convert(
 
     Returns
     -------
-    array, (height, width, channels), or (array, ConvertCounts)
+    array, (height, width, channels)
         `"xy"` arrays of 2 channels become 3, except to `"xy"`.
 
     Raises
@@ -171,7 +210,7 @@ def convert(
     --------
     >>> import numpy as np, normaltexture as nt
     >>> texture = np.array([[[128, 200, 232]]], np.uint8)
-    >>> nt.convert(texture, from_y="down", to_y="up")
+    >>> nt.convert(texture, y="down")
     array([[[128,  55, 232]]], dtype=uint8)
     >>> nt.convert(texture, depth=16)
     array([[[32896, 51400, 59722]]], dtype=uint16)
@@ -181,20 +220,170 @@ def convert(
     >>> nt.convert(packed, from_channels="-y-x", channels="xyz")
     array([[[128, 200, 232]]], dtype=uint8)
     """
+    result, _ = convert_parts(
+        src, type, to, y, to_y, depth, blue, channels, from_channels, touch_unused, out, threads
+    )
+    return result
+
+
+@overload
+def convert_with_counts(
+    src: NDArray[SampleT],
+    *,
+    type: _Kept = ...,
+    to: _Kept = ...,
+    depth: None = ...,
+    out: NDArray[SampleT] | None = ...,
+    **how: Unpack[ConvertHow],
+) -> tuple[NDArray[SampleT], ConvertCounts]: ...
+@overload
+def convert_with_counts(
+    src: AnyPixels,
+    *,
+    type: _Kept = ...,
+    to: _Kept = ...,
+    depth: Literal[8],
+    out: NDArray[np.uint8] | None = ...,
+    **how: Unpack[ConvertHow],
+) -> tuple[NDArray[np.uint8], ConvertCounts]: ...
+@overload
+def convert_with_counts(
+    src: AnyPixels,
+    *,
+    type: _Kept = ...,
+    to: _Kept = ...,
+    depth: Literal[16],
+    out: NDArray[np.uint16] | None = ...,
+    **how: Unpack[ConvertHow],
+) -> tuple[NDArray[np.uint16], ConvertCounts]: ...
+@overload
+def convert_with_counts(
+    src: AnyPixels,
+    *,
+    type: _Kept = ...,
+    to: MeasuredType = ...,
+    depth: Literal["float"],
+    out: NDArray[np.float32] | None = ...,
+    **how: Unpack[ConvertHow],
+) -> tuple[NDArray[np.float32], ConvertCounts]: ...
+@overload
+def convert_with_counts(
+    src: AnyPixels,
+    *,
+    type: _Kept = ...,
+    to: Literal["vector"],
+    depth: None = ...,
+    out: NDArray[np.float32] | None = ...,
+    **how: Unpack[ConvertHow],
+) -> tuple[NDArray[np.float32], ConvertCounts]: ...
+@overload
+def convert_with_counts(
+    src: NDArray[np.float32],
+    *,
+    type: Literal["vector"],
+    to: Type = ...,
+    depth: Literal["float"] | None = ...,
+    out: NDArray[np.float32] | None = ...,
+    **how: Unpack[ConvertHow],
+) -> tuple[NDArray[np.float32], ConvertCounts]: ...
+@overload
+def convert_with_counts(
+    src: NDArray[np.float32],
+    *,
+    type: Literal["vector"],
+    to: Stored = ...,
+    depth: Literal[8],
+    out: NDArray[np.uint8] | None = ...,
+    **how: Unpack[ConvertHow],
+) -> tuple[NDArray[np.uint8], ConvertCounts]: ...
+@overload
+def convert_with_counts(
+    src: NDArray[np.float32],
+    *,
+    type: Literal["vector"],
+    to: Stored = ...,
+    depth: Literal[16],
+    out: NDArray[np.uint16] | None = ...,
+    **how: Unpack[ConvertHow],
+) -> tuple[NDArray[np.uint16], ConvertCounts]: ...
+def convert_with_counts(
+    src: AnyPixels,
+    *,
+    type: MeasuredType = "standard",
+    to: MeasuredType = "standard",
+    y: Y = "up",
+    to_y: Y = "up",
+    depth: Depth | None = None,
+    blue: Blue = "derived",
+    channels: str | None = None,
+    from_channels: str | None = None,
+    touch_unused: bool = False,
+    out: NDArray[Any] | None = None,
+    threads: int = 1,
+) -> tuple[NDArray[Any], ConvertCounts]:
+    """Change encoding, depth or the direction of green, and count what could not go over as it was.
+
+    Parameters
+    ----------
+    src, type, to, y, to_y, depth, blue, channels, from_channels, touch_unused, out, threads
+        As in `convert`.
+
+    Returns
+    -------
+    (array, ConvertCounts)
+
+    Raises
+    ------
+    ArgumentError, SampleTypeError
+        As `convert`.
+
+    Examples
+    --------
+    >>> import numpy as np, normaltexture as nt
+    >>> texture = np.array([[[128, 200, 20]]], np.uint8)
+    >>> zzero, counts = nt.convert_with_counts(texture, to="zzero")
+    >>> counts.z_negative
+    1
+    """
+    result, parts = convert_parts(
+        src, type, to, y, to_y, depth, blue, channels, from_channels, touch_unused, out, threads
+    )
+    return result, ConvertCounts(
+        sum(part.z_negative for part in parts),
+        sum(part.not_finite for part in parts),
+        sum(part.pulled for part in parts),
+    )
+
+
+def convert_parts(
+    src: AnyPixels,
+    type: MeasuredType,
+    to: MeasuredType,
+    y: Y,
+    to_y: Y,
+    depth: Depth | None,
+    blue: Blue,
+    channels: str | None,
+    from_channels: str | None,
+    touch_unused: bool,
+    out: Any,
+    threads: int,
+) -> tuple[NDArray[Any], list[Any]]:
+    """The array, and an ntp_convert_counts for each part of the work."""
     source = pixels("src", src)
-    encoding, target = choose("from_", from_, MEASURED), choose("to", to, MEASURED)
+    encoding, target = choose("type", type, MEASURED), choose("to", to, MEASURED)
     if encoding == HEIGHT or target == HEIGHT:
-        _only_heights(from_, to, channels, from_channels)
+        _only_heights(type, to, channels, from_channels)
     if from_channels is not None:
         source, has_z = unpacked(source, from_channels)
-        encoding = encoding if has_z else MEASURED["xy"]
-    src_view = view("src", source, encoding, choose("from_y", from_y, YS))
+        encoding = encoding if has_z else XY
+    src_view = view("src", source, encoding, choose("y", y, YS))
     dtype = _depth_of(source, depth, to)
     if target == HEIGHT:
         count = 0
     else:
-        count = source.shape[2] if target == 2 else max(source.shape[2], 3)
-    packed = Packed(channels, "xyza01", source.shape, count, dtype, out)
+        count = source.shape[2] if target == XY else max(source.shape[2], 3)
+    packed = Packed(channels, source.shape, count, dtype, out)
     if out is not None and channels is None:
         packed.output.apart_from(source.dtype == dtype, src=source)
     dst = view("out", packed.array, target, choose("to_y", to_y, YS), writable=True)
@@ -210,128 +399,7 @@ def convert(
         return counts
 
     parts = run(
-        threads, source.shape[1], source.shape[0], work, THOROUGH if encoding == 3 else QUICK
+        threads, source.shape[1], source.shape[0], work, THOROUGH if encoding == VECTOR else QUICK
     )
-    result: Pixels = packed.finish()
-    if not return_counts:
-        return result
-    return result, ConvertCounts(
-        sum(part.z_negative for part in parts),
-        sum(part.not_finite for part in parts),
-        sum(part.pulled for part in parts),
-    )
-
-
-def decode(
-    src: ArrayLike,
-    *,
-    from_: Type = "standard",
-    from_y: Y = "up",
-    out: NDArray[np.float32] | None = None,
-    threads: int = 1,
-) -> NDArray[np.float32]:
-    """Read stored levels as vectors x, y, z in -1..1, y up.
-
-    Parameters
-    ----------
-    src : array, (height, width, channels), uint8, uint16 or float32
-        A normals texture of 3 or 4 channels (`"xy"`: 2 to 4).
-    from_ : {"standard", "zzero", "xy", "vector"}
-        How a normal is stored.
-    from_y : {"up", "down"}
-        Which way green points in `src`.
-    out : array, (height, width, 3), float32, optional
-        Where to write.
-    threads : int
-        How many threads share the rows; 0: one for each processor.
-
-    Returns
-    -------
-    array, (height, width, 3), float32
-        (2c - M)/M of each level c, the nearest float; not divided by its length.  Unused texels
-        are (-1, -1, -1) or (1, 1, 1), as they are stored.  Of `"xy"`, x, y are pulled onto the
-        unit disc where too long, and z is the root of 1 - x x - y y.
-
-    Raises
-    ------
-    ArgumentError, SampleTypeError
-        For arguments outside what is listed here.
-
-    Examples
-    --------
-    >>> import numpy as np, normaltexture as nt
-    >>> nt.decode(np.array([[[0, 255, 128]]], np.uint8))
-    array([[[-1.        ,  1.        ,  0.00392157]]], dtype=float32)
-    """
-    source = pixels("src", src)
-    output = Output((*source.shape[:2], 3), DEPTHS["float"], out)
-    convert(
-        source,
-        from_=from_,
-        to="vector",
-        from_y=from_y,
-        touch_unused=True,
-        depth="float",
-        out=output.array,
-        threads=threads,
-    )
-    return cast("NDArray[np.float32]", output.finish())
-
-
-def encode(
-    vectors: ArrayLike,
-    *,
-    to: Type = "standard",
-    to_y: Y = "up",
-    depth: Depth = 8,
-    blue: Blue = "derived",
-    out: Pixels | None = None,
-    threads: int = 1,
-) -> Pixels:
-    """Store vectors x, y, z, y up, as levels, correctly rounded.
-
-    Parameters
-    ----------
-    vectors : array, (height, width, 3 or 4), float32
-        Vectors of any length but 0; a fourth component is alpha in 0..1.
-    to : {"standard", "zzero", "xy"}
-        How a normal is to be stored.
-    to_y : {"up", "down"}
-        Which way green is to point.
-    depth : {8, 16, "float"}
-        Samples of the result: uint8, uint16 or float32 in 0..1.
-    blue : {"derived", "nearest"}
-        Computed from the rounded red and green, or z rounded by itself.
-    out : array, optional
-        Where to write.
-    threads : int
-        How many threads share the rows; 0: one for each processor.
-
-    Returns
-    -------
-    array, (height, width, 3 or 4)
-        Vectors that are not finite or of length 0 become the flat normal.
-
-    Raises
-    ------
-    ArgumentError, SampleTypeError
-        For arguments outside what is listed here.
-
-    Examples
-    --------
-    >>> import numpy as np, normaltexture as nt
-    >>> nt.encode(np.array([[[0, 0, 2], [1, 0, 1]]], np.float32))
-    array([[[128, 128, 255],
-            [218, 128, 217]]], dtype=uint8)
-    """
-    return convert(
-        pixels("vectors", vectors),
-        from_="vector",
-        to=to,
-        to_y=to_y,
-        depth=depth,
-        blue=blue,
-        touch_unused=True,
-        out=out,
-        threads=threads,
-    )
+    result: NDArray[Any] = packed.finish()
+    return result, parts

@@ -9,27 +9,27 @@ from ._native import ffi, lib
 class Status(IntEnum):
     """Why libntp refused a call: `ntp_status` of libntp.h."""
 
-    OK = 0
-    ARGUMENT = 1
-    SHAPE = 2
-    FORMAT = 3
-    OVERLAP = 4
-    SCRATCH = 5
-    CANCELLED = 6
-    NOT_CONVERGED = 7
+    OK = lib.NTP_OK
+    ARGUMENT = lib.NTP_ERR_ARGUMENT
+    SHAPE = lib.NTP_ERR_SHAPE
+    FORMAT = lib.NTP_ERR_FORMAT
+    OVERLAP = lib.NTP_ERR_OVERLAP
+    SCRATCH = lib.NTP_ERR_SCRATCH
+    CANCELLED = lib.NTP_ERR_CANCELLED
+    NOT_CONVERGED = lib.NTP_ERR_NOT_CONVERGED
 
 
 class FileStatus(IntEnum):
     """Why a file could not be read or written: `ntpio_status` of ntpio.h."""
 
-    OK = 0
-    OPEN = 1
-    FORMAT = 2
-    CORRUPT = 3
-    LIMIT = 4
-    MEMORY = 5
-    WRITE = 6
-    USAGE = 7
+    OK = lib.NTPIO_OK
+    OPEN = lib.NTPIO_ERR_OPEN
+    FORMAT = lib.NTPIO_ERR_FORMAT
+    CORRUPT = lib.NTPIO_ERR_CORRUPT
+    LIMIT = lib.NTPIO_ERR_LIMIT
+    MEMORY = lib.NTPIO_ERR_MEMORY
+    WRITE = lib.NTPIO_ERR_WRITE
+    USAGE = lib.NTPIO_ERR_USAGE
 
 
 class NormalTextureError(Exception):
@@ -85,7 +85,7 @@ class FileError(NormalTextureError, OSError):
 
 def check(status: int, function: str) -> None:
     """Raises for a status other than OK: what the checks before the call did not catch."""
-    if status != 0:
+    if status != lib.NTP_OK:
         text = ffi.string(lib.ntp_status_string(status)).decode()
         kinds = {Status.CANCELLED: CancelledError, Status.NOT_CONVERGED: NotConvergedError}
         raise kinds.get(Status(status), ArgumentError)(f"{function}: {text}", Status(status))

@@ -7,19 +7,23 @@ RGB and RGBA PNG are exact both ways.
 
 import os
 from dataclasses import dataclass
-from typing import Any, Literal, cast, overload
+from typing import Any, Literal, TypeAlias
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from ._arrays import Pixels, pixels
+from ._arrays import pixels
 from ._errors import ArgumentError, FileError, FileStatus, Status
 from ._measure import _Result
+from ._names import FILE_FORMATS, names_of
 from ._native import ffi, lib
+from .typing import AnyPixels
 
-_FORMATS = ("png", "tga", "jpeg", "pfm")
-_SAMPLES = {1: np.uint8, 2: np.uint16, 4: np.float32}
-_ENDINGS = {".png": 0, ".tga": 1, ".pfm": 3}
+File: TypeAlias = str | os.PathLike[str] | bytes | bytearray | memoryview
+Format: TypeAlias = Literal["png", "tga", "jpeg", "pfm"]
+
+_FORMAT_NAMES: Any = names_of(FILE_FORMATS)
+_SAMPLES: dict[int, Any] = {1: np.uint8, 2: np.uint16, 4: np.float32}
+_ENDINGS = {f".{name}": FILE_FORMATS[name] for name in ("png", "tga", "pfm")}
 
 
 @dataclass(frozen=True)
@@ -46,7 +50,7 @@ class ImageInfo(_Result):
         The colors have fewer samples than the brightness, such as 4:2:0.
     """
 
-    format: Literal["png", "tga", "jpeg", "pfm"]
+    format: Format
     width: int
     height: int
     channels: int
@@ -76,7 +80,7 @@ def _info(info: Any) -> ImageInfo:
         key = ffi.string(text.key).decode("latin-1")
         texts[key] = ffi.string(text.value).decode(coding, "replace")
     return ImageInfo(
-        format=cast('Literal["png", "tga", "jpeg", "pfm"]', _FORMATS[info.format]),
+        format=_FORMAT_NAMES[info.format],
         width=info.width,
         height=info.height,
         channels=info.channels,
@@ -101,29 +105,7 @@ def _open(file: Any, limits: Any, error: Any) -> tuple[Any, Any]:
     return lib.ntpio_open(os.fsencode(file), limits, error), None
 
 
-@overload
-def read(
-    file: str | os.PathLike[str] | bytes | bytearray | memoryview,
-    *,
-    max_side: int = ...,
-    max_texels: int = ...,
-    return_info: Literal[False] = ...,
-) -> Pixels: ...
-@overload
-def read(
-    file: str | os.PathLike[str] | bytes | bytearray | memoryview,
-    *,
-    max_side: int = ...,
-    max_texels: int = ...,
-    return_info: Literal[True],
-) -> tuple[Pixels, ImageInfo]: ...
-def read(
-    file: str | os.PathLike[str] | bytes | bytearray | memoryview,
-    *,
-    max_side: int = 65535,
-    max_texels: int = 1 << 30,
-    return_info: bool = False,
-) -> Pixels | tuple[Pixels, ImageInfo]:
+def read(file: File, *, max_side: int = 65535, max_texels: int = 1 << 30) -> AnyPixels:
     """Read a PNG, TGA, JPEG or PFM.
 
     Parameters
@@ -132,12 +114,10 @@ def read(
         A file, or the content of one.
     max_side, max_texels : int
         Refuse images larger than this before anything is allocated.
-    return_info : bool
-        Return `ImageInfo` as well.
 
     Returns
     -------
-    array, or (array, ImageInfo)
+    array
         (height, width) for gray images, else (height, width, 2 to 4); uint8, uint16 or, for PFM,
         float32.  Samples of less than 8 bits are scaled to 8, palettes become RGB.
 
@@ -151,9 +131,38 @@ def read(
     Examples
     --------
     >>> import normaltexture as nt
-    >>> texture, info = nt.read("wall_n.png", return_info=True)
-    >>> texture.shape, texture.dtype, info.format
-    ((64, 96, 3), dtype('uint8'), 'png')
+    >>> texture = nt.read("wall_n.png")
+    >>> texture.shape, texture.dtype
+    ((64, 96, 3), dtype('uint8'))
+    """
+    return read_with_info(file, max_side=max_side, max_texels=max_texels)[0]
+
+
+def read_with_info(
+    file: File, *, max_side: int = 65535, max_texels: int = 1 << 30
+) -> tuple[AnyPixels, ImageInfo]:
+    """Read a PNG, TGA, JPEG or PFM, and what the file says about its image.
+
+    Parameters
+    ----------
+    file, max_side, max_texels
+        As in `read`.
+
+    Returns
+    -------
+    (array, ImageInfo)
+
+    Raises
+    ------
+    FileError, FileNotFoundError, PermissionError
+        As `read`.
+
+    Examples
+    --------
+    >>> import normaltexture as nt
+    >>> texture, info = nt.read_with_info("wall_n.png")
+    >>> info.format, info.bit_depth
+    ('png', 8)
     """
     error = ffi.new("ntpio_error *")
     limits = ffi.new("ntpio_limits *", (max_side, max_texels, 0))
@@ -164,20 +173,19 @@ def read(
         info = lib.ntpio_reader_info(reader)
         shape: tuple[int, ...] = (info.height, info.width, info.channels)
         shape = shape[:2] if info.channels == 1 else shape
-        image = cast("Pixels", np.empty(shape, _SAMPLES[info.sample_bytes]))
+        image: AnyPixels = np.empty(shape, _SAMPLES[info.sample_bytes])
         where = ffi.cast("void *", image.__array_interface__["data"][0])
         if not lib.ntpio_read_rows(reader, where, image.strides[0], info.height, error):
             _raise(error)
         if not lib.ntpio_read_end(reader, error):
             _raise(error)
-        found = _info(info) if return_info else None
+        return image, _info(info)
     finally:
         lib.ntpio_close(reader)
         del held
-    return image if found is None else (image, found)
 
 
-def read_info(file: str | os.PathLike[str] | bytes | bytearray | memoryview) -> ImageInfo:
+def read_info(file: File) -> ImageInfo:
     """Read only what a file says about its image, none of its pixels.
 
     Parameters
@@ -187,7 +195,7 @@ def read_info(file: str | os.PathLike[str] | bytes | bytearray | memoryview) -> 
     Returns
     -------
     ImageInfo
-        Texts that follow the pixels of a PNG are not in it; `read` finds them.
+        Texts that follow the pixels of a PNG are not in it; `read_with_info` finds them.
 
     Examples
     --------
@@ -229,7 +237,7 @@ def _texts(texts: dict[str, str] | None, alive: list[Any]) -> Any:
 
 def write(
     path: str | os.PathLike[str],
-    image: ArrayLike,
+    image: AnyPixels,
     *,
     level: int | None = None,
     texts: dict[str, str] | None = None,

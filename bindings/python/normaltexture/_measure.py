@@ -8,25 +8,17 @@ what `measure` has found, also from another process.
 import builtins
 from collections.abc import Callable, Iterable
 from dataclasses import asdict, dataclass, field
-from typing import TYPE_CHECKING, Any, Self, TypeVar
+from typing import TYPE_CHECKING, Any, Literal, Self, TypeVar, overload
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import NDArray
 
-from ._arrays import (
-    MEASURED,
-    TOUCH_ALL,
-    TOUCH_NONE,
-    Layout,
-    MeasuredType,
-    Pool,
-    choose,
-    pixels,
-    view,
-)
+from ._arrays import Layout, Pool, choose, pixels, view
 from ._errors import Status, check
+from ._names import HEIGHT, MEASURED, STANDARD, TOUCH_ALL, TOUCH_NONE, VECTOR, ZZERO
 from ._native import ffi, lib
 from ._threads import run
+from .typing import AnyPixels, MeasuredType
 
 T = TypeVar("T")
 _LENGTH_BINS = 256
@@ -41,7 +33,9 @@ class _Result:
 
     def to_dict(self) -> dict[str, Any]:
         """Plain dicts, lists and numbers, ready for json.dumps."""
-        return _plain({k: v for k, v in asdict(self).items() if not k.startswith("_")})  # type: ignore[call-overload,no-any-return]
+        this: Any = self
+        found: dict[str, Any] = _plain(asdict(this))
+        return {name: value for name, value in found.items() if not name.startswith("_")}
 
 
 def _plain(value: Any) -> Any:
@@ -209,7 +203,7 @@ class Tally:
         if hasattr(self, "_owner"):
             _TALLIES.give(self._pointer, self._owner)
 
-    def add(self, src: ArrayLike) -> Self:
+    def add(self, src: AnyPixels) -> Self:
         """Add the texels of an array; of one depth, and one number of channels."""
         source = pixels("src", src)
         self._add(view("src", source, self._encoding), ffi.NULL)
@@ -237,14 +231,14 @@ class Tally:
 
     def _summarize(self) -> Any:
         struct = ffi.new("ntp_stats *")
-        encoding = self._encoding if self._encoding in (0, 1, 2) else 0
+        encoding = STANDARD if self._encoding in (VECTOR, HEIGHT) else self._encoding
         check(lib.ntp_tally_summarize(struct, self._pointer, encoding), "measure")
         return struct
 
     def _histograms(self, struct: Any) -> bytes:
         """Of lengths, and of how far blue is off; unused texels may be further off than used."""
-        z = 1 if self._encoding == 1 else 0
-        size = struct.levels_off_max[z] + 1
+        z = ZZERO if self._encoding == ZZERO else STANDARD
+        size = struct.levels_off_max[z == ZZERO] + 1
         counts = ffi.new("uint64_t[]", _LENGTH_BINS + size)
         check(lib.ntp_tally_lengths(counts, self._pointer, z), "measure")
         status = lib.ntp_tally_levels_off(counts + _LENGTH_BINS, size, self._pointer, z)
@@ -259,8 +253,24 @@ class Tally:
         return bytes(ffi.buffer(counts, (_LENGTH_BINS + size) * _COUNT_SIZE))
 
 
+@overload
 def measure(
-    src: ArrayLike,
+    src: NDArray[np.float32],
+    *,
+    type: Literal["vector"],
+    touch_unused: bool = ...,
+    threads: int = ...,
+) -> Stats: ...
+@overload
+def measure(
+    src: AnyPixels,
+    *,
+    type: Literal["standard", "zzero", "xy", "height"] = ...,
+    touch_unused: bool = ...,
+    threads: int = ...,
+) -> Stats: ...
+def measure(
+    src: AnyPixels,
     *,
     type: MeasuredType = "standard",
     touch_unused: bool = False,
@@ -302,7 +312,7 @@ def measure(
     return tally(src, type, touch_unused, threads).stats()
 
 
-def tally(src: ArrayLike, type: MeasuredType, touch_unused: bool, threads: int) -> Tally:
+def tally(src: AnyPixels, type: MeasuredType, touch_unused: bool, threads: int) -> Tally:
     """A tally of all of a texture."""
     encoding = choose("type", type, MEASURED)
     source = pixels("src", src)

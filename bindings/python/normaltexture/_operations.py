@@ -3,41 +3,37 @@
 
 import re
 from collections.abc import Iterable
-from typing import Any, Literal, TypeAlias
+from typing import Any, Literal, Unpack, overload
 
-from numpy.typing import ArrayLike, NDArray
+import numpy as np
+from numpy.typing import NDArray
 
-from ._arrays import (
-    ENCODINGS,
-    TOUCH_ALL,
-    TOUCH_NONE,
-    YS,
-    Output,
-    Pixels,
-    Type,
-    Y,
-    choose,
-    memory,
-    number,
-    pixels,
-    view,
-)
+from ._arrays import MAX_SIDE, Output, choose, memory, number, pixels, view
+from ._classify import resolve
 from ._errors import ArgumentError, check
+from ._names import BLEND_MODES, FILTERS, RESIZE_BORDERS, TOUCH_ALL, TOUCH_NONE, TYPES, YS
 from ._native import ffi, lib
 from ._threads import QUICK, THOROUGH, run
+from .typing import (
+    AnyPixels,
+    AutoStored,
+    AutoType,
+    BlendHow,
+    BlendMode,
+    Filter,
+    Flip,
+    ResizeBorder,
+    ResizeHow,
+    SampleT,
+    Size,
+    SizedHow,
+    TransformHow,
+    Turn,
+    Y,
+)
 
-Filter: TypeAlias = Literal["box", "triangle", "lanczos3"]
-ResizeBorder: TypeAlias = Literal["wrap", "clamp", "mirror"]
-Mode: TypeAlias = Literal["rnm", "whiteout", "udn"]
-Flip: TypeAlias = Literal["x", "y", "xy"]
-Size: TypeAlias = tuple[int, int] | str
-
-_FILTERS = {"triangle": 0, "box": 1, "lanczos3": 2}
-_BORDERS = {"wrap": 0, "clamp": 1, "mirror": 2}
-_MODES = {"rnm": 0, "whiteout": 1, "udn": 2}
 _FLIPS = {None: (0, 0), "x": (1, 0), "y": (0, 1), "xy": (1, 1)}
 _TURNS = {0: 0, 90: 1, 180: 2, 270: 3}
-_MAX_SIDE: int = lib.NTP_MAX_SIDE
 
 
 def _size(size: Size, width: int, height: int) -> tuple[int, int]:
@@ -59,14 +55,14 @@ def _size(size: Size, width: int, height: int) -> tuple[int, int]:
             sides = int(size[0]), int(size[1])
         except (TypeError, ValueError, IndexError):
             raise ArgumentError(f"size={size!r}: must be (width, height), 'WxH' or 'P%'") from None
-    if not (1 <= sides[0] <= _MAX_SIDE and 1 <= sides[1] <= _MAX_SIDE):
-        raise ArgumentError(f"size={size!r}: sides must be 1..{_MAX_SIDE}")
+    if not (1 <= sides[0] <= MAX_SIDE and 1 <= sides[1] <= MAX_SIDE):
+        raise ArgumentError(f"size={size!r}: sides must be 1..{MAX_SIDE}")
     return sides
 
 
 def _resized(
     source: NDArray[Any], encoding: int, width: int, height: int, how: Any, out: Any, threads: int
-) -> Pixels:
+) -> NDArray[Any]:
     src_view = view("src", source, encoding)
     shape = height, width, source.shape[2]
     output = Output(shape, source.dtype, out)
@@ -89,7 +85,7 @@ def _resized(
 
     run(threads, width, height, work, THOROUGH)
     del owner
-    result: Pixels = output.finish()
+    result: NDArray[Any] = output.finish()
     return result
 
 
@@ -103,27 +99,43 @@ def _resize_options(
     return ffi.new(
         "ntp_resize_options *",
         (
-            choose("filter", filter, _FILTERS),
-            choose("border_x" if border_x else "border", border_x or border, _BORDERS),
-            choose("border_y" if border_y else "border", border_y or border, _BORDERS),
+            choose("filter", filter, FILTERS),
+            choose("border_x" if border_x else "border", border_x or border, RESIZE_BORDERS),
+            choose("border_y" if border_y else "border", border_y or border, RESIZE_BORDERS),
             TOUCH_ALL if touch_unused else TOUCH_NONE,
         ),
     )
 
 
+@overload
 def resize(
-    src: ArrayLike,
+    src: NDArray[np.float32],
+    *,
+    type: Literal["vector"],
+    out: NDArray[np.float32] | None = ...,
+    **how: Unpack[SizedHow],
+) -> NDArray[np.float32]: ...
+@overload
+def resize(
+    src: NDArray[SampleT],
+    *,
+    type: AutoStored = ...,
+    out: NDArray[SampleT] | None = ...,
+    **how: Unpack[SizedHow],
+) -> NDArray[SampleT]: ...
+def resize(
+    src: AnyPixels,
     *,
     size: Size,
     filter: Filter = "triangle",
     border: ResizeBorder = "wrap",
     border_x: ResizeBorder | None = None,
     border_y: ResizeBorder | None = None,
-    type: Type = "standard",
+    type: AutoType = "auto",
     touch_unused: bool = False,
-    out: Pixels | None = None,
+    out: NDArray[Any] | None = None,
     threads: int = 1,
-) -> Pixels:
+) -> NDArray[Any]:
     """Resize a texture as vectors, weighted with alpha; every texel is a unit vector again.
 
     Parameters
@@ -136,8 +148,8 @@ def resize(
         The mean over an area; bilinear; sharper, but can ring.
     border, border_x, border_y : {"wrap", "clamp", "mirror"}
         What lies beyond the edges; for both axes, or one.
-    type : {"standard", "zzero", "xy", "vector"}
-        How a normal is stored.
+    type : {"auto", "standard", "zzero", "xy", "vector"}
+        How a normal is stored; "auto" finds out by the texels, as `ntp resize` does.
     touch_unused : bool
         Treat pure black, pure white and transparent texels like any other; alpha gives no weight.
     out : array, optional
@@ -164,25 +176,41 @@ def resize(
     >>> nt.resize(nt.read("wall_n.png"), size="50%").shape
     (32, 48, 3)
     """
-    encoding = choose("type", type, ENCODINGS)
     source = pixels("src", src)
+    if type == "auto":
+        type = resolve(source, type, threads)
+    encoding = choose("type", type, TYPES)
     view("src", source, encoding)
     how = _resize_options(filter, border, border_x, border_y, touch_unused)
     width, height = _size(size, source.shape[1], source.shape[0])
     return _resized(source, encoding, width, height, how, out, threads)
 
 
+@overload
 def mip_chain(
-    src: ArrayLike,
+    src: NDArray[np.float32],
+    *,
+    type: Literal["vector"],
+    **how: Unpack[ResizeHow],
+) -> list[NDArray[np.float32]]: ...
+@overload
+def mip_chain(
+    src: NDArray[SampleT],
+    *,
+    type: AutoStored = ...,
+    **how: Unpack[ResizeHow],
+) -> list[NDArray[SampleT]]: ...
+def mip_chain(
+    src: AnyPixels,
     *,
     filter: Filter = "box",
     border: ResizeBorder = "wrap",
     border_x: ResizeBorder | None = None,
     border_y: ResizeBorder | None = None,
-    type: Type = "standard",
+    type: AutoType = "auto",
     touch_unused: bool = False,
     threads: int = 1,
-) -> list[Pixels]:
+) -> list[NDArray[Any]]:
     """Make the full mip chain, down to 1 x 1, each level from the texture itself.
 
     Parameters
@@ -201,8 +229,10 @@ def mip_chain(
     >>> [level.shape[:2] for level in nt.mip_chain(nt.read("wall_n.png"))]
     [(64, 96), (32, 48), (16, 24), (8, 12), (4, 6), (2, 3), (1, 1)]
     """
-    encoding = choose("type", type, ENCODINGS)
     source = pixels("src", src)
+    if type == "auto":
+        type = resolve(source, type, threads)
+    encoding = choose("type", type, TYPES)
     view("src", source, encoding)
     how = _resize_options(filter, border, border_x, border_y, touch_unused)
     height, width = source.shape[:2]
@@ -213,17 +243,33 @@ def mip_chain(
     return chain
 
 
+@overload
 def transform(
-    src: ArrayLike,
+    src: NDArray[np.float32],
+    *,
+    type: Literal["vector"],
+    out: NDArray[np.float32] | None = ...,
+    **how: Unpack[TransformHow],
+) -> NDArray[np.float32]: ...
+@overload
+def transform(
+    src: NDArray[SampleT],
+    *,
+    type: AutoStored = ...,
+    out: NDArray[SampleT] | None = ...,
+    **how: Unpack[TransformHow],
+) -> NDArray[SampleT]: ...
+def transform(
+    src: AnyPixels,
     *,
     strength: float | None = None,
     flip: Flip | None = None,
-    rotate: Literal[0, 90, 180, 270] = 0,
-    type: Type = "standard",
+    rotate: Turn = 0,
+    type: AutoType = "auto",
     y: Y = "up",
-    out: Pixels | None = None,
+    out: NDArray[Any] | None = None,
     threads: int = 1,
-) -> Pixels:
+) -> NDArray[Any]:
     """Flip and turn a texture, pixels and vectors together, and make its bumps stronger.
 
     Parameters
@@ -236,8 +282,8 @@ def transform(
         "x": left and right change places; "y": top and bottom; before `rotate`.
     rotate : {0, 90, 180, 270}
         Turn clockwise by so many degrees.
-    type : {"standard", "zzero", "xy", "vector"}
-        How a normal is stored.
+    type : {"auto", "standard", "zzero", "xy", "vector"}
+        How a normal is stored; "auto" finds out by the texels, as `ntp transform` does.
     y : {"up", "down"}
         Which way green points.
     out : array, optional
@@ -259,12 +305,14 @@ def transform(
     --------
     >>> import numpy as np, normaltexture as nt
     >>> texture = np.array([[[200, 128, 231], [128, 128, 255]]], np.uint8)
-    >>> nt.transform(texture, flip="x")
+    >>> nt.transform(texture, flip="x", type="standard")
     array([[[127, 128, 255],
             [ 55, 128, 231]]], dtype=uint8)
     """
-    encoding = choose("type", type, ENCODINGS)
     source = pixels("src", src)
+    if type == "auto":
+        type = resolve(source, type, threads)
+    encoding = choose("type", type, TYPES)
     up = choose("y", y, YS)
     src_view = view("src", source, encoding, up)
     flips = choose("flip", flip, _FLIPS)
@@ -285,24 +333,64 @@ def transform(
             check(lib.ntp_transform(dst, src_view, how, area), "transform")
 
     run(threads, width, height, work, QUICK if factor in (1, -1) else THOROUGH)
-    result: Pixels = output.finish()
+    result: NDArray[Any] = output.finish()
     return result
 
 
+@overload
 def blend(
-    base: ArrayLike,
-    detail: ArrayLike,
+    base: NDArray[np.float32],
+    detail: NDArray[np.float32],
     *,
-    mode: Mode = "rnm",
+    type: Literal["vector"],
+    detail_type: Literal["vector"] | None = ...,
+    out: NDArray[np.float32] | None = ...,
+    **how: Unpack[BlendHow],
+) -> NDArray[np.float32]: ...
+@overload
+def blend(
+    base: NDArray[np.float32],
+    detail: AnyPixels,
+    *,
+    type: Literal["vector"],
+    detail_type: AutoStored,
+    out: NDArray[np.float32] | None = ...,
+    **how: Unpack[BlendHow],
+) -> NDArray[np.float32]: ...
+@overload
+def blend(
+    base: NDArray[SampleT],
+    detail: NDArray[np.float32],
+    *,
+    type: AutoStored = ...,
+    detail_type: Literal["vector"],
+    out: NDArray[SampleT] | None = ...,
+    **how: Unpack[BlendHow],
+) -> NDArray[SampleT]: ...
+@overload
+def blend(
+    base: NDArray[SampleT],
+    detail: AnyPixels,
+    *,
+    type: AutoStored = ...,
+    detail_type: AutoStored | None = ...,
+    out: NDArray[SampleT] | None = ...,
+    **how: Unpack[BlendHow],
+) -> NDArray[SampleT]: ...
+def blend(
+    base: AnyPixels,
+    detail: AnyPixels,
+    *,
+    mode: BlendMode = "rnm",
     strength: float = 1.0,
-    type: Type = "standard",
-    detail_type: Type | None = None,
+    type: AutoType = "auto",
+    detail_type: AutoType | None = None,
     y: Y = "up",
     detail_y: Y = "up",
     touch_unused: bool = False,
-    out: Pixels | None = None,
+    out: NDArray[Any] | None = None,
     threads: int = 1,
-) -> Pixels:
+) -> NDArray[Any]:
     """Lay the bumps of one texture over another.
 
     Parameters
@@ -316,8 +404,9 @@ def blend(
         Reoriented, the detail as if it lay on the base's surface; or sums, weaker on slopes.
     strength : float
         Multiply the slopes of the detail first, -1024..1024.
-    type, detail_type : {"standard", "zzero", "xy", "vector"}
-        How the two store a normal; by default alike.
+    type, detail_type : {"auto", "standard", "zzero", "xy", "vector"}
+        How the two store a normal; "auto" finds out by the texels of each, as `ntp blend` does.
+        `detail_type` is `type` where it is not given.
     y, detail_y : {"up", "down"}
         Which way green points in each.
     touch_unused : bool
@@ -350,12 +439,18 @@ def blend(
     array([240, 128, 187], dtype=uint8)
     """
     first, second = pixels("base", base), pixels("detail", detail)
-    encoding, up = choose("type", type, ENCODINGS), choose("y", y, YS)
+    if detail_type is None:
+        detail_type = type
+    if type == "auto":
+        type = resolve(first, type, threads, "base")
+    if detail_type == "auto":
+        detail_type = resolve(second, detail_type, threads, "detail")
+    encoding, up = choose("type", type, TYPES), choose("y", y, YS)
     base_view = view("base", first, encoding, up)
     detail_view = view(
         "detail",
         second,
-        choose("detail_type", type if detail_type is None else detail_type, ENCODINGS),
+        choose("detail_type", detail_type, TYPES),
         choose("detail_y", detail_y, YS),
     )
     output = Output(first.shape, first.dtype, out)
@@ -367,7 +462,12 @@ def blend(
     factor = number("strength", strength, -most, most)
     how = ffi.new(
         "ntp_blend_options *",
-        (choose("mode", mode, _MODES), factor != 1, factor, TOUCH_ALL if touch_unused else 0),
+        (
+            choose("mode", mode, BLEND_MODES),
+            factor != 1,
+            factor,
+            TOUCH_ALL if touch_unused else TOUCH_NONE,
+        ),
     )
 
     def work(areas: Iterable[Any]) -> None:
@@ -375,5 +475,5 @@ def blend(
             check(lib.ntp_blend(dst, base_view, detail_view, how, area), "blend")
 
     run(threads, first.shape[1], first.shape[0], work, THOROUGH)
-    result: Pixels = output.finish()
+    result: NDArray[Any] = output.finish()
     return result

@@ -3,15 +3,21 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any, Literal, overload
 
-from numpy.typing import ArrayLike
+import numpy as np
+from numpy.typing import NDArray
 
-from ._arrays import ENCODINGS, TOUCH_ALL, TOUCH_NONE, YS, Type, choose, memory, pixels, view
+from ._arrays import Pool, choose, pixels, view
 from ._errors import check
 from ._measure import _Result
+from ._names import TOUCH_ALL, TOUCH_NONE, TYPES, YS, names_of
 from ._native import ffi, lib
 from ._threads import QUICK, THOROUGH, run
+from .typing import AnyPixels, Stored, Type, Y
+
+_Y_NAMES = names_of(YS)
+_SUMS = Pool(lib.ntp_orientation_size(), lambda memory: lib.ntp_orientation_clear(memory))
 
 
 @dataclass(frozen=True)
@@ -36,14 +42,32 @@ class Orientation(_Result):
 
     y: Literal["up", "down", "undecided"]
     confidence: float
-    likelier: Literal["up", "down"]
+    likelier: Y
     statistic: float
     score: float
     loops: int
 
 
+@overload
 def detect_orientation(
-    src: ArrayLike,
+    src: NDArray[np.float32],
+    *,
+    type: Literal["vector"],
+    deep: bool = ...,
+    touch_unused: bool = ...,
+    threads: int = ...,
+) -> Orientation: ...
+@overload
+def detect_orientation(
+    src: AnyPixels,
+    *,
+    type: Stored = ...,
+    deep: bool = ...,
+    touch_unused: bool = ...,
+    threads: int = ...,
+) -> Orientation: ...
+def detect_orientation(
+    src: AnyPixels,
     *,
     type: Type = "standard",
     deep: bool = False,
@@ -85,14 +109,13 @@ def detect_orientation(
     >>> nt.detect_orientation(normals).y
     'down'
     """
-    encoding = choose("type", type, ENCODINGS)
+    encoding = choose("type", type, TYPES)
     source = pixels("src", src)
     src_view = view("src", source, encoding)
     touch = TOUCH_ALL if touch_unused else TOUCH_NONE
 
     def work(areas: Iterable[Any]) -> tuple[Any, Any]:
-        pointer, owner = memory(lib.ntp_orientation_size())
-        part = ffi.cast("ntp_orientation *", pointer)
+        part, owner = _SUMS.take()
         for area in areas:
             check(
                 lib.ntp_orientation_add(part, src_view, touch, bool(deep), area),
@@ -100,12 +123,15 @@ def detect_orientation(
             )
         return part, owner
 
-    first, *rest = run(threads, source.shape[1], source.shape[0], work, THOROUGH if deep else QUICK)
-    for part, _ in rest:
-        check(lib.ntp_orientation_merge(first[0], part), "detect_orientation")
+    parts = run(threads, source.shape[1], source.shape[0], work, THOROUGH if deep else QUICK)
+    sums = parts[0][0]
+    for part, _ in parts[1:]:
+        check(lib.ntp_orientation_merge(sums, part), "detect_orientation")
     found = ffi.new("ntp_orientation_result *")
-    check(lib.ntp_orientation_summarize(found, first[0]), "detect_orientation")
-    likelier: Literal["up", "down"] = "up" if found.y == YS["up"] else "down"
+    check(lib.ntp_orientation_summarize(found, sums), "detect_orientation")
+    for part, owner in parts:
+        _SUMS.give(part, owner)
+    likelier: Any = _Y_NAMES[found.y]
     return Orientation(
         y=likelier if found.decided else "undecided",
         confidence=found.confidence,

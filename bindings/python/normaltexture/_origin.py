@@ -2,21 +2,23 @@
 """Where normals come from: which kernel made them, of how fine heights, and whether they tile."""
 
 from dataclasses import dataclass
-from typing import Any, Literal, get_args
+from typing import Any, Literal, overload
 
-from numpy.typing import ArrayLike
+import numpy as np
+from numpy.typing import NDArray
 
-from ._arrays import ENCODINGS, TOUCH_ALL, TOUCH_NONE, YS, Type, Y, choose, pixels, view
+from ._arrays import choose, pixels, view
 from ._errors import check
-from ._height import Kernel
 from ._measure import _Result
+from ._names import FOUND_KERNELS, TOUCH_ALL, TOUCH_NONE, TYPES, YS, names_of
 from ._native import ffi, lib
+from .typing import AnyPixels, FoundKernel, Stored, Type, Y
 
-_KERNELS: tuple[Kernel | Literal["baked"], ...] = (*get_args(Kernel), "baked")
+_KERNEL_NAMES: Any = names_of(FOUND_KERNELS)
 
 
 @dataclass(frozen=True)
-class Origin(_Result):
+class KernelFit(_Result):
     """Which kernel made a texture.
 
     Attributes
@@ -33,7 +35,7 @@ class Origin(_Result):
     """
 
     decided: bool
-    kernel: Kernel | Literal["baked"]
+    kernel: FoundKernel
     misfit: dict[str, float]
     points: int
 
@@ -44,8 +46,10 @@ class Seam(_Result):
 
     Attributes
     ----------
-    tiling : {"tiles", "seam", "undecided"}
-        Whether the texture goes on across the edges.
+    decided : bool
+        It can be told.
+    tiles : bool
+        The texture goes on across the edges; where this cannot be told: False.
     wraps : bool
         The heights close as well: it tiles and does not lean.
     closure : float
@@ -60,7 +64,8 @@ class Seam(_Result):
         The mean slope along the lines.
     """
 
-    tiling: Literal["undecided", "tiles", "seam"]
+    decided: bool
+    tiles: bool
     wraps: bool
     closure: float
     jump: float
@@ -71,12 +76,12 @@ class Seam(_Result):
 
 @dataclass(frozen=True)
 class Steps(_Result):
-    """The steps in which slopes come that were taken of heights with few levels.
+    """Slopes that come in steps, because the heights behind them had few levels.
 
     Attributes
     ----------
-    found : bool
-        They do; where it is False, which is also where it cannot be told, the rest is 0.
+    decided : bool
+        They do.  Where it is False they do not, or it cannot be told, and the rest is 0.
     teeth : int
         Multiples of the step that occur, but for 0 and signs, on both axes.
     slope, degrees : float
@@ -85,7 +90,7 @@ class Steps(_Result):
         Of the texels that lie on a multiple, and what chance would put there.
     """
 
-    found: bool
+    decided: bool
     teeth: int
     slope: float
     degrees: float
@@ -93,9 +98,25 @@ class Steps(_Result):
     expected: float
 
 
-def find_origin(
-    src: ArrayLike, *, type: Type = "standard", y: Y = "up", touch_unused: bool = False
-) -> Origin:
+@overload
+def find_kernel(
+    src: NDArray[np.float32],
+    *,
+    type: Literal["vector"],
+    y: Y = ...,
+    touch_unused: bool = ...,
+) -> KernelFit: ...
+@overload
+def find_kernel(
+    src: AnyPixels,
+    *,
+    type: Stored = ...,
+    y: Y = ...,
+    touch_unused: bool = ...,
+) -> KernelFit: ...
+def find_kernel(
+    src: AnyPixels, *, type: Type = "standard", y: Y = "up", touch_unused: bool = False
+) -> KernelFit:
     """Tell which kernel made normals: their slopes must be the differences of one heightfield.
 
     Parameters
@@ -111,7 +132,7 @@ def find_origin(
 
     Returns
     -------
-    Origin
+    KernelFit
 
     Raises
     ------
@@ -122,27 +143,41 @@ def find_origin(
     --------
     >>> import normaltexture as nt
     >>> normals = nt.normals_from_height(nt.read("wall_height.png"), scale=9, kernel="sobel3")
-    >>> found = nt.find_origin(normals)
+    >>> found = nt.find_kernel(normals)
     >>> found.decided, found.kernel
     (True, 'sobel3')
     """
     source = pixels("src", src)
-    src_view = view("src", source, choose("type", type, ENCODINGS), choose("y", y, YS))
+    src_view = view("src", source, choose("type", type, TYPES), choose("y", y, YS))
     found = ffi.new("ntp_kernel_fit *")
     check(
         lib.ntp_find_kernel(found, src_view, TOUCH_ALL if touch_unused else TOUCH_NONE),
-        "find_origin",
+        "find_kernel",
     )
-    return Origin(
+    return KernelFit(
         decided=bool(found.decided),
-        kernel=_KERNELS[found.kernel],
-        misfit={name: m for name, m in zip(_KERNELS, found.misfit, strict=True) if m >= 0},
+        kernel=_KERNEL_NAMES[found.kernel],
+        misfit={name: found.misfit[i] for name, i in FOUND_KERNELS.items() if found.misfit[i] >= 0},
         points=found.points,
     )
 
 
+@overload
 def find_seams(
-    src: ArrayLike, *, type: Type = "standard", touch_unused: bool = False
+    src: NDArray[np.float32],
+    *,
+    type: Literal["vector"],
+    touch_unused: bool = ...,
+) -> tuple[Seam, Seam]: ...
+@overload
+def find_seams(
+    src: AnyPixels,
+    *,
+    type: Stored = ...,
+    touch_unused: bool = ...,
+) -> tuple[Seam, Seam]: ...
+def find_seams(
+    src: AnyPixels, *, type: Type = "standard", touch_unused: bool = False
 ) -> tuple[Seam, Seam]:
     """Tell whether a texture tiles: from left to right, and from top to bottom.
 
@@ -172,11 +207,11 @@ def find_seams(
     >>> y, x = np.mgrid[0:64, 0:64] * (2 * np.pi / 64)
     >>> hills = np.sin(x + np.cos(y)) + np.sin(2 * y) * np.cos(3 * x)
     >>> normals = nt.normals_from_height(hills.astype(np.float32), scale=2.0)
-    >>> [seam.tiling for seam in nt.find_seams(normals[:, :50])]
-    ['seam', 'tiles']
+    >>> [seam.tiles for seam in nt.find_seams(normals[:, :50])]
+    [False, True]
     """
     source = pixels("src", src)
-    src_view = view("src", source, choose("type", type, ENCODINGS))
+    src_view = view("src", source, choose("type", type, TYPES))
     found = ffi.new("ntp_seam[2]")
     touch = TOUCH_ALL if touch_unused else TOUCH_NONE
     check(lib.ntp_find_seams(found, found + 1, src_view, touch), "find_seams")
@@ -185,7 +220,8 @@ def find_seams(
 
 def _seam(found: Any) -> Seam:
     return Seam(
-        tiling=("tiles" if found.tiles else "seam") if found.decided else "undecided",
+        decided=bool(found.decided),
+        tiles=bool(found.decided and found.tiles),
         wraps=bool(found.wraps),
         closure=found.closure,
         jump=found.jump,
@@ -195,7 +231,21 @@ def _seam(found: Any) -> Seam:
     )
 
 
-def find_steps(src: ArrayLike, *, type: Type = "standard", touch_unused: bool = False) -> Steps:
+@overload
+def find_steps(
+    src: NDArray[np.float32],
+    *,
+    type: Literal["vector"],
+    touch_unused: bool = ...,
+) -> Steps: ...
+@overload
+def find_steps(
+    src: AnyPixels,
+    *,
+    type: Stored = ...,
+    touch_unused: bool = ...,
+) -> Steps: ...
+def find_steps(src: AnyPixels, *, type: Type = "standard", touch_unused: bool = False) -> Steps:
     """Tell normals that were made of heights with few levels, such as those of 8 bits.
 
     Their slopes are whole multiples of one step, and smooth ground is flat terraces with edges
@@ -225,18 +275,19 @@ def find_steps(src: ArrayLike, *, type: Type = "standard", touch_unused: bool = 
     --------
     >>> import normaltexture as nt
     >>> height = nt.read("wall_height.png")  # of 8 bits
-    >>> nt.find_steps(nt.normals_from_height(height, scale=10)).found
+    >>> nt.find_steps(nt.normals_from_height(height, scale=10)).decided
     True
-    >>> nt.find_steps(nt.normals_from_height(height, scale=10, blur=2)).found
+    >>> soft = nt.normals_from_height(nt.blur_height(height, 2), scale=10)
+    >>> nt.find_steps(soft).decided
     False
     """
     source = pixels("src", src)
-    src_view = view("src", source, choose("type", type, ENCODINGS))
+    src_view = view("src", source, choose("type", type, TYPES))
     found = ffi.new("ntp_steps *")
     touch = TOUCH_ALL if touch_unused else TOUCH_NONE
     check(lib.ntp_find_steps(found, src_view, touch), "find_steps")
     return Steps(
-        found=bool(found.decided),
+        decided=bool(found.decided),
         teeth=found.teeth,
         slope=found.slope,
         degrees=found.degrees,

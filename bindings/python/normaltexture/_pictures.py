@@ -3,44 +3,57 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any, Literal, TypeAlias, overload
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from ._arrays import (
-    ENCODINGS,
-    HEIGHT,
-    MEASURED,
-    TOUCH_ALL,
-    TOUCH_NONE,
-    YS,
-    AnyType,
-    MeasuredType,
-    Output,
-    Pool,
-    Type,
-    Y,
-    choose,
-    pixels,
-    view,
-)
-from ._classify import resolve
+from ._arrays import Output, Pool, choose, pixels, view
+from ._classify import likely, resolve
 from ._errors import ArgumentError, Status, check
 from ._measure import Angles, _Result
+from ._names import HEIGHT, MEASURED, PALETTES, TOUCH_ALL, TOUCH_NONE, TYPES, YS
 from ._native import ffi, lib
 from ._threads import THOROUGH, run
+from .typing import (
+    AnyPixels,
+    AutoStored,
+    AutoType,
+    ComparedType,
+    MeasuredType,
+    Palette,
+    Y,
+)
 
-Palette = Literal["reference", "safe"]
-_PALETTES = {"reference": 0, "safe": 1}
+_Plain: TypeAlias = Literal["auto", "standard", "zzero", "xy", "height"]
 _U8 = np.dtype(np.uint8)
 _DIFFS = Pool(lib.ntp_diff_size(), lambda memory: lib.ntp_diff_clear(memory))
 
 
+@overload
 def heatmap(
-    src: ArrayLike,
+    src: NDArray[np.float32],
     *,
-    type: AnyType = "standard",
+    type: Literal["vector"],
+    palette: Palette = ...,
+    touch_unused: bool = ...,
+    out: NDArray[np.uint8] | None = ...,
+    threads: int = ...,
+) -> NDArray[np.uint8]: ...
+@overload
+def heatmap(
+    src: AnyPixels,
+    *,
+    type: AutoStored = ...,
+    palette: Palette = ...,
+    touch_unused: bool = ...,
+    out: NDArray[np.uint8] | None = ...,
+    threads: int = ...,
+) -> NDArray[np.uint8]: ...
+def heatmap(
+    src: AnyPixels,
+    *,
+    type: AutoType = "auto",
     palette: Palette = "reference",
     touch_unused: bool = False,
     out: NDArray[np.uint8] | None = None,
@@ -52,8 +65,8 @@ def heatmap(
     ----------
     src : array, (height, width, channels), uint8, uint16 or float32
         A normals texture of 3 or 4 channels (`"xy"`: 2 to 4).
-    type : {"standard", "zzero", "xy", "vector", "auto"}
-        How a normal is stored; "auto" finds out, as `ntp heatmap` does.
+    type : {"auto", "standard", "zzero", "xy", "vector"}
+        How a normal is stored; "auto" finds out by the texels, as `ntp heatmap` does.
     palette : {"reference", "safe"}
         "reference": red where x, y are too long, green where the length is off, blue where z is
         negative.  "safe": colors that stay apart for every kind of color vision.
@@ -81,18 +94,18 @@ def heatmap(
     Examples
     --------
     >>> import numpy as np, normaltexture as nt
-    >>> nt.heatmap(np.array([[[128, 128, 255], [128, 128, 200]]], np.uint8))
+    >>> nt.heatmap(np.array([[[128, 128, 255], [128, 128, 200]]], np.uint8), type="standard")
     array([[[168, 168, 168],
             [  0, 255,   0]]], dtype=uint8)
     """
     source = pixels("src", src)
     if type == "auto":
         type = resolve(source, type, threads)
-    src_view = view("src", source, choose("type", type, ENCODINGS))
+    src_view = view("src", source, choose("type", type, TYPES))
     output = Output((*source.shape[:2], 3), _U8, out)
     output.apart_from(True, src=source)
     heat = view("out", output.array, HEIGHT, writable=True)
-    colors = choose("palette", palette, _PALETTES)
+    colors = choose("palette", palette, PALETTES)
     touch = TOUCH_ALL if touch_unused else TOUCH_NONE
 
     def work(areas: Iterable[Any]) -> None:
@@ -128,10 +141,30 @@ class Light(_Result):
 _DEFAULT_LIGHT = Light()
 
 
+@overload
 def shade(
-    src: ArrayLike,
+    src: NDArray[np.float32],
     *,
-    type: Type = "standard",
+    type: Literal["vector"],
+    y: Y = ...,
+    light: Light = ...,
+    out: NDArray[np.uint8] | None = ...,
+    threads: int = ...,
+) -> NDArray[np.uint8]: ...
+@overload
+def shade(
+    src: AnyPixels,
+    *,
+    type: AutoStored = ...,
+    y: Y = ...,
+    light: Light = ...,
+    out: NDArray[np.uint8] | None = ...,
+    threads: int = ...,
+) -> NDArray[np.uint8]: ...
+def shade(
+    src: AnyPixels,
+    *,
+    type: AutoType = "auto",
     y: Y = "up",
     light: Light = _DEFAULT_LIGHT,
     out: NDArray[np.uint8] | None = None,
@@ -143,8 +176,8 @@ def shade(
     ----------
     src : array, (height, width, channels), uint8, uint16 or float32
         A normals texture of 3 or 4 channels (`"xy"`: 2 to 4).
-    type : {"standard", "zzero", "xy", "vector"}
-        How a normal is stored.
+    type : {"auto", "standard", "zzero", "xy", "vector"}
+        How a normal is stored; "auto" finds out by the texels.
     y : {"up", "down"}
         Which way green points.
     light : Light
@@ -168,11 +201,13 @@ def shade(
     >>> import numpy as np, normaltexture as nt
     >>> texture = np.full((1, 2, 3), (128, 128, 255), np.uint8)
     >>> texture[0, 1] = 37, 218, 128
-    >>> nt.shade(texture)[0, :, 0]
+    >>> nt.shade(texture, type="standard")[0, :, 0]
     array([165, 175], dtype=uint8)
     """
     source = pixels("src", src)
-    src_view = view("src", source, choose("type", type, ENCODINGS), choose("y", y, YS))
+    if type == "auto":
+        type = resolve(source, type, threads)
+    src_view = view("src", source, choose("type", type, TYPES), choose("y", y, YS))
     gray = isinstance(out, np.ndarray) and out.ndim == 2
     output = Output(source.shape[:2] if gray else (*source.shape[:2], 3), _U8, out)
     output.apart_from(not gray, src=source)
@@ -217,15 +252,80 @@ class Difference(_Result):
     angles: Angles
 
 
+def _pair(name: str, value: Any) -> tuple[Any, Any]:
+    """An argument that is for both textures, or a tuple of two."""
+    if not isinstance(value, tuple):
+        return value, value
+    if len(value) != 2:
+        raise ArgumentError(f"{name}={value!r}: must be one for both, or two")
+    return value[0], value[1]
+
+
+def _types(
+    type: ComparedType | tuple[ComparedType, ComparedType],
+    first: NDArray[Any],
+    second: NDArray[Any],
+    threads: int,
+) -> tuple[MeasuredType, MeasuredType]:
+    """The argument `type` of `compare`, "auto" found out."""
+    a, b = _pair("type", type)
+    of_a: MeasuredType = likely(first, threads) if a == "auto" else a
+    of_b: MeasuredType = likely(second, threads) if b == "auto" else b
+    # Where one of them has no blue, that of the other tells more than a derived one.
+    if a == "auto" and of_a == "xy" != of_b and first.shape[2] > 2:
+        of_a = "standard"
+    if b == "auto" and of_b == "xy" != of_a and second.shape[2] > 2:
+        of_b = "standard"
+    return of_a, of_b
+
+
+@overload
 def compare(
-    a: ArrayLike,
-    b: ArrayLike,
+    a: AnyPixels,
+    b: AnyPixels,
     *,
-    type: MeasuredType = "standard",
-    b_type: MeasuredType | None = None,
-    y: Y = "up",
-    b_y: Y | None = None,
-    heat: NDArray[np.uint8] | None = None,
+    type: _Plain | tuple[_Plain, _Plain] = ...,
+    y: Y | tuple[Y, Y] = ...,
+    out_heat: NDArray[np.uint8] | None = ...,
+    threads: int = ...,
+) -> Difference: ...
+@overload
+def compare(
+    a: NDArray[np.float32],
+    b: AnyPixels,
+    *,
+    type: tuple[ComparedType, _Plain],
+    y: Y | tuple[Y, Y] = ...,
+    out_heat: NDArray[np.uint8] | None = ...,
+    threads: int = ...,
+) -> Difference: ...
+@overload
+def compare(
+    a: AnyPixels,
+    b: NDArray[np.float32],
+    *,
+    type: tuple[_Plain, ComparedType],
+    y: Y | tuple[Y, Y] = ...,
+    out_heat: NDArray[np.uint8] | None = ...,
+    threads: int = ...,
+) -> Difference: ...
+@overload
+def compare(
+    a: NDArray[np.float32],
+    b: NDArray[np.float32],
+    *,
+    type: ComparedType | tuple[ComparedType, ComparedType],
+    y: Y | tuple[Y, Y] = ...,
+    out_heat: NDArray[np.uint8] | None = ...,
+    threads: int = ...,
+) -> Difference: ...
+def compare(
+    a: AnyPixels,
+    b: AnyPixels,
+    *,
+    type: ComparedType | tuple[ComparedType, ComparedType] = "auto",
+    y: Y | tuple[Y, Y] = "up",
+    out_heat: NDArray[np.uint8] | None = None,
     threads: int = 1,
 ) -> Difference:
     """Compare two textures of one size in levels and degrees, as `ntp diff` does.
@@ -235,12 +335,14 @@ def compare(
     a, b : array, (height, width, channels), uint8, uint16 or float32
         Normals textures; depth, encoding and direction of green may differ.  `b` is brought to
         the encoding of `a`.
-    type, b_type : {"standard", "zzero", "xy", "vector", "height"}
-        How `a` and `b` store a normal; by default alike.  Two heights, or pictures of any kind, of
-        1 to 4 channels are compared in levels only.
-    y, b_y : {"up", "down"}
-        Which way green points in `a` and `b`; by default alike.
-    heat : array, (height, width, 3), uint8, optional
+    type : {"auto", "standard", "zzero", "xy", "vector", "height"}, or two of these
+        How both store a normal, or how `a` and how `b` does.  "auto", as `ntp diff` does it: as
+        the texels of each tell where they are sure, else standard; XY only where both are; arrays
+        of two dimensions as heights.  Two heights, or pictures of any kind, of 1 to 4 channels are
+        compared in levels only.
+    y : {"up", "down"}, or two of these
+        Which way green points in both, or in `a` and in `b`.
+    out_heat : array, (height, width, 3), uint8, optional
         Filled with a picture: black where they are equal, then from blue (0 degrees) by green (5)
         to red (10 and more).
     threads : int
@@ -270,18 +372,14 @@ def compare(
             f"b: must be of the size of a, {first.shape[:2]}, not {second.shape[:2]}",
             Status.SHAPE,
         )
-    a_view = view("a", first, choose("type", type, MEASURED), choose("y", y, YS))
-    b_view = view(
-        "b",
-        second,
-        choose("b_type", type if b_type is None else b_type, MEASURED),
-        choose("b_y", y if b_y is None else b_y, YS),
-    )
+    types, ys = _types(type, first, second, threads), _pair("y", y)
+    a_view = view("a", first, choose("type", types[0], MEASURED), choose("y", ys[0], YS))
+    b_view = view("b", second, choose("type", types[1], MEASURED), choose("y", ys[1], YS))
     heat_view, output = ffi.NULL, None
-    if heat is not None:
-        output = Output((*first.shape[:2], 3), _U8, heat)
+    if out_heat is not None:
+        output = Output((*first.shape[:2], 3), _U8, out_heat)
         output.apart_from(False, a=first, b=second)
-        heat_view = view("heat", output.array, HEIGHT, writable=True)
+        heat_view = view("out_heat", output.array, HEIGHT, writable=True)
 
     def work(areas: Iterable[Any]) -> tuple[Any, Any]:
         part, owner = _DIFFS.take()

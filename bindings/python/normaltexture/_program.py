@@ -13,12 +13,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
-from ._clean import Verdict
 from ._errors import ArgumentError, FileError, FileStatus
 from ._measure import _Result
-
-CheckType = Literal["auto", "standard", "zzero", "xy", "height"]
-Level = Literal["error", "warning", "info"]
+from .typing import AutoY, CheckType, Class, Level, Verdict
 
 # sysconfig of Python 3.11 fails where two threads are the first to ask it.
 _ONE_AT_A_TIME = threading.Lock()
@@ -66,7 +63,7 @@ class CheckedFile(_Result):
     path: str
     status: Literal["ok", "unreadable"]
     message: str | None
-    type: str | None
+    type: Class | None
     findings: tuple[Finding, ...]
     data: dict[str, Any]
 
@@ -133,7 +130,7 @@ def check(
     paths: str | os.PathLike[str] | Iterable[str | os.PathLike[str]],
     *,
     type: CheckType = "auto",
-    y: Literal["auto", "up", "down"] = "auto",
+    y: AutoY = "auto",
     verdict: Verdict = "neighbor",
     keep_negative_z: bool = False,
     max_fail: float = 2.0,

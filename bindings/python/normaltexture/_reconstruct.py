@@ -3,52 +3,53 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, Literal, NoReturn, TypeAlias, cast, get_args, overload
+from typing import Any, Literal, NoReturn, Unpack, cast, overload
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from ._arrays import (
-    ENCODINGS,
-    HEIGHT,
-    TOUCH_ALL,
-    TOUCH_NONE,
-    YS,
-    AnyType,
-    Output,
-    Y,
-    choose,
-    number,
-    pixels,
-    spacing,
-    view,
-)
+from ._arrays import Output, choose, number, pixels, spacing, view
 from ._borders import choose_borders, find_kernel
 from ._classify import resolve
 from ._errors import ArgumentError, Status, check
-from ._height import Border, Kernel
 from ._measure import _made, _Result
+from ._names import (
+    AUTO,
+    BORDERS,
+    DECODES,
+    FOUND_KERNELS,
+    HEIGHT,
+    HEIGHT_METHODS,
+    TOUCH_ALL,
+    TOUCH_NONE,
+    TYPES,
+    YS,
+    ZS,
+    names_of,
+)
 from ._native import ffi, lib
 from ._orientation import detect_orientation
 from ._solve import Solver
+from .typing import (
+    AnyPixels,
+    AutoBorder,
+    AutoStored,
+    AutoType,
+    AutoY,
+    Decode,
+    HeightKernel,
+    HeightMethod,
+    HeightsHow,
+    Mask,
+    Type,
+    Y,
+    Z,
+)
 
-HeightKernel: TypeAlias = Kernel | Literal["auto", "baked"]
-AnyBorder: TypeAlias = Literal["auto"] | Border
-HeightMethod: TypeAlias = Literal[
-    "auto", "telescoping", "frankot-chellappa", "poisson-dct", "weighted"
-]
-Decode: TypeAlias = Literal["auto", "unorm", "neutral", "unorm-trunc", "snorm128"]
-Z: TypeAlias = Literal["auto", "stored", "derived"]
-
-_KERNELS = {"auto": -1} | {name: i for i, name in enumerate(get_args(Kernel))} | {"baked": 10}
-_BORDERS = {"auto": -1} | {name: i for i, name in enumerate(get_args(Border))}
-_METHODS: tuple[str, ...] = get_args(HeightMethod)
-_DECODES: tuple[str, ...] = get_args(Decode)
-METHOD_CODES = {name: i for i, name in enumerate(_METHODS)}
-DECODE_CODES = {name: i for i, name in enumerate(_DECODES)}
-ZS = {"auto": 0, "stored": 1, "derived": 2}
-_KERNEL_NAMES, _BORDER_NAMES, _Z_NAMES = (
-    {code: name for name, code in table.items()} for table in (_KERNELS, _BORDERS, ZS)
+_KERNELS = {"auto": AUTO} | FOUND_KERNELS
+_BORDERS = {"auto": AUTO} | BORDERS
+_METHOD_NAMES, _KERNEL_NAMES, _BORDER_NAMES, _DECODE_NAMES, _Z_NAMES = map(
+    names_of, (HEIGHT_METHODS, FOUND_KERNELS, BORDERS, DECODES, ZS)
 )
 _LEAST_SIDE = 6  # below, no texel says which way green points
 
@@ -108,81 +109,44 @@ class HeightInfo(_Result):
 
 @overload
 def height_from_normals(
-    src: ArrayLike,
+    src: NDArray[np.float32],
     *,
-    from_: AnyType = ...,
-    from_y: Y | Literal["auto"] = ...,
-    method: HeightMethod = ...,
-    kernel: HeightKernel = ...,
-    border: AnyBorder = ...,
-    border_x: AnyBorder | None = ...,
-    border_y: AnyBorder | None = ...,
-    dx: float = ...,
-    dy: float = ...,
-    refine: int = ...,
-    seeds: Sequence[float] | None = ...,
-    equalize: bool = ...,
-    mask: ArrayLike | None = ...,
-    detrend: bool = ...,
-    decode: Decode = ...,
-    z: Z = ...,
-    touch_unused: bool = ...,
-    progress: Callable[[float], object] | None = ...,
-    return_info: Literal[False] = ...,
+    type: Literal["vector"],
     out: NDArray[np.float32] | None = ...,
-    threads: int = ...,
+    **how: Unpack[HeightsHow],
 ) -> NDArray[np.float32]: ...
 @overload
 def height_from_normals(
-    src: ArrayLike,
+    src: AnyPixels,
     *,
-    from_: AnyType = ...,
-    from_y: Y | Literal["auto"] = ...,
-    method: HeightMethod = ...,
-    kernel: HeightKernel = ...,
-    border: AnyBorder = ...,
-    border_x: AnyBorder | None = ...,
-    border_y: AnyBorder | None = ...,
-    dx: float = ...,
-    dy: float = ...,
-    refine: int = ...,
-    seeds: Sequence[float] | None = ...,
-    equalize: bool = ...,
-    mask: ArrayLike | None = ...,
-    detrend: bool = ...,
-    decode: Decode = ...,
-    z: Z = ...,
-    touch_unused: bool = ...,
-    progress: Callable[[float], object] | None = ...,
-    return_info: Literal[True],
+    type: AutoStored = ...,
     out: NDArray[np.float32] | None = ...,
-    threads: int = ...,
-) -> tuple[NDArray[np.float32], HeightInfo]: ...
+    **how: Unpack[HeightsHow],
+) -> NDArray[np.float32]: ...
 def height_from_normals(
-    src: ArrayLike,
+    src: AnyPixels,
     *,
-    from_: AnyType = "standard",
-    from_y: Y | Literal["auto"] = "auto",
+    type: AutoType = "auto",
+    y: AutoY = "auto",
     method: HeightMethod = "auto",
     kernel: HeightKernel = "auto",
-    border: AnyBorder = "auto",
-    border_x: AnyBorder | None = None,
-    border_y: AnyBorder | None = None,
+    border: AutoBorder = "auto",
+    border_x: AutoBorder | None = None,
+    border_y: AutoBorder | None = None,
     dx: float = 1.0,
     dy: float = 1.0,
     refine: int = 0,
     seeds: Sequence[float] | None = None,
     equalize: bool = False,
-    mask: ArrayLike | None = None,
+    mask: Mask | None = None,
     detrend: bool = False,
     decode: Decode = "auto",
     z: Z = "auto",
     touch_unused: bool = False,
     progress: Callable[[float], object] | None = None,
-    return_info: bool = False,
     out: NDArray[np.float32] | None = None,
     threads: int = 1,
-) -> NDArray[np.float32] | tuple[NDArray[np.float32], HeightInfo]:
+) -> NDArray[np.float32]:
     """Find the heightfield behind normals, in texels, with mean 0.
 
     Of all heightfields it is the one whose slopes, by the kernel and borders, come nearest to the
@@ -192,9 +156,9 @@ def height_from_normals(
     ----------
     src : array, (height, width, channels), uint8, uint16 or float32
         A normals texture of 3 or 4 channels (`"xy"`: 2 to 4).
-    from_ : {"standard", "zzero", "xy", "vector", "auto"}
+    type : {"auto", "standard", "zzero", "xy", "vector"}
         How a normal is stored; "auto" finds out by the texels, as `ntp to-height` does.
-    from_y : {"auto", "up", "down"}
+    y : {"auto", "up", "down"}
         Which way green points; "auto": as the texels tell, else up.
     method : {"auto", "telescoping", "frankot-chellappa", "poisson-dct", "weighted"}
         Least squares, for textures that tile and that do not; with holes and weights; or Eberly's
@@ -225,8 +189,6 @@ def height_from_normals(
         Use pure black, pure white and transparent texels like any other.
     progress : callable, optional
         Called now and then with the share done, 0..1; returning False stops.
-    return_info : bool
-        Return `HeightInfo` as well.
     out : array, (height, width), float32, optional
         Where to write; it does not overlap `src`.
     threads : int
@@ -234,7 +196,7 @@ def height_from_normals(
 
     Returns
     -------
-    array, (height, width), float32, or (array, HeightInfo)
+    array, (height, width), float32
 
     Raises
     ------
@@ -257,30 +219,179 @@ def height_from_normals(
     >>> import normaltexture as nt
     >>> height = nt.read("wall_height.png")
     >>> normals = nt.normals_from_height(height, scale=10, border="extrapolate", depth=16)
-    >>> again, info = nt.height_from_normals(normals, return_info=True)
+    >>> again = nt.height_from_normals(normals)
     >>> bool(np.abs((again - again.mean()) / 10 - (height / 255 - height.mean() / 255)).max() < .01)
     True
     """
+    return _heights(
+        src,
+        lib.NTP_RESIDUAL_NONE,
+        type,
+        y,
+        method,
+        kernel,
+        border,
+        border_x,
+        border_y,
+        dx,
+        dy,
+        refine,
+        seeds,
+        equalize,
+        mask,
+        detrend,
+        decode,
+        z,
+        touch_unused,
+        progress,
+        out,
+        threads,
+    )[0]
+
+
+@overload
+def height_from_normals_with_info(
+    src: NDArray[np.float32],
+    *,
+    type: Literal["vector"],
+    out: NDArray[np.float32] | None = ...,
+    **how: Unpack[HeightsHow],
+) -> tuple[NDArray[np.float32], HeightInfo]: ...
+@overload
+def height_from_normals_with_info(
+    src: AnyPixels,
+    *,
+    type: AutoStored = ...,
+    out: NDArray[np.float32] | None = ...,
+    **how: Unpack[HeightsHow],
+) -> tuple[NDArray[np.float32], HeightInfo]: ...
+def height_from_normals_with_info(
+    src: AnyPixels,
+    *,
+    type: AutoType = "auto",
+    y: AutoY = "auto",
+    method: HeightMethod = "auto",
+    kernel: HeightKernel = "auto",
+    border: AutoBorder = "auto",
+    border_x: AutoBorder | None = None,
+    border_y: AutoBorder | None = None,
+    dx: float = 1.0,
+    dy: float = 1.0,
+    refine: int = 0,
+    seeds: Sequence[float] | None = None,
+    equalize: bool = False,
+    mask: Mask | None = None,
+    detrend: bool = False,
+    decode: Decode = "auto",
+    z: Z = "auto",
+    touch_unused: bool = False,
+    progress: Callable[[float], object] | None = None,
+    out: NDArray[np.float32] | None = None,
+    threads: int = 1,
+) -> tuple[NDArray[np.float32], HeightInfo]:
+    """Find the heightfield behind normals, and say what was chosen and how well it fits.
+
+    To work out the residual takes one more pass.
+
+    Parameters
+    ----------
+    src, type, y, method, kernel, border, border_x, border_y, dx, dy, refine, seeds, equalize, mask, \
+detrend, decode, z, touch_unused, progress, out, threads
+        As in `height_from_normals`.
+
+    Returns
+    -------
+    (array, HeightInfo)
+
+    Raises
+    ------
+    ArgumentError, SampleTypeError, CancelledError
+        As `height_from_normals`.
+
+    Examples
+    --------
+    >>> import normaltexture as nt
+    >>> height = nt.read("wall_height.png")
+    >>> normals = nt.normals_from_height(height, 10, kernel="sobel3", depth=16)
+    >>> again, info = nt.height_from_normals_with_info(normals)
+    >>> info.method, info.kernel, info.border_x
+    ('frankot-chellappa', 'sobel3', 'wrap')
+    """
+    return _heights(
+        src,
+        lib.NTP_RESIDUAL_ALL,
+        type,
+        y,
+        method,
+        kernel,
+        border,
+        border_x,
+        border_y,
+        dx,
+        dy,
+        refine,
+        seeds,
+        equalize,
+        mask,
+        detrend,
+        decode,
+        z,
+        touch_unused,
+        progress,
+        out,
+        threads,
+    )
+
+
+def _y_of(source: NDArray[Any], type: Type, threads: int) -> Y:
+    """Which way green points, up where that cannot be told."""
+    if min(source.shape[:2]) < _LEAST_SIDE:
+        return "up"
+    found = detect_orientation(source, type=type, deep=True, threads=threads)
+    return "up" if found.y == "undecided" else found.y
+
+
+def _heights(
+    src: AnyPixels,
+    scope: int,
+    type: AutoType,
+    y: AutoY,
+    method: HeightMethod,
+    kernel: HeightKernel,
+    border: AutoBorder,
+    border_x: AutoBorder | None,
+    border_y: AutoBorder | None,
+    dx: float,
+    dy: float,
+    refine: int,
+    seeds: Sequence[float] | None,
+    equalize: bool,
+    mask: Mask | None,
+    detrend: bool,
+    decode: Decode,
+    z: Z,
+    touch_unused: bool,
+    progress: Callable[[float], object] | None,
+    out: NDArray[np.float32] | None,
+    threads: int,
+) -> tuple[NDArray[np.float32], HeightInfo]:
+    """The heights, and what was done; `scope` says what of the residual is worked out."""
     source = pixels("src", src)
-    if from_ == "auto":
-        from_ = resolve(source, from_, threads)
-    encoding = choose("from_", from_, ENCODINGS)
-    if from_y == "auto":
-        from_y = "up"
-        if min(source.shape[:2]) >= _LEAST_SIDE:
-            found = detect_orientation(source, type=from_, deep=True, threads=threads)
-            from_y = "up" if found.y == "undecided" else found.y
-    src_view = view("src", source, encoding, choose("from_y", from_y, YS))
+    if type == "auto":
+        type = resolve(source, type, threads)
+    encoding = choose("type", type, TYPES)
+    told: Y = _y_of(source, type, threads) if y == "auto" else y
+    src_view = view("src", source, encoding, choose("y", told, YS))
     height, width = source.shape[:2]
 
     how = ffi.new("ntp_height_options *")
-    how.method = choose("method", method, METHOD_CODES)
+    how.method = choose("method", method, HEIGHT_METHODS)
     kernel_code = choose("kernel", kernel, _KERNELS)
     asked = (
         choose("border_x" if border_x else "border", border_x or border, _BORDERS),
         choose("border_y" if border_y else "border", border_y or border, _BORDERS),
     )
-    how.decode = choose("decode", decode, DECODE_CODES)
+    how.decode = choose("decode", decode, DECODES)
     how.z = choose("z", z, ZS)
     how.touch_unused = TOUCH_ALL if touch_unused else TOUCH_NONE
     if seeds is not None:
@@ -290,8 +401,7 @@ def height_from_normals(
         how.use_seeds, how.seeds = 1, values
     if equalize and method != "telescoping":
         raise ArgumentError('equalize=True: goes with method="telescoping"')
-    how.equalize, how.detrend = bool(equalize), bool(detrend)
-    how.residual_scope = lib.NTP_RESIDUAL_ALL if return_info else lib.NTP_RESIDUAL_NONE
+    how.equalize, how.detrend, how.residual_scope = bool(equalize), bool(detrend), scope
     how.refine = int(number("refine", refine, 0, lib.NTP_MAX_ITERATIONS))
     how.dx, how.dy = spacing(dx, dy)
     mask_array = None
@@ -307,7 +417,7 @@ def height_from_normals(
         output.array if output.array.flags.c_contiguous else np.empty_like(output.array, order="C")
     )
     dst = view("out", packed, HEIGHT, writable=True)
-    how.kernel = find_kernel(src_view, how.touch_unused) if kernel_code < 0 else kernel_code
+    how.kernel = find_kernel(src_view, how.touch_unused) if kernel_code == AUTO else kernel_code
     result = ffi.new("ntp_height_result *")
     solver = Solver(dst, src_view, threads, progress)
     solved = choose_borders(how, asked, src_view, ffi.cast("ntp_const_image *", dst), solver)
@@ -319,10 +429,10 @@ def height_from_normals(
     if packed is not output.array:
         output.array[...] = packed
     heights = cast("NDArray[np.float32]", output.finish())
-    return (heights, info_of(how, result, from_y)) if return_info else heights
+    return heights, info_of(how, result, told)
 
 
-def _mask(mask: ArrayLike, source: NDArray[Any]) -> NDArray[Any]:
+def _mask(mask: Any, source: NDArray[Any]) -> NDArray[Any]:
     array = np.asarray(mask)
     array = pixels("mask", array.view(np.uint8) if array.dtype == np.bool_ else array)
     if array.shape[:2] != source.shape[:2] or array.dtype.kind == "f":
@@ -351,7 +461,7 @@ def cannot(how: Any, status: int, floats: bool, in_what_way: str = "") -> NoRetu
         f"kernel={_KERNEL_NAMES[how.kernel]!r} with"
         f" border_x={_BORDER_NAMES[how.border_x]!r} and"
         f" border_y={_BORDER_NAMES[how.border_y]!r} cannot be solved{in_what_way} by"
-        f" method={_METHODS[how.method]!r}",
+        f" method={_METHOD_NAMES[how.method]!r}",
         Status(status),
     )
 
@@ -360,12 +470,12 @@ def info_of(how: Any, result: Any, y: Y) -> HeightInfo:
     return _made(
         HeightInfo,
         {
-            "method": _METHODS[result.method],
+            "method": _METHOD_NAMES[result.method],
             "kernel": _KERNEL_NAMES[how.kernel],
             "border_x": _BORDER_NAMES[how.border_x],
             "border_y": _BORDER_NAMES[how.border_y],
             "y": y,
-            "decode": _DECODES[result.decode],
+            "decode": _DECODE_NAMES[result.decode],
             "z": _Z_NAMES[result.z],
             "scale": result.max - result.min,
             "offset": result.min,

@@ -2,40 +2,31 @@
 """Normals to heightfields beyond memory: rows come from functions of the caller and go to them."""
 
 from collections.abc import Callable
-from typing import Any, Literal, TypeAlias
+from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from ._arrays import (
-    CHANNELS,
-    DEPTHS,
-    ENCODINGS,
-    MAX_SIDE,
-    SAMPLE_TYPES,
+from ._arrays import CHANNELS, DEPTHS, MAX_SIDE, SAMPLE_TYPES, choose, memory, spacing
+from ._errors import ArgumentError, SampleTypeError, Status, check
+from ._names import (
+    BORDERS,
+    DECODES,
+    FOUND_KERNELS,
+    HEIGHT_METHODS,
     TOUCH_ALL,
     TOUCH_NONE,
+    TYPES,
     YS,
-    Depth,
-    Type,
-    Y,
-    choose,
-    memory,
-    spacing,
+    ZS,
 )
-from ._errors import ArgumentError, SampleTypeError, Status, check
-from ._height import BORDERS, Border
 from ._native import ffi, lib
-from ._reconstruct import DECODE_CODES, METHOD_CODES, ZS, Decode, HeightInfo, Z, cannot, info_of
+from ._reconstruct import HeightInfo, cannot, info_of
 from ._solve import SCRATCH_ALIGNMENT, Callbacks, stop
+from .typing import Border, Decode, Depth, ReadRows, RowKernel, RowMethod, Type, WriteRows, Y, Z
 
-RowKernel: TypeAlias = Literal["central", "forward", "baked"]
-RowMethod: TypeAlias = Literal["auto", "frankot-chellappa", "poisson-dct"]
-ReadRows: TypeAlias = Callable[[int, int], ArrayLike]
-WriteRows: TypeAlias = Callable[[int, NDArray[np.float32]], object]
-
-_KERNELS = {"central": 0, "forward": 1, "baked": 10}
-_METHODS = {name: METHOD_CODES[name] for name in ("auto", "frankot-chellappa", "poisson-dct")}
+_KERNELS = {name: FOUND_KERNELS[name] for name in ("central", "forward", "baked")}
+_METHODS = {name: HEIGHT_METHODS[name] for name in ("auto", "frankot-chellappa", "poisson-dct")}
 _FLOAT = np.dtype(np.float32)
 
 
@@ -128,8 +119,8 @@ def height_from_rows(
     *,
     shape: tuple[int, int, int],
     depth: Depth = 8,
-    from_: Type = "standard",
-    from_y: Y = "up",
+    type: Type = "standard",
+    y: Y = "up",
     method: RowMethod = "auto",
     kernel: RowKernel = "central",
     border: Border = "wrap",
@@ -146,7 +137,7 @@ def height_from_rows(
     """Find the heightfield behind normals, row by row, for pictures too large for memory.
 
     The heights are those of `height_from_normals`, byte for byte, with the same kernel, borders,
-    `from_y`, `decode` and `z`, of which nothing is found out here.  But for "central" with
+    `y`, `decode` and `z`, of which nothing is found out here.  But for "central" with
     "extrapolate": there the edges are not fitted again.
 
     Parameters
@@ -165,9 +156,9 @@ def height_from_rows(
         Of the normals: 3 or 4 channels (`"xy"`: 2 to 4).
     depth : {8, 16, "float"}
         Samples of the normals: uint8, uint16 or float32.
-    from_ : {"standard", "zzero", "xy", "vector"}
+    type : {"standard", "zzero", "xy", "vector"}
         How a normal is stored.
-    from_y : {"up", "down"}
+    y : {"up", "down"}
         Which way green points.
     method : {"auto", "frankot-chellappa", "poisson-dct"}
         Least squares, as the borders say; for textures that tile; that do not.
@@ -228,20 +219,20 @@ def height_from_rows(
         ("read_heights", read_heights),
     ):
         if not callable(function):
-            raise ArgumentError(f"{name}: must be callable, not {type(function).__name__}")
-    encoding = choose("from_", from_, ENCODINGS)
+            raise ArgumentError(f"{name}: must be callable, not {function.__class__.__name__}")
+    encoding = choose("type", type, TYPES)
     height, width, channels = _shape(shape, encoding)
     dtype = choose("depth", depth, DEPTHS)
-    if from_ == "vector" and dtype != _FLOAT:
-        raise SampleTypeError(f'depth={depth!r}: from_="vector" needs "float"')
-    up = choose("from_y", from_y, YS)
+    if type == "vector" and dtype != _FLOAT:
+        raise SampleTypeError(f'depth={depth!r}: type="vector" needs "float"')
+    up = choose("y", y, YS)
     how = ffi.new("ntp_height_options *")
     how.method = choose("method", method, _METHODS)
     how.kernel = choose("kernel", kernel, _KERNELS)
     how.border_x = choose("border_x" if border_x else "border", border_x or border, BORDERS)
     how.border_y = choose("border_y" if border_y else "border", border_y or border, BORDERS)
     how.dx, how.dy = spacing(dx, dy)
-    how.decode = choose("decode", decode, DECODE_CODES)
+    how.decode = choose("decode", decode, DECODES)
     how.z = choose("z", z, ZS)
     how.touch_unused = TOUCH_ALL if touch_unused else TOUCH_NONE
     form = ffi.new(
@@ -264,4 +255,4 @@ def height_from_rows(
     )
     work.check()
     check(status, "height_from_rows")
-    return info_of(how, result, from_y)
+    return info_of(how, result, y)

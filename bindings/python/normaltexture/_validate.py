@@ -4,41 +4,62 @@
 from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import IntFlag
-from typing import Any
+from typing import Any, Literal, overload
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from ._arrays import ENCODINGS, HEIGHT, Output, Type, choose, pixels, view
+from ._arrays import Output, choose, pixels, view
+from ._classify import resolve
 from ._errors import ArgumentError, check
 from ._measure import _Result
+from ._names import HEIGHT, TYPES
 from ._native import ffi, lib
 from ._threads import run
+from .typing import AnyPixels, AutoStored, AutoType
 
 
 class Flag(IntFlag):
     """The bits of what `validate` writes for a texel."""
 
-    PASS_NEIGHBOR = 1
+    NEIGHBOR = lib.NTP_FLAG_NEIGHBOR
     """Within one level of unit length."""
-    PASS_ROUNDED = 2
+    ROUNDED = lib.NTP_FLAG_ROUNDED
     """An honest rounding of a unit vector."""
-    PASS_EXACT = 4
+    EXACT = lib.NTP_FLAG_EXACT
     """Blue is the one that red and green imply."""
-    XY_TOO_LONG = 8
+    XY_TOO_LONG = lib.NTP_FLAG_XY_TOO_LONG
     """Red and green alone are longer than 1."""
-    Z_NEGATIVE = 16
+    Z_NEGATIVE = lib.NTP_FLAG_Z_NEGATIVE
     """The normal points into the surface."""
-    IS_UNUSED = 32
+    UNUSED = lib.NTP_FLAG_UNUSED
     """Pure black, pure white, or transparent; the other bits are set as well."""
-    NOT_FINITE = 64
-    """A float sample is NaN or infinite; no PASS bit is set."""
+    NOT_FINITE = lib.NTP_FLAG_NOT_FINITE
+    """A float sample is NaN or infinite; no verdict is passed."""
 
 
+@overload
 def validate(
-    src: ArrayLike,
+    src: NDArray[np.float32],
     *,
-    type: Type = "standard",
+    type: Literal["vector"],
+    keep_negative_z: bool = ...,
+    out: NDArray[np.uint8] | None = ...,
+    threads: int = ...,
+) -> NDArray[np.uint8]: ...
+@overload
+def validate(
+    src: AnyPixels,
+    *,
+    type: AutoStored = ...,
+    keep_negative_z: bool = ...,
+    out: NDArray[np.uint8] | None = ...,
+    threads: int = ...,
+) -> NDArray[np.uint8]: ...
+def validate(
+    src: AnyPixels,
+    *,
+    type: AutoType = "auto",
     keep_negative_z: bool = False,
     out: NDArray[np.uint8] | None = None,
     threads: int = 1,
@@ -49,12 +70,12 @@ def validate(
     ----------
     src : array, (height, width, channels), uint8, uint16 or float32
         A normals texture of 3 or 4 channels (`"xy"`: 2 to 4).  Floats are judged as 16-bit levels.
-    type : {"standard", "zzero", "xy", "vector"}
+    type : {"auto", "standard", "zzero", "xy", "vector"}
         How a normal is stored: z in -1..1, z in 0..1, no z, or the components as they are
-        (float32, -1..1).  Of `"xy"` textures all three verdicts ask only that x, y are not longer
-        than 1.
+        (float32, -1..1); "auto" finds out by the texels.  Of `"xy"` textures all three verdicts
+        ask only that x, y are not longer than 1.
     keep_negative_z : bool
-        `PASS_EXACT` accepts the mirrored blue of a negative z.
+        `EXACT` accepts the mirrored blue of a negative z.
     out : array, (height, width), uint8, optional
         Where to write the flags.
     threads : int
@@ -79,15 +100,16 @@ def validate(
     --------
     >>> import numpy as np, normaltexture as nt
     >>> texture = np.array([[[128, 128, 255], [255, 255, 128]]], np.uint8)
-    >>> flags = nt.validate(texture)
-    >>> flags & nt.Flag.PASS_EXACT > 0
+    >>> flags = nt.validate(texture, type="standard")
+    >>> flags & nt.Flag.EXACT > 0
     array([[ True, False]])
     >>> nt.Flag(int(flags[0, 1]))
     <Flag.XY_TOO_LONG: 8>
     """
-    encoding = choose("type", type, ENCODINGS)
     source = pixels("src", src)
-    src_view = view("src", source, encoding)
+    if type == "auto":
+        type = resolve(source, type, threads)
+    src_view = view("src", source, choose("type", type, TYPES))
     output = Output(source.shape[:2], np.dtype(np.uint8), out)
     output.apart_from(False, src=source)
     mask = view("out", output.array, HEIGHT, writable=True)
@@ -137,8 +159,26 @@ class Texel(_Result):
     angle: float
 
 
+@overload
 def inspect(
-    src: ArrayLike, x: int, y: int, *, type: Type = "standard", keep_negative_z: bool = False
+    src: NDArray[np.float32],
+    x: int,
+    y: int,
+    *,
+    type: Literal["vector"],
+    keep_negative_z: bool = ...,
+) -> Texel: ...
+@overload
+def inspect(
+    src: AnyPixels,
+    x: int,
+    y: int,
+    *,
+    type: AutoStored = ...,
+    keep_negative_z: bool = ...,
+) -> Texel: ...
+def inspect(
+    src: AnyPixels, x: int, y: int, *, type: AutoType = "auto", keep_negative_z: bool = False
 ) -> Texel:
     """Say everything about one texel, as `ntp dump` does.
 
@@ -148,8 +188,8 @@ def inspect(
         A normals texture of 3 or 4 channels (`"xy"`: 2 to 4).
     x, y : int
         Column and row; the upper left texel is at 0, 0.
-    type : {"standard", "zzero", "xy", "vector"}
-        How a normal is stored.
+    type : {"auto", "standard", "zzero", "xy", "vector"}
+        How a normal is stored; "auto" finds out by all texels, as `ntp dump` does.
     keep_negative_z : bool
         A negative z is no fault and stays.
 
@@ -165,16 +205,18 @@ def inspect(
     Examples
     --------
     >>> import numpy as np, normaltexture as nt
-    >>> texel = nt.inspect(np.array([[[200, 100, 10]]], np.uint8), 0, 0)
+    >>> texel = nt.inspect(np.array([[[200, 100, 10]]], np.uint8), 0, 0, type="standard")
     >>> texel.cleaned, texel.levels_off, round(texel.length, 3), texel.flags
     ((200, 100, 229), 16, 1.104, <Flag.Z_NEGATIVE: 16>)
     """
     source = pixels("src", src)
-    src_view = view("src", source, choose("type", type, ENCODINGS))
     height, width = source.shape[:2]
     for name, value, side in (("x", x, width), ("y", y, height)):
         if not isinstance(value, (int, np.integer)) or not 0 <= value < side:
             raise ArgumentError(f"{name}={value!r}: must be an integer 0..{side - 1}")
+    if type == "auto":
+        type = resolve(source, type, 1)
+    src_view = view("src", source, choose("type", type, TYPES))
     found = ffi.new("ntp_texel *")
     check(lib.ntp_inspect(found, src_view, x, y, bool(keep_negative_z)), "inspect")
     return Texel(

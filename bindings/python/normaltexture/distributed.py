@@ -23,9 +23,10 @@ from numpy.typing import NDArray
 
 from . import _ntp
 from ._errors import ArgumentError
-from ._height import BORDERS, KERNELS, Border, Kernel
 from ._height import normals_from_height as _normals_from_height
+from ._names import BORDERS, KERNELS
 from ._native import ffi, lib
+from .typing import Border, Kernel
 
 if TYPE_CHECKING:
     import dask.array as da
@@ -315,8 +316,8 @@ def _least_chunks(chunks: tuple[int, ...], least: int) -> tuple[int, ...]:
 
 def normals_from_height(
     height: "da.Array",
-    *,
     scale: float,
+    *,
     kernel: Kernel = "central",
     border: Border = "wrap",
     border_x: Border | None = None,
@@ -334,7 +335,7 @@ def normals_from_height(
         As of `normaltexture.normals_from_height`.
     options
         Further arguments of that function: dx, dy, invert, source, to, to_y, depth, blue, min_z,
-        alpha.  What needs more than a neighborhood (blur, octaves, dither, like) is refused.
+        alpha.  What needs more than a neighborhood (dither) is refused.
 
     Returns
     -------
@@ -358,7 +359,7 @@ def normals_from_height(
     >>> bool((normals.compute(scheduler="threads") == whole).all())
     True
     """
-    for name in ("blur", "octaves", "dither", "like", "out", "return_counts", "threads"):
+    for name in ("dither", "out", "threads"):
         if name in options:
             raise ArgumentError(f"{name}: cannot be used on a chunked array")
     if height.ndim not in (2, 3):

@@ -13,15 +13,16 @@ import os
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ._files import read as _read_ours
 from ._files import write as _write_ours
+from .typing import AnyPixels
 
-Pixels = NDArray[Any]
+Pixels: TypeAlias = NDArray[Any]
 
 _KEPT = (np.uint8, np.uint16, np.float32)
 
@@ -125,7 +126,7 @@ _READERS: dict[str, Callable[[bytes], Pixels]] = {
 }
 
 
-def read(file: str | os.PathLike[str] | bytes) -> Pixels:
+def read(file: str | os.PathLike[str] | bytes) -> AnyPixels:
     """Reads an image of any format that is known here.
 
     Parameters
@@ -160,8 +161,7 @@ def read(file: str | os.PathLike[str] | bytes) -> Pixels:
                 data = head + opened.read()
     reader = _READERS.get(media_type(data))
     if reader is None:
-        pixels: Pixels = _read_ours(file)
-        return pixels
+        return _read_ours(file)
     try:
         return reader(data)
     except (MissingLibraryError, ValueError):

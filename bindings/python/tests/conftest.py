@@ -9,12 +9,12 @@ draws anew (--hypothesis-seed=N repeats a run).
 
 import os
 import sys
-from pathlib import Path
 
 import hypothesis
 import pytest
 
-ROOT = Path(__file__).resolve().parents[3]
+from pysupport import ROOT
+
 sys.path.insert(0, str(ROOT / "tests"))
 
 # Messages of the system in English, names and output in UTF-8, whatever the user speaks.

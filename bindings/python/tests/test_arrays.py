@@ -6,6 +6,7 @@ import pickle
 import threading
 import tracemalloc
 from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 from itertools import pairwise
 
 import numpy as np
@@ -13,34 +14,55 @@ import pytest
 from hypothesis import given
 
 import normaltexture as nt
-from drawn import heights, layouts, textures
 from normaltexture import _arrays, _threads
+from pysupport.drawn import heights, layouts, textures
+
+
+def standard(function):
+    """Of noise no texel says what it is."""
+    return partial(function, type="standard")
+
+
+clean, validate, heatmap, shade, compare, resize, transform, blend, height_from_normals = map(
+    standard,
+    (
+        nt.clean,
+        nt.validate,
+        nt.heatmap,
+        nt.shade,
+        nt.compare,
+        nt.resize,
+        nt.transform,
+        nt.blend,
+        nt.height_from_normals,
+    ),
+)
 
 # (name, function of a texture, may it work in place?)
 FUNCTIONS = {
-    "clean": (nt.clean, True),
-    "validate": (nt.validate, False),
-    "heatmap": (nt.heatmap, True),
-    "shade": (nt.shade, True),
-    "convert": (lambda a, **how: nt.convert(a, from_y="down", **how), True),
+    "clean": (clean, True),
+    "validate": (validate, False),
+    "heatmap": (heatmap, True),
+    "shade": (shade, True),
+    "convert": (lambda a, **how: nt.convert(a, y="down", **how), True),
     "deepen": (lambda a, **how: nt.convert(a, depth=16, **how), False),
     "decode": (nt.decode, False),
-    "resize": (lambda a, **how: nt.resize(a, size=(5, 4), filter="lanczos3", **how), False),
-    "transform": (lambda a, **how: nt.transform(a, rotate=90, strength=1.5, **how), False),
-    "blend": (lambda a, **how: nt.blend(a, a[:2, :3].copy(), strength=0.5, **how), True),
+    "resize": (lambda a, **how: resize(a, size=(5, 4), filter="lanczos3", **how), False),
+    "transform": (lambda a, **how: transform(a, rotate=90, strength=1.5, **how), False),
+    "blend": (lambda a, **how: blend(a, a[:2, :3].copy(), strength=0.5, **how), True),
     "normals_from_height": (
         lambda a, **how: nt.normals_from_height(a, scale=3, kernel="sobel5", **how),
         False,
     ),
     "height_from_normals": (
-        lambda a, **how: nt.height_from_normals(a, decode="unorm", **how),
+        lambda a, **how: height_from_normals(a, decode="unorm", **how),
         False,
     ),
 }
 MEASURES = {
     "measure": nt.measure,
     "classify": nt.classify,
-    "compare": lambda a, **how: nt.compare(a, a[..., ::-1].copy(), **how),
+    "compare": lambda a, **how: compare(a, a[..., ::-1].copy(), **how),
     "detect_orientation": nt.detect_orientation,
 }
 
@@ -171,9 +193,7 @@ def test_without_more_threads_the_caller_does_it_all(monkeypatch):
     parts = recorded(4, 10, 64, 1)
     assert len(parts) == 1 and len(parts[0][1]) == 32
     texture = texture_of(np.uint8, (300, 300, 3))
-    assert np.array_equal(
-        nt.height_from_normals(texture, threads=3), nt.height_from_normals(texture)
-    )
+    assert np.array_equal(height_from_normals(texture, threads=3), height_from_normals(texture))
 
 
 def test_crops_are_what_the_whole_is():
@@ -189,13 +209,13 @@ def test_crops_are_what_the_whole_is():
 def test_pure_functions(texture, other):
     """The same result again, also with other calls between; the arguments are as they were."""
     copies = texture.copy(), other.copy()
-    first = nt.clean(texture), nt.heatmap(texture), nt.validate(texture)
-    nt.clean(other, out=other)
+    first = clean(texture), heatmap(texture), validate(texture)
+    clean(other, out=other)
     nt.measure(other)
-    again = nt.clean(texture), nt.heatmap(texture), nt.validate(texture)
+    again = clean(texture), heatmap(texture), validate(texture)
     assert all(np.array_equal(a, b) for a, b in zip(first, again))
     assert np.array_equal(texture, copies[0])
-    assert np.array_equal(other, nt.clean(copies[1]))
+    assert np.array_equal(other, clean(copies[1]))
 
 
 @given(heights())
@@ -261,19 +281,19 @@ def test_many_threads_on_the_same_arrays():
     """One source, results and tables shared by 8 threads that work at once."""
     texture = texture_of(np.uint8, (400, 400, 3))
     functions = [FUNCTIONS[name][0] for name in ("clean", "heatmap", "shade", "validate")]
-    functions += [nt.measure, nt.classify, lambda a: nt.clean(a, type="zzero")]
-    functions += [nt.detect_orientation, lambda a: nt.compare(a, a[::-1])]
-    functions += [lambda a: nt.convert(a, depth=16, threads=2), lambda a: nt.blend(a, a[:64, :64])]
-    functions += [lambda a: nt.resize(a, size="50%"), lambda a: nt.transform(a, rotate=90)]
+    functions += [nt.measure, nt.classify, lambda a: clean(a, type="zzero")]
+    functions += [nt.detect_orientation, lambda a: compare(a, a[::-1])]
+    functions += [lambda a: nt.convert(a, depth=16, threads=2), lambda a: blend(a, a[:64, :64])]
+    functions += [lambda a: resize(a, size="50%"), lambda a: transform(a, rotate=90)]
     functions += [lambda a: nt.normals_from_height(a[..., 0], scale=3.0)]
-    functions += [lambda a: nt.height_from_normals(a, kernel="central", threads=2)]
+    functions += [lambda a: height_from_normals(a, kernel="central", threads=2)]
     want = [function(texture) for function in functions]
     out = np.zeros_like(texture)
 
     def work(turn):
         function = functions[turn % len(functions)]
         rows = slice(turn % 8 * 50, turn % 8 * 50 + 50)
-        nt.clean(texture[rows], out=out[rows])  # parts of one array
+        clean(texture[rows], out=out[rows])  # parts of one array
         return function(texture)
 
     with ThreadPoolExecutor(8) as pool:
@@ -286,7 +306,7 @@ def test_many_threads_on_the_same_arrays():
 
 def test_results_travel_between_processes():
     texture = texture_of(np.uint8)
-    for result in (nt.measure(texture), nt.classify(texture), nt.compare(texture, texture)):
+    for result in (nt.measure(texture), nt.classify(texture), compare(texture, texture)):
         assert pickle.loads(pickle.dumps(result)) == result
     error = pickle.loads(pickle.dumps(nt.ArgumentError("what", nt.Status.SHAPE)))
     assert (str(error), error.status) == ("what", nt.Status.SHAPE)

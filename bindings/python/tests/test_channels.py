@@ -45,8 +45,8 @@ def test_convert_reads(letters, plain):
     at = {letter: texture[..., i] for i, letter in enumerate(letters)}
     planes = [at["x"], at["y"], at.get("z", np.full((H, W), 255, np.uint8))]
     source = np.stack(planes + ([at["a"]] if "a" in at else []), -1)
-    want = nt.convert(source, from_="zzero" if plain else "xy", depth=16)
-    assert np.array_equal(nt.convert(texture, from_="zzero", from_channels=letters, depth=16), want)
+    want = nt.convert(source, type="zzero" if plain else "xy", depth=16)
+    assert np.array_equal(nt.convert(texture, type="zzero", from_channels=letters, depth=16), want)
 
 
 def test_convert_is_the_program(tmp_path):
@@ -67,22 +67,27 @@ def test_convert_is_the_program(tmp_path):
         assert np.array_equal(got[..., : want.shape[2]], want), spec
 
 
-@pytest.mark.parametrize("like", [None, "zima:2"])
-def test_heights_are_packed(like):
+def test_heights_are_packed():
     height, ao, alpha = (drawn(1, np.uint8, seed)[..., 0] for seed in (2, 3, 4))
-    how = {"like": like} if like else {"scale": 4.0}
-    full = nt.normals_from_height(height, alpha="height", **how)
-    if like:  # its z is in green
-        full = full[..., [0, 2, 1, 3]]
+    full = nt.normals_from_height(height, scale=4.0, alpha="height")
     assert np.array_equal(full[..., 3], height)
-    for letters in ("xzyh", "1y0x", "h", "xyz"):
-        got = nt.normals_from_height(height, channels=letters, **how)
-        assert np.array_equal(got, laid_out(full, letters)), letters
-    got = nt.normals_from_height(height, alpha=alpha, **how)
+    normals = full[..., :3]
+    for letters in ("xzyh", "1y0x", "h", "xyz", "xya"):
+        want = laid_out(full, letters)
+        packed = full if "a" in letters else normals
+        got = nt.pack_channels(packed, letters, height=height)
+        assert np.array_equal(got, want), letters
+        out = np.zeros_like(want)
+        assert nt.pack_channels(packed, letters, height=height, out=out) is out
+        assert np.array_equal(out, want)
+    assert (nt.pack_channels(normals, "a") == 255).all()
+    got = nt.pack_channels(normals, "xyza", alpha=alpha)
     assert np.array_equal(got[..., 3], alpha)
-    labpbr = nt.normals_from_height(height, to="xy", ao=ao, channels="xyzh", scale=4.0)
+    flat = nt.normals_from_height(height, scale=4.0, to="xy")
+    labpbr = nt.pack_channels(flat, "xyzh", ao=ao, height=height)
     assert np.array_equal(labpbr[..., 2], ao) and np.array_equal(labpbr[..., 3], height)
-    deep = nt.normals_from_height(height, to="xy", ao=ao, alpha=alpha, depth=16, scale=4.0)
+    deep = nt.normals_from_height(height, to="xy", depth=16, scale=4.0)
+    deep = nt.pack_channels(deep, "xyza", ao=ao, alpha=alpha)
     assert np.array_equal(deep[..., 2], ao.astype(np.uint16) * 257)
     assert np.array_equal(deep[..., 3], alpha.astype(np.uint16) * 257)
 
@@ -91,19 +96,20 @@ def test_heights_are_the_program(tmp_path):
     height, ao, alpha = drawn(1, np.uint16)[..., 0], drawn(1, np.uint8, 3), drawn(3, np.uint8, 4)
     for name, image in (("in", height), ("ao", ao), ("alpha", alpha)):
         nt.write(tmp_path / f"{name}.png", image)
-    for spec, arguments in [
+    for spec, to, channels, others in [
         (["--to", "xy", "--ao", tmp_path / "ao.png", "--channels", "xyzh"],
-         {"to": "xy", "ao": ao, "channels": "xyzh"}),
-        (["--alpha", tmp_path / "alpha.png"], {"alpha": alpha}),
+         "xy", "xyzh", {"ao": ao, "height": height}),
+        (["--alpha", tmp_path / "alpha.png"], "standard", "xyza", {"alpha": alpha}),
         (["--alpha", tmp_path / "alpha.png", "--channels", "a1zx"],
-         {"alpha": alpha, "channels": "a1zx"}),
+         "standard", "a1zx", {"alpha": alpha}),
     ]:  # fmt: skip
         subprocess.run(
             [nt.program(), "from-height", tmp_path / "in.png", "-o", tmp_path / "out.png",
              "--scale", "3", *spec],
             check=True, capture_output=True,
         )  # fmt: skip
-        got = nt.normals_from_height(height, scale=3.0, **arguments)
+        normals = nt.normals_from_height(height, scale=3.0, to=to)
+        got = nt.pack_channels(normals, channels, **others)
         assert np.array_equal(got, nt.read(tmp_path / "out.png")), spec
 
 
@@ -115,12 +121,14 @@ def test_wrong_layouts():
     for letters in ("x", "xz", "xxy", "xyzaa", "xyq", "-y-x", 7):
         with pytest.raises(nt.ArgumentError, match="^from_channels="):
             nt.convert(texture, from_channels=letters)
-    with pytest.raises(nt.ArgumentError, match="^channels="):
-        nt.normals_from_height(height, scale=1, channels="ha")
-    with pytest.raises(nt.ArgumentError, match="^channels="):
-        nt.normals_from_height(height, scale=1, channels="xh", alpha="one")
-    with pytest.raises(nt.ArgumentError, match="^ao: "):
-        nt.normals_from_height(height, scale=1, ao=height)
-    for name in ("ao", "alpha"):
+    with pytest.raises(nt.ArgumentError, match="^channels=.*height is not given"):
+        nt.pack_channels(texture, "xyzh")
+    with pytest.raises(nt.ArgumentError, match="^channels=.*src has no z"):
+        nt.pack_channels(texture[..., :2], "xyz")
+    with pytest.raises(nt.ArgumentError, match="^src: 2 to 4 channels"):
+        nt.pack_channels(height, "x")
+    for name in ("ao", "alpha", "height"):
         with pytest.raises(nt.ArgumentError, match=f"^{name}: must be of the size"):
-            nt.normals_from_height(height, scale=1, to="xy", **{name: height[1:]})
+            nt.pack_channels(texture, "xyz", **{name: height[1:]})
+    with pytest.raises(nt.ArgumentError, match="overlaps src"):
+        nt.pack_channels(texture, "xzy", out=texture)

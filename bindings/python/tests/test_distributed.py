@@ -88,9 +88,7 @@ def test_arguments():
     for wrong in (
         {"border": "none"},
         {"kernel": "gauss"},
-        {"blur": 2},
         {"dither": "integrable"},
-        {"like": "zima:1"},
         {"threads": 2},
     ):
         with pytest.raises(nt.ArgumentError):

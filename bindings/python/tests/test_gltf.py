@@ -12,11 +12,11 @@ import pytest
 from jsonschema import Draft202012Validator
 from referencing import Registry, Resource
 
-import gltf_files as files
 import normaltexture as nt
-from conftest import ROOT
 from normaltexture import gltf
 from normaltexture.gltf._spans import Editor
+from pysupport import ROOT
+from pysupport import gltf_files as files
 from support import textures
 from support.pngs import png_bytes, read_png
 

@@ -12,9 +12,9 @@ import pytest
 import tifffile
 from PIL import Image, features
 
-import gltf_files
 import normaltexture as nt
 from normaltexture import gltf, images
+from pysupport import gltf_files
 from support import textures
 from support.pngs import png_bytes, read_png
 

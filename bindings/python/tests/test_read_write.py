@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 import normaltexture as nt
-from drawn import layouts
+from pysupport.drawn import layouts
 from support.pngs import png_bytes
 
 SHAPES = [(5, 7), (5, 7, 2), (5, 7, 3), (5, 7, 4), (1, 1, 3)]
@@ -29,7 +29,7 @@ def test_png_is_exact(dtype, shape, tmp_path):
     image = image_of(dtype, shape)
     for level in (None, 0, 9):
         nt.write(tmp_path / "a.png", image, level=level)
-        got, info = nt.read(tmp_path / "a.png", return_info=True)
+        got, info = nt.read_with_info(tmp_path / "a.png")
         assert got.dtype == dtype and np.array_equal(got, image)
         assert (info.width, info.height) == shape[1::-1]
         assert info.channels == (shape[2] if len(shape) == 3 else 1)
@@ -52,14 +52,14 @@ def test_against_a_png_made_in_python(tmp_path, image):
     assert np.array_equal(got.reshape(image.shape), image)
     (tmp_path / "c.png").write_bytes(data)
     assert np.array_equal(nt.read(str(tmp_path / "c.png")), got)
-    assert nt.read_info(memoryview(data)) == nt.read(data, return_info=True)[1]
+    assert nt.read_info(memoryview(data)) == nt.read_with_info(data)[1]
 
 
 @pytest.mark.parametrize("shape", [(4, 3), (4, 3, 3), (4, 3, 4)])
 def test_tga(shape, tmp_path):
     image = image_of(np.uint8, shape)
     nt.write(tmp_path / "a.tga", image)
-    got, info = nt.read(tmp_path / "a.tga", return_info=True)
+    got, info = nt.read_with_info(tmp_path / "a.tga")
     assert np.array_equal(got, image) and info.format == "tga"
 
 
@@ -68,14 +68,14 @@ def test_pfm(shape, tmp_path):
     image = image_of(np.float32, shape)
     image.flat[0], image.flat[1] = math.nan, math.inf
     nt.write(tmp_path / "a.pfm", image)
-    got, info = nt.read(tmp_path / "a.pfm", return_info=True)
+    got, info = nt.read_with_info(tmp_path / "a.pfm")
     assert got.tobytes() == image.tobytes() and info.format == "pfm"
 
 
 def test_texts(tmp_path):
     texts = {"Title": "Wand", "Comment": "r\u00f6ad \u2014 \u6cd5\u7dda"}
     nt.write(tmp_path / "a.png", np.zeros((2, 2, 3), np.uint8), texts=texts)
-    assert nt.read(tmp_path / "a.png", return_info=True)[1].texts == texts
+    assert nt.read_with_info(tmp_path / "a.png")[1].texts == texts
     for key in ("", "x" * 80, "\u6cd5"):
         with pytest.raises(nt.ArgumentError, match="texts: the key"):
             nt.write(tmp_path / "b.png", np.zeros((2, 2, 3), np.uint8), texts={key: "v"})

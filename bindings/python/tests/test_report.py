@@ -19,9 +19,9 @@ import jsonschema
 import numpy as np
 import pytest
 
-import sarif_schema
 from normaltexture import report
 from normaltexture.report import _page, _pictures
+from pysupport import sarif_schema
 from support import textures
 from support.pngs import read_png, write_png
 

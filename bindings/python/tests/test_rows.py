@@ -18,8 +18,8 @@ KINDS = {
     8: {"depth": 8},
     16: {"depth": 16},
     "float": {"depth": "float"},
-    "vector": {"depth": "float", "from_": "vector"},
-    "xy": {"depth": 8, "from_": "xy"},
+    "vector": {"depth": "float", "type": "vector"},
+    "xy": {"depth": 8, "type": "xy"},
 }
 
 
@@ -74,8 +74,8 @@ def test_the_bytes_of_the_whole(kernel, border_x, border_y, kind):
     store = Store(normals)
     info = store.solve(**how)
     how.pop("depth")
-    want, whole = nt.height_from_normals(
-        normals, from_y="up", decode="unorm", z="stored", return_info=True, **how
+    want, whole = nt.height_from_normals_with_info(
+        normals, y="up", decode="unorm", z="stored", **({"type": "standard"} | how)
     )
     assert np.array_equal(store.heights, want)
     for name in ("method", "kernel", "border_x", "border_y", "y", "decode", "z", "scale", "offset",
@@ -88,7 +88,7 @@ def test_the_arguments_mean_the_same():
     normals[10:12, 5:9] = 0
     same = {"kernel": "central", "border": "wrap"}
     for how in (
-        {"from_y": "down"},
+        {"y": "down"},
         {"dy": 0.5},
         {"decode": "neutral"},
         {"z": "derived"},
@@ -97,7 +97,7 @@ def test_the_arguments_mean_the_same():
     ):
         store = Store(normals)
         info = store.solve(depth=16, **same, **how)
-        fixed = {"from_y": "up", "decode": "unorm", "z": "stored"} | same | how
+        fixed = {"y": "up", "decode": "unorm", "z": "stored"} | same | how
         want = nt.height_from_normals(normals, **fixed)
         assert np.array_equal(store.heights, want), how
         assert info.unused == (0 if "touch_unused" in how else 8)
@@ -204,7 +204,7 @@ def test_readers_may_return_what_is_an_array():
         ({"method": "poisson-dct"}, "row by row"),
         ({"dx": 0}, "dx="),
         ({"threads": -1}, "threads=-1"),
-        ({"from_": "vector"}, "float"),
+        ({"type": "vector"}, "float"),
     ],
 )
 def test_arguments(how, message):

@@ -21,7 +21,8 @@ from .._atomic import write_atomically
 from .._files import read
 from ..gltf._document import GltfError
 from ..gltf._document import load as load_gltf
-from ._pictures import DRAWN, HISTOGRAM_BINS, Palette, Pictures, draw
+from ..typing import Palette
+from ._pictures import DRAWN, HISTOGRAM_BINS, Pictures, draw
 from .sarif import all_rules
 
 Json = dict[str, Any]

@@ -15,17 +15,16 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from .._arrays import Type
-from .._clean import clean
+from .._clean import clean_with_counts
 from .._measure import measure
 from .._pictures import heatmap, shade
+from ..typing import Palette, Stored
 
 Bytes = NDArray[np.uint8]
-Palette = Literal["reference", "safe"]
 
 HISTOGRAM_BINS = 64  # of lengths 0..2
 _COLOR_TYPES = {1: 0, 3: 2, 4: 6}
-DRAWN: dict[str, Type] = {
+DRAWN: dict[str, Stored] = {
     "standard": "standard",
     "zzero": "zzero",
     "xy": "xy",
@@ -139,7 +138,7 @@ def _opaque_rgb(image: NDArray[Any]) -> NDArray[Any]:
     return image[..., :3]
 
 
-def _lit(image: NDArray[Any], kind: Type) -> Bytes:
+def _lit(image: NDArray[Any], kind: Stored) -> Bytes:
     return shade(image, type=kind, out=np.empty(image.shape[:2], np.uint8))
 
 
@@ -165,7 +164,7 @@ def draw(
     if kind is None or image.ndim != 3 or image.shape[2] < 3:
         return Pictures(data_uri(texture), width=width, height=height)
     method: Literal["derive", "auto"] = "auto" if file.get("format") == "jpeg" else "derive"
-    cleaned, counts = clean(image, type=kind, method=method, return_counts=True)
+    cleaned, counts = clean_with_counts(image, type=kind, method=method)
     heat = worst(heatmap(image, type=kind, palette=palette), size)
     lengths: tuple[int, ...] = ()
     if kind != "xy":

@@ -1,16 +1,17 @@
 # SPDX-License-Identifier: MIT
-"""Where the examples of the docstrings run: pytest -p doctest_place --doctest-modules.
+"""Where the examples of the docstrings run: pytest -p pysupport.doctest_place --doctest-modules.
 
 Each gets a folder of its own, in which wall_n.png and wall_height.png lie.
 """
 
 import shutil
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-TEST_FILES = Path(__file__).resolve().parents[3] / "test_files"
+from . import ROOT
+
+TEST_FILES = ROOT / "test_files"
 FILES = {"wall_n.png": "standard_z_off.png", "wall_height.png": "height_gray8.png"}
 
 
