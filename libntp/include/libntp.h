@@ -115,8 +115,9 @@ enum {
  * have any stride, so a crop, a mirrored image or one channel of an RGBA image is a view too.  Row
  * 0 is the top of the picture.  data and both strides are multiples of the sample's size.
  *
- * Channels: NTP_ENCODING_STANDARD, NTP_ENCODING_ZZERO and NTP_ENCODING_VECTOR have 3 or 4, NTP_ENCODING_XY 2 to 4, NTP_ENCODING_HEIGHT
- * 1 to 4.  The second of two NTP_ENCODING_HEIGHT samples and the fourth of four are alpha.
+ * Channels: NTP_ENCODING_STANDARD, NTP_ENCODING_ZZERO and NTP_ENCODING_VECTOR have 3 or 4,
+ * NTP_ENCODING_XY 2 to 4, NTP_ENCODING_HEIGHT 1 to 4. The second of two NTP_ENCODING_HEIGHT samples
+ * and the fourth of four are alpha.
  *
  * ring_rows: 0 if every row is in memory.  Otherwise only this many rows are, with row y at data +
  * (y mod ring_rows) * row_stride.  A call then reads and writes only the rows of its area and,
@@ -220,7 +221,8 @@ typedef struct ntp_texel {
 } ntp_texel;
 
 /*
- * Describes the texel at (x, y).  src is NTP_ENCODING_STANDARD, NTP_ENCODING_ZZERO, NTP_ENCODING_XY or NTP_ENCODING_VECTOR.
+ * Describes the texel at (x, y).  src is NTP_ENCODING_STANDARD, NTP_ENCODING_ZZERO, NTP_ENCODING_XY
+ * or NTP_ENCODING_VECTOR.
  * Errors: NTP_ERR_ARGUMENT for coordinates outside, and those of a view.
  */
 NTP_API ntp_status ntp_inspect(ntp_texel *texel, const ntp_const_image *src, int32_t x, int32_t y,
@@ -228,8 +230,8 @@ NTP_API ntp_status ntp_inspect(ntp_texel *texel, const ntp_const_image *src, int
 
 /*
  * Writes the flags of each texel into sample 0 of mask, a view of NTP_TYPE_U8; further samples are
- * left alone.  keep_negative_z: NTP_FLAG_EXACT accepts the mirrored blue of a negative Z.
- * mask does not overlap src.  Errors: NTP_ERR_FORMAT for a mask that is not NTP_TYPE_U8, or a src of
+ * left alone.  keep_negative_z: NTP_FLAG_EXACT accepts the mirrored blue of a negative Z. mask does
+ * not overlap src.  Errors: NTP_ERR_FORMAT for a mask that is not NTP_TYPE_U8, or a src of
  * NTP_ENCODING_HEIGHT.
  */
 NTP_API ntp_status ntp_validate(const ntp_image *mask, const ntp_const_image *src,
@@ -331,10 +333,9 @@ NTP_API ntp_status ntp_convert(const ntp_image *dst, const ntp_const_image *src,
 /* ----------------------------------------------------------------------- measurement */
 
 /*
- * The tally of a measurement: memory of ntp_tally_size() bytes, aligned to 16, zero-filled
- * (calloc) by the caller, who frees it.  It holds integer counts and sums only, so parts
- * that were measured apart merge exactly, in any order.  It holds up to 2^32 - 1 texels
- * of one depth.
+ * The tally of a measurement: memory of ntp_tally_size() bytes, aligned to 16, zero-filled (calloc)
+ * and freed by the caller.  It holds only integer counts and sums, so the tallies of parts merge
+ * exactly, in any order.  It holds up to 2^32 - 1 texels of one depth.
  */
 typedef struct ntp_tally ntp_tally;
 
@@ -344,13 +345,14 @@ NTP_API size_t ntp_tally_size(void);
 NTP_API ntp_status ntp_tally_clear(ntp_tally *tally);
 
 /*
- * Adds the texels of an area to the tally, in one pass.  src is NTP_ENCODING_STANDARD, NTP_ENCODING_ZZERO,
- * NTP_ENCODING_XY or NTP_ENCODING_VECTOR of 2 to 4 channels, or NTP_ENCODING_HEIGHT (channels are then only described).
- * Float images are judged after rounding to 16 bit.  The encoding matters for the angles of
- * 16-bit images only: all else is counted for every encoding at once.
- * To measure an image in parts use areas of one view (with ring_rows where rows stream).
- * Errors: NTP_ERR_FORMAT when the tally already holds another depth, channel count, encoding or
- * touch_unused; NTP_ERR_SHAPE when it would hold more than 2^32 - 1 texels.
+ * Adds the texels of an area to the tally, in one pass.  src is NTP_ENCODING_STANDARD,
+ * NTP_ENCODING_ZZERO, NTP_ENCODING_XY or NTP_ENCODING_VECTOR of 2 to 4 channels, or
+ * NTP_ENCODING_HEIGHT (then only the facts of each channel are measured).  Float images are judged
+ * after rounding to 16 bit.  The encoding matters only for the angles of 16-bit images: everything
+ * else is counted for all encodings at once.  To measure an image in parts, use areas of one view
+ * (with ring_rows if only some rows are in memory).
+ * Errors: NTP_ERR_FORMAT if the tally already holds another depth, channel count, encoding or
+ * touch_unused; NTP_ERR_SHAPE if it would hold more than 2^32 - 1 texels.
  */
 NTP_API ntp_status ntp_tally_add(ntp_tally *tally, const ntp_const_image *src,
                                  uint32_t touch_unused, const ntp_rect *area);
@@ -358,7 +360,7 @@ NTP_API ntp_status ntp_tally_add(ntp_tally *tally, const ntp_const_image *src,
 /* Adds what `from` holds to `into`.  Errors as ntp_tally_add. */
 NTP_API ntp_status ntp_tally_merge(ntp_tally *into, const ntp_tally *from);
 
-/* How texels fare when the samples are read as one encoding.  Counts cover every texel. */
+/* Results for the texels when read as one encoding.  Counts cover every texel. */
 typedef struct ntp_fit {
     uint64_t neighbor, rounded, exact; /* texels that pass */
     uint64_t exact_mirrored;           /* texels whose blue is M - derived blue, Z < 0 */
@@ -379,7 +381,7 @@ typedef struct ntp_angles {
     double mean, p99, max;
 } ntp_angles;
 
-/* What a tally says; see ntp_tally_summarize. */
+/* The results of a tally; see ntp_tally_summarize. */
 typedef struct ntp_stats {
     uint64_t texels;
     uint64_t unused; /* black + white + transparent, each texel once, in this order */
@@ -410,24 +412,25 @@ typedef struct ntp_stats {
 } ntp_stats;
 
 /*
- * Works out the facts from a tally, read as `encoding` (NTP_ENCODING_STANDARD, NTP_ENCODING_ZZERO or NTP_ENCODING_XY;
- * it decides the angles).  A 16-bit tally of which every level is a multiple of 257 is judged as
- * 8 bit; any other knows the angles of the encoding that was measured, else NTP_ERR_FORMAT.
- * An empty tally is NTP_ERR_ARGUMENT.  Working memory is in the tally: one call at a time.
+ * Computes the results of a tally, read as `encoding` (NTP_ENCODING_STANDARD, NTP_ENCODING_ZZERO or
+ * NTP_ENCODING_XY; it decides the angles).  A 16-bit tally in which every level is a multiple of
+ * 257 is judged as 8 bit.  Any other 16-bit tally has the angles only of the encoding that was
+ * measured, else NTP_ERR_FORMAT.  An empty tally is NTP_ERR_ARGUMENT.  Working memory is in the
+ * tally: one call at a time.
  */
 NTP_API ntp_status ntp_tally_summarize(ntp_stats *stats, ntp_tally *tally, ntp_encoding encoding);
 
 /*
  * The histogram of ntp_texel.levels_off over every texel with x, y not too long, read as
- * NTP_ENCODING_STANDARD or NTP_ENCODING_ZZERO: counts[0..stats.max].  counts has room for `size` numbers: fewer
- * than stats.max + 1 will do where no texel is further off (else NTP_ERR_ARGUMENT).
+ * NTP_ENCODING_STANDARD or NTP_ENCODING_ZZERO: counts[0..stats.max].  counts has room for `size`
+ * numbers.  Fewer than stats.max + 1 are enough if no texel is further off (else NTP_ERR_ARGUMENT).
  */
 NTP_API ntp_status ntp_tally_levels_off(uint64_t *counts, size_t size, ntp_tally *tally,
                                         ntp_encoding encoding);
 
 /*
- * The histogram of lengths of every texel, read as NTP_ENCODING_STANDARD or NTP_ENCODING_ZZERO: bin i is
- * i/128..(i+1)/128, and the last is open.
+ * The histogram of lengths of every texel, read as NTP_ENCODING_STANDARD or NTP_ENCODING_ZZERO: bin
+ * i is i/128..(i+1)/128, and the last is open.
  */
 NTP_API ntp_status ntp_tally_lengths(uint64_t counts[256], ntp_tally *tally, ntp_encoding encoding);
 
@@ -443,19 +446,19 @@ typedef enum ntp_class {
     NTP_CLASS_NOT_NORMALS = 6
 } ntp_class;
 
-/* What happened to a texture, as far as its texels show; a mask. */
+/* What was done to a texture, as far as its texels show it; a mask. */
 enum {
     NTP_ACCIDENT_GAMMA = 1,      /* stored as sRGB: flat lies near 188 */
     NTP_ACCIDENT_RED_IS_Z = 2,   /* red and blue swapped */
     NTP_ACCIDENT_GREEN_IS_Z = 4, /* green and blue swapped */
     NTP_ACCIDENT_DXT5NM = 8,     /* x in alpha, y in green */
-    NTP_ACCIDENT_LOSSY = 16,     /* the marks of lossy compression (JPEG, WebP, BCn) */
+    NTP_ACCIDENT_LOSSY = 16,     /* the traces of lossy compression (JPEG, WebP, BCn) */
     NTP_ACCIDENT_FILTERED = 32,  /* resized or blurred without normalizing: too short */
     NTP_ACCIDENT_Z_FLIPPED = 64, /* Z negative (almost) everywhere */
     NTP_ACCIDENT_BLUE_CONSTANT = 128
 };
 
-/* What a reason is about; the number that belongs to it in brackets. */
+/* The facts that reasons state, with their numbers in brackets. */
 enum {
     NTP_REASON_NONE = 0,
     NTP_REASON_NOTHING_USED = 1,      /* only black, white and transparent texels */
@@ -470,7 +473,7 @@ enum {
     NTP_REASON_NOT_UNIT = 10,         /* [share with a length of 1 to within 1/8], small */
     NTP_REASON_PREFERS_STANDARD = 11, /* [share of the tilted texels whose blue fits] */
     NTP_REASON_PREFERS_ZZERO = 12,    /* [the same] */
-    NTP_REASON_UNDECIDED_ZZERO = 13,  /* both readings of blue fit alike */
+    NTP_REASON_UNDECIDED_ZZERO = 13,  /* both readings of blue fit equally well */
     NTP_REASON_XY_CENTERED = 14,      /* [length of the mean of x, y], small */
     NTP_REASON_XY_OFF_CENTER = 15,    /* [length of the mean of x, y], large */
     NTP_REASON_XY_TOO_LONG = 16,      /* [share of used texels with x, y longer than 1] */
@@ -486,19 +489,19 @@ enum {
     NTP_REASON_BLOCKS = 26,           /* [steps across columns 8k-1|8k over those elsewhere] */
     NTP_REASON_SHORT = 27,            /* [share of used texels that are too short] */
     NTP_REASON_COLORS_ALIKE = 28,     /* [correlation of red and green] */
-    NTP_REASON_ALL_ROUNDED = 29,      /* every used texel is an honestly rounded unit vector */
+    NTP_REASON_ALL_ROUNDED = 29,      /* every used texel is a correctly rounded unit vector */
     NTP_REASON_LOSSY_FILE = 30,       /* the file format is lossy */
     NTP_REASON_ALL_CHANNELS = 31,     /* [mean length error of steep texels over that of shallow] */
     NTP_REASON_Z_ALONE = 32,          /* [the same, small] */
-    NTP_REASON_FEW_WRONG = 33,        /* [share of used texels that are wrong, grossly] */
+    NTP_REASON_FEW_WRONG = 33,        /* [share of used texels that are wrong by much] */
     NTP_REASON_XY_ONLY = 34,          /* blue is not z */
-    NTP_REASON_TOO_FLAT = 35,         /* so flat that both methods do about the same */
+    NTP_REASON_TOO_FLAT = 35,         /* so flat that both methods give about the same */
     NTP_REASON_LONG = 36,             /* [share of used texels that are too long] */
-    NTP_REASON_ALL_ALIKE = 37,        /* [correlation of blue with red and green, the lesser] */
+    NTP_REASON_ALL_ALIKE = 37,        /* [correlation of blue with red or green, the smaller] */
     NTP_REASON_FOLLOWS = 38           /* [correlation of blue with the derived blue] */
 };
 
-/* A fact behind a classification, with the number that it is about. */
+/* A fact that supports a classification, with its number. */
 typedef struct ntp_reason {
     int32_t code; /* NTP_REASON_* */
     double value;
@@ -508,16 +511,16 @@ enum { NTP_MAX_REASONS = 6 };
 
 typedef struct ntp_classification {
     ntp_class type;
-    double confidence; /* 0..1; 0.5 is a coin toss between two */
+    double confidence; /* 0..1; 0.5: two classes are equally likely */
     uint32_t accidents;
     int32_t reason_count;
-    ntp_reason reasons[NTP_MAX_REASONS]; /* the weightiest first */
+    ntp_reason reasons[NTP_MAX_REASONS]; /* the most important first */
 } ntp_classification;
 
 /*
- * What a texture is, from all that was measured of it; docs/classification.md has the rules.
- * Best-fit normals (CryEngine) are not told apart.  Working memory is in the tally: one call at a
- * time.  An empty tally is NTP_ERR_ARGUMENT.
+ * Says what a texture is, from its tally; docs/classification.md has the rules.  Best-fit normals
+ * (CryEngine) are not distinguished.  Working memory is in the tally: one call at a time.  An empty
+ * tally is NTP_ERR_ARGUMENT.
  */
 NTP_API ntp_status ntp_classify(ntp_classification *result, ntp_tally *tally);
 
@@ -529,12 +532,12 @@ NTP_API const char *ntp_class_name(ntp_class type);
 NTP_API size_t ntp_reason_text(char *text, size_t size, const ntp_reason *reason);
 
 /*
- * The cleaning method for which a texture's errors speak: NTP_CLEAN_KEEP when every used texel is
- * `rounded`, NTP_CLEAN_NORMALIZE when all three channels err together (as after lossy compression or
- * resizing), NTP_CLEAN_DERIVE otherwise.  lossy: the file format is known to be lossy.
- * The evidence goes to *why (may be NULL), for ntp_reason_text.  encoding is NTP_ENCODING_STANDARD,
- * NTP_ENCODING_ZZERO or NTP_ENCODING_XY, and need not be the one that was measured.  The tally as
- * in ntp_classify.
+ * Chooses the cleaning method by the errors of a texture: NTP_CLEAN_KEEP if every used texel is
+ * `rounded`, NTP_CLEAN_NORMALIZE if all three channels are off (as after lossy compression or
+ * resizing), NTP_CLEAN_DERIVE otherwise.  lossy: the file format is known to be lossy.  *why (may
+ * be NULL) gets the reason, for ntp_reason_text.  encoding is NTP_ENCODING_STANDARD,
+ * NTP_ENCODING_ZZERO or NTP_ENCODING_XY, and need not be the one that was measured.  The tally is
+ * used as in ntp_classify.
  */
 NTP_API ntp_status ntp_choose_method(ntp_clean_method *method, ntp_reason *why, ntp_tally *tally,
                                      ntp_encoding encoding, int32_t lossy);
@@ -557,7 +560,8 @@ typedef enum ntp_palette {
  *   red    |(x, y)| > 1: 128; by more than one level: 255
  *   green  | |(x, y, z)| - 1 | of at least two levels: 128; of at least three: 255.  Where x, y
  *          are longer than 1 they are pulled onto the disc first, so that this speaks of z
- *   blue   z < 0 (NTP_ENCODING_STANDARD, NTP_ENCODING_VECTOR): M - b in 8 bit: 128 just below 0, 255 at -1
+ *   blue   z < 0 (NTP_ENCODING_STANDARD, NTP_ENCODING_VECTOR): M - b in 8 bit: 128 just below 0,
+ *          255 at -1
  *   gray no fault, or unused: 100 + luma/2, luma 0..255 by Rec. 709 of the stored levels The safe
  *   palette has one hue for each texel, that of its first fault in this order: z < 0, yellow (240,
  *   228, 66); x, y too long, vermilion (213, 94, 0); length, sky blue (86, 180, 233).  The hue is
@@ -788,7 +792,7 @@ typedef struct ntp_peer {
  */
 NTP_API ntp_status ntp_normals_like(ntp_peer *peer, const char *name, double value);
 
-/* The name of a kernel or border as in docs/arithmetic.md ("sobel3", "repeat-slope"); never NULL. */
+/* The name of a kernel or border as in docs/arithmetic.md: "sobel3", "repeat-slope"; never NULL. */
 NTP_API const char *ntp_kernel_name(ntp_kernel kernel);
 NTP_API const char *ntp_border_name(ntp_border border);
 
@@ -1013,13 +1017,14 @@ NTP_API const char *ntp_height_method_name(ntp_height_method method);
 /* -------------------------------------------------------------- operations on normals */
 
 /*
- * Resizing, turning, strength and blending of NTP_ENCODING_STANDARD, NTP_ENCODING_ZZERO, NTP_ENCODING_XY and NTP_ENCODING_VECTOR
- * textures.  Every normal that is computed is stored as its unit vector, red and green correctly
- * rounded, half up (a pair that is then too long is pulled onto the disc), blue derived from them,
- * with z's sign (NTP_ENCODING_ZZERO: |z|): it passes NTP_VERDICT_EXACT with keep_negative_z.  NTP_ENCODING_XY texels are
- * read with the z that the standard texel of their red and green, pulled where too long, would
- * store.  Floats are read and written on the 16-bit grid, level / 65535.  All sums are of integers,
- * without rounding.
+ * Resizing, turning, scaling the slopes and blending of NTP_ENCODING_STANDARD, NTP_ENCODING_ZZERO,
+ * NTP_ENCODING_XY and NTP_ENCODING_VECTOR textures.  Every normal that is computed is stored as its
+ * unit vector.  Red and green are correctly rounded, half up (a pair that is then too long is
+ * pulled onto the disc).  Blue is derived from them, with the sign of z (NTP_ENCODING_ZZERO: |z|).
+ * So the texel passes NTP_VERDICT_EXACT with keep_negative_z.  NTP_ENCODING_XY texels are read with
+ * the z that the standard texel of their red and green, pulled where too long, would store.  Floats
+ * are read and written on the 16-bit grid, level / 65535.  All sums are of integers, without
+ * rounding.
  */
 
 typedef enum ntp_filter {
@@ -1035,11 +1040,11 @@ typedef struct ntp_resize_options {
     uint32_t touch_unused; /* NTP_UNUSED_*; NTP_UNUSED_TRANSPARENT: alpha is data, no weight */
 } ntp_resize_options;
 
-/* The weights of every row and column; opaque, the caller's, read-only after its making. */
+/* The weights of every row and column.  Opaque, in memory of the caller, read-only once made. */
 typedef struct ntp_resize_plan ntp_resize_plan;
 
-/* The source rows first..last a row of the result is made of; those below 0 and from the
- * height on are what the border says they are: rows of the other end with NTP_BORDER_WRAP. */
+/* The source rows first..last from which a row of the result is made.  The border defines rows
+ * below 0 and from the height on: with NTP_BORDER_WRAP they are rows of the opposite end. */
 typedef struct ntp_rows {
     int32_t first, last;
 } ntp_rows;
@@ -1053,29 +1058,30 @@ NTP_API ntp_status ntp_resize_plan_init(ntp_resize_plan **plan, void *memory, si
                                         const ntp_resize_options *how, int32_t src_width,
                                         int32_t src_height, int32_t width, int32_t height);
 
-/* Bytes of working memory of each ntp_resize that runs; 0 for NULL. */
+/* Bytes of working memory of each call of ntp_resize; 0 for NULL. */
 NTP_API size_t ntp_resize_scratch_size(const ntp_resize_plan *plan);
 
-/* The rows behind row y of the result; y is held to the rows there are.  plan is not NULL. */
+/* The source rows of row y of the result; y is clamped to the rows of the result.  plan is not
+ * NULL. */
 NTP_API ntp_rows ntp_resize_rows(const ntp_resize_plan *plan, int32_t y);
 
 /*
- * Resizes.  dst and src agree in type, encoding, channels and y, have the sizes of the plan, and do
- * not overlap; area is one of dst.  The vectors are filtered, as stored and weighted with
- * alpha; unused texels, and floats that are no vector, have no weight.  Alpha is filtered by
- * itself.  Where no weight is left the result is the flat normal with alpha 0.  A negative z that
- * no texel under the filter has (Lanczos overshoots) counts as 0.  The third sample of NTP_ENCODING_XY is
- * filtered as x and y are.  Source rows read: ntp_resize_rows of each row of area.
+ * Resizes.  dst and src have the same type, encoding, channels and y, have the sizes of the plan,
+ * and do not overlap; area is an area of dst.  The vectors are filtered as stored, weighted with
+ * alpha.  Unused texels, and floats that are not a vector, have no weight.  Alpha is filtered
+ * independently.  Where no weight is left, the result is the flat normal with alpha 0. A negative z
+ * that no texel under the filter has (Lanczos overshoots) counts as 0. The third sample of
+ * NTP_ENCODING_XY is filtered like x and y. Source rows read: ntp_resize_rows of each row of area.
  * scratch: ntp_resize_scratch_size bytes, aligned to 16.
  */
 NTP_API ntp_status ntp_resize(const ntp_image *dst, const ntp_const_image *src,
                               const ntp_resize_plan *plan, void *scratch, size_t scratch_size,
                               const ntp_rect *area);
 
-/* Levels of the full mip chain, the texture itself included; 0 for sides below 1. */
+/* Levels of the full mip chain, including the texture itself; 0 for sides below 1. */
 NTP_API int32_t ntp_mip_levels(int32_t width, int32_t height);
 
-/* A side at a level, 0 being the texture: halved and rounded down so often, at least 1. */
+/* A side at a level, where 0 is the texture: halved and rounded down `level` times, at least 1. */
 NTP_API int32_t ntp_mip_side(int32_t side, int32_t level);
 
 /* The name of a filter ("triangle", "box", "lanczos3"); never NULL. */
@@ -1086,26 +1092,26 @@ enum {
 };
 
 typedef struct ntp_transform_options {
-    int32_t flip_x;        /* nonzero: left and right change places; first of all */
-    int32_t flip_y;        /* nonzero: top and bottom */
+    int32_t flip_x;        /* nonzero: exchange left and right; done first */
+    int32_t flip_y;        /* nonzero: exchange top and bottom */
     int32_t quarter_turns; /* clockwise as seen, 0..3; after the flips */
     int32_t use_strength;  /* nonzero: the slopes are multiplied by strength */
     double strength;       /* -NTP_MAX_STRENGTH..NTP_MAX_STRENGTH; negative: bumps become dents */
 } ntp_transform_options;
 
 /*
- * Flips and turns the picture and its vectors together, and makes the bumps stronger.  dst and src
- * agree in type, encoding, channels and y and do not overlap; after an odd number of quarter turns
+ * Flips and turns the picture and its vectors together, and scales the slopes.  dst and src have
+ * the same type, encoding, channels and y and do not overlap; after an odd number of quarter turns
  * the width of dst is the height of src.  Flips, turns and a strength of 1 or -1 only move and
- * mirror levels (r -> M - r): nothing is rounded.  Any other strength computes anew every texel:
- * (S x, S y, z).  Unused texels, and floats that are no vector, move but keep their color.
- * area is one of dst.  src->ring_rows is 0 where rows change places (else NTP_ERR_SHAPE).
+ * mirror levels (r -> M - r): nothing is rounded.  Any other strength computes every texel from (S
+ * x, S y, z).  Unused texels, and floats that are not a vector, move but keep their color.  area is
+ * an area of dst.  src->ring_rows is 0 if rows change places (else NTP_ERR_SHAPE).
  */
 NTP_API ntp_status ntp_transform(const ntp_image *dst, const ntp_const_image *src,
                                  const ntp_transform_options *how, const ntp_rect *area);
 
 typedef enum ntp_blend_mode {
-    NTP_BLEND_RNM = 0,      /* reoriented: the detail as if it lay on the base's surface */
+    NTP_BLEND_RNM = 0,      /* reoriented: as if the detail lay on the surface of the base */
     NTP_BLEND_WHITEOUT = 1, /* (x1 + x2, y1 + y2, z1 z2) */
     NTP_BLEND_UDN = 2       /* (x1 + x2, y1 + y2, z1): keeps less of the detail on slopes */
 } ntp_blend_mode;
@@ -1118,12 +1124,12 @@ typedef struct ntp_blend_options {
 } ntp_blend_options;
 
 /*
- * Blends a detail over a base.  dst and base agree in size, type, encoding, channels and y, and are
- * the same memory with the same strides or do not overlap.  The detail may differ in all of these
- * and is repeated from the upper left corner on; it does not overlap dst.  A negative z out of two
- * that are not (RNM, both steep) counts as 0.  Where base or detail is unused, or a float that is
- * no vector, the base's texel is copied.  Alpha, and the third sample of NTP_ENCODING_XY, are the base's.
- * Rows of the detail read: those of area mod its height.
+ * Blends a detail over a base.  dst and base have the same size, type, encoding, channels and y,
+ * and are the same memory with the same strides or do not overlap.  The detail may differ in all of
+ * these.  It is repeated, starting at the upper left corner, and does not overlap dst.  If neither
+ * z was negative, a negative result (RNM, both steep) counts as 0. Where base or detail is unused,
+ * or a float that is not a vector, the base's texel is copied.  Alpha, and the third sample of
+ * NTP_ENCODING_XY, are those of the base.  Rows of the detail read: those of area mod its height.
  * Source: C. Barre-Brisebois, S. Hill, Blending in Detail (2012).
  */
 NTP_API ntp_status ntp_blend(const ntp_image *dst, const ntp_const_image *base,
@@ -1136,31 +1142,32 @@ NTP_API const char *ntp_blend_mode_name(ntp_blend_mode mode);
 /* -------------------------------------------------------------------- which way is green */
 
 /*
- * OpenGL or DirectX, from the texels alone: the slopes of a surface have equal cross derivatives,
- * with green the other way round opposite ones.  docs/orientation.md says how, and what cannot be
- * known: a texture with red and green both inverted is that of the inverted height, which is as
- * good a surface.  So the answer presumes that red points right.
+ * Detects OpenGL or DirectX from the texels alone: the slopes of a surface have equal cross
+ * derivatives; if green is the other way round, they are opposite.  docs/orientation.md explains
+ * how, and what cannot be known: a texture with red and green both inverted is that of the inverted
+ * height, which is an equally possible surface.  So the answer assumes that red points right.
  *
  * The accumulator: memory of ntp_orientation_size() bytes, aligned to 16, zero-filled by the
- * caller.  It holds integer sums only: parts that were measured apart merge exactly.
+ * caller.  It holds only integer sums, so parts merge exactly.
  */
 typedef struct ntp_orientation ntp_orientation;
 
 NTP_API size_t ntp_orientation_size(void);
 
 /*
- * Adds the texels of an area.  src is NTP_ENCODING_STANDARD, NTP_ENCODING_ZZERO, NTP_ENCODING_XY or NTP_ENCODING_VECTOR; only red and
- * green count, and src->y does not.  Sampled rows are read, of large images fewer; every_row
- * nonzero: all.  What surrounds a texel is read too: for row y the rows y - 2 .. y + 3, two
- * columns to the left and three to the right; within 2 or 3 texels of the edges nothing is
- * measured, nor where a texel around is unused, not finite, or steeper than z = 0.1.
- * Errors: NTP_ERR_SHAPE when it already holds an image of another size or every_row.
+ * Adds the texels of an area.  src is NTP_ENCODING_STANDARD, NTP_ENCODING_ZZERO, NTP_ENCODING_XY or
+ * NTP_ENCODING_VECTOR; only red and green are used; src->y is not.  Only sampled rows are read, and
+ * a smaller share of large images; every_row nonzero: all rows.  The surroundings of a texel are
+ * read too: for row y the rows y - 2 .. y + 3, two columns to the left and three to the right.
+ * Nothing is measured within 2 or 3 texels of the edges, or if a texel in the surroundings is
+ * unused, not finite, or steeper than z = 0.1.
+ * Errors: NTP_ERR_SHAPE if it already holds an image of another size or every_row.
  */
 NTP_API ntp_status ntp_orientation_add(ntp_orientation *orientation, const ntp_const_image *src,
                                        uint32_t touch_unused, int32_t every_row,
                                        const ntp_rect *area);
 
-/* Nonzero: row y of an image of that height is one of those that are measured. */
+/* Nonzero: row y of an image of this height is measured. */
 NTP_API int32_t ntp_orientation_row(int32_t height, int32_t every_row, int32_t y);
 
 /* Adds what `from` holds to `into`.  Errors as ntp_orientation_add. */
@@ -1170,15 +1177,15 @@ NTP_API ntp_status ntp_orientation_merge(ntp_orientation *into, const ntp_orient
 NTP_API ntp_status ntp_orientation_clear(ntp_orientation *orientation);
 
 typedef struct ntp_orientation_result {
-    int32_t decided;   /* 0: it cannot be told: stripes, flat, noise, too small */
-    ntp_y y;           /* the likelier one: which way green points as stored */
-    double confidence; /* 0.8..0.99; 0 where undecided */
+    int32_t decided;   /* 0: undecided: stripes, flat, noise, too small */
+    ntp_y y;           /* which way green points as stored; the more likely one if undecided */
+    double confidence; /* 0.8..0.99; 0 if undecided */
     double statistic;  /* -1..1: how well the cross derivatives agree; positive: Y up */
-    double score;      /* how steadily so over the picture, in standard deviations */
+    double score;      /* how consistent this is over the picture, in standard deviations */
     uint64_t loops;    /* measured: groups of 6 x 6 texels */
 } ntp_orientation_result;
 
-/* Says what was found. */
+/* Computes the result. */
 NTP_API ntp_status ntp_orientation_summarize(ntp_orientation_result *result,
                                              const ntp_orientation *orientation);
 
@@ -1186,68 +1193,70 @@ NTP_API ntp_status ntp_orientation_summarize(ntp_orientation_result *result,
 
 enum { NTP_KERNELS = 11 /* as many as ntp_kernel has */ };
 
-/* Which kernel made them, as far as the texels tell. */
+/* Which kernel made the normals, if the texels show it. */
 typedef struct ntp_kernel_fit {
-    /* 1: rounding explains all that is left with `kernel`, and clearly not with the others; 0:
-     * smooth, changed afterwards, or made otherwise */
+    /* 1: rounding explains the residual of `kernel`, and clearly not that of the others; 0: smooth,
+     * changed afterwards, or not made by a kernel */
     int32_t decided;
-    ntp_kernel kernel;          /* decided or not, the one to reconstruct with */
-    double misfit[NTP_KERNELS]; /* by ntp_kernel: mean square of what is left over that of rounding:
-                                 * 1 is a perfect fit; -1: not tried */
+    ntp_kernel kernel;          /* the one to reconstruct with, also if undecided */
+    double misfit[NTP_KERNELS]; /* by ntp_kernel: mean square of the residual divided by that of
+                                 * rounding; 1 is a perfect fit; -1: not tried */
     uint64_t points;
 } ntp_kernel_fit;
 
 /*
- * Tries kernels on the normals: their two slopes must be the differences of one height.  Red and
- * green count, and src->y; see ntp_orientation_add for it.  Tried are central, forward, prewitt3,
- * sobel3, scharr3, prewitt5 and baked; sobel5 looks like sobel3.  Sampled rows are read, at most 1024
- * and no more than show detail enough, and 256 columns of each.  The border does not matter.
- * src->ring_rows is 0.
+ * Tries kernels on the normals: the two slopes must be differences of one height.  It uses red,
+ * green and src->y, which ntp_orientation_summarize can find.  It tries central, forward, prewitt3,
+ * sobel3, scharr3, prewitt5 and baked; sobel5 looks like sobel3.  It reads sampled rows, at most
+ * 1024 and only until they show enough detail, and 256 columns of each.  The border does not
+ * matter.  src->ring_rows is 0.
  */
 NTP_API ntp_status ntp_find_kernel(ntp_kernel_fit *origin, const ntp_const_image *src,
                                    uint32_t touch_unused);
 
 /* How two opposite edges fit together. */
 typedef struct ntp_seam {
-    int32_t decided; /* 0: neither clearly a seam nor clearly none */
+    int32_t decided; /* 0: neither clearly a seam nor clearly without one */
     int32_t tiles;   /* decided only: 1: the two edges fit together; 0: there is a seam */
-    int32_t wraps;   /* 1: the heights close as well: it tiles and does not lean */
-    /* By how much heights differ between the ends of a line, over how much they vary along it;
-     * rounding, and what all lines have in common, are taken out. */
+    int32_t wraps;   /* 1: the heights at the edges meet too: it tiles and is not tilted */
+    /* The difference of heights between the ends of a line, divided by their variation along it;
+     * without rounding and what all lines have in common. */
     double closure;
-    double jump;    /* the step across the seam over the mean step inside */
+    double jump;    /* the step across the seam divided by the mean step inside */
     double rank;    /* share of the steps inside that are larger */
-    double largest; /* share of lines in which no step inside is larger */
+    double largest; /* share of lines without a larger step inside */
     double lean;    /* mean of x/z (y/z) along the lines: a slope */
 } ntp_seam;
 
 /*
- * Does a texture tile?  x is about the left and right edges, y about the upper and lower ones.
- * At most 128 rows and as many columns are read.  Red and green count.  Undecided are textures
- * below 16 x 16 texels, nearly flat ones, those with many unused texels at the edges, and what is
- * neither a clear seam nor without one.  src->ring_rows is 0.  One of x and y may be NULL: it is not
- * looked for.
+ * Says whether a texture tiles.  x is for the left and right edges, y for the upper and lower ones.
+ * It reads at most 128 rows and 128 columns, and uses red and green.  Undecided are textures below
+ * 16 x 16 texels, nearly flat ones, those with many unused texels at the edges, and those with
+ * neither a clear seam nor clearly none.  src->ring_rows is 0. One of x and y may be NULL: it is
+ * not computed.
  */
 NTP_API ntp_status ntp_find_seams(ntp_seam *x, ntp_seam *y, const ntp_const_image *src,
                                   uint32_t touch_unused);
 
-/* The steps in which slopes come that were taken of heights with few levels. */
+/* Slope quantization caused by low-bit heights. */
 typedef struct ntp_steps {
-    int32_t decided; /* 1: they do; 0: they do not, or it cannot be told: the rest is 0 then */
-    int32_t teeth;   /* multiples of the step that occur, but for 0 and signs; on both axes */
+    int32_t decided; /* 1: slopes are quantized; 0: they are not, or it is unknown, and the rest is
+                      * 0 */
+    int32_t teeth;   /* different multiples of the step that occur, without 0 and signs; on both
+                      * axes */
     double slope;    /* the step */
-    double degrees;  /* between a flat normal and the next */
-    double share;    /* of the texels that lie on a multiple, as far as rounding tells */
-    double expected; /* the share that chance would put there */
+    double degrees;  /* the angle between a flat normal and the next */
+    double share;    /* of the texels that lie on a multiple, within rounding */
+    double expected; /* the share that is expected by chance */
 } ntp_steps;
 
 /*
- * Do the slopes of normals come in steps?  Those of a heightfield with few levels, such as an 8-bit
- * one, do: they are whole multiples of one step, and smooth ground is flat terraces with edges
- * between (banding).  Red and green count; at most 16384 texels for each axis are read.  Not told are
- * steps of about the size of the texture's own levels, gentle textures in which even slopes and even
- * levels are the same, fewer than 4 multiples (large smooth shapes have no more, but neither have
- * beveled tiles), and steps along one axis only.  src->ring_rows is 0.
+ * Detects slope quantization.  Slopes of a low-bit heightfield, such as an 8-bit one, are whole
+ * multiples of one step, and smooth ground becomes flat terraces with edges between them (banding).
+ * It uses red and green, and reads at most 16384 texels for each axis.  Not detected are steps of
+ * about the size of the texture's own levels, gentle textures in which evenly spaced slopes and
+ * levels are the same, fewer than 4 multiples (large smooth shapes have no more, but beveled tiles
+ * neither), and steps along one axis only.  src->ring_rows is 0.
  */
 NTP_API ntp_status ntp_find_steps(ntp_steps *steps, const ntp_const_image *src,
                                   uint32_t touch_unused);
@@ -1257,22 +1266,23 @@ enum { NTP_BORDERS = 5 /* as many as ntp_border has */ };
 /* Which border the normals at two opposite edges were made with. */
 typedef struct ntp_border_fit {
     ntp_border border;
-    int32_t decided; /* 1: by the texels; 0: it is the one that supposes least */
-    /* By ntp_border: how far normals of the heights are from those at the edges, in levels of 8
-     * bit, rms of x and y; -1: not tried */
+    int32_t decided; /* 1: the texels show it; 0: it is the one that assumes least */
+    /* By ntp_border: rms difference of x and y between the normals of the heights and those at the
+     * edges, in levels of 8 bit; -1: not tried */
     double error[NTP_BORDERS];
 } ntp_border_fit;
 
-/* The border with which slopes at the edge do not matter: to reconstruct with where it is unknown. */
+/* The border to reconstruct with if it is unknown: slopes at the edge do not matter. */
 NTP_API ntp_border ntp_free_border(ntp_kernel kernel);
 
 /*
- * Which border was it?  Along x (down nonzero: along y).  heights: those of src, by least squares
- * with ntp_free_border where the border is to be found; NTP_TYPE_F32 NTP_ENCODING_HEIGHT.  Of how the method,
- * kernel, dx, dy and touch_unused count; borders that its method does not take are not tried.  wraps:
- * what ntp_find_seams says, 0 where it was not asked; what it says is taken where it fits about as
- * well as the best.  Not told are textures below 16 x 16 texels, baked ones, and those that no
- * border fits.  ring_rows is 0 in both.  Errors: NTP_ERR_FORMAT for other heights.
+ * Detects the border along x (down nonzero: along y).  heights are those of src by least squares,
+ * with ntp_free_border for the border to be found; NTP_TYPE_F32 NTP_ENCODING_HEIGHT.  From `how` it
+ * uses the method, kernel, dx, dy and touch_unused; borders that the method does not support are
+ * not tried.  wraps is the result of ntp_find_seams, or 0 without one; wrap is preferred if it fits
+ * about as well as the best.  Undecided are textures below 16 x 16 texels, baked ones, and those
+ * that no border fits.  ring_rows is 0 in both.
+ * Errors: NTP_ERR_FORMAT for other heights.
  */
 NTP_API ntp_status ntp_find_border(ntp_border_fit *fit, const ntp_const_image *src,
                                    const ntp_const_image *heights, const ntp_height_options *how,
