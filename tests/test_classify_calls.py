@@ -7,7 +7,7 @@ import numpy as np
 
 import libntp_ffi as ntp
 from support import maps
-from test_classify import tally_of
+from support.judged import tally_of
 
 
 def reason_codes():

@@ -5,12 +5,13 @@
 pixels where cleaning can be judged against them.  Nothing here is taken from libntp.
 """
 
-import io
 from dataclasses import dataclass, field
 
 import numpy as np
 from PIL import Image
 
+from .encoders import encode, encode_normals, jpeg, resize, srgb_encode, to_type, with_alpha
+from .pictures import PICTURES
 from .surfaces import blur, draw_height, draw_normals, draw_size, fft_noise, normals_of
 
 STANDARD, ZZERO, XY, HEIGHT, OBJECT, ONE_COLOR, NOT_NORMALS = range(7)
@@ -32,61 +33,6 @@ class Case:
     truth: np.ndarray | None = None  # vectors (h, w, 3), z up, of the undamaged map
     method: int | None = None  # the better way of cleaning: 0 derive, 1 normalize, 2 keep
     details: dict = field(default_factory=dict)
-
-
-# --------------------------------------------------------------------------- encoders
-
-
-def encode(v, m=255):
-    """-1..1 to levels, rounded."""
-    return np.clip(np.floor((v + 1) / 2 * m + 0.5), 0, m)
-
-
-def to_type(levels, m=255):
-    return levels.astype(np.uint8 if m == 255 else np.uint16)
-
-
-def encode_normals(rng, n, m=255, zzero=False, style=None):
-    """(levels, style): rounded, truncated, or with flat at 127 or 128."""
-    if style is None:
-        style = rng.choice(["rounded", "truncated", "flat127", "flat128"], p=[0.6, 0.15, 0.1, 0.15])
-    half = m // 2
-    if style == "truncated":
-        out = np.clip(np.floor((n + 1) / 2 * m), 0, m)
-        z = np.floor(n[..., 2] * m)
-    elif style == "flat127":
-        out = np.clip(np.floor(n * half + half + 0.5), 0, m)
-        out[..., 2] = encode(n[..., 2], m)
-        z = np.floor(n[..., 2] * m + 0.5)
-    elif style == "flat128":
-        out = np.clip(np.floor(n * half + half + 1.5), 0, m)
-        z = np.floor(n[..., 2] * m + 0.5)
-    else:
-        out = encode(n, m)
-        z = np.floor(n[..., 2] * m + 0.5)
-    if zzero:
-        out[..., 2] = np.clip(z, 0, m)
-    return to_type(out, m), str(style)
-
-
-def srgb_encode(levels):
-    v = levels / 255
-    v = np.where(v <= 0.0031308, 12.92 * v, 1.055 * v ** (1 / 2.4) - 0.055)
-    return to_type(np.floor(v * 255 + 0.5))
-
-
-def jpeg(levels, quality, subsampling):
-    data = io.BytesIO()
-    Image.fromarray(levels).save(data, "JPEG", quality=int(quality), subsampling=int(subsampling))
-    return np.asarray(Image.open(io.BytesIO(data.getvalue())).convert("RGB"))
-
-
-def resize(levels, w, h, method):
-    return np.asarray(Image.fromarray(levels).resize((w, h), method))
-
-
-def with_alpha(levels, alpha):
-    return np.dstack([levels, np.broadcast_to(alpha, levels.shape[:2]).astype(levels.dtype)])
 
 
 # ----------------------------------------------------------------- undamaged normals
@@ -435,58 +381,6 @@ def object_space(rng):
 
 
 # -------------------------------------------------------------------- no normals at all
-
-
-def color_noise(rng, h, w):
-    """A surface of one material: a color, brightness that varies, colors that vary less."""
-    mean = rng.uniform(0.15, 0.8, 3)
-    light = 1 + rng.uniform(0.1, 0.4) * fft_noise(rng, h, w, rng.uniform(0.6, 1.6))
-    tint = np.stack([fft_noise(rng, h, w, 1.2) for _ in range(3)], -1) * rng.uniform(0, 0.06)
-    return mean * light[..., None] + tint
-
-
-def wood(rng, h, w):
-    x = np.arange(w)
-    rings = np.sin(x / w * rng.uniform(20, 90) + 2 * fft_noise(rng, h, w, 2))
-    t = np.clip(0.5 + 0.3 * rings + 0.1 * fft_noise(rng, h, w, 0.5), 0, 1)[..., None]
-    dark = np.array([0.3, 0.17, 0.08]) * rng.uniform(0.6, 1.4)
-    return dark * (1 - t) + np.array([0.72, 0.5, 0.3]) * rng.uniform(0.8, 1.2) * t
-
-
-def gradient(rng, h, w):
-    y, x = np.mgrid[:h, :w]
-    a = rng.uniform(0, 2 * np.pi)
-    t = x / w * np.cos(a) + y / h * np.sin(a)
-    t = ((t - t.min()) / np.ptp(t))[..., None]
-    return rng.uniform(0, 1, 3) * t + rng.uniform(0, 1, 3) * (1 - t)
-
-
-def palette_art(rng, h, w):
-    colors = rng.uniform(0, 1, (int(rng.integers(4, 17)), 3))
-    cell = int(rng.integers(2, 9))
-    index = rng.integers(0, len(colors), (h // cell + 1, w // cell + 1))
-    return colors[np.kron(index, np.ones((cell, cell), int))[:h, :w]]
-
-
-def sky(rng, h, w):
-    t = (np.arange(h) / h)[:, None, None]
-    top, low = np.array([0.2, 0.42, 0.75]), np.array([0.7, 0.83, 0.95])
-    clouds = np.clip(fft_noise(rng, h, w, 1.7) - rng.uniform(0, 1), 0, 1)[..., None]
-    base = (top + rng.uniform(-0.1, 0.1, 3)) * (1 - t) + low * t
-    return base * (1 - clouds) + np.array([0.95, 0.95, 0.97]) * clouds
-
-
-def leaves(rng, h, w):
-    out = np.broadcast_to(np.array([0.1, 0.12, 0.05]), (h, w, 3)).copy()
-    y, x = np.mgrid[:h, :w]
-    for _ in range(60):
-        cy, cx, r = rng.uniform(0, h), rng.uniform(0, w), rng.uniform(0.03, 0.12) * max(h, w)
-        inside = (y - cy) ** 2 + 2 * (x - cx) ** 2 < r * r
-        out[inside] = np.array([0.25, 0.5, 0.12]) * rng.uniform(0.4, 1.8) * rng.uniform(0.7, 1.3, 3)
-    return out * (1 + 0.1 * fft_noise(rng, h, w, 1)[..., None])
-
-
-PICTURES = [color_noise, wood, gradient, palette_art, sky, leaves]
 
 
 def picture(rng):
