@@ -177,7 +177,7 @@ static bool plan_in_place(input_list *list)
 {
     for (size_t i = 0; i < list->count; i++) {
         if (strcmp(list->at[i].path, "-") == 0) {
-            complain("--in-place: standard input has no place");
+            complain("--in-place: standard input cannot be replaced");
             return false;
         }
         list->at[i].output = copy_string(list->at[i].path);

@@ -58,8 +58,8 @@ void complain_unknown_verb(const char *name)
     names[count++] = "help";
     const char *nearest = nearest_name(name, names, count);
     if (nearest != NULL && strcmp(nearest, name) == 0)
-        complain("ntp %s is a program of its own, ntp-%s, which the Python package normaltexture "
-                 "installs beside ntp; there is none here",
+        complain("ntp %s is a separate program, ntp-%s, which the Python package normaltexture "
+                 "installs beside ntp; it is not installed here",
                  name, name);
     else if (nearest != NULL)
         complain("no verb \"%s\"; did you mean \"%s\"?", name, nearest);

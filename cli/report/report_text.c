@@ -147,7 +147,7 @@ static void add_surface(text *t, const facts *f)
     if (found->origin.decided)
         text_addf(t, "with the kernel %s", ntp_kernel_name(found->origin.kernel));
     else
-        text_add(t, "with a kernel that cannot be told, or not from heights");
+        text_add(t, "with an unknown kernel, or not from heights");
     add_area(t, f, &found->area);
     text_addf(t, "\n    %-24s across: %s, down: %s\n", "tiles", tiling(&found->seam[0]),
               tiling(&found->seam[1]));
@@ -179,7 +179,7 @@ static void add_statistics(text *t, const checked *c, const check_settings *s)
         text_addf(t, "    %-24s %s: %s, %.0f %% sure\n", "green points", y_name(f->orientation.y),
                   y_title(f->orientation.y), 100 * f->orientation.confidence);
     else if (class_is_normals(f->type.type) && f->type.type != NTP_CLASS_OBJECT_SPACE)
-        text_addf(t, "    %-24s up or down: these slopes do not tell\n", "green points");
+        text_addf(t, "    %-24s up or down: the slopes do not show which\n", "green points");
     add_count_line(t, "unused texels", st->unused, st->texels);
     for (int v = NTP_VERDICT_NEIGHBOR; v <= NTP_VERDICT_EXACT; v++) {
         uint64_t all = 0, used = 0;

@@ -59,7 +59,8 @@ static bool read_baseline(check *c)
     json_t *report = json_load_file(name, JSON_REJECT_DUPLICATES, &error);
     const json_t *files = json_object_get(report, "files");
     if (!json_is_array(files)) {
-        complain("--baseline %s: %s", name, report == NULL ? error.text : "no report of ntp check");
+        complain("--baseline %s: %s", name,
+                 report == NULL ? error.text : "not a JSON report of ntp check");
         json_decref(report);
         return false;
     }

@@ -74,7 +74,7 @@ static bool read_output_spec(settings *set, const char *spec)
         return true;
     const size_t length = strlen(spec);
     if (length < 1 || length > FULL)
-        return wrong_spec("channels", spec, "one letter for each channel, 1 to 4 of them");
+        return wrong_spec("channels", spec, "expected one letter for each channel, 1 to 4 of them");
     for (size_t i = 0; i < length; i++) {
         set->out[i] = letter_meaning(spec[i]);
         if (spec[i] == 'h')
@@ -93,13 +93,14 @@ static bool read_input_spec(settings *set, const char *spec)
     const size_t length = strlen(spec);
     int8_t where[FULL] = { NOTHING, NOTHING, NOTHING, NOTHING };
     if (length < 2 || length > FULL)
-        return wrong_spec("from-channels", spec, "one letter for each channel, 2 to 4 of them");
+        return wrong_spec("from-channels", spec,
+                          "expected one letter for each channel, 2 to 4 of them");
     for (size_t i = 0; i < length; i++) {
         const int8_t meaning = letter_meaning(spec[i]);
         if (meaning == NOTHING && spec[i] != '-')
             return wrong_spec("from-channels", spec, "the letters are x y z a 0 1 -");
         if (meaning >= 0 && where[meaning] != NOTHING)
-            return wrong_spec("from-channels", spec, "a letter stands twice");
+            return wrong_spec("from-channels", spec, "a letter is used twice");
         if (meaning >= 0)
             where[meaning] = (int8_t) i;
     }
@@ -134,7 +135,7 @@ static bool view_input(production *p, ntpio_error *error)
     const int32_t channels = p->s.info->channels;
     if (set->in_count > 0) {
         if (set->in_needed > channels)
-            return wrong_use(p, "--from-channels names more channels than it has", error);
+            return wrong_use(p, "--from-channels names more channels than the image has", error);
         source_view(&p->s, set->from, set->from_y, set->in, set->in_count);
     } else if (channels >= 3) {
         source_view(&p->s, set->from, set->from_y, NULL, 0);
@@ -144,8 +145,8 @@ static bool view_input(production *p, ntpio_error *error)
         if (set->out_count > 0 || set->from != set->to || set->from_y != set->to_y)
             return wrong_use(
                 p,
-                "a gray image holds no normals, so that only --depth converts it (--from "
-                "xy takes gray and alpha for x and y)",
+                "a gray image holds no normals; only --depth can convert it (--from xy "
+                "takes gray and alpha for x and y)",
                 error);
         source_view(&p->s, NTP_ENCODING_HEIGHT, NTP_Y_UP, NULL, 0);
     }
@@ -226,9 +227,9 @@ static void describe_text(const production *p, text *line)
     const struct {
         uint64_t count;
         const char *what;
-    } COUNTS[] = { { st->counts.z_negative, "negative z made positive" },
-                   { st->counts.pulled, "with x, y too long pulled in" },
-                   { st->counts.not_finite, "not finite, made flat" } };
+    } COUNTS[] = { { st->counts.z_negative, "with negative z made positive" },
+                   { st->counts.pulled, "with x, y too long shortened to length 1" },
+                   { st->counts.not_finite, "that are not finite made flat" } };
     for (size_t i = 0; i < sizeof COUNTS / sizeof COUNTS[0]; i++) {
         if (COUNTS[i].count == 0)
             continue;
@@ -237,7 +238,7 @@ static void describe_text(const production *p, text *line)
         text_addf(line, " texels %s", COUNTS[i].what);
     }
     if (looks_different(p, set))
-        text_addf(line, "\n  note: the input looks %s; it was taken as --from %s says",
+        text_addf(line, "\n  note: the input looks %s, but was read as --from %s says",
                   class_title(p->f.type.type), encoding_name(set->from));
 }
 

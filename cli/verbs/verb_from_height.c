@@ -101,7 +101,7 @@ static bool begin(production *p, ntpio_write_options *shape, ntpio_error *error)
     const ntp_image *view = &p->s.view;
     const ntp_type type = output_type(p, set);
     if (set->how.source == NTP_HEIGHT_SOURCE_ALPHA && view->channels % 2 == 1)
-        return wrong_use(p, "it has no alpha that could be the height", error);
+        return wrong_use(p, "it has no alpha to take the height from", error);
     if (set->dither && type == NTP_TYPE_F32)
         return wrong_use(p, "--dither is for outputs of 8 or 16 bit", error);
     const bool whole = needs_all(set);
@@ -335,7 +335,7 @@ static void describe(const production *p, text *line, json_t *object)
         if (st->counts.not_finite > 0) {
             text_add(line, "; ");
             text_count(line, st->counts.not_finite);
-            text_add(line, " texels flat for heights that are not finite");
+            text_add(line, " texels made flat because heights are not finite");
         }
     }
     if (object == NULL)

@@ -27,7 +27,7 @@ static bool read_channels(from_height_settings *set, const char *spec)
         return true;
     const size_t length = strlen(spec);
     if (length < 1 || length > FULL)
-        return wrong("channels", spec, "one letter for each channel, 1 to 4 of them");
+        return wrong("channels", spec, "expected one letter for each channel, 1 to 4 of them");
     if (strchr(spec, 'a') != NULL && strchr(spec, 'h') != NULL)
         return wrong("channels", spec, "a and h do not go together; --alpha says what a is");
     if (strchr(spec, 'h') != NULL && set->alpha_given)
@@ -76,14 +76,14 @@ static bool read_octaves(from_height_settings *set, const char *list)
         const double weight = strtod(at, &end);
         const size_t length = strspn(at, "0123456789.eE+-");
         if (length == 0 || end != at + length || !(weight - weight == 0))
-            return wrong("octaves", list, "numbers with commas between them");
+            return wrong("octaves", list, "expected numbers with commas between them");
         if (set->octaves == MAX_OCTAVES)
             return wrong("octaves", list, "at most 8 octaves");
         set->octave[set->octaves++] = weight;
         if (*end == 0)
             return true;
         if (*end != ',')
-            return wrong("octaves", list, "numbers with commas between them");
+            return wrong("octaves", list, "expected numbers with commas between them");
         at = end + 1;
     }
     return true;
@@ -97,11 +97,11 @@ static bool read_like(from_height_settings *set, const char *like)
     char *end = NULL;
     ntp_peer peer;
     if (colon == NULL || colon == like || (size_t) (colon - like) >= sizeof name)
-        return wrong("like", like, "a name, a colon and a number, such as reference:5");
+        return wrong("like", like, "expected a name, a colon and a number, such as reference:5");
     snprintf(name, sizeof name, "%.*s", (int) (colon - like), like);
     const double value = strtod(colon + 1, &end);
     if (colon[1] == 0 || *end != 0 || strspn(colon + 1, "0123456789.eE+-") != strlen(colon + 1))
-        return wrong("like", like, "what follows the last colon is no number");
+        return wrong("like", like, "what follows the last colon is not a number");
     if (ntp_normals_like(&peer, name, value) != NTP_OK)
         return wrong("like", like,
                      "the names are reference, eberly, zima, zima-corrected, gegl, and "
@@ -163,11 +163,11 @@ static void read_given(from_height_settings *set, const options *o)
 static bool agree(const from_height_settings *set)
 {
     if (!(set->how.dx > 0) || !(set->how.dy > 0))
-        complain("--dx and --dy are greater than 0");
+        complain("--dx and --dy must be greater than 0");
     else if (ntp_normals_reach(&set->how) < 0)
         complain("the scale or the spacing is out of range");
     else if (set->ao_file != NULL && set->to != NTP_ENCODING_XY)
-        complain("--ao goes into the blue channel that --to xy leaves free");
+        complain("--ao needs --to xy, which leaves the blue channel free");
     else if (set->dither && set->how.blue == NTP_BLUE_NEAREST)
         complain("--dither integrable derives blue; leave out --blue nearest");
     else

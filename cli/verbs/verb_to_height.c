@@ -40,7 +40,7 @@ static bool read_seeds(ntp_height_options *how, const char *list)
         const size_t length = strspn(at, "0123456789.eE+-");
         if (length == 0 || end != at + length || !isfinite(how->seeds[i]) ||
             *end != (i < 3 ? ',' : 0)) {
-            complain("--seeds %s: four numbers with commas between them", list);
+            complain("--seeds %s: expected four numbers with commas between them", list);
             return false;
         }
         at = end + 1;
@@ -64,13 +64,13 @@ static bool agree(const to_height_settings *set)
     else if (method == NTP_HEIGHT_POISSON_DCT && any_wrap)
         complain("--method poisson-dct is for textures that do not tile: the border is not wrap");
     else if (method != NTP_HEIGHT_TELESCOPING && set->how.use_seeds)
-        complain("--seeds goes with --method telescoping");
+        complain("--seeds needs --method telescoping");
     else if (method != NTP_HEIGHT_TELESCOPING && set->how.equalize)
-        complain("--equalize goes with --method telescoping");
+        complain("--equalize needs --method telescoping");
     else if (method == NTP_HEIGHT_TELESCOPING && set->how.refine > 0)
-        complain("--refine goes with least squares, not with --method telescoping");
+        complain("--refine needs a method of least squares, not --method telescoping");
     else if (set->mask_file != NULL && method != NTP_HEIGHT_AUTO && method != NTP_HEIGHT_WEIGHTED)
-        complain("--mask goes with --method weighted");
+        complain("--mask needs --method weighted");
     else
         return true;
     return false;
@@ -118,7 +118,7 @@ static bool read_settings(to_height_settings *set, const options *o)
     set->how.dx = option_number(o, OPT_DX);
     set->how.dy = option_number(o, OPT_DY);
     if (!(set->how.dx > 0) || !(set->how.dy > 0)) {
-        complain("--dx and --dy are greater than 0");
+        complain("--dx and --dy must be greater than 0");
         return false;
     }
     return read_seeds(&set->how, option_string(o, OPT_SEEDS)) && read_depth(set, o) && agree(set);
@@ -130,8 +130,8 @@ static const char *why_not_refined(const to_height_state *st)
     if (st->how.refine == 0)
         return NULL;
     if (st->how.kernel == NTP_KERNEL_BAKED)
-        return "--refine makes normals again by a kernel, and baked ones have none; --kernel sets "
-               "another";
+        return "--refine makes normals again with a kernel, but baked normals have none; choose "
+               "one with --kernel";
     if (st->src.type == NTP_TYPE_F32)
         return "--refine is for textures of 8 and 16 bits: floats are not rounded";
     if (st->how.method == NTP_HEIGHT_WEIGHTED && st->how.detrend)
@@ -149,8 +149,8 @@ static bool cannot(const production *p, ntp_status status, ntpio_error *error)
     if (status == NTP_ERR_NOT_CONVERGED)
         return wrong_use(
             p,
-            "the weighted least squares did not reach their tolerance, as where long "
-            "ways lead around holes; --method poisson-dct, without --mask, takes them for flat",
+            "the weighted least squares did not reach their tolerance, as happens where long "
+            "paths lead around holes; --method poisson-dct, without --mask, takes holes for flat",
             error);
     if (refined != NULL)
         return wrong_use(p, refined, error);

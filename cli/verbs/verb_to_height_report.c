@@ -16,7 +16,7 @@ static void add_height(text *t, double v)
 
 static void add_choices(text *line, const to_height_state *st)
 {
-    static const char *const GROUNDS[] = { "", "", ", by its name", ", supposed" };
+    static const char *const GROUNDS[] = { "", "", ", by its name", ", assumed" };
     text_addf(line, ", %s%s", y_title(st->y), GROUNDS[st->y_by]);
     text_addf(line, ", %s", ntp_kernel_name(st->how.kernel));
     if (st->how.border_x == st->how.border_y)
@@ -51,7 +51,7 @@ static void add_line(text *line, const to_height_settings *set, const to_height_
     if (r->not_finite > 0) {
         text_add(line, "; ");
         text_count(line, r->not_finite);
-        text_add(line, " texels that are no vector");
+        text_add(line, " texels that are not vectors");
     }
 }
 

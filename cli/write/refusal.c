@@ -22,7 +22,7 @@ void add_refusal(text *t, const facts *f, const char *option)
 {
     const bool pair = is_unordered_pair(f);
     if (pair)
-        text_add(t, "x and y in gray and alpha, which is which the file does not say");
+        text_add(t, "gray and alpha are x and y, but the file does not say which is which");
     else
         text_addf(t, "%s, not a texture of tangent-space normals",
                   f->type.type == NTP_CLASS_HEIGHT         ? "a height map"

@@ -188,7 +188,7 @@ def test_green_by_the_name(run, tmp_path):
         file = only(run, name, "-o", "h.png")
         assert (file["y"], file["y_by"]) == want and file["y_confidence"] == 0
     assert "by its name" in run("to-height", "a_dx.png", "-o", "h.png").stdout
-    assert "supposed" in run("to-height", "a_n.png", "-o", "h.png").stdout
+    assert "assumed" in run("to-height", "a_n.png", "-o", "h.png").stdout
 
 
 def test_borders_by_axis(run, surface):
@@ -423,7 +423,7 @@ def test_usage_errors(run, tmp_path, args):
 @pytest.mark.parametrize(
     ("args", "why"),
     [
-        (("--kernel", "baked"), "baked ones have none"),
+        (("--kernel", "baked"), "baked normals have none"),
         (("--method", "telescoping"), "--method telescoping"),
         (("--kernel", "central", "--method", "weighted", "--detrend"), "--detrend"),
     ],
