@@ -3,8 +3,9 @@
  * choices.h - what the operations and the plug-in offer in menus, declared once
  *
  * Each list calls ROW(identifier, name, label) for its choices, in the order of libntp's own
- * enumeration: GEGL's enum_value makes a property of it, a row of a table one of the plug-in's.
- * Names are those of the command line; N_() marks labels for translators, who get each once.
+ * enumeration: GEGL's enum_value makes it a property of the operations, and a row of a table makes
+ * it an argument of the plug-in.  Names are those of the command line.  N_() marks labels for
+ * translators, who get each label once.
  */
 #ifndef NTP_GIMP_CHOICES_H
 #define NTP_GIMP_CHOICES_H

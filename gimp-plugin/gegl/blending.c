@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * blending.c - what GIMP does with a result, and 16-bit results that its blending leaves as they are
+ * blending.c - what GIMP does with a result, and 16-bit results that survive its blending
  */
 #include "blending.h"
 
@@ -23,7 +23,7 @@ struct blending {
     linear of_level[LEVELS];
 };
 
-/* GIMP has nodes that only pass a result on, and then one that puts it over the layer. */
+/* GIMP has nodes that only pass a result on, followed by one that puts it over the layer. */
 static ahead ahead_of(GeglNode *node, gint most_nodes)
 {
     GeglNode **consumers = NULL;
@@ -52,7 +52,7 @@ ahead blending_ahead(GeglOperation *operation)
     return ahead_of(operation->node, MOST_NODES);
 }
 
-/* The least numbers from which on a level, or a higher one, is made. */
+/* The smallest numbers that give a level or a higher one. */
 typedef struct edge {
     gdouble rgb[3];
 } edge;
@@ -82,7 +82,7 @@ static void find_edges(const blending *b, edge *edges)
     g_free(levels);
 }
 
-/* In the middle of the numbers that become a level there is room for the errors of blending. */
+/* The middle of the numbers that become a level leaves room for the errors of blending. */
 static void fill(blending *b)
 {
     edge *edges = g_new0(edge, LEVELS);

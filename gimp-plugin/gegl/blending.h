@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * blending.h - what GIMP does with a result, and 16-bit results that its blending leaves as they are
+ * blending.h - what GIMP does with a result, and 16-bit results that survive its blending
  *
- * Where something is selected, GIMP 3 blends what a filter makes into the layer, in linear light.
- * babl takes 16-bit samples of a gamma curve there and back by approximations: at gamma 2.2 four
- * levels of five come back as another.  So where a mask follows, the result is handed over in linear
- * light already, as numbers of which babl makes the right levels.
+ * If there is a selection, GIMP 3 blends the result of a filter into the layer, in linear light.
+ * babl converts 16-bit samples of a gamma curve to linear light and back by approximations: at
+ * gamma 2.2 four of five levels change.  So if a mask follows, the operation outputs linear light,
+ * as numbers that babl converts to the right levels.
  */
 #ifndef NTP_GEGL_BLENDING_H
 #define NTP_GEGL_BLENDING_H
@@ -18,15 +18,15 @@ typedef enum ahead {
     AHEAD_MASK   /* it is blended into the layer by a mask */
 } ahead;
 
-/* To be asked by prepare(): when GIMP puts the graph together it prepares anew. */
+/* To be called by prepare(): GIMP prepares again when it builds the graph. */
 ahead blending_ahead(GeglOperation *operation);
 
 typedef struct blending blending;
 
 /*
- * For a result that is blended into a layer that is stored so: the format to put out instead of
- * samples, of texels made by blending_put; NULL: samples are right.  *b begins as NULL and ends in
- * blending_free.
+ * For a result that is blended into a layer stored in this format: the output format to use
+ * instead, for texels made by blending_put.  NULL: output samples as they are.  *b is NULL at first
+ * and is freed by blending_free.
  */
 const Babl *blending_prepare(blending **b, const pixels *stored);
 

@@ -3,7 +3,7 @@
  * clean_normals.c - ntp:clean-normals, repairs and converts the normals texture in a layer
  *
  * The same numbers as `ntp clean`, then `ntp convert`, with the same settings; or the picture of
- * `ntp heatmap`, which shows what is wrong with the layer as it is.  Every texel is by itself.
+ * `ntp heatmap`, which shows what is wrong with the layer as it is.  Texels are independent.
  */
 #include "../choices.h"
 #include "translate.h"
@@ -73,7 +73,7 @@ property_enum(to_y, _("Becomes"), ntp_op_green, ntp_op_green, NTP_OP_UP)
 #  include "blending.h"
 #  include "pixels.h"
 
-/* The menus above count as libntp does. */
+/* The menus above have the order of libntp's enumerations. */
 G_STATIC_ASSERT((gint) NTP_OP_XY == (gint) NTP_ENCODING_XY);
 G_STATIC_ASSERT((gint) NTP_OP_DOWN == (gint) NTP_Y_DOWN);
 G_STATIC_ASSERT((gint) NTP_OP_MIRROR_Z == (gint) NTP_CLEAN_KEEP);
@@ -88,7 +88,7 @@ typedef struct state {
     blending *blending;
 } state;
 
-/* Where blue is not z, alpha is a height or another map: 0 does not make a texel unused. */
+/* If blue is not z, alpha is a height or another map: 0 does not make a texel unused. */
 static uint32_t touched(const GeglProperties *o)
 {
     return o->touch_unused ? NTP_UNUSED_ALL : o->from == NTP_OP_XY ? NTP_UNUSED_TRANSPARENT : 0;
@@ -110,7 +110,8 @@ static gboolean same_options(const ntp_clean_options *a, const ntp_clean_options
            a->touch_unused == b->touch_unused;
 }
 
-/* The plan is made anew only when something changed that it depends on: GEGL prepares often. */
+/* GEGL prepares often, so the plan is made again only if something changed that it depends on.
+ * */
 static void prepare_plan(state *s, const GeglProperties *o)
 {
     const ntp_clean_options how = options_of(o);
@@ -157,7 +158,7 @@ static void finalize(GObject *object)
     G_OBJECT_CLASS(gegl_op_parent_class)->finalize(object);
 }
 
-/* libntp paints in 8 bit; deeper layers get the same levels by value. */
+/* libntp makes heatmaps in 8 bit; deeper layers get the same levels by value. */
 static gboolean paint(const GeglProperties *o, const pixels *p, const ntp_const_image *src,
                       ntp_image *dst)
 {
@@ -221,7 +222,7 @@ static gboolean process(GeglOperation *operation, void *in, void *out, glong tex
     const gboolean blended = p.format != gegl_operation_get_format(operation, "output");
     guint16 *made = blended ? g_malloc((gsize) MIN(NTP_MAX_SIDE, texels) * (gsize) p.bytes) : NULL;
     gboolean ok = TRUE;
-    (void) area; /* no texel depends on its place */
+    (void) area; /* no texel depends on its position */
     (void) level;
     for (glong done = 0; done < texels && ok; done += NTP_MAX_SIDE) {
         const gint count = (gint) MIN(NTP_MAX_SIDE, texels - done);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * module.c - what GEGL asks a file of operations for
+ * module.c - what GEGL expects in a file of operations
  */
 #include <gegl-plugin.h>
 #include <gmodule.h>
@@ -21,7 +21,7 @@ const GeglModuleInfo *gegl_module_query(GTypeModule *module)
 
 gboolean gegl_module_register(GTypeModule *module)
 {
-    /* Before the classes are made, which look up their texts. */
+    /* This comes before the classes are made, because they look up their texts. */
     bindtextdomain(GETTEXT_PACKAGE, NTP_LOCALE_DIR);
     bind_textdomain_codeset(GETTEXT_PACKAGE, "UTF-8");
     gegl_op_ntp_normals_from_height_register_type(module);

@@ -2,9 +2,9 @@
 /*
  * normals_from_height.c - ntp:normals-from-height, normals of the heightfield in a layer
  *
- * The same numbers as `ntp from-height` with the same settings.  The picture is made in blocks:
- * each is read with what surrounds it, so that libntp sees either the true edge of the layer or
- * enough texels beyond the block; the result does not depend on how GEGL cuts the picture.
+ * The same numbers as `ntp from-height` with the same settings.  The picture is made in blocks.
+ * Each is read with its surroundings, so that libntp gets either the true edge of the layer or
+ * enough texels beyond the block.  So the result does not depend on how GEGL divides the picture.
  */
 #include "../choices.h"
 #include "translate.h"
@@ -96,7 +96,7 @@ property_enum(alpha, _("Alpha"), ntp_op_alpha, ntp_op_alpha, NTP_OP_KEEP)
 #  include "blending.h"
 #  include "pixels.h"
 
-/* The menus above count as libntp does. */
+/* The menus above have the order of libntp's enumerations. */
 G_STATIC_ASSERT((gint) NTP_OP_SCREEN == (gint) NTP_HEIGHT_SOURCE_SCREEN);
 G_STATIC_ASSERT((gint) NTP_OP_GIMP9 == (gint) NTP_KERNEL_GIMP9);
 G_STATIC_ASSERT((gint) NTP_OP_REPEAT_SLOPE == (gint) NTP_BORDER_REPEAT_SLOPE);
@@ -111,9 +111,9 @@ enum {
 };
 
 /*
- * The number that was typed.  XCF files hold single precision: 7.3 comes back as 7.30000019.  What
- * can be such a number stands for the decimal of up to 7 digits behind it, so that a layer effect is
- * the same after its file was opened again.
+ * The number that was typed.  XCF files store single precision: 7.3 is read back as 7.30000019.  A
+ * number that may come from there means the decimal of up to 7 digits nearest to it, so that a
+ * layer effect is the same after its file was opened again.
  */
 static gdouble as_typed(gdouble value)
 {
@@ -158,7 +158,8 @@ static void prepare(GeglOperation *operation)
     GeglProperties *o = GEGL_PROPERTIES(operation);
     const pixels in = pixels_of(gegl_operation_get_source_format(operation, "input"));
     const ahead next = blending_ahead(operation);
-    /* GIMP drops an alpha channel that the layer has not, and converts the others meanwhile. */
+    /* GIMP drops an alpha channel that the layer does not have, and converts the others in doing
+     * so. */
     const gboolean adds_alpha =
         next == AHEAD_OTHER && (o->alpha == NTP_OP_HEIGHT || o->alpha == NTP_OP_INVERSE_HEIGHT);
     if (o->user_data == NULL)
@@ -188,9 +189,9 @@ typedef struct span {
 } span;
 
 /*
- * The texels that those of a span are made of.  With a wrapping border the span may begin before the
- * edge and end beyond it, else it ends there.  The reach is such that borders act on this part as
- * they do on the whole.
+ * The texels from which those of a span are made.  With a wrapping border the span may begin before
+ * the edge and end beyond it; otherwise it ends there.  The reach is chosen so that borders act on
+ * this part as they do on the whole.
  */
 static span spread(span at, span edges, gint reach, gboolean wrap)
 {
@@ -203,7 +204,7 @@ static span spread(span at, span edges, gint reach, gboolean wrap)
     return (span) { (gint) start, (gint) (end - start) };
 }
 
-/* The least span inside the edges that holds all of it, once wrapped. */
+/* The smallest span inside the edges that contains all of it after wrapping. */
 static span within(span at, span edges)
 {
     const gboolean beyond =
@@ -256,7 +257,7 @@ static span piece(span at, span edges)
     return (span) { (gint) (edges.start + place), (gint) MIN(at.size, edges.size - place) };
 }
 
-/* Reads an area of which a part may lie beyond the edges: the picture is repeated there. */
+/* Reads an area that may lie partly beyond the edges, where the picture is repeated. */
 static void read_wrapped(GeglBuffer *input, const pixels *in, const GeglRectangle *edges,
                          const GeglRectangle *area, guchar *data)
 {
@@ -288,7 +289,7 @@ typedef struct job {
     guchar *heights, *normals;
 } job;
 
-/* Puts a block of finished texels out, as GIMP's blending wants them where there is one. */
+/* Outputs a block of finished texels, in the form for GIMP's blending if there is one. */
 static void put(const job *j, GeglBuffer *output, const GeglRectangle *block, const guchar *first,
                 gint stride)
 {
@@ -311,7 +312,7 @@ static gboolean make_block(GeglOperation *operation, const job *j, GeglBuffer *i
     const GeglRectangle around = surroundings(operation, block, FALSE);
     read_wrapped(input, &j->in, j->edges, &around, j->heights);
 
-    /* Both views are of what was read; of the normals only the block is in memory. */
+    /* Both views cover what was read; only the block of the normals is in memory. */
     const ntp_rect area = { block->x - around.x, block->y - around.y,
                             block->x - around.x + block->width,
                             block->y - around.y + block->height };
@@ -348,7 +349,7 @@ static gboolean process(GeglOperation *operation, GeglBuffer *input, GeglBuffer 
     const gsize most = (BLOCK_WIDTH + margin) * (BLOCK_HEIGHT + margin);
     j.heights = g_malloc(most * (gsize) j.in.bytes);
     j.normals = g_malloc(most * (gsize) j.out.bytes);
-    /* What was read beyond the edges is never asked for again: the stencils stay inside it. */
+    /* The stencils stay inside what was read, so nothing beyond it is needed. */
     if (j.how.border_x == NTP_BORDER_WRAP)
         j.how.border_x = NTP_BORDER_CLAMP;
     if (j.how.border_y == NTP_BORDER_WRAP)

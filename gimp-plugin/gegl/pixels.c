@@ -17,7 +17,7 @@ static BablModelFlag flags_of(const Babl *format)
     return babl_get_model_flags(babl_format_get_model(format));
 }
 
-/* CMYK, CIE Lab and their like have no stored red, green and blue. */
+/* CMYK, CIE Lab and similar models have no stored red, green and blue. */
 static gboolean is_rgb_or_gray(const Babl *format)
 {
     return (flags_of(format) & (BABL_MODEL_FLAG_RGB | BABL_MODEL_FLAG_GRAY)) != 0;

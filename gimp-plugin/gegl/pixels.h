@@ -2,9 +2,9 @@
 /*
  * pixels.h - the pixel formats in which the operations read and write
  *
- * Results are exact only if nobody converts colors behind our back.  So an operation takes the
- * numbers of its input as they are stored: same sample type, same color space, same transfer curve,
- * alpha where the input has alpha.  Sample types that libntp does not know go through float.
+ * Results are exact only if no color conversion happens.  So an operation takes the numbers of its
+ * input as they are stored: same sample type, same color space, same transfer curve, and alpha if
+ * the input has alpha.  Sample types that libntp does not know are converted to float.
  */
 #ifndef NTP_GEGL_PIXELS_H
 #define NTP_GEGL_PIXELS_H

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* about.h - what the plug-in says of itself */
+/* about.h - what the plug-in says about itself */
 #ifndef NTP_PLUGIN_ABOUT_H
 #define NTP_PLUGIN_ABOUT_H
 

@@ -104,7 +104,7 @@ classic_job classic_job_from(const settings *s, int32_t channels, ntp_type type)
     dudv_format dudv = (dudv_format) v[FO_DUDV];
     classic_job job = { .alpha = alpha_rules[(int) v[FO_ALPHA]] };
     if (dudv >= DUDV_16_SIGNED && type == NTP_TYPE_U8 && !has_alpha)
-        dudv = DUDV_NONE; /* as the old plug-in: there is no room for them */
+        dudv = DUDV_NONE; /* as in the old plug-in: there is no room for them */
     if (!has_alpha || dudv != DUDV_NONE)
         job.alpha = ALPHA_KEEP;
     job.kind = conversion == TO_HEIGHT        ? CLASSIC_HEIGHT

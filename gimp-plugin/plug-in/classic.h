@@ -2,7 +2,8 @@
 /*
  * classic.h - the arguments of the gimp-normalmap plug-in as jobs of today
  *
- * What it meant to compute, without its defects; docs/gimp-normalmap.md lists what differs.
+ * They compute what it was meant to compute, without its defects; docs/gimp-normalmap.md lists the
+ * differences.
  */
 #ifndef NTP_PLUGIN_CLASSIC_H
 #define NTP_PLUGIN_CLASSIC_H
@@ -20,7 +21,8 @@ typedef struct classic_job {
     alpha_rule alpha;
 } classic_job;
 
-/* What the settings of PROCEDURE_CLASSIC ask for, in a layer of so many channels and this type. */
+/* The job for the settings of PROCEDURE_CLASSIC, in a layer with this number of channels and this
+ * type. */
 classic_job classic_job_from(const settings *s, int32_t channels, ntp_type type);
 
 #endif

@@ -3,8 +3,8 @@
  * fields.h - the procedures of the plug-in and their arguments, declared once
  *
  * From these tables come the PDB arguments of both GIMPs, the dialogs, last values and saved
- * settings.  A value is a double whatever its kind: a number, the index of a choice, 0 or 1 of a
- * switch, the ID of a layer (0 or less: none).  Knows nothing of GIMP.
+ * settings.  Every value is a double: a number, the index of a choice, 0 or 1 for a switch, or the
+ * ID of a layer (0 or less: none).  Does not depend on GIMP.
  */
 #ifndef NTP_PLUGIN_FIELDS_H
 #define NTP_PLUGIN_FIELDS_H
@@ -118,7 +118,7 @@ typedef struct procedure {
 
 extern const procedure procedures[PROCEDURE_COUNT];
 
-/* NULL where there is none of that name. */
+/* NULL if there is none with this name. */
 const procedure *procedure_find(const char *name);
 
 typedef struct settings {
@@ -127,7 +127,7 @@ typedef struct settings {
 
 void settings_reset(const procedure *p, settings *s);
 
-/* Brings what is out of range into it; returns the first field for which it had to, or NULL. */
+/* Clamps values that are out of range; returns the first field that was, or NULL. */
 const field *settings_check(const procedure *p, settings *s);
 
 /* The index of a choice by its name; -1: none. */
@@ -137,7 +137,7 @@ int choice_count(const field *f);
 /* Settings as lines of "name = value", numbers in the C locale: returns the length as snprintf. */
 size_t settings_write(const procedure *p, const settings *s, char *text, size_t size);
 
-/* Reads such lines; unknown names and values are left out.  Layers are not saved. */
+/* Reads such lines; unknown names and values are ignored.  Layers are not saved. */
 void settings_read(const procedure *p, settings *s, const char *text);
 
 #endif

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * height.c - normals of a whole layer into heights, stretched to the range of the samples
+ * height.c - heights from the normals of a whole layer, stretched to the range of the samples
  */
 #include "height.h"
 #include "texels.h"
@@ -59,7 +59,7 @@ job_status height_job_run(const height_job *job, const raster *normals, float **
     const int32_t parts = around != NULL && around->threads > 1 ? around->threads : 1;
     ntp_height_options how = job->how;
     size_t size = ntp_height_scratch_size(&how, normals->width, normals->height, parts);
-    if (size == 0 && how.method == NTP_HEIGHT_AUTO) { /* it takes every kernel with every border */
+    if (size == 0 && how.method == NTP_HEIGHT_AUTO) { /* supports every kernel and border */
         how.method = NTP_HEIGHT_WEIGHTED;
         size = ntp_height_scratch_size(&how, normals->width, normals->height, parts);
     }

@@ -16,18 +16,18 @@ typedef struct height_job {
     double contrast; /* 0..1: stretches about the middle by 1 + contrast */
 } height_job;
 
-/* What the settings of PROCEDURE_HEIGHT ask for. */
+/* The job for the settings of PROCEDURE_HEIGHT. */
 height_job height_job_from(const settings *s);
 
 /*
  * The heights of a layer as a plane of its size, 0..1: the lowest texel 0, the highest 1; a flat
- * surface is 0.5.  *range: how many texels the highest lies above the lowest; with that scale the
- * plane, without contrast, makes the normals again.  *plane is the caller's to free.
+ * surface is 0.5. *range: how many texels the highest is above the lowest; with this scale the
+ * plane, without contrast, makes the normals again.  The caller frees *plane.
  */
 job_status height_job_run(const height_job *job, const raster *normals, float **plane,
                           double *range, const surroundings *around);
 
-/* Writes the plane into an area of a layer: all its colors; alpha is kept, or made the height. */
+/* Writes the plane into all colors of an area of a layer; alpha is kept, or set to the height. */
 job_status height_write(const float *plane, const raster *layer, const raster *result,
                         const ntp_rect *area, bool alpha_too);
 

@@ -2,9 +2,9 @@
 /*
  * host.c - GIMP's layers as rasters, and results into layers
  *
- * A layer is read and written in its own model, type and space: the numbers are data, and no
- * conversion of colors may touch them.  8-bit, 16-bit and float samples are those that are stored;
- * other types (32-bit integers, half, double) go over float, within the same model and space.
+ * A layer is read and written in its own model, type and space: the numbers are data, and no color
+ * conversion may change them.  8-bit, 16-bit and float samples are used as stored; other types
+ * (32-bit integers, half, double) are converted to float, within the same model and space.
  */
 #include "host.h"
 
@@ -20,7 +20,7 @@
 
 /* ------------------------------------------------------------------------------- reading */
 
-/* The same samples in a type that libntp knows. */
+/* The same samples in a type that libntp supports. */
 static const Babl *readable(const Babl *format, ntp_type *type)
 {
     const Babl *stored = babl_format_get_type(format, 0);
@@ -75,7 +75,7 @@ void host_close(host_layer *layer)
 
 /* ------------------------------------------------------------------------------- writing */
 
-/* The layer's shadow: what becomes of it when merged, where it is selected. */
+/* The layer's shadow: merging copies it to the layer, where it is selected. */
 static void open_shadow(host_layer *shadow, gint32 id)
 {
     host_open(shadow, id);
@@ -85,7 +85,7 @@ static void open_shadow(host_layer *shadow, gint32 id)
     shadow->raster.write = write_layer;
 }
 
-/* Memory for a result that does not go into the shadow as it is. */
+/* Memory for a result that is not written to the shadow as it is. */
 static void open_store(host_layer *store, const host_layer *layer, int32_t channels)
 {
     static const char *const NAMES[][2] = { { "R'G'B' u8", "R'G'B'A u8" },
@@ -117,9 +117,10 @@ static void copy_samples(const host_layer *to, const host_layer *from, const ntp
 }
 
 /*
- * GIMP 3 blends what is selected into the layer in single precision and in the linear light of the
- * image's profile, and converts when it adds an alpha channel.  babl does that by approximations, for
- * a gamma curve worse than a level of 16 bits; of the curve of sRGB every level comes back.
+ * GIMP 3 blends the selected part into the layer in single precision and in the linear light of the
+ * image's profile, and it converts when it adds an alpha channel.  babl does this by
+ * approximations.  For a gamma curve their error exceeds a level of 16 bits; for the curve of sRGB
+ * every level is preserved.
  */
 static gboolean is_blended_coarsely(const host_layer *layer)
 {
@@ -145,7 +146,7 @@ void host_open_result(host_layer *result, const host_layer *layer, int32_t chann
         open_store(result, layer, channels);
 }
 
-/* From memory into the shadow, and from there into the layer, which gets alpha if it needs it. */
+/* Copies memory into the shadow, and merges that into the layer, which gets alpha if needed. */
 static void merge(host_layer *result, const ntp_rect *area)
 {
     const gint32 id = result->id;
@@ -164,7 +165,7 @@ static void merge(host_layer *result, const ntp_rect *area)
 }
 
 #if HOST_GIMP3
-/* The numbers stay as they are; only the light in which they are blended is another. */
+/* The numbers stay as they are; only the space in which they are blended changes. */
 static void merge_as_srgb(host_layer *result, const ntp_rect *area)
 {
     GimpImage *image = gimp_item_get_image(HOST_ITEM(result->id));

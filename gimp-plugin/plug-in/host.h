@@ -54,13 +54,13 @@ void host_open(host_layer *layer, gint32 id);
 void host_close(host_layer *layer);
 
 /*
- * Opens what a job writes.  With the channels of the layer that is its shadow.  Otherwise, and where
- * GIMP would blend it coarsely, it is memory from which the layer is made RGB, and given alpha, when
- * the job is done: a job that is cancelled leaves no trace.
+ * Opens what a job writes.  If the channels are those of the layer, this is its shadow.  Otherwise,
+ * and if GIMP's blending would not be exact, it is memory.  When the job is done, the layer becomes
+ * RGB and gets alpha as needed, so a cancelled job changes nothing.
  */
 void host_open_result(host_layer *result, const host_layer *layer, int32_t channels);
 
-/* Puts an area of the result into the layer, where it is selected, in one undo step; closes it. */
+/* Writes an area of the result into the selected part of the layer, in one undo step; closes it. */
 void host_put_result(host_layer *result, const host_layer *layer, const ntp_rect *area);
 
 /* Why the procedure cannot work on this drawable, in the user's language; NULL: it can. */
@@ -69,12 +69,12 @@ const char *host_refusal(gint32 id);
 /* Is it a layer, so that the argument counts? */
 gboolean host_is_layer(gint32 id);
 
-/* The part of the layer that is selected, all of it without a selection; FALSE: none of it. */
+/* The selected part of the layer, all of it without a selection; FALSE: none of it. */
 gboolean host_selection(const host_layer *layer, ntp_rect *area);
 
 /*
- * Runs the procedure on a layer: one undo step, nothing changed unless TRUE is returned.
- * message: what went wrong, or what there is to tell; empty: nothing.
+ * Runs the procedure on a layer in one undo step.  Nothing is changed unless it returns TRUE.
+ * message: an error or other information; empty: none.
  */
 gboolean host_run(const procedure *p, const settings *s, gint32 id, char message[HOST_TEXT]);
 

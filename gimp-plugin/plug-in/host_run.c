@@ -2,7 +2,7 @@
 /*
  * host_run.c - the procedures on layers of GIMP
  *
- * Each computes into a result of its own first; only when it is whole does the image change.
+ * Each first computes a separate result; the image changes only when this is complete.
  */
 #include "classic.h"
 #include "host.h"
@@ -169,7 +169,7 @@ static job_status run_classic(const settings *s, const host_layer *layer, const 
 
 /* -------------------------------------------------------------------------------- cleaning */
 
-/* The encoding and the method, found out where the settings say so. */
+/* The encoding and the method, detected if the settings say so. */
 static job_status run_clean(const settings *s, const host_layer *layer, const ntp_rect *area,
                             uint64_t *changed)
 {

@@ -3,15 +3,15 @@
  * normals.c - bands of heights into bands of normals
  *
  * A band is a picture of its own: its rows, and above and below the rows that its slopes reach.
- * Where they run over an edge that wraps, they are the rows of the other end; over any other edge
- * there are none, so that libntp sees the edge there and does as the border says.
+ * Beyond an edge that wraps, these are the rows of the opposite end.  Beyond any other edge there
+ * are none, so libntp gets the edge and applies the border.
  */
 #include "texels.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-enum { BAND = 128 }; /* rows: enough for threads, little memory */
+enum { BAND = 128 }; /* rows: enough for threads, with little memory */
 
 normals_job normals_job_from(const settings *s)
 {
@@ -37,7 +37,7 @@ normals_job normals_job_from(const settings *s)
         job.biased = true;
         job.how.source = NTP_HEIGHT_SOURCE_LUMA_GIMP;
     }
-    /* Red to the left is both slopes negated, then green back: negated before any rounding. */
+    /* Red to the left negates both slopes and then green again, before any rounding. */
     if (v[FN_FLIP_X] != 0) {
         job.how.scale = -job.how.scale;
         job.y = job.y == NTP_Y_UP ? NTP_Y_DOWN : NTP_Y_UP;
@@ -60,7 +60,7 @@ bool normals_job_needs_alpha(const normals_job *job, ntp_type type)
 
 /* ---------------------------------------------------------------------------- mean color */
 
-/* What "biased" takes off each color sample, in the samples' own numbers. */
+/* What "biased" subtracts from each color sample, in the numbers of the samples. */
 typedef struct bias {
     double mean[3];
 } bias;
@@ -133,7 +133,7 @@ typedef struct work {
     int32_t margin; /* rows above and below a band that its slopes may depend on */
     unsigned char *heights_rows, *layer_rows, *alpha_plane;
     unsigned char *made, *vectors; /* the result's rows; for DU/DV */
-    /* the band at hand */
+    /* the current band */
     int32_t y0, y1;       /* its rows */
     int32_t above, count; /* rows read above y0, and in all */
     ntp_status status[BAND / CHUNK];
@@ -181,7 +181,7 @@ static bool read_band(work *w)
     return w->layer_rows == NULL || w->layer->read(w->layer->user, w->y0, w->y1, w->layer_rows);
 }
 
-/* The alpha that some rows of the layer start from; without data: opaque. */
+/* The alpha from which some rows of the layer start; without data: opaque. */
 static ntp_const_image alpha_of(const work *w, int32_t y0, int32_t y1)
 {
     ntp_rect part = { w->area.x0, y0, w->area.x1, y1 };
@@ -214,7 +214,7 @@ static ntp_status make_dudv(work *w, const ntp_image *part, const ntp_const_imag
     return status;
 }
 
-/* Makes the rows of an area that counts from the first row that was read. */
+/* Makes the rows of an area whose row 0 is the first row that was read. */
 static ntp_status make_rows(work *w, const ntp_rect *area)
 {
     const normals_job *job = w->job;

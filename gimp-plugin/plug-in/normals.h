@@ -2,7 +2,8 @@
 /*
  * normals.h - the job of plug-in-ntp-normals-from-height, without GIMP
  *
- * Bands of rows are read, made normals of by libntp, and written: any height in little memory.
+ * Bands of rows are read, libntp makes normals from them, and they are written: any height with
+ * little memory.
  */
 #ifndef NTP_PLUGIN_NORMALS_H
 #define NTP_PLUGIN_NORMALS_H
@@ -20,7 +21,8 @@ typedef enum alpha_rule {
     ALPHA_LAYER
 } alpha_rule;
 
-/* x and y alone, as gimp-normalmap's DU/DV: signed as Direct3D's SNORM, two's complement. */
+/* x and y alone, as the DU/DV of gimp-normalmap.  Signed ones are SNORM of Direct3D, two's
+ * complement. */
 typedef enum dudv_format {
     DUDV_NONE,
     DUDV_8_SIGNED,
@@ -35,20 +37,20 @@ typedef struct normals_job {
     ntp_encoding encoding;
     alpha_rule alpha;
     dudv_format dudv;
-    bool biased; /* the height is the luma of what a color has above the mean color */
-    bool swap;   /* red and blue change places */
+    bool biased; /* the height is the luma of the color minus the mean color */
+    bool swap;   /* exchange red and blue */
 } normals_job;
 
-/* What the settings of PROCEDURE_NORMALS ask for. */
+/* The job for the settings of PROCEDURE_NORMALS. */
 normals_job normals_job_from(const settings *s);
 
 /* Does the result need an alpha channel in a layer of this type? */
 bool normals_job_needs_alpha(const normals_job *job, ntp_type type);
 
 /*
- * heights: where the height is read.  layer: where its alpha is, or NULL; alpha: the plane's layer
- * for ALPHA_LAYER, or NULL.  result is written; it has 3 or 4 channels.  All but `alpha` have one
- * size.  area NULL: everything.
+ * heights: the layer from which the height is read.  layer: where its alpha is, or NULL; alpha: the
+ * plane's layer for ALPHA_LAYER, or NULL.  result is written; it has 3 or 4 channels.  All but
+ * `alpha` have one size.  area NULL: everything.
  */
 job_status normals_job_run(const normals_job *job, const raster *heights, const raster *layer,
                            const raster *alpha, const raster *result, const ntp_rect *area,

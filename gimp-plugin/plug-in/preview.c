@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * preview.c - texels of a result that is not there yet
+ * preview.c - texels of a result before it is made
  *
- * Only rows that show are computed.  The jobs are those of the procedures, with a result of 8 bits
- * that keeps nothing but these rows.
+ * Only visible rows are computed.  The jobs are those of the procedures, with an 8-bit result that
+ * keeps only these rows.
  */
 #include "preview.h"
 #include "height.h"

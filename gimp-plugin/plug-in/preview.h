@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * preview.h - what a dialog shows: texels of the result, and the same lit, without GIMP
+ * preview.h - what a dialog shows: texels of the result, and the lit surface, without GIMP
  */
 #ifndef NTP_PLUGIN_PREVIEW_H
 #define NTP_PLUGIN_PREVIEW_H
@@ -12,7 +12,7 @@ typedef struct preview {
     const settings *settings;
     const raster *layer;
     const raster *heights;  /* another layer's height, or NULL */
-    const report *found;    /* clean, where that is left to a report; or NULL */
+    const report *found;    /* clean, if a report decides; or NULL */
     int32_t width, height;  /* pixels to fill */
     double x, y;            /* the texel position at their upper left corner */
     double step;            /* texels from one pixel to the next */
@@ -20,10 +20,10 @@ typedef struct preview {
 } preview;
 
 /*
- * Fills packed RGB: map with the texels that the procedure will write, brought to 8 bits, one
- * under the middle of each pixel, never a mixture; lit with the plane that has these normals.
- * Heights are an exception: they are made of the texels under the pixels alone, as of a small
- * texture, and lit is of the normals as they are.
+ * Fills packed RGB.  map gets the texels that the procedure will write, converted to 8 bits, one
+ * under the middle of each pixel and never a mixture.  lit gets the plane with these normals.
+ * Heights are an exception: they are made only from the texels under the pixels, as from a small
+ * texture, and lit shows the normals as they are.
  */
 job_status preview_render(const preview *p, uint8_t *map, uint8_t *lit);
 

@@ -94,7 +94,7 @@ static double brightness(const unsigned char *pixel, const raster *r)
            0.0722 * sample(pixel + 2 * step, r->type);
 }
 
-/* Where a sample of the result takes its values, on one axis. */
+/* Where a sample of the result gets its values from, on one axis. */
 typedef struct taps {
     double center, reach;
     int32_t first, last;

@@ -2,8 +2,8 @@
 /*
  * raster.h - a layer as the jobs see it: rows that can be read, an area that can be written
  *
- * What a job needs of its surroundings: pixels, progress and threads, as functions.  In GIMP they
- * read and write drawables, in the tests memory.  Samples are those of the layer, never converted.
+ * The functions are what a job needs from its environment: pixels, progress and threads.  In GIMP
+ * they read and write drawables, in tests memory.  Samples are those of the layer, never converted.
  */
 #ifndef NTP_PLUGIN_RASTER_H
 #define NTP_PLUGIN_RASTER_H
@@ -25,12 +25,12 @@ typedef struct raster {
 
 typedef struct surroundings {
     void *user;
-    /* Told the share done; returns false where the job is to stop.  May be NULL. */
+    /* Gets the share done; returns false to stop the job.  May be NULL. */
     bool (*progress)(void *user, double share);
     /* Calls task(work, i) for each i from 0 to count - 1 on any threads.  May be NULL. */
     void (*parallel)(void *user, int32_t count, void (*task)(void *work, int32_t index),
                      void *work);
-    int32_t threads; /* how many it has, at least 1 */
+    int32_t threads; /* the number of threads, at least 1 */
 } surroundings;
 
 typedef enum job_status {
@@ -39,14 +39,14 @@ typedef enum job_status {
     JOB_NO_MEMORY,
     JOB_NO_PIXELS,  /* reading or writing failed */
     JOB_NO_ALPHA,   /* the height is in alpha, and the layer has none */
-    JOB_WRONG_SIZE, /* the other layer has another size */
-    JOB_GRAY,       /* normals are asked for, and the layer is gray */
-    JOB_NO_NORMALS, /* the layer is no normals texture */
-    JOB_NO_METHOD,  /* no heights by that method from that kernel and those borders */
+    JOB_WRONG_SIZE, /* the other layer has a different size */
+    JOB_GRAY,       /* normals are required, but the layer is gray */
+    JOB_NO_NORMALS, /* the layer is not a normals texture */
+    JOB_NO_METHOD,  /* the method does not support this kernel with these borders */
     JOB_WRONG       /* an argument; should not happen with checked settings */
 } job_status;
 
-/* What went wrong, in English, to be translated. */
+/* The error message, in English, to be translated. */
 const char *job_status_text(job_status status);
 
 static inline size_t raster_sample(const raster *r)
@@ -70,9 +70,9 @@ void surroundings_parallel(const surroundings *s, int32_t count,
                            void (*task)(void *work, int32_t index), void *work);
 
 /*
- * The brightness of a layer as a plane of width x height samples of that type: gray as it is, a
- * color's Rec. 709 luma.  A layer of another size is scaled: triangle filter, widened where it
- * shrinks.
+ * The brightness of a layer as a plane of width x height samples of this type: gray as it is, or
+ * the Rec. 709 luma of a color.  A layer of another size is scaled: triangle filter, widened where
+ * it shrinks.
  */
 job_status raster_plane(const raster *r, void *plane, int32_t width, int32_t height, ntp_type type);
 

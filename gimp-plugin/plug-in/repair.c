@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * repair.c - rows of texels, each repaired or converted by itself
+ * repair.c - rows of texels, each repaired or converted independently
  */
 #include "repair.h"
 #include "texels.h"
@@ -71,7 +71,7 @@ static size_t sample_size(ntp_type type)
     return type == NTP_TYPE_U8 ? 1 : type == NTP_TYPE_U16 ? 2 : 4;
 }
 
-/* A normal that is steeper than min_z is turned up to it, in its own direction. */
+/* A normal that is steeper than min_z is raised to it and keeps its direction in x and y. */
 static void turn_up(unsigned char *texel, ntp_type type, double min_z)
 {
     const size_t size = sample_size(type);

@@ -2,8 +2,8 @@
 /*
  * report.c - measuring a layer
  *
- * Rows stream through a ring.  What the layer is comes out of a first reading, unless it is told;
- * a second one follows where the first was made under another presumption about blue.
+ * Rows are read through a ring.  A first pass detects what the layer is, unless it is given.  A
+ * second pass follows if the first one assumed something else about blue.
  */
 #include "report_text.h"
 
@@ -13,7 +13,7 @@
 enum {
     CHUNK = 64, /* rows read at once */
     RING = 128, /* rows kept; the orientation looks back at less than CHUNK + 8 */
-    AHEAD = 3   /* rows below one that its orientation is measured with */
+    AHEAD = 3   /* rows below a row that are needed for its orientation */
 };
 
 typedef struct measurement {
@@ -92,7 +92,7 @@ static ntp_class class_of(int reading)
     return CLASSES[reading - 1];
 }
 
-/* An alpha of XY textures that is no mask holds a height: 0 is no hole there. */
+/* An alpha of XY textures that is not a mask holds a height: 0 is not a hole there. */
 static uint32_t touch_for(const report *r)
 {
     const ntp_stats *s = &r->stats;

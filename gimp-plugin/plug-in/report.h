@@ -12,19 +12,19 @@ typedef struct report {
     ntp_stats stats;
     ntp_classification type;
     ntp_orientation_result green;
-    ntp_encoding encoding;   /* it was judged as; NTP_ENCODING_HEIGHT: not judged */
+    ntp_encoding encoding;   /* as which it was judged; NTP_ENCODING_HEIGHT: not judged */
     ntp_clean_method method; /* that suits its errors */
     uint64_t used;           /* texels that are not padding */
     uint64_t failing;        /* used texels that are not unit vectors to within a level */
     uint64_t inexact;        /* used texels whose blue is not that of red and green */
-    bool judged;             /* the counts above mean something */
-    bool right;              /* a normals texture without a texel to repair */
-    char text[2000];         /* for people */
+    bool judged;             /* the counts above are valid */
+    bool right;              /* a normals texture with no texel to repair */
+    char text[2000];         /* for users */
 } report;
 
 enum { REPORT_VALUES = 15 };
 
-/* What scripts are told, in this order. */
+/* The values for scripts, in this order. */
 typedef struct report_value {
     const char *name;
     const char *help;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * report_window.c - "is this map right?": the report, the layer lit as it would be when cleaned,
+ * report_window.c - "is this map right?": the report, the lit layer as it would be after cleaning,
  * and a button that cleans it
  */
 #include "report_window.h"

@@ -5,11 +5,11 @@
 
 #include "host.h"
 
-/* Shows the report, which the user may have made anew under other settings; TRUE: clean the layer.
- * message: why there is no report. */
+/* Shows the report, which the user may repeat with other settings; TRUE: clean the layer.  message:
+ * why there is no report. */
 gboolean report_window_run(settings *s, gint32 id, report *r, char message[HOST_TEXT]);
 
-/* The settings of PROCEDURE_CLEAN that suit a report made with these. */
+/* The settings of PROCEDURE_CLEAN that correspond to those of a report. */
 settings report_window_clean(const settings *s);
 
 #endif

@@ -2,8 +2,7 @@
 /*
  * settings.c - values of a procedure's fields: defaults, ranges, and settings as text
  *
- * The text is what "Save settings" writes and last values are kept in: a line for each field, in
- * no locale's notation.
+ * "Save settings" and last values use the text: a line for each field, independent of the locale.
  */
 #include "fields.h"
 
@@ -62,7 +61,7 @@ enum { NUMBER_SIZE = 40 };
 
 static void number_text(char text[NUMBER_SIZE], double value)
 {
-    int digits = 15; /* as few as give the number back */
+    int digits = 15; /* as few as reproduce the number */
     do
         snprintf(text, NUMBER_SIZE, "%.*g", digits, value);
     while (digits++ < 17 && strtod(text, NULL) != value);

@@ -123,7 +123,7 @@ void texels_dudv(const ntp_image *view, const ntp_const_image *vectors, dudv_for
                                                              x * vectors->pixel_stride);
             const uint32_t du = pattern((double) v[0], format), dv = pattern((double) v[1], format);
             unsigned char *to = at(view, x, y);
-            if (wide && view->type == NTP_TYPE_U8) { /* the caller made sure of four channels */
+            if (wide && view->type == NTP_TYPE_U8) { /* the caller ensures four channels */
                 to[0] = (uint8_t) (du & 255);
                 to[1] = (uint8_t) (du >> 8);
                 to[2] = (uint8_t) (dv & 255);

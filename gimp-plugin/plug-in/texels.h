@@ -17,7 +17,7 @@ ntp_image texels_channel(const ntp_image *view, int32_t channel);
  * and any type, or without data: opaque. */
 void texels_alpha(const ntp_image *view, alpha_rule rule, const ntp_const_image *plane);
 
-/* Red and blue change places. */
+/* Exchanges red and blue. */
 void texels_swap(const ntp_image *view);
 
 /* Stores x and y of vectors (NTP_ENCODING_VECTOR, 3 channels) in that format; other samples become 0, alpha

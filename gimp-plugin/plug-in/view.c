@@ -2,9 +2,9 @@
 /*
  * view.c - the preview widget
  *
- * Only the texels that show are computed, when nothing else is to be done.  "Fit" shows all of the
- * layer with its own proportions.  Dragging in the map moves it, dragging in the lit picture moves
- * the light, the wheel zooms.
+ * Only visible texels are computed, when the program is idle.  "Fit" shows all of the layer with
+ * its own proportions.  Dragging in the map moves it, dragging in the lit picture moves the light,
+ * and the wheel zooms.
  */
 #include "view.h"
 #include "preview.h"
@@ -28,7 +28,7 @@ typedef struct view {
     settings settings;
     host_layer layer, heights;
     gint32 heights_id;
-    report found; /* for cleaning: what the layer is, and what suits it */
+    report found; /* for cleaning: what the layer is, and the method for it */
     gboolean looked;
     settings question; /* that it answers */
     ntp_light light;
@@ -85,7 +85,7 @@ static gboolean same_settings(const settings *a, const settings *b)
     return TRUE;
 }
 
-/* As cleaning will, where the settings leave something to be found out; again when they change. */
+/* Detects what the settings leave open, as cleaning will; again when they change. */
 static const report *look(view *v)
 {
     settings question;
@@ -161,7 +161,7 @@ static void paint(cairo_t *cr, const view *v, const uint8_t *rgb, int width, int
     cairo_surface_destroy(surface);
 }
 
-/* Where the light stands over the lit picture, -1..1 to the right and down. */
+/* The position of the light over the lit picture, -1..1 to the right and down. */
 static void light_place(const view *v, double *x, double *y)
 {
     const double *d = v->light.direction;
@@ -221,7 +221,7 @@ static void move_light(view *v, GtkWidget *area, double x, double y)
     double dx = (x - size.width / 2.0) / (v->width / 2.0);
     double dy = (y - size.height / 2.0) / (v->height / 2.0);
     const double length = sqrt(dx * dx + dy * dy);
-    const double most = 0.97; /* never quite from the side */
+    const double most = 0.97; /* never exactly from the side */
     if (length > most) {
         dx *= most / length;
         dy *= most / length;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * view.h - the preview of the dialogs: the map, and beside it the same lit by a movable light
+ * view.h - the preview of the dialogs: the map, and beside it the surface lit by a movable light
  *
  * One widget for GTK 2 and GTK 3.
  */
@@ -11,7 +11,7 @@
 
 #include <gtk/gtk.h>
 
-/* The preview of what the procedure makes of a layer.  It starts with the defaults. */
+/* The preview of the result of the procedure.  It starts with the defaults. */
 GtkWidget *view_new(const procedure *p, gint32 id);
 
 /* Shows the result of these settings, soon. */

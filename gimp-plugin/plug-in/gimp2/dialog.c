@@ -2,7 +2,7 @@
 /*
  * dialog.c - the dialogs of GIMP 2.10, made from the table of a procedure's fields
  *
- * It has what GIMP 3 gives to every plug-in: reset, settings in files, a preview.
+ * It has what GIMP 3 provides for every plug-in: reset, settings in files, a preview.
  */
 #include "dialog.h"
 #include "about.h"

@@ -12,7 +12,7 @@
 
 enum { FIXED_ARGUMENTS = 3 }; /* run mode, image, drawable */
 
-/* What plug-in-ntp-check-normals tells scripts; the order is that of report_value. */
+/* What plug-in-ntp-check-normals returns to scripts; the order is that of report_value. */
 static GimpParamDef report_values[REPORT_VALUES];
 
 static GimpPDBArgType type_of(const field *f)
@@ -95,14 +95,14 @@ static void last_values(const procedure *p, settings *s)
     settings kept;
     if (gimp_get_data_size(p->name) != (gint) sizeof kept || !gimp_get_data(p->name, &kept))
         return;
-    for (int i = 0; i < p->count; i++) { /* layers of then may be others now */
+    for (int i = 0; i < p->count; i++) { /* layer IDs may now mean other layers */
         if (p->fields[i].kind != FIELD_LAYER)
             s->value[i] = kept.value[i];
     }
     settings_check(p, s);
 }
 
-/* The settings by the run mode; FALSE: the user cancelled, or *wrong is told. */
+/* The settings by the run mode; FALSE: the user cancelled, or *wrong says why. */
 static gboolean settle(const procedure *p, settings *s, const GimpParam *params, int given,
                        gchar **wrong)
 {
@@ -126,7 +126,7 @@ static gboolean settle(const procedure *p, settings *s, const GimpParam *params,
     return dialog_run(p, s, params[2].data.d_drawable);
 }
 
-/* The report: to people in a window, to scripts as values. */
+/* The report: users get a window, scripts get values. */
 static gboolean check(settings *s, gint32 id, GimpRunMode mode, report *r, char message[HOST_TEXT])
 {
     if (mode == GIMP_RUN_NONINTERACTIVE)

@@ -26,7 +26,7 @@ static void on_change(GObject *config, GParamSpec *spec, gpointer data)
     view_update(c->view, &s);
 }
 
-/* Its scale covers what is usual, its entry takes all that is allowed. */
+/* Its scale covers usual values, its entry takes all allowed ones. */
 static void make_slider(GimpProcedureDialog *dialog, const field *f)
 {
     GtkWidget *slider = gimp_procedure_dialog_get_scale_entry(dialog, f->name, 1);
@@ -69,7 +69,7 @@ static GtkWidget *controls_new(GimpProcedureDialog *dialog, const procedure *p)
     return book;
 }
 
-/* What gimp_procedure_dialog_new makes, with our help pages in place of GIMP's manual. */
+/* As gimp_procedure_dialog_new, with our help pages instead of GIMP's manual. */
 static GtkWidget *dialog_new(const procedure *p, GimpProcedure *pdb_procedure,
                              GimpProcedureConfig *config)
 {

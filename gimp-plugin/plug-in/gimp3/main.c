@@ -108,7 +108,7 @@ static void answer(GimpValueArray *values, const report *r)
     }
 }
 
-/* The report: to people in a window, to scripts as values. */
+/* The report: users get a window, scripts get values. */
 static gboolean check(settings *s, gint32 id, GimpRunMode mode, report *r, char message[HOST_TEXT])
 {
     if (mode == GIMP_RUN_NONINTERACTIVE)

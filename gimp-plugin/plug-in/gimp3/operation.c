@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * operation.c - normals by the operation, which works where GIMP has the texels
+ * operation.c - normals by the operation, which runs inside GIMP
  *
- * A plug-in gets every texel from GIMP and sends every texel back, which takes longer than the
- * normals do.  So a whole layer is left to the operation, if its result is the same: it knows no other
- * layers and no DU/DV, and at the soft edge of a selection GIMP blends it another way.
+ * A plug-in gets every texel from GIMP and sends every texel back, which takes longer than
+ * computing the normals.  So the operation processes a whole layer, if its result is the same: it
+ * has no access to other layers and no DU/DV, and GIMP blends it differently at the soft edge of a
+ * selection.
  */
 #include "operation.h"
 
@@ -22,7 +23,7 @@ static gboolean takes_layer(const host_layer *layer)
            layer->format == gimp_drawable_get_format(drawable);
 }
 
-/* The operation takes a number that is one in single precision for the decimal behind it. */
+/* The operation takes a number of single precision for the decimal nearest to it. */
 static gboolean takes_number(double value)
 {
     char text[G_ASCII_DTOSTR_BUF_SIZE];
@@ -55,7 +56,7 @@ static GimpDrawableFilter *filter_new(GimpDrawable *drawable)
     return filter;
 }
 
-/* The operation has them under the same names; FALSE: not all of them. */
+/* Sets the properties, which have the same names; FALSE: some are missing. */
 static gboolean fill(GObject *config, const settings *s)
 {
     for (int i = FN_SCALE; i <= FN_BLUE; i++) {

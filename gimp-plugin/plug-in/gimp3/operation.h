@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * operation.h - the operation in place of the plug-in's own work, where it makes the same texels
+ * operation.h - the operation instead of the plug-in's own work, if it makes the same texels
  */
 #ifndef NTP_PLUGIN_OPERATION_H
 #define NTP_PLUGIN_OPERATION_H
@@ -9,7 +9,7 @@
 
 /*
  * Lets GIMP merge ntp:normals-from-height into the layer, in one undo step.  FALSE: nothing was
- * done, the plug-in has to make the normals.
+ * done, and the plug-in has to make the normals.
  */
 gboolean operation_merge(const settings *s, const host_layer *layer);
 
