@@ -336,6 +336,10 @@ NTP_API ntp_status ntp_convert(const ntp_image *dst, const ntp_const_image *src,
  * The tally of a measurement: memory of ntp_tally_size() bytes, aligned to 16, zero-filled (calloc)
  * and freed by the caller.  It holds only integer counts and sums, so the tallies of parts merge
  * exactly, in any order.  It holds up to 2^32 - 1 texels of one depth.
+ * It takes 17 MB of address space, of which most stays untouched: memory from calloc costs only
+ * what is touched.  A clean texture of any size takes 0.4 MB (16 bit: 0.7 MB), and about twice as
+ * much after ntp_tally_summarize; a damaged one of 8 bit takes about 3.5 MB, noise 10 MB.  A
+ * cleared tally keeps what it has touched.
  */
 typedef struct ntp_tally ntp_tally;
 
@@ -598,7 +602,8 @@ NTP_API ntp_status ntp_shade(const ntp_image *dst, const ntp_const_image *src,
  */
 typedef struct ntp_diff ntp_diff;
 
-/* Bytes of an ntp_diff: zero-filled by the caller, aligned to 16. */
+/* Bytes of an ntp_diff (about 700 KiB): zero-filled by the caller, aligned to 16.  How much of it is
+ * touched depends on how many different angles occur: one page if nothing differs. */
 NTP_API size_t ntp_diff_size(void);
 
 typedef struct ntp_diff_stats {
@@ -1148,7 +1153,7 @@ NTP_API const char *ntp_blend_mode_name(ntp_blend_mode mode);
  * height, which is an equally possible surface.  So the answer assumes that red points right.
  *
  * The accumulator: memory of ntp_orientation_size() bytes, aligned to 16, zero-filled by the
- * caller.  It holds only integer sums, so parts merge exactly.
+ * caller.  It takes 50 KiB.  It holds only integer sums, so parts merge exactly.
  */
 typedef struct ntp_orientation ntp_orientation;
 
