@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * formats.h - every format's decoder and encoder, for open.c and writer.c to choose from
+ * formats.h - the decoders and encoders that open.c and writer.c choose from
  */
 #ifndef NTPIO_FORMATS_H
 #define NTPIO_FORMATS_H
@@ -14,10 +14,10 @@ extern const ntpio__decoder ntpio__png_decoder, ntpio__tga_decoder, ntpio__jpeg_
     ntpio__pfm_decoder;
 extern const ntpio__encoder ntpio__png_encoder, ntpio__tga_encoder, ntpio__pfm_encoder;
 
-/* Whether bytes without a signature could start a TGA file. */
+/* Could bytes without a signature be the start of a TGA file? */
 bool ntpio__tga_plausible(const uint8_t *bytes, size_t size);
 
-/* Of this machine; formats say their own order. */
+/* The byte order of this machine; each format knows its own. */
 static inline bool ntpio__little_endian(void)
 {
     const uint16_t one = 1;

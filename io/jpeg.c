@@ -2,8 +2,8 @@
 /*
  * jpeg.c - JPEG through libjpeg-turbo, read only
  *
- * The accurate integer transform, so that the bytes are the same everywhere.  Gray and color
- * as they are; CMYK is refused.  A warning that means damaged pixels is an error.
+ * The accurate integer transform makes the bytes the same everywhere.  Gray and color stay as they
+ * are; CMYK is refused.  A warning that means damaged pixels is an error.
  */
 #include <setjmp.h>
 #include <stdio.h>
@@ -94,7 +94,7 @@ static void on_skip(j_decompress_ptr jpeg, long count)
     }
 }
 
-/* Intact files, but lossless, of 12 bits and the like. */
+/* Intact files of a kind that is not read, such as lossless ones or those of 12 bits. */
 static bool is_unsupported(int code)
 {
     return code == JERR_SOF_UNSUPPORTED || code == JERR_BAD_PRECISION ||

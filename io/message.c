@@ -2,8 +2,8 @@
 /*
  * message.c - error messages, and the strings of texts
  *
- * A message is one line of valid UTF-8 whatever the file is called: names come from strangers'
- * disks and end up on terminals.
+ * A message is one line of valid UTF-8, whatever the name of the file is: names come from other
+ * people and end up on terminals.
  */
 #include "message.h"
 
@@ -17,7 +17,7 @@ enum {
     ESCAPE_SIZE = 4  /* \xHH */
 };
 
-/* The length of the valid UTF-8 sequence at s that is fit to print, 0 when there is none. */
+/* The length of the UTF-8 sequence at s; 0 if it is invalid or not fit to print. */
 static size_t printable(const unsigned char *s)
 {
     if (s[0] < 0x80)
@@ -36,7 +36,7 @@ static size_t printable(const unsigned char *s)
     return overlong || surrogate || too_high || control ? 0 : size;
 }
 
-/* Copies what fits, never a part of a character; returns the bytes written. */
+/* Copies what fits, and never a part of a character.  Returns the bytes written. */
 static size_t escape(char *dst, size_t room, const char *text)
 {
     static const char hex[] = "0123456789abcdef";
@@ -66,7 +66,7 @@ static size_t escape(char *dst, size_t room, const char *text)
     return n;
 }
 
-/* The end of a long name tells more than its beginning. */
+/* The end of a long name says more than its beginning. */
 static size_t escape_name(char *dst, const char *name)
 {
     const size_t size = strlen(name);

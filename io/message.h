@@ -13,12 +13,14 @@
 #  define NTPIO_PRINTF(text, values)
 #endif
 
-/* Fills *error with "NAME: text", control characters and invalid UTF-8 escaped; returns false. */
+/* Fills *error with "NAME: text"; escapes control characters and invalid UTF-8.  Returns false. */
 bool ntpio__fail(ntpio_error *error, ntpio_status status, const char *name, const char *format, ...)
     NTPIO_PRINTF(4, 5);
 
+/* The same: out of memory. */
 bool ntpio__fail_memory(ntpio_error *error, const char *name);
 
+/* A copy of `size` bytes with a 0 after them; NULL without memory. */
 char *ntpio__copy_string(const char *string, size_t size);
 
 /* Appends deep copies of the strings; NULL stays NULL. */

@@ -4,15 +4,17 @@
  *
  * The edge of the project: used by the program, the tests and the bindings, never by libntp.
  * Samples are raw numbers: no color management, gamma, premultiplication or dithering happens
- * here.  Files are read and written row by row, top row first, so that an image of any height
- * needs the memory of a few rows; what cannot stream (interlaced PNG, bottom-up or
- * right-to-left compressed TGA, progressive JPEG inside its library) is held whole and
- * `info.streams` says so.
+ * here.  Files are read and written row by row, top row first, so an image of any height needs the
+ * memory of a few rows.  What cannot stream is held whole, and `info.streams` says so: interlaced
+ * PNG, some compressed TGA, progressive JPEG (inside its library).
  *
- * open.c finds the format of a file and deals out its rows; a format is in png_read.c, png_write.c,
- * tga.c, jpeg.c or pfm.c, and knows only reader.h, writer.h and what they include.  source.c is
- * where bytes come from, output.c how a file is put in its target's place, writer.c joins an
- * encoder with an output, message.c words errors.
+ *   open.c     finds the format of a file and delivers its rows; reader.h: what a decoder is
+ *   writer.c   joins an encoder with an output; writer.h: what an encoder is
+ *   formats.h  the formats, in png_read.c, png_write.c, tga.c, jpeg.c and pfm.c; they know only
+ *              reader.h, writer.h and what these include
+ *   source.c   where bytes come from
+ *   output.c   where bytes go, and how a file takes the place of its target
+ *   message.c  the words of errors
  *
  * Every function that can fail fills a ntpio_error with one sentence that names the file.
  */
@@ -31,7 +33,7 @@ typedef enum ntpio_status {
     NTPIO_ERR_LIMIT = 4,   /* larger than ntpio_limits allow */
     NTPIO_ERR_MEMORY = 5,
     NTPIO_ERR_WRITE = 6, /* no permission, disk full, or the target cannot be replaced */
-    NTPIO_ERR_USAGE = 7  /* the caller asks for what the format cannot hold */
+    NTPIO_ERR_USAGE = 7  /* the format cannot hold what the caller asks for */
 } ntpio_status;
 
 typedef struct ntpio_error {
@@ -53,7 +55,7 @@ typedef struct ntpio_limits {
     uint64_t max_memory; /* 0: 4 GiB; for what must be held whole */
 } ntpio_limits;
 
-/* Metadata that travels to the output, or is reported. */
+/* Metadata that is copied to the output, or reported. */
 typedef struct ntpio_text {
     char *key;                       /* as in PNG: Latin-1, at most 79 bytes */
     char *value;                     /* UTF-8 when itxt, else Latin-1 */
@@ -87,10 +89,10 @@ typedef struct ntpio_reader ntpio_reader;
 typedef struct ntpio_writer ntpio_writer;
 
 /*
- * Opens a file by its content, not its name (TGA, which has no signature, also by name).  "-"
- * is standard input.  Returns NULL and fills *error on failure.  Samples below 8 bits are
- * scaled exactly to 8 (c * 255 / (2^n - 1), rounded); palettes and tRNS become RGB or RGBA.
- * limits may be NULL.
+ * Opens a file.  Its content says what format it is, not its name (except for TGA, which has no
+ * signature).  "-" is standard input.  Returns NULL and fills *error on failure.  Samples below 8
+ * bits are scaled exactly to 8 (c * 255 / (2^n - 1), rounded); palettes and tRNS become RGB or
+ * RGBA. limits may be NULL.
  */
 ntpio_reader *ntpio_open(const char *path, const ntpio_limits *limits, ntpio_error *error);
 
@@ -121,7 +123,7 @@ typedef struct ntpio_write_options {
     int32_t channels;            /* 1..4 (PFM: 1 or 3; TGA: 1, 3, 4) */
     int32_t sample_bytes;        /* 1, 2 (PNG) or 4 (PFM) */
     int32_t level;               /* PNG: 0..9 of zlib; -1: fast, and small for normals */
-    bool content_is_flat;        /* PNG, level -1: gray, flat art, heatmaps: matching pays */
+    bool content_is_flat;        /* PNG, level -1: gray, flat art, heatmaps: matching saves space */
     bool dry_run;                /* encode nothing, write nothing */
     const ntpio_info *copy_from; /* PNG: text chunks and pHYs to keep, or NULL; lives until the
                                   * commit, so that texts after the pixels are kept as well */
@@ -130,13 +132,13 @@ typedef struct ntpio_write_options {
 } ntpio_write_options;
 
 /*
- * Starts a file.  The bytes go to an unnamed or temporary file beside the target
- * (O_TMPFILE where there is one, else ".NAME.ntp-XXXXXX.tmp") and become the target only in
- * ntpio_commit, after a sync: until then, and after a failure at any point, an older file of
- * that name is whole.  Stale temporary files of the same target whose writer is gone are
- * removed.  A symbolic link stays and what it points at is replaced; permissions are kept; a
- * file without write permission is refused.  "-" is standard output; it, pipes and devices
- * are written directly.  Programs should ignore SIGXFSZ and SIGPIPE to get errors instead.
+ * Starts a file.  The bytes go to an unnamed or temporary file beside the target (O_TMPFILE if
+ * there is one, else ".NAME.ntp-XXXXXX.tmp").  ntpio_commit syncs that file and puts it in the
+ * place of the target.  Until then, and after a failure at any point, an older file of that name
+ * stays whole.  Temporary files of the same target are removed if their writer is gone.  A symbolic
+ * link stays, and what it leads to is replaced.  Permissions are kept.  A file without write
+ * permission is refused. "-" is standard output; it, pipes and devices are written directly.
+ * Programs should ignore SIGXFSZ and SIGPIPE to get errors instead.
  */
 ntpio_writer *ntpio_create(const char *path, const ntpio_write_options *options,
                            ntpio_error *error);

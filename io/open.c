@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * open.c - finds the format of a file and reads its rows through that format's decoder
+ * open.c - finds the format of a file, and reads its rows through the decoder of that format
  *
- * The content decides, whatever the name says; only TGA has no signature, and there the name
- * or a header without contradictions has to do.
+ * The content decides, not the name.  Only TGA has no signature: there the header has to be free of
+ * contradictions, or the name says TGA and the footer does too.
  */
 #include <stdlib.h>
 #include <string.h>
@@ -41,7 +41,7 @@ static bool has_tga_footer(ntpio__source *source)
     return ntpio__seek(source, 0) && found;
 }
 
-/* What a file is that is no image of ours, when that helps; else NULL. */
+/* What a file is that cannot be read here, if it is known; else NULL. */
 static const char *foreign(const uint8_t *b, size_t n)
 {
     static const struct {

@@ -2,10 +2,11 @@
 /*
  * output.c - writes a file beside its target and puts it in place at the end
  *
- * An unnamed file (O_TMPFILE) leaves nothing behind however the program dies.  Where there is
- * none, and for the moment between naming and renaming, the file is ".NAME.ntp-00000N.tmp",
- * locked by its writer: who gets the lock knows that the writer is gone and removes the file.
- * Slots N instead of random names, so that stale files are found without reading directories.
+ * An unnamed file (O_TMPFILE) leaves nothing behind, however the program dies.  Some file systems
+ * have none, and an unnamed file needs a name for a moment before it replaces the target.  That
+ * name is ".NAME.ntp-00000N.tmp", and the writer locks the file: whoever gets the lock knows that
+ * the writer is gone, and removes the file.  Names are numbered and not random, so stale files are
+ * found without reading directories.
  */
 #include "output.h"
 
@@ -26,10 +27,10 @@
 
 enum {
     BUFFER_SIZE = 1 << 18, /* few system calls */
-    SLOTS = 16,            /* writers of one target at a time */
+    SLOTS = 16,            /* writers of one target at the same time */
     SLOT_SUFFIX = 15,      /* .ntp-00000N.tmp */
     HASH_SIZE = 9,         /* ~ and 8 hex digits */
-    NAME_LIMIT = 255,      /* where the file system does not say */
+    NAME_LIMIT = 255,      /* if the file system does not say */
     NAME_FITS = 128,       /* no file system in use allows less */
     LINKS_MAX = 40,        /* symbolic links in a row, as in the kernel */
     PROC_SIZE = 40
@@ -62,7 +63,7 @@ static uint32_t fnv1a(const char *s)
     return hash;
 }
 
-/* A name that is too long for the suffix gives its end for a hash of the whole. */
+/* If a name is too long for the suffix, a hash of the whole replaces its end. */
 static char *slot_name(const ntpio__output *output, unsigned slot)
 {
     const size_t length = strlen(output->target);
@@ -104,7 +105,7 @@ static char *read_link(const char *path)
     return NULL;
 }
 
-/* What the path's symbolic links point at, whether or not it exists; errno on failure. */
+/* What the symbolic links of a path lead to, which need not exist.  NULL with errno on failure. */
 static char *resolve(const char *path)
 {
     char *at = ntpio__copy_string(path, strlen(path));
@@ -132,7 +133,7 @@ static char *resolve(const char *path)
 
 /* ------------------------------------------------------------------------ temporary files */
 
-/* Removes a slot's file when its writer is gone, which holds a lock while it lives. */
+/* Removes the file of a slot if its writer, which holds a lock while it runs, is gone. */
 static void remove_stale(const ntpio__output *output, const char *temp)
 {
     struct stat by_fd, by_name;
@@ -177,7 +178,8 @@ static bool open_unnamed(ntpio__output *output)
     return false;
 }
 
-/* Takes a free slot; a cleaner may remove the file before it is locked, hence the link count. */
+/* Takes a free slot.  Another writer may remove the file before it is locked, so its links are
+ * counted. */
 static bool open_named(ntpio__output *output, ntpio_error *error)
 {
     int problem = EEXIST;
@@ -203,7 +205,7 @@ static bool open_named(ntpio__output *output, ntpio_error *error)
     return fail(output, "cannot be written", problem, error);
 }
 
-/* Gives an unnamed file the target's name, or a slot's when the target exists. */
+/* Gives an unnamed file the name of the target or, if the target exists, that of a slot. */
 static bool link_unnamed(ntpio__output *output, ntpio_error *error)
 {
     char proc[PROC_SIZE];
@@ -227,7 +229,7 @@ static bool link_unnamed(ntpio__output *output, ntpio_error *error)
 
 /* ------------------------------------------------------------------------ opening */
 
-/* The new file keeps the old one's permissions and, where allowed, its owner. */
+/* The new file gets the permissions of the old one and, where that is allowed, its owner. */
 static bool keep_permissions(ntpio__output *output, const struct stat *old, ntpio_error *error)
 {
     struct stat own;

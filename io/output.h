@@ -12,7 +12,7 @@ typedef struct ntpio__output ntpio__output;
 ntpio__output *ntpio__output_open(const char *path, ntpio_error *error);
 bool ntpio__output_write(ntpio__output *output, const void *bytes, size_t size, ntpio_error *error);
 
-/* Whether ntpio__output_write_at works (not for a pipe). */
+/* Does ntpio__output_write_at work?  Not for a pipe. */
 bool ntpio__output_can_seek(const ntpio__output *output);
 bool ntpio__output_write_at(ntpio__output *output, uint64_t offset, const void *bytes, size_t size,
                             ntpio_error *error);

@@ -2,9 +2,9 @@
 /*
  * pfm.c - Portable FloatMap: "PF" or "Pf", width, height, scale, then floats from the bottom row
  *
- * The sign of the scale tells the byte order (negative: little endian); its size is ignored, as
- * the samples are numbers.  Rows are fetched from the end of the file when it can seek, and
- * held whole when it is a pipe.  NaN and infinity pass through.
+ * The sign of the scale is the byte order: negative is little endian.  Its size is ignored, as the
+ * samples are numbers.  Rows are read from the end of the file if it can seek; a pipe is held
+ * whole.  NaN and infinity stay as they are.
  */
 #include <stdlib.h>
 #include <string.h>
@@ -12,7 +12,7 @@
 #include "formats.h"
 
 enum {
-    HEADER_MAX = 256, /* a header longer than this is none */
+    HEADER_MAX = 256, /* no header is longer */
     WORD_MAX = 40
 };
 
@@ -37,7 +37,7 @@ static bool is_space(char c)
     return c == ' ' || c == '\t' || c == '\n' || c == '\r';
 }
 
-/* One word of the header and the single space that ends it; comments start with #. */
+/* Reads a word of the header and the one space after it.  Comments start with #. */
 static size_t next_word(const char *header, size_t size, size_t at, char *word)
 {
     while (at < size && (is_space(header[at]) || header[at] == '#')) {
@@ -92,7 +92,7 @@ static bool parse_header(ntpio_reader *reader, pfm_state *s, ntpio_error *error)
         return ntpio__fail_ended(reader, error);
     if (at == 0 || !to_sign(scale, &little))
         return ntpio__fail(error, NTPIO_ERR_CORRUPT, reader->name, "damaged PFM header");
-    /* "PF\r\n": the one space after the scale is two bytes, where the rest says so too. */
+    /* A line may end with "\r\n": then the one space after the scale is two bytes. */
     if (header[at - 1] == '\r' && at < limit && header[at] == '\n')
         at++;
     const uint64_t w = to_number(width), h = to_number(height);
@@ -172,7 +172,7 @@ const ntpio__decoder ntpio__pfm_decoder = { pfm_open, pfm_rows, NULL, pfm_close 
 
 typedef struct pfm_writer {
     uint64_t start;
-    uint8_t *held; /* when the output cannot seek */
+    uint8_t *held; /* the image, if the output cannot seek */
 } pfm_writer;
 
 static size_t written_row(const ntpio_writer *writer)

@@ -2,9 +2,9 @@
 /*
  * png_read.c - PNG through libpng, row by row and raw
  *
- * libpng decodes pixels and texts.  The color chunks never reach it: a callback notes that they
- * are there, so nothing is managed and no hostile profile is unpacked.  What libpng allocates
- * in all is counted against a budget; its errors come back here by longjmp.
+ * libpng decodes pixels and texts.  It never sees the contents of the color chunks: a callback
+ * notes that they are there.  So colors are not managed, and no hostile profile is unpacked.  All
+ * that libpng allocates counts against a budget.  Its errors come back here by longjmp.
  */
 #include <png.h>
 #include <stdlib.h>
@@ -16,8 +16,8 @@ enum {
     READ_SIZE = 1 << 16,           /* of compressed data at a time */
     CHUNK_COUNT_MAX = 256,         /* of texts; a file with more loses the rest */
     CHUNK_SIZE_MAX = 4 << 20,      /* of one text, unpacked */
-    CHUNK_BUDGET = 64 << 20,       /* all that libpng allocates but rows */
-    ROW_BUDGET_BYTES_A_TEXEL = 64, /* three rows of 8 bytes a texel, with room */
+    CHUNK_BUDGET = 64 << 20,       /* all that libpng allocates, without rows */
+    ROW_BUDGET_BYTES_A_TEXEL = 64, /* more than three rows of 8 bytes a texel */
     MESSAGE_SIZE = 128
 };
 
@@ -32,7 +32,7 @@ typedef struct png_state {
     char message[MESSAGE_SIZE];
 } png_state;
 
-/* Cumulative on purpose: libpng allocates nothing for each row. */
+/* What is freed does not return to the budget: libpng allocates nothing for each row. */
 static png_voidp allocate(png_structp png, png_alloc_size_t size)
 {
     png_state *s = png_get_mem_ptr(png);
@@ -58,7 +58,7 @@ static void on_error(png_structp png, png_const_charp message)
     png_longjmp(png, 1);
 }
 
-/* The checksum of the pixels is judged after the last row, where libpng only warns. */
+/* libpng only warns about the checksum of the pixels, after the last row. */
 static void on_warning(png_structp png, png_const_charp message)
 {
     png_state *s = png_get_error_ptr(png);
@@ -76,7 +76,7 @@ static void on_read(png_structp png, png_bytep dst, size_t size)
     }
 }
 
-/* gAMA, sRGB, iCCP, cHRM and cICP are told, never applied. */
+/* gAMA, sRGB, iCCP, cHRM and cICP are reported, never applied. */
 static int on_chunk(png_structp png, png_unknown_chunkp chunk)
 {
     ntpio_info *info = png_get_user_chunk_ptr(png);
@@ -119,7 +119,7 @@ static void configure(png_state *s)
     static const png_byte told[] = "gAMA\0sRGB\0iCCP\0cHRM\0cICP";
     static const png_byte dropped[] = "bKGD\0eXIf\0hIST\0oFFs\0pCAL\0sBIT\0sCAL\0sPLT\0sTER\0tIME";
     png_structp png = s->png;
-    png_set_user_limits(png, PNG_UINT_31_MAX, PNG_UINT_31_MAX); /* check_size does it in words */
+    png_set_user_limits(png, PNG_UINT_31_MAX, PNG_UINT_31_MAX); /* ntpio__check_size has messages */
     png_set_chunk_cache_max(png, CHUNK_COUNT_MAX);
     png_set_chunk_malloc_max(png, CHUNK_SIZE_MAX);
     png_set_compression_buffer_size(png, READ_SIZE);
@@ -180,7 +180,7 @@ static bool take_header(png_state *s, ntpio_error *error)
     return take_texts(s, s->info, error);
 }
 
-/* Samples below 8 bits grow exactly: 255, 85 and 17 times. */
+/* Samples of 1, 2 and 4 bits are multiplied exactly: by 255, 85 and 17. */
 static void set_transformations(png_state *s)
 {
     const ntpio_info *info = &s->reader->info;
@@ -194,7 +194,7 @@ static void set_transformations(png_state *s)
         png_set_swap(s->png);
 }
 
-/* Adam7: the passes refine an image that has to be whole. */
+/* Adam7: each pass refines the image, which has to be held whole. */
 static bool read_interlaced(png_state *s, int passes, ntpio_error *error)
 {
     ntpio_reader *reader = s->reader;

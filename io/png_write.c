@@ -2,9 +2,9 @@
 /*
  * png_write.c - PNG through libpng, row by row
  *
- * The default suits normals: they are noise to LZ77, so runs and Huffman codes over Paeth are a
- * sixth of the time of libpng's defaults and 2 % larger.  Gray and flat art repeats itself, and
- * gets matching and a filter chosen for each row.
+ * The default is made for normals, which are noise to LZ77: runs and Huffman codes over the filter
+ * Paeth take a sixth of the time of libpng's defaults, and 2 % more space.  Gray and flat art
+ * repeats itself; it gets matching, and a filter chosen for each row.
  */
 #include <png.h>
 #include <stdlib.h>
@@ -159,7 +159,7 @@ static bool png_rows(ntpio_writer *writer, const uint8_t *src, ptrdiff_t stride,
     return true;
 }
 
-/* Texts that the reader found after its pixels follow ours as well. */
+/* Texts that the reader found after its pixels are written after ours. */
 static bool png_end(ntpio_writer *writer, ntpio_error *error)
 {
     png_state *s = writer->state;

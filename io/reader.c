@@ -43,7 +43,7 @@ bool ntpio__check_memory(const ntpio_reader *reader, uint64_t bytes, ntpio_error
 
 bool ntpio__hold(ntpio_reader *reader, ntpio_error *error)
 {
-    /* At most 2^32 x 2^32 x 16 by type, but check_size came first: no overflow. */
+    /* No overflow: the sides have passed ntpio__check_size. */
     const uint64_t size = (uint64_t) ntpio__row_bytes(&reader->info) * reader->info.height;
     if (!ntpio__check_memory(reader, size, error))
         return false;

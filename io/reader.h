@@ -2,8 +2,8 @@
 /*
  * reader.h - what a decoder is, and what decoders share
  *
- * A decoder delivers rows from the top; where its file cannot, it fills `held`, an image in memory,
- * and open.c deals the rows out.
+ * A decoder delivers rows from the top.  If its file cannot do that, the decoder fills `held`, an
+ * image in memory, and open.c delivers the rows.
  */
 #ifndef NTPIO_READER_H
 #define NTPIO_READER_H
@@ -30,23 +30,23 @@ struct ntpio_reader {
     uint8_t *held; /* the whole image, when it does not stream */
 };
 
-/* Refuses a size of zero or above the limits; before anything is allocated for it. */
+/* Refuses a size of zero or above the limits.  Call it before memory is allocated. */
 bool ntpio__check_size(const ntpio_reader *reader, uint64_t width, uint64_t height,
                        ntpio_error *error);
 
-/* Allocates held for the image that info describes, or fails by the limits. */
+/* Allocates `held` for the image that info describes; refuses what is above the limits. */
 bool ntpio__hold(ntpio_reader *reader, ntpio_error *error);
 
 /* Refuses what takes more memory than the limits allow. */
 bool ntpio__check_memory(const ntpio_reader *reader, uint64_t bytes, ntpio_error *error);
 
-/* Of a row that is delivered. */
+/* The bytes of a row that is delivered. */
 size_t ntpio__row_bytes(const ntpio_info *info);
 
-/* Reads all of size, or says that the file is truncated or cannot be read. */
+/* Reads `size` bytes, or reports that the file is truncated or cannot be read. */
 bool ntpio__read_all(ntpio_reader *reader, void *dst, size_t size, ntpio_error *error);
 
-/* The source gave less than was asked for: says why.  Returns false. */
+/* Reports why the source gave less than was asked for.  Returns false. */
 bool ntpio__fail_ended(const ntpio_reader *reader, ntpio_error *error);
 
 #endif

@@ -2,8 +2,8 @@
 /*
  * source.c - where the bytes of an image come from: a file, standard input, memory
  *
- * One buffer in front of unbuffered stdio, so that the start of a pipe can be looked at before
- * a decoder is chosen, and so that large reads go past the buffer.
+ * stdio is unbuffered, with one buffer in front of it.  So the start of a pipe can be looked at
+ * before a decoder is chosen, and large reads go past the buffer.
  */
 #include "source.h"
 

@@ -24,13 +24,14 @@ bool ntpio__source_open(ntpio__source *source, const char *path, ntpio_error *er
 void ntpio__source_memory(ntpio__source *source, const void *bytes, size_t size);
 void ntpio__source_close(ntpio__source *source);
 
-/* Makes at least `size` bytes (up to NTPIO__PEEK) unread in the buffer; returns how many are. */
+/* Fills the buffer up to at least `size` unread bytes, at most NTPIO__PEEK.  Returns how many there
+ * are. */
 size_t ntpio__peek(ntpio__source *source, size_t size);
 
-/* Reads what there is, up to size. */
+/* Reads up to `size` bytes; returns how many there were. */
 size_t ntpio__read(ntpio__source *source, void *dst, size_t size);
 
-/* Whether ntpio__seek works; the size counts from the image's first byte. */
+/* Can the source seek?  Offsets count from the first byte of the image. */
 bool ntpio__can_seek(const ntpio__source *source);
 bool ntpio__seek(ntpio__source *source, uint64_t offset);
 bool ntpio__size(ntpio__source *source, uint64_t *size);

@@ -2,9 +2,9 @@
 /*
  * tga.c - Truevision TGA: gray, palette and true color, raw or run-length coded, four origins
  *
- * Rows stream when they are stored from the top, and also from the bottom when they are raw and
- * the file can seek; else the image is held.  The header often says "no alpha bits" over 32-bit
- * texels that do have alpha, so such files are held too, and have alpha if any of it is not 0.
+ * Rows stream if they are stored from the top.  Raw rows from the bottom stream too, if the file
+ * can seek.  Otherwise the image is held.  The header often says "no alpha bits" although texels of
+ * 32 bits have alpha.  Such files are held as well; they have alpha if any of it is not 0.
  */
 #include <stdlib.h>
 #include <string.h>
@@ -31,7 +31,7 @@ typedef struct tga_state {
     bool rle, flipped, mirrored;
     size_t stored;    /* bytes of a stored texel */
     int bits;         /* of a color: of the texel or of the palette's entry */
-    bool file_alpha;  /* four bytes or the bit 15 are alpha */
+    bool file_alpha;  /* the fourth byte, or bit 15, is alpha */
     uint64_t start;   /* of the rows */
     uint8_t *palette; /* RGBA */
     uint32_t palette_first, palette_count;
@@ -145,7 +145,7 @@ static void mirror(uint8_t *row, uint32_t width, size_t channels)
 
 /* ------------------------------------------------------------------------ rows */
 
-/* Packets may cross the ends of rows: some writers let them. */
+/* Packets may go on in the next row: some programs write such files. */
 static bool unpack_row(ntpio_reader *reader, tga_state *s, ntpio_error *error)
 {
     const size_t stored = s->stored;
@@ -177,7 +177,7 @@ static bool unpack_row(ntpio_reader *reader, tga_state *s, ntpio_error *error)
     return true;
 }
 
-/* The next row as the file has it. */
+/* Reads the next row in the order of the file. */
 static bool next_row(ntpio_reader *reader, uint8_t *dst, ntpio_error *error)
 {
     tga_state *s = reader->state;
@@ -213,7 +213,7 @@ static bool tga_rows(ntpio_reader *reader, uint8_t *dst, ptrdiff_t stride, uint3
     return true;
 }
 
-/* Drops a fourth channel of zeros. */
+/* Drops the fourth channel if it is all zeros. */
 static void settle_alpha(ntpio_reader *reader)
 {
     const size_t count = (size_t) reader->info.width * reader->info.height;

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * writer.c - writes rows through a format's encoder into an output that replaces its target
- * only when all went well
+ * writer.c - writes rows through the encoder of a format
+ *
+ * The output replaces its target only if all went well.
  */
 #include <stdio.h>
 #include <stdlib.h>
