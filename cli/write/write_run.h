@@ -4,7 +4,8 @@
  *
  * The room that the writing verbs share.  A verb fills a `maker`; the run reads each file, finds
  * out what it is, lets the verb make rows, and writes and reports.
- *   write_run.c    the passes over a file, its report, and the run over all files
+ *   write_run.c    the run over all files, and what is reported about each
+ *   make_output.c  the passes over one file
  *   refusal.c      which files are refused, and the words for it
  *   whole_image.c  for verbs that need the whole input in memory
  *   side_image.c   a channel of a second image: an alpha, a mask

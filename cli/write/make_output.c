@@ -1,0 +1,279 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * make_output.c - the passes over one file, from its first row to the output in its place
+ */
+#include "write/make_output.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+#include <sys/stat.h>
+
+#include "cli.h"
+#include "write/refusal.h"
+
+/* ----------------------------------------------------------------------- the plan */
+
+bool is_dry_run(const maker *m)
+{
+    return option_given(m->o, OPT_DRY_RUN);
+}
+
+bool is_in_place(const maker *m)
+{
+    return option_given(m->o, OPT_IN_PLACE);
+}
+
+/* Is an output only written if it differs from the input? */
+static bool needs_change(const maker *m)
+{
+    return is_in_place(m) || option_given(m->o, OPT_ONLY_CHANGED);
+}
+
+static bool one_row_tells(const maker *m)
+{
+    return m->plan == PLAN_AS_TOLD && m->forced >= 0;
+}
+
+/* ----------------------------------------------------------------------- one file */
+
+bool wrong_use(const production *p, const char *what, ntpio_error *error)
+{
+    return file_error(error, NTPIO_ERR_USAGE, p->in->path, what);
+}
+
+bool production_write(production *p, const void *rows, ptrdiff_t stride, const ntp_rect *area,
+                      ntpio_error *error)
+{
+    return p->writer == NULL ||
+           ntpio_write_rows(p->writer, rows, stride, (uint32_t) (area->y1 - area->y0), error);
+}
+
+static ntpio_format format_of(const production *p, const char *output, int32_t sample_bytes)
+{
+    const char *ending = name_ending(output);
+    if (is_in_place(p->m))
+        return p->s.info->format;
+    if (p->m->plan == PLAN_AFTER_READING && sample_bytes == 4) /* standard output, too */
+        return NTPIO_PFM;
+    return strcasecmp(ending, ".tga") == 0   ? NTPIO_TGA
+           : strcasecmp(ending, ".pfm") == 0 ? NTPIO_PFM
+                                             : NTPIO_PNG;
+}
+
+bool production_may_write(const production *p, const char *path, ntpio_error *error)
+{
+    if (output_is_free(p->inputs, path))
+        return true;
+    text t = { 0 };
+    text_name(&t, path);
+    error->status = NTPIO_ERR_USAGE;
+    snprintf(error->message, sizeof error->message,
+             "%.380s is an input, or the output of one; nothing is overwritten", text_string(&t));
+    text_free(&t);
+    return false;
+}
+
+ntpio_writer *production_open(const production *p, const char *output, ntpio_write_options *shape,
+                              ntpio_error *error)
+{
+    text why = { 0 };
+    if (strcmp(output, "-") != 0 && !make_parents(output, &why)) {
+        error->status = NTPIO_ERR_WRITE;
+        snprintf(error->message, sizeof error->message, "%.500s", text_string(&why));
+        text_free(&why);
+        return NULL;
+    }
+    shape->format = format_of(p, output, shape->sample_bytes);
+    if (shape->copy_from == NULL)
+        shape->copy_from = p->s.info;
+    shape->level =
+        option_given(p->m->o, OPT_LEVEL) ? (int32_t) option_integer(p->m->o, OPT_LEVEL) : -1;
+    return ntpio_create(output, shape, error);
+}
+
+typedef enum pass_end { PASS_DONE, PASS_CHANGES, PASS_UNREADABLE, PASS_FAILED } pass_end;
+
+/* Reads all rows: measures them unless the facts are known, and lets the verb work on them. */
+static pass_end run_pass(production *p, bool writes, ntpio_error *error)
+{
+    ntpio_write_options shape = { .width = p->s.info->width,
+                                  .height = p->s.info->height,
+                                  .channels = p->s.view.channels,
+                                  .sample_bytes = p->s.info->sample_bytes };
+    memset(p->state, 0, p->m->state_size);
+    p->changes = false;
+    if (!p->m->begin(p, &shape, error))
+        return PASS_FAILED;
+    if (writes && p->m->plan != PLAN_AFTER_READING) {
+        p->writer = production_open(p, p->in->output, &shape, error);
+        if (p->writer == NULL)
+            return PASS_FAILED;
+    }
+    if (!p->known)
+        ntp_tally_clear(p->w->tally);
+    const ntp_const_image view = ntp_image_as_const(&p->s.view);
+    ntp_rect area;
+    int more;
+    while ((more = source_next(&p->s, &area, error)) > 0) {
+        const ntp_rect seen = { area.x0, area.y0, area.x1, one_row_tells(p->m) ? 1 : area.y1 };
+        const bool skip = p->known || seen.y0 >= seen.y1;
+        const ntp_status status =
+            skip ? NTP_OK : ntp_tally_add(p->w->tally, &view, p->touch, &seen);
+        if (status != NTP_OK)
+            library_error(&p->s, status, error);
+        if (status != NTP_OK || !p->m->rows(p, &area, error))
+            return PASS_FAILED;
+        if (p->probing && p->changes)
+            return PASS_CHANGES;
+    }
+    return more == 0 ? PASS_DONE : PASS_UNREADABLE;
+}
+
+static bool is_refused(const production *p)
+{
+    if (p->m->plan == PLAN_AS_TOLD)
+        return !p->f.forced && !p->f.counts;
+    return !has_tangent_normals(&p->f, p->m->any_order);
+}
+
+static outcome refuse(const production *p, ntpio_error *error)
+{
+    const unsigned verb = p->m->o->verb_bit;
+    const option_spec *row = option_row(verb == V_TO_HEIGHT ? OPT_FROM : OPT_TYPE, verb);
+    text t = { 0 };
+    text_name(&t, p->in->path);
+    text_add(&t, ": ");
+    add_refusal(&t, &p->f, p->f.counts && row != NULL ? row->name : NULL);
+    snprintf(error->message, sizeof error->message, "%.500s", text_string(&t));
+    text_free(&t);
+    return p->f.counts && (p->in->named || p->in->hinted) ? REFUSED : SKIPPED;
+}
+
+static outcome end_of(pass_end end)
+{
+    return end == PASS_UNREADABLE ? UNREADABLE : FAILED;
+}
+
+/* Sets the view of the class in the facts.  A gray file of one color becomes RGB. */
+static void view_as_known(production *p)
+{
+    const bool gray = p->s.info->channels < 3 && p->f.encoding == NTP_ENCODING_HEIGHT;
+    if (gray && p->f.type.type == NTP_CLASS_ONE_COLOR && p->m->plan != PLAN_AS_TOLD)
+        source_view_as_rgb(&p->s, NTP_ENCODING_STANDARD);
+    else
+        p->s.view.encoding = p->f.encoding;
+}
+
+/* Reads the file once, so that the facts are known when the rows are made. */
+static outcome know_first(production *p, ntpio_error *error)
+{
+    if (!examine(&p->s, p->m->forced, &p->f, error))
+        return UNREADABLE;
+    if (is_refused(p))
+        return refuse(p, error);
+    p->known = true;
+    p->touch = touch_for(&p->f.stats, p->f.encoding);
+    view_as_known(p);
+    return source_rewind(&p->s, error) ? MADE : UNREADABLE;
+}
+
+/* After all rows were read, when the facts are known. */
+static outcome finish(production *p, ntpio_error *error)
+{
+    return p->m->finish == NULL || p->m->finish(p, error) ? MADE : FAILED;
+}
+
+/*
+ * Makes the output, on the supposition that the view is right, and again if it was not.  On return
+ * the writer has the whole output, unless nothing is written.
+ */
+static outcome speculate(production *p, bool writes, ntpio_error *error)
+{
+    for (;;) {
+        const pass_end end = run_pass(p, writes, error);
+        if (end == PASS_CHANGES)
+            return MADE;
+        if (end != PASS_DONE)
+            return end_of(end);
+        if (p->known)
+            return finish(p, error);
+        if (!facts_from_tally(&p->f, &p->s, p->m->forced, error))
+            return UNREADABLE;
+        if (is_refused(p))
+            return refuse(p, error);
+        const uint32_t touch = touch_for(&p->f.stats, p->f.encoding);
+        const bool same_touch = touch == p->touch || p->f.stats.transparent == 0;
+        if (p->m->plan == PLAN_AS_TOLD || (p->f.encoding == p->s.view.encoding && same_touch))
+            return finish(p, error);
+        ntpio_abort(p->writer);
+        p->writer = NULL;
+        if (p->s.view.type != NTP_TYPE_U8 || !same_touch) {
+            facts_free(&p->f);
+            const outcome known = source_rewind(&p->s, error) ? know_first(p, error) : UNREADABLE;
+            if (known != MADE)
+                return known;
+        } else {
+            p->known = true;
+            p->s.view.encoding = p->f.encoding;
+            if (!source_rewind(&p->s, error))
+                return UNREADABLE;
+        }
+    }
+}
+
+/* What went to standard output or to a pipe cannot be taken back. */
+static bool can_be_dropped(const char *output)
+{
+    struct stat st;
+    return strcmp(output, "-") != 0 && (stat(output, &st) != 0 || S_ISREG(st.st_mode));
+}
+
+/* A JPEG is never replaced: that would destroy the only original. */
+static bool replaces_jpeg(const production *p, ntpio_error *error)
+{
+    const char *output = p->in->output;
+    if (p->s.info->format != NTPIO_JPEG || output == NULL || !is_same_file(p->in->path, output))
+        return false;
+    file_error(error, is_in_place(p->m) ? NTPIO_ERR_WRITE : NTPIO_ERR_USAGE, p->in->path,
+               "JPEG is not written; give -o for a PNG of another name");
+    return true;
+}
+
+outcome make_output(production *p, ntpio_error *error)
+{
+    const maker *m = p->m;
+    const bool gray = p->s.info->channels < 3 && m->forced < 0;
+    if (replaces_jpeg(p, error))
+        return FAILED;
+    first_view(&p->s, m->forced);
+    outcome done = MADE;
+    const bool dry_run = is_dry_run(m), only_changed = needs_change(m);
+    const bool final = !dry_run && !can_be_dropped(p->in->output);
+    if (m->plan == PLAN_MEASURE_FIRST || (m->plan != PLAN_AS_TOLD && (gray || final)))
+        done = know_first(p, error);
+    if (done != MADE)
+        return done;
+    if (only_changed && !dry_run) {
+        p->probing = true;
+        done = speculate(p, false, error);
+        p->probing = false;
+        if (done != MADE)
+            return done;
+        if (!p->changes)
+            return UNCHANGED;
+        if (!source_rewind(&p->s, error))
+            return UNREADABLE;
+    }
+    done = speculate(p, !dry_run, error);
+    if (done != MADE || dry_run)
+        return done == MADE && !p->changes && only_changed ? UNCHANGED : done;
+    ntpio_writer *writer = p->writer;
+    p->writer = NULL;
+    if (only_changed && !p->changes) { /* the probe had supposed another class */
+        ntpio_abort(writer);
+        return UNCHANGED;
+    }
+    return ntpio_commit(writer, error) ? MADE : FAILED;
+}
