@@ -75,6 +75,17 @@ def test_the_kernel_is_found(kernel, heights, dtype):
         assert len(others) >= 5 and min(others) > 1.1
 
 
+@pytest.mark.parametrize("dtype", DEPTHS)
+@pytest.mark.parametrize("kernel", [k for k in numpy_normals.KERNELS if k != "sobel5"])
+def test_smooth_surfaces_are_left_open_rather_than_called_wrong(kernel, dtype):
+    """The smoother they are, the more alike is what kernels make of them."""
+    for falling, slope in itertools.product((3, 4, 4.5, 5, 6), (0.1, 0.5, 1.5)):
+        rng = np.random.default_rng(int(falling * 10))
+        h = scaled(surfaces.fft_noise(rng, 192, 192, falling), slope)
+        found = find_kernel(numpy_normals.normals(h, kernel, dtype=dtype))
+        assert not found["decided"] or KERNELS[found["kernel"]] == kernel, (falling, slope)
+
+
 def test_the_kernel_of_normals_that_point_down_in_green():
     n = numpy_normals.normals(open_heights(1), "scharr3")
     n[..., 1] = 255 - n[..., 1]
@@ -244,6 +255,17 @@ def test_no_steps_of_heights_that_are_not_whole(kernel, dtype):
         for slope in (0.1, 0.5, 2):
             n = numpy_normals.normals(heights(3, slope=slope), kernel, "mirror", dtype=dtype)
             assert not ntp.find_steps(n)["decided"]
+
+
+@pytest.mark.parametrize("dtype", DEPTHS)
+@pytest.mark.parametrize(
+    "surface", [s for s in drawn_surfaces.SURFACES if s.__name__ != "lettered"]
+)
+def test_no_steps_of_surfaces_with_few_angles(surface, dtype):
+    """Nor of curved ones.  (Letters have few heights: theirs are steps.)"""
+    for seed in range(6):
+        n = surface(np.random.default_rng(seed), 200, 200)
+        assert not ntp.find_steps(numpy_normals.levels(n, dtype))["decided"], seed
 
 
 # --------------------------------------------------------------------------------- OpenCV
