@@ -8,9 +8,7 @@ way out.
 """
 
 from collections.abc import Callable, Mapping
-from operator import itemgetter
-from struct import Struct
-from typing import Any, TypeAlias, TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -20,7 +18,6 @@ from ._names import HEIGHT, STANDARD, VECTOR, XY, ZZERO
 from ._native import ffi, lib
 
 T = TypeVar("T")
-_Members: TypeAlias = tuple[tuple[str, ...], Callable[[tuple[Any, ...]], tuple[Any, ...]]]
 
 DEPTHS: dict[Any, np.dtype[Any]] = {
     8: np.dtype(np.uint8),
@@ -38,8 +35,6 @@ _KINDS = {dtype.str[1:] for dtype in SAMPLE_TYPES}  # in any byte order
 CHANNELS = {STANDARD: (3, 4), ZZERO: (3, 4), XY: (2, 4), VECTOR: (3, 4), HEIGHT: (1, 4)}
 MAX_SIDE: int = lib.NTP_MAX_SIDE
 _MOST_IDLE = 2  # pieces of memory that a pool keeps
-_CODES = {"uint64_t": "Q", "uint32_t": "I", "int32_t": "i", "double": "d"}
-_ALIGNED = "0Q"  # of the module struct: aligned as a struct with members of 8 bytes is
 _OVERLAP_WORK: Any = 10_000  # steps that numpy may take to tell whether two arrays share memory
 
 
@@ -237,41 +232,3 @@ class Pool:
         if len(self._idle) < _MOST_IDLE:
             self._clear(pointer)
             self._idle.append((pointer, owner))
-
-
-class Layout:
-    """The members of a C struct, read many at once; arrays are tuples."""
-
-    def __init__(self, name: str) -> None:
-        self._codes, self._index = "", 0
-        self._structs: dict[str, list[_Members]] = {}
-        self._members = self._place(ffi.typeof(name))
-        self._format = Struct(self._codes)
-        if self._format.size != ffi.sizeof(name):
-            raise AssertionError(f"{name} is laid out in another way")
-
-    def _place(self, ctype: Any) -> _Members:
-        """Finds out where the members of a struct stand among the numbers in it."""
-        self._codes += _ALIGNED
-        places: dict[str, int | slice] = {}
-        for name, field in ctype.fields:
-            is_array = field.type.kind == "array"
-            kind, count = (field.type.item, field.type.length) if is_array else (field.type, 1)
-            if kind.kind == "struct":
-                self._structs[name] = [self._place(kind) for _ in range(count)]
-                continue
-            self._codes += f"{count}{_CODES[kind.cname]}"
-            places[name] = slice(self._index, self._index + count) if is_array else self._index
-            self._index += count
-        self._codes += _ALIGNED
-        return tuple(places), itemgetter(*places.values())
-
-    def numbers(self, struct: bytes) -> dict[str, Any]:
-        """The values that are numbers, or arrays of them, by name."""
-        names, pick = self._members
-        return dict(zip(names, pick(self._format.unpack(struct)), strict=False))
-
-    def structs(self, struct: bytes, name: str) -> list[dict[str, Any]]:
-        """The values of a struct in it, or of an array of them."""
-        numbers = self._format.unpack(struct)
-        return [dict(zip(n, p(numbers), strict=False)) for n, p in self._structs[name]]

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ._arrays import choose, pixels
 from ._errors import ArgumentError, check
-from ._measure import Tally, _made, _Result, tally
+from ._measure import Tally, _Result, tally
 from ._names import ACCIDENTS, AUTO, CLASSES, CLEAN_METHODS, STANDARD, TYPES, VECTOR, names_of
 from ._native import ffi, lib
 from .typing import AnyPixels, AutoType, ChosenMethod, Class, MeasuredType, Stored, Type
@@ -69,14 +69,11 @@ def _classification(measured: Tally) -> Classification:
     found = ffi.new("ntp_classification *")
     check(lib.ntp_classify(found, measured._pointer), "classify")
     reasons = found.reasons
-    return _made(
-        Classification,
-        {
-            "type": _CLASS_NAMES[found.type],
-            "confidence": found.confidence,
-            "accidents": tuple([n for n, bit in ACCIDENTS.items() if found.accidents & bit]),
-            "reasons": tuple([_reason(reasons + i) for i in range(found.reason_count)]),
-        },
+    return Classification(
+        type=_CLASS_NAMES[found.type],
+        confidence=found.confidence,
+        accidents=tuple(name for name, bit in ACCIDENTS.items() if found.accidents & bit),
+        reasons=tuple(_reason(reasons + i) for i in range(found.reason_count)),
     )
 
 

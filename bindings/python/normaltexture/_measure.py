@@ -1,30 +1,22 @@
 # SPDX-License-Identifier: MIT
-"""Statistics of a texture.
+"""Statistics of a texture."""
 
-`Stats` keeps the C struct as bytes beside its fields, so that `classify` takes either an array or
-what `measure` has found, also from another process.
-"""
-
-import builtins
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import asdict, dataclass, field
-from typing import TYPE_CHECKING, Any, Literal, Self, TypeVar, overload
+from typing import Any, Literal, Self, overload
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ._arrays import Layout, Pool, choose, pixels, view
+from ._arrays import Pool, choose, pixels, view
 from ._errors import Status, check
 from ._names import HEIGHT, MEASURED, STANDARD, TOUCH_ALL, TOUCH_NONE, VECTOR, ZZERO
 from ._native import ffi, lib
 from ._threads import run
 from .typing import AnyPixels, MeasuredType
 
-T = TypeVar("T")
 _LENGTH_BINS = 256
-_COUNT_SIZE = 8
 _GRAIN = 1 << 19  # texels: two tallies are to be added up
-_LAYOUT = Layout("ntp_stats")
 _TALLIES = Pool(lib.ntp_tally_size(), lambda memory: lib.ntp_tally_clear(memory))
 
 
@@ -35,7 +27,7 @@ class _Result:
         """Plain dicts, lists and numbers, ready for json.dumps."""
         this: Any = self
         found: dict[str, Any] = _plain(asdict(this))
-        return {name: value for name, value in found.items() if not name.startswith("_")}
+        return found
 
 
 def _plain(value: Any) -> Any:
@@ -121,22 +113,6 @@ class Stats(_Result):
     type: MeasuredType
     levels_off: tuple[int, ...] = field(repr=False)
     lengths: tuple[int, ...] = field(repr=False)
-    _struct: bytes = field(repr=False, compare=False)
-    _histograms: bytes = field(repr=False, compare=False)
-
-    if not TYPE_CHECKING:
-
-        def __getattr__(self, name: str) -> Any:
-            """What C has worked out is read when it is first asked for: that takes longer than
-            the measurement of a small texture, and `classify` goes without."""
-            if name not in _LATER:
-                raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
-            values = _LATER[name](self, name)
-            self.__dict__.update(values)
-            return values[name]
-
-        def __dir__(self) -> Iterable[str]:
-            return sorted({*super().__dir__(), *_LATER})
 
     @property
     def fit(self) -> Fit:
@@ -144,39 +120,21 @@ class Stats(_Result):
         return self.zzero if self.type == "zzero" else self.standard
 
 
-def _numbers(stats: Stats, _: str) -> dict[str, Any]:
-    return _LAYOUT.numbers(stats._struct)
+def _members(ctype: str) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """The numbers in a C struct, and the arrays of numbers."""
+    kinds = {name: member.type for name, member in ffi.typeof(ctype).fields}
+    numbers = tuple(name for name, kind in kinds.items() if kind.kind == "primitive")
+    arrays = {name: kind for name, kind in kinds.items() if kind.kind == "array"}
+    return numbers, tuple(n for n, kind in arrays.items() if kind.item.kind == "primitive")
 
 
-def _part(stats: Stats, name: str) -> dict[str, Any]:
-    kind = Angles if name == "angles" else Fit
-    return {name: _made(kind, _LAYOUT.structs(stats._struct, name)[0])}
+_STATS, _FIT = _members("ntp_stats"), _members("ntp_fit")
 
 
-def _channels(stats: Stats, name: str) -> dict[str, Any]:
-    parts = _LAYOUT.structs(stats._struct, name)[: stats.channels]
-    return {name: tuple([_made(Channel, part) for part in parts])}
-
-
-def _histograms(stats: Stats, _: str) -> dict[str, Any]:
-    numbers = tuple(memoryview(stats._histograms).cast("Q"))
-    return {"lengths": numbers[:_LENGTH_BINS], "levels_off": numbers[_LENGTH_BINS:]}
-
-
-_LATER: dict[str, Callable[[Stats, str], dict[str, Any]]] = (
-    {name: _numbers for name, _ in ffi.typeof("ntp_stats").fields}
-    | dict.fromkeys(("standard", "zzero", "angles"), _part)
-    | {"channel": _channels}
-    | dict.fromkeys(("lengths", "levels_off"), _histograms)
-)
-
-
-def _made(cls: builtins.type[T], values: dict[str, Any]) -> T:
-    """cls(**values) at once: a frozen dataclass sets field after field, which here takes longer
-    than the measurement of a small texture."""
-    made = object.__new__(cls)
-    object.__setattr__(made, "__dict__", values)
-    return made
+def _values(struct: Any, members: tuple[tuple[str, ...], tuple[str, ...]]) -> dict[str, Any]:
+    numbers, arrays = members
+    found = {name: getattr(struct, name) for name in numbers}
+    return found | {name: tuple(getattr(struct, name)) for name in arrays}
 
 
 class Tally:
@@ -219,38 +177,40 @@ class Tally:
 
     def stats(self) -> Stats:
         """Work out the statistics of what was added."""
-        struct = self._summarize()
-        return _made(
-            Stats,
-            {
-                "type": self._type,
-                "_struct": bytes(ffi.buffer(struct)),
-                "_histograms": self._histograms(struct),
-            },
-        )
-
-    def _summarize(self) -> Any:
         struct = ffi.new("ntp_stats *")
         encoding = STANDARD if self._encoding in (VECTOR, HEIGHT) else self._encoding
         check(lib.ntp_tally_summarize(struct, self._pointer, encoding), "measure")
-        return struct
+        blue = ZZERO if self._encoding == ZZERO else STANDARD
+        channels, angles = struct.channel[0 : struct.channels], struct.angles
+        return Stats(
+            **_values(struct, _STATS),
+            channel=tuple(Channel(one.min, one.max, one.mean) for one in channels),
+            standard=Fit(**_values(struct.standard, _FIT)),
+            zzero=Fit(**_values(struct.zzero, _FIT)),
+            angles=Angles(angles.texels, angles.mean, angles.p99, angles.max),
+            type=self._type,
+            levels_off=self._levels_off(struct, blue),
+            lengths=self._lengths(blue),
+        )
 
-    def _histograms(self, struct: Any) -> bytes:
-        """Of lengths, and of how far blue is off; unused texels may be further off than used."""
-        z = ZZERO if self._encoding == ZZERO else STANDARD
-        size = struct.levels_off_max[z == ZZERO] + 1
-        counts = ffi.new("uint64_t[]", _LENGTH_BINS + size)
-        check(lib.ntp_tally_lengths(counts, self._pointer, z), "measure")
-        status = lib.ntp_tally_levels_off(counts + _LENGTH_BINS, size, self._pointer, z)
+    def _lengths(self, blue: int) -> tuple[int, ...]:
+        counts = ffi.new("uint64_t[]", _LENGTH_BINS)
+        check(lib.ntp_tally_lengths(counts, self._pointer, blue), "measure")
+        return tuple(ffi.unpack(counts, _LENGTH_BINS))
+
+    def _levels_off(self, struct: Any, blue: int) -> tuple[int, ...]:
+        """Unused texels may be further off than used ones, so it can take more room than these."""
+        size = struct.levels_off_max[blue == ZZERO] + 1
+        counts = ffi.new("uint64_t[]", size)
+        status = lib.ntp_tally_levels_off(counts, size, self._pointer, blue)
         if status == Status.ARGUMENT:
             size = struct.max + 1
-            counts = ffi.new("uint64_t[]", _LENGTH_BINS + size)
-            check(lib.ntp_tally_lengths(counts, self._pointer, z), "measure")
-            status = lib.ntp_tally_levels_off(counts + _LENGTH_BINS, size, self._pointer, z)
+            counts = ffi.new("uint64_t[]", size)
+            status = lib.ntp_tally_levels_off(counts, size, self._pointer, blue)
         check(status, "measure")
-        while size > 0 and counts[_LENGTH_BINS + size - 1] == 0:
+        while size > 0 and counts[size - 1] == 0:
             size -= 1
-        return bytes(ffi.buffer(counts, (_LENGTH_BINS + size) * _COUNT_SIZE))
+        return tuple(ffi.unpack(counts, size))
 
 
 @overload

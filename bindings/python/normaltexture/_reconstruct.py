@@ -12,7 +12,7 @@ from ._arrays import Output, choose, number, pixels, spacing, view
 from ._borders import choose_borders, find_kernel
 from ._classify import resolve
 from ._errors import ArgumentError, Status, check
-from ._measure import _made, _Result
+from ._measure import _Result
 from ._names import (
     AUTO,
     BORDERS,
@@ -467,30 +467,27 @@ def cannot(how: Any, status: int, floats: bool, in_what_way: str = "") -> NoRetu
 
 
 def info_of(how: Any, result: Any, y: Y) -> HeightInfo:
-    return _made(
-        HeightInfo,
-        {
-            "method": _METHOD_NAMES[result.method],
-            "kernel": _KERNEL_NAMES[how.kernel],
-            "border_x": _BORDER_NAMES[how.border_x],
-            "border_y": _BORDER_NAMES[how.border_y],
-            "y": y,
-            "decode": _DECODE_NAMES[result.decode],
-            "z": _Z_NAMES[result.z],
-            "scale": result.max - result.min,
-            "offset": result.min,
-            "unused": result.unused,
-            "not_finite": result.not_finite,
-            "holes": result.holes,
-            "islands": result.islands,
-            "iterations": result.iterations,
-            "error": result.error,
-            "rounds": result.rounds,
-            "refine_left": result.refine_left,
-            "residual": result.residual,
-            "trend_x": result.trend_x,
-            "trend_y": result.trend_y,
-            "consistency": result.consistency,
-            "consistency_max": result.consistency_max,
-        },
+    return HeightInfo(
+        method=_METHOD_NAMES[result.method],
+        kernel=_KERNEL_NAMES[how.kernel],
+        border_x=_BORDER_NAMES[how.border_x],
+        border_y=_BORDER_NAMES[how.border_y],
+        y=y,
+        decode=_DECODE_NAMES[result.decode],
+        z=_Z_NAMES[result.z],
+        scale=result.max - result.min,
+        offset=result.min,
+        unused=result.unused,
+        not_finite=result.not_finite,
+        holes=result.holes,
+        islands=result.islands,
+        iterations=result.iterations,
+        error=result.error,
+        rounds=result.rounds,
+        refine_left=result.refine_left,
+        residual=result.residual,
+        trend_x=result.trend_x,
+        trend_y=result.trend_y,
+        consistency=result.consistency,
+        consistency_max=result.consistency_max,
     )
