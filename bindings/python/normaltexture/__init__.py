@@ -3,8 +3,8 @@
 
 Functions take numpy arrays of shape (height, width) or (height, width, channels), row 0 at the top,
 of uint8, uint16 or float32 samples, and return new ones or fill `out`.  Names, strings and defaults
-are those of the command line: `type` and `y` say what an array is, `to` and `to_y` what the result
-shall be.  Results are the same bytes on every machine.
+are those of the command line: `type` and `y` say what an array is, and `to` and `to_y` what the
+result should be.  Results are the same bytes on every machine.
 
 >>> import normaltexture as nt
 >>> texture = nt.read("wall_n.png")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Heights, blurred: before normals are made of them."""
+"""Blurred heights, from which normals are made later."""
 
 import math
 from collections.abc import Sequence
@@ -38,22 +38,22 @@ def blur_height(
     source: HeightSource = "red",
     out: NDArray[np.float32] | None = None,
 ) -> NDArray[np.float32]:
-    """Blur a heightfield by a Gaussian, and add up what different blurs leave of it.
+    """Blur a heightfield by a Gaussian, or sum several blurs of it.
 
     Parameters
     ----------
     height : array, (height, width) or (height, width, 1 to 4), uint8, uint16 or float32
-        A heightfield, or an image of which one number is the height; full range is 0..1.
+        A heightfield, or an image with a height in each pixel; full range is 0..1.
     sigma : float
         Of the Gaussian, in texels, 0..64; 0: none.
     octaves : sequence of float
-        The weights of a sum: of the heights blurred by `sigma`, and of these blurred by 1, 2, 4
-        texels and so on besides; 1 to 8 of them.
+        The 1 to 8 weights of a sum: of the heights blurred by `sigma`, and of these blurred again
+        by 1, 2, 4 texels and so on.
     border, border_x, border_y : {"wrap", "clamp", "mirror", "extrapolate", "repeat-slope"}
         The height beyond the edges; for both axes, or one.
     source : {"red", "green", "blue", "alpha", "luma", "luma-gimp", "luma-eberly", "mean", \
 "max", "min", "screen"}
-        Which number of a color image is the height.
+        What of a color image is the height.
     out : array like the result, optional
         Where to write; it does not overlap `height`.
 
@@ -70,8 +70,8 @@ def blur_height(
 
     Notes
     -----
-    The weights of the Gaussian are integers that add up to 65536 on each axis, so the bytes are the
-    same everywhere, and a heightfield that tiles still does.
+    The weights of the Gaussian are integers that add up to 65536 on each axis, so the bytes
+    are the same everywhere, and a heightfield that tiles still tiles.
 
     Examples
     --------

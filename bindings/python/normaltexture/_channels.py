@@ -128,7 +128,7 @@ def pack_channels(
     alpha: AnyPixels | None = None,
     out: NDArray[SampleT] | None = None,
 ) -> NDArray[SampleT]:
-    """Lay out a texture's channels in another order, together with those of other images.
+    """Arrange the channels of a texture in another order, together with those of other images.
 
     Parameters
     ----------
@@ -139,9 +139,9 @@ def pack_channels(
         (height): "xzy", "xyzh" (LabPBR), "1y0x" (DXT5nm); one letter makes an array of two
         dimensions.
     height, ao, alpha : array, (height, width) or (height, width, channels), optional
-        Images of the size of `src` and of any depth; the first channel counts, its numbers brought
-        to the samples of `src`.  `height` is for h; `ao` (ambient occlusion) takes the place of z,
-        which an XY texture does not have; `alpha` that of the alpha of `src`.
+        Images of the size of `src` and of any depth; the first channel is used, converted to the
+        samples of `src`.  `height` is for h; `ao` (ambient occlusion) replaces z, which an XY
+        texture does not have; `alpha` replaces the alpha of `src`.
     out : array, optional
         Where to write; it does not overlap the other arrays.
 
@@ -153,7 +153,7 @@ def pack_channels(
     Raises
     ------
     ArgumentError, SampleTypeError
-        For arguments outside what is listed here, and letters for which there is nothing.
+        For arguments outside what is listed here, and letters without data.
 
     Examples
     --------

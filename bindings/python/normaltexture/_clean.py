@@ -34,7 +34,7 @@ class CleanCounts(_Result):
     Attributes
     ----------
     changed : int
-        Texels of which a sample changed.
+        Texels in which a sample changed.
     not_finite : int
         Float texels with a NaN, an infinity or length 0: made flat.
     """
@@ -84,19 +84,19 @@ def clean(
     out: NDArray[Any] | None = None,
     threads: int = 1,
 ) -> NDArray[Any]:
-    """Repair normals: each texel becomes a unit vector.  Cleaning twice changes nothing more.
+    """Repair normals: each texel becomes a unit vector.  Cleaning again changes nothing.
 
     Parameters
     ----------
     src : array, (height, width, channels), uint8, uint16 or float32
         A normals texture of 3 or 4 channels (`"xy"`: 2 to 4).  It is not written.
     type : {"auto", "standard", "zzero", "xy", "vector"}
-        How a normal is stored.  "auto" finds out by the texels, as `ntp clean` does, and refuses
-        what is no normals texture.  "vector": the components as they are, float32.
+        How a normal is stored.  "auto" detects it from the texels, as `ntp clean` does, and refuses
+        what is not a normals texture.  "vector": the components as they are, float32.
     method : {"derive", "normalize", "auto"}
         "derive": keep x and y (pulled onto the unit disc where too long), compute z.  "normalize":
-        divide each vector that is no honest rounding by its length; better after lossy compression
-        or resizing.  "auto": what the errors of the texture speak for.
+        divide each vector that is not a correctly rounded unit vector by its length; better after
+        lossy compression or resizing.  "auto": choose by the errors of the texture.
     verdict : {"neighbor", "rounded", "exact"}
         Which texels `only_failing` repairs.
     only_failing : bool

@@ -33,7 +33,7 @@ _Kept = Literal["standard", "zzero", "xy", "height"]
 
 @dataclass(frozen=True)
 class ConvertCounts(_Result):
-    """What `convert` met.
+    """What `convert` counted.
 
     Attributes
     ----------
@@ -165,8 +165,8 @@ def convert(
 ) -> NDArray[Any]:
     """Change encoding, depth or the direction of green.  Nothing is repaired.
 
-    Each sample goes over by value, correctly rounded; a flip of green is M - g.  A texel whose
-    blue is the exact one gets the exact blue of the target, so a clean texture stays clean.
+    Each sample is converted by value, correctly rounded; a flip of green is M - g. A texel with the
+    exact blue gets the exact blue of the target, so a clean texture stays clean.
 
     Parameters
     ----------
@@ -174,25 +174,25 @@ def convert(
         A normals texture of 3 or 4 channels (`"xy"`: 2 to 4).
     type, to : {"standard", "zzero", "xy", "vector", "height"}
         How a normal is stored, before and after.  From `"xy"` blue is derived; `"xy"` of 3 or 4
-        channels gets blue M (255, 65535 or 1).  Where both are "height" the samples of a gray image,
-        or of any picture, go to another depth.
+        channels gets blue M (255, 65535 or 1).  If both are "height", the samples of a gray image,
+        or of any picture, are converted to another depth.
     y, to_y : {"up", "down"}
         Which way green points, before and after: OpenGL or DirectX.
     depth : {8, 16, "float"}, optional
         Samples of the result: uint8, uint16 or float32 in 0..1; by default those of `src`.
     blue : {"derived", "nearest"}
-        From `"vector"` only: computed from the rounded red and green, or z rounded by itself.
+        From `"vector"` only: computed from the rounded red and green, or z rounded independently.
     channels : str, optional
         What each channel of the result holds, one letter each of x y z 0 1 and a (alpha):
         "xyz", "xzy", "1y0x" (DXT5nm); one letter makes an array of two dimensions.
     from_channels : str, optional
-        What each channel of `src` holds, in the same letters, - for nothing of use: "-y-x" reads
-        DXT5nm.  Without z it is computed.
+        What each channel of `src` holds, in the same letters, with - for an unused channel: "-y-x"
+        reads DXT5nm.  If z is missing, it is computed.
     touch_unused : bool
         Convert pure black, pure white and transparent texels too, which are copied otherwise.
     out : array, optional
-        Where to write; its channels may differ from those of `src` (a missing alpha is opaque).
-        It may be `src` itself where the samples stay of one type.
+        Where to write; its channels may differ from those of `src` (a missing alpha is opaque). It
+        may be `src` itself if the type of the samples stays the same.
     threads : int
         How many threads share the rows; 0: one for each processor.
 
@@ -321,7 +321,7 @@ def convert_with_counts(
     out: NDArray[Any] | None = None,
     threads: int = 1,
 ) -> tuple[NDArray[Any], ConvertCounts]:
-    """Change encoding, depth or the direction of green, and count what could not go over as it was.
+    """Change encoding, depth or the direction of green, and count what could not be kept.
 
     Parameters
     ----------

@@ -52,11 +52,11 @@ class NormalTextureError(Exception):
 
 
 class ArgumentError(NormalTextureError, ValueError):
-    """An argument has a value, shape or layout that is no good; the message names it."""
+    """An argument has an invalid value, shape or layout; the message names it."""
 
 
 class SampleTypeError(NormalTextureError, TypeError):
-    """An array holds samples of another type than uint8, uint16 and float32."""
+    """An array holds samples of a type other than uint8, uint16 and float32."""
 
     def __init__(self, message: str, status: Status | FileStatus = Status.FORMAT) -> None:
         super().__init__(message, status)
@@ -77,7 +77,7 @@ class NotConvergedError(NormalTextureError, ArithmeticError):
 
 
 class FileError(NormalTextureError, OSError):
-    """A file is missing, damaged, too large, no image, or cannot be written."""
+    """A file is missing, damaged, too large, not an image, or cannot be written."""
 
     def __init__(self, message: str, status: Status | FileStatus = FileStatus.OPEN) -> None:
         super().__init__(message, status)

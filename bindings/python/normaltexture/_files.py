@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
 """Image files: PNG, TGA, PFM, and JPEG to read, sample for sample.
 
-Numbers go over as they are stored: no color management, no gamma, no premultiplication.  16-bit
-RGB and RGBA PNG are exact both ways.
+Numbers are kept as stored: no color management, no gamma, no premultiplication.  16-bit RGB and
+RGBA PNG are exact both ways.
 """
 
 import os
@@ -39,13 +39,13 @@ class ImageInfo(_Result):
     bit_depth : int
         Of a sample in the file: 1, 2, 4, 5, 8, 16 or 32.
     interlaced, palette, lossy, alpha : bool
-        What the file is made of; `alpha`: it has an alpha channel or transparency.
+        Properties of the file; `alpha`: it has an alpha channel or transparency.
     color_chunks : tuple of str
         "gAMA", "sRGB", "iCCP", "cHRM", "cICP": color information of a PNG, which is not applied.
     texts : dict
         The texts of a PNG by their keys.
     jpeg_quality : int
-        Estimated, 1..100; 0: unknown, or no JPEG.
+        Estimated, 1..100; 0: unknown, or not a JPEG.
     jpeg_subsampled : bool
         The colors have fewer samples than the brightness, such as 4:2:0.
     """
@@ -124,7 +124,7 @@ def read(file: File, *, max_side: int = 65535, max_texels: int = 1 << 30) -> Any
     Raises
     ------
     FileError
-        For what is no image, is damaged, or too large; `status` says which.
+        For a file that is not an image, damaged, or too large; `status` says which.
     FileNotFoundError, PermissionError
         As from `open`.
 
@@ -186,7 +186,7 @@ def read_with_info(
 
 
 def read_info(file: File) -> ImageInfo:
-    """Read only what a file says about its image, none of its pixels.
+    """Read what a file says about its image, without its pixels.
 
     Parameters
     ----------
@@ -195,7 +195,7 @@ def read_info(file: File) -> ImageInfo:
     Returns
     -------
     ImageInfo
-        Texts that follow the pixels of a PNG are not in it; `read_with_info` finds them.
+        Texts that follow the pixels of a PNG are missing; `read_with_info` finds them.
 
     Examples
     --------
@@ -254,7 +254,7 @@ def write(
         uint8 or, in a PNG, uint16; float32 in a PFM (1 or 3 channels).  Strided arrays are written
         row by row, without a copy where a row has no gaps.
     level : int, optional
-        0..9: how hard a PNG is compressed; default: fast, and nearly as small for normals.
+        0..9: compression level of a PNG; default: fast, and nearly as small for normals.
     texts : dict, optional
         Texts of a PNG by their keys.
 

@@ -38,14 +38,14 @@ _KERNEL_NAMES, _BORDER_NAMES, _SOURCE_NAMES, _Y_NAMES = map(
 
 @dataclass(frozen=True)
 class NormalsCounts(_Result):
-    """What `normals_from_height` met.
+    """What `normals_from_height` counted.
 
     Attributes
     ----------
     not_finite : int
         Float heights: texels with a NaN or an infinity under the stencil, made flat.
     exact : int
-        Texels whose rounding took more than a double.
+        Texels whose rounding needed more precision than a double.
     """
 
     not_finite: int
@@ -62,13 +62,13 @@ def like(name: str, value: float) -> LikeSettings:
         "gegl", or "gimp-normalmap:" and the name of its filter, such as
         "gimp-normalmap:sobel3".
     value : float
-        How strong, as that program counts: its `-hfs`, sigma, normalStrength or scale.
+        The strength in that program: its `-hfs`, sigma, normalStrength or scale.
 
     Returns
     -------
     dict
-        `scale`, `kernel`, `border`, `source` and `to_y`.  "zima" stores z in green and y in blue
-        besides: `pack_channels(normals, "xzy")` makes it so.
+        `scale`, `kernel`, `border`, `source` and `to_y`.  "zima" also stores z in green and y in
+        blue: use `pack_channels(normals, "xzy")` for this.
 
     Raises
     ------
@@ -77,7 +77,7 @@ def like(name: str, value: float) -> LikeSettings:
 
     Notes
     -----
-    docs/equivalences.md says how far each goes.
+    docs/equivalences.md says how the programs differ from that.
 
     Examples
     --------
@@ -208,7 +208,7 @@ def normals_from_height(
     Parameters
     ----------
     height : array, (height, width) or (height, width, 1 to 4), uint8, uint16 or float32
-        A heightfield, or an image of which one number is the height; full range is 0..1.
+        A heightfield, or an image with a height in each pixel; full range is 0..1.
     scale : float
         How many texels a height of 1 (white) rises above 0; negative turns hills into dents.
     dx, dy : float
@@ -217,30 +217,30 @@ def normals_from_height(
         Black is high and white is low.
     kernel : {"central", "forward", "prewitt3", "sobel3", "scharr3", "prewitt5", "sobel5", \
 "gimp5", "gimp7", "gimp9"}
-        How a slope is taken; all are equally strong.
+        How a slope is computed; all are equally strong.
     border, border_x, border_y : {"wrap", "clamp", "mirror", "extrapolate", "repeat-slope"}
         The height beyond the edges; for both axes, or one.
     source : {"red", "green", "blue", "alpha", "luma", "luma-gimp", "luma-eberly", "mean", \
 "max", "min", "screen"}
-        Which number of a color image is the height.
+        What of a color image is the height.
     dither : {"none", "integrable"}
-        "integrable": carry rounding errors on, so that heights can be reconstructed well.
+        "integrable": pass rounding errors on, so that heights can be reconstructed accurately.
     to : {"standard", "zzero", "xy", "vector"}
-        How a normal is to be stored.
+        How the result stores a normal.
     to_y : {"up", "down"}
-        Which way green is to point.
+        Which way green points in the result.
     depth : {8, 16, "float"}, optional
         Samples of the result: uint8, uint16 or float32 in 0..1; by default those of `height`, and
         16 for floats, as on the command line.
     blue : {"derived", "nearest"}
-        Computed from the rounded red and green, so that `clean` changes nothing; or z rounded by
-        itself.
+        Computed from the rounded red and green, so that `clean` changes nothing; or z rounded
+        independently.
     min_z : float
-        The least z, 0..1: steeper normals are turned up to it.
+        The least z, 0..1: steeper normals are raised to it.
     alpha : {"keep", "one", "inverse", "height", "inverse-height"}, optional
         The alpha of the result: that of `height`, opaque, 1 minus that of `height`, the height
-        (LabPBR), or 1 minus the height.  By default the result has one where `height` has, and
-        keeps it.
+        (LabPBR), or 1 minus the height.  By default the result keeps the alpha of `height`, if it
+        has one.
     out : array, optional
         Where to write; it does not overlap `height`.
     threads : int
@@ -257,8 +257,8 @@ def normals_from_height(
 
     Notes
     -----
-    `blur_height` blurs the heights first, `pack_channels` lays out the channels of the result,
-    `like` gives the arguments for another program's picture.
+    `blur_height` blurs the heights first, `pack_channels` arranges the channels of the
+    result, and `like` gives the arguments for another program's picture.
 
     docs/arithmetic.md defines kernels and borders; the construction is that of D. Eberly,
     "Reconstructing a Height Field from a Normal Map", equations 3 to 11.
@@ -371,7 +371,7 @@ def normals_from_height_with_counts(
     out: NDArray[Any] | None = None,
     threads: int = 1,
 ) -> tuple[NDArray[Any], NormalsCounts]:
-    """Make normals from heights, and count what was out of the ordinary.
+    """Make normals from heights, and count special cases.
 
     Parameters
     ----------

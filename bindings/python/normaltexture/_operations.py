@@ -149,7 +149,7 @@ def resize(
     border, border_x, border_y : {"wrap", "clamp", "mirror"}
         What lies beyond the edges; for both axes, or one.
     type : {"auto", "standard", "zzero", "xy", "vector"}
-        How a normal is stored; "auto" finds out by the texels, as `ntp resize` does.
+        How a normal is stored; "auto" detects it from the texels, as `ntp resize` does.
     touch_unused : bool
         Treat pure black, pure white and transparent texels like any other; alpha gives no weight.
     out : array, optional
@@ -279,11 +279,11 @@ def transform(
     strength : float, optional
         Multiply the slopes, -1024..1024; -1 turns bumps into dents.
     flip : {"x", "y", "xy"}, optional
-        "x": left and right change places; "y": top and bottom; before `rotate`.
+        "x": exchange left and right; "y": exchange top and bottom; done before `rotate`.
     rotate : {0, 90, 180, 270}
-        Turn clockwise by so many degrees.
+        Turn clockwise by this many degrees.
     type : {"auto", "standard", "zzero", "xy", "vector"}
-        How a normal is stored; "auto" finds out by the texels, as `ntp transform` does.
+        How a normal is stored; "auto" detects it from the texels, as `ntp transform` does.
     y : {"up", "down"}
         Which way green points.
     out : array, optional
@@ -391,22 +391,22 @@ def blend(
     out: NDArray[Any] | None = None,
     threads: int = 1,
 ) -> NDArray[Any]:
-    """Lay the bumps of one texture over another.
+    """Add the bumps of one texture to another.
 
     Parameters
     ----------
     base : array, (height, width, channels), uint8, uint16 or float32
         A normals texture of 3 or 4 channels (`"xy"`: 2 to 4).
     detail : array
-        Another; size, depth, encoding and direction of green may differ.  It is repeated from the
-        upper left corner on.
+        Another; size, depth, encoding and direction of green may differ.  It is repeated, starting
+        at the upper left corner.
     mode : {"rnm", "whiteout", "udn"}
-        Reoriented, the detail as if it lay on the base's surface; or sums, weaker on slopes.
+        Reoriented, as if the detail lay on the surface of the base; or sums, weaker on slopes.
     strength : float
         Multiply the slopes of the detail first, -1024..1024.
     type, detail_type : {"auto", "standard", "zzero", "xy", "vector"}
-        How the two store a normal; "auto" finds out by the texels of each, as `ntp blend` does.
-        `detail_type` is `type` where it is not given.
+        How the two store a normal; "auto" detects it from the texels of each, as `ntp blend` does.
+        `detail_type` is `type` if it is not given.
     y, detail_y : {"up", "down"}
         Which way green points in each.
     touch_unused : bool
@@ -419,7 +419,7 @@ def blend(
     Returns
     -------
     array like base
-        Where base or detail is unused, the base's texel is copied; alpha is the base's.
+        Where base or detail is unused, the base's texel is copied; alpha is that of the base.
 
     Raises
     ------

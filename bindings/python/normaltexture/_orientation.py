@@ -29,13 +29,13 @@ class Orientation(_Result):
     y : {"up", "down", "undecided"}
         "up": OpenGL, glTF, USD; "down": DirectX.
     confidence : float
-        0.8..0.99; 0 where undecided.
+        0.8..0.99; 0 if undecided.
     likelier : {"up", "down"}
-        The better guess, also where undecided.
+        The better guess, also if undecided.
     statistic : float
         -1..1: how well the cross derivatives agree; positive: up.
     score : float
-        How steadily so over the picture, in standard deviations.
+        How consistent this is over the picture, in standard deviations.
     loops : int
         How much was measured: groups of 6 x 6 texels.
     """
@@ -74,10 +74,10 @@ def detect_orientation(
     touch_unused: bool = False,
     threads: int = 1,
 ) -> Orientation:
-    """Tell OpenGL from DirectX by the texels alone, or say that it cannot be told.
+    """Detect OpenGL or DirectX from the texels alone, or say that it cannot be known.
 
-    The slopes of a surface have equal cross derivatives; with green the other way round, opposite
-    ones.  The answer presumes that red points right.
+    The slopes of a surface have equal cross derivatives; if green is the other way round, they are
+    opposite.  The answer assumes that red points right.
 
     Parameters
     ----------
@@ -86,7 +86,7 @@ def detect_orientation(
     type : {"standard", "zzero", "xy", "vector"}
         How a normal is stored; only red and green count.
     deep : bool
-        Look at every row also of large textures.
+        Read every row, also of large textures.
     touch_unused : bool
         Look at pure black, pure white and transparent texels too.
     threads : int

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Where normals come from: which kernel made them, of how fine heights, and whether they tile."""
+"""The origin of normals: which kernel made them, from how fine heights, and whether they tile."""
 
 from dataclasses import dataclass
 from typing import Any, Literal, overload
@@ -24,14 +24,14 @@ class KernelFit(_Result):
     Attributes
     ----------
     decided : bool
-        Rounding explains all that is left with `kernel`, and clearly not with the others.
+        Rounding explains the residual of `kernel`, and clearly not that of the others.
     kernel : str
-        Decided or not, the one to reconstruct with: one of `normals_from_height`, or "baked".
+        The one to reconstruct with, also if undecided: one of `normals_from_height`, or "baked".
     misfit : dict
-        Of each kernel that was tried, the mean square of what is left over that of rounding: 1 is
-        a perfect fit.
+        For each kernel that was tried, the mean square of the residual divided by that of rounding;
+        1 is a perfect fit.
     points : int
-        How much was looked at.
+        How many points were used.
     """
 
     decided: bool
@@ -47,19 +47,19 @@ class Seam(_Result):
     Attributes
     ----------
     decided : bool
-        It can be told.
+        Whether there is a clear answer.
     tiles : bool
-        The texture goes on across the edges; where this cannot be told: False.
+        The texture continues across the edges; False if undecided.
     wraps : bool
-        The heights close as well: it tiles and does not lean.
+        The heights at the edges meet too: it tiles and is not tilted.
     closure : float
-        By how much heights differ between the ends of a line, over how much they vary along it.
+        The difference of heights between the ends of a line, divided by their variation along it.
     jump : float
-        The step across the seam over the mean step inside.
+        The step across the seam divided by the mean step inside.
     rank : float
         Share of the steps inside that are larger.
     largest : float
-        Share of lines in which no step inside is larger.
+        Share of lines without a larger step inside.
     lean : float
         The mean slope along the lines.
     """
@@ -76,18 +76,18 @@ class Seam(_Result):
 
 @dataclass(frozen=True)
 class Steps(_Result):
-    """Slopes that come in steps, because the heights behind them had few levels.
+    """Slope quantization caused by low-bit heights.
 
     Attributes
     ----------
     decided : bool
-        They do.  Where it is False they do not, or it cannot be told, and the rest is 0.
+        Slopes are quantized.  If False, they are not, or it is unknown, and the rest is 0.
     teeth : int
-        Multiples of the step that occur, but for 0 and signs, on both axes.
+        Different multiples of the step that occur, without 0 and signs, on both axes.
     slope, degrees : float
         The step, and the angle between a flat normal and the next.
     share, expected : float
-        Of the texels that lie on a multiple, and what chance would put there.
+        Of the texels that lie on a multiple, and the share expected by chance.
     """
 
     decided: bool
@@ -117,7 +117,7 @@ def find_kernel(
 def find_kernel(
     src: AnyPixels, *, type: Type = "standard", y: Y = "up", touch_unused: bool = False
 ) -> KernelFit:
-    """Tell which kernel made normals: their slopes must be the differences of one heightfield.
+    """Detect which kernel made normals: their slopes must be the differences of one heightfield.
 
     Parameters
     ----------
@@ -193,7 +193,7 @@ def find_seams(
     Returns
     -------
     (Seam, Seam)
-        About the left and right edges, and about the upper and lower ones.  Undecided are textures
+        For the left and right edges, and for the upper and lower ones.  Undecided are textures
         below 16 x 16 texels, nearly flat ones, and those with many unused texels at the edges.
 
     Raises
@@ -246,10 +246,10 @@ def find_steps(
     touch_unused: bool = ...,
 ) -> Steps: ...
 def find_steps(src: AnyPixels, *, type: Type = "standard", touch_unused: bool = False) -> Steps:
-    """Tell normals that were made of heights with few levels, such as those of 8 bits.
+    """Detect normals that were made from low-bit heights, such as 8-bit ones.
 
-    Their slopes are whole multiples of one step, and smooth ground is flat terraces with edges
-    between: banding, which no cleaning takes away.
+    Their slopes are whole multiples of one step, and smooth ground becomes flat terraces with edges
+    between them.  Cleaning cannot remove this banding.
 
     Parameters
     ----------
@@ -263,7 +263,7 @@ def find_steps(src: AnyPixels, *, type: Type = "standard", touch_unused: bool = 
     Returns
     -------
     Steps
-        Not told are steps of about the size of the texture's own levels, gentle textures, fewer
+        Not detected are steps of about the size of the texture's own levels, gentle textures, fewer
         than four multiples, and steps along one axis only.
 
     Raises

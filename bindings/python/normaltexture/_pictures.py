@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Pictures of textures: what is wrong where, how they look lit, how two of them differ."""
+"""Pictures of textures: which texels are wrong, how they look lit, how two of them differ."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -59,17 +59,17 @@ def heatmap(
     out: NDArray[np.uint8] | None = None,
     threads: int = 1,
 ) -> NDArray[np.uint8]:
-    """Paint what is wrong where; texels without a fault are gray.
+    """Show which texels are wrong; correct texels are gray.
 
     Parameters
     ----------
     src : array, (height, width, channels), uint8, uint16 or float32
         A normals texture of 3 or 4 channels (`"xy"`: 2 to 4).
     type : {"auto", "standard", "zzero", "xy", "vector"}
-        How a normal is stored; "auto" finds out by the texels, as `ntp heatmap` does.
+        How a normal is stored; "auto" detects it from the texels, as `ntp heatmap` does.
     palette : {"reference", "safe"}
-        "reference": red where x, y are too long, green where the length is off, blue where z is
-        negative.  "safe": colors that stay apart for every kind of color vision.
+        "reference": red where x, y are too long, green where the length is wrong, blue where z is
+        negative.  "safe": colors that can be told apart with every kind of color vision.
     touch_unused : bool
         Judge pure black, pure white and transparent texels too.
     out : array, (height, width, 3), uint8, optional
@@ -177,7 +177,7 @@ def shade(
     src : array, (height, width, channels), uint8, uint16 or float32
         A normals texture of 3 or 4 channels (`"xy"`: 2 to 4).
     type : {"auto", "standard", "zzero", "xy", "vector"}
-        How a normal is stored; "auto" finds out by the texels.
+        How a normal is stored; "auto" detects it from the texels.
     y : {"up", "down"}
         Which way green points.
     light : Light
@@ -235,9 +235,9 @@ class Difference(_Result):
     texels : int
         How many were compared.
     different : int
-        Texels of which a sample differs.
+        Texels in which a sample differs.
     max : int
-        The greatest level, M, of those below: 255, or 65535 where one texture is deeper.
+        The greatest level, M, of those below: 255, or 65535 if one texture is deeper.
     levels_max, levels_mean : tuple
         The greatest and mean difference of each channel, in levels.
     angles : Angles
@@ -328,23 +328,23 @@ def compare(
     out_heat: NDArray[np.uint8] | None = None,
     threads: int = 1,
 ) -> Difference:
-    """Compare two textures of one size in levels and degrees, as `ntp diff` does.
+    """Compare two textures of the same size in levels and degrees, as `ntp diff` does.
 
     Parameters
     ----------
     a, b : array, (height, width, channels), uint8, uint16 or float32
-        Normals textures; depth, encoding and direction of green may differ.  `b` is brought to
+        Normals textures; depth, encoding and direction of green may differ.  `b` is converted to
         the encoding of `a`.
     type : {"auto", "standard", "zzero", "xy", "vector", "height"}, or two of these
-        How both store a normal, or how `a` and how `b` does.  "auto", as `ntp diff` does it: as
-        the texels of each tell where they are sure, else standard; XY only where both are; arrays
-        of two dimensions as heights.  Two heights, or pictures of any kind, of 1 to 4 channels are
+        How both store a normal, or how `a` and how `b` does.  "auto" decides as `ntp diff` does: by
+        the texels of each if these are clear, else standard; XY only if both are; arrays of two
+        dimensions as heights.  Two heights, or pictures of any kind, of 1 to 4 channels are
         compared in levels only.
     y : {"up", "down"}, or two of these
         Which way green points in both, or in `a` and in `b`.
     out_heat : array, (height, width, 3), uint8, optional
-        Filled with a picture: black where they are equal, then from blue (0 degrees) by green (5)
-        to red (10 and more).
+        Filled with a picture: black where they are equal, then from blue (0 degrees) through green
+        (5) to red (10 and more).
     threads : int
         How many threads share the rows; 0: one for each processor.
 

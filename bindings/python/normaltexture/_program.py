@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The command line's judgment of files, as objects: `ntp check` is run and its JSON read."""
+"""The results of `ntp check` as objects: the program is run and its JSON is read."""
 
 import json
 import os
@@ -32,7 +32,7 @@ class Finding(_Result):
     level : {"error", "warning", "info"}
     message : str
     count : int
-        Texels that it is about.
+        The number of texels concerned.
     """
 
     id: str
@@ -54,7 +54,7 @@ class CheckedFile(_Result):
     type : str or None
         "standard", "zzero", "xy", "height", "object-space", "one-color" or "not-normals".
     findings : tuple of Finding
-        The weightiest first.
+        The most important first.
     data : dict
         All that the JSON of `ntp check` says about the file, by the names of
         docs/schema/check-1.json.
@@ -105,7 +105,7 @@ def program() -> Path:
     Raises
     ------
     FileNotFoundError
-        Where neither the scripts directory of this Python nor PATH has one.
+        If neither the scripts directory of this Python nor PATH has one.
     """
     if os.environ.get("NTP_PROGRAM"):
         return Path(os.environ["NTP_PROGRAM"])
@@ -148,23 +148,23 @@ def check(
     paths : path, or iterable of paths
         Files are always judged; in folders, normals textures are.
     type : {"auto", "standard", "zzero", "xy", "height"}
-        What the files are; "auto" finds out.
+        What the files are; "auto" detects it.
     y : {"auto", "up", "down"}
         Which way green must point.
     verdict : {"neighbor", "rounded", "exact"}
         How strictly a texel is judged.
     keep_negative_z : bool
-        A negative z is no fault.
+        A negative z is not an error.
     max_fail : float
-        A larger share of failing texels, in percent, is an error, a smaller one a warning.
+        A larger share of failing texels, in percent, is an error, a smaller one is a warning.
     max_tilt : float
-        Warn where the mean of x or y is farther from 0 than this.
+        Warn if the mean of x or y is farther from 0 than this.
     deep : bool
-        Look at every row also where a plain check looks at some.
+        Read every row and the whole texture; otherwise only a part is read.
     recursive : bool
         Descend into folders.
     match, exclude : iterable of str
-        Patterns of the names in folders to take, and to leave out.
+        Patterns of the names in folders to use, and to skip.
     jobs : int, optional
         Files at once; default: one for each processor.
 
@@ -175,9 +175,9 @@ def check(
     Raises
     ------
     ArgumentError
-        For an argument that `ntp check` does not take.
+        For an argument that `ntp check` does not accept.
     FileNotFoundError
-        Where the program `ntp` is missing.
+        If the program `ntp` is missing.
 
     Examples
     --------

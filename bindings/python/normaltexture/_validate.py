@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What can be said about each texel: a mask of flags; and about one of them, everything."""
+"""The verdicts on texels: a mask of flags for each, and all facts about one."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -71,9 +71,9 @@ def validate(
     src : array, (height, width, channels), uint8, uint16 or float32
         A normals texture of 3 or 4 channels (`"xy"`: 2 to 4).  Floats are judged as 16-bit levels.
     type : {"auto", "standard", "zzero", "xy", "vector"}
-        How a normal is stored: z in -1..1, z in 0..1, no z, or the components as they are
-        (float32, -1..1); "auto" finds out by the texels.  Of `"xy"` textures all three verdicts
-        ask only that x, y are not longer than 1.
+        How a normal is stored: z in -1..1, z in 0..1, no z, or the components as they are (float32,
+        -1..1); "auto" detects it from the texels.  For `"xy"` textures all three verdicts require
+        only that x, y are not longer than 1.
     keep_negative_z : bool
         `EXACT` accepts the mirrored blue of a negative z.
     out : array, (height, width), uint8, optional
@@ -125,7 +125,7 @@ def validate(
 
 @dataclass(frozen=True)
 class Texel(_Result):
-    """All that can be said about one texel.
+    """Everything about one texel.
 
     Attributes
     ----------
@@ -138,7 +138,7 @@ class Texel(_Result):
     flags : Flag
         As `validate` writes them.
     levels_off : int
-        How many levels blue is off; -1 where x, y are too long or not finite.
+        How many levels blue is off; -1 if x, y are too long or not finite.
     x, y, z : float
         The vector as stored; of `"xy"`, z is derived.
     length : float
@@ -180,7 +180,7 @@ def inspect(
 def inspect(
     src: AnyPixels, x: int, y: int, *, type: AutoType = "auto", keep_negative_z: bool = False
 ) -> Texel:
-    """Say everything about one texel, as `ntp dump` does.
+    """Return everything about one texel, as `ntp dump` does.
 
     Parameters
     ----------
@@ -189,9 +189,9 @@ def inspect(
     x, y : int
         Column and row; the upper left texel is at 0, 0.
     type : {"auto", "standard", "zzero", "xy", "vector"}
-        How a normal is stored; "auto" finds out by all texels, as `ntp dump` does.
+        How a normal is stored; "auto" detects it from all texels, as `ntp dump` does.
     keep_negative_z : bool
-        A negative z is no fault and stays.
+        A negative z is not an error and stays.
 
     Returns
     -------

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Float vectors: from stored levels, and to them."""
+"""Float vectors, from stored levels and to them."""
 
 from typing import Any, Literal, Unpack, cast, overload
 
@@ -55,9 +55,9 @@ def decode(
     Returns
     -------
     array, (height, width, 3), float32
-        (2c - M)/M of each level c, the nearest float; not divided by its length.  Unused texels
-        are (-1, -1, -1) or (1, 1, 1), as they are stored.  Of `"xy"`, x, y are pulled onto the
-        unit disc where too long, and z is the root of 1 - x x - y y.
+        (2c - M)/M of each level c, the nearest float; not divided by its length.  Unused texels are
+        (-1, -1, -1) or (1, 1, 1), as they are stored.  For `"xy"`, x, y are pulled onto the unit
+        disc if too long, and z is the root of 1 - x x - y y.
 
     Raises
     ------
@@ -119,13 +119,13 @@ def encode(
     vectors : array, (height, width, 3 or 4), float32
         Vectors of any length but 0; a fourth component is alpha in 0..1.
     to : {"standard", "zzero", "xy"}
-        How a normal is to be stored.
+        How the result stores a normal.
     to_y : {"up", "down"}
-        Which way green is to point.
+        Which way green points in the result.
     depth : {8, 16, "float"}
         Samples of the result: uint8, uint16 or float32 in 0..1.
     blue : {"derived", "nearest"}
-        Computed from the rounded red and green, or z rounded by itself.
+        Computed from the rounded red and green, or z rounded independently.
     out : array, optional
         Where to write.
     threads : int

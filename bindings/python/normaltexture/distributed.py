@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
 """Many files on many machines, and heightfields larger than memory, by Dask.
 
-``check`` and ``clean`` work through files in batches, on the workers of a cluster where there is
-one, and gather one report, whichever worker did what and however many died meanwhile.
+``check`` and ``clean`` process files in batches, on the workers of a cluster if there is one, and
+return one report, whichever worker did what and however many died meanwhile.
 ``normals_from_height`` makes normals of a chunked Dask array, tile by tile, with the bytes that the
 whole array would have given.
 
@@ -211,9 +211,9 @@ def clean(
     paths
         Image files.
     output
-        A directory that all workers see, on a file system with hard links.  What is already there
-        is never overwritten: a file of the same name is left if it has the same bytes, so that
-        an interrupted run can be started again, and is an error otherwise.
+        A directory that all workers see, on a file system with hard links.  Existing files are
+        never overwritten: a file of the same name stays if it has the same bytes, so that an
+        interrupted run can be started again, and is an error otherwise.
     base
         The directory below which paths are kept; default: the deepest that all files lie in.
     options
@@ -272,7 +272,7 @@ def clean(
 
 
 def reach(kernel: Kernel = "central") -> int:
-    """How many texels on each side a normal is made of."""
+    """How many texels on each side a normal depends on."""
     if kernel not in KERNELS:
         raise ArgumentError(f"kernel={kernel!r}: must be one of {', '.join(KERNELS)}")
     how = ffi.new("ntp_normals_options *")
@@ -290,7 +290,7 @@ def _tile(
     how: Mapping[str, Any],
     block_id: tuple[int, ...] | None = None,
 ) -> NDArray[Any]:
-    """The normals of one tile that came with its surroundings, which are cut off again."""
+    """The normals of one tile, which comes with its surroundings; the result is without them."""
     normals: NDArray[Any] = _normals_from_height(heights, **how)
     if block_id is None:
         return normals

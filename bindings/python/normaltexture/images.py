@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: MIT
-"""Images in the other formats that artists have: WebP, TIFF, EXR, DDS, AVIF.
+"""Images in other formats that artists use: WebP, TIFF, EXR, DDS, AVIF.
 
-They are read by well-known libraries, which the extra installs:
-``pip install 'normaltexture[images]'``.  What comes out is what the file stores: numbers, without
-color management, gamma or premultiplication.  PNG, TGA, JPEG and PFM are read by the package
-itself, and need none of them.
+They are read by well-known libraries, which the extra installs: ``pip install
+'normaltexture[images]'``.  The result is what the file stores: numbers, without color management,
+gamma or premultiplication.  PNG, TGA, JPEG and PFM are read by the package itself, and need none of
+them.
 """
 
 import importlib
@@ -127,7 +127,7 @@ _READERS: dict[str, Callable[[bytes], Pixels]] = {
 
 
 def read(file: str | os.PathLike[str] | bytes) -> AnyPixels:
-    """Reads an image of any format that is known here.
+    """Reads an image of any supported format.
 
     Parameters
     ----------
@@ -145,7 +145,7 @@ def read(file: str | os.PathLike[str] | bytes) -> AnyPixels:
     MissingLibraryError
         The library for this format is not installed.
     ValueError
-        The file is damaged, or of a kind that is not read.
+        The file is damaged, or of an unsupported kind.
 
     Examples
     --------
