@@ -7,7 +7,8 @@
  */
 #include "texel/kernels.h"
 #include "texel/level.h"
-#include "measure/tally.h"
+#include "measure/color_counts.h"
+#include "measure/merge.h"
 
 #include <string.h>
 
@@ -25,7 +26,7 @@ static uint32_t first_near(int32_t k1, int32_t k2, int32_t blue)
 enum { K = 128 }; /* magnitudes: |X| = 2k + 1 for k = r - 128 or 127 - r */
 
 /* Row number `row` is that of k1 >= k2, with this derived blue (-1: too long). */
-static uint32_t define_row(ntp_tally *t, uint32_t row, int32_t k1, int32_t k2, int32_t want)
+static uint32_t define_row(ntp__color_counts *t, uint32_t row, int32_t k1, int32_t k2, int32_t want)
 {
     uint32_t first = first_near(k1, k2, want < 0 ? K : want);
     t->row_pair[row] = (uint16_t) ((K + k1) | (K + k2) << 8);
@@ -33,7 +34,7 @@ static uint32_t define_row(ntp_tally *t, uint32_t row, int32_t k1, int32_t k2, i
     return ntp__entry(row, first);
 }
 
-void ntp__rows_prepare(ntp_tally *t)
+void ntp__rows_prepare(ntp__color_counts *t)
 {
     int32_t r[K], g[K], want[K];
     uint32_t rows = 0;
@@ -61,7 +62,7 @@ void ntp__rows_prepare(ntp_tally *t)
     t->rows_ready = 1;
 }
 
-uint32_t ntp__find_row(ntp_tally *t, int32_t r, int32_t g)
+uint32_t ntp__find_row(ntp__color_counts *t, int32_t r, int32_t g)
 {
     int32_t a = r < K ? K - 1 - r : r - K, b = g < K ? K - 1 - g : g - K;
     int32_t k1 = a > b ? a : b, k2 = a > b ? b : a, row = k1 * (k1 + 1) / 2 + k2;
@@ -72,7 +73,7 @@ uint32_t ntp__find_row(ntp_tally *t, int32_t r, int32_t g)
                       rest < 0 ? -1 : ntp__blue_of_rest(rest, 255, false));
 }
 
-void ntp__row_cells(uint32_t cells[256], int32_t *first, int32_t *end, const ntp_tally *t,
+void ntp__row_cells(uint32_t cells[256], int32_t *first, int32_t *end, const ntp__color_counts *t,
                     int32_t row)
 {
     int32_t near = t->row_first[row];
@@ -85,7 +86,7 @@ void ntp__row_cells(uint32_t cells[256], int32_t *first, int32_t *end, const ntp
 }
 
 /* Adds to `seen`, which is t's own or a copy, the rows that were not noted. */
-static void find_rows(uint8_t seen[NTP__ROWS], const ntp_tally *t)
+static void find_rows(uint8_t seen[NTP__ROWS], const ntp__color_counts *t)
 {
     if (!t->unnoted)
         return;
@@ -97,13 +98,13 @@ static void find_rows(uint8_t seen[NTP__ROWS], const ntp_tally *t)
     }
 }
 
-void ntp__note_rows(ntp_tally *t)
+void ntp__note_rows(ntp__color_counts *t)
 {
     find_rows(t->row_seen, t);
     t->unnoted = 0;
 }
 
-void ntp__merge_cells(ntp_tally *into, const ntp_tally *from)
+void ntp__merge_cells(ntp__color_counts *into, const ntp__color_counts *from)
 {
     uint8_t seen[NTP__ROWS];
     memcpy(seen, from->row_seen, sizeof seen);
@@ -118,7 +119,7 @@ void ntp__merge_cells(ntp_tally *into, const ntp_tally *from)
     }
 }
 
-void ntp__clear_cells(ntp_tally *t)
+void ntp__clear_cells(ntp__color_counts *t)
 {
     ntp__note_rows(t);
     for (int32_t row = 0; (row = ntp__next_row(t->row_seen, row)) < NTP__ROWS; row++) {

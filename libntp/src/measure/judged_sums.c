@@ -4,7 +4,7 @@
  */
 #include "texel/kernels.h"
 #include "texel/level.h"
-#include "measure/tally.h"
+#include "measure/judged_sums.h"
 
 #include <math.h>
 #include <string.h>
@@ -173,4 +173,41 @@ void ntp__add_block(ntp__sums *sums, const ntp__block *block, const uint32_t *co
         sums->texels += count[i];
         ntp__angles_add(&sums->angles, angle, count[i]);
     }
+}
+
+/* ------------------------------------------------------------------------- sums as wholes */
+
+void ntp__clear_sums(ntp__sums *s)
+{
+    if (s->texels == 0)
+        return;
+    for (int32_t z = 0; z < 2; z++) {
+        ntp__fit_sums *fit = &s->fit[z];
+        memset(fit->levels_off, 0, (fit->levels_off_max + 1) * sizeof fit->levels_off[0]);
+        memset(fit, 0, offsetof(ntp__fit_sums, levels_off));
+    }
+    ntp__angles_clear(&s->angles);
+    s->texels = 0;
+}
+
+void ntp__merge_sums(ntp__sums *into, const ntp__sums *from)
+{
+    if (from->texels == 0)
+        return;
+    into->texels += from->texels;
+    for (int32_t z = 0; z < 2; z++) {
+        ntp__fit_sums *a = &into->fit[z];
+        const ntp__fit_sums *b = &from->fit[z];
+        ntp__merge_counts(a->flags, b->flags, NTP__STEEPNESS_BINS * 256);
+        ntp__merge_counts(a->lengths, b->lengths, NTP__LENGTH_BINS);
+        ntp__merge_counts(a->levels_off, b->levels_off, (size_t) b->levels_off_max + 1);
+        ntp__merge_max(&a->levels_off_max, b->levels_off_max);
+        for (int32_t i = 0; i < NTP__STEEPNESS_BINS; i++)
+            a->length_error[i] += b->length_error[i];
+        a->length_error2 += b->length_error2;
+        a->length_sum += b->length_sum;
+        ntp__merge_max(&a->length_max, b->length_max);
+        ntp__merge_max(&a->length_inverted_min, b->length_inverted_min);
+    }
+    ntp__angles_merge(&into->angles, &from->angles);
 }

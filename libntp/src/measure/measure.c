@@ -88,15 +88,15 @@ static inline bool count_black_white(ntp_tally *t, int32_t v, int32_t m)
 static void count_far(ntp_tally *t, uint32_t entry, uint32_t b)
 {
     uint32_t row = ntp__entry_cells(entry) / NTP__NEAR;
-    t->far[row][b]++;
-    t->row_seen[row] |= NTP__SEEN_FAR;
+    t->cells.far[row][b]++;
+    t->cells.row_seen[row] |= NTP__SEEN_FAR;
 }
 
 static inline void count_cell(ntp_tally *t, uint32_t pair, uint32_t b)
 {
-    uint32_t entry = t->row_of[pair], place = b - ntp__entry_first(entry);
+    uint32_t entry = t->cells.row_of[pair], place = b - ntp__entry_first(entry);
     if (place < NTP__NEAR)
-        t->near[ntp__entry_cells(entry) + place]++;
+        t->cells.near[ntp__entry_cells(entry) + place]++;
     else
         count_far(t, entry, b);
 }
@@ -105,11 +105,11 @@ static inline void count_cell(ntp_tally *t, uint32_t pair, uint32_t b)
 static void count_noted(ntp_tally *t, int32_t r, int32_t g, int32_t b)
 {
     uint32_t pair = (uint32_t) (r | g << 8);
-    uint32_t entry = t->rows_ready ? t->row_of[pair] : ntp__find_row(t, r, g);
+    uint32_t entry = t->cells.rows_ready ? t->cells.row_of[pair] : ntp__find_row(&t->cells, r, g);
     uint32_t cells = ntp__entry_cells(entry), place = (uint32_t) b - ntp__entry_first(entry);
     if (place < NTP__NEAR) {
-        t->near[cells + place]++;
-        t->row_seen[cells / NTP__NEAR] |= NTP__SEEN_NEAR;
+        t->cells.near[cells + place]++;
+        t->cells.row_seen[cells / NTP__NEAR] |= NTP__SEEN_NEAR;
     } else {
         count_far(t, entry, (uint32_t) b);
     }
@@ -119,7 +119,7 @@ static void count_noted(ntp_tally *t, int32_t r, int32_t g, int32_t b)
 static void count_narrow(ntp_tally *t, int32_t r, int32_t g, int32_t b)
 {
     t->narrow++;
-    if (t->few)
+    if (t->cells.few)
         count_noted(t, r, g, b);
     else
         count_cell(t, (uint32_t) (r | g << 8), (uint32_t) b);
@@ -168,7 +168,7 @@ static bool count_odd(ntp_tally *t, const uint8_t *p)
 {
     if (p[0] == p[1] && p[1] == p[2] && count_black_white(t, p[2], 255))
         return true;
-    count_far(t, t->row_of[p[0] | p[1] << 8], p[2]);
+    count_far(t, t->cells.row_of[p[0] | p[1] << 8], p[2]);
     return false;
 }
 
@@ -187,8 +187,8 @@ static inline uint64_t count_texel(ntp_tally *t, const uint32_t *row_of, uint32_
 static void count_rgb8(ntp_tally *t, const uint8_t *p, int32_t n)
 {
     uint64_t unused = 0;
-    uint32_t *near = t->near;
-    const uint32_t *row_of = t->row_of;
+    uint32_t *near = t->cells.near;
+    const uint32_t *row_of = t->cells.row_of;
     add_rgb8(t, p, n);
     t->narrow += (uint64_t) n;
     for (; n >= 4; n -= 4, p += 12) {
@@ -399,7 +399,7 @@ static void note_row(ntp_tally *t, const ntp_const_image *src, int32_t x0, int32
 static void count_row(ntp_tally *t, const ntp_const_image *src, int32_t x0, int32_t x1, int32_t y)
 {
     bool picture = src->encoding == NTP_ENCODING_HEIGHT;
-    bool bytes = !picture && !t->few && src->type == NTP_TYPE_U8 && src->channels >= 3 &&
+    bool bytes = !picture && !t->cells.few && src->type == NTP_TYPE_U8 && src->channels >= 3 &&
                  ntp__is_packed(src);
     int32_t m = ntp__max(src->type), step = bytes ? x1 - x0 : NTP__BLOCK;
     for (int32_t x = x0; x < x1; x += step) {
@@ -452,10 +452,10 @@ ntp_status ntp_tally_add(ntp_tally *tally, const ntp_const_image *src, uint32_t 
     NTP__TRY(ntp__check_area(&rect, src, area));
     uint64_t width = (uint64_t) (rect.x1 - rect.x0), height = (uint64_t) (rect.y1 - rect.y0);
     NTP__TRY(adopt(tally, src, touch_unused, width * height));
-    tally->few = !tally->unnoted && tally->texels + width * height <= NTP__FEW;
-    if (!tally->few)
-        ntp__rows_prepare(tally);
-    tally->unnoted = !tally->few;
+    tally->cells.few = !tally->cells.unnoted && tally->texels + width * height <= NTP__FEW;
+    if (!tally->cells.few)
+        ntp__rows_prepare(&tally->cells);
+    tally->cells.unnoted = !tally->cells.few;
     tally->summed = 0;
     for (int32_t y = rect.y0; y < rect.y1; y++)
         count_row(tally, src, rect.x0, rect.x1, y);

@@ -7,12 +7,6 @@
 #include <math.h>
 #include <string.h>
 
-static void merge_max(uint32_t *into, uint32_t from)
-{
-    if (from > *into)
-        *into = from;
-}
-
 /* Texels by flags: those that occur. */
 typedef struct flag_counts {
     int32_t n;
@@ -116,8 +110,8 @@ static void count_blues(uint64_t count[256], const ntp_tally *t)
     memset(count, 0, 256 * sizeof *count);
     uint32_t cells[256];
     int32_t first, end;
-    for (int32_t row = 0; (row = ntp__next_row(t->row_seen, row)) < NTP__ROWS; row++) {
-        ntp__row_cells(cells, &first, &end, t, row);
+    for (int32_t row = 0; (row = ntp__next_row(t->cells.row_seen, row)) < NTP__ROWS; row++) {
+        ntp__row_cells(cells, &first, &end, &t->cells, row);
         for (int32_t b = first; b < end; b++)
             count[b] += cells[b];
     }
@@ -139,8 +133,8 @@ static void describe_alpha(ntp_stats *s, const ntp_tally *t)
         if (count == 0)
             continue;
         n += count;
-        merge_max(&sums.max, a);
-        merge_max(&sums.inverted_min, ~a);
+        ntp__merge_max(&sums.max, a);
+        ntp__merge_max(&sums.inverted_min, ~a);
         sums.sum += a * count;
     }
     if (t->depth == 8) {
@@ -278,9 +272,9 @@ static void describe_colors(ntp_stats *s, const ntp_tally *t)
     if (s->max == 255 && t->encoding != NTP_ENCODING_HEIGHT) {
         for (int32_t row = NTP__ROWS - NTP__FLAT_ROWS; row < NTP__ROWS; row++) {
             int32_t first, end;
-            if (t->row_seen[row] == 0)
+            if (t->cells.row_seen[row] == 0)
                 continue;
-            ntp__row_cells(cells, &first, &end, t, row);
+            ntp__row_cells(cells, &first, &end, &t->cells, row);
             for (int32_t b = first; b < end; b++) {
                 s->flat += cells[b];
                 s->distinct_flat += cells[b] > 0;

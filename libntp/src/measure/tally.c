@@ -7,56 +7,13 @@
 
 #include <string.h>
 
-/* ------------------------------------------------------------------ sums of judged texels */
-
-static void clear_sums(ntp__sums *s)
-{
-    if (s->texels == 0)
-        return;
-    for (int32_t z = 0; z < 2; z++) {
-        ntp__fit_sums *fit = &s->fit[z];
-        memset(fit->levels_off, 0, (fit->levels_off_max + 1) * sizeof fit->levels_off[0]);
-        memset(fit, 0, offsetof(ntp__fit_sums, levels_off));
-    }
-    ntp__angles_clear(&s->angles);
-    s->texels = 0;
-}
-
-static void merge_max(uint32_t *into, uint32_t from)
-{
-    if (from > *into)
-        *into = from;
-}
-
-static void merge_sums(ntp__sums *into, const ntp__sums *from)
-{
-    if (from->texels == 0)
-        return;
-    into->texels += from->texels;
-    for (int32_t z = 0; z < 2; z++) {
-        ntp__fit_sums *a = &into->fit[z];
-        const ntp__fit_sums *b = &from->fit[z];
-        ntp__merge_counts(a->flags, b->flags, NTP__STEEPNESS_BINS * 256);
-        ntp__merge_counts(a->lengths, b->lengths, NTP__LENGTH_BINS);
-        ntp__merge_counts(a->levels_off, b->levels_off, (size_t) b->levels_off_max + 1);
-        merge_max(&a->levels_off_max, b->levels_off_max);
-        for (int32_t i = 0; i < NTP__STEEPNESS_BINS; i++)
-            a->length_error[i] += b->length_error[i];
-        a->length_error2 += b->length_error2;
-        a->length_sum += b->length_sum;
-        merge_max(&a->length_max, b->length_max);
-        merge_max(&a->length_inverted_min, b->length_inverted_min);
-    }
-    ntp__angles_merge(&into->angles, &from->angles);
-}
-
 /* ------------------------------------------------------------------------- merge and clear */
 
 static void merge_channel(ntp__channel_sums *into, const ntp__channel_sums *from)
 {
     into->sum += from->sum;
-    merge_max(&into->max, from->max);
-    merge_max(&into->inverted_min, from->inverted_min);
+    ntp__merge_max(&into->max, from->max);
+    ntp__merge_max(&into->inverted_min, from->inverted_min);
 }
 
 static void merge_colors(ntp_tally *into, const ntp_tally *from)
@@ -111,11 +68,11 @@ ntp_status ntp_tally_merge(ntp_tally *into, const ntp_tally *from)
         for (size_t i = 0; i < sizeof into->wide_flat_seen; i++)
             into->wide_flat_seen[i] |= from->wide_flat_seen[i];
     }
-    merge_sums(&into->wide, &from->wide);
-    merge_sums(&into->transparent_wide, &from->transparent_wide);
-    merge_sums(&into->transparent_narrow, &from->transparent_narrow);
+    ntp__merge_sums(&into->wide, &from->wide);
+    ntp__merge_sums(&into->transparent_wide, &from->transparent_wide);
+    ntp__merge_sums(&into->transparent_narrow, &from->transparent_narrow);
     ntp__merge_samples(into, from);
-    ntp__merge_cells(into, from);
+    ntp__merge_cells(&into->cells, &from->cells);
     return NTP_OK;
 }
 
@@ -125,16 +82,14 @@ ntp_status ntp_tally_clear(ntp_tally *t)
         return NTP_ERR_ARGUMENT;
     if (t->depth == 0)
         return NTP_OK;
-    ntp__clear_cells(t);
+    ntp__clear_cells(&t->cells);
     ntp__clear_samples(t);
-    clear_sums(&t->wide);
-    clear_sums(&t->transparent_wide);
-    clear_sums(&t->transparent_narrow);
+    ntp__clear_sums(&t->wide);
+    ntp__clear_sums(&t->transparent_wide);
+    ntp__clear_sums(&t->transparent_narrow);
     if (t->wide_flat > 0)
         memset(t->wide_flat_seen, 0, sizeof t->wide_flat_seen);
-    uint32_t ready = t->rows_ready;
-    memset(t, 0, offsetof(ntp_tally, row_of));
-    t->rows_ready = ready;
+    memset(t, 0, offsetof(ntp_tally, cells));
     return NTP_OK;
 }
 
@@ -157,10 +112,11 @@ static void end_batch(ntp_tally *t, color_batch *batch, int32_t m, ntp_encoding 
 static void add_row(ntp_tally *t, color_batch *batch, int32_t row, int32_t m, ntp_encoding encoding)
 {
     uint32_t cells[256];
-    int32_t by = m / 255, r = (t->row_pair[row] & 255) * by, g = (t->row_pair[row] >> 8) * by;
+    int32_t by = m / 255, r = (t->cells.row_pair[row] & 255) * by,
+            g = (t->cells.row_pair[row] >> 8) * by;
     ntp__row far;
     int32_t first, end;
-    ntp__row_cells(cells, &first, &end, t, row);
+    ntp__row_cells(cells, &first, &end, &t->cells, row);
     bool too_long = ntp__rest(r, g, m) < 0;
     if (too_long)
         ntp__row_init(&far, r, g, m);
@@ -184,8 +140,8 @@ static void add_cells(ntp_tally *t, int32_t m, ntp_encoding encoding)
 {
     color_batch batch;
     batch.n = 0;
-    ntp__note_rows(t);
-    for (int32_t row = 0; (row = ntp__next_row(t->row_seen, row)) < NTP__ROWS; row++)
+    ntp__note_rows(&t->cells);
+    for (int32_t row = 0; (row = ntp__next_row(t->cells.row_seen, row)) < NTP__ROWS; row++)
         add_row(t, &batch, row, m, encoding);
     end_batch(t, &batch, m, encoding);
 }
@@ -212,12 +168,12 @@ ntp_status ntp__sum_up(ntp_tally *t, ntp_encoding encoding)
     if (t->summed && t->summed_encoding == (uint32_t) encoding)
         return NTP_OK;
     const ntp__sums *transparent = m == 255 ? &t->transparent_narrow : &t->transparent_wide;
-    clear_sums(&t->used);
-    clear_sums(&t->unused);
+    ntp__clear_sums(&t->used);
+    ntp__clear_sums(&t->unused);
     if (!picture) {
-        merge_sums(&t->used, &t->wide);
+        ntp__merge_sums(&t->used, &t->wide);
         add_cells(t, m, encoding);
-        merge_sums(&t->unused, transparent);
+        ntp__merge_sums(&t->unused, transparent);
         add_gray(t, 0, m, t->black, encoding);
         add_gray(t, m, m, t->white, encoding);
     }

@@ -1,0 +1,95 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * color_counts.h - the cells of a tally: how often each color of 8 bit occurs
+ *
+ * 8-bit texels are not judged one by one.  Each adds one to the cell of (row, blue), where the
+ * row stands for {|X|, |Y|}, all that verdicts, lengths and angles depend on.  Two lookups and
+ * two increments a texel, and all facts follow exactly, in integers, when the cells are read
+ * (summarize.c).  A 16-bit texel of which every level is a multiple of 257 goes to the same
+ * cells, for its X and Y are 257 times those of the 8-bit texel.
+ *
+ * Tables of megabytes are slow to look through, so it is noted which parts of them hold counts: of
+ * small images for each texel, of large ones, where that would cost more, once at the end.
+ */
+#ifndef NTP_COLOR_COUNTS_H
+#define NTP_COLOR_COUNTS_H
+
+#include <stdint.h>
+#include <string.h>
+
+enum {
+    /* Unordered pairs of 128 magnitudes, and a row for each of the four flat pairs, which are
+     * kept apart to tell flat colors. */
+    NTP__FLAT_ROWS = 4,
+    NTP__ROWS = 128 * 129 / 2 + NTP__FLAT_ROWS,
+
+    NTP__NEAR = 16,            /* cells about the derived blue of a row: a cache line */
+    NTP__FAR_CELLS = 256 + 16, /* rows a power of two apart would share few cache sets */
+    NTP__FEW = 4096            /* texels up to which it pays to note the rows of each */
+};
+
+/* Where the cells of a row hold counts. */
+enum { NTP__SEEN_NEAR = 1, NTP__SEEN_FAR = 2 };
+
+typedef struct ntp__color_counts {
+    uint32_t rows_ready;
+    uint32_t few;                 /* those being measured are few: their rows are noted */
+    uint32_t unnoted;             /* some rows with near cells are not in row_seen */
+    uint8_t row_seen[NTP__ROWS];  /* NTP__SEEN_* */
+    uint32_t row_of[65536];       /* by r | g << 8: see ntp__entry; when rows_ready */
+    uint16_t row_pair[NTP__ROWS]; /* of a row seen: some r | g << 8 of it, r, g >= 128 */
+    uint8_t row_first[NTP__ROWS]; /* and the blue of its first near cell */
+    /* The cells of a row: those near its derived blue; the others are in `far`. */
+    uint32_t near[NTP__ROWS * NTP__NEAR];
+    /* What well-formed textures do without: pages that stay untouched. */
+    uint32_t far[NTP__ROWS][NTP__FAR_CELLS];
+} ntp__color_counts;
+
+/* Fills row_of, once. */
+void ntp__rows_prepare(ntp__color_counts *counts);
+
+/* The entry of one pair, without the table. */
+uint32_t ntp__find_row(ntp__color_counts *counts, int32_t r, int32_t g);
+
+/* An entry of row_of: where the cells of its row begin in `near`, and the blue of the first. */
+static inline uint32_t ntp__entry(uint32_t row, uint32_t first)
+{
+    return row * NTP__NEAR << 8 | first;
+}
+
+static inline uint32_t ntp__entry_cells(uint32_t entry)
+{
+    return entry >> 8;
+}
+
+static inline uint32_t ntp__entry_first(uint32_t entry)
+{
+    return entry & 255;
+}
+
+/* The texels of a row that was seen, by blue: cells[*first] to cells[*end - 1]; the others are 0
+ * and not set. */
+void ntp__row_cells(uint32_t cells[256], int32_t *first, int32_t *end,
+                    const ntp__color_counts *counts, int32_t row);
+
+/* The first row from `row` on of which seen[row] is not 0; NTP__ROWS: none. */
+static inline int32_t ntp__next_row(const uint8_t seen[NTP__ROWS], int32_t row)
+{
+    uint64_t eight;
+    for (; row + 8 <= NTP__ROWS; row += 8) {
+        memcpy(&eight, seen + row, sizeof eight);
+        if (eight != 0)
+            break;
+    }
+    while (row < NTP__ROWS && seen[row] == 0)
+        row++;
+    return row;
+}
+
+/* Completes row_seen. */
+void ntp__note_rows(ntp__color_counts *counts);
+
+void ntp__merge_cells(ntp__color_counts *into, const ntp__color_counts *from);
+void ntp__clear_cells(ntp__color_counts *counts);
+
+#endif

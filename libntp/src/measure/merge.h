@@ -1,0 +1,23 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * merge.h - how parts of a measurement add up
+ */
+#ifndef NTP_MERGE_H
+#define NTP_MERGE_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+static inline void ntp__merge_counts(uint32_t *into, const uint32_t *from, size_t n)
+{
+    for (size_t i = 0; i < n; i++)
+        into[i] += from[i];
+}
+
+static inline void ntp__merge_max(uint32_t *into, uint32_t from)
+{
+    if (from > *into)
+        *into = from;
+}
+
+#endif
