@@ -63,7 +63,7 @@ ntp_encoding class_encoding(ntp_class type, int32_t channels);
 bool class_is_normals(ntp_class type);
 /* Standard, Z-zero or XY: normals in tangent space. */
 bool class_is_tangent(ntp_class type);
-/* The same of a file, and x and y are where they should be. */
+/* The same of a file, and x and y are in the right channels. */
 bool facts_are_tangent(const facts *f);
 /* "Z-zero" where ntp_class_name says "zzero": for people. */
 const char *class_title(ntp_class type);

@@ -20,7 +20,7 @@ typedef struct source {
     const input *in;
     const ntpio_limits *limits;
     worker *w;
-    unsigned char *bytes; /* the whole file where it cannot be read twice */
+    unsigned char *bytes; /* the whole file, if it cannot be read twice */
     size_t size;
     ntpio_reader *reader;
     const ntpio_info *info;

@@ -19,7 +19,7 @@ typedef enum name_y { NAME_Y_NONE, NAME_Y_UP, NAME_Y_DOWN } name_y;
 
 typedef struct input {
     char *path;     /* as it is opened and shown; "-" is standard input */
-    char *relative; /* where it goes below -o DIR, with the input's own ending */
+    char *relative; /* its place below -o DIR, still with its own ending */
     char *output;   /* where the output goes; NULL: not decided */
     char *problem;  /* why a directory could not be read; NULL for files */
     bool named;     /* given by name: always judged */

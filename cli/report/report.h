@@ -34,8 +34,10 @@ void text_paint(text *t, bool colors, paint p, const char *words);
 
 /* One object that opens: {"schema_version": 1, "tool": {...}, "files": [ */
 void json_begin(text *t);
-/* An item of that list, on a line of its own; takes the reference. */
-void json_item(text *t, json_t *item, bool first);
+/* An item of that list, on a line of its own, after a comma; takes the reference. */
+void json_item(text *t, json_t *item);
+/* Takes the comma off the first item that is printed. */
+void json_begin_list(text *item, bool *any);
 /* Closes the list and adds the summary; takes the reference. */
 void json_end(text *t, json_t *summary);
 /* A whole document: "schema_version" and "tool", then the body. */

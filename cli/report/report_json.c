@@ -45,10 +45,18 @@ void json_begin(text *t)
     text_add(t, ", \"files\": [");
 }
 
-void json_item(text *t, json_t *item, bool first)
+void json_item(text *t, json_t *item)
 {
-    text_add(t, first ? "\n  " : ",\n  ");
+    text_add(t, ",\n  ");
     dump(t, item);
+}
+
+void json_begin_list(text *item, bool *any)
+{
+    if (*any || item->size == 0)
+        return;
+    item->data[0] = ' ';
+    *any = true;
 }
 
 void json_end(text *t, json_t *summary)

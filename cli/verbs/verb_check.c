@@ -129,7 +129,7 @@ static void render(const check *c, const input *in, const checked *done, result 
         check_text(&r->out, in, done, &c->settings);
         break;
     case FORMAT_JSON:
-        json_item(&r->out, check_json(in, done, &c->settings), false);
+        json_item(&r->out, check_json(in, done, &c->settings));
         break;
     case FORMAT_CSV:
         check_csv(&r->out, in, done, &c->settings);
@@ -196,10 +196,8 @@ static void deliver(void *context, const input *in, result *r)
     count(&c->summary, done);
     facts_free(&done->f);
     free(done);
-    if (c->format == FORMAT_JSON && !c->any && r->out.size > 0) {
-        r->out.data[0] = ' '; /* the first item has no comma before it */
-        c->any = true;
-    }
+    if (c->format == FORMAT_JSON)
+        json_begin_list(&r->out, &c->any);
 }
 
 static void begin(const check *c)

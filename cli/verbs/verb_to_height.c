@@ -76,7 +76,7 @@ static bool agree(const to_height_settings *set)
     return false;
 }
 
-/* --depth, and the ending of -o where it is a file. */
+/* --depth, and the ending of a file that -o names. */
 static bool read_depth(to_height_settings *set, const options *o)
 {
     const char *output = option_string(o, OPT_OUTPUT);

@@ -29,7 +29,7 @@ typedef struct to_height_state {
     ntp_y y;
     chosen_by y_by, kernel_by, border_by[2];
     double y_confidence;
-    double scale, offset; /* of what is written */
+    double scale, offset; /* of the output */
 } to_height_state;
 
 enum { READ_PERMILLE = 400, SOLVE_PERMILLE = 600 }; /* the progress after reading, after choosing */

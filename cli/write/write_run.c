@@ -65,7 +65,7 @@ static void tell_json(const production *p, outcome done, const ntpio_error *erro
         p->m->describe(p, NULL, object);
         list_dropped(&p->f.info, NULL, object);
     }
-    json_item(&r->out, object, false);
+    json_item(&r->out, object);
 }
 
 static void tell_text(const production *p, outcome done, const ntpio_error *error, result *r)
@@ -143,10 +143,8 @@ static void deliver(void *context, const input *in, result *r)
     all->files++;
     all->outcomes[*done]++;
     free(done);
-    if (option_integer(all->m->o, OPT_FORMAT) == 1 && !all->any && r->out.size > 0) {
-        r->out.data[0] = ' '; /* the first item has no comma before it */
-        all->any = true;
-    }
+    if (option_integer(all->m->o, OPT_FORMAT) == 1)
+        json_begin_list(&r->out, &all->any);
 }
 
 static void end_run(const run *all)
