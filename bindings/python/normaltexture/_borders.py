@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
-"""What the texels tell of the kernel and the borders that made a texture, as `ntp to-height` asks.
+"""Detects the kernel and the borders that made a texture, as `ntp to-height` does.
 
-Borders: the heights are made without regard to the slopes at the edges, which then are asked.
+For the borders, heights are made without the slopes at the edges, which then decide.
 """
 
 from typing import Any
@@ -29,7 +29,7 @@ def find_kernel(src: Any, touch_unused: int) -> int:
 def choose_borders(
     how: Any, asked: tuple[int, int], src: Any, heights: Any, solver: Solver
 ) -> bool:
-    """Sets the borders of `how`; -1 in `asked` is for the texels to tell.  Did it solve?"""
+    """Sets the borders of `how`; -1 in `asked` means to detect them.  True if it solved."""
     method = how.method
     fixed = asked[0] >= 0, asked[1] >= 0
     how.border_x, how.border_y = max(asked[0], _WRAP), max(asked[1], _WRAP)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What the statistics of a texture say it is, and how it is best cleaned."""
+"""What a texture is by its statistics, and how it is best cleaned."""
 
 from dataclasses import dataclass
 from typing import Any, Literal, overload
@@ -23,19 +23,19 @@ _COLOR = 3  # channels; fewer are gray, or gray and alpha, which may be x and y
 
 @dataclass(frozen=True)
 class Classification(_Result):
-    """What a texture is, how surely, and why.
+    """What a texture is, with which confidence, and why.
 
     Attributes
     ----------
     type : str
         "standard", "zzero", "xy", "height", "object-space", "one-color" or "not-normals".
     confidence : float
-        0..1; 0.5 is a coin toss between two.
+        0..1; 0.5: two classes are equally likely.
     accidents : tuple of str
-        What happened to it: "gamma", "red-is-z", "green-is-z", "dxt5nm", "lossy", "filtered",
+        What was done to it: "gamma", "red-is-z", "green-is-z", "dxt5nm", "lossy", "filtered",
         "z-flipped", "blue-constant".
     reasons : tuple of str
-        English clauses, the weightiest first.
+        English clauses, the most important first.
     """
 
     type: Class
@@ -85,7 +85,7 @@ def classify(
     Parameters
     ----------
     src : array, (height, width) or (height, width, 1 to 4), or Tally
-        A texture, or what was measured of it.  Two channels may be gray and alpha, or x and y.
+        A texture, or its measurement.  Two channels may be gray and alpha, or x and y.
     touch_unused : bool
         Look at pure black, pure white and transparent texels too.
     threads : int
@@ -119,7 +119,7 @@ def classify(
 
 @dataclass(frozen=True)
 class MethodChoice(_Result):
-    """The cleaning method for which a texture's errors speak, and the evidence."""
+    """The cleaning method chosen by the errors of a texture, and the reason."""
 
     method: ChosenMethod
     reason: str
@@ -144,12 +144,12 @@ def choose_method(
 def choose_method(
     src: AnyPixels | Tally, *, type: Type = "standard", lossy: bool = False, threads: int = 1
 ) -> MethodChoice:
-    """Find the cleaning method for which a texture's errors speak.
+    """Choose the cleaning method by the errors of a texture.
 
     Parameters
     ----------
     src : array, (height, width, channels) of 3 or 4 channels, or Tally
-        A texture, or what was measured of it.
+        A texture, or its measurement.
     type : {"standard", "zzero", "xy", "vector"}
         How a normal is stored.
     lossy : bool
@@ -160,8 +160,8 @@ def choose_method(
     Returns
     -------
     MethodChoice
-        "keep" where every used texel is an honest rounding, "normalize" where all three channels
-        err together, as after lossy compression or resizing, "derive" otherwise.
+        "keep" if every used texel is correctly rounded, "normalize" if all three channels are off,
+        as after lossy compression or resizing, "derive" otherwise.
     """
     encoding = _as_read(choose("type", type, TYPES))
     measured = _measured(src, type, False, threads)

@@ -40,7 +40,7 @@ def _plain(value: Any) -> Any:
 
 @dataclass(frozen=True)
 class Fit(_Result):
-    """How texels fare when blue is read in one way; counts cover every texel."""
+    """Results for the texels when blue is read in one way; counts cover every texel."""
 
     neighbor: int
     rounded: int
@@ -171,12 +171,12 @@ class Tally:
         check(lib.ntp_tally_add(self._pointer, src_view, self._touch, area), "measure")
 
     def merge(self, other: Self) -> Self:
-        """Add what another tally holds."""
+        """Add the content of another tally."""
         check(lib.ntp_tally_merge(self._pointer, other._pointer), "merge")
         return self
 
     def stats(self) -> Stats:
-        """Work out the statistics of what was added."""
+        """Compute the statistics of what was added."""
         struct = ffi.new("ntp_stats *")
         encoding = STANDARD if self._encoding in (VECTOR, HEIGHT) else self._encoding
         check(lib.ntp_tally_summarize(struct, self._pointer, encoding), "measure")
@@ -236,7 +236,7 @@ def measure(
     touch_unused: bool = False,
     threads: int = 1,
 ) -> Stats:
-    """Count and measure everything that is known about a texture, in one pass.
+    """Measure a texture, in one pass.
 
     Parameters
     ----------
@@ -245,7 +245,7 @@ def measure(
     type : {"standard", "zzero", "xy", "vector", "height"}
         How a normal is stored.  It decides the angles and histograms; counts of both readings of
         blue are in `standard` and `zzero`.  "height": a gray image, or any picture of 1 to 4
-        channels; these are only described.
+        channels; only the facts of each channel are measured.
     touch_unused : bool
         Count pure black, pure white and transparent texels like any other.
     threads : int

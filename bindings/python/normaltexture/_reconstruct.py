@@ -61,26 +61,26 @@ class HeightInfo(_Result):
     Attributes
     ----------
     method, kernel, border_x, border_y, y, decode, z : str
-        What was chosen for "auto", else what was asked for.
+        The choice for "auto", otherwise the argument.
     scale, offset : float
-        (heights - offset)/scale is 0..1, and `scale` makes that into these normals again by
-        `normals_from_height`.
+        (heights - offset)/scale is 0..1, and with `scale` `normals_from_height` makes these normals
+        from that again.
     unused, not_finite : int
-        Texels that counted as flat: unused ones, and floats that are no vector.
+        Texels that counted as flat: unused ones, and floats that are not a vector.
     holes, islands : int
-        Method "weighted": texels without a height, and connected areas, each with a mean of its
-        own.
+        Method "weighted": texels without a height, and connected areas, each with its own mean.
     iterations, error : int, float
-        Method "weighted": steps of the last solution, and what is left.
+        Method "weighted": steps of the last solution, and its final error.
     rounds, refine_left : int
-        Rounds of `refine` that were done, and texels whose normal is not given again exactly.
+        Rounds done by `refine`, and texels whose normal still differs.
     residual : float
-        Root mean square of x and y of the heights' normals less those of the texture, in levels.
+        Root mean square difference of x and y between the normals of the heights and the texture,
+        in levels.
     trend_x, trend_y : float
-        Slopes to the right and down that `detrend` took out.
+        Slopes to the right and down that `detrend` removed.
     consistency, consistency_max : float
-        Method "telescoping": root mean square and greatest difference between slopes of the heights
-        and stored slopes that the sums did not take; else 0.
+        Method "telescoping": root mean square and maximum difference between slopes of the heights
+        and stored slopes that the sums did not use; else 0.
     """
 
     method: str
@@ -147,42 +147,41 @@ def height_from_normals(
     out: NDArray[np.float32] | None = None,
     threads: int = 1,
 ) -> NDArray[np.float32]:
-    """Find the heightfield behind normals, in texels, with mean 0.
+    """Reconstruct the heightfield of normals, in texels, with mean 0.
 
-    Of all heightfields it is the one whose slopes, by the kernel and borders, come nearest to the
-    stored ones.
+    It is the heightfield whose slopes, by the kernel and borders, are closest to the stored ones.
 
     Parameters
     ----------
     src : array, (height, width, channels), uint8, uint16 or float32
         A normals texture of 3 or 4 channels (`"xy"`: 2 to 4).
     type : {"auto", "standard", "zzero", "xy", "vector"}
-        How a normal is stored; "auto" finds out by the texels, as `ntp to-height` does.
+        How a normal is stored; "auto" detects it from the texels, as `ntp to-height` does.
     y : {"auto", "up", "down"}
-        Which way green points; "auto": as the texels tell, else up.
+        Which way green points; "auto": detect it from the texels, else up.
     method : {"auto", "telescoping", "frankot-chellappa", "poisson-dct", "weighted"}
         Least squares, for textures that tile and that do not; with holes and weights; or Eberly's
-        sums of slopes.  "auto": weighted with a `mask`, else as the borders say.
+        sums of slopes.  "auto": weighted with a `mask`, else by the borders.
     kernel : {"auto", "baked"}, or one of `normals_from_height`
-        How the slopes were taken; "baked": they are those of a surface, at texel centers.
+        How the slopes were computed; "baked": they are those of a surface, at texel centers.
         "auto": the one that fits best, else central.
     border, border_x, border_y : {"auto"}, or one of `normals_from_height`
-        The height beyond the edges.  "auto": what the normals at the edges tell, else what
-        supposes nothing about them.
+        The height beyond the edges.  "auto": detect it from the normals at the edges, else a border
+        that assumes nothing about them.
     dx, dy : float
         Width and height of a texel.
     refine : int
-        Do up to so many more rounds, until the normals of the heights are those of `src`.
+        Do up to this many more rounds, until the normals of the heights are those of `src`.
     seeds : four floats, optional
         Telescoping: the heights at (0, 0), (1, 0), (0, 1), (1, 1), in texels.
     equalize : bool
         Telescoping: give texels of even and of odd rows and columns the same mean.
     mask : array, (height, width), uint8 or uint16, optional
-        Where it is 0 there is no surface.
+        There is no surface where it is 0.
     detrend : bool
-        Take the best plane out of the heights, where they do not tile.
+        Remove the best-fitting plane from the heights, where they do not tile.
     decode : {"auto", "unorm", "neutral", "unorm-trunc", "snorm128"}
-        Which level of red and green is 0, of 8 bit: 127.5; both 127 and 128; 127; 128.
+        Which level of red and green is 0, in 8 bit: 127.5; both 127 and 128; 127; 128.
     z : {"auto", "stored", "derived"}
         Whether z is read from blue or computed from red and green.
     touch_unused : bool
@@ -204,7 +203,7 @@ def height_from_normals(
         For arguments outside what is listed here, and kernels and borders that the method cannot
         solve.
     CancelledError
-        Where `progress` returned False.
+        If `progress` returned False.
 
     Notes
     -----
@@ -212,7 +211,7 @@ def height_from_normals(
     (1988); D. Eberly, "Reconstructing a Height Field from a Normal Map".
 
     Least squares take as much memory as the heights, and some rows.  For textures beyond memory
-    `src` and `out` may be of `numpy.memmap`: they are gone through in order.
+    `src` and `out` may be of `numpy.memmap`: they are read and written in order.
 
     Examples
     --------
@@ -289,9 +288,9 @@ def height_from_normals_with_info(
     out: NDArray[np.float32] | None = None,
     threads: int = 1,
 ) -> tuple[NDArray[np.float32], HeightInfo]:
-    """Find the heightfield behind normals, and say what was chosen and how well it fits.
+    """Reconstruct the heightfield of normals, and say what was chosen and how well it fits.
 
-    To work out the residual takes one more pass.
+    Computing the residual takes one more pass.
 
     Parameters
     ----------

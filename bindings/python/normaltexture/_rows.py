@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Normals to heightfields beyond memory: rows come from functions of the caller and go to them."""
+"""Normals to heightfields larger than memory: functions of the caller read and write rows."""
 
 from collections.abc import Callable
 from typing import Any
@@ -134,21 +134,20 @@ def height_from_rows(
     progress: Callable[[float], object] | None = None,
     threads: int = 1,
 ) -> HeightInfo:
-    """Find the heightfield behind normals, row by row, for pictures too large for memory.
+    """Reconstruct the heightfield of normals, row by row, for pictures too large for memory.
 
     The heights are those of `height_from_normals`, byte for byte, with the same kernel, borders,
-    `y`, `decode` and `z`, of which nothing is found out here.  But for "central" with
-    "extrapolate": there the edges are not fitted again.
+    `y`, `decode` and `z`, but nothing is detected here.  The exception is "central" with
+    "extrapolate", whose edges are not fitted again.
 
     Parameters
     ----------
     read_normals : callable (y, count) -> array, (count, width, channels)
-        Returns so many rows of normals from row y on.  Groups of rows are asked for in order down
-        the picture; a few rows around each as well, with `border="wrap"` those of the other end
-        too.
+        Returns this many rows of normals from row y on.  Groups of rows are read in order down the
+        picture, with a few rows around each; with `border="wrap"` also those of the opposite end.
     write_heights : callable (y, rows)
-        Keeps `rows`, (count, width), float32, read-only, from row y on; they are of use until it
-        returns.  Down the picture these are not heights yet; then, from the last group to the
+        Keeps `rows`, (count, width), float32, read-only, from row y on; they are valid until it
+        returns.  On the way down these are not heights yet.  Then, from the last group to the
         first, each is read again and written as heights.
     read_heights : callable (y, count) -> array, (count, width), float32
         Returns what was written there last.
@@ -161,18 +160,18 @@ def height_from_rows(
     y : {"up", "down"}
         Which way green points.
     method : {"auto", "frankot-chellappa", "poisson-dct"}
-        Least squares, as the borders say; for textures that tile; that do not.
+        Least squares by the borders; for textures that tile; for those that do not.
     kernel : {"central", "forward", "baked"}
-        How the slopes were taken; "baked": they are those of a surface, at texel centers.
+        How the slopes were computed; "baked": they are those of a surface, at texel centers.
     border, border_x, border_y : one of `normals_from_height`
-        The height beyond the edges; for both axes, or one.  "central" does not go with
+        The height beyond the edges; for both axes, or one.  "central" does not support
         `border_y="mirror"`.
     dx, dy : float
         Width and height of a texel.
     decode : {"auto", "unorm", "neutral", "unorm-trunc", "snorm128"}
-        As in `height_from_normals`; "auto" stands for "unorm".
+        As in `height_from_normals`; "auto" means "unorm".
     z : {"auto", "stored", "derived"}
-        Whether z is read from blue or computed from red and green; "auto" stands for "stored".
+        Whether z is read from blue or computed from red and green; "auto" means "stored".
     touch_unused : bool
         Use pure black, pure white and transparent texels like any other.
     progress : callable, optional
@@ -191,7 +190,7 @@ def height_from_rows(
         For arguments outside what is listed here, rows of another shape or type, and kernels and
         borders that cannot be solved row by row.
     CancelledError
-        Where `progress` returned False.
+        If `progress` returned False.
     Exception
         What one of the functions raises ends the work and is raised here.
 

@@ -55,7 +55,7 @@ class Callbacks:
 
 
 class Solver(Callbacks):
-    """Heights of one texture, into one array, as often as is asked."""
+    """Heights of one texture, into one array, as often as requested."""
 
     def __init__(
         self, dst: Any, src: Any, threads: int, progress: Callable[[float], object] | None
@@ -97,8 +97,8 @@ def _progress(user: Any, share: float) -> int:
 
 
 def _rest(task: Callable[[int], object], queue: deque[int]) -> None:
-    """Does what the others leave of the queue.  Not in Python's loop: where Ctrl-C cuts in between
-    taking an index and using it, that is lost."""
+    """Does the work that the others leave in the queue.  This is not a loop of Python: if Ctrl-C
+    came between taking an index and using it, the index would be lost."""
     with suppress(IndexError):
         deque(map(task, iter(queue.popleft, None)), 0)
 

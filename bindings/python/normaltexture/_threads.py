@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: MIT
-"""Work on the rows of an image, shared out among threads.
+"""Work on the rows of an image, distributed among threads.
 
 Strips of rows lie in a queue; the caller and its helpers take one after the other, so a thread
-whose processor is slow or taken by others does fewer.  A helper that comes late finds nothing left
-to do, and nobody waits for it; what is too little to share stays with the caller.  So threads that
-are no help cost next to nothing.
+whose processor is slow or busy does fewer.  A helper that starts late finds nothing left to do, and
+nobody waits for it.  Work that is too small to split stays with the caller.  So threads that do not
+help cost almost nothing.
 """
 
 import os
@@ -31,9 +31,9 @@ COPYING, QUICK, THOROUGH = 1 << 18, 1 << 16, 1 << 12
 
 
 class Helpers(Generic[T]):
-    """Threads that call a function, each once; fewer where the system has no more.
+    """Threads that call a function, each once; fewer if the system has no more.
 
-    Threads of the low level, for those of `threading` are waited for until they have begun.
+    Low-level threads, because `threading` waits for its threads until they have started.
     """
 
     def __init__(self, count: int, function: Callable[[], T]) -> None:
@@ -65,7 +65,7 @@ class Helpers(Generic[T]):
             self._changed.notify()
 
     def wait(self) -> None:
-        """Until those that have begun are done; the others do nothing any more."""
+        """Waits until those that have started are done; the others do nothing any more."""
         with self._changed:
             self._late = True
             while self._running > 0:
@@ -79,7 +79,7 @@ class Helpers(Generic[T]):
 
 
 def thread_count(threads: int) -> int:
-    """The argument `threads`: 0 stands for one for each processor."""
+    """The argument `threads`: 0 means one for each processor."""
     if not isinstance(threads, (int, np.integer)) or not 0 <= threads <= MOST_THREADS:
         raise ArgumentError(
             f"threads={threads!r}: must be an integer 0..{MOST_THREADS}; 0: all processors"
@@ -90,7 +90,7 @@ def thread_count(threads: int) -> int:
 
 
 def _taken(queue: deque[Any]) -> Iterator[Any]:
-    """Item after item, until nobody finds another."""
+    """Item after item, until none is left."""
     try:
         while True:
             yield queue.popleft()
@@ -99,7 +99,7 @@ def _taken(queue: deque[Any]) -> Iterator[Any]:
 
 
 def _share(queue: deque[Any], work: Callable[[Iterable[Any]], T]) -> list[T]:
-    """Does what the others leave of the queue, if that is anything."""
+    """Does the work that the others leave in the queue, if any."""
     areas = _taken(queue)
     try:
         for first in areas:

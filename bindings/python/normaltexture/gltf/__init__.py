@@ -2,9 +2,9 @@
 """Normals textures in glTF files: what they are, whether they are well formed, and clean copies.
 
 ``check`` reads .gltf and .glb files, finds every image that a material reads normals from
-(normalTexture, clearcoatNormalTexture and the like in other extensions) and judges it as glTF
-asks: standard encoding, green up, blue above one half, no alpha channel.  ``clean`` writes a copy
-in which only those images differ.
+(normalTexture, clearcoatNormalTexture and the like in other extensions) and judges it by the rules
+of glTF: standard encoding, green up, blue above one half, no alpha channel.  ``clean`` writes a
+copy in which only those images differ.
 
 Source: glTF 2.0 specification, section 3.9.3; KHR_materials_clearcoat.
 """

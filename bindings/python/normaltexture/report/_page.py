@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
 """From the JSON of a check to one HTML page that needs nothing else.
 
-The page carries its style, its script and its pictures.  Its content security policy allows just
-these, by their hashes, and no network: whatever a file is called, nothing but text comes of it.
+The page contains its style, its script and its pictures.  Its content security policy allows only
+these, by their hashes, and no network: a file name can never be more than text.
 """
 
 import base64
@@ -54,7 +54,8 @@ MAX_TEXELS = 1 << 26
 
 
 class _Budget:
-    """Lets workers go on while their texels together are few enough; a large file goes alone."""
+    """Lets workers continue while the sum of their texels is small enough; a large file runs
+    alone."""
 
     def __init__(self, most: int) -> None:
         self._most = most
@@ -87,7 +88,7 @@ def state(file: Mapping[str, Any]) -> str:
 def green(file: Mapping[str, Any]) -> str:
     """Which way green points, in words.
 
-    Where a direction was required, the JSON repeats it as certain, and NT010 tells of the other.
+    If a direction was required, the JSON repeats it as certain, and NT010 reports the other one.
     """
     y = str(file["y"])
     if any(found["id"] == "NT010" for found in file["findings"]):
@@ -268,8 +269,8 @@ def build(
     limit
         How many files get pictures, the worst first.
     palette
-        "reference": red, green and blue as the heatmap of ntp has them; "safe": colors that
-        stay apart for every kind of color vision.
+        "reference": red, green and blue as the heatmap of ntp has them; "safe": colors that can be
+        told apart with every kind of color vision.
     max_texels
         Larger files get no pictures.
 
