@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: MIT
 """Times heightfield -> normals beside numpy and OpenCV: bench_height.py [--pairs N] [--size N]
 
-NTP_BUILD names the build.  A and B alternate, and the median of the pairwise ratios of
-processor time (of elapsed time for two threads) stands beside the goal.  OpenCV (the opencv-python-headless package) is
-left out where it is not installed.
+NTP_BUILD names the build.  A and B alternate, and the median of the pairwise ratios of processor
+time (of elapsed time for two threads) is compared with the goal.  OpenCV (the
+opencv-python-headless package) is left out if it is not installed.
 """
 
 import argparse
@@ -56,7 +56,7 @@ class Ours:
         ntp.check(ntp.lib.ntp_normals_from_height(*self.views, self.how, null, area))
 
     def on_two_threads(self):
-        """Whichever thread is free takes the next strip."""
+        """The next free thread takes the next strip."""
         end = self.out.shape[0]
         strips = iter(range(0, end, STRIP))
 
@@ -71,7 +71,7 @@ class Ours:
 
 
 def opencv(src):
-    """Two Sobels, a root, a division, a merge, one conversion: no pass more than needed."""
+    """Two Sobels, a root, a division, a merge, one conversion: as few passes as possible."""
     factor = SCALE / 8 / np.iinfo(src.dtype).max
     border = cv2.BORDER_REFLECT_101
     p = cv2.Sobel(src, cv2.CV_32F, 1, 0, scale=-factor, borderType=border)
@@ -94,7 +94,7 @@ def straightforward(src):
 
 
 def compare(name, a, b, pairs, goal, clock=time.thread_time):
-    """A's time over B's: at most the goal."""
+    """The time of A divided by that of B: at most the goal."""
     a(), b()
     times = []
     for i in range(pairs):

@@ -4,9 +4,9 @@
  *
  * usage: bench_kernels [--isa base|avx2] [--side N] [--pairs N] [--only TEXT]
  *
- * An operation and its yardstick alternate in one run, and the median of the pairwise ratios
- * stands beside the goal: on a shared machine times move by half, ratios hardly.  Times are of
- * the processor, which leaves out what else runs.  One thread; all buffers are the caller's and
+ * An operation and its reference alternate in one run, and the median of the pairwise ratios is
+ * compared with the goal: on a shared machine times vary by half, ratios hardly.  Times are
+ * processor times, which exclude other programs.  One thread; all buffers belong to the caller and
  * were touched before.  Content: fractal rock, a brick wall, and noise, which is the worst for
  * branches and tables and has no goals.
  */
@@ -32,14 +32,14 @@ typedef struct bench {
     ntp_clean_plan *plan;
     ntp_tally *tally;
     ntp_stats stats;
-    uint64_t valid; /* what the reference's test found: so that it is not optimized away */
+    uint64_t valid; /* the result of the reference's test, so that it is not optimized away */
     bool avx2;
     int over;
 } bench;
 
 /* ------------------------------------------------------------------- instruction set by option */
 
-/* The library is linked from an archive, in which cpu.c is left when its function is here. */
+/* The library is linked from an archive: its cpu.c is left out because its function is here. */
 static int allowed = NTP__CPU_ALL;
 
 bool ntp__cpu_has_avx2(int mask)
@@ -67,7 +67,7 @@ static float corner(uint32_t x, uint32_t y, uint32_t seed)
     return (float) (hash(x, y, seed) >> 8) / 16777216.0f - 0.5f;
 }
 
-/* Adds noise of `cells` cells a side, smoothly interpolated; it tiles. */
+/* Adds smoothly interpolated noise with `cells` cells on each side; it tiles. */
 static void add_octave(float *height, int32_t side, int32_t cells, float amplitude)
 {
     uint32_t mask = (uint32_t) cells - 1, seed = (uint32_t) cells;
@@ -142,7 +142,7 @@ static ntp_image image16(uint16_t *data, const bench *b)
     return ntp_image_packed(data, b->side, b->side, 3, NTP_TYPE_U16);
 }
 
-/* Normals of which each channel was rounded by itself, as most bakers do it. */
+/* Normals whose channels were rounded independently, as most bakers do. */
 static void make_normals(bench *b, double scale)
 {
     ntp_normals_options how = { .scale = scale, .blue = NTP_BLUE_NEAREST };
@@ -241,8 +241,8 @@ static void narrow(bench *b)
     expect(ntp_convert(&dst, &from, NULL, NULL, NULL));
 }
 
-/* The reference program's test of a texel: the shortest and the longest of 27 neighbors, by a
- * square root each, in floats.  (It takes as many again for Z-zero; they are left out here.) */
+/* The reference program's test of a texel: the shortest and the longest of 27 neighbors, with a
+ * square root for each, in floats.  (It needs as many again for Z-zero; they are left out here.) */
 static bool has_unit_neighbor(const uint8_t *texel)
 {
     float square[3][3], shortest = 9.0f, longest = 0.0f;
@@ -299,7 +299,7 @@ static double median(double *values, int n)
     return n % 2 ? values[n / 2] : (values[n / 2 - 1] + values[n / 2]) / 2;
 }
 
-/* What the ratio of times is, and on which side of the goal it has to lie. */
+/* The definition of the ratio of times, and on which side of the goal it has to be. */
 typedef enum sense {
     SPEED,
     COST

@@ -3,8 +3,8 @@
 
 Run it where the package is installed, on a machine with nothing else to do: `./dev python`, then
 `.venv-python/bin/python bench/bench_python.py`.  A and B alternate in one run, and the best of each
-stands beside the goal.  The numpy and OpenCV versions are what one would write in a tool: floats,
-whole arrays, rounding half up.  OpenCV is left out where it is not installed.
+is compared with the goal.  The numpy and OpenCV versions are what one would write in a tool:
+floats, whole arrays, rounding half up.  OpenCV is left out if it is not installed.
 """
 
 import argparse
@@ -29,7 +29,7 @@ ROUNDS = 7
 
 
 def numpy_clean(texture):
-    """Red and green stay, blue is computed; too long ones are shortened first."""
+    """Red and green stay, and blue is computed; pairs that are too long are shortened first."""
     xy = texture[..., :2].astype(np.float32) * (2 / 255) - 1
     length2 = (xy * xy).sum(-1, keepdims=True)
     xy = np.where(length2 > 1, xy / np.sqrt(np.maximum(length2, 1)), xy)
@@ -75,7 +75,7 @@ def seconds(call):
 
 
 def best(*calls):
-    """The least time of each; they take turns."""
+    """The shortest time of each; they take turns."""
     for call in calls:
         call()
     times = [[seconds(call) for call in calls] for _ in range(ROUNDS)]
@@ -134,7 +134,7 @@ def speeds(report, size):
 
 
 def threads(report, size):
-    """Two threads are to help where there is much to do, and never to cost much."""
+    """Two threads should help with much work, and never cost much."""
     rng = np.random.default_rng(1)
     print(f"\n{'two threads beside one':46}{'two':>12}{'one':>12}")
     for side in sorted({64, 256, 512, size}):

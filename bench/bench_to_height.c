@@ -2,8 +2,8 @@
 /*
  * bench_to_height.c - normals -> heightfield on one thread and two, and row by row
  *
- * bench_to_height [--size N] [--pairs N]   RGB8 in memory; the median of the pairwise ratios
- * bench_to_height --rows N                 N x N through row callbacks and a temporary file, and
+ * bench_to_height [--size N] [--pairs N] RGB8 in memory; median of the pairwise ratios
+ * bench_to_height --rows N N x N through row callbacks and a temporary file, and
  *                                          the greatest memory that took
  * Lines are: name, A, B, A/B, goal.
  */
@@ -42,7 +42,7 @@ static void *allocate(size_t bytes)
 
 /* ----------------------------------------------------------------------------- threads */
 
-/* One more thread, that waits for work. */
+/* A second thread, which waits for work. */
 typedef struct helper {
     pthread_t thread;
     pthread_mutex_t lock;
@@ -108,7 +108,7 @@ static void stop_helper(helper *h)
 
 /* ----------------------------------------------------------------------------- in memory */
 
-/* Normals of about (0, 0, 1), never the same for long. */
+/* Normals of about (0, 0, 1), which change often. */
 static void fill(uint8_t *row, int32_t y, int32_t width)
 {
     uint32_t state = (uint32_t) y * 2654435761u + 1;

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: MIT
 """Times normals -> heightfield beside scipy.fft: bench_to_height.py [--pairs N] [--size N]
 
-NTP_BUILD names the build.  The same least squares on both sides, RGB8 normals to float
-heights, one thread; A and B alternate, and the median of the pairwise ratios of processor time
-stands beside the goal.  The rows "slopes" give scipy its slopes ready made, ours decodes.
+NTP_BUILD names the build.  The same least squares on both sides, RGB8 normals to float heights, one
+thread; A and B alternate, and the median of the pairwise ratios of processor time is compared with
+the goal.  In the rows "slopes" scipy gets ready-made slopes, while ours decodes.
 """
 
 import argparse
@@ -60,7 +60,7 @@ class Ours:
 
 
 def slopes(src):
-    """In float32, as few passes as numpy can."""
+    """In float32, with as few passes as numpy allows."""
     v = src.astype(np.float32)
     v *= np.float32(2 / 255)
     v -= 1
@@ -84,7 +84,7 @@ def by_fourier(p, q):
 
 
 def by_cosines(p, q):
-    """One-sided, free: the last slopes of a row and a column are not looked at."""
+    """One-sided, free: the last slopes of a row and a column are ignored."""
     h, w = p.shape
     f = np.zeros((h, w), np.float32)
     f[:, 1:] += p[:, :-1]

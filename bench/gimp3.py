@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: MIT
 """Times our filter and our plug-in in GIMP 3: `./dev gimp3 --bench [SIDE]`.
 
-Beside them are GIMP's own filter at the same settings, and a plug-in that only copies the layer; all
-work on one RGB layer, in turns, in one GIMP.  Then each alone, for the memory that GIMP takes.
-Results are held against `ntp from-height`: no texel may differ.
+They are compared with GIMP's own filter at the same settings, and with a plug-in that only copies
+the layer; all work on one RGB layer, in turns, in one GIMP.  Then each runs alone, for the memory
+that GIMP needs.  Results are compared with `ntp from-height`: no texel may differ.
 
-The plug-in is timed twice: as it is called, when it leaves the layer to the operation, and where it
-gets and puts all texels itself.
+The plug-in is timed twice: as it is normally called, when it runs the operation on the layer, and
+when it reads and writes all texels itself.
 """
 
 import json
@@ -54,7 +54,7 @@ def run(gimp, names, rounds):
 
 
 def memory(gimp, name):
-    """The most that GIMP took at once, in MB, in a process of its own: of all children so far."""
+    """The peak memory of GIMP, in MB, in a separate process: the maximum of all children so far."""
     child = os.fork()
     if child == 0:
         run(gimp, [name] if name else [], 1)

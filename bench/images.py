@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Makes the textures that the benchmarks read: images.py DIRECTORY [--huge]
 
-Fractal rock and a brick wall, as unit normals of which each channel was rounded by itself: real
+Fractal rock and a brick wall, as unit normals whose channels were rounded independently: realistic
 enough for PNG filters and for the cleaner, and the same on every machine.
 """
 
@@ -29,7 +29,7 @@ def rock(side, seed, slope):
 
 
 def bricks(side, seed):
-    """Rows of bricks with rounded edges, roughened by rock."""
+    """Rows of bricks with rounded edges, with rock added."""
     v, u = np.mgrid[0:side, 0:side] / side
     row = np.floor(v * 16)
     u = (u * 8 + 0.5 * (row % 2)) % 1
@@ -40,7 +40,7 @@ def bricks(side, seed):
 
 
 def normals(height, top):
-    """Central differences, wrapped; each channel rounded to 0..top by itself."""
+    """Central differences, wrapped; each channel rounded to 0..top independently."""
     x = (np.roll(height, 1, 1) - np.roll(height, -1, 1)) / 2
     y = (np.roll(height, -1, 0) - np.roll(height, 1, 0)) / 2
     length = np.sqrt(x * x + y * y + 1)
@@ -49,7 +49,7 @@ def normals(height, top):
 
 
 class PngWriter:
-    """Writes rows of any sample size as they come: filter Sub, runs only."""
+    """Writes rows of any sample size one after another: filter Sub, runs only."""
 
     def __init__(self, file, width, height, depth):
         self.file = file
@@ -79,7 +79,7 @@ class PngWriter:
 
 
 def write(path, samples, repeat=1):
-    """repeat: so many times the image in each direction."""
+    """repeat: how many times the image is repeated in each direction."""
     height, width, _ = samples.shape
     with path.open("wb") as file:
         writer = PngWriter(file, width * repeat, height * repeat, 8 * samples.itemsize)
@@ -94,7 +94,7 @@ def main():
     folder.mkdir(parents=True, exist_ok=True)
     height = rock(SIDE, 1, 0.45)
     image = normals(height, 255)
-    # As most textures come: libpng's own defaults, which is what Pillow asks for.
+    # Like most textures: with libpng's own defaults, which Pillow uses.
     Image.fromarray(image).save(folder / "rock_n.png")
     write(folder / "rock16_n.png", normals(height, 65535))
     unit = (height - height.min()) / np.ptp(height)

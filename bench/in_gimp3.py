@@ -42,7 +42,8 @@ def call(image, layer, **others):
 
 
 def alone(image, layer):
-    """Calls the plug-in for what the operation does not offer, so that it does all by itself."""
+    """Calls the plug-in with an option that the operation does not have, so that it does all the
+    work."""
     return call(image, layer, **{"swap-rgb": True})
 
 

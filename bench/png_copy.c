@@ -2,8 +2,8 @@
 /*
  * png_copy.c - copies a PNG file with libpng, row by row: png_copy IN OUT
  *
- * What `ntp clean` is measured against: the same reading, the same settings, sync and rename,
- * and nothing between them.
+ * The reference for `ntp clean`: the same reading, the same settings, sync and rename, and nothing
+ * between them.
  */
 #include <fcntl.h>
 #include <png.h>
@@ -56,7 +56,7 @@ static int copy(FILE *in, FILE *out)
     return EXIT_SUCCESS;
 }
 
-/* Makes the rename last. */
+/* Makes the rename durable. */
 static int sync_directory_of(const char *path)
 {
     char directory[4096];

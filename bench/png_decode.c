@@ -2,7 +2,7 @@
 /*
  * png_decode.c - reads a PNG file with libpng, row by row, and drops it: png_decode FILE
  *
- * What `ntp check` is measured against: nobody checks an image faster than it can be read.
+ * The reference for `ntp check`: an image cannot be checked faster than it can be read.
  */
 #include <png.h>
 

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
 """How often libntp is right: quality.py [SECONDS] [--seed N]; NTP_BUILD names the build.
 
-Draws textures of known kind, as tests/test_classify.py does, and counts what the classification and
-the search for banding say of them; then makes the table of docs/classification.md.
+Generates textures of known type, as tests/test_classify.py does, and counts what the classification
+and the search for banding say about them; then makes the table of docs/classification.md.
 """
 
 import argparse
@@ -49,7 +49,7 @@ def draws(seconds, seed):
 
 
 def heights(seed):
-    """Of 8 bit and full range: bumps and fractals in turn."""
+    """8-bit heights of full range: bumps and fractals in turn."""
     for i in range(TEXTURES):
         h = (surfaces.bumps, surfaces.fractal)[i % 2](np.random.default_rng([seed, i]), 256, 256)
         h = (h - h.min()) / np.ptp(h)

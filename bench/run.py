@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: MIT
-"""Times `ntp` beside what it is measured against: run.py BUILD [--pairs N] [--huge] [--only TEXT]
+"""Measures the times of `ntp` and of references: run.py BUILD [--pairs N] [--huge] [--only TEXT]
 
-Absolute times mean little on a shared machine, ratios taken side by side do: A and B alternate in
-one run, and the median of the pairwise ratios stands beside the goal.  Both write to the same
-directory and both sync what they write.
+Absolute times mean little on a shared machine, but ratios measured side by side do: A and B
+alternate in one run, and the median of the pairwise ratios is compared with the goal.  Both write
+to the same directory and both sync what they write.
 """
 
 import argparse
@@ -21,7 +21,7 @@ NAMES = ("png_copy", "png_decode", "bench_kernels", "bench_to_height")
 
 
 def spent(command):
-    """(seconds, peak bytes) of one process; what it prints is dropped."""
+    """(seconds, peak bytes) of one process; its output is discarded."""
     start = time.perf_counter()
     process = subprocess.Popen(
         [str(part) for part in command], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
@@ -52,7 +52,8 @@ class Report:
         )
 
     def compare(self, name, a, b, goal, pairs, per=(1, 1)):
-        """The median over pairs of A's time over B's, each divided by its amount of work."""
+        """The median over pairs of the ratio of the times of A and B, each divided by its amount of
+        work."""
         if not self.wanted(name):
             return
         spent(a), spent(b)  # caches warm, lazy files read
@@ -66,7 +67,7 @@ class Report:
         self.row(name, f"{a_ms:.1f} ms", f"{b_ms:.1f} ms", ratio, goal)
 
     def compare_sum(self, name, a, b, goal, pairs):
-        """The same where B is what several commands take, some of them to be taken away."""
+        """The same if B is a sum of several commands, some of them subtracted."""
         if not self.wanted(name):
             return
         times = []
@@ -125,7 +126,7 @@ def end_to_end(report, tool, src, out, pairs):
         height, normals = src / f"height{depth}.png", out / "n.png"
         a = [ntp, "from-height", "-q", height, "-o", normals, "--scale", "9", "--depth", "8"]
         spent(a)
-        # Reading the heights and writing the normals: copying those less reading them.
+        # Reading the heights and writing the normals: copying the normals minus reading them.
         b = [(1, [decode, height]), (1, [copy, normals, out / "b.png"]), (-1, [decode, normals])]
         report.compare_sum(f"from-height {depth} bit / libpng", a, b, 1.1, pairs)
     many = [ntp, "clean", "-q", "-r", src / "many", "-o", out / "many", "--jobs"]

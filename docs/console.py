@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: MIT
-"""Runs what the pages show: console.py [--check] NTP
+"""Runs the commands in the pages: console.py [--check] NTP
 
 In README.md and docs/*.md each line "$ ..." of a console block is run by sh in a copy of
-test_files, one copy for each page, with NTP in the PATH.  What follows it is replaced by what it
-printed; with --check, a difference is an error.
+test_files, one copy for each page, with NTP in the PATH.  The lines that follow are replaced by its
+output; with --check, a difference is an error.
 """
 
 import argparse

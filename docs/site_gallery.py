@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The gallery of the site: each picture is made by the code that is shown beside it."""
+"""The gallery of the website: the code beside each picture makes it."""
 
 import tempfile
 from pathlib import Path
@@ -131,7 +131,7 @@ def large(picture):
 
 
 def scene():
-    """What the snippets start from."""
+    """The variables that the snippets use."""
     height = gray(surface(256, 2.2, 5))
     normals = nt.normals_from_height(height, scale=14, kernel="sobel3")
     damaged = normals.copy()

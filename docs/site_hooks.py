@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What mkdocs does not do by itself: pages that the build makes, and links out of docs/.
+"""Additions to mkdocs: pages that the build makes, and links out of docs/.
 
 libntp.md comes from the header, ntp.md from the program's help, gallery.md with its pictures from
 the snippets in site_gallery.py.  normaltexture is installed where this runs.
@@ -98,7 +98,8 @@ def on_files(files, config):
 
 
 def on_page_markdown(markdown, page, config, files):
-    """Links out of docs/ become names: the site has no sources.  The header has a page."""
+    """Links out of docs/ become plain names, because the site has no sources.  The header has a
+    page."""
 
     def inside(match):
         target = posixpath.normpath(posixpath.join(posixpath.dirname(page.file.src_uri), match[1]))

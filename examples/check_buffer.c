@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * check_buffer.c - find the bad texels of a part of an image that lies in memory
+ * check_buffer.c - find the bad texels in a part of an image in memory
  *
- * The image is 16-bit RGBA, as an engine or a paint program holds it; only a crop of it is
- * looked at.  A view needs no copy: it says where the samples lie.  Compiles as C and as C++.
+ * The image is 16-bit RGBA, as an engine or a paint program holds it; only a crop of it is checked.
+ * A view needs no copy: it says where the samples are.  Compiles as C and as C++.
  *
  * Build: cc check_buffer.c $(pkg-config --cflags --libs libntp)
  */
@@ -16,7 +16,7 @@ enum { WIDTH = 48, HEIGHT = 32, CHANNELS = 4 };
 
 static uint16_t pixels[HEIGHT][WIDTH][CHANNELS];
 
-/* Flat normals, and three texels that are not what they should be. */
+/* Flat normals, and three wrong texels. */
 static void fill(void)
 {
     static const uint16_t flat[CHANNELS] = { 32768, 32768, 65535, 65535 };

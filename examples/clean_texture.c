@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * clean_texture.c - what is this texture, how bad is it, and a clean copy of it
+ * clean_texture.c - says what a texture is and how large its errors are, and writes a clean copy
  *
  *     clean_texture IN.rgb WIDTH HEIGHT OUT.rgb     8-bit RGB rows without a header
  *     clean_texture                                 a small texture made here
@@ -17,7 +17,7 @@ static unsigned char encode(double v)
     return (unsigned char) ((v + 1) / 2 * 255 + 0.5);
 }
 
-/* A bump; its z was made by a shortcut that is good for gentle slopes only. */
+/* A bump; its z is an approximation that is good for gentle slopes only. */
 static void make_bump(unsigned char *rgb, int width, int height)
 {
     for (int row = 0; row < height; row++) {

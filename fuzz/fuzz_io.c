@@ -2,9 +2,10 @@
 /*
  * fuzz_io.c - reads any bytes as an image
  *
- * Rows go into buffers of their exact size, so that a byte too many is caught.  What is read in
- * steps of several rows must be what is read row by row, and each error must be one line of plain
- * text with a status.  Formats are found by content; the name makes the rest TGA.
+ * Rows go into buffers of their exact size, so that a byte too many is caught.  Reading in steps of
+ * several rows must give the same as reading row by row, and each error must be one line of plain
+ * text with a status.  Formats are recognized by content; because of the name, everything else is
+ * read as TGA.
  */
 #include "ntpio.h"
 
@@ -14,7 +15,7 @@
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
-/* Small, for speed: a few MB at most whatever a header says. */
+/* Small, for speed: a few MB at most, whatever a header says. */
 static const ntpio_limits LIMITS = {
     .max_side = 4096,
     .max_texels = 1 << 18,
@@ -53,7 +54,7 @@ static void check_info(const ntpio_info *info)
         require(info->texts[i].key != NULL && info->texts[i].value != NULL, "text");
 }
 
-/* Reads all of it in steps of `step` rows; *hash and the row count tell what came. */
+/* Reads the whole image in steps of `step` rows; *hash and the row count are the result. */
 static bool read_all(const uint8_t *data, size_t size, uint32_t step, uint64_t *hash)
 {
     ntpio_error error = { NTPIO_OK, "" };

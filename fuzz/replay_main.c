@@ -2,8 +2,8 @@
 /*
  * replay_main.c - runs a fuzz target over files: replay FILE_OR_DIRECTORY...
  *
- * Stands in for libFuzzer, so that a corpus is replayed with any compiler.  Each file also comes
- * without its second half, and with single bits flipped.
+ * Replaces libFuzzer, so that any compiler can replay a corpus.  Each file is also run without its
+ * second half, and with single bits flipped.
  */
 #include <dirent.h>
 #include <limits.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * evidence.c - lets the tests in Python ask for the classifier's evidence, which is private
+ * evidence.c - gives the tests in Python access to the classifier's evidence, which is private
  */
 #include "measure/evidence.h"
 

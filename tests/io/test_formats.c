@@ -139,7 +139,7 @@ static void every_png(void)
     }
 }
 
-/* Damage that must be told, and in these words. */
+/* Damage that must be reported, and in these words. */
 static void told(void)
 {
     ntpio_info info;

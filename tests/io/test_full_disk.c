@@ -3,8 +3,8 @@
  * test_full_disk.c - a disk that runs full, directories that may not be written, and writers
  * that are killed: the old file stays whole, and nothing stays beside it
  *
- * The full disk is a small tmpfs in a mount namespace of its own, which needs root (else this
- * part is skipped).  All is done twice: with unnamed temporary files, and with named ones.
+ * The full disk is a small tmpfs in a mount namespace of its own, which needs root (else this part
+ * is skipped).  Everything is done twice: with unnamed temporary files, and with named ones.
  */
 #include <dirent.h>
 #include <errno.h>
@@ -24,7 +24,7 @@ enum { SMALL = 9, LARGE = 700, SKIPPED = 77, NOBODY = 65534, KILLS = 40 };
 static ntpio_error error;
 static uint8_t texels[LARGE * LARGE * 3];
 
-/* As the writer gets its rows: a few at a time. */
+/* The writer gets its rows a few at a time. */
 static bool write_image(const char *path, ntpio_format format, uint32_t side)
 {
     const ntpio_write_options options = {
@@ -80,7 +80,7 @@ static void fails(const char *path, uint32_t side, const char *why)
     }
 }
 
-/* Where mounts are nobody else's. */
+/* In a namespace whose mounts are private. */
 static bool own_mounts(void)
 {
     return unshare(CLONE_NEWNS) == 0 && mount("none", "/", NULL, MS_REC | MS_PRIVATE, NULL) == 0;
@@ -116,7 +116,7 @@ static void in_locked_directory(void)
     CHECK(side_of("old.png") == SMALL && entries() == 1);
 }
 
-/* As somebody who may not do all things. */
+/* As a user without special rights. */
 static void locked_directory(void)
 {
     CHECK(mkdir("locked", 0755) == 0 && chmod(".", 0755) == 0);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * test_jpeg.c - JPEG made by the library's compressor, read as its plain decompressor reads it;
- * what the header tells, and damage
+ * header fields, and damage
  */
 #include <stdio.h>
 
@@ -113,7 +113,7 @@ static void check_damage(const jpeg_file *file)
         CHECK(status == NTPIO_ERR_CORRUPT || (size < 4 && status == NTPIO_ERR_FORMAT));
         CHECK(size < 4 || strstr(error.message, "truncated") != NULL);
     }
-    /* An end amid the texels: the library only warns, and would make up the rest. */
+    /* A file that ends within the texels: the library only warns, and would invent the rest. */
     const size_t middle = file->size - file->size / 8;
     unsigned char two[2];
     memcpy(two, file->bytes + middle, 2);
@@ -144,7 +144,7 @@ static void check_shape(shape s)
     CHECK(info.jpeg_quality == s.quality);
     CHECK(info.jpeg_subsampled == (s.channels == 3 && s.subsampled));
     check_damage(&file);
-    /* What follows the image is none of it. */
+    /* Bytes after the image are ignored. */
     static const uint8_t junk[] = { 0xff, 0xd8, 'j', 'u', 'n', 'k', 0xff };
     uint8_t *longer = malloc(file.size + sizeof junk);
     CHECK(longer != NULL);
@@ -182,7 +182,7 @@ static size_t frame_of(const jpeg_file *file)
     return at;
 }
 
-/* What a header may say that is no damage: 12 bits, lossless, a profile. */
+/* Headers that are unusual but not damaged: 12 bits, lossless, a profile. */
 static void check_headers(void)
 {
     jpeg_file file = compress((shape) { 3, 90, false, false });

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * test_output.c - what is written comes back, and a failure leaves the old file whole and
- * nothing beside it
+ * test_output.c - what is written is read back the same, and a failure leaves the old file whole
+ * and nothing beside it
  */
 #include <dirent.h>
 #include <errno.h>

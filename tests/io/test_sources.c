@@ -208,7 +208,8 @@ static void limits(void)
         make_png(SIDE, 8, 2, lace);
         CHECK(status_of(&fits) == NTPIO_OK);
         CHECK(status_of(&side) == NTPIO_ERR_LIMIT && status_of(&texels) == NTPIO_ERR_LIMIT);
-        CHECK(status_of(&memory) == (lace ? NTPIO_ERR_LIMIT : NTPIO_OK)); /* held, or streamed */
+        CHECK(status_of(&memory) == (lace ? NTPIO_ERR_LIMIT : NTPIO_OK)); /* held whole, or streamed
+                                                                           * */
     }
     make_tga(24, 0, true, -1);
     CHECK(status_of(&fits) == NTPIO_OK && status_of(&memory) == NTPIO_ERR_LIMIT);
@@ -226,7 +227,7 @@ static void limits(void)
     }
 }
 
-/* A string's zeros belong to the body. */
+/* Zeros of a string belong to the body. */
 #define BODY(kind, body) chunk(&file, kind, body, sizeof body - 1)
 
 static void texts(void)
@@ -235,7 +236,7 @@ static void texts(void)
     png_start(&file, 2, 2, 8, 0, 0);
     BODY("gAMA", "\0\0\xb1\x8f");
     BODY("sRGB", "\0");
-    BODY("iCCP", "x\0\0\x78\x9c\x03\0\0\0\0\x01"); /* an empty profile: there, that is all */
+    BODY("iCCP", "x\0\0\x78\x9c\x03\0\0\0\0\x01"); /* an empty profile: it exists, nothing more */
     BODY("pHYs", "\0\0\x0b\x13\0\0\x0b\x14\1");
     BODY("tEXt", "Author\0\xc9mile");
     BODY("zTXt", "Comment\0\0\x78\x01\x01\x06\0\xf9\xffzipped\x09\x2d\x02\x8d"); /* stored */

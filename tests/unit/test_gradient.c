@@ -20,7 +20,7 @@ static uint64_t next(uint64_t *seed)
     return *seed;
 }
 
-/* (a + b)^2 = a^2 + 2ab + b^2 and (a + b) - b = a for numbers of many limbs. */
+/* (a + b)^2 = a^2 + 2ab + b^2 and (a + b) - b = a for numbers with many limbs. */
 static void test_identities(uint64_t *seed)
 {
     for (int round = 0; round < ROUNDS; round++) {
@@ -45,7 +45,8 @@ static void test_identities(uint64_t *seed)
     }
 }
 
-/* x 2^ex - y 2^ey - z 2^ez of small numbers, where a double tells the sign; and of far exponents. */
+/* x 2^ex - y 2^ey - z 2^ez for small numbers, where a double gives the sign; and for exponents far
+ * apart. */
 static void test_sign(uint64_t *seed)
 {
     for (int round = 0; round < ROUNDS; round++) {
@@ -79,7 +80,7 @@ static void test_to_double(uint64_t *seed)
         int32_t e = (int32_t) (next(seed) % 2400) - 1300;
         ntp__wide a, shifted;
         ntp__wide_set(&a, v);
-        /* (double) v is rounded once; so is a denormal when v has few bits */
+        /* (double) v is rounded once; also a denormal if v has few bits */
         double expected = e < -1074 ? ldexp((double) (v >> 11), e) : ldexp((double) v, e);
         if (e < -1074)
             ntp__wide_set(&a, v >> 11);

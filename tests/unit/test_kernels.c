@@ -2,8 +2,8 @@
 /*
  * test_kernels.c - every instruction set gives the bytes of the base level
  *
- * All widths 1..300 between guard pages, levels of 8 and 16 bit, for each kernel; and the square
- * roots behind them against integers, for every argument where that is feasible.
+ * All widths 1..300 between guard pages, levels of 8 and 16 bit, for each kernel; and their square
+ * roots against integers, for every argument where that is feasible.
  */
 #include "guarded.h"
 #include "texel/kernels.h"
@@ -88,7 +88,8 @@ static void compare_packed(const ntp__kernels_table *level, size_t n, size_t cha
     }
 }
 
-/* What it says is done is, and nothing else; it stops only where a pair is too long. */
+/* The texels that it reports as done are done, and nothing else; it stops only where a pair is too
+ * long. */
 static void check_cleaned16(const uint16_t *dst, const uint16_t *src, const int32_t *want,
                             int32_t n, int32_t done, uint64_t changed)
 {

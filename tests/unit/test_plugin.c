@@ -73,7 +73,7 @@ static void test_flip_and_swap(void)
     fill(in);
     settings_reset(&procedures[PROCEDURE_NORMALS], &s);
     s.value[FN_SCALE] = 3;
-    /* heights of a picture mirrored left to right have the other slope to the right */
+    /* heights of a picture mirrored left to right have the opposite slope to the right */
     memory *mirrored = memory_new(9, 7, 1, NTP_TYPE_U8);
     for (int y = 0; y < 7; y++) {
         for (int x = 0; x < 9; x++)
@@ -186,7 +186,7 @@ static void test_preview(void)
     memory_free(whole);
 }
 
-/* What is shown of cleaning is what cleaning writes, by the method that the report found. */
+/* The preview of cleaning is what cleaning writes, by the method that the report found. */
 static void test_preview_of_cleaning(void)
 {
     enum { W = 60, H = 50 };
@@ -199,7 +199,7 @@ static void test_preview_of_cleaning(void)
     wave(wave_height, in, NTP_KERNEL_BAKED);
     for (int i = 0; i < W * H * 3; i++)
         bytes->data[i] = (unsigned char) (((uint16_t *) (void *) in->data)[i] >> 8);
-    for (int i = 0; i < W * H; i += 7) /* blue that red and green do not agree with */
+    for (int i = 0; i < W * H; i += 7) /* a blue that does not match red and green */
         bytes->data[3 * i + 2] = (unsigned char) (bytes->data[3 * i + 2] - 40);
     for (int how = 0; how < 3; how++) {
         settings_reset(&procedures[PROCEDURE_CLEAN], &s);

@@ -39,7 +39,7 @@ static void test_height(void)
     }
     assert(worst < 0.01 && fabs(range - 12) < 0.2);
     free(plane);
-    for (int i = 0; i < W * H; i++) { /* flat is no gradient, but one gray */
+    for (int i = 0; i < W * H; i++) { /* flat is not a gradient but one gray */
         uint16_t *n = (uint16_t *) (void *) normals->data + 3 * i;
         n[0] = n[1] = 32768;
         n[2] = 65535;
@@ -53,7 +53,7 @@ static void test_height(void)
     memory_free(normals);
 }
 
-/* Every kernel leads back, tiling and open, by some method. */
+/* Every kernel can be inverted, tiling and open, by some method. */
 static void test_height_kernels(void)
 {
     enum { W = 26, H = 21 };

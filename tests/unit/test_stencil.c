@@ -2,8 +2,8 @@
 /*
  * test_stencil.c - the slopes of a heightfield and their adjoint, kernel by kernel, border by border
  *
- * <A x, y> = <x, A' y> for random x, y; and the operator against ntp_normals_from_height, which knows
- * the same kernels and borders by other code: slopes of unit heights, one after another.
+ * <A x, y> = <x, A' y> for random x, y; and the operator against ntp_normals_from_height, which has
+ * the same kernels and borders in other code: slopes of unit heights, one after another.
  */
 #include "to_height/shared/slope_operator.h"
 

@@ -2,8 +2,8 @@
 /*
  * test_threads.c - calls on disjoint areas of one image from several threads
  *
- * Four threads clean, validate and measure bands of one image, sharing the plan; the result is that
- * of one call, whatever the order.  Meant to be run under a thread sanitizer as well.
+ * Four threads clean, validate and measure bands of one image and share the plan.  The result is
+ * that of one call, whatever the order.  Run it under a thread sanitizer too.
  */
 #include "guarded.h"
 #include "libntp.h"

@@ -3,7 +3,7 @@
  * test_views.c - no operation touches a byte outside its views
  *
  * Images of every type, channel count and width 1..300 lie against guard pages, forwards and
- * backwards; the samples that an operation has no business with are compared afterwards.
+ * backwards; the samples that an operation must not touch are compared afterwards.
  */
 #include "guarded.h"
 #include "libntp.h"
