@@ -91,7 +91,7 @@ def test_summarize(kind, touch):
     check_summary(ntp.Tally().measure(array, encoding, touch), array, encoding, touch)
 
 
-FEW = 4096  # NTP__FEW of tally.h: fewer texels are measured in another way
+FEW = 4096  # NTP__FEW of color_counts.h: fewer texels are measured in another way
 
 
 @pytest.mark.parametrize("kind", KINDS)
