@@ -602,8 +602,8 @@ NTP_API ntp_status ntp_shade(const ntp_image *dst, const ntp_const_image *src,
  */
 typedef struct ntp_diff ntp_diff;
 
-/* Bytes of an ntp_diff (about 700 KiB): zero-filled by the caller, aligned to 16.  How much of it is
- * touched depends on how many different angles occur: one page if nothing differs. */
+/* Bytes of an ntp_diff (about 700 KiB): zero-filled by the caller, aligned to 16.  How much of
+ * it is touched depends on how many different angles occur: one page if nothing differs. */
 NTP_API size_t ntp_diff_size(void);
 
 typedef struct ntp_diff_stats {
@@ -1216,7 +1216,7 @@ typedef struct ntp_kernel_fit {
  * 1024 and only until they show enough detail, and 256 columns of each.  The border does not
  * matter.  src->ring_rows is 0.
  */
-NTP_API ntp_status ntp_find_kernel(ntp_kernel_fit *origin, const ntp_const_image *src,
+NTP_API ntp_status ntp_find_kernel(ntp_kernel_fit *fit, const ntp_const_image *src,
                                    uint32_t touch_unused);
 
 /* How two opposite edges fit together. */

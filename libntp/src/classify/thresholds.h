@@ -7,13 +7,13 @@
 static const double GRAY_SHARE = 0.98;
 static const double GRAY_SURE = 0.97, NEARLY_GRAY_SURE = 0.88;
 
-/* A gray file is a height but where it holds something else by mistake.  What was only described, not
- * judged, may be anything. */
+/* A gray file is a height but where it holds something else by mistake.  What was only described,
+ * not judged, may be anything. */
 static const double GRAY_FILE_SURE = 0.99, NOT_ASKED_SURE = 0.5;
 
-/* Unit length.  Honest encoders reach 1 with NTP_VERDICT_NEIGHBOR; 3 % of bad texels must not matter.  By
- * 1/8 even JPEG and resizing rarely take more than a tenth of the texels, and chance (a picture's
- * colors) rarely leaves more than half of them. */
+/* Unit length.  Honest encoders reach 1 with NTP_VERDICT_NEIGHBOR; 3 % of bad texels must not
+ * matter.  By 1/8 even JPEG and resizing rarely take more than a tenth of the texels, and chance (a
+ * picture's colors) rarely leaves more than half of them. */
 static const double ROUNDED_ALL = 0.995, ROUNDED_SHARE = 0.96, UNIT_SHARE = 0.93,
                     NEAR_UNIT_SHARE = 0.88;
 
@@ -44,8 +44,8 @@ static const double KEPT_SPREAD = 0.03, KEPT_SLOPING_ERROR = 0.05;
 static const double LOOSE_SURE = 0.93, UNSEEN_SURE = 0.85;
 
 /* How sure lengths make it: more so the more of them are near 1 (all of it a tenth above the share
- * that it takes), less so the more they spread.  What fits to the level is sure, unless the fit comes
- * from flat texels only. */
+ * that it takes), less so the more they spread.  What fits to the level is sure, unless the fit
+ * comes from flat texels only. */
 static const double TIGHT_SURE = 0.97, NEAR_SURE = 0.8, NEAR_UNIT_RANGE = 0.1;
 static const double SPREAD_SURE = 0.6, FLAT_ONLY_SURE = 0.8;
 enum { SLOPING_TEXELS_LEAST = 64 };
@@ -111,7 +111,8 @@ static const double MIDDLE = 0.15, ALPHA_ENDS_MOST = 0.05;
 static const double PAIR_SURE = 0.95, PAIR_LEANING_SURE = 0.6, PAIR_TOO_LONG_SURE = 0.8;
 
 /* Red and blue of DXT5nm: constant but for what block compression does to them, and near 0 or M, as
- * no x is.  Where they repeat green it may be a gray picture with an alpha that is balanced as well. */
+ * no x is.  Where they repeat green it may be a gray picture with an alpha that is balanced as
+ * well. */
 static const double IDLE_DEVIATION = 0.02, IDLE_OFF_MIDDLE = 0.35;
 static const double DXT5NM_SURE = 0.95, DXT5NM_GRAY_SURE = 0.85;
 
@@ -132,8 +133,9 @@ static const double CONSTANT_DEVIATION = 0.0005;
 static const double USUAL_BLUE = 0.99;
 static const double BLUE_CONSTANT_SURE = 0.95, BLUE_UNUSUAL_SURE = 0.8;
 
-/* Nor is a bright constant blue filled in where it makes unit vectors: z of a gentle surface, rounded
- * to one level.  M alone makes most lengths of gentle slopes nearly 1, but not to the level. */
+/* Nor is a bright constant blue filled in where it makes unit vectors: z of a gentle surface,
+ * rounded to one level.  M alone makes most lengths of gentle slopes nearly 1, but not to the
+ * level. */
 static const double BRIGHT_BLUE = 0.9, FULL_BLUE = 0.998;
 
 /* Blue as 0..1: of the texels that can tell, half fit to within 3 levels; slope 2 and not 1.  Of
@@ -152,8 +154,8 @@ static const double ZZERO_FOLLOWS = 0.97, ZZERO_SLOPE_OFF = 0.2;
  * two apart that is Z-zero's as well as not. */
 static const double ZZERO_SURE_GAP = 2, ZZERO_SURE = 0.85;
 
-/* Z-zero of which some texels are no honest rounding; and a standard texture of which blue would fit
- * as 0..1 as well, since nothing in it tilts enough. */
+/* Z-zero of which some texels are no honest rounding; and a standard texture of which blue would
+ * fit as 0..1 as well, since nothing in it tilts enough. */
 static const double ZZERO_LOOSE_SURE = 0.8, EITHER_Z_SURE = 0.85;
 
 /* A mean blue above this can be occlusion, or z that coarse JPEG took apart: less is sure. */
@@ -181,8 +183,9 @@ static const double LINE_WIDTH = 0.15, LINE_NOISE = 1.0 / 255, LINE_SURE = 0.85;
 static const double XY_SURE = 0.85, XY_ALPHA_SURE = 0.92, ALPHA_VARIES = 0.02;
 
 /* Less sure is x, y without z the farther the mean lies off the middle, the more lengths are near 1
- * (all of it is gone a fifth below the share of normals), the less they spread, and the fewer texels
- * are gentle.  Block coding, colors that go together and a line of colors are marks of pictures. */
+ * (all of it is gone a fifth below the share of normals), the less they spread, and the fewer
+ * texels are gentle.  Block coding, colors that go together and a line of colors are marks of
+ * pictures. */
 static const double XY_LEANING_SURE = 0.6, XY_NEAR_SURE = 0.7, XY_KEPT_SURE = 0.6;
 static const double XY_SPREAD_OUT_SURE = 0.6, XY_PICTURE_SURE = 0.75;
 static const double FAR_FROM_UNIT = 0.2, XY_SPREAD_RANGE = 0.08;
@@ -190,7 +193,8 @@ static const double FAR_FROM_UNIT = 0.2, XY_SPREAD_RANGE = 0.08;
 /* Blue of tilted texels that is z for fewer than half of them is said to be unrelated. */
 static const double UNRELATED_NEAR = 0.5;
 
-/* No normals: the surer the farther the mean lies off the middle, and the fewer lengths are near 1. */
+/* No normals: the surer the farther the mean lies off the middle, and the fewer lengths are near
+ * 1. */
 static const double NOT_LEAST_SURE = 0.7, NOT_SURE = 0.95, NOT_LEAN_RANGE = 0.15;
 
 /* Columns at block borders step this much farther than others only after block coding; it shows in
@@ -225,8 +229,8 @@ static const double OF_Z_TELLS = 0.9;
  * nine of ten lengths are near 1 it is z all the same. */
 static const double UNRELATED = 0.1, UNRELATED_UNIT_SHARE = 0.9;
 
-/* Steep over shallow: z alone gives 0.7, all channels 1 and more.  Bins of 1/8; where too few texels
- * are that steep, both methods give nearly the same. */
+/* Steep over shallow: z alone gives 0.7, all channels 1 and more.  Bins of 1/8; where too few
+ * texels are that steep, both methods give nearly the same. */
 static const double STEEP_OVER_SHALLOW = 0.85, STEEP_LEAST = 0.005;
 enum { SHALLOW_BIN = 2, STEEP_BIN = 5, COMPARED_BINS = 2 };
 

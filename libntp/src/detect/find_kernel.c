@@ -255,10 +255,9 @@ static int32_t best_of(const double misfit[CANDIDATES], int32_t but)
     return best;
 }
 
-ntp_status ntp_find_kernel(ntp_kernel_fit *origin, const ntp_const_image *src,
-                           uint32_t touch_unused)
+ntp_status ntp_find_kernel(ntp_kernel_fit *fit, const ntp_const_image *src, uint32_t touch_unused)
 {
-    if (origin == NULL || touch_unused > NTP_UNUSED_ALL)
+    if (fit == NULL || touch_unused > NTP_UNUSED_ALL)
         return NTP_ERR_ARGUMENT;
     NTP__TRY(ntp__check_normals(src));
     if (src->ring_rows != 0)
@@ -266,21 +265,21 @@ ntp_status ntp_find_kernel(ntp_kernel_fit *origin, const ntp_const_image *src,
     sums s;
     memset(&s, 0, sizeof s);
     add_rows(&s, src, touch_unused);
-    origin->decided = 0;
-    origin->kernel = NTP_KERNEL_CENTRAL;
-    origin->points = s.points;
+    fit->decided = 0;
+    fit->kernel = NTP_KERNEL_CENTRAL;
+    fit->points = s.points;
     for (int32_t i = 0; i < NTP_KERNELS; i++)
-        origin->misfit[i] = -1;
+        fit->misfit[i] = -1;
     if (s.points < LEAST_POINTS)
         return NTP_OK;
     double misfit[CANDIDATES];
     for (int32_t i = 0; i < CANDIDATES; i++) {
         misfit[i] = s.square[i] / (double) s.points;
-        origin->misfit[CANDIDATE[i].kernel] = misfit[i];
+        fit->misfit[CANDIDATE[i].kernel] = misfit[i];
     }
     int32_t best = best_of(misfit, -1), next = best_of(misfit, best), last = CANDIDATES - 1;
     if (misfit[best] <= USABLE_MISFIT && misfit[0] > BETTER * misfit[best])
-        origin->kernel = CANDIDATE[best].kernel;
+        fit->kernel = CANDIDATE[best].kernel;
     bool fits = misfit[best] <= MOST_MISFIT && misfit[best] >= LEAST_MISFIT;
     double clearly = best == last ? CLEARLY_BAKED : CLEARLY;
     if (next == last && best != last) { /* baked is near every kernel where little is to be seen */
@@ -289,8 +288,8 @@ ntp_status ntp_find_kernel(ntp_kernel_fit *origin, const ntp_const_image *src,
         rest[last] = misfit[best] * 1e9;
         next = best_of(rest, best);
     }
-    origin->decided = fits && misfit[next] >= clearly * misfit[best];
-    if (origin->decided)
-        origin->kernel = CANDIDATE[best].kernel;
+    fit->decided = fits && misfit[next] >= clearly * misfit[best];
+    if (fit->decided)
+        fit->kernel = CANDIDATE[best].kernel;
     return NTP_OK;
 }

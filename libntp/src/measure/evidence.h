@@ -19,8 +19,8 @@ typedef struct ntp__evidence {
     ntp_stats stats;
     ntp__fit_evidence fit[2]; /* standard, Z-zero */
     uint64_t used_z_negative;
-    /* Used texels by steepness: how many, how many are not `rounded` and not `neighbor` as standard,
-     * and the mean of |length - 1|. */
+    /* Used texels by steepness: how many, how many are not `rounded` and not `neighbor` as
+     * standard, and the mean of |length - 1|. */
     uint64_t steepness[NTP__STEEPNESS_BINS];
     uint64_t steepness_not_rounded[NTP__STEEPNESS_BINS];
     uint64_t steepness_not_neighbor[NTP__STEEPNESS_BINS];

@@ -53,7 +53,8 @@ struct ntp_tally {
     uint32_t summed, summed_encoding; /* whether `used` and `unused` are of now, and for what */
 
     ntp__color_counts cells; /* used texels only */
-    /* What ntp_tally_summarize works out of the cells and the above, kept until the tally changes. */
+    /* What ntp_tally_summarize works out of the cells and the above, kept until the tally
+     * changes. */
     ntp__sums used, unused;
 
     /* From here on, what well-formed textures of 8 bit do without: pages that stay untouched. */
@@ -65,7 +66,8 @@ struct ntp_tally {
     ntp__sums transparent_wide, transparent_narrow; /* judged at 16 and at 8 bit */
 };
 
-/* Adds row y's texels x0 <= x < x1 to the samples, when it is one of those sampled (sampled_rows.c). */
+/* Adds row y's texels x0 <= x < x1 to the samples, when it is one of those sampled
+ * (sampled_rows.c). */
 void ntp__sample_row(ntp_tally *tally, const ntp_const_image *src, int32_t x0, int32_t x1,
                      int32_t y);
 
@@ -73,7 +75,8 @@ void ntp__merge_samples(ntp_tally *into, const ntp_tally *from);
 
 void ntp__clear_samples(ntp_tally *tally);
 
-/* Fills tally->used and tally->unused, with angles by this encoding.  Errors as ntp_tally_summarize. */
+/* Fills tally->used and tally->unused, with angles by this encoding.  Errors as
+ * ntp_tally_summarize. */
 ntp_status ntp__sum_up(ntp_tally *tally, ntp_encoding encoding);
 
 /* Fills in how blue goes with red and green (blue_evidence.c). */
