@@ -4,7 +4,7 @@
  *
  * Eight pixels a step.  On x86 they are done by hand, because compilers do not see that
  * pmaddwd of (a, c) with itself and with (1, 1) gives a(a + 1) + c(c + 1): that and the square
- * root are all the arithmetic there is.  Elsewhere, and for the last pixels, plain C.
+ * root are all the arithmetic there is.  Elsewhere plain C.
  */
 #ifdef __SSE2__
 #  include <immintrin.h>
@@ -15,12 +15,13 @@ enum {
     CLEAN16_REST = 1073709055 /* (65535^2 - 5) / 4 */
 };
 
-/* Up to a step of pixels; false, with nothing written, when a pair is too long. */
-static inline bool clean16_few(uint16_t *dst, const uint16_t *src, int32_t n, int32_t zzero,
-                               uint64_t *changed)
+#ifndef __SSE2__
+
+/* Eight pixels; false, with nothing written, when a pair is too long. */
+static inline bool clean16_step(uint16_t *dst, const uint16_t *src, bool zzero, uint64_t *changed)
 {
     int32_t b[CLEAN16_STEP], odd = 0;
-    for (int32_t i = 0; i < n; i++) {
+    for (int32_t i = 0; i < CLEAN16_STEP; i++) {
         int32_t r = src[3 * i] - 32768, g = src[3 * i + 1] - 32768;
         int32_t e = CLEAN16_REST - r * (r + 1) - g * (g + 1);
         odd |= e;
@@ -28,7 +29,7 @@ static inline bool clean16_few(uint16_t *dst, const uint16_t *src, int32_t n, in
     }
     if (odd < 0)
         return false;
-    for (int32_t i = 0; i < n; i++) {
+    for (int32_t i = 0; i < CLEAN16_STEP; i++) {
         if (changed != NULL)
             *changed += src[3 * i + 2] != b[i];
         dst[3 * i] = src[3 * i];
@@ -38,7 +39,7 @@ static inline bool clean16_few(uint16_t *dst, const uint16_t *src, int32_t n, in
     return true;
 }
 
-#ifdef __SSE2__
+#else
 
 /* e of four pairs, red in the lower half and green in the upper; both less 32768. */
 static inline __m128i rest4(__m128i rg)
@@ -132,14 +133,21 @@ static inline bool clean16_step(uint16_t *dst, const uint16_t *src, bool zzero, 
     return true;
 }
 
-#else
-
-static inline bool clean16_step(uint16_t *dst, const uint16_t *src, bool zzero, uint64_t *changed)
-{
-    return clean16_few(dst, src, CLEAN16_STEP, zzero, changed);
-}
-
 #endif
+
+/* Less than a step of pixels, filled up with flat ones, which do not change. */
+static inline bool clean16_rest(uint16_t *dst, const uint16_t *src, int32_t n, bool zzero,
+                                uint64_t *changed)
+{
+    uint16_t step[3 * CLEAN16_STEP];
+    for (int32_t i = 0; i < 3 * CLEAN16_STEP; i++)
+        step[i] = i % 3 == 2 ? 65535 : 32768;
+    memcpy(step, src, (size_t) n * 6);
+    if (!clean16_step(step, step, zzero, changed))
+        return false;
+    memcpy(dst, step, (size_t) n * 6);
+    return true;
+}
 
 static inline int32_t clean16_run(uint16_t *dst, const uint16_t *src, int32_t n, bool zzero,
                                   uint64_t *changed)
@@ -149,5 +157,5 @@ static inline int32_t clean16_run(uint16_t *dst, const uint16_t *src, int32_t n,
         if (!clean16_step(dst + 3 * i, src + 3 * i, zzero, changed))
             return i;
     }
-    return clean16_few(dst + 3 * i, src + 3 * i, n - i, zzero, changed) ? n : i;
+    return i == n || clean16_rest(dst + 3 * i, src + 3 * i, n - i, zzero, changed) ? n : i;
 }

@@ -17,6 +17,13 @@
 #define CONCAT_(a, b) a##b
 #define CONCAT(a, b)  CONCAT_(a, b)
 
+/* One copy for all calls, also for those with a constant n. */
+#if defined(__GNUC__) && !defined(__clang__)
+#  define ONE_COPY __attribute__((noinline, noclone))
+#else
+#  define ONE_COPY
+#endif
+
 static inline bool little_endian(void)
 {
     const uint16_t one = 1;
@@ -66,7 +73,10 @@ static inline void store64le(uint8_t *p, uint64_t v)
     store32le(p + 4, (uint32_t) (v >> 32));
 }
 
-enum { RGB = 0xffffff };
+enum {
+    RGB = 0xffffff,
+    LANES = 32 /* the loops over planes do a multiple of these, so that none has a remainder */
+};
 
 static inline uint32_t load24le(const uint8_t *p)
 {
@@ -216,13 +226,27 @@ static inline void derive_loop(int32_t *restrict want, const int32_t *restrict r
     }
 }
 
-static void derive(int32_t *want, const int32_t *r, const int32_t *g, int32_t n, int32_t m,
-                   int32_t zzero)
+ONE_COPY static void derive_lanes(int32_t *want, const int32_t *r, const int32_t *g, int32_t n,
+                                  int32_t m, int32_t zzero)
 {
     if (zzero)
         derive_loop(want, r, g, n, m, 1);
     else
         derive_loop(want, r, g, n, m, 0);
+}
+
+static void derive(int32_t *want, const int32_t *r, const int32_t *g, int32_t n, int32_t m,
+                   int32_t zzero)
+{
+    int32_t whole = n / LANES * LANES, in[2][LANES] = { { 0 } }, out[LANES];
+    size_t rest = (size_t) (n - whole) * sizeof *want;
+    derive_lanes(want, r, g, whole, m, zzero);
+    if (rest == 0)
+        return;
+    memcpy(in[0], r + whole, rest);
+    memcpy(in[1], g + whole, rest);
+    derive_lanes(out, in[0], in[1], LANES, m, zzero);
+    memcpy(want + whole, out, rest);
 }
 
 static int32_t clean_rgb16(uint16_t *dst, const uint16_t *src, int32_t n, int32_t zzero,
@@ -245,9 +269,9 @@ static inline int32_t half_up(int32_t a)
  * 4(A - 2(k - 1)) + 1 and 4(A + 2k) + 1; half a level: 4(k - 1)^2 = 4(A - (k - 1)) and
  * 4k^2 = 4(A + k).  M*M = 4 A_M + 1.
  */
-static void judge_standard(uint8_t *restrict flags, int32_t *restrict want,
-                           const int32_t *restrict r, const int32_t *restrict g,
-                           const int32_t *restrict b, int32_t n, int32_t m)
+ONE_COPY static void judge_standard(uint8_t *restrict flags, int32_t *restrict want,
+                                    const int32_t *restrict r, const int32_t *restrict g,
+                                    const int32_t *restrict b, int32_t n, int32_t m)
 {
     int32_t k0 = (m + 1) / 2;
     uint32_t am = (uint32_t) k0 * (uint32_t) (k0 - 1);
@@ -275,8 +299,9 @@ static void judge_standard(uint8_t *restrict flags, int32_t *restrict want,
 
 /* Z-zero.  What the square of blue is compared with is 4e + 3 with e from x and y alone, or, half
  * a level in or out, 4q + 1; both fit 32 bits unsigned where they are not negative. */
-static void judge_zzero(uint8_t *restrict flags, int32_t *restrict want, const int32_t *restrict r,
-                        const int32_t *restrict g, const int32_t *restrict b, int32_t n, int32_t m)
+ONE_COPY static void judge_zzero(uint8_t *restrict flags, int32_t *restrict want,
+                                 const int32_t *restrict r, const int32_t *restrict g,
+                                 const int32_t *restrict b, int32_t n, int32_t m)
 {
     int32_t k0 = (m + 1) / 2;
     int32_t e0 = (int32_t) (((int64_t) m * m - 5) / 4), q0 = e0 + 1;
@@ -301,13 +326,30 @@ static void judge_zzero(uint8_t *restrict flags, int32_t *restrict want, const i
     }
 }
 
-static void judge(uint8_t *flags, int32_t *want, const int32_t *r, const int32_t *g,
-                  const int32_t *b, int32_t n, int32_t m, int32_t zzero)
+static void judge_lanes(uint8_t *flags, int32_t *want, const int32_t *r, const int32_t *g,
+                        const int32_t *b, int32_t n, int32_t m, int32_t zzero)
 {
     if (zzero)
         judge_zzero(flags, want, r, g, b, n, m);
     else
         judge_standard(flags, want, r, g, b, n, m);
+}
+
+static void judge(uint8_t *flags, int32_t *want, const int32_t *r, const int32_t *g,
+                  const int32_t *b, int32_t n, int32_t m, int32_t zzero)
+{
+    int32_t whole = n / LANES * LANES, in[3][LANES] = { { 0 } }, out[LANES];
+    uint8_t few[LANES];
+    size_t rest = (size_t) (n - whole), size = rest * sizeof *want;
+    judge_lanes(flags, want, r, g, b, whole, m, zzero);
+    if (rest == 0)
+        return;
+    memcpy(in[0], r + whole, size);
+    memcpy(in[1], g + whole, size);
+    memcpy(in[2], b + whole, size);
+    judge_lanes(few, out, in[0], in[1], in[2], LANES, m, zzero);
+    memcpy(flags + whole, few, rest);
+    memcpy(want + whole, out, size);
 }
 
 /* From flags and derived blues to what the sums of a measurement take. */
@@ -346,8 +388,8 @@ static void angles_of(int32_t *restrict angle, const double *restrict xy2,
     }
 }
 
-static void judge_block(ntp__judged *j, const int32_t *r, const int32_t *g, const int32_t *b,
-                        int32_t n, int32_t m, int32_t angles)
+static void judge_block_lanes(ntp__judged *j, const int32_t *r, const int32_t *g, const int32_t *b,
+                              int32_t n, int32_t m, int32_t angles)
 {
     double xy2[256];
     int32_t steepness[256];
@@ -364,6 +406,24 @@ static void judge_block(ntp__judged *j, const int32_t *r, const int32_t *g, cons
         angles_of(j->angle, xy2, b, j->fit[1].want, n, m, 1);
     else
         angles_of(j->angle, xy2, b, j->fit[0].want, n, m, 0);
+}
+
+/* A block holds a whole number of lanes, so that only what is read has to be filled up. */
+static void judge_block(ntp__judged *j, const int32_t *r, const int32_t *g, const int32_t *b,
+                        int32_t n, int32_t m, int32_t angles)
+{
+    int32_t in[3][256];
+    int32_t filled = (n + LANES - 1) / LANES * LANES;
+    if (filled == n) {
+        judge_block_lanes(j, r, g, b, filled, m, angles);
+        return;
+    }
+    const int32_t *const planes[3] = { r, g, b };
+    for (int32_t k = 0; k < 3; k++) {
+        memcpy(in[k], planes[k], (size_t) n * sizeof in[k][0]);
+        memset(in[k] + n, 0, (size_t) (filled - n) * sizeof in[k][0]);
+    }
+    judge_block_lanes(j, in[0], in[1], in[2], filled, m, angles);
 }
 
 extern const ntp__kernels_table CONCAT(ntp__kernels_, NTP_ISA);
