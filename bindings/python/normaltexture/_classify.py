@@ -119,7 +119,14 @@ def classify(
 
 @dataclass(frozen=True)
 class MethodChoice(_Result):
-    """The cleaning method chosen by the errors of a texture, and the reason."""
+    """The cleaning method chosen by the errors of a texture, and the reason.
+
+    Attributes
+    ----------
+    method : {"derive", "normalize", "keep"}
+    reason : str
+        An English clause.
+    """
 
     method: ChosenMethod
     reason: str
@@ -162,6 +169,17 @@ def choose_method(
     MethodChoice
         "keep" if every used texel is correctly rounded, "normalize" if all three channels are off,
         as after lossy compression or resizing, "derive" otherwise.
+
+    Raises
+    ------
+    ArgumentError, SampleTypeError
+        For arguments outside what is listed here.
+
+    Examples
+    --------
+    >>> import normaltexture as nt
+    >>> nt.choose_method(nt.read("wall_n.png")).method
+    'derive'
     """
     encoding = _as_read(choose("type", type, TYPES))
     measured = _measured(src, type, False, threads)

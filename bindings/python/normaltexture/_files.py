@@ -197,6 +197,11 @@ def read_info(file: File) -> ImageInfo:
     ImageInfo
         Texts that follow the pixels of a PNG are missing; `read_with_info` finds them.
 
+    Raises
+    ------
+    FileError, FileNotFoundError, PermissionError
+        As `read`.
+
     Examples
     --------
     >>> import normaltexture as nt

@@ -40,7 +40,21 @@ def _plain(value: Any) -> Any:
 
 @dataclass(frozen=True)
 class Fit(_Result):
-    """Results for the texels when blue is read in one way; counts cover every texel."""
+    """Results for the texels when blue is read in one way, as standard or as Z-zero.
+
+    Attributes
+    ----------
+    neighbor, rounded, exact : int
+        Texels that pass each verdict, unused ones included.
+    exact_mirrored : int
+        Texels whose blue is the exact one of a negative z.
+    unused_neighbor, unused_rounded, unused_exact : int
+        The unused ones among those that pass.
+    used_levels_le : tuple of 4 int
+        Used texels with x, y not too long whose blue is off by at most 0, 1, 2, 3 levels.
+    length_min, length_mean, length_max : float
+        Lengths of the vectors, 1 being right; of every texel.
+    """
 
     neighbor: int
     rounded: int
@@ -57,7 +71,13 @@ class Fit(_Result):
 
 @dataclass(frozen=True)
 class Channel(_Result):
-    """A channel in levels, over every texel."""
+    """A channel in levels, over every texel.
+
+    Attributes
+    ----------
+    min, max : int
+    mean : float
+    """
 
     min: int
     max: int
@@ -66,7 +86,15 @@ class Channel(_Result):
 
 @dataclass(frozen=True)
 class Angles(_Result):
-    """Angles in degrees between two vectors of each texel."""
+    """Angles in degrees between two vectors of each texel.
+
+    Attributes
+    ----------
+    texels : int
+        How many were measured.
+    mean, p99, max : float
+        Degrees; 99 percent of the texels are at or below `p99`, which is counted in steps of 0.001.
+    """
 
     texels: int
     mean: float
@@ -76,10 +104,53 @@ class Angles(_Result):
 
 @dataclass(frozen=True)
 class Stats(_Result):
-    """What `measure` found; `ntp_stats` of libntp.h describes each field.
+    """What `measure` found.  Counts are of texels, and cover unused ones unless they say so.
 
-    `levels_off` and `lengths` are histograms: texels by the distance of their blue from the
-    derived one, in levels, and by length, bin i being i/128..(i+1)/128, the last one open.
+    Attributes
+    ----------
+    texels, unused, black, white, transparent : int
+        All texels; those that hold no normal, which are of three kinds.
+    not_finite : int
+        Float texels with a NaN or an infinity.
+    max, stored_max : int
+        The greatest level, 255 or 65535: that the texels were judged at, and that of the samples.
+        They differ for 16-bit samples that are all multiples of 257.
+    channels : int
+    channel : tuple of Channel
+        One for each channel.
+    xy_too_long, xy_far_too_long : int
+        Red and green alone are longer than 1; longer than 1.00774, the limit of Eric Haines'
+        NormalTextureProcessor.
+    neighbor_and_near : int
+        Texels that pass `neighbor` as standard and are within that limit.
+    z_negative : int
+        Read as standard.
+    unused_xy_too_long, unused_z_negative : int
+        The unused ones among these.
+    gray : int
+        Red, green and blue are equal; without transparent texels.
+    flat, distinct_flat : int
+        Used texels with x and y 0 but for rounding, and their different colors.
+    distinct : int
+        Different colors of used texels, counted up to 2.
+    levels_off_max : tuple of 2 int
+        How far blue of a used texel is off at most, in levels, as standard and as Z-zero.
+    alpha_zero, alpha_full : int
+        Texels with alpha 0, and with alpha `max`; 0 without alpha.
+    standard, zzero : Fit
+        How texels fare when blue is read as standard, and as Z-zero.
+    angles : Angles
+        Between stored and cleaned vectors of used texels, by the type measured.
+    used_mean : tuple of 4 float
+        Means of red, green, blue and alpha over used texels, 0..1.
+    near_gamma_flat : int
+        Used texels within 3/255 of (188, 188): flat ones stored as sRGB.
+    type : str
+        The argument of `measure`.
+    levels_off : tuple of int
+        Texels with x, y not too long by how far their blue is off the derived one, in levels.
+    lengths : tuple of 256 int
+        Texels by length: bin i is i/128..(i+1)/128, the last one is open.
     """
 
     texels: int
@@ -140,7 +211,15 @@ def _values(struct: Any, members: tuple[tuple[str, ...], tuple[str, ...]]) -> di
 class Tally:
     """Measures a texture in parts: rows, tiles, or what other threads have measured.
 
-    The sums are integers: parts add up to what the whole would give, in any order.
+    The sums are integers: parts add up to what the whole would give, in any order.  A tally takes
+    17 MB of address space, of which a clean 8-bit texture touches little.
+
+    Parameters
+    ----------
+    type : {"standard", "zzero", "xy", "vector", "height"}
+        As in `measure`.
+    touch_unused : bool
+        Count pure black, pure white and transparent texels like any other.
 
     Examples
     --------
@@ -162,7 +241,18 @@ class Tally:
             _TALLIES.give(self._pointer, self._owner)
 
     def add(self, src: AnyPixels) -> Self:
-        """Add the texels of an array; of one depth, and one number of channels."""
+        """Add the texels of an array, and return this tally.
+
+        Parameters
+        ----------
+        src : array, (height, width, channels), uint8, uint16 or float32
+            All that are added have samples of one type and the same number of channels.
+
+        Raises
+        ------
+        ArgumentError, SampleTypeError
+            For another depth or number of channels than before, and as `measure`.
+        """
         source = pixels("src", src)
         self._add(view("src", source, self._encoding), ffi.NULL)
         return self
@@ -171,12 +261,24 @@ class Tally:
         check(lib.ntp_tally_add(self._pointer, src_view, self._touch, area), "measure")
 
     def merge(self, other: Self) -> Self:
-        """Add the content of another tally."""
+        """Add the content of another tally, and return this one.
+
+        Raises
+        ------
+        ArgumentError
+            Where the other was made of samples of another type or another number of channels.
+        """
         check(lib.ntp_tally_merge(self._pointer, other._pointer), "merge")
         return self
 
     def stats(self) -> Stats:
-        """Compute the statistics of what was added."""
+        """Compute the statistics of what was added.
+
+        Raises
+        ------
+        ArgumentError
+            Where nothing was added.
+        """
         struct = ffi.new("ntp_stats *")
         encoding = STANDARD if self._encoding in (VECTOR, HEIGHT) else self._encoding
         check(lib.ntp_tally_summarize(struct, self._pointer, encoding), "measure")

@@ -223,6 +223,11 @@ def mip_chain(
     list of arrays
         Level 0 is a copy of `src`; each further one has half the sides, rounded down.
 
+    Raises
+    ------
+    ArgumentError, SampleTypeError
+        For arguments outside what is listed here.
+
     Examples
     --------
     >>> import normaltexture as nt

@@ -96,6 +96,11 @@ def detect_orientation(
     -------
     Orientation
 
+    Raises
+    ------
+    ArgumentError, SampleTypeError
+        For arguments outside what is listed here.
+
     Notes
     -----
     docs/orientation.md says how it works and what cannot be known.

@@ -102,6 +102,10 @@ def program() -> Path:
 
     `NTP_PROGRAM` in the environment names another.
 
+    Returns
+    -------
+    Path
+
     Raises
     ------
     FileNotFoundError

@@ -2,7 +2,7 @@
 """Normals to heightfields larger than memory: functions of the caller read and write rows."""
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, Literal, Unpack, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,7 +23,20 @@ from ._names import (
 from ._native import ffi, lib
 from ._reconstruct import HeightInfo, cannot, info_of
 from ._solve import SCRATCH_ALIGNMENT, Callbacks, stop
-from .typing import Border, Decode, Depth, ReadRows, RowKernel, RowMethod, Type, WriteRows, Y, Z
+from .typing import (
+    Border,
+    Decode,
+    Depth,
+    ReadRows,
+    RowKernel,
+    RowMethod,
+    RowsHow,
+    Stored,
+    Type,
+    WriteRows,
+    Y,
+    Z,
+)
 
 _KERNELS = {name: FOUND_KERNELS[name] for name in ("central", "forward", "baked")}
 _METHODS = {name: HEIGHT_METHODS[name] for name in ("auto", "frankot-chellappa", "poisson-dct")}
@@ -112,6 +125,26 @@ def _shape(shape: Any, encoding: int) -> tuple[int, int, int]:
     return height, width, channels
 
 
+@overload
+def height_from_rows(
+    read_normals: ReadRows,
+    write_heights: WriteRows,
+    read_heights: ReadRows,
+    *,
+    type: Literal["vector"],
+    depth: Literal["float"],
+    **how: Unpack[RowsHow],
+) -> HeightInfo: ...
+@overload
+def height_from_rows(
+    read_normals: ReadRows,
+    write_heights: WriteRows,
+    read_heights: ReadRows,
+    *,
+    type: Stored = ...,
+    depth: Depth = ...,
+    **how: Unpack[RowsHow],
+) -> HeightInfo: ...
 def height_from_rows(
     read_normals: ReadRows,
     write_heights: WriteRows,

@@ -272,7 +272,29 @@ def clean(
 
 
 def reach(kernel: Kernel = "central") -> int:
-    """How many texels on each side a normal depends on."""
+    """How many texels on each side a normal depends on.
+
+    Parameters
+    ----------
+    kernel
+        One of `normaltexture.normals_from_height`.
+
+    Returns
+    -------
+    int
+        1..4 texels.
+
+    Raises
+    ------
+    ArgumentError
+        For another kernel.
+
+    Examples
+    --------
+    >>> from normaltexture import distributed
+    >>> distributed.reach("gimp9")
+    4
+    """
     if kernel not in KERNELS:
         raise ArgumentError(f"kernel={kernel!r}: must be one of {', '.join(KERNELS)}")
     how = ffi.new("ntp_normals_options *")

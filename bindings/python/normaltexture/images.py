@@ -173,6 +173,18 @@ def read(file: str | os.PathLike[str] | bytes) -> AnyPixels:
 def decode_to_png(data: bytes, mime: str) -> bytes:
     """An image of another format as the bytes of a PNG with the same samples.
 
+    Parameters
+    ----------
+    data
+        The content of a file.
+    mime
+        Its media type, such as "image/webp".
+
+    Returns
+    -------
+    bytes
+        Two channels become three, blue being 0.
+
     Raises
     ------
     MissingLibraryError

@@ -178,6 +178,25 @@ class HeightsHow(TypedDict, total=False):
     threads: int
 
 
+class RowsHow(TypedDict, total=False):
+    """The same of `height_from_rows`."""
+
+    shape: Required[tuple[int, int, int]]
+    y: Y
+    method: RowMethod
+    kernel: RowKernel
+    border: Border
+    border_x: Border | None
+    border_y: Border | None
+    dx: float
+    dy: float
+    decode: Decode
+    z: Z
+    touch_unused: bool
+    progress: Callable[[float], object] | None
+    threads: int
+
+
 class ResizeHow(TypedDict, total=False):
     """The same of `resize` and `mip_chain`."""
 

@@ -93,6 +93,9 @@ def use_rows(image: AnyPixels) -> None:
 
     info = nt.height_from_rows(read_normals, write_heights, read_heights, shape=(64, 96, 3))
     assert_type(info, nt.HeightInfo)
+    functions = read_normals, write_heights, read_heights
+    nt.height_from_rows(*functions, shape=(64, 96, 3), type="vector", depth="float")
+    nt.height_from_rows(*functions, shape=(64, 96, 3), type="vector", depth=8)  # type: ignore[call-overload]  # pyright: ignore[reportArgumentType, reportCallIssue]
 
 
 def use_wrongly(image: AnyPixels, bytes_: U8, floats: F32, doubles: NDArray[np.float64]) -> None:

@@ -321,5 +321,18 @@ def drawable(file: Mapping[str, Any]) -> bool:
 
 
 def save(page: str, path: str | os.PathLike[str]) -> None:
-    """Writes a page as UTF-8; an older file is replaced once the page is complete."""
+    """Writes a page as UTF-8; an older file is replaced once the page is complete.
+
+    Parameters
+    ----------
+    page
+        What `build` returned.
+    path
+        Where to write.
+
+    Raises
+    ------
+    OSError
+        The file cannot be written.
+    """
     write_atomically(Path(path), page.encode("utf-8"))

@@ -157,6 +157,11 @@ def draw(
         The longer side of the pictures.
     palette
         That of the heatmap.
+
+    Returns
+    -------
+    Pictures
+        Only the texture itself where it is no normals texture of three channels.
     """
     texture = average(_opaque_rgb(image), size)
     height, width = texture.shape[:2]

@@ -184,7 +184,15 @@ def _escape(text: str, extra: str = "") -> str:
 def to_github(report: Mapping[str, Any], *, notes: bool = False) -> str:
     """The findings of a check as annotations: lines that a workflow prints.
 
-    Parameters are those of `to_sarif`.
+    Parameters
+    ----------
+    report, notes
+        As in `to_sarif`.
+
+    Returns
+    -------
+    str
+        One line for each finding; the workflow commands of GitHub.
     """
     lines = []
     rules = all_rules()
