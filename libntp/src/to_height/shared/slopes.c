@@ -199,13 +199,14 @@ void ntp__slopes_row_single(const ntp__slopes *s, float *right, float *down, int
 {
     const ntp_const_image *src = s->src;
     const ntp__solver_kernels *kernels = ntp__solver_kernels_for(NTP__CPU_ALL);
-    const ntp__slope_levels how = { s->zero,
-                                    s->neutral,
-                                    (float) s->z_scale,
-                                    (float) (s->range * s->range),
-                                    src->y == NTP_Y_UP ? 1.0f : -1.0f,
-                                    s->derived,
-                                    src->encoding == NTP_ENCODING_ZZERO };
+    bool zzero = src->encoding == NTP_ENCODING_ZZERO;
+    const ntp__slope_levels how = { .zero = s->zero,
+                                    .neutral = s->neutral,
+                                    .z_scale = zzero ? (float) s->z_scale : 2,
+                                    .z_zero = zzero ? 0 : (float) s->zero,
+                                    .square = (float) (s->range * s->range),
+                                    .sign = src->y == NTP_Y_UP ? 1 : -1,
+                                    .derived = s->derived };
     ntp__block block;
     bool flat[NTP__BLOCK];
     if (s->right != NULL) {

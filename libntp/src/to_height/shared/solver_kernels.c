@@ -90,15 +90,16 @@ static ALWAYS_INLINE int32_t numerator(int32_t c, int32_t zero, int32_t neutral)
 
 static ALWAYS_INLINE int32_t slopes8_loop(float *restrict right, float *restrict down_row,
                                           const uint8_t *restrict src, int32_t step, int32_t n,
-                                          const ntp__slope_levels *how, bool derived, bool zzero)
+                                          const ntp__slope_levels *how, bool derived)
 {
     const int32_t zero = how->zero, neutral = how->neutral;
-    const float z_scale = how->z_scale, square = how->square, sign = how->sign;
+    const float z_scale = how->z_scale, z_zero = how->z_zero;
+    const float square = how->square, sign = how->sign;
     int32_t suspect = 0;
     for (int32_t i = 0; i < n; i++) {
         int32_t r = src[step * i], g = src[step * i + 1], b = src[step * i + 2];
         float x = (float) numerator(r, zero, neutral), y = (float) numerator(g, zero, neutral);
-        float z = zzero ? (float) b * z_scale : (float) (2 * b - zero);
+        float z = (float) b * z_scale - z_zero;
         if (derived) {
             float rest = square - x * x - y * y;
             z = sqrtf(rest > 1 ? rest : 1);
@@ -117,12 +118,10 @@ static int32_t slopes8(float *right, float *down_row, const uint8_t *src, int32_
                        const ntp__slope_levels *how)
 {
     if (how->derived)
-        return slopes8_loop(right, down_row, src, step, n, how, true, false);
-    if (how->zzero)
-        return slopes8_loop(right, down_row, src, step, n, how, false, true);
+        return slopes8_loop(right, down_row, src, step, n, how, true);
     if (step == 3)
-        return slopes8_loop(right, down_row, src, 3, n, how, false, false);
-    return slopes8_loop(right, down_row, src, 4, n, how, false, false);
+        return slopes8_loop(right, down_row, src, 3, n, how, false);
+    return slopes8_loop(right, down_row, src, 4, n, how, false);
 }
 
 /* ---------------------------------------------------------------------------------- range */

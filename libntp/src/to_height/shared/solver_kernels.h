@@ -23,9 +23,10 @@ typedef struct ntp__row_loops {
 /* How 8-bit levels become slopes; see slopes.h. */
 typedef struct ntp__slope_levels {
     int32_t zero, neutral;
-    float z_scale, square; /* square: range^2 */
+    float z_scale, z_zero; /* z is z_scale blue - z_zero */
+    float square;          /* range^2 */
     float sign;            /* of y, down the picture */
-    bool derived, zzero;
+    bool derived;
 } ntp__slope_levels;
 
 /* Slopes of n packed texels of `step` >= 3 samples; nonzero: one of them may be unused. */
