@@ -14,7 +14,7 @@
 
 enum { FEW_NEIGHBORS = 2, SIDES = 4 };
 
-/* Arrays that the iteration does not use yet. */
+/* The arrays lie in those that the iteration does not use yet. */
 typedef struct walk {
     ntp__weighted *w;
     double *p, *q;   /* slopes of all texels */
@@ -42,7 +42,7 @@ static bool neighbor(const walk *k, int32_t side, int32_t x, int32_t y, size_t *
         to_y -= sign * w->height;
     }
     *at = ntp__weighted_at(w, to_y) + (size_t) to_x;
-    return w->right[*at] != 0;
+    return !ntp__in_hole(w->right[*at]);
 }
 
 /* Do most texels have few neighbors? */
@@ -53,7 +53,7 @@ static bool is_narrow(const walk *k)
         for (int32_t x = 0; x < k->w->width; x++) {
             int32_t count = 0;
             size_t at;
-            if (k->w->right[ntp__weighted_at(k->w, y) + (size_t) x] == 0)
+            if (ntp__in_hole(k->w->right[ntp__weighted_at(k->w, y) + (size_t) x]))
                 continue;
             for (int32_t side = 0; side < SIDES; side++)
                 count += neighbor(k, side, x, y, &at);
@@ -80,7 +80,7 @@ static double height_beyond(const walk *k, int32_t side, int32_t x, int32_t y, s
 {
     const ntp__weighted *w = k->w;
     double slope = side % 2 == 0 ? k->p[from] : k->q[from];
-    bool counts = (side % 2 == 0 ? w->right[from] : w->down[from]) > 0;
+    bool counts = ntp__counts(side % 2 == 0 ? w->right[from] : w->down[from]);
     size_t before;
     if (w->plan->kernel == NTP_KERNEL_CENTRAL && counts &&
         neighbor(k, (side + 2) % SIDES, x, y, &before) && k->seen[before])
@@ -110,22 +110,33 @@ static void walk_from(walk *k, size_t first)
     }
 }
 
+static void lay_out(walk *k, ntp__scratch *memory, size_t texels)
+{
+    k->queue = ntp__take(memory, texels * sizeof *k->queue);
+    k->seen = ntp__take(memory, texels * sizeof *k->seen);
+}
+
+size_t ntp__walk_bytes(const ntp__height_plan *plan)
+{
+    walk k;
+    ntp__scratch memory = { NULL, 0 };
+    lay_out(&k, &memory, (size_t) plan->width * (size_t) plan->height);
+    return memory.used;
+}
+
 bool ntp__weighted_start(ntp__weighted *w)
 {
     size_t texels = (size_t) w->width * (size_t) w->height;
-    walk k = { .w = w,
-               .p = w->r,
-               .q = w->d,
-               .queue = (uint32_t *) (void *) w->a,
-               .seen = (uint8_t *) (w->a + (texels + 1) / 2),
-               .wrap = { w->plan->wrap_x, w->plan->wrap_y } };
+    walk k = { .w = w, .p = w->r, .q = w->d, .wrap = { w->plan->wrap_x, w->plan->wrap_y } };
+    ntp__scratch memory = { (char *) w->a, 0 };
+    lay_out(&k, &memory, texels);
     if (!w->holes || !is_narrow(&k))
         return false;
     for (int32_t y = 0; y < w->height; y++)
         ntp__weighted_stored(w, w->r + ntp__weighted_at(w, y), w->d + ntp__weighted_at(w, y), y);
     memset(k.seen, 0, texels);
     for (size_t i = 0; i < texels; i++) {
-        if (w->right[i] != 0 && !k.seen[i])
+        if (!ntp__in_hole(w->right[i]) && !k.seen[i])
             walk_from(&k, i);
     }
     memset(w->a, 0, texels * sizeof *w->a);

@@ -47,11 +47,11 @@ static void label(islands *s)
             uint32_t i = y * width + x;
             uint32_t right = x + 1 < width ? i + 1 : y * width,
                      down = y + 1 < height ? i + width : x;
-            if (w->right[i] == 0)
+            if (ntp__in_hole(w->right[i]))
                 continue;
-            if ((x + 1 < width || wrap_x) && w->right[right] != 0)
+            if ((x + 1 < width || wrap_x) && !ntp__in_hole(w->right[right]))
                 join(s->root, i, right);
-            if ((y + 1 < height || wrap_y) && w->right[down] != 0)
+            if ((y + 1 < height || wrap_y) && !ntp__in_hole(w->right[down]))
                 join(s->root, i, down);
         }
     }
@@ -75,7 +75,7 @@ static void find_means(islands *s, quantity what)
     memset(s->sum, 0, texels * sizeof *s->sum);
     for (int32_t y = 0; y < w->height; y++) {
         for (int32_t x = 0; x < w->width; x++, i++) {
-            if (w->right[i] != 0)
+            if (!ntp__in_hole(w->right[i]))
                 s->sum[s->root[i]] += value(s, what, x, y);
         }
     }
@@ -92,7 +92,7 @@ static double moment(const islands *s, quantity a, quantity b)
     for (int32_t y = 0; y < w->height; y++) {
         double row = 0;
         for (int32_t x = 0; x < w->width; x++, i++) {
-            if (w->right[i] != 0)
+            if (!ntp__in_hole(w->right[i]))
                 row += value(s, a, x, y) * (value(s, b, x, y) - s->sum[s->root[i]]);
         }
         all += row;
@@ -124,14 +124,15 @@ static void find_trend(islands *s, double trend[2])
 
 uint64_t ntp__islands_level(ntp__weighted *w, double trend[2])
 {
-    islands s = { w, (uint32_t *) (void *) w->r, w->d, w->a };
     size_t texels = (size_t) w->width * (size_t) w->height, i = 0;
+    ntp__scratch memory = { (char *) w->r, 0 };
+    islands s = { w, ntp__take(&memory, texels * sizeof *s.root), w->d, w->a };
     uint64_t count = 0;
     label(&s);
     memset(s.count, 0, texels * sizeof *s.count);
     for (i = 0; i < texels; i++) {
-        s.count[s.root[i]] += w->right[i] != 0;
-        count += w->right[i] != 0 && s.root[i] == i;
+        s.count[s.root[i]] += !ntp__in_hole(w->right[i]);
+        count += !ntp__in_hole(w->right[i]) && s.root[i] == i;
     }
     if (trend != NULL) {
         find_trend(&s, trend);
@@ -143,6 +144,6 @@ uint64_t ntp__islands_level(ntp__weighted *w, double trend[2])
     }
     find_means(&s, HEIGHT);
     for (i = 0; i < texels; i++)
-        w->x[i] = w->right[i] != 0 ? w->x[i] - s.sum[s.root[i]] : 0;
+        w->x[i] = !ntp__in_hole(w->right[i]) ? w->x[i] - s.sum[s.root[i]] : 0;
     return count;
 }

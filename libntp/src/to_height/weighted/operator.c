@@ -27,7 +27,7 @@ static void weigh(double *slope, const double *stored, const float *weight, int3
 {
     for (int32_t x = 0; x < n; x++) {
         double v = stored != NULL ? stored[x] - slope[x] : slope[x];
-        slope[x] = weight[x] > 0 ? (double) weight[x] * v : 0;
+        slope[x] = ntp__counts(weight[x]) ? (double) weight[x] * v : 0;
     }
 }
 
@@ -72,23 +72,18 @@ static void add_slopes(const ntp__weighted *w, ntp__weighted_part *part, double 
 
 /* -------------------------------------------------------------------------------- pairs */
 
-static float magnitude(float v)
-{
-    return v < 0 ? -v : v;
-}
-
 /* Of a pair a, b and the texels before and after it: more where no slope near it counts. */
 static double pair_weight(const ntp__weighted *w, float before, float a, float b, float after)
 {
-    float ma = magnitude(a), mb = magnitude(b), least = ma < mb ? ma : mb;
-    bool alone = (before <= 0) & (a <= 0) & (b <= 0) & (after <= 0);
-    return (double) least * (alone ? w->strength_alone : w->strength);
+    float ma = ntp__weight_size(a), mb = ntp__weight_size(b), least = ma < mb ? ma : mb;
+    bool counted = ntp__counts(before) | ntp__counts(a) | ntp__counts(b) | ntp__counts(after);
+    return (double) least * (counted ? w->strength : w->strength_alone);
 }
 
 /* The stored difference of a pair: the integral of the slopes over it. */
 static double pair_data(const ntp__weighted *w, const float weight[4], const double slope[4])
 {
-    if (!w->rows && weight[0] != 0 && weight[3] != 0)
+    if (!w->rows && !ntp__in_hole(weight[0]) && !ntp__in_hole(weight[3]))
         return (13 * (slope[1] + slope[2]) - (slope[0] + slope[3])) / 24;
     return (slope[1] + slope[2]) / 2;
 }
@@ -114,8 +109,9 @@ static void multiply_pairs(const ntp__weighted *w, double *restrict flow,
     double strength = w->strength, alone = w->strength_alone;
     const float *before = near[0], *a = near[1], *b = near[2], *after = near[3];
     for (int32_t i = 0; i < n; i++) {
-        float ma = magnitude(a[i]), mb = magnitude(b[i]), least = ma < mb ? ma : mb;
-        int counted = (before[i] > 0) | (a[i] > 0) | (b[i] > 0) | (after[i] > 0);
+        float ma = ntp__weight_size(a[i]), mb = ntp__weight_size(b[i]), least = ma < mb ? ma : mb;
+        int counted =
+            ntp__counts(before[i]) | ntp__counts(a[i]) | ntp__counts(b[i]) | ntp__counts(after[i]);
         flow[i] = (double) least * (counted ? strength : alone) * (next[i] - h[i]);
     }
 }

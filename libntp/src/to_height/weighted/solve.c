@@ -43,6 +43,11 @@ static void lay_out_part(ntp__weighted *w, ntp__weighted_part *part, ntp__scratc
     *part = p;
 }
 
+static size_t greater(size_t a, size_t b)
+{
+    return a > b ? a : b;
+}
+
 /* Also with memory->base NULL, to measure. */
 static void lay_out(ntp__weighted *w, ntp__scratch *memory)
 {
@@ -61,7 +66,7 @@ static void lay_out(ntp__weighted *w, ntp__scratch *memory)
     w->x = ntp__take(memory, texels * sizeof(double));
     w->r = ntp__take(memory, texels * sizeof(double));
     w->d = ntp__take(memory, texels * sizeof(double));
-    w->a = ntp__take(memory, texels * sizeof(double));
+    w->a = ntp__take(memory, greater(texels * sizeof(double), ntp__walk_bytes(w->plan)));
     w->right = ntp__take(memory, texels * sizeof(float));
     w->down = ntp__take(memory, texels * sizeof(float));
 }
@@ -139,7 +144,7 @@ static void multiply(void *job, int32_t part, int32_t item)
         float *z = ntp__at_mut(w->dst, 0, y);
         double rz = 0, az = 0;
         for (int32_t x = 0; x < w->width; x++) {
-            z[x] = w->right[at + (size_t) x] != 0 ? z[x] : 0;
+            z[x] = ntp__in_hole(w->right[at + (size_t) x]) ? 0 : z[x];
             rz += w->r[at + (size_t) x] * (double) z[x];
             az += w->a[at + (size_t) x] * (double) z[x];
         }

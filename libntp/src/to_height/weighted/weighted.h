@@ -60,7 +60,7 @@ typedef struct ntp__weighted {
     double strength_alone;   /* of those near which no slope counts, for holes */
     bool holes;
     double *x, *r, *d, *a;  /* of conjugate gradients: heights, residual, direction, its image */
-    float *right, *down;    /* weights: 0 in holes, negative where a stencil reads a hole */
+    float *right, *down;    /* weights: see ntp__in_hole */
     double *sum, *sum_also; /* of each row */
     ntp__spectrum along, across;
     double alpha, beta; /* of the running pass */
@@ -94,12 +94,35 @@ void ntp__spectrum_init(ntp__spectrum *s, ntp__scratch *memory, ntp_kernel kerne
 size_t ntp__spectrum_work(ntp_border border, int32_t n);
 
 /* In a maze: heights in x that nearly fit; false: it is none, x is as it was.  Works in r, d, a, and
- * leaves zeros in a. */
+ * leaves zeros in a, which has room for ntp__walk_bytes. */
 bool ntp__weighted_start(ntp__weighted *w);
+size_t ntp__walk_bytes(const ntp__height_plan *plan);
 
 /* Subtracts its mean from each island of x, 4-connected texels that are no holes, and the best
  * plane where trend is not NULL; returns how many there are (islands.c).  Works in r, d, a. */
 uint64_t ntp__islands_level(ntp__weighted *w, double trend[2]);
+
+/* Each pass reads the weights of all texels, so one float says three things: 0 is a hole, above 0 the
+ * slope counts, and below 0 its stencil reads a hole, so that only pairs use the size. */
+static inline bool ntp__in_hole(float weight)
+{
+    return weight == 0;
+}
+
+static inline bool ntp__counts(float weight)
+{
+    return weight > 0;
+}
+
+static inline float ntp__not_counting(float weight)
+{
+    return -weight;
+}
+
+static inline float ntp__weight_size(float weight)
+{
+    return weight < 0 ? -weight : weight;
+}
 
 static inline size_t ntp__weighted_at(const ntp__weighted *w, int32_t y)
 {

@@ -77,8 +77,8 @@ static void mark_band(void *job, int32_t part, int32_t item)
         float *right = w->right + ntp__weighted_at(w, y), *down = w->down + ntp__weighted_at(w, y);
         ntp__stencil_slopes(w->stencil, spare[0], spare[1], spare[2], &holes, y);
         for (int32_t x = 0; x < w->width; x++) {
-            right[x] = spare[0][x] > 0 ? -right[x] : right[x];
-            down[x] = spare[1][x] > 0 ? -down[x] : down[x];
+            right[x] = spare[0][x] > 0 ? ntp__not_counting(right[x]) : right[x];
+            down[x] = spare[1][x] > 0 ? ntp__not_counting(down[x]) : down[x];
         }
     }
 }
