@@ -17,7 +17,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "tests"))
 
-import libntp_ffi as ntp
+from support import libntp_ffi as ntp
 
 try:
     import cv2

@@ -14,8 +14,8 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 
-import libntp_ffi as ntp
 from support import from_height, maps, surfaces
+from support import libntp_ffi as ntp
 
 SCALES = (1, 2, 5, 10, 25, 50, 100)
 KERNELS = ("central", "forward", "prewitt3", "sobel3", "scharr3", "prewitt5", "sobel5")

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import pytest
 
-import libntp_ffi
+from support import libntp_ffi
 
 # Messages of the system in English, names and output in UTF-8, whatever the user speaks.
 os.environ["LC_ALL"] = "C.UTF-8"

@@ -8,7 +8,7 @@ nothing but the functions below: no allocation, no stdio, no locale, of libm onl
 import subprocess
 import sys
 
-import libntp_ffi
+from support import libntp_ffi
 
 ALLOWED = {"memcpy", "memset", "memmove", "memcmp", "strcmp", "strlen", "sqrt", "sqrtf"}
 # What compilers, sanitizers and coverage add by themselves.

@@ -6,7 +6,7 @@ import itertools
 import numpy as np
 import pytest
 
-import libntp_ffi as ntp
+from support import libntp_ffi as ntp
 from support.oracle_blend import RNM, UDN, WHITEOUT, blend_by_model
 from support.texels import NAMES, TYPES, noise
 

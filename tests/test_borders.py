@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 
-import libntp_ffi as ntp
+from support import libntp_ffi as ntp
 from support import to_height as reconstruction
 from support.find import find_border as find
 from support.oracle_height import CLAMP, EXTRAPOLATE, KERNELS, MIRROR, NAMES, REPEAT_SLOPE, WRAP

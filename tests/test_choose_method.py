@@ -6,7 +6,7 @@ from collections import Counter
 import numpy as np
 import pytest
 
-import libntp_ffi as ntp
+from support import libntp_ffi as ntp
 from support import maps
 from support.damages import as_zzero, constant_blue, jpeg, resized, rounded, sample, wrong_z
 from support.evidence import evidence

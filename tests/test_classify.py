@@ -11,7 +11,7 @@ them looked at only after the last change of a rule, none had more than 0.85.
 import numpy as np
 import pytest
 
-import libntp_ffi as ntp
+from support import libntp_ffi as ntp
 from support import maps
 from support.damages import as_zzero, sample, wrong_z
 from support.evidence import evidence

@@ -5,7 +5,7 @@ import re
 
 import numpy as np
 
-import libntp_ffi as ntp
+from support import libntp_ffi as ntp
 from support import maps
 from support.judged import tally_of
 

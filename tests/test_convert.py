@@ -6,7 +6,7 @@ import itertools
 import numpy as np
 import pytest
 
-import libntp_ffi as ntp
+from support import libntp_ffi as ntp
 from support import oracle, oracle_convert
 from support.texels import random_texels
 

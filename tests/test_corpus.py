@@ -17,7 +17,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-import libntp_ffi as ntp
+from support import libntp_ffi as ntp
 from support import pngs
 
 CORPUS = Path(os.environ.get("NTP_CORPUS", ntp.ROOT.parent / "shared" / "corpus"))

@@ -10,7 +10,7 @@ import subprocess
 
 import pytest
 
-import libntp_ffi as ntp
+from support import libntp_ffi as ntp
 
 PACKAGE = ntp.ROOT / "bindings" / "python" / "normaltexture"
 

@@ -9,8 +9,8 @@ what keeps a texture's meaning keeps its class.  The drawings are the same at ea
 import numpy as np
 import pytest
 
-import libntp_ffi as ntp
 from support import drawn_maps, drawn_pictures
+from support import libntp_ffi as ntp
 
 CONFIDENT = 0.9
 NUMBERS = range(3)

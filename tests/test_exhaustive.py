@@ -9,7 +9,7 @@ import itertools
 import numpy as np
 import pytest
 
-import libntp_ffi as ntp
+from support import libntp_ffi as ntp
 from support import oracle
 
 M = 255

@@ -8,7 +8,7 @@ import sys
 
 import pytest
 
-import libntp_ffi as ntp
+from support import libntp_ffi as ntp
 
 FOLDER = ntp.ROOT / "test_files"
 BY_HAND = {"README.md", "generate.py", "shapes.py"}

@@ -8,7 +8,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-import libntp_ffi as ntp
+from support import libntp_ffi as ntp
 from support import oracle
 from support import oracle_height as model
 from support.from_height import SCALES, both, from_height, options, random_heights, random_how

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-import libntp_ffi as ntp
+from support import libntp_ffi as ntp
 from support import oracle_height as model
 from support.from_height import from_height, options
 

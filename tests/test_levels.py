@@ -6,7 +6,7 @@ import pytest
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
-import libntp_ffi as ntp
+from support import libntp_ffi as ntp
 from support import oracle
 
 # The same examples at each run, however long a busy machine takes to draw them.

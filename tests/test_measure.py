@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 
-import libntp_ffi as ntp
+from support import libntp_ffi as ntp
 from support import oracle_measure
 from support.evidence import evidence
 from support.texels import cuts, image

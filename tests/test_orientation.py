@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-import libntp_ffi as ntp
+from support import libntp_ffi as ntp
 from support import maps, surfaces
 from support import oracle_orientation as oracle
 

@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 
-import libntp_ffi as ntp
+from support import libntp_ffi as ntp
 from support import maps, surfaces
 from support import oracle_height as heights
 from support import to_height as reconstruction

@@ -10,8 +10,8 @@ import itertools
 import numpy as np
 import pytest
 
-import libntp_ffi as ntp
 from support import drawn_surfaces, numpy_normals, surfaces
+from support import libntp_ffi as ntp
 from support.find import find_border, find_kernel, find_seams
 from support.oracle_height import NAMES
 from support.to_height import from_height, to_height

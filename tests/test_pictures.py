@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 
-import libntp_ffi as ntp
+from support import libntp_ffi as ntp
 from support import oracle
 from support.oracle_pictures import (
     DEFAULT_LIGHT,

@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 
-import libntp_ffi as ntp
+from support import libntp_ffi as ntp
 from support import maps
 from support import to_height as reconstruction
 from support.find import find_seams as find

@@ -11,7 +11,7 @@ from math import atan, degrees
 import numpy as np
 import pytest
 
-import libntp_ffi as ntp
+from support import libntp_ffi as ntp
 from support import maps, surfaces
 
 SEED = int(os.environ.get("NTP_SEED", "20261121"))

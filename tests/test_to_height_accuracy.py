@@ -9,7 +9,7 @@ project's design; ours may be 5 % above it.
 import numpy as np
 import pytest
 
-import libntp_ffi as ntp
+from support import libntp_ffi as ntp
 from support import oracle_height as heights
 from support.to_height import (
     EXTRAPOLATE,

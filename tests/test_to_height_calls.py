@@ -7,7 +7,7 @@ import threading
 import numpy as np
 import pytest
 
-import libntp_ffi as ntp
+from support import libntp_ffi as ntp
 from support.to_height import (
     AUTO,
     CLAMP,

@@ -10,7 +10,7 @@ import functools
 import numpy as np
 import pytest
 
-import libntp_ffi as ntp
+from support import libntp_ffi as ntp
 from support import oracle_height as heights
 from support.to_height import (
     CLAMP,

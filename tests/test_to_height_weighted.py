@@ -6,7 +6,7 @@ import itertools
 import numpy as np
 import pytest
 
-import libntp_ffi as ntp
+from support import libntp_ffi as ntp
 from support import oracle_reconstruct as model
 from support.to_height import (
     CLAMP,

@@ -7,7 +7,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-import libntp_ffi as ntp
+from support import libntp_ffi as ntp
 from support import oracle_vectors as model
 from support.oracle_transform import moved_picture, turned, unused_mask
 from support.texels import NAMES, TYPES, noise

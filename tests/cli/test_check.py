@@ -9,8 +9,7 @@ import jsonschema
 import numpy as np
 import pytest
 
-import libntp_ffi
-from support import oracle, textures
+from support import libntp_ffi, oracle, textures
 from support.pngs import chunk, write_png
 
 SCHEMA = json.loads((libntp_ffi.ROOT / "docs/schema/check-1.json").read_text())

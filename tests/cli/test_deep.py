@@ -7,8 +7,7 @@ import jsonschema
 import numpy as np
 import pytest
 
-import libntp_ffi
-from support import maps, textures
+from support import libntp_ffi, maps, textures
 from support import oracle_height as model
 from support import to_height as reconstruction
 from support.pngs import write_png

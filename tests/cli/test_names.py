@@ -7,8 +7,8 @@ import re
 import numpy as np
 import pytest
 
-from libntp_ffi import ffi, lib
 from support import textures
+from support.libntp_ffi import ffi, lib
 from support.pngs import write_png
 
 

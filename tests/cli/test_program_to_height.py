@@ -12,8 +12,7 @@ import jsonschema
 import numpy as np
 import pytest
 
-import libntp_ffi
-from support import textures
+from support import libntp_ffi, textures
 from support import to_height as reconstruction
 from support.pngs import chunk, read_png, write_png
 from support.spawn import spawn, start

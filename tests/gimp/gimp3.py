@@ -10,11 +10,10 @@ import subprocess
 import numpy as np
 import pytest
 
-import libntp_ffi
-from libntp_ffi import ffi, lib
-from support import pngs
+from support import libntp_ffi, pngs
 from support.gegl_pictures import CHANNELS, DEPTHS, GAMMA, picture, rough_normals, to_options
 from support.gimps import Gimp3
+from support.libntp_ffi import ffi, lib
 
 CHROOT = os.environ.get("NTP_GIMP3")
 pytestmark = pytest.mark.skipif(not CHROOT, reason="NTP_GIMP3 names no chroot; use ./dev gimp3")

@@ -3,7 +3,7 @@
 
 import re
 
-import libntp_ffi as ntp
+from . import libntp_ffi as ntp
 
 _SOURCES = ntp.ROOT / "libntp" / "src"
 _BUILT = ntp.find_built("tests/libntp_evidence.so")

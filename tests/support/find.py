@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """What the library finds out about where normals come from, as dicts."""
 
-import libntp_ffi as ntp
+from . import libntp_ffi as ntp
 
 
 def find_kernel(n, y=ntp.UP, encoding=ntp.STANDARD, touch=0):

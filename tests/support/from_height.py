@@ -3,8 +3,7 @@
 
 import numpy as np
 
-import libntp_ffi as ntp
-
+from . import libntp_ffi as ntp
 from . import oracle_height as model
 
 SCALES = [0.0, 1.0, 2.0, -4.0, 0.1, 16.5, 255.0, 510.0, 1e-30, 1e30, 3.3e-5, 1e300, 5e-324]

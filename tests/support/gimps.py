@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-import libntp_ffi
+from . import libntp_ffi
 
 HERE = Path(__file__).resolve().parent
 

@@ -3,8 +3,7 @@
 
 import os
 
-import libntp_ffi as ntp
-
+from . import libntp_ffi as ntp
 from . import maps
 
 CI_SEED = 20261121

@@ -13,7 +13,7 @@ from pathlib import Path
 import cffi
 import numpy as np
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parents[2]
 HEADER = ROOT / "libntp" / "include" / "libntp.h"
 # The one directory from which built files come: no test may take another build's.
 BUILD = Path(os.environ.get("NTP_BUILD") or ROOT / "build").resolve()

@@ -8,8 +8,7 @@ Encodings are the numbers of libntp.h.
 import math
 from fractions import Fraction
 
-from libntp_ffi import STANDARD, XY, ZZERO
-
+from .libntp_ffi import STANDARD, XY, ZZERO
 from .oracle import derived_blue, encode, encode_zzero, exact, pull, radicand
 
 

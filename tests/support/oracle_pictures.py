@@ -8,8 +8,7 @@ oracle_convert and takes angles from numpy's arctan2.
 
 import numpy as np
 
-import libntp_ffi as ntp
-
+from . import libntp_ffi as ntp
 from . import oracle, oracle_convert
 
 SAFE = {"z": (240, 228, 66), "xy": (213, 94, 0), "length": (86, 180, 233)}

@@ -4,8 +4,7 @@
 import math
 from fractions import Fraction
 
-import libntp_ffi as ntp
-
+from . import libntp_ffi as ntp
 from . import oracle_vectors as model
 
 TRIANGLE, BOX, LANCZOS3 = range(3)

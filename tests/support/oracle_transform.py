@@ -3,7 +3,7 @@
 
 import numpy as np
 
-import libntp_ffi as ntp
+from . import libntp_ffi as ntp
 
 
 def turned(x, y, flips, turns, y_axis):

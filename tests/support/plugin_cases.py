@@ -5,8 +5,8 @@ import struct
 
 import numpy as np
 
-import libntp_ffi
-from libntp_ffi import ffi, lib
+from . import libntp_ffi
+from .libntp_ffi import ffi, lib
 
 GAMMA = (b"gAMA", struct.pack(">I", 45455))
 WIDTH, HEIGHT = 151, 134  # no multiple of a tile or a band

@@ -3,7 +3,7 @@
 
 import numpy as np
 
-import libntp_ffi as ntp
+from . import libntp_ffi as ntp
 
 NAMES = {ntp.STANDARD: "standard", ntp.ZZERO: "zzero", ntp.XY: "xy"}
 TYPES = {255: np.uint8, 65535: np.uint16}

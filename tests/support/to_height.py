@@ -7,8 +7,7 @@ solves by singular values (small sizes) or by the eigenvectors of the two axes (
 
 import numpy as np
 
-import libntp_ffi as ntp
-
+from . import libntp_ffi as ntp
 from . import oracle_height as heights
 
 AUTO, TELESCOPING, FRANKOT_CHELLAPPA, POISSON_DCT = range(4)

@@ -3,8 +3,7 @@
 
 import numpy as np
 
-import libntp_ffi as ntp
-
+from . import libntp_ffi as ntp
 from . import oracle_height as heights
 from . import oracle_reconstruct as model
 from .to_height import UNORM
