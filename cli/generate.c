@@ -110,12 +110,14 @@ static void generate_man(text *t)
         text_add(t, "\n.br\n");
     }
     text_add(t, ".B ntp \\-\\-version\n.SH DESCRIPTION\n");
-    roff(t, "Checks, repairs and converts normals textures: PNG, TGA, JPEG (read only) and PFM, "
-            "8 and 16 bit, of any size, in little memory.\n"
-            "PATH is a file, a directory (with -r and all below it), or - for standard input or "
-            "output; -- ends options. Results go to standard output, messages to standard error. "
-            "Another VERB runs the program ntp-VERB that stands in the directory of ntp, never "
-            "one from PATH.");
+    roff(
+        t,
+        "Checks, repairs and converts normals textures: PNG, TGA, JPEG (read only) and PFM, "
+        "8 and 16 bit, of any size, in little memory.\n"
+        "PATH is a file, a directory (with -r also its subdirectories), or - for standard input or "
+        "output; -- ends options. Results go to standard output, messages to standard error. "
+        "Any other VERB runs the program ntp-VERB in the directory of ntp, never "
+        "one from PATH.");
     text_add(t, "\n.SH VERBS\n");
     for (size_t i = 0; i < VERB_ROWS; i++)
         man_verb(t, &VERB_TABLE[i]);
@@ -123,7 +125,7 @@ static void generate_man(text *t)
     for (size_t i = 0; i < COMPANIONS; i++) {
         text_addf(t, ".TP\n.B ntp %s\n", COMPANION_TABLE[i].name);
         roff(t, COMPANION_TABLE[i].summary);
-        text_addf(t, "; ntp %s \\-\\-help tells the rest\n", COMPANION_TABLE[i].name);
+        text_addf(t, "; see ntp %s \\-\\-help\n", COMPANION_TABLE[i].name);
     }
     man_findings(t);
     text_add(t, ".SH EXIT STATUS\n.TP\n0\nAll is well, or done.\n.TP\n1\nFindings at or above "
@@ -131,7 +133,7 @@ static void generate_man(text *t)
                 "input could not be read or an output not written; the rest is done.\n.TP\n130\n"
                 "Interrupted.\n.SH ENVIRONMENT\n.TP\nNO_COLOR\nIf not empty, no color unless "
                 "\\-\\-color always.\n.TP\nCLICOLOR_FORCE\nIf set and not 0, color also where "
-                "output is no terminal.\n");
+                "output is not a terminal.\n");
 }
 
 /* ---------------------------------------------------------------------- completions */
@@ -324,11 +326,12 @@ static void generate_fish(text *t)
 
 static void generate_findings(text *t)
 {
-    text_add(t, "# Findings of `ntp check`\n\n"
-                "Each finding has an id that stays, and a level. `--fail-on` says from which level "
-                "on the exit code is 1. This page is made from the program's own table "
-                "(`ntp --generate findings`).\n\n"
-                "| id | level | what it says |\n|---|---|---|\n");
+    text_add(t,
+             "# Findings of `ntp check`\n\n"
+             "Each finding has a stable id and a level. `--fail-on` sets the level from which on "
+             "the exit code is 1. This page is made from the program's own table "
+             "(`ntp --generate findings`).\n\n"
+             "| id | level | what it says |\n|---|---|---|\n");
     for (size_t i = 0; i < FINDING_COUNT; i++)
         text_addf(t, "| [%s](#%s) | %s | %s |\n", FINDING_TABLE[i].id, FINDING_TABLE[i].anchor,
                   FINDING_TABLE[i].levels, FINDING_TABLE[i].title);

@@ -70,21 +70,22 @@ void help_program(text *t)
     text_add(t, "\n\nVerbs:\n");
     for (size_t i = 0; i < VERB_ROWS; i++)
         text_addf(t, "  %-11s %s\n", VERB_TABLE[i].name, VERB_TABLE[i].summary);
-    text_add(t, "  help        print this, or the help of a verb\n"
-                "\nVerbs of the Python package normaltexture, where it put ntp-VERB beside ntp:\n");
+    text_add(t, "  help        print this help, or that of a verb\n"
+                "\nVerbs of the Python package normaltexture, if it is installed beside ntp:\n");
     for (size_t i = 0; i < COMPANIONS; i++)
         text_addf(t, "  %-11s %s\n", COMPANION_TABLE[i].name, COMPANION_TABLE[i].summary);
     text_add(t, "\n");
-    text_wrap(t,
-              "ntp VERB --help tells the rest. PATH is a file, a directory (with -r and all below "
-              "it), or - for standard input or output; -- ends options. Another VERB runs the "
-              "program ntp-VERB that stands beside ntp.",
-              0, 0, HELP_WIDTH);
+    text_wrap(
+        t,
+        "ntp VERB --help describes a verb and its options. PATH is a file, a directory (with "
+        "-r also its subdirectories), or - for standard input or output; -- ends options. Any "
+        "other VERB runs the program ntp-VERB in the directory of ntp.",
+        0, 0, HELP_WIDTH);
     text_add(t, "\n\nExit codes:\n"
                 "  0    all is well, or done\n"
                 "  1    findings at or above --fail-on; differences; refused files\n"
                 "  2    wrong usage\n"
                 "  3    an input could not be read or an output not written (the rest is done)\n"
                 "  130  interrupted\n"
-                "\nntp --version prints the versions of ntp and of what it reads files with.\n");
+                "\nntp --version prints the versions of ntp and of its image libraries.\n");
 }
