@@ -251,6 +251,23 @@ def test_literals_are_the_names_of_the_library(where, argument, table):
 
 
 @pytest.mark.parametrize(
+    ("function", "argument", "table"),
+    [entry for entry in LITERALS if callable(entry[0]) and not isinstance(entry[0], type)],
+)
+def test_zero_asks_for_the_default_in_c(function, argument, table):
+    """A zero-filled struct of C means what an argument means that is left out."""
+    default = inspect.signature(function).parameters[argument].default
+    name = OF_NONE.get(argument) if default is None else default
+    if name in table:
+        assert table[name] == 0
+    else:
+        assert name == "auto"  # found out before C is asked
+
+
+OF_NONE = {"alpha": "keep"}
+
+
+@pytest.mark.parametrize(
     "name",
     ["clean", "convert", "normals_from_height", "height_from_normals", "read"],
 )

@@ -142,6 +142,25 @@ def test_arrays_and_program_agree(test_files, tmp_path):
         assert np.array_equal(nt.read(out), want), command
 
 
+@pytest.mark.parametrize(
+    ("a", "b"),
+    [
+        ("zzero.png", "standard.png"),
+        ("standard.png", "standard_z_off.png"),
+        ("labpbr.png", "standard.png"),
+        ("photograph.png", "photograph.png"),
+    ],
+)
+def test_differences_of_arrays_and_program_agree(test_files, a, b):
+    """Also what the two are taken for, where nothing says so."""
+    paths = test_files / a, test_files / b
+    command = [nt.program(), "diff", *paths, "--format", "json"]
+    told = json.loads(subprocess.run(command, capture_output=True, check=False).stdout)
+    found = nt.compare(*map(nt.read, paths))
+    assert told["different"] == found.different
+    assert told["angle_deg"]["max"] == pytest.approx(found.angles.max, abs=1e-3)
+
+
 def test_heights_of_arrays_and_program_agree(test_files, tmp_path):
     """Kernel, borders and direction of green, told by the texels, are the program's."""
     height = nt.read(test_files / "height_gray16.png")
