@@ -21,7 +21,7 @@ import numpy as np
 from PIL import Image
 
 ROOT = Path(__file__).resolve().parent.parent
-sys.path[:0] = [str(ROOT / "tests"), str(ROOT / "tests" / "gimp")]
+sys.path.insert(0, str(ROOT / "tests"))
 
 from support.gimps import Gimp3
 
