@@ -1,9 +1,17 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * height_from_normals.c - normals -> heightfield: the way through the solvers, and what comes after
+ * height_from_normals.c - heights from normals: from the checks to the result
  *
- * A solver (direct/solve.c, weighted/solve.c) makes heights of mean 0.  What else is wanted works on these:
- * the plane is taken out, and the result described.
+ * This room makes a heightfield whose slopes are as near as can be to those of a texture.  This file
+ * runs all steps; each is elsewhere:
+ *   make_plan.c          checks the options once, and chooses the solver
+ *   decode.c             finds out what the levels mean, and whether blue is to be trusted
+ *   direct/direct.h      the usual solver: transforms and a recursion, without iteration; telescoping
+ *   weighted/weighted.h  the solver for masks, holes and steep textures: iteration
+ *   shared/slopes.h      what both solvers read: slopes, their operator, transforms, plans
+ *   round_trip.c         compares the normals of the heights with the texture, for refinement
+ *   height_from_rows.c   the same for pictures beyond memory
+ * A solver makes heights of mean 0.  Refinement, detrending and measurement come after it, here.
  */
 #include "base/finite.h"
 #include "to_height/decode.h"

@@ -2,8 +2,8 @@
 /*
  * height_from_rows.c - normals -> heightfield, row by row, for pictures beyond memory
  *
- * The direct solver (direct/solve.c) walks down the picture and up again; between the two, rows of
- * the heights' file hold what the second walk needs.
+ * The direct solver (direct/solve.c) walks down the picture and up again.  Between the two walks the
+ * caller keeps what the second one needs, in the rows where the heights will be.
  */
 #include "to_height/direct/direct.h"
 #include "to_height/make_plan.h"

@@ -3,8 +3,8 @@
  * round_trip.c - the normals of a reconstructed heightfield against those it was made of
  *
  * A stored level stands for a box: every x that rounds to it.  The heights give the texture again
- * where x and y of each texel lie in their boxes; the projection moves those that do not to the
- * nearest place inside, each texel by itself.
+ * if x and y of each texel lie in their boxes.  The projection moves those that do not to the nearest
+ * place inside, each texel by itself.
  */
 #include "to_height/round_trip.h"
 

@@ -6,9 +6,9 @@
  * of h.  Forward slopes couple neighbors; central ones couple rows two apart: the even rows are
  * one segment, the odd ones another.  Along a segment the system is -1, 2 + mu, -1; with
  * r + 1/r = 2 + mu it factors into u[i] = f[i] + r u[i-1], downwards, and h[i] = r (u[i] + h[i+1]),
- * upwards.  What enters a segment at its ends are waves that die away as r^i: those that leave
- * it, or the other one, at the end that the border joins to it, all round.  Their sizes
- * follow from two sums of the way down.  All state is in double; rows are floats.
+ * upwards.  Waves enter a segment at its ends and die away as r^i.  They come from the end that the
+ * border joins to this one, of the same segment or of the other.  Their sizes follow from two sums
+ * of the way down.  All state is in double; rows are floats.
  */
 #include "to_height/direct/direct.h"
 

@@ -2,9 +2,15 @@
 /*
  * direct.h - what the files of the direct solver share
  *
- * direct/solve.c walks over the image; axis.c knows the stencils; right_hand_side.c makes
- * right-hand sides; columns.c solves down columns, by recursion or by transforms;
- * edges.c mends edges.
+ * This room solves least squares without iteration, where all texels count alike.  Rows are
+ * transformed, which makes each column a small system of its own.
+ *   solve.c            walks over the picture, in parts, in memory or row by row
+ *   axis.c             stencils and borders: which are known, their adjoints, their symbols
+ *   right_hand_side.c  the adjoint of the stencils, applied to rows of slopes
+ *   columns.c          solves columns by recursion
+ *   filter.c           solves columns by transforms, for the kernels that recursion does not know
+ *   edges.c            fits the edges of central slopes again
+ *   telescope.c        Eberly's sums of slopes, which need none of this
  */
 #ifndef NTP_DIRECT_H
 #define NTP_DIRECT_H

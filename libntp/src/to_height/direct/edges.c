@@ -3,12 +3,12 @@
  * edges.c - the edges of central slopes with extrapolated borders, fitted with full weight
  *
  * In the direct solution slopes at these edges count a quarter, for then cosines are eigenvectors.
- * What that costs is at the edges, so the two outermost lines of texels on each such side are fitted
- * again, all slopes counting alike and the other heights held.  Let a and b be the changes of the
- * two.  The slopes inward change by b - a, -a/2 and -b/2, whose squares keep a + b and a - b
- * apart: each is a system of its own along the edge, central differences and a number on the
- * diagonal.  Both are solved exactly.  So the sum of squares comes within some hundredths of a
- * percent of the least there is.
+ * This does harm at the edges only.  So the two outermost lines of texels on each such side are fitted
+ * again: all slopes count alike, and the other heights are held.  Let a and b be the changes of the
+ * two lines.  The slopes inward change by b - a, -a/2 and -b/2, and their squares do not mix a + b
+ * with a - b.  Each of these is a system of its own along the edge: central differences and a number
+ * on the diagonal.  Both are solved exactly.  The sum of squares then is within some hundredths of a
+ * percent of the least possible.
  */
 #include "to_height/direct/direct.h"
 

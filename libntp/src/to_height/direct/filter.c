@@ -2,13 +2,13 @@
 /*
  * filter.c - the solver's columns by transforms, for stencils beyond recursion
  *
- * In both axes' frequencies the normal equations are numbers: A h = f, A what the stencils of
- * slopes right and down make of a frequency, squared and added.  A stencil of 3 x 3 or more is
- * next to blind to the finest detail, where A is so small that rounding errors of the slopes would
- * be magnified beyond measure.  So of the heights that fit alike smooth ones are preferred, as a
- * Wiener filter does: h = f / (A + e L^2), L the Laplacian, e the variance of the rounding over
- * the mean square of the Laplacian of the heights, which f is.  What floats between the passes
- * cannot hold counts the same way, as noise of f itself: + t L^2 / A.
+ * For each pair of frequencies the normal equations are one number: A h = f.  A is what the stencils
+ * of slopes right and down make of the pair, squared and added.  A stencil of 3 x 3 or more is nearly
+ * blind to the finest detail.  There A is so small that it would magnify the rounding errors of the
+ * slopes without limit.  So smooth heights are preferred among those that fit alike, as by a Wiener
+ * filter: h = f / (A + e L^2).  L is the Laplacian.  e is the variance of the rounding over the mean
+ * square of the Laplacian of the heights, which f is.  The floats between the passes are rounded too;
+ * that counts as noise of f itself: + t L^2 / A.
  */
 #include "to_height/direct/direct.h"
 

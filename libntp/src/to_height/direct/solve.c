@@ -6,10 +6,10 @@
  * in batches: their right-hand sides are transformed along the row, and each column is
  * solved by a recursion, down the picture as the batches come, and up again as they are
  * transformed back.  So the working memory is that of a few rows, and the picture is walked over
- * twice.  Stencils beyond recursion are solved by transforms of the columns in between.  Batches,
- * and groups of columns, are independent: the caller may have them done on several threads.  Then
- * the columns of a round of batches are done along with the rows of the next one: threads wait for
- * each other half as often, and what waits for memory goes on beside what computes.
+ * twice.  Stencils that recursion does not know are solved by transforms of the columns in between.
+ * Batches do not depend on each other, nor do groups of columns, so several threads can do them.  Then
+ * the columns of one round of batches are done beside the rows of the next round: threads wait for
+ * each other half as often, and memory and arithmetic are busy at the same time.
  */
 #include "base/parts.h"
 #include "to_height/direct/direct.h"

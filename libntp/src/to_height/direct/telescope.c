@@ -4,8 +4,8 @@
  *
  * David Eberly, "Reconstructing a Height Field from a Normal Map", sections 3.1 (one-sided) and
  * 3.2 (centered).  The sums are doubles.  A first walk finds the mean, a second one writes, so
- * that each height is rounded once.  There are more equations than heights: what the sums did not
- * take is compared with the heights that they made (his conditions of consistency).
+ * that each height is rounded once.  There are more equations than heights: those that the sums do
+ * not use are compared with the heights (his conditions of consistency).
  */
 #include "to_height/direct/direct.h"
 

@@ -1,6 +1,15 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * slopes.h - rows of normals as slopes
+ *
+ * This room has what both solvers and the round trip use, and nothing that only one of them does.
+ *   height_plan.h       what is to be solved
+ *   slopes.c            the texture as slopes
+ *   slope_operator.h    heights to slopes as a linear operator, and its adjoint
+ *   holes.h             the texels that get no height
+ *   row_cache.h         rows of slopes that are kept for the rows around
+ *   fft.h               Fourier and cosine transforms of many rows
+ *   solver_kernels.h    the loops that are compiled for each instruction set
  */
 #ifndef NTP_SLOPES_H
 #define NTP_SLOPES_H

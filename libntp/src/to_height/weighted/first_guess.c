@@ -2,11 +2,11 @@
 /*
  * first_guess.c - where the iteration begins in mazes
  *
- * The preconditioner knows no walls, and in corridors of a texel or two the way from one place to
- * the next may be thousands of texels long: the iteration finds heights along it slowly.  But there
- * sums of slopes from texel to texel are nearly all there is to fit.  So where most texels have no
- * more than two neighbors, the heights to begin with are such sums, each island from its first
- * texel on.  Where corridors make no loops that leaves next to nothing to iterate.
+ * The preconditioner knows no walls.  In corridors one or two texels wide the way from one place to
+ * another may be thousands of texels long, and the iteration finds heights along it slowly.  But in a
+ * corridor the sums of slopes from texel to texel are nearly a solution.  So if most texels have at
+ * most two neighbors, the iteration begins with such sums, on each island from its first texel on.
+ * Where corridors make no loops, almost nothing is left to iterate.
  */
 #include "to_height/weighted/weighted.h"
 

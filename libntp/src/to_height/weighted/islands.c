@@ -2,9 +2,9 @@
 /*
  * islands.c - the connected areas of a masked heightfield, and their means
  *
- * Normals say nothing of the height of one island above another: each gets mean 0.  Texels are joined
- * to their neighbors on the right and below (union by the least texel, which names the
- * island), across a border that wraps too.
+ * Normals do not tell how high one island is above another, so each gets mean 0.  Texels are joined
+ * to their neighbors on the right and below, also across a border that wraps.  The least texel names
+ * the island.
  */
 #include "to_height/weighted/weighted.h"
 

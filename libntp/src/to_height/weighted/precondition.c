@@ -3,8 +3,8 @@
  * precondition.c - the preconditioner of weighted least squares
  *
  * Without weights, holes and ends the normal equations are diagonal in frequencies: the squares of
- * the gains of the stencil, and those of the pairs.  A Fourier (wrap) or cosine transform along
- * both axes, a division, and the way back.  The plane of dst holds it all.
+ * the gains of the stencil, and those of the pairs.  So they are solved by a Fourier (wrap) or cosine
+ * transform along both axes, a division, and the transforms back.  The plane of dst holds it all.
  */
 #include "to_height/weighted/weighted.h"
 

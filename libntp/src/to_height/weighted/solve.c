@@ -2,10 +2,10 @@
 /*
  * solve.c - weighted least squares by conjugate gradients
  *
- * The step d is conjugate to the ones before; z, the residual after the preconditioner, lies in dst
- * in floats, which makes that a slightly different one each time: the flexible formula for beta
- * allows it.  What has been reached is told by the residual worked out anew from the
- * stored slopes; where it is not yet small enough the iteration starts again from there.
+ * The step d is conjugate to the ones before.  z, the residual after the preconditioner, lies in dst
+ * as floats.  So the preconditioner differs slightly each time, which the flexible formula for beta
+ * allows.  At the end the residual is worked out anew from the stored slopes.  If it is not yet small
+ * enough, the iteration starts again from there.
  */
 #include "to_height/weighted/weighted.h"
 

@@ -2,12 +2,19 @@
 /*
  * weighted.h - what the files of weighted least squares share
  *
- * Sought are heights h that make the sum of
+ * This room solves least squares where texels count differently, or not at all: masks, holes, steep
+ * textures.  It looks for the heights h that make the sum of
  *   weight (slope of h - stored slope)^2           over the texels, right and down, and
  *   strength weight (difference of h - mean of the two stored slopes)^2     over pairs of neighbors
  * least.  The weights are about 1/variance.  A slope counts where its stencil reads no hole.  The
- * pairs hold together what a stencil leaves apart (central: even and odd texels), and decide
- * where it sees nothing; baked normals have nothing else.
+ * pairs tie together what a stencil leaves apart: central slopes leave even and odd texels apart.
+ * They decide where a stencil sees nothing, and they are all there is for baked normals.
+ *   solve.c         conjugate gradients
+ *   weights.c       the weights, and the holes
+ *   operator.c      the normal equations, row by row
+ *   precondition.c  the same equations without weights and holes, solved by transforms
+ *   first_guess.c   where the iteration begins in mazes
+ *   islands.c       the connected areas, and their means
  */
 #ifndef NTP_WEIGHTED_H
 #define NTP_WEIGHTED_H
