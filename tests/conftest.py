@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What the tests share: where the built files are, the corpus, and the rule on skips.
+"""Shared by all tests: the paths of built files and of the corpus, and the rule on skips.
 
 NTP_BUILD says where the built files are (else in build/), NTP_CORPUS where the corpus of real
 textures is (else ../shared/corpus beside the repository).

@@ -35,7 +35,7 @@ def names(*command):
 
 
 def is_state(section):
-    """Writable for good, not only until the dynamic linker has filled in addresses."""
+    """Permanently writable, not only until the dynamic linker has filled in addresses."""
     return section.startswith(WRITABLE) and not section.startswith(".data.rel.ro")
 
 

@@ -61,7 +61,7 @@ def test_no_detail_leaves_clean_texels():
 
 
 def test_a_flat_base_shows_the_detail():
-    """The levels nearest to flat are half a level off flat, and so is what is laid on them."""
+    """The levels nearest to flat are half a level off flat, and so is a blend with them."""
     base = np.full((40, 40, 3), [128, 128, 255], np.uint8)
     rng = np.random.default_rng(5)
     detail = base.copy()
@@ -73,7 +73,7 @@ def test_a_flat_base_shows_the_detail():
 
 
 def test_rnm_reorients():
-    """A detail that leans as the base does leans twice as far."""
+    """A detail tilted like the base doubles the tilt."""
     degrees = np.radians([10, 25, 40])
     base = np.zeros((1, 3, 3), np.float32)
     base[0, :, 0], base[0, :, 2] = np.sin(degrees), np.cos(degrees)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Which border made the normals at the edges: told where it can be, and the numbers behind it."""
+"""Which border made the normals at the edges: detected where possible, with the right numbers."""
 
 import numpy as np
 import pytest
@@ -73,7 +73,7 @@ def error_of(stored, h, kernel, border, down, wraps, level):
 @pytest.mark.parametrize("kernel", ["central", "forward", "sobel3", "sobel5", "gimp9"])
 @pytest.mark.parametrize("dtype", [np.uint8, np.uint16])
 def test_errors_are_those_of_normals_made_with_each_border(kernel, down, dtype):
-    """Of any heights, whether or not they belong to the texture."""
+    """For any heights, whether or not they belong to the texture."""
     rng = np.random.default_rng(5)
     size = (150, 41) if down == 0 else (41, 150)
     h = reconstruction.fractal(256, seed=6)[: size[0], : size[1]].astype(np.float32)

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""The cleaning method that is chosen, against what each method makes of textures with known normals."""
+"""The chosen cleaning method, compared with the result of each method on textures with known
+normals."""
 
 from collections import Counter
 

@@ -94,7 +94,7 @@ def test_errors_that_were_confident_once(what):
 
 
 def test_no_class_is_given_up(judged, seed):
-    """Each class by itself, in both directions: no class is right at the cost of another."""
+    """Each class separately, in both directions: no class is right at the cost of another."""
     for kind in range(7):
         drawn = [r for _, c, r in judged if c.kind == kind]
         right = sum(r.type == c.kind or r.type in c.also for _, c, r in judged if c.kind == kind)
@@ -107,7 +107,7 @@ def test_no_class_is_given_up(judged, seed):
 
 
 def test_the_sure_are_many(judged, seed):
-    """Confidence says something: most textures get 0.9 or more, and errors are less sure."""
+    """Confidence is meaningful: most textures get 0.9 or more, and errors get less."""
     right = [r.confidence for _, c, r in judged if r.type == c.kind]
     assert np.mean(np.array(right) >= CONFIDENT) > 0.6, f"NTP_SEED={seed}"
     assert all(0.5 <= r.confidence <= 1 for _, _, r in judged)

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""Single textures: what the reference program gets wrong, and what the classification got wrong once."""
+"""Single textures that the reference program gets wrong, or that the classification once got
+wrong."""
 
 from collections import Counter
 
@@ -155,7 +156,7 @@ def test_fades_are_not_taken_for_normals_with_confidence():
 
 
 def test_mostly_flat_with_another_blue_is_not_sure():
-    """Flat texels fit any bright blue, or any dark one: few domes have to tell."""
+    """Flat texels fit any bright blue, or any dark one, so a few domes have to decide."""
     for size in (64, 128, 256):
         y, x = np.mgrid[:size, :size] + 0.5
         for radius in (0.08, 0.12, 0.16):
@@ -186,7 +187,7 @@ def test_well_formed_textures_are_sure():
 
 
 def test_blue_that_follows_is_sure_whatever_the_lengths():
-    """Scaled vectors: no texel is a unit vector, but blue goes up and down with z."""
+    """Scaled vectors: no texel is a unit vector, but blue varies with z."""
     for family in ("fractal", "bricks", "bumps"):
         n = sample(family, 0.8, np.random.default_rng(6))
         for scaled in (0.85 * n, n * [1, 1, 0.82]):
@@ -210,7 +211,8 @@ def test_bright_blue_over_gentle_slopes_is_not_sure():
 
 
 def test_halved_colors():
-    """JPEG with halved colors takes the relation to blue from noise, but makes all channels alike."""
+    """JPEG with chroma subsampling removes the relation of noise to blue, but makes all channels
+    alike."""
     for seed in range(6):
         rng = np.random.default_rng([seed, 13])
         n = sample("noise", rng.uniform(1, 1.6), rng, 64)
@@ -232,7 +234,7 @@ def test_zzero_that_is_not_honestly_rounded():
 
 
 def test_ridges_with_a_height_are_no_object_space():
-    """Sine and cosine: unit vectors in all directions, but red and green keep to a line."""
+    """Sine and cosine: unit vectors in all directions, but red and green lie on a line."""
     y, x = np.mgrid[:64, :64]
     for kx, ky in ((2, 1), (3, -2), (1, 4)):
         wave = 2 * np.pi * (kx * x + ky * y) / 64

@@ -109,7 +109,7 @@ def test_flip_twice_is_the_identity():
 
 
 def vectors():
-    """Vectors that are easy to get wrong."""
+    """Vectors that are difficult to convert."""
     rng = np.random.default_rng(11)
     plain = rng.normal(size=(300, 3))
     lengths = np.float64(2.0) ** rng.integers(-60, 60, (300, 1))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""One default for one choice: in C (a zero-filled struct), in Python and on the command line.
+"""Each option has the same default in C (a zero-filled struct), in Python and on the command line.
 
 Python is read as source: this needs no package that was built.
 """

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: MIT
 """The classification on textures that its rules were not fitted on (support/drawn_maps.py).
 
-Each kind of texture is drawn with every surface, several times, and damaged in several ways.  What
-is asserted: no wrong answer is sure; as many are right as were when this was written, less a few;
-what keeps a texture's meaning keeps its class.  The drawings are the same at each run.
+Each kind of texture is drawn with every surface, several times, and damaged in several ways.  It
+asserts that no wrong answer has a high confidence, that about as many answers are right as when
+this was written, and that changes that keep a texture's meaning keep its class.  The drawings are
+the same at each run.
 """
 
 import numpy as np
@@ -101,7 +102,7 @@ def test_kinds_and_damages(name, damage):
 
 @pytest.mark.xfail(strict=True, reason="the 5, 6 and 5 bits of BC1 give grays a tint")
 def test_compressed_grays_are_not_surely_something_else():
-    """Wrong today: a height map in BC1 is called no normals map with a confidence of 0.95."""
+    """Wrong today: a height map in BC1 is called not-normals with a confidence of 0.95."""
     assert not judge(draw_all(*SURE_AND_WRONG))[2]
 
 
@@ -197,7 +198,8 @@ def test_what_is_a_third_noise_is_not_sure(name):
 
 @pytest.mark.parametrize("surface", [s.__name__ for s in drawn_maps.SURFACES])
 def test_blue_of_another_surface_makes_it_xy(surface):
-    """Of a standard texture and of a Z-zero one: how blue goes, and not how it is spread, counts."""
+    """For a standard texture and a Z-zero one: the relation of blue decides, not its
+    distribution."""
     names = [s.__name__ for s in drawn_maps.SURFACES]
     for number, name in enumerate(["standard", "zzero"] * 2):
         pixels = pixels_of(name, surface, number).copy()

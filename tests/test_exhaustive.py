@@ -79,8 +79,8 @@ def test_clean(name, method, keep):
 @pytest.mark.parametrize("name", ENCODINGS)
 @pytest.mark.parametrize("method", METHODS)
 def test_only_failing(name, method):
-    """Texels that pass the verdict stay, unless Z is negative and may not be; the others are
-    cleaned like all; again: no change."""
+    """Texels that pass the verdict stay, unless Z is negative and must not be.  The others are
+    cleaned as usual.  A second pass changes nothing."""
     encoding, zz = ENCODINGS[name], name == "zzero"
     bits = {ntp.NEIGHBOR: 1, ntp.ROUNDED: 2, ntp.EXACT: 4}
     for verdict, keep, r in itertools.product(bits, (0, 1), range(0, 256, 15)):

@@ -59,7 +59,7 @@ def test_sources(source, dtype):
 
 @pytest.mark.parametrize("source", ["red", "luma", "mean", "max", "screen"])
 def test_float_heights_of_any_size(source):
-    """Sums that are no exact doubles; negative, huge and denormal heights; flat ones."""
+    """Sums that are not exact doubles; negative, huge and denormal heights; flat ones."""
     rng = np.random.default_rng(9)
     for size in (1e-44, 1e-30, 1e-8, 1.0, 1e8, 1e37):
         src = (rng.normal(size=(6, 7, 3)) * size).astype(np.float32)
@@ -119,7 +119,7 @@ def test_exact_ties():
 
 @pytest.mark.parametrize("m, dst", [(255, np.uint8), (65535, np.uint16)])
 def test_near_ties(m, dst):
-    """Scales that put n.x next to a boundary 2k/M, nearer than a double tells."""
+    """Scales that put n.x so close to a boundary 2k/M that a double cannot decide."""
     rng = np.random.default_rng(3)
     took = 0
     for _ in range(150):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The error diffusion that keeps slopes integrable, and the blur that comes before."""
+"""The error diffusion that keeps slopes integrable, and the blur before it."""
 
 import itertools
 import math
@@ -64,7 +64,8 @@ def gentle(h=60, w=333):
 @pytest.mark.parametrize("kernel", ["forward", "central", "gimp9"])
 @pytest.mark.parametrize("dst, m", [(np.uint8, 255), (np.uint16, 65535)])
 def test_dithering_keeps_sums_of_slopes(border, kernel, dst, m):
-    """Along each row the decoded slopes add up to the true ones but for half a step, anywhere."""
+    """Along each row the sums of decoded slopes differ from the true ones by at most half a
+    step."""
     src = gentle()
     how = {"scale": 8.0, "kernel": kernel, "border_x": border, "border_y": border}
     exact, _, _ = from_height(src, ntp.VECTOR, dst=np.float32, **how)

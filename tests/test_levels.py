@@ -26,7 +26,7 @@ METHODS = {"derive": ntp.DERIVE, "normalize": ntp.NORMALIZE, "keep": ntp.KEEP}
 
 @st.composite
 def texels(draw):
-    """(M, r, g, b), mostly where something happens: near the disc's edge and near the sphere."""
+    """(M, r, g, b), mostly in critical places: near the edge of the disc and near the sphere."""
     m = draw(st.sampled_from(list(DEPTHS)))
     level = st.integers(0, m)
     r, g, b = draw(level), draw(level), draw(level)

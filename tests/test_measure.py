@@ -152,7 +152,7 @@ def check_summary(tally, array, encoding, touch):
 
 
 def check_evidence(tally, array, want):
-    """What the classifier asks besides."""
+    """The other statistics that the classifier uses."""
     got = evidence(tally)
     narrow = want["max"] == 255
     assert {k: got[k] for k in EVIDENCE_COUNTS} == {k: want[k] for k in EVIDENCE_COUNTS}
@@ -185,7 +185,7 @@ def test_block_step(m, dtype, width):
 
 
 def everything(tally, encoding):
-    """All that can be asked of a tally, comparable."""
+    """All results of a tally, in a form that can be compared."""
     parts = [tally.stats(encoding), evidence(tally)]
     for e in (ntp.STANDARD, ntp.ZZERO):
         parts += [tally.levels_off(e).tolist(), tally.lengths(e).tolist()]
@@ -231,7 +231,7 @@ def test_a_cleared_tally_is_empty():
 
 
 def test_16_bit_with_8_bit_content_is_judged_as_8_bit():
-    """One level that is no multiple of 257, in any channel and any part, makes it 16 bit."""
+    """One level that is not a multiple of 257, in any channel and any part, makes it 16 bit."""
     narrow = (image(255, 4) * 257).astype(np.uint16)
     assert ntp.Tally().measure(narrow).stats()["max"] == 255
     for channel in range(4):

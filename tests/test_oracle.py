@@ -97,7 +97,7 @@ def test_over_long_pairs():
 
 
 def test_reference_programs_cleaning_is_worse():
-    """What the definitions say of normalise-then-round: 7,128 pairs stay over-long."""
+    """The count of the definitions for normalise-then-round: 7,128 pairs stay over-long."""
     r, g = np.meshgrid(LEVELS, LEVELS, indexing="ij")
     over = oracle.radicands(r, g, M8) < 0
     x, y = 2 * r[over] - M8, 2 * g[over] - M8

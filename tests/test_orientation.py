@@ -18,7 +18,7 @@ SEED = int(os.environ.get("NTP_SEED", "20261121"))
 
 @pytest.fixture
 def rng():
-    """NTP_SEED draws other maps: the bounds below are statistical, one draw in many misses one."""
+    """NTP_SEED draws other maps. The bounds below are statistical: one draw in many misses one."""
     print(f"NTP_SEED={SEED}")
     return np.random.default_rng(SEED)
 
@@ -87,7 +87,7 @@ def test_sampled_rows():
 
 
 def test_cuts_and_order(rng):
-    """Any cut is the whole, in any order; so are a ring of rows and a strided view."""
+    """Parts in any order give the result of the whole; so do a ring of rows and a strided view."""
     for _ in range(12):
         _, pixels, _ = maps_levels(rng)
         h, w = pixels.shape[:2]
@@ -253,7 +253,7 @@ CORRUPTIONS = {
 
 
 def test_nine_corruptions(rng):
-    """No wrong verdict; of all rows at least 95 % decided, of the sampled ones nearly as many."""
+    """No wrong verdict; all rows decide at least 95 %, and sampled rows nearly as many."""
     total, decided = 0, [0, 0]
     wrong, missed = [], {}
     for family in FAMILIES:
@@ -312,7 +312,7 @@ def test_encodings(rng):
 
 
 def test_large(rng):
-    """Sampled rows tell of large textures what all rows tell."""
+    """For large textures, sampled rows give the answer of all rows."""
     for _ in range(3):
         family = FAMILIES[int(rng.integers(len(FAMILIES)))]
         up = int(rng.choice([-1, 1]))
@@ -323,7 +323,7 @@ def test_large(rng):
 
 
 def test_undecided(rng):
-    """What holds no information gets no answer."""
+    """Textures without information get no answer."""
     cases = {}
     for _ in range(12):
         h, w = (int(v) for v in rng.choice([64, 128, 256], 2))
@@ -379,7 +379,7 @@ def test_holes(rng):
 
 
 def test_planted_sign(rng):
-    """These tests see an error of sign: the model with its v turned disagrees."""
+    """These tests detect an error of sign: the model with its v negated disagrees."""
     _, levels, up = maps_levels(rng, (256, 256))
     r, z, _ = oracle.statistic(levels[:, ::-1])
     assert np.sign(r) == -up or abs(z) < 5  # mirrored pixels, unturned red: the other hand

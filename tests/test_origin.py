@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Which kernel made a texture: told where there is detail, left open where there is none."""
+"""Which kernel made a texture: detected if there is detail, undecided if there is none."""
 
 import numpy as np
 import pytest
@@ -23,7 +23,7 @@ def bricks(n, seed=1):
 
 
 def named(kernel):
-    """What it is called: Sobel 5 x 5 is Sobel 3 x 3 of blurred heights."""
+    """It is reported as Sobel 3 x 3: Sobel 5 x 5 is Sobel 3 x 3 of blurred heights."""
     return "sobel3" if kernel == "sobel5" else kernel
 
 
@@ -72,7 +72,7 @@ def test_encodings_agree():
 
 
 def test_left_open():
-    """Nothing is claimed of smooth, flat, noisy, damaged or tiny textures."""
+    """Smooth, flat, noisy, damaged and tiny textures are undecided."""
     y, x = np.mgrid[:256, :256]
     smooth = 20 * np.sin(2 * np.pi * x / 256) * np.cos(2 * np.pi * y / 256)
     rng = np.random.default_rng(5)

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: MIT
 """Kernel, border, seam and steps of normals that numpy and OpenCV made, not the library.
 
-What the library makes and what it recognizes could be wrong in the same way.  Here heights become
-normals by support/numpy_normals.py, and by OpenCV's own Sobel and Scharr where that is installed.
+Otherwise the library could be wrong in the same way when it makes and when it detects.  Here
+heights become normals by support/numpy_normals.py, and by OpenCV's own Sobel and Scharr where that
+is installed.
 """
 
 import itertools
@@ -31,7 +32,7 @@ def scaled(h, slope):
 
 
 def open_heights(seed, h=256, w=256, slope=0.5):
-    """Their opposite edges have nothing to do with each other."""
+    """Their opposite edges are independent."""
     return scaled(drawn_surfaces.octaves(np.random.default_rng(seed), h, w), slope)
 
 
@@ -46,7 +47,7 @@ def closed_heights(seed, h=256, w=256, slope=0.5):
 @pytest.mark.parametrize("dtype", DEPTHS)
 @pytest.mark.parametrize("kernel", numpy_normals.KERNELS)
 def test_numpy_and_the_library_make_the_same(kernel, dtype):
-    """But for slopes of next to nothing, where a sum of floats is on either side of 0."""
+    """Except for slopes near 0, where the sign of a sum of floats is random."""
     h = np.float32(open_heights(3, 53, 61))
     for x in range(5):
         for y in range(5):
@@ -78,7 +79,7 @@ def test_the_kernel_is_found(kernel, heights, dtype):
 @pytest.mark.parametrize("dtype", DEPTHS)
 @pytest.mark.parametrize("kernel", [k for k in numpy_normals.KERNELS if k != "sobel5"])
 def test_smooth_surfaces_are_left_open_rather_than_called_wrong(kernel, dtype):
-    """The smoother they are, the more alike is what kernels make of them."""
+    """The smoother they are, the more similar are the normals of different kernels."""
     for falling, slope in itertools.product((3, 4, 4.5, 5, 6), (0.1, 0.5, 1.5)):
         rng = np.random.default_rng(int(falling * 10))
         h = scaled(surfaces.fft_noise(rng, 192, 192, falling), slope)
@@ -180,7 +181,7 @@ def test_what_is_mirrored_tiles_along_that_axis(kernel):
 
 @pytest.mark.parametrize("dtype", DEPTHS)
 def test_what_leans_does_not_wrap(dtype):
-    """The normals repeat, the heights climb; much of it is left open, and none is a seam."""
+    """The normals repeat, the heights climb; many stay undecided, and none is a seam."""
     for seed, lean in itertools.product(range(4), (0.1, -0.3)):
         h = closed_heights(seed)
         p, q = (numpy_normals.slope_along(h, "central", ("wrap", "wrap"), axis) for axis in (1, 0))
@@ -206,7 +207,7 @@ FITTED = [
 @pytest.mark.parametrize("dtype", DEPTHS)
 @pytest.mark.parametrize(("kernel", "border"), FITTED)
 def test_the_border_is_found(kernel, border, dtype):
-    """By the heights that were there, and by those that the library finds from the texture."""
+    """With the original heights, and with those that the library reconstructs from the texture."""
     h = closed_heights(7, 150, 160) if border == "wrap" else open_heights(7, 150, 160)
     n = numpy_normals.normals(h, kernel, border, dtype=dtype)
     number = NAMES.index(kernel)

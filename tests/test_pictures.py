@@ -61,7 +61,7 @@ class Diff:
 
 @pytest.mark.parametrize("encoding", [ntp.STANDARD, ntp.ZZERO, ntp.XY])
 def test_heatmap_of_all_8_bit_triplets(encoding):
-    """Each blue is an image of all red and green, so all 2^24 triplets pass by."""
+    """Each blue is an image of all red and green, so all 2^24 triplets are tested."""
     g, r = np.mgrid[:256, :256]
     for b in range(0, 256, 1 if encoding != ntp.XY else 51):
         texels = np.dstack([r, g, np.full_like(r, b)]).astype(np.uint8)

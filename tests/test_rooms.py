@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""tools/rooms.py: the tree keeps the direction of its rooms, and a planted fault is told."""
+"""tools/rooms.py: the tree respects the direction of its rooms, and a planted fault is reported."""
 
 import importlib.util
 import os

@@ -13,7 +13,7 @@ UNDECIDED, TILES, SEAM = "undecided", "tiles", "seam"
 
 
 def told(seam):
-    """What is said of two opposite edges, in a word."""
+    """The verdict on two opposite edges, as a word."""
     if not seam["decided"]:
         return UNDECIDED
     return TILES if seam["tiles"] else SEAM
@@ -90,7 +90,7 @@ def test_a_ramp_tiles_but_does_not_wrap():
 
 
 def test_damage():
-    """JPEG and noise do not make a seam of a texture that tiles, nor tile what has one."""
+    """JPEG and noise do not give a tiling texture a seam, and do not make a seam disappear."""
     rng = np.random.default_rng(8)
     n = reconstruction.from_height(bumps(256, 5))
     part = np.ascontiguousarray(n[20:200, 30:190])

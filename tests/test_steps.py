@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
-"""Slopes in steps: told of heights with few levels, and of nothing that only looks like it.
+"""Slope quantization: detected for low-bit heights, and not for textures that only look similar.
 
-Heights become normals here, in float64.  A kernel's slopes are whole multiples of
-scale / (its divisor * the levels' range): that is the step that has to be found.
+Heights become normals here, in float64.  A kernel's slopes are whole multiples of scale / (its
+divisor * the levels' range): this is the step to be found.
 """
 
 import os
@@ -96,7 +96,7 @@ def test_smooth_bumps():
 
 
 def test_encoders():
-    """8 bit: rounded, cut off, with 127 or 128 for 0; in a 16-bit image as well."""
+    """8 bit: rounded, truncated, with 127 or 128 for 0; also in a 16-bit image."""
     rng = np.random.default_rng(2)
     v, step = made(quantized(surfaces.fractal(rng, 256, 256)), scale=30)
     for style in ("rounded", "truncated", "flat127", "flat128"):
@@ -140,7 +140,8 @@ def test_some_texels_are_other():
 
 
 def test_drawn_textures():
-    """Of every kind that the classification is tested with, none of them made of integer heights."""
+    """Textures of every kind from the tests of the classification, none made from integer
+    heights."""
     rng = np.random.default_rng(SEED)
     for i in range(250):
         case = maps.draw(rng)
@@ -163,7 +164,8 @@ def test_good_textures(surface, m):
 
 
 def test_gentle_heights_of_8_bit():
-    """Their steps are the levels of the texture: nothing tells them from a good one."""
+    """Their steps are the levels of the texture, so they cannot be distinguished from a good
+    one."""
     for kernel in DIVISORS:
         for scale in (0.5, 1, 2):
             assert not told(textures_of(kernel, scale, 255)[0])
@@ -193,7 +195,7 @@ def test_images_of_fewer_bits(surface, strength):
 @pytest.mark.parametrize("radius", [8, 12, 20, 50])
 @pytest.mark.parametrize("offset", [0, 0.5, 0.3])
 def test_domes_waves_and_cones(m, radius, offset):
-    """Slopes that grow by as much at each texel are evenly spaced and smooth."""
+    """Slopes that grow by the same amount at each texel are evenly spaced and smooth."""
     y, x = np.mgrid[:256, :256] + offset
     cx, cy = x % (2 * radius) - radius, y % (2 * radius) - radius
     inside = cx**2 + cy**2 < radius**2

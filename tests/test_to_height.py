@@ -240,7 +240,7 @@ def test_telescoping_recovers_consistent_heights(kernel, shape):
 
 
 def untaken(p, q, central, heights_of, border_x, border_y, dx=1, dy=1):
-    """What is off in the equations that the sums leave out, inside and across borders that wrap."""
+    """The errors in the equations that the sums do not use, inside and across borders that wrap."""
     h, w = p.shape
     reach = 1 if central else 0
     rows = 1 + reach

@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: MIT
-"""How well heights come back: beside least squares in float64, and beside fixed figures.
+"""The accuracy of heights, compared with least squares in float64 and with fixed figures.
 
 Fields of 512 x 512, heights in texels; errors are standard deviations over the range.  A fixed
-figure is what float64 least squares reaches on a field of that kind, by the literature of this
-project's design; ours may be 5 % above it.
+figure is the error of float64 least squares on a field of that kind; ours may be 5 % above it.
 """
 
 import numpy as np
@@ -42,7 +41,8 @@ def normals(h, kernel, border, dtype, blue=NEAREST):
 
 
 def without_parity(h):
-    """Even and odd texels get one mean: what central slopes cannot see."""
+    """Even and odd texels get the same mean, because central slopes do not show their
+    difference."""
     h = h.astype(np.float64)
     for j in (0, 1):
         for i in (0, 1):
@@ -129,8 +129,8 @@ def test_eight_bits(fields, field, kernel):
 @pytest.mark.parametrize("kernel", ["forward", "central"])
 @pytest.mark.parametrize("border", [WRAP, EXTRAPOLATE])
 def test_a_level_at_most_with_derived_blue(kernel, border):
-    """As from-height and to-height do it by default.  Derived blue has no part of the normal that
-    red and green had not: slopes beyond 53 degrees are less sure, at the edges as elsewhere."""
+    """The defaults of from-height and to-height.  Derived blue adds no information to red and
+    green: slopes beyond 53 degrees are less accurate, at the edges and elsewhere."""
     for seed in (1, 4):
         h = fractal(N, seed) if border == WRAP else fractal(2 * N, seed)[:N, :N]
         h = np.ascontiguousarray(h if kernel == "forward" else without_parity(h), np.float32)
@@ -146,7 +146,7 @@ def test_a_level_at_most_with_derived_blue(kernel, border):
 
 
 def test_extrapolated_edges_cost_next_to_nothing(fields):
-    """The sum of squares, edges counting fully, beside the least one."""
+    """The sum of squares, with full weights at the edges, compared with the minimum."""
     h = np.ascontiguousarray(fields["ramp"][0][:200, :160], np.float32)
     n = normals(h, "central", EXTRAPOLATE, np.uint8)
     ours, _ = to_height(n, decode=UNORM, border_x=EXTRAPOLATE, border_y=EXTRAPOLATE)

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""What the levels of a texture mean, and whether its blue counts, told from the texture alone."""
+"""What the levels of a texture mean, and whether its blue is used, detected from the texture
+alone."""
 
 import numpy as np
 import pytest

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
 """Normals -> heightfield with kernels of 3 x 3 and more, mirrored borders, baked normals, spacing.
 
-The model writes the normal equations as one dense matrix, out of the taps and borders of
-oracle_height.  Where a border mirrors heights about a texel, the texels at the edge count half.
+The model writes the normal equations as one dense matrix, from the taps and borders of
+oracle_height.  If a border mirrors heights about a texel, the texels at the edge count half.
 """
 
 import functools
@@ -41,7 +41,7 @@ def rows_down(name):
 
 @functools.cache
 def matrix_of(kernel, down, shape, borders):
-    """Of borders that stand for one texel each: wrap, clamp, mirror."""
+    """For borders that map to one texel: wrap, clamp, mirror."""
     h, w = shape
     taps = rows_down(kernel) if down else heights.taps(kernel, False)
     out = np.zeros((h * w, h * w))
@@ -176,7 +176,7 @@ def test_texels_that_are_not_square(kernel, border):
 
 
 def edges_of(n, wrap):
-    """The matrix of mean slopes between neighbors, out of the slopes at the texels."""
+    """The matrix of mean slopes between neighbors, from the slopes at the texels."""
     count = 0 if n == 1 else n if wrap else n - 1
     out = np.zeros((count, n))
     for i in range(count):

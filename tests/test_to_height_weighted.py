@@ -121,7 +121,7 @@ def test_holes(kernel, border):
     ],
 )
 def test_mazes(kernel, border, most):
-    """Where corridors are a texel wide and make no loop, sums along them are the solution; but for
+    """If corridors are a texel wide and form no loop, sums along them are the solution, except for
     central slopes, which skip a texel."""
     rng = np.random.default_rng(41)
     used = maze((102, 120), rng)  # at no border that wraps is there another corridor

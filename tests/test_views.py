@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Views and areas: however memory is laid out and however an image is cut, the same bytes."""
+"""Views and areas: the same bytes for any memory layout and any division of an image."""
 
 import itertools
 

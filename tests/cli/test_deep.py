@@ -58,7 +58,7 @@ def test_fit_does_not_depend_on_the_border(run, tmp_path, border, kernel):
 
 
 def test_plain_check(run, tmp_path):
-    """The same as --deep up to 1024 x 1024, but for findings; said in JSON and with -v."""
+    """The same as --deep up to 1024 x 1024, except for findings; reported in JSON and with -v."""
     n = reconstruction.from_height(reconstruction.fractal(256), "sobel3")[:, 30:170]
     write_png(tmp_path / "a_n.png", n)
     plain, deep = only(run, "a_n.png"), only(run, "a_n.png", "--deep")
@@ -73,7 +73,8 @@ def test_plain_check(run, tmp_path):
 
 
 def rms_off_inside(n):
-    """By float64 transforms: what the central differences of the best heights leave, in levels."""
+    """By float64 transforms: the residual of the central differences of the best heights, in
+    levels."""
     p, q = reconstruction.slopes(n)
     free = reconstruction.EXTRAPOLATE
     ours = reconstruction.by_eigenvectors(p, q, "central", free, free)
@@ -112,7 +113,7 @@ def test_middle_of_a_large_texture(run, tmp_path):
 
 @pytest.mark.parametrize("shape", [(16, 3000), (3000, 17), (40, 1025)])
 def test_long_textures(run, tmp_path, shape):
-    """Lines from edge to edge: what ntp_find_seams says of the whole."""
+    """Lines from edge to edge: the result of ntp_find_seams for the whole."""
     n = reconstruction.from_height(reconstruction.fractal(3000)[: shape[0], : shape[1]].copy())
     write_png(tmp_path / "a_n.png", n)
     file = only(run, "a_n.png")
@@ -159,7 +160,8 @@ def test_no_surface(run, tmp_path):
 
 
 def test_steps(run, tmp_path):
-    """Of 8-bit heights: a note with --deep, the number in JSON, nothing of the same heights in 16 bit."""
+    """8-bit heights give a note with --deep and the number in JSON; the same heights in 16 bit do
+    not."""
     h = reconstruction.fractal(256)
     h = (h - h.min()) / np.ptp(h)
     for name, levels in (("a_n.png", 255), ("b_n.png", 65535)):
@@ -195,7 +197,7 @@ def box(area):
 
 @pytest.mark.parametrize("kernel", ["central", "forward", "scharr3"])
 def test_holes(run, tmp_path, kernel):
-    """The fit is of what is around them; of the whole of a small texture."""
+    """The fit is for the texels around them; in a small texture, for all of it."""
     n = reconstruction.from_height(reconstruction.fractal(128), kernel)
     n[40:60, 50:90] = 0
     n[100, 20] = n[7, 100:103] = 255

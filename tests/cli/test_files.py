@@ -259,7 +259,7 @@ def has_output_open(pid):
 
 
 def stop(process):
-    """False when it has ended before."""
+    """False if it has already ended."""
     process.send_signal(signal.SIGSTOP)
     how = os.WSTOPPED | os.WEXITED | os.WNOWAIT
     return os.waitid(os.P_PID, process.pid, how).si_code == os.CLD_STOPPED

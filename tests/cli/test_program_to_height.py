@@ -90,7 +90,7 @@ def settings_of(file):
 @pytest.mark.parametrize("depth", [8, 16])
 @pytest.mark.parametrize(("kernel", "border"), MADE)
 def test_round_trip_with_everything_auto(run, tmp_path, surface, kernel, border, depth):
-    """What from-height did is found out, and doing it again gives the same normals."""
+    """The settings of from-height are detected, and using them again gives the same normals."""
     make_normals(run, "--kernel", kernel, "--border", border, "--depth", depth)
     file = only(run, "n.png", "-o", "back.png")
     assert file["kernel"] == kernel and file["y"] == "up" and file["kernel_by"] == "texels"
@@ -109,7 +109,7 @@ def test_round_trip_with_everything_auto(run, tmp_path, surface, kernel, border,
 
 
 def test_identity_up_to_quantization(run, tmp_path, surface):
-    """Heights that came out of to-height come out again."""
+    """Heights made by to-height are reproduced."""
     make_normals(run, "--depth", 16)
     first = only(run, "n.png", "-o", "one.png", "--border", "wrap")
     run("from-height", "one.png", "-o", "n2.png", "--depth", 16, *settings_of(first))

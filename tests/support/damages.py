@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What goes wrong with normals, one thing each, as the classification meets it.
+"""Kinds of damage to normals, one at a time, as the classification meets them.
 
 Most take vectors and a random generator and give levels.
 """

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: MIT
-"""A second generator of textures of known kind, which has nothing in common with maps.py.
+"""A second generator of textures of known type, which shares nothing with maps.py.
 
 The classification's rules were fitted on the draws of maps.py, so a test on those alone shows how
-well they fit.  What is here was written from the definitions only, without a look at the rules:
-most surfaces are normals from formulas rather than heights, and what tells kinds apart is left to
-chance.  A drawing is a function of its names and its number; nothing else is random.
+well they fit.  This module was written from the definitions only, without knowledge of the rules:
+most surfaces are normals from formulas rather than heights, and the features that distinguish types
+are left to chance.  A drawing is a function of its names and its number; nothing else is random.
 """
 
 import io

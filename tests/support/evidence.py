@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The classifier's evidence, which libntp keeps to itself: read out of a tally by ntp_evidence.so."""
+"""The classifier's evidence, which is private to libntp: read from a tally by ntp_evidence.so."""
 
 import re
 
@@ -23,7 +23,7 @@ _lib = ntp.ffi.dlopen(str(_BUILT)) if _BUILT else None
 
 
 def evidence(tally):
-    """What is known of a Tally: the fields of ntp__evidence as a dict."""
+    """The evidence of a Tally: the fields of ntp__evidence as a dict."""
     found = ntp.ffi.new("ntp__evidence *")
     ntp.check(_lib.ntp_test_evidence(found, tally.pointer))
     return ntp.fields(found)

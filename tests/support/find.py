@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What the library finds out about where normals come from, as dicts."""
+"""What the library detects about the origin of normals, as dicts."""
 
 from . import libntp_ffi as ntp
 

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: MIT
 """An independent model of libntp's arithmetic, for tests.
 
-Written from the definitions (docs/arithmetic.md), not from the C code.  Every rule stands here
+Written from the definitions (docs/arithmetic.md), not from the C code.  Every rule is written here
 twice: once for one texel in Python integers and fractions, where a stored level is found by
 searching for the one that satisfies the rule's inequality, and once for whole arrays in numpy
-integers.  test_oracle.py holds the two against each other and against the published counts.
+integers.  test_oracle.py compares the two with each other and with the published counts.
 
 A texel is (r, g, b) in levels 0..M.  `zz` is true where blue is Z-zero (b/M).
 """

@@ -14,7 +14,7 @@ def spawn(args, **options):
 
 
 def start(args, **options):
-    """subprocess.Popen of what heeds Ctrl-C, which background jobs of a shell are made to ignore."""
+    """subprocess.Popen that receives Ctrl-C, which background jobs of a shell ignore."""
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
     try:
         return subprocess.Popen(args, **options)
