@@ -5,6 +5,7 @@
 #include "examine/worker.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 #include "text/text.h"
 
@@ -27,8 +28,12 @@ worker *worker_new(void)
 
 ntp_diff *worker_diff(worker *w)
 {
+    bool fresh = w->diff.data == NULL;
     ntp_diff *diff = (ntp_diff *) (void *) buffer_reserve(&w->diff, ntp_diff_size());
-    ntp_diff_clear(diff);
+    if (fresh)
+        memset(diff, 0, ntp_diff_size()); /* what ntp_diff_clear takes has been a diff before */
+    else
+        ntp_diff_clear(diff);
     return diff;
 }
 
