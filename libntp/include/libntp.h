@@ -550,8 +550,7 @@ NTP_API ntp_status ntp_choose_method(ntp_clean_method *method, ntp_reason *why, 
 
 typedef enum ntp_palette {
     NTP_PALETTE_REFERENCE = 0, /* red: x, y too long; green: wrong length; blue: negative z */
-    NTP_PALETTE_SAFE = 1       /* three hues that can be told apart with every kind of color vision
-                                * */
+    NTP_PALETTE_SAFE = 1       /* three hues that color-blind people can tell apart too */
 } ntp_palette;
 
 /*
@@ -588,18 +587,18 @@ typedef struct ntp_light {
  * previews and thumbnails.  With n the stored vector divided by its length (NTP_ENCODING_XY: z
  * derived, 0 where x, y are too long; y down is turned up) and h halfway between l and the viewer,
  * each channel is
- *   color (ambient + diffuse (n.l)) + specular (n.h)^32, where negative n.l and n.h count as 0, and
- *   there is no specular part where n.l is not above 0. The square root of this (gamma 2) is mapped
- *   to 0..255.  dst is as in ntp_heatmap, or has 1 channel, which gets the Rec. 709 luminance.
- *   Unused texels, and floats that are not a vector, show a dark checker of 8 x 8 texels.
- *   light NULL or zero-filled: direction (-1, 1, 1.2), the upper left; ambient 0.1, diffuse 0.9,
- *   specular 0.2, color 0.6.
+ *   color (ambient + diffuse (n.l)) + specular (n.h)^32
+ * where negative n.l and n.h count as 0, and there is no specular part where n.l is not above 0.
+ * The square root of this (gamma 2) is mapped to 0..255.  dst is as in ntp_heatmap, or has 1
+ * channel, which gets the Rec. 709 luminance.  Unused texels, and floats that are not a vector,
+ * show a dark checker of 8 x 8 texels.
+ * light NULL or zero-filled: direction (-1, 1, 1.2), the upper left; ambient 0.1, diffuse 0.9,
+ * specular 0.2, color 0.6.
  */
 NTP_API ntp_status ntp_shade(const ntp_image *dst, const ntp_const_image *src,
                              const ntp_light *light, const ntp_rect *area);
 
-/* Differences between two textures.  The sums are integers, so parts add up exactly, in any order.
- */
+/* Differences between two textures.  The sums are integers, so parts add up exactly. */
 typedef struct ntp_diff ntp_diff;
 
 /* Bytes of an ntp_diff (about 700 KiB): zero-filled by the caller, aligned to 16.  How much of
