@@ -2,8 +2,8 @@
 /*
  * float_vector.h - float vectors to levels, correctly rounded
  */
-#ifndef NTP_VECTOR_H
-#define NTP_VECTOR_H
+#ifndef NTP_FLOAT_VECTOR_H
+#define NTP_FLOAT_VECTOR_H
 
 #include <stdint.h>
 

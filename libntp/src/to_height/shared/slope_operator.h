@@ -6,8 +6,8 @@
  * such an operator on one axis: taps in the interior, single entries near the ends, where the
  * border says what lies beyond.
  */
-#ifndef NTP_STENCIL_H
-#define NTP_STENCIL_H
+#ifndef NTP_SLOPE_OPERATOR_H
+#define NTP_SLOPE_OPERATOR_H
 
 #include "stencil/border.h"
 

@@ -76,7 +76,7 @@ static void add_slopes(const ntp__weighted *w, ntp__weighted_part *part, double 
 static double pair_weight(const ntp__weighted *w, float before, float a, float b, float after)
 {
     float ma = ntp__weight_size(a), mb = ntp__weight_size(b), least = ma < mb ? ma : mb;
-    bool counted = ntp__counts(before) | ntp__counts(a) | ntp__counts(b) | ntp__counts(after);
+    bool counted = ntp__any_counts(before, a, b, after);
     return (double) least * (counted ? w->strength : w->strength_alone);
 }
 
@@ -110,8 +110,7 @@ static void multiply_pairs(const ntp__weighted *w, double *restrict flow,
     const float *before = near[0], *a = near[1], *b = near[2], *after = near[3];
     for (int32_t i = 0; i < n; i++) {
         float ma = ntp__weight_size(a[i]), mb = ntp__weight_size(b[i]), least = ma < mb ? ma : mb;
-        int counted =
-            ntp__counts(before[i]) | ntp__counts(a[i]) | ntp__counts(b[i]) | ntp__counts(after[i]);
+        bool counted = ntp__any_counts(before[i], a[i], b[i], after[i]);
         flow[i] = (double) least * (counted ? strength : alone) * (next[i] - h[i]);
     }
 }

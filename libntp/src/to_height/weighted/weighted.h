@@ -121,6 +121,12 @@ static inline bool ntp__counts(float weight)
     return weight > 0;
 }
 
+/* Any of four, without branches: a pass asks this for every pair. */
+static inline bool ntp__any_counts(float a, float b, float c, float d)
+{
+    return ((a > 0) | (b > 0) | (c > 0) | (d > 0)) != 0;
+}
+
 static inline float ntp__not_counting(float weight)
 {
     return -weight;
