@@ -2,9 +2,9 @@
 /*
  * bench_to_height.c - normals -> heightfield on one thread and two, and row by row
  *
- * bench_to_height [--size N] [--pairs N] RGB8 in memory; median of the pairwise ratios
- * bench_to_height --rows N N x N through row callbacks and a temporary file, and
- *                                          the greatest memory that took
+ *     bench_to_height [--size N] [--pairs N]   RGB8 in memory; median of the pairwise ratios
+ *     bench_to_height --rows N                 N x N through row callbacks and a temporary file,
+ *                                              and the peak memory
  * Lines are: name, A, B, A/B, goal.
  */
 #include "libntp.h"

@@ -562,14 +562,14 @@ typedef enum ntp_palette {
  * Reference palette:
  *   red    |(x, y)| > 1: 128; by more than one level: 255
  *   green  | |(x, y, z)| - 1 | of at least two levels: 128; of at least three: 255.  Where x, y
- *          are longer than 1 they are pulled onto the disc first, so that this speaks of z
+ *          are longer than 1, they are first pulled onto the disc, so that green is about z
  *   blue   z < 0 (NTP_ENCODING_STANDARD, NTP_ENCODING_VECTOR): M - b in 8 bit: 128 just below 0,
  *          255 at -1
- *   gray no fault, or unused: 100 + luma/2, luma 0..255 by Rec. 709 of the stored levels The safe
- *   palette has one hue for each texel, that of its first fault in this order: z < 0, yellow (240,
- *   228, 66); x, y too long, vermilion (213, 94, 0); length, sky blue (86, 180, 233).  The hue is
- *   multiplied by the fault's value above / 255.  For NTP_ENCODING_XY only x, y are judged.  Floats
- *   are judged as 16-bit levels; floats that are not a vector (NaN, infinite, length 0) are white.
+ *   gray   no fault, or unused: 100 + luma/2, luma 0..255 by Rec. 709 of the stored levels
+ * The safe palette has one hue for each texel, that of its first fault in this order: z < 0, yellow
+ * (240, 228, 66); x, y too long, vermilion (213, 94, 0); length, sky blue (86, 180, 233).  The hue
+ * is multiplied by the fault's value above / 255.  For NTP_ENCODING_XY only x, y are judged.  Floats
+ * are judged as 16-bit levels; floats that are not a vector (NaN, infinite, length 0) are white.
  */
 NTP_API ntp_status ntp_heatmap(const ntp_image *dst, const ntp_const_image *src,
                                ntp_palette palette, uint32_t touch_unused, const ntp_rect *area);
@@ -609,8 +609,7 @@ typedef struct ntp_diff_stats {
     uint64_t texels;
     uint64_t different; /* texels in which a compared sample differs */
     uint32_t max;       /* M of the levels below, which is that of the deeper image */
-    int32_t channels;   /* compared: the smaller number of the two; 2 if just one is NTP_ENCODING_XY
-                         * */
+    int32_t channels;   /* compared: the smaller number of the two; 2 if one is NTP_ENCODING_XY */
     uint32_t levels_max[4]; /* greatest and mean |difference| of each channel */
     double levels_mean[4];
     ntp_angles angles; /* between the two vectors, over all texels; none for NTP_ENCODING_HEIGHT */
