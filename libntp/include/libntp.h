@@ -568,8 +568,8 @@ typedef enum ntp_palette {
  *   gray   no fault, or unused: 100 + luma/2, luma 0..255 by Rec. 709 of the stored levels
  * The safe palette has one hue for each texel, that of its first fault in this order: z < 0, yellow
  * (240, 228, 66); x, y too long, vermilion (213, 94, 0); length, sky blue (86, 180, 233).  The hue
- * is multiplied by the fault's value above / 255.  For NTP_ENCODING_XY only x, y are judged.  Floats
- * are judged as 16-bit levels; floats that are not a vector (NaN, infinite, length 0) are white.
+ * is multiplied by the fault's value above / 255.  For NTP_ENCODING_XY only x, y are judged.
+ * Floats are judged as 16-bit levels; floats that are not a vector (NaN, infinite, length 0) are white.
  */
 NTP_API ntp_status ntp_heatmap(const ntp_image *dst, const ntp_const_image *src,
                                ntp_palette palette, uint32_t touch_unused, const ntp_rect *area);
@@ -925,8 +925,8 @@ NTP_API size_t ntp_height_scratch_size(const ntp_height_options *how, int32_t wi
  *   forward           all.  With clamp the last slope is ignored; where the last two are
  *                     slopes of one pair of texels (mirror, extrapolate, repeat-slope, which is
  *                     extrapolate), only their mean counts.
- *   central           wrap, clamp, mirror, extrapolate (slopes at the edge count a quarter; then the
- *                     two outermost lines of texels are fitted again with equal weights)
+ *   central           wrap, clamp, mirror, extrapolate (slopes at the edge count a quarter; then
+ *                     the two outermost lines of texels are fitted again with equal weights)
  *   prewitt3, sobel3, scharr3     wrap, clamp, mirror
  *   prewitt5, sobel5, gimp5..9    wrap, mirror
  *   baked             wrap; any other is a free end.  Slopes of a surface at texel centers; the
