@@ -569,7 +569,8 @@ typedef enum ntp_palette {
  * The safe palette has one hue for each texel, that of its first fault in this order: z < 0, yellow
  * (240, 228, 66); x, y too long, vermilion (213, 94, 0); length, sky blue (86, 180, 233).  The hue
  * is multiplied by the fault's value above / 255.  For NTP_ENCODING_XY only x, y are judged.
- * Floats are judged as 16-bit levels; those that are not a vector (NaN, infinite, length 0) are white.
+ * Floats are judged as 16-bit levels; those that are not a vector
+ * (NaN, infinite, length 0) are white.
  */
 NTP_API ntp_status ntp_heatmap(const ntp_image *dst, const ntp_const_image *src,
                                ntp_palette palette, uint32_t touch_unused, const ntp_rect *area);
