@@ -112,6 +112,84 @@ static void check_slopes(const ntp__stencil *s, ntp_kernel kernel, ntp_border bx
         fail("slopes", kernel, (int) bx, (int) by, s->width, s->height, worst);
 }
 
+/* An area of heights, and what lies beyond it by the words of libntp.h, one step at a time: none of
+ * the library's own borders. */
+typedef struct field {
+    const double *heights;
+    int32_t width, height;
+    ntp_border x, y;
+} field;
+
+static double height_at(const field *f, int32_t x, int32_t y)
+{
+    bool across = x < 0 || x >= f->width;
+    if (!across && y >= 0 && y < f->height)
+        return f->heights[y * f->width + x];
+    int32_t n = across ? f->width : f->height, i = across ? x : y, edge = i < 0 ? 0 : n - 1;
+    ntp_border border = n == 1 ? NTP_BORDER_CLAMP : across ? f->x : f->y;
+    int32_t to = border == NTP_BORDER_WRAP     ? i < 0 ? i + n : i - n
+                 : border == NTP_BORDER_MIRROR ? 2 * edge - i
+                                               : edge;
+    double there = across ? height_at(f, to, y) : height_at(f, x, to);
+    if (border < NTP_BORDER_EXTRAPOLATE)
+        return there;
+    int32_t inner = i < 0 ? 1 : n - 2;
+    double step = there - (across ? height_at(f, inner, y) : height_at(f, x, inner));
+    return there + step * abs(i - edge);
+}
+
+/* Where repeat-slope takes the slope at i, whose taps are those of `taps` of all terms. */
+static int32_t moved(const ntp__kernel *k, bool along, ntp_border border, int32_t i, int32_t n)
+{
+    int32_t before = 0, after = 0;
+    for (int32_t at = -NTP__MAX_RADIUS; at <= NTP__MAX_RADIUS; at++) {
+        for (int t = 0; t < k->terms; t++) {
+            const ntp__taps *taps = &k->term[t];
+            if ((along ? taps->along : taps->across)[at + NTP__MAX_RADIUS] != 0) {
+                before = at < before ? at : before;
+                after = at > after ? at : after;
+            }
+        }
+    }
+    if (border != NTP_BORDER_REPEAT_SLOPE || after - before >= n)
+        return i;
+    return i + before < 0 ? -before : i + after >= n ? n - 1 - after : i;
+}
+
+static double plain_slope(const field *f, const ntp__kernel *k, int32_t x, int32_t y, bool down)
+{
+    double sum = 0;
+    x = moved(k, !down, f->x, x, f->width);
+    y = moved(k, down, f->y, y, f->height);
+    for (int t = 0; t < k->terms; t++) {
+        for (int32_t i = -NTP__MAX_RADIUS; i <= NTP__MAX_RADIUS; i++) {
+            for (int32_t j = -NTP__MAX_RADIUS; j <= NTP__MAX_RADIUS; j++) {
+                int32_t tap = k->term[t].along[(down ? j : i) + NTP__MAX_RADIUS] *
+                              k->term[t].across[(down ? i : j) + NTP__MAX_RADIUS];
+                sum += tap == 0 ? 0 : tap * height_at(f, x + i, y + j);
+            }
+        }
+    }
+    return sum / k->denominator;
+}
+
+static void check_plainly(const ntp__stencil *s, ntp_kernel kernel, ntp_border bx, ntp_border by)
+{
+    double x[MOST * MOST], u[MOST * MOST], v[MOST * MOST], worst = 0;
+    const ntp__kernel *k = &ntp__kernel_table[kernel];
+    field f = { x, s->width, s->height, bx, by };
+    for (int32_t i = 0; i < s->width * s->height; i++)
+        x[i] = random_unit();
+    slopes(s, x, u, v);
+    for (int32_t i = 0; i < s->width * s->height; i++) {
+        int32_t column = i % s->width, row = i / s->width;
+        worst = fmax(worst, fabs(u[i] - plain_slope(&f, k, column, row, false)));
+        worst = fmax(worst, fabs(v[i] - plain_slope(&f, k, column, row, true)));
+    }
+    if (!(worst <= 1e-12))
+        fail("plainly", kernel, (int) bx, (int) by, s->width, s->height, worst);
+}
+
 int main(void)
 {
     static const int32_t sizes[][2] = { { 1, 1 }, { 1, 5 },  { 6, 1 },  { 2, 3 },  { 4, 4 },
@@ -125,6 +203,7 @@ int main(void)
                 ntp__stencil_init(s, kernel, bx, by, sizes[i][0], sizes[i][1], false);
                 check_adjoint(s, kernel, b % 5, b / 5);
                 check_slopes(s, kernel, bx, by);
+                check_plainly(s, kernel, bx, by);
             }
         }
     }
