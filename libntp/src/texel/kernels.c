@@ -9,6 +9,7 @@
 #include "texel/kernels.h"
 
 #include "texel/judged.h"
+#include "texel/root30.h"
 
 #include <math.h>
 #include <stdbool.h>
@@ -193,20 +194,12 @@ static uint64_t clean_rgba8(uint8_t *dst, const uint8_t *src, size_t n, const ui
     return changed;
 }
 
-/* floor(sqrt(e)) for 0 <= e < 2^30: the float root is right or one too great (shown for every e
- * by tests/unit/test_kernels.c). */
-static inline int32_t root30(int32_t e)
-{
-    int32_t t = (int32_t) sqrtf((float) e);
-    return t - (t * t > e);
-}
-
 /* The derived blue for S = 4e + 3, e >= 0.  Standard: K + floor(sqrt(e)).  Z-zero: the rounding
  * of sqrt(4e + 3), which lies in 2t..2t+2; with d = e - t*t it passes 2t + 1/2 where
  * 2d + 1 >= t, and 2t + 3/2 where 2d >= 3t. */
 static inline int32_t blue(int32_t e, int32_t k, int32_t zzero)
 {
-    int32_t t = root30(e), d = e - t * t;
+    int32_t t = ntp__root30(e), d = e - t * t;
     int32_t z = 2 * t + (2 * d + 1 >= t) + (2 * d >= 3 * t);
     return zzero ? z : k + t;
 }
