@@ -10,7 +10,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { WIDEST = NTP__BLOCK, ROUNDS = 20000 };
+enum { WIDEST = NTP__BLOCK, ROUNDS = 20000, SKIPPED = 77 };
 
 static uint64_t next(uint64_t *seed)
 {
@@ -166,14 +166,17 @@ static void test_encode(const ntp__gradient_kernels *base, const ntp__gradient_k
     }
 }
 
-int main(void)
+int main(int argc, char **argv)
 {
+    bool avx2 = argc > 1 && strcmp(argv[1], "avx2") == 0;
+    if (avx2 && !ntp__cpu_has_avx2(NTP__CPU_ALL))
+        return SKIPPED;
     uint64_t seed = 88172645463325252u;
     test_identities(&seed);
     test_sign(&seed);
     test_to_double(&seed);
     const ntp__gradient_kernels *base = ntp__gradient_kernels_for(0);
-    const ntp__gradient_kernels *level = ntp__gradient_kernels_for(NTP__CPU_ALL);
+    const ntp__gradient_kernels *level = ntp__gradient_kernels_for(avx2 ? NTP__CPU_AVX2 : 0);
     for (int32_t n = 1; n <= WIDEST; n += n < 40 ? 1 : 27) {
         test_sums(base, level, n, &seed);
         test_encode(base, level, n, &seed);
