@@ -3,6 +3,7 @@
  * test_gradient.c - the wide integers of heightfield -> normals, and that every instruction set
  * gives the bytes of the base level
  */
+#include "../../gimp-plugin/choices.h"
 #include "from_height/gradient.h"
 #include "guarded.h"
 #include "texel/kernels.h"
@@ -166,12 +167,28 @@ static void test_encode(const ntp__gradient_kernels *base, const ntp__gradient_k
     }
 }
 
+/* The menus of the plug-in are in the library's order. */
+static void test_choices(void)
+{
+#define N_(label)             label
+#define NAME(id, name, label) name,
+    static const char *const kernels[] = { NTP_KERNEL_CHOICES(NAME) };
+    static const char *const borders[] = { NTP_BORDER_CHOICES(NAME) };
+    CHECK(sizeof kernels / sizeof kernels[0] == NTP__KERNELS);
+    CHECK(sizeof borders / sizeof borders[0] == NTP_BORDERS);
+    for (int i = 0; i < NTP__KERNELS; i++)
+        CHECK(strcmp(kernels[i], ntp_kernel_name((ntp_kernel) i)) == 0);
+    for (int i = 0; i < NTP_BORDERS; i++)
+        CHECK(strcmp(borders[i], ntp_border_name((ntp_border) i)) == 0);
+}
+
 int main(int argc, char **argv)
 {
     bool avx2 = argc > 1 && strcmp(argv[1], "avx2") == 0;
     if (avx2 && !ntp__cpu_has_avx2(NTP__CPU_ALL))
         return SKIPPED;
     uint64_t seed = 88172645463325252u;
+    test_choices();
     test_identities(&seed);
     test_sign(&seed);
     test_to_double(&seed);
