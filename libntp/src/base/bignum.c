@@ -2,7 +2,7 @@
 /*
  * bignum.c - natural numbers of up to 2048 bits, on the stack
  *
- * Schoolbook arithmetic: the numbers have a few limbs, seldom more than twenty.
+ * Schoolbook arithmetic is fast enough: the numbers seldom have more than twenty limbs.
  */
 #include "base/bignum.h"
 
@@ -151,7 +151,7 @@ double ntp__wide_to_double(const ntp__wide *a, int32_t exponent)
     if (drop > 0 && bit(a, drop - 1) && ((mantissa & 1u) || any_below(a, drop - 1)))
         mantissa++;
     int32_t e = exponent + (drop > 0 ? drop : 0);
-    /* Each step is exact, but for an overflow: mantissa 2^e is a double. */
+    /* mantissa 2^e is a double, so each step is exact unless it overflows. */
     double value = (double) mantissa;
     for (; e > 900; e -= 900)
         value *= 0x1p900;
@@ -161,11 +161,11 @@ double ntp__wide_to_double(const ntp__wide *a, int32_t exponent)
 }
 
 /*
- * Only the order of magnitude of far-off exponents matters.  Let the terms be sorted by exponent.
- * The other two are multiples of the second's 2^e; while the lowest term stays below that it
- * cannot change which of the two is greater, only break their tie, wherever it lies exactly.
- * So its exponent may come up to just below the second's.  In the same way, where the highest
- * term is a multiple of more than the other two amount to, its exponent may come down.
+ * Exponents that lie far apart are brought closer first, so that the shifted terms stay short.
+ * Let the terms be sorted by exponent.  The upper two are multiples of the second's 2^e.  As long
+ * as the lowest term is below that, it can only break their tie, and its exact size does not
+ * matter.  So its exponent may rise until the term is just below.  In the same way the exponent of
+ * the highest term may fall, as long as its 2^e exceeds the sum of the other two.
  */
 int32_t ntp__wide_sign(const ntp__wide *x, int32_t ex, const ntp__wide *y, int32_t ey,
                        const ntp__wide *z, int32_t ez)
@@ -181,7 +181,7 @@ int32_t ntp__wide_sign(const ntp__wide *x, int32_t ex, const ntp__wide *y, int32
         order[k] = i;
     }
     for (int32_t i = 1; i < count; i++) {
-        /* Bits of the sum of all terms below: two terms add one bit. */
+        /* No sum of the terms below has more bits: two terms add one bit. */
         int32_t bits = 0;
         for (int32_t k = 0; k < i; k++) {
             int32_t top = e[order[k]] + ntp__wide_bits(term[order[k]]) + 1;

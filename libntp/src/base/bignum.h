@@ -2,9 +2,10 @@
 /*
  * bignum.h - natural numbers of up to 2048 bits, on the stack
  *
- * For the few texels and vectors whose rounding a double cannot decide.  Only what that needs:
- * product, sum, difference, shift, comparison.  Limbs of 32 bits, the lowest first, so that plain C
- * multiplies them.  Signed integers of 128 bits are enough for sums and blends: int128.h.
+ * These decide the rounding of the few texels and vectors for which a double is not precise
+ * enough.  There is only what that needs: product, sum, difference, shift, comparison.  A number
+ * is an array of 32-bit limbs, the lowest first, because plain C can multiply two of those.  Sums
+ * and blends need no more than the 128 bits of int128.h.
  */
 #ifndef NTP_BIGNUM_H
 #define NTP_BIGNUM_H
@@ -28,7 +29,7 @@ int32_t ntp__wide_bits(const ntp__wide *a);
 /* -1, 0, 1 for a < b, a == b, a > b. */
 int32_t ntp__wide_compare(const ntp__wide *a, const ntp__wide *b);
 
-/* The results fit, by the caller's bounds; out is another object than a and b. */
+/* The caller sees to it that the result fits.  out is another object than a and b. */
 void ntp__wide_multiply(ntp__wide *out, const ntp__wide *a, const ntp__wide *b);
 void ntp__wide_shift(ntp__wide *out, const ntp__wide *a, int32_t bits);
 void ntp__wide_add(ntp__wide *a, const ntp__wide *b);

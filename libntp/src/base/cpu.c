@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * cpu.c - which instruction set's loops run; no state, the processor is asked each time
+ * cpu.c - which instruction set's loops run
+ *
+ * The library keeps no state, so the processor is asked each time.
  */
 #include "base/cpu.h"
 

@@ -14,7 +14,7 @@
 enum { NTP__CPU_AVX2 = 1, NTP__CPU_ALL = -1 };
 
 /* Does this processor have AVX2, and does the mask allow it?  The mask is for tests.  Benchmarks
- * bring their own function: in an archive this one is then left out. */
+ * define a function of this name themselves: the linker then leaves out that of the archive. */
 bool ntp__cpu_has_avx2(int mask);
 
 /* The address of the table of the best instruction set. */

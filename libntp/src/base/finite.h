@@ -2,8 +2,8 @@
 /*
  * finite.h - is a number neither infinite nor NaN?
  *
- * isfinite and isnan of <math.h> are calls into libm with some compilers, and the library takes
- * nothing but roots from there.  Infinity less infinity is NaN, and NaN equals nothing.
+ * With some compilers isfinite and isnan of <math.h> call libm, from which the library takes only
+ * square roots.  Infinity minus infinity is NaN, and NaN equals nothing.
  */
 #ifndef NTP_FINITE_H
 #define NTP_FINITE_H

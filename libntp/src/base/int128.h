@@ -2,9 +2,9 @@
 /*
  * int128.h - signed integers of 128 bits, in plain C
  *
- * Two's complement in two words; sums and products are taken mod 2^128, so they are right
- * whenever the result fits.  For sums of weighted levels and for blends, whose numerators have
- * up to 120 bits.
+ * Two's complement in two words.  Sums and products are taken mod 2^128, so they are right
+ * whenever the result fits.  Resizing sums weighted levels in them.  Blending needs them for
+ * numerators of up to 120 bits.
  */
 #ifndef NTP_INT128_H
 #define NTP_INT128_H
@@ -76,7 +76,7 @@ static inline ntp__i128 ntp__i128_shift(ntp__i128 a, int32_t bits)
     return r;
 }
 
-/* To within two parts in 2^53. */
+/* The relative error is at most 2^-52. */
 static inline double ntp__i128_to_double(ntp__i128 a)
 {
     bool negative = ntp__i128_negative(a);

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * parts.c - items of work shared out among the parts that the caller's hooks offer
+ * parts.c - shares items of work out among the parts that the caller's hooks offer
  *
- * Each part does every parts-th item, so that one call of parallel_for does them all.  What an
- * item computes does not depend on the part that does it.
+ * Part p of n does items p, p + n, p + 2n and so on, so one call of parallel_for does them all.
+ * The result of an item does not depend on which part does it.
  */
 #include "base/parts.h"
 

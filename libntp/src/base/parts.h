@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * parts.h - items of work shared out among the parts that the caller's hooks offer
+ * parts.h - shares items of work out among the parts that the caller's hooks offer
  */
 #ifndef NTP_PARTS_H
 #define NTP_PARTS_H
 
 #include "libntp.h"
 
-/* Part `part` does item `item`; items do not touch what others write. */
+/* Part `part` does item `item`.  An item does not touch what another item writes. */
 typedef void ntp__crew_task(void *job, int32_t part, int32_t item);
 
 typedef struct ntp__crew {
@@ -23,8 +23,8 @@ typedef struct ntp__crew_items {
     int32_t count;
 } ntp__crew_items;
 
-/* Does items of two kinds, none of which touches what another writes; every other part begins with
- * the second kind, so that what waits for memory goes on beside what computes. */
+/* Does items of two kinds, none of which touches what another writes.  Every other part begins with
+ * the second kind.  So items that wait for memory run at the same time as items that compute. */
 void ntp__crew_both(const ntp__crew *crew, const ntp__crew_items *a, const ntp__crew_items *b);
 
 /* Does items 0..count - 1. */

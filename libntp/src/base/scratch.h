@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * scratch.h - the caller's working memory handed out in pieces
+ * scratch.h - hands out the caller's working memory in pieces
  *
- * The same function lays memory out and measures it: with base NULL only `used` counts.
+ * One function both measures memory and lays it out, so the two cannot disagree.  With base NULL
+ * it only counts in `used`.
  */
 #ifndef NTP_SCRATCH_H
 #define NTP_SCRATCH_H

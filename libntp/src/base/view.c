@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * view.c - views over the caller's pixels: checks, and the way from and to planar levels
+ * view.c - views over the caller's pixels: checks, and conversion to planar levels and back
  */
 #include "base/view.h"
 
@@ -198,7 +198,7 @@ static void fill(int32_t *plane, int32_t value, int32_t n)
         plane[i] = value;
 }
 
-/* One loop for each type, and for 3 and 4 channels side by side: the compiler sees constants. */
+/* Packed pixels of 3 and 4 channels have their own loops, so that the compiler sees constants. */
 #define UNPACK_PACKED(T, CHANNELS)                                                                 \
     do {                                                                                           \
         const T *s = (const T *) ntp__at(v, x, y);                                                 \
@@ -249,7 +249,7 @@ void ntp__unpack(ntp__block *block, const ntp_const_image *v, int32_t x, int32_t
         if (v->channels == 2)
             return;
     } else if (v->channels == 2) {
-        /* Black stays black. */
+        /* Black stays black, so that it still counts as unused. */
         for (int32_t i = 0; i < n; i++)
             block->c[2][i] = block->c[0][i] | block->c[1][i] ? m : 0;
     }

@@ -1,10 +1,20 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * view.h - what the files of the core share: view checks, row addressing, blocks of texels
+ * view.h - views over the caller's pixels: checks, addresses, blocks of texels
  *
- * Every operation has one shape: check all arguments, then for each row of the area and each
- * block of at most NTP__BLOCK texels: unpack to planar levels, work, pack.  Types, strides and
- * channel counts are known only to unpack and pack.
+ * All other rooms stand on this one.  It is about pixels, memory, numbers and the processor; the
+ * arithmetic of normals begins in texel/.
+ *   view.h, view.c      checks of views and areas; pixels to levels and back
+ *   scratch.h           hands out the caller's working memory
+ *   parts.h, parts.c    shares work out among the caller's threads
+ *   finite.h            tests for infinity and NaN without libm
+ *   int128.h            signed integers of 128 bits
+ *   bignum.h, bignum.c  natural numbers of up to 2048 bits
+ *   cpu.h, cpu.c        picks loops with or without AVX2
+ *
+ * Operations on texels have one shape.  They check all arguments.  Then, for each row of the area
+ * and each block of at most NTP__BLOCK texels, they unpack to planar levels, work, and pack.  So
+ * most of them need not know about types, strides and channel counts.
  */
 #ifndef NTP_INTERNAL_H
 #define NTP_INTERNAL_H
@@ -64,12 +74,12 @@ static inline void *ntp__at_mut(const ntp_image *v, int32_t x, int32_t y)
 ntp_status ntp__check_view(const ntp_const_image *view);
 /* The same, and an encoding of normals. */
 ntp_status ntp__check_normals(const ntp_const_image *view);
-/* The image turned about its diagonal: columns are rows.  Not of a ring of rows. */
+/* The image mirrored about its diagonal: its columns become rows.  Not for a ring of rows. */
 ntp_const_image ntp__transposed(const ntp_const_image *view);
 /* A U8 picture of min_channels to max_channels. */
 ntp_status ntp__check_picture(const ntp_const_image *view, int32_t min_channels,
                               int32_t max_channels);
-/* Resolves area (NULL: all of view) and checks that it lies inside. */
+/* Fills in rect from area (NULL: all of the view), and checks that it lies inside. */
 ntp_status ntp__check_area(ntp_rect *rect, const ntp_const_image *view, const ntp_rect *area);
 
 static inline bool ntp__same_size(const ntp_const_image *a, const ntp_const_image *b)
@@ -90,7 +100,8 @@ void ntp__unpack(ntp__block *block, const ntp_const_image *view, int32_t x, int3
 void ntp__pack(const ntp_image *view, const ntp__block *block, int32_t x, int32_t y, int32_t n,
                int32_t channels);
 
-/* A float sample as a 16-bit level: round half up, clamped; exact for every float. */
+/* A float sample as a 16-bit level: rounded half up, clamped, exact for every float.  A unit is
+ * 0..1, a component of a vector -1..1. */
 int32_t ntp__level_of_unit(float v);
 int32_t ntp__level_of_component(float v);
 
