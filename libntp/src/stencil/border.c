@@ -39,7 +39,7 @@ ntp_border ntp__border_beyond(ntp_border border)
     return border == NTP_BORDER_REPEAT_SLOPE ? NTP_BORDER_EXTRAPOLATE : border;
 }
 
-/* Where the taps along and across a slope lie: first and last offset of one that is not 0. */
+/* The offsets of the first and the last tap that is not 0, along the slope or across it. */
 static void extent(const ntp__kernel *k, bool along, int32_t *first, int32_t *last)
 {
     *first = NTP__MAX_RADIUS;

@@ -2,8 +2,8 @@
 /*
  * border.h - what lies beyond the edges of an axis, and where a stencil has all its texels inside
  *
- * Everything that reads texels beyond an edge asks here: heights, slopes, resizing, the heights of
- * normals.  taps.h has the stencils themselves.
+ * Every operation that reads texels beyond an edge asks here: gradients, blur, resizing, heights
+ * from normals.  taps.h has the stencils themselves.
  */
 #ifndef NTP_STENCIL_BORDER_H
 #define NTP_STENCIL_BORDER_H
@@ -18,10 +18,11 @@ typedef struct ntp__mapped {
     int32_t count, index[2], weight[2];
 } ntp__mapped;
 
-/* border is what ntp__border_beyond gives. */
+/* border is a result of ntp__border_beyond. */
 ntp__mapped ntp__border_map(ntp_border border, int32_t i, int32_t n);
 
-/* What lies beyond an edge.  Repeat-slope extrapolates where a stencil is longer than the axis. */
+/* What lies beyond an edge.  For repeat-slope it is extrapolated: a blur needs that at every edge,
+ * slopes only where a stencil is longer than the axis. */
 ntp_border ntp__border_beyond(ntp_border border);
 
 /* The positions first..last of an axis. */
@@ -29,8 +30,8 @@ typedef struct ntp__span {
     int32_t first, last;
 } ntp__span;
 
-/* The positions of an axis of n at which slopes are taken.  `along`: the taps along the slope are
- * on this axis, else those across it.  Repeat-slope moves all other positions to the nearest. */
+/* The positions of an axis of n at which slopes are taken.  `along`: the axis runs along the slope,
+ * else across it.  Repeat-slope takes the nearest of these positions for all others. */
 ntp__span ntp__stencil_span(const ntp__kernel *k, bool along, ntp_border border, int32_t n);
 
 static inline int32_t ntp__clamp(int32_t v, ntp__span span)

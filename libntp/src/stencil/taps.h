@@ -2,10 +2,15 @@
 /*
  * taps.h - the gradient kernels, as integers
  *
+ * This room says which texels a slope is made of, and with which weights.  from_height/ and
+ * to_height/ both take slopes by it, so that the two agree.
+ *   taps.h              the weights of every kernel
+ *   border.h, border.c  what lies beyond the edges of an image
+ *
  * Each kernel is a sum of one or two separable terms.  The slope to the right weights columns by
  * `along` and rows by `across`; the slope down is the transpose.  Index 4 is the texel itself.
- * With the denominator every kernel has gain 1 on a ramp.  A table in a header, so that the
- * loops see its numbers as constants.
+ * Divided by the denominator, every kernel has gain 1 on a ramp.  The table is in a header, so that
+ * the loops see its numbers as constants.
  *
  * Sources: forward, central: D. Eberly, Reconstructing a Height Field from a Normal Map, eq. 3
  * and 5.  sobel3: as in J. Zima's shader; I. Sobel, An Isotropic 3x3 Image Gradient Operator.
@@ -29,8 +34,9 @@ typedef struct ntp__kernel {
     const char *name;
     int32_t radius;
     int32_t denominator;
-    /* |tap sum| and all its partial sums are at most gain * (range of the heights) with every
-     * border: the sum of |w| (|i| + 1)(|j| + 1), as h[-k] is within k + 1 ranges of 0. */
+    /* |tap sum| and all its partial sums are at most gain * (range of the heights), with every
+     * border.  The gain is the sum of |w| (|i| + 1)(|j| + 1), because an extrapolated h[-k] is
+     * within k + 1 ranges of 0. */
     int32_t gain;
     int32_t terms;
     ntp__taps term[2];
