@@ -2,9 +2,9 @@
 /*
  * angle.c - angles between vectors of integers, the same on every system
  *
- * The angle is atan2(|a x b|, a . b).  The products are exact; the arc tangent of t in 0..1 is
- * taken about the nearest i/8: atan(t) = atan(i/8) + atan(u), u = (t - i/8)/(1 + t i/8), where
- * |u| <= 1/16 and the series to u^9 is short by less than 1/16^11/11 = 6e-15 radians.
+ * The angle is atan2(|a x b|, a . b), and the products are exact.  The arc tangent of t in 0..1 is
+ * expanded about the nearest i/8: atan(t) = atan(i/8) + atan(u), u = (t - i/8)/(1 + t i/8).  There
+ * |u| <= 1/16, so the series to u^9 is off by less than 1/16^11/11 = 6e-15 radians.
  */
 #include "texel/angle.h"
 

@@ -8,8 +8,8 @@
 #include "libntp.h"
 
 /*
- * The angle between two vectors of integers in micro-degrees, from cross and dot product by an
- * arc tangent of our own (libm's differ between systems).  |components| <= 2^17, neither zero.
+ * The angle between two vectors of integers, in micro-degrees.  The arc tangent is our own, because
+ * that of libm differs between systems.  |components| <= 2^17; neither vector is zero.
  */
 uint32_t ntp__angle(int64_t x1, int64_t y1, int64_t z1, int64_t x2, int64_t y2, int64_t z2);
 

@@ -2,9 +2,9 @@
 /*
  * clean16_tmpl.h - the loop that derives the blue of packed 16-bit pixels; a part of kernels.c
  *
- * Eight pixels a step.  On x86 they are done by hand, because compilers do not see that
- * pmaddwd of (a, c) with itself and with (1, 1) gives a(a + 1) + c(c + 1): that and the square
- * root are all the arithmetic there is.  Elsewhere plain C.
+ * Eight pixels a step.  On x86 the loop is written by hand: compilers do not see that pmaddwd of
+ * (a, c) with itself and with (1, 1) gives a(a + 1) + c(c + 1), and besides the square root that is
+ * all the arithmetic.  Elsewhere it is plain C.
  */
 #ifdef __SSE2__
 #  include <immintrin.h>
@@ -48,8 +48,8 @@ static inline __m128i rest4(__m128i rg)
     return _mm_sub_epi32(_mm_set1_epi32(CLEAN16_REST), _mm_add_epi32(squares, sum));
 }
 
-/* blue() of four e, less 32768.  Roots are below 2^15, or are 2^15 by rounding: its square by
- * pmaddwd is right all the same. */
+/* blue() of four e, less 32768.  Roots are below 2^15, or are 2^15 by rounding.  pmaddwd squares
+ * 2^15 correctly too, although a signed word reads it as -2^15. */
 static inline __m128i blue4(__m128i e, bool zzero)
 {
     __m128i t = _mm_cvttps_epi32(_mm_sqrt_ps(_mm_cvtepi32_ps(e)));

@@ -2,15 +2,15 @@
 /*
  * clean8_tmpl.h - the loops that derive the blue of packed 8-bit pixels; a part of kernels.c
  *
- * Where only blue changes, a group of pixels is a few words that get their blues put in.  The
- * blues come from 64 KiB, of which what a texture uses mostly fits the first cache, or with AVX2
- * from arithmetic, which is as fast for every texture.
+ * Where only blue changes, a group of pixels is read as a few words, and its blues are put into
+ * them.  The blues come from a table of 64 KiB; the part that a texture uses mostly fits into the
+ * first cache.  With AVX2 they come from arithmetic, which is as fast, and so for every texture.
  */
 #ifdef __AVX2__
 #  include <immintrin.h>
 #endif
 
-/* The blues of eight packed pixels in their three words: every byte's place once. */
+/* Where the blues of eight packed pixels are in their three words. */
 #define BLUES_1   UINT64_C(0x0000ff0000ff0000)
 #define BLUES_2   UINT64_C(0x00ff0000ff0000ff)
 #define BLUES_3   UINT64_C(0xff0000ff0000ff00)
@@ -23,7 +23,7 @@ static inline uint64_t count_bytes(uint64_t v)
     return ((high & HIGH_BITS) >> 7) * UINT64_C(0x0101010101010101) >> 56;
 }
 
-enum { AHEAD = 768 }; /* bytes: a good ten lines */
+enum { AHEAD = 768 }; /* bytes: twelve cache lines of 64 */
 
 static inline void prefetch(const uint8_t *dst, const uint8_t *src)
 {
@@ -36,7 +36,7 @@ static inline void prefetch(const uint8_t *dst, const uint8_t *src)
 #endif
 }
 
-/* Eight pixels by the blues of their pairs; false, with nothing written, where one is 0. */
+/* Puts in the blues of eight pixels from the table; false, with nothing written, if one is 0. */
 static inline bool put_blues(uint8_t *dst, const uint8_t *src, const uint8_t *blue,
                              uint64_t *changed)
 {
@@ -60,7 +60,7 @@ static inline bool put_blues(uint8_t *dst, const uint8_t *src, const uint8_t *bl
 
 #ifdef __AVX2__
 
-/* Four pairs of bytes as words: those from byte `at` on, three bytes apart. */
+/* For a shuffle: four pairs of bytes as words, from byte `at` on, three bytes apart. */
 #  define PAIRS(at)                                                                                \
       (at), -1, (at) + 1, -1, (at) + 3, -1, (at) + 4, -1, (at) + 6, -1, (at) + 7, -1, (at) + 9,    \
           -1, (at) + 10, -1
@@ -74,10 +74,10 @@ static inline __m256i rest8(__m256i pairs)
 }
 
 /*
- * floor(sqrt(e)) or one more, 0 <= e <= 16255: rsqrtps is right to 1.5 * 2^-12, so its product
- * with e + 1/2 is within 127.5 * 1.5 * 2^-12 < 0.047 of sqrt(e + 1/2), which is no less than
- * sqrt(e), and with e + 1/2 <= (t + 1)^2 - 1/2 where t is the floor, less than t + 1.  1/16 more
- * is never less than sqrt(e) and never t + 2.
+ * floor(sqrt(e)) or one more, 0 <= e <= 16255.  The relative error of rsqrtps is at most
+ * 1.5 * 2^-12, so its product with e + 1/2 is within 127.5 * 1.5 * 2^-12 < 0.047 of sqrt(e + 1/2).
+ * That root is at least sqrt(e).  With t = floor(sqrt(e)) it is less than t + 1, because
+ * e + 1/2 <= (t + 1)^2 - 1/2.  So the product plus 1/16 is at least sqrt(e) and less than t + 2.
  */
 static inline __m256i root8(__m256i e)
 {
@@ -86,7 +86,7 @@ static inline __m256i root8(__m256i e)
     return _mm256_cvttps_epi32(_mm256_add_ps(root, _mm256_set1_ps(0.0625f)));
 }
 
-/* The derived blues of 16 pixels, in the order 0-3, 8-11, 4-7, 12-15; false: one is too long. */
+/* The derived blues of 16 pixels, in the order 0-3, 8-11, 4-7, 12-15; false: a pair is too long. */
 static inline bool derive_blues(__m128i *blues, const uint8_t *src)
 {
     const __m256i low = _mm256_setr_epi8(PAIRS(0), PAIRS(0));
@@ -141,7 +141,7 @@ static inline bool put_derived_blues(uint8_t *dst, const uint8_t *src, uint64_t 
 
 #endif
 
-/* Pixels of which the table's flag is told: groups that a faster way leaves. */
+/* Cleans by the full table the groups that the faster loops give back. */
 static inline void clean_by_pairs(uint8_t *dst, const uint8_t *src, size_t n, const uint32_t *table,
                                   uint32_t touch_unused, uint64_t *changed);
 
@@ -157,7 +157,7 @@ static inline size_t clean_blues(uint8_t *dst, const uint8_t *src, size_t n, con
     }
 #endif
     for (; i + 8 <= n; i += 8) {
-        /* Blues of many pairs leave the rows little room in the first cache. */
+        /* The table can fill the first cache, so rows are fetched ahead of time. */
         prefetch(dst + 3 * i + AHEAD, src + 3 * i + AHEAD);
         if (!put_blues(dst + 3 * i, src + 3 * i, blue, changed))
             clean_by_pairs(dst + 3 * i, src + 3 * i, 8, table, touch_unused, changed);

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * direction.c - the levels of the direction of a long integer vector
+ * direction.c - texels as integer vectors, and integer vectors of any length as levels
  *
  * With M + 1 even, the level floor((M + 1 + M v / L) / 2) is (M + 1) / 2 + floor(M v / 2L).  A
- * double decides that floor unless the quotient lies within 2^-30 of an integer k: its error is
- * below 2^16 * 12 * 2^-53.  Then M M v v and 4 k k L L are compared as integers.
+ * double decides that floor unless the quotient lies within 2^-30 of an integer k, because its
+ * error is below 2^16 * 12 * 2^-53.  Else M M v v and 4 k k L L are compared as integers.
  */
 #include "texel/direction.h"
 #include "texel/level.h"
@@ -59,7 +59,7 @@ static int32_t compare_exactly(const ntp__i128 v[3], int32_t i, int32_t k, int32
     return ntp__wide_compare(&left, &right);
 }
 
-/* floor(M v[i] / 2L); d is that quotient, nearly. */
+/* floor(M v[i] / 2L); d is an approximation of the quotient. */
 static int32_t half_quotient(const ntp__i128 v[3], int32_t i, int32_t m, double d)
 {
     enum { LIFT = 65536 }; /* makes the quotient positive, so that a cast is a floor */

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * direction.h - what the operations on existing normals share: texels as integer vectors, and
- * the levels of the direction of a long integer vector
+ * direction.h - texels as integer vectors, and integer vectors of any length as levels
+ *
+ * Resizing, transforming and blending compute with these.
  */
 #ifndef NTP_DIRECTION_H
 #define NTP_DIRECTION_H
@@ -10,29 +11,31 @@
 #include "base/view.h"
 
 /*
- * The numerators over M of the vector that texel i of a block holds.  NTP_ENCODING_XY: as the standard
- * texel of these red and green, pulled where too long, would store it.
+ * The numerators over M of the vector that texel i of a block holds.  NTP_ENCODING_XY: red and
+ * green are pulled if they are too long, and blue is derived, as in a standard texel.
  */
 void ntp__texel_vector(int32_t v[3], const ntp__block *block, int32_t i, int32_t m,
                        ntp_encoding encoding);
 
 /*
- * The levels of v / |v|, |components| < 2^125: r and g correctly rounded (half up), pulled where
- * they are then too long, b derived from them, of z's sign in the standard encoding.  NTP_ENCODING_XY:
- * b is left alone.  A vector of length 0 is flat.
+ * The levels of v / |v|, |components| < 2^125.  r and g are correctly rounded (half up), and pulled
+ * if they are then too long.  b is derived from them; in the standard encoding it keeps the sign of
+ * z.  NTP_ENCODING_XY: b is left alone.  A vector of length 0 is flat.
  */
 void ntp__direction_levels(int32_t c[3], const ntp__i128 v[3], int32_t m, ntp_encoding encoding);
 
 /* floor(a / b + 1/2), held to 0..max; b > 0. */
 int32_t ntp__i128_ratio(ntp__i128 a, ntp__i128 b, int32_t max);
 
-/* Writes levels to a view of any type: floats get level / 65535, or (2 level - 65535) / 65535. */
+/* Writes levels to a view of any type.  Floats are level / 65535, components of vectors
+ * (2 level - 65535) / 65535. */
 void ntp__store_levels(const ntp_image *view, const ntp__block *block, int32_t x, int32_t y,
                        int32_t n);
 
 /*
- * A strength as numerator / 2^shift: exactly where it is at least 2^-10, else rounded to a multiple
- * of 2^-62.  False unless it is finite and of at most NTP_MAX_STRENGTH.
+ * A strength as numerator / 2^shift.  From 2^-10 on this is exact; below, it is rounded to a
+ * multiple of 2^-62.  ntp__strength_of is false unless the strength is finite and at most
+ * NTP_MAX_STRENGTH in magnitude.
  */
 typedef struct ntp__strength {
     int64_t numerator; /* below 2^53 */

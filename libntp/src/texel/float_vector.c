@@ -2,10 +2,10 @@
 /*
  * float_vector.c - float vectors to levels, correctly rounded
  *
- * A double quotient decides all but the vectors whose quotient lies within 2^-30 of an
- * integer.  For those M*M x*x and k*k (x*x + y*y + z*z) are compared as integers of up to 590 bits:
- * floats are multiples of 2^-149 below 2^128, so their squares are multiples of 2^-298 below
- * 2^256, the factors have at most 34 bits, and three terms add two.
+ * A quotient in double decides unless it lies within 2^-30 of an integer k.  Else M*M x*x and
+ * k*k (x*x + y*y + z*z) are compared as integers.  These have up to 590 bits: floats are multiples
+ * of 2^-149 below 2^128, so their squares are multiples of 2^-298 below 2^256; the factors have at
+ * most 34 bits, and a sum of three terms has two more.
  */
 #include "texel/float_vector.h"
 
@@ -22,7 +22,7 @@ static void add_square(ntp__wide *sum, uint64_t factor, float v)
     memcpy(&bits, &v, sizeof bits);
     int32_t exponent = (int32_t) (bits >> 23 & 255);
     uint64_t mantissa = bits & 0x7fffff;
-    /* Denormals have the exponent of the least normal floats, and no leading bit. */
+    /* Denormals have the exponent of the smallest normal floats, and no leading bit. */
     if (exponent > 0)
         mantissa |= 0x800000;
     else
@@ -47,7 +47,7 @@ static int32_t compare_quotient(uint64_t num, uint64_t k, const float v[3], int3
     return ntp__wide_compare(&left, &right);
 }
 
-/* floor(num |v[i]| / L); *whole tells whether nothing was cut off. */
+/* floor(num |v[i]| / L); *whole: the quotient is an integer. */
 static int32_t quotient(bool *whole, int32_t num, const float v[3], int32_t i)
 {
     float other1 = v[(i + 1) % 3], other2 = v[(i + 2) % 3];

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * judged.h - what the kernels say of a judged texel beyond the flags of ntp_validate
+ * judged.h - what the kernels find out about a texel beyond the flags of ntp_validate
  */
 #ifndef NTP_JUDGED_H
 #define NTP_JUDGED_H
@@ -12,7 +12,7 @@
 /* Flags of a judged texel: those of ntp_validate up to NTP_FLAG_Z_NEGATIVE, and: */
 enum {
     NTP__LONG = 32,     /* the vector is longer than 1 */
-    NTP__FAR = 64,      /* x, y are beyond the reference program's limit */
+    NTP__FAR = 64,      /* x, y are beyond the limit of the reference program */
     NTP__MIRRORED = 128 /* blue is M - derived blue */
 };
 
@@ -28,7 +28,8 @@ static inline int32_t ntp__fixed_length(double length2, int32_t m)
     return (int32_t) (sqrt(length2) * ((double) NTP__LENGTH_ONE / m) + 0.5);
 }
 
-/* The bin of x, y's length; to be cut off at the last one where they are too long. */
+/* The bin of the length of x, y.  Pairs that are too long can lie beyond the last bin: the caller
+ * holds them to it. */
 static inline int32_t ntp__steepness_bin(double xy2, int32_t m)
 {
     return (int32_t) (sqrt(xy2) * ((double) NTP__STEEPNESS_BINS / m));

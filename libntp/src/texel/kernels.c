@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * kernels.c - compiled once for each instruction set with -DNTP_ISA=...; see kernels.h
+ * kernels.c - loops over texels, compiled once for each instruction set with -DNTP_ISA=...
  *
  * With a = r - K, K = (M + 1)/2, the odd numerator is X = 2a + 1 and X*X = 4a(a + 1) + 1; with
  * k = (|X| + 1)/2 also X*X = 4k(k - 1) + 1.  Working with a(a + 1) and k keeps all sums of
@@ -109,8 +109,8 @@ static uint64_t clean_rgb8_slowly(uint8_t *dst, const uint8_t *src, size_t n, co
 
 #include "texel/clean8_tmpl.h"
 
-/* Four pixels a step.  Two stores, which no later load overlaps, take the results: a store of
- * four bytes for each pixel would stall the loads that follow when dst is src. */
+/* Four pixels a step.  The results go into two stores that no later load overlaps.  When dst is
+ * src, a store of four bytes for each pixel would stall the loads that follow. */
 static inline void clean_by_pairs(uint8_t *dst, const uint8_t *src, size_t n, const uint32_t *table,
                                   uint32_t touch_unused, uint64_t *changed)
 {
@@ -194,9 +194,9 @@ static uint64_t clean_rgba8(uint8_t *dst, const uint8_t *src, size_t n, const ui
     return changed;
 }
 
-/* The derived blue for S = 4e + 3, e >= 0.  Standard: K + floor(sqrt(e)).  Z-zero: the rounding
- * of sqrt(4e + 3), which lies in 2t..2t+2; with d = e - t*t it passes 2t + 1/2 where
- * 2d + 1 >= t, and 2t + 3/2 where 2d >= 3t. */
+/* The derived blue for S = 4e + 3, e >= 0.  Standard: K + t, t = floor(sqrt(e)).  Z-zero: the
+ * rounding of sqrt(4e + 3), which lies in 2t..2t+2.  With d = e - t*t this root is above 2t + 1/2
+ * when 2d + 1 >= t, and above 2t + 3/2 when 2d >= 3t. */
 static inline int32_t blue(int32_t e, int32_t k, int32_t zzero)
 {
     int32_t t = ntp__root30(e), d = e - t * t;
@@ -258,8 +258,8 @@ static inline int32_t half_up(int32_t a)
 }
 
 /*
- * Standard.  With A = k(k - 1) the squares are 4A + 1, and one level further in or out
- * 4(A - 2(k - 1)) + 1 and 4(A + 2k) + 1; half a level: 4(k - 1)^2 = 4(A - (k - 1)) and
+ * Standard.  With A = k(k - 1) a square is 4A + 1.  One level further in or out it is
+ * 4(A - 2(k - 1)) + 1 or 4(A + 2k) + 1.  Half a level further it is 4(k - 1)^2 = 4(A - (k - 1)) or
  * 4k^2 = 4(A + k).  M*M = 4 A_M + 1.
  */
 ONE_COPY static void judge_standard(uint8_t *restrict flags, int32_t *restrict want,
@@ -290,8 +290,8 @@ ONE_COPY static void judge_standard(uint8_t *restrict flags, int32_t *restrict w
     }
 }
 
-/* Z-zero.  What the square of blue is compared with is 4e + 3 with e from x and y alone, or, half
- * a level in or out, 4q + 1; both fit 32 bits unsigned where they are not negative. */
+/* Z-zero.  The square of blue is compared with 4e + 3, where e is made of x and y alone.  Half a
+ * level in or out it is compared with 4q + 1.  Both fit into 32 bits unsigned if not negative. */
 ONE_COPY static void judge_zzero(uint8_t *restrict flags, int32_t *restrict want,
                                  const int32_t *restrict r, const int32_t *restrict g,
                                  const int32_t *restrict b, int32_t n, int32_t m)
@@ -345,7 +345,7 @@ static void judge(uint8_t *flags, int32_t *want, const int32_t *r, const int32_t
     memcpy(want + whole, out, size);
 }
 
-/* From flags and derived blues to what the sums of a measurement take. */
+/* Turns flags and derived blues into what a measurement sums up. */
 static void keys(ntp__judged_fit *restrict fit, const double *restrict xy2,
                  const int32_t *restrict steepness, const int32_t *restrict b, int32_t n, int32_t m,
                  int32_t zzero)
@@ -363,8 +363,9 @@ static void keys(ntp__judged_fit *restrict fit, const double *restrict xy2,
 }
 
 /*
- * The vector and its cleaned one differ in z alone, so with rho = |(x, y)| the tangent of the
- * angle is rho |z - z'| / (rho*rho + z z').  Up to 1/16 the series of angle.c about 0 serves.
+ * A vector and the cleaned vector differ in z alone.  So with rho = |(x, y)| the tangent of the
+ * angle between them is rho |z - z'| / (rho*rho + z z').  Up to 1/16, the series of angle.c about 0
+ * is enough.
  */
 static void angles_of(int32_t *restrict angle, const double *restrict xy2,
                       const int32_t *restrict b, const int32_t *restrict want, int32_t n, int32_t m,
@@ -401,7 +402,7 @@ static void judge_block_lanes(ntp__judged *j, const int32_t *r, const int32_t *g
         angles_of(j->angle, xy2, b, j->fit[0].want, n, m, 0);
 }
 
-/* A block holds a whole number of lanes, so that only what is read has to be filled up. */
+/* The outputs of a block have room for whole lanes, so only the inputs have to be filled up. */
 static void judge_block(ntp__judged *j, const int32_t *r, const int32_t *g, const int32_t *b,
                         int32_t n, int32_t m, int32_t angles)
 {

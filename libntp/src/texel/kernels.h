@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * kernels.h - the loops that are compiled once for each instruction set
+ * kernels.h - loops over texels, compiled once for each instruction set
  *
- * kernels.c is plain C; the compiler vectorizes it.  Every level gives the same bytes: the
- * arithmetic is in 32-bit integers, and the one float square root is corrected to the exact
- * integer root.
+ * kernels.c is plain C that compilers vectorize; only some loops over packed pixels are written by
+ * hand.  Every instruction set gives the same bytes: levels and flags come from 32-bit integers,
+ * and square roots in float are corrected to the exact integer root.
  *
  * Preconditions of all kernels: 0 <= n; planes hold levels 0..m, m is 255 or 65535; pointers
  * do not alias except where a comment allows it.
@@ -20,31 +20,32 @@
 /*
  * Cleans packed 8-bit pixels by a table of 65,536 entries indexed by r | g << 8, each holding
  * r' | g' << 8 | b' << 16 and a flag above: nonzero where the pair can be an unused texel.
- * `blue` is NULL but where the table derives standard Z; then it is the same in 64 KiB: the blue
- * of a pair that stays as it is and is never unused, else 0.  `kept` masks the bits of a pixel that
- * stay (blue of XY images).  dst may be src.  Returns the number of pixels that changed.
+ * `blue` is NULL unless the table derives standard Z.  Then it is a shorter table, of 64 KiB: the
+ * blue of each pair that stays as it is and is never unused, else 0.  `kept` masks the bits of a
+ * pixel that stay (blue of XY images).  dst may be src.  Returns the number of pixels that changed.
  */
 typedef uint64_t ntp__clean8_fn(uint8_t *dst, const uint8_t *src, size_t n, const uint32_t *table,
                                 const uint8_t *blue, uint32_t kept, uint32_t touch_unused);
 
 /*
  * Derives the blue of packed 16-bit pixels from the first on, and adds how many changed (NULL: not
- * counted).  Returns n, or, next to a pair that is too long (which the pairs of black and white
- * are), how many are done; up to NTP__KERNEL_STEP of those that follow are for
- * the caller.  dst may be src.
+ * counted).  Returns how many are done: n, or fewer when a pair is too long.  (The pairs of black
+ * and white are too long.)  The caller then does up to NTP__KERNEL_STEP pixels itself, and calls
+ * again.  dst may be src.
  */
 typedef int32_t ntp__clean16_fn(uint16_t *dst, const uint16_t *src, int32_t n, int32_t zzero,
                                 uint64_t *changed);
 
-/* The same of packed 8-bit pixels, standard Z, without a table. */
+/* The same for packed 8-bit pixels, standard Z, without a table.  It leaves a last group of fewer
+ * than NTP__KERNEL_STEP pixels to the caller. */
 typedef int32_t ntp__derive8_fn(uint8_t *dst, const uint8_t *src, int32_t n, uint64_t *changed);
 
 /* want[i] = the blue derived from r, g; -1 where they are too long. */
 typedef void ntp__derive_fn(int32_t *want, const int32_t *r, const int32_t *g, int32_t n, int32_t m,
                             int32_t zzero);
 
-/* flags[i] = as ntp_validate with an exact that is not mirrored, and NTP__MIRRORED (judged.h);
- * want as above. */
+/* flags[i]: those of ntp_validate without keep_negative_z, and NTP__MIRRORED (judged.h).  Unused
+ * texels are not told apart.  want is as above. */
 typedef void ntp__judge_fn(uint8_t *flags, int32_t *want, const int32_t *r, const int32_t *g,
                            const int32_t *b, int32_t n, int32_t m, int32_t zzero);
 
@@ -62,7 +63,7 @@ typedef struct ntp__judged {
     int32_t angle[256];     /* micro-degrees to the cleaned vector; -1: beyond the short series */
 } ntp__judged;
 
-/* angles: 0 standard, 1 Z-zero, for which the angles are taken. */
+/* The angles are those of the encoding that `angles` names: 0 standard, 1 Z-zero. */
 typedef void ntp__judge_block_fn(ntp__judged *judged, const int32_t *r, const int32_t *g,
                                  const int32_t *b, int32_t n, int32_t m, int32_t angles);
 
@@ -80,7 +81,7 @@ typedef struct ntp__kernels_table {
 
 enum { NTP__KERNEL_STEP = 16 };
 
-/* Those for this processor; the mask is of cpu.h. */
+/* The kernels for this processor; cpu.h says what the mask is. */
 const ntp__kernels_table *ntp__kernels(int mask);
 
 #endif

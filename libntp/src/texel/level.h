@@ -2,9 +2,20 @@
 /*
  * level.h - the exact arithmetic on the levels of one texel
  *
- * Everything that decides a byte is here, in integers.  X = 2r - M and Y = 2g - M are odd, so
- * their squares are 1 mod 8 and S = M*M - X*X - Y*Y is 7 mod 8: never a square.  Hence no
- * rounding below meets a tie.  docs/arithmetic.md has the proofs.
+ * This room is the arithmetic of one normal, or of a run of them.
+ *   level.h             derives blue, pulls onto the disc, judges and repairs one texel
+ *   kernels.h, .c       the same for runs of texels, fast, with clean8_tmpl.h, clean16_tmpl.h,
+ *                       root30.h and pick_kernels.c
+ *   judged.h            what the kernels find out beyond the flags of ntp_validate
+ *   unused.h, .c        which texels hold no normal
+ *   angle.h, .c         angles between vectors, and sums of angles
+ *   direction.h, .c     integer vectors of any length to levels
+ *   float_vector.h, .c  float vectors to levels
+ *   srgb.h              sRGB levels as linear light
+ *
+ * The integers in this file define what is right; the kernels give the same bytes.  X = 2r - M and
+ * Y = 2g - M are odd, so their squares are 1 mod 8 and S = M*M - X*X - Y*Y is 7 mod 8: never a
+ * square.  Hence no rounding below meets a tie.  docs/arithmetic.md has the proofs.
  */
 #ifndef NTP_LEVEL_H
 #define NTP_LEVEL_H
@@ -65,9 +76,9 @@ static inline int32_t ntp__blue_of_rest(int64_t s, int32_t m, bool zzero)
 }
 
 /*
- * Pulls a pair that is longer than 1 onto the disc: of the four pairs of levels around its
- * projection the one on the disc that points best in its direction.  ax, ay are |X|, |Y|; the
- * results keep their signs apart (they can be -1).
+ * Pulls a pair that is longer than 1 onto the disc.  Of the four pairs of levels around its
+ * projection, it takes the one on the disc that reaches farthest in its direction.  ax, ay are |X|,
+ * |Y|.  The caller puts the signs of X, Y back; before that, results can be -1.
  */
 static inline void ntp__pull_abs(int32_t *px, int32_t *py, int32_t ax, int32_t ay, int32_t m)
 {
@@ -101,7 +112,7 @@ static inline void ntp__pull(int32_t *r, int32_t *g, int32_t m)
     *g = ntp__level(y < 0 ? -py : py, m);
 }
 
-/* The blue derived from r, g; pulls them first where they are too long. */
+/* The blue derived from r, g.  If they are too long, they are pulled first. */
 static inline int32_t ntp__derive(int32_t *r, int32_t *g, int32_t m, bool zzero)
 {
     int64_t s = ntp__rest(*r, *g, m);
@@ -118,7 +129,7 @@ static inline bool ntp__z_negative(int32_t b, int32_t m)
     return b <= (m - 1) / 2;
 }
 
-/* Does the +-1/2-level box around the texel meet the unit sphere?  Standard: half a level is 1
+/* Does the box of +-1/2 level around the texel meet the unit sphere?  Standard: half a level is 1
  * in numerators.  Z-zero: everything is doubled, so that half a blue level is 1. */
 static inline bool ntp__rounded(int32_t r, int32_t g, int32_t b, int32_t m, bool zzero)
 {
@@ -133,8 +144,9 @@ static inline bool ntp__rounded(int32_t r, int32_t g, int32_t b, int32_t m, bool
            4 * most + ntp__sq(2 * (int64_t) b + 1) >= 4 * ntp__sq(m);
 }
 
-/* Haines' test: among the 27 triplets at -1, 0, +1 level is one short and one long?  The squares
- * are separable; |X| - 2 is -1 for |X| = 1, whose square is the least one there. */
+/* Haines' test: of the 27 triplets at -1, 0, +1 level, is one at most 1 long and one at least 1?
+ * The least and the greatest square of each channel decide.  For |X| = 1 the least is that of
+ * |X| - 2 = -1. */
 static inline bool ntp__neighbor(int32_t r, int32_t g, int32_t b, int32_t m, bool zzero)
 {
     int64_t ax = ntp__abs(ntp__num(r, m)), ay = ntp__abs(ntp__num(g, m));
@@ -180,7 +192,7 @@ static inline bool ntp__unused(int32_t r, int32_t g, int32_t b, int32_t a, int32
            (r == m && g == m && b == m && !(touch & NTP_UNUSED_WHITE));
 }
 
-/* The flags of ntp_validate, but for NTP_FLAG_UNUSED and NTP_FLAG_NOT_FINITE. */
+/* The flags of ntp_validate except NTP_FLAG_UNUSED and NTP_FLAG_NOT_FINITE. */
 static inline uint32_t ntp__flags(int32_t r, int32_t g, int32_t b, int32_t m, ntp_encoding encoding,
                                   bool keep_negative_z)
 {
@@ -203,7 +215,7 @@ static inline uint32_t ntp__flags(int32_t r, int32_t g, int32_t b, int32_t m, nt
     return flags;
 }
 
-/* Repairs one texel in place; unused texels are the caller's business. */
+/* Repairs one texel in place.  The caller leaves out unused texels. */
 static inline void ntp__clean(int32_t c[3], int32_t m, ntp_encoding encoding,
                               ntp_clean_method method, bool keep_negative_z)
 {
