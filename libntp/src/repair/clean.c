@@ -2,9 +2,15 @@
 /*
  * clean.c - repair of normals textures: derive z, or divide by the length
  *
- * Three ways to the same bytes: 8-bit rows of packed pixels go through a table (the plan),
- * blocks cleaned by derivation through a kernel with its few odd texels redone one by one, and
- * everything else texel by texel with the arithmetic of level.h.
+ * This room judges, repairs and converts textures.  No texel of a result depends on another one.
+ *   clean.c     ntp_clean: repair
+ *   validate.c  ntp_validate: a byte of flags for each texel
+ *   inspect.c   ntp_inspect: everything about one texel
+ *   convert.c   ntp_convert: other encodings, depths and Y orientations
+ *
+ * Three ways lead to the same bytes.  Rows of packed 8-bit pixels go through a table, the plan.
+ * Pixels whose blue is only derived go through a kernel, and the few that it leaves are done one by
+ * one.  All others are done one by one with the arithmetic of level.h.
  */
 #include "base/view.h"
 #include "texel/kernels.h"
@@ -41,7 +47,8 @@ static ntp_status check_options(ntp_clean_options *out, const ntp_clean_options 
     return NTP_OK;
 }
 
-/* Does blue play a part beyond being replaced? */
+/* Do red and green alone decide what a used texel becomes?  Then a table indexed by them is
+ * enough. */
 static bool table_suffices(ntp_encoding encoding, const ntp_clean_options *how)
 {
     if (encoding == NTP_ENCODING_XY)
@@ -126,7 +133,7 @@ static uint64_t clean_slowly(const job *j, ntp__block *block, int32_t n)
     return changed;
 }
 
-/* Derives blue with a kernel; only texels that are too long or may be unused go one by one. */
+/* Derives blue with a kernel.  Only texels that are too long or may be unused go one by one. */
 static uint64_t clean_by_derivation(const job *j, ntp__block *block, int32_t n)
 {
     int32_t want[NTP__BLOCK];
@@ -135,7 +142,7 @@ static uint64_t clean_by_derivation(const job *j, ntp__block *block, int32_t n)
     j->kernels->derive(want, block->c[0], block->c[1], n, j->m, j->encoding == NTP_ENCODING_ZZERO);
     for (int32_t i = 0; i < n; i++) {
         int32_t b = block->c[2][i];
-        /* Pairs of black and white are too long. */
+        /* The pairs of black and white are too long, so unused texels of these colors come here. */
         if (want[i] < 0 || block->c[3][i] == 0) {
             changed += clean_at(j, block, i);
             continue;
@@ -224,7 +231,7 @@ static bool is_plain_rgb(const job *j)
            j->dst->pixel_stride == j->src->pixel_stride;
 }
 
-/* Packed RGB: a kernel does it but for the surroundings of odd texels.  Returns how many it did. */
+/* Packed RGB by a kernel, which stops where a pair is too long.  Returns how many it did. */
 static int32_t clean_rgb(const job *j, int32_t x, int32_t n, int32_t y, uint64_t *changed)
 {
     void *dst = ntp__at_mut(j->dst, x, y);

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * convert.c - between encodings, depths and Y orientations
+ * convert.c - conversion between encodings, depths and Y orientations
  *
- * Samples go over by value.  A texel that is `exact` gets its blue derived anew from its
- * converted red and green, which keeps clean textures clean.  Blues are derived a block at a
- * time by the kernels, for the source (is the texel exact?) and for the target.
+ * Samples are converted by value.  A texel that is `exact` gets its blue derived anew from its
+ * converted red and green, which keeps clean textures clean.  Whether a texel is exact is found for
+ * a block at a time: a kernel derives the blues of the source.
  */
 #include "base/view.h"
 #include "texel/kernels.h"
@@ -49,7 +49,7 @@ static int32_t by_value(const job *j, const texel *t, int32_t k)
     return t->raw != NULL ? level_of(t->raw[k], j->md) : deepen(t->c[k], j->ms, j->md);
 }
 
-/* Blue by value from one meaning of z to another; *negative: |z| was taken of z < 0. */
+/* Blue by value, also where source and target store z differently.  *negative: z < 0 became |z|. */
 static int32_t blue_by_value(const job *j, const texel *t, bool *negative)
 {
     bool from_zzero = j->src->encoding == NTP_ENCODING_ZZERO,
@@ -74,12 +74,12 @@ static int32_t blue_by_value(const job *j, const texel *t, bool *negative)
     int32_t b = t->c[2];
     if (j->ms == j->md)
         return (b + j->md + 1) / 2;
-    /* Narrowing: floor((b/257 + 256)/2), taken over one denominator. */
+    /* Narrowing: floor((b/257 + 256)/2) as one quotient. */
     return j->ms < j->md ? (257 * b + 65536) / 2 : (b + 65792) / 514;
 }
 
-/* Is the source's blue the one derived from its red and green (XY: could there be one), and is z
- * negative? */
+/* Is the blue of the source the one derived from its red and green?  (XY: is there such a blue?)
+ * And is z negative? */
 static bool is_exact(const job *j, const texel *t, bool *negative)
 {
     int32_t b = t->c[2];
@@ -145,7 +145,7 @@ static void convert_vector(const job *j, const texel *t, int32_t out[4], ntp_con
         out[2] = j->md - out[2];
 }
 
-/* Levels to floats of a biased target; samples that went over by value stay as they were. */
+/* Levels to floats of a biased target.  Float samples whose level is unchanged keep their bits. */
 static void levels_to_floats(const job *j, const texel *t, const int32_t level[4], float out[4])
 {
     for (int32_t k = 0; k < 4; k++) {
@@ -210,7 +210,7 @@ static void vector_floats(const job *j, const texel *t, float out[4], ntp_conver
         out[1] = -out[1];
 }
 
-/* What a texel that is no vector at all becomes. */
+/* The levels for a texel that is not a vector: flat, or height 0. */
 static void flat_levels(const job *j, int32_t out[4])
 {
     bool height = j->dst->encoding == NTP_ENCODING_HEIGHT;

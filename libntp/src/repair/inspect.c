@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * inspect.c - the verdict on one texel, in full
+ * inspect.c - everything about one texel: its vector, its verdicts, and what cleaning makes of it
  */
 #include "base/view.h"
 #include "texel/angle.h"
@@ -9,7 +9,7 @@
 #include <math.h>
 #include <string.h>
 
-/* Integer numerators over M of the vector that three levels stand for. */
+/* The vector that three levels stand for, as integer numerators over M. */
 static void numerators(int64_t v[3], const int32_t c[3], int32_t m, ntp_encoding encoding)
 {
     v[0] = ntp__num(c[0], m);
@@ -17,7 +17,7 @@ static void numerators(int64_t v[3], const int32_t c[3], int32_t m, ntp_encoding
     v[2] = encoding == NTP_ENCODING_ZZERO ? c[2] : ntp__num(c[2], m);
 }
 
-/* For XY-only: z derived, or 0 where x, y are too long. */
+/* For XY-only: the derived z, or 0 where x, y are too long. */
 static void implied_z(double *z, int64_t v[3], const int32_t c[3], int32_t m)
 {
     int64_t s = ntp__rest(c[0], c[1], m);
@@ -62,7 +62,7 @@ static void describe(ntp_texel *t, const int32_t c[4], int32_t m, ntp_encoding e
     t->angle = ntp__angle(v[0], v[1], v[2], w[0], w[1], w[2]) / 1e6;
 }
 
-/* A texel that is no vector becomes the flat normal. */
+/* A texel that is not a vector is cleaned to the flat normal. */
 static void flat_cleaned(ntp_texel *t, ntp_encoding encoding)
 {
     t->cleaned[0] = t->cleaned[1] = (t->max + 1) / 2;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * validate.c - the verdicts on many texels, as a byte of flags each
+ * validate.c - the verdicts on many texels, as a byte of flags for each
  */
 #include "base/view.h"
 #include "texel/judged.h"
@@ -11,8 +11,8 @@
 
 enum { PASSES = NTP_FLAG_NEIGHBOR | NTP_FLAG_ROUNDED | NTP_FLAG_EXACT };
 
-/* From the kernel's flags to those of ntp_validate.  What differs between encodings is in masks, so
- * that one loop serves all of them. */
+/* Turns the flags of the kernel into those of ntp_validate.  Masks hold what differs between
+ * encodings, so that one loop serves all of them. */
 static void finish_flags(uint8_t *restrict flags, const ntp__block *block, int32_t n, int32_t m,
                          ntp_encoding encoding, bool keep)
 {
