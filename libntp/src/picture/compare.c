@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * compare.c - two textures against each other: in levels, and in degrees between the vectors
+ * compare.c - differences between two textures, in levels and as angles between vectors
  *
- * b is brought to a's encoding and y at its own depth, by the rules of ntp_convert; then the
- * levels of an 8-bit image count 257 each where the other image is deeper.  Of the angles only
- * integers are kept, as of the levels, so that parts add up exactly.
+ * b is converted to the encoding and y of a at its own depth, by the rules of ntp_convert.  Then
+ * the levels of an 8-bit image count 257 each if the other image is deeper.  Only integers are kept
+ * of levels and angles, so that parts add up exactly.
  */
 #include "texel/angle.h"
 #include "texel/level.h"
@@ -24,7 +24,7 @@ struct ntp_diff {
 enum {
     HEAT_FULL = 10000000, /* micro-degrees at and above which the heat is full red */
     HEAT_STEPS = 510,     /* blue to green and green to red, 255 each */
-    HALF_TURN = 180000000 /* that a height difference of M counts as, for the heat */
+    HALF_TURN = 180000000 /* for the heat, a height difference of M counts as this angle */
 };
 
 typedef struct job {
@@ -55,7 +55,7 @@ static texel fetch(const ntp__block *block, int32_t i, int32_t m, bool vectors)
     return t;
 }
 
-/* Numerators of the vector; those of the two images may be over a different M. */
+/* Numerators of the vector over M.  The M of the two images may differ. */
 static void decode(int64_t v[3], const texel *t, int32_t m, ntp_encoding encoding)
 {
     v[0] = ntp__num(t->c[0], m);
@@ -80,7 +80,7 @@ static uint32_t angle_between(const job *j, const texel *a, const texel *b)
     return ntp__angle(v[0], v[1], v[2], w[0], w[1], w[2]);
 }
 
-/* The blue of b, whose z is stored otherwise than a's. */
+/* The blue of b in the encoding of a, where the two store z differently. */
 static int32_t blue_as_in_a(const job *j, const texel *b)
 {
     int32_t m = j->mb, blue = b->c[2];
@@ -107,7 +107,7 @@ static uint32_t compare_texel(const job *j, texel *a, texel *b, bool *equal)
     *equal = a->broken == b->broken;
     uint32_t greatest = 0;
     for (int32_t k = 0; k < j->channels; k++) {
-        /* Of gray and alpha, alpha stands in the fourth plane. */
+        /* A gray image with alpha is unpacked with alpha in the fourth plane. */
         int32_t plane = !j->vectors && j->channels == 2 && k == 1 ? 3 : k;
         int32_t off = deepen(a->c[plane], j->ma, j->m) - deepen(b->c[plane], j->mb, j->m);
         uint32_t size = (uint32_t) ntp__abs(off);
@@ -174,7 +174,7 @@ static ntp_status prepare(job *j, const ntp_const_image *a, const ntp_const_imag
     return NTP_OK;
 }
 
-/* May so many more texels of this kind be added? */
+/* May this many more texels of this kind be added? */
 static ntp_status accept(const ntp_diff *d, uint32_t max, uint32_t channels, uint32_t vectors,
                          uint64_t texels)
 {

@@ -3,9 +3,9 @@
  * heatmap.c - paints what is wrong with a texel, and how much, in integers
  *
  * A level is 2 in the odd numerators X, Y, Z over M, so "longer than 1 by k levels" is
- * L >= M + 2k, compared by squares.  Each fault has a strength of 128 to 255, and 0 where
- * there is none; the reference palette takes the three strengths as red, green and blue, the
- * safe palette scales the hue of the weightiest fault by its strength.
+ * L >= M + 2k, compared by squares.  Each fault has a strength of 128 to 255, or 0 where there is
+ * none.  The reference palette takes the three strengths as red, green and blue.  The safe palette
+ * takes the color of the most serious fault, scaled by its strength.
  */
 #include "texel/level.h"
 #include "picture/picture.h"
@@ -13,25 +13,25 @@
 enum {
     STRONG = 255,
     WEAK = 128,
-    XY_STRONG_LEVELS = 1,     /* x, y longer than 1 by more than so many levels; weak: by any */
-    LENGTH_STRONG_LEVELS = 3, /* |length - 1| of at least so many levels */
+    XY_STRONG_LEVELS = 1,     /* x, y longer than 1 by more than this many levels; weak: by any */
+    LENGTH_STRONG_LEVELS = 3, /* |length - 1| of at least this many levels */
     LENGTH_WEAK_LEVELS = 2,
     GRAY_BASE = 100 /* faultless texels: 100 + luma/2, so 100..227, never taken for a fault */
 };
 
-/* Rec. 709 in ten-thousandths; they sum up to 10000. */
+/* Rec. 709 luma weights in ten-thousandths. */
 enum { LUMA_RED = 2126, LUMA_GREEN = 7152, LUMA_BLUE = 722, LUMA_WHOLE = 10000 };
 
 typedef struct strengths {
     int32_t xy, length, z;
 } strengths;
 
-/* Vermilion, sky blue and yellow of Okabe and Ito, told apart with every kind of color vision. */
+/* Vermilion, sky blue and yellow of Okabe and Ito, which color-blind people can tell apart. */
 static const uint8_t SAFE_XY[3] = { 213, 94, 0 };
 static const uint8_t SAFE_LENGTH[3] = { 86, 180, 233 };
 static const uint8_t SAFE_Z[3] = { 240, 228, 66 };
 
-/* A float texel that is no vector at all. */
+/* The color of a float texel that is not a vector. */
 static const uint8_t NOT_A_VECTOR[3] = { 255, 255, 255 };
 
 static int32_t xy_strength(int64_t xy2, int32_t m)
@@ -52,7 +52,8 @@ static strengths judge(int32_t r, int32_t g, int32_t b, int32_t m, ntp_encoding 
     strengths s = { xy_strength(ntp__sq(m) - rest, m), 0, 0 };
     if (encoding == NTP_ENCODING_XY)
         return s;
-    /* Over-long x, y have their own color: the length speaks of z, beside the pulled pair. */
+    /* x, y that are too long have their own color.  So the length is that of the pulled pair and z,
+     * and tells only what is wrong with z. */
     if (rest < 0) {
         ntp__pull(&r, &g, m);
         rest = ntp__rest(r, g, m);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * picture.c - checks shared by the operations that paint a picture of a texture
+ * picture.c - the checks shared by the operations that paint a picture of a texture
  */
 #include "picture/picture.h"
 

@@ -1,6 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * picture.h - what the operations share that paint a picture of a texture
+ * picture.h - checks and pixels for the operations that paint a picture of a texture
+ *
+ * This room makes pictures for people to look at, and compares two textures.
+ *   heatmap.c             ntp_heatmap: what is wrong with each texel
+ *   shade.c               ntp_shade: a lit preview
+ *   compare.c             ntp_diff_...: differences of two textures, with a heatmap of them
+ *   picture.h, picture.c  what these share
  */
 #ifndef NTP_PICTURE_H
 #define NTP_PICTURE_H
@@ -8,13 +14,14 @@
 #include "base/view.h"
 
 /*
- * dst is a U8 picture of src's size with min_channels to 4 channels, but not 2, and either has
- * memory of its own or is src pixel by pixel: a block is read whole before it is written.
+ * Checks that dst is a U8 picture of src's size with min_channels to 4 channels, but not 2.  Its
+ * memory is its own, or that of src with the same layout: a block is read whole before it is
+ * written.
  */
 ntp_status ntp__check_painting(const ntp_image *dst, const ntp_const_image *src,
                                int32_t min_channels);
 
-/* Writes one pixel, opaque. */
+/* Writes one opaque pixel. */
 static inline void ntp__paint(uint8_t *pixel, int32_t channels, const uint8_t rgb[3])
 {
     pixel[0] = rgb[0];

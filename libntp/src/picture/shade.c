@@ -2,9 +2,9 @@
 /*
  * shade.c - a lit plane: Lambert and Blinn-Phong, the viewer straight above
  *
- * Everything is in doubles with + - * / and sqrt only, in a fixed order, and the build allows
- * no fused multiply-add: so the bytes are the same everywhere.  Sums of three are taken from
- * left to right.
+ * The bytes are the same everywhere: everything is in doubles with + - * / and sqrt only, in a
+ * fixed order, and the build allows no fused multiply-add.  Sums of three are taken from left to
+ * right.
  */
 #include "texel/level.h"
 #include "picture/picture.h"
@@ -28,7 +28,7 @@ static const ntp_light DEFAULT_LIGHT = {
     .color = { 0.6, 0.6, 0.6 },
 };
 
-/* Rec. 709 luminance, of linear light. */
+/* Rec. 709 luminance weights, for linear light. */
 static const double LUMINANCE[3] = { 0.2126, 0.7152, 0.0722 };
 
 typedef struct job {
@@ -43,7 +43,7 @@ static double dot(const double a[3], const double b[3])
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* v / |v|, 0 for 0. */
+/* v / |v|; 0 if v is 0. */
 static void to_unit(double unit[3], const double v[3])
 {
     double length = sqrt(dot(v, v));
