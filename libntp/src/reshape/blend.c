@@ -2,13 +2,14 @@
 /*
  * blend.c - a detail normals texture over a base
  *
- * Each mode's vector is a polynomial in the levels of both texels, so its direction is known
- * exactly and rounded once.  With base B / M, detail D / N and strength n / 2^k, each multiplied
- * by what clears its fractions (z is the third component, e = (0, 0, 1)):
+ * The vector of each mode is a polynomial in the levels of both texels, so its direction is known
+ * exactly and rounded once.  With base B / M, detail D / N, strength n / 2^k and e = (0, 0, 1), the
+ * vectors without their denominators are
  *     reoriented  t = B + M e,  u = (-n Dx, -n Dy, 2^k Dz):  t (t.u) - M t.z u
  *     whiteout    (2^k N Bx + n M Dx, 2^k N By + n M Dy, 2^k Bz Dz)
- *     UDN         the same, z = 2^k N Bz
- * Levels have 17 bits with their sign, n 53, 2^k 62 and n only where k is small: 2^116 holds all.
+ *     UDN         the same with z = 2^k N Bz
+ * A numerator of a level has 17 bits with its sign, n has 53 bits, and 2^k has 62, but not together
+ * with a large n.  So all components are below 2^116.
  */
 #include "texel/direction.h"
 #include "texel/unused.h"
@@ -22,7 +23,7 @@ typedef struct job {
     ntp_blend_options how;
     ntp__strength strength;
     int32_t mb, md; /* M of base and detail */
-    bool flip;      /* their y differ */
+    bool flip;      /* the y of base and detail differ */
 } job;
 
 static void reoriented(ntp__i128 out[3], const int32_t b[3], const ntp__i128 d[3], int32_t mb)

@@ -2,11 +2,11 @@
 /*
  * resize.c - resizing in the space of vectors
  *
- * A row of the result: its source rows are added up, column by column, each texel's vector times
- * alpha times the row's weight, in 64 bits; then the columns, in 96.  No sum is ever rounded, so
- * the order of sums and the cut of the image do not matter, and the direction of the sum is
- * rounded once.  The columns are summed last because then nothing lives longer than a row: a
- * caller streams with any two rows at hand, and each call stands alone.
+ * For a row of the result, the source rows are summed first: each column adds up the vectors of its
+ * texels, times alpha, times the weight of the row, in 64 bits.  Then the columns are summed, in 96
+ * bits.  No sum is rounded, so neither the order of sums nor the way an image is cut into areas
+ * matters.  Only the direction of the result is rounded, once.  The columns are summed last because
+ * then no sum outlives a row of the result: each call stands alone, and a caller can stream rows.
  */
 #include "texel/direction.h"
 #include "texel/unused.h"
@@ -20,7 +20,7 @@ struct ntp_resize_plan {
     ntp__axis x, y;
 };
 
-/* What is summed over. */
+/* What is summed up. */
 enum {
     SUM_X,
     SUM_Y,
@@ -62,7 +62,7 @@ static bool border_is_good(ntp_border border)
     return (int) border >= NTP_BORDER_WRAP && (int) border <= NTP_BORDER_MIRROR;
 }
 
-/* All of the plan but the tables; false where an argument is no good. */
+/* Fills in all of the plan but the tables; false if an argument is bad. */
 static bool describe(ntp_resize_plan *p, const ntp_resize_options *how, int32_t src_width,
                      int32_t src_height, int32_t width, int32_t height)
 {
@@ -170,7 +170,7 @@ static void add_rows(const job *j, int32_t y, int32_t x0, int32_t x1)
     }
 }
 
-/* The sum over the columns of texel x: columns of 63 bits go in halves. */
+/* The sum over the columns of texel x.  Columns of 63 bits are summed in two halves. */
 static ntp__i128 across(const int64_t *column, const ntp__axis *axis, int32_t x)
 {
     const int32_t *weight = axis->weight + (ptrdiff_t) x * axis->stride;
@@ -184,7 +184,7 @@ static ntp__i128 across(const int64_t *column, const ntp__axis *axis, int32_t x)
     return ntp__i128_add(ntp__i128_shift(ntp__i128_of(high), 32), ntp__i128_of(low));
 }
 
-/* Does a texel behind texel x have a negative z? */
+/* Does one of the source texels of texel x have a negative z? */
 static bool any_negative(const job *j, int32_t x)
 {
     const ntp__axis *axis = &j->plan->x;
@@ -200,11 +200,11 @@ static void resize_texel(const job *j, ntp__block *out, int32_t i, int32_t x, in
     const ntp__axis *axis = &j->plan->x;
     ntp__i128 v[3], weight = across(j->sum[SUM_WEIGHT], axis, x);
     int32_t m = j->m, c[3] = { 0, 0, m };
-    /* Lanczos' negative weights can outweigh the others where much is unused. */
+    /* Negative weights of Lanczos can outweigh the others where many texels are unused. */
     bool none = ntp__i128_is_zero(weight) || ntp__i128_negative(weight);
     for (int32_t k = 0; k < 3; k++)
         v[k] = none ? ntp__i128_of(0) : across(j->sum[k], axis, x);
-    /* Lanczos overshoots: what has no negative z must not get one. */
+    /* Lanczos overshoots.  A texel must not get a negative z when its sources have none. */
     if (ntp__i128_negative(v[2]) && !any_negative(j, x))
         v[2] = ntp__i128_of(0);
     ntp__direction_levels(c, v, m, j->src->encoding);
@@ -220,7 +220,7 @@ static void resize_texel(const job *j, ntp__block *out, int32_t i, int32_t x, in
         clear ? 0 : ntp__i128_ratio(across(j->sum[SUM_ALPHA], axis, x), ntp__i128_of(one), m);
 }
 
-/* The source columns behind columns x0..x1 - 1 of the result: all where the border has a part. */
+/* The source columns of columns x0..x1 - 1 of the result: all columns if some lie outside. */
 static void columns_of(int32_t *first, int32_t *end, const ntp__axis *axis, int32_t x0, int32_t x1)
 {
     *first = axis->span[x0].first;

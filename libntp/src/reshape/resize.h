@@ -1,6 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * resize.h - what the files of ntp_resize share: the weights along one axis
+ * resize.h - the weights of a resizing filter along one axis
+ *
+ * This room makes new normals of old ones: in another size, turned, stronger, or with a detail.
+ * New vectors are exact integers, and only their direction is rounded, once (texel/direction.h).
+ *   resize.c          ntp_resize: sums of weighted vectors; sides of mip levels
+ *   resize_weights.c  the weights of the filters, as integers
+ *   transform.c       ntp_transform: flips, quarter turns, strength
+ *   blend.c           ntp_blend: a detail texture over a base
  */
 #ifndef NTP_RESIZE_H
 #define NTP_RESIZE_H
@@ -11,21 +18,21 @@
 typedef struct ntp__span_of_taps {
     int32_t first; /* may lie outside; the border maps it */
     int32_t count;
-    int32_t total; /* the sum of the weights: what stands for 1 */
+    int32_t total; /* the sum of the weights, which stands for 1 */
 } ntp__span_of_taps;
 
 typedef struct ntp__axis {
     int32_t src, dst; /* texels */
     ntp_border border;
-    int32_t stride;          /* weights from one texel of the result to the next */
+    int32_t stride;          /* places for weights of each texel of the result */
     ntp__span_of_taps *span; /* dst of them */
     int32_t *weight;
 } ntp__axis;
 
-/* The greatest count. */
+/* The greatest count of a span. */
 int32_t ntp__axis_stride(ntp_filter filter, int32_t src, int32_t dst);
 
-/* Fills span and weight; the other fields are set. */
+/* Fills span and weight.  The caller has set the other fields. */
 void ntp__axis_init(ntp__axis *axis, ntp_filter filter);
 
 /* The texel inside that stands for texel i. */

@@ -2,22 +2,22 @@
 /*
  * resize_weights.c - the weights of a resizing filter along one axis, as integers
  *
- * A weight is an integer and means weight / (sum of the weights of its texel), so nothing has
- * to be normalized and the weights add up to exactly one.  The center of texel i of the source
- * lies |N| / D filter units from that of texel j of the result, with the integers
- *     N = (2i + 1) dst - (2j + 1) src,    D = 2 max(src, dst);
- * a unit is a texel of the source, or where the texture shrinks one of the result.  Box and
- * triangle weights are exact; only those of a triangle over more than 2^29 / scale texels are
- * rounded.  Lanczos weights are rounded to about 2^-30, from a sine of our own in integers, so
- * that they are the same everywhere.
+ * A weight is an integer and means weight / (sum of the weights of its texel).  So nothing has to
+ * be normalized, and the weights add up to exactly one.  The center of texel i of the source lies
+ * |N| / D filter units from the center of texel j of the result, with the integers
+ *     N = (2i + 1) dst - (2j + 1) src,    D = 2 max(src, dst).
+ * A unit is a texel of the source, or of the result if the texture shrinks.  Weights of the box are
+ * exact.  So are those of the triangle, unless max(src, dst) (max(src, dst) / dst + 1) > 2^29.
+ * Lanczos weights are rounded to about 2^-30.  They come from our own sine in integers, so that
+ * they are the same everywhere.
  */
 #include "reshape/resize.h"
 #include "stencil/border.h"
 
 /*
- * Sums of |weight| stay below 1.6 * 2^30: a column of 16-bit levels times 16-bit alphas then
- * adds up to less than 2^63.  (1.54 is the sum of Lanczos' |weights| over that of its weights,
- * at its greatest.)
+ * Sums of |weight| stay below 1.6 * 2^30, because for Lanczos the sum of |weight| is at most 1.54
+ * times the sum of the weights.  Then a column of 16-bit levels times 16-bit alphas adds up to less
+ * than 2^63.
  */
 enum { TOTAL_BITS = 30 };
 
@@ -45,7 +45,7 @@ int32_t ntp__axis_stride(ntp_filter filter, int32_t src, int32_t dst)
     return (int32_t) ((2 * radius_of(filter) * most + dst - 1) / dst + 1);
 }
 
-/* sin(pi f) / (pi f) in units of 2^-32, f <= 1/2 in the same: Taylor's series to 2^-36. */
+/* sin(pi f) / (pi f), f <= 1/2, both in units of 2^-32, by a Taylor series good to 2^-36. */
 static uint64_t sinc_near(uint64_t f)
 {
     /* pi^2k / (2k + 1)! 2^32 */
@@ -57,7 +57,8 @@ static uint64_t sinc_near(uint64_t f)
     return sum;
 }
 
-/* sinc(n / d) in units of 2^-32, n >= 0: sin(pi x) is that of the distance to the nearest integer. */
+/* sinc(n / d) in units of 2^-32, n >= 0.  |sin(pi x)| depends only on the distance of x from the
+ * nearest integer. */
 static int64_t sinc(int64_t n, int64_t d)
 {
     int64_t whole = (2 * n + d) / (2 * d), rest = n - whole * d;
@@ -70,7 +71,7 @@ static int64_t sinc(int64_t n, int64_t d)
     return (whole % 2 != 0) != (rest < 0) ? -value : value;
 }
 
-/* The weight at distance n / d, n >= 0, shifted down with rounding. */
+/* The weight at distance n / d, n >= 0, shifted down and rounded. */
 static int32_t weight_at(ntp_filter filter, int64_t n, int64_t d, int32_t shift)
 {
     int64_t half = shift > 0 ? (int64_t) 1 << (shift - 1) : 0;
@@ -83,7 +84,8 @@ static int32_t weight_at(ntp_filter filter, int64_t n, int64_t d, int32_t shift)
     return a < 0 ? -w : w;
 }
 
-/* Texel j covers the source from j src to (j + 1) src, in units of 1/dst: the overlaps. */
+/* In units of 1/dst, texel j covers the source from j src to (j + 1) src.  Weights are the overlaps
+ * with the texels there. */
 static void box(ntp__axis *axis, int32_t j, int32_t *weight)
 {
     int64_t low = (int64_t) j * axis->src, high = low + axis->src;
@@ -100,7 +102,7 @@ void ntp__axis_init(ntp__axis *axis, ntp_filter filter)
 {
     int64_t src = axis->src, dst = axis->dst, d = 2 * greater(src, dst);
     int64_t reach = radius_of(filter) * d;
-    /* The weights of a texel add up to about (d / 2 dst) times that at the center. */
+    /* The weights of a texel add up to about d / (2 dst) times the one at the center. */
     int64_t center = filter == NTP_FILTER_TRIANGLE ? d : (int64_t) 1 << 32;
     int64_t total = center * (d / (2 * dst) + 1);
     int32_t shift = 0;

@@ -2,9 +2,9 @@
 /*
  * transform.c - flips, quarter turns and strength
  *
- * A turned or flipped picture is the same memory with other strides, so the source is read
- * through such a view; then red and green change places or are mirrored, which is exact.  A
- * strength S = n / 2^k makes (n x, n y, 2^k z), whose direction is rounded once.
+ * A turned or flipped picture is the same memory with other strides, so the source is read through
+ * such a view.  Then red and green are swapped or mirrored, which is exact.  A strength S = n / 2^k
+ * makes (n x, n y, 2^k z), whose direction is rounded once.
  */
 #include "texel/direction.h"
 #include "texel/unused.h"
@@ -14,7 +14,7 @@
 
 typedef struct job {
     const ntp_image *dst;
-    ntp_const_image src; /* turned: of the size of dst */
+    ntp_const_image src; /* turned, so it has the size of dst */
     bool swap;           /* red of the result is green of the source, and the other way round */
     bool mirror_r, mirror_g;
     bool stronger; /* strength is neither 1 nor -1 */
@@ -77,7 +77,7 @@ static void move(job *j, const ntp_transform_options *how)
     j->stronger = j->strength.numerator != 1 || j->strength.shift != 0;
 }
 
-/* The levels of a used texel, and its alpha as it is. */
+/* Changes the levels of a used texel; its alpha stays. */
 static void transform_texel(const job *j, ntp__block *block, int32_t i)
 {
     if (j->stronger) {
@@ -87,7 +87,7 @@ static void transform_texel(const job *j, ntp__block *block, int32_t i)
         for (int32_t k = 0; k < 2; k++)
             scaled[k] = ntp__i128_multiply(ntp__i128_of(v[k]), j->strength.numerator);
         scaled[2] = ntp__i128_shift(ntp__i128_of(v[2]), j->strength.shift);
-        /* Turned before it is rounded: half up is not the same upside down. */
+        /* The vector is turned before it is rounded: half up is not symmetric about 0. */
         ntp__i128 r = scaled[j->swap], g = scaled[!j->swap];
         scaled[0] = j->mirror_r ? ntp__i128_negate(r) : r;
         scaled[1] = j->mirror_g ? ntp__i128_negate(g) : g;
