@@ -2,8 +2,9 @@
 /*
  * blur.c - Gaussian blur of a heightfield with integer weights
  *
- * Two passes: rows go through a ring of horizontally blurred rows.  Sums are doubles taken in one
- * order, the same at every place, so a texture that tiles still does, and all machines agree.
+ * A ring holds rows that are blurred horizontally, and each row of the result is a weighted sum of
+ * them.  Sums are doubles, added in the same order at every place.  So a texture that tiles still
+ * does, and the result is the same on every machine.
  */
 #include "from_height/gradient.h"
 
@@ -11,7 +12,7 @@
 
 enum {
     UNIT = 65536, /* sum of the weights of an axis */
-    REACH = 3,    /* standard deviations on each side; 0.3 % lie beyond */
+    REACH = 3,    /* standard deviations on each side; 0.3 % of a Gaussian lies beyond */
     MAX_WEIGHTS = REACH * NTP_MAX_SIGMA + 1
 };
 
@@ -22,7 +23,7 @@ typedef struct blur {
     double *ring, *line;
 } blur;
 
-/* exp(-x), 0 <= x, in basic operations: the same bits everywhere. */
+/* exp(-x), x >= 0, in basic operations, so that its bits are the same everywhere. */
 static double decay(double x)
 {
     int32_t squarings = 0;
@@ -40,7 +41,7 @@ static double decay(double x)
     return sum;
 }
 
-/* Rounds the Gaussian to integers; the middle takes what is missing. */
+/* Rounds the Gaussian to integers.  The weight in the middle makes up for the rounding. */
 static void set_weights(blur *b, double sigma)
 {
     double value[MAX_WEIGHTS], sum = 1;
@@ -67,7 +68,7 @@ static bool options_good(const ntp_blur_options *how)
            (int) how->source <= NTP_HEIGHT_SOURCE_SCREEN;
 }
 
-/* Rows of the ring, a row of heights with what lies beyond the edges, and another row. */
+/* The rows of the ring, a row of heights with what lies beyond the edges, and one more row. */
 static size_t scratch_doubles(int32_t radius, int32_t width)
 {
     return (size_t) (2 * radius + 1) * (size_t) width + 2 * (size_t) width + 2 * (size_t) radius;
@@ -103,7 +104,7 @@ static void blur_row(const blur *b, double *out, int32_t y)
     }
 }
 
-/* Row y of the ring, y from -radius to height + radius - 1, what lies beyond the edges included. */
+/* Row y of the ring.  y runs from -radius to height + radius - 1, beyond both edges. */
 static void fill_ring_row(const blur *b, int32_t y)
 {
     int32_t width = b->g.src->width, rows = 2 * b->radius + 1;

@@ -2,16 +2,16 @@
 /*
  * dither.c - rounding that keeps the sum of slopes: one texel
  *
- * The height between two texels is a sum of slopes, so their rounding errors add up along a row.
- * Here the error of a slope, as a reader of the texture will see it, goes to the next texel: the
- * sum is then off by one texel's error only, anywhere.
+ * The difference in height of two texels is a sum of slopes, so rounding errors add up along a row.
+ * Here each texel leaves the error of its slope, as a reader of the texture will see it, to the
+ * next texel.  So a sum is never off by more than the error of one texel.
  */
 #include "from_height/gradient.h"
 #include "texel/level.h"
 
 #include <math.h>
 
-/* floor((M + 1 + M n) / 2) for n in [-1, 1]; a double is near enough here. */
+/* floor((M + 1 + M n) / 2) for n in [-1, 1].  A double is precise enough here. */
 static int32_t level_of(double n, int32_t m)
 {
     int32_t k = (int32_t) ((n + 1) / 2 * m + 0.5);
@@ -19,9 +19,9 @@ static int32_t level_of(double n, int32_t m)
 }
 
 /*
- * What is left of a wanted component w = n.x / n.z when `got` is stored.  A slope so steep that no
- * level stands for it would leave more with each texel: what is left is held to the step between
- * levels there, (1 + w^2)^(3/2) / (M/2).
+ * The error of a slope w = n.x / n.z that is stored as `got`.  If a slope is too steep for every
+ * level, the error would grow with each texel.  So it is held to the step between levels there,
+ * (1 + w^2)^(3/2) / (M/2).
  */
 static double left(double want, double got, double length2, double half)
 {

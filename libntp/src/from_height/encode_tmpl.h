@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * encode_tmpl.h - a part of gradient_kernels.c: the encoding of tap sums of type SUM in arithmetic
- * of type T; NAME(x) is x with its ending, ROUND the number that rounds a T
+ * encode_tmpl.h - a part of gradient_kernels.c: encodes tap sums of type SUM
  *
+ * T is the type of the arithmetic, NAME(x) is x with the ending of both types, and ROUND is the
+ * number that rounds a T.
  * All loops take n numbers, a multiple of NTP__LANES, so that none has a remainder.
  */
 
@@ -47,7 +48,7 @@ static ALWAYS_INLINE int32_t NAME(round_pairs)(int32_t *restrict red, int32_t *r
     return doubts;
 }
 
-/* Blue rounded by itself. */
+/* Blue rounded from z. */
 static int32_t NAME(round_blues)(int32_t *restrict blue, int32_t *restrict doubt, const T *inverse,
                                  int32_t n, const ntp__encode *e)
 {
@@ -65,7 +66,7 @@ static int32_t NAME(round_blues)(int32_t *restrict blue, int32_t *restrict doubt
     return doubts;
 }
 
-/* Blue of the red and green that were found. */
+/* Blue derived from the rounded red and green. */
 static int32_t NAME(derive_blues)(int32_t *restrict blue, int32_t *restrict doubt,
                                   const int32_t *red, const int32_t *green, int32_t n,
                                   const ntp__encode *e)
@@ -100,7 +101,7 @@ static int32_t NAME(encode_lanes)(int32_t *red, int32_t *green, int32_t *blue, i
                                 : NAME(round_blues)(blue, doubt, inverse, n, e));
 }
 
-/* The last few go through arrays of their own, filled up with the first of them. */
+/* The last few numbers go through their own arrays, filled up with the first of them. */
 static int32_t NAME(encode)(int32_t *red, int32_t *green, int32_t *blue, int32_t *doubt,
                             const SUM *right, const SUM *down, int32_t n, const ntp__encode *e)
 {

@@ -1,21 +1,22 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * exact.c - one texel of heightfield -> normals, without any doubt
+ * exact.c - one texel of heightfield -> normals, rounded exactly
  *
- * The vector (a, b, N) with a = c D, b = d E is made of integers times powers of two, so the
- * question "is |a| / L at least u / w", L the length, is the sign of
- *     (w^2 - u^2) a^2  -  u^2 b^2  -  u^2 N^2,
- * and "is |a| sqrt(1 - min_z^2) / |(a, b)| at least u / w" is the sign of
- *     (w^2 - u^2) a^2  -  u^2 b^2  -  w^2 min_z^2 a^2.
- * The component is the lesser of the two, so it is at least u / w when both are.  A double
- * finds the one boundary u / w that matters; bignum.c has the numbers.
+ * The vector (a, b, N) with a = c D, b = d E is made of integers times powers of two.  With L as
+ * its length, the sign of
+ *     (w^2 - u^2) a^2  -  u^2 b^2  -  u^2 N^2
+ * tells whether |a| / L is at least u / w, and the sign of
+ *     (w^2 - u^2) a^2  -  u^2 b^2  -  w^2 min_z^2 a^2
+ * tells whether |a| sqrt(1 - min_z^2) / |(a, b)| is at least u / w.  The component is the lesser of
+ * the two, so it is at least u / w when both are.  A double finds the one boundary u / w that
+ * matters.  base/bignum.h has the arithmetic.
  */
 #include "from_height/gradient.h"
 
 #include <math.h>
 #include <string.h>
 
-/* Doubles below are off by less than 2^-48 of their value; twice that is in doubt. */
+/* Doubles below are off by less than 2^-48 of their value.  Four times that counts as doubt. */
 static const double doubt = 0x1p-46;
 
 /* A tap sum: an integer times a power of two. */
@@ -51,12 +52,13 @@ ntp__scaled ntp__scaled_from(double v)
 
 /* ------------------------------------------------------------------------- tap sums */
 
-/* Sums of float heights are collected as multiples of 2^-149 (2^-447 for products of three). */
+/* The sum of float heights as multiples of 2^-149, or of 2^-447 for products of three. */
 typedef struct collector {
     ntp__wide plus, minus;
 } collector;
 
-/* The magnitude of a float, or of 1 - v, as a multiple of 2^-149; its sign. */
+/* The magnitude of a float as a multiple of 2^-149; returns whether the float is negative.  The
+ * next function does so for 1 - v. */
 static bool fixed_point(ntp__wide *out, float v)
 {
     ntp__scaled s = ntp__scaled_from((double) v);
@@ -133,7 +135,7 @@ static tap_total integer_total(int64_t sum)
     return total;
 }
 
-/* The sum over the taps of one slope at its position; `down`: of the transpose. */
+/* The tap sum of the slope to the right, or down, from where repeat-slope takes it. */
 static tap_total tap_sum(const ntp__gradient *g, int32_t x, int32_t y, bool down)
 {
     int32_t radius = g->kernel->radius;
@@ -341,8 +343,8 @@ int32_t ntp__gradient_z_level(double z, int32_t m, bool zzero)
     return low;
 }
 
-/* The sign of component i (n = -|n| where negative) minus t, a double of at most 26 bits above
- * 2^-150, |t| <= 1; or, unit, of (n + 1)/2 minus t. */
+/* The sign of n - t, or if unit of (n + 1)/2 - t, for component i, n = -|n| if negative.  t is a
+ * double of at most 26 bits above 2^-150, |t| <= 1. */
 static int32_t compare_float(const ntp__gradient *g, const vector *v, int32_t i, double t,
                              bool unit)
 {
@@ -371,7 +373,7 @@ static int32_t compare_float(const ntp__gradient *g, const vector *v, int32_t i,
     return negative ? -sign : sign;
 }
 
-/* (|n| + 1)/2 or, for a negative n, (1 - |n|)/2 without cancellation. */
+/* (n + 1)/2; for a negative n, (1 - |n|)/2 without cancellation. */
 static double near_unit(const ntp__gradient *g, const vector *v, int32_t i)
 {
     double n = near_component(g, v, i);
@@ -381,7 +383,7 @@ static double near_unit(const ntp__gradient *g, const vector *v, int32_t i)
     double rest = v->near[b] * v->near[b] + v->near[2] * v->near[2];
     double all = rest + v->near[i] * v->near[i];
     double flat = v->near[0] * v->near[0] + v->near[1] * v->near[1];
-    /* 1 - n^2 of whichever of the two bounds holds. */
+    /* 1 - n^2 by the one of the two bounds that holds. */
     double left = rest / all;
     if (g->min_z > 0) {
         double z2 = g->min_z * g->min_z;

@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * gradient.c - heightfield -> normals: checks, and the walk over the area
+ * gradient.c - heightfield -> normals: the walk over the area
  *
- * The area is cut into bands, and those into strips of NTP__BLOCK columns.  Down a strip goes a
- * ring of rows of heights (the kernel's, at most nine), each read once; tap sums, encoding and packing follow
- * row by row.  Texels that the encoding loop has doubts about are done over exactly.
+ * The area is cut into bands, and these into strips of NTP__BLOCK columns.  A ring of as many rows
+ * of heights as the kernel has (at most nine) moves down each strip, and reads each row once.  Tap
+ * sums, encoding and packing follow row by row.  Texels whose rounding the encoding loop doubts are
+ * done again, exactly.
  */
 #include "from_height/gradient.h"
 
@@ -13,32 +14,34 @@
 
 #include <string.h>
 
-/* Limits between which no float (double) of the encoding loops leaves the normal range: p is
- * least c/N where not 0, and greatest c/N times the greatest tap sum; its square is formed. */
+/* Within these limits no float (double) of the encoding loops leaves the normal range.  The least
+ * is for c/N unless it is 0, the most for c/N times the greatest tap sum.  The loops compute
+ * squares of such numbers. */
 static const double least_single = 0x1p-60, most_single = 0x1p60;
 static const double least_double = 0x1p-400, most_double = 0x1p400;
 
 /* Error of the encoding loops in units of roundoff; see gradient_kernels.c. */
 static const double encode_error = 18;
 
-/* Tap sums in doubles that are not exact have fewer than 64 roundings. */
+/* The error of tap sums in double that are not exact, over the greatest sum: they have fewer than
+ * 64 roundings. */
 static const double sum_error = 0x1p-47;
 
-enum { BAND = 32 /* rows; down the whole image every row of a strip would be another page */ };
+enum { BAND = 32 /* rows; a strip as high as the image would touch a memory page for each row */ };
 
 /* How a call is carried out. */
 typedef struct walk {
     ntp__gradient g;
     bool ints;       /* heights are int32_t */
-    bool blue;       /* is wanted */
-    bool single;     /* in float arithmetic */
-    bool doubles;    /* in double arithmetic; neither: every texel exactly */
-    double greatest; /* of the heights times the kernel's gain; integers */
+    bool blue;       /* blue is wanted */
+    bool single;     /* the loops may compute in float */
+    bool doubles;    /* the loops may compute in double; neither: every texel exactly */
+    double greatest; /* bound of the tap sums for heights of magnitude 1 */
     ntp__encode encode;
     ntp_normals_counts counts;
-    int32_t first;      /* row of the area */
+    int32_t first;      /* first row of the area */
     double *errors;     /* dithering: carried down, one for each column; NULL: none */
-    double along[BAND]; /* carried along the rows of a band */
+    double along[BAND]; /* dithering: carried along each row of a band */
 } walk;
 
 typedef struct strip {
@@ -62,7 +65,7 @@ static bool within(const ntp__scaled *exact, double c, double least, double most
     return exact->mantissa == 0 || (c >= least && c * greatest <= most);
 }
 
-/* Which arithmetic the loops may use for tap sums up to `greatest`. */
+/* Decides which arithmetic the loops may use for tap sums up to `greatest`. */
 static void set_arithmetic(walk *w, double greatest)
 {
     const ntp__gradient *g = &w->g;
@@ -75,8 +78,8 @@ static void set_arithmetic(walk *w, double greatest)
     w->encode.absolute = 0;
 }
 
-/* The tap sums, in doubles, are off by up to greatest * sum_error; no component grows faster
- * than a slope. */
+/* The tap sums, in doubles, are off by up to greatest * sum_error.  No component of a normal
+ * changes by more than the slope does. */
 static void set_inexact(walk *w, double greatest)
 {
     double cx = w->g.cx < 0 ? -w->g.cx : w->g.cx, cy = w->g.cy < 0 ? -w->g.cy : w->g.cy;
@@ -126,7 +129,7 @@ typedef struct facts {
     double least, most;
 } facts;
 
-/* The tap sums of one slope for a block; the positions are those that repeat-slope moves to. */
+/* The tap sums of one slope for a block, from the row that repeat-slope takes for row y. */
 static void tap_sums(walk *w, strip *s, facts *f, int32_t x, int32_t y, int32_t n, bool down)
 {
     const ntp__gradient *g = &w->g;
@@ -148,7 +151,7 @@ static void tap_sums(walk *w, strip *s, facts *f, int32_t x, int32_t y, int32_t 
         w->g.loops->tap_sums_d(s->sums.d[down], rows_d, g->which, down, n);
 }
 
-/* The slope at position at of the strip is that of position from, if that is in the block. */
+/* Position `at` of the block takes the slope of position `from`, if that is in the block. */
 static void repeat_slope(const walk *w, strip *s, int32_t at, int32_t from, int32_t n, bool down)
 {
     if (from < 0 || from >= n) {
@@ -173,16 +176,16 @@ static void repeat_slopes(const walk *w, strip *s, int32_t x, int32_t n, bool do
 
 /* ------------------------------------------------------------------------------ one block */
 
-/* Prepares the encoding of a block of float heights; false: every texel exactly. */
+/* Prepares the encoding of a block of float heights; false: do every texel exactly. */
 static bool trust_floats(walk *w, const facts *f)
 {
     const ntp__gradient *g = &w->g;
     if (!f->finite)
         return false;
-    double gain = w->greatest; /* includes the weights of a source */
+    double gain = w->greatest; /* with the weights of the source */
     set_arithmetic(w, gain * f->most);
-    /* All sums are exact when all heights are multiples of a unit and 2^53 units are not reached:
-     * a float is a multiple of 2^-24 of itself. */
+    /* Sums are exact if all samples are multiples of a unit, and sums stay below 2^53 units.  A
+     * float is a multiple of a unit that is at least 2^-24 of it. */
     bool one_product = g->source != NTP_HEIGHT_SOURCE_SCREEN;
     if (!one_product)
         set_inexact(w, gain * (f->most > 1 ? 8 * f->most * f->most * f->most : 8));
@@ -191,7 +194,7 @@ static bool trust_floats(walk *w, const facts *f)
     return w->doubles;
 }
 
-/* Levels of the texels by the loops; fills s->doubt.  Returns whether any is in doubt. */
+/* Makes levels by the loops and fills s->doubt.  Returns whether any texel has a flag there. */
 static bool encode(walk *w, strip *s, const facts *f, int32_t n)
 {
     const ntp__gradient *g = &w->g;
@@ -215,7 +218,7 @@ static void count(walk *w, const ntp__normal *normal)
     w->counts.exact += normal->wide;
 }
 
-/* A texel in doubt after float arithmetic, once more in double; true when that settles it. */
+/* Does a texel in doubt again in double, after float; true if that settles it. */
 static bool settle_in_double(const walk *w, strip *s, int32_t i)
 {
     ntp__encode e = w->encode;
@@ -253,8 +256,8 @@ static void settle_texel(walk *w, strip *s, int32_t x, int32_t y, int32_t i)
         s->out.c[2][i] = ntp__derive(&s->out.c[0][i], &s->out.c[1][i], w->g.m, zzero);
 }
 
-/* Does over the texels in doubt, and pulls pairs that are too long onto the disc.  They are few,
- * and most groups hold none. */
+/* Does texels in doubt again, and pulls pairs that are too long onto the disc.  Such texels are
+ * few, and most groups have none. */
 static void settle(walk *w, strip *s, int32_t x, int32_t y, int32_t n)
 {
     enum { GROUP = 16 };
@@ -269,7 +272,7 @@ static void settle(walk *w, strip *s, int32_t x, int32_t y, int32_t n)
     }
 }
 
-/* min_z holds for a blue that is rounded by itself as well. */
+/* min_z also holds for a blue that is not derived. */
 static void raise_blue(const walk *w, strip *s, int32_t n)
 {
     int32_t *b = s->out.c[2], least = w->g.min_z_level;
@@ -277,7 +280,7 @@ static void raise_blue(const walk *w, strip *s, int32_t n)
         b[i] = b[i] > least ? b[i] : least;
 }
 
-/* Slopes of a texel times L: n.x and n.y of dst before they are divided by the length. */
+/* The slopes of a texel: n.x / n.z and n.y / n.z, before min_z. */
 static bool slopes(const walk *w, const strip *s, const facts *f, int32_t x, int32_t y, int32_t i,
                    double xy[2])
 {
@@ -288,7 +291,7 @@ static bool slopes(const walk *w, const strip *s, const facts *f, int32_t x, int
     return true;
 }
 
-/* Levels with the errors carried on. */
+/* Makes levels whose rounding errors are carried on to the next texels. */
 static void dither(walk *w, strip *s, const facts *f, int32_t x, int32_t y, int32_t n)
 {
     double *along = &w->along[(y - w->first) % BAND];
@@ -327,7 +330,7 @@ static void do_block(walk *w, strip *s, int32_t x, int32_t y, int32_t n)
     ntp__gradient_pack(&w->g, &s->out, x, y, n);
 }
 
-/* Rows of a strip lie apart, where no processor looks ahead by itself. */
+/* The rows of a strip are far apart in memory, so processors do not fetch them ahead of time. */
 static void fetch_ahead(const walk *w, int32_t x, int32_t y, int32_t n)
 {
 #if defined(__GNUC__)

@@ -2,11 +2,20 @@
 /*
  * gradient.h - what the files of "heightfield -> normals" share
  *
- * A texel's normal is (c x D, d y E, N) divided by its length: D and E are integer tap sums of
- * heights (right and up the picture), N = denominator * range, and c, d are scale/dx and
- * scale/dy.  gradient.c walks over the area; height_rows.c makes rows of heights, extended
- * beyond the borders; gradient_kernels.c has the loops, which are right for nearly every texel
- * and say for which not; exact.c decides those.
+ * This room makes normals from heights.
+ *   plan.c              checks the options and turns them into numbers; names of kernels, borders
+ *   gradient.c          ntp_normals_from_height, ntp_normals_dithered: walks over the area
+ *   height_rows.c       makes rows of heights, extended beyond the borders
+ *   gradient_kernels.c  the loops, with tap_sums_tmpl.h and encode_tmpl.h
+ *   exact.c             rounds exactly the texels that the loops are in doubt about
+ *   dither.c            rounds a texel so that errors do not add up
+ *   pack.c              writes the result, with its alpha
+ *   blur.c              ntp_height_blur: Gaussian blur of the heights
+ *   like_program.c      ntp_normals_like: the settings that match other programs
+ *
+ * The normal of a texel is (c D, d E, N) divided by its length.  D and E are the integer tap sums
+ * of heights to the right and down, N = denominator * range, and c, d are scale/dx and scale/dy
+ * with their signs.
  */
 #ifndef NTP_GRADIENT_H
 #define NTP_GRADIENT_H
@@ -35,16 +44,16 @@ typedef struct ntp__gradient {
     const ntp__gradient_kernels *loops;
     const ntp_const_image *src;
     const ntp_image *dst;
-    const ntp__kernel *kernel; /* in a table of its own in each file: not to be compared */
+    const ntp__kernel *kernel; /* each file has its own table, so do not compare the address */
     ntp_kernel which;
     ntp_height_source source;
     bool invert;
     int32_t reads, read[NTP__MAX_READS], weight[NTP__MAX_READS]; /* sample index and weight */
     ntp_border border_x, border_y; /* what lies beyond: never NTP_BORDER_REPEAT_SLOPE */
     ntp__span right_x, right_y, down_x, down_y;
-    int64_t range;    /* m: the number that stands for height 1; 1 for floats */
-    ntp__scaled x, y; /* c, d: n.x and n.y of dst are c D, d E over N and the length; E down */
-    double cx, cy;    /* c/N, d/N as doubles */
+    int64_t range;           /* the number that stands for height 1 */
+    ntp__scaled x, y;        /* c, d: the normal of dst is (c D, d E, N) over its length */
+    double cx, cy;           /* c/N, d/N as doubles */
     double min_z, shortened; /* shortened: sqrt(1 - min_z^2) */
     ntp__scaled min_z_exact;
     int32_t min_z_level;
@@ -57,22 +66,22 @@ typedef struct ntp__gradient {
 typedef struct ntp__normal {
     int32_t level[3]; /* dst of integers */
     float value[3];   /* dst of floats */
-    bool finite;      /* false: a height that the stencil reads is not */
-    bool wide;        /* the wide integers were asked */
+    bool finite;      /* false: the stencil reads a height that is not finite */
+    bool wide;        /* only integers of many bits could decide the rounding */
 } ntp__normal;
 
 ntp__scaled ntp__scaled_from(double v);
 
-/* The correctly rounded normal at (x, y); blue of integers is set where it is not derived.
- * sums: the integer tap sums to the right and down, NULL where they are to be made. */
+/* The correctly rounded normal at (x, y).  For integers, blue is set only if it is not derived.
+ * sums: the integer tap sums to the right and down; NULL: they are made here. */
 void ntp__gradient_exact(ntp__normal *normal, const ntp__gradient *g, int32_t x, int32_t y,
                          const int64_t *sums);
 
-/* n.x and n.y before they are divided by the length, as doubles; false: not finite, both are 0. */
+/* n.x / n.z and n.y / n.z, before min_z, as doubles; false: a height is not finite, both are 0. */
 bool ntp__gradient_slopes(const ntp__gradient *g, int32_t x, int32_t y, double xy[2]);
 
-/* The levels of a texel with the errors carried on (dither.c): xy as above; along, down:
- * the errors brought along from the texel before, and those that this one leaves. */
+/* The levels of a texel, dithered (dither.c).  xy is as above.  along, down: in, the errors of the
+ * texels before it on the row and above it; out, the errors that it leaves. */
 void ntp__dither(int32_t level[3], const ntp__gradient *g, const double xy[2], double *along,
                  double *down);
 
@@ -80,39 +89,39 @@ void ntp__dither(int32_t level[3], const ntp__gradient *g, const double xy[2], d
 ntp_status ntp__gradient_plan(ntp__gradient *g, const ntp_image *dst, const ntp_const_image *src,
                               const ntp_normals_options *how);
 
-/* Which samples a source of g->src reads, their weights, and what stands for height 1. */
+/* Sets which samples of g->src make a height, their weights, and the number for height 1. */
 ntp_status ntp__gradient_source(ntp__gradient *g, ntp_height_source source);
 
-/* Writes a run of levels; an NTP_ENCODING_XY third sample and alpha are filled in here. */
+/* Writes a run of levels.  It fills in alpha, and the third sample of NTP_ENCODING_XY. */
 void ntp__gradient_pack(const ntp__gradient *g, ntp__block *block, int32_t x, int32_t y, int32_t n);
 void ntp__gradient_pack_float(const ntp__gradient *g, const ntp__normal *normal, int32_t x,
                               int32_t y);
 
-/* floor((M + 1 + M z)/2), or floor(M z + 1/2): the exact level of a z in 0..1. */
+/* The exact level of a z in 0..1: floor((M + 1 + M z)/2), or floor(M z + 1/2) for Z-zero. */
 int32_t ntp__gradient_z_level(double z, int32_t m, bool zzero);
 
-/* The height at a texel as the dst type's level of 0..1 (rounded), or as a float. */
+/* The height of a texel, rounded to a level 0..m, or as a double; 1 is height 1. */
 int32_t ntp__height_level(const ntp__gradient *g, int32_t x, int32_t y, int32_t m);
 double ntp__height_value(const ntp__gradient *g, int32_t x, int32_t y);
 
-/* Exact height at a texel, times range; integer sources only. */
+/* The exact height of a texel, times range; integer sources only. */
 int64_t ntp__height_integer(const ntp__gradient *g, int32_t x, int32_t y);
 
 /* --- rows of heights (height_rows.c) --- */
 
-/* A row of heights of the columns x - 4 .. x + n + 4, with what lies beyond the border.  Behind
- * them are zeros, which the loops of tap sums read. */
+/* A row of heights of the columns x - 4 .. x + n + 3, with what lies beyond the border.  Zeros
+ * follow, because the loops of tap sums read beyond the last column. */
 typedef struct ntp__height_row {
     int32_t y; /* the row, -4..height + 3 */
     bool filled, finite;
-    double least, most; /* floats: the least magnitude but 0 and the greatest of the samples */
+    double least, most; /* floats: the least magnitude other than 0 and the greatest of a sample */
     union {
         int32_t i[NTP__GRADIENT_ROW];
         double d[NTP__GRADIENT_ROW];
     } h;
 } ntp__height_row;
 
-/* Are heights of this source kept as int32_t, so that tap sums fit as well? */
+/* Do the tap sums of this source fit into int32_t?  Then heights are kept as int32_t too. */
 bool ntp__heights_are_int(const ntp__gradient *g);
 
 /* Fills a row from column x - 4 on; n <= NTP__BLOCK. */
@@ -121,9 +130,9 @@ void ntp__height_row_fill(ntp__height_row *row, const ntp__gradient *g, int32_t 
 
 /* --- loops (gradient_kernels.c); all write n <= NTP__BLOCK numbers --- */
 
-/* Tap sums of the slope to the right (rows: along x) or down, from rows y - 4 .. y + 4; row
- * pointers at column x - 4; those beyond the radius are not read.  These two read and write up to the
- * next multiple of NTP__LANES. */
+/* Tap sums of the slope to the right or down, from rows y - 4 .. y + 4.  A row pointer is at column
+ * x - 4; rows beyond the radius are not read.  Both loops read and write up to the next multiple of
+ * NTP__LANES. */
 typedef void ntp__tap_sums_i_fn(int32_t *sums, const int32_t *const rows[NTP__MAX_TAPS],
                                 ntp_kernel kernel, int32_t down, int32_t n);
 typedef void ntp__tap_sums_d_fn(double *sums, const double *const rows[NTP__MAX_TAPS],
@@ -144,8 +153,8 @@ enum {
     NTP__TOO_LONG = 2 /* red and green are to be pulled onto the disc */
 };
 
-/* red, green: levels; blue: derived or nearest, or NULL.  doubt[i]: the flags of a texel; the flags
- * of all of them are returned. */
+/* red, green: levels; blue: derived or nearest, or NULL.  doubt[i]: the flags of a texel.  Returns
+ * the flags of all texels together. */
 typedef int32_t ntp__encode_i_fn(int32_t *red, int32_t *green, int32_t *blue, int32_t *doubt,
                                  const int32_t *right, const int32_t *down, int32_t n,
                                  const ntp__encode *e);

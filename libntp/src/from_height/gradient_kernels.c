@@ -2,13 +2,13 @@
 /*
  * gradient_kernels.c - the loops of heightfield -> normals, compiled once per instruction set
  *
- * Each loop is plain C that vectorises.  tap_sums_tmpl.h and encode_tmpl.h are included once for
- * each type of number.  Their loops do a multiple of NTP__LANES numbers: no loop has a remainder,
- * which would be most of the code.  The tap sums are exact.  The encoding is floating point with a
- * proved bound, and texels that come within it of a rounding boundary are reported.
+ * Each loop is plain C that vectorizes.  tap_sums_tmpl.h and encode_tmpl.h are included once for
+ * each type of number.  Their loops do a multiple of NTP__LANES numbers, so that no loop has a
+ * remainder, which would be most of the code.  The encoding is floating point with a proved bound.
+ * Texels that are within this bound of a rounding boundary are reported.
  *
- * The bound.  u is the unit roundoff (2^-24 or 2^-53); every operation below errs by a factor
- * within 1 +- u, squares of factors are left out.  The slope p = D * c: D may be rounded on
+ * The bound.  u is the unit roundoff (2^-24 or 2^-53).  Every operation below errs by a factor
+ * within 1 +- u; squares of u are left out.  The slope p = D * c: D may be rounded on
  * conversion (1), c is rounded, in double from a rounded N (2), the product (1): 4u.  p*p: 9u.
  * The sum of two such squares: 10u; with 1 added: 11u.  Its root: 5.5u + 1.  (M/2)/L: 7.5u.
  * Times p: 12.5u.  Shortened by min_z: M/2 sqrt(1 - z^2) 4u, the root of the sum of squares 6u,
@@ -16,8 +16,9 @@
  * and its distance to the nearest integer k is exact: floor(v) is right unless that distance is
  * below 17u (|k| + 1/1000).  18u |k| covers it, with the roundings of the test itself; and k = 0 is
  * no boundary in doubt, as the sign is right.  z: 8.5u of v, 2 v + 1/2 less than 18u of it.
- * Nothing overflows or falls below the normal range, as the caller keeps c/N within limits
- * (gradient.c).  Tap sums that are not exact add an absolute bound.
+ * Nothing overflows or falls below the normal range, because the caller keeps c/N within limits
+ * (gradient.c).  Tap sums of int32_t are exact.  Those of doubles may not be; then the caller adds
+ * an absolute bound.
  */
 #include "from_height/gradient.h"
 
@@ -30,7 +31,7 @@
 #  define ALWAYS_INLINE inline
 #endif
 
-/* The taps are constants once a kernel's function is inlined, and those of 0 vanish. */
+/* The taps are constants once the function of a kernel is inlined, and taps of 0 vanish. */
 #define TERM(taps, k, value) ((taps)[k] != 0 ? (taps)[k] * (value) : 0)
 #define NINE(taps, value)                                                                          \
     (TERM(taps, 0, value(0)) + TERM(taps, 1, value(1)) + TERM(taps, 2, value(2)) +                 \
@@ -39,7 +40,7 @@
 #define ROW(k)    rows[k][NTP__MAX_RADIUS + i]
 #define COLUMN(k) line[i + (k)]
 
-/* Tap 1 in the middle and no other: the sums are the numbers themselves. */
+/* The only tap is a 1 in the middle: the sums are the numbers themselves. */
 #define IS_IDENTITY(taps)                                                                          \
     ((taps)[NTP__MAX_RADIUS] == 1 && (taps)[0] == 0 && (taps)[1] == 0 && (taps)[2] == 0 &&         \
      (taps)[3] == 0 && (taps)[5] == 0 && (taps)[6] == 0 && (taps)[7] == 0 && (taps)[8] == 0)
@@ -56,18 +57,18 @@
 #undef NAME
 
 /*
- * Adding and taking away this number rounds a double (float) to the nearest integer; the result
- * of C's default rounding, which no flag here lets the compiler change.
+ * Adding this number and subtracting it again rounds a float (double) to the nearest integer.  This
+ * relies on the default rounding of C, and no flag here lets the compiler change it.
  */
 #define ROUND_F 12582912.0f        /* 1.5 * 2^23 */
 #define ROUND_D 6755399441055744.0 /* 1.5 * 2^52 */
 
 /*
- * Levels of n = v / half in [-1, 1]: floor(v) + zero; in doubt near an integer, where v
- * comes within relative |v| + absolute.  Three short loops, of which a processor has many turns at
- * work at a time, are faster than one with two roots in a row.
+ * The level of n = v / half in [-1, 1] is floor(v) + zero.  It is in doubt where v is within
+ * relative |v| + absolute of an integer.  Three short loops are faster than one with two roots in a
+ * row, because a processor works on many turns of a short loop at a time.
  *
- * The derived blue goes along.  With v = floor(M n / 2) the numerators of red and green are
+ * Blue is derived in the same way.  With v = floor(M n / 2) the numerators of red and green are
  * X = 2 v_x + 1 and Y, and S/4 = (M^2 - X^2 - Y^2)/4 is an exact float (M = 255) or double.  S is
  * 7 mod 8, so 4 k^2 - S is at least 1 and root(S/4) stays 1/(8 M) below any integer k above it, far
  * more than its rounding: floor(root) is right.  For Z-zero, floor(root(S) + 1/2) is as safe:
@@ -105,8 +106,8 @@ static inline bool is_little_endian(void)
     return first == 1;
 }
 
-/* Two pixels of 0..255 a word, of which six bytes are stored over eight: the next store, or the
- * last pixels one by one, put right what lies behind. */
+/* A word of eight bytes holds two pixels in six.  The next store, or the last pixels one by one,
+ * overwrites the two bytes behind them. */
 static void pack_rgb8(uint8_t *dst, const int32_t *red, const int32_t *green, const int32_t *blue,
                       int32_t n)
 {

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * height_rows.c - heights out of pixels, and what lies beyond the borders
+ * height_rows.c - heights from pixels, and what lies beyond the borders
  *
- * Integer heights are numerators over g->range: the sample itself, or a weighted sum, or the
- * numerator of 1 - (1-r)(1-g)(1-b) over M^3.
+ * Integer heights are numerators over g->range.  A numerator is the sample itself, the greatest or
+ * least of three, a weighted sum, or that of 1 - (1-r)(1-g)(1-b) over M^3.
  */
 #include "from_height/gradient.h"
 
@@ -44,7 +44,7 @@ int64_t ntp__height_integer(const ntp__gradient *g, int32_t x, int32_t y)
     return combine_integers(g, s);
 }
 
-/* Height 1 is 1; exact for a source of one sample, max and min; times the sum of weights else. */
+/* The height times g->range, as a double.  It is exact for one sample, max and min. */
 static double combine_floats(const ntp__gradient *g, const float *s)
 {
     double a = (double) s[g->read[0]];
@@ -80,7 +80,8 @@ int32_t ntp__height_level(const ntp__gradient *g, int32_t x, int32_t y, int32_t 
         double c = ntp__height_value(g, x, y) * m + 0.5;
         return c > 0 ? c < m + 1 ? (int32_t) c : m : 0;
     }
-    /* floor(h m / range + 1/2); m and range share the factor m or 257, which keeps it in 64 bits. */
+    /* floor(h m / range + 1/2).  Where m divides range it is divided out, so that 64 bits are
+     * enough. */
     int64_t h = ntp__height_integer(g, x, y), range = g->range, factor = m;
     if (range % factor == 0) {
         range /= factor;
@@ -166,7 +167,7 @@ static void fill_inside(ntp__height_row *row, const ntp__gradient *g, int32_t x,
             break;
         ntp__mapped map = ntp__border_map(g->border_x, i, width);
         int32_t at = i - base;
-        /* Through one element each: the mapped texels may lie far from the block. */
+        /* Each mapped texel is read by itself, because it may lie far from the block. */
         int32_t sum_i = 0;
         double sum_d = 0;
         for (int32_t k = 0; k < map.count; k++) {

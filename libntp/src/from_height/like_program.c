@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * like_program.c - the settings under which other programs make the same picture
+ * like_program.c - the settings that give the same picture as other programs
  *
- * Each program has a kernel of some gain on a ramp; ours have gain 1, so the gain goes into the
- * scale, as a fraction that is rounded once.
+ * The kernels of other programs have some gain on a ramp.  Ours have gain 1, so that gain goes into
+ * the scale, as a fraction that is rounded once.
  */
 #include "from_height/gradient.h"
 
@@ -59,7 +59,7 @@ static double scaled(double value, int32_t gain, int32_t over)
         rest = rest >= divisor ? rest - divisor : rest;
         s.exponent--;
     }
-    /* The last bit is far below those of a double: it stands for all that follow. */
+    /* The last bit is far below those of a double, so it can stand for all bits that follow. */
     ntp__wide wide;
     ntp__wide_set(&wide, quotient | (rest != 0));
     double size = ntp__wide_to_double(&wide, s.exponent);

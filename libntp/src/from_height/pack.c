@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * pack.c - the result of heightfield -> normals on its way into pixels
+ * pack.c - writes the result of heightfield -> normals into pixels
  */
 #include "from_height/gradient.h"
 

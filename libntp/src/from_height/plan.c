@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * plan.c - from the options of heightfield -> normals to numbers, and their checks
+ * plan.c - checks the options of heightfield -> normals and turns them into numbers
  */
 #include "from_height/gradient.h"
 

@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * tap_sums_tmpl.h - a part of gradient_kernels.c, included for each type T of heights; NAME(x) is x
- * with the type's ending
+ * tap_sums_tmpl.h - a part of gradient_kernels.c: tap sums of heights of type T
+ *
+ * NAME(x) is x with the ending of this type.
  */
 
-/* Vertical sums of one term, then horizontal ones; one pass where one of them is the identity. */
+/* The vertical sums of one term, then the horizontal ones.  One pass is enough where one of the two
+ * is the identity. */
 static ALWAYS_INLINE void NAME(add_term)(T *restrict sums, const T *const rows[NTP__MAX_TAPS],
                                          const int32_t *vertical, const int32_t *horizontal,
                                          int32_t radius, bool add, int32_t n)
@@ -19,7 +21,7 @@ static ALWAYS_INLINE void NAME(add_term)(T *restrict sums, const T *const rows[N
     if (IS_IDENTITY(vertical)) {
         line = rows[NTP__MAX_RADIUS];
     } else {
-        /* n + 2 radius of them are wanted. */
+        /* n + 2 radius sums are wanted; NTP__LANES is at least 2 radius. */
         for (int32_t i = -radius; i < n + NTP__LANES - radius; i++)
             summed[NTP__MAX_RADIUS + i] = NINE(vertical, ROW);
     }
