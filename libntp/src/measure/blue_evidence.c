@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * blue_evidence.c - how blue goes with red and green
+ * blue_evidence.c - how blue depends on red and green
  *
- * Standard and Z-zero differ in what blue should be only where a texel is tilted, so the two
- * readings are compared there, and there alone.  The regression of blue on the derived blue tells
- * the two apart also when blue is shifted or scaled, for its slope is 1 or 2.
+ * Standard and Z-zero ask for different blues only where a texel is tilted, so the two readings
+ * are compared on tilted texels alone.  The regression of blue on the blue derived as standard has
+ * slope 1 for standard and 2 for Z-zero.  It tells them apart even if blue is shifted or scaled.
  */
 #include "texel/level.h"
 #include "measure/tally.h"
@@ -22,7 +22,7 @@ static double magnitude(double v)
     return v < 0 ? -v : v;
 }
 
-/* What is the same for all texels whose red and green leave this z. */
+/* What all texels share whose red and green leave the same z. */
 typedef struct blue_row {
     double want[2], gap, n, blue, blue2;
 } blue_row;
@@ -34,7 +34,7 @@ static blue_row row_of(double z)
     return row;
 }
 
-/* `count` texels of the row with this (mean) blue, all at 8 bit. */
+/* Adds `count` texels of the row with this (mean) blue, all at 8 bit. */
 static inline void add_blue(blue_sums *sums, blue_row *row, double blue, double count)
 {
     row->n += count;

@@ -2,8 +2,8 @@
 /*
  * color_counts.c - the cells of a tally: which row is whose, and which rows hold counts
  *
- * There are 8260 rows, with their far cells 9.5 MB.  A small texture has texels in a few of them, so
- * all that looks through the cells goes by the notes in row_seen.
+ * There are 8260 rows, and with their far cells they take 9.5 MB.  A small texture has texels in a
+ * few of them.  So everything that looks through the cells goes by the notes in row_seen.
  */
 #include "texel/kernels.h"
 #include "texel/level.h"
@@ -12,8 +12,8 @@
 
 #include <string.h>
 
-/* The blue of the first near cell: 8 below the derived one, or, so that no near cell is gray and
- * the loops need not look for black and white, above the level that red and green share. */
+/* The blue of the first near cell: 8 below the derived one.  If a near cell would be gray, the
+ * first is above that level instead.  So the loops need not look for black and white among them. */
 static uint32_t first_near(int32_t k1, int32_t k2, int32_t blue)
 {
     int32_t most = 256 - NTP__NEAR, gray = 128 + k1;
@@ -25,7 +25,7 @@ static uint32_t first_near(int32_t k1, int32_t k2, int32_t blue)
 
 enum { K = 128 }; /* magnitudes: |X| = 2k + 1 for k = r - 128 or 127 - r */
 
-/* Row number `row` is that of k1 >= k2, with this derived blue (-1: too long). */
+/* Row number `row` becomes that of k1 >= k2, with this derived blue (-1: too long). */
 static uint32_t define_row(ntp__color_counts *t, uint32_t row, int32_t k1, int32_t k2, int32_t want)
 {
     uint32_t first = first_near(k1, k2, want < 0 ? K : want);
@@ -85,7 +85,7 @@ void ntp__row_cells(uint32_t cells[256], int32_t *first, int32_t *end, const ntp
     memcpy(cells + near, &t->near[row * NTP__NEAR], NTP__NEAR * sizeof cells[0]);
 }
 
-/* Adds to `seen`, which is t's own or a copy, the rows that were not noted. */
+/* Adds the rows that were not noted to `seen`, which is t's own or a copy. */
 static void find_rows(uint8_t seen[NTP__ROWS], const ntp__color_counts *t)
 {
     if (!t->unnoted)

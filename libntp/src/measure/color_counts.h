@@ -2,14 +2,15 @@
 /*
  * color_counts.h - the cells of a tally: how often each color of 8 bit occurs
  *
- * 8-bit texels are not judged one by one.  Each adds one to the cell of (row, blue), where the
- * row stands for {|X|, |Y|}, all that verdicts, lengths and angles depend on.  Two lookups and
- * two increments a texel, and all facts follow exactly, in integers, when the cells are read
- * (summarize.c).  A 16-bit texel of which every level is a multiple of 257 goes to the same
- * cells, for its X and Y are 257 times those of the 8-bit texel.
+ * 8-bit texels are not judged one by one.  Each adds one to the cell of (row, blue).  The row
+ * stands for {|X|, |Y|}: verdicts, lengths and angles depend on nothing else of red and green.  All
+ * facts follow exactly, in integers, when the cells are read (tally.c).  A 16-bit texel of which
+ * every level is a multiple of 257 goes to the same cells, for its X and Y are 257 times those of
+ * the 8-bit texel.
  *
- * Tables of megabytes are slow to look through, so it is noted which parts of them hold counts: of
- * small images for each texel, of large ones, where that would cost more, once at the end.
+ * Tables of megabytes are slow to look through, so row_seen notes which rows hold counts.  In small
+ * images it is set with each texel.  In large ones that would cost more, so it is set once, at the
+ * end.
  */
 #ifndef NTP_COLOR_COUNTS_H
 #define NTP_COLOR_COUNTS_H
@@ -18,14 +19,14 @@
 #include <string.h>
 
 enum {
-    /* Unordered pairs of 128 magnitudes, and a row for each of the four flat pairs, which are
-     * kept apart to tell flat colors. */
+    /* Unordered pairs of 128 magnitudes, and one row for each of the four flat pairs (127 or 128 in
+     * red and in green).  These are kept apart to count flat colors. */
     NTP__FLAT_ROWS = 4,
     NTP__ROWS = 128 * 129 / 2 + NTP__FLAT_ROWS,
 
-    NTP__NEAR = 16,            /* cells about the derived blue of a row: a cache line */
+    NTP__NEAR = 16,            /* cells around the derived blue of a row: a cache line */
     NTP__FAR_CELLS = 256 + 16, /* rows a power of two apart would share few cache sets */
-    NTP__FEW = 4096            /* texels up to which it pays to note the rows of each */
+    NTP__FEW = 4096            /* up to so many texels it pays to note the row of each */
 };
 
 /* Where the cells of a row hold counts. */
@@ -33,22 +34,22 @@ enum { NTP__SEEN_NEAR = 1, NTP__SEEN_FAR = 2 };
 
 typedef struct ntp__color_counts {
     uint32_t rows_ready;
-    uint32_t few;                 /* those being measured are few: their rows are noted */
+    uint32_t few;                 /* few texels are being measured: their rows are noted */
     uint32_t unnoted;             /* some rows with near cells are not in row_seen */
     uint8_t row_seen[NTP__ROWS];  /* NTP__SEEN_* */
     uint32_t row_of[65536];       /* by r | g << 8: see ntp__entry; when rows_ready */
     uint16_t row_pair[NTP__ROWS]; /* of a row seen: some r | g << 8 of it, r, g >= 128 */
-    uint8_t row_first[NTP__ROWS]; /* and the blue of its first near cell */
-    /* The cells of a row: those near its derived blue; the others are in `far`. */
+    uint8_t row_first[NTP__ROWS]; /* the blue of its first near cell */
+    /* The cells of a row near its derived blue; the others are in `far`. */
     uint32_t near[NTP__ROWS * NTP__NEAR];
-    /* What well-formed textures do without: pages that stay untouched. */
+    /* Well-formed textures do not need these, so their pages stay untouched. */
     uint32_t far[NTP__ROWS][NTP__FAR_CELLS];
 } ntp__color_counts;
 
 /* Fills row_of, once. */
 void ntp__rows_prepare(ntp__color_counts *counts);
 
-/* The entry of one pair, without the table. */
+/* The entry of row_of for one pair, worked out without that table. */
 uint32_t ntp__find_row(ntp__color_counts *counts, int32_t r, int32_t g);
 
 /* An entry of row_of: where the cells of its row begin in `near`, and the blue of the first. */
@@ -67,12 +68,12 @@ static inline uint32_t ntp__entry_first(uint32_t entry)
     return entry & 255;
 }
 
-/* The texels of a row that was seen, by blue: cells[*first] to cells[*end - 1]; the others are 0
- * and not set. */
+/* The counts of a row that was seen, by blue: cells[*first] to cells[*end - 1].  The others count
+ * as 0 and are not written. */
 void ntp__row_cells(uint32_t cells[256], int32_t *first, int32_t *end,
                     const ntp__color_counts *counts, int32_t row);
 
-/* The first row from `row` on of which seen[row] is not 0; NTP__ROWS: none. */
+/* The first row from `row` on for which seen[row] is not 0; NTP__ROWS: none. */
 static inline int32_t ntp__next_row(const uint8_t seen[NTP__ROWS], int32_t row)
 {
     uint64_t eight;

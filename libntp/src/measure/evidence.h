@@ -7,7 +7,7 @@
 
 #include "texel/judged.h"
 
-/* How used texels fare when the samples are read as one encoding. */
+/* How well the used texels fit one encoding. */
 typedef struct ntp__fit_evidence {
     double length_mean, length_sd;
     double near_unit[3]; /* share with |length - 1| <= 1/32, 1/16, 1/8 */
@@ -19,25 +19,26 @@ typedef struct ntp__evidence {
     ntp_stats stats;
     ntp__fit_evidence fit[2]; /* standard, Z-zero */
     uint64_t used_z_negative;
-    /* Used texels by steepness: how many, how many are not `rounded` and not `neighbor` as
-     * standard, and the mean of |length - 1|. */
+    /* Used texels by steepness, read as standard: how many there are, how many are not `rounded`,
+     * how many are not `neighbor`, and the mean of |length - 1|. */
     uint64_t steepness[NTP__STEEPNESS_BINS];
     uint64_t steepness_not_rounded[NTP__STEEPNESS_BINS];
     uint64_t steepness_not_neighbor[NTP__STEEPNESS_BINS];
     double steepness_length_error[NTP__STEEPNESS_BINS];
-    /* Used texels of sampled rows, as stats.used_mean; counts are scaled to all used texels. */
+    /* From the used texels of sampled rows, like stats.used_mean.  Counts are scaled to all used
+     * texels. */
     double used_sd[4];
     double correlation[3]; /* r-g, r-b, g-b; 0 where a channel is constant */
-    uint64_t red_low;      /* used texels with r <= (M-1)/2; x negative */
+    uint64_t red_low;      /* used texels with r <= (M-1)/2, so that x is negative */
     uint64_t green_low;
     double gamma_near_unit; /* share of used with |length - 1| <= 1/8 after decoding sRGB */
     double ag_in_disc;      /* share of used whose (alpha, g) as x, y are not too long */
     double block_step[3];   /* mean |step| across columns 8k-1|8k over that elsewhere; 0: none */
-    /* How blue goes with red and green, in 8-bit levels; of 16-bit content by a sample.  A texel is
+    /* How blue depends on red and green, in 8-bit levels; 16-bit content is sampled.  A texel is
      * tilted where x, y are not too long and the blues derived as standard and as Z-zero lie more
      * than a level apart. */
-    uint64_t tilted;       /* used texels, of 16-bit content sampled ones */
-    double tilted_gap;     /* mean distance of these two blues */
+    uint64_t tilted;       /* used texels; of 16-bit content sampled ones */
+    double tilted_gap;     /* mean distance between these two blues */
     double tilted_off[2];  /* mean |blue - derived blue|, at most 32 each; standard, Z-zero */
     double tilted_near[2]; /* share of tilted with at most 3 levels between them */
     double tilted_above;   /* share of tilted with blue more than 4 levels above standard's */
@@ -45,7 +46,7 @@ typedef struct ntp__evidence {
     double blue_correlation;
 } ntp__evidence;
 
-/* Works out all of it.  An empty tally is NTP_ERR_ARGUMENT. */
+/* Works out all evidence.  An empty tally is NTP_ERR_ARGUMENT. */
 ntp_status ntp__gather_evidence(ntp__evidence *evidence, ntp_tally *tally);
 
 #endif

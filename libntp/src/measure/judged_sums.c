@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * judged_sums.c - what one texel, or many of one color, add to the sums of a measurement
+ * judged_sums.c - adds texels of one color, or a block of colors, to the sums of a measurement
  */
 #include "texel/kernels.h"
 #include "texel/level.h"
@@ -139,7 +139,7 @@ static void add_judged(ntp__fit_sums *sums, const ntp__judged_fit *fit, const ui
         sums->length_inverted_min = ~(uint32_t) least;
 }
 
-/* An angle beyond the short series of the kernel. */
+/* An angle that is too large for the short series of the kernel. */
 static uint32_t long_angle(const ntp__judged *j, int32_t i, const ntp__block *block, int32_t m,
                            bool zzero)
 {

@@ -14,30 +14,30 @@ enum {
     NTP__LENGTH_BINS = 256 /* of 1/128 */
 };
 
-/* What judged texels add, read as standard or as Z-zero. */
+/* Sums over judged texels, read as standard or as Z-zero. */
 typedef struct ntp__fit_sums {
     uint32_t flags[NTP__STEEPNESS_BINS * 256]; /* texels by steepness * 256 + flags */
     uint64_t length_error[NTP__STEEPNESS_BINS], length_error2;
     uint64_t length_sum;
     uint32_t length_max, length_inverted_min; /* ~min: zero-filled memory means none yet */
     uint32_t lengths[NTP__LENGTH_BINS];
-    uint32_t levels_off_max; /* of the texels below */
+    uint32_t levels_off_max; /* the greatest index below with a count */
     uint32_t levels_off[65536];
 } ntp__fit_sums;
 
-/* All at one M. */
+/* Sums over texels judged at one M. */
 typedef struct ntp__sums {
     uint64_t texels;
     ntp__fit_sums fit[2]; /* standard, Z-zero */
     ntp__angle_sums angles;
 } ntp__sums;
 
-/* Makes them empty again. */
+/* Makes the sums empty again. */
 void ntp__clear_sums(ntp__sums *sums);
 
 void ntp__merge_sums(ntp__sums *into, const ntp__sums *from);
 
-/* Red and green, judged: what all blues of a row share. */
+/* What all texels of one red and green share, whatever their blue. */
 typedef struct ntp__row {
     int32_t m, r, g;
     int64_t xy2;     /* X*X + Y*Y */
@@ -50,13 +50,13 @@ typedef struct ntp__row {
 
 void ntp__row_init(ntp__row *row, int32_t r, int32_t g, int32_t m);
 
-/* Adds `count` texels of this row and blue.  encoding: what the angle is taken for. */
+/* Adds `count` texels of this row and blue, with angles by this encoding. */
 void ntp__add(ntp__sums *sums, const ntp__row *row, int32_t b, uint32_t count,
               ntp_encoding encoding);
 
 /*
- * Adds count[i] texels (NULL: one each) of the color c[0..2][i], i < n.  Their x, y are not too
- * long.
+ * Adds count[i] texels (NULL: one each) of the color c[0..2][i], i < n.  Their x, y must not be
+ * too long.
  */
 void ntp__add_block(ntp__sums *sums, const ntp__block *block, const uint32_t *count, int32_t n,
                     int32_t m, ntp_encoding encoding);

@@ -14,7 +14,7 @@ size_t ntp_tally_size(void)
     return sizeof(ntp_tally);
 }
 
-/* A run of equal unused colors, so that a transparent background is judged once. */
+/* A run of equal unused colors.  So a transparent background is judged once, not at each texel. */
 typedef struct unused_run {
     int32_t c[3];
     uint32_t count;
@@ -70,7 +70,7 @@ static void add_transparent(ntp_tally *t, unused_run *run, int32_t r, int32_t g,
     run->count++;
 }
 
-/* Counts a gray texel that is black or white and unused; false: it is used. */
+/* Counts a gray texel; true: it is black or white, and unused for that. */
 static inline bool count_black_white(ntp_tally *t, int32_t v, int32_t m)
 {
     t->gray++;
@@ -101,7 +101,7 @@ static inline void count_cell(ntp_tally *t, uint32_t pair, uint32_t b)
         count_far(t, entry, b);
 }
 
-/* The same, and notes the row. */
+/* Counts like count_cell, and notes the row. */
 static void count_noted(ntp_tally *t, int32_t r, int32_t g, int32_t b)
 {
     uint32_t pair = (uint32_t) (r | g << 8);
@@ -131,8 +131,8 @@ static inline bool in_disc8(int32_t a, int32_t b)
     return ntp__rest(a, b, 255) >= 0;
 }
 
-/* Sums and extremes of packed 8-bit RGB, 16 pixels a step; the 48 columns fold to three at the
- * end. */
+/* Sums and extremes of packed 8-bit RGB, 16 texels at a time.  At the end 48 columns become
+ * three channels. */
 static void add_rgb8(ntp_tally *t, const uint8_t *p, int32_t n)
 {
     enum { STEP = 48, STEPS = 256 }; /* 256 bytes add up to less than 2^16 */
@@ -163,7 +163,8 @@ static void add_rgb8(ntp_tally *t, const uint8_t *p, int32_t n)
         add_color(t, p[0], p[1], p[2]);
 }
 
-/* A texel of no near cell: grays are among them.  True: it is black or white and unused. */
+/* Counts a texel outside the near cells, where all grays are.  True: it is black or white, and
+ * unused for that. */
 static bool count_odd(ntp_tally *t, const uint8_t *p)
 {
     if (p[0] == p[1] && p[1] == p[2] && count_black_white(t, p[2], 255))
@@ -172,7 +173,7 @@ static bool count_odd(ntp_tally *t, const uint8_t *p)
     return false;
 }
 
-/* What `ntp check` spends its time on besides decoding: a look-up and a count. */
+/* `ntp check` spends its time here and on decoding files: one look-up, one count. */
 static inline uint64_t count_texel(ntp_tally *t, const uint32_t *row_of, uint32_t *near,
                                    const uint8_t *p)
 {
@@ -226,7 +227,7 @@ static void count_rgba8(ntp_tally *t, const uint8_t *p, int32_t n)
     t->ag_in_disc += ag;
 }
 
-/* High and low byte are equal. */
+/* Is this level one of 8 bit times 257?  Then its two bytes are equal. */
 static inline bool is_narrow(int32_t level)
 {
     return (level >> 8) == (level & 255);
@@ -272,7 +273,8 @@ static void count_too_long(ntp_tally *t, int32_t r, int32_t g, int32_t b)
     ntp__add(&t->wide, &row, b, 1, ntp__judged_as((ntp_encoding) t->encoding));
 }
 
-/* Used 16-bit texels that are not 8-bit content and whose x, y are not too long: c[0..2]. */
+/* Used 16-bit texels, c[0..2] of the block, that are not 8-bit content and whose x, y are not too
+ * long. */
 static void count_wide(ntp_tally *t, const ntp__block *block, int32_t n)
 {
     ntp__add_block(&t->wide, block, NULL, n, 65535, ntp__judged_as((ntp_encoding) t->encoding));
@@ -296,7 +298,7 @@ static void add_planes(ntp_tally *t, const ntp__block *block, int32_t n)
     }
 }
 
-/* A used texel of a block; false: it is of the wide kind and in the disc. */
+/* Counts a used texel of a block; false: it is not counted yet, but one for count_wide. */
 static bool count_used(ntp_tally *t, int32_t r, int32_t g, int32_t b, int32_t a, int32_t m)
 {
     if (t->channels == 4 && a != m) {
@@ -354,7 +356,7 @@ static void count_block(ntp_tally *t, ntp__block *block, int32_t n, int32_t m)
     count_wide(t, block, wide);
 }
 
-/* Pictures and heights: channels are described, nothing is judged. */
+/* Pictures and heights: their channels are described, and nothing is judged. */
 static void count_picture(ntp_tally *t, const ntp__block *block, int32_t n, int32_t m)
 {
     bool alpha = t->channels == 2 || t->channels == 4;
@@ -375,7 +377,7 @@ static void count_picture(ntp_tally *t, const ntp__block *block, int32_t n, int3
     }
 }
 
-/* Looks for a second used color, which ends the search for good in all but one-color images. */
+/* Looks for a second used color.  Only images of one color are searched to the end. */
 static void note_colors(ntp_tally *t, const ntp__block *block, int32_t n, int32_t m)
 {
     for (int32_t i = 0; i < n && t->colors < 2; i++) {
@@ -422,7 +424,7 @@ static void count_row(ntp_tally *t, const ntp_const_image *src, int32_t x0, int3
     ntp__sample_row(t, src, x0, x1, y);
 }
 
-/* Makes the tally one of this kind of image, or tells that it is of another. */
+/* Makes the tally one of this kind of image; an error: it is one of another kind. */
 static ntp_status adopt(ntp_tally *t, const ntp_const_image *src, uint32_t touch, uint64_t texels)
 {
     uint32_t depth = src->type == NTP_TYPE_U8 ? 8 : 16;

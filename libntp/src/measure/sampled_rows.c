@@ -2,14 +2,14 @@
 /*
  * sampled_rows.c - what is measured on some rows only, because it costs more than a count
  *
- * How the channels go together, gamma, and the steps between columns that lossy compression
- * leaves.  All are integer sums, so parts merge exactly.
+ * These are the correlations of channels, signs of gamma, and the steps between columns that lossy
+ * compression leaves.  All of them are integer sums, so parts merge exactly.
  */
 #include "texel/level.h"
 #include "texel/srgb.h"
 #include "measure/tally.h"
 
-/* At least 64 rows, all of a small image, and at most one row in 32 of a large one. */
+/* Samples at least 64 rows, or all of a small image.  In a large image it is one row in 32. */
 static bool is_sampled(const ntp_const_image *src, int32_t y)
 {
     enum { ROWS = 64, SPARSEST = 32 };
@@ -19,7 +19,7 @@ static bool is_sampled(const ntp_const_image *src, int32_t y)
     return y % step == 0;
 }
 
-/* Within 1/8 of length 1 when the levels are decoded from sRGB first. */
+/* Is the length within 1/8 of 1 if the levels are decoded from sRGB first? */
 static bool linear_near_unit(int32_t r, int32_t g, int32_t b)
 {
     enum { M = 65535 };
@@ -100,7 +100,7 @@ void ntp__clear_samples(ntp_tally *t)
 static void add_colors(ntp_tally *t, const ntp__block *block, int32_t first, int32_t n, int32_t m)
 {
     bool picture = t->encoding == NTP_ENCODING_HEIGHT;
-    ntp__samples sum = { 0 }; /* by itself it can stay in registers */
+    ntp__samples sum = { 0 }; /* a local one can stay in registers */
     for (int32_t i = first; i < first + n; i++) {
         int32_t r = block->c[0][i], g = block->c[1][i], b = block->c[2][i], a = block->c[3][i];
         if ((block->any_broken && block->broken[i]) ||
@@ -120,8 +120,8 @@ static void add_colors(ntp_tally *t, const ntp__block *block, int32_t first, int
     add_samples(&t->samples, &sum);
 }
 
-/* Steps between neighboring columns, apart where a block of 8 x 8 would end.  The texel before x0
- * is read where there is one. */
+/* Steps between neighboring columns are summed twice: inside blocks of 8 x 8, and across their
+ * borders.  The texel before x0 is read where there is one. */
 void ntp__sample_row(ntp_tally *t, const ntp_const_image *src, int32_t x0, int32_t x1, int32_t y)
 {
     if (!is_sampled(src, y))

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * summarize.c - the facts that follow from a tally
+ * summarize.c - the facts that follow from a tally: ntp_stats, histograms, the evidence
  */
 #include "measure/tally.h"
 
 #include <math.h>
 #include <string.h>
 
-/* Texels by flags: those that occur. */
+/* How many texels have which flags; combinations that do not occur are left out. */
 typedef struct flag_counts {
     int32_t n;
     uint32_t flags[256];
@@ -75,7 +75,7 @@ static void describe_fit(ntp_fit *out, const ntp_tally *t, int32_t z)
     out->length_mean = share(used->length_sum + unused->length_sum, all) / one;
 }
 
-/* What flags tell. */
+/* Fills in the counts that follow from flags. */
 static void describe_verdicts(ntp_stats *s, const ntp_tally *t)
 {
     flag_counts yes, no;
@@ -104,7 +104,7 @@ static void channel_from(ntp_channel *out, const ntp__channel_sums *sums, uint64
     out->mean = share(sums->sum, texels) / by;
 }
 
-/* Texels of the cells by blue. */
+/* Counts the texels of the cells by blue. */
 static void count_blues(uint64_t count[256], const ntp_tally *t)
 {
     memset(count, 0, 256 * sizeof *count);
@@ -167,7 +167,7 @@ static double correlation_of(const moments *m, int32_t product, int32_t a, int32
     return scale > 1e-12 ? covariance / scale : 0.0;
 }
 
-/* Levels / M, each as often as count says. */
+/* Moments of i / 255, each i taken count[i] times. */
 static moments moments_of_levels(const uint64_t count[256])
 {
     moments m = { 0 };
@@ -196,7 +196,7 @@ static moments moments_of_alpha(const ntp_tally *t)
     return m;
 }
 
-/* What takes more than the sums is known of the sampled rows. */
+/* Moments of the used texels; only sampled rows have them. */
 static moments moments_of_samples(const ntp_tally *t)
 {
     const ntp__samples *all = &t->samples;
@@ -226,7 +226,7 @@ static uint64_t scaled(const ntp_tally *t, uint64_t count)
     return (uint64_t) ((double) count * scale + 0.5);
 }
 
-/* Blue by itself is exact where the cells hold every texel; false: they do not. */
+/* Exact moments of blue, from the cells; false: some used texels are not in the cells. */
 static bool moments_of_blue(moments *blue, const ntp_tally *t)
 {
     uint64_t blues[256];
@@ -254,7 +254,7 @@ static void describe_samples(ntp_stats *s, const ntp_tally *t)
 
 /* ------------------------------------------------------------------------------- colors */
 
-/* Of `size` bytes, a multiple of 8. */
+/* Counts the set bits of `size` bytes, a multiple of 8. */
 static uint64_t bits_set(const uint8_t *bytes, size_t size)
 {
     uint64_t n = 0, word;
@@ -319,7 +319,8 @@ ntp_status ntp_tally_summarize(ntp_stats *s, ntp_tally *t, ntp_encoding encoding
     return NTP_OK;
 }
 
-/* What the tally is summed up as, or will be at once: what does not depend on it may ask so. */
+/* The encoding of the sums that are there, or else that of the tally.  Facts that do not depend on
+ * the encoding ask for this one, and so cause no new sums. */
 static ntp_encoding encoding_at_hand(const ntp_tally *t)
 {
     return t->summed ? (ntp_encoding) t->summed_encoding
@@ -331,7 +332,7 @@ ntp_status ntp_tally_levels_off(uint64_t *counts, size_t size, ntp_tally *tally,
 {
     if (encoding != NTP_ENCODING_STANDARD && encoding != NTP_ENCODING_ZZERO)
         return NTP_ERR_ARGUMENT;
-    /* Levels do not depend on the encoding that angles are taken for. */
+    /* These counts do not depend on the encoding that angles are measured by. */
     if (tally == NULL || tally->depth == 0 || counts == NULL)
         return NTP_ERR_ARGUMENT;
     NTP__TRY(ntp__sum_up(tally, encoding_at_hand(tally)));

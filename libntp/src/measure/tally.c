@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * tally.c - tallies as wholes: merging, emptying, and adding up what the cells stand for
+ * tally.c - merges and empties tallies, and turns their cells into sums
  */
 #include "texel/level.h"
 #include "measure/tally.h"
@@ -108,7 +108,7 @@ static void end_batch(ntp_tally *t, color_batch *batch, int32_t m, ntp_encoding 
     batch->n = 0;
 }
 
-/* The cells of one row. */
+/* Adds the cells of one row. */
 static void add_row(ntp_tally *t, color_batch *batch, int32_t row, int32_t m, ntp_encoding encoding)
 {
     uint32_t cells[256];

@@ -2,8 +2,18 @@
 /*
  * tally.h - what a measurement keeps
  *
- * Colors of 8 bit are counted (color_counts.h) and judged when the facts are asked for; others are
- * judged at once and added to `wide`.
+ * This room walks over texels once and keeps counts and sums in a tally; facts follow from them.
+ * Colors of 8 bit are only counted on the way, and judged when the facts are asked for.  Other
+ * colors are judged at once and added to `wide`.
+ *   measure.c        the pass over the texels
+ *   color_counts.h   how often each color of 8 bit occurs: the cells
+ *   judged_sums.h    what judged texels add up to: verdicts, lengths, angles
+ *   sampled_rows.c   what costs more than a count, and is measured on some rows only
+ *   tally.c          merges and empties tallies, and turns cells into sums
+ *   summarize.c      from the sums to ntp_stats, which users read, and to the evidence
+ *   evidence.h       what classify/ asks beyond ntp_stats
+ *   blue_evidence.c  the part of it that compares blue with red and green
+ *   merge.h          adds counts, and takes greater values
  */
 #ifndef NTP_TALLY_H
 #define NTP_TALLY_H
@@ -25,7 +35,7 @@ typedef struct ntp__channel_sums {
     uint32_t max, inverted_min;
 } ntp__channel_sums;
 
-/* Used texels of sampled rows, at 8 bit. */
+/* Sums over the used texels of sampled rows, rounded to 8 bit. */
 typedef struct ntp__samples {
     uint64_t n, sum[3], square[3], product[3]; /* products: r g, r b, g b */
     uint64_t red_low, green_low;               /* below 128 */
@@ -40,33 +50,32 @@ struct ntp_tally {
     uint64_t ag_in_disc;
     uint64_t block_steps[3][2], block_count[2]; /* [channel][0 within a block, 1 across] */
     uint32_t alpha[256];                        /* every texel; 16 bit rounded to 8 */
-    ntp__channel_sums alpha_levels;             /* 16 bit only, as wide_alpha_ends */
+    ntp__channel_sums alpha_levels;             /* of 16 bit only, like wide_alpha_ends */
     uint64_t wide_alpha_ends[2];                /* alpha 0, alpha M */
 
     ntp__samples samples;
 
     /* Every finite texel. */
     ntp__channel_sums channel[3];
-    /* Different used colors, counted up to 2, and the first. */
+    /* The number of different used colors, 2 standing for more, and the first color. */
     uint32_t colors, color[3];
-    uint64_t wide_flat, narrow;       /* of used texels; narrow: those of the cells */
-    uint32_t summed, summed_encoding; /* whether `used` and `unused` are of now, and for what */
+    uint64_t wide_flat, narrow;       /* used texels: flat ones of 16 bit; those in the cells */
+    uint32_t summed, summed_encoding; /* are `used` and `unused` up to date, and angles for what? */
 
     ntp__color_counts cells; /* used texels only */
-    /* What ntp_tally_summarize works out of the cells and the above, kept until the tally
-     * changes. */
+    /* ntp_tally_summarize makes these from all the rest.  They are kept until the tally changes. */
     ntp__sums used, unused;
 
-    /* From here on, what well-formed textures of 8 bit do without: pages that stay untouched. */
+    /* Well-formed textures of 8 bit need nothing from here on, so these pages stay untouched. */
     uint8_t wide_flat_seen[4 * 8192]; /* a bit for each blue of the four flat pairs */
     ntp__sums wide;
     uint8_t pair_seen[65536 / NTP__PAIR_GROUP];
     uint32_t pair_texels[65536]; /* of sampled rows, by r | g << 8 rounded to 8 bit */
-    uint64_t pair_blue[65536];   /* and the sum of their blues */
+    uint64_t pair_blue[65536];   /* the sums of their blues */
     ntp__sums transparent_wide, transparent_narrow; /* judged at 16 and at 8 bit */
 };
 
-/* Adds row y's texels x0 <= x < x1 to the samples, when it is one of those sampled
+/* Adds the texels x0 <= x < x1 of row y to the samples if the row is a sampled one
  * (sampled_rows.c). */
 void ntp__sample_row(ntp_tally *tally, const ntp_const_image *src, int32_t x0, int32_t x1,
                      int32_t y);
@@ -75,20 +84,20 @@ void ntp__merge_samples(ntp_tally *into, const ntp_tally *from);
 
 void ntp__clear_samples(ntp_tally *tally);
 
-/* Fills tally->used and tally->unused, with angles by this encoding.  Errors as
+/* Fills tally->used and tally->unused, with angles by this encoding.  The errors are those of
  * ntp_tally_summarize. */
 ntp_status ntp__sum_up(ntp_tally *tally, ntp_encoding encoding);
 
-/* Fills in how blue goes with red and green (blue_evidence.c). */
+/* Fills in how blue depends on red and green (blue_evidence.c). */
 void ntp__describe_blue(ntp__evidence *evidence, const ntp_tally *tally);
 
-/* M that the texels are judged at. */
+/* The M that texels are judged at. */
 static inline int32_t ntp__tally_max(const ntp_tally *t)
 {
     return t->depth == 8 || !t->is_wide ? 255 : 65535;
 }
 
-/* Encoding by which angles are taken: vectors and pictures count as standard. */
+/* The encoding that angles are measured by: vectors and pictures count as standard. */
 static inline ntp_encoding ntp__judged_as(ntp_encoding encoding)
 {
     return encoding == NTP_ENCODING_ZZERO || encoding == NTP_ENCODING_XY ? encoding
