@@ -1,19 +1,18 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * choose_method.c - which way of cleaning a texture's errors speak for
+ * choose_method.c - how to clean a texture, judged by its errors
  *
  * Where blue alone is wrong, red and green are still right, and blue is derived from them.  Where
- * all three channels err, as after compression or filtering, the direction of the whole vector is
- * the best that is left, and it is normalized.  The two differ in how the error of the length goes
- * with steepness: an error of z weighs z in the length, so it fades where texels are steep, while
- * errors of x and y do not.
+ * all three channels are off, as after compression or filtering, the direction of the whole vector
+ * is the best that is left, and it is normalized.  The length tells the two apart.  An error of z
+ * counts in the length by a factor of z, so it fades where texels are steep.  Errors of x and y do
+ * not.
  */
 #include "classify/question.h"
 #include "classify/thresholds.h"
 #include "base/view.h"
 
-/* Steep over shallow length error; 0 where it cannot be told.  Where lengths are off by a factor
- * the steepest and the flattest bin that hold texels do. */
+/* The length error of steep texels over that of shallow ones; 0: it cannot be told. */
 static double steep_over_shallow(const ntp__evidence *e, double used)
 {
     double few = STEEP_LEAST * used;
@@ -24,8 +23,9 @@ static double steep_over_shallow(const ntp__evidence *e, double used)
     return enough && shallow > 0 ? steep / shallow : 0;
 }
 
-/* All texels are short by one factor: of the vector, or of z?  The error in the steepest bin over
- * that in the flattest is 1, or the ratio of their z squared. */
+/* All texels are short by one factor: of the vector, or of z?  The steepest and the flattest bin
+ * that hold enough texels tell.  The error in the one over that in the other is 1 for the vector,
+ * and for z it is the ratio of their z squared. */
 static ntp_clean_method method_of_factor(const ntp__evidence *e, double used, ntp_reason *why)
 {
     int32_t flat = -1, steep = -1;

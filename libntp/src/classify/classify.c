@@ -1,11 +1,16 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * classify.c - what a texture is, from its statistics
+ * classify.c - what a texture is, from the evidence of its tally
  *
- * A short list of questions, the most telling first; the first that can be answered decides.
- * Everything rests on shares of texels, hardly anything on extremes, so that padding, a few bad
- * texels or lossy compression do not turn the answer.  docs/classification.md tells the same in
- * words.
+ * This room decides what a texture is, what went wrong with it (accidents), and how to clean it.
+ *   classify.c       the rules about classes and accidents, in the order in which they are asked
+ *   thresholds.h     every threshold, with its reason
+ *   question.h       what the rules read: shares of texels, and sums of the evidence (question.c)
+ *   choose_method.c  the way to clean it: keep, derive or normalize
+ *   reason_text.c    names of classes, and reasons as English clauses
+ * The rules are a short list of questions, the most telling first.  The first that can be answered
+ * decides.  The rules use shares of texels and hardly any extremes, so padding, a few bad texels or
+ * lossy compression do not change the answer.  docs/classification.md tells the same in words.
  */
 #include "classify/question.h"
 #include "classify/thresholds.h"
@@ -48,7 +53,7 @@ static void prepare(question *q)
 
 /* ------------------------------------------------------------------------- the questions */
 
-/* DXT5nm: alpha and green are balanced, and red and blue hold nothing of their own. */
+/* DXT5nm: alpha and green lie around the middle, and red and blue hold nothing of their own. */
 static bool is_dxt5nm(question *q)
 {
     const ntp_stats *s = q->s;
@@ -58,7 +63,7 @@ static bool is_dxt5nm(question *q)
                 off_middle(s->used_mean[0]) > IDLE_OFF_MIDDLE;
     double ends = (double) (s->alpha_zero + s->alpha_full) / (double) s->texels;
     bool still = e->used_sd[1] < CONSTANT_DEVIATION && e->used_sd[3] < CONSTANT_DEVIATION;
-    /* Without alpha ag_in_disc is 0. */
+    /* Without alpha, ag_in_disc is 0. */
     if ((!gray && !idle) || still || ends > ALPHA_ENDS_MOST ||
         off_middle(s->used_mean[3]) > MIDDLE || off_middle(s->used_mean[1]) > MIDDLE ||
         e->ag_in_disc < 1 - TOO_LONG_SHARE)
@@ -77,7 +82,8 @@ static bool is_one_color(question *q)
     return is(q, NTP_CLASS_ONE_COLOR, 1);
 }
 
-/* Gray; and what was measured as NTP_ENCODING_HEIGHT, of which only the channels are known. */
+/* Gray images, and whatever was measured as NTP_ENCODING_HEIGHT: of that only the channels are
+ * known. */
 static bool is_height(question *q)
 {
     const ntp_stats *s = q->s;
@@ -144,14 +150,14 @@ static bool is_swapped(question *q)
     return is(q, NTP_CLASS_STANDARD, sure ? SWAPPED_SURE : SWAPPED_LOOSE_SURE);
 }
 
-/* Enough texels steeper than 1/8 to tell anything? */
+/* Are enough texels steeper than 1/8 to tell anything? */
 static bool has_slopes(const question *q)
 {
     return ntp__count_bins(q->e, 1, NTP__STEEPNESS_BINS) >=
            most(SLOPING_TEXELS_LEAST, TILTED_LEAST * q->used);
 }
 
-/* Do blue and the derived blue keep to a line of this slope, and on enough slopes to tell? */
+/* Do blue and the derived blue keep to a line of this slope, and do enough texels slope to tell? */
 static bool follows_as(const question *q, double slope, double correlation, double off)
 {
     double sign = slope < 0 ? -1 : 1;
@@ -159,7 +165,7 @@ static bool follows_as(const question *q, double slope, double correlation, doub
            distance(q->e->blue_slope, slope) < off;
 }
 
-/* Blue as 0..1?  Nine of ten textures are not, so that it takes more than a better fit. */
+/* Is blue stored as 0..1?  Nine of ten textures are not, so it takes more than a better fit. */
 static bool prefers_zzero(const question *q)
 {
     const ntp__evidence *e = q->e;
@@ -179,7 +185,7 @@ static bool prefers_zzero(const question *q)
            (e->tilted_gap > ZZERO_WIDE_GAP || e->blue_correlation > ZZERO_GENTLE_FOLLOWS);
 }
 
-/* Share of the texels that are steeper than 1/2. */
+/* The share of texels that are steeper than 1/2. */
 static double steep_share(const question *q)
 {
     return ntp__count_bins(q->e, NTP__STEEPNESS_BINS / 2, NTP__STEEPNESS_BINS) / q->used;
@@ -233,9 +239,9 @@ static void note_damage(question *q, bool zzero)
 }
 
 /*
- * Share of the tilted texels that fit; 1 where none are tilted, so that nothing speaks against it.
- * tilted_near takes z for positive; for a flipped one the texels steeper than 1/8 are asked, and there
- * have to be some.
+ * The share of tilted texels that fit; 1 where none are tilted, as then nothing speaks against it.
+ * tilted_near takes z for positive.  If z is flipped, the texels steeper than 1/8 are asked
+ * instead, and there have to be some.
  */
 static double fit_on_slopes(const question *q, bool zzero, bool flipped)
 {
@@ -248,7 +254,7 @@ static double fit_on_slopes(const question *q, bool zzero, bool flipped)
     return sloping > TILTED_LEAST * q->used ? 1 - wrong / sloping : 0;
 }
 
-/* Lengths are off, but as damage puts them off: how sure; 0: no. */
+/* How sure it is that lengths are off by no more than damage makes them; 0: they are not. */
 static double fits_loosely(const question *q, bool zzero, double follows)
 {
     const ntp__fit_evidence *fit = &q->e->fit[zzero];
@@ -264,13 +270,13 @@ static double fits_loosely(const question *q, bool zzero, double follows)
     return blend(SPREAD_SURE, NEAR_SURE, (spread_most - fit->length_sd) / SPREAD_MOST);
 }
 
-/* Does blue go up and down with z, by as much? */
+/* Does blue rise and fall with z, by as much? */
 static bool follows_z(const question *q, bool flipped, double correlation)
 {
     return follows_as(q, flipped ? -1 : 1, correlation, Z_SLOPE_OFF);
 }
 
-/* Do lengths keep close together, on slopes as well, where blue goes with z at all? */
+/* Does blue rise and fall with z at all, and are lengths close together, on slopes as well? */
 static bool keeps_length(const question *q, double follows)
 {
     return has_slopes(q) && follows > BLUE_FOLLOWS && q->e->fit[0].length_sd < KEPT_SPREAD &&
@@ -332,7 +338,7 @@ static bool is_normals(question *q)
     return true;
 }
 
-/* Normals beside much padding: only the tilted texels are asked. */
+/* Normals with much padding: only the tilted texels are asked. */
 static bool is_padded(question *q)
 {
     const ntp__evidence *e = q->e;
@@ -352,7 +358,7 @@ static bool is_padded(question *q)
                     (e->tilted_near[zzero] - PADDED_NEAR) / PADDED_RANGE));
 }
 
-/* Standard after compression that left blue little of its own: all three channels go together. */
+/* Standard after compression that left blue little of its own: all three channels correlate. */
 static bool is_compressed(question *q)
 {
     const ntp_stats *s = q->s;
@@ -368,7 +374,7 @@ static bool is_compressed(question *q)
     return is(q, NTP_CLASS_STANDARD, COMPRESSED_SURE);
 }
 
-/* What varies in a picture is brightness, in all its channels, and seldom about the middle. */
+/* What varies in a picture is brightness: in all channels alike, and seldom around the middle. */
 static bool is_bright_and_dark(const question *q)
 {
     double alike = 0;

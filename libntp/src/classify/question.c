@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * question.c - sums of the evidence that several rules ask for
+ * question.c - sums over the evidence that several rules ask for
  */
 #include "classify/question.h"
 #include "classify/thresholds.h"

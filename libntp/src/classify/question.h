@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * question.h - what the rules of the classification are made of
+ * question.h - what the rules of the classification read
  */
 #ifndef NTP_QUESTION_H
 #define NTP_QUESTION_H
@@ -39,28 +39,28 @@ static inline double blend(double low, double high, double t)
     return t <= 0 ? low : t >= 1 ? high : low + (high - low) * t;
 }
 
-/* How far the mean of a channel lies from that of a channel that holds x or y. */
+/* How far the mean of a channel lies from the middle, where that of x or y lies. */
 static inline double off_middle(double mean)
 {
     return distance(mean, 0.5);
 }
 
-/* Share of the texels on the rarer side. */
+/* The share of texels on the rarer side. */
 static inline double rarer(double share)
 {
     return share < 0.5 ? share : 1 - share;
 }
 
-/* Texels in bins of steepness. */
+/* The number of texels in these bins of steepness. */
 double ntp__count_bins(const ntp__evidence *e, int32_t first_bin, int32_t end_bin);
 
 /* Their mean length error, read as standard; 0 where there are none. */
 double ntp__length_error(const ntp__evidence *e, int32_t first_bin, int32_t end_bin);
 
-/* Do two channels keep to a line?  By the variances along and across its direction. */
+/* Do two channels keep to a line?  The variances along and across its direction tell. */
 bool ntp__keep_to_a_line(const ntp__evidence *e, int32_t first, int32_t second);
 
-/* The second greatest of the three steps at block borders. */
+/* The second greatest of the steps at block borders, of three channels. */
 double ntp__block_step(const ntp__evidence *e);
 
 #endif

@@ -2,8 +2,8 @@
 /*
  * reason_text.c - the names of classes, and reasons as English clauses
  *
- * A reason is a template and a number.  Numbers are formatted here, because snprintf's depend on
- * the locale: '%' stands for the number as a percentage, '#' for it with two decimals.
+ * A reason is a template and a number: '%' stands for the number as a percentage, '#' for the
+ * number with two decimals.  Numbers are formatted here because snprintf depends on the locale.
  */
 #include "base/view.h"
 
@@ -69,7 +69,8 @@ static void put(buffer *b, char c)
     b->length++;
 }
 
-/* value, rounded to `decimals` (0 to 2) places; what is no sensible number counts as the limit. */
+/* Puts value, rounded to `decimals` (0 to 2) places.  NaN and values beyond the limit are put as
+ * the limit. */
 static void put_number(buffer *b, double value, int32_t decimals)
 {
     const double limit = 1e9;
@@ -92,7 +93,7 @@ static void put_number(buffer *b, double value, int32_t decimals)
         put(b, (char) ('0' + rest / divisor % 10));
 }
 
-/* A share in percent; one that is neither none nor all does not read as such. */
+/* Puts a share in percent.  A share between none and all never reads as "0 %" or "100 %". */
 static void put_percent(buffer *b, double share)
 {
     double percent = 100 * share;
