@@ -2,10 +2,10 @@
 /*
  * find_border.c - which border the normals at the edges of a texture were made with
  *
- * The heights were found without regard to the slopes at the edges, so these can be asked: each
- * border makes normals of the heights there, and the one that gives back the stored ones is told.
- * Lines along an edge are taken in stretches; columns are the rows of the picture turned about
- * its diagonal.
+ * The heights were found without regard to the slopes at the edges, so these slopes can tell.  Each
+ * border makes normals from the heights there, and the one that gives back the stored normals is
+ * the answer.  Lines along an edge are taken in stretches.  Columns are the rows of the transposed
+ * picture.
  */
 #include "texel/unused.h"
 #include "stencil/taps.h"
@@ -21,21 +21,21 @@ enum {
     LEAST_SIDE = 16
 };
 
-/* Levels of 8 bit by which normals of the right border may be off, rms. */
+/* Normals of the right border may be off by so many levels of 8 bit, as a root mean square. */
 static const double most_error = 3;
-/* What fits nearly as well as the best is as good. */
+/* A border that fits nearly as well as the best one is as good. */
 static const double nearly = 1.25, nearly_levels = 0.05;
-/* Noise at the edges does not speak against what tiles. */
+/* Noise at the edges does not rule out a texture that tiles. */
 static const double much_worse = 1.5;
 
-/* Two opposite edges; rows of the turned views run along them. */
+/* Two opposite edges.  Rows of the turned views run along them. */
 typedef struct edges {
     const ntp_const_image *src;
     ntp_const_image turned, heights;
     ntp_normals_options how;
     uint32_t touch;
-    bool down;   /* upper and lower: nothing is turned */
-    float drift; /* of the heights from the one edge to the other */
+    bool down;   /* they are the upper and the lower edge: nothing is turned */
+    float drift; /* of the heights from one edge to the other */
 } edges;
 
 static ntp_const_image turn(const ntp_const_image *view, bool down)
@@ -48,7 +48,7 @@ static double height_at(const edges *e, int32_t line, int32_t i)
     return (double) *(const float *) ntp__at(&e->heights, i, line);
 }
 
-/* The mean step across the seam less the mean of the steps beside it. */
+/* The mean step across the seam, less the mean of the steps beside it. */
 static double find_drift(const edges *e)
 {
     double sum = 0;
@@ -69,8 +69,8 @@ typedef struct stretch {
     ntp__block made, stored;
 } stretch;
 
-/* Lines at the first edge or the last one, from texel `first` on; wrapped: the last lines and the
- * first ones beside each other, what all of them have drifted taken out. */
+/* Copies lines at the first edge or the last one, from texel `first` on.  wrapped: the last lines
+ * and then the first ones, less the drift. */
 static void copy_heights(stretch *s, const edges *e, bool wrapped, bool last, int32_t first,
                          int32_t n)
 {
@@ -86,7 +86,7 @@ static void copy_heights(stretch *s, const edges *e, bool wrapped, bool last, in
     }
 }
 
-/* Makes normals of line `at` of a stretch of n texels, but for the halos, and unpacks them. */
+/* Makes normals of line `at` of a stretch of n texels, without the halos, and unpacks them. */
 static ntp_status make_normals(stretch *s, const edges *e, ntp_border border, int32_t at, int32_t n)
 {
     const ntp_const_image *src = e->src;
@@ -128,7 +128,7 @@ static void compare(squares *total, stretch *s, const edges *e, int32_t line, in
     }
 }
 
-/* The rms error of both edges in levels of 8 bit; negative: cannot be told. */
+/* The root mean square error of both edges, in levels of 8 bit; negative: it cannot be told. */
 static double error_of(const edges *e, ntp_border border)
 {
     stretch s;
@@ -138,7 +138,7 @@ static double error_of(const edges *e, ntp_border border)
     for (int32_t end = 0; end < 2; end++) {
         bool last = end == 1;
         int32_t at = wrapped ? STRIP / 2 - end : last ? STRIP - 1 : 0;
-        /* Texels at the ends have borders of the other axis too. */
+        /* Texels at the ends depend on the border of the other axis too. */
         for (int32_t i = HALO; i < length - HALO; i += STRETCH) {
             int32_t n = length - HALO - i < STRETCH ? length - HALO - i : STRETCH;
             copy_heights(&s, e, wrapped, last, i - HALO, n + 2 * HALO);
@@ -157,7 +157,8 @@ ntp_border ntp_free_border(ntp_kernel kernel)
     return kernel == NTP_KERNEL_FORWARD ? NTP_BORDER_CLAMP : NTP_BORDER_MIRROR;
 }
 
-/* What fits, and first of all what the whole texture speaks for. */
+/* Chooses the border that fits; of those that fit alike, the one that the whole texture
+ * suggests. */
 static void choose(ntp_border_fit *fit, bool wraps, ntp_kernel kernel)
 {
     const double *error = fit->error;
@@ -206,7 +207,7 @@ ntp_status ntp_find_border(ntp_border_fit *fit, const ntp_const_image *src,
                 .how = { .scale = 1, .dx = how->dx, .dy = how->dy, .kernel = how->kernel },
                 .touch = how->touch_unused,
                 .down = down != 0 };
-    if (src->encoding == NTP_ENCODING_VECTOR) /* of any length, so that (2, 2, 2) is no padding */
+    if (src->encoding == NTP_ENCODING_VECTOR) /* of any length, so (2, 2, 2) is no padding */
         e.touch |= NTP_UNUSED_BLACK | NTP_UNUSED_WHITE;
     for (int32_t b = 0; b < NTP_BORDERS; b++)
         fit->error[b] = -1;

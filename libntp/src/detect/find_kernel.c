@@ -3,9 +3,9 @@
  * find_kernel.c - which kernel made these normals
  *
  * A kernel takes slopes p = (D across)(S down) h and q = (S across)(D down) h, with D a difference
- * and S a mean along one axis.  So (S across)(D down) p = (D across)(S down) q wherever p and q are
- * of that kernel, but for what rounding did; and what it can do is known.  Each kernel is tried on
- * points of sampled rows, and the square of the difference is compared with its expectation.
+ * and S a mean along one axis.  So (S across)(D down) p = (D across)(S down) q if p and q come from
+ * that kernel.  Rounding puts the two sides apart, by a variance that is known.  Each kernel is
+ * tried on points of sampled rows, and the square of the difference is compared with that variance.
  */
 #include "base/view.h"
 #include "texel/level.h"
@@ -20,12 +20,12 @@ enum {
     POINTS = WIDE - 2 * REACH, /* of a stretch */
     MOST_ROWS = 1024,
     MOST_COLUMNS = 256,
-    ENOUGH_POINTS = 1 << 14, /* the mean of so many squares is sure to a few hundredths */
+    ENOUGH_POINTS = 1 << 14, /* the mean of so many squares is right to a few percent */
     CANDIDATES = 7
 };
 
-/* Sobel 5 x 5 is Sobel 3 x 3 of a blurred heightfield, so that nothing tells the two apart; the old
- * plug-in's kernels are not a product of D and S. */
+/* Sobel 5 x 5 is Sobel 3 x 3 of a blurred heightfield, so nothing tells the two apart.  The kernels
+ * of the old plug-in are no products of D and S. */
 static const struct candidate {
     ntp_kernel kernel;
     float difference[TAPS], mean[TAPS];
@@ -42,28 +42,31 @@ static const struct candidate {
     { NTP_KERNEL_PREWITT5,
       { 0, -0.1F, -0.2F, 0, 0.2F, 0.1F, 0 },
       { 0, 0.2F, 0.2F, 0.2F, 0.2F, 0.2F, 0 } },
-    /* the derivative of what seven texels sample */
+    /* the derivative of a smooth surface, from samples at seven texels */
     { NTP_KERNEL_BAKED,
       { -1 / 60.0F, 9 / 60.0F, -45 / 60.0F, 0, 45 / 60.0F, -9 / 60.0F, 1 / 60.0F },
       { 0, 0, 0, 1, 0, 0, 0 } },
 };
 
-/* Central differences of heights blurred by a binomial: is there anything to see? */
+/* Central differences of heights that a binomial has blurred show whether there is anything to
+ * see. */
 static const float SEEN_DIFFERENCE[TAPS] = { -1 / 32.0F, -4 / 32.0F, -5 / 32.0F, 0,
                                              5 / 32.0F,  4 / 32.0F,  1 / 32.0F };
 static const float SEEN_MEAN[TAPS] = {
     0, 1 / 16.0F, 4 / 16.0F, 6 / 16.0F, 4 / 16.0F, 1 / 16.0F, 0
 };
 
-/* Squares beyond so many times the expected one count less: a few scratches do not decide. */
+/* Squares count less the larger they are, and never more than so many times the expected one.  So a
+ * few scratches do not decide. */
 static const float LARGE_SQUARE = 100;
-/* A misfit of 1 is that of rounding alone.  A claim asks for no more than this, and no less: there
- * the levels are so few that rounding is no noise. */
+/* A misfit of 1 is that of rounding alone.  A kernel is decided only between these two.  Below the
+ * least one, so few levels occur that rounding is no noise. */
 static const double MOST_MISFIT = 1.2, LEAST_MISFIT = 0.85;
-/* How much worse every other kernel must fit.  Slopes of a smooth surface fit nearly as well what a
- * wide kernel made, so that `baked` has to be clearer. */
+/* Every other kernel must fit worse by this factor.  `baked` fits slopes that a wide kernel made
+ * nearly as well as the kernel itself, so it has to be clearer. */
 static const double CLEARLY = 1.15, CLEARLY_BAKED = 1.5;
-/* Central is taken unless another fits better by this factor, and not too badly itself. */
+/* The answer is central unless another kernel fits better by this factor, and not too badly
+ * itself. */
 static const double BETTER = 1.15, USABLE_MISFIT = 4;
 static const uint64_t LEAST_POINTS = 200;
 
@@ -79,7 +82,7 @@ typedef struct sums {
     uint64_t points;
 } sums;
 
-/* Slopes from red and green, of which the noise of n.z is a function as well. */
+/* Slopes from red and green, and the variance of their rounding errors. */
 static void to_slopes(rows *at, int32_t k, const ntp__block *b, const ntp_const_image *src,
                       uint32_t touch, int32_t n)
 {
@@ -149,7 +152,7 @@ static void squared(float out[TAPS], const float taps[TAPS])
         out[k] = taps[k] * taps[k];
 }
 
-/* The points worth a look: where both mixed differences are more than a level. */
+/* Finds the points that can tell: where both mixed differences are more than a level. */
 static int32_t find_points(uint8_t worth[POINTS], rows *at, float level, int32_t n)
 {
     float line[WIDE], u[POINTS] = { 0 }, v[POINTS] = { 0 };
@@ -192,7 +195,7 @@ static void try_candidate(double *sum, const struct candidate *c, rows *at,
         *sum += (double) (worth[i] ? e[i] : 0);
 }
 
-/* The points x..x + n - 1 of row y. */
+/* Adds the points x..x + n - 1 of row y. */
 static void add_stretch(sums *s, const ntp_const_image *src, uint32_t touch, int32_t x, int32_t y,
                         int32_t n)
 {
@@ -211,13 +214,13 @@ static void add_stretch(sums *s, const ntp_const_image *src, uint32_t touch, int
         try_candidate(&s->square[i], &CANDIDATE[i], &at, worth, n);
 }
 
-/* A step that visits all of `count` rows, each far from the last: near the golden section. */
+/* A step near the golden section of `count`.  It visits all rows, each far from the last. */
 static int32_t scattering_step(int32_t count)
 {
     int32_t step = (int32_t) ((int64_t) count * 40503 / 65536);
     for (;; step++) {
         int32_t a = count, b = step;
-        while (b > 0) { /* Euclid: the two are to have no divisor in common */
+        while (b > 0) { /* Euclid: the two must have no common divisor */
             int32_t rest = a % b;
             a = b;
             b = rest;
@@ -227,8 +230,8 @@ static int32_t scattering_step(int32_t count)
     }
 }
 
-/* Of up to MOST_ROWS rows, until there are enough points; of wide ones MOST_COLUMNS columns, that
- * begin elsewhere in each. */
+/* Adds points of up to MOST_ROWS rows, until there are enough.  Of a wide row it takes MOST_COLUMNS
+ * columns, which begin at another place in each row. */
 static void add_rows(sums *s, const ntp_const_image *src, uint32_t touch)
 {
     int32_t across_all = src->width - 2 * EDGE, down_all = src->height - 2 * EDGE;
@@ -239,14 +242,14 @@ static void add_rows(sums *s, const ntp_const_image *src, uint32_t touch)
     for (int32_t k = 0, i = 0; k < count && s->points < ENOUGH_POINTS;
          k++, i = (i + step) % count) {
         int32_t y = EDGE + (int32_t) ((int64_t) i * down_all / count);
-        /* the golden section of the room there is */
+        /* multiples of the golden section scatter the beginnings */
         int32_t x = EDGE + (int32_t) ((int64_t) i * 40503 % 65536 * (across_all - columns) / 65536);
         for (int32_t c = 0; c < columns; c += POINTS)
             add_stretch(s, src, touch, x + c, y, columns - c < POINTS ? columns - c : POINTS);
     }
 }
 
-/* The candidate that fits best, `but` left out. */
+/* The candidate that fits best, other than `but`. */
 static int32_t best_of(const double misfit[CANDIDATES], int32_t but)
 {
     int32_t best = but == 0 ? 1 : 0;
@@ -282,7 +285,7 @@ ntp_status ntp_find_kernel(ntp_kernel_fit *fit, const ntp_const_image *src, uint
         fit->kernel = CANDIDATE[best].kernel;
     bool fits = misfit[best] <= MOST_MISFIT && misfit[best] >= LEAST_MISFIT;
     double clearly = best == last ? CLEARLY_BAKED : CLEARLY;
-    if (next == last && best != last) { /* baked is near every kernel where little is to be seen */
+    if (next == last && best != last) { /* on smooth surfaces baked is near every kernel */
         double rest[CANDIDATES];
         memcpy(rest, misfit, sizeof rest);
         rest[last] = misfit[best] * 1e9;

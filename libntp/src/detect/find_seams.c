@@ -2,10 +2,10 @@
 /*
  * find_seams.c - does a texture tile?
  *
- * Two questions for each axis.  Closure: the slopes along a row add up to the height at its end
- * over that at its beginning; in a texture that tiles they add up to 0, up to rounding, whose size is
- * known.  Jump: the step from the last texel to the first is to be like the steps inside.  Sampled
- * rows are asked, and columns as the rows of the image turned about its diagonal.
+ * There are two questions for each axis.  Closure: the slopes along a row add up to the height at
+ * its end less that at its beginning.  In a texture that tiles this is 0 up to rounding, whose size
+ * is known.  Jump: the step from the last texel to the first has to be like the steps inside.
+ * Sampled rows are asked.  Columns are the rows of the transposed image.
  */
 #include "base/view.h"
 #include "texel/level.h"
@@ -14,32 +14,33 @@
 
 enum {
     MOST_LINES = 128,
-    LEAST_TEXELS = 16 /* along a line, and lines across */
+    LEAST_TEXELS = 16 /* of a line; and the least number of lines */
 };
 
 /* Closure as a share of the height differences within a line. */
 static const double MOST_CLOSURE = 0.2;
-/* Steps that the compression of an image leaves at its edges are no seam while the heights close. */
+/* Compression of an image leaves steps at its edges.  They are no seam while the heights close. */
 static const double MOST_CLOSURE_TIMES_JUMP = 0.4;
 /* Or: at least this share of the steps inside is as large. */
 static const double LEAST_RANK = 0.2;
-/* Certainly a seam: the step is large, and in most lines the largest of all.  (An edge of bricks or
- * planks along the border of the picture is large too, but so are the others.) */
+/* It is certainly a seam if the step is large, and in most lines the largest of all.  (An edge of
+ * bricks or planks at the border of the picture is large too, but so are the others.) */
 static const double SEAM_JUMP = 3, SEAM_LARGEST = 0.6, SEAM_CLOSURE = 0.3;
-/* Heights that vary less than rounding makes them say nothing: in variances. */
+/* Heights must vary by so many times the variance that rounding gives them, or they tell
+ * nothing. */
 static const double LEAST_SIGNAL = 4;
-/* Slopes above it count as this: so steep a texel says little. */
+/* Steeper slopes count as this one: such a texel tells little. */
 static const double STEEPEST = 8;
 
-/* What is added up over lines. */
+/* Sums over lines. */
 typedef struct axis_sums {
     double full, full2;   /* sums of slopes of a line, and their squares */
     double variance;      /* of the heights along a line */
     double noise;         /* expected variance of a line's sum */
     double jump, inside;  /* step at the seam; mean of the steps inside */
     double rank;          /* share of steps inside that are larger */
-    int32_t largest;      /* lines in which none is */
-    int32_t lines, asked; /* used; looked at */
+    int32_t largest;      /* lines in which no step inside is larger */
+    int32_t lines, asked; /* lines used, and lines looked at */
 } axis_sums;
 
 /* A stretch of a line. */
@@ -80,7 +81,7 @@ static double size(double v)
     return v < 0 ? -v : v;
 }
 
-/* Reads the line's two ends; false where one is no normal. */
+/* Reads the two ends of the line; false: one of them is no normal. */
 static bool read_ends(double ends[2][2], line *l, const ntp_const_image *src, uint32_t touch,
                       int32_t along, int32_t y)
 {
@@ -103,14 +104,15 @@ static void find_steps(line *l, int32_t n)
     }
 }
 
-/* Line y: its closure, the variance of its heights, and how its steps compare with the seam's. */
+/* Adds line y: its closure, the variance of its heights, and how its steps compare with the
+ * seam. */
 static void add_line(axis_sums *s, line *l, const ntp_const_image *src, uint32_t touch,
                      int32_t along, int32_t y)
 {
     double ends[2][2], height = 0, sum = 0, sum2 = 0, inside = 0, noise = 0;
     double level = 2.0 / ntp__max(src->type);
     int32_t w = src->width;
-    int64_t larger = 0; /* steps, twice; as large ones: once */
+    int64_t larger = 0; /* larger steps count 2, steps as large as the seam 1 */
     s->asked++;
     if (!read_ends(ends, l, src, touch, along, y))
         return;
@@ -149,10 +151,10 @@ static void judge(ntp_seam *seam, const axis_sums *s, const ntp_const_image *src
     if (s->lines < LEAST_TEXELS || 2 * s->lines < s->asked || !(s->inside > 0))
         return;
     double n = s->lines, mean = s->full / n, noise = s->noise / n;
-    /* A line that leans has a variance for that too, which says nothing about closure. */
+    /* A line that leans has variance from that too, which tells nothing about closure. */
     double closing = s->full2 / n - mean * mean - noise;
     double signal = s->variance / n - mean * mean / 12;
-    double walk = noise / 6; /* the variance of a line's heights that its rounding makes */
+    double walk = noise / 6; /* the variance that rounding gives to the heights of a line */
     seam->lean = mean / src->width;
     seam->jump = s->jump / s->inside;
     seam->rank = s->rank / n;
@@ -166,7 +168,7 @@ static void judge(ntp_seam *seam, const axis_sums *s, const ntp_const_image *src
     seam->tiles = closes && (seam->closure * seam->jump <= MOST_CLOSURE_TIMES_JUMP ||
                              seam->rank >= LEAST_RANK);
     seam->decided = seam->tiles || has_seam;
-    /* Half a level is what encoders that cut off fractions add. */
+    /* Encoders that cut off fractions add half a level. */
     seam->wraps = seam->tiles && size(seam->lean) <= 1.5 / ntp__max(src->type);
 }
 

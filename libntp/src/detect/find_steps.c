@@ -2,11 +2,12 @@
 /*
  * find_steps.c - do slopes come in steps, as those of heights with few levels do?
  *
- * Each slope of whole-numbered heights is a whole multiple of one step.  A texel tells its slope up
- * to rounding: an interval.  So of sampled texels the intervals are sorted, and steps are tried: does
- * nearly every interval hold a multiple, where chance would let few?  Three things look alike and are
- * told apart: levels that are evenly spaced themselves (an image of fewer bits), domes whose slope
- * grows by as much at each texel, and planes with a few angles.
+ * If heights are whole numbers, each slope is a whole multiple of one step.  A texel tells its
+ * slope up to rounding: an interval.  So the intervals of sampled texels are sorted, and steps are
+ * tried: does nearly every interval hold a multiple, where few would by chance?  The multiples of a
+ * step are called a comb, and each multiple a tooth.  Three things look alike and are told apart:
+ * levels that are evenly spaced themselves (an image of fewer bits), domes whose slope grows by the
+ * same amount at each texel, and planes with a few angles.
  */
 #include "base/view.h"
 #include "texel/angle.h"
@@ -17,40 +18,40 @@
 enum {
     SAMPLES = 4096,
     STRETCHES = SAMPLES / NTP__BLOCK * 4,
-    EVERY = 4, /* texels of a stretch are sampled: neighbors tell the same */
+    EVERY = 4, /* one texel in so many is sampled: neighbors tell the same */
     FEW = 512, /* samples that steps are tried on first */
     LEAST_SAMPLES = 100,
     LEAST_TEETH = 4,      /* multiples that occur: beveled tiles have fewer angles */
-    MANY_TEETH = 8,       /* so many that planes do not have them */
+    MANY_TEETH = 8,       /* planes do not have so many */
     LEAST_IN_A_TOOTH = 2, /* samples */
-    LEAST_AT_A_PLACE = 2, /* that rounding does not tell apart: single ones are outliers */
+    LEAST_AT_A_PLACE = 2, /* samples that rounding does not tell apart; single ones are outliers */
     LEAST_MOVES = 100,
     ENCODERS = 4
 };
 
-/* Samples between the multiples: pasted parts, edges of masks. */
+/* The share of samples between the multiples: pasted parts, edges of masks. */
 static const double OUTLIERS = 0.03, LEAST_SHARE = 0.95;
-/* The sum of the logarithms of likelihood ratios, over places that differ.  Of thousands of drawn
- * textures without steps, those with enough teeth came to 5 on both axes at most. */
+/* The sum of the logarithms of likelihood ratios, over places that differ.  Among thousands of
+ * drawn textures without steps, those with enough teeth reached 5 on both axes at most. */
 static const double LEAST_EVIDENCE = 15;
-/* Of it, what evenly spaced levels may explain. */
+/* The share of it that evenly spaced levels may explain. */
 static const double MOST_LEVEL_EVIDENCE = 0.25;
-/* Steps are tried down to where chance lets so many samples hit. */
+/* The finest step that is tried is the one that so many samples hit by chance. */
 static const double MOST_CHANCE = 0.5;
 static const double FINER = 0.99; /* from a step to the next that is tried */
-/* Between two moves from tooth to tooth: how many differ.  Domes and waves of even curvature come to
- * 0.25, quantized surfaces to 0.6 and more. */
+/* The share of moves from tooth to tooth that differ from the move before.  It is 0.25 for domes
+ * and waves of even curvature, and 0.6 and more for quantized surfaces. */
 static const double LEAST_UNEVEN = 0.5;
-static const double MOST_RUN = 4; /* texels on one tooth but the flat one, on average */
+static const double MOST_RUN = 4; /* texels in a row on one tooth other than 0, on average */
 static const double SAME_STEP = 0.01;
-static const double LEAST_REST = 0.04; /* z = 0.2: what is steeper tells little */
+static const double LEAST_REST = 0.04; /* z = 0.2: steeper texels tell little */
 
-/* What |x| may have been, as a slope or as it is. */
+/* The values that |x|, or the slope that belongs to it, may have had before rounding. */
 typedef struct sample {
     float low, high;
 } sample;
 
-/* How texels are read: `along` is the channel of the component along the rows. */
+/* How texels are read.  `along` is the channel that holds the component along the rows. */
 typedef struct reader {
     const ntp_const_image *src;
     uint32_t touch;
@@ -60,7 +61,7 @@ typedef struct reader {
     int32_t zero;  /* x is (2 c - zero) / range */
     int32_t range; /* and may be off by half / range */
     double half;
-    bool sine; /* x itself, no slope */
+    bool sine; /* samples are x itself, not the slope */
 } reader;
 
 /* How well multiples of a step fit. */
@@ -82,7 +83,7 @@ static int32_t stretch_length(const ntp_const_image *src)
     return src->width < NTP__BLOCK ? src->width : NTP__BLOCK;
 }
 
-/* Narrow images have more of them, of as many texels. */
+/* Narrow images have more stretches, with as many texels in all. */
 static int32_t stretches_of(const ntp_const_image *src)
 {
     int32_t most = STRETCHES * NTP__BLOCK / stretch_length(src);
@@ -105,7 +106,7 @@ static void bounds(double *low, double *high, const reader *r, int32_t level)
     *high = (v + r->half) / r->range;
 }
 
-/* False for what is no normal, or steep. */
+/* False: the texel holds no normal, or a steep one. */
 static bool take(sample *s, const reader *r, const ntp__block *b, int32_t i)
 {
     int32_t red = b->c[0][i], green = b->c[1][i];
@@ -128,7 +129,7 @@ static float middle2(const sample *s)
     return s->low + s->high;
 }
 
-/* Shell's sort, by the middles. */
+/* Shell sort, by the middles of the intervals. */
 static void sort(sample *s, int32_t n)
 {
     static const int32_t GAPS[] = { 1750, 701, 301, 132, 57, 23, 10, 4, 1 };
@@ -144,7 +145,7 @@ static void sort(sample *s, int32_t n)
     }
 }
 
-/* Fills s and returns how many there are. */
+/* Fills s and returns the number of samples. */
 static int32_t gather(sample s[SAMPLES], const reader *r)
 {
     ntp__block b;
@@ -169,7 +170,7 @@ static bool holds(const sample *s, double v)
     return (double) s->low <= v && v <= (double) s->high;
 }
 
-/* ln x to 1e-4, x > 0: what it decides lies far apart. */
+/* ln x to 1e-4, x > 0.  What it decides lies far apart, so that is enough. */
 static double logarithm(double x)
 {
     static const double LN_2 = 0.693147180559945;
@@ -186,7 +187,7 @@ static double logarithm(double x)
     return sum + 2 * t * (1 + t2 * (1 / 3.0 + t2 / 5));
 }
 
-/* The share of slopes at this place that would hit by chance. */
+/* The chance that an interval like this one holds a multiple. */
 static double chance_of(const sample *s, double step)
 {
     double width = (double) s->high - (double) s->low;
@@ -194,7 +195,8 @@ static double chance_of(const sample *s, double step)
     return chance < 1 - OUTLIERS ? chance : 1 - OUTLIERS;
 }
 
-/* The step near `step` that agrees with one sample after the other, or 0. */
+/* The step near `step` that agrees with nearly all samples, narrowed down by one after the other;
+ * 0: there is none. */
 static double refined(const sample *s, int32_t n, double step)
 {
     double low = step * (1 + FINER) / 2, high = step * (3 - FINER) / 2;
@@ -213,7 +215,8 @@ static double refined(const sample *s, int32_t n, double step)
     return (low + high) / 2;
 }
 
-/* Samples that rounding does not tell apart count as one: they are of one place. */
+/* How well multiples of the step fit.  Samples that rounding does not tell apart are of one place,
+ * and a place counts once. */
 static comb fit_of(const sample *s, int32_t n, double step)
 {
     comb c = { .step = step };
@@ -243,7 +246,7 @@ static comb fit_of(const sample *s, int32_t n, double step)
     return c;
 }
 
-/* The best comb with a step of least..most.  Sorts all samples only where some agree with a comb. */
+/* The best comb with a step of least..most.  All samples are sorted only if a comb fits a few. */
 static comb best_comb(sample *s, int32_t n, double least, double most)
 {
     sample few[FEW];
@@ -270,10 +273,10 @@ static comb best_comb(sample *s, int32_t n, double least, double most)
 
 /* ------------------------------------------------------------------------ how they lie */
 
-/* Along the stretches: from tooth to tooth. */
+/* How slopes move from tooth to tooth along the stretches. */
 typedef struct moves {
-    int64_t pairs, uneven; /* moves that follow another; of them, those that differ from it */
-    int64_t runs, texels;  /* of texels on one tooth that is not 0 */
+    int64_t pairs, uneven; /* moves that follow another; those of them that differ from it */
+    int64_t runs, texels;  /* runs of texels on one tooth that is not 0, and their texels */
 } moves;
 
 static void add_moves(moves *m, const reader *r, const ntp__block *b, double step)
@@ -319,7 +322,7 @@ static bool lie_as_rounded(const reader *r, const comb *c)
 
 /* ----------------------------------------------------------------------------- judging */
 
-/* Would levels that are evenly spaced themselves explain it? */
+/* Would levels that are evenly spaced themselves explain the comb? */
 static bool levels_explain(sample s[SAMPLES], const reader *r, const comb *c)
 {
     reader plain = *r;
@@ -361,7 +364,8 @@ static bool is_of_8_bits(const ntp_const_image *src)
     return rest == 0;
 }
 
-/* Rounded, cut off, and with 128 or 127 for 0; beside 16 bits such differences are small. */
+/* The encoders of 8 bit: one rounds, one cuts off, and two have 128 or 127 for 0.  At 16 bit such
+ * differences are small, and wider intervals allow for all. */
 static void set_encoder(reader *r, int32_t encoder, bool of_8_bits)
 {
     int32_t m = of_8_bits ? 255 : r->max;

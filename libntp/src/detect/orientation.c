@@ -1,13 +1,20 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * orientation.c - which way is green: OpenGL or DirectX, from the texels alone
+ * orientation.c - which way green points: OpenGL or DirectX, from the texels alone
  *
- * The normals of a surface have slopes p = -x/z across and q = y/z down the picture (Y up), with
- * dp/dy = dq/dx; with green the other way round, dp/dy = -dq/dx.  So the sign of the product of the
- * two tells.  Both derivatives are taken by one 6 x 6 filter: the mean over the loop between four
- * texels of slopes that a binomial of sigma 1 has smoothed.  Everything that is summed is an
- * integer, by the size of the derivatives and by the block of the picture, so that parts merge
- * exactly; large derivatives are weighted down at the end.  docs/orientation.md tells the rest.
+ * This room finds out from its texels how a texture was made.
+ *   orientation.c  which way green points
+ *   find_kernel.c  which kernel took the slopes
+ *   find_border.c  which border the heights had at the edges
+ *   find_seams.c   whether the texture tiles
+ *   find_steps.c   whether slopes come in steps, because the heights had few levels
+ *
+ * Normals (Y up) have slopes p = -x/z to the right and q = y/z down the picture.  On a surface
+ * dp/dy = dq/dx; if green points the other way, dp/dy = -dq/dx.  So the sign of the product of the
+ * two tells.  Both derivatives are taken by one 6 x 6 filter, on a loop between four texels: it is
+ * the mean of slopes that a binomial of sigma 1 has smoothed.  All sums are integers, kept by the
+ * size of the derivatives and by the block of the picture, so parts merge exactly.  Large
+ * derivatives get less weight at the end.  docs/orientation.md tells the rest.
  */
 #include "base/view.h"
 #include "texel/level.h"
@@ -27,22 +34,22 @@ enum {
     SIDE = 16, /* blocks along each side of the picture */
     CELL = 8,  /* but no smaller than this, as neighboring loops share texels */
 
-    STEP_LOOPS = 32, /* rows of loops there are at least in a large image */
+    STEP_LOOPS = 32, /* least number of rows of loops in a large image */
     STEP_MAX = 128,
 
     STRETCH = NTP__BLOCK - TAPS + 1 /* loops in a block of texels */
 };
 
-/* [1 4 6 4 1] with [1 1], and with [-1 1]. */
+/* [1 4 6 4 1] convolved with [1 1], and with [-1 1]. */
 static const float SMOOTH[TAPS] = { 1, 5, 10, 10, 5, 1 };
 static const float STEEP[TAPS] = { -1, -3, -2, 2, 3, 1 };
 
 struct ntp_orientation {
     uint32_t width, height, every_row; /* 0: empty */
-    uint64_t steep; /* loops left out for nothing but a texel that is too steep */
+    uint64_t steep;                    /* loops left out only because a texel is too steep */
     uint64_t loops[SIZES];
-    uint64_t energy[SIZES];            /* sums of u*u + v*v, in units of the size */
-    int64_t cross[SIDE * SIDE][SIZES]; /* sums of u*v, likewise */
+    uint64_t energy[SIZES];            /* sums of u*u + v*v, shifted as in add_loop */
+    int64_t cross[SIDE * SIDE][SIZES]; /* sums of u*v, shifted likewise */
 };
 
 size_t ntp_orientation_size(void)
@@ -59,8 +66,8 @@ static int32_t step_of(int32_t height)
     return step;
 }
 
-/* One row in each `step`; an odd share near the golden section of the step moves it on from one to
- * the next, so that no pattern of the picture keeps pace. */
+/* One row in each `step` rows.  From one step to the next its place moves on by an odd number near
+ * the golden section of the step, so no pattern of the picture keeps pace with it. */
 int32_t ntp_orientation_row(int32_t height, int32_t every_row, int32_t y)
 {
     if (y < BEFORE || y >= height - AFTER)
@@ -72,20 +79,20 @@ int32_t ntp_orientation_row(int32_t height, int32_t every_row, int32_t y)
 /* Why a texel cannot be used. */
 enum { TOO_STEEP = 1, NO_NORMAL = 2 };
 
-/* Columns of texels, filtered down the picture.  All values are integers below 2^24, of which float
- * arithmetic is exact, and fast on every processor. */
+/* Columns of texels, filtered down the picture.  All values are integers below 2^24: there float
+ * arithmetic is exact, and it is fast on every processor. */
 typedef struct columns {
     float u[NTP__BLOCK]; /* of -p, derived */
     float v[NTP__BLOCK]; /* of q, smoothed */
     uint8_t bad[NTP__BLOCK];
 } columns;
 
-/* p and q of a row; not used: z below 1/10, which black and white are too. */
+/* p and q of a row.  Texels with z below 1/10 are bad; black and white are among them. */
 static void to_slopes(float *p, float *q, uint8_t *bad, const int32_t *r, const int32_t *g,
                       int32_t n, int32_t m)
 {
     uint32_t m2 = (uint32_t) m * (uint32_t) m, least = m2 / 100 + 1;
-    /* S as a positive int32_t; z is then stored with so much less. */
+    /* The shift keeps S within int32_t; x and y are scaled to match z. */
     uint32_t shift = m == 255 ? 0 : 2, half = shift / 2;
     for (int32_t i = 0; i < n; i++) {
         int32_t x = ntp__num(r[i], m), y = ntp__num(g[i], m);
@@ -94,8 +101,8 @@ static void to_slopes(float *p, float *q, uint8_t *bad, const int32_t *r, const 
         bool end = (r[i] == g[i]) & ((r[i] == 0) | (r[i] == m)); /* black, white */
         bad[i] = (uint8_t) (s < least ? end ? NO_NORMAL : TOO_STEEP : 0);
         s = s < least ? least : s;
-        /* Each step is rounded to float, also where the processor calculates with more bits; of a
-         * root and a quotient that is the same. */
+        /* Each step is rounded to float, even where the processor calculates with more bits.  For
+         * one root or one quotient the result is the same. */
         float z = sqrtf((float) (int32_t) (s >> shift));
         float px = (float) (x * (SLOPE_ONE >> half)) / z,
               py = (float) (y * (SLOPE_ONE >> half)) / z;
@@ -126,7 +133,7 @@ static void add_row(columns *sums, const ntp__block *block, int32_t n, int32_t m
     }
 }
 
-/* The loops' derivatives from filtered columns. */
+/* The derivatives of loops, from filtered columns. */
 static void across(float *u, float *v, uint8_t *bad, const columns *c, int32_t n)
 {
     for (int32_t i = 0; i < n; i++) {
@@ -140,7 +147,7 @@ static void across(float *u, float *v, uint8_t *bad, const columns *c, int32_t n
     }
 }
 
-/* Bits that an integer takes, 0 for 0: what its exponent says. */
+/* The bits that an integer takes, 0 for 0.  The exponent of its float tells. */
 static inline int32_t bit_length(float v)
 {
     enum { MANTISSA_BITS = 23, HALF = 126 /* the exponent of 0.5 as stored */ };
@@ -153,7 +160,7 @@ static inline void add_loop(ntp_orientation *acc, int64_t *cross, float u, float
 {
     float au = u < 0 ? -u : u, av = v < 0 ? -v : v;
     int32_t size = bit_length(au > av ? au : av), shift = size > BITS ? size - BITS : 0;
-    /* Quotients by 2^shift toward 0: the least bits of either sign are dropped alike. */
+    /* Quotients by 2^shift are rounded toward 0, so both signs lose their lowest bits alike. */
     int32_t a = (int32_t) au >> shift, b = (int32_t) av >> shift, c = a * b;
     acc->loops[size]++;
     acc->energy[size] += (uint32_t) (a * a) + (uint32_t) (b * b);
@@ -166,7 +173,7 @@ static int32_t cell(int32_t side)
     return least < CELL ? CELL : least;
 }
 
-/* The loops of row y from x on; n of them. */
+/* Adds n loops of row y, from x on. */
 static void add_stretch(ntp_orientation *acc, const ntp_const_image *src, uint32_t touch, int32_t x,
                         int32_t y, int32_t n)
 {
@@ -195,7 +202,7 @@ static void add_stretch(ntp_orientation *acc, const ntp_const_image *src, uint32
     }
 }
 
-/* Makes the accumulator one of this image, or tells that it is of another. */
+/* Makes the accumulator one of this image; an error: it is one of another. */
 static ntp_status adopt(ntp_orientation *acc, uint32_t width, uint32_t height, uint32_t every_row)
 {
     if (acc->width != 0 &&
@@ -244,19 +251,19 @@ ntp_status ntp_orientation_merge(ntp_orientation *into, const ntp_orientation *f
     return NTP_OK;
 }
 
-/* In real textures with a label the answers begin to be wrong below these.  Where the statistic is
- * clear, which noise never is, somewhat less steadiness will do. */
+/* On real textures with a label, answers begin to be wrong below these.  Where the statistic is
+ * clear, which it never is for noise, a somewhat lower score is enough. */
 static const double LEAST_STATISTIC = 0.1, LEAST_SCORE = 4;
 static const double CLEAR_STATISTIC = 0.5, CLEAR_SCORE = 3.5;
 /* Where more than this share is too steep, what is left misleads. */
 static const double MOST_STEEP = 0.2;
-/* From here on it is as sure as it gets. */
+/* From here on the answer is as sure as it gets. */
 static const double SURE_STATISTIC = 0.5, SURE_SCORE = 10;
 /* Labeled textures contradict even a clear answer now and then. */
 static const double CONFIDENCE_LEAST = 0.8, CONFIDENCE_MOST = 0.99;
 
-/* Weights that hold derivatives of more than three times the root mean square to it, and 4^shift to
- * undo what add_loop shifted out; false: nothing varies. */
+/* Weights of the sizes; false: nothing varies.  4^shift undoes the shift in add_loop.  Derivatives
+ * of more than three times the root mean square get so little weight that they count as that. */
 static bool weigh(double weight[SIZES], double *energy, const ntp_orientation *acc)
 {
     double total = 0, loops = 0, held = 0;
