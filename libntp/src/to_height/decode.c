@@ -2,10 +2,11 @@
 /*
  * decode.c - what the levels of a texture mean, and whether its blue is to be trusted
  *
- * Normals have length 1, and levels are rounded: read as they were written, a texel's length is
- * off by the rounding of three levels and no more.  Read by another rule it is off by more, which
- * a few thousand texels show.  Blue that was derived from red and green is what they give; blue
- * rounded by itself often differs a level where the normal is tilted.
+ * Normals have length 1, and levels are rounded.  If a texel is read by the rule it was written by,
+ * its length is off by the rounding of three levels and no more.  By another rule it is off by
+ * more, which a few thousand texels show.  A blue that was derived from red and green is exactly
+ * what they give.  A blue that was rounded by itself often differs by a level where the normal is
+ * tilted.
  */
 #include "to_height/decode.h"
 
@@ -14,26 +15,27 @@
 #include <math.h>
 
 enum {
-    ROWS = 256,         /* that are looked at, spread over the picture */
-    LEAST_TEXELS = 500, /* for the decode rule */
-    /* Texels of one red and green have one and the same rounding error: a ramp would tell nothing a
-     * million times.  Only so many of each vote, counted by the low bits of both. */
+    ROWS = 256,         /* rows that are looked at, spread over the picture */
+    LEAST_TEXELS = 500, /* texels that it takes to tell the rule */
+    /* Texels of the same red and green have the same rounding error: a ramp would tell nothing a
+     * million times.  So only a few of each pair vote.  Low bits of both stand for the pair. */
     MOST_VOTES = 8,
     VOTE_BITS = 6,
     VOTE_MASK = (1 << VOTE_BITS) - 1
 };
 
-/* The mean square of the length's error: a level of 8 bits squared, over 12. */
+/* The mean square of the error of the length: the square of an 8-bit level, over 12. */
 static const double noise = 4.0 / (255.0 * 255.0 * 12.0);
 
-/* Of that, what a mean square may be at most to pass as rounding, and how much worse than the best
- * rule UNORM has to be, also in standard errors. */
+/* In units of that: the most that passes as rounding, and how much worse than another rule UNORM
+ * has to be.  least_score is the latter in standard errors. */
 static const double most_noise = 1.5, least_gain = 0.03, least_score = 10;
 
-/* Lengths are off by more than three times the rounding: blue is something else. */
+/* Lengths that are off by more than three times the rounding: blue is something else. */
 static const double most_error = 9;
 
-/* Tilted by 25 degrees and more; of these so many, with a share of derived blues of so much. */
+/* A texel is tilted if it is so by 25 degrees and more.  It takes so many of them, and this share
+ * of derived blues among them. */
 static const double tilted = 0.81;
 enum { LEAST_TILTED = 64 };
 static const double derived_share = 0.98;
@@ -52,9 +54,9 @@ static double error_of(const rule *r, const int32_t c[3])
 
 typedef struct evidence {
     rule unorm, trunc, snorm;
-    double count;        /* of what the sums of rules are of */
-    double all, lengths; /* of any depth, read as UNORM; squares of 2 m^2 times the error */
-    double most_rest;    /* of a tilted texel, of m^2 */
+    double count;        /* texels in the sums of the rules */
+    double all, lengths; /* texels of any depth, read as UNORM; squares of 2 m^2 times the error */
+    double most_rest;    /* z^2 of a tilted texel is below this, in units of levels squared */
     double tilted, derived;
     uint8_t votes[1 << 2 * VOTE_BITS];
 } evidence;
@@ -67,7 +69,7 @@ static void compare(rule *r, const int32_t c[3], double square)
     r->gain2 += gain * gain;
 }
 
-/* Is this the blue that is derived where x^2 + y^2 leave `rest`?  Without a root. */
+/* Is this the blue that is derived where x^2 + y^2 leave `rest`?  It takes no root. */
 static bool is_derived(int64_t blue, int64_t rest, int32_t m, bool zzero)
 {
     int64_t low = zzero ? 2 * blue - 1 : 2 * blue - m - 1, high = low + 2;
@@ -86,7 +88,7 @@ static void add_levels(evidence *e, const int32_t c[3], int32_t m, bool zzero)
         e->tilted++;
         e->derived += is_derived(c[2], rest, m, zzero);
     }
-    bool neutral = x * x == 1 && y * y == 1; /* says nothing, and there can be many */
+    bool neutral = x * x == 1 && y * y == 1; /* tells nothing, and there can be many */
     uint8_t *votes = &e->votes[(c[1] & VOTE_MASK) << VOTE_BITS | (c[0] & VOTE_MASK)];
     if (m != 255 || zzero || neutral || *votes == MOST_VOTES)
         return;
@@ -117,7 +119,7 @@ static void look(evidence *e, const ntp_const_image *src, uint32_t touch)
     }
 }
 
-/* Is this rule, and not UNORM, the one the texture was written by? */
+/* Was the texture written by this rule rather than by UNORM? */
 static bool convinces(const evidence *e, const rule *r)
 {
     return e->count >= LEAST_TEXELS && r->sum <= most_noise * noise * e->count &&

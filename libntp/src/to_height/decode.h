@@ -9,9 +9,9 @@
 #include "to_height/shared/height_plan.h"
 
 /*
- * Settles plan->decode where it is NTP_DECODE_AUTO and the texture shows another rule than that of
- * (2c - M)/M (else it stays: the pile of neutral levels is looked for later), and plan->z where it
- * is NTP_Z_AUTO.
+ * Replaces NTP_DECODE_AUTO in plan->decode if the texture shows another rule than (2c - M)/M.  Else
+ * AUTO stays, and ntp__slopes_init looks for a pile of neutral levels later.  Replaces NTP_Z_AUTO
+ * in plan->z always.
  */
 void ntp__decode_by_evidence(ntp__height_plan *plan, const ntp_const_image *src);
 

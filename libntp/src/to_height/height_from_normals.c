@@ -2,15 +2,15 @@
 /*
  * height_from_normals.c - heights from normals: from the checks to the result
  *
- * This room makes a heightfield whose slopes are as near as can be to those of a texture.  This file
- * runs all steps; each is elsewhere:
+ * This room makes a heightfield whose slopes are as near as possible to those of a texture.  This
+ * file runs all steps.  The steps themselves are elsewhere:
  *   make_plan.c          checks the options once, and chooses the solver
  *   decode.c             finds out what the levels mean, and whether blue is to be trusted
- *   direct/direct.h      the usual solver: transforms and a recursion, without iteration; telescoping
+ *   direct/direct.h      the usual solver: transforms and recursion, no iteration; telescoping
  *   weighted/weighted.h  the solver for masks, holes and steep textures: iteration
  *   shared/slopes.h      what both solvers read: slopes, their operator, transforms, plans
- *   round_trip.c         compares the normals of the heights with the texture, for refinement
- *   height_from_rows.c   the same for pictures beyond memory
+ *   round_trip.c         compares the normals of the heights with the texture: refinement, residual
+ *   height_from_rows.c   runs the direct solver row by row, for pictures larger than memory
  * A solver makes heights of mean 0.  Refinement, detrending and measurement come after it, here.
  */
 #include "base/finite.h"
@@ -52,7 +52,7 @@ static ntp_status check_mask(const ntp_const_image *mask, const ntp_const_image 
 
 /* ------------------------------------------------------------------------ working memory */
 
-/* A reconstruction on its way. */
+/* One reconstruction, from the plan to the result. */
 typedef struct run {
     ntp__height_plan plan;
     const ntp_image *dst;
@@ -60,14 +60,14 @@ typedef struct run {
     ntp__slopes slopes;
     ntp__crew crew;
     ntp__round_trip round_trip;
-    double *heights;     /* packed; of refine */
+    double *heights;     /* packed; for refine */
     float *right, *down; /* the same */
-    void *rest;          /* of the solver */
-    double from, to;     /* shares of the whole work that the solver is to report */
+    void *rest;          /* the memory of the solver */
+    double from, to;     /* the solver reports progress between these shares of the whole work */
     ntp_height_result result;
 } run;
 
-/* Also with memory->base NULL, to measure. */
+/* With memory->base NULL it only measures. */
 static void lay_out(run *t, ntp__scratch *memory)
 {
     const ntp__height_plan *plan = &t->plan;
@@ -115,7 +115,7 @@ static void share_out(void *user, int32_t count, void (*task)(void *work, int32_
     t->hooks->parallel_for(t->hooks->user, count, task, work);
 }
 
-static const double coarse_tolerance = 1e-3; /* of a round of refinement */
+static const double coarse_tolerance = 1e-3; /* for a round of refinement */
 
 /* dst = heights for these slopes. */
 static ntp_status solve(run *t, const ntp__slopes *slopes)
@@ -127,7 +127,7 @@ static ntp_status solve(run *t, const ntp__slopes *slopes)
     if (t->hooks != NULL && t->hooks->parallel_for != NULL)
         hooks.parallel_for = share_out;
     if (t->plan.solver == NTP__SOLVER_WEIGHTED) {
-        /* On the way to boxes weights would be in the way, and a few digits are enough. */
+        /* Rounds of refinement use equal weights, and a few digits are enough for them. */
         ntp__height_plan plan = t->plan;
         bool again = slopes != &t->slopes;
         plan.tolerance = again ? coarse_tolerance : plan.tolerance;
@@ -162,7 +162,8 @@ static void gather(run *t, double factor, bool add)
     }
 }
 
-/* dst = heights, which become what dst holds; 0 for NaN, which stays. */
+/* dst = heights, rounded to float; heights become the rounded ones.  NaN is 0 in dst and stays in
+ * heights. */
 static void put_back(run *t)
 {
     for (int32_t y = 0; y < t->plan.height; y++) {
@@ -186,10 +187,11 @@ static void scale_planes(run *t, double scale)
 }
 
 /*
- * Projections onto convex sets, in turn: the slopes that round to the texture, and those that belong
- * to heights.  The second is least squares; a solution is linear in the slopes, so what is
- * solved for is the way from these heights to the projected slopes, and some more of it is gone.
- * It is scaled as slopes are, so that the prior of the solver does not take it for noise.
+ * Two projections take turns: onto the slopes that round to the texture, and onto the slopes that
+ * belong to heights.  The second one is least squares.  Its solution is linear in the slopes, so it
+ * is applied to the difference between the projected slopes and those of the heights.  The heights
+ * move by more than the result (relaxation), which takes fewer rounds.  The difference is scaled to
+ * the size of slopes, so that the prior of the solver does not take it for noise.
  */
 static ntp_status refine(run *t)
 {
@@ -225,8 +227,8 @@ static ntp_status refine(run *t)
 
 /* ------------------------------------------------------------------------------- result */
 
-/* Takes the best plane out of heights of mean 0, along the axes that do not wrap.  The columns, and
- * the rows, of a rectangle are orthogonal: two fits, each of one slope. */
+/* Subtracts the best plane from heights of mean 0, along the axes that do not wrap.  On a rectangle
+ * the columns and the rows are orthogonal, so each slope is fitted by itself. */
 static void detrend(const ntp_image *dst, const ntp__height_plan *plan, ntp_height_result *result)
 {
     double along = 0, down = 0, w = dst->width, h = dst->height;
@@ -297,7 +299,7 @@ static ntp_status work(run *t)
         measure(t);
     if (t->plan.detrend && !weighted)
         detrend(t->dst, &t->plan, &t->result);
-    /* The direct solver has found the range as it wrote. */
+    /* The direct solver has found the range while it wrote. */
     if (weighted || t->plan.solver == NTP__SOLVER_TELESCOPING || t->plan.refine > 0 ||
         t->plan.detrend)
         find_range(t->dst, &t->result);

@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * height_from_rows.c - normals -> heightfield, row by row, for pictures beyond memory
+ * height_from_rows.c - normals -> heightfield, row by row, for pictures larger than memory
  *
- * The direct solver (direct/solve.c) walks down the picture and up again.  Between the two walks the
- * caller keeps what the second one needs, in the rows where the heights will be.
+ * The direct solver (direct/solve.c) walks down the picture and up again.  Between the two walks
+ * the caller keeps what the second one needs, in the rows where the heights will be.
  */
 #include "to_height/direct/direct.h"
 #include "to_height/make_plan.h"
 
 #include <string.h>
 
-/* Its samples and strides are not looked at. */
+/* Checks the format and the size; the data and strides of `form` are not looked at. */
 static ntp_status check_form(ntp_const_image *checked, const ntp_const_image *form)
 {
     if (form == NULL)

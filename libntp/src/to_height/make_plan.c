@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * make_plan.c - from the options of the caller to what is to be solved
+ * make_plan.c - turns the options of the caller into a plan: checks, defaults, the solver
  */
 #include "to_height/make_plan.h"
 
@@ -73,7 +73,7 @@ static void fill_in(ntp__height_plan *plan, const ntp_height_options *how)
     plan->refine = how->refine;
 }
 
-/* The solver, and what it is called; false: the borders do not fit the method. */
+/* Chooses the solver, and the name of the method; false: the borders do not fit the method. */
 static bool choose_solver(ntp__height_plan *plan, ntp_height_method asked)
 {
     bool all_wrap = plan->wrap_x && plan->wrap_y, none_wraps = !plan->wrap_x && !plan->wrap_y;
@@ -84,7 +84,7 @@ static bool choose_solver(ntp__height_plan *plan, ntp_height_method asked)
                                                    : NTP__SOLVER_DIRECT;
     plan->method = asked;
     if (asked == NTP_HEIGHT_AUTO)
-        /* Where one axis wraps the least squares go by the name of the free one. */
+        /* If only one axis wraps, the method bears the name for free borders. */
         plan->method = all_wrap ? NTP_HEIGHT_FRANKOT_CHELLAPPA : NTP_HEIGHT_POISSON_DCT;
     return !(asked == NTP_HEIGHT_FRANKOT_CHELLAPPA && !all_wrap) &&
            !(asked == NTP_HEIGHT_POISSON_DCT && !none_wraps);

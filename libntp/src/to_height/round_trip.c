@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * round_trip.c - the normals of a reconstructed heightfield against those it was made of
+ * round_trip.c - compares the normals of a reconstructed heightfield with the stored normals
  *
- * A stored level stands for a box: every x that rounds to it.  The heights give the texture again
- * if x and y of each texel lie in their boxes.  The projection moves those that do not to the nearest
+ * A stored level stands for a box: all values that round to it.  The heights give the texture again
+ * if x and y of each texel lie in their boxes.  The projection moves texels outside to the nearest
  * place inside, each texel by itself.
  */
 #include "to_height/round_trip.h"
@@ -14,19 +14,19 @@
 
 #include <math.h>
 
-/* Of half a box is used: the rest is for the rounding of heights to float. */
+/* The share of half a box that is used; the rest is for the rounding of heights to float. */
 static const double inside = 0.98;
 
-enum { MOST_ROWS = 128 }; /* that NTP_RESIDUAL_INSIDE looks at */
+enum { MOST_ROWS = 128 }; /* NTP_RESIDUAL_INSIDE looks at no more */
 
-/* Leaves out the texels whose slopes a line makes of heights beyond a border. */
+/* Leaves out the texels whose slopes a line makes from heights beyond a border. */
 static void hold_inside(int32_t *first, int32_t *end, const ntp__line *line)
 {
     *first = line->low > *first ? line->low : *first;
     *end = line->high < *end ? line->high : *end;
 }
 
-/* The lines whose slopes the direct solver fits again, of an edge that may well be none. */
+/* Leaves out the lines at edges that the direct solver fits again: their border may be a guess. */
 static void hold_off_edges(int32_t *first, int32_t *end, ntp_border border)
 {
     if (border == NTP_BORDER_EXTRAPOLATE && *end - *first > 4 * NTP__EDGE_LINES) {
@@ -56,7 +56,7 @@ static void choose_seen(ntp__round_trip *r, const ntp__height_plan *plan)
 void ntp__round_trip_init(ntp__round_trip *r, const ntp__slopes *slopes,
                           const ntp__height_plan *plan, ntp__crew crew, ntp__scratch *memory)
 {
-    /* Baked normals are of no stencil; central differences come near. */
+    /* Baked normals come from no stencil; central differences are near to them. */
     bool baked = plan->kernel == NTP_KERNEL_BAKED;
     size_t rows = (size_t) plan->height, row = (size_t) plan->width * sizeof(double);
     r->slopes = slopes;
@@ -88,13 +88,13 @@ static double not_a_number(void)
     return zero / zero;
 }
 
-/* Of a texel whose stencil reads a hole. */
+/* Does the stencil of this texel read a hole? */
 static bool reads_hole(double slope_right, double slope_down)
 {
     return ntp__is_nan(slope_right) || ntp__is_nan(slope_down);
 }
 
-/* Slopes of the heights at row y: of x and y over the spacing. */
+/* Slopes of the heights at row y, with the spacing of texels divided out. */
 static void slopes_of_heights(const ntp__round_trip *r, double *right, double *down, double *work,
                               int32_t y)
 {
@@ -136,14 +136,14 @@ void ntp__round_trip_mark_holes(const ntp__round_trip *r, double *heights, const
 
 /* ----------------------------------------------------------------------------- residual */
 
-/* Is this row among those looked at, which are spread evenly? */
+/* Is this one of the rows that are looked at?  They are spread evenly. */
 static bool is_sampled(const ntp__round_trip *r, int32_t y)
 {
     int64_t rows = (int64_t) r->seen.y1 - r->seen.y0, at = (int64_t) y - r->seen.y0;
     return at >= 0 && at < rows && (rows <= r->rows || at * r->rows % rows < r->rows);
 }
 
-/* The squares of x and y of one slope pair's normal less those of the other's, n of them. */
+/* For n texels, the squared distance between the (x, y) of two normals, both given as slopes. */
 static void squares_off(double *out, double *const *row, int32_t x, int32_t n)
 {
     const double *right = row[0] + x, *down = row[1] + x, *p = row[2] + x, *q = row[3] + x;
@@ -202,7 +202,7 @@ double ntp__round_trip_residual(ntp__round_trip *r, const ntp__plane *heights)
 static double to_box(const ntp__slopes *s, double v, int32_t level, bool *off)
 {
     double middle = (2 * level - s->zero) / s->range, half = 1 / s->range;
-    /* Levels at the ends stand for all that is beyond them too. */
+    /* The lowest and the highest level stand for all values beyond them too. */
     bool at_low = level == 0, at_high = level == ntp__max(s->src->type);
     *off = *off || (v < middle - half && !at_low) || (v >= middle + half && !at_high);
     half *= inside;
@@ -211,7 +211,7 @@ static double to_box(const ntp__slopes *s, double v, int32_t level, bool *off)
     return v > middle + half && !at_high ? middle + half : v;
 }
 
-/* Slopes p, d right and down, and the stored x, y of their normal. */
+/* Slopes p to the right and d down, and x, y of their normal as they are stored. */
 typedef struct slope_pair {
     double p, d, x, y;
 } slope_pair;
@@ -237,8 +237,8 @@ static double distance(const slope_pair *a, const slope_pair *b)
     return (a->p - b->p) * (a->p - b->p) + (a->d - b->d) * (a->d - b->d);
 }
 
-/* Moves `at` to the place nearest to `from` where x (or y) is `bound`.  Each step
- * solves for the tangent of that curve; so close to it a few suffice. */
+/* Moves `at` to the place nearest to `from` where x (or y) is `bound`.  Each step solves for the
+ * tangent of that curve.  So near to it a few steps are enough. */
 static void to_bound(slope_pair *at, const slope_pair *from, bool of_x, double bound, double sign)
 {
     enum { STEPS = 4 };
@@ -254,7 +254,8 @@ static void to_bound(slope_pair *at, const slope_pair *from, bool of_x, double b
     }
 }
 
-/* right, down: the shortest way in slopes from there into the boxes; true: out of them. */
+/* Replaces the slopes right, down by the shortest way from them into the boxes; true: they were
+ * outside. */
 static bool project_texel(const ntp__slopes *s, const ntp__block *block, int32_t i, double *right,
                           double *down)
 {
@@ -270,7 +271,7 @@ static bool project_texel(const ntp__slopes *s, const ntp__block *block, int32_t
         to_bound(&to, &from, move_x, move_x ? x : y, sign);
         set_slopes(&corner, x, y, sign, least);
         bool astray = !(distance(&to, &from) <= distance(&corner, &from));
-        /* Where that leaves the other box, its edge is as near as it gets. */
+        /* If this step leaves the box of the other one, the edge of that box is the nearest. */
         double *other = move_x ? &y : &x, there = move_x ? to.y : to.x;
         double held = to_box(s, there, block->c[move_x ? 1 : 0][i], &unused);
         *other = astray || held == there ? *other : held;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * round_trip.h - the normals of a reconstructed heightfield against those it was made of
+ * round_trip.h - compares the normals of a reconstructed heightfield with the stored normals
  */
 #ifndef NTP_ROUND_TRIP_H
 #define NTP_ROUND_TRIP_H
@@ -21,8 +21,8 @@ typedef struct ntp__round_trip {
     const ntp_const_image *mask;
     int32_t width, height;
     double dx, dy;
-    ntp_rect seen; /* by the residual */
-    int32_t rows;  /* of it, at most */
+    ntp_rect seen; /* the area that the residual looks at */
+    int32_t rows;  /* the most rows of it that are looked at */
     ntp__stencil *stencil;
     ntp__round_trip_part *parts;
     ntp__crew crew;
@@ -36,15 +36,17 @@ typedef struct ntp__round_trip {
 void ntp__round_trip_init(ntp__round_trip *r, const ntp__slopes *slopes,
                           const ntp__height_plan *plan, ntp__crew crew, ntp__scratch *memory);
 
-/* Makes heights of holes NaN, in a packed plane or an image: slopes that read them then do not count. */
+/* Makes the heights of holes NaN, in a packed plane or in an image.  Slopes that read one then do
+ * not count. */
 void ntp__round_trip_mark_holes(const ntp__round_trip *r, double *heights, const ntp_image *dst);
 
-/* Root of the mean square of x and y less those stored, in levels; unused texels do not count.
- * Negative: none counts. */
+/* The root mean square of x and y less the stored ones, in levels.  Unused texels do not count.
+ * Negative: no texel counts. */
 double ntp__round_trip_residual(ntp__round_trip *r, const ntp__plane *heights);
 
-/* right, down: what takes the slopes of these heights to the nearest that round to the stored red
- * and green; NULL: nothing is written.  Returns how many texels do not; *mean_square: of both. */
+/* Writes to right, down the way from the slopes of these heights to the nearest slopes that round
+ * to the stored red and green; NULL: nothing is written.  Returns the number of texels that do not
+ * round to them.  *mean_square is that of right and down together. */
 uint64_t ntp__round_trip_project(ntp__round_trip *r, const ntp__plane *heights, float *right,
                                  float *down, double *mean_square);
 

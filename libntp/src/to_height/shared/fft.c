@@ -2,8 +2,8 @@
 /*
  * fft.c - tables of the Fourier and cosine transforms; fft_lines_tmpl.h has the transforms
  *
- * Sines and cosines are our own, in double: no two libms agree, and the bytes of a heightfield
- * are to be the same everywhere.
+ * Sines and cosines are worked out here, in double.  No two libms agree on them, and the bytes of a
+ * heightfield have to be the same everywhere.
  */
 #include "to_height/shared/fft.h"
 
@@ -165,7 +165,7 @@ void ntp__fft_plan(ntp__fft *fft, ntp__scratch *memory, ntp__fft_kind kind, int3
 
 void *ntp__fft_line(const ntp__fft *fft, void *work, int32_t row)
 {
-    /* Behind the first of the two arrays of a transform, in the second one. */
+    /* Lines lie in the second of the two arrays of a transform. */
     size_t real = fft->single ? sizeof(float) : sizeof(double);
     size_t at = NTP__FFT_ROWS * (size_t) fft->m + (size_t) row * (size_t) fft->n;
     return (char *) work + at * real;

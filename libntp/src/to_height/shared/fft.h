@@ -48,18 +48,18 @@ typedef struct ntp__fft {
     void *quarter;                          /* cos and sin of pi k/(2n); NTP__FFT_COSINE */
 } ntp__fft;
 
-/* Makes the tables of a length 1..65535 in memory that it takes, as ntp__fft_work_bytes of work let it;
- * with memory->base NULL it only measures. */
+/* Makes the tables of a length 1..65535 in memory that it takes.  `work` has ntp__fft_work_bytes.
+ * With memory->base NULL it only measures. */
 void ntp__fft_plan(ntp__fft *fft, ntp__scratch *memory, ntp__fft_kind kind, int32_t n, bool single,
                    void *work);
 
-/* Bytes of the working memory of each batch, aligned as ntp__take does. */
+/* Bytes of the working memory of each batch; it is aligned as ntp__take aligns. */
 size_t ntp__fft_work_bytes(ntp__fft_kind kind, int32_t n, bool single);
 
-/* Where row 0..NTP__FFT_ROWS - 1 of a batch, n floats or doubles, goes before `forward`. */
+/* Where the caller puts row 0..NTP__FFT_ROWS - 1 of a batch, n floats or doubles, for `forward`. */
 void *ntp__fft_line(const ntp__fft *fft, void *work, int32_t row);
 
-/* What a column of a batch of columns is multiplied by at frequency k. */
+/* What the columns of a batch are multiplied by at frequency k. */
 typedef void ntp__fft_factors_fn(const void *user, int32_t k, double factor[NTP__FFT_ROWS]);
 
 /* The transforms, compiled once for each instruction set (fft_lines_tmpl.h). */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * fft_butterflies_tmpl.h - a complex Fourier transform of interleaved lines; included by fft_lines_tmpl.h
+ * fft_butterflies_tmpl.h - complex Fourier transform of interleaved lines, for fft_lines_tmpl.h
  *
  * Stockham's algorithm (no bit reversal) with radices 4, 2, 3 and 5.  NAME(x) and REAL are those of
  * the precision.  A cell is one complex element of all lines: LANES real parts, then LANES
@@ -144,7 +144,7 @@ STAGE(4)
 STAGE(5)
 #undef STAGE
 
-/* Transforms a, with b to work in; returns the one that holds the result. */
+/* Transforms a, with b as working memory; returns the one that holds the result. */
 static REAL *NAME(transform)(const ntp__fft *fft, REAL *a, REAL *b)
 {
     size_t left = (size_t) fft->m, stride = 1;
@@ -191,7 +191,7 @@ static void NAME(exchange_parts)(REAL *a, size_t n)
     }
 }
 
-/* The transform over fft->period, Bluestein's if need be: k i = (k*k + i*i - (k - i)^2)/2. */
+/* The transform over fft->period, by Bluestein's way if needed: k i = (k*k + i*i - (k - i)^2)/2. */
 static REAL *NAME(transform_any)(const ntp__fft *fft, REAL *a, REAL *b)
 {
     if (fft->chirp == NULL)

@@ -19,8 +19,8 @@ static ALWAYS_INLINE size_t NAME(place)(const ntp__fft *fft, size_t i)
     return i % 2 == 0 ? i / 2 : (size_t) fft->n - 1 - i / 2;
 }
 
-/* Turns the pair of a frequency, its real part and its imaginary one, to cosine coefficients; it
- * is a reflection, and undoes itself. */
+/* Turns the real and the imaginary part of a frequency into a pair of cosine coefficients.  It is a
+ * reflection, so it undoes itself. */
 static ALWAYS_INLINE void NAME(turn_pair)(REAL *restrict re, REAL *restrict im, const REAL w[2])
 {
     REAL c = w[0], s = w[1];
@@ -31,7 +31,7 @@ static ALWAYS_INLINE void NAME(turn_pair)(REAL *restrict re, REAL *restrict im, 
     }
 }
 
-/* Of each row the coefficients at k, re, and n - k, im, out of the cells at k and n - k. */
+/* The coefficients of each row at k (re) and at n - k (im), from the cells at k and n - k. */
 static ALWAYS_INLINE void NAME(split)(const ntp__fft *fft, REAL re[CELL], REAL im[CELL],
                                       const REAL *z, size_t k)
 {
@@ -49,8 +49,8 @@ static ALWAYS_INLINE void NAME(split)(const ntp__fft *fft, REAL re[CELL], REAL i
         NAME(turn_pair)(re, im, quarter + 2 * k);
 }
 
-/* The other way round, times scale, with real and imaginary parts exchanged: the forward transform
- * then is the inverse. */
+/* The other way round, times scale, with real and imaginary parts exchanged: then the forward
+ * transform is the inverse one. */
 static ALWAYS_INLINE void NAME(join)(const ntp__fft *fft, REAL *z, REAL re[CELL], REAL im[CELL],
                                      size_t k, REAL scale)
 {
@@ -75,7 +75,7 @@ static ALWAYS_INLINE void NAME(join)(const ntp__fft *fft, REAL *z, REAL re[CELL]
     }
 }
 
-/* Completes cells 0..n - 1 to a period that is even. */
+/* Completes cells 0..n - 1 to a period with even symmetry. */
 static void NAME(reflect)(const ntp__fft *fft, REAL *z)
 {
     size_t period = (size_t) fft->period;
@@ -85,7 +85,7 @@ static void NAME(reflect)(const ntp__fft *fft, REAL *z)
 
 /* -------------------------------------------------------------------------------- tiles */
 
-/* Lines behind the first array to cells in it. */
+/* From lines behind the first array to cells in it. */
 static void NAME(gather)(const ntp__fft *fft, REAL *a)
 {
     size_t n = (size_t) fft->n;
@@ -172,7 +172,7 @@ static void NAME(forward)(const ntp__fft *fft, float *const rows[CELL], void *wo
     (rows, k, (const REAL(*)[CELL])(z + CELL * k), n - k < TILE ? n - k : TILE);
 }
 
-/* Cells back to rows; `turned`: real and imaginary parts are exchanged. */
+/* From cells back to rows; `turned`: real and imaginary parts are exchanged. */
 static void NAME(scatter)(const ntp__fft *fft, float *const rows[CELL], const REAL *z, bool turned)
 {
     size_t n = (size_t) fft->n;

@@ -2,7 +2,7 @@
 /*
  * height_plan.h - what is to be solved: ntp_height_options, checked, with all defaults filled in
  *
- * to_height/make_plan.c makes it, and is the only place that checks options.  The solvers read it as
+ * to_height/make_plan.c makes it, and is the only file that checks options.  The solvers take it as
  * it is.
  */
 #ifndef NTP_HEIGHT_PLAN_H
@@ -13,7 +13,7 @@
 #include <stdbool.h>
 
 typedef enum ntp__solver {
-    NTP__SOLVER_DIRECT,      /* transforms along rows, and what columns take */
+    NTP__SOLVER_DIRECT,      /* transforms along rows; recursion or transforms down columns */
     NTP__SOLVER_TELESCOPING, /* sums of slopes */
     NTP__SOLVER_WEIGHTED     /* iteration */
 } ntp__solver;
@@ -27,13 +27,13 @@ typedef struct ntp__height_plan {
     bool wrap_x, wrap_y;
     double dx, dy; /* above 0 */
     ntp_prior prior;
-    ntp_decode decode; /* AUTO and */
-    ntp_z z;           /* AUTO until the texture is looked at */
+    ntp_decode decode; /* may be AUTO until the texture has been looked at */
+    ntp_z z;           /* the same */
     uint32_t touch_unused;
-    const ntp_const_image *mask; /* weighted, or NULL */
-    double tolerance;            /* of weighted */
+    const ntp_const_image *mask; /* for weighted; or NULL */
+    double tolerance;            /* for weighted */
     int32_t max_iterations;
-    bool use_seeds, equalize; /* of telescoping */
+    bool use_seeds, equalize; /* for telescoping */
     double seeds[4];
     ntp_residual_scope residual_scope;
     bool detrend;

@@ -3,7 +3,7 @@
  * slope_operator.c - slopes of a heightfield as a linear operator, and its adjoint
  *
  * The lines follow ntp_normals_from_height: the same taps, and the same heights beyond each border.
- * The operator and its adjoint read one table, so that they stay adjoint to rounding.
+ * The operator and its adjoint read one table, so they are adjoint up to rounding.
  */
 #include "to_height/shared/slope_operator.h"
 
@@ -140,7 +140,7 @@ void ntp__line_adjoint(const ntp__line *line, double *restrict out, const double
         out[line->entry[j].at] += line->entry[j].weight * in[line->entry[j].row];
 }
 
-/* Row i of a line along columns: a weighted sum of rows. */
+/* Row y of a line along columns: a weighted sum of rows. */
 static void mix_rows(const ntp__line *line, double *out, const ntp__plane *heights, int32_t y,
                      int32_t width)
 {
@@ -176,8 +176,8 @@ void ntp__stencil_slopes(const ntp__stencil *s, double *right, double *down, dou
     }
 }
 
-/* Taps across are even; along they are odd, or those of `forward`, whose gain has a phase that no
- * other term shares. */
+/* Taps across are even.  Taps along are odd, but for those of `forward`: their gain has a phase,
+ * which is left out, as there is no other term that it would be added to. */
 void ntp__stencil_gains(ntp__gains *gains, ntp_kernel kernel, int64_t k, int64_t n)
 {
     const ntp__kernel *table = &ntp__kernel_table[kernel];

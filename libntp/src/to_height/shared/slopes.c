@@ -2,8 +2,8 @@
 /*
  * slopes.c - rows of normals as slopes: -x/z to the right, y/z (Y up) down the picture
  *
- * Integer samples stay integer numerators, of which the common denominator falls out; a slope is
- * one division.  Texels that hold no normal are flat.
+ * Integer samples stay integer numerators.  Their common denominator cancels, so a slope is one
+ * division.  Texels that hold no normal are flat.
  */
 #include "to_height/shared/slopes.h"
 
@@ -15,7 +15,8 @@
 /* Half a level: no texture can tell a z below it from 0. */
 static const double least_float_z = 1.0 / 65535;
 
-/* Texels at 127 and 128 against those at 126 and 129: a flat ground was meant to be flat. */
+/* If levels 127 and 128 have so many times the texels of 126 and 129, they were meant to be
+ * flat. */
 enum { PILE = 3 };
 
 static bool piles_up(const uint64_t count[4])
@@ -50,7 +51,7 @@ void ntp__slopes_init(ntp__slopes *s, const ntp_const_image *src, const ntp__hei
     s->src = src;
     s->right = s->down = NULL;
     s->touch_unused = plan->touch_unused;
-    if (src->encoding == NTP_ENCODING_VECTOR) /* of any length, so that (2, 2, 2) is no padding */
+    if (src->encoding == NTP_ENCODING_VECTOR) /* of any length, so (2, 2, 2) is no padding */
         s->touch_unused |= NTP_UNUSED_BLACK | NTP_UNUSED_WHITE;
     s->derived = plan->z == NTP_Z_DERIVED || src->encoding == NTP_ENCODING_XY;
     s->decode = plan->decode;
@@ -112,7 +113,7 @@ static void of_floats(const ntp__slopes *s, double *right, double *down, int32_t
     }
 }
 
-/* Can there be a texel without a normal among these?  m has all its bits set. */
+/* May one of these texels hold no normal?  m has all its bits set. */
 static bool any_suspect(const ntp__block *b, int32_t n, int32_t m)
 {
     int32_t suspect = b->any_broken;
@@ -123,7 +124,7 @@ static bool any_suspect(const ntp__block *b, int32_t n, int32_t m)
     return suspect != 0;
 }
 
-/* Marks texels that hold no normal, which are to be flat; false: there is none. */
+/* Marks the texels that hold no normal, as they become flat; false: there is none. */
 static bool find_unused(bool flat[NTP__BLOCK], const ntp__slopes *s, const ntp__block *b, int32_t n,
                         ntp__slope_counts *counts)
 {
@@ -179,7 +180,7 @@ static bool packed_levels(const ntp_const_image *src)
            src->pixel_stride == (ptrdiff_t) src->channels;
 }
 
-/* By way of doubles: what is not packed. */
+/* Textures that are not packed go by way of doubles. */
 static void single_block(const ntp__slopes *s, const ntp__block *block, float *right, float *down,
                          int32_t x, int32_t y, int32_t n)
 {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * solver_kernels.c - compiled once for each instruction set with -DNTP_ISA=...; see solver_kernels.h
+ * solver_kernels.c - the loops of solver_kernels.h; compiled with -DNTP_ISA=... for each one
  *
  * fft_lines_tmpl.h and row_loops_tmpl.h are included twice, for float and for double.
  */
@@ -81,7 +81,7 @@ static void up_live(double *restrict state, float *restrict row, const double *r
 
 /* --------------------------------------------------------------------------------- slopes */
 
-/* Half of 2 c - zero would be no integer; the factor falls out of the quotients. */
+/* Twice the value, as half of it would be no integer; the factor cancels in the quotients. */
 static ALWAYS_INLINE int32_t numerator(int32_t c, int32_t zero, int32_t neutral)
 {
     int32_t v = 2 * c - zero;

@@ -2,8 +2,8 @@
 /*
  * solver_kernels.h - the loops of normals -> heightfield that are compiled per instruction set
  *
- * solver_kernels.c is plain C; the compiler vectorizes it.  Sums have a fixed order, and nothing is
- * contracted: every level gives the same bytes.
+ * solver_kernels.c is plain C, which the compiler vectorizes.  Sums have a fixed order, and no
+ * multiplication is fused with an addition, so every instruction set gives the same bytes.
  */
 #ifndef NTP_SOLVER_KERNELS_H
 #define NTP_SOLVER_KERNELS_H
@@ -29,7 +29,7 @@ typedef struct ntp__slope_levels {
     bool derived;
 } ntp__slope_levels;
 
-/* Slopes of n packed texels of `step` >= 3 samples; nonzero: one of them may be unused. */
+/* Slopes of n packed texels of `step` samples, 3 or 4; nonzero: one of them may be unused. */
 typedef int32_t ntp__slopes8_fn(float *right, float *down, const uint8_t *src, int32_t step,
                                 int32_t n, const ntp__slope_levels *how);
 
@@ -42,7 +42,8 @@ typedef struct ntp__column_loops {
                       double *power, double tiny, int32_t n);
     /* state = r (row + state); row = state */
     void (*up)(double *state, float *row, const double *r, int32_t n);
-    /* and row counts as row + entry, entry having been divided by r, or set to start at `begin` */
+    /* The same with row + entry for row.  Before that, entry is divided by r, or set to `start`
+     * where `begin` is this row. */
     void (*up_live)(double *state, float *row, const double *r, const double *inverse,
                     double *entry, const double *start, const double *begin, double at, int32_t n);
 } ntp__column_loops;
@@ -52,7 +53,7 @@ typedef struct ntp__solver_kernels {
     ntp__row_loops rows_single, rows_double;
     ntp__column_loops columns;
     ntp__slopes8_fn *slopes8;
-    /* range[0] = the least of these, n numbers, and of range[0]; range[1] = the greatest */
+    /* range[0] = the least of range[0] and n numbers; range[1] = the greatest */
     void (*range)(float range[2], const float *row, int32_t n);
 } ntp__solver_kernels;
 
