@@ -34,8 +34,8 @@ static const double most_noise = 1.5, least_gain = 0.03, least_score = 10;
 /* Lengths that are off by more than three times the rounding: blue is something else. */
 static const double most_error = 9;
 
-/* A texel is tilted if it is so by 25 degrees and more.  It takes so many of them, and this share
- * of derived blues among them. */
+/* A texel counts as tilted from 25 degrees on.  It takes so many of them, and this share of derived
+ * blues among them. */
 static const double tilted = 0.81;
 enum { LEAST_TILTED = 64 };
 static const double derived_share = 0.98;

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * axis.c - the stencils of an axis: their adjoints, and what they make of frequencies
+ * axis.c - the stencils of an axis: their adjoints, and what they multiply frequencies by
  *
  * Beyond free ends heights go on mirrored, about the edge of the last texel (clamp) or about its
- * middle (mirror); slopes along the axis go on with the other sign.  Then every stencil is a
- * convolution, cosines are its eigenvectors, and the adjoint is the convolution turned round.
- * One-sided and baked slopes live on the edges between texels, as the compact Laplacian.
+ * middle (mirror).  Slopes along the axis go on with the other sign.  Then every stencil is a
+ * convolution, cosines are its eigenvectors, and the adjoint is the reversed convolution.
+ * One-sided and baked slopes lie on the edges between texels, as in the compact Laplacian.
  */
 #include "stencil/taps.h"
 #include "to_height/direct/direct.h"
@@ -16,14 +16,14 @@ enum { RADIUS = NTP__MAX_RADIUS, BAKED = 4 /* slopes that make an edge */ };
 
 /* --------------------------------------------------------------------------------- kinds */
 
-/* Does the solver know the heights beyond this border? */
+/* Can the solver do this border? */
 static bool border_known(ntp_kernel kernel, ntp_border border)
 {
     if (kernel == NTP_KERNEL_BAKED || kernel == NTP_KERNEL_FORWARD)
         return true;
     if (kernel == NTP_KERNEL_CENTRAL)
         return border != NTP_BORDER_REPEAT_SLOPE;
-    /* Clamped heights are mirrored ones as far as one texel. */
+    /* Up to one texel outside, clamped heights are mirrored ones. */
     bool clamp = border == NTP_BORDER_CLAMP && ntp__kernel_table[kernel].radius == 1;
     return border == NTP_BORDER_WRAP || border == NTP_BORDER_MIRROR || clamp;
 }
@@ -100,7 +100,7 @@ static void add_term(ntp__terms *terms, int32_t at, double weight)
     terms->count++;
 }
 
-/* The slope between i and i + 1 of a surface, from the slopes at four texels: to fourth order. */
+/* The slope between i and i + 1 of a surface, from the slopes at four texels, to fourth order. */
 static void add_baked_edge(ntp__terms *terms, const ntp__grid_axis *axis, int32_t i, double weight)
 {
     static const double middle[BAKED] = { -1.0 / 24, 13.0 / 24, 13.0 / 24, -1.0 / 24 };
@@ -163,12 +163,12 @@ void ntp__adjoint(ntp__terms *terms, const ntp__grid_axis *axis, int32_t i)
 
 /* ------------------------------------------------------------------------------- symbols */
 
-/* cos and sin of `times` half frequencies of element j. */
+/* cos and sin of `times` times half the frequency of element j. */
 static void half_turns(double *c, double *s, const ntp__grid_axis *axis, int32_t j, int32_t times)
 {
     int64_t n = axis->n, k = axis->wrap && 2 * (int64_t) j > n ? n - j : j, whole = 2 * n;
     ntp__fft_kind kind = ntp__axis_transform(axis);
-    /* Wrap has the frequency 2 pi k/n, clamp pi k/n, mirror pi k/(n - 1). */
+    /* The frequency is 2 pi k/n for wrap, pi k/n for clamp, and pi k/(n - 1) for mirror. */
     if (kind != NTP__FFT_REAL)
         whole = 4 * (kind == NTP__FFT_MIRROR ? n - 1 : n);
     ntp__turn(c, s, k * times % whole, whole);
@@ -195,7 +195,7 @@ void ntp__symbol_at(ntp__symbol *symbol, const ntp__grid_axis *axis, int32_t j)
                 along += 2 * kernel->term[t].along[RADIUS + i] * s;
                 across += 2 * kernel->term[t].across[RADIUS + i] * c;
             }
-            /* The denominator is in one of the two factors. */
+            /* The denominator goes into one of the two factors. */
             symbol->along[t] = along / kernel->denominator;
             symbol->across[t] = across;
         }
@@ -204,7 +204,8 @@ void ntp__symbol_at(ntp__symbol *symbol, const ntp__grid_axis *axis, int32_t j)
 
 /* ------------------------------------------------------------------------------- problem */
 
-/* Heights in steps of dy down: the slopes right are per step of dx, and weigh (dy/dx)^2. */
+/* Slopes count as differences of heights per step of dy.  Those to the right are per step of dx, so
+ * they weigh (dy/dx)^2. */
 static bool set_weights(ntp__problem *p, const ntp__height_plan *plan)
 {
     double dx = plan->dx, dy = plan->dy;
@@ -237,7 +238,7 @@ void ntp__problem_init(ntp__problem *p, const ntp__height_plan *plan, ntp_type t
     bool prior = plan->prior == NTP_PRIOR_ROUGHNESS || (plan->prior == NTP_PRIOR_AUTO && taps);
     p->single = type == NTP_TYPE_U8;
     p->filter = taps || prior || ntp__axis_transform(&p->down) == NTP__FFT_MIRROR;
-    /* A level is 2/M, its rounding error even over that; floats are 24 bits. */
+    /* A level is 2/M, and rounding errors are spread evenly over it; floats have 24 bits. */
     double level = type == NTP_TYPE_U8 ? 2.0 / 255 : type == NTP_TYPE_U16 ? 2.0 / 65535 : 0x1p-23;
     p->sigma = prior ? level * 0.28867513459481288 * p->down_weight : 0;
 }

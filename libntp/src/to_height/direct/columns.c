@@ -3,12 +3,12 @@
  * columns.c - the recursion along columns
  *
  * Once rows are transformed, each column is a system of its own: lambda h plus second differences
- * of h.  Forward slopes couple neighbors; central ones couple rows two apart: the even rows are
- * one segment, the odd ones another.  Along a segment the system is -1, 2 + mu, -1; with
+ * of h.  Forward slopes couple neighbors.  Central ones couple rows two apart, so the even rows are
+ * one segment and the odd ones another.  Along a segment the system is -1, 2 + mu, -1.  With
  * r + 1/r = 2 + mu it factors into u[i] = f[i] + r u[i-1], downwards, and h[i] = r (u[i] + h[i+1]),
- * upwards.  Waves enter a segment at its ends and die away as r^i.  They come from the end that the
- * border joins to this one, of the same segment or of the other.  Their sizes follow from two sums
- * of the way down.  All state is in double; rows are floats.
+ * upwards.  Waves enter a segment at its ends and decay as r^i.  They come from the end that the
+ * border joins to this one: of the same segment, or of the other.  Their sizes follow from two sums
+ * on the way down.  All state is in double; rows are floats.
  */
 #include "to_height/direct/direct.h"
 
@@ -20,7 +20,7 @@ static const double tiny = 0x1p-80;
 
 /* -------------------------------------------------------------------------------- set-up */
 
-/* r^e for the greatest e <= limit for which it is not tiny. */
+/* r^e with the greatest e <= limit for which it is not tiny. */
 static double greatest_power(double r, int32_t limit, int32_t *e)
 {
     double square[17], product = 1;
@@ -65,7 +65,7 @@ static void lay_out(ntp__columns *c, ntp__scratch *memory, const ntp__problem *p
     c->live = ntp__take(memory, (size_t) groups_of(c) * sizeof *c->live);
 }
 
-/* Before the first row. */
+/* Sets the state before the first row. */
 static void clear(ntp__columns *c)
 {
     memset(c->live, 0, (size_t) groups_of(c) * sizeof *c->live);
@@ -100,7 +100,7 @@ void ntp__columns_init(ntp__columns *c, ntp__scratch *memory, const ntp__problem
     c->loops = &ntp__solver_kernels_for(NTP__CPU_ALL)->columns;
     c->down = &p->down;
     c->width = p->along.n;
-    /* The differences of central slopes are a quarter of -1, 2, -1. */
+    /* Central slopes give a quarter of -1, 2, -1. */
     c->scale = central ? 4 : 1;
     c->segments = central ? 2 : 1;
     lay_out(c, memory, p);
@@ -157,7 +157,7 @@ void ntp__columns_up(ntp__columns *c, float *row, int32_t y, int32_t x0, int32_t
 
 /* ---------------------------------------------------------------------------------- turn */
 
-/* r^length, 0 where it is tiny. */
+/* r^length, or 0 if it is tiny. */
 static double whole_power(double r, int32_t length)
 {
     int32_t e;
@@ -165,17 +165,17 @@ static double whole_power(double r, int32_t length)
     return e == length ? power : 0;
 }
 
-/* Where the waves come from: at the upper end of the first segment and of the second, and at their
- * lower ends. */
+/* The waves that enter the two segments at their upper ends, and at their lower ends. */
 typedef struct waves {
     double upper[2], lower[2];
 } waves;
 
 /*
- * In units of the response to one source.  A wave that leaves a segment has come from its sources
- * (u: the last state; v: the sum of r^i f[i]), and from what entered at the other end, times q = r^length.
- * One segment: a border that wraps joins its ends, one that is free mirrors.  Two: wrap joins each
- * to itself, or to the other one where the number of rows is odd; free ends join the two.
+ * The waves, in units of the response to one source.  A wave that leaves a segment comes from the
+ * sources inside (u: the last state; v: the sum of r^i f[i]), and from the wave that entered at the
+ * other end, times q = r^length.  With one segment, a border that wraps joins its ends, and a free
+ * one mirrors.  With two segments, wrap joins each to itself, or to the other one if the number of
+ * rows is odd; free ends join the two.
  */
 static waves find_waves(const ntp__columns *c, const double u[2], const double v[2],
                         const double q[2])
@@ -224,9 +224,9 @@ static void turn_column(ntp__columns *c, int32_t k)
     }
 }
 
-/* Second differences of h are -scale f: two sums.  The order is that of the rows that are coupled,
- * which for central slopes with free ends, or an odd number of rows that wrap, is one round of both
- * segments. */
+/* In a null column second differences of h are -scale f, so two sums solve it.  They follow the
+ * order in which rows are coupled.  For central slopes with free ends, or with an odd number of
+ * rows that wrap, that is one round through both segments. */
 typedef struct chain {
     int32_t n, length, first, step;
     bool ring, folded;
@@ -251,7 +251,7 @@ static void subtract_mean(double *h, const chain *c)
         h[row_of(c, i)] -= mean;
 }
 
-/* On a ring the first sum goes round to 0 and has mean 0, as it is a slope of h. */
+/* On a ring the first sum comes back to 0, and its mean is made 0, as it is a slope of h. */
 static void solve_null(double *h, const chain *c, double scale)
 {
     double flow = 0, height = 0;

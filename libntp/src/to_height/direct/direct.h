@@ -3,14 +3,14 @@
  * direct.h - what the files of the direct solver share
  *
  * This room solves least squares without iteration, where all texels count alike.  Rows are
- * transformed, which makes each column a small system of its own.
+ * transformed, and then each column is a small system of its own.
  *   solve.c            walks over the picture, in parts, in memory or row by row
  *   axis.c             stencils and borders: which are known, their adjoints, their symbols
  *   right_hand_side.c  the adjoint of the stencils, applied to rows of slopes
  *   columns.c          solves columns by recursion
- *   filter.c           solves columns by transforms, for the kernels that recursion does not know
+ *   filter.c           solves columns by transforms, for kernels that recursion cannot do
  *   edges.c            fits the edges of central slopes again
- *   telescope.c        Eberly's sums of slopes, which need none of this
+ *   telescope.c        Eberly's sums of slopes, which need none of the files above
  */
 #ifndef NTP_DIRECT_H
 #define NTP_DIRECT_H
@@ -49,14 +49,14 @@ typedef struct ntp__terms {
     double weight[NTP__MAX_TERMS];
 } ntp__terms;
 
-/* The adjoint of a one-dimensional stencil: what the slopes say about the height at i. */
+/* The adjoint of a one-dimensional stencil at i: the slopes that the height at i is part of. */
 void ntp__adjoint(ntp__terms *terms, const ntp__grid_axis *axis, int32_t i);
 
-/* Texels around i whose slopes count in the adjoint at i. */
+/* How many texels on each side of i have slopes that count in the adjoint at i. */
 int32_t ntp__reach(const ntp__grid_axis *axis);
 
-/* The index of what stands at i, which may lie outside, with its sign: slopes along the axis are
- * odd (they change sign where the axis is mirrored), those across it even. */
+/* The index of the slope that stands at i, which may lie outside, and its sign.  Slopes along the
+ * axis are odd: they change sign where the axis is mirrored.  Slopes across it are even. */
 int32_t ntp__reflected(const ntp__grid_axis *axis, int32_t i, bool odd, double *sign);
 
 /* Which transform makes the stencil diagonal. */
@@ -64,8 +64,8 @@ ntp__fft_kind ntp__axis_transform(const ntp__grid_axis *axis);
 
 enum { NTP__AXIS_TERMS = 2 };
 
-/* What the stencil makes of frequency j: slopes along the axis and means across it, of each term of
- * a kernel, and the roughness 4 sin^2(w/2). */
+/* What the stencil multiplies frequency j by: for each term of a kernel the slopes along the axis
+ * and the means across it, and the roughness 4 sin^2(w/2). */
 typedef struct ntp__symbol {
     double along[NTP__AXIS_TERMS], across[NTP__AXIS_TERMS];
     double roughness;
@@ -82,18 +82,19 @@ typedef struct ntp__problem {
     double ratio;                     /* of dy and dx, squared */
     double sigma;                     /* of the rounding of slopes; 0: no prior */
     bool single;                      /* arithmetic of rows in float */
-    bool filter;                      /* columns are transformed as well, not recursive */
+    bool filter;                      /* columns are solved by transforms, not by recursion */
 } ntp__problem;
 
-/* Of a plan that ntp__direct_check takes, but not for telescoping. */
+/* For a plan that ntp__direct_check takes and that is not one of telescoping. */
 void ntp__problem_init(ntp__problem *p, const ntp__height_plan *plan, ntp_type type);
 
-/* What takes a scratch below lays its arrays out in it; with base NULL, `used` counts and nothing
- * else is done. */
+/* The functions below that take a scratch lay out their arrays in it.  With base NULL they only
+ * measure: `used` counts. */
 
 /* ---------------------------------------------------------------------------------- rows */
 
-/* Which rows of a picture of `height` rows a view of a few begins with; they may go round. */
+/* The row of a picture of `height` rows that a view of a few rows begins with.  The view may go
+ * on at the top. */
 typedef struct ntp__window {
     int32_t first, height;
 } ntp__window;
@@ -102,10 +103,10 @@ typedef struct ntp__window {
 typedef struct ntp__source {
     const ntp__problem *problem;
     const ntp__slopes *slopes;
-    const ntp__window *window; /* NULL, or what the slopes' texture is a part of */
+    const ntp__window *window; /* NULL, or where the texture of the slopes lies in the picture */
     const ntp__row_loops *loops;
     ntp__row_cache rows;
-    void *line;                                     /* a row, and NTP__MAX_RADIUS on both sides */
+    void *line;                                     /* a row with NTP__MAX_RADIUS on both sides */
     ntp__slope_counts row_counts[NTP__MOST_CACHED]; /* of each row in the cache */
     ntp__slope_counts counts;
 } ntp__source;
@@ -113,7 +114,8 @@ typedef struct ntp__source {
 void ntp__source_init(ntp__source *source, ntp__scratch *memory, const ntp__problem *p,
                       const ntp__slopes *slopes);
 
-/* Right-hand side of row y; *sum: of what slopes down put in, *squares: of f. */
+/* Right-hand side f of row y.  *sum is the part of it that comes from slopes down, summed; *squares
+ * is the sum of f squared. */
 void ntp__right_hand_side(ntp__source *source, void *f, int32_t y, double *sum, double *squares);
 
 /* ------------------------------------------------------------------------------- columns */
@@ -122,7 +124,7 @@ typedef struct ntp__columns ntp__columns;
 
 enum { NTP__COLUMNS = 64 /* done at a time */, NTP__MAX_NULLS = 2 };
 
-/* Rows in the order in which they are coupled: first, first + step, ... */
+/* Rows in the order in which they are coupled: first, first + step, and so on. */
 typedef struct ntp__segment {
     int32_t first, step, length;
     double *state, *sum, *power, *entry, *start, *begin; /* of each column */
@@ -136,19 +138,20 @@ struct ntp__columns {
     int32_t segments;
     ntp__segment segment[2];
     double *r, *inverse; /* 0: a null column, which is done apart */
-    int32_t *live;       /* of NTP__COLUMNS each: the last row of a segment where r^i shows */
+    int32_t *live;       /* of each NTP__COLUMNS: the last row of a segment where r^i shows */
     int32_t nulls, null_at[NTP__MAX_NULLS];
     double *null[NTP__MAX_NULLS]; /* the null columns, whole */
 };
 
 void ntp__columns_init(ntp__columns *c, ntp__scratch *memory, const ntp__problem *p);
 
-/* Row y of columns x0..x1 - 1: downwards all rows, in order; then `turn`, then upwards all rows. */
+/* Row y of columns x0..x1 - 1.  Call `down` for all rows from the top, then `turn`, then `up` for
+ * all rows from the bottom. */
 void ntp__columns_down(ntp__columns *c, float *row, int32_t y, int32_t x0, int32_t x1);
 void ntp__columns_turn(ntp__columns *c);
 void ntp__columns_up(ntp__columns *c, float *row, int32_t y, int32_t x0, int32_t x1);
 
-/* Transforms down the columns and division, for stencils that recursion does not know. */
+/* Transforms down the columns and a division, for stencils that recursion cannot do. */
 typedef struct ntp__filter {
     const ntp__problem *problem;
     ntp__fft fft;
@@ -157,16 +160,16 @@ typedef struct ntp__filter {
 } ntp__filter;
 
 void ntp__filter_init(ntp__filter *f, ntp__scratch *memory, const ntp__problem *p, void *work);
-/* mean_square: of the right-hand side */
+/* mean_square is that of the right-hand side. */
 void ntp__filter_set_prior(ntp__filter *f, double mean_square);
 void ntp__filter_columns(const ntp__filter *f, const ntp_image *dst, int32_t x0, void *work);
 
 /* --------------------------------------------------------------------------------- edges */
 
-enum { NTP__EDGE_LINES = 3 }; /* whose slopes change */
+enum { NTP__EDGE_LINES = 3 }; /* lines whose slopes change */
 
-/* Fits the outermost texels along central, extrapolated borders again, with full weights; sets the
- * range then.  In whole images only. */
+/* Fits the outermost texels at central, extrapolated borders again, with full weights; then sets
+ * the range.  In whole images only. */
 void ntp__edges_fit(const ntp_image *dst, const ntp__slopes *slopes, const ntp__problem *p,
                     ntp__scratch *memory, float range[2]);
 
@@ -175,21 +178,21 @@ void ntp__edges_fit(const ntp_image *dst, const ntp__slopes *slopes, const ntp__
 /* Does this room take the plan, which is not one of weighted least squares? */
 ntp_status ntp__direct_check(const ntp__height_plan *plan);
 
-/* Working memory for a number of parts, at least 1, and the work, which adds to counts. */
+/* Working memory for a number of parts, at least 1; and the solution, which adds to counts. */
 size_t ntp__direct_scratch(const ntp__height_plan *plan, int32_t parts);
 ntp_status ntp__direct_solve(const ntp_image *dst, const ntp__slopes *slopes,
                              const ntp__height_plan *plan, void *scratch, const ntp_hooks *hooks,
                              ntp__slope_counts *counts);
 
-/* The same with rows that are read and written; 0, or an error, where columns are transformed.  The
- * size and format of normals are those of form; decode and z are not AUTO. */
+/* The same with rows that are read and written.  0, or an error: columns would have to be
+ * transformed.  The size and the format of normals are those of form; decode and z are not AUTO. */
 size_t ntp__direct_rows_scratch(const ntp_const_image *form, const ntp__height_plan *plan,
                                 int32_t parts);
 ntp_status ntp__direct_rows(const ntp_const_image *form, const ntp_height_rows *rows,
                             const ntp__height_plan *plan, void *scratch, const ntp_hooks *hooks,
                             ntp_height_result *result);
 
-/* Eberly's sums, and the memory they work in. */
+/* Eberly's sums, and their working memory. */
 size_t ntp__telescope_scratch(const ntp__height_plan *plan);
 void ntp__telescope(const ntp_image *dst, const ntp__slopes *slopes, const ntp__height_plan *plan,
                     void *scratch, ntp__slope_counts *counts);

@@ -2,13 +2,13 @@
 /*
  * edges.c - the edges of central slopes with extrapolated borders, fitted with full weight
  *
- * In the direct solution slopes at these edges count a quarter, for then cosines are eigenvectors.
- * This does harm at the edges only.  So the two outermost lines of texels on each such side are fitted
- * again: all slopes count alike, and the other heights are held.  Let a and b be the changes of the
- * two lines.  The slopes inward change by b - a, -a/2 and -b/2, and their squares do not mix a + b
- * with a - b.  Each of these is a system of its own along the edge: central differences and a number
- * on the diagonal.  Both are solved exactly.  The sum of squares then is within some hundredths of a
- * percent of the least possible.
+ * In the direct solution slopes at these edges count a quarter, because then cosines are
+ * eigenvectors.  This does harm at the edges only.  So the two outermost lines of texels on each
+ * such side are fitted again: all slopes count alike, and the other heights stay.  Let a and b be
+ * the changes of the two lines.  The slopes inward change by b - a, -a/2 and -b/2, and their
+ * squares do not mix a + b with a - b.  Each of these is a system of its own along the edge:
+ * central differences and a number on the diagonal.  Both are solved exactly.  The sum of squares
+ * is then within some hundredths of a percent of the least possible.
  */
 #include "to_height/direct/direct.h"
 
@@ -18,13 +18,13 @@
 
 enum {
     DEEP = NTP__EDGE_LINES,
-    LINES = DEEP - 1,   /* that are fitted */
-    LEAST = DEEP + 1,   /* texels across, for none of these to be at the other edge */
+    LINES = DEEP - 1,   /* lines that are fitted */
+    LEAST = DEEP + 1,   /* texels across, so that none of these lines is at the other edge */
     ARRAYS = 2 + 3 + 2, /* the right-hand sides, the factors, a row of slopes */
     SIDES = 2           /* of an axis */
 };
 
-/* What the squares of slopes inward come to, for (a + b)^2/2 and (a - b)^2/2. */
+/* The squares of slopes inward add up to these factors times (a + b)^2/2 and (a - b)^2/2. */
 static const double SUM_WEIGHT = 0.25, DIFFERENCE_WEIGHT = 2.25;
 
 typedef struct edge {
@@ -35,7 +35,7 @@ typedef struct edge {
     bool far;       /* right or bottom */
     double weight;  /* of slopes inward; those along the edge have 1 */
     double step_in; /* spacing of texels inward */
-    double step;    /* and along the edge */
+    double step;    /* spacing along the edge */
     double *sum;    /* right-hand sides, then solutions: of a + b and a - b */
     double *difference;
     double *diagonal, *next, *second; /* factors */
@@ -55,7 +55,7 @@ static int32_t longest(const ntp__problem *p)
 
 /* ------------------------------------------------------------------------ right-hand sides */
 
-/* The texel `depth` lines in, at place i of the edge. */
+/* The height `depth` lines in, at place i of the edge. */
 static float *height_at(const edge *e, int32_t depth, int32_t i)
 {
     if (e->is_column)
@@ -68,7 +68,7 @@ static double height(const edge *e, int32_t depth, int32_t i)
     return (double) *height_at(e, depth, i);
 }
 
-/* How much of a slope at the end of an axis is the difference of the last two texels. */
+/* A slope at the end of an axis is this share of the difference of the last two texels. */
 static double end_share(const ntp__grid_axis *axis)
 {
     return axis->border == NTP_BORDER_EXTRAPOLATE ? 1 : axis->border == NTP_BORDER_CLAMP ? 0.5 : 0;
@@ -90,7 +90,7 @@ static void add_inward(edge *e, int32_t depth, int32_t i, double slope)
     int32_t outer = depth > 0 ? depth - 1 : 0;
     double share = depth > 0 ? 0.5 : 1;
     double rest = share * (height(e, depth + 1, i) - height(e, outer, i)) - e->step_in * slope;
-    /* its change is b - a, -a/2, -b/2 */
+    /* The slope changes by b - a, -a/2 or -b/2. */
     static const double of_sum[DEEP] = { 0, 0.5, 0.5 }, of_difference[DEEP] = { 2, 0.5, -0.5 };
     e->sum[i] += e->weight * of_sum[depth] * rest;
     e->difference[i] += e->weight * of_difference[depth] * rest;
@@ -149,8 +149,8 @@ static void add_rows(edge *e)
 
 /* ------------------------------------------------------------------------------ solutions */
 
-/* Differences of texels two apart, round the edge: a quarter of -1, 2 + mu, -1, which factors as in
- * columns.c.  v becomes the solution. */
+/* An edge that wraps.  Differences of texels two apart give a quarter of -1, 2 + mu, -1, which
+ * factors as in columns.c.  v becomes the solution. */
 static void solve_round(double *v, int32_t n, double number)
 {
     double mu = 4 * number, r = 1 / (1 + mu / 2 + sqrt(mu + mu * mu / 4));
@@ -164,7 +164,7 @@ static void solve_round(double *v, int32_t n, double number)
                 power *= r;
                 at = (at + step + n) % n;
             }
-            state /= 1 - power; /* what the round before has left behind */
+            state /= 1 - power; /* the rounds before have left this behind */
             at = ring;
             for (int32_t i = 0; i < length; i++) {
                 v[at] += r * state;
@@ -199,7 +199,7 @@ static void five_diagonals(edge *e, double number)
     }
 }
 
-/* v becomes the solution; L D L^T takes the place of the diagonals. */
+/* An edge with ends.  v becomes the solution; L D L^T takes the place of the diagonals. */
 static void solve_ends(edge *e, double *v, double number)
 {
     int32_t n = e->along->n;
@@ -259,7 +259,7 @@ static double fit(edge *e)
 
 /* ---------------------------------------------------------------------------------- whole */
 
-/* Takes out the mean, and finds the range. */
+/* Subtracts the mean, and finds the range. */
 static void settle(const ntp_image *dst, float mean, float range[2])
 {
     const ntp__solver_kernels *kernels = ntp__solver_kernels_for(NTP__CPU_ALL);

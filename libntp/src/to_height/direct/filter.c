@@ -1,23 +1,23 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * filter.c - the solver's columns by transforms, for stencils beyond recursion
+ * filter.c - solves columns by transforms, for stencils that recursion cannot do
  *
- * For each pair of frequencies the normal equations are one number: A h = f.  A is what the stencils
- * of slopes right and down make of the pair, squared and added.  A stencil of 3 x 3 or more is nearly
- * blind to the finest detail.  There A is so small that it would magnify the rounding errors of the
- * slopes without limit.  So smooth heights are preferred among those that fit alike, as by a Wiener
- * filter: h = f / (A + e L^2).  L is the Laplacian.  e is the variance of the rounding over the mean
- * square of the Laplacian of the heights, which f is.  The floats between the passes are rounded too;
- * that counts as noise of f itself: + t L^2 / A.
+ * For each pair of frequencies the normal equations are one equation: A h = f.  A is the sum of the
+ * squared symbols of the stencils, right and down.  A stencil of 3 x 3 or more is nearly blind to
+ * the finest detail.  There A is so small that division by it would magnify the rounding errors of
+ * the slopes without limit.  So among heights that fit alike smooth ones are preferred, as by a
+ * Wiener filter: h = f / (A + e L^2).  L is the Laplacian.  e is the variance of the rounding over
+ * the mean square of the Laplacian of the heights, for which f stands.  The floats between the
+ * passes are rounded too; that counts as noise of f itself: + t L^2 / A.
  */
 #include "to_height/direct/direct.h"
 
 #include <string.h>
 
-/* (Relative error of f)^2: of floats, and of transforms in float. */
+/* t, the square of the relative error of f: of floats, and of transforms in float. */
 static const double storage_noise = 0x1p-48, single_noise = 0x1p-44;
 
-/* Below this A is a null mode, but for rounding errors of sines. */
+/* An A below this is 0 but for rounding errors of sines: a null mode. */
 static const double null_mode = 0x1p-90;
 
 void ntp__filter_init(ntp__filter *f, ntp__scratch *memory, const ntp__problem *p, void *work)

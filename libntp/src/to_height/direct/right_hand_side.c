@@ -24,7 +24,7 @@ void ntp__source_init(ntp__source *source, ntp__scratch *memory, const ntp__prob
 {
     const ntp__solver_kernels *kernels = ntp__solver_kernels_for(NTP__CPU_ALL);
     size_t width = (size_t) p->along.n;
-    /* One more than one right-hand side takes, and its own. */
+    /* The rows of one right-hand side with its own, and one more. */
     int32_t kept = 2 * ntp__reach(&p->down) + 2;
     memset(source, 0, sizeof *source);
     source->problem = p;
@@ -172,8 +172,8 @@ static void by_lines(ntp__source *source, void *f, int32_t y, double *from_down)
 
 /* -------------------------------------------------------------- two-dimensional stencils */
 
-/* Taps of a term of the kernel, turned round: slopes along an axis go into heights with the other
- * sign. */
+/* A tap of a term of the kernel, for the adjoint: slopes along an axis go into heights with the
+ * other sign. */
 static double tap(const ntp__kernel *kernel, int32_t t, bool along, int32_t i)
 {
     int32_t at = i + NTP__MAX_RADIUS;
@@ -194,7 +194,7 @@ static void pad(const ntp__problem *p, void *line, bool odd)
     }
 }
 
-/* The part of slopes right (down: slopes down) that one term of the kernel makes. */
+/* Adds what slopes right (down: slopes down) contribute by one term of the kernel. */
 static void add_term(ntp__source *source, run_sum *sum, int32_t y, int32_t t, bool down)
 {
     const ntp__problem *p = source->problem;

@@ -3,13 +3,14 @@
  * solve.c - normals -> heightfield: the direct least-squares solver
  *
  * The normal equations of "slopes of h nearest to the stored ones" are separable.  Rows are taken
- * in batches: their right-hand sides are transformed along the row, and each column is
- * solved by a recursion, down the picture as the batches come, and up again as they are
- * transformed back.  So the working memory is that of a few rows, and the picture is walked over
- * twice.  Stencils that recursion does not know are solved by transforms of the columns in between.
- * Batches do not depend on each other, nor do groups of columns, so several threads can do them.  Then
- * the columns of one round of batches are done beside the rows of the next round: threads wait for
- * each other half as often, and memory and arithmetic are busy at the same time.
+ * in batches, and their right-hand sides are transformed along the row.  Each column is solved by a
+ * recursion: down the picture as the batches come, and up again as they are transformed back.  So
+ * the working memory is that of a few rows, and the picture is walked over twice.  For stencils
+ * that recursion cannot do, the columns are transformed in between.
+ *
+ * Batches do not depend on each other, nor do groups of columns, so several threads can do them.
+ * Then the columns of one round of batches are done beside the rows of the next round.  Threads
+ * wait for each other half as often, and memory and arithmetic are busy at the same time.
  */
 #include "base/parts.h"
 #include "to_height/direct/direct.h"
@@ -19,12 +20,12 @@
 
 enum {
     ROWS = NTP__FFT_ROWS,
-    RUN = 8,                       /* batches of a part that follow each other */
-    MOST_GROUP = 8 * NTP__COLUMNS, /* columns of a part */
+    RUN = 8,                       /* neighboring batches of an item of work */
+    MOST_GROUP = 8 * NTP__COLUMNS, /* most columns of an item of work */
     NONE = -1                      /* no round */
 };
 
-/* Rows that the parts are at work on. */
+/* A range of rows: first..end - 1. */
 typedef struct span {
     int32_t first, end;
 } span;
@@ -49,17 +50,17 @@ typedef struct job {
     const ntp_image *dst;
     const ntp_height_rows
         *rows;          /* NULL, or dst holds only the rows that the parts are at work on */
-    ntp__window window; /* of normals, then */
+    ntp__window window; /* with rows: where the normals in memory lie in the picture */
     void *normals;
     size_t row_bytes;
-    span held;           /* the rows that dst holds, then */
-    span lines, columns; /* rows whose lines, and whose columns, are being done */
-    int32_t group;       /* columns of an item */
+    span held;           /* with rows: the rows that dst holds */
+    span lines, columns; /* the rows that are being transformed, and those in the recursion */
+    int32_t group;       /* columns of an item of work */
 } job;
 
 /* ------------------------------------------------------------------------ working memory */
 
-/* What takes memory below can do so with memory->base NULL, to measure. */
+/* With memory->base NULL the functions below only measure. */
 
 static void lay_out_part(const job *j, part *to, ntp__scratch *memory, const ntp__slopes *slopes)
 {
@@ -189,7 +190,7 @@ static bool stopped(const job *j, double share)
 
 /* -------------------------------------------------------------------------------- passes */
 
-/* Rows that are taken at a time, and how many times that is. */
+/* The number of rows of a round. */
 static int32_t round_rows(const job *j)
 {
     return j->crew.parts * RUN * ROWS;
@@ -202,7 +203,8 @@ static span round_at(const job *j, int32_t round)
     return s;
 }
 
-/* Rows of one round along with columns of another; none before the first round and after the last. */
+/* Does the rows of one round along with the columns of another.  There are none before the first
+ * round and after the last. */
 static void run(job *j, ntp__crew_task *lines, int32_t line_round, ntp__crew_task *columns,
                 int32_t column_round, int32_t rounds)
 {
@@ -218,7 +220,7 @@ static void run(job *j, ntp__crew_task *lines, int32_t line_round, ntp__crew_tas
     ntp__crew_both(&j->crew, &some, &more);
 }
 
-/* All parts get columns, in whole groups of NTP__COLUMNS. */
+/* Every part gets columns, in whole groups of NTP__COLUMNS. */
 static void set_group(job *j)
 {
     int32_t each = (j->problem.along.n + j->crew.parts - 1) / j->crew.parts;
@@ -226,7 +228,7 @@ static void set_group(job *j)
     j->group = group < MOST_GROUP ? group : MOST_GROUP;
 }
 
-/* Reads the normals that the rows of a round take, in up to three runs. */
+/* Reads the normals that the rows of a round need, in up to three runs. */
 static ntp_status read_normals(job *j)
 {
     int32_t height = j->problem.down.n, reach = ntp__reach(&j->problem.down);
@@ -268,8 +270,8 @@ static ntp_status read_heights(job *j)
                : NTP_ERR_CANCELLED;
 }
 
-/* One part walks over the rows of a round while they are in its cache; callbacks have no more than
- * one round in memory. */
+/* Is each round finished before the next begins?  A single part walks over the rows of a round
+ * while they are in its cache; with callbacks no more than one round is in memory. */
 static bool in_step(const job *j)
 {
     return j->crew.parts == 1 || j->rows != NULL;
@@ -404,7 +406,7 @@ static size_t sample_row(const ntp_const_image *form)
     return (size_t) form->width * (size_t) form->channels * (size_t) ntp__sample_size(form->type);
 }
 
-/* The two windows, of normals and of heights, and then the rest. */
+/* The two windows: of heights and of normals. */
 static void lay_out_windows(job *j, ntp__scratch *memory, const ntp_const_image *form,
                             ntp_image *heights)
 {

@@ -3,9 +3,9 @@
  * telescope.c - Eberly's reconstruction: sums of slopes from texels whose height is given
  *
  * David Eberly, "Reconstructing a Height Field from a Normal Map", sections 3.1 (one-sided) and
- * 3.2 (centered).  The sums are doubles.  A first walk finds the mean, a second one writes, so
- * that each height is rounded once.  There are more equations than heights: those that the sums do
- * not use are compared with the heights (his conditions of consistency).
+ * 3.2 (centered).  The sums are doubles.  A first walk finds the mean and a second one writes, so
+ * each height is rounded once.  There are more equations than heights.  Those that the sums do not
+ * use are compared with the heights (his conditions of consistency).
  */
 #include "to_height/direct/direct.h"
 
@@ -19,10 +19,10 @@ typedef struct telescope {
     bool central, wrap_x, wrap_y;
     double dx, dy;
     double seeds[4];
-    double *right, *down, *down_above; /* slopes of a row, and those down of the one before */
+    double *right, *down, *down_above; /* slopes of a row; slopes down of the row before */
     double *above[2];                  /* heights of the rows before */
     double *top[2];                    /* heights of the first rows */
-    double squares, most;              /* of what is off, in the equations not taken */
+    double squares, most;              /* of the errors in the equations that are not used */
     uint64_t equations;
     double sum[4];   /* of the heights by parity of column and row */
     double shift[4]; /* added to them */
@@ -30,7 +30,7 @@ typedef struct telescope {
     bool write;
 } telescope;
 
-/* The second row of seeds, and the whole first rows, along the slopes to the right. */
+/* Fills one of the first rows from its seeds, along the slopes to the right. */
 static void along_row(const telescope *t, double *h, double first, double second)
 {
     h[0] = first;
@@ -61,7 +61,7 @@ static void put_row(telescope *t, const double *h, int32_t y)
 
 /* ---------------------------------------------------------------------- consistency */
 
-/* One equation: two heights apart by a slope. */
+/* Compares one equation: a slope tells the difference of two heights. */
 static void compare(telescope *t, double difference, double spacing, double slope)
 {
     double off = difference / spacing - slope;
@@ -71,7 +71,7 @@ static void compare(telescope *t, double difference, double spacing, double slop
     t->equations++;
 }
 
-/* Slopes to the right of row y, but for those that its heights are made of. */
+/* Compares the slopes to the right of row y, except those that its heights are made of. */
 static void compare_row(telescope *t, const double *h, int32_t y)
 {
     int32_t n = t->width, reach = t->central ? 1 : 0, rows = t->central ? 2 : 1;
@@ -85,7 +85,7 @@ static void compare_row(telescope *t, const double *h, int32_t y)
         compare(t, h[1] - h[n - 1], spacing, t->right[0]);
 }
 
-/* Slopes down across the lower edge; the last row's are in down_above. */
+/* Compares the slopes down across the lower edge; those of the last row are in down_above. */
 static void compare_edge(telescope *t)
 {
     int32_t height = t->dst->height;
@@ -118,7 +118,7 @@ static void walk(telescope *t, ntp__slope_counts *counts)
         } else if (t->central && y == 1) {
             along_row(t, h, t->seeds[2], t->seeds[3]);
         } else {
-            /* h is the row before, or for central slopes the one before that. */
+            /* h holds the row before; for central slopes, the one before that. */
             double step = t->central ? 2 * t->dy : t->dy;
             for (int32_t x = 0; x < t->width; x++)
                 h[x] += step * t->down_above[x];
@@ -134,7 +134,7 @@ static void walk(telescope *t, ntp__slope_counts *counts)
     }
 }
 
-/* The means of known and implied neighbors. */
+/* Seeds that are means over the ways to them from the first texel. */
 static void default_seeds(telescope *t)
 {
     int32_t w = t->width, h = t->dst->height;
