@@ -2,11 +2,11 @@
 /*
  * first_guess.c - where the iteration begins in mazes
  *
- * The preconditioner knows no walls.  In corridors one or two texels wide the way from one place to
- * another may be thousands of texels long, and the iteration finds heights along it slowly.  But in a
- * corridor the sums of slopes from texel to texel are nearly a solution.  So if most texels have at
- * most two neighbors, the iteration begins with such sums, on each island from its first texel on.
- * Where corridors make no loops, almost nothing is left to iterate.
+ * The preconditioner knows no walls.  In corridors one or two texels wide, the way from one place
+ * to another may be thousands of texels long, and the iteration finds heights along it slowly.  But
+ * in a corridor the sums of slopes from texel to texel are nearly a solution.  So if most texels
+ * have at most two neighbors, the iteration begins with such sums, on each island from its first
+ * texel on.  Where corridors make no loops, almost nothing is left to iterate.
  */
 #include "to_height/weighted/weighted.h"
 
@@ -14,18 +14,18 @@
 
 enum { FEW_NEIGHBORS = 2, SIDES = 4 };
 
-/* The arrays lie in those that the iteration does not use yet. */
+/* The arrays lie in memory that the iteration does not use yet. */
 typedef struct walk {
     ntp__weighted *w;
     double *p, *q;   /* slopes of all texels */
-    uint32_t *queue; /* texels whose neighbors are to be seen */
+    uint32_t *queue; /* texels that have a height; their neighbors come next */
     uint8_t *seen;
     uint32_t end;
     bool wrap[2];
 } walk;
 
-/* The neighbor of texel (x, y) to the right, below, to the left or above; false: there is none, or a
- * hole. */
+/* The neighbor of texel (x, y) to the right, below, to the left or above; false: there is none, or
+ * it is a hole. */
 static bool neighbor(const walk *k, int32_t side, int32_t x, int32_t y, size_t *at)
 {
     const ntp__weighted *w = k->w;
@@ -64,7 +64,7 @@ static bool is_narrow(const walk *k)
     return 2 * narrow > texels;
 }
 
-/* The height of a neighbor less that of a texel, by their slopes. */
+/* The height of a neighbor less that of the texel, by their slopes. */
 static double difference(const walk *k, int32_t side, size_t from, size_t to)
 {
     const double *slope = side % 2 == 0 ? k->p : k->q;
@@ -74,7 +74,8 @@ static double difference(const walk *k, int32_t side, size_t from, size_t to)
     return side < 2 ? up : -up;
 }
 
-/* The height of a neighbor.  A central slope is of the two texels before and after its own. */
+/* The height of a neighbor.  A central slope belongs to the texels before and after its own, so the
+ * texel before is used if it has a height. */
 static double height_beyond(const walk *k, int32_t side, int32_t x, int32_t y, size_t from,
                             size_t to)
 {
@@ -95,7 +96,7 @@ static void add(walk *k, size_t at, double height)
     k->queue[k->end++] = (uint32_t) at;
 }
 
-/* All heights of the island of a texel. */
+/* Sets all heights of the island of a texel. */
 static void walk_from(walk *k, size_t first)
 {
     uint32_t begin = k->end, width = (uint32_t) k->w->width;

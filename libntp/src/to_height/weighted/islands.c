@@ -3,8 +3,8 @@
  * islands.c - the connected areas of a masked heightfield, and their means
  *
  * Normals do not tell how high one island is above another, so each gets mean 0.  Texels are joined
- * to their neighbors on the right and below, also across a border that wraps.  The least texel names
- * the island.
+ * to their neighbors to the right and below, also across a border that wraps.  The first texel of
+ * an island names it.
  */
 #include "to_height/weighted/weighted.h"
 
@@ -59,7 +59,7 @@ static void label(islands *s)
         s->root[i] = find(s->root, i);
 }
 
-/* Sets values v(x, y) less their means over the islands: of x (the column), y, or the height. */
+/* The values that are averaged over islands: x (the column), y (the row), or the height. */
 typedef enum quantity { COLUMN, ROW, HEIGHT } quantity;
 
 static double value(const islands *s, quantity what, int32_t x, int32_t y)
@@ -67,7 +67,7 @@ static double value(const islands *s, quantity what, int32_t x, int32_t y)
     return what == COLUMN ? x : what == ROW ? y : s->w->x[ntp__weighted_at(s->w, y) + (size_t) x];
 }
 
-/* sum[root] = the mean over each island. */
+/* sum[root] = the mean over the island. */
 static void find_means(islands *s, quantity what)
 {
     const ntp__weighted *w = s->w;
@@ -83,7 +83,7 @@ static void find_means(islands *s, quantity what)
         s->sum[i] = s->count[i] > 0 ? s->sum[i] / s->count[i] : 0;
 }
 
-/* The sum of a (b - its mean over the island), the means being in sum. */
+/* The sum of a (b - its mean over the island).  The means are in sum. */
 static double moment(const islands *s, quantity a, quantity b)
 {
     const ntp__weighted *w = s->w;
@@ -100,7 +100,7 @@ static double moment(const islands *s, quantity a, quantity b)
     return all;
 }
 
-/* The plane that fits best on all islands, each with a constant of its own. */
+/* The plane that fits all islands best, where each island has a constant of its own. */
 static void find_trend(islands *s, double trend[2])
 {
     bool free_x = !s->w->plan->wrap_x;

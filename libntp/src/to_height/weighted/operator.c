@@ -2,9 +2,10 @@
 /*
  * operator.c - the normal equations of weighted least squares, row by row
  *
- * A row of the result is a sum over the weighted slopes that read it, and the flows through its
- * pairs.  Each part keeps the rows of slopes it has made; where bands of two parts meet, both make
- * them.  So every row is made in one order, by whichever part.
+ * A row of the result is a sum over the weighted slopes that read it, plus the flows through its
+ * pairs.  A flow is the weight of a pair times its difference.  Each part keeps the rows of slopes
+ * it has made.  Where two bands meet, the rows are made for both.  So every row is made in the same
+ * order, whichever part makes it.
  */
 #include "to_height/weighted/weighted.h"
 
@@ -14,7 +15,7 @@ enum { NO_FLOWS = -2 };
 
 /* ------------------------------------------------------------------------ rows of slopes */
 
-/* Stored slopes of row y. */
+/* The place of the stored slopes of row y. */
 static int32_t stored_row(const ntp__weighted *w, ntp__weighted_part *part, int32_t y)
 {
     int32_t k;
@@ -50,7 +51,7 @@ static int32_t weighted_row(const ntp__weighted *w, ntp__weighted_part *part, in
     return k;
 }
 
-/* out += adjoint of (x line of y line) at row y, of the slopes to the right or down. */
+/* out += row y of the adjoint of (x line of y line), applied to the slopes to the right or down. */
 static void add_slopes(const ntp__weighted *w, ntp__weighted_part *part, double *out, int32_t y,
                        const ntp__line *along_rows, const ntp__line *along_columns, bool right)
 {
@@ -72,7 +73,8 @@ static void add_slopes(const ntp__weighted *w, ntp__weighted_part *part, double 
 
 /* -------------------------------------------------------------------------------- pairs */
 
-/* Of a pair a, b and the texels before and after it: more where no slope near it counts. */
+/* The weight of a pair a, b with the texels before and after it: more if no slope near it
+ * counts. */
 static double pair_weight(const ntp__weighted *w, float before, float a, float b, float after)
 {
     float ma = ntp__weight_size(a), mb = ntp__weight_size(b), least = ma < mb ? ma : mb;
@@ -88,7 +90,7 @@ static double pair_data(const ntp__weighted *w, const float weight[4], const dou
     return (slope[1] + slope[2]) / 2;
 }
 
-/* Elements x - 1 .. x + 2; what is beyond a free end counts as a hole. */
+/* Elements x - 1 .. x + 2.  Texels beyond a free end count as holes. */
 static void neighborhood(float weight[4], double slope[4], const float *weights,
                          const double *slopes, int32_t x, int32_t n, bool wrap)
 {
@@ -101,7 +103,7 @@ static void neighborhood(float weight[4], double slope[4], const float *weights,
     }
 }
 
-/* Of pairs h[i], next[i]: weight times difference.  Without branches, as most of the time goes here. */
+/* The flows of pairs h[i], next[i].  There are no branches, as most of the time is spent here. */
 static void multiply_pairs(const ntp__weighted *w, double *restrict flow,
                            const float *const near[4], const double *restrict h,
                            const double *restrict next, int32_t n)
@@ -186,7 +188,8 @@ static void make_flows_below(const ntp__weighted *w, ntp__weighted_part *part, i
     }
 }
 
-/* out += sign * the flows through the pairs of rows y and y + 1, which are kept for the next row. */
+/* out += sign * the flows through the pairs of rows y and y + 1.  The flows are kept for the next
+ * row. */
 static void add_pairs_below(const ntp__weighted *w, ntp__weighted_part *part, double *out,
                             int32_t y, double sign)
 {

@@ -2,9 +2,10 @@
 /*
  * precondition.c - the preconditioner of weighted least squares
  *
- * Without weights, holes and ends the normal equations are diagonal in frequencies: the squares of
- * the gains of the stencil, and those of the pairs.  So they are solved by a Fourier (wrap) or cosine
- * transform along both axes, a division, and the transforms back.  The plane of dst holds it all.
+ * Without weights, holes and ends the normal equations are diagonal in frequencies.  The diagonal
+ * is the squared gains of the stencil plus those of the pairs.  So the equations are solved by a
+ * Fourier (wrap) or cosine transform along both axes, a division, and the transforms back.  All of
+ * it lies in dst.
  */
 #include "to_height/weighted/weighted.h"
 
@@ -32,7 +33,7 @@ void ntp__spectrum_init(ntp__spectrum *s, ntp__scratch *memory, ntp_kernel kerne
     if (memory->base == NULL)
         return;
     for (int32_t i = 0; i < n; i++) {
-        /* Element i has the frequency i turns in n (wrap: or n - i), or half as many. */
+        /* If the axis wraps, element i has i (or n - i) turns in n texels; else half as many. */
         int64_t whole = kind == NTP__FFT_REAL ? n : 2 * (int64_t) n;
         ntp__gains forward;
         ntp__stencil_gains(&s->gains[i], kernel, i, whole);
@@ -41,7 +42,7 @@ void ntp__spectrum_init(ntp__spectrum *s, ntp__scratch *memory, ntp_kernel kerne
     }
 }
 
-/* Rows below the last one are zeros: rounding errors pass between two rows. */
+/* Rows below the last one are zeros, as rounding errors pass between the two rows of a line. */
 static void rows_of(const ntp__weighted *w, const ntp__weighted_part *part, int32_t item,
                     float *rows[ROWS])
 {
@@ -81,7 +82,7 @@ typedef struct group {
     int32_t x0;
 } group;
 
-/* What the normal equations multiply element (x, y) of the transform by, inverted. */
+/* The inverse of what the normal equations multiply element (x, y) of the transform by. */
 static double factor_of(const ntp__weighted *w, int32_t x, int32_t y)
 {
     const ntp__gains *gx = &w->along.gains[x], *gy = &w->across.gains[y];

@@ -2,21 +2,22 @@
 /*
  * solve.c - weighted least squares by conjugate gradients
  *
- * The step d is conjugate to the ones before.  z, the residual after the preconditioner, lies in dst
- * as floats.  So the preconditioner differs slightly each time, which the flexible formula for beta
- * allows.  At the end the residual is worked out anew from the stored slopes.  If it is not yet small
- * enough, the iteration starts again from there.
+ * The direction d is conjugate to the ones before.  z, the preconditioned residual, lies in dst as
+ * floats.  So the preconditioner differs slightly each time, which the flexible formula for beta
+ * allows.  At the end the residual is worked out anew from the stored slopes.  If it is not yet
+ * small enough, the iteration starts again from there.
  */
 #include "to_height/weighted/weighted.h"
 
 #include <math.h>
 #include <string.h>
 
-/* Of pairs beside slopes: they decide where the stencil is all but blind, and what they do elsewhere
- * stays below the rounding of 8 bits, or of 16.  Kernels of 3 x 3 and more are blind to more. */
+/* The strength of pairs beside slopes.  They decide where the stencil is nearly blind.  Elsewhere
+ * their effect stays below the rounding of 8 bits, or of 16.  Kernels of 3 x 3 and more are blind
+ * to more. */
 static const double strength_8 = 1e-2, strength_16 = 1e-3, strength_16_central = 1e-4;
 static const double strength_without_prior = 1e-5;
-/* Times that where no slope counts; with more the iteration takes longer. */
+/* Where no slope counts, pairs are so many times as strong.  With more, iteration takes longer. */
 static const double alone = 10;
 
 /* ------------------------------------------------------------------------ working memory */
@@ -48,7 +49,7 @@ static size_t greater(size_t a, size_t b)
     return a > b ? a : b;
 }
 
-/* Also with memory->base NULL, to measure. */
+/* With memory->base NULL it only measures. */
 static void lay_out(ntp__weighted *w, ntp__scratch *memory)
 {
     size_t texels = (size_t) w->width * (size_t) w->height;
@@ -134,7 +135,7 @@ static void step(void *job, int32_t part, int32_t item)
     }
 }
 
-/* sum: r z of each row, sum_also: a z; z is 0 in holes. */
+/* sum: r z of each row.  sum_also: a z of each row.  z is set to 0 in holes. */
 static void multiply(void *job, int32_t part, int32_t item)
 {
     ntp__weighted *w = job;
@@ -177,7 +178,7 @@ typedef struct progress {
     double share;
 } progress;
 
-/* log2, roughly */
+/* About log2 of v. */
 static double magnitude_of(double v)
 {
     int32_t sum = 0;
@@ -205,7 +206,8 @@ static bool stopped(const ntp__weighted *w, progress *p, double error)
     return hooks->progress(hooks->user, p->share) != 0;
 }
 
-/* z and the error of r: the root of r z, about the root of the sum of weight (error of slope)^2. */
+/* Makes z, and returns the error of r.  It is the root of r z, which is about the root of the sum
+ * of weight (error of slope)^2. */
 static double precondition(ntp__weighted *w)
 {
     ntp__weighted_precondition(w);
@@ -214,7 +216,7 @@ static double precondition(ntp__weighted *w)
     return rz > 0 ? sqrt(rz) : 0;
 }
 
-/* From x on, r being its residual and z = dst that after the preconditioner; *error is that of r. */
+/* Iterates from x on.  r is the residual of x, dst is z, and *error is the error of r. */
 static ntp_status descend(ntp__weighted *w, double *error, double goal, int32_t most,
                           int32_t *iterations, progress *p)
 {
@@ -227,7 +229,7 @@ static ntp_status descend(ntp__weighted *w, double *error, double goal, int32_t 
         ntp__weighted_apply(w, w->a, w->d, false);
         double curvature = total(w->sum, w->height);
         if (!(curvature > 0))
-            return NTP_OK; /* d is rounding errors: so will the residual be */
+            return NTP_OK; /* d is only rounding errors, and so will the residual be */
         w->alpha = rz / curvature;
         each_band(w, step);
         *error = precondition(w);
@@ -239,7 +241,8 @@ static ntp_status descend(ntp__weighted *w, double *error, double goal, int32_t 
     return NTP_OK;
 }
 
-/* Repeats until the residual worked out from the slopes is small enough, or nothing helps. */
+/* Repeats until the residual that is worked out from the slopes is small enough, or nothing more
+ * helps. */
 static ntp_status iterate(ntp__weighted *w, double scale, ntp_height_result *result)
 {
     int32_t most = w->plan->max_iterations;

@@ -2,18 +2,18 @@
 /*
  * weights.c - the weights of weighted least squares, and its holes
  *
- * A level of error in x and y is an error of the slope that grows with the slope.  With n = (x, y, z)
- * and errors of one variance in each, that of x/z is (z^2 + x^2)/z^4 times as much where z is stored,
- * and ((z^2 + x^2)^2 + (x y)^2)/z^6 where it is derived from x and y.
+ * An error of one level in x or y makes an error of the slope that grows with the slope.  Let
+ * n = (x, y, z) have errors of the same variance in each.  Then x/z has (z^2 + x^2)/z^4 times that
+ * variance if z is stored, and ((z^2 + x^2)^2 + (x y)^2)/z^6 times if z is derived from x and y.
  */
 #include "to_height/weighted/weighted.h"
 
 #include "to_height/shared/holes.h"
 
-/* Weights below it would make the steepest texels as good as holes, and the iteration slow. */
+/* Lower weights would make the steepest texels almost holes, and the iteration slow. */
 static const double least_weight = 0.01;
 
-/* The weight of a slope of p; q is the other one.  1 where the texel is flat. */
+/* The weight of slope p; q is the other slope of the texel.  A flat texel has weight 1. */
 static double weight_of(const ntp__weighted *w, double p, double q)
 {
     if (w->even)
@@ -23,7 +23,7 @@ static double weight_of(const ntp__weighted *w, double p, double q)
     return weight > least_weight ? weight : least_weight;
 }
 
-/* hole = 1 in the holes of a row, else 0; counts them. */
+/* Sets hole to 1 in the holes of a row and to 0 elsewhere, and counts them. */
 static void mark_holes(const ntp__weighted *w, ntp__weighted_part *part, double *hole, int32_t y)
 {
     for (int32_t x = 0; x < w->width; x += NTP__BLOCK) {
@@ -40,7 +40,7 @@ static void mark_holes(const ntp__weighted *w, ntp__weighted_part *part, double 
     }
 }
 
-/* Weights of a row, and where its holes are. */
+/* Sets the weights of a row, and where its holes are. */
 static void set_row(ntp__weighted *w, ntp__weighted_part *part, int32_t y)
 {
     double *p = part->spare[0], *q = part->spare[1], energy = 0;
@@ -67,7 +67,8 @@ static void set_band(void *job, int32_t part, int32_t item)
         set_row(w, &w->parts[part], y);
 }
 
-/* Marks the slopes whose stencil reads a hole; w->stencil has the magnitudes of its weights. */
+/* Marks the slopes whose stencil reads a hole.  w->stencil has the magnitudes of its weights
+ * now. */
 static void mark_band(void *job, int32_t part, int32_t item)
 {
     ntp__weighted *w = job;
