@@ -7,7 +7,7 @@ quietly() { # quietly LOG COMMAND...: shows the log only on failure
     "$@" >"$quiet_log" 2>&1 || { cat "$quiet_log"; die "failed: $*"; }
 }
 
-# What the build looks for by pkg-config; what it finds decides what is built.
+# The build looks for these by pkg-config, and what it finds decides what is built.
 looked_for="libpng zlib libjpeg popt jansson gegl-0.4 gimp-3.0 gimpui-3.0 gimp-2.0 gimpui-2.0"
 
 first_line() { "$@" 2>/dev/null | sed -n 1p; }

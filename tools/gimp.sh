@@ -28,7 +28,7 @@ gimp3_chroot() {
     want mmdebstrap has mmdebstrap
     install_missing
     say "making a chroot of Debian $gimp3_suite with GIMP 3 in $chroot (about 1 GB, once)"
-    # From the mirror that this machine uses.
+    # The packages come from the mirror that this machine uses.
     mirror=$(apt-get indextargets --format '$(REPO_URI)' 'Created-By: Packages' 'Origin: Debian' \
         'Label: Debian' 2>/dev/null | head -n 1)
     rm -f "$chroot.made"

@@ -15,7 +15,7 @@ format() {
 }
 
 lint_cppcheck() {
-    # Suppressed: loops that do fill what cppcheck takes for uninitialized.
+    # Suppressed: cppcheck does not see that loops fill these variables.
     cppcheck --quiet --std=c11 --enable=warning,performance,portability --inline-suppr \
         --suppress=missingIncludeSystem --suppress=uninitvar:libntp/src/base/bignum.c \
         --suppress=legacyUninitvar:io/png_write.c \

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-# What must be there: Debian packages by apt, Python tools into .venv; only what is missing.
+# Installs what is missing: Debian packages by apt, Python tools into .venv.
 
 patiently() { # patiently COMMAND...: what needs the network, three times if need be
     for pause in 5 30 0; do

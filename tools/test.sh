@@ -26,7 +26,7 @@ pytest_of() { # pytest_of DIR ARG...: the built files come from this directory o
     NTP_BUILD=$top/$pytest_dir python -m pytest -q -p no:cacheprovider "$@"
 }
 
-# On all cores; --dist loadgroup: modules that start GIMP stay in one process.
+# Runs on all cores.  --dist loadgroup keeps modules that start GIMP in one process.
 pytest_all() { pytest_of build -rs -n "$jobs" --dist loadgroup tests; }
 
 c_tests() { meson_test build --no-suite sweep --no-suite exhaustive --no-suite python; }
@@ -39,7 +39,7 @@ c_tests_sanitized() {
 }
 
 pytest_sanitized() {
-    # Python's own allocations at exit are no leaks of ours; the C tests look for leaks.
+    # What Python still holds at exit is no leak of the library; the C tests look for leaks.
     plain_addresses env NTP_BUILD=$top/build-asan NTP_SANITIZED=1 \
         LD_PRELOAD="$(cc -print-file-name=libasan.so) $(cc -print-file-name=libubsan.so)" \
         ASAN_OPTIONS=detect_leaks=0 UBSAN_OPTIONS=print_stacktrace=1:halt_on_error=1 \
@@ -47,7 +47,7 @@ pytest_sanitized() {
         tests --ignore=tests/test_exhaustive.py
 }
 
-# For --quick: single texels, what ntp says and writes, the table of test_files.
+# --quick runs these: single texels, what ntp says and writes, the table of test_files.
 quick_tests="tests/test_levels.py tests/test_inspect.py tests/test_files_table.py
     tests/cli/test_check.py tests/cli/test_program.py tests/cli/test_write.py"
 pytest_quick() { pytest_of build -n "$jobs" --dist loadgroup $quick_tests; }
