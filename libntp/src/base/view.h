@@ -16,8 +16,8 @@
  * and each block of at most NTP__BLOCK texels, they unpack to planar levels, work, and pack.  So
  * most of them need not know about types, strides and channel counts.
  */
-#ifndef NTP_INTERNAL_H
-#define NTP_INTERNAL_H
+#ifndef NTP_VIEW_H
+#define NTP_VIEW_H
 
 #include "libntp.h"
 

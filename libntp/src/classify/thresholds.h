@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* thresholds.h - the thresholds of classify.c and choose_method.c, each with its reason */
-#ifndef NTP_CLASSIFY_H
-#define NTP_CLASSIFY_H
+#ifndef NTP_THRESHOLDS_H
+#define NTP_THRESHOLDS_H
 
 /* Gray images: compression and palettes leave a few texels that are not quite gray. */
 static const double GRAY_SHARE = 0.98;
