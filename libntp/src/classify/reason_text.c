@@ -45,14 +45,14 @@ static const char *const TEXTS[] = {
     "red and green vary together, with a correlation of #, as the colors of a picture do",
     "every used texel is a correctly rounded unit vector",
     "the file format is lossy",
-    "all three channels are off: the length error of steep texels is # times that of shallow "
-    "ones",
+    ("all three channels are off: the length error of steep texels is # times that of shallow "
+     "ones"),
     "only blue is off: the length error of steep texels is # times that of shallow ones",
     "blue is far off in % of the used texels, and the others are right",
     "blue is not z",
     "it is so flat that deriving and normalizing give about the same result",
-    "% of the used texels are too long, and hardly any is too short, which only a wrong blue "
-    "causes",
+    ("% of the used texels are too long, and hardly any is too short, which only a wrong blue "
+     "causes"),
     "all three channels vary together, with a correlation of #, as after lossy compression",
     "blue varies with the z of red and green, with a correlation of #",
 };
