@@ -92,8 +92,19 @@ need_python_tools() {
     install_missing
 }
 
+links_fuzzers() { # clang's own libraries are a package apart
+    fuzzer=$(mktemp)
+    fuzzer_status=0
+    printf 'int LLVMFuzzerTestOneInput(const char *b, long n) { return b && n < 0; }\n' |
+        clang -x c -fsanitize=fuzzer,address,undefined -o "$fuzzer" - || fuzzer_status=1
+    rm -f "$fuzzer"
+    return $fuzzer_status
+}
+
 need_fuzz_tools() {
     want clang has clang
+    install_missing
+    want libclang-rt-dev links_fuzzers
     install_missing
 }
 
