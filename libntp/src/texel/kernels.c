@@ -219,27 +219,13 @@ static inline void derive_loop(int32_t *restrict want, const int32_t *restrict r
     }
 }
 
-ONE_COPY static void derive_lanes(int32_t *want, const int32_t *r, const int32_t *g, int32_t n,
-                                  int32_t m, int32_t zzero)
+static void derive(int32_t *want, const int32_t *r, const int32_t *g, int32_t n, int32_t m,
+                   int32_t zzero)
 {
     if (zzero)
         derive_loop(want, r, g, n, m, 1);
     else
         derive_loop(want, r, g, n, m, 0);
-}
-
-static void derive(int32_t *want, const int32_t *r, const int32_t *g, int32_t n, int32_t m,
-                   int32_t zzero)
-{
-    int32_t whole = n / LANES * LANES, in[2][LANES] = { { 0 } }, out[LANES];
-    size_t rest = (size_t) (n - whole) * sizeof *want;
-    derive_lanes(want, r, g, whole, m, zzero);
-    if (rest == 0)
-        return;
-    memcpy(in[0], r + whole, rest);
-    memcpy(in[1], g + whole, rest);
-    derive_lanes(out, in[0], in[1], LANES, m, zzero);
-    memcpy(want + whole, out, rest);
 }
 
 static int32_t clean_rgb16(uint16_t *dst, const uint16_t *src, int32_t n, int32_t zzero,
