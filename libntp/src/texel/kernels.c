@@ -76,7 +76,7 @@ static inline void store64le(uint8_t *p, uint64_t v)
 
 enum {
     RGB = 0xffffff,
-    LANES = 32 /* the loops over planes do a multiple of these, so that none has a remainder */
+    LANES = 32 /* most loops over planes do a multiple of these, so that they have no remainder */
 };
 
 static inline uint32_t load24le(const uint8_t *p)
