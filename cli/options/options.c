@@ -209,6 +209,9 @@ const option_spec OPTION_TABLE[] = {
       "treat pure black, pure white and transparent texels like any other" },
     { OPT_DRY_RUN, "dry-run", 'n', KIND_FLAG, NULL, NULL, 0, 0, V_CLEAN | V_CONVERT,
       "write nothing, say what would change" },
+    { OPT_FORCE, "force", 0, KIND_FLAG, NULL, NULL, 0, 0, V_WRITES,
+      "write in spite of what the input is: a named file that would be refused is taken for a "
+      "standard texture. -o may also name an input" },
     { OPT_LEVEL, "level", 0, KIND_INTEGER, "0..9", NULL, 0, 9, V_WRITES,
       "compression level of PNG output; default: fast, and nearly as small for normals" },
 

@@ -57,6 +57,7 @@ typedef enum option_id {
     OPT_ONLY_CHANGED,
     OPT_TOUCH_UNUSED,
     OPT_DRY_RUN,
+    OPT_FORCE,
     OPT_FROM,
     OPT_TO,
     OPT_FROM_Y,

@@ -111,13 +111,22 @@ static void view_detail(layer *l)
         source_view(&l->s, class_encoding(l->f.type.type, channels), NTP_Y_UP, NULL, 0);
 }
 
+static bool examine_detail(layer *l, const options *o, ntpio_error *error)
+{
+    if (!examine(&l->s, forced_class(o), &l->f, error))
+        return false;
+    if (has_tangent_normals(&l->f, false) || !option_given(o, OPT_FORCE))
+        return true;
+    facts_free(&l->f);
+    return source_rewind(&l->s, error) && examine(&l->s, NTP_CLASS_STANDARD, &l->f, error);
+}
+
 static unsigned read_detail(layer *l, settings *set, const options *o, const ntpio_limits *limits)
 {
     ntpio_error error = { 0 };
     l->in = (input) { .path = o->paths[1], .named = true };
     l->w = worker_new();
-    if (!source_open(&l->s, l->w, &l->in, limits, &error) ||
-        !examine(&l->s, forced_class(o), &l->f, &error)) {
+    if (!source_open(&l->s, l->w, &l->in, limits, &error) || !examine_detail(l, o, &error)) {
         complain("%s", error.message);
         return RAN_FAILED;
     }

@@ -31,9 +31,9 @@ static bool needs_change(const maker *m)
     return is_in_place(m) || option_given(m->o, OPT_ONLY_CHANGED);
 }
 
-static bool one_row_tells(const maker *m)
+static bool one_row_tells(const production *p)
 {
-    return m->plan == PLAN_AS_TOLD && m->forced >= 0;
+    return p->m->plan == PLAN_AS_TOLD && p->forced >= 0;
 }
 
 /* ----------------------------------------------------------------------- one file */
@@ -117,7 +117,7 @@ static pass_end run_pass(production *p, bool writes, ntpio_error *error)
     ntp_rect area;
     int more;
     while ((more = source_next(&p->s, &area, error)) > 0) {
-        const ntp_rect seen = { area.x0, area.y0, area.x1, one_row_tells(p->m) ? 1 : area.y1 };
+        const ntp_rect seen = { area.x0, area.y0, area.x1, one_row_tells(p) ? 1 : area.y1 };
         const bool skip = p->known || seen.y0 >= seen.y1;
         const ntp_status status =
             skip ? NTP_OK : ntp_tally_add(p->w->tally, &view, p->touch, &seen);
@@ -169,7 +169,7 @@ static void view_as_known(production *p)
 /* Reads the file once, so that the facts are known when the rows are made. */
 static outcome know_first(production *p, ntpio_error *error)
 {
-    if (!examine(&p->s, p->m->forced, &p->f, error))
+    if (!examine(&p->s, p->forced, &p->f, error))
         return UNREADABLE;
     if (is_refused(p))
         return refuse(p, error);
@@ -199,7 +199,7 @@ static outcome speculate(production *p, bool writes, ntpio_error *error)
             return end_of(end);
         if (p->known)
             return finish(p, error);
-        if (!facts_from_tally(&p->f, &p->s, p->m->forced, error))
+        if (!facts_from_tally(&p->f, &p->s, p->forced, error))
             return UNREADABLE;
         if (is_refused(p))
             return refuse(p, error);
@@ -241,13 +241,11 @@ static bool replaces_jpeg(const production *p, ntpio_error *error)
     return true;
 }
 
-outcome make_output(production *p, ntpio_error *error)
+static outcome make_as_known(production *p, ntpio_error *error)
 {
     const maker *m = p->m;
-    const bool gray = p->s.info->channels < 3 && m->forced < 0;
-    if (replaces_jpeg(p, error))
-        return FAILED;
-    first_view(&p->s, m->forced);
+    const bool gray = p->s.info->channels < 3 && p->forced < 0;
+    first_view(&p->s, p->forced);
     outcome done = MADE;
     const bool dry_run = is_dry_run(m), only_changed = needs_change(m);
     const bool final = !dry_run && !can_be_dropped(p->in->output);
@@ -276,4 +274,19 @@ outcome make_output(production *p, ntpio_error *error)
         return UNCHANGED;
     }
     return ntpio_commit(writer, error) ? MADE : FAILED;
+}
+
+outcome make_output(production *p, ntpio_error *error)
+{
+    p->forced = p->m->forced;
+    if (replaces_jpeg(p, error))
+        return FAILED;
+    const outcome done = make_as_known(p, error);
+    if (done != REFUSED || !option_given(p->m->o, OPT_FORCE))
+        return done;
+    ntpio_abort(p->writer);
+    p->writer = NULL;
+    facts_free(&p->f);
+    p->forced = NTP_CLASS_STANDARD;
+    return source_rewind(&p->s, error) ? make_as_known(p, error) : UNREADABLE;
 }

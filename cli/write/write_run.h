@@ -33,6 +33,7 @@ typedef struct production {
     worker *w;
     source s;
     facts f;              /* complete when `finish` and `describe` are called */
+    int forced;           /* the maker's, or what --force takes a refused file for */
     bool known;           /* the facts are known before the rows come */
     uint32_t touch;       /* unused texels to treat like others, for this encoding */
     ntpio_writer *writer; /* NULL: nothing is written in this pass */

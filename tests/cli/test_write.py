@@ -10,6 +10,7 @@ import pytest
 from PIL import Image
 
 from support import oracle, textures
+from support.libntp_ffi import ROOT
 from support.pngs import read_png, tga_bytes, write_png
 
 
@@ -127,6 +128,26 @@ def test_refusals(run, tmp_path):
     (tmp_path / "out.png").unlink()
     done = run("clean", ".", "-o", "d")  # of a directory: left out, no failure
     assert done.returncode == 0 and "left out" in done.stdout
+    assert not list(tmp_path.glob("d/*"))
+
+
+@pytest.mark.parametrize("name", ["height_gray8.png", "object_space.png", "photograph.png"])
+def test_force_takes_what_is_refused_for_standard(run, tmp_path, name):
+    files = ROOT / "test_files"
+    verbs = {"clean": [], "heatmap": [], "transform": ["--flip", "x"], "resize": ["--size", "50%"]}
+    for verb, options in verbs.items():
+        done = run(verb, files / name, "-o", "no.png", *options)
+        assert done.returncode == 1 and not (tmp_path / "no.png").exists(), done.stderr
+        done = run(verb, files / name, "-o", f"{verb}.png", "--force", *options)
+        assert done.returncode == 0, done.stderr
+        run(verb, files / name, "-o", "told.png", "--type", "standard", *options)
+        assert (tmp_path / f"{verb}.png").read_bytes() == (tmp_path / "told.png").read_bytes()
+        (tmp_path / "told.png").unlink()
+
+
+def test_force_leaves_what_a_directory_holds_besides(run, tmp_path):
+    write_png(tmp_path / "p.png", textures.photograph())
+    assert run("clean", ".", "-o", "d", "--force").returncode == 0
     assert not list(tmp_path.glob("d/*"))
 
 
