@@ -3,8 +3,11 @@
  * findings.h - what `ntp check` can find, and the judging of one file
  *
  * The room of findings.
- *   findings.c  the table: id, level, title, reason and remedy; docs/findings.md is made from it
- *   rules.c     from the facts of a file to its findings
+ *   findings.c     the table: id, level, title, reason and remedy; docs/findings.md is made from it
+ *   rules.c        from the facts of a file to its findings; judgement.h is what its parts share
+ *   class_rules.c  what a texture is, and what was done to it as a whole
+ *   texel_rules.c  lengths, z, flat color, tilt
+ *   file_rules.c   name, green, surface, storage
  */
 #ifndef NTP_CLI_FINDINGS_H
 #define NTP_CLI_FINDINGS_H

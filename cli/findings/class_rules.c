@@ -1,0 +1,74 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * class_rules.c - findings of what a texture is, and of what was done to it as a whole
+ */
+#include "findings/judgement.h"
+
+void judge_class(judgement *j)
+{
+    const facts *f = j->f;
+    const ntp_stats *s = &f->stats;
+    if (f->forced)
+        return;
+    switch (f->type.type) {
+    case NTP_CLASS_ZZERO:
+        addf(j, NT005, LEVEL_INFO, s->texels, "blue stores z in 0..1 (Z-zero), not in -1..1");
+        break;
+    case NTP_CLASS_XY:
+        addf(j, NT006, LEVEL_INFO, s->texels, "%s",
+             f->info.channels > 2
+                 ? "only red and green hold a normal; blue is not z and is not judged"
+                 : "gray and alpha hold x and y, in this order or the other");
+        break;
+    case NTP_CLASS_HEIGHT:
+        addf(j, NT007, LEVEL_ERROR, s->texels, "this looks like a height map, not like normals");
+        break;
+    case NTP_CLASS_OBJECT_SPACE:
+        addf(j, NT009, LEVEL_WARNING, s->texels,
+             "normals point in all directions: object space, not tangent space");
+        break;
+    case NTP_CLASS_NOT_NORMALS:
+        addf(j, NT008, LEVEL_ERROR, s->texels,
+             "this is not a normals texture: its colors are not those of unit vectors");
+        break;
+    default:
+        break;
+    }
+}
+
+void judge_accidents(judgement *j)
+{
+    const facts *f = j->f;
+    const uint32_t a = f->type.accidents;
+    const uint64_t n = f->stats.texels;
+    if (f->forced && f->type.type == NTP_CLASS_HEIGHT)
+        return;
+    if ((a & NTP_ACCIDENT_BLUE_CONSTANT) != 0 && f->encoding != NTP_ENCODING_XY &&
+        f->type.type != NTP_CLASS_ONE_COLOR)
+        addf(j, NT004, LEVEL_WARNING, n, "blue is %u in every texel: it was not computed",
+             (unsigned) f->stats.channel[2].min);
+    if ((a & NTP_ACCIDENT_RED_IS_Z) != 0)
+        addf(j, NT012, LEVEL_ERROR, n, "red and blue seem to be swapped: red holds z");
+    else if ((a & NTP_ACCIDENT_GREEN_IS_Z) != 0)
+        addf(j, NT012, LEVEL_ERROR, n, "green and blue seem to be swapped: green holds z");
+    else if ((a & NTP_ACCIDENT_DXT5NM) != 0 && f->info.channels > 2)
+        addf(j, NT012, LEVEL_ERROR, n, "packed as DXT5nm: x is in alpha, y in green");
+    if ((a & NTP_ACCIDENT_GAMMA) != 0)
+        addf(j, NT040, LEVEL_ERROR, f->stats.near_gamma_flat,
+             "flat texels lie near 188, not 128: the numbers were converted to sRGB");
+    if ((a & NTP_ACCIDENT_LOSSY) != 0 && !f->info.lossy)
+        addf(j, NT032, LEVEL_WARNING, n,
+             "the texels show lossy compression, although the file is lossless");
+    if ((a & NTP_ACCIDENT_FILTERED) != 0 && !f->info.lossy)
+        addf(j, NT035, LEVEL_WARNING, n,
+             "normals are too short where the surface is curved: resized or blurred, not "
+             "normalized");
+}
+
+bool has_misplaced_channels(const facts *f)
+{
+    const uint32_t misplaced = NTP_ACCIDENT_RED_IS_Z | NTP_ACCIDENT_GREEN_IS_Z |
+                               NTP_ACCIDENT_GAMMA |
+                               (f->info.channels > 2 ? NTP_ACCIDENT_DXT5NM : 0);
+    return (f->type.accidents & misplaced) != 0;
+}
