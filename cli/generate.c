@@ -81,7 +81,7 @@ static void man_verb(text *t, const verb_spec *verb)
     roff(t, verb->description);
     text_char(t, '\n');
     for (size_t i = 0; i < OPTION_ROWS; i++) {
-        if ((OPTION_TABLE[i].verbs & verb_bit(verb)) != 0)
+        if (option_is_shown(&OPTION_TABLE[i], verb))
             man_option(t, &OPTION_TABLE[i]);
     }
     man_examples(t, verb->examples);
@@ -150,7 +150,7 @@ static void bash_verb(text *t, const verb_spec *verb)
     text all = { 0 };
     for (size_t i = 0; i < OPTION_ROWS; i++) {
         const option_spec *row = &OPTION_TABLE[i];
-        if ((row->verbs & verb_bit(verb)) == 0)
+        if (!option_is_shown(row, verb))
             continue;
         text_addf(&all, " --%s", row->name);
         if (row->letter != 0)
@@ -261,7 +261,7 @@ static void generate_zsh(text *t)
     for (size_t i = 0; i < VERB_ROWS; i++) {
         text_addf(t, "    %s)\n        _arguments -s \\\n", VERB_TABLE[i].name);
         for (size_t k = 0; k < OPTION_ROWS; k++) {
-            if ((OPTION_TABLE[k].verbs & verb_bit(&VERB_TABLE[i])) != 0)
+            if (option_is_shown(&OPTION_TABLE[k], &VERB_TABLE[i]))
                 zsh_option(t, &OPTION_TABLE[k]);
         }
         text_add(t, "            '*:path:_files'\n        ;;\n");
@@ -316,7 +316,7 @@ static void generate_fish(text *t)
     text_add(t, "complete -c ntp -n __fish_use_subcommand -f -a help -d 'print help'\n");
     for (size_t i = 0; i < VERB_ROWS; i++) {
         for (size_t k = 0; k < OPTION_ROWS; k++) {
-            if ((OPTION_TABLE[k].verbs & verb_bit(&VERB_TABLE[i])) != 0)
+            if (option_is_shown(&OPTION_TABLE[k], &VERB_TABLE[i]))
                 fish_option(t, &OPTION_TABLE[k], &VERB_TABLE[i]);
         }
     }

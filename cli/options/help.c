@@ -54,7 +54,7 @@ void help_verb(text *t, const verb_spec *verb)
     text_wrap(t, verb->description, 0, 0, HELP_WIDTH);
     text_add(t, "\n\nOptions:\n");
     for (size_t i = 0; i < OPTION_ROWS; i++) {
-        if ((OPTION_TABLE[i].verbs & verb_bit(verb)) != 0)
+        if (option_is_shown(&OPTION_TABLE[i], verb))
             help_option(t, &OPTION_TABLE[i]);
     }
     help_examples(t, verb->examples);

@@ -3,11 +3,12 @@
  * options.c - the table of verbs and options
  *
  * An option may have several rows, each with a mask of the verbs that it is for.  The order is that
- * of the help.  tests/cli/test_names.py holds the choices equal to the values of libntp.h.
+ * of the help.  A row without a help text is an older name, which is accepted and not shown.  tests/cli/test_names.py holds the choices equal to the values of libntp.h.
  */
 #include "options/options.h"
 
 #define TYPES     "auto|standard|zzero|xy|height"
+#define Y_WORDS   "up|down|opengl|directx"
 #define VERDICTS  "neighbor|rounded|exact"
 #define ENCODINGS "standard|zzero|xy"
 #define FORMATS   "text|json"
@@ -21,8 +22,12 @@ const option_spec OPTION_TABLE[] = {
       V_CHECK | V_CLEAN | V_HEATMAP | V_DUMP | V_DIFF | V_TRANSFORM | V_RESIZE | V_BLEND,
       "what the files are; auto: detect it from their texels. Any other value is final: files "
       "that would be refused or classified as something else are taken for this" },
-    { OPT_Y, "y", 0, KIND_CHOICE, "auto|up|down", "auto", 0, 0, V_CHECK,
-      "which way green points: up (OpenGL, glTF, USD) or down (DirectX)" },
+    { OPT_Y, "y", 0, KIND_CHOICE, "auto|" Y_WORDS, "auto", 0, 0, V_CHECK,
+      "which way green should point: up (OpenGL, glTF, USD) or down (DirectX)" },
+    { OPT_Y, "y", 0, KIND_CHOICE, "auto|" Y_WORDS, "auto", 0, 0,
+      V_CLEAN | V_HEATMAP | V_DUMP | V_DIFF | V_RESIZE,
+      "which way green points: up (OpenGL, glTF, USD) or down (DirectX). The result is the same "
+      "for both" },
     { OPT_VERDICT, "verdict", 0, KIND_CHOICE, VERDICTS, "neighbor", 0, 0, V_CHECK,
       "how strictly a texel is judged. neighbor: within one level of unit length; rounded: a "
       "correctly rounded unit vector; exact: blue is the one that red and green imply" },
@@ -61,13 +66,15 @@ const option_spec OPTION_TABLE[] = {
       "leave texels that pass --verdict as they are" },
     { OPT_ONLY_CHANGED, "only-changed", 0, KIND_FLAG, NULL, NULL, 0, 0, V_CLEAN,
       "write only files in which a texel changes" },
-    { OPT_FROM, "from", 0, KIND_CHOICE, ENCODINGS, "standard", 0, 0, V_CONVERT,
+    { OPT_TYPE, "type", 0, KIND_CHOICE, ENCODINGS, "standard", 0, 0, V_CONVERT,
       "how the input stores a normal: standard: x, y, z in -1..1; zzero: z in 0..1; xy: no z" },
     { OPT_TO, "to", 0, KIND_CHOICE, ENCODINGS, "standard", 0, 0, V_CONVERT,
       "how the output stores it" },
-    { OPT_FROM_Y, "from-y", 0, KIND_CHOICE, "up|down", "up", 0, 0, V_CONVERT,
+    { OPT_TYPE, "from", 0, KIND_CHOICE, ENCODINGS, NULL, 0, 0, V_CONVERT, NULL },
+    { OPT_Y, "y", 0, KIND_CHOICE, Y_WORDS, "up", 0, 0, V_CONVERT,
       "which way green points in the input: up (OpenGL) or down (DirectX)" },
-    { OPT_TO_Y, "to-y", 0, KIND_CHOICE, "up|down", "up", 0, 0, V_CONVERT,
+    { OPT_Y, "from-y", 0, KIND_CHOICE, Y_WORDS, NULL, 0, 0, V_CONVERT, NULL },
+    { OPT_TO_Y, "to-y", 0, KIND_CHOICE, Y_WORDS, "up", 0, 0, V_CONVERT,
       "which way green points in the output" },
     { OPT_DEPTH, "depth", 0, KIND_CHOICE, "8|16", NULL, 0, 0, V_CONVERT,
       "bits of each sample of the output; default: as the input" },
@@ -108,7 +115,7 @@ const option_spec OPTION_TABLE[] = {
       "gegl:10, gimp-normalmap:sobel3:1 (docs/equivalences.md); other options override them" },
     { OPT_TO, "to", 0, KIND_CHOICE, ENCODINGS, "standard", 0, 0, V_FROM_HEIGHT,
       "how the output stores a normal: standard: x, y, z in -1..1; zzero: z in 0..1; xy: no z" },
-    { OPT_TO_Y, "to-y", 0, KIND_CHOICE, "up|down", "up", 0, 0, V_FROM_HEIGHT,
+    { OPT_TO_Y, "to-y", 0, KIND_CHOICE, Y_WORDS, "up", 0, 0, V_FROM_HEIGHT,
       "which way green points: up (OpenGL, glTF, USD) or down (DirectX)" },
     { OPT_DEPTH, "depth", 0, KIND_CHOICE, "8|16", NULL, 0, 0, V_FROM_HEIGHT,
       "bits of each sample of the output; default: as the input" },
@@ -125,12 +132,14 @@ const option_spec OPTION_TABLE[] = {
     { OPT_CHANNELS, "channels", 0, KIND_STRING, "SPEC", NULL, 0, 0, V_FROM_HEIGHT,
       "what each channel of the output holds, one letter each of x y z 0 1, h (height) and a "
       "(alpha): xyz, xzy, xyzh, 1y0x" },
-    { OPT_FROM, "from", 0, KIND_CHOICE, "auto|" ENCODINGS, "auto", 0, 0, V_TO_HEIGHT,
+    { OPT_TYPE, "type", 0, KIND_CHOICE, "auto|" ENCODINGS, "auto", 0, 0, V_TO_HEIGHT,
       "how the input stores a normal; auto: detect it from the texels. Any other value is "
       "final: files that would be refused are taken for this" },
-    { OPT_FROM_Y, "from-y", 0, KIND_CHOICE, "auto|up|down", "auto", 0, 0, V_TO_HEIGHT,
+    { OPT_TYPE, "from", 0, KIND_CHOICE, "auto|" ENCODINGS, NULL, 0, 0, V_TO_HEIGHT, NULL },
+    { OPT_Y, "y", 0, KIND_CHOICE, "auto|" Y_WORDS, "auto", 0, 0, V_TO_HEIGHT,
       "which way green points: up (OpenGL) or down (DirectX); auto: detect it from the texels, "
       "else from the name of the file, else up" },
+    { OPT_Y, "from-y", 0, KIND_CHOICE, "auto|" Y_WORDS, NULL, 0, 0, V_TO_HEIGHT, NULL },
     { OPT_KERNEL, "kernel", 0, KIND_CHOICE, "auto|" KERNELS "|baked", "auto", 0, 0, V_TO_HEIGHT,
       "how the slopes were computed from heights; baked: they are those of a surface, at texel "
       "centers. auto: the one that fits best, else central" },
@@ -174,7 +183,7 @@ const option_spec OPTION_TABLE[] = {
       "x: exchange left and right; y: exchange top and bottom; done before --rotate" },
     { OPT_ROTATE, "rotate", 0, KIND_CHOICE, "90|180|270", NULL, 0, 0, V_TRANSFORM,
       "turn clockwise by this many degrees" },
-    { OPT_Y, "y", 0, KIND_CHOICE, "up|down", "up", 0, 0, V_TRANSFORM,
+    { OPT_Y, "y", 0, KIND_CHOICE, Y_WORDS, "up", 0, 0, V_TRANSFORM,
       "which way green points: up (OpenGL, glTF, USD) or down (DirectX)" },
     { OPT_SIZE, "size", 0, KIND_STRING, "WxH|P%", NULL, 0, 0, V_RESIZE,
       "the new size in texels, such as 512x256, or in percent of the old one" },
@@ -195,9 +204,9 @@ const option_spec OPTION_TABLE[] = {
       "sums, cheaper in shaders, weaker on slopes (docs/operations.md)" },
     { OPT_STRENGTH, "strength", 0, KIND_NUMBER, "S", "1", -1024, 1024, V_BLEND,
       "multiply the slopes of the detail first" },
-    { OPT_Y, "y", 0, KIND_CHOICE, "up|down", "up", 0, 0, V_BLEND,
+    { OPT_Y, "y", 0, KIND_CHOICE, Y_WORDS, "up", 0, 0, V_BLEND,
       "which way green points in BASE and in the output" },
-    { OPT_DETAIL_Y, "detail-y", 0, KIND_CHOICE, "up|down", "up", 0, 0, V_BLEND,
+    { OPT_DETAIL_Y, "detail-y", 0, KIND_CHOICE, Y_WORDS, "up", 0, 0, V_BLEND,
       "which way green points in DETAIL" },
     { OPT_PALETTE, "palette", 0, KIND_CHOICE, "reference|safe", "reference", 0, 0, V_HEATMAP,
       "reference: red: x, y too long, green: wrong length, blue: negative z; safe: colors that "
@@ -293,11 +302,11 @@ const verb_spec VERB_TABLE[] = {
       "and green down (DirectX), and rearranges channels. Nothing is repaired: each number is "
       "converted by value, correctly rounded. A clean texture stays clean. Unused texels keep "
       "their color.",
-      "ntp convert wall_dx.png -o wall_gl.png --from-y down\n"
+      "ntp convert wall_dx.png -o wall_gl.png --y down\n"
       "  DirectX to OpenGL\n"
       "ntp convert wall_n.png -o wall16.png --depth 16\n"
       "  8 bit to 16 bit\n"
-      "ntp convert labpbr_n.png -o full_n.png --from xy\n"
+      "ntp convert labpbr_n.png -o full_n.png --type xy\n"
       "  compute the missing blue\n"
       "ntp convert packed.png -o plain.png --from-channels -y-x\n"
       "  unpack DXT5nm\n" },
@@ -375,11 +384,11 @@ const verb_spec VERB_TABLE[] = {
       "--scale, kernel and border makes the same normals again.\n"
       "What the texture does not say (which way green points, whether it tiles, how it was "
       "made) is detected from its texels if possible, and printed; options override it. An "
-      "image that does not hold tangent-space normals is refused unless --from says what it is. "
+      "image that does not hold tangent-space normals is refused unless --type says what it is. "
       "The image is held in memory: its samples, and 4 bytes a texel; 40 more with --method "
       "weighted.",
       "ntp to-height wall_n.png -o wall_height.png\n"
-      "ntp to-height wall_n.png -o wall_height.png --border wrap --from-y down\n"
+      "ntp to-height wall_n.png -o wall_height.png --border wrap --y down\n"
       "  a texture that tiles, for DirectX\n"
       "ntp to-height decal_n.png -o decal_height.png --mask decal_mask.png\n"
       "  no surface where the mask is black\n"

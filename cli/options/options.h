@@ -58,9 +58,7 @@ typedef enum option_id {
     OPT_TOUCH_UNUSED,
     OPT_DRY_RUN,
     OPT_FORCE,
-    OPT_FROM,
     OPT_TO,
-    OPT_FROM_Y,
     OPT_TO_Y,
     OPT_DEPTH,
     OPT_CHANNELS,
@@ -134,7 +132,7 @@ typedef struct option_spec {
     const char *standard; /* the default, as a user would type it; NULL: none */
     double least, most;   /* of numbers */
     unsigned verbs;
-    const char *help;
+    const char *help; /* NULL: an older name, which is accepted and not shown */
 } option_spec;
 
 typedef struct verb_spec {
@@ -175,6 +173,8 @@ void options_free(options *o);
 const option_spec *option_row(option_id id, unsigned verb_bit);
 const verb_spec *verb_find(const char *name);
 unsigned verb_bit(const verb_spec *verb);
+/* Do the help, the man page and the completions of the verb name this row? */
+bool option_is_shown(const option_spec *row, const verb_spec *verb);
 
 /* The programs ntp-NAME that the Python package puts beside ntp. */
 typedef struct companion {

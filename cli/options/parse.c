@@ -27,6 +27,11 @@ unsigned verb_bit(const verb_spec *verb)
     return 1U << (verb - VERB_TABLE);
 }
 
+bool option_is_shown(const option_spec *row, const verb_spec *verb)
+{
+    return row->help != NULL && (row->verbs & verb_bit(verb)) != 0;
+}
+
 const char *nearest_name(const char *wrong, const char *const *names, size_t count)
 {
     enum { FAR = 3 }; /* with three wrong letters it is another word */
@@ -73,18 +78,52 @@ static bool wrong_value(const option_spec *row, const char *value, const char *e
     return false;
 }
 
+/* The place of a word in "a|b|c", or -1. */
+static int64_t choice_place(const char *choices, const char *word)
+{
+    const size_t size = strlen(word);
+    for (int64_t i = 0;; i++) {
+        const size_t length = strcspn(choices, "|");
+        if (size == length && strncmp(choices, word, length) == 0)
+            return i;
+        if (choices[length] == 0)
+            return -1;
+        choices += length + 1;
+    }
+}
+
+/* Words that mean another choice, where both are listed. */
+static const char *meaning_of(const char *word)
+{
+    return strcmp(word, "opengl") == 0 ? "up" : strcmp(word, "directx") == 0 ? "down" : word;
+}
+
+/* "; did you mean sobel3 or sobel5?": the choices that begin with the word. */
+static void add_guesses(text *t, const char *choices, const char *word)
+{
+    const size_t size = strlen(word);
+    const char *separator = "; did you mean ";
+    for (const char *c = choices; size >= 2;) {
+        const size_t length = strcspn(c, "|");
+        if (strncmp(c, word, size) == 0) {
+            text_add(t, separator);
+            text_bytes(t, c, length);
+            separator = " or ";
+        }
+        if (c[length] == 0)
+            break;
+        c += length + 1;
+    }
+    if (strcmp(separator, " or ") == 0)
+        text_char(t, '?');
+}
+
 static bool read_choice(const option_spec *row, const char *value, option_value *into)
 {
-    const char *choice = row->value;
-    for (int64_t i = 0;; i++) {
-        const size_t length = strcspn(choice, "|");
-        if (strlen(value) == length && strncmp(choice, value, length) == 0) {
-            into->integer = i;
-            return true;
-        }
-        if (choice[length] == 0)
-            break;
-        choice += length + 1;
+    if (choice_place(row->value, value) >= 0) {
+        into->string = meaning_of(value);
+        into->integer = choice_place(row->value, into->string);
+        return true;
     }
     text expected = { 0 };
     text_add(&expected, "one of ");
@@ -94,6 +133,7 @@ static bool read_choice(const option_spec *row, const char *value, option_value 
         else
             text_char(&expected, *c);
     }
+    add_guesses(&expected, row->value, value);
     wrong_value(row, value, text_string(&expected));
     text_free(&expected);
     return false;
@@ -161,7 +201,7 @@ static void complain_bad_option(const options *o, const char *bad)
     const char *names[OPT_COUNT];
     size_t count = 0;
     for (size_t i = 0; i < OPTION_ROWS; i++) {
-        if ((OPTION_TABLE[i].verbs & o->verb_bit) != 0)
+        if (option_is_shown(&OPTION_TABLE[i], o->verb))
             names[count++] = OPTION_TABLE[i].name;
     }
     char *word = copy_string(bad + strspn(bad, "-"));

@@ -145,7 +145,7 @@ static bool view_input(production *p, ntpio_error *error)
         if (set->out_count > 0 || set->from != set->to || set->from_y != set->to_y)
             return wrong_use(
                 p,
-                "a gray image holds no normals; only --depth can convert it (--from xy "
+                "a gray image holds no normals; only --depth can convert it (--type xy "
                 "takes gray and alpha for x and y)",
                 error);
         source_view(&p->s, NTP_ENCODING_HEIGHT, NTP_Y_UP, NULL, 0);
@@ -238,7 +238,7 @@ static void describe_text(const production *p, text *line)
         text_addf(line, " texels %s", COUNTS[i].what);
     }
     if (looks_different(p, set))
-        text_addf(line, "\n  note: the input looks %s, but was read as --from %s says",
+        text_addf(line, "\n  note: the input looks %s, but was read as --type %s says",
                   class_title(p->f.type.type), encoding_name(set->from));
 }
 
@@ -268,9 +268,9 @@ static void describe(const production *p, text *line, json_t *object)
 int convert_run(const options *o)
 {
     settings set = {
-        .from = (ntp_encoding) option_integer(o, OPT_FROM),
+        .from = (ntp_encoding) option_integer(o, OPT_TYPE),
         .to = (ntp_encoding) option_integer(o, OPT_TO),
-        .from_y = (ntp_y) option_integer(o, OPT_FROM_Y),
+        .from_y = (ntp_y) option_integer(o, OPT_Y),
         .to_y = (ntp_y) option_integer(o, OPT_TO_Y),
         .depth = option_given(o, OPT_DEPTH) ? (int) option_integer(o, OPT_DEPTH) + 1 : 0,
         .how = { .touch_unused = option_given(o, OPT_TOUCH_UNUSED) ? NTP_UNUSED_ALL : 0 },

@@ -53,7 +53,12 @@ static bool read_size(settings *set, const char *spec)
         set->height = (int32_t) height;
         return true;
     }
-    complain("--size %s: a size is WIDTHxHEIGHT, 1 to %d each, or PERCENT%%", spec, NTP_MAX_SIDE);
+    if (spec[0] != 0 && spec[strspn(spec, "0123456789")] == 0)
+        complain("--size %s: give both sides, --size %sx%s, or percent, as --size 50%%", spec, spec,
+                 spec);
+    else
+        complain("--size %s: a size is WIDTHxHEIGHT, 1 to %d each, or PERCENT%%", spec,
+                 NTP_MAX_SIDE);
     return false;
 }
 

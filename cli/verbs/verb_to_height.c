@@ -107,7 +107,7 @@ static bool read_settings(to_height_settings *set, const options *o)
                                   .mask_file = option_string(o, OPT_MASK),
                                   .limits = limits_from(o) };
     static const int Y[] = { AUTO, NTP_Y_UP, NTP_Y_DOWN };
-    set->y = Y[option_integer(o, OPT_FROM_Y)];
+    set->y = Y[option_integer(o, OPT_Y)];
     set->how.method = (ntp_height_method) option_integer(o, OPT_METHOD);
     set->how.decode = (ntp_decode) option_integer(o, OPT_DECODE);
     set->how.z = (ntp_z) option_integer(o, OPT_Z);
@@ -333,7 +333,7 @@ int to_height_run(const options *o)
     if (!read_settings(&set, o))
         return NTP_EXIT_USAGE;
     const maker m = { .o = o,
-                      .forced = (int) option_integer(o, OPT_FROM) - 1,
+                      .forced = (int) option_integer(o, OPT_TYPE) - 1,
                       .plan = PLAN_AFTER_READING,
                       .read_permille = READ_PERMILLE,
                       .state_size = sizeof(to_height_state),

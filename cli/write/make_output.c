@@ -141,7 +141,7 @@ static bool is_refused(const production *p)
 static outcome refuse(const production *p, ntpio_error *error)
 {
     const unsigned verb = p->m->o->verb_bit;
-    const option_spec *row = option_row(verb == V_TO_HEIGHT ? OPT_FROM : OPT_TYPE, verb);
+    const option_spec *row = option_row(OPT_TYPE, verb);
     text t = { 0 };
     text_name(&t, p->in->path);
     text_add(&t, ": ");

@@ -11,11 +11,13 @@ from support import textures
 from support.libntp_ffi import ffi, lib
 from support.pngs import write_png
 
+SYNONYMS = {"opengl": "up", "directx": "down"}
+
 
 def words(run, verb, option):
     """The choices of an option, as --help lists them."""
     found = re.search(rf"--{option} ([a-z0-9-]+(?:\|[a-z0-9-]+)+)", run(verb, "--help").stdout)
-    return found[1].split("|")
+    return [word for word in found[1].split("|") if word not in SYNONYMS]
 
 
 def enumerators(kind):
@@ -36,7 +38,7 @@ def enumerators(kind):
     [
         ("check", "type", "ntp_class", ["auto"]),
         ("check", "verdict", "ntp_verdict", []),
-        ("convert", "from", "ntp_encoding", []),
+        ("convert", "type", "ntp_encoding", []),
         ("convert", "to-y", "ntp_y", []),
         ("heatmap", "palette", "ntp_palette", []),
         ("blend", "mode", "ntp_blend_mode", []),
@@ -44,7 +46,7 @@ def enumerators(kind):
         ("from-height", "border", "ntp_border", []),
         ("from-height", "source", "ntp_height_source", []),
         ("from-height", "blue", "ntp_blue", []),
-        ("to-height", "from", "ntp_encoding", ["auto"]),
+        ("to-height", "type", "ntp_encoding", ["auto"]),
         ("to-height", "kernel", "ntp_kernel", ["auto"]),
         ("to-height", "border", "ntp_border", ["auto"]),
         ("to-height", "method", "ntp_height_method", []),
@@ -82,7 +84,7 @@ def test_words_are_names(run, verb, option, name_of):
 @pytest.mark.parametrize(
     "verb,option,key",
     [
-        ("convert", "from", "from"),
+        ("convert", "type", "from"),
         ("convert", "to", "to"),
         ("convert", "to-y", "to_y"),
         ("clean", "method", "method"),
@@ -97,8 +99,8 @@ def test_words_are_names(run, verb, option, name_of):
         ("from-height", "blue", "blue"),
         ("to-height", "decode", "decode"),
         ("to-height", "z", "z"),
-        ("to-height", "from-y", "y"),
-        ("to-height", "from", "from"),
+        ("to-height", "y", "y"),
+        ("to-height", "type", "from"),
     ],
 )
 def test_reports_say_what_was_given(run, tmp_path, verb, option, key):
@@ -111,3 +113,53 @@ def test_reports_say_what_was_given(run, tmp_path, verb, option, key):
         done = run(verb, "a.png", "-o", "b.png", *more, f"--{option}", word, "--format", "json")
         assert done.returncode == 0, done.stderr
         assert json.loads(done.stdout)["files"][0][key] == word
+
+
+@pytest.mark.parametrize("synonym", SYNONYMS)
+@pytest.mark.parametrize(
+    "verb,option,key", [("convert", "to-y", "to_y"), ("from-height", "to-y", "to_y"),
+                        ("to-height", "y", "y")]
+)  # fmt: skip
+def test_green_by_the_names_of_programs(run, tmp_path, verb, option, key, synonym):
+    write_png(tmp_path / "a.png", textures.standard(16, 16))
+    more = {"from-height": ["--scale", "2"], "convert": ["--y", "up"]}.get(verb, [])
+    done = run(verb, "a.png", "-o", "b.png", *more, f"--{option}", synonym, "--format", "json")
+    assert done.returncode == 0, done.stderr
+    assert json.loads(done.stdout)["files"][0][key] == SYNONYMS[synonym]
+
+
+VERBS = ["check", "clean", "convert", "heatmap", "dump", "diff", "transform", "resize", "blend",
+         "to-height"]  # fmt: skip
+
+
+@pytest.mark.parametrize("verb", VERBS)
+def test_every_verb_takes_type_and_y(run, verb):
+    for option in ("type", "y"):
+        assert {"auto", "standard", "up"} & set(words(run, verb, option)), option
+
+
+@pytest.mark.parametrize("verb", ["convert", "to-height"])
+def test_older_names_are_accepted_and_not_shown(run, tmp_path, verb):
+    write_png(tmp_path / "a.png", textures.standard(16, 16))
+    for older, newer, word in (("from", "type", "standard"), ("from-y", "y", "down")):
+        for name in (older, newer):
+            done = run(verb, "a.png", "-o", f"{name}.png", f"--{name}", word)
+            assert done.returncode == 0, done.stderr
+        both = [(tmp_path / f"{name}.png").read_bytes() for name in (older, newer)]
+        assert both[0] == both[1]
+        assert f"--{older} " not in run(verb, "--help").stdout
+
+
+@pytest.mark.parametrize(
+    "args,hint",
+    [
+        (["resize", "a.png", "-o", "b.png", "--size", "512"], "--size 512x512, or percent"),
+        (["from-height", "a.png", "-o", "b.png", "--scale", "1", "--kernel", "sobel"],
+         "did you mean sobel3 or sobel5?"),
+        (["to-height", "a.png", "-o", "b.png", "--method", "poisson"],
+         "did you mean poisson-dct?"),
+    ],
+)  # fmt: skip
+def test_wrong_values_are_met_with_a_hint(run, args, hint):
+    done = run(*args)
+    assert done.returncode == 2 and hint in done.stderr

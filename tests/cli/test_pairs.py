@@ -107,7 +107,7 @@ def test_convert(run, tmp_path):
     c = read_png(tmp_path / "c.png")[0]
     assert np.array_equal(c, np.dstack([a[..., 0], 255 - a[..., 1]]))
     done = run("convert", "a.png", "-o", "d.png", "--to", "zzero")
-    assert done.returncode == 2 and "--from xy" in done.stderr
+    assert done.returncode == 2 and "--type xy" in done.stderr
     assert run("diff", "a.png", "std_n.png", "-o", "heat.jpg").returncode == 2
     same = run("diff", "a.png", "std_n.png", "--format", "json")
     assert json.loads(same.stdout)["different"] == 0

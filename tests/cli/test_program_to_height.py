@@ -448,7 +448,7 @@ def test_what_is_no_normals_texture(run, tmp_path):
     write_png(tmp_path / "p.png", textures.photograph())
     for name in ("h.png", "p.png"):
         done = run("to-height", name, "-o", "out.png")
-        assert done.returncode == 1 and "--from standard" in done.stderr
+        assert done.returncode == 1 and "--type standard" in done.stderr
         assert not (tmp_path / "out.png").exists()
     assert only(run, "p.png", "-o", "out.png", "--from", "standard")["status"] == "ok"
     assert run("to-height", "none.png", "-o", "out2.png").returncode == 3
@@ -544,7 +544,7 @@ def test_interrupted(program, tmp_path):
 def test_help(run):
     text = run("to-height", "--help").stdout
     for option in ["--kernel", "--border-x", "--method", "--refine", "--seeds", "--mask", "--detrend",
-                   "--decode", "--z", "--from-y", "--depth"]:  # fmt: skip
+                   "--decode", "--z", "--y", "--depth"]:  # fmt: skip
         assert option in text
     assert "to-height" in run("--help").stdout
     assert "to\\-height" in run("--generate", "man").stdout

@@ -299,23 +299,14 @@ def test_every_string_is_one_of_the_command_line():
             [nt.program(), verb, "--help"], capture_output=True, text=True, check=True
         ).stdout
         for argument in arguments:
-            option = "--" + OLDER.get((verb, argument), argument.replace("_", "-"))
+            option = "--" + argument.replace("_", "-")
             listed = re.search(rf"^ +{option} (\S+\|\S+)(?: |$)", text, re.MULTILINE)
             assert listed, (verb, option)
             ours = set(strings_of(function, argument)) - {"auto", "vector", "height"}
-            theirs = set(listed[1].split("|")) - {"auto", "height"}
+            theirs = set(listed[1].split("|")) - {"auto", "height", "opengl", "directx"}
             assert ours == theirs, (verb, option)
             # The default: that of the filter is said in words.
             default = inspect.signature(function).parameters[argument].default
             stated = re.search(r"\(default:\s+(\S+)\)", text[listed.end() :])
             if default is not None and argument != "filter":
                 assert stated and stated[1] == default, (verb, option)
-
-
-# Options that the program still has by the names of version 0.1 only.
-OLDER = {
-    ("convert", "type"): "from",
-    ("convert", "y"): "from-y",
-    ("to-height", "type"): "from",
-    ("to-height", "y"): "from-y",
-}
