@@ -42,8 +42,8 @@ void inputs_free(input_list *list);
 
 /*
  * Gives each input its output from -o, or from --in-place.  Returns false after a message about
- * wrong usage: several inputs for one file, two inputs with one output, an output below -o DIR that
- * is an input, a format that is not written.
+ * wrong usage: several inputs for one file, two inputs with one output, an output that is an input
+ * (unless --force is given and it is its own), a format that is not written.
  */
 bool outputs_plan(input_list *list, const options *o);
 

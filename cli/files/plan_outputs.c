@@ -3,14 +3,15 @@
  * plan_outputs.c - where each input's output goes
  *
  * What could destroy a file is refused here, before any work: two inputs with one output, and an
- * output below -o DIR that is one of the inputs (compared by device and inode, so by any path).
- * But the file that -o names may be the input: the user asked for it.
+ * output that is one of the inputs (compared by device and inode, so by any path).  --force allows
+ * that an output is its own input, but not that it is another one, which may still be unread.
  */
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include "files/paths.h"
 
@@ -120,6 +121,7 @@ static bool no_two_alike(const input_list *list)
 typedef struct node {
     dev_t device;
     ino_t number;
+    size_t index; /* of the input */
 } node;
 
 static int by_node(const void *a, const void *b)
@@ -130,33 +132,83 @@ static int by_node(const void *a, const void *b)
     return (x->number > y->number) - (x->number < y->number);
 }
 
-static const char IS_INPUT[] =
-    " is an input; nothing is overwritten unless -o names the file itself (or --in-place is given "
-    "to ntp clean)";
+static bool refuse_input(const char *output)
+{
+    complain("%s is an input, and inputs are not overwritten; give another -o, or --in-place",
+             output);
+    return false;
+}
 
-static bool no_input_overwritten(const input_list *list)
+/* Standard input may be a file, too. */
+static bool stat_input(const char *path, struct stat *st)
+{
+    return strcmp(path, "-") == 0 ? fstat(STDIN_FILENO, st) == 0 : stat(path, st) == 0;
+}
+
+static bool is_file(const char *output, struct stat *st)
+{
+    return strcmp(output, "-") != 0 && stat(output, st) == 0 && S_ISREG(st->st_mode);
+}
+
+/* May an output be this input?  Several names of one file stand beside each other. */
+static bool may_replace(const node *found, const node *inputs, size_t count, size_t own)
+{
+    while (found > inputs && by_node(found - 1, found) == 0)
+        found--;
+    for (const node *n = found; n < inputs + count && by_node(n, found) == 0; n++) {
+        if (n->index != own)
+            return false;
+    }
+    return true;
+}
+
+static bool no_input_overwritten(const input_list *list, bool force)
 {
     node *inputs = need(calloc(list->count + 1, sizeof *inputs));
     size_t count = 0;
     struct stat st;
     for (size_t i = 0; i < list->count; i++) {
-        if (strcmp(list->at[i].path, "-") != 0 && stat(list->at[i].path, &st) == 0)
-            inputs[count++] = (node) { st.st_dev, st.st_ino };
+        if (stat_input(list->at[i].path, &st))
+            inputs[count++] = (node) { st.st_dev, st.st_ino, i };
     }
     qsort(inputs, count, sizeof *inputs, by_node);
     bool ok = true;
     for (size_t i = 0; ok && i < list->count; i++) {
         const char *output = list->at[i].output;
-        if (strcmp(output, "-") == 0 || stat(output, &st) != 0 || !S_ISREG(st.st_mode))
+        if (!is_file(output, &st))
             continue;
-        const node own = { st.st_dev, st.st_ino };
-        if (bsearch(&own, inputs, count, sizeof own, by_node) != NULL) {
-            complain("%s%s", output, IS_INPUT);
-            ok = false;
-        }
+        const node own = { st.st_dev, st.st_ino, i };
+        const node *found = bsearch(&own, inputs, count, sizeof own, by_node);
+        if (found != NULL && !(force && may_replace(found, inputs, count, i)))
+            ok = refuse_input(output);
     }
     free(inputs);
     return ok;
+}
+
+/* The same of the images that options name, and of the second file of a verb of two. */
+static bool no_second_image_overwritten(const input_list *list, const options *o)
+{
+    const char *const others[] = { option_string(o, OPT_MASK), option_string(o, OPT_ALPHA),
+                                   option_string(o, OPT_AO),
+                                   o->verb_bit == V_BLEND ? o->paths[1] : NULL };
+    struct stat x, y;
+    for (size_t k = 0; k < sizeof others / sizeof others[0]; k++) {
+        if (others[k] == NULL || !stat_input(others[k], &x))
+            continue;
+        for (size_t i = 0; i < list->count; i++) {
+            const char *output = list->at[i].output;
+            if (is_file(output, &y) && x.st_dev == y.st_dev && x.st_ino == y.st_ino)
+                return refuse_input(output);
+        }
+    }
+    return true;
+}
+
+static bool no_image_overwritten(const input_list *list, const options *o)
+{
+    const bool force = option_given(o, OPT_FORCE);
+    return no_input_overwritten(list, force) && (force || no_second_image_overwritten(list, o));
 }
 
 /* Does -o name a directory?  It does if it is one or ends with a slash.  It also does if its
@@ -236,14 +288,14 @@ bool outputs_plan(input_list *list, const options *o)
         return false;
     }
     if (!means_directory(list, output))
-        return plan_file(list, output);
+        return plan_file(list, output) && no_image_overwritten(list, o);
     for (size_t i = 0; i < list->count; i++) {
         const char *relative = list->at[i].relative;
         const char *name = strcmp(relative, "-") == 0 ? "stdin" : relative;
         list->at[i].output = below(output, name, NEW_ENDING, o);
     }
     part_collisions(list, output, o);
-    return no_two_alike(list) && no_input_overwritten(list);
+    return no_two_alike(list) && no_image_overwritten(list, o);
 }
 
 bool output_is_allowed(const char *output, const options *o)

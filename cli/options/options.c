@@ -52,13 +52,20 @@ const option_spec OPTION_TABLE[] = {
 
     { OPT_OUTPUT, "output", 'o', KIND_STRING, "FILE|DIR", NULL, 0, 0, V_WRITES,
       "where to write: a file, - for standard output, or a directory, in which relative paths "
-      "are kept and names end in .png. A file takes only a single input; it may be the input "
-      "itself unless that is JPEG. In a directory no input is overwritten" },
+      "are kept and names end in .png. A file takes only a single input. An input is not "
+      "overwritten, under any of its names, unless --in-place or --force is given" },
     { OPT_OUTPUT, "output", 'o', KIND_STRING, "HEATMAP", NULL, 0, 0, V_DIFF,
       "write a picture of the differences: black means equal, then come blue, green, and red "
       "for 10 degrees and more" },
     { OPT_IN_PLACE, "in-place", 0, KIND_FLAG, NULL, NULL, 0, 0, V_CLEAN,
       "repair the files themselves; only files that change are written" },
+    { OPT_IN_PLACE, "in-place", 0, KIND_FLAG, NULL, NULL, 0, 0, V_CONVERT,
+      "convert the files themselves; only files that change are written" },
+    { OPT_IN_PLACE, "in-place", 0, KIND_FLAG, NULL, NULL, 0, 0, V_BLEND,
+      "write the result in the place of BASE" },
+    { OPT_IN_PLACE, "in-place", 0, KIND_FLAG, NULL, NULL, 0, 0,
+      V_WRITES & ~(unsigned) (V_CLEAN | V_CONVERT | V_BLEND),
+      "write each result in the place of its input" },
     { OPT_METHOD, "method", 0, KIND_CHOICE, "derive|normalize|auto", "derive", 0, 0, V_CLEAN,
       "derive: keep x and y, compute z; normalize: divide each failing vector by its length "
       "(better after JPEG or resizing); auto: choose by the errors of the file" },

@@ -152,7 +152,7 @@ static unsigned read_detail(layer *l, settings *set, const options *o, const ntp
     return 0;
 }
 
-/* -o may name the detail, as it may name the base, but not a JPEG. */
+/* With --force, -o may name the detail, as it may name the base, but not a JPEG. */
 static bool replaces_jpeg(const layer *l, const char *output)
 {
     if (output == NULL || l->s.info->format != NTPIO_JPEG || !is_same_file(l->in.path, output))

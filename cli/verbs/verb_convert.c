@@ -178,13 +178,40 @@ static bool begin(production *p, ntpio_write_options *shape, ntpio_error *error)
     shape->channels = st->out_channels;
     shape->sample_bytes = (int32_t) sample_size(type);
     shape->content_is_flat = height;
-    p->changes = true;
+    p->changes = !option_given(p->m->o, OPT_IN_PLACE) || type != view->type ||
+                 st->out_channels != p->s.info->channels;
+    return true;
+}
+
+static const int8_t PLAIN[FULL] = { 0, 1, 2, 3 };
+
+/* Is each channel of the rows for the file the same as in the input?  The view may show the
+ * channels of the input in another order. */
+static bool rows_are_same(const production *p, const ntp_rect *area)
+{
+    const settings *set = p->m->settings;
+    const state *st = p->state;
+    const ntp_image *view = &p->s.view;
+    const size_t size = sample_size(view->type);
+    const int8_t *out = set->out_count > 0 ? set->out : PLAIN;
+    const size_t texels = (size_t) view->width * (size_t) (area->y1 - area->y0);
+    for (int32_t c = 0; c < st->out_channels; c++) {
+        const int32_t from = out[c];
+        if (from < 0 || from >= view->channels || (p->s.mapped ? p->s.map[from] : from) != c)
+            return false;
+        const unsigned char *was = source_rows(&p->s, area) + (size_t) from * size;
+        const unsigned char *is = (const unsigned char *) st->full.data + (size_t) from * size;
+        for (size_t i = 0; i < texels; i++) {
+            if (memcmp(was + i * (size_t) view->channels * size,
+                       is + i * (size_t) st->full.channels * size, size) != 0)
+                return false;
+        }
+    }
     return true;
 }
 
 static bool rows(production *p, const ntp_rect *area, ntpio_error *error)
 {
-    static const int8_t PLAIN[FULL] = { 0, 1, 2, 3 };
     const settings *set = p->m->settings;
     state *st = p->state;
     const ntp_const_image seen = ntp_image_as_const(&p->s.view);
@@ -194,6 +221,8 @@ static bool rows(production *p, const ntp_rect *area, ntpio_error *error)
         status = ntp_diff_add(st->diff, NULL, &seen, &made, area);
     if (status != NTP_OK)
         return library_error(&p->s, status, error);
+    if (!p->changes)
+        p->changes = !rows_are_same(p, area);
     if (st->full.encoding == NTP_ENCODING_HEIGHT)
         return production_write(p, st->full.data, st->full.row_stride, area, error);
     void *out = buffer_reserve(&p->w->extra2, st->out_row * (size_t) p->s.block_rows);

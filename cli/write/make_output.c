@@ -106,6 +106,8 @@ static pass_end run_pass(production *p, bool writes, ntpio_error *error)
     p->changes = false;
     if (!p->m->begin(p, &shape, error))
         return PASS_FAILED;
+    if (p->probing && p->changes)
+        return PASS_CHANGES;
     if (writes && p->m->plan != PLAN_AFTER_READING) {
         p->writer = production_open(p, p->in->output, &shape, error);
         if (p->writer == NULL)

@@ -3,6 +3,7 @@
 
 import json
 import struct
+import subprocess
 import zlib
 
 import numpy as np
@@ -187,8 +188,8 @@ OVERWRITING = {
 
 
 @pytest.mark.parametrize("verb", OVERWRITING)
-def test_output_may_name_the_input(run, tmp_path, verb):
-    """-o FILE that is the input, by its own name or another: written whole, and only then."""
+def test_the_input_is_replaced_only_on_request(run, tmp_path, verb):
+    """-o FILE that is the input, by its own name or another: refused, but for --force."""
     before = textures.heights() if verb == "from-height" else noisy()
     options = OVERWRITING[verb]
     inputs = ["a_n.png"]
@@ -208,21 +209,120 @@ def test_output_may_name_the_input(run, tmp_path, verb):
         if given == "link.png":
             (tmp_path / given).symlink_to("a_n.png")
         done = run(verb, *inputs, "-o", given, *options)
+        assert done.returncode == 2 and given in done.stderr, (given, done.stderr)
+        assert (tmp_path / "a_n.png").read_bytes() == old, given
+        done = run(verb, *inputs, "-o", given, *options, "--force")
         assert done.returncode == 0, (given, done.stderr)
         assert (tmp_path / "a_n.png").read_bytes() == want, given
     assert (tmp_path / "link.png").is_symlink()
+    (tmp_path / "a_n.png").write_bytes(old)
+    done = run(verb, *inputs, *options, "--in-place")
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "a_n.png").read_bytes() == want
     if verb == "blend":
         (tmp_path / "a_n.png").write_bytes(old)
-        assert run(verb, *inputs, "-o", "d_n.png", *options).returncode == 0
+        assert run(verb, *inputs, "-o", "d_n.png", *options).returncode == 2
+        assert run(verb, *inputs, "-o", "d_n.png", *options, "--force").returncode == 0
         assert (tmp_path / "d_n.png").read_bytes() == want
         assert (tmp_path / "a_n.png").read_bytes() == old
+
+
+def test_further_inputs_are_not_overwritten(run, tmp_path):
+    write_png(tmp_path / "h.png", textures.heights())
+    write_png(tmp_path / "n.png", textures.standard())
+    write_png(tmp_path / "m.png", textures.heights())
+    before = (tmp_path / "m.png").read_bytes()
+    for args in (
+        ["to-height", "n.png", "--mask", "m.png", "-o", "m.png"],
+        ["from-height", "h.png", "--scale", "2", "--alpha", "m.png", "-o", "m.png"],
+        ["from-height", "h.png", "--scale", "2", "--to", "xy", "--ao", "m.png", "-o", "./m.png"],
+    ):
+        done = run(*args)
+        assert done.returncode == 2 and "m.png is an input" in done.stderr, (args, done.stderr)
+        assert (tmp_path / "m.png").read_bytes() == before
+
+
+def test_standard_input_is_not_overwritten(program, tmp_path):
+    write_png(tmp_path / "a_n.png", noisy())
+    before = (tmp_path / "a_n.png").read_bytes()
+    with open(tmp_path / "a_n.png", "rb") as file:
+        done = subprocess.run(
+            [program, "clean", "-", "-o", "a_n.png", "--type", "standard"],
+            stdin=file,
+            cwd=tmp_path,
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+    assert done.returncode == 2 and "a_n.png is an input" in done.stderr
+    assert (tmp_path / "a_n.png").read_bytes() == before
+
+
+def test_force_replaces_only_the_own_input(run, tmp_path):
+    """Below -o DIR as well; but never another input, which may still be unread."""
+    for name in ("a_n.png", "b_n.png"):
+        write_png(tmp_path / name, noisy())
+    before = (tmp_path / "a_n.png").read_bytes()
+    args = ["clean", "--type", "standard", "-o", ".", "--force"]
+    assert run(*args, "a_n.png", "b_n.png").returncode == 0
+    assert (tmp_path / "a_n.png").read_bytes() != before
+    write_png(tmp_path / "a_n.png", noisy())
+    (tmp_path / "a_n.tga").symlink_to("b_n.png")
+    (tmp_path / "d").mkdir()
+    (tmp_path / "d/a_n.png").hardlink_to(tmp_path / "b_n.png")
+    done = run("clean", "--type", "standard", "-o", "d", "--force", "a_n.png", "b_n.png")
+    assert done.returncode == 2 and "d/a_n.png is an input" in done.stderr
+    assert (tmp_path / "a_n.png").read_bytes() == before
+
+
+@pytest.mark.parametrize("verb", ["convert", "clean"])
+def test_in_place_keeps_what_does_not_change(run, tmp_path, verb):
+    write_png(tmp_path / "a_n.png", textures.standard())
+    write_png(tmp_path / "pair_n.png", textures.standard()[..., :2])
+    before = {p.name: (p.stat().st_ino, p.read_bytes()) for p in tmp_path.iterdir()}
+    options = {"a_n.png": ["--type", "standard"], "pair_n.png": ["--type", "xy"]}
+    if verb == "convert":
+        xy = ["--from", "xy", "--to", "xy"]
+        options = {"a_n.png": ["--depth", "8"], "pair_n.png": xy}
+    for name, how in options.items():
+        done = run(verb, name, "--in-place", *how)
+        assert done.returncode == 0 and "not written" in done.stdout, (done.stdout, done.stderr)
+        assert ((tmp_path / name).stat().st_ino, (tmp_path / name).read_bytes()) == before[name]
+
+
+def test_convert_in_place(run, tmp_path):
+    """Against integers: green flipped, and rearranged channels that happen to be equal stay."""
+    texture = textures.standard()
+    write_png(tmp_path / "a_n.png", texture)
+    assert run("convert", "a_n.png", "--in-place", "--to-y", "down").returncode == 0
+    want = texture.copy()
+    want[..., 1] = 255 - texture[..., 1]
+    assert np.array_equal(pixels_of(tmp_path / "a_n.png"), want)
+    done = run("convert", "a_n.png", "--in-place", "--channels", "yxz")
+    assert done.returncode == 0 and "not written" not in done.stdout
+    assert np.array_equal(pixels_of(tmp_path / "a_n.png"), want[..., [1, 0, 2]])
+    flat = np.full((8, 8, 3), (128, 128, 255), np.uint8)
+    write_png(tmp_path / "flat_n.png", flat)
+    done = run("convert", "flat_n.png", "--in-place", "--channels", "xyz", "--from-channels", "xyz")
+    assert done.returncode == 0 and "not written" in done.stdout, done.stdout
+
+
+def test_mips_in_place_are_written_once(run, tmp_path):
+    write_png(tmp_path / "a_n.png", textures.standard(16, 16))
+    assert run("resize", "a_n.png", "--mips", "--in-place").returncode == 0
+    assert sorted(p.name for p in tmp_path.iterdir()) == [
+        "a_n.png",
+        *(f"a_n_mip{i}.png" for i in range(1, 5)),
+    ]
 
 
 def test_output_by_a_hard_link_leaves_the_input(run, tmp_path):
     write_png(tmp_path / "a_n.png", noisy())
     (tmp_path / "b.png").hardlink_to(tmp_path / "a_n.png")
     before = (tmp_path / "a_n.png").read_bytes()
-    assert run("clean", "a_n.png", "-o", "b.png", "--type", "standard").returncode == 0
+    args = ["clean", "a_n.png", "-o", "b.png", "--type", "standard"]
+    assert run(*args).returncode == 2  # both are names of one file
+    assert run(*args, "--force").returncode == 0
     assert (tmp_path / "a_n.png").read_bytes() == before
     assert run("check", "--type", "standard", "--verdict", "exact", "b.png").returncode == 0
 
@@ -231,12 +331,12 @@ def test_failing_leaves_the_input_that_o_names(run, tmp_path):
     write_png(tmp_path / "a_n.png", noisy())
     data = (tmp_path / "a_n.png").read_bytes()
     (tmp_path / "a_n.png").write_bytes(data[: len(data) // 2])
-    done = run("clean", "a_n.png", "-o", "a_n.png", "--type", "standard")
+    done = run("clean", "a_n.png", "-o", "a_n.png", "--type", "standard", "--force")
     assert done.returncode == 3 and done.stderr
     assert (tmp_path / "a_n.png").read_bytes() == data[: len(data) // 2]
     write_png(tmp_path / "p.png", textures.photograph())
     before = (tmp_path / "p.png").read_bytes()
-    assert run("clean", "p.png", "-o", "p.png").returncode == 1
+    assert run("clean", "p.png", "--in-place").returncode == 1
     assert (tmp_path / "p.png").read_bytes() == before
     assert sorted(p.name for p in tmp_path.iterdir()) == ["a_n.png", "p.png"]
 
@@ -254,7 +354,8 @@ def test_jpeg_is_never_replaced(run, tmp_path):
         ["blend", "b_n.png", "d_n.png", "-o", "b_n.png"],
         ["blend", "d_n.png", "b_n.png", "-o", "b_n.png"],
     ):
-        done = run(*args)
+        assert run(*args).returncode == 2
+        done = run(*args, "--force")
         assert done.returncode == 2 and "JPEG" in done.stderr, args
         assert (tmp_path / "b_n.png").read_bytes() == data
         assert (tmp_path / "a_n.jpg").read_bytes() == data
