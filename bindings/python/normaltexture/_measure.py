@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: MIT
 """Statistics of a texture."""
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import asdict, dataclass, field
-from typing import Any, Literal, Self, overload
+from operator import attrgetter
+from struct import Struct
+from typing import Any, Literal, Self, TypeVar, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,8 +18,11 @@ from ._threads import run
 from .typing import AnyPixels, MeasuredType
 
 _LENGTH_BINS = 256
+_LENGTHS = Struct(f"{_LENGTH_BINS}Q")  # faster than ffi.unpack
 _GRAIN = 1 << 19  # texels: two tallies are to be added up
 _TALLIES = Pool(lib.ntp_tally_size(), lambda memory: lib.ntp_tally_clear(memory))
+
+T = TypeVar("T")
 
 
 class _Result:
@@ -191,21 +196,36 @@ class Stats(_Result):
         return self.zzero if self.type == "zzero" else self.standard
 
 
-def _members(ctype: str) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """The numbers in a C struct, and the arrays of numbers."""
+def _made(cls: type[T], values: dict[str, Any]) -> T:
+    """cls(**values), which in a frozen dataclass sets field after field and takes four times as
+    long."""
+    made = cls.__new__(cls)
+    made.__dict__.update(values)
+    return made
+
+
+def _reader(ctype: str) -> Callable[[Any], dict[str, Any]]:
+    """A function that gives the numbers in a C struct, and its arrays of numbers as tuples."""
     kinds = {name: member.type for name, member in ffi.typeof(ctype).fields}
-    numbers = tuple(name for name, kind in kinds.items() if kind.kind == "primitive")
-    arrays = {name: kind for name, kind in kinds.items() if kind.kind == "array"}
-    return numbers, tuple(n for n, kind in arrays.items() if kind.item.kind == "primitive")
+    numbers = [name for name, kind in kinds.items() if kind.kind == "primitive"]
+    arrays = [
+        name
+        for name, kind in kinds.items()
+        if kind.kind == "array" and kind.item.kind == "primitive"
+    ]
+    all_numbers = attrgetter(*numbers)
+
+    def read(struct: Any) -> dict[str, Any]:
+        values = dict(zip(numbers, all_numbers(struct), strict=True))
+        for name in arrays:
+            values[name] = tuple(getattr(struct, name))
+        return values
+
+    return read
 
 
-_STATS, _FIT = _members("ntp_stats"), _members("ntp_fit")
-
-
-def _values(struct: Any, members: tuple[tuple[str, ...], tuple[str, ...]]) -> dict[str, Any]:
-    numbers, arrays = members
-    found = {name: getattr(struct, name) for name in numbers}
-    return found | {name: tuple(getattr(struct, name)) for name in arrays}
+_read_stats, _read_fit = _reader("ntp_stats"), _reader("ntp_fit")
+_read_channel, _read_angles = _reader("ntp_channel"), _reader("ntp_angles")
 
 
 class Tally:
@@ -283,22 +303,21 @@ class Tally:
         encoding = STANDARD if self._encoding in (VECTOR, HEIGHT) else self._encoding
         check(lib.ntp_tally_summarize(struct, self._pointer, encoding), "measure")
         blue = ZZERO if self._encoding == ZZERO else STANDARD
-        channels, angles = struct.channel[0 : struct.channels], struct.angles
-        return Stats(
-            **_values(struct, _STATS),
-            channel=tuple(Channel(one.min, one.max, one.mean) for one in channels),
-            standard=Fit(**_values(struct.standard, _FIT)),
-            zzero=Fit(**_values(struct.zzero, _FIT)),
-            angles=Angles(angles.texels, angles.mean, angles.p99, angles.max),
-            type=self._type,
-            levels_off=self._levels_off(struct, blue),
-            lengths=self._lengths(blue),
-        )
+        channels = struct.channel[0 : struct.channels]
+        values = _read_stats(struct)
+        values["channel"] = tuple(_made(Channel, _read_channel(one)) for one in channels)
+        values["standard"] = _made(Fit, _read_fit(struct.standard))
+        values["zzero"] = _made(Fit, _read_fit(struct.zzero))
+        values["angles"] = _made(Angles, _read_angles(struct.angles))
+        values["type"] = self._type
+        values["levels_off"] = self._levels_off(struct, blue)
+        values["lengths"] = self._lengths(blue)
+        return _made(Stats, values)
 
     def _lengths(self, blue: int) -> tuple[int, ...]:
         counts = ffi.new("uint64_t[]", _LENGTH_BINS)
         check(lib.ntp_tally_lengths(counts, self._pointer, blue), "measure")
-        return tuple(ffi.unpack(counts, _LENGTH_BINS))
+        return _LENGTHS.unpack(ffi.buffer(counts))
 
     def _levels_off(self, struct: Any, blue: int) -> tuple[int, ...]:
         """Unused texels may be further off than used ones, so it can take more room than these."""
