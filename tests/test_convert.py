@@ -2,6 +2,7 @@
 """ntp_convert against the oracle, and what conversions promise."""
 
 import itertools
+import math
 
 import numpy as np
 import pytest
@@ -49,8 +50,8 @@ def test_integers(case):
             ]
             for texel, out, (levels, _, _) in zip(src[0].tolist(), dst[0].tolist(), want):
                 assert tuple(out) == levels, (texel, out, levels, channels, flip, touch)
-            if target != ntp.XY:
-                assert got == (sum(w[1] for w in want), 0, sum(w[2] for w in want))
+            negative = got[0] if target == ntp.XY else sum(w[1] for w in want)
+            assert got == (negative, 0, sum(w[2] for w in want))
 
 
 @pytest.mark.parametrize("case", CASES, ids=case_name)
@@ -71,6 +72,44 @@ def test_clean_stays_clean(case):
     ntp.convert(src, dst, encoding, target, how=(0, 7))
     assert np.all(ntp.validate(dst, target) & 7 == 7)
     assert np.array_equal(ntp.clean(dst, target, how)[0], dst)
+
+
+@pytest.mark.parametrize("encoding", NAMES, ids=NAMES.get)
+@pytest.mark.parametrize("target", NAMES, ids=NAMES.get)
+def test_pulls_of_a_new_depth_are_counted(encoding, target):
+    """Of every red of 16 bits with the greatest green on the disc, and with its mirror image."""
+    m = 65535
+    r = np.arange(m + 1)
+    rest = m * m - (2 * r - m) ** 2
+    root = np.array([math.isqrt(v) for v in rest.tolist()])
+    y = root - (root % 2 == 0)  # the greatest odd number
+    held = y > 0
+    r, y = r[held], y[held]
+    g = np.concatenate([(m + y) // 2, (m - y) // 2])
+    r = np.concatenate([r, r])
+    b = oracle.derived_blues(r, g, m, encoding == ntp.ZZERO)
+    src = np.stack([r, g, b], -1).reshape(2, -1, 3).astype(np.uint16)
+    r8, g8 = ((c + 128) // 257 for c in (r, g))
+    want = int(((2 * r8 - 255) ** 2 + (2 * g8 - 255) ** 2 > 255 * 255).sum())
+    assert want > 10_000
+    dst = np.zeros(src.shape, np.uint8)
+    assert ntp.convert(src, dst, encoding, target)[2] == want
+    assert np.all(oracle.radicands(*dst[..., :2].astype(int).transpose(2, 0, 1), 255) > 0)
+
+
+@pytest.mark.parametrize("dtype", [np.uint8, np.uint16, np.float32])
+@pytest.mark.parametrize("to", [np.uint8, np.uint16, np.float32])
+def test_the_third_sample_of_two_channels_is_full(dtype, to):
+    """Also of a black texel that is converted like any other."""
+    full = {np.uint8: 255, np.uint16: 65535, np.float32: 1}
+    src = np.array([[[0, 0], [full[dtype]] * 2, [0, full[dtype]]]], dtype)
+    for channels in (3, 4):
+        for to_y in (ntp.UP, ntp.DOWN):
+            dst = np.full((1, 3, channels), 7, to)
+            ntp.convert(src, dst, ntp.XY, ntp.XY, ntp.UP, to_y, (0, 7))
+            assert dst[0, :, 2:].tolist() == [[full[to]] * (channels - 2)] * 3
+            ntp.convert(src, dst, ntp.XY, ntp.XY, ntp.UP, to_y)
+            assert dst[0, :, 2].tolist() == [0, full[to], full[to]]
 
 
 def test_8_to_16_to_8_is_the_identity():

@@ -32,14 +32,16 @@ def convert(texel, m, encoding, to, target, channels, flip=False, touch=False):
     if is_unused(texel, m) and not touch:
         return (r, g, deepen(blue_in, m, to), a)[:channels], False, False
     negative = pulled = False
+    too_long = radicand(r, g, to) < 0
     if encoding == XY:
         over = radicand(*texel[:2], m) < 0
         if target == XY:
-            b = deepen(blue_in, m, to)
+            b = deepen(texel[2], m, to) if len(texel) > 2 else to
             if not over:
+                pulled = too_long
                 r, g = pull(r, g, to)
         else:
-            pulled = radicand(r, g, to) < 0
+            pulled = too_long
             r, g = pull(r, g, to)
             b = derived_blue(r, g, to, target == ZZERO)
     else:
@@ -47,6 +49,7 @@ def convert(texel, m, encoding, to, target, channels, flip=False, touch=False):
         is_exact = exact(*texel[:3], m, zz, either_sign=True)
         sign = -1 if not zz and blue_in <= (m - 1) // 2 else 1
         if is_exact:
+            pulled = too_long
             r, g = pull(r, g, to)
         negative = target == ZZERO and sign < 0
         if target == XY:

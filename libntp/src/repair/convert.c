@@ -99,22 +99,21 @@ static void convert_texel(const job *j, const texel *t, int32_t out[4], ntp_conv
     if (t->unused)
         return;
     bool exact = is_exact(j, t, &negative);
-    if (j->src->encoding == NTP_ENCODING_XY && to != NTP_ENCODING_XY) {
-        counts->pulled += ntp__rest(out[0], out[1], j->md) < 0;
-        out[2] = ntp__derive(&out[0], &out[1], j->md, zzero);
-    } else if (to == NTP_ENCODING_XY) {
-        if (exact && ntp__rest(out[0], out[1], j->md) < 0)
-            ntp__pull(&out[0], &out[1], j->md);
-        out[2] = j->src->encoding == NTP_ENCODING_XY ? out[2] : j->md;
-    } else if (exact) {
+    bool from_xy = j->src->encoding == NTP_ENCODING_XY, to_xy = to == NTP_ENCODING_XY;
+    if ((exact || (from_xy && !to_xy)) && ntp__rest(out[0], out[1], j->md) < 0) {
+        ntp__pull(&out[0], &out[1], j->md);
+        counts->pulled++;
+    }
+    if (to_xy) {
+        out[2] = from_xy ? out[2] : j->md;
+    } else if (exact || from_xy) {
         out[2] = ntp__derive(&out[0], &out[1], j->md, zzero);
         if (negative && !zzero)
             out[2] = j->md - out[2];
-        counts->z_negative += negative && zzero;
     } else {
         out[2] = blue_by_value(j, t, &negative);
-        counts->z_negative += negative && zzero;
     }
+    counts->z_negative += negative && zzero;
     if (j->flip)
         out[1] = j->md - out[1];
 }
@@ -282,6 +281,10 @@ static void convert_run(const job *j, int32_t x, int32_t y, int32_t n, ntp_conve
         }
         t.unused = can_be_unused &&
                    ntp__unused(t.c[0], t.c[1], t.c[2], t.c[3], j->ms, j->how.touch_unused);
+        if (!t.unused && !height && j->src->channels == 2) {
+            t.c[2] = j->ms;
+            raw[2] = 1.0f;
+        }
         bool broken = block.any_broken && block.broken[i];
         counts->not_finite += broken;
         if (j->dst->type == NTP_TYPE_F32) {
