@@ -331,11 +331,12 @@ def test_argument_errors():
     for wrong in [
         {"scale": nan}, {"scale": inf}, {"dx": -1.0}, {"dx": inf}, {"dy": nan}, {"dy": -0.1},
         {"min_z": -0.1}, {"min_z": 1.1}, {"min_z": nan}, {"border_x": 5}, {"alpha": 9},
-        {"blue": 2}, {"scale": 1e300, "dx": 1e-300},
+        {"blue": 2}, {"scale": 1e300, "dx": 1e-300}, {"scale": -1e300, "dy": 1e-300},
     ]:  # fmt: skip
         with pytest.raises(ntp.NtpError) as error:
             from_height(src, **wrong)
         assert error.value.status == ntp.ERR_ARGUMENT, wrong
+        assert ntp.lib.ntp_normals_reach(options(**wrong)) == -1, wrong
     with pytest.raises(ntp.NtpError) as error:
         from_height(src, out=np.zeros((4, 5, 3), np.uint8))
     assert error.value.status == ntp.ERR_SHAPE
@@ -368,10 +369,61 @@ def test_alpha(dtype, dst):
                 for y in range(6):
                     for x in range(9):
                         h = model.height_of(src[y, x], source, top)
-                        a = to_level(Fraction(int(src[y, x, 3]), top))
-                        high = to_level(h)
-                        high = m - high if invert else high
-                        want = [a, m, m - a, high, m - high][alpha]
+                        a = Fraction(int(src[y, x, 3]), top)
+                        high = 1 - h if invert else h
+                        want = to_level([a, 1, 1 - a, high, 1 - high][alpha])
                         assert ours[y, x, 3] == want
     gray, _, _ = from_height(src[..., :1].copy(), dst=dst, channels=4)
     assert (gray[..., 3] == m).all()
+
+
+KEEP, ONE, INVERSE, HEIGHT, INVERSE_HEIGHT = range(5)
+
+
+def weighted_ties(m, to):
+    """Colors whose Rec. 709 height lies halfway between two levels of the target."""
+    step = 1 if m == 255 else 257
+    r, g, b = np.meshgrid(*[np.arange(0, m + 1, step)[::3]] * 3, indexing="ij")
+    h = 2126 * r.astype(np.int64) + 7152 * g + 722 * b
+    tie = (2 * h * to) % (2 * 10_000 * m) == 10_000 * m
+    return np.stack([r[tie], g[tie], b[tie]], -1)
+
+
+@pytest.mark.parametrize("dtype", [np.uint8, np.uint16])
+@pytest.mark.parametrize("dst", [np.uint8, np.uint16])
+def test_alpha_of_ties_is_rounded_up(dtype, dst):
+    """Also that of 1 - h, as every level is."""
+    m, to = np.iinfo(dtype).max, np.iinfo(dst).max
+    colors = weighted_ties(m, to)[:4000]
+    assert len(colors) > 100
+    src = np.ascontiguousarray(colors[None], dtype)
+    h = 2126 * colors[:, 0] + 7152 * colors[:, 1] + 722 * colors[:, 2]
+    half_up = {False: h, True: 10_000 * m - h}
+    for alpha, invert in itertools.product((HEIGHT, INVERSE_HEIGHT), (0, 1)):
+        number = half_up[(alpha == INVERSE_HEIGHT) != bool(invert)]
+        want = (2 * number * to + 10_000 * m) // (20_000 * m)
+        how = {"channels": 4, "alpha": alpha, "source": "luma", "invert": invert}
+        ours, _, _ = from_height(src, dst=dst, **how)
+        assert np.array_equal(ours[0, :, 3], want), (alpha, invert)
+
+
+@pytest.mark.parametrize("dst", [np.uint8, np.uint16])
+def test_alpha_of_floats_is_rounded_up(dst):
+    """The floats at and beside the boundaries between levels, those of 1 - h too, and beyond."""
+    m = np.iinfo(dst).max
+    edges = (np.arange(0, m, m // 255) + 0.5) / m
+    edges = np.concatenate([edges, 1 - edges]).astype(np.float32)
+    beside = [np.nextafter(edges, np.float32(side)) for side in (-1, 2)]
+    far = [0, 0.5, 1, -1, 2, 1e30, -1e30, 1e-45, -1e-45, 2.0**-30]
+    h = np.concatenate([edges, *beside, np.array(far, np.float32)])
+    src = np.zeros((1, len(h), 4), np.float32)
+    src[0, :, 0] = src[0, :, 3] = h
+    exact = [Fraction(float(v)) for v in h]
+    for alpha, invert in itertools.product(range(5), (0, 1)):
+        inverse = alpha == INVERSE or (
+            alpha >= HEIGHT and (alpha == INVERSE_HEIGHT) != bool(invert)
+        )
+        want = [(1 - v if inverse else v) if alpha != ONE else Fraction(1) for v in exact]
+        want = [math.floor(min(max(v, 0), 1) * m + Fraction(1, 2)) for v in want]
+        ours, _, _ = from_height(src, dst=dst, channels=4, alpha=alpha, invert=invert)
+        assert ours[0, :, 3].tolist() == want, (alpha, invert)

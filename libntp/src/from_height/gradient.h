@@ -100,8 +100,11 @@ void ntp__gradient_pack_float(const ntp__gradient *g, const ntp__normal *normal,
 /* The exact level of a z in 0..1: floor((M + 1 + M z)/2), or floor(M z + 1/2) for Z-zero. */
 int32_t ntp__gradient_z_level(double z, int32_t m, bool zzero);
 
-/* The height of a texel, rounded to a level 0..m, or as a double; 1 is height 1. */
-int32_t ntp__height_level(const ntp__gradient *g, int32_t x, int32_t y, int32_t m);
+/* The level 0..m of v, or of 1 - v, rounded half up; exact if v is a float. */
+int32_t ntp__share_level(double v, bool inverse, int32_t m);
+
+/* The height of a texel, or 1 minus it, rounded to a level 0..m; and as a double; 1 is height 1. */
+int32_t ntp__height_level(const ntp__gradient *g, int32_t x, int32_t y, bool inverse, int32_t m);
 double ntp__height_value(const ntp__gradient *g, int32_t x, int32_t y);
 
 /* The exact height of a texel, times range; integer sources only. */

@@ -74,15 +74,22 @@ double ntp__height_value(const ntp__gradient *g, int32_t x, int32_t y)
     return g->range == 1 ? h : h / (double) g->range;
 }
 
-int32_t ntp__height_level(const ntp__gradient *g, int32_t x, int32_t y, int32_t m)
+int32_t ntp__share_level(double v, bool inverse, int32_t m)
 {
-    if (g->src->type == NTP_TYPE_F32) {
-        double c = ntp__height_value(g, x, y) * m + 0.5;
-        return c > 0 ? c < m + 1 ? (int32_t) c : m : 0;
-    }
+    /* floor(M v + 1/2), or M minus the least integer that is at least M v - 1/2 */
+    double c = v * m + (inverse ? -0.5 : 0.5);
+    int32_t below = c > 0 ? c < m ? (int32_t) c : m : 0;
+    return inverse ? m - below - (below < m && c > below) : below;
+}
+
+int32_t ntp__height_level(const ntp__gradient *g, int32_t x, int32_t y, bool inverse, int32_t m)
+{
+    if (g->src->type == NTP_TYPE_F32)
+        return ntp__share_level(ntp__height_value(g, x, y), inverse, m);
     /* floor(h m / range + 1/2).  Where m divides range it is divided out, so that 64 bits are
      * enough. */
     int64_t h = ntp__height_integer(g, x, y), range = g->range, factor = m;
+    h = inverse ? range - h : h;
     if (range % factor == 0) {
         range /= factor;
         factor = 1;

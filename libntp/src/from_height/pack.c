@@ -29,23 +29,23 @@ static int32_t level_alpha(const ntp__gradient *g, int32_t x, int32_t y)
 {
     int32_t m = g->m, channels = g->src->channels;
     if (g->alpha == NTP_ALPHA_HEIGHT || g->alpha == NTP_ALPHA_INVERSE_HEIGHT) {
-        int32_t h = ntp__height_level(g, x, y, m);
-        return g->invert != (g->alpha == NTP_ALPHA_INVERSE_HEIGHT) ? m - h : h;
+        bool inverse = g->invert != (g->alpha == NTP_ALPHA_INVERSE_HEIGHT);
+        return ntp__height_level(g, x, y, inverse, m);
     }
     if (g->alpha == NTP_ALPHA_ONE || channels % 2 == 1)
         return m;
     const void *p = ntp__at(g->src, x, y);
+    bool inverse = g->alpha == NTP_ALPHA_INVERSE;
+    if (g->src->type == NTP_TYPE_F32)
+        return ntp__share_level((double) ((const float *) p)[channels - 1], inverse, m);
     int32_t a;
-    if (g->src->type == NTP_TYPE_F32) {
-        double c = (double) ((const float *) p)[channels - 1] * m + 0.5;
-        a = c > 0 ? c < m + 1 ? (int32_t) c : m : 0;
-    } else if (g->src->type == NTP_TYPE_U8) {
+    if (g->src->type == NTP_TYPE_U8) {
         a = ((const uint8_t *) p)[channels - 1] * (m / 255);
     } else {
         a = ((const uint16_t *) p)[channels - 1];
-        a = m == 255 ? ntp__narrow(a) : a;
+        a = m == 255 ? ntp__narrow(a) : a; /* without ties */
     }
-    return g->alpha == NTP_ALPHA_INVERSE ? m - a : a;
+    return inverse ? m - a : a;
 }
 
 void ntp__gradient_pack(const ntp__gradient *g, ntp__block *block, int32_t x, int32_t y, int32_t n)

@@ -12,6 +12,11 @@
 
 /* ------------------------------------------------------------------------------- checks */
 
+static double quotient(double scale, double spacing)
+{
+    return spacing == 0 ? scale : scale / spacing;
+}
+
 static bool options_good(const ntp_normals_options *how)
 {
     return how != NULL && ntp__is_finite(how->scale) && how->dx >= 0 && ntp__is_finite(how->dx) &&
@@ -21,12 +26,9 @@ static bool options_good(const ntp_normals_options *how)
            (int) how->border_y >= 0 && (int) how->border_y <= NTP_BORDER_REPEAT_SLOPE &&
            (int) how->source >= 0 && (int) how->source <= NTP_HEIGHT_SOURCE_SCREEN &&
            (how->blue == NTP_BLUE_DERIVED || how->blue == NTP_BLUE_NEAREST) &&
-           (int) how->alpha >= 0 && (int) how->alpha <= NTP_ALPHA_INVERSE_HEIGHT;
-}
-
-static double quotient(double scale, double spacing)
-{
-    return spacing == 0 ? scale : scale / spacing;
+           (int) how->alpha >= 0 && (int) how->alpha <= NTP_ALPHA_INVERSE_HEIGHT &&
+           ntp__is_finite(quotient(how->scale, how->dx)) &&
+           ntp__is_finite(quotient(how->scale, how->dy));
 }
 
 ntp_status ntp__gradient_source(ntp__gradient *g, ntp_height_source source)
@@ -104,8 +106,6 @@ ntp_status ntp__gradient_plan(ntp__gradient *g, const ntp_image *dst, const ntp_
     g->invert = how->invert != 0;
     /* n.x falls with the slope to the right; n.y, up, grows with the slope down. */
     double sx = quotient(how->scale, how->dx), sy = quotient(how->scale, how->dy);
-    if (!ntp__is_finite(sx) || !ntp__is_finite(sy))
-        return NTP_ERR_ARGUMENT;
     sx = g->invert ? sx : -sx;
     sy = g->invert != (dst->y == NTP_Y_DOWN) ? -sy : sy;
     double norm = (double) (g->kernel->denominator * g->range);
