@@ -171,6 +171,9 @@ def test_wrong_arguments():
     assert call(fit, src, made, how, 0, 0) == ntp.lib.NTP_OK
     assert call(null, src, made, how, 0, 0) == ntp.lib.NTP_ERR_ARGUMENT
     assert call(fit, src, made, null, 0, 0) == ntp.lib.NTP_ERR_ARGUMENT
+    for wrong in ({"touch_unused": 8}, {"kernel": 11}, {"method": 5}, {"dx": -1.0}, {"dy": np.inf}):
+        bad = ntp.ffi.new("ntp_height_options *", wrong)
+        assert call(fit, src, made, bad, 0, 0) == ntp.lib.NTP_ERR_ARGUMENT, wrong
     levels = ntp.view(np.zeros((20, 20), np.uint8), ntp.HEIGHT, const=True)
     assert call(fit, src, levels, how, 0, 0) == ntp.lib.NTP_ERR_FORMAT
     other = ntp.view(np.zeros((20, 21), np.float32), ntp.HEIGHT, const=True)

@@ -26,6 +26,8 @@ from support.to_height import (
     to_height,
 )
 
+METHODS = (AUTO, TELESCOPING, 4)  # 4: weighted
+
 # ------------------------------------------------------------------- threads and hooks
 
 
@@ -133,6 +135,14 @@ def test_arguments():
         ({"decode": 5}, ntp.ERR_ARGUMENT),
         ({"z": 3}, ntp.ERR_ARGUMENT),
         ({"border_x": 9}, ntp.ERR_ARGUMENT),
+        ({"touch_unused": 8}, ntp.ERR_ARGUMENT),
+        ({"residual_scope": 3}, ntp.ERR_ARGUMENT),
+        ({"prior": 3}, ntp.ERR_ARGUMENT),
+        ({"method": 5}, ntp.ERR_ARGUMENT),
+        ({"dx": -1.0}, ntp.ERR_ARGUMENT),
+        *(({"method": m, "dx": 2.0**101, "dy": 2.0**101}, ntp.ERR_ARGUMENT) for m in METHODS),
+        *(({"method": m, "dx": 2.0**51}, ntp.ERR_ARGUMENT) for m in METHODS),
+        *(({"method": m, "dy": 2.0**51}, ntp.ERR_ARGUMENT) for m in METHODS),
     ]
     for how, status in wrong:
         with pytest.raises(ntp.NtpError) as error:

@@ -29,7 +29,7 @@ from support.to_height import (
 
 SMALL = ["prewitt3", "sobel3", "scharr3"]
 WIDE = ["prewitt5", "sobel5", "gimp5", "gimp7", "gimp9"]
-ROUGHNESS = 2
+NO_PRIOR, ROUGHNESS = 1, 2
 BAKED = 10
 SHAPES = [(1, 1), (1, 5), (2, 2), (4, 7), (9, 6)]
 
@@ -118,6 +118,17 @@ def test_kernels_of_two_dimensions(kernel, border_x, border_y):
         levels[..., 2] = 250
         model = least_squares(*slopes(levels), kernel, (border_x, border_y), 8)
         ours, _ = to_height(levels, kernel=kernel, decode=1, **borders)
+        assert near(ours, model, 2e-5), shape
+
+
+@pytest.mark.parametrize("kernel", SMALL + WIDE)
+def test_without_a_prior_only_the_digits_of_floats_limit_detail(kernel):
+    rng = np.random.default_rng(14)
+    for shape in SHAPES:
+        n = rng.integers(90, 166, (*shape, 3)).astype(np.uint8)
+        n[..., 2] = 250
+        model = least_squares(*slopes(n), kernel, (MIRROR, WRAP), 8, prior=False)
+        ours, _ = to_height(n, kernel=kernel, prior=NO_PRIOR, decode=1, border_x=MIRROR)
         assert near(ours, model, 2e-5), shape
 
 

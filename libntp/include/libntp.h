@@ -205,7 +205,8 @@ enum {
     NTP_FLAG_XY_TOO_LONG = 8, /* x*x + y*y > 1 */
     NTP_FLAG_Z_NEGATIVE = 16, /* NTP_ENCODING_STANDARD and NTP_ENCODING_VECTOR: z < 0 */
     NTP_FLAG_UNUSED = 32,     /* black, white or transparent; the other bits are set too */
-    NTP_FLAG_NOT_FINITE = 64  /* a float sample is NaN or infinite; no pass bit is set */
+    NTP_FLAG_NOT_FINITE = 64  /* floats that are no vector: NaN, infinite, or x, y, z of length 0;
+                               * no pass bit is set */
 };
 
 /* Everything about one texel. */
@@ -214,10 +215,12 @@ typedef struct ntp_texel {
     uint32_t cleaned[3]; /* as by NTP_CLEAN_DERIVE; NTP_ENCODING_XY keeps its blue */
     uint32_t max;        /* M: 255 or 65535 */
     uint32_t flags;      /* as ntp_validate */
-    int32_t levels_off; /* |b - derived b|, mirrored where z < 0; -1: x, y too long or not finite */
-    double x, y, z;     /* as stored; NTP_ENCODING_XY: z derived, 0 where x, y are too long */
-    double length;      /* of x, y, z */
-    double angle;       /* degrees between stored and cleaned vector, to 1e-6; 0: not finite */
+    int32_t levels_off;  /* |b - derived b|, mirrored where z < 0; -1: x, y too long, or
+                         * NTP_FLAG_NOT_FINITE */
+    double x, y, z;      /* as stored; NTP_ENCODING_XY: z derived, 0 where x, y are too long */
+    double length;       /* of x, y, z */
+    double angle;        /* degrees between stored and cleaned vector, to 1e-6; 0 too for
+                         * NTP_FLAG_NOT_FINITE */
 } ntp_texel;
 
 /*
@@ -311,7 +314,8 @@ typedef struct ntp_convert_options {
 typedef struct ntp_convert_counts {
     uint64_t z_negative; /* texels whose negative z became |z| */
     uint64_t not_finite; /* float texels with NaN, infinity or length 0: made flat (a height: 0) */
-    uint64_t pulled;     /* texels whose x, y, longer than 1, were pulled onto the unit disc */
+    uint64_t pulled;     /* texels whose x, y were pulled onto the unit disc, as they were longer
+                          * than 1 in the target's depth, or in the source if it has no z */
 } ntp_convert_counts;
 
 /*
@@ -320,9 +324,10 @@ typedef struct ntp_convert_counts {
  * 257c, 16 to 8 bit round(c/257)), and a Y flip is M - g. However, a texel that is `exact` (either
  * sign of Z) gets its blue derived again in the target's depth and encoding, so that a clean
  * texture stays clean.  XY-only sources get a derived blue; an XY target of 3 or 4 channels gets
- * blue M. NTP_ENCODING_VECTOR sources are divided by their length.  A missing alpha is opaque.
- * Unused texels keep their color (black stays black).  dst and src do not overlap, or are the same
- * view of the same type.  how and counts may be NULL.
+ * blue M, unless the source is XY-only and has one.  NTP_ENCODING_VECTOR sources are divided by
+ * their length, but copied to NTP_ENCODING_VECTOR.  A missing alpha is opaque.  Unused texels keep
+ * their color (black stays black).  dst and src do not overlap, or are the same view of the same
+ * type.  how and counts may be NULL.
  * Errors: NTP_ERR_FORMAT between heights and normals, or heights of different channels;
  * NTP_ERR_OVERLAP for different types at one address (no other overlap is detected).
  */
@@ -725,9 +730,11 @@ typedef struct ntp_normals_counts {
  * Float results are x, y and z, each the nearest float; `blue` does not matter.  dst and src do not
  * overlap.  The texels read are those of the area and ntp_normals_reach(how) more on each side,
  * within the image.  If the area is that close to an edge, NTP_BORDER_WRAP also reads as many at
- * the opposite end; these rows must then be in the ring at the same time.
+ * the opposite end; these rows must then be in the ring at the same time.  Alpha is rounded half up
+ * too.
  * Errors: NTP_ERR_ARGUMENT for how NULL, a scale that is not finite, dx or dy negative or not
- * finite, min_z outside 0..1; NTP_ERR_FORMAT for a source that src does not have.
+ * finite or so small that scale/dx or scale/dy is infinite, min_z outside 0..1; NTP_ERR_FORMAT for a
+ * source that src does not have.
  */
 NTP_API ntp_status ntp_normals_from_height(const ntp_image *dst, const ntp_const_image *src,
                                            const ntp_normals_options *how,
@@ -825,10 +832,12 @@ typedef enum ntp_z {
     NTP_Z_DERIVED = 2 /* sqrt(1 - x*x - y*y): if blue is unreliable */
 } ntp_z;
 
-/* Kernels of 3 x 3 and more respond little to the finest detail; a prior keeps noise out of it. */
+/* Kernels of 3 x 3 and more respond little to the finest detail; a prior keeps noise out of it.
+ * Detail to which a kernel hardly responds at all is damped without a prior as well: floats do not
+ * hold enough digits to divide by that response. */
 typedef enum ntp_prior {
-    NTP_PRIOR_AUTO = 0, /* ROUGHNESS with kernels of 3 x 3 and more, else NONE */
-    NTP_PRIOR_NONE = 1,
+    NTP_PRIOR_AUTO = 0,     /* ROUGHNESS with kernels of 3 x 3 and more, else NONE */
+    NTP_PRIOR_NONE = 1,     /* NTP_HEIGHT_WEIGHTED: pairs of neighbors count much less */
     NTP_PRIOR_ROUGHNESS = 2 /* of heights that fit equally well within rounding, smooth ones */
 } ntp_prior;
 
@@ -861,8 +870,8 @@ typedef struct ntp_height_options {
     const ntp_const_image *mask;
     double tolerance;       /* rms error of slopes divided by their rms; 0 means 1e-6 */
     int32_t max_iterations; /* 1..NTP_MAX_ITERATIONS; 0 means 1000 */
-    double dx;              /* spacing of texels; 0 stands for 1 */
-    double dy;
+    double dx;              /* spacing of texels, 2^-100..2^100; 0 stands for 1 */
+    double dy;              /* the same; the two differ by less than a factor of 2^50 */
     ntp_prior prior;
 } ntp_height_options;
 
@@ -940,11 +949,11 @@ NTP_API size_t ntp_height_scratch_size(const ntp_height_options *how, int32_t wi
  * NTP_HEIGHT_WEIGHTED supports every kernel with every border.  The weight of a slope is about
  * 1/variance, which is 1/((1 + p*p + q*q)(1 + p*p)) for p with z as stored and less with z derived,
  * and at least 0.01.  Slopes whose kernel reads a hole do not count.  In addition, pairs of
- * neighbors count a little (a hundredth for 8 bits): their difference should be the mean of their
- * slopes.  They connect texels that the kernel leaves independent, and replace the prior.  Heights
- * in holes are 0. Texels connected by their sides form an island, also across borders that wrap;
- * the mean of each island is 0. The method is conjugate gradients and needs about 40 bytes a texel.
- * Steep textures and ragged holes need more iterations.  NTP_ERR_NOT_CONVERGED means that
+ * neighbors count a little (a hundredth for 8 bits; 1e-5 with NTP_PRIOR_NONE): their difference
+ * should be the mean of their slopes.  They connect texels that the kernel leaves independent, and
+ * replace the prior.  Heights in holes are 0. Texels connected by their sides form an island, also
+ * across borders that wrap; the mean of each island is 0. The method is conjugate gradients and
+ * needs about 40 bytes a texel.  Steep textures and ragged holes need more iterations.  NTP_ERR_NOT_CONVERGED means that
  * `tolerance` was not reached; dst and result are then those of the last iteration.
  *
  * refine: rounds that change the heights until their normals, by ntp_normals_from_height with this
@@ -1073,9 +1082,10 @@ NTP_API ntp_rows ntp_resize_rows(const ntp_resize_plan *plan, int32_t y);
  * Resizes.  dst and src have the same type, encoding, channels and y, have the sizes of the plan,
  * and do not overlap; area is an area of dst.  The vectors are filtered as stored, weighted with
  * alpha.  Unused texels, and floats that are not a vector, have no weight.  Alpha is filtered
- * independently.  Where no weight is left, the result is the flat normal with alpha 0. A negative z
- * that no texel under the filter has (Lanczos overshoots) counts as 0. The third sample of
- * NTP_ENCODING_XY is filtered like x and y. Source rows read: ntp_resize_rows of each row of area.
+ * independently.  Where no weight is left, the result is the flat normal, with alpha 0 unless
+ * touch_unused says that alpha is data.  A negative z that no texel under the filter has (Lanczos
+ * overshoots) counts as 0. The third sample of NTP_ENCODING_XY is filtered like x and y. Source
+ * rows read: ntp_resize_rows of each row of area.
  * scratch: ntp_resize_scratch_size bytes, aligned to 16.
  */
 NTP_API ntp_status ntp_resize(const ntp_image *dst, const ntp_const_image *src,
@@ -1286,7 +1296,8 @@ NTP_API ntp_border ntp_free_border(ntp_kernel kernel);
  * not tried.  wraps is the result of ntp_find_seams, or 0 without one; wrap is preferred if it fits
  * about as well as the best.  Undecided are textures below 16 x 16 texels, baked ones, and those
  * that no border fits.  ring_rows is 0 in both.
- * Errors: NTP_ERR_FORMAT for other heights.
+ * Errors: NTP_ERR_ARGUMENT for how NULL, or a kernel, method, dx, dy or touch_unused out of range;
+ * NTP_ERR_FORMAT for other heights.
  */
 NTP_API ntp_status ntp_find_border(ntp_border_fit *fit, const ntp_const_image *src,
                                    const ntp_const_image *heights, const ntp_height_options *how,

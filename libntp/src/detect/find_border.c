@@ -207,6 +207,10 @@ ntp_status ntp_find_border(ntp_border_fit *fit, const ntp_const_image *src,
                 .how = { .scale = 1, .dx = how->dx, .dy = how->dy, .kernel = how->kernel },
                 .touch = how->touch_unused,
                 .down = down != 0 };
+    if (how->touch_unused > NTP_UNUSED_ALL || (int) how->method < NTP_HEIGHT_AUTO ||
+        (int) how->method > NTP_HEIGHT_WEIGHTED ||
+        (how->kernel != NTP_KERNEL_BAKED && ntp_normals_reach(&e.how) < 0))
+        return NTP_ERR_ARGUMENT;
     if (src->encoding == NTP_ENCODING_VECTOR) /* of any length, so (2, 2, 2) is no padding */
         e.touch |= NTP_UNUSED_BLACK | NTP_UNUSED_WHITE;
     for (int32_t b = 0; b < NTP_BORDERS; b++)

@@ -28,12 +28,20 @@ static bool enums_good(const ntp_height_options *how)
            in_range((int) how->border_y, NTP_BORDER_REPEAT_SLOPE) &&
            in_range((int) how->kernel, NTP_KERNEL_BAKED) &&
            in_range((int) how->residual_scope, NTP_RESIDUAL_INSIDE) &&
-           in_range((int) how->prior, NTP_PRIOR_ROUGHNESS);
+           in_range((int) how->prior, NTP_PRIOR_ROUGHNESS) && how->touch_unused <= NTP_UNUSED_ALL;
 }
 
-static bool spacing_good(double d)
+static double step_of(double d)
 {
-    return d >= 0 && ntp__is_finite(d);
+    return d == 0 ? 1 : d;
+}
+
+/* Squares of what lies within these limits, and their products with slopes, stay finite. */
+static bool spacing_good(double dx, double dy)
+{
+    static const double most = 0x1p100, most_ratio = 0x1p50;
+    return dx > 1 / most && dx < most && dy > 1 / most && dy < most && dy / dx > 1 / most_ratio &&
+           dy / dx < most_ratio;
 }
 
 static bool numbers_good(const ntp_height_options *how)
@@ -44,7 +52,7 @@ static bool numbers_good(const ntp_height_options *how)
     }
     return in_range(how->refine, NTP_MAX_ITERATIONS) &&
            in_range(how->max_iterations, NTP_MAX_ITERATIONS) && how->tolerance >= 0 &&
-           how->tolerance < 1 && spacing_good(how->dx) && spacing_good(how->dy);
+           how->tolerance < 1 && spacing_good(step_of(how->dx), step_of(how->dy));
 }
 
 /* ----------------------------------------------------------------------------- the plan */
@@ -56,8 +64,8 @@ static void fill_in(ntp__height_plan *plan, const ntp_height_options *how)
     plan->border_y = how->border_y;
     plan->wrap_x = how->border_x == NTP_BORDER_WRAP;
     plan->wrap_y = how->border_y == NTP_BORDER_WRAP;
-    plan->dx = how->dx > 0 ? how->dx : 1;
-    plan->dy = how->dy > 0 ? how->dy : 1;
+    plan->dx = step_of(how->dx);
+    plan->dy = step_of(how->dy);
     plan->prior = how->prior;
     plan->decode = how->decode;
     plan->z = how->z;
