@@ -9,6 +9,7 @@ import shutil
 import signal
 import subprocess
 import sys
+from typing import get_args
 
 import dask
 import dask.array as da
@@ -21,19 +22,8 @@ from normaltexture import _ntp, distributed
 from support import textures
 from support.pngs import write_png
 
-KERNELS = [
-    "central",
-    "forward",
-    "prewitt3",
-    "sobel3",
-    "scharr3",
-    "prewitt5",
-    "sobel5",
-    "gimp5",
-    "gimp7",
-    "gimp9",
-]
-BORDERS = ["wrap", "clamp", "mirror", "extrapolate", "repeat-slope"]
+KERNELS = get_args(nt.typing.Kernel)
+BORDERS = get_args(nt.typing.Border)
 
 
 # -------------------------------------------------------------------------- heightfields

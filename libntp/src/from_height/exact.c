@@ -209,17 +209,24 @@ static void square(ntp__wide *out, const ntp__wide *a)
     ntp__wide_multiply(out, a, a);
 }
 
+/* a^2 - b^2, whose factors are half as long as the squares. */
+static void difference_of_squares(ntp__wide *out, const ntp__wide *a, const ntp__wide *b)
+{
+    ntp__wide sum, rest;
+    ntp__wide_copy(&sum, a);
+    ntp__wide_add(&sum, b);
+    ntp__wide_copy(&rest, a);
+    ntp__wide_subtract(&rest, b);
+    ntp__wide_multiply(out, &sum, &rest);
+}
+
 /* The sign of part[i] / length - u / w, u <= w. */
 static int32_t compare_unit(const vector *v, int32_t i, const ntp__wide *u, const ntp__wide *w)
 {
     int32_t a = i, b = (i + 1) % 3, c = (i + 2) % 3;
-    ntp__wide sq, u2, x, y, z, sum, rest;
+    ntp__wide sq, u2, x, y, z;
     square(&u2, u);
-    ntp__wide_copy(&sum, w);
-    ntp__wide_add(&sum, u);
-    ntp__wide_copy(&rest, w);
-    ntp__wide_subtract(&rest, u);
-    ntp__wide_multiply(&z, &sum, &rest);
+    difference_of_squares(&z, w, u);
     square(&sq, &v->part[a]);
     ntp__wide_multiply(&x, &z, &sq);
     square(&sq, &v->part[b]);
@@ -235,11 +242,7 @@ static int32_t compare_shortened(const vector *v, int32_t i, const ntp__wide *u,
 {
     int32_t a = i, b = 1 - i;
     ntp__wide sq, x, y, z, sum, rest, zz;
-    ntp__wide_copy(&sum, w);
-    ntp__wide_add(&sum, u);
-    ntp__wide_copy(&rest, w);
-    ntp__wide_subtract(&rest, u);
-    ntp__wide_multiply(&z, &sum, &rest);
+    difference_of_squares(&z, w, u);
     square(&sq, &v->part[a]);
     ntp__wide_multiply(&x, &z, &sq);
     ntp__wide_set(&zz, min_z.mantissa);
