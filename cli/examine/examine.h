@@ -8,7 +8,7 @@
  *   hold_image.c        a file held whole
  *   samples.c           sizes of samples; channels in another order (reorder_tmpl.h)
  *   examine.c           the facts of a file: its class, statistics, encoding
- *   orient.c            which way green points, measured while rows go by
+ *   orient.c            which way green points, and whether it matters, while rows go by
  *   middle_and_lines.c  what a check keeps of the rows: the middle, and some lines
  */
 #ifndef NTP_CLI_EXAMINE_H
@@ -48,6 +48,7 @@ typedef struct facts {
     ntp_classification type;
     ntp_encoding encoding;              /* that the texels were read as */
     ntp_orientation_result orientation; /* undecided when it was not asked for */
+    steepest most;                      /* only if it was asked for */
     surface_facts surface;
     bool forced;         /* by --type */
     bool counts;         /* it is judged: named, or a normals texture by its name or content */
@@ -84,6 +85,11 @@ bool examine(source *s, int forced, facts *f, ntpio_error *error);
 void orient_begin(source *s);
 ntp_status orient_rows(source *s, const ntp_rect *area, uint32_t touch);
 void orient_end(const source *s, facts *f);
+
+/* Adds the used texels of a row. */
+void slopes_add(steepest *most, const ntp_const_image *view, const void *row, uint32_t touch);
+/* Is a member of `most` 0 as nearly as the depth can say: the two levels in the middle? */
+bool slopes_are_flat(int32_t most, const ntp_stats *stats);
 
 /* Sets the first view of a file: of the forced class, else standard, and heights for gray files. */
 void first_view(source *s, int forced);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * orient.c - which way green points, measured while the rows of a file go by
+ * orient.c - which way green points, and whether that makes a difference, while rows go by
  *
  * The measurement of a row needs its neighbors, and some of them may be in an earlier block.  So a
  * ring keeps the rows that are needed.
@@ -16,8 +16,59 @@ enum {
     RING = BEFORE + 1 + AFTER
 };
 
+/* ------------------------------------------------------------------------- slopes */
+
+/* V = 2c - M of a sample; a float is judged after rounding to 16 bit. */
+static int32_t numerator(const ntp_const_image *view, const unsigned char *at, int channel)
+{
+    float v;
+    uint16_t word;
+    switch (view->type) {
+    case NTP_TYPE_U8:
+        return 2 * at[channel] - 255;
+    case NTP_TYPE_U16:
+        memcpy(&word, at + channel * (ptrdiff_t) sizeof word, sizeof word);
+        return 2 * word - 65535;
+    default:
+        memcpy(&v, at + channel * (ptrdiff_t) sizeof v, sizeof v);
+        return v > 0 ? 2 * (int32_t) ((v < 1 ? v : 1) * 65535 + 0.5F) - 65535 : -65535;
+    }
+}
+
+static bool is_unused(const ntp_const_image *view, const unsigned char *at, uint32_t touch)
+{
+    const int32_t m = view->type == NTP_TYPE_U8 ? 255 : 65535;
+    const int32_t r = numerator(view, at, 0);
+    const bool end = view->channels >= 3 && (r == m || r == -m) && numerator(view, at, 1) == r &&
+                     numerator(view, at, 2) == r;
+    const bool clear = view->channels == 4 && numerator(view, at, 3) == -m;
+    return end || (clear && (touch & NTP_UNUSED_TRANSPARENT) == 0);
+}
+
+void slopes_add(steepest *most, const ntp_const_image *view, const void *row, uint32_t touch)
+{
+    enum { NEUTRAL = 257 }; /* the most that counts as 0 in any depth; see slopes_are_flat */
+    const unsigned char *at = row;
+    for (int32_t x = 0; x < view->width && (most->x <= NEUTRAL || most->y <= NEUTRAL);
+         x++, at += view->pixel_stride) {
+        if (is_unused(view, at, touch))
+            continue;
+        const int32_t r = abs(numerator(view, at, 0)), g = abs(numerator(view, at, 1));
+        most->x = r > most->x ? r : most->x;
+        most->y = g > most->y ? g : most->y;
+    }
+}
+
+bool slopes_are_flat(int32_t most, const ntp_stats *stats)
+{
+    return most <= (stats->stored_max == 65535 && stats->max == 255 ? 257 : 1);
+}
+
+/* -------------------------------------------------------------------- orientation */
+
 void orient_begin(source *s)
 {
+    s->most = (steepest) { 0, 0 };
     if (s->orient == ORIENT_NOT)
         return;
     worker *w = s->w;
@@ -46,6 +97,9 @@ ntp_status orient_rows(source *s, const ntp_rect *area, uint32_t touch)
     ntp_const_image view = ntp_image_as_const(&s->view);
     view.data = s->w->band.data;
     view.ring_rows = RING;
+    const unsigned char *seen = from;
+    for (int32_t y = area->y0; s->find_slopes && y < area->y1; y++, seen += row)
+        slopes_add(&s->most, &view, seen, touch);
     for (int32_t y = area->y0; y < area->y1; y++, from += row) {
         if (is_needed(height, every_row, y))
             memcpy(s->w->band.data + (size_t) (y % RING) * row, from, row);
@@ -69,6 +123,11 @@ static bool can_tell(const facts *f)
 
 void orient_end(const source *s, facts *f)
 {
+    const ntp_channel *gray = &f->stats.channel[0];
+    const int32_t m = (int32_t) f->stats.max;
+    const bool heights = s->view.encoding == NTP_ENCODING_HEIGHT;
+    f->most =
+        heights ? (steepest) { 2 * (int32_t) gray->max - m, m - 2 * (int32_t) gray->min } : s->most;
     f->orientation = (ntp_orientation_result) { 0 };
     if (s->orient != ORIENT_NOT && can_tell(f))
         ntp_orientation_summarize(&f->orientation, s->w->orientation);

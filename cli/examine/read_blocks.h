@@ -15,6 +15,12 @@
 /* Whether examine() measures which way green points. */
 typedef enum orient { ORIENT_NOT, ORIENT_SAMPLED, ORIENT_EVERY_ROW } orient;
 
+/* The greatest |2c - M| of red and of green in used texels, M that of the samples.  Beyond 257 they
+ * need not be exact. */
+typedef struct steepest {
+    int32_t x, y;
+} steepest;
+
 /* A file being read. */
 typedef struct source {
     const input *in;
@@ -32,6 +38,8 @@ typedef struct source {
     uint32_t next;       /* the next row */
     int read_permille;   /* of the work that reading is; 0: all of it */
     orient orient;
+    bool find_slopes; /* orient.c also finds `most` */
+    steepest most;
     bool keep_middle; /* for middle_and_lines.c */
 } source;
 

@@ -144,8 +144,8 @@ const option_spec OPTION_TABLE[] = {
       "final: files that would be refused are taken for this" },
     { OPT_TYPE, "from", 0, KIND_CHOICE, "auto|" ENCODINGS, NULL, 0, 0, V_TO_HEIGHT, NULL },
     { OPT_Y, "y", 0, KIND_CHOICE, "auto|" Y_WORDS, "auto", 0, 0, V_TO_HEIGHT,
-      "which way green points: up (OpenGL) or down (DirectX); auto: detect it from the texels, "
-      "else from the name of the file, else up" },
+      "which way green points: up (OpenGL) or down (DirectX); auto: as the texels show, if ntp "
+      "check is sure, else the file is refused" },
     { OPT_Y, "from-y", 0, KIND_CHOICE, "auto|" Y_WORDS, NULL, 0, 0, V_TO_HEIGHT, NULL },
     { OPT_KERNEL, "kernel", 0, KIND_CHOICE, "auto|" KERNELS "|baked", "auto", 0, 0, V_TO_HEIGHT,
       "how the slopes were computed from heights; baked: they are those of a surface, at texel "
@@ -190,8 +190,9 @@ const option_spec OPTION_TABLE[] = {
       "x: exchange left and right; y: exchange top and bottom; done before --rotate" },
     { OPT_ROTATE, "rotate", 0, KIND_CHOICE, "90|180|270", NULL, 0, 0, V_TRANSFORM,
       "turn clockwise by this many degrees" },
-    { OPT_Y, "y", 0, KIND_CHOICE, Y_WORDS, "up", 0, 0, V_TRANSFORM,
-      "which way green points: up (OpenGL, glTF, USD) or down (DirectX)" },
+    { OPT_Y, "y", 0, KIND_CHOICE, "auto|" Y_WORDS, "auto", 0, 0, V_TRANSFORM,
+      "which way green points: up (OpenGL, glTF, USD) or down (DirectX); auto: as the texels "
+      "show, if ntp check is sure, else the file is refused. Only quarter turns depend on it" },
     { OPT_SIZE, "size", 0, KIND_STRING, "WxH|P%", NULL, 0, 0, V_RESIZE,
       "the new size in texels, such as 512x256, or in percent of the old one" },
     { OPT_MIPS, "mips", 0, KIND_FLAG, NULL, NULL, 0, 0, V_RESIZE,
@@ -211,10 +212,11 @@ const option_spec OPTION_TABLE[] = {
       "sums, cheaper in shaders, weaker on slopes (docs/operations.md)" },
     { OPT_STRENGTH, "strength", 0, KIND_NUMBER, "S", "1", -1024, 1024, V_BLEND,
       "multiply the slopes of the detail first" },
-    { OPT_Y, "y", 0, KIND_CHOICE, Y_WORDS, "up", 0, 0, V_BLEND,
-      "which way green points in BASE and in the output" },
-    { OPT_DETAIL_Y, "detail-y", 0, KIND_CHOICE, Y_WORDS, "up", 0, 0, V_BLEND,
-      "which way green points in DETAIL" },
+    { OPT_Y, "y", 0, KIND_CHOICE, "auto|" Y_WORDS, "auto", 0, 0, V_BLEND,
+      "which way green points in BASE and in the output: up (OpenGL) or down (DirectX); auto: as "
+      "the texels show, if ntp check is sure, else BASE is refused" },
+    { OPT_DETAIL_Y, "detail-y", 0, KIND_CHOICE, "auto|" Y_WORDS, "auto", 0, 0, V_BLEND,
+      "which way green points in DETAIL; it is turned to that of BASE" },
     { OPT_PALETTE, "palette", 0, KIND_CHOICE, "reference|safe", "reference", 0, 0, V_HEATMAP,
       "reference: red: x, y too long, green: wrong length, blue: negative z; safe: colors that "
       "can be told apart with every kind of color vision" },

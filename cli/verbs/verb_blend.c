@@ -8,23 +8,24 @@
 #include <string.h>
 
 #include "examine/hold_image.h"
-#include "options/names.h"
 #include "report/report.h"
 #include "verbs/verbs.h"
+#include "write/green.h"
 #include "write/refusal.h"
 #include "write/write_run.h"
 
 typedef struct settings {
     ntp_blend_options how;
-    ntp_y y;
+    int y, detail_y; /* of the options, or -1 */
     ntp_image detail;
-    ntp_class detail_type;
+    const facts *detail_facts;
     uint32_t detail_touch;
 } settings;
 
 typedef struct state {
     ntp_image made; /* the blended rows */
     ntp_diff *diff; /* base against result */
+    green y, detail_y;
 } state;
 
 /* The detail while it is read. */
@@ -36,13 +37,74 @@ typedef struct layer {
     void *data;
 } layer;
 
-static bool begin(production *p, ntpio_write_options *shape, ntpio_error *error)
+/* ------------------------------------------------------------------------- green */
+
+/* Is y not 0 in any texel that is blended? */
+static bool has_y(const facts *f, const ntp_blend_options *how)
+{
+    const bool touched = how->touch_unused != 0 && f->stats.unused > 0;
+    return touched || !slopes_are_flat(f->most.y, &f->stats);
+}
+
+typedef struct both {
+    green base, detail;
+    bool base_is_known, detail_is_known;
+} both;
+
+/*
+ * Turning green of one texture changes nothing where all its y are 0: a base without y takes the
+ * green of the detail, and a detail without y that of the base.
+ */
+static both find_both(const production *p)
 {
     const settings *set = p->m->settings;
+    const facts *detail = set->detail_facts;
+    both g = { .base_is_known = green_find(&g.base, set->y, &p->f),
+               .detail_is_known = green_find(&g.detail, set->detail_y, detail) };
+    const bool base_has_y = has_y(&p->f, &set->how);
+    const bool detail_has_y = has_y(detail, &set->how) && set->how.strength != 0;
+    if (!g.base_is_known && (!base_has_y || !detail_has_y)) {
+        g.base = (green) { g.detail_is_known ? g.detail.y : NTP_Y_UP, GREEN_UNNEEDED, 0 };
+        g.base_is_known = true;
+        if (!g.detail_is_known)
+            g.detail = g.base;
+        g.detail_is_known = true;
+    }
+    if (!g.detail_is_known && !detail_has_y) {
+        g.detail = (green) { g.base.y, GREEN_UNNEEDED, 0 };
+        g.detail_is_known = true;
+    }
+    return g;
+}
+
+static bool knows(production *p, text *why)
+{
+    const settings *set = p->m->settings;
+    const both g = find_both(p);
+    if (!g.base_is_known)
+        green_ask(why, &p->f, "--y");
+    if (!g.base_is_known && !g.detail_is_known)
+        text_add(why, " --detail-y says it of DETAIL, which does not show it either");
+    if (g.base_is_known && !g.detail_is_known) {
+        text_add(why, "DETAIL is ");
+        text_name(why, p->m->o->paths[1]);
+        text_add(why, ": ");
+        green_ask(why, set->detail_facts, "--detail-y");
+    }
+    return g.base_is_known && g.detail_is_known;
+}
+
+/* -------------------------------------------------------------------------- rows */
+
+static bool begin(production *p, ntpio_write_options *shape, ntpio_error *error)
+{
     state *st = p->state;
+    const both g = find_both(p);
     (void) shape;
     (void) error;
-    p->s.view.y = set->y;
+    st->y = g.base;
+    st->detail_y = g.detail;
+    p->s.view.y = g.base.y;
     p->changes = true;
     st->made = p->s.view;
     st->made.ring_rows = p->s.block_rows;
@@ -58,7 +120,8 @@ static bool rows(production *p, const ntp_rect *area, ntpio_error *error)
     state *st = p->state;
     const ntp_const_image base = ntp_image_as_const(&p->s.view);
     const ntp_const_image made = ntp_image_as_const(&st->made);
-    const ntp_const_image detail = ntp_image_as_const(&set->detail);
+    ntp_const_image detail = ntp_image_as_const(&set->detail);
+    detail.y = st->detail_y.y;
     ntp_blend_options how = set->how;
     how.touch_unused |= p->touch | set->detail_touch;
     ntp_status status = ntp_blend(&st->made, &base, &detail, &how, area);
@@ -85,17 +148,20 @@ static void describe(const production *p, text *line, json_t *object)
         text_add(line, " degrees, ");
         text_degrees(line, stats.angles.mean);
         text_add(line, " on average");
+        green_tell(line, "; ", "green of BASE", &st->y);
+        green_tell(line, "; ", "green of DETAIL", &st->detail_y);
     }
     if (object == NULL)
         return;
     json_set_changes(object, &stats);
     json_object_set_new(object, "texels", json_count(stats.texels));
     json_set_name(object, "detail", p->m->o->paths[1]);
-    json_object_set_new(object, "detail_type", json_string(ntp_class_name(set->detail_type)));
+    json_object_set_new(object, "detail_type",
+                        json_string(ntp_class_name(set->detail_facts->type.type)));
     json_object_set_new(object, "mode", json_string(mode));
     json_object_set_new(object, "strength", json_real(set->how.strength));
-    json_object_set_new(object, "y", json_string(y_name(set->y)));
-    json_object_set_new(object, "detail_y", json_string(y_name(set->detail.y)));
+    green_report(object, "y", &st->y);
+    green_report(object, "detail_y", &st->detail_y);
 }
 
 /* ---------------------------------------------------------------------- the detail */
@@ -113,12 +179,12 @@ static void view_detail(layer *l)
 
 static bool examine_detail(layer *l, const options *o, ntpio_error *error)
 {
-    if (!examine(&l->s, forced_class(o), &l->f, error))
+    if (!green_examine(&l->s, forced_class(o), &l->f, error))
         return false;
     if (has_tangent_normals(&l->f, false) || !option_given(o, OPT_FORCE))
         return true;
     facts_free(&l->f);
-    return source_rewind(&l->s, error) && examine(&l->s, NTP_CLASS_STANDARD, &l->f, error);
+    return source_rewind(&l->s, error) && green_examine(&l->s, NTP_CLASS_STANDARD, &l->f, error);
 }
 
 static unsigned read_detail(layer *l, settings *set, const options *o, const ntpio_limits *limits)
@@ -126,7 +192,10 @@ static unsigned read_detail(layer *l, settings *set, const options *o, const ntp
     ntpio_error error = { 0 };
     l->in = (input) { .path = o->paths[1], .named = true };
     l->w = worker_new();
-    if (!source_open(&l->s, l->w, &l->in, limits, &error) || !examine_detail(l, o, &error)) {
+    l->in.y = name_orientation(l->in.path);
+    bool ok = source_open(&l->s, l->w, &l->in, limits, &error);
+    ok = ok && examine_detail(l, o, &error);
+    if (!ok) {
         complain("%s", error.message);
         return RAN_FAILED;
     }
@@ -137,7 +206,7 @@ static unsigned read_detail(layer *l, settings *set, const options *o, const ntp
         text_free(&t);
         return RAN_FINDINGS;
     }
-    bool ok = source_rewind(&l->s, &error);
+    ok = source_rewind(&l->s, &error);
     if (ok) {
         view_detail(l);
         ok = hold_all(&set->detail, &l->data, &l->s, &error);
@@ -146,8 +215,7 @@ static unsigned read_detail(layer *l, settings *set, const options *o, const ntp
         complain("%s", error.message);
         return RAN_FAILED;
     }
-    set->detail.y = (ntp_y) option_integer(o, OPT_DETAIL_Y);
-    set->detail_type = l->f.type.type;
+    set->detail_facts = &l->f;
     set->detail_touch = touch_for(&l->f.stats, l->f.encoding);
     return 0;
 }
@@ -175,7 +243,7 @@ int blend_run(const options *o)
     const char *output = option_string(o, OPT_OUTPUT);
     if (!inputs_are_two(o, ", BASE and DETAIL"))
         return NTP_EXIT_USAGE;
-    settings set = { .y = (ntp_y) option_integer(o, OPT_Y) };
+    settings set = { .y = green_told(o, OPT_Y), .detail_y = green_told(o, OPT_DETAIL_Y) };
     set.how.mode = (ntp_blend_mode) option_integer(o, OPT_MODE);
     set.how.use_strength = 1;
     set.how.strength = option_number(o, OPT_STRENGTH);
@@ -190,8 +258,10 @@ int blend_run(const options *o)
     const maker m = { .o = &base,
                       .forced = forced_class(o),
                       .plan = PLAN_MEASURE_FIRST,
+                      .finds_green = true,
                       .state_size = sizeof(state),
                       .settings = &set,
+                      .knows = knows,
                       .begin = begin,
                       .rows = rows,
                       .describe = describe };

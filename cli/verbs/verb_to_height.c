@@ -106,8 +106,7 @@ static bool read_settings(to_height_settings *set, const options *o)
                                   .border_y = border_of(o, OPT_BORDER_Y),
                                   .mask_file = option_string(o, OPT_MASK),
                                   .limits = limits_from(o) };
-    static const int Y[] = { AUTO, NTP_Y_UP, NTP_Y_DOWN };
-    set->y = Y[option_integer(o, OPT_Y)];
+    set->y = green_told(o, OPT_Y);
     set->how.method = (ntp_height_method) option_integer(o, OPT_METHOD);
     set->how.decode = (ntp_decode) option_integer(o, OPT_DECODE);
     set->how.z = (ntp_z) option_integer(o, OPT_Z);
@@ -286,15 +285,21 @@ static void choose_method(to_height_state *st, const production *p)
         st->how.method = NTP_HEIGHT_WEIGHTED;
 }
 
+void to_height_see(production *p)
+{
+    to_height_state *st = p->state;
+    st->src = ntp_image_as_const(&p->s.view);
+    st->src.data = p->w->extra.data;
+    st->src.ring_rows = 0;
+    st->how.touch_unused = p->touch;
+}
+
 static bool finish(production *p, ntpio_error *error)
 {
     const to_height_settings *set = p->m->settings;
     to_height_state *st = p->state;
     const ntp_image *view = &p->s.view;
     const size_t texels = (size_t) view->width * (size_t) view->height;
-    st->src = ntp_image_as_const(view);
-    st->src.data = p->w->extra.data;
-    st->src.ring_rows = 0;
     st->how = set->how;
     st->how.touch_unused = p->touch;
     choose_method(st, p);
@@ -313,7 +318,7 @@ static bool finish(production *p, ntpio_error *error)
     ntp_image heights = ntp_image_packed(buffer_reserve(&p->w->extra2, texels * sizeof(float)),
                                          view->width, view->height, 1, NTP_TYPE_F32);
     if (ok) {
-        ntp_status status = to_height_choose(st, set, p->in, p->w, &heights);
+        ntp_status status = to_height_choose(st, set, p->w, &heights);
         if (status == NTP_OK)
             status = heights_solve(p->w, &heights, &st->src, &st->how,
                                    (stretch) { SOLVE_PERMILLE, 1000 }, &st->result);
@@ -338,6 +343,7 @@ int to_height_run(const options *o)
                       .read_permille = READ_PERMILLE,
                       .state_size = sizeof(to_height_state),
                       .settings = &set,
+                      .knows = to_height_knows,
                       .begin = begin,
                       .rows = rows,
                       .finish = finish,

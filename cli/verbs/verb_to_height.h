@@ -5,6 +5,7 @@
 #ifndef NTP_CLI_VERB_TO_HEIGHT_H
 #define NTP_CLI_VERB_TO_HEIGHT_H
 
+#include "write/green.h"
 #include "write/write_run.h"
 
 enum { AUTO = -1 }; /* the evidence decides */
@@ -20,24 +21,29 @@ typedef struct to_height_settings {
 } to_height_settings;
 
 /* How a choice was made. */
-typedef enum chosen_by { BY_OPTION, BY_TEXELS, BY_NAME, BY_DEFAULT } chosen_by;
+typedef enum chosen_by { BY_OPTION, BY_TEXELS, BY_DEFAULT } chosen_by;
 
 typedef struct to_height_state {
     ntp_const_image src; /* the whole texture */
     ntp_height_options how;
     ntp_height_result result;
-    ntp_y y;
-    chosen_by y_by, kernel_by, border_by[2];
-    double y_confidence;
+    green y;
+    chosen_by kernel_by, border_by[2];
     double scale, offset; /* of the output */
 } to_height_state;
 
 enum { READ_PERMILLE = 400, SOLVE_PERMILLE = 600 }; /* the progress after reading, after choosing */
 
-/* Decides Y, the kernel and the borders where the options leave them open.  heights: memory for
+/* Sets the view of the whole texture, which was read. */
+void to_height_see(production *p);
+
+/* Decides Y of the whole texture.  Returns false after *why asked. */
+bool to_height_knows(production *p, text *why);
+
+/* Decides the kernel and the borders where the options leave them open.  heights: memory for
  * them. */
-ntp_status to_height_choose(to_height_state *st, const to_height_settings *set, const input *in,
-                            worker *w, const ntp_image *heights);
+ntp_status to_height_choose(to_height_state *st, const to_height_settings *set, worker *w,
+                            const ntp_image *heights);
 
 /* Adds what was done to the file's line or JSON object. */
 void to_height_describe(const production *p, text *line, json_t *object);

@@ -2,30 +2,50 @@
 /*
  * verb_to_height_choose.c - what the options leave to evidence: Y, the kernel, the borders
  *
- * The texels come first.  What they do not show is taken from the name (Y) or is a safe default:
- * the kernel central, and borders that assume nothing about the other end.
+ * Where the texels do not show Y, the file is refused.  Otherwise there is a safe default: the
+ * kernel central, and borders that assume nothing about the other end.
  */
 #include <stdlib.h>
 
 #include "surface/solve_heights.h"
 #include "verbs/verb_to_height.h"
 
-static void choose_y(to_height_state *st, const to_height_settings *set, const input *in)
+/* As in a check of some rows, and else of all. */
+static void find_orientation(facts *f, const to_height_state *st)
 {
-    ntp_orientation_result found = { 0 };
-    if (set->y != AUTO) {
-        st->y = (ntp_y) set->y;
-        st->y_by = BY_OPTION;
-        st->y_confidence = 1;
-        return;
-    }
     ntp_orientation *memory = need(calloc(1, ntp_orientation_size()));
-    if (ntp_orientation_add(memory, &st->src, st->how.touch_unused, 1, NULL) == NTP_OK)
-        ntp_orientation_summarize(&found, memory);
+    for (int32_t every_row = 0; every_row < 2 && !green_is_sure(&f->orientation, NAME_Y_NONE);
+         every_row++) {
+        ntp_orientation_clear(memory);
+        if (ntp_orientation_add(memory, &st->src, st->how.touch_unused, every_row, NULL) == NTP_OK)
+            ntp_orientation_summarize(&f->orientation, memory);
+    }
     free(memory);
-    st->y_confidence = found.confidence;
-    st->y_by = found.decided ? BY_TEXELS : in->y != NAME_Y_NONE ? BY_NAME : BY_DEFAULT;
-    st->y = found.decided ? found.y : in->y == NAME_Y_DOWN ? NTP_Y_DOWN : NTP_Y_UP;
+}
+
+static bool slopes_in_y(const production *p, const ntp_const_image *src)
+{
+    steepest most = { 0, 0 };
+    for (int32_t y = 0; y < src->height; y++)
+        slopes_add(&most, src, (const char *) src->data + y * src->row_stride, p->touch);
+    return !slopes_are_flat(most.y, &p->f.stats);
+}
+
+bool to_height_knows(production *p, text *why)
+{
+    const to_height_settings *set = p->m->settings;
+    to_height_state *st = p->state;
+    to_height_see(p);
+    if (set->y == AUTO)
+        find_orientation(&p->f, st);
+    if (green_find(&st->y, set->y, &p->f))
+        return true;
+    if (slopes_in_y(p, &st->src)) {
+        green_ask(why, &p->f, "--y");
+        return false;
+    }
+    st->y = (green) { NTP_Y_UP, GREEN_UNNEEDED, 0 };
+    return true;
 }
 
 static void choose_kernel(to_height_state *st, const to_height_settings *set)
@@ -80,11 +100,10 @@ static ntp_status choose_borders(to_height_state *st, const to_height_settings *
     return status;
 }
 
-ntp_status to_height_choose(to_height_state *st, const to_height_settings *set, const input *in,
-                            worker *w, const ntp_image *heights)
+ntp_status to_height_choose(to_height_state *st, const to_height_settings *set, worker *w,
+                            const ntp_image *heights)
 {
-    choose_y(st, set, in);
-    st->src.y = st->y;
+    st->src.y = st->y.y;
     choose_kernel(st, set);
     return choose_borders(st, set, w, heights);
 }

@@ -6,7 +6,7 @@
 #include "report/report.h"
 #include "verbs/verb_to_height.h"
 
-static const char *const BY[] = { "option", "texels", "name", "default" };
+static const char *const BY[] = { "option", "texels", "default" };
 
 /* Exact to a part in ten thousand. */
 static void add_height(text *t, double v)
@@ -16,8 +16,9 @@ static void add_height(text *t, double v)
 
 static void add_choices(text *line, const to_height_state *st)
 {
-    static const char *const GROUNDS[] = { "", "", ", by its name", ", assumed" };
-    text_addf(line, ", %s%s", y_title(st->y), GROUNDS[st->y_by]);
+    if (st->y.by == GREEN_BY_OPTION)
+        text_addf(line, ", green points %s", y_name(st->y.y));
+    green_tell(line, ", ", "green", &st->y);
     text_addf(line, ", %s", ntp_kernel_name(st->how.kernel));
     if (st->how.border_x == st->how.border_y)
         text_addf(line, ", border %s", ntp_border_name(st->how.border_x));
@@ -69,9 +70,8 @@ static void set_choices(json_t *object, const to_height_state *st)
     json_object_set_new(object, "border_y", json_string(ntp_border_name(how->border_y)));
     json_object_set_new(object, "border_y_by", json_string(BY[st->border_by[1]]));
     json_object_set_new(object, "from", json_string(encoding_name(st->src.encoding)));
-    json_object_set_new(object, "y", json_string(y_name(st->y)));
-    json_object_set_new(object, "y_by", json_string(BY[st->y_by]));
-    json_object_set_new(object, "y_confidence", json_angle(st->y_confidence));
+    green_report(object, "y", &st->y);
+    json_object_set_new(object, "y", json_string(y_name(st->y.y))); /* also where unneeded */
     json_object_set_new(object, "decode", json_string(decode_name(r->decode)));
     json_object_set_new(object, "z", json_string(z_name(r->z)));
 }

@@ -3,15 +3,52 @@
  * verb_transform.c - ntp transform: flips, quarter turns and strength, pictures and vectors
  * together
  */
-#include "options/names.h"
 #include "report/report.h"
 #include "verbs/verbs.h"
+#include "write/green.h"
 #include "write/whole_image.h"
 
 typedef struct settings {
     ntp_transform_options how;
-    ntp_y y;
+    int y; /* of --y, or -1 */
 } settings;
+
+typedef struct state {
+    green y;
+} state;
+
+/*
+ * Flips, a half turn and strength treat green up and green down alike, level by level.  A quarter
+ * turn swaps red and green and mirrors one of them: which one depends on green, and so the two
+ * results are opposite vectors.  Flat texels have no direction to get wrong.
+ */
+static bool depends_on_green(const production *p)
+{
+    const settings *set = p->m->settings;
+    const ntp_stats *stats = &p->f.stats;
+    return set->how.quarter_turns % 2 != 0 &&
+           !(slopes_are_flat(p->f.most.x, stats) && slopes_are_flat(p->f.most.y, stats));
+}
+
+static bool find_y(const production *p, green *g)
+{
+    const settings *set = p->m->settings;
+    if (green_find(g, set->y, &p->f))
+        return true;
+    const bool needed = depends_on_green(p);
+    if (!needed)
+        *g = (green) { .by = GREEN_UNNEEDED };
+    return !needed;
+}
+
+static bool knows(production *p, text *why)
+{
+    green g;
+    const bool known = find_y(p, &g);
+    if (!known)
+        green_ask(why, &p->f, "--y");
+    return known;
+}
 
 static ntp_status make(void *context, const ntp_image *dst, const ntp_const_image *src,
                        const ntp_rect *area)
@@ -23,7 +60,9 @@ static ntp_status make(void *context, const ntp_image *dst, const ntp_const_imag
 static bool begin(production *p, ntpio_write_options *shape, ntpio_error *error)
 {
     const settings *set = p->m->settings;
-    p->s.view.y = set->y;
+    state *st = p->state;
+    find_y(p, &st->y);
+    p->s.view.y = st->y.y;
     p->changes = true;
     if (set->how.quarter_turns % 2 != 0) {
         shape->width = (uint32_t) p->s.view.height;
@@ -51,6 +90,7 @@ static const char *flip_name(const ntp_transform_options *how)
 static void describe(const production *p, text *line, json_t *object)
 {
     const settings *set = p->m->settings;
+    const state *st = p->state;
     const char *flip = flip_name(&set->how);
     if (line != NULL) {
         text_addf(line, "%s", class_title(p->f.type.type));
@@ -60,6 +100,7 @@ static void describe(const production *p, text *line, json_t *object)
             text_addf(line, ", turned %d degrees clockwise", 90 * set->how.quarter_turns);
         if (set->how.use_strength)
             text_addf(line, ", slopes times %.6g", set->how.strength);
+        green_tell(line, "; ", "green", &st->y);
     }
     if (object == NULL)
         return;
@@ -68,7 +109,7 @@ static void describe(const production *p, text *line, json_t *object)
                         json_real(set->how.use_strength ? set->how.strength : 1));
     json_object_set_new(object, "flip", flip != NULL ? json_string(flip) : json_null());
     json_object_set_new(object, "rotate", json_integer(90 * set->how.quarter_turns));
-    json_object_set_new(object, "y", json_string(y_name(set->y)));
+    green_report(object, "y", &st->y);
     json_object_set_new(object, "texels", json_count(p->f.stats.texels));
 }
 
@@ -77,7 +118,7 @@ int transform_run(const options *o)
     const bool flip = option_given(o, OPT_FLIP);
     const int64_t axes = option_integer(o, OPT_FLIP);
     const bool turn = option_given(o, OPT_ROTATE);
-    settings set = { .y = (ntp_y) option_integer(o, OPT_Y) };
+    settings set = { .y = green_told(o, OPT_Y) };
     set.how.flip_x = flip && axes != 1;
     set.how.flip_y = flip && axes != 0;
     set.how.quarter_turns = turn ? (int32_t) option_integer(o, OPT_ROTATE) + 1 : 0;
@@ -87,11 +128,14 @@ int transform_run(const options *o)
         complain("nothing to do: give --strength, --flip or --rotate");
         return NTP_EXIT_USAGE;
     }
+    const bool turns_odd = set.how.quarter_turns % 2 != 0 && set.y < 0;
     const maker m = { .o = o,
                       .forced = forced_class(o),
                       .plan = PLAN_MEASURE_FIRST,
-                      .state_size = 1,
+                      .finds_green = turns_odd,
+                      .state_size = sizeof(state),
                       .settings = &set,
+                      .knows = knows,
                       .begin = begin,
                       .rows = rows,
                       .describe = describe };

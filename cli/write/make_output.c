@@ -11,6 +11,7 @@
 #include <sys/stat.h>
 
 #include "cli.h"
+#include "write/green.h"
 #include "write/refusal.h"
 
 /* ----------------------------------------------------------------------- the plan */
@@ -153,6 +154,19 @@ static outcome refuse(const production *p, ntpio_error *error)
     return p->f.counts && (p->in->named || p->in->hinted) ? REFUSED : SKIPPED;
 }
 
+/* Refuses a file of which something is not known that the verb needs. */
+static outcome ask(production *p, ntpio_error *error)
+{
+    text t = { 0 };
+    text_name(&t, p->in->path);
+    text_add(&t, ": ");
+    const bool known = p->m->knows == NULL || p->m->knows(p, &t);
+    if (!known)
+        snprintf(error->message, sizeof error->message, "%.500s", text_string(&t));
+    text_free(&t);
+    return known ? MADE : REFUSED;
+}
+
 static outcome end_of(pass_end end)
 {
     return end == PASS_UNREADABLE ? UNREADABLE : FAILED;
@@ -171,20 +185,24 @@ static void view_as_known(production *p)
 /* Reads the file once, so that the facts are known when the rows are made. */
 static outcome know_first(production *p, ntpio_error *error)
 {
-    if (!examine(&p->s, p->forced, &p->f, error))
+    if (p->m->finds_green ? !green_examine(&p->s, p->forced, &p->f, error)
+                          : !examine(&p->s, p->forced, &p->f, error))
         return UNREADABLE;
     if (is_refused(p))
         return refuse(p, error);
     p->known = true;
     p->touch = touch_for(&p->f.stats, p->f.encoding);
     view_as_known(p);
-    return source_rewind(&p->s, error) ? MADE : UNREADABLE;
+    const bool later = p->m->plan == PLAN_AFTER_READING;
+    const outcome known = later ? MADE : ask(p, error);
+    return known != MADE ? known : source_rewind(&p->s, error) ? MADE : UNREADABLE;
 }
 
 /* After all rows were read, when the facts are known. */
 static outcome finish(production *p, ntpio_error *error)
 {
-    return p->m->finish == NULL || p->m->finish(p, error) ? MADE : FAILED;
+    const outcome known = p->m->plan == PLAN_AFTER_READING ? ask(p, error) : MADE;
+    return known != MADE ? known : p->m->finish == NULL || p->m->finish(p, error) ? MADE : FAILED;
 }
 
 /*

@@ -6,6 +6,7 @@
  * out what it is, lets the verb make rows, and writes and reports.
  *   write_run.c    the run over all files, and what is reported about each
  *   make_output.c  the passes over one file
+ *   green.c        which way green points, and the question where it is not known
  *   refusal.c      which files are refused, and the words for it
  *   whole_image.c  for verbs that need the whole input in memory
  *   side_image.c   a channel of a second image: an alpha, a mask
@@ -62,11 +63,15 @@ struct maker {
     int forced;     /* class from --type, or -1 */
     bool any_order; /* the verb treats x and y alike and need not know which is which */
     maker_plan plan;
+    bool finds_green;  /* the facts of a measured file tell which way green points */
     int read_permille; /* how much of the work is reading, for the progress bar; 0: all of it */
     size_t state_size;
     const void *settings; /* the verb's */
     /* Before each pass: sets up the state, which is all zeros, and the shape of the output. */
     bool (*begin)(production *p, ntpio_write_options *shape, ntpio_error *error);
+    /* When the facts are known, before rows are made (PLAN_AFTER_READING: before `finish`): is all
+     * known that the verb needs?  If not, *why asks, and the file is refused.  May be NULL. */
+    bool (*knows)(production *p, text *why);
     /* Rows were read into the view: makes the rows of the output and writes them
      * (production_write). */
     bool (*rows)(production *p, const ntp_rect *area, ntpio_error *error);

@@ -106,7 +106,11 @@ def test_words_are_names(run, verb, option, name_of):
 def test_reports_say_what_was_given(run, tmp_path, verb, option, key):
     rgba = np.dstack([textures.standard(16, 16), np.full((16, 16), 255, np.uint8)])
     write_png(tmp_path / "a.png", rgba)
-    more = {"resize": ["--size", "8x8"], "from-height": ["--scale", "2"]}.get(verb, [])
+    more = {
+        "resize": ["--size", "8x8"],
+        "from-height": ["--scale", "2"],
+        "to-height": [] if option == "y" else ["--y", "up"],
+    }.get(verb, [])
     for word in words(run, verb, option):
         if word == "auto":
             continue
@@ -143,7 +147,8 @@ def test_older_names_are_accepted_and_not_shown(run, tmp_path, verb):
     write_png(tmp_path / "a.png", textures.standard(16, 16))
     for older, newer, word in (("from", "type", "standard"), ("from-y", "y", "down")):
         for name in (older, newer):
-            done = run(verb, "a.png", "-o", f"{name}.png", f"--{name}", word)
+            green = ["--y", "up"] if older == "from" else []
+            done = run(verb, "a.png", "-o", f"{name}.png", f"--{name}", word, *green)
             assert done.returncode == 0, done.stderr
         both = [(tmp_path / f"{name}.png").read_bytes() for name in (older, newer)]
         assert both[0] == both[1]

@@ -37,13 +37,15 @@ def test_turns(run, tmp_path, depth):
     before = textures.standard(20, 30, 1, depth=depth)
     m = 255 if depth == 8 else 65535
     write_png(tmp_path / "a_n.png", before)
-    done = run("transform", "a_n.png", "-o", "b.png", "--rotate", "90", "--format", "json")
+    done = run(
+        "transform", "a_n.png", "-o", "b.png", "--rotate", "90", "--y", "up", "--format", "json"
+    )
     item = only_item(done)
     assert item["rotate"] == 90 and item["flip"] is None and item["strength"] == 1
     want = np.rot90(before, -1)
     want = np.dstack([want[..., 1], m - want[..., 0], want[..., 2]])
     assert np.array_equal(pixels_of(tmp_path / "b.png"), want)
-    run("transform", "b.png", "-o", "c.png", "--rotate", "270")
+    run("transform", "b.png", "-o", "c.png", "--rotate", "270", "--y", "up")
     assert np.array_equal(pixels_of(tmp_path / "c.png"), before)
     run("transform", "a_n.png", "-o", "d.png", "--rotate", "90", "--y", "down")
     want = np.rot90(before, -1)
@@ -186,7 +188,7 @@ def test_blend_whiteout(run, tmp_path):
     write_png(tmp_path / "d_n.png", detail)
     done = run(
         "blend", "a_n.png", "d_n.png", "-o", "b.png", "--mode", "whiteout", "--strength", "0.5",
-        "--detail-y", "down", "--format", "json"
+        "--y", "up", "--detail-y", "down", "--format", "json"
     )  # fmt: skip
     item = only_item(done)
     assert item["mode"] == "whiteout" and item["strength"] == 0.5 and item["detail"] == "d_n.png"
@@ -209,7 +211,8 @@ def test_blend_whiteout(run, tmp_path):
 def test_blends_are_exact(run, tmp_path, mode):
     write_png(tmp_path / "a_n.png", textures.standard(80, 60, 10))
     write_png(tmp_path / "d_n.png", textures.standard(16, 16, 11))
-    assert run("blend", "a_n.png", "d_n.png", "-o", "b.png", "--mode", mode).returncode == 0
+    args = ["blend", "a_n.png", "d_n.png", "-o", "b.png", "--mode", mode]
+    assert run(*args, "--y", "up", "--detail-y", "up").returncode == 0
     assert is_exact(pixels_of(tmp_path / "b.png"))
 
 

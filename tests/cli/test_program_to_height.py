@@ -173,21 +173,38 @@ def test_green(run, tmp_path, surface, y):
     file = only(run, "n.png", "-o", "h1.png")
     assert (file["y"], file["y_by"]) == (y, "texels") and file["y_confidence"] > 0.8
     other = {"up": "down", "down": "up"}[y]
-    file = only(run, "n.png", "-o", "h2.png", "--from-y", other)
+    file = only(run, "n.png", "-o", "h2.png", "--y", other)
     assert (file["y"], file["y_by"], file["y_confidence"]) == (other, "option", 1)
     assert file["residual_levels"] > 5  # and it does not fit
 
 
-def test_green_by_the_name(run, tmp_path):
+def test_green_is_asked_for(run, tmp_path):
+    """Also where the name says it: a name is no evidence of what the texels are."""
     y, _ = np.mgrid[:64, :64]
     stripes = (4 * np.sin(2 * np.pi * y / 16)).astype(np.float32)  # which do not tell
     n = reconstruction.from_height(stripes)
-    for name, want in [("a_dx.png", ("down", "name")), ("a_n.png", ("up", "default"))]:
+    for name in ("a_dx.png", "a_n.png"):
         write_png(tmp_path / name, n)
-        file = only(run, name, "-o", "h.png")
-        assert (file["y"], file["y_by"]) == want and file["y_confidence"] == 0
-    assert "by its name" in run("to-height", "a_dx.png", "-o", "h.png").stdout
-    assert "assumed" in run("to-height", "a_n.png", "-o", "h.png").stdout
+        done = run("to-height", name, "-o", "h.png")
+        assert done.returncode == 1 and not (tmp_path / "h.png").exists()
+        assert "--y up (OpenGL) or --y down (DirectX)?" in done.stderr
+        assert ("its name says DirectX" in done.stderr) == (name == "a_dx.png")
+    file = only(run, "a_dx.png", "-o", "h.png", "--y", "down")
+    assert (file["y"], file["y_by"], file["y_confidence"]) == ("down", "option", 1)
+
+
+def test_green_is_not_asked_for_where_nothing_slopes_up_or_down(run, tmp_path):
+    write_png(
+        tmp_path / "n.png",
+        reconstruction.from_height(
+            np.tile(4 * np.sin(2 * np.pi * np.arange(64) / 16), (64, 1)).astype(np.float32)
+        ),
+    )
+    file = only(run, "n.png", "-o", "h.png")
+    assert (file["y"], file["y_by"], file["y_confidence"]) == ("up", "unneeded", 0)
+    up = read_png(tmp_path / "h.png")[0].astype(int)
+    only(run, "n.png", "-o", "h.png", "--y", "down")
+    assert np.abs(read_png(tmp_path / "h.png")[0].astype(int) - up).max() < 65536 / 8 / 20
 
 
 def test_borders_by_axis(run, surface):
@@ -209,7 +226,7 @@ def test_free_borders_when_unknown(run, tmp_path):
     n = reconstruction.from_height(reconstruction.fractal(256))[30:170, 40:190].astype(int)
     n += np.round(rng.normal(0, 12, n.shape)).astype(int)
     write_png(tmp_path / "n.png", np.clip(n, 0, 255).astype(np.uint8))
-    file = only(run, "n.png", "-o", "h.png", "--from", "standard")
+    file = only(run, "n.png", "-o", "h.png", "--type", "standard")
     assert "wrap" not in (file["border_x"], file["border_y"])
     assert file["method"] == "poisson-dct"
 
@@ -217,7 +234,7 @@ def test_free_borders_when_unknown(run, tmp_path):
 @pytest.mark.parametrize("encoding", ["standard", "zzero", "xy"])
 def test_encodings(run, tmp_path, surface, encoding):
     make_normals(run, "--to", encoding, "--depth", 16)
-    file = only(run, "n.png", "-o", "back.png", "--from", encoding)
+    file = only(run, "n.png", "-o", "back.png", "--type", encoding)
     assert file["from"] == encoding
     heights = read_png(tmp_path / "back.png")[0][..., 0] / 65535 * file["scale"] + file["offset"]
     assert np.std(heights - surface) < 0.01
@@ -307,7 +324,7 @@ def test_what_does_not_converge_is_said(run, tmp_path):
     rng = np.random.default_rng(1)
     write_png(tmp_path / "n.png", rng.integers(90, 166, (162, 162, 3)).astype(np.uint8))
     write_png(tmp_path / "mask.png", np.kron(maze(rng, 81), np.ones((2, 2), np.uint8)))
-    args = ["--from", "standard", "--kernel", "forward", "--z", "stored"]
+    args = ["--type", "standard", "--y", "up", "--kernel", "forward", "--z", "stored"]
     done = run("to-height", "n.png", "-o", "x.png", *args, "--mask", "mask.png")
     assert done.returncode == 2 and not (tmp_path / "x.png").exists()
     assert "n.png: the weighted least squares did not reach their tolerance" in done.stderr
@@ -401,8 +418,8 @@ def test_jobs_and_instruction_give_the_same_bytes(run, tmp_path, surface):
         ("--refine", "x"),
         ("--decode", "snorm"),
         ("--z", "none"),
-        ("--from", "height"),
-        ("--from-y", "left"),
+        ("--type", "height"),
+        ("--y", "left"),
         ("--depth", "8"),
         ("--depth", "float"),
         ("--dx", "0"),
@@ -439,7 +456,9 @@ def test_floats_cannot_be_refined(run, tmp_path):
     n = (n / np.linalg.norm(n, axis=-1, keepdims=True)).astype("<f4")
     h, w = n.shape[:2]
     (tmp_path / "n.pfm").write_bytes(b"PF\n%d %d\n-1.0\n" % (w, h) + n[::-1].tobytes())
-    done = run("to-height", "n.pfm", "-o", "out.png", "--refine", 2, "--from", "standard")
+    done = run(
+        "to-height", "n.pfm", "-o", "out.png", "--refine", 2, "--type", "standard", "--y", "up"
+    )
     assert done.returncode == 2 and "floats are not rounded" in done.stderr, done.stderr
 
 
@@ -450,7 +469,7 @@ def test_what_is_no_normals_texture(run, tmp_path):
         done = run("to-height", name, "-o", "out.png")
         assert done.returncode == 1 and "--type standard" in done.stderr
         assert not (tmp_path / "out.png").exists()
-    assert only(run, "p.png", "-o", "out.png", "--from", "standard")["status"] == "ok"
+    assert only(run, "p.png", "-o", "out.png", "--type", "standard", "--y", "up")["status"] == "ok"
     assert run("to-height", "none.png", "-o", "out2.png").returncode == 3
     (tmp_path / "bad_n.png").write_bytes((tmp_path / "p.png").read_bytes()[:300])
     assert run("to-height", "bad_n.png", "-o", "out2.png").returncode == 3
@@ -475,7 +494,7 @@ def test_small_and_odd_sizes(run, tmp_path, shape):
     n = textures.standard(64, 128)[: shape[0], : shape[1]]
     write_png(tmp_path / "n.png", n)
     for method in ("auto", "telescoping", "weighted"):
-        args = ["--from", "standard", "--method", method]
+        args = ["--type", "standard", "--y", "up", "--method", method]
         file = only(run, "n.png", "-o", "h.png", *args)
         assert read_png(tmp_path / "h.png")[0].shape == (*shape, 1)
         assert np.isfinite([file["scale"], file["offset"], file["residual_levels"] or 0]).all()
@@ -484,7 +503,7 @@ def test_small_and_odd_sizes(run, tmp_path, shape):
 @pytest.mark.parametrize("color", [(128, 128, 255), (127, 127, 255), (128, 128, 0), (200, 90, 3)])
 def test_one_color(run, tmp_path, color):
     write_png(tmp_path / "n.png", np.full((20, 30, 3), color, np.uint8))
-    file = only(run, "n.png", "-o", "h.png", "--from", "standard", "--border", "wrap")
+    file = only(run, "n.png", "-o", "h.png", "--type", "standard", "--y", "up", "--border", "wrap")
     assert file["scale"] == pytest.approx(0, abs=1e-3)
     assert run("from-height", "h.png", "-o", "x.png", "--scale", file["scale"]).returncode == 0
 
@@ -492,7 +511,7 @@ def test_one_color(run, tmp_path, color):
 @pytest.mark.parametrize("color", [0, 255])
 def test_nothing_used(run, tmp_path, color):
     write_png(tmp_path / "n.png", np.full((20, 30, 3), color, np.uint8))
-    file = only(run, "n.png", "-o", "h.png", "--from", "standard")
+    file = only(run, "n.png", "-o", "h.png", "--type", "standard")
     assert file["unused"] == 600 or file["holes"] == 600
     assert not read_png(tmp_path / "h.png")[0].any()
 
@@ -503,7 +522,7 @@ def test_broken_floats(run, tmp_path):
     n[10:12, 7] = np.inf
     n[20, 20] = 0.5  # length 0
     write_pfm(tmp_path / "n.pfm", n)
-    file = only(run, "n.pfm", "-o", "h.pfm", "--from", "standard")
+    file = only(run, "n.pfm", "-o", "h.pfm", "--type", "standard")
     h = read_pfm(tmp_path / "h.pfm")
     assert np.isfinite(h).all() and file["not_finite"] + file["holes"] >= 4
 

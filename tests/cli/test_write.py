@@ -194,7 +194,8 @@ def test_the_input_is_replaced_only_on_request(run, tmp_path, verb):
     options = OVERWRITING[verb]
     inputs = ["a_n.png"]
     if verb == "blend":
-        inputs, options = ["a_n.png", "d_n.png"], ["--type", "standard"]
+        inputs = ["a_n.png", "d_n.png"]
+        options = ["--type", "standard", "--y", "up", "--detail-y", "up"]
         write_png(tmp_path / "d_n.png", textures.standard(8, 8))
     if verb in ("clean", "convert", "transform", "resize"):
         options = [*options, *(["--from"] if verb == "convert" else ["--type"]), "standard"]
