@@ -16,6 +16,13 @@
 #include "options/options.h"
 #include "verbs/verbs.h"
 
+/* A reader that is gone and a file that grows too large are errors of writing, no reason to die. */
+static void on_write_signals(void (*how)(int))
+{
+    signal(SIGPIPE, how);
+    signal(SIGXFSZ, how);
+}
+
 static void on_signal(int number)
 {
     interrupted_by = number;
@@ -31,7 +38,6 @@ static void catch_signals(void)
         if (sigaction(ENDING[i], NULL, &old) == 0 && old.sa_handler != SIG_IGN)
             sigaction(ENDING[i], &action, NULL);
     }
-    signal(SIGPIPE, SIG_IGN);
 }
 
 static int finish(int code)
@@ -97,10 +103,10 @@ static bool failed_to_become(char *directory, const char *verb, char **argv)
     text_free(&name);
     free(directory);
     argv[0] = path;
-    signal(SIGPIPE, SIG_DFL);
+    on_write_signals(SIG_DFL);
     execv(path, argv);
     const int error = errno;
-    signal(SIGPIPE, SIG_IGN);
+    on_write_signals(SIG_IGN);
     const bool found = access(path, F_OK) == 0;
     if (found) /* ENOENT is then about the first line of a script */
         complain("%s: %s", path, error == ENOENT ? "its interpreter is missing" : strerror(error));
@@ -188,7 +194,7 @@ int main(int argc, char **argv)
         return NTP_EXIT_USAGE;
     }
     const char *word = argv[1];
-    signal(SIGPIPE, SIG_IGN);
+    on_write_signals(SIG_IGN);
     if (strcmp(word, "--help") == 0 || strcmp(word, "-h") == 0)
         return print_help(NULL);
     if (strcmp(word, "help") == 0 && argc > 2)

@@ -12,8 +12,9 @@
  *   writer.c   joins an encoder with an output; writer.h: what an encoder is
  *   formats.h  the formats, in png_read.c, png_write.c, tga.c, jpeg.c and pfm.c; they know only
  *              reader.h, writer.h and what these include
- *   source.c   where bytes come from
- *   output.c   where bytes go, and how a file takes the place of its target
+ *   source.c   where bytes come from; stamp.c: which version of a file that is
+ *   output.c   where bytes go, and how a file takes the place of its target; attributes.c: what
+ *              it keeps of the older file
  *   message.c  the words of errors
  *
  * Every function that can fail fills a ntpio_error with one sentence that names the file.
@@ -53,7 +54,15 @@ typedef struct ntpio_limits {
     uint32_t max_side;   /* 0: 65535 */
     uint64_t max_texels; /* 0: 2^30 (32768 x 32768) */
     uint64_t max_memory; /* 0: 4 GiB; for what must be held whole */
+    bool regular_only;   /* refuse pipes and devices, without waiting for them */
 } ntpio_limits;
+
+/* Which version of a file was read.  A save changes at least one of these. */
+typedef struct ntpio_stamp {
+    bool known; /* false: it was no regular file */
+    uint64_t device, node, size;
+    int64_t seconds, nanoseconds; /* of the last change of the content */
+} ntpio_stamp;
 
 /* Metadata that is copied to the output, or reported. */
 typedef struct ntpio_text {
@@ -83,6 +92,7 @@ typedef struct ntpio_info {
     bool jpeg_subsampled;    /* chroma subsampling, e.g. 4:2:0 */
     ntpio_text *texts;
     size_t text_count;
+    ntpio_stamp stamp; /* of the file when it was opened */
 } ntpio_info;
 
 typedef struct ntpio_reader ntpio_reader;
@@ -110,6 +120,9 @@ const ntpio_info *ntpio_reader_info(const ntpio_reader *reader);
 bool ntpio_read_rows(ntpio_reader *reader, void *dst, ptrdiff_t stride, uint32_t count,
                      ntpio_error *error);
 
+/* Is the file at `path` still the version that was read?  True if the stamp is not known. */
+bool ntpio_is_current(const char *path, const ntpio_stamp *stamp);
+
 /* After the last row: reads to the end of the image data and checks it (PNG: IEND and the
  * checksum; texts that follow the pixels join the info). */
 bool ntpio_read_end(ntpio_reader *reader, ntpio_error *error);
@@ -129,6 +142,8 @@ typedef struct ntpio_write_options {
                                   * commit, so that texts after the pixels are kept as well */
     const ntpio_text *texts;     /* PNG: further texts; copied */
     size_t text_count;
+    const char *read_path;  /* the file that the image was made of, or NULL; copied.  The */
+    ntpio_stamp read_stamp; /* commit fails if it is not this version any more. */
 } ntpio_write_options;
 
 /*
@@ -136,8 +151,10 @@ typedef struct ntpio_write_options {
  * there is one, else ".NAME.ntp-XXXXXX.tmp").  ntpio_commit syncs that file and puts it in the
  * place of the target.  Until then, and after a failure at any point, an older file of that name
  * stays whole.  Temporary files of the same target are removed if their writer is gone.  A symbolic
- * link stays, and what it leads to is replaced.  Permissions are kept.  A file without write
- * permission is refused. "-" is standard output; it, pipes and devices are written directly.
+ * link stays, and what it leads to is replaced.  Permissions, access control lists and extended
+ * attributes are kept (Linux), or the file is refused; owner and group are kept where the system
+ * allows it, and another group gets the permissions of everybody else.  A file without write
+ * permission is refused.  "-" is standard output; it, pipes and devices are written directly.
  * Programs should ignore SIGXFSZ and SIGPIPE to get errors instead.
  */
 ntpio_writer *ntpio_create(const char *path, const ntpio_write_options *options,

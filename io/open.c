@@ -10,7 +10,9 @@
 
 #include "formats.h"
 
-static const ntpio_limits default_limits = { 65535, (uint64_t) 1 << 30, (uint64_t) 4 << 30 };
+static const ntpio_limits default_limits = { .max_side = 65535,
+                                             .max_texels = (uint64_t) 1 << 30,
+                                             .max_memory = (uint64_t) 4 << 30 };
 
 /* ------------------------------------------------------------------------ formats */
 
@@ -147,10 +149,11 @@ ntpio_reader *ntpio_open(const char *path, const ntpio_limits *limits, ntpio_err
     ntpio_reader *reader = new_reader(standard ? "standard input" : path, limits, error);
     if (reader == NULL)
         return NULL;
-    if (!ntpio__source_open(&reader->source, path, error)) {
+    if (!ntpio__source_open(&reader->source, path, limits != NULL && limits->regular_only, error)) {
         ntpio_close(reader);
         return NULL;
     }
+    reader->info.stamp = reader->source.stamp;
     return start(reader, error);
 }
 

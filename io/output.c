@@ -19,6 +19,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "attributes.h"
 #include "message.h"
 
 #ifndef O_CLOEXEC
@@ -33,16 +34,20 @@ enum {
     NAME_LIMIT = 255,      /* if the file system does not say */
     NAME_FITS = 128,       /* no file system in use allows less */
     LINKS_MAX = 40,        /* symbolic links in a row, as in the kernel */
-    PROC_SIZE = 40
+    PROC_SIZE = 40,
+    NEW_MODE = 0666,    /* less the umask */
+    PRIVATE_MODE = 0600 /* until it gets that of the file that it replaces */
 };
 
 struct ntpio__output {
     int fd, directory; /* directory: -1 when nothing is to be renamed */
     bool unnamed;      /* of O_TMPFILE */
     bool can_seek;
-    char *name;   /* for messages */
-    char *target; /* within directory */
-    char *temp;   /* within directory, NULL while there is none */
+    char *name;      /* for messages */
+    char *target;    /* within directory */
+    char *temp;      /* within directory, NULL while there is none */
+    char *read_path; /* see ntpio_write_options */
+    ntpio_stamp read_stamp;
     uint8_t *buffer;
     size_t used;
     uint64_t offset; /* of the buffer in the file */
@@ -157,11 +162,11 @@ static void remove_all_stale(const ntpio__output *output)
     }
 }
 
-static bool open_unnamed(ntpio__output *output)
+static bool open_unnamed(ntpio__output *output, mode_t mode)
 {
 #ifdef O_TMPFILE
     char proc[PROC_SIZE];
-    output->fd = openat(output->directory, ".", O_TMPFILE | O_RDWR | O_CLOEXEC, 0666);
+    output->fd = openat(output->directory, ".", O_TMPFILE | O_RDWR | O_CLOEXEC, mode);
     if (output->fd < 0)
         return false;
     snprintf(proc, sizeof proc, "/proc/self/fd/%d", output->fd);
@@ -174,13 +179,14 @@ static bool open_unnamed(ntpio__output *output)
     output->fd = -1;
 #else
     (void) output;
+    (void) mode;
 #endif
     return false;
 }
 
 /* Takes a free slot.  Another writer may remove the file before it is locked, so its links are
  * counted. */
-static bool open_named(ntpio__output *output, ntpio_error *error)
+static bool open_named(ntpio__output *output, mode_t mode, ntpio_error *error)
 {
     int problem = EEXIST;
     for (unsigned slot = 1; slot <= SLOTS && problem == EEXIST; slot++) {
@@ -189,7 +195,7 @@ static bool open_named(ntpio__output *output, ntpio_error *error)
         if (temp == NULL)
             return ntpio__fail_memory(error, output->name);
         const int fd = openat(output->directory, temp,
-                              O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
+                              O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, mode);
         problem = fd < 0 ? errno : EEXIST;
         if (fd >= 0) {
             flock(fd, LOCK_EX | LOCK_NB);
@@ -229,18 +235,6 @@ static bool link_unnamed(ntpio__output *output, ntpio_error *error)
 
 /* ------------------------------------------------------------------------ opening */
 
-/* The new file gets the permissions of the old one and, where that is allowed, its owner. */
-static bool keep_permissions(ntpio__output *output, const struct stat *old, ntpio_error *error)
-{
-    struct stat own;
-    if (fstat(output->fd, &own) == 0 && (own.st_uid != old->st_uid || own.st_gid != old->st_gid) &&
-        fchown(output->fd, old->st_uid, old->st_gid) != 0 && own.st_gid != old->st_gid &&
-        fchown(output->fd, (uid_t) -1, old->st_gid) != 0)
-        errno = 0; /* only root may give files away */
-    return fchmod(output->fd, old->st_mode & 0777) == 0 ||
-           fail(output, "cannot be written", errno, error);
-}
-
 static bool open_directory(ntpio__output *output, const char *path, ntpio_error *error)
 {
     const char *slash = strrchr(path, '/');
@@ -273,9 +267,10 @@ static bool open_replacement(ntpio__output *output, const char *path, const stru
         return fail(output, "cannot be replaced", errno, error);
     remove_all_stale(output);
     output->can_seek = true;
-    if (!open_unnamed(output) && !open_named(output, error))
+    const mode_t mode = old == NULL ? NEW_MODE : PRIVATE_MODE;
+    if (!open_unnamed(output, mode) && !open_named(output, mode, error))
         return false;
-    return old == NULL || keep_permissions(output, old, error);
+    return old == NULL || ntpio__keep_attributes(output->fd, path, old, output->name, error);
 }
 
 static bool open_target(ntpio__output *output, const char *path, ntpio_error *error)
@@ -298,22 +293,35 @@ static bool open_target(ntpio__output *output, const char *path, ntpio_error *er
     return done;
 }
 
-ntpio__output *ntpio__output_open(const char *path, ntpio_error *error)
+static ntpio__output *new_output(const char *name, const ntpio_write_options *options,
+                                 ntpio_error *error)
 {
-    const bool standard = strcmp(path, "-") == 0;
-    const char *name = standard ? "standard output" : path;
+    const char *read_path = options->read_path;
     ntpio__output *output = calloc(1, sizeof *output);
     if (output != NULL) {
         output->fd = output->directory = -1;
         output->name = ntpio__copy_string(name, strlen(name));
         output->buffer = malloc(BUFFER_SIZE);
+        output->read_stamp = options->read_stamp;
+        if (read_path != NULL)
+            output->read_path = ntpio__copy_string(read_path, strlen(read_path));
     }
-    if (output == NULL || output->name == NULL || output->buffer == NULL) {
-        ntpio__fail_memory(error, name);
-        if (output != NULL)
-            ntpio__output_abort(output);
+    if (output != NULL && output->name != NULL && output->buffer != NULL &&
+        (read_path == NULL || output->read_path != NULL))
+        return output;
+    ntpio__fail_memory(error, name);
+    if (output != NULL)
+        ntpio__output_abort(output);
+    return NULL;
+}
+
+ntpio__output *ntpio__output_open(const char *path, const ntpio_write_options *options,
+                                  ntpio_error *error)
+{
+    const bool standard = strcmp(path, "-") == 0;
+    ntpio__output *output = new_output(standard ? "standard output" : path, options, error);
+    if (output == NULL)
         return NULL;
-    }
     if (standard) {
         fflush(stdout);
         output->fd = STDOUT_FILENO;
@@ -385,10 +393,19 @@ static bool sync_file(int fd)
     return fsync(fd) == 0 || errno == EINVAL || errno == ENOTSUP || errno == EROFS;
 }
 
+static bool input_is_current(ntpio__output *output, ntpio_error *error)
+{
+    return output->read_path == NULL || ntpio_is_current(output->read_path, &output->read_stamp) ||
+           ntpio__fail(error, NTPIO_ERR_WRITE, output->read_path, "%s",
+                       "changed meanwhile; the result of its older version is not written");
+}
+
 static bool put_in_place(ntpio__output *output, ntpio_error *error)
 {
     if (!sync_file(output->fd))
         return fail(output, "cannot be written", errno, error);
+    if (!input_is_current(output, error))
+        return false;
     if (output->unnamed && !link_unnamed(output, error))
         return false;
     if (output->temp != NULL) {
@@ -410,6 +427,7 @@ static void destroy(ntpio__output *output)
         close(output->directory);
     free(output->temp);
     free(output->target);
+    free(output->read_path);
     free(output->name);
     free(output->buffer);
     free(output);
@@ -417,7 +435,8 @@ static void destroy(ntpio__output *output)
 
 bool ntpio__output_commit(ntpio__output *output, ntpio_error *error)
 {
-    if (!flush(output, error) || (output->directory >= 0 && !put_in_place(output, error))) {
+    if (!flush(output, error) ||
+        !(output->directory >= 0 ? put_in_place : input_is_current)(output, error)) {
         ntpio__output_abort(output);
         return false;
     }

@@ -9,7 +9,9 @@
 
 typedef struct ntpio__output ntpio__output;
 
-ntpio__output *ntpio__output_open(const char *path, ntpio_error *error);
+/* Of the options, only those about the file that was read are looked at. */
+ntpio__output *ntpio__output_open(const char *path, const ntpio_write_options *options,
+                                  ntpio_error *error);
 bool ntpio__output_write(ntpio__output *output, const void *bytes, size_t size, ntpio_error *error);
 
 /* Does ntpio__output_write_at work?  Not for a pipe. */

@@ -8,21 +8,46 @@
 #include "source.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <limits.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "message.h"
+#include "stamp.h"
+
+#ifndef O_CLOEXEC
+#  define O_CLOEXEC 0
+#endif
 
 enum { BUFFER_SIZE = 1 << 16 };
 
-bool ntpio__source_open(ntpio__source *source, const char *path, ntpio_error *error)
+/* A pipe without a writer would be waited for: O_NONBLOCK does not, and changes nothing about
+ * regular files. */
+static FILE *open_file(const char *path, bool regular_only)
+{
+    const int fd = open(path, O_RDONLY | O_CLOEXEC | (regular_only ? O_NONBLOCK : 0));
+    FILE *file = fd >= 0 ? fdopen(fd, "rb") : NULL;
+    if (fd >= 0 && file == NULL)
+        close(fd);
+    return file;
+}
+
+bool ntpio__source_open(ntpio__source *source, const char *path, bool regular_only,
+                        ntpio_error *error)
 {
     *source = (ntpio__source) { .start = -1 };
     const bool standard = strcmp(path, "-") == 0;
-    source->file = standard ? stdin : fopen(path, "rb");
+    source->file = standard ? stdin : open_file(path, regular_only);
     if (source->file == NULL)
         return ntpio__fail(error, NTPIO_ERR_OPEN, path, "cannot be opened: %s", strerror(errno));
+    if (!standard)
+        source->stamp = ntpio__stamp_of(fileno(source->file));
+    if (!standard && regular_only && !source->stamp.known) {
+        ntpio__source_close(source);
+        return ntpio__fail(error, NTPIO_ERR_OPEN, path, "not a regular file");
+    }
     source->buffer = malloc(BUFFER_SIZE);
     if (source->buffer == NULL) {
         ntpio__source_close(source);

@@ -18,9 +18,11 @@ typedef struct ntpio__source {
     uint8_t *buffer;
     long start;  /* of the image in a file that can seek, else -1 */
     int problem; /* errno of a failed read */
+    ntpio_stamp stamp;
 } ntpio__source;
 
-bool ntpio__source_open(ntpio__source *source, const char *path, ntpio_error *error);
+bool ntpio__source_open(ntpio__source *source, const char *path, bool regular_only,
+                        ntpio_error *error);
 void ntpio__source_memory(ntpio__source *source, const void *bytes, size_t size);
 void ntpio__source_close(ntpio__source *source);
 

@@ -76,7 +76,7 @@ ntpio_writer *ntpio_create(const char *path, const ntpio_write_options *options,
     ntpio_writer *writer = new_writer(name, options, error);
     if (writer == NULL || options->dry_run)
         return writer;
-    writer->output = ntpio__output_open(path, error);
+    writer->output = ntpio__output_open(path, options, error);
     if (writer->output == NULL || !writer->encoder->open(writer, error)) {
         ntpio_abort(writer);
         return NULL;

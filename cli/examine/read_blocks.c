@@ -66,8 +66,11 @@ static bool hold(source *s, ntpio_error *error)
     struct stat st;
     if (strcmp(s->in->path, "-") == 0)
         return read_all(s, stdin, error);
-    if (stat(s->in->path, &st) != 0 || S_ISREG(st.st_mode) || S_ISDIR(st.st_mode))
+    if (stat(s->in->path, &st) != 0 || S_ISREG(st.st_mode) || S_ISDIR(st.st_mode) ||
+        s->limits->regular_only)
         return true;
+    if (S_ISCHR(st.st_mode) || S_ISBLK(st.st_mode)) /* it may have no end */
+        return file_error(error, NTPIO_ERR_OPEN, s->in->path, "a device, not a file");
     FILE *file = fopen(s->in->path, "rb");
     if (file == NULL)
         return file_error(error, NTPIO_ERR_OPEN, s->in->path, strerror(errno));
@@ -100,14 +103,31 @@ bool source_open(source *s, worker *w, const input *in, const ntpio_limits *limi
     return false;
 }
 
+static bool changed(const source *s, ntpio_error *error)
+{
+    return file_error(error, NTPIO_ERR_OPEN, s->in->path, "changed meanwhile");
+}
+
+static bool is_same_stamp(const ntpio_stamp *a, const ntpio_stamp *b)
+{
+    return a->known == b->known && a->device == b->device && a->node == b->node &&
+           a->size == b->size && a->seconds == b->seconds && a->nanoseconds == b->nanoseconds;
+}
+
 static void stop_ahead(source *s);
 
 bool source_rewind(source *s, ntpio_error *error)
 {
     stop_ahead(s);
+    const ntpio_stamp read = s->info->stamp;
     ntpio_close(s->reader);
     s->reader = NULL;
-    return start(s, error);
+    return start(s, error) && (is_same_stamp(&read, &s->info->stamp) || changed(s, error));
+}
+
+bool source_is_current(const source *s, ntpio_error *error)
+{
+    return ntpio_is_current(s->in->path, &s->info->stamp) || changed(s, error);
 }
 
 void source_close(source *s)

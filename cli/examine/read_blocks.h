@@ -45,8 +45,10 @@ typedef struct source {
 
 bool source_open(source *s, worker *w, const input *in, const ntpio_limits *limits,
                  ntpio_error *error);
-/* Back to the first row; the view stays. */
+/* Back to the first row; the view stays.  Fails if the file is not the same version any more. */
 bool source_rewind(source *s, ntpio_error *error);
+/* Is the file still the version that is read? */
+bool source_is_current(const source *s, ntpio_error *error);
 void source_close(source *s);
 
 /* Sets how the rows are seen.  map: NULL, or what each of `channels` is taken from. */

@@ -19,6 +19,7 @@ typedef struct settings {
     int y, detail_y; /* of the options, or -1 */
     ntp_image detail;
     const facts *detail_facts;
+    const source *detail_source;
     uint32_t detail_touch;
 } settings;
 
@@ -129,7 +130,8 @@ static bool rows(production *p, const ntp_rect *area, ntpio_error *error)
         status = ntp_diff_add(st->diff, NULL, &base, &made, area);
     if (status != NTP_OK)
         return library_error(&p->s, status, error);
-    return production_write(p, st->made.data, st->made.row_stride, area, error);
+    return production_write(p, st->made.data, st->made.row_stride, area, error) &&
+           (area->y1 < base.height || source_is_current(set->detail_source, error));
 }
 
 static void describe(const production *p, text *line, json_t *object)
@@ -216,6 +218,7 @@ static unsigned read_detail(layer *l, settings *set, const options *o, const ntp
         return RAN_FAILED;
     }
     set->detail_facts = &l->f;
+    set->detail_source = &l->s;
     set->detail_touch = touch_for(&l->f.stats, l->f.encoding);
     return 0;
 }

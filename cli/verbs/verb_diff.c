@@ -129,7 +129,12 @@ static bool compare(comparison *c, ntpio_error *error)
         return library_error(&c->a.s, status, error);
     ntpio_writer *writer = c->writer;
     c->writer = NULL;
-    return writer == NULL || ntpio_commit(writer, error);
+    if (writer == NULL)
+        return true;
+    if (source_is_current(&c->a.s, error) && source_is_current(&c->b.s, error))
+        return ntpio_commit(writer, error);
+    ntpio_abort(writer);
+    return false;
 }
 
 static bool is_same(const comparison *c)

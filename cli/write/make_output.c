@@ -89,6 +89,8 @@ ntpio_writer *production_open(const production *p, const char *output, ntpio_wri
     shape->format = format_of(p, output, shape->sample_bytes);
     if (shape->copy_from == NULL)
         shape->copy_from = p->s.info;
+    shape->read_path = p->s.in->path;
+    shape->read_stamp = p->s.info->stamp;
     shape->level =
         option_given(p->m->o, OPT_LEVEL) ? (int32_t) option_integer(p->m->o, OPT_LEVEL) : -1;
     return ntpio_create(output, shape, error);

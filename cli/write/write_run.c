@@ -108,7 +108,8 @@ static void work(void *context, worker *w, const input *in, result *r)
         .m = m, .in = in, .inputs = all->inputs, .w = w, .state = need(calloc(1, m->state_size))
     };
     ntpio_error error = { 0 };
-    const ntpio_limits limits = limits_from(m->o);
+    ntpio_limits limits = limits_from(m->o);
+    limits.regular_only = is_in_place(m); /* nothing else can be replaced */
     outcome done = UNREADABLE;
     if (source_open(&p.s, w, in, &limits, &error)) {
         p.s.read_permille = m->read_permille;

@@ -4,20 +4,17 @@
 import base64
 import json
 import os
-import re
 import shutil
 import signal
-import stat
 import subprocess
-import time
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 from support import textures
+from support.held import while_writing
 from support.pngs import read_png, write_png
-from support.spawn import spawn, start
+from support.spawn import spawn
 
 HOSTILE = [
     b"two words_n.png",
@@ -247,48 +244,16 @@ def test_full_disk(run, tmp_path):
         subprocess.run(["umount", str(disk)], check=False)
 
 
-def has_output_open(pid):
-    """Is a file open for writing?"""
-    for name in os.listdir(f"/proc/{pid}/fd"):
-        info = Path(f"/proc/{pid}/fdinfo/{name}").read_text(encoding="ascii")
-        flags = int(re.search(r"^flags:\s*([0-7]+)", info, re.MULTILINE)[1], 8)
-        is_file = stat.S_ISREG(os.stat(f"/proc/{pid}/fd/{name}").st_mode)
-        if is_file and flags & os.O_ACCMODE != os.O_RDONLY:
-            return True
-    return False
-
-
-def stop(process):
-    """False if it has already ended."""
-    process.send_signal(signal.SIGSTOP)
-    how = os.WSTOPPED | os.WEXITED | os.WNOWAIT
-    return os.waitid(os.P_PID, process.pid, how).si_code == os.CLD_STOPPED
-
-
 def interrupted(program, directory, number):
-    """The exit code of a `clean` that gets a signal while it writes.
-
-    It is stopped for each look at it, so that it cannot be done before the signal comes; should
-    it be done before the first look, it is started again.
-    """
+    """The exit code of a `clean` that gets a signal while it writes."""
     noise = np.random.default_rng(1).integers(0, 256, (1500, 1500, 3)).astype(np.uint8)
     write_png(directory / "big_n.png", noise)
     args = [program, "clean", "big_n.png", "-o", "out_n.png", "--type", "standard", "--level", "9"]
-    for _ in range(10):
+
+    def prepare():
         write_png(directory / "out_n.png", textures.standard())
-        pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
-        with start(args, cwd=directory, **pipes) as process:
-            while stop(process):
-                if has_output_open(process.pid):
-                    process.send_signal(number)
-                    process.send_signal(signal.SIGCONT)
-                    break
-                process.send_signal(signal.SIGCONT)
-                time.sleep(0.002)
-            process.communicate(timeout=900)
-        if process.returncode != 0:
-            break
-    return process.returncode
+
+    return while_writing(args, directory, prepare, lambda process: process.send_signal(number))[0]
 
 
 @pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGINT])

@@ -105,7 +105,7 @@ static ntpio_status read_all(const uint8_t *bytes, size_t size, const ntpio_limi
 
 static void check_damage(const jpeg_file *file)
 {
-    static const ntpio_limits few = { 2048, 1 << 18, 1 << 22 };
+    static const ntpio_limits few = { 2048, 1 << 18, 1 << 22, false };
     ntpio_info info;
     ntpio_error error;
     for (size_t size = 0; size < file->size; size++) {
@@ -163,7 +163,8 @@ static void check_refusals(void)
     ntpio_error error;
     CHECK(read_all(cmyk.bytes, cmyk.size, NULL, &info, &error) == NTPIO_ERR_FORMAT);
     CHECK(strstr(error.message, "CMYK") != NULL);
-    const ntpio_limits memory = { 0, 0, 1000 }, side = { 30, 0, 0 }, texels = { 0, 700, 0 };
+    const ntpio_limits memory = { .max_memory = 1000 }, side = { .max_side = 30 },
+                       texels = { .max_texels = 700 };
     const jpeg_file *p = &progressive;
     CHECK(read_all(p->bytes, p->size, &memory, &info, &error) == NTPIO_ERR_LIMIT);
     CHECK(read_all(p->bytes, p->size, &side, &info, &error) == NTPIO_ERR_LIMIT);

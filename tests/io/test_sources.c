@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * test_sources.c - the same image from memory, a file, a pipe and standard input; limits; texts
- * before and after the pixels; names that do not print
+ * before and after the pixels; names that do not print; which version was read
  */
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "made.h"
@@ -201,9 +202,10 @@ static ntpio_status status_of(const ntpio_limits *limits)
 
 static void limits(void)
 {
-    const ntpio_limits fits = { SIDE, SIDE * SIDE, SIDE * SIDE * 4 };
-    const ntpio_limits side = { SIDE - 2, 0, 0 }, texels = { 0, (SIDE - 1) * SIDE - 1, 0 };
-    const ntpio_limits memory = { 0, 0, 1000 };
+    const ntpio_limits fits = { SIDE, SIDE * SIDE, SIDE * SIDE * 4, false };
+    const ntpio_limits side = { .max_side = SIDE - 2 },
+                       texels = { .max_texels = (SIDE - 1) * SIDE - 1 };
+    const ntpio_limits memory = { .max_memory = 1000 };
     for (int lace = 0; lace < 2; lace++) {
         make_png(SIDE, 8, 2, lace);
         CHECK(status_of(&fits) == NTPIO_OK);
@@ -286,6 +288,37 @@ static void names(void)
     CHECK(ntpio_open(".", NULL, &error) == NULL && error.status == NTPIO_ERR_OPEN);
 }
 
+static void append(const char *path, const void *bytes, size_t size)
+{
+    FILE *out = fopen(path, "ab");
+    CHECK(out != NULL && fwrite(bytes, 1, size, out) == size && fclose(out) == 0);
+}
+
+static void stamps(void)
+{
+    const ntpio_limits regular = { .regular_only = true };
+    const ntpio_stamp none = { .known = false };
+    ntpio_error error;
+    make_png(SIDE, 8, 2, 0);
+    append("a.png", file.bytes, file.size);
+    ntpio_reader *reader = ntpio_open("a.png", &regular, &error);
+    CHECK(reader != NULL);
+    const ntpio_stamp stamp = ntpio_reader_info(reader)->stamp;
+    CHECK(stamp.known && stamp.size == file.size && ntpio_is_current("a.png", &stamp));
+    CHECK(ntpio_is_current("none", &none) && !ntpio_is_current("none", &stamp));
+    append("b.png", file.bytes, file.size);
+    CHECK(!ntpio_is_current("b.png", &stamp));
+    append("a.png", "x", 1);
+    CHECK(!ntpio_is_current("a.png", &stamp));
+    ntpio_close(reader);
+    reader = ntpio_open_memory(file.bytes, file.size, "a.png", NULL, &error);
+    CHECK(reader != NULL && !ntpio_reader_info(reader)->stamp.known);
+    ntpio_close(reader);
+    CHECK(mkfifo("pipe.png", 0600) == 0); /* nobody writes into it */
+    CHECK(ntpio_open("pipe.png", &regular, &error) == NULL && error.status == NTPIO_ERR_OPEN);
+    CHECK(unlink("a.png") == 0 && unlink("b.png") == 0 && unlink("pipe.png") == 0);
+}
+
 int main(void)
 {
     char folder[] = "/tmp/ntpio-test-XXXXXX";
@@ -294,6 +327,7 @@ int main(void)
     limits();
     texts();
     names();
+    stamps();
     CHECK(rmdir(folder) == 0);
     return 0;
 }
