@@ -67,11 +67,11 @@ IN_PLACE = {
     "clean": ["--type", "standard"],
     "convert": ["--from", "standard", "--to-y", "down"],
     "heatmap": ["--type", "standard"],
-    "transform": ["--type", "standard", "--flip", "x"],
+    "transform": ["--type", "standard", "--flip", "x", "--y", "up"],
     "resize": ["--type", "standard", "--size", "90%"],
     "from-height": ["--scale", "4"],
-    "to-height": ["--from", "standard"],
-    "blend": ["--type", "standard"],
+    "to-height": ["--type", "standard", "--y", "up"],
+    "blend": ["--type", "standard", "--y", "up", "--detail-y", "up"],
 }
 
 
@@ -130,7 +130,7 @@ def test_the_second_files_of_blend_and_diff(program, tmp_path, original, saved):
         shutil.copy(original, tmp_path / name)
     path = tmp_path / "b_n.png"
     for args in (
-        ["blend", "a_n.png", "b_n.png", "-o", "b_n.png", "--force", "--type", "standard"],
+        ["blend", "a_n.png", "b_n.png", "-o", "b_n.png", "--force", *IN_PLACE["blend"]],
         ["diff", "a_n.png", "b_n.png", "-o", "heat.png", "--type", "standard"],
     ):
         code, errors = while_writing(

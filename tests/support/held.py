@@ -26,6 +26,8 @@ def _has_output_open(pid):
 def _stop(process):
     """False if it has already ended."""
     process.send_signal(signal.SIGSTOP)
+    if process.returncode is not None:
+        return False
     how = os.WSTOPPED | os.WEXITED | os.WNOWAIT
     return os.waitid(os.P_PID, process.pid, how).si_code == os.CLD_STOPPED
 
