@@ -11,6 +11,7 @@ from io import TextIOWrapper
 from typing import Any, NoReturn
 
 from . import _ntp
+from ._named import MAX_BYTES
 
 # Marks that turn the direction of text: with them one name can look like another.
 _REORDERING = "\u200e\u200f\u2028\u2029\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069"
@@ -57,6 +58,33 @@ def add_paths(to: argparse.ArgumentParser, what: str) -> None:
         metavar="FILE",
         help="read paths from FILE, one on each line; - is standard input",
     )
+
+
+def add_named(to: argparse.ArgumentParser, who: str, default: str) -> None:
+    """The options about files that were named inside other files."""
+    group = to.add_argument_group("files that are named in files")
+    group.add_argument(
+        "--root",
+        metavar="DIR",
+        help=f"the folder in which the files have to lie that {who} (default: the folder {default})",
+    )
+    group.add_argument(
+        "--max-bytes",
+        type=_count,
+        default=MAX_BYTES,
+        metavar="N",
+        help=f"refuse to read more than N bytes for one file (default: {MAX_BYTES})",
+    )
+
+
+def _count(word: str) -> int:
+    number = int(word)
+    if number < 1:
+        raise ValueError
+    return number
+
+
+_count.__name__ = "count"  # as argparse calls it in its message
 
 
 def add_check_options(to: Any) -> None:
@@ -194,6 +222,9 @@ def run(
     except OSError as error:
         name = f"{shown(str(error.filename))}: " if error.filename else ""
         print(f"ntp: {name}{error.strerror or error}", file=sys.stderr)
+        return _ntp.EXIT_FAILED
+    except MemoryError:
+        print("ntp: not enough memory", file=sys.stderr)
         return _ntp.EXIT_FAILED
     except KeyboardInterrupt:
         return _ntp.EXIT_INTERRUPTED

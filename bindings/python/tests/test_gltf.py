@@ -3,6 +3,7 @@
 
 import io
 import json
+import os
 import struct
 import subprocess
 import sys
@@ -13,7 +14,8 @@ from jsonschema import Draft202012Validator
 from referencing import Registry, Resource
 
 import normaltexture as nt
-from normaltexture import gltf
+from normaltexture import _named, gltf
+from normaltexture.gltf import _check, _clean
 from normaltexture.gltf._spans import Editor
 from pysupport import ROOT
 from pysupport import gltf_files as files
@@ -195,7 +197,7 @@ def test_clean_changes_only_normals(tmp_path, how):
     path = save(model(), tmp_path, how)
     (tmp_path / "out").mkdir()
     copy = tmp_path / "out" / path.name
-    report = gltf.clean(path, copy)
+    report = gltf.clean(path, copy, method="derive")
     (entry,) = report["files"]
     assert entry["written"] and entry["changed"] == round(0.2 * 64 * 48)
     old_buffer, old = files.resources(path)
@@ -225,7 +227,7 @@ def test_clean_changes_only_normals(tmp_path, how):
 def test_clean_of_a_clean_file_is_a_copy(tmp_path, how):
     path = save(model(GOOD), tmp_path, how)
     copy = tmp_path / "out" / path.name
-    gltf.clean(path, copy)
+    gltf.clean(path, copy, method="derive")
     assert copy.read_bytes() == path.read_bytes()
     assert files.resources(copy) == files.resources(path)
 
@@ -236,7 +238,7 @@ def test_clean_beside_the_original_keeps_it(tmp_path, how):
     before = {file: file.read_bytes() for file in tmp_path.iterdir()}
     copy = path.with_stem("cleaned")
     for _ in range(2):  # a second run takes the same names
-        gltf.clean(path, copy)
+        gltf.clean(path, copy, method="derive")
     for file, data in before.items():
         assert file.read_bytes() == data
     assert np.array_equal(pixels(files.resources(copy)[1][1], tmp_path), GOOD)
@@ -251,7 +253,7 @@ def test_clean_in_place(tmp_path, how):
     names = set(tmp_path.iterdir())
     gltf.clean(path, dry_run=True)
     assert gltf.check(path)["summary"]["with_errors"] == 1
-    gltf.clean(path)
+    gltf.clean(path, method="derive")
     assert set(tmp_path.iterdir()) == names
     assert gltf.check(path)["summary"]["well_formed"] == 1
     assert np.array_equal(pixels(files.resources(path)[1][1], tmp_path), GOOD)
@@ -274,7 +276,7 @@ def test_jpeg_becomes_png(tmp_path, how):
     kept = gltf.clean(path, copy, keep_jpeg=True)["files"][0]
     assert kept["status"] == "skipped" and "JPEG" in kept["message"]
     assert files.resources(copy)[1] == files.resources(path)[1]
-    assert gltf.clean(path, copy)["files"][0]["written"]
+    assert gltf.clean(path, copy, method="derive")["files"][0]["written"]
     data = files.resources(copy)[1][1]
     assert data.startswith(b"\x89PNG")
     image = files.parse(copy)[0]["images"][1]
@@ -291,7 +293,7 @@ def test_alpha_and_green(tmp_path):
     opaque = np.dstack([GOOD, np.full(GOOD.shape[:2], 255, np.uint8)])
     path = save(model(opaque), tmp_path)
     copy = tmp_path / "copy.glb"
-    assert gltf.clean(path, copy)["files"][0]["alpha_dropped"]
+    assert gltf.clean(path, copy, method="derive")["files"][0]["alpha_dropped"]
     assert np.array_equal(pixels(files.resources(copy)[1][1], tmp_path), GOOD)
     gltf.clean(path, copy, drop_alpha=False)
     assert copy.read_bytes() == path.read_bytes()
@@ -308,7 +310,7 @@ def test_shared_images_are_left(tmp_path):
     made = model()
     made.materials[1]["emissiveTexture"] = {"index": 1}
     path, copy = save(made, tmp_path), tmp_path / "copy.glb"
-    entry = gltf.clean(path, copy)["files"][0]
+    entry = gltf.clean(path, copy, method="derive")["files"][0]
     assert entry["status"] == "skipped" and "emissiveTexture" in entry["message"]
     assert copy.read_bytes() == path.read_bytes()
 
@@ -319,7 +321,7 @@ def test_overlapping_views_are_left(tmp_path):
     view = dict(document["bufferViews"][document["images"][1]["bufferView"]], byteLength=8)
     document["bufferViews"].append(view)
     path.write_bytes(files.glb(json.dumps(document), chunk))
-    entry = gltf.clean(path, copy)["files"][0]
+    entry = gltf.clean(path, copy, method="derive")["files"][0]
     assert entry["status"] == "skipped" and "overlaps" in entry["message"]
 
 
@@ -336,7 +338,7 @@ def test_offsets_of_extensions_move(tmp_path):
     }
     extra = struct.pack("<I4s", 4, b"XTRA") + b"keep"
     path.write_bytes(files.glb(json.dumps(document), chunk, extra))
-    gltf.clean(path, copy)
+    gltf.clean(path, copy, method="derive")
     last = files.parse(copy)[0]["bufferViews"][-1]
     assert last["extensions"]["EXT_meshopt_compression"]["byteOffset"] == last["byteOffset"]
     assert copy.read_bytes().endswith(extra)
@@ -349,12 +351,311 @@ def test_nothing_is_written_outside(tmp_path):
     path = save(made, inner, "files")
     (tmp_path / "a" / "brick_n.png").write_bytes((inner / "brick_n.png").read_bytes())
     path.write_text(path.read_text().replace('"brick_n.png"', '"../brick_n.png"'))
+    assert gltf.check(path)["files"][0]["status"] == "unreadable"
+    assert gltf.check(path, root=tmp_path / "a")["files"][0]["status"] == "ok"
+    before = everything(tmp_path)
+    for output in (tmp_path / "out" / "copy.gltf", path.with_stem("copy"), None):
+        for root in (None, tmp_path / "a"):
+            if (output, root) != (None, None):  # in place: an image that is not read
+                with pytest.raises(gltf.GltfError, match="outside"):
+                    gltf.clean(path, output, root=root)
+            assert everything(tmp_path) == before
+
+
+def everything(folder):
+    """What all files in a folder hold, links as such."""
+    return {
+        file: os.readlink(file) if file.is_symlink() else file.read_bytes()
+        for file in folder.rglob("*")
+        if file.is_symlink() or file.is_file()
+    }
+
+
+# ------------------------------------------------------ names that lead somewhere else
+
+
+def hostile(tmp_path, name, what="image"):
+    """A model in a/ that names another file as its normals texture, or as its buffer."""
+    inner = tmp_path / "a"
+    inner.mkdir(exist_ok=True)
+    path = save(model(), inner, "files" if what == "image" else "bin")
+    old = "brick_n.png" if what == "image" else "geometry.bin"
+    path.write_text(path.read_text().replace(f'"{old}"', json.dumps(name)))
+    return path
+
+
+@pytest.mark.parametrize(
+    "name", ["/dev/zero", "/dev/null", "pipe", ".", "/etc/passwd", "/proc/kmsg"]
+)
+@pytest.mark.parametrize("what", ["image", "buffer"])
+def test_only_regular_files_of_the_folder_are_opened(tmp_path, name, what):
+    path = hostile(tmp_path, name, what)
+    os.mkfifo(path.parent / "pipe")
+    done = ntp_gltf(path, "--format", "json", timeout=20)
+    assert done.returncode == 3, done.stderr
+    (entry,) = json.loads(done.stdout)["files"]
+    assert entry["status"] == "unreadable" and name.strip("./") in entry["message"]
+    out = tmp_path / "out"
+    done = ntp_gltf(path, "-o", out, timeout=20)
+    assert done.returncode == 3 and "Traceback" not in done.stderr and not out.exists()
+    # Nothing that is no regular file is even opened.
+    if name in ("/dev/zero", "/dev/null", "pipe"):
+        assert "no regular file" in done.stderr
+    assert ntp_gltf(path, "--root", "/", timeout=20).returncode == 3
+
+
+def test_the_file_itself_is_a_regular_one(tmp_path):
+    os.mkfifo(tmp_path / "model.glb")
+    done = ntp_gltf(tmp_path / "model.glb", "/dev/zero", timeout=20)
+    assert done.returncode == 3 and done.stderr.count("is no regular file") == 2
+
+
+@pytest.mark.parametrize("what", ["image", "buffer"])
+def test_size_limit(tmp_path, what):
+    path = hostile(tmp_path, "huge", what)
+    with open(path.parent / "huge", "wb") as huge:
+        huge.truncate(1 << 40)
+    done = ntp_gltf(path, timeout=20)
+    assert done.returncode == 3 and "1,099,511,627,776 bytes" in done.stderr
+    good = save(model(GOOD), tmp_path)
+    size = good.stat().st_size
+    assert gltf.check(good, max_bytes=size)["files"][0]["status"] == "ok"
+    (entry,) = gltf.check(good, max_bytes=size - 1)["files"]
+    assert entry["status"] == "unreadable" and "max_bytes (--max-bytes)" in entry["message"]
+    for wrong in ("0", "-1", "x"):
+        assert ntp_gltf(good, "--max-bytes", wrong).returncode == 2
+
+
+def test_a_link_that_leads_out_is_not_followed(tmp_path):
+    """Neither read nor rewritten, nor are its bytes copied to the output."""
+    victim = tmp_path / "victim.png"
+    victim.write_bytes(png_bytes(BAD))
+    path = hostile(tmp_path, "link.png")
+    (path.parent / "link.png").symlink_to("../victim.png")
+    before = everything(tmp_path)
+    assert "outside" in gltf.check(path)["files"][0]["message"]
+    for root in ([], ["--root", tmp_path]):
+        done = ntp_gltf(path, "--in-place", *root)
+        assert done.returncode == 3 and "out" in done.stderr
+        assert everything(tmp_path) == before
+    assert gltf.check(path, root=tmp_path)["files"][0]["status"] == "ok"
+    # A folder on the way is a link.
+    path.write_text(path.read_text().replace('"link.png"', '"up/victim.png"'))
+    (path.parent / "up").symlink_to("..")
+    before = everything(tmp_path)
+    for root in ([], ["--root", tmp_path]):
+        assert ntp_gltf(path, "--in-place", *root).returncode == 3
+        assert everything(tmp_path) == before
+
+
+@pytest.mark.parametrize("target", ["../secret", "/etc/passwd"])
+def test_a_linked_buffer_is_not_copied(tmp_path, target):
+    (tmp_path / "secret").write_bytes(b"secret" * 100)
+    for what in ("geometry.bin", "color 2.png"):
+        folder = tmp_path / what
+        folder.mkdir()
+        path = save(model(), folder, "files")
+        (folder / what).unlink()
+        (folder / what).symlink_to(target)
+        (tmp_path / "secret").replace(folder / "../secret")
+        done = ntp_gltf(path, "-o", tmp_path / "out")
+        assert done.returncode == 3 and "outside" in done.stderr and "written" not in done.stdout
+        assert not (tmp_path / "out").exists()
+
+
+def test_links_within_the_folder(tmp_path):
+    path = hostile(tmp_path, "link.png")
+    (path.parent / "link.png").symlink_to("brick_n.png")
     assert gltf.check(path)["files"][0]["status"] == "ok"
-    before = {file: file.read_bytes() for file in tmp_path.rglob("*") if file.is_file()}
-    with pytest.raises(gltf.GltfError, match="outside"):
-        gltf.clean(path, tmp_path / "out" / "copy.gltf")
-    after = {file: file.read_bytes() for file in tmp_path.rglob("*") if file.is_file()}
-    assert after == before
+    gltf.clean(path, method="derive")
+    assert (path.parent / "link.png").is_symlink()
+    assert np.array_equal(read_png(path.parent / "brick_n.png")[0], GOOD)
+    # An image that is a color texture under another name is not a normals texture alone.
+    for name in ("./color%201.png", "link2.png", "%63olor%201.png"):
+        path = hostile(tmp_path, name)
+        if not (path.parent / "link2.png").exists():
+            (path.parent / "link2.png").symlink_to("color 1.png")
+        (path.parent / "color 1.png").write_bytes(png_bytes(BAD))
+        before = everything(path.parent)
+        (entry,) = gltf.clean(path, method="derive")["files"]
+        assert entry["status"] == "skipped" and "same place" in entry["message"]
+        assert everything(path.parent) == before
+
+
+def test_where_a_file_lies_is_asked_of_the_open_file(tmp_path, monkeypatch):
+    """The name is exchanged between looking and opening: what was opened decides."""
+    root, other = tmp_path / "root", tmp_path / "other"
+    root.mkdir(), other.mkdir()
+    (root / "x").write_bytes(b"good")
+    (other / "x").write_bytes(b"secret")
+    real = os.open
+
+    def swapped(path, flags, *more, **named):
+        if str(path).endswith("x"):
+            (root / "x").unlink()
+            (root / "x").symlink_to("../other/x")
+            descriptor = real(path, flags, *more, **named)
+            (root / "x").unlink()
+            (root / "x").write_bytes(b"good")
+            return descriptor
+        return real(path, flags, *more, **named)
+
+    monkeypatch.setattr(os, "open", swapped)
+    with pytest.raises(OSError, match="outside"):
+        _named.read_named(root / "x", root)
+    monkeypatch.undo()
+    assert _named.read_named(root / "x", root)[0] == b"good"
+
+
+@pytest.mark.parametrize("how", ["glb", "files"])
+def test_a_file_that_changed_meanwhile_stays(tmp_path, how, monkeypatch):
+    path = save(model(), tmp_path, how)
+    changed = path if how == "glb" else tmp_path / "brick_n.png"
+    real = _clean.plan
+
+    def plan(*args, **named):
+        changed.write_bytes(changed.read_bytes() + b"saved meanwhile")
+        return real(*args, **named)
+
+    monkeypatch.setattr(_clean, "plan", plan)
+    with pytest.raises(OSError, match="changed meanwhile"):
+        gltf.clean(path)
+    assert changed.read_bytes().endswith(b"saved meanwhile")
+
+
+def test_extended_attributes_stay(tmp_path):
+    path = save(model(), tmp_path)
+    path.chmod(0o640)
+    try:
+        os.setxattr(path, "user.note", b"mine")
+    except OSError:
+        pytest.skip("this file system has no extended attributes")
+    gltf.clean(path)
+    assert os.getxattr(path, "user.note") == b"mine" and path.stat().st_mode & 0o777 == 0o640
+
+
+def test_memory_that_ends(tmp_path):
+    path = save(model(), tmp_path)
+    limit = "import resource; resource.setrlimit(resource.RLIMIT_AS, (1 << 29, 1 << 29));"
+    code = limit + "from normaltexture.gltf import _cli; raise SystemExit(_cli.main())"
+    with open(tmp_path / "big.glb", "wb") as file:
+        file.truncate((1 << 30) - 1)
+    command = [sys.executable, "-c", code, tmp_path / "big.glb", path]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 3 and "not enough memory" in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+# ------------------------------------------------------------ what glTF says about types
+
+
+def test_spoiled_blue_is_standard_all_the_same(tmp_path):
+    """By its texels alone it would be XY-only, whose blue nobody judges or repairs."""
+    half = textures.wrong_blue(GOOD, 0.5)
+    constant = np.dstack([GOOD[..., :2], np.full(GOOD.shape[:2], 255, np.uint8)])
+    for name, texture in (("half", half), ("constant", constant)):
+        path = save(model(texture), tmp_path, name=name)
+        (entry,) = gltf.check(path)["files"]
+        assert entry["type"] == "standard" and ids(entry)["NT001"] == "error", name
+        assert "NT065" not in ids(entry) and "NT006" not in ids(entry)
+        (done,) = gltf.clean(path, copy := tmp_path / "copy.glb")["files"]
+        assert done["written"] and not [f for f in done["remaining"] if f["level"] == "error"]
+        assert np.array_equal(pixels(files.resources(copy)[1][1], tmp_path), GOOD)
+        assert ntp_gltf(copy).returncode == 0
+
+
+def test_z_zero_becomes_standard(tmp_path):
+    zzero = green_mirrored(textures.zzero(48, 64))
+    path, copy = save(model(zzero), tmp_path), tmp_path / "copy.glb"
+    assert ids(gltf.check(path)["files"][0])["NT065"] == "error"
+    expected = nt.convert(zzero, type="zzero", to="standard")
+    for type in ("auto", "zzero"):
+        (entry,) = gltf.clean(path, copy, type=type)["files"]
+        assert entry["written"] and "NT065" not in {f["id"] for f in entry["remaining"]}
+        made = pixels(files.resources(copy)[1][1], tmp_path)
+        assert np.array_equal(made, expected), type
+        assert ntp_gltf(copy).returncode == 0
+    assert ids(gltf.check(path, type="zzero")["files"][0])["NT065"] == "error"
+    assert ids(gltf.check(path, type="xy")["files"][0])["NT065"] == "error"
+
+
+def test_what_is_not_normals_is_refused_unless_told(tmp_path):
+    path, copy = save(model(textures.photograph()), tmp_path), tmp_path / "copy.glb"
+    assert ids(gltf.check(path)["files"][0]).get("NT008") == "error"
+    done = ntp_gltf(path, "-o", copy)
+    assert done.returncode == 1 and "photograph" not in done.stdout
+    done = ntp_gltf(path, "-o", copy, "--type", "standard")
+    assert done.returncode == 0, done.stderr
+    assert "NT008" not in ids(gltf.check(copy, type="standard")["files"][0])
+
+
+def test_what_is_reported_is_repaired_or_refused(tmp_path):
+    """Exit 0 means that the copy has no finding at or above --fail-on."""
+    shared = model()
+    shared.materials[1]["emissiveTexture"] = {"index": 1}
+    lossy = model()
+    lossy.images[1] = ("brick_n.jpg", jpeg_bytes(textures.wrong_blue(GOOD, 1)), "image/jpeg")
+    odd = model(normalTexture={"index": 1, "scale": -1})
+    copy = tmp_path / "copy.glb"
+    for made, options, code, rule in (
+        (model(), [], 0, ""),
+        (shared, [], 1, "NT060"),
+        (lossy, ["--keep-jpeg"], 1, "NT001"),
+        (lossy, [], 0, ""),
+        (odd, [], 0, "NT061"),
+        (odd, ["--fail-on", "warning"], 1, "NT061"),
+        (shared, ["--fail-on", "never"], 0, "NT060"),
+    ):
+        done = ntp_gltf(save(made, tmp_path), "-o", copy, "--method", "derive", *options)
+        assert done.returncode == code, (rule, done.stdout, done.stderr)
+        assert (f" {rule}  " in done.stdout + done.stderr) if rule else "NT0" not in done.stdout
+
+
+def test_orientation_is_a_warning_only_where_sure(tmp_path, monkeypatch):
+    path = save(model(green_mirrored(GOOD)), tmp_path)
+    assert ids(gltf.check(path)["files"][0])["NT010"] == "warning"
+    real = _check._ntp.run_json
+
+    def unsure(verb, paths, options=(), cwd=None):
+        report, code = real(verb, paths, options, cwd)
+        if "auto" in options:
+            for file in report["files"]:
+                file["y_confidence"] = 0.89
+        return report, code
+
+    monkeypatch.setattr(_check._ntp, "run_json", unsure)
+    assert ids(gltf.check(path)["files"][0])["NT010"] == "info"
+
+
+def test_missing_files_leave_no_copy(tmp_path):
+    for name in ("brick_n.png", "color 1.png", "geometry.bin"):
+        path = save(model(), tmp_path, "files")
+        (tmp_path / name).unlink()
+        for output in ("out", "copy.gltf"):
+            done = ntp_gltf(path, "-o", tmp_path / output)
+            assert done.returncode == 3 and name in done.stderr, (name, output)
+            assert "written" not in done.stdout and not (tmp_path / output).exists()
+            told = json.loads(ntp_gltf(path, "-o", tmp_path / output, "--format", "json").stdout)
+            assert not told["outputs"] and told["summary"]["failed"]
+
+
+def test_wrong_outputs_are_wrong_use(tmp_path):
+    path = save(model(), tmp_path, "files")
+    before = everything(tmp_path)
+    done = ntp_gltf(path, "-o", tmp_path / "y.glb")
+    assert done.returncode == 2 and ".gltf" in done.stderr and "Traceback" not in done.stderr
+    done = ntp_gltf(path, "-o", path)
+    assert done.returncode == 2 and "is the input" in done.stderr
+    assert everything(tmp_path) == before
+
+
+def test_messages_name_the_file(tmp_path):
+    made = model()
+    made.images[1] = ("n.ktx2", b"\xabKTX 20\xbb\r\n\x1a\n" + bytes(60), "image/ktx2")
+    path = save(made, tmp_path)
+    done = ntp_gltf(path, "-o", tmp_path / "copy.glb")
+    assert f"{path}, image 1: KTX2 is not read" in done.stderr
+    assert str(path) in ntp_gltf(path).stdout
 
 
 def test_output_of_another_kind(tmp_path):

@@ -207,6 +207,33 @@ def test_limits(folder):
     assert "No pictures: " in report.build(found)
 
 
+@pytest.mark.parametrize(
+    "name", ["/dev/zero", "pipe", "../secret_n.png", "link_n.png", "up/secret_n.png"]
+)
+def test_paths_in_a_json_are_not_trusted(folder, tmp_path, name):
+    """A JSON that somebody sent names devices, pipes, and files elsewhere."""
+    write_png(tmp_path / "secret_n.png", BAD)
+    os.mkfifo(folder / "pipe")
+    (folder / "link_n.png").symlink_to("../secret_n.png")
+    (folder / "up").symlink_to("..")
+    found = report.check_json([folder / "bad_n.png"])
+    found["files"][0]["path"] = name
+    text = json.dumps(found)
+    options = {"input": text, "cwd": folder, "timeout": 30}
+    done = ntp_report("--from-json", "-", "-o", "-", **options)
+    assert done.returncode == 1, done.stderr
+    kept = "no regular file" if name in ("/dev/zero", "pipe") else "lies outside of"
+    assert kept in done.stdout and "data:image/png" not in done.stdout
+    sarif = ntp_report("--from-json", "-", "--format", "sarif", **options)
+    again = ntp_report("--from-json", "-", "--format", "sarif", **options)
+    assert sarif.returncode == 1 and sarif.stdout == again.stdout
+    if "secret" in name or "link" in name:
+        opened = ntp_report("--from-json", "-", "-o", "-", "--root", tmp_path, **options)
+        assert "data:image/png" in opened.stdout
+        other = ntp_report("--from-json", "-", "--format", "sarif", "--root", tmp_path, **options)
+        assert other.stdout != sarif.stdout  # the content is part of the fingerprint
+
+
 def test_few_texels_are_held_at_once():
     budget, used, most = _page._Budget(10), 0, 0
     lock = threading.Lock()
@@ -323,7 +350,7 @@ def test_command_line(folder, tmp_path):
     sarif = ntp_report(folder, "--format", "sarif")
     assert sarif.returncode == 1 and json.loads(sarif.stdout)["version"] == "2.1.0"
     checked = ntp_report(folder, "--format", "json").stdout
-    again = ntp_report("--from-json", "-", "--format", "sarif", input=checked)
+    again = ntp_report("--from-json", "-", "--format", "sarif", "--root", "/", input=checked)
     assert again.stdout == sarif.stdout and again.returncode == 1
     for wrong in (
         [],

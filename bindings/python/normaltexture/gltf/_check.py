@@ -1,14 +1,19 @@
 # SPDX-License-Identifier: MIT
-"""Checks the normals textures of a glTF file: the program's findings and those of glTF's rules."""
+"""Checks the normals textures of a glTF file: the program's findings and those of glTF's rules.
+
+glTF says what a normals texture stores, so images are judged as standard normals, whatever their
+texels look like.  Heights, photographs and the like are still called by their name.
+"""
 
 import os
 import re
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 from .. import _ntp
+from .._named import MAX_BYTES
 from ._document import Document, GltfError, load
 from ._rules import RULES
 from ._walk import (
@@ -19,6 +24,12 @@ from ._walk import (
 )
 
 Json = dict[str, Any]
+GltfType = Literal["auto", "standard", "zzero", "xy"]
+
+# From this confidence on a guess about texels is a warning; below it is a note.
+SURE = 0.9
+# What looks like this is judged as the standard normals that glTF asks for.
+_READ_AS_STANDARD = ("zzero", "xy")
 
 # Slots that are decoded from sRGB.
 COLOR_SLOTS = {
@@ -99,15 +110,22 @@ def document_findings(document: Document, image: NormalImage, data: bytes) -> li
     return found
 
 
-def texel_findings(file: Json) -> list[Json]:
+def texel_findings(file: Json, type: GltfType) -> list[Json]:
     """What glTF asks of texels beyond what the program has found."""
     found = []
-    if file["type"] in ("zzero", "xy"):
-        words = {"zzero": "stores z in 0..1", "xy": "stores no z in blue"}[file["type"]]
-        found.append(finding("NT065", "error", f"glTF asks for standard normals; this {words}"))
+    looks = file.get("looks_like", file)
+    if type in _READ_AS_STANDARD:
+        words = {"zzero": "z in 0..1", "xy": "no z"}[type]
+        message = f"glTF reads standard normals; this image stores {words}, as --type says"
+        found.append(finding("NT065", "error", message))
+    elif looks["type"] == "zzero" and looks["confidence"] >= SURE:
+        level = "error" if _ntp.worst_level(file) == "error" else "warning"
+        sure = f"{100 * looks['confidence']:.0f} % sure"
+        message = f"this image stores z in 0..1 (Z-zero, {sure}); glTF reads blue as -1..1"
+        found.append(finding("NT065", level, message))
     if file["channels"] in (2, 4):
         found.append(
-            finding("NT066", "warning", "the image has an alpha channel, which nothing reads")
+            finding("NT066", "warning", "the image has an alpha channel; nothing reads it")
         )
     return found
 
@@ -118,19 +136,12 @@ def safe_name(image: NormalImage, suffix: str) -> str:
     return f"{image.index}_{stem or 'image'}{suffix}"
 
 
-def extract(document: Document, image: NormalImage, folder: Path) -> tuple[Path | None, str]:
-    """Writes an image to a folder in a form that ntp reads; else (None, why not).
-
-    Raises
-    ------
-    GltfError
-        The image is missing.
-    """
-    data = document.image_bytes(image.index)
+def extract(image: NormalImage, data: bytes, folder: Path) -> tuple[Path | None, str]:
+    """Writes an image to a folder in a form that ntp reads; else (None, why not)."""
     mime, suffix = media_type(data)
     path = folder / safe_name(image, suffix or ".bin")
     if mime in READ_BY_NTP or not mime:
-        path.write_bytes(data)  # of an unknown type ntp says itself what is wrong
+        path.write_bytes(data)  # ntp says itself what is wrong with an unknown format
         return path, ""
     if mime == "image/ktx2":
         return None, "KTX2 is not read"
@@ -146,6 +157,11 @@ def extract(document: Document, image: NormalImage, folder: Path) -> tuple[Path 
     return path, ""
 
 
+def where(entry: Mapping[str, Any]) -> str:
+    """How messages name an image."""
+    return f"{entry['path']}, image {entry['image']}"
+
+
 def image_fields(document: Document, image: NormalImage) -> Json:
     """What stands beside a file's own fields: which file and image, and who uses it."""
     return {
@@ -156,6 +172,19 @@ def image_fields(document: Document, image: NormalImage) -> Json:
         "uses": [use.to_dict() for use in image.uses],
         "other_uses": [use.to_dict() for use in image.other_uses],
     }
+
+
+# What following a malformed file raises, and what a huge one does.
+MALFORMED = (TypeError, AttributeError, KeyError, RecursionError, MemoryError)
+
+
+def why(path: str | os.PathLike[str], error: BaseException) -> str:
+    """The message about a file that could not be worked on."""
+    if isinstance(error, MemoryError):
+        return f"{os.fspath(path)}: not enough memory"
+    if isinstance(error, OSError):
+        return f"{error.filename or os.fspath(path)}: {error.strerror or error}"
+    return str(error) if isinstance(error, GltfError) else f"{os.fspath(path)}: malformed: {error}"
 
 
 def unreadable(path: str | os.PathLike[str], message: str) -> Json:
@@ -169,10 +198,13 @@ def unreadable(path: str | os.PathLike[str], message: str) -> Json:
     }
 
 
-def check_document(document: Document, options: tuple[str, ...] = (), y: str = "up") -> list[Json]:
+def check_document(
+    document: Document, options: tuple[str, ...] = (), y: str = "up", type: GltfType = "auto"
+) -> list[Json]:
     """The entries of a loaded file's images, by index."""
     entries: list[Json] = []
     readable: list[tuple[Path, Json]] = []
+    room = document.max_bytes
     with tempfile.TemporaryDirectory(prefix="ntp-gltf-") as scratch:
         folder = Path(scratch)
         for image in normal_images(document):
@@ -180,35 +212,71 @@ def check_document(document: Document, options: tuple[str, ...] = (), y: str = "
             entries.append(entry)
             try:
                 data = document.image_bytes(image.index)
-                path, why_not = extract(document, image, folder)
+                room -= len(data)
+                if room < 0:
+                    raise document.fail("max_bytes (--max-bytes) leaves no room for this image")
             except GltfError as error:
-                entry.update(status="unreadable", message=str(error), type=None, findings=[])
+                message = f"{where(entry)}: {str(error).removeprefix(f'{document.path}: ')}"
+                entry.update(status="unreadable", message=message, type=None, findings=[])
                 continue
+            path, why_not = extract(image, data, folder)
             entry["findings"] = document_findings(document, image, data)
             if path is None:
                 entry["findings"].append(finding("NT064", "info", why_not))
-                entry.update(status="skipped", message=why_not, type=None)
+                entry.update(status="skipped", message=f"{where(entry)}: {why_not}", type=None)
             else:
                 readable.append((path, entry))
         if readable:
             names = [path.name for path, _ in readable]
-            checked, _ = _ntp.run_json("check", names, ["--y", y, *options], cwd=folder)
-            for (_, entry), file in zip(readable, checked["files"], strict=True):
-                _merge(entry, file)
+            files = judge(folder, names, options, y, type)
+            for (_, entry), file in zip(readable, files, strict=True):
+                _merge(entry, file, type)
     return entries
 
 
-def _merge(entry: Json, file: Json) -> None:
+def judge(
+    folder: Path, names: Sequence[str], options: tuple[str, ...], y: str, type: GltfType
+) -> list[Json]:
+    """What the program says about images in a folder, read as glTF reads them."""
+
+    def run(some: Sequence[str], *more: str) -> list[Json]:
+        checked, _ = _ntp.run_json("check", some, [*options, *more], cwd=folder)
+        return list(checked["files"])
+
+    files = run(names, "--y", y, "--type", type)
+    told = "standard" if type == "auto" else type
+    again = [i for i, f in enumerate(files) if type == "auto" and f["type"] in _READ_AS_STANDARD]
+    if again:
+        for i, file in zip(again, run([names[i] for i in again], "--y", y, "--type", told)):
+            looks = {key: files[i][key] for key in ("type", "confidence", "reasons")}
+            files[i] = {**file, "looks_like": looks}
+    doubted = [i for i, f in enumerate(files) if any(n["id"] == "NT010" for n in f["findings"])]
+    for i in doubted:  # with a direction required, the program does not say how sure it is
+        as_told = files[i]["type"] if files[i]["type"] != "one-color" else told
+        (free,) = run([names[i]], "--y", "auto", "--type", as_told)
+        if free["y_confidence"] < SURE:
+            for found in files[i]["findings"]:
+                if found["id"] == "NT010":
+                    found["level"] = "info"
+    return files
+
+
+def _merge(entry: Json, file: Json, type: GltfType) -> None:
     """Puts what the program said about an image into its entry."""
     about_container = entry["findings"]
     said = {key: value for key, value in file.items() if key not in ("path", "path_base64")}
     entry.update(said)
     if file["status"] != "ok":
-        where = f"{entry['path']}, image {entry['image']}"
-        entry["message"] = f"{where}: {file['message'].partition(': ')[2] or file['message']}"
+        message = file["message"].partition(": ")[2] or file["message"]
+        entry["message"] = f"{where(entry)}: {message}"
         return
-    found = file["findings"] + about_container + texel_findings(file)
-    entry["findings"] = sorted(found, key=lambda f: -_ntp.LEVELS.index(f["level"]))
+    found = file["findings"] + about_container + texel_findings(file, type)
+    entry["findings"] = by_level(found)
+
+
+def by_level(findings: list[Json]) -> list[Json]:
+    """Findings, the gravest first."""
+    return sorted(findings, key=lambda found: -_ntp.LEVELS.index(found["level"]))
 
 
 def summarize(files: list[Json]) -> Json:
@@ -228,7 +296,10 @@ def summarize(files: list[Json]) -> Json:
 def check(
     paths: Sequence[str | os.PathLike[str]] | str | os.PathLike[str],
     *,
+    type: GltfType = "auto",
     y: str = "up",
+    root: str | os.PathLike[str] | None = None,
+    max_bytes: int = MAX_BYTES,
     options: tuple[str, ...] = (),
 ) -> Json:
     """Checks the normals textures in glTF files.
@@ -237,8 +308,17 @@ def check(
     ----------
     paths
         One .gltf or .glb file, or several.
+    type
+        What the images hold.  "auto": standard normals, as glTF says, and an image that is clearly
+        something else is reported.  "standard": standard normals, whatever they look like.
+        "zzero", "xy": z in 0..1, or none, which glTF does not read.
     y
         Which way green has to point: "up" as glTF says, or "auto" to require nothing.
+    root
+        The folder in which all files have to lie that a glTF file names, links followed.  None:
+        the folder of that file.
+    max_bytes
+        The most that is read of one glTF file, with its buffers; and the most of its images.
     options
         Further options of ``ntp check``, such as ``("--max-fail", "5")``.
 
@@ -271,14 +351,9 @@ def check(
     files: list[Json] = []
     for path in paths:
         try:
-            files += check_document(load(path), options, y)
-        except (GltfError, OSError) as error:
-            message = str(error)
-            if isinstance(error, OSError):
-                message = f"{os.fspath(path)}: {error.strerror}"
-            files.append(unreadable(path, message))
-        except (TypeError, AttributeError, KeyError) as error:
-            files.append(unreadable(path, f"{os.fspath(path)}: malformed: {error}"))
+            files += check_document(load(path, root=root, max_bytes=max_bytes), options, y, type)
+        except (GltfError, OSError, *MALFORMED) as error:
+            files.append(unreadable(path, why(path, error)))
     return {
         "schema_version": 1,
         "tool": _ntp.tool_fields(),

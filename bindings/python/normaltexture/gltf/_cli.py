@@ -10,7 +10,7 @@ from typing import Any
 
 from .. import _console, _ntp
 from ..report import sarif
-from ._check import check
+from ._check import MALFORMED, check, where, why
 from ._clean import clean
 from ._document import GltfError
 
@@ -18,9 +18,12 @@ Json = dict[str, Any]
 SUFFIXES = (".gltf", ".glb")
 
 _EPILOG = """\
-Without -o and --in-place the files are checked: the exit code is 1 where an image has a finding
-at or above --fail-on.  With one of them a clean copy is written in which only normals textures
-differ.
+Without -o and --in-place the files are checked. With one of them a clean copy is written in which
+only normals textures differ. The exit code is 1 if an image has a finding at or above --fail-on,
+or would still have it in the copy. It is 3 if a file could not be read or written.
+
+A glTF file names other files. They are read if they are regular files in its own folder, links
+followed; --root names a larger folder.
 
 examples:
   ntp gltf helmet.glb
@@ -36,7 +39,15 @@ def _parser() -> argparse.ArgumentParser:
         "ntp gltf", "Checks or cleans the normals textures in glTF files.", _EPILOG
     )
     _console.add_paths(parser, "a .gltf or .glb file, or a directory")
+    _console.add_named(parser, "a glTF file names", "of that file")
     how = parser.add_argument_group("checking")
+    how.add_argument(
+        "--type",
+        choices=["auto", "standard", "zzero", "xy"],
+        default="auto",
+        help="what the images hold; auto: standard normals as glTF says, but heights, photographs "
+        "and the like are reported and never cleaned (default: auto)",
+    )
     how.add_argument(
         "--y",
         choices=["up", "auto"],
@@ -57,8 +68,8 @@ def _parser() -> argparse.ArgumentParser:
     clean_group.add_argument(
         "--method",
         choices=["derive", "normalize", "auto"],
-        default="derive",
-        help="as of ntp clean (default: derive)",
+        default="auto",
+        help="as of ntp clean (default: auto)",
     )
     clean_group.add_argument(
         "--keep-alpha", action="store_true", help="keep alpha channels that are opaque everywhere"
@@ -92,7 +103,8 @@ def _print_check(report: Json, *, quiet: bool, verbose: bool) -> None:
             continue
         slots = sorted({use["slot"] for use in file["uses"]})
         if file["status"] == "skipped":
-            print(f"{image_label(file)} ({', '.join(slots)}): not checked: {file['message']}")
+            reason = file["message"].removeprefix(f"{where(file)}: ")
+            print(f"{image_label(file)} ({', '.join(slots)}): not checked: {reason}")
             continue
         kind = words.get(file["type"], file["type"])
         size = f"{file['width']} x {file['height']} {file['bit_depth']}-bit"
@@ -127,6 +139,9 @@ def _print_clean(report: Json, *, quiet: bool, dry_run: bool) -> None:
             )
         else:
             print(f"{image_label(file)}: nothing to change")
+        for found in file.get("remaining", []):
+            if found["level"] != "info":
+                print(f"  left: {found['level']} {found['id']}  {found['message']}")
     if not quiet:
         verb = "would be written" if dry_run else "written"
         for output in report["outputs"]:
@@ -148,38 +163,45 @@ def _output_for(path: str, output: str | None, many: bool) -> Path | None:
 
 
 def _run_clean(args: argparse.Namespace, paths: Sequence[str]) -> int:
-    code = _ntp.EXIT_DONE
     reports: list[Json] = []
+    wrong_use = False
     for path in paths:
         try:
             report = clean(
                 path,
                 _output_for(path, args.output, len(paths) > 1),
+                type=args.type,
                 method=args.method,
                 drop_alpha=not args.keep_alpha,
                 flip_green=args.flip_green,
                 keep_jpeg=args.keep_jpeg,
+                root=args.root,
+                max_bytes=args.max_bytes,
+                options=_console.check_options(args),
                 dry_run=args.dry_run,
             )
-        except (GltfError, OSError, AttributeError, TypeError, KeyError) as error:
-            message = str(error)
-            if isinstance(error, OSError):
-                message = f"{error.filename or path}: {error.strerror}"
-            print(f"ntp: {_console.shown(message)}", file=sys.stderr)
-            code = _ntp.EXIT_FAILED
-            reports.append(_failed(path, message))
-            continue
+        except (GltfError, OSError, *MALFORMED) as error:
+            report = _failed(path, why(path, error))
+        except ValueError as error:
+            report = _failed(path, str(error).replace("output: ", "-o: "))
+            wrong_use = True
         reports.append(report)
-        states = {file["status"] for file in report["files"]}
-        if "unreadable" in states:
-            code = _ntp.EXIT_FAILED
-        elif "refused" in states and code == _ntp.EXIT_DONE:
-            code = _ntp.EXIT_FINDINGS
         if args.format != "json":
             _print_clean(report, quiet=args.quiet, dry_run=args.dry_run)
     if args.format == "json":
         print(json.dumps(_joined(reports), indent=1))
-    return code
+    return _ntp.EXIT_USAGE if wrong_use else _cleaned_code(reports, args.fail_on)
+
+
+def _cleaned_code(reports: Sequence[Json], fail_on: str) -> int:
+    """3 where a file failed; 1 where an image was refused, or keeps a finding."""
+    files = [file for report in reports for file in report["files"]]
+    if any(file["status"] == "unreadable" for file in files):
+        return _ntp.EXIT_FAILED
+    if any(file["status"] == "refused" for file in files):
+        return _ntp.EXIT_FINDINGS
+    left = [{"status": "ok", "findings": file.get("remaining", [])} for file in files]
+    return _ntp.exit_code(left, fail_on)
 
 
 def _failed(path: str, message: str) -> Json:
@@ -214,7 +236,14 @@ def _run(args: argparse.Namespace) -> int:
         raise _ntp.ProgramError("--dry-run goes with -o or --in-place", _ntp.EXIT_USAGE)
     if cleaning:
         return _run_clean(args, paths)
-    report = check(list(paths), y=args.y, options=_console.check_options(args))
+    report = check(
+        list(paths),
+        type=args.type,
+        y=args.y,
+        root=args.root,
+        max_bytes=args.max_bytes,
+        options=_console.check_options(args),
+    )
     if args.format == "json":
         print(json.dumps(report, indent=1))
     elif args.format == "sarif":

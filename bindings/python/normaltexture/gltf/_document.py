@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: MIT
 """A .gltf or .glb file as it is on disk: its JSON text, its chunks, its buffers and images.
 
-Everything is checked as it is looked up, since files come from anywhere: a wrong index, offset or
-length is a GltfError that says which.  Nothing is ever fetched from a network.
+Files come from anywhere, so everything is checked when it is looked up.  A wrong index, offset or
+length is a GltfError that says which.  Files that the document names are opened by `_named`: they
+are regular, not too large, and inside a folder.  Nothing is fetched from a network.
 """
 
 import base64
@@ -16,6 +17,8 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import unquote
 
+from .._named import MAX_BYTES, Version, open_named, read_named, version
+
 GLB_MAGIC = b"glTF"
 CHUNK_JSON = 0x4E4F534A
 CHUNK_BIN = 0x004E4942
@@ -27,7 +30,7 @@ _BOM = "\ufeff"
 
 
 class GltfError(ValueError):
-    """The file is not the glTF that it should be; the message names it."""
+    """A file is no valid glTF, or names a file that is not read; the message says which."""
 
 
 @dataclass
@@ -44,6 +47,12 @@ class Document:
         The same, parsed.
     chunks
         Of a .glb: (type, data) of every chunk after the JSON, in their order.  None: a .gltf.
+    root
+        The folder in which the files that it names have to lie.
+    max_bytes
+        The most that is held of it and its buffers together with one image.
+    versions
+        {true path: version} of every file that was read.
     """
 
     path: Path
@@ -51,7 +60,11 @@ class Document:
     text: str
     json: dict[str, Any]
     chunks: list[tuple[int, bytes]] | None
+    root: Path
+    max_bytes: int = MAX_BYTES
+    versions: dict[str, Version] = field(default_factory=dict, repr=False)
     _buffers: dict[int, bytes] = field(default_factory=dict, repr=False)
+    _files: dict[Path, bytes] = field(default_factory=dict, repr=False)
 
     def fail(self, message: str) -> GltfError:
         return GltfError(f"{self.path}: {message}")
@@ -60,7 +73,7 @@ class Document:
         """A top-level list of objects, such as "images"; empty where there is none."""
         found = self.json.get(key, [])
         if not isinstance(found, list) or not all(isinstance(item, dict) for item in found):
-            raise self.fail(f"{key} is no list of objects")
+            raise self.fail(f"{key} is not a list of objects")
         return found
 
     def item(self, key: str, index: Any) -> dict[str, Any]:
@@ -80,31 +93,61 @@ class Document:
             try:
                 return base64.b64decode(unquote(body), validate=False)
             except (binascii.Error, ValueError) as error:
-                raise self.fail(f"a data URI is no base64: {error}") from None
+                raise self.fail(f"a data URI is not base64: {error}") from None
         if _SCHEME.match(uri) or uri.startswith("//"):
             raise self.fail(f"{uri[:80]!r} is not a local file")
         name = os.fsencode(unquote(uri))
         if b"\0" in name:
-            raise self.fail(f"{uri[:80]!r} is no file name")
+            raise self.fail(f"{uri[:80]!r} is not a file name")
         return self.path.parent / os.fsdecode(name)
 
-    def fetch(self, uri: Any) -> bytes:
+    def _room(self) -> int:
+        """How many more bytes may be held."""
+        held = sum(map(len, self._files.values()))
+        return max(self.max_bytes - len(self.raw) - held, 0)
+
+    def read_file(self, path: Path) -> bytes:
+        """The content of a file that the document names.
+
+        Raises
+        ------
+        GltfError
+            It is missing, or refused.
+        """
+        try:
+            data, status = read_named(path, self.root, self._room())
+        except OSError as error:
+            raise self.fail(f"{path}: {error.strerror or error}") from None
+        self.versions[os.path.realpath(path)] = version(status)
+        return data
+
+    def require_file(self, path: Path) -> None:
+        """Makes sure that `read_file` would read a file, without reading it."""
+        try:
+            os.close(open_named(path, self.root, self._room()))
+        except OSError as error:
+            raise self.fail(f"{path}: {error.strerror or error}") from None
+
+    def fetch(self, uri: Any, *, keep: bool = False) -> bytes:
+        """The bytes behind a URI; `keep` holds a file for the next call."""
         if not isinstance(uri, str):
-            raise self.fail(f"{uri!r} is no URI")
+            raise self.fail(f"{uri!r} is not a URI")
         found = self.resolve(uri)
         if isinstance(found, bytes):
             return found
-        try:
-            return found.read_bytes()
-        except OSError as error:
-            raise self.fail(f"{found}: {error.strerror or error}") from None
+        if found in self._files:
+            return self._files[found]
+        data = self.read_file(found)
+        if keep:
+            self._files[found] = data
+        return data
 
     def buffer(self, index: Any) -> bytes:
         """The bytes of a buffer, exactly its byteLength."""
         spec = self.item("buffers", index)
         if index not in self._buffers:
             if "uri" in spec:
-                self._buffers[index] = self.fetch(spec["uri"])
+                self._buffers[index] = self.fetch(spec["uri"], keep=True)
             else:
                 first = self.chunks[0] if self.chunks else (None, b"")
                 if index != 0 or first[0] != CHUNK_BIN:
@@ -148,6 +191,18 @@ class Document:
             return "buffer"
         return "data" if str(image.get("uri", "")).startswith("data:") else "file"
 
+    def image_place(self, index: int) -> Any:
+        """Equal for images that are kept in the same place, by whatever names."""
+        image = self.item("images", index)
+        if "bufferView" in image or "uri" not in image:
+            return "buffer view", image.get("bufferView")
+        uri = image["uri"]
+        try:
+            found = self.resolve(uri)
+        except (GltfError, TypeError):
+            return uri
+        return uri if isinstance(found, bytes) else os.path.realpath(found)
+
 
 def _parse_glb(path: Path, raw: bytes) -> tuple[bytes, list[tuple[int, bytes]]]:
     if len(raw) < 12:
@@ -166,22 +221,36 @@ def _parse_glb(path: Path, raw: bytes) -> tuple[bytes, list[tuple[int, bytes]]]:
         chunks.append((kind, raw[at + 8 : at + 8 + size]))
         at += 8 + size
     if not chunks or chunks[0][0] != CHUNK_JSON:
-        raise GltfError(f"{path}: the first chunk is no JSON")
+        raise GltfError(f"{path}: the first chunk is not JSON")
     return chunks[0][1], chunks[1:]
 
 
-def load(path: str | os.PathLike[str]) -> Document:
+def load(
+    path: str | os.PathLike[str],
+    *,
+    root: str | os.PathLike[str] | None = None,
+    max_bytes: int = MAX_BYTES,
+) -> Document:
     """Reads a .gltf or .glb file; which of the two is told from its first bytes.
+
+    Parameters
+    ----------
+    path
+        The file.
+    root
+        The folder in which the files that it names have to lie.  None: its own folder.
+    max_bytes
+        The most that is held of it, of its buffers and of one of its images together.
 
     Raises
     ------
     OSError
-        It cannot be read.
+        It cannot be read, is no regular file, or is too large.
     GltfError
         It is not glTF 2.
     """
     path = Path(path)
-    raw = path.read_bytes()
+    raw, status = read_named(path, None, max_bytes)
     chunks = None
     body = raw
     if raw.startswith(GLB_MAGIC):
@@ -197,7 +266,9 @@ def load(path: str | os.PathLike[str]) -> Document:
         raise GltfError(f"{path}: not glTF: there is no asset")
     if not str(parsed["asset"].get("version", "")).startswith("2."):
         raise GltfError(f"{path}: glTF version {parsed['asset'].get('version')!r}; 2 is read")
-    return Document(path, raw, text, parsed, chunks)
+    document = Document(path, raw, text, parsed, chunks, Path(root or path.parent), max_bytes)
+    document.versions[os.path.realpath(path)] = version(status)
+    return document
 
 
 def glb_bytes(text: str, chunks: list[tuple[int, bytes]]) -> bytes:

@@ -8,8 +8,8 @@ _TABLE = [
         "NT060",
         "warning or error",
         "normals and something else from one image",
-        "The image is also a color texture, which is decoded from sRGB, so that one of the two is "
-        "wrong: an error. Shared with another kind of data it is a warning.",
+        "The image is also used as a color texture, which is decoded from sRGB. One of the two uses is "
+        "wrong: an error. If the other use is another kind of data, it is a warning.",
         "Give the normals an image of their own.",
     ),
     Rule(
@@ -23,15 +23,15 @@ _TABLE = [
         "NT062",
         "warning",
         "a mesh without the texture coordinates that the normals need",
-        "The material has a normals texture, but a mesh that uses it has no TEXCOORD of that number.",
+        "The material has a normals texture. A mesh that uses it has no TEXCOORD of that number.",
         "Export with texture coordinates, or take the texture out of the material.",
     ),
     Rule(
         "NT063",
         "warning",
         "the media type contradicts the content",
-        "mimeType, or that of the data URI, says another format than the bytes are. Some loaders "
-        "refuse such a file.",
+        "mimeType or the data URI names a format that the bytes do not have. Some loaders refuse such "
+        "a file.",
         "Correct mimeType.",
     ),
     Rule(
@@ -44,25 +44,25 @@ _TABLE = [
     ),
     Rule(
         "NT065",
-        "error",
-        "no standard normals texture",
-        "glTF reads x, y and z from red, green and blue, each as 2c - 1. This image stores z in "
-        "another way, or not at all.",
-        "`ntp convert --to standard`.",
+        "warning or error",
+        "z is not stored as glTF reads it",
+        "glTF reads x, y and z from red, green and blue, each as 2c - 1. This image stores z in 0..1, or "
+        "not at all. It is an error if an error follows from reading it so.",
+        "`ntp gltf -o` computes blue anew; so does `ntp convert --to standard`.",
     ),
     Rule(
         "NT066",
         "warning",
         "an alpha channel",
-        "glTF says that normal textures should not have one: nothing reads it.",
+        "glTF says that normals textures should not have one. Nothing reads it.",
         "`ntp gltf -o` drops it where it is opaque everywhere; `ntp convert --channels xyz` always.",
     ),
     Rule(
         "NT067",
         "info",
         "mirrored or turned by KHR_texture_transform",
-        "The normals in the image are not turned with it, so what looks right in the image may be "
-        "lit from another side on the model.",
+        "The normals in the image are not turned with it. What looks right in the image may be lit "
+        "from another side on the model.",
         "Look at the model under a moving light.",
     ),
 ]

@@ -1,21 +1,24 @@
 # SPDX-License-Identifier: MIT
-"""Writes a glTF file with some images replaced, and every other byte as it was where possible.
+"""Writes a glTF file with some images replaced; other bytes stay as they are where possible.
 
-An image in a buffer moves what follows it; the offsets of those buffer views are corrected in the
-text.  Each replaced image keeps its place, padded so that everything behind stays aligned.
+A replaced image in a buffer keeps its place.  What follows it moves, by a multiple of `SHIFT`, and
+the offsets of those buffer views are corrected in the text.
+
+Nothing is written outside the folder of the output, and nothing before all that is to be copied
+could be opened.
 """
 
 import base64
 import os
 import re
-import shutil
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
-from .._atomic import write_atomically
-from ._document import CHUNK_BIN, Document, GltfError, glb_bytes
+from .._atomic import write_atomically, write_inside
+from .._named import is_inside
+from ._document import CHUNK_BIN, Document, glb_bytes
 from ._spans import Editor
 
 # Shifts are multiples of this, so that accessors stay aligned to their components.
@@ -36,21 +39,21 @@ class Result:
     """The files to write: the document first."""
 
     files: dict[Path, bytes] = field(default_factory=dict)
-    copies: dict[Path, Path] = field(default_factory=dict)  # target: source
+    copies: dict[Path, Path] = field(default_factory=dict)  # target: source, read when written
     names: dict[str, Path] = field(default_factory=dict)  # uri: target, of replaced images
 
 
 def why_fixed(document: Document, index: int, normals: set[int]) -> str:
     """Why an image cannot be replaced, "" when it can; `normals` are those that hold normals."""
     image = document.item("images", index)
-    key = "bufferView" if "bufferView" in image else "uri"
-    for number, other in enumerate(document.items("images")):
-        if number not in normals and other.get(key) == image[key]:
-            return f"image {number}, which is no normals texture, is kept in the same place"
-    if key == "uri":
+    here = document.image_place(index)
+    for number in range(len(document.items("images"))):
+        if number not in normals and document.image_place(number) == here:
+            return f"image {number}, which holds no normals, is kept in the same place"
+    if "bufferView" not in image:
         return ""
     view = image["bufferView"]
-    if any(n != index and document.item("images", n).get(key) == view for n in normals):
+    if any(n != index and document.item("images", n).get("bufferView") == view for n in normals):
         return "another image is kept in the same place"
     for accessor in document.items("accessors"):
         if accessor.get("bufferView") == view:
@@ -128,19 +131,21 @@ def _data_uri(old: str, data: bytes, mime: str | None = None) -> str:
 
 
 def _inside(folder: Path, uri: str, document: Document) -> Path:
-    """Where a relative URI lies in the output folder; outside of it nothing is written."""
+    """Where the file of a relative URI comes to lie in the folder of the output."""
     source = document.resolve(uri)
     if isinstance(source, bytes):
-        raise GltfError(f"{document.path}: {uri[:40]!r} is no file")
+        raise document.fail(f"{uri[:40]!r} is not a file")
     relative = os.path.relpath(source.absolute(), document.path.absolute().parent)
     if os.path.isabs(relative) or relative.split(os.sep)[0] == os.pardir:
-        raise GltfError(f"{document.path}: {uri!r} lies outside the directory of the file")
+        raise document.fail(f"{uri!r} lies outside of the folder of the file: nothing is written")
     return folder / relative
 
 
 def _free_name(document: Document, target: Path, suffix: str, result: Result) -> Path:
-    """A name for a replaced file beside `target`: the same but for the suffix where no file that
-    the document names has it, else with "-clean".  One of an earlier run is replaced."""
+    """A name for a replaced file beside `target`.
+
+    It is the same name with another suffix, or with "-clean" where the document names a file of
+    that name.  A file of an earlier run is replaced."""
     taken = set(result.files)
     for uri in _external_uris(document):
         source = document.resolve(uri)
@@ -197,12 +202,12 @@ def _external_uris(document: Document) -> dict[str, list[tuple[str, int]]]:
 def plan(
     document: Document, replacements: dict[int, Replacement], output: Path, copy_others: bool
 ) -> Result:
-    """What has to be written for a copy of `document` at `output` with these images.
+    """What is to be written for a copy of `document` at `output` with these images.
 
     Raises
     ------
     GltfError
-        A file would have to be written outside the directory of the output.
+        A file that is to be copied cannot be read, or one would lie outside the output's folder.
     """
     result = Result()
     editor = Editor(document.text)
@@ -241,6 +246,7 @@ def plan(
         result.files[output] = glb_bytes(text, chunks)
     if copy_others:
         _plan_copies(document, output, replaced, result)
+    _refuse_links(document, output, result)
     return result
 
 
@@ -258,27 +264,53 @@ def _replace_buffer_file(
 def _plan_copies(
     document: Document, output: Path, replaced: set[tuple[str, int]], result: Result
 ) -> None:
-    """The other files that the document names, where the copy goes to another directory."""
+    """The other files that the document names, where the copy goes to another folder.
+
+    All of them have to be there, wherever the copy goes: a copy without them is not complete."""
     for uri, users in _external_uris(document).items():
         if all(user in replaced for user in users):
             continue
         source = document.resolve(uri)
-        if isinstance(source, bytes) or not source.exists():
+        if isinstance(source, bytes):
             continue
+        document.require_file(source)
         target = _inside(output.parent, uri, document)
         if target not in result.files and not (target.exists() and target.samefile(source)):
             result.copies[target] = source
 
 
-def write(result: Result) -> None:
-    """Writes a plan: the images and buffers first, the document last."""
-    files = list(result.files.items())
+def _refuse_links(document: Document, output: Path, result: Result) -> None:
+    """No link in the folder of the output may lead out of it."""
+    folder = os.path.realpath(output.parent)
+    for target in [*result.files, *result.copies]:
+        if target != output and not is_inside(os.path.realpath(target), folder):
+            raise document.fail(f"{target} is a link that leads out of {output.parent}")
+
+
+def write(document: Document, result: Result) -> None:
+    """Writes a plan: images and buffers first, the document last.
+
+    Raises
+    ------
+    GltfError
+        A file that is to be copied cannot be read any more.
+    OSError
+        A file cannot be written, or changed after it was read.
+    """
+    output, *others = result.files
+    folder = output.parent
+
+    def put(target: Path, data: bytes) -> None:
+        target.parent.mkdir(parents=True, exist_ok=True)
+        write_inside(folder, target, data, document.versions.get(os.path.realpath(target)))
+
     for target, source in result.copies.items():
-        target.parent.mkdir(parents=True, exist_ok=True)
-        shutil.copyfile(source, target)
-    for target, data in [*files[1:], files[0]]:
-        target.parent.mkdir(parents=True, exist_ok=True)
-        write_atomically(target, data)
+        put(target, document.read_file(source))
+    for target in others:
+        put(target, result.files[target])
+    folder.mkdir(parents=True, exist_ok=True)
+    expected = document.versions.get(os.path.realpath(output))
+    write_atomically(output, result.files[output], expected)
 
 
 def valid_suffix(path: Path, document: Document) -> bool:

@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: MIT
-"""The check that a report is made of: image files by the program, glTF files by our own walk."""
+"""The check that a report is made of: the program checks images, `gltf` checks glTF files."""
 
 import os
 from collections.abc import Iterable, Sequence
 from typing import Any
 
 from .. import _ntp
+from .._named import MAX_BYTES
 from ..gltf import check as check_gltf
 
 Json = dict[str, Any]
@@ -24,8 +25,31 @@ def _total(reports: Sequence[Json]) -> Json:
     return summary
 
 
+def _check_models(
+    models: Sequence[str],
+    options: Sequence[str],
+    y: str,
+    root: str | os.PathLike[str] | None,
+    max_bytes: int,
+) -> Json:
+    """glTF files, with the options of `ntp check` that they understand."""
+    kept = [word for word in options if word not in ("-r", "--recursive")]
+    type: Any = "auto"
+    if "--type" in kept:
+        at = kept.index("--type")
+        type = kept[at + 1] if kept[at + 1] != "height" else "auto"
+        del kept[at : at + 2]
+    way = "auto" if y == "auto" else "up"
+    return check_gltf(models, type=type, y=way, root=root, max_bytes=max_bytes, options=tuple(kept))
+
+
 def check_json(
-    paths: Iterable[str | os.PathLike[str]], *, options: Sequence[str] = (), y: str = "auto"
+    paths: Iterable[str | os.PathLike[str]],
+    *,
+    options: Sequence[str] = (),
+    y: str = "auto",
+    root: str | os.PathLike[str] | None = None,
+    max_bytes: int = MAX_BYTES,
 ) -> Json:
     """Checks image files, directories and glTF files.
 
@@ -37,6 +61,8 @@ def check_json(
         Options of ``ntp check``, such as ``("-r", "--max-fail", "5")``.
     y
         Which way green has to point: "up", "down", or "auto" to require nothing.
+    root, max_bytes
+        Of glTF files, as in `normaltexture.gltf.check`.
 
     Returns
     -------
@@ -55,8 +81,7 @@ def check_json(
     if images or not models:
         reports.append(_ntp.run_json("check", images, ["--y", y, *options])[0])
     if models:
-        kept = tuple(word for word in options if word not in ("-r", "--recursive"))
-        reports.append(check_gltf(models, y="auto" if y == "auto" else "up", options=kept))
+        reports.append(_check_models(models, options, y, root, max_bytes))
     if len(reports) == 1:
         return reports[0]
     return {

@@ -19,6 +19,9 @@ _EPILOG = """\
 The page needs no network and no other file. The exit code is that of ntp check: 1 with a finding
 at or above --fail-on, 3 where a file could not be read.
 
+Files that --from-json or a glTF file names are opened if they are regular files in a folder, links
+followed: for --from-json the current folder, for a glTF file its own. --root names another.
+
 examples:
   ntp report -r textures -o report.html
   ntp report helmet.glb -o helmet.html
@@ -52,6 +55,7 @@ def _parser() -> argparse.ArgumentParser:
         metavar="FILE",
         help="report what ntp check --format json has found before; - is standard input",
     )
+    _console.add_named(parser, "--from-json or a glTF file names", "described below")
     how = parser.add_argument_group("checking")
     how.add_argument(
         "--type",
@@ -143,8 +147,11 @@ def _load(path: str) -> Json:
 
 
 def _render(args: argparse.Namespace, report: Json) -> str:
+    root = args.root
+    if root is None and args.from_json is not None:
+        root = os.curdir
     if args.format == "sarif":
-        return json.dumps(to_sarif(report, notes=args.notes), indent=1) + "\n"
+        return json.dumps(to_sarif(report, notes=args.notes, root=root), indent=1) + "\n"
     if args.format == "github":
         return to_github(report, notes=args.notes)
     if args.format == "json":
@@ -156,6 +163,8 @@ def _render(args: argparse.Namespace, report: Json) -> str:
         limit=args.limit,
         palette=args.palette,
         max_texels=args.max_texels,
+        root=root,
+        max_bytes=args.max_bytes,
     )
 
 
@@ -175,7 +184,13 @@ def _run(args: argparse.Namespace) -> int:
         report = _load(args.from_json)
     else:
         paths = _console.listed_paths(args)
-        report = check_json(paths, options=_check_options(args), y=args.y)
+        report = check_json(
+            paths,
+            options=_check_options(args),
+            y=args.y,
+            root=args.root,
+            max_bytes=args.max_bytes,
+        )
     text = _render(args, report)
     if output == "-":
         sys.stdout.write(text)

@@ -2,16 +2,18 @@
 """From the JSON of a check to one HTML page that needs nothing else.
 
 The page contains its style, its script and its pictures.  Its content security policy allows only
-these, by their hashes, and no network: a file name can never be more than text.
+these, by their hashes, and no network.  So a file name can never be more than text.  The paths in
+the JSON may come from anywhere, so they are opened by `_named`.
 """
 
 import base64
 import hashlib
 import os
 import threading
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
+from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
 from typing import Any
@@ -19,7 +21,7 @@ from typing import Any
 from .. import _console, _ntp
 from .._atomic import write_atomically
 from .._files import read
-from ..gltf._document import GltfError
+from .._named import MAX_BYTES, read_named
 from ..gltf._document import load as load_gltf
 from ..typing import Palette
 from ._pictures import DRAWN, HISTOGRAM_BINS, Pictures, draw
@@ -54,8 +56,9 @@ MAX_TEXELS = 1 << 26
 
 
 class _Budget:
-    """Lets workers continue while the sum of their texels is small enough; a large file runs
-    alone."""
+    """Lets workers continue while the sum of their texels is small enough.
+
+    A file that is larger runs alone."""
 
     def __init__(self, most: int) -> None:
         self._most = most
@@ -163,21 +166,26 @@ def _view(file: Mapping[str, Any], number: int, rules: Mapping[str, _ntp.Rule]) 
     return view
 
 
-def _pixels(file: Mapping[str, Any], base: str | os.PathLike[str], max_texels: int) -> Any:
-    path = os.path.join(base, _ntp.path_of(file))
-    if "image" in file:
-        data = load_gltf(path).image_bytes(file["image"])
-        return read(data, max_texels=max_texels)
-    return read(path, max_texels=max_texels)
+@dataclass(frozen=True)
+class _Sources:
+    """Where pictures are read from: the paths in a report may come from anywhere."""
+
+    base: str | os.PathLike[str]
+    root: str | os.PathLike[str] | None
+    max_bytes: int
+    max_texels: int
+
+    def pixels(self, file: Mapping[str, Any]) -> Any:
+        path = os.path.join(self.base, _ntp.path_of(file))
+        if "image" in file:
+            document = load_gltf(path, root=self.root, max_bytes=self.max_bytes)
+            return read(document.image_bytes(file["image"]), max_texels=self.max_texels)
+        data, _ = read_named(path, self.root, self.max_bytes)
+        return read(data, max_texels=self.max_texels)
 
 
 def _draw_all(
-    files: Sequence[Mapping[str, Any]],
-    limit: int,
-    size: int,
-    palette: Palette,
-    base: str | os.PathLike[str],
-    max_texels: int,
+    files: Sequence[Mapping[str, Any]], limit: int, size: int, palette: Palette, sources: _Sources
 ) -> dict[int, Pictures | str]:
     """{number of the file: its pictures, or why there are none}, the worst files first."""
     worst_first = sorted(range(len(files)), key=lambda i: (-_ORDER[state(files[i])], i))
@@ -190,14 +198,17 @@ def _draw_all(
 
     def one(number: int) -> Pictures | str:
         file = files[number]
-        if file["texels"] > max_texels:
+        if file["texels"] > sources.max_texels:
             return "Too large for pictures."
         try:
             with budget.take(file["texels"]):
-                pixels = _pixels(file, base, max_texels)
+                pixels = sources.pixels(file)
                 return draw(pixels, file, size=size, palette=palette)
-        except (OSError, ValueError, RuntimeError, GltfError) as error:
-            return f"No pictures: {_console.shown(str(error))}"
+        except MemoryError:
+            return "No pictures: not enough memory."
+        except (OSError, ValueError, RuntimeError) as error:
+            reason = error.strerror if isinstance(error, OSError) else str(error)
+            return f"No pictures: {_console.shown(reason or str(error))}"
 
     with ThreadPoolExecutor(min(_WORKERS, os.cpu_count() or 1)) as pool:
         drawn.update(zip(wanted[:limit], pool.map(one, wanted[:limit]), strict=True))
@@ -251,7 +262,8 @@ def build(
     limit: int = 200,
     palette: Palette = "reference",
     max_texels: int = MAX_TEXELS,
-    drawing: Callable[..., dict[int, Pictures | str]] = _draw_all,
+    root: str | os.PathLike[str] | None = None,
+    max_bytes: int = MAX_BYTES,
 ) -> str:
     """One HTML page of a check.
 
@@ -273,6 +285,11 @@ def build(
         told apart with every kind of color vision.
     max_texels
         Larger files get no pictures.
+    root
+        The folder in which all files have to lie that the report names, links followed; others get
+        no pictures.  None: anywhere.  What a glTF file names then has to lie in its own folder.
+    max_bytes
+        The most that is read of one file.
 
     Returns
     -------
@@ -288,7 +305,8 @@ def build(
     files = report["files"]
     rules = all_rules()
     views = [_view(file, number, rules) for number, file in enumerate(files, 1)]
-    for number, drawn in drawing(files, limit, size, palette, base, max_texels).items():
+    sources = _Sources(base, root, max_bytes, max_texels)
+    for number, drawn in _draw_all(files, limit, size, palette, sources).items():
         views[number]["pictures"] = drawn if isinstance(drawn, Pictures) else None
         views[number]["no_pictures"] = drawn if isinstance(drawn, str) else ""
         if isinstance(drawn, Pictures):

@@ -11,6 +11,7 @@ from typing import Any
 from urllib.parse import quote
 
 from .. import _ntp
+from .._named import open_named
 from ..gltf._rules import RULES
 
 Json = dict[str, Any]
@@ -46,10 +47,10 @@ def file_uri(path: str) -> str:
     return f"./{uri}" if ":" in uri.split("/")[0] else uri
 
 
-def _digest(path: str) -> str:
-    """The SHA-256 of a file, "" when it cannot be read."""
+def _digest(path: str, root: str | os.PathLike[str] | None) -> str:
+    """The SHA-256 of a file, "" when it cannot be read or lies outside of `root`."""
     try:
-        with open(path, "rb") as file:
+        with os.fdopen(open_named(path, root), "rb") as file:
             return hashlib.file_digest(file, "sha256").hexdigest()
     except OSError:
         return ""
@@ -119,7 +120,12 @@ def _capital(text: str) -> str:
     return text[:1].upper() + text[1:].rstrip(".") + "."
 
 
-def to_sarif(report: Mapping[str, Any], *, notes: bool = False) -> Json:
+def to_sarif(
+    report: Mapping[str, Any],
+    *,
+    notes: bool = False,
+    root: str | os.PathLike[str] | None = None,
+) -> Json:
     """The findings of a check as SARIF 2.1.0, for code scanning.
 
     Parameters
@@ -128,6 +134,8 @@ def to_sarif(report: Mapping[str, Any], *, notes: bool = False) -> Json:
         What ``ntp check --format json`` or `normaltexture.gltf.check` gives.
     notes
         Keep findings of the level "info" as well.
+    root
+        The folder in which files have to lie whose content goes into fingerprints.  None: anywhere.
 
     Returns
     -------
@@ -146,7 +154,7 @@ def to_sarif(report: Mapping[str, Any], *, notes: bool = False) -> Json:
     ids = sorted(rules.keys() | {found["id"] for _, found in used})
     for name in ids:
         rules.setdefault(name, _ntp.Rule(name, "warning", name, name, ""))
-    digests = {path: _digest(path) for path in {_ntp.path_of(file) for file, _ in used}}
+    digests = {path: _digest(path, root) for path in {_ntp.path_of(file) for file, _ in used}}
     for file, found in used:
         results.append(_result(file, found, ids, digests[_ntp.path_of(file)]))
     failed = any(file["status"] == "unreadable" for file in report["files"])
