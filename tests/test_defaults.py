@@ -26,7 +26,7 @@ CHOICES = {
     "blend": ("blend", "ntp_blend_options"),
 }
 ROWS = [
-    ("clean", "method", "method", "method"),
+    ("clean", "method", "method", None),
     ("clean", "verdict", "verdict", "verdict"),
     ("clean", "keep-negative-z", "keep_negative_z", "keep_negative_z"),
     ("clean", "only-failing", "only_failing", "only_failing"),

@@ -66,9 +66,10 @@ const option_spec OPTION_TABLE[] = {
     { OPT_IN_PLACE, "in-place", 0, KIND_FLAG, NULL, NULL, 0, 0,
       V_WRITES & ~(unsigned) (V_CLEAN | V_CONVERT | V_BLEND),
       "write each result in the place of its input" },
-    { OPT_METHOD, "method", 0, KIND_CHOICE, "derive|normalize|auto", "derive", 0, 0, V_CLEAN,
+    { OPT_METHOD, "method", 0, KIND_CHOICE, "auto|derive|normalize", "auto", 0, 0, V_CLEAN,
       "derive: keep x and y, compute z; normalize: divide each failing vector by its length "
-      "(better after JPEG or resizing); auto: choose by the errors of the file" },
+      "(better after JPEG or resizing); auto: choose by the errors of the file. A file in which "
+      "every texel is a correctly rounded unit vector stays as it is" },
     { OPT_ONLY_FAILING, "only-failing", 0, KIND_FLAG, NULL, NULL, 0, 0, V_CLEAN,
       "leave texels that pass --verdict as they are" },
     { OPT_ONLY_CHANGED, "only-changed", 0, KIND_FLAG, NULL, NULL, 0, 0, V_CLEAN,
@@ -292,10 +293,12 @@ const verb_spec VERB_TABLE[] = {
       "ntp check -r textures --baseline before.json\n"
       "  later: count only new findings\n" },
     { "clean", "PATH...", "repair normals",
-      "Makes every texel of a normals texture a unit vector. By default red and green stay and "
-      "blue is computed from them; where red and green alone are longer than 1, they are "
-      "shortened to length 1 and keep their direction. Alpha, and texels that are pure black, "
-      "pure white or transparent, stay as they are. Cleaning again changes nothing.\n"
+      "Makes every texel of a normals texture a unit vector. Where blue alone is wrong, red and "
+      "green stay and blue is computed from them; where red and green alone are longer than 1, "
+      "they are shortened to length 1 and keep their direction. Where all three channels are off, "
+      "as after JPEG or resizing, each vector is divided by its length (--method). Alpha, and "
+      "texels that are pure black, pure white or transparent, stay as they are. Cleaning again "
+      "changes nothing.\n"
       "Heights, object-space maps and other images are refused unless --type says what they "
       "are. gAMA, sRGB, iCCP and cHRM chunks are left out: normals are numbers, not colors.",
       "ntp clean wall_n.png -o wall_clean_n.png\n"
@@ -304,8 +307,10 @@ const verb_spec VERB_TABLE[] = {
       "  what would change, and by how many degrees?\n"
       "ntp clean -r textures --in-place\n"
       "  repair a tree; correct files are not touched\n"
-      "ntp clean scan.jpg -o scan_n.png --method auto\n"
-      "  repair a texture that was stored as JPEG\n" },
+      "ntp clean scan.jpg -o scan_n.png\n"
+      "  repair a texture that was stored as JPEG\n"
+      "ntp clean wall_n.png -o exact_n.png --method derive\n"
+      "  make blue exactly what red and green imply\n" },
     { "convert", "PATH...", "change encoding, depth, channels, or the direction of green",
       "Converts between standard, Z-zero and XY-only textures, 8 and 16 bit, green up (OpenGL) "
       "and green down (DirectX), and rearranges channels. Nothing is repaired: each number is "

@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * verb_clean.c - ntp clean: repairs normals
+ *
+ * Blue is derived while a file is measured.  If --method auto then takes another method, and blue
+ * changed, the rows are made again.
  */
 #include <pthread.h>
 #include <stdlib.h>
@@ -58,6 +61,22 @@ static const ntp_clean_plan *plan_for(plans *shared, ntp_encoding encoding,
     return made;
 }
 
+static ntp_status choose(production *p)
+{
+    state *st = p->state;
+    return ntp_choose_method(&st->how.method, &st->why, p->w->tally, p->s.view.encoding,
+                             p->s.info->lossy);
+}
+
+/* Blue was derived.  If that changed nothing, other methods change nothing either. */
+static bool holds(production *p)
+{
+    const settings *set = p->m->settings;
+    const state *st = p->state;
+    return !set->choose ||
+           (choose(p) == NTP_OK && (st->how.method == NTP_CLEAN_DERIVE || st->counts.changed == 0));
+}
+
 static bool begin(production *p, ntpio_write_options *shape, ntpio_error *error)
 {
     const settings *set = p->m->settings;
@@ -65,9 +84,8 @@ static bool begin(production *p, ntpio_write_options *shape, ntpio_error *error)
     const ntp_image *view = &p->s.view;
     st->how = set->how;
     st->how.touch_unused |= p->touch;
-    if (set->choose) {
-        const ntp_status status = ntp_choose_method(&st->how.method, &st->why, p->w->tally,
-                                                    view->encoding, p->s.info->lossy);
+    if (set->choose && p->known) {
+        const ntp_status status = choose(p);
         if (status != NTP_OK)
             return library_error(&p->s, status, error);
     }
@@ -119,6 +137,13 @@ static ntp_angles angles_of(const production *p)
     return p->f.stats.angles;
 }
 
+/* The method in words: z may be mirrored although all else is kept. */
+static const char *method_done(const state *st)
+{
+    const bool mirrored = st->how.method == NTP_CLEAN_KEEP && st->counts.changed > 0;
+    return mirrored ? "mirror" : clean_method_name(st->how.method);
+}
+
 static void describe_text(const production *p, text *line)
 {
     const state *st = p->state;
@@ -143,7 +168,10 @@ static void describe_text(const production *p, text *line)
         return;
     char why[300];
     ntp_reason_text(why, sizeof why, &st->why);
-    text_addf(line, "; method %s, because %s", clean_method_name(st->how.method), why);
+    if (st->how.method == NTP_CLEAN_KEEP)
+        text_addf(line, "; only negative z was mirrored, because %s", why);
+    else
+        text_addf(line, "; method %s, because %s", clean_method_name(st->how.method), why);
 }
 
 static void describe(const production *p, text *line, json_t *object)
@@ -158,7 +186,7 @@ static void describe(const production *p, text *line, json_t *object)
     json_object_set_new(object, "changed", json_count(st->counts.changed));
     json_object_set_new(object, "texels", json_count(p->f.stats.texels));
     json_object_set_new(object, "angle_deg", json_angles(&angles));
-    json_object_set_new(object, "method", json_string(clean_method_name(st->how.method)));
+    json_object_set_new(object, "method", json_string(method_done(st)));
     if (set->choose) {
         char why[300];
         ntp_reason_text(why, sizeof why, &st->why);
@@ -172,11 +200,11 @@ static void describe(const production *p, text *line, json_t *object)
 
 int clean_run(const options *o)
 {
-    static const ntp_clean_method METHODS_OF_OPTION[] = { NTP_CLEAN_DERIVE, NTP_CLEAN_NORMALIZE,
-                                                          NTP_CLEAN_DERIVE };
+    static const ntp_clean_method METHODS_OF_OPTION[] = { NTP_CLEAN_DERIVE, NTP_CLEAN_DERIVE,
+                                                          NTP_CLEAN_NORMALIZE };
     const int64_t method = option_integer(o, OPT_METHOD);
     plans shared = { .lock = PTHREAD_MUTEX_INITIALIZER };
-    settings set = { .shared = &shared, .choose = method == 2 };
+    settings set = { .shared = &shared, .choose = method == 0 };
     set.how.method = METHODS_OF_OPTION[method];
     set.how.keep_negative_z = option_given(o, OPT_KEEP_NEGATIVE_Z);
     set.how.only_failing = option_given(o, OPT_ONLY_FAILING);
@@ -187,11 +215,12 @@ int clean_run(const options *o)
     const maker m = { .o = o,
                       .forced = forced_class(o),
                       .any_order = true,
-                      .plan = set.choose ? PLAN_MEASURE_FIRST : PLAN_WHILE_READING,
+                      .plan = PLAN_WHILE_READING,
                       .state_size = sizeof(state),
                       .settings = &set,
                       .begin = begin,
                       .rows = rows,
+                      .holds = holds,
                       .describe = describe };
     const int code = produce(&m);
     for (int i = 0; i < METHODS; i++) {

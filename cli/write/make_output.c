@@ -227,11 +227,12 @@ static outcome speculate(production *p, bool writes, ntpio_error *error)
             return refuse(p, error);
         const uint32_t touch = touch_for(&p->f.stats, p->f.encoding);
         const bool same_touch = touch == p->touch || p->f.stats.transparent == 0;
-        if (p->m->plan == PLAN_AS_TOLD || (p->f.encoding == p->s.view.encoding && same_touch))
+        const bool same = p->f.encoding == p->s.view.encoding && same_touch;
+        if (p->m->plan == PLAN_AS_TOLD || (same && (p->m->holds == NULL || p->m->holds(p))))
             return finish(p, error);
         ntpio_abort(p->writer);
         p->writer = NULL;
-        if (p->s.view.type != NTP_TYPE_U8 || !same_touch) {
+        if (!same && (p->s.view.type != NTP_TYPE_U8 || !same_touch)) {
             facts_free(&p->f);
             const outcome known = source_rewind(&p->s, error) ? know_first(p, error) : UNREADABLE;
             if (known != MADE)

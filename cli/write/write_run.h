@@ -75,6 +75,9 @@ struct maker {
     /* Rows were read into the view: makes the rows of the output and writes them
      * (production_write). */
     bool (*rows)(production *p, const ntp_rect *area, ntpio_error *error);
+    /* After the last row of PLAN_WHILE_READING, when the facts are known: are the rows as they
+     * should be, now that the facts are known?  Otherwise they are made again.  May be NULL: yes. */
+    bool (*holds)(production *p);
     /* After the last row, when the facts are known: makes what needs all rows.  May be NULL. */
     bool (*finish)(production *p, ntpio_error *error);
     /* Adds what was done to the line or to the JSON object of the file.  Either may be NULL. */

@@ -248,6 +248,9 @@ typedef enum ntp_clean_method {
     NTP_CLEAN_KEEP = 2       /* mirror negative Z only */
 } ntp_clean_method;
 
+/* Zero, NTP_CLEAN_DERIVE, is right where nothing was measured.  The recommended method is that of
+ * ntp_choose_method, which `ntp clean` takes by default. */
+
 typedef struct ntp_clean_options {
     ntp_clean_method method;
     int32_t keep_negative_z; /* nonzero: a negative Z stays negative; otherwise b becomes M - b

@@ -13,6 +13,7 @@ from PIL import Image
 from support import oracle, textures
 from support.libntp_ffi import ROOT
 from support.pngs import read_png, tga_bytes, write_png
+from support.spawn import spawn
 
 
 def pixels_of(path):
@@ -41,10 +42,11 @@ def test_clean_is_the_oracle(run, tmp_path, depth, options):
     before[:2] = 0
     m = 255 if depth == 8 else 65535
     write_png(tmp_path / "a_n.png", before)
+    method = "normalize" if "normalize" in options else "derive"
+    options = [*options, *([] if "--method" in options else ["--method", "derive"])]
     args = ["clean", "a_n.png", "-o", "b.png", "--type", "standard", *options]
     done = run(*args, "--format", "json")
     assert done.returncode == 0, done.stderr
-    method = "normalize" if "normalize" in options else "derive"
     keep = "--keep-negative-z" in options
     after = pixels_of(tmp_path / "b.png")
     changed = 0
@@ -62,7 +64,7 @@ def test_clean_is_the_oracle(run, tmp_path, depth, options):
 def test_large_image_streams(run, tmp_path):
     before = noisy(h=700, w=800)
     write_png(tmp_path / "a_n.png", before)
-    assert run("clean", "a_n.png", "-o", "b.png").returncode == 0
+    assert run("clean", "a_n.png", "-o", "b.png", "--method", "derive").returncode == 0
     table = oracle.derive_table(255)
     after = pixels_of(tmp_path / "b.png")
     want = oracle.all_cleaned(*np.moveaxis(before.astype(np.int64), -1, 0))
@@ -101,9 +103,58 @@ def test_zzero_is_found_while_cleaning(run, tmp_path):
     before = textures.zzero()
     before[10:12, :, 2] -= 40
     write_png(tmp_path / "z_n.png", before)
-    (item,) = items(run("clean", "z_n.png", "-o", "b.png", "--format", "json"))
+    done = run("clean", "z_n.png", "-o", "b.png", "--method", "derive", "--format", "json")
+    (item,) = items(done)
     assert item["type"] == "zzero"
     assert np.array_equal(pixels_of(tmp_path / "b.png"), textures.zzero())
+
+
+def method_oracle(levels, method, m=255):
+    flat = [
+        oracle.cleaned(*t, m, False, method, False) if any(t) else t
+        for t in levels.reshape(-1, 3).tolist()
+    ]
+    return np.array(flat).reshape(levels.shape)
+
+
+@pytest.mark.parametrize("streams", [False, True])
+def test_the_method_suits_the_errors(run, program, tmp_path, streams):
+    """Blue alone wrong: derive.  All channels: normalize.  Rounded: nothing, or z mirrored."""
+    good = textures.standard(40, 44, 5, 1.5).astype(np.int64)
+    off = good.copy()
+    off[8:20, 6:30, 2] = 128
+    negative = good.copy()
+    negative[3:9, :, 2] = 255 - negative[3:9, :, 2]
+    noise = noisy(h=40, w=44).astype(np.int64)
+    cases = {
+        "derive": (off, method_oracle(off, "derive")),
+        "normalize": (noise, method_oracle(noise, "normalize")),
+        "keep": (good, good),
+        "mirror": (negative, good),
+    }
+    for method, (before, want) in cases.items():
+        write_png(tmp_path / "a_n.png", before.astype(np.uint8))
+        out = tmp_path / "b.png"
+        if streams:
+            data = (tmp_path / "a_n.png").read_bytes()
+            done = spawn([program, "clean", "-", "-o", str(out), "--format", "json"], input=data)
+            done.stdout = done.stdout.decode()
+        else:
+            done = run("clean", "a_n.png", "-o", out, "--format", "json")
+        assert done.returncode == 0, done.stderr
+        (item,) = items(done)
+        assert item["method"] == method and item["method_reason"], method
+        assert item["changed"] == (before != want).any(axis=2).sum()
+        assert np.array_equal(pixels_of(out), want), method
+
+
+def test_what_is_printed_is_what_was_done(run, tmp_path):
+    """Texels are never said to be kept while their z is mirrored."""
+    levels = textures.standard(40, 44, 5, 1.5)
+    write_png(tmp_path / "a_n.png", np.ascontiguousarray(levels[..., [2, 1, 0]]))
+    done = run("clean", "a_n.png", "-o", "b.png", "--type", "standard")
+    assert done.returncode == 0 and "changed" in done.stdout, done.stderr
+    assert "keep" not in done.stdout and "mirrored" in done.stdout
 
 
 def test_only_failing(run, tmp_path):
@@ -321,7 +372,7 @@ def test_output_by_a_hard_link_leaves_the_input(run, tmp_path):
     write_png(tmp_path / "a_n.png", noisy())
     (tmp_path / "b.png").hardlink_to(tmp_path / "a_n.png")
     before = (tmp_path / "a_n.png").read_bytes()
-    args = ["clean", "a_n.png", "-o", "b.png", "--type", "standard"]
+    args = ["clean", "a_n.png", "-o", "b.png", "--type", "standard", "--method", "derive"]
     assert run(*args).returncode == 2  # both are names of one file
     assert run(*args, "--force").returncode == 0
     assert (tmp_path / "a_n.png").read_bytes() == before

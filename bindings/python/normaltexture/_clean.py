@@ -76,7 +76,7 @@ def clean(
     src: AnyPixels,
     *,
     type: AutoType = "auto",
-    method: CleanMethod = "derive",
+    method: CleanMethod = "auto",
     verdict: Verdict = "neighbor",
     only_failing: bool = False,
     keep_negative_z: bool = False,
@@ -93,10 +93,11 @@ def clean(
     type : {"auto", "standard", "zzero", "xy", "vector"}
         How a normal is stored.  "auto" detects it from the texels, as `ntp clean` does, and refuses
         what is not a normals texture.  "vector": the components as they are, float32.
-    method : {"derive", "normalize", "auto"}
+    method : {"auto", "derive", "normalize"}
         "derive": keep x and y (pulled onto the unit disc where too long), compute z.  "normalize":
         divide each vector that is not a correctly rounded unit vector by its length; better after
-        lossy compression or resizing.  "auto": choose by the errors of the texture.
+        lossy compression or resizing.  "auto": choose by the errors of the texture; one in which
+        every texel is a correctly rounded unit vector stays as it is.
     verdict : {"neighbor", "rounded", "exact"}
         Which texels `only_failing` repairs.
     only_failing : bool
@@ -157,7 +158,7 @@ def clean_with_counts(
     src: AnyPixels,
     *,
     type: AutoType = "auto",
-    method: CleanMethod = "derive",
+    method: CleanMethod = "auto",
     verdict: Verdict = "neighbor",
     only_failing: bool = False,
     keep_negative_z: bool = False,
