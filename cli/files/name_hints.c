@@ -106,13 +106,29 @@ name_y name_orientation(const char *path)
     return NAME_Y_NONE;
 }
 
-bool name_is_image(const char *path)
+static bool ends_in_one_of(const char *path, const char *const *endings)
 {
-    static const char *const ENDINGS[] = { ".png", ".tga", ".jpg", ".jpeg", ".jpe", ".pfm" };
     const char *ending = name_ending(path);
-    for (size_t i = 0; i < sizeof ENDINGS / sizeof ENDINGS[0]; i++) {
-        if (strcasecmp(ending, ENDINGS[i]) == 0)
+    for (; *endings != NULL; endings++) {
+        if (strcasecmp(ending, *endings) == 0)
             return true;
     }
     return false;
+}
+
+bool name_is_image(const char *path)
+{
+    static const char *const ENDINGS[] = { ".png", ".tga", ".jpg", ".jpeg", ".jpe", ".pfm", NULL };
+    return ends_in_one_of(path, ENDINGS);
+}
+
+bool name_is_foreign(const char *path)
+{
+    static const char *const ENDINGS[] = { ".astc", ".avif", ".basis", ".bmp",  ".crn",  ".dds",
+                                           ".dib",  ".exr",  ".gif",   ".hdr",  ".heic", ".j2k",
+                                           ".jp2",  ".jxl",  ".ktx",   ".ktx2", ".pcx",  ".pgm",
+                                           ".pnm",  ".ppm",  ".psb",   ".psd",  ".pvr",  ".qoi",
+                                           ".rgb",  ".sgi",  ".svg",   ".tif",  ".tiff", ".tx",
+                                           ".vtf",  ".webp", NULL };
+    return ends_in_one_of(path, ENDINGS);
 }

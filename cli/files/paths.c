@@ -71,6 +71,12 @@ static void add_problem(scan *s, const char *path, int error)
 
 static void scan_directory(scan *s, const char *directory, const char *relative, int depth);
 
+/* Of files that cannot be read, normals textures are told by name; heights are not. */
+static bool is_texture_to_tell(const scan *s, const char *path)
+{
+    return s->o->verb_bit != V_FROM_HEIGHT && name_is_normals(path);
+}
+
 static void scan_entry(scan *s, const char *path, const char *relative, int depth)
 {
     struct stat st;
@@ -86,8 +92,10 @@ static void scan_entry(scan *s, const char *path, const char *relative, int dept
         if (option_given(s->o, OPT_RECURSIVE) && enter(s, &st))
             scan_directory(s, path, relative, depth + 1);
     } else if (S_ISREG(st.st_mode)) {
-        if (match->count > 0 ? matches_any(match, relative) : name_is_image(path))
-            add_input(s->list, path, relative);
+        const bool foreign = name_is_foreign(path);
+        if (match->count > 0 ? matches_any(match, relative)
+                             : name_is_image(path) || (foreign && is_texture_to_tell(s, path)))
+            add_input(s->list, path, relative)->foreign = foreign;
     }
 }
 
@@ -291,7 +299,7 @@ bool inputs_collect(input_list *list, const options *o)
     }
     if (ok && list->count > 1)
         drop_duplicates(list, option_given(o, OPT_IN_PLACE));
-    if (ok && list->count == 0)
+    if (ok && list->count == 0 && !option_given(o, OPT_ALLOW_EMPTY))
         complain("no image found%s", list->from_directory && !option_given(o, OPT_RECURSIVE)
                                          ? "; -r looks below the directory as well"
                                          : "");

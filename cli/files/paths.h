@@ -24,6 +24,7 @@ typedef struct input {
     char *problem;  /* why a directory could not be read; NULL for files */
     bool named;     /* given by name: always judged */
     bool hinted;    /* it has the name of a normals texture */
+    bool foreign;   /* found in a directory, by the name of a format that is not read */
     name_y y;       /* what the name says about green */
 } input;
 
@@ -35,7 +36,9 @@ typedef struct input_list {
 
 /*
  * Collects the inputs of a run, each file once: named files in the order given, the files of a
- * directory sorted by name.  Returns false after a message about wrong usage.
+ * directory sorted by name: images, and files of other formats that have the name of a normals
+ * texture, so that no texture is passed over in silence.  Returns false after a message about wrong
+ * usage.
  */
 bool inputs_collect(input_list *list, const options *o);
 void inputs_free(input_list *list);
@@ -68,6 +71,8 @@ bool make_parents(const char *path, text *why);
 bool name_is_normals(const char *path);
 name_y name_orientation(const char *path);
 bool name_is_image(const char *path);
+/* The ending is that of a format that is neither read nor written. */
+bool name_is_foreign(const char *path);
 /* The ending of the last component with its dot, or "" */
 const char *name_ending(const char *path);
 

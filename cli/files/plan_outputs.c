@@ -240,20 +240,14 @@ static bool plan_in_place(input_list *list)
 /* False for JPEG and the formats of other programs: a PNG must not have such a name. */
 static bool format_is_written(const char *output)
 {
-    static const char *const OTHERS[] = { ".avif", ".bmp", ".dds",  ".exr",  ".gif", ".hdr",
-                                          ".jp2",  ".ktx", ".ktx2", ".pgm",  ".pnm", ".ppm",
-                                          ".psd",  ".svg", ".tif",  ".tiff", ".webp" };
     if (ends_in(output, ".jpg") || ends_in(output, ".jpeg") || ends_in(output, ".jpe")) {
         complain("-o %s: JPEG damages normals and is not written; use .png", output);
         return false;
     }
-    for (size_t i = 0; i < sizeof OTHERS / sizeof OTHERS[0]; i++) {
-        if (ends_in(output, OTHERS[i])) {
-            complain("-o %s: such files are not written; use .png", output);
-            return false;
-        }
-    }
-    return true;
+    if (!name_is_foreign(output))
+        return true;
+    complain("-o %s: such files are not written; use .png", output);
+    return false;
 }
 
 static bool plan_file(input_list *list, const char *output)

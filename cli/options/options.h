@@ -104,6 +104,7 @@ typedef enum option_id {
     OPT_MATCH,
     OPT_EXCLUDE,
     OPT_FILES_FROM,
+    OPT_ALLOW_EMPTY,
     OPT_JOBS,
     OPT_QUIET,
     OPT_VERBOSE,

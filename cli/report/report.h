@@ -74,6 +74,7 @@ typedef struct checked {
 
 typedef struct check_summary {
     size_t files, unreadable, failing, left_out;
+    size_t foreign; /* unreadable files with the names of other formats */
     size_t by_class[NTP_CLASS_NOT_NORMALS + 1];
     size_t worst[LEVEL_ERROR + 1]; /* files by their worst counting finding */
     size_t well_formed;            /* counting files without warnings and errors */

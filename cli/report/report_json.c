@@ -341,6 +341,7 @@ json_t *check_json_summary(const check_summary *sum)
     } COUNTS[] = {
         { "files", sum->files },
         { "unreadable", sum->unreadable },
+        { "unsupported", sum->foreign },
         { "not_counted", sum->left_out },
         { "well_formed", sum->well_formed },
         { "with_warnings", sum->worst[LEVEL_WARNING] },

@@ -238,6 +238,8 @@ void check_text_summary(text *t, const check_summary *sum, const check_settings 
     }
     if (sum->unreadable > 0)
         text_addf(t, "%s%zu unreadable", separator, sum->unreadable);
+    if (sum->foreign > 0)
+        text_addf(t, " (%zu of formats that are not read)", sum->foreign);
     text_addf(t, "\n%zu well formed, %zu with warnings, %zu with errors", sum->well_formed,
               sum->worst[LEVEL_WARNING], sum->worst[LEVEL_ERROR]);
     if (sum->left_out > 0)

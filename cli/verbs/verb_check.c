@@ -160,11 +160,12 @@ static void work(void *context, worker *w, const input *in, result *r)
     render(c, in, done, r);
 }
 
-static void count(check_summary *sum, const checked *done)
+static void count(check_summary *sum, const input *in, const checked *done)
 {
     sum->files++;
     if (!done->readable) {
         sum->unreadable++;
+        sum->foreign += in->foreign;
         return;
     }
     sum->by_class[done->f.type.type]++;
@@ -192,8 +193,7 @@ static void deliver(void *context, const input *in, result *r)
 {
     check *c = context;
     checked *done = r->data;
-    (void) in;
-    count(&c->summary, done);
+    count(&c->summary, in, done);
     facts_free(&done->f);
     free(done);
     if (c->format == FORMAT_JSON)
@@ -220,6 +220,19 @@ static void end(const check *c)
         check_text_summary(&t, &c->summary, &c->settings);
     output_text(&t);
     text_free(&t);
+}
+
+/* A check of the wrong directory must not pass for a good one. */
+static unsigned nothing_checked(const check *c)
+{
+    const check_summary *sum = &c->summary;
+    if (sum->files > sum->left_out || interrupted_by != 0 || option_given(c->o, OPT_ALLOW_EMPTY))
+        return 0;
+    if (sum->files > 0)
+        complain("nothing was checked: of %zu image%s, none is a normals texture by name or "
+                 "content; --allow-empty allows that",
+                 sum->files, sum->files == 1 ? "" : "s");
+    return RAN_FAILED;
 }
 
 int check_run(const options *o)
@@ -252,8 +265,9 @@ int check_run(const options *o)
                       .work = work,
                       .deliver = deliver };
     begin(&c);
-    const unsigned ran = batch_run(&b);
+    unsigned ran = batch_run(&b);
     end(&c);
+    ran |= nothing_checked(&c);
     inputs_free(&inputs);
     json_decref(c.baseline);
     return exit_code(ran);

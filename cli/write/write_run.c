@@ -17,6 +17,7 @@ typedef struct run {
     const input_list *inputs;
     size_t outcomes[FAILED + 1];
     size_t files;
+    size_t foreign; /* unreadable files with the names of other formats */
     bool any;
 } run;
 
@@ -140,9 +141,9 @@ static void deliver(void *context, const input *in, result *r)
 {
     run *all = context;
     int *done = r->data;
-    (void) in;
     all->files++;
     all->outcomes[*done]++;
+    all->foreign += *done == (int) UNREADABLE && in->foreign;
     free(done);
     if (option_integer(all->m->o, OPT_FORMAT) == 1)
         json_begin_list(&r->out, &all->any);
@@ -162,6 +163,7 @@ static void end_run(const run *all)
         json_object_set_new(summary, "skipped", json_integer((json_int_t) n[SKIPPED]));
         json_object_set_new(summary, "refused", json_integer((json_int_t) n[REFUSED]));
         json_object_set_new(summary, "failed", json_integer((json_int_t) bad));
+        json_object_set_new(summary, "unsupported", json_integer((json_int_t) all->foreign));
         json_end(&t, summary);
     } else if (all->files > 1 && !option_given(all->m->o, OPT_QUIET)) {
         text_addf(&t, "\n%zu files: %zu %s", all->files, n[MADE],
@@ -174,6 +176,8 @@ static void end_run(const run *all)
             text_addf(&t, ", %zu refused", n[REFUSED]);
         if (bad > 0)
             text_addf(&t, ", %zu failed", bad);
+        if (all->foreign > 0)
+            text_addf(&t, " (%zu of formats that are not read)", all->foreign);
         text_char(&t, '\n');
     }
     output_text(&t);
@@ -205,7 +209,9 @@ int produce(const maker *m)
                       .context = &all,
                       .work = work,
                       .deliver = deliver };
-    const unsigned ran = batch_run(&b);
+    unsigned ran = batch_run(&b);
+    if (inputs.count == 0 && !option_given(m->o, OPT_ALLOW_EMPTY))
+        ran |= RAN_FAILED;
     end_run(&all);
     inputs_free(&inputs);
     return exit_code(ran);

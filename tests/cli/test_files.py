@@ -126,8 +126,77 @@ def test_links(run, tree):
 
 def test_empty_directory(run, tmp_path):
     (tmp_path / "d").mkdir()
+    for args in (["check", "d"], ["clean", "d", "-o", "out"], ["from-height", "d", "-o", "out"]):
+        scale = ["--scale", "2"] if args[0] == "from-height" else []
+        done = run(*args, *scale)
+        assert done.returncode == 3 and "no image" in done.stderr, args
+        done = run(*args, *scale, "--allow-empty")
+        assert done.returncode == 0 and not done.stderr, args
+    (tmp_path / "list").write_text("")
+    assert run("check", "--files-from", "list").returncode == 3
+    done = run("check", "--files-from", "list", "--allow-empty", "--format", "json")
+    assert done.returncode == 0 and json.loads(done.stdout)["summary"]["files"] == 0
+
+
+def test_nothing_checked(run, tmp_path):
+    """A directory of other images; with one normals texture, or a named file, something is."""
+    for name in ("d/a.png", "d/b.png"):
+        (tmp_path / "d").mkdir(exist_ok=True)
+        write_png(tmp_path / name, textures.photograph())
     done = run("check", "d")
-    assert done.returncode == 0 and "no image" in done.stderr
+    assert done.returncode == 3 and "nothing was checked: of 2 images" in done.stderr
+    assert run("check", "d", "--allow-empty").returncode == 0
+    assert "nothing" not in run("check", "d/a.png").stderr
+    write_png(tmp_path / "d/c_n.png", textures.standard())
+    done = run("check", "d")
+    assert done.returncode == 0 and not done.stderr
+    (tmp_path / "d/c_n.png").write_bytes(b"no image")
+    assert run("check", "d", "--allow-empty").returncode == 3  # it is still unreadable
+
+
+FOREIGN = {
+    "brick_normal.tif": b"II*\0" + bytes(99),
+    "brick_n.dds": b"DDS " + bytes(99),
+    "brick_nrm.webp": b"RIFF\x10\0\0\0WEBP" + bytes(99),
+    "BrickNormalGL.EXR": b"\x76\x2f\x31\x01" + bytes(99),
+    "sub/brick_normals.bmp": b"BM" + bytes(99),
+    "sub/brick_normal.ktx2": b"\xabKTX 20\xbb\r\n\x1a\n" + bytes(99),
+}
+
+
+def test_textures_that_cannot_be_read_are_told(run, tree):
+    """By the name of a normals texture; others, such as photographs, are none of ours."""
+    for name, data in FOREIGN.items():
+        (tree / name).write_bytes(data)
+    for name in ("brick_albedo.tif", "notes_normal.txt", "brick_normal"):
+        (tree / name).write_bytes(FOREIGN["brick_normal.tif"])
+    done = run("check", "-r", "t", "--format", "json")
+    out = json.loads(done.stdout)
+    bad = {f["path"]: f for f in out["files"] if f["status"] == "unreadable"}
+    assert done.returncode == 3 and set(bad) == {f"t/{name}" for name in FOREIGN}
+    for name in FOREIGN:
+        assert "not read" in bad[f"t/{name}"]["message"] and f"t/{name}: " in done.stderr
+    assert out["summary"]["unsupported"] == out["summary"]["unreadable"] == len(FOREIGN)
+    assert out["summary"]["files"] == len(FOREIGN) + 5
+    text = run("check", "-r", "t").stdout
+    assert "6 unreadable (6 of formats that are not read)" in text
+    done = run("clean", "-r", "t", "-o", "out", "--format", "json")
+    summary = json.loads(done.stdout)["summary"]
+    assert done.returncode == 3 and summary["failed"] == summary["unsupported"] == 6
+    left_out = [f"--exclude=*{os.path.splitext(name)[1]}" for name in FOREIGN]
+    assert run("check", "-r", "t", *left_out).returncode == 0
+    assert run("check", "-r", "t", "--match", "*_n.png").returncode == 0
+    done = run("from-height", "-r", "t", "-o", "heights", "--scale", "2", "--format", "json")
+    assert json.loads(done.stdout)["summary"]["unsupported"] == 0  # its inputs are heights
+
+
+def test_content_decides_under_a_foreign_name(run, tmp_path):
+    (tmp_path / "d").mkdir()
+    write_png(tmp_path / "a.png", textures.standard())
+    (tmp_path / "d/a_n.bmp").write_bytes((tmp_path / "a.png").read_bytes())
+    done = run("check", "d", "--format", "json")
+    (file,) = json.loads(done.stdout)["files"]
+    assert done.returncode == 0 and file["format"] == "png"
 
 
 def test_files_from(run, tree, tmp_path):
