@@ -32,6 +32,7 @@ SAMPLE_TYPES: dict[np.dtype[Any], int] = {
     np.dtype(np.float32): lib.NTP_TYPE_F32,
 }
 _KINDS = {dtype.str[1:] for dtype in SAMPLE_TYPES}  # in any byte order
+_MAY_BE_DOUBLES = ("vector", "height")
 CHANNELS = {STANDARD: (3, 4), ZZERO: (3, 4), XY: (2, 4), VECTOR: (3, 4), HEIGHT: (1, 4)}
 MAX_SIDE: int = lib.NTP_MAX_SIDE
 _MOST_IDLE = 2  # pieces of memory that a pool keeps
@@ -66,16 +67,25 @@ def spacing(dx: Any, dy: Any) -> tuple[float, float]:
     return width, height
 
 
-def pixels(name: str, value: ArrayLike) -> NDArray[Any]:
-    """The argument as an array that a view can describe; copied only where that takes it."""
+def pixels(name: str, value: ArrayLike, type: str = "auto") -> NDArray[Any]:
+    """The argument as an array that a view can describe; copied only where that takes it.
+
+    Vectors and heights may be float64: they are rounded here, once, to float32.
+    """
+    if isinstance(value, np.ma.MaskedArray):
+        raise SampleTypeError(
+            f"{name}: masked arrays are not taken, because the mask would be lost; "
+            "filled(0) makes it an array, in which black texels are unused"
+        )
     array = value if isinstance(value, np.ndarray) else np.asarray(value)
     if array.dtype not in SAMPLE_TYPES:
-        if array.dtype.str[1:] not in _KINDS:
-            hint = "; astype(np.float32) makes it one of these" if array.dtype.kind == "f" else ""
-            raise SampleTypeError(
-                f"{name}: samples must be uint8, uint16 or float32, not {array.dtype}{hint}"
-            )
-        array = array.astype(array.dtype.newbyteorder("="))
+        if array.dtype.kind == "f" and array.itemsize == 8 and type in _MAY_BE_DOUBLES:
+            with np.errstate(over="ignore"):  # infinities are counted as such
+                array = array.astype(np.float32)
+        elif array.dtype.str[1:] in _KINDS:
+            array = array.astype(array.dtype.newbyteorder("="))
+        else:
+            raise SampleTypeError(_wrong_samples(name, array.dtype))
     if array.ndim not in (2, 3):
         raise ArgumentError(
             f"{name}: the shape must be (height, width) or (height, width, channels),"
@@ -83,6 +93,15 @@ def pixels(name: str, value: ArrayLike) -> NDArray[Any]:
             Status.SHAPE,
         )
     return array if _is_viewable(array) else np.ascontiguousarray(array)
+
+
+def _wrong_samples(name: str, dtype: np.dtype[Any]) -> str:
+    hint = ""
+    if dtype.kind == "f":
+        hint = "; astype(np.float32) makes it one of these"
+    if dtype == np.float64:
+        hint += '; vectors (type="vector") and heights may be float64'
+    return f"{name}: samples must be uint8, uint16 or float32, not {dtype}{hint}"
 
 
 def _is_viewable(array: NDArray[Any]) -> bool:
@@ -116,7 +135,9 @@ def view(
         )
     kind = SAMPLE_TYPES[array.dtype]
     if encoding == VECTOR and kind != lib.NTP_TYPE_F32:
-        raise SampleTypeError(f'{name}: type "vector" needs float32 samples, not {array.dtype}')
+        raise SampleTypeError(
+            f'{name}: type "vector" needs float32 or float64 samples, not {array.dtype}'
+        )
     # the quicker way to the address; it takes memory without gaps, which one pixel is
     data = ffi.from_buffer(array if array.flags.c_contiguous else array[:1, :1])
     return ffi.new(

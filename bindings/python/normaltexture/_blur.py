@@ -12,7 +12,11 @@ from ._arrays import DEPTHS, Output, choose, memory, number, pixels, view
 from ._errors import ArgumentError, check
 from ._names import BORDERS, HEIGHT, SOURCES
 from ._native import ffi, lib
-from .typing import AnyPixels, Border, HeightSource
+from .typing import (
+    AnyHeight,
+    Border,
+    HeightSource,
+)
 
 _MAX_OCTAVES = 8
 
@@ -28,7 +32,7 @@ def _octaves(sigma: float, weights: list[float]) -> list[tuple[float, float]]:
 
 
 def blur_height(
-    height: AnyPixels,
+    height: AnyHeight,
     sigma: float = 0.0,
     *,
     octaves: Sequence[float] = (1.0,),
@@ -43,6 +47,7 @@ def blur_height(
     Parameters
     ----------
     height : array, (height, width) or (height, width, 1 to 4), uint8, uint16 or float32
+        Heights may be float64; they are rounded once, to float32.
         A heightfield, or an image with a height in each pixel; full range is 0..1.
     sigma : float
         Of the Gaussian, in texels, 0..64; 0: none.
@@ -79,7 +84,7 @@ def blur_height(
     >>> height = nt.read("wall_height.png")
     >>> normals = nt.normals_from_height(nt.blur_height(height, 2), 10, depth=8)
     """
-    array = pixels("height", height)
+    array = pixels("height", height, "height")
     sigma = number("sigma", sigma, 0, lib.NTP_MAX_SIGMA)
     weights = _weights(octaves)
     options = ffi.new("ntp_blur_options *")

@@ -4,7 +4,6 @@
 from dataclasses import dataclass
 from typing import Any, Literal, overload
 
-import numpy as np
 from numpy.typing import NDArray
 
 from ._arrays import choose, pixels
@@ -12,7 +11,16 @@ from ._errors import ArgumentError, check
 from ._measure import Tally, _Result, tally
 from ._names import ACCIDENTS, AUTO, CLASSES, CLEAN_METHODS, STANDARD, TYPES, VECTOR, names_of
 from ._native import ffi, lib
-from .typing import AnyPixels, AutoType, ChosenMethod, Class, MeasuredType, Stored, Type
+from .typing import (
+    AnyPixels,
+    AutoType,
+    ChosenMethod,
+    Class,
+    Floats,
+    MeasuredType,
+    Stored,
+    Type,
+)
 
 _CLASS_NAMES: Any = names_of(CLASSES)
 _METHOD_NAMES: Any = names_of(CLEAN_METHODS)
@@ -55,7 +63,7 @@ def _reason(reason: Any) -> str:
 
 
 def _measured(
-    src: AnyPixels | Tally, type: MeasuredType, touch_unused: bool, threads: int
+    src: AnyPixels | Floats | Tally, type: MeasuredType, touch_unused: bool, threads: int
 ) -> Tally:
     return src if isinstance(src, Tally) else tally(src, type, touch_unused, threads)
 
@@ -134,7 +142,7 @@ class MethodChoice(_Result):
 
 @overload
 def choose_method(
-    src: NDArray[np.float32] | Tally,
+    src: Floats | Tally,
     *,
     type: Literal["vector"],
     lossy: bool = ...,
@@ -149,7 +157,11 @@ def choose_method(
     threads: int = ...,
 ) -> MethodChoice: ...
 def choose_method(
-    src: AnyPixels | Tally, *, type: Type = "standard", lossy: bool = False, threads: int = 1
+    src: AnyPixels | Floats | Tally,
+    *,
+    type: Type = "standard",
+    lossy: bool = False,
+    threads: int = 1,
 ) -> MethodChoice:
     """Choose the cleaning method by the errors of a texture.
 
@@ -167,8 +179,9 @@ def choose_method(
     Returns
     -------
     MethodChoice
-        "keep" if every used texel is correctly rounded, "normalize" if all three channels are off,
-        as after lossy compression or resizing, "derive" otherwise.
+        "keep" if every used texel is correctly rounded, so that there is nothing to repair;
+        "normalize" if all three channels are off, as after lossy compression or resizing; "derive"
+        otherwise.  `clean` does the same with `method="auto"`; it does not take "keep".
 
     Raises
     ------

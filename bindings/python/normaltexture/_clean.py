@@ -16,7 +16,16 @@ from ._measure import _Result
 from ._names import AUTO, CLEAN_METHODS, TOUCH_ALL, TOUCH_NONE, TYPES, VERDICTS
 from ._native import ffi, lib
 from ._threads import COPYING, QUICK, run
-from .typing import AnyPixels, AutoStored, AutoType, CleanHow, CleanMethod, SampleT, Verdict
+from .typing import (
+    AnyPixels,
+    AutoStored,
+    AutoType,
+    CleanHow,
+    CleanMethod,
+    Floats,
+    SampleT,
+    Verdict,
+)
 
 _METHODS = {name: CLEAN_METHODS[name] for name in ("derive", "normalize")} | {"auto": AUTO}
 
@@ -58,7 +67,7 @@ def _plan(encoding: int, how: tuple[int, ...], options: Any) -> Any:
 
 @overload
 def clean(
-    src: NDArray[np.float32],
+    src: Floats,
     *,
     type: Literal["vector"],
     out: NDArray[np.float32] | None = ...,
@@ -73,7 +82,7 @@ def clean(
     **how: Unpack[CleanHow],
 ) -> NDArray[SampleT]: ...
 def clean(
-    src: AnyPixels,
+    src: AnyPixels | Floats,
     *,
     type: AutoType = "auto",
     method: CleanMethod = "auto",
@@ -89,6 +98,7 @@ def clean(
     Parameters
     ----------
     src : array, (height, width, channels), uint8, uint16 or float32
+        Vectors may be float64; they are rounded once, to float32.
         A normals texture of 3 or 4 channels (`"xy"`: 2 to 4).  It is not written.
     type : {"auto", "standard", "zzero", "xy", "vector"}
         How a normal is stored.  "auto" detects it from the texels, as `ntp clean` does, and refuses
@@ -96,8 +106,8 @@ def clean(
     method : {"auto", "derive", "normalize"}
         "derive": keep x and y (pulled onto the unit disc where too long), compute z.  "normalize":
         divide each vector that is not a correctly rounded unit vector by its length; better after
-        lossy compression or resizing.  "auto": choose by the errors of the texture; one in which
-        every texel is a correctly rounded unit vector stays as it is.
+        lossy compression or resizing.  "auto": choose by the errors of the texture, as
+        `choose_method` does; one in which every texel is a correctly rounded unit vector stays.
     verdict : {"neighbor", "rounded", "exact"}
         Which texels `only_failing` repairs.
     only_failing : bool
@@ -140,7 +150,7 @@ def clean(
 
 @overload
 def clean_with_counts(
-    src: NDArray[np.float32],
+    src: Floats,
     *,
     type: Literal["vector"],
     out: NDArray[np.float32] | None = ...,
@@ -155,7 +165,7 @@ def clean_with_counts(
     **how: Unpack[CleanHow],
 ) -> tuple[NDArray[SampleT], CleanCounts]: ...
 def clean_with_counts(
-    src: AnyPixels,
+    src: AnyPixels | Floats,
     *,
     type: AutoType = "auto",
     method: CleanMethod = "auto",
@@ -198,7 +208,7 @@ def clean_with_counts(
 
 
 def _clean(
-    src: AnyPixels,
+    src: AnyPixels | Floats,
     type: AutoType,
     method: CleanMethod,
     verdict: Verdict,
@@ -209,7 +219,7 @@ def _clean(
     threads: int,
 ) -> tuple[NDArray[Any], list[Any]]:
     """The array, and an ntp_clean_counts for each part of the work."""
-    source = pixels("src", src)
+    source = pixels("src", src, type)
     code = choose("method", method, _METHODS)
     if type == "auto" or code == AUTO:
         type, code = resolve_both(source, type, code, threads)

@@ -20,6 +20,7 @@ from .typing import (
     Blue,
     ConvertHow,
     Depth,
+    Floats,
     MeasuredType,
     SampleT,
     Stored,
@@ -120,7 +121,7 @@ def convert(
 ) -> NDArray[np.float32]: ...
 @overload
 def convert(
-    src: NDArray[np.float32],
+    src: Floats,
     *,
     type: Literal["vector"],
     to: Type = ...,
@@ -130,7 +131,7 @@ def convert(
 ) -> NDArray[np.float32]: ...
 @overload
 def convert(
-    src: NDArray[np.float32],
+    src: Floats,
     *,
     type: Literal["vector"],
     to: Stored = ...,
@@ -140,7 +141,7 @@ def convert(
 ) -> NDArray[np.uint8]: ...
 @overload
 def convert(
-    src: NDArray[np.float32],
+    src: Floats,
     *,
     type: Literal["vector"],
     to: Stored = ...,
@@ -149,7 +150,7 @@ def convert(
     **how: Unpack[ConvertHow],
 ) -> NDArray[np.uint16]: ...
 def convert(
-    src: AnyPixels,
+    src: AnyPixels | Floats,
     *,
     type: MeasuredType = "standard",
     to: MeasuredType = "standard",
@@ -171,6 +172,7 @@ def convert(
     Parameters
     ----------
     src : array, (height, width, channels), uint8, uint16 or float32
+        Vectors may be float64; they are rounded once, to float32.
         A normals texture of 3 or 4 channels (`"xy"`: 2 to 4).
     type, to : {"standard", "zzero", "xy", "vector", "height"}
         How a normal is stored, before and after.  From `"xy"` blue is derived; `"xy"` of 3 or 4
@@ -278,7 +280,7 @@ def convert_with_counts(
 ) -> tuple[NDArray[np.float32], ConvertCounts]: ...
 @overload
 def convert_with_counts(
-    src: NDArray[np.float32],
+    src: Floats,
     *,
     type: Literal["vector"],
     to: Type = ...,
@@ -288,7 +290,7 @@ def convert_with_counts(
 ) -> tuple[NDArray[np.float32], ConvertCounts]: ...
 @overload
 def convert_with_counts(
-    src: NDArray[np.float32],
+    src: Floats,
     *,
     type: Literal["vector"],
     to: Stored = ...,
@@ -298,7 +300,7 @@ def convert_with_counts(
 ) -> tuple[NDArray[np.uint8], ConvertCounts]: ...
 @overload
 def convert_with_counts(
-    src: NDArray[np.float32],
+    src: Floats,
     *,
     type: Literal["vector"],
     to: Stored = ...,
@@ -307,7 +309,7 @@ def convert_with_counts(
     **how: Unpack[ConvertHow],
 ) -> tuple[NDArray[np.uint16], ConvertCounts]: ...
 def convert_with_counts(
-    src: AnyPixels,
+    src: AnyPixels | Floats,
     *,
     type: MeasuredType = "standard",
     to: MeasuredType = "standard",
@@ -356,7 +358,7 @@ def convert_with_counts(
 
 
 def convert_parts(
-    src: AnyPixels,
+    src: AnyPixels | Floats,
     type: MeasuredType,
     to: MeasuredType,
     y: Y,
@@ -370,7 +372,7 @@ def convert_parts(
     threads: int,
 ) -> tuple[NDArray[Any], list[Any]]:
     """The array, and an ntp_convert_counts for each part of the work."""
-    source = pixels("src", src)
+    source = pixels("src", src, type)
     encoding, target = choose("type", type, MEASURED), choose("to", to, MEASURED)
     if encoding == HEIGHT or target == HEIGHT:
         _only_heights(type, to, channels, from_channels)

@@ -16,11 +16,12 @@ from ._native import ffi, lib
 from ._threads import run
 from .typing import (
     Alpha,
-    AnyPixels,
+    AnyHeight,
     Blue,
     Border,
     Depth,
     Dither,
+    Floats,
     HeightSource,
     Kernel,
     LikeSettings,
@@ -131,7 +132,7 @@ def normals_from_height(
 ) -> NDArray[np.uint16]: ...
 @overload
 def normals_from_height(
-    height: NDArray[np.float32],
+    height: Floats,
     scale: float,
     *,
     to: Stored = ...,
@@ -141,7 +142,7 @@ def normals_from_height(
 ) -> NDArray[np.uint16]: ...
 @overload
 def normals_from_height(
-    height: AnyPixels,
+    height: AnyHeight,
     scale: float,
     *,
     to: Stored = ...,
@@ -151,7 +152,7 @@ def normals_from_height(
 ) -> NDArray[np.uint8]: ...
 @overload
 def normals_from_height(
-    height: AnyPixels,
+    height: AnyHeight,
     scale: float,
     *,
     to: Stored = ...,
@@ -161,7 +162,7 @@ def normals_from_height(
 ) -> NDArray[np.uint16]: ...
 @overload
 def normals_from_height(
-    height: AnyPixels,
+    height: AnyHeight,
     scale: float,
     *,
     to: Type = ...,
@@ -171,7 +172,7 @@ def normals_from_height(
 ) -> NDArray[np.float32]: ...
 @overload
 def normals_from_height(
-    height: AnyPixels,
+    height: AnyHeight,
     scale: float,
     *,
     to: Literal["vector"],
@@ -180,7 +181,7 @@ def normals_from_height(
     **how: Unpack[NormalsHow],
 ) -> NDArray[np.float32]: ...
 def normals_from_height(
-    height: AnyPixels,
+    height: AnyHeight,
     scale: float,
     *,
     dx: float = 1.0,
@@ -208,6 +209,7 @@ def normals_from_height(
     Parameters
     ----------
     height : array, (height, width) or (height, width, 1 to 4), uint8, uint16 or float32
+        Heights may be float64; they are rounded once, to float32.
         A heightfield, or an image with a height in each pixel; full range is 0..1.
     scale : float
         How many texels a height of 1 (white) rises above 0; negative turns hills into dents.
@@ -301,7 +303,7 @@ def normals_from_height_with_counts(
 ) -> tuple[NDArray[np.uint16], NormalsCounts]: ...
 @overload
 def normals_from_height_with_counts(
-    height: NDArray[np.float32],
+    height: Floats,
     scale: float,
     *,
     to: Stored = ...,
@@ -311,7 +313,7 @@ def normals_from_height_with_counts(
 ) -> tuple[NDArray[np.uint16], NormalsCounts]: ...
 @overload
 def normals_from_height_with_counts(
-    height: AnyPixels,
+    height: AnyHeight,
     scale: float,
     *,
     to: Stored = ...,
@@ -321,7 +323,7 @@ def normals_from_height_with_counts(
 ) -> tuple[NDArray[np.uint8], NormalsCounts]: ...
 @overload
 def normals_from_height_with_counts(
-    height: AnyPixels,
+    height: AnyHeight,
     scale: float,
     *,
     to: Stored = ...,
@@ -331,7 +333,7 @@ def normals_from_height_with_counts(
 ) -> tuple[NDArray[np.uint16], NormalsCounts]: ...
 @overload
 def normals_from_height_with_counts(
-    height: AnyPixels,
+    height: AnyHeight,
     scale: float,
     *,
     to: Type = ...,
@@ -341,7 +343,7 @@ def normals_from_height_with_counts(
 ) -> tuple[NDArray[np.float32], NormalsCounts]: ...
 @overload
 def normals_from_height_with_counts(
-    height: AnyPixels,
+    height: AnyHeight,
     scale: float,
     *,
     to: Literal["vector"],
@@ -350,7 +352,7 @@ def normals_from_height_with_counts(
     **how: Unpack[NormalsHow],
 ) -> tuple[NDArray[np.float32], NormalsCounts]: ...
 def normals_from_height_with_counts(
-    height: AnyPixels,
+    height: AnyHeight,
     scale: float,
     *,
     dx: float = 1.0,
@@ -437,7 +439,7 @@ def _options(
 
 
 def _normals(
-    height: AnyPixels,
+    height: AnyHeight,
     how: Any,
     dither: Dither,
     to: Type,
@@ -448,7 +450,7 @@ def _normals(
     threads: int,
 ) -> tuple[NDArray[Any], list[Any]]:
     """The array, and an ntp_normals_counts for each part of the work."""
-    array = pixels("height", height)
+    array = pixels("height", height, "height")
     target, y = choose("to", to, TYPES), choose("to_y", to_y, YS)
     has_alpha = array.ndim == 3 and array.shape[2] % 2 == 0
     of_alpha = how.source == lib.NTP_HEIGHT_SOURCE_ALPHA

@@ -8,14 +8,17 @@ from struct import Struct
 from typing import Any, Literal, Self, TypeVar, overload
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ._arrays import Pool, choose, pixels, view
 from ._errors import Status, check
-from ._names import HEIGHT, MEASURED, STANDARD, TOUCH_ALL, TOUCH_NONE, VECTOR, ZZERO
+from ._names import HEIGHT, MEASURED, STANDARD, TOUCH_ALL, TOUCH_NONE, VECTOR, ZZERO, names_of
 from ._native import ffi, lib
 from ._threads import run
-from .typing import AnyPixels, MeasuredType
+from .typing import (
+    AnyPixels,
+    Floats,
+    MeasuredType,
+)
 
 _LENGTH_BINS = 256
 _LENGTHS = Struct(f"{_LENGTH_BINS}Q")  # faster than ffi.unpack
@@ -266,6 +269,7 @@ class Tally:
         Parameters
         ----------
         src : array, (height, width, channels), uint8, uint16 or float32
+            Vectors may be float64; they are rounded once, to float32.
             All that are added have samples of one type and the same number of channels.
 
         Raises
@@ -273,7 +277,7 @@ class Tally:
         ArgumentError, SampleTypeError
             For another depth or number of channels than before, and as `measure`.
         """
-        source = pixels("src", src)
+        source = pixels("src", src, names_of(MEASURED)[self._encoding])
         self._add(view("src", source, self._encoding), ffi.NULL)
         return self
 
@@ -336,7 +340,7 @@ class Tally:
 
 @overload
 def measure(
-    src: NDArray[np.float32],
+    src: Floats,
     *,
     type: Literal["vector"],
     touch_unused: bool = ...,
@@ -351,7 +355,7 @@ def measure(
     threads: int = ...,
 ) -> Stats: ...
 def measure(
-    src: AnyPixels,
+    src: AnyPixels | Floats,
     *,
     type: MeasuredType = "standard",
     touch_unused: bool = False,
@@ -362,6 +366,7 @@ def measure(
     Parameters
     ----------
     src : array, (height, width, channels), uint8, uint16 or float32
+        Vectors may be float64; they are rounded once, to float32.
         A normals texture of 3 or 4 channels (`"xy"`: 2 to 4); floats are judged as 16-bit levels.
     type : {"standard", "zzero", "xy", "vector", "height"}
         How a normal is stored.  It decides the angles and histograms; counts of both readings of
@@ -393,10 +398,10 @@ def measure(
     return tally(src, type, touch_unused, threads).stats()
 
 
-def tally(src: AnyPixels, type: MeasuredType, touch_unused: bool, threads: int) -> Tally:
+def tally(src: AnyPixels | Floats, type: MeasuredType, touch_unused: bool, threads: int) -> Tally:
     """A tally of all of a texture."""
     encoding = choose("type", type, MEASURED)
-    source = pixels("src", src)
+    source = pixels("src", src, type)
     src_view = view("src", source, encoding)
 
     def work(areas: Iterable[Any]) -> Tally:

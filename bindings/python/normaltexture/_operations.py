@@ -22,6 +22,7 @@ from .typing import (
     BlendMode,
     Filter,
     Flip,
+    Floats,
     ResizeBorder,
     ResizeHow,
     SampleT,
@@ -109,7 +110,7 @@ def _resize_options(
 
 @overload
 def resize(
-    src: NDArray[np.float32],
+    src: Floats,
     *,
     type: Literal["vector"],
     out: NDArray[np.float32] | None = ...,
@@ -124,7 +125,7 @@ def resize(
     **how: Unpack[SizedHow],
 ) -> NDArray[SampleT]: ...
 def resize(
-    src: AnyPixels,
+    src: AnyPixels | Floats,
     *,
     size: Size,
     filter: Filter = "triangle",
@@ -141,6 +142,7 @@ def resize(
     Parameters
     ----------
     src : array, (height, width, channels), uint8, uint16 or float32
+        Vectors may be float64; they are rounded once, to float32.
         A normals texture of 3 or 4 channels (`"xy"`: 2 to 4).
     size : (width, height), or str
         The new size in texels, also as "512x256", or in percent of the old one: "50%".
@@ -176,7 +178,7 @@ def resize(
     >>> nt.resize(nt.read("wall_n.png"), size="50%").shape
     (32, 48, 3)
     """
-    source = pixels("src", src)
+    source = pixels("src", src, type)
     if type == "auto":
         type = resolve(source, type, threads)
     encoding = choose("type", type, TYPES)
@@ -188,7 +190,7 @@ def resize(
 
 @overload
 def mip_chain(
-    src: NDArray[np.float32],
+    src: Floats,
     *,
     type: Literal["vector"],
     **how: Unpack[ResizeHow],
@@ -201,7 +203,7 @@ def mip_chain(
     **how: Unpack[ResizeHow],
 ) -> list[NDArray[SampleT]]: ...
 def mip_chain(
-    src: AnyPixels,
+    src: AnyPixels | Floats,
     *,
     filter: Filter = "box",
     border: ResizeBorder = "wrap",
@@ -234,7 +236,7 @@ def mip_chain(
     >>> [level.shape[:2] for level in nt.mip_chain(nt.read("wall_n.png"))]
     [(64, 96), (32, 48), (16, 24), (8, 12), (4, 6), (2, 3), (1, 1)]
     """
-    source = pixels("src", src)
+    source = pixels("src", src, type)
     if type == "auto":
         type = resolve(source, type, threads)
     encoding = choose("type", type, TYPES)
@@ -250,7 +252,7 @@ def mip_chain(
 
 @overload
 def transform(
-    src: NDArray[np.float32],
+    src: Floats,
     *,
     type: Literal["vector"],
     out: NDArray[np.float32] | None = ...,
@@ -265,7 +267,7 @@ def transform(
     **how: Unpack[TransformHow],
 ) -> NDArray[SampleT]: ...
 def transform(
-    src: AnyPixels,
+    src: AnyPixels | Floats,
     *,
     strength: float | None = None,
     flip: Flip | None = None,
@@ -280,6 +282,7 @@ def transform(
     Parameters
     ----------
     src : array, (height, width, channels), uint8, uint16 or float32
+        Vectors may be float64; they are rounded once, to float32.
         A normals texture of 3 or 4 channels (`"xy"`: 2 to 4).
     strength : float, optional
         Multiply the slopes, -1024..1024; -1 turns bumps into dents.
@@ -314,7 +317,7 @@ def transform(
     array([[[127, 128, 255],
             [ 55, 128, 231]]], dtype=uint8)
     """
-    source = pixels("src", src)
+    source = pixels("src", src, type)
     if type == "auto":
         type = resolve(source, type, threads)
     encoding = choose("type", type, TYPES)
@@ -344,8 +347,8 @@ def transform(
 
 @overload
 def blend(
-    base: NDArray[np.float32],
-    detail: NDArray[np.float32],
+    base: Floats,
+    detail: Floats,
     *,
     type: Literal["vector"],
     detail_type: Literal["vector"] | None = ...,
@@ -354,7 +357,7 @@ def blend(
 ) -> NDArray[np.float32]: ...
 @overload
 def blend(
-    base: NDArray[np.float32],
+    base: Floats,
     detail: AnyPixels,
     *,
     type: Literal["vector"],
@@ -365,7 +368,7 @@ def blend(
 @overload
 def blend(
     base: NDArray[SampleT],
-    detail: NDArray[np.float32],
+    detail: Floats,
     *,
     type: AutoStored = ...,
     detail_type: Literal["vector"],
@@ -383,8 +386,8 @@ def blend(
     **how: Unpack[BlendHow],
 ) -> NDArray[SampleT]: ...
 def blend(
-    base: AnyPixels,
-    detail: AnyPixels,
+    base: AnyPixels | Floats,
+    detail: AnyPixels | Floats,
     *,
     mode: BlendMode = "rnm",
     strength: float = 1.0,
@@ -443,7 +446,7 @@ def blend(
     >>> nt.blend(base, detail)[0, 0]
     array([240, 128, 187], dtype=uint8)
     """
-    first, second = pixels("base", base), pixels("detail", detail)
+    first, second = pixels("base", base, type), pixels("detail", detail, detail_type or type)
     if detail_type is None:
         detail_type = type
     if type == "auto":

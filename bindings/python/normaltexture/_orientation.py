@@ -5,16 +5,19 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any, Literal, overload
 
-import numpy as np
-from numpy.typing import NDArray
-
 from ._arrays import Pool, choose, pixels, view
 from ._errors import check
 from ._measure import _Result
 from ._names import TOUCH_ALL, TOUCH_NONE, TYPES, YS, names_of
 from ._native import ffi, lib
 from ._threads import QUICK, THOROUGH, run
-from .typing import AnyPixels, Stored, Type, Y
+from .typing import (
+    AnyPixels,
+    Floats,
+    Stored,
+    Type,
+    Y,
+)
 
 _Y_NAMES = names_of(YS)
 _SUMS = Pool(lib.ntp_orientation_size(), lambda memory: lib.ntp_orientation_clear(memory))
@@ -50,7 +53,7 @@ class Orientation(_Result):
 
 @overload
 def detect_orientation(
-    src: NDArray[np.float32],
+    src: Floats,
     *,
     type: Literal["vector"],
     deep: bool = ...,
@@ -67,7 +70,7 @@ def detect_orientation(
     threads: int = ...,
 ) -> Orientation: ...
 def detect_orientation(
-    src: AnyPixels,
+    src: AnyPixels | Floats,
     *,
     type: Type = "standard",
     deep: bool = False,
@@ -82,6 +85,7 @@ def detect_orientation(
     Parameters
     ----------
     src : array, (height, width, channels), uint8, uint16 or float32
+        Vectors may be float64; they are rounded once, to float32.
         A normals texture of at least 6 x 6 texels.
     type : {"standard", "zzero", "xy", "vector"}
         How a normal is stored; only red and green count.
@@ -115,7 +119,7 @@ def detect_orientation(
     'down'
     """
     encoding = choose("type", type, TYPES)
-    source = pixels("src", src)
+    source = pixels("src", src, type)
     src_view = view("src", source, encoding)
     touch = TOUCH_ALL if touch_unused else TOUCH_NONE
 

@@ -4,15 +4,19 @@
 from dataclasses import dataclass
 from typing import Any, Literal, overload
 
-import numpy as np
-from numpy.typing import NDArray
-
 from ._arrays import choose, pixels, view
 from ._errors import check
 from ._measure import _Result
 from ._names import FOUND_KERNELS, TOUCH_ALL, TOUCH_NONE, TYPES, YS, names_of
 from ._native import ffi, lib
-from .typing import AnyPixels, FoundKernel, Stored, Type, Y
+from .typing import (
+    AnyPixels,
+    Floats,
+    FoundKernel,
+    Stored,
+    Type,
+    Y,
+)
 
 _KERNEL_NAMES: Any = names_of(FOUND_KERNELS)
 
@@ -100,7 +104,7 @@ class Steps(_Result):
 
 @overload
 def find_kernel(
-    src: NDArray[np.float32],
+    src: Floats,
     *,
     type: Literal["vector"],
     y: Y = ...,
@@ -115,13 +119,14 @@ def find_kernel(
     touch_unused: bool = ...,
 ) -> KernelFit: ...
 def find_kernel(
-    src: AnyPixels, *, type: Type = "standard", y: Y = "up", touch_unused: bool = False
+    src: AnyPixels | Floats, *, type: Type = "standard", y: Y = "up", touch_unused: bool = False
 ) -> KernelFit:
     """Detect which kernel made normals: their slopes must be the differences of one heightfield.
 
     Parameters
     ----------
     src : array, (height, width, channels), uint8, uint16 or float32
+        Vectors may be float64; they are rounded once, to float32.
         A normals texture of 3 or 4 channels (`"xy"`: 2 to 4).
     type : {"standard", "zzero", "xy", "vector"}
         How a normal is stored; only red and green count.
@@ -147,7 +152,7 @@ def find_kernel(
     >>> found.decided, found.kernel
     (True, 'sobel3')
     """
-    source = pixels("src", src)
+    source = pixels("src", src, type)
     src_view = view("src", source, choose("type", type, TYPES), choose("y", y, YS))
     found = ffi.new("ntp_kernel_fit *")
     check(
@@ -164,7 +169,7 @@ def find_kernel(
 
 @overload
 def find_seams(
-    src: NDArray[np.float32],
+    src: Floats,
     *,
     type: Literal["vector"],
     touch_unused: bool = ...,
@@ -177,13 +182,14 @@ def find_seams(
     touch_unused: bool = ...,
 ) -> tuple[Seam, Seam]: ...
 def find_seams(
-    src: AnyPixels, *, type: Type = "standard", touch_unused: bool = False
+    src: AnyPixels | Floats, *, type: Type = "standard", touch_unused: bool = False
 ) -> tuple[Seam, Seam]:
     """Tell whether a texture tiles: from left to right, and from top to bottom.
 
     Parameters
     ----------
     src : array, (height, width, channels), uint8, uint16 or float32
+        Vectors may be float64; they are rounded once, to float32.
         A normals texture of 3 or 4 channels (`"xy"`: 2 to 4).
     type : {"standard", "zzero", "xy", "vector"}
         How a normal is stored; only red and green count.
@@ -210,7 +216,7 @@ def find_seams(
     >>> [seam.tiles for seam in nt.find_seams(normals[:, :50])]
     [False, True]
     """
-    source = pixels("src", src)
+    source = pixels("src", src, type)
     src_view = view("src", source, choose("type", type, TYPES))
     found = ffi.new("ntp_seam[2]")
     touch = TOUCH_ALL if touch_unused else TOUCH_NONE
@@ -233,7 +239,7 @@ def _seam(found: Any) -> Seam:
 
 @overload
 def find_steps(
-    src: NDArray[np.float32],
+    src: Floats,
     *,
     type: Literal["vector"],
     touch_unused: bool = ...,
@@ -245,7 +251,9 @@ def find_steps(
     type: Stored = ...,
     touch_unused: bool = ...,
 ) -> Steps: ...
-def find_steps(src: AnyPixels, *, type: Type = "standard", touch_unused: bool = False) -> Steps:
+def find_steps(
+    src: AnyPixels | Floats, *, type: Type = "standard", touch_unused: bool = False
+) -> Steps:
     """Detect normals that were made from low-bit heights, such as 8-bit ones.
 
     Their slopes are whole multiples of one step, and smooth ground becomes flat terraces with edges
@@ -254,6 +262,7 @@ def find_steps(src: AnyPixels, *, type: Type = "standard", touch_unused: bool = 
     Parameters
     ----------
     src : array, (height, width, channels), uint8, uint16 or float32
+        Vectors may be float64; they are rounded once, to float32.
         A normals texture of 3 or 4 channels (`"xy"`: 2 to 4).
     type : {"standard", "zzero", "xy", "vector"}
         How a normal is stored; only red and green count.
@@ -281,7 +290,7 @@ def find_steps(src: AnyPixels, *, type: Type = "standard", touch_unused: bool = 
     >>> nt.find_steps(soft).decided
     False
     """
-    source = pixels("src", src)
+    source = pixels("src", src, type)
     src_view = view("src", source, choose("type", type, TYPES))
     found = ffi.new("ntp_steps *")
     touch = TOUCH_ALL if touch_unused else TOUCH_NONE

@@ -20,6 +20,7 @@ from .typing import (
     AutoStored,
     AutoType,
     ComparedType,
+    Floats,
     MeasuredType,
     Palette,
     Y,
@@ -32,7 +33,7 @@ _DIFFS = Pool(lib.ntp_diff_size(), lambda memory: lib.ntp_diff_clear(memory))
 
 @overload
 def heatmap(
-    src: NDArray[np.float32],
+    src: Floats,
     *,
     type: Literal["vector"],
     palette: Palette = ...,
@@ -51,7 +52,7 @@ def heatmap(
     threads: int = ...,
 ) -> NDArray[np.uint8]: ...
 def heatmap(
-    src: AnyPixels,
+    src: AnyPixels | Floats,
     *,
     type: AutoType = "auto",
     palette: Palette = "reference",
@@ -64,6 +65,7 @@ def heatmap(
     Parameters
     ----------
     src : array, (height, width, channels), uint8, uint16 or float32
+        Vectors may be float64; they are rounded once, to float32.
         A normals texture of 3 or 4 channels (`"xy"`: 2 to 4).
     type : {"auto", "standard", "zzero", "xy", "vector"}
         How a normal is stored; "auto" detects it from the texels, as `ntp heatmap` does.
@@ -98,7 +100,7 @@ def heatmap(
     array([[[168, 168, 168],
             [  0, 255,   0]]], dtype=uint8)
     """
-    source = pixels("src", src)
+    source = pixels("src", src, type)
     if type == "auto":
         type = resolve(source, type, threads)
     src_view = view("src", source, choose("type", type, TYPES))
@@ -143,7 +145,7 @@ _DEFAULT_LIGHT = Light()
 
 @overload
 def shade(
-    src: NDArray[np.float32],
+    src: Floats,
     *,
     type: Literal["vector"],
     y: Y = ...,
@@ -162,7 +164,7 @@ def shade(
     threads: int = ...,
 ) -> NDArray[np.uint8]: ...
 def shade(
-    src: AnyPixels,
+    src: AnyPixels | Floats,
     *,
     type: AutoType = "auto",
     y: Y = "up",
@@ -175,6 +177,7 @@ def shade(
     Parameters
     ----------
     src : array, (height, width, channels), uint8, uint16 or float32
+        Vectors may be float64; they are rounded once, to float32.
         A normals texture of 3 or 4 channels (`"xy"`: 2 to 4).
     type : {"auto", "standard", "zzero", "xy", "vector"}
         How a normal is stored; "auto" detects it from the texels.
@@ -204,7 +207,7 @@ def shade(
     >>> nt.shade(texture, type="standard")[0, :, 0]
     array([165, 175], dtype=uint8)
     """
-    source = pixels("src", src)
+    source = pixels("src", src, type)
     if type == "auto":
         type = resolve(source, type, threads)
     src_view = view("src", source, choose("type", type, TYPES), choose("y", y, YS))
@@ -291,7 +294,7 @@ def compare(
 ) -> Difference: ...
 @overload
 def compare(
-    a: NDArray[np.float32],
+    a: Floats,
     b: AnyPixels,
     *,
     type: tuple[ComparedType, _Plain],
@@ -302,7 +305,7 @@ def compare(
 @overload
 def compare(
     a: AnyPixels,
-    b: NDArray[np.float32],
+    b: Floats,
     *,
     type: tuple[_Plain, ComparedType],
     y: Y | tuple[Y, Y] = ...,
@@ -311,8 +314,8 @@ def compare(
 ) -> Difference: ...
 @overload
 def compare(
-    a: NDArray[np.float32],
-    b: NDArray[np.float32],
+    a: Floats,
+    b: Floats,
     *,
     type: ComparedType | tuple[ComparedType, ComparedType],
     y: Y | tuple[Y, Y] = ...,
@@ -320,8 +323,8 @@ def compare(
     threads: int = ...,
 ) -> Difference: ...
 def compare(
-    a: AnyPixels,
-    b: AnyPixels,
+    a: AnyPixels | Floats,
+    b: AnyPixels | Floats,
     *,
     type: ComparedType | tuple[ComparedType, ComparedType] = "auto",
     y: Y | tuple[Y, Y] = "up",
@@ -333,6 +336,7 @@ def compare(
     Parameters
     ----------
     a, b : array, (height, width, channels), uint8, uint16 or float32
+        Vectors may be float64; they are rounded once, to float32.
         Normals textures; depth, encoding and direction of green may differ.  `b` is converted to
         the encoding of `a`.
     type : {"auto", "standard", "zzero", "xy", "vector", "height"}, or two of these
@@ -366,7 +370,8 @@ def compare(
     >>> found.different, found.levels_max, round(found.angles.max)
     (1, (0, 127, 127), 90)
     """
-    first, second = pixels("a", a), pixels("b", b)
+    type_a, type_b = _pair("type", type)
+    first, second = pixels("a", a, type_a), pixels("b", b, type_b)
     if first.shape[:2] != second.shape[:2]:
         raise ArgumentError(
             f"b: must be of the size of a, {first.shape[:2]}, not {second.shape[:2]}",

@@ -37,6 +37,7 @@ from .typing import (
     AutoType,
     AutoY,
     Decode,
+    Floats,
     HeightKernel,
     HeightMethod,
     HeightsHow,
@@ -109,7 +110,7 @@ class HeightInfo(_Result):
 
 @overload
 def height_from_normals(
-    src: NDArray[np.float32],
+    src: Floats,
     *,
     type: Literal["vector"],
     out: NDArray[np.float32] | None = ...,
@@ -124,7 +125,7 @@ def height_from_normals(
     **how: Unpack[HeightsHow],
 ) -> NDArray[np.float32]: ...
 def height_from_normals(
-    src: AnyPixels,
+    src: AnyPixels | Floats,
     *,
     type: AutoType = "auto",
     y: AutoY = "auto",
@@ -154,6 +155,7 @@ def height_from_normals(
     Parameters
     ----------
     src : array, (height, width, channels), uint8, uint16 or float32
+        Vectors may be float64; they are rounded once, to float32.
         A normals texture of 3 or 4 channels (`"xy"`: 2 to 4).
     type : {"auto", "standard", "zzero", "xy", "vector"}
         How a normal is stored; "auto" detects it from the texels, as `ntp to-height` does.
@@ -250,7 +252,7 @@ def height_from_normals(
 
 @overload
 def height_from_normals_with_info(
-    src: NDArray[np.float32],
+    src: Floats,
     *,
     type: Literal["vector"],
     out: NDArray[np.float32] | None = ...,
@@ -265,7 +267,7 @@ def height_from_normals_with_info(
     **how: Unpack[HeightsHow],
 ) -> tuple[NDArray[np.float32], HeightInfo]: ...
 def height_from_normals_with_info(
-    src: AnyPixels,
+    src: AnyPixels | Floats,
     *,
     type: AutoType = "auto",
     y: AutoY = "auto",
@@ -351,7 +353,7 @@ def _y_of(source: NDArray[Any], type: Type, threads: int) -> Y:
 
 
 def _heights(
-    src: AnyPixels,
+    src: AnyPixels | Floats,
     scope: int,
     type: AutoType,
     y: AutoY,
@@ -375,7 +377,7 @@ def _heights(
     threads: int,
 ) -> tuple[NDArray[np.float32], HeightInfo]:
     """The heights, and what was done; `scope` says what of the residual is worked out."""
-    source = pixels("src", src)
+    source = pixels("src", src, type)
     if type == "auto":
         type = resolve(source, type, threads)
     encoding = choose("type", type, TYPES)

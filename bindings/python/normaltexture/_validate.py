@@ -16,7 +16,12 @@ from ._measure import _Result
 from ._names import HEIGHT, TYPES
 from ._native import ffi, lib
 from ._threads import run
-from .typing import AnyPixels, AutoStored, AutoType
+from .typing import (
+    AnyPixels,
+    AutoStored,
+    AutoType,
+    Floats,
+)
 
 
 class Flag(IntFlag):
@@ -40,7 +45,7 @@ class Flag(IntFlag):
 
 @overload
 def validate(
-    src: NDArray[np.float32],
+    src: Floats,
     *,
     type: Literal["vector"],
     keep_negative_z: bool = ...,
@@ -57,7 +62,7 @@ def validate(
     threads: int = ...,
 ) -> NDArray[np.uint8]: ...
 def validate(
-    src: AnyPixels,
+    src: AnyPixels | Floats,
     *,
     type: AutoType = "auto",
     keep_negative_z: bool = False,
@@ -69,6 +74,7 @@ def validate(
     Parameters
     ----------
     src : array, (height, width, channels), uint8, uint16 or float32
+        Vectors may be float64; they are rounded once, to float32.
         A normals texture of 3 or 4 channels (`"xy"`: 2 to 4).  Floats are judged as 16-bit levels.
     type : {"auto", "standard", "zzero", "xy", "vector"}
         How a normal is stored: z in -1..1, z in 0..1, no z, or the components as they are (float32,
@@ -106,7 +112,7 @@ def validate(
     >>> nt.Flag(int(flags[0, 1]))
     <Flag.XY_TOO_LONG: 8>
     """
-    source = pixels("src", src)
+    source = pixels("src", src, type)
     if type == "auto":
         type = resolve(source, type, threads)
     src_view = view("src", source, choose("type", type, TYPES))
@@ -161,7 +167,7 @@ class Texel(_Result):
 
 @overload
 def inspect(
-    src: NDArray[np.float32],
+    src: Floats,
     x: int,
     y: int,
     *,
@@ -178,13 +184,19 @@ def inspect(
     keep_negative_z: bool = ...,
 ) -> Texel: ...
 def inspect(
-    src: AnyPixels, x: int, y: int, *, type: AutoType = "auto", keep_negative_z: bool = False
+    src: AnyPixels | Floats,
+    x: int,
+    y: int,
+    *,
+    type: AutoType = "auto",
+    keep_negative_z: bool = False,
 ) -> Texel:
     """Return everything about one texel, as `ntp dump` does.
 
     Parameters
     ----------
     src : array, (height, width, channels), uint8, uint16 or float32
+        Vectors may be float64; they are rounded once, to float32.
         A normals texture of 3 or 4 channels (`"xy"`: 2 to 4).
     x, y : int
         Column and row; the upper left texel is at 0, 0.
@@ -209,7 +221,7 @@ def inspect(
     >>> texel.cleaned, texel.levels_off, round(texel.length, 3), texel.flags
     ((200, 100, 229), 16, 1.104, <Flag.Z_NEGATIVE: 16>)
     """
-    source = pixels("src", src)
+    source = pixels("src", src, type)
     height, width = source.shape[:2]
     for name, value, side in (("x", x, width), ("y", y, height)):
         if not isinstance(value, (int, np.integer)) or not 0 <= value < side:

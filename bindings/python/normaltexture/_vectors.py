@@ -8,12 +8,21 @@ from numpy.typing import NDArray
 
 from ._arrays import DEPTHS, Output, pixels
 from ._convert import convert_parts
-from .typing import AnyPixels, Blue, Depth, EncodeHow, Stored, Type, Y
+from .typing import (
+    AnyPixels,
+    Blue,
+    Depth,
+    EncodeHow,
+    Floats,
+    Stored,
+    Type,
+    Y,
+)
 
 
 @overload
 def decode(
-    src: NDArray[np.float32],
+    src: Floats,
     *,
     type: Literal["vector"],
     y: Y = ...,
@@ -30,7 +39,7 @@ def decode(
     threads: int = ...,
 ) -> NDArray[np.float32]: ...
 def decode(
-    src: AnyPixels,
+    src: AnyPixels | Floats,
     *,
     type: Type = "standard",
     y: Y = "up",
@@ -42,6 +51,7 @@ def decode(
     Parameters
     ----------
     src : array, (height, width, channels), uint8, uint16 or float32
+        Vectors may be float64; they are rounded once, to float32.
         A normals texture of 3 or 4 channels (`"xy"`: 2 to 4).
     type : {"standard", "zzero", "xy", "vector"}
         How a normal is stored.
@@ -70,7 +80,7 @@ def decode(
     >>> nt.decode(np.array([[[0, 255, 128]]], np.uint8))
     array([[[-1.        ,  1.        ,  0.00392157]]], dtype=float32)
     """
-    source = pixels("src", src)
+    source = pixels("src", src, type)
     output = Output((*source.shape[:2], 3), DEPTHS["float"], out)
     convert_parts(
         source, type, "vector", y, "up", "float", "derived", None, None, True, output.array, threads
@@ -80,7 +90,7 @@ def decode(
 
 @overload
 def encode(
-    vectors: NDArray[np.float32],
+    vectors: Floats,
     *,
     depth: Literal[8] = ...,
     out: NDArray[np.uint8] | None = ...,
@@ -88,7 +98,7 @@ def encode(
 ) -> NDArray[np.uint8]: ...
 @overload
 def encode(
-    vectors: NDArray[np.float32],
+    vectors: Floats,
     *,
     depth: Literal[16],
     out: NDArray[np.uint16] | None = ...,
@@ -96,14 +106,14 @@ def encode(
 ) -> NDArray[np.uint16]: ...
 @overload
 def encode(
-    vectors: NDArray[np.float32],
+    vectors: Floats,
     *,
     depth: Literal["float"],
     out: NDArray[np.float32] | None = ...,
     **how: Unpack[EncodeHow],
 ) -> NDArray[np.float32]: ...
 def encode(
-    vectors: NDArray[np.float32],
+    vectors: Floats,
     *,
     to: Stored = "standard",
     to_y: Y = "up",
@@ -117,6 +127,7 @@ def encode(
     Parameters
     ----------
     vectors : array, (height, width, 3 or 4), float32
+        They may be float64; they are rounded once, to float32.
         Vectors of any length but 0; a fourth component is alpha in 0..1.
     to : {"standard", "zzero", "xy"}
         How the result stores a normal.
@@ -148,7 +159,7 @@ def encode(
     array([[[128, 128, 255],
             [218, 128, 217]]], dtype=uint8)
     """
-    source = pixels("vectors", vectors)
+    source = pixels("vectors", vectors, "vector")
     result, _ = convert_parts(
         source, "vector", to, "up", to_y, depth, blue, None, None, True, out, threads
     )

@@ -38,8 +38,23 @@ PathLike = str | os.PathLike[str]
 BATCH = 16
 
 
+def _named(paths: Any) -> list[str]:
+    """The argument `paths`, with a sentence for what it may be mistaken for."""
+    if isinstance(paths, np.ndarray) and paths.dtype.kind not in "UO":
+        raise ArgumentError(
+            "paths: must name image files, not hold texels; "
+            "nt.check takes files too, and nt.clean takes arrays"
+        )
+    if isinstance(paths, str | os.PathLike):
+        raise ArgumentError(f"paths={os.fspath(paths)!r}: must be a list of paths, not one path")
+    try:
+        return [os.fspath(path) for path in paths]
+    except TypeError as error:
+        raise ArgumentError(f"paths: must be a list of paths: {error}") from None
+
+
 def _batches(paths: Iterable[PathLike], size: int) -> list[list[str]]:
-    names = [os.fspath(path) for path in paths]
+    names = _named(paths)
     if size < 1:
         raise ArgumentError(f"batch={size!r}: must be at least 1")
     if len(set(names)) != len(names):
@@ -119,7 +134,7 @@ def check(paths: Iterable[PathLike], *, options: Sequence[str] = (), batch: int 
     Raises
     ------
     ArgumentError
-        A path is given twice.
+        A path is given twice, or `paths` holds no paths.
     normaltexture._ntp.ProgramError
         The program ntp is missing on a worker or refuses an option.
 
@@ -351,8 +366,8 @@ def normals_from_height(
     Parameters
     ----------
     height
-        A Dask array of shape (height, width) or (height, width, 1 to 4), of uint8, uint16 or
-        float32.  Chunks smaller than the kernel needs are joined.
+        A Dask array of shape (height, width) or (height, width, 1 to 4), of uint8, uint16, float32
+        or float64, which is rounded to float32.  Chunks smaller than the kernel needs are joined.
     scale, kernel, border, border_x, border_y
         As of `normaltexture.normals_from_height`.
     options
@@ -384,6 +399,11 @@ def normals_from_height(
     for name in ("dither", "out", "threads"):
         if name in options:
             raise ArgumentError(f"{name}: cannot be used on a chunked array")
+    if isinstance(height, np.ndarray) or not hasattr(height, "chunks"):
+        raise ArgumentError(
+            f"height: must be a Dask array, not {type(height).__name__}; dask.array.from_array "
+            "makes one, and nt.normals_from_height takes numpy arrays"
+        )
     if height.ndim not in (2, 3):
         raise ArgumentError(f"height: its shape is {height.shape}, not that of an image")
     borders = {0: border_y or border, 1: border_x or border}

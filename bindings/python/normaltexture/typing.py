@@ -17,6 +17,10 @@ SampleT = TypeVar("SampleT", bound=np.uint8 | np.uint16 | np.float32)
 """What an array holds, where a result holds the same."""
 AnyPixels: TypeAlias = NDArray[np.uint8 | np.uint16 | np.float32]
 """An image of any depth, such as `read` gives."""
+Floats: TypeAlias = NDArray[np.float32 | np.float64]
+"""Vectors or heights; float64 is rounded once, to float32."""
+AnyHeight: TypeAlias = NDArray[np.uint8 | np.uint16 | np.float32 | np.float64]
+"""Heights of any depth; float64 is rounded once, to float32."""
 
 Stored: TypeAlias = Literal["standard", "zzero", "xy"]
 """How a normal is stored: z in -1..1, z in 0..1, no z."""

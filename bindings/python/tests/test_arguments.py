@@ -12,6 +12,7 @@ import pytest
 import normaltexture as nt
 from normaltexture import _names
 from normaltexture._native import lib
+from support import textures
 
 TEXTURE = np.full((6, 8, 3), (128, 128, 255), np.uint8)
 GRAY = np.zeros((6, 8), np.uint8)
@@ -130,6 +131,81 @@ def test_sample_types(dtype):
     assert isinstance(raised.value, TypeError)
     assert raised.value.status == nt.Status.FORMAT
     assert ("astype" in str(raised.value)) == (np.dtype(dtype).kind == "f")
+
+
+DOUBLES = np.random.default_rng(7).normal(size=(6, 8, 3)) * [0.3, 0.3, 1]
+AS_VECTORS = {
+    "clean": {},
+    "convert": {"to": "standard", "depth": 16},
+    "encode": {},
+    "measure": {},
+    "validate": {},
+    "heatmap": {},
+    "shade": {},
+    "transform": {"flip": "x"},
+    "resize": {"size": (4, 3)},
+    "detect_orientation": {},
+    "choose_method": {},
+    "height_from_normals": {"y": "up"},
+}
+
+
+def same(a, b):
+    """Equal arrays, objects or tuples of them."""
+    return np.array_equal(a, b, equal_nan=True) if isinstance(a, np.ndarray) else a == b
+
+
+@pytest.mark.parametrize("name", AS_VECTORS)
+def test_double_vectors_are_rounded_once(name):
+    """As numpy rounds them; the array itself stays."""
+    how = dict(AS_VECTORS[name])
+    if name != "encode":
+        how["type"] = "vector"
+    given = DOUBLES.copy()
+    call = getattr(nt, name)
+    assert same(call(given, **how), call(DOUBLES.astype(np.float32), **how))
+    assert np.array_equal(given, DOUBLES)
+    if name != "encode":
+        for type in ("standard", "zzero"):
+            with pytest.raises(nt.SampleTypeError, match="src: .*float64.*may be float64"):
+                call(given, **how | {"type": type})
+
+
+def test_double_heights_are_rounded_once():
+    doubles = np.abs(DOUBLES[..., 0])
+    floats = doubles.astype(np.float32)
+    assert same(nt.normals_from_height(doubles, 5), nt.normals_from_height(floats, 5))
+    assert same(nt.blur_height(doubles, 1), nt.blur_height(floats, 1))
+    assert same(nt.measure(doubles, type="height"), nt.measure(floats, type="height"))
+    assert nt.blur_height(doubles, 1).dtype == np.float32
+    huge = np.full((4, 4), 1e300)  # no float32: counted like any infinity
+    _, counts = nt.normals_from_height_with_counts(huge, 5)
+    assert counts.not_finite == 16
+
+
+@pytest.mark.parametrize("kind", [np.uint8, np.float64])
+def test_masked_arrays_are_refused(kind):
+    masked = np.ma.masked_array(TEXTURE.astype(kind), mask=False)
+    for call in (nt.clean, nt.classify, nt.heatmap, lambda m: nt.normals_from_height(m, 1)):
+        with pytest.raises(nt.SampleTypeError, match=r"(src|height): masked arrays .* filled\(0\)"):
+            call(masked)
+
+
+def test_what_is_no_normals_texture_is_not_cleaned():
+    """By default, and in one sentence that names what was found and the way out."""
+    heights = textures.heights()
+    directions = np.random.default_rng(1).normal(size=(64, 64, 3))
+    directions /= np.linalg.norm(directions, axis=2, keepdims=True)
+    objects = np.floor((directions + 1) / 2 * 255 + 0.5).astype(np.uint8)
+    for image, what in (
+        (textures.photograph(), "not-normals"),
+        (np.dstack([heights] * 3), "height"),
+        (objects, "object-space"),
+    ):
+        for call in (nt.clean, nt.clean_with_counts):
+            with pytest.raises(nt.ArgumentError, match=f'src looks like {what}.*type="standard"'):
+                call(image)
+        assert nt.clean(image, type="standard").shape == image.shape
 
 
 @pytest.mark.parametrize(

@@ -289,3 +289,14 @@ def test_terrain_on_the_cluster(cluster):
     tiles = da.from_array(heights, chunks=(64, 100))
     made = distributed.normals_from_height(tiles, scale=9, kernel="gimp9").compute()
     assert made.tobytes() == nt.normals_from_height(heights, scale=9, kernel="gimp9").tobytes()
+
+
+def test_arrays_are_not_paths():
+    """Each mistake gets a sentence that names the argument and the way out."""
+    texels = np.zeros((4, 4, 3), np.uint8)
+    for call in (distributed.check, lambda paths: distributed.clean(paths, "out")):
+        for wrong in (texels, "wall_n.png", [texels], 3):
+            with pytest.raises(nt.ArgumentError, match="^paths"):
+                call(wrong)
+    with pytest.raises(nt.ArgumentError, match="height: must be a Dask array, not ndarray"):
+        distributed.normals_from_height(np.zeros((4, 4)), scale=1)

@@ -98,6 +98,14 @@ def use_rows(image: AnyPixels) -> None:
     nt.height_from_rows(*functions, shape=(64, 96, 3), type="vector", depth=8)  # type: ignore[call-overload]  # pyright: ignore[reportArgumentType, reportCallIssue]
 
 
+def use_doubles(doubles: NDArray[np.float64]) -> None:
+    # Vectors and heights: rounded once.
+    assert_type(nt.clean(doubles, type="vector"), F32)
+    assert_type(nt.encode(doubles), U8)
+    _ = nt.normals_from_height(doubles, 8)
+    _ = nt.measure(doubles, type="vector")
+
+
 def use_wrongly(image: AnyPixels, bytes_: U8, floats: F32, doubles: NDArray[np.float64]) -> None:
     # Results have the fields that they have.
     _ = nt.measure(image).pixels  # type: ignore[attr-defined]  # pyright: ignore[reportAttributeAccessIssue]
@@ -133,7 +141,6 @@ def use_wrongly(image: AnyPixels, bytes_: U8, floats: F32, doubles: NDArray[np.f
     # Samples of other types, and what is no array.
     nt.clean(doubles)  # type: ignore[type-var]  # pyright: ignore[reportArgumentType]
     nt.measure(doubles)  # type: ignore[arg-type]  # pyright: ignore[reportArgumentType]
-    nt.normals_from_height(doubles, 8)  # type: ignore[arg-type]  # pyright: ignore[reportArgumentType, reportCallIssue]
     nt.clean([[[128, 128, 255]]])  # type: ignore[call-overload]  # pyright: ignore[reportArgumentType]
     # `out` is of the samples of the result.
     nt.convert(bytes_, depth=16, out=bytes_)  # type: ignore[call-overload]  # pyright: ignore[reportArgumentType, reportCallIssue]
