@@ -153,7 +153,7 @@ const option_spec OPTION_TABLE[] = {
       "centers. auto: the one that fits best, else central" },
     { OPT_BORDER, "border", 0, KIND_CHOICE, "auto|" BORDERS, "auto", 0, 0, V_TO_HEIGHT,
       "the height beyond the edges. auto: detect it from the normals at the edges and from "
-      "whether the texture tiles, else mirror, or clamp for the kernel forward" },
+      "whether the texture tiles, else the one with which normals fit best" },
     { OPT_BORDER_X, "border-x", 0, KIND_CHOICE, "auto|" BORDERS, NULL, 0, 0, V_TO_HEIGHT,
       "the same for the left and right edges only" },
     { OPT_BORDER_Y, "border-y", 0, KIND_CHOICE, "auto|" BORDERS, NULL, 0, 0, V_TO_HEIGHT,
@@ -175,6 +175,9 @@ const option_spec OPTION_TABLE[] = {
       "an image of the same size: there is no surface where its first channel is 0" },
     { OPT_DETREND, "detrend", 0, KIND_FLAG, NULL, NULL, 0, 0, V_TO_HEIGHT,
       "remove the best-fitting plane from the heights, where they do not tile" },
+    { OPT_CLIP, "clip", 0, KIND_NUMBER, "PERCENT", "0", 0, 49, V_TO_HEIGHT,
+      "raise the lowest PERCENT of the heights to the next one, and lower the highest PERCENT, "
+      "before the range is chosen; 0.1 leaves spikes out" },
     { OPT_DECODE, "decode", 0, KIND_CHOICE, "auto|unorm|neutral|unorm-trunc|snorm128", "auto", 0, 0,
       V_TO_HEIGHT,
       "which level of red and green is 0, in 8 bit: unorm: 127.5; neutral: the same, but 127 "

@@ -85,6 +85,7 @@ typedef enum option_id {
     OPT_EQUALIZE,
     OPT_MASK,
     OPT_DETREND,
+    OPT_CLIP,
     OPT_DECODE,
     OPT_Z,
     OPT_STRENGTH,

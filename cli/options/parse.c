@@ -146,8 +146,12 @@ static bool read_number(const option_spec *row, const char *value, option_value 
     const double number = strtod(value, &end);
     const bool whole = row->kind == KIND_INTEGER;
     /* plain decimals only: no hexadecimal, no "nan", no leading blank */
-    const bool plain = value[0] != 0 && strspn(value, "0123456789.eE+-") == strlen(value);
-    const bool bad = !plain || *end != 0 || errno != 0 || (whole && strpbrk(value, ".eE") != NULL);
+    const size_t length = strspn(value, "0123456789.eE+-");
+    const char *rest = value + length;
+    const bool percent = strcmp(row->value, "PERCENT") == 0 && strcmp(rest, "%") == 0;
+    const bool plain = length > 0 && (*rest == 0 || percent);
+    const bool bad =
+        !plain || end != rest || errno != 0 || (whole && strpbrk(value, ".eE") != NULL);
     if (bad || !(number >= row->least && number <= row->most)) {
         char expected[80];
         snprintf(expected, sizeof expected, "a%s number from %.15g to %.15g", whole ? " whole" : "",

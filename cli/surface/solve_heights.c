@@ -51,6 +51,71 @@ ntp_status heights_solve(worker *w, const ntp_image *heights, const ntp_const_im
 
 /* -------------------------------------------------------------------------- borders */
 
+/* What is tried where the edges show no border.  A border takes the place of the one before if it
+ * fits clearly better. */
+static const ntp_border TRIED[] = { NTP_BORDER_WRAP, NTP_BORDER_EXTRAPOLATE, NTP_BORDER_CLAMP };
+static const double CLEARLY_BETTER = 0.99;
+/* In levels of 8 bit: where normals fit so well, no border is wrong. */
+static const double FITS_WELL = 0.4;
+
+/* The residual of the best heights with these borders, in levels of 8 bit; below 0: they cannot be
+ * solved. */
+static double residual_with(worker *w, const ntp_image *heights, const ntp_const_image *src,
+                            const ntp_height_options *how, stretch part, ntp_status *status)
+{
+    ntp_height_result done = { .residual = -1 };
+    *status = heights_solve(w, heights, src, how, part, &done);
+    if (*status != NTP_OK)
+        return -1;
+    return src->type == NTP_TYPE_U8 ? done.residual : done.residual / 257;
+}
+
+/* The i-th of `count` equal shares of the work. */
+static stretch slice(stretch part, int i, int count)
+{
+    const int width = part.to - part.from;
+    return (stretch) { part.from + width * i / count, part.from + width * (i + 1) / count };
+}
+
+/* Solves with other borders where none is decided, one axis after the other, and takes the one that
+ * leaves least. */
+static ntp_status try_borders(ntp_border_fit found[2], worker *w, const ntp_image *heights,
+                              const ntp_const_image *src, const ntp_height_options *how,
+                              const bool fixed[2], stretch part)
+{
+    enum { COUNT = sizeof TRIED / sizeof TRIED[0], SOLUTIONS = 1 + 2 * COUNT };
+    ntp_height_options with = *how;
+    ntp_border *const border[2] = { &with.border_x, &with.border_y };
+    ntp_status status;
+    for (int i = 0; i < 2; i++)
+        *border[i] = fixed[i] ? *border[i] : found[i].border;
+    with.residual_scope = NTP_RESIDUAL_ALL;
+    double least = residual_with(w, heights, src, &with, slice(part, 0, SOLUTIONS), &status);
+    if (status == NTP_ERR_CANCELLED || !(least > FITS_WELL))
+        return status;
+    for (int i = 0; i < 2; i++) {
+        for (int k = 0; k < COUNT && !fixed[i] && !found[i].decided; k++) {
+            const ntp_border before = *border[i];
+            *border[i] = TRIED[k];
+            const stretch now = slice(part, 1 + i * COUNT + k, SOLUTIONS);
+            const double residual = residual_with(w, heights, src, &with, now, &status);
+            if (status == NTP_ERR_CANCELLED)
+                return status;
+            if (residual >= 0 && residual < CLEARLY_BETTER * least)
+                least = residual;
+            else
+                *border[i] = before;
+        }
+    }
+    for (int i = 0; i < 2; i++) {
+        if (fixed[i] || *border[i] == found[i].border)
+            continue;
+        found[i].border = *border[i];
+        found[i].decided = 1;
+    }
+    return NTP_OK;
+}
+
 ntp_status heights_find_borders(ntp_border_fit found[2], worker *w, const ntp_image *heights,
                                 const ntp_const_image *src, const ntp_height_options *how,
                                 const bool fixed[2], const ntp_seam seams[2], stretch part)
@@ -64,8 +129,13 @@ ntp_status heights_find_borders(ntp_border_fit found[2], worker *w, const ntp_im
     first.residual_scope = NTP_RESIDUAL_NONE;
     first.border_x = fixed[0] ? how->border_x : unknown;
     first.border_y = fixed[1] ? how->border_y : unknown;
-    const ntp_status status = heights_solve(w, heights, src, &first, part, NULL);
-    for (int i = 0; status == NTP_OK && i < 2; i++)
+    ntp_status status = heights_solve(w, heights, src, &first, slice(part, 0, 3), NULL);
+    if (status != NTP_OK)
+        return status == NTP_ERR_CANCELLED ? status : NTP_OK;
+    for (int i = 0; i < 2; i++)
         ntp_find_border(&found[i], src, &made, &first, i, seams[i].wraps);
+    if ((!fixed[0] && !found[0].decided) || (!fixed[1] && !found[1].decided))
+        status = try_borders(found, w, heights, src, &first, fixed,
+                             (stretch) { slice(part, 0, 3).to, part.to });
     return status == NTP_ERR_CANCELLED ? status : NTP_OK;
 }

@@ -21,7 +21,8 @@ ntp_status heights_solve(worker *w, const ntp_image *heights, const ntp_const_im
                          const ntp_height_options *how, stretch part, ntp_height_result *result);
 
 /*
- * Finds the borders that the normals at the edges were made with.  heights: memory for the heights
+ * Finds the borders that the normals at the edges were made with.  If the edges do not show it, some
+ * borders are tried, and the one with the least residual is taken.  heights: memory for the heights
  * of src.  how: its borders hold where `fixed` says so.  seams: those of ntp_find_seams.  `found`
  * does not change if the heights cannot be solved.
  */

@@ -16,6 +16,7 @@
 
 #include "examine/samples.h"
 #include "report/report.h"
+#include "surface/height_range.h"
 #include "surface/solve_heights.h"
 #include "verbs/verbs.h"
 #include "write/side_image.h"
@@ -114,6 +115,7 @@ static bool read_settings(to_height_settings *set, const options *o)
     set->how.detrend = option_given(o, OPT_DETREND);
     set->how.equalize = option_given(o, OPT_EQUALIZE);
     set->how.residual_scope = NTP_RESIDUAL_ALL;
+    set->clip = option_number(o, OPT_CLIP);
     set->how.dx = option_number(o, OPT_DX);
     set->how.dy = option_number(o, OPT_DY);
     if (!(set->how.dx > 0) || !(set->how.dy > 0)) {
@@ -171,6 +173,25 @@ static double nine_digits(double v, bool up)
         return read;
     snprintf(digits, sizeof digits, "%.9g", v * (1 + 4e-9));
     return strtod(digits, NULL);
+}
+
+/* Clips the heights, and finds out whether a few of them take most of the range. */
+static void choose_range(to_height_state *st, const to_height_settings *set,
+                         const ntp_image *heights)
+{
+    float *all = heights->data;
+    const size_t texels = (size_t) heights->width * (size_t) heights->height;
+    const bool holes = st->result.holes > 0;
+    if (set->clip > 0) {
+        const height_range range = heights_middle(all, texels, holes, set->clip);
+        st->clipped = heights_clip(all, texels, range);
+        st->result.min = (double) range.least;
+        st->result.max = (double) range.greatest;
+    }
+    const double all_of_it = st->result.max - st->result.min;
+    const height_range middle = heights_middle(all, texels, holes, 1);
+    st->middle_share =
+        all_of_it > 0 ? ((double) middle.greatest - (double) middle.least) / all_of_it : 1;
 }
 
 /* height = offset + scale * value; the value written is in 0..1. */
@@ -328,6 +349,7 @@ static bool finish(production *p, ntpio_error *error)
     st->how.mask = NULL;
     if (!ok)
         return false;
+    choose_range(st, set, &heights);
     choose_scale(st, set->is_float);
     return write_heights(p, &heights, set->is_float, error);
 }

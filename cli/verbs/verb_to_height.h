@@ -16,6 +16,7 @@ typedef struct to_height_settings {
     int kernel, border_x, border_y;
     int y; /* an ntp_y, or AUTO */
     bool is_float;
+    double clip; /* percent of the heights at each end */
     const char *mask_file;
     ntpio_limits limits;
 } to_height_settings;
@@ -30,6 +31,8 @@ typedef struct to_height_state {
     green y;
     chosen_by kernel_by, border_by[2];
     double scale, offset; /* of the output */
+    uint64_t clipped;
+    double middle_share; /* of the range: that of the middle 98 % of the heights */
 } to_height_state;
 
 enum { READ_PERMILLE = 400, SOLVE_PERMILLE = 600 }; /* the progress after reading, after choosing */

@@ -14,6 +14,51 @@ static void add_height(text *t, double v)
     text_addf(t, "%.4g", v);
 }
 
+/* In levels of 8 bit.  Rounding leaves .2, JPEG and painting a few. */
+static const double POOR_FIT = 8;
+/* Where the middle 98 % of the heights take less of the range, the rest are spikes. */
+static const double LEAST_MIDDLE = 0.03;
+
+static bool is_poor(const to_height_state *st)
+{
+    const double level = st->src.type == NTP_TYPE_U8 ? 1 : 257;
+    return st->result.residual > POOR_FIT * level;
+}
+
+static void tell_poor_fit(text *t, const to_height_state *st)
+{
+    text_addf(t, "the heights give back normals that are %.3g levels of 8 bit off (rms): ",
+              st->src.type == NTP_TYPE_U8 ? st->result.residual : st->result.residual / 257);
+    text_add(t, "no surface has these normals, or --y, --kernel or --border is wrong");
+}
+
+static bool has_spikes(const to_height_state *st)
+{
+    return st->middle_share < LEAST_MIDDLE;
+}
+
+static void tell_spikes(text *t, const to_height_state *st)
+{
+    text_addf(t, "the middle 98 %% of the heights take %.2g %% of the range; ",
+              100 * st->middle_share);
+    text_add(t,
+             st->clipped > 0 ? "a greater --clip leaves more out" : "--clip 0.1 leaves spikes out");
+}
+
+/* A list of what `tell` says, or an empty one. */
+static json_t *list_of(bool there, void (*tell)(text *t, const to_height_state *st),
+                       const to_height_state *st)
+{
+    json_t *list = need(json_array());
+    text t = { 0 };
+    if (there) {
+        tell(&t, st);
+        json_array_append_new(list, json_string(text_string(&t)));
+    }
+    text_free(&t);
+    return list;
+}
+
 static void add_choices(text *line, const to_height_state *st)
 {
     if (st->y.by == GREEN_BY_OPTION)
@@ -54,6 +99,19 @@ static void add_line(text *line, const to_height_settings *set, const to_height_
         text_count(line, r->not_finite);
         text_add(line, " texels that are not vectors");
     }
+    if (st->clipped > 0) {
+        text_add(line, "; ");
+        text_count(line, st->clipped);
+        text_add(line, " heights clipped");
+    }
+    if (is_poor(st)) {
+        text_add(line, "\n  warning: ");
+        tell_poor_fit(line, st);
+    }
+    if (has_spikes(st)) {
+        text_add(line, "\n  note: ");
+        tell_spikes(line, st);
+    }
 }
 
 static void set_choices(json_t *object, const to_height_state *st)
@@ -91,6 +149,11 @@ void to_height_describe(const production *p, text *line, json_t *object)
     json_object_set_new(object, "depth", set->is_float ? json_string("float") : json_integer(16));
     json_object_set_new(object, "min", json_real(r->min));
     json_object_set_new(object, "max", json_real(r->max));
+    json_object_set_new(object, "clip", json_real(set->clip));
+    json_object_set_new(object, "clipped", json_count(st->clipped));
+    json_object_set_new(object, "middle_share", json_real(st->middle_share));
+    json_object_set_new(object, "warnings", list_of(is_poor(st), tell_poor_fit, st));
+    json_object_set_new(object, "notes", list_of(has_spikes(st), tell_spikes, st));
     set_choices(object, st);
     json_object_set_new(object, "residual_levels",
                         r->residual >= 0 ? json_real(r->residual) : json_null());
