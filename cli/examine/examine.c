@@ -171,9 +171,8 @@ static bool measure(source *s, uint32_t touch, ntpio_error *error)
     return more == 0;
 }
 
-bool examine(source *s, int forced, facts *f, ntpio_error *error)
+bool examine_as_seen(source *s, int forced, facts *f, ntpio_error *error)
 {
-    first_view(s, forced);
     if (!measure(s, 0, error) || !facts_from_tally(f, s, forced, error))
         return false;
     orient_end(s, f);
@@ -194,4 +193,10 @@ bool examine(source *s, int forced, facts *f, ntpio_error *error)
     f->counts = counts;
     orient_end(s, f);
     return true;
+}
+
+bool examine(source *s, int forced, facts *f, ntpio_error *error)
+{
+    first_view(s, forced);
+    return examine_as_seen(s, forced, f, error);
 }

@@ -81,6 +81,9 @@ bool facts_from_tally(facts *f, source *s, int forced, ntpio_error *error);
  */
 bool examine(source *s, int forced, facts *f, ntpio_error *error);
 
+/* The same with the view that is set, not the first view of the class. */
+bool examine_as_seen(source *s, int forced, facts *f, ntpio_error *error);
+
 /* The orientation: before the first row, for each block of rows, and when the class is known. */
 void orient_begin(source *s);
 ntp_status orient_rows(source *s, const ntp_rect *area, uint32_t touch);

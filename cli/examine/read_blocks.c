@@ -152,7 +152,8 @@ void source_view(source *s, ntp_encoding encoding, ntp_y y, const int8_t *map, i
     rows = rows < 1 ? 1 : rows > BLOCK_ROWS ? BLOCK_ROWS : rows;
     rows = rows > info->height ? info->height : rows;
     const bool large = (uint64_t) info->width * info->height >= AHEAD_TEXELS;
-    const size_t blocks = s->w->may_read_ahead && large && info->height > 2 * rows ? 2 : 1;
+    const bool ahead = s->w->may_read_ahead && large && s->alter == NULL;
+    const size_t blocks = ahead && info->height > 2 * rows ? 2 : 1;
     unsigned char *data = buffer_reserve(&s->w->rows, blocks * rows * row);
     s->view = ntp_image_packed(data, (int32_t) info->width, (int32_t) info->height, channels,
                                sample_type(info->sample_bytes));
@@ -185,6 +186,8 @@ static bool read_block(source *s, uint32_t index, ntpio_error *error)
         return false;
     const channel_order order = { s->view.type, s->view.channels, s->info->channels, s->map };
     reorder_channels(rows, raw, &order, (size_t) s->info->width * count);
+    if (s->alter != NULL)
+        s->alter(s->alter_context, rows, (size_t) s->info->width * count);
     return true;
 }
 

@@ -41,6 +41,10 @@ typedef struct source {
     bool find_slopes; /* orient.c also finds `most` */
     steepest most;
     bool keep_middle; /* for middle_and_lines.c */
+    /* Where set, with a map: puts right what is wrong with the rows of a block as it is read.  Then
+     * the ring is one block, and w->raw has it as it is stored. */
+    void (*alter)(void *context, void *rows, size_t texels);
+    void *alter_context;
 } source;
 
 bool source_open(source *s, worker *w, const input *in, const ntpio_limits *limits,

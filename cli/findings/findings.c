@@ -14,8 +14,8 @@ const finding_spec FINDING_TABLE[FINDING_COUNT] = {
         "when it fails `--verdict`. The finding is a warning if at most `--max-fail` percent of the used texels "
         "fail, and an error above. JPEG files cannot pass a test of single texels. For them the angle decides: over "
         "10 degrees at the 99th percentile is an error, over 2 degrees on average is a warning.",
-        "`ntp clean` computes blue from red and green. If the file was JPEG or was resized, `--method normalize` or "
-        "`auto` changes directions less. Better: export again from the source." },
+        "`ntp clean` computes blue from red and green. If the file was JPEG or was resized, it divides "
+        "vectors by their length, which changes directions less. Better: export again from the source." },
     [NT002] = { "NT002", "nt002", "warning or error", "x and y alone are longer than 1",
         "Red and green already describe a vector longer than 1: no blue can make it a unit vector. A shader that "
         "computes z from x and y takes the square root of a negative number there, which gives black or sparkling "
@@ -59,12 +59,13 @@ const finding_spec FINDING_TABLE[FINDING_COUNT] = {
         "`ntp convert --from-y down --to-y up`, or the other way round." },
     [NT012] = { "NT012", "nt012", "error", "channels are in the wrong places",
         "Z is in red or green, or the texture is packed as DXT5nm (x in alpha, y in green).",
-        "`ntp convert --from-channels` corrects the order, for example with `-y-x` for DXT5nm or `zyx` for swapped "
-        "red and blue." },
+        "`ntp clean` puts them in their places where that is at least 90 % sure, and with `--undo` in any case. `ntp "
+        "convert --from-channels` does it for any order, for example `-y-x` for DXT5nm or `zyx` for swapped red and "
+        "blue." },
     [NT020] = { "NT020", "nt020", "info", "not bit-exact",
         "Some texels do not have the exact blue that red and green imply. This is harmless, but the file changes "
         "when z is dropped and computed again.",
-        "`ntp clean` makes every texel exact." },
+        "`ntp clean --method derive` makes every texel exact." },
     [NT021] = { "NT021", "nt021", "info", "flat color is not 128, 128, 255",
         "Flat texels have a different color than usual (16 bit: 32768, 32768, 65535), or several colors. There is "
         "no exact zero: 127 and 128 are equally far from it. A mixture is a sign of truncation or dithering.",
@@ -87,7 +88,7 @@ const finding_spec FINDING_TABLE[FINDING_COUNT] = {
     [NT032] = { "NT032", "nt032", "warning", "traces of lossy compression in a lossless file",
         "The texels show the 8 x 8 blocks or the noise of JPEG, WebP or GPU compression: the texture was once "
         "stored in such a format.",
-        "Go back to the source. `ntp clean --method auto` repairs the lengths." },
+        "Go back to the source. `ntp clean` repairs the lengths." },
     [NT033] = { "NT033", "nt033", "info", "made from heights with few levels (banding)",
         "Found with `--deep`: slopes are quantized: all of them are whole multiples of one step. Low-bit heights, "
         "such as 8-bit ones, cause this. Smooth slopes become flat terraces with edges between them, visible in "
@@ -101,13 +102,14 @@ const finding_spec FINDING_TABLE[FINDING_COUNT] = {
     [NT035] = { "NT035", "nt035", "warning", "resized or blurred without normalizing",
         "Vectors are too short where the surface is curved: neighboring normals were averaged and not normalized "
         "again.",
-        "`ntp clean --method auto`. Better: resize with a tool that normalizes." },
+        "`ntp clean`. Better: resize with a tool that normalizes." },
     [NT040] = { "NT040", "nt040", "info or error", "treated as colors",
         "Normals are numbers; a color conversion makes them wrong. gAMA, sRGB, iCCP, cHRM or cICP chunks ask "
         "programs to convert (info). Flat texels near 188 instead of 128 show that it was done: the numbers were "
         "converted from linear to sRGB (error).",
-        "`ntp clean` and `ntp convert` leave these chunks out. If numbers were converted, export again with color "
-        "management off; the rounding cannot be fully undone." },
+        "`ntp clean` and `ntp convert` leave these chunks out. If numbers were converted, `ntp clean` converts "
+        "them back where that is at least 90 % sure, and with `--undo` in any case; levels may then be off by one. "
+        "Better: export again with color management off." },
     [NT041] = { "NT041", "nt041", "info", "an alpha channel that is opaque everywhere",
         "It holds no information and costs a quarter of the memory. glTF says that normal textures should not have "
         "one.",

@@ -70,6 +70,10 @@ const option_spec OPTION_TABLE[] = {
       "derive: keep x and y, compute z; normalize: divide each failing vector by its length "
       "(better after JPEG or resizing); auto: choose by the errors of the file. A file in which "
       "every texel is a correctly rounded unit vector stays as it is" },
+    { OPT_UNDO, "undo", 0, KIND_FLAG, NULL, NULL, 0, 0, V_CLEAN,
+      "first undo what can be undone exactly: exchanged channels, DXT5nm, inverted blue, numbers "
+      "converted to sRGB. Where that is at least 90 % sure, it is undone also without --undo, "
+      "unless --type says what the file is" },
     { OPT_ONLY_FAILING, "only-failing", 0, KIND_FLAG, NULL, NULL, 0, 0, V_CLEAN,
       "leave texels that pass --verdict as they are" },
     { OPT_ONLY_CHANGED, "only-changed", 0, KIND_FLAG, NULL, NULL, 0, 0, V_CLEAN,
@@ -306,6 +310,8 @@ const verb_spec VERB_TABLE[] = {
       "as after JPEG or resizing, each vector is divided by its length (--method). Alpha, and "
       "texels that are pure black, pure white or transparent, stay as they are. Cleaning again "
       "changes nothing.\n"
+      "Exchanged channels, DXT5nm, inverted blue and numbers converted to sRGB are undone first "
+      "where that is sure; else such files are refused (--undo).\n"
       "Heights, object-space maps and other images are refused unless --type says what they "
       "are. gAMA, sRGB, iCCP and cHRM chunks are left out: normals are numbers, not colors.",
       "ntp clean wall_n.png -o wall_clean_n.png\n"

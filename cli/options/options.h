@@ -58,6 +58,7 @@ typedef enum option_id {
     OPT_TOUCH_UNUSED,
     OPT_DRY_RUN,
     OPT_FORCE,
+    OPT_UNDO,
     OPT_TO,
     OPT_TO_Y,
     OPT_DEPTH,

@@ -11,7 +11,7 @@
 #include "report/report.h"
 #include "verbs/verbs.h"
 #include "write/green.h"
-#include "write/refusal.h"
+#include "write/question.h"
 #include "write/write_run.h"
 
 typedef struct settings {
@@ -183,7 +183,7 @@ static bool examine_detail(layer *l, const options *o, ntpio_error *error)
 {
     if (!green_examine(&l->s, forced_class(o), &l->f, error))
         return false;
-    if (has_tangent_normals(&l->f, false) || !option_given(o, OPT_FORCE))
+    if (!option_given(o, OPT_FORCE) || question_detail(NULL, &l->f))
         return true;
     facts_free(&l->f);
     return source_rewind(&l->s, error) && green_examine(&l->s, NTP_CLASS_STANDARD, &l->f, error);
@@ -201,13 +201,13 @@ static unsigned read_detail(layer *l, settings *set, const options *o, const ntp
         complain("%s", error.message);
         return RAN_FAILED;
     }
-    if (!has_tangent_normals(&l->f, false)) {
-        text t = { 0 };
-        add_refusal(&t, &l->f, "type");
-        complain("%s: %s", o->paths[1], text_string(&t));
-        text_free(&t);
+    text why = { 0 };
+    const bool fit = question_detail(&why, &l->f);
+    if (!fit)
+        complain("%s: %s", o->paths[1], text_string(&why));
+    text_free(&why);
+    if (!fit)
         return RAN_FINDINGS;
-    }
     ok = source_rewind(&l->s, &error);
     if (ok) {
         view_detail(l);

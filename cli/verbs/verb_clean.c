@@ -89,7 +89,11 @@ static bool begin(production *p, ntpio_write_options *shape, ntpio_error *error)
         if (status != NTP_OK)
             return library_error(&p->s, status, error);
     }
-    if (set->compare_angles || st->how.method != NTP_CLEAN_DERIVE)
+    if (p->undone.kind == UNDO_DXT5NM) { /* there is no blue */
+        st->how.method = NTP_CLEAN_DERIVE;
+        st->why = (ntp_reason) { NTP_REASON_XY_ONLY, 0 };
+    }
+    if (set->compare_angles || p->undone.kind != UNDO_NOTHING || st->how.method != NTP_CLEAN_DERIVE)
         st->diff = worker_diff(p->w);
     const bool large = (int64_t) view->width * view->height >= PLAN_TEXELS;
     if (large && view->type == NTP_TYPE_U8)
@@ -117,14 +121,16 @@ static bool rows(production *p, const ntp_rect *area, ntpio_error *error)
     const ntp_image *view = &p->s.view;
     const ntp_const_image same = ntp_image_as_const(view);
     ntp_const_image before = same;
-    if (st->diff != NULL)
+    if (p->undone.kind != UNDO_NOTHING)
+        before = undo_stored(&p->s);
+    else if (st->diff != NULL)
         before = copy_rows(p, area);
     ntp_status status = ntp_clean(view, &same, &st->how, st->plan, &st->counts, area);
     if (status == NTP_OK && st->diff != NULL)
         status = ntp_diff_add(st->diff, NULL, &same, &before, area);
     if (status != NTP_OK)
         return library_error(&p->s, status, error);
-    p->changes = st->counts.changed > 0;
+    p->changes = st->counts.changed > 0 || p->undone.kind != UNDO_NOTHING;
     return production_write(p, source_rows(&p->s, area), view->row_stride, area, error);
 }
 
@@ -144,27 +150,40 @@ static const char *method_done(const state *st)
     return mirrored ? "mirror" : clean_method_name(st->how.method);
 }
 
+/* Texels that differ from those in the file. */
+static uint64_t changed(const production *p)
+{
+    const state *st = p->state;
+    ntp_diff_stats stats;
+    if (p->undone.kind != UNDO_NOTHING && ntp_diff_summarize(&stats, st->diff) == NTP_OK)
+        return stats.different;
+    return st->counts.changed;
+}
+
 static void describe_text(const production *p, text *line)
 {
     const state *st = p->state;
     const settings *set = p->m->settings;
     const ntp_angles angles = angles_of(p);
-    if (st->counts.changed == 0) {
+    const bool would = option_given(p->m->o, OPT_DRY_RUN);
+    const uint64_t count = changed(p);
+    if (p->undone.kind != UNDO_NOTHING)
+        undo_tell(line, &p->undone, would);
+    if (count == 0) {
         text_add(line, "nothing to repair");
         return;
     }
-    text_count(line, st->counts.changed);
-    text_add(line, st->counts.changed == 1 ? " texel (" : " texels (");
-    text_percent(line, st->counts.changed, p->f.stats.texels);
-    text_addf(line, ") %s, turned by up to ",
-              option_given(p->m->o, OPT_DRY_RUN) ? "would change" : "changed");
+    text_count(line, count);
+    text_add(line, count == 1 ? " texel (" : " texels (");
+    text_percent(line, count, p->f.stats.texels);
+    text_addf(line, ") %s, turned by up to ", would ? "would change" : "changed");
     text_degrees(line, angles.max);
     text_add(line, " degrees, ");
     text_degrees(line, angles.mean);
     text_add(line, " on average");
     if (p->f.type.type != NTP_CLASS_STANDARD)
         text_addf(line, "; %s", class_title(p->f.type.type));
-    if (!set->choose)
+    if (!set->choose || st->counts.changed == 0)
         return;
     char why[300];
     ntp_reason_text(why, sizeof why, &st->why);
@@ -183,7 +202,8 @@ static void describe(const production *p, text *line, json_t *object)
     if (object == NULL)
         return;
     const ntp_angles angles = angles_of(p);
-    json_object_set_new(object, "changed", json_count(st->counts.changed));
+    json_object_set_new(object, "changed", json_count(changed(p)));
+    json_object_set_new(object, "undone", undo_json(&p->undone));
     json_object_set_new(object, "texels", json_count(p->f.stats.texels));
     json_object_set_new(object, "angle_deg", json_angles(&angles));
     json_object_set_new(object, "method", json_string(method_done(st)));

@@ -12,6 +12,7 @@
 
 #include "cli.h"
 #include "write/green.h"
+#include "write/question.h"
 #include "write/refusal.h"
 
 /* ----------------------------------------------------------------------- the plan */
@@ -107,6 +108,7 @@ static pass_end run_pass(production *p, bool writes, ntpio_error *error)
                                   .sample_bytes = p->s.info->sample_bytes };
     memset(p->state, 0, p->m->state_size);
     p->changes = false;
+    undo_restart(&p->undone);
     if (!p->m->begin(p, &shape, error))
         return PASS_FAILED;
     if (p->probing && p->changes)
@@ -136,24 +138,16 @@ static pass_end run_pass(production *p, bool writes, ntpio_error *error)
     return more == 0 ? PASS_DONE : PASS_UNREADABLE;
 }
 
-static bool is_refused(const production *p)
-{
-    if (p->m->plan == PLAN_AS_TOLD)
-        return !p->f.forced && !p->f.counts;
-    return !has_tangent_normals(&p->f, p->m->any_order);
-}
-
 static outcome refuse(const production *p, ntpio_error *error)
 {
-    const unsigned verb = p->m->o->verb_bit;
-    const option_spec *row = option_row(OPT_TYPE, verb);
     text t = { 0 };
     text_name(&t, p->in->path);
     text_add(&t, ": ");
-    add_refusal(&t, &p->f, p->f.counts && row != NULL ? row->name : NULL);
+    question_refusal(&t, p);
     snprintf(error->message, sizeof error->message, "%.500s", text_string(&t));
     text_free(&t);
-    return p->f.counts && (p->in->named || p->in->hinted) ? REFUSED : SKIPPED;
+    const bool told = p->in->named || p->in->hinted || has_tangent_normals(&p->f, true);
+    return p->f.counts && told ? REFUSED : SKIPPED;
 }
 
 /* Refuses a file of which something is not known that the verb needs. */
@@ -184,14 +178,38 @@ static void view_as_known(production *p)
         p->s.view.encoding = p->f.encoding;
 }
 
+/* Undoes the accident of the facts, and finds out what the file is then.  It is undone in all later
+ * passes. */
+static outcome know_undone(production *p, ntpio_error *error)
+{
+    const ntp_classification before = p->f.type;
+    const bool counts = p->f.counts;
+    const undo_kind kind = undo_kind_of(&p->f);
+    ntpio_abort(p->writer);
+    p->writer = NULL;
+    facts_free(&p->f);
+    if (!source_rewind(&p->s, error))
+        return UNREADABLE;
+    undo_begin(&p->undone, &p->s, kind, before.confidence);
+    if (!examine_as_seen(&p->s, NTP_CLASS_STANDARD, &p->f, error))
+        return UNREADABLE;
+    p->f.forced = false;
+    p->f.counts = counts;
+    p->f.type.confidence = before.confidence;
+    p->known = true;
+    p->touch = 0;
+    return source_rewind(&p->s, error) ? MADE : UNREADABLE;
+}
+
 /* Reads the file once, so that the facts are known when the rows are made. */
 static outcome know_first(production *p, ntpio_error *error)
 {
     if (p->m->finds_green ? !green_examine(&p->s, p->forced, &p->f, error)
                           : !examine(&p->s, p->forced, &p->f, error))
         return UNREADABLE;
-    if (is_refused(p))
-        return refuse(p, error);
+    const answer found = question(p);
+    if (found != ANSWER_WORK)
+        return found == ANSWER_UNDO ? know_undone(p, error) : refuse(p, error);
     p->known = true;
     p->touch = touch_for(&p->f.stats, p->f.encoding);
     view_as_known(p);
@@ -223,8 +241,15 @@ static outcome speculate(production *p, bool writes, ntpio_error *error)
             return finish(p, error);
         if (!facts_from_tally(&p->f, &p->s, p->forced, error))
             return UNREADABLE;
-        if (is_refused(p))
+        const answer answered = question(p);
+        if (answered == ANSWER_REFUSE)
             return refuse(p, error);
+        if (answered == ANSWER_UNDO) {
+            const outcome known = know_undone(p, error);
+            if (known != MADE)
+                return known;
+            continue;
+        }
         const uint32_t touch = touch_for(&p->f.stats, p->f.encoding);
         const bool same_touch = touch == p->touch || p->f.stats.transparent == 0;
         const bool same = p->f.encoding == p->s.view.encoding && same_touch;
@@ -310,6 +335,7 @@ outcome make_output(production *p, ntpio_error *error)
     ntpio_abort(p->writer);
     p->writer = NULL;
     facts_free(&p->f);
+    p->known = false;
     p->forced = NTP_CLASS_STANDARD;
     return source_rewind(&p->s, error) ? make_as_known(p, error) : UNREADABLE;
 }

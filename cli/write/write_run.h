@@ -7,6 +7,8 @@
  *   write_run.c    the run over all files, and what is reported about each
  *   make_output.c  the passes over one file
  *   green.c        which way green points, and the question where it is not known
+ *   question.c     what the input is, and whether the verb can work on it
+ *   undo.c         accidents that are exactly undone (srgb_levels.c: the inverse of sRGB)
  *   refusal.c      which files are refused, and the words for it
  *   whole_image.c  for verbs that need the whole input in memory
  *   side_image.c   a channel of a second image: an alpha, a mask
@@ -23,6 +25,7 @@
 #include "examine/examine.h"
 #include "options/options.h"
 #include "run/jobs.h"
+#include "write/undo.h"
 
 typedef struct maker maker;
 
@@ -36,6 +39,7 @@ typedef struct production {
     facts f;              /* complete when `finish` and `describe` are called */
     int forced;           /* the maker's, or what --force takes a refused file for */
     bool known;           /* the facts are known before the rows come */
+    undo undone;          /* the accident that is undone while rows are read */
     uint32_t touch;       /* unused texels to treat like others, for this encoding */
     ntpio_writer *writer; /* NULL: nothing is written in this pass */
     bool probing;         /* this pass only finds out whether anything changes */
