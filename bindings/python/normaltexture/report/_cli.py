@@ -11,7 +11,7 @@ from typing import Any
 from .. import _console, _ntp
 from ._check import check_json
 from ._page import MAX_TEXELS, build, save
-from .sarif import to_github, to_sarif
+from .sarif import cut_of, to_github, to_sarif
 
 Json = dict[str, Any]
 
@@ -151,7 +151,10 @@ def _render(args: argparse.Namespace, report: Json) -> str:
     if root is None and args.from_json is not None:
         root = os.curdir
     if args.format == "sarif":
-        return json.dumps(to_sarif(report, notes=args.notes, root=root), indent=1) + "\n"
+        log = to_sarif(report, notes=args.notes, root=root)
+        if cut_of(log):
+            print(f"ntp: {cut_of(log)}", file=sys.stderr)
+        return json.dumps(log, indent=1) + "\n"
     if args.format == "github":
         return to_github(report, notes=args.notes)
     if args.format == "json":

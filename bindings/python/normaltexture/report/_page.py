@@ -9,6 +9,7 @@ the JSON may come from anywhere, so they are opened by `_named`.
 import base64
 import hashlib
 import os
+import re
 import threading
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -121,7 +122,9 @@ def _histogram(lengths: Sequence[int]) -> list[Json]:
     return bars
 
 
-def _view(file: Mapping[str, Any], number: int, rules: Mapping[str, _ntp.Rule]) -> Json:
+def _view(
+    file: Mapping[str, Any], number: int, rules: Mapping[str, _ntp.Rule], rule: Mapping[str, Any]
+) -> Json:
     """What the template shows of a file."""
     view: Json = {
         "id": f"file-{number}",
@@ -143,8 +146,7 @@ def _view(file: Mapping[str, Any], number: int, rules: Mapping[str, _ntp.Rule]) 
         ]
         view["image_name"] = _console.shown(file["name"])
     for found in file["findings"]:
-        rule = rules.get(found["id"])
-        view["findings"].append({**found, "rule": rule})
+        view["findings"].append({**found, "rule": rules.get(found["id"])})
     if file["status"] != "ok":
         return view
     view.update(
@@ -160,10 +162,75 @@ def _view(file: Mapping[str, Any], number: int, rules: Mapping[str, _ntp.Rule]) 
         length=file["length"],
         unused=file["unused"],
     )
-    failing = (file["fail"] or {}).get("neighbor")
-    view["failing"] = failing
-    view["failing_text"] = "" if failing is None else percent(failing, file["texels"])
+    view.update(_figures(file, rule["verdict"]))
     return view
+
+
+def _figures(file: Mapping[str, Any], verdict: str) -> Json:
+    """The numbers that levels follow from, and how they explain the result.
+
+    `harm` counts texels that are off by more than `max_angle`; older JSON has none.
+    """
+    failing = (file["fail"] or {}).get(verdict)
+    figures: Json = {"failing": failing, "failing_text": "", "visible": None, "judged": ""}
+    if failing is None:
+        return figures
+    figures["failing_text"] = percent(failing, file["texels"])
+    harm, angle = file.get("harm"), file["angle_deg"]
+    by = f"by {angle['mean']:.3g}° on average and {angle['max']:.3g}° at most"
+    figures["judged"] = f"{figures['failing_text']} of the texels fail the test {verdict}, {by}."
+    if harm:
+        over = max(harm[kind]["over"] for kind in ("length", "xy", "z_negative") if kind in harm)
+        figures["visible"] = over / max(file["texels"] - file["unused"], 1)
+        figures["visible_text"] = percent(over, file["texels"] - file["unused"])
+        figures["judged"] += (
+            f" {figures['visible_text']} of the used texels are off by more than "
+            f"{harm['max_angle']:g}°, which is what can be seen."
+        )
+    if failing and state(file) == "ok":
+        figures["judged"] += " That is too little for a warning."
+    return figures
+
+
+def rule_of(report: Mapping[str, Any]) -> Json:
+    """The rule by which a report judges texels; older JSON does not state it."""
+    rule = report.get("summary", {}).get("rule") or {}
+    return {"policy": "", "verdict": "neighbor", **rule}
+
+
+def rule_text(rule: Mapping[str, Any]) -> str:
+    """The same in a sentence or two; "" where it is not known."""
+    if rule["policy"] == "harm":
+        return (
+            f"The result follows the angle that a renderer shows. A texel is visibly wrong if its "
+            f"normal is off by more than {rule['max_angle']:g}°. If more than "
+            f"{rule['max_fail']:g} % of the used texels are, that is an error."
+        )
+    if rule["policy"] == "strict":
+        return (
+            f"The result follows the share of texels that fail the test {rule['verdict']}. A share "
+            f"of more than {rule['max_fail']:g} % is an error, a smaller one a warning."
+        )
+    return ""
+
+
+def _badness(file: Mapping[str, Any]) -> tuple[float, ...]:
+    """Grows with what is wrong: the state, what can be seen, the mean error, the share."""
+    if file["status"] != "ok" or not file.get("fail"):
+        return (_ORDER[state(file)], 0, 0, 0)
+    harm = (file.get("harm") or {}).get("length") or {}
+    used = max(file["texels"] - file["unused"], 1)
+    angle = harm.get("mean", file["angle_deg"]["mean"])
+    failing = file["fail"].get("neighbor") or 0
+    return (_ORDER[state(file)], harm.get("over", 0) / used, angle, failing / file["texels"])
+
+
+def _breakable(name: str) -> Any:
+    """A name as HTML that may break between its parts: BrickWall_1K_Normal, a.b-c."""
+    from markupsafe import Markup, escape
+
+    parts = re.split(r"(?<=[/_.\- ])(?=[^/_.\- ])|(?<=[a-z])(?=[A-Z])|(?<=[A-Za-z])(?=\d)", name)
+    return Markup("<wbr>").join(escape(part) for part in parts)
 
 
 @dataclass(frozen=True)
@@ -187,9 +254,8 @@ class _Sources:
 def _draw_all(
     files: Sequence[Mapping[str, Any]], limit: int, size: int, palette: Palette, sources: _Sources
 ) -> dict[int, Pictures | str]:
-    """{number of the file: its pictures, or why there are none}, the worst files first."""
-    worst_first = sorted(range(len(files)), key=lambda i: (-_ORDER[state(files[i])], i))
-    wanted = [i for i in worst_first if files[i]["status"] == "ok"]
+    """{number of the file: its pictures, or why there are none}; the files come worst first."""
+    wanted = [i for i in range(len(files)) if files[i]["status"] == "ok"]
     drawn: dict[int, Pictures | str] = {
         i: f"Pictures are limited to {limit} files." for i in wanted[limit:]
     }
@@ -245,7 +311,7 @@ def _environment() -> Any:
         undefined=jinja2.StrictUndefined,
     )
     environment.filters["thousands"] = lambda number: f"{number:,}"
-    environment.filters["percent_of"] = percent
+    environment.filters["breakable"] = _breakable
     return environment
 
 
@@ -302,9 +368,9 @@ def build(
         Jinja2 or the program ntp is missing.
     """
     environment = _environment()
-    files = report["files"]
-    rules = all_rules()
-    views = [_view(file, number, rules) for number, file in enumerate(files, 1)]
+    files = sorted(report["files"], key=_badness, reverse=True)
+    rules, rule = all_rules(), rule_of(report)
+    views = [_view(file, number, rules, rule) for number, file in enumerate(files, 1)]
     sources = _Sources(base, root, max_bytes, max_texels)
     for number, drawn in _draw_all(files, limit, size, palette, sources).items():
         views[number]["pictures"] = drawn if isinstance(drawn, Pictures) else None
@@ -319,9 +385,12 @@ def build(
         files=views,
         tiles=[
             (name, STATE_WORDS[name], states.count(name))
-            for name in ("ok", "warning", "error", "unreadable", "skipped")
+            for name in ("unreadable", "error", "warning", "ok", "skipped")
         ],
         frequent=_frequent(files, rules),
+        rule=rule,
+        rule_text=rule_text(rule),
+        has_harm=any(view.get("visible") is not None for view in views),
         state_words=STATE_WORDS,
         palette=palette,
         bins=HISTOGRAM_BINS,

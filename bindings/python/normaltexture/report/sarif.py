@@ -1,10 +1,15 @@
 # SPDX-License-Identifier: MIT
 """Findings for other programs: SARIF 2.1.0 and the annotations of GitHub Actions.
 
-Source: OASIS, Static Analysis Results Interchange Format 2.1.0; GitHub, workflow commands.
+The worst findings come first, because GitHub shows only so many.  What goes beyond its limits is
+left out, and the file says how much.
+
+Source: OASIS, Static Analysis Results Interchange Format 2.1.0; GitHub, workflow commands, and
+SARIF support for code scanning (its fingerprints and limits).
 """
 
 import hashlib
+import json
 import os
 from collections.abc import Iterator, Mapping
 from typing import Any
@@ -19,7 +24,16 @@ Json = dict[str, Any]
 SARIF_VERSION = "2.1.0"
 SCHEMA = "https://docs.oasis-open.org/sarif/sarif/v2.1.0/os/schemas/sarif-schema-2.1.0.json"
 UNREADABLE = "NT000"
+# By content: a finding is known again as long as the file stays as it is.
 FINGERPRINT = "normaltexture/v1"
+# By place, for GitHub: an alert stays the same one, also a dismissed one, while the file is edited.
+GITHUB_FINGERPRINT = "primaryLocationLineHash"
+
+# What GitHub takes: results of a run, and bytes of a file.  A file has one run here.
+MAX_RESULTS = 25_000
+MAX_BYTES = 25_000_000
+# `json.dumps(log, indent=1)` puts so many spaces before each line of a result.
+_RESULT_DEPTH = 4
 
 _SARIF_LEVELS = {"error": "error", "warning": "warning", "info": "note"}
 _GITHUB_COMMANDS = {"error": "error", "warning": "warning", "info": "notice"}
@@ -56,6 +70,24 @@ def _digest(path: str, root: str | os.PathLike[str] | None) -> str:
         return ""
 
 
+def _hash(text: str) -> str:
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+def _worst_first(
+    report: Mapping[str, Any], notes: bool
+) -> list[tuple[Mapping[str, Any], Mapping[str, Any]]]:
+    """(file, finding) of all that count, errors before warnings before notes."""
+    used = [
+        (file, found)
+        for file in report["files"]
+        if _ntp.counts(file)
+        for found in _findings(file)
+        if notes or found["level"] != "info"
+    ]
+    return sorted(used, key=lambda pair: -_ntp.LEVELS.index(pair[1]["level"]))
+
+
 def _findings(file: Mapping[str, Any]) -> Iterator[Mapping[str, Any]]:
     """The findings of a file; that it is unreadable is one too."""
     if file["status"] == "unreadable":
@@ -87,14 +119,17 @@ def _result(
     if "image" in file:
         pointer = f"/images/{file['image']}"
         location["logicalLocations"] = [{"fullyQualifiedName": pointer, "kind": "object"}]
-    key = "\0".join([found["id"], file_uri(path), str(file.get("image", "")), digest])
+    place = "\0".join([found["id"], file_uri(path), str(file.get("image", ""))])
     return {
         "ruleId": found["id"],
         "ruleIndex": rules.index(found["id"]),
         "level": _SARIF_LEVELS[found["level"]],
         "message": {"text": _where(file) + _sentence(found["message"])},
         "locations": [location],
-        "partialFingerprints": {FINGERPRINT: hashlib.sha256(key.encode()).hexdigest()},
+        "partialFingerprints": {
+            FINGERPRINT: _hash(f"{place}\0{digest}"),
+            GITHUB_FINGERPRINT: f"{_hash(place)[:16]}:1",
+        },
         "properties": {"texels": found["count"]},
     }
 
@@ -140,46 +175,72 @@ def to_sarif(
     Returns
     -------
     dict
-        One run, to be written as JSON.  Paths are relative to %SRCROOT% where the check was given
-        relative ones.  Fingerprints depend on rule, path and content, so that a finding is known
-        again as long as the file stays.
+        One run, to be written as JSON, the worst findings first.  Paths are relative to %SRCROOT%
+        where the check was given relative ones.  One fingerprint is of rule, path and content, so
+        that a finding is known again as long as the file stays.  GitHub's is of rule and path.
+        Findings beyond GitHub's limits are left out, and a notification of the run says how many.
     """
     rules = all_rules()
-    results: list[Json] = []
-    used: list[tuple[Mapping[str, Any], Mapping[str, Any]]] = []
-    for file in report["files"]:
-        if not _ntp.counts(file):
-            continue
-        used += [(file, f) for f in _findings(file) if notes or f["level"] != "info"]
+    used = _worst_first(report, notes)
     ids = sorted(rules.keys() | {found["id"] for _, found in used})
     for name in ids:
         rules.setdefault(name, _ntp.Rule(name, "warning", name, name, ""))
-    digests = {path: _digest(path, root) for path in {_ntp.path_of(file) for file, _ in used}}
-    for file, found in used:
-        results.append(_result(file, found, ids, digests[_ntp.path_of(file)]))
+    kept = used[:MAX_RESULTS]
+    digests = {path: _digest(path, root) for path in {_ntp.path_of(file) for file, _ in kept}}
+    results = [_result(file, found, ids, digests[_ntp.path_of(file)]) for file, found in kept]
     failed = any(file["status"] == "unreadable" for file in report["files"])
-    return {
-        "$schema": SCHEMA,
-        "version": SARIF_VERSION,
-        "runs": [
-            {
-                "tool": {
-                    "driver": {
-                        "name": report["tool"]["name"],
-                        "semanticVersion": report["tool"]["version"],
-                        "version": report["tool"]["version"],
-                        "rules": [_rule(rules[name]) for name in ids],
-                    }
-                },
-                "invocations": [{"executionSuccessful": not failed}],
-                "originalUriBaseIds": {
-                    "%SRCROOT%": {"description": {"text": "Where the check was started."}}
-                },
-                "columnKind": "unicodeCodePoints",
-                "results": results,
+    invocation: Json = {"executionSuccessful": not failed}
+    run: Json = {
+        "tool": {
+            "driver": {
+                "name": report["tool"]["name"],
+                "semanticVersion": report["tool"]["version"],
+                "version": report["tool"]["version"],
+                "rules": [_rule(rules[name]) for name in ids],
             }
-        ],
+        },
+        "invocations": [invocation],
+        "originalUriBaseIds": {
+            "%SRCROOT%": {"description": {"text": "Where the check was started."}}
+        },
+        "columnKind": "unicodeCodePoints",
+        "results": [],
     }
+    log: Json = {"$schema": SCHEMA, "version": SARIF_VERSION, "runs": [run]}
+    room = MAX_BYTES - len(json.dumps(log, indent=1)) - 1000  # and a sentence about what is cut
+    run["results"] = _that_fit(results, room)
+    text = cut_message(len(used), len(run["results"]))
+    if text:
+        notification = {"level": "warning", "message": {"text": text}}
+        invocation["toolExecutionNotifications"] = [notification]
+    return log
+
+
+def _that_fit(results: list[Json], room: int) -> list[Json]:
+    """The first results, of at most `room` bytes as they are written."""
+    for count, result in enumerate(results):
+        text = json.dumps(result, indent=1)
+        room -= len(text) + _RESULT_DEPTH * (text.count("\n") + 1) + len(",\n")
+        if room < 0:
+            return results[:count]
+    return results
+
+
+def cut_message(found: int, kept: int) -> str:
+    """What is said where not all findings are written; "" where they are."""
+    if found == kept:
+        return ""
+    return (
+        f"{found - kept:,} of {found:,} findings are left out, the least grave ones: GitHub takes "
+        f"{MAX_RESULTS:,} results and {MAX_BYTES // 1_000_000} MB in a file. Check fewer files at a "
+        "time, and upload each file with a category of its own."
+    )
+
+
+def cut_of(log: Mapping[str, Any]) -> str:
+    """What a log says about findings that were left out, "" for none."""
+    notifications = log["runs"][0]["invocations"][0].get("toolExecutionNotifications", [])
+    return " ".join(note["message"]["text"] for note in notifications)
 
 
 def _escape(text: str, extra: str = "") -> str:
@@ -200,22 +261,15 @@ def to_github(report: Mapping[str, Any], *, notes: bool = False) -> str:
     Returns
     -------
     str
-        One line for each finding; the workflow commands of GitHub.
+        One line for each finding, the worst first; the workflow commands of GitHub.
     """
     lines = []
     rules = all_rules()
-    for file in report["files"]:
-        if not _ntp.counts(file):
-            continue
+    for file, found in _worst_first(report, notes):
         path = _escape(os.fsencode(_ntp.path_of(file)).decode("utf-8", "replace"), ":,")
-        for found in _findings(file):
-            if found["level"] == "info" and not notes:
-                continue
-            rule = rules.get(found["id"])
-            title = f"{found['id']}: {rule.title}" if rule else str(found["id"])
-            command = _GITHUB_COMMANDS[found["level"]]
-            message = _escape(_where(file) + found["message"])
-            lines.append(
-                f"::{command} file={path},line=1,title={_escape(title, ':,')}::{message}\n"
-            )
+        rule = rules.get(found["id"])
+        title = f"{found['id']}: {rule.title}" if rule else str(found["id"])
+        command = _GITHUB_COMMANDS[found["level"]]
+        message = _escape(_where(file) + found["message"])
+        lines.append(f"::{command} file={path},line=1,title={_escape(title, ':,')}::{message}\n")
     return "".join(lines)

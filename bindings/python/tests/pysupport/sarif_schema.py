@@ -2,14 +2,22 @@
 """What SARIF 2.1.0 says of the objects that we write, as a JSON schema in our own words.
 
 It is stricter than the standard's own: a property that is not listed here is an error, so that a
-misspelled name cannot pass.  Section numbers are those of the OASIS standard.  No package ships the
-standard's schema itself; but the classes of sarif_om are generated from it, and know all properties
-and which of them are required.
+misspelled name cannot pass.  Section numbers are those of the OASIS standard.  The classes of
+sarif_om are generated from the standard's own schema, and know all properties and which of them are
+required.  That schema itself comes with an npm package of Microsoft's under the MIT license, which
+`./dev python` installs into its virtual environment.
 """
 
+import json
+import sys
+from pathlib import Path
+
 import attr
+import pytest
 import sarif_om
-from jsonschema import Draft202012Validator
+from jsonschema import Draft7Validator, Draft202012Validator
+
+OFFICIAL = "lib/node_modules/@microsoft/jest-sarif/lib/schemas/sarif-2.1.0-rtm.5.json"
 
 
 def _object(required, **properties):
@@ -70,7 +78,14 @@ RUN = _object(  # 3.14
     tool=_object(["driver"], driver=DRIVER),
     invocations={
         "type": "array",
-        "items": _object(["executionSuccessful"], executionSuccessful={"type": "boolean"}),
+        "items": _object(
+            ["executionSuccessful"],
+            executionSuccessful={"type": "boolean"},
+            toolExecutionNotifications={  # 3.58
+                "type": "array",
+                "items": _object(["message"], level=LEVEL, message=MESSAGE),
+            },
+        ),
     },
     originalUriBaseIds={
         "type": "object",
@@ -100,6 +115,7 @@ CLASSES = {
     "help": sarif_om.MultiformatMessageString,
     "defaultConfiguration": sarif_om.ReportingConfiguration,
     "invocations": sarif_om.Invocation,
+    "toolExecutionNotifications": sarif_om.Notification,
     "originalUriBaseIds": sarif_om.ArtifactLocation,
     "results": sarif_om.Result,
     "message": sarif_om.Message,
@@ -131,6 +147,16 @@ def check_properties(value, kind=sarif_om.SarifLog):
 def check_objects(log):
     """Each object is as SCHEMA says."""
     Draft202012Validator(SCHEMA).validate(log)
+
+
+def check_officially(log):
+    """The log is as the schema of OASIS says."""
+    path = Path(sys.prefix) / OFFICIAL
+    if not path.exists():
+        pytest.skip("the schema of SARIF is not installed: ./dev python does it")
+    schema = json.loads(path.read_text(encoding="utf-8"))
+    validator = Draft7Validator(schema, format_checker=Draft7Validator.FORMAT_CHECKER)
+    validator.validate(log)
 
 
 def validate(log):
