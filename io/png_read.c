@@ -13,7 +13,8 @@
 #include "formats.h"
 
 enum {
-    READ_SIZE = 1 << 16,           /* of compressed data at a time */
+    READ_SIZE = 1 << 13,           /* of compressed data at a time; unpacked at most 8 MB */
+    SURPLUS_MAX = 1 << 12,         /* of compressed data after the last row; honest: 10 bytes */
     CHUNK_COUNT_MAX = 256,         /* of texts; a file with more loses the rest */
     CHUNK_SIZE_MAX = 4 << 20,      /* of one text, unpacked */
     CHUNK_BUDGET = 64 << 20,       /* all that libpng allocates, without rows */
@@ -27,6 +28,7 @@ typedef struct png_state {
     ntpio_reader *reader;
     size_t budget;
     bool ended;      /* the source gave less than was asked for */
+    size_t surplus;  /* bytes of IDAT read after the last row */
     bool bad_pixels; /* a warning that is an error here */
     bool out_of_memory;
     char message[MESSAGE_SIZE];
@@ -67,9 +69,30 @@ static void on_warning(png_structp png, png_const_charp message)
         s->bad_pixels = true;
 }
 
+/* Is the picture whole, and yet there is much more in its chunks?  libpng would unpack all of that,
+ * in order to warn about it. */
+static bool has_surplus(const png_state *s)
+{
+    return s->surplus > SURPLUS_MAX;
+}
+
+static void count_surplus(png_state *s, size_t size)
+{
+    enum { IDAT = 0x49444154, PASSES = 7 };
+    const ntpio_info *info = &s->reader->info;
+    const bool whole = info->interlaced ? png_get_current_pass_number(s->png) >= PASSES
+                                        : png_get_current_row_number(s->png) >= info->height;
+    if (whole && info->height != 0 && png_get_io_chunk_type(s->png) == IDAT &&
+        (png_get_io_state(s->png) & PNG_IO_MASK_LOC) == PNG_IO_CHUNK_DATA)
+        s->surplus += size;
+}
+
 static void on_read(png_structp png, png_bytep dst, size_t size)
 {
     png_state *s = png_get_io_ptr(png);
+    count_surplus(s, size);
+    if (has_surplus(s))
+        png_error(png, "more data than the picture has");
     if (ntpio__read(&s->reader->source, dst, size) != size) {
         s->ended = true;
         png_error(png, "truncated");
@@ -200,7 +223,7 @@ static bool read_interlaced(png_state *s, int passes, ntpio_error *error)
     ntpio_reader *reader = s->reader;
     const size_t size = ntpio__row_bytes(&reader->info);
     if (setjmp(png_jmpbuf(s->png)) != 0)
-        return fail(s, error);
+        return has_surplus(s) || fail(s, error);
     for (int pass = 0; pass < passes; pass++) {
         for (uint32_t y = 0; y < reader->info.height; y++)
             png_read_row(s->png, reader->held + y * size, NULL);
@@ -257,7 +280,7 @@ static bool png_rows(ntpio_reader *reader, uint8_t *dst, ptrdiff_t stride, uint3
 {
     png_state *s = reader->state;
     if (setjmp(png_jmpbuf(s->png)) != 0)
-        return fail(s, error);
+        return has_surplus(s) || fail(s, error);
     for (uint32_t i = 0; i < count; i++)
         png_read_row(s->png, dst + (ptrdiff_t) i * stride, NULL);
     return true;
@@ -266,8 +289,10 @@ static bool png_rows(ntpio_reader *reader, uint8_t *dst, ptrdiff_t stride, uint3
 static bool png_end(ntpio_reader *reader, ntpio_error *error)
 {
     png_state *s = reader->state;
+    if (has_surplus(s)) /* texts after it are left out */
+        return true;
     if (setjmp(png_jmpbuf(s->png)) != 0)
-        return fail(s, error);
+        return has_surplus(s) || fail(s, error);
     png_read_end(s->png, s->end_info);
     if (s->bad_pixels)
         return ntpio__fail(error, NTPIO_ERR_CORRUPT, reader->name, "checksum error in the pixels");

@@ -143,6 +143,15 @@ static const char *relative_part(const char *path, bool keep_path)
     return slash + 1;
 }
 
+static void add_root(input_list *list, const char *path)
+{
+    char *root = realpath(path, NULL);
+    if (root == NULL)
+        return; /* then its files cannot be reached either */
+    list->roots = need(realloc(list->roots, (list->root_count + 1) * sizeof *list->roots));
+    list->roots[list->root_count++] = root;
+}
+
 static bool add_path(scan *s, const char *path, bool keep_path);
 
 /* A pattern that the shell left alone, as it does in quotes.  Returns false if no file matches. */
@@ -168,6 +177,7 @@ static bool add_path(scan *s, const char *path, bool keep_path)
         return true;
     if (exists && stat(path, &st) == 0 && S_ISDIR(st.st_mode)) {
         s->list->from_directory = true;
+        add_root(s->list, path);
         if (enter(s, &st))
             scan_directory(s, path, "", 0);
         return true;
@@ -176,6 +186,15 @@ static bool add_path(scan *s, const char *path, bool keep_path)
     if (!excluded)
         add_input(s->list, path, relative_part(path, keep_path))->named = true;
     return true;
+}
+
+/* Lists of Windows end their lines with "\r\n".  A file may have such a name, too. */
+static ssize_t without_return(char *line, ssize_t length)
+{
+    struct stat st;
+    if (length > 0 && line[length - 1] == '\r' && lstat(line, &st) != 0)
+        line[--length] = 0;
+    return length;
 }
 
 static bool add_list(scan *s, const char *name)
@@ -193,6 +212,8 @@ static bool add_list(scan *s, const char *name)
     for (ssize_t length; ok && (length = getdelim(&line, &size, end, file)) > 0;) {
         if (line[length - 1] == (char) end)
             line[--length] = 0;
+        if (end == '\n')
+            length = without_return(line, length);
         if (length > 0)
             ok = add_path(s, line, true);
     }
@@ -223,6 +244,7 @@ static void free_input(input *in)
     free(in->path);
     free(in->relative);
     free(in->output);
+    free(in->outside);
     free(in->problem);
 }
 
@@ -324,5 +346,8 @@ void inputs_free(input_list *list)
     for (size_t i = 0; i < list->count; i++)
         free_input(&list->at[i]);
     free(list->at);
+    for (size_t i = 0; i < list->root_count; i++)
+        free(list->roots[i]);
+    free(list->roots);
     *list = (input_list) { 0 };
 }

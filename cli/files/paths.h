@@ -21,6 +21,8 @@ typedef struct input {
     char *path;     /* as it is opened and shown; "-" is standard input */
     char *relative; /* its place below -o DIR, still with its own ending */
     char *output;   /* where the output goes; NULL: not decided */
+    char *outside;  /* --in-place: the file that would be replaced, if links lead to it from a
+                     * directory that was named, and out of all that was; else NULL */
     char *problem;  /* why a directory could not be read; NULL for files */
     bool named;     /* given by name: always judged */
     bool hinted;    /* it has the name of a normals texture */
@@ -32,6 +34,8 @@ typedef struct input_list {
     input *at;
     size_t count;
     bool from_directory; /* a directory was among the paths */
+    char **roots;        /* the directories that were named, without links */
+    size_t root_count;
 } input_list;
 
 /*

@@ -225,9 +225,31 @@ static bool means_directory(const input_list *list, const char *output)
     return list->from_directory || list->count > 1 || name_ending(output)[0] == 0;
 }
 
+static bool is_below(const char *path, const char *directory)
+{
+    const size_t length = strlen(directory);
+    return strncmp(path, directory, length) == 0 &&
+           (path[length] == '/' || directory[length - 1] == '/');
+}
+
+/* Where links lead from a file of a directory, if that is in none of the directories.  What is
+ * named itself may be replaced, wherever it is. */
+static char *way_out(const input_list *list, const input *in)
+{
+    char *resolved = in->named ? NULL : realpath(in->path, NULL);
+    for (size_t i = 0; resolved != NULL && i < list->root_count; i++) {
+        if (is_below(resolved, list->roots[i])) {
+            free(resolved);
+            resolved = NULL;
+        }
+    }
+    return resolved;
+}
+
 static bool plan_in_place(input_list *list)
 {
     for (size_t i = 0; i < list->count; i++) {
+        list->at[i].outside = way_out(list, &list->at[i]);
         if (strcmp(list->at[i].path, "-") == 0) {
             complain("--in-place: standard input cannot be replaced");
             return false;

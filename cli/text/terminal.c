@@ -9,6 +9,7 @@
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include "cli.h"
@@ -39,15 +40,33 @@ void progress_clear(void)
     progress_is_drawn = false;
 }
 
+/* Columns of the terminal; a terminal that does not tell has 80. */
+static int columns(void)
+{
+    struct winsize size;
+    enum { USUAL = 80 };
+    return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : USUAL;
+}
+
+/* A line that is wrapped cannot be cleared.  So the bar gets shorter, and then the counts go. */
 void progress_draw(double done, size_t files, size_t total)
 {
-    enum { CELLS = 30 };
-    char bar[CELLS + 1];
-    const int full = (int) (done * CELLS);
-    for (int i = 0; i < CELLS; i++)
+    enum { CELLS = 30, FEWEST_CELLS = 4, BRACKETS = 2, SIZE = 80 };
+    char bar[CELLS + 1], counts[SIZE], line[SIZE];
+    const int percent = (int) (100 * done), room = columns() - 1; /* the last column wraps */
+    const int share = snprintf(line, sizeof line, " %3d %%", percent);
+    const int used = share + snprintf(counts, sizeof counts, "  %zu of %zu files", files, total);
+    const bool counts_fit = used <= room;
+    int cells = room - BRACKETS - (counts_fit ? used : share);
+    cells = cells > CELLS ? CELLS : cells < FEWEST_CELLS ? 0 : cells;
+    const int full = (int) (done * cells);
+    for (int i = 0; i < cells; i++)
         bar[i] = i < full ? '#' : '.';
-    bar[CELLS] = 0;
-    fprintf(stderr, "\r[%s] %3d %%  %zu of %zu files\033[K", bar, (int) (100 * done), files, total);
+    bar[cells] = 0;
+    if (share > room)
+        return;
+    fprintf(stderr, "\r%s%s%s%s%s\033[K", cells > 0 ? "[" : "", bar, cells > 0 ? "]" : "", line,
+            counts_fit ? counts : "");
     fflush(stderr);
     progress_is_drawn = true;
 }

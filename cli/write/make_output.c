@@ -77,10 +77,26 @@ bool production_may_write(const production *p, const char *path, ntpio_error *er
     return false;
 }
 
+/* The result would replace a file outside of the directories that were named. */
+static bool leads_out(const production *p, ntpio_error *error)
+{
+    if (p->in->outside == NULL)
+        return false;
+    text why = { 0 };
+    text_add(&why, "leads to ");
+    text_name(&why, p->in->outside);
+    text_add(&why, ", outside of what was named; not written");
+    file_error(error, NTPIO_ERR_WRITE, p->in->path, text_string(&why));
+    text_free(&why);
+    return true;
+}
+
 ntpio_writer *production_open(const production *p, const char *output, ntpio_write_options *shape,
                               ntpio_error *error)
 {
     text why = { 0 };
+    if (leads_out(p, error))
+        return NULL;
     if (strcmp(output, "-") != 0 && !make_parents(output, &why)) {
         error->status = NTPIO_ERR_WRITE;
         snprintf(error->message, sizeof error->message, "%.500s", text_string(&why));
@@ -312,9 +328,14 @@ static outcome make_as_known(production *p, ntpio_error *error)
         if (!source_rewind(&p->s, error))
             return UNREADABLE;
     }
-    done = speculate(p, !dry_run, error);
+    const bool writes = !dry_run && p->in->outside == NULL;
+    done = speculate(p, writes, error);
+    if (done == MADE && only_changed && !p->changes && !writes)
+        return UNCHANGED;
+    if (done == MADE && leads_out(p, error))
+        return FAILED;
     if (done != MADE || dry_run)
-        return done == MADE && !p->changes && only_changed ? UNCHANGED : done;
+        return done;
     ntpio_writer *writer = p->writer;
     p->writer = NULL;
     if (only_changed && !p->changes) { /* the probe had supposed another class */

@@ -6,7 +6,9 @@ import json
 import os
 import shutil
 import signal
+import struct
 import subprocess
+import zlib
 
 import numpy as np
 import pytest
@@ -206,6 +208,44 @@ def test_files_from(run, tree, tmp_path):
     assert done.returncode == 0
     assert (tmp_path / "out/t/b_n.png").exists() and (tmp_path / "out/t/sub/c_n.png").exists()
     assert run("check", "--files-from", "missing").returncode == 2
+
+
+def test_files_from_windows(run, tree, tmp_path):
+    """Lines end with a carriage return and a newline; but that may also be part of a name."""
+    (tmp_path / "list").write_bytes(b"t/b_n.png\r\n\r\nt/sub/c_n.png\r\n")
+    assert listed(run, "--files-from", "list") == ["t/b_n.png", "t/sub/c_n.png"]
+    (tree / "b_n.png\r").write_bytes((tree / "b_n.png").read_bytes())
+    assert listed(run, "--files-from", "list") == ["t/b_n.png\r", "t/sub/c_n.png"]
+    (tmp_path / "list").write_bytes(b"t/a_n.png\r\0")
+    done = run("check", "--files-from", "list", "-0")
+    assert done.returncode == 3  # names that end with a NUL are exact
+
+
+def png_chunk(kind, data):
+    crc = zlib.crc32(kind + data)
+    return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", crc)
+
+
+@pytest.mark.parametrize("interlaced", [0, 1])
+@pytest.mark.parametrize("surplus", [0, 1 << 12, 64 << 20])
+def test_data_after_the_picture(run, tmp_path, interlaced, surplus):
+    """64 MB of zeros in 64 KB: where there is so much, nothing behind the picture is read."""
+    side = 64
+    rows = 15 * side // 8 if interlaced else side  # of all passes
+    picture = bytes(rows + 3 * side * side)  # black
+    data = bytearray(zlib.compress(picture + bytes(surplus), 9))
+    header = struct.pack(">IIBBBBB", side, side, 8, 2, 0, 0, interlaced)
+    parts = [png_chunk(b"IHDR", header), png_chunk(b"IDAT", bytes(data))]
+    whole = [*parts, png_chunk(b"IEND", b"")]
+    (tmp_path / "a.png").write_bytes(b"\x89PNG\r\n\x1a\n" + b"".join(whole))
+    done = run("check", "a.png", "--format", "json")
+    (file,) = json.loads(done.stdout)["files"]
+    assert file["status"] == "ok" and file["unused"] == side * side, done.stderr
+    wrong = bytearray(parts[1])
+    wrong[-1] ^= 1  # the checksum, which follows the surplus
+    whole = [parts[0], bytes(wrong), png_chunk(b"IEND", b"")]
+    (tmp_path / "a.png").write_bytes(b"\x89PNG\r\n\x1a\n" + b"".join(whole))
+    assert (run("check", "a.png").returncode == 3) == (surplus < 64 << 20)
 
 
 def test_output_directory_keeps_paths(run, tree, tmp_path):

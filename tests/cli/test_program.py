@@ -2,12 +2,17 @@
 """The program as a whole: help, options, exit codes, external verbs, dump, diff, completions."""
 
 import csv
+import fcntl
 import io
 import json
 import os
+import pty
+import select
 import shlex
 import shutil
+import struct
 import subprocess
+import termios
 
 import numpy as np
 import pytest
@@ -273,3 +278,35 @@ def test_man_page(run, tmp_path):
     env = {name: value for name, value in os.environ.items() if name != "LD_PRELOAD"}
     done = spawn(["groff", "-man", "-Tutf8", "-ww", "-z", page], text=True, env=env)
     assert done.returncode == 0 and not done.stderr
+
+
+def drawn_at(program, directory, columns):
+    """What a terminal of so many columns is sent by a run of two seconds, line by line."""
+    ours, theirs = pty.openpty()
+    fcntl.ioctl(theirs, termios.TIOCSWINSZ, struct.pack("HHHH", 24, columns, 0, 0))
+    os.mkfifo(directory / "slow_n.png")  # the program waits for its writer
+    args = [program, "check", "a_n.png", "slow_n.png"]
+    with subprocess.Popen(
+        args, cwd=directory, stdout=subprocess.DEVNULL, stderr=theirs, stdin=subprocess.DEVNULL
+    ) as process:
+        os.close(theirs)
+        with open(directory / "slow_n.png", "wb") as writer:
+            sent = b""
+            while sent.count(b"\r") < 3 and select.select([ours], [], [], 20)[0]:
+                sent += os.read(ours, 4096)
+            writer.write((directory / "a_n.png").read_bytes())
+        assert process.wait(60) == 0
+    os.close(ours)
+    return [part.replace("\033[K", "") for part in sent.decode().split("\r")[1:3]]
+
+
+@pytest.mark.parametrize(
+    ("columns", "bar", "counts"),
+    [(80, 30, True), (34, 11, True), (24, 0, True), (18, 9, False), (8, 0, False)],
+)
+def test_progress_fits_the_terminal(program, tmp_path, columns, bar, counts):
+    """A line that wraps would stay: a narrow terminal gets a shorter bar, then no counts."""
+    write_png(tmp_path / "a_n.png", textures.standard())
+    for line in drawn_at(program, tmp_path, columns):
+        assert len(line) < columns and line.count("#") + line.count(".") == bar, repr(line)
+        assert ("of 2 files" in line) == counts and "%" in line

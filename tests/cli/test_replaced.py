@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Files that are replaced: by a version that is current, and with all that belongs to them."""
 
+import json
 import os
 import resource
 import shutil
@@ -171,7 +172,8 @@ def test_pipes_and_devices_are_not_replaced(run, tmp_path):
     os.mkfifo(tmp_path / "a_n.png")
     (tmp_path / "zero_n.png").symlink_to("/dev/zero")
     write_png(tmp_path / "b_n.png", textures.wrong_blue(textures.standard(), 0.1))
-    done = run("clean", "a_n.png", "zero_n.png", "b_n.png", "--in-place", timeout=60)
+    how = ["--in-place", "--method", "derive"]
+    done = run("clean", "a_n.png", "zero_n.png", "b_n.png", *how, timeout=60)
     assert done.returncode == 3, done.stderr
     for name in ("a_n.png", "zero_n.png"):
         assert f"{name}: not a regular file" in done.stderr
@@ -214,6 +216,7 @@ def test_limit_of_file_size(program, tmp_path):
         resource.setrlimit(resource.RLIMIT_FSIZE, (20000, resource.RLIM_INFINITY))
 
     args = [program, "clean", "a_n.png", "b_n.png", "--in-place", "--type", "standard"]
+    args += ["--method", "derive"]
     done = spawn(args, cwd=tmp_path, text=True, preexec_fn=limit)
     assert done.returncode == 3 and "a_n.png: cannot be written" in done.stderr, done
     assert (tmp_path / "a_n.png").read_bytes() == before
@@ -316,3 +319,75 @@ def test_what_cannot_be_kept_is_not_replaced(program, faulty):
     done = spawn(args, cwd=faulty.parent, text=True)
     assert done.returncode == 3 and "a_n.png: cannot be replaced" in done.stderr, done
     assert faulty.read_bytes() == data and names(faulty.parent) == ["a_n.png"]
+
+
+# ------------------------------------------------------------- links out of what was named
+
+
+@pytest.fixture
+def linked(tmp_path):
+    """A directory with links to a file and to a directory outside of it."""
+    bad = textures.wrong_blue(textures.standard(), 0.1)
+    for name in ("t/own_n.png", "out/victim_n.png", "out/d/victim_n.png"):
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        write_png(tmp_path / name, bad)
+    (tmp_path / "t/file_n.png").symlink_to("../out/victim_n.png")
+    (tmp_path / "t/d").symlink_to("../out/d")
+    return tmp_path
+
+
+def victims(directory):
+    return [(directory / name).read_bytes() for name in ("out/victim_n.png", "out/d/victim_n.png")]
+
+
+@pytest.mark.parametrize("verb", set(IN_PLACE) - {"blend"})
+def test_links_out_of_a_directory_are_not_followed(run, linked, verb):
+    before, listed = victims(linked), sorted(linked.rglob("*"))
+    done = run(verb, "-r", "t", "--in-place", *IN_PLACE[verb])
+    assert done.returncode == 3, done.stderr
+    for name, victim in (("t/file_n.png", "victim_n.png"), ("t/d/victim_n.png", "d/victim_n.png")):
+        assert f"{name}: leads to {linked}/out/{victim}, outside" in done.stderr, done.stderr
+    assert victims(linked) == before
+    assert (linked / "t/own_n.png").read_bytes() != before[0]  # the rest was done
+    assert sorted(linked.rglob("*")) == listed
+
+
+def test_mips_are_not_made_beside_such_a_link(run, linked):
+    before = victims(linked)
+    done = run("resize", "-r", "t", "--in-place", "--mips")
+    assert done.returncode == 3 and victims(linked) == before
+    assert "file_n_mip1.png" not in os.listdir(linked / "t")
+    assert os.listdir(linked / "out/d") == ["victim_n.png"]
+
+
+def test_a_dry_run_says_so_too(run, linked):
+    done = run("clean", "-r", "t", "--in-place", "--dry-run", "--format", "json")
+    status = {f["path"]: f["status"] for f in json.loads(done.stdout)["files"]}
+    assert done.returncode == 3
+    assert status == {"t/d/victim_n.png": "failed", "t/file_n.png": "failed", "t/own_n.png": "ok"}
+
+
+def test_what_would_not_be_written_may_lead_out(run, linked):
+    """A texture without faults, and a photograph."""
+    write_png(linked / "out/victim_n.png", textures.standard())
+    write_png(linked / "out/d/victim_n.png", textures.photograph())
+    (linked / "out/d/victim_n.png").rename(linked / "out/d/photo.png")
+    done = run("clean", "-r", "t", "--in-place")
+    assert done.returncode == 0, done.stderr
+
+
+def test_what_is_named_may_be_replaced(run, linked):
+    """The link itself, its target, or the other directory."""
+    before = victims(linked)
+    assert run("clean", "t/file_n.png", "--in-place").returncode == 0
+    assert (linked / "t/file_n.png").is_symlink()
+    assert victims(linked)[0] != before[0] and victims(linked)[1] == before[1]
+    assert run("clean", "-r", "t", "out", "--in-place").returncode == 0
+    assert victims(linked)[1] != before[1]
+
+
+def test_directories_that_are_links(run, linked):
+    (linked / "other").symlink_to("out")
+    before = victims(linked)
+    assert run("clean", "-r", "other", "--in-place").returncode == 0
+    assert all(a != b for a, b in zip(victims(linked), before, strict=True))
