@@ -345,11 +345,27 @@ static outcome make_as_known(production *p, ntpio_error *error)
     return ntpio_commit(writer, error) ? MADE : FAILED;
 }
 
+/* Does a verb that takes heights get normals? */
+static outcome ask_for_heights(production *p, ntpio_error *error)
+{
+    if (!question_is_of_heights(p))
+        return MADE;
+    if (!examine(&p->s, -1, &p->f, error))
+        return UNREADABLE;
+    const bool fit = !question_finds_normals(&p->f);
+    const outcome done = fit ? MADE : refuse(p, error);
+    facts_free(&p->f);
+    return !fit ? done : source_rewind(&p->s, error) ? MADE : UNREADABLE;
+}
+
 outcome make_output(production *p, ntpio_error *error)
 {
     p->forced = p->m->forced;
     if (replaces_jpeg(p, error))
         return FAILED;
+    const outcome asked = ask_for_heights(p, error);
+    if (asked != MADE)
+        return asked;
     const outcome done = make_as_known(p, error);
     if (done != REFUSED || !option_given(p->m->o, OPT_FORCE))
         return done;

@@ -59,8 +59,27 @@ static void add_accident(text *t, undo_kind kind, double confidence, bool possib
     text_add(t, "--type standard or --force takes the file as it is");
 }
 
+bool question_is_of_heights(const production *p)
+{
+    const options *o = p->m->o;
+    return o->verb_bit == V_FROM_HEIGHT && p->s.info->channels >= 3 &&
+           !option_given(o, OPT_SOURCE) && !option_given(o, OPT_FORCE);
+}
+
+bool question_finds_normals(const facts *f)
+{
+    return class_is_normals(f->type.type) && f->type.confidence >= SURE;
+}
+
 void question_refusal(text *t, const production *p)
 {
+    if (question_is_of_heights(p)) {
+        text_addf(t,
+                  "it holds normals already (%s, %.0f %% sure), not heights; --source says which "
+                  "channel is a height, and --force takes the first",
+                  class_title(p->f.type.type), 100 * p->f.type.confidence);
+        return;
+    }
     const option_spec *row = option_row(OPT_TYPE, p->m->o->verb_bit);
     const undo_kind kind = accident_of(p);
     if (is_of_class(p) && kind != UNDO_NOTHING)

@@ -16,6 +16,11 @@ typedef enum answer { ANSWER_WORK, ANSWER_UNDO, ANSWER_REFUSE } answer;
 /* By the facts of the production. */
 answer question(const production *p);
 
+/* Verbs that take heights: must it be asked whether the file holds normals?  Not of gray files, and
+ * not where --source or --force is given. */
+bool question_is_of_heights(const production *p);
+bool question_finds_normals(const facts *f);
+
 /* Adds why the file is refused, and what to do. */
 void question_refusal(text *t, const production *p);
 

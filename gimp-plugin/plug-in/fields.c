@@ -190,7 +190,7 @@ static const field check_fields[FK_COUNT] = {
 
 static const field clean_fields[FC_COUNT] = {
     [FC_METHOD] = CHOICE("method", N_("_Method"), N_("What is done to a normal that is not right"),
-        0, 0, repairs),
+        0, 2, repairs), /* auto, as `ntp clean` */
     [FC_FROM] = CHOICE("from", N_("Bl_ue stores"), N_("How z is stored in blue"), 0, 0, readings),
     [FC_KEEP_NEGATIVE_Z] = SWITCH("keep-negative-z", N_("_Negative z is right"),
         N_("Normals may point into the surface"), 0),

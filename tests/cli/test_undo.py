@@ -167,6 +167,19 @@ def test_every_verb_asks_first(run, tmp_path, name):
     assert run("heatmap", file, "-o", "heat.png").returncode == 0  # a picture of what is wrong
 
 
+def test_normals_are_not_taken_for_heights(run, tmp_path):
+    args = ["from-height", FILES / "standard.png", "-o", "out.png", "--scale", "4"]
+    done = run(*args)
+    assert done.returncode == 1 and not (tmp_path / "out.png").exists()
+    assert "--source" in done.stderr and "--force" in done.stderr
+    assert run(*args, "--force").returncode == 0
+    assert run(*args, "--source", "blue").returncode == 0
+    for name in ("height_rgb.png", "height_gray8.png", "photograph.png"):
+        args[1] = FILES / name
+        done = run(*args)
+        assert done.returncode == 0, (name, done.stderr)
+
+
 def test_tree(run, tmp_path):
     for name in ("gamma.png", "standard.png", "photograph.png"):
         (tmp_path / name).write_bytes((FILES / name).read_bytes())

@@ -343,7 +343,7 @@ def test_clean_precision(raw, precision):
 @pytest.mark.parametrize("how", ["merge", "append"])
 @pytest.mark.parametrize("file", ["rough8", "rough16"])
 def test_clean(done, ntp, file, how):
-    cleaned = ntp(INPUTS[file][0], "clean", "--type", "standard")
+    cleaned = ntp(INPUTS[file][0], "clean", "--type", "standard", "--method", "derive")
     expected = ntp(cleaned, "convert", "--to", "zzero", "--to-y", "down")
     assert different(done(f"{file}-{how}"), expected) == 0
 
