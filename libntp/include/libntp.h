@@ -344,7 +344,7 @@ NTP_API ntp_status ntp_convert(const ntp_image *dst, const ntp_const_image *src,
  * The tally of a measurement: memory of ntp_tally_size() bytes, aligned to 16, zero-filled (calloc)
  * and freed by the caller.  It holds only integer counts and sums, so the tallies of parts merge
  * exactly, in any order.  It holds up to 2^32 - 1 texels of one depth.
- * It takes 17 MB of address space, of which most stays untouched: memory from calloc costs only
+ * It takes 18 MB of address space, of which most stays untouched: memory from calloc costs only
  * what is touched.  A clean texture of any size takes 0.4 MB (16 bit: 0.7 MB), and about twice as
  * much after ntp_tally_summarize; a damaged one of 8 bit takes about 3.5 MB, noise 10 MB.  A
  * cleared tally keeps what it has touched.
@@ -445,6 +445,32 @@ NTP_API ntp_status ntp_tally_levels_off(uint64_t *counts, size_t size, ntp_tally
  * i is i/128..(i+1)/128, and the last is open.
  */
 NTP_API ntp_status ntp_tally_lengths(uint64_t counts[256], ntp_tally *tally, ntp_encoding encoding);
+
+/* How a texel can be wrong by more than rounding; a mask.  Each texel is of one kind at most. */
+enum {
+    NTP_HARM_LENGTH = 1, /* it fails NTP_VERDICT_NEIGHBOR */
+    NTP_HARM_XY = 2,     /* x, y are too long even with r and g one level nearer to the middle */
+    NTP_HARM_Z_NEGATIVE = 4, /* standard: blue is below (M-1)/2; such a texel is of no other kind */
+    NTP_HARM_ALL = 7
+};
+
+/*
+ * What is shown wrong by texels that are wrong by more than rounding.  The angle of a texel is that
+ * between the stored vector and the cleaned one (NTP_CLEAN_DERIVE), that is between what a shader
+ * shows that normalizes and one that derives z.
+ */
+typedef struct ntp_harm {
+    uint64_t texels;       /* used texels of these kinds */
+    uint64_t over;         /* those with an angle of more than `degrees`, taken to 0.01 */
+    double mean, p99, max; /* degrees, over all used texels; those of no such kind count as 0 */
+} ntp_harm;
+
+/*
+ * Computes the harm of some kinds, read as `encoding` (see ntp_tally_summarize, also for errors;
+ * NTP_ENCODING_XY has NTP_HARM_XY only).  degrees is 0..180.  Working memory is in the tally.
+ */
+NTP_API ntp_status ntp_tally_harm(ntp_harm *harm, ntp_tally *tally, ntp_encoding encoding,
+                                  uint32_t kinds, double degrees);
 
 /* ---------------------------------------------------------------------- classification */
 

@@ -22,12 +22,15 @@ void ntp__row_init(ntp__row *row, int32_t r, int32_t g, int32_t m)
     int32_t bin = ntp__steepness_bin((double) row->xy2, m);
     row->steepness = bin < NTP__STEEPNESS_BINS ? bin : NTP__STEEPNESS_BINS - 1;
     row->flags = 0;
+    row->pair_fails = false;
     if (s >= 0) {
         row->want[0] = row->cleaned_blue[0] = ntp__blue_of_rest(s, m, false);
         row->want[1] = row->cleaned_blue[1] = ntp__blue_of_rest(s, m, true);
         return;
     }
     row->flags = NTP_FLAG_XY_TOO_LONG;
+    int64_t x = ntp__abs(ntp__num(r, m)), y = ntp__abs(ntp__num(g, m));
+    row->pair_fails = ntp__sq(x > 2 ? x - 2 : 0) + ntp__sq(y > 2 ? y - 2 : 0) > ntp__sq(m);
     if ((double) row->xy2 > FAR_SQUARED * (double) ntp__sq(m))
         row->flags |= NTP__FAR;
     row->want[0] = row->want[1] = -1;
@@ -58,7 +61,9 @@ static void add_length(ntp__fit_sums *fit, int32_t steepness, uint32_t flags, in
         fit->length_inverted_min = inverted;
 }
 
-static void add_fit(ntp__fit_sums *fit, const ntp__row *row, int32_t b, uint32_t count, bool zzero)
+/* Returns the flags. */
+static uint32_t add_fit(ntp__fit_sums *fit, const ntp__row *row, int32_t b, uint32_t count,
+                        bool zzero)
 {
     int32_t m = row->m, want = row->want[zzero], levels_off = -1;
     bool negative = !zzero && ntp__z_negative(b, m);
@@ -79,10 +84,30 @@ static void add_fit(ntp__fit_sums *fit, const ntp__row *row, int32_t b, uint32_t
         flags |= NTP__LONG;
     add_length(fit, row->steepness, flags, levels_off, ntp__fixed_length((double) length2, m),
                count);
+    return flags;
 }
 
-static void add_angle(ntp__angle_sums *angles, const ntp__row *row, int32_t b, uint32_t count,
-                      ntp_encoding encoding)
+/* Adds a texel that may be wrong by more than rounding. */
+static void add_harm(ntp__sums *sums, bool pair_fails, int32_t b, uint32_t flags, uint32_t angle,
+                     uint32_t count, int32_t m, ntp_encoding encoding)
+{
+    int32_t kind = 0;
+    if (encoding == NTP_ENCODING_STANDARD && b < (m - 1) / 2)
+        kind = 2;
+    else if (pair_fails)
+        kind = 1;
+    else if (encoding == NTP_ENCODING_XY || (flags & NTP_FLAG_NEIGHBOR))
+        return;
+    ntp__harm_sums *harm = &sums->harm[kind];
+    harm->texels += count;
+    harm->sum += (uint64_t) angle * count;
+    harm->bins[ntp__harm_bin(angle)] += count;
+    if (angle > harm->max)
+        harm->max = angle;
+}
+
+static uint32_t add_angle(ntp__angle_sums *angles, const ntp__row *row, int32_t b, uint32_t count,
+                          ntp_encoding encoding)
 {
     int32_t m = row->m;
     bool zzero = encoding == NTP_ENCODING_ZZERO;
@@ -98,15 +123,18 @@ static void add_angle(ntp__angle_sums *angles, const ntp__row *row, int32_t b, u
     if (row->want[0] < 0 || z != wz)
         angle = ntp__angle(x, y, z, ntp__num(row->cleaned[0], m), ntp__num(row->cleaned[1], m), wz);
     ntp__angles_add(angles, angle, count);
+    return angle;
 }
 
 void ntp__add(ntp__sums *sums, const ntp__row *row, int32_t b, uint32_t count,
               ntp_encoding encoding)
 {
     sums->texels += count;
-    add_fit(&sums->fit[0], row, b, count, false);
-    add_fit(&sums->fit[1], row, b, count, true);
-    add_angle(&sums->angles, row, b, count, encoding);
+    uint32_t flags[2] = { add_fit(&sums->fit[0], row, b, count, false),
+                          add_fit(&sums->fit[1], row, b, count, true) };
+    uint32_t angle = add_angle(&sums->angles, row, b, count, encoding);
+    add_harm(sums, row->pair_fails, b, flags[encoding == NTP_ENCODING_ZZERO], angle, count, row->m,
+             encoding);
 }
 
 static void add_judged(ntp__fit_sums *sums, const ntp__judged_fit *fit, const uint32_t *count,
@@ -172,6 +200,9 @@ void ntp__add_block(ntp__sums *sums, const ntp__block *block, const uint32_t *co
                                     : long_angle(&j, i, block, m, encoding == NTP_ENCODING_ZZERO);
         sums->texels += count[i];
         ntp__angles_add(&sums->angles, angle, count[i]);
+        add_harm(sums, false, block->c[2][i],
+                 (uint32_t) j.fit[encoding == NTP_ENCODING_ZZERO].key[i], angle, count[i], m,
+                 encoding);
     }
 }
 
@@ -187,7 +218,21 @@ void ntp__clear_sums(ntp__sums *s)
         memset(fit, 0, offsetof(ntp__fit_sums, levels_off));
     }
     ntp__angles_clear(&s->angles);
+    for (int32_t k = 0; k < NTP__HARM_KINDS; k++) {
+        if (s->harm[k].texels > 0)
+            memset(&s->harm[k], 0, sizeof s->harm[k]);
+    }
     s->texels = 0;
+}
+
+static void merge_harm(ntp__harm_sums *into, const ntp__harm_sums *from)
+{
+    if (from->texels == 0)
+        return;
+    into->texels += from->texels;
+    into->sum += from->sum;
+    into->max = from->max > into->max ? from->max : into->max;
+    ntp__merge_counts(into->bins, from->bins, (size_t) ntp__harm_bin(from->max) + 1);
 }
 
 void ntp__merge_sums(ntp__sums *into, const ntp__sums *from)
@@ -210,4 +255,6 @@ void ntp__merge_sums(ntp__sums *into, const ntp__sums *from)
         ntp__merge_max(&a->length_inverted_min, b->length_inverted_min);
     }
     ntp__angles_merge(&into->angles, &from->angles);
+    for (int32_t k = 0; k < NTP__HARM_KINDS; k++)
+        merge_harm(&into->harm[k], &from->harm[k]);
 }

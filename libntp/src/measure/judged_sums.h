@@ -25,12 +25,31 @@ typedef struct ntp__fit_sums {
     uint32_t levels_off[65536];
 } ntp__fit_sums;
 
+enum {
+    NTP__HARM_KINDS = 3,   /* the bits of NTP_HARM_* */
+    NTP__HARM_BINS = 18001 /* of 0.01 degrees */
+};
+
+/* Texels that are wrong by more than rounding, with angles in micro-degrees.  Bin i holds the
+ * angles above (i - 1)/100 degrees and up to i/100. */
+typedef struct ntp__harm_sums {
+    uint64_t texels, sum, max;
+    uint32_t bins[NTP__HARM_BINS];
+} ntp__harm_sums;
+
 /* Sums over texels judged at one M. */
 typedef struct ntp__sums {
     uint64_t texels;
     ntp__fit_sums fit[2]; /* standard, Z-zero */
     ntp__angle_sums angles;
+    ntp__harm_sums harm[NTP__HARM_KINDS]; /* by the encoding of the angles */
 } ntp__sums;
+
+/* The greatest bin in use. */
+static inline uint32_t ntp__harm_bin(uint64_t angle)
+{
+    return (uint32_t) ((angle + 9999) / 10000);
+}
 
 /* Makes the sums empty again. */
 void ntp__clear_sums(ntp__sums *sums);
@@ -44,6 +63,7 @@ typedef struct ntp__row {
     int32_t want[2]; /* derived blue, standard and Z-zero; -1: too long */
     int32_t steepness;
     uint32_t flags;     /* NTP_FLAG_XY_TOO_LONG, NTP__FAR */
+    bool pair_fails;    /* even one level nearer to the middle each, r and g are too long */
     int32_t cleaned[2]; /* r, g as ntp_clean leaves them */
     int32_t cleaned_blue[2];
 } ntp__row;

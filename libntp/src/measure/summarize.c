@@ -358,6 +358,42 @@ ntp_status ntp_tally_lengths(uint64_t counts[256], ntp_tally *tally, ntp_encodin
     return NTP_OK;
 }
 
+/* --------------------------------------------------------------------------------- harm */
+
+ntp_status ntp_tally_harm(ntp_harm *harm, ntp_tally *tally, ntp_encoding encoding, uint32_t kinds,
+                          double degrees)
+{
+    if (harm == NULL || kinds > NTP_HARM_ALL || !(degrees >= 0 && degrees <= 180))
+        return NTP_ERR_ARGUMENT;
+    NTP__TRY(ntp__sum_up(tally, encoding));
+    uint64_t used = tally->used.texels, sum = 0, max = 0, below = used;
+    memset(harm, 0, sizeof *harm);
+    for (uint32_t k = 0; k < NTP__HARM_KINDS; k++) {
+        const ntp__harm_sums *one = &tally->used.harm[k];
+        if (!(kinds >> k & 1))
+            continue;
+        harm->texels += one->texels;
+        sum += one->sum;
+        max = one->max > max ? one->max : max;
+    }
+    if (harm->texels == 0)
+        return NTP_OK;
+    /* From the greatest angle down; `below` have at most this one. */
+    for (uint32_t i = NTP__HARM_BINS; i-- > 0;) {
+        uint32_t count = 0;
+        for (uint32_t k = 0; k < NTP__HARM_KINDS; k++)
+            count += kinds >> k & 1 ? tally->used.harm[k].bins[i] : 0;
+        if (below * 100 >= used * 99)
+            harm->p99 = i / 100.0;
+        if (i > (uint32_t) (degrees * 100 + 0.5))
+            harm->over += count;
+        below -= count;
+    }
+    harm->mean = (double) sum / (double) used / 1e6;
+    harm->max = (double) max / 1e6;
+    return NTP_OK;
+}
+
 /* ----------------------------------------------------------------------------- evidence */
 
 /* Texels whose length lies within `bins` of 1/128 from 1. */
