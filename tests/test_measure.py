@@ -144,11 +144,27 @@ def check_summary(tally, array, encoding, touch):
     assert angles["max"] == pytest.approx(degrees.max(), abs=2e-6)
     rank = np.sort(degrees)[(len(degrees) * 99 + 99) // 100 - 1]
     assert angles["p99"] == pytest.approx(rank, abs=0.0011)
+    check_harm(tally, encoding, want)
     close = 1e-9 if narrow else 0.003
     assert got["used_mean"][:3] == pytest.approx(want["used_mean"], abs=close)
     if narrow and array.dtype == np.uint8:
         assert got["near_gamma_flat"] == want["near_gamma_flat"]
     check_evidence(tally, array, want)
+
+
+def check_harm(tally, encoding, want):
+    for kinds in (1, 2, 4, 3, 7):
+        of = np.isin(want["harm_kinds"], [k for k in range(3) if kinds >> k & 1])
+        degrees = np.sort(np.where(of, want["degrees"], 0))
+        rank = degrees[(len(degrees) * 99 + 99) // 100 - 1]
+        for limit in (0, 0.5, 5, 60):
+            got = tally.harm(encoding, kinds, limit)
+            assert got["texels"] == np.count_nonzero(of)
+            least, most = (np.count_nonzero(degrees > limit + e) for e in (6e-7, 4e-7))
+            assert least <= got["over"] <= most  # angles are whole micro-degrees
+            assert got["mean"] == pytest.approx(degrees.mean(), abs=2e-6)
+            assert got["max"] == pytest.approx(degrees.max(), abs=2e-6)
+            assert rank - 1e-6 <= got["p99"] <= rank + 0.01001
 
 
 def check_evidence(tally, array, want):
@@ -187,6 +203,7 @@ def test_block_step(m, dtype, width):
 def everything(tally, encoding):
     """All results of a tally, in a form that can be compared."""
     parts = [tally.stats(encoding), evidence(tally)]
+    parts += [tally.harm(encoding, kinds) for kinds in range(8)]
     for e in (ntp.STANDARD, ntp.ZZERO):
         parts += [tally.levels_off(e).tolist(), tally.lengths(e).tolist()]
     return parts
@@ -270,6 +287,11 @@ def test_errors():
     with pytest.raises(ntp.NtpError) as error:
         tally.levels_off(size=most)
     assert error.value.status == ntp.ERR_ARGUMENT
+    for wrong in ({"kinds": 8}, {"degrees": -0.1}, {"degrees": 180.1}, {"degrees": np.nan}):
+        with pytest.raises(ntp.NtpError) as error:
+            tally.harm(**wrong)
+        assert error.value.status == ntp.ERR_ARGUMENT
+    assert tally.harm(kinds=0) == {"texels": 0, "over": 0, "mean": 0, "p99": 0, "max": 0}
     with pytest.raises(ntp.NtpError) as error:
         ntp.Tally().measure(a8, area=(0, 0, 84, 1))
     assert error.value.status == ntp.ERR_SHAPE

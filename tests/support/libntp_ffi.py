@@ -207,6 +207,11 @@ class Tally:
         check(lib.ntp_tally_levels_off(where, size, self.pointer, encoding))
         return counts
 
+    def harm(self, encoding=STANDARD, kinds=7, degrees=5.0):
+        harm = ffi.new("ntp_harm *")
+        check(lib.ntp_tally_harm(harm, self.pointer, encoding, kinds, degrees))
+        return fields(harm)
+
     def lengths(self, encoding=STANDARD):
         counts = np.zeros(256, np.uint64)
         where = ffi.cast("uint64_t *", counts.__array_interface__["data"][0])

@@ -48,6 +48,15 @@ def fit(r, g, b, m, zz, used):
     return out
 
 
+def harm_kinds(r, g, b, m, zz, xy):
+    """How each texel is wrong beyond rounding: 0 its length, 1 red and green, 2 z; -1: it is not."""
+    near = [np.maximum(abs(2 * c - m) - 2, 1) for c in (r, g)]
+    pair = near[0] ** 2 + near[1] ** 2 > m * m
+    length = np.full(len(r), False) if xy else ~oracle.in_shell(r, g, b, m, zz, 2)
+    below = (b < m // 2) & (not zz and not xy)
+    return np.where(below, 2, np.where(pair, 1, np.where(length, 0, -1)))
+
+
 def block_steps(array, m):
     """Mean |step| across columns 8k-1|8k over that elsewhere, for each of three channels."""
     step = np.abs(np.diff(array[..., :3].astype(np.float64), axis=1))
@@ -104,6 +113,7 @@ def measure(array, encoding_is_zzero=False, touch=0, xy=False):
         degrees = oracle.angles(r, g, b, m, encoding_is_zzero)
     degrees = degrees[used]
     s["degrees"] = degrees
+    s["harm_kinds"] = harm_kinds(r, g, b, m, encoding_is_zzero, xy)[used]
     steep = np.minimum((np.hypot((2 * r - m) / m, (2 * g - m) / m) * STEEP).astype(int), STEEP - 1)
     bins = [used & (steep == i) for i in range(STEEP)]
     s["steepness"] = [np.count_nonzero(i) for i in bins]

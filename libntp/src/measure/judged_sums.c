@@ -30,7 +30,7 @@ void ntp__row_init(ntp__row *row, int32_t r, int32_t g, int32_t m)
     }
     row->flags = NTP_FLAG_XY_TOO_LONG;
     int64_t x = ntp__abs(ntp__num(r, m)), y = ntp__abs(ntp__num(g, m));
-    row->pair_fails = ntp__sq(x > 2 ? x - 2 : 0) + ntp__sq(y > 2 ? y - 2 : 0) > ntp__sq(m);
+    row->pair_fails = ntp__sq(x > 2 ? x - 2 : 1) + ntp__sq(y > 2 ? y - 2 : 1) > ntp__sq(m);
     if ((double) row->xy2 > FAR_SQUARED * (double) ntp__sq(m))
         row->flags |= NTP__FAR;
     row->want[0] = row->want[1] = -1;
