@@ -155,7 +155,7 @@ def check_summary(tally, array, encoding, touch):
 def check_harm(tally, encoding, want):
     for kinds in (1, 2, 4, 3, 7):
         of = np.isin(want["harm_kinds"], [k for k in range(3) if kinds >> k & 1])
-        degrees = np.sort(np.where(of, want["degrees"], 0))
+        degrees = np.sort(np.where(of, want["harm_degrees"], 0))
         rank = degrees[(len(degrees) * 99 + 99) // 100 - 1]
         for limit in (0, 0.5, 5, 60):
             got = tally.harm(encoding, kinds, limit)

@@ -109,6 +109,18 @@ static void keep_levels(facts *f, source *s)
     }
 }
 
+/* The first of two readings may have another encoding; it has no harm. */
+static void measure_harm(facts *f, source *s)
+{
+    static const uint32_t KINDS[HARM_KINDS] = { NTP_HARM_LENGTH | NTP_HARM_XY, NTP_HARM_XY,
+                                                NTP_HARM_Z_NEGATIVE };
+    for (int i = 0; i < HARM_KINDS; i++) {
+        if (f->encoding == NTP_ENCODING_HEIGHT ||
+            ntp_tally_harm(&f->harm[i], s->w->tally, f->encoding, KINDS[i], s->max_angle) != NTP_OK)
+            f->harm[i] = (ntp_harm) { 0 };
+    }
+}
+
 bool facts_from_tally(facts *f, source *s, int forced, ntpio_error *error)
 {
     f->in = s->in;
@@ -134,6 +146,7 @@ bool facts_from_tally(facts *f, source *s, int forced, ntpio_error *error)
         status = ntp_tally_summarize(&f->stats, s->w->tally, f->encoding);
     if (status != NTP_OK)
         return library_error(s, status, error);
+    measure_harm(f, s);
     f->counts = s->in->named || s->in->hinted || class_is_normals(f->type.type);
     if (f->encoding == NTP_ENCODING_STANDARD || f->encoding == NTP_ENCODING_ZZERO)
         keep_levels(f, s);

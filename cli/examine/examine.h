@@ -40,11 +40,16 @@ typedef struct surface_facts {
     ntp_steps steps;   /* of slopes */
 } surface_facts;
 
+/* Texels that are wrong beyond rounding: in length (red and green alone included), in red and green
+ * alone, by negative z. */
+typedef enum harm_kind { HARM_LENGTH, HARM_XY, HARM_Z, HARM_KINDS } harm_kind;
+
 /* What is known of a file after it was read. */
 typedef struct facts {
     const input *in;
     ntpio_info info; /* without the texts */
     ntp_stats stats;
+    ntp_harm harm[HARM_KINDS]; /* over: by more than the source's max_angle */
     ntp_classification type;
     ntp_encoding encoding;              /* that the texels were read as */
     ntp_orientation_result orientation; /* undecided when it was not asked for */

@@ -45,6 +45,7 @@ typedef struct source {
      * the ring is one block, and w->raw has it as it is stored. */
     void (*alter)(void *context, void *rows, size_t texels);
     void *alter_context;
+    double max_angle; /* beyond which texels count as visibly wrong, in degrees */
 } source;
 
 bool source_open(source *s, worker *w, const input *in, const ntpio_limits *limits,

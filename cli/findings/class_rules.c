@@ -57,10 +57,10 @@ void judge_accidents(judgement *j)
         addf(j, NT040, LEVEL_ERROR, f->stats.near_gamma_flat,
              "flat texels lie near 188, not 128: the numbers were converted to sRGB");
     if ((a & NTP_ACCIDENT_LOSSY) != 0 && !f->info.lossy)
-        addf(j, NT032, LEVEL_WARNING, n,
+        addf(j, NT032, level_of_cause(j), n,
              "the texels show lossy compression, although the file is lossless");
     if ((a & NTP_ACCIDENT_FILTERED) != 0 && !f->info.lossy)
-        addf(j, NT035, LEVEL_WARNING, n,
+        addf(j, NT035, level_of_cause(j), n,
              "normals are too short where the surface is curved: resized or blurred, not "
              "normalized");
 }

@@ -78,7 +78,7 @@ static void judge_storage(judgement *j)
     else if (info->lossy)
         addf(j, NT030, LEVEL_INFO, s->texels, "stored as JPEG");
     if (info->jpeg_subsampled)
-        addf(j, NT031, LEVEL_WARNING, s->texels,
+        addf(j, NT031, level_of_cause(j), s->texels,
              "JPEG with chroma subsampling: the directions are blurred");
     if (s->stored_max == 65535 && s->max == 255)
         addf(j, NT034, LEVEL_INFO, s->texels, "a 16-bit file with 8-bit content");
@@ -102,8 +102,9 @@ static void judge_storage(judgement *j)
 static void judge_one_color(judgement *j)
 {
     if (j->f->type.type == NTP_CLASS_ONE_COLOR)
-        addf(j, NT050, LEVEL_INFO, j->f->stats.texels, "%s",
-             j->used == 0 ? "all texels are unused" : "all texels have one color");
+        addf(j, NT050, j->used == 0 ? LEVEL_WARNING : LEVEL_INFO, j->f->stats.texels, "%s",
+             j->used == 0 ? "no texel holds a normal: all are black, white or transparent"
+                          : "all texels have one color");
 }
 
 void judge_file(judgement *j)

@@ -79,6 +79,8 @@ typedef struct finding_list {
 
 /* How to judge; from the options. */
 typedef struct judge_rules {
+    bool strict;      /* every texel that fails the verdict counts, however little it is off */
+    double max_angle; /* degrees; not used if strict */
     ntp_verdict verdict;
     bool keep_negative_z;
     double max_fail, max_tilt; /* percent; mean component */

@@ -21,6 +21,14 @@ void TEXT_FORMAT(5, 6)
 /* "12.3 % of the texels (12,345)" */
 void add_share(const judgement *j, text *t, uint64_t count);
 
+/* Above --max-fail an error, else a warning. */
+finding_level level_of_share(const judgement *j, uint64_t count);
+/* By what a renderer shows, for every format and depth. */
+finding_level level_of_harm(const judgement *j, const ntp_harm *harm);
+
+/* Of what makes lengths wrong, such as compression: a warning where they are visibly wrong. */
+finding_level level_of_cause(const judgement *j);
+
 /* Are its texels normals in tangent space? */
 bool is_judged(const facts *f);
 /* Is z not in blue, or are the numbers not those of normals? */

@@ -12,9 +12,25 @@
 
 #include "findings/judgement.h"
 
+/*
+ * docs/findings.md gives the reasons of --max-angle 5 and --max-fail 2: a gray that a light at 45
+ * degrees makes changes by 1.7 of 255 levels a degree.  These are parts of the two.
+ *
+ * Bright or dark dots catch the eye long before they cover as much as a fault of the whole picture:
+ * a twentieth is 0.1 %, 1049 texels of 1024 x 1024.
+ */
+static const double SPECKS = 1.0 / 20;
+/* One texel in a hundred at 2.5 degrees is 4 levels in the lines and edges that steep texels make:
+ * just visible side by side. */
+static const double P99_WARNING = 1.0 / 2;
+/* 1 degree, 1.7 levels, over all of the picture: the least that a screen of 8 bit shows. */
+static const double MEAN_WARNING = 1.0 / 5;
+
 judge_rules judge_rules_from(const options *o)
 {
     return (judge_rules) {
+        .strict = option_integer(o, OPT_POLICY) == 1,
+        .max_angle = option_number(o, OPT_MAX_ANGLE),
         .verdict = (ntp_verdict) option_integer(o, OPT_VERDICT),
         .keep_negative_z = option_given(o, OPT_KEEP_NEGATIVE_Z),
         .max_fail = option_number(o, OPT_MAX_FAIL),
@@ -86,6 +102,32 @@ void add_share(const judgement *j, text *t, uint64_t count)
     text_add(t, j->f->stats.unused > 0 ? " of the used texels (" : " of the texels (");
     text_count(t, count);
     text_char(t, ')');
+}
+
+finding_level level_of_share(const judgement *j, uint64_t count)
+{
+    const double percent = j->used == 0 ? 0 : 100.0 * (double) count / (double) j->used;
+    return percent > j->rules->max_fail ? LEVEL_ERROR : LEVEL_WARNING;
+}
+
+finding_level level_of_harm(const judgement *j, const ntp_harm *harm)
+{
+    const double angle = j->rules->max_angle, used = (double) j->used;
+    if (j->used == 0 || harm->texels == 0)
+        return LEVEL_INFO;
+    const double percent = 100.0 * (double) harm->over / used;
+    if (percent > j->rules->max_fail)
+        return LEVEL_ERROR;
+    const bool visible = percent > j->rules->max_fail * SPECKS || harm->p99 > angle * P99_WARNING ||
+                         harm->mean > angle * MEAN_WARNING;
+    return visible ? LEVEL_WARNING : LEVEL_INFO;
+}
+
+finding_level level_of_cause(const judgement *j)
+{
+    const bool harmless =
+        !j->rules->strict && level_of_harm(j, &j->f->harm[HARM_LENGTH]) == LEVEL_INFO;
+    return harmless ? LEVEL_INFO : LEVEL_WARNING;
 }
 
 /* The color chunks of NT040 are listed with a blank after each; the last one goes. */

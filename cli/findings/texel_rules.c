@@ -4,30 +4,32 @@
  */
 #include "findings/judgement.h"
 
-/* JPEG: an angle that is still invisible, and one that is certainly visible. */
-static const double LOSSY_WARNING_MEAN = 2, LOSSY_ERROR_P99 = 10;
-
-static finding_level level_of_share(const judgement *j, uint64_t count)
+/* The level of texels that are wrong: `count` of them, with this harm. */
+static finding_level level_of(const judgement *j, uint64_t count, const ntp_harm *harm)
 {
-    const double percent = j->used == 0 ? 0 : 100.0 * (double) count / (double) j->used;
-    return percent > j->rules->max_fail ? LEVEL_ERROR : LEVEL_WARNING;
+    return j->rules->strict ? level_of_share(j, count) : level_of_harm(j, harm);
+}
+
+/* "; 1.2 % are off by more than 5 degrees" */
+static void add_visible(const judgement *j, text *t, const ntp_harm *harm)
+{
+    if (j->rules->strict || harm->over == 0)
+        return;
+    text_add(t, "; ");
+    text_percent(t, harm->over, j->used);
+    text_add(t, " are off by more than ");
+    text_addf(t, "%g degrees", j->rules->max_angle);
 }
 
 static void judge_length(judgement *j)
 {
     const facts *f = j->f;
     const ntp_stats *s = &f->stats;
+    const ntp_harm *harm = &f->harm[HARM_LENGTH];
     uint64_t all = 0, used = 0;
     if (!failing_texels(f, j->rules->verdict, j->rules->keep_negative_z, &all, &used) ||
         used == 0 || f->encoding == NTP_ENCODING_XY)
         return;
-    finding_level level = level_of_share(j, used);
-    if (f->info.lossy) {
-        const bool error = s->angles.p99 > LOSSY_ERROR_P99;
-        if (!error && s->angles.mean <= LOSSY_WARNING_MEAN)
-            return;
-        level = error ? LEVEL_ERROR : LEVEL_WARNING;
-    }
     text t = { 0 };
     add_share(j, &t, used);
     if (j->rules->verdict == NTP_VERDICT_EXACT)
@@ -42,48 +44,54 @@ static void judge_length(judgement *j)
     } else { /* only red and green are wrong */
         text_add(&t, ": the normal is off by up to ");
     }
-    text_degrees(&t, s->angles.max);
+    text_degrees(&t, j->rules->strict ? s->angles.max : harm->max);
     text_add(&t, " degrees (");
-    text_degrees(&t, s->angles.mean);
+    text_degrees(&t, j->rules->strict ? s->angles.mean : harm->mean);
     text_add(&t, " on average)");
-    add_finding(j, NT001, level, used, &t);
+    add_visible(j, &t, harm);
+    add_finding(j, NT001, level_of(j, used, harm), used, &t);
     text_free(&t);
 }
 
 static void judge_xy(judgement *j)
 {
     const ntp_stats *s = &j->f->stats;
-    const uint64_t count = s->xy_too_long - s->unused_xy_too_long;
+    const ntp_harm *harm = &j->f->harm[HARM_XY];
+    const uint64_t all = s->xy_too_long - s->unused_xy_too_long;
+    /* Rounding makes pairs too long that were not; only `exact` minds. */
+    const bool rounding = harm->texels == 0 && j->rules->verdict != NTP_VERDICT_EXACT;
+    const bool every = rounding || j->rules->verdict == NTP_VERDICT_EXACT;
+    const uint64_t count = every ? all : harm->texels;
     if (count == 0)
         return;
-    finding_level level = level_of_share(j, count);
-    if (j->f->info.lossy)
-        level = level == LEVEL_ERROR ? LEVEL_WARNING : LEVEL_INFO;
     text t = { 0 };
     const bool pair = j->f->info.channels < 3;
     text_addf(&t, "%s alone are too long in ", pair ? "gray and alpha" : "red and green");
     add_share(j, &t, count);
-    text_addf(&t, ": no %s can be right there", pair ? "z" : "blue");
-    add_finding(j, NT002, level, count, &t);
+    if (rounding)
+        text_add(&t, ", by no more than rounding");
+    else
+        text_addf(&t, ": no %s can be right there", pair ? "z" : "blue");
+    add_visible(j, &t, harm);
+    add_finding(j, NT002, rounding ? LEVEL_INFO : level_of(j, count, harm), count, &t);
     text_free(&t);
 }
 
 static void judge_z(judgement *j)
 {
     const ntp_stats *s = &j->f->stats;
+    const ntp_harm *harm = &j->f->harm[HARM_Z];
     const uint64_t count = s->z_negative - s->unused_z_negative;
     if (count == 0 || j->f->encoding != NTP_ENCODING_STANDARD || j->rules->keep_negative_z)
         return;
-    finding_level level = level_of_share(j, count);
-    if (j->f->info.lossy)
-        level = level == LEVEL_ERROR ? LEVEL_WARNING : LEVEL_INFO;
     text t = { 0 };
     text_add(&t, "blue is at or below one half in ");
     add_share(j, &t, count);
     text_add(&t, ": these normals point into the surface");
     if ((j->f->type.accidents & NTP_ACCIDENT_Z_FLIPPED) != 0)
         text_add(&t, "; blue seems to be inverted as a whole");
-    add_finding(j, NT003, level, count, &t);
+    add_visible(j, &t, harm);
+    add_finding(j, NT003, level_of(j, count, harm), count, &t);
     text_free(&t);
 }
 

@@ -37,8 +37,14 @@ const option_spec OPTION_TABLE[] = {
       "list the texels that fail this verdict (see ntp check --help)" },
     { OPT_KEEP_NEGATIVE_Z, "keep-negative-z", 0, KIND_FLAG, NULL, NULL, 0, 0, V_CHECK | V_CLEAN | V_DUMP,
       "normals may point away from the viewer: a negative Z is not an error and stays" },
+    { OPT_POLICY, "policy", 0, KIND_CHOICE, "harm|strict", "harm", 0, 0, V_CHECK,
+      "what makes wrong texels a warning or an error. harm: the angle that a renderer shows, and "
+      "how much of the picture it touches; strict: every texel that fails --verdict" },
+    { OPT_MAX_ANGLE, "max-angle", 0, KIND_NUMBER, "DEG", "5", 0, 180, V_CHECK,
+      "with --policy harm: a normal that is off by more, in degrees, is visible" },
     { OPT_MAX_FAIL, "max-fail", 0, KIND_NUMBER, "PERCENT", "2", 0, 100, V_CHECK,
-      "a larger share of failing texels is an error, a smaller one is a warning" },
+      "a larger share of texels that are off by more than --max-angle (--policy strict: that fail "
+      "--verdict) is an error" },
     { OPT_MAX_TILT, "max-tilt", 0, KIND_NUMBER, "X", "0.1", 0, 1, V_CHECK,
       "warn where the mean of x or y, in -1..1, is farther from 0 than this" },
     { OPT_FAIL_ON, "fail-on", 0, KIND_CHOICE, "error|warning|never", "error", 0, 0, V_CHECK,

@@ -45,6 +45,8 @@ typedef enum option_id {
     OPT_Y,
     OPT_VERDICT,
     OPT_KEEP_NEGATIVE_Z,
+    OPT_POLICY,
+    OPT_MAX_ANGLE,
     OPT_MAX_FAIL,
     OPT_MAX_TILT,
     OPT_FAIL_ON,

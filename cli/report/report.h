@@ -78,6 +78,7 @@ typedef struct check_summary {
     size_t by_class[NTP_CLASS_NOT_NORMALS + 1];
     size_t worst[LEVEL_ERROR + 1]; /* files by their worst counting finding */
     size_t well_formed;            /* counting files without warnings and errors */
+    size_t only_known;             /* those whose warnings and errors are all in the baseline */
     size_t notes, known;
     size_t found[FINDING_COUNT];
 } check_summary;
@@ -85,7 +86,7 @@ typedef struct check_summary {
 void check_text(text *t, const input *in, const checked *c, const check_settings *s);
 void check_text_summary(text *t, const check_summary *sum, const check_settings *s);
 json_t *check_json(const input *in, const checked *c, const check_settings *s);
-json_t *check_json_summary(const check_summary *sum);
+json_t *check_json_summary(const check_summary *sum, const check_settings *s);
 void check_csv_header(text *t);
 void check_csv(text *t, const input *in, const checked *c, const check_settings *s);
 

@@ -188,7 +188,8 @@ static json_t *reasons(const facts *f)
     return list;
 }
 
-static json_t *fails(const facts *f, const check_settings *s)
+/* Counts of texels that fail, by verdict; of all texels or of the used ones.  null: not judged. */
+static json_t *fails(const facts *f, const check_settings *s, bool of_used)
 {
     json_t *object = need(json_object());
     for (int v = NTP_VERDICT_NEIGHBOR; v <= NTP_VERDICT_EXACT; v++) {
@@ -200,7 +201,39 @@ static json_t *fails(const facts *f, const check_settings *s)
             json_decref(object);
             return json_null();
         }
-        json_object_set_new(object, verdict_name((ntp_verdict) v), json_count(all));
+        json_object_set_new(object, verdict_name((ntp_verdict) v),
+                            json_count(of_used ? used : all));
+    }
+    return object;
+}
+
+/* The counts beside it again, without unused texels. */
+static json_t *used_counts(const facts *f, const check_settings *s)
+{
+    const ntp_stats *st = &f->stats;
+    json_t *object = need(json_object());
+    json_object_set_new(object, "texels", json_count(st->texels - st->unused));
+    json_object_set_new(object, "fail", fails(f, s, true));
+    json_object_set_new(object, "xy_too_long",
+                        json_count(st->xy_too_long - st->unused_xy_too_long));
+    json_object_set_new(object, "z_negative", json_count(st->z_negative - st->unused_z_negative));
+    return object;
+}
+
+static json_t *harm(const facts *f, const check_settings *s)
+{
+    static const char *const KEYS[HARM_KINDS] = { "length", "xy", "z_negative" };
+    json_t *object = need(json_object());
+    json_object_set_new(object, "max_angle", json_real(s->rules.max_angle));
+    for (int i = 0; i < HARM_KINDS; i++) {
+        const ntp_harm *one = &f->harm[i];
+        json_t *kind = need(json_object());
+        json_object_set_new(kind, "texels", json_count(one->texels));
+        json_object_set_new(kind, "over", json_count(one->over));
+        json_object_set_new(kind, "mean", json_angle(one->mean));
+        json_object_set_new(kind, "p99", json_angle(one->p99));
+        json_object_set_new(kind, "max", json_angle(one->max));
+        json_object_set_new(object, KEYS[i], kind);
     }
     return object;
 }
@@ -228,6 +261,12 @@ static json_t *length(const facts *f)
     return object;
 }
 
+/* Is the count of this finding one of used texels? */
+static bool counts_used(finding_id id)
+{
+    return id == NT001 || id == NT002 || id == NT003 || id == NT020 || id == NT021;
+}
+
 static json_t *finding_objects(const finding_list *list)
 {
     json_t *array = need(json_array());
@@ -238,6 +277,7 @@ static json_t *finding_objects(const finding_list *list)
         json_object_set_new(object, "level", json_string(level_name(one->level)));
         json_object_set_new(object, "message", json_string(one->message));
         json_object_set_new(object, "count", json_count(one->count));
+        json_object_set_new(object, "count_of", json_string(counts_used(one->id) ? "used" : "all"));
         if (one->known)
             json_object_set_new(object, "baseline", json_true());
         json_array_append_new(array, object);
@@ -309,20 +349,32 @@ json_t *check_json(const input *in, const checked *c, const check_settings *s)
     json_object_set_new(object, "texels", json_count(f->stats.texels));
     json_object_set_new(object, "unused", json_count(f->stats.unused));
     json_object_set_new(object, "counts", json_boolean(f->counts));
-    json_object_set_new(object, "fail", fails(f, s));
+    json_object_set_new(object, "fail", fails(f, s, false));
     json_object_set_new(object, "xy_too_long",
                         height ? json_null() : json_count(f->stats.xy_too_long));
     json_object_set_new(object, "z_negative",
                         height ? json_null() : json_count(f->stats.z_negative));
+    json_object_set_new(object, "used", height ? json_null() : used_counts(f, s));
     json_object_set_new(object, "levels_off", levels(f));
     json_object_set_new(object, "length", length(f));
     json_object_set_new(object, "angle_deg", height ? json_null() : json_angles(&f->stats.angles));
+    json_object_set_new(object, "harm", height ? json_null() : harm(f, s));
     set_surface(object, &f->surface);
     json_object_set_new(object, "findings", finding_objects(&c->list));
     return object;
 }
 
-json_t *check_json_summary(const check_summary *sum)
+static json_t *rule(const judge_rules *rules)
+{
+    json_t *object = need(json_object());
+    json_object_set_new(object, "policy", json_string(rules->strict ? "strict" : "harm"));
+    json_object_set_new(object, "verdict", json_string(verdict_name(rules->verdict)));
+    json_object_set_new(object, "max_angle", json_real(rules->max_angle));
+    json_object_set_new(object, "max_fail", json_real(rules->max_fail));
+    return object;
+}
+
+json_t *check_json_summary(const check_summary *sum, const check_settings *s)
 {
     json_t *types = need(json_object());
     for (int i = 0; i <= NTP_CLASS_NOT_NORMALS; i++)
@@ -348,9 +400,11 @@ json_t *check_json_summary(const check_summary *sum)
         { "with_errors", sum->worst[LEVEL_ERROR] },
         { "failing", sum->failing },
         { "in_baseline", sum->known },
+        { "only_known", sum->only_known },
     };
     for (size_t i = 0; i < sizeof COUNTS / sizeof COUNTS[0]; i++)
         json_object_set_new(object, COUNTS[i].key, json_integer((json_int_t) COUNTS[i].count));
+    json_object_set_new(object, "rule", rule(&s->rules));
     json_object_set_new(object, "types", types);
     json_object_set_new(object, "findings", found);
     return object;

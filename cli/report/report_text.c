@@ -43,6 +43,28 @@ static size_t count_level(const checked *c, finding_level level)
     return count;
 }
 
+/* Warnings and errors that are in the baseline. */
+static size_t count_known(const checked *c)
+{
+    size_t count = 0;
+    for (size_t i = 0; i < c->list.count; i++)
+        count += c->list.at[i].known && c->list.at[i].level > LEVEL_INFO;
+    return count;
+}
+
+/* What a file without warnings and errors is called.  Lengths can be wrong by so little that it is
+ * only a note. */
+static const char *praise(const checked *c)
+{
+    const bool normals = class_is_normals(c->f.type.type) || c->f.type.type == NTP_CLASS_ONE_COLOR;
+    for (size_t i = 0; i < c->list.count; i++) {
+        const finding_id id = c->list.at[i].id;
+        if (id == NT001 || id == NT002 || id == NT003)
+            return "no visible errors";
+    }
+    return normals ? "well formed" : "ok";
+}
+
 static void add_number_of(text *t, size_t count, const char *thing)
 {
     text_addf(t, "%zu %s%s", count, thing, count == 1 ? "" : "s");
@@ -62,9 +84,11 @@ static void add_verdict(text *t, const checked *c, const check_settings *s)
         text_add(&words, ", ");
     if (warnings > 0)
         add_number_of(&words, warnings, "warning");
-    const bool normals = class_is_normals(c->f.type.type) || c->f.type.type == NTP_CLASS_ONE_COLOR;
+    const size_t known = count_known(c);
+    if (known > 0)
+        text_addf(&words, "%s%zu known", words.size > 0 ? ", " : "", known);
     if (words.size == 0)
-        text_add(&words, normals ? "well formed" : "ok");
+        text_add(&words, praise(c));
     text_paint(t, s->colors,
                errors > 0     ? PAINT_RED
                : warnings > 0 ? PAINT_YELLOW
@@ -193,6 +217,9 @@ static void add_statistics(text *t, const checked *c, const check_settings *s)
             add_count_line(t, "z negative", st->z_negative, st->texels);
         text_addf(t, "    %-24s mean %.3f, 99 %% within %.3f, at most %.3f degrees\n",
                   "stored against cleaned", st->angles.mean, st->angles.p99, st->angles.max);
+        const ntp_harm *harm = &f->harm[HARM_LENGTH];
+        text_addf(t, "    %-24s mean %.3f, 99 %% within %.2f, at most %.3f degrees\n",
+                  "beyond rounding", harm->mean, harm->p99, harm->max);
     }
     if (f->encoding == NTP_ENCODING_STANDARD || f->encoding == NTP_ENCODING_ZZERO) {
         const ntp_fit *fit = f->encoding == NTP_ENCODING_ZZERO ? &st->zzero : &st->standard;
@@ -240,8 +267,10 @@ void check_text_summary(text *t, const check_summary *sum, const check_settings 
         text_addf(t, "%s%zu unreadable", separator, sum->unreadable);
     if (sum->foreign > 0)
         text_addf(t, " (%zu of formats that are not read)", sum->foreign);
-    text_addf(t, "\n%zu well formed, %zu with warnings, %zu with errors", sum->well_formed,
+    text_addf(t, "\n%zu without warnings, %zu with warnings, %zu with errors", sum->well_formed,
               sum->worst[LEVEL_WARNING], sum->worst[LEVEL_ERROR]);
+    if (sum->only_known > 0)
+        text_addf(t, ", %zu with known findings only", sum->only_known);
     if (sum->left_out > 0)
         text_addf(t, ", %zu not judged (no normals, by name and content)", sum->left_out);
     if (sum->known > 0)

@@ -103,6 +103,7 @@ static void examine_file(const check *c, worker *w, const input *in, checked *do
     const bool deep = option_given(c->o, OPT_DEEP);
     const int y = c->settings.rules.y - 1;
     s.orient = deep ? ORIENT_EVERY_ROW : ORIENT_SAMPLED;
+    s.max_angle = c->settings.rules.max_angle;
     s.keep_middle = deep || tells_of_surface(c);
     if (deep)
         s.read_permille = DEEP_READ_PERMILLE;
@@ -174,11 +175,12 @@ static void count(check_summary *sum, const input *in, const checked *done)
         sum->left_out++;
         return;
     }
-    int worst = LEVEL_INFO;
+    int worst = LEVEL_INFO, worst_known = LEVEL_INFO;
     for (size_t i = 0; i < done->list.count; i++) {
         const finding *one = &done->list.at[i];
         if (one->known) {
             sum->known++;
+            worst_known = (int) one->level > worst_known ? (int) one->level : worst_known;
             continue;
         }
         sum->found[one->id]++;
@@ -186,7 +188,8 @@ static void count(check_summary *sum, const input *in, const checked *done)
         worst = (int) one->level > worst ? (int) one->level : worst;
     }
     sum->worst[worst]++;
-    sum->well_formed += worst == LEVEL_INFO;
+    sum->only_known += worst == LEVEL_INFO && worst_known > LEVEL_INFO;
+    sum->well_formed += worst == LEVEL_INFO && worst_known == LEVEL_INFO;
 }
 
 static void deliver(void *context, const input *in, result *r)
@@ -215,7 +218,7 @@ static void end(const check *c)
 {
     text t = { 0 };
     if (c->format == FORMAT_JSON)
-        json_end(&t, check_json_summary(&c->summary));
+        json_end(&t, check_json_summary(&c->summary, &c->settings));
     else if (c->format == FORMAT_TEXT)
         check_text_summary(&t, &c->summary, &c->settings);
     output_text(&t);

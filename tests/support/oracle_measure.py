@@ -113,6 +113,8 @@ def measure(array, encoding_is_zzero=False, touch=0, xy=False):
         degrees = oracle.angles(r, g, b, m, encoding_is_zzero)
     degrees = degrees[used]
     s["degrees"] = degrees
+    outside = np.degrees(np.hypot((2 * r - m) / m, (2 * g - m) / m) - 1)[used]
+    s["harm_degrees"] = outside if xy else degrees
     s["harm_kinds"] = harm_kinds(r, g, b, m, encoding_is_zzero, xy)[used]
     steep = np.minimum((np.hypot((2 * r - m) / m, (2 * g - m) / m) * STEEP).astype(int), STEEP - 1)
     bins = [used & (steep == i) for i in range(STEEP)]

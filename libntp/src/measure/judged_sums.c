@@ -9,6 +9,8 @@
 #include <math.h>
 #include <string.h>
 
+static const double PI = 3.14159265358979323846;
+
 /* The limit |(x, y)| <= 1.00774 of the reference program, squared. */
 static const double FAR_SQUARED = 1.00774 * 1.00774;
 
@@ -126,6 +128,12 @@ static uint32_t add_angle(ntp__angle_sums *angles, const ntp__row *row, int32_t 
     return angle;
 }
 
+/* How far x, y lie outside the circle, as an angle: without z there is none to compare. */
+static uint32_t excess(const ntp__row *row)
+{
+    return (uint32_t) ((sqrt((double) row->xy2) / row->m - 1.0) * (180e6 / PI) + 0.5);
+}
+
 void ntp__add(ntp__sums *sums, const ntp__row *row, int32_t b, uint32_t count,
               ntp_encoding encoding)
 {
@@ -133,6 +141,8 @@ void ntp__add(ntp__sums *sums, const ntp__row *row, int32_t b, uint32_t count,
     uint32_t flags[2] = { add_fit(&sums->fit[0], row, b, count, false),
                           add_fit(&sums->fit[1], row, b, count, true) };
     uint32_t angle = add_angle(&sums->angles, row, b, count, encoding);
+    if (encoding == NTP_ENCODING_XY && row->pair_fails)
+        angle = excess(row);
     add_harm(sums, row->pair_fails, b, flags[encoding == NTP_ENCODING_ZZERO], angle, count, row->m,
              encoding);
 }
