@@ -4,6 +4,7 @@
  *
  * The room of what is printed.
  *   report_text.c  what `ntp check` prints for people, its CSV, and colors
+ *   baseline.c     findings of an earlier check
  *   report_json.c  JSON of every verb; the report of `ntp check` (docs/schema/check-1.json)
  */
 #ifndef NTP_CLI_REPORT_H

@@ -264,7 +264,7 @@ static json_t *length(const facts *f)
 /* Is the count of this finding one of used texels? */
 static bool counts_used(finding_id id)
 {
-    return id == NT001 || id == NT002 || id == NT003 || id == NT020 || id == NT021;
+    return id == NT001 || id == NT002 || id == NT003 || id == NT020 || id == NT021 || id == NT040;
 }
 
 static json_t *finding_objects(const finding_list *list)

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "report/baseline.h"
 #include "report/report.h"
 #include "run/jobs.h"
 #include "surface/surface.h"
@@ -20,72 +21,10 @@ typedef struct check {
     check_format format;
     int forced; /* class from --type, or -1 */
     ntpio_limits limits;
-    json_t *baseline; /* object of "path\nid": true; NULL without --baseline */
+    baseline known;
     check_summary summary;
     bool any; /* a JSON item was printed */
 } check;
-
-/* ------------------------------------------------------------------------- baseline */
-
-/* Names that are not UTF-8 may be equal in "path"; path_base64 keeps them apart. */
-static void baseline_key(text *key, const json_t *file, const char *id)
-{
-    const json_t *coded = json_object_get(file, "path_base64");
-    const json_t *path = json_object_get(file, "path");
-    const char *name = json_string_value(coded != NULL ? coded : path);
-    text_addf(key, "%s%s\n%s", coded != NULL ? "base64:" : "", name != NULL ? name : "", id);
-}
-
-static void keep_known(json_t *known, const json_t *file)
-{
-    size_t i;
-    json_t *one;
-    json_array_foreach(json_object_get(file, "findings"), i, one)
-    {
-        const char *id = json_string_value(json_object_get(one, "id"));
-        text key = { 0 };
-        baseline_key(&key, file, id != NULL ? id : "");
-        json_object_set_new(known, text_string(&key), json_true());
-        text_free(&key);
-    }
-}
-
-static bool read_baseline(check *c)
-{
-    const char *name = option_string(c->o, OPT_BASELINE);
-    if (name == NULL)
-        return true;
-    json_error_t error;
-    json_t *report = json_load_file(name, JSON_REJECT_DUPLICATES, &error);
-    const json_t *files = json_object_get(report, "files");
-    if (!json_is_array(files)) {
-        complain("--baseline %s: %s", name,
-                 report == NULL ? error.text : "not a JSON report of ntp check");
-        json_decref(report);
-        return false;
-    }
-    c->baseline = need(json_object());
-    size_t i;
-    json_t *file;
-    json_array_foreach(files, i, file) keep_known(c->baseline, file);
-    json_decref(report);
-    return true;
-}
-
-static void mark_known(const check *c, const input *in, finding_list *list)
-{
-    if (c->baseline == NULL)
-        return;
-    json_t *file = need(json_object());
-    json_set_name(file, "path", in->path);
-    for (size_t i = 0; i < list->count; i++) {
-        text key = { 0 };
-        baseline_key(&key, file, FINDING_TABLE[list->at[i].id].id);
-        list->at[i].known = json_object_get(c->baseline, text_string(&key)) != NULL;
-        text_free(&key);
-    }
-    json_decref(file);
-}
 
 /* ------------------------------------------------------------------------- one file */
 
@@ -116,7 +55,7 @@ static void examine_file(const check *c, worker *w, const input *in, checked *do
     if (!done->readable)
         return;
     judge(&done->list, &done->f, &c->settings.rules);
-    mark_known(c, in, &done->list);
+    baseline_mark(&c->known, in, &done->list);
     for (size_t i = 0; i < done->list.count; i++) {
         const finding *one = &done->list.at[i];
         done->fails |= !one->known && one->level >= c->settings.fail_level;
@@ -254,10 +193,10 @@ int check_run(const options *o)
                               .quiet = option_given(o, OPT_QUIET),
                               .verbose = option_given(o, OPT_VERBOSE),
                               .nul = option_given(o, OPT_NUL) } };
-    if (!read_baseline(&c))
+    if (!baseline_read(&c.known, option_string(o, OPT_BASELINE)))
         return NTP_EXIT_USAGE;
     if (!inputs_collect(&inputs, o)) {
-        json_decref(c.baseline);
+        baseline_free(&c.known);
         return NTP_EXIT_USAGE;
     }
     const batch b = { .inputs = &inputs,
@@ -272,6 +211,6 @@ int check_run(const options *o)
     end(&c);
     ran |= nothing_checked(&c);
     inputs_free(&inputs);
-    json_decref(c.baseline);
+    baseline_free(&c.known);
     return exit_code(ran);
 }

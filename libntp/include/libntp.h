@@ -457,7 +457,8 @@ enum {
 /*
  * What is shown wrong by texels that are wrong by more than rounding.  The angle of a texel is that
  * between the stored vector and the cleaned one (NTP_CLEAN_DERIVE), that is between what a shader
- * shows that normalizes and one that derives z.  Read as NTP_ENCODING_XY it is how far x, y lie
+ * shows that normalizes and one that derives z.  Where z is negative, it is that between the vector
+ * and its mirror image.  Read as NTP_ENCODING_XY it is how far x, y lie
  * outside the unit circle, in degrees of an arc of that length.
  */
 typedef struct ntp_harm {

@@ -114,8 +114,11 @@ def measure(array, encoding_is_zzero=False, touch=0, xy=False):
     degrees = degrees[used]
     s["degrees"] = degrees
     outside = np.degrees(np.hypot((2 * r - m) / m, (2 * g - m) / m) - 1)[used]
-    s["harm_degrees"] = outside if xy else degrees
-    s["harm_kinds"] = harm_kinds(r, g, b, m, encoding_is_zzero, xy)[used]
+    z = (2 * b - m) / m
+    mirror = np.degrees(2 * np.arctan2(np.abs(z), np.hypot((2 * r - m) / m, (2 * g - m) / m)))
+    kinds = harm_kinds(r, g, b, m, encoding_is_zzero, xy)[used]
+    s["harm_kinds"] = kinds
+    s["harm_degrees"] = np.where(kinds == 2, mirror[used], outside if xy else degrees)
     steep = np.minimum((np.hypot((2 * r - m) / m, (2 * g - m) / m) * STEEP).astype(int), STEEP - 1)
     bins = [used & (steep == i) for i in range(STEEP)]
     s["steepness"] = [np.count_nonzero(i) for i in bins]

@@ -89,17 +89,23 @@ static uint32_t add_fit(ntp__fit_sums *fit, const ntp__row *row, int32_t b, uint
     return flags;
 }
 
-/* Adds a texel that may be wrong by more than rounding. */
-static void add_harm(ntp__sums *sums, bool pair_fails, int32_t b, uint32_t flags, uint32_t angle,
-                     uint32_t count, int32_t m, ntp_encoding encoding)
+/* Adds texels of one color that may be wrong by more than rounding. */
+static void add_harm(ntp__sums *sums, const int32_t c[3], int32_t m, ntp_encoding encoding,
+                     bool pair_fails, uint32_t flags, uint32_t angle, uint32_t count)
 {
+    int64_t x = ntp__num(c[0], m), y = ntp__num(c[1], m), z = ntp__num(c[2], m);
     int32_t kind = 0;
-    if (encoding == NTP_ENCODING_STANDARD && b < (m - 1) / 2)
+    if (encoding == NTP_ENCODING_STANDARD && c[2] < (m - 1) / 2) {
         kind = 2;
-    else if (pair_fails)
+        angle = ntp__angle(x, y, z, x, y, -z);
+    } else if (pair_fails) {
         kind = 1;
-    else if (encoding == NTP_ENCODING_XY || (flags & NTP_FLAG_NEIGHBOR))
+        /* without z there is no angle: how far x, y lie outside the circle stands for it */
+        if (encoding == NTP_ENCODING_XY)
+            angle = (uint32_t) ((sqrt((double) (x * x + y * y)) / m - 1.0) * (180e6 / PI) + 0.5);
+    } else if (encoding == NTP_ENCODING_XY || (flags & NTP_FLAG_NEIGHBOR)) {
         return;
+    }
     ntp__harm_sums *harm = &sums->harm[kind];
     harm->texels += count;
     harm->sum += (uint64_t) angle * count;
@@ -128,12 +134,6 @@ static uint32_t add_angle(ntp__angle_sums *angles, const ntp__row *row, int32_t 
     return angle;
 }
 
-/* How far x, y lie outside the circle, as an angle: without z there is none to compare. */
-static uint32_t excess(const ntp__row *row)
-{
-    return (uint32_t) ((sqrt((double) row->xy2) / row->m - 1.0) * (180e6 / PI) + 0.5);
-}
-
 void ntp__add(ntp__sums *sums, const ntp__row *row, int32_t b, uint32_t count,
               ntp_encoding encoding)
 {
@@ -141,10 +141,9 @@ void ntp__add(ntp__sums *sums, const ntp__row *row, int32_t b, uint32_t count,
     uint32_t flags[2] = { add_fit(&sums->fit[0], row, b, count, false),
                           add_fit(&sums->fit[1], row, b, count, true) };
     uint32_t angle = add_angle(&sums->angles, row, b, count, encoding);
-    if (encoding == NTP_ENCODING_XY && row->pair_fails)
-        angle = excess(row);
-    add_harm(sums, row->pair_fails, b, flags[encoding == NTP_ENCODING_ZZERO], angle, count, row->m,
-             encoding);
+    const int32_t c[3] = { row->r, row->g, b };
+    add_harm(sums, c, row->m, encoding, row->pair_fails, flags[encoding == NTP_ENCODING_ZZERO],
+             angle, count);
 }
 
 static void add_judged(ntp__fit_sums *sums, const ntp__judged_fit *fit, const uint32_t *count,
@@ -210,9 +209,9 @@ void ntp__add_block(ntp__sums *sums, const ntp__block *block, const uint32_t *co
                                     : long_angle(&j, i, block, m, encoding == NTP_ENCODING_ZZERO);
         sums->texels += count[i];
         ntp__angles_add(&sums->angles, angle, count[i]);
-        add_harm(sums, false, block->c[2][i],
-                 (uint32_t) j.fit[encoding == NTP_ENCODING_ZZERO].key[i], angle, count[i], m,
-                 encoding);
+        const int32_t c[3] = { block->c[0][i], block->c[1][i], block->c[2][i] };
+        add_harm(sums, c, m, encoding, false,
+                 (uint32_t) j.fit[encoding == NTP_ENCODING_ZZERO].key[i], angle, count[i]);
     }
 }
 
