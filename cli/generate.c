@@ -324,6 +324,56 @@ static void generate_fish(text *t)
 
 /* ------------------------------------------------------------------------- findings */
 
+static const char LEVELS[] =
+    "\n<a id=\"levels\"></a>\n\n## Levels\n\n"
+    "A level says how much a finding matters on the screen. One rule holds for every format and "
+    "depth (`--policy harm`, the default).\n\n"
+    "The measure is an angle. A renderer either normalizes the three stored components or derives "
+    "z from x and y. The two agree on a sound texel. The angle between them is what is wrong "
+    "with a texel. A texel that one level more or less in each channel would put right (`--verdict "
+    "neighbor`) counts as 0: 8 bits cannot hold it better, and steep normals turn by degrees for "
+    "one level. So nothing that an exact encoder or `ntp clean` writes has NT001, NT002 or NT003 "
+    "above a note. In an XY-only texture there is no z to compare. There the angle is how far x "
+    "and y lie outside the unit circle, a radian for a length of 1.\n\n"
+    "| level | when |\n|---|---|\n"
+    "| error | more than `--max-fail` percent (2) of the used texels are off by more than "
+    "`--max-angle` degrees (5) |\n"
+    "| warning | more than a twentieth of that share (0.1 %) is off by more than `--max-angle`; or "
+    "the 99th percentile is above a half of `--max-angle` (2.5 degrees); or the mean is above a "
+    "fifth of it (1 degree) |\n"
+    "| info (a note) | everything else, even if every texel fails |\n\n"
+    "The reasons are those of shading. A light at 45 degrees gives a flat surface a diffuse "
+    "light of 0.71, which 8-bit sRGB stores as 219. One degree changes it by 0.0123 of the light, "
+    "which is 1.7 levels, and 1.8 % of the light that was there.\n\n"
+    "- Rounding to 8 bits costs up to 0.4 degrees on gentle slopes: 0.7 of a level, never "
+    "visible.\n"
+    "- 1 degree on average, 1.8 % of the light: the eye sees 1 to 2 % at the edge between two "
+    "areas, "
+    "so a whole picture that is off by this can be told from the right one beside it.\n"
+    "- 2.5 degrees, 4 levels, 4.5 % of the light: visible in the lines and edges that steep texels "
+    "make.\n"
+    "- 5 degrees, 9 levels, 9 % of the light: visible in fine detail too, where the eye needs "
+    "several times more contrast than between areas.\n"
+    "- 2 % of the texels is the reference program's limit. A twentieth of it is 1,049 texels of "
+    "1024 x 1024: specks, which the eye finds although the picture as a whole is right.\n\n"
+    "`--policy strict` is for pipelines that want bits: every texel that fails `--verdict` makes a "
+    "warning, and more than `--max-fail` percent of them make an error, in every format. A shader "
+    "that does not normalize shows errors of length too: for such shaders strict is the better "
+    "choice. With `--keep-negative-z` texels of negative z take no part in the angles.\n\n"
+    "`--baseline FILE` is the JSON report of an earlier check. Its findings are known: they are "
+    "shown as `known`, and do not count for the exit code. A file is known by its path from the "
+    "working directory, in any spelling (`a`, `./a`, the whole path). So run both checks from one "
+    "directory.\n";
+
+static const char OF_GLTF[] =
+    "\n## NT060 to NT067\n\n"
+    "`ntp gltf` has findings of its own about the file that contains an image: "
+    "[NT060](gltf.md) (an image with two uses), [NT061](gltf.md) (odd scale), [NT062](gltf.md) "
+    "(no texture coordinates), [NT063](gltf.md) (media type), [NT064](gltf.md) (a format that is "
+    "not read), [NT065](gltf.md) (no standard normals texture, which glTF requires), "
+    "[NT066](gltf.md) (alpha), [NT067](gltf.md) (mirrored or turned). [gltf.md](gltf.md) describes "
+    "them.\n";
+
 static void generate_findings(text *t)
 {
     text_add(t,
@@ -335,11 +385,13 @@ static void generate_findings(text *t)
     for (size_t i = 0; i < FINDING_COUNT; i++)
         text_addf(t, "| [%s](#%s) | %s | %s |\n", FINDING_TABLE[i].id, FINDING_TABLE[i].anchor,
                   FINDING_TABLE[i].levels, FINDING_TABLE[i].title);
+    text_add(t, LEVELS);
     for (size_t i = 0; i < FINDING_COUNT; i++) {
         const finding_spec *spec = &FINDING_TABLE[i];
         text_addf(t, "\n<a id=\"%s\"></a>\n\n## %s: %s\n\nLevel: %s.\n\n%s\n\nWhat to do: %s\n",
                   spec->anchor, spec->id, spec->title, spec->levels, spec->why, spec->remedy);
     }
+    text_add(t, OF_GLTF);
 }
 
 bool generate(text *t, const char *what)

@@ -17,6 +17,7 @@ PACKAGE = ntp.ROOT / "bindings" / "python" / "normaltexture"
 # Each choice of the command line, with Python's argument, and the member of a struct of C; None:
 # there is none, or its zero is another choice ("auto" is found out by the program, not by C).
 CHOICES = {
+    "check": ("check", None),
     "clean": ("clean", "ntp_clean_options"),
     "convert": ("convert", "ntp_convert_options"),
     "heatmap": ("heatmap", None),
@@ -26,6 +27,11 @@ CHOICES = {
     "blend": ("blend", "ntp_blend_options"),
 }
 ROWS = [
+    ("check", "verdict", "verdict", "ntp_verdict"),
+    ("check", "policy", "policy", None),
+    ("check", "max-angle", "max_angle", None),
+    ("check", "max-fail", "max_fail", None),
+    ("check", "max-tilt", "max_tilt", None),
     ("clean", "method", "method", None),
     ("clean", "verdict", "verdict", "verdict"),
     ("clean", "keep-negative-z", "keep_negative_z", "keep_negative_z"),

@@ -8,23 +8,24 @@
 
 /* clang-format off */
 const finding_spec FINDING_TABLE[FINDING_COUNT] = {
-    [NT001] = { "NT001", "nt001", "warning or error", "normals that are not of unit length",
+    [NT001] = { "NT001", "nt001", "info, warning or error", "normals that are not of unit length",
         "A normal is a direction, so its three components must have length 1. A shader that does not normalize "
         "makes such texels too bright or too dark; one that does turns the error into a wrong angle. A texel counts "
-        "when it fails `--verdict`. The finding is a warning if at most `--max-fail` percent of the used texels "
-        "fail, and an error above. JPEG files cannot pass a test of single texels. For them the angle decides: over "
-        "10 degrees at the 99th percentile is an error, over 2 degrees on average is a warning.",
+        "when it fails `--verdict`. The level follows the angles, in every format (see [Levels](#levels)): nearly every "
+        "texel of a JPEG file fails, and few of these are visibly wrong.",
         "`ntp clean` computes blue from red and green. If the file was JPEG or was resized, it divides "
         "vectors by their length, which changes directions less. Better: export again from the source." },
-    [NT002] = { "NT002", "nt002", "warning or error", "x and y alone are longer than 1",
+    [NT002] = { "NT002", "nt002", "info, warning or error", "x and y alone are longer than 1",
         "Red and green already describe a vector longer than 1: no blue can make it a unit vector. A shader that "
         "computes z from x and y takes the square root of a negative number there, which gives black or sparkling "
-        "pixels. The finding is an error above `--max-fail` percent of the used texels, else a warning.",
+        "pixels unless the shader clamps. Rounding alone makes steep pairs too long, by less than a level: if there are "
+        "only such pairs, the finding is a note. Otherwise only the others count, and [the angles](#levels) decide.",
         "`ntp clean` pulls x and y back to length 1 and keeps their direction." },
-    [NT003] = { "NT003", "nt003", "warning or error", "z is negative: blue is at or below one half",
+    [NT003] = { "NT003", "nt003", "info, warning or error", "z is negative: blue is at or below one half",
         "The normal points away from the viewer, into the surface. glTF says that normal textures should not "
         "contain such normals. The cause is often a baking error, an inverted channel, or Z-zero data read as "
-        "standard. The finding is an error above `--max-fail` percent of the used texels, else a warning.",
+        "standard. The angle is that between the normal and its mirror image above the surface; [the angles](#levels) "
+        "decide.",
         "`ntp clean` mirrors z. If the direction is intended, use `--keep-negative-z`." },
     [NT004] = { "NT004", "nt004", "warning", "blue is constant although red and green vary",
         "Blue is the same everywhere: it was not computed from red and green. Steep texels are too long or too "
@@ -82,12 +83,13 @@ const finding_spec FINDING_TABLE[FINDING_COUNT] = {
     [NT030] = { "NT030", "nt030", "info", "stored with lossy compression (JPEG)",
         "JPEG is made for photographs. It changes nearly every normal slightly, and steep ones by much.",
         "Export PNG from the source. Cleaning repairs lengths, not lost directions." },
-    [NT031] = { "NT031", "nt031", "warning", "JPEG with chroma subsampling",
-        "x, y and z were mixed into brightness and color, and the color was stored at half the size: normals are blurred.",
+    [NT031] = { "NT031", "nt031", "info or warning", "JPEG with chroma subsampling",
+        "x, y and z were mixed into brightness and color, and the color was stored at half the size: normals are blurred. It is a "
+        "warning where NT001 is visible.",
         "Export again as PNG. If it must be JPEG, use 4:4:4." },
-    [NT032] = { "NT032", "nt032", "warning", "traces of lossy compression in a lossless file",
+    [NT032] = { "NT032", "nt032", "info or warning", "traces of lossy compression in a lossless file",
         "The texels show the 8 x 8 blocks or the noise of JPEG, WebP or GPU compression: the texture was once "
-        "stored in such a format.",
+        "stored in such a format. It is a warning where NT001 is visible.",
         "Go back to the source. `ntp clean` repairs the lengths." },
     [NT033] = { "NT033", "nt033", "info", "made from heights with few levels (banding)",
         "Found with `--deep`: slopes are quantized: all of them are whole multiples of one step. Low-bit heights, "
@@ -99,9 +101,9 @@ const finding_spec FINDING_TABLE[FINDING_COUNT] = {
     [NT034] = { "NT034", "nt034", "info", "16 bit with 8-bit content",
         "Every level is a multiple of 257: an 8-bit texture in a 16-bit file. It is judged as 8 bit.",
         "Export in 16 bit from the source, or use `ntp convert --depth 8` for a file of half the size." },
-    [NT035] = { "NT035", "nt035", "warning", "resized or blurred without normalizing",
+    [NT035] = { "NT035", "nt035", "info or warning", "resized or blurred without normalizing",
         "Vectors are too short where the surface is curved: neighboring normals were averaged and not normalized "
-        "again.",
+        "again. It is a warning where NT001 is visible.",
         "`ntp clean`. Better: resize with a tool that normalizes." },
     [NT040] = { "NT040", "nt040", "info or error", "treated as colors",
         "Normals are numbers; a color conversion makes them wrong. gAMA, sRGB, iCCP, cHRM or cICP chunks ask "
@@ -118,8 +120,9 @@ const finding_spec FINDING_TABLE[FINDING_COUNT] = {
         "Pure black, pure white or transparent texels hold no normal; they are padding in atlases. They are left "
         "alone and not judged.",
         "Nothing, if no triangle uses them. But mipmaps blend them into their neighbors." },
-    [NT050] = { "NT050", "nt050", "info", "one color",
-        "All used texels are equal: a placeholder, or an export that went wrong.",
+    [NT050] = { "NT050", "nt050", "info or warning", "one color, or nothing",
+        "All used texels are equal: a placeholder, or an export that went wrong. If all texels are black, white or "
+        "transparent, there is no normal at all: a warning.",
         "Nothing, if it is intended. A 1 x 1 texture has the same effect." },
     [NT051] = { "NT051", "nt051", "info", "sides are not powers of two",
         "Some engines and devices resize such textures, or make no mipmaps for them.",

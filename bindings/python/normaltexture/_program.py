@@ -15,7 +15,7 @@ from typing import Any, Literal
 
 from ._errors import ArgumentError, FileError, FileStatus
 from ._measure import _Result
-from .typing import AutoY, CheckType, Class, Level, Verdict
+from .typing import AutoY, CheckType, Class, Level, Policy, Verdict
 
 # sysconfig of Python 3.11 fails where two threads are the first to ask it.
 _ONE_AT_A_TIME = threading.Lock()
@@ -137,6 +137,8 @@ def check(
     y: AutoY = "auto",
     verdict: Verdict = "neighbor",
     keep_negative_z: bool = False,
+    policy: Policy = "harm",
+    max_angle: float = 5.0,
     max_fail: float = 2.0,
     max_tilt: float = 0.1,
     deep: bool = False,
@@ -159,8 +161,14 @@ def check(
         How strictly a texel is judged.
     keep_negative_z : bool
         A negative z is not an error.
+    policy : {"harm", "strict"}
+        What makes wrong texels a warning or an error.  "harm": the angle that a renderer shows, and
+        how much of the picture it touches; "strict": every texel that fails `verdict`.
+    max_angle : float
+        With "harm": a normal that is off by more, in degrees, is visible.
     max_fail : float
-        A larger share of failing texels, in percent, is an error, a smaller one is a warning.
+        A larger share, in percent, of texels that are off by more than `max_angle` ("strict": that
+        fail `verdict`) is an error.
     max_tilt : float
         Warn if the mean of x or y is farther from 0 than this.
     deep : bool
@@ -194,6 +202,7 @@ def check(
     if not named:
         raise ArgumentError("paths: at least one is needed")
     options = [f"--type={type}", f"--y={y}", f"--verdict={verdict}"]
+    options += [f"--policy={policy}", f"--max-angle={max_angle!r}"]
     options += [f"--max-fail={max_fail!r}", f"--max-tilt={max_tilt!r}"]
     options += ["--keep-negative-z"] if keep_negative_z else []
     options += ["--deep"] if deep else []

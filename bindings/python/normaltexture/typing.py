@@ -41,6 +41,7 @@ CleanMethod: TypeAlias = Literal["derive", "normalize", "auto"]
 ChosenMethod: TypeAlias = Literal["derive", "normalize", "keep"]
 Verdict: TypeAlias = Literal["neighbor", "rounded", "exact"]
 Palette: TypeAlias = Literal["reference", "safe"]
+Policy: TypeAlias = Literal["harm", "strict"]
 Class: TypeAlias = Literal[
     "standard", "zzero", "xy", "height", "object-space", "one-color", "not-normals"
 ]

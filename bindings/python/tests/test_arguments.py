@@ -368,7 +368,7 @@ def test_every_string_is_one_of_the_command_line():
         ("transform", nt.transform, ["type", "y", "flip"]),
         ("resize", nt.resize, ["type", "filter", "border"]),
         ("blend", nt.blend, ["type", "mode", "y", "detail_y"]),
-        ("check", nt.check, ["type", "y", "verdict"]),
+        ("check", nt.check, ["type", "y", "verdict", "policy"]),
     ]  # fmt: skip
     for verb, function, arguments in pairs:
         text = subprocess.run(
