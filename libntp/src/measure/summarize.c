@@ -379,7 +379,7 @@ ntp_status ntp_tally_harm(ntp_harm *harm, ntp_tally *tally, ntp_encoding encodin
     if (harm->texels == 0)
         return NTP_OK;
     /* From the greatest angle down; `below` have at most this one. */
-    for (uint32_t i = NTP__HARM_BINS; i-- > 0;) {
+    for (uint32_t i = ntp__harm_bin(max) + 1; i-- > 0;) {
         uint32_t count = 0;
         for (uint32_t k = 0; k < NTP__HARM_KINDS; k++)
             count += kinds >> k & 1 ? tally->used.harm[k].bins[i] : 0;
