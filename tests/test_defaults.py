@@ -62,6 +62,7 @@ ROWS = [
     ("to-height", "z", "z", "z"),
     ("to-height", "refine", "refine", "refine"),
     ("to-height", "detrend", "detrend", "detrend"),
+    ("to-height", "clip", "clip", None),
     ("to-height", "equalize", "equalize", "equalize"),
     ("to-height", "dx", "dx", "dx"),
     ("to-height", "dy", "dy", "dy"),

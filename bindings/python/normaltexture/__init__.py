@@ -38,6 +38,7 @@ from ._height import (
     normals_from_height,
     normals_from_height_with_counts,
 )
+from ._height_info import HeightInfo
 from ._measure import (
     Angles,
     Channel,
@@ -53,7 +54,7 @@ from ._orientation import Orientation, detect_orientation
 from ._origin import KernelFit, Seam, Steps, find_kernel, find_seams, find_steps
 from ._pictures import Difference, Light, compare, heatmap, shade
 from ._program import CheckedFile, CheckReport, Finding, check, program
-from ._reconstruct import HeightInfo, height_from_normals, height_from_normals_with_info
+from ._reconstruct import height_from_normals, height_from_normals_with_info
 from ._rows import height_from_rows
 from ._validate import Flag, Texel, inspect, validate
 from ._vectors import decode, encode

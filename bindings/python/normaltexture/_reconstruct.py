@@ -2,7 +2,6 @@
 """Normals to heightfields."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from typing import Any, Literal, NoReturn, Unpack, cast, overload
 
 import numpy as np
@@ -12,7 +11,8 @@ from ._arrays import Output, choose, number, pixels, spacing, view
 from ._borders import choose_borders, find_kernel
 from ._classify import resolve
 from ._errors import ArgumentError, Status, check
-from ._measure import _Result
+from ._height_info import HeightInfo, info_of
+from ._height_range import MOST_CLIP, clip_heights, middle_share
 from ._names import (
     AUTO,
     BORDERS,
@@ -49,63 +49,10 @@ from .typing import (
 
 _KERNELS = {"auto": AUTO} | FOUND_KERNELS
 _BORDERS = {"auto": AUTO} | BORDERS
-_METHOD_NAMES, _KERNEL_NAMES, _BORDER_NAMES, _DECODE_NAMES, _Z_NAMES = map(
-    names_of, (HEIGHT_METHODS, FOUND_KERNELS, BORDERS, DECODES, ZS)
+_METHOD_NAMES, _KERNEL_NAMES, _BORDER_NAMES = map(
+    names_of, (HEIGHT_METHODS, FOUND_KERNELS, BORDERS)
 )
 _LEAST_SIDE = 6  # below, no texel says which way green points
-
-
-@dataclass(frozen=True)
-class HeightInfo(_Result):
-    """What `height_from_normals` did.
-
-    Attributes
-    ----------
-    method, kernel, border_x, border_y, y, decode, z : str
-        The choice for "auto", otherwise the argument.
-    scale, offset : float
-        (heights - offset)/scale is 0..1, and with `scale` `normals_from_height` makes these normals
-        from that again.
-    unused, not_finite : int
-        Texels that counted as flat: unused ones, and floats that are not a vector.
-    holes, islands : int
-        Method "weighted": texels without a height, and connected areas, each with its own mean.
-    iterations, error : int, float
-        Method "weighted": steps of the last solution, and its final error.
-    rounds, refine_left : int
-        Rounds done by `refine`, and texels whose normal still differs.
-    residual : float
-        Root mean square difference of x and y between the normals of the heights and the texture,
-        in levels.
-    trend_x, trend_y : float
-        Slopes to the right and down that `detrend` removed.
-    consistency, consistency_max : float
-        Method "telescoping": root mean square and maximum difference between slopes of the heights
-        and stored slopes that the sums did not use; else 0.
-    """
-
-    method: str
-    kernel: str
-    border_x: str
-    border_y: str
-    y: Y
-    decode: str
-    z: str
-    scale: float
-    offset: float
-    unused: int
-    not_finite: int
-    holes: int
-    islands: int
-    iterations: int
-    error: float
-    rounds: int
-    refine_left: int
-    residual: float
-    trend_x: float
-    trend_y: float
-    consistency: float
-    consistency_max: float
 
 
 @overload
@@ -141,6 +88,7 @@ def height_from_normals(
     equalize: bool = False,
     mask: Mask | None = None,
     detrend: bool = False,
+    clip: float = 0.0,
     decode: Decode = "auto",
     z: Z = "auto",
     touch_unused: bool = False,
@@ -168,8 +116,8 @@ def height_from_normals(
         How the slopes were computed; "baked": they are those of a surface, at texel centers.
         "auto": the one that fits best, else central.
     border, border_x, border_y : {"auto"}, or one of `normals_from_height`
-        The height beyond the edges.  "auto": detect it from the normals at the edges, else a border
-        that assumes nothing about them.
+        The height beyond the edges.  "auto": detect it from the normals at the edges; if they show
+        none, the one with which normals fit best.
     dx, dy : float
         Width and height of a texel.
     refine : int
@@ -182,6 +130,8 @@ def height_from_normals(
         There is no surface where it is 0.
     detrend : bool
         Remove the best-fitting plane from the heights, where they do not tile.
+    clip : float
+        Raise the lowest `clip` percent of the heights to the next one, and lower the highest.
     decode : {"auto", "unorm", "neutral", "unorm-trunc", "snorm128"}
         Which level of red and green is 0, in 8 bit: 127.5; both 127 and 128; 127; 128.
     z : {"auto", "stored", "derived"}
@@ -241,6 +191,7 @@ def height_from_normals(
         equalize,
         mask,
         detrend,
+        clip,
         decode,
         z,
         touch_unused,
@@ -283,6 +234,7 @@ def height_from_normals_with_info(
     equalize: bool = False,
     mask: Mask | None = None,
     detrend: bool = False,
+    clip: float = 0.0,
     decode: Decode = "auto",
     z: Z = "auto",
     touch_unused: bool = False,
@@ -297,7 +249,7 @@ def height_from_normals_with_info(
     Parameters
     ----------
     src, type, y, method, kernel, border, border_x, border_y, dx, dy, refine, seeds, equalize, mask, \
-detrend, decode, z, touch_unused, progress, out, threads
+detrend, clip, decode, z, touch_unused, progress, out, threads
         As in `height_from_normals`.
 
     Returns
@@ -335,6 +287,7 @@ detrend, decode, z, touch_unused, progress, out, threads
         equalize,
         mask,
         detrend,
+        clip,
         decode,
         z,
         touch_unused,
@@ -369,6 +322,7 @@ def _heights(
     equalize: bool,
     mask: Mask | None,
     detrend: bool,
+    clip: float,
     decode: Decode,
     z: Z,
     touch_unused: bool,
@@ -405,6 +359,7 @@ def _heights(
     how.equalize, how.detrend, how.residual_scope = bool(equalize), bool(detrend), scope
     how.refine = int(number("refine", refine, 0, lib.NTP_MAX_ITERATIONS))
     how.dx, how.dy = spacing(dx, dy)
+    percent = number("clip", clip, 0, MOST_CLIP)
     mask_array = None
     if mask is not None:
         mask_array = _mask(mask, source)
@@ -427,10 +382,12 @@ def _heights(
     if status in (Status.ARGUMENT, Status.FORMAT):
         cannot(how, status, source.dtype.kind == "f")
     check(status, "height_from_normals")
+    clipped = clip_heights(packed, result.holes > 0, percent, result) if percent > 0 else 0
+    share = middle_share(packed, result) if scope != lib.NTP_RESIDUAL_NONE else -1.0
     if packed is not output.array:
         output.array[...] = packed
     heights = cast("NDArray[np.float32]", output.finish())
-    return heights, info_of(how, result, told)
+    return heights, info_of(how, result, told, source.dtype == np.uint8, clipped, share)
 
 
 def _mask(mask: Any, source: NDArray[Any]) -> NDArray[Any]:
@@ -464,31 +421,4 @@ def cannot(how: Any, status: int, floats: bool, in_what_way: str = "") -> NoRetu
         f" border_y={_BORDER_NAMES[how.border_y]!r} cannot be solved{in_what_way} by"
         f" method={_METHOD_NAMES[how.method]!r}",
         Status(status),
-    )
-
-
-def info_of(how: Any, result: Any, y: Y) -> HeightInfo:
-    return HeightInfo(
-        method=_METHOD_NAMES[result.method],
-        kernel=_KERNEL_NAMES[how.kernel],
-        border_x=_BORDER_NAMES[how.border_x],
-        border_y=_BORDER_NAMES[how.border_y],
-        y=y,
-        decode=_DECODE_NAMES[result.decode],
-        z=_Z_NAMES[result.z],
-        scale=result.max - result.min,
-        offset=result.min,
-        unused=result.unused,
-        not_finite=result.not_finite,
-        holes=result.holes,
-        islands=result.islands,
-        iterations=result.iterations,
-        error=result.error,
-        rounds=result.rounds,
-        refine_left=result.refine_left,
-        residual=result.residual,
-        trend_x=result.trend_x,
-        trend_y=result.trend_y,
-        consistency=result.consistency,
-        consistency_max=result.consistency_max,
     )

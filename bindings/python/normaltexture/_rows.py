@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from ._arrays import CHANNELS, DEPTHS, MAX_SIDE, SAMPLE_TYPES, choose, memory, spacing
 from ._errors import ArgumentError, SampleTypeError, Status, check
+from ._height_info import HeightInfo, info_of
 from ._names import (
     BORDERS,
     DECODES,
@@ -21,7 +22,7 @@ from ._names import (
     ZS,
 )
 from ._native import ffi, lib
-from ._reconstruct import HeightInfo, cannot, info_of
+from ._reconstruct import cannot
 from ._solve import SCRATCH_ALIGNMENT, Callbacks, stop
 from .typing import (
     Border,
@@ -287,4 +288,4 @@ def height_from_rows(
     )
     work.check()
     check(status, "height_from_rows")
-    return info_of(how, result, y)
+    return info_of(how, result, y, dtype == np.uint8)

@@ -176,6 +176,7 @@ class HeightsHow(TypedDict, total=False):
     equalize: bool
     mask: Mask | None
     detrend: bool
+    clip: float
     decode: Decode
     z: Z
     touch_unused: bool

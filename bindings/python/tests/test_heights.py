@@ -210,6 +210,97 @@ def test_progress_and_cancellation():
             nt.height_from_normals(normals, progress=interrupted, threads=threads)
 
 
+def rough(size, slope, seed=1):
+    """A random surface that tiles, with this root mean square slope."""
+    rng = np.random.default_rng(seed)
+    f = np.hypot(*np.meshgrid(np.fft.fftfreq(size), np.fft.fftfreq(size)))
+    f[0, 0] = 1
+    h = np.fft.ifft2(np.fft.fft2(rng.standard_normal((size, size))) / f**2).real
+    steps = np.roll(h, -1, 1) - h, np.roll(h, -1, 0) - h
+    return (h * slope / np.sqrt(np.mean(np.square(steps)))).astype(np.float32)
+
+
+@pytest.mark.parametrize("tiles", [True, False])
+def test_where_no_border_shows_the_best_fit_decides(tiles):
+    """Of noisy normals, whose edges show nothing."""
+    h = rough(96, 0.3)
+    if not tiles:
+        h = h[:80, :64] + np.float32(0.4) * np.arange(64, dtype=np.float32)
+    made = nt.normals_from_height(h, 1, border="wrap" if tiles else "extrapolate", depth=8)
+    noise = np.random.default_rng(3).normal(0, 8, made.shape)
+    noisy = (made + noise).round().clip(1, 254).astype(np.uint8)
+    how = {"type": "standard", "y": "up", "kernel": "central"}
+    fits = {
+        border: nt.height_from_normals_with_info(noisy, **how, border=border)[1].residual
+        for border in ("wrap", "clamp", "mirror", "extrapolate")
+    }
+    shares = []
+    _, info = nt.height_from_normals_with_info(noisy, **how, progress=shares.append)
+    assert info.residual <= 1.02 * min(fits.values()) < fits["mirror"], (info, fits)
+    assert "mirror" not in (info.border_x, info.border_y)
+    assert shares == sorted(shares)
+    with pytest.raises(nt.CancelledError):
+        nt.height_from_normals(noisy, **how, progress=lambda share: share < 0.3)
+
+
+def clipped_by_sorting(heights, percent):
+    ordered = np.sort(heights, axis=None)
+    k = int(ordered.size * percent / 100)
+    return heights.clip(ordered[k], ordered[-1 - k])
+
+
+@pytest.mark.parametrize("percent", [0, 0.1, 3, 49])
+def test_clip(percent):
+    normals = nt.normals_from_height(rough(64, 0.5), 1, depth=8)
+    heights = nt.height_from_normals(normals)
+    want = clipped_by_sorting(heights, percent)
+    got, info = nt.height_from_normals_with_info(normals, clip=percent)
+    assert np.array_equal(got, want) and info.clipped == np.count_nonzero(want != heights)
+    assert np.array_equal(nt.height_from_normals(normals, clip=percent), want)
+    assert (info.offset, info.scale) == (want.min(), float(want.max()) - float(want.min()))
+    ordered, k = np.sort(want, axis=None), want.size // 100
+    share = (float(ordered[-1 - k]) - float(ordered[k])) / info.scale
+    assert info.middle_share == pytest.approx(share) and info.warnings == ()
+    mask = np.ones((64, 64), bool)
+    mask[20:50] = False
+    heights = nt.height_from_normals(normals, mask=mask)
+    got = nt.height_from_normals(normals, mask=mask, clip=percent)
+    assert np.array_equal(got[mask], clipped_by_sorting(heights[mask], percent))
+    out = np.empty((128, 64), np.float32)[::2]
+    assert np.array_equal(nt.height_from_normals(normals, clip=percent, out=out), want)
+
+
+@pytest.mark.parametrize("clip", [-1, 50, float("nan"), "x"])
+def test_clip_is_a_percentage(clip):
+    with pytest.raises(nt.ArgumentError, match="clip"):
+        nt.height_from_normals(np.full((8, 8, 3), 128, np.uint8), type="standard", clip=clip)
+
+
+def test_warnings_about_heights():
+    normals = nt.normals_from_height(rough(64, 0.5), 1, depth=16)
+    assert nt.height_from_normals_with_info(normals)[1].warnings == ()
+    spiked = 0.3 * rough(128, 0.5)
+    spiked[40:42, 50:53] += 300
+    spiked = nt.normals_from_height(spiked, 1, depth=16)
+    how = {"y": "up", "border": "wrap", "kernel": "central", "type": "standard"}
+    info = nt.height_from_normals_with_info(spiked, **how)[1]
+    assert info.middle_share < 0.03 and "clip=0.1" in info.warnings[-1]
+    info = nt.height_from_normals_with_info(spiked, **how, clip=0.1)[1]
+    assert info.middle_share > 0.1 and "clip" not in "".join(info.warnings)
+    rng = np.random.default_rng(5)
+    for m, dtype in ((255, np.uint8), (65535, np.uint16)):
+        noise = rng.normal(0.5, 0.15, (64, 64, 3)).clip(0.1, 0.9)
+        noise[..., 2] = 0.95
+        how = {"y": "up", "type": "standard"}
+        info = nt.height_from_normals_with_info((noise * m).astype(dtype), **how)[1]
+        assert info.residual > 8 * m / 255 and "levels of 8 bit" in info.warnings[0]
+
+
+def test_scales_out_of_range_are_named():
+    with pytest.raises(nt.ArgumentError, match="scale=1e.300, dx=1e-300"):
+        nt.normals_from_height(np.zeros((4, 4), np.uint8), 1e300, dx=1e-300)
+
+
 def test_mask_and_seeds():
     normals = nt.normals_from_height(hill(32), scale=10, border="extrapolate")
     mask = np.ones((32, 32), bool)

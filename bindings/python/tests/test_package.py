@@ -44,6 +44,7 @@ ELSEWHERE = {
     "ntp_image_as_const": "arrays",
     "ntp_resize_rows": "a ring of rows: arrays are whole",
     "ntp_orientation_row": "a ring of rows",
+    "ntpio_is_current": "output files take what was read by themselves",
 }
 
 
