@@ -351,6 +351,22 @@ def test_undecided(rng):
                 assert not found["decided"] and found["confidence"] == 0, (name, found)
 
 
+def test_small(rng):
+    """Of maps of 32 x 32 most are decided, none wrongly; noise of that size never is."""
+    decided, draws = 0, 60
+    for _ in range(draws):
+        family, levels, up = maps_levels(rng, (32, 32))
+        found = verdict(levels)
+        assert found in (0, up), family
+        decided += found != 0
+        noise = rng.normal(128, rng.uniform(1, 20), (32, 32, 3)).clip(0, 255).astype(np.uint8)
+        assert verdict(noise) == 0
+        smooth = [surfaces.blur(rng.normal(0, 60, (32, 32)), 1.5) + 128 for _ in range(3)]
+        assert verdict(np.dstack(smooth).clip(0, 255).astype(np.uint8)) == 0
+    print(f"{decided} of {draws} decided")
+    assert decided >= 0.8 * draws
+
+
 def test_holes(rng):
     """Unused texels do not matter, whatever is below them; nor do those that are too long."""
     for _ in range(8):

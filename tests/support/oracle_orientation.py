@@ -64,7 +64,7 @@ def statistic(pixels, every_row=False):
     bits = np.where(top > 0, np.floor(np.log2(np.maximum(top, 1))).astype(int) + 1, 0)
     shift = np.maximum(bits - 12, 0)
     uu, vv = np.trunc(u / 2.0**shift), np.trunc(v / 2.0**shift)
-    cells = [-(-side // 16) if side > 128 else 8 for side in (w, h)]
+    cells = [max(-(-side // 16), 4) for side in (w, h)]
     block = (y // cells[1]) * 16 + x // cells[0]
     scale = 4.0 ** np.maximum(np.arange(25) - 12, 0)
     n = np.bincount(bits, minlength=25)

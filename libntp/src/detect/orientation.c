@@ -32,7 +32,7 @@ enum {
     SIZES = 25, /* bit lengths 0..24: 384 (the filter's sum of magnitudes) times 10 SLOPE_ONE */
 
     SIDE = 16, /* blocks along each side of the picture */
-    CELL = 8,  /* but no smaller than this, as neighboring loops share texels */
+    CELL = 4,  /* but no smaller than this, as neighboring loops share texels */
 
     STEP_LOOPS = 32, /* least number of rows of loops in a large image */
     STEP_MAX = 128,
