@@ -38,6 +38,7 @@ ROWS = [
     ("clean", "only-failing", "only_failing", "only_failing"),
     ("clean", "touch-unused", "touch_unused", "touch_unused"),
     ("clean", "type", "type", None),
+    ("clean", "undo", "undo", None),
     ("convert", "to", "to", None),
     ("convert", "to-y", "to_y", None),
     ("convert", "depth", "depth", None),

@@ -225,10 +225,17 @@ def likely(src: NDArray[Any], threads: int) -> MeasuredType:
     return "height" if src.shape[2] < _COLOR else "standard"
 
 
-def resolve_both(src: NDArray[Any], type: AutoType, method: int, threads: int) -> tuple[Type, int]:
-    """The arguments `type` and, AUTO for "auto", `method` of `clean`."""
+def natural_tally(src: NDArray[Any], threads: int) -> Tally:
+    """The measurement by which `classify` judges an array."""
+    return _measured(src, _natural_type(src), False, threads)
+
+
+def resolve_both(
+    src: NDArray[Any], type: AutoType, method: int, threads: int, known: Tally | None = None
+) -> tuple[Type, int]:
+    """The arguments `type` and, AUTO for "auto", `method` of `clean`; `known` is its natural tally."""
     measured = _natural_type(src) if type == "auto" else type
-    counted = _measured(src, measured, False, threads)
+    counted = known if type == "auto" and known else _measured(src, measured, False, threads)
     found = _type_of(counted) if type == "auto" else type
     if method == AUTO:
         if found != measured:

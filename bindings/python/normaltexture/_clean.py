@@ -10,12 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._arrays import Output, choose, memory, pixels, view
-from ._classify import resolve_both
+from ._classify import classify, natural_tally, resolve_both
 from ._errors import check
 from ._measure import _Result
 from ._names import AUTO, CLEAN_METHODS, TOUCH_ALL, TOUCH_NONE, TYPES, VERDICTS
 from ._native import ffi, lib
 from ._threads import COPYING, QUICK, run
+from ._undo import choose_undo, undone
 from .typing import (
     AnyPixels,
     AutoStored,
@@ -24,6 +25,7 @@ from .typing import (
     CleanMethod,
     Floats,
     SampleT,
+    Undone,
     Verdict,
 )
 
@@ -46,10 +48,13 @@ class CleanCounts(_Result):
         Texels in which a sample changed.
     not_finite : int
         Float texels with a NaN, an infinity or length 0: made flat.
+    undone : {"red-blue", "green-blue", "dxt5nm", "inverted-blue", "srgb"} or None
+        The accident that was undone first.
     """
 
     changed: int
     not_finite: int
+    undone: Undone | None = None
 
 
 def _plan(encoding: int, how: tuple[int, ...], options: Any) -> Any:
@@ -90,6 +95,7 @@ def clean(
     only_failing: bool = False,
     keep_negative_z: bool = False,
     touch_unused: bool = False,
+    undo: bool = False,
     out: NDArray[Any] | None = None,
     threads: int = 1,
 ) -> NDArray[Any]:
@@ -116,6 +122,10 @@ def clean(
         A negative z stays negative; otherwise it is mirrored first.
     touch_unused : bool
         Repair pure black, pure white and transparent texels too.
+    undo : bool
+        First undo what can be undone exactly: exchanged channels, DXT5nm (which gives three
+        channels), inverted blue, numbers converted to sRGB.  With `type="auto"` it is undone also
+        without this where that is at least 90 % sure; else such a texture is refused.
     out : array like src, optional
         Where to write; it may be `src` itself.
     threads : int
@@ -144,7 +154,7 @@ def clean(
             [217, 217, 143]]], dtype=uint8)
     """
     return _clean(
-        src, type, method, verdict, only_failing, keep_negative_z, touch_unused, out, threads
+        src, type, method, verdict, only_failing, keep_negative_z, touch_unused, undo, out, threads
     )[0]
 
 
@@ -173,6 +183,7 @@ def clean_with_counts(
     only_failing: bool = False,
     keep_negative_z: bool = False,
     touch_unused: bool = False,
+    undo: bool = False,
     out: NDArray[Any] | None = None,
     threads: int = 1,
 ) -> tuple[NDArray[Any], CleanCounts]:
@@ -180,7 +191,7 @@ def clean_with_counts(
 
     Parameters
     ----------
-    src, type, method, verdict, only_failing, keep_negative_z, touch_unused, out, threads
+    src, type, method, verdict, only_failing, keep_negative_z, touch_unused, undo, out, threads
         As in `clean`.
 
     Returns
@@ -199,12 +210,13 @@ def clean_with_counts(
     >>> counts.changed
     268
     """
-    result, parts = _clean(
-        src, type, method, verdict, only_failing, keep_negative_z, touch_unused, out, threads
+    result, parts, accident = _clean(
+        src, type, method, verdict, only_failing, keep_negative_z, touch_unused, undo, out, threads
     )
-    return result, CleanCounts(
-        sum(part.changed for part in parts), sum(part.not_finite for part in parts)
-    )
+    changed = sum(part.changed for part in parts)
+    if accident is not None:  # against what was given, not against what was undone
+        changed = int((result[..., :3] != np.asarray(src)[..., :3]).any(axis=2).sum())
+    return result, CleanCounts(changed, sum(part.not_finite for part in parts), accident)
 
 
 def _clean(
@@ -215,14 +227,23 @@ def _clean(
     only_failing: bool,
     keep_negative_z: bool,
     touch_unused: bool,
+    undo: bool,
     out: Any,
     threads: int,
-) -> tuple[NDArray[Any], list[Any]]:
-    """The array, and an ntp_clean_counts for each part of the work."""
-    source = pixels("src", src, type)
+) -> tuple[NDArray[Any], list[Any], Undone | None]:
+    """The array, an ntp_clean_counts for each part of the work, and what was undone."""
+    source = given = pixels("src", src, type)
     code = choose("method", method, _METHODS)
+    measured = natural_tally(source, threads) if type == "auto" or undo else None
+    accident = None
+    if measured is not None:
+        accident = choose_undo(source, type, undo, classify(measured))
+    if accident is not None:
+        source, type = undone(source, accident), "standard"
+        if accident == "dxt5nm":  # there is no blue
+            code = lib.NTP_CLEAN_DERIVE
     if type == "auto" or code == AUTO:
-        type, code = resolve_both(source, type, code, threads)
+        type, code = resolve_both(source, type, code, threads, measured)
     encoding = choose("type", type, TYPES)
     how = (
         code,
@@ -235,7 +256,7 @@ def _clean(
     src_view = view("src", source, encoding)
     output = Output(source.shape, source.dtype, out)
     if out is not None:
-        output.apart_from(True, src=source)
+        output.apart_from(accident is None, src=given)
     dst = view("out", output.array, encoding, writable=True)
     plan = ffi.NULL
     if src_view.type == lib.NTP_TYPE_U8 and source.shape[0] * source.shape[1] >= _PLAN_PAYS:
@@ -251,4 +272,4 @@ def _clean(
     grain = COPYING if is_quick else QUICK
     parts = run(threads, source.shape[1], source.shape[0], work, grain)
     result: NDArray[Any] = output.finish()
-    return result, parts
+    return result, parts, accident

@@ -39,6 +39,8 @@ Blue: TypeAlias = Literal["derived", "nearest"]
 
 CleanMethod: TypeAlias = Literal["derive", "normalize", "auto"]
 ChosenMethod: TypeAlias = Literal["derive", "normalize", "keep"]
+Undone: TypeAlias = Literal["red-blue", "green-blue", "dxt5nm", "inverted-blue", "srgb"]
+"""An accident that `clean` has undone."""
 Verdict: TypeAlias = Literal["neighbor", "rounded", "exact"]
 Palette: TypeAlias = Literal["reference", "safe"]
 Policy: TypeAlias = Literal["harm", "strict"]
@@ -117,6 +119,7 @@ class CleanHow(TypedDict, total=False):
     only_failing: bool
     keep_negative_z: bool
     touch_unused: bool
+    undo: bool
     threads: int
 
 

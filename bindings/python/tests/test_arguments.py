@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Errors: of the right builtin kind, with the status of the library, naming argument and value."""
 
+import fractions
 import inspect
 import re
 import subprocess
@@ -10,7 +11,7 @@ import numpy as np
 import pytest
 
 import normaltexture as nt
-from normaltexture import _names
+from normaltexture import _names, _undo
 from normaltexture._native import lib
 from support import textures
 
@@ -206,6 +207,54 @@ def test_what_is_no_normals_texture_is_not_cleaned():
             with pytest.raises(nt.ArgumentError, match=f'src looks like {what}.*type="standard"'):
                 call(image)
         assert nt.clean(image, type="standard").shape == image.shape
+
+
+ACCIDENTS = {
+    "red_blue_swapped": "red-blue",
+    "green_blue_swapped": "green-blue",
+    "dxt5nm": "dxt5nm",
+    "z_flipped": "inverted-blue",
+    "gamma": "srgb",
+}
+
+
+@pytest.mark.parametrize("name", ACCIDENTS)
+def test_accidents_are_undone_as_the_program_does(name, test_files, tmp_path):
+    """The same bytes, and the same word for what was undone."""
+    path, made = test_files / f"{name}.png", tmp_path / "made.png"
+    text = subprocess.run(
+        [nt.program(), "clean", path, "-o", made, "--format", "json"],
+        capture_output=True, text=True, check=True,
+    ).stdout  # fmt: skip
+    image = nt.read(path)
+    result, counts = nt.clean_with_counts(image)
+    assert f'"what": "{ACCIDENTS[name]}"' in text and counts.undone == ACCIDENTS[name]
+    assert np.array_equal(result, nt.read(made))
+    assert f'"changed": {counts.changed},' in text
+    assert np.array_equal(result, nt.clean(image, undo=True))
+    assert nt.clean_with_counts(image, type="standard")[1].undone is None
+
+
+def test_an_accident_that_is_not_sure_is_refused(monkeypatch):
+    swapped = np.ascontiguousarray(textures.standard(48, 64)[..., ::-1])
+    monkeypatch.setattr(_undo, "SURE", 1.01)
+    with pytest.raises(nt.ArgumentError, match=r"of src red and blue are exchanged .*undo=True"):
+        nt.clean(swapped)
+    assert np.array_equal(nt.clean(swapped, undo=True), nt.clean(swapped[..., ::-1]))
+
+
+@pytest.mark.parametrize("most", [255, 65535])
+def test_srgb_levels_are_rounded_exactly(most):
+    """By fractions and integer powers, for every level that is near a half and many others."""
+    levels = _undo._linear_levels(most)
+    for level in {*range(0, most + 1, 97 if most > 255 else 1), 0, most}:
+        n = int(levels[level])
+        if 100000 * level <= 4045 * most:
+            assert abs(fractions.Fraction(level * 25, 323) - n) <= fractions.Fraction(1, 2)
+        else:  # (2n - 1)/2M <= ((s + 0.055)/1.055)^2.4 < (2n + 1)/2M, to the fifth power
+            light = fractions.Fraction(1000 * level + 55 * most, 1055 * most) ** 12
+            low, high = (fractions.Fraction(2 * n + d, 2 * most) ** 5 for d in (-1, 1))
+            assert low <= light < high
 
 
 @pytest.mark.parametrize(

@@ -34,7 +34,8 @@ Method = Literal["derive", "normalize", "auto"]
 def _clean_words(entry: Json, how: Json) -> list[str]:
     """The options of `ntp clean` for an image: what it is, and the method."""
     type, method = how["type"], how["method"]
-    if type == "auto" and "looks_like" in entry:
+    accident = any(found["id"] in ("NT012", "NT040") for found in entry["findings"])
+    if type == "auto" and "looks_like" in entry and not accident:
         # x and y are right, and z was stored for other readers or not at all.
         return ["--type", "standard", "--method", "derive"]
     return ["--type", type, "--method", method]

@@ -10,7 +10,7 @@ import struct
 import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -168,8 +168,7 @@ def draw(
     kind = DRAWN.get(str(file.get("type")))
     if kind is None or image.ndim != 3 or image.shape[2] < 3:
         return Pictures(data_uri(texture), width=width, height=height)
-    method: Literal["derive", "auto"] = "auto" if file.get("format") == "jpeg" else "derive"
-    cleaned, counts = clean_with_counts(image, type=kind, method=method)
+    cleaned, counts = clean_with_counts(image, type=kind)
     heat = worst(heatmap(image, type=kind, palette=palette), size)
     lengths: tuple[int, ...] = ()
     if kind != "xy":
