@@ -84,16 +84,21 @@ const option_spec OPTION_TABLE[] = {
       "leave texels that pass --verdict as they are" },
     { OPT_ONLY_CHANGED, "only-changed", 0, KIND_FLAG, NULL, NULL, 0, 0, V_CLEAN,
       "write only files in which a texel changes" },
-    { OPT_TYPE, "type", 0, KIND_CHOICE, ENCODINGS, "standard", 0, 0, V_CONVERT,
-      "how the input stores a normal: standard: x, y, z in -1..1; zzero: z in 0..1; xy: no z" },
-    { OPT_TO, "to", 0, KIND_CHOICE, ENCODINGS, "standard", 0, 0, V_CONVERT,
-      "how the output stores it" },
-    { OPT_TYPE, "from", 0, KIND_CHOICE, ENCODINGS, NULL, 0, 0, V_CONVERT, NULL },
-    { OPT_Y, "y", 0, KIND_CHOICE, Y_WORDS, "up", 0, 0, V_CONVERT,
-      "which way green points in the input: up (OpenGL) or down (DirectX)" },
-    { OPT_Y, "from-y", 0, KIND_CHOICE, Y_WORDS, NULL, 0, 0, V_CONVERT, NULL },
-    { OPT_TO_Y, "to-y", 0, KIND_CHOICE, Y_WORDS, "up", 0, 0, V_CONVERT,
-      "which way green points in the output" },
+    { OPT_TYPE, "type", 0, KIND_CHOICE, TYPES, "auto", 0, 0, V_CONVERT,
+      "how the input stores a normal: standard: x, y, z in -1..1; zzero: z in 0..1; xy: no z; "
+      "height: it is not a normal (only --depth goes with it); auto: detect it from the texels. "
+      "If that is not sure and --to is given, the file is refused" },
+    { OPT_TYPE, "from", 0, KIND_CHOICE, TYPES, NULL, 0, 0, V_CONVERT, NULL },
+    { OPT_TO, "to", 0, KIND_CHOICE, ENCODINGS, NULL, 0, 0, V_CONVERT,
+      "how the output stores it. Without it the encoding stays; but where --type says what the "
+      "input is, it becomes standard" },
+    { OPT_Y, "y", 0, KIND_CHOICE, "auto|" Y_WORDS, "auto", 0, 0, V_CONVERT,
+      "which way green points in the input: up (OpenGL) or down (DirectX); auto: as the texels "
+      "show. If ntp check is not sure and --to-y is given, the file is refused" },
+    { OPT_Y, "from-y", 0, KIND_CHOICE, "auto|" Y_WORDS, NULL, 0, 0, V_CONVERT, NULL },
+    { OPT_TO_Y, "to-y", 0, KIND_CHOICE, Y_WORDS, NULL, 0, 0, V_CONVERT,
+      "which way green points in the output. Without it green stays; but where --y says which way "
+      "it points, it becomes up" },
     { OPT_DEPTH, "depth", 0, KIND_CHOICE, "8|16", NULL, 0, 0, V_CONVERT,
       "bits of each sample of the output; default: as the input" },
     { OPT_CHANNELS, "channels", 0, KIND_STRING, "SPEC", NULL, 0, 0, V_CONVERT,
@@ -335,8 +340,12 @@ const verb_spec VERB_TABLE[] = {
       "and green down (DirectX), and rearranges channels. Nothing is repaired: each number is "
       "converted by value, correctly rounded. A clean texture stays clean. Unused texels keep "
       "their color.",
-      "ntp convert wall_dx.png -o wall_gl.png --y down\n"
-      "  DirectX to OpenGL\n"
+      "ntp convert wall.png -o wall_gl.png --to-y opengl\n"
+      "  to OpenGL, whatever it was\n"
+      "ntp convert -r textures --to-y opengl --in-place\n"
+      "  the same of a tree; files that do not show it are named, and left alone\n"
+      "ntp convert wall_n.png -o wall_gl.png --y directx --to-y opengl\n"
+      "  a file that does not show which way green points\n"
       "ntp convert wall_n.png -o wall16.png --depth 16\n"
       "  8 bit to 16 bit\n"
       "ntp convert labpbr_n.png -o full_n.png --type xy\n"

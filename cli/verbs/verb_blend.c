@@ -181,12 +181,12 @@ static void view_detail(layer *l)
 
 static bool examine_detail(layer *l, const options *o, ntpio_error *error)
 {
-    if (!green_examine(&l->s, forced_class(o), &l->f, error))
+    if (!examine(&l->s, forced_class(o), &l->f, error))
         return false;
     if (!option_given(o, OPT_FORCE) || question_detail(NULL, &l->f))
         return true;
     facts_free(&l->f);
-    return source_rewind(&l->s, error) && green_examine(&l->s, NTP_CLASS_STANDARD, &l->f, error);
+    return source_rewind(&l->s, error) && examine(&l->s, NTP_CLASS_STANDARD, &l->f, error);
 }
 
 static unsigned read_detail(layer *l, settings *set, const options *o, const ntpio_limits *limits)
@@ -196,6 +196,7 @@ static unsigned read_detail(layer *l, settings *set, const options *o, const ntp
     l->w = worker_new();
     l->in.y = name_orientation(l->in.path);
     bool ok = source_open(&l->s, l->w, &l->in, limits, &error);
+    green_seek(&l->s);
     ok = ok && examine_detail(l, o, &error);
     if (!ok) {
         complain("%s", error.message);

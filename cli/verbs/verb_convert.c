@@ -4,6 +4,10 @@
  *
  * The library converts to x, y, z and alpha in the depth of the output.  Then letters say which of
  * them goes into which channel of the file.
+ *
+ * What is not asked for stays: without --to the encoding, without --to-y green.  (Where --type or
+ * --y says what the input is, the defaults are standard and up.)  What must be known of the input
+ * for that and is not said is found out; if that is not sure, the file is refused with a question.
  */
 #include <string.h>
 #include <strings.h>
@@ -12,6 +16,7 @@
 #include "options/names.h"
 #include "report/report.h"
 #include "verbs/verbs.h"
+#include "write/green.h"
 #include "write/side_image.h"
 #include "write/whole_image.h"
 
@@ -20,9 +25,18 @@ enum {
     NOTHING = -3 /* a channel of the input that holds nothing of use */
 };
 
+/* Below this, a type is not used where it makes a difference; the same as for green. */
+static const double SURE_OF_TYPE = 0.9;
+
+enum { AS_INPUT = -1 };
+
 typedef struct settings {
-    ntp_encoding from, to;
-    ntp_y from_y, to_y;
+    int type;          /* of --type, an ntp_class, or -1 */
+    int to;            /* an ntp_encoding, or AS_INPUT */
+    int y;             /* of --y, or -1 */
+    int to_y;          /* or AS_INPUT */
+    bool seeks_y;      /* green has to be found out */
+    bool lacks_z;      /* by --from-channels */
     int depth;         /* bytes of a sample; 0: as the input */
     int8_t out[FULL];  /* for each channel of the file: 0..3 of the converted rows, or FROM_* */
     int32_t out_count; /* 0: as the input */
@@ -33,6 +47,9 @@ typedef struct settings {
 } settings;
 
 typedef struct state {
+    ntp_encoding from, to;
+    green y; /* of the input */
+    ntp_y to_y;
     ntp_convert_counts counts;
     ntp_image full; /* the converted rows */
     ntp_diff *diff; /* input against output, where a report asks for it */
@@ -108,12 +125,91 @@ static bool read_input_spec(settings *set, const char *spec)
         return wrong_spec("from-channels", spec, "x and y are needed");
     if (where[2] == NOTHING) {
         where[2] = FROM_ONE;
-        set->from = NTP_ENCODING_XY;
+        set->lacks_z = true;
     }
     memcpy(set->in, where, sizeof where);
     set->in_count = where[3] == NOTHING ? 3 : 4;
     set->in_needed = (int32_t) length;
     return true;
+}
+
+/* ------------------------------------------------------------------------ the input */
+
+static bool only_depth(const settings *set)
+{
+    return set->to == AS_INPUT && set->to_y == AS_INPUT && set->out_count == 0;
+}
+
+/* While a file is read for the first time, it is taken for a standard texture. */
+static ntp_encoding input_encoding(const production *p)
+{
+    const settings *set = p->m->settings;
+    const int told = set->type >= 0 ? set->type : p->forced;
+    if (set->lacks_z)
+        return NTP_ENCODING_XY;
+    if (told >= 0)
+        return told == NTP_CLASS_HEIGHT ? NTP_ENCODING_HEIGHT : class_encoding((ntp_class) told, 3);
+    if (set->in_count > 0)
+        return NTP_ENCODING_STANDARD;
+    return p->known ? p->f.encoding : p->s.view.encoding;
+}
+
+/* Is y not 0 in any texel that is converted? */
+static bool has_y(const production *p)
+{
+    const settings *set = p->m->settings;
+    const bool touched = set->how.touch_unused != 0 && p->f.stats.unused > 0;
+    return touched || !slopes_are_flat(p->f.most.y, &p->f.stats);
+}
+
+/* Sets *g and returns true if green is known, or nothing depends on it. */
+static bool find_y(const production *p, green *g)
+{
+    const settings *set = p->m->settings;
+    const bool asked = set->to_y != AS_INPUT;
+    if (set->y < 0 && !asked) {
+        *g = (green) { NTP_Y_UP, GREEN_UNNEEDED, 0 };
+        return true;
+    }
+    if (green_find(g, set->y, &p->f))
+        return true;
+    const bool needed = has_y(p);
+    if (!needed)
+        *g = (green) { (ntp_y) set->to_y, GREEN_UNNEEDED, 0 };
+    return !needed;
+}
+
+/* Which encoding the input has makes a difference only for another one. */
+static bool type_is_known(const production *p)
+{
+    const settings *set = p->m->settings;
+    return set->to == AS_INPUT || p->f.forced || set->type >= 0 || set->in_count > 0 ||
+           p->f.type.type == NTP_CLASS_ONE_COLOR || p->f.type.confidence >= SURE_OF_TYPE;
+}
+
+static bool knows(production *p, text *why)
+{
+    green g;
+    const bool known = type_is_known(p);
+    if (!known) {
+        text_addf(why, "it looks %s, %.0f %% sure; which is it, --type standard, zzero or xy?",
+                  class_title(p->f.type.type), 100 * p->f.type.confidence);
+        return false;
+    }
+    if (find_y(p, &g))
+        return true;
+    green_ask(why, &p->f, "--y");
+    return false;
+}
+
+static void resolve(production *p)
+{
+    const settings *set = p->m->settings;
+    state *st = p->state;
+    st->from = input_encoding(p);
+    st->to = set->to == AS_INPUT ? st->from : (ntp_encoding) set->to;
+    find_y(p, &st->y);
+    st->to_y = set->to_y == AS_INPUT ? st->y.y : (ntp_y) set->to_y;
 }
 
 /* ------------------------------------------------------------------------- the rows */
@@ -132,21 +228,26 @@ static bool view_input(production *p, ntpio_error *error)
 {
     static const int8_t PAIR[3] = { 0, 1, FROM_ONE };
     const settings *set = p->m->settings;
+    const state *st = p->state;
     const int32_t channels = p->s.info->channels;
+    const ntp_y y = st->y.y;
+    const bool pair = channels == 2 && (set->type == NTP_CLASS_XY || p->forced == NTP_CLASS_XY);
     if (set->in_count > 0) {
         if (set->in_needed > channels)
             return wrong_use(p, "--from-channels names more channels than the image has", error);
-        source_view(&p->s, set->from, set->from_y, set->in, set->in_count);
-    } else if (channels >= 3) {
-        source_view(&p->s, set->from, set->from_y, NULL, 0);
-    } else if (channels == 2 && set->from == NTP_ENCODING_XY) {
-        source_view(&p->s, NTP_ENCODING_XY, set->from_y, PAIR, 3);
+        source_view(&p->s, st->from, y, set->in, set->in_count);
+    } else if (channels >= 3 && st->from != NTP_ENCODING_HEIGHT) {
+        source_view(&p->s, st->from, y, NULL, 0);
+    } else if (pair) {
+        source_view(&p->s, NTP_ENCODING_XY, y, PAIR, 3);
     } else {
-        if (set->out_count > 0 || set->from != set->to || set->from_y != set->to_y)
+        const bool as_told = set->type >= 0 && set->type != NTP_CLASS_HEIGHT;
+        const bool same = set->to == AS_INPUT || (as_told && st->from == st->to);
+        if (set->out_count > 0 || !same || y != st->to_y)
             return wrong_use(
                 p,
-                "a gray image holds no normals; only --depth can convert it (--type xy "
-                "takes gray and alpha for x and y)",
+                "heights are not normals; only --depth can convert them (--type xy takes gray and "
+                "alpha for x and y)",
                 error);
         source_view(&p->s, NTP_ENCODING_HEIGHT, NTP_Y_UP, NULL, 0);
     }
@@ -157,6 +258,7 @@ static bool begin(production *p, ntpio_write_options *shape, ntpio_error *error)
 {
     const settings *set = p->m->settings;
     state *st = p->state;
+    resolve(p);
     if (!view_input(p, error))
         return false;
     const ntp_image *view = &p->s.view;
@@ -167,10 +269,10 @@ static bool begin(production *p, ntpio_write_options *shape, ntpio_error *error)
     st->full = ntp_image_packed(buffer_reserve(&p->w->extra, row * (size_t) p->s.block_rows),
                                 view->width, view->height, full_channels, type);
     st->full.ring_rows = p->s.block_rows;
-    st->full.encoding = height ? NTP_ENCODING_HEIGHT : set->to;
-    st->full.y = height ? NTP_Y_UP : set->to_y;
+    st->full.encoding = height ? NTP_ENCODING_HEIGHT : st->to;
+    st->full.y = height ? NTP_Y_UP : st->to_y;
     const bool stays_pair =
-        p->s.info->channels == 2 && set->in_count == 0 && set->to == NTP_ENCODING_XY;
+        p->s.info->channels == 2 && set->in_count == 0 && st->to == NTP_ENCODING_XY;
     st->out_channels = set->out_count > 0 ? set->out_count : stays_pair ? 2 : view->channels;
     st->out_row = (size_t) view->width * (size_t) st->out_channels * sample_size(type);
     if (option_integer(p->m->o, OPT_FORMAT) == 1 && !height)
@@ -216,7 +318,9 @@ static bool rows(production *p, const ntp_rect *area, ntpio_error *error)
     state *st = p->state;
     const ntp_const_image seen = ntp_image_as_const(&p->s.view);
     const ntp_const_image made = ntp_image_as_const(&st->full);
-    ntp_status status = ntp_convert(&st->full, &seen, &set->how, &st->counts, area);
+    ntp_convert_options how = set->how;
+    how.touch_unused |= p->touch;
+    ntp_status status = ntp_convert(&st->full, &seen, &how, &st->counts, area);
     if (status == NTP_OK && st->diff != NULL)
         status = ntp_diff_add(st->diff, NULL, &seen, &made, area);
     if (status != NTP_OK)
@@ -235,23 +339,41 @@ static bool rows(production *p, const ntp_rect *area, ntpio_error *error)
 
 /* --------------------------------------------------------------------- what was done */
 
-static bool looks_different(const production *p, const settings *set)
+static bool looks_different(const production *p)
 {
+    const settings *set = p->m->settings;
+    const state *st = p->state;
     const ntp_class type = p->f.type.type;
     return set->in_count == 0 && type <= NTP_CLASS_XY && p->f.type.confidence > 0.8 &&
-           (ntp_encoding) type != set->from && p->s.view.encoding != NTP_ENCODING_HEIGHT;
+           (ntp_encoding) type != st->from && p->s.view.encoding != NTP_ENCODING_HEIGHT;
+}
+
+static void describe_green(const production *p, text *line)
+{
+    const settings *set = p->m->settings;
+    const state *st = p->state;
+    if (set->to_y == AS_INPUT)
+        return;
+    if (st->y.by == GREEN_UNNEEDED)
+        text_add(line, ", nothing slopes up or down");
+    else if (st->y.y != st->to_y)
+        text_addf(line, ", green from %s to %s", y_name(st->y.y), y_name(st->to_y));
+    else
+        text_addf(line, ", green already %s", y_name(st->to_y));
+    if (st->y.by == GREEN_BY_TEXELS)
+        text_addf(line, " (%.0f %% sure)", 100 * st->y.confidence);
 }
 
 static void describe_text(const production *p, text *line)
 {
-    const settings *set = p->m->settings;
     const state *st = p->state;
     if (p->s.view.encoding == NTP_ENCODING_HEIGHT)
         text_add(line, "heights");
+    else if (st->from != st->to)
+        text_addf(line, "%s to %s", encoding_name(st->from), encoding_name(st->to));
     else
-        text_addf(line, "%s to %s", encoding_name(set->from), encoding_name(set->to));
-    if (set->from_y != set->to_y)
-        text_addf(line, ", green from %s to %s", y_name(set->from_y), y_name(set->to_y));
+        text_add(line, encoding_name(st->from));
+    describe_green(p, line);
     text_addf(line, ", %zu bit", 8 * sample_size(st->full.type));
     const struct {
         uint64_t count;
@@ -266,9 +388,9 @@ static void describe_text(const production *p, text *line)
         text_count(line, COUNTS[i].count);
         text_addf(line, " texels %s", COUNTS[i].what);
     }
-    if (looks_different(p, set))
+    if (looks_different(p))
         text_addf(line, "\n  note: the input looks %s, but was read as --type %s says",
-                  class_title(p->f.type.type), encoding_name(set->from));
+                  class_title(p->f.type.type), encoding_name(st->from));
 }
 
 static void describe(const production *p, text *line, json_t *object)
@@ -282,10 +404,11 @@ static void describe(const production *p, text *line, json_t *object)
     ntp_diff_stats stats;
     const bool known = st->diff != NULL && ntp_diff_summarize(&stats, st->diff) == NTP_OK;
     json_set_changes(object, known ? &stats : NULL);
-    json_object_set_new(object, "from", json_string(encoding_name(set->from)));
-    json_object_set_new(object, "to", json_string(encoding_name(set->to)));
-    json_object_set_new(object, "from_y", json_string(y_name(set->from_y)));
-    json_object_set_new(object, "to_y", json_string(y_name(set->to_y)));
+    json_object_set_new(object, "from", json_string(encoding_name(st->from)));
+    json_object_set_new(object, "to", json_string(encoding_name(st->to)));
+    green_report(object, "from_y", &st->y);
+    json_object_set_new(object, "to_y",
+                        set->to_y == AS_INPUT ? json_null() : json_string(y_name(st->to_y)));
     json_object_set_new(object, "depth", json_integer(8 * (json_int_t) sample_size(st->full.type)));
     json_object_set_new(object, "channels", json_integer(st->out_channels));
     json_object_set_new(object, "z_negative", json_count(st->counts.z_negative));
@@ -294,24 +417,47 @@ static void describe(const production *p, text *line, json_t *object)
     json_object_set_new(object, "texels", json_count(p->f.stats.texels));
 }
 
+/* The defaults of --to and --to-y depend on what is said of the input. */
+static bool read_targets(settings *set, const options *o)
+{
+    const bool told = (set->type >= 0 && set->type != NTP_CLASS_HEIGHT) || set->in_count > 0;
+    set->to = option_given(o, OPT_TO) ? (int) option_integer(o, OPT_TO)
+              : told                  ? NTP_ENCODING_STANDARD
+                                      : AS_INPUT;
+    set->to_y = option_given(o, OPT_TO_Y) ? (int) option_integer(o, OPT_TO_Y)
+                : set->y >= 0             ? NTP_Y_UP
+                                          : AS_INPUT;
+    set->seeks_y = set->to_y != AS_INPUT && set->y < 0;
+    if (!set->seeks_y || set->in_count == 0)
+        return true;
+    complain("--to-y with --from-channels needs --y: in channels of another order it is not "
+             "detected which way green points");
+    return false;
+}
+
 int convert_run(const options *o)
 {
     settings set = {
-        .from = (ntp_encoding) option_integer(o, OPT_TYPE),
-        .to = (ntp_encoding) option_integer(o, OPT_TO),
-        .from_y = (ntp_y) option_integer(o, OPT_Y),
-        .to_y = (ntp_y) option_integer(o, OPT_TO_Y),
+        .type = forced_class(o),
+        .y = green_told(o, OPT_Y),
         .depth = option_given(o, OPT_DEPTH) ? (int) option_integer(o, OPT_DEPTH) + 1 : 0,
         .how = { .touch_unused = option_given(o, OPT_TOUCH_UNUSED) ? NTP_UNUSED_ALL : 0 },
     };
     if (!read_output_spec(&set, option_string(o, OPT_CHANNELS)) ||
-        !read_input_spec(&set, option_string(o, OPT_FROM_CHANNELS)))
+        !read_input_spec(&set, option_string(o, OPT_FROM_CHANNELS)) || !read_targets(&set, o))
         return NTP_EXIT_USAGE;
+    const bool as_told = !set.seeks_y && (set.type >= 0 || set.in_count > 0);
     const maker m = { .o = o,
-                      .forced = -1,
-                      .plan = PLAN_AS_TOLD,
+                      .forced = as_told ? -1 : set.type,
+                      .any_order = only_depth(&set),
+                      .takes_heights = only_depth(&set),
+                      .finds_green = set.seeks_y,
+                      .plan = as_told       ? PLAN_AS_TOLD
+                              : set.seeks_y ? PLAN_MEASURE_FIRST
+                                            : PLAN_WHILE_READING,
                       .state_size = sizeof(state),
                       .settings = &set,
+                      .knows = knows,
                       .begin = begin,
                       .rows = rows,
                       .describe = describe };

@@ -10,16 +10,12 @@
 #include "surface/solve_heights.h"
 #include "verbs/verb_to_height.h"
 
-/* As in a check of some rows, and else of all. */
+/* From the rows that a check samples. */
 static void find_orientation(facts *f, const to_height_state *st)
 {
     ntp_orientation *memory = need(calloc(1, ntp_orientation_size()));
-    for (int32_t every_row = 0; every_row < 2 && !green_is_sure(&f->orientation, NAME_Y_NONE);
-         every_row++) {
-        ntp_orientation_clear(memory);
-        if (ntp_orientation_add(memory, &st->src, st->how.touch_unused, every_row, NULL) == NTP_OK)
-            ntp_orientation_summarize(&f->orientation, memory);
-    }
+    if (ntp_orientation_add(memory, &st->src, st->how.touch_unused, 0, NULL) == NTP_OK)
+        ntp_orientation_summarize(&f->orientation, memory);
     free(memory);
 }
 

@@ -22,23 +22,10 @@ static bool name_says_otherwise(const ntp_orientation_result *found, name_y name
     return found->decided && name == (found->y == NTP_Y_UP ? NAME_Y_DOWN : NAME_Y_UP);
 }
 
-bool green_is_sure(const ntp_orientation_result *found, name_y name)
-{
-    return found->decided && found->confidence >= SURE && !name_says_otherwise(found, name);
-}
-
-bool green_examine(source *s, int forced, facts *f, ntpio_error *error)
+void green_seek(source *s)
 {
     s->orient = ORIENT_SAMPLED;
     s->find_slopes = true;
-    if (!examine(s, forced, f, error))
-        return false;
-    const bool tells = f->orientation.decided && f->orientation.confidence >= SURE;
-    if (tells || !facts_are_tangent(f) || slopes_are_flat(f->most.y, &f->stats))
-        return true;
-    facts_free(f);
-    s->orient = ORIENT_EVERY_ROW;
-    return source_rewind(s, error) && examine(s, forced, f, error);
 }
 
 bool green_find(green *g, int told, const facts *f)
@@ -49,7 +36,7 @@ bool green_find(green *g, int told, const facts *f)
         return true;
     }
     *g = (green) { found->y, GREEN_BY_TEXELS, found->confidence };
-    return green_is_sure(found, f->in->y);
+    return found->decided && found->confidence >= SURE && !name_says_otherwise(found, f->in->y);
 }
 
 void green_ask(text *t, const facts *f, const char *option)

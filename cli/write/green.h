@@ -25,9 +25,6 @@ typedef struct green {
     double confidence; /* 1 by option, 0 if unneeded */
 } green;
 
-/* Is an answer sure enough, and not contradicted by the name of the file? */
-bool green_is_sure(const ntp_orientation_result *found, name_y name);
-
 /* What an option says: -1 for auto, else an ntp_y. */
 int green_told(const options *o, option_id id);
 
@@ -35,9 +32,8 @@ int green_told(const options *o, option_id id);
  * sure. */
 bool green_find(green *g, int told, const facts *f);
 
-/* examine(), with the orientation of *f as sure as it gets: if some rows do not tell, all are
- * measured. */
-bool green_examine(source *s, int forced, facts *f, ntpio_error *error);
+/* Lets examine() find out what the functions below ask for, from the rows that a check samples. */
+void green_seek(source *s);
 
 /* Adds why green is not known, and how to say it: option is "--y" or "--detail-y". */
 void green_ask(text *t, const facts *f, const char *option);

@@ -176,7 +176,7 @@ static outcome ask(production *p, ntpio_error *error)
     if (!known)
         snprintf(error->message, sizeof error->message, "%.500s", text_string(&t));
     text_free(&t);
-    return known ? MADE : REFUSED;
+    return known ? MADE : p->f.counts ? REFUSED : SKIPPED;
 }
 
 static outcome end_of(pass_end end)
@@ -220,8 +220,9 @@ static outcome know_undone(production *p, ntpio_error *error)
 /* Reads the file once, so that the facts are known when the rows are made. */
 static outcome know_first(production *p, ntpio_error *error)
 {
-    if (p->m->finds_green ? !green_examine(&p->s, p->forced, &p->f, error)
-                          : !examine(&p->s, p->forced, &p->f, error))
+    if (p->m->finds_green)
+        green_seek(&p->s);
+    if (!examine(&p->s, p->forced, &p->f, error))
         return UNREADABLE;
     const answer found = question(p);
     if (found != ANSWER_WORK)
@@ -261,11 +262,14 @@ static outcome speculate(production *p, bool writes, ntpio_error *error)
         if (answered == ANSWER_REFUSE)
             return refuse(p, error);
         if (answered == ANSWER_UNDO) {
-            const outcome known = know_undone(p, error);
-            if (known != MADE)
-                return known;
+            const outcome undone = know_undone(p, error);
+            if (undone != MADE)
+                return undone;
             continue;
         }
+        const outcome known = p->m->plan == PLAN_WHILE_READING ? ask(p, error) : MADE;
+        if (known != MADE)
+            return known;
         const uint32_t touch = touch_for(&p->f.stats, p->f.encoding);
         const bool same_touch = touch == p->touch || p->f.stats.transparent == 0;
         const bool same = p->f.encoding == p->s.view.encoding && same_touch;
@@ -275,9 +279,9 @@ static outcome speculate(production *p, bool writes, ntpio_error *error)
         p->writer = NULL;
         if (!same && (p->s.view.type != NTP_TYPE_U8 || !same_touch)) {
             facts_free(&p->f);
-            const outcome known = source_rewind(&p->s, error) ? know_first(p, error) : UNREADABLE;
-            if (known != MADE)
-                return known;
+            const outcome first = source_rewind(&p->s, error) ? know_first(p, error) : UNREADABLE;
+            if (first != MADE)
+                return first;
         } else {
             p->known = true;
             p->s.view.encoding = p->f.encoding;

@@ -17,7 +17,8 @@ static bool undoes(const production *p)
 /* Is the file of a class that the verb works on? */
 static bool is_of_class(const production *p)
 {
-    if (p->m->plan == PLAN_AS_TOLD)
+    const bool takes = p->m->takes_heights && p->f.type.type == NTP_CLASS_HEIGHT;
+    if (p->m->plan == PLAN_AS_TOLD || takes)
         return p->f.forced || p->f.counts;
     return has_tangent_normals(&p->f, p->m->any_order);
 }

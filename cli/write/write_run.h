@@ -64,8 +64,9 @@ typedef enum maker_plan {
 /* What a verb adds. */
 struct maker {
     const options *o;
-    int forced;     /* class from --type, or -1 */
-    bool any_order; /* the verb treats x and y alike and need not know which is which */
+    int forced;         /* class from --type, or -1 */
+    bool takes_heights; /* heights are no reason to refuse a file */
+    bool any_order;     /* the verb treats x and y alike and need not know which is which */
     maker_plan plan;
     bool finds_green;  /* the facts of a measured file tell which way green points */
     int read_permille; /* how much of the work is reading, for the progress bar; 0: all of it */
@@ -73,7 +74,8 @@ struct maker {
     const void *settings; /* the verb's */
     /* Before each pass: sets up the state, which is all zeros, and the shape of the output. */
     bool (*begin)(production *p, ntpio_write_options *shape, ntpio_error *error);
-    /* When the facts are known, before rows are made (PLAN_AFTER_READING: before `finish`): is all
+    /* When the facts are known, before rows are made (PLAN_AFTER_READING: before `finish`; PLAN_WHILE_READING: before
+     * the output gets its name): is all
      * known that the verb needs?  If not, *why asks, and the file is refused.  May be NULL. */
     bool (*knows)(production *p, text *why);
     /* Rows were read into the view: makes the rows of the output and writes them

@@ -4,7 +4,9 @@
 The surfaces and their normals are made here, by numpy alone.
 """
 
+import csv
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -206,3 +208,207 @@ def test_blend_asks(run, tmp_path):
         assert done.returncode == 0, (base, detail, done.stderr)
     blended("flat_n", "small_n")
     assert angle(pixels_of(tmp_path / "b.png"), tiny()) < 0.6
+
+
+# --------------------------------------------------------------------------- convert
+
+
+@pytest.mark.parametrize("depth", [8, 16])
+@pytest.mark.parametrize("wanted", [("up", "opengl"), ("down", "directx")])
+@pytest.mark.parametrize("y", MAKERS)
+def test_convert_turns_green_where_it_must(run, tmp_path, y, wanted, depth):
+    """M - g or g, and nothing else changes: not even errors."""
+    before = MAKERS[y](bumps(), depth)
+    before[60, 60] = 0
+    before[61, 61, 2] //= 2
+    write_png(tmp_path / "a.png", before)
+    for word in wanted:
+        done = run("convert", "a.png", "-o", "b.png", "--to-y", word, "--format", "json")
+        one = item(done)
+        assert (one["from_y"], one["from_y_by"], one["to_y"]) == (y, "texels", wanted[0])
+        want = before.copy()
+        if y != wanted[0]:
+            want[..., 1] = np.iinfo(before.dtype).max - want[..., 1]
+            want[60, 60] = 0
+        assert np.array_equal(pixels_of(tmp_path / "b.png"), want)
+    text = run("convert", "a.png", "-o", "b.png", "--to-y", wanted[0]).stdout
+    words = f"already {y}" if y == wanted[0] else f"from {y} to {wanted[0]}"
+    assert f"green {words} (9" in text and " % sure)" in text
+
+
+def test_convert_keeps_what_is_not_asked_for(run, tmp_path):
+    """Green, and the encoding: also one that has something else in blue."""
+    before = directx(bumps())
+    r, g = (before[..., i].astype(int) * 2 - 255 for i in (0, 1))
+    left = np.sqrt(np.maximum(255 * 255 - r * r - g * g, 0))
+    zzero = np.dstack([before[..., :2], np.floor(left + 0.5)]).astype(np.uint8)
+    y, x = np.mgrid[:128, :128]
+    xy = np.dstack([before[..., :2], (x * 7 + y * 3) % 256]).astype(np.uint8)
+    for name, texture in (("standard", before), ("zzero", zzero), ("xy", xy)):
+        write_png(tmp_path / "a_n.png", texture)
+        one = item(run("convert", "a_n.png", "-o", "b.png", "--format", "json"))
+        assert (one["from"], one["to"], one["from_y"], one["to_y"]) == (name, name, None, None)
+        assert np.array_equal(pixels_of(tmp_path / "b.png"), texture)
+        assert (
+            item(run("convert", "a_n.png", "-o", "b.png", "--to-y", "up", "--format", "json"))["to"]
+            == name
+        )
+        want = texture.copy()
+        want[..., 1] = 255 - want[..., 1]
+        assert np.array_equal(pixels_of(tmp_path / "b.png"), want)
+    assert run("convert", "a_n.png", "-o", "b.png", "--depth", "16").returncode == 0
+    assert np.array_equal(pixels_of(tmp_path / "b.png")[..., 2], xy[..., 2] * np.uint16(257))
+
+
+def test_convert_by_option_is_as_it_was(run, tmp_path):
+    """--y alone turns to up, --type alone to standard."""
+    before = directx(bumps())
+    write_png(tmp_path / "a.png", before)
+    assert run("convert", "a.png", "-o", "b.png", "--y", "down").returncode == 0
+    want = before.copy()
+    want[..., 1] = 255 - want[..., 1]
+    assert np.array_equal(pixels_of(tmp_path / "b.png"), want)
+    one = item(run("convert", "a.png", "-o", "b.png", "--type", "zzero", "--format", "json"))
+    assert (one["from"], one["to"]) == ("zzero", "standard")
+
+
+def test_convert_asks(run, tmp_path):
+    write_png(tmp_path / "a_n.png", tiny())
+    args = ["convert", "a_n.png", "-o", "b.png"]
+    done = run(*args, "--to-y", "up")
+    assert done.returncode == 1 and ASKS in done.stderr and not (tmp_path / "b.png").exists()
+    assert run(*args, "--depth", "16").returncode == 0  # which needs no green
+    assert run(*args, "--to-y", "up", "--y", "up").returncode == 0
+    assert np.array_equal(pixels_of(tmp_path / "b.png"), tiny())
+    done = run(*args, "--to-y", "up", "--from-channels", "xyz")
+    assert done.returncode == 2 and "--from-channels needs --y" in done.stderr
+
+
+def test_convert_asks_about_types(run, tmp_path):
+    """Only where it makes a difference: nearly flat, both readings of blue fit."""
+    gentle = opengl(bumps() / 40)
+    write_png(tmp_path / "a_n.png", gentle)
+    (checked,) = json.loads(run("check", "a_n.png", "--format", "json").stdout)["files"]
+    assert checked["confidence"] < 0.9
+    args = ["convert", "a_n.png", "-o", "b.png"]
+    done = run(*args, "--to", "zzero")
+    assert done.returncode == 1 and "--type standard, zzero or xy?" in done.stderr
+    assert not (tmp_path / "b.png").exists()
+    assert run(*args, "--to", "zzero", "--type", "standard").returncode == 0
+    assert run(*args, "--to-y", "down", "--y", "up").returncode == 0
+    want = gentle.copy()
+    want[..., 1] = 255 - want[..., 1]
+    assert np.array_equal(pixels_of(tmp_path / "b.png"), want)
+
+
+# ------------------------------------------------------------------------ whole trees
+
+
+def atlas(make):
+    """Charts of one surface on black, with a gap between them."""
+    out = np.zeros((256, 256, 3), np.uint8)
+    for i in range(4):
+        top, left = 128 * (i // 2) + 8, 128 * (i % 2) + 8
+        out[top : top + 112, left : left + 112] = make(bumps(112, 112, 20 + i))
+    return out
+
+
+def tree():
+    """{name: (image, the green of the input or None, is it known)}"""
+    rng = np.random.default_rng(11)
+    y, x = np.mgrid[:128, :128].astype(float)
+    flat = np.full((32, 32, 3), (128, 128, 255), np.uint8)
+    stripes = encode(np.zeros((64, 64)), np.sin(y[:64, :64] / 3))
+    gray = np.floor(127.5 + 20 * bumps(seed=3) / 8).clip(0, 255).astype(np.uint8)
+    photo = np.dstack([np.sin(x / 9 + i) * 60 + np.sin(y / (7 + i)) * 50 + 128 for i in range(3)])
+    photo = (photo + rng.normal(0, 12, photo.shape)).clip(0, 255).astype(np.uint8)
+    return {
+        "wall/gl_n.png": (opengl(bumps(seed=1)), "up"),
+        "wall/dx_n.png": (directx(bumps(seed=2)), "down"),
+        "wall/deep/dx16_n.png": (directx(bumps(seed=4), 16), "down"),
+        "wall/deep/gl16_normal.png": (opengl(bumps(seed=5), 16), "up"),
+        "wall/unhinted.png": (directx(bumps(seed=6)), "down"),
+        "atlas/gl_n.png": (atlas(opengl), "up"),
+        "atlas/dx_n.png": (atlas(directx), "down"),
+        "flat_n.png": (flat, "flat"),
+        "tiny_n.png": (tiny(), None),
+        "stripes_n.png": (stripes, None),
+        "noise_n.png": (encode(*rng.normal(0, 0.3, (2, 64, 64))), None),
+        "wrong_dx.png": (opengl(bumps(seed=7)), None),  # the name says otherwise
+        "height.png": (gray, "other"),
+        "photo.png": (photo, "other"),
+    }
+
+
+def written_tree(folder):
+    images = tree()
+    for name, (image, _) in images.items():
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        write_png(folder / name, image)
+    return images
+
+
+def turned(image):
+    out = image.copy()
+    unused = (image == 0).all(-1)
+    out[..., 1] = np.iinfo(image.dtype).max - out[..., 1]
+    out[unused] = 0
+    return out
+
+
+@pytest.mark.parametrize("in_place", [False, True])
+@pytest.mark.parametrize("wanted", ["up", "down"])
+def test_a_whole_tree(run, tmp_path, wanted, in_place):
+    """Turned, copied, or named and left alone: never turned wrongly."""
+    images = written_tree(tmp_path / "t")
+    before = {name: (tmp_path / "t" / name).read_bytes() for name in images}
+    where = ["--in-place"] if in_place else ["-o", "out"]
+    done = run("convert", "-r", "t", "--to-y", wanted, *where)
+    assert done.returncode == 1, done.stderr
+    found = tmp_path / ("t" if in_place else "out")
+    for name, (image, y) in images.items():
+        if y == "other" or y is None:
+            assert (tmp_path / "t" / name).read_bytes() == before[name], name
+            assert in_place or not (found / name).exists(), name
+            assert (f"t/{name}: " in done.stderr) == (y is None), name
+            continue
+        same = y in (wanted, "flat")
+        if in_place and same:
+            assert (found / name).read_bytes() == before[name], name
+        want = image if same else turned(image)
+        assert np.array_equal(pixels_of(found / name), want.reshape(pixels_of(found / name).shape))
+        assert in_place or (tmp_path / "t" / name).read_bytes() == before[name], name
+    refused = sum(y is None for _, y in images.values())
+    assert f"{refused} refused" in done.stdout
+    # What was asked about is said for each, and twice turned is as it was.
+    if not in_place:
+        again = run("convert", "-r", "t", "--to-y", wanted, "--y", wanted, "-o", "out2")
+        assert again.returncode == 0, again.stderr
+        for name, (image, y) in images.items():
+            if y is None:
+                assert np.array_equal(pixels_of(tmp_path / "out2" / name), image)
+
+
+# ---------------------------------------------------------------------------- corpus
+
+
+def test_no_file_of_the_corpus_is_turned_wrongly(run, corpus):
+    """Of those whose green the manifest says, and no doubt about it.
+
+    One atlas, of charts that the baker turned each its own way, is taken for the other kind.
+    """
+    with (corpus / "manifest.csv").open(newline="", encoding="utf-8") as file:
+        rows = [row for row in csv.DictReader(file) if "suspect" not in row["note"]]
+    says = {
+        row["file"]: {"OpenGL": "up", "DirectX": "down"}.get(row["orientation"]) for row in rows
+    }
+    done = run("convert", "-r", corpus, "--to-y", "up", "-n", "--format", "json")
+    files = {str(Path(one["path"]).relative_to(corpus)): one
+             for one in json.loads(done.stdout)["files"]}  # fmt: skip
+    taken = {name: one["from_y"] for name, one in files.items()
+             if one["status"] == "ok" and one["from_y_by"] == "texels" and says.get(name)}  # fmt: skip
+    wrong = {name for name, y in taken.items() if y != says[name]}
+    assert wrong <= {"glTF-Sample-Assets-OLD/StainedGlassLamp_hardware_normal.png"}
+    assert len(taken) >= 18
+    asked = [one for one in files.values() if one["status"] == "refused"]
+    assert all("--y up (OpenGL) or --y down (DirectX)?" in one["message"] for one in asked)

@@ -229,7 +229,7 @@ def test_in_place(run, tmp_path):
 
 OVERWRITING = {
     "clean": [],
-    "convert": ["--to-y", "down"],
+    "convert": ["--y", "up", "--to-y", "down"],
     "heatmap": ["--type", "standard"],
     "transform": ["--flip", "x"],
     "resize": ["--size", "50%"],
@@ -347,7 +347,7 @@ def test_convert_in_place(run, tmp_path):
     """Against integers: green flipped, and rearranged channels that happen to be equal stay."""
     texture = textures.standard()
     write_png(tmp_path / "a_n.png", texture)
-    assert run("convert", "a_n.png", "--in-place", "--to-y", "down").returncode == 0
+    assert run("convert", "a_n.png", "--in-place", "--y", "up", "--to-y", "down").returncode == 0
     want = texture.copy()
     want[..., 1] = 255 - texture[..., 1]
     assert np.array_equal(pixels_of(tmp_path / "a_n.png"), want)
@@ -488,7 +488,7 @@ def test_flip_keeps_unused(run, tmp_path):
     assert (after[:4] == 0).all() and (after[4:6] == 255).all()
     assert np.array_equal(after[6:, :, 1], 255 - before[6:, :, 1])
     assert np.array_equal(after[6:, :, ::2], before[6:, :, ::2])
-    assert run("convert", "b.png", "-o", "c.png", "--to-y", "down").returncode == 0
+    assert run("convert", "b.png", "-o", "c.png", "--y", "up", "--to-y", "down").returncode == 0
     assert np.array_equal(pixels_of(tmp_path / "c.png"), before)
 
 
@@ -546,7 +546,8 @@ def test_two_channels(run, tmp_path):
 
 def test_convert_says_when_the_input_looks_different(run, tmp_path):
     write_png(tmp_path / "z.png", textures.zzero())
-    assert "looks Z-zero" in run("convert", "z.png", "-o", "b.png").stdout
+    done = run("convert", "z.png", "-o", "b.png", "--type", "standard")
+    assert "looks Z-zero" in done.stdout
 
 
 def test_gray_depth(run, tmp_path):
@@ -555,7 +556,14 @@ def test_gray_depth(run, tmp_path):
     assert np.array_equal(
         pixels_of(tmp_path / "i.png")[..., 0], textures.heights().astype(np.uint16) * 257
     )
-    assert run("convert", "h.png", "-o", "j.png", "--to", "xy").returncode == 2
+    assert run("convert", "h.png", "-o", "j.png", "--to", "xy").returncode == 1
+    write_png(tmp_path / "p.png", textures.photograph())
+    assert run("convert", "p.png", "-o", "q.png", "--depth", "16").returncode == 1
+    args = ["convert", "p.png", "-o", "q.png", "--type", "height"]
+    assert run(*args, "--depth", "16").returncode == 0
+    assert np.array_equal(pixels_of(tmp_path / "q.png"), textures.photograph().astype(int) * 257)
+    for more in (["--to", "xy"], ["--y", "down"], ["--channels", "xyz"]):
+        assert run(*args, *more).returncode == 2, more
 
 
 def test_heatmap(run, tmp_path):

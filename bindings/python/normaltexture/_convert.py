@@ -10,17 +10,22 @@ from numpy.typing import NDArray
 
 from ._arrays import DEPTHS, choose, pixels, view
 from ._channels import Packed, unpacked
+from ._classify import classify, resolve
 from ._errors import ArgumentError, SampleTypeError, Status, check
+from ._green import choose_y, known, slopes, told
 from ._measure import _Result
-from ._names import BLUES, HEIGHT, MEASURED, TOUCH_ALL, TOUCH_NONE, VECTOR, XY, YS
+from ._names import AUTO, BLUES, HEIGHT, MEASURED, TOUCH_ALL, TOUCH_NONE, VECTOR, XY
 from ._native import ffi, lib
 from ._threads import QUICK, THOROUGH, run
 from .typing import (
     AnyPixels,
+    AutoY,
     Blue,
+    ComparedType,
     ConvertHow,
     Depth,
     Floats,
+    GivenY,
     MeasuredType,
     SampleT,
     Stored,
@@ -30,6 +35,10 @@ from .typing import (
 
 # What an array of integers or floats holds; "vector" is of floats only.
 _Kept = Literal["standard", "zzero", "xy", "height"]
+_From = Literal["auto"] | _Kept
+
+
+_SURE = 0.9  # of the type, as on the command line
 
 
 @dataclass(frozen=True)
@@ -59,6 +68,58 @@ def _depth_of(source: NDArray[Any], depth: Depth | None, to: str) -> np.dtype[An
     return source.dtype.newbyteorder("=") if depth is None else choose("depth", depth, DEPTHS)
 
 
+def _types(
+    source: NDArray[Any],
+    type: ComparedType,
+    to: MeasuredType | None,
+    from_channels: str | None,
+    threads: int,
+) -> tuple[MeasuredType, MeasuredType]:
+    """The arguments `type` and `to`, "auto" and None found out."""
+    if type != "auto":
+        choose("type", type, {"auto": AUTO} | MEASURED)
+        return type, to or ("height" if type == "height" else "standard")
+    if from_channels is not None:  # in another order nothing can be detected
+        return "standard", to or "standard"
+    if to == "height":
+        _only_heights(type, to, None, None)
+    found = resolve(source, type, threads)
+    if to is not None:
+        choose("to", to, MEASURED)
+        seen = classify(source, threads=threads)
+        if seen.type != "one-color" and seen.confidence < _SURE:
+            raise ArgumentError(
+                f'type="auto": src looks {seen.type}, {100 * seen.confidence:.0f} % sure; which is'
+                ' it, type="standard", "zzero" or "xy"?'
+            )
+    return found, to or found
+
+
+def _greens(
+    source: NDArray[Any],
+    type: MeasuredType,
+    y: AutoY,
+    to_y: GivenY | None,
+    from_channels: str | None,
+    touch_unused: bool,
+    threads: int,
+) -> tuple[GivenY, GivenY]:
+    """The arguments `y` and `to_y`, "auto" and None found out."""
+    given = told("y", y)
+    if type == "height":
+        return "up", "up"
+    if to_y is None:
+        return given or "up", "up"
+    choose_y("to_y", to_y)
+    if given is not None:
+        return given, to_y
+    if from_channels is not None:
+        raise ArgumentError('to_y, from_channels: go together only with y="up" or y="down"')
+    needed = slopes(source, type, touch_unused)[1]
+    otherwise: Y = "down" if to_y in ("down", "directx") else "up"
+    return known("y", y, source, type, threads, needed, otherwise), to_y
+
+
 def _only_heights(type: str, to: str, channels: str | None, from_channels: str | None) -> None:
     if type != to:
         raise ArgumentError(
@@ -73,8 +134,8 @@ def _only_heights(type: str, to: str, channels: str | None, from_channels: str |
 def convert(
     src: NDArray[SampleT],
     *,
-    type: _Kept = ...,
-    to: _Kept = ...,
+    type: _From = ...,
+    to: _Kept | None = ...,
     depth: None = ...,
     out: NDArray[SampleT] | None = ...,
     **how: Unpack[ConvertHow],
@@ -83,8 +144,8 @@ def convert(
 def convert(
     src: AnyPixels,
     *,
-    type: _Kept = ...,
-    to: _Kept = ...,
+    type: _From = ...,
+    to: _Kept | None = ...,
     depth: Literal[8],
     out: NDArray[np.uint8] | None = ...,
     **how: Unpack[ConvertHow],
@@ -93,8 +154,8 @@ def convert(
 def convert(
     src: AnyPixels,
     *,
-    type: _Kept = ...,
-    to: _Kept = ...,
+    type: _From = ...,
+    to: _Kept | None = ...,
     depth: Literal[16],
     out: NDArray[np.uint16] | None = ...,
     **how: Unpack[ConvertHow],
@@ -103,8 +164,8 @@ def convert(
 def convert(
     src: AnyPixels,
     *,
-    type: _Kept = ...,
-    to: MeasuredType = ...,
+    type: _From = ...,
+    to: MeasuredType | None = ...,
     depth: Literal["float"],
     out: NDArray[np.float32] | None = ...,
     **how: Unpack[ConvertHow],
@@ -113,7 +174,7 @@ def convert(
 def convert(
     src: AnyPixels,
     *,
-    type: _Kept = ...,
+    type: _From = ...,
     to: Literal["vector"],
     depth: None = ...,
     out: NDArray[np.float32] | None = ...,
@@ -124,7 +185,7 @@ def convert(
     src: Floats,
     *,
     type: Literal["vector"],
-    to: Type = ...,
+    to: Type | None = ...,
     depth: Literal["float"] | None = ...,
     out: NDArray[np.float32] | None = ...,
     **how: Unpack[ConvertHow],
@@ -134,7 +195,7 @@ def convert(
     src: Floats,
     *,
     type: Literal["vector"],
-    to: Stored = ...,
+    to: Stored | None = ...,
     depth: Literal[8],
     out: NDArray[np.uint8] | None = ...,
     **how: Unpack[ConvertHow],
@@ -144,7 +205,7 @@ def convert(
     src: Floats,
     *,
     type: Literal["vector"],
-    to: Stored = ...,
+    to: Stored | None = ...,
     depth: Literal[16],
     out: NDArray[np.uint16] | None = ...,
     **how: Unpack[ConvertHow],
@@ -152,10 +213,10 @@ def convert(
 def convert(
     src: AnyPixels | Floats,
     *,
-    type: MeasuredType = "standard",
-    to: MeasuredType = "standard",
-    y: Y = "up",
-    to_y: Y = "up",
+    type: ComparedType = "auto",
+    to: MeasuredType | None = None,
+    y: AutoY = "auto",
+    to_y: GivenY | None = None,
     depth: Depth | None = None,
     blue: Blue = "derived",
     channels: str | None = None,
@@ -174,12 +235,16 @@ def convert(
     src : array, (height, width, channels), uint8, uint16 or float32
         Vectors may be float64; they are rounded once, to float32.
         A normals texture of 3 or 4 channels (`"xy"`: 2 to 4).
-    type, to : {"standard", "zzero", "xy", "vector", "height"}
-        How a normal is stored, before and after.  From `"xy"` blue is derived; `"xy"` of 3 or 4
+    type, to : {"auto", "standard", "zzero", "xy", "vector", "height"}
+        How a normal is stored, before and after.  "auto": detect it from the texels, as `ntp convert`
+        does; if that is not sure and `to` is given, it is an ArgumentError.  Without `to` it stays,
+        but where `type` is given it becomes "standard".  From `"xy"` blue is derived; `"xy"` of 3 or 4
         channels gets blue M (255, 65535 or 1).  If both are "height", the samples of a gray image,
         or of any picture, are converted to another depth.
-    y, to_y : {"up", "down"}
-        Which way green points, before and after: OpenGL or DirectX.
+    y, to_y : {"auto", "up", "down", "opengl", "directx"}
+        Which way green points, before and after.  "auto": as the texels show it; if they are not
+        sure and `to_y` is given, it is an ArgumentError where a texel slopes up or down.  Without
+        `to_y` green stays, but where `y` is given it becomes "up".
     depth : {8, 16, "float"}, optional
         Samples of the result: uint8, uint16 or float32 in 0..1; by default those of `src`.
     blue : {"derived", "nearest"}
@@ -232,8 +297,8 @@ def convert(
 def convert_with_counts(
     src: NDArray[SampleT],
     *,
-    type: _Kept = ...,
-    to: _Kept = ...,
+    type: _From = ...,
+    to: _Kept | None = ...,
     depth: None = ...,
     out: NDArray[SampleT] | None = ...,
     **how: Unpack[ConvertHow],
@@ -242,8 +307,8 @@ def convert_with_counts(
 def convert_with_counts(
     src: AnyPixels,
     *,
-    type: _Kept = ...,
-    to: _Kept = ...,
+    type: _From = ...,
+    to: _Kept | None = ...,
     depth: Literal[8],
     out: NDArray[np.uint8] | None = ...,
     **how: Unpack[ConvertHow],
@@ -252,8 +317,8 @@ def convert_with_counts(
 def convert_with_counts(
     src: AnyPixels,
     *,
-    type: _Kept = ...,
-    to: _Kept = ...,
+    type: _From = ...,
+    to: _Kept | None = ...,
     depth: Literal[16],
     out: NDArray[np.uint16] | None = ...,
     **how: Unpack[ConvertHow],
@@ -262,8 +327,8 @@ def convert_with_counts(
 def convert_with_counts(
     src: AnyPixels,
     *,
-    type: _Kept = ...,
-    to: MeasuredType = ...,
+    type: _From = ...,
+    to: MeasuredType | None = ...,
     depth: Literal["float"],
     out: NDArray[np.float32] | None = ...,
     **how: Unpack[ConvertHow],
@@ -272,7 +337,7 @@ def convert_with_counts(
 def convert_with_counts(
     src: AnyPixels,
     *,
-    type: _Kept = ...,
+    type: _From = ...,
     to: Literal["vector"],
     depth: None = ...,
     out: NDArray[np.float32] | None = ...,
@@ -283,7 +348,7 @@ def convert_with_counts(
     src: Floats,
     *,
     type: Literal["vector"],
-    to: Type = ...,
+    to: Type | None = ...,
     depth: Literal["float"] | None = ...,
     out: NDArray[np.float32] | None = ...,
     **how: Unpack[ConvertHow],
@@ -293,7 +358,7 @@ def convert_with_counts(
     src: Floats,
     *,
     type: Literal["vector"],
-    to: Stored = ...,
+    to: Stored | None = ...,
     depth: Literal[8],
     out: NDArray[np.uint8] | None = ...,
     **how: Unpack[ConvertHow],
@@ -303,7 +368,7 @@ def convert_with_counts(
     src: Floats,
     *,
     type: Literal["vector"],
-    to: Stored = ...,
+    to: Stored | None = ...,
     depth: Literal[16],
     out: NDArray[np.uint16] | None = ...,
     **how: Unpack[ConvertHow],
@@ -311,10 +376,10 @@ def convert_with_counts(
 def convert_with_counts(
     src: AnyPixels | Floats,
     *,
-    type: MeasuredType = "standard",
-    to: MeasuredType = "standard",
-    y: Y = "up",
-    to_y: Y = "up",
+    type: ComparedType = "auto",
+    to: MeasuredType | None = None,
+    y: AutoY = "auto",
+    to_y: GivenY | None = None,
     depth: Depth | None = None,
     blue: Blue = "derived",
     channels: str | None = None,
@@ -359,10 +424,10 @@ def convert_with_counts(
 
 def convert_parts(
     src: AnyPixels | Floats,
-    type: MeasuredType,
-    to: MeasuredType,
-    y: Y,
-    to_y: Y,
+    type: ComparedType,
+    to: MeasuredType | None,
+    y: AutoY,
+    to_y: GivenY | None,
     depth: Depth | None,
     blue: Blue,
     channels: str | None,
@@ -373,13 +438,15 @@ def convert_parts(
 ) -> tuple[NDArray[Any], list[Any]]:
     """The array, and an ntp_convert_counts for each part of the work."""
     source = pixels("src", src, type)
-    encoding, target = choose("type", type, MEASURED), choose("to", to, MEASURED)
+    found, to = _types(source, type, to, from_channels, threads)
+    encoding, target = choose("type", found, MEASURED), choose("to", to, MEASURED)
     if encoding == HEIGHT or target == HEIGHT:
-        _only_heights(type, to, channels, from_channels)
+        _only_heights(found, to, channels, from_channels)
+    green, to_green = _greens(source, found, y, to_y, from_channels, touch_unused, threads)
     if from_channels is not None:
         source, has_z = unpacked(source, from_channels)
         encoding = encoding if has_z else XY
-    src_view = view("src", source, encoding, choose("y", y, YS))
+    src_view = view("src", source, encoding, choose_y("y", green))
     dtype = _depth_of(source, depth, to)
     if target == HEIGHT:
         count = 0
@@ -388,7 +455,7 @@ def convert_parts(
     packed = Packed(channels, source.shape, count, dtype, out)
     if out is not None and channels is None:
         packed.output.apart_from(source.dtype == dtype, src=source)
-    dst = view("out", packed.array, target, choose("to_y", to_y, YS), writable=True)
+    dst = view("out", packed.array, target, choose_y("to_y", to_green), writable=True)
     how = ffi.new(
         "ntp_convert_options *",
         (choose("blue", blue, BLUES), TOUCH_ALL if touch_unused else TOUCH_NONE),

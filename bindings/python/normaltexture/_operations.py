@@ -11,13 +11,15 @@ from numpy.typing import NDArray
 from ._arrays import MAX_SIDE, Output, choose, memory, number, pixels, view
 from ._classify import resolve
 from ._errors import ArgumentError, check
-from ._names import BLEND_MODES, FILTERS, RESIZE_BORDERS, TOUCH_ALL, TOUCH_NONE, TYPES, YS
+from ._green import choose_y, find, known, question, slopes, told
+from ._names import BLEND_MODES, FILTERS, RESIZE_BORDERS, TOUCH_ALL, TOUCH_NONE, TYPES
 from ._native import ffi, lib
 from ._threads import QUICK, THOROUGH, run
 from .typing import (
     AnyPixels,
     AutoStored,
     AutoType,
+    AutoY,
     BlendHow,
     BlendMode,
     Filter,
@@ -30,6 +32,7 @@ from .typing import (
     SizedHow,
     TransformHow,
     Turn,
+    Type,
     Y,
 )
 
@@ -250,6 +253,14 @@ def mip_chain(
     return chain
 
 
+def _green_of_turn(source: NDArray[Any], type: Type, y: AutoY, odd: bool, threads: int) -> Y:
+    """The argument `y` of `transform`, which only odd quarter turns need."""
+    if not odd:
+        return told("y", y) or "up"
+    needed = told("y", y) is None and any(slopes(source, type))
+    return known("y", y, source, type, threads, needed)
+
+
 @overload
 def transform(
     src: Floats,
@@ -273,7 +284,7 @@ def transform(
     flip: Flip | None = None,
     rotate: Turn = 0,
     type: AutoType = "auto",
-    y: Y = "up",
+    y: AutoY = "auto",
     out: NDArray[Any] | None = None,
     threads: int = 1,
 ) -> NDArray[Any]:
@@ -292,8 +303,9 @@ def transform(
         Turn clockwise by this many degrees.
     type : {"auto", "standard", "zzero", "xy", "vector"}
         How a normal is stored; "auto" detects it from the texels, as `ntp transform` does.
-    y : {"up", "down"}
-        Which way green points.
+    y : {"auto", "up", "down", "opengl", "directx"}
+        Which way green points, on which quarter turns depend.  "auto": as the texels show it; if
+        they are not sure, a quarter turn of a texture that is not flat is an ArgumentError.
     out : array, optional
         Where to write; it does not overlap `src`.
     threads : int
@@ -321,10 +333,11 @@ def transform(
     if type == "auto":
         type = resolve(source, type, threads)
     encoding = choose("type", type, TYPES)
-    up = choose("y", y, YS)
-    src_view = view("src", source, encoding, up)
+    view("src", source, encoding)
     flips = choose("flip", flip, _FLIPS)
     turns = choose("rotate", rotate, _TURNS)
+    up = choose_y("y", _green_of_turn(source, type, y, turns % 2 == 1, threads))
+    src_view = view("src", source, encoding, up)
     most = lib.NTP_MAX_STRENGTH
     factor = 1.0 if strength is None else number("strength", strength, -most, most)
     how = ffi.new("ntp_transform_options *", (*flips, turns, strength is not None, factor))
@@ -343,6 +356,38 @@ def transform(
     run(threads, width, height, work, QUICK if factor in (1, -1) else THOROUGH)
     result: NDArray[Any] = output.finish()
     return result
+
+
+def _greens(
+    arrays: tuple[NDArray[Any], NDArray[Any]],
+    types: tuple[Type, Type],
+    asked: tuple[AutoY, AutoY],
+    strength: float,
+    touch_unused: bool,
+    threads: int,
+) -> tuple[Y, Y]:
+    """The arguments `y` and `detail_y` of `blend`.
+
+    Turning green changes nothing where every y is 0: a base without y takes the green of the detail,
+    and a detail without y that of the base.
+    """
+    names = "y", "detail_y"
+    base, detail = (
+        told(name, y) or find(array, type, threads)
+        for name, y, array, type in zip(names, asked, arrays, types, strict=True)
+    )
+    if base is None or detail is None:
+        has_y = [slopes(a, t, touch_unused)[1] for a, t in zip(arrays, types, strict=True)]
+        matters = has_y[1] and strength != 0
+        if base is None and (not has_y[0] or not matters):
+            base = detail = detail or "up"
+        elif detail is None and not matters:
+            detail = base
+    for i, (found, array) in enumerate(((base, "base"), (detail, "detail"))):
+        if found is None:
+            raise ArgumentError(question(arrays[i], types[i], threads, names[i], array))
+    assert base is not None and detail is not None
+    return base, detail
 
 
 @overload
@@ -393,8 +438,8 @@ def blend(
     strength: float = 1.0,
     type: AutoType = "auto",
     detail_type: AutoType | None = None,
-    y: Y = "up",
-    detail_y: Y = "up",
+    y: AutoY = "auto",
+    detail_y: AutoY = "auto",
     touch_unused: bool = False,
     out: NDArray[Any] | None = None,
     threads: int = 1,
@@ -415,8 +460,9 @@ def blend(
     type, detail_type : {"auto", "standard", "zzero", "xy", "vector"}
         How the two store a normal; "auto" detects it from the texels of each, as `ntp blend` does.
         `detail_type` is `type` if it is not given.
-    y, detail_y : {"up", "down"}
-        Which way green points in each.
+    y, detail_y : {"auto", "up", "down", "opengl", "directx"}
+        Which way green points in each; the detail is turned to the base.  "auto": as the texels
+        show it; if they are not sure, it is an ArgumentError where it makes a difference.
     touch_unused : bool
         Blend pure black, pure white and transparent texels too.
     out : array like base, optional
@@ -453,21 +499,23 @@ def blend(
         type = resolve(first, type, threads, "base")
     if detail_type == "auto":
         detail_type = resolve(second, detail_type, threads, "detail")
-    encoding, up = choose("type", type, TYPES), choose("y", y, YS)
-    base_view = view("base", first, encoding, up)
-    detail_view = view(
-        "detail",
-        second,
-        choose("detail_type", detail_type, TYPES),
-        choose("detail_y", detail_y, YS),
+    encoding = choose("type", type, TYPES)
+    detail_encoding = choose("detail_type", detail_type, TYPES)
+    view("base", first, encoding)
+    view("detail", second, detail_encoding)
+    most = lib.NTP_MAX_STRENGTH
+    factor = number("strength", strength, -most, most)
+    greens = _greens(
+        (first, second), (type, detail_type), (y, detail_y), factor, touch_unused, threads
     )
+    up = choose_y("y", greens[0])
+    base_view = view("base", first, encoding, up)
+    detail_view = view("detail", second, detail_encoding, choose_y("detail_y", greens[1]))
     output = Output(first.shape, first.dtype, out)
     if out is not None:
         output.apart_from(True, base=first)
         output.apart_from(False, detail=second)
     dst = view("out", output.array, encoding, up, writable=True)
-    most = lib.NTP_MAX_STRENGTH
-    factor = number("strength", strength, -most, most)
     how = ffi.new(
         "ntp_blend_options *",
         (

@@ -11,6 +11,7 @@ from ._arrays import Output, choose, number, pixels, spacing, view
 from ._borders import choose_borders, find_kernel
 from ._classify import resolve
 from ._errors import ArgumentError, Status, check
+from ._green import choose_y, known, slopes, told
 from ._height_info import HeightInfo, info_of
 from ._height_range import MOST_CLIP, clip_heights, middle_share
 from ._names import (
@@ -23,12 +24,10 @@ from ._names import (
     TOUCH_ALL,
     TOUCH_NONE,
     TYPES,
-    YS,
     ZS,
     names_of,
 )
 from ._native import ffi, lib
-from ._orientation import detect_orientation
 from ._solve import Solver
 from .typing import (
     AnyPixels,
@@ -42,8 +41,6 @@ from .typing import (
     HeightMethod,
     HeightsHow,
     Mask,
-    Type,
-    Y,
     Z,
 )
 
@@ -52,7 +49,6 @@ _BORDERS = {"auto": AUTO} | BORDERS
 _METHOD_NAMES, _KERNEL_NAMES, _BORDER_NAMES = map(
     names_of, (HEIGHT_METHODS, FOUND_KERNELS, BORDERS)
 )
-_LEAST_SIDE = 6  # below, no texel says which way green points
 
 
 @overload
@@ -108,7 +104,8 @@ def height_from_normals(
     type : {"auto", "standard", "zzero", "xy", "vector"}
         How a normal is stored; "auto" detects it from the texels, as `ntp to-height` does.
     y : {"auto", "up", "down"}
-        Which way green points; "auto": detect it from the texels, else up.
+        Which way green points, also "opengl" and "directx".  "auto": as the texels show it; if they
+        are not sure, it is an ArgumentError where a texel slopes up or down.
     method : {"auto", "telescoping", "frankot-chellappa", "poisson-dct", "weighted"}
         Least squares, for textures that tile and that do not; with holes and weights; or Eberly's
         sums of slopes.  "auto": weighted with a `mask`, else by the borders.
@@ -297,14 +294,6 @@ detrend, clip, decode, z, touch_unused, progress, out, threads
     )
 
 
-def _y_of(source: NDArray[Any], type: Type, threads: int) -> Y:
-    """Which way green points, up where that cannot be told."""
-    if min(source.shape[:2]) < _LEAST_SIDE:
-        return "up"
-    found = detect_orientation(source, type=type, deep=True, threads=threads)
-    return "up" if found.y == "undecided" else found.y
-
-
 def _heights(
     src: AnyPixels | Floats,
     scope: int,
@@ -335,8 +324,10 @@ def _heights(
     if type == "auto":
         type = resolve(source, type, threads)
     encoding = choose("type", type, TYPES)
-    told: Y = _y_of(source, type, threads) if y == "auto" else y
-    src_view = view("src", source, encoding, choose("y", told, YS))
+    view("src", source, encoding)
+    needed = told("y", y) is None and slopes(source, type, touch_unused)[1]
+    green = known("y", y, source, type, threads, needed)
+    src_view = view("src", source, encoding, choose_y("y", green))
     height, width = source.shape[:2]
 
     how = ffi.new("ntp_height_options *")
@@ -387,7 +378,7 @@ def _heights(
     if packed is not output.array:
         output.array[...] = packed
     heights = cast("NDArray[np.float32]", output.finish())
-    return heights, info_of(how, result, told, source.dtype == np.uint8, clipped, share)
+    return heights, info_of(how, result, green, source.dtype == np.uint8, clipped, share)
 
 
 def _mask(mask: Any, source: NDArray[Any]) -> NDArray[Any]:

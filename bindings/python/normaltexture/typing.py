@@ -32,7 +32,9 @@ MeasuredType: TypeAlias = Type | Literal["height"]
 ComparedType: TypeAlias = Literal["auto"] | MeasuredType
 Y: TypeAlias = Literal["up", "down"]
 """Which way green points: OpenGL, or DirectX."""
-AutoY: TypeAlias = Literal["auto"] | Y
+GivenY: TypeAlias = Y | Literal["opengl", "directx"]
+"""The same, also by the names of programs."""
+AutoY: TypeAlias = Literal["auto"] | GivenY
 Depth: TypeAlias = Literal[8, 16, "float"]
 """Samples: uint8, uint16 or float32."""
 Blue: TypeAlias = Literal["derived", "nearest"]
@@ -126,8 +128,8 @@ class CleanHow(TypedDict, total=False):
 class ConvertHow(TypedDict, total=False):
     """The same of `convert`."""
 
-    y: Y
-    to_y: Y
+    y: AutoY
+    to_y: GivenY | None
     blue: Blue
     channels: str | None
     from_channels: str | None
@@ -229,7 +231,7 @@ class TransformHow(TypedDict, total=False):
     strength: float | None
     flip: Flip | None
     rotate: Turn
-    y: Y
+    y: AutoY
     threads: int
 
 
@@ -238,7 +240,7 @@ class BlendHow(TypedDict, total=False):
 
     mode: BlendMode
     strength: float
-    y: Y
-    detail_y: Y
+    y: AutoY
+    detail_y: AutoY
     touch_unused: bool
     threads: int

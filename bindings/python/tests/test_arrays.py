@@ -38,24 +38,26 @@ clean, validate, heatmap, shade, compare, resize, transform, blend, height_from_
     ),
 )
 
+GREENS = {"y": "up", "detail_y": "up"}
+
 # (name, function of a texture, may it work in place?)
 FUNCTIONS = {
     "clean": (clean, True),
     "validate": (validate, False),
     "heatmap": (heatmap, True),
     "shade": (shade, True),
-    "convert": (lambda a, **how: nt.convert(a, y="down", **how), True),
-    "deepen": (lambda a, **how: nt.convert(a, depth=16, **how), False),
+    "convert": (lambda a, **how: nt.convert(a, type="standard", y="down", **how), True),
+    "deepen": (lambda a, **how: nt.convert(a, type="standard", depth=16, **how), False),
     "decode": (nt.decode, False),
     "resize": (lambda a, **how: resize(a, size=(5, 4), filter="lanczos3", **how), False),
-    "transform": (lambda a, **how: transform(a, rotate=90, strength=1.5, **how), False),
-    "blend": (lambda a, **how: blend(a, a[:2, :3].copy(), strength=0.5, **how), True),
+    "transform": (lambda a, **how: transform(a, rotate=90, strength=1.5, y="up", **how), False),
+    "blend": (lambda a, **how: blend(a, a[:2, :3].copy(), strength=0.5, **GREENS, **how), True),
     "normals_from_height": (
         lambda a, **how: nt.normals_from_height(a, scale=3, kernel="sobel5", **how),
         False,
     ),
     "height_from_normals": (
-        lambda a, **how: height_from_normals(a, decode="unorm", **how),
+        lambda a, **how: height_from_normals(a, decode="unorm", y="up", **how),
         False,
     ),
 }
@@ -193,7 +195,8 @@ def test_without_more_threads_the_caller_does_it_all(monkeypatch):
     parts = recorded(4, 10, 64, 1)
     assert len(parts) == 1 and len(parts[0][1]) == 32
     texture = texture_of(np.uint8, (300, 300, 3))
-    assert np.array_equal(height_from_normals(texture, threads=3), height_from_normals(texture))
+    one, three = (height_from_normals(texture, y="up", threads=n) for n in (1, 3))
+    assert np.array_equal(three, one)
 
 
 def test_crops_are_what_the_whole_is():
@@ -283,10 +286,11 @@ def test_many_threads_on_the_same_arrays():
     functions = [FUNCTIONS[name][0] for name in ("clean", "heatmap", "shade", "validate")]
     functions += [nt.measure, nt.classify, lambda a: clean(a, type="zzero")]
     functions += [nt.detect_orientation, lambda a: compare(a, a[::-1])]
-    functions += [lambda a: nt.convert(a, depth=16, threads=2), lambda a: blend(a, a[:64, :64])]
-    functions += [lambda a: resize(a, size="50%"), lambda a: transform(a, rotate=90)]
+    functions += [lambda a: nt.convert(a, type="standard", depth=16, threads=2)]
+    functions += [lambda a: blend(a, a[:64, :64], **GREENS), lambda a: resize(a, size="50%")]
+    functions += [lambda a: transform(a, rotate=90, y="up")]
     functions += [lambda a: nt.normals_from_height(a[..., 0], scale=3.0)]
-    functions += [lambda a: height_from_normals(a, kernel="central", threads=2)]
+    functions += [lambda a: height_from_normals(a, kernel="central", y="up", threads=2)]
     want = [function(texture) for function in functions]
     out = np.zeros_like(texture)
 

@@ -30,11 +30,12 @@ def laid_out(full, letters):
 @pytest.mark.parametrize("letters", ["xyz", "1y0x", "xy", "z", "azyx", "xx"])
 def test_convert_lays_out(dtype, letters):
     texture = drawn(4, dtype)
-    full = nt.convert(texture, to="zzero", to_y="down")
-    got = nt.convert(texture, to="zzero", to_y="down", channels=letters)
+    how = {"type": "standard", "to": "zzero", "y": "up", "to_y": "down"}
+    full = nt.convert(texture, **how)
+    got = nt.convert(texture, **how, channels=letters)
     assert np.array_equal(got, laid_out(full, letters))
     out = np.empty_like(got)
-    assert nt.convert(texture, to="zzero", to_y="down", channels=letters, out=out) is out
+    assert nt.convert(texture, **how, channels=letters, out=out) is out
     assert np.array_equal(out, got)
 
 
@@ -52,8 +53,8 @@ def test_convert_reads(letters, plain):
 def test_convert_is_the_program(tmp_path):
     nt.write(tmp_path / "in.png", drawn(4, np.uint8))
     for spec, arguments in [
-        (["--channels", "1y0x"], {"channels": "1y0x"}),
-        (["--channels", "zx"], {"channels": "zx"}),
+        (["--type", "standard", "--channels", "1y0x"], {"type": "standard", "channels": "1y0x"}),
+        (["--type", "zzero", "--channels", "zx"], {"type": "zzero", "channels": "zx"}),
         (["--from-channels", "-y-x", "--to", "zzero"], {"from_channels": "-y-x", "to": "zzero"}),
         (["--from-channels", "zyx", "--channels", "xzya"],
          {"from_channels": "zyx", "channels": "xzya"}),
@@ -117,7 +118,7 @@ def test_wrong_layouts():
     texture, height = drawn(3, np.uint8), drawn(1, np.uint8)[..., 0]
     for letters in ("", "xyzxy", "xh", 5, "X"):
         with pytest.raises(nt.ArgumentError, match="^channels="):
-            nt.convert(texture, channels=letters)
+            nt.convert(texture, type="standard", channels=letters)
     for letters in ("x", "xz", "xxy", "xyzaa", "xyq", "-y-x", 7):
         with pytest.raises(nt.ArgumentError, match="^from_channels="):
             nt.convert(texture, from_channels=letters)

@@ -180,7 +180,7 @@ def hill(size):
 @pytest.mark.parametrize("to_y", ["up", "down"])
 def test_heights_come_back(to_y):
     """Height -> 16-bit normals -> height, the direction of green found out."""
-    height = hill(64)
+    height = hill(128)
     normals = nt.normals_from_height(height, scale=20, border="extrapolate", to_y=to_y)
     again, info = nt.height_from_normals_with_info(normals)
     assert info.y == to_y
@@ -305,13 +305,13 @@ def test_mask_and_seeds():
     normals = nt.normals_from_height(hill(32), scale=10, border="extrapolate")
     mask = np.ones((32, 32), bool)
     mask[:, 20:] = False
-    again, info = nt.height_from_normals_with_info(normals, mask=mask)
+    again, info = nt.height_from_normals_with_info(normals, mask=mask, y="up")
     assert info.method == "weighted" and info.holes == np.count_nonzero(~mask)
     want = hill(32) * 10
     inner = np.s_[1:-1, 1:19]
     assert np.abs((again - want)[inner] - (again - want)[inner].mean()).max() < 0.05
     seeds = (hill(32)[:2, :2].ravel() * 10).tolist()  # (0, 0), (1, 0), (0, 1), (1, 1)
-    got = nt.height_from_normals(normals, method="telescoping", seeds=seeds, decode="unorm")
+    got = nt.height_from_normals(normals, method="telescoping", seeds=seeds, decode="unorm", y="up")
     assert np.abs(got - want).max() < 0.05
 
 
@@ -377,7 +377,7 @@ def test_compare_of_heights(height, seed, deepen):
 def test_heights_and_normals_do_not_mix():
     normals = np.zeros((2, 3, 3), np.uint8)
     for how in (
-        {"type": "height"},
+        {"type": "height", "to": "standard"},
         {"to": "height"},
         {"type": "height", "to": "height", "channels": "xyz"},
     ):

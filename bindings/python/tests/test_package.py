@@ -179,7 +179,7 @@ def test_heights_of_arrays_and_program_agree(test_files, tmp_path):
         )
     for texture in textures:
         nt.write(tmp_path / "n.png", texture)
-        command = [nt.program(), "to-height", "--from", "standard", tmp_path / "n.png"]
+        command = [nt.program(), "to-height", "--type", "standard", tmp_path / "n.png"]
         command += ["-o", tmp_path / "h.pfm", "--format", "json"]
         done = subprocess.run(command, check=True, capture_output=True)
         told = json.loads(done.stdout)["files"][0]

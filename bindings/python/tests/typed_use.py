@@ -114,7 +114,6 @@ def use_wrongly(image: AnyPixels, bytes_: U8, floats: F32, doubles: NDArray[np.f
     nt.heatmap(bytes_, palette="pink")  # type: ignore[call-overload]  # pyright: ignore[reportArgumentType]
     nt.resize(bytes_, size=(64, 64), border="extrapolate")  # type: ignore[call-overload]  # pyright: ignore[reportArgumentType]
     nt.normals_from_height(bytes_, 8, kernel="baked")  # type: ignore[call-overload]  # pyright: ignore[reportArgumentType, reportCallIssue]
-    nt.convert(bytes_, type="auto")  # type: ignore[call-overload]  # pyright: ignore[reportArgumentType, reportCallIssue]
     # Vectors are floats.
     nt.clean(bytes_, type="vector")  # type: ignore[call-overload]  # pyright: ignore[reportArgumentType, reportCallIssue]
     nt.validate(bytes_, type="vector")  # type: ignore[call-overload]  # pyright: ignore[reportArgumentType, reportCallIssue]
