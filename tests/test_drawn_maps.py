@@ -26,7 +26,8 @@ CASES = [(name, damage) for name in drawn_maps.MAPS for damage in DAMAGES[name]]
 
 # How many of DRAWN are right where not all are.  The others are wrong today, none with confidence:
 # whoever makes more of them right raises the number.  Damaged Z-zero is called standard or XY, since
-# its blue then fits neither reading well; JPEG makes a constant blue follow the surface.
+# its blue then fits neither reading well; JPEG makes a constant blue follow the surface;
+# diagonal ridges have red like green, as pictures have.
 RIGHT = {
     ("standard", "jpeg60"): 24,
     ("zzero", "jpeg95"): 25,
@@ -37,13 +38,12 @@ RIGHT = {
     ("zzero", "larger"): 21,
     ("zzero", "blocks"): 7,
     ("zzero", "4 bit"): 15,
-    ("XY and 0", "jpeg85"): 9,
-    ("XY and 255", "jpeg85"): 3,
-    ("heights", "blocks"): 0,
+    ("XY and shade", ""): 26,
+    ("XY and 0", "jpeg85"): 21,
+    ("XY and 255", "jpeg85"): 23,
     ("box", "jpeg85"): 19,
     ("box", "half"): 25,
 }
-SURE_AND_WRONG = ("heights", "blocks")
 # Smooth noise around the middle is called XY: nothing but the lack of any surface speaks against it.
 NOISE_THAT_IS_CALLED_XY = ("jpeg85", "half")
 
@@ -96,14 +96,7 @@ def draw_all(name, damage):
 def test_kinds_and_damages(name, damage):
     right, wrong, sure = judge(draw_all(name, damage))
     assert right >= RIGHT.get((name, damage), DRAWN) - SPARE * (damage != ""), "\n".join(wrong)
-    if (name, damage) != SURE_AND_WRONG:
-        assert not sure, "\n".join(sure)
-
-
-@pytest.mark.xfail(strict=True, reason="the 5, 6 and 5 bits of BC1 give grays a tint")
-def test_compressed_grays_are_not_surely_something_else():
-    """Wrong today: a height map in BC1 is called not-normals with a confidence of 0.95."""
-    assert not judge(draw_all(*SURE_AND_WRONG))[2]
+    assert not sure, "\n".join(sure)
 
 
 @pytest.mark.parametrize("name", drawn_maps.MAPS)
@@ -196,6 +189,13 @@ def test_what_is_a_third_noise_is_not_sure(name):
         assert answer[1] < CONFIDENT or answer[0] == drawn_maps.NOT_NORMALS, surface.__name__
 
 
+def one_channel_twice(pixels):
+    """Ridges along a diagonal have red like green: a picture, as far as anybody can tell."""
+    red, green = pixels[..., 0].ravel() / 255, pixels[..., 1].ravel() / 255
+    like = abs(np.corrcoef(red, green)[0, 1]) > 0.9
+    return like and 2 / 3 < red.std() / green.std() < 3 / 2
+
+
 @pytest.mark.parametrize("surface", [s.__name__ for s in drawn_maps.SURFACES])
 def test_blue_of_another_surface_makes_it_xy(surface):
     """For a standard texture and a Z-zero one: the relation of blue decides, not its
@@ -207,7 +207,8 @@ def test_blue_of_another_surface_makes_it_xy(surface):
         other = pixels_of(name, names[(names.index(surface) + 4) % len(names)], number)
         rows, columns = h // other.shape[0] + 1, w // other.shape[1] + 1
         pixels[..., 2] = np.tile(other, (rows, columns, 1))[:h, :w, 2]
-        assert told(drawn_maps.Drawing("", pixels, 0))[0] == drawn_maps.XY
+        if not one_channel_twice(pixels):
+            assert told(drawn_maps.Drawing("", pixels, 0))[0] == drawn_maps.XY
 
 
 def shuffled(pixels):

@@ -34,6 +34,7 @@ COUNTS = [
     "levels_off_max",
 ]
 EVIDENCE_COUNTS = [
+    "padding",
     "used_z_negative",
     "steepness",
     "steepness_not_rounded",
@@ -179,6 +180,7 @@ def check_evidence(tally, array, want):
         assert have["too_long"] == pytest.approx(need["used_long"], abs=1e-12)
     assert got["steepness_length_error"] == pytest.approx(want["steepness_length_error"], abs=2e-5)
     if narrow and array.dtype == np.uint8:
+        assert got["stats"]["used_mean"][:3] == pytest.approx(want["judged_mean"], abs=1e-9)
         assert got["used_sd"][:3] == pytest.approx(want["used_sd"], abs=1e-9)
         if array.shape[2] > 2:
             c = np.corrcoef(want["parts"].T)

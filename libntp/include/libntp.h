@@ -538,7 +538,13 @@ enum {
     NTP_REASON_TOO_FLAT = 35,         /* so flat that both methods give about the same */
     NTP_REASON_LONG = 36,             /* [share of used texels that are too long] */
     NTP_REASON_ALL_ALIKE = 37,        /* [correlation of blue with red or green, the smaller] */
-    NTP_REASON_FOLLOWS = 38           /* [correlation of blue with the derived blue] */
+    NTP_REASON_FOLLOWS = 38,          /* [correlation of blue with the derived blue] */
+    /* Against the answer: */
+    NTP_REASON_DESPITE_ALIKE = 39, /* [correlation of red and green] */
+    /* For it: */
+    NTP_REASON_BLUE_IDLE = 40,  /* [mean blue, 0..1] */
+    NTP_REASON_BRIGHTNESS = 41, /* [correlation of blue with red or green, the greater] */
+    NTP_REASON_NOISE = 42       /* [mean of all channels, 0..1] */
 };
 
 /* A fact that supports a classification, with its number. */

@@ -21,6 +21,15 @@ def levels_of(array):
     return levels, stored, stored
 
 
+def judged_of(r, g, m, used):
+    """The used texels that the classifier looks at: red and green both within 15 levels of 8 bit
+    from an end are padding.  It counts where fewer than a sixteenth would be left."""
+    red, green = (c if m == 255 else (c + 128) // 257 for c in (r, g))
+    ends = [(c < 16) | (c > 239) for c in (red, green)]
+    left = used & ~(ends[0] & ends[1])
+    return left if 16 * left.sum() >= used.sum() else used
+
+
 def fit(r, g, b, m, zz, used):
     """The fields of ntp_fit."""
     flags = oracle.flags(r, g, b, m, zz)
@@ -39,6 +48,7 @@ def fit(r, g, b, m, zz, used):
     out["used_levels_le"] = [np.count_nonzero(inside & used & (off <= i)) for i in range(4)]
     out["length_min"], out["length_max"] = length.min(), length.max()
     out["length_mean"] = length.mean()
+    used = judged_of(r, g, m, used)
     if used.any():
         out["used_length_mean"] = length[used].mean()
         out["used_length_sd"] = length[used].std()
@@ -92,7 +102,9 @@ def measure(array, encoding_is_zzero=False, touch=0, xy=False):
     s["xy_far_too_long"] = np.count_nonzero(~near)
     s["neighbor_and_near"] = np.count_nonzero(near & (std["flags"] & 1 > 0))
     s["z_negative"], s["unused_z_negative"] = negative.sum(), np.count_nonzero(negative & ~used)
-    s["used_z_negative"] = np.count_nonzero(negative & used)
+    judged = judged_of(r, g, m, used)
+    s["padding"] = np.count_nonzero(used & ~judged)
+    s["used_z_negative"] = np.count_nonzero(negative & judged)
     s["gray"] = np.count_nonzero((r == g) & (g == b) & ~clear)
     flat = np.isin(r, ((m - 1) // 2, (m + 1) // 2)) & np.isin(g, ((m - 1) // 2, (m + 1) // 2))
     s["flat"] = np.count_nonzero(flat & used)
@@ -120,18 +132,19 @@ def measure(array, encoding_is_zzero=False, touch=0, xy=False):
     s["harm_kinds"] = kinds
     s["harm_degrees"] = np.where(kinds == 2, mirror[used], outside if xy else degrees)
     steep = np.minimum((np.hypot((2 * r - m) / m, (2 * g - m) / m) * STEEP).astype(int), STEEP - 1)
-    bins = [used & (steep == i) for i in range(STEEP)]
+    bins = [judged & (steep == i) for i in range(STEEP)]
     s["steepness"] = [np.count_nonzero(i) for i in bins]
     s["steepness_not_rounded"] = [np.count_nonzero(i & (std["flags"] & 2 == 0)) for i in bins]
     s["steepness_not_neighbor"] = [np.count_nonzero(i & (std["flags"] & 1 == 0)) for i in bins]
     error = np.abs(std["length"] - 1)
     s["steepness_length_error"] = [error[i].mean() if i.any() else 0 for i in bins]
     if used.any():
-        parts = np.stack([r, g, b], 1)[used] / m
-        s["used_mean"], s["used_sd"] = parts.mean(0), parts.std(0)
+        s["used_mean"] = rgb[used].mean(0) / m
+        parts = rgb[judged] / m
+        s["judged_mean"], s["used_sd"] = parts.mean(0), parts.std(0)
         s["parts"] = parts
-        s["red_low"] = np.count_nonzero(used & (r <= (m - 1) // 2))
-        s["green_low"] = np.count_nonzero(used & (g <= (m - 1) // 2))
+        s["red_low"] = np.count_nonzero(judged & (r <= (m - 1) // 2))
+        s["green_low"] = np.count_nonzero(judged & (g <= (m - 1) // 2))
         close = (np.abs(r / m - 188 / 255) <= 3.001 / 255) & (
             np.abs(g / m - 188 / 255) <= 3.001 / 255
         )

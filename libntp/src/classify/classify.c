@@ -38,7 +38,8 @@ static void prepare(question *q)
     const ntp__evidence *e = q->e;
     const ntp_fit *fit[2] = { &s->standard, &s->zzero };
     double x = 2 * s->used_mean[0] - 1, y = 2 * s->used_mean[1] - 1;
-    q->used = most(1, (double) (s->texels - s->unused) - (double) s->not_finite);
+    q->all_used = most(1, (double) (s->texels - s->unused) - (double) s->not_finite);
+    q->used = q->all_used - (double) e->padding;
     q->lean = sqrt(x * x + y * y);
     for (int32_t z = 0; z < 2; z++) {
         q->unit[z] = (double) (fit[z]->neighbor - fit[z]->unused_neighbor) / q->used;
@@ -48,7 +49,7 @@ static void prepare(question *q)
     q->negative = (double) e->used_z_negative / q->used;
     q->red_low = (double) e->red_low / q->used;
     q->green_low = (double) e->green_low / q->used;
-    q->too_long = (double) (s->xy_too_long - s->unused_xy_too_long) / q->used;
+    q->too_long = (double) (s->xy_too_long - s->unused_xy_too_long - e->padding) / q->used;
 }
 
 /* ------------------------------------------------------------------------- the questions */
@@ -87,7 +88,7 @@ static bool is_one_color(question *q)
 static bool is_height(question *q)
 {
     const ntp_stats *s = q->s;
-    double gray = ((double) s->gray - (double) s->black - (double) s->white) / q->used;
+    double gray = ((double) s->gray - (double) s->black - (double) s->white) / q->all_used;
     bool judged = s->standard.length_max > 0;
     if (s->channels <= 2 && !judged) {
         because(q, NTP_REASON_GRAY_FILE, 1);
@@ -96,6 +97,10 @@ static bool is_height(question *q)
     if (s->channels > 2 && gray > GRAY_SHARE) {
         because(q, NTP_REASON_GRAY, least(gray, 1));
         return is(q, NTP_CLASS_HEIGHT, gray < 1 ? NEARLY_GRAY_SURE : GRAY_SURE);
+    }
+    if (s->channels > 2 && judged && ntp__is_tinted_gray(q->e)) {
+        because(q, NTP_REASON_ALL_ALIKE, least(q->e->correlation[1], q->e->correlation[2]));
+        return is(q, NTP_CLASS_HEIGHT, TINTED_SURE);
     }
     return !judged && is(q, NTP_CLASS_NOT_NORMALS, NOT_ASKED_SURE);
 }
@@ -140,7 +145,11 @@ static bool is_swapped(question *q)
                off_middle(s->used_mean[1]) < MIDDLE;
     bool green = q->green_low < 1 - OTHER_Z_SHARE && s->used_mean[1] > OTHER_Z_MEAN &&
                  off_middle(s->used_mean[0]) < MIDDLE;
-    if (!red && !green)
+    int32_t z = red ? 0 : 1;
+    double y = 2 * s->used_mean[1 - z] - 1, b = 2 * s->used_mean[2] - 1;
+    double y_sd = 2 * q->e->used_sd[1 - z], b_sd = 2 * q->e->used_sd[2];
+    double squares = y * y + b * b + y_sd * y_sd + b_sd * b_sd;
+    if ((!red && !green) || 2 * (1 - s->used_mean[z]) < OTHER_Z_FALLS * squares)
         return false;
     q->out->accidents |= red ? NTP_ACCIDENT_RED_IS_Z : NTP_ACCIDENT_GREEN_IS_Z;
     because(q, red ? NTP_REASON_RED_IS_Z : NTP_REASON_GREEN_IS_Z,
@@ -194,8 +203,10 @@ static double steep_share(const question *q)
 static bool is_object_space(question *q)
 {
     double z = rarer(q->negative), red = rarer(q->red_low), green = rarer(q->green_low);
+    const double *alike = q->e->correlation;
+    bool bright_and_dark = least(least(alike[0], alike[1]), alike[2]) > ALL_ALIKE;
     bool mixed = z > MIXED_LEAST && red > MIXED_LEAST && green > MIXED_LEAST;
-    if (z < DIRECTIONS_LEAST || red < AXIS_LEAST || green < AXIS_LEAST ||
+    if (bright_and_dark || z < DIRECTIONS_LEAST || red < AXIS_LEAST || green < AXIS_LEAST ||
         steep_share(q) < BODY_STEEP_LEAST || ntp__keep_to_a_line(q->e, 0, 1) ||
         q->near[0] < (mixed ? MIXED_UNIT_SHARE : NEAR_UNIT_SHARE) || prefers_zzero(q) ||
         ntp__length_error(q->e, TILTED_FIRST_BIN, TILTED_END_BIN) > TILTED_ERROR_MOST)
@@ -206,21 +217,48 @@ static bool is_object_space(question *q)
     return is(q, NTP_CLASS_OBJECT_SPACE, sure ? OBJECT_SURE : OBJECT_LOOSE_SURE);
 }
 
+/* What varies in a picture is brightness: in all channels alike, and seldom around the middle. */
+static bool is_bright_and_dark(const question *q)
+{
+    double alike = 0;
+    for (int32_t i = 0; i < 3; i++)
+        alike = most(alike, distance(q->e->correlation[i], 0));
+    return q->lean > LEAN_PICTURE && alike > ALIKE;
+}
+
+/* Do red and green vary together, and by as much?  (A flip of green makes them vary against each
+ * other.) */
+static bool is_one_channel_twice(const question *q)
+{
+    const double *sd = q->e->used_sd;
+    return distance(q->e->correlation[0], 0) > NEARLY_ONE && sd[0] < AS_MUCH * sd[1] &&
+           sd[1] < AS_MUCH * sd[0];
+}
+
+/* The share of all used texels; where blue does not tell, padding counts as well. */
+static double too_long(const question *q)
+{
+    return (double) (q->s->xy_too_long - q->s->unused_xy_too_long) / q->all_used;
+}
+
 static bool is_blue_constant(question *q)
 {
     const ntp_stats *s = q->s;
     const ntp__evidence *e = q->e;
-    if (e->used_sd[2] > CONSTANT_DEVIATION || q->too_long > TOO_LONG_SHARE || q->lean > LEAN_MOST ||
+    const double z = 2 * s->used_mean[2] - 1;
+    bool constant = e->used_sd[2] < CONSTANT_DEVIATION;
+    bool still = most(e->used_sd[0], e->used_sd[1]) < CONSTANT_DEVIATION;
+    if (!ntp__blue_is_idle(e) || still || too_long(q) > TOO_LONG_SHARE || q->lean > LEAN_MOST ||
+        (constant ? q->lean > LEAN_PICTURE && is_one_channel_twice(q) : is_bright_and_dark(q)) ||
         (s->used_mean[2] > BRIGHT_BLUE && q->unit[0] > UNIT_SHARE) ||
-        (s->used_mean[2] < FULL_BLUE && s->used_mean[2] > BRIGHT_BLUE &&
+        (constant && s->used_mean[2] < FULL_BLUE && s->used_mean[2] > BRIGHT_BLUE &&
          q->near[0] > NEAR_UNIT_SHARE))
         return false;
     q->out->accidents |= NTP_ACCIDENT_BLUE_CONSTANT;
-    because(q, NTP_REASON_BLUE_CONSTANT, s->used_mean[2]);
+    because(q, constant ? NTP_REASON_BLUE_CONSTANT : NTP_REASON_BLUE_IDLE, s->used_mean[2]);
     because(q, NTP_REASON_XY_CENTERED, q->lean);
-    double z = 2 * s->used_mean[2] - 1;
     bool usual = z < -USUAL_BLUE || z > USUAL_BLUE || distance(z, 0) < 1 - USUAL_BLUE;
-    bool sure = usual && q->lean < LEAN_CENTERED && !ntp__keep_to_a_line(q->e, 0, 1);
+    bool sure = constant && usual && q->lean < LEAN_CENTERED && !ntp__keep_to_a_line(q->e, 0, 1);
     return is(q, NTP_CLASS_XY, sure ? BLUE_CONSTANT_SURE : BLUE_UNUSUAL_SURE);
 }
 
@@ -261,7 +299,9 @@ static double fits_loosely(const question *q, bool zzero, double follows)
     bool upright = zzero || rarer(q->negative) < NEGATIVE_DAMAGED;
     double spread_most = SPREAD_MOST + (upright ? SPREAD_FOLLOWING * most(follows, 0) : 0);
     double mean = fit->length_mean;
-    if (fit->length_sd > spread_most || mean < LENGTH_LEAST || mean > LENGTH_MOST ||
+    /* Compression mixes normals and padding where they meet: lengths spread, but in few texels. */
+    bool edges = q->e->padding > 0 && q->near[zzero] > NEAR_UNIT_SHARE;
+    if ((fit->length_sd > spread_most && !edges) || mean < LENGTH_LEAST || mean > LENGTH_MOST ||
         q->lean > LEAN_MOST || q->too_long > TOO_LONG_SHARE ||
         (q->lean > LEAN_CENTERED && q->near[zzero] < NEAR_UNIT_SHARE))
         return 0;
@@ -294,6 +334,10 @@ static bool is_normals(question *q)
     bool flat_only = enough && on_slopes < TILTED_NEAR_LEAST, idle = follows < BLUE_FOLLOWS;
     bool tight = q->unit[zzero] > UNIT_SHARE && !(flat_only && idle);
     double sure = tight ? TIGHT_SURE : fits_loosely(q, zzero, follows);
+    if (sure == 0 && !zzero && !flipped && q->negative < NEGATIVE_MOST &&
+        follows_z(q, false, Z_FOLLOWS_ROUGHLY) && q->lean < LEAN_CENTERED &&
+        q->too_long < TOO_LONG_SHARE)
+        sure = ROUGHLY_SURE;
     if (sure == 0)
         return false;
     bool closely = follows_z(q, flipped, Z_FOLLOWS_CLOSELY);
@@ -374,22 +418,14 @@ static bool is_compressed(question *q)
     return is(q, NTP_CLASS_STANDARD, COMPRESSED_SURE);
 }
 
-/* What varies in a picture is brightness: in all channels alike, and seldom around the middle. */
-static bool is_bright_and_dark(const question *q)
-{
-    double alike = 0;
-    for (int32_t i = 0; i < 3; i++)
-        alike = most(alike, distance(q->e->correlation[i], 0));
-    return q->lean > LEAN_PICTURE && alike > ALIKE;
-}
-
 static bool is_xy(question *q)
 {
     const ntp_stats *s = q->s;
     const ntp__evidence *e = q->e;
     double middle = (double) (e->steepness[0] + e->steepness[1]) / q->used;
-    if (q->too_long > TOO_LONG_SHARE || q->lean > LEAN_CENTERED || steep_share(q) > STEEP_MOST ||
-        is_bright_and_dark(q))
+    if (too_long(q) > TOO_LONG_SHARE || q->lean > LEAN_CENTERED || steep_share(q) > STEEP_MOST ||
+        is_bright_and_dark(q) || is_one_channel_twice(q) || ntp__blue_alike(e) > BLUE_ALIKE ||
+        ntp__is_noise(q->e))
         return false;
     double ends = (double) (s->alpha_zero + s->alpha_full) / (double) s->texels;
     bool alpha = e->used_sd[3] > ALPHA_VARIES && ends < ALPHA_ENDS_MOST;
@@ -412,7 +448,7 @@ static bool is_xy(question *q)
     because(q, NTP_REASON_XY_CENTERED, q->lean);
     if (e->correlation[0] > ALIKE) {
         sure = least(sure, XY_PICTURE_SURE);
-        because(q, NTP_REASON_COLORS_ALIKE, e->correlation[0]);
+        because(q, NTP_REASON_DESPITE_ALIKE, e->correlation[0]);
     }
     if (ntp__keep_to_a_line(q->e, 0, 1))
         sure = least(sure, XY_PICTURE_SURE);
@@ -432,6 +468,10 @@ static void classify(question *q)
         because(q, NTP_REASON_XY_OFF_CENTER, q->lean);
     if (q->e->correlation[0] > ALIKE)
         because(q, NTP_REASON_COLORS_ALIKE, q->e->correlation[0]);
+    else if (ntp__blue_alike(q->e) > ALIKE)
+        because(q, NTP_REASON_BRIGHTNESS, ntp__blue_alike(q->e));
+    else if (ntp__is_noise(q->e))
+        because(q, NTP_REASON_NOISE, q->s->used_mean[2]);
     is(q, NTP_CLASS_NOT_NORMALS,
        least(blend(NOT_LEAST_SURE, NOT_SURE, (q->lean - LEAN_CENTERED) / NOT_LEAN_RANGE),
              blend(NOT_LEAST_SURE, NOT_SURE,

@@ -38,3 +38,48 @@ double ntp__block_step(const ntp__evidence *e)
     double greatest = most(most(step[0], step[1]), step[2]);
     return step[0] + step[1] + step[2] - greatest - least(least(step[0], step[1]), step[2]);
 }
+
+bool ntp__blue_is_idle(const ntp__evidence *e)
+{
+    double blue = e->stats.used_mean[2], off_end = least(blue, 1 - blue);
+    if (e->used_sd[2] < CONSTANT_DEVIATION)
+        return true;
+    return off_end < IDLE_BLUE_OFF_END && e->used_sd[2] < IDLE_BLUE_DEVIATION &&
+           off_end * e->blue_drop < IDLE_BLUE_DROP * (1 - blue) &&
+           1 - blue > IDLE_BLUE_SLOPES * e->blue_drop &&
+           distance(e->blue_slope, 0) < IDLE_BLUE_SLOPE &&
+           distance(e->blue_correlation, 0) < IDLE_BLUE_FOLLOWS;
+}
+
+double ntp__blue_alike(const ntp__evidence *e)
+{
+    double others = most(e->used_sd[0], e->used_sd[1]);
+    if (e->used_sd[2] < BLUE_VARIES * others)
+        return 0;
+    return most(distance(e->correlation[1], 0), distance(e->correlation[2], 0));
+}
+
+/* The mean square of the difference of two channels. */
+static double apart(const ntp__evidence *e, int32_t first, int32_t second)
+{
+    const double *sd = e->used_sd, *mean = e->stats.used_mean;
+    double of_means = mean[first] - mean[second];
+    double correlation = e->correlation[first + second - 1];
+    return sd[first] * sd[first] + sd[second] * sd[second] -
+           2 * correlation * sd[first] * sd[second] + of_means * of_means;
+}
+
+bool ntp__is_tinted_gray(const ntp__evidence *e)
+{
+    double most_apart = most(most(apart(e, 0, 1), apart(e, 0, 2)), apart(e, 1, 2));
+    return most_apart < TINT * TINT && e->used_sd[1] > TINTED_VARIES * TINT &&
+           least(e->correlation[1], e->correlation[2]) > NEARLY_ONE;
+}
+
+bool ntp__is_noise(const ntp__evidence *e)
+{
+    const double *mean = e->stats.used_mean, *sd = e->used_sd;
+    double low = least(least(sd[0], sd[1]), sd[2]), high = most(most(sd[0], sd[1]), sd[2]);
+    return distance(mean[2], mean[0]) < NOISE_MEAN && distance(mean[2], mean[1]) < NOISE_MEAN &&
+           high < NOISE_SPREAD * low;
+}

@@ -15,7 +15,7 @@ typedef struct question {
     const ntp_stats *s; /* of e */
     /* Shares of the used texels; the arrays by reading, standard and Z-zero. */
     double unit[2], near[2], rounded[2], negative, red_low, green_low, too_long;
-    double used, lean;
+    double used, all_used, lean; /* used ones without padding; with it */
 } question;
 
 static inline double distance(double a, double b)
@@ -62,5 +62,18 @@ bool ntp__keep_to_a_line(const ntp__evidence *e, int32_t first, int32_t second);
 
 /* The second greatest of the steps at block borders, of three channels. */
 double ntp__block_step(const ntp__evidence *e);
+
+/* Gray but for the tint of block compression? */
+bool ntp__is_tinted_gray(const ntp__evidence *e);
+
+/* Are all three channels spread alike around one mean? */
+bool ntp__is_noise(const ntp__evidence *e);
+
+/* Does blue hold nothing: constant, or near an end whatever the z of red and green is? */
+bool ntp__blue_is_idle(const ntp__evidence *e);
+
+/* How closely blue varies with red or green themselves, whatever the sign; 0 where it varies
+ * little. */
+double ntp__blue_alike(const ntp__evidence *e);
 
 #endif

@@ -55,6 +55,11 @@ static const char *const TEXTS[] = {
      "causes"),
     "all three channels vary together, with a correlation of #, as after lossy compression",
     "blue varies with the z of red and green, with a correlation of #",
+    ("against it: red and green vary together, with a correlation of #, as the colors of a picture "
+     "do"),
+    "blue hardly varies around % of its range, and not with the z of red and green",
+    "blue varies with red or green, with a correlation of #, as the colors of a picture do",
+    "red, green and blue are spread alike around % of their range, as noise is",
 };
 
 typedef struct buffer {

@@ -3,6 +3,10 @@
 #ifndef NTP_THRESHOLDS_H
 #define NTP_THRESHOLDS_H
 
+/* Block compression tints grays: its ends have 5 and 6 bits, so channels differ by up to 4 levels,
+ * 3 as root mean square.  Brightness has to vary by more than that. */
+static const double TINT = 4.0 / 255, TINTED_SURE = 0.85, TINTED_VARIES = 3;
+
 /* Gray images: compression and palettes leave a few texels that are not quite gray. */
 static const double GRAY_SHARE = 0.98;
 static const double GRAY_SURE = 0.97, NEARLY_GRAY_SURE = 0.88;
@@ -45,6 +49,10 @@ static const double LENGTH_LEAST = 0.75, LENGTH_MOST = 1.15;
 static const double Z_FOLLOWS = 0.9, Z_FOLLOWS_CLOSELY = 0.95, Z_SLOPE_OFF = 0.3;
 static const double KEPT_SPREAD = 0.03, KEPT_SLOPING_ERROR = 0.05;
 static const double LOOSE_SURE = 0.93, UNSEEN_SURE = 0.85;
+
+/* Coarse JPEG of rough surfaces spreads lengths as widely as a height in blue does.  But a blue that
+ * still rises and falls by as much as z, at this correlation, is hardly anything else. */
+static const double Z_FOLLOWS_ROUGHLY = 0.75, ROUGHLY_SURE = 0.75;
 
 /* How sure lengths make it: surer the more of them are near 1 (fully a tenth above the share that
  * it takes), less sure the more they spread.  A fit to the level is sure unless it comes from flat
@@ -105,6 +113,10 @@ static const double FLIPPED_SHARE = 0.95, OTHER_Z_SHARE = 0.98, OTHER_Z_MEAN = 0
 
 /* Colors of a picture may have this mean too.  Unit vectors to the level that do not keep to a line
  * do not come by chance. */
+/* Another channel is z only if it falls as far as the other two need: half the mean of their
+ * squares, or up to twice that where they are steep.  A channel that is M throughout does not. */
+static const double OTHER_Z_FALLS = 0.4;
+
 static const double SWAPPED_SURE = 0.92, SWAPPED_LOOSE_SURE = 0.75;
 
 /* The mean of a channel that holds x or y lies so near the middle, in levels / M.  An alpha that
@@ -133,6 +145,17 @@ static const double GAMMA_SURE = 0.93, GAMMA_UNSEEN_SURE = 0.8;
 
 /* A channel that does not vary: its standard deviation is an eighth of an 8-bit level. */
 static const double CONSTANT_DEVIATION = 0.0005;
+
+/* A blue that was filled in with 0 or M, and then compressed or resized, stays near that end: its
+ * mean is off by 10 levels at most.  The mean of a blue that is z lies as far off M as that of the
+ * derived blue does (as far off 0 where z is flipped), and damage only takes it farther: in drawn
+ * textures after JPEG of quality 60 by at least 1.07 times as much.  That of a blue that was filled
+ * in came at most 0.65 times as far, and hardly followed z. */
+static const double IDLE_BLUE_OFF_END = 0.04, IDLE_BLUE_DEVIATION = 0.045, IDLE_BLUE_DROP = 0.7,
+                    IDLE_BLUE_SLOPE = 0.35, IDLE_BLUE_FOLLOWS = 0.5;
+
+/* Before that can be told, the derived blue has to lie 2 levels below M on average. */
+static const double IDLE_BLUE_SLOPES = 2.0 / 255;
 
 /* A blue that was filled in is 0, the middle, or M.  Another constant can be the scaled z of a flat
  * surface. */
@@ -173,6 +196,18 @@ static const double OPEN_BLUE = 0.8;
  * go round or back and forth do not lean, and blue depends on the steepness of a slope, not on its
  * direction. */
 static const double ALIKE = 0.5, LEAN_PICTURE = 0.05;
+
+/* Red and green that are nearly one channel are no x and y: only a surface of ridges that all run
+ * along one diagonal has these, and as a rule its blue is z or constant.  Blue depends on how steep a slope is and not on
+ * where it faces, as every slope up comes with one down; so it hardly varies with red or green.
+ * Compression makes it do so, but as a rule half as much as these vary at most.
+ * Where all three channels vary together, what varies is brightness. */
+static const double NEARLY_ONE = 0.9, AS_MUCH = 1.5, BLUE_ALIKE = 0.6, BLUE_VARIES = 0.55,
+                    ALL_ALIKE = 0.7;
+
+/* Of noise all channels have the same mean and spread.  A blue that is something else than x or y
+ * has them by accident only. */
+static const double NOISE_MEAN = 0.03, NOISE_SPREAD = 1.3, NOISE_SURE = 0.7;
 
 /* JPEG with halved colors, and blocks of few colors, turn steps of red and green into steps of
  * brightness, so blue correlates with both of them.  A blue that is not z correlates with neither

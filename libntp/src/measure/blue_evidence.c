@@ -106,6 +106,9 @@ static void describe_regression(ntp__evidence *e, const blue_sums *sums)
     double want_variance = sums->want2 / n - want * want;
     double blue_variance = sums->blue2 / n - blue * blue;
     double covariance = sums->product / n - want * blue;
+    const double gentlest = 0.05; /* levels; below this there are hardly any slopes */
+    if (255 - want > gentlest)
+        e->blue_drop = (255 - blue) / (255 - want);
     const double least = 1e-6; /* below this only rounding of doubles is left */
     if (want_variance > least)
         e->blue_slope = covariance / want_variance;
@@ -116,6 +119,7 @@ static void describe_regression(ntp__evidence *e, const blue_sums *sums)
 void ntp__describe_blue(ntp__evidence *e, const ntp_tally *t)
 {
     blue_sums sums = { 0 };
+    e->blue_drop = 1;
     if (t->encoding == NTP_ENCODING_HEIGHT)
         return;
     if (ntp__tally_max(t) == 255)

@@ -7,6 +7,12 @@
 
 #include "texel/judged.h"
 
+/*
+ * Padding that was compressed or flipped is not pure black or white, and so counts as used.  But
+ * red and green both near an end are no x, y, however damaged.  What is said here of used texels
+ * leaves these out, `stats` apart; there `used_mean` does too.
+ */
+
 /* How well the used texels fit one encoding. */
 typedef struct ntp__fit_evidence {
     double length_mean, length_sd;
@@ -18,6 +24,7 @@ typedef struct ntp__fit_evidence {
 typedef struct ntp__evidence {
     ntp_stats stats;
     ntp__fit_evidence fit[2]; /* standard, Z-zero */
+    uint64_t padding; /* used texels that are left out; 0 where hardly others would be left */
     uint64_t used_z_negative;
     /* Used texels by steepness, read as standard: how many there are, how many are not `rounded`,
      * how many are not `neighbor`, and the mean of |length - 1|. */
@@ -42,6 +49,10 @@ typedef struct ntp__evidence {
     double tilted_off[2];  /* mean |blue - derived blue|, at most 32 each; standard, Z-zero */
     double tilted_near[2]; /* share of tilted with at most 3 levels between them */
     double tilted_above;   /* share of tilted with blue more than 4 levels above standard's */
+    /* How far the mean blue lies below M, over how far the mean derived blue does: 1 for standard, 2
+     * for Z-zero, 0 for a blue of M.  Compression keeps means, and so keeps this.  Where all is flat:
+     * 1. */
+    double blue_drop;
     double blue_slope; /* regression of blue on the derived one (x, y not too long); Z-zero: 2 */
     double blue_correlation;
 } ntp__evidence;

@@ -23,6 +23,8 @@ void ntp__row_init(ntp__row *row, int32_t r, int32_t g, int32_t m)
     row->xy2 = ntp__sq(m) - s;
     int32_t bin = ntp__steepness_bin((double) row->xy2, m);
     row->steepness = bin < NTP__STEEPNESS_BINS ? bin : NTP__STEEPNESS_BINS - 1;
+    if (ntp__is_padding(r, g, m))
+        row->steepness = NTP__PADDING_BIN;
     row->flags = 0;
     row->pair_fails = false;
     if (s >= 0) {
@@ -56,7 +58,7 @@ static void add_length(ntp__fit_sums *fit, int32_t steepness, uint32_t flags, in
     fit->lengths[bin < NTP__LENGTH_BINS ? bin : NTP__LENGTH_BINS - 1] += count;
     fit->length_sum += (uint64_t) length * count;
     fit->length_error[steepness] += error * count;
-    fit->length_error2 += error * error * count;
+    fit->length_error2[steepness == NTP__PADDING_BIN] += error * error * count;
     if ((uint32_t) length > fit->length_max)
         fit->length_max = (uint32_t) length;
     if (inverted > fit->length_inverted_min)
@@ -167,7 +169,7 @@ static void add_judged(ntp__fit_sums *sums, const ntp__judged_fit *fit, const ui
         sums->length_error[key / 256] += (uint64_t) off * count[i];
     }
     sums->length_sum += sum;
-    sums->length_error2 += error2;
+    sums->length_error2[0] += error2; /* texels of a block are not too long, so no padding */
     if ((uint32_t) levels_off > sums->levels_off_max)
         sums->levels_off_max = (uint32_t) levels_off;
     if ((uint32_t) greatest > sums->length_max)
@@ -252,13 +254,14 @@ void ntp__merge_sums(ntp__sums *into, const ntp__sums *from)
     for (int32_t z = 0; z < 2; z++) {
         ntp__fit_sums *a = &into->fit[z];
         const ntp__fit_sums *b = &from->fit[z];
-        ntp__merge_counts(a->flags, b->flags, NTP__STEEPNESS_BINS * 256);
+        ntp__merge_counts(a->flags, b->flags, NTP__ALL_BINS * 256);
         ntp__merge_counts(a->lengths, b->lengths, NTP__LENGTH_BINS);
         ntp__merge_counts(a->levels_off, b->levels_off, (size_t) b->levels_off_max + 1);
         ntp__merge_max(&a->levels_off_max, b->levels_off_max);
-        for (int32_t i = 0; i < NTP__STEEPNESS_BINS; i++)
+        for (int32_t i = 0; i < NTP__ALL_BINS; i++)
             a->length_error[i] += b->length_error[i];
-        a->length_error2 += b->length_error2;
+        for (int32_t i = 0; i < 2; i++)
+            a->length_error2[i] += b->length_error2[i];
         a->length_sum += b->length_sum;
         ntp__merge_max(&a->length_max, b->length_max);
         ntp__merge_max(&a->length_inverted_min, b->length_inverted_min);

@@ -16,8 +16,9 @@ enum {
 
 /* Sums over judged texels, read as standard or as Z-zero. */
 typedef struct ntp__fit_sums {
-    uint32_t flags[NTP__STEEPNESS_BINS * 256]; /* texels by steepness * 256 + flags */
-    uint64_t length_error[NTP__STEEPNESS_BINS], length_error2;
+    uint32_t flags[NTP__ALL_BINS * 256]; /* texels by steepness * 256 + flags */
+    uint64_t length_error[NTP__ALL_BINS];
+    uint64_t length_error2[2]; /* without padding, and of padding */
     uint64_t length_sum;
     uint32_t length_max, length_inverted_min; /* ~min: zero-filled memory means none yet */
     uint32_t lengths[NTP__LENGTH_BINS];

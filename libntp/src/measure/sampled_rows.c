@@ -69,6 +69,7 @@ static void add_samples(ntp__samples *a, const ntp__samples *b)
 void ntp__merge_samples(ntp_tally *into, const ntp_tally *from)
 {
     add_samples(&into->samples, &from->samples);
+    add_samples(&into->padding_samples, &from->padding_samples);
     if (from->depth == 8)
         return;
     for (int32_t group = 0; group < 65536 / NTP__PAIR_GROUP; group++) {
@@ -85,6 +86,7 @@ void ntp__merge_samples(ntp_tally *into, const ntp_tally *from)
 void ntp__clear_samples(ntp_tally *t)
 {
     memset(&t->samples, 0, sizeof t->samples);
+    memset(&t->padding_samples, 0, sizeof t->padding_samples);
     if (t->depth == 8)
         return;
     for (int32_t group = 0; group < 65536 / NTP__PAIR_GROUP; group++) {
@@ -116,6 +118,8 @@ static void add_colors(ntp_tally *t, const ntp__block *block, int32_t first, int
             t->pair_blue[pair] += (uint32_t) b;
         }
         add_color(&sum, r, g, b);
+        if (ntp__is_padding(r, g, 255))
+            add_color(&t->padding_samples, r, g, b);
     }
     add_samples(&t->samples, &sum);
 }

@@ -14,13 +14,13 @@ typedef struct flag_counts {
     uint64_t count[256];
 } flag_counts;
 
-static void count_flags(flag_counts *out, const ntp__sums *sums, int32_t z)
+static void count_flags(flag_counts *out, const ntp__sums *sums, int32_t z, int32_t bins)
 {
     uint32_t count[256] = { 0 };
     out->n = 0;
     if (sums->texels == 0)
         return;
-    for (int32_t i = 0; i < NTP__STEEPNESS_BINS; i++)
+    for (int32_t i = 0; i < bins; i++)
         ntp__merge_counts(count, &sums->fit[z].flags[i * 256], 256);
     for (uint32_t f = 0; f < 256; f++) {
         if (count[f] == 0)
@@ -80,11 +80,11 @@ static void describe_verdicts(ntp_stats *s, const ntp_tally *t)
 {
     flag_counts yes, no;
     const flag_counts *used = &yes, *unused = &no;
-    count_flags(&yes, &t->used, 1);
-    count_flags(&no, &t->unused, 1);
+    count_flags(&yes, &t->used, 1, NTP__ALL_BINS);
+    count_flags(&no, &t->unused, 1, NTP__ALL_BINS);
     describe_flags(&s->zzero, used, unused);
-    count_flags(&yes, &t->used, 0);
-    count_flags(&no, &t->unused, 0);
+    count_flags(&yes, &t->used, 0, NTP__ALL_BINS);
+    count_flags(&no, &t->unused, 0, NTP__ALL_BINS);
     describe_flags(&s->standard, used, unused);
     s->unused_xy_too_long = flagged(unused, NTP_FLAG_XY_TOO_LONG, NTP_FLAG_XY_TOO_LONG);
     s->xy_too_long =
@@ -197,9 +197,8 @@ static moments moments_of_alpha(const ntp_tally *t)
 }
 
 /* Moments of the used texels; only sampled rows have them. */
-static moments moments_of_samples(const ntp_tally *t)
+static moments moments_of_samples(const ntp__samples *all)
 {
-    const ntp__samples *all = &t->samples;
     moments m = { .n = (double) all->n };
     for (int32_t k = 0; k < 3; k++) {
         m.sum[k] = (double) all->sum[k] / 255.0;
@@ -244,7 +243,7 @@ static void describe_samples(ntp_stats *s, const ntp_tally *t)
     }
     if (t->samples.n == 0)
         return;
-    moments m = moments_of_samples(t);
+    moments m = moments_of_samples(&t->samples);
     s->near_gamma_flat = scaled(t, t->samples.gamma_flat);
     for (int32_t k = 0; k < 3; k++)
         s->used_mean[k] = m.sum[k] / m.n;
@@ -405,18 +404,31 @@ static uint64_t near_unit(const ntp__fit_sums *fit, int32_t bins)
     return count;
 }
 
-static void gather_lengths(ntp__fit_evidence *out, const ntp__sums *used, int32_t z)
+static uint64_t count_padding(const ntp__sums *sums)
+{
+    uint64_t count = 0;
+    for (int32_t i = 0; i < 256; i++)
+        count += sums->fit[0].flags[NTP__PADDING_BIN * 256 + i];
+    return count;
+}
+
+static void gather_lengths(ntp__fit_evidence *out, const ntp__sums *used, int32_t z,
+                           uint64_t padding)
 {
     const ntp__fit_sums *fit = &used->fit[z];
-    uint64_t n = used->texels;
+    uint64_t n = used->texels - padding, sum = fit->length_sum, error2 = fit->length_error2[0];
     double one = NTP__LENGTH_ONE;
     flag_counts count;
-    count_flags(&count, used, z);
+    count_flags(&count, used, z, padding > 0 ? NTP__STEEPNESS_BINS : NTP__ALL_BINS);
+    if (padding > 0) /* each is longer than 1 */
+        sum -= padding * NTP__LENGTH_ONE + fit->length_error[NTP__PADDING_BIN];
+    else
+        error2 += fit->length_error2[1];
     out->too_short = share(flagged(&count, NTP_FLAG_ROUNDED | NTP__LONG, 0), n);
     out->too_long = share(flagged(&count, NTP_FLAG_ROUNDED | NTP__LONG, NTP__LONG), n);
-    out->length_mean = share(fit->length_sum, n) / one;
+    out->length_mean = share(sum, n) / one;
     double off = out->length_mean - 1.0;
-    double variance = share(fit->length_error2, n) / (one * one) - off * off;
+    double variance = share(error2, n) / (one * one) - off * off;
     out->length_sd = n > 0 && variance > 0 ? sqrt(variance) : 0.0;
     for (int32_t i = 0; i < 3; i++)
         out->near_unit[i] = share(near_unit(fit, 4 << i), n);
@@ -424,21 +436,34 @@ static void gather_lengths(ntp__fit_evidence *out, const ntp__sums *used, int32_
 
 static void gather_steepness(ntp__evidence *e, const ntp__fit_sums *fit)
 {
-    for (int32_t i = 0; i < NTP__STEEPNESS_BINS; i++) {
-        uint64_t all = 0, rounded = 0, neighbor = 0;
-        const uint32_t *flags = &fit->flags[i * 256];
+    const int32_t last = NTP__STEEPNESS_BINS - 1;
+    uint64_t error[NTP__STEEPNESS_BINS] = { 0 };
+    for (int32_t bin = 0; bin < (e->padding > 0 ? last + 1 : NTP__ALL_BINS); bin++) {
+        const uint32_t *flags = &fit->flags[bin * 256];
+        const int32_t i = bin < last ? bin : last;
         for (uint32_t f = 0; f < 256; f++) {
-            if (flags[f] == 0)
-                continue;
-            all += flags[f];
-            rounded += f & NTP_FLAG_ROUNDED ? flags[f] : 0;
-            neighbor += f & NTP_FLAG_NEIGHBOR ? flags[f] : 0;
+            e->steepness[i] += flags[f];
+            e->used_z_negative += f & NTP_FLAG_Z_NEGATIVE ? flags[f] : 0;
+            e->steepness_not_rounded[i] += f & NTP_FLAG_ROUNDED ? 0 : flags[f];
+            e->steepness_not_neighbor[i] += f & NTP_FLAG_NEIGHBOR ? 0 : flags[f];
         }
-        e->steepness[i] = all;
-        e->steepness_not_rounded[i] = all - rounded;
-        e->steepness_not_neighbor[i] = all - neighbor;
-        e->steepness_length_error[i] = share(fit->length_error[i], all) / NTP__LENGTH_ONE;
+        error[i] += fit->length_error[bin];
     }
+    for (int32_t i = 0; i <= last; i++)
+        e->steepness_length_error[i] = share(error[i], e->steepness[i]) / NTP__LENGTH_ONE;
+}
+
+static void take_away(ntp__samples *from, const ntp__samples *part)
+{
+    from->n -= part->n;
+    for (int32_t k = 0; k < 3; k++) {
+        from->sum[k] -= part->sum[k];
+        from->square[k] -= part->square[k];
+        from->product[k] -= part->product[k];
+    }
+    from->red_low -= part->red_low;
+    from->green_low -= part->green_low;
+    from->gamma_unit -= part->gamma_unit;
 }
 
 static void gather_samples(ntp__evidence *e, const ntp_tally *t)
@@ -450,18 +475,33 @@ static void gather_samples(ntp__evidence *e, const ntp_tally *t)
     }
     if (t->samples.n == 0)
         return;
-    moments m = moments_of_samples(t);
-    e->red_low = scaled(t, t->samples.red_low);
-    e->green_low = scaled(t, t->samples.green_low);
-    e->gamma_near_unit = share(t->samples.gamma_unit, t->samples.n);
+    ntp__samples sampled = t->samples;
+    if (e->padding > 0)
+        take_away(&sampled, &t->padding_samples);
+    moments m = moments_of_samples(&sampled);
+    e->red_low = scaled(t, sampled.red_low);
+    e->green_low = scaled(t, sampled.green_low);
+    e->gamma_near_unit = share(sampled.gamma_unit, sampled.n);
     e->ag_in_disc = share(t->ag_in_disc, used_texels(t));
-    for (int32_t k = 0; k < 3; k++)
+    for (int32_t k = 0; k < 3; k++) {
         e->used_sd[k] = sqrt(variance_of(&m, k));
+        e->stats.used_mean[k] = e->padding > 0 ? m.sum[k] / m.n : e->stats.used_mean[k];
+    }
     e->correlation[0] = correlation_of(&m, 0, 0, 1);
     e->correlation[1] = correlation_of(&m, 1, 0, 2);
     e->correlation[2] = correlation_of(&m, 2, 1, 2);
-    if (moments_of_blue(&blue, t))
+    if (e->padding == 0 && moments_of_blue(&blue, t))
         e->used_sd[2] = sqrt(variance_of(&blue, 0));
+}
+
+/* How many used texels are padding that can be left out: not where hardly others would be left. */
+static uint64_t padding_to_leave_out(const ntp_tally *t)
+{
+    enum { OTHERS_LEAST = 16 }; /* one in this many */
+    uint64_t padding = count_padding(&t->used);
+    bool left = OTHERS_LEAST * (t->used.texels - padding) >= t->used.texels &&
+                t->samples.n > t->padding_samples.n;
+    return left ? padding : 0;
 }
 
 ntp_status ntp__gather_evidence(ntp__evidence *e, ntp_tally *t)
@@ -470,9 +510,9 @@ ntp_status ntp__gather_evidence(ntp__evidence *e, ntp_tally *t)
         return NTP_ERR_ARGUMENT;
     memset(e, 0, sizeof *e);
     NTP__TRY(ntp_tally_summarize(&e->stats, t, encoding_at_hand(t)));
-    e->used_z_negative = e->stats.z_negative - e->stats.unused_z_negative;
-    gather_lengths(&e->fit[0], &t->used, 0);
-    gather_lengths(&e->fit[1], &t->used, 1);
+    e->padding = padding_to_leave_out(t);
+    gather_lengths(&e->fit[0], &t->used, 0, e->padding);
+    gather_lengths(&e->fit[1], &t->used, 1, e->padding);
     gather_steepness(e, &t->used.fit[0]);
     gather_samples(e, t);
     ntp__describe_blue(e, t);

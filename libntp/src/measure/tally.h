@@ -53,7 +53,7 @@ struct ntp_tally {
     ntp__channel_sums alpha_levels;             /* of 16 bit only, like wide_alpha_ends */
     uint64_t wide_alpha_ends[2];                /* alpha 0, alpha M */
 
-    ntp__samples samples;
+    ntp__samples samples, padding_samples; /* the second: those of the first that are padding */
 
     /* Every finite texel. */
     ntp__channel_sums channel[3];

@@ -19,7 +19,10 @@ enum {
 enum {
     NTP__LENGTH_ONE = 1 << 16, /* fixed-point unit of lengths */
     /* Texels by the length of x, y: bin i is i/8..(i+1)/8; too long: last. */
-    NTP__STEEPNESS_BINS = 8
+    NTP__STEEPNESS_BINS = 8,
+    /* Padding has a bin of its own after them. */
+    NTP__PADDING_BIN = NTP__STEEPNESS_BINS,
+    NTP__ALL_BINS
 };
 
 /* A length in NTP__LENGTH_ONE, from its square in numerators. */

@@ -244,4 +244,14 @@ static inline int32_t ntp__narrow(int32_t c)
     return (c + 128) / 257;
 }
 
+/* Are red and green both within 15 levels of 8 bit from an end, as those of black, of white and of
+ * their flips still are after compression?  (x, y) is longer than 1.23 there: no damage to a normal
+ * makes it so. */
+static inline bool ntp__is_padding(int32_t r, int32_t g, int32_t m)
+{
+    enum { NEAR_END = 16 };
+    int32_t r8 = m == 255 ? r : ntp__narrow(r), g8 = m == 255 ? g : ntp__narrow(g);
+    return (r8 < NEAR_END || r8 > 255 - NEAR_END) && (g8 < NEAR_END || g8 > 255 - NEAR_END);
+}
+
 #endif
