@@ -21,7 +21,7 @@ ACCESS, DEFAULT = "system.posix_acl_access", "system.posix_acl_default"
 USER_OBJ, USER, GROUP_OBJ, MASK, OTHER = 1, 2, 4, 16, 32
 
 
-def noise(side=1200):
+def noise(side=800):
     return np.random.default_rng(3).integers(0, 256, (side, side, 3)).astype(np.uint8)
 
 
