@@ -3,9 +3,9 @@
  * name_hints.c - what the name of a file says about it
  *
  * A name is split into words at '_', '-', '.', blanks, and where a capital follows a small letter:
- * "BrickWall_1K_NormalGL" is brick, wall, 1, k, normal, gl.  Long words for "normals" count
- * anywhere.  Short ones (n, nm, nor ...) count only at the end, where sizes and orientations may
- * follow.
+ * "BrickWall_1K_NormalGL" is brick, wall, 1, k, normal, gl.  The last word that names a kind of
+ * image decides: "normals_mask" is a mask.  Long words for "normals" count anywhere.  Short ones (n,
+ * nm, nor ...) count only at the end, where sizes and orientations may follow.
  */
 #include <ctype.h>
 #include <string.h>
@@ -74,6 +74,27 @@ static bool is_size(const char *word)
     return isdigit((unsigned char) word[0]) || strcmp(word, "k") == 0 || strcmp(word, "px") == 0;
 }
 
+/* Other images that belong to a material or show one. */
+static const char *const OTHER_KINDS[] = {
+    "albedo",    "basecolor", "color",      "colour",    "diffuse", "mask",         "masks",
+    "roughness", "metallic",  "metalness",  "occlusion", "ao",      "orm",          "specular",
+    "gloss",     "emissive",  "emission",   "height",    "bump",    "displacement", "opacity",
+    "curvature", "thickness", "screenshot", "thumbnail", "preview", "icon",         NULL
+};
+
+/* Does a word before this one name a control of a window?  Its "normal" is a state, beside hovered and
+ * pressed. */
+static bool is_control(const words *w, int end)
+{
+    static const char *const CONTROLS[] = { "ui",     "gui",      "hud",    "button", "btn",
+                                            "cursor", "checkbox", "slider", "menu",   NULL };
+    for (int i = 0; i < end; i++) {
+        if (is_one_of(w->at[i], CONTROLS))
+            return true;
+    }
+    return false;
+}
+
 bool name_is_normals(const char *path)
 {
     static const char *const ANYWHERE[] = { "normal",   "normals",   "normalmap", "normalmaps",
@@ -82,9 +103,11 @@ bool name_is_normals(const char *path)
     static const char *const LAST[] = { "n", "nm", "nor", "norm", "nn", "ddna", "nml", NULL };
     words w;
     cut(&w, path);
-    for (int i = 0; i < w.count; i++) {
+    for (int i = w.count - 1; i >= 0; i--) {
         if (is_one_of(w.at[i], ANYWHERE))
-            return true;
+            return !is_control(&w, i);
+        if (is_one_of(w.at[i], OTHER_KINDS))
+            return false;
     }
     int last = w.count - 1;
     while (last > 0 && (is_size(w.at[last]) || is_one_of(w.at[last], WORDS_UP) ||
@@ -111,6 +134,22 @@ static bool ends_in_one_of(const char *path, const char *const *endings)
     const char *ending = name_ending(path);
     for (; *endings != NULL; endings++) {
         if (strcasecmp(ending, *endings) == 0)
+            return true;
+    }
+    return false;
+}
+
+bool name_promises(const char *path, bool zzero)
+{
+    static const char *const XY[] = { "xy", "rg", "bc", "ati", "dxn", NULL };
+    static const char *const ZZERO[] = { "zzero", NULL };
+    words w;
+    cut(&w, path);
+    for (int i = 1; i < w.count; i++) {
+        const bool number = i + 1 < w.count && isdigit((unsigned char) w.at[i + 1][0]);
+        const bool format = strcmp(w.at[i], "bc") == 0 || strcmp(w.at[i], "ati") == 0;
+        if (is_one_of(w.at[i], zzero ? ZZERO : XY) &&
+            (!format || (number && strchr("25", w.at[i + 1][0]) != NULL)))
             return true;
     }
     return false;

@@ -74,6 +74,8 @@ bool make_parents(const char *path, text *why);
 /* name_hints.c */
 bool name_is_normals(const char *path);
 name_y name_orientation(const char *path);
+/* Does the name say that blue is no z (xy, rg, bc5, ati2, dxn), or that it is 0..1 (zzero)? */
+bool name_promises(const char *path, bool zzero);
 bool name_is_image(const char *path);
 /* The ending is that of a format that is neither read nor written. */
 bool name_is_foreign(const char *path);

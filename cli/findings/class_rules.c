@@ -4,6 +4,38 @@
  */
 #include "findings/judgement.h"
 
+/* A warning, unless the name says that it is meant so: most engines read the texture as standard. */
+static void judge_zzero(judgement *j)
+{
+    if (name_promises(j->f->in->path, true))
+        addf(j, NT005, LEVEL_INFO, j->f->stats.texels,
+             "blue stores z in 0..1 (Z-zero), as the name says");
+    else
+        addf(j, NT005, LEVEL_WARNING, j->f->stats.texels,
+             "blue stores z in 0..1 (Z-zero), not in -1..1: ntp convert --type zzero --to standard "
+             "makes it standard, --type zzero says that it is meant so");
+}
+
+/* A blue that holds something else, such as occlusion, is meant so; one that holds nothing is a
+ * standard texture that lost its z, unless the name or the file says otherwise. */
+static void judge_xy_only(judgement *j)
+{
+    const facts *f = j->f;
+    const bool nothing = (f->type.accidents & NTP_ACCIDENT_BLUE_CONSTANT) != 0;
+    if (f->info.channels <= 2)
+        addf(j, NT006, LEVEL_INFO, f->stats.texels,
+             "gray and alpha hold x and y, in this order or the other");
+    else if (!nothing || name_promises(f->in->path, false))
+        addf(j, NT006, LEVEL_INFO, f->stats.texels,
+             "only red and green hold a normal; blue is not z and is not judged");
+    else
+        addf(
+            j, NT004, LEVEL_WARNING, f->stats.texels,
+            "red and green hold normals, and blue holds nothing (about %u throughout): ntp convert "
+            "--type xy --to standard computes it, --type xy says that it is meant so",
+            (unsigned) (255 * f->stats.used_mean[2] + 0.5));
+}
+
 void judge_class(judgement *j)
 {
     const facts *f = j->f;
@@ -12,13 +44,10 @@ void judge_class(judgement *j)
         return;
     switch (f->type.type) {
     case NTP_CLASS_ZZERO:
-        addf(j, NT005, LEVEL_INFO, s->texels, "blue stores z in 0..1 (Z-zero), not in -1..1");
+        judge_zzero(j);
         break;
     case NTP_CLASS_XY:
-        addf(j, NT006, LEVEL_INFO, s->texels, "%s",
-             f->info.channels > 2
-                 ? "only red and green hold a normal; blue is not z and is not judged"
-                 : "gray and alpha hold x and y, in this order or the other");
+        judge_xy_only(j);
         break;
     case NTP_CLASS_HEIGHT:
         addf(j, NT007, LEVEL_ERROR, s->texels, "this looks like a height map, not like normals");

@@ -28,14 +28,17 @@ const finding_spec FINDING_TABLE[FINDING_COUNT] = {
         "decide.",
         "`ntp clean` mirrors z. If the direction is intended, use `--keep-negative-z`." },
     [NT004] = { "NT004", "nt004", "warning", "blue is constant although red and green vary",
-        "Blue is the same everywhere: it was not computed from red and green. Steep texels are too long or too "
-        "short.",
-        "`ntp clean` computes blue. If the texture is meant to hold only x and y, check it with `--type xy`." },
-    [NT005] = { "NT005", "nt005", "info", "a Z-zero texture",
+        "Blue is the same everywhere, or nearly so near 0 or 255: it was not computed from red and green. Steep texels "
+        "are too long or too short.",
+        "`ntp convert --type xy --to standard` computes blue. If the texture is meant to hold only x and y, check it "
+        "with `--type xy`, or name it so (xy, rg, bc5): then it has NT006." },
+    [NT005] = { "NT005", "nt005", "info or warning", "a Z-zero texture",
         "Blue stores z in 0..1, not in -1..1. Engines that expect standard normals read every z too small.",
-        "Nothing, if your shader expects it (`--type zzero`). Otherwise use `ntp convert --from zzero`." },
+        "Nothing, if your shader expects it: `--type zzero`, or zzero in the name, makes it a note. Otherwise use "
+        "`ntp convert --type zzero --to standard`." },
     [NT006] = { "NT006", "nt006", "info", "an XY-only texture",
-        "Only red and green hold a normal; blue is constant or something else, such as ambient occlusion in LabPBR.",
+        "Only red and green hold a normal; blue is something else, such as ambient occlusion in LabPBR, or the name says "
+        "that it is no z.",
         "Nothing, if your shader computes z (`--type xy`). Otherwise use `ntp convert --from xy`." },
     [NT007] = { "NT007", "nt007", "error", "looks like a height map",
         "The picture is gray: it stores heights (a bump map), not normals.",

@@ -156,6 +156,13 @@ static void sort(finding_list *list)
     }
 }
 
+/* In a directory a file that only its content makes a normals texture may be none. */
+static void make_notes(finding_list *list)
+{
+    for (size_t i = 0; i < list->count; i++)
+        list->at[i].level = LEVEL_INFO;
+}
+
 void judge(finding_list *list, const facts *f, const judge_rules *rules)
 {
     list->count = 0;
@@ -167,6 +174,8 @@ void judge(finding_list *list, const facts *f, const judge_rules *rules)
     if (is_judged(f) && j.used > 0 && !has_misplaced_channels(f))
         judge_texels(&j);
     judge_file(&j);
+    if (!f->in->named && !f->in->hinted)
+        make_notes(list);
     tidy(list);
     sort(list);
 }
