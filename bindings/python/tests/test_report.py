@@ -708,7 +708,8 @@ def screenshot(tmp_path, page, number, least=0):
 
     shot.unlink(missing_ok=True)
     scheme = f"--blink-settings=preferredColorScheme={number}"
-    browser(tmp_path, page, scheme, f"--screenshot={shot}", enough=enough)
+    tall = "--window-size=1200,2800"  # the first file with pictures stands below the table
+    browser(tmp_path, page, scheme, tall, f"--screenshot={shot}", enough=enough)
     return look()
 
 
@@ -724,6 +725,6 @@ def test_screenshots(folder, tmp_path):
     for number in (0, 1):  # 0: dark
         plain = colorful(screenshot(tmp_path, without, number))
         pixels = screenshot(tmp_path, page, number, plain + 5000)
-        assert pixels.shape == (1600, 1200, 3)
+        assert pixels.shape == (2800, 1200, 3)
         means.append(pixels.mean())
     assert means[0] < 70 and means[1] > 180
