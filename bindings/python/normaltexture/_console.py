@@ -100,7 +100,21 @@ def add_check_options(to: Any) -> None:
         type=float,
         default=2,
         metavar="PERCENT",
-        help="more failing texels than this are an error (default: 2)",
+        help="more wrong texels than this are an error (default: 2)",
+    )
+    to.add_argument(
+        "--policy",
+        choices=["harm", "strict"],
+        default="harm",
+        help="what makes a texel wrong; harm: the angle that a renderer shows; strict: that it "
+        "fails --verdict (default: harm)",
+    )
+    to.add_argument(
+        "--max-angle",
+        type=float,
+        default=5,
+        metavar="DEG",
+        help="with harm, a normal that is off by more than this is wrong (default: 5)",
     )
     to.add_argument(
         "--max-tilt",
@@ -124,6 +138,7 @@ def check_options(args: argparse.Namespace) -> tuple[str, ...]:
     """The same as words for ntp."""
     words = ["--verdict", args.verdict, "--fail-on", args.fail_on]
     words += ["--max-fail", repr(args.max_fail), "--max-tilt", repr(args.max_tilt)]
+    words += ["--policy", args.policy, "--max-angle", repr(args.max_angle)]
     if args.keep_negative_z:
         words.append("--keep-negative-z")
     return tuple(words)
