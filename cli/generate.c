@@ -363,7 +363,9 @@ static const char LEVELS[] =
     "`--baseline FILE` is the JSON report of an earlier check. Its findings are known: they are "
     "shown as `known`, and do not count for the exit code. A file is known by its path from the "
     "working directory, in any spelling (`a`, `./a`, the whole path). So run both checks from one "
-    "directory.\n";
+    "directory.\n\n"
+    "[Severity](severity.md) has what this rule says of real textures, beside lit pictures of "
+    "them.\n";
 
 static const char OF_GLTF[] =
     "\n## NT060 to NT067\n\n"
