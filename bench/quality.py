@@ -127,7 +127,8 @@ def all_tables(seed, number):
     count("public projects", sets.real(), told, green)
     count("corpus", sets.corpus(), told, green)
     day = datetime.now(UTC).date()
-    lines = [f"Made by `./dev bench quality --tables docs/quality.md --seed {seed}` on {day}.", ""]
+    command = f"./dev bench quality --tables docs/quality.md --seed {seed} --count {number}"
+    lines = [f"Made by `{command}` on {day}.", ""]
     lines += ["## Classes", "", *tables.overview(told), "", "Right answers by confidence:", ""]
     lines += tables.calibration(told)
     for one in told:
