@@ -63,9 +63,15 @@ static const ntp_clean_plan *plan_for(plans *shared, ntp_encoding encoding,
 
 static ntp_status choose(production *p)
 {
+    const settings *set = p->m->settings;
     state *st = p->state;
-    return ntp_choose_method(&st->how.method, &st->why, p->w->tally, p->s.view.encoding,
-                             p->s.info->lossy);
+    const ntp_status status = ntp_choose_method(&st->how.method, &st->why, p->w->tally,
+                                                p->s.view.encoding, p->s.info->lossy);
+    /* Unused texels were not asked.  Normalizing repairs them, and leaves what is rounded. */
+    if (status == NTP_OK && st->how.method == NTP_CLEAN_KEEP && set->how.touch_unused != 0 &&
+        p->f.stats.unused > 0)
+        st->how.method = NTP_CLEAN_NORMALIZE;
+    return status;
 }
 
 /* Blue was derived.  If that changed nothing, other methods change nothing either. */

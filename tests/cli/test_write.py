@@ -86,6 +86,26 @@ def test_alpha_and_unused_stay(run, tmp_path):
     assert (pixels_of(tmp_path / "c.png")[3:6, 3:6, 2] != 255).all()
 
 
+@pytest.mark.parametrize("method", ["auto", "derive", "normalize"])
+@pytest.mark.parametrize("m", [255, 65535])
+def test_unused_texels_are_repaired_on_request(run, tmp_path, m, method):
+    """Also if all others are correctly rounded and need no repair."""
+    rng = np.random.default_rng(6)
+    v = rng.normal(0, 0.3, (40, 40, 3)) + (0, 0, 1)
+    v /= np.linalg.norm(v, axis=-1, keepdims=True)
+    texture = np.floor((v + 1) / 2 * m + 0.5).astype(np.uint8 if m == 255 else np.uint16)
+    used = texture[6:].copy()
+    texture[:3], texture[3:6] = 0, m
+    write_png(tmp_path / "a_n.png", texture)
+    done = run("clean", "a_n.png", "-o", "b.png", "--touch-unused", "--method", method)
+    assert done.returncode == 0, done.stderr
+    after = pixels_of(tmp_path / "b.png").astype(int)
+    for r, g, b in after[:6].reshape(-1, 3)[::7].tolist():
+        assert oracle.rounded(r, g, b, m)
+    if method != "derive":
+        assert np.array_equal(after[6:], used)
+
+
 def test_files_with_and_without_a_height_in_alpha(run, tmp_path):
     # Large enough for the tables that files share; alpha 0 is a height in one of them.
     texture = textures.standard(512, 512, 3)

@@ -244,6 +244,9 @@ def _clean(
             code = lib.NTP_CLEAN_DERIVE
     if type == "auto" or code == AUTO:
         type, code = resolve_both(source, type, code, threads, measured)
+        if code == lib.NTP_CLEAN_KEEP and touch_unused:
+            # Unused texels were not asked.  Normalizing repairs them, and leaves what is rounded.
+            code = int(lib.NTP_CLEAN_NORMALIZE)
     encoding = choose("type", type, TYPES)
     how = (
         code,

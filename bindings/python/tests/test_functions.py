@@ -174,6 +174,12 @@ def test_decode_and_encode_are_inverse_where_clean(texture):
     assert np.array_equal(again, clean[..., :3])
 
 
+@given(textures(max_side=5))
+def test_touched_texels_are_repaired_by_the_default_method(texture):
+    flags = nt.validate(nt.clean(texture, type="standard", touch_unused=True), type="standard")
+    assert np.all(flags & nt.Flag.ROUNDED)
+
+
 @hypothesis.settings(max_examples=60)
 @given(textures(), st.booleans())
 def test_measure(texture, touch):
