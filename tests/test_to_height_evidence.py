@@ -107,6 +107,28 @@ def test_ramps_and_ripples_are_read_plainly(size):
         assert reconstruct(n)[1]["decode"] in (UNORM, NEUTRAL), (p[0, :3], q[0, 0])
 
 
+@pytest.mark.parametrize("spread", [2, 4, 10])
+def test_derived_z_is_not_taken_from_damaged_red_and_green(spread):
+    """Where they are nearly 1 long, slopes from derived z have no limit."""
+    h = fractal(256, rms_slope=1.8)
+    clean = encode(normals(h, True), UNORM)
+    noise = np.random.default_rng(spread).normal(0, spread, clean.shape)
+    damaged = (clean + noise).round().clip(0, 255).astype(np.uint8)
+    how = {"kernel": "forward", "decode": UNORM}
+    error, told = {}, {}
+    for z in (AUTO, STORED, DERIVED):
+        made, result = reconstruct(damaged, z=z, **how)
+        error[z], told[z] = np.std(made - h), result["z"]
+    assert told[AUTO] == STORED and error[AUTO] == error[STORED]
+    assert error[STORED] < 0.2 * error[DERIVED]
+    spoiled = clean.copy()  # in blue alone
+    spoiled[::2, :, 2] = 255
+    made, result = reconstruct(spoiled, z=AUTO, **how)
+    assert result["z"] == DERIVED
+    spoiled[5, 5, :2] = 255  # one texel is too long by accident
+    assert reconstruct(spoiled, z=AUTO, **how)[1]["z"] == DERIVED
+
+
 def test_whether_blue_counts():
     h = fractal(256, rms_slope=1)
     n = normals(h, True)

@@ -864,7 +864,7 @@ typedef enum ntp_decode {
 } ntp_decode;
 
 typedef enum ntp_z {
-    NTP_Z_AUTO = 0,   /* decided by the texels: derived if blue was, or if lengths are not 1 */
+    NTP_Z_AUTO = 0,   /* decided by the texels: derived if blue was, or if blue alone is wrong */
     NTP_Z_STORED = 1, /* NTP_ENCODING_XY: derived */
     NTP_Z_DERIVED = 2 /* sqrt(1 - x*x - y*y): if blue is unreliable */
 } ntp_z;
@@ -1003,8 +1003,8 @@ NTP_API size_t ntp_height_scratch_size(const ntp_height_options *how, int32_t wi
  * lengths decoded so are 1 to within rounding, and clearly closer to 1 than with UNORM.  Otherwise,
  * for 8 bits, it chooses NEUTRAL if 127 and 128 are far more frequent than their neighbors; else
  * UNORM.  NTP_Z_AUTO chooses the derived z if tilted texels have the blue that is derived from red
- * and green, or if lengths are off by more than three times their rounding; NTP_ENCODING_VECTOR:
- * stored.
+ * and green, or if lengths are off by more than three times their rounding while x and y are too
+ * long in at most one texel of 20,000; NTP_ENCODING_VECTOR: stored.
  *
  * Telescoping (Eberly 3.1, 3.2): forward goes along the first row and down each column.  central
  * goes in steps of two from h(0,0), h(1,0), h(0,1), h(1,1); by default h(0,0) = 0, and each other

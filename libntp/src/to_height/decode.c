@@ -31,8 +31,14 @@ static const double noise = 4.0 / (255.0 * 255.0 * 12.0);
  * has to be.  least_score is the latter in standard errors. */
 static const double most_noise = 1.5, least_gain = 0.03, least_score = 10;
 
-/* Lengths that are off by more than three times the rounding: blue is something else. */
+/* Lengths that are off by more than three times the rounding: blue is something else, or the
+ * texture is damaged. */
 static const double most_error = 9;
+
+/* Of normals whose blue is something else, x and y are as long as they were.  Damage makes some of
+ * them too long.  Where they are nearly 1 long, a z that is derived from them is nearly 0, and the
+ * slope has no limit. */
+static const double damaged_share = 5e-5;
 
 /* A texel counts as tilted from 25 degrees on.  It takes so many of them, and this share of derived
  * blues among them. */
@@ -58,6 +64,7 @@ typedef struct evidence {
     double all, lengths; /* texels of any depth, read as UNORM; squares of 2 m^2 times the error */
     double most_rest;    /* z^2 of a tilted texel is below this, in units of levels squared */
     double tilted, derived;
+    double too_long; /* texels whose x, y are longer than 1 */
     uint8_t votes[1 << 2 * VOTE_BITS];
 } evidence;
 
@@ -84,6 +91,7 @@ static void add_levels(evidence *e, const int32_t c[3], int32_t m, bool zzero)
     double off = (double) (z * z - rest);
     e->all++;
     e->lengths += off * off;
+    e->too_long += rest < 0;
     if (rest >= 0 && (double) rest < e->most_rest) {
         e->tilted++;
         e->derived += is_derived(c[2], rest, m, zzero);
@@ -137,6 +145,7 @@ void ntp__decode_by_evidence(ntp__height_plan *plan, const ntp_const_image *src)
                    0,
                    0,
                    0,
+                   0,
                    { 0 } };
     double m = ntp__max(src->type), unit = 2 * m * m;
     bool decode = plan->decode == NTP_DECODE_AUTO && src->type == NTP_TYPE_U8 &&
@@ -163,5 +172,6 @@ void ntp__decode_by_evidence(ntp__height_plan *plan, const ntp_const_image *src)
         return;
     bool made = src->type != NTP_TYPE_F32 && e.tilted >= LEAST_TILTED &&
                 e.derived >= derived_share * e.tilted;
-    plan->z = made || lengths > most_error * noise * all ? NTP_Z_DERIVED : NTP_Z_STORED;
+    bool other = lengths > most_error * noise * all && e.too_long <= damaged_share * e.all;
+    plan->z = made || other ? NTP_Z_DERIVED : NTP_Z_STORED;
 }
