@@ -55,7 +55,7 @@ PROGRAM = [
 ]
 # Headers that a room after theirs may include although the room is shut, and why.
 OPEN_HEADERS = {
-    # The classifier's evidence comes out of the tally; users have no part in it.
+    # The classifier's evidence comes out of the tally; it is no part of the interface.
     ("classify", "measure/evidence.h"),
 }
 # What every room of the program may include: exit codes and messages.

@@ -340,7 +340,7 @@ def victims(directory):
     return [(directory / name).read_bytes() for name in ("out/victim_n.png", "out/d/victim_n.png")]
 
 
-@pytest.mark.parametrize("verb", set(IN_PLACE) - {"blend"})
+@pytest.mark.parametrize("verb", [verb for verb in IN_PLACE if verb != "blend"])
 def test_links_out_of_a_directory_are_not_followed(run, linked, verb):
     before, listed = victims(linked), sorted(linked.rglob("*"))
     done = run(verb, "-r", "t", "--in-place", *IN_PLACE[verb])

@@ -50,7 +50,7 @@ class Editor:
         self._known: dict[int, dict[Key, tuple[int, int]]] = {}
 
     def span(self, path: Sequence[Key]) -> tuple[int, int] | None:
-        """Where the value at a path stands, or None where there is none."""
+        """Where the value at a path begins and ends, or None if there is none."""
         at = _skip_space(self.text, 0)
         end = len(self.text)
         for key in path:
@@ -65,7 +65,7 @@ class Editor:
         return at, end
 
     def set(self, path: Sequence[Key], value: Any) -> None:
-        """Gives the value at a path another one; a missing last key is put into its object."""
+        """Replaces the value at a path; a missing last key is added to its object."""
         spelled = json.dumps(value, ensure_ascii=False)
         where = self.span(path)
         if where is not None:

@@ -36,8 +36,8 @@ DRAWN: dict[str, Stored] = {
 class Pictures:
     """Data URIs of one file, "" for what was not drawn.
 
-    ``lengths`` counts texels by length in 64 bins of 1/32; ``changed`` is how many cleaning
-    changes.
+    ``lengths`` counts texels by length in 64 bins of 1/32; ``changed`` counts the texels that
+    cleaning changes.
     """
 
     texture: str
