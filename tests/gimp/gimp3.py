@@ -344,7 +344,8 @@ def test_clean_precision(raw, precision):
 @pytest.mark.parametrize("file", ["rough8", "rough16"])
 def test_clean(done, ntp, file, how):
     cleaned = ntp(INPUTS[file][0], "clean", "--type", "standard", "--method", "derive")
-    expected = ntp(cleaned, "convert", "--to", "zzero", "--to-y", "down")
+    told = ["--from", "standard", "--from-y", "up"]
+    expected = ntp(cleaned, "convert", *told, "--to", "zzero", "--to-y", "down")
     assert different(done(f"{file}-{how}"), expected) == 0
 
 
