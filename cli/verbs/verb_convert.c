@@ -298,7 +298,7 @@ static bool rows_are_same(const production *p, const ntp_rect *area)
     const int8_t *out = set->out_count > 0 ? set->out : PLAIN;
     const size_t texels = (size_t) view->width * (size_t) (area->y1 - area->y0);
     for (int32_t c = 0; c < st->out_channels; c++) {
-        const int32_t from = out[c];
+        const int8_t from = out[c];
         if (from < 0 || from >= view->channels || (p->s.mapped ? p->s.map[from] : from) != c)
             return false;
         const unsigned char *was = source_rows(&p->s, area) + (size_t) from * size;
