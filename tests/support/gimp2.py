@@ -45,7 +45,7 @@ ARGUMENTS = {
     },
     "plug-in-ntp-check-normals": {"from": 0, "keep-negative-z": 0},
     "plug-in-ntp-clean-normals": {
-        "method": 0,
+        "method": 2,
         "from": 0,
         "keep-negative-z": 0,
         "only-failing": 0,
