@@ -183,6 +183,8 @@ static job_status run_clean(const settings *s, const host_layer *layer, const nt
             return status;
         if (!found.judged)
             return JOB_NO_NORMALS;
+        if (found.misplaced)
+            return JOB_MISPLACED;
     }
     const repair_job job = repair_job_from(s, finds_out ? &found : NULL);
     return run_repair(&job, -1, layer, area, changed);

@@ -139,7 +139,9 @@ static job_status show_clean(const preview *p, uint8_t *map, uint8_t *lit)
     if (status != JOB_DONE)
         return status;
     light_up(p, m.repair.from, NTP_Y_UP, map, lit);
-    return p->found != NULL && !p->found->judged ? JOB_NO_NORMALS : JOB_DONE;
+    if (p->found == NULL)
+        return JOB_DONE;
+    return !p->found->judged ? JOB_NO_NORMALS : p->found->misplaced ? JOB_MISPLACED : JOB_DONE;
 }
 
 /* --------------------------------------------------------------------------------- heights */

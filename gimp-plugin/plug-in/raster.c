@@ -31,6 +31,10 @@ const char *job_status_text(job_status status)
     case JOB_NO_NORMALS:
         return N_("This does not look like a normals texture. If it is one all the same, say how "
                   "blue stores z.");
+    case JOB_MISPLACED:
+        return N_("Channels are exchanged or were converted: cleaning here would make that worse. "
+                  "Export again, or undo it with the program: ntp clean --undo. If all is as it "
+                  "should be, say how blue stores z.");
     case JOB_NO_METHOD:
         return N_("This method does not take this kernel with these edges. Choose the method \"As "
                   "the edges say\", or edges that wrap or mirror.");

@@ -42,6 +42,7 @@ typedef enum job_status {
     JOB_WRONG_SIZE, /* the other layer has a different size */
     JOB_GRAY,       /* normals are required, but the layer is gray */
     JOB_NO_NORMALS, /* the layer is not a normals texture */
+    JOB_MISPLACED,  /* its channels are exchanged or were converted */
     JOB_NO_METHOD,  /* the method does not support this kernel with these borders */
     JOB_WRONG       /* an argument; should not happen with checked settings */
 } job_status;

@@ -132,6 +132,14 @@ static job_status look(report *r, measurement *m, int reading)
     return status == JOB_DONE ? summarize(r, m) : status;
 }
 
+/* Who says how blue stores z, says that the channels are in their places. */
+static bool is_misplaced(const report *r, const settings *s)
+{
+    const uint32_t bits =
+        NTP_ACCIDENT_RED_IS_Z | NTP_ACCIDENT_GREEN_IS_Z | NTP_ACCIDENT_DXT5NM | NTP_ACCIDENT_GAMMA;
+    return (int) s->value[FK_FROM] == 0 && (r->type.accidents & bits) != 0;
+}
+
 static void judge(report *r, const settings *s, ntp_tally *tally)
 {
     const ntp_stats *stats = &r->stats;
@@ -153,7 +161,9 @@ static void judge(report *r, const settings *s, ntp_tally *tally)
         r->inexact = far > padding ? far - padding : 0;
     }
     const uint64_t negative = stats->z_negative - stats->unused_z_negative;
-    r->right = r->failing == 0 && (keeps || r->encoding != NTP_ENCODING_STANDARD || negative == 0);
+    r->misplaced = is_misplaced(r, s);
+    r->right = !r->misplaced && r->failing == 0 &&
+               (keeps || r->encoding != NTP_ENCODING_STANDARD || negative == 0);
     if (ntp_choose_method(&r->method, NULL, tally, r->encoding, 0) != NTP_OK)
         r->method = NTP_CLEAN_DERIVE;
 }

@@ -18,6 +18,7 @@ typedef struct report {
     uint64_t failing;        /* used texels that are not unit vectors to within a level */
     uint64_t inexact;        /* used texels whose blue is not that of red and green */
     bool judged;             /* the counts above are valid */
+    bool misplaced;          /* channels are exchanged or were converted, so cleaning would harm */
     bool right;              /* a normals texture with no texel to repair */
     char text[2000];         /* for users */
 } report;

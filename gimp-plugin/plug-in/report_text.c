@@ -180,7 +180,7 @@ static void write_accidents(writer *w)
         const char *text;
     } TEXTS[] = {
         { NTP_ACCIDENT_GAMMA, N_("Flat texels lie near 188, not 128: the numbers were converted "
-                                 "to sRGB. Cleaning cannot undo that; export again.") },
+                                 "to sRGB.") },
         { NTP_ACCIDENT_RED_IS_Z, N_("Red and blue seem to be swapped: red holds z.") },
         { NTP_ACCIDENT_GREEN_IS_Z, N_("Green and blue seem to be swapped: green holds z.") },
         { NTP_ACCIDENT_DXT5NM, N_("Packed as DXT5nm: x is in alpha, y in green.") },
@@ -221,7 +221,9 @@ void report_write(report *r, const char *(*translate)(const char *text))
     if (r->stats.unused > 0)
         line(&w, tr(&w, N_("%llu texels are unused: black, white or transparent.")),
              (unsigned long long) r->stats.unused);
-    if (r->right)
+    if (r->misplaced)
+        line(&w, "%s", tr(&w, job_status_text(JOB_MISPLACED)));
+    else if (r->right)
         line(&w, "%s", tr(&w, N_("There is nothing to clean.")));
     else if (r->judged && r->used > 0)
         line(&w, "%s",

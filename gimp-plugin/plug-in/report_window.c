@@ -32,7 +32,9 @@ settings report_window_clean(const settings *s)
 static gboolean look(window *w)
 {
     const gboolean done = host_check(w->settings, w->id, w->report, w->message);
-    const gboolean wrong = done && w->report->judged && !w->report->right && w->report->used > 0;
+    const report *found = w->report;
+    const gboolean wrong =
+        done && found->judged && !found->right && !found->misplaced && found->used > 0;
     gtk_label_set_text(GTK_LABEL(w->text), done ? w->report->text : w->message);
     gtk_dialog_set_response_sensitive(GTK_DIALOG(w->dialog), GTK_RESPONSE_OK, wrong);
     if (w->view != NULL) {

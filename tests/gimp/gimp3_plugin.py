@@ -3,6 +3,7 @@
 
 import json
 import os
+import shutil
 import subprocess
 
 import numpy as np
@@ -10,6 +11,7 @@ import pytest
 
 from support import pngs
 from support.gimps import Gimp3
+from support.libntp_ffi import ROOT
 from support.plugin_cases import (
     CASES,
     INPUTS,
@@ -55,6 +57,11 @@ def refused_jobs():
             "size",
         ),
         "gray": ("gray8", [["call", "plug-in-ntp-clean-normals", {}]], "is gray"),
+        "swapped": (
+            "red_blue_swapped",
+            [["call", "plug-in-ntp-clean-normals", {}]],
+            "cleaning here would make that worse",
+        ),
     }
 
 
@@ -118,6 +125,7 @@ def gimp():
     pngs.write_png(made.work / "one.png", picture(3, 8, 1, 1))
     pngs.write_png(made.work / "rough8.png", rough_normals(3, 8))
     pngs.write_png(made.work / "rough16.png", rough_normals(4, 16))
+    shutil.copy(ROOT / "test_files" / "red_blue_swapped.png", made.work)
     made.results, made.complaints = made.run(jobs())
     alone, complaints = made.run(jobs_alone(), GEGL_PATH=made.without_our_operations())
     made.results.update(alone)

@@ -14,6 +14,7 @@ import pytest
 from support import gimp2, pngs
 from support.gimp2 import call, normals, opened, saved, stored
 from support.gimps import built_with, complaints
+from support.libntp_ffi import ROOT
 from support.plugin_cases import (
     CASES,
     HEIGHT,
@@ -55,6 +56,11 @@ PRECISIONS = [
 ]
 PRECISE = [("rgb16-gama", precision) for precision in PRECISIONS]
 PRECISE += [("gray16", f"{kind}-GAMMA") for kind in ("U8", "U16", "U32", "HALF", "FLOAT", "DOUBLE")]
+
+
+TEST_FILES = ROOT / "test_files"
+# Of these, what cleaning would make worse.
+MISPLACED = ["red_blue_swapped", "green_blue_swapped", "dxt5nm", "gamma"]
 
 
 def classic(**given):
@@ -138,6 +144,7 @@ def refused_jobs():
         "gray-clean": opened("gray8.png", call("plug-in-ntp-clean-normals")),
         "gray-classic": opened("gray8.png", classic(conversion=8)),
         "photograph": opened("noise.png", call("plug-in-ntp-clean-normals")),
+        **{n: opened(f"{n}.png", call("plug-in-ntp-clean-normals")) for n in MISPLACED},
     }
 
 
@@ -177,12 +184,14 @@ def normals_jobs():
     check = f"""(let* ((values {call("plug-in-ntp-check-normals")}))
         (gimp-message (string-append "report " (car values) " " {tell} (nth 11 values))))"""
     clean = call("plug-in-ntp-clean-normals")
+    told = call("plug-in-ntp-clean-normals", **{"from": 1})
     return {
         "check": opened("rough8.png", check),
         "clean8": opened("rough8.png", clean + saved("clean8.png")),
         "clean16": opened("rough16.png", clean + saved("clean16.png")),
         "clean-part": opened("rough8.png", SELECT + clean + saved("clean-part.png")),
         "clean-again": opened("rough8.png", clean + clean),
+        "clean-told": opened("red_blue_swapped.png", told + saved("clean-told.png")),
         "height": opened(
             "rough16.png", call("plug-in-ntp-height-from-normals") + saved("height.png")
         ),
@@ -203,6 +212,8 @@ def gimp(tmp_path_factory):
     pngs.write_png(made.work / "rough16.png", rough_normals(4, 16))
     noise = np.random.default_rng(1).integers(0, 256, (HEIGHT, WIDTH, 3)).astype(np.uint8)
     pngs.write_png(made.work / "noise.png", noise)
+    for name in MISPLACED:
+        shutil.copy(TEST_FILES / f"{name}.png", made.work)
     made.messages = made.run(
         {
             **exact_jobs(),
@@ -313,6 +324,7 @@ REFUSED = {
     "gray-clean": "is gray",
     "gray-classic": "is gray",
     "photograph": "not look like a normals texture",
+    **dict.fromkeys(MISPLACED, "cleaning here would make that worse"),
 }
 
 
@@ -442,6 +454,12 @@ def test_check(gimp, program):
 def test_clean(done, ntp, depth):
     pixels = rough_normals(3 if depth == 8 else 4, depth)
     assert different(done(f"clean{depth}"), ntp(pixels, "clean", "--type", "standard")) == 0
+
+
+def test_clean_as_told(done, ntp):
+    """Who says how blue stores z has its channels cleaned where they are."""
+    pixels = pngs.read_png(TEST_FILES / "red_blue_swapped.png")[0]
+    assert different(done("clean-told"), ntp(pixels, "clean", "--type", "standard")) == 0
 
 
 def test_clean_selection(done, ntp):
