@@ -229,6 +229,8 @@ void report_write(report *r, const char *(*translate)(const char *text))
         line(&w, "%s",
              tr(&w, r->method == NTP_CLEAN_NORMALIZE
                         ? N_("Cleaning by normalizing suits these errors.")
+                    : r->method == NTP_CLEAN_KEEP
+                        ? N_("Cleaning makes negative z positive, and changes nothing else.")
                         : N_("Cleaning by deriving blue suits these errors.")));
     if (w.length > 0)
         r->text[w.length - 1] = 0; /* the last line's end */

@@ -183,10 +183,13 @@ def normals_jobs():
     tell = " ".join(f'(number->string (nth {i} values)) " "' for i in (1, 3, 4, 5, 6, 7))
     check = f"""(let* ((values {call("plug-in-ntp-check-normals")}))
         (gimp-message (string-append "report " (car values) " " {tell} (nth 11 values))))"""
+    mirrored = f"""(let* ((values {call("plug-in-ntp-check-normals")}))
+        (gimp-message (car (reverse values))))"""
     clean = call("plug-in-ntp-clean-normals")
     told = call("plug-in-ntp-clean-normals", **{"from": 1})
     return {
         "check": opened("rough8.png", check),
+        "check-mirrored": opened("mirrored.png", mirrored),
         "clean8": opened("rough8.png", clean + saved("clean8.png")),
         "clean16": opened("rough16.png", clean + saved("clean16.png")),
         "clean-part": opened("rough8.png", SELECT + clean + saved("clean-part.png")),
@@ -212,6 +215,9 @@ def gimp(tmp_path_factory):
     pngs.write_png(made.work / "rough16.png", rough_normals(4, 16))
     noise = np.random.default_rng(1).integers(0, 256, (HEIGHT, WIDTH, 3)).astype(np.uint8)
     pngs.write_png(made.work / "noise.png", noise)
+    pixels = pngs.read_png(TEST_FILES / "standard.png")[0].copy()
+    pixels[:9, :, 2] = 255 - pixels[:9, :, 2]
+    pngs.write_png(made.work / "mirrored.png", pixels)
     for name in MISPLACED:
         shutil.copy(TEST_FILES / f"{name}.png", made.work)
     made.messages = made.run(
@@ -448,6 +454,12 @@ def test_check(gimp, program):
         f["fail"][v] for v in ("neighbor", "rounded", "exact")
     ]
     assert int(float(words[6])) == f["xy_too_long"]
+
+
+def test_check_of_mirrored(gimp):
+    """Where only z is negative, no blue is derived, and the report says so."""
+    said = gimp.messages["check-mirrored"]
+    assert "Cleaning makes negative z positive" in said and "deriving" not in said, said
 
 
 @pytest.mark.parametrize("depth", [8, 16])
