@@ -108,7 +108,7 @@ def test_reports_say_what_was_given(run, tmp_path, verb, option, key):
     write_png(tmp_path / "a.png", rgba)
     more = {
         "resize": ["--size", "8x8"],
-        "from-height": ["--scale", "2"],
+        "from-height": ["--scale", "2", "--force"],  # of what are normals
         "to-height": [] if option == "y" else ["--y", "up"],
         "convert": ["--y", "up"] if option == "to-y" else [],
     }.get(verb, [])
@@ -127,7 +127,7 @@ def test_reports_say_what_was_given(run, tmp_path, verb, option, key):
 )  # fmt: skip
 def test_green_by_the_names_of_programs(run, tmp_path, verb, option, key, synonym):
     write_png(tmp_path / "a.png", textures.standard(16, 16))
-    more = {"from-height": ["--scale", "2"], "convert": ["--y", "up"]}.get(verb, [])
+    more = {"from-height": ["--scale", "2", "--force"], "convert": ["--y", "up"]}.get(verb, [])
     done = run(verb, "a.png", "-o", "b.png", *more, f"--{option}", synonym, "--format", "json")
     assert done.returncode == 0, done.stderr
     assert json.loads(done.stdout)["files"][0][key] == SYNONYMS[synonym]
