@@ -66,7 +66,7 @@ def removed(path, saved):
 SAVES = [renamed, rewritten, rewritten_alike, of_the_same_size, removed]
 IN_PLACE = {
     "clean": ["--type", "standard"],
-    "convert": ["--from", "standard", "--to-y", "down"],
+    "convert": ["--from", "standard", "--y", "up", "--to-y", "down"],
     "heatmap": ["--type", "standard"],
     "transform": ["--type", "standard", "--flip", "x", "--y", "up"],
     "resize": ["--type", "standard", "--size", "90%"],
