@@ -64,8 +64,7 @@ def slopes(source: NDArray[Any], type: Type, touch_unused: bool = False) -> tupl
             used &= level[..., _WITH_ALPHA - 1] > 0
     neutral = _EIGHT_BIT if m != 255 and not (level % _EIGHT_BIT).any() else 1
     leaning = np.abs(2 * level[..., :2] - m)[used] > neutral
-    x, y = leaning.any(0)
-    return bool(x), bool(y)
+    return bool(leaning[:, 0].any()), bool(leaning[:, 1].any())
 
 
 def question(source: NDArray[Any], type: Type, threads: int, name: str, array: str) -> str:

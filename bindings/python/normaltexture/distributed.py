@@ -97,7 +97,9 @@ def _report(results: Iterable[tuple[list[Json], Json]]) -> Json:
     for part, counts in results:
         files += part
         for key, count in counts.items():
-            if isinstance(count, int):
+            if key == "rule":  # the options are those of all batches
+                summary[key] = count
+            elif isinstance(count, int):
                 summary[key] = summary.get(key, 0) + count
             else:
                 kept = summary.setdefault(key, {})
