@@ -372,10 +372,11 @@ def _greens(
     and a detail without y that of the base.
     """
     names = "y", "detail_y"
-    base, detail = (
+    greens: list[Y | None] = [
         told(name, y) or find(array, type, threads)
         for name, y, array, type in zip(names, asked, arrays, types, strict=True)
-    )
+    ]
+    base, detail = greens
     if base is None or detail is None:
         has_y = [slopes(a, t, touch_unused)[1] for a, t in zip(arrays, types, strict=True)]
         matters = has_y[1] and strength != 0
