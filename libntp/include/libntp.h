@@ -786,8 +786,9 @@ NTP_API size_t ntp_normals_dithered_scratch_size(int32_t width);
 /*
  * The same for NTP_TYPE_U8 and NTP_TYPE_U16, with the rounding error of each slope passed on to the
  * next texel, to the right for x and down for y ("integrable").  Heights that are reconstructed
- * from the result drift far less, but the picture is slightly noisier.  dst is not
- * NTP_ENCODING_VECTOR; blue is derived.  The area covers full rows; to work in parts, start at row
+ * from the result drift far less on gentle ground, but the picture is slightly noisier.  A texel takes
+ * no more error than a level holds there: most of what a cliff leaves is lost.  dst is not NTP_ENCODING_VECTOR;
+ * blue is derived.  The area covers full rows; to work in parts, start at row
  * 0 and go down.  scratch: ntp_normals_dithered_scratch_size bytes, aligned to 16, zeroed before
  * row 0; it keeps the errors from call to call.
  */
