@@ -35,7 +35,7 @@ def parser(prog: str, description: str, epilog: str) -> argparse.ArgumentParser:
     )
 
 
-def add_paths(to: argparse.ArgumentParser, what: str) -> None:
+def add_paths(to: argparse.ArgumentParser, what: str, empty: str) -> None:
     to.add_argument("paths", nargs="*", metavar="PATH", help=what)
     group = to.add_argument_group("files")
     group.add_argument("-r", "--recursive", action="store_true", help="descend into directories")
@@ -58,6 +58,7 @@ def add_paths(to: argparse.ArgumentParser, what: str) -> None:
         metavar="FILE",
         help="read paths from FILE, one on each line; - is standard input",
     )
+    group.add_argument("--allow-empty", action="store_true", help=empty)
 
 
 def add_named(to: argparse.ArgumentParser, who: str, default: str) -> None:
@@ -211,6 +212,16 @@ def gather(args: argparse.Namespace, suffixes: tuple[str, ...]) -> list[str]:
         elif not left_out(path):
             paths.append(path)
     return paths
+
+
+def fails_empty(args: argparse.Namespace, message: str | None) -> bool:
+    """Whether nothing was there to work on and that is a failure; it is said."""
+    if message is None or args.allow_empty:
+        return False
+    below = not args.recursive and any(os.path.isdir(path) for path in args.paths)
+    hint = "; -r looks below the directory as well" if below and "found" in message else ""
+    print(f"ntp: {message}{hint}", file=sys.stderr)
+    return True
 
 
 def run(

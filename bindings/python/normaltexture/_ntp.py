@@ -134,6 +134,19 @@ def exit_code(files: Iterable[Mapping[str, Any]], fail_on: str = "error") -> int
     return code
 
 
+def nothing_checked(files: Sequence[Mapping[str, Any]]) -> str | None:
+    """What `ntp check` says where no file was checked; None where one was."""
+    if any(file["status"] != "skipped" and counts(file) for file in files):
+        return None
+    if not files:
+        return "no image found"
+    number = f"{len(files)} image{'' if len(files) == 1 else 's'}"
+    why = "none is a normals texture by name or content"
+    if any(file["status"] == "skipped" for file in files):
+        why = "none is a normals texture of a format that is read"
+    return f"nothing was checked: of {number}, {why}; --allow-empty allows that"
+
+
 @dataclass(frozen=True)
 class Rule:
     """One kind of finding: its id, its levels in words, and the texts of its documentation."""

@@ -15,7 +15,7 @@ from referencing import Registry, Resource
 
 import normaltexture as nt
 from normaltexture import _named, gltf
-from normaltexture.gltf import _check, _clean
+from normaltexture.gltf import _check, _clean, _cli
 from normaltexture.gltf._spans import Editor
 from pysupport import ROOT
 from pysupport import gltf_files as files
@@ -739,6 +739,39 @@ def test_command_line(tmp_path):
     for wrong in ([], ["--frob", bad], [bad, good, "-o", "x.glb"], [bad, "-n"], [""]):
         assert ntp_gltf(*wrong, cwd=tmp_path).returncode == 2, wrong
     assert ntp_gltf("--help").returncode == 0
+
+
+def test_no_file_is_a_failure(tmp_path, capsys):
+    (tmp_path / "deep").mkdir()
+    for how in ([], ["--in-place"], ["-o", str(tmp_path / "out")]):
+        assert _cli.main([str(tmp_path), *how]) == 3
+        assert "no glTF file found; -r looks below" in capsys.readouterr().err
+        assert _cli.main([str(tmp_path), *how, "--allow-empty"]) == 0
+        assert not capsys.readouterr().err
+    assert _cli.main(["-r", str(tmp_path)]) == 3
+    assert capsys.readouterr().err == "ntp: no glTF file found\n"
+    # A model without normals textures was looked at; one of which no image is read was not.
+    plain, packed = model(slot="emissiveTexture"), model()
+    assert _cli.main([str(save(plain, tmp_path, name="plain"))]) == 0
+    packed.images[1] = ("n.ktx2", b"\xabKTX 20\xbb\r\n\x1a\n" + bytes(60), "image/ktx2")
+    path = str(save(packed, tmp_path, name="packed"))
+    assert _cli.main([path]) == 3 and "of 1 image, none" in capsys.readouterr().err
+    assert _cli.main([path, "--allow-empty"]) == 0
+
+
+def test_limits_are_those_of_the_check(tmp_path, capsys):
+    """--policy and --max-angle: checking, and judging what is left in a copy."""
+    path = str(save(model(), tmp_path))
+
+    def level(*options):
+        code = _cli.main([path, "--format", "json", *options])
+        (entry,) = json.loads(capsys.readouterr().out)["files"]
+        return code, ids(entry)["NT001"]
+
+    assert level() == (1, "error")
+    assert level("--max-angle", "89") == (0, "info")
+    assert level("--max-angle", "89", "--policy", "strict") == (1, "error")
+    assert level("--policy", "strict", "--max-fail", "99") == (0, "warning")
 
 
 def test_command_line_cleans(tmp_path):

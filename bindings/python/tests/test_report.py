@@ -19,8 +19,8 @@ import jsonschema
 import numpy as np
 import pytest
 
-from normaltexture import report
-from normaltexture.report import _page, _pictures
+from normaltexture import _program, report
+from normaltexture.report import _cli, _page, _pictures
 from pysupport import sarif_schema
 from support import textures
 from support.pngs import read_png, write_png
@@ -524,6 +524,60 @@ def test_command_line(folder, tmp_path):
         assert ntp_report("--from-json", "-", "-o", page, input=bad).returncode == 3
     assert ntp_report(folder, "-o", tmp_path / "none" / "r.html").returncode == 3
     assert "--from-json" in ntp_report("--help").stdout
+
+
+def test_nothing_checked_is_a_failure(tmp_path, capsys):
+    """As of `ntp check`, which is run beside it."""
+
+    def both(*args):
+        told = []
+        for work in (lambda *words: ntp_check(*words), in_process):
+            code = work(*map(str, args))
+            told.append((code, capsys.readouterr().err))
+        return told
+
+    def in_process(*args):
+        return _cli.main([*args, "--format", "json"])
+
+    def ntp_check(*args):
+        done = subprocess.run(
+            [_program.program(), "check", *args], capture_output=True, text=True, check=False
+        )
+        print(done.stderr, end="", file=sys.stderr)
+        return done.returncode
+
+    (tmp_path / "below").mkdir()
+    for checked, reported in (both(tmp_path), both("-r", tmp_path)):
+        assert checked == reported and reported[0] == 3 and "no image found" in reported[1]
+    assert both(tmp_path, "--allow-empty") == [(0, "")] * 2
+    write_png(tmp_path / "photo.png", textures.photograph())
+    checked, reported = both(tmp_path)
+    assert checked == reported and reported[0] == 3 and "of 1 image, none is" in reported[1]
+    assert both(tmp_path, "--allow-empty") == [(0, "")] * 2
+    assert [code for code, _ in both(tmp_path / "photo.png")] == [1, 1]  # named: judged
+    (tmp_path / "broken_n.png").write_bytes(b"")
+    assert [code for code, _ in both(tmp_path, "--allow-empty")] == [3, 3]
+
+
+@pytest.mark.parametrize("make", ["harm", "length"])
+def test_limits_are_those_of_the_check(make, tmp_path, capsys):
+    """--policy and --max-angle reach it: a limit on either side of what the texture shows."""
+    off = textures.wrong_blue(GOOD, 0.004) if make == "harm" else textures.wrong_blue(GOOD, 0.1)
+    write_png(tmp_path / "a_n.png", off)
+
+    def level(*options):
+        code = _cli.main([str(tmp_path / "a_n.png"), "--format", "json", *options])
+        (file,) = json.loads(capsys.readouterr().out)["files"]
+        found = {found["id"]: found["level"] for found in file["findings"]}
+        return code, found["NT001"]
+
+    if make == "harm":  # few texels of small errors: seen by the strict policy alone
+        assert level("--policy", "strict", "--max-fail", "0") == (1, "error")
+        assert level("--max-fail", "50")[0] == 0
+    else:
+        assert level() == (1, "error")
+        assert level("--max-angle", "89") == (0, "info")
+        assert level("--max-angle", "89", "--policy", "strict") == (1, "error")
 
 
 def test_beside_ntp(folder, tmp_path):

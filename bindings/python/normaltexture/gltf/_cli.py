@@ -20,7 +20,8 @@ SUFFIXES = (".gltf", ".glb")
 _EPILOG = """\
 Without -o and --in-place the files are checked. With one of them a clean copy is written in which
 only normals textures differ. The exit code is 1 if an image has a finding at or above --fail-on,
-or would still have it in the copy. It is 3 if a file could not be read or written.
+or would still have it in the copy. It is 3 if a file could not be read or written, or if no file
+was found.
 
 A glTF file names other files. They are read if they are regular files in its own folder, links
 followed; --root names a larger folder.
@@ -38,7 +39,11 @@ def _parser() -> argparse.ArgumentParser:
     parser = _console.parser(
         "ntp gltf", "Checks or cleans the normals textures in glTF files.", _EPILOG
     )
-    _console.add_paths(parser, "a .gltf or .glb file, or a directory")
+    _console.add_paths(
+        parser,
+        "a .gltf or .glb file, or a directory",
+        "nothing to check is no failure: no glTF file was found, or none of its images is read",
+    )
     _console.add_named(parser, "a glTF file names", "of that file")
     how = parser.add_argument_group("checking")
     how.add_argument(
@@ -229,6 +234,8 @@ def _joined(reports: Sequence[Json]) -> Json:
 
 def _run(args: argparse.Namespace) -> int:
     paths = _console.gather(args, SUFFIXES)
+    if not paths and _console.fails_empty(args, "no glTF file found"):
+        return _ntp.EXIT_FAILED
     cleaning = args.output is not None or args.in_place
     if cleaning and args.format in ("sarif", "github"):
         raise _ntp.ProgramError("--format sarif and github are for checking", _ntp.EXIT_USAGE)
@@ -255,7 +262,9 @@ def _run(args: argparse.Namespace) -> int:
         sys.stdout.write(sarif.to_github(report))
     else:
         _print_check(report, quiet=args.quiet, verbose=args.verbose)
-    return _ntp.exit_code(report["files"], args.fail_on)
+    code = _ntp.exit_code(report["files"], args.fail_on)
+    empty = _ntp.nothing_checked(report["files"]) if report["files"] else None
+    return _ntp.EXIT_FAILED if _console.fails_empty(args, empty) else code
 
 
 def main(argv: Sequence[str] | None = None) -> int:

@@ -60,7 +60,8 @@ def check_json(
     options
         Options of ``ntp check``, such as ``("-r", "--max-fail", "5")``.
     y
-        Which way green has to point: "up", "down", or "auto" to require nothing.
+        Which way green has to point: "up", "down" ("opengl", "directx"), or "auto" to require
+        nothing.
     root, max_bytes
         Of glTF files, as in `normaltexture.gltf.check`.
 

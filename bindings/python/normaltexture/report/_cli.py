@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from .. import _console, _ntp
-from ._check import check_json
+from ._check import GLTF_SUFFIXES, check_json
 from ._page import MAX_TEXELS, build, save
 from .sarif import cut_of, to_github, to_sarif
 
@@ -17,7 +17,7 @@ Json = dict[str, Any]
 
 _EPILOG = """\
 The page needs no network and no other file. The exit code is that of ntp check: 1 with a finding
-at or above --fail-on, 3 where a file could not be read.
+at or above --fail-on, 3 where a file could not be read or nothing was there to check.
 
 Files that --from-json or a glTF file names are opened if they are regular files in a folder, links
 followed: for --from-json the current folder, for a glTF file its own. --root names another.
@@ -36,7 +36,11 @@ def _parser() -> argparse.ArgumentParser:
     parser = _console.parser(
         "ntp report", "Writes an HTML page, SARIF or annotations of a check.", _EPILOG
     )
-    _console.add_paths(parser, "an image file, a directory, or a .gltf or .glb file")
+    _console.add_paths(
+        parser,
+        "an image file, a directory, or a .gltf or .glb file",
+        "nothing to check is no failure: no image was found, or no normals texture",
+    )
     parser.add_argument(
         "-o",
         "--output",
@@ -65,7 +69,7 @@ def _parser() -> argparse.ArgumentParser:
     )
     how.add_argument(
         "--y",
-        choices=["auto", "up", "down"],
+        choices=["auto", "up", "down", "opengl", "directx"],
         default="auto",
         help="which way green has to point (default: auto, any)",
     )
@@ -181,6 +185,7 @@ def _run(args: argparse.Namespace) -> int:
         raise _ntp.ProgramError(
             "-o FILE is needed for HTML (- for standard output)", _ntp.EXIT_USAGE
         )
+    paths: list[str] = []
     if args.from_json is not None:
         if args.paths or args.files_from:
             raise _ntp.ProgramError("--from-json takes no PATH", _ntp.EXIT_USAGE)
@@ -207,7 +212,10 @@ def _run(args: argparse.Namespace) -> int:
             count = len(report["files"])
             files = "file" if count == 1 else "files"
             print(f"{_console.shown(os.fspath(output))}: {count} {files}", file=sys.stderr)
-    return _ntp.exit_code(report["files"], args.fail_on)
+    code = _ntp.exit_code(report["files"], args.fail_on)
+    models = any(path.lower().endswith(GLTF_SUFFIXES) for path in paths)
+    empty = None if models and not report["files"] else _ntp.nothing_checked(report["files"])
+    return _ntp.EXIT_FAILED if _console.fails_empty(args, empty) else code
 
 
 def main(argv: Sequence[str] | None = None) -> int:
