@@ -39,10 +39,11 @@ const finding_spec FINDING_TABLE[FINDING_COUNT] = {
     [NT006] = { "NT006", "nt006", "info", "an XY-only texture",
         "Only red and green hold a normal; blue is something else, such as ambient occlusion in LabPBR, or the name says "
         "that it is no z.",
-        "Nothing, if your shader computes z (`--type xy`). Otherwise use `ntp convert --from xy`." },
+        "Nothing, if your shader computes z (`--type xy`). Otherwise use `ntp convert --type xy --to standard`." },
     [NT007] = { "NT007", "nt007", "error", "looks like a height map",
         "The picture is gray: it stores heights (a bump map), not normals.",
-        "Make normals from it, or name it so that it is not taken for a normals texture." },
+        "`ntp from-height --scale 10` makes normals from it, as a surface that rises 10 texels from black to white. Or "
+        "name it so that it is not taken for a normals texture." },
     [NT008] = { "NT008", "nt008", "error", "not a normals texture",
         "The colors are not those of normals: a photograph, a color or packed texture, or something else.",
         "Look at the file. If it is a normals texture nevertheless, say so with `--type`." },
@@ -55,17 +56,18 @@ const finding_spec FINDING_TABLE[FINDING_COUNT] = {
         "`--y down` was given. Bumps look like dents when the light comes from above or below. The direction is "
         "detected from the slopes, which are consistent in one of the two ways only; docs/orientation.md explains "
         "how, and how reliable that is. A texture with red inverted looks the same.",
-        "`ntp convert --from-y down --to-y up`, or the other way round. If you know the direction for certain, "
+        "`ntp convert --y down --to-y up`, or the other way round. If you know the direction for certain, "
         "ignore this finding." },
     [NT011] = { "NT011", "nt011", "warning", "the name contradicts the required direction of green",
         "The file name says DirectX (green down) although `--y up` was given, or OpenGL (green up) although `--y "
         "down` was given.",
-        "`ntp convert --from-y down --to-y up`, or the other way round." },
+        "If the name is right, `ntp convert --y down --to-y up`, or the other way round, with a new name that does not "
+        "contradict. If it is wrong, rename the file." },
     [NT012] = { "NT012", "nt012", "error", "channels are in the wrong places",
         "Z is in red or green, or the texture is packed as DXT5nm (x in alpha, y in green).",
-        "`ntp clean` puts them in their places where that is at least 90 % sure, and with `--undo` in any case. `ntp "
-        "convert --from-channels` does it for any order, for example `-y-x` for DXT5nm or `zyx` for swapped red and "
-        "blue." },
+        "`ntp clean` puts them in their places where that is at least 90 % sure, and with `--undo` in any case. For other "
+        "orders `ntp convert` takes letters: `ntp convert --from-channels -y-x` reads DXT5nm, `ntp convert "
+        "--from-channels zyx` swapped red and blue." },
     [NT020] = { "NT020", "nt020", "info", "not bit-exact",
         "Some texels do not have the exact blue that red and green imply. This is harmless, but the file changes "
         "when z is dropped and computed again.",

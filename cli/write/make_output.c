@@ -91,6 +91,23 @@ static bool leads_out(const production *p, ntpio_error *error)
     return true;
 }
 
+/* A JPEG is never replaced: that would destroy the only original. */
+static bool replaces_jpeg(const production *p, ntpio_error *error)
+{
+    const char *output = p->in->output;
+    if (p->s.info->format != NTPIO_JPEG || output == NULL || !is_same_file(p->in->path, output))
+        return false;
+    file_error(error, is_in_place(p->m) ? NTPIO_ERR_WRITE : NTPIO_ERR_USAGE, p->in->path,
+               "JPEG is not written; give -o for a PNG of another name");
+    return true;
+}
+
+/* Such a JPEG is an error only where it would change, which these verbs find out by their rows. */
+static bool may_stay(const production *p)
+{
+    return is_in_place(p->m) && (p->m->o->verb_bit & (V_CLEAN | V_CONVERT)) != 0;
+}
+
 ntpio_writer *production_open(const production *p, const char *output, ntpio_write_options *shape,
                               ntpio_error *error)
 {
@@ -298,17 +315,6 @@ static bool can_be_dropped(const char *output)
     return strcmp(output, "-") != 0 && (stat(output, &st) != 0 || S_ISREG(st.st_mode));
 }
 
-/* A JPEG is never replaced: that would destroy the only original. */
-static bool replaces_jpeg(const production *p, ntpio_error *error)
-{
-    const char *output = p->in->output;
-    if (p->s.info->format != NTPIO_JPEG || output == NULL || !is_same_file(p->in->path, output))
-        return false;
-    file_error(error, is_in_place(p->m) ? NTPIO_ERR_WRITE : NTPIO_ERR_USAGE, p->in->path,
-               "JPEG is not written; give -o for a PNG of another name");
-    return true;
-}
-
 static outcome make_as_known(production *p, ntpio_error *error)
 {
     const maker *m = p->m;
@@ -332,11 +338,12 @@ static outcome make_as_known(production *p, ntpio_error *error)
         if (!source_rewind(&p->s, error))
             return UNREADABLE;
     }
-    const bool writes = !dry_run && p->in->outside == NULL;
+    ntpio_error never = { 0 };
+    const bool writes = !dry_run && p->in->outside == NULL && !replaces_jpeg(p, &never);
     done = speculate(p, writes, error);
     if (done == MADE && only_changed && !p->changes && !writes)
         return UNCHANGED;
-    if (done == MADE && leads_out(p, error))
+    if (done == MADE && (leads_out(p, error) || replaces_jpeg(p, error)))
         return FAILED;
     if (done != MADE || dry_run)
         return done;
@@ -365,7 +372,7 @@ static outcome ask_for_heights(production *p, ntpio_error *error)
 outcome make_output(production *p, ntpio_error *error)
 {
     p->forced = p->m->forced;
-    if (replaces_jpeg(p, error))
+    if (!may_stay(p) && replaces_jpeg(p, error))
         return FAILED;
     const outcome asked = ask_for_heights(p, error);
     if (asked != MADE)

@@ -28,7 +28,11 @@ void add_refusal(text *t, const facts *f, const char *option)
                   f->type.type == NTP_CLASS_HEIGHT         ? "a height map"
                   : f->type.type == NTP_CLASS_OBJECT_SPACE ? "object-space normals"
                                                            : "something else");
-    if (option != NULL)
+    const bool height = f->type.type == NTP_CLASS_HEIGHT;
+    if (height)
+        text_add(t,
+                 "; ntp from-height --scale 10 makes normals of it, as a surface 10 texels high");
+    if (option != NULL && (!height || f->info.channels >= 3))
         text_addf(t, pair ? "; --%s xy takes gray for x" : "; --%s standard takes it for one",
                   option);
 }

@@ -2,6 +2,7 @@
 """ntp clean, convert, heatmap: bytes against the oracle, choices, refusals, metadata."""
 
 import json
+import shutil
 import struct
 import subprocess
 import zlib
@@ -195,7 +196,8 @@ def test_refusals(run, tmp_path):
     for name in ("h.png", "p.png"):
         for verb in ("clean", "heatmap"):
             done = run(verb, name, "-o", "out.png")
-            assert done.returncode == 1 and "--type" in done.stderr, (verb, name)
+            way = "from-height" if name == "h.png" else "--type"
+            assert done.returncode == 1 and way in done.stderr, (verb, name)
             assert not (tmp_path / "out.png").exists()
     assert run("clean", "p.png", "-o", "out.png", "--type", "standard").returncode == 0
     (tmp_path / "out.png").unlink()
@@ -434,6 +436,33 @@ def test_jpeg_is_never_replaced(run, tmp_path):
         assert (tmp_path / "a_n.jpg").read_bytes() == data
     assert run("clean", "b_n.png", "--in-place").returncode == 3
     assert (tmp_path / "b_n.png").read_bytes() == data
+
+
+def test_jpeg_in_place_that_needs_nothing_is_done(run, tmp_path):
+    """Only where something would have to be written it cannot be."""
+    shutil.copy(ROOT / "test_files" / "jpeg.jpg", tmp_path / "up_n.jpg")
+    # JPEG of full quality gives this normal back, with the blue of its red and green
+    exact = Image.fromarray(np.full((64, 64, 3), [90, 119, 249], np.uint8))
+    exact.save(tmp_path / "exact_n.jpg", quality=100, subsampling=0)
+    before = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
+    for args, name, code in (
+        (["convert", "--to-y", "up"], "up_n.jpg", 0),
+        (["convert", "--y", "up", "--to-y", "opengl"], "up_n.jpg", 0),
+        (["convert", "--type", "standard"], "up_n.jpg", 0),
+        (["convert", "--to-y", "down"], "up_n.jpg", 3),
+        (["convert", "--depth", "16"], "up_n.jpg", 3),
+        (["clean"], "up_n.jpg", 3),
+        (["clean"], "exact_n.jpg", 0),
+        (["clean", "--method", "derive"], "exact_n.jpg", 0),
+        (["transform", "--flip", "x"], "exact_n.jpg", 3),
+    ):
+        for dry in ([], ["-n"]):
+            done = run(*args, "--in-place", *dry, name)
+            assert done.returncode == code, (args, dry, done.stderr)
+            assert "not written" in (done.stderr if code else done.stdout), (args, dry)
+            assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before
+    told = json.loads(run("convert", "--to-y", "up", "--in-place", ".", "--format", "json").stdout)
+    assert told["summary"]["failed"] == 0 and told["summary"]["unchanged"] >= 1
 
 
 def test_clean_files_of_other_classes_are_not_written(run, tmp_path):

@@ -50,7 +50,7 @@ def _convert_options(entry: Json, how: Json) -> list[str]:
     if how["drop_alpha"] and opaque and entry["channels"] == 4:
         options += ["--channels", "xyz"]
     if how["flip_green"]:
-        options += ["--from-y", "down", "--to-y", "up"]
+        options += ["--y", "down", "--to-y", "up"]
     return options
 
 
@@ -77,7 +77,7 @@ def _clean_one(
         _ntp.run_json("convert", [result], ["-o", "converted.png", *convert], cwd=folder)
         result = folder / "converted.png"
     said["alpha_dropped"] = "--channels" in convert
-    said["green_flipped"] = "--from-y" in convert
+    said["green_flipped"] = "--to-y" in convert
     return (None if result == source else result.read_bytes()), said
 
 

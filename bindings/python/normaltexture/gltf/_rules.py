@@ -48,7 +48,8 @@ _TABLE = [
         "z is not stored as glTF reads it",
         "glTF reads x, y and z from red, green and blue, each as 2c - 1. This image stores z in 0..1, or "
         "not at all. It is an error if an error follows from reading it so.",
-        "`ntp gltf -o` computes blue anew; so does `ntp convert --to standard`.",
+        "`ntp gltf -o` computes blue anew; so do `ntp convert --type zzero --to standard` and, without z, "
+        "`ntp convert --type xy --to standard`.",
     ),
     Rule(
         "NT066",
