@@ -2,7 +2,8 @@
 /*
  * normals_from_height.c - ntp:normals-from-height, normals of the heightfield in a layer
  *
- * The same numbers as `ntp from-height` with the same settings.  The picture is made in blocks.
+ * The same numbers as `ntp from-height` with the same settings.  A scale of 0 is first replaced by
+ * the one that suits the layer, for which the whole layer is read.  The picture is made in blocks.
  * Each is read with its surroundings, so that libntp gets either the true edge of the layer or
  * enough texels beyond the block.  So the result does not depend on how GEGL divides the picture.
  */
@@ -44,10 +45,24 @@ enum_start(ntp_op_alpha)
     enum_value(NTP_OP_INVERSE_HEIGHT, "inverse-height", N_("Inverted height"))
 enum_end(ntp_op_alpha)
 
-property_double(scale, _("Scale"), 10.0)
-    description(_("How many texels white rises above black. 0 is flat; a negative scale inverts the relief"))
+enum_start(ntp_op_view)
+    enum_value(NTP_OP_NORMALS, "result", N_("Result"))
+    enum_value(NTP_OP_LIT, "lit", N_("Lit surface"))
+enum_end(ntp_op_view)
+
+property_double(strength, _("Strength"), 1.0)
+    description(_("Multiplies the slopes. With a scale of 0, one in twenty of the slopes is steeper than 45 degrees at strength 1, whatever the size of the layer"))
+    value_range(0.0, 1e6)
+    ui_range(0.0, 10.0)
+    ui_gamma(3.0)
+    ui_steps(0.01, 0.1)
+    ui_digits(3)
+property_double(scale, _("Scale (0: from the layer)"), 0.0)
+    description(_("How many texels white rises above black. 0: as the slopes of the layer suggest; a negative scale inverts the relief"))
     value_range(-1e9, 1e9)
-    ui_range(-100.0, 100.0)
+    ui_range(0.0, 1000.0)
+    ui_gamma(3.0)
+    ui_steps(0.1, 1.0)
     ui_digits(3)
 property_enum(kernel, _("Kernel"), ntp_op_kernel, ntp_op_kernel, NTP_OP_CENTRAL)
     description(_("How a slope is taken. A wider kernel is smoother, none is stronger"))
@@ -82,6 +97,21 @@ property_enum(blue, _("Blue"), ntp_op_blue, ntp_op_blue, NTP_OP_DERIVED)
     description(_("A derived blue survives any conversion"))
 property_enum(alpha, _("Alpha"), ntp_op_alpha, ntp_op_alpha, NTP_OP_KEEP)
     description(_("What the alpha channel of the result holds. The height needs a layer with an alpha channel"))
+property_enum(show, _("Show"), ntp_op_view, ntp_op_view, NTP_OP_NORMALS)
+    description(_("The lit surface is for looking at. Choose Result before you export"))
+property_double(light_from, _("Light from"), 135.0)
+    description(_("Where the light of the lit surface comes from: 0 is the right, 90 the top"))
+    value_range(-360.0, 360.0)
+    ui_range(0.0, 360.0)
+    ui_meta("unit", "degree")
+    ui_meta("direction", "ccw")
+    ui_meta("sensitive", "show {lit}")
+property_double(light_height, _("Height of the light"), 40.0)
+    description(_("The angle between the light and the surface"))
+    value_range(1.0, 90.0)
+    ui_range(1.0, 90.0)
+    ui_meta("unit", "degree")
+    ui_meta("sensitive", "show {lit}")
 /* clang-format on */
 
 #else
@@ -94,7 +124,8 @@ property_enum(alpha, _("Alpha"), ntp_op_alpha, ntp_op_alpha, NTP_OP_KEEP)
 #  include <gegl-op.h>
 
 #  include "blending.h"
-#  include "pixels.h"
+#  include "lit.h"
+#  include "surroundings.h"
 
 /* The menus above have the order of libntp's enumerations. */
 G_STATIC_ASSERT((gint) NTP_OP_SCREEN == (gint) NTP_HEIGHT_SOURCE_SCREEN);
@@ -147,11 +178,23 @@ static ntp_normals_options options_of(GeglOperation *operation)
                                    .invert = o->invert };
 }
 
-/* Set by prepare(), read by the threads that process. */
+/* Set before the threads process, and read by them. */
 typedef struct state {
     pixels made;
     blending *blending;
+    gboolean measured; /* the scale that suits the layer, and what it depends on */
+    gdouble scale;
+    ntp_normals_options of;
+    GeglRectangle edges;
 } state;
+
+static gboolean is_measured(const state *s, const ntp_normals_options *how,
+                            const GeglRectangle *edges)
+{
+    return s->measured && s->of.kernel == how->kernel && s->of.source == how->source &&
+           s->of.border_x == how->border_x && s->of.border_y == how->border_y &&
+           s->of.dx == how->dx && s->of.dy == how->dy && gegl_rectangle_equal(&s->edges, edges);
+}
 
 static void prepare(GeglOperation *operation)
 {
@@ -184,99 +227,104 @@ static void finalize(GObject *object)
 
 /* ---------------------------------------------------------------- what surrounds an area */
 
-typedef struct span {
-    gint start, size;
-} span;
-
-/*
- * The texels from which those of a span are made.  With a wrapping border the span may begin before
- * the edge and end beyond it; otherwise it ends there.  The reach is chosen so that borders act on
- * this part as they do on the whole.
- */
-static span spread(span at, span edges, gint reach, gboolean wrap)
+/* The whole layer, if the result depends on all of it; NULL: it does not, or there is no such
+ * thing. */
+static const GeglRectangle *all_of(GeglOperation *operation)
 {
-    gint64 start = (gint64) at.start - reach;
-    gint64 end = (gint64) at.start + at.size + reach;
-    if (!wrap) {
-        start = MAX(start, edges.start);
-        end = MIN(end, (gint64) edges.start + edges.size);
-    }
-    return (span) { (gint) start, (gint) (end - start) };
+    const GeglRectangle *edges = gegl_operation_source_get_bounding_box(operation, "input");
+    return options_of(operation).scale == 0 && edges != NULL && !gegl_rectangle_is_empty(edges) &&
+                   !gegl_rectangle_is_infinite_plane(edges)
+               ? edges
+               : NULL;
 }
 
-/* The smallest span inside the edges that contains all of it after wrapping. */
-static span within(span at, span edges)
-{
-    const gboolean beyond =
-        at.start < edges.start || (gint64) at.start + at.size > (gint64) edges.start + edges.size;
-    return beyond ? edges : at;
-}
-
-static GeglRectangle surroundings(GeglOperation *operation, const GeglRectangle *area,
-                                  gboolean wrapped)
+/* The reach is chosen so that borders act on this part as they do on the whole. */
+static GeglRectangle surroundings(GeglOperation *operation, const GeglRectangle *area)
 {
     const GeglRectangle *edges = gegl_operation_source_get_bounding_box(operation, "input");
     if (edges == NULL || gegl_rectangle_is_empty(edges) || gegl_rectangle_is_empty(area))
         return *area;
     const ntp_normals_options how = options_of(operation);
-    const gint reach = ntp_normals_reach(&how);
-    const span columns = { edges->x, edges->width }, rows = { edges->y, edges->height };
-    span x =
-        spread((span) { area->x, area->width }, columns, reach, how.border_x == NTP_BORDER_WRAP);
-    span y = spread((span) { area->y, area->height }, rows, reach, how.border_y == NTP_BORDER_WRAP);
-    if (wrapped) {
-        x = within(x, columns);
-        y = within(y, rows);
-    }
-    return (GeglRectangle) { x.start, y.start, x.size, y.size };
+    return surroundings_of(area, edges, ntp_normals_reach(&how), how.border_x == NTP_BORDER_WRAP,
+                           how.border_y == NTP_BORDER_WRAP);
+}
+
+static GeglRectangle inside(GeglOperation *operation, const GeglRectangle *area)
+{
+    const GeglRectangle *edges = gegl_operation_source_get_bounding_box(operation, "input");
+    const GeglRectangle wide = surroundings(operation, area);
+    return edges == NULL || gegl_rectangle_is_empty(edges) ? wide
+                                                           : surroundings_wrapped(&wide, edges);
 }
 
 static GeglRectangle get_required_for_output(GeglOperation *operation, const gchar *pad,
                                              const GeglRectangle *area)
 {
+    const state *s = GEGL_PROPERTIES(operation)->user_data;
+    const GeglRectangle *all = all_of(operation);
+    const ntp_normals_options how = options_of(operation);
     (void) pad;
-    return surroundings(operation, area, TRUE);
+    if (all != NULL && !(s != NULL && is_measured(s, &how, all)))
+        return *all;
+    return inside(operation, area);
 }
 
 /* The stencil is as wide to the left as to the right, so this is the same. */
 static GeglRectangle get_invalidated_by_change(GeglOperation *operation, const gchar *pad,
                                                const GeglRectangle *area)
 {
+    state *s = GEGL_PROPERTIES(operation)->user_data;
+    const GeglRectangle *all = all_of(operation);
     (void) pad;
-    return surroundings(operation, area, TRUE);
+    if (s != NULL)
+        s->measured = FALSE;
+    return all != NULL ? *all : inside(operation, area);
+}
+
+/* ---------------------------------------------------------------- the scale of the layer */
+
+/* Counts the slopes of row y, which is counted from the upper edge. */
+static void measure_row(ntp_relief *relief, const ntp_normals_options *how, const pixels *in,
+                        GeglBuffer *input, const GeglRectangle *edges, gint y, guchar *rows)
+{
+    int32_t first = 0;
+    const int32_t step = ntp_relief_row(edges->width, edges->height, y, &first);
+    if (step == 0)
+        return;
+    const GeglRectangle row = { edges->x, edges->y + y, edges->width, 1 };
+    const gboolean wrap = how->border_y == NTP_BORDER_WRAP;
+    const GeglRectangle around = surroundings_of(&row, edges, ntp_normals_reach(how), FALSE, wrap);
+    ntp_normals_options local = *how;
+    if (wrap)
+        local.border_y = NTP_BORDER_CLAMP; /* what lies beyond was read */
+    surroundings_read(input, in, edges, &around, rows);
+    const ntp_image view = pixels_view(in, rows, around.width, around.height);
+    const ntp_const_image seen = ntp_image_as_const(&view);
+    ntp_relief_add(relief, &seen, &local, first, row.y - around.y, step);
+}
+
+static void measure(GeglOperation *operation, GeglBuffer *input)
+{
+    state *s = GEGL_PROPERTIES(operation)->user_data;
+    const GeglRectangle *edges = all_of(operation);
+    const ntp_normals_options how = options_of(operation);
+    if (s == NULL || input == NULL || edges == NULL || is_measured(s, &how, edges))
+        return;
+    const pixels in = pixels_of(gegl_operation_get_format(operation, "input"));
+    const gsize rows = 1 + 2 * (gsize) ntp_normals_reach(&how);
+    guchar *data = g_malloc(rows * (gsize) edges->width * (gsize) in.bytes);
+    ntp_relief *relief = g_new0(ntp_relief, 1);
+    for (gint y = 0; y < edges->height; y++)
+        measure_row(relief, &how, &in, input, edges, y, data);
+    s->scale = ntp_relief_scale(relief);
+    s->of = how;
+    s->edges = *edges;
+    s->measured = TRUE;
+    g_free(relief);
+    g_free(data);
 }
 
 /* ------------------------------------------------------------------------------- a block */
-
-/* The first piece of a span that does not cross an edge: where it is read, and how long it is. */
-static span piece(span at, span edges)
-{
-    gint64 place = ((gint64) at.start - edges.start) % edges.size;
-    if (place < 0)
-        place += edges.size;
-    return (span) { (gint) (edges.start + place), (gint) MIN(at.size, edges.size - place) };
-}
-
-/* Reads an area that may lie partly beyond the edges, where the picture is repeated. */
-static void read_wrapped(GeglBuffer *input, const pixels *in, const GeglRectangle *edges,
-                         const GeglRectangle *area, guchar *data)
-{
-    const gsize stride = (gsize) area->width * (gsize) in->bytes;
-    span y = { area->y, area->height };
-    while (y.size > 0) {
-        const span rows = piece(y, (span) { edges->y, edges->height });
-        guchar *to = data + (gsize) (y.start - area->y) * stride;
-        span x = { area->x, area->width };
-        while (x.size > 0) {
-            const span columns = piece(x, (span) { edges->x, edges->width });
-            const GeglRectangle part = { columns.start, rows.start, columns.size, rows.size };
-            gegl_buffer_get(input, &part, 1.0, in->format, to, (gint) stride, GEGL_ABYSS_NONE);
-            to += (gsize) columns.size * (gsize) in->bytes;
-            x = (span) { x.start + columns.size, x.size - columns.size };
-        }
-        y = (span) { y.start + rows.size, y.size - rows.size };
-    }
-}
 
 typedef struct job {
     ntp_normals_options how;
@@ -286,6 +334,7 @@ typedef struct job {
     const GeglRectangle *edges;
     const Babl *format; /* of the output */
     const blending *blending;
+    const ntp_light *light; /* NULL: output the normals */
     guchar *heights, *normals;
 } job;
 
@@ -309,8 +358,8 @@ static void put(const job *j, GeglBuffer *output, const GeglRectangle *block, co
 static gboolean make_block(GeglOperation *operation, const job *j, GeglBuffer *input,
                            GeglBuffer *output, const GeglRectangle *block)
 {
-    const GeglRectangle around = surroundings(operation, block, FALSE);
-    read_wrapped(input, &j->in, j->edges, &around, j->heights);
+    const GeglRectangle around = surroundings(operation, block);
+    surroundings_read(input, &j->in, j->edges, &around, j->heights);
 
     /* Both views cover what was read; only the block of the normals is in memory. */
     const ntp_rect area = { block->x - around.x, block->y - around.y,
@@ -323,6 +372,12 @@ static gboolean make_block(GeglOperation *operation, const job *j, GeglBuffer *i
     dst.y = j->to_y;
     if (ntp_normals_from_height(&dst, &src, &j->how, NULL, &area) != NTP_OK)
         return FALSE;
+    const ntp_const_image normals = ntp_image_as_const(&dst);
+    if (j->light != NULL) {
+        dst = pixels_view(&j->out, j->heights, around.width, around.height);
+        if (!lit_paint(&j->out, &dst, &normals, j->light, &area))
+            return FALSE;
+    }
     const guchar *first =
         (const guchar *) dst.data + area.y0 * dst.row_stride + area.x0 * dst.pixel_stride;
     put(j, output, block, first, (gint) dst.row_stride);
@@ -334,20 +389,24 @@ static gboolean process(GeglOperation *operation, GeglBuffer *input, GeglBuffer 
 {
     const GeglProperties *o = GEGL_PROPERTIES(operation);
     const state *s = o->user_data;
+    const ntp_light light = lit_light(o->light_from, o->light_height);
     job j = { .how = options_of(operation),
               .in = pixels_of(gegl_operation_get_format(operation, "input")),
               .out = s->made,
               .format = gegl_operation_get_format(operation, "output"),
               .blending = s->blending,
+              .light = o->show == NTP_OP_LIT ? &light : NULL,
               .to = (ntp_encoding) o->to,
               .to_y = (ntp_y) o->to_y,
               .edges = gegl_operation_source_get_bounding_box(operation, "input") };
     (void) level; /* everything is made at full size */
     if (j.edges == NULL || gegl_rectangle_is_empty(j.edges))
         return TRUE;
+    j.how.scale = (j.how.scale == 0 ? s->scale : j.how.scale) * as_typed(o->strength);
     const gsize margin = 2 * (gsize) ntp_normals_reach(&j.how);
     const gsize most = (BLOCK_WIDTH + margin) * (BLOCK_HEIGHT + margin);
-    j.heights = g_malloc(most * (gsize) j.in.bytes);
+    /* The lit picture takes the place of the heights. */
+    j.heights = g_malloc(most * (gsize) MAX(j.in.bytes, j.out.bytes));
     j.normals = g_malloc(most * (gsize) j.out.bytes);
     /* The stencils stay inside what was read, so nothing beyond it is needed. */
     if (j.how.border_x == NTP_BORDER_WRAP)
@@ -369,6 +428,16 @@ static gboolean process(GeglOperation *operation, GeglBuffer *input, GeglBuffer 
     return ok;
 }
 
+/* What threads share comes first. */
+static gboolean process_all(GeglOperation *operation, GeglOperationContext *context,
+                            const gchar *pad, const GeglRectangle *area, gint level)
+{
+    GeglBuffer *input = GEGL_BUFFER(gegl_operation_context_get_object(context, "input"));
+    measure(operation, input);
+    return GEGL_OPERATION_CLASS(gegl_op_parent_class)
+        ->process(operation, context, pad, area, level);
+}
+
 static void gegl_op_class_init(GeglOpClass *klass)
 {
     GeglOperationClass *operation_class = GEGL_OPERATION_CLASS(klass);
@@ -376,6 +445,7 @@ static void gegl_op_class_init(GeglOpClass *klass)
 
     G_OBJECT_CLASS(klass)->finalize = finalize;
     filter_class->process = process;
+    operation_class->process = process_all;
     operation_class->prepare = prepare;
     operation_class->get_required_for_output = get_required_for_output;
     operation_class->get_invalidated_by_change = get_invalidated_by_change;

@@ -122,8 +122,8 @@ static const choice verdicts[] = { /* ntp_verdict */
 
 static const field normals_fields[FN_COUNT] = {
     [FN_SCALE] = NUMBER("scale", N_("Sc_ale"),
-        N_("How many texels white rises above black; negative turns hills into dents"),
-        0, 10, -1e9, 1e9, -100, 100, 3),
+        N_("How many texels white rises above black; 0: as the slopes of the layer suggest"),
+        0, 0, -1e9, 1e9, 0, 1000, 3),
     [FN_KERNEL] = CHOICE("kernel", N_("_Kernel"),
         N_("How a slope is taken; wider kernels are smoother, and all are equally strong"),
         0, 0, kernels),

@@ -17,7 +17,7 @@ normals_job normals_job_from(const settings *s)
 {
     const double *v = s->value;
     normals_job job = {
-        .how = { .scale = v[FN_SCALE],
+        .how = { .scale = v[FN_SCALE] != 0 ? v[FN_SCALE] : 1,
                  .dx = v[FN_DX],
                  .dy = v[FN_DY],
                  .min_z = v[FN_MIN_Z],
@@ -32,6 +32,7 @@ normals_job normals_job_from(const settings *s)
         .alpha = (alpha_rule) v[FN_ALPHA],
         .dudv = (dudv_format) v[FN_DUDV],
         .swap = v[FN_SWAP] != 0,
+        .measures = v[FN_SCALE] == 0,
     };
     if ((int) v[FN_SOURCE] > NTP_HEIGHT_SOURCE_SCREEN) {
         job.biased = true;
@@ -266,6 +267,50 @@ static job_status make_band(work *w)
     return JOB_DONE;
 }
 
+/* ------------------------------------------------------------------------------ the scale */
+
+/* Counts the slopes of a row, read with its surroundings. */
+static bool measure_row(work *w, ntp_relief *relief)
+{
+    int32_t first = 0;
+    const int32_t step = ntp_relief_row(w->heights->width, w->heights->height, w->y0, &first);
+    if (step == 0)
+        return true;
+    if (!read_band(w))
+        return false;
+    const ntp_image rows = raster_view(w->heights, w->heights_rows, w->count);
+    const ntp_const_image seen = ntp_image_as_const(&rows);
+    ntp_relief_add(relief, &seen, &w->job->how, first, w->above, step);
+    return true;
+}
+
+job_status normals_job_find_scale(normals_job *job, const raster *heights)
+{
+    const int32_t reach = ntp_normals_reach(&job->how);
+    if (!job->measures || reach < 0)
+        return JOB_DONE;
+    if (job->how.source == NTP_HEIGHT_SOURCE_ALPHA && heights->channels % 2 == 1)
+        return JOB_NO_ALPHA;
+    work w = { .job = job, .heights = heights, .margin = 2 * reach + 1 };
+    ntp_relief *relief = calloc(1, sizeof *relief);
+    w.heights_rows = malloc(raster_row(heights) * (BAND + 2 * (size_t) w.margin));
+    job_status status = relief != NULL && w.heights_rows != NULL ? JOB_DONE : JOB_NO_MEMORY;
+    if (status == JOB_DONE && job->biased)
+        status = find_bias(&w.bias, heights);
+    for (int32_t y = 0; status == JOB_DONE && y < heights->height; y++) {
+        w.y0 = y;
+        w.y1 = y + 1;
+        status = measure_row(&w, relief) ? JOB_DONE : JOB_NO_PIXELS;
+    }
+    if (status == JOB_DONE) {
+        job->how.scale *= ntp_relief_scale(relief); /* of 1, or -1 where red is flipped */
+        job->measures = false;
+    }
+    free(relief);
+    free(w.heights_rows);
+    return status;
+}
+
 /* ------------------------------------------------------------------------------- the job */
 
 static bool reserve(work *w, bool alpha_plane)
@@ -317,7 +362,11 @@ job_status normals_job_run(const normals_job *job, const raster *heights, const 
         return JOB_WRONG;
     if (heights->width != result->width || heights->height != result->height)
         return JOB_WRONG_SIZE;
-    work w = { .job = job,
+    normals_job scaled = *job;
+    const job_status found = normals_job_find_scale(&scaled, heights);
+    if (found != JOB_DONE)
+        return found;
+    work w = { .job = &scaled,
                .heights = heights,
                .layer = keeps && result->channels == 4 && layer != NULL && layer->channels % 2 == 0
                             ? layer

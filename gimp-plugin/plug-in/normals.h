@@ -37,12 +37,16 @@ typedef struct normals_job {
     ntp_encoding encoding;
     alpha_rule alpha;
     dudv_format dudv;
-    bool biased; /* the height is the luma of the color minus the mean color */
-    bool swap;   /* exchange red and blue */
+    bool biased;   /* the height is the luma of the color minus the mean color */
+    bool swap;     /* exchange red and blue */
+    bool measures; /* the scale is still to be multiplied by the one that suits the heights */
 } normals_job;
 
 /* The job for the settings of PROCEDURE_NORMALS. */
 normals_job normals_job_from(const settings *s);
+
+/* Measures the heights, if the settings name no scale; normals_job_run does so by itself. */
+job_status normals_job_find_scale(normals_job *job, const raster *heights);
 
 /* Does the result need an alpha channel in a layer of this type? */
 bool normals_job_needs_alpha(const normals_job *job, ntp_type type);

@@ -111,13 +111,19 @@ static void light_up(const preview *p, ntp_encoding encoding, ntp_y y, uint8_t *
     ntp_shade(&out, &seen, p->light, NULL);
 }
 
-static job_status show_normals(const preview *p, uint8_t *map, uint8_t *lit)
+static job_status show_normals(const preview *p, uint8_t *map, uint8_t *lit, double *scale)
 {
     maker m = { .p = p, .normals = normals_job_from(p->settings) };
     const bool stored_otherwise = m.normals.swap || m.normals.dudv != DUDV_NONE;
     m.normals.alpha = ALPHA_KEEP;
     m.normals.how.alpha = NTP_ALPHA_KEEP;
-    job_status status = sample(&m, map);
+    const bool measures = m.normals.measures;
+    job_status status =
+        normals_job_find_scale(&m.normals, p->heights != NULL ? p->heights : p->layer);
+    if (measures)
+        *scale = m.normals.how.scale < 0 ? -m.normals.how.scale : m.normals.how.scale;
+    if (status == JOB_DONE)
+        status = sample(&m, map);
     if (status != JOB_DONE)
         return status;
     if (stored_otherwise) {
@@ -179,10 +185,10 @@ static job_status show_height(const preview *p, uint8_t *map, uint8_t *lit)
     return status;
 }
 
-job_status preview_render(const preview *p, uint8_t *map, uint8_t *lit)
+job_status preview_render(const preview *p, uint8_t *map, uint8_t *lit, double *scale)
 {
     if (p->procedure == &procedures[PROCEDURE_NORMALS])
-        return show_normals(p, map, lit);
+        return show_normals(p, map, lit, scale);
     if (p->layer->channels < 3)
         return JOB_GRAY;
     return p->procedure == &procedures[PROCEDURE_HEIGHT] ? show_height(p, map, lit)

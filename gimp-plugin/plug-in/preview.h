@@ -23,8 +23,9 @@ typedef struct preview {
  * Fills packed RGB.  map gets the texels that the procedure will write, converted to 8 bits, one
  * under the middle of each pixel and never a mixture.  lit gets the plane with these normals.
  * Heights are an exception: they are made only from the texels under the pixels, as from a small
- * texture, and lit shows the normals as they are.
+ * texture, and lit shows the normals as they are.  scale: the scale that suits the layer, if the
+ * settings name none; otherwise it stays.
  */
-job_status preview_render(const preview *p, uint8_t *map, uint8_t *lit);
+job_status preview_render(const preview *p, uint8_t *map, uint8_t *lit, double *scale);
 
 #endif

@@ -120,8 +120,11 @@ static void render(view *v)
                         .y = v->y - v->height * v->step / 2,
                         .step = v->step,
                         .light = &v->light };
-    const job_status status = preview_render(&p, v->map, v->lit);
-    gtk_label_set_text(GTK_LABEL(v->note), status == JOB_DONE ? "" : _(job_status_text(status)));
+    double scale = 0;
+    const job_status status = preview_render(&p, v->map, v->lit, &scale);
+    gchar *found = scale > 0 ? g_strdup_printf(_("Scale from the layer: %g"), scale) : g_strdup("");
+    gtk_label_set_text(GTK_LABEL(v->note), status == JOB_DONE ? found : _(job_status_text(status)));
+    g_free(found);
     gtk_widget_queue_draw(v->areas[MAP]);
     gtk_widget_queue_draw(v->areas[LIT]);
 }

@@ -824,6 +824,34 @@ NTP_API size_t ntp_height_blur_scratch_size(const ntp_blur_options *how, int32_t
 NTP_API ntp_status ntp_height_blur(const ntp_image *dst, const ntp_const_image *src,
                                    const ntp_blur_options *how, void *scratch, size_t scratch_size);
 
+enum { NTP_RELIEF_BINS = 4096 };
+
+/* How many texels have which slope, at scale 1; the caller zeroes it once.  Parts add up. */
+typedef struct ntp_relief {
+    uint32_t texels[NTP_RELIEF_BINS];
+} ntp_relief;
+
+/*
+ * The texels of a row that are measured, about 256 x 256 of an image of any size: *first, and every
+ * step-th after it, where the step is returned; 0: none of this row.
+ */
+NTP_API int32_t ntp_relief_row(int32_t width, int32_t height, int32_t y, int32_t *first);
+
+/*
+ * Counts the slopes of texels x, x + step, ... of row y.  Flat texels do not count, nor do those
+ * whose heights are not finite.  Of the options the kernel, the borders, the spacings and the
+ * source matter.  Reads as ntp_normals_from_height for that row.
+ */
+NTP_API ntp_status ntp_relief_add(ntp_relief *relief, const ntp_const_image *src,
+                                  const ntp_normals_options *how, int32_t x, int32_t y,
+                                  int32_t step);
+
+/*
+ * The scale that shows the relief: one in twenty of the texels that are not flat is then steeper
+ * than 45 degrees.  Rounded to three digits, so that it can be typed.  0 if all texels are flat.
+ */
+NTP_API double ntp_relief_scale(const ntp_relief *relief);
+
 /* The settings that give another program's picture of a heightfield; see ntp_normals_like. */
 typedef struct ntp_peer {
     ntp_normals_options options;

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """The GEGL operations through the program `gegl`: the same numbers as `ntp`."""
 
+import math
 import os
 import shlex
 import shutil
@@ -10,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from support import libntp_ffi as ffi_lib
 from support import pngs
 from support.gegl_pictures import CHANNELS, DEPTHS, GAMMA, picture, rough_normals, to_options
 from support.gimps import built_with
@@ -212,6 +214,51 @@ def test_alpha_height_of_opaque(gegl, ntp):
     made = gegl(heights, "ntp:normals-from-height", "alpha=height")
     assert made.shape[2] == 4
     assert (made == expected).all()
+
+
+def suggested_scale(heights, kernel="central"):
+    """ntp_relief_scale of a picture that wraps, of red."""
+    view = ffi_lib.view(np.ascontiguousarray(heights), ffi_lib.HEIGHT, const=True)
+    how = ffi_lib.ffi.new("ntp_normals_options *", {"kernel": 9 if kernel == "gimp9" else 0})
+    relief, first = ffi_lib.ffi.new("ntp_relief *"), ffi_lib.ffi.new("int32_t *")
+    rows, columns = heights.shape[:2]
+    for y in range(rows):
+        step = ffi_lib.lib.ntp_relief_row(columns, rows, y, first)
+        if step > 0:
+            ffi_lib.check(ffi_lib.lib.ntp_relief_add(relief, view, how, first[0], y, step))
+    return ffi_lib.lib.ntp_relief_scale(relief)
+
+
+@pytest.mark.parametrize(("depth", "kernel"), [(8, "central"), (16, "gimp9")])
+def test_scale_of_the_layer(gegl, ntp, depth, kernel):
+    """Without a scale it is that of all of the layer, also for a part; strength multiplies it."""
+    heights = picture(530, 300, 3, depth)
+    scale = suggested_scale(heights, kernel)
+    expected = ntp(heights, "from-height", "--scale", repr(scale * 0.5), "--kernel", kernel)
+    operation = ["ntp:normals-from-height", "strength=0.5", f"kernel={kernel}"]
+    for threads in (1, 4):
+        assert (gegl(heights, *operation, threads=threads) == expected).all()
+    part = gegl(heights, *operation, "gegl:crop", "x=37", "y=40", "width=50", "height=30")
+    assert (part == expected[40:70, 37:87]).all()
+
+
+@pytest.mark.parametrize(("channels", "depth"), [(3, 8), (4, 8), (3, 16)])
+def test_lit(gegl, ntp, channels, depth):
+    """As libntp lights the normals that the program makes."""
+    heights = picture(150, 133, channels, depth)
+    normals = ntp(heights, "from-height", "--scale", "30", "--to-y", "down")
+    around, above = math.radians(20), math.radians(50)
+    light = ffi_lib.ffi.new("ntp_light *")
+    direction = (math.cos(around) * math.cos(above), math.sin(around) * math.cos(above))
+    light.direction = [*direction, math.sin(above)]
+    light.ambient, light.diffuse, light.specular, light.color = 0.1, 0.9, 0.2, [0.6] * 3
+    expected = np.zeros((*normals.shape[:2], channels), np.uint8)
+    source = ffi_lib.view(normals, ffi_lib.STANDARD, ffi_lib.DOWN, const=True)
+    picture_of = ffi_lib.view(expected, ffi_lib.HEIGHT)
+    ffi_lib.check(ffi_lib.lib.ntp_shade(picture_of, source, light, ffi_lib.ffi.NULL))
+    shown = ["show=lit", "light-from=20", "light-height=50"]
+    made = gegl(heights, "ntp:normals-from-height", "scale=30", "to-y=down", *shown)
+    assert (made == expected.astype(made.dtype) * (1 if depth == 8 else 257)).all()
 
 
 def test_nothing_to_do(gegl_env, tmp_path):

@@ -99,6 +99,44 @@ static void test_flip_and_swap(void)
     memory_free(mirrored);
 }
 
+/* A scale of 0 is that of the whole layer, also where only a part is made; the old procedure's is 0. */
+static void test_scale_of_the_layer(void)
+{
+    static const int32_t HEIGHTS[] = { 90, 260 };
+    for (int i = 0; i < 16; i++) {
+        const int32_t width = 40, height = HEIGHTS[i % 2];
+        memory *in = memory_new(width, height, 1, NTP_TYPE_U16);
+        memory *made = memory_new(width, height, 3, NTP_TYPE_U16);
+        memory *expected = memory_new(width, height, 3, NTP_TYPE_U16);
+        settings s;
+        fill(in);
+        settings_reset(&procedures[PROCEDURE_NORMALS], &s);
+        s.value[FN_KERNEL] = i % 3 == 0 ? NTP_KERNEL_GIMP9 : NTP_KERNEL_CENTRAL;
+        s.value[FN_BORDER_Y] = i / 2 % 5;
+        s.value[FN_FLIP_X] = i % 2;
+        assert(s.value[FN_SCALE] == 0);
+        normals_job job = normals_job_from(&s), told = job;
+        const ntp_image view = raster_view(&in->raster, in->data, height);
+        const ntp_const_image whole = ntp_image_as_const(&view);
+        ntp_relief relief = { { 0 } };
+        for (int32_t y = 0; y < height; y++) {
+            int32_t first = 0;
+            const int32_t step = ntp_relief_row(width, height, y, &first);
+            assert(step == 1 && ntp_relief_add(&relief, &whole, &job.how, first, y, 1) == NTP_OK);
+        }
+        told.measures = false;
+        told.how.scale *= ntp_relief_scale(&relief);
+        assert((told.how.scale < 0) == (i % 2 == 1));
+        expect_normals(expected, in, &told);
+        assert(normals_job_run(&job, &in->raster, NULL, NULL, &made->raster, NULL, NULL) ==
+               JOB_DONE);
+        assert(memcmp(made->data, expected->data, bytes_of(made)) == 0);
+        memory_free(in);
+        memory_free(made);
+        memory_free(expected);
+    }
+}
+
 static void test_alpha_rules(void)
 {
     static const int EXPECTED[] = { 40, 255, 0, 215, 200, 55, 90 }; /* in the order of alphas */
@@ -160,7 +198,8 @@ static void test_preview(void)
     settings s;
     fill(in);
     settings_reset(&procedures[PROCEDURE_NORMALS], &s);
-    const normals_job job = normals_job_from(&s);
+    normals_job job = normals_job_from(&s);
+    assert(normals_job_find_scale(&job, &in->raster) == JOB_DONE);
     expect_normals(whole, in, &job);
     static const double STEPS[] = { 3.7, 1, 0.25 };
     for (int k = 0; k < 3; k++) {
@@ -173,7 +212,8 @@ static void test_preview(void)
                             .x = 20.3,
                             .y = 11.8,
                             .step = STEPS[k] };
-        assert(preview_render(&p, map, lit) == JOB_DONE);
+        double scale = 0;
+        assert(preview_render(&p, map, lit, &scale) == JOB_DONE && scale == job.how.scale);
         for (int j = 0; j < 40; j++) {
             for (int i = 0; i < 50; i++) {
                 const int x = (int) (20.3 + (i + 0.5) * STEPS[k]);
@@ -218,7 +258,7 @@ static void test_preview_of_cleaning(void)
                             .width = W,
                             .height = H,
                             .step = 1 };
-        assert(preview_render(&p, map, lit) == JOB_DONE);
+        assert(preview_render(&p, map, lit, NULL) == JOB_DONE);
         assert(memcmp(map, made->data, sizeof map) == 0);
     }
     memory_free(in);
@@ -289,7 +329,7 @@ static void test_settings(void)
     s.value[FN_MIN_Z] = 3;
     assert(settings_check(p, &s) == &p->fields[FN_MIN_Z] && s.value[FN_MIN_Z] == 1);
     s.value[FN_SCALE] = NAN;
-    assert(settings_check(p, &s) == &p->fields[FN_SCALE] && s.value[FN_SCALE] == 10);
+    assert(settings_check(p, &s) == &p->fields[FN_SCALE] && s.value[FN_SCALE] == 0);
 }
 
 int main(void)
@@ -297,6 +337,7 @@ int main(void)
     test_settings();
     test_bands();
     test_flip_and_swap();
+    test_scale_of_the_layer();
     test_alpha_rules();
     test_failures();
     test_preview();

@@ -82,10 +82,11 @@ static void add_number(dialog *d, GtkTable *table, gint row, int i)
 {
     enum { SCALE_WIDTH = 150, SPIN_WIDTH = 9 };
     const field *f = &d->procedure->fields[i];
-    const double step = f->soft_high - f->soft_low > 10 ? 1 : 0.01;
+    const double step = f->soft_high > 10 ? 0.1 : 0.01;
     GtkObject *number = gimp_scale_entry_new(
         table, 0, row, _(f->label), SCALE_WIDTH, SPIN_WIDTH, f->value, f->soft_low, f->soft_high,
         step, 10 * step, (guint) f->digits, FALSE, f->low, f->high, _(f->help), NULL);
+    gimp_scale_entry_set_logarithmic(number, f->soft_high > 100);
     d->numbers[i] = GTK_ADJUSTMENT(number);
     g_signal_connect(number, "value-changed", G_CALLBACK(on_change), d);
     if (d->first == NULL)

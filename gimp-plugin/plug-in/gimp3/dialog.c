@@ -29,8 +29,11 @@ static void on_change(GObject *config, GParamSpec *spec, gpointer data)
 /* Its scale covers usual values, its entry takes all allowed ones. */
 static void make_slider(GimpProcedureDialog *dialog, const field *f)
 {
+    const gdouble step = f->soft_high > 10 ? 0.1 : 0.01;
     GtkWidget *slider = gimp_procedure_dialog_get_scale_entry(dialog, f->name, 1);
     gimp_scale_entry_set_bounds(GIMP_SCALE_ENTRY(slider), f->soft_low, f->soft_high, TRUE);
+    gimp_scale_entry_set_logarithmic(GIMP_SCALE_ENTRY(slider), f->soft_high > 100);
+    gimp_label_spin_set_increments(GIMP_LABEL_SPIN(slider), step, 10 * step);
     gimp_label_spin_set_digits(GIMP_LABEL_SPIN(slider), f->digits);
     gtk_widget_set_size_request(gimp_scale_entry_get_range(GIMP_SCALE_ENTRY(slider)), SLIDER, -1);
 }

@@ -11,6 +11,7 @@
  *   dither.c            rounds a texel so that errors do not add up
  *   pack.c              writes the result, with its alpha
  *   blur.c              ntp_height_blur: Gaussian blur of the heights
+ *   relief.c            ntp_relief_add, ntp_relief_scale: the scale that suits a heightfield
  *   like_program.c      ntp_normals_like: the settings that match other programs
  *
  * The normal of a texel is (c D, d E, N) divided by its length.  D and E are the integer tap sums
