@@ -5,7 +5,10 @@ The truth is what test_files/generate.py drew: vectors in floats, before they we
 damaged.  Files are read here by formulas of this module.
 """
 
+import dataclasses
+import functools
 import json
+import pathlib
 import sys
 
 import numpy as np
@@ -14,6 +17,7 @@ from PIL import Image
 
 from support.libntp_ffi import ROOT
 from support.pngs import read_png, write_png
+from support.spawn import spawn
 
 FILES = ROOT / "test_files"
 sys.path.insert(0, str(FILES))
@@ -28,6 +32,7 @@ TOO_SHORT_OR_LONG = ("too_short.png", "too_long.png", "resized.png")
 FLAT_TILT = 0.32  # of (128, 128, 255), which a blend adds
 
 
+@functools.cache
 def truths():
     """{file: (true vectors, encoding)} of the files that show drawn normals."""
     n, gentle = generate.N, generate.GENTLE
@@ -135,6 +140,11 @@ def vectors(path, encoding):
     return v / np.linalg.norm(v, axis=-1, keepdims=True), unused
 
 
+@functools.cache
+def vectors_of_input(name, encoding):
+    return vectors(FILES / name, encoding)
+
+
 def mean_angle(path, encoding, truth, unused=None):
     v, own = vectors(path, encoding)
     used = ~(own if unused is None else unused)
@@ -142,30 +152,91 @@ def mean_angle(path, encoding, truth, unused=None):
     return float(np.degrees(np.arccos(cosines)).mean())
 
 
-@pytest.mark.parametrize("verb", VERBS)
-def test_no_verb_makes_a_file_worse(run, tmp_path, verb):
-    options, becomes, encoding_out = VERBS[verb]
-    write_png(tmp_path / "flat_n.png", np.full((64, 96, 3), [128, 128, 255], np.uint8))
+IMAGES = [
+    file
+    for file in sorted(FILES.iterdir())
+    if file.suffix in (".png", ".tga", ".jpg") and not file.name.startswith("broken")
+]
+
+
+@dataclasses.dataclass
+class Made:
+    """What a verb made of a file: its exit code, what it said, and the output where there is one."""
+
+    code: int
+    said: str
+    out: pathlib.Path
+
+
+CODES = {"ok": 0, "refused": 1}
+
+
+def each_alone(ntp, words, flat, folder):
+    """Of a verb that takes one pair of files."""
+    for file in IMAGES:
+        out = folder / f"{file.name}.png"
+        args = [{"FILE": file, "FLAT": flat}.get(word, word) for word in words]
+        done = ntp(*args, "-o", out)
+        yield file.name, Made(done.returncode, done.stderr, out)
+
+
+def all_at_once(ntp, words, folder):
+    at = words.index("FILE")
+    done = ntp(*words[:at], *IMAGES, *words[at + 1 :], "-o", folder, "--format", "json")
+    for item in json.loads(done.stdout)["files"]:
+        name = pathlib.Path(item["path"]).name
+        assert item["written"] == (item["output"] is not None) == (item["status"] == "ok"), item
+        said = [line for line in done.stderr.splitlines() if line.startswith("ntp: ")]
+        said = [line for line in said if f"{name}: " in line]
+        out = item["output"] or folder / f"{pathlib.Path(name).stem}.png"
+        yield name, Made(CODES[item["status"]], "".join(said), pathlib.Path(out))
+
+
+@pytest.fixture(scope="module")
+def made(program, tmp_path_factory):
+    """made(verb): {file: Made} of every test file.  Each verb runs once."""
+
+    def ntp(*args):
+        return spawn([program, *args], text=True)
+
+    @functools.cache
+    def call(verb):
+        words, _, _ = VERBS[verb]
+        folder = tmp_path_factory.mktemp("made")
+        if words[0] != "blend":
+            return dict(all_at_once(ntp, words, folder))
+        write_png(folder / "flat_n.png", np.full((64, 96, 3), [128, 128, 255], np.uint8))
+        return dict(each_alone(ntp, words, folder / "flat_n.png", folder))
+
+    return call
+
+
+# Both tests of a verb look at the same outputs, so one process of pytest-xdist runs them.
+EACH_VERB = [
+    pytest.param(verb, marks=pytest.mark.xdist_group(f"no worse: {verb}")) for verb in VERBS
+]
+
+
+@pytest.mark.parametrize("verb", EACH_VERB)
+def test_no_verb_makes_a_file_worse(made, verb):
+    _, becomes, encoding_out = VERBS[verb]
     refused = []
     for name, (truth, encoding) in truths().items():
         if verb == "blend under" and (FILES / name).suffix == ".jpg":
             continue
-        words = {"FILE": FILES / name, "FLAT": tmp_path / "flat_n.png"}
-        out = tmp_path / "out.png"
-        out.unlink(missing_ok=True)
-        done = run(*[words.get(o, o) for o in options], "-o", out, "--format", "json")
-        if done.returncode == 1:
-            assert not out.exists() and "ntp: " in done.stderr, (name, done.stdout, done.stderr)
+        one = made(verb)[name]
+        if one.code == 1:
+            assert not one.out.exists() and "ntp: " in one.said, (name, one)
             refused.append(name)
             continue
-        assert done.returncode == 0, (name, done.stderr)
+        assert one.code == 0, (name, one)
         _, unused = vectors(FILES / name, encoding)
         wanted = truth * ([1, 1, 1] if name == "standard_down.png" else [1, -1, 1])
         wanted = wanted if becomes == "down" else becomes(truth)
         moved = {"flip": unused[:, ::-1], "turn": unused[::-1, ::-1]}.get(verb, unused)
         # without blue: what red and green of the input say
         old = mean_angle(FILES / name, "xy" if encoding_out == "xy" else encoding, truth)
-        new = mean_angle(out, encoding_out or encoding, wanted, moved)
+        new = mean_angle(one.out, encoding_out or encoding, wanted, moved)
         more = ROUNDING + (FLAT_TILT if "blend" in verb else 0)
         assert new <= old + more, (verb, name, old, new)
     allowed = [] if verb.startswith("clean") else DOUBTFUL
@@ -229,36 +300,45 @@ def test_accidents_are_undone(run, tmp_path, name):
 LEVELS = ("info", "warning", "error")
 
 
-def worst(run, path, *options):
-    """The gravest level of the findings, as a number, and their ids."""
-    (found,) = json.loads(run("check", path, "--format", "json", *options).stdout)["files"]
-    told = [(LEVELS.index(f["level"]), f["id"]) for f in found["findings"] if f["id"] != "NT022"]
-    return max(told, default=(0, ""))[0], told, found["type"]
+@pytest.fixture(scope="module")
+def worst(program):
+    """worst(files, option...) -> {file: (the gravest level of its findings as a number, all of them,
+    the type)}."""
+
+    @functools.cache
+    def call(files, *options):
+        done = spawn([program, "check", *files, "--format", "json", *options], text=True)
+        of = {}
+        for item in json.loads(done.stdout)["files"]:
+            told = [(LEVELS.index(f["level"]), f["id"]) for f in item["findings"]]
+            told = [finding for finding in told if finding[1] != "NT022"]
+            of[pathlib.Path(item["path"])] = max(told, default=(0, ""))[0], told, item["type"]
+        assert set(of) == set(files)
+        return of
+
+    return call
 
 
-@pytest.mark.parametrize("verb", VERBS)
-def test_check_calls_no_result_worse(run, tmp_path, verb):
+@pytest.mark.parametrize("verb", EACH_VERB)
+def test_check_calls_no_result_worse(worst, made, verb):
     """Of every test file.  A conversion is judged as what it was asked for; a tilt that is made
     stronger on purpose (NT022) is none of its faults."""
     options, _, encoding_out = VERBS[verb]
-    write_png(tmp_path / "flat_n.png", np.full((64, 96, 3), [128, 128, 255], np.uint8))
-    written = 0
-    for file in sorted(FILES.iterdir()):
-        if file.suffix not in (".png", ".tga", ".jpg") or file.name.startswith("broken"):
-            continue
-        out = tmp_path / "out.png"
-        out.unlink(missing_ok=True)
-        words = {"FILE": file, "FLAT": tmp_path / "flat_n.png"}
-        done = run(*[words.get(o, o) for o in options], "-o", out)
-        assert done.returncode in (0, 1, 2), (file.name, done.stderr)
-        if done.returncode != 0:
-            assert not out.exists(), file.name
-            continue
-        written += 1
-        before, of_input, kind = worst(run, file)
-        told = encoding_out if options[0] == "convert" else None
+    told = encoding_out if options[0] == "convert" else None
+    written = {}
+    for file in IMAGES:
+        one = made(verb)[file.name]
+        assert one.code in (0, 1, 2), (file.name, one)
+        if one.code == 0:
+            written[file] = one.out
+        else:
+            assert not one.out.exists(), file.name
+    of_inputs = worst(tuple(IMAGES))
+    of_outputs = worst(tuple(written.values()), *(["--type", told] if told else []))
+    for file, out in written.items():
+        before, of_input, kind = of_inputs[file]
         if kind in ("one-color", "height"):
             continue  # not normals that anything could be wrong with
-        after, of_output, _ = worst(run, out, *(["--type", told] if told else []))
+        after, of_output, _ = of_outputs[out]
         assert after <= before, (verb, file.name, of_input, of_output)
-    assert written >= 30
+    assert len(written) >= 30

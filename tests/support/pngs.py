@@ -11,6 +11,11 @@ import zlib
 
 import numpy as np
 
+try:
+    from PIL import Image
+except ImportError:  # inside GIMP
+    Image = None
+
 SIGNATURE = b"\x89PNG\r\n\x1a\n"
 _COLOR_TYPES = {1: 0, 2: 4, 3: 2, 4: 6}
 _ADAM7 = [(0, 0, 8, 8), (4, 0, 8, 8), (0, 4, 4, 8), (2, 0, 4, 4), (0, 2, 2, 4), (1, 0, 2, 2)]
@@ -105,6 +110,25 @@ def _unfilter(kind, row, above, step):
     return bytes(out[step:])
 
 
+def _unfiltered(data, h, w, step):
+    """The bytes of h rows of w texels, from a zlib stream of filtered rows."""
+    raw, above, rows = zlib.decompress(data), bytes(w * step), []
+    for y in range(h):
+        start = y * (w * step + 1)
+        row = raw[start + 1 : start + 1 + w * step]
+        above = _unfilter(raw[start], row, above, step) if raw[start] else row
+        rows.append(bytes(above))
+    return b"".join(rows)
+
+
+def _unfiltered_by_pillow(data, h, w, step):
+    """The same, many times faster.  Of two bytes a sample Pillow keeps one, so it is asked twice."""
+    mode = {1: "L", 2: "LA", 3: "RGB", 4: "RGBA", 6: "RGB", 8: "RGBA"}[step]
+    kept = [""] if step <= 4 else [";16B", ";16L"]
+    parts = [Image.frombytes(mode, (w, h), data, "zip", mode + which).tobytes() for which in kept]
+    return np.stack([np.frombuffer(part, np.uint8) for part in parts], -1).tobytes()
+
+
 def read_png(path):
     """(pixels as (h, w, c), {chunk kind: [data, ...]}) of a PNG that the program wrote."""
     with open(path, "rb") as file:
@@ -121,15 +145,11 @@ def read_png(path):
     w, h, depth, color_type, _, _, interlaced = struct.unpack(">IIBBBBB", chunks[b"IHDR"][0])
     assert depth in (8, 16) and not interlaced and color_type != 3
     channels = {0: 1, 4: 2, 2: 3, 6: 4}[color_type]
-    raw = zlib.decompress(b"".join(chunks[b"IDAT"]))
-    step = channels * depth // 8
-    stride, above, rows = w * step, bytes(w * step), []
-    for y in range(h):
-        start = y * (stride + 1)
-        row = raw[start + 1 : start + 1 + stride]
-        above = _unfilter(raw[start], row, above, step) if raw[start] else row
-        rows.append(bytes(above))
-    pixels = np.frombuffer(b"".join(rows), ">u2" if depth == 16 else np.uint8)
+    data = b"".join(chunks[b"IDAT"])
+    assert len(zlib.decompress(data)) == h * (1 + w * channels * depth // 8)
+    unfiltered = _unfiltered_by_pillow if Image else _unfiltered
+    samples = unfiltered(data, h, w, channels * depth // 8)
+    pixels = np.frombuffer(samples, ">u2" if depth == 16 else np.uint8)
     return pixels.astype(np.uint16 if depth == 16 else np.uint8).reshape(h, w, channels), chunks
 
 
