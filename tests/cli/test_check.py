@@ -5,14 +5,11 @@ import csv
 import io
 import json
 
-import jsonschema
 import numpy as np
 import pytest
 
-from support import libntp_ffi, oracle, textures
+from support import libntp_ffi, oracle, schemas, textures
 from support.pngs import chunk, write_png
-
-SCHEMA = json.loads((libntp_ffi.ROOT / "docs/schema/check-1.json").read_text())
 
 
 def report(run, *args, code=None):
@@ -20,7 +17,7 @@ def report(run, *args, code=None):
     if code is not None:
         assert done.returncode == code, done.stderr
     out = json.loads(done.stdout)
-    jsonschema.validate(out, SCHEMA)
+    schemas.validate(out, "check-1")
     return out
 
 

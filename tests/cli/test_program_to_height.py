@@ -8,16 +8,14 @@ import struct
 import subprocess
 import time
 
-import jsonschema
 import numpy as np
 import pytest
 
-from support import libntp_ffi, textures
+from support import schemas, textures
 from support import to_height as reconstruction
 from support.pngs import chunk, read_png, write_png
 from support.spawn import spawn, start
 
-SCHEMA = json.loads((libntp_ffi.ROOT / "docs/schema/to-height-1.json").read_text())
 KERNELS = ["central", "forward", "prewitt3", "sobel3", "scharr3"]
 BORDERS = ["wrap", "clamp", "mirror"]
 MADE = [(k, b) for k in KERNELS for b in BORDERS]
@@ -29,7 +27,7 @@ def to_height(run, *args, code=0):
     done = run("to-height", *args, "--format", "json")
     assert done.returncode == code, done.stderr
     report = json.loads(done.stdout)
-    jsonschema.validate(report, SCHEMA)
+    schemas.validate(report, "to-height-1")
     return report["files"]
 
 

@@ -5,14 +5,12 @@ import json
 import os
 from pathlib import Path
 
-import jsonschema
 import numpy as np
 import pytest
 
-from support import encoders, libntp_ffi, oracle, textures
+from support import encoders, libntp_ffi, oracle, schemas, textures
 from support.pngs import write_png
 
-SCHEMA = json.loads((libntp_ffi.ROOT / "docs/schema/check-1.json").read_text())
 CORPUS = libntp_ffi.ROOT.parent / "shared/corpus"
 LEVELS = ["info", "warning", "error"]
 ABOUT_TEXELS = {"NT001", "NT002", "NT003"}
@@ -20,7 +18,7 @@ ABOUT_TEXELS = {"NT001", "NT002", "NT003"}
 
 def report(run, *args):
     out = json.loads(run("check", "--format", "json", *args).stdout)
-    jsonschema.validate(out, SCHEMA)
+    schemas.validate(out, "check-1")
     return out
 
 

@@ -188,12 +188,14 @@ def random_vectors(rng, shape, steepness=1.0):
     return vectors_of(*(rng.normal(size=(2, *shape)) * steepness))
 
 
-def fractal(n, seed=1, rms_slope=0.7, exponent=2.5):
-    """A periodic heightfield with a spectrum of 1/f^exponent, heights in texels."""
+def fractal(n, seed=1, rms_slope=0.7, exponent=2.5, width=None):
+    """A periodic heightfield with a spectrum of 1/f^exponent, heights in texels; n is its height,
+    and its width as well unless one is given."""
+    width = width or n
     rng = np.random.default_rng(seed)
-    f = np.hypot(*np.meshgrid(np.fft.fftfreq(n), np.fft.fftfreq(n)))
+    f = np.hypot(*np.meshgrid(np.fft.fftfreq(width), np.fft.fftfreq(n)))
     f[0, 0] = np.inf
-    h = np.fft.ifft2(np.fft.fft2(rng.normal(size=(n, n))) * f**-exponent).real
+    h = np.fft.ifft2(np.fft.fft2(rng.normal(size=(n, width))) * f**-exponent).real
     dx, dy = np.roll(h, -1, 1) - h, np.roll(h, -1, 0) - h
     slope = np.sqrt(np.mean(dx * dx + dy * dy))
     return (h * (rms_slope / slope)).astype(np.float32)
