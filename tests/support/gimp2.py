@@ -5,6 +5,7 @@ import os
 import re
 import shutil
 import subprocess
+from pathlib import Path
 
 PROGRAM = "gimp-console-2.10"
 
@@ -121,11 +122,28 @@ def stored(file):
     return f'(gimp-xcf-save RUN-NONINTERACTIVE image {layer} "{file}" "x")'
 
 
+# Modules of GEGL that read and write files and devices: GIMP has plug-ins for these.
+NOT_NEEDED = re.compile(r"-(load|save)\.so$|^(v4l|lcms-from-profile|matting-levin)\.so$")
+
+
+def gegl_modules(folder):
+    """A directory with the modules of GEGL that GIMP needs.  Each start of a plug-in loads all that
+    there are, and the libraries that these need: FFmpeg, Poppler and many others."""
+    query = ["pkg-config", "--variable=pluginsdir", "gegl-0.4"]
+    there = subprocess.run(query, capture_output=True, text=True, check=True).stdout.strip()
+    folder.mkdir()
+    for file in Path(there).glob("*.so"):
+        if not NOT_NEEDED.search(file.name):
+            (folder / file.name).symlink_to(file)
+    return folder
+
+
 class Gimp2:
     """GIMP 2.10 with our plug-in, in directories of its own."""
 
     def __init__(self, plugin, work):
         self.work = work
+        self.modules = gegl_modules(work / "gegl")
         place = work / "profile" / "plug-ins" / "ntp-normals"
         place.mkdir(parents=True)
         shutil.copy(plugin, place / "ntp-normals")
@@ -143,6 +161,9 @@ class Gimp2:
         environment["HOME"] = str(self.work)
         environment.pop("LD_PRELOAD", None)  # of sanitizers: for Python only
         environment["GEGL_USE_OPENCL"] = "no"
+        environment["GEGL_PATH"] = str(self.modules)
+        # With a cache of conversions each start measures 360 MB of tables, to see if they pay.
+        environment["BABL_INHIBIT_CACHE"] = "1"
         done = subprocess.run(
             command,
             cwd=self.work,
