@@ -929,7 +929,7 @@ typedef struct ntp_height_options {
     int32_t equalize;      /* nonzero, telescoping, central: one mean for even and odd texels */
     ntp_residual_scope residual_scope; /* compute `residual` for these texels, in one more pass */
     int32_t detrend; /* nonzero: remove the best-fitting plane, along borders that do not wrap */
-    int32_t refine;  /* 0..NTP_MAX_ITERATIONS rounds, each takes as long as the solution */
+    int32_t refine;  /* 0..NTP_MAX_ITERATIONS rounds */
     /* NTP_HEIGHT_WEIGHTED; a mask makes it the default method.  It is NTP_TYPE_U8 or NTP_TYPE_U16,
      * NTP_ENCODING_HEIGHT, and has the size of src.  Texels where its sample 0 is 0 are holes.
      * Unused texels are holes too. */
@@ -958,7 +958,7 @@ typedef struct ntp_height_result {
     uint64_t islands;         /* connected areas, each with its own mean; 0: only holes */
     double trend_x, trend_y;  /* slopes to the right and down that `detrend` removed */
     int32_t rounds;           /* done by `refine` */
-    uint64_t refine_left;     /* after `refine`: texels whose red or green still differs */
+    uint64_t refine_left;     /* after `refine`: texels that still differ */
     double residual;          /* rms difference of x and y between the normals of the heights and
                                * the texture, in levels (floats: of 16 bit); -1: not measured, or no
                                * texel counts */
@@ -1023,10 +1023,12 @@ NTP_API size_t ntp_height_scratch_size(const ntp_height_options *how, int32_t wi
  * `tolerance` was not reached; dst and result are then those of the last iteration.
  *
  * refine: rounds that change the heights until their normals, by ntp_normals_from_height with this
- * kernel and these borders, have the stored red and green, rounded as NTP_DECODE_* says.  They end
- * when all texels agree.  refine is not for telescoping, baked normals and floats.  detrend is
- * applied to the refined heights and changes their normals; with NTP_HEIGHT_WEIGHTED using both is
- * an error.
+ * kernel and these borders, have the stored red and green, rounded as NTP_DECODE_* says; and the
+ * stored blue, where z is not derived and every blue was rounded from the same vector as its red
+ * and green.  They end when all texels agree, those aside whose kernel reads a hole.  dst gets the
+ * heights of the round that leaves fewest texels.  They take 92 bytes a texel.  refine is not for
+ * telescoping, baked normals and floats.  detrend is applied to the refined heights and changes
+ * their normals; with NTP_HEIGHT_WEIGHTED using both is an error.
  *
  * Automatic choices: for 8-bit NTP_ENCODING_STANDARD, NTP_DECODE_AUTO chooses TRUNC or SNORM if the
  * lengths decoded so are 1 to within rounding, and clearly closer to 1 than with UNORM.  Otherwise,
@@ -1043,7 +1045,9 @@ NTP_API size_t ntp_height_scratch_size(const ntp_height_options *how, int32_t wi
  *
  * The result is the same bytes for any number of parts.  dst and src do not overlap, and ring_rows
  * is 0 in both.  scratch: ntp_height_scratch_size bytes for these parts, aligned to 64.  hooks and
- * result may be NULL.  After NTP_ERR_CANCELLED the content of dst is undefined.
+ * result may be NULL.  After NTP_ERR_CANCELLED the content of dst is undefined and result is as it
+ * was, unless the rounds of `refine` had begun: then both are those of the best round so far, and
+ * result->method is not NTP_HEIGHT_AUTO.
  * Errors: NTP_ERR_ARGUMENT also if the method does not support the borders, seeds are not finite, a
  * mask is given with another method, or telescoping is refined; NTP_ERR_FORMAT for a kernel, or a
  * border of it, that is not listed above, for a float mask, and for what cannot be refined;

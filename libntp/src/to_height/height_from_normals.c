@@ -9,7 +9,8 @@
  *   direct/direct.h      the usual solver: transforms and recursion, no iteration; telescoping
  *   weighted/weighted.h  the solver for masks, holes and steep textures: iteration
  *   shared/slopes.h      what both solvers read: slopes, their operator, transforms, plans
- *   round_trip.c         compares the normals of the heights with the texture: refinement, residual
+ *   round_trip.c         compares the normals of the heights with the texture: residual, excess
+ *   refine.c             changes heights until their normals round to the texture
  *   height_from_rows.c   runs the direct solver row by row, for pictures larger than memory
  * A solver makes heights of mean 0.  Refinement, detrending and measurement come after it, here.
  */
@@ -17,6 +18,7 @@
 #include "to_height/decode.h"
 #include "to_height/direct/direct.h"
 #include "to_height/make_plan.h"
+#include "to_height/refine.h"
 #include "to_height/round_trip.h"
 #include "to_height/weighted/weighted.h"
 
@@ -60,10 +62,9 @@ typedef struct run {
     ntp__slopes slopes;
     ntp__crew crew;
     ntp__round_trip round_trip;
-    double *heights;     /* packed; for refine */
-    float *right, *down; /* the same */
-    void *rest;          /* the memory of the solver */
-    double from, to;     /* the solver reports progress between these shares of the whole work */
+    void *rest;      /* the memory of the solver, and then of the refinement */
+    bool refined;    /* dst holds heights, whatever happens */
+    double from, to; /* the solver reports progress between these shares of the whole work */
     ntp_height_result result;
 } run;
 
@@ -71,19 +72,14 @@ typedef struct run {
 static void lay_out(run *t, ntp__scratch *memory)
 {
     const ntp__height_plan *plan = &t->plan;
-    size_t texels = (size_t) plan->width * (size_t) plan->height;
     int32_t parts = t->crew.parts;
     if (plan->residual_scope != NTP_RESIDUAL_NONE || plan->refine > 0)
         ntp__round_trip_init(&t->round_trip, &t->slopes, plan, t->crew, memory);
-    if (plan->refine > 0) {
-        t->heights = ntp__take(memory, texels * sizeof *t->heights);
-        t->right = ntp__take(memory, texels * sizeof *t->right);
-        t->down = ntp__take(memory, texels * sizeof *t->down);
-    }
     size_t rest = plan->solver == NTP__SOLVER_WEIGHTED      ? ntp__weighted_scratch(plan, parts)
                   : plan->solver == NTP__SOLVER_TELESCOPING ? ntp__telescope_scratch(plan)
                                                             : ntp__direct_scratch(plan, parts);
-    t->rest = ntp__take(memory, rest);
+    size_t after = plan->refine > 0 ? ntp__refine_scratch(plan, parts) : 0;
+    t->rest = ntp__take(memory, rest > after ? rest : after);
 }
 
 size_t ntp_height_scratch_size(const ntp_height_options *how, int32_t width, int32_t height,
@@ -115,114 +111,48 @@ static void share_out(void *user, int32_t count, void (*task)(void *work, int32_
     t->hooks->parallel_for(t->hooks->user, count, task, work);
 }
 
-static const double coarse_tolerance = 1e-3; /* for a round of refinement */
-
-/* dst = heights for these slopes. */
-static ntp_status solve(run *t, const ntp__slopes *slopes)
+/* The caller's hooks; progress goes through `report`. */
+static ntp_hooks inner_hooks(run *t)
 {
-    ntp__slope_counts counts = { 0, 0, 0, 0, { 0, 0 } };
     ntp_hooks hooks = { t, NULL, NULL, t->crew.parts };
     if (t->hooks != NULL && t->hooks->progress != NULL)
         hooks.progress = report;
     if (t->hooks != NULL && t->hooks->parallel_for != NULL)
         hooks.parallel_for = share_out;
-    if (t->plan.solver == NTP__SOLVER_WEIGHTED) {
-        /* Rounds of refinement use equal weights, and a few digits are enough for them. */
-        ntp__height_plan plan = t->plan;
-        bool again = slopes != &t->slopes;
-        plan.tolerance = again ? coarse_tolerance : plan.tolerance;
-        return ntp__weighted_solve(t->dst, slopes, again, &plan, t->rest, &hooks, &t->result);
-    }
+    return hooks;
+}
+
+static ntp_status solve(run *t)
+{
+    ntp__slope_counts counts = { 0, 0, 0, 0, { 0, 0 } };
+    ntp_hooks hooks = inner_hooks(t);
+    t->to = 1 / (t->plan.refine + 1.0);
+    if (t->plan.solver == NTP__SOLVER_WEIGHTED)
+        return ntp__weighted_solve(t->dst, &t->slopes, &t->plan, t->rest, &hooks, &t->result);
     if (t->plan.solver == NTP__SOLVER_TELESCOPING) {
         if (hooks.progress != NULL && hooks.progress(t, 0) != 0)
             return NTP_ERR_CANCELLED;
-        ntp__telescope(t->dst, slopes, &t->plan, t->rest, &counts);
+        ntp__telescope(t->dst, &t->slopes, &t->plan, t->rest, &counts);
     } else {
-        NTP__TRY(ntp__direct_solve(t->dst, slopes, &t->plan, t->rest, &hooks, &counts));
+        NTP__TRY(ntp__direct_solve(t->dst, &t->slopes, &t->plan, t->rest, &hooks, &counts));
     }
-    if (slopes == &t->slopes) {
-        t->result.unused = counts.unused;
-        t->result.not_finite = counts.not_finite;
-        t->result.consistency = counts.consistency;
-        t->result.consistency_max = counts.consistency_max;
-        t->result.min = (double) counts.range[0];
-        t->result.max = (double) counts.range[1];
-    }
+    t->result.unused = counts.unused;
+    t->result.not_finite = counts.not_finite;
+    t->result.consistency = counts.consistency;
+    t->result.consistency_max = counts.consistency_max;
+    t->result.min = (double) counts.range[0];
+    t->result.max = (double) counts.range[1];
     return NTP_OK;
 }
 
-/* heights += factor * dst, or = dst */
-static void gather(run *t, double factor, bool add)
-{
-    for (int32_t y = 0; y < t->plan.height; y++) {
-        const float *row = ntp__at_mut(t->dst, 0, y);
-        double *to = t->heights + (size_t) y * (size_t) t->plan.width;
-        for (int32_t x = 0; x < t->plan.width; x++)
-            to[x] = add ? to[x] + factor * (double) row[x] : (double) row[x];
-    }
-}
-
-/* dst = heights, rounded to float; heights become the rounded ones.  NaN is 0 in dst and stays in
- * heights. */
-static void put_back(run *t)
-{
-    for (int32_t y = 0; y < t->plan.height; y++) {
-        float *row = ntp__at_mut(t->dst, 0, y);
-        double *from = t->heights + (size_t) y * (size_t) t->plan.width;
-        for (int32_t x = 0; x < t->plan.width; x++) {
-            bool hole = ntp__is_nan(from[x]);
-            row[x] = hole ? 0 : (float) from[x];
-            from[x] = hole ? from[x] : (double) row[x];
-        }
-    }
-}
-
-static void scale_planes(run *t, double scale)
-{
-    size_t texels = (size_t) t->plan.width * (size_t) t->plan.height;
-    for (size_t i = 0; i < texels; i++) {
-        t->right[i] = (float) (scale * (double) t->right[i]);
-        t->down[i] = (float) (scale * (double) t->down[i]);
-    }
-}
-
-/*
- * Two projections take turns: onto the slopes that round to the texture, and onto the slopes that
- * belong to heights.  The second one is least squares.  Its solution is linear in the slopes, so it
- * is applied to the difference between the projected slopes and those of the heights.  The heights
- * move by more than the result (relaxation), which takes fewer rounds.  The difference is scaled to
- * the size of slopes, so that the prior of the solver does not take it for noise.
- */
 static ntp_status refine(run *t)
 {
-    static const double relaxation = 1.7;
-    ntp__plane heights = { t->heights, NULL, t->plan.width };
-    int32_t rounds = t->plan.refine;
-    ntp_status status = NTP_OK;
-    bool holes = t->plan.solver == NTP__SOLVER_WEIGHTED;
-    gather(t, 1, false);
-    if (holes)
-        ntp__round_trip_mark_holes(&t->round_trip, t->heights, NULL);
-    for (int32_t i = 0; i < rounds && status == NTP_OK; i++) {
-        double mean_square;
-        ntp__slopes way = t->slopes;
-        if (ntp__round_trip_project(&t->round_trip, &heights, t->right, t->down, &mean_square) == 0)
-            break;
-        double scale = mean_square > 0 ? 1 / sqrt(mean_square) : 1;
-        scale_planes(t, scale);
-        way.right = t->right;
-        way.down = t->down;
-        t->from = (i + 1) / (rounds + 1.0);
-        t->to = (i + 2) / (rounds + 1.0);
-        status = solve(t, &way);
-        if (status != NTP_OK && status != NTP_ERR_NOT_CONVERGED)
-            return status;
-        gather(t, relaxation / scale, true);
-        t->result.rounds++;
-    }
-    put_back(t);
-    t->result.refine_left = ntp__round_trip_project(&t->round_trip, &heights, NULL, NULL, NULL);
-    return status;
+    ntp_hooks hooks = inner_hooks(t);
+    t->from = t->to;
+    t->to = 1;
+    t->refined = true;
+    return ntp__refine(t->dst, &t->round_trip, &t->plan, t->plan.solver == NTP__SOLVER_WEIGHTED,
+                       t->rest, &hooks, &t->result);
 }
 
 /* ------------------------------------------------------------------------------- result */
@@ -289,11 +219,10 @@ static void measure(run *t)
 static ntp_status work(run *t)
 {
     bool weighted = t->plan.solver == NTP__SOLVER_WEIGHTED;
-    t->to = 1 / (t->plan.refine + 1.0);
-    ntp_status status = solve(t, &t->slopes);
+    ntp_status status = solve(t);
     if (status == NTP_OK && t->plan.refine > 0)
         status = refine(t);
-    if (status != NTP_OK && status != NTP_ERR_NOT_CONVERGED)
+    if (status != NTP_OK && status != NTP_ERR_NOT_CONVERGED && !t->refined)
         return status;
     if (t->plan.residual_scope != NTP_RESIDUAL_NONE)
         measure(t);
@@ -338,7 +267,7 @@ ntp_status ntp_height_from_normals(const ntp_image *dst, const ntp_const_image *
     t.result.method = t.plan.method;
     t.result.decode = t.slopes.decode;
     t.result.z = t.slopes.derived ? NTP_Z_DERIVED : NTP_Z_STORED;
-    if (result != NULL && (status == NTP_OK || status == NTP_ERR_NOT_CONVERGED))
+    if (result != NULL && (status == NTP_OK || status == NTP_ERR_NOT_CONVERGED || t.refined))
         *result = t.result;
     return status;
 }

@@ -3,8 +3,7 @@
  * round_trip.c - compares the normals of a reconstructed heightfield with the stored normals
  *
  * A stored level stands for a box: all values that round to it.  The heights give the texture again
- * if x and y of each texel lie in their boxes.  The projection moves texels outside to the nearest
- * place inside, each texel by itself.
+ * if x and y of each texel lie in their boxes.  What lies beyond them is the excess.
  */
 #include "to_height/round_trip.h"
 
@@ -13,9 +12,6 @@
 #include "to_height/shared/holes.h"
 
 #include <math.h>
-
-/* The share of half a box that is used; the rest is for the rounding of heights to float. */
-static const double inside = 0.98;
 
 enum { MOST_ROWS = 128 }; /* NTP_RESIDUAL_INSIDE looks at no more */
 
@@ -196,95 +192,47 @@ double ntp__round_trip_residual(ntp__round_trip *r, const ntp__plane *heights)
     return count > 0 ? sqrt(sum / (2 * count)) * r->slopes->range / 2 : -1;
 }
 
-/* --------------------------------------------------------------------------- projection */
+/* ------------------------------------------------------------------------------- excess */
 
-/* v moved to within `half` of the value of a level; *off: it rounds to another level. */
-static double to_box(const ntp__slopes *s, double v, int32_t level, bool *off)
+/* How far v lies beyond the box of a level, in levels; *off: it rounds to another level.  zero and
+ * range: v is (2 level - zero)/range in the middle of the box. */
+static double beyond(double v, int32_t level, double zero, double range, double share, int32_t most,
+                     bool *off)
 {
-    double middle = (2 * level - s->zero) / s->range, half = 1 / s->range;
+    double at = (v * range + zero) / 2 - level, bound = share / 2;
     /* The lowest and the highest level stand for all values beyond them too. */
-    bool at_low = level == 0, at_high = level == ntp__max(s->src->type);
-    *off = *off || (v < middle - half && !at_low) || (v >= middle + half && !at_high);
-    half *= inside;
-    if (v < middle - half && !at_low)
-        return middle - half;
-    return v > middle + half && !at_high ? middle + half : v;
+    bool low = at < 0 && level > 0, high = at > 0 && level < most;
+    *off = *off || (low && at < -0.5) || (high && at >= 0.5);
+    if (low && at < -bound)
+        return at + bound;
+    return high && at > bound ? at - bound : 0;
 }
 
-/* Slopes p to the right and d down, and x, y of their normal as they are stored. */
-typedef struct slope_pair {
-    double p, d, x, y;
-} slope_pair;
-
-static void set_normal(slope_pair *s, double sign)
+/* Replaces the slopes right, down of a texel by the derivatives of half its squared excess, which is
+ * added to *half.  Returns whether the normal rounds to others than the stored levels. */
+static bool differentiate(const ntp__round_trip *r, const ntp__block *block, int32_t i,
+                          double *right, double *down, double *half)
 {
-    double length = sqrt(1 + s->p * s->p + s->d * s->d);
-    s->x = -s->p / length;
-    s->y = sign * s->d / length;
-}
-
-static void set_slopes(slope_pair *s, double x, double y, double sign, double least)
-{
-    double z2 = 1 - x * x - y * y, z = z2 > least * least ? sqrt(z2) : least;
-    s->p = -x / z;
-    s->d = sign * y / z;
-    s->x = x;
-    s->y = y;
-}
-
-static double distance(const slope_pair *a, const slope_pair *b)
-{
-    return (a->p - b->p) * (a->p - b->p) + (a->d - b->d) * (a->d - b->d);
-}
-
-/* Moves `at` to the place nearest to `from` where x (or y) is `bound`.  Each step solves for the
- * tangent of that curve.  So near to it a few steps are enough. */
-static void to_bound(slope_pair *at, const slope_pair *from, bool of_x, double bound, double sign)
-{
-    enum { STEPS = 4 };
-    for (int32_t i = 0; i < STEPS; i++) {
-        double p = at->p, d = at->d, length2 = 1 + p * p + d * d, cube = length2 * sqrt(length2);
-        double gp = of_x ? -(1 + d * d) / cube : -sign * p * d / cube;
-        double gd = of_x ? p * d / cube : sign * (1 + p * p) / cube;
-        double off = (of_x ? at->x : at->y) - bound + gp * (from->p - p) + gd * (from->d - d);
-        double factor = off / (gp * gp + gd * gd);
-        at->p = from->p - factor * gp;
-        at->d = from->d - factor * gd;
-        set_normal(at, sign);
-    }
-}
-
-/* Replaces the slopes right, down by the shortest way from them into the boxes; true: they were
- * outside. */
-static bool project_texel(const ntp__slopes *s, const ntp__block *block, int32_t i, double *right,
-                          double *down)
-{
-    double sign = s->src->y == NTP_Y_UP ? 1 : -1, least = 1 / s->range;
-    slope_pair from = { *right, *down, 0, 0 };
-    bool off = false, unused = false;
-    set_normal(&from, sign);
-    slope_pair to = from;
-    double x = to_box(s, from.x, block->c[0][i], &off), y = to_box(s, from.y, block->c[1][i], &off);
-    bool move_x = x != from.x, move_y = y != from.y;
-    if (move_x != move_y) {
-        slope_pair corner;
-        to_bound(&to, &from, move_x, move_x ? x : y, sign);
-        set_slopes(&corner, x, y, sign, least);
-        bool astray = !(distance(&to, &from) <= distance(&corner, &from));
-        /* If this step leaves the box of the other one, the edge of that box is the nearest. */
-        double *other = move_x ? &y : &x, there = move_x ? to.y : to.x;
-        double held = to_box(s, there, block->c[move_x ? 1 : 0][i], &unused);
-        *other = astray || held == there ? *other : held;
-        move_x = move_y = astray || held != there;
-    }
-    if (move_x && move_y)
-        set_slopes(&to, x, y, sign, least);
-    *right = to.p - from.p;
-    *down = to.d - from.d;
+    const ntp__slopes *s = r->slopes;
+    double p = *right, d = *down, square = 1 + p * p + d * d, length = sqrt(square);
+    double sign = s->src->y == NTP_Y_UP ? 1 : -1, zero = s->zero, range = s->range;
+    int32_t most = ntp__max(s->src->type);
+    bool off = false;
+    double ex = beyond(-p / length, block->c[0][i], zero, range, r->inside, most, &off);
+    double ey = beyond(sign * d / length, block->c[1][i], zero, range, r->inside, most, &off),
+           ez = 0;
+    if (r->blue && s->src->encoding == NTP_ENCODING_ZZERO)
+        ez = 2 * beyond(1 / length, block->c[2][i], 0, 2.0 * most, r->inside, most, &off);
+    else if (r->blue)
+        ez = beyond(1 / length, block->c[2][i], zero, range, r->inside, most, &off);
+    *half += (ex * ex + ey * ey + ez * ez) / 2;
+    double factor = range / (2 * square * length);
+    *right = factor * (-(1 + d * d) * ex - sign * p * d * ey - p * ez);
+    *down = factor * (p * d * ex + sign * (1 + p * p) * ey - d * ez);
     return off;
 }
 
-static void project_row(void *job, int32_t part, int32_t y)
+static void excess_row(void *job, int32_t part, int32_t y)
 {
     ntp__round_trip *r = job;
     double *const *row = r->parts[part].row, sum = 0;
@@ -300,31 +248,63 @@ static void project_row(void *job, int32_t part, int32_t y)
         if (hole[i] || reads_hole(row[0][x], row[1][x]))
             row[0][x] = row[1][x] = 0;
         else
-            count += project_texel(r->slopes, &block, i, &row[0][x], &row[1][x]);
-        sum += row[0][x] * row[0][x] + row[1][x] * row[1][x];
+            count += differentiate(r, &block, i, &row[0][x], &row[1][x], &sum);
         if (r->right != NULL) {
-            r->right[start + (size_t) x] = (float) row[0][x];
-            r->down[start + (size_t) x] = (float) row[1][x];
+            r->right[start + (size_t) x] = (float) (row[0][x] / r->dx);
+            r->down[start + (size_t) x] = (float) (row[1][x] / r->dy);
         }
     }
     r->sum[y] = sum;
     r->count[y] = count;
 }
 
-uint64_t ntp__round_trip_project(ntp__round_trip *r, const ntp__plane *heights, float *right,
-                                 float *down, double *mean_square)
+double ntp__round_trip_excess(ntp__round_trip *r, const ntp__plane *heights, float *right,
+                              float *down, uint64_t *off)
 {
-    uint64_t count = 0;
     double sum = 0;
     r->heights = *heights;
     r->right = right;
     r->down = down;
-    ntp__crew_each(&r->crew, project_row, r, r->height);
+    *off = 0;
+    ntp__crew_each(&r->crew, excess_row, r, r->height);
     for (int32_t y = 0; y < r->height; y++) {
         sum += r->sum[y];
-        count += r->count[y];
+        *off += r->count[y];
     }
-    if (mean_square != NULL)
-        *mean_square = sum / ((double) r->width * r->height);
-    return count;
+    return sum;
+}
+
+/* --------------------------------------------------------------------------------- blue */
+
+/* Was this blue rounded with red and green from one vector? */
+static bool rounded_with(const ntp__slopes *s, const ntp__block *block, int32_t i)
+{
+    double least = 0, most = 0, square = s->range * s->range;
+    for (int32_t c = 0; c < 3; c++) {
+        bool zzero = c == 2 && s->src->encoding == NTP_ENCODING_ZZERO;
+        double v = zzero ? block->c[c][i] * s->z_scale : 2 * block->c[c][i] - s->zero;
+        double half = zzero ? s->z_scale / 2 : 1, size = v < 0 ? -v : v;
+        least += size > half ? (size - half) * (size - half) : 0;
+        most += (size + half) * (size + half);
+        if (c == 2 && v < -half)
+            return false;
+    }
+    return least <= square && most >= square;
+}
+
+void ntp__round_trip_see_blue(ntp__round_trip *r)
+{
+    const ntp_const_image *src = r->slopes->src;
+    ntp__block block;
+    bool hole[NTP__BLOCK];
+    r->blue = !r->slopes->derived &&
+              (src->encoding == NTP_ENCODING_STANDARD || src->encoding == NTP_ENCODING_ZZERO);
+    for (int32_t y = 0; y < r->height && r->blue; y++) {
+        for (int32_t x = 0; x < r->width && r->blue; x += NTP__BLOCK) {
+            int32_t n = r->width - x < NTP__BLOCK ? r->width - x : NTP__BLOCK;
+            look_at(r, &block, hole, x, y, n);
+            for (int32_t i = 0; i < n; i++)
+                r->blue = r->blue && (hole[i] || rounded_with(r->slopes, &block, i));
+        }
+    }
 }

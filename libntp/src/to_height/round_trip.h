@@ -29,7 +29,9 @@ typedef struct ntp__round_trip {
     double *sum;     /* of each row */
     uint64_t *count; /* of each row */
     ntp__plane heights;
-    float *right, *down; /* packed planes that a projection writes */
+    double inside;       /* the share of a box that has no excess */
+    bool blue;           /* blue has an excess as well */
+    float *right, *down; /* packed planes that the excess writes */
 } ntp__round_trip;
 
 /* Lays out its memory, or measures it where memory->base is NULL (slopes NULL then). */
@@ -44,10 +46,16 @@ void ntp__round_trip_mark_holes(const ntp__round_trip *r, double *heights, const
  * Negative: no texel counts. */
 double ntp__round_trip_residual(ntp__round_trip *r, const ntp__plane *heights);
 
-/* Writes to right, down the way from the slopes of these heights to the nearest slopes that round
- * to the stored red and green; NULL: nothing is written.  Returns the number of texels that do not
- * round to them.  *mean_square is that of right and down together. */
-uint64_t ntp__round_trip_project(ntp__round_trip *r, const ntp__plane *heights, float *right,
-                                 float *down, double *mean_square);
+/*
+ * Half the sum of the squared excess, in levels.  Writes to right, down its derivatives by the
+ * slopes of the stencil, which the spacing of texels has not divided; NULL: nothing is written.
+ * *off is the number of texels that round to other levels.
+ */
+double ntp__round_trip_excess(ntp__round_trip *r, const ntp__plane *heights, float *right,
+                              float *down, uint64_t *off);
+
+/* Decides r->blue: true where z is as stored, and every blue was rounded from the same vector as its
+ * red and green.  Blue that was derived after rounding adds nothing to these. */
+void ntp__round_trip_see_blue(ntp__round_trip *r);
 
 #endif

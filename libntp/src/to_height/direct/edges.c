@@ -126,12 +126,7 @@ static void add_column(edge *e)
     part.src = &columns;
     for (int32_t y = 0; y < e->along->n; y++) {
         double right[DEEP] = { 0 }, down[DEEP] = { 0 };
-        if (e->slopes->right != NULL) {
-            size_t at = (size_t) y * (size_t) e->dst->width + (size_t) left;
-            part.right = e->slopes->right + at;
-            part.down = e->slopes->down + at;
-        }
-        ntp__slopes_row(&part, right, down, e->slopes->right != NULL ? 0 : y, NULL);
+        ntp__slopes_row(&part, right, down, y, NULL);
         for (int32_t i = 0; i < DEEP; i++)
             add_texel(e, e->far ? DEEP - 1 - i : i, y, right[i], down[i]);
     }

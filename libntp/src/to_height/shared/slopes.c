@@ -49,7 +49,6 @@ void ntp__slopes_init(ntp__slopes *s, const ntp_const_image *src, const ntp__hei
 {
     int32_t m = ntp__max(src->type);
     s->src = src;
-    s->right = s->down = NULL;
     s->touch_unused = plan->touch_unused;
     if (src->encoding == NTP_ENCODING_VECTOR) /* of any length, so (2, 2, 2) is no padding */
         s->touch_unused |= NTP_UNUSED_BLACK | NTP_UNUSED_WHITE;
@@ -149,14 +148,6 @@ void ntp__slopes_row(const ntp__slopes *s, double *right, double *down, int32_t 
 {
     ntp__block block;
     bool flat[NTP__BLOCK];
-    if (s->right != NULL) {
-        size_t row = (size_t) y * (size_t) s->src->width;
-        for (int32_t x = 0; x < s->src->width; x++) {
-            right[x] = (double) s->right[row + (size_t) x];
-            down[x] = (double) s->down[row + (size_t) x];
-        }
-        return;
-    }
     for (int32_t x = 0; x < s->src->width; x += NTP__BLOCK) {
         int32_t n = s->src->width - x < NTP__BLOCK ? s->src->width - x : NTP__BLOCK;
         ntp__unpack(&block, s->src, x, y, n);
@@ -210,12 +201,6 @@ void ntp__slopes_row_single(const ntp__slopes *s, float *right, float *down, int
                                     .derived = s->derived };
     ntp__block block;
     bool flat[NTP__BLOCK];
-    if (s->right != NULL) {
-        size_t row = (size_t) y * (size_t) src->width;
-        memcpy(right, s->right + row, (size_t) src->width * sizeof *right);
-        memcpy(down, s->down + row, (size_t) src->width * sizeof *down);
-        return;
-    }
     for (int32_t x = 0; x < src->width; x += NTP__BLOCK) {
         int32_t n = src->width - x < NTP__BLOCK ? src->width - x : NTP__BLOCK;
         bool packed = packed_levels(src), any = true;

@@ -6,6 +6,7 @@
  *   height_plan.h       what is to be solved
  *   slopes.c            the texture as slopes
  *   slope_operator.h    heights to slopes as a linear operator, and its adjoint
+ *   inverse.h           the normal equations without weights and holes, solved by transforms
  *   holes.h             the texels that get no height
  *   row_cache.h         rows of slopes that are kept for the rows around
  *   fft.h               Fourier and cosine transforms of many rows (fft_lines_tmpl.h does them)
@@ -27,7 +28,6 @@ typedef struct ntp__slopes {
     double z_scale;  /* z-zero: z is b * z_scale / range */
     int32_t neutral; /* |2 c - zero| up to this counts as 0 */
     bool derived;
-    const float *right, *down; /* NULL, or packed planes of slopes that stand for those of src */
 } ntp__slopes;
 
 typedef struct ntp__slope_counts {

@@ -25,8 +25,6 @@ static const double alone = 10;
 static void lay_out_part(ntp__weighted *w, ntp__weighted_part *part, ntp__scratch *memory)
 {
     size_t width = (size_t) w->width, row = width * sizeof(double);
-    size_t work_x = ntp__spectrum_work(w->plan->border_x, w->width);
-    size_t work_y = ntp__spectrum_work(w->plan->border_y, w->height);
     ntp__weighted_part p;
     memset(&p, 0, sizeof p);
     ntp__row_cache_init(&p.weighted, memory, NTP__KEPT, row);
@@ -35,8 +33,6 @@ static void lay_out_part(ntp__weighted *w, ntp__weighted_part *part, ntp__scratc
         p.spare[k] = ntp__take(memory, row);
     p.nothing = ntp__take(memory, row);
     p.no_weights = ntp__take(memory, width * sizeof(float));
-    p.row = ntp__take(memory, width * sizeof(float));
-    p.fft_work = ntp__take(memory, work_x > work_y ? work_x : work_y);
     if (memory->base == NULL)
         return;
     memset(p.nothing, 0, row);
@@ -54,13 +50,10 @@ static void lay_out(ntp__weighted *w, ntp__scratch *memory)
 {
     size_t texels = (size_t) w->width * (size_t) w->height;
     size_t rows = (size_t) w->height * sizeof(double);
-    ntp_kernel kernel = w->rows ? w->plan->kernel : NTP_KERNEL_FORWARD;
     w->parts = ntp__take(memory, (size_t) w->crew.parts * sizeof *w->parts);
     for (int32_t i = 0; i < w->crew.parts; i++)
         lay_out_part(w, w->parts != NULL ? &w->parts[i] : NULL, memory);
-    void *fft_work = w->parts != NULL ? w->parts[0].fft_work : NULL;
-    ntp__spectrum_init(&w->along, memory, kernel, w->plan->border_x, w->width, fft_work);
-    ntp__spectrum_init(&w->across, memory, kernel, w->plan->border_y, w->height, fft_work);
+    ntp__inverse_init(&w->inverse, w->plan, w->crew, memory);
     w->stencil = ntp__take(memory, sizeof *w->stencil);
     w->sum = ntp__take(memory, rows);
     w->sum_also = ntp__take(memory, rows);
@@ -96,9 +89,6 @@ static void init(ntp__weighted *w, const ntp__height_plan *plan, ntp__crew crew)
     w->rows = plan->kernel != NTP_KERNEL_BAKED;
     w->dx = plan->dx;
     w->dy = plan->dy;
-    double x = w->dx / w->dy, y = w->dy / w->dx;
-    w->share_x = x > 1 ? y * y : 1;
-    w->share_y = y > 1 ? x * x : 1;
 }
 
 size_t ntp__weighted_scratch(const ntp__height_plan *plan, int32_t parts)
@@ -210,7 +200,7 @@ static bool stopped(const ntp__weighted *w, progress *p, double error)
  * of weight (error of slope)^2. */
 static double precondition(ntp__weighted *w)
 {
-    ntp__weighted_precondition(w);
+    ntp__inverse_apply(&w->inverse, w->dst, w->r);
     each_band(w, multiply);
     double rz = total(w->sum, w->height);
     return rz > 0 ? sqrt(rz) : 0;
@@ -273,7 +263,7 @@ static void store(void *job, int32_t part, int32_t item)
     }
 }
 
-ntp_status ntp__weighted_solve(const ntp_image *dst, const ntp__slopes *slopes, bool even,
+ntp_status ntp__weighted_solve(const ntp_image *dst, const ntp__slopes *slopes,
                                const ntp__height_plan *plan, void *scratch, const ntp_hooks *hooks,
                                ntp_height_result *result)
 {
@@ -287,8 +277,8 @@ ntp_status ntp__weighted_solve(const ntp_image *dst, const ntp__slopes *slopes, 
     w.dst = dst;
     result->iterations = 0;
     w.slopes = slopes;
-    w.even = even;
     lay_out(&w, &memory);
+    w.inverse.strength = w.strength;
     ntp__weighted_setup(&w);
     double scale = sqrt(total(w.sum, w.height));
     memset(w.x, 0, texels * sizeof *w.x);

@@ -7,7 +7,6 @@
  *   solve.c         conjugate gradients
  *   weights.c       the weights, and the holes
  *   operator.c      the normal equations, row by row
- *   precondition.c  the same equations without weights and holes, solved by transforms
  *   first_guess.c   where the iteration begins in mazes
  *   islands.c       the connected areas, and their means
  *
@@ -23,7 +22,7 @@
 
 #include "base/parts.h"
 #include "base/scratch.h"
-#include "to_height/shared/fft.h"
+#include "to_height/shared/inverse.h"
 #include "to_height/shared/row_cache.h"
 #include "to_height/shared/slope_operator.h"
 #include "to_height/shared/slopes.h"
@@ -38,51 +37,40 @@ typedef struct ntp__weighted_part {
     ntp__row_cache weighted, stored;
     double *spare[NTP__SPARE];
     int32_t flows_of;  /* the row of pairs whose flows lie in the last spare row */
-    float *row;        /* stands for rows below the last one */
     double *nothing;   /* a row of zeros */
     float *no_weights; /* a row of zeros */
-    void *fft_work;
     uint64_t holes, not_finite;
 } ntp__weighted_part;
-
-/* One axis of the transforms that solve the same problem without weights, holes and ends. */
-typedef struct ntp__spectrum {
-    ntp__fft fft;
-    ntp__gains *gains; /* of the stencil, for each element of a transformed row */
-    double *edge;      /* squared gains of pairs */
-} ntp__spectrum;
 
 typedef struct ntp__weighted {
     const ntp_image *dst; /* until the end, the transforms work in it */
     const ntp__slopes *slopes;
-    bool even; /* all weights but those of holes are 1 */
     const ntp_const_image *mask;
     const ntp__height_plan *plan;
     ntp__crew crew;
     ntp__weighted_part *parts;
     ntp__stencil *stencil;
     int32_t width, height;
-    double dx, dy;           /* spacing */
-    double share_x, share_y; /* 1/dx^2 and 1/dy^2, scaled so that the greater one is 1 */
-    bool rows;               /* slopes count; false: only pairs do (baked) */
-    double strength;         /* of pairs */
-    double strength_alone;   /* of pairs near which no slope counts, because of holes */
+    double dx, dy;         /* spacing */
+    bool rows;             /* slopes count; false: only pairs do (baked) */
+    double strength;       /* of pairs */
+    double strength_alone; /* of pairs near which no slope counts, because of holes */
     bool holes;
     double *x, *r, *d, *a;  /* of conjugate gradients: heights, residual, direction, its image */
     float *right, *down;    /* weights: see ntp__in_hole */
     double *sum, *sum_also; /* sums of each row */
-    ntp__spectrum along, across;
-    double alpha, beta; /* of the running pass */
-    const double *from; /* the running pass applies the operator to this */
+    ntp__inverse inverse;   /* the preconditioner: all but weights, holes and ends */
+    double alpha, beta;     /* of the running pass */
+    const double *from;     /* the running pass applies the operator to this */
     double *to;
     bool residual; /* the pass takes stored slopes less those of `from`, not slopes of `from` */
 } ntp__weighted;
 
 /* Working memory for a number of parts, and the solution.  dst gets heights of mean 0 over each
- * island.  even: all weights but those of holes are 1.  hooks may be NULL.  In result only the
+ * island.  hooks may be NULL.  In result only the
  * fields of NTP_HEIGHT_WEIGHTED and the trend are set. */
 size_t ntp__weighted_scratch(const ntp__height_plan *plan, int32_t parts);
-ntp_status ntp__weighted_solve(const ntp_image *dst, const ntp__slopes *slopes, bool even,
+ntp_status ntp__weighted_solve(const ntp_image *dst, const ntp__slopes *slopes,
                                const ntp__height_plan *plan, void *scratch, const ntp_hooks *hooks,
                                ntp_height_result *result);
 
@@ -95,12 +83,6 @@ void ntp__weighted_setup(ntp__weighted *w);
 
 /* to = the operator applied to `from`, or the residual of `from` (operator.c). */
 void ntp__weighted_apply(ntp__weighted *w, double *to, const double *from, bool residual);
-
-/* dst = an approximate solution for r (precondition.c). */
-void ntp__weighted_precondition(ntp__weighted *w);
-void ntp__spectrum_init(ntp__spectrum *s, ntp__scratch *memory, ntp_kernel kernel,
-                        ntp_border border, int32_t n, void *fft_work);
-size_t ntp__spectrum_work(ntp_border border, int32_t n);
 
 /* In a maze, x gets heights that nearly fit (first_guess.c); false: it is no maze, and x is as it
  * was.  Works in r, d, a.  a has room for ntp__walk_bytes, and after a walk it holds zeros. */

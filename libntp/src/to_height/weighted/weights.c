@@ -16,8 +16,6 @@ static const double least_weight = 0.01;
 /* The weight of slope p; q is the other slope of the texel.  A flat texel has weight 1. */
 static double weight_of(const ntp__weighted *w, double p, double q)
 {
-    if (w->even)
-        return 1;
     double p2 = p * p, q2 = q * q, z2 = 1 / (1 + p2 + q2);
     double weight = w->slopes->derived ? z2 / ((1 + p2) * (1 + p2) + p2 * q2) : z2 / (1 + p2);
     return weight > least_weight ? weight : least_weight;
@@ -49,8 +47,8 @@ static void set_row(ntp__weighted *w, ntp__weighted_part *part, int32_t y)
     ntp__slopes_row(w->slopes, p, q, y, NULL);
     mark_holes(w, part, hole, y);
     for (int32_t x = 0; x < w->width; x++) {
-        double a = weight_of(w, p[x], q[x]) * w->share_x;
-        double b = weight_of(w, q[x], p[x]) * w->share_y;
+        double a = weight_of(w, p[x], q[x]) * w->inverse.share_x;
+        double b = weight_of(w, q[x], p[x]) * w->inverse.share_y;
         right[x] = hole[x] != 0 ? 0 : (float) a;
         down[x] = hole[x] != 0 ? 0 : (float) b;
         p[x] *= w->dx;
