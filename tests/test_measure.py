@@ -312,3 +312,44 @@ def test_not_finite():
     stats = ntp.Tally().measure(array).stats()
     assert stats["not_finite"] == 3
     assert stats["texels"] == array.shape[0] * array.shape[1]
+
+
+def padded_atlas(dtype):
+    """Half an atlas of unit vectors, half a green that spreads by 4 levels, with blues around the
+    middle; returns it and where the green is."""
+    rng = np.random.default_rng(5)
+    v = rng.normal(size=(64, 64, 3)) * [0.2, 0.2, 0] + [0, 0, 1]
+    levels = np.floor((v / np.linalg.norm(v, axis=2)[..., None] + 1) / 2 * 255 + 0.5)
+    green = np.zeros((64, 64), bool)
+    green[:, 32:] = True
+    levels[green] = rng.integers(0, 5, (64 * 32, 3)) + [0, 250, 125]
+    levels[0, 0] = 10, 20, 0
+    scale = 257 if dtype == np.uint16 else 1
+    array = levels.astype(dtype) * scale
+    if dtype == np.uint16:
+        array[1, 1] += 1  # else it is judged as 8 bit
+    return array, green
+
+
+@pytest.mark.parametrize("dtype", [np.uint8, np.uint16])
+def test_padding_of_one_color_is_no_harm(dtype):
+    array, green = padded_atlas(dtype)
+    whole, charts = ntp.Tally().measure(array), ntp.Tally().measure(array[:, :32].copy())
+    stats, want = whole.stats(), charts.stats()
+    low = array[..., 2] <= np.iinfo(dtype).max // 2
+    assert stats["padding"] == green.sum()
+    assert stats["padding_z_negative"] == np.count_nonzero(low & green) > 0
+    assert stats["used_mean"][:3] == pytest.approx(want["used_mean"][:3])
+    for kinds in range(1, 8):
+        assert whole.harm(kinds=kinds) == pytest.approx(charts.harm(kinds=kinds))
+    # the verdicts still count it, and so does what it is not: one color, or enough of it
+    assert stats["xy_too_long"] == want["xy_too_long"] + green.sum()
+    few = array.copy()
+    few[:, 33:] = array[:, :31]
+    few[4:] = np.where(green[4:, :, None], array[:60, :1], few[4:])
+    assert ntp.Tally().measure(few).stats()["padding"] == 0
+    two = array.copy()
+    two[32:, 32:] = np.iinfo(dtype).max - array[32:, 32:]
+    stats = ntp.Tally().measure(two).stats()
+    assert (stats["padding"], stats["padding_z_negative"]) == (0, 0)
+    assert ntp.Tally().measure(two).harm()["texels"] >= green.sum()

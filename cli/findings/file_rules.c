@@ -92,6 +92,13 @@ static void judge_storage(judgement *j)
         add_finding(j, NT042, LEVEL_INFO, s->unused, &t);
         text_free(&t);
     }
+    if (s->padding > 0 && is_judged(j->f)) {
+        text t = { 0 };
+        text_percent(&t, s->padding, s->texels);
+        text_add(&t, " of the texels have one color that no normal has: padding, not counted");
+        add_finding(j, NT044, LEVEL_INFO, s->padding, &t);
+        text_free(&t);
+    }
     const bool powers =
         (info->width & (info->width - 1)) == 0 && (info->height & (info->height - 1)) == 0;
     if (!powers)

@@ -125,6 +125,13 @@ const finding_spec FINDING_TABLE[FINDING_COUNT] = {
         "Pure black, pure white or transparent texels hold no normal; they are padding in atlases. They are left "
         "alone and not judged.",
         "Nothing, if no triangle uses them. But mipmaps blend them into their neighbors." },
+    [NT044] = { "NT044", "nt044", "info", "padding of a color that no normal has",
+        "One color with red and green both near 0 or 255 covers a 64th of the picture or more: too long for any normal, "
+        "whatever blue is. Flipping green makes it of black padding, and JPEG of black and white. It is padding, so it "
+        "does not count as an error: shares, angles and the tilt are those of the other texels. Unlike black and white, "
+        "it is changed by `ntp clean`, as any used texel.",
+        "Nothing, if no triangle uses it. But mipmaps blend it into its neighbors, and so does JPEG: export again with "
+        "flat normals (128, 128, 255) around the charts." },
     [NT050] = { "NT050", "nt050", "info or warning", "one color, or nothing",
         "All used texels are equal: a placeholder, or an export that went wrong. If all texels are black, white or "
         "transparent, there is no normal at all: a warning.",

@@ -47,6 +47,7 @@ typedef enum finding_id {
     NT040,
     NT041,
     NT042,
+    NT044,
     NT050,
     NT051,
     NT052,
@@ -88,6 +89,9 @@ typedef struct judge_rules {
 } judge_rules;
 
 judge_rules judge_rules_from(const options *o);
+
+/* Texels that are judged: neither unused nor padding of another color. */
+uint64_t judged_texels(const facts *f);
 
 /* Counts the texels that fail a verdict in the file's own encoding.  Returns false if verdicts mean
  * nothing there. */

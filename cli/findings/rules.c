@@ -70,6 +70,11 @@ bool is_judged(const facts *f)
            (class_is_tangent(f->type.type) || f->type.type == NTP_CLASS_ONE_COLOR);
 }
 
+uint64_t judged_texels(const facts *f)
+{
+    return f->stats.texels - f->stats.unused - f->stats.padding;
+}
+
 bool failing_texels(const facts *f, ntp_verdict verdict, bool keep_negative_z, uint64_t *all,
                     uint64_t *used)
 {
@@ -79,7 +84,7 @@ bool failing_texels(const facts *f, ntp_verdict verdict, bool keep_negative_z, u
         return false;
     if (f->encoding == NTP_ENCODING_XY) {
         *all = s->xy_too_long;
-        *used = s->xy_too_long - s->unused_xy_too_long;
+        *used = s->xy_too_long - s->unused_xy_too_long - s->padding;
         return true;
     }
     uint64_t pass = fit->neighbor, unused_pass = fit->unused_neighbor;
@@ -91,15 +96,16 @@ bool failing_texels(const facts *f, ntp_verdict verdict, bool keep_negative_z, u
         unused_pass = fit->unused_exact;
     }
     *all = s->texels - pass;
-    const uint64_t unused_fail = s->unused - unused_pass;
-    *used = *all > unused_fail ? *all - unused_fail : 0;
+    const uint64_t left_out = s->unused - unused_pass + s->padding;
+    *used = *all > left_out ? *all - left_out : 0;
     return true;
 }
 
 void add_share(const judgement *j, text *t, uint64_t count)
 {
     text_percent(t, count, j->used);
-    text_add(t, j->f->stats.unused > 0 ? " of the used texels (" : " of the texels (");
+    text_add(t, j->f->stats.unused + j->f->stats.padding > 0 ? " of the used texels ("
+                                                             : " of the texels (");
     text_count(t, count);
     text_char(t, ')');
 }
@@ -168,7 +174,7 @@ void judge(finding_list *list, const facts *f, const judge_rules *rules)
     list->count = 0;
     if (!f->counts)
         return;
-    judgement j = { list, f, rules, f->stats.texels - f->stats.unused };
+    judgement j = { list, f, rules, judged_texels(f) };
     judge_class(&j);
     judge_accidents(&j);
     if (is_judged(f) && j.used > 0 && !has_misplaced_channels(f))

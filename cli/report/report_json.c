@@ -207,16 +207,18 @@ static json_t *fails(const facts *f, const check_settings *s, bool of_used)
     return object;
 }
 
-/* The counts beside it again, without unused texels. */
+/* The counts beside it again, without unused texels and padding. */
 static json_t *used_counts(const facts *f, const check_settings *s)
 {
     const ntp_stats *st = &f->stats;
     json_t *object = need(json_object());
-    json_object_set_new(object, "texels", json_count(st->texels - st->unused));
+    json_object_set_new(object, "texels", json_count(judged_texels(f)));
     json_object_set_new(object, "fail", fails(f, s, true));
     json_object_set_new(object, "xy_too_long",
-                        json_count(st->xy_too_long - st->unused_xy_too_long));
-    json_object_set_new(object, "z_negative", json_count(st->z_negative - st->unused_z_negative));
+                        json_count(st->xy_too_long - st->unused_xy_too_long - st->padding));
+    json_object_set_new(
+        object, "z_negative",
+        json_count(st->z_negative - st->unused_z_negative - st->padding_z_negative));
     return object;
 }
 
@@ -348,6 +350,7 @@ json_t *check_json(const input *in, const checked *c, const check_settings *s)
     json_object_set_new(object, "y_confidence", json_angle(y != 0 ? 1 : found->confidence));
     json_object_set_new(object, "texels", json_count(f->stats.texels));
     json_object_set_new(object, "unused", json_count(f->stats.unused));
+    json_object_set_new(object, "padding", json_count(f->stats.padding));
     json_object_set_new(object, "counts", json_boolean(f->counts));
     json_object_set_new(object, "fail", fails(f, s, false));
     json_object_set_new(object, "xy_too_long",

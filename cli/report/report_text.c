@@ -205,6 +205,8 @@ static void add_statistics(text *t, const checked *c, const check_settings *s)
     else if (class_is_normals(f->type.type) && f->type.type != NTP_CLASS_OBJECT_SPACE)
         text_addf(t, "    %-24s up or down: the slopes do not show which\n", "green points");
     add_count_line(t, "unused texels", st->unused, st->texels);
+    if (st->padding > 0)
+        add_count_line(t, "padding, not judged", st->padding, st->texels);
     for (int v = NTP_VERDICT_NEIGHBOR; v <= NTP_VERDICT_EXACT; v++) {
         uint64_t all = 0, used = 0;
         if (f->encoding != NTP_ENCODING_XY &&

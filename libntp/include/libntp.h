@@ -409,6 +409,12 @@ typedef struct ntp_stats {
     uint64_t z_negative;        /* read as standard */
     uint64_t unused_xy_too_long;
     uint64_t unused_z_negative;
+    /* Used texels that are padding of one color other than black and white: red and green both lie
+     * within 15/255 of an end, so that x, y are far too long.  They fail every verdict, and are
+     * left out of used_mean and ntp_harm.  0 if they have many colors or are fewer than one texel
+     * in 64, for then they may be damage. */
+    uint64_t padding;
+    uint64_t padding_z_negative;
     uint64_t gray;                   /* all of r, g, b equal; transparent texels are left out */
     uint64_t flat;                   /* used texels with r and g both (M-1)/2 or (M+1)/2 */
     uint64_t distinct_flat;          /* different colors among them */
@@ -462,9 +468,10 @@ enum {
  * outside the unit circle, in degrees of an arc of that length.
  */
 typedef struct ntp_harm {
-    uint64_t texels;       /* used texels of these kinds */
-    uint64_t over;         /* those with an angle of more than `degrees`, taken to 0.01 */
-    double mean, p99, max; /* degrees, over all used texels; those of no such kind count as 0 */
+    uint64_t texels; /* used texels of these kinds */
+    uint64_t over;   /* those with an angle of more than `degrees`, taken to 0.01 */
+    double mean, p99,
+        max; /* degrees, over all used texels but padding; others of no such kind: 0 */
 } ntp_harm;
 
 /*

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from PIL import Image
 
 from support import encoders, libntp_ffi, oracle, schemas, textures
 from support.pngs import write_png
@@ -248,3 +249,39 @@ def test_known_errors_are_called_known(run, tmp_path):
     summary = report(run, *args)["summary"]
     assert (summary["well_formed"], summary["only_known"]) == (1, 1)
     assert max(map(LEVELS.index, found(report(run, *args)["files"][0]).values())) == 2
+
+
+def atlas(flip):
+    """Bumps on charts amid black, whose green may be flipped as a paint program does it."""
+    y, x = np.mgrid[:128, :128] / 128 * 2 * np.pi
+    slopes = np.dstack([0.5 * np.sin(2 * x), 0.5 * np.cos(2 * y), np.ones_like(x)])
+    pixels = encoders.to_type(encoders.encode(slopes / np.linalg.norm(slopes, axis=2)[..., None]))
+    pixels[:, 64:] = 0
+    if flip:
+        pixels[..., 1] = 255 - pixels[..., 1]
+    return pixels
+
+
+@pytest.mark.parametrize("flip", [False, True])
+@pytest.mark.parametrize("name", ["a_n.png", "a_n.jpg"])
+def test_padding_does_not_count(run, tmp_path, name, flip):
+    quality = {"quality": 95, "subsampling": 0} if name.endswith("jpg") else {}
+    Image.fromarray(atlas(flip)).save(tmp_path / name, **quality)
+    file = only(run, "--y", "up", name)
+    assert (file["type"], found(file, "error")) == ("standard", {})
+    assert file["padding"] + file["unused"] == pytest.approx(64 * 128, rel=0.01)
+    assert found(file).get("NT044") == ("info" if file["padding"] else None)
+    assert (file["padding"] > 0) == flip
+    assert file["used"]["texels"] == file["texels"] - file["unused"] - file["padding"]
+    assert file["used"]["fail"]["neighbor"] <= 64 * 128
+    assert file["used"]["xy_too_long"] + file["used"]["z_negative"] < 200
+    assert "NT022" not in found(file)
+
+
+def test_little_of_a_wrong_color_is_damage(run, tmp_path):
+    pixels = atlas(False)
+    pixels[:, 64:] = pixels[:, :64]
+    pixels[10:20, 10:20] = 0, 255, 200
+    write_png(tmp_path / "a_n.png", pixels)
+    file = only(run, "a_n.png")
+    assert file["padding"] == 0 and found(file)["NT002"] == "warning"

@@ -135,6 +135,9 @@ class Stats(_Result):
         Read as standard.
     unused_xy_too_long, unused_z_negative : int
         The unused ones among these.
+    padding, padding_z_negative : int
+        Used texels of one color whose red and green are near 0 or `max`, which no normal has; those
+        among them with z negative. `used_mean` is without them.
     gray : int
         Red, green and blue are equal; without transparent texels.
     flat, distinct_flat : int
@@ -177,6 +180,8 @@ class Stats(_Result):
     z_negative: int
     unused_xy_too_long: int
     unused_z_negative: int
+    padding: int
+    padding_z_negative: int
     gray: int
     flat: int
     distinct_flat: int

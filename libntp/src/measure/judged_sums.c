@@ -95,6 +95,7 @@ static uint32_t add_fit(ntp__fit_sums *fit, const ntp__row *row, int32_t b, uint
 static void add_harm(ntp__sums *sums, const int32_t c[3], int32_t m, ntp_encoding encoding,
                      bool pair_fails, uint32_t flags, uint32_t angle, uint32_t count)
 {
+    bool padding = pair_fails && ntp__is_padding(c[0], c[1], m);
     int64_t x = ntp__num(c[0], m), y = ntp__num(c[1], m), z = ntp__num(c[2], m);
     int32_t kind = 0;
     if (encoding == NTP_ENCODING_STANDARD && c[2] < (m - 1) / 2) {
@@ -108,7 +109,7 @@ static void add_harm(ntp__sums *sums, const int32_t c[3], int32_t m, ntp_encodin
     } else if (encoding == NTP_ENCODING_XY || (flags & NTP_FLAG_NEIGHBOR)) {
         return;
     }
-    ntp__harm_sums *harm = &sums->harm[kind];
+    ntp__harm_sums *harm = &sums->harm[padding ? kind + NTP__PADDING_HARM : kind];
     harm->texels += count;
     harm->sum += (uint64_t) angle * count;
     harm->bins[ntp__harm_bin(angle)] += count;
@@ -229,7 +230,7 @@ void ntp__clear_sums(ntp__sums *s)
         memset(fit, 0, offsetof(ntp__fit_sums, levels_off));
     }
     ntp__angles_clear(&s->angles);
-    for (int32_t k = 0; k < NTP__HARM_KINDS; k++) {
+    for (int32_t k = 0; k < NTP__ALL_HARM; k++) {
         if (s->harm[k].texels > 0)
             memset(&s->harm[k], 0, sizeof s->harm[k]);
     }
@@ -267,6 +268,6 @@ void ntp__merge_sums(ntp__sums *into, const ntp__sums *from)
         ntp__merge_max(&a->length_inverted_min, b->length_inverted_min);
     }
     ntp__angles_merge(&into->angles, &from->angles);
-    for (int32_t k = 0; k < NTP__HARM_KINDS; k++)
+    for (int32_t k = 0; k < NTP__ALL_HARM; k++)
         merge_harm(&into->harm[k], &from->harm[k]);
 }

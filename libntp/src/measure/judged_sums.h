@@ -28,6 +28,8 @@ typedef struct ntp__fit_sums {
 
 enum {
     NTP__HARM_KINDS = 3,   /* the bits of NTP_HARM_* */
+    NTP__PADDING_HARM = 2, /* padding has the last two of these kinds again, after all three */
+    NTP__ALL_HARM = NTP__HARM_KINDS + NTP__PADDING_HARM,
     NTP__HARM_BINS = 18001 /* of 0.01 degrees */
 };
 
@@ -43,7 +45,7 @@ typedef struct ntp__sums {
     uint64_t texels;
     ntp__fit_sums fit[2]; /* standard, Z-zero */
     ntp__angle_sums angles;
-    ntp__harm_sums harm[NTP__HARM_KINDS]; /* by the encoding of the angles */
+    ntp__harm_sums harm[NTP__ALL_HARM]; /* by the encoding of the angles */
 } ntp__sums;
 
 /* The greatest bin in use. */

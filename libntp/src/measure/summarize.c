@@ -75,6 +75,42 @@ static void describe_fit(ntp_fit *out, const ntp_tally *t, int32_t z)
     out->length_mean = share(used->length_sum + unused->length_sum, all) / one;
 }
 
+/* Counts padding with all flags of this mask. */
+static uint64_t count_padding(const ntp__sums *sums, uint32_t mask)
+{
+    uint64_t count = 0;
+    for (uint32_t f = 0; f < 256; f++)
+        count += (f & mask) == mask ? sums->fit[0].flags[NTP__PADDING_BIN * 256 + f] : 0;
+    return count;
+}
+
+/* How many used texels are padding that can be left out: not where hardly others would be left. */
+static uint64_t padding_to_leave_out(const ntp_tally *t)
+{
+    enum { OTHERS_LEAST = 16 }; /* one in this many */
+    uint64_t padding = count_padding(&t->used, 0);
+    bool left = OTHERS_LEAST * (t->used.texels - padding) >= t->used.texels &&
+                t->samples.n > t->padding_samples.n;
+    return left ? padding : 0;
+}
+
+/* Padding that is surely no damage: much of it, and of one color but for compression. */
+static uint64_t padding_of_one_color(const ntp_tally *t)
+{
+    enum { PICTURE_SHARE = 64 }; /* one texel in this many: wrong texels hardly have one color */
+    const double spread = 8;     /* levels; JPEG of quality 75 spreads a flat color by less */
+    const ntp__samples *s = &t->padding_samples;
+    uint64_t padding = padding_to_leave_out(t);
+    if (padding * PICTURE_SHARE < t->texels || s->n == 0)
+        return 0;
+    for (int32_t k = 0; k < 3; k++) {
+        double n = (double) s->n, mean = (double) s->sum[k] / n;
+        if ((double) s->square[k] / n - mean * mean > spread * spread)
+            return 0;
+    }
+    return padding;
+}
+
 /* Fills in the counts that follow from flags. */
 static void describe_verdicts(ntp_stats *s, const ntp_tally *t)
 {
@@ -94,6 +130,9 @@ static void describe_verdicts(ntp_stats *s, const ntp_tally *t)
                            flagged(unused, NTP_FLAG_NEIGHBOR | NTP__FAR, NTP_FLAG_NEIGHBOR);
     s->unused_z_negative = flagged(unused, NTP_FLAG_Z_NEGATIVE, NTP_FLAG_Z_NEGATIVE);
     s->z_negative = s->unused_z_negative + flagged(used, NTP_FLAG_Z_NEGATIVE, NTP_FLAG_Z_NEGATIVE);
+    s->padding = padding_of_one_color(t);
+    if (s->padding > 0)
+        s->padding_z_negative = count_padding(&t->used, NTP_FLAG_Z_NEGATIVE);
 }
 
 static void channel_from(ntp_channel *out, const ntp__channel_sums *sums, uint64_t texels,
@@ -234,6 +273,19 @@ static bool moments_of_blue(moments *blue, const ntp_tally *t)
     return !is_picture(t) && (uint64_t) blue->n == used_texels(t);
 }
 
+static void take_away(ntp__samples *from, const ntp__samples *part)
+{
+    from->n -= part->n;
+    for (int32_t k = 0; k < 3; k++) {
+        from->sum[k] -= part->sum[k];
+        from->square[k] -= part->square[k];
+        from->product[k] -= part->product[k];
+    }
+    from->red_low -= part->red_low;
+    from->green_low -= part->green_low;
+    from->gamma_unit -= part->gamma_unit;
+}
+
 static void describe_samples(ntp_stats *s, const ntp_tally *t)
 {
     moments blue;
@@ -243,11 +295,14 @@ static void describe_samples(ntp_stats *s, const ntp_tally *t)
     }
     if (t->samples.n == 0)
         return;
-    moments m = moments_of_samples(&t->samples);
+    ntp__samples sampled = t->samples;
+    if (s->padding > 0)
+        take_away(&sampled, &t->padding_samples);
+    moments m = moments_of_samples(&sampled);
     s->near_gamma_flat = scaled(t, t->samples.gamma_flat);
     for (int32_t k = 0; k < 3; k++)
         s->used_mean[k] = m.sum[k] / m.n;
-    if (moments_of_blue(&blue, t))
+    if (s->padding == 0 && moments_of_blue(&blue, t))
         s->used_mean[2] = blue.sum[0] / blue.n;
 }
 
@@ -365,9 +420,13 @@ ntp_status ntp_tally_harm(ntp_harm *harm, ntp_tally *tally, ntp_encoding encodin
     if (harm == NULL || kinds > NTP_HARM_ALL || !(degrees >= 0 && degrees <= 180))
         return NTP_ERR_ARGUMENT;
     NTP__TRY(ntp__sum_up(tally, encoding));
-    uint64_t used = tally->used.texels, sum = 0, max = 0, below = used;
+    uint64_t padding = padding_of_one_color(tally);
+    uint64_t used = tally->used.texels - padding, sum = 0, max = 0, below = used;
     memset(harm, 0, sizeof *harm);
-    for (uint32_t k = 0; k < NTP__HARM_KINDS; k++) {
+    /* Where padding counts, it counts as what it is. */
+    if (padding == 0)
+        kinds |= (kinds >> 1 & 3) << NTP__HARM_KINDS;
+    for (uint32_t k = 0; k < NTP__ALL_HARM; k++) {
         const ntp__harm_sums *one = &tally->used.harm[k];
         if (!(kinds >> k & 1))
             continue;
@@ -380,7 +439,7 @@ ntp_status ntp_tally_harm(ntp_harm *harm, ntp_tally *tally, ntp_encoding encodin
     /* From the greatest angle down; `below` have at most this one. */
     for (uint32_t i = ntp__harm_bin(max) + 1; i-- > 0;) {
         uint32_t count = 0;
-        for (uint32_t k = 0; k < NTP__HARM_KINDS; k++)
+        for (uint32_t k = 0; k < NTP__ALL_HARM; k++)
             count += kinds >> k & 1 ? tally->used.harm[k].bins[i] : 0;
         if (below * 100 >= used * 99)
             harm->p99 = i / 100.0;
@@ -401,14 +460,6 @@ static uint64_t near_unit(const ntp__fit_sums *fit, int32_t bins)
     uint64_t count = 0;
     for (int32_t i = 128 - bins; i < 128 + bins; i++)
         count += fit->lengths[i];
-    return count;
-}
-
-static uint64_t count_padding(const ntp__sums *sums)
-{
-    uint64_t count = 0;
-    for (int32_t i = 0; i < 256; i++)
-        count += sums->fit[0].flags[NTP__PADDING_BIN * 256 + i];
     return count;
 }
 
@@ -453,19 +504,6 @@ static void gather_steepness(ntp__evidence *e, const ntp__fit_sums *fit)
         e->steepness_length_error[i] = share(error[i], e->steepness[i]) / NTP__LENGTH_ONE;
 }
 
-static void take_away(ntp__samples *from, const ntp__samples *part)
-{
-    from->n -= part->n;
-    for (int32_t k = 0; k < 3; k++) {
-        from->sum[k] -= part->sum[k];
-        from->square[k] -= part->square[k];
-        from->product[k] -= part->product[k];
-    }
-    from->red_low -= part->red_low;
-    from->green_low -= part->green_low;
-    from->gamma_unit -= part->gamma_unit;
-}
-
 static void gather_samples(ntp__evidence *e, const ntp_tally *t)
 {
     moments blue;
@@ -492,16 +530,6 @@ static void gather_samples(ntp__evidence *e, const ntp_tally *t)
     e->correlation[2] = correlation_of(&m, 2, 1, 2);
     if (e->padding == 0 && moments_of_blue(&blue, t))
         e->used_sd[2] = sqrt(variance_of(&blue, 0));
-}
-
-/* How many used texels are padding that can be left out: not where hardly others would be left. */
-static uint64_t padding_to_leave_out(const ntp_tally *t)
-{
-    enum { OTHERS_LEAST = 16 }; /* one in this many */
-    uint64_t padding = count_padding(&t->used);
-    bool left = OTHERS_LEAST * (t->used.texels - padding) >= t->used.texels &&
-                t->samples.n > t->padding_samples.n;
-    return left ? padding : 0;
 }
 
 ntp_status ntp__gather_evidence(ntp__evidence *e, ntp_tally *t)
