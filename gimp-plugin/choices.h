@@ -57,6 +57,22 @@
     ROW(NTP_OP_DERIVED, "derived", N_("From red and green")) \
     ROW(NTP_OP_NEAREST, "nearest", N_("Rounded by itself"))
 
+#define NTP_ALPHA_CHOICES(ROW) /* ntp_alpha */ \
+    ROW(NTP_OP_KEEP, "keep", N_("Unchanged")) \
+    ROW(NTP_OP_ONE, "one", N_("Opaque")) \
+    ROW(NTP_OP_INVERSE, "inverse", N_("Inverted")) \
+    ROW(NTP_OP_HEIGHT, "height", N_("Height")) \
+    ROW(NTP_OP_INVERSE_HEIGHT, "inverse-height", N_("Inverted height"))
+
+#define NTP_LENGTH_CHOICES(ROW) /* the first two of ntp_clean_method */ \
+    ROW(NTP_OP_DERIVE, "derive", N_("Derive blue from red and green")) \
+    ROW(NTP_OP_NORMALIZE, "normalize", N_("Normalize what is not of length 1"))
+
+#define NTP_VERDICT_CHOICES(ROW) /* ntp_verdict */ \
+    ROW(NTP_OP_NEIGHBOR, "neighbor", N_("More than a level off")) \
+    ROW(NTP_OP_ROUNDED, "rounded", N_("Not a rounded unit vector")) \
+    ROW(NTP_OP_EXACT, "exact", N_("Blue not the derived one"))
+
 /* clang-format on */
 
 #endif

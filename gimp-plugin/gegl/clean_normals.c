@@ -20,16 +20,13 @@ enum_start(ntp_op_green)
 enum_end(ntp_op_green)
 
 enum_start(ntp_op_repair)
-    enum_value(NTP_OP_DERIVE, "derive", N_("Derive blue from red and green"))
-    enum_value(NTP_OP_NORMALIZE, "normalize", N_("Normalize what is not of length 1"))
+    NTP_LENGTH_CHOICES(enum_value)
     enum_value(NTP_OP_MIRROR_Z, "keep", N_("Turn negative Z around, nothing else"))
     enum_value(NTP_OP_NO_REPAIR, "none", N_("None"))
 enum_end(ntp_op_repair)
 
 enum_start(ntp_op_verdict)
-    enum_value(NTP_OP_NEIGHBOR, "neighbor", N_("More than a level off"))
-    enum_value(NTP_OP_ROUNDED, "rounded", N_("Not a rounded unit vector"))
-    enum_value(NTP_OP_EXACT, "exact", N_("Blue not the derived one"))
+    NTP_VERDICT_CHOICES(enum_value)
 enum_end(ntp_op_verdict)
 
 enum_start(ntp_op_show)

@@ -43,6 +43,11 @@ static const choice readings[] = { /* the same, found out first */
     NTP_ENCODING_CHOICES(CHOICE_ROW)
     END
 };
+static const choice origins[] = { /* the same; last, so that the others keep their numbers */
+    NTP_ENCODING_CHOICES(CHOICE_ROW)
+    { "auto", N_("Find out") },
+    END
+};
 static const choice blues[] = { /* ntp_blue */
     NTP_BLUE_CHOICES(CHOICE_ROW)
     END
@@ -97,15 +102,12 @@ static const choice results[] = {
     END
 };
 static const choice repairs[] = { /* ntp_clean_method; auto */
-    { "derive", N_("Derive blue from red and green") },
-    { "normalize", N_("Normalize all three") },
+    NTP_LENGTH_CHOICES(CHOICE_ROW)
     { "auto", N_("As the errors suggest") },
     END
 };
 static const choice verdicts[] = { /* ntp_verdict */
-    { "neighbor", N_("Within a level") },
-    { "rounded", N_("Rounded") },
-    { "exact", N_("Exact") },
+    NTP_VERDICT_CHOICES(CHOICE_ROW)
     END
 };
 
@@ -125,80 +127,88 @@ static const field normals_fields[FN_COUNT] = {
         N_("How many texels white rises above black; 0: as the slopes of the layer suggest"),
         0, 0, -1e9, 1e9, 0, 1000, 3),
     [FN_KERNEL] = CHOICE("kernel", N_("_Kernel"),
-        N_("How a slope is taken; wider kernels are smoother, and all are equally strong"),
+        N_("How a slope is taken. A wider kernel is smoother, none is stronger"),
         0, 0, kernels),
-    [FN_BORDER_X] = CHOICE("border-x", N_("Le_ft and right edges"),
-        N_("The height beyond the left and right edges"), 0, 0, borders),
-    [FN_BORDER_Y] = CHOICE("border-y", N_("Upper and lower e_dges"),
-        N_("The height beyond the upper and lower edges"), 0, 0, borders),
-    [FN_SOURCE] = CHOICE("source", N_("Heigh_t from"),
-        N_("Which number of a color is the height; gray has only one"), 0, 0, sources),
-    [FN_INVERT] = SWITCH("invert", N_("_Invert the height"), N_("Black is high, white is low"), 0),
+    [FN_BORDER_X] = CHOICE("border-x", N_("Le_ft and right edge"),
+        N_("The height beyond the left and right edge"), 0, 0, borders),
+    [FN_BORDER_Y] = CHOICE("border-y", N_("_Top and bottom edge"),
+        N_("The height beyond the top and bottom edge"), 0, 0, borders),
+    [FN_SOURCE] = CHOICE("source", N_("He_ight"),
+        N_("Which number of a pixel is the height. In a gray picture red, green and blue are the gray value"),
+        0, 0, sources),
+    [FN_INVERT] = SWITCH("invert", N_("I_nvert height"), N_("Black is high and white is low"), 0),
     [FN_TO_Y] = CHOICE("to-y", N_("_Green points"),
-        N_("Up the picture: OpenGL, glTF, USD, Unity, Blender. Down: DirectX, Unreal"),
+        N_("Up the picture: OpenGL, glTF, USD, Blender, Unity, Godot. Down: DirectX, Unreal"),
         0, 0, green),
-    [FN_TO] = CHOICE("to", N_("Bl_ue stores"), N_("How z is stored in blue"), 0, 0, encodings),
-    [FN_MIN_Z] = NUMBER("min-z", N_("Least _z"), N_("Steeper normals are turned up to this z"),
+    [FN_TO] = CHOICE("to", N_("Range of bl_ue"), N_("What the blue channel stands for"),
+        0, 0, encodings),
+    [FN_MIN_Z] = NUMBER("min-z", N_("Minimum _Z"), N_("Steeper slopes are made this steep"),
         0, 0, 0, 1, 0, 1, 3),
-    [FN_ALPHA] = CHOICE("alpha", N_("Alpha _becomes"), N_("What the alpha channel holds then"),
+    [FN_ALPHA] = CHOICE("alpha", N_("Al_pha"),
+        N_("What the alpha channel of the result holds. For another layer, first choose it under More"),
         0, 0, alphas),
-    [FN_DX] = NUMBER("dx", N_("_Width of a texel"), N_("Where texels are not square"),
+    [FN_DX] = NUMBER("dx", N_("Spacing _X"),
+        N_("Width of a texel, for textures that are stretched"), 1, 1, 1e-6, MOST, 0.1, 10, 3),
+    [FN_DY] = NUMBER("dy", N_("Spacing _Y"), N_("Height of a texel"),
         1, 1, 1e-6, MOST, 0.1, 10, 3),
-    [FN_DY] = NUMBER("dy", N_("Height of a te_xel"), N_("Where texels are not square"),
-        1, 1, 1e-6, MOST, 0.1, 10, 3),
-    [FN_BLUE] = CHOICE("blue", N_("Blue is co_mputed"),
-        N_("From the rounded red and green: survives any round trip. By itself: the nearest z"),
+    [FN_BLUE] = CHOICE("blue", N_("_Blue"), N_("A derived blue survives any conversion"),
         1, 0, blues),
-    [FN_HEIGHT_LAYER] = LAYER("height-layer", N_("Height of a_nother layer"),
+    [FN_HEIGHT_LAYER] = LAYER("height-layer", N_("H_eight of another layer"),
         N_("A layer of the same size that holds the height, in place of the layer itself"), 1),
-    [FN_ALPHA_LAYER] = LAYER("alpha-layer", N_("La_yer for alpha"),
+    [FN_ALPHA_LAYER] = LAYER("alpha-layer", N_("Alpha fro_m another layer"),
         N_("The layer whose brightness becomes alpha; scaled to this layer's size"), 1),
-    [FN_FLIP_X] = SWITCH("flip-x", N_("Fli_p red"), N_("Red points left"), 1),
-    [FN_SWAP] = SWITCH("swap-rgb", N_("Swap r_ed and blue"), N_("Store z, y, x"), 1),
+    [FN_FLIP_X] = SWITCH("flip-x", N_("Flip re_d"), N_("Red points left"), 1),
+    [FN_SWAP] = SWITCH("swap-rgb", N_("S_wap red and blue"), N_("Store z, y, x"), 1),
     [FN_DUDV] = CHOICE("dudv", N_("_Values to store"), N_("Normals, or x and y alone as DU/DV"),
         1, 0, dudvs),
 };
 
 static const field height_fields[FH_COUNT] = {
-    [FH_BORDER_X] = CHOICE("border-x", N_("Le_ft and right edges"),
-        N_("What lies beyond the left and right edges: wrap where the texture tiles"),
+    [FH_BORDER_X] = CHOICE("border-x", N_("Le_ft and right edge"),
+        N_("What lies beyond the left and right edge: wrap where the texture tiles"),
         0, 3, borders),
-    [FH_BORDER_Y] = CHOICE("border-y", N_("Upper and lower e_dges"),
-        N_("What lies beyond the upper and lower edges: wrap where the texture tiles"),
+    [FH_BORDER_Y] = CHOICE("border-y", N_("_Top and bottom edge"),
+        N_("What lies beyond the top and bottom edge: wrap where the texture tiles"),
         0, 3, borders),
-    [FH_FROM_Y] = CHOICE("from-y", N_("_Green points"), N_("The wrong way gives dents"),
+    [FH_FROM_Y] = CHOICE("from-y", N_("_Green points"),
+        N_("Which way green points in the layer as it is; the wrong way gives dents"),
         0, 0, green),
-    [FH_FROM] = CHOICE("from", N_("Bl_ue stores"), N_("How z is stored in blue"), 0, 0, encodings),
+    [FH_FROM] = CHOICE("from", N_("Range of bl_ue"),
+        N_("What blue stands for in the layer as it is. \"Find out\" refuses what does not look like normals"),
+        0, 3, origins),
     [FH_METHOD] = CHOICE("method", N_("_Method"), N_("How slopes become heights"), 0, 0, methods),
     [FH_KERNEL] = CHOICE("kernel", N_("_Kernel"), N_("How the slopes were taken"), 0, 0, slopes),
     [FH_DECODE] = CHOICE("decode", N_("Le_vels"), N_("What the stored levels mean"), 0, 0, decodes),
-    [FH_Z] = CHOICE("z", N_("_z is taken"), N_("From red and green where blue is not to be trusted"),
+    [FH_Z] = CHOICE("z", N_("_Z is taken"), N_("From red and green where blue is not to be trusted"),
         0, 0, depths),
-    [FH_INVERT] = SWITCH("invert", N_("_Invert the height"), N_("Black is high, white is low"), 0),
-    [FH_CONTRAST] = NUMBER("contrast", N_("Co_ntrast"),
+    [FH_INVERT] = SWITCH("invert", N_("I_nvert height"), N_("Black is high and white is low"), 0),
+    [FH_CONTRAST] = NUMBER("contrast", N_("Contr_ast"),
         N_("Stretches the heights about their middle; what is then beyond black or white is cut"),
         0, 0, 0, 1, 0, 1, 2),
-    [FH_RESULT] = CHOICE("result", N_("Resul_t in"),
+    [FH_RESULT] = CHOICE("result", N_("Result _in"),
         N_("8 bits are few for a height; the new image has 16"), 0, 0, results),
 };
 
 static const field check_fields[FK_COUNT] = {
-    [FK_FROM] = CHOICE("from", N_("Bl_ue stores"), N_("How z is stored in blue"), 0, 0, readings),
-    [FK_KEEP_NEGATIVE_Z] = SWITCH("keep-negative-z", N_("_Negative z is right"),
-        N_("Normals may point into the surface"), 0),
+    [FK_FROM] = CHOICE("from", N_("Range of bl_ue"),
+        N_("What blue stands for in the layer as it is"), 0, 0, readings),
+    [FK_KEEP_NEGATIVE_Z] = SWITCH("keep-negative-z", N_("Keep ne_gative Z"),
+        N_("Do not turn normals around that point into the surface"), 0),
 };
 
 static const field clean_fields[FC_COUNT] = {
-    [FC_METHOD] = CHOICE("method", N_("_Method"), N_("What is done to a normal that is not right"),
+    [FC_METHOD] = CHOICE("method", N_("Re_pair"), N_("How vectors get length 1"),
         0, 2, repairs), /* auto, as `ntp clean` */
-    [FC_FROM] = CHOICE("from", N_("Bl_ue stores"), N_("How z is stored in blue"), 0, 0, readings),
-    [FC_KEEP_NEGATIVE_Z] = SWITCH("keep-negative-z", N_("_Negative z is right"),
-        N_("Normals may point into the surface"), 0),
+    [FC_FROM] = CHOICE("from", N_("Range of bl_ue"),
+        N_("What blue stands for in the layer as it is"), 0, 0, readings),
+    [FC_KEEP_NEGATIVE_Z] = SWITCH("keep-negative-z", N_("Keep ne_gative Z"),
+        N_("Do not turn normals around that point into the surface"), 0),
     [FC_ONLY_FAILING] = SWITCH("only-failing", N_("Onl_y what fails"),
-        N_("Leave alone what passes the test below"), 0),
-    [FC_VERDICT] = CHOICE("verdict", N_("_Test"), N_("What counts as right"), 0, 0, verdicts),
-    [FC_UNUSED] = SWITCH("touch-unused", N_("_Also unused texels"),
-        N_("Black, white and transparent texels as well"), 0),
+        N_("Leave texels alone that pass the test below"), 0),
+    [FC_VERDICT] = CHOICE("verdict", N_("A te_xel fails if it is"), N_("How strict the test is"),
+        0, 0, verdicts),
+    [FC_UNUSED] = SWITCH("touch-unused", N_("Unuse_d texels too"),
+        N_("Treat black, white and transparent texels like any other"), 0),
 };
 
 /* Plain numbers all, as the old plug-in had them. */
@@ -207,7 +217,7 @@ static const field clean_fields[FC_COUNT] = {
 static const field classic_fields[FO_COUNT] = {
     [FO_FILTER] = INDEX("filter", N_("0 4 sample, 1 Sobel 3x3, 2 Sobel 5x5, 3 Prewitt 3x3, "
         "4 Prewitt 5x5, 5 3x3, 6 5x5, 7 7x7, 8 9x9"), 8),
-    [FO_MIN_Z] = NUMBER("minz", "minz", N_("Least z of a normal"), -1, 0, 0, 1, 0, 1, 3),
+    [FO_MIN_Z] = NUMBER("minz", "minz", N_("Minimum z of a normal"), -1, 0, 0, 1, 0, 1, 3),
     [FO_SCALE] = NUMBER("scale", "scale", N_("Strength; its effect depends on the filter"),
         -1, 1, -1e6, 1e6, -100, 100, 3),
     [FO_WRAP] = INDEX("wrap", N_("1: the texture tiles"), 1),
@@ -228,31 +238,35 @@ static const field classic_fields[FO_COUNT] = {
 };
 
 const procedure procedures[PROCEDURE_COUNT] = {
-    [PROCEDURE_NORMALS] = { "plug-in-ntp-normals-from-height", N_("Normals from Height"),
-        N_("Normals from _Height..."),
-        N_("Makes a normals texture (normal map) of a heightfield (bump map)"),
+    [PROCEDURE_NORMALS] = { "plug-in-ntp-normals-from-height",
+        { N_("Normals from Another Layer"), N_("Normals from Another _Layer...") },
+        { N_("Normals from Height"), N_("Normals from _Height...") },
+        N_("Makes a normals texture (normal map) of the heightfield (bump map) in this or another layer, gray or color"),
         N_("White is high. Red and green are the correctly rounded values of the formula, in the "
            "layer's own precision; blue is computed from them. A gray image becomes RGB."),
         normals_fields, FN_COUNT },
-    [PROCEDURE_HEIGHT] = { "plug-in-ntp-height-from-normals", N_("Height from Normals"),
-        N_("Height from _Normals..."),
+    [PROCEDURE_HEIGHT] = { "plug-in-ntp-height-from-normals",
+        { N_("Height from Normals"), N_("Height from _Normals...") },
+        { N_("Height from Normals"), N_("Height from _Normals...") },
         N_("Makes a heightfield (bump map) of a normals texture (normal map)"),
         N_("Finds the heights whose slopes come nearest to the stored normals, and stretches "
            "them from black to white."),
         height_fields, FH_COUNT },
-    [PROCEDURE_CHECK] = { "plug-in-ntp-check-normals", N_("Check Normals"),
-        N_("_Check Normals..."),
+    [PROCEDURE_CHECK] = { "plug-in-ntp-check-normals",
+        { N_("Check Normals"), N_("_Check Normals...") },
+        { N_("Check Normals"), N_("_Check Normals...") },
         N_("Tells whether the layer is a normals texture, and whether it is right"),
         N_("Says what the texture is, how many texels are not unit vectors and how far they are "
            "off, and offers to clean them."),
         check_fields, FK_COUNT },
-    [PROCEDURE_CLEAN] = { "plug-in-ntp-clean-normals", N_("Clean Normals"),
-        N_("C_lean Normals..."),
+    [PROCEDURE_CLEAN] = { "plug-in-ntp-clean-normals",
+        { N_("Clean Normals by Their Errors"), N_("C_lean Normals by Their Errors...") },
+        { N_("Clean Normals"), N_("C_lean Normals...") },
         N_("Repairs the normals of a normals texture"),
         N_("Makes each stored normal a unit vector, as exactly as its levels can hold one. Alpha "
            "and unused texels stay."),
         clean_fields, FC_COUNT },
-    [PROCEDURE_CLASSIC] = { "plug-in-normalmap", NULL, NULL,
+    [PROCEDURE_CLASSIC] = { "plug-in-normalmap", { NULL, NULL }, { NULL, NULL },
         N_("The gimp-normalmap plug-in's arguments, for scripts that call it"),
         N_("Takes the arguments of the old plug-in and computes what it meant to, correctly "
            "rounded. New scripts had better call plug-in-ntp-normals-from-height."),

@@ -106,10 +106,15 @@ typedef enum procedure_id {
     PROCEDURE_COUNT
 } procedure_id;
 
+typedef struct procedure_labels {
+    const char *title; /* of the dialog */
+    const char *menu;  /* with a mnemonic; NULL: not in the menus */
+} procedure_labels;
+
 typedef struct procedure {
     const char *name;
-    const char *title; /* of the dialog */
-    const char *menu;  /* label, with a mnemonic; NULL: not in the menus */
+    /* GIMP 3 has the operations in its menus too, so names say what only the plug-in does. */
+    procedure_labels in_gimp3, in_gimp2;
     const char *blurb;
     const char *help;
     const field *fields;

@@ -8,6 +8,11 @@
 #include <stdlib.h>
 #include <string.h>
 
+bool height_finds_out(const settings *s)
+{
+    return (int) s->value[FH_FROM] > NTP_ENCODING_XY;
+}
+
 height_job height_job_from(const settings *s)
 {
     const double *v = s->value;
@@ -19,7 +24,7 @@ height_job height_job_from(const settings *s)
                  .decode = (ntp_decode) v[FH_DECODE],
                  .z = v[FH_Z] != 0 ? NTP_Z_DERIVED : NTP_Z_STORED },
         .y = (ntp_y) v[FH_FROM_Y],
-        .encoding = (ntp_encoding) v[FH_FROM],
+        .encoding = height_finds_out(s) ? NTP_ENCODING_STANDARD : (ntp_encoding) v[FH_FROM],
         .invert = v[FH_INVERT] != 0,
         .contrast = v[FH_CONTRAST],
     };

@@ -16,7 +16,10 @@ typedef struct height_job {
     double contrast; /* 0..1: stretches about the middle by 1 + contrast */
 } height_job;
 
-/* The job for the settings of PROCEDURE_HEIGHT. */
+/* True if a report on the layer has to decide the encoding. */
+bool height_finds_out(const settings *s);
+
+/* The job for the settings of PROCEDURE_HEIGHT; an encoding to be found out is the standard. */
 height_job height_job_from(const settings *s);
 
 /*

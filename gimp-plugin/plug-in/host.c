@@ -54,7 +54,39 @@ static bool write_layer(void *user, const ntp_rect *area, const void *pixels, pt
     return true;
 }
 
-void host_open(host_layer *layer, gint32 id)
+gboolean host_has_effects(gint32 id)
+{
+    gboolean found = FALSE;
+#if HOST_GIMP3
+    GimpDrawableFilter **effects = gimp_drawable_get_filters(HOST_DRAWABLE(id));
+    for (gint i = 0; effects != NULL && effects[i] != NULL; i++)
+        found = found || gimp_drawable_filter_get_visible(effects[i]);
+    g_free(effects);
+#else
+    (void) id;
+#endif
+    return found;
+}
+
+/*
+ * A plug-in gets the pixels below the effects.  In a copy that belongs to no image GIMP merges them
+ * in the layer's own format, without an undo step, to the same bits as in the layer itself.
+ */
+static gint32 show_effects(gint32 id)
+{
+#if HOST_GIMP3
+    if (!host_has_effects(id))
+        return 0;
+    GimpLayer *copy = gimp_layer_copy(HOST_LAYER(id));
+    gimp_drawable_merge_filters(GIMP_DRAWABLE(copy));
+    return gimp_item_get_id(GIMP_ITEM(copy));
+#else
+    (void) id;
+    return 0;
+#endif
+}
+
+static void open_drawable(host_layer *layer, gint32 id)
 {
     const Babl *format = gimp_drawable_get_format(HOST_DRAWABLE(id));
     ntp_type type = NTP_TYPE_U8;
@@ -68,9 +100,25 @@ void host_open(host_layer *layer, gint32 id)
                                .type = type };
 }
 
+void host_open(host_layer *layer, gint32 id)
+{
+    const gint32 shown = show_effects(id);
+    open_drawable(layer, shown > 0 ? shown : id);
+    layer->id = id;
+    layer->shown = shown;
+}
+
+gboolean host_has_size_of(const host_layer *layer, gint32 id)
+{
+    return layer->raster.width == drawable_width(id) && layer->raster.height == drawable_height(id);
+}
+
 void host_close(host_layer *layer)
 {
     g_clear_object(&layer->buffer);
+    if (layer->shown > 0)
+        gimp_item_delete(HOST_ITEM(layer->shown));
+    layer->shown = 0;
 }
 
 /* ------------------------------------------------------------------------------- writing */
@@ -78,7 +126,7 @@ void host_close(host_layer *layer)
 /* The layer's shadow: merging copies it to the layer, where it is selected. */
 static void open_shadow(host_layer *shadow, gint32 id)
 {
-    host_open(shadow, id);
+    open_drawable(shadow, id);
     g_object_unref(shadow->buffer);
     shadow->buffer = gimp_drawable_get_shadow_buffer(HOST_DRAWABLE(id));
     shadow->raster.user = shadow;
@@ -140,7 +188,7 @@ static gboolean is_blended_coarsely(const host_layer *layer)
 
 void host_open_result(host_layer *result, const host_layer *layer, int32_t channels)
 {
-    if (channels == layer->raster.channels && !is_blended_coarsely(layer))
+    if (channels == layer->raster.channels && layer->shown == 0 && !is_blended_coarsely(layer))
         open_shadow(result, layer->id);
     else
         open_store(result, layer, channels);
@@ -182,6 +230,10 @@ static void merge_as_srgb(host_layer *result, const ntp_rect *area)
 void host_put_result(host_layer *result, const host_layer *layer, const ntp_rect *area)
 {
     gimp_image_undo_group_start(gimp_item_get_image(HOST_ITEM(layer->id)));
+#if HOST_GIMP3
+    if (layer->shown > 0)
+        gimp_drawable_merge_filters(HOST_DRAWABLE(layer->id));
+#endif
     if (gimp_drawable_is_gray(HOST_DRAWABLE(layer->id)) && result->raster.channels > 2)
         gimp_image_convert_rgb(gimp_item_get_image(HOST_ITEM(layer->id)));
 #if HOST_GIMP3
@@ -205,7 +257,24 @@ gboolean host_is_layer(gint32 id)
 #endif
 }
 
-const char *host_refusal(gint32 id)
+/* Only reading leaves a text as it is, or a file that a layer shows. */
+static const char *refusal_to_write(gint32 id)
+{
+    if (gimp_item_is_text_layer(HOST_ITEM(id)))
+        return _("This is a text layer, and texels would take the place of its text. First choose "
+                 "Layer > Discard Text Information.");
+#if HOST_GIMP3
+    const char *kind = G_OBJECT_TYPE_NAME(gimp_item_get_by_id(id)); /* from GIMP 3.2 on */
+    if (g_str_equal(kind, "GimpLinkLayer") || g_str_equal(kind, "GimpVectorLayer"))
+        return _("This layer shows a file or paths, so its texels cannot be changed. First choose "
+                 "Layer > Rasterize.");
+#endif
+    if (gimp_item_get_lock_content(HOST_ITEM(id)))
+        return _("The layer's pixels are locked. Unlock them in the Layers dialog.");
+    return NULL;
+}
+
+const char *host_refusal(const procedure *p, gint32 id)
 {
     if (!host_is_layer(id))
         return _("This works on layers. Select the layer itself, not its mask or a channel.");
@@ -214,9 +283,7 @@ const char *host_refusal(gint32 id)
     if (gimp_drawable_is_indexed(HOST_DRAWABLE(id)))
         return _("Indexed images hold numbers of colors, not heights or normals. First choose "
                  "Image > Mode > RGB.");
-    if (gimp_item_get_lock_content(HOST_ITEM(id)))
-        return _("The layer's pixels are locked. Unlock them in the Layers dialog.");
-    return NULL;
+    return p == &procedures[PROCEDURE_CHECK] ? NULL : refusal_to_write(id);
 }
 
 gboolean host_selection(const host_layer *layer, ntp_rect *area)

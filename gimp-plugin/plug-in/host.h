@@ -25,7 +25,8 @@
 #  define HOST_ITEM(ID)     (ID)
 #endif
 
-#define _(TEXT) host_translate(TEXT)
+#define _(TEXT)  host_translate(TEXT)
+#define N_(TEXT) TEXT /* translated later */
 
 enum { HOST_TEXT = 600 }; /* room for a message */
 
@@ -41,9 +42,10 @@ void host_begin(void);
 /* The text in the user's language. */
 const char *host_translate(const char *text);
 
-/* A layer that is open for reading. */
+/* A layer that is open for reading, as it is shown with its effects. */
 typedef struct host_layer {
     gint32 id;
+    gint32 shown; /* a copy of it with its effects merged; 0: it shows no effects */
     raster raster;
     GeglBuffer *buffer;
     const Babl *format; /* in which samples are read, and written */
@@ -51,6 +53,9 @@ typedef struct host_layer {
 } host_layer;
 
 void host_open(host_layer *layer, gint32 id);
+
+/* Effects such as shadows can make what is shown larger than the layer. */
+gboolean host_has_size_of(const host_layer *layer, gint32 id);
 void host_close(host_layer *layer);
 
 /*
@@ -60,11 +65,19 @@ void host_close(host_layer *layer);
  */
 void host_open_result(host_layer *result, const host_layer *layer, int32_t channels);
 
-/* Writes an area of the result into the selected part of the layer, in one undo step; closes it. */
+/* Writes an area of the result into the selected part of the layer, in one undo step; closes it.
+ * Effects, which the result already contains, are merged into the layer. */
 void host_put_result(host_layer *result, const host_layer *layer, const ntp_rect *area);
 
 /* Why the procedure cannot work on this drawable, in the user's language; NULL: it can. */
-const char *host_refusal(gint32 id);
+const char *host_refusal(const procedure *p, gint32 id);
+
+/* Does the layer show effects (GIMP 3), which are then part of what the procedures see? */
+gboolean host_has_effects(gint32 id);
+
+/* What a user should know before the procedure runs on this layer, in the user's language; empty:
+ * nothing.  only_effects: nothing unless the layer shows effects. */
+void host_notice(const procedure *p, gint32 id, gboolean only_effects, char notice[HOST_TEXT]);
 
 /* Is it a layer, so that the argument counts? */
 gboolean host_is_layer(gint32 id);

@@ -32,6 +32,8 @@ static job_status run_normals(const normals_job *job, double height_id, double a
 {
     const bool needs_alpha = normals_job_needs_alpha(job, layer->raster.type);
     host_layer heights, mask, result;
+    if (job->alpha == ALPHA_LAYER && !host_is_layer((gint32) alpha_id))
+        return JOB_NO_LAYER;
     const raster *height = open_other(&heights, height_id);
     const raster *alpha = open_other(&mask, job->alpha == ALPHA_LAYER ? alpha_id : -1);
     host_open_result(&result, layer, result_channels(layer, needs_alpha));
@@ -50,6 +52,8 @@ static job_status run_repair(const repair_job *job, double alpha_id, const host_
                              const ntp_rect *area, uint64_t *changed)
 {
     host_layer mask, result;
+    if (job->alpha == ALPHA_LAYER && !host_is_layer((gint32) alpha_id))
+        return JOB_NO_LAYER;
     const raster *alpha = open_other(&mask, job->alpha == ALPHA_LAYER ? alpha_id : -1);
     host_open_result(&result, layer, layer->raster.channels);
     const job_status status = repair_job_run(job, &layer->raster, alpha, &result.raster, area,
@@ -61,7 +65,31 @@ static job_status run_repair(const repair_job *job, double alpha_id, const host_
     return status;
 }
 
+/* The report on a layer that must hold normals. */
+static job_status find_normals(report *found, const settings *question, const raster *layer)
+{
+    const job_status status = report_run(found, question, layer, NULL, &host_surroundings);
+    if (status != JOB_DONE)
+        return status;
+    if (!found->judged)
+        return found->type.type == NTP_CLASS_HEIGHT ? JOB_IS_HEIGHT : JOB_NO_NORMALS;
+    return found->misplaced ? JOB_MISPLACED : JOB_DONE;
+}
+
 /* ------------------------------------------------------------------------------- heights */
+
+/* How blue stores z, detected if the settings of PROCEDURE_HEIGHT say so. */
+static job_status find_encoding(const settings *s, const host_layer *layer, ntp_encoding *encoding)
+{
+    static report found;
+    const settings question = { { 0 } };
+    if (!height_finds_out(s))
+        return JOB_DONE;
+    const job_status status = find_normals(&found, &question, &layer->raster);
+    if (status == JOB_DONE)
+        *encoding = found.encoding;
+    return status;
+}
 
 /* A new image of one 16-bit gray layer. */
 static job_status show_plane(const float *plane, const host_layer *layer, double range)
@@ -177,14 +205,9 @@ static job_status run_clean(const settings *s, const host_layer *layer, const nt
     settings question;
     const bool finds_out = repair_finds_out(s, &question);
     if (finds_out) {
-        const job_status status =
-            report_run(&found, &question, &layer->raster, NULL, &host_surroundings);
+        const job_status status = find_normals(&found, &question, &layer->raster);
         if (status != JOB_DONE)
             return status;
-        if (!found.judged)
-            return JOB_NO_NORMALS;
-        if (found.misplaced)
-            return JOB_MISPLACED;
     }
     const repair_job job = repair_job_from(s, finds_out ? &found : NULL);
     return run_repair(&job, -1, layer, area, changed);
@@ -197,6 +220,10 @@ gboolean host_check(const settings *s, gint32 id, report *r, char message[HOST_T
     gimp_progress_init(_("Checking normals"));
     const job_status status = report_run(r, s, &layer.raster, host_translate, &host_surroundings);
     gimp_progress_end();
+    if (layer.shown > 0) {
+        g_strlcat(r->text, "\n", sizeof r->text);
+        g_strlcat(r->text, _("Seen as the layer is shown, with its effects."), sizeof r->text);
+    }
     host_close(&layer);
     g_strlcpy(message, status == JOB_DONE ? "" : _(job_status_text(status)), HOST_TEXT);
     return status == JOB_DONE;
@@ -221,9 +248,12 @@ static job_status dispatch(const procedure *p, const settings *s, const host_lay
         return run_normals(&job, s->value[FN_HEIGHT_LAYER], s->value[FN_ALPHA_LAYER], layer, area);
     }
     case PROCEDURE_HEIGHT: {
-        const height_job job = height_job_from(s);
+        height_job job = height_job_from(s);
         if (gray)
             return JOB_GRAY;
+        status = find_encoding(s, layer, &job.encoding);
+        if (status != JOB_DONE)
+            return status;
         return run_height(&job, &layer->raster, s->value[FH_RESULT] != 0, layer, area, &range);
     }
     case PROCEDURE_CLEAN:
@@ -244,7 +274,7 @@ static job_status dispatch(const procedure *p, const settings *s, const host_lay
 
 gboolean host_run(const procedure *p, const settings *s, gint32 id, char message[HOST_TEXT])
 {
-    const char *refusal = host_refusal(id);
+    const char *refusal = host_refusal(p, id);
     host_layer layer;
     ntp_rect area;
     message[0] = 0;
@@ -253,6 +283,11 @@ gboolean host_run(const procedure *p, const settings *s, gint32 id, char message
         return FALSE;
     }
     host_open(&layer, id);
+    if (!host_has_size_of(&layer, id)) {
+        host_close(&layer);
+        g_strlcpy(message, _(job_status_text(JOB_BEYOND)), HOST_TEXT);
+        return FALSE;
+    }
     if (!host_selection(&layer, &area)) {
         host_close(&layer);
         g_strlcpy(message, _("The selection does not touch the layer. Nothing was changed."),

@@ -28,13 +28,24 @@ const char *job_status_text(job_status status)
     case JOB_GRAY:
         return N_("This layer is gray: it cannot hold normals. To make normals of a height, choose "
                   "Normals from Height.");
+    case JOB_NO_LAYER:
+        return N_("Alpha is to come from another layer, but none is chosen. Choose the layer for "
+                  "alpha, or another alpha.");
+    case JOB_BEYOND:
+        return N_("The layer's effects reach beyond its edges. First merge them: the fx icon in "
+                  "the Layers dialog, Merge filters.");
+    case JOB_IS_HEIGHT:
+        return N_("This looks like a heightfield (bump map), not like normals. To make normals of "
+                  "it, choose Normals from Height. If these are normals all the same, set \"Range "
+                  "of blue\".");
     case JOB_NO_NORMALS:
-        return N_("This does not look like a normals texture. If it is one all the same, say how "
-                  "blue stores z.");
+        return N_(
+            "This does not look like a normals texture. If it is one all the same, set \"Range "
+            "of blue\".");
     case JOB_MISPLACED:
-        return N_("Channels are exchanged or were converted: cleaning here would make that worse. "
-                  "Export again, or undo it with the program: ntp clean --undo. If all is as it "
-                  "should be, say how blue stores z.");
+        return N_("Channels are exchanged or were converted: this would make it worse. Export "
+                  "again, or undo it with the program: ntp clean --undo. If all is as it should "
+                  "be, set \"Range of blue\".");
     case JOB_NO_METHOD:
         return N_("This method does not take this kernel with these edges. Choose the method \"As "
                   "the edges say\", or edges that wrap or mirror.");

@@ -41,7 +41,10 @@ typedef enum job_status {
     JOB_NO_ALPHA,   /* the height is in alpha, and the layer has none */
     JOB_WRONG_SIZE, /* the other layer has a different size */
     JOB_GRAY,       /* normals are required, but the layer is gray */
+    JOB_NO_LAYER,   /* alpha is to come from another layer, and there is none */
+    JOB_BEYOND,     /* the layer's effects reach beyond it */
     JOB_NO_NORMALS, /* the layer is not a normals texture */
+    JOB_IS_HEIGHT,  /* it is a heightfield */
     JOB_MISPLACED,  /* its channels are exchanged or were converted */
     JOB_NO_METHOD,  /* the method does not support this kernel with these borders */
     JOB_WRONG       /* an argument; should not happen with checked settings */

@@ -30,6 +30,11 @@ CHROOT = os.environ.get("NTP_GIMP3")
 pytestmark = pytest.mark.skipif(not CHROOT, reason="NTP_GIMP3 names no chroot; use ./dev gimp3")
 
 NORMALS = "plug-in-ntp-normals-from-height"
+HEIGHT = "plug-in-ntp-height-from-normals"
+CHECK = "plug-in-ntp-check-normals"
+CLEAN = "plug-in-ntp-clean-normals"
+INVERT = ["gegl:invert-gamma", {}]  # an effect whose result is plain to see: the levels from above
+SHADOW = ["gegl:dropshadow", {}]
 SOBEL = SETTINGS["sobel"]
 TYPES = {"U8": "u1", "U16": "u2", "U32": "u4", "HALF": "f2", "FLOAT": "f4", "DOUBLE": "f8"}
 CURVES = ("LINEAR", "NON_LINEAR", "PERCEPTUAL")
@@ -59,9 +64,15 @@ def refused_jobs():
         "gray": ("gray8", [["call", "plug-in-ntp-clean-normals", {}]], "is gray"),
         "swapped": (
             "red_blue_swapped",
-            [["call", "plug-in-ntp-clean-normals", {}]],
-            "cleaning here would make that worse",
+            [["call", CLEAN, {}]],
+            "this would make it worse",
         ),
+        "text": ("rgb8", [["text"], sobel], "text layer"),
+        "heightfield": ("rgb8-equal", [["call", HEIGHT, {}]], "looks like a heightfield"),
+        "swapped-height": ("red_blue_swapped", [["call", HEIGHT, {}]], "this would make it worse"),
+        "no-alpha-layer": ("rgb8", [["call", NORMALS, {"alpha": "layer"}]], "none is chosen"),
+        "no-alpha-map": ("rgba8", [["call", "plug-in-normalmap", {"alpha": 6}]], "none is chosen"),
+        "shadow": ("rgba8", [["append", *SHADOW], sobel], "reach beyond its edges"),
     }
 
 
@@ -105,7 +116,52 @@ def jobs():
     job("height", "rough16", height, ["save", "height.png"])
     for name, (file, steps, _) in refused_jobs().items():
         job(name, file, *steps)
+    for name, (file, steps) in effect_jobs().items():
+        job(name, file, *steps)
+    job("told", "rgb8-equal", ["call", HEIGHT, {"from": "standard"}])
+    job("text-check", "rgb8", ["text"], ["call", CHECK, {}])
     return todo
+
+
+def effect_jobs():
+    """The procedures on layers that show something else than their pixels."""
+    seen = ["append", "ntp:normals-from-height", SOBEL]
+    invert, note = ["append", *INVERT], ["note_filters"]
+    jobs = {"seen-check": ("rgb16", [seen, ["call", CHECK, {}], note])}
+    for file in ("rgb8", "rgba16", "rgb16-gama"):
+        steps = [invert, ["call", NORMALS, SOBEL], note, ["dump", f"seen-{file}"]]
+        jobs[f"seen-{file}"] = file, steps
+    jobs["seen-part"] = (
+        "rgba16",
+        [
+            *(["select", *PART], invert, ["call", NORMALS, SOBEL], note, ["dump", "seen-part"]),
+        ],
+    )
+    jobs["seen-hidden"] = (
+        "rgb8",
+        [
+            *(invert, ["hide_filters"], ["call", NORMALS, SOBEL], note, ["dump", "seen-hidden"]),
+        ],
+    )
+    call = ["call", NORMALS, {**SOBEL, "height-layer": "other"}]
+    shown = [["other", "rgb8.png"], ["append", *INVERT, "second"], call, note]
+    jobs["seen-other"] = "rgba8", [*shown, ["dump", "seen-other"]]
+    for depth in (8, 16):
+        steps = [invert, ["call", CLEAN, {"from": "standard", "method": "derive"}], note]
+        jobs[f"seen-clean{depth}"] = f"rough{depth}", [*steps, ["save", f"seen-clean{depth}.png"]]
+    for name in ("rgb8", "rgba16", "rgb16-gama", "rough8", "rough16"):
+        jobs[f"inverted-{name}"] = name, [["merge", *INVERT], ["dump", f"inverted-{name}"]]
+    part = [["select", *PART], ["merge", *INVERT], ["dump", "inverted-part"]]
+    jobs["inverted-part"] = "rgba16", part
+    # Twice inverted shows what is there: the height of these normals, not of others.
+    twice = [invert, invert]
+    jobs["seen-height"] = "rough16", [*twice, ["call", HEIGHT, {}], note, ["dump", "seen-height"]]
+    jobs["bare-height"] = "rough16", [["call", HEIGHT, {}], note, ["dump", "bare-height"]]
+    image = ["call", HEIGHT, {"result": "image", "from": "standard"}]
+    for name, how in (("seen", "append"), ("merged", "merge")):
+        steps = [[how, *INVERT], image, note, ["newest"], ["dump", f"{name}-image"]]
+        jobs[f"{name}-image"] = "rough16", steps
+    return jobs
 
 
 def jobs_alone():
@@ -123,6 +179,8 @@ def gimp():
     for name, (pixels, chunks) in INPUTS.items():
         pngs.write_png(made.work / f"{name}.png", pixels, chunks=chunks)
     pngs.write_png(made.work / "one.png", picture(3, 8, 1, 1))
+    equal = np.repeat(INPUTS["rgb8"][0][:, :, :1], 3, 2)
+    pngs.write_png(made.work / "rgb8-equal.png", equal)
     pngs.write_png(made.work / "rough8.png", rough_normals(3, 8))
     pngs.write_png(made.work / "rough16.png", rough_normals(4, 16))
     shutil.copy(ROOT / "test_files" / "red_blue_swapped.png", made.work)
@@ -282,6 +340,67 @@ def test_refused(gimp, job):
     result = gimp.results[job]
     assert result["error"] is None
     assert refused_jobs()[job][2] in result["refused"]
+    assert result["status"] == "execution-error"
+
+
+def test_told(gimp):
+    """Who says how blue stores z gets heights of anything; reading a text layer harms nothing."""
+    for job in ("told", "text-check"):
+        assert gimp.results[job]["error"] is None and "refused" not in gimp.results[job]
+
+
+def test_effects_checked(gimp):
+    """Normals as an effect are what is seen, not the heights below; the effect stays."""
+    result = gimp.results["seen-check"]
+    assert result["error"] is None and result["values"][0] == "standard"
+    assert "with its effects" in result["values"][-1] and result["filters"] == 1
+
+
+@pytest.mark.parametrize("file", ["rgb8", "rgba16", "rgb16-gama"])
+def test_effects_are_the_height(gimp, raw, ntp, file):
+    """GIMP's own effect, and the result takes its place."""
+    dtype = INPUTS[file][0].dtype
+    shown = raw(f"inverted-{file}", dtype=dtype)
+    assert different(shown, INPUTS[file][0]) > 0
+    expected = ntp(shown, "from-height", *options(SOBEL))
+    assert different(raw(f"seen-{file}", dtype=dtype), expected) == 0
+    assert gimp.results[f"seen-{file}"]["filters"] == 0
+
+
+def test_effects_in_selection(raw, ntp):
+    """Beside the selection the layer becomes what it showed."""
+    shown = raw("inverted-part", dtype=np.uint16)
+    expected = part_of(ntp(shown, "from-height", *options(SOBEL)), shown)
+    assert different(raw("seen-part", dtype=np.uint16), expected) == 0
+
+
+def test_hidden_effects(gimp, raw, ntp):
+    """Nobody sees them; they stay as they are."""
+    expected = ntp(INPUTS["rgb8"][0], "from-height", *options(SOBEL))
+    assert different(raw("seen-hidden"), expected) == 0
+    assert gimp.results["seen-hidden"]["filters"] == 1
+
+
+def test_effects_of_the_other_layer(raw, ntp):
+    expected = ntp(raw("inverted-rgb8"), "from-height", *options(SOBEL))
+    assert different(raw("seen-other")[:, :, :3], expected) == 0
+
+
+@pytest.mark.parametrize("depth", [8, 16])
+def test_effects_cleaned(gimp, done, raw, ntp, depth):
+    shown = raw(f"inverted-rough{depth}", dtype=f"u{depth // 8}")
+    words = ["--type", "standard", "--method", "derive"]
+    assert different(done(f"seen-clean{depth}"), ntp(shown, "clean", *words)) == 0
+    assert gimp.results[f"seen-clean{depth}"]["filters"] == 0
+
+
+def test_effects_to_height(gimp, raw):
+    """In the layer; and in a new image, where the effect stays."""
+    assert different(raw("seen-height", dtype=np.uint16), raw("bare-height", dtype=np.uint16)) == 0
+    made, turned = raw("seen-image", dtype=np.uint16), raw("merged-image", dtype=np.uint16)
+    assert different(made, turned) == 0 and np.ptp(made) == 65535
+    assert gimp.results["seen-image"]["filters"] == 1
+    assert gimp.results["seen-height"]["filters"] == 0
 
 
 def test_no_complaints(gimp):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The letters that Alt takes to a field of the plug-in's dialogs: each means one field of a dialog."""
+"""What the dialogs say: each letter that Alt takes means one field, each option has one name."""
 
 import re
 from collections import Counter
@@ -30,3 +30,53 @@ def test_each_letter_once(name, rows, language):
     letters.update(label[label.index("_") + 1].lower() for label in labels)
     assert [letter for letter, count in letters.items() if count > 1] == []
     assert labels or name == "classic_fields"  # for scripts only
+
+
+def plain(text):
+    return text.replace("_", "")
+
+
+def operation_labels(file):
+    """{"min-z": "Minimum Z"} of an operation's properties."""
+    text = (PARTS / "gegl" / file).read_text(encoding="utf-8")
+    found = re.findall(r'^property_\w+\((\w+), _\("(.+?)"\)', text, re.MULTILINE)
+    return {name.replace("_", "-"): label for name, label in found}
+
+
+def plugin_labels(name):
+    rows = dict(DIALOGS)[name]
+    return dict(re.findall(r'(?:NUMBER|CHOICE|SWITCH)\("([\w-]+)", N_\("([^"]*)"\)', rows))
+
+
+# What an option of the plug-in is called in the operation, where that is not its own name.
+SAME = {
+    "normals_fields": ("normals_from_height.c", {}),
+    "clean_fields": ("clean_normals.c", {"method": "repair"}),
+    "check_fields": ("clean_normals.c", {}),
+    "height_fields": ("clean_normals.c", {}),
+}
+
+
+@pytest.mark.parametrize("language", BUTTONS)
+@pytest.mark.parametrize("name", SAME)
+def test_one_name_for_an_option(name, language):
+    """In the operation and in the plug-in."""
+    file, others = SAME[name]
+    texts, operation = translations(language), operation_labels(file)
+    shared = 0
+    for option, label in plugin_labels(name).items():
+        there = operation.get(others.get(option, option))
+        if there is not None and option != "scale":  # the operation's says more
+            assert plain(texts.get(label, label)) == texts.get(there, there), option
+            shared += 1
+    assert shared >= 2
+
+
+@pytest.mark.parametrize("language", ["de", "en_GB"])
+def test_nothing_untranslated(language):
+    text = (PARTS / "po" / f"{language}.po").read_text(encoding="utf-8")
+    assert "#, fuzzy" not in text and "#~" not in text
+    assert (
+        re.findall(r'^msgid (".+"(?:\n".+")*|""(?:\n".+")+)\nmsgstr ""\n\n', text, re.MULTILINE)
+        == []
+    )

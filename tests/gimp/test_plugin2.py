@@ -46,6 +46,13 @@ OTHER = (
     '(define other (car (gimp-file-load-layer RUN-NONINTERACTIVE image "{}")))'
     "(gimp-image-insert-layer image other 0 1)"
 )
+# An XCF file tells that a layer is text by a parasite; GIMP here has no fonts to write with.
+TEXT = (
+    '(gimp-item-attach-parasite layer (list "gimp-text-layer" 1 "(text \\"A\\")"))'
+    '(gimp-xcf-save RUN-NONINTERACTIVE image layer "text.xcf" "x")'
+    '(define texts (car (gimp-file-load RUN-NONINTERACTIVE "text.xcf" "x")))'
+    "(define text (car (gimp-image-get-active-drawable texts)))"
+)
 MASK = "(gimp-layer-add-mask layer (car (gimp-layer-create-mask layer ADD-MASK-WHITE)))"
 
 
@@ -143,6 +150,10 @@ def refused_jobs():
         "gray-height": opened("gray8.png", call("plug-in-ntp-height-from-normals")),
         "gray-clean": opened("gray8.png", call("plug-in-ntp-clean-normals")),
         "gray-classic": opened("gray8.png", classic(conversion=8)),
+        "no-alpha-layer": opened("rgb8.png", normals(alpha="layer")),
+        "no-alpha-map": opened("rgba8.png", classic(alpha=6)),
+        "heightfield": opened("equal.png", call("plug-in-ntp-height-from-normals")),
+        "text": opened("rgb8.png", TEXT + normals(layer="text")),
         "photograph": opened("noise.png", call("plug-in-ntp-clean-normals")),
         **{n: opened(f"{n}.png", call("plug-in-ntp-clean-normals")) for n in MISPLACED},
     }
@@ -195,6 +206,9 @@ def normals_jobs():
         "clean-part": opened("rough8.png", SELECT + clean + saved("clean-part.png")),
         "clean-again": opened("rough8.png", clean + clean),
         "clean-told": opened("red_blue_swapped.png", told + saved("clean-told.png")),
+        "height-told": opened(
+            "equal.png", call("plug-in-ntp-height-from-normals", **{"from": "standard"})
+        ),
         "height": opened(
             "rough16.png", call("plug-in-ntp-height-from-normals") + saved("height.png")
         ),
@@ -218,6 +232,7 @@ def gimp(tmp_path_factory):
     pixels = pngs.read_png(TEST_FILES / "standard.png")[0].copy()
     pixels[:9, :, 2] = 255 - pixels[:9, :, 2]
     pngs.write_png(made.work / "mirrored.png", pixels)
+    pngs.write_png(made.work / "equal.png", np.repeat(picture(1, 8), 3, 2))
     for name in MISPLACED:
         shutil.copy(TEST_FILES / f"{name}.png", made.work)
     made.messages = made.run(
@@ -329,8 +344,12 @@ REFUSED = {
     "gray-height": "is gray",
     "gray-clean": "is gray",
     "gray-classic": "is gray",
+    "no-alpha-layer": "none is chosen",
+    "no-alpha-map": "none is chosen",
+    "heightfield": "looks like a heightfield",
+    "text": "text layer",
     "photograph": "not look like a normals texture",
-    **dict.fromkeys(MISPLACED, "cleaning here would make that worse"),
+    **dict.fromkeys(MISPLACED, "this would make it worse"),
 }
 
 
@@ -494,6 +513,11 @@ def test_height(done):
     assert np.corrcoef(right, (-x / z)[inner].ravel())[0, 1] > 0.9
     assert np.corrcoef(up, (-y / z)[inner].ravel())[0, 1] > 0.9
     assert made.min() == 0 and made.max() == 65535
+
+
+def test_height_as_told(gimp):
+    """Who says how blue stores z gets heights of anything."""
+    assert "job-height-told-done" in gimp.messages["height-told"]
 
 
 def test_no_complaints(gimp):

@@ -35,7 +35,7 @@ ARGUMENTS = {
         "border-x": "extrapolate",
         "border-y": "extrapolate",
         "from-y": "up",
-        "from": "standard",
+        "from": 3,
         "method": 0,
         "kernel": "central",
         "decode": 0,

@@ -30,8 +30,8 @@ class Session:
     def layer(self):
         return self.image.get_layers()[0]
 
-    def _filter(self, operation, settings):
-        made = Gimp.DrawableFilter.new(self.layer, operation, "")
+    def _filter(self, operation, settings, layer=None):
+        made = Gimp.DrawableFilter.new(layer or self.layer, operation, "")
         config = made.get_config()
         for name, value in settings.items():
             config.set_property(name, value)
@@ -41,8 +41,9 @@ class Session:
     def merge(self, operation, settings):
         self.layer.merge_filter(self._filter(operation, settings))
 
-    def append(self, operation, settings):
-        self.layer.append_filter(self._filter(operation, settings))
+    def append(self, operation, settings, target="layer"):
+        layer = getattr(self, target)
+        layer.append_filter(self._filter(operation, settings, layer))
 
     def discard_profile(self):
         """What Image > Color Management > Discard Color Profile does: the numbers stay."""
@@ -95,6 +96,27 @@ class Session:
     def mask(self, kind="WHITE"):
         self.layer.add_mask(self.layer.create_mask(getattr(Gimp.AddMaskType, kind)))
 
+    def text(self):
+        """The layer becomes text, which a parasite tells in a file; there are no fonts here."""
+        mark = Gimp.Parasite.new("gimp-text-layer", 1, b'(text "A")\0')
+        self.layer.attach_parasite(mark)
+        self.save("text.xcf")
+        self.image.delete()
+        self.image = Gimp.file_load(QUIET, path("text.xcf"))
+
+    def hide_filters(self):
+        for effect in self.layer.get_filters():
+            effect.set_visible(False)
+
+    def note_filters(self):
+        self.notes["filters"] = len(self.layer.get_filters())
+        self.notes["images"] = len(Gimp.get_images())
+
+    def newest(self):
+        """The newest image takes the place of this one."""
+        self.image.delete()
+        self.image = max(Gimp.get_images(), key=Gimp.Image.get_id)
+
     def lock(self):
         self.layer.set_lock_content(True)
 
@@ -113,6 +135,7 @@ class Session:
             self.notes["values"] = [answer.index(i) for i in range(1, answer.length())]
         else:
             self.notes["refused"] = Gimp.get_pdb().get_last_error()
+            self.notes["status"] = answer.index(0).value_nick
 
     def note_profile(self):
         profile = self.image.get_color_profile()

@@ -93,11 +93,30 @@ static void add_number(dialog *d, GtkTable *table, gint row, int i)
         d->first = GIMP_SCALE_ENTRY_SPINBUTTON(number);
 }
 
-static GtkWidget *choice_new(const field *f)
+/* The choice that needs another layer is gray until there is one. */
+static void allow_alpha_layer(GtkCellLayout *combo, GtkCellRenderer *cell, GtkTreeModel *rows,
+                              GtkTreeIter *row, gpointer data)
+{
+    const dialog *d = data;
+    GtkTreePath *path = gtk_tree_model_get_path(rows, row);
+    const gboolean needs = gtk_tree_path_get_indices(path)[0] == ALPHA_LAYER;
+    (void) combo;
+    gtk_tree_path_free(path);
+    g_object_set(cell, "sensitive",
+                 !needs || host_is_layer((gint32) d->settings->value[FN_ALPHA_LAYER]), NULL);
+}
+
+static GtkWidget *choice_new(dialog *d, const field *f)
 {
     GtkWidget *combo = gtk_combo_box_text_new();
     for (int k = 0; k < choice_count(f); k++)
         gtk_combo_box_text_append_text(GTK_COMBO_BOX_TEXT(combo), _(f->choices[k].label));
+    if (f == &procedures[PROCEDURE_NORMALS].fields[FN_ALPHA]) {
+        GList *cells = gtk_cell_layout_get_cells(GTK_CELL_LAYOUT(combo));
+        gtk_cell_layout_set_cell_data_func(GTK_CELL_LAYOUT(combo), GTK_CELL_RENDERER(cells->data),
+                                           allow_alpha_layer, d, NULL);
+        g_list_free(cells);
+    }
     return combo;
 }
 
@@ -117,7 +136,7 @@ static void add_field(dialog *d, GtkTable *table, gint row, int i)
         return;
     }
     GtkWidget *control = f->kind == FIELD_SWITCH   ? gtk_check_button_new_with_mnemonic(_(f->label))
-                         : f->kind == FIELD_CHOICE ? choice_new(f)
+                         : f->kind == FIELD_CHOICE ? choice_new(d, f)
                                                    : layers_new();
     const char *signal = f->kind == FIELD_SWITCH ? "toggled" : "changed";
     d->controls[i] = control;
@@ -242,18 +261,31 @@ static gboolean run_window(dialog *d)
     }
 }
 
+static void add_notice(GtkWidget *box, const procedure *p, gint32 id)
+{
+    char text[HOST_TEXT];
+    host_notice(p, id, FALSE, text);
+    if (text[0] == 0)
+        return;
+    GtkWidget *hint = gimp_hint_box_new(text);
+    gtk_container_set_border_width(GTK_CONTAINER(hint), 12);
+    gtk_box_pack_start(GTK_BOX(box), hint, FALSE, FALSE, 0);
+    gtk_widget_show(hint);
+}
+
 gboolean dialog_run(const procedure *p, settings *s, gint32 id)
 {
     dialog d = { .procedure = p, .settings = s };
     gimp_ui_init(PLUGIN_NAME, FALSE);
-    d.window = gimp_dialog_new(_(p->title), PLUGIN_NAME, NULL, 0, show_help, p->name, _("_Load..."),
-                               RESPONSE_LOAD, _("_Save..."), RESPONSE_SAVE, GIMP_STOCK_RESET,
-                               RESPONSE_RESET, GTK_STOCK_CANCEL, GTK_RESPONSE_CANCEL, GTK_STOCK_OK,
-                               GTK_RESPONSE_OK, NULL);
+    d.window = gimp_dialog_new(_(p->in_gimp2.title), PLUGIN_NAME, NULL, 0, show_help, p->name,
+                               _("_Load..."), RESPONSE_LOAD, _("_Save..."), RESPONSE_SAVE,
+                               GIMP_STOCK_RESET, RESPONSE_RESET, GTK_STOCK_CANCEL,
+                               GTK_RESPONSE_CANCEL, GTK_STOCK_OK, GTK_RESPONSE_OK, NULL);
     gimp_window_set_transient(GTK_WINDOW(d.window));
     gtk_dialog_set_default_response(GTK_DIALOG(d.window), GTK_RESPONSE_OK);
     GtkWidget *box = gtk_hbox_new(FALSE, 12);
     gtk_container_set_border_width(GTK_CONTAINER(box), 12);
+    add_notice(gtk_dialog_get_content_area(GTK_DIALOG(d.window)), p, id);
     gtk_box_pack_start(GTK_BOX(gtk_dialog_get_content_area(GTK_DIALOG(d.window))), box, TRUE, TRUE,
                        0);
     gtk_box_pack_start(GTK_BOX(box), controls_new(&d), TRUE, TRUE, 0);

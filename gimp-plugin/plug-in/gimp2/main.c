@@ -50,10 +50,10 @@ static void install(const procedure *p)
             (GimpParamDef) { type_of(f), g_strdup(f->name), describe(f) };
     }
     gimp_install_procedure(p->name, p->blurb, p->help, PLUGIN_AUTHORS, PLUGIN_COPYRIGHT,
-                           PLUGIN_DATE, p->menu, "RGB*, GRAY*", GIMP_PLUGIN,
+                           PLUGIN_DATE, p->in_gimp2.menu, "RGB*, GRAY*", GIMP_PLUGIN,
                            FIXED_ARGUMENTS + p->count, reports ? REPORT_VALUES : 0, arguments,
                            reports ? report_values : NULL);
-    if (p->menu != NULL)
+    if (p->in_gimp2.menu != NULL)
         gimp_plugin_menu_register(p->name, PLUGIN_MENU);
     for (int i = 0; i < p->count; i++) {
         g_free(arguments[FIXED_ARGUMENTS + i].name);
@@ -73,6 +73,7 @@ static void name_report_values(void)
 static void query(void)
 {
     name_report_values();
+    gimp_plugin_menu_branch_register(PLUGIN_MENU_IN, N_("Normal Map"));
     gchar *locale = host_beside("locale");
     gimp_plugin_domain_register(GETTEXT_PACKAGE, locale);
     g_free(locale);
@@ -170,9 +171,10 @@ static void run(const gchar *name, gint given, const GimpParam *params, gint *co
     host_begin();
     const gint32 id = params[2].data.d_drawable;
     const GimpRunMode mode = params[0].data.d_int32;
-    const char *refusal = host_refusal(id);
+    const char *refusal = host_refusal(p, id);
     gboolean done = FALSE;
     if (refusal != NULL) {
+        values[0].data.d_status = GIMP_PDB_EXECUTION_ERROR;
         g_strlcpy(message, refusal, sizeof message);
     } else if (!settle(p, &s, params, given, &wrong)) {
         if (wrong == NULL)

@@ -17,12 +17,22 @@ typedef struct connection {
     GtkWidget *view;
 } connection;
 
+/* The choice that needs another layer is gray until there is one. */
+static void allow_alpha_layer(GObject *config, const settings *s)
+{
+    GParamSpec *alpha = g_object_class_find_property(G_OBJECT_GET_CLASS(config), "alpha");
+    gimp_choice_set_sensitive(gimp_param_spec_choice_get_choice(alpha), "layer",
+                              host_is_layer((gint32) s->value[FN_ALPHA_LAYER]));
+}
+
 static void on_change(GObject *config, GParamSpec *spec, gpointer data)
 {
     const connection *c = data;
     settings s;
     (void) spec;
     config_read(c->procedure, GIMP_PROCEDURE_CONFIG(config), &s);
+    if (c->procedure == &procedures[PROCEDURE_NORMALS])
+        allow_alpha_layer(config, &s);
     view_update(c->view, &s);
 }
 
@@ -79,8 +89,20 @@ static GtkWidget *dialog_new(const procedure *p, GimpProcedure *pdb_procedure,
     gboolean header = FALSE;
     g_object_get(gtk_settings_get_default(), "gtk-dialogs-use-header", &header, NULL);
     return g_object_new(GIMP_TYPE_PROCEDURE_DIALOG, "procedure", pdb_procedure, "config", config,
-                        "title", _(p->title), "help-func", show_help, "help-id", p->name,
+                        "title", _(p->in_gimp3.title), "help-func", show_help, "help-id", p->name,
                         "use-header-bar", header, NULL);
+}
+
+static void add_notice(GtkWidget *box, const procedure *p, gint32 id)
+{
+    char text[HOST_TEXT];
+    host_notice(p, id, FALSE, text);
+    if (text[0] == 0)
+        return;
+    GtkWidget *hint = gimp_hint_box_new(text);
+    gtk_container_set_border_width(GTK_CONTAINER(hint), 12);
+    gtk_box_pack_start(GTK_BOX(box), hint, FALSE, FALSE, 0);
+    gtk_widget_show(hint);
 }
 
 gboolean dialog_run(const procedure *p, GimpProcedure *pdb_procedure, GimpProcedureConfig *config,
@@ -91,6 +113,7 @@ gboolean dialog_run(const procedure *p, GimpProcedure *pdb_procedure, GimpProced
     GtkWidget *dialog = dialog_new(p, pdb_procedure, config);
     GtkWidget *box = gtk_box_new(GTK_ORIENTATION_HORIZONTAL, 12);
     gtk_container_set_border_width(GTK_CONTAINER(box), 12);
+    add_notice(gtk_dialog_get_content_area(GTK_DIALOG(dialog)), p, id);
     gtk_box_pack_start(GTK_BOX(box), controls_new(GIMP_PROCEDURE_DIALOG(dialog), p), TRUE, TRUE, 0);
     c.view = view_new(p, id);
     gtk_box_pack_start(GTK_BOX(box), c.view, FALSE, FALSE, 0);

@@ -125,16 +125,18 @@ static GimpValueArray *run(GimpProcedure *pdb, GimpRunMode mode, GimpImage *imag
     const procedure *p = data;
     const bool checks = p == &procedures[PROCEDURE_CHECK];
     static report found;
-    char message[HOST_TEXT] = "";
+    char message[HOST_TEXT] = "", notice[HOST_TEXT] = "";
     settings s;
     (void) image;
     gegl_init(NULL, NULL);
     if (drawables == NULL || drawables[0] == NULL || drawables[1] != NULL)
-        return give_up(pdb, GIMP_PDB_CALLING_ERROR, _("Select one layer."));
+        return give_up(pdb, GIMP_PDB_EXECUTION_ERROR, _("Select one layer."));
     const gint32 id = gimp_item_get_id(GIMP_ITEM(drawables[0]));
-    const char *refusal = host_refusal(id);
+    const char *refusal = host_refusal(p, id);
     if (refusal != NULL)
-        return give_up(pdb, GIMP_PDB_CALLING_ERROR, refusal);
+        return give_up(pdb, GIMP_PDB_EXECUTION_ERROR, refusal);
+    if (mode != GIMP_RUN_INTERACTIVE && !checks)
+        host_notice(p, id, TRUE, notice);
     if (mode == GIMP_RUN_INTERACTIVE && !checks && !dialog_run(p, pdb, config, id))
         return give_up(pdb, GIMP_PDB_CANCEL, NULL);
     config_read(p, config, &s);
@@ -143,6 +145,8 @@ static GimpValueArray *run(GimpProcedure *pdb, GimpRunMode mode, GimpImage *imag
         return give_up(pdb, GIMP_PDB_EXECUTION_ERROR, message);
     if (mode != GIMP_RUN_NONINTERACTIVE)
         gimp_displays_flush();
+    if (notice[0] != 0)
+        g_message("%s", notice);
     if (message[0] != 0)
         g_message("%s", message);
     GimpValueArray *values = gimp_procedure_new_return_values(pdb, GIMP_PDB_SUCCESS, NULL);
@@ -156,7 +160,7 @@ static GimpValueArray *run(GimpProcedure *pdb, GimpRunMode mode, GimpImage *imag
 static GList *query_procedures(GimpPlugIn *plug_in)
 {
     GList *names = NULL;
-    (void) plug_in;
+    gimp_plug_in_add_menu_branch(plug_in, PLUGIN_MENU_IN, N_("Normal Map"));
     for (int i = 0; i < PROCEDURE_COUNT; i++)
         names = g_list_append(names, g_strdup(procedures[i].name));
     return names;
@@ -168,8 +172,8 @@ static void describe(GimpProcedure *made, const procedure *p)
     gimp_procedure_set_sensitivity_mask(made, GIMP_PROCEDURE_SENSITIVE_DRAWABLE);
     gimp_procedure_set_documentation(made, _(p->blurb), _(p->help), p->name);
     gimp_procedure_set_attribution(made, PLUGIN_AUTHORS, PLUGIN_COPYRIGHT, PLUGIN_DATE);
-    if (p->menu != NULL) {
-        gimp_procedure_set_menu_label(made, _(p->menu));
+    if (p->in_gimp3.menu != NULL) {
+        gimp_procedure_set_menu_label(made, _(p->in_gimp3.menu));
         gimp_procedure_add_menu_path(made, PLUGIN_MENU);
     }
 }
