@@ -456,7 +456,7 @@ def test_jpeg_in_place_that_needs_nothing_is_done(run, tmp_path):
         (["clean", "--method", "derive"], "exact_n.jpg", 0),
         (["transform", "--flip", "x"], "exact_n.jpg", 3),
     ):
-        for dry in ([], ["-n"]):
+        for dry in ([], ["-n"]) if args[0] != "transform" else ([],):
             done = run(*args, "--in-place", *dry, name)
             assert done.returncode == code, (args, dry, done.stderr)
             assert "not written" in (done.stderr if code else done.stdout), (args, dry)
