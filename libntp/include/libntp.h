@@ -1239,7 +1239,7 @@ NTP_API const char *ntp_blend_mode_name(ntp_blend_mode mode);
  * height, which is an equally possible surface.  So the answer assumes that red points right.
  *
  * The accumulator: memory of ntp_orientation_size() bytes, aligned to 16, zero-filled by the
- * caller.  It takes 50 KiB.  It holds only integer sums, so parts merge exactly.
+ * caller.  It takes 101 KiB.  It holds only integer sums, so parts merge exactly.
  */
 typedef struct ntp_orientation ntp_orientation;
 
@@ -1268,7 +1268,7 @@ NTP_API ntp_status ntp_orientation_merge(ntp_orientation *into, const ntp_orient
 NTP_API ntp_status ntp_orientation_clear(ntp_orientation *orientation);
 
 typedef struct ntp_orientation_result {
-    int32_t decided;   /* 0: undecided: stripes, flat, noise, too small */
+    int32_t decided;   /* 0: undecided: stripes, weaves, flat, noise, too small */
     ntp_y y;           /* which way green points as stored; the more likely one if undecided */
     double confidence; /* 0.8..0.99; 0 if undecided */
     double statistic;  /* -1..1: how well the cross derivatives agree; positive: Y up */

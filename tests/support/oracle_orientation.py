@@ -30,6 +30,11 @@ def _filter(a, taps, axis):
     return sum(t * np.take(a, range(k, k + n), axis) for k, t in enumerate(taps))
 
 
+def _pairs(a, axis):
+    n = a.shape[axis] - 1
+    return np.take(a, range(n), axis) + np.take(a, range(1, n + 1), axis)
+
+
 def sampled(height, every_row=False):
     """Which rows loops are taken in."""
     step = 1
@@ -41,42 +46,55 @@ def sampled(height, every_row=False):
 
 
 def loops(pixels, every_row=False):
-    """u, v of each loop that counts, and its x, y."""
+    """Of each loop that counts: u, v of the wide filter, u, v of the narrow one, x, y, its p, q,
+    and the change of p to the right and of q down by the wide filter."""
     h, w = pixels.shape[:2]
     if h < 6 or w < 6:
-        return np.zeros((4, 0), np.int64)
+        return np.zeros((10, 0), np.int64)
     p, q, used = slopes(pixels)
-    u = -_filter(_filter(p, STEEP, 0), SMOOTH, 1)
-    v = _filter(_filter(q, SMOOTH, 0), STEEP, 1)
+    wide = [-_filter(_filter(p, STEEP, 0), SMOOTH, 1), _filter(_filter(q, SMOOTH, 0), STEEP, 1)]
+    along = [_filter(_filter(p, SMOOTH, 0), STEEP, 1), -_filter(_filter(q, STEEP, 0), SMOOTH, 1)]
     whole = _filter(_filter(used.astype(np.int64), [1] * 6, 0), [1] * 6, 1) == 36
     y, x = np.mgrid[2 : h - 3, 2 : w - 3]
     whole &= sampled(h, every_row)[2 : h - 3, None]
-    return np.stack([a[whole] for a in (u, v, x, y)])
+    narrow = [-_pairs(np.diff(p, axis=0), 1), _pairs(np.diff(q, axis=1), 0)]
+    near = [a[2 : h - 3, 2 : w - 3] for a in (*narrow, p, q)]
+    return np.stack([a[whole] for a in (*wide, *near[:2], x, y, *near[2:], *along)])
 
 
-def statistic(pixels, every_row=False):
-    """(r, z, loops)."""
-    h, w = pixels.shape[:2]
-    u, v, x, y = loops(pixels, every_row)
-    if len(u) == 0:
-        return 0.0, 0.0, 0
+def _blocks(u, v, block):
+    """What each block says, as a share of what all say; the energy before large ones are held."""
     top = np.maximum(abs(u), abs(v))
     bits = np.where(top > 0, np.floor(np.log2(np.maximum(top, 1))).astype(int) + 1, 0)
     shift = np.maximum(bits - 12, 0)
     uu, vv = np.trunc(u / 2.0**shift), np.trunc(v / 2.0**shift)
-    cells = [max(-(-side // 16), 4) for side in (w, h)]
-    block = (y // cells[1]) * 16 + x // cells[0]
     scale = 4.0 ** np.maximum(np.arange(25) - 12, 0)
     n = np.bincount(bits, minlength=25)
     energy = np.bincount(bits, uu * uu + vv * vv, minlength=25) * scale
+    if energy.sum() == 0:
+        return np.zeros(256), 0.0
     mean = energy.sum() / len(u)
     weight = np.ones(25)
     far = energy > 9 * mean * n
     weight[far] = 9 * mean * n[far] / energy[far]
     cross = np.bincount(block * 25 + bits, uu * vv, minlength=256 * 25).reshape(256, 25)
-    sums = (cross * (weight * scale)).sum(1)
-    total = (energy * weight).sum()
-    if total == 0:
-        return 0.0, 0.0, len(u)
+    return 2 * (cross * (weight * scale)).sum(1) / (energy * weight).sum(), energy.sum()
+
+
+def statistic(pixels, every_row=False):
+    """(r, z, loops, whether it is a weave)."""
+    h, w = pixels.shape[:2]
+    u, v, u2, v2, x, y, p, q, along_p, along_q = loops(pixels, every_row)
+    if len(u) == 0:
+        return 0.0, 0.0, 0, False
+    cells = [max(-(-side // 16), 4) for side in (w, h)]
+    block = (y // cells[1]) * 16 + x // cells[0]
+    (wide, across), (narrow, _) = (_blocks(*uv, block) for uv in ((u, v), (u2, v2)))
+    sums = (wide + narrow) / 2
+    along = 65536.0 * (np.trunc(along_p / 256) ** 2 + np.trunc(along_q / 256) ** 2).sum()
+    both, either = 2.0 * abs(p * q).sum(), float((p * p + q * q).sum())
+    bends, meets = across * either, along * both
+    mixed = both < 0.6 * either and narrow.sum() / (wide.sum() or 1) < 0.45
+    weave = (both < 0.45 * either and bends > meets) or (mixed and bends > 0.7 * meets)
     spread = np.sqrt((sums * sums).sum())
-    return 2 * sums.sum() / total, sums.sum() / spread if spread else 0.0, len(u)
+    return sums.sum(), sums.sum() / spread if spread else 0.0, len(u), weave

@@ -11,10 +11,11 @@
  *
  * Normals (Y up) have slopes p = -x/z to the right and q = y/z down the picture.  On a surface
  * dp/dy = dq/dx; if green points the other way, dp/dy = -dq/dx.  So the sign of the product of the
- * two tells.  Both derivatives are taken by one 6 x 6 filter, on a loop between four texels: it is
- * the mean of slopes that a binomial of sigma 1 has smoothed.  All sums are integers, kept by the
- * size of the derivatives and by the block of the picture, so parts merge exactly.  Large
- * derivatives get less weight at the end.  docs/orientation.md tells the rest.
+ * two tells.  Both derivatives are taken on a loop between four texels, by two filters: a wide one
+ * of 6 x 6 texels, the mean of slopes that a binomial of sigma 1 has smoothed, which noise hardly
+ * disturbs, and a narrow one of these four texels alone, which edges hardly disturb.  All sums are
+ * integers, kept by the size of the derivatives and by the block of the picture, so parts merge
+ * exactly.  Large derivatives get less weight at the end.  docs/orientation.md tells the rest.
  */
 #include "base/view.h"
 #include "texel/level.h"
@@ -31,6 +32,8 @@ enum {
     BITS = 12,  /* kept of a derivative in a product */
     SIZES = 25, /* bit lengths 0..24: 384 (the filter's sum of magnitudes) times 10 SLOPE_ONE */
 
+    ALONG_UNIT = 256, /* divides what `along` adds up, so that even 2^31 of the largest fit */
+
     SIDE = 16, /* blocks along each side of the picture */
     CELL = 4,  /* but no smaller than this, as neighboring loops share texels */
 
@@ -44,12 +47,21 @@ enum {
 static const float SMOOTH[TAPS] = { 1, 5, 10, 10, 5, 1 };
 static const float STEEP[TAPS] = { -1, -3, -2, 2, 3, 1 };
 
-struct ntp_orientation {
-    uint32_t width, height, every_row; /* 0: empty */
-    uint64_t steep;                    /* loops left out only because a texel is too steep */
+/* What the loops of one filter add up to. */
+typedef struct loop_sums {
     uint64_t loops[SIZES];
     uint64_t energy[SIZES];            /* sums of u*u + v*v, shifted as in add_loop */
     int64_t cross[SIDE * SIDE][SIZES]; /* sums of u*v, shifted likewise */
+} loop_sums;
+
+enum { WIDE, NARROW, FILTERS };
+
+struct ntp_orientation {
+    uint32_t width, height, every_row; /* 0: empty */
+    uint64_t steep;                    /* loops left out only because a texel is too steep */
+    uint64_t along; /* sum of squares of p derived along x and q along y, by the wide filter */
+    uint64_t both, either; /* sums of 2 |p q| and of p*p + q*q of a loop's texel */
+    loop_sums sums[FILTERS];
 };
 
 size_t ntp_orientation_size(void)
@@ -84,6 +96,8 @@ enum { TOO_STEEP = 1, NO_NORMAL = 2 };
 typedef struct columns {
     float u[NTP__BLOCK]; /* of -p, derived */
     float v[NTP__BLOCK]; /* of q, smoothed */
+    float p_smooth[NTP__BLOCK], q_steep[NTP__BLOCK];
+    float p[2][NTP__BLOCK], q[2][NTP__BLOCK]; /* of the two rows in the middle */
     uint8_t bad[NTP__BLOCK];
 } columns;
 
@@ -111,17 +125,23 @@ static void to_slopes(float *p, float *q, uint8_t *bad, const int32_t *r, const 
     }
 }
 
-/* Adds a row of texels with its two weights. */
+/* Adds row k of the texels around a row of loops. */
 static void add_row(columns *sums, const ntp__block *block, int32_t n, int32_t m, uint32_t touch,
-                    float steep, float smooth)
+                    int32_t k)
 {
-    float p[NTP__BLOCK], q[NTP__BLOCK];
+    float p[NTP__BLOCK], q[NTP__BLOCK], steep = -STEEP[k], smooth = SMOOTH[k];
     uint8_t bad[NTP__BLOCK];
     to_slopes(p, q, bad, block->c[0], block->c[1], n, m);
     for (int32_t i = 0; i < n; i++) {
         sums->u[i] += steep * p[i];
         sums->v[i] += smooth * q[i];
+        sums->p_smooth[i] += smooth * p[i];
+        sums->q_steep[i] += steep * q[i];
         sums->bad[i] |= bad[i];
+    }
+    if (k == BEFORE || k == BEFORE + 1) {
+        memcpy(sums->p[k - BEFORE], p, sizeof p);
+        memcpy(sums->q[k - BEFORE], q, sizeof q);
     }
     if (!(touch & NTP_UNUSED_TRANSPARENT)) {
         for (int32_t i = 0; i < n; i++)
@@ -133,14 +153,17 @@ static void add_row(columns *sums, const ntp__block *block, int32_t n, int32_t m
     }
 }
 
-/* The derivatives of loops, from filtered columns. */
-static void across(float *u, float *v, uint8_t *bad, const columns *c, int32_t n)
+/* The other direction of the filter, for loops: a smoothed and b derived along the row. */
+static void across(float *smooth, float *steep, const float *a, const float *b, int32_t n)
 {
-    for (int32_t i = 0; i < n; i++) {
-        const float *a = c->u + i, *b = c->v + i;
-        u[i] = (a[0] + a[5]) + 5 * (a[1] + a[4]) + 10 * (a[2] + a[3]);
-        v[i] = (b[5] - b[0]) + 3 * (b[4] - b[1]) + 2 * (b[3] - b[2]);
+    for (int32_t i = 0; i < n; i++, a++, b++) {
+        smooth[i] = (a[0] + a[5]) + 5 * (a[1] + a[4]) + 10 * (a[2] + a[3]);
+        steep[i] = (b[5] - b[0]) + 3 * (b[4] - b[1]) + 2 * (b[3] - b[2]);
     }
+}
+
+static void any_bad(uint8_t *bad, const columns *c, int32_t n)
+{
     for (int32_t i = 0; i < n; i++) {
         const uint8_t *a = c->bad + i;
         bad[i] = a[0] | a[1] | a[2] | a[3] | a[4] | a[5];
@@ -156,7 +179,7 @@ static inline int32_t bit_length(float v)
     return bits == 0 ? 0 : (int32_t) (bits >> MANTISSA_BITS) - HALF;
 }
 
-static inline void add_loop(ntp_orientation *acc, int64_t *cross, float u, float v)
+static inline void add_loop(loop_sums *acc, int32_t block, float u, float v)
 {
     float au = u < 0 ? -u : u, av = v < 0 ? -v : v;
     int32_t size = bit_length(au > av ? au : av), shift = size > BITS ? size - BITS : 0;
@@ -164,7 +187,7 @@ static inline void add_loop(ntp_orientation *acc, int64_t *cross, float u, float
     int32_t a = (int32_t) au >> shift, b = (int32_t) av >> shift, c = a * b;
     acc->loops[size]++;
     acc->energy[size] += (uint32_t) (a * a) + (uint32_t) (b * b);
-    cross[size] += u * v < 0 ? -c : c;
+    acc->cross[block][size] += u * v < 0 ? -c : c;
 }
 
 static int32_t cell(int32_t side)
@@ -173,32 +196,48 @@ static int32_t cell(int32_t side)
     return least < CELL ? CELL : least;
 }
 
+/* Adds the loop between columns i and i + 1 by its own four texels alone. */
+static inline void add_narrow(ntp_orientation *acc, int32_t block, const columns *c, int32_t i)
+{
+    const float *p = c->p[0] + i, *q = c->q[0] + i, *p1 = c->p[1] + i, *q1 = c->q[1] + i;
+    add_loop(&acc->sums[NARROW], block, (p[0] + p[1]) - (p1[0] + p1[1]),
+             (q[1] + q1[1]) - (q[0] + q1[0]));
+    int64_t a = (int64_t) p[0], b = (int64_t) q[0], both = a * b;
+    acc->both += (uint64_t) (both < 0 ? -2 * both : 2 * both);
+    acc->either += (uint64_t) (a * a + b * b);
+}
+
 /* Adds n loops of row y, from x on. */
 static void add_stretch(ntp_orientation *acc, const ntp_const_image *src, uint32_t touch, int32_t x,
                         int32_t y, int32_t n)
 {
     columns sums;
     ntp__block block;
-    float u[NTP__BLOCK], v[NTP__BLOCK];
+    float u[NTP__BLOCK], v[NTP__BLOCK], p_x[NTP__BLOCK], q_y[NTP__BLOCK];
     uint8_t bad[NTP__BLOCK];
     int32_t m = ntp__max(src->type), texels = n + TAPS - 1, wide = cell(src->width);
     memset(&sums, 0, sizeof sums);
     for (int32_t k = 0; k < TAPS; k++) {
         ntp__unpack(&block, src, x - BEFORE, y - BEFORE + k, texels);
-        add_row(&sums, &block, texels, m, touch, -STEEP[k], SMOOTH[k]);
+        add_row(&sums, &block, texels, m, touch, k);
     }
-    across(u, v, bad, &sums, n);
-    int64_t(*row)[SIZES] = acc->cross + y / cell(src->height) * SIDE;
-    int32_t block_x = x / wide,
-            next = (block_x + 1) * wide - x; /* the loop the next block starts */
+    across(u, v, sums.u, sums.v, n);
+    across(q_y, p_x, sums.q_steep, sums.p_smooth, n);
+    any_bad(bad, &sums, n);
+    int32_t cell_y = y / cell(src->height) * SIDE, cell_x = x / wide,
+            next = (cell_x + 1) * wide - x; /* the loop the next block starts */
     for (int32_t i = 0; i < n; i++) {
         if (i == next) {
-            block_x++;
+            cell_x++;
             next += wide;
         }
         acc->steep += bad[i] == TOO_STEEP;
-        if (!bad[i])
-            add_loop(acc, row[block_x], u[i], v[i]);
+        if (bad[i])
+            continue;
+        add_loop(&acc->sums[WIDE], cell_y + cell_x, u[i], v[i]);
+        add_narrow(acc, cell_y + cell_x, &sums, i + BEFORE);
+        int64_t a = (int64_t) p_x[i] / ALONG_UNIT, b = (int64_t) q_y[i] / ALONG_UNIT;
+        acc->along += (uint64_t) (a * a + b * b);
     }
 }
 
@@ -234,6 +273,16 @@ ntp_status ntp_orientation_add(ntp_orientation *orientation, const ntp_const_ima
     return NTP_OK;
 }
 
+static void merge_sums(loop_sums *into, const loop_sums *from)
+{
+    for (int32_t k = 0; k < SIZES; k++) {
+        into->loops[k] += from->loops[k];
+        into->energy[k] += from->energy[k];
+        for (int32_t i = 0; i < SIDE * SIDE; i++)
+            into->cross[i][k] += from->cross[i][k];
+    }
+}
+
 ntp_status ntp_orientation_merge(ntp_orientation *into, const ntp_orientation *from)
 {
     if (into == NULL || from == NULL)
@@ -242,34 +291,43 @@ ntp_status ntp_orientation_merge(ntp_orientation *into, const ntp_orientation *f
         return NTP_OK;
     NTP__TRY(adopt(into, from->width, from->height, from->every_row));
     into->steep += from->steep;
-    for (int32_t k = 0; k < SIZES; k++) {
-        into->loops[k] += from->loops[k];
-        into->energy[k] += from->energy[k];
-        for (int32_t i = 0; i < SIDE * SIDE; i++)
-            into->cross[i][k] += from->cross[i][k];
-    }
+    into->along += from->along;
+    into->both += from->both;
+    into->either += from->either;
+    for (int32_t f = 0; f < FILTERS; f++)
+        merge_sums(&into->sums[f], &from->sums[f]);
     return NTP_OK;
 }
 
-/* On real textures with a label, answers begin to be wrong below these.  Where the statistic is
- * clear, which it never is for noise, a somewhat lower score is enough. */
+/* On labeled textures of public projects, answers begin to be wrong below these.  Where the
+ * statistic is clear, which it never is for noise, a somewhat lower score is enough. */
 static const double LEAST_STATISTIC = 0.1, LEAST_SCORE = 4;
 static const double CLEAR_STATISTIC = 0.5, CLEAR_SCORE = 3.5;
 /* Where more than this share is too steep, what is left misleads. */
 static const double MOST_STEEP = 0.2;
+/* Where p and q meet in one texel less than this, the texture is a grid or a weave.  Isotropic
+ * surfaces and noise have 0.64.  A JPEG of half the colors mixes red with green, so there they meet
+ * more; but then the narrow filter says less than this part of what the wide one says. */
+static const double GRID = 0.45, MIXED_GRID = 0.6, MIXED_BENDS = 0.7, MIXED_NARROW = 0.45;
 /* From here on the answer is as sure as it gets. */
 static const double SURE_STATISTIC = 0.5, SURE_SCORE = 10;
+/* Blocks that contradict the others with more than half of this share leave it below 0.9. */
+static const double MOST_AGAINST = 0.2;
 /* Labeled textures contradict even a clear answer now and then. */
 static const double CONFIDENCE_LEAST = 0.8, CONFIDENCE_MOST = 0.99;
 
-/* Weights of the sizes; false: nothing varies.  4^shift undoes the shift in add_loop.  Derivatives
- * of more than three times the root mean square get so little weight that they count as that. */
-static bool weigh(double weight[SIZES], double *energy, const ntp_orientation *acc)
+/* What undoes the shift in add_loop. */
+static double unit_of(int32_t size)
+{
+    return (double) ((int64_t) 1 << 2 * (size > BITS ? size - BITS : 0));
+}
+
+/* Weights of the sizes; false: nothing varies.  Derivatives of more than three times the root mean square get so little weight that they count as that. */
+static bool weigh(double weight[SIZES], double *energy, const loop_sums *acc)
 {
     double total = 0, loops = 0, held = 0;
     for (int32_t k = 0; k < SIZES; k++) {
-        int32_t shift = k > BITS ? k - BITS : 0;
-        weight[k] = (double) ((int64_t) 1 << 2 * shift);
+        weight[k] = unit_of(k);
         total += (double) acc->energy[k] * weight[k];
         loops += (double) acc->loops[k];
     }
@@ -294,9 +352,39 @@ ntp_status ntp_orientation_clear(ntp_orientation *orientation)
     return NTP_OK;
 }
 
-static double held_to_one(double v)
+/* Adds to each block its part of the statistic of one filter; returns that statistic. */
+static double add_blocks(double blocks[SIDE * SIDE], const loop_sums *acc)
 {
-    return v < 1 ? v : 1;
+    double weight[SIZES], energy, statistic = 0;
+    if (!weigh(weight, &energy, acc))
+        return 0;
+    for (int32_t i = 0; i < SIDE * SIDE; i++) {
+        double cross = 0;
+        for (int32_t k = 0; k < SIZES; k++)
+            cross += (double) acc->cross[i][k] * weight[k];
+        blocks[i] += 2 * cross / energy / FILTERS;
+        statistic += 2 * cross / energy;
+    }
+    return statistic;
+}
+
+/* A surface whose p and q hardly meet in one texel hardly changes p along y or q along x either:
+ * those changes stand where the two meet.  Threads of a weave end at each other, so they do. */
+static bool is_weave(const ntp_orientation *acc, double wide, double narrow)
+{
+    double across = 0, along = (double) acc->along * (ALONG_UNIT * ALONG_UNIT);
+    for (int32_t k = 0; k < SIZES; k++)
+        across += (double) acc->sums[WIDE].energy[k] * unit_of(k);
+    double both = (double) acc->both, either = (double) acc->either;
+    double bends = across * either, meets = along * both;
+    bool mixed = both < MIXED_GRID * either &&
+                 (wide < 0 ? -narrow : narrow) < MIXED_NARROW * (wide < 0 ? -wide : wide);
+    return (both < GRID * either && bends > meets) || (mixed && bends > MIXED_BENDS * meets);
+}
+
+static double least(double a, double b)
+{
+    return a < b ? a : b;
 }
 
 ntp_status ntp_orientation_summarize(ntp_orientation_result *result,
@@ -305,30 +393,31 @@ ntp_status ntp_orientation_summarize(ntp_orientation_result *result,
     if (result == NULL || orientation == NULL)
         return NTP_ERR_ARGUMENT;
     ntp_orientation_result r = { 0, NTP_Y_UP, 0, 0, 0, 0 };
-    double weight[SIZES], energy, sum = 0, squares = 0;
+    double blocks[SIDE * SIDE] = { 0 }, squares = 0, against = 0;
+    double wide = add_blocks(blocks, &orientation->sums[WIDE]);
+    double narrow = add_blocks(blocks, &orientation->sums[NARROW]);
     for (int32_t k = 0; k < SIZES; k++)
-        r.loops += orientation->loops[k];
-    *result = r;
-    if (!weigh(weight, &energy, orientation))
-        return NTP_OK;
+        r.loops += orientation->sums[WIDE].loops[k];
     for (int32_t i = 0; i < SIDE * SIDE; i++) {
-        double block = 0;
-        for (int32_t k = 0; k < SIZES; k++)
-            block += (double) orientation->cross[i][k] * weight[k];
-        sum += block;
-        squares += block * block;
+        r.statistic += blocks[i];
+        squares += blocks[i] * blocks[i];
     }
-    r.statistic = 2 * sum / energy;
-    r.score = squares > 0 ? sum / sqrt(squares) : 0;
-    double clear = sum < 0 ? -r.statistic : r.statistic, steady = sum < 0 ? -r.score : r.score;
-    r.y = sum < 0 ? NTP_Y_DOWN : NTP_Y_UP;
+    r.score = squares > 0 ? r.statistic / sqrt(squares) : 0;
+    double sign = r.statistic < 0 ? -1 : 1, mean = sign * r.statistic, steady = sign * r.score;
+    r.y = sign < 0 ? NTP_Y_DOWN : NTP_Y_UP;
+    for (int32_t i = 0; i < SIDE * SIDE; i++)
+        against += sign * blocks[i] < 0 ? -sign * blocks[i] : 0;
     double all = (double) r.loops + (double) orientation->steep;
-    bool too_steep = (double) orientation->steep > MOST_STEEP * all;
-    r.decided = !too_steep && ((clear >= LEAST_STATISTIC && steady >= LEAST_SCORE) ||
-                               (clear >= CLEAR_STATISTIC && steady >= CLEAR_SCORE));
+    double clear = -least(-sign * wide, -sign * narrow);
+    bool steep = (double) orientation->steep > MOST_STEEP * all;
+    bool enough = (clear >= LEAST_STATISTIC && steady >= LEAST_SCORE) ||
+                  (clear >= CLEAR_STATISTIC && steady >= CLEAR_SCORE);
+    r.decided = enough && !steep && !is_weave(orientation, wide, narrow);
     if (r.decided) {
-        double a = held_to_one(clear / SURE_STATISTIC), b = held_to_one(steady / SURE_SCORE);
-        r.confidence = CONFIDENCE_LEAST + (CONFIDENCE_MOST - CONFIDENCE_LEAST) * (a < b ? a : b);
+        double sure = least(least(mean / SURE_STATISTIC, steady / SURE_SCORE), 1);
+        double agreed = 1 - against / (mean + 2 * against) / MOST_AGAINST;
+        sure = least(sure, agreed > 0 ? agreed : 0);
+        r.confidence = CONFIDENCE_LEAST + (CONFIDENCE_MOST - CONFIDENCE_LEAST) * sure;
     }
     *result = r;
     return NTP_OK;
