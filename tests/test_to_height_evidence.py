@@ -107,6 +107,39 @@ def test_ramps_and_ripples_are_read_plainly(size):
         assert reconstruct(n)[1]["decode"] in (UNORM, NEUTRAL), (p[0, :3], q[0, 0])
 
 
+def bricks(n, grain):
+    """Flat bricks between mortar, with some of a fractal on them."""
+    y, x = np.mgrid[:n, :n]
+    edge = np.minimum((x + 16 * (y // 16 % 2)) % 32, y % 16)
+    return 4.0 * np.clip(edge - 1, 0, 2) + grain * fractal(n, seed=6)
+
+
+@pytest.mark.parametrize("grain, neutral", [(0, True), (0.02, False), (0.2, False)])
+def test_flat_ground_is_neutral_and_grain_is_not(grain, neutral):
+    """Slopes below a level, of either sign in turn, would be lost if 127 and 128 were both 0."""
+    h = bricks(128, grain)
+    n = encode(normals(h, True), UNORM)
+    _, result = reconstruct(n, kernel="forward")
+    assert result["decode"] == (NEUTRAL if neutral else UNORM)
+    gentle = encode(normals(0.02 * fractal(128, seed=7), True), UNORM)
+    assert reconstruct(gentle, kernel="forward")[1]["decode"] == UNORM
+
+
+@pytest.mark.parametrize("slope, spread", [(0.3, 2), (0.7, 2), (0.7, 4), (1.8, 4), (4, 4), (4, 10)])
+def test_z_of_damaged_textures_is_near_the_best(slope, spread):
+    h = fractal(128, seed=8, rms_slope=slope)
+    clean = encode(normals(h, True), UNORM)
+    noise = np.random.default_rng(9).normal(0, spread, clean.shape)
+    damaged = (clean + noise).round().clip(0, 255).astype(np.uint8)
+    error = [
+        np.std(reconstruct(damaged, z=z, kernel="forward", decode=UNORM)[0] - h)
+        for z in (AUTO, STORED, DERIVED)
+    ]
+    assert error[AUTO] <= 1.05 * min(error[1:])
+    if spread == 10:  # many z are nearly 0, or below it
+        assert error[AUTO] < 0.6 * error[1]
+
+
 @pytest.mark.parametrize("spread", [2, 4, 10])
 def test_derived_z_is_not_taken_from_damaged_red_and_green(spread):
     """Where they are nearly 1 long, slopes from derived z have no limit."""
@@ -119,7 +152,7 @@ def test_derived_z_is_not_taken_from_damaged_red_and_green(spread):
     for z in (AUTO, STORED, DERIVED):
         made, result = reconstruct(damaged, z=z, **how)
         error[z], told[z] = np.std(made - h), result["z"]
-    assert told[AUTO] == STORED and error[AUTO] == error[STORED]
+    assert told[AUTO] == STORED and error[AUTO] <= error[STORED]
     assert error[STORED] < 0.2 * error[DERIVED]
     spoiled = clean.copy()  # in blue alone
     spoiled[::2, :, 2] = 255

@@ -6,13 +6,15 @@
  * its length is off by the rounding of three levels and no more.  By another rule it is off by
  * more, which a few thousand texels show.  A blue that was derived from red and green is exactly
  * what they give.  A blue that was rounded by itself often differs by a level where the normal is
- * tilted.
+ * tilted.  Normals never point below the surface, so a blue that says so shows how large the errors
+ * of blue are.
  */
 #include "to_height/decode.h"
 
 #include "texel/level.h"
 
 #include <math.h>
+#include <string.h>
 
 enum {
     ROWS = 256,         /* rows that are looked at, spread over the picture */
@@ -40,6 +42,23 @@ static const double most_error = 9;
  * slope has no limit. */
 static const double damaged_share = 5e-5;
 
+/* And z^2 does not follow 1 - x^2 - y^2 then: the slope of the line through both, 1 where blue is z
+ * with errors, is below this. */
+static const double follows = 0.75;
+
+/* Blue tells no z that is smaller than its errors.  A slope that is divided by such a z has no limit
+ * either, so there n.z counts as so many times the error.  Few negative z tell little about it. */
+static const double most_of_error = 2;
+enum { FEW_NEGATIVE = 8 };
+
+/* 127 and 128 of red or green were meant to be flat if they have so many times the texels of 126 and
+ * 129, and one of them is nearly alone: honest slopes have either sign. */
+enum { PILE = 3, ALONE = 10 };
+/* Or the two lie in patches, as on flat ground with traces of slopes far below a level, and the rest
+ * of the texture is not flat.  Slopes of about a level would be lost. */
+static const double most_changes = 0.05, least_far = 0.02;
+enum { FAR = 9 /* of 2 c - m: more than four levels */ };
+
 /* A texel counts as tilted from 25 degrees on.  It takes so many of them, and this share of derived
  * blues among them. */
 static const double tilted = 0.81;
@@ -64,7 +83,14 @@ typedef struct evidence {
     double all, lengths; /* texels of any depth, read as UNORM; squares of 2 m^2 times the error */
     double most_rest;    /* z^2 of a tilted texel is below this, in units of levels squared */
     double tilted, derived;
-    double too_long; /* texels whose x, y are longer than 1 */
+    double too_long;              /* texels whose x, y are longer than 1 */
+    double rest, rest2, z2, both; /* sums of 1 - x^2 - y^2 and z^2, of their products */
+    double negative, negative2;   /* texels whose z is below 0, and its squares */
+    double far;                   /* texels that are not flat */
+    /* of red and green: texels at 127, at 128, beside them; pairs of neighbors at the two levels, and
+     * how many of them differ */
+    double pile[2][2], beside[2], pairs[2], changes[2];
+    int32_t last[2];
     uint8_t votes[1 << 2 * VOTE_BITS];
 } evidence;
 
@@ -84,6 +110,37 @@ static bool is_derived(int64_t blue, int64_t rest, int32_t m, bool zzero)
     return low >= 0 && low * low <= scaled && scaled < high * high;
 }
 
+/* z: in levels, twice; rest: m^2 - x^2 - y^2 */
+static void add_blue(evidence *e, int64_t z, int64_t rest, int32_t m)
+{
+    double unit = 1 / ((double) m * m), a = (double) rest * unit, b = (double) (z * z) * unit;
+    e->rest += a;
+    e->rest2 += a * a;
+    e->z2 += b;
+    e->both += a * b;
+    if (z < -1) { /* some encoders store 0 as -1 */
+        e->negative++;
+        e->negative2 += b;
+    }
+}
+
+static void add_neutral(evidence *e, const int32_t c[3])
+{
+    bool far = false;
+    for (int32_t k = 0; k < 2; k++) {
+        int32_t v = 2 * c[k] - 255, last = e->last[k];
+        far = far || v > FAR || v < -FAR;
+        e->last[k] = v;
+        e->beside[k] += v == -3 || v == 3;
+        if (v != -1 && v != 1)
+            continue;
+        e->pile[k][v > 0]++;
+        e->pairs[k] += last == v || last == -v;
+        e->changes[k] += last == -v;
+    }
+    e->far += far;
+}
+
 static void add_levels(evidence *e, const int32_t c[3], int32_t m, bool zzero)
 {
     int64_t x = 2 * c[0] - m, y = 2 * c[1] - m, z = zzero ? c[2] : 2 * c[2] - m;
@@ -92,6 +149,9 @@ static void add_levels(evidence *e, const int32_t c[3], int32_t m, bool zzero)
     e->all++;
     e->lengths += off * off;
     e->too_long += rest < 0;
+    add_blue(e, z, rest, m);
+    if (m == 255)
+        add_neutral(e, c);
     if (rest >= 0 && (double) rest < e->most_rest) {
         e->tilted++;
         e->derived += is_derived(c[2], rest, m, zzero);
@@ -114,6 +174,7 @@ static void look(evidence *e, const ntp_const_image *src, uint32_t touch)
     int32_t m = ntp__max(src->type), step = (src->height + ROWS - 1) / ROWS;
     bool zzero = src->encoding == NTP_ENCODING_ZZERO;
     for (int32_t y = 0; y < src->height; y += step) {
+        e->last[0] = e->last[1] = 0;
         for (int32_t x = 0; x < src->width; x += NTP__BLOCK) {
             int32_t n = src->width - x < NTP__BLOCK ? src->width - x : NTP__BLOCK;
             ntp__unpack(&block, src, x, y, n);
@@ -134,22 +195,60 @@ static bool convinces(const evidence *e, const rule *r)
            r->gain >= least_gain * noise * e->count && r->gain >= least_score * sqrt(r->gain2);
 }
 
+/* Do red or green pile up at the two levels next to 0? */
+static bool is_neutral(const evidence *e)
+{
+    for (int32_t k = 0; k < 2; k++) {
+        double low = e->pile[k][0], high = e->pile[k][1];
+        if (low + high <= PILE * e->beside[k])
+            continue;
+        if (low > ALONE * high || high > ALONE * low ||
+            (e->changes[k] <= most_changes * e->pairs[k] && e->far >= least_far * e->all))
+            return true;
+    }
+    return false;
+}
+
+static void choose_decode(ntp__height_plan *plan, const ntp_const_image *src, const evidence *e)
+{
+    bool rules = src->encoding == NTP_ENCODING_STANDARD;
+    if (rules && convinces(e, &e->trunc) && e->trunc.sum <= e->snorm.sum)
+        plan->decode = NTP_DECODE_TRUNC;
+    else if (rules && convinces(e, &e->snorm))
+        plan->decode = NTP_DECODE_SNORM;
+    else
+        plan->decode = is_neutral(e) ? NTP_DECODE_NEUTRAL : NTP_DECODE_UNORM;
+}
+
+static void choose_z(ntp__height_plan *plan, const ntp_const_image *src, const evidence *e)
+{
+    double m = ntp__max(src->type), unit = 2 * m * m;
+    double lengths = e->lengths / (unit * unit), all = e->all;
+    if (e->count > 0 && (plan->decode == NTP_DECODE_TRUNC || plan->decode == NTP_DECODE_SNORM)) {
+        lengths = plan->decode == NTP_DECODE_TRUNC ? e->trunc.sum : e->snorm.sum;
+        all = e->count;
+    }
+    bool made = src->type != NTP_TYPE_F32 && e->tilted >= LEAST_TILTED &&
+                e->derived >= derived_share * e->tilted;
+    bool follow =
+        e->both * e->all - e->rest * e->z2 >= follows * (e->rest2 * e->all - e->rest * e->rest);
+    bool other =
+        lengths > most_error * noise * all && e->too_long <= damaged_share * e->all && !follow;
+    plan->z = made || other ? NTP_Z_DERIVED : NTP_Z_STORED;
+    plan->least_z = most_of_error * sqrt(e->negative2 / (e->negative + FEW_NEGATIVE));
+}
+
 void ntp__decode_by_evidence(ntp__height_plan *plan, const ntp_const_image *src)
 {
-    evidence e = { { 255, 1 / 255.0, 0, 0, 0 },
-                   { 254, 1 / 255.0, 0, 0, 0 },
-                   { 256, 1 / 254.0, 0, 0, 0 },
-                   0,
-                   0,
-                   0,
-                   0,
-                   0,
-                   0,
-                   0,
-                   { 0 } };
-    double m = ntp__max(src->type), unit = 2 * m * m;
-    bool decode = plan->decode == NTP_DECODE_AUTO && src->type == NTP_TYPE_U8 &&
-                  src->encoding == NTP_ENCODING_STANDARD;
+    evidence e;
+    double m = ntp__max(src->type);
+    bool decode = plan->decode == NTP_DECODE_AUTO && src->type == NTP_TYPE_U8;
+    memset(&e, 0, sizeof e);
+    e.unorm = (rule) { .zero = 255, .unit = 1 / 255.0 };
+    e.trunc = (rule) { .zero = 254, .unit = 1 / 255.0 };
+    e.snorm = (rule) { .zero = 256, .unit = 1 / 254.0 };
+    if (plan->decode == NTP_DECODE_AUTO && !decode)
+        plan->decode = NTP_DECODE_UNORM;
     if (plan->z == NTP_Z_AUTO && src->encoding == NTP_ENCODING_XY)
         plan->z = NTP_Z_DERIVED;
     if (plan->z == NTP_Z_AUTO &&
@@ -159,19 +258,8 @@ void ntp__decode_by_evidence(ntp__height_plan *plan, const ntp_const_image *src)
         return;
     e.most_rest = tilted * m * m;
     look(&e, src, plan->touch_unused);
-    double lengths = e.lengths / (unit * unit), all = e.all;
-    if (decode && convinces(&e, &e.trunc) && e.trunc.sum <= e.snorm.sum)
-        plan->decode = NTP_DECODE_TRUNC;
-    else if (decode && convinces(&e, &e.snorm))
-        plan->decode = NTP_DECODE_SNORM;
-    if (e.count > 0 && (plan->decode == NTP_DECODE_TRUNC || plan->decode == NTP_DECODE_SNORM)) {
-        lengths = plan->decode == NTP_DECODE_TRUNC ? e.trunc.sum : e.snorm.sum;
-        all = e.count;
-    }
-    if (plan->z != NTP_Z_AUTO)
-        return;
-    bool made = src->type != NTP_TYPE_F32 && e.tilted >= LEAST_TILTED &&
-                e.derived >= derived_share * e.tilted;
-    bool other = lengths > most_error * noise * all && e.too_long <= damaged_share * e.all;
-    plan->z = made || other ? NTP_Z_DERIVED : NTP_Z_STORED;
+    if (decode)
+        choose_decode(plan, src, &e);
+    if (plan->z == NTP_Z_AUTO)
+        choose_z(plan, src, &e);
 }

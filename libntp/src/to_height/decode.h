@@ -9,9 +9,8 @@
 #include "to_height/shared/height_plan.h"
 
 /*
- * Replaces NTP_DECODE_AUTO in plan->decode if the texture shows another rule than (2c - M)/M.  Else
- * AUTO stays, and ntp__slopes_init looks for a pile of neutral levels later.  Replaces NTP_Z_AUTO
- * in plan->z always.
+ * Replaces NTP_DECODE_AUTO and NTP_Z_AUTO in the plan by what up to 256 rows of the texture show.
+ * For NTP_Z_AUTO it finds out below which z blue tells nothing, too.
  */
 void ntp__decode_by_evidence(ntp__height_plan *plan, const ntp_const_image *src);
 

@@ -12,39 +12,6 @@
 
 #include <string.h>
 
-/* Half a level: no texture can tell a z below it from 0. */
-static const double least_float_z = 1.0 / 65535;
-
-/* If levels 127 and 128 have so many times the texels of 126 and 129, they were meant to be
- * flat. */
-enum { PILE = 3 };
-
-static bool piles_up(const uint64_t count[4])
-{
-    return count[1] + count[2] > PILE * (count[0] + count[3]);
-}
-
-/* Do red or green pile up at the two levels next to 0? */
-static bool neutral_by_evidence(const ntp_const_image *src)
-{
-    uint64_t count[2][4] = { { 0 } };
-    ntp__block block;
-    for (int32_t y = 0; y < src->height; y++) {
-        for (int32_t x = 0; x < src->width; x += NTP__BLOCK) {
-            int32_t n = src->width - x < NTP__BLOCK ? src->width - x : NTP__BLOCK;
-            ntp__unpack(&block, src, x, y, n);
-            for (int32_t c = 0; c < 2; c++) {
-                for (int32_t i = 0; i < n; i++) {
-                    uint32_t at = (uint32_t) block.c[c][i] - 126;
-                    if (at < 4)
-                        count[c][at]++;
-                }
-            }
-        }
-    }
-    return piles_up(count[0]) || piles_up(count[1]);
-}
-
 void ntp__slopes_init(ntp__slopes *s, const ntp_const_image *src, const ntp__height_plan *plan)
 {
     int32_t m = ntp__max(src->type);
@@ -54,15 +21,13 @@ void ntp__slopes_init(ntp__slopes *s, const ntp_const_image *src, const ntp__hei
         s->touch_unused |= NTP_UNUSED_BLACK | NTP_UNUSED_WHITE;
     s->derived = plan->z == NTP_Z_DERIVED || src->encoding == NTP_ENCODING_XY;
     s->decode = plan->decode;
-    if (src->type == NTP_TYPE_F32)
+    if (src->type == NTP_TYPE_F32 || s->decode == NTP_DECODE_AUTO)
         s->decode = NTP_DECODE_UNORM;
-    else if (s->decode == NTP_DECODE_AUTO)
-        s->decode = src->type == NTP_TYPE_U8 && neutral_by_evidence(src) ? NTP_DECODE_NEUTRAL
-                                                                         : NTP_DECODE_UNORM;
     s->zero = m + (s->decode == NTP_DECODE_SNORM) - (s->decode == NTP_DECODE_TRUNC);
     s->range = s->decode == NTP_DECODE_SNORM ? m - 1 : m;
     s->z_scale = s->range / m;
     s->neutral = s->decode == NTP_DECODE_NEUTRAL;
+    s->least = s->derived || plan->least_z * s->range < 1 ? 1 : plan->least_z * s->range;
 }
 
 static int32_t numerator(int32_t c, int32_t zero, int32_t neutral)
@@ -76,6 +41,7 @@ static void of_levels(const ntp__slopes *s, const ntp__block *b, double *right, 
 {
     bool zzero = s->src->encoding == NTP_ENCODING_ZZERO;
     double sign = s->src->y == NTP_Y_UP ? 1 : -1, square = s->range * s->range;
+    double least = s->least;
     int32_t zero = s->zero, neutral = s->neutral;
     for (int32_t i = 0; i < n; i++) {
         double x = numerator(b->c[0][i], zero, neutral), y = numerator(b->c[1][i], zero, neutral);
@@ -84,7 +50,7 @@ static void of_levels(const ntp__slopes *s, const ntp__block *b, double *right, 
             double rest = square - x * x - y * y;
             z = rest > 1 ? sqrt(rest) : 1;
         }
-        z = z > 1 ? z : 1;
+        z = z > least ? z : least;
         right[i] = -x / z;
         down[i] = sign * y / z;
     }
@@ -95,7 +61,7 @@ static void of_floats(const ntp__slopes *s, double *right, double *down, int32_t
 {
     bool vector = s->src->encoding == NTP_ENCODING_VECTOR,
          zzero = s->src->encoding == NTP_ENCODING_ZZERO;
-    double sign = s->src->y == NTP_Y_UP ? 1 : -1;
+    double sign = s->src->y == NTP_Y_UP ? 1 : -1, least = s->least / s->range;
     for (int32_t i = 0; i < n; i++) {
         const float *c = ntp__at(s->src, x + i, y);
         double nx = vector ? (double) c[0] : 2 * (double) c[0] - 1;
@@ -106,7 +72,7 @@ static void of_floats(const ntp__slopes *s, double *right, double *down, int32_t
         } else {
             nz = vector || zzero ? (double) c[2] : 2 * (double) c[2] - 1;
         }
-        nz = nz > least_float_z ? nz : least_float_z;
+        nz = nz > least ? nz : least;
         right[i] = -nx / nz;
         down[i] = sign * ny / nz;
     }
@@ -198,6 +164,7 @@ void ntp__slopes_row_single(const ntp__slopes *s, float *right, float *down, int
                                     .z_zero = zzero ? 0 : (float) s->zero,
                                     .square = (float) (s->range * s->range),
                                     .sign = src->y == NTP_Y_UP ? 1 : -1,
+                                    .least = (float) s->least,
                                     .derived = s->derived };
     ntp__block block;
     bool flat[NTP__BLOCK];

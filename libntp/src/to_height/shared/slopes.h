@@ -28,6 +28,7 @@ typedef struct ntp__slopes {
     double z_scale;  /* z-zero: z is b * z_scale / range */
     int32_t neutral; /* |2 c - zero| up to this counts as 0 */
     bool derived;
+    double least; /* the least z, times range */
 } ntp__slopes;
 
 typedef struct ntp__slope_counts {
@@ -36,7 +37,7 @@ typedef struct ntp__slope_counts {
     float range[2];                      /* of the heights that the direct solver wrote */
 } ntp__slope_counts;
 
-/* Looks at the texture if decode is NTP_DECODE_AUTO. */
+/* NTP_DECODE_AUTO is read as NTP_DECODE_UNORM. */
 void ntp__slopes_init(ntp__slopes *s, const ntp_const_image *src, const ntp__height_plan *plan);
 
 /* Slopes of row y, to the right and down the picture.  counts may be NULL. */

@@ -94,7 +94,7 @@ static ALWAYS_INLINE int32_t slopes8_loop(float *restrict right, float *restrict
 {
     const int32_t zero = how->zero, neutral = how->neutral;
     const float z_scale = how->z_scale, z_zero = how->z_zero;
-    const float square = how->square, sign = how->sign;
+    const float square = how->square, sign = how->sign, least = how->least;
     int32_t suspect = 0;
     for (int32_t i = 0; i < n; i++) {
         int32_t r = src[step * i], g = src[step * i + 1], b = src[step * i + 2];
@@ -104,7 +104,7 @@ static ALWAYS_INLINE int32_t slopes8_loop(float *restrict right, float *restrict
             float rest = square - x * x - y * y;
             z = sqrtf(rest > 1 ? rest : 1);
         }
-        z = z > 1 ? z : 1;
+        z = z > least ? z : least;
         right[i] = -x / z;
         down_row[i] = sign * y / z;
         suspect |= ((r | g | b) == 0) | ((r & g & b) == 255);

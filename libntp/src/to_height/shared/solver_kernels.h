@@ -26,6 +26,7 @@ typedef struct ntp__slope_levels {
     float z_scale, z_zero; /* z is z_scale blue - z_zero */
     float square;          /* range^2 */
     float sign;            /* of y, down the picture */
+    float least;           /* z, times range */
     bool derived;
 } ntp__slope_levels;
 
