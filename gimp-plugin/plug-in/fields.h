@@ -27,7 +27,7 @@ typedef struct field {
     int page;                   /* of the dialog; -1: for scripts only */
     double value;               /* the default */
     double low, high;           /* of numbers: what is taken */
-    double soft_low, soft_high; /* and what a slider offers; logarithmic beyond 100 */
+    double soft_low, soft_high; /* and what a slider offers; on a curve beyond 100 */
     int digits;
     const choice *choices; /* up to one without a name */
 } field;

@@ -10,10 +10,15 @@
 #include "repair.h"
 #include "texels.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { RGBA = 4, RGB = 3 };
+enum {
+    RGBA = 4,
+    RGB = 3,
+    GROUP = 64 /* rows made at once, where they follow each other */
+};
 
 /* A result that is a piece of the layer's size, from (x, y) on. */
 typedef struct piece {
@@ -32,12 +37,49 @@ static bool keep(void *user, const ntp_rect *area, const void *pixels, ptrdiff_t
     return true;
 }
 
-/* How the procedure's texels of an area are made: 8-bit RGBA. */
+/* How texels of an area are made: 8-bit RGBA. */
 typedef struct maker {
     const preview *p;
+    enum { MAKE_NORMALS, MAKE_CLEAN, MAKE_NOTHING } what;
+    bool colors;           /* mix them as colors; otherwise as normals of this encoding */
+    ntp_encoding encoding; /* of what is made */
     normals_job normals;
     repair_job repair;
 } maker;
+
+static uint8_t to_byte(const unsigned char *at, ntp_type type)
+{
+    if (type == NTP_TYPE_U8)
+        return *at;
+    if (type == NTP_TYPE_U16) {
+        uint16_t level;
+        memcpy(&level, at, sizeof level);
+        return (uint8_t) ((level + 128) / 257);
+    }
+    float value;
+    memcpy(&value, at, sizeof value);
+    return (uint8_t) (value > 0 ? value < 1 ? value * 255 + 0.5f : 255 : 0);
+}
+
+/* The layer as it is. */
+static job_status copy(const raster *r, const ntp_rect *area, unsigned char *data)
+{
+    const size_t sample = raster_sample(r), step = r->channels < 3 ? 0 : sample;
+    unsigned char *row = malloc(raster_row(r));
+    bool ok = row != NULL;
+    for (int32_t y = area->y0; ok && y < area->y1; y++) {
+        ok = r->read(r->user, y, y + 1, row);
+        for (int32_t x = area->x0; ok && x < area->x1; x++, data += RGBA) {
+            const unsigned char *from = row + (size_t) x * raster_pixel(r);
+            for (size_t c = 0; c < RGB; c++)
+                data[c] = to_byte(from + c * step, r->type);
+            data[RGB] = 255;
+        }
+    }
+    const job_status status = row == NULL ? JOB_NO_MEMORY : ok ? JOB_DONE : JOB_NO_PIXELS;
+    free(row);
+    return status;
+}
 
 static job_status make(const maker *m, const ntp_rect *area, unsigned char *data)
 {
@@ -49,55 +91,152 @@ static job_status make(const maker *m, const ntp_rect *area, unsigned char *data
                             .height = p->layer->height,
                             .channels = RGBA,
                             .type = NTP_TYPE_U8 };
-    if (p->procedure == &procedures[PROCEDURE_NORMALS])
+    if (m->what == MAKE_NOTHING)
+        return copy(p->layer, area, data);
+    if (m->what == MAKE_NORMALS)
         return normals_job_run(&m->normals, p->heights != NULL ? p->heights : p->layer, NULL, NULL,
-                               &result, area, NULL);
-    return repair_job_run(&m->repair, p->layer, NULL, &result, area, NULL, NULL);
+                               &result, area, p->around);
+    return repair_job_run(&m->repair, p->layer, NULL, &result, area, p->around, NULL);
 }
 
-static int32_t texel_at(double start, double step, int32_t i, int32_t size)
+/* ------------------------------------------------------------------------------ averages */
+
+static int32_t texel_at(double start, double step, double i, int32_t size)
 {
-    const double at = start + ((double) i + 0.5) * step;
+    const double at = start + i * step;
     return at < 0 ? 0 : at >= (double) size ? size - 1 : (int32_t) at;
 }
 
-static void gather(const preview *p, int32_t j, int32_t first, const unsigned char *row,
+/* How many texels a pixel averages on each axis. */
+static int32_t texels_in_pixel(const preview *p)
+{
+    const int32_t all = p->step > 1 ? (int32_t) ceil(p->step) : 1;
+    return p->most > 0 && p->most < all ? p->most : all;
+}
+
+/* The texel under sample k of n of pixel i. */
+static int32_t column_of(const preview *p, int32_t i, int32_t k, int32_t n)
+{
+    return texel_at(p->x, p->step, (double) i + ((double) k + 0.5) / (double) n, p->layer->width);
+}
+static int32_t row_of(const preview *p, int32_t j, int32_t k, int32_t n)
+{
+    return texel_at(p->y, p->step, (double) j + ((double) k + 0.5) / (double) n, p->layer->height);
+}
+
+/* What the texels under a pixel add up to. */
+typedef struct sum {
+    float across, up; /* slopes of normals */
+    int32_t normals;  /* that they are of: unused texels have none */
+    int32_t color[RGB], texels;
+} sum;
+
+static void add(sum *s, const unsigned char *texel, const maker *m)
+{
+    const int32_t r = texel[0], g = texel[1], b = texel[2];
+    s->texels++;
+    s->color[0] += r;
+    s->color[1] += g;
+    s->color[2] += b;
+    if (m->colors || (r == g && g == b && (r == 0 || r == 255)))
+        return;
+    const int32_t x = 2 * r - 255, y = 2 * g - 255;
+    const float rest = (float) (255 * 255 - x * x - y * y);
+    const float z = m->encoding == NTP_ENCODING_XY      ? sqrtf(rest > 1 ? rest : 1)
+                    : m->encoding == NTP_ENCODING_ZZERO ? (float) (b > 0 ? b : 1)
+                                                        : (float) (b > 128 ? 2 * b - 255 : 1);
+    s->across += (float) x / z;
+    s->up += (float) y / z;
+    s->normals++;
+}
+
+static uint8_t signed_level(double v)
+{
+    return (uint8_t) ((v + 1) * 127.5 + 0.5);
+}
+
+static void mix(const sum *s, const maker *m, uint8_t *rgb)
+{
+    for (int c = 0; c < RGB; c++)
+        rgb[c] = (uint8_t) ((s->color[c] + s->texels / 2) / s->texels);
+    if (s->normals == 0)
+        return;
+    const double x = (double) s->across / s->normals, y = (double) s->up / s->normals;
+    const double z = 1 / sqrt(1 + x * x + y * y);
+    rgb[0] = signed_level(x * z);
+    rgb[1] = signed_level(y * z);
+    if (m->encoding != NTP_ENCODING_XY)
+        rgb[2] = m->encoding == NTP_ENCODING_ZZERO ? (uint8_t) (z * 255 + 0.5) : signed_level(z);
+}
+
+/* A row of pixels from the rows of texels that they cover; one texel is shown as it is. */
+static void gather(const maker *m, int32_t first, const unsigned char *const *rows, int32_t n,
                    uint8_t *out)
 {
-    for (int32_t i = 0; i < p->width; i++) {
-        const int32_t x = texel_at(p->x, p->step, i, p->layer->width) - first;
-        memcpy(out + ((size_t) j * (size_t) p->width + (size_t) i) * RGB, row + (size_t) x * RGBA,
-               RGB);
+    const preview *p = m->p;
+    for (int32_t i = 0; i < p->width; i++, out += RGB) {
+        sum s = { 0 };
+        if (n == 1) {
+            memcpy(out, rows[0] + (size_t) (column_of(p, i, 0, 1) - first) * RGBA, RGB);
+            continue;
+        }
+        for (int32_t c = 0; c < n; c++) {
+            const size_t at = (size_t) (column_of(p, i, c, n) - first) * RGBA;
+            for (int32_t k = 0; k < n; k++)
+                add(&s, rows[k] + at, m);
+        }
+        mix(&s, m, out);
     }
 }
 
-/* One texel under each pixel.  Rows that follow each other are made at once. */
+/* The rows of pixels j .. end - 1.  Texel rows that follow each other are made at once. */
+static job_status sample_group(const maker *m, int32_t j, int32_t end, unsigned char *data,
+                               const unsigned char **rows, uint8_t *out)
+{
+    const preview *p = m->p;
+    const int32_t n = texels_in_pixel(p);
+    const int32_t x0 = column_of(p, 0, 0, n), x1 = column_of(p, p->width - 1, n - 1, n) + 1;
+    const size_t row = (size_t) (x1 - x0) * RGBA;
+    const bool dense = n >= p->step;
+    const int32_t first = row_of(p, j, 0, n);
+    job_status status = JOB_DONE;
+    if (dense) {
+        const ntp_rect area = { x0, first, x1, row_of(p, end - 1, n - 1, n) + 1 };
+        status = make(m, &area, data);
+    }
+    for (; status == JOB_DONE && j < end; j++) {
+        for (int32_t k = 0; status == JOB_DONE && k < n; k++) {
+            const int32_t y = row_of(p, j, k, n);
+            unsigned char *at = data + row * (size_t) (dense ? y - first : k);
+            const ntp_rect area = { x0, y, x1, y + 1 };
+            if (!dense)
+                status = make(m, &area, at);
+            rows[k] = at;
+        }
+        if (status == JOB_DONE)
+            gather(m, x0, rows, n, out + (size_t) j * (size_t) p->width * RGB);
+    }
+    return status;
+}
+
 static job_status sample(const maker *m, uint8_t *out)
 {
     const preview *p = m->p;
-    const int32_t x0 = texel_at(p->x, p->step, 0, p->layer->width);
-    const int32_t x1 = texel_at(p->x, p->step, p->width - 1, p->layer->width) + 1;
-    const int32_t last = texel_at(p->y, p->step, p->height - 1, p->layer->height);
-    const bool dense = p->step <= 1;
-    const int32_t first = texel_at(p->y, p->step, 0, p->layer->height);
-    const size_t row = (size_t) (x1 - x0) * RGBA;
-    unsigned char *data = malloc(row * (dense ? (size_t) (last - first) + 1 : 1));
-    job_status status = data != NULL ? JOB_DONE : JOB_NO_MEMORY;
-    if (status == JOB_DONE && dense) {
-        const ntp_rect area = { x0, first, x1, last + 1 };
-        status = make(m, &area, data);
-    }
-    for (int32_t j = 0; status == JOB_DONE && j < p->height; j++) {
-        const int32_t y = texel_at(p->y, p->step, j, p->layer->height);
-        const ntp_rect area = { x0, y, x1, y + 1 };
-        if (!dense)
-            status = make(m, &area, data);
-        if (status == JOB_DONE)
-            gather(p, j, x0, data + (dense ? row * (size_t) (y - first) : 0), out);
-    }
+    const int32_t n = texels_in_pixel(p);
+    const double covered = (double) GROUP / p->step;
+    const int32_t group = covered < 1 ? 1 : covered > p->height ? p->height : (int32_t) covered;
+    const size_t most = (size_t) ceil((double) group * p->step) + (size_t) n + 2;
+    unsigned char *data = malloc(most * (size_t) p->layer->width * RGBA);
+    const unsigned char **rows = malloc((size_t) n * sizeof *rows);
+    job_status status = data != NULL && rows != NULL ? JOB_DONE : JOB_NO_MEMORY;
+    for (int32_t j = 0; status == JOB_DONE && j < p->height; j += group)
+        status = sample_group(m, j, j + group < p->height ? j + group : p->height, data, rows, out);
+    free(rows);
     free(data);
     return status;
 }
+
+/* ---------------------------------------------------------------------------- procedures */
 
 static void light_up(const preview *p, ntp_encoding encoding, ntp_y y, uint8_t *normals,
                      uint8_t *lit)
@@ -111,36 +250,62 @@ static void light_up(const preview *p, ntp_encoding encoding, ntp_y y, uint8_t *
     ntp_shade(&out, &seen, p->light, NULL);
 }
 
-static job_status show_normals(const preview *p, uint8_t *map, uint8_t *lit, double *scale)
+static bool same_slopes(const preview_scale *s, const normals_job *job)
 {
-    maker m = { .p = p, .normals = normals_job_from(p->settings) };
-    const bool stored_otherwise = m.normals.swap || m.normals.dudv != DUDV_NONE;
+    const ntp_normals_options *a = &s->of, *b = &job->how;
+    return s->known && a->kernel == b->kernel && a->source == b->source && a->dx == b->dx &&
+           a->dy == b->dy && a->border_x == b->border_x && a->border_y == b->border_y &&
+           s->biased == job->biased;
+}
+
+static job_status find_scale(const preview *p, normals_job *job)
+{
+    preview_scale own = { 0 }, *s = p->scale != NULL ? p->scale : &own;
+    const double sign = job->how.scale;
+    if (!job->measures)
+        return JOB_DONE;
+    if (!same_slopes(s, job)) {
+        const preview_scale asked = { .known = true, .of = job->how, .biased = job->biased };
+        const job_status status =
+            normals_job_find_scale(job, p->heights != NULL ? p->heights : p->layer);
+        if (status != JOB_DONE)
+            return status;
+        *s = asked;
+        s->value = job->how.scale / sign;
+    }
+    job->how.scale = s->value * sign;
+    job->measures = false;
+    return JOB_DONE;
+}
+
+static job_status show_normals(const preview *p, uint8_t *map, uint8_t *lit)
+{
+    maker m = { .p = p, .what = MAKE_NORMALS, .normals = normals_job_from(p->settings) };
     m.normals.alpha = ALPHA_KEEP;
     m.normals.how.alpha = NTP_ALPHA_KEEP;
-    const bool measures = m.normals.measures;
-    job_status status =
-        normals_job_find_scale(&m.normals, p->heights != NULL ? p->heights : p->layer);
-    if (measures)
-        *scale = m.normals.how.scale < 0 ? -m.normals.how.scale : m.normals.how.scale;
+    m.encoding = m.normals.encoding;
+    m.colors = m.normals.swap || m.normals.dudv != DUDV_NONE;
+    job_status status = find_scale(p, &m.normals);
     if (status == JOB_DONE)
         status = sample(&m, map);
     if (status != JOB_DONE)
         return status;
-    if (stored_otherwise) {
-        m.normals.swap = false;
+    if (m.colors) {
+        m.normals.swap = m.colors = false;
         m.normals.dudv = DUDV_NONE;
         status = sample(&m, lit);
         if (status == JOB_DONE)
-            light_up(p, m.normals.encoding, m.normals.y, lit, lit);
+            light_up(p, m.encoding, m.normals.y, lit, lit);
         return status;
     }
-    light_up(p, m.normals.encoding, (ntp_y) p->settings->value[FN_TO_Y], map, lit);
+    light_up(p, m.encoding, m.normals.y, map, lit);
     return JOB_DONE;
 }
 
 static job_status show_clean(const preview *p, uint8_t *map, uint8_t *lit)
 {
-    const maker m = { .p = p, .repair = repair_job_from(p->settings, p->found) };
+    maker m = { .p = p, .what = MAKE_CLEAN, .repair = repair_job_from(p->settings, p->found) };
+    m.encoding = m.repair.from;
     const job_status status = sample(&m, map);
     if (status != JOB_DONE)
         return status;
@@ -150,8 +315,6 @@ static job_status show_clean(const preview *p, uint8_t *map, uint8_t *lit)
     return !p->found->judged ? JOB_NO_NORMALS : p->found->misplaced ? JOB_MISPLACED : JOB_DONE;
 }
 
-/* --------------------------------------------------------------------------------- heights */
-
 static bool read_small(void *user, int32_t y0, int32_t y1, void *rows)
 {
     const piece *from = user;
@@ -160,35 +323,78 @@ static bool read_small(void *user, int32_t y0, int32_t y1, void *rows)
     return true;
 }
 
-static job_status show_height(const preview *p, uint8_t *map, uint8_t *lit)
+/* Heights of a small texture; free them. */
+static job_status solve(const preview *p, uint8_t *normals, float **plane)
 {
-    const height_job job = height_job_from(p->settings);
-    const maker m = { .p = p, .repair = { .from = NTP_ENCODING_STANDARD } };
-    float *plane = NULL;
-    double range = 0;
-    job_status status = sample(&m, map);
-    if (status != JOB_DONE)
-        return status;
-    piece texels = { map, 0, 0, p->width };
+    height_job job = height_job_from(p->settings);
+    piece texels = { normals, 0, 0, p->width };
     const raster small = { .user = &texels,
                            .read = read_small,
                            .width = p->width,
                            .height = p->height,
                            .channels = RGB,
                            .type = NTP_TYPE_U8 };
-    status = height_job_run(&job, &small, &plane, &range, NULL);
-    light_up(p, job.encoding, job.y, map, lit);
-    const size_t count = (size_t) p->width * (size_t) p->height;
-    for (size_t i = 0; status == JOB_DONE && i < count; i++)
-        memset(map + i * RGB, (int) (plane[i] * 255 + 0.5f), RGB);
+    double range = 0;
+    /* A mean of slopes is no stencil's, and at the edge of a part nothing wraps.  A stencil such as
+     * the central difference leaves its two or four grids of texels unconnected here: dots. */
+    job.how.method = NTP_HEIGHT_AUTO;
+    job.how.kernel = NTP_KERNEL_BAKED;
+    if ((double) p->width * p->step < (double) p->layer->width - 0.5)
+        job.how.border_x = NTP_BORDER_EXTRAPOLATE;
+    if ((double) p->height * p->step < (double) p->layer->height - 0.5)
+        job.how.border_y = NTP_BORDER_EXTRAPOLATE;
+    return height_job_run(&job, &small, plane, &range, NULL);
+}
+
+static job_status show_height(const preview *p, uint8_t *map, uint8_t *lit)
+{
+    const height_job job = height_job_from(p->settings);
+    preview small = *p; /* a texel for each pixel, if pixels are smaller */
+    maker m = { .p = &small, .what = MAKE_NOTHING, .encoding = job.encoding };
+    const int32_t x0 = column_of(p, 0, 0, 1), y0 = row_of(p, 0, 0, 1);
+    if (p->step < 1) {
+        small.step = 1;
+        small.x = x0;
+        small.y = y0;
+        small.width = column_of(p, p->width - 1, 0, 1) - x0 + 1;
+        small.height = row_of(p, p->height - 1, 0, 1) - y0 + 1;
+    }
+    const size_t count = (size_t) small.width * (size_t) small.height;
+    uint8_t *normals = malloc(count * RGB);
+    float *plane = NULL;
+    job_status status = normals != NULL ? sample(&m, normals) : JOB_NO_MEMORY;
+    if (status == JOB_DONE)
+        status = solve(&small, normals, &plane);
+    for (int32_t j = 0; status == JOB_DONE && j < p->height; j++) {
+        const int32_t y = p->step < 1 ? row_of(p, j, 0, 1) - y0 : j;
+        for (int32_t i = 0; i < p->width; i++, map += RGB, lit += RGB) {
+            const int32_t x = p->step < 1 ? column_of(p, i, 0, 1) - x0 : i;
+            const size_t at = (size_t) y * (size_t) small.width + (size_t) x;
+            memset(map, (int) (plane[at] * 255 + 0.5f), RGB);
+            memcpy(lit, normals + at * RGB, RGB);
+        }
+    }
+    if (status == JOB_DONE) {
+        lit -= (size_t) p->width * (size_t) p->height * RGB;
+        light_up(p, job.encoding, job.y, lit, lit);
+    }
     free(plane);
+    free(normals);
     return status;
 }
 
-job_status preview_render(const preview *p, uint8_t *map, uint8_t *lit, double *scale)
+job_status preview_render(const preview *p, uint8_t *map, uint8_t *lit, uint8_t *before)
 {
-    if (p->procedure == &procedures[PROCEDURE_NORMALS])
-        return show_normals(p, map, lit, scale);
+    const bool normals = p->procedure == &procedures[PROCEDURE_NORMALS];
+    const maker plain = { .p = p,
+                          .what = MAKE_NOTHING,
+                          .colors = normals || p->layer->channels < 3,
+                          .encoding = NTP_ENCODING_STANDARD };
+    const job_status status = before != NULL ? sample(&plain, before) : JOB_DONE;
+    if (status != JOB_DONE)
+        return status;
+    if (normals)
+        return show_normals(p, map, lit);
     if (p->layer->channels < 3)
         return JOB_GRAY;
     return p->procedure == &procedures[PROCEDURE_HEIGHT] ? show_height(p, map, lit)

@@ -7,25 +7,37 @@
 
 #include "report.h"
 
+/* The scale that the heights suggest, measured once; zeroed at first, and when the heights change.
+ */
+typedef struct preview_scale {
+    bool known;
+    double value;
+    ntp_normals_options of;
+    bool biased;
+} preview_scale;
+
 typedef struct preview {
     const procedure *procedure; /* normals, height or clean */
     const settings *settings;
     const raster *layer;
-    const raster *heights;  /* another layer's height, or NULL */
-    const report *found;    /* clean, if a report decides; or NULL */
-    int32_t width, height;  /* pixels to fill */
-    double x, y;            /* the texel position at their upper left corner */
-    double step;            /* texels from one pixel to the next */
-    const ntp_light *light; /* or NULL */
+    const raster *heights;      /* another layer's height, or NULL */
+    const report *found;        /* clean, if a report decides; or NULL */
+    int32_t width, height;      /* pixels to fill */
+    double x, y;                /* the texel position at their upper left corner */
+    double step;                /* texels from one pixel to the next */
+    int32_t most;               /* texels that a pixel averages on each axis; 0: all under it */
+    const ntp_light *light;     /* or NULL */
+    preview_scale *scale;       /* kept from call to call, or NULL */
+    const surroundings *around; /* or NULL */
 } preview;
 
 /*
- * Fills packed RGB.  map gets the texels that the procedure will write, converted to 8 bits, one
- * under the middle of each pixel and never a mixture.  lit gets the plane with these normals.
- * Heights are an exception: they are made only from the texels under the pixels, as from a small
- * texture, and lit shows the normals as they are.  scale: the scale that suits the layer, if the
- * settings name none; otherwise it stays.
+ * Fills packed RGB.  map gets the texels that the procedure will write, converted to 8 bits.  A
+ * pixel that covers several shows their mean: of normals, the normal of their mean slope.  lit gets
+ * the plane with these normals, before (or NULL) the layer as it is.
+ * Heights are made only from what the pixels show, as from a small texture; lit shows the normals
+ * as they are.
  */
-job_status preview_render(const preview *p, uint8_t *map, uint8_t *lit, double *scale);
+job_status preview_render(const preview *p, uint8_t *map, uint8_t *lit, uint8_t *before);
 
 #endif

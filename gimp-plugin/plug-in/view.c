@@ -2,18 +2,24 @@
 /*
  * view.c - the preview widget
  *
- * Only visible texels are computed, when the program is idle.  "Fit" shows all of the layer with
- * its own proportions.  Dragging in the map moves it, dragging in the lit picture moves the light,
- * and the wheel zooms.
+ * Only visible texels are computed, when the program is idle: first few of them for each pixel, so
+ * that a slider can be dragged, and when nothing changes any more all.  "Fit" shows all of the layer
+ * with its own proportions, in pictures that grow with the window.  Dragging in the map moves it,
+ * dragging in the lit picture moves the light, and the wheel zooms.
  */
 #include "view.h"
-#include "preview.h"
 #include "repair.h"
+#include "view_paint.h"
 
 #include <math.h>
 #include <string.h>
 
-enum { SIDE = 288, MARKER = 5 };
+enum {
+    SIDE = 288,    /* of a picture, at least and at first */
+    GRIP = 6,      /* so near to the line between before and after a press takes it */
+    FEW = 2,       /* texels on each axis that a pixel shows while something changes */
+    PATIENCE = 150 /* milliseconds without a change until all texels are shown */
+};
 #define VIEW_KEY "ntp-view"
 #define N_(TEXT) TEXT
 
@@ -23,38 +29,29 @@ static const struct {
     const char *label;
 } zooms[] = { { 0, N_("Fit") }, { 1, "1:1" }, { 2, "2:1" }, { 4, "4:1" }, { 8, "8:1" } };
 
-typedef struct view {
-    const procedure *procedure;
-    settings settings;
-    host_layer layer, heights;
-    gint32 heights_id;
-    report found; /* for cleaning: what the layer is, and the method for it */
-    gboolean looked;
-    settings question; /* that it answers */
-    ntp_light light;
-    int zoom;
-    double x, y;       /* the texel in the middle */
-    int width, height; /* of the pictures */
-    double step;
-    uint8_t *map, *lit; /* packed RGB */
-    GtkWidget *areas[2], *note, *combo;
-    guint pending;
-    gboolean dragging;
-    double last_x, last_y;
-} view;
-
-enum { MAP, LIT };
-
 /* ------------------------------------------------------------------------------ geometry */
+
+/* The pixels of a picture, or of one of the four tiles in it. */
+static void room(const view *v, int *width, int *height)
+{
+    GtkAllocation size;
+    gtk_widget_get_allocation(v->areas[MAP], &size);
+    const int parts = view_is_on(v->tile) ? 2 : 1;
+    *width = MAX(size.width, 2) * view_density(v) / parts;
+    *height = MAX(size.height, 2) * view_density(v) / parts;
+}
 
 static void fit(view *v)
 {
     const double width = v->layer.raster.width, height = v->layer.raster.height;
-    const double longer = MAX(width, height);
-    const double zoom = zooms[v->zoom].zoom > 0 ? zooms[v->zoom].zoom : SIDE / longer;
+    int most_width, most_height;
+    room(v, &most_width, &most_height);
+    const double whole = MIN(most_width / width, most_height / height);
+    const double chosen = view_is_on(v->tile) ? 0 : zooms[v->zoom].zoom * view_density(v);
+    const double zoom = chosen > 0 ? chosen : whole;
     v->step = 1 / zoom;
-    v->width = CLAMP((int) (width * zoom + 0.5), 1, SIDE);
-    v->height = CLAMP((int) (height * zoom + 0.5), 1, SIDE);
+    v->width = CLAMP((int) (width * zoom + 0.5), 1, most_width);
+    v->height = CLAMP((int) (height * zoom + 0.5), 1, most_height);
     const double half_width = v->width * v->step / 2, half_height = v->height * v->step / 2;
     v->x = width > 2 * half_width ? CLAMP(v->x, half_width, width - half_width) : width / 2;
     v->y = height > 2 * half_height ? CLAMP(v->y, half_height, height - half_height) : height / 2;
@@ -70,6 +67,7 @@ static const raster *other_heights(view *v)
     if (id != v->heights_id) {
         host_close(&v->heights);
         v->heights_id = id;
+        v->scale.known = false;
         if (host_is_layer(id))
             host_open(&v->heights, id);
     }
@@ -101,14 +99,29 @@ static const report *look(view *v)
     return &v->found;
 }
 
-static void render(view *v)
+static void say(const view *v, job_status status)
+{
+    const gboolean measured = v->procedure == &procedures[PROCEDURE_NORMALS] &&
+                              v->settings.value[FN_SCALE] == 0 && v->scale.value > 0;
+    gchar *found =
+        measured ? g_strdup_printf(_("Scale from the layer: %g"), v->scale.value) : g_strdup("");
+    gtk_label_set_text(GTK_LABEL(v->note), status == JOB_DONE ? found : _(job_status_text(status)));
+    g_free(found);
+}
+
+/* most: texels that a pixel shows on each axis; 0: all. */
+static void render(view *v, int most)
 {
     fit(v);
     const gsize size = (gsize) v->width * (gsize) v->height * 3;
+    surroundings around = host_surroundings;
+    around.progress = NULL;
     v->map = g_realloc(v->map, size);
     v->lit = g_realloc(v->lit, size);
+    v->before = g_realloc(v->before, size);
     memset(v->map, 0, size);
     memset(v->lit, 0, size);
+    memset(v->before, 0, size);
     const preview p = { .procedure = v->procedure,
                         .settings = &v->settings,
                         .layer = &v->layer.raster,
@@ -119,110 +132,49 @@ static void render(view *v)
                         .x = v->x - v->width * v->step / 2,
                         .y = v->y - v->height * v->step / 2,
                         .step = v->step,
-                        .light = &v->light };
-    double scale = 0;
-    const job_status status = preview_render(&p, v->map, v->lit, &scale);
-    gchar *found = scale > 0 ? g_strdup_printf(_("Scale from the layer: %g"), scale) : g_strdup("");
-    gtk_label_set_text(GTK_LABEL(v->note), status == JOB_DONE ? found : _(job_status_text(status)));
-    g_free(found);
+                        .most = most,
+                        .light = &v->light,
+                        .scale = &v->scale,
+                        .around = &around };
+    say(v, preview_render(&p, v->map, v->lit, view_is_on(v->compare) ? v->before : NULL));
     gtk_widget_queue_draw(v->areas[MAP]);
     gtk_widget_queue_draw(v->areas[LIT]);
+}
+
+static gboolean refine(gpointer data)
+{
+    view *v = data;
+    v->refining = 0;
+    render(v, 0);
+    return FALSE;
 }
 
 static gboolean render_idle(gpointer data)
 {
     view *v = data;
     v->pending = 0;
-    render(v);
+    render(v, FEW);
+    if (v->step > FEW)
+        v->refining = g_timeout_add(PATIENCE, refine, v);
     return FALSE;
 }
 
 static void render_soon(view *v)
 {
+    if (v->refining != 0)
+        g_source_remove(v->refining);
+    v->refining = 0;
     if (v->pending == 0)
         v->pending = g_idle_add(render_idle, v);
 }
-
-/* ------------------------------------------------------------------------------ drawing */
-
-static void paint(cairo_t *cr, const view *v, const uint8_t *rgb, int width, int height)
-{
-    cairo_surface_t *surface = cairo_image_surface_create(CAIRO_FORMAT_RGB24, v->width, v->height);
-    const int stride = cairo_image_surface_get_stride(surface);
-    unsigned char *data = cairo_image_surface_get_data(surface);
-    cairo_surface_flush(surface);
-    for (int y = 0; y < v->height; y++) {
-        for (int x = 0; x < v->width; x++, rgb += 3) {
-            const guint32 color = (guint32) rgb[0] << 16 | (guint32) rgb[1] << 8 | rgb[2];
-            memcpy(data + y * stride + x * 4, &color, sizeof color);
-        }
-    }
-    cairo_surface_mark_dirty(surface);
-    const int left = (width - v->width) / 2, above = (height - v->height) / 2;
-    cairo_set_source_surface(cr, surface, left, above);
-    cairo_paint(cr);
-    cairo_surface_destroy(surface);
-}
-
-/* The position of the light over the lit picture, -1..1 to the right and down. */
-static void light_place(const view *v, double *x, double *y)
-{
-    const double *d = v->light.direction;
-    const double length = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
-    *x = d[0] / length;
-    *y = -d[1] / length;
-}
-
-static void paint_light(cairo_t *cr, const view *v, int width, int height)
-{
-    double x, y;
-    light_place(v, &x, &y);
-    cairo_arc(cr, width / 2.0 + x * v->width / 2, height / 2.0 + y * v->height / 2, MARKER, 0,
-              2 * G_PI);
-    cairo_set_source_rgb(cr, 1, 0.85, 0.2);
-    cairo_fill_preserve(cr);
-    cairo_set_source_rgb(cr, 0, 0, 0);
-    cairo_set_line_width(cr, 1);
-    cairo_stroke(cr);
-}
-
-static void draw(GtkWidget *area, cairo_t *cr, const view *v)
-{
-    GtkAllocation size;
-    gtk_widget_get_allocation(area, &size);
-    const gboolean lit = area == v->areas[LIT];
-    const uint8_t *rgb = lit ? v->lit : v->map;
-    if (rgb == NULL)
-        return;
-    paint(cr, v, rgb, size.width, size.height);
-    if (lit)
-        paint_light(cr, v, size.width, size.height);
-}
-
-#if GTK_MAJOR_VERSION >= 3
-static gboolean on_draw(GtkWidget *area, cairo_t *cr, gpointer data)
-{
-    draw(area, cr, data);
-    return FALSE;
-}
-#else
-static gboolean on_draw(GtkWidget *area, GdkEventExpose *event, gpointer data)
-{
-    cairo_t *cr = gdk_cairo_create(event->window);
-    draw(area, cr, data);
-    cairo_destroy(cr);
-    return FALSE;
-}
-#endif
 
 /* -------------------------------------------------------------------------------- mouse */
 
 static void move_light(view *v, GtkWidget *area, double x, double y)
 {
-    GtkAllocation size;
-    gtk_widget_get_allocation(area, &size);
-    double dx = (x - size.width / 2.0) / (v->width / 2.0);
-    double dy = (y - size.height / 2.0) / (v->height / 2.0);
+    const place at = view_place(v, area);
+    double dx = 2 * (x - at.x) / at.width - 1;
+    double dy = 2 * (y - at.y) / at.height - 1;
     const double length = sqrt(dx * dx + dy * dy);
     const double most = 0.97; /* never exactly from the side */
     if (length > most) {
@@ -234,13 +186,31 @@ static void move_light(view *v, GtkWidget *area, double x, double y)
     v->light.direction[2] = sqrt(1 - MIN(length, most) * MIN(length, most));
 }
 
+static gboolean over_line(const view *v, GtkWidget *area, double x)
+{
+    const place at = view_place(v, area);
+    return area == v->areas[MAP] && view_is_on(v->compare) &&
+           fabs(x - at.x - v->line * at.width) <= GRIP;
+}
+
+static void move_line(view *v, GtkWidget *area, double x)
+{
+    const place at = view_place(v, area);
+    v->line = CLAMP((x - at.x) / at.width, 0, 1);
+    gtk_widget_queue_draw(area);
+}
+
 static void drag(view *v, GtkWidget *area, double x, double y)
 {
+    if (v->dragging == DRAG_LINE) {
+        move_line(v, area, x);
+        return;
+    }
     if (area == v->areas[LIT]) {
         move_light(v, area, x, y);
     } else {
-        v->x -= (x - v->last_x) * v->step;
-        v->y -= (y - v->last_y) * v->step;
+        v->x -= (x - v->last_x) * v->step * view_density(v);
+        v->y -= (y - v->last_y) * v->step * view_density(v);
     }
     v->last_x = x;
     v->last_y = y;
@@ -252,7 +222,7 @@ static gboolean on_press(GtkWidget *area, GdkEventButton *event, gpointer data)
     view *v = data;
     if (event->button != 1)
         return FALSE;
-    v->dragging = TRUE;
+    v->dragging = over_line(v, area, event->x) ? DRAG_LINE : DRAG_PICTURE;
     v->last_x = event->x;
     v->last_y = event->y;
     drag(v, area, event->x, event->y);
@@ -263,7 +233,7 @@ static gboolean on_release(GtkWidget *area, GdkEventButton *event, gpointer data
 {
     (void) area;
     (void) event;
-    ((view *) data)->dragging = FALSE;
+    ((view *) data)->dragging = NO_DRAG;
     return TRUE;
 }
 
@@ -280,6 +250,21 @@ static void on_zoom(GtkComboBox *combo, gpointer data)
     view *v = data;
     v->zoom = MAX(gtk_combo_box_get_active(combo), 0);
     render_soon(v);
+}
+
+static void on_toggle(GtkToggleButton *button, gpointer data)
+{
+    view *v = data;
+    (void) button;
+    gtk_widget_set_sensitive(v->combo, !view_is_on(v->tile));
+    render_soon(v);
+}
+
+static void on_resize(GtkWidget *area, GdkRectangle *size, gpointer data)
+{
+    (void) area;
+    (void) size;
+    render_soon(data);
 }
 
 static gboolean on_scroll(GtkWidget *area, GdkEventScroll *event, gpointer data)
@@ -314,24 +299,31 @@ static GtkWidget *picture_new(view *v, int which, const char *title, const char 
     gtk_widget_set_tooltip_text(area, tip);
     gtk_widget_add_events(area, GDK_BUTTON_PRESS_MASK | GDK_BUTTON_RELEASE_MASK |
                                     GDK_BUTTON1_MOTION_MASK | GDK_SCROLL_MASK);
-#if GTK_MAJOR_VERSION >= 3
-    g_signal_connect(area, "draw", G_CALLBACK(on_draw), v);
-#else
-    g_signal_connect(area, "expose-event", G_CALLBACK(on_draw), v);
-#endif
+    view_paint_area(v, area);
     g_signal_connect(area, "button-press-event", G_CALLBACK(on_press), v);
     g_signal_connect(area, "button-release-event", G_CALLBACK(on_release), v);
     g_signal_connect(area, "motion-notify-event", G_CALLBACK(on_motion), v);
     g_signal_connect(area, "scroll-event", G_CALLBACK(on_scroll), v);
     gtk_box_pack_start(GTK_BOX(box), gtk_label_new(title), FALSE, FALSE, 0);
     gtk_container_add(GTK_CONTAINER(frame), area);
-    gtk_box_pack_start(GTK_BOX(box), frame, FALSE, FALSE, 0);
+    gtk_box_pack_start(GTK_BOX(box), frame, TRUE, TRUE, 0);
     return box;
+}
+
+static GtkWidget *toggle_new(view *v, const char *label, const char *tip)
+{
+    GtkWidget *toggle = gtk_check_button_new_with_label(label);
+    gtk_widget_set_tooltip_text(toggle, tip);
+    g_signal_connect(toggle, "toggled", G_CALLBACK(on_toggle), v);
+    return toggle;
 }
 
 static GtkWidget *zoom_new(view *v)
 {
     GtkWidget *box = box_new(FALSE);
+    v->tile = toggle_new(v, _("Tile 2 x 2"), _("Four times the whole layer, to look for seams"));
+    v->compare = toggle_new(v, _("Before and after"),
+                            _("The layer as it is on the left. Drag the line between them"));
     v->combo = gtk_combo_box_text_new();
     for (gsize i = 0; i < G_N_ELEMENTS(zooms); i++)
         gtk_combo_box_text_append_text(GTK_COMBO_BOX_TEXT(v->combo), _(zooms[i].label));
@@ -339,6 +331,8 @@ static GtkWidget *zoom_new(view *v)
     g_signal_connect(v->combo, "changed", G_CALLBACK(on_zoom), v);
     gtk_box_pack_start(GTK_BOX(box), gtk_label_new(_("Preview:")), FALSE, FALSE, 0);
     gtk_box_pack_start(GTK_BOX(box), v->combo, FALSE, FALSE, 0);
+    gtk_box_pack_start(GTK_BOX(box), v->tile, FALSE, FALSE, 6);
+    gtk_box_pack_start(GTK_BOX(box), v->compare, FALSE, FALSE, 6);
     return box;
 }
 
@@ -347,10 +341,13 @@ static void view_free(gpointer data)
     view *v = data;
     if (v->pending != 0)
         g_source_remove(v->pending);
+    if (v->refining != 0)
+        g_source_remove(v->refining);
     host_close(&v->layer);
     host_close(&v->heights);
     g_free(v->map);
     g_free(v->lit);
+    g_free(v->before);
     g_free(v);
 }
 
@@ -360,6 +357,7 @@ GtkWidget *view_new(const procedure *p, gint32 id)
     GtkWidget *all = box_new(TRUE), *pictures = box_new(FALSE);
     v->procedure = p;
     v->heights_id = -1;
+    v->line = 0.5;
     settings_reset(p, &v->settings);
     host_open(&v->layer, id);
     v->layer.raster.user = &v->layer;
@@ -374,15 +372,17 @@ GtkWidget *view_new(const procedure *p, gint32 id)
     gtk_box_pack_start(GTK_BOX(pictures),
                        picture_new(v, MAP, height ? _("Height (about)") : _("Result"),
                                    _("Drag to move, turn the wheel to zoom")),
-                       FALSE, FALSE, 0);
+                       TRUE, TRUE, 0);
     gtk_box_pack_start(GTK_BOX(pictures),
-                       picture_new(v, LIT, _("Lit"), _("Drag to move the light")), FALSE, FALSE, 0);
-    gtk_box_pack_start(GTK_BOX(all), pictures, FALSE, FALSE, 0);
+                       picture_new(v, LIT, _("Lit"), _("Drag to move the light")), TRUE, TRUE, 0);
+    gtk_box_set_homogeneous(GTK_BOX(pictures), TRUE);
+    gtk_box_pack_start(GTK_BOX(all), pictures, TRUE, TRUE, 0);
     gtk_box_pack_start(GTK_BOX(all), zoom_new(v), FALSE, FALSE, 0);
     v->note = gtk_label_new("");
     gtk_label_set_line_wrap(GTK_LABEL(v->note), TRUE);
     gtk_box_pack_start(GTK_BOX(all), v->note, FALSE, FALSE, 0);
     g_object_set_data_full(G_OBJECT(all), VIEW_KEY, v, view_free);
+    g_signal_connect(v->areas[MAP], "size-allocate", G_CALLBACK(on_resize), v);
     gtk_widget_show_all(all);
     render_soon(v);
     return all;

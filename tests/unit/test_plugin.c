@@ -191,6 +191,21 @@ static void test_failures(void)
 
 /* ------------------------------------------------------------------- preview and report */
 
+/* The mean slope of the texels under a pixel, as a level. */
+static double mean_slope(const unsigned char *whole, int width, double x, double y, double step,
+                         int channel)
+{
+    const int n = (int) ceil(step);
+    double sum = 0;
+    for (int k = 0; k < n * n; k++) {
+        const int tx = (int) (x + (k % n + 0.5) / n * step),
+                  ty = (int) (y + (k / n + 0.5) / n * step);
+        const unsigned char *t = whole + (ty * width + tx) * 3;
+        sum += (2.0 * t[channel] - 255) / (2.0 * t[2] - 255);
+    }
+    return sum / (n * n);
+}
+
 static void test_preview(void)
 {
     memory *in = memory_new(300, 200, 1, NTP_TYPE_U8),
@@ -199,11 +214,13 @@ static void test_preview(void)
     fill(in);
     settings_reset(&procedures[PROCEDURE_NORMALS], &s);
     normals_job job = normals_job_from(&s);
+    preview_scale found = { 0 };
     assert(normals_job_find_scale(&job, &in->raster) == JOB_DONE);
     expect_normals(whole, in, &job);
     static const double STEPS[] = { 3.7, 1, 0.25 };
-    for (int k = 0; k < 3; k++) {
-        uint8_t map[50 * 40 * 3], lit[50 * 40 * 3];
+    for (int k = 0; k < 6; k++) {
+        static uint8_t map[50 * 40 * 3], lit[50 * 40 * 3], before[50 * 40 * 3];
+        const double step = STEPS[k % 3];
         const preview p = { .procedure = &procedures[PROCEDURE_NORMALS],
                             .settings = &s,
                             .layer = &in->raster,
@@ -211,19 +228,62 @@ static void test_preview(void)
                             .height = 40,
                             .x = 20.3,
                             .y = 11.8,
-                            .step = STEPS[k] };
-        double scale = 0;
-        assert(preview_render(&p, map, lit, &scale) == JOB_DONE && scale == job.how.scale);
-        for (int j = 0; j < 40; j++) {
-            for (int i = 0; i < 50; i++) {
-                const int x = (int) (20.3 + (i + 0.5) * STEPS[k]);
-                const int y = (int) (11.8 + (j + 0.5) * STEPS[k]);
-                assert(memcmp(map + (j * 50 + i) * 3, whole->data + (y * 300 + x) * 3, 3) == 0);
+                            .step = step,
+                            .most = k < 3,
+                            .scale = &found };
+        assert(preview_render(&p, map, lit, before) == JOB_DONE && found.value == job.how.scale);
+        for (int i = 0; i < 50 * 40; i++) {
+            const double x = 20.3 + i % 50 * step, y = 11.8 + i / 50 * step;
+            const int at = (int) (y + step / 2) * 300 + (int) (x + step / 2);
+            const uint8_t *shown = map + 3 * i;
+            if (step <= 1 || k < 3) { /* the texel in the middle */
+                assert(memcmp(shown, whole->data + at * 3, 3) == 0);
+                assert(before[3 * i] == in->data[at] && before[3 * i + 2] == in->data[at]);
+                continue;
             }
+            const double p0 = mean_slope(whole->data, 300, x, y, step, 0);
+            const double q0 = mean_slope(whole->data, 300, x, y, step, 1);
+            const double length = sqrt(p0 * p0 + q0 * q0 + 1);
+            assert(fabs((p0 / length + 1) * 127.5 - shown[0]) < 0.51);
+            assert(fabs((q0 / length + 1) * 127.5 - shown[1]) < 0.51);
+            assert(fabs((1 / length + 1) * 127.5 - shown[2]) < 0.51);
         }
     }
     memory_free(in);
     memory_free(whole);
+}
+
+/* The heights in a preview have no pattern of single pixels, at any zoom. */
+static void test_preview_of_heights(void)
+{
+    enum { W = 230, H = 150 };
+    memory *height = memory_new(W, H, 1, NTP_TYPE_U16), *in = memory_new(W, H, 3, NTP_TYPE_U16);
+    static const double STEPS[] = { 2.3, 1, 0.5 };
+    static uint8_t map[100 * 60 * 3], lit[100 * 60 * 3];
+    settings s;
+    wave(height, in, NTP_KERNEL_CENTRAL);
+    settings_reset(&procedures[PROCEDURE_HEIGHT], &s);
+    for (int k = 0; k < 3; k++) {
+        const preview p = { .procedure = &procedures[PROCEDURE_HEIGHT],
+                            .settings = &s,
+                            .layer = &in->raster,
+                            .width = 100,
+                            .height = 60,
+                            .step = STEPS[k] };
+        assert(preview_render(&p, map, lit, NULL) == JOB_DONE);
+        double dots = 0, range = 0;
+        for (int j = 1; j < 59; j++) {
+            for (int i = 1; i < 99; i++) {
+                const uint8_t *h = map + 3 * (j * 100 + i);
+                const double bend = 2.0 * h[0] - h[3] - h[-3];
+                dots += STEPS[k] < 1 ? 0 : (i % 2 ? bend : -bend) * (j % 2 ? 1 : -1);
+                range = fmax(range, fabs(h[0] - (double) map[0]));
+            }
+        }
+        assert(range > 20 && fabs(dots) / (58 * 98) < 0.3);
+    }
+    memory_free(height);
+    memory_free(in);
 }
 
 /* The preview of cleaning is what cleaning writes, by the method that the report found. */
@@ -341,6 +401,7 @@ int main(void)
     test_alpha_rules();
     test_failures();
     test_preview();
+    test_preview_of_heights();
     test_preview_of_cleaning();
     test_report();
     return 0;

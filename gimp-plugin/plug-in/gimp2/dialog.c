@@ -10,6 +10,7 @@
 #include "view.h"
 
 #include <libgimp/gimpui.h>
+#include <math.h>
 #include <string.h>
 
 enum { RESPONSE_RESET = 1, RESPONSE_LOAD, RESPONSE_SAVE };
@@ -78,15 +79,77 @@ static void fill(dialog *d)
 
 /* ------------------------------------------------------------------------------- fields */
 
+/*
+ * A slider whose middle is an eighth of its end, so that small numbers have room.  GIMP's own
+ * logarithmic ones do not follow an entry that takes more than the slider.
+ */
+typedef struct curve {
+    GtkAdjustment *number, *share; /* share: of the slider's length */
+    double end;
+    gboolean busy;
+} curve;
+
+static void on_share(GtkAdjustment *share, gpointer data)
+{
+    curve *c = data;
+    const double t = gtk_adjustment_get_value(share);
+    if (c->busy)
+        return;
+    c->busy = TRUE;
+    gtk_adjustment_set_value(c->number, floor(c->end * t * t * t * 100 + 0.5) / 100);
+    c->busy = FALSE;
+}
+
+static void on_number(GtkAdjustment *number, gpointer data)
+{
+    curve *c = data;
+    if (c->busy)
+        return;
+    c->busy = TRUE;
+    gtk_adjustment_set_value(c->share,
+                             cbrt(CLAMP(gtk_adjustment_get_value(number) / c->end, 0, 1)));
+    c->busy = FALSE;
+}
+
+static void add_curved(dialog *d, GtkTable *table, gint row, int i)
+{
+    enum { DIGITS = 9 };
+    const field *f = &d->procedure->fields[i];
+    const guint top = (guint) row, bottom = top + 1;
+    curve *c = g_new0(curve, 1);
+    c->end = f->soft_high;
+    c->number = GTK_ADJUSTMENT(gtk_adjustment_new(f->value, f->low, f->high, 0.1, 1, 0));
+    c->share = GTK_ADJUSTMENT(gtk_adjustment_new(0, 0, 1, 0.005, 0.05, 0));
+    GtkWidget *label = gtk_label_new_with_mnemonic(_(f->label));
+    GtkWidget *slider = gtk_hscale_new(c->share);
+    GtkWidget *entry = gtk_spin_button_new(c->number, 0.1, (guint) f->digits);
+    gtk_misc_set_alignment(GTK_MISC(label), 0, 0.5);
+    gtk_label_set_mnemonic_widget(GTK_LABEL(label), entry);
+    gtk_scale_set_draw_value(GTK_SCALE(slider), FALSE);
+    gtk_entry_set_width_chars(GTK_ENTRY(entry), DIGITS);
+    gimp_help_set_help_data(slider, _(f->help), NULL);
+    gimp_help_set_help_data(entry, _(f->help), NULL);
+    gtk_table_attach(table, label, 0, 1, top, bottom, GTK_FILL, 0, 0, 0);
+    gtk_table_attach(table, slider, 1, 2, top, bottom, GTK_EXPAND | GTK_FILL, 0, 0, 0);
+    gtk_table_attach(table, entry, 2, 3, top, bottom, GTK_FILL, 0, 0, 0);
+    on_number(c->number, c);
+    g_signal_connect(c->share, "value-changed", G_CALLBACK(on_share), c);
+    g_signal_connect(c->number, "value-changed", G_CALLBACK(on_number), c);
+    g_signal_connect(c->number, "value-changed", G_CALLBACK(on_change), d);
+    g_object_set_data_full(G_OBJECT(entry), "ntp-curve", c, g_free);
+    d->numbers[i] = c->number;
+    if (d->first == NULL)
+        d->first = entry;
+}
+
 static void add_number(dialog *d, GtkTable *table, gint row, int i)
 {
     enum { SCALE_WIDTH = 150, SPIN_WIDTH = 9 };
     const field *f = &d->procedure->fields[i];
-    const double step = f->soft_high > 10 ? 0.1 : 0.01;
+    const double step = 0.01;
     GtkObject *number = gimp_scale_entry_new(
         table, 0, row, _(f->label), SCALE_WIDTH, SPIN_WIDTH, f->value, f->soft_low, f->soft_high,
         step, 10 * step, (guint) f->digits, FALSE, f->low, f->high, _(f->help), NULL);
-    gimp_scale_entry_set_logarithmic(number, f->soft_high > 100);
     d->numbers[i] = GTK_ADJUSTMENT(number);
     g_signal_connect(number, "value-changed", G_CALLBACK(on_change), d);
     if (d->first == NULL)
@@ -132,7 +195,10 @@ static void add_field(dialog *d, GtkTable *table, gint row, int i)
 {
     const field *f = &d->procedure->fields[i];
     if (f->kind == FIELD_NUMBER) {
-        add_number(d, table, row, i);
+        if (f->soft_high > 100)
+            add_curved(d, table, row, i);
+        else
+            add_number(d, table, row, i);
         return;
     }
     GtkWidget *control = f->kind == FIELD_SWITCH   ? gtk_check_button_new_with_mnemonic(_(f->label))
@@ -288,10 +354,10 @@ gboolean dialog_run(const procedure *p, settings *s, gint32 id)
     add_notice(gtk_dialog_get_content_area(GTK_DIALOG(d.window)), p, id);
     gtk_box_pack_start(GTK_BOX(gtk_dialog_get_content_area(GTK_DIALOG(d.window))), box, TRUE, TRUE,
                        0);
-    gtk_box_pack_start(GTK_BOX(box), controls_new(&d), TRUE, TRUE, 0);
+    gtk_box_pack_start(GTK_BOX(box), controls_new(&d), p == &procedures[PROCEDURE_CHECK], TRUE, 0);
     if (p != &procedures[PROCEDURE_CHECK]) {
         d.view = view_new(p, id);
-        gtk_box_pack_start(GTK_BOX(box), d.view, FALSE, FALSE, 0);
+        gtk_box_pack_start(GTK_BOX(box), d.view, TRUE, TRUE, 0);
     }
     gtk_widget_show_all(box);
     fill(&d);
