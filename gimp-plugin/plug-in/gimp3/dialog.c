@@ -10,8 +10,6 @@
 
 #include <libgimp/gimpui.h>
 
-enum { SLIDER = 120 }; /* pixels, at least */
-
 typedef struct connection {
     const procedure *procedure;
     GtkWidget *view;
@@ -36,16 +34,17 @@ static void on_change(GObject *config, GParamSpec *spec, gpointer data)
     view_update(c->view, &s);
 }
 
-/* Its scale covers usual values, its entry takes all allowed ones. */
+/* The slider covers usual values, and its entry takes all allowed ones.  On a long one the middle is
+ * an eighth of its end, so that small numbers have room; drags in its lower half are fine ones. */
 static void make_slider(GimpProcedureDialog *dialog, const field *f)
 {
-    const gdouble step = f->soft_high > 10 ? 0.1 : 0.01;
-    GtkWidget *slider = gimp_procedure_dialog_get_scale_entry(dialog, f->name, 1);
-    gimp_scale_entry_set_bounds(GIMP_SCALE_ENTRY(slider), f->soft_low, f->soft_high, TRUE);
-    gimp_scale_entry_set_logarithmic(GIMP_SCALE_ENTRY(slider), f->soft_high > 100);
-    gimp_label_spin_set_increments(GIMP_LABEL_SPIN(slider), step, 10 * step);
-    gimp_label_spin_set_digits(GIMP_LABEL_SPIN(slider), f->digits);
-    gtk_widget_set_size_request(gimp_scale_entry_get_range(GIMP_SCALE_ENTRY(slider)), SLIDER, -1);
+    const gboolean curved = f->soft_high > 100;
+    const gdouble step = curved ? 0.1 : 0.01;
+    GtkWidget *slider = gimp_procedure_dialog_get_spin_scale(dialog, f->name, 1);
+    gimp_spin_scale_set_scale_limits(GIMP_SPIN_SCALE(slider), f->soft_low, f->soft_high);
+    gimp_spin_scale_set_gamma(GIMP_SPIN_SCALE(slider), curved ? 3 : 1);
+    gtk_spin_button_set_increments(GTK_SPIN_BUTTON(slider), step, 10 * step);
+    gtk_spin_button_set_digits(GTK_SPIN_BUTTON(slider), (guint) f->digits);
 }
 
 /* The fields of a page as a box; NULL: there are none. */
