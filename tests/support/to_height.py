@@ -5,6 +5,8 @@ The model writes every stencil as a matrix, out of the taps and borders of oracl
 solves by singular values (small sizes) or by the eigenvectors of the two axes (large ones).
 """
 
+import functools
+
 import numpy as np
 
 from . import libntp_ffi as ntp
@@ -129,14 +131,19 @@ def least_norm(p, q, kernel, border_x, border_y):
     return with_edges(heights, p, q, kernel, (border_x, border_y))
 
 
+@functools.lru_cache(maxsize=16)
+def eigenvectors(n, kernel, border, spacing):
+    """rows_of with this spacing, and what the squares of these rows have for an axis."""
+    d, take = rows_of(n, kernel, border)
+    d = d / spacing
+    return d, take, *np.linalg.eigh(d.T @ d)
+
+
 def by_eigenvectors(p, q, kernel, border_x, border_y, spacing=(1, 1), edges=True):
     """The same for large sizes; edges: of extrapolated borders are fitted again."""
     h, w = p.shape
-    dx, take_x = rows_of(w, kernel, border_x)
-    dy, take_y = rows_of(h, kernel, border_y)
-    dx, dy = dx / spacing[0], dy / spacing[1]
-    lx, vx = np.linalg.eigh(dx.T @ dx)
-    ly, vy = np.linalg.eigh(dy.T @ dy)
+    dx, take_x, lx, vx = eigenvectors(w, kernel, border_x, spacing[0])
+    dy, take_y, ly, vy = eigenvectors(h, kernel, border_y, spacing[1])
     f = p @ take_x.T @ dx + dy.T @ (take_y @ q)
     total = ly[:, None] + lx[None, :]
     null = total < 1e-11
