@@ -6,6 +6,7 @@ Heights are Fractions in 0..1 (or what a float image holds) in a list of rows; N
 that is not finite.
 """
 
+import functools
 import math
 from fractions import Fraction
 
@@ -61,6 +62,7 @@ SOURCES = {
 }
 
 
+@functools.cache
 def taps(name, down):
     """{(column, row): weight} of the slope to the right or, down, of the one up the picture."""
     rows, _ = KERNELS[name]
@@ -88,10 +90,12 @@ def reflect(i, n, border):
     return [(n - 1, 1 + k), (n - 2, -k)]
 
 
-def slope(h, x, y, weights, border_x, border_y):
-    """Sum of taps at (x, y); None where a height it reads is not finite."""
+@functools.cache
+def reads(x, y, width, height, kernel, down, border_x, border_y):
+    """The sum of taps at (x, y) as [(row, column, weight)]."""
+    weights = taps(kernel, down)
     at, borders = [x, y], [border_x, border_y]
-    for axis, n in enumerate((len(h[0]), len(h))):
+    for axis, n in enumerate((width, height)):
         if borders[axis] != REPEAT_SLOPE:
             continue
         offsets = [t[axis] for t in weights]
@@ -99,14 +103,28 @@ def slope(h, x, y, weights, border_x, border_y):
         if first <= last and max(offsets) - min(offsets) < n:
             at[axis] = min(max(at[axis], first), last)
         borders[axis] = EXTRAPOLATE
-    total = Fraction(0)
-    for (i, j), w in weights.items():
-        for row, wy in reflect(at[1] + j, len(h), borders[1]):
-            for column, wx in reflect(at[0] + i, len(h[0]), borders[0]):
-                if h[row][column] is None:
-                    return None
-                total += w * wx * wy * h[row][column]
-    return total
+    return [
+        (row, column, w * wx * wy)
+        for (i, j), w in weights.items()
+        for row, wy in reflect(at[1] + j, height, borders[1])
+        for column, wx in reflect(at[0] + i, width, borders[0])
+    ]
+
+
+def slope(h, x, y, kernel, down, border_x, border_y):
+    """Sum of taps at (x, y); None where a height it reads is not finite."""
+    total, denominator = 0, 1  # a Fraction that is reduced once, at the end
+    for row, column, w in reads(x, y, len(h[0]), len(h), kernel, down, border_x, border_y):
+        v = h[row][column]
+        if v is None:
+            return None
+        if v.denominator != denominator:
+            common = math.lcm(v.denominator, denominator)
+            total *= common // denominator
+            w *= common // v.denominator
+            denominator = common
+        total += w * v.numerator
+    return Fraction(total, denominator)
 
 
 def floor_root(f):
@@ -144,7 +162,7 @@ def slopes(h, x, y, kernel, border_x, border_y, scale, dx, dy, rounded_sums=Fals
     sx, sy = Fraction(scale / dx), Fraction(scale / dy)
     result = []
     for down, s in ((False, sx), (True, sy)):
-        d = slope(h, x, y, taps(kernel, down), border_x, border_y)
+        d = slope(h, x, y, kernel, down, border_x, border_y)
         if d is None:
             return None
         if rounded_sums:
