@@ -22,6 +22,15 @@ MANY = ["standard", "zzero", "XY and shade", "object space"]
 DAMAGES = {name: FEW for name in drawn_maps.MAPS}
 DAMAGES |= {name: list(drawn_maps.DAMAGES) for name in MANY}
 DAMAGES |= {"padded": [""], "16 bit": [""]}
+
+
+def in_groups(cases):
+    """Cases that begin with a name of drawn_maps.MAPS.  One process of pytest-xdist runs all of a
+    name, so that its textures are drawn once."""
+    cases = [(case,) if isinstance(case, str) else case for case in cases]
+    return [pytest.param(*c, marks=pytest.mark.xdist_group(f"drawn: {c[0]}")) for c in cases]
+
+
 CASES = [(name, damage) for name in drawn_maps.MAPS for damage in DAMAGES[name]]
 
 # How many of DRAWN are right where not all are.  The others are wrong today, none with confidence:
@@ -92,14 +101,14 @@ def draw_all(name, damage):
     return [drawn_maps.draw(name, s, damage, n) for s in surfaces for n in NUMBERS]
 
 
-@pytest.mark.parametrize(("name", "damage"), CASES)
+@pytest.mark.parametrize(("name", "damage"), in_groups(CASES))
 def test_kinds_and_damages(name, damage):
     right, wrong, sure = judge(draw_all(name, damage))
     assert right >= RIGHT.get((name, damage), DRAWN) - SPARE * (damage != ""), "\n".join(wrong)
     assert not sure, "\n".join(sure)
 
 
-@pytest.mark.parametrize("name", drawn_maps.MAPS)
+@pytest.mark.parametrize("name", in_groups(drawn_maps.MAPS))
 def test_what_is_whole_is_sure(name):
     sure = [told(drawing)[1] >= CONFIDENT for drawing in draw_all(name, "")]
     assert sum(sure) >= SURE[name] - SPARE
@@ -131,7 +140,7 @@ def test_other_layouts(name):
     assert len(wrong) <= 1, "\n".join(wrong)
 
 
-@pytest.mark.parametrize("name", drawn_maps.MAPS)
+@pytest.mark.parametrize("name", in_groups(drawn_maps.MAPS))
 def test_no_accident_of_what_is_whole(name):
     constant = name in ("XY and 0", "XY and 128", "XY and 255")
     for surface in drawn_maps.SURFACES:
@@ -166,7 +175,7 @@ def pixels_of(name, surface, number):
     return drawn_maps.draw_picture(getattr(drawn_pictures, name), "", number).pixels
 
 
-@pytest.mark.parametrize(("left", "right", "classes"), HALVES)
+@pytest.mark.parametrize(("left", "right", "classes"), in_groups(HALVES))
 def test_halves_of_two_kinds_are_not_surely_one(left, right, classes):
     for number, surface in enumerate(drawn_maps.SURFACES):
         pixels = pixels_of(left, surface.__name__, number).copy()
@@ -178,7 +187,7 @@ def test_halves_of_two_kinds_are_not_surely_one(left, right, classes):
         assert answer[1] < CONFIDENT or answer[0] in classes, (surface.__name__, answer)
 
 
-@pytest.mark.parametrize("name", ["standard", "zzero", "XY and shade", "object space"])
+@pytest.mark.parametrize("name", in_groups(MANY))
 def test_what_is_a_third_noise_is_not_sure(name):
     for number, surface in enumerate(drawn_maps.SURFACES):
         pixels = pixels_of(name, surface.__name__, number).copy()
@@ -233,7 +242,9 @@ KEEPING = {
 }
 
 
-@pytest.mark.parametrize("name", [n for n in drawn_maps.MAPS if n not in ("padded", "16 bit")])
+@pytest.mark.parametrize(
+    "name", in_groups(n for n in drawn_maps.MAPS if n not in ("padded", "16 bit"))
+)
 def test_what_keeps_the_meaning_keeps_the_class(name):
     for surface in drawn_maps.SURFACES:
         drawing = drawn_maps.draw(name, surface.__name__, "", 1)
@@ -243,7 +254,7 @@ def test_what_keeps_the_meaning_keeps_the_class(name):
             assert told(drawing)[0] == before, (drawing.name, change)
 
 
-@pytest.mark.parametrize("name", ["standard", "zzero", "XY and shade", "XY and 128"])
+@pytest.mark.parametrize("name", in_groups(["standard", "zzero", "XY and shade", "XY and 128"]))
 @pytest.mark.parametrize("channel", [0, 1])
 def test_the_orientation_does_not_matter(name, channel):
     for surface in drawn_maps.SURFACES:

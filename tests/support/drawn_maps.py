@@ -7,6 +7,7 @@ most surfaces are normals from formulas rather than heights, and the features th
 are left to chance.  A drawing is a function of its names and its number; nothing else is random.
 """
 
+import functools
 import io
 from dataclasses import dataclass
 
@@ -242,15 +243,17 @@ MAPS = {
 # -------------------------------------------------------------------------------- drawing
 
 
+@functools.lru_cache(maxsize=400)  # to be damaged in many ways
+def undamaged(name, surface_name, number):
+    seed = [ord(c) for c in name + surface_name] + [number]
+    return MAPS[name][0](np.random.default_rng(seed), surface_name)
+
+
 def draw(name, surface_name, damage, number):
     """One Drawing."""
-    make, kind = MAPS[name]
-    seed = [ord(c) for c in name + surface_name] + [number]
-    pixels = make(np.random.default_rng(seed), surface_name)
-    if damage:
-        pixels = DAMAGES[damage](pixels)
+    pixels = DAMAGES[damage](undamaged(name, surface_name, number).copy())
     title = f"{name}, {surface_name}, {damage or 'undamaged'}, {number}"
-    return Drawing(title, pixels, kind)
+    return Drawing(title, pixels, MAPS[name][1])
 
 
 def draw_picture(paint, damage, number):
