@@ -5,6 +5,7 @@ A texel is a tuple of levels, (r, g), (r, g, b) or (r, g, b, a); vectors are tup
 Encodings are the numbers of libntp.h.
 """
 
+import functools
 import math
 from fractions import Fraction
 
@@ -25,12 +26,22 @@ def is_unused(texel, m):
 
 def convert(texel, m, encoding, to, target, channels, flip=False, touch=False):
     """(levels of the target, was a negative z made |z|, was it pulled from outside the disc)."""
+    used = bool(touch) or not is_unused(texel, m)
+    (r, g, b, a), negative, pulled = converted(tuple(texel), m, encoding, to, target, used)
+    if flip and used:
+        g = to - g
+    return (r, g, b, a)[:channels], negative, pulled
+
+
+@functools.lru_cache(maxsize=4096)  # one texel is asked for with many layouts
+def converted(texel, m, encoding, to, target, used):
+    """The same, of four channels and not flipped."""
     blue_in = texel[2] if len(texel) > 2 else m * any(texel)  # black stays black
     alpha = texel[3] if len(texel) > 3 else m
     r, g = deepen(texel[0], m, to), deepen(texel[1], m, to)
     a = deepen(alpha, m, to)
-    if is_unused(texel, m) and not touch:
-        return (r, g, deepen(blue_in, m, to), a)[:channels], False, False
+    if not used:
+        return (r, g, deepen(blue_in, m, to), a), False, False
     negative = pulled = False
     too_long = radicand(r, g, to) < 0
     if encoding == XY:
@@ -62,29 +73,26 @@ def convert(texel, m, encoding, to, target, channels, flip=False, touch=False):
         else:
             z = Fraction(blue_in, m) if zz else Fraction(2 * blue_in - m, m)
             b = encode_zzero(abs(z), to) if target == ZZERO else encode(z, to)
-    if flip:
-        g = to - g
-    return (r, g, b, a)[:channels], negative, pulled
+    return (r, g, b, a), negative, pulled
 
 
-def unit_level(v, i, to, zzero=False):
-    """The level of v[i]/|v|, v exact rationals: round half up."""
-    n = sum(c * c for c in v)
+@functools.lru_cache(maxsize=16384)
+def unit_level(c, n, to, zzero=False):
+    """The level of c/sqrt(n), both integers: round half up."""
 
-    def at_least(edge):  # v[i]/|v| >= edge
-        if edge <= 0 or v[i] < 0:
-            if edge <= 0 <= v[i]:
+    def at_least(edge, over):  # c/sqrt(n) >= edge/over
+        if edge <= 0 or c < 0:
+            if edge <= 0 <= c:
                 return True
-            if v[i] < 0 < edge or (v[i] < 0 and edge == 0):
+            if c < 0 < edge or (c < 0 and edge == 0):
                 return False
-            return v[i] * v[i] <= edge * edge * n
-        return v[i] * v[i] >= edge * edge * n
+            return c * c * over * over <= edge * edge * n
+        return c * c * over * over >= edge * edge * n
 
     low, high = 0, to
     while low < high:
         k = (low + high + 1) // 2
-        edge = Fraction(2 * k - 1, 2 * to) if zzero else Fraction(2 * k - 1 - to, to)
-        if at_least(edge):
+        if at_least(2 * k - 1, 2 * to) if zzero else at_least(2 * k - 1 - to, to):
             low = k
         else:
             high = k - 1
@@ -96,15 +104,16 @@ def from_vector(v, to, target, flip=False, nearest=False):
     if not all(math.isfinite(c) for c in v[:3]) or not any(v[:3]):
         return None
     exact_v = [Fraction(float(c)) for c in v[:3]]
-    if flip:
-        exact_v[1] = -exact_v[1]
-    r, g = unit_level(exact_v, 0, to), unit_level(exact_v, 1, to)
-    z_negative = exact_v[2] < 0
+    common = math.lcm(*(c.denominator for c in exact_v))
+    x, y, z = (int(c * common) for c in exact_v)
+    n = x * x + y * y + z * z
+    r, g = unit_level(x, n, to), unit_level(-y if flip else y, n, to)
+    z_negative = z < 0
     if target == XY:
         return r, g, to
     if nearest:
-        exact_v[2] = abs(exact_v[2]) if target == ZZERO else exact_v[2]
-        return r, g, unit_level(exact_v, 2, to, target == ZZERO)
+        z = abs(z) if target == ZZERO else z
+        return r, g, unit_level(z, n, to, target == ZZERO)
     r, g = pull(r, g, to)
     b = derived_blue(r, g, to, target == ZZERO)
     return r, g, to - b if z_negative and target == STANDARD else b
