@@ -21,7 +21,7 @@
 enum {
     READ_PERMILLE = 500,
     MOST_TEXELS = 16384 * 16384,     /* several files may be checked at once */
-    MOST_TEXELS_HOLES = 4096 * 4096, /* holes take 40 bytes for each texel */
+    MOST_TEXELS_HOLES = 4096 * 4096, /* holes take 49 bytes for each texel */
     HOLES_ITERATIONS = 200,
     QUICK_ITERATIONS = 80, /* of a plain check */
     SMALL = 128,           /* side of a part with holes: a plain check has no more time */

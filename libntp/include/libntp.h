@@ -910,7 +910,7 @@ typedef enum ntp_z {
  * hold enough digits to divide by that response. */
 typedef enum ntp_prior {
     NTP_PRIOR_AUTO = 0,     /* ROUGHNESS with kernels of 3 x 3 and more, else NONE */
-    NTP_PRIOR_NONE = 1,     /* NTP_HEIGHT_WEIGHTED: pairs of neighbors count much less */
+    NTP_PRIOR_NONE = 1,     /* NTP_HEIGHT_WEIGHTED: pairs of neighbors take its place */
     NTP_PRIOR_ROUGHNESS = 2 /* of heights that fit equally well within rounding, smooth ones */
 } ntp_prior;
 
@@ -1021,12 +1021,13 @@ NTP_API size_t ntp_height_scratch_size(const ntp_height_options *how, int32_t wi
  *
  * NTP_HEIGHT_WEIGHTED supports every kernel with every border.  The weight of a slope is about
  * 1/variance, which is 1/((1 + p*p + q*q)(1 + p*p)) for p with z as stored and less with z derived,
- * and at least 0.01.  Slopes whose kernel reads a hole do not count.  In addition, pairs of
- * neighbors count a little (a hundredth for 8 bits; 1e-5 with NTP_PRIOR_NONE): their difference
- * should be the mean of their slopes.  They connect texels that the kernel leaves independent, and
- * replace the prior.  Heights in holes are 0. Texels connected by their sides form an island, also
+ * and at least 0.01.  Slopes whose kernel reads a hole do not count.  In a first solution pairs of
+ * neighbors count a little, as if the mean of their slopes were their difference: they connect
+ * texels that the kernel leaves independent.  Then the iteration goes on without pairs, with the
+ * prior (docs/reconstruction.md).  With NTP_PRIOR_NONE there is only the first solution, in which
+ * pairs count 1e-5.  Heights in holes are 0. Texels connected by their sides form an island, also
  * across borders that wrap; the mean of each island is 0. The method is conjugate gradients and
- * needs about 40 bytes a texel.  Steep textures and ragged holes need more iterations.  NTP_ERR_NOT_CONVERGED means that
+ * needs about 50 bytes a texel.  Steep textures and ragged holes need more iterations.  NTP_ERR_NOT_CONVERGED means that
  * `tolerance` was not reached; dst and result are then those of the last iteration.
  *
  * refine: rounds that change the heights until their normals, by ntp_normals_from_height with this

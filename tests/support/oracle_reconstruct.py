@@ -145,9 +145,34 @@ def islands(holes, border_x, border_y):
     return label, count
 
 
-def solve(p, q, kernel, border_x, border_y, holes, strength, derived=False):
-    """The heights, of mean 0 over each island and 0 in holes."""
+def laplacian(shape, border_x, border_y):
+    """Differences to the neighbors, summed; free ends have none beyond."""
+    matrix = np.zeros((shape[0] * shape[1],) * 2)
+    for _, (_, a, b, _) in pairs(shape, border_x, border_y):
+        for i, j in ((a, b), (b, a)):
+            matrix[i, i] += 1
+            matrix[i, j] -= 1
+    return matrix
+
+
+def with_prior(matrix, data, weights, shape, border_x, border_y, level):
+    """The system with the prior that smooth heights are likelier; no holes."""
+    n = matrix.shape[1]
+    mean = weights[:n].mean()  # of the slopes to the right
+    square = np.mean((matrix.T @ (weights * data)) ** 2)
+    noise = level * level / 24 * mean
+    rows = laplacian(shape, border_x, border_y)
+    prior = np.full(n, noise * mean * mean / square)
+    return np.vstack([matrix, rows]), np.append(data, np.zeros(n)), np.append(weights, prior)
+
+
+def solve(p, q, kernel, border_x, border_y, holes, strength, derived=False, level=None):
+    """The heights, of mean 0 over each island and 0 in holes; level: 2/M, where a prior takes the
+    place of pairs."""
     matrix, data, weights = system(p, q, kernel, border_x, border_y, holes, strength, derived)
+    if level is not None:
+        system_ = matrix, data, weights
+        matrix, data, weights = with_prior(*system_, p.shape, border_x, border_y, level)
     root = np.sqrt(weights)
     h = np.linalg.lstsq(matrix * root[:, None], data * root, rcond=1e-12)[0].reshape(p.shape)
     label, count = islands(holes, border_x, border_y)

@@ -14,20 +14,18 @@
 
 enum { ROWS = NTP__FFT_ROWS };
 
-static ntp__fft_kind kind_of(ntp_border border)
+/* Mirrored axes have texels at both ends that count half; one-sided slopes lie between texels. */
+static ntp__fft_kind kind_of(ntp_kernel kernel, ntp_border border, int32_t n)
 {
+    if (border == NTP_BORDER_MIRROR && kernel != NTP_KERNEL_FORWARD && n > 1)
+        return NTP__FFT_MIRROR;
     return border == NTP_BORDER_WRAP ? NTP__FFT_REAL : NTP__FFT_COSINE;
-}
-
-static size_t work_bytes(ntp_border border, int32_t n)
-{
-    return ntp__fft_work_bytes(kind_of(border), n, false);
 }
 
 static void init_spectrum(ntp__spectrum *s, ntp__scratch *memory, ntp_kernel kernel,
                           ntp_border border, int32_t n, void *fft_work)
 {
-    ntp__fft_kind kind = kind_of(border);
+    ntp__fft_kind kind = kind_of(kernel, border, n);
     ntp__fft_plan(&s->fft, memory, kind, n, false, fft_work);
     s->gains = ntp__take(memory, (size_t) n * sizeof *s->gains);
     s->edge = ntp__take(memory, (size_t) n * sizeof *s->edge);
@@ -35,7 +33,8 @@ static void init_spectrum(ntp__spectrum *s, ntp__scratch *memory, ntp_kernel ker
         return;
     for (int32_t i = 0; i < n; i++) {
         /* If the axis wraps, element i has i (or n - i) turns in n texels; else half as many. */
-        int64_t whole = kind == NTP__FFT_REAL ? n : 2 * (int64_t) n;
+        int64_t half = kind == NTP__FFT_MIRROR ? n - 1 : n;
+        int64_t whole = kind == NTP__FFT_REAL ? n : 2 * half;
         ntp__gains forward;
         ntp__stencil_gains(&s->gains[i], kernel, i, whole);
         ntp__stencil_gains(&forward, NTP_KERNEL_FORWARD, i, whole);
@@ -55,8 +54,10 @@ void ntp__inverse_init(ntp__inverse *v, const ntp__height_plan *plan, ntp__crew 
     v->share_x = x > 1 ? y * y : 1;
     v->share_y = y > 1 ? x * x : 1;
     ntp_kernel kernel = v->rows ? plan->kernel : NTP_KERNEL_FORWARD;
-    size_t x_work = work_bytes(plan->border_x, v->width);
-    size_t y_work = work_bytes(plan->border_y, v->height);
+    ntp__fft_kind kind_x = kind_of(kernel, plan->border_x, v->width);
+    ntp__fft_kind kind_y = kind_of(kernel, plan->border_y, v->height);
+    size_t x_work = ntp__fft_work_bytes(kind_x, v->width, false);
+    size_t y_work = ntp__fft_work_bytes(kind_y, v->height, false);
     v->work = ntp__take(memory, (size_t) crew.parts * sizeof *v->work);
     for (int32_t i = 0; i < crew.parts; i++) {
         void *work = ntp__take(memory, x_work > y_work ? x_work : y_work);
@@ -82,6 +83,19 @@ static void rows_of(const ntp__inverse *v, int32_t part, int32_t item, float *ro
     }
 }
 
+/* The right-hand side of a texel that counts half is twice as much. */
+static void take_row(const ntp__inverse *v, double *line, int32_t y)
+{
+    const double *from = v->from + (size_t) y * (size_t) v->width;
+    bool end = v->across.fft.kind == NTP__FFT_MIRROR && (y == 0 || y == v->height - 1);
+    for (int32_t x = 0; x < v->width; x++)
+        line[x] = end ? 2 * from[x] : from[x];
+    if (v->along.fft.kind == NTP__FFT_MIRROR) {
+        line[0] *= 2;
+        line[v->width - 1] *= 2;
+    }
+}
+
 static void forward_rows(void *job, int32_t part, int32_t item)
 {
     ntp__inverse *v = job;
@@ -92,7 +106,7 @@ static void forward_rows(void *job, int32_t part, int32_t item)
         int32_t y = item * ROWS + i;
         double *line = ntp__fft_line(&v->along.fft, v->work[part], i);
         if (y < v->height)
-            memcpy(line, v->from + (size_t) y * width, width * sizeof *line);
+            take_row(v, line, y);
         else
             memset(line, 0, width * sizeof *line);
     }
@@ -119,7 +133,7 @@ static double factor_of(const ntp__inverse *v, int32_t x, int32_t y)
     double right = gx->along[0] * gy->across[0] + gx->along[1] * gy->across[1];
     double down = gx->across[0] * gy->along[0] + gx->across[1] * gy->along[1];
     double rough = v->share_x * v->along.edge[x] + v->share_y * v->across.edge[y];
-    double sum = v->strength * rough;
+    double sum = v->strength * rough + v->prior * rough * rough;
     sum += v->rows ? v->share_x * right * right + v->share_y * down * down : 0;
     return (x > 0 || y > 0) && sum > 0 ? 1 / sum : 0;
 }

@@ -25,7 +25,7 @@ typedef struct ntp__inverse {
     ntp__crew crew;
     double share_x, share_y; /* 1/dx^2 and 1/dy^2, scaled so that the greater one is 1 */
     bool rows;               /* slopes count; false: only pairs of neighbors do (baked) */
-    double strength;         /* of pairs; set by the caller */
+    double strength, prior;  /* of pairs, and of the squared Laplacian; set by the caller */
     ntp__spectrum along, across;
     void **work; /* of each part */
     float *zeros;

@@ -203,6 +203,49 @@ static void add_pairs_below(const ntp__weighted *w, ntp__weighted_part *part, do
         out[x] += sign * part->spare[2][x];
 }
 
+/* -------------------------------------------------------------------------------- prior */
+
+/* Row y of the Laplacian of a plane; holes and what lies beyond free ends have no part in it. */
+static void laplace(const ntp__weighted *w, double *out, const double *plane, int32_t y)
+{
+    int32_t last = w->width - 1, above = y > 0 ? y - 1 : w->height - 1;
+    int32_t below = y + 1 < w->height ? y + 1 : 0;
+    const float *weights = w->right;
+    size_t row = ntp__weighted_at(w, y), up = ntp__weighted_at(w, above);
+    size_t down = ntp__weighted_at(w, below);
+    bool has_up = y > 0 || w->plan->wrap_y, has_down = y + 1 < w->height || w->plan->wrap_y;
+    for (int32_t x = 0; x <= last; x++) {
+        size_t at = row + (size_t) x;
+        size_t left = x > 0 ? at - 1 : row + (size_t) last, right = x < last ? at + 1 : row;
+        bool has_left = x > 0 || w->plan->wrap_x, has_right = x < last || w->plan->wrap_x;
+        double h = plane[at], across = 0, along = 0;
+        across += has_left && !ntp__in_hole(weights[left]) ? h - plane[left] : 0;
+        across += has_right && !ntp__in_hole(weights[right]) ? h - plane[right] : 0;
+        along += has_up && !ntp__in_hole(weights[up + (size_t) x]) ? h - plane[up + (size_t) x] : 0;
+        along += has_down && !ntp__in_hole(weights[down + (size_t) x])
+                     ? h - plane[down + (size_t) x]
+                     : 0;
+        double sum = w->inverse.share_x * across + w->inverse.share_y * along;
+        out[x] = ntp__in_hole(weights[at]) ? 0 : sum;
+    }
+}
+
+static void laplace_band(void *job, int32_t part, int32_t item)
+{
+    ntp__weighted *w = job;
+    (void) part;
+    for (int32_t y = item * NTP__BAND; y < w->height && y < (item + 1) * NTP__BAND; y++)
+        laplace(w, w->laplacian + ntp__weighted_at(w, y), w->from, y);
+}
+
+static void add_prior(const ntp__weighted *w, ntp__weighted_part *part, double *out, int32_t y)
+{
+    double factor = w->residual ? -w->prior : w->prior, *twice = part->spare[0];
+    laplace(w, twice, w->laplacian, y);
+    for (int32_t x = 0; x < w->width; x++)
+        out[x] += factor * twice[x];
+}
+
 /* --------------------------------------------------------------------------- the passes */
 
 static void apply_row(ntp__weighted *w, ntp__weighted_part *part, int32_t y)
@@ -214,7 +257,9 @@ static void apply_row(ntp__weighted *w, ntp__weighted_part *part, int32_t y)
         add_slopes(w, part, out, y, &s->along_x[t], &s->across_y[t], true);
         add_slopes(w, part, out, y, &s->across_x[t], &s->along_y[t], false);
     }
-    if (w->strength > 0) {
+    if (w->prior > 0)
+        add_prior(w, part, out, y);
+    if (w->strength > 0 || (w->strength_alone > 0 && w->holes)) {
         add_pairs_of_row(w, part, out, y);
         add_pairs_below(w, part, out, y - 1, 1);
         add_pairs_below(w, part, out, y, -1);
@@ -241,5 +286,7 @@ void ntp__weighted_apply(ntp__weighted *w, double *to, const double *from, bool 
     w->from = from;
     w->to = to;
     w->residual = residual;
+    if (w->prior > 0)
+        ntp__crew_each(&w->crew, laplace_band, w, ntp__bands(w));
     ntp__crew_each(&w->crew, apply_band, w, ntp__bands(w));
 }

@@ -17,6 +17,12 @@
  * to more. */
 static const double strength_8 = 1e-2, strength_16 = 1e-3, strength_16_central = 1e-4;
 static const double strength_without_prior = 1e-5;
+/* In the preconditioner alone, where slopes decide: floats have no digits for less.  Where it does
+ * not know the ends or the holes, it must not make too much of the finest detail. */
+static const double strength_least = 1e-7, strength_inexact = 1e-5;
+/* Then a few steps do: they make the heights exact except for how high the even texels of an island
+ * lie above the odd ones, which pairs have decided. */
+enum { STEPS_AFTER = 12 };
 /* Where no slope counts, pairs are so many times as strong.  With more, iteration takes longer. */
 static const double alone = 10;
 
@@ -57,6 +63,7 @@ static void lay_out(ntp__weighted *w, ntp__scratch *memory)
     w->stencil = ntp__take(memory, sizeof *w->stencil);
     w->sum = ntp__take(memory, rows);
     w->sum_also = ntp__take(memory, rows);
+    w->laplacian = ntp__take(memory, texels * sizeof(double));
     w->x = ntp__take(memory, texels * sizeof(double));
     w->r = ntp__take(memory, texels * sizeof(double));
     w->d = ntp__take(memory, texels * sizeof(double));
@@ -251,6 +258,70 @@ static ntp_status iterate(ntp__weighted *w, double scale, ntp_height_result *res
     }
 }
 
+/* The prior of the direct solver: the variance of the rounding of slopes over the mean square of the
+ * right-hand side, which stands for the Laplacian of the heights.  Works in r and d. */
+static double prior_of(ntp__weighted *w)
+{
+    ntp_type type = w->slopes->src->type;
+    double level = type == NTP_TYPE_U8 ? 2.0 / 255 : type == NTP_TYPE_U16 ? 2.0 / 65535 : 0x1p-23;
+    double step = w->dx < w->dy ? w->dx : w->dy, sum = 0, weights = 0, count = 0;
+    size_t texels = (size_t) w->width * (size_t) w->height;
+    memset(w->d, 0, texels * sizeof *w->d);
+    ntp__weighted_apply(w, w->r, w->d, true);
+    for (size_t i = 0; i < texels; i++) {
+        bool counts = ntp__counts(w->right[i]);
+        sum += w->r[i] * w->r[i];
+        weights += counts ? (double) w->right[i] / w->inverse.share_x : 0;
+        count += counts;
+    }
+    /* Relative to slopes of this weight, which is squared in the right-hand side. */
+    double weight = count > 0 ? weights / count : 0;
+    double noise = level * level / 24 * step * step * weight;
+    return sum > 0 ? noise * weight * weight * count / sum : 0;
+}
+
+/* Is the preconditioner the inverse of the problem, but for weights? */
+static bool is_exact(const ntp__weighted *w)
+{
+    const ntp_border border[2] = { w->plan->border_x, w->plan->border_y };
+    bool exact = !w->holes;
+    for (int32_t i = 0; i < 2; i++) {
+        bool clamp =
+            border[i] == NTP_BORDER_CLAMP && ntp__kernel_table[w->plan->kernel].radius == 1;
+        exact = exact && (clamp || border[i] == NTP_BORDER_WRAP || border[i] == NTP_BORDER_MIRROR);
+    }
+    return exact;
+}
+
+/* Is there more to do than what pairs leave? */
+static bool pairs_alone(const ntp__weighted *w)
+{
+    return !w->rows || w->strength == 0 || w->plan->prior == NTP_PRIOR_NONE;
+}
+
+/* Solves without pairs where slopes count. */
+static ntp_status solve_slopes(ntp__weighted *w, double scale, ntp_height_result *result)
+{
+    bool exact = is_exact(w), deep = w->slopes->src->type != NTP_TYPE_U8;
+    bool wide = w->plan->kernel != NTP_KERNEL_CENTRAL;
+    if (!exact) {
+        NTP__TRY(iterate(w, scale, result));
+        if (wide && deep && w->holes)
+            return NTP_OK;
+    }
+    w->strength = 0;
+    w->prior = w->inverse.prior = prior_of(w);
+    w->inverse.strength = exact ? strength_least : strength_inexact;
+    if (exact)
+        return iterate(w, scale, result);
+    double goal = w->plan->tolerance * scale;
+    progress p = { scale, goal, 1 };
+    ntp__weighted_apply(w, w->r, w->x, true);
+    double error = precondition(w);
+    int32_t most = result->iterations + STEPS_AFTER;
+    return descend(w, &error, goal, most, &result->iterations, &p);
+}
+
 static void store(void *job, int32_t part, int32_t item)
 {
     ntp__weighted *w = job;
@@ -284,7 +355,8 @@ ntp_status ntp__weighted_solve(const ntp_image *dst, const ntp__slopes *slopes,
     memset(w.x, 0, texels * sizeof *w.x);
     memset(w.a, 0, texels * sizeof *w.a);
     ntp__weighted_start(&w);
-    ntp_status status = iterate(&w, scale, result);
+    ntp_status status =
+        pairs_alone(&w) ? iterate(&w, scale, result) : solve_slopes(&w, scale, result);
     if (status == NTP_ERR_CANCELLED)
         return status;
     result->holes = result->not_finite = 0;

@@ -12,10 +12,14 @@
  *
  * The heights h are those for which this sum is least:
  *   weight (slope of h - stored slope)^2           over the texels, right and down, plus
- *   strength weight (difference of h - mean of the two stored slopes)^2     over pairs of neighbors
- * The weights are about 1/variance.  A slope counts if its stencil reads no hole.  The pairs tie
- * together texels that a stencil leaves apart, as central slopes do with even and odd ones.  Pairs
- * decide where a stencil is blind.  For baked normals there are only pairs.
+ *   strength weight (difference of h - mean of the two stored slopes)^2     over pairs of neighbors, plus
+ *   prior (Laplacian of h)^2                                over the texels
+ * The weights are about 1/variance.  A slope counts if its stencil reads no hole.  The prior is that
+ * of the direct solver.  The pairs tie together texels that a stencil leaves apart, as central slopes
+ * do with even and odd ones on an island.  But slopes of two texels do not have the difference of
+ * heights as their mean, so pairs make heights less exact.  So they count only where no slope does,
+ * and in the first of two solutions where there are holes: the second one begins with it.  For baked
+ * normals there are only pairs.
  */
 #ifndef NTP_WEIGHTED_H
 #define NTP_WEIGHTED_H
@@ -55,7 +59,9 @@ typedef struct ntp__weighted {
     bool rows;             /* slopes count; false: only pairs do (baked) */
     double strength;       /* of pairs */
     double strength_alone; /* of pairs near which no slope counts, because of holes */
+    double prior;          /* of the squared Laplacian of the heights */
     bool holes;
+    double *laplacian;      /* of the heights that the operator is applied to */
     double *x, *r, *d, *a;  /* of conjugate gradients: heights, residual, direction, its image */
     float *right, *down;    /* weights: see ntp__in_hole */
     double *sum, *sum_also; /* sums of each row */
