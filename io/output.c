@@ -21,6 +21,7 @@
 
 #include "attributes.h"
 #include "message.h"
+#include "stamp.h"
 
 #ifndef O_CLOEXEC
 #  define O_CLOEXEC 0
@@ -43,6 +44,7 @@ struct ntpio__output {
     int fd, directory; /* directory: -1 when nothing is to be renamed */
     bool unnamed;      /* of O_TMPFILE */
     bool can_seek;
+    bool is_input;   /* the target is the file of read_path */
     char *name;      /* for messages */
     char *target;    /* within directory */
     char *temp;      /* within directory, NULL while there is none */
@@ -267,6 +269,9 @@ static bool open_replacement(ntpio__output *output, const char *path, const stru
         return fail(output, "cannot be replaced", errno, error);
     remove_all_stale(output);
     output->can_seek = true;
+    output->is_input = old != NULL && output->read_stamp.known &&
+                       (uint64_t) old->st_dev == output->read_stamp.device &&
+                       (uint64_t) old->st_ino == output->read_stamp.node;
     const mode_t mode = old == NULL ? NEW_MODE : PRIVATE_MODE;
     if (!open_unnamed(output, mode) && !open_named(output, mode, error))
         return false;
@@ -393,11 +398,62 @@ static bool sync_file(int fd)
     return fsync(fd) == 0 || errno == EINVAL || errno == ENOTSUP || errno == EROFS;
 }
 
+static bool fail_as_changed(const ntpio__output *output, ntpio_error *error)
+{
+    return ntpio__fail(error, NTPIO_ERR_WRITE, output->read_path, "%s",
+                       "changed meanwhile; the result of its older version is not written");
+}
+
 static bool input_is_current(ntpio__output *output, ntpio_error *error)
 {
     return output->read_path == NULL || ntpio_is_current(output->read_path, &output->read_stamp) ||
-           ntpio__fail(error, NTPIO_ERR_WRITE, output->read_path, "%s",
-                       "changed meanwhile; the result of its older version is not written");
+           fail_as_changed(output, error);
+}
+
+#ifdef NTPIO_HAVE_RENAMEAT2
+static bool exchange(const ntpio__output *output)
+{
+    const int in = output->directory;
+    return renameat2(in, output->temp, in, output->target, RENAME_EXCHANGE) == 0;
+}
+
+/* The temporary name has a version that somebody saved: it takes the target's name again.  If he saved
+ * once more meanwhile, the newest stays there. */
+static void give_back(ntpio__output *output)
+{
+    const ntpio_stamp own = ntpio__stamp_of(output->fd);
+    bool back = exchange(output);
+    if (back && !ntpio__has_stamp(output->directory, output->temp, &own))
+        back = exchange(output);
+    if (!back) { /* not removed with what is left of this output */
+        free(output->temp);
+        output->temp = NULL;
+    }
+}
+#endif
+
+/*
+ * Gives the complete file the name of the target.  Between the comparison and a plain rename somebody
+ * could save another version, which would be lost.  So the two files exchange their names, and the one
+ * that was replaced is compared again.  Where the file system cannot do that, it is renamed.
+ */
+static bool take_name(ntpio__output *output, ntpio_error *error)
+{
+    const int in = output->directory;
+#ifdef NTPIO_HAVE_RENAMEAT2
+    if (output->is_input && exchange(output)) {
+        if (!ntpio__has_stamp(in, output->temp, &output->read_stamp)) {
+            give_back(output);
+            return fail_as_changed(output, error);
+        }
+        unlinkat(in, output->temp, 0);
+        return true;
+    }
+    if (output->is_input && errno == ENOENT)
+        return fail_as_changed(output, error);
+#endif
+    return renameat(in, output->temp, in, output->target) == 0 ||
+           fail(output, "cannot be put in place", errno, error);
 }
 
 static bool put_in_place(ntpio__output *output, ntpio_error *error)
@@ -409,8 +465,8 @@ static bool put_in_place(ntpio__output *output, ntpio_error *error)
     if (output->unnamed && !link_unnamed(output, error))
         return false;
     if (output->temp != NULL) {
-        if (renameat(output->directory, output->temp, output->directory, output->target) != 0)
-            return fail(output, "cannot be put in place", errno, error);
+        if (!take_name(output, error))
+            return false;
         free(output->temp);
         output->temp = NULL;
     }

@@ -7,6 +7,7 @@
  */
 #include "stamp.h"
 
+#include <fcntl.h>
 #include <sys/stat.h>
 
 static ntpio_stamp from_state(const struct stat *st)
@@ -32,15 +33,18 @@ ntpio_stamp ntpio__stamp_of(int fd)
     return fstat(fd, &st) == 0 ? from_state(&st) : (ntpio_stamp) { 0 };
 }
 
-bool ntpio_is_current(const char *path, const ntpio_stamp *stamp)
+bool ntpio__has_stamp(int directory, const char *name, const ntpio_stamp *stamp)
 {
     struct stat st;
-    if (!stamp->known)
-        return true;
-    if (stat(path, &st) != 0)
+    if (fstatat(directory, name, &st, 0) != 0)
         return false;
     const ntpio_stamp now = from_state(&st);
     return now.known && now.device == stamp->device && now.node == stamp->node &&
            now.size == stamp->size && now.seconds == stamp->seconds &&
            now.nanoseconds == stamp->nanoseconds;
+}
+
+bool ntpio_is_current(const char *path, const ntpio_stamp *stamp)
+{
+    return !stamp->known || ntpio__has_stamp(AT_FDCWD, path, stamp);
 }

@@ -147,7 +147,8 @@ def test_defaults_are_one(helps, verb, option, argument, member):
     both = {said, python}
     if member is not None:
         both.add(in_c(struct, member))
-    if both <= set(NOTHING) or (argument == "alpha" and python == "None"):
+    # None is the first choice where a choice that is given means more than the same by default.
+    if both <= set(NOTHING) or (argument in ("alpha", "source") and python == "None"):
         both -= set(NOTHING)
     assert len(both) <= 1, (said, python, both)
 

@@ -10,6 +10,7 @@
 #include <sys/file.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -207,6 +208,106 @@ static void killed(void)
     unlink("old");
 }
 
+/* What somebody does to the input just before the program renames for the n-th time. */
+typedef void rival(unsigned n);
+static rival *act;
+static unsigned renames;
+static bool unsupported;
+
+#ifdef RENAME_EXCHANGE
+/* In the place of that of the C library. */
+int renameat2(int from, const char *old, int to, const char *name, unsigned flags)
+{
+    if (act != NULL)
+        act(++renames);
+    if (unsupported) {
+        errno = EINVAL;
+        return -1;
+    }
+    return (int) syscall(SYS_renameat2, from, old, to, name, flags);
+}
+#endif
+
+static void save(const char *text)
+{
+    const int fd = open("new", O_CREAT | O_EXCL | O_WRONLY, 0666);
+    CHECK(fd >= 0 && write(fd, text, 6) == 6 && close(fd) == 0 && rename("new", "in") == 0);
+}
+
+static void saves_once(unsigned n)
+{
+    if (n == 1)
+        save("first ");
+}
+
+static void saves_twice(unsigned n)
+{
+    if (n <= 2)
+        save(n == 1 ? "first " : "second");
+}
+
+static void rewrites(unsigned n)
+{
+    const int fd = n == 1 ? open("in", O_WRONLY | O_TRUNC) : -1;
+    CHECK(n != 1 || (fd >= 0 && write(fd, "first ", 6) == 6 && close(fd) == 0));
+}
+
+static void removes(unsigned n)
+{
+    CHECK(n != 1 || unlink("in") == 0);
+}
+
+static void idles(unsigned n)
+{
+    (void) n;
+}
+
+/* Replaces "in" while a rival works; returns whether it was replaced. */
+static bool replaced(rival *by)
+{
+    ntpio_write_options o = rgb(8);
+    act = NULL;
+    CHECK(write_all("in", &o));
+    ntpio_reader *r = read_back("in", &o);
+    const ntpio_stamp stamp = ntpio_reader_info(r)->stamp;
+    ntpio_close(r);
+    o.read_path = "in";
+    o.read_stamp = stamp;
+    renames = 0;
+    act = by;
+    const bool done = write_all("in", &o);
+    act = NULL;
+    CHECK(done || strstr(error.message, "changed meanwhile") != NULL);
+    if (done)
+        ntpio_close(read_back("in", &o));
+    return done;
+}
+
+static bool holds(const char *text)
+{
+    char bytes[6] = { 0 };
+    const int fd = open("in", O_RDONLY);
+    const bool same = fd >= 0 && read(fd, bytes, 6) == 6 && memcmp(bytes, text, 6) == 0;
+    close(fd);
+    return same;
+}
+
+/* Somebody saves between the comparison and the rename. */
+static void saved_at_the_last_moment(void)
+{
+    CHECK(replaced(idles) && entries() == 1);
+    if (renames > 0) { /* else the system has no exchange */
+        CHECK(!replaced(saves_once) && holds("first ") && entries() == 1);
+        CHECK(!replaced(rewrites) && holds("first ") && entries() == 1);
+        CHECK(!replaced(saves_twice) && holds("second") && entries() == 1);
+        CHECK(!replaced(removes) && entries() == 0);
+    }
+    unsupported = true;
+    CHECK(replaced(idles) && entries() == 1);
+    unsupported = false;
+    unlink("in");
+}
+
 int main(void)
 {
     char folder[] = "/tmp/ntpio-test-XXXXXX";
@@ -218,6 +319,7 @@ int main(void)
     targets();
     no_room();
     killed();
+    saved_at_the_last_moment();
     CHECK(rmdir(folder) == 0);
     return 0;
 }

@@ -212,7 +212,7 @@ def resolve(src: NDArray[Any], type: AutoType, threads: int, name: str = "src") 
     if type != "auto":
         choose("type", type, {"auto": AUTO} | TYPES)
         return type
-    return _type_of(_measured(src, _natural_type(src), False, threads), name)
+    return type_of(_measured(src, _natural_type(src), False, threads), name)
 
 
 def likely(src: NDArray[Any], threads: int) -> MeasuredType:
@@ -236,7 +236,7 @@ def resolve_both(
     """The arguments `type` and, AUTO for "auto", `method` of `clean`; `known` is its natural tally."""
     measured = _natural_type(src) if type == "auto" else type
     counted = known if type == "auto" and known else _measured(src, measured, False, threads)
-    found = _type_of(counted) if type == "auto" else type
+    found = type_of(counted) if type == "auto" else type
     if method == AUTO:
         if found != measured:
             counted = _measured(src, found, False, threads)
@@ -247,7 +247,7 @@ def resolve_both(
     return found, method
 
 
-def _type_of(measured: Tally, name: str = "src") -> Type:
+def type_of(measured: Tally, name: str = "src") -> Type:
     result = ffi.new("ntp_classification *")
     check(lib.ntp_classify(result, measured._pointer), "classify")
     kind: Class = _CLASS_NAMES[result.type]

@@ -10,13 +10,14 @@ from numpy.typing import NDArray
 
 from ._arrays import DEPTHS, choose, pixels, view
 from ._channels import Packed, unpacked
-from ._classify import classify, resolve
+from ._classify import classify
 from ._errors import ArgumentError, SampleTypeError, Status, check
 from ._green import choose_y, known, slopes, told
 from ._measure import _Result
 from ._names import AUTO, BLUES, HEIGHT, MEASURED, TOUCH_ALL, TOUCH_NONE, VECTOR, XY
 from ._native import ffi, lib
 from ._threads import QUICK, THOROUGH, run
+from ._undo import resolve_sound
 from .typing import (
     AnyPixels,
     AutoY,
@@ -83,7 +84,7 @@ def _types(
         return "standard", to or "standard"
     if to == "height":
         _only_heights(type, to, None, None)
-    found = resolve(source, type, threads)
+    found = resolve_sound(source, "auto", threads)
     if to is not None:
         choose("to", to, MEASURED)
         seen = classify(source, threads=threads)

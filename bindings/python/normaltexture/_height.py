@@ -9,11 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._arrays import DEPTHS, MOST, Output, choose, memory, number, pixels, spacing, view
+from ._classify import classify
 from ._errors import ArgumentError, Status, check
+from ._green import choose_y
 from ._measure import _Result
 from ._names import ALPHAS, BLUES, BORDERS, HEIGHT, KERNELS, SOURCES, TYPES, YS, names_of
 from ._native import ffi, lib
 from ._threads import run
+from ._undo import SURE
 from .typing import (
     Alpha,
     AnyHeight,
@@ -22,15 +25,16 @@ from .typing import (
     Depth,
     Dither,
     Floats,
+    GivenY,
     HeightSource,
     Kernel,
     LikeSettings,
     NormalsHow,
     Stored,
     Type,
-    Y,
 )
 
+_COLOR = 3  # channels
 _DITHERS = {"none": False, "integrable": True}
 _KERNEL_NAMES, _BORDER_NAMES, _SOURCE_NAMES, _Y_NAMES = map(
     names_of, (KERNELS, BORDERS, SOURCES, YS)
@@ -191,10 +195,10 @@ def normals_from_height(
     border: Border = "wrap",
     border_x: Border | None = None,
     border_y: Border | None = None,
-    source: HeightSource = "red",
+    source: HeightSource | None = None,
     dither: Dither = "none",
     to: Type = "standard",
-    to_y: Y = "up",
+    to_y: GivenY = "up",
     depth: Depth | None = None,
     blue: Blue = "derived",
     min_z: float = 0.0,
@@ -223,13 +227,14 @@ def normals_from_height(
     border, border_x, border_y : {"wrap", "clamp", "mirror", "extrapolate", "repeat-slope"}
         The height beyond the edges; for both axes, or one.
     source : {"red", "green", "blue", "alpha", "luma", "luma-gimp", "luma-eberly", "mean", \
-"max", "min", "screen"}
-        What of a color image is the height.
+"max", "min", "screen"}, optional
+        What of a color image is the height.  By default it is red, and an image that holds
+        normals already (at least 90 % sure) is refused, as by `ntp from-height`.
     dither : {"none", "integrable"}
         "integrable": pass rounding errors on, so that heights can be reconstructed accurately.
     to : {"standard", "zzero", "xy", "vector"}
         How the result stores a normal.
-    to_y : {"up", "down"}
+    to_y : {"up", "down", "opengl", "directx"}
         Which way green points in the result.
     depth : {8, 16, "float"}, optional
         Samples of the result: uint8, uint16 or float32 in 0..1; by default those of `height`, and
@@ -278,6 +283,7 @@ def normals_from_height(
     how = _options(
         scale, dx, dy, invert, kernel, border, border_x, border_y, source, blue, min_z, alpha
     )
+    _no_normals(height, source, threads)
     return _normals(height, how, dither, to, to_y, depth, alpha is not None, out, threads)[0]
 
 
@@ -362,10 +368,10 @@ def normals_from_height_with_counts(
     border: Border = "wrap",
     border_x: Border | None = None,
     border_y: Border | None = None,
-    source: HeightSource = "red",
+    source: HeightSource | None = None,
     dither: Dither = "none",
     to: Type = "standard",
-    to_y: Y = "up",
+    to_y: GivenY = "up",
     depth: Depth | None = None,
     blue: Blue = "derived",
     min_z: float = 0.0,
@@ -401,6 +407,7 @@ depth, blue, min_z, alpha, out, threads
     how = _options(
         scale, dx, dy, invert, kernel, border, border_x, border_y, source, blue, min_z, alpha
     )
+    _no_normals(height, source, threads)
     result, parts = _normals(height, how, dither, to, to_y, depth, alpha is not None, out, threads)
     return result, NormalsCounts(
         sum(part.not_finite for part in parts), sum(part.exact for part in parts)
@@ -416,7 +423,7 @@ def _options(
     border: Border,
     border_x: Border | None,
     border_y: Border | None,
-    source: HeightSource,
+    source: HeightSource | None,
     blue: Blue,
     min_z: float,
     alpha: Alpha | None,
@@ -431,11 +438,24 @@ def _options(
     how.kernel = choose("kernel", kernel, KERNELS)
     how.border_x = choose("border_x" if border_x else "border", border_x or border, BORDERS)
     how.border_y = choose("border_y" if border_y else "border", border_y or border, BORDERS)
-    how.source = choose("source", source, SOURCES)
+    how.source = choose("source", "red" if source is None else source, SOURCES)
     how.alpha = choose("alpha", "keep" if alpha is None else alpha, ALPHAS)
     if lib.ntp_normals_reach(how) < 0:
         raise ArgumentError(f"scale={scale!r}, dx={dx!r}, dy={dy!r}: out of range")
     return how
+
+
+def _no_normals(height: AnyHeight, source: HeightSource | None, threads: int) -> None:
+    """Refuses normals in the place of heights, unless a channel is named."""
+    array = pixels("height", height, "height")
+    if source is not None or array.ndim != 3 or array.shape[2] < _COLOR:
+        return
+    found = classify(array, threads=threads)
+    if (found.type in TYPES or found.type == "object-space") and found.confidence >= SURE:
+        raise ArgumentError(
+            f"height: it holds normals already ({found.type}, {100 * found.confidence:.0f} % "
+            'sure), not heights; source="red" takes the first channel'
+        )
 
 
 def _normals(
@@ -443,7 +463,7 @@ def _normals(
     how: Any,
     dither: Dither,
     to: Type,
-    to_y: Y,
+    to_y: GivenY,
     depth: Depth | None,
     with_alpha: bool,
     out: Any,
@@ -451,7 +471,7 @@ def _normals(
 ) -> tuple[NDArray[Any], list[Any]]:
     """The array, and an ntp_normals_counts for each part of the work."""
     array = pixels("height", height, "height")
-    target, y = choose("to", to, TYPES), choose("to_y", to_y, YS)
+    target, y = choose("to", to, TYPES), choose_y("to_y", to_y)
     has_alpha = array.ndim == 3 and array.shape[2] % 2 == 0
     of_alpha = how.source == lib.NTP_HEIGHT_SOURCE_ALPHA
     if of_alpha and not has_alpha:

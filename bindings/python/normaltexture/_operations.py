@@ -9,12 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._arrays import MAX_SIDE, Output, choose, memory, number, pixels, view
-from ._classify import resolve
 from ._errors import ArgumentError, check
 from ._green import choose_y, find, known, question, slopes, told
 from ._names import BLEND_MODES, FILTERS, RESIZE_BORDERS, TOUCH_ALL, TOUCH_NONE, TYPES
 from ._native import ffi, lib
 from ._threads import QUICK, THOROUGH, run
+from ._undo import resolve_sound
 from .typing import (
     AnyPixels,
     AutoStored,
@@ -183,7 +183,7 @@ def resize(
     """
     source = pixels("src", src, type)
     if type == "auto":
-        type = resolve(source, type, threads)
+        type = resolve_sound(source, type, threads)
     encoding = choose("type", type, TYPES)
     view("src", source, encoding)
     how = _resize_options(filter, border, border_x, border_y, touch_unused)
@@ -241,7 +241,7 @@ def mip_chain(
     """
     source = pixels("src", src, type)
     if type == "auto":
-        type = resolve(source, type, threads)
+        type = resolve_sound(source, type, threads)
     encoding = choose("type", type, TYPES)
     view("src", source, encoding)
     how = _resize_options(filter, border, border_x, border_y, touch_unused)
@@ -331,7 +331,7 @@ def transform(
     """
     source = pixels("src", src, type)
     if type == "auto":
-        type = resolve(source, type, threads)
+        type = resolve_sound(source, type, threads)
     encoding = choose("type", type, TYPES)
     view("src", source, encoding)
     flips = choose("flip", flip, _FLIPS)
@@ -497,9 +497,9 @@ def blend(
     if detail_type is None:
         detail_type = type
     if type == "auto":
-        type = resolve(first, type, threads, "base")
+        type = resolve_sound(first, type, threads, "base")
     if detail_type == "auto":
-        detail_type = resolve(second, detail_type, threads, "detail")
+        detail_type = resolve_sound(second, detail_type, threads, "detail", "detail_type")
     encoding = choose("type", type, TYPES)
     detail_encoding = choose("detail_type", detail_type, TYPES)
     view("base", first, encoding)

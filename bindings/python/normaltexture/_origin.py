@@ -6,16 +6,17 @@ from typing import Any, Literal, overload
 
 from ._arrays import choose, pixels, view
 from ._errors import check
+from ._green import choose_y
 from ._measure import _Result
-from ._names import FOUND_KERNELS, TOUCH_ALL, TOUCH_NONE, TYPES, YS, names_of
+from ._names import FOUND_KERNELS, TOUCH_ALL, TOUCH_NONE, TYPES, names_of
 from ._native import ffi, lib
 from .typing import (
     AnyPixels,
     Floats,
     FoundKernel,
+    GivenY,
     Stored,
     Type,
-    Y,
 )
 
 _KERNEL_NAMES: Any = names_of(FOUND_KERNELS)
@@ -107,7 +108,7 @@ def find_kernel(
     src: Floats,
     *,
     type: Literal["vector"],
-    y: Y = ...,
+    y: GivenY = ...,
     touch_unused: bool = ...,
 ) -> KernelFit: ...
 @overload
@@ -115,11 +116,15 @@ def find_kernel(
     src: AnyPixels,
     *,
     type: Stored = ...,
-    y: Y = ...,
+    y: GivenY = ...,
     touch_unused: bool = ...,
 ) -> KernelFit: ...
 def find_kernel(
-    src: AnyPixels | Floats, *, type: Type = "standard", y: Y = "up", touch_unused: bool = False
+    src: AnyPixels | Floats,
+    *,
+    type: Type = "standard",
+    y: GivenY = "up",
+    touch_unused: bool = False,
 ) -> KernelFit:
     """Detect which kernel made normals: their slopes must be the differences of one heightfield.
 
@@ -130,7 +135,7 @@ def find_kernel(
         A normals texture of 3 or 4 channels (`"xy"`: 2 to 4).
     type : {"standard", "zzero", "xy", "vector"}
         How a normal is stored; only red and green count.
-    y : {"up", "down"}
+    y : {"up", "down", "opengl", "directx"}
         Which way green points.
     touch_unused : bool
         Look at pure black, pure white and transparent texels too.
@@ -153,7 +158,7 @@ def find_kernel(
     (True, 'sobel3')
     """
     source = pixels("src", src, type)
-    src_view = view("src", source, choose("type", type, TYPES), choose("y", y, YS))
+    src_view = view("src", source, choose("type", type, TYPES), choose_y("y", y))
     found = ffi.new("ntp_kernel_fit *")
     check(
         lib.ntp_find_kernel(found, src_view, TOUCH_ALL if touch_unused else TOUCH_NONE),

@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 from ._arrays import Output, Pool, choose, pixels, view
 from ._classify import likely, resolve
 from ._errors import ArgumentError, Status, check
+from ._green import choose_y
 from ._measure import Angles, _Result
-from ._names import HEIGHT, MEASURED, PALETTES, TOUCH_ALL, TOUCH_NONE, TYPES, YS
+from ._names import HEIGHT, MEASURED, PALETTES, TOUCH_ALL, TOUCH_NONE, TYPES
 from ._native import ffi, lib
 from ._threads import THOROUGH, run
 from .typing import (
@@ -21,9 +22,9 @@ from .typing import (
     AutoType,
     ComparedType,
     Floats,
+    GivenY,
     MeasuredType,
     Palette,
-    Y,
 )
 
 _Plain: TypeAlias = Literal["auto", "standard", "zzero", "xy", "height"]
@@ -148,7 +149,7 @@ def shade(
     src: Floats,
     *,
     type: Literal["vector"],
-    y: Y = ...,
+    y: GivenY = ...,
     light: Light = ...,
     out: NDArray[np.uint8] | None = ...,
     threads: int = ...,
@@ -158,7 +159,7 @@ def shade(
     src: AnyPixels,
     *,
     type: AutoStored = ...,
-    y: Y = ...,
+    y: GivenY = ...,
     light: Light = ...,
     out: NDArray[np.uint8] | None = ...,
     threads: int = ...,
@@ -167,7 +168,7 @@ def shade(
     src: AnyPixels | Floats,
     *,
     type: AutoType = "auto",
-    y: Y = "up",
+    y: GivenY = "up",
     light: Light = _DEFAULT_LIGHT,
     out: NDArray[np.uint8] | None = None,
     threads: int = 1,
@@ -181,7 +182,7 @@ def shade(
         A normals texture of 3 or 4 channels (`"xy"`: 2 to 4).
     type : {"auto", "standard", "zzero", "xy", "vector"}
         How a normal is stored; "auto" detects it from the texels.
-    y : {"up", "down"}
+    y : {"up", "down", "opengl", "directx"}
         Which way green points.
     light : Light
         Where the light comes from, and how the plane reflects it.
@@ -210,7 +211,7 @@ def shade(
     source = pixels("src", src, type)
     if type == "auto":
         type = resolve(source, type, threads)
-    src_view = view("src", source, choose("type", type, TYPES), choose("y", y, YS))
+    src_view = view("src", source, choose("type", type, TYPES), choose_y("y", y))
     gray = isinstance(out, np.ndarray) and out.ndim == 2
     output = Output(source.shape[:2] if gray else (*source.shape[:2], 3), _U8, out)
     output.apart_from(not gray, src=source)
@@ -288,7 +289,7 @@ def compare(
     b: AnyPixels,
     *,
     type: _Plain | tuple[_Plain, _Plain] = ...,
-    y: Y | tuple[Y, Y] = ...,
+    y: GivenY | tuple[GivenY, GivenY] = ...,
     out_heat: NDArray[np.uint8] | None = ...,
     threads: int = ...,
 ) -> Difference: ...
@@ -298,7 +299,7 @@ def compare(
     b: AnyPixels,
     *,
     type: tuple[ComparedType, _Plain],
-    y: Y | tuple[Y, Y] = ...,
+    y: GivenY | tuple[GivenY, GivenY] = ...,
     out_heat: NDArray[np.uint8] | None = ...,
     threads: int = ...,
 ) -> Difference: ...
@@ -308,7 +309,7 @@ def compare(
     b: Floats,
     *,
     type: tuple[_Plain, ComparedType],
-    y: Y | tuple[Y, Y] = ...,
+    y: GivenY | tuple[GivenY, GivenY] = ...,
     out_heat: NDArray[np.uint8] | None = ...,
     threads: int = ...,
 ) -> Difference: ...
@@ -318,7 +319,7 @@ def compare(
     b: Floats,
     *,
     type: ComparedType | tuple[ComparedType, ComparedType],
-    y: Y | tuple[Y, Y] = ...,
+    y: GivenY | tuple[GivenY, GivenY] = ...,
     out_heat: NDArray[np.uint8] | None = ...,
     threads: int = ...,
 ) -> Difference: ...
@@ -327,7 +328,7 @@ def compare(
     b: AnyPixels | Floats,
     *,
     type: ComparedType | tuple[ComparedType, ComparedType] = "auto",
-    y: Y | tuple[Y, Y] = "up",
+    y: GivenY | tuple[GivenY, GivenY] = "up",
     out_heat: NDArray[np.uint8] | None = None,
     threads: int = 1,
 ) -> Difference:
@@ -344,7 +345,7 @@ def compare(
         the texels of each if these are clear, else standard; XY only if both are; arrays of two
         dimensions as heights.  Two heights, or pictures of any kind, of 1 to 4 channels are
         compared in levels only.
-    y : {"up", "down"}, or two of these
+    y : {"up", "down", "opengl", "directx"}, or two of these
         Which way green points in both, or in `a` and in `b`.
     out_heat : array, (height, width, 3), uint8, optional
         Filled with a picture: black where they are equal, then from blue (0 degrees) through green
@@ -378,8 +379,8 @@ def compare(
             Status.SHAPE,
         )
     types, ys = _types(type, first, second, threads), _pair("y", y)
-    a_view = view("a", first, choose("type", types[0], MEASURED), choose("y", ys[0], YS))
-    b_view = view("b", second, choose("type", types[1], MEASURED), choose("y", ys[1], YS))
+    a_view = view("a", first, choose("type", types[0], MEASURED), choose_y("y", ys[0]))
+    b_view = view("b", second, choose("type", types[1], MEASURED), choose_y("y", ys[1]))
     heat_view, output = ffi.NULL, None
     if out_heat is not None:
         output = Output((*first.shape[:2], 3), _U8, out_heat)

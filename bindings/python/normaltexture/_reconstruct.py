@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 
 from ._arrays import Output, choose, number, pixels, spacing, view
 from ._borders import choose_borders, find_kernel
-from ._classify import resolve
 from ._errors import ArgumentError, Status, check
 from ._green import choose_y, known, slopes, told
 from ._height_info import HeightInfo, info_of
@@ -29,6 +28,7 @@ from ._names import (
 )
 from ._native import ffi, lib
 from ._solve import Solver
+from ._undo import resolve_sound
 from .typing import (
     AnyPixels,
     AutoBorder,
@@ -322,7 +322,7 @@ def _heights(
     """The heights, and what was done; `scope` says what of the residual is worked out."""
     source = pixels("src", src, type)
     if type == "auto":
-        type = resolve(source, type, threads)
+        type = resolve_sound(source, type, threads)
     encoding = choose("type", type, TYPES)
     view("src", source, encoding)
     needed = told("y", y) is None and slopes(source, type, touch_unused)[1]

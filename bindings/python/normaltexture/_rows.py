@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from ._arrays import CHANNELS, DEPTHS, MAX_SIDE, SAMPLE_TYPES, choose, memory, spacing
 from ._errors import ArgumentError, SampleTypeError, Status, check
+from ._green import choose_y, told
 from ._height_info import HeightInfo, info_of
 from ._names import (
     BORDERS,
@@ -18,7 +19,6 @@ from ._names import (
     TOUCH_ALL,
     TOUCH_NONE,
     TYPES,
-    YS,
     ZS,
 )
 from ._native import ffi, lib
@@ -28,6 +28,7 @@ from .typing import (
     Border,
     Decode,
     Depth,
+    GivenY,
     ReadRows,
     RowKernel,
     RowMethod,
@@ -35,7 +36,6 @@ from .typing import (
     Stored,
     Type,
     WriteRows,
-    Y,
     Z,
 )
 
@@ -154,7 +154,7 @@ def height_from_rows(
     shape: tuple[int, int, int],
     depth: Depth = 8,
     type: Type = "standard",
-    y: Y = "up",
+    y: GivenY = "up",
     method: RowMethod = "auto",
     kernel: RowKernel = "central",
     border: Border = "wrap",
@@ -191,7 +191,7 @@ def height_from_rows(
         Samples of the normals: uint8, uint16 or float32.
     type : {"standard", "zzero", "xy", "vector"}
         How a normal is stored.
-    y : {"up", "down"}
+    y : {"up", "down", "opengl", "directx"}
         Which way green points.
     method : {"auto", "frankot-chellappa", "poisson-dct"}
         Least squares by the borders; for textures that tile; for those that do not.
@@ -258,7 +258,7 @@ def height_from_rows(
     dtype = choose("depth", depth, DEPTHS)
     if type == "vector" and dtype != _FLOAT:
         raise SampleTypeError(f'depth={depth!r}: type="vector" needs "float"')
-    up = choose("y", y, YS)
+    up = choose_y("y", y)
     how = ffi.new("ntp_height_options *")
     how.method = choose("method", method, _METHODS)
     how.kernel = choose("kernel", kernel, _KERNELS)
@@ -288,4 +288,4 @@ def height_from_rows(
     )
     work.check()
     check(status, "height_from_rows")
-    return info_of(how, result, y, dtype == np.uint8)
+    return info_of(how, result, told("y", y) or "up", dtype == np.uint8)

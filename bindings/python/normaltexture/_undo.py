@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ._classify import Classification
+from ._classify import Classification, classify, natural_tally, resolve, type_of
 from ._errors import ArgumentError
-from .typing import AutoType, Undone
+from .typing import AutoType, Type, Undone
 
 # From here on an accident is undone without being asked to, as on the command line.
 SURE = 0.9
@@ -62,10 +62,36 @@ def choose_undo(
         return accident
     if accident == "inverted-blue":  # cleaning mirrors negative z anyhow
         return None
-    way = "undo=True puts that right, " if possible else ""
+    raise ArgumentError(_question(found, accident, possible, "undo=True", "src", "type"))
+
+
+def resolve_sound(
+    src: NDArray[Any], type: AutoType, threads: int, name: str = "src", argument: str = "type"
+) -> Type:
+    """The argument `type`, "auto" found out; a texture with an accident is refused.
+
+    What makes another texture of it would hide the accident and could not repair it.
+    """
+    if type != "auto":
+        return resolve(src, type, threads, name)
+    measured = natural_tally(src, threads)
+    found = classify(measured)
+    accident = accident_of(found, src.shape[2] if src.ndim == 3 else 1)
+    if accident is None:
+        return type_of(measured, name)
+    possible = accident != "srgb" or src.dtype.kind == "u"
     raise ArgumentError(
-        f'type="auto": of src {_TITLES[accident]} ({100 * found.confidence:.0f} % sure); '
-        f'{way}type="standard" takes it as it is'
+        _question(found, accident, possible, "clean with undo=True", name, argument)
+    )
+
+
+def _question(
+    found: Classification, accident: Undone, possible: bool, who: str, name: str, argument: str
+) -> str:
+    way = f"{who} puts that right, " if possible else ""
+    return (
+        f'{argument}="auto": of {name} {_TITLES[accident]} ({100 * found.confidence:.0f} % sure); '
+        f'{way}{argument}="standard" takes it as it is'
     )
 
 

@@ -8,15 +8,16 @@ from numpy.typing import NDArray
 
 from ._arrays import DEPTHS, Output, pixels
 from ._convert import convert_parts
+from ._green import choose_y
 from .typing import (
     AnyPixels,
     Blue,
     Depth,
     EncodeHow,
     Floats,
+    GivenY,
     Stored,
     Type,
-    Y,
 )
 
 
@@ -25,7 +26,7 @@ def decode(
     src: Floats,
     *,
     type: Literal["vector"],
-    y: Y = ...,
+    y: GivenY = ...,
     out: NDArray[np.float32] | None = ...,
     threads: int = ...,
 ) -> NDArray[np.float32]: ...
@@ -34,7 +35,7 @@ def decode(
     src: AnyPixels,
     *,
     type: Stored = ...,
-    y: Y = ...,
+    y: GivenY = ...,
     out: NDArray[np.float32] | None = ...,
     threads: int = ...,
 ) -> NDArray[np.float32]: ...
@@ -42,7 +43,7 @@ def decode(
     src: AnyPixels | Floats,
     *,
     type: Type = "standard",
-    y: Y = "up",
+    y: GivenY = "up",
     out: NDArray[np.float32] | None = None,
     threads: int = 1,
 ) -> NDArray[np.float32]:
@@ -55,7 +56,7 @@ def decode(
         A normals texture of 3 or 4 channels (`"xy"`: 2 to 4).
     type : {"standard", "zzero", "xy", "vector"}
         How a normal is stored.
-    y : {"up", "down"}
+    y : {"up", "down", "opengl", "directx"}
         Which way green points in `src`.
     out : array, (height, width, 3), float32, optional
         Where to write.
@@ -81,6 +82,7 @@ def decode(
     array([[[-1.        ,  1.        ,  0.00392157]]], dtype=float32)
     """
     source = pixels("src", src, type)
+    choose_y("y", y)
     output = Output((*source.shape[:2], 3), DEPTHS["float"], out)
     convert_parts(
         source, type, "vector", y, "up", "float", "derived", None, None, True, output.array, threads
@@ -116,7 +118,7 @@ def encode(
     vectors: Floats,
     *,
     to: Stored = "standard",
-    to_y: Y = "up",
+    to_y: GivenY = "up",
     depth: Depth = 8,
     blue: Blue = "derived",
     out: NDArray[Any] | None = None,
@@ -131,7 +133,7 @@ def encode(
         Vectors of any length but 0; a fourth component is alpha in 0..1.
     to : {"standard", "zzero", "xy"}
         How the result stores a normal.
-    to_y : {"up", "down"}
+    to_y : {"up", "down", "opengl", "directx"}
         Which way green points in the result.
     depth : {8, 16, "float"}
         Samples of the result: uint8, uint16 or float32 in 0..1.

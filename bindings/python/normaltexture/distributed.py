@@ -417,6 +417,7 @@ def normals_from_height(
         "kernel": kernel,
         "border_x": borders[1],
         "border_y": borders[0],
+        "source": "red",  # tiles are not asked one by one what they are
         **options,
     }
     radius = reach(kernel)

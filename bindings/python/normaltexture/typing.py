@@ -141,7 +141,7 @@ class EncodeHow(TypedDict, total=False):
     """The same of `encode`."""
 
     to: Stored
-    to_y: Y
+    to_y: GivenY
     blue: Blue
     threads: int
 
@@ -156,9 +156,9 @@ class NormalsHow(TypedDict, total=False):
     border: Border
     border_x: Border | None
     border_y: Border | None
-    source: HeightSource
+    source: HeightSource | None
     dither: Dither
-    to_y: Y
+    to_y: GivenY
     blue: Blue
     min_z: float
     alpha: Alpha | None
@@ -193,7 +193,7 @@ class RowsHow(TypedDict, total=False):
     """The same of `height_from_rows`."""
 
     shape: Required[tuple[int, int, int]]
-    y: Y
+    y: GivenY
     method: RowMethod
     kernel: RowKernel
     border: Border

@@ -396,7 +396,8 @@ def test_zero_asks_for_the_default_in_c(function, argument, table):
         assert name == "auto"  # found out before C is asked
 
 
-OF_NONE = {"alpha": "keep", "to": "standard"}  # of `to`: where `type` is told
+# Of `to`: where `type` is told.  Of `source`: a red that is not asked for is looked at first.
+OF_NONE = {"alpha": "keep", "to": "standard", "source": "red"}
 
 
 @pytest.mark.parametrize(
