@@ -44,6 +44,9 @@
     ROW(NTP_OP_MIN, "min", N_("Least of red, green, blue")) \
     ROW(NTP_OP_SCREEN, "screen", N_("Red, green, blue screened"))
 
+#define NTP_LUMINANCE_CHOICE(ROW) /* by GIMP's color conversion; no ntp_height_source */ \
+    ROW(NTP_OP_LUMINANCE, "luminance", N_("Luminance (as GIMP's Normal Map filter)"))
+
 #define NTP_GREEN_CHOICES(ROW) /* ntp_y */ \
     ROW(NTP_OP_UP, "up", N_("Up: OpenGL (Y+)")) \
     ROW(NTP_OP_DOWN, "down", N_("Down: DirectX (Y-)"))

@@ -23,7 +23,11 @@ struct blending {
     linear of_level[LEVELS];
 };
 
-/* GIMP has nodes that only pass a result on, followed by one that puts it over the layer. */
+/*
+ * An operation is told nothing of who uses its result: only the nodes after it tell it.  Looking at
+ * them changes nothing, and an unknown graph means that samples are output as they are.
+ * GIMP has nodes that only pass a result on, followed by one that puts it over the layer.
+ */
 static ahead ahead_of(GeglNode *node, gint most_nodes)
 {
     GeglNode **consumers = NULL;
@@ -98,21 +102,39 @@ static void fill(blending *b)
     g_free(edges);
 }
 
-const Babl *blending_prepare(blending **b, const pixels *stored)
+/*
+ * The numbers depend on nothing but the format and take 0.26 s to find, so they are found once.  babl
+ * keeps formats until the program ends, and a program sees few of them; each takes 1 MB here.
+ */
+static const blending *made_for(const pixels *stored, const Babl *light)
+{
+    static GMutex busy;
+    static GHashTable *made;
+    g_mutex_lock(&busy);
+    if (made == NULL)
+        made = g_hash_table_new(NULL, NULL);
+    blending *b = g_hash_table_lookup(made, stored->format);
+    if (b == NULL) {
+        b = g_new0(blending, 1);
+        b->stored = stored->format;
+        b->light = light;
+        b->channels = stored->channels;
+        fill(b);
+        g_hash_table_insert(made, (gpointer) (guintptr) b->stored, b);
+    }
+    g_mutex_unlock(&busy);
+    return b;
+}
+
+const Babl *blending_prepare(const blending **b, const pixels *stored)
 {
     const Babl *space = babl_format_get_space(stored->format);
     const BablModelFlag flags = babl_get_model_flags(babl_format_get_model(stored->format));
     if (stored->type != NTP_TYPE_U16 || stored->channels < 3 ||
         (flags & BABL_MODEL_FLAG_LINEAR) != 0 || space == babl_space("sRGB"))
         return NULL;
-    if (*b == NULL)
-        *b = g_new0(blending, 1);
-    if ((*b)->stored != stored->format) {
-        (*b)->stored = stored->format;
-        (*b)->light = babl_format_with_space("RGBA float", space);
-        (*b)->channels = stored->channels;
-        fill(*b);
-    }
+    if (*b == NULL || (*b)->stored != stored->format)
+        *b = made_for(stored, babl_format_with_space("RGBA float", space));
     return (*b)->light;
 }
 
@@ -124,9 +146,4 @@ void blending_put(const blending *b, gint channels, const guint16 *texels, gfloa
             light[c] = b->of_level[texels[c]].rgba[c];
         light[3] = b->channels == 4 ? b->of_level[texels[3]].rgba[3] : 1;
     }
-}
-
-void blending_free(blending *b)
-{
-    g_free(b);
 }

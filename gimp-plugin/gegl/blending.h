@@ -26,14 +26,12 @@ typedef struct blending blending;
 /*
  * For a result that is blended into a layer stored in this format: the output format to use
  * instead, for texels made by blending_put.  NULL: output samples as they are.  *b is NULL at first
- * and is freed by blending_free.
+ * and stays valid.
  */
-const Babl *blending_prepare(blending **b, const pixels *stored);
+const Babl *blending_prepare(const blending **b, const pixels *stored);
 
 /* From finished 16-bit texels without gaps, with an alpha channel or without. */
 void blending_put(const blending *b, gint channels, const guint16 *texels, gfloat *light,
                   gsize count);
-
-void blending_free(blending *b);
 
 #endif

@@ -82,7 +82,7 @@ typedef struct state {
     const ntp_clean_plan *plan; /* of 8-bit layers; in memory */
     ntp_encoding plan_encoding;
     gpointer memory;
-    blending *blending;
+    const blending *blending;
 } state;
 
 /* If blue is not z, alpha is a height or another map: 0 does not make a texel unused. */
@@ -146,10 +146,8 @@ static void finalize(GObject *object)
 {
     GeglProperties *o = GEGL_PROPERTIES(object);
     state *s = o->user_data;
-    if (s != NULL) {
+    if (s != NULL)
         g_free(s->memory);
-        blending_free(s->blending);
-    }
     g_free(s);
     o->user_data = NULL;
     G_OBJECT_CLASS(gegl_op_parent_class)->finalize(object);

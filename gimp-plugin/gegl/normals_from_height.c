@@ -15,6 +15,7 @@
 /* clang-format off */
 enum_start(ntp_op_source)
     NTP_HEIGHT_SOURCE_CHOICES(enum_value)
+    NTP_LUMINANCE_CHOICE(enum_value)
 enum_end(ntp_op_source)
 
 enum_start(ntp_op_kernel)
@@ -128,6 +129,7 @@ property_double(light_height, _("Height of the light"), 40.0)
 #  include "surroundings.h"
 
 /* The menus above have the order of libntp's enumerations. */
+G_STATIC_ASSERT((gint) NTP_OP_LUMINANCE == (gint) NTP_HEIGHT_SOURCE_SCREEN + 1);
 G_STATIC_ASSERT((gint) NTP_OP_SCREEN == (gint) NTP_HEIGHT_SOURCE_SCREEN);
 G_STATIC_ASSERT((gint) NTP_OP_GIMP9 == (gint) NTP_KERNEL_GIMP9);
 G_STATIC_ASSERT((gint) NTP_OP_REPEAT_SLOPE == (gint) NTP_BORDER_REPEAT_SLOPE);
@@ -172,7 +174,9 @@ static ntp_normals_options options_of(GeglOperation *operation)
                                    .kernel = (ntp_kernel) o->kernel,
                                    .border_x = (ntp_border) o->border_x,
                                    .border_y = (ntp_border) o->border_y,
-                                   .source = (ntp_height_source) o->source,
+                                   .source = o->source == NTP_OP_LUMINANCE
+                                                 ? NTP_HEIGHT_SOURCE_RED /* the only sample */
+                                                 : (ntp_height_source) o->source,
                                    .blue = (ntp_blue) o->blue,
                                    .alpha = (ntp_alpha) o->alpha,
                                    .invert = o->invert };
@@ -181,7 +185,7 @@ static ntp_normals_options options_of(GeglOperation *operation)
 /* Set before the threads process, and read by them. */
 typedef struct state {
     pixels made;
-    blending *blending;
+    const blending *blending;
     gboolean measured; /* the scale that suits the layer, and what it depends on */
     gdouble scale;
     ntp_normals_options of;
@@ -199,7 +203,9 @@ static gboolean is_measured(const state *s, const ntp_normals_options *how,
 static void prepare(GeglOperation *operation)
 {
     GeglProperties *o = GEGL_PROPERTIES(operation);
-    const pixels in = pixels_of(gegl_operation_get_source_format(operation, "input"));
+    const Babl *source = gegl_operation_get_source_format(operation, "input");
+    const pixels stored = pixels_of(source);
+    const pixels in = o->source == NTP_OP_LUMINANCE ? pixels_luminance(source) : stored;
     const ahead next = blending_ahead(operation);
     /* GIMP drops an alpha channel that the layer does not have, and converts the others in doing
      * so. */
@@ -208,8 +214,9 @@ static void prepare(GeglOperation *operation)
     if (o->user_data == NULL)
         o->user_data = g_new0(state, 1);
     state *s = o->user_data;
-    s->made = pixels_as_rgb(in.format, in.channels % 2 == 0 || adds_alpha);
-    const Babl *light = next == AHEAD_MASK ? blending_prepare(&s->blending, &in) : NULL;
+    s->made = pixels_as_rgb(stored.format, stored.channels % 2 == 0 || adds_alpha);
+    s->measured = s->measured && in.format == gegl_operation_get_format(operation, "input");
+    const Babl *light = next == AHEAD_MASK ? blending_prepare(&s->blending, &stored) : NULL;
     gegl_operation_set_format(operation, "input", in.format);
     gegl_operation_set_format(operation, "output", light != NULL ? light : s->made.format);
 }
@@ -218,8 +225,6 @@ static void finalize(GObject *object)
 {
     GeglProperties *o = GEGL_PROPERTIES(object);
     state *s = o->user_data;
-    if (s != NULL)
-        blending_free(s->blending);
     g_free(s);
     o->user_data = NULL;
     G_OBJECT_CLASS(gegl_op_parent_class)->finalize(object);

@@ -74,6 +74,17 @@ pixels pixels_of(const Babl *source)
     return make(source, gray, babl_format_has_alpha(source));
 }
 
+pixels pixels_luminance(const Babl *source)
+{
+    const gboolean alpha = source == NULL || babl_format_has_alpha(source);
+    const Babl *space = source == NULL ? NULL : babl_format_get_space(source);
+    const gint channels = alpha ? 2 : 1;
+    return (pixels) { .format = babl_format_with_space(alpha ? "Y'A float" : "Y' float", space),
+                      .type = NTP_TYPE_F32,
+                      .channels = channels,
+                      .bytes = channels * SAMPLE_BYTES[NTP_TYPE_F32] };
+}
+
 pixels pixels_as_rgb(const Babl *source, gboolean alpha)
 {
     return make(source, FALSE, alpha);

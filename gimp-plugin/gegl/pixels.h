@@ -23,6 +23,10 @@ typedef struct pixels {
 /* How to read an input of that format (NULL: not known yet) with its numbers unchanged. */
 pixels pixels_of(const Babl *source);
 
+/* The luminance of an input of that format, with alpha if it has alpha: the sum of red, green and
+ * blue in linear light, by the weights of its space, in its transfer curve. */
+pixels pixels_luminance(const Babl *source);
+
 /* RGB of the same sample type, space and transfer curve, with alpha or without. */
 pixels pixels_as_rgb(const Babl *source, gboolean alpha);
 

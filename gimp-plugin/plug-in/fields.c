@@ -25,9 +25,10 @@ static const choice borders[] = { /* ntp_border */
     NTP_BORDER_CHOICES(CHOICE_ROW)
     END
 };
-static const choice sources[] = { /* ntp_height_source, and one more */
+static const choice sources[] = { /* ntp_height_source, and two more */
     NTP_HEIGHT_SOURCE_CHOICES(CHOICE_ROW)
     { "biased", N_("Above the mean color") },
+    NTP_LUMINANCE_CHOICE(CHOICE_ROW)
     END
 };
 static const choice green[] = { /* ntp_y */

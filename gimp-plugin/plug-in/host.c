@@ -108,6 +108,16 @@ void host_open(host_layer *layer, gint32 id)
     layer->shown = shown;
 }
 
+/* As GIMP's own Normal Map filter reads it: the sum of red, green and blue in linear light, by the
+ * weights of the layer's space, in its transfer curve. */
+void host_open_luminance(host_layer *layer, gint32 id)
+{
+    host_open(layer, id);
+    layer->format = babl_format_with_space("Y' float", layer->format);
+    layer->raster.channels = 1;
+    layer->raster.type = NTP_TYPE_F32;
+}
+
 gboolean host_has_size_of(const host_layer *layer, gint32 id)
 {
     return layer->raster.width == drawable_width(id) && layer->raster.height == drawable_height(id);
@@ -213,7 +223,17 @@ static void merge(host_layer *result, const ntp_rect *area)
 }
 
 #if HOST_GIMP3
-/* The numbers stay as they are; only the space in which they are blended changes. */
+/*
+ * The numbers stay as they are; only the space in which they are blended changes.  So the undo step
+ * contains two changes of the profile that cancel each other.  There is no way around both:
+ *   - Merging the shadow is the only way to write pixels with an undo step.  It blends by the
+ *     selection, in the linear light of the layer's space.  So for that moment either the space or
+ *     the selection must be another one.  The selection could only be put aside in a new channel,
+ *     which is four entries of the undo step.
+ *   - The undo step keeps the former pixels in the space that the layer has while it is merged.  If
+ *     the changes of the profile were not recorded (gimp_image_undo_freeze), undo would convert
+ *     those pixels to the layer's own space, and so change them.
+ */
 static void merge_as_srgb(host_layer *result, const ntp_rect *area)
 {
     GimpImage *image = gimp_item_get_image(HOST_ITEM(result->id));

@@ -54,6 +54,9 @@ typedef struct host_layer {
 
 void host_open(host_layer *layer, gint32 id);
 
+/* Opens a layer for its luminance alone, in one float channel. */
+void host_open_luminance(host_layer *layer, gint32 id);
+
 /* Effects such as shadows can make what is shown larger than the layer. */
 gboolean host_has_size_of(const host_layer *layer, gint32 id);
 void host_close(host_layer *layer);

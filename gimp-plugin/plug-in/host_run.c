@@ -27,14 +27,27 @@ static int32_t result_channels(const host_layer *layer, bool needs_alpha)
     return layer->raster.channels % 2 == 0 || needs_alpha ? 4 : 3;
 }
 
-static job_status run_normals(const normals_job *job, double height_id, double alpha_id,
+/* Another layer's heights, the luminance of that or of the layer, or NULL: the layer itself. */
+static const raster *open_heights(host_layer *heights, normals_job *job, double id,
+                                  const host_layer *layer)
+{
+    if (!job->luminance)
+        return open_other(heights, id);
+    host_open_luminance(heights, host_is_layer((gint32) id) ? (gint32) id : layer->id);
+    job->how.source = NTP_HEIGHT_SOURCE_RED; /* the only channel */
+    return &heights->raster;
+}
+
+static job_status run_normals(const normals_job *asked, double height_id, double alpha_id,
                               const host_layer *layer, const ntp_rect *area)
 {
+    normals_job given = *asked;
+    const normals_job *job = &given;
     const bool needs_alpha = normals_job_needs_alpha(job, layer->raster.type);
     host_layer heights, mask, result;
     if (job->alpha == ALPHA_LAYER && !host_is_layer((gint32) alpha_id))
         return JOB_NO_LAYER;
-    const raster *height = open_other(&heights, height_id);
+    const raster *height = open_heights(&heights, &given, height_id, layer);
     const raster *alpha = open_other(&mask, job->alpha == ALPHA_LAYER ? alpha_id : -1);
     host_open_result(&result, layer, result_channels(layer, needs_alpha));
     const job_status status =

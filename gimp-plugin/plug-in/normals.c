@@ -35,8 +35,9 @@ normals_job normals_job_from(const settings *s)
         .measures = v[FN_SCALE] == 0,
     };
     if ((int) v[FN_SOURCE] > NTP_HEIGHT_SOURCE_SCREEN) {
-        job.biased = true;
-        job.how.source = NTP_HEIGHT_SOURCE_LUMA_GIMP;
+        job.luminance = (int) v[FN_SOURCE] > NTP_HEIGHT_SOURCE_SCREEN + 1;
+        job.biased = !job.luminance;
+        job.how.source = job.luminance ? NTP_HEIGHT_SOURCE_LUMA : NTP_HEIGHT_SOURCE_LUMA_GIMP;
     }
     /* Red to the left negates both slopes and then green again, before any rounding. */
     if (v[FN_FLIP_X] != 0) {

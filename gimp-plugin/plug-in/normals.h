@@ -37,6 +37,8 @@ typedef struct normals_job {
     ntp_encoding encoding;
     alpha_rule alpha;
     dudv_format dudv;
+    bool
+        luminance; /* heights are a layer's luminance, which is not made here: the luma without it */
     bool biased;   /* the height is the luma of the color minus the mean color */
     bool swap;     /* exchange red and blue */
     bool measures; /* the scale is still to be multiplied by the one that suits the heights */

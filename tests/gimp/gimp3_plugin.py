@@ -101,6 +101,11 @@ def jobs():
     job("masked", "rgb8", ["other", "gray8.png"], ["call", NORMALS, other], ["dump", "masked"])
     move = [["enlarge", 400, 300, 100, 50], ["offsets", 33, -7], ["mask"]]
     job("offsets", "rgb8", *move, ["call", NORMALS, SOBEL], ["dump", "offsets"])
+    light = {**SOBEL, "source": "luminance"}
+    for file in ("rgb8", "rgba16-gama"):
+        call, merge = ["call", NORMALS, light], ["merge", "ntp:normals-from-height", light]
+        job(f"light-{file}", file, call, ["dump", f"light-{file}"])
+        job(f"light-{file}-operation", file, merge, ["dump", f"light-{file}-operation"])
     job("one", "one", ["call", NORMALS, SOBEL], ["dump", "one"])
     for precision in PRECISIONS:
         steps = [["precision", precision], ["dump", f"{precision}-in"], ["call", NORMALS, SOBEL]]
@@ -290,6 +295,15 @@ def test_layers(raw, ntp):
     assert (made[:, :, 3] == INPUTS["gray8"][0][:, :, 0]).all()
     assert different(raw("offsets"), expected) == 0
     assert raw("one").tolist() == [[[128, 128, 255]]]
+
+
+@pytest.mark.parametrize("file", ["rgb8", "rgba16-gama"])
+def test_luminance(raw, ntp, file):
+    """The plug-in reads it as the operation does, of which test_gegl.py knows that it is GIMP's."""
+    pixels = INPUTS[file][0]
+    made, same = (raw(f"light-{file}{end}", dtype=pixels.dtype) for end in ("", "-operation"))
+    assert different(made, same) == 0
+    assert different(made, ntp(pixels, "from-height", *options({**SOBEL, "source": "luma"}))) > 0
 
 
 @pytest.mark.parametrize("precision", PRECISIONS)

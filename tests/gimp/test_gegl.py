@@ -95,6 +95,19 @@ def test_same_as_ntp(gegl, ntp, channels, depth, chunks):
     assert np.count_nonzero((made != expected).any(2)) == 0
 
 
+@pytest.mark.parametrize("depth", DEPTHS)
+def test_luminance_is_that_of_gimp(gegl, depth):
+    """GIMP's own filter makes the same normals of a color picture, but for its float arithmetic."""
+    color = picture(150, 133, 3, depth)
+    same = ["scale=10", "to-y=down", "border-x=clamp", "border-y=clamp", "blue=nearest"]
+    gimps = gegl(color, "gegl:normal-map", "scale=10")[:, :, :3].astype(int)
+    made = gegl(color, "ntp:normals-from-height", "source=luminance", *same)[:, :, :3]
+    luma = gegl(color, "ntp:normals-from-height", "source=luma", *same)[:, :, :3]
+    off = np.abs(made - gimps).max(2)
+    assert off.max() <= 1 and (off > 0).mean() < (0.002 if depth == 8 else 0.05)
+    assert (np.abs(luma - gimps).max(2) > 1).mean() > 0.5
+
+
 SETTINGS = [
     {"kernel": kernel, "border-x": border, "border-y": other}
     for kernel, border, other in [
@@ -211,7 +224,7 @@ def test_offsets(gegl):
 def test_alpha_height_of_opaque(gegl, ntp):
     heights = picture(31, 20, 1, 16)
     expected = ntp(heights, "from-height", "--scale", "10", "--alpha", "height")
-    made = gegl(heights, "ntp:normals-from-height", "alpha=height")
+    made = gegl(heights, "ntp:normals-from-height", "scale=10", "alpha=height")
     assert made.shape[2] == 4
     assert (made == expected).all()
 

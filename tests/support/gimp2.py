@@ -73,7 +73,7 @@ CHOICES = {
     "kernel": "central forward prewitt3 sobel3 scharr3 prewitt5 sobel5 gimp5 gimp7 gimp9",
     "border-x": "wrap clamp mirror extrapolate repeat-slope",
     "border-y": "wrap clamp mirror extrapolate repeat-slope",
-    "source": "red green blue alpha luma luma-gimp luma-eberly mean max min screen biased",
+    "source": "red green blue alpha luma luma-gimp luma-eberly mean max min screen biased luminance",
     "to-y": "up down",
     "from-y": "up down",
     "to": "standard zzero xy",
