@@ -401,6 +401,29 @@ def test_blends(rng):
     assert decided >= 0.9 * draws
 
 
+def atlas(rng, side, turned_over):
+    """Charts on black, rotated and mirrored with their normals; some of them with y turned over."""
+    c = side // 3
+    sheet = np.zeros((3 * c, 3 * c, 3), np.uint8)
+    for i, over in zip(range(9), turned_over, strict=True):
+        n = normals(FAMILIES[int(rng.choice([0, 2, 4, 5]))](rng, c, c), 0.8)
+        for _ in range(int(rng.integers(4))):
+            n = np.rot90(n) @ np.array([[0, 1, 0], [-1, 0, 0], [0, 0, 1]])
+        n = n[:, ::-1] * [-1, 1, 1] if rng.integers(2) else n
+        chart = maps.to_type(maps.encode(n * [1, -1 if over else 1, 1]))
+        y, x = i // 3 * c, i % 3 * c
+        sheet[y + 3 : y + c - 2, x + 2 : x + c - 3] = chart[3:-2, 2:-3]
+    return sheet
+
+
+def test_atlases(rng):
+    """Charts of all directions agree; where a third of them contradicts, no answer is sure."""
+    for _ in range(10):
+        assert verdict(atlas(rng, 120, [False] * 9)) == 1
+        assert verdict(atlas(rng, 120, [True] * 9)) == -1
+        assert decide(atlas(rng, 120, rng.permutation(9) < 3))["confidence"] < 0.9
+
+
 def test_holes(rng):
     """Unused texels do not matter, whatever is below them; nor do those that are too long."""
     for _ in range(8):

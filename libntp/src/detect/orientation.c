@@ -387,13 +387,27 @@ static double least(double a, double b)
     return a < b ? a : b;
 }
 
+/* How sure a verdict of this sign is.  `ratio`: what the narrow filter says as a part of what the
+ * clearer one says; noise lowers it somewhat, hidden steps lower it much. */
+static double confidence_of(const double blocks[SIDE * SIDE], double sign, double mean,
+                            double steady, double ratio)
+{
+    double against = 0;
+    for (int32_t i = 0; i < SIDE * SIDE; i++)
+        against += sign * blocks[i] < 0 ? -sign * blocks[i] : 0;
+    double sure = least(mean / SURE_STATISTIC, steady / SURE_SCORE);
+    sure = least(sure, least(ratio, 1 - against / (mean + 2 * against) / MOST_AGAINST));
+    sure = sure < 0 ? 0 : least(sure, 1);
+    return CONFIDENCE_LEAST + (CONFIDENCE_MOST - CONFIDENCE_LEAST) * sure;
+}
+
 ntp_status ntp_orientation_summarize(ntp_orientation_result *result,
                                      const ntp_orientation *orientation)
 {
     if (result == NULL || orientation == NULL)
         return NTP_ERR_ARGUMENT;
     ntp_orientation_result r = { 0, NTP_Y_UP, 0, 0, 0, 0 };
-    double blocks[SIDE * SIDE] = { 0 }, squares = 0, against = 0;
+    double blocks[SIDE * SIDE] = { 0 }, squares = 0;
     double wide = add_blocks(blocks, &orientation->sums[WIDE]);
     double narrow = add_blocks(blocks, &orientation->sums[NARROW]);
     for (int32_t k = 0; k < SIZES; k++)
@@ -403,22 +417,17 @@ ntp_status ntp_orientation_summarize(ntp_orientation_result *result,
         squares += blocks[i] * blocks[i];
     }
     r.score = squares > 0 ? r.statistic / sqrt(squares) : 0;
-    double sign = r.statistic < 0 ? -1 : 1, mean = sign * r.statistic, steady = sign * r.score;
-    r.y = sign < 0 ? NTP_Y_DOWN : NTP_Y_UP;
-    for (int32_t i = 0; i < SIDE * SIDE; i++)
-        against += sign * blocks[i] < 0 ? -sign * blocks[i] : 0;
-    double all = (double) r.loops + (double) orientation->steep;
+    double sign = r.statistic < 0 ? -1 : 1, steady = sign * r.score;
     double clear = -least(-sign * wide, -sign * narrow);
+    r.y = sign < 0 ? NTP_Y_DOWN : NTP_Y_UP;
+    double all = (double) r.loops + (double) orientation->steep;
     bool steep = (double) orientation->steep > MOST_STEEP * all;
     bool enough = (clear >= LEAST_STATISTIC && steady >= LEAST_SCORE) ||
                   (clear >= CLEAR_STATISTIC && steady >= CLEAR_SCORE);
     r.decided = enough && !steep && !is_weave(orientation, wide, narrow);
-    if (r.decided) {
-        double sure = least(least(mean / SURE_STATISTIC, steady / SURE_SCORE), 1);
-        double agreed = 1 - against / (mean + 2 * against) / MOST_AGAINST;
-        sure = least(sure, agreed > 0 ? agreed : 0);
-        r.confidence = CONFIDENCE_LEAST + (CONFIDENCE_MOST - CONFIDENCE_LEAST) * sure;
-    }
+    if (r.decided)
+        r.confidence =
+            confidence_of(blocks, sign, sign * r.statistic, steady, sign * narrow / clear);
     *result = r;
     return NTP_OK;
 }
