@@ -235,16 +235,8 @@ def gimp(tmp_path_factory):
     pngs.write_png(made.work / "equal.png", np.repeat(picture(1, 8), 3, 2))
     for name in MISPLACED:
         shutil.copy(TEST_FILES / f"{name}.png", made.work)
-    made.messages = made.run(
-        {
-            **exact_jobs(),
-            **precision_jobs(),
-            **layer_jobs(),
-            **refused_jobs(),
-            **classic_jobs(),
-            **normals_jobs(),
-        }
-    )
+    jobs = exact_jobs() | precision_jobs() | layer_jobs() | classic_jobs() | normals_jobs()
+    made.messages = made.run(jobs, refused_jobs())
     return made
 
 

@@ -122,6 +122,12 @@ def stored(file):
     return f'(gimp-xcf-save RUN-NONINTERACTIVE image {layer} "{file}" "x")'
 
 
+def marked(name, body):
+    """Script-Fu that says where it begins and that it came to its end."""
+    begin, done = (f'(gimp-message "job-{name}-{end}")' for end in ("begin", "done"))
+    return f"{begin} {body} {done}"
+
+
 # Modules of GEGL that read and write files and devices: GIMP has plug-ins for these.
 NOT_NEEDED = re.compile(r"-(load|save)\.so$|^(v4l|lcms-from-profile|matting-levin)\.so$")
 
@@ -149,13 +155,17 @@ class Gimp2:
         shutil.copy(plugin, place / "ntp-normals")
         self.log = ""
 
-    def run(self, jobs):
-        """Does all jobs in one start of GIMP: {name: Script-Fu} -> {name: its messages}."""
+    def run(self, jobs, refused):
+        """Does all jobs in one start of GIMP: {name: Script-Fu} -> {name: its messages}.
+
+        Each -b starts Script-Fu anew, which takes as long as a job.  An error ends one -b only, so
+        that those which are to fail have one each.
+        """
         command = [PROGRAM, "-i", "-d", "-f"]
-        for name, body in jobs.items():
-            marks = [f'(gimp-message "job-{name}-{end}")' for end in ("begin", "done")]
-            # An error ends one -b only.
-            command += ["-b", marks[0], "-b", f"(begin {body} {marks[1]})"]
+        names = list(jobs)
+        for batch in [names[i : i + 10] for i in range(0, len(names), 10)] + [[n] for n in refused]:
+            bodies = (marked(name, jobs.get(name) or refused[name]) for name in batch)
+            command += ["-b", f"(begin {' '.join(bodies)})"]
         command += ["-b", "(gimp-quit 0)"]
         environment = dict(os.environ, GIMP2_DIRECTORY=str(self.work / "profile"), LC_ALL="C.UTF-8")
         environment["HOME"] = str(self.work)

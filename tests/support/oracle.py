@@ -263,16 +263,16 @@ def in_shell(r, g, b, m, zz, step):
 
 def flags(r, g, b, m, zz=False, keep=False):
     """The byte of ntp_validate, without NTP_FLAG_UNUSED."""
-    r, g, b = np.broadcast_arrays(*(np.asarray(c, np.int64) for c in (r, g, b)))
+    r, g, b = (np.asarray(c, np.int64) for c in (r, g, b))
     inside = radicands(r, g, m) >= 0
     want = derived_blues(r, g, m, zz)
     is_exact = b == want
     if keep and not zz:
         is_exact |= b == m - want
     result = in_shell(r, g, b, m, zz, 2) * 1 + in_shell(r, g, b, m, zz, 1) * 2
-    result += (inside & is_exact) * 4 + ~inside * 8
+    result = result + (inside & is_exact) * 4 + ~inside * 8
     if not zz:
-        result += (b <= (m - 1) // 2) * 16
+        result = result + (b <= (m - 1) // 2) * 16
     return result.astype(np.uint8)
 
 
@@ -323,20 +323,20 @@ def derive_table(m=255, zz=False):
 def all_cleaned(r, g, b, zz=False, method="derive", keep=False):
     """8-bit arrays cleaned; every texel is used.  Returns (..., 3)."""
     m = 255
-    r, g, b = np.broadcast_arrays(*(np.asarray(c, np.int64) for c in (r, g, b)))
+    r, g, b = (np.asarray(c, np.int64) for c in (r, g, b))
     negative = (b <= (m - 1) // 2) & (not zz)
     if not keep:
         b = np.where(negative, m - b, b)
         negative = np.zeros_like(negative)
     if method == "keep":
-        return np.stack([r, g, b], -1)
+        return np.stack(np.broadcast_arrays(r, g, b), -1)
     if method == "normalize":
         stay = in_shell(r, g, b, m, zz, 1)
         made = all_normalized(r, g, b, m, zz)
         return np.stack([np.where(stay, c, d) for c, d in zip((r, g, b), made)], -1)
-    out = derive_table(m, zz)[r, g].copy()
-    out[..., 2] = np.where(negative, m - out[..., 2], out[..., 2])
-    return out
+    red, green, blue = np.moveaxis(derive_table(m, zz)[r, g], -1, 0)
+    blue = np.where(negative, m - blue, blue)
+    return np.stack(np.broadcast_arrays(red, green, blue), -1)
 
 
 def angles(r, g, b, m, zz=False):

@@ -6,6 +6,8 @@ the formula in libntp.h in numpy's doubles, the comparison's converts texel by t
 oracle_convert and takes angles from numpy's arctan2.
 """
 
+import functools
+
 import numpy as np
 
 from . import libntp_ffi as ntp
@@ -15,9 +17,20 @@ SAFE = {"z": (240, 228, 66), "xy": (213, 94, 0), "length": (86, 180, 233)}
 SQUARES = np.arange(120_000, dtype=np.int64) ** 2
 
 
-def root(squares):
-    """floor(sqrt()) by search in the table of squares."""
-    return np.searchsorted(SQUARES, squares, side="right") - 1
+def root(squares, m):
+    """floor(sqrt()) by search in the table of squares; no length is above 2m."""
+    return np.searchsorted(SQUARES[: 2 * m], squares, side="right") - 1
+
+
+@functools.lru_cache(maxsize=2)  # many blues are looked at with the same red and green
+def of_red_and_green(data, m):
+    """(red of the picture, the square of x and y pulled onto the disc); data: r and g as bytes."""
+    r, g = np.frombuffer(data, np.int64).reshape(2, -1)
+    n = (2 * r - m) ** 2 + (2 * g - m) ** 2
+    # never a square, so that floor(L) >= k says L > k
+    red = np.where(root(n, m) >= m + 2, 255, np.where(root(n, m) >= m, 128, 0))
+    r, g = oracle.pulled(r, g, m)
+    return red, (2 * r - m) ** 2 + (2 * g - m) ** 2
 
 
 def expected_heatmap(texels, m, encoding, palette=0, touch=0):
@@ -26,18 +39,15 @@ def expected_heatmap(texels, m, encoding, palette=0, touch=0):
     r, g = texels[..., 0], texels[..., 1]
     b = texels[..., 2] if texels.shape[-1] > 2 else np.full_like(r, m)
     used = ~oracle.unused(texels, m, touch)
-    x, y = 2 * r - m, 2 * g - m
-    n = x * x + y * y
-    # never a square, so that floor(L) >= k says L > k
-    red = np.where(root(n) >= m + 2, 255, np.where(root(n) >= m, 128, 0))
+    parts = of_red_and_green(np.stack([r, g]).tobytes(), m)
+    red, pulled = (part.reshape(r.shape) for part in parts)
     green = np.zeros_like(red)
     blue = np.zeros_like(red)
     if encoding != ntp.XY:
-        pr, pg = oracle.pulled(r, g, m)
         z = b if encoding == ntp.ZZERO else 2 * b - m
-        length2 = (2 * pr - m) ** 2 + (2 * pg - m) ** 2 + z * z
-        long_by = root(length2) - m
-        short_by = m - root(length2 - 1) - 1  # ceil(L) = floor(sqrt(L2 - 1)) + 1
+        length2 = pulled + z * z
+        long_by = root(length2, m) - m
+        short_by = m - root(length2 - 1, m) - 1  # ceil(L) = floor(sqrt(L2 - 1)) + 1
         off = np.maximum(long_by, short_by)
         green = np.where(off >= 6, 255, np.where(off >= 4, 128, 0))
         if encoding != ntp.ZZERO:
