@@ -265,6 +265,7 @@ static bool start(production *p, bool is_float, ntpio_error *error)
 static bool write_heights(production *p, const ntp_image *heights, bool is_float,
                           ntpio_error *error)
 {
+    const to_height_state *st = p->state;
     const size_t width = (size_t) heights->width;
     uint16_t *levels = is_float ? NULL : need(malloc(width * BLOCK_ROWS * sizeof *levels));
     bool ok = start(p, is_float, error);
@@ -274,7 +275,7 @@ static bool write_heights(production *p, const ntp_image *heights, bool is_float
         const float *rows = (const float *) heights->data + (size_t) y * width;
         if (!is_float)
             to_levels(levels, rows, (size_t) (end - y) * width, p->state);
-        ok = interrupted_by == 0 &&
+        ok = (interrupted_by == 0 || st->cut_short) &&
              production_write(p, is_float ? (const void *) rows : levels,
                               (ptrdiff_t) (width * (is_float ? 4 : 2)), &area, error);
     }
@@ -343,7 +344,8 @@ static bool finish(production *p, ntpio_error *error)
         if (status == NTP_OK)
             status = heights_solve(p->w, &heights, &st->src, &st->how,
                                    (stretch) { SOLVE_PERMILLE, 1000 }, &st->result);
-        ok = status == NTP_OK || cannot(p, status, error);
+        st->cut_short = status == NTP_ERR_CANCELLED && st->result.method != NTP_HEIGHT_AUTO;
+        ok = status == NTP_OK || st->cut_short || cannot(p, status, error);
     }
     free(plane);
     st->how.mask = NULL;

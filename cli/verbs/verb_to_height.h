@@ -31,6 +31,7 @@ typedef struct to_height_state {
     green y;
     chosen_by kernel_by, border_by[2];
     double scale, offset; /* of the output */
+    bool cut_short;       /* Ctrl-C ended the refinement; the best heights so far are written */
     uint64_t clipped;
     double middle_share; /* of the range: that of the middle 98 % of the heights */
 } to_height_state;

@@ -73,6 +73,19 @@ static void add_choices(text *line, const to_height_state *st)
     text_addf(line, ", %s", ntp_height_method_name(st->result.method));
 }
 
+static void add_refined(text *line, const to_height_state *st)
+{
+    const ntp_height_result *r = &st->result;
+    text_addf(line, "; %d %s of refinement%s", r->rounds, r->rounds == 1 ? "round" : "rounds",
+              st->cut_short ? ", interrupted: " : ": ");
+    if (r->refine_left == 0) {
+        text_add(line, "every texel comes back");
+        return;
+    }
+    text_count(line, r->refine_left);
+    text_add(line, r->refine_left == 1 ? " texel differs" : " texels differ");
+}
+
 static void add_line(text *line, const to_height_settings *set, const to_height_state *st)
 {
     const ntp_height_result *r = &st->result;
@@ -89,6 +102,8 @@ static void add_line(text *line, const to_height_settings *set, const to_height_
     add_choices(line, st);
     if (r->residual >= 0)
         text_addf(line, ", normals fit to %.2f levels", r->residual);
+    if (st->how.refine > 0)
+        add_refined(line, st);
     if (r->islands > 1) {
         text_add(line, "; ");
         text_count(line, r->islands);

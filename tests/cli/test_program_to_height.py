@@ -542,20 +542,51 @@ def catches(pid, number):
     return int(mask, 16) >> (number - 1) & 1
 
 
-def test_interrupted(program, tmp_path):
-    """Ctrl-C while heights are made: 130, and no output, not even a temporary one."""
-    n = reconstruction.from_height(reconstruction.fractal(256))
-    write_png(tmp_path / "n.png", np.tile(n, (8, 8, 1)))
-    args = [program, "to-height", "n.png", "-o", "h.png", "--refine", "100000", "--no-progress"]
-    pipes = {"stdout": subprocess.DEVNULL, "stderr": subprocess.PIPE}
+@pytest.mark.parametrize("extra", [[], ["--format", "json"]])
+def test_interrupted(program, run, tmp_path, extra):
+    """Ctrl-C within the rounds of --refine: 130, and the best heights so far are written."""
+    rng = np.random.default_rng(5)  # of noise, no heights make every texel
+    n = np.full((800, 800, 3), 200, np.uint8)
+    n[..., :2] = rng.integers(90, 166, (800, 800, 2))
+    write_png(tmp_path / "n.png", n)
+    settings = ["--type", "standard", "--y", "up", "--kernel", "forward", "--border", "wrap"]
+    settings += ["--z", "derived", "--decode", "unorm"]
+    args = [program, "to-height", "n.png", "-o", "h.pfm", *settings, "--refine", "100000"]
+    args += ["--no-progress", *extra]
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
     with start(args, cwd=tmp_path, **pipes) as child:
         while child.poll() is None and not catches(child.pid, signal.SIGINT):
-            time.sleep(0.05)
-        time.sleep(0.5)  # most likely it reads or solves by now; either will do
+            time.sleep(0.02)
+        time.sleep(0.7)  # reading and solving take a tenth of it
         child.send_signal(signal.SIGINT)
-        errors = child.stderr.read()
-        assert child.wait(timeout=900) == 130, errors
-    assert sorted(p.name for p in tmp_path.iterdir()) == ["n.png"]
+        said = child.stdout.read().decode()
+        assert child.wait(timeout=900) == 130, child.stderr.read()
+    written = sorted(p.name for p in tmp_path.iterdir())
+    if written == ["n.png"]:
+        return  # it was reading yet
+    assert written == ["h.pfm", "n.png"]
+    if extra:
+        file = json.loads(said)["files"][0]
+        assert file["refine_rounds"] > 0
+        run("from-height", "h.pfm", "-o", "m.png", "--depth", 8, "--kernel", "forward",
+            "--border", "wrap", "--scale", 1)  # fmt: skip
+        again = read_png(tmp_path / "m.png")[0]
+        off = (again[..., :2] != n[..., :2]).any(-1).sum()
+        assert abs(int(off) - file["refine_left"]) <= 0.01 * n.size
+    else:
+        assert "interrupted: " in said and "texels differ" in said
+
+
+def test_the_line_says_how_many_texels_are_left(run, tmp_path):
+    h = reconstruction.fractal(64, rms_slope=0.3)
+    write_png(tmp_path / "n.png", reconstruction.from_height(h))
+    args = ["n.png", "-o", "h.pfm", "--border", "wrap", "--kernel", "central", "--refine"]
+    assert "1 round of refinement: " in run("to-height", *args, 1).stdout
+    done = run("to-height", *args, 30, "--force")
+    assert "rounds of refinement: every texel comes back" in done.stdout, done.stdout
+    run("from-height", "h.pfm", "-o", "m.png", "--depth", 8, "--border", "wrap", "--scale", 1)
+    again, given = (read_png(tmp_path / name)[0] for name in ("m.png", "n.png"))
+    assert np.array_equal(again, given)
 
 
 def test_help(run):

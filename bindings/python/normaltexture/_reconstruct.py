@@ -118,7 +118,8 @@ def height_from_normals(
     dx, dy : float
         Width and height of a texel.
     refine : int
-        Do up to this many more rounds, until the normals of the heights are those of `src`.
+        Do up to this many more rounds, until the normals of the heights are those of `src`.  If
+        `progress` returns False within them, or at Ctrl-C, the best heights so far are returned.
     seeds : four floats, optional
         Telescoping: the heights at (0, 0), (1, 0), (0, 1), (1, 1), in texels.
     equalize : bool

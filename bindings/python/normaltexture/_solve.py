@@ -64,7 +64,10 @@ class Solver(Callbacks):
         self._dst, self._src = dst, src
 
     def solve(self, how: Any, result: Any, begin: float, end: float) -> int:
-        """The status; what a callback raised is raised here."""
+        """The status; what a callback raised is raised here.
+
+        Ctrl-C within the rounds of refine only ends them.
+        """
         size = lib.ntp_height_scratch_size(how, self._src.width, self._src.height, self.parts)
         if size == 0:
             return int(Status.FORMAT)
@@ -75,6 +78,11 @@ class Solver(Callbacks):
             self._dst, self._src, how, scratch, size, self.hooks(handle, how.refine > 0), result
         )
         del owner
+        if status == Status.CANCELLED and how.refine > 0 and result.method != lib.NTP_HEIGHT_AUTO:
+            # Stopped within the rounds of refine: the array holds the best heights so far.
+            if isinstance(self.raised, KeyboardInterrupt):
+                self.raised = None
+            status = int(Status.OK)
         self.check()
         return status
 

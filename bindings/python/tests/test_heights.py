@@ -315,6 +315,50 @@ def test_mask_and_seeds():
     assert np.abs(got - want).max() < 0.05
 
 
+def noisy_normals(side):
+    """Of noise: no heights have all these normals, so rounds of refine do not end early."""
+    levels = np.random.default_rng(8).integers(90, 166, (side, side, 3)).astype(np.uint8)
+    levels[..., 2] = 200
+    return levels
+
+
+@pytest.mark.parametrize("stop", [KeyboardInterrupt, False])
+def test_refine_keeps_the_best_when_it_is_stopped(stop):
+    how = {"kernel": "forward", "border": "wrap", "y": "up", "type": "standard", "z": "derived"}
+    shares = []
+
+    def progress(share):
+        shares.append(share)
+        if share > 0.11:
+            if stop is KeyboardInterrupt:
+                raise KeyboardInterrupt
+            return False
+        return True
+
+    again, info = nt.height_from_normals_with_info(
+        noisy_normals(48), refine=100, progress=progress, **how
+    )
+    assert 2 < info.rounds < 20 and info.refine_left > 0
+    full, whole = nt.height_from_normals_with_info(noisy_normals(48), refine=info.rounds, **how)
+    assert np.array_equal(again, full) and info.refine_left == whole.refine_left
+
+    def fails(share):
+        raise ValueError(share)
+
+    with pytest.raises(ValueError, match="0"):
+        nt.height_from_normals(noisy_normals(48), refine=100, progress=fails, **how)
+    with pytest.raises(nt.CancelledError):
+        nt.height_from_normals(noisy_normals(48), refine=9, progress=lambda _: False, **how)
+
+
+def test_refine_gives_the_texture_back():
+    normals = nt.normals_from_height(hill(48), scale=40, kernel="central", border="extrapolate")
+    how = {"kernel": "central", "border": "extrapolate"}
+    again, info = nt.height_from_normals_with_info(normals, refine=60, y="up", **how)
+    assert info.refine_left == 0 < info.rounds
+    assert np.array_equal(nt.normals_from_height(again, 1.0, **how), normals)
+
+
 @pytest.mark.parametrize(
     ("how", "why"),
     [
