@@ -6,6 +6,7 @@
  * changed, the rows are made again.
  */
 #include <pthread.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -166,6 +167,16 @@ static uint64_t changed(const production *p)
     return st->counts.changed;
 }
 
+/* The reason of the method.  What is rounded is kept: then the method is for unused texels alone. */
+static void reason_of(char *why, size_t size, const state *st)
+{
+    if (st->why.code == NTP_REASON_ALL_ROUNDED && st->how.method == NTP_CLEAN_NORMALIZE)
+        snprintf(why, size, "%s",
+                 "only unused texels need it: every used texel is correctly rounded");
+    else
+        ntp_reason_text(why, size, &st->why);
+}
+
 static void describe_text(const production *p, text *line)
 {
     const state *st = p->state;
@@ -192,7 +203,7 @@ static void describe_text(const production *p, text *line)
     if (!set->choose || st->counts.changed == 0)
         return;
     char why[300];
-    ntp_reason_text(why, sizeof why, &st->why);
+    reason_of(why, sizeof why, st);
     if (st->how.method == NTP_CLEAN_KEEP)
         text_addf(line, "; only negative z was mirrored, because %s", why);
     else
@@ -215,7 +226,7 @@ static void describe(const production *p, text *line, json_t *object)
     json_object_set_new(object, "method", json_string(method_done(st)));
     if (set->choose) {
         char why[300];
-        ntp_reason_text(why, sizeof why, &st->why);
+        reason_of(why, sizeof why, st);
         json_object_set_new(object, "method_reason", json_string(why));
     }
     json_object_set_new(object, "keep_negative_z", json_boolean(st->how.keep_negative_z));

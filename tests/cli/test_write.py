@@ -100,6 +100,7 @@ def test_unused_texels_are_repaired_on_request(run, tmp_path, m, method):
     write_png(tmp_path / "a_n.png", texture)
     done = run("clean", "a_n.png", "-o", "b.png", "--touch-unused", "--method", method)
     assert done.returncode == 0, done.stderr
+    assert ("only unused texels need it" in done.stdout) == (method == "auto"), done.stdout
     after = pixels_of(tmp_path / "b.png").astype(int)
     for r, g, b in after[:6].reshape(-1, 3)[::7].tolist():
         assert oracle.rounded(r, g, b, m)

@@ -45,6 +45,9 @@ ELSEWHERE = {
     "ntp_resize_rows": "a ring of rows: arrays are whole",
     "ntp_orientation_row": "a ring of rows",
     "ntpio_is_current": "output files take what was read by themselves",
+    "ntp_relief_row": "sliders of dialogs",
+    "ntp_relief_add": "sliders of dialogs",
+    "ntp_relief_scale": "sliders of dialogs",
     "ntp_tally_harm": "the data of `check` has it",
 }
 

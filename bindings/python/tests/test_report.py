@@ -21,7 +21,7 @@ import pytest
 
 from normaltexture import _program, report
 from normaltexture.report import _cli, _page, _pictures
-from pysupport import sarif_schema
+from pysupport import ROOT, sarif_schema
 from support import textures
 from support.pngs import read_png, write_png
 
@@ -578,6 +578,21 @@ def test_limits_are_those_of_the_check(make, tmp_path, capsys):
         assert level() == (1, "error")
         assert level("--max-angle", "89") == (0, "info")
         assert level("--max-angle", "89", "--policy", "strict") == (1, "error")
+
+
+def test_commands_of_the_page_about_ci(folder, tmp_path):
+    """As they stand, under `sh -e`: the page is there also where the build stops."""
+    page = (ROOT / "docs" / "continuous-integration.md").read_text(encoding="utf-8")
+    script = re.search(r"## Anywhere else\n\n```sh\n(.*?)```", page, re.DOTALL)[1]
+    programs = os.path.dirname(sys.executable)
+    env = os.environ | {"PATH": programs + os.pathsep + os.environ["PATH"]}
+    for bad, code in ((True, 1), (False, 0)):
+        for name in ("broken_n.png", *([] if bad else ["bad_n.png", HOSTILE])):
+            (folder / name).unlink(missing_ok=True)
+        done = subprocess.run(["sh", "-ec", script], cwd=tmp_path, env=env, check=False)
+        assert done.returncode == code
+        for name in ("report.html", "ntp.sarif", "ntp.json"):
+            (tmp_path / name).unlink()
 
 
 def test_beside_ntp(folder, tmp_path):
