@@ -2,7 +2,8 @@
 /*
  * report.c - measuring a layer
  *
- * Rows are read through a ring.  A first pass detects what the layer is, unless it is given.  A
+ * Rows are read through a ring, and the rows of a chunk are measured in parts by threads.  A first
+ * pass detects what the layer is, unless it is given.  A
  * second pass follows if the first one assumed something else about blue.
  */
 #include "report_text.h"
@@ -13,13 +14,17 @@
 enum {
     CHUNK = 64, /* rows read at once */
     RING = 128, /* rows kept; the orientation looks back at less than CHUNK + 8 */
+    PARTS = 4,  /* of a chunk, each with a tally; they merge exactly */
     AHEAD = 3   /* rows below a row that are needed for its orientation */
 };
 
 typedef struct measurement {
     const raster *layer;
     const surroundings *around;
-    ntp_tally *tally;
+    ntp_tally *tally;        /* of everything, once it is measured */
+    ntp_tally *parts[PARTS]; /* the first one is that of everything */
+    ntp_status status[PARTS];
+    int32_t y0, y1; /* the chunk */
     ntp_orientation *green;
     unsigned char *rows;
     ntp_image view;
@@ -28,19 +33,55 @@ typedef struct measurement {
 
 static void release(measurement *m)
 {
-    free(m->tally);
+    for (int i = 0; i < PARTS; i++)
+        free(m->parts[i]);
     free(m->green);
     free(m->rows);
 }
 
 static bool reserve(measurement *m)
 {
-    m->tally = calloc(1, ntp_tally_size());
+    bool ok = true;
+    for (int i = 0; i < PARTS; i++) {
+        m->parts[i] = calloc(1, ntp_tally_size());
+        ok = ok && m->parts[i] != NULL;
+    }
+    m->tally = m->parts[0];
     m->green = calloc(1, ntp_orientation_size());
     m->rows = malloc(raster_row(m->layer) * RING);
     m->view = raster_view(m->layer, m->rows, m->layer->height);
     m->view.ring_rows = RING;
-    return m->tally != NULL && m->green != NULL && m->rows != NULL;
+    return ok && m->green != NULL && m->rows != NULL;
+}
+
+static void measure_part(void *data, int32_t index)
+{
+    measurement *m = data;
+    const int32_t rows = m->y1 - m->y0;
+    const ntp_const_image seen = ntp_image_as_const(&m->view);
+    const ntp_rect area = { 0, m->y0 + rows * index / PARTS, m->layer->width,
+                            m->y0 + rows * (index + 1) / PARTS };
+    m->status[index] =
+        area.y0 < area.y1 ? ntp_tally_add(m->parts[index], &seen, m->touch, &area) : NTP_OK;
+}
+
+static bool measure_chunk(measurement *m, int32_t y0, int32_t y1)
+{
+    bool ok = true;
+    m->y0 = y0;
+    m->y1 = y1;
+    surroundings_parallel(m->around, PARTS, measure_part, m);
+    for (int i = 0; i < PARTS; i++)
+        ok = ok && m->status[i] == NTP_OK;
+    return ok;
+}
+
+static job_status merge_parts(measurement *m)
+{
+    ntp_status status = NTP_OK;
+    for (int i = 1; i < PARTS && status == NTP_OK; i++)
+        status = ntp_tally_merge(m->tally, m->parts[i]);
+    return status == NTP_OK ? JOB_DONE : JOB_WRONG;
 }
 
 static job_status measure(measurement *m)
@@ -48,16 +89,16 @@ static job_status measure(measurement *m)
     const raster *layer = m->layer;
     const ntp_const_image seen = ntp_image_as_const(&m->view);
     int32_t oriented = 0;
-    ntp_tally_clear(m->tally);
+    for (int i = 0; i < PARTS; i++)
+        ntp_tally_clear(m->parts[i]);
     memset(m->green, 0, ntp_orientation_size());
     for (int32_t y = 0; y < layer->height; y += CHUNK) {
         const int32_t end = layer->height - y > CHUNK ? y + CHUNK : layer->height;
-        const ntp_rect area = { 0, y, layer->width, end };
         if (!surroundings_progress(m->around, (double) y / (double) layer->height))
             return JOB_CANCELLED;
         if (!layer->read(layer->user, y, end, m->rows + (size_t) (y % RING) * raster_row(layer)))
             return JOB_NO_PIXELS;
-        if (ntp_tally_add(m->tally, &seen, m->touch, &area) != NTP_OK)
+        if (!measure_chunk(m, y, end))
             return JOB_WRONG;
         const int32_t known = end == layer->height ? end : end - AHEAD;
         const ntp_rect next = { 0, oriented, layer->width, known };
@@ -67,7 +108,7 @@ static job_status measure(measurement *m)
             return JOB_WRONG;
         oriented = known;
     }
-    return JOB_DONE;
+    return merge_parts(m);
 }
 
 static ntp_encoding encoding_of(ntp_class type, int32_t channels)

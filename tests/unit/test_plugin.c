@@ -392,6 +392,41 @@ static void test_settings(void)
     assert(settings_check(p, &s) == &p->fields[FN_SCALE] && s.value[FN_SCALE] == 0);
 }
 
+static void run_backwards(void *user, int32_t count, void (*task)(void *work, int32_t index),
+                          void *work)
+{
+    (void) user;
+    for (int32_t i = count - 1; i >= 0; i--)
+        task(work, i);
+}
+
+/* The parts of a report, in any order, count what the whole picture has. */
+static void test_report_in_parts(void)
+{
+    static const surroundings AROUND = { .parallel = run_backwards, .threads = 4 };
+    static report r;
+    const settings question = { .value = { [FK_FROM] = 1 } };
+    for (int32_t height = 1; height < 300; height += 41) {
+        memory *in = memory_new(37, height, 3, NTP_TYPE_U8);
+        fill(in);
+        ntp_tally *whole = calloc(1, ntp_tally_size());
+        ntp_image view = ntp_image_packed(in->data, 37, height, 3, NTP_TYPE_U8);
+        const ntp_const_image seen = ntp_image_as_const(&view);
+        ntp_stats stats;
+        assert(whole != NULL && ntp_tally_add(whole, &seen, 0, NULL) == NTP_OK);
+        assert(ntp_tally_summarize(&stats, whole, NTP_ENCODING_STANDARD) == NTP_OK);
+        assert(report_run(&r, &question, &in->raster, NULL, &AROUND) == JOB_DONE);
+        assert(r.stats.texels == stats.texels && r.stats.z_negative == stats.z_negative);
+        assert(r.stats.standard.exact == stats.standard.exact);
+        assert(r.stats.standard.neighbor == stats.standard.neighbor);
+        assert(r.stats.xy_too_long == stats.xy_too_long && r.stats.unused == stats.unused);
+        assert(!(r.stats.angles.mean < stats.angles.mean) &&
+               !(r.stats.angles.mean > stats.angles.mean));
+        free(whole);
+        memory_free(in);
+    }
+}
+
 int main(void)
 {
     test_settings();
@@ -404,5 +439,6 @@ int main(void)
     test_preview_of_heights();
     test_preview_of_cleaning();
     test_report();
+    test_report_in_parts();
     return 0;
 }
