@@ -8,6 +8,8 @@
 
 void gegl_op_ntp_normals_from_height_register_type(GTypeModule *module);
 void gegl_op_ntp_clean_normals_register_type(GTypeModule *module);
+void gegl_op_ntp_transform_normals_register_type(GTypeModule *module);
+void gegl_op_ntp_blend_normals_register_type(GTypeModule *module);
 
 G_MODULE_EXPORT const GeglModuleInfo *gegl_module_query(GTypeModule *module);
 G_MODULE_EXPORT gboolean gegl_module_register(GTypeModule *module);
@@ -26,5 +28,7 @@ gboolean gegl_module_register(GTypeModule *module)
     bind_textdomain_codeset(GETTEXT_PACKAGE, "UTF-8");
     gegl_op_ntp_normals_from_height_register_type(module);
     gegl_op_ntp_clean_normals_register_type(module);
+    gegl_op_ntp_transform_normals_register_type(module);
+    gegl_op_ntp_blend_normals_register_type(module);
     return TRUE;
 }

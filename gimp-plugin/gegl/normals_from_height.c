@@ -124,8 +124,8 @@ property_double(light_height, _("Height of the light"), 40.0)
 
 #  include <gegl-op.h>
 
-#  include "blending.h"
 #  include "lit.h"
+#  include "output.h"
 #  include "surroundings.h"
 
 /* The menus above have the order of libntp's enumerations. */
@@ -143,34 +143,13 @@ enum {
     BLOCK_HEIGHT = 64
 };
 
-/*
- * The number that was typed.  XCF files store single precision: 7.3 is read back as 7.30000019.  A
- * number that may come from there means the decimal of up to 7 digits nearest to it, so that a
- * layer effect is the same after its file was opened again.
- */
-static gdouble as_typed(gdouble value)
-{
-    const gfloat single = (gfloat) value;
-    if ((gdouble) single != value)
-        return value;
-    for (gint digits = 6; digits <= 7; digits++) {
-        gchar format[8], text[G_ASCII_DTOSTR_BUF_SIZE];
-        g_snprintf(format, sizeof format, "%%.%dg", digits);
-        const gdouble typed =
-            g_ascii_strtod(g_ascii_formatd(text, sizeof text, format, value), NULL);
-        if ((gfloat) typed == single)
-            return typed;
-    }
-    return value;
-}
-
 static ntp_normals_options options_of(GeglOperation *operation)
 {
     const GeglProperties *o = GEGL_PROPERTIES(operation);
-    return (ntp_normals_options) { .scale = as_typed(o->scale),
-                                   .dx = as_typed(o->dx),
-                                   .dy = as_typed(o->dy),
-                                   .min_z = as_typed(o->min_z),
+    return (ntp_normals_options) { .scale = pixels_as_typed(o->scale),
+                                   .dx = pixels_as_typed(o->dx),
+                                   .dy = pixels_as_typed(o->dy),
+                                   .min_z = pixels_as_typed(o->min_z),
                                    .kernel = (ntp_kernel) o->kernel,
                                    .border_x = (ntp_border) o->border_x,
                                    .border_y = (ntp_border) o->border_y,
@@ -343,23 +322,6 @@ typedef struct job {
     guchar *heights, *normals;
 } job;
 
-/* Outputs a block of finished texels, in the form for GIMP's blending if there is one. */
-static void put(const job *j, GeglBuffer *output, const GeglRectangle *block, const guchar *first,
-                gint stride)
-{
-    if (j->format == j->out.format) {
-        gegl_buffer_set(output, block, 0, j->format, first, stride);
-        return;
-    }
-    gfloat *light = g_new(gfloat, 4 * (gsize) block->width * (gsize) block->height);
-    for (gsize y = 0; y < (gsize) block->height; y++)
-        blending_put(j->blending, j->out.channels,
-                     (const guint16 *) (gconstpointer) (first + y * (gsize) stride),
-                     light + 4 * y * (gsize) block->width, (gsize) block->width);
-    gegl_buffer_set(output, block, 0, j->format, light, GEGL_AUTO_ROWSTRIDE);
-    g_free(light);
-}
-
 static gboolean make_block(GeglOperation *operation, const job *j, GeglBuffer *input,
                            GeglBuffer *output, const GeglRectangle *block)
 {
@@ -385,7 +347,7 @@ static gboolean make_block(GeglOperation *operation, const job *j, GeglBuffer *i
     }
     const guchar *first =
         (const guchar *) dst.data + area.y0 * dst.row_stride + area.x0 * dst.pixel_stride;
-    put(j, output, block, first, (gint) dst.row_stride);
+    output_write(output, j->format, block, &j->out, first, (gint) dst.row_stride, j->blending);
     return TRUE;
 }
 
@@ -407,7 +369,7 @@ static gboolean process(GeglOperation *operation, GeglBuffer *input, GeglBuffer 
     (void) level; /* everything is made at full size */
     if (j.edges == NULL || gegl_rectangle_is_empty(j.edges))
         return TRUE;
-    j.how.scale = (j.how.scale == 0 ? s->scale : j.how.scale) * as_typed(o->strength);
+    j.how.scale = (j.how.scale == 0 ? s->scale : j.how.scale) * pixels_as_typed(o->strength);
     const gsize margin = 2 * (gsize) ntp_normals_reach(&j.how);
     const gsize most = (BLOCK_WIDTH + margin) * (BLOCK_HEIGHT + margin);
     /* The lit picture takes the place of the heights. */

@@ -96,3 +96,19 @@ ntp_image pixels_view(const pixels *p, void *data, gint width, gint height)
     view.encoding = NTP_ENCODING_HEIGHT;
     return view;
 }
+
+gdouble pixels_as_typed(gdouble value)
+{
+    const gfloat single = (gfloat) value;
+    if ((gdouble) single != value)
+        return value;
+    for (gint digits = 6; digits <= 7; digits++) {
+        gchar format[8], text[G_ASCII_DTOSTR_BUF_SIZE];
+        g_snprintf(format, sizeof format, "%%.%dg", digits);
+        const gdouble typed =
+            g_ascii_strtod(g_ascii_formatd(text, sizeof text, format, value), NULL);
+        if ((gfloat) typed == single)
+            return typed;
+    }
+    return value;
+}

@@ -33,4 +33,11 @@ pixels pixels_as_rgb(const Babl *source, gboolean alpha);
 /* A view of width x height pixels, rows without gaps, of heights or plain samples. */
 ntp_image pixels_view(const pixels *p, void *data, gint width, gint height);
 
+/*
+ * The number that was typed.  XCF files store single precision: 7.3 is read back as 7.30000019.  A
+ * number that may come from there means the decimal of up to 7 digits nearest to it, so that a
+ * layer effect is the same after its file was opened again.
+ */
+gdouble pixels_as_typed(gdouble value);
+
 #endif

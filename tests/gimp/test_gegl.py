@@ -274,6 +274,46 @@ def test_lit(gegl, ntp, channels, depth):
     assert (made == expected.astype(made.dtype) * (1 if depth == 8 else 257)).all()
 
 
+@pytest.mark.parametrize(
+    ("depth", "properties", "options"),
+    [
+        (8, ["strength=1.7"], ["--strength", "1.7"]),
+        (16, ["strength=-0.3", "flip-x=true"], ["--strength", "-0.3", "--flip", "x"]),
+        (8, ["flip-y=true"], ["--flip", "y"]),
+        (16, ["flip-x=true", "flip-y=true"], ["--rotate", "180"]),
+    ],
+)
+def test_transform(gegl, ntp, depth, properties, options):
+    normals = rough_normals(4, depth)
+    expected = ntp(normals, "transform", "--type", "standard", "--y", "up", *options)
+    assert (gegl(normals, "ntp:transform-normals", *properties, threads=4) == expected).all()
+    if properties[-1].startswith("flip"):  # a part is that part of the whole
+        crop = ["gegl:crop", "x=3", "y=2", "width=9", "height=5"]
+        part = gegl(normals, "ntp:transform-normals", *properties, *crop)
+        assert (part == expected[2:7, 3:12]).all()
+
+
+@pytest.mark.parametrize(("mode", "depth"), [("rnm", 8), ("whiteout", 16), ("udn", 8), ("rnm", 16)])
+def test_blend(gegl, run, tmp_path, mode, depth):
+    """The detail is at the pad aux; where it ends the base stays."""
+    base = rough_normals(3, depth)
+    detail = np.ascontiguousarray(rough_normals(3, depth)[::-1, ::-1])
+    pngs.write_png(tmp_path / "base.png", base)
+    pngs.write_png(tmp_path / "detail.png", detail)
+    told = ["--mode", mode, "--strength", "0.6", "--type", "standard", "--y", "up", "--detail-y", "up"]
+    done = run("blend", "base.png", "detail.png", "-o", "blended.png", "-q", *told)
+    assert done.returncode == 0, done.stderr
+    expected = pngs.read_png(tmp_path / "blended.png")[0]
+    aux = ["aux=[", "gegl:png-load", "path=detail.png", "]"]
+    operation = ["ntp:blend-normals", f"mode={mode}", "strength=0.6", *aux]
+    assert (gegl(base, *operation) == expected).all()
+    assert (gegl(base, "ntp:blend-normals") == base).all()
+    small = ["aux=[", "gegl:png-load", "path=detail.png", "gegl:crop", "width=20", "height=9", "]"]
+    expected[9:], expected[:, 20:] = base[9:], base[:, 20:]
+    operation = ["ntp:blend-normals", f"mode={mode}", "strength=0.6", *small]
+    assert (gegl(base, *operation) == expected).all()
+
+
 def test_nothing_to_do(gegl_env, tmp_path):
     """No input, an empty one, an endless one."""
     for graph in (

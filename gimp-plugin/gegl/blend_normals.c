@@ -1,0 +1,160 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * blend_normals.c - ntp:blend-normals, lays the details of one normals texture over another
+ *
+ * The same numbers as `ntp blend`.  The input is the base, the pad "aux" has the detail, in the
+ * same place.  Texels are independent.
+ */
+#include "../choices.h"
+#include "translate.h"
+
+#ifdef GEGL_PROPERTIES
+
+/* clang-format off */
+enum_start(ntp_op_blend_mode)
+    enum_value(NTP_OP_RNM, "rnm", N_("Reoriented (RNM)"))
+    enum_value(NTP_OP_WHITEOUT, "whiteout", N_("Whiteout"))
+    enum_value(NTP_OP_UDN, "udn", N_("UDN"))
+enum_end(ntp_op_blend_mode)
+
+enum_start(ntp_op_blended_encoding)
+    NTP_ENCODING_CHOICES(enum_value)
+enum_end(ntp_op_blended_encoding)
+
+enum_start(ntp_op_blended_green)
+    NTP_GREEN_CHOICES(enum_value)
+enum_end(ntp_op_blended_green)
+
+property_enum(mode, _("Mode"), ntp_op_blend_mode, ntp_op_blend_mode, NTP_OP_RNM)
+    description(_("Reoriented: as if the detail lay on the surface of the base. UDN keeps less of it on slopes"))
+property_double(strength, _("Strength"), 1.0)
+    description(_("Multiplies red and green of the detail"))
+    value_range(-1024.0, 1024.0)
+    ui_range(0.0, 10.0)
+    ui_gamma(3.0)
+    ui_steps(0.01, 0.1)
+    ui_digits(3)
+property_enum(from, _("Range of blue"), ntp_op_blended_encoding, ntp_op_blended_encoding, NTP_OP_STANDARD)
+    description(_("What the blue channel stands for"))
+property_enum(base_y, _("Green of the base points"), ntp_op_blended_green, ntp_op_blended_green, NTP_OP_UP)
+    description(_("Which way green points in the layer, and in the result"))
+property_enum(detail_y, _("Green of the detail points"), ntp_op_blended_green, ntp_op_blended_green, NTP_OP_UP)
+    description(_("Which way green points in the detail"))
+/* clang-format on */
+
+#else
+
+#  define GEGL_OP_POINT_COMPOSER
+#  define GEGL_OP_BUNDLE
+#  define GEGL_OP_NAME     ntp_blend_normals
+#  define GEGL_OP_C_SOURCE blend_normals.c
+
+#  include <gegl-op.h>
+#  include <string.h>
+
+#  include "blending.h"
+
+/* The menu has the order of libntp's enumeration. */
+G_STATIC_ASSERT((gint) NTP_OP_UDN == (gint) NTP_BLEND_UDN);
+
+/* Set by prepare(), read by the threads that process. */
+typedef struct state {
+    pixels base, detail;
+    blending *blending;
+} state;
+
+static void prepare(GeglOperation *operation)
+{
+    GeglProperties *o = GEGL_PROPERTIES(operation);
+    const Babl *source = gegl_operation_get_source_format(operation, "input");
+    const Babl *aux = gegl_operation_get_source_format(operation, "aux");
+    if (o->user_data == NULL)
+        o->user_data = g_new0(state, 1);
+    state *s = o->user_data;
+    s->base = pixels_as_rgb(source, source == NULL || babl_format_has_alpha(source));
+    s->detail = pixels_as_rgb(aux, TRUE); /* transparent where the detail ends */
+    const Babl *light =
+        blending_ahead(operation) == AHEAD_MASK ? blending_prepare(&s->blending, &s->base) : NULL;
+    gegl_operation_set_format(operation, "input", s->base.format);
+    gegl_operation_set_format(operation, "aux", s->detail.format);
+    gegl_operation_set_format(operation, "output", light != NULL ? light : s->base.format);
+}
+
+static void finalize(GObject *object)
+{
+    GeglProperties *o = GEGL_PROPERTIES(object);
+    state *s = o->user_data;
+    if (s != NULL)
+        blending_free(s->blending);
+    g_free(s);
+    o->user_data = NULL;
+    G_OBJECT_CLASS(gegl_op_parent_class)->finalize(object);
+}
+
+/* Without a detail the base is the result. */
+static gboolean make(const GeglProperties *o, guchar *in, guchar *aux, gpointer out, gint texels)
+{
+    const state *s = o->user_data;
+    const ntp_blend_options how = { .mode = (ntp_blend_mode) o->mode,
+                                    .use_strength = o->strength != 1,
+                                    .strength = pixels_as_typed(o->strength) };
+    if (aux == NULL) {
+        memcpy(out, in, (gsize) texels * (gsize) s->base.bytes);
+        return TRUE;
+    }
+    ntp_image base = pixels_view(&s->base, in, texels, 1);
+    ntp_image detail = pixels_view(&s->detail, aux, texels, 1);
+    ntp_image dst = pixels_view(&s->base, out, texels, 1);
+    base.encoding = detail.encoding = dst.encoding = (ntp_encoding) o->from;
+    base.y = dst.y = (ntp_y) o->base_y;
+    detail.y = (ntp_y) o->detail_y;
+    const ntp_const_image below = ntp_image_as_const(&base), above = ntp_image_as_const(&detail);
+    return ntp_blend(&dst, &below, &above, &how, NULL) == NTP_OK;
+}
+
+static gboolean process(GeglOperation *operation, void *in, void *aux, void *out, glong texels,
+                        const GeglRectangle *area, gint level)
+{
+    const GeglProperties *o = GEGL_PROPERTIES(operation);
+    const state *s = o->user_data;
+    const gsize bytes = (gsize) s->base.bytes;
+    const gboolean blended = s->base.format != gegl_operation_get_format(operation, "output");
+    guint16 *made = blended ? g_malloc((gsize) MIN(NTP_MAX_SIDE, texels) * bytes) : NULL;
+    gboolean ok = TRUE;
+    (void) area; /* no texel depends on its position */
+    (void) level;
+    for (glong done = 0; done < texels && ok; done += NTP_MAX_SIDE) {
+        const gint count = (gint) MIN(NTP_MAX_SIDE, texels - done);
+        guchar *detail =
+            aux == NULL ? NULL : (guchar *) aux + (gsize) done * (gsize) s->detail.bytes;
+        ok = make(o, (guchar *) in + (gsize) done * bytes, detail,
+                  blended ? (gpointer) made : (guchar *) out + (gsize) done * bytes, count);
+        if (ok && blended)
+            blending_put(s->blending, s->base.channels, made, (gfloat *) out + 4 * done,
+                         (gsize) count);
+    }
+    g_free(made);
+    return ok;
+}
+
+static void gegl_op_class_init(GeglOpClass *klass)
+{
+    GeglOperationClass *operation_class = GEGL_OPERATION_CLASS(klass);
+    GeglOperationPointComposerClass *point_class = GEGL_OPERATION_POINT_COMPOSER_CLASS(klass);
+
+    G_OBJECT_CLASS(klass)->finalize = finalize;
+    operation_class->prepare = prepare;
+    operation_class->opencl_support = FALSE;
+    point_class->process = process;
+
+    /* clang-format off */
+    gegl_operation_class_set_keys(operation_class,
+        "name", "ntp:blend-normals",
+        "title", _("Blend Normals"),
+        "categories", "generic:normal-map",
+        "description", _("Lay the details of a normals texture (normal map) over another"),
+        NULL);
+    /* clang-format on */
+}
+
+#endif
