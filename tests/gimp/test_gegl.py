@@ -300,7 +300,18 @@ def test_blend(gegl, run, tmp_path, mode, depth):
     detail = np.ascontiguousarray(rough_normals(3, depth)[::-1, ::-1])
     pngs.write_png(tmp_path / "base.png", base)
     pngs.write_png(tmp_path / "detail.png", detail)
-    told = ["--mode", mode, "--strength", "0.6", "--type", "standard", "--y", "up", "--detail-y", "up"]
+    told = [
+        "--mode",
+        mode,
+        "--strength",
+        "0.6",
+        "--type",
+        "standard",
+        "--y",
+        "up",
+        "--detail-y",
+        "up",
+    ]
     done = run("blend", "base.png", "detail.png", "-o", "blended.png", "-q", *told)
     assert done.returncode == 0, done.stderr
     expected = pngs.read_png(tmp_path / "blended.png")[0]
