@@ -60,7 +60,7 @@ G_STATIC_ASSERT((gint) NTP_OP_UDN == (gint) NTP_BLEND_UDN);
 /* Set by prepare(), read by the threads that process. */
 typedef struct state {
     pixels base, detail;
-    blending *blending;
+    const blending *blending; /* shared by all */
 } state;
 
 static void prepare(GeglOperation *operation)
@@ -83,10 +83,7 @@ static void prepare(GeglOperation *operation)
 static void finalize(GObject *object)
 {
     GeglProperties *o = GEGL_PROPERTIES(object);
-    state *s = o->user_data;
-    if (s != NULL)
-        blending_free(s->blending);
-    g_free(s);
+    g_free(o->user_data);
     o->user_data = NULL;
     G_OBJECT_CLASS(gegl_op_parent_class)->finalize(object);
 }
