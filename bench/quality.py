@@ -100,19 +100,22 @@ def side_of(pixels):
 def count(title, samples, told, green):
     """Adds to both lists what is said about the samples of one set."""
     classes, sides = tables.Answers(title), tables.Sides(title)
+    fitted = tables.Sides(f"{title}, fitted")
     for sample in samples:
         said = ntp.classify(sample.pixels, sample.encoding)
         name = sets.CLASSES[said.type]
         classes.add(sample, name, said.confidence)
         # As in `ntp check`: asked only about textures that are taken for tangent-space normals.
         if sample.y and sample.pixels.shape[2] >= 3 and name in TANGENT:
-            sides.add(sample, *side_of(sample.pixels))
+            (fitted if sample.fitted else sides).add(sample, *side_of(sample.pixels))
     print(f"{title}: {classes.rights()} of {classes.count} right", flush=True)
-    for confidence, name, is_one, called in sorted(classes.wrong + sides.wrong, reverse=True):
+    for confidence, name, is_one, called in sorted(
+        classes.wrong + sides.wrong + fitted.wrong, reverse=True
+    ):
         if confidence >= 0.9:
             print(f"  {confidence:.2f} {name}: {is_one} called {called}")
     told += [classes] if classes.count else []
-    green += [sides] if sides.count + sides.undecided else []
+    green += [one for one in (fitted, sides) if one.count + one.undecided]
 
 
 def all_tables(seed, number):
