@@ -20,6 +20,11 @@ bench() {
         NTP_BUILD=$top/build-bench python bench/quality.py "$@"
         return
     fi
+    if [ "${1:-}" = refine ]; then
+        shift
+        NTP_BUILD=$top/build-bench python bench/bench_heights_loop.py "$@"
+        return
+    fi
     python bench/run.py build-bench "$@"
     pip_install python -r bench/requirements.txt
     printf '\nHeights to normals, beside OpenCV and numpy:\n'

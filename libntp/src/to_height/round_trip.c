@@ -200,6 +200,8 @@ static double beyond(double v, int32_t level, double zero, double range, double 
                      bool *off)
 {
     double at = (v * range + zero) / 2 - level, bound = share / 2;
+    if (at <= bound && at >= -bound)
+        return 0;
     /* The lowest and the highest level stand for all values beyond them too. */
     bool low = at < 0 && level > 0, high = at > 0 && level < most;
     *off = *off || (low && at < -0.5) || (high && at >= 0.5);
@@ -214,19 +216,22 @@ static bool differentiate(const ntp__round_trip *r, const ntp__block *block, int
                           double *right, double *down, double *half)
 {
     const ntp__slopes *s = r->slopes;
-    double p = *right, d = *down, square = 1 + p * p + d * d, length = sqrt(square);
+    double p = *right, d = *down, square = 1 + p * p + d * d, z = 1 / sqrt(square);
     double sign = s->src->y == NTP_Y_UP ? 1 : -1, zero = s->zero, range = s->range;
     int32_t most = ntp__max(s->src->type);
     bool off = false;
-    double ex = beyond(-p / length, block->c[0][i], zero, range, r->inside, most, &off);
-    double ey = beyond(sign * d / length, block->c[1][i], zero, range, r->inside, most, &off),
-           ez = 0;
+    double ex = beyond(-p * z, block->c[0][i], zero, range, r->inside, most, &off);
+    double ey = beyond(sign * d * z, block->c[1][i], zero, range, r->inside, most, &off), ez = 0;
     if (r->blue && s->src->encoding == NTP_ENCODING_ZZERO)
-        ez = 2 * beyond(1 / length, block->c[2][i], 0, 2.0 * most, r->inside, most, &off);
+        ez = 2 * beyond(z, block->c[2][i], 0, 2.0 * most, r->inside, most, &off);
     else if (r->blue)
-        ez = beyond(1 / length, block->c[2][i], zero, range, r->inside, most, &off);
+        ez = beyond(z, block->c[2][i], zero, range, r->inside, most, &off);
+    if (ex == 0 && ey == 0 && ez == 0) {
+        *right = *down = 0;
+        return off;
+    }
     *half += (ex * ex + ey * ey + ez * ez) / 2;
-    double factor = range / (2 * square * length);
+    double factor = range * z / (2 * square);
     *right = factor * (-(1 + d * d) * ex - sign * p * d * ey - p * ez);
     *down = factor * (p * d * ex + sign * (1 + p * p) * ey - d * ez);
     return off;
