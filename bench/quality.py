@@ -4,7 +4,7 @@
 Generates textures of known type, as tests/test_classify.py does, and counts what the classification
 and the search for banding say about them; then makes the table of docs/classification.md.
 
-With --tables FILE it counts classes and the direction of green over five sets (quality_sets.py)
+With --tables FILE it counts classes and the direction of green over seven sets (quality_sets.py)
 instead, and writes the tables of docs/quality.md between their marks in that file.
 """
 
@@ -127,7 +127,8 @@ def all_tables(seed, number):
     count("second generator, green known", sets.drawn_sides(number, seed), [], green)
     count("other programs", sets.tools(number, seed), told, green)
     count("baked by Blender", sets.baked(), told, green)
-    count("public projects", sets.real(), told, green)
+    count("public projects", sets.real("seen"), told, green)
+    count("held-out projects", sets.real("heldout"), told, green)
     count("corpus", sets.corpus(), told, green)
     day = datetime.now(UTC).date()
     command = f"./dev bench quality --tables docs/quality.md --seed {seed} --count {number}"

@@ -120,11 +120,15 @@ def rows(path):
         return list(csv.DictReader(file))
 
 
-def real():
-    """Images of public projects: real_images.csv, in the directory that NTP_REAL names."""
+def real(which):
+    """Images of public projects: real_images.csv, in the directory that NTP_REAL names.
+
+    `which` is "seen" (the rules were written with these at hand) or "heldout" (labeled before the
+    rules were first tried on them).
+    """
     for row in rows(ROOT / "bench" / "real_images.csv") if REAL else []:
         path = Path(REAL) / row["path"]
-        if path.is_file():
+        if row["set"] == which and path.is_file():
             pixels, encoding = opened(path)
             also = {WORDS.get(w, w) for w in row["also"].split()}
             kind = WORDS.get(row["kind"], row["kind"])

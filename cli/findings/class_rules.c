@@ -16,8 +16,17 @@ static void judge_zzero(judgement *j)
              "makes it standard, --type zzero says that it is meant so");
 }
 
-/* A blue that holds something else, such as occlusion, is meant so; one that holds nothing is a
- * standard texture that lost its z, unless the name or the file says otherwise. */
+/* Does alpha hold a map, as in LabPBR?  A cutout has 0 and M, and little else. */
+static bool has_alpha_map(const ntp_stats *s)
+{
+    const uint64_t ends = s->alpha_zero + s->alpha_full;
+    return s->channels == 4 && s->channel[3].min < s->channel[3].max &&
+           ends < s->texels - s->texels / 20;
+}
+
+/* A blue that holds something else is meant so where another map is in alpha as well, as in LabPBR,
+ * or where the name says so.  Else it is a standard texture that lost its z, and whoever reads it as
+ * standard sees wrong normals. */
 static void judge_xy_only(judgement *j)
 {
     const facts *f = j->f;
@@ -25,9 +34,13 @@ static void judge_xy_only(judgement *j)
     if (f->info.channels <= 2)
         addf(j, NT006, LEVEL_INFO, f->stats.texels,
              "gray and alpha hold x and y, in this order or the other");
-    else if (!nothing || name_promises(f->in->path, false))
+    else if (name_promises(f->in->path, false) || (!nothing && has_alpha_map(&f->stats)))
         addf(j, NT006, LEVEL_INFO, f->stats.texels,
              "only red and green hold a normal; blue is not z and is not judged");
+    else if (!nothing)
+        addf(j, NT006, LEVEL_WARNING, f->stats.texels,
+             "only red and green hold a normal; blue is not their z, but noise or another map: ntp "
+             "convert --type xy --to standard computes it, --type xy says that it is meant so");
     else
         addf(
             j, NT004, LEVEL_WARNING, f->stats.texels,

@@ -36,10 +36,11 @@ const finding_spec FINDING_TABLE[FINDING_COUNT] = {
         "Blue stores z in 0..1, not in -1..1. Engines that expect standard normals read every z too small.",
         "Nothing, if your shader expects it: `--type zzero`, or zzero in the name, makes it a note. Otherwise use "
         "`ntp convert --type zzero --to standard`." },
-    [NT006] = { "NT006", "nt006", "info", "an XY-only texture",
-        "Only red and green hold a normal; blue is something else, such as ambient occlusion in LabPBR, or the name says "
-        "that it is no z.",
-        "Nothing, if your shader computes z (`--type xy`). Otherwise use `ntp convert --type xy --to standard`." },
+    [NT006] = { "NT006", "nt006", "info or warning", "an XY-only texture",
+        "Only red and green hold a normal. Blue is something else: another map, such as ambient occlusion in LabPBR, or "
+        "a z that was lost. Whoever reads it as z sees wrong normals. It is a note where that is meant: the name says so "
+        "(xy, rg, bc5), or alpha holds a map as well, as in LabPBR.",
+        "Nothing, if your shader computes z: `--type xy` says so. Otherwise use `ntp convert --type xy --to standard`." },
     [NT007] = { "NT007", "nt007", "error", "looks like a height map",
         "The picture is gray: it stores heights (a bump map), not normals.",
         "`ntp from-height --scale 10` makes normals from it, as a surface that rises 10 texels from black to white. Or "

@@ -551,7 +551,8 @@ enum {
     /* For it: */
     NTP_REASON_BLUE_IDLE = 40,  /* [mean blue, 0..1] */
     NTP_REASON_BRIGHTNESS = 41, /* [correlation of blue with red or green, the greater] */
-    NTP_REASON_NOISE = 42       /* [mean of all channels, 0..1] */
+    NTP_REASON_NOISE = 42,      /* [mean of all channels, 0..1] */
+    NTP_REASON_ZZERO_MEANS = 43 /* [ratio of mean drops of blue; 2 in 0..1] */
 };
 
 /* A fact that supports a classification, with its number. */

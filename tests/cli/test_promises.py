@@ -80,3 +80,39 @@ def test_zzero_is_a_warning_unless_promised(run, tmp_path):
         write_png(tmp_path / name, pixels.astype(np.uint8))
         [file] = files_of(run, name)
         assert file["type"] == "zzero" and levels_of(file)["NT005"] == level
+
+
+def noisy_blue(alpha=None):
+    """Red and green of bumps; blue is noise around 205, as in scanned materials after JPEG."""
+    rng = np.random.default_rng(3)
+    pixels = textures.standard(128, 128).copy()
+    pixels[..., 2] = np.clip(rng.normal(205, 18, (128, 128)), 0, 255)
+    return pixels if alpha is None else np.dstack([pixels, alpha]).astype(np.uint8)
+
+
+MAP = np.random.default_rng(4).integers(120, 250, (128, 128))
+CUTOUT = np.where(np.arange(128) % 16 < 4, 0, 255) * np.ones((128, 1))
+
+
+@pytest.mark.parametrize(
+    ("name", "alpha", "level"),
+    [
+        ("wall_n.png", None, "warning"),
+        ("wall_n.png", CUTOUT, "warning"),
+        ("wall_n.png", MAP, "info"),
+        ("wall_n_xy.png", None, "info"),
+        ("wall_n_bc5.png", None, "info"),
+    ],
+)
+def test_a_blue_that_is_not_z_is_a_warning_unless_it_is_meant(run, tmp_path, name, alpha, level):
+    write_png(tmp_path / name, noisy_blue(alpha))
+    [file] = files_of(run, name)
+    assert (file["type"], levels_of(file).get("NT006")) == ("xy", level)
+    if level == "warning":
+        [message] = [f["message"] for f in file["findings"] if f["id"] == "NT006"]
+        assert "--type xy --to standard" in message
+        done = run("convert", "--type", "xy", "--to", "standard", name, "-o", "out_n.png")
+        assert done.returncode == 0, done.stderr
+        assert files_of(run, "out_n.png")[0]["type"] == "standard"
+        [forced] = files_of(run, "--type", "xy", name)
+        assert "NT006" not in levels_of(forced)

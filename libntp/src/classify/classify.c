@@ -174,6 +174,16 @@ static bool follows_as(const question *q, double slope, double correlation, doub
            distance(q->e->blue_slope, slope) < off;
 }
 
+/* Do the means say 0..1, and lengths too?  This holds after JPEG that spoiled single texels. */
+static bool is_zzero_by_means(const question *q)
+{
+    const ntp__evidence *e = q->e;
+    double drop = ntp__blue_drop_before(e);
+    return drop > ZZERO_MEANS_LEAST && drop < ZZERO_MEANS_MOST && q->near[1] > q->near[0] &&
+           e->fit[1].length_sd < e->fit[0].length_sd && e->tilted_off[1] < e->tilted_off[0] &&
+           e->blue_correlation > ZZERO_MEANS_FOLLOWS && e->tilted_gap > ZZERO_MEANS_GAP;
+}
+
 /* Is blue stored as 0..1?  Nine of ten textures are not, so it takes more than a better fit. */
 static bool prefers_zzero(const question *q)
 {
@@ -186,7 +196,7 @@ static bool prefers_zzero(const question *q)
                      q->rounded[1] > ROUNDED_ALL || line;
         return q->rounded[1] > q->rounded[0] && clear;
     }
-    if (line)
+    if (line || is_zzero_by_means(q))
         return true;
     return e->tilted_near[1] > e->tilted_near[0] && e->tilted_near[1] > ZZERO_NEAR &&
            e->tilted_off[1] < e->tilted_off[0] && e->tilted_gap > ZZERO_GAP &&
@@ -362,10 +372,14 @@ static bool is_normals(question *q)
     else
         because(q, zzero ? NTP_REASON_NEAR_UNIT_ZZERO : NTP_REASON_NEAR_UNIT, q->near[zzero]);
     if (zzero) {
-        because(q, NTP_REASON_PREFERS_ZZERO, e->tilted_near[1]);
+        bool by_means = e->tilted_near[1] < ZZERO_NEAR;
+        if (by_means)
+            because(q, NTP_REASON_ZZERO_MEANS, ntp__blue_drop_before(e));
+        else
+            because(q, NTP_REASON_PREFERS_ZZERO, e->tilted_near[1]);
         bool line = follows_as(q, 2, ZZERO_FOLLOWS, ZZERO_SLOPE_OFF);
         if (q->rounded[1] < ROUNDED_SHARE || !(line || q->rounded[1] > ROUNDED_ALL))
-            q->out->confidence = least(sure, ZZERO_LOOSE_SURE);
+            q->out->confidence = least(sure, by_means ? ZZERO_MEANS_SURE : ZZERO_LOOSE_SURE);
         else if (e->tilted_gap < ZZERO_SURE_GAP)
             q->out->confidence = least(sure, ZZERO_SURE);
     } else if (!flipped && (e->tilted == 0 || (e->tilted_near[1] > e->tilted_near[0] &&

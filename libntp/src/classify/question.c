@@ -51,6 +51,14 @@ bool ntp__blue_is_idle(const ntp__evidence *e)
            distance(e->blue_correlation, 0) < IDLE_BLUE_FOLLOWS;
 }
 
+double ntp__blue_drop_before(const ntp__evidence *e)
+{
+    const double *sd = e->used_sd, *alike = e->correlation;
+    double slopes = sd[0] * sd[0] + sd[1] * sd[1];
+    double brightness = most(0, (alike[1] * sd[0] + alike[2] * sd[1]) * sd[2] / 2);
+    return slopes > 0 ? e->blue_drop * slopes / (slopes + LOST_SLOPES * brightness) : 1;
+}
+
 double ntp__blue_alike(const ntp__evidence *e)
 {
     double others = most(e->used_sd[0], e->used_sd[1]);

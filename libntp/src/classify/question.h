@@ -72,6 +72,10 @@ bool ntp__is_noise(const ntp__evidence *e);
 /* Does blue hold nothing: constant, or near an end whatever the z of red and green is? */
 bool ntp__blue_is_idle(const ntp__evidence *e);
 
+/* How far the mean blue lies below M, over how far that of the derived blue does, as before JPEG:
+ * 1 for standard, 2 for Z-zero. */
+double ntp__blue_drop_before(const ntp__evidence *e);
+
 /* How closely blue varies with red or green themselves, whatever the sign; 0 where it varies
  * little. */
 double ntp__blue_alike(const ntp__evidence *e);

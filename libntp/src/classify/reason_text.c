@@ -60,6 +60,9 @@ static const char *const TEXTS[] = {
     "blue hardly varies around % of its range, and not with the z of red and green",
     "blue varies with red or green, with a correlation of #, as the colors of a picture do",
     "red, green and blue are spread alike around % of their range, as noise is",
+    ("on average blue lies # times as far below its end as the z of red and green does in -1..1; "
+     "it "
+     "is 2 times in 0..1"),
 };
 
 typedef struct buffer {

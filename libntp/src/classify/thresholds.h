@@ -180,6 +180,20 @@ static const double ZZERO_NEAR = 0.5, ZZERO_SLOPE = 1.5, ZZERO_GAP = 3;
 static const double ZZERO_WIDE_GAP = 6, ZZERO_GENTLE_FOLLOWS = 0.9;
 static const double ZZERO_FOLLOWS = 0.97, ZZERO_SLOPE_OFF = 0.2;
 
+/*
+ * JPEG keeps means.  So the mean blue lies as far below M as the mean of the derived blue does, or
+ * twice as far (Z-zero), whatever became of single texels.  But red and green lose slopes, and the
+ * derived blue rises, where colors have half the size: fine detail of all channels is stored as one
+ * brightness L = 0.299 x + 0.587 y.  Of two slopes of equal variance v it has 0.43 v, so what red
+ * and green lost is (2 - 2 * 0.43) / 0.43 = 2.6 times the variance of L, which shows in blue as its
+ * covariance with red and green.  With that put back, standard textures have 0.9 to 1.5 after JPEG
+ * and resizing, and Z-zero has 1.65 to 2.5.  An occlusion has any ratio, but does not follow z, and
+ * lengths are near 1 as -1..1 rather than as 0..1.  One standard texture of 189, after JPEG of
+ * quality 60, is taken for Z-zero.
+ */
+static const double ZZERO_MEANS_LEAST = 1.55, ZZERO_MEANS_MOST = 2.7, LOST_SLOPES = 2.6;
+static const double ZZERO_MEANS_FOLLOWS = 0.3, ZZERO_MEANS_GAP = 2, ZZERO_MEANS_SURE = 0.75;
+
 /* An encoder that truncates lowers a standard blue by up to a level.  Where the two blues lie less
  * than two levels apart, the result may be either. */
 static const double ZZERO_SURE_GAP = 2, ZZERO_SURE = 0.85;
