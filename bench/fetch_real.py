@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: MIT
 """Fills a directory with the images that bench/real_images.csv lists.
 
-fetch_real.py DIRECTORY [--clones DIRECTORY] takes each image from a local clone, bare or not, and
-keeps it only if its SHA-256 is the listed one.  A clone of github.com/OWNER/NAME is looked for as
-OWNER+NAME or OWNER/NAME below --clones.  Without --clones, what is missing is only named.  The
-images belong to their projects, so they are not part of this repository.
+fetch_real.py DIRECTORY [--clones DIRECTORY] [--from URL] takes each image from a clone, bare or
+not, and keeps it only if its SHA-256 is the listed one.  A clone of OWNER/NAME is looked for as
+OWNER+NAME or OWNER/NAME below --clones.  With --from, what is not there is cloned from
+URL/OWNER/NAME, for example https://github.com; else it is only named.  The images belong to their
+projects, so they are not part of this repository.
 """
 
 import argparse
@@ -59,8 +60,16 @@ def clone_of(clones, repo):
     return None
 
 
-def listed():
-    with LIST.open(newline="", encoding="utf-8") as file:
+def cloned(url, clones, repo):
+    """A new bare clone of URL/OWNER/NAME, or None."""
+    target = clones / repo.replace("/", "+")
+    target.parent.mkdir(parents=True, exist_ok=True)
+    words = ["git", "clone", "--quiet", "--bare", f"{url.rstrip('/')}/{repo}", str(target)]
+    return target if subprocess.run(words, check=False).returncode == 0 else None
+
+
+def listed(path):
+    with path.open(newline="", encoding="utf-8") as file:
         return list(csv.DictReader(file))
 
 
@@ -68,15 +77,16 @@ def whole(path, row):
     return path.is_file() and hashlib.sha256(path.read_bytes()).hexdigest() == row["sha256"]
 
 
-def bring(row, target, clones):
+def bring(row, target, clone):
     """Writes one image; why that was not possible, or None."""
-    clone = clone_of(clones, row["repo"]) if clones else None
     if clone is None:
-        return f"no clone of https://github.com/{row['repo']}"
+        return f"no clone of {row['repo']}"
     try:
         data = read(clone, row["commit"], row["repo_path"])
-    except (subprocess.CalledProcessError, ValueError, KeyError, IndexError):
-        return "not in the clone"
+    except subprocess.CalledProcessError:
+        return f"commit {row['commit'][:12]} of the clone does not have it"
+    except (ValueError, KeyError, IndexError):
+        return "its GLB file does not have it"
     if hashlib.sha256(data).hexdigest() != row["sha256"]:
         return "another checksum"
     target.parent.mkdir(parents=True, exist_ok=True)
@@ -87,14 +97,21 @@ def bring(row, target, clones):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("directory", type=Path)
-    parser.add_argument("--clones", type=Path)
+    parser.add_argument("--clones", type=Path, help="default: .clones in the directory")
+    parser.add_argument("--from", dest="url", help="clones what is missing from URL/OWNER/NAME")
+    parser.add_argument("--list", type=Path, default=LIST, help="default: %(default)s")
     arguments = parser.parse_args()
-    rows, missing = listed(), 0
+    clones = arguments.clones or arguments.directory / ".clones"
+    rows, missing, known = listed(arguments.list), 0, {}
     for row in rows:
-        target = arguments.directory / row["path"]
+        target, repo = arguments.directory / row["path"], row["repo"]
         if whole(target, row):
             continue
-        why = bring(row, target, arguments.clones)
+        if repo not in known:
+            known[repo] = clone_of(clones, repo)
+            if known[repo] is None and arguments.url:
+                known[repo] = cloned(arguments.url, clones, repo)
+        why = bring(row, target, known[repo])
         if why:
             missing += 1
             print(f"{row['path']}: {why}", file=sys.stderr)

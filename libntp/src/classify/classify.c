@@ -175,13 +175,21 @@ static bool follows_as(const question *q, double slope, double correlation, doub
 }
 
 /* Do the means say 0..1, and lengths too?  This holds after JPEG that spoiled single texels. */
-static bool is_zzero_by_means(const question *q)
+static bool may_be_zzero(const question *q)
 {
     const ntp__evidence *e = q->e;
     double drop = ntp__blue_drop_before(e);
     return drop > ZZERO_MEANS_LEAST && drop < ZZERO_MEANS_MOST && q->near[1] > q->near[0] &&
            e->fit[1].length_sd < e->fit[0].length_sd && e->tilted_off[1] < e->tilted_off[0] &&
            e->blue_correlation > ZZERO_MEANS_FOLLOWS && e->tilted_gap > ZZERO_MEANS_GAP;
+}
+
+static bool is_zzero_by_means(const question *q)
+{
+    const ntp__evidence *e = q->e;
+    return may_be_zzero(q) && e->blue_slope > ZZERO_MEANS_SLOPE &&
+           e->tilted_off[1] < ZZERO_MEANS_OFF * e->tilted_off[0] &&
+           e->tilted_gap > ZZERO_MEANS_CLEAR;
 }
 
 /* Is blue stored as 0..1?  Nine of ten textures are not, so it takes more than a better fit. */
@@ -386,6 +394,9 @@ static bool is_normals(question *q)
                                                e->blue_slope > ZZERO_SLOPE))) {
         because(q, NTP_REASON_UNDECIDED_ZZERO, 0);
         q->out->confidence = least(sure, EITHER_Z_SURE);
+    } else if (!flipped && q->unit[0] < UNIT_SHARE && may_be_zzero(q)) {
+        because(q, NTP_REASON_ZZERO_MEANS, ntp__blue_drop_before(e));
+        q->out->confidence = least(sure, MAY_BE_ZZERO_SURE);
     }
     if (flipped) {
         q->out->accidents |= NTP_ACCIDENT_Z_FLIPPED;

@@ -186,13 +186,19 @@ static const double ZZERO_FOLLOWS = 0.97, ZZERO_SLOPE_OFF = 0.2;
  * derived blue rises, where colors have half the size: fine detail of all channels is stored as one
  * brightness L = 0.299 x + 0.587 y.  Of two slopes of equal variance v it has 0.43 v, so what red
  * and green lost is (2 - 2 * 0.43) / 0.43 = 2.6 times the variance of L, which shows in blue as its
- * covariance with red and green.  With that put back, standard textures have 0.9 to 1.5 after JPEG
- * and resizing, and Z-zero has 1.65 to 2.5.  An occlusion has any ratio, but does not follow z, and
- * lengths are near 1 as -1..1 rather than as 0..1.  One standard texture of 189, after JPEG of
- * quality 60, is taken for Z-zero.
+ * covariance with red and green.  With that put back, drawn standard textures have 0.9 to 1.5 after
+ * JPEG and resizing, and Z-zero has 1.65 to 2.5.  An occlusion has any ratio, but does not follow z,
+ * and lengths are near 1 as -1..1 rather than as 0..1.
  */
 static const double ZZERO_MEANS_LEAST = 1.55, ZZERO_MEANS_MOST = 2.7, LOST_SLOPES = 2.6;
 static const double ZZERO_MEANS_FOLLOWS = 0.3, ZZERO_MEANS_GAP = 2, ZZERO_MEANS_SURE = 0.75;
+
+/* Standard textures that were blurred without normalizing have such a ratio as well.  Then blue
+ * hardly rises faster than the derived one (1.3 times at most on public images), or hardly fits 0..1
+ * better (0.94 times as far off at least).  So where neither is clear, all that the ratio says is
+ * that it may be either. */
+static const double ZZERO_MEANS_SLOPE = 1.4, ZZERO_MEANS_OFF = 0.9, ZZERO_MEANS_CLEAR = 4;
+static const double MAY_BE_ZZERO_SURE = 0.7;
 
 /* An encoder that truncates lowers a standard blue by up to a level.  Where the two blues lie less
  * than two levels apart, the result may be either. */
