@@ -160,7 +160,7 @@ static GimpValueArray *run(GimpProcedure *pdb, GimpRunMode mode, GimpImage *imag
 static GList *query_procedures(GimpPlugIn *plug_in)
 {
     GList *names = NULL;
-    gimp_plug_in_add_menu_branch(plug_in, PLUGIN_MENU_IN, N_("Normal Map"));
+    (void) plug_in;
     for (int i = 0; i < PROCEDURE_COUNT; i++)
         names = g_list_append(names, g_strdup(procedures[i].name));
     return names;
@@ -174,7 +174,10 @@ static void describe(GimpProcedure *made, const procedure *p)
     gimp_procedure_set_attribution(made, PLUGIN_AUTHORS, PLUGIN_COPYRIGHT, PLUGIN_DATE);
     if (p->in_gimp3.menu != NULL) {
         gimp_procedure_set_menu_label(made, _(p->in_gimp3.menu));
-        gimp_procedure_add_menu_path(made, PLUGIN_MENU);
+        /* GIMP 3 shows a submenu that it does not have by the name in the path. */
+        gchar *path = g_strconcat(PLUGIN_MENU_IN "/", _("Normal Map"), NULL);
+        gimp_procedure_add_menu_path(made, path);
+        g_free(path);
     }
 }
 
