@@ -417,5 +417,17 @@ def test_effects_to_height(gimp, raw):
     assert gimp.results["seen-height"]["filters"] == 0
 
 
+def test_uninstall_leaves_nothing(gimp):
+    """Of an installation into a new directory."""
+    place = gimp.work / "place"
+    script = f"""meson install -C /build --no-rebuild --tags gimp,i18n --destdir {gimp.inside}/place
+        test -n "$(find {gimp.inside}/place -type f)"
+        ninja -C /build uninstall"""
+    command = ["chroot", gimp.chroot, "env", "-i", "PATH=/usr/bin:/bin", "LANG=C.UTF-8"]
+    root = [] if os.geteuid() == 0 else ["sudo", "-n"]
+    subprocess.run([*root, *command, "sh", "-ec", script], check=True, capture_output=True)
+    assert not [path for path in place.rglob("*") if path.name.startswith(("ntp", "libntp"))]
+
+
 def test_no_complaints(gimp):
     assert gimp.complaints == []
