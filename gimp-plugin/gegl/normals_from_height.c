@@ -168,13 +168,17 @@ typedef struct state {
     gboolean measured; /* the scale that suits the layer, and what it depends on */
     gdouble scale;
     ntp_normals_options of;
+    const Babl *of_format; /* the luminance is read as red of another format */
     GeglRectangle edges;
 } state;
 
-static gboolean is_measured(const state *s, const ntp_normals_options *how,
+static gboolean is_measured(GeglOperation *operation, const ntp_normals_options *how,
                             const GeglRectangle *edges)
 {
-    return s->measured && s->of.kernel == how->kernel && s->of.source == how->source &&
+    const state *s = GEGL_PROPERTIES(operation)->user_data;
+    return s != NULL && s->measured &&
+           s->of_format == gegl_operation_get_format(operation, "input") &&
+           s->of.kernel == how->kernel && s->of.source == how->source &&
            s->of.border_x == how->border_x && s->of.border_y == how->border_y &&
            s->of.dx == how->dx && s->of.dy == how->dy && gegl_rectangle_equal(&s->edges, edges);
 }
@@ -244,11 +248,10 @@ static GeglRectangle inside(GeglOperation *operation, const GeglRectangle *area)
 static GeglRectangle get_required_for_output(GeglOperation *operation, const gchar *pad,
                                              const GeglRectangle *area)
 {
-    const state *s = GEGL_PROPERTIES(operation)->user_data;
     const GeglRectangle *all = all_of(operation);
     const ntp_normals_options how = options_of(operation);
     (void) pad;
-    if (all != NULL && !(s != NULL && is_measured(s, &how, all)))
+    if (all != NULL && !is_measured(operation, &how, all))
         return *all;
     return inside(operation, area);
 }
@@ -292,7 +295,7 @@ static void measure(GeglOperation *operation, GeglBuffer *input)
     state *s = GEGL_PROPERTIES(operation)->user_data;
     const GeglRectangle *edges = all_of(operation);
     const ntp_normals_options how = options_of(operation);
-    if (s == NULL || input == NULL || edges == NULL || is_measured(s, &how, edges))
+    if (s == NULL || input == NULL || edges == NULL || is_measured(operation, &how, edges))
         return;
     const pixels in = pixels_of(gegl_operation_get_format(operation, "input"));
     const gsize rows = 1 + 2 * (gsize) ntp_normals_reach(&how);
@@ -302,6 +305,7 @@ static void measure(GeglOperation *operation, GeglBuffer *input)
         measure_row(relief, &how, &in, input, edges, y, data);
     s->scale = ntp_relief_scale(relief);
     s->of = how;
+    s->of_format = in.format;
     s->edges = *edges;
     s->measured = TRUE;
     g_free(relief);

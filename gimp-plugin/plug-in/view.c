@@ -59,16 +59,20 @@ static void fit(view *v)
 
 /* ---------------------------------------------------------------------------- rendering */
 
+/* Another layer's heights, the luminance of that or of the layer, or NULL: the layer itself. */
 static const raster *other_heights(view *v)
 {
-    const gint32 id = v->procedure == &procedures[PROCEDURE_NORMALS]
-                          ? (gint32) v->settings.value[FN_HEIGHT_LAYER]
-                          : -1;
-    if (id != v->heights_id) {
+    const gboolean normals = v->procedure == &procedures[PROCEDURE_NORMALS];
+    const gint32 id = normals ? (gint32) v->settings.value[FN_HEIGHT_LAYER] : -1;
+    const gboolean luminance = normals && normals_job_from(&v->settings).luminance;
+    if (id != v->heights_id || luminance != v->luminance) {
         host_close(&v->heights);
         v->heights_id = id;
+        v->luminance = luminance;
         v->scale.known = false;
-        if (host_is_layer(id))
+        if (luminance)
+            host_open_luminance(&v->heights, host_is_layer(id) ? id : v->layer.id);
+        else if (host_is_layer(id))
             host_open(&v->heights, id);
     }
     return v->heights.buffer != NULL ? &v->heights.raster : NULL;

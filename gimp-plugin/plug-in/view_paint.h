@@ -17,7 +17,8 @@ typedef struct view {
     settings settings;
     host_layer layer, heights;
     gint32 heights_id;
-    report found; /* for cleaning: what the layer is, and the method for it */
+    gboolean luminance; /* heights are that */
+    report found;       /* for cleaning: what the layer is, and the method for it */
     gboolean looked;
     settings question; /* that it answers */
     ntp_light light;
