@@ -25,6 +25,12 @@ bench() {
         NTP_BUILD=$top/build-bench python bench/bench_heights_loop.py "$@"
         return
     fi
+    if [ "${1:-}" = heights ]; then
+        shift
+        pip_install python -r bench/requirements.txt
+        NTP_BUILD=$top/build-bench python bench/bench_heights.py "$@"
+        return
+    fi
     python bench/run.py build-bench "$@"
     pip_install python -r bench/requirements.txt
     printf '\nHeights to normals, beside OpenCV and numpy:\n'

@@ -38,6 +38,9 @@ def _look(source: NDArray[Any], type: Type, threads: int) -> Orientation | None:
     return detect_orientation(source, type=type, threads=threads)
 
 
+_ROWS = 64
+
+
 def find(source: NDArray[Any], type: Type, threads: int) -> Y | None:
     """As the texels show, where that is sure."""
     found = _look(source, type, threads)
@@ -54,6 +57,18 @@ def _levels(source: NDArray[Any], type: Type) -> tuple[NDArray[np.int64], int]:
 
 def slopes(source: NDArray[Any], type: Type, touch_unused: bool = False) -> tuple[bool, bool]:
     """Is x, is y of any used texel not 0, as nearly as the depth can say it?"""
+    # What counts as 0 in 16 bit depends on all texels; in 8 bit the first rows are mostly enough.
+    rows = _ROWS if source.dtype == np.uint8 else max(len(source), 1)
+    x = y = False
+    for first in range(0, len(source), rows):
+        found = _slopes(source[first : first + rows], type, touch_unused)
+        x, y = x or found[0], y or found[1]
+        if x and y:
+            break
+    return x, y
+
+
+def _slopes(source: NDArray[Any], type: Type, touch_unused: bool) -> tuple[bool, bool]:
     level, m = _levels(source, type)
     used = np.ones(level.shape[:2], bool)
     if not touch_unused and type != "vector":

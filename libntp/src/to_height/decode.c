@@ -40,7 +40,7 @@ static const double most_error = 9;
 /* Of normals whose blue is something else, x and y are as long as they were.  Damage makes some of
  * them too long.  Where they are nearly 1 long, a z that is derived from them is nearly 0, and the
  * slope has no limit. */
-static const double damaged_share = 5e-5;
+static const double damaged_share = 2e-5;
 
 /* And z^2 does not follow 1 - x^2 - y^2 then: the slope of the line through both, 1 where blue is z
  * with errors, is below this. */
