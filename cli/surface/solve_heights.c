@@ -116,6 +116,30 @@ static ntp_status try_borders(ntp_border_fit found[2], worker *w, const ntp_imag
     return NTP_OK;
 }
 
+/* Is the texture told to tile, and are heights that tile right?  Then no other border is better. */
+static bool tiles_well(ntp_border_fit found[2], worker *w, const ntp_image *heights,
+                       const ntp_const_image *src, const ntp_height_options *how,
+                       const bool fixed[2], const ntp_seam seams[2], stretch part,
+                       ntp_status *status)
+{
+    ntp_height_options with = *how;
+    ntp_border *const border[2] = { &with.border_x, &with.border_y };
+    for (int i = 0; i < 2; i++) {
+        if (!fixed[i] && !seams[i].wraps)
+            return false;
+        *border[i] = fixed[i] ? *border[i] : NTP_BORDER_WRAP;
+    }
+    with.residual_scope = NTP_RESIDUAL_ALL;
+    const double residual = residual_with(w, heights, src, &with, part, status);
+    if (!(residual >= 0 && residual <= FITS_WELL))
+        return false;
+    for (int i = 0; i < 2; i++) {
+        found[i].border = NTP_BORDER_WRAP;
+        found[i].decided = 1;
+    }
+    return true;
+}
+
 ntp_status heights_find_borders(ntp_border_fit found[2], worker *w, const ntp_image *heights,
                                 const ntp_const_image *src, const ntp_height_options *how,
                                 const bool fixed[2], const ntp_seam seams[2], stretch part)
@@ -129,7 +153,11 @@ ntp_status heights_find_borders(ntp_border_fit found[2], worker *w, const ntp_im
     first.residual_scope = NTP_RESIDUAL_NONE;
     first.border_x = fixed[0] ? how->border_x : unknown;
     first.border_y = fixed[1] ? how->border_y : unknown;
-    ntp_status status = heights_solve(w, heights, src, &first, slice(part, 0, 3), NULL);
+    ntp_status status = NTP_OK;
+    if (tiles_well(found, w, heights, src, &first, fixed, seams, slice(part, 0, 6), &status) ||
+        status == NTP_ERR_CANCELLED)
+        return status;
+    status = heights_solve(w, heights, src, &first, slice(part, 1, 6), NULL);
     if (status != NTP_OK)
         return status == NTP_ERR_CANCELLED ? status : NTP_OK;
     for (int i = 0; i < 2; i++)

@@ -53,7 +53,7 @@ static void choose_kernel(to_height_state *st, const to_height_settings *set)
         return;
     ntp_find_kernel(&found, &st->src, st->how.touch_unused);
     st->how.kernel = found.kernel;
-    st->kernel_by = found.decided || found.kernel != NTP_KERNEL_CENTRAL ? BY_TEXELS : BY_DEFAULT;
+    st->kernel_by = found.decided ? BY_TEXELS : BY_DEFAULT;
 }
 
 /*

@@ -30,12 +30,10 @@ def find_kernel(src: Any, touch_unused: int) -> int:
     return int(origin.kernel)
 
 
-def _residual(solver: Solver, how: Any, src: Any, slot: int) -> float:
+def _residual(solver: Solver, how: Any, src: Any, begin: float, end: float) -> float:
     """In levels of 8 bit; -1: these borders cannot be solved."""
     result = ffi.new("ntp_height_result *")
-    step = 0.35 / (1 + 2 * len(_TRIED))
-    begin = 0.15 + step * slot
-    status = solver.solve(how, result, begin, begin + step)
+    status = solver.solve(how, result, begin, end)
     if status == Status.CANCELLED:
         raise CancelledError("height_from_normals: cancelled")
     if status != Status.OK:
@@ -48,25 +46,40 @@ def _try_borders(
     first: Any, found: list[int], open_: tuple[bool, bool], fixed: Any, src: Any, solver: Solver
 ) -> None:
     """Solves with other borders on the axes that are open, and changes `found` to the best."""
+    step = 0.35 / (1 + 2 * len(_TRIED))
     how = ffi.new("ntp_height_options *", first[0])
     how.residual_scope = lib.NTP_RESIDUAL_ALL
     names = ("border_x", "border_y")
     for i, name in enumerate(names):
         if not fixed[i]:
             setattr(how, name, found[i])
-    least = _residual(solver, how, src, 0)
+    least = _residual(solver, how, src, 0.15, 0.15 + step)
     if not least > _FITS_WELL:
         return
     for i, name in enumerate(names):
         for k, border in enumerate(_TRIED if open_[i] else ()):
             before = getattr(how, name)
             setattr(how, name, border)
-            residual = _residual(solver, how, src, 1 + i * len(_TRIED) + k)
+            begin = 0.15 + step * (1 + i * len(_TRIED) + k)
+            residual = _residual(solver, how, src, begin, begin + step)
             if 0 <= residual < _CLEARLY_BETTER * least:
                 least = residual
             else:
                 setattr(how, name, before)
         found[i] = getattr(how, name)
+
+
+def _tiles_well(first: Any, fixed: Any, wraps: Any, src: Any, solver: Solver) -> bool:
+    """Is the texture told to tile, and are heights that tile right?  Then no other border is
+    better."""
+    if not all(fixed[i] or wraps[i] for i in (0, 1)):
+        return False
+    how = ffi.new("ntp_height_options *", first[0])
+    how.residual_scope = lib.NTP_RESIDUAL_ALL
+    for i, name in enumerate(("border_x", "border_y")):
+        if not fixed[i]:
+            setattr(how, name, _WRAP)
+    return 0 <= _residual(solver, how, src, 0.0, 0.07) <= _FITS_WELL
 
 
 def choose_borders(
@@ -92,7 +105,9 @@ def choose_borders(
         first.refine = first.detrend = first.residual_scope = 0
         first.border_x = how.border_x if fixed[0] else free
         first.border_y = how.border_y if fixed[1] else free
-        status = solver.solve(first, ffi.NULL, 0.0, 0.15)
+        if _tiles_well(first, fixed, wraps, src, solver):
+            return True  # how has them already
+        status = solver.solve(first, ffi.NULL, 0.07, 0.15)
         if status == Status.CANCELLED:
             raise CancelledError("height_from_normals: cancelled")
         fits = ffi.new("ntp_border_fit[2]")

@@ -62,7 +62,8 @@ static const float LARGE_SQUARE = 100;
 /* A misfit of 1 is that of rounding alone.  A kernel is decided only between these two.  Below the
  * least one, so few levels occur that rounding is no noise. */
 static const double MOST_MISFIT = 1.2, LEAST_MISFIT = 0.85;
-/* Every other kernel must fit worse by this factor.  `baked` fits slopes that a wide kernel made
+/* Every other kernel must fit worse by this factor, also than rounding alone: on smooth ground
+ * neighbors share rounding errors, which takes most from the misfit of `forward`.  `baked` fits slopes that a wide kernel made
  * nearly as well as the kernel itself, so it has to be clearer. */
 static const double CLEARLY = 1.15, CLEARLY_BAKED = 1.5;
 /* The answer is central unless another kernel fits better by this factor, and not too badly
@@ -281,7 +282,8 @@ ntp_status ntp_find_kernel(ntp_kernel_fit *fit, const ntp_const_image *src, uint
         fit->misfit[CANDIDATE[i].kernel] = misfit[i];
     }
     int32_t best = best_of(misfit, -1), next = best_of(misfit, best), last = CANDIDATES - 1;
-    if (misfit[best] <= USABLE_MISFIT && misfit[0] > BETTER * misfit[best])
+    double least = misfit[best] > 1 ? misfit[best] : 1;
+    if (misfit[best] <= USABLE_MISFIT && misfit[0] > BETTER * least)
         fit->kernel = CANDIDATE[best].kernel;
     bool fits = misfit[best] <= MOST_MISFIT && misfit[best] >= LEAST_MISFIT;
     double clearly = best == last ? CLEARLY_BAKED : CLEARLY;
@@ -291,7 +293,7 @@ ntp_status ntp_find_kernel(ntp_kernel_fit *fit, const ntp_const_image *src, uint
         rest[last] = misfit[best] * 1e9;
         next = best_of(rest, best);
     }
-    fit->decided = fits && misfit[next] >= clearly * misfit[best];
+    fit->decided = fits && misfit[next] >= clearly * least;
     if (fit->decided)
         fit->kernel = CANDIDATE[best].kernel;
     return NTP_OK;

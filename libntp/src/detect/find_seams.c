@@ -5,7 +5,9 @@
  * There are two questions for each axis.  Closure: the slopes along a row add up to the height at
  * its end less that at its beginning.  In a texture that tiles this is 0 up to rounding, whose size
  * is known.  Jump: the step from the last texel to the first has to be like the steps inside.
- * Sampled rows are asked.  Columns are the rows of the transposed image.
+ * Compression and noise spoil the sums.  So there is a third question: do the slopes before and after
+ * the seam differ as little as those around a place inside?  Sampled rows are asked.  Columns are
+ * the rows of the transposed image.
  */
 #include "base/view.h"
 #include "texel/level.h"
@@ -14,7 +16,10 @@
 
 enum {
     MOST_LINES = 128,
-    LEAST_TEXELS = 16 /* of a line; and the least number of lines */
+    LEAST_TEXELS = 16, /* of a line; and the least number of lines */
+    WINDOWS = 3,       /* means of 1, 2 and 4 slopes on each side */
+    WIDEST = 4,
+    PLACES = 8 /* from place to place: edges of the blocks of JPEG, as the seam is one */
 };
 
 /* Closure as a share of the height differences within a line. */
@@ -26,6 +31,10 @@ static const double LEAST_RANK = 0.2;
 /* It is certainly a seam if the step is large, and in most lines the largest of all.  (An edge of
  * bricks or planks at the border of the picture is large too, but so are the others.) */
 static const double SEAM_JUMP = 3, SEAM_LARGEST = 0.6, SEAM_CLOSURE = 0.3;
+/* Slopes continue across a seam if they differ by no more than this, in units of their difference
+ * inside.  It tells nothing unless slopes inside differ far less than those of two places that have
+ * nothing to do with each other.  The closure is spoiled by damage, but not as by a seam. */
+static const double MOST_SEAM = 1.5, MOST_INSIDE = 0.5, MOST_DAMAGED_CLOSURE = 0.6;
 /* Heights must vary by so many times the variance that rounding gives them, or they tell
  * nothing. */
 static const double LEAST_SIGNAL = 4;
@@ -34,12 +43,16 @@ static const double STEEPEST = 8;
 
 /* Sums over lines. */
 typedef struct axis_sums {
-    double full, full2;   /* sums of slopes of a line, and their squares */
-    double variance;      /* of the heights along a line */
-    double noise;         /* expected variance of a line's sum */
-    double jump, inside;  /* step at the seam; mean of the steps inside */
-    double rank;          /* share of steps inside that are larger */
-    int32_t largest;      /* lines in which no step inside is larger */
+    double full, full2;  /* sums of slopes of a line, and their squares */
+    double variance;     /* of the heights along a line */
+    double noise;        /* expected variance of a line's sum */
+    double jump, inside; /* step at the seam; mean of the steps inside */
+    double rank;         /* share of steps inside that are larger */
+    int32_t largest;     /* lines in which no step inside is larger */
+    /* for each window: squares of differences at the seam and inside; sums of means and of their
+     * squares */
+    double seam[WINDOWS], within[WINDOWS], mean[WINDOWS][2], mean2[WINDOWS];
+    double places;        /* inside */
     int32_t lines, asked; /* lines used, and lines looked at */
 } axis_sums;
 
@@ -81,18 +94,65 @@ static double size(double v)
     return v < 0 ? -v : v;
 }
 
+/* Slopes at both ends of a line, in order: those at the end first. */
+typedef struct ends {
+    double p[2 * WIDEST], q[2 * WIDEST];
+} ends;
+
 /* Reads the two ends of the line; false: one of them is no normal. */
-static bool read_ends(double ends[2][2], line *l, const ntp_const_image *src, uint32_t touch,
-                      int32_t along, int32_t y)
+static bool read_ends(ends *e, line *l, const ntp_const_image *src, uint32_t touch, int32_t along,
+                      int32_t y)
 {
-    for (int32_t end = 0; end < 2; end++) {
-        read_line(l, src, touch, along, end == 0 ? 0 : src->width - 1, y, 1);
-        if (l->bad[0])
+    for (int32_t first = 0; first < 2; first++) {
+        read_line(l, src, touch, along, first ? 0 : src->width - WIDEST, y, WIDEST);
+        if (l->bad[first ? 0 : WIDEST - 1])
             return false;
-        ends[end][0] = l->p[1];
-        ends[end][1] = l->q[1];
+        memcpy(e->p + first * WIDEST, l->p + 1, WIDEST * sizeof *e->p);
+        memcpy(e->q + first * WIDEST, l->q + 1, WIDEST * sizeof *e->q);
     }
     return true;
+}
+
+static double mean_of(const double *v, int32_t n)
+{
+    double sum = 0;
+    for (int32_t i = 0; i < n; i++)
+        sum += v[i];
+    return sum / n;
+}
+
+/* The square of the difference of the means of n slopes before and after p, q. */
+static double difference2(const double *p, const double *q, int32_t n)
+{
+    double x = mean_of(p, n) - mean_of(p - n, n), y = mean_of(q, n) - mean_of(q - n, n);
+    return x * x + y * y;
+}
+
+static void add_windows(axis_sums *s, const line *l, int32_t n)
+{
+    for (int32_t i = PLACES; i + WIDEST <= n; i += PLACES) {
+        const double *p = l->p + 1 + i, *q = l->q + 1 + i;
+        s->places++;
+        for (int32_t k = 0; k < WINDOWS; k++) {
+            double x = mean_of(p, 1 << k), y = mean_of(q, 1 << k);
+            s->within[k] += difference2(p, q, 1 << k);
+            s->mean[k][0] += x;
+            s->mean[k][1] += y;
+            s->mean2[k] += x * x + y * y;
+        }
+    }
+}
+
+/* Do slopes go on across the seam as inside? */
+static bool continues(const axis_sums *s)
+{
+    for (int32_t k = 0; k < WINDOWS && s->places > 0; k++) {
+        double n = s->places, x = s->mean[k][0] / n, y = s->mean[k][1] / n;
+        double inside = s->within[k] / n, apart = 2 * (s->mean2[k] / n - x * x - y * y);
+        if (inside <= MOST_INSIDE * apart && s->seam[k] / s->lines <= MOST_SEAM * inside)
+            return true;
+    }
+    return false;
 }
 
 static void find_steps(line *l, int32_t n)
@@ -109,20 +169,22 @@ static void find_steps(line *l, int32_t n)
 static void add_line(axis_sums *s, line *l, const ntp_const_image *src, uint32_t touch,
                      int32_t along, int32_t y)
 {
-    double ends[2][2], height = 0, sum = 0, sum2 = 0, inside = 0, noise = 0;
+    ends e;
+    double height = 0, sum = 0, sum2 = 0, inside = 0, noise = 0;
     double level = 2.0 / ntp__max(src->type);
     int32_t w = src->width;
     int64_t larger = 0; /* larger steps count 2, steps as large as the seam 1 */
     s->asked++;
-    if (!read_ends(ends, l, src, touch, along, y))
+    if (!read_ends(&e, l, src, touch, along, y))
         return;
-    double jump = size(ends[0][0] - ends[1][0]) + size(ends[0][1] - ends[1][1]);
+    double jump = size(e.p[WIDEST] - e.p[WIDEST - 1]) + size(e.q[WIDEST] - e.q[WIDEST - 1]);
     for (int32_t x = 0; x < w; x += NTP__BLOCK) {
         int32_t n = w - x < NTP__BLOCK ? w - x : NTP__BLOCK;
         l->p[0] = x > 0 ? l->p[NTP__BLOCK] : 0; /* the last of the stretch before */
         l->q[0] = x > 0 ? l->q[NTP__BLOCK] : 0;
         read_line(l, src, touch, along, x, y, n);
         find_steps(l, n);
+        add_windows(s, l, n);
         for (int32_t i = 0; i < n; i++) {
             height += l->p[i + 1];
             sum += height;
@@ -134,6 +196,8 @@ static void add_line(axis_sums *s, line *l, const ntp_const_image *src, uint32_t
             larger += (l->step[i] > jump) + (l->step[i] >= jump);
         }
     }
+    for (int32_t k = 0; k < WINDOWS; k++)
+        s->seam[k] += difference2(e.p + WIDEST, e.q + WIDEST, 1 << k);
     s->full += height;
     s->full2 += height * height;
     s->variance += sum2 / w - sum / w * (sum / w);
@@ -167,6 +231,7 @@ static void judge(ntp_seam *seam, const axis_sums *s, const ntp_const_image *src
         seam->closure >= SEAM_CLOSURE && seam->jump >= SEAM_JUMP && seam->largest >= SEAM_LARGEST;
     seam->tiles = closes && (seam->closure * seam->jump <= MOST_CLOSURE_TIMES_JUMP ||
                              seam->rank >= LEAST_RANK);
+    seam->tiles |= seam->closure <= MOST_DAMAGED_CLOSURE && continues(s);
     seam->decided = seam->tiles || has_seam;
     /* Encoders that cut off fractions add half a level. */
     seam->wraps = seam->tiles && size(seam->lean) <= 1.5 / ntp__max(src->type);
