@@ -241,7 +241,8 @@ def test_no_verb_makes_a_file_worse(made, verb):
         assert new <= old + more, (verb, name, old, new)
     allowed = [] if verb.startswith("clean") else DOUBTFUL
     if verb == "convert y":
-        allowed = [*allowed, "xy_too_long.png"]  # which way green points is not sure
+        # which way green points is not sure
+        allowed = [*allowed, "xy_too_long.png", "one_bad_texel.png"]
     assert set(refused) <= set(allowed), verb
 
 
