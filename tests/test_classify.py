@@ -47,6 +47,10 @@ def matrix_text(matrix):
     return "\n".join([f"{'is / called':>12} {head}", *rows])
 
 
+# One process of pytest-xdist runs the tests of all draws, so that these are drawn once.
+of_all_draws = pytest.mark.xdist_group("judged")
+
+
 @pytest.fixture(scope="module")
 def judged(seed):
     """(index, case, result) of many draws."""
@@ -54,6 +58,7 @@ def judged(seed):
     return [(i, case, classify(case)) for i, case in cases]
 
 
+@of_all_draws
 def test_drawn_textures_are_recognized(judged, seed):
     matrix = np.zeros((7, 7), int)
     wrong, confident = [], []
@@ -93,6 +98,7 @@ def test_errors_that_were_confident_once(what):
     assert right or result.confidence <= UNSURE, describe(what, case, result)
 
 
+@of_all_draws
 def test_no_class_is_given_up(judged, seed):
     """Each class separately, in both directions: no class is right at the cost of another."""
     for kind in range(7):
@@ -106,6 +112,7 @@ def test_no_class_is_given_up(judged, seed):
         assert true >= 0.85 * len(called), name
 
 
+@of_all_draws
 def test_the_sure_are_many(judged, seed):
     """Confidence is meaningful: most textures get 0.9 or more, and errors get less."""
     right = [r.confidence for _, c, r in judged if r.type == c.kind]
@@ -113,6 +120,7 @@ def test_the_sure_are_many(judged, seed):
     assert all(0.5 <= r.confidence <= 1 for _, _, r in judged)
 
 
+@of_all_draws
 def test_accidents(judged, seed):
     wanted, missing, false = 0, [], []
     for i, case, result in judged:
@@ -126,6 +134,7 @@ def test_accidents(judged, seed):
     assert len(false) <= 0.02 * len(judged), report
 
 
+@of_all_draws
 def test_every_answer_has_a_reason(judged):
     for _, _, result in judged:
         assert 1 <= result.reason_count <= 6

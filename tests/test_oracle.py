@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: MIT
 """The test oracle against itself (slow and fast halves) and against the published counts."""
 
+import zlib
 from fractions import Fraction
 
 import numpy as np
 import pytest
 
-from support import oracle
+from support import oracle, pngs
 from support.texels import random_texels
 
 M8, M16 = 255, 65535
@@ -144,3 +145,14 @@ def test_normalized_is_rounded(zz):
     for m in (M8, M16):
         for r, g, b in random_texels(m, 150, seed=9).tolist():
             assert oracle.rounded(*oracle.normalized(r, g, b, m, zz), m, zz)
+
+
+@pytest.mark.parametrize("texel", [1, 2, 3, 4, 6, 8])
+def test_both_readers_of_png_agree(texel):
+    """With all filters, in any order of the rows."""
+    rng = np.random.default_rng(texel)
+    rows = rng.integers(0, 256, (60, 1 + 21 * texel)).astype(np.uint8)
+    rows[:, 0] = rng.integers(0, 5, 60)
+    data = zlib.compress(rows.tobytes())
+    one, other = (f(data, 60, 21, texel) for f in (pngs.unfiltered, pngs.unfiltered_by_pillow))
+    assert one == other and len(one) == 60 * 21 * texel

@@ -110,7 +110,7 @@ def _unfilter(kind, row, above, step):
     return bytes(out[step:])
 
 
-def _unfiltered(data, h, w, step):
+def unfiltered(data, h, w, step):
     """The bytes of h rows of w texels, from a zlib stream of filtered rows."""
     raw, above, rows = zlib.decompress(data), bytes(w * step), []
     for y in range(h):
@@ -121,7 +121,7 @@ def _unfiltered(data, h, w, step):
     return b"".join(rows)
 
 
-def _unfiltered_by_pillow(data, h, w, step):
+def unfiltered_by_pillow(data, h, w, step):
     """The same, many times faster.  Of two bytes a sample Pillow keeps one, so it is asked twice."""
     mode = {1: "L", 2: "LA", 3: "RGB", 4: "RGBA", 6: "RGB", 8: "RGBA"}[step]
     kept = [""] if step <= 4 else [";16B", ";16L"]
@@ -147,8 +147,8 @@ def read_png(path):
     channels = {0: 1, 4: 2, 2: 3, 6: 4}[color_type]
     data = b"".join(chunks[b"IDAT"])
     assert len(zlib.decompress(data)) == h * (1 + w * channels * depth // 8)
-    unfiltered = _unfiltered_by_pillow if Image else _unfiltered
-    samples = unfiltered(data, h, w, channels * depth // 8)
+    unfilter = unfiltered_by_pillow if Image else unfiltered
+    samples = unfilter(data, h, w, channels * depth // 8)
     pixels = np.frombuffer(samples, ">u2" if depth == 16 else np.uint8)
     return pixels.astype(np.uint16 if depth == 16 else np.uint8).reshape(h, w, channels), chunks
 
