@@ -34,7 +34,7 @@ static const double SEAM_JUMP = 3, SEAM_LARGEST = 0.6, SEAM_CLOSURE = 0.3;
 /* Slopes continue across a seam if they differ by no more than this, in units of their difference
  * inside.  It tells nothing unless slopes inside differ far less than those of two places that have
  * nothing to do with each other.  The closure is spoiled by damage, but not as by a seam. */
-static const double MOST_SEAM = 1.5, MOST_INSIDE = 0.5, MOST_DAMAGED_CLOSURE = 0.6;
+static const double MOST_SEAM = 1.5, MOST_INSIDE = 0.5, MOST_DAMAGED_CLOSURE = 0.4;
 /* Heights must vary by so many times the variance that rounding gives them, or they tell
  * nothing. */
 static const double LEAST_SIGNAL = 4;
