@@ -470,8 +470,8 @@ enum {
 typedef struct ntp_harm {
     uint64_t texels; /* used texels of these kinds */
     uint64_t over;   /* those with an angle of more than `degrees`, taken to 0.01 */
-    double mean, p99,
-        max; /* degrees, over all used texels but padding; others of no such kind: 0 */
+    /* Degrees, over all used texels but padding; those of no such kind count as 0. */
+    double mean, p99, max;
 } ntp_harm;
 
 /*
@@ -794,11 +794,11 @@ NTP_API size_t ntp_normals_dithered_scratch_size(int32_t width);
 /*
  * The same for NTP_TYPE_U8 and NTP_TYPE_U16, with the rounding error of each slope passed on to the
  * next texel, to the right for x and down for y ("integrable").  Heights that are reconstructed
- * from the result drift far less on gentle ground, but the picture is slightly noisier.  A texel takes
- * no more error than a level holds there: most of what a cliff leaves is lost.  dst is not NTP_ENCODING_VECTOR;
- * blue is derived.  The area covers full rows; to work in parts, start at row
- * 0 and go down.  scratch: ntp_normals_dithered_scratch_size bytes, aligned to 16, zeroed before
- * row 0; it keeps the errors from call to call.
+ * from the result drift far less on gentle ground, but the picture is slightly noisier.  A texel
+ * takes no more error than a level holds there: most of what a cliff leaves is lost.  dst is not
+ * NTP_ENCODING_VECTOR; blue is derived.  The area covers full rows; to work in parts, start at row 0
+ * and go down.  scratch: ntp_normals_dithered_scratch_size bytes, aligned to 16, zeroed before row
+ * 0; it keeps the errors from call to call.
  */
 NTP_API ntp_status ntp_normals_dithered(const ntp_image *dst, const ntp_const_image *src,
                                         const ntp_normals_options *how, void *scratch,
@@ -1028,8 +1028,9 @@ NTP_API size_t ntp_height_scratch_size(const ntp_height_options *how, int32_t wi
  * prior (docs/reconstruction.md).  With NTP_PRIOR_NONE there is only the first solution, in which
  * pairs count 1e-5.  Heights in holes are 0. Texels connected by their sides form an island, also
  * across borders that wrap; the mean of each island is 0. The method is conjugate gradients and
- * needs about 50 bytes a texel.  Steep textures and ragged holes need more iterations.  NTP_ERR_NOT_CONVERGED means that
- * `tolerance` was not reached; dst and result are then those of the last iteration.
+ * needs about 50 bytes a texel.  Steep textures and ragged holes need more iterations.
+ * NTP_ERR_NOT_CONVERGED means that `tolerance` was not reached; dst and result are then those of the
+ * last iteration.
  *
  * refine: rounds that change the heights until their normals, by ntp_normals_from_height with this
  * kernel and these borders, have the stored red and green, rounded as NTP_DECODE_* says; and the

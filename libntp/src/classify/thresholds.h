@@ -218,9 +218,9 @@ static const double OPEN_BLUE = 0.8;
 static const double ALIKE = 0.5, LEAN_PICTURE = 0.05;
 
 /* Red and green that are nearly one channel are no x and y: only a surface of ridges that all run
- * along one diagonal has these, and as a rule its blue is z or constant.  Blue depends on how steep a slope is and not on
- * where it faces, as every slope up comes with one down; so it hardly varies with red or green.
- * Compression makes it do so, but as a rule half as much as these vary at most.
+ * along one diagonal has these, and as a rule its blue is z or constant.  Blue depends on how steep
+ * a slope is and not on where it faces, as every slope up comes with one down; so it hardly varies
+ * with red or green.  Compression makes it do so, but as a rule half as much as these vary at most.
  * Where all three channels vary together, what varies is brightness. */
 static const double NEARLY_ONE = 0.9, AS_MUCH = 1.5, BLUE_ALIKE = 0.6, BLUE_VARIES = 0.55,
                     ALL_ALIKE = 0.7;

@@ -63,8 +63,8 @@ static const float LARGE_SQUARE = 100;
  * least one, so few levels occur that rounding is no noise. */
 static const double MOST_MISFIT = 1.2, LEAST_MISFIT = 0.85;
 /* Every other kernel must fit worse by this factor, also than rounding alone: on smooth ground
- * neighbors share rounding errors, which takes most from the misfit of `forward`.  `baked` fits slopes that a wide kernel made
- * nearly as well as the kernel itself, so it has to be clearer. */
+ * neighbors share rounding errors, which takes most from the misfit of `forward`.  `baked` fits
+ * slopes that a wide kernel made nearly as well as the kernel itself, so it has to be clearer. */
 static const double CLEARLY = 1.15, CLEARLY_BAKED = 1.5;
 /* The answer is central unless another kernel fits better by this factor, and not too badly
  * itself. */

@@ -322,7 +322,8 @@ static double unit_of(int32_t size)
     return (double) ((int64_t) 1 << 2 * (size > BITS ? size - BITS : 0));
 }
 
-/* Weights of the sizes; false: nothing varies.  Derivatives of more than three times the root mean square get so little weight that they count as that. */
+/* Weights of the sizes; false: nothing varies.  Derivatives of more than three times the root mean
+ * square get so little weight that they count as that. */
 static bool weigh(double weight[SIZES], double *energy, const loop_sums *acc)
 {
     double total = 0, loops = 0, held = 0;
