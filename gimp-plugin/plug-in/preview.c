@@ -166,7 +166,7 @@ static void mix(const sum *s, const maker *m, uint8_t *rgb)
     rgb[0] = signed_level(x * z);
     rgb[1] = signed_level(y * z);
     if (m->encoding != NTP_ENCODING_XY)
-        rgb[2] = m->encoding == NTP_ENCODING_ZZERO ? (uint8_t) (z * 255 + 0.5) : signed_level(z);
+        rgb[2] = m->encoding == NTP_ENCODING_ZZERO ? signed_level(2 * z - 1) : signed_level(z);
 }
 
 /* A row of pixels from the rows of texels that they cover; one texel is shown as it is. */

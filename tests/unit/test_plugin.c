@@ -198,8 +198,9 @@ static double mean_slope(const unsigned char *whole, int width, double x, double
     const int n = (int) ceil(step);
     double sum = 0;
     for (int k = 0; k < n * n; k++) {
-        const int tx = (int) (x + (k % n + 0.5) / n * step),
-                  ty = (int) (y + (k / n + 0.5) / n * step);
+        const int right = k % n, down = k / n;
+        const int tx = (int) (x + (right + 0.5) / n * step),
+                  ty = (int) (y + (down + 0.5) / n * step);
         const unsigned char *t = whole + (ty * width + tx) * 3;
         sum += (2.0 * t[channel] - 255) / (2.0 * t[2] - 255);
     }
@@ -233,7 +234,8 @@ static void test_preview(void)
                             .scale = &found };
         assert(preview_render(&p, map, lit, before) == JOB_DONE && found.value == job.how.scale);
         for (int i = 0; i < 50 * 40; i++) {
-            const double x = 20.3 + i % 50 * step, y = 11.8 + i / 50 * step;
+            const int right = i % 50, down = i / 50;
+            const double x = 20.3 + right * step, y = 11.8 + down * step;
             const int at = (int) (y + step / 2) * 300 + (int) (x + step / 2);
             const uint8_t *shown = map + 3 * i;
             if (step <= 1 || k < 3) { /* the texel in the middle */
