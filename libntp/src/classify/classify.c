@@ -149,13 +149,15 @@ static bool is_swapped(question *q)
     double y = 2 * s->used_mean[1 - z] - 1, b = 2 * s->used_mean[2] - 1;
     double y_sd = 2 * q->e->used_sd[1 - z], b_sd = 2 * q->e->used_sd[2];
     double squares = y * y + b * b + y_sd * y_sd + b_sd * b_sd;
-    if ((!red && !green) || 2 * (1 - s->used_mean[z]) < OTHER_Z_FALLS * squares)
+    double fall = 2 * (1 - s->used_mean[z]), needed = OTHER_Z_FALLS * squares;
+    if ((!red && !green) || fall + OTHER_Z_ROUNDING < needed)
         return false;
     q->out->accidents |= red ? NTP_ACCIDENT_RED_IS_Z : NTP_ACCIDENT_GREEN_IS_Z;
     because(q, red ? NTP_REASON_RED_IS_Z : NTP_REASON_GREEN_IS_Z,
             1 - (red ? q->red_low : q->green_low));
     because(q, NTP_REASON_NEAR_UNIT, q->near[0]);
-    bool sure = q->unit[0] > UNIT_SHARE && !ntp__keep_to_a_line(q->e, red ? 1 : 0, 2);
+    bool sure =
+        q->unit[0] > UNIT_SHARE && fall >= needed && !ntp__keep_to_a_line(q->e, red ? 1 : 0, 2);
     return is(q, NTP_CLASS_STANDARD, sure ? SWAPPED_SURE : SWAPPED_LOOSE_SURE);
 }
 

@@ -111,12 +111,13 @@ enum { TILTED_FIRST_BIN = 2, TILTED_END_BIN = 7 };
 /* Where z is flipped, or another channel is z, (almost) all texels agree. */
 static const double FLIPPED_SHARE = 0.95, OTHER_Z_SHARE = 0.98, OTHER_Z_MEAN = 0.8;
 
+/* Another channel is z only if it falls as far as the other two need: half the mean of their
+ * squares, or up to twice that where they are steep.  A channel that is M throughout does not.  On
+ * gentle ground rounding may take up to half a level from the fall, in vectors that is 1/255. */
+static const double OTHER_Z_FALLS = 0.4, OTHER_Z_ROUNDING = 1.0 / 255;
+
 /* Colors of a picture may have this mean too.  Unit vectors to the level that do not keep to a line
  * do not come by chance. */
-/* Another channel is z only if it falls as far as the other two need: half the mean of their
- * squares, or up to twice that where they are steep.  A channel that is M throughout does not. */
-static const double OTHER_Z_FALLS = 0.4;
-
 static const double SWAPPED_SURE = 0.92, SWAPPED_LOOSE_SURE = 0.75;
 
 /* The mean of a channel that holds x or y lies so near the middle, in levels / M.  An alpha that
