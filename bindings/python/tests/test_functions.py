@@ -441,7 +441,7 @@ def bumps(seed, size=96):
 @pytest.mark.parametrize("to_y", ["up", "down"])
 def test_orientation(seed, to_y):
     texture = nt.normals_from_height(bumps(seed), scale=15, to_y=to_y, depth=8)
-    r, z, loops = oracle_orientation.statistic(texture)
+    r, z, loops, _ = oracle_orientation.statistic(texture)
     for threads in (1, 3):
         found = nt.detect_orientation(texture, threads=threads)
         assert found.y == found.likelier == to_y

@@ -131,13 +131,18 @@ void ntp__slopes_row(const ntp__slopes *s, double *right, double *down, int32_t 
 
 /* ------------------------------------------------------------------ in float arithmetic */
 
-static bool packed_levels(const ntp_const_image *src)
+enum { RGB = 3 };
+
+/* As packed pixels, so that the kernel rounds every layout alike. */
+static void pack(uint8_t *out, const ntp__block *block, int32_t n)
 {
-    return src->type == NTP_TYPE_U8 && src->channels >= 3 &&
-           src->pixel_stride == (ptrdiff_t) src->channels;
+    for (int32_t i = 0; i < n; i++) {
+        for (int32_t c = 0; c < RGB; c++)
+            out[RGB * i + c] = (uint8_t) block->c[c][i];
+    }
 }
 
-/* Textures that are not packed go by way of doubles. */
+/* Other types than 8-bit colors go by way of doubles. */
 static void single_block(const ntp__slopes *s, const ntp__block *block, float *right, float *down,
                          int32_t x, int32_t y, int32_t n)
 {
@@ -168,18 +173,22 @@ void ntp__slopes_row_single(const ntp__slopes *s, float *right, float *down, int
                                     .derived = s->derived };
     ntp__block block;
     bool flat[NTP__BLOCK];
+    uint8_t pixels[RGB * NTP__BLOCK];
+    const bool colors = src->type == NTP_TYPE_U8 && src->channels >= RGB;
+    const bool packed = colors && src->pixel_stride == (ptrdiff_t) src->channels;
     for (int32_t x = 0; x < src->width; x += NTP__BLOCK) {
         int32_t n = src->width - x < NTP__BLOCK ? src->width - x : NTP__BLOCK;
-        bool packed = packed_levels(src), any = true;
-        if (packed)
-            any = kernels->slopes8(right + x, down + x, ntp__at(src, x, y), src->channels, n,
-                                   &how) != 0;
-        if (!any)
+        if (packed &&
+            kernels->slopes8(right + x, down + x, ntp__at(src, x, y), src->channels, n, &how) == 0)
             continue;
         ntp__unpack(&block, src, x, y, n);
-        if (!packed)
+        if (colors && !packed) {
+            pack(pixels, &block, n);
+            kernels->slopes8(right + x, down + x, pixels, RGB, n, &how);
+        } else if (!colors) {
             single_block(s, &block, right + x, down + x, x, y, n);
-        any = find_unused(flat, s, &block, n, counts);
+        }
+        bool any = find_unused(flat, s, &block, n, counts);
         for (int32_t i = 0; any && i < n; i++) {
             if (flat[i])
                 right[x + i] = down[x + i] = 0;
