@@ -107,8 +107,12 @@ const option_spec OPTION_TABLE[] = {
     { OPT_FROM_CHANNELS, "from-channels", 0, KIND_STRING, "SPEC", NULL, 0, 0, V_CONVERT,
       "what each channel of the input holds, in the same letters, with - for an unused channel: "
       "-y-x reads DXT5nm. If z is missing, it is computed" },
-    { OPT_SCALE, "scale", 0, KIND_NUMBER, "S", NULL, -1.7e308, 1.7e308, V_FROM_HEIGHT,
-      "how many texels a height of 1 (white) rises above 0 (black); negative turns hills into dents" },
+    { OPT_SCALE, "scale", 0, KIND_NUMBER, "S|auto", NULL, -1.7e308, 1.7e308, V_FROM_HEIGHT,
+      "how many texels a height of 1 (white) rises above 0 (black); negative turns hills into "
+      "dents. auto: as the slopes of the heights, before blur and octaves, suggest: one in twenty "
+      "of the texels that are not flat is then steeper than 45 degrees" },
+    { OPT_STRENGTH, "strength", 0, KIND_NUMBER, "S", "1", -1024, 1024, V_FROM_HEIGHT,
+      "multiply the scale, as after --scale auto" },
     { OPT_DX, "dx", 0, KIND_NUMBER, "D", "1", 0, 1.7e308, V_FROM_HEIGHT | V_TO_HEIGHT,
       "width of a texel, where texels are not square" },
     { OPT_DY, "dy", 0, KIND_NUMBER, "D", "1", 0, 1.7e308, V_FROM_HEIGHT | V_TO_HEIGHT,

@@ -135,7 +135,7 @@ typedef struct option_spec {
     option_kind kind;
     const char *value;    /* the value's name in the help; KIND_CHOICE: "a|b|c" */
     const char *standard; /* the default, as a user would type it; NULL: none */
-    double least, most;   /* of numbers */
+    double least, most;   /* of numbers; "N|auto" also takes that word, as 0 */
     unsigned verbs;
     const char *help; /* NULL: an older name, which is accepted and not shown */
 } option_spec;

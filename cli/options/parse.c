@@ -139,8 +139,17 @@ static bool read_choice(const option_spec *row, const char *value, option_value 
     return false;
 }
 
+/* "S|auto": a number that may be left to the program. */
+static bool may_be_auto(const option_spec *row)
+{
+    const char *bar = strchr(row->value, '|');
+    return bar != NULL && strcmp(bar, "|auto") == 0;
+}
+
 static bool read_number(const option_spec *row, const char *value, option_value *into)
 {
+    if (may_be_auto(row) && strcmp(value, "auto") == 0)
+        return true;
     char *end = NULL;
     errno = 0;
     const double number = strtod(value, &end);
@@ -154,8 +163,8 @@ static bool read_number(const option_spec *row, const char *value, option_value 
         !plain || end != rest || errno != 0 || (whole && strpbrk(value, ".eE") != NULL);
     if (bad || !(number >= row->least && number <= row->most)) {
         char expected[80];
-        snprintf(expected, sizeof expected, "a%s number from %.15g to %.15g", whole ? " whole" : "",
-                 row->least, row->most);
+        snprintf(expected, sizeof expected, "%sa%s number from %.15g to %.15g",
+                 may_be_auto(row) ? "auto or " : "", whole ? " whole" : "", row->least, row->most);
         return wrong_value(row, value, expected);
     }
     into->number = number;

@@ -31,6 +31,7 @@ typedef struct state {
     ntp_image made;
     void *errors; /* of dithering; NULL: none */
     size_t errors_size;
+    double scale;
     int32_t reach, done; /* rows written */
     int32_t out_channels;
     size_t out_row;                  /* bytes of a row of the file */
@@ -91,7 +92,8 @@ static int32_t output_channels(const production *p, const from_height_settings *
 /* Do the first rows need the last ones? */
 static bool needs_all(const from_height_settings *set)
 {
-    return set->how.border_y == NTP_BORDER_WRAP || set->blur > 0 || set->octaves > 0;
+    return set->measures || set->how.border_y == NTP_BORDER_WRAP || set->blur > 0 ||
+           set->octaves > 0;
 }
 
 static bool begin(production *p, ntpio_write_options *shape, ntpio_error *error)
@@ -105,6 +107,7 @@ static bool begin(production *p, ntpio_write_options *shape, ntpio_error *error)
     if (set->dither && type == NTP_TYPE_F32)
         return wrong_use(p, "--dither is for outputs of 8 or 16 bit", error);
     const bool whole = needs_all(set);
+    st->scale = set->how.scale;
     st->reach = ntp_normals_reach(&set->how);
     st->out_channels = output_channels(p, set);
     st->out_row = (size_t) view->width * (size_t) st->out_channels * sample_size(type);
@@ -223,6 +226,7 @@ static bool make_rows(production *p, const ntp_image *heights, int32_t end, ntpi
     const from_height_settings *set = p->m->settings;
     state *st = p->state;
     step s = { .p = p, .heights = heights, .how = set->how, .written = true, .error = error };
+    s.how.scale = st->scale;
     if (heights != &st->heights)
         s.how.source = NTP_HEIGHT_SOURCE_RED;
     crew *two = p->w->threads > 1 && end - st->done > RING ? crew_start(2) : NULL;
@@ -301,6 +305,25 @@ static bool make_smoothed(production *p, ntpio_error *error)
     return ok;
 }
 
+/* Multiplies the scale by the one that suits the whole heightfield. */
+static bool measure(production *p, ntpio_error *error)
+{
+    const from_height_settings *set = p->m->settings;
+    state *st = p->state;
+    const ntp_const_image seen = ntp_image_as_const(&st->heights);
+    ntp_relief *relief = need(calloc(1, sizeof *relief));
+    ntp_status status = NTP_OK;
+    for (int32_t y = 0; y < seen.height && status == NTP_OK; y++) {
+        int32_t first = 0;
+        const int32_t step = ntp_relief_row(seen.width, seen.height, y, &first);
+        if (step > 0)
+            status = ntp_relief_add(relief, &seen, &set->how, first, y, step);
+    }
+    st->scale *= ntp_relief_scale(relief);
+    free(relief);
+    return status == NTP_OK || library_error(&p->s, status, error);
+}
+
 static bool rows(production *p, const ntp_rect *area, ntpio_error *error)
 {
     const from_height_settings *set = p->m->settings;
@@ -313,6 +336,8 @@ static bool rows(production *p, const ntp_rect *area, ntpio_error *error)
                             (size_t) (y % st->heights.ring_rows) * (size_t) st->heights.row_stride;
         memcpy(to, from, (size_t) view->row_stride);
     }
+    if (area->y1 == view->height && set->measures && !measure(p, error))
+        return false;
     if (area->y1 == view->height)
         return set->blur > 0 || set->octaves > 0 ? make_smoothed(p, error)
                                                  : make_rows(p, &st->heights, view->height, error);
@@ -331,7 +356,7 @@ static void describe(const production *p, text *line, json_t *object)
     const size_t bits = 8 * sample_size(st->made.type);
     if (line != NULL) {
         text_addf(line, "%s normals, scale %.15g, %s, green %s, %zu bit", encoding_name(set->to),
-                  how->scale, ntp_kernel_name(how->kernel), y_name(set->to_y), bits);
+                  st->scale, ntp_kernel_name(how->kernel), y_name(set->to_y), bits);
         if (st->counts.not_finite > 0) {
             text_add(line, "; ");
             text_count(line, st->counts.not_finite);
@@ -341,7 +366,7 @@ static void describe(const production *p, text *line, json_t *object)
     if (object == NULL)
         return;
     json_set_changes(object, NULL);
-    json_object_set_new(object, "scale", json_real(how->scale));
+    json_object_set_new(object, "scale", json_real(st->scale));
     json_object_set_new(object, "dx", json_real(how->dx));
     json_object_set_new(object, "dy", json_real(how->dy));
     json_object_set_new(object, "invert", json_boolean(how->invert));

@@ -14,6 +14,7 @@ enum {
 
 typedef struct from_height_settings {
     ntp_normals_options how;
+    bool measures; /* the heights say what is still to be multiplied with the scale */
     ntp_encoding to;
     ntp_y to_y;
     int depth;         /* bytes of a sample; 0: as the input */

@@ -120,11 +120,13 @@ static bool read_like(from_height_settings *set, const char *like)
 static bool read_base(from_height_settings *set, const options *o)
 {
     const char *like = option_string(o, OPT_LIKE);
-    set->how.scale = option_number(o, OPT_SCALE);
+    set->measures = like == NULL && option_given(o, OPT_SCALE) &&
+                    strcmp(option_string(o, OPT_SCALE), "auto") == 0;
+    set->how.scale = set->measures ? 1 : option_number(o, OPT_SCALE);
     if (like != NULL && option_given(o, OPT_SCALE))
         complain("--like sets the scale; leave out --scale");
     else if (like == NULL && !option_given(o, OPT_SCALE))
-        complain("--scale is needed: how many texels a height of 1 (white) rises");
+        complain("--scale is needed: how many texels a height of 1 (white) rises, or auto");
     else
         return like == NULL || read_like(set, like);
     return false;
@@ -134,6 +136,7 @@ static bool read_base(from_height_settings *set, const options *o)
 static void read_given(from_height_settings *set, const options *o)
 {
     ntp_normals_options *how = &set->how;
+    how->scale *= option_number(o, OPT_STRENGTH);
     how->dx = option_number(o, OPT_DX);
     how->dy = option_number(o, OPT_DY);
     how->min_z = option_number(o, OPT_MIN_Z);

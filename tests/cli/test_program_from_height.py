@@ -129,6 +129,30 @@ def test_alpha_and_layouts(run, tmp_path):
     assert np.array_equal(two, plain[..., :2])
 
 
+@pytest.mark.parametrize(("dtype", "border"), [(np.uint8, "wrap"), (np.uint16, "clamp")])
+def test_scale_of_the_heights(run, tmp_path, dtype, border):
+    """--scale auto: one in twenty of the slopes above 45 degrees, rounded; told, and multiplied."""
+    x = np.linspace(0, 2 * np.pi, 200, endpoint=False)
+    hills = 0.5 + 0.25 * (np.sin(3 * x)[:, None] + np.cos(2 * x))
+    src = np.round(hills * np.iinfo(dtype).max).astype(dtype)
+    args = ["--border", border, "--blur", 1]
+    write_png(tmp_path / "h.png", src)
+    done = run("from-height", "h.png", "-o", "n.png", "--scale", "auto", *args, "--format", "json")
+    scale = json.loads(done.stdout)["files"][0]["scale"]
+    edge = np.pad(src, 1, "wrap" if border == "wrap" else "edge") / float(np.iinfo(dtype).max)
+    across = (edge[1:-1, 2:] - edge[1:-1, :-2]) / 2
+    down = (edge[2:, 1:-1] - edge[:-2, 1:-1]) / 2
+    steep = np.hypot(across, down)[(across != 0) | (down != 0)] * scale
+    assert scale == float(f"{scale:.3g}")
+    assert np.mean(steep * 0.985 > 1) <= 0.05 <= np.mean(steep * 1.015 >= 1)
+    for strength in (1, -0.5):
+        ours = make(run, tmp_path, src, "--scale", "auto", "--strength", strength, *args)
+        told = make(run, tmp_path, src, "--scale", repr(scale * strength), *args)
+        assert np.array_equal(ours, told)
+    flat = make(run, tmp_path, np.full((9, 9), 7, dtype), "--scale", "auto")
+    assert np.array_equal(flat, make(run, tmp_path, np.full((9, 9), 7, dtype), "--scale", 1))
+
+
 def test_report_says_every_choice(run, tmp_path):
     write_png(tmp_path / "h.png", heights((6, 7)))
     done = run("from-height", "h.png", "-o", "n.png", "--scale", "0.1", "--format", "json")
@@ -143,6 +167,9 @@ def test_report_says_every_choice(run, tmp_path):
     [
         (),
         ("--scale", "nan"),
+        ("--scale", "automatic"),
+        ("--scale", "auto", "--strength", "auto"),
+        ("--scale", "auto", "--like", "gegl:1"),
         ("--scale", "1e999"),
         ("--scale", "1", "--dx", "0"),
         ("--scale", "1", "--dy", "-1"),

@@ -37,6 +37,7 @@ from ._height import (
     like,
     normals_from_height,
     normals_from_height_with_counts,
+    suggest_scale,
 )
 from ._height_info import HeightInfo
 from ._measure import (
@@ -131,6 +132,7 @@ __all__ = [
     "read_with_info",
     "resize",
     "shade",
+    "suggest_scale",
     "transform",
     "validate",
     "write",

@@ -30,11 +30,13 @@ from .typing import (
     Kernel,
     LikeSettings,
     NormalsHow,
+    Scale,
     Stored,
     Type,
 )
 
 _COLOR = 3  # channels
+_MOST_STRENGTH = lib.NTP_MAX_STRENGTH
 _DITHERS = {"none": False, "integrable": True}
 _KERNEL_NAMES, _BORDER_NAMES, _SOURCE_NAMES, _Y_NAMES = map(
     names_of, (KERNELS, BORDERS, SOURCES, YS)
@@ -117,7 +119,7 @@ def like(name: str, value: float) -> LikeSettings:
 @overload
 def normals_from_height(
     height: NDArray[np.uint8],
-    scale: float,
+    scale: Scale,
     *,
     to: Stored = ...,
     depth: None = ...,
@@ -127,7 +129,7 @@ def normals_from_height(
 @overload
 def normals_from_height(
     height: NDArray[np.uint16],
-    scale: float,
+    scale: Scale,
     *,
     to: Stored = ...,
     depth: None = ...,
@@ -137,7 +139,7 @@ def normals_from_height(
 @overload
 def normals_from_height(
     height: Floats,
-    scale: float,
+    scale: Scale,
     *,
     to: Stored = ...,
     depth: None = ...,
@@ -147,7 +149,7 @@ def normals_from_height(
 @overload
 def normals_from_height(
     height: AnyHeight,
-    scale: float,
+    scale: Scale,
     *,
     to: Stored = ...,
     depth: Literal[8],
@@ -157,7 +159,7 @@ def normals_from_height(
 @overload
 def normals_from_height(
     height: AnyHeight,
-    scale: float,
+    scale: Scale,
     *,
     to: Stored = ...,
     depth: Literal[16],
@@ -167,7 +169,7 @@ def normals_from_height(
 @overload
 def normals_from_height(
     height: AnyHeight,
-    scale: float,
+    scale: Scale,
     *,
     to: Type = ...,
     depth: Literal["float"],
@@ -177,7 +179,7 @@ def normals_from_height(
 @overload
 def normals_from_height(
     height: AnyHeight,
-    scale: float,
+    scale: Scale,
     *,
     to: Literal["vector"],
     depth: None = ...,
@@ -186,8 +188,9 @@ def normals_from_height(
 ) -> NDArray[np.float32]: ...
 def normals_from_height(
     height: AnyHeight,
-    scale: float,
+    scale: Scale,
     *,
+    strength: float = 1.0,
     dx: float = 1.0,
     dy: float = 1.0,
     invert: bool = False,
@@ -215,8 +218,11 @@ def normals_from_height(
     height : array, (height, width) or (height, width, 1 to 4), uint8, uint16 or float32
         Heights may be float64; they are rounded once, to float32.
         A heightfield, or an image with a height in each pixel; full range is 0..1.
-    scale : float
+    scale : float or "auto"
         How many texels a height of 1 (white) rises above 0; negative turns hills into dents.
+        "auto": `suggest_scale` of these heights.
+    strength : float
+        Multiplies the scale, -1024..1024.
     dx, dy : float
         Width and height of a texel.
     invert : bool
@@ -284,13 +290,14 @@ def normals_from_height(
         scale, dx, dy, invert, kernel, border, border_x, border_y, source, blue, min_z, alpha
     )
     _no_normals(height, source, threads)
+    _rescale(how, height, scale, strength)
     return _normals(height, how, dither, to, to_y, depth, alpha is not None, out, threads)[0]
 
 
 @overload
 def normals_from_height_with_counts(
     height: NDArray[np.uint8],
-    scale: float,
+    scale: Scale,
     *,
     to: Stored = ...,
     depth: None = ...,
@@ -300,7 +307,7 @@ def normals_from_height_with_counts(
 @overload
 def normals_from_height_with_counts(
     height: NDArray[np.uint16],
-    scale: float,
+    scale: Scale,
     *,
     to: Stored = ...,
     depth: None = ...,
@@ -310,7 +317,7 @@ def normals_from_height_with_counts(
 @overload
 def normals_from_height_with_counts(
     height: Floats,
-    scale: float,
+    scale: Scale,
     *,
     to: Stored = ...,
     depth: None = ...,
@@ -320,7 +327,7 @@ def normals_from_height_with_counts(
 @overload
 def normals_from_height_with_counts(
     height: AnyHeight,
-    scale: float,
+    scale: Scale,
     *,
     to: Stored = ...,
     depth: Literal[8],
@@ -330,7 +337,7 @@ def normals_from_height_with_counts(
 @overload
 def normals_from_height_with_counts(
     height: AnyHeight,
-    scale: float,
+    scale: Scale,
     *,
     to: Stored = ...,
     depth: Literal[16],
@@ -340,7 +347,7 @@ def normals_from_height_with_counts(
 @overload
 def normals_from_height_with_counts(
     height: AnyHeight,
-    scale: float,
+    scale: Scale,
     *,
     to: Type = ...,
     depth: Literal["float"],
@@ -350,7 +357,7 @@ def normals_from_height_with_counts(
 @overload
 def normals_from_height_with_counts(
     height: AnyHeight,
-    scale: float,
+    scale: Scale,
     *,
     to: Literal["vector"],
     depth: None = ...,
@@ -359,8 +366,9 @@ def normals_from_height_with_counts(
 ) -> tuple[NDArray[np.float32], NormalsCounts]: ...
 def normals_from_height_with_counts(
     height: AnyHeight,
-    scale: float,
+    scale: Scale,
     *,
+    strength: float = 1.0,
     dx: float = 1.0,
     dy: float = 1.0,
     invert: bool = False,
@@ -383,7 +391,7 @@ def normals_from_height_with_counts(
 
     Parameters
     ----------
-    height, scale, dx, dy, invert, kernel, border, border_x, border_y, source, dither, to, to_y, \
+    height, scale, strength, dx, dy, invert, kernel, border, border_x, border_y, source, dither, to, to_y, \
 depth, blue, min_z, alpha, out, threads
         As in `normals_from_height`.
 
@@ -408,6 +416,7 @@ depth, blue, min_z, alpha, out, threads
         scale, dx, dy, invert, kernel, border, border_x, border_y, source, blue, min_z, alpha
     )
     _no_normals(height, source, threads)
+    _rescale(how, height, scale, strength)
     result, parts = _normals(height, how, dither, to, to_y, depth, alpha is not None, out, threads)
     return result, NormalsCounts(
         sum(part.not_finite for part in parts), sum(part.exact for part in parts)
@@ -415,7 +424,7 @@ depth, blue, min_z, alpha, out, threads
 
 
 def _options(
-    scale: float,
+    scale: Scale,
     dx: float,
     dy: float,
     invert: bool,
@@ -430,7 +439,9 @@ def _options(
 ) -> Any:
     """An ntp_normals_options."""
     how = ffi.new("ntp_normals_options *")
-    how.scale = number("scale", scale, -MOST, MOST)
+    if isinstance(scale, str) and scale != "auto":
+        raise ArgumentError(f'scale={scale!r}: must be a number or "auto"')
+    how.scale = 1.0 if scale == "auto" else number("scale", scale, -MOST, MOST)
     how.dx, how.dy = spacing(dx, dy)
     how.min_z = number("min_z", min_z, 0, 1)
     how.invert = bool(invert)
@@ -443,6 +454,81 @@ def _options(
     if lib.ntp_normals_reach(how) < 0:
         raise ArgumentError(f"scale={scale!r}, dx={dx!r}, dy={dy!r}: out of range")
     return how
+
+
+def suggest_scale(
+    height: AnyHeight,
+    *,
+    dx: float = 1.0,
+    dy: float = 1.0,
+    kernel: Kernel = "central",
+    border: Border = "wrap",
+    border_x: Border | None = None,
+    border_y: Border | None = None,
+    source: HeightSource = "red",
+) -> float:
+    """Find the scale that shows the relief of a heightfield, in a small picture as in a large one.
+
+    One in twenty of the texels that are not flat is then steeper than 45 degrees.  This is what
+    `ntp from-height --scale auto` takes.
+
+    Parameters
+    ----------
+    height, dx, dy, kernel, border, border_x, border_y, source
+        As in `normals_from_height`.
+
+    Returns
+    -------
+    float
+        Measured at about 256 x 256 texels and rounded to three digits; 0 if all texels are flat.
+
+    Raises
+    ------
+    ArgumentError, SampleTypeError
+        As `normals_from_height`.
+
+    Examples
+    --------
+    >>> import normaltexture as nt
+    >>> nt.suggest_scale(nt.read("wall_height.png"))
+    26.5
+    """
+    how = _options(
+        "auto", dx, dy, False, kernel, border, border_x, border_y, source, "derived", 0, None
+    )
+    return _relief_scale(height, how)
+
+
+def _relief_scale(height: AnyHeight, how: Any) -> float:
+    array = pixels("height", height, "height")
+    _with_its_source(array, how)
+    src = view("height", array, HEIGHT)
+    relief, first = ffi.new("ntp_relief *"), ffi.new("int32_t *")
+    for y in range(array.shape[0]):
+        step = lib.ntp_relief_row(array.shape[1], array.shape[0], y, first)
+        if step > 0:
+            check(lib.ntp_relief_add(relief, src, how, first[0], y, step), "suggest_scale")
+    scale: float = lib.ntp_relief_scale(relief)
+    return scale
+
+
+def _rescale(how: Any, height: AnyHeight, scale: Scale, strength: float) -> None:
+    """Multiplies the scale as the heights and the strength say."""
+    how.scale *= number("strength", strength, -_MOST_STRENGTH, _MOST_STRENGTH)
+    if lib.ntp_normals_reach(how) < 0:
+        raise ArgumentError(f"scale={scale!r}, strength={strength!r}: out of range")
+    if scale == "auto":
+        how.scale *= _relief_scale(height, how)
+
+
+def _with_its_source(array: NDArray[Any], how: Any) -> bool:
+    """Has it alpha?  An error if the height should be there and is not."""
+    has_alpha = array.ndim == 3 and array.shape[2] % 2 == 0
+    if how.source == lib.NTP_HEIGHT_SOURCE_ALPHA and not has_alpha:
+        raise ArgumentError(
+            f'source="alpha": height has no alpha, its shape is {array.shape}', Status.FORMAT
+        )
+    return has_alpha
 
 
 def _no_normals(height: AnyHeight, source: HeightSource | None, threads: int) -> None:
@@ -472,12 +558,8 @@ def _normals(
     """The array, and an ntp_normals_counts for each part of the work."""
     array = pixels("height", height, "height")
     target, y = choose("to", to, TYPES), choose_y("to_y", to_y)
-    has_alpha = array.ndim == 3 and array.shape[2] % 2 == 0
+    has_alpha = _with_its_source(array, how)
     of_alpha = how.source == lib.NTP_HEIGHT_SOURCE_ALPHA
-    if of_alpha and not has_alpha:
-        raise ArgumentError(
-            f'source="alpha": height has no alpha, its shape is {array.shape}', Status.FORMAT
-        )
     if depth is None and (to == "vector" or array.dtype.kind != "f"):
         dtype = DEPTHS["float"] if to == "vector" else array.dtype
     else:

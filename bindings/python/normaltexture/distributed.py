@@ -373,7 +373,7 @@ def normals_from_height(
     scale, kernel, border, border_x, border_y
         As of `normaltexture.normals_from_height`.
     options
-        Further arguments of that function: dx, dy, invert, source, to, to_y, depth, blue, min_z,
+        Further arguments of that function: strength, dx, dy, invert, source, to, to_y, depth, blue, min_z,
         alpha.  What needs more than a neighborhood (dither) is refused.
 
     Returns
@@ -401,6 +401,11 @@ def normals_from_height(
     for name in ("dither", "out", "threads"):
         if name in options:
             raise ArgumentError(f"{name}: cannot be used on a chunked array")
+    if isinstance(scale, str):
+        raise ArgumentError(
+            f"scale={scale!r}: must be a number, because a tile does not show the whole; "
+            "nt.suggest_scale finds one"
+        )
     if isinstance(height, np.ndarray) or not hasattr(height, "chunks"):
         raise ArgumentError(
             f"height: must be a Dask array, not {type(height).__name__}; dask.array.from_array "

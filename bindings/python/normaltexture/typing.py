@@ -79,6 +79,7 @@ HeightSource: TypeAlias = Literal[
     "screen",
 ]
 Alpha: TypeAlias = Literal["keep", "one", "inverse", "height", "inverse-height"]
+Scale: TypeAlias = float | Literal["auto"]
 Dither: TypeAlias = Literal["none", "integrable"]
 
 FoundKernel: TypeAlias = Kernel | Literal["baked"]
@@ -149,6 +150,7 @@ class EncodeHow(TypedDict, total=False):
 class NormalsHow(TypedDict, total=False):
     """The same of `normals_from_height`."""
 
+    strength: float
     dx: float
     dy: float
     invert: bool

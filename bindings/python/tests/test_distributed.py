@@ -80,6 +80,7 @@ def test_arguments():
         {"kernel": "gauss"},
         {"dither": "integrable"},
         {"threads": 2},
+        {"scale": "auto"},
     ):
         with pytest.raises(nt.ArgumentError):
             distributed.normals_from_height(tiles, **({"scale": 1} | wrong))

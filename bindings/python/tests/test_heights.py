@@ -431,3 +431,26 @@ def test_heights_and_normals_do_not_mix():
         nt.compare(normals, normals, type=("standard", "height"))
     with pytest.raises(nt.ArgumentError, match="looks like"):
         nt.clean(hill(16), type="auto")
+
+
+def test_scale_of_the_heights():
+    """One in twenty of the slopes that are not 0 is steeper than 45 degrees, by any kernel."""
+    x = np.linspace(0, 2 * np.pi, 120, endpoint=False)
+    hills = 0.5 + 0.25 * (np.sin(3 * x)[:, None] + np.cos(2 * x))
+    for height in (hills, np.round(hills * 65535).astype(np.uint16)):
+        scale = nt.suggest_scale(height, kernel="central")
+        gentle, steep = (
+            np.mean(nt.normals_from_height(height, scale * near, to="vector")[..., 2] ** 2 <= 0.5)
+            for near in (0.985, 1.015)
+        )
+        assert gentle <= 0.05 <= steep
+        for strength in (1.0, -2.0):
+            ours = nt.normals_from_height(height, "auto", strength=strength)
+            assert np.array_equal(ours, nt.normals_from_height(height, scale * strength))
+    assert nt.suggest_scale(hills, dx=3, dy=3) == pytest.approx(3 * nt.suggest_scale(hills), 0.01)
+    assert nt.suggest_scale(np.full((5, 5), 9, np.uint8)) == 0
+    for wrong in (("much", 1), ("auto", np.nan), (1, 1e5), ("auto", "x")):
+        with pytest.raises(nt.ArgumentError):
+            nt.normals_from_height(hills, wrong[0], strength=wrong[1])
+    with pytest.raises(nt.ArgumentError):
+        nt.suggest_scale(hills, source="alpha")

@@ -45,9 +45,6 @@ ELSEWHERE = {
     "ntp_resize_rows": "a ring of rows: arrays are whole",
     "ntp_orientation_row": "a ring of rows",
     "ntpio_is_current": "output files take what was read by themselves",
-    "ntp_relief_row": "sliders of dialogs",
-    "ntp_relief_add": "sliders of dialogs",
-    "ntp_relief_scale": "sliders of dialogs",
     "ntp_tally_harm": "the data of `check` has it",
 }
 
@@ -140,6 +137,8 @@ def test_arrays_and_program_agree(test_files, tmp_path):
         (("blend", source, source, "--strength", 0.5), nt.blend(texture, texture, strength=0.5)),
         (("from-height", height, "--scale", 5, "--blur", 2, "--octaves", "1,0.5"),
          nt.normals_from_height(nt.blur_height(heights, 2, octaves=[1, 0.5]), 5, depth=8)),
+        (("from-height", height, "--scale", "auto", "--strength", 0.5, "--kernel", "sobel3"),
+         nt.normals_from_height(heights, "auto", strength=0.5, kernel="sobel3", depth=8)),
         (("from-height", height, "--like", "zima:2"), nt.pack_channels(nt.normals_from_height(heights, **nt.like("zima", 2)), "xzy")),
     ]  # fmt: skip
     for command, want in cases:
