@@ -24,6 +24,7 @@ CHOICES = {
     "from-height": ("normals_from_height", "ntp_normals_options"),
     "to-height": ("height_from_normals", "ntp_height_options"),
     "resize": ("resize", "ntp_resize_options"),
+    "transform": ("transform", "ntp_transform_options"),
     "blend": ("blend", "ntp_blend_options"),
 }
 ROWS = [
@@ -74,6 +75,9 @@ ROWS = [
     ("resize", "border", "border", "border_x"),
     ("resize", "border", "border", "border_y"),
     ("resize", "touch-unused", "touch_unused", "touch_unused"),
+    ("transform", "rotate", "rotate", "angle"),
+    ("transform", "border", "border", "border_x"),
+    ("transform", "border", "border", "border_y"),
     ("blend", "mode", "mode", "mode"),
     ("blend", "touch-unused", "touch_unused", "touch_unused"),
 ]

@@ -211,11 +211,18 @@ const option_spec OPTION_TABLE[] = {
       "multiply the slopes: 2 makes bumps twice as high, 0.5 half as high, -1 turns them into dents" },
     { OPT_FLIP, "flip", 0, KIND_CHOICE, "x|y|xy", NULL, 0, 0, V_TRANSFORM,
       "x: exchange left and right; y: exchange top and bottom; done before --rotate" },
-    { OPT_ROTATE, "rotate", 0, KIND_CHOICE, "90|180|270", NULL, 0, 0, V_TRANSFORM,
-      "turn clockwise by this many degrees" },
+    { OPT_ROTATE, "rotate", 0, KIND_NUMBER, "DEG", NULL, -360, 360, V_TRANSFORM,
+      "turn clockwise by this many degrees. Multiples of 90 are exact; by other angles the "
+      "texture is turned about its middle, keeps its size, and is resampled" },
+    { OPT_BORDER, "border", 0, KIND_CHOICE, "wrap|clamp|mirror", "wrap", 0, 0, V_TRANSFORM,
+      "what a turn brings in from beyond the edges, if the angle is not a multiple of 90" },
+    { OPT_BORDER_X, "border-x", 0, KIND_CHOICE, "wrap|clamp|mirror", NULL, 0, 0, V_TRANSFORM,
+      "the same for the left and right edges only" },
+    { OPT_BORDER_Y, "border-y", 0, KIND_CHOICE, "wrap|clamp|mirror", NULL, 0, 0, V_TRANSFORM,
+      "the same for the upper and lower edges only" },
     { OPT_Y, "y", 0, KIND_CHOICE, "auto|" Y_WORDS, "auto", 0, 0, V_TRANSFORM,
       "which way green points: up (OpenGL, glTF, USD) or down (DirectX); auto: as the texels "
-      "show, if ntp check is sure, else the file is refused. Only quarter turns depend on it" },
+      "show, if ntp check is sure, else the file is refused. Only turns depend on it, and not those by 180 degrees" },
     { OPT_SIZE, "size", 0, KIND_STRING, "WxH|P%", NULL, 0, 0, V_RESIZE,
       "the new size in texels, such as 512x256, or in percent of the old one" },
     { OPT_MIPS, "mips", 0, KIND_FLAG, NULL, NULL, 0, 0, V_RESIZE,
@@ -393,14 +400,17 @@ const verb_spec VERB_TABLE[] = {
       "  a LabPBR texture\n" },
     { "transform", "PATH...", "flip, turn, make stronger or weaker",
       "Flips and turns textures, pixels and vectors together, so that bumps stay bumps, and "
-      "multiplies their slopes. Flips and turns are exact. With --strength each normal is "
-      "correctly rounded. Texels that are pure black, pure white or transparent move but keep "
+      "multiplies their slopes. Flips and turns by multiples of 90 degrees are exact. With "
+      "--strength or another angle each normal is correctly rounded. Texels that are pure black, "
+      "pure white or transparent move but keep "
       "their color.\n"
       "An image that does not hold tangent-space normals is refused unless --type says what it "
       "is. The image is held in memory.",
       "ntp transform wall_n.png -o strong_n.png --strength 2\n"
       "  bumps twice as high\n"
       "ntp transform wall_n.png -o turned_n.png --rotate 90\n"
+      "ntp transform decal_n.png -o tilted_n.png --rotate 12.5 --border clamp\n"
+      "  by any angle, clockwise\n"
       "ntp transform left_n.png -o right_n.png --flip x\n"
       "  the mirror image of a texture\n" },
     { "resize", "PATH...", "change the size, or make a mip chain, of unit vectors",

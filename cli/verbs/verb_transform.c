@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * verb_transform.c - ntp transform: flips, quarter turns and strength, pictures and vectors
- * together
+ * verb_transform.c - ntp transform: flips, turns and strength, pictures and vectors together
  */
 #include "report/report.h"
 #include "verbs/verbs.h"
@@ -10,23 +9,35 @@
 
 typedef struct settings {
     ntp_transform_options how;
-    int y; /* of --y, or -1 */
+    int32_t quarters; /* of the angle, or -1 */
+    int y;            /* of --y, or -1 */
 } settings;
 
 typedef struct state {
     green y;
 } state;
 
+static bool turns_vectors(const settings *set)
+{
+    return set->quarters % 2 != 0;
+}
+
+/* Is the result as high as the input was wide? */
+static bool lies_down(const settings *set)
+{
+    return set->quarters == 1 || set->quarters == 3;
+}
+
 /*
- * Flips, a half turn and strength treat green up and green down alike, level by level.  A quarter
- * turn swaps red and green and mirrors one of them: which one depends on green, and so the two
- * results are opposite vectors.  Flat texels have no direction to get wrong.
+ * Flips, a half turn and strength treat green up and green down alike, level by level.  Any other
+ * turn mixes red and green, with a sign that depends on green: after a quarter turn the two results
+ * are opposite vectors.  Flat texels have no direction to get wrong.
  */
 static bool depends_on_green(const production *p)
 {
     const settings *set = p->m->settings;
     const ntp_stats *stats = &p->f.stats;
-    return set->how.quarter_turns % 2 != 0 &&
+    return turns_vectors(set) &&
            !(slopes_are_flat(p->f.most.x, stats) && slopes_are_flat(p->f.most.y, stats));
 }
 
@@ -64,7 +75,7 @@ static bool begin(production *p, ntpio_write_options *shape, ntpio_error *error)
     find_y(p, &st->y);
     p->s.view.y = st->y.y;
     p->changes = true;
-    if (set->how.quarter_turns % 2 != 0) {
+    if (lies_down(set)) {
         shape->width = (uint32_t) p->s.view.height;
         shape->height = (uint32_t) p->s.view.width;
     }
@@ -76,7 +87,8 @@ static bool rows(production *p, const ntp_rect *area, ntpio_error *error)
     settings set = *(const settings *) p->m->settings;
     if (!whole_add(p, area))
         return true;
-    const bool turned = set.how.quarter_turns % 2 != 0;
+    set.how.touch_unused = p->touch;
+    const bool turned = lies_down(&set);
     const ntp_image *view = &p->s.view;
     return whole_write(p, p->writer, turned ? view->height : view->width,
                        turned ? view->width : view->height, make, &set, error);
@@ -96,8 +108,8 @@ static void describe(const production *p, text *line, json_t *object)
         text_addf(line, "%s", class_title(p->f.type.type));
         if (flip != NULL)
             text_addf(line, ", flipped in %s", flip);
-        if (set->how.quarter_turns != 0)
-            text_addf(line, ", turned %d degrees clockwise", 90 * set->how.quarter_turns);
+        if (set->how.angle != 0)
+            text_addf(line, ", turned %.9g degrees clockwise", set->how.angle);
         if (set->how.use_strength)
             text_addf(line, ", slopes times %.6g", set->how.strength);
         green_tell(line, "; ", "green", &st->y);
@@ -108,9 +120,20 @@ static void describe(const production *p, text *line, json_t *object)
     json_object_set_new(object, "strength",
                         json_real(set->how.use_strength ? set->how.strength : 1));
     json_object_set_new(object, "flip", flip != NULL ? json_string(flip) : json_null());
-    json_object_set_new(object, "rotate", json_integer(90 * set->how.quarter_turns));
+    json_object_set_new(object, "rotate",
+                        set->quarters >= 0 ? json_integer(90 * set->quarters)
+                                           : json_real(set->how.angle));
+    if (set->quarters < 0) {
+        json_object_set_new(object, "border_x", json_string(ntp_border_name(set->how.border_x)));
+        json_object_set_new(object, "border_y", json_string(ntp_border_name(set->how.border_y)));
+    }
     green_report(object, "y", &st->y);
     json_object_set_new(object, "texels", json_count(p->f.stats.texels));
+}
+
+static ntp_border border_of(const options *o, option_id axis)
+{
+    return (ntp_border) option_integer(o, option_given(o, axis) ? axis : OPT_BORDER);
 }
 
 int transform_run(const options *o)
@@ -121,18 +144,20 @@ int transform_run(const options *o)
     settings set = { .y = green_told(o, OPT_Y) };
     set.how.flip_x = flip && axes != 1;
     set.how.flip_y = flip && axes != 0;
-    set.how.quarter_turns = turn ? (int32_t) option_integer(o, OPT_ROTATE) + 1 : 0;
+    set.how.angle = turn ? option_number(o, OPT_ROTATE) : 0;
+    set.how.border_x = border_of(o, OPT_BORDER_X);
+    set.how.border_y = border_of(o, OPT_BORDER_Y);
+    set.quarters = ntp_quarter_turns(set.how.angle);
     set.how.use_strength = option_given(o, OPT_STRENGTH);
     set.how.strength = option_number(o, OPT_STRENGTH);
     if (!flip && !turn && !set.how.use_strength) {
         complain("nothing to do: give --strength, --flip or --rotate");
         return NTP_EXIT_USAGE;
     }
-    const bool turns_odd = set.how.quarter_turns % 2 != 0 && set.y < 0;
     const maker m = { .o = o,
                       .forced = forced_class(o),
                       .plan = PLAN_MEASURE_FIRST,
-                      .finds_green = turns_odd,
+                      .finds_green = turns_vectors(&set) && set.y < 0,
                       .state_size = sizeof(state),
                       .settings = &set,
                       .knows = knows,

@@ -1184,8 +1184,17 @@ NTP_API int32_t ntp_mip_side(int32_t side, int32_t level);
 NTP_API const char *ntp_filter_name(ntp_filter filter);
 
 enum {
-    NTP_MAX_STRENGTH = 1024 /* of slopes; below 1/1024 a strength is rounded to 2^-62 */
+    NTP_MAX_STRENGTH = 1024, /* of slopes; below 1/1024 a strength is rounded to 2^-62 */
+    NTP_MAX_ANGLE = 360      /* of a turn; it is rounded to 2^-32 of a degree */
 };
+
+/* A picture of which src and dst are parts.  Texels of src beyond its edges are those at the edge,
+ * so src has all that is needed, also from beyond the picture's edges. */
+typedef struct ntp_part {
+    int32_t width, height; /* of the picture */
+    int32_t src_x, src_y;  /* where src begins in it */
+    int32_t dst_x, dst_y;
+} ntp_part;
 
 typedef struct ntp_transform_options {
     int32_t flip_x;        /* nonzero: exchange left and right; done first */
@@ -1193,6 +1202,12 @@ typedef struct ntp_transform_options {
     int32_t quarter_turns; /* clockwise as seen, 0..3; after the flips */
     int32_t use_strength;  /* nonzero: the slopes are multiplied by strength */
     double strength;       /* -NTP_MAX_STRENGTH..NTP_MAX_STRENGTH; negative: bumps become dents */
+    double angle;          /* degrees clockwise, -NTP_MAX_ANGLE..NTP_MAX_ANGLE, and quarter_turns */
+    /* The rest is for angles that are no multiple of 90 degrees. */
+    ntp_border border_x; /* NTP_BORDER_WRAP, _CLAMP or _MIRROR */
+    ntp_border border_y;
+    uint32_t touch_unused; /* as in ntp_resize_options */
+    const ntp_part *part;  /* NULL: src and dst are whole pictures */
 } ntp_transform_options;
 
 /*
@@ -1202,9 +1217,15 @@ typedef struct ntp_transform_options {
  * mirror levels (r -> M - r): nothing is rounded.  Any other strength computes every texel from (S
  * x, S y, z).  Unused texels, and floats that are not a vector, move but keep their color.  area is
  * an area of dst.  src->ring_rows is 0 if rows change places (else NTP_ERR_SHAPE).
+ * A turn that is no multiple of 90 degrees leaves the size as it is.  It is about the middle of the
+ * picture; each vector is made of the four around its place, bilinearly and weighted with alpha as
+ * in ntp_resize, and then turned.
  */
 NTP_API ntp_status ntp_transform(const ntp_image *dst, const ntp_const_image *src,
                                  const ntp_transform_options *how, const ntp_rect *area);
+
+/* The quarter turns clockwise, 0..3, that an angle is; -1: it is none, or not allowed. */
+NTP_API int32_t ntp_quarter_turns(double angle);
 
 typedef enum ntp_blend_mode {
     NTP_BLEND_RNM = 0,      /* reoriented: as if the detail lay on the surface of the base */

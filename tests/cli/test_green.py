@@ -101,9 +101,10 @@ def test_other_transforms_do_not_ask(run, tmp_path, how):
         assert (tmp_path / f"{y}.png").read_bytes() == (tmp_path / "b.png").read_bytes()
 
 
-def test_a_quarter_turn_asks(run, tmp_path):
+@pytest.mark.parametrize("angle", ["90", "-12.5"])
+def test_a_turn_asks(run, tmp_path, angle):
     write_png(tmp_path / "a_n.png", tiny())
-    args = ["transform", "a_n.png", "-o", "b.png", "--rotate", "90"]
+    args = ["transform", "a_n.png", "-o", "b.png", "--rotate", angle]
     done = run(*args)
     assert done.returncode == 1 and ASKS in done.stderr and not (tmp_path / "b.png").exists()
     assert run(*args, "--force").returncode == 1  # it says what to write, not which way

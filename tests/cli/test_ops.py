@@ -2,11 +2,13 @@
 """ntp transform, resize and blend: bytes, names of outputs, JSON, refusals."""
 
 import json
+from fractions import Fraction
 
 import numpy as np
 import pytest
 
-from support import oracle, textures
+from support import libntp_ffi as ntp
+from support import oracle, oracle_rotate, textures
 from support import oracle_vectors as model
 from support.pngs import read_png, write_png
 
@@ -53,6 +55,23 @@ def test_turns(run, tmp_path, depth):
     assert np.array_equal(pixels_of(tmp_path / "d.png"), want)
 
 
+@pytest.mark.parametrize("depth", [8, 16])
+def test_turns_by_any_angle(run, tmp_path, depth):
+    before = textures.standard(9, 14, 1, depth=depth)
+    m = 255 if depth == 8 else 65535
+    write_png(tmp_path / "a_n.png", before)
+    args = ["transform", "a_n.png", "-o", "b.png", "--y", "down", "--strength", "0.5"]
+    args += ["--flip", "x", "--border", "mirror", "--border-x", "clamp"]
+    item = only_item(run(*args, "--rotate", "-12.5", "--format", "json"))
+    assert item["rotate"] == -12.5 and (item["border_x"], item["border_y"]) == ("clamp", "mirror")
+    want = oracle_rotate.rotated(
+        before.tolist(), -12.5, m, "standard", ntp.DOWN, (1, 0), (1, 2), Fraction(1, 2)
+    )
+    assert pixels_of(tmp_path / "b.png").tolist() == want
+    item = only_item(run(*args, "--rotate", "-90", "--format", "json"))
+    assert item["rotate"] == 270 and pixels_of(tmp_path / "b.png").shape == (14, 9, 3)
+
+
 def test_flips(run, tmp_path):
     before = textures.standard(20, 30, 2)
     write_png(tmp_path / "a_n.png", before)
@@ -85,7 +104,8 @@ def test_transform_usage(run, tmp_path):
     write_png(tmp_path / "a_n.png", textures.standard(8, 8))
     assert run("transform", "a_n.png", "-o", "b.png").returncode == 2
     assert run("transform", "a_n.png", "-o", "b.png", "--strength", "2000").returncode == 2
-    assert run("transform", "a_n.png", "-o", "b.png", "--rotate", "45").returncode == 2
+    assert run("transform", "a_n.png", "-o", "b.png", "--rotate", "361").returncode == 2
+    assert run("transform", "a_n.png", "-o", "b.png", "--rotate", "nan").returncode == 2
     assert not (tmp_path / "b.png").exists()
 
 

@@ -31,13 +31,11 @@ from .typing import (
     Size,
     SizedHow,
     TransformHow,
-    Turn,
     Type,
     Y,
 )
 
 _FLIPS = {None: (0, 0), "x": (1, 0), "y": (0, 1), "xy": (1, 1)}
-_TURNS = {0: 0, 90: 1, 180: 2, 270: 3}
 
 
 def _size(size: Size, width: int, height: int) -> tuple[int, int]:
@@ -93,6 +91,15 @@ def _resized(
     return result
 
 
+def _edges(
+    border: ResizeBorder, border_x: ResizeBorder | None, border_y: ResizeBorder | None
+) -> tuple[int, int]:
+    return (
+        choose("border_x" if border_x else "border", border_x or border, RESIZE_BORDERS),
+        choose("border_y" if border_y else "border", border_y or border, RESIZE_BORDERS),
+    )
+
+
 def _resize_options(
     filter: Filter,
     border: ResizeBorder,
@@ -104,8 +111,7 @@ def _resize_options(
         "ntp_resize_options *",
         (
             choose("filter", filter, FILTERS),
-            choose("border_x" if border_x else "border", border_x or border, RESIZE_BORDERS),
-            choose("border_y" if border_y else "border", border_y or border, RESIZE_BORDERS),
+            *_edges(border, border_x, border_y),
             TOUCH_ALL if touch_unused else TOUCH_NONE,
         ),
     )
@@ -253,9 +259,9 @@ def mip_chain(
     return chain
 
 
-def _green_of_turn(source: NDArray[Any], type: Type, y: AutoY, odd: bool, threads: int) -> Y:
-    """The argument `y` of `transform`, which only odd quarter turns need."""
-    if not odd:
+def _green_of_turn(source: NDArray[Any], type: Type, y: AutoY, turns: int, threads: int) -> Y:
+    """The argument `y` of `transform`, which only turns need that exchange or mix x and y."""
+    if turns % 2 == 0:
         return told("y", y) or "up"
     needed = told("y", y) is None and any(slopes(source, type))
     return known("y", y, source, type, threads, needed)
@@ -282,7 +288,10 @@ def transform(
     *,
     strength: float | None = None,
     flip: Flip | None = None,
-    rotate: Turn = 0,
+    rotate: float = 0,
+    border: ResizeBorder = "wrap",
+    border_x: ResizeBorder | None = None,
+    border_y: ResizeBorder | None = None,
     type: AutoType = "auto",
     y: AutoY = "auto",
     out: NDArray[Any] | None = None,
@@ -299,13 +308,17 @@ def transform(
         Multiply the slopes, -1024..1024; -1 turns bumps into dents.
     flip : {"x", "y", "xy"}, optional
         "x": exchange left and right; "y": exchange top and bottom; done before `rotate`.
-    rotate : {0, 90, 180, 270}
-        Turn clockwise by this many degrees.
+    rotate : float
+        Turn clockwise by this many degrees, -360..360.  By other angles than multiples of 90 the
+        texture is turned about its middle, keeps its size, and is resampled.
+    border, border_x, border_y : {"wrap", "clamp", "mirror"}
+        What such a turn brings in from beyond the edges.
     type : {"auto", "standard", "zzero", "xy", "vector"}
         How a normal is stored; "auto" detects it from the texels, as `ntp transform` does.
     y : {"auto", "up", "down", "opengl", "directx"}
-        Which way green points, on which quarter turns depend.  "auto": as the texels show it; if
-        they are not sure, a quarter turn of a texture that is not flat is an ArgumentError.
+        Which way green points, on which turns depend, but not by 180 degrees.  "auto": as the
+        texels show it; if they are not sure, turning a texture that is not flat is an
+        ArgumentError.
     out : array, optional
         Where to write; it does not overlap `src`.
     threads : int
@@ -314,7 +327,8 @@ def transform(
     Returns
     -------
     array, samples and channels as in `src`
-        Flips, turns and a strength of 1 or -1 are exact; unused texels move but keep their color.
+        Flips, turns by multiples of 90 degrees and a strength of 1 or -1 are exact; with these
+        turns, unused texels move but keep their color.
 
     Raises
     ------
@@ -335,14 +349,18 @@ def transform(
     encoding = choose("type", type, TYPES)
     view("src", source, encoding)
     flips = choose("flip", flip, _FLIPS)
-    turns = choose("rotate", rotate, _TURNS)
-    up = choose_y("y", _green_of_turn(source, type, y, turns % 2 == 1, threads))
+    angle = number("rotate", rotate, -lib.NTP_MAX_ANGLE, lib.NTP_MAX_ANGLE)
+    turns = lib.ntp_quarter_turns(angle)
+    up = choose_y("y", _green_of_turn(source, type, y, turns, threads))
     src_view = view("src", source, encoding, up)
     most = lib.NTP_MAX_STRENGTH
     factor = 1.0 if strength is None else number("strength", strength, -most, most)
-    how = ffi.new("ntp_transform_options *", (*flips, turns, strength is not None, factor))
+    edges = _edges(border, border_x, border_y)
+    how = ffi.new(
+        "ntp_transform_options *", (*flips, 0, strength is not None, factor, angle, *edges)
+    )
     height, width = source.shape[:2]
-    if turns % 2:
+    if turns in (1, 3):
         width, height = height, width
     output = Output((height, width, source.shape[2]), source.dtype, out)
     if out is not None:
@@ -353,7 +371,7 @@ def transform(
         for area in areas:
             check(lib.ntp_transform(dst, src_view, how, area), "transform")
 
-    run(threads, width, height, work, QUICK if factor in (1, -1) else THOROUGH)
+    run(threads, width, height, work, QUICK if factor in (1, -1) and turns >= 0 else THOROUGH)
     result: NDArray[Any] = output.finish()
     return result
 

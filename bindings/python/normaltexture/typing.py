@@ -100,7 +100,6 @@ Filter: TypeAlias = Literal["box", "triangle", "lanczos3"]
 ResizeBorder: TypeAlias = Literal["wrap", "clamp", "mirror"]
 BlendMode: TypeAlias = Literal["rnm", "whiteout", "udn"]
 Flip: TypeAlias = Literal["x", "y", "xy"]
-Turn: TypeAlias = Literal[0, 90, 180, 270]
 Size: TypeAlias = tuple[int, int] | str
 
 
@@ -232,7 +231,10 @@ class TransformHow(TypedDict, total=False):
 
     strength: float | None
     flip: Flip | None
-    rotate: Turn
+    rotate: float
+    border: ResizeBorder
+    border_x: ResizeBorder | None
+    border_y: ResizeBorder | None
     y: AutoY
     threads: int
 

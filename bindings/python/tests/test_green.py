@@ -101,6 +101,7 @@ def test_blend_where_one_has_no_y():
     [
         (lambda: nt.convert(TINY, to_y="up"), "y"),
         (lambda: nt.transform(TINY, rotate=90), "y"),
+        (lambda: nt.transform(TINY, rotate=7.5), "y"),
         (lambda: nt.blend(TINY, TINY), "y"),
         (lambda: nt.blend(TINY, TINY, y="up"), "detail_y"),
         (lambda: nt.height_from_normals(TINY), "y"),

@@ -134,6 +134,8 @@ def test_arrays_and_program_agree(test_files, tmp_path):
         (("resize", source, "--size", "30%"), nt.resize(texture, size="30%")),
         (("transform", source, "--rotate", 90, "--strength", 2),
          nt.transform(texture, rotate=90, strength=2)),
+        (("transform", source, "--rotate", -33.3, "--border-y", "clamp"),
+         nt.transform(texture, rotate=-33.3, border_y="clamp")),
         (("blend", source, source, "--strength", 0.5), nt.blend(texture, texture, strength=0.5)),
         (("from-height", height, "--scale", 5, "--blur", 2, "--octaves", "1,0.5"),
          nt.normals_from_height(nt.blur_height(heights, 2, octaves=[1, 0.5]), 5, depth=8)),

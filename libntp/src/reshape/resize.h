@@ -6,7 +6,8 @@
  * New vectors are exact integers, and only their direction is rounded, once (texel/direction.h).
  *   resize.c          ntp_resize: sums of weighted vectors; sides of mip levels
  *   resize_weights.c  the weights of the filters, as integers
- *   transform.c       ntp_transform: flips, quarter turns, strength
+ *   transform.c       ntp_transform: flips, turns, strength
+ *   rotate.c          its turns by other angles than quarter turns
  *   blend.c           ntp_blend: a detail texture over a base
  */
 #ifndef NTP_RESIZE_H

@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * transform.c - flips, quarter turns and strength
+ * transform.c - flips, turns and strength
  *
  * A turned or flipped picture is the same memory with other strides, so the source is read through
- * such a view.  Then red and green are swapped or mirrored, which is exact.  A strength S = n / 2^k
+ * such a view.  Then red and green are swapped or mirrored, which is exact.  (Turns by other angles
+ * are in rotate.c.)  A strength S = n / 2^k
  * makes (n x, n y, 2^k z), whose direction is rounded once.
  */
-#include "texel/direction.h"
+#include "reshape/rotate.h"
 #include "texel/unused.h"
 #include "texel/level.h"
 
@@ -55,7 +56,7 @@ static void turn_vectors(job *j, ntp_y y)
     j->mirror_g = y == NTP_Y_DOWN ? r : !r;
 }
 
-static void move(job *j, const ntp_transform_options *how)
+static void move(job *j, const ntp_transform_options *how, int32_t quarter_turns)
 {
     if (how->flip_x) {
         flip_columns(&j->src);
@@ -65,7 +66,7 @@ static void move(job *j, const ntp_transform_options *how)
         flip_rows(&j->src);
         j->mirror_g = true;
     }
-    for (int32_t i = 0; i < how->quarter_turns; i++) {
+    for (int32_t i = 0; i < quarter_turns; i++) {
         turn_clockwise(&j->src);
         turn_vectors(j, j->src.y);
     }
@@ -158,6 +159,22 @@ static void transform_run(const job *j, int32_t x, int32_t y, int32_t n)
         keep_unused_floats(j, &before, x, y, n);
 }
 
+static bool angle_is_good(double angle)
+{
+    return angle >= -NTP_MAX_ANGLE && angle <= NTP_MAX_ANGLE;
+}
+
+int32_t ntp_quarter_turns(double angle)
+{
+    const int64_t ticks = angle_is_good(angle) ? ntp__ticks_of(angle, 0) : 1;
+    return ticks % ntp__quarter() == 0 ? (int32_t) (ticks / ntp__quarter()) : -1;
+}
+
+static bool border_is_good(ntp_border border)
+{
+    return (int) border >= NTP_BORDER_WRAP && (int) border <= NTP_BORDER_MIRROR;
+}
+
 ntp_status ntp_transform(const ntp_image *dst, const ntp_const_image *src,
                          const ntp_transform_options *how, const ntp_rect *area)
 {
@@ -170,13 +187,19 @@ ntp_status ntp_transform(const ntp_image *dst, const ntp_const_image *src,
     NTP__TRY(ntp__check_normals(src));
     NTP__TRY(ntp__check_normals(&target));
     job j = { .dst = dst, .src = *src, .m = ntp__max(src->type) };
-    if (how->quarter_turns < 0 || how->quarter_turns > 3 ||
+    if (how->quarter_turns < 0 || how->quarter_turns > 3 || !angle_is_good(how->angle) ||
+        !border_is_good(how->border_x) || !border_is_good(how->border_y) ||
+        how->touch_unused > NTP_UNUSED_ALL ||
         !ntp__strength_of(&j.strength, how->use_strength ? how->strength : 1.0))
         return NTP_ERR_ARGUMENT;
-    if (src->ring_rows > 0 && (how->flip_y || how->quarter_turns != 0))
+    const int64_t ticks = ntp__ticks_of(how->angle, how->quarter_turns);
+    const int32_t quarters = (int32_t) (ticks / ntp__quarter());
+    const bool resamples = ticks % ntp__quarter() != 0;
+    if (src->ring_rows > 0 && (how->flip_y || ticks != 0))
         return NTP_ERR_SHAPE;
-    move(&j, how);
-    if (!ntp__same_size(&target, &j.src))
+    if (!resamples)
+        move(&j, how, quarters);
+    if (!ntp__same_size(&target, &j.src) && !(resamples && how->part != NULL))
         return NTP_ERR_SHAPE;
     if (dst->type != src->type || dst->encoding != src->encoding ||
         dst->channels != src->channels || dst->y != src->y)
@@ -185,6 +208,10 @@ ntp_status ntp_transform(const ntp_image *dst, const ntp_const_image *src,
         return NTP_ERR_OVERLAP;
     ntp_rect rect;
     NTP__TRY(ntp__check_area(&rect, &target, area));
+    if (resamples) {
+        ntp__rotate(dst, src, how, j.strength, ticks, &rect);
+        return NTP_OK;
+    }
     for (int32_t y = rect.y0; y < rect.y1; y++) {
         for (int32_t x = rect.x0; x < rect.x1; x += NTP__BLOCK)
             transform_run(&j, x, y, rect.x1 - x < NTP__BLOCK ? rect.x1 - x : NTP__BLOCK);

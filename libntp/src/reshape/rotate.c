@@ -1,0 +1,222 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * rotate.c - turning a texture by any angle
+ *
+ * A texel of the result is made from the four texels around the place that the turn takes to its
+ * center.  Their vectors are summed with bilinear weights, turned like the picture, and only the
+ * direction of the result is rounded to levels.  Everything is in integers: sines have 30 bits,
+ * places 15 bits after the point, so a weight has 30, and a sum of levels times alpha fits in 64.
+ */
+#include "reshape/rotate.h"
+#include "stencil/border.h"
+#include "texel/level.h"
+#include "texel/unused.h"
+
+enum { PLACE_BITS = 15, ONE_TEXEL = 1 << PLACE_BITS };
+
+typedef struct job {
+    const ntp_image *dst;
+    const ntp_const_image *src;
+    const ntp_transform_options *how;
+    ntp__strength strength;
+    ntp__turn turn;
+    ntp_part part;
+    int32_t m;
+    bool extra; /* the third sample is no component of a vector */
+} job;
+
+/* ------------------------------------------------------------------------------ angles */
+
+int64_t ntp__ticks_of(double angle, int32_t quarter_turns)
+{
+    int64_t circle = 4 * ntp__quarter();
+    int64_t ticks = (int64_t) (angle * 0x1p32 + (angle < 0 ? -0.5 : 0.5));
+    ticks = (ticks + quarter_turns * ntp__quarter()) % circle;
+    return ticks < 0 ? ticks + circle : ticks;
+}
+
+/* A product of numbers in units of 2^-62. */
+static uint64_t product(uint64_t a, uint64_t b)
+{
+    return ntp__mul_high(a, b) << 2;
+}
+
+/* 1 - s/(k (k + 1)) (1 - s/((k + 2)(k + 3)) (1 - ...)): the cosine of the root of s for k = 1, and
+ * for k = 2 its sine over it, good to 2^-58 up to 45 degrees. */
+static uint64_t series(uint64_t square, uint64_t k)
+{
+    const uint64_t one = (uint64_t) 1 << 62;
+    const int32_t terms = 9;
+    uint64_t sum = one;
+    for (int32_t i = terms; i >= 0; i--) {
+        const uint64_t n = k + 2 * (uint64_t) i;
+        sum = one - product(square, sum) / (n * (n + 1));
+    }
+    return sum;
+}
+
+static int64_t rounded(uint64_t v)
+{
+    const int32_t drop = 62 - NTP__UNIT_BITS;
+    return (int64_t) ((v + ((uint64_t) 1 << (drop - 1))) >> drop);
+}
+
+ntp__turn ntp__turn_of(int64_t ticks)
+{
+    const uint64_t radian = 5151302725743731799u; /* pi / 180 in units of 2^-68 */
+    int64_t quarters = ticks / ntp__quarter(), rest = ticks % ntp__quarter();
+    bool beyond = 2 * rest > ntp__quarter();
+    uint64_t near = (uint64_t) (beyond ? ntp__quarter() - rest : rest); /* up to 45 degrees */
+    uint64_t x = ntp__mul_high(near << 26, radian), square = product(x, x);
+    int64_t sine = rounded(product(x, series(square, 2))), cosine = rounded(series(square, 1));
+    ntp__turn t = { beyond ? sine : cosine, beyond ? cosine : sine };
+    for (int64_t i = 0; i < quarters; i++) {
+        ntp__turn next = { -t.sine, t.cosine };
+        t = next;
+    }
+    return t;
+}
+
+/* ------------------------------------------------------------------------------ texels */
+
+typedef struct sums {
+    int64_t v[3], weight, alpha, extra;
+} sums;
+
+/* Adds one of the four texels. */
+static void add_texel(const job *j, sums *s, int32_t x, int32_t y, int64_t w)
+{
+    ntp__block one;
+    int32_t v[3];
+    if (w == 0)
+        return;
+    ntp__unpack(&one, j->src, x, y, 1);
+    s->alpha += w * one.c[3][0];
+    if (ntp__texel_unused(&one, 0, j->m, j->how->touch_unused))
+        return;
+    if (j->src->channels == 4 && !(j->how->touch_unused & NTP_UNUSED_TRANSPARENT))
+        w *= one.c[3][0];
+    ntp__texel_vector(v, &one, 0, j->m, j->src->encoding);
+    s->v[0] += w * (j->how->flip_x ? -v[0] : v[0]);
+    s->v[1] += w * (j->how->flip_y ? -v[1] : v[1]);
+    s->v[2] += w * v[2];
+    s->weight += w;
+    s->extra += w * one.c[2][0];
+}
+
+/* Where index i of the picture lies in src, of n texels that begin at `first`. */
+static int32_t inside(const job *j, int64_t i, ntp_border border, int32_t side, int32_t first,
+                      int32_t n)
+{
+    if (j->how->part != NULL)
+        i = i - first < 0 ? 0 : i - first < n ? i - first : n - 1;
+    else if (i < 0 || i >= side)
+        i = ntp__border_map(border, (int32_t) i, side).index[0];
+    return (int32_t) i;
+}
+
+static int64_t floor_shift(int64_t a, int32_t bits)
+{
+    int64_t unit = (int64_t) 1 << bits;
+    return (a - ((a % unit + unit) % unit)) / unit;
+}
+
+/* The four texels around the place of texel (x, y) of the picture. */
+static sums around(const job *j, int32_t x, int32_t y)
+{
+    const ntp_part *p = &j->part;
+    /* Twice the way from the center, which is turned back. */
+    int64_t u = 2 * (int64_t) x + 1 - p->width, v = 2 * (int64_t) y + 1 - p->height;
+    int64_t s = j->turn.cosine * u + j->turn.sine * v, t = j->turn.cosine * v - j->turn.sine * u;
+    s = (j->how->flip_x ? -s : s) + (p->width - (int64_t) 1) * ((int64_t) 1 << NTP__UNIT_BITS);
+    t = (j->how->flip_y ? -t : t) + (p->height - (int64_t) 1) * ((int64_t) 1 << NTP__UNIT_BITS);
+    const int32_t drop = NTP__UNIT_BITS + 1 - PLACE_BITS;
+    s = floor_shift(s + ((int64_t) 1 << (drop - 1)), drop);
+    t = floor_shift(t + ((int64_t) 1 << (drop - 1)), drop);
+    int64_t column = floor_shift(s, PLACE_BITS), row = floor_shift(t, PLACE_BITS);
+    int64_t right = s - column * ONE_TEXEL, below = t - row * ONE_TEXEL;
+    sums sum = { { 0, 0, 0 }, 0, 0, 0 };
+    for (int32_t k = 0; k < 4; k++) {
+        int32_t at_x =
+            inside(j, column + k % 2, j->how->border_x, p->width, p->src_x, j->src->width);
+        int32_t at_y =
+            inside(j, row + k / 2, j->how->border_y, p->height, p->src_y, j->src->height);
+        add_texel(j, &sum, at_x, at_y,
+                  (k % 2 ? right : ONE_TEXEL - right) * (k / 2 ? below : ONE_TEXEL - below));
+    }
+    return sum;
+}
+
+/* Halves all until they have 60 bits, so that a strength has room beside them. */
+static void shorten(ntp__i128 v[3])
+{
+    for (;;) {
+        uint64_t most = 0;
+        for (int32_t k = 0; k < 3; k++) {
+            ntp__i128 a = ntp__i128_negative(v[k]) ? ntp__i128_negate(v[k]) : v[k];
+            most |= a.hi | a.lo >> 60;
+        }
+        if (most == 0)
+            return;
+        for (int32_t k = 0; k < 3; k++) {
+            bool negative = ntp__i128_negative(v[k]);
+            ntp__i128 a = negative ? ntp__i128_negate(v[k]) : v[k];
+            a.lo = a.lo >> 1 | a.hi << 63;
+            a.hi >>= 1;
+            v[k] = negative ? ntp__i128_negate(a) : a;
+        }
+    }
+}
+
+static ntp__i128 turned(int64_t a, int64_t by_a, int64_t b, int64_t by_b)
+{
+    return ntp__i128_add(ntp__i128_multiply(ntp__i128_of(a), by_a),
+                         ntp__i128_multiply(ntp__i128_of(b), by_b));
+}
+
+static void rotate_texel(const job *j, ntp__block *out, int32_t i, int32_t x, int32_t y)
+{
+    const sums s = around(j, x, y);
+    /* With green down y counts down, as rows do, and the turn is that of the picture. */
+    int64_t sine = j->src->y == NTP_Y_DOWN ? -j->turn.sine : j->turn.sine;
+    ntp__i128 v[3] = { turned(s.v[0], j->turn.cosine, s.v[1], sine),
+                       turned(s.v[1], j->turn.cosine, s.v[0], -sine),
+                       ntp__i128_shift(ntp__i128_of(s.v[2]), NTP__UNIT_BITS) };
+    int32_t c[3] = { 0, 0, j->m };
+    shorten(v);
+    v[0] = ntp__i128_multiply(v[0], j->strength.numerator);
+    v[1] = ntp__i128_multiply(v[1], j->strength.numerator);
+    v[2] = ntp__i128_shift(v[2], j->strength.shift);
+    ntp__direction_levels(c, v, j->m, j->src->encoding);
+    const int64_t one = (int64_t) 1 << (2 * PLACE_BITS);
+    const bool none = s.weight == 0;
+    if (j->extra && !none)
+        c[2] = (int32_t) ((2 * s.extra + s.weight) / (2 * s.weight));
+    for (int32_t k = 0; k < 3; k++)
+        out->c[k][i] = c[k];
+    const bool clear = none && !(j->how->touch_unused & NTP_UNUSED_TRANSPARENT);
+    out->c[3][i] = clear ? 0 : (int32_t) ((2 * s.alpha + one) / (2 * one));
+}
+
+void ntp__rotate(const ntp_image *dst, const ntp_const_image *src, const ntp_transform_options *how,
+                 ntp__strength strength, int64_t ticks, const ntp_rect *area)
+{
+    const ntp_part whole = { src->width, src->height, 0, 0, 0, 0 };
+    const job j = { .dst = dst,
+                    .src = src,
+                    .how = how,
+                    .strength = strength,
+                    .turn = ntp__turn_of(ticks),
+                    .part = how->part != NULL ? *how->part : whole,
+                    .m = ntp__max(src->type),
+                    .extra = src->encoding == NTP_ENCODING_XY && src->channels >= 3 };
+    ntp__block out;
+    for (int32_t y = area->y0; y < area->y1; y++) {
+        for (int32_t x = area->x0; x < area->x1; x += NTP__BLOCK) {
+            const int32_t n = area->x1 - x < NTP__BLOCK ? area->x1 - x : NTP__BLOCK;
+            for (int32_t i = 0; i < n; i++)
+                rotate_texel(&j, &out, i, x + i + j.part.dst_x, y + j.part.dst_y);
+            ntp__store_levels(dst, &out, x, y, n);
+        }
+    }
+}
