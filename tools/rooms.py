@@ -34,6 +34,7 @@ LIBRARY = [
     Room("picture", "picture.h", "-"),
     Room("reshape", "resize.h", "-"),
     Room("from_height", "gradient.h", "-"),
+    Room("shape", "curvature.c", "-"),
     Room("to_height/shared", "slopes.h", "to_height"),
     Room("to_height/direct", "direct.h", "to_height"),
     Room("to_height/weighted", "weighted.h", "to_height"),

@@ -1109,6 +1109,77 @@ NTP_API ntp_status ntp_height_from_rows(const ntp_const_image *form, const ntp_h
 /* The name of a method as on the command line ("poisson-dct"); never NULL. */
 NTP_API const char *ntp_height_method_name(ntp_height_method method);
 
+/* ------------------------------------------- curvature, cavity, ambient occlusion */
+
+/* What of the curvature is stored.  k1 >= k2 are the two principal curvatures, 1/radius, positive
+ * where the surface is convex. */
+typedef enum ntp_curvature_kind {
+    NTP_CURVATURE_MEAN = 0,     /* (k1 + k2)/2: a sphere of radius R has 1/R, a cylinder 1/(2R) */
+    NTP_CURVATURE_GAUSSIAN = 1, /* k1 k2 */
+    NTP_CURVATURE_CONVEX = 2,   /* k1, or 0 if it is negative: how sharp edges are */
+    NTP_CURVATURE_CAVITY = 3    /* -k2, or 0 if that is negative: how sharp grooves are */
+} ntp_curvature_kind;
+
+typedef struct ntp_curvature_options {
+    ntp_curvature_kind kind;
+    double scale; /* heights: how many texels a height of 1 rises; 0 stands for 1 */
+    /* Above 0: dst gets v = value/range, clamped to 0..1: (v + 1)/2 for the first two kinds, v for
+     * CONVEX, 1 - v for CAVITY.  0: the value itself. */
+    double range;
+    /* NTP_BORDER_WRAP, or NTP_BORDER_CLAMP: the nearest texel whose neighbors lie inside. */
+    ntp_border border_x;
+    ntp_border border_y;
+} ntp_curvature_options;
+
+/*
+ * The curvature of a heightfield, or of the surface of normals, in 1/texel (GAUSSIAN: 1/texel^2).
+ * Heights are sample 0; of normals x and y are read as they are stored, and not z, by central
+ * differences: twice the mean curvature is the divergence of (x, y), and the Gaussian curvature the
+ * determinant of their derivatives.  docs/relief-maps.md has the formulas.
+ * dst is NTP_ENCODING_HEIGHT, of any type with a range, else of NTP_TYPE_F32; sample 0 is written.
+ * It does not overlap src.  The 3 x 3 texels around each are read; in a ring they must be there,
+ * also those of the opposite end with NTP_BORDER_WRAP.  Where one of them is not finite, or is an
+ * unused texel of normals, the value is 0.
+ */
+NTP_API ntp_status ntp_curvature(const ntp_image *dst, const ntp_const_image *src,
+                                 const ntp_curvature_options *how, const ntp_rect *area);
+
+/*
+ * A range that shows most of a picture: 99 % of the values that are not 0 lie in it.  It is a
+ * multiple of 1/16 of a power of two; 0 if all are 0.  values are those of ntp_curvature without a
+ * range; ring_rows is 0.
+ */
+NTP_API ntp_status ntp_curvature_range(double *range, const ntp_const_image *values);
+
+typedef struct ntp_occlusion_options {
+    double scale;        /* how many texels a height of 1 rises; 0 stands for 1 */
+    double radius;       /* what is farther away, in texels, hides nothing; 0: the longer side */
+    ntp_border border_x; /* NTP_BORDER_WRAP, or NTP_BORDER_CLAMP: beyond the edge is nothing */
+    ntp_border border_y;
+} ntp_occlusion_options;
+
+/* Bytes of working memory, 8 a texel and some lines for each part; 0 if an argument is invalid. */
+NTP_API size_t ntp_occlusion_scratch_size(const ntp_occlusion_options *how, int32_t width,
+                                          int32_t height, int32_t parts);
+
+/*
+ * Ambient occlusion of a heightfield: the light that a texel gets from a uniformly bright
+ * surrounding, divided by what it would get if nothing were in the way; 1 is open, 0 hidden.  It
+ * is the share of directions above the surface, weighted by the cosine of their angle to the
+ * normal (that of central differences), in which no other part of the surface lies.  The horizon
+ * is that of 32 directions.  Heights are rounded to 2^-24 of their range; those that are not finite
+ * count as the lowest.  src is NTP_ENCODING_HEIGHT, of which sample 0 is read; dst is
+ * NTP_ENCODING_HEIGHT of any type; sample 0 is written.  They may be the same memory. ring_rows is
+ * 0 in both.  scratch: ntp_occlusion_scratch_size bytes for these parts, aligned to 64; hooks may
+ * be NULL.  The result is the same bytes for any number of parts.
+ * docs/relief-maps.md has the formulas.
+ * Source of horizons by hulls: V. Timonen, J. Westerholm, Scalable Height Field Self-Shadowing
+ * (2010).
+ */
+NTP_API ntp_status ntp_occlusion(const ntp_image *dst, const ntp_const_image *src,
+                                 const ntp_occlusion_options *how, void *scratch,
+                                 size_t scratch_size, const ntp_hooks *hooks);
+
 /* -------------------------------------------------------------- operations on normals */
 
 /*

@@ -35,20 +35,22 @@ static double arc_tangent(double t)
     return ATAN_EIGHTHS[i] + u * series;
 }
 
+double ntp__radians(double s, double d)
+{
+    if (s <= d)
+        return arc_tangent(s / d);
+    if (d <= -s)
+        return PI - arc_tangent(s / -d);
+    return PI / 2 - (d < 0 ? -arc_tangent(-d / s) : arc_tangent(d / s));
+}
+
 uint32_t ntp__angle(int64_t x1, int64_t y1, int64_t z1, int64_t x2, int64_t y2, int64_t z2)
 {
     double cx = (double) (y1 * z2 - z1 * y2), cy = (double) (z1 * x2 - x1 * z2);
     double cz = (double) (x1 * y2 - y1 * x2);
     double s = sqrt(cx * cx + cy * cy + cz * cz);
     double d = (double) (x1 * x2 + y1 * y2 + z1 * z2);
-    double radians;
-    if (s <= d)
-        radians = arc_tangent(s / d);
-    else if (d <= -s)
-        radians = PI - arc_tangent(s / -d);
-    else
-        radians = PI / 2 - (d < 0 ? -arc_tangent(-d / s) : arc_tangent(d / s));
-    return (uint32_t) (radians * (180e6 / PI) + 0.5);
+    return (uint32_t) (ntp__radians(s, d) * (180e6 / PI) + 0.5);
 }
 
 void ntp__angles_clear(ntp__angle_sums *angles)

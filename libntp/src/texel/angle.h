@@ -13,6 +13,9 @@
  */
 uint32_t ntp__angle(int64_t x1, int64_t y1, int64_t z1, int64_t x2, int64_t y2, int64_t z2);
 
+/* atan2(s, d) in radians, s >= 0, not both 0; off by less than 1e-14. */
+double ntp__radians(double s, double d);
+
 enum {
     NTP__ANGLE_BINS = 180001 /* of 0.001 degrees */
 };
