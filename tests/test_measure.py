@@ -331,6 +331,26 @@ def padded_atlas(dtype):
     return array, green
 
 
+@pytest.mark.parametrize("height", [128, 256, 512, 2048])
+def test_sampled_rows_keep_no_pace_with_bars(height):
+    """What sampled rows tell is near what all rows tell, however wide horizontal bars are."""
+    row = np.arange(height)[:, None, None] + np.zeros((1, 4, 3))
+    for period in (2, 3, 4, 5, 6, 8, 12, 16, 20, 24, 32, 48, 64):
+        # a steep side and a gentle one
+        array = np.where(row % period < period / 4, [128, 10, 150], [128, 167, 248])
+        array = array.astype(np.uint8)
+        whole = ntp.Tally().measure(array)
+        assert whole.stats()["used_mean"][:3] == pytest.approx(array.mean((0, 1)) / 255), period
+        assert evidence(whole)["used_sd"][:3] == pytest.approx(array.std((0, 1)) / 255, abs=0.05), (
+            period
+        )
+        array = np.dstack([array, np.full(array.shape[:2], 200, np.uint8)])
+        array[:2, 0] = 1, 2, 3, 0  # the colors of transparent texels are not known: rows tell
+        mean = array[2:, 0, :3].mean(0) / 255
+        got = ntp.Tally().measure(array).stats()["used_mean"][:3]
+        assert got == pytest.approx(mean, abs=0.05), period
+
+
 @pytest.mark.parametrize("dtype", [np.uint8, np.uint16])
 def test_padding_of_one_color_is_no_harm(dtype):
     array, green = padded_atlas(dtype)

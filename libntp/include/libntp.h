@@ -424,8 +424,9 @@ typedef struct ntp_stats {
     ntp_fit standard, zzero;
     ntp_angles angles; /* stored against cleaned, by the encoding measured */
     /* From sampled rows, which are all of an image below 128 rows, fewer of a larger one, at least
-     * 64; the count is scaled to all used texels. */
-    double used_mean[4];      /* levels / M; alpha is exact, and so is blue of 8 bit */
+     * 64; the count is scaled to all used texels.  Exact are the mean of alpha, and the others
+     * unless there are transparent texels or `padding`. */
+    double used_mean[4];      /* levels / M */
     uint64_t near_gamma_flat; /* used texels whose r, g are within 3/255 of 188/255 */
 } ntp_stats;
 

@@ -9,14 +9,18 @@
 #include "texel/srgb.h"
 #include "measure/tally.h"
 
-/* Samples at least 64 rows, or all of a small image.  In a large image it is one row in 32. */
+/* Samples at least 64 rows, or all of a small image.  In a large image it is one row in 32.  Their
+ * distance varies (multiples of the golden section, less their whole part): else bars of a width
+ * of 2^n texels would be seen at the same place each time. */
 static bool is_sampled(const ntp_const_image *src, int32_t y)
 {
     enum { ROWS = 64, SPARSEST = 32 };
+    const uint32_t golden_section = 2654435769u; /* of 2^32 */
     int32_t step = 1;
     while (step < SPARSEST && src->height >= 2 * step * ROWS)
         step *= 2;
-    return y % step == 0;
+    uint32_t part = (uint32_t) (y / step) * golden_section;
+    return y % step == (int32_t) ((uint64_t) part * (uint32_t) step >> 32);
 }
 
 /* Is the length within 1/8 of 1 if the levels are decoded from sRGB first? */

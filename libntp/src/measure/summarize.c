@@ -273,6 +273,19 @@ static bool moments_of_blue(moments *blue, const ntp_tally *t)
     return !is_picture(t) && (uint64_t) blue->n == used_texels(t);
 }
 
+/* The exact mean of a channel over the used texels; false: the colors of unused ones are not known,
+ * as of transparent texels. */
+static bool mean_of_channel(double *mean, const ntp_tally *t, int32_t k)
+{
+    uint64_t used = used_texels(t), finite = t->texels - t->not_finite;
+    uint64_t white = is_picture(t) ? 0 : t->white, black = is_picture(t) ? 0 : t->black;
+    if (used == 0 || finite != used + black + white)
+        return false;
+    double full = t->depth == 8 ? 255 : 65535;
+    *mean = ((double) t->channel[k].sum - (double) white * full) / ((double) used * full);
+    return true;
+}
+
 static void take_away(ntp__samples *from, const ntp__samples *part)
 {
     from->n -= part->n;
@@ -300,8 +313,10 @@ static void describe_samples(ntp_stats *s, const ntp_tally *t)
         take_away(&sampled, &t->padding_samples);
     moments m = moments_of_samples(&sampled);
     s->near_gamma_flat = scaled(t, t->samples.gamma_flat);
-    for (int32_t k = 0; k < 3; k++)
-        s->used_mean[k] = m.sum[k] / m.n;
+    for (int32_t k = 0; k < 3; k++) {
+        if (s->padding > 0 || !mean_of_channel(&s->used_mean[k], t, k))
+            s->used_mean[k] = m.sum[k] / m.n;
+    }
     if (s->padding == 0 && moments_of_blue(&blue, t))
         s->used_mean[2] = blue.sum[0] / blue.n;
 }
