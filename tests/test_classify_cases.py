@@ -6,6 +6,7 @@ from collections import Counter
 
 import numpy as np
 import pytest
+from PIL import ImageFilter
 
 from support import maps, surfaces
 from support.damages import (
@@ -250,3 +251,25 @@ def test_flipped_z_is_sure():
         result = classify(maps.Case("flipped", rounded(n), S))
         assert (result.type, result.accidents) == (S, maps.Z_FLIPPED)
         assert result.confidence >= CONFIDENT
+
+
+@pytest.mark.parametrize("family", ["fractal", "hemispheres"])
+def test_sharpened_normals_whose_blue_follows_z(family):
+    """Sharpening makes one x, y in six too long; blue still rises and falls with z."""
+    n = sample(family, 2.2, np.random.default_rng([22, len(family)]))
+    sharp = maps.Image.fromarray(np.ascontiguousarray(rounded(n))).filter(
+        ImageFilter.UnsharpMask(1, 200, 0)
+    )
+    result = classify(maps.Case(family, np.array(sharp), S))
+    assert result.type == S
+
+
+def test_no_reason_says_only_all():
+    """Half a ball that faces down, a little short, is of no class, but not for its lengths."""
+    z, x = np.mgrid[-1:1:64j, -1:1:64j]
+    y = -np.maximum(np.sqrt(np.clip(1 - x * x - z * z, 0, 1)), 0.15)
+    n = np.dstack([x, y, z]) / np.sqrt(x * x + y * y + z * z)[..., None]
+    result = classify(maps.Case("half a ball", rounded(0.96 * n), maps.NOT_NORMALS))
+    assert result.type == maps.NOT_NORMALS and result.reason_count > 0
+    for i in range(result.reason_count):
+        assert "of the used texels have about unit length" not in reason_text(result.reasons + i)

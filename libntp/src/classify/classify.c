@@ -356,7 +356,7 @@ static bool is_normals(question *q)
     double sure = tight ? TIGHT_SURE : fits_loosely(q, zzero, follows);
     if (sure == 0 && !zzero && !flipped && q->negative < NEGATIVE_MOST &&
         follows_z(q, false, Z_FOLLOWS_ROUGHLY) && q->lean < LEAN_CENTERED &&
-        q->too_long < TOO_LONG_SHARE)
+        q->too_long < TOO_LONG_ROUGHLY)
         sure = ROUGHLY_SURE;
     if (sure == 0)
         return false;
@@ -488,7 +488,8 @@ static void classify(question *q)
         is_blue_constant(q) || is_swapped(q) || is_object_space(q) || is_normals(q) ||
         is_padded(q) || is_compressed(q) || is_xy(q))
         return;
-    because(q, NTP_REASON_NOT_UNIT, q->near[0]);
+    if (q->near[0] < NEAR_UNIT_SHARE)
+        because(q, NTP_REASON_NOT_UNIT, q->near[0]);
     if (q->too_long > TOO_LONG_SHARE)
         because(q, NTP_REASON_XY_TOO_LONG, q->too_long);
     if (q->lean > LEAN_CENTERED)
@@ -499,6 +500,8 @@ static void classify(question *q)
         because(q, NTP_REASON_BRIGHTNESS, ntp__blue_alike(q->e));
     else if (ntp__is_noise(q->e))
         because(q, NTP_REASON_NOISE, q->s->used_mean[2]);
+    if (q->out->reason_count == 0)
+        because(q, NTP_REASON_NOT_UNIT, q->near[0]);
     is(q, NTP_CLASS_NOT_NORMALS,
        least(blend(NOT_LEAST_SURE, NOT_SURE, (q->lean - LEAN_CENTERED) / NOT_LEAN_RANGE),
              blend(NOT_LEAST_SURE, NOT_SURE,

@@ -54,6 +54,10 @@ static const double LOOSE_SURE = 0.93, UNSEEN_SURE = 0.85;
  * still rises and falls by as much as z, at this correlation, is hardly anything else. */
 static const double Z_FOLLOWS_ROUGHLY = 0.75, ROUGHLY_SURE = 0.75;
 
+/* Sharpening lengthens steep normals, and some generators clip x and y that they never divide by the
+ * length.  Where blue follows z like that, a fifth of x, y may be too long. */
+static const double TOO_LONG_ROUGHLY = 0.2;
+
 /* How sure lengths make it: surer the more of them are near 1 (fully a tenth above the share that
  * it takes), less sure the more they spread.  A fit to the level is sure unless it comes from flat
  * texels only. */
