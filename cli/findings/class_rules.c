@@ -16,14 +16,6 @@ static void judge_zzero(judgement *j)
              "makes it standard, --type zzero says that it is meant so");
 }
 
-/* Does alpha hold a map, as in LabPBR?  A cutout has 0 and M, and little else. */
-static bool has_alpha_map(const ntp_stats *s)
-{
-    const uint64_t ends = s->alpha_zero + s->alpha_full;
-    return s->channels == 4 && s->channel[3].min < s->channel[3].max &&
-           ends < s->texels - s->texels / 20;
-}
-
 /* A blue that holds something else is meant so where another map is in alpha as well, as in LabPBR,
  * or where the name says so.  Else it is a standard texture that lost its z, and whoever reads it as
  * standard sees wrong normals. */
@@ -34,7 +26,7 @@ static void judge_xy_only(judgement *j)
     if (f->info.channels <= 2)
         addf(j, NT006, LEVEL_INFO, f->stats.texels,
              "gray and alpha hold x and y, in this order or the other");
-    else if (name_promises(f->in->path, false) || (!nothing && has_alpha_map(&f->stats)))
+    else if (name_promises(f->in->path, false) || (!nothing && counts_alpha_map(&f->stats)))
         addf(j, NT006, LEVEL_INFO, f->stats.texels,
              "only red and green hold a normal; blue is not z and is not judged");
     else if (!nothing)
@@ -109,8 +101,5 @@ void judge_accidents(judgement *j)
 
 bool has_misplaced_channels(const facts *f)
 {
-    const uint32_t misplaced = NTP_ACCIDENT_RED_IS_Z | NTP_ACCIDENT_GREEN_IS_Z |
-                               NTP_ACCIDENT_GAMMA |
-                               (f->info.channels > 2 ? NTP_ACCIDENT_DXT5NM : 0);
-    return (f->type.accidents & misplaced) != 0;
+    return counts_misplaced(&f->type, f->info.channels);
 }

@@ -4,6 +4,7 @@
  *
  * The room of findings.
  *   findings.c     the table: id, level, title, reason and remedy; docs/findings.md is made from it
+ *   counts.c       which texels count, and how much they matter; the GIMP plug-in has it, too
  *   rules.c        from the facts of a file to its findings; judgement.h is what its parts share
  *   class_rules.c  what a texture is, and what was done to it as a whole
  *   texel_rules.c  lengths, z, flat color, tilt
@@ -17,9 +18,8 @@
 #include <stdint.h>
 
 #include "examine/examine.h"
+#include "findings/counts.h"
 #include "options/options.h"
-
-typedef enum finding_level { LEVEL_INFO, LEVEL_WARNING, LEVEL_ERROR } finding_level;
 
 typedef enum finding_id {
     NT001,

@@ -12,20 +12,6 @@
 
 #include "findings/judgement.h"
 
-/*
- * docs/findings.md gives the reasons of --max-angle 5 and --max-fail 2: a gray that a light at 45
- * degrees makes changes by 1.7 of 255 levels a degree.  These are parts of the two.
- *
- * Bright or dark dots catch the eye long before they cover as much as a fault of the whole picture:
- * a twentieth is 0.1 %, 1049 texels of 1024 x 1024.
- */
-static const double SPECKS = 1.0 / 20;
-/* One texel in a hundred at 2.5 degrees is 4 levels in the lines and edges that steep texels make:
- * just visible side by side. */
-static const double P99_WARNING = 1.0 / 2;
-/* 1 degree, 1.7 levels, over all of the picture: the least that a screen of 8 bit shows. */
-static const double MEAN_WARNING = 1.0 / 5;
-
 judge_rules judge_rules_from(const options *o)
 {
     return (judge_rules) {
@@ -59,11 +45,6 @@ void addf(judgement *j, finding_id id, finding_level level, uint64_t count, cons
     text_free(&t);
 }
 
-static const ntp_fit *fit_of(const facts *f)
-{
-    return f->encoding == NTP_ENCODING_ZZERO ? &f->stats.zzero : &f->stats.standard;
-}
-
 bool is_judged(const facts *f)
 {
     return f->encoding != NTP_ENCODING_HEIGHT &&
@@ -72,32 +53,15 @@ bool is_judged(const facts *f)
 
 uint64_t judged_texels(const facts *f)
 {
-    return f->stats.texels - f->stats.unused - f->stats.padding;
+    return counts_judged(&f->stats);
 }
 
 bool failing_texels(const facts *f, ntp_verdict verdict, bool keep_negative_z, uint64_t *all,
                     uint64_t *used)
 {
-    const ntp_stats *s = &f->stats;
-    const ntp_fit *fit = fit_of(f);
     if (!is_judged(f))
         return false;
-    if (f->encoding == NTP_ENCODING_XY) {
-        *all = s->xy_too_long;
-        *used = s->xy_too_long - s->unused_xy_too_long - s->padding;
-        return true;
-    }
-    uint64_t pass = fit->neighbor, unused_pass = fit->unused_neighbor;
-    if (verdict == NTP_VERDICT_ROUNDED)
-        pass = fit->rounded, unused_pass = fit->unused_rounded;
-    if (verdict == NTP_VERDICT_EXACT) {
-        /* unused texels are rarely exact with z mirrored, so these all count as used */
-        pass = fit->exact + (keep_negative_z ? fit->exact_mirrored : 0);
-        unused_pass = fit->unused_exact;
-    }
-    *all = s->texels - pass;
-    const uint64_t left_out = s->unused - unused_pass + s->padding;
-    *used = *all > left_out ? *all - left_out : 0;
+    counts_failing(&f->stats, f->encoding, verdict, keep_negative_z, all, used);
     return true;
 }
 
@@ -118,15 +82,7 @@ finding_level level_of_share(const judgement *j, uint64_t count)
 
 finding_level level_of_harm(const judgement *j, const ntp_harm *harm)
 {
-    const double angle = j->rules->max_angle, used = (double) j->used;
-    if (j->used == 0 || harm->texels == 0)
-        return LEVEL_INFO;
-    const double percent = 100.0 * (double) harm->over / used;
-    if (percent > j->rules->max_fail)
-        return LEVEL_ERROR;
-    const bool visible = percent > j->rules->max_fail * SPECKS || harm->p99 > angle * P99_WARNING ||
-                         harm->mean > angle * MEAN_WARNING;
-    return visible ? LEVEL_WARNING : LEVEL_INFO;
+    return counts_level(harm, j->used, j->rules->max_angle, j->rules->max_fail);
 }
 
 finding_level level_of_cause(const judgement *j)

@@ -57,7 +57,7 @@ static void judge_xy(judgement *j)
 {
     const ntp_stats *s = &j->f->stats;
     const ntp_harm *harm = &j->f->harm[HARM_XY];
-    const uint64_t all = s->xy_too_long - s->unused_xy_too_long - s->padding;
+    const uint64_t all = counts_xy_too_long(s);
     /* Rounding makes pairs too long that were not; only `exact` minds. */
     const bool rounding = harm->texels == 0 && j->rules->verdict != NTP_VERDICT_EXACT;
     const bool every = rounding || j->rules->verdict == NTP_VERDICT_EXACT;
@@ -81,7 +81,7 @@ static void judge_z(judgement *j)
 {
     const ntp_stats *s = &j->f->stats;
     const ntp_harm *harm = &j->f->harm[HARM_Z];
-    const uint64_t count = s->z_negative - s->unused_z_negative - s->padding_z_negative;
+    const uint64_t count = counts_z_negative(s);
     if (count == 0 || j->f->encoding != NTP_ENCODING_STANDARD || j->rules->keep_negative_z)
         return;
     text t = { 0 };
@@ -128,7 +128,7 @@ static void judge_tilt(judgement *j)
 {
     const facts *f = j->f;
     const double x = 2 * f->stats.used_mean[0] - 1, y = 2 * f->stats.used_mean[1] - 1;
-    const double worst = (x < 0 ? -x : x) > (y < 0 ? -y : y) ? x : y;
+    const double worst = counts_tilt(&f->stats);
     if (f->type.type == NTP_CLASS_ONE_COLOR || (worst < 0 ? -worst : worst) <= j->rules->max_tilt)
         return;
     addf(j, NT022, LEVEL_WARNING, 0,

@@ -10,6 +10,7 @@
 #include <string.h>
 
 #include "cli.h"
+#include "text/numbers.h"
 
 void *need(void *memory)
 {
@@ -154,38 +155,23 @@ void text_name(text *t, const char *name)
 
 void text_count(text *t, uint64_t count)
 {
-    char digits[32];
-    const int length = snprintf(digits, sizeof digits, "%llu", (unsigned long long) count);
-    for (int i = 0; i < length; i++) {
-        if (i > 0 && (length - i) % 3 == 0)
-            text_char(t, ',');
-        text_char(t, digits[i]);
-    }
+    char number[NUMBER_SIZE];
+    number_count(number, count, &NUMBERS_ENGLISH);
+    text_add(t, number);
 }
 
 void text_percent(text *t, uint64_t part, uint64_t whole)
 {
-    const double percent = whole == 0 ? 0 : 100.0 * (double) part / (double) whole;
-    if (part == 0 || part == whole)
-        text_addf(t, "%.0f %%", percent);
-    else if (percent < 0.01)
-        text_add(t, "under 0.01 %");
-    else if (percent >= 99.99)
-        text_add(t, "over 99.99 %");
-    else if (percent < 1 || percent > 99)
-        text_addf(t, "%.2f %%", percent);
-    else
-        text_addf(t, "%.1f %%", percent);
+    char number[NUMBER_SIZE];
+    number_percent(number, part, whole, &NUMBERS_ENGLISH);
+    text_add(t, number);
 }
 
 void text_degrees(text *t, double degrees)
 {
-    if (degrees > 0 && degrees < 0.001)
-        text_add(t, "under 0.001");
-    else if (degrees < 1)
-        text_addf(t, "%.2g", degrees);
-    else
-        text_addf(t, degrees < 10 ? "%.1f" : "%.0f", degrees);
+    char number[NUMBER_SIZE];
+    number_degrees(number, degrees, &NUMBERS_ENGLISH);
+    text_add(t, number);
 }
 
 void text_wrap(text *t, const char *words, int column, int indent, int width)

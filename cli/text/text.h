@@ -4,6 +4,7 @@
  *
  * The room of strings and output.  Every other room uses it.
  *   text.c      growing strings; names, counts, shares and angles for people; memory or the end
+ *   numbers.c   counts, shares and angles; the GIMP plug-in has it, too
  *   terminal.c  standard output, standard error, the progress bar (declared in cli.h)
  *
  * Workers build results in memory, and one thread prints them: their order never depends on --jobs.

@@ -11,9 +11,6 @@
 
 #include <pthread.h>
 #include <stdbool.h>
-#include <stdlib.h>
-
-#include "text/text.h"
 
 enum { LIMBS = 12 }; /* of 32 bits: 384 bits */
 
@@ -55,11 +52,12 @@ static bool reaches(uint32_t k, uint32_t q, uint32_t max)
     return at_least(&light, &wanted);
 }
 
-static void fill(srgb_levels *t, uint32_t max)
+static uint16_t linear_8[256], linear_16[65536];
+static uint8_t loss_8[256], loss_16[65536];
+static const srgb_levels tables[2] = { { 255, linear_8, loss_8 }, { 65535, linear_16, loss_16 } };
+
+static void fill(const srgb_levels *t, uint32_t max)
 {
-    t->max = max;
-    t->linear = need(malloc((max + 1) * sizeof *t->linear));
-    t->loss = need(malloc(max + 1));
     uint32_t nearest = 0, first = 0, last = 0; /* the linear levels that become s: first..last */
     for (uint32_t s = 0; s <= max; s++) {
         while (nearest < max && reaches(2 * s, 2 * nearest + 1, max))
@@ -73,8 +71,6 @@ static void fill(srgb_levels *t, uint32_t max)
         first = last + 1;
     }
 }
-
-static srgb_levels tables[2];
 
 static void fill_8(void)
 {

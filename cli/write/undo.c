@@ -4,12 +4,8 @@
  */
 #include "write/undo.h"
 
-#include <math.h>
-#include <string.h>
-
 #include "examine/samples.h"
 #include "report/report.h"
-#include "write/srgb_levels.h"
 
 static const double DEGREES = 57.29577951308232;
 
@@ -33,19 +29,7 @@ const char *undo_title(undo_kind kind)
 
 undo_kind undo_kind_of(const facts *f)
 {
-    const uint32_t a = f->type.accidents;
-    if (!class_is_tangent(f->type.type) || f->info.channels < 3)
-        return UNDO_NOTHING;
-    if ((a & NTP_ACCIDENT_GAMMA) != 0)
-        return UNDO_SRGB;
-    if ((a & NTP_ACCIDENT_RED_IS_Z) != 0)
-        return UNDO_RED_BLUE;
-    if ((a & NTP_ACCIDENT_GREEN_IS_Z) != 0)
-        return UNDO_GREEN_BLUE;
-    if ((a & NTP_ACCIDENT_DXT5NM) != 0)
-        return f->info.channels == 4 ? UNDO_DXT5NM : UNDO_NOTHING;
-    const bool standard = f->type.type == NTP_CLASS_STANDARD;
-    return standard && (a & NTP_ACCIDENT_Z_FLIPPED) != 0 ? UNDO_BLUE : UNDO_NOTHING;
+    return undo_kind_shown(&f->type, f->info.channels);
 }
 
 bool undo_is_possible(undo_kind kind, const ntpio_info *info)
@@ -55,72 +39,10 @@ bool undo_is_possible(undo_kind kind, const ntpio_info *info)
 
 /* ------------------------------------------------------------------------- the rows */
 
-static uint32_t load(const void *rows, ntp_type type, size_t i)
-{
-    return type == NTP_TYPE_U8 ? ((const uint8_t *) rows)[i] : ((const uint16_t *) rows)[i];
-}
-
-static void store(void *rows, ntp_type type, size_t i, uint32_t level)
-{
-    if (type == NTP_TYPE_U8)
-        ((uint8_t *) rows)[i] = (uint8_t) level;
-    else
-        ((uint16_t *) rows)[i] = (uint16_t) level;
-}
-
-static void undo_srgb(undo *u, void *rows, size_t texels)
-{
-    const uint32_t max = u->type == NTP_TYPE_U8 ? 255 : 65535;
-    const srgb_levels *table = srgb_levels_of(max);
-    for (size_t t = 0; t < texels; t++) {
-        uint32_t square = 0;
-        for (int c = 0; c < 3; c++) {
-            const size_t i = t * (size_t) u->channels + (size_t) c;
-            const uint32_t level = load(rows, u->type, i), loss = table->loss[level];
-            store(rows, u->type, i, table->linear[level]);
-            square += loss * loss;
-            u->loss_most = loss > u->loss_most ? loss : u->loss_most;
-        }
-        /* a level is 2 / M of a vector of length 1 */
-        const double angle = 2 * sqrt((double) square) / max;
-        u->loss_sum += angle;
-        u->loss_angle = angle > u->loss_angle ? angle : u->loss_angle;
-    }
-    u->texels += texels;
-}
-
-/* Texels that are black or white are unused, and stay. */
-static void undo_blue(undo *u, void *rows, size_t texels)
-{
-    const uint32_t max = u->type == NTP_TYPE_U8 ? 255 : 65535;
-    for (size_t t = 0; t < texels; t++) {
-        const size_t i = t * (size_t) u->channels;
-        const uint32_t r = load(rows, u->type, i), g = load(rows, u->type, i + 1);
-        const uint32_t b = load(rows, u->type, i + 2);
-        if (r != g || g != b || (b != 0 && b != max))
-            store(rows, u->type, i + 2, max - b);
-    }
-}
-
-static void undo_blue_of_floats(undo *u, float *rows, size_t texels)
-{
-    for (size_t t = 0; t < texels; t++) {
-        float *texel = rows + t * (size_t) u->channels;
-        const bool alike = texel[0] == texel[1] && texel[1] == texel[2];
-        if (!alike || (texel[2] != 0 && texel[2] != 1))
-            texel[2] = 1 - texel[2];
-    }
-}
-
 static void alter(void *context, void *rows, size_t texels)
 {
     undo *u = context;
-    if (u->kind == UNDO_SRGB)
-        undo_srgb(u, rows, texels);
-    else if (u->kind == UNDO_BLUE && u->type == NTP_TYPE_F32)
-        undo_blue_of_floats(u, rows, texels);
-    else if (u->kind == UNDO_BLUE)
-        undo_blue(u, rows, texels);
+    undo_levels(u->kind, rows, u->type, u->channels, texels, &u->loss);
 }
 
 void undo_begin(undo *u, source *s, undo_kind kind, double confidence)
@@ -142,9 +64,7 @@ void undo_begin(undo *u, source *s, undo_kind kind, double confidence)
 
 void undo_restart(undo *u)
 {
-    u->texels = 0;
-    u->loss_most = 0;
-    u->loss_sum = u->loss_angle = 0;
+    u->loss = (undo_loss) { 0 };
 }
 
 ntp_const_image undo_stored(const source *s)
@@ -163,12 +83,12 @@ void undo_tell(text *line, const undo *u, bool would)
 {
     text_addf(line, "%s %s (%.0f %% sure)", would ? "would undo" : "undid", KINDS[u->kind].what,
               100 * u->confidence);
-    if (u->kind == UNDO_SRGB && u->texels > 0) {
+    if (u->kind == UNDO_SRGB && u->loss.texels > 0) {
         text_addf(line, "; its rounding leaves levels off by up to %u, that is up to ",
-                  (unsigned) u->loss_most);
-        text_degrees(line, u->loss_angle * DEGREES);
+                  (unsigned) u->loss.most);
+        text_degrees(line, u->loss.angle * DEGREES);
         text_add(line, " degrees, ");
-        text_degrees(line, u->loss_sum / (double) u->texels * DEGREES);
+        text_degrees(line, u->loss.sum / (double) u->loss.texels * DEGREES);
         text_add(line, " on average");
     }
     text_add(line, "; ");
@@ -181,9 +101,9 @@ json_t *undo_json(const undo *u)
     json_t *object = need(json_object());
     json_object_set_new(object, "what", json_string(KINDS[u->kind].name));
     json_object_set_new(object, "confidence", json_angle(u->confidence));
-    const double mean = u->texels > 0 ? u->loss_sum / (double) u->texels : 0;
-    json_object_set_new(object, "loss_levels", json_integer((json_int_t) u->loss_most));
+    const double mean = u->loss.texels > 0 ? u->loss.sum / (double) u->loss.texels : 0;
+    json_object_set_new(object, "loss_levels", json_integer((json_int_t) u->loss.most));
     json_object_set_new(object, "loss_deg_mean", json_angle(mean * DEGREES));
-    json_object_set_new(object, "loss_deg_max", json_angle(u->loss_angle * DEGREES));
+    json_object_set_new(object, "loss_deg_max", json_angle(u->loss.angle * DEGREES));
     return object;
 }

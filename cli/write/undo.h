@@ -10,24 +10,14 @@
 #include <jansson.h>
 
 #include "examine/examine.h"
-
-typedef enum undo_kind {
-    UNDO_NOTHING,
-    UNDO_RED_BLUE,
-    UNDO_GREEN_BLUE,
-    UNDO_DXT5NM,
-    UNDO_BLUE, /* inverted */
-    UNDO_SRGB
-} undo_kind;
+#include "write/undo_rows.h"
 
 typedef struct undo {
     undo_kind kind;
     double confidence; /* of the accident */
     ntp_type type;
     int32_t channels;
-    uint64_t texels;             /* of which the loss was counted */
-    uint32_t loss_most;          /* of a level, by the rounding to sRGB */
-    double loss_sum, loss_angle; /* of the vectors, in radians: sum and greatest */
+    undo_loss loss;
 } undo;
 
 /* The accident that the texels show, or UNDO_NOTHING.  Inverted blue counts only as an accident of

@@ -8,7 +8,8 @@
  *   make_output.c  the passes over one file
  *   green.c        which way green points, and the question where it is not known
  *   question.c     what the input is, and whether the verb can work on it
- *   undo.c         accidents that are exactly undone (srgb_levels.c: the inverse of sRGB)
+ *   undo.c         accidents that are exactly undone (undo_rows.c: levels, which the GIMP plug-in has,
+ *                  too; srgb_levels.c: the inverse of sRGB)
  *   refusal.c      which files are refused, and the words for it
  *   whole_image.c  for verbs that need the whole input in memory
  *   side_image.c   a channel of a second image: an alpha, a mask
