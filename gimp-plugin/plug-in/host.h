@@ -8,7 +8,7 @@
 #define NTP_PLUGIN_HOST_H
 
 #include "normals.h"
-#include "report.h"
+#include "remedy.h"
 
 #include <gegl.h>
 #include <libgimp/gimp.h>
@@ -96,6 +96,12 @@ gboolean host_run(const procedure *p, const settings *s, gint32 id, char message
 
 /* The report on a layer.  FALSE: message says why there is none. */
 gboolean host_check(const settings *s, gint32 id, report *r, char message[HOST_TEXT]);
+
+/* Adds that a report is on the layer with its effects. */
+void host_add_effects(report *r);
+
+/* Does what the report suggests, in one undo step; else as host_run. */
+gboolean host_remedy(remedy which, const findings *f, gint32 id, char message[HOST_TEXT]);
 
 /* Threads and GIMP's progress bar. */
 extern const surroundings host_surroundings;

@@ -61,16 +61,17 @@ static job_status run_normals(const normals_job *asked, double height_id, double
     return status;
 }
 
-static job_status run_repair(const repair_job *job, double alpha_id, const host_layer *layer,
-                             const ntp_rect *area, uint64_t *changed)
+/* from: the layer's texels, or what is to be repaired in their place. */
+static job_status run_repair(const repair_job *job, const raster *from, double alpha_id,
+                             const host_layer *layer, const ntp_rect *area, uint64_t *changed)
 {
     host_layer mask, result;
     if (job->alpha == ALPHA_LAYER && !host_is_layer((gint32) alpha_id))
         return JOB_NO_LAYER;
     const raster *alpha = open_other(&mask, job->alpha == ALPHA_LAYER ? alpha_id : -1);
     host_open_result(&result, layer, layer->raster.channels);
-    const job_status status = repair_job_run(job, &layer->raster, alpha, &result.raster, area,
-                                             &host_surroundings, changed);
+    const job_status status =
+        repair_job_run(job, from, alpha, &result.raster, area, &host_surroundings, changed);
     if (status == JOB_DONE && (changed == NULL || *changed > 0))
         host_put_result(&result, layer, area);
     host_close(&result);
@@ -202,7 +203,7 @@ static job_status run_classic(const settings *s, const host_layer *layer, const 
     case CLASSIC_NORMALS:
         return run_normals(&job.normals, -1, s->value[FO_ALPHA_LAYER], layer, area);
     case CLASSIC_REPAIR:
-        return run_repair(&job.repair, s->value[FO_ALPHA_LAYER], layer, area, NULL);
+        return run_repair(&job.repair, &layer->raster, s->value[FO_ALPHA_LAYER], layer, area, NULL);
     default:
         return run_classic_height(&job, layer, area);
     }
@@ -223,7 +224,13 @@ static job_status run_clean(const settings *s, const host_layer *layer, const nt
             return status;
     }
     const repair_job job = repair_job_from(s, finds_out ? &found : NULL);
-    return run_repair(&job, -1, layer, area, changed);
+    return run_repair(&job, &layer->raster, -1, layer, area, changed);
+}
+
+void host_add_effects(report *r)
+{
+    g_strlcat(r->text, "\n", sizeof r->text);
+    g_strlcat(r->text, _("Seen as the layer is shown, with its effects."), sizeof r->text);
 }
 
 gboolean host_check(const settings *s, gint32 id, report *r, char message[HOST_TEXT])
@@ -233,10 +240,8 @@ gboolean host_check(const settings *s, gint32 id, report *r, char message[HOST_T
     gimp_progress_init(_("Checking normals"));
     const job_status status = report_run(r, s, &layer.raster, host_translate, &host_surroundings);
     gimp_progress_end();
-    if (layer.shown > 0) {
-        g_strlcat(r->text, "\n", sizeof r->text);
-        g_strlcat(r->text, _("Seen as the layer is shown, with its effects."), sizeof r->text);
-    }
+    if (layer.shown > 0)
+        host_add_effects(r);
     host_close(&layer);
     g_strlcpy(message, status == JOB_DONE ? "" : _(job_status_text(status)), HOST_TEXT);
     return status == JOB_DONE;
@@ -285,33 +290,73 @@ static job_status dispatch(const procedure *p, const settings *s, const host_lay
     }
 }
 
-gboolean host_run(const procedure *p, const settings *s, gint32 id, char message[HOST_TEXT])
-{
-    const char *refusal = host_refusal(p, id);
+/* A layer to work on, and the part of it. */
+typedef struct target {
     host_layer layer;
     ntp_rect area;
+} target;
+
+/* FALSE: there is nothing to do, and the message says why; *done is what host_run returns then. */
+static gboolean open_target(target *t, const procedure *p, gint32 id, gboolean *done,
+                            char message[HOST_TEXT])
+{
+    const char *refusal = host_refusal(p, id);
+    *done = FALSE;
     message[0] = 0;
     if (refusal != NULL) {
         g_strlcpy(message, refusal, HOST_TEXT);
         return FALSE;
     }
-    host_open(&layer, id);
-    if (!host_has_size_of(&layer, id)) {
-        host_close(&layer);
+    host_open(&t->layer, id);
+    t->layer.raster.user = &t->layer;
+    if (!host_has_size_of(&t->layer, id)) {
+        host_close(&t->layer);
         g_strlcpy(message, _(job_status_text(JOB_BEYOND)), HOST_TEXT);
         return FALSE;
     }
-    if (!host_selection(&layer, &area)) {
-        host_close(&layer);
+    if (!host_selection(&t->layer, &t->area)) {
+        host_close(&t->layer);
         g_strlcpy(message, _("The selection does not touch the layer. Nothing was changed."),
                   HOST_TEXT);
-        return TRUE;
+        *done = TRUE;
+        return FALSE;
     }
     gimp_progress_init(_("Normals texture"));
-    const job_status status = dispatch(p, s, &layer, &area, message);
+    return TRUE;
+}
+
+static gboolean close_target(target *t, job_status status, char message[HOST_TEXT])
+{
     gimp_progress_end();
-    host_close(&layer);
+    host_close(&t->layer);
     if (status != JOB_DONE)
         g_strlcpy(message, _(job_status_text(status)), HOST_TEXT);
     return status == JOB_DONE;
+}
+
+gboolean host_run(const procedure *p, const settings *s, gint32 id, char message[HOST_TEXT])
+{
+    target t;
+    gboolean done = FALSE;
+    if (!open_target(&t, p, id, &done, message))
+        return done;
+    return close_target(&t, dispatch(p, s, &t.layer, &t.area, message), message);
+}
+
+gboolean host_remedy(remedy which, const findings *f, gint32 id, char message[HOST_TEXT])
+{
+    target t;
+    undone right;
+    undo_kind accident = UNDO_NOTHING;
+    gboolean done = FALSE;
+    uint64_t changed = 0;
+    if (!open_target(&t, &procedures[PROCEDURE_CLEAN], id, &done, message))
+        return done;
+    const repair_job job = remedy_job(which, f, &accident);
+    undone_open(&right, &t.layer.raster, accident);
+    const job_status status = run_repair(&job, &right.raster, -1, &t.layer, &t.area,
+                                         which == REMEDY_CLEAN ? &changed : NULL);
+    if (status == JOB_DONE && which == REMEDY_CLEAN && changed == 0)
+        g_strlcpy(message, _("Every texel is right already. Nothing was changed."), HOST_TEXT);
+    return close_target(&t, status, message);
 }

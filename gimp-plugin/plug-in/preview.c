@@ -45,6 +45,7 @@ typedef struct maker {
     ntp_encoding encoding; /* of what is made */
     normals_job normals;
     repair_job repair;
+    const raster *from; /* what is repaired */
 } maker;
 
 static uint8_t to_byte(const unsigned char *at, ntp_type type)
@@ -96,7 +97,7 @@ static job_status make(const maker *m, const ntp_rect *area, unsigned char *data
     if (m->what == MAKE_NORMALS)
         return normals_job_run(&m->normals, p->heights != NULL ? p->heights : p->layer, NULL, NULL,
                                &result, area, p->around);
-    return repair_job_run(&m->repair, p->layer, NULL, &result, area, p->around, NULL);
+    return repair_job_run(&m->repair, m->from, NULL, &result, area, p->around, NULL);
 }
 
 /* ------------------------------------------------------------------------------ averages */
@@ -219,9 +220,15 @@ static job_status sample_group(const maker *m, int32_t j, int32_t end, unsigned 
     return status;
 }
 
+static int32_t end_of(const preview *p)
+{
+    return p->end > 0 ? p->end : p->height;
+}
+
 static job_status sample(const maker *m, uint8_t *out)
 {
     const preview *p = m->p;
+    const int32_t end = end_of(p);
     const int32_t n = texels_in_pixel(p);
     const double covered = (double) GROUP / p->step;
     const int32_t group = covered < 1 ? 1 : covered > p->height ? p->height : (int32_t) covered;
@@ -229,8 +236,8 @@ static job_status sample(const maker *m, uint8_t *out)
     unsigned char *data = malloc(most * (size_t) p->layer->width * RGBA);
     const unsigned char **rows = malloc((size_t) n * sizeof *rows);
     job_status status = data != NULL && rows != NULL ? JOB_DONE : JOB_NO_MEMORY;
-    for (int32_t j = 0; status == JOB_DONE && j < p->height; j += group)
-        status = sample_group(m, j, j + group < p->height ? j + group : p->height, data, rows, out);
+    for (int32_t j = p->first; status == JOB_DONE && j < end; j += group)
+        status = sample_group(m, j, j + group < end ? j + group : end, data, rows, out);
     free(rows);
     free(data);
     return status;
@@ -247,7 +254,8 @@ static void light_up(const preview *p, ntp_encoding encoding, ntp_y y, uint8_t *
     view.y = y;
     out.encoding = NTP_ENCODING_HEIGHT;
     const ntp_const_image seen = ntp_image_as_const(&view);
-    ntp_shade(&out, &seen, p->light, NULL);
+    const ntp_rect rows = { 0, p->first, p->width, end_of(p) };
+    ntp_shade(&out, &seen, p->light, &rows);
 }
 
 static bool same_slopes(const preview_scale *s, const normals_job *job)
@@ -304,13 +312,26 @@ static job_status show_normals(const preview *p, uint8_t *map, uint8_t *lit)
 
 static job_status show_clean(const preview *p, uint8_t *map, uint8_t *lit)
 {
-    maker m = { .p = p, .what = MAKE_CLEAN, .repair = repair_job_from(p->settings, p->found) };
-    m.encoding = m.repair.from;
+    const bool check = p->procedure == &procedures[PROCEDURE_CHECK];
+    const bool as_it_is = p->waiting || (check && p->repair == NULL);
+    undone right;
+    maker m = { .p = p, .what = as_it_is ? MAKE_NOTHING : MAKE_CLEAN, .from = p->layer };
+    if (as_it_is) {
+        m.encoding =
+            p->found != NULL && p->found->judged ? p->found->encoding : NTP_ENCODING_STANDARD;
+    } else {
+        m.repair = check ? *p->repair : repair_job_from(p->settings, p->found);
+        m.encoding = m.repair.convert ? m.repair.to : m.repair.from;
+    }
+    if (p->accident != UNDO_NOTHING) {
+        undone_open(&right, p->layer, p->accident);
+        m.from = &right.raster;
+    }
     const job_status status = sample(&m, map);
     if (status != JOB_DONE)
         return status;
-    light_up(p, m.repair.from, NTP_Y_UP, map, lit);
-    if (p->found == NULL)
+    light_up(p, m.encoding, p->green, map, lit);
+    if (p->found == NULL || check)
         return JOB_DONE;
     return !p->found->judged ? JOB_NO_NORMALS : p->found->misplaced ? JOB_MISPLACED : JOB_DONE;
 }
@@ -395,8 +416,79 @@ job_status preview_render(const preview *p, uint8_t *map, uint8_t *lit, uint8_t 
         return status;
     if (normals)
         return show_normals(p, map, lit);
+    if (p->layer->channels < 3 && p->procedure == &procedures[PROCEDURE_CHECK]) {
+        memset(lit, 0, (size_t) p->width * (size_t) p->height * RGB);
+        return sample(&plain, map);
+    }
     if (p->layer->channels < 3)
         return JOB_GRAY;
     return p->procedure == &procedures[PROCEDURE_HEIGHT] ? show_height(p, map, lit)
                                                          : show_clean(p, map, lit);
+}
+
+/* ------------------------------------------------------------------------------ heatmap */
+
+/* The stronger a fault, the brighter its color; texels without one are gray. */
+static int32_t weight_of(const uint8_t *rgb)
+{
+    const bool gray = rgb[0] == rgb[1] && rgb[1] == rgb[2];
+    return gray ? 0 : 1 + rgb[0] + rgb[1] + rgb[2];
+}
+
+typedef struct heater {
+    const preview *p;
+    ntp_palette palette;
+    unsigned char *texels; /* rows of the layer */
+    uint8_t *heat;         /* the same rows */
+    int32_t n;             /* texels that a pixel shows on each axis */
+} heater;
+
+static job_status heat_rows(const heater *h, int32_t y0, int32_t y1)
+{
+    const preview *p = h->p;
+    if (!p->layer->read(p->layer->user, y0, y1, h->texels))
+        return JOB_NO_PIXELS;
+    ntp_image view = raster_view(p->layer, h->texels, y1 - y0);
+    ntp_image heat = ntp_image_packed(h->heat, p->layer->width, y1 - y0, RGB, NTP_TYPE_U8);
+    view.encoding = p->found->encoding;
+    heat.encoding = NTP_ENCODING_HEIGHT;
+    const ntp_const_image seen = ntp_image_as_const(&view);
+    return ntp_heatmap(&heat, &seen, h->palette, p->found->touch, NULL) == NTP_OK ? JOB_DONE
+                                                                                  : JOB_WRONG;
+}
+
+/* Adds a row of texels to a row of pixels, which begins black. */
+static void keep_worst(const heater *h, const uint8_t *row, uint8_t *out)
+{
+    const preview *p = h->p;
+    for (int32_t i = 0; i < p->width; i++, out += RGB) {
+        for (int32_t k = 0; k < h->n; k++) {
+            const uint8_t *texel = row + (size_t) column_of(p, i, k, h->n) * RGB;
+            const int32_t weight = weight_of(texel), before = weight_of(out);
+            if (weight > before || (weight == 0 && before == 0 && texel[0] > out[0]))
+                memcpy(out, texel, RGB);
+        }
+    }
+}
+
+job_status preview_heatmap(const preview *p, ntp_palette palette, uint8_t *heat)
+{
+    const int32_t n = texels_in_pixel(p);
+    heater h = { .p = p, .palette = palette, .n = n };
+    h.texels = malloc(raster_row(p->layer));
+    h.heat = malloc((size_t) p->layer->width * RGB);
+    job_status status = h.texels != NULL && h.heat != NULL ? JOB_DONE : JOB_NO_MEMORY;
+    for (int32_t j = p->first; status == JOB_DONE && j < end_of(p); j++) {
+        uint8_t *out = heat + (size_t) j * (size_t) p->width * RGB;
+        memset(out, 0, (size_t) p->width * RGB);
+        for (int32_t k = 0; status == JOB_DONE && k < n; k++) {
+            const int32_t y = row_of(p, j, k, n);
+            status = heat_rows(&h, y, y + 1);
+            if (status == JOB_DONE)
+                keep_worst(&h, h.heat, out);
+        }
+    }
+    free(h.texels);
+    free(h.heat);
+    return status;
 }

@@ -5,7 +5,7 @@
 #ifndef NTP_PLUGIN_PREVIEW_H
 #define NTP_PLUGIN_PREVIEW_H
 
-#include "report.h"
+#include "repair.h"
 
 /* The scale that the heights suggest, measured once; zeroed at first, and when the heights change.
  */
@@ -17,14 +17,19 @@ typedef struct preview_scale {
 } preview_scale;
 
 typedef struct preview {
-    const procedure *procedure; /* normals, height or clean */
+    const procedure *procedure; /* normals, height, clean or check */
     const settings *settings;
     const raster *layer;
     const raster *heights;      /* another layer's height, or NULL */
     const report *found;        /* clean, if a report decides; or NULL */
+    bool waiting;               /* clean, but the report is not there yet: show the layer */
+    const repair_job *repair;   /* check: the remedy to show; NULL: none, show the layer */
+    undo_kind accident;         /* that the remedy undoes first */
+    ntp_y green;                /* of normals as they are after cleaning or a remedy */
     int32_t width, height;      /* pixels to fill */
     double x, y;                /* the texel position at their upper left corner */
     double step;                /* texels from one pixel to the next */
+    int32_t first, end;         /* the rows of pixels to fill; both 0: all of them */
     int32_t most;               /* texels that a pixel averages on each axis; 0: all under it */
     const ntp_light *light;     /* or NULL */
     preview_scale *scale;       /* kept from call to call, or NULL */
@@ -39,5 +44,8 @@ typedef struct preview {
  * as they are.
  */
 job_status preview_render(const preview *p, uint8_t *map, uint8_t *lit, uint8_t *before);
+
+/* The heatmap of the layer as it is, by p->found: a pixel shows the worst texel under it. */
+job_status preview_heatmap(const preview *p, ntp_palette palette, uint8_t *heat);
 
 #endif

@@ -41,7 +41,9 @@ repair_job repair_job_from(const settings *s, const report *found)
                  .keep_negative_z = v[FC_KEEP_NEGATIVE_Z] != 0,
                  .only_failing = v[FC_ONLY_FAILING] != 0,
                  .verdict = (ntp_verdict) v[FC_VERDICT],
-                 .touch_unused = v[FC_UNUSED] != 0 ? NTP_UNUSED_ALL : 0 },
+                 .touch_unused = v[FC_UNUSED] != 0 ? NTP_UNUSED_ALL
+                                 : found != NULL   ? found->touch
+                                                   : 0 },
     };
 }
 
@@ -154,6 +156,17 @@ static job_status store_dudv(const ntp_image *rows, const ntp_image *normals, du
     return status == NTP_OK ? JOB_DONE : JOB_WRONG;
 }
 
+/* In place; the view is then that of the result. */
+static bool convert(const repair_job *job, ntp_image *view)
+{
+    const ntp_convert_options how = { .touch_unused = job->how.touch_unused };
+    const ntp_const_image seen = ntp_image_as_const(view);
+    view->encoding = job->to;
+    if (job->turn_green)
+        view->y = view->y == NTP_Y_UP ? NTP_Y_DOWN : NTP_Y_UP;
+    return ntp_convert(view, &seen, &how, NULL, NULL) == NTP_OK;
+}
+
 job_status repair_rows(const repair_job *job, const ntp_image *rows, uint64_t *changed)
 {
     ntp_image view = *rows;
@@ -166,6 +179,8 @@ job_status repair_rows(const repair_job *job, const ntp_image *rows, uint64_t *c
         return JOB_WRONG;
     if (changed != NULL)
         *changed += counts.changed;
+    if (job->convert && !convert(job, &view))
+        return JOB_WRONG;
     view.channels = 3;
     if (job->strengthen)
         status = strengthen(&view, job->strength);

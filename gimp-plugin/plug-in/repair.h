@@ -10,8 +10,11 @@
 #include "report.h"
 
 typedef struct repair_job {
-    ntp_encoding from;  /* that of the result as well, but for: */
-    bool derive;        /* NTP_ENCODING_XY in, NTP_ENCODING_STANDARD out */
+    ntp_encoding from; /* that of the result as well, but for: */
+    bool derive;       /* NTP_ENCODING_XY in, NTP_ENCODING_STANDARD out */
+    bool convert;      /* to this encoding, and green the other way, as `ntp convert` does */
+    ntp_encoding to;
+    bool turn_green;
     bool alpha_is_data; /* alpha 0 does not mean an unused texel */
     bool clean;         /* by these options */
     ntp_clean_options how;

@@ -148,6 +148,19 @@ static job_status summarize(report *r, measurement *m)
     return ntp_tally_summarize(&r->stats, m->tally, encoding) == NTP_OK ? JOB_DONE : JOB_WRONG;
 }
 
+/* The first of two passes may have another encoding; it has no harm. */
+static void measure_harm(report *r, measurement *m)
+{
+    static const uint32_t KINDS[REPORT_HARMS] = { NTP_HARM_LENGTH | NTP_HARM_XY, NTP_HARM_XY,
+                                                  NTP_HARM_Z_NEGATIVE };
+    for (int i = 0; i < REPORT_HARMS; i++) {
+        if (r->encoding == NTP_ENCODING_HEIGHT ||
+            ntp_tally_harm(&r->harm[i], m->tally, r->encoding, KINDS[i], COUNTS_MAX_ANGLE) !=
+                NTP_OK)
+            r->harm[i] = (ntp_harm) { 0 };
+    }
+}
+
 static job_status look(report *r, measurement *m, int reading)
 {
     m->view.encoding = m->layer->channels < 3 ? NTP_ENCODING_HEIGHT
@@ -165,46 +178,39 @@ static job_status look(report *r, measurement *m, int reading)
         r->type.confidence = 1;
     }
     r->encoding = encoding_of(r->type.type, m->layer->channels);
-    m->touch = touch_for(r);
-    if (r->encoding == NTP_ENCODING_HEIGHT || (r->encoding == m->view.encoding && m->touch == 0))
-        return JOB_DONE;
-    m->view.encoding = r->encoding;
-    status = measure(m);
-    return status == JOB_DONE ? summarize(r, m) : status;
-}
-
-/* Who says how blue stores z, says that the channels are in their places. */
-static bool is_misplaced(const report *r, const settings *s)
-{
-    const uint32_t bits =
-        NTP_ACCIDENT_RED_IS_Z | NTP_ACCIDENT_GREEN_IS_Z | NTP_ACCIDENT_DXT5NM | NTP_ACCIDENT_GAMMA;
-    return (int) s->value[FK_FROM] == 0 && (r->type.accidents & bits) != 0;
+    const uint32_t touch = touch_for(r);
+    const bool heights = r->encoding == NTP_ENCODING_HEIGHT;
+    const bool angles_differ = !heights && r->encoding != m->view.encoding;
+    const bool again =
+        (angles_differ && m->view.type != NTP_TYPE_U8) || (touch != 0 && r->stats.transparent > 0);
+    if (!heights)
+        m->view.encoding = r->encoding;
+    m->touch = r->touch = touch;
+    if (again)
+        status = measure(m);
+    return status == JOB_DONE && (again || angles_differ) ? summarize(r, m) : status;
 }
 
 static void judge(report *r, const settings *s, ntp_tally *tally)
 {
-    const ntp_stats *stats = &r->stats;
-    const ntp_fit *fit = r->encoding == NTP_ENCODING_ZZERO ? &stats->zzero : &stats->standard;
-    const bool keeps = s->value[FK_KEEP_NEGATIVE_Z] != 0;
     const ntp_class type = r->type.type;
-    r->used = stats->texels - stats->unused;
-    r->judged = r->encoding != NTP_ENCODING_HEIGHT && type != NTP_CLASS_NOT_NORMALS &&
-                type != NTP_CLASS_OBJECT_SPACE && type != NTP_CLASS_HEIGHT;
+    const bool tangent =
+        type == NTP_CLASS_STANDARD || type == NTP_CLASS_ZZERO || type == NTP_CLASS_XY;
+    uint64_t all = 0;
+    r->told = (int) s->value[FK_FROM] != 0;
+    r->keeps = s->value[FK_KEEP_NEGATIVE_Z] != 0;
+    r->used = counts_judged(&r->stats);
+    r->judged = r->encoding != NTP_ENCODING_HEIGHT && (tangent || type == NTP_CLASS_ONE_COLOR);
     if (!r->judged)
         return;
-    if (r->encoding == NTP_ENCODING_XY) {
-        r->failing = r->inexact = stats->xy_too_long - stats->unused_xy_too_long;
-    } else {
-        const uint64_t exact = fit->exact + (keeps ? fit->exact_mirrored : 0);
-        const uint64_t near = stats->texels - fit->neighbor, far = stats->texels - exact;
-        r->failing = near - (stats->unused - fit->unused_neighbor);
-        const uint64_t padding = stats->unused - fit->unused_exact;
-        r->inexact = far > padding ? far - padding : 0;
-    }
-    const uint64_t negative = stats->z_negative - stats->unused_z_negative;
-    r->misplaced = is_misplaced(r, s);
-    r->right = !r->misplaced && r->failing == 0 &&
-               (keeps || r->encoding != NTP_ENCODING_STANDARD || negative == 0);
+    counts_failing(&r->stats, r->encoding, NTP_VERDICT_NEIGHBOR, r->keeps, &all, &r->failing);
+    counts_failing(&r->stats, r->encoding, NTP_VERDICT_EXACT, r->keeps, &all, &r->inexact);
+    /* Who says how blue stores z, says that the channels are in their places. */
+    r->misplaced = !r->told && counts_misplaced(&r->type, r->channels);
+    r->accident = r->told ? UNDO_NOTHING : undo_kind_shown(&r->type, r->channels);
+    r->right =
+        !r->misplaced && r->failing == 0 &&
+        (r->keeps || r->encoding != NTP_ENCODING_STANDARD || counts_z_negative(&r->stats) == 0);
     if (ntp_choose_method(&r->method, NULL, tally, r->encoding, 0) != NTP_OK)
         r->method = NTP_CLEAN_DERIVE;
 }
@@ -214,12 +220,18 @@ job_status report_run(report *r, const settings *s, const raster *layer,
 {
     measurement m = { .layer = layer, .around = around };
     memset(r, 0, sizeof *r);
+    r->width = layer->width;
+    r->height = layer->height;
+    r->channels = layer->channels;
+    r->samples = layer->type;
     job_status status = reserve(&m) ? JOB_DONE : JOB_NO_MEMORY;
     if (status == JOB_DONE)
         status = look(r, &m, (int) s->value[FK_FROM]);
     if (status == JOB_DONE) {
+        measure_harm(r, &m);
         judge(r, s, m.tally);
-        if (r->encoding != NTP_ENCODING_HEIGHT)
+        if (r->judged && !counts_misplaced(&r->type, r->channels) &&
+            r->type.type != NTP_CLASS_ONE_COLOR)
             ntp_orientation_summarize(&r->green, m.green);
         report_write(r, translate);
     }

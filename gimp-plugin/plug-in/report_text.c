@@ -1,105 +1,35 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * report_text.c - a report in words, and as values for scripts
+ * report_text.c - a report in the words of `ntp check -v`: a headline, and the findings, the worst
+ * first
+ *
+ * What concerns a file rather than its texels is left out, and so are commands.
  */
 #include "report_text.h"
+#include "text/numbers.h"
 
+#include <locale.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
 
 #define N_(TEXT) TEXT
 
-/* --------------------------------------------------------------------------- for scripts */
+enum { MOST_FINDINGS = 24 };
 
-enum {
-    V_TYPE,
-    V_CONFIDENCE,
-    V_TEXELS,
-    V_UNUSED,
-    V_FAIL_NEIGHBOR,
-    V_FAIL_ROUNDED,
-    V_FAIL_EXACT,
-    V_XY_TOO_LONG,
-    V_Z_NEGATIVE,
-    V_ANGLE_MEAN,
-    V_ANGLE_MAX,
-    V_Y,
-    V_Y_CONFIDENCE,
-    V_RIGHT,
-    V_REPORT
-};
-
-const report_value report_value_table[REPORT_VALUES] = {
-    [V_TYPE] = { "type", "standard, zzero, xy, height, object-space, one-color or not-normals",
-                 true },
-    [V_CONFIDENCE] = { "confidence", "How sure that is, 0 to 1", false },
-    [V_TEXELS] = { "texels", "All texels", false },
-    [V_UNUSED] = { "unused", "Black, white and transparent ones", false },
-    [V_FAIL_NEIGHBOR] = { "fail-neighbor", "Texels that are not unit vectors to within a level",
-                          false },
-    [V_FAIL_ROUNDED] = { "fail-rounded", "Texels that are not rounded unit vectors", false },
-    [V_FAIL_EXACT] = { "fail-exact", "Texels whose blue is not that of red and green", false },
-    [V_XY_TOO_LONG] = { "xy-too-long", "Texels whose red and green are too long", false },
-    [V_Z_NEGATIVE] = { "z-negative", "Texels that point into the surface", false },
-    [V_ANGLE_MEAN] = { "angle-mean", "Mean error of the direction in degrees", false },
-    [V_ANGLE_MAX] = { "angle-max", "Greatest error of the direction in degrees", false },
-    [V_Y] = { "y", "up (OpenGL), down (DirectX) or undecided", true },
-    [V_Y_CONFIDENCE] = { "y-confidence", "How sure that is, 0 to 1", false },
-    [V_RIGHT] = { "right", "1: a normals texture with nothing to repair", false },
-    [V_REPORT] = { "report", "The report as text", true },
-};
-
-double report_number_of(const report *r, int value)
-{
-    const ntp_stats *s = &r->stats;
-    const ntp_fit *fit = r->encoding == NTP_ENCODING_ZZERO ? &s->zzero : &s->standard;
-    const bool xy = r->encoding == NTP_ENCODING_XY;
-    switch (value) {
-    case V_CONFIDENCE:
-        return r->type.confidence;
-    case V_TEXELS:
-        return (double) s->texels;
-    case V_UNUSED:
-        return (double) s->unused;
-    case V_FAIL_NEIGHBOR:
-        return (double) (xy ? s->xy_too_long : s->texels - fit->neighbor);
-    case V_FAIL_ROUNDED:
-        return (double) (xy ? s->xy_too_long : s->texels - fit->rounded);
-    case V_FAIL_EXACT:
-        return (double) (xy ? s->xy_too_long : s->texels - fit->exact);
-    case V_XY_TOO_LONG:
-        return (double) s->xy_too_long;
-    case V_Z_NEGATIVE:
-        return (double) s->z_negative;
-    case V_ANGLE_MEAN:
-        return s->angles.mean;
-    case V_ANGLE_MAX:
-        return s->angles.max;
-    case V_Y_CONFIDENCE:
-        return r->green.confidence;
-    case V_RIGHT:
-        return r->right;
-    default:
-        return 0;
-    }
-}
-
-const char *report_text_of(const report *r, int value)
-{
-    if (value == V_TYPE)
-        return ntp_class_name(r->type.type);
-    if (value == V_Y)
-        return !r->green.decided ? "undecided" : r->green.y == NTP_Y_UP ? "up" : "down";
-    return r->text;
-}
-
-/* ---------------------------------------------------------------------------- for people */
+typedef struct finding {
+    finding_level level;
+    int number; /* as in NT001 */
+    char text[400];
+} finding;
 
 typedef struct writer {
     report *r;
     size_t length;
     const char *(*translate)(const char *text);
+    number_words words;
+    finding findings[MOST_FINDINGS];
+    int count;
 } writer;
 
 static const char *tr(const writer *w, const char *text)
@@ -108,10 +38,12 @@ static const char *tr(const writer *w, const char *text)
 }
 
 #if defined(__GNUC__)
-__attribute__((format(printf, 2, 3)))
+#  define FORMAT(STRING, FIRST) __attribute__((format(printf, STRING, FIRST)))
+#else
+#  define FORMAT(STRING, FIRST)
 #endif
-static void
-line(writer *w, const char *format, ...)
+
+static void FORMAT(2, 3) add(writer *w, const char *format, ...)
 {
     const size_t room = sizeof w->r->text - w->length;
     va_list arguments;
@@ -119,119 +51,405 @@ line(writer *w, const char *format, ...)
     const int more = vsnprintf(w->r->text + w->length, room, format, arguments);
     va_end(arguments);
     w->length += more < 0 ? 0 : (size_t) more < room ? (size_t) more : room - 1;
-    if (w->length + 1 < sizeof w->r->text)
-        w->r->text[w->length++] = '\n';
-    w->r->text[w->length] = 0;
 }
+
+static void FORMAT(4, 5) found(writer *w, int number, finding_level level, const char *format, ...)
+{
+    if (w->count == MOST_FINDINGS)
+        return;
+    finding *f = &w->findings[w->count++];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(f->text, sizeof f->text, format, arguments);
+    va_end(arguments);
+    f->level = level;
+    f->number = number;
+}
+
+/* More words at the end of the last finding. */
+static void FORMAT(2, 3) more(writer *w, const char *format, ...)
+{
+    finding *f = &w->findings[w->count - 1];
+    const size_t length = strlen(f->text);
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(f->text + length, sizeof f->text - length, format, arguments);
+    va_end(arguments);
+}
+
+/* "12.3 % of the texels (12,345)" */
+typedef struct share {
+    char text[160];
+} share;
+
+static share share_of(const writer *w, uint64_t count)
+{
+    const ntp_stats *s = &w->r->stats;
+    char percent[NUMBER_SIZE], texels[NUMBER_SIZE];
+    share made;
+    number_percent(percent, count, w->r->used, &w->words);
+    number_count(texels, count, &w->words);
+    snprintf(made.text, sizeof made.text,
+             tr(w, s->unused + s->padding > 0 ? N_("%s of the used texels (%s)")
+                                              : N_("%s of the texels (%s)")),
+             percent, texels);
+    return made;
+}
+
+static finding_level level_of(const writer *w, report_harm harm)
+{
+    return counts_level(&w->r->harm[harm], w->r->used, COUNTS_MAX_ANGLE, COUNTS_MAX_FAIL);
+}
+
+/* Of what makes lengths wrong, such as compression: a warning where they are visibly wrong. */
+static finding_level level_of_cause(const writer *w)
+{
+    return level_of(w, REPORT_LENGTH) == LEVEL_INFO ? LEVEL_INFO : LEVEL_WARNING;
+}
+
+static void add_visible(writer *w, report_harm harm)
+{
+    char percent[NUMBER_SIZE];
+    if (w->r->harm[harm].over == 0)
+        return;
+    number_percent(percent, w->r->harm[harm].over, w->r->used, &w->words);
+    more(w, tr(w, N_("; %s are off by more than %g degrees")), percent, COUNTS_MAX_ANGLE);
+}
+
+/* ------------------------------------------------------------------- what a texture is */
+
+static void find_xy(writer *w)
+{
+    const bool nothing = (w->r->type.accidents & NTP_ACCIDENT_BLUE_CONSTANT) != 0;
+    if (!nothing && counts_alpha_map(&w->r->stats))
+        found(w, 6, LEVEL_INFO, "%s",
+              tr(w, N_("only red and green hold a normal; blue is not z and is not judged")));
+    else if (!nothing)
+        found(
+            w, 6, LEVEL_WARNING, "%s",
+            tr(w, N_("only red and green hold a normal; blue is not their z, but noise or another "
+                     "map")));
+    else
+        found(w, 4, LEVEL_WARNING,
+              tr(w, N_("red and green hold normals, and blue holds nothing (about %u throughout)")),
+              (unsigned) (255 * w->r->stats.used_mean[2] + 0.5));
+}
+
+static void find_class(writer *w)
+{
+    switch (w->r->type.type) {
+    case NTP_CLASS_ZZERO:
+        found(w, 5, LEVEL_WARNING, "%s", tr(w, N_("blue stores z in 0..1 (Z-zero), not in -1..1")));
+        break;
+    case NTP_CLASS_XY:
+        find_xy(w);
+        break;
+    case NTP_CLASS_HEIGHT:
+        found(w, 7, LEVEL_ERROR, "%s", tr(w, N_("this looks like a height map, not like normals")));
+        break;
+    case NTP_CLASS_OBJECT_SPACE:
+        found(w, 9, LEVEL_WARNING, "%s",
+              tr(w, N_("normals point in all directions: object space, not tangent space")));
+        break;
+    case NTP_CLASS_NOT_NORMALS:
+        found(w, 8, LEVEL_ERROR, "%s",
+              tr(w, N_("this is not a normals texture: its colors are not those of unit vectors")));
+        break;
+    default:
+        break;
+    }
+}
+
+static void find_places(writer *w)
+{
+    const uint32_t a = w->r->type.accidents;
+    if ((a & NTP_ACCIDENT_RED_IS_Z) != 0)
+        found(w, 12, LEVEL_ERROR, "%s", tr(w, N_("red and blue seem to be swapped: red holds z")));
+    else if ((a & NTP_ACCIDENT_GREEN_IS_Z) != 0)
+        found(w, 12, LEVEL_ERROR, "%s",
+              tr(w, N_("green and blue seem to be swapped: green holds z")));
+    else if ((a & NTP_ACCIDENT_DXT5NM) != 0 && w->r->channels > 2)
+        found(w, 12, LEVEL_ERROR, "%s", tr(w, N_("packed as DXT5nm: x is in alpha, y in green")));
+    if ((a & NTP_ACCIDENT_GAMMA) != 0)
+        found(w, 40, LEVEL_ERROR, "%s",
+              tr(w, N_("flat texels lie near 188, not 128: the numbers were converted to sRGB")));
+}
+
+static void find_accidents(writer *w)
+{
+    const report *r = w->r;
+    const uint32_t a = r->type.accidents;
+    if ((a & NTP_ACCIDENT_BLUE_CONSTANT) != 0 && r->encoding != NTP_ENCODING_XY &&
+        r->type.type != NTP_CLASS_ONE_COLOR)
+        found(w, 4, LEVEL_WARNING, tr(w, N_("blue is %u in every texel: it was not computed")),
+              (unsigned) r->stats.channel[2].min);
+    find_places(w);
+    if ((a & NTP_ACCIDENT_LOSSY) != 0)
+        found(w, 32, level_of_cause(w), "%s",
+              tr(w, N_("the texels show lossy compression, although the file is lossless")));
+    if ((a & NTP_ACCIDENT_FILTERED) != 0)
+        found(w, 35, level_of_cause(w), "%s",
+              tr(w, N_("normals are too short where the surface is curved: resized or blurred, not "
+                       "normalized")));
+}
+
+/* -------------------------------------------------------------------------- its texels */
+
+static void find_length(writer *w)
+{
+    const report *r = w->r;
+    const ntp_harm *harm = &r->harm[REPORT_LENGTH];
+    const uint64_t off = r->stats.levels_off_max[r->encoding == NTP_ENCODING_ZZERO];
+    char levels[NUMBER_SIZE], worst[NUMBER_SIZE], mean[NUMBER_SIZE];
+    if (r->failing == 0 || r->encoding == NTP_ENCODING_XY)
+        return;
+    const share texels = share_of(w, r->failing);
+    const finding_level level = level_of(w, REPORT_LENGTH);
+    number_count(levels, off, &w->words);
+    number_degrees(worst, harm->max, &w->words);
+    number_degrees(mean, harm->mean, &w->words);
+    if (off == 1)
+        found(w, 1, level,
+              tr(w, N_("%s are not unit vectors: blue is up to 1 level off, the normal up to %s "
+                       "degrees (%s on average)")),
+              texels.text, worst, mean);
+    else if (off > 0)
+        found(w, 1, level,
+              tr(w, N_("%s are not unit vectors: blue is up to %s levels off, the normal up to %s "
+                       "degrees (%s on average)")),
+              texels.text, levels, worst, mean);
+    else /* only red and green are wrong */
+        found(w, 1, level,
+              tr(w, N_("%s are not unit vectors: the normal is off by up to %s degrees (%s on "
+                       "average)")),
+              texels.text, worst, mean);
+    add_visible(w, REPORT_LENGTH);
+}
+
+static void find_longs(writer *w)
+{
+    const ntp_harm *harm = &w->r->harm[REPORT_XY];
+    const uint64_t all = counts_xy_too_long(&w->r->stats);
+    /* Rounding makes pairs too long that were not. */
+    const bool rounding = harm->texels == 0;
+    const uint64_t count = rounding ? all : harm->texels;
+    if (count == 0)
+        return;
+    const share texels = share_of(w, count);
+    if (rounding)
+        found(w, 2, LEVEL_INFO,
+              tr(w, N_("red and green alone are too long in %s, by no more than rounding")),
+              texels.text);
+    else
+        found(w, 2, level_of(w, REPORT_XY),
+              tr(w, N_("red and green alone are too long in %s: no blue can be right there")),
+              texels.text);
+    add_visible(w, REPORT_XY);
+}
+
+static void find_negative(writer *w)
+{
+    const report *r = w->r;
+    const uint64_t count = counts_z_negative(&r->stats);
+    if (count == 0 || r->encoding != NTP_ENCODING_STANDARD || r->keeps)
+        return;
+    found(w, 3, level_of(w, REPORT_Z),
+          tr(w, N_("blue is at or below one half in %s: these normals point into the surface")),
+          share_of(w, count).text);
+    if ((r->type.accidents & NTP_ACCIDENT_Z_FLIPPED) != 0)
+        more(w, "%s", tr(w, N_("; blue seems to be inverted as a whole")));
+    add_visible(w, REPORT_Z);
+}
+
+/* For "%.2f", which would print "-0.00". */
+static double without_sign_of_zero(double v)
+{
+    return v > -0.005 && v < 0 ? 0 : v;
+}
+
+static void find_texels(writer *w)
+{
+    const report *r = w->r;
+    const double tilt = counts_tilt(&r->stats);
+    find_length(w);
+    find_longs(w);
+    find_negative(w);
+    if (r->type.type != NTP_CLASS_ONE_COLOR && (tilt < 0 ? -tilt : tilt) > COUNTS_MAX_TILT)
+        found(w, 22, LEVEL_WARNING,
+              tr(w, N_("tilted on average: the mean of x is %.2f and of y %.2f, but 0 is "
+                       "expected")),
+              without_sign_of_zero(2 * r->stats.used_mean[0] - 1),
+              without_sign_of_zero(2 * r->stats.used_mean[1] - 1));
+    if (r->encoding != NTP_ENCODING_XY && r->inexact > 0)
+        found(w, 20, LEVEL_INFO, tr(w, N_("in %s blue is not the one that red and green imply")),
+              share_of(w, r->inexact).text);
+    if (r->stats.distinct_flat > 1)
+        found(w, 21, LEVEL_INFO, tr(w, N_("flat texels have %llu different colors")),
+              (unsigned long long) r->stats.distinct_flat);
+}
+
+/* ---------------------------------------------------------------------------- the rest */
+
+static void find_parts(writer *w)
+{
+    const report *r = w->r;
+    const ntp_stats *s = &r->stats;
+    char percent[NUMBER_SIZE];
+    if (s->stored_max == 65535 && s->max == 255 && r->samples == NTP_TYPE_U16)
+        found(w, 34, LEVEL_INFO, "%s", tr(w, N_("a 16-bit file with 8-bit content")));
+    if (r->channels % 2 == 0 && s->alpha_full == s->texels)
+        found(w, 41, LEVEL_INFO, "%s", tr(w, N_("the alpha channel is opaque everywhere")));
+    if (s->unused > 0 && s->unused < s->texels) {
+        number_percent(percent, s->unused, s->texels, &w->words);
+        found(w, 42, LEVEL_INFO,
+              tr(w, N_("%s of the texels are unused (black, white or transparent)")), percent);
+    }
+    if (s->padding > 0 && r->judged) {
+        number_percent(percent, s->padding, s->texels, &w->words);
+        found(w, 44, LEVEL_INFO,
+              tr(w, N_("%s of the texels have one color that no normal has: padding, not counted")),
+              percent);
+    }
+    if ((r->width & (r->width - 1)) != 0 || (r->height & (r->height - 1)) != 0)
+        found(w, 51, LEVEL_INFO, tr(w, N_("%u x %u: the sides are not powers of two")),
+              (unsigned) r->width, (unsigned) r->height);
+}
+
+static void find(writer *w)
+{
+    const report *r = w->r;
+    if (!r->told)
+        find_class(w);
+    find_accidents(w);
+    if (r->judged && r->used > 0 && !counts_misplaced(&r->type, r->channels))
+        find_texels(w);
+    if (r->type.type == NTP_CLASS_ONE_COLOR && r->used == 0)
+        found(w, 50, LEVEL_WARNING, "%s",
+              tr(w, N_("no texel holds a normal: all are black, white or transparent")));
+    else if (r->type.type == NTP_CLASS_ONE_COLOR)
+        found(w, 50, LEVEL_INFO, "%s", tr(w, N_("all texels have one color")));
+    find_parts(w);
+}
+
+static bool is_heavier(const finding *a, const finding *b)
+{
+    return a->level != b->level ? a->level > b->level : a->number < b->number;
+}
+
+static void sort(writer *w)
+{
+    for (int i = 1; i < w->count; i++) {
+        const finding moved = w->findings[i];
+        int k = i;
+        for (; k > 0 && is_heavier(&moved, &w->findings[k - 1]); k--)
+            w->findings[k] = w->findings[k - 1];
+        w->findings[k] = moved;
+    }
+}
+
+/* ------------------------------------------------------------------------ the headline */
 
 static const char *class_text(ntp_class type)
 {
     switch (type) {
     case NTP_CLASS_STANDARD:
-        return N_("This is a normals texture: x, y, z in red, green, blue.");
+        return N_("standard");
     case NTP_CLASS_ZZERO:
-        return N_("This is a normals texture with z in 0..1 (Z-zero).");
+        return N_("Z-zero");
     case NTP_CLASS_XY:
-        return N_("This is a normals texture with x and y only; blue is something else.");
+        return N_("XY-only");
     case NTP_CLASS_HEIGHT:
-        return N_("This looks like a heightfield (bump map), not like normals.");
+        return N_("height map");
     case NTP_CLASS_OBJECT_SPACE:
-        return N_("These normals point in all directions: object space, not tangent space.");
+        return N_("object-space");
     case NTP_CLASS_ONE_COLOR:
-        return N_("All texels have one color.");
+        return N_("one color");
     default:
-        return N_("This is no normals texture: its colors are not those of unit vectors.");
+        return N_("not a normals texture");
     }
 }
 
-static double percent(const report *r, uint64_t count)
+static void add_sure(writer *w, double confidence)
 {
-    return r->used == 0 ? 0 : 100 * (double) count / (double) r->used;
+    if (confidence < 0.9)
+        add(w, tr(w, N_(" (%.0f %% sure)")), 100 * confidence);
 }
 
-static void write_lengths(writer *w)
+static const char *praise(const writer *w)
+{
+    const ntp_class type = w->r->type.type;
+    for (int i = 0; i < w->count; i++) {
+        if (w->findings[i].number <= 3)
+            return N_("no visible errors");
+    }
+    return type == NTP_CLASS_HEIGHT || type == NTP_CLASS_NOT_NORMALS ? N_("ok") : N_("well formed");
+}
+
+static void add_verdict(writer *w)
 {
     report *r = w->r;
-    if (r->failing == 0) {
-        line(w, "%s", tr(w, N_("Every texel is a unit vector, to within a level.")));
-    } else {
-        line(w, tr(w, N_("%.1f %% of the texels (%llu) are not unit vectors.")),
-             percent(r, r->failing), (unsigned long long) r->failing);
-        line(w, tr(w, N_("All directions are off by %.2f degrees on average, by %.2f at most.")),
-             r->stats.angles.mean, r->stats.angles.max);
+    for (int i = 0; i < w->count; i++) {
+        r->errors += w->findings[i].level == LEVEL_ERROR;
+        r->warnings += w->findings[i].level == LEVEL_WARNING;
     }
-    const uint64_t longs = r->stats.xy_too_long - r->stats.unused_xy_too_long;
-    if (longs > 0)
-        line(w, tr(w, N_("Red and green alone are too long in %llu: no blue can be right there.")),
-             (unsigned long long) longs);
-    const uint64_t negative = r->stats.z_negative - r->stats.unused_z_negative;
-    if (negative > 0 && r->encoding == NTP_ENCODING_STANDARD)
-        line(w, tr(w, N_("%llu point into the surface (blue below one half).")),
-             (unsigned long long) negative);
-    if (r->failing == 0 && r->inexact > 0)
-        line(w, tr(w, N_("In %.1f %% blue is not the one that red and green imply; harmless.")),
-             percent(r, r->inexact));
+    if (r->errors > 0)
+        add(w, tr(w, r->errors == 1 ? N_("%d error") : N_("%d errors")), r->errors);
+    if (r->errors > 0 && r->warnings > 0)
+        add(w, ", ");
+    if (r->warnings > 0)
+        add(w, tr(w, r->warnings == 1 ? N_("%d warning") : N_("%d warnings")), r->warnings);
+    if (r->errors + r->warnings == 0)
+        add(w, "%s", tr(w, praise(w)));
 }
 
-static void write_accidents(writer *w)
+static void add_headline(writer *w)
 {
-    static const struct {
-        uint32_t bit;
-        const char *text;
-    } TEXTS[] = {
-        { NTP_ACCIDENT_GAMMA, N_("Flat texels lie near 188, not 128: the numbers were converted "
-                                 "to sRGB.") },
-        { NTP_ACCIDENT_RED_IS_Z, N_("Red and blue seem to be swapped: red holds z.") },
-        { NTP_ACCIDENT_GREEN_IS_Z, N_("Green and blue seem to be swapped: green holds z.") },
-        { NTP_ACCIDENT_DXT5NM, N_("Packed as DXT5nm: x is in alpha, y in green.") },
-        { NTP_ACCIDENT_LOSSY, N_("The texels show the marks of lossy compression.") },
-        { NTP_ACCIDENT_FILTERED, N_("Normals are too short where the surface bends: resized or "
-                                    "blurred without normalizing.") },
-        { NTP_ACCIDENT_Z_FLIPPED, N_("Blue seems to be inverted as a whole.") },
-        { NTP_ACCIDENT_BLUE_CONSTANT, N_("Blue is the same in every texel.") },
-    };
-    for (size_t i = 0; i < sizeof TEXTS / sizeof TEXTS[0]; i++) {
-        if ((w->r->type.accidents & TEXTS[i].bit) != 0)
-            line(w, "%s", tr(w, TEXTS[i].text));
+    static const char *const CHANNELS[] = { "", N_("gray"), N_("gray and alpha"), "RGB", "RGBA" };
+    static const int BITS[] = { 8, 16, 32 }; /* of ntp_type */
+    const report *r = w->r;
+    add(w, "%s", tr(w, class_text(r->type.type)));
+    add_sure(w, r->type.confidence);
+    if (r->green.decided) {
+        add(w, ", %s",
+            tr(w, r->green.y == NTP_Y_UP ? N_("OpenGL (Y up)") : N_("DirectX (Y down)")));
+        add_sure(w, r->green.confidence);
     }
+    add(w, tr(w, N_(", %u x %u %d-bit %s: ")), (unsigned) r->width, (unsigned) r->height,
+        BITS[r->samples], tr(w, CHANNELS[r->channels]));
+    add_verdict(w);
 }
 
-static void write_green(writer *w)
+/* What cleaning would do, by the method that suits the errors. */
+static const char *cleaning_text(const report *r)
 {
-    const ntp_orientation_result *g = &w->r->green;
-    if (!g->decided)
-        line(w, "%s", tr(w, N_("Which way green points cannot be told.")));
-    else
-        line(w,
-             tr(w, g->y == NTP_Y_UP ? N_("Green points up: OpenGL (%.0f %% sure).")
-                                    : N_("Green points down: DirectX (%.0f %% sure).")),
-             100 * g->confidence);
+    if (r->misplaced)
+        return r->accident != UNDO_NOTHING ? N_("This can be undone exactly.") : NULL;
+    if (r->right)
+        return N_("There is nothing to clean.");
+    if (!r->judged || r->used == 0)
+        return NULL;
+    return r->method == NTP_CLEAN_NORMALIZE ? N_("Cleaning by normalizing suits these errors.")
+           : r->method == NTP_CLEAN_KEEP
+               ? N_("Cleaning makes negative z positive, and changes nothing else.")
+               : N_("Cleaning by deriving blue suits these errors.");
 }
 
 void report_write(report *r, const char *(*translate)(const char *text))
 {
-    writer w = { .r = r, .translate = translate };
-    line(&w, "%s", tr(&w, class_text(r->type.type)));
-    write_accidents(&w);
-    if (r->judged && r->used > 0) {
-        write_lengths(&w);
-        if (r->type.type != NTP_CLASS_ONE_COLOR)
-            write_green(&w);
+    static const char *const LEVELS[] = { N_("note"), N_("warning"), N_("error") };
+    writer w = { .r = r, .translate = translate, .words = NUMBERS_ENGLISH };
+    if (translate != NULL) {
+        w.words.separator = localeconv()->decimal_point[0] == ',' ? '.' : ',';
+        w.words.under = tr(&w, N_("under"));
+        w.words.over = tr(&w, N_("over"));
     }
-    if (r->stats.unused > 0)
-        line(&w, tr(&w, N_("%llu texels are unused: black, white or transparent.")),
-             (unsigned long long) r->stats.unused);
-    if (r->misplaced)
-        line(&w, "%s", tr(&w, job_status_text(JOB_MISPLACED)));
-    else if (r->right)
-        line(&w, "%s", tr(&w, N_("There is nothing to clean.")));
-    else if (r->judged && r->used > 0)
-        line(&w, "%s",
-             tr(&w, r->method == NTP_CLEAN_NORMALIZE
-                        ? N_("Cleaning by normalizing suits these errors.")
-                    : r->method == NTP_CLEAN_KEEP
-                        ? N_("Cleaning makes negative z positive, and changes nothing else.")
-                        : N_("Cleaning by deriving blue suits these errors.")));
-    if (w.length > 0)
-        r->text[w.length - 1] = 0; /* the last line's end */
+    r->errors = r->warnings = 0;
+    find(&w);
+    sort(&w);
+    add_headline(&w);
+    for (int i = 0; i < w.count; i++)
+        add(&w, "\n%s NT%03d  %s", tr(&w, LEVELS[w.findings[i].level]), w.findings[i].number,
+            w.findings[i].text);
+    if (cleaning_text(r) != NULL)
+        add(&w, "\n%s", tr(&w, cleaning_text(r)));
 }

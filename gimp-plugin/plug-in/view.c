@@ -16,6 +16,8 @@
 
 enum {
     SIDE = 288,    /* of a picture, at least and at first */
+    NARROW = 256,  /* of three beside each other */
+    SLICE = 512,   /* rows of texels shown in full at once, so that the window stays alive */
     GRIP = 6,      /* so near to the line between before and after a press takes it */
     FEW = 2,       /* texels on each axis that a pixel shows while something changes */
     PATIENCE = 150 /* milliseconds without a change until all texels are shown */
@@ -87,69 +89,135 @@ static gboolean same_settings(const settings *a, const settings *b)
     return TRUE;
 }
 
-/* Detects what the settings leave open, as cleaning will; again when they change. */
+static void look_at(void *data, const surroundings *around)
+{
+    view *v = data;
+    if (report_run(&v->found, &v->question, &v->seen.raster, NULL, around) != JOB_DONE)
+        v->found.judged = false;
+}
+
+static void render_soon(view *v);
+
+static void stop_looking(view *v)
+{
+    background_stop(v->looking);
+    if (v->looking != NULL)
+        host_close(&v->seen);
+    v->looking = NULL;
+}
+
+static void on_looked(void *data)
+{
+    view *v = data;
+    stop_looking(v);
+    v->looked = LOOKED;
+    render_soon(v);
+}
+
+/* Detects what the settings leave open, as cleaning will; again when they change.  NULL: they leave
+ * nothing open, or it is not known yet. */
 static const report *look(view *v)
 {
     settings question;
+    if (v->procedure == &procedures[PROCEDURE_CHECK])
+        return v->findings != NULL ? &v->findings->found : NULL;
     if (v->procedure != &procedures[PROCEDURE_CLEAN] || v->layer.raster.channels < 3 ||
-        !repair_finds_out(&v->settings, &question))
+        !repair_finds_out(&v->settings, &question)) {
+        stop_looking(v);
+        v->looked = NOT_LOOKED;
         return NULL;
-    if (!v->looked || !same_settings(&question, &v->question)) {
-        v->looked = TRUE;
-        v->question = question;
-        if (report_run(&v->found, &question, &v->layer.raster, NULL, NULL) != JOB_DONE)
-            v->found.judged = false;
     }
-    return &v->found;
+    if (v->looked == NOT_LOOKED || !same_settings(&question, &v->question)) {
+        stop_looking(v);
+        v->looked = LOOKS;
+        v->question = question;
+        host_open(&v->seen, v->layer.id);
+        v->seen.raster.user = &v->seen;
+        v->looking = background_start(look_at, on_looked, v);
+    }
+    return v->looked == LOOKED ? &v->found : NULL;
 }
 
 static void say(const view *v, job_status status)
 {
     const gboolean measured = v->procedure == &procedures[PROCEDURE_NORMALS] &&
                               v->settings.value[FN_SCALE] == 0 && v->scale.value > 0;
-    gchar *found =
-        measured ? g_strdup_printf(_("Scale from the layer: %g"), v->scale.value) : g_strdup("");
+    gchar *found = measured ? g_strdup_printf(_("Scale from the layer: %g"), v->scale.value)
+                            : g_strdup(v->looked == LOOKS ? _("Looking at the layer...") : "");
     gtk_label_set_text(GTK_LABEL(v->note), status == JOB_DONE ? found : _(job_status_text(status)));
     g_free(found);
 }
 
-/* most: texels that a pixel shows on each axis; 0: all. */
-static void render(view *v, int most)
+/* The remedy that is shown, and which way green points after it. */
+static const repair_job *shown_remedy(view *v, undo_kind *accident, ntp_y *green)
+{
+    *accident = UNDO_NOTHING;
+    if (v->findings == NULL)
+        return NULL;
+    *green = remedy_green(v->remedy, v->findings);
+    if (v->remedy == (remedy) REMEDIES || !remedy_applies(v->remedy, v->findings))
+        return NULL;
+    v->repair = remedy_job(v->remedy, v->findings, accident);
+    return &v->repair;
+}
+
+/* The rows of pixels first .. end - 1.  most: texels that a pixel shows on each axis; 0: all. */
+static job_status render_rows(view *v, int first, int end, int most)
+{
+    surroundings around = host_surroundings;
+    around.progress = NULL;
+    preview p = { .procedure = v->procedure,
+                  .settings = &v->settings,
+                  .layer = &v->layer.raster,
+                  .heights = other_heights(v),
+                  .found = look(v),
+                  .waiting = v->looked == LOOKS,
+                  .width = v->width,
+                  .height = v->height,
+                  .x = v->x - v->width * v->step / 2,
+                  .y = v->y - v->height * v->step / 2,
+                  .step = v->step,
+                  .first = first,
+                  .end = end,
+                  .most = most,
+                  .light = &v->light,
+                  .scale = &v->scale,
+                  .around = &around };
+    p.repair = shown_remedy(v, &p.accident, &p.green);
+    job_status status =
+        preview_render(&p, v->map, v->lit, view_is_on(v->compare) ? v->before : NULL);
+    if (status == JOB_DONE && v->areas[HEAT] != NULL && p.found != NULL && p.found->judged)
+        status = preview_heatmap(&p, v->palette, v->heat);
+    for (int i = 0; i < AREAS; i++) {
+        if (v->areas[i] != NULL)
+            gtk_widget_queue_draw(v->areas[i]);
+    }
+    return status;
+}
+
+/* All of the pictures, from few texels. */
+static void render(view *v)
 {
     fit(v);
     const gsize size = (gsize) v->width * (gsize) v->height * 3;
-    surroundings around = host_surroundings;
-    around.progress = NULL;
-    v->map = g_realloc(v->map, size);
-    v->lit = g_realloc(v->lit, size);
-    v->before = g_realloc(v->before, size);
-    memset(v->map, 0, size);
-    memset(v->lit, 0, size);
-    memset(v->before, 0, size);
-    const preview p = { .procedure = v->procedure,
-                        .settings = &v->settings,
-                        .layer = &v->layer.raster,
-                        .heights = other_heights(v),
-                        .found = look(v),
-                        .width = v->width,
-                        .height = v->height,
-                        .x = v->x - v->width * v->step / 2,
-                        .y = v->y - v->height * v->step / 2,
-                        .step = v->step,
-                        .most = most,
-                        .light = &v->light,
-                        .scale = &v->scale,
-                        .around = &around };
-    say(v, preview_render(&p, v->map, v->lit, view_is_on(v->compare) ? v->before : NULL));
-    gtk_widget_queue_draw(v->areas[MAP]);
-    gtk_widget_queue_draw(v->areas[LIT]);
+    uint8_t **const pictures[] = { &v->map, &v->lit, &v->before, &v->heat };
+    for (gsize i = 0; i < G_N_ELEMENTS(pictures); i++) {
+        *pictures[i] = g_realloc(*pictures[i], size);
+        memset(*pictures[i], 0, size);
+    }
+    say(v, render_rows(v, 0, v->height, FEW));
 }
 
+/* Some more rows from all of their texels.  Heights depend on all rows. */
 static gboolean refine(gpointer data)
 {
     view *v = data;
-    v->refining = 0;
-    render(v, 0);
+    const gboolean whole = v->procedure == &procedures[PROCEDURE_HEIGHT];
+    const int rows = whole ? v->height : MAX((int) (SLICE / v->step), 1);
+    const int end = MIN(v->row + rows, v->height);
+    say(v, render_rows(v, v->row, end, 0));
+    v->row = end;
+    v->refining = end < v->height ? g_idle_add(refine, v) : 0;
     return FALSE;
 }
 
@@ -157,7 +225,8 @@ static gboolean render_idle(gpointer data)
 {
     view *v = data;
     v->pending = 0;
-    render(v, FEW);
+    render(v);
+    v->row = 0;
     if (v->step > FEW)
         v->refining = g_timeout_add(PATIENCE, refine, v);
     return FALSE;
@@ -299,7 +368,8 @@ static GtkWidget *picture_new(view *v, int which, const char *title, const char 
     GtkWidget *box = box_new(TRUE);
     GtkWidget *frame = gtk_frame_new(NULL), *area = gtk_drawing_area_new();
     v->areas[which] = area;
-    gtk_widget_set_size_request(area, SIDE, SIDE);
+    const int side = v->procedure == &procedures[PROCEDURE_CHECK] ? NARROW : SIDE;
+    gtk_widget_set_size_request(area, side, side);
     gtk_widget_set_tooltip_text(area, tip);
     gtk_widget_add_events(area, GDK_BUTTON_PRESS_MASK | GDK_BUTTON_RELEASE_MASK |
                                     GDK_BUTTON1_MOTION_MASK | GDK_SCROLL_MASK);
@@ -308,7 +378,10 @@ static GtkWidget *picture_new(view *v, int which, const char *title, const char 
     g_signal_connect(area, "button-release-event", G_CALLBACK(on_release), v);
     g_signal_connect(area, "motion-notify-event", G_CALLBACK(on_motion), v);
     g_signal_connect(area, "scroll-event", G_CALLBACK(on_scroll), v);
-    gtk_box_pack_start(GTK_BOX(box), gtk_label_new(title), FALSE, FALSE, 0);
+    GtkWidget *label = gtk_label_new(title);
+    if (which == MAP)
+        v->title = label;
+    gtk_box_pack_start(GTK_BOX(box), label, FALSE, FALSE, 0);
     gtk_container_add(GTK_CONTAINER(frame), area);
     gtk_box_pack_start(GTK_BOX(box), frame, TRUE, TRUE, 0);
     return box;
@@ -340,6 +413,38 @@ static GtkWidget *zoom_new(view *v)
     return box;
 }
 
+static void explain(view *v)
+{
+    const char *reference = _("Red: red and green too long. Green: wrong length. Blue: points into "
+                              "the surface. Gray: right.");
+    const char *safe = _("Orange: red and green too long. Light blue: wrong length. Yellow: points "
+                         "into the surface. Gray: right.");
+    gtk_label_set_text(GTK_LABEL(v->legend), v->palette == NTP_PALETTE_SAFE ? safe : reference);
+}
+
+static void on_palette(GtkToggleButton *button, gpointer data)
+{
+    view *v = data;
+    v->palette = gtk_toggle_button_get_active(button) ? NTP_PALETTE_SAFE : NTP_PALETTE_REFERENCE;
+    explain(v);
+    render_soon(v);
+}
+
+/* What the colors of the heatmap mean, and other colors. */
+static GtkWidget *legend_new(view *v)
+{
+    GtkWidget *box = box_new(FALSE);
+    GtkWidget *safe = gtk_check_button_new_with_label(_("Colors for everybody"));
+    gtk_widget_set_tooltip_text(
+        safe, _("Colors of the heatmap that can be told apart with every kind of color vision"));
+    g_signal_connect(safe, "toggled", G_CALLBACK(on_palette), v);
+    v->legend = gtk_label_new("");
+    explain(v);
+    gtk_box_pack_start(GTK_BOX(box), v->legend, FALSE, FALSE, 0);
+    gtk_box_pack_start(GTK_BOX(box), safe, FALSE, FALSE, 6);
+    return box;
+}
+
 static void view_free(gpointer data)
 {
     view *v = data;
@@ -347,11 +452,13 @@ static void view_free(gpointer data)
         g_source_remove(v->pending);
     if (v->refining != 0)
         g_source_remove(v->refining);
+    stop_looking(v);
     host_close(&v->layer);
     host_close(&v->heights);
     g_free(v->map);
     g_free(v->lit);
     g_free(v->before);
+    g_free(v->heat);
     g_free(v);
 }
 
@@ -373,6 +480,14 @@ GtkWidget *view_new(const procedure *p, gint32 id)
                              .specular = 0.2,
                              .color = { 0.6, 0.6, 0.6 } };
     const bool height = p == &procedures[PROCEDURE_HEIGHT];
+    const bool check = p == &procedures[PROCEDURE_CHECK];
+    if (check)
+        gtk_box_pack_start(
+            GTK_BOX(pictures),
+            picture_new(v, HEAT, _("Heatmap"),
+                        _("Where the layer is wrong, as it is now. A pixel shows the worst texel "
+                          "under it")),
+            TRUE, TRUE, 0);
     gtk_box_pack_start(GTK_BOX(pictures),
                        picture_new(v, MAP, height ? _("Height (about)") : _("Result"),
                                    _("Drag to move, turn the wheel to zoom")),
@@ -381,21 +496,56 @@ GtkWidget *view_new(const procedure *p, gint32 id)
                        picture_new(v, LIT, _("Lit"), _("Drag to move the light")), TRUE, TRUE, 0);
     gtk_box_set_homogeneous(GTK_BOX(pictures), TRUE);
     gtk_box_pack_start(GTK_BOX(all), pictures, TRUE, TRUE, 0);
+    if (check)
+        gtk_box_pack_start(GTK_BOX(all), legend_new(v), FALSE, FALSE, 0);
     gtk_box_pack_start(GTK_BOX(all), zoom_new(v), FALSE, FALSE, 0);
     v->note = gtk_label_new("");
     gtk_label_set_line_wrap(GTK_LABEL(v->note), TRUE);
     gtk_box_pack_start(GTK_BOX(all), v->note, FALSE, FALSE, 0);
     g_object_set_data_full(G_OBJECT(all), VIEW_KEY, v, view_free);
     g_signal_connect(v->areas[MAP], "size-allocate", G_CALLBACK(on_resize), v);
+    gtk_toggle_button_set_active(GTK_TOGGLE_BUTTON(v->compare), check);
     gtk_widget_show_all(all);
     render_soon(v);
     return all;
 }
 
+static view *view_of(GtkWidget *widget)
+{
+    return g_object_get_data(G_OBJECT(widget), VIEW_KEY);
+}
+
 void view_update(GtkWidget *widget, const settings *s)
 {
-    view *v = g_object_get_data(G_OBJECT(widget), VIEW_KEY);
+    view *v = view_of(widget);
     v->settings = *s;
     settings_check(v->procedure, &v->settings);
+    render_soon(v);
+}
+
+void view_show(GtkWidget *widget, const findings *f, remedy which)
+{
+    static const char *const TITLES[REMEDIES + 1] = { [REMEDY_UNDO] = N_("After undoing it"),
+                                                      [REMEDY_CLEAN] = N_("After cleaning"),
+                                                      [REMEDY_STANDARD] = N_("With standard blue"),
+                                                      [REMEDY_GREEN] = N_("With green flipped"),
+                                                      [REMEDIES] = N_("The layer") };
+    view *v = view_of(widget);
+    if (v->findings == f && v->remedy == which)
+        return;
+    v->findings = f;
+    v->remedy = which;
+    gtk_label_set_text(GTK_LABEL(v->title), _(TITLES[which]));
+    render_soon(v);
+}
+
+void view_reload(GtkWidget *widget)
+{
+    view *v = view_of(widget);
+    const gint32 id = v->layer.id;
+    host_close(&v->layer);
+    host_open(&v->layer, id);
+    v->layer.raster.user = &v->layer;
+    v->findings = NULL;
     render_soon(v);
 }

@@ -96,14 +96,14 @@ static void paint_light(cairo_t *cr, const view *v, const place *at)
 static void draw(GtkWidget *area, cairo_t *cr, const view *v)
 {
     const gboolean lit = area == v->areas[LIT];
-    const uint8_t *rgb = lit ? v->lit : v->map;
+    const uint8_t *rgb = lit ? v->lit : area == v->areas[HEAT] ? v->heat : v->map;
     const place at = view_place(v, area);
     if (rgb == NULL)
         return;
     paint(cr, v, rgb, &at, 1);
     if (lit) {
         paint_light(cr, v, &at);
-    } else if (view_is_on(v->compare)) {
+    } else if (area == v->areas[MAP] && view_is_on(v->compare)) {
         paint(cr, v, v->before, &at, v->line);
         paint_line(cr, v, &at);
     }

@@ -5,12 +5,14 @@
 #ifndef NTP_PLUGIN_VIEW_PAINT_H
 #define NTP_PLUGIN_VIEW_PAINT_H
 
+#include "background.h"
 #include "host.h"
 #include "preview.h"
+#include "remedy.h"
 
 #include <gtk/gtk.h>
 
-enum { MAP, LIT };
+enum { MAP, LIT, HEAT, AREAS };
 
 typedef struct view {
     const procedure *procedure;
@@ -18,17 +20,26 @@ typedef struct view {
     host_layer layer, heights;
     gint32 heights_id;
     gboolean luminance; /* heights are that */
-    report found;       /* for cleaning: what the layer is, and the method for it */
-    gboolean looked;
+    /* For cleaning: what the layer is, and the method for it, found in the background. */
+    host_layer seen;
+    background *looking;
+    report found;
     settings question; /* that it answers */
+    enum { NOT_LOOKED, LOOKS, LOOKED } looked;
+    /* For the report: what it found, and the remedy to show. */
+    const findings *findings;
+    remedy remedy;
+    repair_job repair;
+    ntp_palette palette;
     ntp_light light;
     int zoom;
     double x, y;       /* the texel in the middle */
     int width, height; /* of the pictures, in pixels of the screen */
     double step;
     preview_scale scale;
-    uint8_t *map, *lit, *before; /* packed RGB */
-    GtkWidget *areas[2], *note, *combo, *tile, *compare;
+    uint8_t *map, *lit, *before, *heat; /* packed RGB */
+    int row;                            /* of pixels, that is the next to be shown in full */
+    GtkWidget *areas[AREAS], *note, *title, *legend, *combo, *tile, *compare;
     guint pending, refining;
     enum { NO_DRAG, DRAG_PICTURE, DRAG_LINE } dragging;
     double last_x, last_y;

@@ -5,6 +5,7 @@ GIMP is started once, for all that is to be done.
 """
 
 import json
+import re
 import shutil
 import subprocess
 
@@ -68,6 +69,20 @@ PRECISE += [("gray16", f"{kind}-GAMMA") for kind in ("U8", "U16", "U32", "HALF",
 TEST_FILES = ROOT / "test_files"
 # Of these, what cleaning would make worse.
 MISPLACED = ["red_blue_swapped", "green_blue_swapped", "dxt5nm", "gamma"]
+
+
+# Findings of a file, not of its texels: a layer has none of them.
+OF_FILES = {"NT011", "NT030", "NT031"}
+# GIMP has other numbers of levels or refuses: palettes, 4 bits.
+NOT_JUDGED = ("broken_", "height_gray4", "standard_palette")
+JUDGED = sorted(
+    file.stem for file in TEST_FILES.glob("*.png") if not file.stem.startswith(NOT_JUDGED)
+)
+
+
+def judged(name):
+    """The file that is judged: a name with "zzero" would promise that."""
+    return f"judged-{name.replace('zzero', 'zz')}"
 
 
 def classic(**given):
@@ -196,11 +211,15 @@ def normals_jobs():
         (gimp-message (string-append "report " (car values) " " {tell} (nth 11 values))))"""
     mirrored = f"""(let* ((values {call("plug-in-ntp-check-normals")}))
         (gimp-message (car (reverse values))))"""
+    reports = {
+        judged(n): opened(f"{judged(n)}.png", mirrored) for n in [*JUDGED, "padding"]
+    }
     clean = call("plug-in-ntp-clean-normals")
     told = call("plug-in-ntp-clean-normals", **{"from": 1})
     return {
         "check": opened("rough8.png", check),
         "check-mirrored": opened("mirrored.png", mirrored),
+        **reports,
         "clean8": opened("rough8.png", clean + saved("clean8.png")),
         "clean16": opened("rough16.png", clean + saved("clean16.png")),
         "clean-part": opened("rough8.png", SELECT + clean + saved("clean-part.png")),
@@ -235,6 +254,11 @@ def gimp(tmp_path_factory):
     pngs.write_png(made.work / "equal.png", np.repeat(picture(1, 8), 3, 2))
     for name in MISPLACED:
         shutil.copy(TEST_FILES / f"{name}.png", made.work)
+    for name in JUDGED:
+        shutil.copy(TEST_FILES / f"{name}.png", made.work / f"{judged(name)}.png")
+    pixels = pngs.read_png(TEST_FILES / "standard_z_off.png")[0].copy()
+    pixels[:7] = (0, 255, 0)  # black padding whose green was flipped
+    pngs.write_png(made.work / "judged-padding.png", pixels)
     jobs = exact_jobs() | precision_jobs() | layer_jobs() | classic_jobs() | normals_jobs()
     made.messages = made.run(jobs, refused_jobs())
     return made
@@ -465,6 +489,38 @@ def test_check(gimp, program):
         f["fail"][v] for v in ("neighbor", "rounded", "exact")
     ]
     assert int(float(words[6])) == f["xy_too_long"]
+
+
+def test_check_says_what_ntp_says(gimp, program):
+    """The headline, and the findings with their levels, in their order and in the same words."""
+    files = [f"{judged(name)}.png" for name in [*JUDGED, "padding"]]
+    command = [program, "check", "-v", "--format", "json", *files]
+    made = subprocess.run(command, cwd=gimp.work, capture_output=True, check=False).stdout
+    plain = subprocess.run(
+        [program, "check", *files], cwd=gimp.work, capture_output=True, check=False, text=True
+    ).stdout
+    wrong = []
+    for file in json.loads(made)["files"]:
+        name = file["path"].removesuffix(".png")
+        said = gimp.messages[name].split(f"job-{name}-done")[0]
+        lines = [line.strip() for line in said.splitlines()]
+        expected = [
+            (f["level"].replace("info", "note"), f["id"], f["message"])
+            for f in file["findings"]
+            if f["id"] not in OF_FILES and not f["message"].startswith("contains color info")
+        ]
+        found = [re.match(r"(note|warning|error) (NT\d\d\d)  (.*)", line) for line in lines]
+        found = [match.groups() for match in found if match]
+        headline = next(
+            line.split(".png: ")[1] for line in plain.splitlines() if line.startswith(f"{name}.png:")
+        )
+        same = len(found) == len(expected) and all(
+            a[:2] == b[:2] and (b[2] == a[2] or re.split(r": ntp |, --type", b[2])[0] == a[2])
+            for a, b in zip(found, expected, strict=True)
+        )
+        if not same or not any(headline in line for line in lines):
+            wrong.append((name, headline, lines, expected))
+    assert wrong == []
 
 
 def test_check_of_mirrored(gimp):

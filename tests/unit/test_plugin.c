@@ -6,6 +6,7 @@
 #include "normals.h"
 #include "preview.h"
 #include "rasters.h"
+#include "remedy.h"
 #include "repair.h"
 #include "report.h"
 
@@ -361,6 +362,106 @@ static void test_report(void)
     memory_free(normals);
 }
 
+/* Padding of one color that no normal has counts as little as black does (NT044). */
+static void test_padding(void)
+{
+    enum { W = 64, H = 64 };
+    memory *in = memory_new(W, H, 3, NTP_TYPE_U8);
+    static report r;
+    const settings question = { { 0 } };
+    for (int i = 0; i < W * H; i++) {
+        const int slope = 4 * (i % 7);
+        in->data[3 * i] = (unsigned char) (128 + slope);
+        in->data[3 * i + 1] = 128;
+        in->data[3 * i + 2] =
+            (unsigned char) (127.5 + 127.5 * sqrt(1 - pow((2 * (128 + slope) - 255) / 255.0, 2)) +
+                             0.5);
+    }
+    for (int i = 0; i < 4 * W; i++)
+        memcpy(in->data + 3 * i, "\0\377\0", 3);
+    assert(report_run(&r, &question, &in->raster, NULL, NULL) == JOB_DONE);
+    assert(r.judged && r.stats.padding == 4 * W && r.used == (H - 4) * W && r.failing == 0);
+    assert(r.right && r.errors == 0 && strstr(r.text, "NT044") != NULL);
+    in->data[3 * 40 * W + 2] = 140; /* and a fault counts */
+    assert(report_run(&r, &question, &in->raster, NULL, NULL) == JOB_DONE);
+    assert(!r.right && r.failing == 1);
+    memory_free(in);
+}
+
+/* Normals of waves with two colors of unused texels. */
+static void fill_waves(memory *in)
+{
+    const int32_t w = in->raster.width, h = in->raster.height;
+    memory *heights = memory_new(w, h, 1, NTP_TYPE_U16);
+    settings s;
+    settings_reset(&procedures[PROCEDURE_NORMALS], &s);
+    s.value[FN_SCALE] = 20;
+    for (int i = 0; i < w * h; i++) {
+        const int x = i % w, y = i / w;
+        ((uint16_t *) (void *) heights->data)[i] =
+            (uint16_t) (32767 + 15000 * sin(x * 0.31) * cos(y * 0.23) +
+                        9000 * sin(0.11 * x + 0.17 * y));
+    }
+    const normals_job job = normals_job_from(&s);
+    assert(normals_job_run(&job, &heights->raster, NULL, NULL, &in->raster, NULL, NULL) ==
+           JOB_DONE);
+    memset(in->data, 0, 3 * (size_t) w);
+    memory_free(heights);
+}
+
+static void run_remedy(remedy which, const findings *f, memory *in, memory *made)
+{
+    undo_kind accident = UNDO_NOTHING;
+    undone right;
+    assert(remedy_applies(which, f));
+    const repair_job job = remedy_job(which, f, &accident);
+    undone_open(&right, &in->raster, accident);
+    assert(repair_job_run(&job, &right.raster, NULL, &made->raster, NULL, NULL, NULL) == JOB_DONE);
+}
+
+/* Each remedy is what libntp makes of the whole, and leaves unused texels as they are. */
+static void test_remedies(void)
+{
+    enum { W = 160, H = 140 };
+    memory *in = memory_new(W, H, 3, NTP_TYPE_U8), *made = memory_new(W, H, 3, NTP_TYPE_U8);
+    memory *bad = memory_new(W, H, 3, NTP_TYPE_U8);
+    static findings f;
+    const settings question = { { 0 } };
+    fill_waves(in);
+    assert(remedy_look(&f, &question, &in->raster, NULL, NULL) == JOB_DONE && !f.undoes);
+    assert(f.found.right && remedy_needed(&f) == (remedy) REMEDIES);
+    assert(!remedy_applies(REMEDY_UNDO, &f) && !remedy_applies(REMEDY_STANDARD, &f));
+    run_remedy(REMEDY_GREEN, &f, in, made);
+    for (int i = 0; i < W * H; i++) {
+        const int green = in->data[3 * i + 1];
+        assert(made->data[3 * i] == in->data[3 * i]);
+        assert(made->data[3 * i + 1] == (i < W ? green : 255 - green));
+        assert(made->data[3 * i + 2] == in->data[3 * i + 2]);
+    }
+    for (int i = 0; i < W * H; i++) { /* red and blue exchanged */
+        for (int c = 0; c < 3; c++)
+            bad->data[3 * i + c] = in->data[3 * i + 2 - c];
+    }
+    assert(remedy_look(&f, &question, &bad->raster, NULL, NULL) == JOB_DONE && f.undoes);
+    assert(f.found.misplaced && remedy_needed(&f) == REMEDY_UNDO);
+    assert(!remedy_applies(REMEDY_CLEAN, &f) && !remedy_applies(REMEDY_GREEN, &f));
+    run_remedy(REMEDY_UNDO, &f, bad, made);
+    assert(memcmp(made->data, in->data, bytes_of(in)) == 0);
+    for (int i = W; i < W * H; i++) /* Z-zero */
+        bad->data[3 * i + 2] = (unsigned char) (2 * in->data[3 * i + 2] - 255);
+    for (int i = W; i < W * H; i++)
+        memcpy(bad->data + 3 * i, in->data + 3 * i, 2);
+    memset(bad->data, 0, 3 * W);
+    assert(remedy_look(&f, &question, &bad->raster, NULL, NULL) == JOB_DONE);
+    assert(f.found.encoding == NTP_ENCODING_ZZERO && remedy_applies(REMEDY_STANDARD, &f));
+    run_remedy(REMEDY_STANDARD, &f, bad, made);
+    for (int i = 0; i < 3 * W * H; i++)
+        assert(abs(made->data[i] - in->data[i]) <= (i % 3 == 2));
+    memory_free(in);
+    memory_free(made);
+    memory_free(bad);
+}
+
 static bool same_settings(const settings *a, const settings *b)
 {
     for (int i = 0; i < MAX_FIELDS; i++) {
@@ -442,5 +543,7 @@ int main(void)
     test_preview_of_cleaning();
     test_report();
     test_report_in_parts();
+    test_padding();
+    test_remedies();
     return 0;
 }

@@ -113,10 +113,7 @@ static gboolean check(settings *s, gint32 id, GimpRunMode mode, report *r, char 
 {
     if (mode == GIMP_RUN_NONINTERACTIVE)
         return host_check(s, id, r, message);
-    if (!report_window_run(s, id, r, message))
-        return message[0] == 0;
-    const settings clean = report_window_clean(s);
-    return host_run(&procedures[PROCEDURE_CLEAN], &clean, id, message);
+    return report_window_run(s, id, r, message) || message[0] == 0;
 }
 
 static GimpValueArray *run(GimpProcedure *pdb, GimpRunMode mode, GimpImage *image,
