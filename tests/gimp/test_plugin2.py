@@ -211,9 +211,7 @@ def normals_jobs():
         (gimp-message (string-append "report " (car values) " " {tell} (nth 11 values))))"""
     mirrored = f"""(let* ((values {call("plug-in-ntp-check-normals")}))
         (gimp-message (car (reverse values))))"""
-    reports = {
-        judged(n): opened(f"{judged(n)}.png", mirrored) for n in [*JUDGED, "padding"]
-    }
+    reports = {judged(n): opened(f"{judged(n)}.png", mirrored) for n in [*JUDGED, "padding"]}
     clean = call("plug-in-ntp-clean-normals")
     told = call("plug-in-ntp-clean-normals", **{"from": 1})
     return {
@@ -512,7 +510,9 @@ def test_check_says_what_ntp_says(gimp, program):
         found = [re.match(r"(note|warning|error) (NT\d\d\d)  (.*)", line) for line in lines]
         found = [match.groups() for match in found if match]
         headline = next(
-            line.split(".png: ")[1] for line in plain.splitlines() if line.startswith(f"{name}.png:")
+            line.split(".png: ")[1]
+            for line in plain.splitlines()
+            if line.startswith(f"{name}.png:")
         )
         same = len(found) == len(expected) and all(
             a[:2] == b[:2] and (b[2] == a[2] or re.split(r": ntp |, --type", b[2])[0] == a[2])
