@@ -34,14 +34,15 @@ typedef struct stage {
     int32_t round, with_blue; /* from this round on; the second where blue has an excess too */
     double share;
 } stage;
-static const stage stages[] = { { 0, 0, 0.6 }, { 4, 4, 0.85 }, { 100, 30, 0.96 } };
+static const stage stages[] = { { 0, 0, 0.7 }, { 4, 4, 0.85 }, { 100, 30, 0.96 } };
 enum { STAGES = sizeof stages / sizeof stages[0] };
 /* Where floats hardly tell one level from the next. */
 static const double least_share = 0.4;
 
-/* Pairs in the metric, beside slopes.  They keep the correction out of the finest detail, to which
- * kernels of 3 x 3 and more hardly respond: heights would follow the rounding there. */
-static const double strength_8 = 1e-2, strength_other = 1e-3;
+/* The metric has more than slopes: pairs, and the squared Laplacian, so many times as strong as in
+ * the direct solver.  They keep the correction out of the finest detail, to which kernels of 3 x 3
+ * and more hardly respond: heights would follow the rounding there. */
+static const double strength = 1e-4, roughness = 8;
 
 /* Of the first step: a part of the texels has an excess, so the curvature is less than that of all
  * slopes. */
@@ -60,6 +61,7 @@ typedef struct refinement {
     float *before;              /* the gradient before the step */
     float *right, *down;        /* derivatives by slopes */
     float *way;                 /* the direction */
+    float *scale;               /* of the inverse */
     float *answer, *answer_before;
     float *step[MEMORY], *answered[MEMORY]; /* remembered */
     double *work;                           /* two rows for each part */
@@ -90,6 +92,7 @@ static void lay_out(refinement *f, const ntp__height_plan *plan, ntp__scratch *m
     f->right = ntp__take(memory, plane);
     f->down = ntp__take(memory, plane);
     f->way = ntp__take(memory, plane);
+    f->scale = ntp__take(memory, plane);
     f->answer = ntp__take(memory, plane);
     f->answer_before = ntp__take(memory, plane);
     for (int32_t i = 0; i < MEMORY; i++) {
@@ -186,6 +189,54 @@ static void gradient_row(void *job, int32_t part, int32_t y)
         add_adjoint(f, out, mixed, y, &s->along_x[t], &s->across_y[t], f->right);
         add_adjoint(f, out, mixed, y, &s->across_x[t], &s->along_y[t], f->down);
     }
+}
+
+/* -------------------------------------------------------------------------------- metric */
+
+static double least_step(const ntp__height_plan *plan)
+{
+    return plan->dx < plan->dy ? plan->dx : plan->dy;
+}
+
+/* The stored slopes, and by how much x and y of the normal change with them: the mean of both,
+ * squared. */
+static void weigh_row(void *job, int32_t part, int32_t y)
+{
+    refinement *f = job;
+    double *p = f->trip->parts[part].row[0], *q = f->trip->parts[part].row[1];
+    size_t start = row_start(f, y);
+    ntp__slopes_row(f->trip->slopes, p, q, y, NULL);
+    for (int32_t x = 0; x < f->plan->width; x++) {
+        double a = p[x] * p[x], b = q[x] * q[x], square = 1 + a + b;
+        double sum = (1 + a) * (1 + a) + 2 * a * b + (1 + b) * (1 + b);
+        f->scale[start + (size_t) x] = (float) (sum / (2 * square * square * square));
+        f->right[start + (size_t) x] = (float) (p[x] * f->plan->dx);
+        f->down[start + (size_t) x] = (float) (q[x] * f->plan->dy);
+    }
+}
+
+/* What the squared Laplacian counts: see `roughness`.  The adjoint of the stored slopes, which lies
+ * in the gradient, stands for the Laplacian. */
+static double prior_of(const refinement *f)
+{
+    double level = 2 / f->trip->slopes->range * least_step(f->plan), sum = 0;
+    size_t texels = (size_t) f->plan->width * (size_t) f->plan->height;
+    for (size_t i = 0; i < texels; i++)
+        sum += f->gradient[i] * f->gradient[i];
+    return sum > 0 ? roughness * level * level / 12 * (double) texels / sum : 0;
+}
+
+static void set_metric(refinement *f)
+{
+    bool forward = f->plan->kernel == NTP_KERNEL_FORWARD;
+    size_t bytes = (size_t) f->plan->width * (size_t) f->plan->height * sizeof *f->gradient;
+    memset(f->gradient, 0, bytes);
+    each_row(f, weigh_row);
+    each_row(f, gradient_row);
+    f->inverse.strength = forward ? 0 : strength;
+    f->inverse.prior = forward || f->plan->kernel == NTP_KERNEL_CENTRAL ? 0 : prior_of(f);
+    ntp__inverse_scale(&f->inverse, f->scale, f->before);
+    memset(f->gradient, 0, bytes);
 }
 
 /* -------------------------------------------------------------------------------- memory */
@@ -299,11 +350,6 @@ static double set_way(refinement *f)
 
 /* -------------------------------------------------------------------------------- rounds */
 
-static double least_step(const ntp__height_plan *plan)
-{
-    return plan->dx < plan->dy ? plan->dx : plan->dy;
-}
-
 /* What rounding heights to floats can take from half a level. */
 static double rounding_of(const refinement *f, const ntp_image *dst)
 {
@@ -338,23 +384,23 @@ static void begin(refinement *f, const ntp_image *dst, bool holes)
     }
     if (holes)
         ntp__round_trip_mark_holes(f->trip, f->heights, NULL);
-    bool narrow = f->plan->kernel == NTP_KERNEL_FORWARD || f->plan->kernel == NTP_KERNEL_CENTRAL;
-    bool deep = f->trip->slopes->src->type != NTP_TYPE_U8;
-    f->inverse.strength = f->plan->kernel == NTP_KERNEL_FORWARD ? 0
-                          : narrow || deep                      ? strength_other
-                                                                : strength_8;
+    set_metric(f);
     memset(f->way, 0, texels * sizeof *f->way);
-    memset(f->gradient, 0, texels * sizeof *f->gradient);
     f->length = first_length * slope * slope;
     f->rounding = rounding_of(f, dst);
     ntp__round_trip_see_blue(f->trip);
 }
 
+/* Their mean becomes 0, as the scale of the inverse moves it.  With holes it stays: they are NaN. */
 static void round_heights(refinement *f)
 {
     size_t texels = (size_t) f->plan->width * (size_t) f->plan->height;
+    double sum = 0;
     for (size_t i = 0; i < texels; i++)
-        f->trial[i] = (float) f->heights[i];
+        sum += f->heights[i];
+    double mean = ntp__is_nan(sum) ? 0 : sum / (double) texels;
+    for (size_t i = 0; i < texels; i++)
+        f->trial[i] = (float) (f->heights[i] - mean);
 }
 
 /* Puts the heights into dst, rounded, if fewer texels differ than with those in it. */

@@ -10,6 +10,7 @@
 
 #include "base/view.h"
 
+#include <math.h>
 #include <string.h>
 
 enum { ROWS = NTP__FFT_ROWS };
@@ -83,6 +84,12 @@ static void rows_of(const ntp__inverse *v, int32_t part, int32_t item, float *ro
     }
 }
 
+static void multiply(double *line, const float *by, int32_t n)
+{
+    for (int32_t x = 0; x < n; x++)
+        line[x] *= (double) by[x];
+}
+
 /* The right-hand side of a texel that counts half is twice as much. */
 static void take_row(const ntp__inverse *v, double *line, int32_t y)
 {
@@ -90,6 +97,8 @@ static void take_row(const ntp__inverse *v, double *line, int32_t y)
     bool end = v->across.fft.kind == NTP__FFT_MIRROR && (y == 0 || y == v->height - 1);
     for (int32_t x = 0; x < v->width; x++)
         line[x] = end ? 2 * from[x] : from[x];
+    if (v->scale != NULL)
+        multiply(line, v->scale + (size_t) y * (size_t) v->width, v->width);
     if (v->along.fft.kind == NTP__FFT_MIRROR) {
         line[0] *= 2;
         line[v->width - 1] *= 2;
@@ -119,6 +128,11 @@ static void inverse_rows(void *job, int32_t part, int32_t item)
     float *rows[ROWS];
     rows_of(v, part, item, rows);
     v->along.fft.loops->inverse(&v->along.fft, rows, v->work[part]);
+    for (int32_t i = 0; i < ROWS && v->scale != NULL; i++) {
+        int32_t y = item * ROWS + i;
+        for (int32_t x = 0; x < v->width && y < v->height; x++)
+            rows[i][x] *= v->scale[(size_t) y * (size_t) v->width + (size_t) x];
+    }
 }
 
 typedef struct group {
@@ -163,4 +177,64 @@ void ntp__inverse_apply(ntp__inverse *v, const ntp_image *to, const double *from
     ntp__crew_each(&v->crew, forward_rows, v, batches);
     ntp__crew_each(&v->crew, columns, v, groups);
     ntp__crew_each(&v->crew, inverse_rows, v, batches);
+}
+
+/* ---------------------------------------------------------------------------------- scale */
+
+enum { REACH = 2, PASSES = 2 }; /* of the mean over neighbors */
+
+typedef struct smoothing {
+    const ntp__inverse *v;
+    float *plane, *work;
+} smoothing;
+
+/* Where an index beyond an end lies: on the other side, or at the end. */
+static size_t place(const ntp__spectrum *axis, int32_t i, int32_t n)
+{
+    if (axis->fft.kind == NTP__FFT_REAL)
+        return (size_t) (((i % n) + n) % n);
+    return (size_t) (i < 0 ? 0 : i < n ? i : n - 1);
+}
+
+static void smooth_row(void *job, int32_t part, int32_t y)
+{
+    smoothing *s = job;
+    int32_t width = s->v->width;
+    const float *from = s->plane + (size_t) y * (size_t) width;
+    float *to = s->work + (size_t) y * (size_t) width;
+    (void) part;
+    for (int32_t x = 0; x < width; x++) {
+        float sum = 0;
+        for (int32_t k = -REACH; k <= REACH; k++)
+            sum += from[place(&s->v->along, x + k, width)];
+        to[x] = sum / (2 * REACH + 1);
+    }
+}
+
+static void smooth_column(void *job, int32_t part, int32_t y)
+{
+    smoothing *s = job;
+    size_t width = (size_t) s->v->width;
+    float *to = s->plane + (size_t) y * width;
+    (void) part;
+    memset(to, 0, width * sizeof *to);
+    for (int32_t k = -REACH; k <= REACH; k++) {
+        const float *from = s->work + place(&s->v->across, y + k, s->v->height) * width;
+        for (size_t x = 0; x < width; x++)
+            to[x] += from[x] / (2 * REACH + 1);
+    }
+}
+
+void ntp__inverse_scale(ntp__inverse *v, float *scale, float *work)
+{
+    smoothing s = { v, scale, work };
+    for (int32_t i = 0; i < PASSES; i++) {
+        ntp__crew_each(&v->crew, smooth_row, &s, v->height);
+        ntp__crew_each(&v->crew, smooth_column, &s, v->height);
+    }
+    for (size_t i = 0; i < (size_t) v->width * (size_t) v->height; i++) {
+        float eighth = sqrtf(sqrtf(sqrtf(scale[i])));
+        scale[i] = 1 / (eighth * eighth * eighth);
+    }
+    v->scale = scale;
 }

@@ -27,7 +27,8 @@ typedef struct ntp__inverse {
     bool rows;               /* slopes count; false: only pairs of neighbors do (baked) */
     double strength, prior;  /* of pairs, and of the squared Laplacian; set by the caller */
     ntp__spectrum along, across;
-    void **work; /* of each part */
+    const float *scale; /* see ntp__inverse_scale; NULL: there is none */
+    void **work;        /* of each part */
     float *zeros;
     const double *from;
     const ntp_image *to;
@@ -37,7 +38,16 @@ typedef struct ntp__inverse {
 void ntp__inverse_init(ntp__inverse *inverse, const ntp__height_plan *plan, ntp__crew crew,
                        ntp__scratch *memory);
 
-/* to = the solution for the packed plane `from`, of mean 0; `to` is packed as well. */
+/*
+ * With slopes of weights w the normal equations are near to root(w) A root(w), if A has none and w is
+ * smooth.  So the inverse is taken between two factors for each texel, 1/root(w).  `scale` holds the
+ * weights, positive, and gets the factors: the weights are made smooth first, and the power is 3/8,
+ * with which refinement took the fewest rounds.  Both planes are packed.
+ */
+void ntp__inverse_scale(ntp__inverse *inverse, float *scale, float *work);
+
+/* to = the solution for the packed plane `from`, of mean 0 if there is no scale; `to` is packed as
+ * well. */
 void ntp__inverse_apply(ntp__inverse *inverse, const ntp_image *to, const double *from);
 
 #endif
