@@ -43,7 +43,9 @@ static bool keeps_pfm(const options *o)
 
 static bool makes_pfm(const options *o)
 {
-    return o->verb_bit == V_TO_HEIGHT && option_integer(o, OPT_DEPTH) == 1;
+    const bool relief = (o->verb_bit & V_RELIEF) != 0 && option_given(o, OPT_DEPTH);
+    return (o->verb_bit == V_TO_HEIGHT && option_integer(o, OPT_DEPTH) == 1) ||
+           (relief && option_integer(o, OPT_DEPTH) == 2);
 }
 
 static char *below(const char *directory, const char *relative, ending how, const options *o)

@@ -247,6 +247,37 @@ const option_spec OPTION_TABLE[] = {
       "the texels show, if ntp check is sure, else BASE is refused" },
     { OPT_DETAIL_Y, "detail-y", 0, KIND_CHOICE, "auto|" Y_WORDS, "auto", 0, 0, V_BLEND,
       "which way green points in DETAIL; it is turned to that of BASE" },
+    { OPT_KIND, "kind", 0, KIND_CHOICE, "mean|gaussian|convex|cavity", "mean", 0, 0, V_CURVATURE,
+      "mean: edges bright, grooves dark, flat is gray; gaussian: knobs and pits bright, saddles "
+      "dark; convex: edges alone, bright on black; cavity: grooves alone, dark on white" },
+    { OPT_TYPE, "type", 0, KIND_CHOICE, TYPES, "auto", 0, 0, V_RELIEF,
+      "what the files are: normals (standard, zzero, xy), or heights; auto: detect it from their "
+      "texels. Any other value is final" },
+    { OPT_Y, "y", 0, KIND_CHOICE, "auto|" Y_WORDS, "auto", 0, 0, V_RELIEF,
+      "normals: which way green points: up (OpenGL) or down (DirectX); auto: as the texels show, "
+      "if ntp check is sure, else the file is refused" },
+    { OPT_SCALE, "scale", 0, KIND_NUMBER, "S", NULL, -1.7e308, 1.7e308, V_RELIEF,
+      "heights: how many texels white rises above black; negative turns hills into dents. "
+      "Default: what ntp to-height stored in the file, and 1 for PFM" },
+    { OPT_SOURCE, "source", 0, KIND_CHOICE, SOURCES, "red", 0, 0, V_RELIEF,
+      "heights: what of a color image is the height" },
+    { OPT_BLUR, "blur", 0, KIND_NUMBER, "SIGMA", "0", 0, 64, V_RELIEF,
+      "first blur the heights, or the normals, by a Gaussian with this sigma, in texels: shows "
+      "larger shapes and less noise" },
+    { OPT_BORDER, "border", 0, KIND_CHOICE, "wrap|clamp", "wrap", 0, 0, V_RELIEF,
+      "what lies beyond the edges: wrap: the opposite edge, for textures that tile; clamp: nothing" },
+    { OPT_BORDER_X, "border-x", 0, KIND_CHOICE, "wrap|clamp", NULL, 0, 0, V_RELIEF,
+      "the same for the left and right edges only" },
+    { OPT_BORDER_Y, "border-y", 0, KIND_CHOICE, "wrap|clamp", NULL, 0, 0, V_RELIEF,
+      "the same for the upper and lower edges only" },
+    { OPT_RANGE, "range", 0, KIND_NUMBER, "R", "0", 0, 1e30, V_CURVATURE,
+      "the curvature that is shown white (cavity: black), in 1/texel (gaussian: 1/texel^2). 0: 99 "
+      "% of what is not flat lies within; it is printed, and stored in the PNG" },
+    { OPT_RADIUS, "radius", 0, KIND_NUMBER, "R", "0", 0, 1e30, V_OCCLUSION,
+      "what is farther away, in texels, hides nothing; 0: the longer side of the image" },
+    { OPT_DEPTH, "depth", 0, KIND_CHOICE, "8|16|float", NULL, 0, 0, V_RELIEF,
+      "bits of each sample of the output; float: a PFM, of curvature in 1/texel. Default: as the "
+      "input, 16 for floats, and float for -o FILE.pfm" },
     { OPT_PALETTE, "palette", 0, KIND_CHOICE, "reference|safe", "reference", 0, 0, V_HEATMAP,
       "reference: red: x, y too long, green: wrong length, blue: negative z; safe: colors that "
       "can be told apart with every kind of color vision" },
@@ -283,9 +314,10 @@ const option_spec OPTION_TABLE[] = {
       "nothing to check is no failure: no image was found, or no normals texture" },
     { OPT_ALLOW_EMPTY, "allow-empty", 0, KIND_FLAG, NULL, NULL, 0, 0, V_MAPS,
       "it is no failure that no image was found" },
-    { OPT_JOBS, "jobs", 'j', KIND_INTEGER, "N", NULL, 1, 256, V_TO_HEIGHT,
+    { OPT_JOBS, "jobs", 'j', KIND_INTEGER, "N", NULL, 1, 256, V_TO_HEIGHT | V_OCCLUSION,
       "work with N threads, on files at once or on parts of one; default: one for each processor" },
-    { OPT_JOBS, "jobs", 'j', KIND_INTEGER, "N", NULL, 1, 256, V_PATHS & ~(unsigned) V_TO_HEIGHT,
+    { OPT_JOBS, "jobs", 'j', KIND_INTEGER, "N", NULL, 1, 256,
+      V_PATHS & ~(unsigned) (V_TO_HEIGHT | V_OCCLUSION),
       "work on N files at once; default: one for each processor" },
     { OPT_QUIET, "quiet", 'q', KIND_FLAG, NULL, NULL, 0, 0, V_CHECK,
       "print only files with findings" },
@@ -450,6 +482,25 @@ const verb_spec VERB_TABLE[] = {
       "  no surface where the mask is black\n"
       "ntp to-height wall_n.png -o wall_height.pfm\n"
       "  floats, in texels\n" },
+    { "curvature", "PATH...", "make a curvature or cavity map",
+      "Shows how much the surface bends: convex edges bright, concave grooves dark, flat ground "
+      "gray; or only one of them (--kind). Input is a normals texture or a heightfield; of normals "
+      "no heights are needed. docs/relief-maps.md has the formulas. The image is held in memory.",
+      "ntp curvature wall_n.png -o wall_curvature.png\n"
+      "ntp curvature wall_n.png -o wall_cavity.png --kind cavity --blur 1\n"
+      "  dark where grooves are, without the finest noise\n"
+      "ntp curvature wall_height.png -o wall_curvature.png --scale 8 --range 0.25\n"
+      "  from heights; an edge of radius 4 texels is white\n" },
+    { "occlusion", "PATH...", "make an ambient occlusion map",
+      "Computes how much of an evenly bright sky each texel sees: white where nothing is in the "
+      "way, dark in pits and grooves. Input is a heightfield or a normals texture, of which the "
+      "heights are reconstructed first, as by ntp to-height. docs/relief-maps.md has the formulas. "
+      "The image is held in memory.",
+      "ntp occlusion wall_height.png -o wall_ao.png --scale 8\n"
+      "  white is 8 texels above black\n"
+      "ntp occlusion wall_n.png -o wall_ao.png\n"
+      "ntp occlusion decal_n.png -o decal_ao.png --border clamp --radius 32\n"
+      "  a texture that does not tile; only what is near hides\n" },
 };
 const size_t VERB_ROWS = sizeof VERB_TABLE / sizeof VERB_TABLE[0];
 

@@ -49,6 +49,22 @@ ntp_status heights_solve(worker *w, const ntp_image *heights, const ntp_const_im
     return status;
 }
 
+ntp_status heights_occlude(worker *w, const ntp_image *map, const ntp_const_image *heights,
+                           const ntp_occlusion_options *how, stretch part)
+{
+    const int32_t parts = w->threads < NTP_MAX_PARTS ? w->threads : NTP_MAX_PARTS;
+    const size_t size = ntp_occlusion_scratch_size(how, heights->width, heights->height, parts);
+    void *scratch = need_aligned(size);
+    team all = { w, crew_start(parts), part };
+    const ntp_hooks hooks = {
+        .user = &all, .progress = tell_progress, .parallel_for = run_parts, .parts = parts
+    };
+    const ntp_status status = ntp_occlusion(map, heights, how, scratch, size, &hooks);
+    crew_stop(all.threads);
+    free(scratch);
+    return status;
+}
+
 /* -------------------------------------------------------------------------- borders */
 
 /* What is tried where the edges show no border.  A border takes the place of the one before if it

@@ -20,6 +20,10 @@ typedef struct stretch {
 ntp_status heights_solve(worker *w, const ntp_image *heights, const ntp_const_image *src,
                          const ntp_height_options *how, stretch part, ntp_height_result *result);
 
+/* ntp_occlusion on all threads of the worker. */
+ntp_status heights_occlude(worker *w, const ntp_image *map, const ntp_const_image *heights,
+                           const ntp_occlusion_options *how, stretch part);
+
 /*
  * Finds the borders that the normals at the edges were made with.  If the edges do not show it, some
  * borders are tried, and the one with the least residual is taken.  heights: memory for the heights

@@ -316,7 +316,7 @@ void to_height_see(production *p)
     st->how.touch_unused = p->touch;
 }
 
-static bool finish(production *p, ntpio_error *error)
+bool to_height_solve(production *p, ntp_image *heights, ntpio_error *error)
 {
     const to_height_settings *set = p->m->settings;
     to_height_state *st = p->state;
@@ -337,19 +337,27 @@ static bool finish(production *p, ntpio_error *error)
         ok = side_image_read(plane, NTP_TYPE_U16, set->mask_file, &set->limits, p->s.info,
                              "texture", error);
     }
-    ntp_image heights = ntp_image_packed(buffer_reserve(&p->w->extra2, texels * sizeof(float)),
-                                         view->width, view->height, 1, NTP_TYPE_F32);
+    *heights = ntp_image_packed(buffer_reserve(&p->w->extra2, texels * sizeof(float)), view->width,
+                                view->height, 1, NTP_TYPE_F32);
     if (ok) {
-        ntp_status status = to_height_choose(st, set, p->w, &heights);
+        ntp_status status = to_height_choose(st, set, p->w, heights);
         if (status == NTP_OK)
-            status = heights_solve(p->w, &heights, &st->src, &st->how,
+            status = heights_solve(p->w, heights, &st->src, &st->how,
                                    (stretch) { SOLVE_PERMILLE, 1000 }, &st->result);
         st->cut_short = status == NTP_ERR_CANCELLED && st->result.method != NTP_HEIGHT_AUTO;
         ok = status == NTP_OK || st->cut_short || cannot(p, status, error);
     }
     free(plane);
     st->how.mask = NULL;
-    if (!ok)
+    return ok;
+}
+
+static bool finish(production *p, ntpio_error *error)
+{
+    const to_height_settings *set = p->m->settings;
+    to_height_state *st = p->state;
+    ntp_image heights;
+    if (!to_height_solve(p, &heights, error))
         return false;
     choose_range(st, set, &heights);
     choose_scale(st, set->is_float);

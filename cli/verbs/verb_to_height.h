@@ -49,6 +49,9 @@ bool to_height_knows(production *p, text *why);
 ntp_status to_height_choose(to_height_state *st, const to_height_settings *set, worker *w,
                             const ntp_image *heights);
 
+/* Solves for the heights, in memory of the worker.  Returns false with an error. */
+bool to_height_solve(production *p, ntp_image *heights, ntpio_error *error);
+
 /* Adds what was done to the file's line or JSON object. */
 void to_height_describe(const production *p, text *line, json_t *object);
 

@@ -26,7 +26,9 @@ def enumerators(kind):
     assert sorted(elements) == list(range(len(elements)))
     names = [elements[i] for i in range(len(elements))]
     prefix = "NTP_HEIGHT_" if kind == "ntp_height_method" else f"{kind.upper()}_"
-    prefix = {"ntp_blend_mode": "NTP_BLEND_"}.get(kind, prefix)
+    prefix = {"ntp_blend_mode": "NTP_BLEND_", "ntp_curvature_kind": "NTP_CURVATURE_"}.get(
+        kind, prefix
+    )
     assert all(name.startswith(prefix) for name in names)
     spelled = {"trunc": "unorm-trunc", "snorm": "snorm128"} if kind == "ntp_decode" else {}
     values = [name[len(prefix) :].lower().replace("_", "-") for name in names]
@@ -53,6 +55,9 @@ def enumerators(kind):
         ("to-height", "decode", "ntp_decode", []),
         ("to-height", "z", "ntp_z", []),
         ("resize", "border", "ntp_border", []),
+        ("curvature", "kind", "ntp_curvature_kind", []),
+        ("curvature", "border", "ntp_border", []),
+        ("occlusion", "source", "ntp_height_source", []),
     ],
 )
 def test_words_are_enumerators(run, verb, option, kind, before):
@@ -101,6 +106,9 @@ def test_words_are_names(run, verb, option, name_of):
         ("to-height", "z", "z"),
         ("to-height", "y", "y"),
         ("to-height", "type", "from"),
+        ("curvature", "kind", "kind"),
+        ("curvature", "border", "border_x"),
+        ("occlusion", "y", "y"),
     ],
 )
 def test_reports_say_what_was_given(run, tmp_path, verb, option, key):
@@ -110,6 +118,7 @@ def test_reports_say_what_was_given(run, tmp_path, verb, option, key):
         "resize": ["--size", "8x8"],
         "from-height": ["--scale", "2", "--force"],  # of what are normals
         "to-height": [] if option == "y" else ["--y", "up"],
+        "curvature": ["--y", "up"],
         "convert": ["--y", "up"] if option == "to-y" else [],
     }.get(verb, [])
     for word in words(run, verb, option):
@@ -134,7 +143,7 @@ def test_green_by_the_names_of_programs(run, tmp_path, verb, option, key, synony
 
 
 VERBS = ["check", "clean", "convert", "heatmap", "dump", "diff", "transform", "resize", "blend",
-         "to-height"]  # fmt: skip
+         "to-height", "curvature", "occlusion"]  # fmt: skip
 
 
 @pytest.mark.parametrize("verb", VERBS)

@@ -72,6 +72,8 @@ IN_PLACE = {
     "resize": ["--type", "standard", "--size", "90%"],
     "from-height": ["--scale", "4"],
     "to-height": ["--type", "standard", "--y", "up"],
+    "curvature": ["--type", "standard", "--y", "up"],
+    "occlusion": ["--type", "standard", "--y", "up"],
     "blend": ["--type", "standard", "--y", "up", "--detail-y", "up"],
 }
 

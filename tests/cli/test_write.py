@@ -258,6 +258,8 @@ OVERWRITING = {
     "resize": ["--size", "50%"],
     "from-height": ["--scale", "4"],
     "to-height": ["--from", "standard"],
+    "curvature": ["--type", "standard", "--y", "up"],
+    "occlusion": ["--type", "standard", "--y", "up"],
     "blend": [],
 }
 

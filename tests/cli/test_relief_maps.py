@@ -1,0 +1,130 @@
+# SPDX-License-Identifier: MIT
+"""ntp curvature and ntp occlusion: the library's numbers in files, ranges, scales, refusals."""
+
+import json
+
+import numpy as np
+import pytest
+
+from support import libntp_ffi as ntp
+from support import relief_maps as maps
+from support.pngs import read_png, write_png
+
+HEIGHTS = maps.hills(40, 65535)[:33].astype(np.uint16)
+KINDS = {"mean": maps.MEAN, "gaussian": maps.GAUSSIAN, "convex": maps.CONVEX, "cavity": maps.CAVITY}
+
+
+def pixels_of(path):
+    pixels, _ = read_png(path)
+    return pixels
+
+
+def texts_of(path):
+    _, chunks = read_png(path)
+    pairs = [body.split(b"\0", 1) for body in chunks.get(b"tEXt", [])]
+    return {key.decode(): value.decode() for key, value in pairs}
+
+
+def item(done):
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout)["files"][0]
+
+
+@pytest.fixture
+def files(run, tmp_path):
+    """Heights, and the normals that the program makes of them; returns the normals."""
+    write_png(tmp_path / "h.png", HEIGHTS[..., None])
+    done = run("from-height", "h.png", "-o", "n.png", "--scale", 9)
+    assert done.returncode == 0, done.stderr
+    return pixels_of(tmp_path / "n.png")
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_curvature(run, tmp_path, files, kind):
+    """Of heights and of normals, with the range that is found and with one that is given."""
+    for name, src, encoding, more in (
+        ("h.png", HEIGHTS, ntp.HEIGHT, {"scale": 9}),
+        ("n.png", files, ntp.STANDARD, {}),
+    ):
+        options = ["--scale", 9] if more else ["--y", "up"]
+        args = [name, "--kind", kind, *options, "--format", "json"]
+        made = item(run("curvature", *args, "-o", "c.png"))
+        raw = maps.curvature(src, encoding, kind=KINDS[kind], **more)
+        assert made["kind"] == kind and made["range"] == maps.range_of(raw)
+        assert float(texts_of(tmp_path / "c.png")["Curvature range"]) == made["range"]
+        for depth, dtype in (("16", np.uint16), ("8", np.uint8)):
+            told = item(run("curvature", *args, "-o", "c.png", "--range", 0.25, "--depth", depth))
+            want = maps.curvature(src, encoding, dtype, kind=KINDS[kind], range=0.25, **more)
+            assert told["range"] == 0.25
+            assert np.array_equal(pixels_of(tmp_path / "c.png")[..., 0], want)
+    # Heights and their normals bend alike, but for the wider stencil.
+    assert item(run("curvature", *args, "-o", "c.pfm"))["range"] is None
+
+
+def test_occlusion(run, tmp_path, files):
+    """From heights: the library's numbers; from their normals: nearly the same."""
+    run("occlusion", "h.png", "-o", "a.png", "--scale", 9, "--jobs", 2)
+    want = maps.occlusion(HEIGHTS, np.uint16, scale=9)
+    made = pixels_of(tmp_path / "a.png")[..., 0]
+    assert np.array_equal(made, want) and made.min() < 50000
+    solved = item(run("occlusion", "n.png", "-o", "b.png", "--format", "json"))
+    assert solved["y"] == "up" and solved["scale"] is None and solved["depth"] == 16
+    assert abs(pixels_of(tmp_path / "b.png")[..., 0].astype(int) - made).max() < 400
+    run("occlusion", "h.png", "-o", "r.png", "--scale", 9, "--radius", 3, "--border", "clamp")
+    near = maps.occlusion(
+        HEIGHTS, np.uint16, scale=9, radius=3,
+        border_x=maps.CLAMP, border_y=maps.CLAMP,
+    )  # fmt: skip
+    assert np.array_equal(pixels_of(tmp_path / "r.png")[..., 0], near)
+
+
+def test_scale_of_heights(run, tmp_path, files):
+    """What ntp to-height stored is taken; heights without a scale are refused with its name."""
+    done = run("curvature", "h.png", "-o", "c.png")
+    assert done.returncode == 1 and "--scale" in done.stderr
+    assert run("occlusion", "h.png", "-o", "c.png", "--scale", 0).returncode == 1
+    assert not (tmp_path / "c.png").exists()
+    solved = item(run("to-height", "n.png", "-o", "back.png", "--format", "json"))
+    made = item(run("curvature", "back.png", "-o", "c.png", "--format", "json"))
+    assert made["scale"] == pytest.approx(solved["scale"]) and made["from"] == "height"
+    assert "Height scale" not in texts_of(tmp_path / "c.png")
+    run("to-height", "n.png", "-o", "back.pfm")
+    assert item(run("curvature", "back.pfm", "-o", "c.png", "--format", "json"))["scale"] == 1
+    assert pixels_of(tmp_path / "c.png").dtype == np.uint16
+
+
+def test_green(run, tmp_path, files):
+    """Normals for DirectX give the map of those for OpenGL; unknown green is asked for."""
+    write_png(tmp_path / "dx.png", np.abs(files.astype(int) - [0, 65535, 0]).astype(np.uint16))
+    assert item(run("curvature", "n.png", "-o", "a.png", "--format", "json"))["y"] == "up"
+    assert item(run("curvature", "dx.png", "-o", "b.png", "--format", "json"))["y"] == "down"
+    assert np.array_equal(pixels_of(tmp_path / "a.png"), pixels_of(tmp_path / "b.png"))
+    write_png(tmp_path / "s.png", np.ascontiguousarray(files[:12, :12]))
+    done = run("curvature", "s.png", "-o", "s2.png", "--type", "standard")
+    assert done.returncode == 1 and "--y" in done.stderr
+
+
+def test_blur(run, tmp_path, files):
+    """Blurred normals bend less, by the blur of their curvature: it is linear in them."""
+    plain = item(run("curvature", "n.png", "-o", "a.pfm", "--format", "json"))
+    assert plain["depth"] == "float"
+    ranges = [
+        item(run("curvature", "n.png", "-o", "a.png", "--blur", s, "--format", "json"))["range"]
+        for s in (0, 1, 3)
+    ]
+    assert ranges == sorted(ranges, reverse=True) and ranges[2] < 0.6 * ranges[0]
+
+
+@pytest.mark.parametrize(
+    ("args", "words"),
+    [
+        (["curvature", "n.png", "-o", "c.pfm", "--depth", "8"], "PFM holds floats"),
+        (["occlusion", "n.png", "-o", "c.png", "--depth", "float"], "writes .pfm"),
+        (["occlusion", "n.png", "-o", "c.tga", "--depth", "16"], "TGA"),
+        (["curvature", "n.png", "-o", "c.png", "--kind", "sharp"], "cavity"),
+        (["curvature", "n.png", "-o", "c.png", "--border", "mirror"], "clamp"),
+    ],
+)
+def test_wrong_use(run, args, words):
+    done = run(*args)
+    assert done.returncode == 2 and words in done.stderr
