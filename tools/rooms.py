@@ -35,6 +35,7 @@ LIBRARY = [
     Room("reshape", "resize.h", "-"),
     Room("from_height", "gradient.h", "-"),
     Room("shape", "curvature.c", "-"),
+    Room("to_depth", "depth_from_normals.c", "-"),
     Room("to_height/shared", "slopes.h", "to_height"),
     Room("to_height/direct", "direct.h", "to_height"),
     Room("to_height/weighted", "weighted.h", "to_height"),

@@ -1181,6 +1181,81 @@ NTP_API ntp_status ntp_occlusion(const ntp_image *dst, const ntp_const_image *sr
                                  const ntp_occlusion_options *how, void *scratch,
                                  size_t scratch_size, const ntp_hooks *hooks);
 
+/* ---------------------------------------------------------- normals -> depth of an object */
+
+/*
+ * A camera without distortion, as OpenCV has it: texel (u, v), whose middle is at whole numbers,
+ * looks along ((u - cx)/fx, (v - cy)/fy, 1), x to the right, y down, z away from the viewer.
+ */
+typedef struct ntp_camera {
+    double fx, fy; /* focal lengths in texels, 2^-20..2^40; both 0: orthographic */
+    double cx, cy; /* where the axis meets the picture, in texels */
+} ntp_camera;
+
+typedef struct ntp_depth_options {
+    ntp_camera camera;
+    double k; /* how readily a cliff is seen, 2^-20..2^20; 0 means 2, the value of the paper */
+    int32_t rounds;        /* at most, 0..NTP_MAX_ITERATIONS; 0 means 100, 1 is least squares */
+    uint32_t touch_unused; /* NTP_UNUSED_*: such texels hold normals */
+    /* NULL, or of type U8 or U16, NTP_ENCODING_HEIGHT, of the size of src.  Texels where its sample
+     * 0 is 0 are holes. */
+    const ntp_const_image *mask;
+    /* NULL, or depth to begin with, such as that of the last picture of a film: NTP_TYPE_F32,
+     * NTP_ENCODING_HEIGHT, one channel, of the size of src.  What is not finite, and with a camera
+     * what is not positive, counts as the middle. */
+    const ntp_const_image *start;
+} ntp_depth_options;
+
+typedef struct ntp_depth_result {
+    int32_t rounds;       /* done */
+    int32_t iterations;   /* of conjugate gradients, in all rounds */
+    uint64_t islands;     /* areas of texels joined by their sides, each with a scale of its own */
+    uint64_t holes;       /* texels without depth */
+    uint64_t not_finite;  /* of these: floats with a NaN, an infinity or length 0 */
+    uint64_t turned_away; /* texels whose normals do not face the viewer; their neighbors decide */
+    double min, max;      /* of the depth; both 0 if there is none */
+} ntp_depth_result;
+
+enum { NTP_MAX_DEPTH_TEXELS = 1 << 28 }; /* that ntp_depth_from_normals takes */
+
+/* Bytes of working memory, about 290 a texel; 0 if the size is invalid. */
+NTP_API size_t ntp_depth_scratch_size(int32_t width, int32_t height);
+
+/*
+ * Depth of an object from its normals, as photometric stereo measures them: with the perspective of
+ * a camera, and with cliffs where one part hides another.  Textures are for
+ * ntp_height_from_normals.  dst, NTP_TYPE_F32 NTP_ENCODING_HEIGHT of one channel, gets the distance
+ * along the axis of the camera: greater is farther.  Normals do not tell how far away an object is.
+ * Orthographic depth is in texels and has mean 0 on each island; depth with a camera is positive
+ * and its logarithm has mean 0 on each island, so only its ratios are known.  In holes it is NaN.
+ * Holes are texels that are unused or masked, and vectors shorter than 1/4, as the gray (128, 128,
+ * 128) of an empty background.  Floats are read as 16 bit.
+ *
+ * The method is bilateral normal integration (Cao, Santo, Shi, Okura, Matsushita, ECCV 2022).  At
+ * each texel and axis there are two equations, with the neighbor on either side.  With a and b the
+ * differences of depth to the two, in texels and times the cosine between normal and view, the
+ * shares of the equations are 1/(1 + exp(-k (b*b - a*a))) and the rest: the side with the jump
+ * hardly counts.  Shares and depth are found in turn, until the sum of squares changes by less than
+ * 0.03 percent.  The first rounds take 16, 8, 4 and 2 times k, unless there is a start.  What is cut
+ * off all round keeps about the depth that the first rounds gave it: nothing tells it.
+ *
+ * confidence: NULL, or a view like dst that gets 1/(1 + e), e the error that may be expected of the
+ * depth, in texels (with a camera: in parts 1/fx of the depth); 0 in holes.  e is how far the depth
+ * moves under forces as large as what is left of the equations, and how far with 3 times k.  It
+ * ranks texels; it is no bound.  It takes as long as the depth again.
+ *
+ * scratch: ntp_depth_scratch_size bytes, aligned to 64.  One thread works; of hooks, which may be
+ * NULL, only progress is called.  dst, confidence and src do not overlap.  result may be NULL.
+ * After NTP_ERR_CANCELLED nothing is written.
+ * Errors: NTP_ERR_ARGUMENT, NTP_ERR_SCRATCH, NTP_ERR_CANCELLED; NTP_ERR_FORMAT for other views, and
+ * a float mask; NTP_ERR_SHAPE for views of different size, ring_rows, and more than
+ * NTP_MAX_DEPTH_TEXELS texels.
+ */
+NTP_API ntp_status ntp_depth_from_normals(const ntp_image *dst, const ntp_image *confidence,
+                                          const ntp_const_image *src, const ntp_depth_options *how,
+                                          void *scratch, size_t scratch_size,
+                                          const ntp_hooks *hooks, ntp_depth_result *result);
+
 /* -------------------------------------------------------------- operations on normals */
 
 /*

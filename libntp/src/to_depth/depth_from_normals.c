@@ -1,0 +1,382 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * depth_from_normals.c - depth from normals with cliffs and a camera: from checks to the result
+ *
+ * This room is for normals of objects, as photometric stereo measures them.  It does not assume
+ * that a surface hangs together: at each texel it may be smooth to one side only (Cao, Santo, Shi,
+ * Okura, Matsushita: Bilateral Normal Integration, ECCV 2022).
+ *   terms.h        what the normals say: two one-sided equations an axis at each texel
+ *   graph.h        solves them for fixed shares, by multigrid
+ *   exponential.h  exp and log without libm
+ * This file alternates the two until hardly anything changes, and finds out how sure the depth is.
+ */
+#include <math.h>
+#include <string.h>
+
+#include "base/finite.h"
+#include "to_depth/exponential.h"
+#include "to_depth/terms.h"
+
+enum {
+    ROUNDS = 100,     /* at most, by default */
+    EAGER_ROUNDS = 4, /* with 16, 8, 4, 2 times k, after the first of even shares */
+    PROBES = 8,       /* of the confidence */
+    FRESH_ROUNDS = 6, /* with levels of their own; then levels are kept while they do */
+    FRESH_EVERY = 8,
+    MOST_ITERATIONS = 60
+};
+static const double USUAL_K = 2;
+static const double STEADY = 3e-4; /* change of the energy in a round, of itself, that ends them */
+static const double OTHER_K = 3;   /* times k: how far depth moves then is a part of the doubt */
+static const double FIRST_SHARE = 0.01, LATER_SHARE = 0.3; /* of the residual that a solve leaves */
+static const double ONLY_SHARE = 1e-6;                     /* the same for plain least squares */
+
+typedef struct work {
+    ntp_depth_options how;
+    const ntp_const_image *src;
+    const ntp_hooks *hooks;
+    double from, to; /* progress of the running rounds, as shares of the whole */
+    int32_t *node;
+    ntp__terms terms;
+    ntp__springs springs;
+    double *kept, *doubt; /* for the confidence */
+    ntp_depth_result result;
+} work;
+
+/* ------------------------------------------------------------------------------- checks */
+
+static ntp_status check_plane(const ntp_const_image *view, const ntp_const_image *src)
+{
+    NTP__TRY(ntp__check_view(view));
+    if (view->encoding != NTP_ENCODING_HEIGHT || view->type != NTP_TYPE_F32 || view->channels != 1)
+        return NTP_ERR_FORMAT;
+    return ntp__same_size(view, src) && view->ring_rows == 0 ? NTP_OK : NTP_ERR_SHAPE;
+}
+
+static ntp_status check_output(const ntp_image *dst, const ntp_const_image *src)
+{
+    ntp_const_image seen = ntp_image_as_const(dst);
+    return check_plane(&seen, src);
+}
+
+static ntp_status check_mask(const ntp_const_image *mask, const ntp_const_image *src)
+{
+    NTP__TRY(ntp__check_view(mask));
+    if (mask->encoding != NTP_ENCODING_HEIGHT || mask->type == NTP_TYPE_F32)
+        return NTP_ERR_FORMAT;
+    return ntp__same_size(mask, src) && mask->ring_rows == 0 ? NTP_OK : NTP_ERR_SHAPE;
+}
+
+static bool is_focal(double f)
+{
+    return f >= 0x1p-20 && f <= 0x1p40;
+}
+
+static bool is_place(double c)
+{
+    return c >= -0x1p40 && c <= 0x1p40;
+}
+
+static bool good_options(const ntp_depth_options *how)
+{
+    const ntp_camera *camera = &how->camera;
+    bool orthographic = camera->fx == 0 && camera->fy == 0;
+    return (orthographic || (is_focal(camera->fx) && is_focal(camera->fy))) &&
+           is_place(camera->cx) && is_place(camera->cy) &&
+           (how->k == 0 || (how->k >= 0x1p-20 && how->k <= 0x1p20)) && how->rounds >= 0 &&
+           how->rounds <= NTP_MAX_ITERATIONS &&
+           (how->touch_unused & ~(uint32_t) NTP_UNUSED_ALL) == 0;
+}
+
+static bool good_size(int32_t width, int32_t height)
+{
+    return width >= 1 && height >= 1 && width <= NTP_MAX_SIDE && height <= NTP_MAX_SIDE &&
+           (int64_t) width * height <= NTP_MAX_DEPTH_TEXELS;
+}
+
+/* -------------------------------------------------------------------------------- memory */
+
+/* With memory->base NULL it only measures. */
+static void lay_out(work *w, int32_t width, int32_t height, ntp__scratch *memory)
+{
+    size_t texels = (size_t) width * (size_t) height;
+    w->node = ntp__take(memory, texels * sizeof *w->node);
+    ntp__terms_init(&w->terms, (int32_t) texels, memory);
+    ntp__springs_init(&w->springs, (int32_t) texels, memory);
+    w->kept = ntp__take(memory, texels * sizeof *w->kept);
+    w->doubt = ntp__take(memory, texels * sizeof *w->doubt);
+}
+
+size_t ntp_depth_scratch_size(int32_t width, int32_t height)
+{
+    work w;
+    ntp__scratch memory = { NULL, 0 };
+    if (!good_size(width, height))
+        return 0;
+    memset(&w, 0, sizeof w);
+    lay_out(&w, width, height, &memory);
+    return memory.used;
+}
+
+/* ------------------------------------------------------------------------------- rounds */
+
+static bool go_on(const work *w, double share)
+{
+    return w->hooks == NULL || w->hooks->progress == NULL ||
+           w->hooks->progress(w->hooks->user, w->from + (w->to - w->from) * share) == 0;
+}
+
+/* One solution with the shares as they are.  `usual`: iterations when levels were last new. */
+static void solve(work *w, int32_t round, double share, int32_t *last, int32_t *usual)
+{
+    ntp__springs *s = &w->springs;
+    ntp__terms_springs(&w->terms, &s->level[0]);
+    bool fresh = round < FRESH_ROUNDS || round % FRESH_EVERY == 0 || *last > *usual + 2;
+    if (fresh)
+        ntp__springs_coarsen(s);
+    else
+        ntp__springs_keep_levels(s);
+    *last = ntp__springs_solve(s, w->terms.z, w->terms.force, share, MOST_ITERATIONS);
+    if (fresh)
+        *usual = *last;
+    w->result.iterations += *last;
+}
+
+/* Alternates shares and solutions.  The first shares are even or, with a start, by its depth.  The
+ * first rounds take a greater k: at even shares a jump is spread so widely that k alone may leave
+ * it so. */
+static ntp_status run_rounds(work *w, double k, bool started)
+{
+    int32_t most = w->how.rounds > 0 ? w->how.rounds : ROUNDS, last = 0, usual = 0;
+    double before = 0;
+    ntp__terms_even(&w->terms);
+    w->result.rounds = 0;
+    for (int32_t round = 0; round < most; round++) {
+        int32_t eager = started || round > EAGER_ROUNDS ? 0 : EAGER_ROUNDS + 1 - round;
+        if (!go_on(w, round / (round + 8.0)))
+            return NTP_ERR_CANCELLED;
+        if (round > 0 || started)
+            ntp__terms_share(&w->terms, k * (1 << eager));
+        bool first = round == 0;
+        solve(w, round, most == 1 ? ONLY_SHARE : first ? FIRST_SHARE : LATER_SHARE, &last, &usual);
+        w->result.rounds = round + 1;
+        double energy = ntp__terms_energy(&w->terms), change = energy - before;
+        if (!first && eager == 0 && (change < 0 ? -change : change) <= STEADY * before)
+            break;
+        before = energy;
+    }
+    return NTP_OK;
+}
+
+/* --------------------------------------------------------------------------- confidence */
+
+/* About the median of a[i] - b[i], by weighted means. */
+static double middle(const double *a, const double *b, int32_t n, double unit)
+{
+    double value = 0;
+    for (int32_t pass = 0; pass < 5; pass++) {
+        double sum = 0, all = 0;
+        for (int32_t i = 0; i < n; i++) {
+            double v = a[i] - b[i], off = v > value ? v - value : value - v;
+            double weight = pass == 0 ? 1 : 1 / (off + unit);
+            sum += weight * v;
+            all += weight;
+        }
+        value = sum / all;
+    }
+    return value;
+}
+
+/* doubt = how far depth moves under forces as large as what is left of the equations, with signs
+ * by chance (root mean square), and how far it moves with a greater k. */
+static ntp_status find_doubt(work *w, double k)
+{
+    ntp__terms *t = &w->terms;
+    int32_t n = t->nodes;
+    uint64_t chance = 1;
+    double unit = 1e-3 / t->axis[0].focal;
+    ntp_depth_result result = w->result;
+    memset(w->doubt, 0, (size_t) n * sizeof *w->doubt);
+    memcpy(w->kept, t->z, (size_t) n * sizeof *w->kept);
+    ntp__terms_springs(t, &w->springs.level[0]);
+    ntp__springs_coarsen(&w->springs);
+    double *moved = t->z; /* as long as it is kept */
+    for (int32_t probe = 0; probe < PROBES; probe++) {
+        if (!go_on(w, 1))
+            return NTP_ERR_CANCELLED;
+        memcpy(t->z, w->kept, (size_t) n * sizeof *t->z);
+        ntp__terms_doubt(t, t->force, &chance);
+        memset(moved, 0, (size_t) n * sizeof *moved);
+        ntp__springs_solve(&w->springs, moved, t->force, 0.1, 6);
+        double mean = 0;
+        for (int32_t i = 0; i < n; i++)
+            mean += moved[i] / n;
+        for (int32_t i = 0; i < n; i++)
+            w->doubt[i] += (moved[i] - mean) * (moved[i] - mean) / PROBES;
+    }
+    for (int32_t i = 0; i < n; i++)
+        w->doubt[i] = sqrt(w->doubt[i]);
+    w->from = w->to;
+    w->to = 1;
+    memset(t->z, 0, (size_t) n * sizeof *t->z);
+    NTP__TRY(run_rounds(w, k * OTHER_K, false));
+    w->result = result;
+    double shift = middle(t->z, w->kept, n, unit);
+    for (int32_t i = 0; i < n; i++) {
+        double off = t->z[i] - w->kept[i] - shift;
+        w->doubt[i] += off < 0 ? -off : off;
+        t->z[i] = w->kept[i];
+    }
+    return NTP_OK;
+}
+
+/* ------------------------------------------------------------------------------- output */
+
+static int32_t find_root(int32_t *root, int32_t i)
+{
+    while (root[i] != i) {
+        root[i] = root[root[i]];
+        i = root[i];
+    }
+    return i;
+}
+
+/* Subtracts its mean from each island. */
+static void level_islands(work *w)
+{
+    const ntp__terms *t = &w->terms;
+    int32_t *root = t->axis[0].before; /* which nothing reads any more */
+    double *sum = t->force, *count = w->kept;
+    for (int32_t i = 0; i < t->nodes; i++)
+        root[i] = i;
+    for (int32_t d = 0; d < 2; d++) {
+        for (int32_t i = 0; i < t->nodes; i++) {
+            if (t->axis[d].after[i] < 0)
+                continue;
+            int32_t a = find_root(root, i), b = find_root(root, t->axis[d].after[i]);
+            root[a < b ? b : a] = a < b ? a : b;
+        }
+    }
+    for (int32_t i = 0; i < t->nodes; i++)
+        sum[i] = count[i] = 0;
+    for (int32_t i = 0; i < t->nodes; i++) {
+        int32_t own = find_root(root, i);
+        w->result.islands += own == i;
+        sum[own] += t->z[i];
+        count[own] += 1;
+    }
+    for (int32_t i = 0; i < t->nodes; i++) {
+        int32_t own = find_root(root, i);
+        t->z[i] -= sum[own] / count[own];
+    }
+}
+
+static void write_depth(work *w, const ntp_image *dst)
+{
+    bool perspective = w->how.camera.fx > 0, any = false;
+    for (int32_t y = 0; y < dst->height; y++) {
+        for (int32_t x = 0; x < dst->width; x++) {
+            int32_t i = w->node[(size_t) y * (size_t) dst->width + (size_t) x];
+            float *out = ntp__at_mut(dst, x, y);
+            if (i < 0) {
+                *out = NAN;
+                continue;
+            }
+            /* Floats hold e^-87 to e^88. */
+            double z = w->terms.z[i], most = 87;
+            *out = (float) (perspective ? ntp__exp(z > most ? most : z < -most ? -most : z) : z);
+            double depth = (double) *out;
+            w->result.min = !any || depth < w->result.min ? depth : w->result.min;
+            w->result.max = !any || depth > w->result.max ? depth : w->result.max;
+            any = true;
+        }
+    }
+}
+
+static void write_confidence(const work *w, const ntp_image *dst)
+{
+    for (int32_t y = 0; y < dst->height; y++) {
+        for (int32_t x = 0; x < dst->width; x++) {
+            int32_t i = w->node[(size_t) y * (size_t) dst->width + (size_t) x];
+            float *out = ntp__at_mut(dst, x, y);
+            *out = i < 0 ? 0 : (float) (1 / (1 + w->doubt[i] * w->terms.axis[0].focal));
+        }
+    }
+}
+
+/* ------------------------------------------------------------------------------- public */
+
+static void read_start(const work *w)
+{
+    const ntp_const_image *start = w->how.start;
+    bool perspective = w->how.camera.fx > 0;
+    for (int32_t y = 0; y < start->height; y++) {
+        for (int32_t x = 0; x < start->width; x++) {
+            int32_t i = w->node[(size_t) y * (size_t) start->width + (size_t) x];
+            double v = (double) *(const float *) ntp__at(start, x, y);
+            if (i < 0)
+                continue;
+            bool good = perspective ? v >= 0x1p-126 : true;
+            w->terms.z[i] = !good || !ntp__is_finite(v) ? 0 : perspective ? ntp__log(v) : v;
+        }
+    }
+}
+
+static ntp_status check_all(const ntp_image *dst, const ntp_image *confidence,
+                            const ntp_const_image *src, const ntp_depth_options *how)
+{
+    if (dst == NULL)
+        return NTP_ERR_ARGUMENT;
+    NTP__TRY(ntp__check_normals(src));
+    if (src->ring_rows != 0)
+        return NTP_ERR_SHAPE;
+    NTP__TRY(check_output(dst, src));
+    if (confidence != NULL)
+        NTP__TRY(check_output(confidence, src));
+    if (how->mask != NULL)
+        NTP__TRY(check_mask(how->mask, src));
+    if (how->start != NULL)
+        NTP__TRY(check_plane(how->start, src));
+    if (!good_size(src->width, src->height))
+        return NTP_ERR_SHAPE;
+    return good_options(how) ? NTP_OK : NTP_ERR_ARGUMENT;
+}
+
+ntp_status ntp_depth_from_normals(const ntp_image *dst, const ntp_image *confidence,
+                                  const ntp_const_image *src, const ntp_depth_options *how,
+                                  void *scratch, size_t scratch_size, const ntp_hooks *hooks,
+                                  ntp_depth_result *result)
+{
+    work w;
+    ntp__scratch memory = { scratch, 0 };
+    ntp__term_counts counts = { 0, 0, 0 };
+    memset(&w, 0, sizeof w);
+    if (how != NULL)
+        w.how = *how;
+    NTP__TRY(check_all(dst, confidence, src, &w.how));
+    if (scratch == NULL || (uintptr_t) scratch % NTP__ALIGNMENT != 0 ||
+        scratch_size < ntp_depth_scratch_size(src->width, src->height))
+        return NTP_ERR_SCRATCH;
+    w.src = src;
+    w.hooks = hooks;
+    w.to = confidence != NULL ? 0.5 : 1;
+    lay_out(&w, src->width, src->height, &memory);
+    ntp__terms_read(&w.terms, w.node, src, &w.how, &counts);
+    memset(w.terms.z, 0, (size_t) w.terms.nodes * sizeof *w.terms.z);
+    if (w.how.start != NULL)
+        read_start(&w);
+    double k = w.how.k > 0 ? w.how.k : USUAL_K;
+    NTP__TRY(run_rounds(&w, k, w.how.start != NULL));
+    if (confidence != NULL)
+        NTP__TRY(find_doubt(&w, k));
+    level_islands(&w);
+    w.result.holes = counts.holes;
+    w.result.not_finite = counts.not_finite;
+    w.result.turned_away = counts.turned_away;
+    write_depth(&w, dst);
+    if (confidence != NULL)
+        write_confidence(&w, confidence);
+    if (result != NULL)
+        *result = w.result;
+    return NTP_OK;
+}

@@ -1,0 +1,249 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * terms.c - from normals and a camera to springs and forces
+ *
+ * A point at depth Z that pixel (u, v) sees is Z ((u - cx)/fx, (v - cy)/fy, 1).  Its derivatives
+ * along u and v are at right angles to the normal.  With d = z - x (u - cx)/fx + y (v - cy)/fy for
+ * a normal (x, y, z) as stored, y up, that is fx d (log Z)_u = x and fy d (log Z)_v = -y.  Without
+ * a camera it is z Z_u = x and z Z_v = -y.
+ */
+#include "to_depth/terms.h"
+
+#include <math.h>
+
+#include "texel/direction.h"
+#include "texel/unused.h"
+#include "to_depth/exponential.h"
+
+/* Vectors shorter than this are no normals but the middle gray of an empty background. */
+static const double SHORTEST = 0.25;
+
+/* Of a spring, relative to that between two texels that face the viewer.  It keeps every texel tied
+ * to its neighbors, and holds single slopes below 1 / (2 sqrt(LEAST)) = 500. */
+static const double LEAST = 1e-6;
+
+void ntp__terms_init(ntp__terms *t, int32_t nodes, ntp__scratch *memory)
+{
+    size_t n = (size_t) nodes;
+    t->nodes = nodes;
+    for (int32_t d = 0; d < 2; d++) {
+        ntp__axis_terms *a = &t->axis[d];
+        a->after = ntp__take(memory, n * sizeof *a->after);
+        a->before = ntp__take(memory, n * sizeof *a->before);
+        a->view = ntp__take(memory, n * sizeof *a->view);
+        a->rise = ntp__take(memory, n * sizeof *a->rise);
+        a->share = ntp__take(memory, n * sizeof *a->share);
+        a->stiff = ntp__take(memory, n * sizeof *a->stiff);
+        a->pull = ntp__take(memory, n * sizeof *a->pull);
+    }
+    t->z = ntp__take(memory, n * sizeof *t->z);
+    t->force = ntp__take(memory, n * sizeof *t->force);
+}
+
+/* ------------------------------------------------------------------------------ reading */
+
+typedef struct reader {
+    ntp__terms *t;
+    const ntp_const_image *src;
+    const ntp_depth_options *how;
+    ntp__term_counts *counts;
+    int32_t m;
+} reader;
+
+static bool masked_out(const ntp_const_image *mask, int32_t x, int32_t y)
+{
+    const void *at = ntp__at(mask, x, y);
+    return mask->type == NTP_TYPE_U8 ? *(const uint8_t *) at == 0 : *(const uint16_t *) at == 0;
+}
+
+/* The normal of texel i of the block; false: there is none. */
+static bool read_normal(double normal[3], const ntp__block *block, int32_t i, const reader *r)
+{
+    int32_t v[3];
+    uint32_t touch = r->how->touch_unused;
+    if (r->src->encoding == NTP_ENCODING_VECTOR) /* of any length, so (2, 2, 2) is no padding */
+        touch |= NTP_UNUSED_BLACK | NTP_UNUSED_WHITE;
+    if (ntp__texel_unused(block, i, r->m, touch)) {
+        r->counts->not_finite += block->any_broken && block->broken[i];
+        return false;
+    }
+    ntp__texel_vector(v, block, i, r->m, r->src->encoding);
+    double x = v[0], y = v[1], z = v[2], length = sqrt(x * x + y * y + z * z);
+    if (length < SHORTEST * r->m)
+        return false;
+    normal[0] = x / length;
+    normal[1] = (r->src->y == NTP_Y_UP ? y : -y) / length;
+    normal[2] = z / length;
+    return true;
+}
+
+/* The equations of node i, at texel (x, y). */
+static void add_node(const reader *r, int32_t i, const double normal[3], int32_t x, int32_t y)
+{
+    const ntp_camera *camera = &r->how->camera;
+    ntp__axis_terms *across = &r->t->axis[0], *down = &r->t->axis[1];
+    double facing = normal[2];
+    if (camera->fx > 0)
+        facing += normal[1] * ((y - camera->cy) / camera->fy) -
+                  normal[0] * ((x - camera->cx) / camera->fx);
+    if (!(facing > 0)) {
+        facing = 0;
+        r->counts->turned_away++;
+    }
+    across->view[i] = (float) (across->focal * facing);
+    down->view[i] = (float) (down->focal * facing);
+    across->rise[i] = (float) normal[0];
+    down->rise[i] = (float) -normal[1];
+    across->after[i] = across->before[i] = down->after[i] = down->before[i] = -1;
+}
+
+static void join(ntp__axis_terms *a, int32_t before, int32_t i)
+{
+    if (before < 0)
+        return;
+    a->after[before] = i;
+    a->before[i] = before;
+}
+
+void ntp__terms_read(ntp__terms *t, int32_t *node, const ntp_const_image *src,
+                     const ntp_depth_options *how, ntp__term_counts *counts)
+{
+    ntp__block block;
+    reader r = { t, src, how, counts, ntp__max(src->type) };
+    bool perspective = how->camera.fx > 0;
+    int32_t n = 0;
+    t->axis[0].focal = perspective ? how->camera.fx : 1;
+    t->axis[1].focal = perspective ? how->camera.fy : 1;
+    for (int32_t y = 0; y < src->height; y++) {
+        int32_t *row = node + (size_t) y * (size_t) src->width;
+        for (int32_t x = 0; x < src->width; x++) {
+            double normal[3];
+            int32_t left = src->width - x < NTP__BLOCK ? src->width - x : NTP__BLOCK;
+            if (x % NTP__BLOCK == 0)
+                ntp__unpack(&block, src, x, y, left);
+            row[x] = -1;
+            if ((how->mask != NULL && masked_out(how->mask, x, y)) ||
+                !read_normal(normal, &block, x % NTP__BLOCK, &r)) {
+                counts->holes++;
+                continue;
+            }
+            row[x] = n;
+            add_node(&r, n, normal, x, y);
+            join(&t->axis[0], x > 0 ? row[x - 1] : -1, n);
+            join(&t->axis[1], y > 0 ? row[x - src->width] : -1, n);
+            n++;
+        }
+    }
+    t->nodes = n;
+}
+
+/* --------------------------------------------------------------------- shares and springs */
+
+void ntp__terms_even(ntp__terms *t)
+{
+    for (int32_t d = 0; d < 2; d++) {
+        for (int32_t i = 0; i < t->nodes; i++)
+            t->axis[d].share[i] = 0.5F;
+    }
+}
+
+void ntp__terms_share(ntp__terms *t, double k)
+{
+    const double *z = t->z;
+    for (int32_t d = 0; d < 2; d++) {
+        ntp__axis_terms *a = &t->axis[d];
+        for (int32_t i = 0; i < t->nodes; i++) {
+            int32_t next = a->after[i], last = a->before[i];
+            double view = (double) a->view[i];
+            double after = next >= 0 ? view * (z[next] - z[i]) : 0;
+            double before = last >= 0 ? view * (z[i] - z[last]) : 0;
+            a->share[i] = (float) (1 / (1 + ntp__exp(k * (after * after - before * before))));
+        }
+    }
+}
+
+/* Each spring has the equations of both its ends. */
+static void set_springs(ntp__axis_terms *a, int32_t nodes)
+{
+    double least = LEAST * a->focal * a->focal;
+    for (int32_t i = 0; i < nodes; i++) {
+        int32_t j = a->after[i];
+        if (j < 0)
+            continue;
+        double mine = (double) a->share[i] * (double) a->view[i];
+        double other = (1 - (double) a->share[j]) * (double) a->view[j];
+        a->stiff[i] = (float) (mine * (double) a->view[i] + other * (double) a->view[j] + least);
+        a->pull[i] = (float) (mine * (double) a->rise[i] + other * (double) a->rise[j]);
+    }
+}
+
+void ntp__terms_springs(ntp__terms *t, ntp__graph *graph)
+{
+    const ntp__axis_terms *across = &t->axis[0], *down = &t->axis[1];
+    set_springs(&t->axis[0], t->nodes);
+    set_springs(&t->axis[1], t->nodes);
+    int32_t count = 0;
+    for (int32_t i = 0; i < t->nodes; i++) {
+        const ntp__axis_terms *axis[4] = { down, across, across, down };
+        const int32_t to[4] = { down->before[i], across->before[i], across->after[i],
+                                down->after[i] };
+        double force = 0;
+        graph->first[i] = count;
+        for (int32_t e = 0; e < 4; e++) {
+            if (to[e] < 0)
+                continue;
+            int32_t owner = e < 2 ? to[e] : i;
+            force += (double) (e < 2 ? axis[e]->pull[owner] : -axis[e]->pull[owner]);
+            graph->spring[count++] = (ntp__spring) { to[e], axis[e]->stiff[owner] };
+        }
+        t->force[i] = force;
+    }
+    graph->first[t->nodes] = count;
+    graph->nodes = t->nodes;
+}
+
+double ntp__terms_energy(const ntp__terms *t)
+{
+    double sum = 0;
+    for (int32_t d = 0; d < 2; d++) {
+        const ntp__axis_terms *a = &t->axis[d];
+        for (int32_t i = 0; i < t->nodes; i++) {
+            int32_t next = a->after[i], last = a->before[i];
+            double view = (double) a->view[i], rise = (double) a->rise[i];
+            double share = (double) a->share[i];
+            double after = next >= 0 ? view * (t->z[next] - t->z[i]) - rise : 0;
+            double before = last >= 0 ? view * (t->z[i] - t->z[last]) - rise : 0;
+            sum += share * after * after + (1 - share) * before * before;
+        }
+    }
+    return sum;
+}
+
+/* What is left of the equations of the spring from i to j, as a force. */
+static double left_over(const ntp__axis_terms *a, const double *z, int32_t i, int32_t j)
+{
+    double difference = z[j] - z[i], mine = (double) a->view[i], other = (double) a->view[j];
+    double left = mine * difference - (double) a->rise[i];
+    double right = other * difference - (double) a->rise[j];
+    return sqrt((double) a->share[i] * left * left * mine * mine +
+                (1 - (double) a->share[j]) * right * right * other * other);
+}
+
+void ntp__terms_doubt(const ntp__terms *t, double *force, uint64_t *chance)
+{
+    for (int32_t i = 0; i < t->nodes; i++)
+        force[i] = 0;
+    for (int32_t d = 0; d < 2; d++) {
+        const ntp__axis_terms *a = &t->axis[d];
+        for (int32_t i = 0; i < t->nodes; i++) {
+            int32_t j = a->after[i];
+            if (j < 0)
+                continue;
+            *chance = *chance * 6364136223846793005U + 1442695040888963407U;
+            double left = left_over(a, t->z, i, j);
+            left = *chance >> 63 != 0 ? left : -left;
+            force[i] -= left;
+            force[j] += left;
+        }
+    }
+}

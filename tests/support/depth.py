@@ -1,0 +1,81 @@
+# SPDX-License-Identifier: MIT
+"""ntp_depth_from_normals on numpy arrays, and least squares of the same equations by dense algebra."""
+
+import numpy as np
+
+from support import libntp_ffi as ntp
+
+
+def find_depth(normals, encoding=ntp.VECTOR, y=ntp.UP, mask=None, camera=None, start=None, **how):
+    """(depth, confidence, result): float32 arrays, and the result as a dict."""
+    h, w = normals.shape[:2]
+    depth, confidence = np.zeros((h, w), np.float32), np.zeros((h, w), np.float32)
+    keep = {}
+    if mask is not None:
+        keep["mask"] = ntp.view(mask, ntp.HEIGHT, const=True)
+    if start is not None:
+        keep["start"] = ntp.view(start, ntp.HEIGHT, const=True)
+    options = {"camera": dict(zip(("fx", "fy", "cx", "cy"), camera or (0,) * 4, strict=True))}
+    memory = ntp.aligned(ntp.lib.ntp_depth_scratch_size(w, h), 64)
+    result = ntp.ffi.new("ntp_depth_result *")
+    ntp.check(
+        ntp.lib.ntp_depth_from_normals(
+            ntp.view(depth, ntp.HEIGHT),
+            ntp.view(confidence, ntp.HEIGHT),
+            ntp.view(normals, encoding, y, const=True),
+            ntp.ffi.new("ntp_depth_options *", {**options, **keep, **how}),
+            ntp.ffi.cast("void *", memory.__array_interface__["data"][0]),
+            memory.size,
+            ntp.ffi.NULL,
+            result,
+        )
+    )
+    return depth, confidence, ntp.fields(result)
+
+
+def equations(normals, camera=None):
+    """(A, b) of all one-sided equations, none masked: first those with the texel after each along x,
+    then before it, then the same down the picture.  Equations that leave the picture are 0 = 0."""
+    h, w = normals.shape[:2]
+    v, u = np.mgrid[:h, :w].astype(float)
+    x, y, z = np.moveaxis(normals.astype(float), -1, 0)
+    view = [z, z]
+    if camera:
+        fx, fy, cx, cy = camera
+        facing = z - x * (u - cx) / fx + y * (v - cy) / fy
+        view = [fx * facing, fy * facing]
+    rise = [x, -y]
+    index = np.arange(h * w).reshape(h, w)
+    blocks, wanted = [], []
+    for axis in (1, 0):
+        for step in (1, -1):
+            a, b = np.zeros((h * w, h * w)), np.zeros(h * w)
+            for i in index.flat:
+                j, n = divmod(i, w), (h, w)[axis]
+                at = j[axis] + step
+                if 0 <= at < n:
+                    other = i + step * (1 if axis == 1 else w)
+                    a[i, other] = step * view[1 - axis].flat[i]
+                    a[i, i] = -step * view[1 - axis].flat[i]
+                    b[i] = rise[1 - axis].flat[i]
+            blocks.append(a)
+            wanted.append(b)
+    return blocks, wanted
+
+
+def by_shares(blocks, wanted, shares):
+    """The depth, mean 0, of weighted least squares: shares along x and down."""
+    weights = [shares[0], 1 - shares[0], shares[1], 1 - shares[1]]
+    normal = sum(a.T @ (w[:, None] * a) for a, w in zip(blocks, weights, strict=True))
+    right = sum(a.T @ (w * b) for a, w, b in zip(blocks, weights, wanted, strict=True))
+    z = np.linalg.lstsq(normal, right, rcond=1e-14)[0]
+    return z - z.mean()
+
+
+def shares_of(blocks, z, k):
+    """Of the equations with the texel after each."""
+    after_x, before_x, after_y, before_y = (a @ z for a in blocks)
+    return [
+        1 / (1 + np.exp(-k * (before_x**2 - after_x**2))),
+        1 / (1 + np.exp(-k * (before_y**2 - after_y**2))),
+    ]
