@@ -7,15 +7,24 @@ import numpy as np
 import pytest
 
 from support import libntp_ffi as ntp
-from support.oracle_blend import RNM, UDN, WHITEOUT, blend_by_model
+from support.oracle_blend import LINEAR, RNM, UDN, WHITEOUT, blend_by_model
 from support.texels import NAMES, TYPES, noise
 
 
 def blend(
-    base, detail, mode=RNM, strength=None, encodings=(0, 0), ys=(0, 0), touch=0, area=None, dst=None
+    base,
+    detail,
+    mode=RNM,
+    strength=None,
+    encodings=(0, 0),
+    ys=(0, 0),
+    touch=0,
+    area=None,
+    dst=None,
+    fades=False,
 ):
     how = ntp.ffi.new("ntp_blend_options *")
-    how.mode, how.touch_unused = mode, touch
+    how.mode, how.touch_unused, how.detail_alpha = mode, touch, fades
     how.use_strength, how.strength = strength is not None, strength or 0.0
     dst = np.full_like(base, 77) if dst is None else dst
     source = ntp.view(base, encodings[0], ys[0], const=True)
@@ -25,7 +34,7 @@ def blend(
     return dst
 
 
-@pytest.mark.parametrize("mode", [RNM, WHITEOUT, UDN])
+@pytest.mark.parametrize("mode", [RNM, WHITEOUT, UDN, LINEAR])
 @pytest.mark.parametrize("m", TYPES)
 def test_against_fractions(m, mode):
     strengths = itertools.cycle([1.0, 0.5, 0.1, 3.0, 1024.0, 2.0**-10, 0.0, -0.7])
@@ -38,6 +47,32 @@ def test_against_fractions(m, mode):
             got = blend(base, detail, mode, strength, (e1, e2), ys, touch)
             want = blend_by_model(base, detail, mode, strength, (e1, e2), ys, (m, m2), touch)
             assert np.array_equal(got, want), (e1, e2, ys, strength, touch)
+
+
+@pytest.mark.parametrize("mode", [RNM, WHITEOUT, UDN, LINEAR])
+def test_alpha_fades_the_detail(mode):
+    for m, m2, e2, strength in (
+        (255, 65535, ntp.STANDARD, 1.0), (65535, 255, ntp.ZZERO, 0.3),
+        (65535, 65535, ntp.XY, -1024.0), (255, 255, ntp.STANDARD, 2.0**-61),
+    ):  # fmt: skip
+        base, detail = noise((5, 9, 3), m, 3), noise((4, 5, 4), m2, 5)
+        for touch in (0, 7):
+            got = blend(base, detail, mode, strength, (0, e2), (0, 1), touch, fades=True)
+            want = blend_by_model(
+                base, detail, mode, strength, (0, e2), (0, 1), (m, m2), touch, fades=True
+            )
+            assert np.array_equal(got, want), (m, m2, strength, touch)
+        opaque = detail.copy()
+        opaque[..., 3] = m2
+        assert np.array_equal(
+            blend(base, opaque, mode, strength, (0, e2), fades=True),
+            blend(base, opaque, mode, strength, (0, e2)),
+        )
+    clear = noise((9, 9, 4), 65535, 4)
+    base = ntp.clean(np.maximum(noise((9, 9, 3), 65535, 3), 1))[0]
+    clear[..., 3] = 0
+    touch = ntp.UNUSED_TRANSPARENT
+    assert np.array_equal(blend(base, clear, mode, touch=touch, fades=True), base)
 
 
 def test_the_detail_repeats():

@@ -79,6 +79,7 @@ ROWS = [
     ("transform", "border", "border", "border_x"),
     ("transform", "border", "border", "border_y"),
     ("blend", "mode", "mode", "mode"),
+    ("blend", "detail-alpha", "detail_alpha", "detail_alpha"),
     ("blend", "touch-unused", "touch_unused", "touch_unused"),
 ]
 STANDS_FOR = {"dx": "1", "dy": "1"}  # what 0 stands for, as libntp.h says

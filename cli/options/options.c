@@ -237,11 +237,14 @@ const option_spec OPTION_TABLE[] = {
       "the same for the left and right edges only" },
     { OPT_BORDER_Y, "border-y", 0, KIND_CHOICE, "wrap|clamp|mirror", NULL, 0, 0, V_RESIZE,
       "the same for the upper and lower edges only" },
-    { OPT_MODE, "mode", 0, KIND_CHOICE, "rnm|whiteout|udn", "rnm", 0, 0, V_BLEND,
+    { OPT_MODE, "mode", 0, KIND_CHOICE, "rnm|whiteout|udn|linear", "rnm", 0, 0, V_BLEND,
       "rnm: reoriented, as if the detail lay on the surface of the base; whiteout and udn: "
-      "sums, cheaper in shaders, weaker on slopes (docs/operations.md)" },
+      "sums, cheaper in shaders, weaker on slopes; linear: the mean of both, which flattens them "
+      "(docs/operations.md)" },
     { OPT_STRENGTH, "strength", 0, KIND_NUMBER, "S", "1", -1024, 1024, V_BLEND,
       "multiply the slopes of the detail first" },
+    { OPT_DETAIL_ALPHA, "detail-alpha", 0, KIND_FLAG, NULL, NULL, 0, 0, V_BLEND,
+      "the alpha of DETAIL fades it: soft edges, or a mask" },
     { OPT_Y, "y", 0, KIND_CHOICE, "auto|" Y_WORDS, "auto", 0, 0, V_BLEND,
       "which way green points in BASE and in the output: up (OpenGL) or down (DirectX); auto: as "
       "the texels show, if ntp check is sure, else BASE is refused" },

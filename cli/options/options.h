@@ -105,6 +105,7 @@ typedef enum option_id {
     OPT_KIND,
     OPT_RANGE,
     OPT_RADIUS,
+    OPT_DETAIL_ALPHA,
     OPT_DETAIL_Y,
     OPT_PALETTE,
     OPT_ALL,

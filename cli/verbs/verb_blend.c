@@ -162,6 +162,7 @@ static void describe(const production *p, text *line, json_t *object)
                         json_string(ntp_class_name(set->detail_facts->type.type)));
     json_object_set_new(object, "mode", json_string(mode));
     json_object_set_new(object, "strength", json_real(set->how.strength));
+    json_object_set_new(object, "detail_alpha", json_boolean(set->how.detail_alpha != 0));
     green_report(object, "y", &st->y);
     green_report(object, "detail_y", &st->detail_y);
 }
@@ -251,6 +252,7 @@ int blend_run(const options *o)
     set.how.mode = (ntp_blend_mode) option_integer(o, OPT_MODE);
     set.how.use_strength = 1;
     set.how.strength = option_number(o, OPT_STRENGTH);
+    set.how.detail_alpha = option_given(o, OPT_DETAIL_ALPHA);
     set.how.touch_unused = option_given(o, OPT_TOUCH_UNUSED) ? NTP_UNUSED_ALL : 0;
     const ntpio_limits limits = limits_from(o);
     layer detail = { 0 };

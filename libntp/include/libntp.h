@@ -1377,7 +1377,8 @@ NTP_API int32_t ntp_quarter_turns(double angle);
 typedef enum ntp_blend_mode {
     NTP_BLEND_RNM = 0,      /* reoriented: as if the detail lay on the surface of the base */
     NTP_BLEND_WHITEOUT = 1, /* (x1 + x2, y1 + y2, z1 z2) */
-    NTP_BLEND_UDN = 2       /* (x1 + x2, y1 + y2, z1): keeps less of the detail on slopes */
+    NTP_BLEND_UDN = 2,      /* (x1 + x2, y1 + y2, z1): keeps less of the detail on slopes */
+    NTP_BLEND_LINEAR = 3    /* the sum of both vectors: flattens both; the mean of two textures */
 } ntp_blend_mode;
 
 typedef struct ntp_blend_options {
@@ -1385,6 +1386,8 @@ typedef struct ntp_blend_options {
     int32_t use_strength;  /* nonzero: x and y of the detail are multiplied by strength first */
     double strength;       /* as in ntp_transform_options */
     uint32_t touch_unused; /* NTP_UNUSED_*: blend such texels too */
+    int32_t detail_alpha;  /* nonzero: the alpha of the detail fades it, to a flat one; linear: to
+                            * nothing, so that the base remains */
 } ntp_blend_options;
 
 /*
@@ -1400,7 +1403,7 @@ NTP_API ntp_status ntp_blend(const ntp_image *dst, const ntp_const_image *base,
                              const ntp_const_image *detail, const ntp_blend_options *how,
                              const ntp_rect *area);
 
-/* The name of a mode ("rnm", "whiteout", "udn"); never NULL. */
+/* The name of a mode ("rnm", "whiteout", "udn", "linear"); never NULL. */
 NTP_API const char *ntp_blend_mode_name(ntp_blend_mode mode);
 
 /* -------------------------------------------------------------------- which way is green */

@@ -227,7 +227,7 @@ def test_blend_whiteout(run, tmp_path):
     assert item["changed"] == np.any(after != base, -1).sum()
 
 
-@pytest.mark.parametrize("mode", ["rnm", "whiteout", "udn"])
+@pytest.mark.parametrize("mode", ["rnm", "whiteout", "udn", "linear"])
 def test_blends_are_exact(run, tmp_path, mode):
     write_png(tmp_path / "a_n.png", textures.standard(80, 60, 10))
     write_png(tmp_path / "d_n.png", textures.standard(16, 16, 11))

@@ -7,7 +7,7 @@ from fractions import Fraction
 from . import oracle_vectors as model
 from .texels import NAMES
 
-RNM, WHITEOUT, UDN = range(3)
+RNM, WHITEOUT, UDN, LINEAR = range(4)
 
 
 def blended(mode, n1, n2):
@@ -16,13 +16,15 @@ def blended(mode, n1, n2):
         return n1[0] + n2[0], n1[1] + n2[1], n1[2] * n2[2]
     if mode == UDN:
         return n1[0] + n2[0], n1[1] + n2[1], n1[2]
+    if mode == LINEAR:
+        return tuple(a + b for a, b in zip(n1, n2))
     t = (n1[0], n1[1], n1[2] + 1)
     u = (-n2[0], -n2[1], n2[2])
     dot = sum(a * b for a, b in zip(t, u))
     return tuple(a * dot - b * t[2] for a, b in zip(t, u))  # times t.z, which is not negative
 
 
-def blend_by_model(base, detail, mode, strength, encodings, ys, maxima, touch=0):
+def blend_by_model(base, detail, mode, strength, encodings, ys, maxima, touch=0, fades=False):
     out = base.copy()
     scale = Fraction(strength)
     names = [NAMES[e] for e in encodings]
@@ -38,8 +40,13 @@ def blend_by_model(base, detail, mode, strength, encodings, ys, maxima, touch=0)
             continue
         n1, n2 = vectors
         n2 = [scale * n2[0], scale * n2[1] * (-1 if ys[0] != ys[1] else 1), n2[2]]
+        stored_z = n2[2]
+        if fades and detail.shape[2] == 4:
+            share = Fraction(texels[1][3], maxima[1])
+            n2 = [share * c for c in n2]
+            n2[2] += (1 - share) if mode != LINEAR else 0
         v = list(blended(mode, n1, n2))
-        if n1[2] >= 0 and n2[2] >= 0:
+        if n1[2] >= 0 and stored_z >= 0:
             v[2] = max(v[2], 0)
         common = 1
         for c in v:

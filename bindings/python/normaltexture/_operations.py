@@ -459,6 +459,7 @@ def blend(
     detail_type: AutoType | None = None,
     y: AutoY = "auto",
     detail_y: AutoY = "auto",
+    detail_alpha: bool = False,
     touch_unused: bool = False,
     out: NDArray[Any] | None = None,
     threads: int = 1,
@@ -472,8 +473,9 @@ def blend(
     detail : array
         Another; size, depth, encoding and direction of green may differ.  It is repeated, starting
         at the upper left corner.
-    mode : {"rnm", "whiteout", "udn"}
-        Reoriented, as if the detail lay on the surface of the base; or sums, weaker on slopes.
+    mode : {"rnm", "whiteout", "udn", "linear"}
+        Reoriented, as if the detail lay on the surface of the base; or sums, weaker on slopes; or
+        the mean of both, which flattens them.
     strength : float
         Multiply the slopes of the detail first, -1024..1024.
     type, detail_type : {"auto", "standard", "zzero", "xy", "vector"}
@@ -482,6 +484,8 @@ def blend(
     y, detail_y : {"auto", "up", "down", "opengl", "directx"}
         Which way green points in each; the detail is turned to the base.  "auto": as the texels
         show it; if they are not sure, it is an ArgumentError where it makes a difference.
+    detail_alpha : bool
+        The alpha of the detail fades it.
     touch_unused : bool
         Blend pure black, pure white and transparent texels too.
     out : array like base, optional
@@ -542,6 +546,7 @@ def blend(
             factor != 1,
             factor,
             TOUCH_ALL if touch_unused else TOUCH_NONE,
+            bool(detail_alpha),
         ),
     )
 

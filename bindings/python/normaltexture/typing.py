@@ -98,7 +98,7 @@ WriteRows: TypeAlias = Callable[[int, NDArray[np.float32]], object]
 
 Filter: TypeAlias = Literal["box", "triangle", "lanczos3"]
 ResizeBorder: TypeAlias = Literal["wrap", "clamp", "mirror"]
-BlendMode: TypeAlias = Literal["rnm", "whiteout", "udn"]
+BlendMode: TypeAlias = Literal["rnm", "whiteout", "udn", "linear"]
 Flip: TypeAlias = Literal["x", "y", "xy"]
 Size: TypeAlias = tuple[int, int] | str
 
@@ -246,5 +246,6 @@ class BlendHow(TypedDict, total=False):
     strength: float
     y: AutoY
     detail_y: AutoY
+    detail_alpha: bool
     touch_unused: bool
     threads: int

@@ -411,13 +411,13 @@ def test_transform_moves(texture, type, y, flip, rotate):
     types,
     ups,
     ups,
-    st.sampled_from(["rnm", "whiteout", "udn"]),
+    st.sampled_from(["rnm", "whiteout", "udn", "linear"]),
     st.sampled_from([1.0, 0.5, 0.1, -0.7, 3.0, 0.0]),
     st.booleans(),
 )
 def test_blend(base, detail, type, detail_type, y, detail_y, mode, strength, touch):
     want = blend_by_model(
-        base, detail, ["rnm", "whiteout", "udn"].index(mode), strength,
+        base, detail, ["rnm", "whiteout", "udn", "linear"].index(mode), strength,
         (ENCODINGS[type], ENCODINGS[detail_type]), (y, detail_y), (max_of(base), max_of(detail)),
         7 if touch else 0,
     )  # fmt: skip

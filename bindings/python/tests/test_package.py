@@ -137,6 +137,8 @@ def test_arrays_and_program_agree(test_files, tmp_path):
         (("transform", source, "--rotate", -33.3, "--border-y", "clamp"),
          nt.transform(texture, rotate=-33.3, border_y="clamp")),
         (("blend", source, source, "--strength", 0.5), nt.blend(texture, texture, strength=0.5)),
+        (("blend", source, source, "--mode", "linear", "--detail-alpha"),
+         nt.blend(texture, texture, mode="linear", detail_alpha=True)),
         (("from-height", height, "--scale", 5, "--blur", 2, "--octaves", "1,0.5"),
          nt.normals_from_height(nt.blur_height(heights, 2, octaves=[1, 0.5]), 5, depth=8)),
         (("from-height", height, "--scale", "auto", "--strength", 0.5, "--kernel", "sobel3"),

@@ -8,8 +8,11 @@
  *     reoriented  t = B + M e,  u = (-n Dx, -n Dy, 2^k Dz):  t (t.u) - M t.z u
  *     whiteout    (2^k N Bx + n M Dx, 2^k N By + n M Dy, 2^k Bz Dz)
  *     UDN         the same with z = 2^k N Bz
+ *     linear      the same with z = 2^k (N Bz + M Dz)
  * A numerator of a level has 17 bits with its sign, n has 53 bits, and 2^k has 62, but not together
  * with a large n.  So all components are below 2^116.
+ * An alpha a / A that fades the detail makes it a D + (A - a) N e, and linearly A N B + a M D.
+ * Only u can then be too long; it is shortened.
  */
 #include "texel/direction.h"
 #include "texel/unused.h"
@@ -38,25 +41,30 @@ static void reoriented(ntp__i128 out[3], const int32_t b[3], const ntp__i128 d[3
             ntp__i128_subtract(ntp__i128_multiply(dot, t[k]), ntp__i128_multiply(u[k], t[2] * mb));
 }
 
-/* The vector of the mode from those of base and detail. */
-static void blend_vectors(const job *j, ntp__i128 out[3], const int32_t b[3], const int32_t d[3])
+/* The vector of the mode from those of base and detail; the detail counts alpha / most. */
+static void blend_vectors(const job *j, ntp__i128 out[3], const int32_t b[3], const int32_t d[3],
+                          int32_t alpha, int32_t most)
 {
     ntp__i128 detail[3];
-    int32_t shift = j->strength.shift;
+    const int32_t shift = j->strength.shift;
+    const bool linear = j->how.mode == NTP_BLEND_LINEAR;
+    int64_t z = (int64_t) d[2] * alpha + (linear ? 0 : (int64_t) (most - alpha) * j->md);
     for (int32_t k = 0; k < 2; k++)
-        detail[k] = ntp__i128_multiply(ntp__i128_of(j->strength.numerator), d[k]);
-    detail[2] = ntp__i128_shift(ntp__i128_of(d[2]), shift);
+        detail[k] = ntp__i128_multiply(ntp__i128_of(j->strength.numerator), (int64_t) d[k] * alpha);
+    detail[2] = ntp__i128_shift(ntp__i128_of(z), shift);
     if (j->how.mode == NTP_BLEND_RNM) {
+        enum { MOST_BITS = 88 }; /* t has 17 */
+        if (most > 1)
+            ntp__i128_shorten(detail, MOST_BITS);
         reoriented(out, b, detail, j->mb);
         return;
     }
-    for (int32_t k = 0; k < 2; k++) {
-        ntp__i128 base = ntp__i128_shift(ntp__i128_of((int64_t) b[k] * j->md), shift);
-        out[k] = ntp__i128_add(base, ntp__i128_multiply(detail[k], j->mb));
-    }
-    out[2] = j->how.mode == NTP_BLEND_UDN
-                 ? ntp__i128_shift(ntp__i128_of((int64_t) b[2] * j->md), shift)
-                 : ntp__i128_multiply(detail[2], b[2]);
+    for (int32_t k = 0; k < 3; k++)
+        out[k] = ntp__i128_shift(ntp__i128_of((int64_t) b[k] * j->md * most), shift);
+    for (int32_t k = 0; k < (linear ? 3 : 2); k++)
+        out[k] = ntp__i128_add(out[k], ntp__i128_multiply(detail[k], j->mb));
+    if (j->how.mode == NTP_BLEND_WHITEOUT)
+        out[2] = ntp__i128_multiply(detail[2], b[2]);
 }
 
 /* Reads n texels of row y of the detail, which repeats. */
@@ -122,7 +130,8 @@ static void blend_run(const job *j, int32_t x, int32_t y, int32_t n)
         ntp__texel_vector(b, &base, i, j->mb, j->base->encoding);
         ntp__texel_vector(d, &detail, i, j->md, j->detail->encoding);
         d[1] = j->flip ? -d[1] : d[1];
-        blend_vectors(j, v, b, d);
+        const bool fades = j->how.detail_alpha != 0 && j->detail->channels == 4;
+        blend_vectors(j, v, b, d, fades ? detail.c[3][i] : 1, fades ? j->md : 1);
         /* A steep detail, reoriented on a steep base, can point below the horizon. */
         if (ntp__i128_negative(v[2]) && b[2] >= 0 && d[2] >= 0)
             v[2] = ntp__i128_of(0);
@@ -156,7 +165,7 @@ ntp_status ntp_blend(const ntp_image *dst, const ntp_const_image *base,
               .flip = base->y != detail->y };
     if (how != NULL)
         j.how = *how;
-    if ((int) j.how.mode < NTP_BLEND_RNM || (int) j.how.mode > NTP_BLEND_UDN ||
+    if ((int) j.how.mode < NTP_BLEND_RNM || (int) j.how.mode > NTP_BLEND_LINEAR ||
         j.how.touch_unused > NTP_UNUSED_ALL ||
         !ntp__strength_of(&j.strength, j.how.use_strength ? j.how.strength : 1.0))
         return NTP_ERR_ARGUMENT;
@@ -171,6 +180,6 @@ ntp_status ntp_blend(const ntp_image *dst, const ntp_const_image *base,
 
 const char *ntp_blend_mode_name(ntp_blend_mode mode)
 {
-    static const char *const NAME[] = { "rnm", "whiteout", "udn" };
-    return (int) mode >= 0 && (int) mode < 3 ? NAME[mode] : "unknown";
+    static const char *const NAME[] = { "rnm", "whiteout", "udn", "linear" };
+    return (int) mode >= 0 && (int) mode < 4 ? NAME[mode] : "unknown";
 }

@@ -12,7 +12,11 @@
 #include "texel/level.h"
 #include "texel/unused.h"
 
-enum { PLACE_BITS = 15, ONE_TEXEL = 1 << PLACE_BITS };
+enum {
+    PLACE_BITS = 15,
+    ONE_TEXEL = 1 << PLACE_BITS,
+    STRENGTH_ROOM = 60 /* bits of a vector, so that a strength fits beside them */
+};
 
 typedef struct job {
     const ntp_image *dst;
@@ -147,27 +151,6 @@ static sums around(const job *j, int32_t x, int32_t y)
     return sum;
 }
 
-/* Halves all until they have 60 bits, so that a strength has room beside them. */
-static void shorten(ntp__i128 v[3])
-{
-    for (;;) {
-        uint64_t most = 0;
-        for (int32_t k = 0; k < 3; k++) {
-            ntp__i128 a = ntp__i128_negative(v[k]) ? ntp__i128_negate(v[k]) : v[k];
-            most |= a.hi | a.lo >> 60;
-        }
-        if (most == 0)
-            return;
-        for (int32_t k = 0; k < 3; k++) {
-            bool negative = ntp__i128_negative(v[k]);
-            ntp__i128 a = negative ? ntp__i128_negate(v[k]) : v[k];
-            a.lo = a.lo >> 1 | a.hi << 63;
-            a.hi >>= 1;
-            v[k] = negative ? ntp__i128_negate(a) : a;
-        }
-    }
-}
-
 static ntp__i128 turned(int64_t a, int64_t by_a, int64_t b, int64_t by_b)
 {
     return ntp__i128_add(ntp__i128_multiply(ntp__i128_of(a), by_a),
@@ -183,7 +166,7 @@ static void rotate_texel(const job *j, ntp__block *out, int32_t i, int32_t x, in
                        turned(s.v[1], j->turn.cosine, s.v[0], -sine),
                        ntp__i128_shift(ntp__i128_of(s.v[2]), NTP__UNIT_BITS) };
     int32_t c[3] = { 0, 0, j->m };
-    shorten(v);
+    ntp__i128_shorten(v, STRENGTH_ROOM);
     v[0] = ntp__i128_multiply(v[0], j->strength.numerator);
     v[1] = ntp__i128_multiply(v[1], j->strength.numerator);
     v[2] = ntp__i128_shift(v[2], j->strength.shift);

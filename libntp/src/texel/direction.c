@@ -23,12 +23,16 @@ void ntp__texel_vector(int32_t v[3], const ntp__block *block, int32_t i, int32_t
     v[2] = encoding == NTP_ENCODING_ZZERO ? b : ntp__num(b, m);
 }
 
+static ntp__i128 magnitude(ntp__i128 a)
+{
+    return ntp__i128_negative(a) ? ntp__i128_negate(a) : a;
+}
+
 /* |a| as a wide number. */
 static void wide_of(ntp__wide *w, ntp__i128 a)
 {
     ntp__wide high, shifted;
-    if (ntp__i128_negative(a))
-        a = ntp__i128_negate(a);
+    a = magnitude(a);
     ntp__wide_set(w, a.lo);
     ntp__wide_set(&high, a.hi);
     ntp__wide_shift(&shifted, &high, 64);
@@ -90,6 +94,25 @@ void ntp__direction_levels(int32_t c[3], const ntp__i128 v[3], int32_t m, ntp_en
     int32_t b = ntp__derive(&c[0], &c[1], m, encoding == NTP_ENCODING_ZZERO);
     if (encoding != NTP_ENCODING_XY)
         c[2] = encoding != NTP_ENCODING_ZZERO && ntp__i128_negative(v[2]) ? m - b : b;
+}
+
+void ntp__i128_shorten(ntp__i128 v[3], int32_t bits)
+{
+    for (;;) {
+        uint64_t beyond = 0;
+        for (int32_t k = 0; k < 3; k++)
+            beyond |= bits < 64 ? magnitude(v[k]).hi | magnitude(v[k]).lo >> bits
+                                : magnitude(v[k]).hi >> (bits - 64);
+        if (beyond == 0)
+            return;
+        for (int32_t k = 0; k < 3; k++) {
+            bool negative = ntp__i128_negative(v[k]);
+            ntp__i128 a = magnitude(v[k]);
+            a.lo = a.lo >> 1 | a.hi << 63;
+            a.hi >>= 1;
+            v[k] = negative ? ntp__i128_negate(a) : a;
+        }
+    }
 }
 
 int32_t ntp__i128_ratio(ntp__i128 a, ntp__i128 b, int32_t max)

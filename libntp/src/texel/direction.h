@@ -24,6 +24,9 @@ void ntp__texel_vector(int32_t v[3], const ntp__block *block, int32_t i, int32_t
  */
 void ntp__direction_levels(int32_t c[3], const ntp__i128 v[3], int32_t m, ntp_encoding encoding);
 
+/* Halves all three, towards 0, until none has more than these bits. */
+void ntp__i128_shorten(ntp__i128 v[3], int32_t bits);
+
 /* floor(a / b + 1/2), held to 0..max; b > 0. */
 int32_t ntp__i128_ratio(ntp__i128 a, ntp__i128 b, int32_t max);
 
