@@ -15,6 +15,7 @@ enum_start(ntp_op_blend_mode)
     enum_value(NTP_OP_RNM, "rnm", N_("Reoriented (RNM)"))
     enum_value(NTP_OP_WHITEOUT, "whiteout", N_("Whiteout"))
     enum_value(NTP_OP_UDN, "udn", N_("UDN"))
+    enum_value(NTP_OP_LINEAR, "linear", N_("Mean of both"))
 enum_end(ntp_op_blend_mode)
 
 enum_start(ntp_op_blended_encoding)
@@ -34,6 +35,8 @@ property_double(strength, _("Strength"), 1.0)
     ui_gamma(3.0)
     ui_steps(0.01, 0.1)
     ui_digits(3)
+property_boolean(detail_alpha, _("Alpha fades the detail"), FALSE)
+    description(_("Where the detail is half transparent it counts half: erase with a soft brush, or take the alpha as a mask"))
 property_enum(from, _("Range of blue"), ntp_op_blended_encoding, ntp_op_blended_encoding, NTP_OP_STANDARD)
     description(_("What the blue channel stands for"))
 property_enum(base_y, _("Green of the base points"), ntp_op_blended_green, ntp_op_blended_green, NTP_OP_UP)
@@ -55,7 +58,7 @@ property_enum(detail_y, _("Green of the detail points"), ntp_op_blended_green, n
 #  include "blending.h"
 
 /* The menu has the order of libntp's enumeration. */
-G_STATIC_ASSERT((gint) NTP_OP_UDN == (gint) NTP_BLEND_UDN);
+G_STATIC_ASSERT((gint) NTP_OP_LINEAR == (gint) NTP_BLEND_LINEAR);
 
 /* Set by prepare(), read by the threads that process. */
 typedef struct state {
@@ -94,7 +97,8 @@ static gboolean make(const GeglProperties *o, guchar *in, guchar *aux, gpointer 
     const state *s = o->user_data;
     const ntp_blend_options how = { .mode = (ntp_blend_mode) o->mode,
                                     .use_strength = o->strength != 1,
-                                    .strength = pixels_as_typed(o->strength) };
+                                    .strength = pixels_as_typed(o->strength),
+                                    .detail_alpha = o->detail_alpha };
     if (aux == NULL) {
         memcpy(out, in, (gsize) texels * (gsize) s->base.bytes);
         return TRUE;
@@ -149,7 +153,9 @@ static void gegl_op_class_init(GeglOpClass *klass)
         "name", "ntp:blend-normals",
         "title", _("Blend Normals"),
         "categories", "generic:normal-map",
-        "description", _("Lay the details of a normals texture (normal map) over another"),
+        "description", _("Lay the details of a normals texture (normal map), the Aux Input, over the layer"),
+        "gimp:menu-path", "<Image>/Filters/Generic",
+        "gimp:menu-label", _("_Blend Normals..."),
         NULL);
     /* clang-format on */
 }

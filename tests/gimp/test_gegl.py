@@ -281,19 +281,30 @@ def test_lit(gegl, ntp, channels, depth):
         (16, ["strength=-0.3", "flip-x=true"], ["--strength", "-0.3", "--flip", "x"]),
         (8, ["flip-y=true"], ["--flip", "y"]),
         (16, ["flip-x=true", "flip-y=true"], ["--rotate", "180"]),
+        (8, ["rotate=90", "flip-x=true"], ["--rotate", "90", "--flip", "x"]),
+        (16, ["rotate=-90", "flip-y=true"], ["--rotate", "-90", "--flip", "y"]),
+        (8, ["rotate=33.3"], ["--rotate", "33.3"]),
+        (16, ["rotate=-120.5", "strength=0.7", "flip-x=true"],
+         ["--rotate", "-120.5", "--strength", "0.7", "--flip", "x"]),
+        (8, ["rotate=200", "border=clamp", "flip-y=true"],
+         ["--rotate", "200", "--border", "clamp", "--flip", "y"]),
     ],
-)
-def test_transform(gegl, ntp, depth, properties, options):
+)  # fmt: skip
+@pytest.mark.parametrize("y", ["up", "down"])
+def test_transform(gegl, ntp, depth, properties, options, y):
     normals = rough_normals(4, depth)
-    expected = ntp(normals, "transform", "--type", "standard", "--y", "up", *options)
+    expected = ntp(normals, "transform", "--type", "standard", "--y", y, *options)
+    properties = [f"from-y={y}", *properties]
     assert (gegl(normals, "ntp:transform-normals", *properties, threads=4) == expected).all()
-    if properties[-1].startswith("flip"):  # a part is that part of the whole
+    if properties[-1].startswith(("flip", "rotate")):  # a part is that part of the whole
         crop = ["gegl:crop", "x=3", "y=2", "width=9", "height=5"]
         part = gegl(normals, "ntp:transform-normals", *properties, *crop)
         assert (part == expected[2:7, 3:12]).all()
 
 
-@pytest.mark.parametrize(("mode", "depth"), [("rnm", 8), ("whiteout", 16), ("udn", 8), ("rnm", 16)])
+@pytest.mark.parametrize(
+    ("mode", "depth"), [("rnm", 8), ("whiteout", 16), ("linear", 8), ("rnm", 16)]
+)
 def test_blend(gegl, run, tmp_path, mode, depth):
     """The detail is at the pad aux; where it ends the base stays."""
     base = rough_normals(3, depth)
@@ -322,6 +333,14 @@ def test_blend(gegl, run, tmp_path, mode, depth):
     small = ["aux=[", "gegl:png-load", "path=detail.png", "gegl:crop", "width=20", "height=9", "]"]
     expected[9:], expected[:, 20:] = base[9:], base[:, 20:]
     operation = ["ntp:blend-normals", f"mode={mode}", "strength=0.6", *small]
+    assert (gegl(base, *operation) == expected).all()
+    faded = np.dstack([detail, np.arange(detail[..., 0].size).reshape(detail.shape[:2])])
+    pngs.write_png(tmp_path / "detail.png", faded.astype(detail.dtype))
+    told += ["--detail-alpha"]
+    done = run("blend", "base.png", "detail.png", "-o", "blended.png", "-q", *told)
+    assert done.returncode == 0, done.stderr
+    expected = pngs.read_png(tmp_path / "blended.png")[0]
+    operation = ["ntp:blend-normals", f"mode={mode}", "strength=0.6", "detail-alpha=true", *aux]
     assert (gegl(base, *operation) == expected).all()
 
 
