@@ -315,9 +315,9 @@ static bool measure(production *p, ntpio_error *error)
     ntp_status status = NTP_OK;
     for (int32_t y = 0; y < seen.height && status == NTP_OK; y++) {
         int32_t first = 0;
-        const int32_t step = ntp_relief_row(seen.width, seen.height, y, &first);
-        if (step > 0)
-            status = ntp_relief_add(relief, &seen, &set->how, first, y, step);
+        const int32_t every = ntp_relief_row(seen.width, seen.height, y, &first);
+        if (every > 0)
+            status = ntp_relief_add(relief, &seen, &set->how, first, y, every);
     }
     st->scale *= ntp_relief_scale(relief);
     free(relief);

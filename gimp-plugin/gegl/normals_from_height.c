@@ -39,65 +39,123 @@ enum_start(ntp_op_blue)
 enum_end(ntp_op_blue)
 
 enum_start(ntp_op_alpha)
-    enum_value(NTP_OP_KEEP, "keep", N_("Unchanged"))
-    enum_value(NTP_OP_ONE, "one", N_("Opaque"))
-    enum_value(NTP_OP_INVERSE, "inverse", N_("Inverted"))
-    enum_value(NTP_OP_HEIGHT, "height", N_("Height"))
-    enum_value(NTP_OP_INVERSE_HEIGHT, "inverse-height", N_("Inverted height"))
+    NTP_ALPHA_CHOICES(enum_value)
 enum_end(ntp_op_alpha)
+
+enum_start(ntp_op_channels)
+    NTP_CHANNEL_CHOICES(enum_value)
+enum_end(ntp_op_channels)
+
+enum_start(ntp_op_dither)
+    NTP_DITHER_CHOICES(enum_value)
+enum_end(ntp_op_dither)
+
+enum_start(ntp_op_preset)
+    NTP_PRESET_CHOICES(enum_value)
+enum_end(ntp_op_preset)
 
 enum_start(ntp_op_view)
     enum_value(NTP_OP_NORMALS, "result", N_("Result"))
     enum_value(NTP_OP_LIT, "lit", N_("Lit surface"))
 enum_end(ntp_op_view)
 
-property_double(strength, _("Strength"), 1.0)
-    description(_("Multiplies the slopes. With a scale of 0, one in twenty of the slopes is steeper than 45 degrees at strength 1, whatever the size of the layer"))
+property_enum(preset, LABEL(NTP_PRESET_LABEL), ntp_op_preset, ntp_op_preset, NTP_OP_NO_PRESET)
+    description(_(NTP_PRESET_HELP))
+property_double(strength, LABEL(NTP_STRENGTH_LABEL), 1.0)
+    description(_(NTP_STRENGTH_HELP))
     value_range(0.0, 1e6)
     ui_range(0.0, 10.0)
     ui_gamma(3.0)
     ui_steps(0.01, 0.1)
     ui_digits(3)
-property_double(scale, _("Scale (0: from the layer)"), 0.0)
-    description(_("How many texels white rises above black. 0: as the slopes of the layer suggest; a negative scale inverts the relief"))
+property_double(scale, LABEL(NTP_SCALE_LABEL), 0.0)
+    description(_(NTP_SCALE_HELP))
     value_range(-1e9, 1e9)
     ui_range(0.0, 1000.0)
     ui_gamma(3.0)
     ui_steps(0.1, 1.0)
     ui_digits(3)
-property_enum(kernel, _("Kernel"), ntp_op_kernel, ntp_op_kernel, NTP_OP_CENTRAL)
-    description(_("How a slope is taken. A wider kernel is smoother, none is stronger"))
-property_enum(source, _("Height"), ntp_op_source, ntp_op_source, NTP_OP_RED)
-    description(_("Which number of a pixel is the height. In a gray picture red, green and blue are the gray value"))
-property_boolean(invert, _("Invert height"), FALSE)
-    description(_("Black is high and white is low"))
-property_enum(to_y, _("Green points"), ntp_op_y, ntp_op_y, NTP_OP_UP)
-    description(_("Up the picture: OpenGL, glTF, USD, Blender, Unity, Godot. Down: DirectX, Unreal"))
-property_enum(border_x, _("Left and right edge"), ntp_op_border, ntp_op_border, NTP_OP_WRAP)
-    description(_("The height beyond the left and right edge"))
-property_enum(border_y, _("Top and bottom edge"), ntp_op_border, ntp_op_border, NTP_OP_WRAP)
-    description(_("The height beyond the top and bottom edge"))
-property_double(dx, _("Spacing X"), 1.0)
-    description(_("Width of a texel, for textures that are stretched"))
+property_enum(kernel, LABEL(NTP_KERNEL_LABEL), ntp_op_kernel, ntp_op_kernel, NTP_OP_CENTRAL)
+    description(_(NTP_KERNEL_HELP))
+    ui_meta("sensitive", "! preset {gimp}")
+property_enum(source, LABEL(NTP_SOURCE_LABEL), ntp_op_source, ntp_op_source, NTP_OP_RED)
+    description(_(NTP_SOURCE_HELP))
+    ui_meta("sensitive", "! preset {gimp, gimp-normalmap}")
+property_boolean(invert, LABEL(NTP_INVERT_LABEL), FALSE)
+    description(_(NTP_INVERT_HELP))
+property_double(blur, LABEL(NTP_BLUR_LABEL), 0.0)
+    description(_(NTP_BLUR_HELP))
+    value_range(0.0, 64.0)
+    ui_range(0.0, 16.0)
+    ui_gamma(2.0)
+    ui_steps(0.1, 1.0)
+    ui_digits(2)
+property_double(small, LABEL(NTP_SMALL_LABEL), 1.0)
+    description(_(NTP_SMALL_HELP))
+    value_range(-100.0, 100.0)
+    ui_range(0.0, 4.0)
+    ui_steps(0.01, 0.1)
+    ui_digits(2)
+property_double(middle, LABEL(NTP_MIDDLE_LABEL), 1.0)
+    description(_(NTP_MIDDLE_HELP))
+    value_range(-100.0, 100.0)
+    ui_range(0.0, 4.0)
+    ui_steps(0.01, 0.1)
+    ui_digits(2)
+property_double(large, LABEL(NTP_LARGE_LABEL), 1.0)
+    description(_(NTP_LARGE_HELP))
+    value_range(-100.0, 100.0)
+    ui_range(0.0, 4.0)
+    ui_steps(0.01, 0.1)
+    ui_digits(2)
+property_enum(to_y, LABEL(NTP_TO_Y_LABEL), ntp_op_y, ntp_op_y, NTP_OP_UP)
+    description(_(NTP_TO_Y_HELP))
+    ui_meta("sensitive", "preset {none}")
+property_enum(border_x, LABEL(NTP_BORDER_X_LABEL), ntp_op_border, ntp_op_border, NTP_OP_WRAP)
+    description(_(NTP_BORDER_X_HELP))
+    ui_meta("sensitive", "! preset {gimp, gimp-normalmap}")
+property_enum(border_y, LABEL(NTP_BORDER_Y_LABEL), ntp_op_border, ntp_op_border, NTP_OP_WRAP)
+    description(_(NTP_BORDER_Y_HELP))
+    ui_meta("sensitive", "! preset {gimp, gimp-normalmap}")
+property_boolean(more, _("More options"), FALSE)
+    description(_("Shows the options that few textures need. It changes nothing in the result"))
+property_double(dx, LABEL(NTP_DX_LABEL), 1.0)
+    description(_(NTP_DX_HELP))
     value_range(1e-6, 1e6)
     ui_range(0.1, 10.0)
     ui_digits(3)
-property_double(dy, _("Spacing Y"), 1.0)
-    description(_("Height of a texel"))
+    ui_meta("visible", "more")
+property_double(dy, LABEL(NTP_DY_LABEL), 1.0)
+    description(_(NTP_DY_HELP))
     value_range(1e-6, 1e6)
     ui_range(0.1, 10.0)
     ui_digits(3)
-property_double(min_z, _("Minimum Z"), 0.0)
-    description(_("Steeper slopes are made this steep"))
+    ui_meta("visible", "more")
+property_double(min_z, LABEL(NTP_MIN_Z_LABEL), 0.0)
+    description(_(NTP_MIN_Z_HELP))
     value_range(0.0, 1.0)
     ui_range(0.0, 1.0)
     ui_digits(3)
-property_enum(to, _("Range of blue"), ntp_op_to, ntp_op_to, NTP_OP_STANDARD)
-    description(_("What the blue channel stands for"))
-property_enum(blue, _("Blue"), ntp_op_blue, ntp_op_blue, NTP_OP_DERIVED)
-    description(_("A derived blue survives any conversion"))
-property_enum(alpha, _("Alpha"), ntp_op_alpha, ntp_op_alpha, NTP_OP_KEEP)
+    ui_meta("visible", "more")
+property_enum(to, LABEL(NTP_TO_LABEL), ntp_op_to, ntp_op_to, NTP_OP_STANDARD)
+    description(_(NTP_TO_HELP))
+    ui_meta("visible", "more")
+    ui_meta("sensitive", "preset {none}")
+property_enum(blue, LABEL(NTP_BLUE_LABEL), ntp_op_blue, ntp_op_blue, NTP_OP_DERIVED)
+    description(_(NTP_BLUE_HELP))
+    ui_meta("visible", "more")
+    ui_meta("sensitive", "! preset {gimp}")
+property_enum(alpha, LABEL(NTP_ALPHA_LABEL), ntp_op_alpha, ntp_op_alpha, NTP_OP_KEEP)
     description(_("What the alpha channel of the result holds. The height needs a layer with an alpha channel"))
+    ui_meta("visible", "more")
+    ui_meta("sensitive", "! preset {labpbr}")
+property_enum(channels, LABEL(NTP_CHANNELS_LABEL), ntp_op_channels, ntp_op_channels, NTP_OP_XYZ)
+    description(_(NTP_CHANNELS_HELP))
+    ui_meta("visible", "more")
+    ui_meta("sensitive", "preset {none}")
+property_enum(dither, LABEL(NTP_DITHER_LABEL), ntp_op_dither, ntp_op_dither, NTP_OP_NO_DITHER)
+    description(_(NTP_DITHER_HELP))
+    ui_meta("visible", "more")
 property_enum(show, _("Show"), ntp_op_view, ntp_op_view, NTP_OP_NORMALS)
     description(_("The lit surface is for looking at. Choose Result before you export"))
 property_double(light_from, _("Light from"), 135.0)
@@ -106,13 +164,13 @@ property_double(light_from, _("Light from"), 135.0)
     ui_range(0.0, 360.0)
     ui_meta("unit", "degree")
     ui_meta("direction", "ccw")
-    ui_meta("sensitive", "show {lit}")
+    ui_meta("visible", "show {lit}")
 property_double(light_height, _("Height of the light"), 40.0)
     description(_("The angle between the light and the surface"))
     value_range(1.0, 90.0)
     ui_range(1.0, 90.0)
     ui_meta("unit", "degree")
-    ui_meta("sensitive", "show {lit}")
+    ui_meta("visible", "show {lit}")
 /* clang-format on */
 
 #else
@@ -124,6 +182,9 @@ property_double(light_height, _("Height of the light"), 40.0)
 
 #  include <gegl-op.h>
 
+#  include "../channels.h"
+#  include "../presets.h"
+#  include "../smooth.h"
 #  include "lit.h"
 #  include "output.h"
 #  include "surroundings.h"
@@ -137,28 +198,49 @@ G_STATIC_ASSERT((gint) NTP_OP_XY == (gint) NTP_ENCODING_XY);
 G_STATIC_ASSERT((gint) NTP_OP_DOWN == (gint) NTP_Y_DOWN);
 G_STATIC_ASSERT((gint) NTP_OP_NEAREST == (gint) NTP_BLUE_NEAREST);
 G_STATIC_ASSERT((gint) NTP_OP_INVERSE_HEIGHT == (gint) NTP_ALPHA_INVERSE_HEIGHT);
+G_STATIC_ASSERT((gint) NTP_OP_DXT5NM == (gint) ORDER_DXT5NM);
+G_STATIC_ASSERT((gint) NTP_OP_GIMP_NORMALMAP == (gint) PRESET_GIMP_NORMALMAP);
 
 enum {
     BLOCK_WIDTH = 512, /* a block of RGBA heights and its normals fit into the second-level cache */
     BLOCK_HEIGHT = 64
 };
 
-static ntp_normals_options options_of(GeglOperation *operation)
+/* The settings, as the preset has them. */
+static recipe recipe_of(GeglOperation *operation)
 {
     const GeglProperties *o = GEGL_PROPERTIES(operation);
-    return (ntp_normals_options) { .scale = pixels_as_typed(o->scale),
-                                   .dx = pixels_as_typed(o->dx),
-                                   .dy = pixels_as_typed(o->dy),
-                                   .min_z = pixels_as_typed(o->min_z),
-                                   .kernel = (ntp_kernel) o->kernel,
-                                   .border_x = (ntp_border) o->border_x,
-                                   .border_y = (ntp_border) o->border_y,
-                                   .source = o->source == NTP_OP_LUMINANCE
-                                                 ? NTP_HEIGHT_SOURCE_RED /* the only sample */
-                                                 : (ntp_height_source) o->source,
-                                   .blue = (ntp_blue) o->blue,
-                                   .alpha = (ntp_alpha) o->alpha,
-                                   .invert = o->invert };
+    recipe r = { .how = { .scale = pixels_as_typed(o->scale),
+                          .dx = pixels_as_typed(o->dx),
+                          .dy = pixels_as_typed(o->dy),
+                          .min_z = pixels_as_typed(o->min_z),
+                          .kernel = (ntp_kernel) o->kernel,
+                          .border_x = (ntp_border) o->border_x,
+                          .border_y = (ntp_border) o->border_y,
+                          .source = (ntp_height_source) o->source,
+                          .blue = (ntp_blue) o->blue,
+                          .alpha = (ntp_alpha) o->alpha,
+                          .invert = o->invert },
+                 .luminance = o->source == NTP_OP_LUMINANCE,
+                 .y = (ntp_y) o->to_y,
+                 .to = (ntp_encoding) o->to,
+                 .channels = (int) o->channels };
+    preset_apply((preset) o->preset, &r);
+    if (r.luminance)
+        r.how.source = NTP_HEIGHT_SOURCE_RED; /* the only sample */
+    return r;
+}
+
+static ntp_normals_options options_of(GeglOperation *operation)
+{
+    return recipe_of(operation).how;
+}
+
+static smoothing smoothing_of(GeglOperation *operation)
+{
+    const GeglProperties *o = GEGL_PROPERTIES(operation);
+    return (smoothing) { pixels_as_typed(o->blur), pixels_as_typed(o->small),
+                         pixels_as_typed(o->middle), pixels_as_typed(o->large) };
 }
 
 /* Set before the threads process, and read by them. */
@@ -188,12 +270,14 @@ static void prepare(GeglOperation *operation)
     GeglProperties *o = GEGL_PROPERTIES(operation);
     const Babl *source = gegl_operation_get_source_format(operation, "input");
     const pixels stored = pixels_of(source);
-    const pixels in = o->source == NTP_OP_LUMINANCE ? pixels_luminance(source) : stored;
+    const recipe made = recipe_of(operation);
+    const gboolean color = stored.channels >= 3; /* gray is its own luminance */
+    const pixels in = made.luminance && color ? pixels_luminance(source) : stored;
     const ahead next = blending_ahead(operation);
     /* GIMP drops an alpha channel that the layer does not have, and converts the others in doing
      * so. */
-    const gboolean adds_alpha =
-        next == AHEAD_OTHER && (o->alpha == NTP_OP_HEIGHT || o->alpha == NTP_OP_INVERSE_HEIGHT);
+    const gboolean adds_alpha = next == AHEAD_OTHER && (made.how.alpha >= NTP_ALPHA_HEIGHT ||
+                                                        made.channels == NTP_OP_DXT5NM);
     if (o->user_data == NULL)
         o->user_data = g_new0(state, 1);
     state *s = o->user_data;
@@ -215,15 +299,37 @@ static void finalize(GObject *object)
 
 /* ---------------------------------------------------------------- what surrounds an area */
 
-/* The whole layer, if the result depends on all of it; NULL: it does not, or there is no such
- * thing. */
-static const GeglRectangle *all_of(GeglOperation *operation)
+/* The layer; NULL: there is none, or it has no end. */
+static const GeglRectangle *layer_of(GeglOperation *operation)
 {
     const GeglRectangle *edges = gegl_operation_source_get_bounding_box(operation, "input");
-    return options_of(operation).scale == 0 && edges != NULL && !gegl_rectangle_is_empty(edges) &&
+    return edges != NULL && !gegl_rectangle_is_empty(edges) &&
                    !gegl_rectangle_is_infinite_plane(edges)
                ? edges
                : NULL;
+}
+
+/* The whole layer, if its scale is to be measured. */
+static const GeglRectangle *all_of(GeglOperation *operation)
+{
+    return options_of(operation).scale == 0 ? layer_of(operation) : NULL;
+}
+
+/* Is a texel made after all those above it and to its left? */
+static gboolean dithers(GeglOperation *operation)
+{
+    const GeglProperties *o = GEGL_PROPERTIES(operation);
+    const state *s = o->user_data;
+    return s != NULL && o->dither == NTP_OP_INTEGRABLE && s->made.type != NTP_TYPE_F32 &&
+           layer_of(operation) != NULL;
+}
+
+/* How far the heights lie on which a normal depends. */
+static gint reach_of(GeglOperation *operation)
+{
+    const ntp_normals_options how = options_of(operation);
+    const smoothing forms = smoothing_of(operation);
+    return ntp_normals_reach(&how) + smoothing_reach(&forms);
 }
 
 /* The reach is chosen so that borders act on this part as they do on the whole. */
@@ -233,7 +339,7 @@ static GeglRectangle surroundings(GeglOperation *operation, const GeglRectangle 
     if (edges == NULL || gegl_rectangle_is_empty(edges) || gegl_rectangle_is_empty(area))
         return *area;
     const ntp_normals_options how = options_of(operation);
-    return surroundings_of(area, edges, ntp_normals_reach(&how), how.border_x == NTP_BORDER_WRAP,
+    return surroundings_of(area, edges, reach_of(operation), how.border_x == NTP_BORDER_WRAP,
                            how.border_y == NTP_BORDER_WRAP);
 }
 
@@ -253,7 +359,7 @@ static GeglRectangle get_required_for_output(GeglOperation *operation, const gch
     (void) pad;
     if (all != NULL && !is_measured(operation, &how, all))
         return *all;
-    return inside(operation, area);
+    return dithers(operation) ? *layer_of(operation) : inside(operation, area);
 }
 
 /* The stencil is as wide to the left as to the right, so this is the same. */
@@ -265,7 +371,15 @@ static GeglRectangle get_invalidated_by_change(GeglOperation *operation, const g
     (void) pad;
     if (s != NULL)
         s->measured = FALSE;
+    if (all == NULL && s != NULL && dithers(operation))
+        all = layer_of(operation);
     return all != NULL ? *all : inside(operation, area);
+}
+
+/* Dithered, it is made at once. */
+static GeglRectangle get_cached_region(GeglOperation *operation, const GeglRectangle *area)
+{
+    return dithers(operation) ? *layer_of(operation) : *area;
 }
 
 /* ---------------------------------------------------------------- the scale of the layer */
@@ -317,42 +431,131 @@ static void measure(GeglOperation *operation, GeglBuffer *input)
 typedef struct job {
     ntp_normals_options how;
     pixels in, out;
-    ntp_encoding to;
-    ntp_y to_y;
+    recipe recipe;
     const GeglRectangle *edges;
     const Babl *format; /* of the output */
     const blending *blending;
     const ntp_light *light; /* NULL: output the normals */
     guchar *heights, *normals;
+    GeglRectangle smoothed; /* what of the layer `smooth` has */
+    ntp_image smooth;       /* without data: heights are read for each block */
+    void *errors;           /* of dithering; NULL: none */
 } job;
 
-static gboolean make_block(GeglOperation *operation, const job *j, GeglBuffer *input,
-                           GeglBuffer *output, const GeglRectangle *block)
+/* The surroundings of a block, with the reach of a stencil. */
+static GeglRectangle block_surroundings(const job *j, const GeglRectangle *block)
 {
-    const GeglRectangle around = surroundings(operation, block);
-    surroundings_read(input, &j->in, j->edges, &around, j->heights);
+    return surroundings_of(block, j->edges, ntp_normals_reach(&j->how),
+                           j->recipe.how.border_x == NTP_BORDER_WRAP && j->errors == NULL,
+                           j->recipe.how.border_y == NTP_BORDER_WRAP);
+}
+
+/* Reads and smooths all heights for an area. */
+static gboolean smooth_area(GeglOperation *operation, job *j, GeglBuffer *input,
+                            const GeglRectangle *area)
+{
+    const smoothing forms = smoothing_of(operation);
+    if (!smoothing_acts(&forms))
+        return TRUE;
+    j->smoothed = surroundings(operation, area);
+    const gsize texels = (gsize) j->smoothed.width * (gsize) j->smoothed.height;
+    const gint channels = smoothing_channels(j->in.channels);
+    guchar *data = g_try_malloc(texels * (gsize) j->in.bytes);
+    gfloat *smooth = g_try_malloc(texels * (gsize) channels * sizeof *smooth);
+    gboolean ok = data != NULL && smooth != NULL;
+    j->smooth =
+        ntp_image_packed(smooth, j->smoothed.width, j->smoothed.height, channels, NTP_TYPE_F32);
+    j->smooth.encoding = NTP_ENCODING_HEIGHT;
+    if (ok) {
+        surroundings_read(input, &j->in, j->edges, &j->smoothed, data);
+        const ntp_image read = pixels_view(&j->in, data, j->smoothed.width, j->smoothed.height);
+        const ntp_const_image heights = ntp_image_as_const(&read);
+        ok = smoothing_run(&forms, &j->smooth, &heights, &j->how) == NTP_OK;
+        j->how.source = NTP_HEIGHT_SOURCE_RED;
+    }
+    g_free(data);
+    return ok;
+}
+
+/* The heights around a block. */
+static ntp_const_image heights_of(const job *j, GeglBuffer *input, const GeglRectangle *around)
+{
+    ntp_image view = pixels_view(&j->in, j->heights, around->width, around->height);
+    if (j->smooth.data == NULL) {
+        surroundings_read(input, &j->in, j->edges, around, j->heights);
+        return ntp_image_as_const(&view);
+    }
+    view = j->smooth;
+    view.data = (guchar *) view.data + (around->y - j->smoothed.y) * view.row_stride +
+                (around->x - j->smoothed.x) * view.pixel_stride;
+    view.width = around->width;
+    view.height = around->height;
+    return ntp_image_as_const(&view);
+}
+
+static ntp_status make_normals(const job *j, const ntp_image *dst, const ntp_const_image *src,
+                               const ntp_rect *area)
+{
+    if (j->errors == NULL)
+        return ntp_normals_from_height(dst, src, &j->how, NULL, area);
+    return ntp_normals_dithered(dst, src, &j->how, j->errors,
+                                ntp_normals_dithered_scratch_size(src->width), NULL, area);
+}
+
+static gboolean make_block(const job *j, GeglBuffer *input, GeglBuffer *output,
+                           const GeglRectangle *block, const GeglRectangle *wanted)
+{
+    const GeglRectangle around = block_surroundings(j, block);
+    const ntp_const_image src = heights_of(j, input, &around);
+    GeglRectangle part;
 
     /* Both views cover what was read; only the block of the normals is in memory. */
-    const ntp_rect area = { block->x - around.x, block->y - around.y,
-                            block->x - around.x + block->width,
-                            block->y - around.y + block->height };
-    ntp_image heights = pixels_view(&j->in, j->heights, around.width, around.height);
-    const ntp_const_image src = ntp_image_as_const(&heights);
+    ntp_rect area = { block->x - around.x, block->y - around.y, block->x - around.x + block->width,
+                      block->y - around.y + block->height };
     ntp_image dst = pixels_view(&j->out, j->normals, around.width, around.height);
-    dst.encoding = j->to;
-    dst.y = j->to_y;
-    if (ntp_normals_from_height(&dst, &src, &j->how, NULL, &area) != NTP_OK)
+    dst.encoding = j->recipe.to;
+    dst.y = j->recipe.y;
+    if (make_normals(j, &dst, &src, &area) != NTP_OK)
         return FALSE;
+    if (!gegl_rectangle_intersect(&part, block, wanted))
+        return TRUE;
+    area = (ntp_rect) { part.x - around.x, part.y - around.y, part.x - around.x + part.width,
+                        part.y - around.y + part.height };
     const ntp_const_image normals = ntp_image_as_const(&dst);
     if (j->light != NULL) {
         dst = pixels_view(&j->out, j->heights, around.width, around.height);
         if (!lit_paint(&j->out, &dst, &normals, j->light, &area))
             return FALSE;
+    } else {
+        channels_arrange(&dst, (channel_order) j->recipe.channels, &area);
     }
     const guchar *first =
         (const guchar *) dst.data + area.y0 * dst.row_stride + area.x0 * dst.pixel_stride;
-    output_write(output, j->format, block, &j->out, first, (gint) dst.row_stride, j->blending);
+    output_write(output, j->format, &part, &j->out, first, (gint) dst.row_stride, j->blending);
     return TRUE;
+}
+
+/* Makes blocks of an area, the upper ones first, and outputs what is wanted of them. */
+static gboolean make_blocks(job *j, GeglBuffer *input, GeglBuffer *output,
+                            const GeglRectangle *area, const GeglRectangle *wanted)
+{
+    const gint width = j->errors != NULL ? area->width : MIN(BLOCK_WIDTH, area->width);
+    const gsize margin = 2 * (gsize) ntp_normals_reach(&j->how);
+    const gsize most = ((gsize) width + margin) * (BLOCK_HEIGHT + margin);
+    /* The lit picture takes the place of the heights. */
+    j->heights = g_malloc(most * (gsize) MAX(j->in.bytes, j->out.bytes));
+    j->normals = g_malloc(most * (gsize) j->out.bytes);
+    gboolean ok = TRUE;
+    for (gint y = 0; y < area->height && ok; y += BLOCK_HEIGHT) {
+        for (gint x = 0; x < area->width && ok; x += width) {
+            const GeglRectangle block = { area->x + x, area->y + y, MIN(width, area->width - x),
+                                          MIN(BLOCK_HEIGHT, area->height - y) };
+            ok = make_block(j, input, output, &block, wanted);
+        }
+    }
+    g_free(j->heights);
+    g_free(j->normals);
+    return ok;
 }
 
 static gboolean process(GeglOperation *operation, GeglBuffer *input, GeglBuffer *output,
@@ -361,41 +564,33 @@ static gboolean process(GeglOperation *operation, GeglBuffer *input, GeglBuffer 
     const GeglProperties *o = GEGL_PROPERTIES(operation);
     const state *s = o->user_data;
     const ntp_light light = lit_light(o->light_from, o->light_height);
-    job j = { .how = options_of(operation),
+    GeglRectangle made = *area;
+    job j = { .recipe = recipe_of(operation),
               .in = pixels_of(gegl_operation_get_format(operation, "input")),
               .out = s->made,
               .format = gegl_operation_get_format(operation, "output"),
               .blending = s->blending,
               .light = o->show == NTP_OP_LIT ? &light : NULL,
-              .to = (ntp_encoding) o->to,
-              .to_y = (ntp_y) o->to_y,
               .edges = gegl_operation_source_get_bounding_box(operation, "input") };
     (void) level; /* everything is made at full size */
     if (j.edges == NULL || gegl_rectangle_is_empty(j.edges))
         return TRUE;
+    j.how = j.recipe.how;
     j.how.scale = (j.how.scale == 0 ? s->scale : j.how.scale) * pixels_as_typed(o->strength);
-    const gsize margin = 2 * (gsize) ntp_normals_reach(&j.how);
-    const gsize most = (BLOCK_WIDTH + margin) * (BLOCK_HEIGHT + margin);
-    /* The lit picture takes the place of the heights. */
-    j.heights = g_malloc(most * (gsize) MAX(j.in.bytes, j.out.bytes));
-    j.normals = g_malloc(most * (gsize) j.out.bytes);
+    if (dithers(operation)) { /* every row above is needed, from one edge to the other */
+        made = *j.edges;
+        made.height = area->y + area->height - made.y;
+        j.errors = g_malloc0(ntp_normals_dithered_scratch_size(made.width));
+    }
+    const gboolean smooth = smooth_area(operation, &j, input, &made);
     /* The stencils stay inside what was read, so nothing beyond it is needed. */
-    if (j.how.border_x == NTP_BORDER_WRAP)
+    if (j.how.border_x == NTP_BORDER_WRAP && j.errors == NULL)
         j.how.border_x = NTP_BORDER_CLAMP;
     if (j.how.border_y == NTP_BORDER_WRAP)
         j.how.border_y = NTP_BORDER_CLAMP;
-
-    gboolean ok = TRUE;
-    for (gint y = 0; y < area->height && ok; y += BLOCK_HEIGHT) {
-        for (gint x = 0; x < area->width && ok; x += BLOCK_WIDTH) {
-            const GeglRectangle block = { area->x + x, area->y + y,
-                                          MIN(BLOCK_WIDTH, area->width - x),
-                                          MIN(BLOCK_HEIGHT, area->height - y) };
-            ok = make_block(operation, &j, input, output, &block);
-        }
-    }
-    g_free(j.heights);
-    g_free(j.normals);
+    const gboolean ok = smooth && make_blocks(&j, input, output, &made, area);
+    g_free(j.smooth.data);
+    g_free(j.errors);
     return ok;
 }
 
@@ -405,6 +600,9 @@ static gboolean process_all(GeglOperation *operation, GeglOperationContext *cont
 {
     GeglBuffer *input = GEGL_BUFFER(gegl_operation_context_get_object(context, "input"));
     measure(operation, input);
+    if (input != NULL && dithers(operation))
+        return process(operation, input, gegl_operation_context_get_target(context, "output"), area,
+                       level);
     return GEGL_OPERATION_CLASS(gegl_op_parent_class)
         ->process(operation, context, pad, area, level);
 }
@@ -420,6 +618,7 @@ static void gegl_op_class_init(GeglOpClass *klass)
     operation_class->prepare = prepare;
     operation_class->get_required_for_output = get_required_for_output;
     operation_class->get_invalidated_by_change = get_invalidated_by_change;
+    operation_class->get_cached_region = get_cached_region;
     operation_class->want_in_place = FALSE;
     operation_class->threaded = TRUE;
     operation_class->opencl_support = FALSE;

@@ -35,7 +35,7 @@ static normals_job normals_of(const settings *s, alpha_rule alpha, dudv_format d
     const double *v = s->value;
     const int conversion = (int) v[FO_CONVERSION];
     ntp_peer peer;
-    normals_job job = { 0 };
+    normals_job job = { .forms = { 0, 1, 1, 1 } };
     if (ntp_normals_like(&peer, filters[(int) v[FO_FILTER]], v[FO_SCALE]) != NTP_OK)
         return job;
     job.how = peer.options;

@@ -71,6 +71,18 @@ static const choice dudvs[] = { /* dudv_format of normals.h */
     { "16-unsigned", N_("DU/DV, 16 bits, unsigned") },
     END
 };
+static const choice channel_orders[] = { /* channel_order of channels.h */
+    NTP_CHANNEL_CHOICES(CHOICE_ROW)
+    END
+};
+static const choice dithers[] = {
+    NTP_DITHER_CHOICES(CHOICE_ROW)
+    END
+};
+static const choice presets[] = { /* preset of presets.h */
+    NTP_PRESET_CHOICES(CHOICE_ROW)
+    END
+};
 static const choice methods[] = { /* ntp_height_method */
     { "auto", N_("As the edges say") },
     { "telescoping", N_("Telescoping sums") },
@@ -124,65 +136,58 @@ static const choice verdicts[] = { /* ntp_verdict */
 #define MOST 1e6 /* of a texel's sides */
 
 static const field normals_fields[FN_COUNT] = {
-    [FN_SCALE] = NUMBER("scale", N_("Sc_ale"),
-        N_("How many texels white rises above black; 0: as the slopes of the layer suggest"),
-        0, 0, -1e9, 1e9, 0, 1000, 3),
-    [FN_KERNEL] = CHOICE("kernel", N_("_Kernel"),
-        N_("How a slope is taken. A wider kernel is smoother, none is stronger"),
-        0, 0, kernels),
-    [FN_BORDER_X] = CHOICE("border-x", N_("Le_ft and right edge"),
-        N_("The height beyond the left and right edge"), 0, 0, borders),
-    [FN_BORDER_Y] = CHOICE("border-y", N_("_Top and bottom edge"),
-        N_("The height beyond the top and bottom edge"), 0, 0, borders),
-    [FN_SOURCE] = CHOICE("source", N_("He_ight"),
-        N_("Which number of a pixel is the height. In a gray picture red, green and blue are the gray value"),
-        0, 0, sources),
-    [FN_INVERT] = SWITCH("invert", N_("I_nvert height"), N_("Black is high and white is low"), 0),
-    [FN_TO_Y] = CHOICE("to-y", N_("_Green points"),
-        N_("Up the picture: OpenGL, glTF, USD, Blender, Unity, Godot. Down: DirectX, Unreal"),
-        0, 0, green),
-    [FN_TO] = CHOICE("to", N_("Range of bl_ue"), N_("What the blue channel stands for"),
-        0, 0, encodings),
-    [FN_MIN_Z] = NUMBER("min-z", N_("Minimum _Z"), N_("Steeper slopes are made this steep"),
-        0, 0, 0, 1, 0, 1, 3),
-    [FN_ALPHA] = CHOICE("alpha", N_("Al_pha"),
+    [FN_SCALE] = NUMBER("scale", NTP_SCALE_LABEL, NTP_SCALE_HELP, 0, 0, -1e9, 1e9, 0, 1000, 3),
+    [FN_KERNEL] = CHOICE("kernel", NTP_KERNEL_LABEL, NTP_KERNEL_HELP, 0, 0, kernels),
+    [FN_BORDER_X] = CHOICE("border-x", NTP_BORDER_X_LABEL, NTP_BORDER_X_HELP, 0, 0, borders),
+    [FN_BORDER_Y] = CHOICE("border-y", NTP_BORDER_Y_LABEL, NTP_BORDER_Y_HELP, 0, 0, borders),
+    [FN_SOURCE] = CHOICE("source", NTP_SOURCE_LABEL, NTP_SOURCE_HELP, 0, 0, sources),
+    [FN_INVERT] = SWITCH("invert", NTP_INVERT_LABEL, NTP_INVERT_HELP, 0),
+    [FN_TO_Y] = CHOICE("to-y", NTP_TO_Y_LABEL, NTP_TO_Y_HELP, 0, 0, green),
+    [FN_TO] = CHOICE("to", NTP_TO_LABEL, NTP_TO_HELP, 0, 0, encodings),
+    [FN_MIN_Z] = NUMBER("min-z", NTP_MIN_Z_LABEL, NTP_MIN_Z_HELP, 2, 0, 0, 1, 0, 1, 3),
+    [FN_ALPHA] = CHOICE("alpha", NTP_ALPHA_LABEL,
         N_("What the alpha channel of the result holds. For another layer, first choose it under More"),
         0, 0, alphas),
-    [FN_DX] = NUMBER("dx", N_("Spacing _X"),
-        N_("Width of a texel, for textures that are stretched"), 1, 1, 1e-6, MOST, 0.1, 10, 3),
-    [FN_DY] = NUMBER("dy", N_("Spacing _Y"), N_("Height of a texel"),
-        1, 1, 1e-6, MOST, 0.1, 10, 3),
-    [FN_BLUE] = CHOICE("blue", N_("_Blue"), N_("A derived blue survives any conversion"),
-        1, 0, blues),
+    [FN_DX] = NUMBER("dx", NTP_DX_LABEL, NTP_DX_HELP, 2, 1, 1e-6, MOST, 0.1, 10, 3),
+    [FN_DY] = NUMBER("dy", NTP_DY_LABEL, NTP_DY_HELP, 2, 1, 1e-6, MOST, 0.1, 10, 3),
+    [FN_BLUE] = CHOICE("blue", NTP_BLUE_LABEL, NTP_BLUE_HELP, 2, 0, blues),
     [FN_HEIGHT_LAYER] = LAYER("height-layer", N_("H_eight of another layer"),
-        N_("A layer of the same size that holds the height, in place of the layer itself"), 1),
+        N_("A layer of the same size that holds the height, in place of the layer itself"), 2),
     [FN_ALPHA_LAYER] = LAYER("alpha-layer", N_("Alpha fro_m another layer"),
-        N_("The layer whose brightness becomes alpha; scaled to this layer's size"), 1),
-    [FN_FLIP_X] = SWITCH("flip-x", N_("Flip re_d"), N_("Red points left"), 1),
-    [FN_SWAP] = SWITCH("swap-rgb", N_("S_wap red and blue"), N_("Store z, y, x"), 1),
+        N_("The layer whose brightness becomes alpha; scaled to this layer's size"), 2),
+    [FN_FLIP_X] = SWITCH("flip-x", N_("Flip re_d"), N_("Red points left"), 2),
+    [FN_SWAP] = SWITCH("swap-rgb", N_("S_wap red and blue"), N_("Store z, y, x"), 2),
     [FN_DUDV] = CHOICE("dudv", N_("_Values to store"), N_("Normals, or x and y alone as DU/DV"),
-        1, 0, dudvs),
+        2, 0, dudvs),
+    [FN_PRESET] = CHOICE("preset", NTP_PRESET_LABEL, NTP_PRESET_HELP, 0, 0, presets),
+    [FN_STRENGTH] = NUMBER("strength", NTP_STRENGTH_LABEL, NTP_STRENGTH_HELP, 0, 1, 0, 1e6, 0, 10, 3),
+    [FN_BLUR] = NUMBER("blur", NTP_BLUR_LABEL, NTP_BLUR_HELP, 1, 0, 0, 64, 0, 16, 2),
+    [FN_SMALL] = NUMBER("small", NTP_SMALL_LABEL, NTP_SMALL_HELP, 1, 1, -100, 100, 0, 4, 2),
+    [FN_MIDDLE] = NUMBER("middle", NTP_MIDDLE_LABEL, NTP_MIDDLE_HELP, 1, 1, -100, 100, 0, 4, 2),
+    [FN_LARGE] = NUMBER("large", NTP_LARGE_LABEL, NTP_LARGE_HELP, 1, 1, -100, 100, 0, 4, 2),
+    [FN_CHANNELS] = CHOICE("channels", NTP_CHANNELS_LABEL, NTP_CHANNELS_HELP, 2, 0, channel_orders),
+    [FN_DITHER] = CHOICE("dither", NTP_DITHER_LABEL, NTP_DITHER_HELP, 2, 0, dithers),
 };
 
 static const field height_fields[FH_COUNT] = {
-    [FH_BORDER_X] = CHOICE("border-x", N_("Le_ft and right edge"),
+    [FH_BORDER_X] = CHOICE("border-x", NTP_BORDER_X_LABEL,
         N_("What lies beyond the left and right edge: wrap where the texture tiles"),
         0, 3, borders),
-    [FH_BORDER_Y] = CHOICE("border-y", N_("_Top and bottom edge"),
+    [FH_BORDER_Y] = CHOICE("border-y", NTP_BORDER_Y_LABEL,
         N_("What lies beyond the top and bottom edge: wrap where the texture tiles"),
         0, 3, borders),
-    [FH_FROM_Y] = CHOICE("from-y", N_("_Green points"),
+    [FH_FROM_Y] = CHOICE("from-y", NTP_TO_Y_LABEL,
         N_("Which way green points in the layer as it is; the wrong way gives dents"),
         0, 0, green),
-    [FH_FROM] = CHOICE("from", N_("Range of bl_ue"),
+    [FH_FROM] = CHOICE("from", NTP_TO_LABEL,
         N_("What blue stands for in the layer as it is. \"Find out\" refuses what does not look like normals"),
         0, 3, origins),
     [FH_METHOD] = CHOICE("method", N_("_Method"), N_("How slopes become heights"), 0, 0, methods),
-    [FH_KERNEL] = CHOICE("kernel", N_("_Kernel"), N_("How the slopes were taken"), 0, 0, slopes),
+    [FH_KERNEL] = CHOICE("kernel", NTP_KERNEL_LABEL, N_("How the slopes were taken"), 0, 0, slopes),
     [FH_DECODE] = CHOICE("decode", N_("Le_vels"), N_("What the stored levels mean"), 0, 0, decodes),
     [FH_Z] = CHOICE("z", N_("_Z is taken"), N_("From red and green where blue is not to be trusted"),
         0, 0, depths),
-    [FH_INVERT] = SWITCH("invert", N_("I_nvert height"), N_("Black is high and white is low"), 0),
+    [FH_INVERT] = SWITCH("invert", NTP_INVERT_LABEL, NTP_INVERT_HELP, 0),
     [FH_CONTRAST] = NUMBER("contrast", N_("Contr_ast"),
         N_("Stretches the heights about their middle; what is then beyond black or white is cut"),
         0, 0, 0, 1, 0, 1, 2),
@@ -191,24 +196,24 @@ static const field height_fields[FH_COUNT] = {
 };
 
 static const field check_fields[FK_COUNT] = {
-    [FK_FROM] = CHOICE("from", N_("Range of bl_ue"),
+    [FK_FROM] = CHOICE("from", NTP_TO_LABEL,
         N_("What blue stands for in the layer as it is"), 0, 0, readings),
-    [FK_KEEP_NEGATIVE_Z] = SWITCH("keep-negative-z", N_("Keep ne_gative Z"),
+    [FK_KEEP_NEGATIVE_Z] = SWITCH("keep-negative-z", NTP_KEEP_NEGATIVE_Z_LABEL,
         N_("Do not turn normals around that point into the surface"), 0),
 };
 
 static const field clean_fields[FC_COUNT] = {
-    [FC_METHOD] = CHOICE("method", N_("Re_pair"), N_("How vectors get length 1"),
+    [FC_METHOD] = CHOICE("method", NTP_REPAIR_LABEL, N_("How vectors get length 1"),
         0, 2, repairs), /* auto, as `ntp clean` */
-    [FC_FROM] = CHOICE("from", N_("Range of bl_ue"),
+    [FC_FROM] = CHOICE("from", NTP_TO_LABEL,
         N_("What blue stands for in the layer as it is"), 0, 0, readings),
-    [FC_KEEP_NEGATIVE_Z] = SWITCH("keep-negative-z", N_("Keep ne_gative Z"),
+    [FC_KEEP_NEGATIVE_Z] = SWITCH("keep-negative-z", NTP_KEEP_NEGATIVE_Z_LABEL,
         N_("Do not turn normals around that point into the surface"), 0),
-    [FC_ONLY_FAILING] = SWITCH("only-failing", N_("Onl_y what fails"),
+    [FC_ONLY_FAILING] = SWITCH("only-failing", NTP_ONLY_FAILING_LABEL,
         N_("Leave texels alone that pass the test below"), 0),
-    [FC_VERDICT] = CHOICE("verdict", N_("A te_xel fails if it is"), N_("How strict the test is"),
+    [FC_VERDICT] = CHOICE("verdict", NTP_VERDICT_LABEL, N_("How strict the test is"),
         0, 0, verdicts),
-    [FC_UNUSED] = SWITCH("touch-unused", N_("Unuse_d texels too"),
+    [FC_UNUSED] = SWITCH("touch-unused", NTP_TOUCH_UNUSED_LABEL,
         N_("Treat black, white and transparent texels like any other"), 0),
 };
 
@@ -301,4 +306,22 @@ int choice_find(const field *f, const char *name)
             return i;
     }
     return -1;
+}
+
+/* Scripts of GIMP 2.10 give arguments in order, so what is shown first may come last there. */
+static bool comes_first(const field *f)
+{
+    return f == &normals_fields[FN_PRESET] || f == &normals_fields[FN_STRENGTH];
+}
+
+int fields_on_page(const procedure *p, int page, int fields[MAX_FIELDS])
+{
+    int count = 0;
+    for (int first = 1; first >= 0; first--) {
+        for (int i = 0; i < p->count; i++) {
+            if (p->fields[i].page == page && comes_first(&p->fields[i]) == (first != 0))
+                fields[count++] = i;
+        }
+    }
+    return count;
 }

@@ -52,6 +52,14 @@ enum {
     FN_FLIP_X,
     FN_SWAP,
     FN_DUDV,
+    FN_PRESET,
+    FN_STRENGTH,
+    FN_BLUR,
+    FN_SMALL,
+    FN_MIDDLE,
+    FN_LARGE,
+    FN_CHANNELS,
+    FN_DITHER,
     FN_COUNT
 };
 
@@ -95,7 +103,7 @@ enum {
     FO_COUNT
 };
 
-enum { MAX_FIELDS = 24 };
+enum { MAX_FIELDS = 32, PAGES = 3 /* of a dialog: the first, forms, more */ };
 
 typedef enum procedure_id {
     PROCEDURE_NORMALS,
@@ -134,6 +142,9 @@ void settings_reset(const procedure *p, settings *s);
 
 /* Clamps values that are out of range; returns the first field that was, or NULL. */
 const field *settings_check(const procedure *p, settings *s);
+
+/* The fields on a page of the dialog, in the order shown; returns how many. */
+int fields_on_page(const procedure *p, int page, int fields[MAX_FIELDS]);
 
 /* The index of a choice by its name; -1: none. */
 int choice_find(const field *f, const char *name);

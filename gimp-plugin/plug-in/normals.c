@@ -6,6 +6,8 @@
  * Beyond an edge that wraps, these are the rows of the opposite end.  Beyond any other edge there
  * are none, so libntp gets the edge and applies the border.
  */
+#include "../presets.h"
+#include "heights.h"
 #include "texels.h"
 
 #include <stdlib.h>
@@ -13,32 +15,56 @@
 
 enum { BAND = 128 }; /* rows: enough for threads, with little memory */
 
+enum { /* what is no ntp_height_source */
+       SOURCE_BIASED = NTP_HEIGHT_SOURCE_SCREEN + 1,
+       SOURCE_LUMINANCE
+};
+
+/* The settings, as the preset has them. */
+static recipe recipe_of(const double *v)
+{
+    const int source = (int) v[FN_SOURCE];
+    recipe r = { .how = { .scale = v[FN_SCALE],
+                          .dx = v[FN_DX],
+                          .dy = v[FN_DY],
+                          .min_z = v[FN_MIN_Z],
+                          .kernel = (ntp_kernel) v[FN_KERNEL],
+                          .border_x = (ntp_border) v[FN_BORDER_X],
+                          .border_y = (ntp_border) v[FN_BORDER_Y],
+                          .source = (ntp_height_source) source,
+                          .blue = (ntp_blue) v[FN_BLUE],
+                          .invert = v[FN_INVERT] != 0 },
+                 .luminance = source == SOURCE_LUMINANCE,
+                 .y = (ntp_y) v[FN_TO_Y],
+                 .to = (ntp_encoding) v[FN_TO],
+                 .channels = (int) v[FN_CHANNELS] };
+    preset_apply((preset) v[FN_PRESET], &r);
+    return r;
+}
+
 normals_job normals_job_from(const settings *s)
 {
     const double *v = s->value;
+    const recipe r = recipe_of(v);
     normals_job job = {
-        .how = { .scale = v[FN_SCALE] != 0 ? v[FN_SCALE] : 1,
-                 .dx = v[FN_DX],
-                 .dy = v[FN_DY],
-                 .min_z = v[FN_MIN_Z],
-                 .kernel = (ntp_kernel) v[FN_KERNEL],
-                 .border_x = (ntp_border) v[FN_BORDER_X],
-                 .border_y = (ntp_border) v[FN_BORDER_Y],
-                 .source = (ntp_height_source) v[FN_SOURCE],
-                 .blue = (ntp_blue) v[FN_BLUE],
-                 .invert = v[FN_INVERT] != 0 },
-        .y = (ntp_y) v[FN_TO_Y],
-        .encoding = (ntp_encoding) v[FN_TO],
-        .alpha = (alpha_rule) v[FN_ALPHA],
+        .how = r.how,
+        .forms = { v[FN_BLUR], v[FN_SMALL], v[FN_MIDDLE], v[FN_LARGE] },
+        .y = r.y,
+        .encoding = r.to,
+        .alpha = r.how.alpha == NTP_ALPHA_HEIGHT ? ALPHA_HEIGHT : (alpha_rule) v[FN_ALPHA],
         .dudv = (dudv_format) v[FN_DUDV],
         .swap = v[FN_SWAP] != 0,
         .measures = v[FN_SCALE] == 0,
+        .dithers = v[FN_DITHER] != 0,
+        .channels = (channel_order) r.channels,
+        .luminance = r.luminance,
+        .biased = r.how.source == (ntp_height_source) SOURCE_BIASED,
     };
-    if ((int) v[FN_SOURCE] > NTP_HEIGHT_SOURCE_SCREEN) {
-        job.luminance = (int) v[FN_SOURCE] > NTP_HEIGHT_SOURCE_SCREEN + 1;
-        job.biased = !job.luminance;
+    if (job.measures)
+        job.how.scale = 1;
+    job.how.scale *= v[FN_STRENGTH];
+    if (job.luminance || job.biased)
         job.how.source = job.luminance ? NTP_HEIGHT_SOURCE_LUMA : NTP_HEIGHT_SOURCE_LUMA_GIMP;
-    }
     /* Red to the left negates both slopes and then green again, before any rounding. */
     if (v[FN_FLIP_X] != 0) {
         job.how.scale = -job.how.scale;
@@ -48,8 +74,10 @@ normals_job normals_job_from(const settings *s)
         job.alpha = ALPHA_KEEP;
     if (job.alpha == ALPHA_HEIGHT)
         job.how.alpha = NTP_ALPHA_HEIGHT;
-    if (job.alpha == ALPHA_INVERSE_HEIGHT)
+    else if (job.alpha == ALPHA_INVERSE_HEIGHT)
         job.how.alpha = NTP_ALPHA_INVERSE_HEIGHT;
+    else
+        job.how.alpha = NTP_ALPHA_KEEP;
     return job;
 }
 
@@ -57,69 +85,8 @@ bool normals_job_needs_alpha(const normals_job *job, ntp_type type)
 {
     if (job->dudv != DUDV_NONE)
         return type == NTP_TYPE_U8 && job->dudv >= DUDV_16_SIGNED;
-    return job->alpha != ALPHA_KEEP && job->alpha != ALPHA_INVERSE;
-}
-
-/* ---------------------------------------------------------------------------- mean color */
-
-/* What "biased" subtracts from each color sample, in the numbers of the samples. */
-typedef struct bias {
-    double mean[3];
-} bias;
-
-static void add_samples(const raster *r, const void *row, double sums[3])
-{
-    const int32_t colors = r->channels < 3 ? 1 : 3;
-    for (int32_t x = 0; x < r->width; x++) {
-        for (int32_t c = 0; c < colors; c++) {
-            const int64_t i = (int64_t) x * r->channels + c;
-            sums[c] += r->type == NTP_TYPE_U8    ? ((const uint8_t *) row)[i]
-                       : r->type == NTP_TYPE_U16 ? ((const uint16_t *) row)[i]
-                                                 : (double) ((const float *) row)[i];
-        }
-    }
-}
-
-static job_status find_bias(bias *b, const raster *r)
-{
-    void *row = malloc(raster_row(r));
-    bool ok = row != NULL;
-    *b = (bias) { 0 };
-    for (int32_t y = 0; ok && y < r->height; y++) {
-        double sums[3] = { 0 };
-        ok = r->read(r->user, y, y + 1, row);
-        if (!ok)
-            break;
-        add_samples(r, row, sums);
-        for (int c = 0; c < 3; c++)
-            b->mean[c] += sums[c] / ((double) r->width * (double) r->height);
-    }
-    const job_status status = row == NULL ? JOB_NO_MEMORY : ok ? JOB_DONE : JOB_NO_PIXELS;
-    free(row);
-    return status;
-}
-
-#define SUBTRACT(TYPE, ROUND)                                                                      \
-    {                                                                                              \
-        TYPE *s = (TYPE *) rows;                                                                   \
-        for (size_t i = 0; i < texels; i++, s += r->channels) {                                    \
-            for (int32_t c = 0; c < colors; c++) {                                                 \
-                const TYPE off = (TYPE) (b->mean[c] + (ROUND));                                    \
-                s[c] = s[c] > off ? (TYPE) (s[c] - off) : (TYPE) 0;                                \
-            }                                                                                      \
-        }                                                                                          \
-    }
-
-static void take_off(const bias *b, const raster *r, void *rows, int32_t count)
-{
-    const size_t texels = (size_t) r->width * (size_t) count;
-    const int32_t colors = r->channels < 3 ? 1 : 3;
-    if (r->type == NTP_TYPE_U8)
-        SUBTRACT(uint8_t, 0.5)
-    else if (r->type == NTP_TYPE_U16)
-        SUBTRACT(uint16_t, 0.5)
-    else
-        SUBTRACT(float, 0)
+    return job->channels == ORDER_DXT5NM ||
+           (job->alpha != ALPHA_KEEP && job->alpha != ALPHA_INVERSE);
 }
 
 /* --------------------------------------------------------------------------------- bands */
@@ -135,32 +102,12 @@ typedef struct work {
     int32_t margin; /* rows above and below a band that its slopes may depend on */
     unsigned char *heights_rows, *layer_rows, *alpha_plane;
     unsigned char *made, *vectors; /* the result's rows; for DU/DV */
+    void *errors;                  /* of dithering, from band to band; NULL: none */
     /* the current band */
     int32_t y0, y1;       /* its rows */
     int32_t above, count; /* rows read above y0, and in all */
     ntp_status status[BAND / CHUNK];
 } work;
-
-static int32_t wrapped(int32_t y, int32_t height)
-{
-    const int32_t rest = y % height;
-    return rest < 0 ? rest + height : rest;
-}
-
-/* Reads the rows from `first` on; those beyond an edge from the other end. */
-static bool read_rows(const raster *r, int32_t first, int32_t count, unsigned char *to)
-{
-    while (count > 0) {
-        const int32_t y = wrapped(first, r->height);
-        const int32_t run = r->height - y < count ? r->height - y : count;
-        if (!r->read(r->user, y, y + run, to))
-            return false;
-        to += raster_row(r) * (size_t) run;
-        first += run;
-        count -= run;
-    }
-    return true;
-}
 
 static bool read_band(work *w)
 {
@@ -176,10 +123,10 @@ static bool read_band(work *w)
     }
     w->above = w->y0 - first;
     w->count = end - first;
-    if (!read_rows(r, first, w->count, w->heights_rows))
+    if (!heights_read(r, first, w->count, w->heights_rows))
         return false;
     if (w->job->biased)
-        take_off(&w->bias, r, w->heights_rows, w->count);
+        bias_take_off(&w->bias, r, w->heights_rows, w->count);
     return w->layer_rows == NULL || w->layer->read(w->layer->user, w->y0, w->y1, w->layer_rows);
 }
 
@@ -235,17 +182,26 @@ static ntp_status make_rows(work *w, const ntp_rect *area)
         return make_dudv(w, &part, &heights, area);
     made.encoding = job->encoding;
     made.y = job->y;
-    const ntp_status status = ntp_normals_from_height(&made, &heights, &job->how, NULL, area);
-    if (status == NTP_OK && job->swap)
+    const ntp_status status =
+        w->errors != NULL
+            ? ntp_normals_dithered(&made, &heights, &job->how, w->errors,
+                                   ntp_normals_dithered_scratch_size(made.width), NULL, area)
+            : ntp_normals_from_height(&made, &heights, &job->how, NULL, area);
+    if (status != NTP_OK)
+        return status;
+    made.channels = w->result->channels;
+    channels_arrange(&made, job->channels, area);
+    if (job->swap)
         texels_swap(&part);
-    return status;
+    return NTP_OK;
 }
 
 static void make_chunk(void *data, int32_t index)
 {
     work *w = data;
     const int32_t first = w->above + index * CHUNK, end = w->above + w->y1 - w->y0;
-    const ntp_rect area = { w->area.x0, first, w->area.x1,
+    const bool all = w->errors != NULL;
+    const ntp_rect area = { all ? 0 : w->area.x0, first, all ? w->result->width : w->area.x1,
                             first + CHUNK < end ? first + CHUNK : end };
     w->status[index] = make_rows(w, &area);
 }
@@ -255,13 +211,16 @@ static job_status make_band(work *w)
     const int32_t chunks = (w->y1 - w->y0 + CHUNK - 1) / CHUNK;
     if (!read_band(w))
         return JOB_NO_PIXELS;
-    surroundings_parallel(w->around, chunks, make_chunk, w);
+    surroundings_parallel(w->errors != NULL ? NULL : w->around, chunks, make_chunk, w);
     for (int32_t i = 0; i < chunks; i++) {
         if (w->status[i] != NTP_OK)
             return w->status[i] == NTP_ERR_FORMAT ? JOB_NO_ALPHA : JOB_WRONG;
     }
-    const ntp_rect area = { w->area.x0, w->y0, w->area.x1, w->y1 };
-    const unsigned char *pixels = w->made + raster_row(w->result) * (size_t) w->above +
+    const int32_t skipped = w->y0 < w->area.y0 ? w->area.y0 - w->y0 : 0; /* made for those below */
+    if (skipped >= w->y1 - w->y0)
+        return JOB_DONE;
+    const ntp_rect area = { w->area.x0, w->y0 + skipped, w->area.x1, w->y1 };
+    const unsigned char *pixels = w->made + raster_row(w->result) * (size_t) (w->above + skipped) +
                                   raster_pixel(w->result) * (size_t) w->area.x0;
     if (!w->result->write(w->result->user, &area, pixels, (ptrdiff_t) raster_row(w->result)))
         return JOB_NO_PIXELS;
@@ -297,7 +256,7 @@ job_status normals_job_find_scale(normals_job *job, const raster *heights)
     w.heights_rows = malloc(raster_row(heights) * (BAND + 2 * (size_t) w.margin));
     job_status status = relief != NULL && w.heights_rows != NULL ? JOB_DONE : JOB_NO_MEMORY;
     if (status == JOB_DONE && job->biased)
-        status = find_bias(&w.bias, heights);
+        status = bias_find(&w.bias, heights);
     for (int32_t y = 0; status == JOB_DONE && y < heights->height; y++) {
         w.y0 = y;
         w.y1 = y + 1;
@@ -309,6 +268,19 @@ job_status normals_job_find_scale(normals_job *job, const raster *heights)
     }
     free(relief);
     free(w.heights_rows);
+    return status;
+}
+
+job_status normals_job_smooth(normals_job *job, smoothed *made, const raster *heights,
+                              const surroundings *around)
+{
+    if (!smoothing_acts(&job->forms))
+        return JOB_DONE;
+    const job_status status =
+        smoothed_make(made, &job->forms, &job->how, job->biased, heights, around);
+    job->forms = (smoothing) { 0, 1, 1, 1 };
+    job->how.source = NTP_HEIGHT_SOURCE_RED; /* the only one */
+    job->biased = false;
     return status;
 }
 
@@ -324,6 +296,9 @@ static bool reserve(work *w, bool alpha_plane)
     w->made = malloc(raster_row(result) * rows);
     w->vectors = dudv ? malloc(sizeof(float) * 3 * (size_t) result->width * rows) : NULL;
     w->layer_rows = w->layer != NULL ? malloc(raster_row(w->layer) * BAND) : NULL;
+    w->errors = w->job->dithers && !dudv && result->type != NTP_TYPE_F32
+                    ? calloc(1, ntp_normals_dithered_scratch_size(result->width))
+                    : NULL;
     w->alpha_plane = alpha_plane ? malloc(raster_sample(result) * texels) : NULL;
     return w->heights_rows != NULL && w->made != NULL && (!dudv || w->vectors != NULL) &&
            (w->layer == NULL || w->layer_rows != NULL) && (!alpha_plane || w->alpha_plane != NULL);
@@ -332,6 +307,7 @@ static bool reserve(work *w, bool alpha_plane)
 static void release(work *w)
 {
     free(w->heights_rows);
+    free(w->errors);
     free(w->made);
     free(w->vectors);
     free(w->layer_rows);
@@ -341,11 +317,13 @@ static void release(work *w)
 static job_status make_bands(work *w)
 {
     const int32_t rows = w->area.y1 - w->area.y0;
-    job_status status = w->job->biased ? find_bias(&w->bias, w->heights) : JOB_DONE;
-    for (int32_t y = w->area.y0; status == JOB_DONE && y < w->area.y1; y += BAND) {
+    job_status status = w->job->biased ? bias_find(&w->bias, w->heights) : JOB_DONE;
+    for (int32_t y = w->errors != NULL ? 0 : w->area.y0; status == JOB_DONE && y < w->area.y1;
+         y += BAND) {
         w->y0 = y;
         w->y1 = w->area.y1 - y > BAND ? y + BAND : w->area.y1;
-        if (!surroundings_progress(w->around, (double) (y - w->area.y0) / (double) rows))
+        if (!surroundings_progress(w->around,
+                                   y < w->area.y0 ? 0 : (double) (y - w->area.y0) / (double) rows))
             return JOB_CANCELLED;
         status = make_band(w);
     }
@@ -364,9 +342,14 @@ job_status normals_job_run(const normals_job *job, const raster *heights, const 
     if (heights->width != result->width || heights->height != result->height)
         return JOB_WRONG_SIZE;
     normals_job scaled = *job;
-    const job_status found = normals_job_find_scale(&scaled, heights);
-    if (found != JOB_DONE)
-        return found;
+    smoothed forms = { 0 };
+    job_status status = normals_job_find_scale(&scaled, heights);
+    if (status == JOB_DONE)
+        status = normals_job_smooth(&scaled, &forms, heights, around);
+    if (status != JOB_DONE)
+        return status;
+    if (forms.data != NULL)
+        heights = &forms.raster;
     work w = { .job = &scaled,
                .heights = heights,
                .layer = keeps && result->channels == 4 && layer != NULL && layer->channels % 2 == 0
@@ -379,11 +362,12 @@ job_status normals_job_run(const normals_job *job, const raster *heights, const 
                .margin = 2 * reach + 1 };
     if (area != NULL)
         w.area = *area;
-    job_status status = reserve(&w, plane) ? JOB_DONE : JOB_NO_MEMORY;
+    status = reserve(&w, plane) ? JOB_DONE : JOB_NO_MEMORY;
     if (status == JOB_DONE && plane)
         status = raster_plane(alpha, w.alpha_plane, result->width, result->height, result->type);
     if (status == JOB_DONE)
         status = make_bands(&w);
     release(&w);
+    smoothed_free(&forms);
     return status;
 }

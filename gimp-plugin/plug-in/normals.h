@@ -8,7 +8,9 @@
 #ifndef NTP_PLUGIN_NORMALS_H
 #define NTP_PLUGIN_NORMALS_H
 
+#include "../channels.h"
 #include "fields.h"
+#include "heights.h"
 #include "raster.h"
 
 typedef enum alpha_rule {
@@ -33,6 +35,7 @@ typedef enum dudv_format {
 
 typedef struct normals_job {
     ntp_normals_options how;
+    smoothing forms; /* of the heights, before everything but the scale that suits them */
     ntp_y y;
     ntp_encoding encoding;
     alpha_rule alpha;
@@ -41,6 +44,8 @@ typedef struct normals_job {
         luminance; /* heights are a layer's luminance, which is not made here: the luma without it */
     bool biased;   /* the height is the luma of the color minus the mean color */
     bool swap;     /* exchange red and blue */
+    bool dithers;  /* in 8 and 16 bit */
+    channel_order channels;
     bool measures; /* the scale is still to be multiplied by the one that suits the heights */
 } normals_job;
 
@@ -49,6 +54,11 @@ normals_job normals_job_from(const settings *s);
 
 /* Measures the heights, if the settings name no scale; normals_job_run does so by itself. */
 job_status normals_job_find_scale(normals_job *job, const raster *heights);
+
+/* Makes the smoothed heights that the job asks for, and changes the job to one of these; without
+ * data: as they are.  normals_job_run does so by itself. */
+job_status normals_job_smooth(normals_job *job, smoothed *made, const raster *heights,
+                              const surroundings *around);
 
 /* Does the result need an alpha channel in a layer of this type? */
 bool normals_job_needs_alpha(const normals_job *job, ntp_type type);

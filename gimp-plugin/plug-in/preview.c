@@ -258,48 +258,74 @@ static void light_up(const preview *p, ntp_encoding encoding, ntp_y y, uint8_t *
     ntp_shade(&out, &seen, p->light, &rows);
 }
 
+static bool same_heights(const ntp_normals_options *a, const ntp_normals_options *b)
+{
+    return a->source == b->source && a->border_x == b->border_x && a->border_y == b->border_y;
+}
+
 static bool same_slopes(const preview_scale *s, const normals_job *job)
 {
     const ntp_normals_options *a = &s->of, *b = &job->how;
-    return s->known && a->kernel == b->kernel && a->source == b->source && a->dx == b->dx &&
-           a->dy == b->dy && a->border_x == b->border_x && a->border_y == b->border_y &&
-           s->biased == job->biased;
+    return s->known && same_heights(a, b) && a->kernel == b->kernel && a->dx == b->dx &&
+           a->dy == b->dy && s->biased == job->biased;
 }
 
 static job_status find_scale(const preview *p, normals_job *job)
 {
     preview_scale own = { 0 }, *s = p->scale != NULL ? p->scale : &own;
-    const double sign = job->how.scale;
+    const double strength = job->how.scale;
     if (!job->measures)
         return JOB_DONE;
     if (!same_slopes(s, job)) {
         const preview_scale asked = { .known = true, .of = job->how, .biased = job->biased };
+        job->how.scale = 1;
         const job_status status =
             normals_job_find_scale(job, p->heights != NULL ? p->heights : p->layer);
         if (status != JOB_DONE)
             return status;
         *s = asked;
-        s->value = job->how.scale / sign;
+        s->value = job->how.scale;
     }
-    job->how.scale = s->value * sign;
+    job->how.scale = s->value * strength;
     job->measures = false;
     return JOB_DONE;
 }
 
-static job_status show_normals(const preview *p, uint8_t *map, uint8_t *lit)
+void preview_heights_forget(preview_heights *h)
 {
-    maker m = { .p = p, .what = MAKE_NORMALS, .normals = normals_job_from(p->settings) };
-    m.normals.alpha = ALPHA_KEEP;
-    m.normals.how.alpha = NTP_ALPHA_KEEP;
-    m.encoding = m.normals.encoding;
-    m.colors = m.normals.swap || m.normals.dudv != DUDV_NONE;
-    job_status status = find_scale(p, &m.normals);
-    if (status == JOB_DONE)
-        status = sample(&m, map);
+    smoothed_free(&h->made);
+}
+
+/* Smooths the heights of the whole layer, or takes those of the last call. */
+static job_status find_heights(const preview *p, preview_heights *h, normals_job *job)
+{
+    const smoothing *a = &h->forms, *b = &job->forms;
+    const preview_heights asked = { .forms = job->forms, .of = job->how, .biased = job->biased };
+    if (!smoothing_acts(b))
+        return JOB_DONE;
+    if (h->made.data != NULL && a->blur == b->blur && a->small == b->small &&
+        a->middle == b->middle && a->large == b->large && same_heights(&h->of, &job->how) &&
+        h->biased == job->biased) {
+        job->forms = (smoothing) { 0, 1, 1, 1 };
+        job->how.source = NTP_HEIGHT_SOURCE_RED;
+        job->biased = false;
+        return JOB_DONE;
+    }
+    preview_heights_forget(h);
+    *h = asked;
+    return normals_job_smooth(job, &h->made, p->heights != NULL ? p->heights : p->layer, p->around);
+}
+
+/* Both pictures, of heights that are ready. */
+static job_status paint_normals(maker m, uint8_t *map, uint8_t *lit)
+{
+    const preview *p = m.p;
+    job_status status = sample(&m, map);
     if (status != JOB_DONE)
         return status;
     if (m.colors) {
         m.normals.swap = m.colors = false;
+        m.normals.channels = ORDER_XYZ;
         m.normals.dudv = DUDV_NONE;
         status = sample(&m, lit);
         if (status == JOB_DONE)
@@ -308,6 +334,28 @@ static job_status show_normals(const preview *p, uint8_t *map, uint8_t *lit)
     }
     light_up(p, m.encoding, m.normals.y, map, lit);
     return JOB_DONE;
+}
+
+static job_status show_normals(const preview *p, uint8_t *map, uint8_t *lit)
+{
+    preview with = *p; /* the smoothed heights */
+    preview_heights own = { 0 }, *h = p->smoothed != NULL ? p->smoothed : &own;
+    maker m = { .p = &with, .what = MAKE_NORMALS, .normals = normals_job_from(p->settings) };
+    m.normals.alpha = ALPHA_KEEP;
+    m.normals.how.alpha = NTP_ALPHA_KEEP;
+    m.normals.dithers = false; /* it needs every row above, for at most a level */
+    m.encoding = m.normals.encoding;
+    m.colors = m.normals.swap || m.normals.channels != ORDER_XYZ || m.normals.dudv != DUDV_NONE;
+    const bool smooths = smoothing_acts(&m.normals.forms);
+    job_status status = find_scale(p, &m.normals);
+    if (status == JOB_DONE)
+        status = find_heights(p, h, &m.normals);
+    if (status == JOB_DONE && smooths)
+        with.heights = &h->made.raster;
+    if (status == JOB_DONE)
+        status = paint_normals(m, map, lit);
+    preview_heights_forget(&own);
+    return status;
 }
 
 static job_status show_clean(const preview *p, uint8_t *map, uint8_t *lit)

@@ -5,6 +5,7 @@
 #ifndef NTP_PLUGIN_PREVIEW_H
 #define NTP_PLUGIN_PREVIEW_H
 
+#include "heights.h"
 #include "repair.h"
 
 /* The scale that the heights suggest, measured once; zeroed at first, and when the heights change.
@@ -15,6 +16,17 @@ typedef struct preview_scale {
     ntp_normals_options of;
     bool biased;
 } preview_scale;
+
+/* The smoothed heights, made once for their settings; zeroed at first. */
+typedef struct preview_heights {
+    smoothed made; /* without data: none */
+    smoothing forms;
+    ntp_normals_options of;
+    bool biased;
+} preview_heights;
+
+/* When the heights change, and in the end. */
+void preview_heights_forget(preview_heights *h);
 
 typedef struct preview {
     const procedure *procedure; /* normals, height, clean or check */
@@ -33,6 +45,7 @@ typedef struct preview {
     int32_t most;               /* texels that a pixel averages on each axis; 0: all under it */
     const ntp_light *light;     /* or NULL */
     preview_scale *scale;       /* kept from call to call, or NULL */
+    preview_heights *smoothed;  /* the same */
     const surroundings *around; /* or NULL */
 } preview;
 

@@ -72,6 +72,7 @@ static const raster *other_heights(view *v)
         v->heights_id = id;
         v->luminance = luminance;
         v->scale.known = false;
+        preview_heights_forget(&v->smoothed);
         if (luminance)
             host_open_luminance(&v->heights, host_is_layer(id) ? id : v->layer.id);
         else if (host_is_layer(id))
@@ -182,6 +183,7 @@ static job_status render_rows(view *v, int first, int end, int most)
                   .most = most,
                   .light = &v->light,
                   .scale = &v->scale,
+                  .smoothed = &v->smoothed,
                   .around = &around };
     p.repair = shown_remedy(v, &p.accident, &p.green);
     job_status status =
@@ -459,6 +461,7 @@ static void view_free(gpointer data)
     g_free(v->lit);
     g_free(v->before);
     g_free(v->heat);
+    preview_heights_forget(&v->smoothed);
     g_free(v);
 }
 

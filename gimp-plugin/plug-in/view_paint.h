@@ -37,6 +37,7 @@ typedef struct view {
     int width, height; /* of the pictures, in pixels of the screen */
     double step;
     preview_scale scale;
+    preview_heights smoothed;
     uint8_t *map, *lit, *before, *heat; /* packed RGB */
     int row;                            /* of pixels, that is the next to be shown in full */
     GtkWidget *areas[AREAS], *note, *title, *legend, *combo, *tile, *compare;

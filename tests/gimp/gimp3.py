@@ -24,6 +24,22 @@ PLAIN = [OPERATION, SETTINGS]
 CLEAN = ["ntp:clean-normals", {"to-y": "down"}]
 ZZERO = ["ntp:clean-normals", {"to": "zzero", "to-y": "down"}]
 OTHER = ["gegl:invert-gamma", {}]  # not ours
+# What reaches far, or changes other channels; and the options of `ntp` that are the same.
+FAR = {
+    "forms": (
+        {"scale": 7.3, "blur": 1.5, "small": 0.5, "middle": 2, "large": 1.25},
+        "--scale 7.3 --blur 1.5 --octaves 0.5,0,1.5,0,-0.75",
+    ),
+    "dither": (
+        {"scale": 2.5, "dither": "integrable", "blur": 0.7},
+        "--scale 2.5 --dither integrable --blur 0.7",
+    ),
+    "auto": ({"strength": 0.3, "channels": "zyx"}, "--scale auto --strength 0.3 --channels zyx"),
+    "labpbr": (
+        {"scale": 7.3, "preset": "labpbr"},
+        "--scale 7.3 --to-y down --to xy --alpha height",
+    ),
+}
 WIDTH, HEIGHT = 150, 133
 PART = (20, 30, 77, 55)  # x, y, width, height of the selection
 PRECISIONS = [
@@ -79,6 +95,13 @@ def jobs():
         ["merge", *PLAIN],
         ["dump", "offsets"],
     )
+    for name, (settings, _) in FAR.items():
+        for file in (RGB, RGBA):
+            for how in ("merge", "append"):
+                steps = [[how, OPERATION, settings], ["save", f"{file}-{name}-{how}.png"]]
+                job(f"{file}-{name}-{how}", *steps, file=file)
+        settings = ["append", OPERATION, settings]
+        job(f"{name}-xcf", settings, ["reopen", f"{name}.xcf"], ["save", f"{name}-xcf.png"])
     job("group", ["group"], ["append", *PLAIN], ["save", "group.png"])
     job("indexed", ["mode", "indexed"], ["merge", *PLAIN], ["dump", "indexed"])
     job("gray", ["merge", *PLAIN], ["dump", "gray"], file=name_of(1, 8, False))
@@ -179,6 +202,22 @@ def test_same_as_ntp(done, ntp, channels, depth, gamma, how):
     """Merged, and non-destructive."""
     name = name_of(channels, depth, gamma)
     assert different(done(f"{name}-{how}"), ntp(INPUTS[name][0], "from-height", *OPTIONS)) == 0
+
+
+@pytest.mark.parametrize("file", [RGB, RGBA])
+@pytest.mark.parametrize("name", FAR)
+def test_far(done, ntp, name, file):
+    """Merged, as a layer effect, and saved with the layer."""
+    words = FAR[name][1].split()
+    if "zyx" in words and file == RGBA:
+        words[-1] += "a"
+    expected = ntp(INPUTS[file][0], "from-height", *words)
+    for how in ("merge", "append"):
+        made = done(f"{file}-{name}-{how}")
+        assert different(made, expected[..., : made.shape[2]]) == 0, how
+    if file == RGB:
+        made = done(f"{name}-xcf")
+        assert different(made, expected[..., : made.shape[2]]) == 0
 
 
 def selected(pixels, how, make):

@@ -159,6 +159,57 @@ def test_settings(gegl, ntp, settings):
     assert np.count_nonzero((made != expected).any(2)) == 0
 
 
+# Properties, and the options that are the same; pictures of so many channels and bits.
+FORMS = "small=0.5 middle=2 large=1.25", "--octaves 0.5,0,1.5,0,-0.75"
+DOWN = "--to-y down"
+SAME = [
+    (4, 8, "blur=2.5", "--blur 2.5"),
+    (3, 16, FORMS[0], FORMS[1]),
+    (1, 8, f"blur=1.5 {FORMS[0]} border-x=mirror border-y=extrapolate alpha=height",
+     f"--blur 1.5 {FORMS[1]} --border-x mirror --border-y extrapolate --alpha height"),
+    (3, 8, "large=0 source=luma border-y=repeat-slope kernel=gimp7",
+     "--octaves 1,0,0,0,-1 --source luma --border-y repeat-slope --kernel gimp7"),
+    (4, 8, "dither=integrable", "--dither integrable"),
+    (3, 16, "dither=integrable kernel=gimp9 border-x=clamp border-y=mirror",
+     "--dither integrable --kernel gimp9 --border-x clamp --border-y mirror"),
+    (3, 8, "dither=integrable blur=2 invert=true", "--dither integrable --blur 2 --invert"),
+    (4, 8, "channels=zyx", "--channels zyxa"),
+    (3, 16, "channels=xzy", "--channels xzy"),
+    (4, 16, "channels=1y0x", "--channels 1y0x"),
+    (3, 8, "channels=1y0x", "--channels 1y0x"),
+    (3, 8, "preset=unreal channels=zyx kernel=sobel3", f"{DOWN} --kernel sobel3"),
+    (4, 16, "preset=unity to-y=down to=zzero", "--to-y up"),
+    (3, 8, "preset=godot to=xy", "--to-y up"),
+    (3, 8, "preset=source", DOWN),
+    (3, 8, "preset=labpbr", f"{DOWN} --to xy --alpha height"),
+    (1, 16, "preset=gimp kernel=sobel3", "--like gegl:-12.5 --blue nearest"),
+    (3, 8, "preset=gimp-normalmap kernel=sobel3", "--like gimp-normalmap:sobel3:-12.5"),
+    (3, 8, "preset=gimp-normalmap kernel=forward", "--like gimp-normalmap:4sample:-12.5"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("channels", "depth", "properties", "options"), SAME)
+def test_smoothed_dithered_arranged(gegl, ntp, channels, depth, properties, options):
+    heights = picture(97, 71, channels, depth)
+    scale = [] if "--like" in options else ["--scale", "-12.5"]
+    expected = ntp(heights, "from-height", *scale, *options.split())
+    made = gegl(heights, "ntp:normals-from-height", "scale=-12.5", *properties.split(), threads=2)
+    assert made.shape == expected.shape
+    assert np.count_nonzero((made != expected).any(2)) == 0
+
+
+@pytest.mark.parametrize(
+    "properties", ["blur=3 small=2", "dither=integrable", "blur=2 dither=integrable"]
+)
+def test_parts_of_what_reaches_far(gegl, properties):
+    """A part that is asked for alone; the scale is that of the heights before they are blurred."""
+    heights = picture(530, 300, 3, 8)
+    operation = ["ntp:normals-from-height", *properties.split()]
+    whole = gegl(heights, *operation, f"scale={suggested_scale(heights)!r}", threads=4)
+    part = gegl(heights, *operation, "gegl:crop", "x=37", "y=40", "width=50", "height=30")
+    assert (part == whole[40:70, 37:87]).all()
+
+
 @pytest.mark.parametrize("border", ["wrap", "clamp", "mirror", "extrapolate", "repeat-slope"])
 @pytest.mark.parametrize("size", [(1, 1), (2, 1), (1, 3), (3, 3), (5, 9), (8, 2)])
 def test_small(gegl, ntp, size, border):

@@ -8,7 +8,16 @@ from pathlib import Path
 import pytest
 
 PARTS = Path(__file__).resolve().parents[2] / "gimp-plugin"
-FIELDS = (PARTS / "plug-in" / "fields.c").read_text(encoding="utf-8")
+CHOICES = (PARTS / "choices.h").read_text(encoding="utf-8")
+SHARED = dict(re.findall(r'#define (NTP_\w+_LABEL) N_\("(.*)"\)', CHOICES))
+
+
+def spelled_out(text):
+    """With the labels of choices.h in the place of their names."""
+    return re.sub(r"\bNTP_\w+_LABEL\b", lambda name: f'N_("{SHARED[name[0]]}")', text)
+
+
+FIELDS = spelled_out((PARTS / "plug-in" / "fields.c").read_text(encoding="utf-8"))
 DIALOGS = re.findall(r"static const field (\w+)\[\w+\] = \{(.*?)\n\};", FIELDS, re.DOTALL)
 # Those of the buttons, GIMP's own among them: Help, Reset, Cancel, OK, Load and Save.
 BUTTONS = {"en": "hrcols", "de": "hzcaols"}
@@ -38,8 +47,8 @@ def plain(text):
 
 def operation_labels(file):
     """{"min-z": "Minimum Z"} of an operation's properties."""
-    text = (PARTS / "gegl" / file).read_text(encoding="utf-8")
-    found = re.findall(r'^property_\w+\((\w+), _\("(.+?)"\)', text, re.MULTILINE)
+    text = spelled_out((PARTS / "gegl" / file).read_text(encoding="utf-8"))
+    found = re.findall(r'^property_\w+\((\w+), (?:_|LABEL)\((?:N_\()?"(.+?)"\)', text, re.MULTILINE)
     return {name.replace("_", "-"): label for name, label in found}
 
 
@@ -66,10 +75,23 @@ def test_one_name_for_an_option(name, language):
     shared = 0
     for option, label in plugin_labels(name).items():
         there = operation.get(others.get(option, option))
-        if there is not None and option != "scale":  # the operation's says more
-            assert plain(texts.get(label, label)) == texts.get(there, there), option
+        if there is not None:
+            assert plain(texts.get(label, label)) == plain(texts.get(there, there)), option
             shared += 1
     assert shared >= 2
+
+
+def test_shared_options_are_named_in_one_place():
+    """Options of Normals from Height that both have: name and explanation are those of choices.h."""
+    fields = (PARTS / "plug-in" / "fields.c").read_text(encoding="utf-8")
+    operation = (PARTS / "gegl" / "normals_from_height.c").read_text(encoding="utf-8")
+    rows = fields[fields.index("normals_fields[FN_COUNT] =") :]
+    rows = dict(re.findall(r'\("([\w-]+)", (\w+)', rows[: rows.index("\n};")]))
+    properties = re.findall(r"^property_\w+\((\w+), (?:LABEL\((\w+)\))?", operation, re.MULTILINE)
+    shared = {name: label for name, label in properties if name.replace("_", "-") in rows}
+    assert len(shared) > 20
+    for name, label in shared.items():
+        assert label == f"NTP_{name.upper()}_LABEL" == rows[name.replace("_", "-")]
 
 
 @pytest.mark.parametrize("language", ["de", "en_GB"])

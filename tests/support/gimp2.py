@@ -30,6 +30,14 @@ ARGUMENTS = {
         "flip-x": 0,
         "swap-rgb": 0,
         "dudv": "none",
+        "preset": "none",
+        "strength": 1,
+        "blur": 0,
+        "small": 1,
+        "middle": 1,
+        "large": 1,
+        "channels": "xyz",
+        "dither": "none",
     },
     "plug-in-ntp-height-from-normals": {
         "border-x": "extrapolate",
@@ -81,6 +89,9 @@ CHOICES = {
     "alpha": "keep one zero inverse height inverse-height layer",
     "blue": "derived nearest",
     "dudv": "none 8-signed 8-unsigned 16-signed 16-unsigned",
+    "preset": "none unreal unity godot source labpbr gimp gimp-normalmap",
+    "channels": "xyz zyx xzy 1y0x",
+    "dither": "none integrable",
 }
 
 

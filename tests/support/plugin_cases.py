@@ -57,18 +57,31 @@ SETTINGS = {
     "screen": {"source": "screen", "border-x": "clamp", "border-y": "repeat-slope"},
     "zzero": {"to": "zzero", "blue": "nearest", "min-z": 0.6},
     "spacing": {"dx": 0.5, "dy": 3, "kernel": "forward"},
+    "forms": {"blur": 1.5, "small": 0.5, "middle": 2, "large": 1.25, "border-x": "mirror"},
+    "dither": {"dither": "integrable", "strength": 0.25},
+    "dxt5nm": {"channels": "1y0x", "to-y": "down"},
+    "labpbr": {"preset": "labpbr"},
+}
+# Those that the program has by other names.
+OTHERWISE = {
+    "forms": "--blur 1.5 --octaves 0.5,0,1.5,0,-0.75 --border-x mirror",
+    "labpbr": "--to-y down --to xy --alpha height",
 }
 
 
 CASES = [(file, "sobel") for file in INPUTS]
 CASES += [("rgb8", "gimp9"), ("rgba16", "luma"), ("rgb8", "screen"), ("gray16-gama", "zzero")]
-CASES += [("rgba16", "spacing"), ("rgb16", "zzero")]
+CASES += [("rgba16", "spacing"), ("rgb16", "zzero"), ("rgba8", "forms"), ("gray16", "forms")]
+CASES += [("rgb8", "dither"), ("rgba16", "dither"), ("rgb8", "dxt5nm"), ("rgba16", "labpbr")]
 # On which a selection is tried.
 PARTS = ["gray8", "graya16", "gray16-gama", "rgb8-gama", "rgb16-gama", "rgba16", "rgba16-gama"]
 
 
 def options(settings):
     """Settings as options of the program."""
+    for name, words in OTHERWISE.items():
+        if settings == SETTINGS[name]:
+            return words.split()
     return [word for name, value in settings.items() for word in (f"--{name}", str(value))]
 
 

@@ -3,6 +3,7 @@
  * test_plugin.c - the jobs of the GIMP plug-in on rasters in memory, against libntp on the whole
  */
 #undef NDEBUG
+#include "../../gimp-plugin/presets.h"
 #include "normals.h"
 #include "preview.h"
 #include "rasters.h"
@@ -64,6 +65,150 @@ static void test_bands(void)
         memory_free(made);
         memory_free(expected);
     }
+}
+
+/* Heights blurred by libntp on the whole: the octaves 0.5, 0, 1.5, 0, -0.75 of a blur by 1.5. */
+static void blur_whole(memory *out, const memory *in, const normals_job *job)
+{
+    static const double SIGMA2[] = { 2.25, 6.25, 66.25 }, WEIGHT[] = { 0.5, 1.5, -0.75 };
+    const ntp_image dst = raster_view(&out->raster, out->data, out->raster.height);
+    const ntp_image src = raster_view(&in->raster, in->data, in->raster.height);
+    const ntp_const_image seen = ntp_image_as_const(&src);
+    for (int i = 0; i < 3; i++) {
+        const ntp_blur_options how = { .sigma = sqrt(SIGMA2[i]),
+                                       .weight = WEIGHT[i],
+                                       .add = i > 0,
+                                       .border_x = job->how.border_x,
+                                       .border_y = job->how.border_y,
+                                       .source = job->how.source };
+        const size_t size = ntp_height_blur_scratch_size(&how, src.width);
+        void *scratch = malloc(size);
+        assert(scratch != NULL);
+        assert(ntp_height_blur(&dst, &seen, &how, scratch, size) == NTP_OK);
+        free(scratch);
+    }
+}
+
+/* Also of a part, and with the error of dithering from the first row on. */
+static void test_forms_and_dither(void)
+{
+    static const int32_t SIZES[][2] = { { 1, 1 }, { 17, 131 }, { 9, 300 } };
+    const procedure *p = &procedures[PROCEDURE_NORMALS];
+    for (int n = 0; n < 60; n++) {
+        const int32_t *size = SIZES[n % 3];
+        const ntp_type type = n % 2 == 0 ? NTP_TYPE_U8 : NTP_TYPE_U16;
+        const bool forms = n % 4 < 2, dithers = n % 5 < 3;
+        memory *in = memory_new(size[0], size[1], 3, type);
+        memory *made = memory_new(size[0], size[1], 3, type);
+        memory *expected = memory_new(size[0], size[1], 3, type);
+        memory *heights = memory_new(size[0], size[1], 1, NTP_TYPE_F32);
+        ntp_rect area = { 0, 0, size[0], size[1] };
+        settings s;
+        fill(in);
+        settings_reset(p, &s);
+        s.value[FN_SCALE] = 2;
+        s.value[FN_STRENGTH] = 0.75;
+        s.value[FN_KERNEL] = draw() % 10;
+        s.value[FN_BORDER_X] = draw() % 5;
+        s.value[FN_BORDER_Y] = draw() % 5;
+        s.value[FN_SOURCE] = NTP_HEIGHT_SOURCE_GREEN;
+        s.value[FN_CHANNELS] = ORDER_XZY;
+        s.value[FN_DITHER] = dithers;
+        if (forms) {
+            s.value[FN_BLUR] = 1.5;
+            s.value[FN_SMALL] = 0.5;
+            s.value[FN_MIDDLE] = 2;
+            s.value[FN_LARGE] = 1.25;
+        }
+        const normals_job job = normals_job_from(&s);
+        assert(settings_check(p, &s) == NULL && job.how.scale == 1.5);
+        ntp_normals_options how = job.how;
+        ntp_image src = raster_view(&in->raster, in->data, size[1]);
+        ntp_image dst = raster_view(&expected->raster, expected->data, size[1]);
+        dst.encoding = NTP_ENCODING_STANDARD;
+        if (forms) {
+            blur_whole(heights, in, &job);
+            src = raster_view(&heights->raster, heights->data, size[1]);
+            how.source = NTP_HEIGHT_SOURCE_RED;
+        }
+        const ntp_const_image seen = ntp_image_as_const(&src);
+        if (dithers) {
+            const size_t bytes = ntp_normals_dithered_scratch_size(size[0]);
+            void *errors = calloc(1, bytes);
+            assert(errors != NULL);
+            assert(ntp_normals_dithered(&dst, &seen, &how, errors, bytes, NULL, NULL) == NTP_OK);
+            free(errors);
+        } else {
+            assert(ntp_normals_from_height(&dst, &seen, &how, NULL, NULL) == NTP_OK);
+        }
+        const size_t sample = raster_sample(&made->raster);
+        for (unsigned char *at = expected->data; at < expected->data + bytes_of(expected);
+             at += 3 * sample) {
+            unsigned char kept[2];
+            memcpy(kept, at + sample, sample);
+            memcpy(at + sample, at + 2 * sample, sample);
+            memcpy(at + 2 * sample, kept, sample);
+        }
+        if (n % 3 > 0) {
+            area = (ntp_rect) { 3, 100, 8, 130 };
+            memcpy(made->data, expected->data, bytes_of(made));
+            for (int32_t y = 100; y < 130; y++)
+                memset(made->data + raster_row(&made->raster) * (size_t) y +
+                           raster_pixel(&made->raster) * 3,
+                       77, raster_pixel(&made->raster) * 5);
+        }
+        assert(normals_job_run(&job, &in->raster, &in->raster, NULL, &made->raster, &area, NULL) ==
+               JOB_DONE);
+        assert(memcmp(made->data, expected->data, bytes_of(made)) == 0);
+        memory_free(in);
+        memory_free(made);
+        memory_free(expected);
+        memory_free(heights);
+    }
+}
+
+static void test_dxt5nm_and_presets(void)
+{
+    memory *in = memory_new(9, 7, 1, NTP_TYPE_U16), *made = memory_new(9, 7, 4, NTP_TYPE_U16);
+    memory *plain = memory_new(9, 7, 3, NTP_TYPE_U16);
+    const uint16_t *a = (const uint16_t *) (void *) made->data;
+    const uint16_t *b = (const uint16_t *) (void *) plain->data;
+    settings s;
+    fill(in);
+    settings_reset(&procedures[PROCEDURE_NORMALS], &s);
+    s.value[FN_SCALE] = 3;
+    s.value[FN_CHANNELS] = ORDER_DXT5NM;
+    const normals_job dxt = normals_job_from(&s);
+    expect_normals(plain, in, &dxt);
+    assert(normals_job_needs_alpha(&dxt, NTP_TYPE_U16));
+    assert(normals_job_run(&dxt, &in->raster, NULL, NULL, &made->raster, NULL, NULL) == JOB_DONE);
+    for (int i = 0; i < 63; i++, a += 4, b += 3)
+        assert(a[0] == 65535 && a[1] == b[1] && a[2] == 0 && a[3] == b[0]);
+
+    s.value[FN_PRESET] = PRESET_LABPBR;
+    normals_job job = normals_job_from(&s);
+    assert(job.y == NTP_Y_DOWN && job.encoding == NTP_ENCODING_XY && job.alpha == ALPHA_HEIGHT &&
+           job.how.alpha == NTP_ALPHA_HEIGHT && job.channels == ORDER_XYZ && job.how.scale == 3);
+    s.value[FN_PRESET] = PRESET_UNITY;
+    job = normals_job_from(&s);
+    assert(job.y == NTP_Y_UP && job.encoding == NTP_ENCODING_STANDARD && job.alpha == ALPHA_KEEP);
+    s.value[FN_PRESET] = PRESET_GIMP;
+    job = normals_job_from(&s);
+    assert(job.luminance && job.how.blue == NTP_BLUE_NEAREST && job.how.scale == 3 &&
+           job.how.border_x == NTP_BORDER_CLAMP);
+    s.value[FN_PRESET] = PRESET_GIMP_NORMALMAP;
+    s.value[FN_KERNEL] = NTP_KERNEL_SOBEL3;
+    job = normals_job_from(&s);
+    assert(!job.luminance && job.how.scale == 24 && job.y == NTP_Y_DOWN &&
+           job.how.source == NTP_HEIGHT_SOURCE_LUMA_GIMP);
+    s.value[FN_SCALE] = 0;
+    job = normals_job_from(&s);
+    assert(job.measures && job.how.scale == 1);
+    assert(preset_decides(PRESET_UNREAL, "to-y") && !preset_decides(PRESET_UNREAL, "kernel") &&
+           !preset_decides(PRESET_NONE, "to-y") && preset_decides(PRESET_LABPBR, "alpha"));
+    memory_free(in);
+    memory_free(made);
+    memory_free(plain);
 }
 
 static void test_flip_and_swap(void)
@@ -534,6 +679,8 @@ int main(void)
 {
     test_settings();
     test_bands();
+    test_forms_and_dither();
+    test_dxt5nm_and_presets();
     test_flip_and_swap();
     test_scale_of_the_layer();
     test_alpha_rules();

@@ -5,6 +5,7 @@
  * It has what GIMP 3 provides for every plug-in: reset, settings in files, a preview.
  */
 #include "dialog.h"
+#include "../../presets.h"
 #include "about.h"
 #include "help.h"
 #include "view.h"
@@ -42,6 +43,20 @@ static double read_control(const dialog *d, int i)
     }
 }
 
+/* What a preset decides is gray. */
+static void allow_what_the_preset_leaves(const dialog *d)
+{
+    const procedure *p = d->procedure;
+    if (p != &procedures[PROCEDURE_NORMALS])
+        return;
+    for (int i = 0; i < p->count; i++) {
+        if (p->fields[i].kind == FIELD_CHOICE)
+            gtk_widget_set_sensitive(
+                d->controls[i],
+                !preset_decides((preset) d->settings->value[FN_PRESET], p->fields[i].name));
+    }
+}
+
 static void on_change(gpointer widget, gpointer data)
 {
     dialog *d = data;
@@ -50,6 +65,7 @@ static void on_change(gpointer widget, gpointer data)
         return;
     for (int i = 0; i < d->procedure->count; i++)
         d->settings->value[i] = read_control(d, i);
+    allow_what_the_preset_leaves(d);
     if (d->view != NULL)
         view_update(d->view, d->settings);
 }
@@ -217,22 +233,16 @@ static void add_field(dialog *d, GtkTable *table, gint row, int i)
 /* The fields of a page; NULL: there are none. */
 static GtkWidget *page_new(dialog *d, int page)
 {
-    const procedure *p = d->procedure;
-    GtkWidget *table = NULL;
-    gint row = 0;
-    for (int i = 0; i < p->count; i++) {
-        if (p->fields[i].page != page)
-            continue;
-        if (table == NULL) {
-            table = gtk_table_new((guint) p->count, 3, FALSE);
-            gtk_table_set_col_spacings(GTK_TABLE(table), 6);
-            gtk_table_set_row_spacings(GTK_TABLE(table), 6);
-            gtk_container_set_border_width(GTK_CONTAINER(table), 12);
-        }
-        add_field(d, GTK_TABLE(table), row++, i);
-    }
-    if (table == NULL)
+    int fields[MAX_FIELDS];
+    const int count = fields_on_page(d->procedure, page, fields);
+    if (count == 0)
         return NULL;
+    GtkWidget *table = gtk_table_new((guint) count, 3, FALSE);
+    gtk_table_set_col_spacings(GTK_TABLE(table), 6);
+    gtk_table_set_row_spacings(GTK_TABLE(table), 6);
+    gtk_container_set_border_width(GTK_CONTAINER(table), 12);
+    for (int row = 0; row < count; row++)
+        add_field(d, GTK_TABLE(table), row, fields[row]);
     GtkWidget *box = gtk_vbox_new(FALSE, 0); /* so that rows keep their height beside the preview */
     gtk_box_pack_start(GTK_BOX(box), table, FALSE, FALSE, 0);
     return box;
@@ -240,12 +250,14 @@ static GtkWidget *page_new(dialog *d, int page)
 
 static GtkWidget *controls_new(dialog *d)
 {
+    const char *const titles[PAGES] = { _("Normals"), _("Forms"), _("More") };
     GtkWidget *first = page_new(d, 0), *second = page_new(d, 1);
     if (second == NULL)
         return first;
+    GtkWidget *const pages[PAGES] = { first, second, page_new(d, 2) };
     GtkWidget *book = gtk_notebook_new();
-    gtk_notebook_append_page(GTK_NOTEBOOK(book), first, gtk_label_new(_("Normals")));
-    gtk_notebook_append_page(GTK_NOTEBOOK(book), second, gtk_label_new(_("More")));
+    for (int i = 0; i < PAGES; i++)
+        gtk_notebook_append_page(GTK_NOTEBOOK(book), pages[i], gtk_label_new(titles[i]));
     return book;
 }
 

@@ -5,6 +5,7 @@
  * GIMP keeps the last values, resets, saves and loads them.
  */
 #include "dialog.h"
+#include "../../presets.h"
 #include "help.h"
 #include "view.h"
 
@@ -12,6 +13,7 @@
 
 typedef struct connection {
     const procedure *procedure;
+    GimpProcedureDialog *dialog;
     GtkWidget *view;
 } connection;
 
@@ -23,14 +25,29 @@ static void allow_alpha_layer(GObject *config, const settings *s)
                               host_is_layer((gint32) s->value[FN_ALPHA_LAYER]));
 }
 
+/* What a preset decides is gray. */
+static void allow_what_the_preset_leaves(GimpProcedureDialog *dialog, const settings *s)
+{
+    const procedure *p = &procedures[PROCEDURE_NORMALS];
+    for (int i = 0; i < p->count; i++) {
+        if (p->fields[i].kind == FIELD_CHOICE)
+            gimp_procedure_dialog_set_sensitive(
+                dialog, p->fields[i].name,
+                !preset_decides((preset) s->value[FN_PRESET], p->fields[i].name), NULL, NULL,
+                FALSE);
+    }
+}
+
 static void on_change(GObject *config, GParamSpec *spec, gpointer data)
 {
     const connection *c = data;
     settings s;
     (void) spec;
     config_read(c->procedure, GIMP_PROCEDURE_CONFIG(config), &s);
-    if (c->procedure == &procedures[PROCEDURE_NORMALS])
+    if (c->procedure == &procedures[PROCEDURE_NORMALS]) {
         allow_alpha_layer(config, &s);
+        allow_what_the_preset_leaves(c->dialog, &s);
+    }
     view_update(c->view, &s);
 }
 
@@ -50,13 +67,13 @@ static void make_slider(GimpProcedureDialog *dialog, const field *f)
 /* The fields of a page as a box; NULL: there are none. */
 static GtkWidget *page_new(GimpProcedureDialog *dialog, const procedure *p, int page)
 {
+    int fields[MAX_FIELDS];
+    const int count = fields_on_page(p, page, fields);
     GList *names = NULL;
     gchar *id = g_strdup_printf("page-%d", page);
     GtkWidget *box = NULL;
-    for (int i = 0; i < p->count; i++) {
-        const field *f = &p->fields[i];
-        if (f->page != page)
-            continue;
+    for (int i = 0; i < count; i++) {
+        const field *f = &p->fields[fields[i]];
         if (f->kind == FIELD_NUMBER)
             make_slider(dialog, f);
         names = g_list_append(names, (gpointer) (guintptr) f->name);
@@ -72,12 +89,14 @@ static GtkWidget *page_new(GimpProcedureDialog *dialog, const procedure *p, int 
 
 static GtkWidget *controls_new(GimpProcedureDialog *dialog, const procedure *p)
 {
+    const char *const titles[PAGES] = { _("Normals"), _("Forms"), _("More") };
     GtkWidget *first = page_new(dialog, p, 0), *second = page_new(dialog, p, 1);
     if (second == NULL)
         return first;
+    GtkWidget *const pages[PAGES] = { first, second, page_new(dialog, p, 2) };
     GtkWidget *book = gtk_notebook_new();
-    gtk_notebook_append_page(GTK_NOTEBOOK(book), first, gtk_label_new(_("Normals")));
-    gtk_notebook_append_page(GTK_NOTEBOOK(book), second, gtk_label_new(_("More")));
+    for (int i = 0; i < PAGES; i++)
+        gtk_notebook_append_page(GTK_NOTEBOOK(book), pages[i], gtk_label_new(titles[i]));
     return book;
 }
 
@@ -110,6 +129,7 @@ gboolean dialog_run(const procedure *p, GimpProcedure *pdb_procedure, GimpProced
     connection c = { .procedure = p };
     gimp_ui_init(p->name);
     GtkWidget *dialog = dialog_new(p, pdb_procedure, config);
+    c.dialog = GIMP_PROCEDURE_DIALOG(dialog);
     GtkWidget *box = gtk_box_new(GTK_ORIENTATION_HORIZONTAL, 12);
     gtk_container_set_border_width(GTK_CONTAINER(box), 12);
     add_notice(gtk_dialog_get_content_area(GTK_DIALOG(dialog)), p, id);

@@ -8,6 +8,8 @@
  * selection.
  */
 #include "operation.h"
+#include "../../channels.h"
+#include "../../presets.h"
 
 #define OPERATION "ntp:normals-from-height"
 
@@ -40,6 +42,10 @@ static gboolean takes_settings(const settings *s, gboolean has_alpha)
             return FALSE;
     }
     const double source = s->value[FN_SOURCE];
+    const preset chosen = (preset) s->value[FN_PRESET];
+    if (chosen == PRESET_GIMP || chosen == PRESET_LABPBR || s->value[FN_DITHER] != 0 ||
+        (s->value[FN_CHANNELS] == ORDER_DXT5NM && !has_alpha))
+        return FALSE;
     if (source > NTP_HEIGHT_SOURCE_SCREEN || (source == NTP_HEIGHT_SOURCE_ALPHA && !has_alpha))
         return FALSE;
     return !host_is_layer((gint32) s->value[FN_HEIGHT_LAYER]) && s->value[FN_ALPHA] == ALPHA_KEEP &&
@@ -59,7 +65,9 @@ static GimpDrawableFilter *filter_new(GimpDrawable *drawable)
 /* Sets the properties, which have the same names; FALSE: some are missing. */
 static gboolean fill(GObject *config, const settings *s)
 {
-    for (int i = FN_SCALE; i <= FN_BLUE; i++) {
+    for (int i = FN_SCALE; i < FN_COUNT; i++) {
+        if (i > FN_BLUE && i < FN_PRESET)
+            continue;
         const field *f = &procedures[PROCEDURE_NORMALS].fields[i];
         if (g_object_class_find_property(G_OBJECT_GET_CLASS(config), f->name) == NULL)
             return FALSE;
