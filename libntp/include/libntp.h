@@ -1043,8 +1043,8 @@ NTP_API size_t ntp_height_scratch_size(const ntp_height_options *how, int32_t wi
  *
  * Automatic choices: for 8-bit NTP_ENCODING_STANDARD, NTP_DECODE_AUTO chooses TRUNC or SNORM if the
  * lengths decoded so are 1 to within rounding, and clearly closer to 1 than with UNORM.  Otherwise,
- * for 8 bits, it chooses NEUTRAL if 127 and 128 are far more frequent than their neighbors, and as
- * flat ground makes them; else UNORM.  NTP_Z_AUTO chooses the derived z if tilted texels have the
+ * for 8 bits, it chooses NEUTRAL if flat ground has 127 in red, not 128 as correct rounding makes it,
+ * and if all of red or all of green is 128; else UNORM.  NTP_Z_AUTO chooses the derived z if tilted texels have the
  * blue that is derived from red and green, or if lengths are off by more than three times their
  * rounding while x and y are too long in at most one texel of 50,000 and blue does not follow them;
  * NTP_ENCODING_VECTOR: stored.  Where it chooses the stored z, a z below twice the error that

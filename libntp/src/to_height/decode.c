@@ -51,13 +51,12 @@ static const double follows = 0.75;
 static const double most_of_error = 2;
 enum { FEW_NEGATIVE = 8 };
 
-/* 127 and 128 of red or green were meant to be flat if they have so many times the texels of 126 and
- * 129, and one of them is nearly alone: honest slopes have either sign. */
+/* Rounding puts 0 at 128.  Where flat ground has 127 instead, both levels were meant to be flat: red has
+ * so many times the texels of 126 and 129 there, and 128 is rare beside it.  (In green a flip of Y
+ * makes 127 of 128.)  Where it has 128, the plain rule gives more of the texels back: 0 is the edge of
+ * the box of 128, so of the normals of heights that are flat to within errors half get 127.  Only if
+ * nothing slopes along an axis the heights do not either, and it is 0. */
 enum { PILE = 3, ALONE = 10 };
-/* Or the two lie in patches, as on flat ground with traces of slopes far below a level, and the rest
- * of the texture is not flat.  Slopes of about a level would be lost. */
-static const double most_changes = 0.05, least_far = 0.02;
-enum { FAR = 9 /* of 2 c - m: more than four levels */ };
 
 /* A texel counts as tilted from 25 degrees on.  It takes so many of them, and this share of derived
  * blues among them. */
@@ -86,11 +85,8 @@ typedef struct evidence {
     double too_long;              /* texels whose x, y are longer than 1 */
     double rest, rest2, z2, both; /* sums of 1 - x^2 - y^2 and z^2, of their products */
     double negative, negative2;   /* texels whose z is below 0, and its squares */
-    double far;                   /* texels that are not flat */
-    /* of red and green: texels at 127, at 128, beside them; pairs of neighbors at the two levels, and
-     * how many of them differ */
-    double pile[2][2], beside[2], pairs[2], changes[2];
-    int32_t last[2];
+    double pile[2], beside;       /* of red: texels at 127, at 128, beside them */
+    double level;                 /* of green: texels at 128 */
     uint8_t votes[1 << 2 * VOTE_BITS];
 } evidence;
 
@@ -126,19 +122,11 @@ static void add_blue(evidence *e, int64_t z, int64_t rest, int32_t m)
 
 static void add_neutral(evidence *e, const int32_t c[3])
 {
-    bool far = false;
-    for (int32_t k = 0; k < 2; k++) {
-        int32_t v = 2 * c[k] - 255, last = e->last[k];
-        far = far || v > FAR || v < -FAR;
-        e->last[k] = v;
-        e->beside[k] += v == -3 || v == 3;
-        if (v != -1 && v != 1)
-            continue;
-        e->pile[k][v > 0]++;
-        e->pairs[k] += last == v || last == -v;
-        e->changes[k] += last == -v;
-    }
-    e->far += far;
+    int32_t v = 2 * c[0] - 255;
+    e->level += c[1] == 128;
+    e->beside += v == -3 || v == 3;
+    if (v == -1 || v == 1)
+        e->pile[v > 0]++;
 }
 
 static void add_levels(evidence *e, const int32_t c[3], int32_t m, bool zzero)
@@ -174,7 +162,6 @@ static void look(evidence *e, const ntp_const_image *src, uint32_t touch)
     int32_t m = ntp__max(src->type), step = (src->height + ROWS - 1) / ROWS;
     bool zzero = src->encoding == NTP_ENCODING_ZZERO;
     for (int32_t y = 0; y < src->height; y += step) {
-        e->last[0] = e->last[1] = 0;
         for (int32_t x = 0; x < src->width; x += NTP__BLOCK) {
             int32_t n = src->width - x < NTP__BLOCK ? src->width - x : NTP__BLOCK;
             ntp__unpack(&block, src, x, y, n);
@@ -195,18 +182,10 @@ static bool convinces(const evidence *e, const rule *r)
            r->gain >= least_gain * noise * e->count && r->gain >= least_score * sqrt(r->gain2);
 }
 
-/* Do red or green pile up at the two levels next to 0? */
 static bool is_neutral(const evidence *e)
 {
-    for (int32_t k = 0; k < 2; k++) {
-        double low = e->pile[k][0], high = e->pile[k][1];
-        if (low + high <= PILE * e->beside[k])
-            continue;
-        if (low > ALONE * high || high > ALONE * low ||
-            (e->changes[k] <= most_changes * e->pairs[k] && e->far >= least_far * e->all))
-            return true;
-    }
-    return false;
+    return e->pile[1] == e->all || e->level == e->all ||
+           (e->pile[0] > PILE * e->beside && e->pile[0] > ALONE * e->pile[1]);
 }
 
 static void choose_decode(ntp__height_plan *plan, const ntp_const_image *src, const evidence *e)
