@@ -264,6 +264,16 @@ def test_sharpened_normals_whose_blue_follows_z(family):
     assert result.type == S
 
 
+def test_rough_normals_sharpened_and_saved_as_jpeg_twice():
+    """A few blues fall below one half, but the others still follow z."""
+    n = sample("bricks", 3, np.random.default_rng([30, len("bricks")]))
+    sharp = maps.Image.fromarray(maps.jpeg(rounded(n), 20, 2)).filter(
+        ImageFilter.UnsharpMask(1, 100, 0)
+    )
+    result = classify(maps.Case("twice", maps.jpeg(np.array(sharp), 20, 2), S))
+    assert result.type == S and result.accidents & maps.LOSSY
+
+
 def test_no_reason_says_only_all():
     """Half a ball that faces down, a little short, is of no class, but not for its lengths."""
     z, x = np.mgrid[-1:1:64j, -1:1:64j]

@@ -436,8 +436,10 @@ static bool is_compressed(question *q)
     const ntp__evidence *e = q->e;
     double alike = least(e->correlation[1], e->correlation[2]);
     if (alike < COMPRESSED_ALIKE || s->used_mean[2] < OPEN_BLUE || q->lean > LEAN_SLANTED ||
-        q->negative > NEGATIVE_DAMAGED || q->too_long > TOO_LONG_SHARE ||
-        q->near[0] < COMPRESSED_NEAR || q->e->fit[0].length_mean < LENGTH_LEAST)
+        q->negative >
+            (follows_z(q, false, COMPRESSED_FOLLOWS) ? NEGATIVE_MOST : NEGATIVE_DAMAGED) ||
+        q->too_long > TOO_LONG_SHARE || q->near[0] < COMPRESSED_NEAR ||
+        q->e->fit[0].length_mean < LENGTH_LEAST)
         return false;
     q->out->accidents |= NTP_ACCIDENT_LOSSY;
     because(q, NTP_REASON_ALL_ALIKE, alike);

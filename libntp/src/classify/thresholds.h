@@ -239,6 +239,10 @@ static const double NOISE_MEAN = 0.03, NOISE_SPREAD = 1.3, NOISE_SURE = 0.7;
  * (0.1 at most, as a rule).  A third of the lengths are near 1 all the same. */
 static const double COMPRESSED_ALIKE = 0.2, COMPRESSED_NEAR = 0.3, COMPRESSED_SURE = 0.7;
 
+/* What is left of z then rises and falls by as much as z, if not closely.  Where it does, negative z
+ * is noise, and not the dark side of an occlusion. */
+static const double COMPRESSED_FOLLOWS = 0.5;
+
 /* Where (red, green) nearly keep to a line, as in a picture that fades from one color to another, a
  * length near 1 proves little: any line through the middle of the disc has it.  Slopes of one
  * direction keep to a line as well, so this refutes nothing.  LINE_NOISE allows for rounding. */
