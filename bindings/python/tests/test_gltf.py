@@ -404,6 +404,15 @@ def test_only_regular_files_of_the_folder_are_opened(tmp_path, name, what):
     assert ntp_gltf(path, "--root", "/", timeout=20).returncode == 3
 
 
+def test_a_uri_that_no_file_name_can_be(tmp_path):
+    """JSON can hold half a surrogate pair, which no encoding of names can."""
+    place = save(model(), tmp_path, "files")
+    place.write_text(place.read_text().replace("brick_n.png", "\\ud800.png"))
+    done = ntp_gltf(place)
+    assert done.returncode == 3 and "Traceback" not in done.stderr
+    assert "is not a file name" in done.stderr
+
+
 def test_the_file_itself_is_a_regular_one(tmp_path):
     os.mkfifo(tmp_path / "model.glb")
     done = ntp_gltf(tmp_path / "model.glb", "/dev/zero", timeout=20)

@@ -96,7 +96,10 @@ class Document:
                 raise self.fail(f"a data URI is not base64: {error}") from None
         if _SCHEME.match(uri) or uri.startswith("//"):
             raise self.fail(f"{uri[:80]!r} is not a local file")
-        name = os.fsencode(unquote(uri))
+        try:
+            name = os.fsencode(unquote(uri))
+        except UnicodeEncodeError:  # half a surrogate pair, which JSON can hold
+            name = b"\0"
         if b"\0" in name:
             raise self.fail(f"{uri[:80]!r} is not a file name")
         return self.path.parent / os.fsdecode(name)
