@@ -7,6 +7,7 @@ import pytest
 from support import libntp_ffi as ntp
 from support import to_height as reconstruction
 from support.find import find_border as find
+from support.find import find_borders, find_seams
 from support.oracle_height import CLAMP, EXTRAPOLATE, KERNELS, MIRROR, NAMES, REPEAT_SLOPE, WRAP
 
 BAKED = len(NAMES)
@@ -160,6 +161,99 @@ def test_unused_texels_at_the_edges_do_not_count():
     assert hidden["border"] == plain["border"] == EXTRAPOLATE
     assert hidden["error"][EXTRAPOLATE] < 0.01 < find(n, h, 0, 1, touch_unused=1)["error"][WRAP]
     assert find(n, h, 0, 1, touch_unused=1)["error"][EXTRAPOLATE] > 10
+
+
+# ------------------------------------------------------------------------------ from bands
+
+
+PAIRS = [(WRAP, CLAMP), (EXTRAPOLATE, WRAP), (CLAMP, EXTRAPOLATE), (MIRROR, CLAMP), (WRAP, WRAP)]
+
+
+@pytest.mark.parametrize("borders", PAIRS)
+def test_bands_show_the_borders_of_both_axes(borders):
+    """Along a side with bands, and along one that is used whole."""
+    for kernel, size in (("central", (290, 300)), ("forward", (120, 310)), ("sobel3", (310, 110))):
+        if (kernel == "forward" and MIRROR in borders) or (
+            kernel == "sobel3" and EXTRAPOLATE in borders
+        ):
+            continue
+        # of the period of the texture where it wraps
+        period = size[0] if borders[1] == WRAP else 400, size[1] if borders[0] == WRAP else 420
+        whole = reconstruction.fractal(period[0], seed=7, width=period[1])
+        h = whole[: size[0], : size[1]].copy()
+        n = reconstruction.from_height(h, kernel, *borders)
+        wraps = [int(seam["wraps"]) for seam in find_seams(n)]
+        for with_seams in (wraps, (0, 0)):
+            found = find_borders(n, NAMES.index(kernel), wraps=with_seams)
+            assert [f["border"] for f in found] == list(borders), (kernel, found)
+            assert all(f["decided"] for f in found)
+
+
+def test_damage_does_not_hide_that_it_tiles():
+    """Nothing fits well at the edges, so borders are tried."""
+    h = reconstruction.fractal(300, seed=3, rms_slope=1)
+    rng = np.random.default_rng(4)
+    clean = reconstruction.from_height(h).astype(float)
+    n = (clean + rng.normal(0, 5, clean.shape)).clip(0, 255).round().astype(np.uint8)
+    found = find_borders(n, 0)
+    assert [f["border"] for f in found] == [WRAP, WRAP]
+    assert min(found[0]["error"][:4]) > 3  # levels: no border is shown by the edges alone
+
+
+def test_borders_that_are_given_stay():
+    h = reconstruction.fractal(200, seed=2)
+    n = reconstruction.from_height(h)
+    given = {"border_x": CLAMP, "border_y": MIRROR}
+    first, second = find_borders(n, 0, open_=(0, 1), wraps=(1, 1), **given)
+    assert (first["border"], second["border"], second["decided"]) == (CLAMP, WRAP, 1)
+    first, second = find_borders(n, 0, open_=(1, 0), wraps=(1, 1), **given)
+    assert (first["border"], second["border"], first["decided"]) == (WRAP, MIRROR, 1)
+
+
+def test_borders_of_what_is_not_solved():
+    n = reconstruction.from_height(reconstruction.fractal(64))
+    for case in ({"method": WEIGHTED}, {"method": 2}, {"method": 1}):
+        found = find_borders(n, 0, wraps=(1, 0), **case)
+        assert [(f["border"], f["decided"]) for f in found] == [(WRAP, 1), (MIRROR, 0)]
+    for small in (n[:15], n[:, :15]):
+        found = find_borders(np.ascontiguousarray(small), FORWARD)
+        assert [(f["border"], f["decided"]) for f in found] == [(CLAMP, 0)] * 2
+    found = find_borders(n, BAKED)
+    assert [(f["border"], f["decided"]) for f in found] == [(MIRROR, 0)] * 2
+
+
+def test_threads_do_not_change_the_borders_and_progress_can_stop():
+    h = reconstruction.fractal(400, seed=5)[:330, :350].copy()
+    n = reconstruction.from_height(h, "central", CLAMP, EXTRAPOLATE)
+    shares = []
+
+    @ntp.ffi.callback("int32_t(void *, double)")
+    def progress(_, share):
+        shares.append(share)
+        return 0
+
+    one = find_borders(n, 0, hooks=reconstruction.serial_hooks(1, progress=progress))
+    assert one == find_borders(n, 0, hooks=reconstruction.serial_hooks(3)) == find_borders(n, 0)
+    assert shares == sorted(shares) and shares[0] < 0.3 and 0.5 < shares[-1] <= 1
+    stop = ntp.ffi.callback("int32_t(void *, double)", lambda *_: 1)
+    with pytest.raises(ntp.NtpError) as error:
+        find_borders(n, 0, hooks=reconstruction.serial_hooks(1, progress=stop))
+    assert error.value.status == ntp.ERR_CANCELLED
+
+
+def test_wrong_arguments_of_both_axes():
+    n = reconstruction.from_height(reconstruction.fractal(32))
+    call, size = ntp.lib.ntp_find_borders, ntp.lib.ntp_find_borders_scratch_size
+    how, fits = ntp.ffi.new("ntp_height_options *"), ntp.ffi.new("ntp_border_fit[2]")
+    src, null, both = ntp.view(n, const=True), ntp.ffi.NULL, ntp.ffi.new("int32_t[2]", [1, 1])
+    assert size(how, 32, 32, 1) > 0
+    for given in ((null, 32, 32, 1), (how, 0, 32, 1), (how, 32, 2**31 - 1, 1), (how, 32, 32, 65)):
+        assert size(*given) == 0
+    assert call(null, src, how, both, both, null, 0, null) == ntp.lib.NTP_ERR_ARGUMENT
+    assert call(fits, src, null, both, both, null, 0, null) == ntp.lib.NTP_ERR_ARGUMENT
+    assert call(fits, src, how, null, both, null, 0, null) == ntp.lib.NTP_ERR_ARGUMENT
+    assert call(fits, src, how, both, null, null, 0, null) == ntp.lib.NTP_ERR_ARGUMENT
+    assert call(fits, src, how, both, both, null, 0, null) == ntp.lib.NTP_ERR_SCRATCH
 
 
 def test_wrong_arguments():

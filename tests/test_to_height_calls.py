@@ -136,7 +136,7 @@ def test_arguments():
         ({"z": 3}, ntp.ERR_ARGUMENT),
         ({"border_x": 9}, ntp.ERR_ARGUMENT),
         ({"touch_unused": 8}, ntp.ERR_ARGUMENT),
-        ({"residual_scope": 3}, ntp.ERR_ARGUMENT),
+        ({"residual_scope": 5}, ntp.ERR_ARGUMENT),
         ({"prior": 3}, ntp.ERR_ARGUMENT),
         ({"method": 5}, ntp.ERR_ARGUMENT),
         ({"dx": -1.0}, ntp.ERR_ARGUMENT),

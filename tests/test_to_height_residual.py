@@ -21,7 +21,7 @@ from support.to_height import (
     serial_hooks,
     slopes,
 )
-from support.weighted import DERIVED, INSIDE, weighted
+from support.weighted import DERIVED, INSIDE, INSIDE_X, INSIDE_Y, weighted
 
 # Kernel, border on both axes, and the rounds after which no texel differs.
 GENTLE = [
@@ -226,6 +226,15 @@ def test_residual_is_that_of_the_normals():
         rms = np.sqrt(np.mean((a - b)[:, :2] ** 2)) * m / 2
         found = weighted(n, method=0, residual_scope=INSIDE, **how)[1]["residual"]
         assert abs(found - rms) <= 1e-4 * rms
+        for scope, turned in ((INSIDE_X, False), (INSIDE_Y, True)):
+            lines = np.zeros((23, 20) if not turned else (20, 23), bool)
+            lines[0 if kernel == "forward" else 1 : -1] = True
+            seen = used & (lines if turned else lines.T)
+            a = vectors(p, q)[seen]
+            b = vectors(p2.reshape(20, 23), q2.reshape(20, 23))[seen]
+            rms = np.sqrt(np.mean((a - b)[:, :2] ** 2)) * m / 2
+            found = weighted(n, method=0, residual_scope=scope, **how)[1]["residual"]
+            assert abs(found - rms) <= 1e-4 * rms
     assert weighted(n, method=0)[1]["residual"] == -1
 
 

@@ -24,14 +24,10 @@ ntp_status heights_solve(worker *w, const ntp_image *heights, const ntp_const_im
 ntp_status heights_occlude(worker *w, const ntp_image *map, const ntp_const_image *heights,
                            const ntp_occlusion_options *how, stretch part);
 
-/*
- * Finds the borders that the normals at the edges were made with.  If the edges do not show it, some
- * borders are tried, and the one with the least residual is taken.  heights: memory for the heights
- * of src.  how: its borders hold where `fixed` says so.  seams: those of ntp_find_seams.  `found`
- * does not change if the heights cannot be solved.
- */
-ntp_status heights_find_borders(ntp_border_fit found[2], worker *w, const ntp_image *heights,
-                                const ntp_const_image *src, const ntp_height_options *how,
-                                const bool fixed[2], const ntp_seam seams[2], stretch part);
+/* ntp_find_borders on all threads of the worker.  how: its borders hold where `fixed` says so.
+ * seams: those of ntp_find_seams. */
+ntp_status heights_find_borders(ntp_border_fit found[2], worker *w, const ntp_const_image *src,
+                                const ntp_height_options *how, const bool fixed[2],
+                                const ntp_seam seams[2], stretch part);
 
 #endif

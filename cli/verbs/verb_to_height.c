@@ -340,7 +340,7 @@ bool to_height_solve(production *p, ntp_image *heights, ntpio_error *error)
     *heights = ntp_image_packed(buffer_reserve(&p->w->extra2, texels * sizeof(float)), view->width,
                                 view->height, 1, NTP_TYPE_F32);
     if (ok) {
-        ntp_status status = to_height_choose(st, set, p->w, heights);
+        ntp_status status = to_height_choose(st, set, p->w);
         if (status == NTP_OK)
             status = heights_solve(p->w, heights, &st->src, &st->how,
                                    (stretch) { SOLVE_PERMILLE, 1000 }, &st->result);

@@ -44,10 +44,8 @@ void to_height_see(production *p);
 /* Decides Y of the whole texture.  Returns false after *why asked. */
 bool to_height_knows(production *p, text *why);
 
-/* Decides the kernel and the borders where the options leave them open.  heights: memory for
- * them. */
-ntp_status to_height_choose(to_height_state *st, const to_height_settings *set, worker *w,
-                            const ntp_image *heights);
+/* Decides the kernel and the borders where the options leave them open. */
+ntp_status to_height_choose(to_height_state *st, const to_height_settings *set, worker *w);
 
 /* Solves for the heights, in memory of the worker.  Returns false with an error. */
 bool to_height_solve(production *p, ntp_image *heights, ntpio_error *error);

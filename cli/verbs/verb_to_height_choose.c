@@ -60,8 +60,7 @@ static void choose_kernel(to_height_state *st, const to_height_settings *set)
  * The normals at the edges show the border if the heights can be solved quickly.  Otherwise the
  * border is wrap if the texture tiles.
  */
-static ntp_status choose_borders(to_height_state *st, const to_height_settings *set, worker *w,
-                                 const ntp_image *heights)
+static ntp_status choose_borders(to_height_state *st, const to_height_settings *set, worker *w)
 {
     const ntp_height_method method = st->how.method;
     const int asked[2] = { set->border_x, set->border_y };
@@ -69,7 +68,6 @@ static ntp_status choose_borders(to_height_state *st, const to_height_settings *
     ntp_border *chosen[2] = { &st->how.border_x, &st->how.border_y };
     ntp_seam seams[2] = { { 0 }, { 0 } };
     ntp_border_fit found[2];
-    ntp_status status = NTP_OK;
     for (int i = 0; i < 2; i++) {
         const bool wraps = method == NTP_HEIGHT_FRANKOT_CHELLAPPA;
         *chosen[i] = fixed[i] ? (ntp_border) asked[i] : NTP_BORDER_WRAP;
@@ -79,13 +77,8 @@ static ntp_status choose_borders(to_height_state *st, const to_height_settings *
         return NTP_OK;
     if (method != NTP_HEIGHT_POISSON_DCT)
         ntp_find_seams(&seams[0], &seams[1], &st->src, st->how.touch_unused);
-    for (int i = 0; i < 2; i++)
-        found[i] = (ntp_border_fit) { .border = seams[i].wraps ? NTP_BORDER_WRAP
-                                                               : ntp_free_border(st->how.kernel),
-                                      .decided = seams[i].wraps };
-    if (method == NTP_HEIGHT_AUTO || method == NTP_HEIGHT_POISSON_DCT)
-        status = heights_find_borders(found, w, heights, &st->src, &st->how, fixed, seams,
-                                      (stretch) { READ_PERMILLE, SOLVE_PERMILLE });
+    const ntp_status status = heights_find_borders(found, w, &st->src, &st->how, fixed, seams,
+                                                   (stretch) { READ_PERMILLE, SOLVE_PERMILLE });
     for (int i = 0; i < 2; i++) {
         if (fixed[i])
             continue;
@@ -96,10 +89,9 @@ static ntp_status choose_borders(to_height_state *st, const to_height_settings *
     return status;
 }
 
-ntp_status to_height_choose(to_height_state *st, const to_height_settings *set, worker *w,
-                            const ntp_image *heights)
+ntp_status to_height_choose(to_height_state *st, const to_height_settings *set, worker *w)
 {
     st->src.y = st->y.y;
     choose_kernel(st, set);
-    return choose_borders(st, set, w, heights);
+    return choose_borders(st, set, w);
 }

@@ -919,9 +919,11 @@ typedef enum ntp_prior {
 /* Which texels `residual` covers. */
 typedef enum ntp_residual_scope {
     NTP_RESIDUAL_NONE = 0,
-    NTP_RESIDUAL_ALL = 1,   /* all texels */
-    NTP_RESIDUAL_INSIDE = 2 /* in at most 128 rows, texels whose kernel does not cross a border and
-                             * that are not beside an edge that was fitted again */
+    NTP_RESIDUAL_ALL = 1,    /* all texels */
+    NTP_RESIDUAL_INSIDE = 2, /* in at most 128 rows, texels whose kernel does not cross a border and
+                              * that are not beside an edge that was fitted again */
+    NTP_RESIDUAL_INSIDE_X = 3, /* texels whose kernel does not cross the left or the right border */
+    NTP_RESIDUAL_INSIDE_Y = 4 /* texels whose kernel does not cross the upper or the lower border */
 } ntp_residual_scope;
 
 typedef struct ntp_height_options {
@@ -1555,6 +1557,33 @@ NTP_API ntp_border ntp_free_border(ntp_kernel kernel);
 NTP_API ntp_status ntp_find_border(ntp_border_fit *fit, const ntp_const_image *src,
                                    const ntp_const_image *heights, const ntp_height_options *how,
                                    int32_t down, int32_t wraps);
+
+/* Bytes of working memory of ntp_find_borders; 0 if an argument is invalid. */
+NTP_API size_t ntp_find_borders_scratch_size(const ntp_height_options *how, int32_t width,
+                                             int32_t height, int32_t parts);
+
+/*
+ * Detects the borders of both axes, along x in fit[0] and along y in fit[1], from bands of the
+ * texture that reach from edge to edge: the rows, and the columns, with the most slope at the two
+ * edges.  Bands have 64 lines or more, up to 1/32 of all; sides of up to 128 are used whole.  If
+ * ntp_find_seams says wrap for all axes that are open, bands are solved so, and that is the answer
+ * if normals fit to 0.4 levels of 8 bit, and those at the edges to 0.8.  Else each is solved with
+ * ntp_free_border, and ntp_find_border decides.  If that cannot, and the fit is worse than 0.4
+ * levels, wrap is tried, and extrapolate and clamp if their error at the edges is at most twice the
+ * least; the border with the least residual is taken if that is less by 1 %.
+ * how: as for ntp_height_from_normals; the borders are those of the axes that are not `open`.  Only
+ * NTP_HEIGHT_AUTO and NTP_HEIGHT_POISSON_DCT without a mask are solved; else, and for baked normals
+ * and sides below 16 texels, fit[i] is what `wraps` says, or undecided.  open, wraps: nonzero for
+ * the axes whose border is to be found, and that ntp_find_seams says wrap.  fit[i].error is -1
+ * where ntp_find_border was not asked, and fit[i] is that of `how` where the axis is not open.
+ * scratch: aligned to 64.  hooks may be NULL.  src->ring_rows is 0.
+ * Errors: those of ntp_height_from_normals, but NTP_ERR_FORMAT for kernels and borders that cannot
+ * be solved: then fit is undecided.
+ */
+NTP_API ntp_status ntp_find_borders(ntp_border_fit fit[2], const ntp_const_image *src,
+                                    const ntp_height_options *how, const int32_t open[2],
+                                    const int32_t wraps[2], void *scratch, size_t scratch_size,
+                                    const ntp_hooks *hooks);
 
 /* --- cdef end --- */
 

@@ -9,7 +9,7 @@ from . import oracle_reconstruct as model
 from .to_height import UNORM
 
 WEIGHTED = 4
-INSIDE = 2  # NTP_RESIDUAL_INSIDE
+INSIDE, INSIDE_X, INSIDE_Y = 2, 3, 4  # NTP_RESIDUAL_INSIDE and those for one axis
 STORED, DERIVED = 1, 2
 KERNELS = [*heights.NAMES, model.BAKED]
 

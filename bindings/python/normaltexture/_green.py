@@ -38,7 +38,7 @@ def _look(source: NDArray[Any], type: Type, threads: int) -> Orientation | None:
     return detect_orientation(source, type=type, threads=threads)
 
 
-_ROWS = 64
+_FIRST_ROWS, _ROWS = 2, 64
 
 
 def find(source: NDArray[Any], type: Type, threads: int) -> Y | None:
@@ -58,13 +58,14 @@ def _levels(source: NDArray[Any], type: Type) -> tuple[NDArray[np.int64], int]:
 def slopes(source: NDArray[Any], type: Type, touch_unused: bool = False) -> tuple[bool, bool]:
     """Is x, is y of any used texel not 0, as nearly as the depth can say it?"""
     # What counts as 0 in 16 bit depends on all texels; in 8 bit the first rows are mostly enough.
-    rows = _ROWS if source.dtype == np.uint8 else max(len(source), 1)
+    rows = _FIRST_ROWS if source.dtype == np.uint8 else max(len(source), 1)
     x = y = False
-    for first in range(0, len(source), rows):
+    first = 0
+    while first < len(source) and not (x and y):
         found = _slopes(source[first : first + rows], type, touch_unused)
         x, y = x or found[0], y or found[1]
-        if x and y:
-            break
+        first += rows
+        rows = min(4 * rows, _ROWS)
     return x, y
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._arrays import Output, choose, number, pixels, spacing, view
-from ._borders import choose_borders, find_kernel
+from ._borders import SHARE, choose_borders, find_kernel
 from ._errors import ArgumentError, Status, check
 from ._green import choose_y, known, slopes, told
 from ._height_info import HeightInfo, info_of
@@ -368,8 +368,8 @@ def _heights(
     how.kernel = find_kernel(src_view, how.touch_unused) if kernel_code == AUTO else kernel_code
     result = ffi.new("ntp_height_result *")
     solver = Solver(dst, src_view, threads, progress)
-    solved = choose_borders(how, asked, src_view, ffi.cast("ntp_const_image *", dst), solver)
-    status = solver.solve(how, result, 0.5 if solved else 0.0, 1.0)
+    looked = choose_borders(how, asked, src_view, solver)
+    status = solver.solve(how, result, SHARE if looked else 0.0, 1.0)
     del mask_array
     if status in (Status.ARGUMENT, Status.FORMAT):
         cannot(how, status, source.dtype.kind == "f")

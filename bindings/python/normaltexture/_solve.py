@@ -12,7 +12,7 @@ from functools import partial
 from typing import Any
 
 from ._arrays import memory
-from ._errors import Status
+from ._errors import Status, check
 from ._native import ffi, lib
 from ._threads import Helpers, thread_count
 
@@ -85,6 +85,22 @@ class Solver(Callbacks):
             status = int(Status.OK)
         self.check()
         return status
+
+    def find_borders(
+        self, how: Any, open_: tuple[bool, bool], wraps: tuple[int, int], begin: float, end: float
+    ) -> Any:
+        """Two ntp_border_fit; what a callback raised is raised here."""
+        size = lib.ntp_find_borders_scratch_size(how, self._src.width, self._src.height, self.parts)
+        self.begin, self.end = begin, end
+        handle = ffi.new_handle(self)
+        scratch, owner = memory(max(size, 1), SCRATCH_ALIGNMENT)
+        fits = ffi.new("ntp_border_fit[2]")
+        hooks = self.hooks(handle, False)
+        status = lib.ntp_find_borders(fits, self._src, how, open_, wraps, scratch, size, hooks)
+        del owner
+        self.check()
+        check(status, "height_from_normals")
+        return fits
 
 
 def stop(exception: Any, value: Any, traceback: Any) -> int:

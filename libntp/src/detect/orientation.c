@@ -6,6 +6,7 @@
  *   orientation.c  which way green points
  *   find_kernel.c  which kernel took the slopes
  *   find_border.c  which border the heights had at the edges
+ *   find_borders.c the borders of both axes, from bands of the texture
  *   find_seams.c   whether the texture tiles
  *   find_steps.c   whether slopes come in steps, because the heights had few levels
  *

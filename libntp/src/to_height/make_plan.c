@@ -27,7 +27,7 @@ static bool enums_good(const ntp_height_options *how)
            in_range((int) how->border_x, NTP_BORDER_REPEAT_SLOPE) &&
            in_range((int) how->border_y, NTP_BORDER_REPEAT_SLOPE) &&
            in_range((int) how->kernel, NTP_KERNEL_BAKED) &&
-           in_range((int) how->residual_scope, NTP_RESIDUAL_INSIDE) &&
+           in_range((int) how->residual_scope, NTP_RESIDUAL_INSIDE_Y) &&
            in_range((int) how->prior, NTP_PRIOR_ROUGHNESS) && how->touch_unused <= NTP_UNUSED_ALL;
 }
 

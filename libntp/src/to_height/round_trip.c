@@ -35,11 +35,15 @@ static void choose_seen(ntp__round_trip *r, const ntp__height_plan *plan)
 {
     const ntp__stencil *s = r->stencil;
     bool only_inside = plan->residual_scope == NTP_RESIDUAL_INSIDE;
+    bool inside_x = only_inside || plan->residual_scope == NTP_RESIDUAL_INSIDE_X;
+    bool inside_y = only_inside || plan->residual_scope == NTP_RESIDUAL_INSIDE_Y;
     r->seen = (ntp_rect) { 0, 0, r->width, r->height };
     r->rows = only_inside ? MOST_ROWS : r->height;
-    for (int32_t t = 0; only_inside && t < s->terms; t++) {
+    for (int32_t t = 0; inside_x && t < s->terms; t++) {
         hold_inside(&r->seen.x0, &r->seen.x1, &s->along_x[t]);
         hold_inside(&r->seen.x0, &r->seen.x1, &s->across_x[t]);
+    }
+    for (int32_t t = 0; inside_y && t < s->terms; t++) {
         hold_inside(&r->seen.y0, &r->seen.y1, &s->along_y[t]);
         hold_inside(&r->seen.y0, &r->seen.y1, &s->across_y[t]);
     }
@@ -95,6 +99,8 @@ static void slopes_of_heights(const ntp__round_trip *r, double *right, double *d
                               int32_t y)
 {
     ntp__stencil_slopes(r->stencil, right, down, work, &r->heights, y);
+    if (r->dx == 1 && r->dy == 1)
+        return;
     for (int32_t x = 0; x < r->width; x++) {
         right[x] /= r->dx;
         down[x] /= r->dy;

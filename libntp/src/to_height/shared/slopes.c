@@ -8,6 +8,7 @@
 #include "to_height/shared/slopes.h"
 
 #include "texel/level.h"
+#include "texel/unused.h"
 #include "to_height/shared/solver_kernels.h"
 
 #include <string.h>
@@ -78,23 +79,12 @@ static void of_floats(const ntp__slopes *s, double *right, double *down, int32_t
     }
 }
 
-/* May one of these texels hold no normal?  m has all its bits set. */
-static bool any_suspect(const ntp__block *b, int32_t n, int32_t m)
-{
-    int32_t suspect = b->any_broken;
-    for (int32_t i = 0; i < n; i++) {
-        int32_t r = b->c[0][i], g = b->c[1][i], blue = b->c[2][i];
-        suspect |= (b->c[3][i] == 0) | ((r | g | blue) == 0) | ((r & g & blue) == m);
-    }
-    return suspect != 0;
-}
-
 /* Marks the texels that hold no normal, as they become flat; false: there is none. */
 static bool find_unused(bool flat[NTP__BLOCK], const ntp__slopes *s, const ntp__block *b, int32_t n,
                         ntp__slope_counts *counts)
 {
     int32_t m = ntp__max(s->src->type);
-    if (!any_suspect(b, n, m))
+    if (!ntp__any_suspect(b, n, m))
         return false;
     for (int32_t i = 0; i < n; i++) {
         bool broken = b->any_broken && b->broken[i];
