@@ -25,6 +25,11 @@ bench() {
         NTP_BUILD=$top/build-bench python bench/bench_heights_loop.py "$@"
         return
     fi
+    if [ "${1:-}" = cliffs ]; then
+        shift
+        NTP_BUILD=$top/build-bench python bench/bench_cliffs.py "$@"
+        return
+    fi
     if [ "${1:-}" = heights ]; then
         shift
         pip_install python -r bench/requirements.txt

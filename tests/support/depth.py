@@ -6,8 +6,11 @@ import numpy as np
 from support import libntp_ffi as ntp
 
 
-def find_depth(normals, encoding=ntp.VECTOR, y=ntp.UP, mask=None, camera=None, start=None, **how):
-    """(depth, confidence, result): float32 arrays, and the result as a dict."""
+def find_depth(
+    normals, encoding=ntp.VECTOR, y=ntp.UP, mask=None, camera=None, start=None, sure=True, **how
+):
+    """(depth, confidence, result): float32 arrays, and the result as a dict.  sure: find the
+    confidence, too."""
     h, w = normals.shape[:2]
     depth, confidence = np.zeros((h, w), np.float32), np.zeros((h, w), np.float32)
     keep = {}
@@ -21,7 +24,7 @@ def find_depth(normals, encoding=ntp.VECTOR, y=ntp.UP, mask=None, camera=None, s
     ntp.check(
         ntp.lib.ntp_depth_from_normals(
             ntp.view(depth, ntp.HEIGHT),
-            ntp.view(confidence, ntp.HEIGHT),
+            ntp.view(confidence, ntp.HEIGHT) if sure else ntp.ffi.NULL,
             ntp.view(normals, encoding, y, const=True),
             ntp.ffi.new("ntp_depth_options *", {**options, **keep, **how}),
             ntp.ffi.cast("void *", memory.__array_interface__["data"][0]),

@@ -21,6 +21,7 @@ from ._channels import pack_channels
 from ._classify import Classification, MethodChoice, choose_method, classify
 from ._clean import CleanCounts, clean, clean_with_counts
 from ._convert import ConvertCounts, convert, convert_with_counts
+from ._depth import depth_from_normals, depth_from_normals_with_confidence
 from ._errors import (
     ArgumentError,
     CancelledError,
@@ -110,6 +111,8 @@ __all__ = [
     "convert",
     "convert_with_counts",
     "decode",
+    "depth_from_normals",
+    "depth_from_normals_with_confidence",
     "detect_orientation",
     "encode",
     "find_kernel",

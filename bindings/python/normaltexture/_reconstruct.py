@@ -354,7 +354,7 @@ def _heights(
     percent = number("clip", clip, 0, MOST_CLIP)
     mask_array = None
     if mask is not None:
-        mask_array = _mask(mask, source)
+        mask_array = mask_of(mask, source)
         mask_view = view("mask", mask_array, HEIGHT)
         how.mask = mask_view
 
@@ -382,7 +382,7 @@ def _heights(
     return heights, info_of(how, result, green, source.dtype == np.uint8, clipped, share)
 
 
-def _mask(mask: Any, source: NDArray[Any]) -> NDArray[Any]:
+def mask_of(mask: Any, source: NDArray[Any]) -> NDArray[Any]:
     array = np.asarray(mask)
     array = pixels("mask", array.view(np.uint8) if array.dtype == np.bool_ else array)
     if array.shape[:2] != source.shape[:2] or array.dtype.kind == "f":

@@ -28,6 +28,7 @@ enum {
 static const double USUAL_K = 2;
 static const double STEADY = 3e-4; /* change of the energy in a round, of itself, that ends them */
 static const double OTHER_K = 3;   /* times k: how far depth moves then is a part of the doubt */
+static const double TRIAL_WEIGHT = 4; /* ranks errors best on made scenes, beside OTHER_K */
 static const double FIRST_SHARE = 0.01, LATER_SHARE = 0.3; /* of the residual that a solve leaves */
 static const double ONLY_SHARE = 1e-6;                     /* the same for plain least squares */
 
@@ -188,7 +189,7 @@ static double middle(const double *a, const double *b, int32_t n, double unit)
 }
 
 /* doubt = how far depth moves under forces as large as what is left of the equations, with signs
- * by chance (root mean square), and how far it moves with a greater k. */
+ * by chance (four times the root mean square), and how far it moves with a greater k. */
 static ntp_status find_doubt(work *w, double k)
 {
     ntp__terms *t = &w->terms;
@@ -215,7 +216,7 @@ static ntp_status find_doubt(work *w, double k)
             w->doubt[i] += (moved[i] - mean) * (moved[i] - mean) / PROBES;
     }
     for (int32_t i = 0; i < n; i++)
-        w->doubt[i] = sqrt(w->doubt[i]);
+        w->doubt[i] = TRIAL_WEIGHT * sqrt(w->doubt[i]);
     w->from = w->to;
     w->to = 1;
     memset(t->z, 0, (size_t) n * sizeof *t->z);
