@@ -26,6 +26,8 @@ CHOICES = {
     "resize": ("resize", "ntp_resize_options"),
     "transform": ("transform", "ntp_transform_options"),
     "blend": ("blend", "ntp_blend_options"),
+    "curvature": ("curvature", "ntp_curvature_options"),
+    "occlusion": ("occlusion", "ntp_occlusion_options"),
 }
 ROWS = [
     ("check", "verdict", "verdict", "ntp_verdict"),
@@ -78,6 +80,14 @@ ROWS = [
     ("transform", "rotate", "rotate", "angle"),
     ("transform", "border", "border", "border_x"),
     ("transform", "border", "border", "border_y"),
+    ("curvature", "kind", "kind", "kind"),
+    ("curvature", "range", "range", "range"),
+    ("curvature", "border", "border", "border_x"),
+    ("curvature", "source", "source", "ntp_height_source"),
+    ("curvature", "blur", "blur", None),
+    ("occlusion", "radius", "radius", "radius"),
+    ("occlusion", "border", "border", "border_y"),
+    ("occlusion", "depth", "depth", None),
     ("blend", "mode", "mode", "mode"),
     ("blend", "detail-alpha", "detail_alpha", "detail_alpha"),
     ("blend", "touch-unused", "touch_unused", "touch_unused"),

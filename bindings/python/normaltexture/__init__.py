@@ -57,6 +57,7 @@ from ._origin import KernelFit, Seam, Steps, find_kernel, find_seams, find_steps
 from ._pictures import Difference, Light, compare, heatmap, shade
 from ._program import CheckedFile, CheckReport, Finding, check, program
 from ._reconstruct import height_from_normals, height_from_normals_with_info
+from ._relief import curvature, occlusion
 from ._rows import height_from_rows
 from ._validate import Flag, Texel, inspect, validate
 from ._vectors import decode, encode
@@ -110,6 +111,7 @@ __all__ = [
     "compare",
     "convert",
     "convert_with_counts",
+    "curvature",
     "decode",
     "depth_from_normals",
     "depth_from_normals_with_confidence",
@@ -128,6 +130,7 @@ __all__ = [
     "mip_chain",
     "normals_from_height",
     "normals_from_height_with_counts",
+    "occlusion",
     "pack_channels",
     "program",
     "read",

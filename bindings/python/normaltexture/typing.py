@@ -98,6 +98,9 @@ WriteRows: TypeAlias = Callable[[int, NDArray[np.float32]], object]
 
 Filter: TypeAlias = Literal["box", "triangle", "lanczos3"]
 ResizeBorder: TypeAlias = Literal["wrap", "clamp", "mirror"]
+ReliefBorder: TypeAlias = Literal["wrap", "clamp"]
+CurvatureKind: TypeAlias = Literal["mean", "gaussian", "convex", "cavity"]
+AutoReliefType: TypeAlias = Literal["auto"] | MeasuredType
 BlendMode: TypeAlias = Literal["rnm", "whiteout", "udn", "linear"]
 Flip: TypeAlias = Literal["x", "y", "xy"]
 Size: TypeAlias = tuple[int, int] | str

@@ -35,6 +35,8 @@ CALLS = {
     "pack_channels": lambda **how: nt.pack_channels(TEXTURE, **{"channels": "xyz"} | how),
     "like": lambda **how: nt.like(**{"name": "gegl", "value": 1} | how),
     "height_from_normals": lambda **how: nt.height_from_normals(TEXTURE, **how),
+    "curvature": lambda **how: nt.curvature(GRAY, **how),
+    "occlusion": lambda **how: nt.occlusion(GRAY, **how),
     "detect_orientation": lambda **how: nt.detect_orientation(TEXTURE, **how),
 }
 
@@ -87,6 +89,13 @@ WRONG = [
     ("blur_height", {"octaves": []}),
     ("blur_height", {"octaves": 2.0}),
     ("blur_height", {"border": "zero"}),
+    ("curvature", {"kind": "sharp"}),
+    ("curvature", {"border": "mirror"}),
+    ("curvature", {"range": -1}),
+    ("curvature", {"scale": 0}),
+    ("occlusion", {"type": "hills"}),
+    ("occlusion", {"radius": float("nan")}),
+    ("occlusion", {"depth": 12}),
     ("like", {"name": "photoshop"}),
     ("like", {"value": float("nan")}),
     ("pack_channels", {"channels": "xyq"}),

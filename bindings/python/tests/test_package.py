@@ -144,6 +144,13 @@ def test_arrays_and_program_agree(test_files, tmp_path):
          nt.normals_from_height(nt.blur_height(heights, 2, octaves=[1, 0.5]), 5, depth=8)),
         (("from-height", height, "--scale", "auto", "--strength", 0.5, "--kernel", "sobel3"),
          nt.normals_from_height(heights, "auto", strength=0.5, kernel="sobel3", depth=8)),
+        (("curvature", source, "--kind", "cavity", "--blur", 1),
+         nt.curvature(texture, kind="cavity", blur=1)),
+        (("curvature", height, "--scale", 5, "--range", 0.5, "--border", "clamp"),
+         nt.curvature(heights, scale=5, range=0.5, border="clamp")),
+        (("occlusion", source, "--radius", 9), nt.occlusion(texture, radius=9)),
+        (("occlusion", height, "--scale", 5, "--blur", 1, "--depth", 16),
+         nt.occlusion(heights, scale=5, blur=1, depth=16)),
         (("from-height", height, "--like", "zima:2"), nt.pack_channels(nt.normals_from_height(heights, **nt.like("zima", 2)), "xzy")),
     ]  # fmt: skip
     for command, want in cases:

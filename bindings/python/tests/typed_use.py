@@ -64,6 +64,8 @@ def use_heights(image: AnyPixels, bytes_: U8, floats: F32, flag: bool) -> None:
     assert_type(nt.normals_from_height(bytes_, **nt.like("gegl", 10)), U8)
     assert_type(nt.normals_from_height_with_counts(bytes_, 8), tuple[U8, nt.NormalsCounts])
     assert_type(nt.blur_height(bytes_, 2, octaves=[1, 0.5]), F32)
+    assert_type(nt.curvature(bytes_, kind="cavity", depth=8), AnyPixels)
+    assert_type(nt.occlusion(floats, radius=8), AnyPixels)
     assert_type(nt.height_from_normals(image, detrend=flag), F32)
     assert_type(nt.height_from_normals(bytes_, mask=bytes_ > 0), F32)
     assert_type(nt.height_from_normals_with_info(image), tuple[F32, nt.HeightInfo])
