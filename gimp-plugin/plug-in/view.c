@@ -17,7 +17,7 @@
 enum {
     SIDE = 288,    /* of a picture, at least and at first */
     NARROW = 256,  /* of three beside each other */
-    SLICE = 512,   /* rows of texels shown in full at once, so that the window stays alive */
+    SLICE = 30000, /* microseconds to show rows in full, so that the window stays alive */
     GRIP = 6,      /* so near to the line between before and after a press takes it */
     FEW = 2,       /* texels on each axis that a pixel shows while something changes */
     PATIENCE = 150 /* milliseconds without a change until all texels are shown */
@@ -197,40 +197,51 @@ static job_status render_rows(view *v, int first, int end, int most)
     return status;
 }
 
-/* All of the pictures, from few texels. */
-static void render(view *v)
+/* Room for the pictures; they stay until they are painted over, if their size does. */
+static void make_room(view *v)
 {
     fit(v);
     const gsize size = (gsize) v->width * (gsize) v->height * 3;
     uint8_t **const pictures[] = { &v->map, &v->lit, &v->before, &v->heat };
-    for (gsize i = 0; i < G_N_ELEMENTS(pictures); i++) {
-        *pictures[i] = g_realloc(*pictures[i], size);
-        memset(*pictures[i], 0, size);
+    const gboolean fits = v->size == size;
+    for (gsize i = 0; i < G_N_ELEMENTS(pictures) && !fits; i++) {
+        g_free(*pictures[i]);
+        *pictures[i] = g_malloc0(size);
     }
-    say(v, render_rows(v, 0, v->height, FEW));
+    v->size = size;
 }
 
-/* Some more rows from all of their texels.  Heights depend on all rows. */
+/* Some more rows, as many as a moment allows.  Heights depend on all rows. */
 static gboolean refine(gpointer data)
 {
     view *v = data;
     const gboolean whole = v->procedure == &procedures[PROCEDURE_HEIGHT];
-    const int rows = whole ? v->height : MAX((int) (SLICE / v->step), 1);
-    const int end = MIN(v->row + rows, v->height);
-    say(v, render_rows(v, v->row, end, 0));
+    const int end = whole ? v->height : MIN(v->row + v->rows, v->height);
+    const gint64 began = g_get_monotonic_time();
+    say(v, render_rows(v, v->row, end, v->most));
+    const gint64 taken = g_get_monotonic_time() - began;
+    v->rows = (int) CLAMP(v->rows * (double) SLICE / (double) MAX(taken, 1), 1, 2 * v->rows + 1);
     v->row = end;
     v->refining = end < v->height ? g_idle_add(refine, v) : 0;
+    if (end == v->height && v->most > 0 && v->step > v->most) {
+        v->row = v->most = 0;
+        v->rows = 1;
+        v->refining = g_timeout_add(PATIENCE, refine, v);
+    }
     return FALSE;
 }
 
+/* First few texels for each pixel.  Where a slider may be dragged, at once, for it would begin again
+ * and again at the top. */
 static gboolean render_idle(gpointer data)
 {
     view *v = data;
     v->pending = 0;
-    render(v);
+    make_room(v);
     v->row = 0;
-    if (v->step > FEW)
-        v->refining = g_timeout_add(PATIENCE, refine, v);
+    v->rows = v->procedure == &procedures[PROCEDURE_CHECK] ? 1 : v->height;
+    v->most = FEW;
+    refine(v);
     return FALSE;
 }
 

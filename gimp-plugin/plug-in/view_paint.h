@@ -40,6 +40,8 @@ typedef struct view {
     preview_heights smoothed;
     uint8_t *map, *lit, *before, *heat; /* packed RGB */
     int row;                            /* of pixels, that is the next to be shown in full */
+    int rows, most;                     /* at once; texels that they show, 0: all */
+    gsize size;                         /* of a picture */
     GtkWidget *areas[AREAS], *note, *title, *legend, *combo, *tile, *compare;
     guint pending, refining;
     enum { NO_DRAG, DRAG_PICTURE, DRAG_LINE } dragging;
