@@ -10,6 +10,7 @@ void gegl_op_ntp_normals_from_height_register_type(GTypeModule *module);
 void gegl_op_ntp_clean_normals_register_type(GTypeModule *module);
 void gegl_op_ntp_transform_normals_register_type(GTypeModule *module);
 void gegl_op_ntp_blend_normals_register_type(GTypeModule *module);
+void gegl_op_ntp_curvature_register_type(GTypeModule *module);
 
 G_MODULE_EXPORT const GeglModuleInfo *gegl_module_query(GTypeModule *module);
 G_MODULE_EXPORT gboolean gegl_module_register(GTypeModule *module);
@@ -30,5 +31,6 @@ gboolean gegl_module_register(GTypeModule *module)
     gegl_op_ntp_clean_normals_register_type(module);
     gegl_op_ntp_transform_normals_register_type(module);
     gegl_op_ntp_blend_normals_register_type(module);
+    gegl_op_ntp_curvature_register_type(module);
     return TRUE;
 }

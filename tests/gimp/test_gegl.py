@@ -353,6 +353,33 @@ def test_transform(gegl, ntp, depth, properties, options, y):
         assert (part == expected[2:7, 3:12]).all()
 
 
+@pytest.mark.parametrize("depth", DEPTHS)
+@pytest.mark.parametrize("channels", [1, 3, 4])
+@pytest.mark.parametrize(
+    "settings",
+    [
+        {"kind": "mean", "range": "0.3"},
+        {"kind": "cavity", "range": "0.7", "border": "clamp"},
+    ],
+)
+def test_curvature(gegl, ntp, channels, depth, settings):
+    """Of heights and of normals the numbers of `ntp curvature`, as a gray picture."""
+    if channels == 1:
+        src = picture(150, 133, 1, depth)
+        how, also = ["--type", "height", "--scale", "7.3"], ["from=height", "scale=7.3"]
+    else:
+        src = rough_normals(channels, depth)
+        how, also = ["--type", "standard", "--y", "down"], ["from-y=down"]
+    expected = ntp(src, "curvature", *how, *to_options(settings))[:, :, :1]
+    properties = [*to_properties(settings), *also]
+    made = gegl(src, "ntp:curvature", *properties, threads=4)
+    assert (made[:, :, :3] == expected).all()
+    if channels == 4:
+        assert (made[:, :, 3] == src[:, :, 3]).all()
+    crop = ["gegl:crop", "x=3", "y=0", "width=9", "height=5"]
+    assert (gegl(src, "ntp:curvature", *properties, *crop)[:, :, :3] == expected[:5, 3:12]).all()
+
+
 @pytest.mark.parametrize(
     ("mode", "depth"), [("rnm", 8), ("whiteout", 16), ("linear", 8), ("rnm", 16)]
 )

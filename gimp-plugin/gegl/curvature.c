@@ -1,0 +1,243 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * curvature.c - ntp:curvature, a curvature or cavity map of a heightfield or of normals
+ *
+ * The same numbers as `ntp curvature` with the same settings and the same range.  The automatic range
+ * of the program depends on the whole picture; here the range is a slider.
+ */
+#include "../choices.h"
+#include "translate.h"
+
+#ifdef GEGL_PROPERTIES
+
+/* clang-format off */
+enum_start(ntp_op_curvature_kind)
+    enum_value(NTP_OP_CURVATURE_MEAN, "mean", N_("Edges bright, grooves dark (mean)"))
+    enum_value(NTP_OP_CURVATURE_GAUSSIAN, "gaussian", N_("Knobs bright, saddles dark (Gaussian)"))
+    enum_value(NTP_OP_CURVATURE_CONVEX, "convex", N_("Edges alone"))
+    enum_value(NTP_OP_CURVATURE_CAVITY, "cavity", N_("Grooves alone, dark on white (cavity)"))
+enum_end(ntp_op_curvature_kind)
+
+enum_start(ntp_op_curvature_input)
+    enum_value(NTP_OP_CURVATURE_NORMALS, "normals", N_("Normals"))
+    enum_value(NTP_OP_CURVATURE_HEIGHT, "height", N_("Height"))
+enum_end(ntp_op_curvature_input)
+
+enum_start(ntp_op_curvature_green)
+    NTP_GREEN_CHOICES(enum_value)
+enum_end(ntp_op_curvature_green)
+
+enum_start(ntp_op_curvature_edge)
+    enum_value(NTP_OP_CURVATURE_WRAP, "wrap", N_("Wrap (textures that tile)"))
+    enum_value(NTP_OP_CURVATURE_CLAMP, "clamp", N_("Clamp"))
+enum_end(ntp_op_curvature_edge)
+
+property_enum(kind, _("Show"), ntp_op_curvature_kind, ntp_op_curvature_kind, NTP_OP_CURVATURE_MEAN)
+    description(_("What of the curvature is shown"))
+property_double(range, _("Range"), 0.25)
+    description(_("The curvature that is shown white or black, in 1/texel: 0.25 is that of an edge with a radius of 4 texels"))
+    value_range(0.000001, 1000000.0)
+    ui_range(0.001, 2.0)
+    ui_gamma(3.0)
+    ui_steps(0.001, 0.01)
+    ui_digits(4)
+property_enum(from, _("Layer holds"), ntp_op_curvature_input, ntp_op_curvature_input, NTP_OP_CURVATURE_NORMALS)
+    description(_("Whether the layer is a normals texture, or a heightfield in its red or gray"))
+property_double(scale, _("Scale"), 10.0)
+    description(_("Of a heightfield: how many texels white rises above black"))
+    value_range(-1000000.0, 1000000.0)
+    ui_range(0.0, 1000.0)
+    ui_gamma(3.0)
+    ui_digits(3)
+    ui_meta("sensitive", "from {height}")
+property_enum(from_y, LABEL(NTP_TO_Y_LABEL), ntp_op_curvature_green, ntp_op_curvature_green, NTP_OP_UP)
+    description(_("Which way green points in the layer"))
+    ui_meta("sensitive", "from {normals}")
+property_enum(border, _("Edges"), ntp_op_curvature_edge, ntp_op_curvature_edge, NTP_OP_CURVATURE_WRAP)
+    description(_("What lies beyond the edges"))
+/* clang-format on */
+
+#else
+
+#  define GEGL_OP_AREA_FILTER
+#  define GEGL_OP_BUNDLE
+#  define GEGL_OP_NAME     ntp_curvature
+#  define GEGL_OP_C_SOURCE curvature.c
+
+#  include <gegl-op.h>
+#  include <string.h>
+
+#  include "output.h"
+#  include "surroundings.h"
+
+/* The menus have the order of libntp's enumerations. */
+G_STATIC_ASSERT((gint) NTP_OP_CURVATURE_CAVITY == (gint) NTP_CURVATURE_CAVITY);
+G_STATIC_ASSERT((gint) NTP_OP_CURVATURE_CLAMP == (gint) NTP_BORDER_CLAMP);
+
+enum {
+    BLOCK_HEIGHT = 64,
+    REACH = 2 /* a texel at an edge has the value of the next one, which reads one more */
+};
+
+/* Set by prepare(), read by the threads that process. */
+typedef struct state {
+    const blending *blending; /* shared by all */
+} state;
+
+static void prepare(GeglOperation *operation)
+{
+    GeglProperties *o = GEGL_PROPERTIES(operation);
+    const Babl *source = gegl_operation_get_source_format(operation, "input");
+    const pixels p = pixels_as_rgb(source, source == NULL || babl_format_has_alpha(source));
+    if (o->user_data == NULL)
+        o->user_data = g_new0(state, 1);
+    state *s = o->user_data;
+    const Babl *light =
+        blending_ahead(operation) == AHEAD_MASK ? blending_prepare(&s->blending, &p) : NULL;
+    gegl_operation_set_format(operation, "input", p.format);
+    gegl_operation_set_format(operation, "output", light != NULL ? light : p.format);
+}
+
+static void finalize(GObject *object)
+{
+    GeglProperties *o = GEGL_PROPERTIES(object);
+    g_free(o->user_data);
+    o->user_data = NULL;
+    G_OBJECT_CLASS(gegl_op_parent_class)->finalize(object);
+}
+
+/* The picture; without edges, or without texels, the area itself. */
+static GeglRectangle edges_of(GeglOperation *operation, const GeglRectangle *area)
+{
+    const GeglRectangle *all = gegl_operation_source_get_bounding_box(operation, "input");
+    const gboolean bounded =
+        all != NULL && !gegl_rectangle_is_empty(all) && !gegl_rectangle_is_infinite_plane(all);
+    return bounded ? *all : *area;
+}
+
+static GeglRectangle around(const GeglProperties *o, const GeglRectangle *area,
+                            const GeglRectangle *edges)
+{
+    const gboolean wrap = o->border == NTP_OP_CURVATURE_WRAP;
+    return surroundings_of(area, edges, REACH, wrap, wrap);
+}
+
+static GeglRectangle get_required(GeglOperation *operation, const gchar *pad,
+                                  const GeglRectangle *area)
+{
+    const GeglRectangle edges = edges_of(operation, area);
+    const GeglRectangle from = around(GEGL_PROPERTIES(operation), area, &edges);
+    (void) pad;
+    return surroundings_wrapped(&from, &edges);
+}
+
+static GeglRectangle get_bounding_box(GeglOperation *operation)
+{
+    const GeglRectangle *all = gegl_operation_source_get_bounding_box(operation, "input");
+    return all != NULL ? *all : (GeglRectangle) { 0, 0, 0, 0 };
+}
+
+/* A map of one channel becomes a gray picture, with the alpha of the layer. */
+static void paint(guchar *made, const guchar *map, const guchar *read, const pixels *p, gint count)
+{
+    const gsize sample = (gsize) p->bytes / (gsize) p->channels;
+    for (gint i = 0; i < count; i++) {
+        for (gint c = 0; c < 3; c++)
+            memcpy(made + (gsize) c * sample, map, sample);
+        if (p->channels == 4)
+            memcpy(made + 3 * sample, read + 3 * sample, sample);
+        made += p->bytes;
+        read += p->bytes;
+        map += sample;
+    }
+}
+
+static gboolean make_block(const GeglProperties *o, GeglBuffer *input, GeglBuffer *output,
+                           const Babl *format, const GeglRectangle *block,
+                           const GeglRectangle *edges, const pixels *p)
+{
+    const state *s = o->user_data;
+    const GeglRectangle from = around(o, block, edges);
+    const gint left = block->x - from.x, top = block->y - from.y;
+    const gsize texels = (gsize) from.width * (gsize) from.height;
+    guchar *read = g_malloc(texels * (gsize) p->bytes), *map = g_malloc(texels * sizeof(gfloat));
+    guchar *made = g_malloc((gsize) block->width * (gsize) block->height * (gsize) p->bytes);
+    ntp_image in = pixels_view(p, read, from.width, from.height);
+    const pixels one = { .type = p->type, .channels = 1 };
+    const ntp_image gray = pixels_view(&one, map, from.width, from.height);
+    const ntp_rect area = { left, top, left + block->width, top + block->height };
+    const ntp_curvature_options how = { .kind = (ntp_curvature_kind) o->kind,
+                                        .scale = pixels_as_typed(o->scale),
+                                        .range = pixels_as_typed(o->range),
+                                        .border_x = (ntp_border) o->border,
+                                        .border_y = (ntp_border) o->border };
+    surroundings_read(input, p, edges, &from, read);
+    if (o->from == NTP_OP_CURVATURE_NORMALS)
+        in.encoding = NTP_ENCODING_STANDARD;
+    in.y = (ntp_y) o->from_y;
+    const ntp_const_image seen = ntp_image_as_const(&in);
+    const gboolean ok = ntp_curvature(&gray, &seen, &how, &area) == NTP_OK;
+    for (gint y = 0; y < block->height && ok; y++) {
+        const gsize at = (gsize) (top + y) * (gsize) from.width + (gsize) left;
+        paint(made + (gsize) y * (gsize) block->width * (gsize) p->bytes,
+              map + at * (gsize) gray.pixel_stride, read + at * (gsize) p->bytes, p, block->width);
+    }
+    if (ok)
+        output_write(output, format, block, p, made, block->width * p->bytes, s->blending);
+    g_free(made);
+    g_free(map);
+    g_free(read);
+    return ok;
+}
+
+static gboolean process(GeglOperation *operation, GeglBuffer *input, GeglBuffer *output,
+                        const GeglRectangle *area, gint level)
+{
+    const GeglProperties *o = GEGL_PROPERTIES(operation);
+    const pixels p = pixels_of(gegl_operation_get_format(operation, "input"));
+    const Babl *format = gegl_operation_get_format(operation, "output");
+    const GeglRectangle edges = edges_of(operation, area);
+    gboolean ok = TRUE;
+    (void) level; /* everything is made at full size */
+    for (gint y = 0; y < area->height && ok; y += BLOCK_HEIGHT) {
+        const GeglRectangle block = { area->x, area->y + y, area->width,
+                                      MIN(BLOCK_HEIGHT, area->height - y) };
+        ok = make_block(o, input, output, format, &block, &edges, &p);
+    }
+    return ok;
+}
+
+static GeglRectangle get_changed(GeglOperation *operation, const gchar *pad,
+                                 const GeglRectangle *area)
+{
+    return get_required(operation, pad, area);
+}
+
+static void gegl_op_class_init(GeglOpClass *klass)
+{
+    GeglOperationClass *operation_class = GEGL_OPERATION_CLASS(klass);
+    GeglOperationFilterClass *filter_class = GEGL_OPERATION_FILTER_CLASS(klass);
+
+    G_OBJECT_CLASS(klass)->finalize = finalize;
+    filter_class->process = process;
+    operation_class->prepare = prepare;
+    operation_class->get_bounding_box = get_bounding_box;
+    operation_class->get_required_for_output = get_required;
+    operation_class->get_invalidated_by_change = get_changed;
+    operation_class->want_in_place = FALSE;
+    operation_class->threaded = TRUE;
+    operation_class->opencl_support = FALSE;
+
+    /* clang-format off */
+    gegl_operation_class_set_keys(operation_class,
+        "name", "ntp:curvature",
+        "title", _("Curvature"),
+        "categories", "generic:normal-map",
+        "description", _("Make a curvature or cavity map from a normals texture (normal map) or a heightfield"),
+        "gimp:menu-path", "<Image>/Filters/Generic",
+        "gimp:menu-label", _("C_urvature..."),
+        NULL);
+    /* clang-format on */
+}
+
+#endif
