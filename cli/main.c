@@ -162,6 +162,7 @@ static int run_parsed(const options *o)
         { V_TO_HEIGHT, to_height_run },
         { V_CURVATURE, curvature_run },
         { V_OCCLUSION, occlusion_run },
+        { V_TO_DEPTH, to_depth_run },
     };
     for (size_t i = 0; i < sizeof VERBS / sizeof VERBS[0]; i++) {
         if (VERBS[i].verb_bit == o->verb_bit)

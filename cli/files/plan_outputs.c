@@ -44,7 +44,7 @@ static bool keeps_pfm(const options *o)
 static bool makes_pfm(const options *o)
 {
     const bool relief = (o->verb_bit & V_RELIEF) != 0 && option_given(o, OPT_DEPTH);
-    return (o->verb_bit == V_TO_HEIGHT && option_integer(o, OPT_DEPTH) == 1) ||
+    return ((o->verb_bit & (V_TO_HEIGHT | V_TO_DEPTH)) != 0 && option_integer(o, OPT_DEPTH) == 1) ||
            (relief && option_integer(o, OPT_DEPTH) == 2);
 }
 

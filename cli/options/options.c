@@ -111,6 +111,23 @@ const option_spec OPTION_TABLE[] = {
       "how many texels a height of 1 (white) rises above 0 (black); negative turns hills into "
       "dents. auto: as the slopes of the heights, before blur and octaves, suggest: one in twenty "
       "of the texels that are not flat is then steeper than 45 degrees" },
+    { OPT_TYPE, "type", 0, KIND_CHOICE, ENCODINGS, "standard", 0, 0, V_TO_DEPTH,
+      "how the input stores a normal" },
+    { OPT_Y, "y", 0, KIND_CHOICE, Y_WORDS, "up", 0, 0, V_TO_DEPTH,
+      "which way green points: up (OpenGL) or down (DirectX)" },
+    { OPT_CAMERA, "camera", 0, KIND_STRING, "FX,FY,CX,CY", NULL, 0, 0, V_TO_DEPTH,
+      "the focal lengths and the place of the axis, in texels, the middle of the first texel being "
+      "0,0. Without it all rays are parallel" },
+    { OPT_CONFIDENCE, "confidence", 0, KIND_STRING, "FILE", NULL, 0, 0, V_TO_DEPTH,
+      "also write how sure the depth is at each texel, from black to white: 1/(1 + the error that "
+      "may be expected, in texels); a 16-bit PNG, or .pfm. It takes as long again" },
+    { OPT_K, "k", 0, KIND_NUMBER, "K", "2", 1e-6, 1e6, V_TO_DEPTH,
+      "how readily a cliff is seen" },
+    { OPT_ROUNDS, "rounds", 0, KIND_INTEGER, "N", "100", 1, 100000, V_TO_DEPTH,
+      "at most so many rounds; 1 is least squares, which know no cliffs" },
+    { OPT_DEPTH, "depth", 0, KIND_CHOICE, "16|float", "16", 0, 0, V_TO_DEPTH,
+      "16: a 16-bit gray PNG, where 1 is nearest, 65535 farthest and 0 no surface; float: a PFM, "
+      "where NaN is no surface. The default for -o FILE.pfm is float" },
     { OPT_STRENGTH, "strength", 0, KIND_NUMBER, "S", "1", -1024, 1024, V_FROM_HEIGHT,
       "multiply the scale, as after --scale auto" },
     { OPT_DX, "dx", 0, KIND_NUMBER, "D", "1", 0, 1.7e308, V_FROM_HEIGHT | V_TO_HEIGHT,
@@ -190,7 +207,7 @@ const option_spec OPTION_TABLE[] = {
       "uses the first" },
     { OPT_EQUALIZE, "equalize", 0, KIND_FLAG, NULL, NULL, 0, 0, V_TO_HEIGHT,
       "telescoping: give texels of even and of odd rows and columns the same mean" },
-    { OPT_MASK, "mask", 0, KIND_STRING, "FILE", NULL, 0, 0, V_TO_HEIGHT,
+    { OPT_MASK, "mask", 0, KIND_STRING, "FILE", NULL, 0, 0, V_TO_HEIGHT | V_TO_DEPTH,
       "an image of the same size: there is no surface where its first channel is 0" },
     { OPT_DETREND, "detrend", 0, KIND_FLAG, NULL, NULL, 0, 0, V_TO_HEIGHT,
       "remove the best-fitting plane from the heights, where they do not tile" },
@@ -504,6 +521,19 @@ const verb_spec VERB_TABLE[] = {
       "ntp occlusion wall_n.png -o wall_ao.png\n"
       "ntp occlusion decal_n.png -o decal_ao.png --border clamp --radius 32\n"
       "  a texture that does not tile; only what is near hides\n" },
+    { "to-depth", "PATH...", "find the depth of an object from its normals",
+      "Finds how far away each texel of an object is, from normals as photometric stereo measures "
+      "them: with the perspective of a camera, and with cliffs where one part hides another. "
+      "Textures are for ntp to-height. Normals do not tell how far away the object is: without "
+      "--camera depth is in texels, with mean 0; with it, only ratios of depth are known, and the "
+      "mean of its logarithm is 0. Unused and masked texels, and gray ones without a direction, "
+      "have no depth.\n"
+      "Depth is offset + scale * (c - 1)/65534 for a level c; both are printed, and stored in the "
+      "PNG. docs/depth.md says how it works. The image is held in memory, with about 300 bytes a "
+      "texel.",
+      "ntp to-depth bear_normals.png -o bear_depth.png --mask bear_mask.png\n"
+      "ntp to-depth bear_normals.png -o bear.pfm --camera 3772,3760,305,256\n"
+      "ntp to-depth vase_n.png -o vase_depth.png --confidence vase_sure.png\n" },
 };
 const size_t VERB_ROWS = sizeof VERB_TABLE / sizeof VERB_TABLE[0];
 

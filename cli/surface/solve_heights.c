@@ -68,6 +68,22 @@ ntp_status heights_occlude(worker *w, const ntp_image *map, const ntp_const_imag
     return status;
 }
 
+ntp_status depth_solve(worker *w, const ntp_image *depth, const ntp_image *confidence,
+                       const ntp_const_image *src, const ntp_depth_options *how, stretch part,
+                       ntp_depth_result *result)
+{
+    const size_t size = ntp_depth_scratch_size(src->width, src->height);
+    if (size == 0)
+        return NTP_ERR_SHAPE;
+    void *scratch = need_aligned(size);
+    team all = { w, NULL, part };
+    const ntp_hooks hooks = { .user = &all, .progress = tell_progress };
+    const ntp_status status =
+        ntp_depth_from_normals(depth, confidence, src, how, scratch, size, &hooks, result);
+    free(scratch);
+    return status;
+}
+
 /* -------------------------------------------------------------------------- borders */
 
 ntp_status heights_find_borders(ntp_border_fit found[2], worker *w, const ntp_const_image *src,

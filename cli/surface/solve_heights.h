@@ -24,6 +24,11 @@ ntp_status heights_solve(worker *w, const ntp_image *heights, const ntp_const_im
 ntp_status heights_occlude(worker *w, const ntp_image *map, const ntp_const_image *heights,
                            const ntp_occlusion_options *how, stretch part);
 
+/* ntp_depth_from_normals on one thread; confidence may be NULL. */
+ntp_status depth_solve(worker *w, const ntp_image *depth, const ntp_image *confidence,
+                       const ntp_const_image *src, const ntp_depth_options *how, stretch part,
+                       ntp_depth_result *result);
+
 /* ntp_find_borders on all threads of the worker.  how: its borders hold where `fixed` says so.
  * seams: those of ntp_find_seams. */
 ntp_status heights_find_borders(ntp_border_fit found[2], worker *w, const ntp_const_image *src,

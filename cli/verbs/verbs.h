@@ -26,6 +26,7 @@ int transform_run(const options *o);
 int resize_run(const options *o);
 int blend_run(const options *o);
 int to_height_run(const options *o);
+int to_depth_run(const options *o);
 int curvature_run(const options *o);
 int occlusion_run(const options *o);
 
