@@ -124,6 +124,24 @@ static const choice verdicts[] = { /* ntp_verdict */
     END
 };
 
+static const choice scopes[] = {
+    { "image", N_("The whole image") },
+    { "layer", N_("This layer") },
+    END
+};
+static const choice filters[] = { /* ntp_filter */
+    { "triangle", N_("Triangle (bilinear)") },
+    { "box", N_("Box (mean over the area)") },
+    { "lanczos3", N_("Lanczos (sharper)") },
+    END
+};
+static const choice edges[] = { /* the first three of ntp_border */
+    { "wrap", N_("Wrap (textures that tile)") },
+    { "clamp", N_("Clamp") },
+    { "mirror", N_("Mirror") },
+    END
+};
+
 #define NUMBER(NAME, LABEL, HELP, PAGE, VALUE, LOW, HIGH, SOFT_LOW, SOFT_HIGH, DIGITS) \
     { NAME, LABEL, HELP, FIELD_NUMBER, PAGE, VALUE, LOW, HIGH, SOFT_LOW, SOFT_HIGH, DIGITS, NULL }
 #define CHOICE(NAME, LABEL, HELP, PAGE, VALUE, CHOICES) \
@@ -217,6 +235,25 @@ static const field clean_fields[FC_COUNT] = {
         N_("Treat black, white and transparent texels like any other"), 0),
 };
 
+static const field resize_fields[FZ_COUNT] = {
+    [FZ_PERCENT] = NUMBER("percent", N_("_Percent"),
+        N_("The new size, in percent of the old one, where width or height is 0"),
+        0, 50, 0.01, 10000, 1, 400, 2),
+    [FZ_WIDTH] = NUMBER("width", N_("_Width"), N_("The new width in texels; 0: by percent"),
+        0, 0, 0, 65535, 0, 8192, 0),
+    [FZ_HEIGHT] = NUMBER("height", N_("H_eight"), N_("The new height in texels; 0: by percent"),
+        0, 0, 0, 65535, 0, 8192, 0),
+    [FZ_SCOPE] = CHOICE("scope", N_("_Apply to"),
+        N_("The image with all its layers, which must be normals, or one layer alone"), 0, 0, scopes),
+    [FZ_FILTER] = CHOICE("filter", N_("F_ilter"), N_("How normals are averaged"), 0, 0, filters),
+    [FZ_BORDER_X] = CHOICE("border-x", N_("Le_ft and right edge"),
+        N_("What lies beyond the left and right edge: wrap where the texture tiles"), 0, 0, edges),
+    [FZ_BORDER_Y] = CHOICE("border-y", N_("_Top and bottom edge"),
+        N_("What lies beyond the top and bottom edge: wrap where the texture tiles"), 0, 0, edges),
+    [FZ_FROM] = CHOICE("from", N_("Range of bl_ue"),
+        N_("What blue stands for in the layer as it is"), 0, 0, readings),
+};
+
 /* Plain numbers all, as the old plug-in had them. */
 #define INDEX(NAME, HELP, HIGH) \
     { NAME, NAME, HELP, FIELD_NUMBER, -1, 0, 0, HIGH, 0, HIGH, 0, NULL }
@@ -277,6 +314,13 @@ const procedure procedures[PROCEDURE_COUNT] = {
         N_("Takes the arguments of the old plug-in and computes what it meant to, correctly "
            "rounded. New scripts had better call plug-in-ntp-normals-from-height."),
         classic_fields, FO_COUNT },
+    [PROCEDURE_RESIZE] = { "plug-in-ntp-resize-normals",
+        { N_("Resize Normals"), N_("_Resize Normals...") },
+        { N_("Resize Normals"), N_("_Resize Normals...") },
+        N_("Changes the size of a normals texture (normal map), which stays one"),
+        N_("Averages vectors, not colors, and makes them unit vectors again. GIMP's own scaling "
+           "leaves them too short."),
+        resize_fields, FZ_COUNT },
 };
 
 /* clang-format on */

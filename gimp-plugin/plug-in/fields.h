@@ -103,6 +103,19 @@ enum {
     FO_COUNT
 };
 
+/* plug-in-ntp-resize-normals */
+enum {
+    FZ_PERCENT,
+    FZ_WIDTH,
+    FZ_HEIGHT,
+    FZ_SCOPE,
+    FZ_FILTER,
+    FZ_BORDER_X,
+    FZ_BORDER_Y,
+    FZ_FROM,
+    FZ_COUNT
+};
+
 enum { MAX_FIELDS = 32, PAGES = 3 /* of a dialog: the first, forms, more */ };
 
 typedef enum procedure_id {
@@ -111,6 +124,7 @@ typedef enum procedure_id {
     PROCEDURE_CHECK,
     PROCEDURE_CLEAN,
     PROCEDURE_CLASSIC,
+    PROCEDURE_RESIZE,
     PROCEDURE_COUNT
 } procedure_id;
 

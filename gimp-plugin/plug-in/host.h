@@ -94,6 +94,12 @@ gboolean host_selection(const host_layer *layer, ntp_rect *area);
  */
 gboolean host_run(const procedure *p, const settings *s, gint32 id, char message[HOST_TEXT]);
 
+/* The same for PROCEDURE_RESIZE, on the layer or the whole image. */
+gboolean host_resize(const procedure *p, const settings *s, gint32 id, char message[HOST_TEXT]);
+
+/* The report on a layer that must hold normals. */
+job_status host_find_normals(report *found, const settings *question, const raster *layer);
+
 /* The report on a layer.  FALSE: message says why there is none. */
 gboolean host_check(const settings *s, gint32 id, report *r, char message[HOST_TEXT]);
 

@@ -79,8 +79,7 @@ static job_status run_repair(const repair_job *job, const raster *from, double a
     return status;
 }
 
-/* The report on a layer that must hold normals. */
-static job_status find_normals(report *found, const settings *question, const raster *layer)
+job_status host_find_normals(report *found, const settings *question, const raster *layer)
 {
     const job_status status = report_run(found, question, layer, NULL, &host_surroundings);
     if (status != JOB_DONE)
@@ -99,7 +98,7 @@ static job_status find_encoding(const settings *s, const host_layer *layer, ntp_
     const settings question = { { 0 } };
     if (!height_finds_out(s))
         return JOB_DONE;
-    const job_status status = find_normals(&found, &question, &layer->raster);
+    const job_status status = host_find_normals(&found, &question, &layer->raster);
     if (status == JOB_DONE)
         *encoding = found.encoding;
     return status;
@@ -219,7 +218,7 @@ static job_status run_clean(const settings *s, const host_layer *layer, const nt
     settings question;
     const bool finds_out = repair_finds_out(s, &question);
     if (finds_out) {
-        const job_status status = find_normals(&found, &question, &layer->raster);
+        const job_status status = host_find_normals(&found, &question, &layer->raster);
         if (status != JOB_DONE)
             return status;
     }
@@ -338,6 +337,9 @@ gboolean host_run(const procedure *p, const settings *s, gint32 id, char message
 {
     target t;
     gboolean done = FALSE;
+    message[0] = 0;
+    if (p == &procedures[PROCEDURE_RESIZE])
+        return host_resize(p, s, id, message);
     if (!open_target(&t, p, id, &done, message))
         return done;
     return close_target(&t, dispatch(p, s, &t.layer, &t.area, message), message);

@@ -18,6 +18,7 @@ from support.gimps import built_with, complaints
 from support.libntp_ffi import ROOT
 from support.plugin_cases import (
     CASES,
+    GAMMA,
     HEIGHT,
     INPUTS,
     PART,
@@ -232,6 +233,51 @@ def normals_jobs():
     }
 
 
+# The settings of Resize Normals, and the options of `ntp resize` that they are.
+RESIZED = {
+    "half": ({}, ["--size", "50%"]),
+    "told": ({"width": 200, "height": 61, "filter": "lanczos3", "border-y": "mirror"},
+             ["--size", "200x61", "--filter", "lanczos3", "--border-y", "mirror"]),
+    "box": ({"percent": 33.3, "filter": "box", "border-x": "clamp"},
+            ["--size", "33.3%", "--filter", "box", "--border-x", "clamp"]),
+}  # fmt: skip
+ROUGH = ["rough8", "rough16", "rough8-gama"]
+
+
+def resize(**given):
+    return call("plug-in-ntp-resize-normals", **given)
+
+
+def resize_jobs():
+    jobs = {}
+    for file in ROUGH:
+        for name, (settings, _) in RESIZED.items():
+            body = SELECT + resize(**settings) + saved(f"{file}-{name}.png")
+            jobs[f"{file}-{name}"] = opened(f"{file}.png", body)
+    size = '(gimp-message (string-append "size "'
+    for what in ("(gimp-image-width image)", "(gimp-image-height image)",
+                 "(gimp-drawable-width layer)", "(gimp-drawable-height layer)",
+                 "(gimp-drawable-offsets layer)", "(cdr (gimp-drawable-offsets layer))"):  # fmt: skip
+        size += f' (number->string (car {what})) " "'
+    size += "))"
+    jobs["resize-layer"] = opened(
+        "rough8.png",
+        "(gimp-layer-set-offsets layer 7 -3)"
+        + resize(scope="layer") + size + saved("resize-layer.png", "layer"),
+    )  # fmt: skip
+    jobs["resize-image"] = opened(
+        "rough8.png",
+        OTHER.format("rough16.png")
+        + "(gimp-layer-set-offsets other 20 10)"
+        + MASK
+        + resize()
+        + size
+        + saved("resize-below.png", "layer")
+        + saved("resize-above.png", "other"),
+    )
+    return jobs
+
+
 @pytest.fixture(scope="module")
 def gimp(tmp_path_factory):
     file = "gimp-plugin/plug-in/gimp2/ntp-normals"
@@ -244,6 +290,7 @@ def gimp(tmp_path_factory):
     pngs.write_png(made.work / "one.png", picture(3, 8, 1, 1))
     pngs.write_png(made.work / "rough8.png", rough_normals(3, 8))
     pngs.write_png(made.work / "rough16.png", rough_normals(4, 16))
+    pngs.write_png(made.work / "rough8-gama.png", rough_normals(3, 8), chunks=(GAMMA,))
     noise = np.random.default_rng(1).integers(0, 256, (HEIGHT, WIDTH, 3)).astype(np.uint8)
     pngs.write_png(made.work / "noise.png", noise)
     pixels = pngs.read_png(TEST_FILES / "standard.png")[0].copy()
@@ -258,6 +305,7 @@ def gimp(tmp_path_factory):
     pixels[:7] = (0, 255, 0)  # black padding whose green was flipped
     pngs.write_png(made.work / "judged-padding.png", pixels)
     jobs = exact_jobs() | precision_jobs() | layer_jobs() | classic_jobs() | normals_jobs()
+    jobs |= resize_jobs()
     made.messages = made.run(jobs, refused_jobs())
     return made
 
@@ -290,6 +338,32 @@ def ntp(program, tmp_path):
 def test_same_as_ntp(done, ntp, file, name):
     expected = ntp(INPUTS[file][0], "from-height", "--scale", "10", *options(SETTINGS[name]))
     assert different(done(f"{file}-{name}"), expected) == 0
+
+
+@pytest.mark.parametrize("name", RESIZED)
+@pytest.mark.parametrize("file", ROUGH)
+def test_resize(done, ntp, file, name):
+    """The whole picture, whatever is selected."""
+    pixels = rough_normals(4 if "16" in file else 3, 16 if "16" in file else 8)
+    expected = ntp(pixels, "resize", *RESIZED[name][1])
+    assert different(done(f"{file}-{name}"), expected) == 0
+
+
+def test_resize_a_layer(gimp, done, ntp):
+    """It stays where it begins, and the image keeps its size."""
+    expected = ntp(rough_normals(3, 8), "resize", "--size", "50%")
+    assert different(done("resize-layer"), expected) == 0
+    assert f"size {WIDTH} {HEIGHT} 76 67 7 -3 " in gimp.messages["resize-layer"]
+
+
+def test_resize_an_image(gimp, done, ntp):
+    """Both layers, each as a picture of its own; a mask follows."""
+    assert "size 76 67 76 67 0 0 " in gimp.messages["resize-image"]
+    expected = ntp(rough_normals(3, 8), "resize", "--size", "50%")
+    made = done("resize-image", "resize-below.png")
+    assert different(made[:, :, :3], expected) == 0
+    # GIMP opens 16 bits into an image of 8 by its own rounding: this is about the place.
+    assert done("resize-image", "resize-above.png").shape[2] == 4
 
 
 @pytest.mark.parametrize("file", PARTS)

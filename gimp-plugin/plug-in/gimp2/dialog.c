@@ -132,13 +132,14 @@ static void add_curved(dialog *d, GtkTable *table, gint row, int i)
     enum { DIGITS = 9 };
     const field *f = &d->procedure->fields[i];
     const guint top = (guint) row, bottom = top + 1;
+    const double step = f->digits == 0 ? 1 : 0.1;
     curve *c = g_new0(curve, 1);
     c->end = f->soft_high;
-    c->number = GTK_ADJUSTMENT(gtk_adjustment_new(f->value, f->low, f->high, 0.1, 1, 0));
+    c->number = GTK_ADJUSTMENT(gtk_adjustment_new(f->value, f->low, f->high, step, 10 * step, 0));
     c->share = GTK_ADJUSTMENT(gtk_adjustment_new(0, 0, 1, 0.005, 0.05, 0));
     GtkWidget *label = gtk_label_new_with_mnemonic(_(f->label));
     GtkWidget *slider = gtk_hscale_new(c->share);
-    GtkWidget *entry = gtk_spin_button_new(c->number, 0.1, (guint) f->digits);
+    GtkWidget *entry = gtk_spin_button_new(c->number, step, (guint) f->digits);
     gtk_misc_set_alignment(GTK_MISC(label), 0, 0.5);
     gtk_label_set_mnemonic_widget(GTK_LABEL(label), entry);
     gtk_scale_set_draw_value(GTK_SCALE(slider), FALSE);
@@ -366,8 +367,10 @@ gboolean dialog_run(const procedure *p, settings *s, gint32 id)
     add_notice(gtk_dialog_get_content_area(GTK_DIALOG(d.window)), p, id);
     gtk_box_pack_start(GTK_BOX(gtk_dialog_get_content_area(GTK_DIALOG(d.window))), box, TRUE, TRUE,
                        0);
-    gtk_box_pack_start(GTK_BOX(box), controls_new(&d), p == &procedures[PROCEDURE_CHECK], TRUE, 0);
-    if (p != &procedures[PROCEDURE_CHECK]) {
+    const gboolean alone =
+        p == &procedures[PROCEDURE_CHECK] || p == &procedures[PROCEDURE_RESIZE]; /* no preview */
+    gtk_box_pack_start(GTK_BOX(box), controls_new(&d), alone, TRUE, 0);
+    if (!alone) {
         d.view = view_new(p, id);
         gtk_box_pack_start(GTK_BOX(box), d.view, TRUE, TRUE, 0);
     }

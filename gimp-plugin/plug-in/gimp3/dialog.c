@@ -48,7 +48,8 @@ static void on_change(GObject *config, GParamSpec *spec, gpointer data)
         allow_alpha_layer(config, &s);
         allow_what_the_preset_leaves(c->dialog, &s);
     }
-    view_update(c->view, &s);
+    if (c->view != NULL)
+        view_update(c->view, &s);
 }
 
 /* The slider covers usual values, and its entry takes all allowed ones.  On a long one the middle is
@@ -56,7 +57,7 @@ static void on_change(GObject *config, GParamSpec *spec, gpointer data)
 static void make_slider(GimpProcedureDialog *dialog, const field *f)
 {
     const gboolean curved = f->soft_high > 100;
-    const gdouble step = curved ? 0.1 : 0.01;
+    const gdouble step = f->digits == 0 ? 1 : curved ? 0.1 : 0.01;
     GtkWidget *slider = gimp_procedure_dialog_get_spin_scale(dialog, f->name, 1);
     gimp_spin_scale_set_scale_limits(GIMP_SPIN_SCALE(slider), f->soft_low, f->soft_high);
     gimp_spin_scale_set_gamma(GIMP_SPIN_SCALE(slider), curved ? 3 : 1);
@@ -135,8 +136,10 @@ gboolean dialog_run(const procedure *p, GimpProcedure *pdb_procedure, GimpProced
     add_notice(gtk_dialog_get_content_area(GTK_DIALOG(dialog)), p, id);
     gtk_box_pack_start(GTK_BOX(box), controls_new(GIMP_PROCEDURE_DIALOG(dialog), p), FALSE, TRUE,
                        0);
-    c.view = view_new(p, id);
-    gtk_box_pack_start(GTK_BOX(box), c.view, TRUE, TRUE, 0);
+    if (p != &procedures[PROCEDURE_RESIZE]) {
+        c.view = view_new(p, id);
+        gtk_box_pack_start(GTK_BOX(box), c.view, TRUE, TRUE, 0);
+    }
     gtk_box_pack_start(GTK_BOX(gtk_dialog_get_content_area(GTK_DIALOG(dialog))), box, TRUE, TRUE,
                        0);
     gtk_widget_show_all(box);
