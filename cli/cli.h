@@ -25,8 +25,9 @@ int exit_code(unsigned ran);
  * rows. */
 extern _Atomic int interrupted_by; /* lock-free: a signal handler sets it, threads read it */
 
-/* The progress bar; `done` is the share of all work. */
-void progress_draw(double done, size_t files, size_t total);
+/* The progress bar; `done` is the share of all work.  left: texels that refinement has not brought
+ * back yet; 0: none runs. */
+void progress_draw(double done, size_t files, size_t total, uint64_t left);
 void progress_clear(void);
 
 /* Prints "ntp: MESSAGE" on standard error.  Clears the progress bar, and escapes what is unfit to

@@ -73,6 +73,7 @@ static void *work_loop(void *context)
         result r = { 0 };
         b->work(b->context, s->w, &b->inputs->at[index], &r);
         atomic_store_explicit(&s->w->permille, 0, memory_order_relaxed);
+        atomic_store_explicit(&s->w->left, 0, memory_order_relaxed);
         pthread_mutex_lock(&q->lock);
         q->slots[index % AHEAD].r = r;
         q->slots[index % AHEAD].done = true;
@@ -138,9 +139,12 @@ static void show_progress(const queue *q, const seat *seats, int workers, int64_
     double done = (double) q->delivered;
     for (size_t i = q->delivered; i < q->next; i++)
         done += q->slots[i % AHEAD].done;
-    for (int i = 0; i < workers; i++)
+    uint64_t left = 0;
+    for (int i = 0; i < workers; i++) {
         done += atomic_load_explicit(&seats[i].w->permille, memory_order_relaxed) / 1000.0;
-    progress_draw(done / (double) q->b->inputs->count, q->delivered, q->b->inputs->count);
+        left += atomic_load_explicit(&seats[i].w->left, memory_order_relaxed);
+    }
+    progress_draw(done / (double) q->b->inputs->count, q->delivered, q->b->inputs->count, left);
 }
 
 /* Prints results in order, until all are printed or the work is stopped. */

@@ -14,13 +14,17 @@ typedef struct team {
     worker *w;
     crew *threads;
     stretch part;
+    const ntp_height_result *result; /* which the rounds of refinement fill; or NULL */
 } team;
 
 static int32_t tell_progress(void *user, double share)
 {
     const team *all = user;
     const int permille = all->part.from + (int) (share * (all->part.to - all->part.from));
+    const ntp_height_result *now = all->result;
+    const uint64_t left = now != NULL && now->rounds > 0 ? now->refine_left : 0;
     atomic_store_explicit(&all->w->permille, permille, memory_order_relaxed);
+    atomic_store_explicit(&all->w->left, left, memory_order_relaxed);
     return interrupted_by != 0;
 }
 
@@ -45,7 +49,7 @@ ntp_status heights_solve(worker *w, const ntp_image *heights, const ntp_const_im
     if (size == 0)
         return NTP_ERR_FORMAT;
     void *scratch = need_aligned(size);
-    team all = { w, crew_start(parts), part };
+    team all = { w, crew_start(parts), part, result };
     const ntp_hooks hooks = hooks_of(&all, parts);
     const ntp_status status =
         ntp_height_from_normals(heights, src, how, scratch, size, &hooks, result);
@@ -60,7 +64,7 @@ ntp_status heights_occlude(worker *w, const ntp_image *map, const ntp_const_imag
     const int32_t parts = w->threads < NTP_MAX_PARTS ? w->threads : NTP_MAX_PARTS;
     const size_t size = ntp_occlusion_scratch_size(how, heights->width, heights->height, parts);
     void *scratch = need_aligned(size);
-    team all = { w, crew_start(parts), part };
+    team all = { w, crew_start(parts), part, NULL };
     const ntp_hooks hooks = hooks_of(&all, parts);
     const ntp_status status = ntp_occlusion(map, heights, how, scratch, size, &hooks);
     crew_stop(all.threads);
@@ -95,7 +99,7 @@ ntp_status heights_find_borders(ntp_border_fit found[2], worker *w, const ntp_co
     const int32_t parts = w->threads < NTP_MAX_PARTS ? w->threads : NTP_MAX_PARTS;
     const size_t size = ntp_find_borders_scratch_size(how, src->width, src->height, parts);
     void *scratch = size > 0 ? need_aligned(size) : NULL;
-    team all = { w, crew_start(parts), part };
+    team all = { w, crew_start(parts), part, NULL };
     const ntp_hooks hooks = hooks_of(&all, parts);
     const ntp_status status = ntp_find_borders(found, src, how, open, wraps, scratch, size, &hooks);
     crew_stop(all.threads);

@@ -6,6 +6,7 @@
  * that went away is none.
  */
 #include <errno.h>
+#include <inttypes.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
@@ -48,14 +49,25 @@ static int columns(void)
     return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : USUAL;
 }
 
+/* Of one file it is not worth saying how many are done. */
+static int write_counts(char *counts, size_t size, size_t files, size_t total, uint64_t left)
+{
+    if (left > 0 && total == 1)
+        return snprintf(counts, size, "  %" PRIu64 " texels left", left);
+    if (left > 0)
+        return snprintf(counts, size, "  %zu of %zu files, %" PRIu64 " texels left", files, total,
+                        left);
+    return snprintf(counts, size, "  %zu of %zu files", files, total);
+}
+
 /* A line that is wrapped cannot be cleared.  So the bar gets shorter, and then the counts go. */
-void progress_draw(double done, size_t files, size_t total)
+void progress_draw(double done, size_t files, size_t total, uint64_t left)
 {
     enum { CELLS = 30, FEWEST_CELLS = 4, BRACKETS = 2, SIZE = 80 };
     char bar[CELLS + 1], counts[SIZE], line[SIZE];
     const int percent = (int) (100 * done), room = columns() - 1; /* the last column wraps */
     const int share = snprintf(line, sizeof line, " %3d %%", percent);
-    const int used = share + snprintf(counts, sizeof counts, "  %zu of %zu files", files, total);
+    const int used = share + write_counts(counts, sizeof counts, files, total, left);
     const bool counts_fit = used <= room;
     int cells = room - BRACKETS - (counts_fit ? used : share);
     cells = cells > CELLS ? CELLS : cells < FEWEST_CELLS ? 0 : cells;

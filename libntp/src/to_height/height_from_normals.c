@@ -62,8 +62,9 @@ typedef struct run {
     ntp__slopes slopes;
     ntp__crew crew;
     ntp__round_trip round_trip;
-    void *rest;      /* the memory of the solver, and then of the refinement */
-    bool refined;    /* dst holds heights, whatever happens */
+    void *rest;              /* the memory of the solver, and then of the refinement */
+    bool refined;            /* dst holds heights, whatever happens */
+    ntp_height_result *told; /* the caller's, for its progress; or NULL */
     double from, to; /* the solver reports progress between these shares of the whole work */
     ntp_height_result result;
 } run;
@@ -101,6 +102,10 @@ size_t ntp_height_scratch_size(const ntp_height_options *how, int32_t width, int
 static int32_t report(void *user, double share)
 {
     const run *t = user;
+    if (t->refined && t->told != NULL) {
+        t->told->rounds = t->result.rounds;
+        t->told->refine_left = t->result.refine_left;
+    }
     return t->hooks->progress(t->hooks->user, t->from + (t->to - t->from) * share);
 }
 
@@ -256,6 +261,7 @@ ntp_status ntp_height_from_normals(const ntp_image *dst, const ntp_const_image *
         return NTP_ERR_SCRATCH;
     t.dst = dst;
     t.hooks = hooks;
+    t.told = result;
     if (hooks != NULL && hooks->progress != NULL && hooks->progress(hooks->user, 0) != 0)
         return NTP_ERR_CANCELLED;
     ntp__decode_by_evidence(&t.plan, src);
