@@ -133,6 +133,8 @@
 #define NTP_MIN_Z_HELP N_("Steeper slopes are made this steep")
 #define NTP_TO_LABEL N_("Range of bl_ue")
 #define NTP_TO_HELP N_("What the blue channel stands for")
+#define NTP_OCCLUSION_LABEL N_("Ambient occlusion in blue")
+#define NTP_OCCLUSION_HELP N_("How much of an evenly bright sky a texel sees: 1 is open, 0 hidden. For a range of blue of None, as LabPBR has it. The whole layer is made at once")
 #define NTP_BLUE_LABEL N_("_Blue")
 #define NTP_BLUE_HELP N_("A derived blue survives any conversion")
 #define NTP_DITHER_LABEL N_("Dithering")

@@ -141,6 +141,10 @@ property_enum(to, LABEL(NTP_TO_LABEL), ntp_op_to, ntp_op_to, NTP_OP_STANDARD)
     description(_(NTP_TO_HELP))
     ui_meta("visible", "more")
     ui_meta("sensitive", "preset {none}")
+property_boolean(occlusion, LABEL(NTP_OCCLUSION_LABEL), FALSE)
+    description(_(NTP_OCCLUSION_HELP))
+    ui_meta("visible", "more | preset {labpbr}")
+    ui_meta("sensitive", "to {xy} | preset {labpbr}")
 property_enum(blue, LABEL(NTP_BLUE_LABEL), ntp_op_blue, ntp_op_blue, NTP_OP_DERIVED)
     description(_(NTP_BLUE_HELP))
     ui_meta("visible", "more")
@@ -183,6 +187,7 @@ property_double(light_height, _("Height of the light"), 40.0)
 #  include <gegl-op.h>
 
 #  include "../channels.h"
+#  include "../occlusion.h"
 #  include "../presets.h"
 #  include "../smooth.h"
 #  include "lit.h"
@@ -252,6 +257,8 @@ typedef struct state {
     ntp_normals_options of;
     const Babl *of_format; /* the luminance is read as red of another format */
     GeglRectangle edges;
+    ntp_image open;   /* ambient occlusion of the layer; without data: not known */
+    gchar *open_with; /* what it depends on */
 } state;
 
 static gboolean is_measured(GeglOperation *operation, const ntp_normals_options *how,
@@ -292,6 +299,10 @@ static void finalize(GObject *object)
 {
     GeglProperties *o = GEGL_PROPERTIES(object);
     state *s = o->user_data;
+    if (s != NULL) {
+        g_free(s->open.data);
+        g_free(s->open_with);
+    }
     g_free(s);
     o->user_data = NULL;
     G_OBJECT_CLASS(gegl_op_parent_class)->finalize(object);
@@ -321,6 +332,14 @@ static gboolean dithers(GeglOperation *operation)
     const GeglProperties *o = GEGL_PROPERTIES(operation);
     const state *s = o->user_data;
     return s != NULL && o->dither == NTP_OP_INTEGRABLE && s->made.type != NTP_TYPE_F32 &&
+           layer_of(operation) != NULL;
+}
+
+/* Does blue hold ambient occlusion? */
+static gboolean occludes(GeglOperation *operation)
+{
+    const GeglProperties *o = GEGL_PROPERTIES(operation);
+    return o->occlusion && recipe_of(operation).to == NTP_ENCODING_XY &&
            layer_of(operation) != NULL;
 }
 
@@ -359,7 +378,8 @@ static GeglRectangle get_required_for_output(GeglOperation *operation, const gch
     (void) pad;
     if (all != NULL && !is_measured(operation, &how, all))
         return *all;
-    return dithers(operation) ? *layer_of(operation) : inside(operation, area);
+    return dithers(operation) || occludes(operation) ? *layer_of(operation)
+                                                     : inside(operation, area);
 }
 
 /* The stencil is as wide to the left as to the right, so this is the same. */
@@ -369,9 +389,11 @@ static GeglRectangle get_invalidated_by_change(GeglOperation *operation, const g
     state *s = GEGL_PROPERTIES(operation)->user_data;
     const GeglRectangle *all = all_of(operation);
     (void) pad;
-    if (s != NULL)
+    if (s != NULL) {
         s->measured = FALSE;
-    if (all == NULL && s != NULL && dithers(operation))
+        g_clear_pointer(&s->open.data, g_free);
+    }
+    if (all == NULL && s != NULL && (dithers(operation) || occludes(operation)))
         all = layer_of(operation);
     return all != NULL ? *all : inside(operation, area);
 }
@@ -426,6 +448,91 @@ static void measure(GeglOperation *operation, GeglBuffer *input)
     g_free(data);
 }
 
+/* The scale with which normals are made, once it is measured. */
+static gdouble scale_of(GeglOperation *operation)
+{
+    const GeglProperties *o = GEGL_PROPERTIES(operation);
+    const state *s = o->user_data;
+    const gdouble scale = options_of(operation).scale;
+    return (scale == 0 ? s->scale : scale) * pixels_as_typed(o->strength);
+}
+
+/* --------------------------------------------------------------------- ambient occlusion */
+
+/* All on which the occlusion depends, but for the input. */
+static gchar *occlusion_settings(GeglOperation *operation, const pixels *in)
+{
+    const state *s = GEGL_PROPERTIES(operation)->user_data;
+    const ntp_normals_options how = options_of(operation);
+    const smoothing forms = smoothing_of(operation);
+    const GeglRectangle *edges = layer_of(operation);
+    return g_strdup_printf("%p %d %.17g %d %d %d %d %.17g %.17g %.17g %.17g %d %d %d %d",
+                           (const void *) in->format, (int) s->made.type, scale_of(operation),
+                           how.invert, (int) how.source, (int) how.border_x, (int) how.border_y,
+                           forms.blur, forms.small, forms.middle, forms.large, edges->x, edges->y,
+                           edges->width, edges->height);
+}
+
+/* Smooths the heights of the whole layer, if that is asked; else they are as read. */
+static gboolean whole_heights(GeglOperation *operation, const pixels *in, guchar *data,
+                              gfloat **smooth, ntp_image *heights, ntp_normals_options *how)
+{
+    const smoothing forms = smoothing_of(operation);
+    const GeglRectangle *edges = layer_of(operation);
+    const gint channels = smoothing_channels(in->channels);
+    const ntp_image read = pixels_view(in, data, edges->width, edges->height);
+    const ntp_const_image seen = ntp_image_as_const(&read);
+    *heights = read;
+    if (!smoothing_acts(&forms))
+        return TRUE;
+    *smooth = g_try_malloc((gsize) edges->width * (gsize) edges->height * (gsize) channels *
+                           sizeof **smooth);
+    *heights = ntp_image_packed(*smooth, edges->width, edges->height, channels, NTP_TYPE_F32);
+    heights->encoding = NTP_ENCODING_HEIGHT;
+    const gboolean ok = *smooth != NULL && smoothing_run(&forms, heights, &seen, how) == NTP_OK;
+    how->source = NTP_HEIGHT_SOURCE_RED;
+    return ok;
+}
+
+/* Finds the occlusion of the whole layer, unless it is known. */
+static gboolean occlude(GeglOperation *operation, GeglBuffer *input)
+{
+    static const gsize BYTES[] = { 1, 2, 4 }; /* of a sample, by ntp_type */
+    state *s = GEGL_PROPERTIES(operation)->user_data;
+    const pixels in = pixels_of(gegl_operation_get_format(operation, "input"));
+    const GeglRectangle *edges = layer_of(operation);
+    const gsize texels = (gsize) edges->width * (gsize) edges->height;
+    ntp_normals_options how = options_of(operation);
+    gchar *with = occlusion_settings(operation, &in);
+    ntp_image heights;
+    gfloat *smooth = NULL;
+    if (s->open.data != NULL && g_strcmp0(with, s->open_with) == 0) {
+        g_free(with);
+        return TRUE;
+    }
+    g_free(s->open.data);
+    g_free(s->open_with);
+    s->open_with = with;
+    s->open = ntp_image_packed(g_try_malloc(texels * BYTES[s->made.type]), edges->width,
+                               edges->height, 1, s->made.type);
+    how.scale = scale_of(operation);
+    guchar *data = g_try_malloc(texels * (gsize) in.bytes);
+    gboolean ok = s->open.data != NULL && data != NULL;
+    if (ok) {
+        surroundings_read(input, &in, edges, edges, data);
+        ok = whole_heights(operation, &in, data, &smooth, &heights, &how);
+    }
+    if (ok) {
+        const ntp_const_image seen = ntp_image_as_const(&heights);
+        ok = occlusion_make(&s->open, &seen, &how) == NTP_OK;
+    }
+    if (!ok)
+        g_clear_pointer(&s->open.data, g_free);
+    g_free(smooth);
+    g_free(data);
+    return ok;
+}
+
 /* ------------------------------------------------------------------------------- a block */
 
 typedef struct job {
@@ -440,6 +547,7 @@ typedef struct job {
     GeglRectangle smoothed; /* what of the layer `smooth` has */
     ntp_image smooth;       /* without data: heights are read for each block */
     void *errors;           /* of dithering; NULL: none */
+    const ntp_image *open;  /* ambient occlusion of the layer for blue, or NULL */
 } job;
 
 /* The surroundings of a block, with the reach of a stencil. */
@@ -527,6 +635,8 @@ static gboolean make_block(const job *j, GeglBuffer *input, GeglBuffer *output,
         if (!lit_paint(&j->out, &dst, &normals, j->light, &area))
             return FALSE;
     } else {
+        if (j->open != NULL)
+            occlusion_put(&dst, &area, j->open, part.x - j->edges->x, part.y - j->edges->y);
         channels_arrange(&dst, (channel_order) j->recipe.channels, &area);
     }
     const guchar *first =
@@ -576,12 +686,14 @@ static gboolean process(GeglOperation *operation, GeglBuffer *input, GeglBuffer 
     if (j.edges == NULL || gegl_rectangle_is_empty(j.edges))
         return TRUE;
     j.how = j.recipe.how;
-    j.how.scale = (j.how.scale == 0 ? s->scale : j.how.scale) * pixels_as_typed(o->strength);
+    j.how.scale = scale_of(operation);
     if (dithers(operation)) { /* every row above is needed, from one edge to the other */
         made = *j.edges;
         made.height = area->y + area->height - made.y;
         j.errors = g_malloc0(ntp_normals_dithered_scratch_size(made.width));
     }
+    if (occludes(operation) && s->open.data != NULL)
+        j.open = &s->open;
     const gboolean smooth = smooth_area(operation, &j, input, &made);
     /* The stencils stay inside what was read, so nothing beyond it is needed. */
     if (j.how.border_x == NTP_BORDER_WRAP && j.errors == NULL)
@@ -600,6 +712,8 @@ static gboolean process_all(GeglOperation *operation, GeglOperationContext *cont
 {
     GeglBuffer *input = GEGL_BUFFER(gegl_operation_context_get_object(context, "input"));
     measure(operation, input);
+    if (input != NULL && occludes(operation) && !occlude(operation, input))
+        return FALSE;
     if (input != NULL && dithers(operation))
         return process(operation, input, gegl_operation_context_get_target(context, "output"), area,
                        level);

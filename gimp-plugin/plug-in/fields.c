@@ -185,6 +185,7 @@ static const field normals_fields[FN_COUNT] = {
     [FN_LARGE] = NUMBER("large", NTP_LARGE_LABEL, NTP_LARGE_HELP, 1, 1, -100, 100, 0, 4, 2),
     [FN_CHANNELS] = CHOICE("channels", NTP_CHANNELS_LABEL, NTP_CHANNELS_HELP, 2, 0, channel_orders),
     [FN_DITHER] = CHOICE("dither", NTP_DITHER_LABEL, NTP_DITHER_HELP, 2, 0, dithers),
+    [FN_OCCLUSION] = SWITCH("occlusion", NTP_OCCLUSION_LABEL, NTP_OCCLUSION_HELP, 2),
 };
 
 static const field height_fields[FH_COUNT] = {

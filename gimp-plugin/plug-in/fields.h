@@ -60,6 +60,7 @@ enum {
     FN_LARGE,
     FN_CHANNELS,
     FN_DITHER,
+    FN_OCCLUSION,
     FN_COUNT
 };
 

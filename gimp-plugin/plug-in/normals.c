@@ -6,6 +6,7 @@
  * Beyond an edge that wraps, these are the rows of the opposite end.  Beyond any other edge there
  * are none, so libntp gets the edge and applies the border.
  */
+#include "../occlusion.h"
 #include "../presets.h"
 #include "heights.h"
 #include "texels.h"
@@ -56,6 +57,8 @@ normals_job normals_job_from(const settings *s)
         .swap = v[FN_SWAP] != 0,
         .measures = v[FN_SCALE] == 0,
         .dithers = v[FN_DITHER] != 0,
+        .occludes = v[FN_OCCLUSION] != 0 && r.to == NTP_ENCODING_XY && v[FN_DUDV] == DUDV_NONE,
+        .flipped = v[FN_FLIP_X] != 0,
         .channels = (channel_order) r.channels,
         .luminance = r.luminance,
         .biased = r.how.source == (ntp_height_source) SOURCE_BIASED,
@@ -103,6 +106,7 @@ typedef struct work {
     unsigned char *heights_rows, *layer_rows, *alpha_plane;
     unsigned char *made, *vectors; /* the result's rows; for DU/DV */
     void *errors;                  /* of dithering, from band to band; NULL: none */
+    ntp_image open;                /* ambient occlusion of the layer; without data: none */
     /* the current band */
     int32_t y0, y1;       /* its rows */
     int32_t above, count; /* rows read above y0, and in all */
@@ -190,6 +194,8 @@ static ntp_status make_rows(work *w, const ntp_rect *area)
     if (status != NTP_OK)
         return status;
     made.channels = w->result->channels;
+    if (w->open.data != NULL)
+        occlusion_put(&made, area, &w->open, area->x0, w->y0 - w->above + area->y0);
     channels_arrange(&made, job->channels, area);
     if (job->swap)
         texels_swap(&part);
@@ -304,8 +310,41 @@ static bool reserve(work *w, bool alpha_plane)
            (w->layer == NULL || w->layer_rows != NULL) && (!alpha_plane || w->alpha_plane != NULL);
 }
 
+/* Finds the ambient occlusion of all heights. */
+static job_status find_open(work *w)
+{
+    const raster *r = w->heights;
+    ntp_normals_options how = w->job->how;
+    bias off = { { 0 } };
+    unsigned char *rows = malloc(raster_row(r) * (size_t) r->height);
+    void *plane = malloc(raster_sample(w->result) * (size_t) w->result->width * (size_t) r->height);
+    w->open = ntp_image_packed(plane, r->width, r->height, 1, w->result->type);
+    if (rows == NULL || plane == NULL) {
+        free(rows);
+        return JOB_NO_MEMORY;
+    }
+    how.scale = w->job->flipped ? -how.scale : how.scale;
+    job_status status = r->read(r->user, 0, r->height, rows) ? JOB_DONE : JOB_NO_PIXELS;
+    if (status == JOB_DONE && w->job->biased)
+        status = bias_find(&off, r);
+    if (status == JOB_DONE && w->job->biased)
+        bias_take_off(&off, r, rows, r->height);
+    if (status == JOB_DONE) {
+        const ntp_image read = raster_view(r, rows, r->height);
+        const ntp_const_image seen = ntp_image_as_const(&read);
+        const ntp_status made = occlusion_make(&w->open, &seen, &how);
+        status = made == NTP_OK            ? JOB_DONE
+                 : made == NTP_ERR_FORMAT  ? JOB_NO_ALPHA
+                 : made == NTP_ERR_SCRATCH ? JOB_NO_MEMORY
+                                           : JOB_WRONG;
+    }
+    free(rows);
+    return status;
+}
+
 static void release(work *w)
 {
+    free(w->open.data);
     free(w->heights_rows);
     free(w->errors);
     free(w->made);
@@ -363,6 +402,8 @@ job_status normals_job_run(const normals_job *job, const raster *heights, const 
     if (area != NULL)
         w.area = *area;
     status = reserve(&w, plane) ? JOB_DONE : JOB_NO_MEMORY;
+    if (status == JOB_DONE && scaled.occludes)
+        status = find_open(&w);
     if (status == JOB_DONE && plane)
         status = raster_plane(alpha, w.alpha_plane, result->width, result->height, result->type);
     if (status == JOB_DONE)

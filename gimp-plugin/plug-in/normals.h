@@ -45,6 +45,8 @@ typedef struct normals_job {
     bool biased;   /* the height is the luma of the color minus the mean color */
     bool swap;     /* exchange red and blue */
     bool dithers;  /* in 8 and 16 bit */
+    bool occludes; /* blue, if it is free, is ambient occlusion */
+    bool flipped;  /* red points left: the scale has the other sign */
     channel_order channels;
     bool measures; /* the scale is still to be multiplied by the one that suits the heights */
 } normals_job;

@@ -343,7 +343,8 @@ static job_status show_normals(const preview *p, uint8_t *map, uint8_t *lit)
     maker m = { .p = &with, .what = MAKE_NORMALS, .normals = normals_job_from(p->settings) };
     m.normals.alpha = ALPHA_KEEP;
     m.normals.how.alpha = NTP_ALPHA_KEEP;
-    m.normals.dithers = false; /* it needs every row above, for at most a level */
+    m.normals.dithers = false;  /* it needs every row above, for at most a level */
+    m.normals.occludes = false; /* it would take seconds for each change */
     m.encoding = m.normals.encoding;
     m.colors = m.normals.swap || m.normals.channels != ORDER_XYZ || m.normals.dudv != DUDV_NONE;
     const bool smooths = smoothing_acts(&m.normals.forms);

@@ -198,6 +198,39 @@ def test_smoothed_dithered_arranged(gegl, ntp, channels, depth, properties, opti
     assert np.count_nonzero((made != expected).any(2)) == 0
 
 
+# The layer, properties, and the same for `ntp occlusion`.
+OPEN = [
+    (3, 8, "", ""),
+    (4, 16, "source=luma invert=true border-x=mirror", "--source luma --border-x clamp"),
+    (1, 8, "blur=2", "--blur 2"),
+    (4, 8, "preset=labpbr strength=0.5", ""),
+]
+
+
+@pytest.mark.parametrize(("channels", "depth", "properties", "options"), OPEN)
+def test_occlusion(gegl, ntp, run, tmp_path, channels, depth, properties, options):
+    """Blue is what `ntp occlusion` makes; a part is that of the whole layer."""
+    heights = picture(83, 61, channels, depth)
+    scale = -12.5 * (0.5 if "strength" in properties else 1)
+    pngs.write_png(tmp_path / "h.png", heights)
+    turned = -scale if "invert" in properties else scale
+    words = ["--type", "height", "--scale", str(turned), *options.split()]
+    done = run("occlusion", "h.png", "-o", "ao.png", *words)
+    assert done.returncode == 0, done.stderr
+    words = options.replace("clamp", "mirror").split()
+    words += ["--invert"] if "invert" in properties else []
+    words += ["--to-y", "down", "--alpha", "height"] if "labpbr" in properties else []
+    words += ["--to", "xy", "--ao", str(tmp_path / "ao.png"), "--scale", str(scale)]
+    expected = ntp(heights, "from-height", *words)
+    operation = ["ntp:normals-from-height", "scale=-12.5", "to=xy", "occlusion=true"]
+    operation += properties.split()
+    made = gegl(heights, *operation, threads=2)
+    assert np.ptp(made[..., 2]) > 0
+    assert np.count_nonzero((made != expected).any(2)) == 0
+    part = gegl(heights, *operation, "gegl:crop", "x=11", "y=7", "width=50", "height=30")
+    assert (part == expected[7:37, 11:61]).all()
+
+
 @pytest.mark.parametrize(
     "properties", ["blur=3 small=2", "dither=integrable", "blur=2 dither=integrable"]
 )

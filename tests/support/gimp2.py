@@ -38,6 +38,7 @@ ARGUMENTS = {
         "large": 1,
         "channels": "xyz",
         "dither": "none",
+        "occlusion": 0,
     },
     "plug-in-ntp-height-from-normals": {
         "border-x": "extrapolate",

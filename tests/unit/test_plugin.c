@@ -167,6 +167,54 @@ static void test_forms_and_dither(void)
     }
 }
 
+/* Blue of x and y alone, also of a part, and with red turned around. */
+static void test_occlusion(void)
+{
+    memory *in = memory_new(33, 300, 3, NTP_TYPE_U8), *made = memory_new(33, 300, 3, NTP_TYPE_U8);
+    memory *open = memory_new(33, 300, 1, NTP_TYPE_U8);
+    const ntp_rect area = { 5, 140, 20, 290 };
+    const ntp_occlusion_options how = { .scale = 7, .border_y = NTP_BORDER_CLAMP };
+    const size_t size = ntp_occlusion_scratch_size(&how, 33, 300, 1);
+    unsigned char *memory_of = malloc(size + 64);
+    assert(memory_of != NULL);
+    unsigned char *scratch = memory_of + (64 - (uintptr_t) memory_of % 64) % 64;
+    fill(in);
+    const ntp_image src = raster_view(&in->raster, in->data, 300);
+    const ntp_image dst = raster_view(&open->raster, open->data, 300);
+    const ntp_const_image seen = ntp_image_as_const(&src);
+    assert(ntp_occlusion(&dst, &seen, &how, scratch, size, NULL) == NTP_OK);
+    for (int i = 0; i < 2; i++) {
+        settings s;
+        settings_reset(&procedures[PROCEDURE_NORMALS], &s);
+        s.value[FN_SCALE] = 7;
+        s.value[FN_BORDER_Y] = NTP_BORDER_EXTRAPOLATE;
+        s.value[FN_FLIP_X] = i;
+        s.value[FN_PRESET] = PRESET_LABPBR;
+        s.value[FN_OCCLUSION] = 1;
+        normals_job job = normals_job_from(&s);
+        assert(job.occludes);
+        job.alpha = ALPHA_KEEP;
+        job.how.alpha = NTP_ALPHA_KEEP;
+        memset(made->data, 77, bytes_of(made));
+        assert(normals_job_run(&job, &in->raster, NULL, NULL, &made->raster, &area, NULL) ==
+               JOB_DONE);
+        for (int y = 0; y < 300; y++) {
+            for (int x = 0; x < 33; x++) {
+                const int at = y * 33 + x;
+                const bool inside = x >= 5 && x < 20 && y >= 140 && y < 290;
+                assert(made->data[3 * at + 2] == (inside ? open->data[at] : 77));
+            }
+        }
+        s.value[FN_PRESET] = PRESET_NONE;
+        job = normals_job_from(&s);
+        assert(!job.occludes);
+    }
+    free(memory_of);
+    memory_free(in);
+    memory_free(made);
+    memory_free(open);
+}
+
 static void test_dxt5nm_and_presets(void)
 {
     memory *in = memory_new(9, 7, 1, NTP_TYPE_U16), *made = memory_new(9, 7, 4, NTP_TYPE_U16);
@@ -680,6 +728,7 @@ int main(void)
     test_settings();
     test_bands();
     test_forms_and_dither();
+    test_occlusion();
     test_dxt5nm_and_presets();
     test_flip_and_swap();
     test_scale_of_the_layer();
