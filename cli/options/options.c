@@ -276,9 +276,9 @@ const option_spec OPTION_TABLE[] = {
     { OPT_Y, "y", 0, KIND_CHOICE, "auto|" Y_WORDS, "auto", 0, 0, V_RELIEF,
       "normals: which way green points: up (OpenGL) or down (DirectX); auto: as the texels show, "
       "if ntp check is sure, else the file is refused" },
-    { OPT_SCALE, "scale", 0, KIND_NUMBER, "S", NULL, -1.7e308, 1.7e308, V_RELIEF,
-      "heights: how many texels white rises above black; negative turns hills into dents. "
-      "Default: what ntp to-height stored in the file, and 1 for PFM" },
+    { OPT_SCALE, "scale", 0, KIND_NUMBER, "S|auto", NULL, -1.7e308, 1.7e308, V_RELIEF,
+      "heights: how many texels white rises above black; negative turns hills into dents; auto: "
+      "as ntp from-height takes it. Default: what ntp to-height stored in the file, and 1 for PFM" },
     { OPT_SOURCE, "source", 0, KIND_CHOICE, SOURCES, "red", 0, 0, V_RELIEF,
       "heights: what of a color image is the height" },
     { OPT_BLUR, "blur", 0, KIND_NUMBER, "SIGMA", "0", 0, 64, V_RELIEF,

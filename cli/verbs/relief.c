@@ -10,6 +10,7 @@
 
 #include "options/names.h"
 #include "report/report.h"
+#include "surface/relief_scale.h"
 #include "write/whole_image.h"
 
 enum { DEPTH_FLOAT = 3 };
@@ -52,14 +53,17 @@ static bool read_depth(relief_settings *set, const options *o)
 
 bool relief_read_settings(relief_settings *set, const options *o)
 {
+    const bool measures =
+        option_given(o, OPT_SCALE) && strcmp(option_string(o, OPT_SCALE), "auto") == 0;
     *set = (relief_settings) { .solve = { .how = { .dx = 1, .dy = 1 },
                                           .kernel = AUTO,
                                           .border_x = solved_border(o, OPT_BORDER_X),
                                           .border_y = solved_border(o, OPT_BORDER_Y),
                                           .y = green_told(o, OPT_Y),
                                           .limits = limits_from(o) },
-                               .scale = option_number(o, OPT_SCALE),
+                               .scale = measures ? 1 : option_number(o, OPT_SCALE),
                                .scale_given = option_given(o, OPT_SCALE),
+                               .measures = measures,
                                .blur = option_number(o, OPT_BLUR),
                                .border_x = border_of(o, OPT_BORDER_X),
                                .border_y = border_of(o, OPT_BORDER_Y),
@@ -114,7 +118,9 @@ static bool find_scale(production *p, text *why)
     if (st->scale == 0 && set->scale_given)
         text_add(why, "with --scale 0 these heights are flat");
     else if (st->scale == 0)
-        text_add(why, "these are heights; --scale says how many texels white rises above black");
+        text_add(
+            why,
+            "these are heights; --scale says how many texels white rises above black, or auto");
     return st->scale != 0;
 }
 
@@ -136,6 +142,25 @@ ntp_status relief_blur(const ntp_image *dst, const ntp_const_image *src, const r
     const ntp_status status = ntp_height_blur(dst, src, &how, scratch, size);
     free(scratch);
     return status;
+}
+
+/* With --scale auto: the scale that shows the relief. */
+static bool measure(production *p, const ntp_const_image *heights, ntpio_error *error)
+{
+    const relief_settings *set = p->m->settings;
+    relief_state *st = p->state;
+    const ntp_normals_options how = { .scale = 1,
+                                      .dx = 1,
+                                      .dy = 1,
+                                      .border_x = set->border_x,
+                                      .border_y = set->border_y,
+                                      .source = set->source };
+    const ntp_status status = heights_suit_scale(heights, &how, &st->scale);
+    if (status != NTP_OK)
+        return library_error(&p->s, status, error);
+    if (st->scale == 0) /* flat */
+        st->scale = 1;
+    return true;
 }
 
 /* Floats in memory of the worker. */
@@ -163,6 +188,8 @@ bool relief_heights(production *p, ntp_const_image *heights, ntpio_error *error)
     } else if (channel == NTP_HEIGHT_SOURCE_ALPHA && view->channels % 2 == 1) {
         return wrong_use(p, "it has no alpha to take the height from", error);
     }
+    if (relief_is_height(p) && set->measures && !measure(p, heights, error))
+        return false;
     if (set->blur == 0 && channel == NTP_HEIGHT_SOURCE_RED)
         return true;
     made = floats(&p->w->diff, view);

@@ -11,6 +11,7 @@ typedef struct relief_settings {
     to_height_settings solve; /* first: the functions of ntp to-height read it */
     double scale, blur;
     bool scale_given;
+    bool measures; /* --scale auto */
     ntp_border border_x, border_y;
     ntp_height_source source;
     int depth; /* 1: 8 bit, 2: 16, 3: float; 0: as the input */

@@ -17,6 +17,7 @@
 #include "options/names.h"
 #include "report/report.h"
 #include "run/thread_crew.h"
+#include "surface/relief_scale.h"
 #include "verbs/verbs.h"
 #include "write/side_image.h"
 
@@ -305,25 +306,6 @@ static bool make_smoothed(production *p, ntpio_error *error)
     return ok;
 }
 
-/* Multiplies the scale by the one that suits the whole heightfield. */
-static bool measure(production *p, ntpio_error *error)
-{
-    const from_height_settings *set = p->m->settings;
-    state *st = p->state;
-    const ntp_const_image seen = ntp_image_as_const(&st->heights);
-    ntp_relief *relief = need(calloc(1, sizeof *relief));
-    ntp_status status = NTP_OK;
-    for (int32_t y = 0; y < seen.height && status == NTP_OK; y++) {
-        int32_t first = 0;
-        const int32_t every = ntp_relief_row(seen.width, seen.height, y, &first);
-        if (every > 0)
-            status = ntp_relief_add(relief, &seen, &set->how, first, y, every);
-    }
-    st->scale *= ntp_relief_scale(relief);
-    free(relief);
-    return status == NTP_OK || library_error(&p->s, status, error);
-}
-
 static bool rows(production *p, const ntp_rect *area, ntpio_error *error)
 {
     const from_height_settings *set = p->m->settings;
@@ -336,8 +318,12 @@ static bool rows(production *p, const ntp_rect *area, ntpio_error *error)
                             (size_t) (y % st->heights.ring_rows) * (size_t) st->heights.row_stride;
         memcpy(to, from, (size_t) view->row_stride);
     }
-    if (area->y1 == view->height && set->measures && !measure(p, error))
-        return false;
+    if (area->y1 == view->height && set->measures) {
+        const ntp_const_image all = ntp_image_as_const(&st->heights);
+        const ntp_status status = heights_suit_scale(&all, &set->how, &st->scale);
+        if (status != NTP_OK)
+            return library_error(&p->s, status, error);
+    }
     if (area->y1 == view->height)
         return set->blur > 0 || set->octaves > 0 ? make_smoothed(p, error)
                                                  : make_rows(p, &st->heights, view->height, error);

@@ -90,6 +90,10 @@ def test_scale_of_heights(run, tmp_path, files):
     assert "Height scale" not in texts_of(tmp_path / "c.png")
     run("to-height", "n.png", "-o", "back.pfm")
     assert item(run("curvature", "back.pfm", "-o", "c.png", "--format", "json"))["scale"] == 1
+    auto = ["--scale", "auto", "--format", "json"]
+    suits = item(run("from-height", "h.png", "-o", "m.png", *auto))["scale"]
+    assert item(run("occlusion", "h.png", "-o", "c.png", *auto))["scale"] == suits
+    assert item(run("curvature", "h.png", "-o", "c.png", "--blur", 2, *auto))["scale"] == suits
     assert pixels_of(tmp_path / "c.png").dtype == np.uint16
 
 
