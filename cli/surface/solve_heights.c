@@ -80,7 +80,7 @@ ntp_status depth_solve(worker *w, const ntp_image *depth, const ntp_image *confi
     if (size == 0)
         return NTP_ERR_SHAPE;
     void *scratch = need_aligned(size);
-    team all = { w, NULL, part };
+    team all = { .w = w, .part = part };
     const ntp_hooks hooks = { .user = &all, .progress = tell_progress };
     const ntp_status status =
         ntp_depth_from_normals(depth, confidence, src, how, scratch, size, &hooks, result);
