@@ -69,6 +69,26 @@ def noise(n):
     return np.clip(n + added, 0, 255).round().astype(np.uint8)
 
 
+def bc1(n):
+    """Block compression: of each 4 x 4 texels two colors of 5, 6, 5 bits at the ends of the longest
+    axis, and two between them.  Both sides are multiples of 4."""
+    h, w = n.shape[:2]
+    blocks = n.reshape(h // 4, 4, w // 4, 4, 3).transpose(0, 2, 1, 3, 4).reshape(-1, 16, 3)
+    away = blocks - blocks.mean(1, keepdims=True)
+    axis = np.linalg.eigh(away.transpose(0, 2, 1) @ away)[1][..., -1:]
+    along = (away @ axis)[..., 0]
+    ends = [
+        np.take_along_axis(blocks, f(along, 1)[:, None, None], 1) for f in (np.argmin, np.argmax)
+    ]
+    most = np.array([31, 63, 31])
+    low, high = (np.floor(end / 255 * most + 0.5) / most * 255 for end in ends)
+    palette = np.concatenate([low, high, (2 * low + high) / 3, (low + 2 * high) / 3], 1)
+    off = ((blocks[:, :, None] - palette[:, None]) ** 2).sum(-1)
+    chosen = np.take_along_axis(palette, off.argmin(-1)[..., None], 1)
+    texels = chosen.reshape(h // 4, w // 4, 4, 4, 3).transpose(0, 2, 1, 3, 4).reshape(n.shape)
+    return np.floor(texels + 0.5).astype(np.uint8)
+
+
 def half(n):
     """Means of 2 x 2 texels, made 1 long."""
     h, w = n.shape[0] // 2, n.shape[1] // 2
@@ -81,6 +101,7 @@ DAMAGES = {
     "none": lambda n: n,
     "JPEG 95": lambda n: maps.jpeg(n, 95, 0),
     "JPEG 85": lambda n: maps.jpeg(n, 85, 0),
+    "BC1": bc1,
     "noise 4": noise,
 }
 
