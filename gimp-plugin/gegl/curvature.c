@@ -65,8 +65,8 @@ property_enum(border, _("Edges"), ntp_op_curvature_edge, ntp_op_curvature_edge, 
 #  define GEGL_OP_C_SOURCE curvature.c
 
 #  include <gegl-op.h>
-#  include <string.h>
 
+#  include "gray_map.h"
 #  include "output.h"
 #  include "surroundings.h"
 
@@ -106,15 +106,6 @@ static void finalize(GObject *object)
     G_OBJECT_CLASS(gegl_op_parent_class)->finalize(object);
 }
 
-/* The picture; without edges, or without texels, the area itself. */
-static GeglRectangle edges_of(GeglOperation *operation, const GeglRectangle *area)
-{
-    const GeglRectangle *all = gegl_operation_source_get_bounding_box(operation, "input");
-    const gboolean bounded =
-        all != NULL && !gegl_rectangle_is_empty(all) && !gegl_rectangle_is_infinite_plane(all);
-    return bounded ? *all : *area;
-}
-
 static GeglRectangle around(const GeglProperties *o, const GeglRectangle *area,
                             const GeglRectangle *edges)
 {
@@ -125,7 +116,7 @@ static GeglRectangle around(const GeglProperties *o, const GeglRectangle *area,
 static GeglRectangle get_required(GeglOperation *operation, const gchar *pad,
                                   const GeglRectangle *area)
 {
-    const GeglRectangle edges = edges_of(operation, area);
+    const GeglRectangle edges = gray_map_edges(operation, area);
     const GeglRectangle from = around(GEGL_PROPERTIES(operation), area, &edges);
     (void) pad;
     return surroundings_wrapped(&from, &edges);
@@ -135,21 +126,6 @@ static GeglRectangle get_bounding_box(GeglOperation *operation)
 {
     const GeglRectangle *all = gegl_operation_source_get_bounding_box(operation, "input");
     return all != NULL ? *all : (GeglRectangle) { 0, 0, 0, 0 };
-}
-
-/* A map of one channel becomes a gray picture, with the alpha of the layer. */
-static void paint(guchar *made, const guchar *map, const guchar *read, const pixels *p, gint count)
-{
-    const gsize sample = (gsize) p->bytes / (gsize) p->channels;
-    for (gint i = 0; i < count; i++) {
-        for (gint c = 0; c < 3; c++)
-            memcpy(made + (gsize) c * sample, map, sample);
-        if (p->channels == 4)
-            memcpy(made + 3 * sample, read + 3 * sample, sample);
-        made += p->bytes;
-        read += p->bytes;
-        map += sample;
-    }
 }
 
 static gboolean make_block(const GeglProperties *o, GeglBuffer *input, GeglBuffer *output,
@@ -179,8 +155,9 @@ static gboolean make_block(const GeglProperties *o, GeglBuffer *input, GeglBuffe
     const gboolean ok = ntp_curvature(&gray, &seen, &how, &area) == NTP_OK;
     for (gint y = 0; y < block->height && ok; y++) {
         const gsize at = (gsize) (top + y) * (gsize) from.width + (gsize) left;
-        paint(made + (gsize) y * (gsize) block->width * (gsize) p->bytes,
-              map + at * (gsize) gray.pixel_stride, read + at * (gsize) p->bytes, p, block->width);
+        gray_map_paint(made + (gsize) y * (gsize) block->width * (gsize) p->bytes,
+                       map + at * (gsize) gray.pixel_stride, read + at * (gsize) p->bytes, p,
+                       block->width);
     }
     if (ok)
         output_write(output, format, block, p, made, block->width * p->bytes, s->blending);
@@ -196,7 +173,7 @@ static gboolean process(GeglOperation *operation, GeglBuffer *input, GeglBuffer 
     const GeglProperties *o = GEGL_PROPERTIES(operation);
     const pixels p = pixels_of(gegl_operation_get_format(operation, "input"));
     const Babl *format = gegl_operation_get_format(operation, "output");
-    const GeglRectangle edges = edges_of(operation, area);
+    const GeglRectangle edges = gray_map_edges(operation, area);
     gboolean ok = TRUE;
     (void) level; /* everything is made at full size */
     for (gint y = 0; y < area->height && ok; y += BLOCK_HEIGHT) {

@@ -11,6 +11,7 @@ void gegl_op_ntp_clean_normals_register_type(GTypeModule *module);
 void gegl_op_ntp_transform_normals_register_type(GTypeModule *module);
 void gegl_op_ntp_blend_normals_register_type(GTypeModule *module);
 void gegl_op_ntp_curvature_register_type(GTypeModule *module);
+void gegl_op_ntp_ambient_occlusion_register_type(GTypeModule *module);
 
 G_MODULE_EXPORT const GeglModuleInfo *gegl_module_query(GTypeModule *module);
 G_MODULE_EXPORT gboolean gegl_module_register(GTypeModule *module);
@@ -32,5 +33,6 @@ gboolean gegl_module_register(GTypeModule *module)
     gegl_op_ntp_transform_normals_register_type(module);
     gegl_op_ntp_blend_normals_register_type(module);
     gegl_op_ntp_curvature_register_type(module);
+    gegl_op_ntp_ambient_occlusion_register_type(module);
     return TRUE;
 }

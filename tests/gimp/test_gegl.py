@@ -413,6 +413,25 @@ def test_curvature(gegl, ntp, channels, depth, settings):
     assert (gegl(src, "ntp:curvature", *properties, *crop)[:, :, :3] == expected[:5, 3:12]).all()
 
 
+@pytest.mark.parametrize("depth", DEPTHS)
+@pytest.mark.parametrize("channels", [1, 4])
+@pytest.mark.parametrize("settings", [{"scale": "7.3"}, {"radius": "9", "border": "clamp"}])
+def test_ambient_occlusion(gegl, ntp, channels, depth, settings):
+    """The numbers of `ntp occlusion`, as a gray picture; a part is that part of the whole."""
+    heights = picture(90, 71, channels, depth)
+    settings = {"scale": "20"} | settings
+    expected = ntp(heights, "occlusion", "--type", "height", *to_options(settings))[:, :, :1]
+    made = gegl(heights, "ntp:ambient-occlusion", *to_properties(settings), threads=4)
+    assert (made[:, :, :3] == expected).all() and expected.min() < expected.max()
+    if channels == 4:
+        assert (made[:, :, 3] == heights[:, :, 3]).all()
+    crop = ["gegl:crop", "x=3", "y=2", "width=9", "height=5"]
+    part = gegl(heights, "ntp:ambient-occlusion", *to_properties(settings), *crop)
+    assert (part[:, :, :3] == expected[2:7, 3:12]).all()
+    flat = gegl(heights, "ntp:ambient-occlusion", "scale=0")
+    assert (flat[:, :, :3] == np.iinfo(flat.dtype).max).all()
+
+
 @pytest.mark.parametrize(
     ("mode", "depth"), [("rnm", 8), ("whiteout", 16), ("linear", 8), ("rnm", 16)]
 )
