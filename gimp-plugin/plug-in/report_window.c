@@ -16,7 +16,7 @@
 enum {
     TICK = 50,   /* milliseconds from one look at the progress to the next */
     WIDTH = 350, /* of the text */
-    HEIGHT = 240
+    HEIGHT = 270
 };
 
 typedef struct window {
