@@ -169,6 +169,14 @@ def test_grazing_and_turned_away():
         assert np.abs(np.diff(z)).max() < 520
 
 
+def test_extreme_cameras():
+    normals = some_normals(9, 12)
+    for camera in ((2.0**-10, 2.0**20, 2.0**20, -(2.0**20)), (2.0**20, 2.0**-10, 0.0, 2.0**20)):
+        depth, confidence, _ = find_depth(normals, camera=camera)
+        assert np.isfinite(depth).all() and (depth > 0).all()
+        assert np.isfinite(confidence).all() and confidence.min() >= 0 and confidence.max() <= 1
+
+
 def test_start_saves_rounds(found):
     scene, _, depth, _, result = found[0]
     again, _, warm = find_depth(vectors(scene), start=depth)

@@ -47,10 +47,10 @@ static bool read_camera(ntp_camera *camera, const char *list)
         *field[i] = strtod(at, &end);
         const size_t length = strspn(at, "0123456789.eE+-");
         const bool in_range =
-            i < 2 ? *field[i] >= 1e-6 && *field[i] <= 1e12 : fabs(*field[i]) <= 1e12;
+            i < 2 ? *field[i] >= 1e-3 && *field[i] <= 1e6 : fabs(*field[i]) <= 1e6;
         if (length == 0 || end != at + length || !in_range || *end != (i < 3 ? ',' : 0)) {
             complain("--camera %s: expected FX,FY,CX,CY, four numbers with commas between them, "
-                     "the first two above 0",
+                     "the first two from 0.001 on, none above 1e6",
                      list);
             return false;
         }

@@ -1191,8 +1191,8 @@ NTP_API ntp_status ntp_occlusion(const ntp_image *dst, const ntp_const_image *sr
  * looks along ((u - cx)/fx, (v - cy)/fy, 1), x to the right, y down, z away from the viewer.
  */
 typedef struct ntp_camera {
-    double fx, fy; /* focal lengths in texels, 2^-20..2^40; both 0: orthographic */
-    double cx, cy; /* where the axis meets the picture, in texels */
+    double fx, fy; /* focal lengths in texels, 2^-10..2^20; both 0: orthographic */
+    double cx, cy; /* where the axis meets the picture, in texels, -2^20..2^20 */
 } ntp_camera;
 
 typedef struct ntp_depth_options {

@@ -17,6 +17,7 @@ from ._solve import SCRATCH_ALIGNMENT, Callbacks
 from .typing import AnyPixels, Floats, GivenY, Mask, Type
 
 _FLOAT = np.dtype(np.float32)
+_MOST = 1 << 20  # texels, of a camera
 
 
 def depth_from_normals(
@@ -218,8 +219,10 @@ def _camera(camera: Sequence[float] | None) -> dict[str, float]:
         return {}
     values = [float(value) for value in camera]
     names = ("fx", "fy", "cx", "cy")
-    if len(values) != 4 or not np.isfinite(values).all() or min(values[:2]) <= 0:
+    within = all(abs(value) <= _MOST for value in values)  # which NaN is not
+    if len(values) != 4 or not within or min(values[:2]) < 1 / 1024:
         raise ArgumentError(
-            f"camera={camera!r}: must be four finite numbers fx, fy, cx, cy with fx and fy above 0"
+            f"camera={camera!r}: must be four numbers fx, fy, cx, cy up to {_MOST}, with fx and fy"
+            " above 0.001"
         )
     return dict(zip(names, values, strict=True))

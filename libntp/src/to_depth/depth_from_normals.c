@@ -68,14 +68,15 @@ static ntp_status check_mask(const ntp_const_image *mask, const ntp_const_image 
     return ntp__same_size(mask, src) && mask->ring_rows == 0 ? NTP_OK : NTP_ERR_SHAPE;
 }
 
+/* Within these ranges springs are no greater than floats. */
 static bool is_focal(double f)
 {
-    return f >= 0x1p-20 && f <= 0x1p40;
+    return f >= 0x1p-10 && f <= 0x1p20;
 }
 
 static bool is_place(double c)
 {
-    return c >= -0x1p40 && c <= 0x1p40;
+    return c >= -0x1p20 && c <= 0x1p20;
 }
 
 static bool good_options(const ntp_depth_options *how)
