@@ -59,12 +59,12 @@ class Ours:
         return self.dst
 
 
-def slopes(src):
-    """In float32, with as few passes as numpy allows."""
-    v = src.astype(np.float32)
-    v *= np.float32(2 / 255)
+def slopes(src, real=np.float32):
+    """With as few passes as numpy allows."""
+    v = src.astype(real)
+    v *= real(2 / 255)
     v -= 1
-    z = np.maximum(v[..., 2], np.float32(1 / 255))
+    z = np.maximum(v[..., 2], real(1 / 255))
     return -v[..., 0] / z, v[..., 1] / z
 
 
@@ -77,7 +77,7 @@ def by_fourier(p, q):
     spectrum = scipy.fft.rfft2(f, workers=1)
     wx = 4 * np.sin(np.pi * np.arange(w // 2 + 1) / w) ** 2
     wy = 4 * np.sin(np.pi * np.arange(h) / h) ** 2
-    symbol = (wy[:, None] + wx[None, :]).astype(np.float32)
+    symbol = (wy[:, None] + wx[None, :]).astype(p.dtype)
     symbol[0, 0] = np.inf
     spectrum /= symbol
     return scipy.fft.irfft2(spectrum, s=(h, w), workers=1)
@@ -86,7 +86,7 @@ def by_fourier(p, q):
 def by_cosines(p, q):
     """One-sided, free: the last slopes of a row and a column are ignored."""
     h, w = p.shape
-    f = np.zeros((h, w), np.float32)
+    f = np.zeros((h, w), p.dtype)
     f[:, 1:] += p[:, :-1]
     f[:, :-1] -= p[:, :-1]
     f[1:] += q[:-1]
@@ -94,7 +94,7 @@ def by_cosines(p, q):
     spectrum = scipy.fft.dctn(f, type=2, overwrite_x=True, workers=1)
     wx = 4 * np.sin(np.pi * np.arange(w) / (2 * w)) ** 2
     wy = 4 * np.sin(np.pi * np.arange(h) / (2 * h)) ** 2
-    symbol = (wy[:, None] + wx[None, :]).astype(np.float32)
+    symbol = (wy[:, None] + wx[None, :]).astype(p.dtype)
     symbol[0, 0] = np.inf
     spectrum /= symbol
     return scipy.fft.idctn(spectrum, type=2, overwrite_x=True, workers=1)
@@ -124,14 +124,18 @@ def compare(name, a, b, pairs):
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--pairs", type=int, default=7)
-    parser.add_argument("--size", type=int, default=4096)
+    parser.add_argument("--size", type=int, action="append")
     args = parser.parse_args()
-    src = normals(args.size)
-    p, q = slopes(src)
-    for name, border, solve in [("wrap", WRAP, by_fourier), ("free", CLAMP, by_cosines)]:
-        ours = Ours(src, FORWARD, border)
-        compare(f"RGB8 {name}, scipy", ours, lambda solve=solve: solve(*slopes(src)), args.pairs)
-        compare(f"RGB8 {name}, scipy from slopes", ours, lambda s=solve: s(p, q), args.pairs)
+    for size in args.size or (2048, 4096):
+        src = normals(size)
+        for name, border, solve in [("wrap", WRAP, by_fourier), ("free", CLAMP, by_cosines)]:
+            ours = Ours(src, FORWARD, border)
+            for real in (np.float32, np.float64):
+                row = f"RGB8 {size} {name}, scipy {np.dtype(real)}"
+                compare(row, ours, lambda s=solve, r=real: s(*slopes(src, r)), args.pairs)  # noqa: B023
+            p, q = slopes(src)
+            row = f"RGB8 {size} {name}, scipy from slopes"
+            compare(row, ours, lambda s=solve: s(p, q), args.pairs)  # noqa: B023
 
 
 if __name__ == "__main__":

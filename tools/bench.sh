@@ -13,6 +13,13 @@ bench() {
         bench_python "$@"
         return
     fi
+    if [ "${1:-}" = auto ]; then
+        shift
+        need_tools
+        install_tree
+        python bench/bench_auto.py "$@"
+        return
+    fi
     need_tools
     build_dir build-bench -Dbench=true -Dtests=false -Dbuildtype=release
     if [ "${1:-}" = quality ]; then
