@@ -62,6 +62,18 @@ def test_refinement_of_steep_ground(kernel, most):
     assert np.std(ours - h) <= 0.9 * np.std(plain - h)
 
 
+@pytest.mark.parametrize("kernel", ["sobel3", "scharr3", "prewitt5", "gimp7"])
+@pytest.mark.parametrize("slope", [0.2, 0.7])
+def test_refined_heights_of_wide_kernels_are_no_worse(kernel, slope):
+    """Also in the finest detail, to which the kernel hardly responds."""
+    h = fractal(96, rms_slope=slope)
+    how = {"kernel": kernel, "border_x": WRAP, "border_y": WRAP}
+    n = from_height(h, **how)
+    plain, _ = weighted(n, method=0, z=DERIVED, **how)
+    ours, result = weighted(n, method=0, z=DERIVED, refine=30, **how)
+    assert result["refine_left"] == 0 and np.std(ours - h) <= np.std(plain - h)
+
+
 @pytest.mark.parametrize("dtype", [np.uint8, np.uint16])
 @pytest.mark.parametrize("y", [ntp.UP, ntp.DOWN])
 def test_refinement_returns_nearest_blue_as_well(dtype, y):
