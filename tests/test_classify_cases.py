@@ -274,6 +274,24 @@ def test_rough_normals_sharpened_and_saved_as_jpeg_twice():
     assert result.type == S and result.accidents & maps.LOSSY
 
 
+def test_a_skin_has_no_exchanged_channels():
+    """Full red, and a green and blue that vary together off the middle: a color, not y and x."""
+    t = surfaces.fractal(np.random.default_rng(3), 128, 128)
+    t = (t - t.mean()) / t.std()
+    skin = np.dstack([250 + 0 * t, 160 + 14 * t, 123 + 13 * t])
+    result = classify(maps.Case("skin", maps.to_type(skin.clip(0, 255)), maps.NOT_NORMALS))
+    assert result.type == maps.NOT_NORMALS
+
+
+def test_a_background_of_one_color_is_no_body():
+    """A screenshot whose background happens to have unit length: all vectors point one way."""
+    rng = np.random.default_rng(4)
+    page = np.full((128, 128, 3), (178, 190, 220), np.uint8)
+    page[48:80, 40:96] = rng.integers(0, 256, (32, 56, 3))
+    result = classify(maps.Case("page", page, maps.NOT_NORMALS))
+    assert result.type == maps.NOT_NORMALS
+
+
 def test_no_reason_says_only_all():
     """Half a ball that faces down, a little short, is of no class, but not for its lengths."""
     z, x = np.mgrid[-1:1:64j, -1:1:64j]

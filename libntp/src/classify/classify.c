@@ -136,6 +136,15 @@ static bool is_gamma(question *q)
     return is(q, NTP_CLASS_STANDARD, sure ? GAMMA_SURE : GAMMA_UNSEEN_SURE);
 }
 
+/* What varies in a picture is brightness: in all channels alike, and seldom around the middle. */
+static bool is_bright_and_dark(const question *q)
+{
+    double alike = 0;
+    for (int32_t i = 0; i < 3; i++)
+        alike = most(alike, distance(q->e->correlation[i], 0));
+    return q->lean > LEAN_PICTURE && alike > ALIKE;
+}
+
 static bool is_swapped(question *q)
 {
     const ntp_stats *s = q->s;
@@ -150,7 +159,10 @@ static bool is_swapped(question *q)
     double y_sd = 2 * q->e->used_sd[1 - z], b_sd = 2 * q->e->used_sd[2];
     double squares = y * y + b * b + y_sd * y_sd + b_sd * b_sd;
     double fall = 2 * (1 - s->used_mean[z]), needed = OTHER_Z_FALLS * squares;
-    if ((!red && !green) || fall + OTHER_Z_ROUNDING < needed)
+    bool picture = y * y + b * b > LEAN_PICTURE * LEAN_PICTURE &&
+                   distance(q->e->correlation[red ? 2 : 1], 0) > ALIKE;
+    if ((!red && !green) || fall + OTHER_Z_ROUNDING < needed ||
+        (picture && q->unit[0] < UNIT_SHARE))
         return false;
     q->out->accidents |= red ? NTP_ACCIDENT_RED_IS_Z : NTP_ACCIDENT_GREEN_IS_Z;
     because(q, red ? NTP_REASON_RED_IS_Z : NTP_REASON_GREEN_IS_Z,
@@ -226,8 +238,10 @@ static bool is_object_space(question *q)
     const double *alike = q->e->correlation;
     bool bright_and_dark = least(least(alike[0], alike[1]), alike[2]) > ALL_ALIKE;
     bool mixed = z > MIXED_LEAST && red > MIXED_LEAST && green > MIXED_LEAST;
-    if (bright_and_dark || z < DIRECTIONS_LEAST || red < AXIS_LEAST || green < AXIS_LEAST ||
-        steep_share(q) < BODY_STEEP_LEAST || ntp__keep_to_a_line(q->e, 0, 1) ||
+    double up = 2 * q->s->used_mean[2] - 1, one_way = sqrt(q->lean * q->lean + up * up);
+    if (bright_and_dark || one_way > ONE_WAY_MOST || z < DIRECTIONS_LEAST || red < AXIS_LEAST ||
+        green < AXIS_LEAST || steep_share(q) < BODY_STEEP_LEAST ||
+        ntp__keep_to_a_line(q->e, 0, 1) ||
         q->near[0] < (mixed ? MIXED_UNIT_SHARE : NEAR_UNIT_SHARE) || prefers_zzero(q) ||
         ntp__length_error(q->e, TILTED_FIRST_BIN, TILTED_END_BIN) > TILTED_ERROR_MOST)
         return false;
@@ -235,15 +249,6 @@ static bool is_object_space(question *q)
     because(q, NTP_REASON_NEAR_UNIT, q->near[0]);
     bool sure = mixed && q->unit[0] > UNIT_SHARE && q->unit[1] < UNIT_SHARE;
     return is(q, NTP_CLASS_OBJECT_SPACE, sure ? OBJECT_SURE : OBJECT_LOOSE_SURE);
-}
-
-/* What varies in a picture is brightness: in all channels alike, and seldom around the middle. */
-static bool is_bright_and_dark(const question *q)
-{
-    double alike = 0;
-    for (int32_t i = 0; i < 3; i++)
-        alike = most(alike, distance(q->e->correlation[i], 0));
-    return q->lean > LEAN_PICTURE && alike > ALIKE;
 }
 
 /* Do red and green vary together, and by as much?  (A flip of green makes them vary against each

@@ -97,6 +97,10 @@ enum { PADDED_TEXELS_LEAST = 64 };
 static const double DIRECTIONS_LEAST = 0.05, AXIS_LEAST = 0.02;
 static const double MIXED_LEAST = 0.15, MIXED_UNIT_SHARE = 0.8;
 
+/* The normals of a closed body cancel out, and those of half a ball leave a mean of length 1/2.  The
+ * mean of a picture with a background of one color is nearly as long as that color. */
+static const double ONE_WAY_MOST = 0.7;
+
 /* Seven eighths of a ball are steeper than 1/2, and two thirds of a cube.  Hills and ridges with a
  * height in blue may seem to point in all directions too.  They mostly have fewer steep texels, or
  * their red and green keep to a line. */
