@@ -45,6 +45,20 @@ class Session:
         layer = getattr(self, target)
         layer.append_filter(self._filter(operation, settings, layer))
 
+    def blend(self, file, settings):
+        """Merges Blend Normals with the detail of another file, a layer that is not seen."""
+        self.other(file)
+        self.second.set_visible(False)
+        made = self._filter("ntp:blend-normals", settings)
+        made.set_aux_input("aux", self.second)
+        made.update()
+        self.layer.merge_filter(made)
+
+    def note_place(self):
+        """Where the layer begins, and the image's size."""
+        x, y = self.layer.get_offsets()[-2:]
+        self.notes["place"] = [x, y, self.image.get_width(), self.image.get_height()]
+
     def discard_profile(self):
         """What Image > Color Management > Discard Color Profile does: the numbers stay."""
         gray = self.image.get_base_type() == Gimp.ImageBaseType.GRAY
