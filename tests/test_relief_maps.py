@@ -245,6 +245,12 @@ def test_unused_and_not_finite():
     assert (maps.occlusion(heights) == maps.occlusion(low)).all()
 
 
+def test_enormous_heights():
+    """Cliffs without end: finite, and as dark as those of a finite height."""
+    finite = maps.occlusion(LEVELS, scale=1e15)
+    assert abs(maps.occlusion(LEVELS, scale=1.7e308) - finite).max() < 1e-6 and finite.min() < 0.1
+
+
 def test_refusals():
     heights = np.zeros((4, 4), np.uint8)
     for how in ({"kind": 4}, {"border_x": 2}, {"range": -1.0}, {"scale": float("nan")}):

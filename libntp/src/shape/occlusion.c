@@ -33,6 +33,8 @@ enum {
     MOST_A = 5
 };
 
+static const double MOST_UNIT = 0x1p100;
+
 /* About 11 degrees apart.  The mean of the cosine of m times the angle, m < 20, over the 32
  * directions with these weights is exactly 0; the weights follow from that. */
 static const struct direction {
@@ -374,6 +376,8 @@ ntp_status ntp_occlusion(const ntp_image *dst, const ntp_const_image *src,
     NTP__TRY(check(dst, src, how, scratch, scratch_size, crew.parts));
     lay_out(&s, &j, parts, crew.parts, how, src->width, src->height);
     j.unit = read_heights((int32_t *) (uintptr_t) j.heights, src, how->scale != 0 ? how->scale : 1);
+    if (!(j.unit < MOST_UNIT)) /* squares of slopes stay finite */
+        j.unit = MOST_UNIT;
     for (size_t i = 0; i < (size_t) src->width * (size_t) src->height; i++)
         j.lost[i] = 0;
     const axis axes[2] = { { src->width, 1, how->border_x == NTP_BORDER_WRAP },
