@@ -29,8 +29,7 @@ enum {
     WHOLE = 1 << 30, /* what stands for all light in the sums */
     LINES = 64,      /* of a direction, for each item of work */
     DIRECTIONS = 5,  /* of an eighth of the circle, both ends included */
-    OCTANTS = 4,     /* pairs of opposite eighths */
-    MOST_A = 5
+    OCTANTS = 4      /* pairs of opposite eighths */
 };
 
 static const double MOST_UNIT = 0x1p100;
