@@ -74,6 +74,61 @@ def test_refined_heights_of_wide_kernels_are_no_worse(kernel, slope):
     assert result["refine_left"] == 0 and np.std(ours - h) <= np.std(plain - h)
 
 
+def bumps(size):
+    """Round bumps on ground that is exactly flat."""
+    y, x = np.mgrid[:size, :size]
+    rng = np.random.default_rng(5)
+    h = np.zeros((size, size))
+    for _ in range(5):
+        at, radius = rng.uniform(14, size - 14, 2), rng.uniform(6, 12)
+        inside = 1 - ((x - at[0]) ** 2 + (y - at[1]) ** 2) / radius**2
+        h = np.maximum(h, radius / 2 * np.maximum(inside, 0) ** 2)
+    return h
+
+
+def bricks(size):
+    """Bricks of 48 x 24 texels with beveled edges, in courses that are half a brick apart."""
+    y, x = np.mgrid[:size, :size]
+    x = (x + y // 24 % 2 * 24) % 48
+    y = y % 24
+    return np.clip(np.minimum(np.minimum(x, 47 - x), np.minimum(y, 23 - y)) - 1.0, 0, 3)
+
+
+# Surface, kernel, border, which way green points, and the texels that may differ in the end.
+FLAT = [
+    (bricks, "forward", WRAP, ntp.UP, 0),
+    (bricks, "central", WRAP, ntp.UP, 0),
+    (bricks, "central", WRAP, ntp.DOWN, 0),
+    (bricks, "sobel3", WRAP, ntp.UP, 0),
+    (bricks, "central", CLAMP, ntp.UP, 0),
+    (bumps, "forward", WRAP, ntp.UP, 18),
+    (bumps, "central", WRAP, ntp.UP, 18),
+    (bumps, "central", WRAP, ntp.DOWN, 18),
+    (bumps, "sobel3", WRAP, ntp.UP, 18),
+    (bumps, "central", CLAMP, ntp.UP, 18),
+]
+
+
+@pytest.mark.parametrize(("surface", "kernel", "border", "y", "most"), FLAT)
+def test_refinement_of_flat_ground(surface, kernel, border, y, most):
+    """Level 128 begins at slope 0, so that nothing but equal heights gives flat ground again."""
+
+    def texture(heights):
+        if y == ntp.UP:
+            return from_height(heights, **how)
+        return from_height(heights[::-1], **how)[::-1]
+
+    h = surface(96)
+    how = {"kernel": kernel, "border_x": border, "border_y": border}
+    n = np.ascontiguousarray(texture(h))
+    plain, _ = weighted(n, method=0, z=DERIVED, y=y, **how)
+    ours, result = weighted(n, method=0, z=DERIVED, y=y, refine=120, **how)
+    off = np.any(texture(ours) != n, axis=-1)
+    assert not np.array_equal(texture(plain), n)
+    assert off.sum() == result["refine_left"] <= most
+    assert np.std(ours - h) <= np.std(plain - h)
+
+
 @pytest.mark.parametrize("dtype", [np.uint8, np.uint16])
 @pytest.mark.parametrize("y", [ntp.UP, ntp.DOWN])
 def test_refinement_returns_nearest_blue_as_well(dtype, y):

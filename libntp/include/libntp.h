@@ -1040,7 +1040,7 @@ NTP_API size_t ntp_height_scratch_size(const ntp_height_options *how, int32_t wi
  * stored blue, where z is not derived and every blue was rounded from the same vector as its red
  * and green.  They end when all texels agree, those aside whose kernel reads a hole.  dst gets the
  * heights of the round that leaves fewest texels.  While they run, `progress` finds the rounds so far
- * and the texels left in result.  They take 96 bytes a texel.  refine is not for
+ * and the texels left in result.  They take 112 bytes a texel.  refine is not for
  * telescoping, baked normals and floats.  detrend is applied to the refined heights and changes
  * their normals; with NTP_HEIGHT_WEIGHTED using both is an error.
  *

@@ -16,15 +16,18 @@
 
 #include "base/finite.h"
 #include "to_height/shared/inverse.h"
+#include "to_height/ties.h"
 #include "to_height/weighted/weighted.h"
 
 #include <float.h>
 #include <string.h>
 
 enum {
-    MEMORY = 6,     /* steps that are remembered; more take no fewer rounds */
-    DOTS = 4,       /* products of each remembered step, see `learn_row` */
-    MOST_TRIES = 12 /* lengths of a step */
+    MEMORY = 6,      /* steps that are remembered; more take no fewer rounds */
+    DOTS = 4,        /* products of each remembered step, see `learn_row` */
+    MOST_TRIES = 12, /* lengths of a step */
+    PATIENCE = 8,    /* rounds that help nothing, after which other texels are tied */
+    MOST_ADDED = 12  /* times that texels are added to those tied */
 };
 
 /* The share of each box that has no excess, from some round on.  A small one keeps slopes off the
@@ -56,6 +59,7 @@ typedef struct refinement {
     const ntp__height_plan *plan;
     ntp__crew crew;
     ntp__inverse inverse;
+    ntp__ties ties;
     double *heights, *gradient; /* packed planes, as all below */
     float *trial;               /* the heights rounded */
     float *before;              /* the gradient before the step */
@@ -85,6 +89,7 @@ static void lay_out(refinement *f, const ntp__height_plan *plan, ntp__scratch *m
     size_t texels = (size_t) plan->width * (size_t) plan->height, plane = texels * sizeof(float);
     f->plan = plan;
     ntp__inverse_init(&f->inverse, plan, f->crew, memory);
+    ntp__ties_init(&f->ties, plan, memory);
     f->heights = ntp__take(memory, texels * sizeof(double));
     f->gradient = ntp__take(memory, texels * sizeof(double));
     f->trial = ntp__take(memory, plane);
@@ -389,6 +394,7 @@ static void begin(refinement *f, const ntp_image *dst, bool holes)
     f->length = first_length * slope * slope;
     f->rounding = rounding_of(f, dst);
     ntp__round_trip_see_blue(f->trip);
+    ntp__ties_find(&f->ties, f->trip, f->plan, f->heights);
 }
 
 /* Their mean becomes 0, as the scale of the inverse moves it.  With holes it stays: they are NaN. */
@@ -448,7 +454,9 @@ static void ask(refinement *f)
     f->answer = other;
     answer = ntp_image_packed(f->answer, f->plan->width, f->plan->height, 1, NTP_TYPE_F32);
     each_row(f, gradient_row);
+    ntp__ties_level(&f->ties, f->gradient);
     ntp__inverse_apply(&f->inverse, &answer, f->gradient);
+    ntp__ties_level_floats(&f->ties, f->answer);
 }
 
 /* One round: a way, and a step along it.  false: nothing more helps. */
@@ -503,35 +511,64 @@ static bool is_over(const refinement *f, int32_t rounds)
     return f->stage + 1 < STAGES && rounds >= (f->trip->blue ? next->with_blue : next->round);
 }
 
+/* What comes next where nothing helps any more; false: nothing does. */
+static bool go_on(refinement *f, int32_t *added)
+{
+    if (f->ties.any && ++*added <= MOST_ADDED &&
+        ntp__ties_add(&f->ties, f->trip, f->plan, f->heights)) {
+        ntp__ties_level(&f->ties, f->heights);
+        begin_stage(f, f->stage);
+    } else if (f->stage + 1 < STAGES) {
+        begin_stage(f, f->stage + 1);
+    } else if (f->ties.any) {
+        f->ties.any = false;
+        begin_stage(f, f->stage);
+    } else {
+        return false;
+    }
+    return true;
+}
+
 /* The rounds; *least is the number of texels that differ with the heights in dst. */
 static ntp_status iterate(refinement *f, const ntp_image *dst, int32_t *rounds, uint64_t *least)
 {
     const ntp_hooks *hooks = f->crew.hooks;
     bool stepped = false;
+    int32_t best = 0, added = 0; /* the last round that helped */
     uint64_t off;
     double value = value_at(f, 0, least);
+    if (f->plan->refine > 0 && *least > 0 && f->ties.any) {
+        ntp__ties_level(&f->ties, f->heights);
+        keep_better(f, dst, least);
+    }
     while (*rounds < f->plan->refine && *least > 0) {
         if (hooks != NULL && hooks->progress != NULL &&
             hooks->progress(hooks->user, (double) *rounds / f->plan->refine) != 0)
             return NTP_ERR_CANCELLED;
-        bool over = is_over(f, *rounds);
-        if (over || *rounds == 0) {
+        bool over = is_over(f, *rounds), stalls = f->ties.any && *rounds - best > PATIENCE;
+        if (stalls)
+            go_on(f, &added);
+        else if (over || *rounds == 0)
             begin_stage(f, f->stage + over);
+        if (stalls || over || *rounds == 0) {
             value = value_at(f, f->moved, &off);
             stepped = false;
+            best = *rounds;
         }
         ++*rounds;
         if (!advance(f, stepped, &value, &off)) {
-            if (f->stage + 1 == STAGES)
+            if (!go_on(f, &added))
                 break;
-            begin_stage(f, f->stage + 1);
             value = value_at(f, f->moved, &off);
             stepped = false;
+            best = *rounds;
             continue;
         }
         stepped = true;
-        if (off < *least)
+        if (off < *least) {
             keep_better(f, dst, least);
+            best = *rounds;
+        }
     }
     return NTP_OK;
 }
