@@ -258,6 +258,25 @@ static bool open_directory(ntpio__output *output, const char *path, ntpio_error 
     return output->directory >= 0 || fail(output, "cannot be written", errno, error);
 }
 
+static bool fail_as_changed(const ntpio__output *output, ntpio_error *error)
+{
+    return ntpio__fail(error, NTPIO_ERR_WRITE, output->read_path, "%s",
+                       "changed meanwhile; the result of its older version is not written");
+}
+
+static bool input_is_current(ntpio__output *output, ntpio_error *error)
+{
+    return output->read_path == NULL || ntpio_is_current(output->read_path, &output->read_stamp) ||
+           fail_as_changed(output, error);
+}
+
+/* After a failure: that the input changed is the reason, where it did. */
+static bool fail_if_current(ntpio__output *output, ntpio_error *error)
+{
+    input_is_current(output, error);
+    return false;
+}
+
 static bool open_replacement(ntpio__output *output, const char *path, const struct stat *old,
                              ntpio_error *error)
 {
@@ -265,8 +284,10 @@ static bool open_replacement(ntpio__output *output, const char *path, const stru
         return false;
     if (output->target[0] == 0)
         return fail(output, "cannot be written", EISDIR, error);
-    if (old != NULL && faccessat(output->directory, output->target, W_OK, AT_EACCESS) != 0)
-        return fail(output, "cannot be replaced", errno, error);
+    if (old != NULL && faccessat(output->directory, output->target, W_OK, AT_EACCESS) != 0) {
+        fail(output, "cannot be replaced", errno, error);
+        return fail_if_current(output, error);
+    }
     remove_all_stale(output);
     output->can_seek = true;
     output->is_input = old != NULL && output->read_stamp.known &&
@@ -275,7 +296,8 @@ static bool open_replacement(ntpio__output *output, const char *path, const stru
     const mode_t mode = old == NULL ? NEW_MODE : PRIVATE_MODE;
     if (!open_unnamed(output, mode) && !open_named(output, mode, error))
         return false;
-    return old == NULL || ntpio__keep_attributes(output->fd, path, old, output->name, error);
+    return old == NULL || ntpio__keep_attributes(output->fd, path, old, output->name, error) ||
+           fail_if_current(output, error);
 }
 
 static bool open_target(ntpio__output *output, const char *path, ntpio_error *error)
@@ -396,18 +418,6 @@ static bool sync_file(int fd)
         return true;
 #endif
     return fsync(fd) == 0 || errno == EINVAL || errno == ENOTSUP || errno == EROFS;
-}
-
-static bool fail_as_changed(const ntpio__output *output, ntpio_error *error)
-{
-    return ntpio__fail(error, NTPIO_ERR_WRITE, output->read_path, "%s",
-                       "changed meanwhile; the result of its older version is not written");
-}
-
-static bool input_is_current(ntpio__output *output, ntpio_error *error)
-{
-    return output->read_path == NULL || ntpio_is_current(output->read_path, &output->read_stamp) ||
-           fail_as_changed(output, error);
 }
 
 #ifdef NTPIO_HAVE_RENAMEAT2
