@@ -55,7 +55,7 @@ background *background_start(void (*work)(void *data, const surroundings *around
     return b;
 }
 
-double background_share(const background *b)
+double background_share(background *b)
 {
     return g_atomic_int_get(&b->share) / 1e6;
 }

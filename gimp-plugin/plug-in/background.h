@@ -20,7 +20,7 @@ background *background_start(void (*work)(void *data, const surroundings *around
                              void (*done)(void *data), void *data);
 
 /* The share done, 0 to 1. */
-double background_share(const background *b);
+double background_share(background *b);
 
 /* Asks the work to stop, waits until it does, and frees it; NULL is nothing.  Also to be called
  * when the work is done. */

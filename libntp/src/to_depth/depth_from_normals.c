@@ -76,7 +76,7 @@ static bool is_focal(double f)
 
 static bool is_place(double c)
 {
-    return c >= -0x1p20 && c <= 0x1p20;
+    return fabs(c) <= 0x1p20;
 }
 
 static bool good_options(const ntp_depth_options *how)

@@ -1,0 +1,125 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * test_instruction_sets.c - heights of normals are the same bytes with and without AVX2, and for 1
+ * and 2 threads
+ *
+ * The function that asks the processor is defined here, so that of the library is left out.
+ */
+#include "base/cpu.h"
+#include "guarded.h"
+#include "libntp.h"
+
+#include <string.h>
+
+enum { WIDTH = 75, HEIGHT = 60, TEXELS = WIDTH * HEIGHT, SKIPPED = 77 };
+
+static bool allowed; /* AVX2 */
+static bool used;    /* by the library */
+
+bool ntp__cpu_has_avx2(int mask)
+{
+#if defined __x86_64__ || defined __i386__
+    used = allowed && (mask & NTP__CPU_AVX2) != 0 && __builtin_cpu_supports("avx2");
+#else
+    (void) mask;
+#endif
+    return used;
+}
+
+typedef struct solution {
+    float heights[TEXELS];
+    ntp_height_result result;
+} solution;
+
+static void in_turn(void *user, int32_t count, void (*task)(void *work, int32_t index), void *work)
+{
+    (void) user;
+    for (int32_t i = count - 1; i >= 0; i--)
+        task(work, i);
+}
+
+static void solve(solution *s, const ntp_const_image *src, const ntp_height_options *how, bool avx2,
+                  int32_t parts)
+{
+    const ntp_hooks hooks = { .parallel_for = in_turn, .parts = parts };
+    const ntp_image dst = ntp_image_packed(s->heights, WIDTH, HEIGHT, 1, NTP_TYPE_F32);
+    allowed = avx2;
+    size_t size = ntp_height_scratch_size(how, WIDTH, HEIGHT, parts);
+    void *scratch = aligned_alloc(64, (size + 63) / 64 * 64);
+    CHECK(scratch != NULL);
+    memset(s, 0, sizeof *s);
+    CHECK(ntp_height_from_normals(&dst, src, how, scratch, size, &hooks, &s->result) == NTP_OK);
+    free(scratch);
+}
+
+static void compare(const ntp_const_image *src, const ntp_height_options *how)
+{
+    static solution plain, other;
+    const void *bytes = plain.heights, *others = other.heights;
+    solve(&plain, src, how, false, 1);
+    for (int i = 1; i < 4; i++) {
+        used = false;
+        solve(&other, src, how, (i & 1) != 0, 1 + i / 2);
+        CHECK(used == ((i & 1) != 0));
+        CHECK(memcmp(bytes, others, sizeof plain.heights) == 0);
+        CHECK(plain.result.residual >= 0 && plain.result.residual == other.result.residual);
+        CHECK(plain.result.rounds == other.result.rounds);
+        CHECK(plain.result.refine_left == other.result.refine_left);
+    }
+}
+
+/* Normals of smooth noise; the seed is fixed. */
+static void make_normals(void *texels, ntp_type type)
+{
+    static float noise[TEXELS], heights[TEXELS];
+    ntp_normals_options how = { .scale = 3 };
+    const ntp_blur_options blur = { .sigma = 2, .weight = 1 };
+    uint32_t state = 1;
+    for (int i = 0; i < TEXELS; i++) {
+        state = state * 1664525u + 1013904223u;
+        noise[i] = (float) (state >> 8) / (1 << 20);
+    }
+    const ntp_image rough = ntp_image_packed(noise, WIDTH, HEIGHT, 1, NTP_TYPE_F32);
+    const ntp_image smooth = ntp_image_packed(heights, WIDTH, HEIGHT, 1, NTP_TYPE_F32);
+    const ntp_const_image from = ntp_image_as_const(&rough), seen = ntp_image_as_const(&smooth);
+    size_t size = ntp_height_blur_scratch_size(&blur, WIDTH);
+    void *scratch = aligned_alloc(64, (size + 63) / 64 * 64);
+    CHECK(scratch != NULL);
+    CHECK(ntp_height_blur(&smooth, &from, &blur, scratch, size) == NTP_OK);
+    free(scratch);
+    const ntp_image normals = ntp_image_packed(texels, WIDTH, HEIGHT, 3, type);
+    CHECK(ntp_normals_from_height(&normals, &seen, &how, NULL, NULL) == NTP_OK);
+}
+
+int main(void)
+{
+    static const ntp_type types[] = { NTP_TYPE_U8, NTP_TYPE_U16 };
+    static const ntp_kernel kernels[] = { NTP_KERNEL_FORWARD, NTP_KERNEL_CENTRAL,
+                                          NTP_KERNEL_SOBEL3 };
+    static const ntp_border borders[] = { NTP_BORDER_WRAP, NTP_BORDER_CLAMP };
+    static uint16_t texels[3 * TEXELS];
+    allowed = true;
+    if (!ntp__cpu_has_avx2(NTP__CPU_ALL))
+        return SKIPPED;
+    for (int t = 0; t < 2; t++) {
+        allowed = false;
+        make_normals(texels, types[t]);
+        ntp_image view = ntp_image_packed(texels, WIDTH, HEIGHT, 3, types[t]);
+        const ntp_const_image src = ntp_image_as_const(&view);
+        for (int k = 0; k < 3; k++) {
+            for (int b = 0; b < 2; b++) {
+                ntp_height_options how = { .kernel = kernels[k],
+                                           .border_x = borders[b],
+                                           .border_y = borders[b],
+                                           .residual_scope = NTP_RESIDUAL_ALL };
+                compare(&src, &how);
+                how.refine = 5;
+                compare(&src, &how);
+                how.refine = 0;
+                how.method = NTP_HEIGHT_WEIGHTED;
+                compare(&src, &how);
+            }
+        }
+    }
+    return 0;
+}
