@@ -25,11 +25,11 @@ _skipped = {}
 
 
 # Modules of many cases, which all run the same code, have so many of them left out by a sanitizer.
-MANY_CASES, EVERY = 24, 6
+MANY_CASES, EVERY = 24, 4
 
 
 def _sample(config, items):
-    """Every sixth case of the modules that have many, where NTP_SANITIZED says it is slow."""
+    """Every fourth case of the modules that have many, where NTP_SANITIZED says it is slow."""
     counts = Counter(item.path for item in items if hasattr(item, "callspec"))
     seen, left_out = Counter(), set()
     for item in items:
