@@ -25,7 +25,7 @@ _skipped = {}
 
 
 # Modules of many cases, which all run the same code, have so many of them left out by a sanitizer.
-MANY_CASES, EVERY = 24, 4
+MANY_CASES, EVERY = 48, 4
 
 
 def _sample(config, items):
