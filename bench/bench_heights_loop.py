@@ -16,7 +16,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "tests"))
 
-from support.to_height import CLAMP, EXTRAPOLATE, MIRROR, WRAP, from_height
+from support.to_height import CLAMP, EXTRAPOLATE, MIRROR, WRAP, bricks, bumps, from_height
 from support.weighted import DERIVED, STORED, weighted
 
 BORDERS = ["wrap", "clamp", "mirror", "extrapolate"]
@@ -93,8 +93,9 @@ def refine_rows(size):
     tiles = [("gentle", field(size, 0.48, 2.0)), ("rough 30", rough(size, 30))]
     tiles += [("terrain", field(size, 1.2, 2.6)), ("steep", field(size, 1.9, 2.0))]
     tiles += [("rough 120", rough(size, 120))]
-    for (name, h), kernel in itertools.product(tiles, KERNELS):
-        yield refined(name, h, kernel, WRAP)
+    flat = [("bricks", bricks(size // 48 * 48)), ("bumps", bumps(size, size * size // 1800))]
+    for (name, h), kernel in itertools.product(tiles + flat, KERNELS):
+        yield refined(name, h.astype(np.float32), kernel, WRAP)
     crop = field(2 * size, 0.7, 2.3)[:size, :size].copy()
     for kernel, border in (("forward", EXTRAPOLATE), ("central", EXTRAPOLATE), ("central", MIRROR)):
         yield refined("crop", crop, kernel, border)

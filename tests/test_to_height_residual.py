@@ -16,6 +16,8 @@ from support.to_height import (
     TRUNC,
     UNORM,
     WRAP,
+    bricks,
+    bumps,
     fractal,
     from_height,
     serial_hooks,
@@ -72,26 +74,6 @@ def test_refined_heights_of_wide_kernels_are_no_worse(kernel, slope):
     plain, _ = weighted(n, method=0, z=DERIVED, **how)
     ours, result = weighted(n, method=0, z=DERIVED, refine=30, **how)
     assert result["refine_left"] == 0 and np.std(ours - h) <= np.std(plain - h)
-
-
-def bumps(size):
-    """Round bumps on ground that is exactly flat."""
-    y, x = np.mgrid[:size, :size]
-    rng = np.random.default_rng(5)
-    h = np.zeros((size, size))
-    for _ in range(5):
-        at, radius = rng.uniform(14, size - 14, 2), rng.uniform(6, 12)
-        inside = 1 - ((x - at[0]) ** 2 + (y - at[1]) ** 2) / radius**2
-        h = np.maximum(h, radius / 2 * np.maximum(inside, 0) ** 2)
-    return h
-
-
-def bricks(size):
-    """Bricks of 48 x 24 texels with beveled edges, in courses that are half a brick apart."""
-    y, x = np.mgrid[:size, :size]
-    x = (x + y // 24 % 2 * 24) % 48
-    y = y % 24
-    return np.clip(np.minimum(np.minimum(x, 47 - x), np.minimum(y, 23 - y)) - 1.0, 0, 3)
 
 
 # Surface, kernel, border, which way green points, and the texels that may differ in the end.

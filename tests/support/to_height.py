@@ -56,6 +56,26 @@ def to_height(src, encoding=ntp.STANDARD, y=ntp.UP, hooks=None, **how):
     return dst, ntp.fields(result)
 
 
+def bumps(size, count=5):
+    """Round bumps on ground that is exactly flat."""
+    y, x = np.mgrid[:size, :size]
+    rng = np.random.default_rng(5)
+    h = np.zeros((size, size))
+    for _ in range(count):
+        at, radius = rng.uniform(14, size - 14, 2), rng.uniform(6, 12)
+        inside = 1 - ((x - at[0]) ** 2 + (y - at[1]) ** 2) / radius**2
+        h = np.maximum(h, radius / 2 * np.maximum(inside, 0) ** 2)
+    return h
+
+
+def bricks(size):
+    """Bricks of 48 x 24 texels with beveled edges, in courses that are half a brick apart."""
+    y, x = np.mgrid[:size, :size]
+    x = (x + y // 24 % 2 * 24) % 48
+    y = y % 24
+    return np.clip(np.minimum(np.minimum(x, 47 - x), np.minimum(y, 23 - y)) - 1.0, 0, 3)
+
+
 def from_height(h, kernel="central", border_x=WRAP, border_y=WRAP, dst=np.uint8, vector=False):
     how = {"kernel": heights.NAMES.index(kernel), "border_x": border_x, "border_y": border_y}
     how = ntp.ffi.new("ntp_normals_options *", {**how, "scale": 1})
