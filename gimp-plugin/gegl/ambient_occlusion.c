@@ -57,15 +57,10 @@ typedef struct state {
 static void prepare(GeglOperation *operation)
 {
     GeglProperties *o = GEGL_PROPERTIES(operation);
-    const Babl *source = gegl_operation_get_source_format(operation, "input");
-    const pixels p = pixels_as_rgb(source, source == NULL || babl_format_has_alpha(source));
     if (o->user_data == NULL)
         o->user_data = g_new0(state, 1);
     state *s = o->user_data;
-    const Babl *light =
-        blending_ahead(operation) == AHEAD_MASK ? blending_prepare(&s->blending, &p) : NULL;
-    gegl_operation_set_format(operation, "input", p.format);
-    gegl_operation_set_format(operation, "output", light != NULL ? light : p.format);
+    output_formats(operation, &s->blending);
 }
 
 static void finalize(GObject *object)

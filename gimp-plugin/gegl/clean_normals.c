@@ -67,7 +67,7 @@ property_enum(to_y, _("Becomes"), ntp_op_green, ntp_op_green, NTP_OP_UP)
 
 #  include <gegl-op.h>
 
-#  include "blending.h"
+#  include "output.h"
 #  include "pixels.h"
 
 /* The menus above have the order of libntp's enumerations. */
@@ -129,15 +129,10 @@ static void prepare_plan(state *s, const GeglProperties *o)
 static void prepare(GeglOperation *operation)
 {
     GeglProperties *o = GEGL_PROPERTIES(operation);
-    const Babl *source = gegl_operation_get_source_format(operation, "input");
-    const pixels p = pixels_as_rgb(source, source == NULL || babl_format_has_alpha(source));
     if (o->user_data == NULL)
         o->user_data = g_new0(state, 1);
     state *s = o->user_data;
-    const Babl *light =
-        blending_ahead(operation) == AHEAD_MASK ? blending_prepare(&s->blending, &p) : NULL;
-    gegl_operation_set_format(operation, "input", p.format);
-    gegl_operation_set_format(operation, "output", light != NULL ? light : p.format);
+    const pixels p = output_formats(operation, &s->blending);
     if (p.type == NTP_TYPE_U8 && o->repair != NTP_OP_NO_REPAIR && o->show == NTP_OP_RESULT)
         prepare_plan(s, o);
 }

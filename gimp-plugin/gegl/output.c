@@ -4,6 +4,18 @@
  */
 #include "output.h"
 
+#include <gegl-plugin.h>
+
+pixels output_formats(GeglOperation *operation, const blending **b)
+{
+    const Babl *source = gegl_operation_get_source_format(operation, "input");
+    const pixels p = pixels_as_rgb(source, source == NULL || babl_format_has_alpha(source));
+    const Babl *light = blending_ahead(operation) == AHEAD_MASK ? blending_prepare(b, &p) : NULL;
+    gegl_operation_set_format(operation, "input", p.format);
+    gegl_operation_set_format(operation, "output", light != NULL ? light : p.format);
+    return p;
+}
+
 void output_write(GeglBuffer *output, const Babl *format, const GeglRectangle *block,
                   const pixels *made, const guchar *first, gint stride, const blending *b)
 {
