@@ -13,6 +13,14 @@ bench() {
         bench_python "$@"
         return
     fi
+    if [ "${1:-}" = operations ]; then
+        shift
+        need_tools
+        install_tree
+        pip_install python -r bench/requirements.txt
+        python bench/bench_operations.py "$@"
+        return
+    fi
     if [ "${1:-}" = auto ]; then
         shift
         need_tools

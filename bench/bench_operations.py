@@ -1,0 +1,405 @@
+# SPDX-License-Identifier: MIT
+"""Times each operation in copies of the same picture: bench_operations.py [--size N] [FILE...]
+
+`./dev bench operations` runs it.  One copy is a memcpy of the picture as RGB8; the operation and
+the copy alternate in one run, on one thread and with `out=` given, and the median of the ratios of
+their CPU times is printed.  Beside them stands what a careful program takes that works with numpy
+and OpenCV in float32, which is not exact.  `real` is a texture of a file (else one that is made
+like it), `noise` are random levels, which should take no more than three times as long.
+"""
+
+import argparse
+import functools
+import os
+import statistics
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+
+import normaltexture as nt
+
+try:
+    import cv2
+except ImportError:
+    cv2 = None
+
+NOISE_GOAL = 3  # times as long as a real texture
+HERE = Path(__file__).resolve().parent
+CORPUS = Path(os.environ.get("NTP_CORPUS", HERE.parents[1] / "shared" / "corpus"))
+REAL = CORPUS / "glTF-Sample-Assets-OLD" / "BoomBox_normal.png"
+HEAD = ("operation", "real", "noise", "noise/real", "numpy, OpenCV", "goal")
+
+
+# ------------------------------------------------------------------------------------- textures
+
+
+def heights(size):
+    """Rock-like heights in 0..1: octaves of smooth noise."""
+    rng = np.random.default_rng(1)
+    total = np.zeros((size, size), np.float32)
+    cells = 4
+    while cells <= size // 2:
+        values = rng.random((cells, cells), np.float32)
+        at = np.arange(size, dtype=np.float32) * (cells / size)
+        low = at.astype(int)
+        part = (at - low) ** 2 * (3 - 2 * (at - low))
+        across = values[:, low] + (values[:, (low + 1) % cells] - values[:, low]) * part
+        total += (across[low] + (across[(low + 1) % cells] - across[low]) * part[:, None]) / cells
+        cells *= 2
+    total -= total.min()
+    return total / total.max()
+
+
+def tiled(texture, size):
+    """The middle of a texture, or repetitions of it: size x size x 3."""
+    height, width = texture.shape[:2]
+    times = (-(-size // height), -(-size // width), 1)
+    return np.ascontiguousarray(np.tile(texture[..., :3], times)[:size, :size])
+
+
+class Pictures:
+    """All that the operations take, in one content."""
+
+    def __init__(self, size, rgb8):
+        rng = np.random.default_rng(2)
+        shape = (size, size, 3)
+        self.noise = rgb8 is None
+        if self.noise:
+            self.rgb8 = rng.integers(0, 256, shape, np.uint8)
+            self.rgb16 = rng.integers(0, 65536, shape, np.uint16)
+            self.vectors = rng.random(shape, np.float32) * 2 - 1
+            self.height16 = rng.integers(0, 65536, (size, size), np.uint16)
+        else:
+            self.rgb8 = rgb8
+            finer = rng.random(shape, np.float32) * (2 / 255) - np.float32(1 / 255)
+            self.vectors = nt.decode(rgb8) + finer
+            self.rgb16 = nt.encode(self.vectors, depth=16, blue="nearest")
+            self.height16 = (heights(size) * 65535 + 0.5).astype(np.uint16)
+        self.rgba8 = np.dstack([self.rgb8, np.full((size, size), 255, np.uint8)])
+        off = rng.integers(-4, 5, shape, np.int8)
+        self.damaged8 = np.clip(self.rgb8.astype(np.int16) + off, 0, 255).astype(np.uint8)
+        more = rng.integers(-999, 1000, shape, np.int16)
+        self.damaged16 = np.clip(self.rgb16.astype(np.int32) + more, 0, 65535).astype(np.uint16)
+        self.other8 = np.ascontiguousarray(np.roll(self.rgb8, size // 3, 1))
+        self.other16 = np.ascontiguousarray(np.roll(self.rgb16, size // 3, 1))
+        self.height32 = (self.height16 / np.float32(65535)).astype(np.float32)
+        self.scale = size / 64.0
+        self.out = {
+            "8": np.empty(shape, np.uint8),
+            "8a": np.empty((size, size, 4), np.uint8),
+            "16": np.empty(shape, np.uint16),
+            "32": np.empty(shape, np.float32),
+            "mask": np.empty((size, size), np.uint8),
+            "half8": np.empty((size // 2, size // 2, 3), np.uint8),
+            "half16": np.empty((size // 2, size // 2, 3), np.uint16),
+        }
+        for buffer in self.out.values():
+            buffer.fill(1)  # the first touch of memory is not measured
+
+
+# ---------------------------------------------------------- what a program without libntp would do
+
+
+def floats_of(texture):
+    """x, y, z as planes of float32 in -1..1."""
+    most = 255 if texture.dtype == np.uint8 else 65535
+    return [cv2.addWeighted(c, 2 / most, c, 0, -1, dtype=cv2.CV_32F) for c in cv2.split(texture)]
+
+
+def stored(x, y, z, out):
+    """Unit vectors of these planes, as levels."""
+    squares = cv2.multiply(x, x)
+    cv2.accumulateSquare(y, squares)
+    cv2.accumulateSquare(z, squares)
+    half = (255 if out.dtype == np.uint8 else 65535) / 2
+    factor = cv2.divide(half, cv2.sqrt(squares))
+    merged = cv2.merge([cv2.multiply(c, factor) for c in (x, y, z)])
+    if out.dtype == np.uint8:
+        cv2.convertScaleAbs(merged, out, 1, half)
+    else:
+        merged += np.float32(half + 0.5)
+        np.copyto(out, merged, casting="unsafe")
+
+
+def clean_floats(texture, out):
+    x, y, _ = floats_of(texture)
+    squares = cv2.multiply(x, x)
+    cv2.accumulateSquare(y, squares)
+    z = cv2.sqrt(cv2.max(1 - squares, 0.0))
+    stored(x, y, z, out)
+
+
+def normalize_floats(texture, out):
+    stored(*floats_of(texture), out)
+
+
+def flip_bytes(texture, out):
+    mask = np.zeros(1, texture.dtype)
+    cv2.bitwise_xor(texture, (0, int(~mask[0]), 0, 0), out)
+
+
+def deepen_floats(texture, out):
+    np.multiply(texture, np.uint16(257), out=out, dtype=np.uint16)
+
+
+def narrow_floats(texture, out):
+    cv2.convertScaleAbs(texture, out, 1 / 257)
+
+
+def zzero_floats(texture, out):
+    r, g, b = cv2.split(texture)
+    cv2.merge([r, g, cv2.convertScaleAbs(b, alpha=2, beta=-255)], out)
+
+
+def decode_floats(texture, out):
+    most = 255 if texture.dtype == np.uint8 else 65535
+    np.multiply(texture, np.float32(2 / most), out=out, dtype=np.float32)
+    out -= np.float32(1)
+
+
+def encode_floats(vectors, out):
+    stored(*cv2.split(vectors), out)
+
+
+def stronger_floats(texture, out):
+    x, y, z = floats_of(texture)
+    x *= np.float32(1.7)
+    y *= np.float32(1.7)
+    stored(x, y, z, out)
+
+
+def turned_floats(texture, out):
+    r, g, b = cv2.split(cv2.rotate(texture, cv2.ROTATE_90_CLOCKWISE))
+    cv2.merge([g, cv2.bitwise_not(r), b], out)
+
+
+def blend_floats(texture, other, out):
+    tx, ty, tz = floats_of(texture)
+    ux, uy, uz = floats_of(other)
+    tz += np.float32(1)
+    dot = cv2.multiply(tz, uz) - cv2.multiply(tx, ux) - cv2.multiply(ty, uy)
+    dot = cv2.divide(dot, tz + np.float32(1e-6))
+    stored(tx * dot + ux, ty * dot + uy, tz * dot - uz, out)
+
+
+def half_floats(texture, out):
+    side = (out.shape[1], out.shape[0])
+    planes = [cv2.resize(c, side, interpolation=cv2.INTER_AREA) for c in floats_of(texture)]
+    stored(*planes, out)
+
+
+def shaded_floats(texture, out):
+    x, y, z = floats_of(texture)
+    light = np.array((-1.0, 1.0, 1.2), np.float32) / np.float32(3.44**0.5)
+    half = light + np.array((0, 0, 1), np.float32)
+    half /= np.linalg.norm(half)
+    squares = cv2.multiply(x, x)
+    cv2.accumulateSquare(y, squares)
+    cv2.accumulateSquare(z, squares)
+    length = cv2.sqrt(squares)
+    lambert = cv2.max(cv2.divide(x * light[0] + y * light[1] + z * light[2], length), 0.0)
+    glint = cv2.max(cv2.divide(x * half[0] + y * half[1] + z * half[2], length), 0.0)
+    linear = lambert * np.float32(0.54) + cv2.pow(glint, 32) * np.float32(0.2) + np.float32(0.06)
+    gray = cv2.convertScaleAbs(cv2.sqrt(cv2.min(linear, 1.0)), alpha=255)
+    cv2.merge([gray, gray, gray], out)
+
+
+def compared_floats(texture, other):
+    a, b = floats_of(texture), floats_of(other)
+    squares = functools.reduce(
+        np.add, [cv2.multiply(p - q, p - q) for p, q in zip(a, b, strict=True)]
+    )
+    chord = cv2.sqrt(squares)
+    angles = 2 * np.arcsin(np.minimum(chord * np.float32(0.5), np.float32(1)))
+    return float(angles.mean()), float(angles.max()), int(cv2.absdiff(texture, other).max())
+
+
+def slopes_floats(height, scale, out):
+    h = height.astype(np.float32)
+    most = 65535 if height.dtype == np.uint16 else 1
+    p = cv2.Sobel(h, cv2.CV_32F, 1, 0, ksize=3, scale=-scale / (8 * most))
+    q = cv2.Sobel(h, cv2.CV_32F, 0, 1, ksize=3, scale=scale / (8 * most))
+    stored(p, q, np.ones_like(p), out)
+
+
+# ------------------------------------------------------------------------------------ operations
+
+
+def operations(p):
+    """(name, goal in copies, ours, theirs or None)."""
+    out, std = p.out, {"type": "standard"}
+    o8, o16 = out["8"], out["16"]
+    plain = functools.partial
+
+    def clean(src, to, method="derive"):
+        return plain(nt.clean, src, type="standard", method=method, out=out[to])
+
+    def convert(src, into, **how):
+        return plain(nt.convert, src, **std, y="up", out=out[into], **how)
+
+    def theirs(function, *args):
+        return plain(function, *args) if cv2 is not None else None
+
+    sobel = {"scale": p.scale, "kernel": "sobel3"}
+    return [
+        ("clean, derive: RGB8", 2, clean(p.rgb8, "8"), theirs(clean_floats, p.rgb8, o8)),
+        ("clean, derive: damaged RGB8", 3, clean(p.damaged8, "8"), None),
+        ("clean, derive: RGBA8", 3, clean(p.rgba8, "8a"), None),
+        ("clean, derive: RGB16", 3.3, clean(p.rgb16, "16"), theirs(clean_floats, p.rgb16, o16)),
+        ("clean, derive: damaged RGB16", 4.5, clean(p.damaged16, "16"), None),
+        ("clean, normalize: damaged RGB8", 8, clean(p.damaged8, "8", "normalize"),
+         theirs(normalize_floats, p.damaged8, o8)),
+        ("clean, normalize: damaged RGB16", 8, clean(p.damaged16, "16", "normalize"),
+         theirs(normalize_floats, p.damaged16, o16)),
+        ("validate: RGB8", 2.5, plain(nt.validate, p.rgb8, **std, out=out["mask"]), None),
+        ("validate: RGB16", 4, plain(nt.validate, p.rgb16, **std, out=out["mask"]), None),
+        ("measure: RGB8", 6, plain(nt.measure, p.rgb8), None),
+        ("measure: damaged RGB8", 9, plain(nt.measure, p.damaged8), None),
+        ("measure: RGB16", 12, plain(nt.measure, p.rgb16), None),
+        ("classify: RGB8", 6, plain(nt.classify, p.rgb8), None),
+        ("classify: RGB16", 12, plain(nt.classify, p.rgb16), None),
+        ("convert: RGB8 to 16 bit", 4, convert(p.rgb8, "16", depth=16),
+         theirs(deepen_floats, p.rgb8, o16)),
+        ("convert: RGB16 to 8 bit", 4, convert(p.rgb16, "8", depth=8),
+         theirs(narrow_floats, p.rgb16, o8)),
+        ("convert: RGB8 to Z-zero", 4, convert(p.rgb8, "8", to="zzero"),
+         theirs(zzero_floats, p.rgb8, o8)),
+        ("convert: RGB16 to Z-zero", 4, convert(p.rgb16, "16", to="zzero"), None),
+        ("convert: flip of RGB8", 1.5, convert(p.rgb8, "8", to_y="down"),
+         theirs(flip_bytes, p.rgb8, o8)),
+        ("convert: flip of RGB16", 4, convert(p.rgb16, "16", to_y="down"),
+         theirs(flip_bytes, p.rgb16, o16)),
+        ("heatmap: RGB8", 6, plain(nt.heatmap, p.rgb8, **std, out=o8), None),
+        ("heatmap: RGB16", 6, plain(nt.heatmap, p.rgb16, **std, out=o8), None),
+        ("shade: RGB8", 9, plain(nt.shade, p.rgb8, **std, out=o8),
+         theirs(shaded_floats, p.rgb8, o8)),
+        ("shade: RGB16", 9, plain(nt.shade, p.rgb16, **std, out=o8),
+         theirs(shaded_floats, p.rgb16, o8)),
+        ("compare: RGB8", 9, plain(nt.compare, p.rgb8, p.other8, **std),
+         theirs(compared_floats, p.rgb8, p.other8)),
+        ("compare: RGB16", 9, plain(nt.compare, p.rgb16, p.other16, **std),
+         theirs(compared_floats, p.rgb16, p.other16)),
+        ("decode: RGB8 to floats", 6, plain(nt.decode, p.rgb8, out=out["32"]),
+         theirs(decode_floats, p.rgb8, out["32"])),
+        ("decode: RGB16 to floats", 6, plain(nt.decode, p.rgb16, out=out["32"]),
+         theirs(decode_floats, p.rgb16, out["32"])),
+        ("encode: floats to 8 bit", 12, plain(nt.encode, p.vectors, out=o8),
+         theirs(encode_floats, p.vectors, o8)),
+        ("encode: floats to 16 bit", 18, plain(nt.encode, p.vectors, depth=16, out=o16),
+         theirs(encode_floats, p.vectors, o16)),
+        ("rotate by 90: RGB8", 5, plain(nt.transform, p.rgb8, **std, y="up", rotate=90, out=o8),
+         theirs(turned_floats, p.rgb8, o8)),
+        ("rotate by 90: RGB16", 5, plain(nt.transform, p.rgb16, **std, y="up", rotate=90, out=o16),
+         theirs(turned_floats, p.rgb16, o16)),
+        ("strength 1.7: RGB8", 15, plain(nt.transform, p.rgb8, **std, y="up", strength=1.7, out=o8),
+         theirs(stronger_floats, p.rgb8, o8)),
+        ("strength 1.7: RGB16", 15,
+         plain(nt.transform, p.rgb16, **std, y="up", strength=1.7, out=o16),
+         theirs(stronger_floats, p.rgb16, o16)),
+        ("blend: RGB8", 21, plain(nt.blend, p.rgb8, p.other8, **std, y="up", detail_y="up", out=o8),
+         theirs(blend_floats, p.rgb8, p.other8, o8)),
+        ("blend: RGB16", 21,
+         plain(nt.blend, p.rgb16, p.other16, **std, y="up", detail_y="up", out=o16),
+         theirs(blend_floats, p.rgb16, p.other16, o16)),
+        ("resize to 50 %, triangle: RGB8", 12,
+         plain(nt.resize, p.rgb8, **std, size=0.5, out=out["half8"]), None),
+        ("resize to 50 %, box: RGB8", 12,
+         plain(nt.resize, p.rgb8, **std, size=0.5, filter="box", out=out["half8"]),
+         theirs(half_floats, p.rgb8, out["half8"])),
+        ("resize to 50 %, box: RGB16", 12,
+         plain(nt.resize, p.rgb16, **std, size=0.5, filter="box", out=out["half16"]),
+         theirs(half_floats, p.rgb16, out["half16"])),
+        ("resize to 50 %, Lanczos: RGB8", 12,
+         plain(nt.resize, p.rgb8, **std, size=0.5, filter="lanczos3", out=out["half8"]), None),
+        ("from-height, sobel3: u16 to 16 bit", 9,
+         plain(nt.normals_from_height, p.height16, **sobel, depth=16, out=o16),
+         theirs(slopes_floats, p.height16, p.scale, o16)),
+        ("from-height, sobel3: float to 8 bit", 12,
+         plain(nt.normals_from_height, p.height32, **sobel, depth=8, out=o8),
+         theirs(slopes_floats, p.height32, p.scale, o8)),
+        ("from-height, sobel3, dithered: u16 to 8 bit", 30,
+         plain(nt.normals_from_height, p.height16, **sobel, depth=8, dither="integrable", out=o8),
+         None),
+    ]  # fmt: skip
+
+
+# ----------------------------------------------------------------------------------------- times
+
+
+def spent(call):
+    start = time.thread_time()
+    call()
+    return time.thread_time() - start
+
+
+def in_copies(call, pictures, rounds):
+    """The median over rounds of the time of the call in copies of the picture."""
+    copy = functools.partial(np.copyto, pictures.out["8"], pictures.rgb8)
+    call(), copy()
+    ratios = []
+    for i in range(rounds):
+        if i % 2 == 0:
+            one, other = spent(call), spent(copy)
+        else:
+            other, one = spent(copy), spent(call)
+        ratios.append(one / other)
+    return statistics.median(ratios)
+
+
+def number(value):
+    return "" if value is None else f"{value:.1f}" if value < 99.5 else f"{value:.0f}"
+
+
+def measured(args):
+    real = nt.read(args.file) if args.file else nt.read(REAL) if REAL.exists() else None
+    if real is None:
+        real = nt.normals_from_height(heights(args.size), scale=args.size / 64, depth=8)
+    contents = [Pictures(args.size, tiled(real, args.size)), Pictures(args.size, None)]
+    for mine, noise in zip(*(operations(p) for p in contents), strict=True):
+        name, goal, ours, theirs = mine
+        if args.only not in name:
+            continue
+        times = [in_copies(ours, contents[0], args.rounds)]
+        times.append(in_copies(noise[2], contents[1], args.rounds))
+        beside = in_copies(theirs, contents[0], args.rounds) if theirs is not None else None
+        yield name, *times, times[1] / times[0], beside, goal
+
+
+def verdict(real, worst, beside, goal):
+    words = ["over its goal"] if real > goal else []
+    if worst > NOISE_GOAL:
+        words.append("noise is slow")
+    if beside is not None and real > beside:
+        words.append("slower than OpenCV")
+    return ", ".join(words)
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("file", nargs="?", type=Path, help="a normals texture of 8 bit")
+    parser.add_argument("--size", type=int, default=2048)
+    parser.add_argument("--rounds", type=int, default=7)
+    parser.add_argument("--only", default="", help="rows whose name contains this text")
+    parser.add_argument("--markdown", action="store_true", help="the table of docs/performance.md")
+    args = parser.parse_args()
+    if cv2 is not None:
+        cv2.setNumThreads(1)
+    missed = 0
+    line = (
+        "| {} | {} | {} | {} | {} | {} |" if args.markdown else "{:44}{:>8}{:>8}{:>12}{:>15}{:>7}"
+    )
+    print(line.format(*HEAD))
+    if args.markdown:
+        print("|---|--:|--:|--:|--:|--:|")
+    for name, *times, goal in measured(args):
+        words = verdict(times[0], times[2], times[3], goal)
+        missed += bool(words)
+        row = line.format(name, *map(number, times), format(goal, "g"))
+        print(row if args.markdown else f"{row}  {words}", flush=True)
+    if not args.markdown:
+        print(f"{missed} rows beyond a goal" if missed else "all goals met", file=sys.stderr)
+
+
+main()
