@@ -87,6 +87,7 @@ gimp3() {
     finish_stages
 }
 
-gimp3_tests() {
-    NTP_BUILD=$top/build NTP_GIMP3=$chroot python -m pytest -q -p no:cacheprovider tests/gimp/gimp3*.py "$@"
+gimp3_tests() { # each file starts a GIMP of its own, with a profile of its own
+    NTP_BUILD=$top/build NTP_GIMP3=$chroot python -m pytest -q -p no:cacheprovider -n "$jobs" \
+        --dist loadfile tests/gimp/gimp3*.py "$@"
 }

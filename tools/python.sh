@@ -31,7 +31,7 @@ python_types() {
 
 python_tests() {
     site=$(cd build-python && python -c 'import normaltexture; print(*normaltexture.__path__)')
-    python -m pytest -q -p no:cacheprovider bindings/python/tests "$@"
+    python -m pytest -q -p no:cacheprovider -n "$jobs" --dist loadfile bindings/python/tests "$@"
     PYTHONPATH=bindings/python/tests python -m pytest -q -p no:cacheprovider -c /dev/null \
         --rootdir "$site" -p pysupport.doctest_place --doctest-modules "$site"
 }
