@@ -424,6 +424,7 @@ static job_status show_height(const preview *p, uint8_t *map, uint8_t *lit)
     const int32_t x0 = column_of(p, 0, 0, 1), y0 = row_of(p, 0, 0, 1);
     if (p->step < 1) {
         small.step = 1;
+        small.first = small.end = 0; /* all of its rows, which are fewer */
         small.x = x0;
         small.y = y0;
         small.width = column_of(p, p->width - 1, 0, 1) - x0 + 1;

@@ -10,13 +10,16 @@
 #include "background.h"
 #include "help.h"
 #include "view.h"
+#include "window.h"
 
 #include <libgimp/gimpui.h>
 
 enum {
-    TICK = 50,   /* milliseconds from one look at the progress to the next */
-    WIDTH = 350, /* of the text */
-    HEIGHT = 270
+    TICK = 50,    /* milliseconds from one look at the progress to the next */
+    WIDTH = 300,  /* of the text */
+    HEIGHT = 100, /* of it, at least */
+    WIDER = 290,  /* than the least: the window at first */
+    HIGHER = 170
 };
 
 typedef struct window {
@@ -329,6 +332,7 @@ gboolean report_window_run(settings *s, gint32 id, report *r, char message[HOST_
     w->view = view_new(&procedures[PROCEDURE_CHECK], id);
     gtk_box_pack_start(GTK_BOX(box), w->view, TRUE, TRUE, 0);
     gtk_widget_show_all(box);
+    window_fit(w->dialog, WIDER, HIGHER);
     gtk_widget_grab_focus(w->from); /* not the text, which would be selected */
     look(w);
     gimp_dialog_run(GIMP_DIALOG(w->dialog));

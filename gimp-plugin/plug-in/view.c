@@ -15,8 +15,8 @@
 #include <string.h>
 
 enum {
-    SIDE = 288,    /* of a picture, at least and at first */
-    NARROW = 256,  /* of three beside each other */
+    SIDE = 200,    /* of a picture, at least */
+    NARROW = 160,  /* of three beside each other */
     SLICE = 30000, /* microseconds to show rows in full, so that the window stays alive */
     GRIP = 6,      /* so near to the line between before and after a press takes it */
     FEW = 2,       /* texels on each axis that a pixel shows while something changes */
@@ -443,6 +443,20 @@ static void on_palette(GtkToggleButton *button, gpointer data)
     render_soon(v);
 }
 
+/* A text from the left that takes as many lines as it needs. */
+static void wrap(GtkWidget *label)
+{
+    enum { CHARS = 46 };
+    gtk_label_set_line_wrap(GTK_LABEL(label), TRUE);
+#if GTK_MAJOR_VERSION >= 3
+    gtk_label_set_xalign(GTK_LABEL(label), 0);
+    gtk_label_set_max_width_chars(GTK_LABEL(label), CHARS);
+#else
+    gtk_misc_set_alignment(GTK_MISC(label), 0, 0.5);
+    gtk_label_set_width_chars(GTK_LABEL(label), CHARS);
+#endif
+}
+
 /* What the colors of the heatmap mean, and other colors. */
 static GtkWidget *legend_new(view *v)
 {
@@ -453,7 +467,8 @@ static GtkWidget *legend_new(view *v)
     g_signal_connect(safe, "toggled", G_CALLBACK(on_palette), v);
     v->legend = gtk_label_new("");
     explain(v);
-    gtk_box_pack_start(GTK_BOX(box), v->legend, FALSE, FALSE, 0);
+    wrap(v->legend);
+    gtk_box_pack_start(GTK_BOX(box), v->legend, TRUE, TRUE, 0);
     gtk_box_pack_start(GTK_BOX(box), safe, FALSE, FALSE, 6);
     return box;
 }

@@ -9,6 +9,7 @@
 #include "about.h"
 #include "help.h"
 #include "view.h"
+#include "window.h"
 
 #include <libgimp/gimpui.h>
 #include <math.h>
@@ -246,7 +247,7 @@ static GtkWidget *page_new(dialog *d, int page)
         add_field(d, GTK_TABLE(table), row, fields[row]);
     GtkWidget *box = gtk_vbox_new(FALSE, 0); /* so that rows keep their height beside the preview */
     gtk_box_pack_start(GTK_BOX(box), table, FALSE, FALSE, 0);
-    return box;
+    return window_scrolled(box);
 }
 
 static GtkWidget *controls_new(dialog *d)
@@ -380,6 +381,7 @@ gboolean dialog_run(const procedure *p, settings *s, gint32 id)
         gtk_widget_grab_focus(d.first);
         gtk_entry_set_activates_default(GTK_ENTRY(d.first), TRUE);
     }
+    window_fit(d.window, alone ? 0 : VIEW_WIDER, 0);
     const gboolean done = run_window(&d);
     gtk_widget_destroy(d.window);
     return done;

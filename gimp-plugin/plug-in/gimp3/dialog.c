@@ -8,6 +8,7 @@
 #include "../../presets.h"
 #include "help.h"
 #include "view.h"
+#include "window.h"
 
 #include <libgimp/gimpui.h>
 
@@ -85,7 +86,7 @@ static GtkWidget *page_new(GimpProcedureDialog *dialog, const procedure *p, int 
         gtk_container_set_border_width(GTK_CONTAINER(box), 6);
     g_list_free(names);
     g_free(id);
-    return box;
+    return box != NULL ? window_scrolled(box) : NULL;
 }
 
 static GtkWidget *controls_new(GimpProcedureDialog *dialog, const procedure *p)
@@ -145,6 +146,7 @@ gboolean dialog_run(const procedure *p, GimpProcedure *pdb_procedure, GimpProced
     gtk_widget_show_all(box);
     const gulong handler = g_signal_connect(config, "notify", G_CALLBACK(on_change), &c);
     on_change(G_OBJECT(config), NULL, &c);
+    window_fit(dialog, c.view != NULL ? VIEW_WIDER : 0, 0);
     const gboolean done = gimp_procedure_dialog_run(GIMP_PROCEDURE_DIALOG(dialog));
     g_signal_handler_disconnect(config, handler);
     gtk_widget_destroy(dialog);

@@ -1,0 +1,17 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * window.h - windows that fit the screen, at any scale of it
+ */
+#ifndef NTP_PLUGIN_WINDOW_H
+#define NTP_PLUGIN_WINDOW_H
+
+#include <gtk/gtk.h>
+
+/* The child in a box that scrolls up and down where the screen has no room for it. */
+GtkWidget *window_scrolled(GtkWidget *child);
+
+/* Opens the window as large as its widgets like to be, and by so much larger; but never larger than
+ * the screen. */
+void window_fit(GtkWidget *window, int wider, int higher);
+
+#endif
