@@ -171,6 +171,61 @@ static void check_float_roots(void)
     }
 }
 
+/* floor((M + 1 + M v/L)/2) is the only c with 2c - M - 1 <= M v/L < 2c - M + 1. */
+static bool rounds_to(int32_t c, int64_t v, int64_t length2, int64_t m)
+{
+    int64_t at[2] = { 2 * c - m - 1, 2 * c - m + 1 };
+    bool reaches[2];
+    for (int k = 0; k < 2; k++) {
+        int64_t left = at[k] * at[k] * length2, right = m * m * v * v;
+        if ((at[k] < 0) != (v < 0))
+            reaches[k] = at[k] < 0 || (at[k] == 0 && v >= 0);
+        else
+            reaches[k] = v < 0 ? left >= right : left <= right;
+    }
+    return reaches[0] && !reaches[1];
+}
+
+/* Vectors of small integers, and those whose quotients are close to a boundary: what the kernel
+ * does not doubt is right, and it seldom doubts. */
+static void check_directions(const ntp__kernels_table *level, int32_t m, int32_t zzero,
+                             uint64_t *seed)
+{
+    enum { BLOCKS = 300, SIDE = 12000, BLOCK = 256 };
+    int32_t doubts = 0, first[4][BLOCK], c[4][BLOCK];
+    for (int32_t block = 0; block < BLOCKS; block++) {
+        int32_t n = block % 7 ? BLOCK : 1 + block % BLOCK;
+        ntp__vectors v, copy;
+        for (int32_t i = 0; i < n; i++) {
+            for (int k = 0; k < 3; k++)
+                v.c[k][i] = random_level(seed, 2 * SIDE) - SIDE;
+            if (i % 5 == 0) /* a vector as a texel has it, longer: halfway between boundaries */
+                v.c[2][i] = i % 10 ? 0 : 1;
+            if (i % 7 == 0)
+                v.c[i % 2][i] = i % 3 ? 0 : -0.0;
+        }
+        copy = v;
+        level->directions(c[0], c[1], c[2], c[3], &v, n, m, zzero, 1);
+        base->directions(first[0], first[1], first[2], first[3], &copy, n, m, zzero, 1);
+        for (int k = 0; k < 4; k++)
+            CHECK(memcmp(c[k], first[k], (size_t) n * sizeof c[k][0]) == 0);
+        for (int32_t i = 0; i < n; i++) {
+            int64_t x = (int64_t) v.c[0][i], y = (int64_t) v.c[1][i], z = (int64_t) v.c[2][i];
+            int64_t length2 = x * x + y * y + z * z;
+            if (c[3][i] & NTP__IN_DOUBT) {
+                doubts += length2 > 0;
+                continue;
+            }
+            CHECK(length2 == 0 || rounds_to(c[0][i], x, length2, m));
+            CHECK(length2 == 0 || rounds_to(c[1][i], y, length2, m));
+            int32_t blue = derived_by_search(c[0][i], c[1][i], m, zzero);
+            CHECK((blue < 0) == (c[3][i] == NTP__OVERLONG));
+            CHECK(blue < 0 || c[2][i] == (z < 0 && !zzero ? m - blue : blue));
+        }
+    }
+    CHECK(doubts < BLOCKS * BLOCK / 500);
+}
+
 int main(int argc, char **argv)
 {
     bool avx2 = argc > 1 && strcmp(argv[1], "avx2") == 0;
@@ -192,6 +247,8 @@ int main(int argc, char **argv)
     const ntp__kernels_table *level = ntp__kernels(avx2 ? NTP__CPU_AVX2 : 0);
     printf("level %s\n", level->name);
     check_derive(level);
+    for (int kind = 0; kind < 4; kind++)
+        check_directions(level, kind & 1 ? 65535 : 255, kind & 2, &seed);
     for (int32_t n = 1; n <= WIDEST; n++) {
         for (int kind = 0; kind < 4; kind++)
             compare_planar(level, n, kind & 1 ? 65535 : 255, kind & 2, &seed);

@@ -6,7 +6,9 @@
  * converted red and green, which keeps clean textures clean.  Whether a texel is exact is found for
  * a block at a time: a kernel derives the blues of the source.
  */
+#include "base/finite.h"
 #include "base/view.h"
+#include "texel/direction.h"
 #include "texel/kernels.h"
 #include "texel/level.h"
 #include "texel/float_vector.h"
@@ -255,6 +257,71 @@ static void levels_of(const job *j, const texel *t, bool broken, int32_t out[4],
         convert_texel(j, t, out, counts);
 }
 
+/* Reads float vectors, y as in the target; those that are none become 0.  Returns how many. */
+static uint64_t read_vectors(const job *j, ntp__vectors *v, int32_t *alpha, int32_t x, int32_t y,
+                             int32_t n)
+{
+    const char *s = ntp__at(j->src, x, y);
+    double any = 0;
+    for (int32_t i = 0; i < n; i++, s += j->src->pixel_stride) {
+        const float *raw = (const float *) (const void *) s;
+        v->c[0][i] = raw[0];
+        v->c[1][i] = raw[1];
+        v->c[2][i] = raw[2];
+        alpha[i] = j->src->channels == 4 ? level_of(raw[3], j->md) : j->md;
+    }
+    for (int32_t i = 0; i < n; i++) { /* not 0 when one is infinite or 0 */
+        double size = fabs(v->c[0][i]) + fabs(v->c[1][i]) + fabs(v->c[2][i]);
+        v->c[1][i] = j->flip ? -v->c[1][i] : v->c[1][i];
+        any += size * 0.0 + (size == 0.0);
+    }
+    if (any == 0.0)
+        return 0;
+    uint64_t broken = 0;
+    for (int32_t i = 0; i < n; i++) {
+        double size = fabs(v->c[0][i]) + fabs(v->c[1][i]) + fabs(v->c[2][i]);
+        if (size > 0.0 && ntp__is_finite(size))
+            continue;
+        v->c[0][i] = v->c[1][i] = v->c[2][i] = 0.0;
+        alpha[i] = j->md;
+        broken++;
+    }
+    return broken;
+}
+
+/* Encodes float vectors, blue derived. */
+static void encode_run(const job *j, int32_t x, int32_t y, int32_t n, ntp_convert_counts *counts)
+{
+    const bool zzero = j->dst->encoding == NTP_ENCODING_ZZERO;
+    const bool xy = j->dst->encoding == NTP_ENCODING_XY;
+    ntp__block out;
+    ntp__vectors v;
+    int32_t doubt[NTP__BLOCK];
+    counts->not_finite += read_vectors(j, &v, out.c[3], x, y, n);
+    int32_t any =
+        j->kernels->directions(out.c[0], out.c[1], out.c[2], doubt, &v, n, j->md, zzero, true);
+    for (int32_t i = 0; zzero && i < n; i++)
+        counts->z_negative += v.c[2][i] < 0;
+    if (any && !xy)
+        counts->pulled += ntp__pull_directions(&out, doubt, &v, n, j->md, zzero);
+    for (int32_t i = 0; any && i < n; i++) {
+        if (!(doubt[i] & NTP__IN_DOUBT))
+            continue;
+        const float raw[3] = { (float) v.c[0][i], (float) (j->flip ? -v.c[1][i] : v.c[1][i]),
+                               (float) v.c[2][i] };
+        const texel t = { .raw = raw };
+        int32_t c[4];
+        ntp_convert_counts one = { 0, 0, 0 };
+        convert_vector(j, &t, c, &one);
+        counts->pulled += one.pulled;
+        for (int32_t k = 0; k < 3; k++)
+            out.c[k][i] = c[k];
+    }
+    for (int32_t i = 0; xy && i < n; i++)
+        out.c[2][i] = j->md;
+    ntp__pack(j->dst, &out, x, y, n, j->dst->channels);
+}
+
 static void convert_run(const job *j, int32_t x, int32_t y, int32_t n, ntp_convert_counts *counts)
 {
     ntp__block block;
@@ -331,11 +398,16 @@ ntp_status ntp_convert(const ntp_image *dst, const ntp_const_image *src,
     if ((int) j.how.blue < NTP_BLUE_DERIVED || (int) j.how.blue > NTP_BLUE_NEAREST ||
         j.how.touch_unused > NTP_UNUSED_ALL)
         return NTP_ERR_ARGUMENT;
+    const bool encodes = src->encoding == NTP_ENCODING_VECTOR && dst->type != NTP_TYPE_F32 &&
+                         j.how.blue == NTP_BLUE_DERIVED;
     ntp_convert_counts local = { 0, 0, 0 };
     for (int32_t y = rect.y0; y < rect.y1; y++) {
         for (int32_t x = rect.x0; x < rect.x1; x += NTP__BLOCK) {
             int32_t n = rect.x1 - x < NTP__BLOCK ? rect.x1 - x : NTP__BLOCK;
-            convert_run(&j, x, y, n, &local);
+            if (encodes)
+                encode_run(&j, x, y, n, &local);
+            else
+                convert_run(&j, x, y, n, &local);
         }
     }
     if (counts != NULL) {

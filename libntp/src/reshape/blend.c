@@ -18,6 +18,7 @@
 #include "texel/unused.h"
 #include "texel/level.h"
 
+#include <math.h>
 #include <string.h>
 
 typedef struct job {
@@ -27,6 +28,7 @@ typedef struct job {
     ntp__strength strength;
     int32_t mb, md; /* M of base and detail */
     bool flip;      /* the y of base and detail differ */
+    bool fades;     /* alpha fades the detail */
 } job;
 
 static void reoriented(ntp__i128 out[3], const int32_t b[3], const ntp__i128 d[3], int32_t mb)
@@ -98,46 +100,121 @@ static void copy_samples(const job *j, int32_t x, int32_t y, bool all)
                 (size_t) ((j->base->channels - first) * size));
 }
 
-static void store_texel(const job *j, int32_t x, int32_t y, const int32_t c[3])
+static void store_texel(const job *j, int32_t x, int32_t y, const ntp__block *out, int32_t i)
 {
-    char *d = ntp__at_mut(j->dst, x, y);
-    bool component = j->base->encoding == NTP_ENCODING_VECTOR;
+    float *d = (float *) (void *) ntp__at_mut(j->dst, x + i, y);
+    const bool component = j->base->encoding == NTP_ENCODING_VECTOR;
     for (int32_t k = 0; k < (j->base->encoding == NTP_ENCODING_XY ? 2 : 3); k++) {
-        if (j->base->type == NTP_TYPE_U8)
-            ((uint8_t *) d)[k] = (uint8_t) c[k];
-        else if (j->base->type == NTP_TYPE_U16)
-            ((uint16_t *) (void *) d)[k] = (uint16_t) c[k];
-        else
-            ((float *) (void *) d)[k] =
-                (float) ((double) (component ? ntp__num(c[k], 65535) : c[k]) / 65535.0);
+        const int32_t c = out->c[k][i];
+        d[k] = (float) ((double) (component ? ntp__num(c, 65535) : c) / 65535.0);
+    }
+}
+
+/* One texel, exactly. */
+static void blend_texel(const job *j, ntp__block *out, const ntp__block *base,
+                        const ntp__block *detail, int32_t i)
+{
+    int32_t b[3], d[3], c[3] = { 0, 0, out->c[2][i] };
+    ntp__i128 v[3];
+    ntp__texel_vector(b, base, i, j->mb, j->base->encoding);
+    ntp__texel_vector(d, detail, i, j->md, j->detail->encoding);
+    d[1] = j->flip ? -d[1] : d[1];
+    blend_vectors(j, v, b, d, j->fades ? detail->c[3][i] : 1, j->fades ? j->md : 1);
+    /* A steep detail, reoriented on a steep base, can point below the horizon. */
+    if (ntp__i128_negative(v[2]) && b[2] >= 0 && d[2] >= 0)
+        v[2] = ntp__i128_of(0);
+    ntp__direction_levels(c, v, j->mb, j->base->encoding);
+    for (int32_t k = 0; k < 3; k++)
+        out->c[k][i] = c[k];
+}
+
+/* The vectors of the mode in doubles, divided by 2^shift.  size is at least their length, and what
+ * was added up for a component; an error is below 2^-49 of it. */
+static void estimate(const job *j, ntp__vectors *out, double *size, const ntp__vectors *base,
+                     const ntp__vectors *detail, const int32_t *alpha, int32_t n)
+{
+    const double strength =
+        (double) j->strength.numerator / (double) ((uint64_t) 1 << j->strength.shift);
+    const double mb = j->mb, md = j->md, turn = j->flip ? -strength : strength;
+    const double most = j->fades ? md : 1;
+    const ntp_blend_mode mode = j->how.mode;
+    const double filled = mode == NTP_BLEND_LINEAR ? 0 : md;
+    const double base_z = mode == NTP_BLEND_WHITEOUT ? 0 : 1;
+    const double detail_z = mode == NTP_BLEND_LINEAR ? 1 : 0, product = 1 - base_z;
+    for (int32_t i = 0; i < n; i++) {
+        double a = j->fades ? alpha[i] : 1, bx = base->c[0][i], by = base->c[1][i];
+        double bz = base->c[2][i], dx = strength * (detail->c[0][i] * a);
+        double dy = turn * (detail->c[1][i] * a);
+        double dz = detail->c[2][i] * a + (most - a) * filled, level = fabs(bz) + mb, x, y, z;
+        if (mode == NTP_BLEND_RNM) {
+            double tz = bz + mb, dot = tz * dz - bx * dx - by * dy, scale = tz * mb;
+            x = dot * bx + scale * dx;
+            y = dot * by + scale * dy;
+            z = dot * tz - scale * dz;
+            double sum = fabs(bx) + fabs(by) + level;
+            size[i] = 2 * sum * sum * (fabs(dx) + fabs(dy) + fabs(dz));
+        } else {
+            double reach = md * most;
+            x = bx * reach + dx * mb;
+            y = by * reach + dy * mb;
+            z = base_z * bz * reach + detail_z * dz * mb + product * bz * dz;
+            size[i] = (fabs(bx) + fabs(by) + fabs(bz)) * (reach + fabs(dz)) +
+                      mb * (fabs(dx) + fabs(dy) + fabs(dz));
+        }
+        z = z < 0 && bz >= 0 && detail->c[2][i] >= 0 ? 0 : z;
+        out->c[0][i] = x;
+        out->c[1][i] = y;
+        out->c[2][i] = z;
+    }
+}
+
+/* Doubts vectors whose terms nearly cancel each other, and a z whose sign is not sure. */
+static void doubt_small(int32_t *doubt, const ntp__vectors *v, const double *size, int32_t n)
+{
+    for (int32_t i = 0; i < n; i++) {
+        double x = v->c[0][i], y = v->c[1][i], z = v->c[2][i], least = size[i] * 0x1p-8;
+        bool small = x * x + y * y + z * z < least * least;
+        if (small || (z != 0 && fabs(z) < size[i] * 0x1p-40))
+            doubt[i] = NTP__IN_DOUBT;
     }
 }
 
 static void blend_run(const job *j, int32_t x, int32_t y, int32_t n)
 {
-    ntp__block base, detail;
-    uint32_t touch = j->how.touch_unused;
+    ntp__block base, detail, out;
+    ntp__vectors b, d, v;
+    double size[NTP__BLOCK];
+    int32_t doubt[NTP__BLOCK];
+    const uint32_t touch = j->how.touch_unused;
+    const bool floats = j->base->type == NTP_TYPE_F32;
+    /* Whole numbers below 2^53 need no doubt. */
+    const bool exact = !j->fades && j->strength.shift == 0 &&
+                       (j->strength.numerator == 1 || j->strength.numerator == -1);
     ntp__unpack(&base, j->base, x, y, n);
     unpack_detail(j, &detail, x, y, n);
+    ntp__block_vectors(&b, &base, n, j->mb, j->base->encoding);
+    ntp__block_vectors(&d, &detail, n, j->md, j->detail->encoding);
+    estimate(j, &v, size, &b, &d, detail.c[3], n);
+    memcpy(out.c[2], base.c[2], (size_t) n * sizeof out.c[2][0]);
+    memcpy(out.c[3], base.c[3], (size_t) n * sizeof out.c[3][0]);
+    ntp__block_directions(&out, doubt, &v, n, j->mb, j->base->encoding, exact);
+    if (!exact)
+        doubt_small(doubt, &v, size, n);
+    const bool suspect = ntp__any_suspect(&base, n, j->mb) || ntp__any_suspect(&detail, n, j->md);
     for (int32_t i = 0; i < n; i++) {
-        bool keep = ntp__texel_unused(&base, i, j->mb, touch) ||
-                    ntp__texel_unused(&detail, i, j->md, touch);
-        copy_samples(j, x + i, y, keep);
-        if (keep)
-            continue;
-        int32_t b[3], d[3], c[3];
-        ntp__i128 v[3];
-        ntp__texel_vector(b, &base, i, j->mb, j->base->encoding);
-        ntp__texel_vector(d, &detail, i, j->md, j->detail->encoding);
-        d[1] = j->flip ? -d[1] : d[1];
-        const bool fades = j->how.detail_alpha != 0 && j->detail->channels == 4;
-        blend_vectors(j, v, b, d, fades ? detail.c[3][i] : 1, fades ? j->md : 1);
-        /* A steep detail, reoriented on a steep base, can point below the horizon. */
-        if (ntp__i128_negative(v[2]) && b[2] >= 0 && d[2] >= 0)
-            v[2] = ntp__i128_of(0);
-        ntp__direction_levels(c, v, j->mb, j->base->encoding);
-        store_texel(j, x + i, y, c);
+        const bool keep = suspect && (ntp__texel_unused(&base, i, j->mb, touch) ||
+                                      ntp__texel_unused(&detail, i, j->md, touch));
+        for (int32_t k = 0; keep && k < 3; k++)
+            out.c[k][i] = base.c[k][i];
+        if (!keep && doubt[i])
+            blend_texel(j, &out, &base, &detail, i);
+        if (floats)
+            copy_samples(j, x + i, y, keep);
+        if (floats && !keep)
+            store_texel(j, x, y, &out, i);
     }
+    if (!floats)
+        ntp__pack(j->dst, &out, x, y, n, j->dst->channels);
 }
 
 ntp_status ntp_blend(const ntp_image *dst, const ntp_const_image *base,
@@ -169,6 +246,7 @@ ntp_status ntp_blend(const ntp_image *dst, const ntp_const_image *base,
         j.how.touch_unused > NTP_UNUSED_ALL ||
         !ntp__strength_of(&j.strength, j.how.use_strength ? j.how.strength : 1.0))
         return NTP_ERR_ARGUMENT;
+    j.fades = j.how.detail_alpha != 0 && detail->channels == 4;
     ntp_rect rect;
     NTP__TRY(ntp__check_area(&rect, base, area));
     for (int32_t y = rect.y0; y < rect.y1; y++) {

@@ -102,6 +102,34 @@ static void transform_texel(const job *j, ntp__block *block, int32_t i)
     block->c[1][i] = j->mirror_g ? j->m - g : g;
 }
 
+/* Makes a block stronger, and turns its vectors. */
+static void strengthen(const job *j, ntp__block *block, int32_t n)
+{
+    const double factor =
+        (double) j->strength.numerator / (double) ((uint64_t) 1 << j->strength.shift);
+    const double by_r = j->mirror_r ? -factor : factor, by_g = j->mirror_g ? -factor : factor;
+    ntp__block was = *block;
+    ntp__vectors v, turned;
+    int32_t doubt[NTP__BLOCK];
+    ntp__block_vectors(&v, block, n, j->m, j->src.encoding);
+    for (int32_t i = 0; i < n; i++) {
+        turned.c[0][i] = v.c[j->swap][i] * by_r;
+        turned.c[1][i] = v.c[!j->swap][i] * by_g;
+        turned.c[2][i] = v.c[2][i];
+    }
+    ntp__block_directions(block, doubt, &turned, n, j->m, j->src.encoding, true);
+    const bool suspect = ntp__any_suspect(&was, n, j->m);
+    for (int32_t i = 0; i < n; i++) {
+        const bool unused = suspect && ntp__texel_unused(&was, i, j->m, 0);
+        if (!unused && doubt[i] == 0)
+            continue;
+        for (int32_t k = 0; k < 3; k++)
+            block->c[k][i] = was.c[k][i];
+        if (!unused)
+            transform_texel(j, block, i);
+    }
+}
+
 /* Floats that are only moved and mirrored keep all their bits. */
 static void move_floats(const job *j, const ntp__block *block, int32_t x, int32_t y, int32_t n)
 {
@@ -150,9 +178,13 @@ static void transform_run(const job *j, int32_t x, int32_t y, int32_t n)
     ntp__block before;
     if (floats)
         before = block;
-    for (int32_t i = 0; i < n; i++) {
-        if (!ntp__texel_unused(&block, i, j->m, 0))
-            transform_texel(j, &block, i);
+    if (j->stronger) {
+        strengthen(j, &block, n);
+    } else {
+        for (int32_t i = 0; i < n; i++) {
+            if (!ntp__texel_unused(&block, i, j->m, 0))
+                transform_texel(j, &block, i);
+        }
     }
     ntp__store_levels(j->dst, &block, x, y, n);
     if (floats)

@@ -5,12 +5,14 @@
  * With M + 1 even, the level floor((M + 1 + M v / L) / 2) is (M + 1) / 2 + floor(M v / 2L).  A
  * double decides that floor unless the quotient lies within 2^-30 of an integer k, because its
  * error is below 2^16 * 12 * 2^-53.  Else M M v v and 4 k k L L are compared as integers.
+ * Blocks of vectors go through a kernel first, which leaves only the few near a boundary to that.
  */
 #include "texel/direction.h"
 #include "texel/level.h"
 #include "base/bignum.h"
 
 #include <math.h>
+#include <string.h>
 
 void ntp__texel_vector(int32_t v[3], const ntp__block *block, int32_t i, int32_t m,
                        ntp_encoding encoding)
@@ -21,6 +23,53 @@ void ntp__texel_vector(int32_t v[3], const ntp__block *block, int32_t i, int32_t
     v[0] = ntp__num(r, m);
     v[1] = ntp__num(g, m);
     v[2] = encoding == NTP_ENCODING_ZZERO ? b : ntp__num(b, m);
+}
+
+void ntp__block_vectors(ntp__vectors *v, const ntp__block *block, int32_t n, int32_t m,
+                        ntp_encoding encoding)
+{
+    for (int32_t k = 0; k < 3; k++) {
+        const int32_t twice = k == 2 && encoding == NTP_ENCODING_ZZERO ? 1 : 2;
+        const int32_t less = twice == 2 ? m : 0;
+        for (int32_t i = 0; i < n; i++)
+            v->c[k][i] = twice * block->c[k][i] - less;
+    }
+    for (int32_t i = 0; encoding == NTP_ENCODING_XY && i < n; i++) {
+        int32_t one[3];
+        ntp__texel_vector(one, block, i, m, encoding);
+        for (int32_t k = 0; k < 3; k++)
+            v->c[k][i] = one[k];
+    }
+}
+
+uint64_t ntp__pull_directions(ntp__block *out, int32_t *doubt, const ntp__vectors *v, int32_t n,
+                              int32_t m, bool zzero)
+{
+    uint64_t pulled = 0;
+    for (int32_t i = 0; i < n; i++) {
+        if (doubt[i] != NTP__OVERLONG)
+            continue;
+        int32_t b = ntp__derive(&out->c[0][i], &out->c[1][i], m, zzero);
+        out->c[2][i] = !zzero && v->c[2][i] < 0 ? m - b : b;
+        doubt[i] = 0;
+        pulled++;
+    }
+    return pulled;
+}
+
+void ntp__block_directions(ntp__block *out, int32_t *doubt, ntp__vectors *v, int32_t n, int32_t m,
+                           ntp_encoding encoding, bool exact)
+{
+    bool zzero = encoding == NTP_ENCODING_ZZERO;
+    int32_t kept[NTP__BLOCK];
+    const size_t size = (size_t) n * sizeof kept[0];
+    if (encoding == NTP_ENCODING_XY)
+        memcpy(kept, out->c[2], size);
+    if (ntp__kernels(NTP__CPU_ALL)
+            ->directions(out->c[0], out->c[1], out->c[2], doubt, v, n, m, zzero, exact))
+        ntp__pull_directions(out, doubt, v, n, m, zzero);
+    if (encoding == NTP_ENCODING_XY)
+        memcpy(out->c[2], kept, size);
 }
 
 static ntp__i128 magnitude(ntp__i128 a)

@@ -9,6 +9,7 @@
 
 #include "base/int128.h"
 #include "base/view.h"
+#include "texel/kernels.h"
 
 /*
  * The numerators over M of the vector that texel i of a block holds.  NTP_ENCODING_XY: red and
@@ -16,6 +17,22 @@
  */
 void ntp__texel_vector(int32_t v[3], const ntp__block *block, int32_t i, int32_t m,
                        ntp_encoding encoding);
+
+/* The same of the first n texels of a block. */
+void ntp__block_vectors(ntp__vectors *v, const ntp__block *block, int32_t n, int32_t m,
+                        ntp_encoding encoding);
+
+/*
+ * The levels of the directions of n vectors: those of ntp__direction_levels, but fast.  Where
+ * doubt[i] is not 0 the caller asks that function, with exact components.  NTP_ENCODING_XY: b is
+ * left alone.  kernels.h says how good the components have to be, and what `exact` means.
+ */
+void ntp__block_directions(ntp__block *out, int32_t *doubt, ntp__vectors *v, int32_t n, int32_t m,
+                           ntp_encoding encoding, bool exact);
+
+/* Pulls what is too long and not in doubt, and derives its blue; returns how many. */
+uint64_t ntp__pull_directions(ntp__block *out, int32_t *doubt, const ntp__vectors *v, int32_t n,
+                              int32_t m, bool zzero);
 
 /*
  * The levels of v / |v|, |components| < 2^125.  r and g are correctly rounded (half up), and pulled

@@ -406,6 +406,8 @@ static void judge_block(ntp__judged *j, const int32_t *r, const int32_t *g, cons
     judge_block_lanes(j, in[0], in[1], in[2], filled, m, angles);
 }
 
+#include "texel/directions_tmpl.h"
+
 extern const ntp__kernels_table CONCAT(ntp__kernels_, NTP_ISA);
 const ntp__kernels_table CONCAT(ntp__kernels_, NTP_ISA) = {
     NTP_ISA_NAME,
@@ -417,4 +419,5 @@ const ntp__kernels_table CONCAT(ntp__kernels_, NTP_ISA) = {
     derive,
     judge,
     judge_block,
+    directions,
 };

@@ -67,6 +67,28 @@ typedef struct ntp__judged {
 typedef void ntp__judge_block_fn(ntp__judged *judged, const int32_t *r, const int32_t *g,
                                  const int32_t *b, int32_t n, int32_t m, int32_t angles);
 
+/* Vectors of any length, as planes. */
+typedef struct ntp__vectors {
+    double c[3][256];
+} ntp__vectors;
+
+/* Why the levels of a vector are not known. */
+enum {
+    NTP__IN_DOUBT = 1, /* red or green is too near to a boundary between levels */
+    NTP__OVERLONG = 2  /* red and green are known, but too long: they have no blue */
+};
+
+/*
+ * The levels of vectors over their lengths: r and g rounded half up, b derived, in the standard
+ * encoding with the sign of z.  Each component is off by at most 2^-40 of the length.  `exact`: the
+ * signs of x, y are right, also 0; else they may be wrong where a component is that small.  The
+ * sign of z is right.  A vector of length 0 is flat.  doubt[i] says why levels are not known, else
+ * 0; returns whether one is not.  Levels and doubts have room for 256.
+ */
+typedef int32_t ntp__directions_fn(int32_t *r, int32_t *g, int32_t *b, int32_t *doubt,
+                                   ntp__vectors *v, int32_t n, int32_t m, int32_t zzero,
+                                   int32_t exact);
+
 typedef struct ntp__kernels_table {
     const char *name;
     ntp__clean8_fn *clean_rgb8;         /* counts */
@@ -77,6 +99,7 @@ typedef struct ntp__kernels_table {
     ntp__derive_fn *derive;
     ntp__judge_fn *judge;
     ntp__judge_block_fn *judge_block;
+    ntp__directions_fn *directions;
 } ntp__kernels_table;
 
 enum { NTP__KERNEL_STEP = 16 };
