@@ -364,6 +364,9 @@ static const char LEVELS[] =
     "shown as `known`, and do not count for the exit code. A file is known by its path from the "
     "working directory, in any spelling (`a`, `./a`, the whole path). So run both checks from one "
     "directory.\n\n"
+    "In a directory a file that only its content makes a normals texture may be none. All its "
+    "findings are notes then; the headline says `1 possible error`, and `level_if_named` in JSON "
+    "has the level that the finding has in a file that is named.\n\n"
     "[Severity](severity.md) has what this rule says of real textures, beside lit pictures of "
     "them.\n";
 

@@ -68,7 +68,8 @@ extern const finding_spec FINDING_TABLE[FINDING_COUNT];
 typedef struct finding {
     finding_id id;
     finding_level level;
-    bool known; /* in the baseline: shown but not counted */
+    finding_level if_named; /* the level that it has in a file whose name is that of normals */
+    bool known;             /* in the baseline: shown but not counted */
     uint64_t count;
     char message[400];
 } finding;
@@ -97,6 +98,9 @@ uint64_t judged_texels(const facts *f);
  * nothing there. */
 bool failing_texels(const facts *f, ntp_verdict verdict, bool keep_negative_z, uint64_t *all,
                     uint64_t *used);
+
+/* The worst level that new findings would have if the file had the name of normals. */
+finding_level worst_if_named(const finding_list *list);
 
 void judge(finding_list *list, const facts *f, const judge_rules *rules);
 const char *level_name(finding_level level);

@@ -125,6 +125,23 @@ static void make_notes(finding_list *list)
         list->at[i].level = LEVEL_INFO;
 }
 
+finding_level worst_if_named(const finding_list *list)
+{
+    finding_level worst = LEVEL_INFO;
+    for (size_t i = 0; i < list->count; i++) {
+        const finding *one = &list->at[i];
+        if (!one->known && one->if_named > worst)
+            worst = one->if_named;
+    }
+    return worst;
+}
+
+static void keep_levels(finding_list *list)
+{
+    for (size_t i = 0; i < list->count; i++)
+        list->at[i].if_named = list->at[i].level;
+}
+
 void judge(finding_list *list, const facts *f, const judge_rules *rules)
 {
     list->count = 0;
@@ -136,6 +153,7 @@ void judge(finding_list *list, const facts *f, const judge_rules *rules)
     if (is_judged(f) && j.used > 0 && !has_misplaced_channels(f))
         judge_texels(&j);
     judge_file(&j);
+    keep_levels(list);
     if (!f->in->named && !f->in->hinted)
         make_notes(list);
     tidy(list);

@@ -79,6 +79,7 @@ typedef struct check_summary {
     size_t by_class[NTP_CLASS_NOT_NORMALS + 1];
     size_t worst[LEVEL_ERROR + 1]; /* files by their worst counting finding */
     size_t well_formed;            /* counting files without warnings and errors */
+    size_t possible;               /* those that would have some if their names were of normals */
     size_t only_known;             /* those whose warnings and errors are all in the baseline */
     size_t notes, known;
     size_t found[FINDING_COUNT];

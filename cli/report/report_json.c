@@ -280,6 +280,8 @@ static json_t *finding_objects(const finding_list *list)
         json_object_set_new(object, "message", json_string(one->message));
         json_object_set_new(object, "count", json_count(one->count));
         json_object_set_new(object, "count_of", json_string(counts_used(one->id) ? "used" : "all"));
+        if (one->if_named != one->level)
+            json_object_set_new(object, "level_if_named", json_string(level_name(one->if_named)));
         if (one->known)
             json_object_set_new(object, "baseline", json_true());
         json_array_append_new(array, object);
@@ -399,6 +401,7 @@ json_t *check_json_summary(const check_summary *sum, const check_settings *s)
         { "unsupported", sum->foreign },
         { "not_counted", sum->left_out },
         { "well_formed", sum->well_formed },
+        { "possible", sum->possible },
         { "with_warnings", sum->worst[LEVEL_WARNING] },
         { "with_errors", sum->worst[LEVEL_ERROR] },
         { "failing", sum->failing },

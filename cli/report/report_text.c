@@ -52,6 +52,11 @@ static size_t count_known(const checked *c)
     return count;
 }
 
+static void add_number_of(text *t, size_t count, const char *thing)
+{
+    text_addf(t, "%zu %s%s", count, thing, count == 1 ? "" : "s");
+}
+
 /* What a file without warnings and errors is called.  Lengths can be wrong by so little that it is
  * only a note. */
 static const char *praise(const checked *c)
@@ -65,9 +70,18 @@ static const char *praise(const checked *c)
     return normals ? "well formed" : "ok";
 }
 
-static void add_number_of(text *t, size_t count, const char *thing)
+/* Is a note something worse in a file with the name of normals?  Then the worst of these counts. */
+static bool add_possible(text *t, const checked *c)
 {
-    text_addf(t, "%zu %s%s", count, thing, count == 1 ? "" : "s");
+    const finding_level worst = worst_if_named(&c->list);
+    size_t count = 0;
+    for (size_t i = 0; i < c->list.count; i++)
+        count += !c->list.at[i].known && c->list.at[i].if_named == worst;
+    if (worst == LEVEL_INFO)
+        return false;
+    add_number_of(t, count, worst == LEVEL_ERROR ? "possible error" : "possible warning");
+    text_add(t, " (not named as a normals texture)");
+    return true;
 }
 
 static void add_verdict(text *t, const checked *c, const check_settings *s)
@@ -87,12 +101,13 @@ static void add_verdict(text *t, const checked *c, const check_settings *s)
     const size_t known = count_known(c);
     if (known > 0)
         text_addf(&words, "%s%zu known", words.size > 0 ? ", " : "", known);
+    const bool possible = words.size == 0 && add_possible(&words, c);
     if (words.size == 0)
         text_add(&words, praise(c));
     text_paint(t, s->colors,
-               errors > 0     ? PAINT_RED
-               : warnings > 0 ? PAINT_YELLOW
-                              : PAINT_GREEN,
+               errors > 0                 ? PAINT_RED
+               : warnings > 0 || possible ? PAINT_YELLOW
+                                          : PAINT_GREEN,
                text_string(&words));
     text_free(&words);
 }
@@ -271,6 +286,8 @@ void check_text_summary(text *t, const check_summary *sum, const check_settings 
         text_addf(t, " (%zu of formats that are not read)", sum->foreign);
     text_addf(t, "\n%zu without warnings, %zu with warnings, %zu with errors", sum->well_formed,
               sum->worst[LEVEL_WARNING], sum->worst[LEVEL_ERROR]);
+    if (sum->possible > 0)
+        text_addf(t, ", %zu with possible ones (not named as normals textures)", sum->possible);
     if (sum->only_known > 0)
         text_addf(t, ", %zu with known findings only", sum->only_known);
     if (sum->left_out > 0)

@@ -128,7 +128,9 @@ static void count(check_summary *sum, const input *in, const checked *done)
     }
     sum->worst[worst]++;
     sum->only_known += worst == LEVEL_INFO && worst_known > LEVEL_INFO;
-    sum->well_formed += worst == LEVEL_INFO && worst_known == LEVEL_INFO;
+    const bool possible = worst_if_named(&done->list) > LEVEL_INFO;
+    sum->possible += worst == LEVEL_INFO && worst_known == LEVEL_INFO && possible;
+    sum->well_formed += worst == LEVEL_INFO && worst_known == LEVEL_INFO && !possible;
 }
 
 static void deliver(void *context, const input *in, result *r)

@@ -251,6 +251,25 @@ def test_known_errors_are_called_known(run, tmp_path):
     assert max(map(LEVELS.index, found(report(run, *args)["files"][0]).values())) == 2
 
 
+def test_what_only_content_suggests_is_not_called_well_formed(run, tmp_path):
+    """In a directory it is a note, and the headline says what it would be."""
+    (tmp_path / "d").mkdir()
+    write_png(tmp_path / "d" / "a.png", textures.wrong_blue(textures.standard(), 0.1))
+    write_png(tmp_path / "d" / "b.png", textures.standard())
+    text = run("check", "d").stdout.splitlines()
+    assert text[0].endswith(": 1 possible error (not named as a normals texture)")
+    assert text[1].endswith(": well formed")
+    assert "1 without warnings" in text[-1] and "1 with possible ones" in text[-1]
+    checked = report(run, "d")
+    assert (checked["summary"]["well_formed"], checked["summary"]["possible"]) == (1, 1)
+    named = found(report(run, "d/a.png")["files"][0])
+    for finding in checked["files"][0]["findings"]:
+        assert finding["level"] == "info"
+        assert finding.get("level_if_named", "info") == named[finding["id"]]
+    (tmp_path / "before.json").write_text(run("check", "d", "--format", "json").stdout)
+    assert "possible" not in run("check", "d", "--baseline", "before.json").stdout
+
+
 def atlas(flip):
     """Bumps on charts amid black, whose green may be flipped as a paint program does it."""
     y, x = np.mgrid[:128, :128] / 128 * 2 * np.pi

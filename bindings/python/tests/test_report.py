@@ -150,7 +150,7 @@ def test_worst_first_and_why():
     words = " ".join("".join(page.words).split())
     assert "off by more than 5°. If more than 2 % of the used texels are, that is an error" in words
     assert (
-        "37.1 % of the texels fail the test neighbor, by 0.8° on average and 2.4° at most. 0 % of "
+        "37.1 % of the used texels fail the test neighbor, by 0.8° on average and 2.4° at most. 0 % of "
         "the used texels are off by more than 5°, which is what can be seen. That is too little "
         "for a warning." in words
     )
@@ -158,12 +158,32 @@ def test_worst_first_and_why():
     strict = {**found, "summary": {"rule": {**rule, "policy": "strict", "verdict": "exact"}}}
     words = " ".join("".join(Page(report.build(strict, limit=0)).words).split())
     assert "fail the test exact. A share of more than 2 % is an error" in words
-    assert "Fail exact" in words and "100 % of the texels fail the test exact" in words
+    assert "Fail exact" in words and "100 % of the used texels fail the test exact" in words
     old = {**found, "summary": {}}  # of an older program
     for file in files[:-1]:
         del file["harm"]
     words = "".join(Page(report.build(old, limit=0)).words)
-    assert "Off by" not in words and "37.1 % of the texels fail the test neighbor" in words
+    assert "Off by" not in words and "37.1 % of the used texels fail the test neighbor" in words
+
+
+def test_what_only_content_suggests_is_not_called_well_formed():
+    """Nor is a note about lengths: the badge has the words of `ntp check`."""
+    guess = judged("guess.png", ["info"], fail=900, mean=9, over=900)
+    guess["findings"][0]["level_if_named"] = "error"
+    atlas = {**judged("atlas_n.png", ["info"], fail=510, mean=0.1), "unused": 500}
+    atlas["used"] = {"texels": 500, "fail": {"neighbor": 10, "rounded": 10, "exact": 500}}
+    files = [judged("fine_n.png"), atlas, guess, judged("bad_n.png", ["warning"], fail=1)]
+    rule = {"policy": "harm", "verdict": "neighbor", "max_angle": 5, "max_fail": 2}
+    found = {"tool": {"name": "ntp", "version": "0.2.0"}, "files": files, "summary": {"rule": rule}}
+    text = report.build(found, limit=0)
+    rows = [" ".join(row.split()) for row in re.findall("<tr data-state=.*?</tr>", text, re.DOTALL)]
+    names = ("bad_n", "guess", "atlas_n", "fine_n")
+    badges = ("warning", "possible error", "no visible errors", "well formed")
+    for row, name, badge in zip(rows, names, badges, strict=True):
+        assert f'data-sort="{name}.png"' in row and f">{badge}</span>" in row
+    assert "<code" in rows[1] and ">2 %</td>" in rows[2]  # 10 of 500 used texels
+    words = " ".join("".join(Page(text).words).split())
+    assert words.count("only noted, because the name is not that of a normals texture") == 1
 
 
 def test_names_break_between_their_parts():

@@ -41,10 +41,11 @@ TYPE_WORDS = {
 }
 CHANNEL_WORDS = {1: "gray", 2: "gray and alpha", 3: "RGB", 4: "RGBA"}
 GREEN_WORDS = {"up": "up (OpenGL)", "down": "down (DirectX)", "undecided": "undecided"}
-_ORDER = {"unreadable": 4, "error": 3, "warning": 2, "ok": 1, "skipped": 0}
+_ORDER = {"unreadable": 5, "error": 4, "warning": 3, "possible": 2, "ok": 1, "skipped": 0}
 STATE_WORDS = {
     "error": "error",
     "warning": "warning",
+    "possible": "possible",
     "ok": "well formed",
     "unreadable": "unreadable",
     "skipped": "not judged",
@@ -80,13 +81,38 @@ class _Budget:
 
 
 def state(file: Mapping[str, Any]) -> str:
-    """What a file comes to: "error", "warning", "ok", "unreadable" or "skipped"."""
+    """What a file comes to: "error", "warning", "possible", "ok", "unreadable" or "skipped".
+
+    "possible": in a file with the name of normals there would be warnings or errors.
+    """
     if file["status"] == "unreadable":
         return "unreadable"
     if file["status"] != "ok" or not _ntp.counts(file):
         return "skipped"
     level = _ntp.worst_level(file)
-    return level if level in ("error", "warning") else "ok"
+    if level in ("error", "warning"):
+        return level
+    return "possible" if _if_named(file) else "ok"
+
+
+def _if_named(file: Mapping[str, Any]) -> list[Any]:
+    """Notes that would be more in a file with the name of normals."""
+    return [
+        found
+        for found in file["findings"]
+        if "level_if_named" in found and not found.get("baseline")
+    ]
+
+
+def _result(file: Mapping[str, Any]) -> str:
+    """The state in words; a file has visible errors or none as `ntp check` says."""
+    found = state(file)
+    if found == "possible":
+        levels = {found["level_if_named"] for found in _if_named(file)}
+        return "possible error" if "error" in levels else "possible warning"
+    if found == "ok" and any(f["id"] in ("NT001", "NT002", "NT003") for f in file["findings"]):
+        return "no visible errors"
+    return STATE_WORDS[found]
 
 
 def green(file: Mapping[str, Any]) -> str:
@@ -131,6 +157,7 @@ def _view(
         "path": _console.shown(file["path"]),
         "state": state(file),
         "rank": _ORDER[state(file)],
+        "result": _result(file),
         "status": file["status"],
         "message": _console.shown((file["message"] or "").removeprefix(f"{file['path']}: ")),
         "findings": [],
@@ -171,25 +198,40 @@ def _figures(file: Mapping[str, Any], verdict: str) -> Json:
 
     `harm` counts texels that are off by more than `max_angle`; older JSON has none.
     """
-    failing = (file["fail"] or {}).get(verdict)
+    failing = (_used(file)["fail"] or {}).get(verdict)
     figures: Json = {"failing": failing, "failing_text": "", "visible": None, "judged": ""}
     if failing is None:
         return figures
-    figures["failing_text"] = percent(failing, file["texels"])
+    used = _used(file)["texels"]
+    figures["share"] = failing / max(used, 1)
+    figures["failing_text"] = percent(failing, used)
     harm, angle = file.get("harm"), file["angle_deg"]
     by = f"by {angle['mean']:.3g}° on average and {angle['max']:.3g}° at most"
-    figures["judged"] = f"{figures['failing_text']} of the texels fail the test {verdict}, {by}."
+    figures["judged"] = (
+        f"{figures['failing_text']} of the used texels fail the test {verdict}, {by}."
+    )
     if harm:
         over = max(harm[kind]["over"] for kind in ("length", "xy", "z_negative") if kind in harm)
-        figures["visible"] = over / max(file["texels"] - file["unused"], 1)
-        figures["visible_text"] = percent(over, file["texels"] - file["unused"])
+        figures["visible"] = over / max(used, 1)
+        figures["visible_text"] = percent(over, used)
         figures["judged"] += (
             f" {figures['visible_text']} of the used texels are off by more than "
             f"{harm['max_angle']:g}°, which is what can be seen."
         )
     if failing and state(file) == "ok":
         figures["judged"] += " That is too little for a warning."
+    if state(file) == "possible":
+        figures["judged"] += " It is only noted, because the name is not that of a normals texture."
     return figures
+
+
+def _used(file: Mapping[str, Any]) -> Mapping[str, Any]:
+    """The counts of used texels; older JSON has those of all texels only."""
+    found: Mapping[str, Any] = file.get("used") or {
+        "texels": file["texels"] - file["unused"],
+        "fail": file["fail"],
+    }
+    return found
 
 
 def rule_of(report: Mapping[str, Any]) -> Json:
@@ -219,10 +261,10 @@ def _badness(file: Mapping[str, Any]) -> tuple[float, ...]:
     if file["status"] != "ok" or not file.get("fail"):
         return (_ORDER[state(file)], 0, 0, 0)
     harm = (file.get("harm") or {}).get("length") or {}
-    used = max(file["texels"] - file["unused"], 1)
+    used = max(_used(file)["texels"], 1)
     angle = harm.get("mean", file["angle_deg"]["mean"])
-    failing = file["fail"].get("neighbor") or 0
-    return (_ORDER[state(file)], harm.get("over", 0) / used, angle, failing / file["texels"])
+    failing = _used(file)["fail"].get("neighbor") or 0
+    return (_ORDER[state(file)], harm.get("over", 0) / used, angle, failing / used)
 
 
 def _breakable(name: str) -> Any:
@@ -385,13 +427,12 @@ def build(
         files=views,
         tiles=[
             (name, STATE_WORDS[name], states.count(name))
-            for name in ("unreadable", "error", "warning", "ok", "skipped")
+            for name in ("unreadable", "error", "warning", "possible", "ok", "skipped")
         ],
         frequent=_frequent(files, rules),
         rule=rule,
         rule_text=rule_text(rule),
         has_harm=any(view.get("visible") is not None for view in views),
-        state_words=STATE_WORDS,
         palette=palette,
         bins=HISTOGRAM_BINS,
         style=style,
