@@ -261,12 +261,20 @@ typedef struct state {
     gchar *open_with; /* what it depends on */
 } state;
 
+/* How its heights are read, once it is prepared. */
+static pixels heights_read(GeglOperation *operation)
+{
+    const Babl *input = gegl_operation_get_format(operation, "input");
+    const pixels stored = pixels_of(input);
+    const gboolean color = stored.channels >= 3; /* gray is its own luminance */
+    return recipe_of(operation).luminance && color ? pixels_luminance(input) : stored;
+}
+
 static gboolean is_measured(GeglOperation *operation, const ntp_normals_options *how,
                             const GeglRectangle *edges)
 {
     const state *s = GEGL_PROPERTIES(operation)->user_data;
-    return s != NULL && s->measured &&
-           s->of_format == gegl_operation_get_format(operation, "input") &&
+    return s != NULL && s->measured && s->of_format == heights_read(operation).format &&
            s->of.kernel == how->kernel && s->of.source == how->source &&
            s->of.border_x == how->border_x && s->of.border_y == how->border_y &&
            s->of.dx == how->dx && s->of.dy == how->dy && gegl_rectangle_equal(&s->edges, edges);
@@ -278,8 +286,6 @@ static void prepare(GeglOperation *operation)
     const Babl *source = gegl_operation_get_source_format(operation, "input");
     const pixels stored = pixels_of(source);
     const recipe made = recipe_of(operation);
-    const gboolean color = stored.channels >= 3; /* gray is its own luminance */
-    const pixels in = made.luminance && color ? pixels_luminance(source) : stored;
     const ahead next = blending_ahead(operation);
     /* GIMP drops an alpha channel that the layer does not have, and converts the others in doing
      * so. */
@@ -289,9 +295,9 @@ static void prepare(GeglOperation *operation)
         o->user_data = g_new0(state, 1);
     state *s = o->user_data;
     s->made = pixels_as_rgb(stored.format, stored.channels % 2 == 0 || adds_alpha);
-    s->measured = s->measured && in.format == gegl_operation_get_format(operation, "input");
+    s->measured = s->measured && stored.format == gegl_operation_get_format(operation, "input");
     const Babl *light = next == AHEAD_MASK ? blending_prepare(&s->blending, &stored) : NULL;
-    gegl_operation_set_format(operation, "input", in.format);
+    gegl_operation_set_format(operation, "input", stored.format);
     gegl_operation_set_format(operation, "output", light != NULL ? light : s->made.format);
 }
 
@@ -433,7 +439,7 @@ static void measure(GeglOperation *operation, GeglBuffer *input)
     const ntp_normals_options how = options_of(operation);
     if (s == NULL || input == NULL || edges == NULL || is_measured(operation, &how, edges))
         return;
-    const pixels in = pixels_of(gegl_operation_get_format(operation, "input"));
+    const pixels in = heights_read(operation);
     const gsize rows = 1 + 2 * (gsize) ntp_normals_reach(&how);
     guchar *data = g_malloc(rows * (gsize) edges->width * (gsize) in.bytes);
     ntp_relief *relief = g_new0(ntp_relief, 1);
@@ -499,7 +505,7 @@ static gboolean occlude(GeglOperation *operation, GeglBuffer *input)
 {
     static const gsize BYTES[] = { 1, 2, 4 }; /* of a sample, by ntp_type */
     state *s = GEGL_PROPERTIES(operation)->user_data;
-    const pixels in = pixels_of(gegl_operation_get_format(operation, "input"));
+    const pixels in = heights_read(operation);
     const GeglRectangle *edges = layer_of(operation);
     const gsize texels = (gsize) edges->width * (gsize) edges->height;
     ntp_normals_options how = options_of(operation);
@@ -676,7 +682,7 @@ static gboolean process(GeglOperation *operation, GeglBuffer *input, GeglBuffer 
     const ntp_light light = lit_light(o->light_from, o->light_height);
     GeglRectangle made = *area;
     job j = { .recipe = recipe_of(operation),
-              .in = pixels_of(gegl_operation_get_format(operation, "input")),
+              .in = heights_read(operation),
               .out = s->made,
               .format = gegl_operation_get_format(operation, "output"),
               .blending = s->blending,

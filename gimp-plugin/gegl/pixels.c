@@ -7,6 +7,8 @@
  */
 #include "pixels.h"
 
+enum { READ_AT_ONCE = 1 << 17 }; /* bytes of colors: they stay in the cache */
+
 static const gint SAMPLE_BYTES[] = { [NTP_TYPE_U8] = 1, [NTP_TYPE_U16] = 2, [NTP_TYPE_F32] = 4 };
 static const gchar *const SAMPLE_NAMES[] = {
     [NTP_TYPE_U8] = "u8", [NTP_TYPE_U16] = "u16", [NTP_TYPE_F32] = "float"
@@ -59,7 +61,9 @@ static pixels make(const Babl *source, gboolean gray, gboolean alpha)
                    SAMPLE_NAMES[type]);
     const gint channels = (gray ? 1 : 3) + (alpha ? 1 : 0);
     const Babl *space = source == NULL ? NULL : babl_format_get_space(source);
-    return (pixels) { .format = babl_format_with_space(name, space),
+    const Babl *format = babl_format_with_space(name, space);
+    return (pixels) { .format = format,
+                      .stored = format,
                       .type = type,
                       .channels = channels,
                       .bytes = channels * SAMPLE_BYTES[type] };
@@ -76,10 +80,13 @@ pixels pixels_of(const Babl *source)
 
 pixels pixels_luminance(const Babl *source)
 {
-    const gboolean alpha = source == NULL || babl_format_has_alpha(source);
-    const Babl *space = source == NULL ? NULL : babl_format_get_space(source);
+    const pixels colors = pixels_of(source);
+    const gboolean alpha = colors.channels == 4;
     const gint channels = alpha ? 2 : 1;
-    return (pixels) { .format = babl_format_with_space(alpha ? "Y'A float" : "Y' float", space),
+    return (pixels) { .format = babl_format_with_space(alpha ? "Y'A float" : "Y' float",
+                                                       babl_format_get_space(colors.format)),
+                      .stored = colors.format,
+                      .luminance = luminance_of(colors.format),
                       .type = NTP_TYPE_F32,
                       .channels = channels,
                       .bytes = channels * SAMPLE_BYTES[NTP_TYPE_F32] };
@@ -95,6 +102,27 @@ ntp_image pixels_view(const pixels *p, void *data, gint width, gint height)
     ntp_image view = ntp_image_packed(data, width, height, p->channels, p->type);
     view.encoding = NTP_ENCODING_HEIGHT;
     return view;
+}
+
+void pixels_read(GeglBuffer *input, const pixels *p, const GeglRectangle *part, void *data,
+                 gint stride)
+{
+    if (p->luminance == NULL) {
+        gegl_buffer_get(input, part, 1.0, p->format, data, stride, GEGL_ABYSS_NONE);
+        return;
+    }
+    const gsize row = (gsize) part->width * (gsize) babl_format_get_bytes_per_pixel(p->stored);
+    const gint most = (gint) CLAMP(READ_AT_ONCE / row, 1, (gsize) part->height);
+    guchar *colors = g_malloc(row * (gsize) most), *to = data;
+    for (gint y = 0; y < part->height; y += most) {
+        const gint rows = MIN(most, part->height - y);
+        const GeglRectangle some = { part->x, part->y + y, part->width, rows };
+        gegl_buffer_get(input, &some, 1.0, p->stored, colors, GEGL_AUTO_ROWSTRIDE, GEGL_ABYSS_NONE);
+        for (gint i = 0; i < rows; i++, to += stride)
+            luminance_make(p->luminance, colors + row * (gsize) i, (gfloat *) (void *) to,
+                           (gsize) part->width, p->channels == 2);
+    }
+    g_free(colors);
 }
 
 gdouble pixels_as_typed(gdouble value)

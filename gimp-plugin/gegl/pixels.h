@@ -11,10 +11,13 @@
 
 #include <gegl.h>
 
+#include "../luminance.h"
 #include "libntp.h"
 
 typedef struct pixels {
     const Babl *format;
+    const Babl *stored;         /* what is read for these pixels: the same, but for a luminance */
+    const luminance *luminance; /* how they are made of it; NULL: by babl */
     ntp_type type;
     gint channels; /* 1 gray, 2 gray and alpha, 3 RGB, 4 RGB and alpha */
     gint bytes;    /* of a pixel */
@@ -23,9 +26,12 @@ typedef struct pixels {
 /* How to read an input of that format (NULL: not known yet) with its numbers unchanged. */
 pixels pixels_of(const Babl *source);
 
-/* The luminance of an input of that format, with alpha if it has alpha: the sum of red, green and
- * blue in linear light, by the weights of its space, in its transfer curve. */
+/* The luminance of a colored input of that format, with alpha if it has alpha. */
 pixels pixels_luminance(const Babl *source);
+
+/* Reads a part of an input, whose rows begin `stride` bytes apart. */
+void pixels_read(GeglBuffer *input, const pixels *p, const GeglRectangle *part, void *data,
+                 gint stride);
 
 /* RGB of the same sample type, space and transfer curve, with alpha or without. */
 pixels pixels_as_rgb(const Babl *source, gboolean alpha);

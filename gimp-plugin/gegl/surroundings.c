@@ -64,7 +64,7 @@ void surroundings_read(GeglBuffer *input, const pixels *in, const GeglRectangle 
         while (x.size > 0) {
             const span columns = piece(x, (span) { edges->x, edges->width });
             const GeglRectangle part = { columns.start, rows.start, columns.size, rows.size };
-            gegl_buffer_get(input, &part, 1.0, in->format, to, (gint) stride, GEGL_ABYSS_NONE);
+            pixels_read(input, in, &part, to, (gint) stride);
             to += (gsize) columns.size * (gsize) in->bytes;
             x = (span) { x.start + columns.size, x.size - columns.size };
         }

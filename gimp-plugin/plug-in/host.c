@@ -45,6 +45,21 @@ static bool read_layer(void *user, int32_t y0, int32_t y1, void *rows)
     return true;
 }
 
+static bool read_luminance(void *user, int32_t y0, int32_t y1, void *rows)
+{
+    const host_layer *layer = user;
+    const gsize width = (gsize) layer->raster.width;
+    guchar *colors = g_malloc(width * (gsize) babl_format_get_bytes_per_pixel(layer->format));
+    gfloat *to = rows;
+    for (int32_t y = y0; y < y1; y++, to += width) {
+        gegl_buffer_get(layer->buffer, GEGL_RECTANGLE(0, y, layer->raster.width, 1), 1,
+                        layer->format, colors, GEGL_AUTO_ROWSTRIDE, GEGL_ABYSS_NONE);
+        luminance_make(layer->luminance, colors, to, width, FALSE);
+    }
+    g_free(colors);
+    return true;
+}
+
 static bool write_layer(void *user, const ntp_rect *area, const void *pixels, ptrdiff_t row_bytes)
 {
     const host_layer *layer = user;
@@ -108,12 +123,16 @@ void host_open(host_layer *layer, gint32 id)
     layer->shown = shown;
 }
 
-/* As GIMP's own Normal Map filter reads it: the sum of red, green and blue in linear light, by the
- * weights of the layer's space, in its transfer curve. */
 void host_open_luminance(host_layer *layer, gint32 id)
 {
     host_open(layer, id);
-    layer->format = babl_format_with_space("Y' float", layer->format);
+    if (layer->raster.channels < 3)
+        return;
+    layer->luminance = luminance_of(layer->format);
+    if (layer->luminance != NULL)
+        layer->raster.read = read_luminance;
+    else
+        layer->format = babl_format_with_space("Y' float", layer->format);
     layer->raster.channels = 1;
     layer->raster.type = NTP_TYPE_F32;
 }

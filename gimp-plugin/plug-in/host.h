@@ -7,6 +7,7 @@
 #ifndef NTP_PLUGIN_HOST_H
 #define NTP_PLUGIN_HOST_H
 
+#include "../luminance.h"
 #include "normals.h"
 #include "remedy.h"
 
@@ -48,13 +49,14 @@ typedef struct host_layer {
     gint32 shown; /* a copy of it with its effects merged; 0: it shows no effects */
     raster raster;
     GeglBuffer *buffer;
-    const Babl *format; /* in which samples are read, and written */
-    gboolean apart;     /* not GIMP's memory, but that of a result */
+    const Babl *format;         /* in which samples are read, and written */
+    const luminance *luminance; /* made of them for the raster, or NULL */
+    gboolean apart;             /* not GIMP's memory, but that of a result */
 } host_layer;
 
 void host_open(host_layer *layer, gint32 id);
 
-/* Opens a layer for its luminance alone, in one float channel. */
+/* Opens a layer for its luminance, which takes the place of red; gray is its own. */
 void host_open_luminance(host_layer *layer, gint32 id);
 
 /* Effects such as shadows can make what is shown larger than the layer. */

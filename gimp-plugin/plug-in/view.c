@@ -66,14 +66,14 @@ static const raster *other_heights(view *v)
 {
     const gboolean normals = v->procedure == &procedures[PROCEDURE_NORMALS];
     const gint32 id = normals ? (gint32) v->settings.value[FN_HEIGHT_LAYER] : -1;
-    const gboolean luminance = normals && normals_job_from(&v->settings).luminance;
-    if (id != v->heights_id || luminance != v->luminance) {
+    const gboolean light = normals && normals_job_from(&v->settings).luminance;
+    if (id != v->heights_id || light != v->luminance) {
         host_close(&v->heights);
         v->heights_id = id;
-        v->luminance = luminance;
+        v->luminance = light;
         v->scale.known = false;
         preview_heights_forget(&v->smoothed);
-        if (luminance)
+        if (light)
             host_open_luminance(&v->heights, host_is_layer(id) ? id : v->layer.id);
         else if (host_is_layer(id))
             host_open(&v->heights, id);

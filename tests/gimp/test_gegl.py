@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """The GEGL operations through the program `gegl`: the same numbers as `ntp`."""
 
+import ctypes
 import math
 import os
 import shlex
@@ -106,6 +107,59 @@ def test_luminance_is_that_of_gimp(gegl, depth):
     off = np.abs(made - gimps).max(2)
     assert off.max() <= 1 and (off > 0).mean() < (0.002 if depth == 8 else 0.05)
     assert (np.abs(luma - gimps).max(2) > 1).mean() > 0.5
+
+
+GEGL_GAMMA = 1 / 0.45455  # as GEGL reads the chunk
+REC_709 = (0.3127, 0.3290, 0.64, 0.33, 0.30, 0.60, 0.15, 0.06)  # white, red, green, blue
+
+
+def space_of(babl, chunks):
+    """The color space in which GEGL reads such a PNG file."""
+    pointer, number = ctypes.c_void_p, ctypes.c_double
+    for name in ("babl_space", "babl_trc_gamma", "babl_space_from_chromaticities"):
+        getattr(babl, name).restype = pointer
+    babl.babl_init()
+    if not chunks:
+        return pointer(babl.babl_space(b"sRGB"))
+    curve = pointer(babl.babl_trc_gamma(number(GEGL_GAMMA)))
+    points = map(number, REC_709)
+    return pointer(babl.babl_space_from_chromaticities(None, *points, curve, curve, curve, 1))
+
+
+def luminance(color, chunks):
+    """Of the formula, in double precision, rounded once; gray is what it is."""
+    babl, weights = ctypes.CDLL("libbabl-0.1.so.0"), (ctypes.c_double * 3)()
+    red, green, blue = (ctypes.byref(weights, 8 * i) for i in range(3))
+    babl.babl_space_get_rgb_luminance(space_of(babl, chunks), red, green, blue)
+    c = color[:, :, :3] / np.float64(np.iinfo(color.dtype).max)
+    if chunks:
+        made = (c**GEGL_GAMMA @ np.array(weights)) ** (1 / GEGL_GAMMA)
+    else:
+        light = np.where(c > 0.04045, ((c + 0.055) / 1.055) ** 2.4, c / 12.92)
+        made = light @ np.array(weights)
+        toe = made <= 0.04045 / 12.92
+        made = np.where(toe, made * 12.92, 1.055 * made ** (1 / 2.4) - 0.055)
+    return np.where((color[:, :, :3] == color[:, :, :1]).all(2), c[:, :, 0], made)
+
+
+@pytest.mark.parametrize("chunks", [(), (GAMMA,)], ids=["plain", "gAMA"])
+@pytest.mark.parametrize("depth", DEPTHS)
+def test_luminance_is_the_formula(gegl, run, tmp_path, depth, chunks):
+    """The same on every run: no conversion of babl, which it chooses by timing, takes part."""
+    color = picture(150, 133, 4, depth)
+    color[20:60, 30:90, 1:3] = color[20:60, 30:90, :1]
+    heights = luminance(color, chunks).astype("<f4")
+    header = b"Pf\n%d %d\n-1\n" % heights.shape[::-1]
+    (tmp_path / "light.pfm").write_bytes(header + heights[::-1].tobytes())
+    for settings in ({"scale": "40"}, {"scale": "40", "blur": "1.5"}):
+        options = [*to_options(settings), "--depth", str(depth), "-q"]
+        done = run("from-height", "light.pfm", "-o", "light.png", *options)
+        assert done.returncode == 0, done.stderr
+        expected = pngs.read_png(tmp_path / "light.png")[0]
+        settings = to_properties({**settings, "source": "luminance"})
+        made = gegl(color, "ntp:normals-from-height", *settings, chunks=chunks)
+        assert np.count_nonzero((made[:, :, :3] != expected).any(2)) == 0
+        assert np.array_equal(made[:, :, 3], color[:, :, 3])
 
 
 SETTINGS = [
