@@ -155,12 +155,14 @@ def laplacian(shape, border_x, border_y):
     return matrix
 
 
-def with_prior(matrix, data, weights, shape, border_x, border_y, level):
+def with_prior(matrix, data, weights, shape, kernel, border_x, border_y, level):
     """The system with the prior that smooth heights are likelier; no holes."""
+    deep, radius = level < 1 / 255, {"3": 1, "5": 2, "7": 3, "9": 4}.get(kernel[-1], 1)
+    part = (0.75 if radius < 3 else 0.5) if deep else (0.6 if radius < 2 else 0.5)
     n = matrix.shape[1]
     mean = weights[:n].mean()  # of the slopes to the right
     square = np.mean((matrix.T @ (weights * data)) ** 2)
-    noise = level * level / 24 * mean
+    noise = level * level / 12 * part * (1 if deep else mean)
     rows = laplacian(shape, border_x, border_y)
     prior = np.full(n, noise * mean * mean / square)
     return np.vstack([matrix, rows]), np.append(data, np.zeros(n)), np.append(weights, prior)
@@ -172,7 +174,7 @@ def solve(p, q, kernel, border_x, border_y, holes, strength, derived=False, leve
     matrix, data, weights = system(p, q, kernel, border_x, border_y, holes, strength, derived)
     if level is not None:
         system_ = matrix, data, weights
-        matrix, data, weights = with_prior(*system_, p.shape, border_x, border_y, level)
+        matrix, data, weights = with_prior(*system_, p.shape, kernel, border_x, border_y, level)
     root = np.sqrt(weights)
     h = np.linalg.lstsq(matrix * root[:, None], data * root, rcond=1e-12)[0].reshape(p.shape)
     label, count = islands(holes, border_x, border_y)

@@ -17,12 +17,17 @@
  * to more. */
 static const double strength_8 = 1e-2, strength_16 = 1e-3, strength_16_central = 1e-4;
 static const double strength_without_prior = 1e-5;
-/* In the preconditioner alone, where slopes decide: floats have no digits for less.  Where it does
- * not know the ends or the holes, it must not make too much of the finest detail. */
-static const double strength_least = 1e-7, strength_inexact = 1e-5;
-/* Then a few steps do: they make the heights exact except for how high the even texels of an island
- * lie above the odd ones, which pairs have decided. */
-enum { STEPS_AFTER = 12 };
+/* In the preconditioner alone, where slopes decide.  With less, floats have no digits for what the
+ * stencil does not see.  Where it does not know the ends or the holes, it must not make too much of
+ * the finest detail. */
+static const double strength_least = 1e-8, strength_inexact = 1e-5;
+/* In the second solution, by the prior.  The difference of a pair is the mean of two slopes but for
+ * an error, and this grows with the Laplacian, as the prior does.  The stencils of wider kernels
+ * hide more of the heights, so the error is larger; of 8 bits, rounding is a part of it. */
+static const double by_prior_8 = 10, by_prior_16 = 300, by_prior_16_wide = 30;
+/* Most of its iterations.  The first solution is nearly as good for 8 bits, but not for more: there
+ * the error of pairs is many times that of slopes. */
+enum { STEPS_8 = 12, STEPS_16 = 500 };
 /* Where no slope counts, pairs are so many times as strong.  With more, iteration takes longer. */
 static const double alone = 10;
 
@@ -258,8 +263,20 @@ static ntp_status iterate(ntp__weighted *w, double scale, ntp_height_result *res
     }
 }
 
-/* The prior of the direct solver: the variance of the rounding of slopes over the mean square of the
- * right-hand side, which stands for the Laplacian of the heights.  Works in r and d. */
+/* The prior of the direct solver is the variance of the rounding of slopes, level^2/12, over the
+ * mean square of the right-hand side, which stands for the Laplacian of the heights.  With weights
+ * less of it makes better heights; the right-hand side of wide kernels has less than the Laplacian.
+ * With 8 bits it is also relative to the mean weight: with more, fewer texels come back.  These were
+ * measured. */
+static double part_of_prior(const ntp__weighted *w)
+{
+    int32_t radius = ntp__kernel_table[w->plan->kernel].radius;
+    if (w->slopes->src->type == NTP_TYPE_U8)
+        return radius > 1 ? 0.5 : 0.6;
+    return radius > 2 ? 0.5 : 0.75;
+}
+
+/* Works in r and d. */
 static double prior_of(ntp__weighted *w)
 {
     ntp_type type = w->slopes->src->type;
@@ -274,9 +291,10 @@ static double prior_of(ntp__weighted *w)
         weights += counts ? (double) w->right[i] / w->inverse.share_x : 0;
         count += counts;
     }
-    /* Relative to slopes of this weight, which is squared in the right-hand side. */
+    /* The right-hand side has it, squared. */
     double weight = count > 0 ? weights / count : 0;
-    double noise = level * level / 24 * step * step * weight;
+    double noise =
+        level * level / 12 * part_of_prior(w) * step * step * (type == NTP_TYPE_U8 ? weight : 1);
     return sum > 0 ? noise * weight * weight * count / sum : 0;
 }
 
@@ -299,18 +317,18 @@ static bool pairs_alone(const ntp__weighted *w)
     return !w->rows || w->strength == 0 || w->plan->prior == NTP_PRIOR_NONE;
 }
 
-/* Solves without pairs where slopes count. */
+/* Solves without pairs, or with holes with pairs that are as weak as they are inexact. */
 static ntp_status solve_slopes(ntp__weighted *w, double scale, ntp_height_result *result)
 {
     bool exact = is_exact(w), deep = w->slopes->src->type != NTP_TYPE_U8;
-    bool wide = w->plan->kernel != NTP_KERNEL_CENTRAL;
-    if (!exact) {
+    double pairs = !deep                                            ? by_prior_8
+                   : ntp__kernel_table[w->plan->kernel].radius == 1 ? by_prior_16
+                                                                    : by_prior_16_wide;
+    if (!exact)
         NTP__TRY(iterate(w, scale, result));
-        if (wide && deep && w->holes)
-            return NTP_OK;
-    }
-    w->strength = 0;
+    w->strength = w->strength_alone = 0;
     w->prior = w->inverse.prior = prior_of(w);
+    w->strength = w->strength_alone = w->holes ? pairs * w->prior : 0;
     w->inverse.strength = exact ? strength_least : strength_inexact;
     if (exact)
         return iterate(w, scale, result);
@@ -318,7 +336,7 @@ static ntp_status solve_slopes(ntp__weighted *w, double scale, ntp_height_result
     progress p = { scale, goal, 1 };
     ntp__weighted_apply(w, w->r, w->x, true);
     double error = precondition(w);
-    int32_t most = result->iterations + STEPS_AFTER;
+    int32_t most = result->iterations + (deep ? STEPS_16 : STEPS_8);
     return descend(w, &error, goal, most, &result->iterations, &p);
 }
 

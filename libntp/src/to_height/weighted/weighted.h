@@ -17,9 +17,9 @@
  * The weights are about 1/variance.  A slope counts if its stencil reads no hole.  The prior is that
  * of the direct solver.  The pairs tie together texels that a stencil leaves apart, as central slopes
  * do with even and odd ones on an island.  But slopes of two texels do not have the difference of
- * heights as their mean, so pairs make heights less exact.  So they count only where no slope does,
- * and in the first of two solutions where there are holes: the second one begins with it.  For baked
- * normals there are only pairs.
+ * heights as their mean, so pairs make heights less exact.  So they count in the first of two
+ * solutions, where there are holes or ends that the preconditioner does not know.  The second one
+ * begins with it, and has weak pairs with holes, else none.  For baked normals there are only pairs.
  */
 #ifndef NTP_WEIGHTED_H
 #define NTP_WEIGHTED_H
