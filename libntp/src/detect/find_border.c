@@ -48,16 +48,26 @@ static double height_at(const edges *e, int32_t line, int32_t i)
     return (double) *(const float *) ntp__at(&e->heights, i, line);
 }
 
-/* The mean step across the seam, less the mean of the steps beside it. */
+/* The mean step across the seam, less what steps beside it make expect.  Slopes of most kernels span
+ * two texels, and so do the steps then: even and odd heights may lie apart. */
 static double find_drift(const edges *e)
 {
+    enum { SIDE = 4 };
     double sum = 0;
     int32_t last = e->heights.height - 1, n = e->heights.width;
     for (int32_t i = 0; i < n; i++) {
-        double step = height_at(e, 0, i) - height_at(e, last, i);
-        double after = height_at(e, 1, i) - height_at(e, 0, i);
-        double before = height_at(e, last, i) - height_at(e, last - 1, i);
-        sum += step - (after + before) / 2;
+        double h[2 * SIDE], *seam = h + SIDE; /* heights before the seam, and after it */
+        for (int32_t k = 0; k < SIDE; k++) {
+            h[k] = height_at(e, last + 1 - SIDE + k, i);
+            seam[k] = height_at(e, k, i);
+        }
+        double over = seam[0] - seam[-2] + seam[1] - seam[-1];
+        double beside = seam[2] - seam[0] + seam[-1] - seam[-3];
+        double next = seam[3] - seam[1] + seam[-2] - seam[-4];
+        if (e->how.kernel == NTP_KERNEL_FORWARD)
+            sum += seam[0] - seam[-1] - (seam[1] - seam[0] + seam[-1] - seam[-2]) / 2;
+        else /* the parabola through slopes at 3/2 and 5/2 texels from the seam, at 1/2 of one */
+            sum += (over - 1.5 * beside + 0.5 * next) / 2;
     }
     return sum / n;
 }

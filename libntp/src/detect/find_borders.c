@@ -9,6 +9,7 @@
 #include "base/scratch.h"
 #include "base/view.h"
 
+#include <math.h>
 #include <string.h>
 
 enum {
@@ -30,6 +31,15 @@ static const double far_off = 2;
 static const double fits_well = 0.4;
 /* And where texels at the edges do, whose rounding counts twice: 0.41 levels. */
 static const double edges_fit = 0.8;
+/* Texels at the edges of a damaged texture fit wrap if they are no further off than so many times
+ * the others, and every other border is so many times as far off. */
+static const double edges_alike = 1.3, edges_differ = 1.5;
+/* Nor is wrap where normals are so many times as far off, and heights at the ends of lines differ by
+ * more than this share of those along a line.  That of textures that tile is far less, however damaged,
+ * unless they are as flat as bricks. */
+static const double far_off_wrap = 4, most_closure = 1;
+/* But for a tilt of this slope, 3/4 of a level of 8 bit: decoding can be off by half a level. */
+static const double most_tilt = 1.5 / 255;
 
 /* The share of a solution in the progress.  Two with wrap come first. */
 static const double step = 0.5 / (2 + TRIED);
@@ -42,6 +52,7 @@ typedef struct search {
     ntp_image heights;
     void *rest;
     size_t rest_size;
+    double wrapped; /* the residual with wrap; below 0: not known yet, or it cannot be solved */
 } search;
 
 /* The lines of a band across `side` lines.  A mirrored transform is quick for lengths like 65. */
@@ -186,6 +197,11 @@ static ntp_status solve(double *residual, search *s, ntp_border border, bool dow
     ntp_status status = ntp_height_from_normals(&s->heights, &s->src, &s->how, s->rest,
                                                 s->rest_size, &hooks, &result);
     s->from += step;
+    /* The next solution of this band need not ask the texels again. */
+    if (status == NTP_OK && result.z == NTP_Z_DERIVED) {
+        s->how.decode = result.decode;
+        s->how.z = result.z;
+    }
     *residual = s->src.type == NTP_TYPE_U8 ? result.residual : result.residual / 257;
     if (status == NTP_ERR_ARGUMENT || status == NTP_ERR_FORMAT) {
         *residual = -1;
@@ -205,16 +221,46 @@ static double least_error(const ntp_border_fit *fit)
     return least;
 }
 
+/* Do the heights of the band come back at the ends of its lines? */
+static bool closes(const search *s, bool down)
+{
+    const ntp_const_image made = ntp_image_as_const(&s->heights);
+    const ntp_const_image turned = down ? ntp__transposed(&made) : made;
+    double ends = 0, ends2 = 0, variance = 0, lines = turned.height, n = turned.width;
+    for (int32_t y = 0; y < turned.height; y++) {
+        double first = (double) *(const float *) ntp__at(&turned, 0, y), sum = 0, sum2 = 0, h = 0;
+        for (int32_t x = 0; x < turned.width; x++) {
+            h = (double) *(const float *) ntp__at(&turned, x, y) - first;
+            sum += h;
+            sum2 += h * h;
+        }
+        variance += sum2 / n - sum / n * (sum / n);
+        ends += h;
+        ends2 += h * h;
+    }
+    double mean = ends / lines, spread = ends2 / lines - mean * mean;
+    double signal = variance / lines - mean * mean / 12; /* a tilt adds to that of a line */
+    double spacing = down ? s->how.dy : s->how.dx;       /* 0 means 1 */
+    double tilt = most_tilt * n * (spacing > 0 ? spacing : 1);
+    double rest = mean * mean > tilt * tilt ? sqrt(mean * mean) - tilt : 0;
+    return spread + rest * rest <= most_closure * most_closure * signal;
+}
+
 /* Tries other borders than the free one, which leaves `least`. */
-static ntp_status try_borders(ntp_border_fit *fit, search *s, double least, bool down)
+static ntp_status try_borders(ntp_border_fit *fit, search *s, double least, bool wraps, bool down)
 {
     const double most = far_off * least_error(fit);
+    const bool never_wraps =
+        !wraps && !closes(s, down) && fit->error[NTP_BORDER_WRAP] > far_off_wrap * least_error(fit);
     for (int32_t i = 0; i < TRIED; i++) {
-        double residual;
-        /* heights of a texture that tiles may drift, which says nothing about wrap */
-        if (tried[i] != NTP_BORDER_WRAP && fit->error[tried[i]] > most)
+        double residual = s->wrapped;
+        /* The slopes close, and so do the heights. */
+        if (wraps && fit->border == NTP_BORDER_WRAP)
+            return NTP_OK;
+        if (tried[i] == NTP_BORDER_WRAP ? never_wraps : fit->error[tried[i]] > most)
             continue;
-        NTP__TRY(solve(&residual, s, tried[i], down));
+        if (tried[i] != NTP_BORDER_WRAP || residual < 0)
+            NTP__TRY(solve(&residual, s, tried[i], down));
         if (residual < 0 || residual >= clearly_better * least)
             continue;
         least = residual;
@@ -224,16 +270,31 @@ static ntp_status try_borders(ntp_border_fit *fit, search *s, double least, bool
     return NTP_OK;
 }
 
-/* Does the axis wrap, if the texture tiles along it?  In a large texture only the edges show it. */
+/* Do the normals at the edges show wrap?  The heights were made with it and have this residual. */
+static bool shows_wrap(const ntp_border_fit *edges, double residual)
+{
+    double wrap = edges->error[NTP_BORDER_WRAP];
+    if (residual < 0 || wrap < 0)
+        return false;
+    if (residual <= fits_well && wrap <= edges_fit)
+        return true;
+    for (int32_t b = 0; b < NTP_BORDERS; b++) {
+        if (b != NTP_BORDER_WRAP && edges->error[b] >= 0 && edges->error[b] < edges_differ * wrap)
+            return false;
+    }
+    return wrap <= edges_alike * residual;
+}
+
+/* Does the axis wrap, if the texture tiles along it?  In a large texture only the edges show it.
+ * Heights that were made with wrap do not drift. */
 static ntp_status fits_wrapped(bool *fits, search *s, bool down)
 {
     const ntp_const_image made = ntp_image_as_const(&s->heights);
     ntp_border_fit edges;
-    double residual;
     s->from = down ? step : 0;
-    NTP__TRY(solve(&residual, s, NTP_BORDER_WRAP, down));
-    NTP__TRY(ntp_find_border(&edges, &s->src, &made, &s->how, down, 1));
-    *fits = residual >= 0 && residual <= fits_well && edges.error[NTP_BORDER_WRAP] <= edges_fit;
+    NTP__TRY(solve(&s->wrapped, s, NTP_BORDER_WRAP, down));
+    NTP__TRY(ntp_find_border(&edges, &s->src, &made, &s->how, down, 0));
+    *fits = shows_wrap(&edges, s->wrapped);
     return NTP_OK;
 }
 
@@ -246,7 +307,8 @@ static ntp_status find(ntp_border_fit *fit, search *s, bool wraps, bool down)
     if (residual < 0)
         return NTP_OK;
     NTP__TRY(ntp_find_border(fit, &s->src, &made, &s->how, down, wraps));
-    return fit->decided || residual <= fits_well ? NTP_OK : try_borders(fit, s, residual, down);
+    return fit->decided || residual <= fits_well ? NTP_OK
+                                                 : try_borders(fit, s, residual, wraps, down);
 }
 
 /* -------------------------------------------------------------------------------- public */
@@ -257,6 +319,7 @@ static void start(search *s, const ntp_const_image *src, const ntp_height_option
 {
     ntp__scratch memory = { scratch, 0 };
     memset(s, 0, sizeof *s);
+    s->wrapped = -1;
     s->hooks = hooks;
     s->how = plain(how);
     bool free = cut_band(s, src, how->kernel, down) || both;

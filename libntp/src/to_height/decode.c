@@ -12,6 +12,7 @@
 #include "to_height/decode.h"
 
 #include "texel/level.h"
+#include "texel/unused.h"
 
 #include <math.h>
 #include <string.h>
@@ -106,54 +107,108 @@ static bool is_derived(int64_t blue, int64_t rest, int32_t m, bool zzero)
     return low >= 0 && low * low <= scaled && scaled < high * high;
 }
 
-/* z: in levels, twice; rest: m^2 - x^2 - y^2 */
-static void add_blue(evidence *e, int64_t z, int64_t rest, int32_t m)
+static void add_neutral(evidence *e, const ntp__block *b, int32_t n)
 {
-    double unit = 1 / ((double) m * m), a = (double) rest * unit, b = (double) (z * z) * unit;
-    e->rest += a;
-    e->rest2 += a * a;
-    e->z2 += b;
-    e->both += a * b;
-    if (z < -1) { /* some encoders store 0 as -1 */
-        e->negative++;
-        e->negative2 += b;
+    int32_t level = 0, beside = 0, low = 0, high = 0;
+    for (int32_t i = 0; i < n; i++) {
+        int32_t red = b->c[0][i];
+        level += b->c[1][i] == 128;
+        beside += (red == 126) + (red == 129);
+        low += red == 127;
+        high += red == 128;
+    }
+    e->level += level;
+    e->beside += beside;
+    e->pile[0] += low;
+    e->pile[1] += high;
+}
+
+static void add_tilted(evidence *e, const ntp__block *b, const double *rest, int32_t m, bool zzero,
+                       int32_t n)
+{
+    for (int32_t i = 0; i < n; i++) {
+        if (rest[i] >= 0 && rest[i] < e->most_rest) {
+            e->tilted++;
+            e->derived += is_derived(b->c[2][i], (int64_t) rest[i], m, zzero);
+        }
     }
 }
 
-static void add_neutral(evidence *e, const int32_t c[3])
+/* Some encoders store 0 as -1. */
+static void add_negative(evidence *e, const double *z, double unit, int32_t n)
 {
-    int32_t v = 2 * c[0] - 255;
-    e->level += c[1] == 128;
-    e->beside += v == -3 || v == 3;
-    if (v == -1 || v == 1)
-        e->pile[v > 0]++;
+    for (int32_t i = 0; i < n; i++) {
+        if (z[i] < -1) {
+            e->negative++;
+            e->negative2 += z[i] * z[i] * unit;
+        }
+    }
 }
 
-static void add_levels(evidence *e, const int32_t c[3], int32_t m, bool zzero)
+/* What x, y and z tell together.  In units of a half level they are integers, which doubles hold,
+ * and so are their squares.  The loops over single arrays are for the compiler to vectorize. */
+static void add_lengths(evidence *e, const ntp__block *b, int32_t m, bool zzero, int32_t n)
 {
-    int64_t x = 2 * c[0] - m, y = 2 * c[1] - m, z = zzero ? c[2] : 2 * c[2] - m;
-    int64_t rest = (int64_t) m * m - x * x - y * y;
-    double off = (double) (z * z - rest);
-    e->all++;
-    e->lengths += off * off;
-    e->too_long += rest < 0;
-    add_blue(e, z, rest, m);
-    if (m == 255)
-        add_neutral(e, c);
-    if (rest >= 0 && (double) rest < e->most_rest) {
-        e->tilted++;
-        e->derived += is_derived(c[2], rest, m, zzero);
+    double z[NTP__BLOCK], rest[NTP__BLOCK], square = (double) m * m, unit = 1 / square;
+    int32_t scale = zzero ? 1 : 2, zero = zzero ? 0 : m, negative = 0, tilted_some = 0;
+    for (int32_t i = 0; i < n; i++) {
+        double x = 2 * b->c[0][i] - m, y = 2 * b->c[1][i] - m;
+        z[i] = scale * b->c[2][i] - zero;
+        rest[i] = square - x * x - y * y;
     }
-    bool neutral = x * x == 1 && y * y == 1; /* tells nothing, and there can be many */
-    uint8_t *votes = &e->votes[(c[1] & VOTE_MASK) << VOTE_BITS | (c[0] & VOTE_MASK)];
-    if (m != 255 || zzero || neutral || *votes == MOST_VOTES)
+    for (int32_t i = 0; i < n; i++) {
+        double z2 = z[i] * z[i], off = z2 - rest[i], u = rest[i] * unit, v = z2 * unit;
+        e->lengths += off * off;
+        e->rest += u;
+        e->rest2 += u * u;
+        e->z2 += v;
+        e->both += u * v;
+    }
+    for (int32_t i = 0; i < n; i++) {
+        negative |= z[i] < -1;
+        tilted_some |= rest[i] < e->most_rest;
+    }
+    e->all += n;
+    if (negative)
+        add_negative(e, z, unit, n);
+    if (!tilted_some)
         return;
-    *votes += 1;
-    e->count++;
-    double plain = error_of(&e->unorm, c);
-    e->unorm.sum += plain * plain;
-    compare(&e->trunc, c, plain * plain);
-    compare(&e->snorm, c, plain * plain);
+    add_tilted(e, b, rest, m, zzero, n);
+    for (int32_t i = 0; i < n; i++)
+        e->too_long += rest[i] < 0;
+}
+
+/* How well each rule explains the lengths of 8-bit texels. */
+static void add_rules(evidence *e, const ntp__block *b, int32_t n)
+{
+    for (int32_t i = 0; i < n; i++) {
+        int32_t c[3] = { b->c[0][i], b->c[1][i], b->c[2][i] };
+        uint8_t *votes = &e->votes[(c[1] & VOTE_MASK) << VOTE_BITS | (c[0] & VOTE_MASK)];
+        bool neutral = (c[0] == 127 || c[0] == 128) && (c[1] == 127 || c[1] == 128);
+        if (neutral || *votes == MOST_VOTES) /* neutral ones tell nothing, and there can be many */
+            continue;
+        *votes += 1;
+        e->count++;
+        double plain = error_of(&e->unorm, c);
+        e->unorm.sum += plain * plain;
+        compare(&e->trunc, c, plain * plain);
+        compare(&e->snorm, c, plain * plain);
+    }
+}
+
+/* Keeps the texels that hold a normal; returns how many. */
+static int32_t keep_used(ntp__block *b, int32_t n, int32_t m, uint32_t touch)
+{
+    int32_t kept = 0;
+    if (!ntp__any_suspect(b, n, m))
+        return n;
+    for (int32_t i = 0; i < n; i++) {
+        bool out = ntp__texel_unused(b, i, m, touch);
+        for (int32_t c = 0; c < 3; c++)
+            b->c[c][kept] = b->c[c][i];
+        kept += !out;
+    }
+    return kept;
 }
 
 static void look(evidence *e, const ntp_const_image *src, uint32_t touch)
@@ -165,12 +220,12 @@ static void look(evidence *e, const ntp_const_image *src, uint32_t touch)
         for (int32_t x = 0; x < src->width; x += NTP__BLOCK) {
             int32_t n = src->width - x < NTP__BLOCK ? src->width - x : NTP__BLOCK;
             ntp__unpack(&block, src, x, y, n);
-            for (int32_t i = 0; i < n; i++) {
-                int32_t c[3] = { block.c[0][i], block.c[1][i], block.c[2][i] };
-                if (!(block.any_broken && block.broken[i]) &&
-                    !ntp__unused(c[0], c[1], c[2], block.c[3][i], m, touch))
-                    add_levels(e, c, m, zzero);
-            }
+            n = keep_used(&block, n, m, touch);
+            add_lengths(e, &block, m, zzero, n);
+            if (m == ntp__max(NTP_TYPE_U8))
+                add_neutral(e, &block, n);
+            if (m == ntp__max(NTP_TYPE_U8) && !zzero)
+                add_rules(e, &block, n);
         }
     }
 }

@@ -37,23 +37,39 @@ static int32_t numerator(int32_t c, int32_t zero, int32_t neutral)
     return v >= -neutral && v <= neutral ? 0 : v;
 }
 
+/* z of n texels, times range, as stored or derived from x and y. */
+static void z_of_levels(const ntp__slopes *s, const ntp__block *b, double *z, int32_t n)
+{
+    double square = s->range * s->range, scale = s->z_scale;
+    int32_t zero = s->zero, neutral = s->neutral;
+    if (s->derived) {
+        for (int32_t i = 0; i < n; i++) {
+            double x = numerator(b->c[0][i], zero, neutral);
+            double y = numerator(b->c[1][i], zero, neutral);
+            double rest = square - x * x - y * y;
+            z[i] = sqrt(rest > 1 ? rest : 1);
+        }
+    } else if (s->src->encoding == NTP_ENCODING_ZZERO) {
+        for (int32_t i = 0; i < n; i++)
+            z[i] = b->c[2][i] * scale;
+    } else {
+        for (int32_t i = 0; i < n; i++)
+            z[i] = 2 * b->c[2][i] - zero;
+    }
+}
+
 static void of_levels(const ntp__slopes *s, const ntp__block *b, double *right, double *down,
                       int32_t n)
 {
-    bool zzero = s->src->encoding == NTP_ENCODING_ZZERO;
-    double sign = s->src->y == NTP_Y_UP ? 1 : -1, square = s->range * s->range;
-    double least = s->least;
+    double z[NTP__BLOCK], sign = s->src->y == NTP_Y_UP ? 1 : -1, least = s->least;
     int32_t zero = s->zero, neutral = s->neutral;
+    z_of_levels(s, b, z, n);
+    for (int32_t i = 0; i < n; i++)
+        z[i] = z[i] > least ? z[i] : least;
     for (int32_t i = 0; i < n; i++) {
         double x = numerator(b->c[0][i], zero, neutral), y = numerator(b->c[1][i], zero, neutral);
-        double z = zzero ? b->c[2][i] * s->z_scale : (double) (2 * b->c[2][i] - zero);
-        if (s->derived) {
-            double rest = square - x * x - y * y;
-            z = rest > 1 ? sqrt(rest) : 1;
-        }
-        z = z > least ? z : least;
-        right[i] = -x / z;
-        down[i] = sign * y / z;
+        right[i] = -x / z[i];
+        down[i] = sign * y / z[i];
     }
 }
 

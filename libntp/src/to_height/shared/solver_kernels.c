@@ -117,10 +117,12 @@ static ALWAYS_INLINE int32_t slopes8_loop(float *restrict right, float *restrict
 static int32_t slopes8(float *right, float *down_row, const uint8_t *src, int32_t step, int32_t n,
                        const ntp__slope_levels *how)
 {
-    if (how->derived)
-        return slopes8_loop(right, down_row, src, step, n, how, true);
+    if (step == 3 && how->derived)
+        return slopes8_loop(right, down_row, src, 3, n, how, true);
     if (step == 3)
         return slopes8_loop(right, down_row, src, 3, n, how, false);
+    if (how->derived)
+        return slopes8_loop(right, down_row, src, 4, n, how, true);
     return slopes8_loop(right, down_row, src, 4, n, how, false);
 }
 
