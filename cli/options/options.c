@@ -111,10 +111,13 @@ const option_spec OPTION_TABLE[] = {
       "how many texels a height of 1 (white) rises above 0 (black); negative turns hills into "
       "dents. auto: as the slopes of the heights, before blur and octaves, suggest: one in twenty "
       "of the texels that are not flat is then steeper than 45 degrees" },
-    { OPT_TYPE, "type", 0, KIND_CHOICE, ENCODINGS, "standard", 0, 0, V_TO_DEPTH,
-      "how the input stores a normal" },
-    { OPT_Y, "y", 0, KIND_CHOICE, Y_WORDS, "up", 0, 0, V_TO_DEPTH,
-      "which way green points: up (OpenGL) or down (DirectX)" },
+    { OPT_TYPE, "type", 0, KIND_CHOICE, "auto|" ENCODINGS, "auto", 0, 0, V_TO_DEPTH,
+      "how the input stores a normal; auto: standard, unless the texels are surely something else. "
+      "An image that is surely none of these is refused" },
+    { OPT_Y, "y", 0, KIND_CHOICE, "auto|" Y_WORDS, "auto", 0, 0, V_TO_DEPTH,
+      "which way green points: up (OpenGL) or down (DirectX); auto: as the texels show, if ntp "
+      "check is sure; up where nothing says down, as photometric stereo has it; else the file is "
+      "refused" },
     { OPT_CAMERA, "camera", 0, KIND_STRING, "FX,FY,CX,CY", NULL, 0, 0, V_TO_DEPTH,
       "the focal lengths and the place of the axis, in texels, the middle of the first texel being "
       "0,0. Without it all rays are parallel" },

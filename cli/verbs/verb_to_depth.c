@@ -3,7 +3,7 @@
  * verb_to_depth.c - ntp to-depth: depth of objects from their normals
  *
  * The normals are held whole, with about 300 bytes a texel for the solver.  One thread works on a
- * file.  Nothing is detected: photometric stereo knows what it wrote.
+ * file.  Photometric stereo has green up: that holds where nothing says otherwise.
  */
 #include <math.h>
 #include <stdio.h>
@@ -16,6 +16,7 @@
 #include "report/report.h"
 #include "surface/solve_heights.h"
 #include "verbs/verbs.h"
+#include "write/green.h"
 #include "write/side_image.h"
 #include "write/whole_image.h"
 
@@ -25,7 +26,7 @@ static const char SCALE_KEY[] = "Depth scale", OFFSET_KEY[] = "Depth offset";
 
 typedef struct settings {
     ntp_depth_options how; /* without mask */
-    ntp_y y;
+    int y;                 /* -1: auto, else an ntp_y */
     bool is_float;
     const char *mask_file, *confidence_file;
     ntpio_limits limits;
@@ -34,6 +35,8 @@ typedef struct settings {
 typedef struct state {
     ntp_depth_result result;
     double scale, offset; /* of the output */
+    ntp_const_image src;  /* the normals, whole */
+    green y;
 } state;
 
 /* ------------------------------------------------------------------------- options */
@@ -210,16 +213,29 @@ static ntp_image floats(buffer *own, const ntp_image *view)
     return ntp_image_packed(buffer_reserve(own, bytes), view->width, view->height, 1, NTP_TYPE_F32);
 }
 
+static bool knows(production *p, text *why)
+{
+    const settings *set = p->m->settings;
+    state *st = p->state;
+    st->src = ntp_image_as_const(&p->s.view);
+    st->src.data = p->w->extra.data;
+    st->src.ring_rows = 0;
+    if (set->y < 0)
+        green_measure(&p->f, &st->src, 0);
+    const bool known = green_find_or_up(&st->y, set->y, &p->f);
+    if (!known)
+        green_ask(why, &p->f, "--y");
+    st->src.y = st->y.y;
+    return known;
+}
+
 static bool finish(production *p, ntpio_error *error)
 {
     const settings *set = p->m->settings;
     state *st = p->state;
     const ntp_image *view = &p->s.view;
     ntp_depth_options how = set->how;
-    ntp_const_image src = ntp_image_as_const(view), seen;
-    src.data = p->w->extra.data;
-    src.ring_rows = 0;
-    src.y = set->y;
+    ntp_const_image seen;
     unsigned char *plane = NULL;
     if (set->mask_file != NULL) {
         plane = need(malloc((size_t) view->width * (size_t) view->height * 2));
@@ -234,7 +250,7 @@ static bool finish(production *p, ntpio_error *error)
     }
     const ntp_image depth = floats(&p->w->extra2, view), confidence = floats(&p->w->diff, view);
     const bool sure = set->confidence_file != NULL;
-    const ntp_status status = depth_solve(p->w, &depth, sure ? &confidence : NULL, &src, &how,
+    const ntp_status status = depth_solve(p->w, &depth, sure ? &confidence : NULL, &st->src, &how,
                                           (stretch) { READ_PERMILLE, 1000 }, &st->result);
     free(plane);
     if (status != NTP_OK)
@@ -253,6 +269,7 @@ static void describe(const production *p, text *line, json_t *object)
         text_addf(line, "scale %.9g, offset %.9g, ", st->scale, st->offset);
         text_addf(line, "%s, %d %s", c->fx > 0 ? "perspective" : "orthographic", (int) r->rounds,
                   r->rounds == 1 ? "round" : "rounds");
+        green_tell(line, ", ", "green", &st->y);
         if (r->islands != 1) {
             text_add(line, ", ");
             text_count(line, r->islands);
@@ -271,7 +288,7 @@ static void describe(const production *p, text *line, json_t *object)
                         c->fx > 0 ? json_pack("[f,f,f,f]", c->fx, c->fy, c->cx, c->cy)
                                   : json_null());
     json_object_set_new(object, "k", json_real(set->how.k));
-    json_object_set_new(object, "y", json_string(y_name(set->y)));
+    green_report(object, "y", &st->y);
     json_object_set_new(object, "rounds", json_integer(r->rounds));
     json_object_set_new(object, "iterations", json_integer(r->iterations));
     json_object_set_new(object, "islands", json_count(r->islands));
@@ -288,18 +305,20 @@ int to_depth_run(const options *o)
 {
     settings set = { .how = { .k = option_number(o, OPT_K),
                               .rounds = (int32_t) option_integer(o, OPT_ROUNDS) },
-                     .y = (ntp_y) option_integer(o, OPT_Y),
+                     .y = green_told(o, OPT_Y),
                      .mask_file = option_string(o, OPT_MASK),
                      .confidence_file = option_string(o, OPT_CONFIDENCE),
                      .limits = limits_from(o) };
     if (!read_camera(&set.how.camera, option_string(o, OPT_CAMERA)) || !read_depth(&set, o))
         return NTP_EXIT_USAGE;
     const maker m = { .o = o,
-                      .forced = (int) option_integer(o, OPT_TYPE),
+                      .forced = forced_class(o),
+                      .of_objects = true,
                       .plan = PLAN_AFTER_READING,
                       .read_permille = READ_PERMILLE,
                       .state_size = sizeof(state),
                       .settings = &set,
+                      .knows = knows,
                       .begin = begin,
                       .rows = rows,
                       .finish = finish,

@@ -379,6 +379,7 @@ int to_height_run(const options *o)
                       .begin = begin,
                       .rows = rows,
                       .finish = finish,
-                      .describe = to_height_describe };
+                      .describe = to_height_describe,
+                      .warn = to_height_warn };
     return produce(&m);
 }

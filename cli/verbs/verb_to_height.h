@@ -52,5 +52,6 @@ bool to_height_solve(production *p, ntp_image *heights, ntpio_error *error);
 
 /* Adds what was done to the file's line or JSON object. */
 void to_height_describe(const production *p, text *line, json_t *object);
+void to_height_warn(const production *p, text *line);
 
 #endif

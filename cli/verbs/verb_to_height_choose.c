@@ -10,15 +10,6 @@
 #include "surface/solve_heights.h"
 #include "verbs/verb_to_height.h"
 
-/* From the rows that a check samples. */
-static void find_orientation(facts *f, const to_height_state *st)
-{
-    ntp_orientation *memory = need(calloc(1, ntp_orientation_size()));
-    if (ntp_orientation_add(memory, &st->src, st->how.touch_unused, 0, NULL) == NTP_OK)
-        ntp_orientation_summarize(&f->orientation, memory);
-    free(memory);
-}
-
 static bool slopes_in_y(const production *p, const ntp_const_image *src)
 {
     steepest most = { 0, 0 };
@@ -33,7 +24,7 @@ bool to_height_knows(production *p, text *why)
     to_height_state *st = p->state;
     to_height_see(p);
     if (set->y == AUTO)
-        find_orientation(&p->f, st);
+        green_measure(&p->f, &st->src, st->how.touch_unused);
     if (green_find(&st->y, set->y, &p->f))
         return true;
     if (slopes_in_y(p, &st->src)) {

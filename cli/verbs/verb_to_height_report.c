@@ -129,6 +129,15 @@ static void add_line(text *line, const to_height_settings *set, const to_height_
     }
 }
 
+void to_height_warn(const production *p, text *line)
+{
+    const to_height_state *st = p->state;
+    if (!is_poor(st))
+        return;
+    text_add(line, "warning: ");
+    tell_poor_fit(line, st);
+}
+
 static void set_choices(json_t *object, const to_height_state *st)
 {
     const ntp_height_options *how = &st->how;

@@ -5,6 +5,7 @@
 #include "write/green.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 
 #include "options/names.h"
 #include "report/report.h"
@@ -39,6 +40,23 @@ bool green_find(green *g, int told, const facts *f)
     return found->decided && found->confidence >= SURE && !name_says_otherwise(found, f->in->y);
 }
 
+bool green_find_or_up(green *g, int told, const facts *f)
+{
+    const ntp_orientation_result *found = &f->orientation;
+    if (green_find(g, told, f))
+        return true;
+    *g = (green) { NTP_Y_UP, GREEN_BY_CONVENTION, 0 };
+    return f->in->y != NAME_Y_DOWN && !(found->decided && found->y == NTP_Y_DOWN);
+}
+
+void green_measure(facts *f, const ntp_const_image *src, uint32_t touch_unused)
+{
+    ntp_orientation *memory = need(calloc(1, ntp_orientation_size()));
+    if (ntp_orientation_add(memory, src, touch_unused, 0, NULL) == NTP_OK)
+        ntp_orientation_summarize(&f->orientation, memory);
+    free(memory);
+}
+
 void green_ask(text *t, const facts *f, const char *option)
 {
     const ntp_orientation_result *found = &f->orientation;
@@ -59,11 +77,13 @@ void green_tell(text *line, const char *separator, const char *whose, const gree
     if (g->by == GREEN_BY_TEXELS)
         text_addf(line, "%s%s points %s (%.0f %% sure)", separator, whose, y_name(g->y),
                   100 * g->confidence);
+    else if (g->by == GREEN_BY_CONVENTION)
+        text_addf(line, "%s%s taken as pointing %s, as is usual", separator, whose, y_name(g->y));
 }
 
 void green_report(json_t *object, const char *key, const green *g)
 {
-    static const char *const BY[] = { "option", "texels", "unneeded" };
+    static const char *const BY[] = { "option", "texels", "unneeded", "convention" };
     char name[40];
     json_object_set_new(object, key,
                         g->by == GREEN_UNNEEDED ? json_null() : json_string(y_name(g->y)));

@@ -16,13 +16,14 @@
 typedef enum green_by {
     GREEN_BY_OPTION,
     GREEN_BY_TEXELS,
-    GREEN_UNNEEDED /* the result is the same for up and down */
+    GREEN_UNNEEDED,     /* the result is the same for up and down */
+    GREEN_BY_CONVENTION /* nothing tells; the verb has a convention */
 } green_by;
 
 typedef struct green {
     ntp_y y; /* up if unneeded */
     green_by by;
-    double confidence; /* 1 by option, 0 if unneeded */
+    double confidence; /* 1 by option, 0 if unneeded or by convention */
 } green;
 
 /* What an option says: -1 for auto, else an ntp_y. */
@@ -35,10 +36,18 @@ bool green_find(green *g, int told, const facts *f);
 /* Lets examine() find out what the functions below ask for, from the rows that a check samples. */
 void green_seek(source *s);
 
+/* The same for verbs whose convention is up: that holds where neither the texels nor the name say
+ * down. */
+bool green_find_or_up(green *g, int told, const facts *f);
+
+/* Measures which way green points in an image in memory, from the rows that a check samples. */
+void green_measure(facts *f, const ntp_const_image *src, uint32_t touch_unused);
+
 /* Adds why green is not known, and how to say it: option is "--y" or "--detail-y". */
 void green_ask(text *t, const facts *f, const char *option);
 
-/* Adds "green points down (91 % sure)" where the texels said so; else nothing. */
+/* Adds "green points down (91 % sure)" where the texels said so, or that a convention was taken;
+ * else nothing. */
 void green_tell(text *line, const char *separator, const char *whose, const green *g);
 
 /* Sets `key` ("y"), `key`_by and `key`_confidence. */

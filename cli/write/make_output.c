@@ -369,12 +369,30 @@ static outcome ask_for_heights(production *p, ntpio_error *error)
     return !fit ? done : source_rewind(&p->s, error) ? MADE : UNREADABLE;
 }
 
+/* Finds out how a picture of an object stores its normals. */
+static outcome ask_about_object(production *p, ntpio_error *error)
+{
+    if (!p->m->of_objects || p->forced >= 0)
+        return MADE;
+    if (!examine(&p->s, -1, &p->f, error))
+        return UNREADABLE;
+    const ntp_class found = p->f.type.type;
+    const bool other = found == NTP_CLASS_ZZERO || found == NTP_CLASS_XY;
+    const bool refused = question_is_no_object(p) && !option_given(p->m->o, OPT_FORCE);
+    p->forced = (int) (other && question_finds_normals(&p->f) ? found : NTP_CLASS_STANDARD);
+    const outcome done = refused ? refuse(p, error) : MADE;
+    facts_free(&p->f);
+    return refused ? done : source_rewind(&p->s, error) ? MADE : UNREADABLE;
+}
+
 outcome make_output(production *p, ntpio_error *error)
 {
     p->forced = p->m->forced;
     if (!may_stay(p) && replaces_jpeg(p, error))
         return FAILED;
-    const outcome asked = ask_for_heights(p, error);
+    outcome asked = ask_for_heights(p, error);
+    if (asked == MADE)
+        asked = ask_about_object(p, error);
     if (asked != MADE)
         return asked;
     const outcome done = make_as_known(p, error);

@@ -72,6 +72,14 @@ bool question_finds_normals(const facts *f)
     return class_is_normals(f->type.type) && f->type.confidence >= SURE;
 }
 
+bool question_is_no_object(const production *p)
+{
+    const ntp_classification *found = &p->f.type;
+    return found->confidence >= SURE &&
+           (found->type == NTP_CLASS_HEIGHT || found->type == NTP_CLASS_NOT_NORMALS ||
+            accident_of(p) != UNDO_NOTHING);
+}
+
 void question_refusal(text *t, const production *p)
 {
     if (question_is_of_heights(p)) {

@@ -21,6 +21,10 @@ answer question(const production *p);
 bool question_is_of_heights(const production *p);
 bool question_finds_normals(const facts *f);
 
+/* Verbs that take pictures of objects, which need not look like textures: is the file surely
+ * something else? */
+bool question_is_no_object(const production *p);
+
 /* Adds why the file is refused, and what to do. */
 void question_refusal(text *t, const production *p);
 

@@ -69,12 +69,28 @@ static void tell_json(const production *p, outcome done, const ntpio_error *erro
     json_item(&r->out, object);
 }
 
+static void warn_quietly(const production *p, result *r)
+{
+    text words = { 0 };
+    p->m->warn(p, &words);
+    if (words.size > 0) {
+        text_add(&r->err, "ntp: ");
+        text_name(&r->err, p->in->path);
+        text_addf(&r->err, ": %s\n", text_string(&words));
+    }
+    text_free(&words);
+}
+
 static void tell_text(const production *p, outcome done, const ntpio_error *error, result *r)
 {
     const bool quiet = option_given(p->m->o, OPT_QUIET);
     if (done == SKIPPED && !quiet && option_given(p->m->o, OPT_VERBOSE))
         text_addf(&r->out, "%s: left out\n", error->message);
-    if (quiet || (done != MADE && done != UNCHANGED))
+    if (done != MADE && done != UNCHANGED)
+        return;
+    if (quiet && p->m->warn != NULL)
+        warn_quietly(p, r);
+    if (quiet)
         return;
     text_name(&r->out, p->in->path);
     if (done == MADE && p->in->output != NULL && !is_in_place(p->m)) {

@@ -67,6 +67,7 @@ struct maker {
     const options *o;
     int forced;         /* class from --type, or -1 */
     bool takes_heights; /* heights are no reason to refuse a file */
+    bool of_objects;    /* pictures of objects: without --type only what is sure counts */
     bool any_order;     /* the verb treats x and y alike and need not know which is which */
     maker_plan plan;
     bool finds_green;  /* the facts of a measured file tell which way green points */
@@ -89,6 +90,8 @@ struct maker {
     bool (*finish)(production *p, ntpio_error *error);
     /* Adds what was done to the line or to the JSON object of the file.  Either may be NULL. */
     void (*describe)(const production *p, text *line, json_t *object);
+    /* Adds what has to be known even with --quiet.  May be NULL: nothing. */
+    void (*warn)(const production *p, text *line);
 };
 
 /* *error becomes one of usage: "NAME: what".  Returns false. */

@@ -7,9 +7,11 @@ import numpy as np
 import pytest
 
 from support import cliff_scenes as scenes
+from support.libntp_ffi import ROOT
 from support.pngs import read_png, write_png
 
 SIZE = 48
+FILES = ROOT / "test_files"
 
 
 def read_pfm(path):
@@ -68,6 +70,49 @@ def test_green_down_and_least_squares(run, tmp_path, scene):
     run("to-depth", "down.png", "-o", "down.pfm", "--y", "directx")
     assert (read_pfm(tmp_path / "up.pfm") == read_pfm(tmp_path / "down.pfm")).all()
     assert report(run, "n.png", "-o", "one.pfm", "--rounds", 1)["rounds"] == 1
+
+
+def test_green_is_used_where_it_is_sure(run, tmp_path):
+    """Up is the convention where nothing says down; a texture that may be down is asked about."""
+    for name, y in (("standard.png", "up"), ("standard_down.png", "down")):
+        file = report(run, str(FILES / name), "-o", "d.pfm")
+        assert (file["y"], file["y_by"]) == (y, "texels")
+    made = scenes.cloth(64, 0)
+    for name, sign, y in (("up.png", 1, "up"), ("down.png", -1, None)):
+        turned = made.normals * [1, sign, 1]
+        write_png(tmp_path / name, np.floor((turned + 1) / 2 * 255 + 0.5).astype(np.uint8))
+        done = run("to-depth", name, "-o", "d.png")
+        if y is None:
+            assert done.returncode == 1 and "--y up (OpenGL) or --y down" in done.stderr
+            assert run("to-depth", name, "-o", "d.png", "--y", "down").returncode == 0
+        else:
+            assert "green taken as pointing up, as is usual" in done.stdout
+
+
+@pytest.mark.parametrize(
+    ("name", "why"),
+    [
+        ("gamma.png", "sRGB"),
+        ("red_blue_swapped.png", "exchanged"),
+        ("z_flipped.png", "inverted"),
+        ("dxt5nm.png", "DXT5nm"),
+        ("photograph.png", "something else"),
+        ("height_gray8.png", "a height map"),
+    ],
+)
+def test_what_is_surely_no_picture_of_normals_is_refused(run, tmp_path, name, why):
+    done = run("to-depth", str(FILES / name), "-o", "d.png")
+    assert done.returncode == 1 and why in done.stderr and not (tmp_path / "d.png").exists()
+    if name == "gamma.png":
+        for insist in (("--force",), ("--type", "standard")):
+            assert run("to-depth", str(FILES / name), "-o", "d.png", *insist).returncode == 0
+
+
+def test_how_z_is_stored_is_found_out(run):
+    standard = report(run, str(FILES / "standard.png"), "-o", "d.png")
+    zzero = report(run, str(FILES / "zzero.png"), "-o", "d.png")
+    assert (standard["type"], zzero["type"]) == ("standard", "zzero")
+    assert abs(zzero["scale"] / standard["scale"] - 1) < 0.01
 
 
 @pytest.mark.parametrize(

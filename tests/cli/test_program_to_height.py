@@ -719,3 +719,5 @@ def test_a_poor_fit_is_a_warning(run, tmp_path, surface, depth):
         line = run("to-height", "n.png", "-o", "x.png", "--y", "up", "--type", "standard")
         assert line.returncode == 0
         assert (f"warning: {''.join(file['warnings'])}" in line.stdout) == poor
+        quiet = run("to-height", "n.png", "-o", "x.png", "--y", "up", "--type", "standard", "-q")
+        assert quiet.stdout == "" and ("n.png: warning: " in quiet.stderr) == poor

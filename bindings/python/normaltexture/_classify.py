@@ -256,7 +256,8 @@ def type_of(measured: Tally, name: str = "src") -> Type:
     if kind == "zzero" or kind == "xy":
         return kind
     because = "; ".join(_classification(measured).reasons)
+    heights = "normals_from_height makes normals of it, or " if kind == "height" else ""
     raise ArgumentError(
         f'type="auto": {name} looks like {kind}, not like a normals texture ({because});'
-        ' name its type to go on, such as type="standard"'
+        f' {heights}name its type to go on, such as type="standard"'
     )

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ._arrays import DEPTHS, choose, pixels, view
 from ._channels import Packed, unpacked
-from ._classify import classify
+from ._classify import classify, natural_tally
 from ._errors import ArgumentError, SampleTypeError, Status, check
 from ._green import choose_y, known, slopes, told
 from ._measure import _Result
@@ -74,9 +74,13 @@ def _types(
     type: ComparedType,
     to: MeasuredType | None,
     from_channels: str | None,
+    only_depth: bool,
     threads: int,
 ) -> tuple[MeasuredType, MeasuredType]:
-    """The arguments `type` and `to`, "auto" and None found out."""
+    """The arguments `type` and `to`, "auto" and None found out.
+
+    If only the depth changes, heights are taken as well as normals.
+    """
     if type != "auto":
         choose("type", type, {"auto": AUTO} | MEASURED)
         return type, to or ("height" if type == "height" else "standard")
@@ -84,10 +88,15 @@ def _types(
         return "standard", to or "standard"
     if to == "height":
         _only_heights(type, to, None, None)
-    found = resolve_sound(source, "auto", threads)
+    if source.ndim == 2 or source.shape[2] == 1:  # it can be nothing else
+        return "height", to or ("height" if only_depth else "standard")
+    measured = natural_tally(source, threads)
+    seen = classify(measured)
+    if only_depth and seen.type == "height":
+        return "height", "height"
+    found = resolve_sound(source, "auto", threads, measured=measured)
     if to is not None:
         choose("to", to, MEASURED)
-        seen = classify(source, threads=threads)
         if seen.type != "one-color" and seen.confidence < _SURE:
             raise ArgumentError(
                 f'type="auto": src looks {seen.type}, {100 * seen.confidence:.0f} % sure; which is'
@@ -235,7 +244,8 @@ def convert(
     ----------
     src : array, (height, width, channels), uint8, uint16 or float32
         Vectors may be float64; they are rounded once, to float32.
-        A normals texture of 3 or 4 channels (`"xy"`: 2 to 4).
+        A normals texture of 3 or 4 channels (`"xy"`: 2 to 4), or heights, of which only the depth
+        changes: arrays of one channel are heights, and so are gray images.
     type, to : {"auto", "standard", "zzero", "xy", "vector", "height"}
         How a normal is stored, before and after.  "auto": detect it from the texels, as `ntp convert`
         does; if that is not sure and `to` is given, it is an ArgumentError.  Without `to` it stays,
@@ -439,7 +449,8 @@ def convert_parts(
 ) -> tuple[NDArray[Any], list[Any]]:
     """The array, and an ntp_convert_counts for each part of the work."""
     source = pixels("src", src, type)
-    found, to = _types(source, type, to, from_channels, threads)
+    only_depth = to is None and to_y is None and channels is None
+    found, to = _types(source, type, to, from_channels, only_depth, threads)
     encoding, target = choose("type", found, MEASURED), choose("to", to, MEASURED)
     if encoding == HEIGHT or target == HEIGHT:
         _only_heights(found, to, channels, from_channels)

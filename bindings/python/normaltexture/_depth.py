@@ -9,12 +9,13 @@ from numpy.typing import NDArray
 
 from ._arrays import Output, choose, memory, number, pixels, view
 from ._errors import ArgumentError, Status, check
-from ._green import choose_y
-from ._names import HEIGHT, TOUCH_ALL, TOUCH_NONE, TYPES
+from ._green import choose_y, known_or_up
+from ._names import AUTO, HEIGHT, TOUCH_ALL, TOUCH_NONE, TYPES
 from ._native import ffi, lib
 from ._reconstruct import mask_of
 from ._solve import SCRATCH_ALIGNMENT, Callbacks
-from .typing import AnyPixels, Floats, GivenY, Mask, Type
+from ._undo import sound_object
+from .typing import AnyPixels, AutoType, AutoY, Floats, Mask
 
 _FLOAT = np.dtype(np.float32)
 _MOST = 1 << 20  # texels, of a camera
@@ -25,8 +26,8 @@ def depth_from_normals(
     mask: Mask | None = None,
     camera: Sequence[float] | None = None,
     *,
-    type: Type | None = None,
-    y: GivenY = "up",
+    type: AutoType = "auto",
+    y: AutoY = "auto",
     k: float = 2.0,
     rounds: int = 100,
     start: NDArray[np.float32] | None = None,
@@ -47,10 +48,12 @@ def depth_from_normals(
     camera : (fx, fy, cx, cy), optional
         Focal lengths, and where the axis meets the picture, in texels; the middle of the first texel
         is (0, 0).  None: orthographic.
-    type : {"standard", "zzero", "xy", "vector"}, optional
-        How a normal is stored.  None: floats are vectors of -1 to 1, integers are "standard".
-    y : {"up", "down"}
-        Which way y points, also "opengl" and "directx".
+    type : {"auto", "standard", "zzero", "xy", "vector"}
+        How a normal is stored.  Auto: floats are vectors of -1 to 1, integers are "standard" unless
+        the texels are surely something else; what is surely no picture of normals is refused.
+    y : {"auto", "up", "down"}
+        Which way y points, also "opengl" and "directx".  Auto: as the texels show, if that is sure;
+        up where nothing says down; else a question.
     k : float
         How readily a cliff is seen: 2 in the paper.
     rounds : int
@@ -102,8 +105,8 @@ def depth_from_normals_with_confidence(
     mask: Mask | None = None,
     camera: Sequence[float] | None = None,
     *,
-    type: Type | None = None,
-    y: GivenY = "up",
+    type: AutoType = "auto",
+    y: AutoY = "auto",
     k: float = 2.0,
     rounds: int = 100,
     start: NDArray[np.float32] | None = None,
@@ -151,8 +154,8 @@ def _depth(
     normals: AnyPixels | Floats,
     mask: Mask | None,
     camera: Sequence[float] | None,
-    type: Type | None,
-    y: GivenY,
+    type: AutoType,
+    y: AutoY,
     k: float,
     rounds: int,
     start: NDArray[np.float32] | None,
@@ -161,10 +164,13 @@ def _depth(
     out: NDArray[np.float32] | None,
     sure: bool,
 ) -> tuple[NDArray[np.float32], NDArray[np.float32] | None]:
-    if type is None:
-        type = "vector" if np.asarray(normals).dtype.kind == "f" else "standard"
+    if type == "auto" and np.asarray(normals).dtype.kind == "f":
+        type = "vector"
+    choose("type", type, {"auto": AUTO} | TYPES)
     source = pixels("normals", normals, type)
-    src = view("normals", source, choose("type", type, TYPES), choose_y("y", y))
+    stored = sound_object(source, "normals") if type == "auto" else type
+    green = known_or_up(y, source, stored, "normals")
+    src = view("normals", source, choose("type", stored, TYPES), choose_y("y", green))
     height, width = source.shape[:2]
     how = ffi.new("ntp_depth_options *")
     how.camera = _camera(camera)

@@ -108,3 +108,13 @@ def known(
     if given is None and needed:
         raise ArgumentError(question(source, type, threads, name, "src"))
     return given or otherwise
+
+
+def known_or_up(y: AutoY, source: NDArray[Any], type: Type, array: str) -> Y:
+    """The argument `y`; "auto": as the texels show, and "up" where nothing says "down"."""
+    given = told("y", y) or find(source, type, 1)
+    if given is None:
+        found = _look(source, type, 1)
+        if found is not None and found.y == "down":
+            raise ArgumentError(question(source, type, 1, "y", array))
+    return given or "up"

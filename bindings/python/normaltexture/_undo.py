@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from ._classify import Classification, classify, natural_tally, resolve, type_of
 from ._errors import ArgumentError
+from ._measure import Tally
 from .typing import AutoType, Type, Undone
 
 # From here on an accident is undone without being asked to, as on the command line.
@@ -66,15 +67,21 @@ def choose_undo(
 
 
 def resolve_sound(
-    src: NDArray[Any], type: AutoType, threads: int, name: str = "src", argument: str = "type"
+    src: NDArray[Any],
+    type: AutoType,
+    threads: int,
+    name: str = "src",
+    argument: str = "type",
+    measured: Tally | None = None,
 ) -> Type:
     """The argument `type`, "auto" found out; a texture with an accident is refused.
 
-    What makes another texture of it would hide the accident and could not repair it.
+    What makes another texture of it would hide the accident and could not repair it.  `measured` is
+    its natural tally.
     """
     if type != "auto":
         return resolve(src, type, threads, name)
-    measured = natural_tally(src, threads)
+    measured = measured or natural_tally(src, threads)
     found = classify(measured)
     accident = accident_of(found, src.shape[2] if src.ndim == 3 else 1)
     if accident is None:
@@ -83,6 +90,25 @@ def resolve_sound(
     raise ArgumentError(
         _question(found, accident, possible, "clean with undo=True", name, argument)
     )
+
+
+def sound_object(src: NDArray[Any], name: str) -> Type:
+    """How a picture of an object stores its normals; it need not look like a texture.
+
+    Only what is sure counts, as on the command line.
+    """
+    measured = natural_tally(src, 1)
+    found = classify(measured)
+    if found.confidence < SURE:
+        return "standard"
+    if found.type in ("height", "not-normals"):
+        return type_of(measured, name)
+    accident = accident_of(found, src.shape[2])
+    if accident is not None:
+        possible = accident != "srgb" or src.dtype.kind == "u"
+        who = "clean with undo=True"
+        raise ArgumentError(_question(found, accident, possible, who, name, "type"))
+    return found.type if found.type in ("zzero", "xy") else "standard"
 
 
 def _question(

@@ -413,6 +413,7 @@ def test_compare_of_heights(height, seed, deepen):
     assert found.levels_mean == pytest.approx((off.mean(),)) and found.angles.texels == 0
     if deepen and height.dtype == np.uint8:
         deep = nt.convert(height, type="height", to="height", depth=16)
+        assert np.array_equal(nt.convert(height, depth=16), deep)  # it can be nothing else
         assert np.array_equal(deep, height.astype(np.uint16) * 257)
         assert nt.compare(deep, height, type="height").different == 0
         assert np.array_equal(nt.convert(deep, type="height", to="height", depth=8), height)

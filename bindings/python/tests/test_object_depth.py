@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Depth of objects: what Python adds to the library, whose own tests say how good it is."""
 
+import dataclasses
 import inspect
 
 import numpy as np
@@ -47,6 +48,40 @@ def test_confidence_and_camera(ball):
     assert np.nanmax(np.abs(again / depth - 1)) < 0.02
 
 
+def test_what_is_not_known_is_asked():
+    """As by `ntp to-depth`: what is sure holds, up is the convention, down is asked about."""
+    y, x = np.mgrid[:64, :64] / 64 * 2 * np.pi
+    slopes = np.dstack([0.5 * np.sin(2 * x) * np.cos(y), 0.5 * np.cos(2 * y), np.ones_like(x)])
+    normals = slopes / np.linalg.norm(slopes, axis=2)[..., None]
+    levels = np.floor((normals + 1) / 2 * 255 + 0.5).astype(np.uint8)
+    for exchanged in (levels[..., ::-1], levels[..., [0, 2, 1]]):
+        with pytest.raises(nt.ArgumentError, match="normals .* exchanged"):
+            nt.depth_from_normals(exchanged)
+        nt.depth_from_normals(exchanged, type="standard", y="up", rounds=1)
+    photo = np.linspace(0, 255, 64 * 64 * 3).reshape(64, 64, 3).astype(np.uint8)
+    photo[..., 1] //= 2
+    with pytest.raises(nt.ArgumentError, match="normals looks like"):
+        nt.depth_from_normals(photo)
+
+
+def test_green_down_is_used_or_asked_about(monkeypatch):
+    y, x = np.mgrid[:96, :96] / 96 * 2 * np.pi
+    q, p = np.gradient(8 * (np.sin(5 * x + 3 * y) + np.sin(4 * y - 2 * x)))
+    up = np.dstack([-p, q, np.ones_like(p)]) / np.sqrt(1 + p * p + q * q)[..., None]
+    depth, down = nt.depth_from_normals(up), up * [1, -1, 1]
+    assert np.abs(nt.depth_from_normals(down) - depth).max() < 0.01
+    sure = nt.detect_orientation(down, type="vector")
+    weak = {"down": ("down", 0.8), "up": ("up", 0.8), "undecided": ("undecided", 0.0)}
+    for word, (y, confidence) in weak.items():
+        found = dataclasses.replace(sure, y=y, confidence=confidence)
+        monkeypatch.setattr("normaltexture._green.detect_orientation", lambda *a, f=found, **k: f)
+        if word == "down":
+            with pytest.raises(nt.ArgumentError, match='80 % sure; which is it, y="up" .OpenGL.'):
+                nt.depth_from_normals(up)
+        else:
+            assert np.array_equal(nt.depth_from_normals(up), depth)
+
+
 def test_both_take_the_same_arguments():
     plain, more = map(
         inspect.signature, (nt.depth_from_normals, nt.depth_from_normals_with_confidence)
@@ -64,7 +99,7 @@ def test_both_take_the_same_arguments():
         ("rounds", 0),
         ("mask", np.zeros((3, 3), bool)),
         ("start", np.zeros((3, 3), np.float32)),
-        ("y", "auto"),
+        ("y", "left"),
         ("type", "height"),
     ],
 )
