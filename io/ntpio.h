@@ -11,7 +11,8 @@
  *   open.c     finds the format of a file and delivers its rows; reader.h: what a decoder is
  *   writer.c   joins an encoder with an output; writer.h: what an encoder is
  *   formats.h  the formats, in png_read.c, png_write.c, tga.c, jpeg.c and pfm.c; they know only
- *              reader.h, writer.h and what these include
+ *              reader.h, writer.h and what these include; png_read.c also png_whole.c, which
+ *              unpacks pictures at once, and that png_filter.c, the row filters
  *   source.c   where bytes come from; stamp.c: which version of a file that is
  *   output.c   where bytes go, and how a file takes the place of its target; attributes.c: what
  *              it keeps of the older file
@@ -51,10 +52,12 @@ typedef enum ntpio_format {
 
 /* What a reader refuses before it allocates or decodes. */
 typedef struct ntpio_limits {
-    uint32_t max_side;   /* 0: 65535 */
-    uint64_t max_texels; /* 0: 2^30 (32768 x 32768) */
-    uint64_t max_memory; /* 0: 4 GiB; for what must be held whole */
-    bool regular_only;   /* refuse pipes and devices, without waiting for them */
+    uint32_t max_side;    /* 0: 65535 */
+    uint64_t max_texels;  /* 0: 2^30 (32768 x 32768) */
+    uint64_t max_memory;  /* 0: 4 GiB; for what must be held whole */
+    uint64_t max_at_once; /* 0: 256 MiB.  PNG files and pictures up to that size are unpacked at
+                           * once, which is faster; larger ones row by row.  1: all are. */
+    bool regular_only;    /* refuse pipes and devices, without waiting for them */
 } ntpio_limits;
 
 /* Which version of a file was read.  A save changes at least one of these. */

@@ -12,7 +12,8 @@
 
 static const ntpio_limits default_limits = { .max_side = 65535,
                                              .max_texels = (uint64_t) 1 << 30,
-                                             .max_memory = (uint64_t) 4 << 30 };
+                                             .max_memory = (uint64_t) 4 << 30,
+                                             .max_at_once = (uint64_t) 256 << 20 };
 
 /* ------------------------------------------------------------------------ formats */
 
@@ -127,6 +128,8 @@ static ntpio_reader *new_reader(const char *name, const ntpio_limits *limits, nt
         reader->limits.max_texels = limits->max_texels;
     if (limits != NULL && limits->max_memory != 0)
         reader->limits.max_memory = limits->max_memory;
+    if (limits != NULL && limits->max_at_once != 0)
+        reader->limits.max_at_once = limits->max_at_once;
     return reader;
 }
 

@@ -2,6 +2,9 @@
 /*
  * png_read.c - PNG through libpng, row by row and raw
  *
+ * Built with libdeflate, pictures that fit in memory are unpacked by png_whole.c, and libpng reads
+ * the rest of their files.  All others are libpng's alone.
+ *
  * libpng decodes pixels and texts.  It never sees the contents of the color chunks: a callback
  * notes that they are there.  So colors are not managed, and no hostile profile is unpacked.  All
  * that libpng allocates counts against a budget.  Its errors come back here by longjmp.
@@ -11,6 +14,7 @@
 #include <string.h>
 
 #include "formats.h"
+#include "png_whole.h"
 
 enum {
     READ_SIZE = 1 << 13,           /* of compressed data at a time; unpacked at most 8 MB */
@@ -26,6 +30,8 @@ typedef struct png_state {
     png_structp png;
     png_infop info, end_info;
     ntpio_reader *reader;
+    ntpio__png_whole whole; /* rows NULL: libpng unpacks the pixels */
+    ntpio__source shell;    /* of `whole` */
     size_t budget;
     bool ended;      /* the source gave less than was asked for */
     size_t surplus;  /* bytes of IDAT read after the last row */
@@ -93,7 +99,8 @@ static void on_read(png_structp png, png_bytep dst, size_t size)
     count_surplus(s, size);
     if (has_surplus(s))
         png_error(png, "more data than the picture has");
-    if (ntpio__read(&s->reader->source, dst, size) != size) {
+    ntpio__source *source = s->whole.rows != NULL ? &s->shell : &s->reader->source;
+    if (ntpio__read(source, dst, size) != size) {
         s->ended = true;
         png_error(png, "truncated");
     }
@@ -260,6 +267,8 @@ static bool png_open(ntpio_reader *reader, ntpio_error *error)
     reader->state = s;
     s->reader = reader;
     s->budget = CHUNK_BUDGET;
+    if (ntpio__png_take(&s->whole, reader))
+        ntpio__source_memory(&s->shell, s->whole.shell, s->whole.shell_size);
     s->png = png_create_read_struct_2(PNG_LIBPNG_VER_STRING, s, on_error, on_warning, s, allocate,
                                       release);
     if (s->png != NULL) {
@@ -279,6 +288,12 @@ static bool png_rows(ntpio_reader *reader, uint8_t *dst, ptrdiff_t stride, uint3
                      ntpio_error *error)
 {
     png_state *s = reader->state;
+    const bool swap = reader->info.sample_bytes == 2 && ntpio__little_endian();
+    if (s->whole.rows != NULL) {
+        for (uint32_t i = 0; i < count; i++)
+            ntpio__png_take_row(&s->whole, dst + (ptrdiff_t) i * stride, swap);
+        return true;
+    }
     if (setjmp(png_jmpbuf(s->png)) != 0)
         return has_surplus(s) || fail(s, error);
     for (uint32_t i = 0; i < count; i++)
@@ -305,6 +320,7 @@ static void png_close(ntpio_reader *reader)
     if (s == NULL)
         return;
     png_destroy_read_struct(&s->png, &s->info, &s->end_info);
+    ntpio__png_drop(&s->whole);
     free(s);
 }
 

@@ -9,6 +9,9 @@
 #ifdef NTPIO_HAVE_JPEG
 #  include <jpeglib.h>
 #endif
+#ifdef NTPIO_HAVE_LIBDEFLATE
+#  include <libdeflate.h>
+#endif
 
 #include "ntpio.h"
 
@@ -18,6 +21,9 @@
 const char *ntpio_versions(void)
 {
     return "libpng " PNG_LIBPNG_VER_STRING ", zlib " ZLIB_VERSION
+#ifdef NTPIO_HAVE_LIBDEFLATE
+           ", libdeflate " LIBDEFLATE_VERSION_STRING
+#endif
 #if defined(NTPIO_HAVE_JPEG) && defined(LIBJPEG_TURBO_VERSION)
            ", libjpeg-turbo " TEXT_OF(LIBJPEG_TURBO_VERSION)
 #elif defined(NTPIO_HAVE_JPEG)

@@ -61,6 +61,7 @@ need_tools() {
     install_missing
     want libpng-dev pkg-config --exists libpng
     want libjpeg-dev pkg-config --exists libjpeg
+    want libdeflate-dev pkg-config --exists libdeflate
     want libpopt-dev pkg-config --exists popt
     want libjansson-dev pkg-config --exists jansson
     install_missing

@@ -19,7 +19,7 @@ static int read_all(const uint8_t *bytes, size_t size, const char *name, ntpio_i
     uint8_t *copy = malloc(size + (size == 0));
     CHECK(copy != NULL);
     memcpy(copy, bytes, size);
-    const ntpio_limits limits = { 4096, 1 << 14, 1 << 20, false };
+    const ntpio_limits limits = { .max_side = 4096, .max_texels = 1 << 14, .max_memory = 1 << 20 };
     memset(&error, 0, sizeof error);
     ntpio_reader *reader = ntpio_open_memory(copy, size, name, &limits, &error);
     bool done = reader != NULL;

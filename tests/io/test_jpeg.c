@@ -105,7 +105,9 @@ static ntpio_status read_all(const uint8_t *bytes, size_t size, const ntpio_limi
 
 static void check_damage(const jpeg_file *file)
 {
-    static const ntpio_limits few = { 2048, 1 << 18, 1 << 22, false };
+    static const ntpio_limits few = { .max_side = 2048,
+                                      .max_texels = 1 << 18,
+                                      .max_memory = 1 << 22 };
     ntpio_info info;
     ntpio_error error;
     for (size_t size = 0; size < file->size; size++) {

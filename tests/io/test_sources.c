@@ -202,7 +202,9 @@ static ntpio_status status_of(const ntpio_limits *limits)
 
 static void limits(void)
 {
-    const ntpio_limits fits = { SIDE, SIDE * SIDE, SIDE * SIDE * 4, false };
+    const ntpio_limits fits = { .max_side = SIDE,
+                                .max_texels = SIDE * SIDE,
+                                .max_memory = SIDE * SIDE * 4 };
     const ntpio_limits side = { .max_side = SIDE - 2 },
                        texels = { .max_texels = (SIDE - 1) * SIDE - 1 };
     const ntpio_limits memory = { .max_memory = 1000 };

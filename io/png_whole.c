@@ -1,0 +1,257 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * png_whole.c - all pixels of a PNG at once, through libdeflate
+ *
+ * libdeflate unpacks three times as fast as zlib, but only what is in memory as a whole.  libpng
+ * still reads everything else: it gets a copy of the file whose pixels are an empty stream.  A file
+ * counts as faultless only if libpng would take it without an error or a warning about pixels:
+ * checksums are right, the stream ends where the chunks and the last row end, and it reaches no
+ * further back than its header says.
+ *
+ * libdeflate reads some codes that RFC 1951 forbids and zlib refuses: lengths 286 and 287, the free
+ * half of a code of one word, more than 286 and 30 codes.  No encoder makes them, and a file needs
+ * the right checksum of its pixels in spite of them; such a file is read rather than refused.
+ */
+#include "png_whole.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "png_filter.h"
+
+#ifdef NTPIO_HAVE_LIBDEFLATE
+#  include <libdeflate.h>
+
+enum {
+    SIGNATURE = 8,
+    CHUNK = 12, /* length, name, checksum */
+    HEADER = 13,
+    STREAM_EXTRA = 6, /* of zlib: 2 bytes of header, 4 of checksum */
+    DENSEST = 1032    /* deflate makes at most so many bytes of one */
+};
+
+/* A complete IDAT chunk: a zlib stream of no bytes. */
+static const uint8_t no_pixels[] = { 0,    0,    0,    8, 'I', 'D', 'A', 'T', 0x78, 0x9c,
+                                     0x03, 0x00, 0x00, 0, 0,   1,   0,   0,   0,    0 };
+
+typedef struct parts {
+    const uint8_t *file;
+    size_t size, pixels_from, pixels_to; /* the IDAT chunks, whole */
+    size_t packed;                       /* bytes in them */
+    uint32_t height;
+    size_t row_size, texel;
+} parts;
+
+static uint32_t big_endian(const uint8_t *b)
+{
+    return (uint32_t) b[0] << 24 | (uint32_t) b[1] << 16 | (uint32_t) b[2] << 8 | b[3];
+}
+
+static bool named(const uint8_t *chunk, const char *name)
+{
+    return memcmp(chunk + 4, name, 4) == 0;
+}
+
+/* Is a whole chunk at `at`?  *size: with its 12 bytes around the data. */
+static bool chunk_at(const parts *p, size_t at, size_t *size)
+{
+    if (p->size - at < CHUNK)
+        return false;
+    *size = (size_t) big_endian(p->file + at) + CHUNK;
+    return *size <= p->size - at;
+}
+
+static bool checksum_is_right(const uint8_t *chunk, size_t size)
+{
+    return libdeflate_crc32(0, chunk + 4, size - 8) == big_endian(chunk + size - 4);
+}
+
+static bool take_header(parts *p)
+{
+    static const size_t channels[] = { 1, 0, 3, 0, 2, 0, 4 };
+    const uint8_t *chunk = p->file + SIGNATURE, *b = chunk + 8;
+    size_t size;
+    if (p->size < SIGNATURE || !chunk_at(p, SIGNATURE, &size) || size != HEADER + CHUNK ||
+        !named(chunk, "IHDR") || !checksum_is_right(chunk, size))
+        return false;
+    const uint32_t width = big_endian(b);
+    const int depth = b[8], kind = b[9];
+    p->height = big_endian(b + 4);
+    if ((depth != 8 && depth != 16) || kind > 6 || channels[kind] == 0 || b[10] != 0 ||
+        b[11] != 0 || b[12] != 0)
+        return false;
+    p->texel = channels[kind] * (size_t) depth / 8;
+    p->row_size = width * p->texel;
+    return width != 0 && p->height != 0 && width <= INT32_MAX && p->height <= INT32_MAX;
+}
+
+/* Finds the IDAT chunks: one after the other, each with the right checksum. */
+static bool find_pixels(parts *p)
+{
+    size_t at = SIGNATURE, size;
+    for (; chunk_at(p, at, &size) && !named(p->file + at, "IDAT"); at += size) {
+        if (named(p->file + at, "tRNS"))
+            return false;
+    }
+    p->pixels_from = at;
+    for (; chunk_at(p, at, &size) && named(p->file + at, "IDAT"); at += size) {
+        if (!checksum_is_right(p->file + at, size))
+            return false;
+        p->packed += size - CHUNK;
+    }
+    p->pixels_to = at;
+    return p->packed > STREAM_EXTRA;
+}
+
+static uint64_t raw_size(const parts *p)
+{
+    return ((uint64_t) p->row_size + 1) * p->height;
+}
+
+static bool is_small(const parts *p, const ntpio_limits *limits)
+{
+    const uint64_t most =
+        limits->max_at_once < limits->max_memory ? limits->max_at_once : limits->max_memory;
+    const uint64_t width = p->row_size / p->texel;
+    return width <= limits->max_side && p->height <= limits->max_side &&
+           width <= limits->max_texels / p->height && raw_size(p) <= most &&
+           raw_size(p) / DENSEST <= p->packed;
+}
+
+/* The data of all IDAT chunks as one.  They move together if the file is a copy of ours. */
+static const uint8_t *join(const parts *p, uint8_t *file, uint8_t **memory)
+{
+    if (p->pixels_to - p->pixels_from == p->packed + CHUNK)
+        return p->file + p->pixels_from + 8;
+    uint8_t *first = file != NULL ? file + p->pixels_from : malloc(p->packed), *out = first;
+    *memory = file != NULL ? NULL : first;
+    for (size_t at = p->pixels_from, size; first != NULL && at < p->pixels_to; at += size) {
+        size = (size_t) big_endian(p->file + at) + CHUNK;
+        memmove(out, p->file + at + 8, size - CHUNK);
+        out += size - CHUNK;
+    }
+    return first;
+}
+
+/* zlib minds the window that the stream's header names; libdeflate does not. */
+static bool fits_window(const uint8_t *packed, uint64_t size)
+{
+    const unsigned window = packed[0] >> 4;
+    return window >= 7 || size <= (uint64_t) 256 << window;
+}
+
+static bool unpack(const parts *p, const uint8_t *packed, uint8_t *rows)
+{
+    const size_t size = (size_t) raw_size(p);
+    struct libdeflate_decompressor *d = libdeflate_alloc_decompressor();
+    size_t used = 0;
+    const bool good = d != NULL && fits_window(packed, size) &&
+                      libdeflate_zlib_decompress_ex(d, packed, p->packed, rows, size, &used,
+                                                    NULL) == LIBDEFLATE_SUCCESS &&
+                      used == p->packed;
+    libdeflate_free_decompressor(d);
+    for (uint32_t y = 0; good && y < p->height; y++) {
+        if (rows[y * (p->row_size + 1)] >= NTPIO__FILTERS)
+            return false;
+    }
+    return good;
+}
+
+static uint8_t *shell_of(const parts *p, size_t *size)
+{
+    const size_t before = p->pixels_from, after = p->size - p->pixels_to;
+    *size = before + sizeof no_pixels + after;
+    uint8_t *shell = malloc(*size);
+    if (shell == NULL)
+        return NULL;
+    memcpy(shell, p->file, before);
+    memcpy(shell + before, no_pixels, sizeof no_pixels);
+    const uint32_t sum = libdeflate_crc32(0, no_pixels + 4, sizeof no_pixels - 8);
+    for (int i = 0; i < 4; i++)
+        shell[before + sizeof no_pixels - 4 + (size_t) i] = (uint8_t) (sum >> (24 - 8 * i));
+    memcpy(shell + before + sizeof no_pixels, p->file + p->pixels_to, after);
+    return shell;
+}
+
+/* `file`: the same bytes, if they may be changed, or NULL. */
+static bool take_file(ntpio__png_whole *whole, parts *p, uint8_t *file, const ntpio_limits *limits)
+{
+    uint8_t *memory = NULL;
+    if (!take_header(p) || !find_pixels(p) || !is_small(p, limits))
+        return false;
+    whole->texel = p->texel;
+    whole->row_size = p->row_size;
+    whole->rows = malloc((size_t) raw_size(p));
+    const uint8_t *packed = whole->rows != NULL ? join(p, file, &memory) : NULL;
+    if (packed != NULL && unpack(p, packed, whole->rows))
+        whole->shell = shell_of(p, &whole->shell_size);
+    free(memory);
+    return whole->shell != NULL;
+}
+
+static uint8_t *read_file(ntpio__source *source, size_t size)
+{
+    uint8_t *file = malloc(size);
+    if (file != NULL && ntpio__read(source, file, size) == size)
+        return file;
+    free(file);
+    return NULL;
+}
+
+static bool take(ntpio__png_whole *whole, ntpio_reader *reader, size_t size)
+{
+    ntpio__source *source = &reader->source;
+    uint8_t *copy = source->file != NULL ? read_file(source, size) : NULL;
+    parts p = { .file = source->file != NULL ? copy : source->bytes, .size = size };
+    const bool taken = p.file != NULL && take_file(whole, &p, copy, &reader->limits);
+    free(copy);
+    return taken;
+}
+
+#else
+
+static bool take(const ntpio__png_whole *whole, const ntpio_reader *reader, size_t size)
+{
+    (void) whole, (void) reader, (void) size;
+    return false;
+}
+
+#endif
+
+bool ntpio__png_take(ntpio__png_whole *whole, ntpio_reader *reader)
+{
+    ntpio__source *source = &reader->source;
+    uint64_t size;
+    memset(whole, 0, sizeof *whole);
+    if (!ntpio__can_seek(source) || !ntpio__size(source, &size) ||
+        size > reader->limits.max_at_once)
+        return false;
+    if (take(whole, reader, (size_t) size))
+        return true;
+    ntpio__png_drop(whole);
+    source->problem = 0;
+    ntpio__seek(source, 0);
+    return false;
+}
+
+void ntpio__png_take_row(ntpio__png_whole *whole, uint8_t *dst, bool swap)
+{
+    const size_t size = whole->row_size;
+    uint8_t *row = whole->rows + whole->row * (size + 1) + 1;
+    const uint8_t *above = whole->row > 0 ? row - (size + 1) : NULL;
+    ntpio__unfilter(row, above, size, whole->texel, row[-1]);
+    whole->row++;
+    if (!swap)
+        memcpy(dst, row, size);
+    for (size_t i = 0; swap && i < size; i += 2) {
+        dst[i] = row[i + 1];
+        dst[i + 1] = row[i];
+    }
+}
+
+void ntpio__png_drop(ntpio__png_whole *whole)
+{
+    free(whole->rows);
+    free(whole->shell);
+    memset(whole, 0, sizeof *whole);
+}

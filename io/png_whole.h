@@ -1,0 +1,29 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * png_whole.h - all pixels of a PNG at once, through libdeflate
+ *
+ * For plain files without any fault: 8 or 16 bit, gray to RGBA, not interlaced, no tRNS.  What is
+ * not plain, and whatever is wrong, is left to libpng, which has a message for it.
+ */
+#ifndef NTPIO_PNG_WHOLE_H
+#define NTPIO_PNG_WHOLE_H
+
+#include "reader.h"
+
+typedef struct ntpio__png_whole {
+    uint8_t *rows;          /* filtered: each begins with the number of its filter */
+    size_t row_size, texel; /* bytes, without that number */
+    uint32_t row;           /* the next one to undo */
+    uint8_t *shell;         /* the file with an empty picture, for libpng: all but the pixels */
+    size_t shell_size;
+} ntpio__png_whole;
+
+/* Reads the file if it is one of those.  False: it is not, and the source is at its start. */
+bool ntpio__png_take(ntpio__png_whole *whole, ntpio_reader *reader);
+
+/* The next row.  swap: the two bytes of its samples. */
+void ntpio__png_take_row(ntpio__png_whole *whole, uint8_t *dst, bool swap);
+
+void ntpio__png_drop(ntpio__png_whole *whole);
+
+#endif

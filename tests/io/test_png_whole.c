@@ -1,0 +1,314 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * test_png_whole.c - PNG unpacked at once and row by row: the same samples, texts and messages
+ *
+ * libpng and zlib are the witnesses.  Files of every kind are made, then most are damaged: filters
+ * that do not exist, rows too many or too few, windows that are too small, chunks out of order,
+ * bytes changed with and without their checksums mended.
+ */
+#include <zlib.h>
+
+#include "made.h"
+#include "png_filter.h"
+#include "png_whole.h"
+
+#define NTPIO_NO_SIMD
+#define ntpio__unfilter unfilter_plainly
+void unfilter_plainly(uint8_t *row, const uint8_t *above, size_t size, size_t texel, int kind);
+#include "../../io/png_filter.c" // NOLINT(bugprone-suspicious-include)
+#undef ntpio__unfilter
+
+#ifdef NTPIO_HAVE_LIBDEFLATE
+#  define CAN_UNPACK_AT_ONCE true
+#else
+#  define CAN_UNPACK_AT_ONCE false
+#endif
+
+enum { SIDE = 40, TALL = 7 * SIDE, RAW_MAX = 1 << 17, SURPLUS = 20000, FILES = 6000 };
+
+/* ------------------------------------------------------------------------- chance */
+
+static uint64_t state = 1;
+
+static uint32_t chance(uint32_t below)
+{
+    state = state * 6364136223846793005u + 1442695040888963407u;
+    return (uint32_t) (state >> 33) % below;
+}
+
+static bool once_in(uint32_t n)
+{
+    return chance(n) == 0;
+}
+
+static bool plain; /* the file that is made has no fault */
+
+static bool spoiled_once_in(uint32_t n)
+{
+    return !plain && once_in(n);
+}
+
+/* -------------------------------------------------------------------------- files */
+
+static made file, packed;
+static uint8_t raw[RAW_MAX];
+static size_t raw_size;
+
+static size_t make_rows(uint32_t width, uint32_t height, size_t texel)
+{
+    const bool one_filter = once_in(2), smooth = once_in(2);
+    const uint32_t filters = NTPIO__FILTERS + spoiled_once_in(20);
+    const uint8_t filter = (uint8_t) chance(filters);
+    size_t size = 0;
+    for (uint32_t y = 0; y < height; y++) {
+        raw[size++] = one_filter ? filter : (uint8_t) chance(filters);
+        for (size_t i = 0; i < width * texel; i++)
+            raw[size++] = (uint8_t) chance(smooth ? 3 : 256);
+    }
+    if (spoiled_once_in(12))
+        size += chance(4);
+    if (spoiled_once_in(12))
+        size -= chance(2);
+    return size;
+}
+
+static void mend_header(void)
+{
+    packed.bytes[1] &= 0xe0;
+    packed.bytes[1] |= (uint8_t) (31 - (packed.bytes[0] * 256 + packed.bytes[1]) % 31);
+}
+
+static void pack(size_t size)
+{
+    z_stream z = { 0 };
+    const int window = plain || once_in(2) ? MAX_WBITS : 9 + (int) chance(7);
+    CHECK(deflateInit2(&z, (int) chance(10), Z_DEFLATED, window, 1 + (int) chance(9),
+                       (int) chance(5)) == Z_OK);
+    z.next_in = raw;
+    z.avail_in = (uInt) size;
+    z.next_out = packed.bytes;
+    z.avail_out = sizeof packed.bytes;
+    CHECK(deflate(&z, Z_FINISH) == Z_STREAM_END);
+    packed.size = z.total_out;
+    deflateEnd(&z);
+}
+
+/* Makes the last four bytes the checksum of what zlib unpacks, so that only the stream is wrong. */
+static void mend_checksum(void)
+{
+    static uint8_t out[2 * RAW_MAX];
+    z_stream z = { 0 };
+    CHECK(inflateInit2(&z, -MAX_WBITS) == Z_OK);
+    z.next_in = packed.bytes + 2;
+    z.avail_in = (uInt) packed.size - 2;
+    z.next_out = out;
+    z.avail_out = sizeof out;
+    if (inflate(&z, Z_FINISH) == Z_STREAM_END && z.avail_in >= 4) {
+        const uint32_t sum = (uint32_t) adler32(1, out, (uInt) z.total_out);
+        for (uint32_t i = 0; i < 4; i++)
+            packed.bytes[packed.size - z.avail_in + i] = (uint8_t) (sum >> (24 - 8 * i));
+    }
+    inflateEnd(&z);
+}
+
+static void damage_stream(void)
+{
+    if (once_in(10)) { /* another window than that of the stream */
+        packed.bytes[0] = (uint8_t) (chance(9) << 4 | 8);
+        mend_header();
+    }
+    if (once_in(24)) { /* a dictionary */
+        packed.bytes[1] |= 0x20;
+        mend_header();
+    }
+    for (uint32_t n = chance(3); n > 0; n--)
+        packed.bytes[2 + chance((uint32_t) packed.size - 2)] ^= (uint8_t) (1u << chance(8));
+    if (!once_in(4))
+        mend_checksum();
+    if (once_in(16)) {
+        static const uint8_t surplus[SURPLUS];
+        put(&packed, surplus, chance(SURPLUS));
+    }
+    if (once_in(16))
+        packed.size -= chance(5);
+}
+
+static void put_pixels(void)
+{
+    const size_t step = once_in(2) ? packed.size : 1 + chance((uint32_t) packed.size + 1);
+    for (size_t at = 0; at < packed.size; at += step) {
+        chunk(&file, "IDAT", packed.bytes + at, packed.size - at < step ? packed.size - at : step);
+        if (once_in(30))
+            chunk(&file, "IDAT", "", 0);
+        if (spoiled_once_in(60))
+            chunk(&file, "tEXt", "between\0pixels", 14);
+    }
+}
+
+static void damage_file(void)
+{
+    if (once_in(10))
+        file.bytes[chance((uint32_t) file.size)] ^= (uint8_t) (1u << chance(8));
+    if (once_in(20))
+        file.size -= chance((uint32_t) file.size);
+}
+
+static void make_file(void)
+{
+    static const uint8_t kinds[] = { 0, 2, 4, 6, 3 }, channels[] = { 1, 3, 2, 4, 1 };
+    const uint32_t kind = chance(plain ? 4 : 5), depth = kind < 4 && once_in(2) ? 16 : 8;
+    const uint32_t width = 1 + chance(SIDE), height = 1 + chance(once_in(8) ? TALL : SIDE);
+    uint8_t head[13] = { 0 };
+    head[3] = (uint8_t) width;
+    head[6] = (uint8_t) (height >> 8);
+    head[7] = (uint8_t) height;
+    head[8] = (uint8_t) depth;
+    head[9] = kinds[kind];
+    head[12] = spoiled_once_in(30); /* interlaced */
+    file.size = 0;
+    put(&file, "\x89PNG\r\n\x1a\n", 8);
+    chunk(&file, "IHDR", head, sizeof head);
+    if (kind == 4)
+        chunk(&file, "PLTE", "abcdefghijklmnopqrstuvwx", 24);
+    if (once_in(3))
+        chunk(&file, "gAMA", "\0\0\xb1\x8f", 4);
+    if (once_in(3))
+        chunk(&file, "tEXt", "before\0pixels", 13);
+    if (spoiled_once_in(20))
+        chunk(&file, "tRNS", "\0\1\0\2\0\3", kind == 0 ? 2 : 6);
+    raw_size = make_rows(width, height, channels[kind] * depth / 8);
+    pack(raw_size);
+    if (spoiled_once_in(2))
+        damage_stream();
+    put_pixels();
+    if (once_in(3))
+        chunk(&file, "tEXt", "after\0pixels", 12);
+    chunk(&file, "IEND", "", 0);
+    if (!plain)
+        damage_file();
+}
+
+/* ------------------------------------------------------------------------ readers */
+
+typedef struct seen {
+    bool good;
+    ntpio_error error;
+    ntpio_info info;
+    uint32_t rows;
+    uint64_t samples, texts; /* sums */
+} seen;
+
+static uint64_t sum_of(uint64_t sum, const void *data, size_t size)
+{
+    for (size_t i = 0; i < size; i++)
+        sum = (sum ^ ((const uint8_t *) data)[i]) * 1099511628211u;
+    return sum;
+}
+
+static seen look(uint64_t at_once)
+{
+    static uint8_t row[512 * 8];
+    const ntpio_limits limits = { .max_side = 512, .max_memory = 1 << 22, .max_at_once = at_once };
+    seen s = { 0 };
+    ntpio_reader *reader = ntpio_open_memory(file.bytes, file.size, "made", &limits, &s.error);
+    s.good = reader != NULL;
+    for (; s.good && s.rows < ntpio_reader_info(reader)->height; s.rows += s.good) {
+        s.good = ntpio_read_rows(reader, row, 0, 1, &s.error);
+        const ntpio_info *i = ntpio_reader_info(reader);
+        s.samples = sum_of(s.samples, row, i->width * (size_t) (i->channels * i->sample_bytes));
+    }
+    s.good = s.good && ntpio_read_end(reader, &s.error);
+    if (reader != NULL) {
+        s.info = *ntpio_reader_info(reader);
+        for (size_t i = 0; i < s.info.text_count; i++) {
+            const ntpio_text *t = &s.info.texts[i];
+            s.texts = sum_of(sum_of(s.texts, t->key, strlen(t->key)), t->value, strlen(t->value));
+        }
+        s.info.texts = NULL;
+    }
+    ntpio_close(reader);
+    return s;
+}
+
+static bool taken_at_once(size_t most)
+{
+    ntpio_reader reader = { .limits = { .max_side = 512,
+                                        .max_texels = 1 << 20,
+                                        .max_memory = 1 << 22,
+                                        .max_at_once = most } };
+    ntpio__png_whole whole;
+    ntpio__source_memory(&reader.source, file.bytes, file.size);
+    const bool taken = ntpio__png_take(&whole, &reader);
+    ntpio__png_drop(&whole);
+    return taken;
+}
+
+static bool same_info(const ntpio_info *a, const ntpio_info *b)
+{
+    return a->width == b->width && a->height == b->height && a->channels == b->channels &&
+           a->sample_bytes == b->sample_bytes && a->bit_depth == b->bit_depth &&
+           a->streams == b->streams && a->interlaced == b->interlaced && a->palette == b->palette &&
+           a->alpha == b->alpha && a->has_gama == b->has_gama && a->gamma == b->gamma &&
+           a->text_count == b->text_count;
+}
+
+static bool same(const seen *a, const seen *b)
+{
+    return a->good == b->good && a->error.status == b->error.status &&
+           strcmp(a->error.message, b->error.message) == 0 && a->rows == b->rows &&
+           (a->samples == b->samples || !a->good) && a->texts == b->texts &&
+           same_info(&a->info, &b->info);
+}
+
+static void test_files(void)
+{
+    uint32_t good = 0, taken = 0;
+    for (uint32_t n = 0; n < FILES; n++) {
+        plain = n % 4 == 0;
+        make_file();
+        const seen rows = look(1), once = look(1 << 22);
+        if (!same(&rows, &once)) {
+            fprintf(stderr, "file %u: \"%s\" row by row, \"%s\" at once\n", n, rows.error.message,
+                    once.error.message);
+            FILE *out = fopen("different.png", "wb");
+            CHECK(out != NULL && fwrite(file.bytes, 1, file.size, out) == file.size);
+            fclose(out);
+            exit(1);
+        }
+        const bool at_once = taken_at_once(1 << 22);
+        CHECK(!plain || !taken_at_once(raw_size - 1));
+        CHECK(!plain || (rows.good && at_once == CAN_UNPACK_AT_ONCE));
+        good += rows.good;
+        taken += at_once;
+    }
+    CHECK(good > FILES / 2 && good < FILES * 3 / 4); /* many of each */
+    CHECK(!CAN_UNPACK_AT_ONCE || taken > FILES / 3);
+}
+
+/* -------------------------------------------------------------------------- filters */
+
+static void test_filters(void)
+{
+    static const size_t texels[] = { 1, 2, 3, 4, 6, 8 };
+    uint8_t above[SIDE * 8], fast[SIDE * 8], slow[SIDE * 8];
+    for (uint32_t n = 0; n < 60000; n++) {
+        const size_t texel = texels[chance(6)], size = texel * (1 + chance(SIDE));
+        const int kind = (int) chance(NTPIO__FILTERS);
+        const uint32_t values = once_in(2) ? 4 : 256;
+        for (size_t i = 0; i < size; i++) {
+            above[i] = (uint8_t) chance(values);
+            fast[i] = slow[i] = (uint8_t) chance(values);
+        }
+        const uint8_t *over = once_in(8) ? NULL : above;
+        ntpio__unfilter(fast, over, size, texel, kind);
+        unfilter_plainly(slow, over, size, texel, kind);
+        CHECK(memcmp(fast, slow, size) == 0);
+    }
+}
+
+int main(void)
+{
+    test_filters();
+    test_files();
+    return 0;
+}
