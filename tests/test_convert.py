@@ -274,3 +274,25 @@ def test_errors():
     assert status(a, a.copy(), how=(0, 8)) == ntp.ERR_ARGUMENT
     assert status(a, a.copy(), area=(0, 0, 6, 4)) == ntp.ERR_SHAPE
     assert status(a, a.copy(), area=(2, 1, 2, 3)) == ntp.ERR_SHAPE
+
+
+@pytest.mark.parametrize("m", DEPTHS)
+def test_to_vectors_every_level(m):
+    """Also beside unused texels, whose green keeps its sign in a flip, and in strides."""
+    for channels, encoding in itertools.product((3, 4), (ntp.STANDARD, ntp.ZZERO)):
+        texels = np.repeat(np.arange(m + 1)[:, None], channels, 1)
+        texels[:, 0] = texels[::-1, 0]
+        texels[m // 5 :: 7] = 0
+        texels[m // 3 :: 11, :3] = m
+        src = texels[None].astype(DEPTHS[m])
+        unused = ((texels[:, :3] == 0).all(1)) | ((texels[:, :3] == m).all(1))
+        unused |= texels[:, -1] == 0 if channels == 4 else False
+        want = (2 * texels - m) / m
+        want[:, 2 if encoding == ntp.ZZERO else 3 :] = (
+            texels[:, 2 if encoding == ntp.ZZERO else 3 :] / m
+        )
+        want[:, 1] *= np.where(unused, 1, -1)
+        for view in (src, np.dstack([src, src])[..., :channels]):
+            dst = np.zeros(src.shape, np.float32)
+            ntp.convert(view, dst, encoding, ntp.VECTOR, ntp.UP, ntp.DOWN)
+            assert np.array_equal(dst[0], want.astype(np.float32))

@@ -6,7 +6,8 @@
  *   clean.c     ntp_clean: repair
  *   validate.c  ntp_validate: a byte of flags for each texel
  *   inspect.c   ntp_inspect: everything about one texel
- *   convert.c   ntp_convert: other encodings, depths and Y orientations
+ *   convert.c   ntp_convert: other encodings, depths and Y orientations; with convert.h,
+ *               convert_runs.c and packed_tmpl.h
  *
  * Three ways lead to the same bytes.  Rows of packed 8-bit pixels go through a table, the plan.
  * Pixels whose blue is only derived go through a kernel, and the few that it leaves are done one by

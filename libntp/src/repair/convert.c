@@ -4,26 +4,16 @@
  *
  * Samples are converted by value.  A texel that is `exact` gets its blue derived anew from its
  * converted red and green, which keeps clean textures clean.  Whether a texel is exact is found for
- * a block at a time: a kernel derives the blues of the source.
+ * a block at a time: a kernel derives the blues of the source.  The common conversions have faster
+ * ways to the same bytes, in convert_runs.c.
  */
-#include "base/finite.h"
-#include "base/view.h"
-#include "texel/direction.h"
-#include "texel/kernels.h"
-#include "texel/level.h"
+#include "repair/convert.h"
 #include "texel/float_vector.h"
 
 #include <math.h>
 #include <string.h>
 
-typedef struct job {
-    const ntp_image *dst;
-    const ntp_const_image *src;
-    ntp_convert_options how;
-    int32_t ms, md; /* M of source and target; floats count as 16 bit */
-    bool flip;
-    const ntp__kernels_table *kernels;
-} job;
+typedef ntp__conversion job;
 
 /* One texel on its way: its source samples, and the levels of the target. */
 typedef struct texel {
@@ -33,22 +23,10 @@ typedef struct texel {
     bool unused;
 } texel;
 
-static int32_t deepen(int32_t c, int32_t ms, int32_t md)
-{
-    return ms == md ? c : ms < md ? c * 257 : ntp__narrow(c);
-}
-
-/* floor(v M + 1/2), clamped; exact, see ntp__level_of_unit. */
-static int32_t level_of(double v, int32_t m)
-{
-    double c = v * m + 0.5;
-    return c > 0 ? c < m + 1 ? (int32_t) c : m : 0;
-}
-
 /* Channel k by value. */
 static int32_t by_value(const job *j, const texel *t, int32_t k)
 {
-    return t->raw != NULL ? level_of(t->raw[k], j->md) : deepen(t->c[k], j->ms, j->md);
+    return t->raw != NULL ? ntp__level_of(t->raw[k], j->md) : ntp__deepen(t->c[k], j->ms, j->md);
 }
 
 /* Blue by value, also where source and target store z differently.  *negative: z < 0 became |z|. */
@@ -62,11 +40,11 @@ static int32_t blue_by_value(const job *j, const texel *t, bool *negative)
         if (t->raw != NULL) {
             double z = 2.0 * (double) t->raw[2] - 1.0;
             *negative = z < 0;
-            return level_of(z < 0 ? -z : z, j->md);
+            return ntp__level_of(z < 0 ? -z : z, j->md);
         }
         int32_t z = ntp__num(t->c[2], j->ms);
         *negative = z < 0;
-        return deepen(ntp__abs(z), j->ms, j->md);
+        return ntp__deepen(ntp__abs(z), j->ms, j->md);
     }
     if (t->raw != NULL) {
         double mv = (double) t->raw[2] * j->md;
@@ -120,17 +98,13 @@ static void convert_texel(const job *j, const texel *t, int32_t out[4], ntp_conv
         out[1] = j->md - out[1];
 }
 
-/* The target's levels of one float vector. */
-static void convert_vector(const job *j, const texel *t, int32_t out[4], ntp_convert_counts *counts)
+void ntp__convert_vector(const ntp__conversion *j, const float raw[3], int32_t out[3],
+                         ntp_convert_counts *counts)
 {
-    bool zzero = j->dst->encoding == NTP_ENCODING_ZZERO, negative = t->raw[2] < 0;
+    bool zzero = j->dst->encoding == NTP_ENCODING_ZZERO, negative = raw[2] < 0;
+    const float v[3] = { raw[0], j->flip ? -raw[1] : raw[1], raw[2] };
     int32_t z;
-    ntp__vector_levels(out, &z, t->raw, j->md);
-    out[3] = j->src->channels == 4 ? level_of(t->raw[3], j->md) : j->md;
-    if (j->flip) {
-        float flipped[3] = { t->raw[0], -t->raw[1], t->raw[2] };
-        ntp__vector_levels(out, &z, flipped, j->md);
-    }
+    ntp__vector_levels(out, &z, v, j->md);
     if (j->dst->encoding == NTP_ENCODING_XY) {
         out[2] = j->md;
         return;
@@ -146,12 +120,18 @@ static void convert_vector(const job *j, const texel *t, int32_t out[4], ntp_con
         out[2] = j->md - out[2];
 }
 
+static void convert_vector(const job *j, const texel *t, int32_t out[4], ntp_convert_counts *counts)
+{
+    ntp__convert_vector(j, t->raw, out, counts);
+    out[3] = j->src->channels == 4 ? ntp__level_of(t->raw[3], j->md) : j->md;
+}
+
 /* Levels to floats of a biased target.  Float samples whose level is unchanged keep their bits. */
 static void levels_to_floats(const job *j, const texel *t, const int32_t level[4], float out[4])
 {
     for (int32_t k = 0; k < 4; k++) {
         bool same = t->raw != NULL && j->src->encoding != NTP_ENCODING_VECTOR &&
-                    k < j->src->channels && level_of(t->raw[k], j->md) == level[k];
+                    k < j->src->channels && ntp__level_of(t->raw[k], j->md) == level[k];
         out[k] = same ? t->raw[k] : (float) ((double) level[k] / j->md);
     }
     if (t->raw == NULL && j->ms == 255 && t->unused) {
@@ -257,71 +237,6 @@ static void levels_of(const job *j, const texel *t, bool broken, int32_t out[4],
         convert_texel(j, t, out, counts);
 }
 
-/* Reads float vectors, y as in the target; those that are none become 0.  Returns how many. */
-static uint64_t read_vectors(const job *j, ntp__vectors *v, int32_t *alpha, int32_t x, int32_t y,
-                             int32_t n)
-{
-    const char *s = ntp__at(j->src, x, y);
-    double any = 0;
-    for (int32_t i = 0; i < n; i++, s += j->src->pixel_stride) {
-        const float *raw = (const float *) (const void *) s;
-        v->c[0][i] = raw[0];
-        v->c[1][i] = raw[1];
-        v->c[2][i] = raw[2];
-        alpha[i] = j->src->channels == 4 ? level_of(raw[3], j->md) : j->md;
-    }
-    for (int32_t i = 0; i < n; i++) { /* not 0 when one is infinite or 0 */
-        double size = fabs(v->c[0][i]) + fabs(v->c[1][i]) + fabs(v->c[2][i]);
-        v->c[1][i] = j->flip ? -v->c[1][i] : v->c[1][i];
-        any += size * 0.0 + (size == 0.0);
-    }
-    if (any == 0.0)
-        return 0;
-    uint64_t broken = 0;
-    for (int32_t i = 0; i < n; i++) {
-        double size = fabs(v->c[0][i]) + fabs(v->c[1][i]) + fabs(v->c[2][i]);
-        if (size > 0.0 && ntp__is_finite(size))
-            continue;
-        v->c[0][i] = v->c[1][i] = v->c[2][i] = 0.0;
-        alpha[i] = j->md;
-        broken++;
-    }
-    return broken;
-}
-
-/* Encodes float vectors, blue derived. */
-static void encode_run(const job *j, int32_t x, int32_t y, int32_t n, ntp_convert_counts *counts)
-{
-    const bool zzero = j->dst->encoding == NTP_ENCODING_ZZERO;
-    const bool xy = j->dst->encoding == NTP_ENCODING_XY;
-    ntp__block out;
-    ntp__vectors v;
-    int32_t doubt[NTP__BLOCK];
-    counts->not_finite += read_vectors(j, &v, out.c[3], x, y, n);
-    int32_t any =
-        j->kernels->directions(out.c[0], out.c[1], out.c[2], doubt, &v, n, j->md, zzero, true);
-    for (int32_t i = 0; zzero && i < n; i++)
-        counts->z_negative += v.c[2][i] < 0;
-    if (any && !xy)
-        counts->pulled += ntp__pull_directions(&out, doubt, &v, n, j->md, zzero);
-    for (int32_t i = 0; any && i < n; i++) {
-        if (!(doubt[i] & NTP__IN_DOUBT))
-            continue;
-        const float raw[3] = { (float) v.c[0][i], (float) (j->flip ? -v.c[1][i] : v.c[1][i]),
-                               (float) v.c[2][i] };
-        const texel t = { .raw = raw };
-        int32_t c[4];
-        ntp_convert_counts one = { 0, 0, 0 };
-        convert_vector(j, &t, c, &one);
-        counts->pulled += one.pulled;
-        for (int32_t k = 0; k < 3; k++)
-            out.c[k][i] = c[k];
-    }
-    for (int32_t i = 0; xy && i < n; i++)
-        out.c[2][i] = j->md;
-    ntp__pack(j->dst, &out, x, y, n, j->dst->channels);
-}
-
 static void convert_run(const job *j, int32_t x, int32_t y, int32_t n, ntp_convert_counts *counts)
 {
     ntp__block block;
@@ -398,16 +313,12 @@ ntp_status ntp_convert(const ntp_image *dst, const ntp_const_image *src,
     if ((int) j.how.blue < NTP_BLUE_DERIVED || (int) j.how.blue > NTP_BLUE_NEAREST ||
         j.how.touch_unused > NTP_UNUSED_ALL)
         return NTP_ERR_ARGUMENT;
-    const bool encodes = src->encoding == NTP_ENCODING_VECTOR && dst->type != NTP_TYPE_F32 &&
-                         j.how.blue == NTP_BLUE_DERIVED;
+    ntp__convert_fn *fast = ntp__fast_conversion(&j), *convert = fast != NULL ? fast : convert_run;
     ntp_convert_counts local = { 0, 0, 0 };
     for (int32_t y = rect.y0; y < rect.y1; y++) {
         for (int32_t x = rect.x0; x < rect.x1; x += NTP__BLOCK) {
             int32_t n = rect.x1 - x < NTP__BLOCK ? rect.x1 - x : NTP__BLOCK;
-            if (encodes)
-                encode_run(&j, x, y, n, &local);
-            else
-                convert_run(&j, x, y, n, &local);
+            convert(&j, x, y, n, &local);
         }
     }
     if (counts != NULL) {

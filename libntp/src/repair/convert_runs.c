@@ -1,0 +1,253 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * convert_runs.c - the common conversions, many texels at a time
+ *
+ * The bytes are those of convert.c, which says what they are.  Of biased levels, planes are
+ * converted with the kernel that derives blues; float vectors go through that for directions.
+ */
+#include "base/finite.h"
+#include "repair/convert.h"
+#include "texel/direction.h"
+#include "texel/unused.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { CHUNK = 48 /* samples: whole texels of 2, 3 and 4 channels */ };
+
+#define SAMPLE        uint8_t
+#define FOR_SAMPLE(f) f##_8
+#include "repair/packed_tmpl.h"
+#undef SAMPLE
+#undef FOR_SAMPLE
+#define SAMPLE        uint16_t
+#define FOR_SAMPLE(f) f##_16
+#include "repair/packed_tmpl.h"
+
+/* Blue by value, where source and target store z differently. */
+static void blues_by_value(const ntp__conversion *j, int32_t *restrict out,
+                           const int32_t *restrict b, int32_t n)
+{
+    const int32_t ms = j->ms, md = j->md;
+    const bool to_zzero = j->dst->encoding == NTP_ENCODING_ZZERO;
+    for (int32_t i = 0; to_zzero && i < n; i++)
+        out[i] = ntp__deepen(ntp__abs(2 * b[i] - ms), ms, md);
+    if (to_zzero)
+        return;
+    /* From Z-zero; narrowing is floor((b/257 + 256)/2) as one quotient. */
+    for (int32_t i = 0; i < n; i++)
+        out[i] = ms == md  ? (b[i] + md + 1) / 2
+                 : ms < md ? (257 * b[i] + 65536) / 2
+                           : (b[i] + 65792) / 514;
+}
+
+/* The blue of each texel that is exact, derived anew: want of the source, blue of the target.  Marks
+ * those that are too long there, and returns whether there are any.  (-1 is no blue.) */
+static int32_t put_exact(const ntp__conversion *j, int32_t *restrict out,
+                         const int32_t *restrict in, const int32_t *restrict want,
+                         const int32_t *restrict blue, int32_t *restrict pull, int32_t n)
+{
+    const int32_t ms = j->ms;
+    /* z < 0 up to this level, and what the target makes of it: M - b or b */
+    const int32_t low = j->src->encoding == NTP_ENCODING_STANDARD ? (ms - 1) / 2 : -1;
+    const int32_t mirror = j->dst->encoding == NTP_ENCODING_STANDARD ? -1 : 0;
+    const int32_t most = j->md & mirror;
+    int32_t any = 0;
+    for (int32_t i = 0; i < n; i++) {
+        int32_t up = in[i] <= low ? ms - in[i] : in[i];
+        int32_t z = in[i] <= low ? most + (blue[i] ^ mirror) - mirror : blue[i];
+        out[i] = want[i] == up ? z : out[i];
+        pull[i] = want[i] == up ? blue[i] >> 31 : 0;
+        any |= pull[i];
+    }
+    return any;
+}
+
+/* Pulls the texels that are marked, and derives their blue. */
+static uint64_t pull_marked(const ntp__conversion *j, ntp__block *out, const ntp__block *in,
+                            const int32_t *pull, int32_t n)
+{
+    const bool standard = j->src->encoding == NTP_ENCODING_STANDARD;
+    uint64_t pulled = 0;
+    for (int32_t i = 0; i < n; i++) {
+        if (!pull[i])
+            continue;
+        int32_t b = ntp__derive(&out->c[0][i], &out->c[1][i], j->md,
+                                j->dst->encoding == NTP_ENCODING_ZZERO);
+        bool negative = standard && ntp__z_negative(in->c[2][i], j->ms);
+        if (j->dst->encoding != NTP_ENCODING_XY)
+            out->c[2][i] = negative && j->dst->encoding == NTP_ENCODING_STANDARD ? j->md - b : b;
+        pulled++;
+    }
+    return pulled;
+}
+
+/* The third sample of the target for used texels.  Marks those that have to be pulled, and returns
+ * whether there are any. */
+static int32_t convert_blues(const ntp__conversion *j, ntp__block *out, const ntp__block *in,
+                             int32_t *pull, int32_t n)
+{
+    const ntp_encoding from = j->src->encoding, to = j->dst->encoding;
+    int32_t want[NTP__BLOCK], blue[NTP__BLOCK], any = 0;
+    if (from == to && (j->ms == j->md || (from == NTP_ENCODING_XY && j->ms < j->md)))
+        return 0;
+    j->kernels->derive(blue, out->c[0], out->c[1], n, j->md, to == NTP_ENCODING_ZZERO);
+    if (from == NTP_ENCODING_XY && to != NTP_ENCODING_XY) {
+        memcpy(out->c[2], blue, (size_t) n * sizeof blue[0]);
+        for (int32_t i = 0; i < n; i++)
+            any |= pull[i] = blue[i] >> 31;
+        return any;
+    }
+    j->kernels->derive(want, in->c[0], in->c[1], n, j->ms, from == NTP_ENCODING_ZZERO);
+    if (from == NTP_ENCODING_XY) {
+        for (int32_t i = 0; i < n; i++)
+            any |= pull[i] = ~(want[i] >> 31) & (blue[i] >> 31);
+        return any;
+    }
+    if (from != to && to != NTP_ENCODING_XY)
+        blues_by_value(j, out->c[2], in->c[2], n);
+    any = put_exact(j, out->c[2], in->c[2], want, blue, pull, n);
+    for (int32_t i = 0; to == NTP_ENCODING_XY && i < n; i++)
+        out->c[2][i] = j->md;
+    return any;
+}
+
+/* Puts unused texels back, which are converted by value alone. */
+static void keep_unused(const ntp__conversion *j, ntp__block *out, const ntp__block *in,
+                        const uint8_t *kept, int32_t n)
+{
+    for (int32_t i = 0; i < n; i++) {
+        for (int32_t k = 0; kept[i] && k < 4; k++)
+            out->c[k][i] = ntp__deepen(in->c[k][i], j->ms, j->md);
+    }
+}
+
+static uint64_t count_negative(const ntp__conversion *j, const int32_t *b, const uint8_t *kept,
+                               int32_t n)
+{
+    int32_t count = 0;
+    for (int32_t i = 0; i < n; i++)
+        count += ntp__z_negative(b[i], j->ms);
+    for (int32_t i = 0; kept != NULL && i < n; i++)
+        count -= kept[i] && ntp__z_negative(b[i], j->ms);
+    return (uint64_t) count;
+}
+
+/* From biased integers to biased integers. */
+static void convert_levels(const ntp__conversion *j, int32_t x, int32_t y, int32_t n,
+                           ntp_convert_counts *counts)
+{
+    ntp__block in, out;
+    int32_t pull[NTP__BLOCK];
+    uint8_t kept[NTP__BLOCK];
+    ntp__unpack(&in, j->src, x, y, n);
+    const bool suspect = ntp__any_suspect(&in, n, j->ms);
+    for (int32_t i = 0; suspect && i < n; i++) {
+        kept[i] = ntp__texel_unused(&in, i, j->ms, j->how.touch_unused);
+        if (!kept[i] && j->src->channels == 2)
+            in.c[2][i] = j->ms;
+    }
+    for (int32_t k = 0; k < (j->dst->channels == 4 ? 4 : 3); k++) {
+        for (int32_t i = 0; i < n; i++)
+            out.c[k][i] = ntp__deepen(in.c[k][i], j->ms, j->md);
+    }
+    const int32_t any = convert_blues(j, &out, &in, pull, n);
+    for (int32_t i = 0; suspect && any && i < n; i++)
+        pull[i] = kept[i] ? 0 : pull[i];
+    if (any)
+        counts->pulled += pull_marked(j, &out, &in, pull, n);
+    if (j->src->encoding == NTP_ENCODING_STANDARD && j->dst->encoding == NTP_ENCODING_ZZERO)
+        counts->z_negative += count_negative(j, in.c[2], suspect ? kept : NULL, n);
+    for (int32_t i = 0; j->flip && i < n; i++)
+        out.c[1][i] = j->md - out.c[1][i];
+    if (suspect)
+        keep_unused(j, &out, &in, kept, n);
+    ntp__pack(j->dst, &out, x, y, n, j->dst->channels);
+}
+
+/* Reads float vectors, y as in the target; those that are none become 0.  Returns how many. */
+static uint64_t read_vectors(const ntp__conversion *j, ntp__vectors *v, int32_t *alpha, int32_t x,
+                             int32_t y, int32_t n)
+{
+    const char *s = ntp__at(j->src, x, y);
+    double any = 0;
+    for (int32_t i = 0; i < n; i++, s += j->src->pixel_stride) {
+        const float *raw = (const float *) (const void *) s;
+        v->c[0][i] = raw[0];
+        v->c[1][i] = raw[1];
+        v->c[2][i] = raw[2];
+        alpha[i] = j->src->channels == 4 ? ntp__level_of(raw[3], j->md) : j->md;
+    }
+    for (int32_t i = 0; i < n; i++) { /* not 0 when one is infinite or 0 */
+        double size = fabs(v->c[0][i]) + fabs(v->c[1][i]) + fabs(v->c[2][i]);
+        v->c[1][i] = j->flip ? -v->c[1][i] : v->c[1][i];
+        any += size * 0.0 + (size == 0.0);
+    }
+    if (any == 0.0)
+        return 0;
+    uint64_t broken = 0;
+    for (int32_t i = 0; i < n; i++) {
+        double size = fabs(v->c[0][i]) + fabs(v->c[1][i]) + fabs(v->c[2][i]);
+        if (size > 0.0 && ntp__is_finite(size))
+            continue;
+        v->c[0][i] = v->c[1][i] = v->c[2][i] = 0.0;
+        alpha[i] = j->md;
+        broken++;
+    }
+    return broken;
+}
+
+/* Encodes float vectors, blue derived. */
+static void encode_run(const ntp__conversion *j, int32_t x, int32_t y, int32_t n,
+                       ntp_convert_counts *counts)
+{
+    const bool zzero = j->dst->encoding == NTP_ENCODING_ZZERO;
+    const bool xy = j->dst->encoding == NTP_ENCODING_XY;
+    ntp__block out;
+    ntp__vectors v;
+    int32_t doubt[NTP__BLOCK];
+    counts->not_finite += read_vectors(j, &v, out.c[3], x, y, n);
+    int32_t any =
+        j->kernels->directions(out.c[0], out.c[1], out.c[2], doubt, &v, n, j->md, zzero, true);
+    for (int32_t i = 0; zzero && i < n; i++)
+        counts->z_negative += v.c[2][i] < 0;
+    if (any && !xy)
+        counts->pulled += ntp__pull_directions(&out, doubt, &v, n, j->md, zzero);
+    for (int32_t i = 0; any && i < n; i++) {
+        if (!(doubt[i] & NTP__IN_DOUBT))
+            continue;
+        const float raw[3] = { (float) v.c[0][i], (float) (j->flip ? -v.c[1][i] : v.c[1][i]),
+                               (float) v.c[2][i] };
+        int32_t c[3];
+        ntp_convert_counts one = { 0, 0, 0 };
+        ntp__convert_vector(j, raw, c, &one);
+        counts->pulled += one.pulled;
+        for (int32_t k = 0; k < 3; k++)
+            out.c[k][i] = c[k];
+    }
+    for (int32_t i = 0; xy && i < n; i++)
+        out.c[2][i] = j->md;
+    ntp__pack(j->dst, &out, x, y, n, j->dst->channels);
+}
+
+ntp__convert_fn *ntp__fast_conversion(const ntp__conversion *j)
+{
+    const ntp_encoding from = j->src->encoding, to = j->dst->encoding;
+    const ntp_const_image target = ntp_image_as_const(j->dst);
+    const bool packed =
+        ntp__is_packed(j->src) && ntp__is_packed(&target) && j->src->channels == j->dst->channels;
+    const bool bytes = j->src->type == NTP_TYPE_U8;
+    if (from == NTP_ENCODING_HEIGHT)
+        return NULL;
+    if (j->dst->type != NTP_TYPE_F32 && from == NTP_ENCODING_VECTOR)
+        return j->how.blue == NTP_BLUE_DERIVED ? encode_run : NULL;
+    if (j->src->type == NTP_TYPE_F32)
+        return NULL;
+    if (j->dst->type == NTP_TYPE_F32)
+        return to != NTP_ENCODING_VECTOR || from == NTP_ENCODING_XY || !packed ? NULL
+               : bytes                                                         ? decode_8
+                                                                               : decode_16;
+    if (packed && j->src->type == j->dst->type && from == to)
+        return bytes ? move_8 : move_16;
+    return convert_levels;
+}
