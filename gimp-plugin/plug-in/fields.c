@@ -124,6 +124,15 @@ static const choice verdicts[] = { /* ntp_verdict */
     END
 };
 
+static const choice remedies[] = { /* remedy of remedy.h, after none */
+    { "none", N_("None") },
+    { "undo", N_("Undo an exchange or conversion, and clean") },
+    { "clean", N_("Clean") },
+    { "standard", N_("Make blue standard") },
+    { "green", N_("Flip green") },
+    END
+};
+
 static const choice scopes[] = {
     { "image", N_("The whole image") },
     { "layer", N_("This layer") },
@@ -219,6 +228,8 @@ static const field check_fields[FK_COUNT] = {
         N_("What blue stands for in the layer as it is"), 0, 0, readings),
     [FK_KEEP_NEGATIVE_Z] = SWITCH("keep-negative-z", NTP_KEEP_NEGATIVE_Z_LABEL,
         N_("Do not turn normals around that point into the surface"), 0),
+    [FK_REMEDY] = CHOICE("remedy", N_("Remedy"),
+        N_("What is then done with the layer, as by the buttons of the report"), -1, 0, remedies),
 };
 
 static const field clean_fields[FC_COUNT] = {

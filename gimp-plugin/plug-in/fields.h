@@ -81,7 +81,7 @@ enum {
 };
 
 /* plug-in-ntp-check-normals */
-enum { FK_FROM, FK_KEEP_NEGATIVE_Z, FK_COUNT };
+enum { FK_FROM, FK_KEEP_NEGATIVE_Z, FK_REMEDY, FK_COUNT };
 
 /* plug-in-ntp-clean-normals */
 enum { FC_METHOD, FC_FROM, FC_KEEP_NEGATIVE_Z, FC_ONLY_FAILING, FC_VERDICT, FC_UNUSED, FC_COUNT };

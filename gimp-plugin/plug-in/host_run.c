@@ -232,18 +232,33 @@ void host_add_effects(report *r)
     g_strlcat(r->text, _("Seen as the layer is shown, with its effects."), sizeof r->text);
 }
 
+/* Does what a script asks for: nothing, or a remedy, for which settings have one more. */
+static gboolean remedy_asked(const settings *s, const findings *f, gint32 id,
+                             char message[HOST_TEXT])
+{
+    const int asked = (int) s->value[FK_REMEDY];
+    if (asked == 0)
+        return TRUE;
+    if (remedy_applies((remedy) (asked - 1), f))
+        return host_remedy((remedy) (asked - 1), f, id, message);
+    g_strlcpy(message, _("This remedy is not one for this layer. Nothing was changed."), HOST_TEXT);
+    return FALSE;
+}
+
 gboolean host_check(const settings *s, gint32 id, report *r, char message[HOST_TEXT])
 {
+    static findings f;
     host_layer layer;
     host_open(&layer, id);
     gimp_progress_init(_("Checking normals"));
-    const job_status status = report_run(r, s, &layer.raster, host_translate, &host_surroundings);
+    const job_status status = remedy_look(&f, s, &layer.raster, host_translate, &host_surroundings);
     gimp_progress_end();
     if (layer.shown > 0)
-        host_add_effects(r);
+        host_add_effects(&f.found);
     host_close(&layer);
+    *r = f.found;
     g_strlcpy(message, status == JOB_DONE ? "" : _(job_status_text(status)), HOST_TEXT);
-    return status == JOB_DONE;
+    return status == JOB_DONE && remedy_asked(s, &f, id, message);
 }
 
 /* --------------------------------------------------------------------------------- running */

@@ -58,7 +58,7 @@ static void show_remedies(window *w)
                          !w->findings.found.green.decided ? _("_Flip green")
                          : up                             ? _("_Flip green: down, DirectX")
                                                           : _("_Flip green: up, OpenGL"));
-    gchar *undo = g_strdup_printf(_("_Undo it and clean (%.0f %% sure)"),
+    gchar *undo = g_strdup_printf(_("U_ndo it and clean (%.0f %% sure)"),
                                   100 * w->findings.found.type.confidence);
     gtk_button_set_label(GTK_BUTTON(w->remedies[REMEDY_UNDO]), undo);
     g_free(undo);

@@ -15,7 +15,7 @@
 #include <string.h>
 
 enum {
-    SIDE = 200,    /* of a picture, at least */
+    SIDE = 170,    /* of a picture, at least */
     NARROW = 160,  /* of three beside each other */
     SLICE = 30000, /* microseconds to show rows in full, so that the window stays alive */
     GRIP = 6,      /* so near to the line between before and after a press takes it */
@@ -410,7 +410,8 @@ static GtkWidget *toggle_new(view *v, const char *label, const char *tip)
 
 static GtkWidget *zoom_new(view *v)
 {
-    GtkWidget *box = box_new(FALSE);
+    const gboolean narrow = v->procedure != &procedures[PROCEDURE_CHECK];
+    GtkWidget *box = box_new(FALSE), *both = box_new(TRUE);
     v->tile = toggle_new(v, _("Tile 2 x 2"), _("Four times the whole layer, to look for seams"));
     v->compare = toggle_new(v, _("Before and after"),
                             _("The layer as it is on the left. Drag the line between them"));
@@ -422,8 +423,10 @@ static GtkWidget *zoom_new(view *v)
     gtk_box_pack_start(GTK_BOX(box), gtk_label_new(_("Preview:")), FALSE, FALSE, 0);
     gtk_box_pack_start(GTK_BOX(box), v->combo, FALSE, FALSE, 0);
     gtk_box_pack_start(GTK_BOX(box), v->tile, FALSE, FALSE, 6);
-    gtk_box_pack_start(GTK_BOX(box), v->compare, FALSE, FALSE, 6);
-    return box;
+    gtk_box_pack_start(GTK_BOX(narrow ? both : box), v->compare, FALSE, FALSE, narrow ? 0 : 6);
+    gtk_box_pack_start(GTK_BOX(both), box, FALSE, FALSE, 0);
+    gtk_box_reorder_child(GTK_BOX(both), box, 0);
+    return both;
 }
 
 static void explain(view *v)

@@ -17,6 +17,7 @@ from support.plugin_cases import (
     INPUTS,
     PART,
     PARTS,
+    REMEDIES,
     SETTINGS,
     assert_normals_of,
     different,
@@ -26,6 +27,7 @@ from support.plugin_cases import (
     rough_normals,
 )
 
+TEST_FILES = ROOT / "test_files"
 CHROOT = os.environ.get("NTP_GIMP3")
 pytestmark = pytest.mark.skipif(not CHROOT, reason="NTP_GIMP3 names no chroot; use ./dev gimp3")
 
@@ -116,6 +118,9 @@ def jobs():
     for depth in (8, 16):
         clean = ["call", "plug-in-ntp-clean-normals", {}]
         job(f"clean{depth}", f"rough{depth}", clean, ["save", f"clean{depth}.png"])
+    for name in REMEDIES:
+        file, remedy = name.rsplit("-", 1)
+        job(name, f"judged-{file}", ["call", CHECK, {"remedy": remedy}], ["save", f"{name}.png"])
     job("check", "rough8", ["call", "plug-in-ntp-check-normals", {}])
     height = ["call", "plug-in-ntp-height-from-normals", {}]
     job("height", "rough16", height, ["save", "height.png"])
@@ -188,7 +193,10 @@ def gimp():
     pngs.write_png(made.work / "rgb8-equal.png", equal)
     pngs.write_png(made.work / "rough8.png", rough_normals(3, 8))
     pngs.write_png(made.work / "rough16.png", rough_normals(4, 16))
-    shutil.copy(ROOT / "test_files" / "red_blue_swapped.png", made.work)
+    shutil.copy(TEST_FILES / "red_blue_swapped.png", made.work)
+    for name in REMEDIES:
+        file = name.rsplit("-", 1)[0]
+        shutil.copy(TEST_FILES / f"{file}.png", made.work / f"judged-{file}.png")
     made.results, made.complaints = made.run(jobs())
     alone, complaints = made.run(jobs_alone(), GEGL_PATH=made.without_our_operations())
     made.results.update(alone)
@@ -338,6 +346,17 @@ def test_check(gimp, program):
     fail = [f["fail"][v] for v in ("neighbor", "rounded", "exact")]
     assert values[0] == "standard" and values[2] == f["texels"] and values[3] == f["unused"]
     assert values[4:7] == fail and values[7] == f["xy_too_long"] and values[11] == f["y"]
+
+
+@pytest.mark.parametrize("name", REMEDIES)
+def test_remedy(done, ntp, name):
+    """What a click in the report does, by the same code, is what a verb does."""
+    pixels = pngs.read_png(TEST_FILES / f"{name.rsplit('-', 1)[0]}.png")[0]
+    verb, *words = REMEDIES[name]
+    made, expected = done(name), ntp(pixels, verb, *words)
+    channels = expected.shape[2]  # a layer keeps its alpha channel
+    assert different(made[:, :, :channels], expected) == 0
+    assert (made[:, :, channels:] == 255).all()
 
 
 def test_height(done):

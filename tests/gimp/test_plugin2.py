@@ -23,6 +23,7 @@ from support.plugin_cases import (
     INPUTS,
     PART,
     PARTS,
+    REMEDIES,
     SETTINGS,
     WIDTH,
     assert_normals_of,
@@ -170,6 +171,7 @@ def refused_jobs():
         "no-alpha-map": opened("rgba8.png", classic(alpha=6)),
         "heightfield": opened("equal.png", call("plug-in-ntp-height-from-normals")),
         "text": opened("rgb8.png", TEXT + normals(layer="text")),
+        "no-remedy": opened("rough8.png", call("plug-in-ntp-check-normals", remedy="undo")),
         "photograph": opened("noise.png", call("plug-in-ntp-clean-normals")),
         **{n: opened(f"{n}.png", call("plug-in-ntp-clean-normals")) for n in MISPLACED},
     }
@@ -231,6 +233,15 @@ def normals_jobs():
             "rough16.png", call("plug-in-ntp-height-from-normals") + saved("height.png")
         ),
     }
+
+
+def remedy_jobs():
+    jobs = {}
+    for name in REMEDIES:
+        file, remedy = name.rsplit("-", 1)
+        body = call("plug-in-ntp-check-normals", remedy=remedy) + saved(f"{name}.png")
+        jobs[name] = opened(f"{judged(file)}.png", body)
+    return jobs
 
 
 # The settings of Resize Normals, and the options of `ntp resize` that they are.
@@ -305,7 +316,7 @@ def gimp(tmp_path_factory):
     pixels[:7] = (0, 255, 0)  # black padding whose green was flipped
     pngs.write_png(made.work / "judged-padding.png", pixels)
     jobs = exact_jobs() | precision_jobs() | layer_jobs() | classic_jobs() | normals_jobs()
-    jobs |= resize_jobs()
+    jobs |= resize_jobs() | remedy_jobs()
     made.messages = made.run(jobs, refused_jobs())
     return made
 
@@ -436,6 +447,7 @@ REFUSED = {
     "no-alpha-map": "none is chosen",
     "heightfield": "looks like a heightfield",
     "text": "text layer",
+    "no-remedy": "not one for this layer",
     "photograph": "not look like a normals texture",
     **dict.fromkeys(MISPLACED, "this would make it worse"),
 }
@@ -613,6 +625,17 @@ def test_clean_as_told(done, ntp):
     """Who says how blue stores z has its channels cleaned where they are."""
     pixels = pngs.read_png(TEST_FILES / "red_blue_swapped.png")[0]
     assert different(done("clean-told"), ntp(pixels, "clean", "--type", "standard")) == 0
+
+
+@pytest.mark.parametrize("name", REMEDIES)
+def test_remedy(done, ntp, name):
+    """What a click in the report does, by the same code, is what a verb does."""
+    pixels = pngs.read_png(TEST_FILES / f"{name.rsplit('-', 1)[0]}.png")[0]
+    verb, *words = REMEDIES[name]
+    made, expected = done(name), ntp(pixels, verb, *words)
+    channels = expected.shape[2]  # a layer keeps its alpha channel
+    assert different(made[:, :, :channels], expected) == 0
+    assert (made[:, :, channels:] == 255).all()
 
 
 def test_clean_selection(done, ntp):

@@ -53,7 +53,7 @@ ARGUMENTS = {
         "contrast": 0,
         "result": 0,
     },
-    "plug-in-ntp-check-normals": {"from": 0, "keep-negative-z": 0},
+    "plug-in-ntp-check-normals": {"from": 0, "keep-negative-z": 0, "remedy": "none"},
     "plug-in-ntp-clean-normals": {
         "method": 2,
         "from": 0,
@@ -105,6 +105,7 @@ CHOICES = {
     "preset": "none unreal unity godot source labpbr gimp gimp-normalmap",
     "channels": "xyz zyx xzy 1y0x",
     "dither": "none integrable",
+    "remedy": "none undo clean standard green",
 }
 
 

@@ -122,3 +122,15 @@ def part_of(whole, pixels):
     expected = color.copy()
     expected[y : y + h, x : x + w] = whole[y : y + h, x : x + w]
     return expected
+
+
+# Wrong textures of test_files, the remedy for each in Check Normals, and the verb that it is.
+REMEDIES = {
+    "red_blue_swapped-undo": ["clean", "--undo"],
+    "dxt5nm-undo": ["clean", "--undo"],
+    "gamma-undo": ["clean", "--undo"],
+    "zzero-standard": ["convert", "--to", "standard"],
+    "standard_truncated-clean": ["clean"],
+    "standard_16_rounded-green": ["convert", "--y", "up", "--to-y", "down"],
+    "standard_down-green": ["convert", "--to-y", "up"],
+}
