@@ -424,6 +424,56 @@ def test_atlases(rng):
         assert decide(atlas(rng, 120, rng.permutation(9) < 3))["confidence"] < 0.9
 
 
+GROUNDS = ("black", "flat", "gray", "padded", "padded on black", "padded on flat")
+
+
+def on_ground(levels, used, ground):
+    """What lies between charts: one color, or the edges of the charts repeated outward."""
+    out, have = levels.copy(), used.copy()
+    steps = {"padded": 99}.get(ground, 3 if ground.startswith("padded") else 0)
+    for _, (axis, by) in itertools.product(range(steps), itertools.product((0, 1), (-1, 1))):
+        near, color = np.roll(have, by, axis), np.roll(out, by, axis)
+        out[near & ~have] = color[near & ~have]
+        have |= near
+    out[~have] = {"k": 0, "t": (128, 128, 255), "y": 128}.get(ground[-1], 0)
+    return out
+
+
+def faint_atlas(rng, side, n, ground):
+    """n x n charts cut from one faint relief, turned and mirrored, each leaning in its own way."""
+    c = side // n
+    p, q = np.zeros((2, side, side))
+    y, x = np.mgrid[:c, :c] * (2 / c) - 1
+    used = np.pad(np.tile(np.maximum(abs(x), abs(y)) < 0.85, (n, n)), (0, side - c * n))
+    relief = FAMILIES[int(rng.choice([0, 2, 4, 5]))](rng, side, side)
+    strength = rng.uniform(0.07, 0.12) / np.quantile(np.hypot(*slopes(relief, "central")), 0.95)
+    for i, j in itertools.product(range(n), range(n)):
+        top, left = rng.integers(side - c + 1, size=2)
+        height = np.rot90(relief[top : top + c, left : left + c], int(rng.integers(4)))
+        height = height[:, ::-1] if rng.integers(2) else height
+        for where, slope in zip((p, q), slopes(height, "central"), strict=True):
+            where[i * c : (i + 1) * c, j * c : (j + 1) * c] = slope * strength + rng.normal(0, 0.4)
+    up = int(rng.choice([-1, 1]))
+    normal = np.stack([-p, up * q, np.ones_like(p)], -1)
+    levels = maps.to_type(maps.encode(normal / np.linalg.norm(normal, axis=-1, keepdims=True)))
+    return on_ground(levels, used, ground), up
+
+
+@pytest.mark.parametrize("quality", [None, 95])
+def test_grounds(quality):
+    """Edges of charts, far steeper than their relief, do not hide which way it points."""
+    rng = np.random.default_rng([SEED, quality or 0])
+    decided, draws = 0, 24
+    for k in range(draws):
+        levels, up = faint_atlas(rng, 128, 2 + k % 3, GROUNDS[k % 6])
+        pixels = maps.jpeg(levels, quality, 0) if quality else levels
+        found = verdict(pixels, every=k // 6 % 2)
+        assert found in (0, up), (k, GROUNDS[k % 6])
+        decided += found != 0
+    print(f"{decided} of {draws} decided")
+    assert decided >= 2 / 3 * draws
+
+
 def test_holes(rng):
     """Unused texels do not matter, whatever is below them; nor do those that are too long."""
     for _ in range(8):

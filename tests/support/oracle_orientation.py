@@ -62,8 +62,12 @@ def loops(pixels, every_row=False):
     return np.stack([a[whole] for a in (*wide, *near[:2], x, y, *near[2:], *along)])
 
 
-def _blocks(u, v, block):
-    """What each block says, as a share of what all say; the energy before large ones are held."""
+def _blocks(u, v, block, inside=False):
+    """What each block says, as a share of what all say; the energy before large ones are held.
+
+    inside: those of more than twice to four times the median are held, else those of more than
+    three times the root mean square.
+    """
     top = np.maximum(abs(u), abs(v))
     bits = np.where(top > 0, np.floor(np.log2(np.maximum(top, 1))).astype(int) + 1, 0)
     shift = np.maximum(bits - 12, 0)
@@ -73,12 +77,28 @@ def _blocks(u, v, block):
     energy = np.bincount(bits, uu * uu + vv * vv, minlength=25) * scale
     if energy.sum() == 0:
         return np.zeros(256), 0.0
-    mean = energy.sum() / len(u)
+    most = 9 * energy.sum() / len(u)
+    if inside:
+        varied = np.sort(bits[bits > 0])
+        most = 4.0 ** (varied[(len(varied) - 1) // 2] + 1)
     weight = np.ones(25)
-    far = energy > 9 * mean * n
-    weight[far] = 9 * mean * n[far] / energy[far]
+    far = energy > most * n
+    weight[far] = most * n[far] / energy[far]
     cross = np.bincount(block * 25 + bits, uu * vv, minlength=256 * 25).reshape(256, 25)
     return 2 * (cross * (weight * scale)).sum(1) / (energy * weight).sum(), energy.sum()
+
+
+def _score(sums):
+    spread = np.sqrt((sums * sums).sum())
+    return sums.sum() / spread if spread else 0.0
+
+
+def _enough(filters, inside=False):
+    sign = -1 if sum(filters).sum() < 0 else 1
+    clear, steady = max(sign * f.sum() for f in filters), sign * _score(sum(filters))
+    if inside:
+        return clear >= 0.15 and steady >= 5
+    return (clear >= 0.1 and steady >= 4) or (clear >= 0.5 and steady >= 3.5)
 
 
 def statistic(pixels, every_row=False):
@@ -90,11 +110,14 @@ def statistic(pixels, every_row=False):
     cells = [max(-(-side // 16), 4) for side in (w, h)]
     block = (y // cells[1]) * 16 + x // cells[0]
     (wide, across), (narrow, _) = (_blocks(*uv, block) for uv in ((u, v), (u2, v2)))
-    sums = (wide + narrow) / 2
+    inside = [_blocks(*uv, block, inside=True)[0] for uv in ((u, v), (u2, v2))]
+    told = (
+        inside if _enough(inside, inside=True) and not _enough([wide, narrow]) else [wide, narrow]
+    )
+    sums = (told[0] + told[1]) / 2
     along = 65536.0 * (np.trunc(along_p / 256) ** 2 + np.trunc(along_q / 256) ** 2).sum()
     both, either = 2.0 * abs(p * q).sum(), float((p * p + q * q).sum())
     bends, meets = across * either, along * both
     mixed = both < 0.6 * either and narrow.sum() / (wide.sum() or 1) < 0.45
     weave = (both < 0.45 * either and bends > meets) or (mixed and bends > 0.7 * meets)
-    spread = np.sqrt((sums * sums).sum())
-    return sums.sum(), sums.sum() / spread if spread else 0.0, len(u), weave
+    return sums.sum(), _score(sums), len(u), weave

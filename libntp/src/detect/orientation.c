@@ -19,6 +19,7 @@
  * exactly.  Large derivatives get less weight at the end.  docs/orientation.md tells the rest.
  */
 #include "base/view.h"
+#include "detect/orientation.h"
 #include "texel/level.h"
 
 #include <string.h>
@@ -30,13 +31,8 @@ enum {
 
     SLOPE_ONE = 4096, /* fixed-point unit of slopes; the steepest used slope is below 10 */
 
-    BITS = 12,  /* kept of a derivative in a product */
-    SIZES = 25, /* bit lengths 0..24: 384 (the filter's sum of magnitudes) times 10 SLOPE_ONE */
-
-    ALONG_UNIT = 256, /* divides what `along` adds up, so that even 2^31 of the largest fit */
-
-    SIDE = 16, /* blocks along each side of the picture */
-    CELL = 4,  /* but no smaller than this, as neighboring loops share texels */
+    CELL =
+        4, /* blocks of the picture are no smaller than this, as neighboring loops share texels */
 
     STEP_LOOPS = 32, /* least number of rows of loops in a large image */
     STEP_MAX = 128,
@@ -47,23 +43,6 @@ enum {
 /* [1 4 6 4 1] convolved with [1 1], and with [-1 1]. */
 static const float SMOOTH[TAPS] = { 1, 5, 10, 10, 5, 1 };
 static const float STEEP[TAPS] = { -1, -3, -2, 2, 3, 1 };
-
-/* What the loops of one filter add up to. */
-typedef struct loop_sums {
-    uint64_t loops[SIZES];
-    uint64_t energy[SIZES];            /* sums of u*u + v*v, shifted as in add_loop */
-    int64_t cross[SIDE * SIDE][SIZES]; /* sums of u*v, shifted likewise */
-} loop_sums;
-
-enum { WIDE, NARROW, FILTERS };
-
-struct ntp_orientation {
-    uint32_t width, height, every_row; /* 0: empty */
-    uint64_t steep;                    /* loops left out only because a texel is too steep */
-    uint64_t along; /* sum of squares of p derived along x and q along y, by the wide filter */
-    uint64_t both, either; /* sums of 2 |p q| and of p*p + q*q of a loop's texel */
-    loop_sums sums[FILTERS];
-};
 
 size_t ntp_orientation_size(void)
 {
@@ -107,13 +86,15 @@ static void to_slopes(float *p, float *q, uint8_t *bad, const int32_t *r, const 
                       int32_t n, int32_t m)
 {
     uint32_t m2 = (uint32_t) m * (uint32_t) m, least = m2 / 100 + 1;
+    int32_t near = m / 10;
     /* The shift keeps S within int32_t; x and y are scaled to match z. */
     uint32_t shift = m == 255 ? 0 : 2, half = shift / 2;
     for (int32_t i = 0; i < n; i++) {
         int32_t x = ntp__num(r[i], m), y = ntp__num(g[i], m);
         uint32_t ax = (uint32_t) ntp__abs(x), ay = (uint32_t) ntp__abs(y);
         uint32_t most = m2 - ax * ax, y2 = ay * ay, s = most > y2 ? most - y2 : 0;
-        bool end = (r[i] == g[i]) & ((r[i] == 0) | (r[i] == m)); /* black, white */
+        /* Black, white, and what JPEG makes of them: far too long for any normal. */
+        bool end = ((r[i] <= near) & (g[i] <= near)) | ((r[i] >= m - near) & (g[i] >= m - near));
         bad[i] = (uint8_t) (s < least ? end ? NO_NORMAL : TOO_STEEP : 0);
         s = s < least ? least : s;
         /* Each step is rounded to float, even where the processor calculates with more bits.  For
@@ -300,136 +281,10 @@ ntp_status ntp_orientation_merge(ntp_orientation *into, const ntp_orientation *f
     return NTP_OK;
 }
 
-/* On labeled textures of public projects, answers begin to be wrong below these.  Where the
- * statistic is clear, which it never is for noise, a somewhat lower score is enough. */
-static const double LEAST_STATISTIC = 0.1, LEAST_SCORE = 4;
-static const double CLEAR_STATISTIC = 0.5, CLEAR_SCORE = 3.5;
-/* Where more than this share is too steep, what is left misleads. */
-static const double MOST_STEEP = 0.2;
-/* Where p and q meet in one texel less than this, the texture is a grid or a weave.  Isotropic
- * surfaces and noise have 0.64.  A JPEG of half the colors mixes red with green, so there they meet
- * more; but then the narrow filter says less than this part of what the wide one says. */
-static const double GRID = 0.45, MIXED_GRID = 0.6, MIXED_BENDS = 0.7, MIXED_NARROW = 0.45;
-/* From here on the answer is as sure as it gets. */
-static const double SURE_STATISTIC = 0.5, SURE_SCORE = 10;
-/* Blocks that contradict the others with more than half of this share leave it below 0.9. */
-static const double MOST_AGAINST = 0.2;
-/* Labeled textures contradict even a clear answer now and then. */
-static const double CONFIDENCE_LEAST = 0.8, CONFIDENCE_MOST = 0.99;
-
-/* What undoes the shift in add_loop. */
-static double unit_of(int32_t size)
-{
-    return (double) ((int64_t) 1 << 2 * (size > BITS ? size - BITS : 0));
-}
-
-/* Weights of the sizes; false: nothing varies.  Derivatives of more than three times the root mean
- * square get so little weight that they count as that. */
-static bool weigh(double weight[SIZES], double *energy, const loop_sums *acc)
-{
-    double total = 0, loops = 0, held = 0;
-    for (int32_t k = 0; k < SIZES; k++) {
-        weight[k] = unit_of(k);
-        total += (double) acc->energy[k] * weight[k];
-        loops += (double) acc->loops[k];
-    }
-    if (total <= 0)
-        return false;
-    for (int32_t k = 0; k < SIZES; k++) {
-        double own = (double) acc->energy[k] * weight[k];
-        double most = 9 * (total / loops) * (double) acc->loops[k];
-        if (own > most)
-            weight[k] *= most / own;
-        held += (double) acc->energy[k] * weight[k];
-    }
-    *energy = held;
-    return true;
-}
-
 ntp_status ntp_orientation_clear(ntp_orientation *orientation)
 {
     if (orientation == NULL)
         return NTP_ERR_ARGUMENT;
     memset(orientation, 0, sizeof *orientation);
-    return NTP_OK;
-}
-
-/* Adds to each block its part of the statistic of one filter; returns that statistic. */
-static double add_blocks(double blocks[SIDE * SIDE], const loop_sums *acc)
-{
-    double weight[SIZES], energy, statistic = 0;
-    if (!weigh(weight, &energy, acc))
-        return 0;
-    for (int32_t i = 0; i < SIDE * SIDE; i++) {
-        double cross = 0;
-        for (int32_t k = 0; k < SIZES; k++)
-            cross += (double) acc->cross[i][k] * weight[k];
-        blocks[i] += 2 * cross / energy / FILTERS;
-        statistic += 2 * cross / energy;
-    }
-    return statistic;
-}
-
-/* A surface whose p and q hardly meet in one texel hardly changes p along y or q along x either:
- * those changes stand where the two meet.  Threads of a weave end at each other, so they do. */
-static bool is_weave(const ntp_orientation *acc, double wide, double narrow)
-{
-    double across = 0, along = (double) acc->along * (ALONG_UNIT * ALONG_UNIT);
-    for (int32_t k = 0; k < SIZES; k++)
-        across += (double) acc->sums[WIDE].energy[k] * unit_of(k);
-    double both = (double) acc->both, either = (double) acc->either;
-    double bends = across * either, meets = along * both;
-    bool mixed = both < MIXED_GRID * either &&
-                 (wide < 0 ? -narrow : narrow) < MIXED_NARROW * (wide < 0 ? -wide : wide);
-    return (both < GRID * either && bends > meets) || (mixed && bends > MIXED_BENDS * meets);
-}
-
-static double least(double a, double b)
-{
-    return a < b ? a : b;
-}
-
-/* How sure a verdict of this sign is.  `ratio`: what the narrow filter says as a part of what the
- * clearer one says; noise lowers it somewhat, hidden steps lower it much. */
-static double confidence_of(const double blocks[SIDE * SIDE], double sign, double mean,
-                            double steady, double ratio)
-{
-    double against = 0;
-    for (int32_t i = 0; i < SIDE * SIDE; i++)
-        against += sign * blocks[i] < 0 ? -sign * blocks[i] : 0;
-    double sure = least(mean / SURE_STATISTIC, steady / SURE_SCORE);
-    sure = least(sure, least(ratio, 1 - against / (mean + 2 * against) / MOST_AGAINST));
-    sure = sure < 0 ? 0 : least(sure, 1);
-    return CONFIDENCE_LEAST + (CONFIDENCE_MOST - CONFIDENCE_LEAST) * sure;
-}
-
-ntp_status ntp_orientation_summarize(ntp_orientation_result *result,
-                                     const ntp_orientation *orientation)
-{
-    if (result == NULL || orientation == NULL)
-        return NTP_ERR_ARGUMENT;
-    ntp_orientation_result r = { 0, NTP_Y_UP, 0, 0, 0, 0 };
-    double blocks[SIDE * SIDE] = { 0 }, squares = 0;
-    double wide = add_blocks(blocks, &orientation->sums[WIDE]);
-    double narrow = add_blocks(blocks, &orientation->sums[NARROW]);
-    for (int32_t k = 0; k < SIZES; k++)
-        r.loops += orientation->sums[WIDE].loops[k];
-    for (int32_t i = 0; i < SIDE * SIDE; i++) {
-        r.statistic += blocks[i];
-        squares += blocks[i] * blocks[i];
-    }
-    r.score = squares > 0 ? r.statistic / sqrt(squares) : 0;
-    double sign = r.statistic < 0 ? -1 : 1, steady = sign * r.score;
-    double clear = -least(-sign * wide, -sign * narrow);
-    r.y = sign < 0 ? NTP_Y_DOWN : NTP_Y_UP;
-    double all = (double) r.loops + (double) orientation->steep;
-    bool steep = (double) orientation->steep > MOST_STEEP * all;
-    bool enough = (clear >= LEAST_STATISTIC && steady >= LEAST_SCORE) ||
-                  (clear >= CLEAR_STATISTIC && steady >= CLEAR_SCORE);
-    r.decided = enough && !steep && !is_weave(orientation, wide, narrow);
-    if (r.decided)
-        r.confidence =
-            confidence_of(blocks, sign, sign * r.statistic, steady, sign * narrow / clear);
-    *result = r;
     return NTP_OK;
 }
