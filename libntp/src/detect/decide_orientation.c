@@ -91,9 +91,14 @@ static double add_blocks(double blocks[SIDE * SIDE], const loop_sums *acc, evide
     double weight[SIZES], energy, statistic = 0;
     if (!weigh(weight, &energy, acc, of))
         return 0;
+    int32_t first = 0, end = SIZES;
+    while (weight[first] * (double) acc->energy[first] <= 0)
+        first++;
+    while (acc->energy[end - 1] == 0)
+        end--;
     for (int32_t i = 0; i < SIDE * SIDE; i++) {
         double cross = 0;
-        for (int32_t k = 0; k < SIZES; k++)
+        for (int32_t k = first; k < end; k++)
             cross += (double) acc->cross[i][k] * weight[k];
         blocks[i] += 2 * cross / energy / FILTERS;
         statistic += 2 * cross / energy;
@@ -177,9 +182,10 @@ ntp_status ntp_orientation_summarize(ntp_orientation_result *result,
     evidence whole, inside, edges;
     gather(&whole, orientation, OF_WHOLE);
     gather(&inside, orientation, INSIDE_ISLANDS);
-    gather(&edges, orientation, OF_EDGES);
     bool enough = is_enough(&whole, OF_WHOLE),
          by_inside = !enough && is_enough(&inside, INSIDE_ISLANDS);
+    if (by_inside)
+        gather(&edges, orientation, OF_EDGES);
     const evidence *told = by_inside ? &inside : &whole, *other = by_inside ? &edges : &inside;
     bool contradicted = sign_of(told) * other->mean < -LEAST_STATISTIC;
     ntp_orientation_result r = { 0, NTP_Y_UP, 0, told->mean, told->score, 0 };

@@ -22,6 +22,7 @@
 #include "detect/orientation.h"
 #include "texel/level.h"
 
+#include <stddef.h>
 #include <string.h>
 
 enum {
@@ -77,8 +78,8 @@ typedef struct columns {
     float u[NTP__BLOCK]; /* of -p, derived */
     float v[NTP__BLOCK]; /* of q, smoothed */
     float p_smooth[NTP__BLOCK], q_steep[NTP__BLOCK];
-    float p[2][NTP__BLOCK], q[2][NTP__BLOCK]; /* of the two rows in the middle */
     uint8_t bad[NTP__BLOCK];
+    float p[2][NTP__BLOCK], q[2][NTP__BLOCK]; /* of the two rows in the middle: not sums */
 } columns;
 
 /* p and q of a row.  Texels with z below 1/10 are bad; black and white are among them. */
@@ -86,15 +87,15 @@ static void to_slopes(float *p, float *q, uint8_t *bad, const int32_t *r, const 
                       int32_t n, int32_t m)
 {
     uint32_t m2 = (uint32_t) m * (uint32_t) m, least = m2 / 100 + 1;
-    int32_t near = m / 10;
+    int32_t far = m * 8 / 5;
     /* The shift keeps S within int32_t; x and y are scaled to match z. */
     uint32_t shift = m == 255 ? 0 : 2, half = shift / 2;
     for (int32_t i = 0; i < n; i++) {
         int32_t x = ntp__num(r[i], m), y = ntp__num(g[i], m);
         uint32_t ax = (uint32_t) ntp__abs(x), ay = (uint32_t) ntp__abs(y);
         uint32_t most = m2 - ax * ax, y2 = ay * ay, s = most > y2 ? most - y2 : 0;
-        /* Black, white, and what JPEG makes of them: far too long for any normal. */
-        bool end = ((r[i] <= near) & (g[i] <= near)) | ((r[i] >= m - near) & (g[i] >= m - near));
+        /* Black, white, and what JPEG makes of them: longer than 1.13, so it is no normal. */
+        bool end = ntp__abs(x + y) > far;
         bad[i] = (uint8_t) (s < least ? end ? NO_NORMAL : TOO_STEEP : 0);
         s = s < least ? least : s;
         /* Each step is rounded to float, even where the processor calculates with more bits.  For
@@ -198,7 +199,7 @@ static void add_stretch(ntp_orientation *acc, const ntp_const_image *src, uint32
     float u[NTP__BLOCK], v[NTP__BLOCK], p_x[NTP__BLOCK], q_y[NTP__BLOCK];
     uint8_t bad[NTP__BLOCK];
     int32_t m = ntp__max(src->type), texels = n + TAPS - 1, wide = cell(src->width);
-    memset(&sums, 0, sizeof sums);
+    memset(&sums, 0, offsetof(columns, p));
     for (int32_t k = 0; k < TAPS; k++) {
         ntp__unpack(&block, src, x - BEFORE, y - BEFORE + k, texels);
         add_row(&sums, &block, texels, m, touch, k);
