@@ -7,12 +7,16 @@
  * bits.  No sum is rounded, so neither the order of sums nor the way an image is cut into areas
  * matters.  Only the direction of the result is rounded, once.  The columns are summed last because
  * then no sum outlives a row of the result: each call stands alone, and a caller can stream rows.
+ *
+ * Sums of columns below 2^53 are doubles, which are exact then.  Sums of those are doubles too, and
+ * the few results that these cannot decide are computed again with the sums above.
  */
 #include "texel/direction.h"
 #include "texel/unused.h"
 #include "texel/level.h"
 #include "reshape/resize.h"
 
+#include <math.h>
 #include <string.h>
 
 struct ntp_resize_plan {
@@ -27,7 +31,7 @@ enum {
     SUM_Z,
     SUM_WEIGHT, /* alpha of used texels, or 1 */
     SUM_ALPHA,
-    SUM_NEGATIVE, /* texels with z < 0 */
+    SUM_NEGATIVE, /* not 0: texels with z < 0 */
     SUM_EXTRA,    /* third sample of NTP_ENCODING_XY, weighted */
     SUMS
 };
@@ -37,8 +41,11 @@ typedef struct job {
     const ntp_const_image *src;
     const ntp_resize_plan *plan;
     int64_t *sum[SUMS]; /* one for each column of src; NULL: not needed */
+    double *quick[SUMS];
+    double most; /* the greatest sum of |weight| of a texel, with alpha */
     int32_t m;
     bool weighted; /* with alpha */
+    bool quickly;  /* the columns are in quick */
 } job;
 
 static size_t align16(size_t n)
@@ -154,29 +161,101 @@ static void add_run(const job *j, int32_t x, int32_t y, int32_t n, int64_t w)
     }
 }
 
+static void add_scaled(double *restrict sum, const double *restrict v, const double *restrict by,
+                       int32_t n)
+{
+    for (int32_t i = 0; i < n; i++)
+        sum[i] += v[i] * by[i];
+}
+
+/* A block of used texels of one weight, none of which has a negative z; not of XY. */
+static void add_plainly(const job *j, const ntp__block *block, int32_t x, int32_t n, double w)
+{
+    for (int32_t k = 0; k < 3; k++) {
+        const bool biased = k < 2 || j->src->encoding != NTP_ENCODING_ZZERO;
+        const double twice = biased ? 2 * w : w, less = biased ? w * j->m : 0;
+        double *restrict sum = j->quick[k] + x;
+        for (int32_t i = 0; i < n; i++)
+            sum[i] += twice * block->c[k][i] - less;
+    }
+    for (int32_t i = 0; i < n; i++)
+        j->quick[SUM_WEIGHT][x + i] += w;
+}
+
+static bool is_plain(const job *j, const ntp__block *block, int32_t n)
+{
+    const int32_t low = j->src->encoding == NTP_ENCODING_ZZERO ? -1 : (j->m - 1) / 2;
+    int32_t negative = 0;
+    for (int32_t i = 0; i < n; i++)
+        negative |= block->c[2][i] <= low;
+    return !negative && j->src->channels == 3 && j->src->encoding != NTP_ENCODING_XY &&
+           !ntp__any_suspect(block, n, j->m);
+}
+
+/* The same in doubles. */
+static void add_run_quickly(const job *j, int32_t x, int32_t y, int32_t n, int64_t w)
+{
+    ntp__block block;
+    ntp__vectors v;
+    double by[NTP__BLOCK], plane[NTP__BLOCK], *const *sum = j->quick;
+    ntp__unpack(&block, j->src, x, y, n);
+    if (is_plain(j, &block, n)) {
+        add_plainly(j, &block, x, n, (double) w);
+        return;
+    }
+    ntp__block_vectors(&v, &block, n, j->m, j->src->encoding);
+    for (int32_t i = 0; i < n; i++)
+        by[i] = (double) w * (j->weighted ? block.c[3][i] : 1);
+    if (ntp__any_suspect(&block, n, j->m)) {
+        for (int32_t i = 0; i < n; i++)
+            by[i] = ntp__texel_unused(&block, i, j->m, j->plan->how.touch_unused) ? 0 : by[i];
+    }
+    for (int32_t k = 0; k < 3; k++)
+        add_scaled(sum[k] + x, v.c[k], by, n);
+    for (int32_t i = 0; sum[SUM_EXTRA] != NULL && i < n; i++)
+        sum[SUM_EXTRA][x + i] += by[i] * block.c[2][i];
+    for (int32_t i = 0; i < n; i++) {
+        sum[SUM_WEIGHT][x + i] += by[i];
+        plane[i] = v.c[2][i] < 0 ? 1.0 : 0.0;
+        by[i] = fabs(by[i]); /* so that nothing cancels what is counted */
+    }
+    add_scaled(sum[SUM_NEGATIVE] + x, plane, by, n);
+    for (int32_t i = 0; sum[SUM_ALPHA] != NULL && i < n; i++)
+        sum[SUM_ALPHA][x + i] += (double) w * block.c[3][i];
+}
+
 /* The sums of columns x0..x1 - 1 for row y of the result. */
 static void add_rows(const job *j, int32_t y, int32_t x0, int32_t x1)
 {
     const ntp__axis *axis = &j->plan->y;
     for (int32_t k = 0; k < SUMS; k++) {
-        if (j->sum[k] != NULL)
-            memset(j->sum[k] + x0, 0, (size_t) (x1 - x0) * sizeof *j->sum[k]);
+        for (int32_t x = x0; j->quickly && j->quick[k] != NULL && x < x1; x++)
+            j->quick[k][x] = 0.0;
+        for (int32_t x = x0; !j->quickly && j->sum[k] != NULL && x < x1; x++)
+            j->sum[k][x] = 0;
     }
     for (int32_t t = 0; t < axis->span[y].count; t++) {
         int32_t w = axis->weight[(ptrdiff_t) y * axis->stride + t];
         int32_t row = ntp__axis_map(axis, axis->span[y].first + t);
         for (int32_t x = x0; w != 0 && x < x1; x += NTP__BLOCK)
-            add_run(j, x, row, x1 - x < NTP__BLOCK ? x1 - x : NTP__BLOCK, w);
+            (j->quickly ? add_run_quickly : add_run)(j, x, row,
+                                                     x1 - x < NTP__BLOCK ? x1 - x : NTP__BLOCK, w);
     }
 }
 
-/* The sum over the columns of texel x.  Columns of 63 bits are summed in two halves. */
-static ntp__i128 across(const int64_t *column, const ntp__axis *axis, int32_t x)
+static int64_t column_of(const job *j, int32_t k, int32_t i)
 {
+    return j->quickly ? (int64_t) j->quick[k][i] : j->sum[k][i];
+}
+
+/* The sum over the columns of texel x.  Columns of 63 bits are summed in two halves. */
+static ntp__i128 across(const job *j, int32_t k, int32_t x)
+{
+    const ntp__axis *axis = &j->plan->x;
     const int32_t *weight = axis->weight + (ptrdiff_t) x * axis->stride;
     int64_t high = 0, low = 0;
     for (int32_t t = 0; t < axis->span[x].count; t++) {
-        int64_t c = column[ntp__axis_map(axis, axis->span[x].first + t)];
+        int64_t c = column_of(j, k, ntp__axis_map(axis, axis->span[x].first + t));
         int64_t rest = (int64_t) ((uint64_t) c & 0xffffffffu);
         low += weight[t] * rest;
         high += weight[t] * ((c - rest) / 4294967296);
@@ -189,35 +268,92 @@ static bool any_negative(const job *j, int32_t x)
 {
     const ntp__axis *axis = &j->plan->x;
     for (int32_t t = 0; t < axis->span[x].count; t++) {
-        if (j->sum[SUM_NEGATIVE][ntp__axis_map(axis, axis->span[x].first + t)] != 0)
+        if (column_of(j, SUM_NEGATIVE, ntp__axis_map(axis, axis->span[x].first + t)) != 0)
             return true;
     }
     return false;
 }
 
-static void resize_texel(const job *j, ntp__block *out, int32_t i, int32_t x, int32_t y)
+/* The third sample of NTP_ENCODING_XY, and alpha. */
+static void resize_samples(const job *j, ntp__block *out, int32_t i, int32_t x, int32_t y)
 {
     const ntp__axis *axis = &j->plan->x;
-    ntp__i128 v[3], weight = across(j->sum[SUM_WEIGHT], axis, x);
-    int32_t m = j->m, c[3] = { 0, 0, m };
-    /* Negative weights of Lanczos can outweigh the others where many texels are unused. */
-    bool none = ntp__i128_is_zero(weight) || ntp__i128_negative(weight);
-    for (int32_t k = 0; k < 3; k++)
-        v[k] = none ? ntp__i128_of(0) : across(j->sum[k], axis, x);
-    /* Lanczos overshoots.  A texel must not get a negative z when its sources have none. */
-    if (ntp__i128_negative(v[2]) && !any_negative(j, x))
-        v[2] = ntp__i128_of(0);
-    ntp__direction_levels(c, v, m, j->src->encoding);
+    ntp__i128 weight = across(j, SUM_WEIGHT, x);
+    const bool none = ntp__i128_is_zero(weight) || ntp__i128_negative(weight);
     if (j->sum[SUM_EXTRA] != NULL && !none)
-        c[2] = ntp__i128_ratio(across(j->sum[SUM_EXTRA], axis, x), weight, m);
-    for (int32_t k = 0; k < 3; k++)
-        out->c[k][i] = c[k];
+        out->c[2][i] = ntp__i128_ratio(across(j, SUM_EXTRA, x), weight, j->m);
     if (j->sum[SUM_ALPHA] == NULL)
         return;
     int64_t one = (int64_t) axis->span[x].total * j->plan->y.span[y].total;
     bool clear = none && !(j->plan->how.touch_unused & NTP_UNUSED_TRANSPARENT);
-    out->c[3][i] =
-        clear ? 0 : ntp__i128_ratio(across(j->sum[SUM_ALPHA], axis, x), ntp__i128_of(one), m);
+    out->c[3][i] = clear ? 0 : ntp__i128_ratio(across(j, SUM_ALPHA, x), ntp__i128_of(one), j->m);
+}
+
+static void resize_texel(const job *j, ntp__block *out, int32_t i, int32_t x)
+{
+    ntp__i128 v[3], weight = across(j, SUM_WEIGHT, x);
+    int32_t m = j->m, c[3] = { 0, 0, m };
+    /* Negative weights of Lanczos can outweigh the others where many texels are unused. */
+    bool none = ntp__i128_is_zero(weight) || ntp__i128_negative(weight);
+    for (int32_t k = 0; k < 3; k++)
+        v[k] = none ? ntp__i128_of(0) : across(j, k, x);
+    /* Lanczos overshoots.  A texel must not get a negative z when its sources have none. */
+    if (ntp__i128_negative(v[2]) && !any_negative(j, x))
+        v[2] = ntp__i128_of(0);
+    ntp__direction_levels(c, v, m, j->src->encoding);
+    for (int32_t k = 0; k < 3; k++)
+        out->c[k][i] = c[k];
+}
+
+/* The sums over the columns of texel x in double; whether they are too inexact.  Their errors are
+ * below 2^-52 of the greatest sum there can be for each column. */
+static bool across_quickly(const job *j, ntp__vectors *v, int32_t i, int32_t x)
+{
+    const ntp__axis *axis = &j->plan->x;
+    const ntp__span_of_taps span = axis->span[x];
+    const int32_t *weight = axis->weight + (ptrdiff_t) x * axis->stride;
+    const bool inside = span.first >= 0 && span.first + span.count <= axis->src;
+    double sum[3] = { 0, 0, 0 }, total = 0, negative = 0, used = 0;
+    for (int32_t t = 0; t < span.count; t++) {
+        const int32_t at = inside ? span.first + t : ntp__axis_map(axis, span.first + t);
+        const double w = weight[t], here = j->quick[SUM_WEIGHT][at];
+        for (int32_t k = 0; k < 3; k++)
+            sum[k] += w * j->quick[k][at];
+        total += w * here;
+        used += fabs(here);
+        negative += fabs(j->quick[SUM_NEGATIVE][at]);
+    }
+    const bool none = used == 0 || total <= 0;
+    for (int32_t k = 0; k < 3; k++)
+        v->c[k][i] = none ? 0.0 : sum[k];
+    if (v->c[2][i] < 0 && negative == 0)
+        v->c[2][i] = 0.0;
+    if (j->most < 0x1p53 || used == 0)
+        return false;
+    const double error = j->most * span.count * 0x1p-52;
+    const double length2 = sum[0] * sum[0] + sum[1] * sum[1] + sum[2] * sum[2];
+    return fabs(total) <= error || fabs(sum[2]) <= error || length2 <= error * error * 0x1p80;
+}
+
+/* n texels of row y of the result, from the sums of the columns. */
+static void resize_run(const job *j, ntp__block *out, int32_t x, int32_t y, int32_t n)
+{
+    const bool samples = j->sum[SUM_EXTRA] != NULL || j->sum[SUM_ALPHA] != NULL;
+    int32_t doubt[NTP__BLOCK];
+    bool inexact[NTP__BLOCK];
+    ntp__vectors v;
+    for (int32_t i = 0; i < n; i++) {
+        out->c[2][i] = j->m;
+        inexact[i] = j->quickly ? across_quickly(j, &v, i, x + i) : true;
+    }
+    if (j->quickly)
+        ntp__block_directions(out, doubt, &v, n, j->m, j->src->encoding, j->most < 0x1p53);
+    for (int32_t i = 0; i < n; i++) {
+        if (inexact[i] || doubt[i])
+            resize_texel(j, out, i, x + i);
+        if (samples)
+            resize_samples(j, out, i, x + i, y);
+    }
 }
 
 /* The source columns of columns x0..x1 - 1 of the result: all columns if some lie outside. */
@@ -240,8 +376,7 @@ static void resize_area(const job *j, const ntp_rect *rect)
         add_rows(j, y, first, end);
         for (int32_t x = rect->x0; x < rect->x1; x += NTP__BLOCK) {
             int32_t n = rect->x1 - x < NTP__BLOCK ? rect->x1 - x : NTP__BLOCK;
-            for (int32_t i = 0; i < n; i++)
-                resize_texel(j, &out, i, x + i, y);
+            resize_run(j, &out, x, y, n);
             ntp__store_levels(j->dst, &out, x, y, n);
         }
     }
@@ -273,12 +408,16 @@ ntp_status ntp_resize(const ntp_image *dst, const ntp_const_image *src, const nt
     bool alpha = src->channels == 4;
     j.weighted = alpha && !(plan->how.touch_unused & NTP_UNUSED_TRANSPARENT);
     size_t plane = ntp_resize_scratch_size(plan) / SUMS;
-    for (size_t k = 0; k < SUMS; k++)
-        j.sum[k] = (int64_t *) (void *) ((char *) scratch + k * plane);
-    if (!alpha)
-        j.sum[SUM_ALPHA] = NULL;
-    if (src->encoding != NTP_ENCODING_XY || src->channels < 3)
-        j.sum[SUM_EXTRA] = NULL;
+    const double level = (double) j.m * (j.weighted ? j.m : 1);
+    j.quickly = (double) plan->y.most * level < 0x1p53;
+    j.most = (double) plan->y.most * (double) plan->x.most * level;
+    for (size_t k = 0; k < SUMS; k++) {
+        const bool needed = k == SUM_ALPHA   ? alpha
+                            : k == SUM_EXTRA ? src->encoding == NTP_ENCODING_XY && src->channels > 2
+                                             : true;
+        j.sum[k] = needed ? (int64_t *) (void *) ((char *) scratch + k * plane) : NULL;
+        j.quick[k] = (double *) (void *) j.sum[k];
+    }
     resize_area(&j, &rect);
     return NTP_OK;
 }

@@ -28,12 +28,13 @@ typedef struct ntp__axis {
     int32_t stride;          /* places for weights of each texel of the result */
     ntp__span_of_taps *span; /* dst of them */
     int32_t *weight;
+    int64_t most; /* the greatest sum of |weight| of a texel */
 } ntp__axis;
 
 /* The greatest count of a span. */
 int32_t ntp__axis_stride(ntp_filter filter, int32_t src, int32_t dst);
 
-/* Fills span and weight.  The caller has set the other fields. */
+/* Fills span, weight and most.  The caller has set the other fields. */
 void ntp__axis_init(ntp__axis *axis, ntp_filter filter);
 
 /* The texel inside that stands for texel i. */

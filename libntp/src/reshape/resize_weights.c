@@ -106,6 +106,7 @@ void ntp__axis_init(ntp__axis *axis, ntp_filter filter)
     int64_t center = filter == NTP_FILTER_TRIANGLE ? d : (int64_t) 1 << 32;
     int64_t total = center * (d / (2 * dst) + 1);
     int32_t shift = 0;
+    axis->most = filter == NTP_FILTER_BOX ? src : 0;
     while (total >> shift > (int64_t) 1 << TOTAL_BITS)
         shift++;
     for (int32_t j = 0; j < axis->dst; j++) {
@@ -119,11 +120,15 @@ void ntp__axis_init(ntp__axis *axis, ntp_filter filter)
         int64_t first = floor_div(at - reach, 2 * dst) + 1;
         int64_t last = floor_div(at + reach - 1, 2 * dst);
         ntp__span_of_taps span = { (int32_t) first, (int32_t) (last - first + 1), 0 };
+        int64_t size = 0;
         for (int64_t i = first; i <= last; i++) {
             int64_t n = 2 * i * dst - at;
-            weight[i - first] = weight_at(filter, n < 0 ? -n : n, d, shift);
-            span.total += weight[i - first];
+            int32_t w = weight_at(filter, n < 0 ? -n : n, d, shift);
+            weight[i - first] = w;
+            span.total += w;
+            size += w < 0 ? -w : w;
         }
+        axis->most = greater(axis->most, size);
         axis->span[j] = span;
     }
 }
