@@ -249,7 +249,7 @@ def detect(count, size):
         side = 2 * size if cut else size
         n = ours.from_height(SURFACES[name](side, 100 + seed).astype(np.float32), kernel)
         if cut:
-            n = n[30 : size + 16, 20 : size - 2].copy()  # of no period of the bricks
+            n = n[30 : size + 10, 20:size].copy()  # no period of bricks; blocks of 4
         n = half(n) if damage == "half size" else DAMAGES[damage](n)
         seen["kernel", damage, kernel_verdict(n, kernel)] += 1
         for seam in find_seams(n):

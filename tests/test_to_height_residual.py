@@ -34,6 +34,9 @@ GENTLE = [
     ("central", EXTRAPOLATE, 7),
     ("central", MIRROR, 6),
     ("sobel3", CLAMP, 5),
+    # Slopes at the mirrored ends are 0 to the last bit, at the edge of the box of 128.
+    ("prewitt5", MIRROR, 12),
+    ("gimp7", MIRROR, 30),
 ]
 
 
@@ -129,6 +132,73 @@ def test_refinement_returns_nearest_blue_as_well(dtype, y):
     ours, result = weighted(n, method=0, y=y, refine=100, **how)
     assert np.any(made_of(plain.astype(np.float64)) != n, axis=-1).mean() > 0.02
     assert np.array_equal(made_of(ours.astype(np.float64)), n) and result["refine_left"] == 0
+
+
+@pytest.mark.parametrize("slope", [0.1, 0.4])
+def test_nearest_blue_makes_gentle_heights_no_worse(slope):
+    h = fractal(96, rms_slope=slope, exponent=3).astype(np.float64)
+    p, q = (np.roll(h, -1, a) / 2 - np.roll(h, 1, a) / 2 for a in (1, 0))
+    v = np.stack([-p, q, np.ones_like(p)], -1)
+    n = np.floor((v / np.linalg.norm(v, axis=-1, keepdims=True) + 1) * 127.5 + 0.5).astype(np.uint8)
+    how = {"kernel": "central", "border_x": WRAP, "border_y": WRAP}
+    plain, _ = weighted(n, method=0, **how)
+    ours, result = weighted(n, method=0, refine=80, **how)
+    assert result["refine_left"] == 0 and np.std(ours - h) <= np.std(plain - h)
+
+
+def surface(size, seed, tiles):
+    """Sums of waves with their slopes to the right and down, which are exact."""
+    rng = np.random.default_rng(seed)
+    y, x = np.mgrid[:size, :size] * (2 * np.pi / size)
+    h, p, q = np.zeros((3, size, size))
+    for _ in range(30):
+        a, b = rng.integers(-8, 9, 2) if tiles else rng.uniform(-8, 8, 2)
+        wave = a * x + b * y + rng.uniform(0, 7)
+        size_of = rng.normal() * size / 20 / (1 + np.hypot(a, b)) ** 1.6
+        h += size_of * np.cos(wave)
+        p -= size_of * np.sin(wave) * a * 2 * np.pi / size
+        q -= size_of * np.sin(wave) * b * 2 * np.pi / size
+    return h, p, q
+
+
+def differentiated(h, wrap):
+    """The slope along the last axis of the polynomial through the nine nearest heights."""
+    n, at = h.shape[-1], np.arange(h.shape[-1])
+    first = at - 4 if wrap else np.clip(at - 4, 0, n - 9)
+    slope = np.zeros_like(h, dtype=np.float64)
+    for i in range(n):
+        k = np.arange(first[i], first[i] + 9) - i
+        basis = np.linalg.solve(np.vander(k, increasing=True).T.astype(float), np.eye(9)[1])
+        slope[..., i] = h[..., (k + i) % n] @ basis
+    return slope
+
+
+@pytest.mark.parametrize("border", [WRAP, CLAMP])
+@pytest.mark.parametrize("masked", [False, True])
+def test_refinement_of_baked_normals(border, masked):
+    h, p, q = surface(64, 2, border == WRAP)
+    v = np.stack([-p, q, np.ones_like(p)], -1)
+    n = np.floor((v / np.linalg.norm(v, axis=-1, keepdims=True) + 1) * 127.5 + 0.5).astype(np.uint8)
+    how = {"kernel": "baked", "border_x": border, "border_y": border, "z": DERIVED}
+    seen = np.ones(h.shape, bool)
+    if masked:
+        seen[:, :9] = False
+        how["mask"] = seen.astype(np.uint8)
+    else:
+        how["method"] = 0
+    plain, _ = weighted(n, **how)
+    ours, result = weighted(n, refine=120, **how)
+    once = weighted(n, refine=1, **how)[1]["refine_left"]
+    assert result["refine_left"] <= 4 < once
+    errors = [np.std((made - h)[seen]) for made in (plain, ours)]
+    assert errors[1] <= errors[0]
+    if masked:
+        return
+    made = ours.astype(np.float64)
+    p, q = differentiated(made, border == WRAP), differentiated(made.T, border == WRAP).T
+    length = np.sqrt(1 + p * p + q * q)
+    again = np.floor((np.stack([-p, q], -1) / length[..., None] + 1) * 127.5 + 0.5)
+    assert np.any(again != n[..., :2], axis=-1).sum() == result["refine_left"]
 
 
 def levels_of(h, kernel, border, decode, m):

@@ -389,7 +389,6 @@ def test_arguments():
         ({"max_iterations": -1}, ntp.ERR_ARGUMENT),
         ({"refine": -1}, ntp.ERR_ARGUMENT),
         ({"refine": 1, "method": 1}, ntp.ERR_ARGUMENT),
-        ({"refine": 1, "kernel": model.BAKED}, ntp.ERR_FORMAT),
         ({"refine": 1, "detrend": 1}, ntp.ERR_ARGUMENT),
         ({"dx": -1}, ntp.ERR_ARGUMENT),
     ]

@@ -130,9 +130,6 @@ static const char *why_not_refined(const to_height_state *st)
 {
     if (st->how.refine == 0)
         return NULL;
-    if (st->how.kernel == NTP_KERNEL_BAKED)
-        return "--refine makes normals again with a kernel, but baked normals have none; choose "
-               "one with --kernel";
     if (st->src.type == NTP_TYPE_F32)
         return "--refine is for textures of 8 and 16 bits: floats are not rounded";
     if (st->how.method == NTP_HEIGHT_WEIGHTED && st->how.detrend)

@@ -1041,7 +1041,8 @@ NTP_API size_t ntp_height_scratch_size(const ntp_height_options *how, int32_t wi
  * and green.  They end when all texels agree, those aside whose kernel reads a hole.  dst gets the
  * heights of the round that leaves fewest texels.  While they run, `progress` finds the rounds so far
  * and the texels left in result.  They take 112 bytes a texel.  refine is not for
- * telescoping, baked normals and floats.  detrend is applied to the refined heights and changes
+ * telescoping and floats.  Baked normals are made again by the slopes of polynomials through the
+ * nine nearest heights in a line.  detrend is applied to the refined heights and changes
  * their normals; with NTP_HEIGHT_WEIGHTED using both is an error.
  *
  * Automatic choices: for 8-bit NTP_ENCODING_STANDARD, NTP_DECODE_AUTO chooses TRUNC or SNORM if the

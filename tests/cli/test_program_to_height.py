@@ -440,7 +440,6 @@ def test_usage_errors(run, tmp_path, args):
 @pytest.mark.parametrize(
     ("args", "why"),
     [
-        (("--kernel", "baked"), "baked normals have none"),
         (("--method", "telescoping"), "--method telescoping"),
         (("--kernel", "central", "--method", "weighted", "--detrend"), "--detrend"),
     ],

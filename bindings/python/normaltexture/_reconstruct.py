@@ -399,8 +399,6 @@ def cannot(how: Any, status: int, floats: bool, in_what_way: str = "") -> NoRetu
         why = None
         if how.method == lib.NTP_HEIGHT_TELESCOPING:
             why = 'refine: goes with least squares, not with method="telescoping"'
-        elif how.kernel == lib.NTP_KERNEL_BAKED:
-            why = 'refine: makes normals again, by a kernel; kernel="baked" is none'
         elif floats:
             why = "refine: is for textures of 8 and 16 bits; floats are not rounded"
         elif how.method == lib.NTP_HEIGHT_WEIGHTED and how.detrend:

@@ -362,7 +362,6 @@ def test_refine_gives_the_texture_back():
 @pytest.mark.parametrize(
     ("how", "why"),
     [
-        ({"kernel": "baked"}, "baked"),
         ({"kernel": "central", "method": "telescoping"}, "telescoping"),
         ({"kernel": "central", "method": "weighted", "detrend": True}, "detrend"),
     ],

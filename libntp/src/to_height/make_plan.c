@@ -107,7 +107,7 @@ static ntp_status check_extras(const ntp__height_plan *plan)
     if ((plan->use_seeds && !telescoping) || (plan->mask != NULL && !weighted) ||
         (refined && (telescoping || (weighted && plan->detrend))))
         return NTP_ERR_ARGUMENT;
-    return refined && plan->kernel == NTP_KERNEL_BAKED ? NTP_ERR_FORMAT : NTP_OK;
+    return NTP_OK;
 }
 
 ntp_status ntp__make_plan(ntp__height_plan *plan, const ntp_height_options *how, int32_t width,

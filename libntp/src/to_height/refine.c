@@ -238,8 +238,9 @@ static void set_metric(refinement *f)
     memset(f->gradient, 0, bytes);
     each_row(f, weigh_row);
     each_row(f, gradient_row);
-    f->inverse.strength = forward ? 0 : strength;
-    f->inverse.prior = forward || f->plan->kernel == NTP_KERNEL_CENTRAL ? 0 : prior_of(f);
+    bool baked = f->plan->kernel == NTP_KERNEL_BAKED; /* it has pairs alone */
+    f->inverse.strength = forward ? 0 : baked ? 1 : strength;
+    f->inverse.prior = forward || baked || f->plan->kernel == NTP_KERNEL_CENTRAL ? 0 : prior_of(f);
     ntp__inverse_scale(&f->inverse, f->scale, f->before);
     memset(f->gradient, 0, bytes);
 }

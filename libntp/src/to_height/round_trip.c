@@ -15,6 +15,10 @@
 
 enum { MOST_ROWS = 128 }; /* NTP_RESIDUAL_INSIDE looks at no more */
 
+/* The least share of the box of a blue that has no excess.  On gentle ground the box is a ring of
+ * slopes; a narrower one would make heights worse. */
+static const double least_share_of_blue = 0.95;
+
 /* Leaves out the texels whose slopes a line makes from heights beyond a border. */
 static void hold_inside(int32_t *first, int32_t *end, const ntp__line *line)
 {
@@ -56,8 +60,9 @@ static void choose_seen(ntp__round_trip *r, const ntp__height_plan *plan)
 void ntp__round_trip_init(ntp__round_trip *r, const ntp__slopes *slopes,
                           const ntp__height_plan *plan, ntp__crew crew, ntp__scratch *memory)
 {
-    /* Baked normals come from no stencil; central differences are near to them. */
-    bool baked = plan->kernel == NTP_KERNEL_BAKED;
+    /* Baked normals come from no stencil; central differences are near to them.  Refinement needs
+     * what is nearer. */
+    bool baked = plan->kernel == NTP_KERNEL_BAKED && plan->refine == 0;
     size_t rows = (size_t) plan->height, row = (size_t) plan->width * sizeof(double);
     r->slopes = slopes;
     r->mask = plan->mask;
@@ -225,13 +230,14 @@ static bool differentiate(const ntp__round_trip *r, const ntp__block *block, int
     double p = *right, d = *down, square = 1 + p * p + d * d, z = 1 / sqrt(square);
     double sign = s->src->y == NTP_Y_UP ? 1 : -1, zero = s->zero, range = s->range;
     int32_t most = ntp__max(s->src->type);
+    double share_z = r->inside > least_share_of_blue ? r->inside : least_share_of_blue;
     bool off = false;
     double ex = beyond(-p * z, block->c[0][i], zero, range, r->inside, most, &off);
     double ey = beyond(sign * d * z, block->c[1][i], zero, range, r->inside, most, &off), ez = 0;
     if (r->blue && s->src->encoding == NTP_ENCODING_ZZERO)
-        ez = 2 * beyond(z, block->c[2][i], 0, 2.0 * most, r->inside, most, &off);
+        ez = 2 * beyond(z, block->c[2][i], 0, 2.0 * most, share_z, most, &off);
     else if (r->blue)
-        ez = beyond(z, block->c[2][i], zero, range, r->inside, most, &off);
+        ez = beyond(z, block->c[2][i], zero, range, share_z, most, &off);
     if (ex == 0 && ey == 0 && ez == 0) {
         *right = *down = 0;
         return off;

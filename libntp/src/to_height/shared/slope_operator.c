@@ -12,11 +12,24 @@
 #include <math.h>
 #include <string.h>
 
-enum { RADIUS = NTP__MAX_RADIUS };
+enum { RADIUS = NTP__MAX_RADIUS, POINTS = NTP__MAX_TAPS };
 
 static double magnitude(double v)
 {
     return v < 0 ? -v : v;
+}
+
+/* Entries for the same element are one: at a mirrored end slopes are exactly 0 then, as their normals
+ * are. */
+static void add_entry(ntp__line *line, int32_t row, int32_t at, double weight)
+{
+    for (int32_t j = 0; j < line->count; j++) {
+        if (line->entry[j].row == row && line->entry[j].at == at) {
+            line->entry[j].weight += weight;
+            return;
+        }
+    }
+    line->entry[line->count++] = (ntp__line_entry) { row, at, weight };
 }
 
 static void init_line(ntp__line *line, const int32_t taps[NTP__MAX_TAPS], double denominator,
@@ -46,14 +59,55 @@ static void init_line(ntp__line *line, const int32_t taps[NTP__MAX_TAPS], double
         for (int32_t k = first; k <= last; k++) {
             ntp__mapped m = ntp__border_map(ntp__border_beyond(border), position + k, n);
             for (int32_t j = 0; j < m.count && line->tap[k + RADIUS] != 0; j++) {
-                ntp__line_entry *e = &line->entry[line->count++];
-                e->row = i;
-                e->at = m.index[j];
-                e->weight = line->tap[k + RADIUS] * m.weight[j];
-                e->weight = absolute ? magnitude(e->weight) : e->weight;
+                double weight = line->tap[k + RADIUS] * m.weight[j];
+                add_entry(line, i, m.index[j], absolute ? magnitude(weight) : weight);
             }
         }
     }
+}
+
+/* Near an end: the slope at i of the polynomial through the nearest heights, as Lagrange wrote it. */
+static void add_polynomial(ntp__line *line, int32_t i, int32_t n)
+{
+    int32_t count = n < POINTS ? n : POINTS, most = n - count;
+    int32_t first = i - POINTS / 2 > 0 ? i - POINTS / 2 : 0;
+    first = first < most ? first : most;
+    double own = 0;
+    for (int32_t j = first; j < first + count; j++) {
+        double weight = 1.0 / (j - i);
+        if (j == i)
+            continue;
+        own -= weight;
+        for (int32_t k = first; k < first + count; k++)
+            weight *= k != i && k != j ? (double) (i - k) / (j - k) : 1;
+        add_entry(line, i, j, weight);
+    }
+    add_entry(line, i, i, own);
+}
+
+/* The slopes of a surface whose heights are known at the texels. */
+static void init_baked_line(ntp__line *line, ntp_border border, int32_t n)
+{
+    static const int32_t taps[NTP__MAX_TAPS] = { 3, -32, 168, -672, 0, 672, -168, 32, -3 };
+    init_line(line, taps, 840, NTP_BORDER_WRAP, (ntp__span) { 0, n - 1 }, n, false);
+    if (border == NTP_BORDER_WRAP)
+        return;
+    line->count = 0;
+    for (int32_t i = 0; i < n; i++) {
+        if (i < line->low || i >= line->high)
+            add_polynomial(line, i, n);
+    }
+}
+
+static void init_baked(ntp__stencil *s, ntp_border border_x, ntp_border border_y)
+{
+    static const int32_t one[NTP__MAX_TAPS] = { [RADIUS] = 1 };
+    s->terms = 1;
+    init_baked_line(&s->along_x[0], border_x, s->width);
+    init_baked_line(&s->along_y[0], border_y, s->height);
+    init_line(&s->across_x[0], one, 1, border_x, (ntp__span) { 0, s->width - 1 }, s->width, false);
+    init_line(&s->across_y[0], one, 1, border_y, (ntp__span) { 0, s->height - 1 }, s->height,
+              false);
 }
 
 void ntp__stencil_init(ntp__stencil *s, ntp_kernel kernel, ntp_border border_x, ntp_border border_y,
@@ -62,6 +116,10 @@ void ntp__stencil_init(ntp__stencil *s, ntp_kernel kernel, ntp_border border_x, 
     const ntp__kernel *k = &ntp__kernel_table[kernel];
     s->width = width;
     s->height = height;
+    if (kernel == NTP_KERNEL_BAKED) {
+        init_baked(s, border_x, border_y);
+        return;
+    }
     s->terms = k->terms;
     for (int32_t t = 0; t < k->terms; t++) {
         const ntp__taps *taps = &k->term[t];

@@ -47,7 +47,9 @@ typedef struct ntp__plane {
     ptrdiff_t stride;
 } ntp__plane;
 
-/* absolute: weights are replaced by their magnitudes.  kernel is one that the table has. */
+/* absolute: weights are replaced by their magnitudes (not those of NTP_KERNEL_BAKED).  For
+ * NTP_KERNEL_BAKED, which has no taps in the table, slopes are those of a polynomial through the
+ * nine nearest heights in a line. */
 void ntp__stencil_init(ntp__stencil *s, ntp_kernel kernel, ntp_border border_x, ntp_border border_y,
                        int32_t width, int32_t height, bool absolute);
 
