@@ -47,9 +47,10 @@ static bool is_unused(const ntp_const_image *view, const unsigned char *at, uint
 
 void slopes_add(steepest *most, const ntp_const_image *view, const void *row, uint32_t touch)
 {
-    enum { NEUTRAL = 257 }; /* the most that counts as 0 in any depth; see slopes_are_flat */
+    /* the most that may count as 0; see slopes_are_flat */
+    const int32_t neutral = view->type == NTP_TYPE_U8 ? 1 : 257;
     const unsigned char *at = row;
-    for (int32_t x = 0; x < view->width && (most->x <= NEUTRAL || most->y <= NEUTRAL);
+    for (int32_t x = 0; x < view->width && (most->x <= neutral || most->y <= neutral);
          x++, at += view->pixel_stride) {
         if (is_unused(view, at, touch))
             continue;

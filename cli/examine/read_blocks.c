@@ -4,7 +4,7 @@
  *
  * Rows go through a small ring, so memory does not grow with the image.  If a processor is idle, a
  * second thread decodes the next block while the caller works on this one; the ring then holds two
- * blocks.
+ * blocks.  Who knows that a file is read twice has its rows kept, unless they are many.
  */
 #include "examine/read_blocks.h"
 
@@ -21,6 +21,7 @@
 enum {
     BLOCK_BYTES = 256 * 1024, /* a block stays in the second-level cache */
     BLOCK_ROWS = 64,
+    KEPT_BYTES = 64 << 20,   /* 4096 x 4096 in RGB; memory must not grow with any image */
     AHEAD_TEXELS = 512 * 512 /* a smaller image is read before a thread has started */
 };
 
@@ -83,6 +84,7 @@ static bool start(source *s, ntpio_error *error)
 {
     const char *name = strcmp(s->in->path, "-") == 0 ? "standard input" : s->in->path;
     s->next = 0;
+    s->keeps = s->kept = s->ended = false;
     s->reader = s->bytes != NULL ? ntpio_open_memory(s->bytes, s->size, name, s->limits, error)
                                  : ntpio_open(s->in->path, s->limits, error);
     if (s->reader == NULL)
@@ -116,9 +118,26 @@ static bool is_same_stamp(const ntpio_stamp *a, const ntpio_stamp *b)
 
 static void stop_ahead(source *s);
 
+void source_keep(source *s)
+{
+    const ntpio_info *info = s->info;
+    const uint64_t bytes = (uint64_t) info->width * info->height * (uint64_t) info->channels *
+                           (uint64_t) info->sample_bytes;
+    if (s->kept)
+        return;
+    s->keeps = bytes <= KEPT_BYTES;
+    if (s->keeps)
+        buffer_reserve(&s->w->kept, (size_t) bytes);
+}
+
 bool source_rewind(source *s, ntpio_error *error)
 {
     stop_ahead(s);
+    s->kept = s->kept || (s->keeps && s->ended);
+    if (s->kept) {
+        s->next = 0;
+        return s->bytes != NULL || source_is_current(s, error);
+    }
     const ntpio_stamp read = s->info->stamp;
     ntpio_close(s->reader);
     s->reader = NULL;
@@ -170,6 +189,24 @@ void source_view_as_rgb(source *s, ntp_encoding encoding)
     source_view(s, encoding, NTP_Y_UP, EXPAND, s->info->channels + 2);
 }
 
+/* Reads the next rows as the file has them; kept ones lie one after the other. */
+static bool read_raw(source *s, unsigned char *rows, uint32_t first, uint32_t count,
+                     ntpio_error *error)
+{
+    const size_t row =
+        (size_t) s->info->width * (size_t) s->info->channels * (size_t) s->info->sample_bytes;
+    unsigned char *kept = s->keeps ? s->w->kept.data + first * row : NULL;
+    if (s->kept) {
+        memcpy(rows, kept, row * count);
+        return true;
+    }
+    if (!ntpio_read_rows(s->reader, rows, (ptrdiff_t) row, count, error))
+        return false;
+    if (kept != NULL)
+        memcpy(kept, rows, row * count);
+    return true;
+}
+
 /* Reads block `index` into its place in the ring. */
 static bool read_block(source *s, uint32_t index, ntpio_error *error)
 {
@@ -178,11 +215,11 @@ static bool read_block(source *s, uint32_t index, ntpio_error *error)
     const uint32_t slot = index * block % (uint32_t) s->view.ring_rows;
     unsigned char *rows = s->w->rows.data + (size_t) slot * (size_t) s->view.row_stride;
     if (!s->mapped)
-        return ntpio_read_rows(s->reader, rows, s->view.row_stride, count, error);
+        return read_raw(s, rows, index * block, count, error);
     const size_t raw_row =
         (size_t) s->info->width * (size_t) s->info->channels * (size_t) s->info->sample_bytes;
     unsigned char *raw = buffer_reserve(&s->w->raw, raw_row * block);
-    if (!ntpio_read_rows(s->reader, raw, (ptrdiff_t) raw_row, count, error))
+    if (!read_raw(s, raw, index * block, count, error))
         return false;
     const channel_order order = { s->view.type, s->view.channels, s->info->channels, s->map };
     reorder_channels(rows, raw, &order, (size_t) s->info->width * count);
@@ -285,7 +322,8 @@ int source_next(source *s, ntp_rect *area, ntpio_error *error)
     }
     if (s->next == height) {
         stop_ahead(s);
-        return ntpio_read_end(s->reader, error) ? 0 : -1;
+        s->ended = s->kept || ntpio_read_end(s->reader, error);
+        return s->ended ? 0 : -1;
     }
     if (s->next == 0 && s->view.ring_rows > s->block_rows)
         start_ahead(s);

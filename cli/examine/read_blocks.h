@@ -15,8 +15,8 @@
 /* Whether examine() measures which way green points. */
 typedef enum orient { ORIENT_NOT, ORIENT_SAMPLED, ORIENT_EVERY_ROW } orient;
 
-/* The greatest |2c - M| of red and of green in used texels, M that of the samples.  Beyond 257 they
- * need not be exact. */
+/* The greatest |2c - M| of red and of green in used texels, M that of the samples.  Beyond 1 of 8
+ * bit and 257 of others they need not be exact. */
 typedef struct steepest {
     int32_t x, y;
 } steepest;
@@ -36,6 +36,9 @@ typedef struct source {
     int32_t block_rows;  /* rows that source_next delivers at once */
     struct ahead *ahead; /* the thread that reads ahead, or NULL */
     uint32_t next;       /* the next row */
+    bool keeps;          /* this pass keeps its rows in w->kept */
+    bool kept;           /* w->kept has them all, and no other pass reads the file */
+    bool ended;          /* the end of the file was reached and checked */
     int read_permille;   /* of the work that reading is; 0: all of it */
     orient orient;
     bool find_slopes; /* orient.c also finds `most` */
@@ -52,6 +55,9 @@ bool source_open(source *s, worker *w, const input *in, const ntpio_limits *limi
                  ntpio_error *error);
 /* Back to the first row; the view stays.  Fails if the file is not the same version any more. */
 bool source_rewind(source *s, ntpio_error *error);
+/* Called before the first row: keeps the rows of the next pass in memory, unless they are many, so
+ * that those after it need not decode them again. */
+void source_keep(source *s);
 /* Is the file still the version that is read? */
 bool source_is_current(const source *s, ntpio_error *error);
 void source_close(source *s);

@@ -42,6 +42,7 @@ void worker_free(worker *w)
     free(w->tally);
     free(w->rows.data);
     free(w->raw.data);
+    free(w->kept.data);
     free(w->extra.data);
     free(w->extra2.data);
     free(w->diff.data);

@@ -23,6 +23,7 @@ typedef struct worker {
     ntp_tally *tally;
     buffer rows;  /* the ring of rows that a view looks at */
     buffer raw;   /* rows as the file has them, where their channels are rearranged */
+    buffer kept;  /* all rows as the file has them, where they are read again */
     buffer extra; /* the verb's own */
     buffer extra2;
     buffer diff;         /* an ntp_diff */

@@ -237,6 +237,7 @@ static outcome know_undone(production *p, ntpio_error *error)
 /* Reads the file once, so that the facts are known when the rows are made. */
 static outcome know_first(production *p, ntpio_error *error)
 {
+    source_keep(&p->s);
     if (p->m->finds_green)
         green_seek(&p->s);
     if (!examine(&p->s, p->forced, &p->f, error))
