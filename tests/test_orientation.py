@@ -382,6 +382,20 @@ def test_weaves(rng):
     assert sure == 0
 
 
+def test_pyramids(rng):
+    """Grids of pyramids whose edges touch are surfaces, not weaves."""
+    decided, draws = 0, 20
+    for k in range(draws):
+        up = int(rng.choice([-1, 1]))
+        n = drawn_surfaces.studs(rng, 64, 64) * [1, up, 1]
+        levels = drawn_maps.stored(drawn_maps.to_levels(n))
+        found = verdict(np.ascontiguousarray(levels), every=k % 2)
+        assert found in (0, up)
+        decided += found != 0
+    print(f"{decided} of {draws} decided")
+    assert decided >= 0.8 * draws
+
+
 def test_blends(rng):
     """Detail laid over a base of the same direction, by two ways to blend: decided, never wrong."""
     decided, draws = 0, 16

@@ -120,4 +120,5 @@ def statistic(pixels, every_row=False):
     bends, meets = across * either, along * both
     mixed = both < 0.6 * either and narrow.sum() / (wide.sum() or 1) < 0.45
     weave = (both < 0.45 * either and bends > meets) or (mixed and bends > 0.7 * meets)
-    return sums.sum(), _score(sums), len(u), weave
+    surface = min(abs(wide.sum()), abs(narrow.sum())) >= 0.85 and wide.sum() * narrow.sum() > 0
+    return sums.sum(), _score(sums), len(u), weave and not surface

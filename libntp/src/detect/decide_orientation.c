@@ -26,6 +26,9 @@ static const double MOST_STEEP = 0.2;
  * surfaces and noise have 0.64.  A JPEG of half the colors mixes red with green, so there they meet
  * more; but then the narrow filter says less than this part of what the wide one says. */
 static const double GRID = 0.45, MIXED_GRID = 0.6, MIXED_BENDS = 0.7, MIXED_NARROW = 0.45;
+/* Both filters say this only of surfaces: steps that a weave hides lie within few texels, so they
+ * bring the narrow one to 0.81 at most.  Pyramids side by side are told from weaves by it. */
+static const double SURFACE = 0.85;
 /* From here on the answer is as sure as it gets. */
 static const double SURE_STATISTIC = 0.5, SURE_SCORE = 10;
 /* Blocks that contradict the others with more than half of this share leave it below 0.9. */
@@ -119,6 +122,11 @@ static void gather(evidence *e, const ntp_orientation *acc, evidence_of of)
     e->score = squares > 0 ? e->mean / sqrt(squares) : 0;
 }
 
+static double least(double a, double b)
+{
+    return a < b ? a : b;
+}
+
 /* A surface whose p and q hardly meet in one texel hardly changes p along y or q along x either:
  * those changes stand where the two meet.  Threads of a weave end at each other, so they do. */
 static bool is_weave(const ntp_orientation *acc, const evidence *e)
@@ -129,14 +137,11 @@ static bool is_weave(const ntp_orientation *acc, const evidence *e)
     double both = (double) acc->both, either = (double) acc->either;
     double bends = across * either, meets = along * both;
     double wide = e->filter[WIDE], narrow = e->filter[NARROW];
+    if (least(wide, narrow) >= SURFACE || least(-wide, -narrow) >= SURFACE)
+        return false;
     bool mixed = both < MIXED_GRID * either &&
                  (wide < 0 ? -narrow : narrow) < MIXED_NARROW * (wide < 0 ? -wide : wide);
     return (both < GRID * either && bends > meets) || (mixed && bends > MIXED_BENDS * meets);
-}
-
-static double least(double a, double b)
-{
-    return a < b ? a : b;
 }
 
 static double sign_of(const evidence *e)
