@@ -7,9 +7,11 @@
  * right.
  */
 #include "texel/level.h"
+#include "texel/unused.h"
 #include "picture/picture.h"
 
 #include <math.h>
+#include <string.h>
 
 enum {
     SQUARINGS = 5, /* specular exponent 2^5 = 32 */
@@ -86,67 +88,102 @@ static ntp_status set_light(job *j, const ntp_light *light)
     return NTP_OK;
 }
 
-/* The stored vector over its length, y up. */
-static void decode(double n[3], const job *j, int32_t r, int32_t g, int32_t b)
+/* A block of texels, as planes, so that compilers vectorize the loops. */
+typedef struct planes {
+    double n[3][NTP__BLOCK]; /* unit vectors, y up */
+    double lambert[NTP__BLOCK], glint[NTP__BLOCK];
+    int32_t level[3][NTP__BLOCK];
+} planes;
+
+/* The stored vectors over their lengths, y up. */
+static void decode(planes *restrict p, const job *j, const ntp__block *restrict block, int32_t n)
 {
-    int32_t m = ntp__max(j->src->type);
-    int32_t y = ntp__num(g, m);
-    double v[3] = { ntp__num(r, m), j->src->y == NTP_Y_DOWN ? -y : y, 0.0 };
-    if (j->src->encoding == NTP_ENCODING_XY) {
-        int64_t rest = ntp__rest(r, g, m);
-        v[2] = rest > 0 ? sqrt((double) rest) : 0.0;
-    } else {
-        v[2] = j->src->encoding == NTP_ENCODING_ZZERO ? b : ntp__num(b, m);
+    const double m = ntp__max(j->src->type), up = j->src->y == NTP_Y_DOWN ? -1.0 : 1.0;
+    const bool zzero = j->src->encoding == NTP_ENCODING_ZZERO;
+    const bool xy = j->src->encoding == NTP_ENCODING_XY;
+    const double twice = zzero ? 1.0 : 2.0, less = zzero ? 0.0 : m;
+    for (int32_t i = 0; i < n; i++) {
+        double x = 2 * block->c[0][i] - m, y = (2 * block->c[1][i] - m) * up;
+        double z = twice * block->c[2][i] - less, rest = m * m - x * x - y * y;
+        z = xy ? sqrt(rest > 0 ? rest : 0.0) : z;
+        double length = sqrt(x * x + y * y + z * z);
+        p->n[0][i] = x / length;
+        p->n[1][i] = y / length;
+        p->n[2][i] = z / length;
     }
-    to_unit(n, v);
 }
 
-static uint8_t display(double linear)
+static void reflect(planes *restrict p, const job *j, int32_t n)
+{
+    const double a = j->towards[0], b = j->towards[1], c = j->towards[2];
+    const double d = j->half[0], e = j->half[1], f = j->half[2];
+    for (int32_t i = 0; i < n; i++) {
+        double x = p->n[0][i], y = p->n[1][i], z = p->n[2][i];
+        double lambert = x * a + y * b + z * c, glint = x * d + y * e + z * f;
+        glint = glint > 0 ? glint : 0.0;
+        for (int32_t k = 0; k < SQUARINGS; k++)
+            glint = glint * glint;
+        p->glint[i] = lambert > 0 ? glint : 0.0;
+        p->lambert[i] = lambert > 0 ? lambert : 0.0;
+    }
+}
+
+static inline double linear(const ntp_light *l, int32_t k, double lambert, double glint)
+{
+    return l->color[k] * (l->ambient + l->diffuse * lambert) + l->specular * glint;
+}
+
+static inline int32_t display(double linear)
 {
     double v = linear < 1.0 ? linear : 1.0;
-    return (uint8_t) (sqrt(v) * 255.0 + 0.5);
+    return (int32_t) (sqrt(v) * 255.0 + 0.5);
 }
 
-static void shade_texel(uint8_t rgb[3], const job *j, const double n[3])
+static void color(planes *restrict p, const job *j, int32_t k, int32_t n)
 {
-    const ntp_light *l = &j->light;
-    double lambert = dot(n, j->towards), glint = 0.0, linear[3];
-    if (lambert > 0) {
-        glint = dot(n, j->half);
-        glint = glint > 0 ? glint : 0.0;
-        for (int32_t i = 0; i < SQUARINGS; i++)
-            glint = glint * glint;
-    } else {
-        lambert = 0.0;
+    const ntp_light l = j->light;
+    for (int32_t i = 0; i < n; i++)
+        p->level[k][i] = display(linear(&l, k, p->lambert[i], p->glint[i]));
+}
+
+static void luminance(planes *restrict p, const job *j, int32_t n)
+{
+    const ntp_light l = j->light;
+    for (int32_t i = 0; i < n; i++) {
+        double rgb[3];
+        for (int32_t k = 0; k < 3; k++)
+            rgb[k] = linear(&l, k, p->lambert[i], p->glint[i]);
+        p->level[0][i] = display(dot(LUMINANCE, rgb));
     }
-    for (int32_t k = 0; k < 3; k++)
-        linear[k] = l->color[k] * (l->ambient + l->diffuse * lambert) + l->specular * glint;
-    if (j->dst->channels == 1) {
-        rgb[0] = display(dot(LUMINANCE, linear));
-        return;
-    }
-    for (int32_t k = 0; k < 3; k++)
-        rgb[k] = display(linear[k]);
 }
 
 static void shade_run(const job *j, int32_t x, int32_t y, int32_t n)
 {
     ntp__block block;
-    int32_t m = ntp__max(j->src->type);
+    planes p;
+    const int32_t m = ntp__max(j->src->type), channels = j->dst->channels;
+    const double *light = j->light.color;
     ntp__unpack(&block, j->src, x, y, n);
+    decode(&p, j, &block, n);
+    reflect(&p, j, n);
+    if (channels == 1)
+        luminance(&p, j, n);
+    for (int32_t k = 0; channels > 1 && k < 3; k++) {
+        if (k > 0 && light[k] == light[k - 1])
+            memcpy(p.level[k], p.level[k - 1], (size_t) n * sizeof p.level[k][0]);
+        else
+            color(&p, j, k, n);
+    }
+    const bool suspect = ntp__any_suspect(&block, n, m);
     uint8_t *d = ntp__at_mut(j->dst, x, y);
     for (int32_t i = 0; i < n; i++, d += j->dst->pixel_stride) {
-        int32_t r = block.c[0][i], g = block.c[1][i], b = block.c[2][i];
-        uint8_t rgb[3];
-        if ((block.any_broken && block.broken[i]) || ntp__unused(r, g, b, block.c[3][i], m, 0)) {
-            bool light = ((x + i) / CHECKER_SIDE + y / CHECKER_SIDE) % 2 == 0;
-            rgb[0] = rgb[1] = rgb[2] = light ? CHECKER_LIGHT : CHECKER_DARK;
-        } else {
-            double normal[3];
-            decode(normal, j, r, g, b);
-            shade_texel(rgb, j, normal);
+        uint8_t rgb[3] = { (uint8_t) p.level[0][i], (uint8_t) p.level[1][i],
+                           (uint8_t) p.level[2][i] };
+        if (suspect && ntp__texel_unused(&block, i, m, 0)) {
+            bool bright = ((x + i) / CHECKER_SIDE + y / CHECKER_SIDE) % 2 == 0;
+            rgb[0] = rgb[1] = rgb[2] = bright ? CHECKER_LIGHT : CHECKER_DARK;
         }
-        ntp__paint(d, j->dst->channels, rgb);
+        ntp__paint(d, channels, rgb);
     }
 }
 

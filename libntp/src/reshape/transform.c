@@ -13,6 +13,8 @@
 
 #include <string.h>
 
+enum { COLUMNS = 64 /* of the result at a time, where these are rows of the source */ };
+
 typedef struct job {
     const ntp_image *dst;
     ntp_const_image src; /* turned, so it has the size of dst */
@@ -78,28 +80,22 @@ static void move(job *j, const ntp_transform_options *how, int32_t quarter_turns
     j->stronger = j->strength.numerator != 1 || j->strength.shift != 0;
 }
 
-/* Changes the levels of a used texel; its alpha stays. */
-static void transform_texel(const job *j, ntp__block *block, int32_t i)
+/* Makes a used texel stronger, exactly, and turns its vector; its alpha stays. */
+static void strengthen_texel(const job *j, ntp__block *block, int32_t i)
 {
-    if (j->stronger) {
-        int32_t c[3] = { 0, 0, block->c[2][i] }, v[3];
-        ntp__i128 scaled[3];
-        ntp__texel_vector(v, block, i, j->m, j->src.encoding);
-        for (int32_t k = 0; k < 2; k++)
-            scaled[k] = ntp__i128_multiply(ntp__i128_of(v[k]), j->strength.numerator);
-        scaled[2] = ntp__i128_shift(ntp__i128_of(v[2]), j->strength.shift);
-        /* The vector is turned before it is rounded: half up is not symmetric about 0. */
-        ntp__i128 r = scaled[j->swap], g = scaled[!j->swap];
-        scaled[0] = j->mirror_r ? ntp__i128_negate(r) : r;
-        scaled[1] = j->mirror_g ? ntp__i128_negate(g) : g;
-        ntp__direction_levels(c, scaled, j->m, j->src.encoding);
-        for (int32_t k = 0; k < 3; k++)
-            block->c[k][i] = c[k];
-        return;
-    }
-    int32_t r = block->c[j->swap][i], g = block->c[!j->swap][i];
-    block->c[0][i] = j->mirror_r ? j->m - r : r;
-    block->c[1][i] = j->mirror_g ? j->m - g : g;
+    int32_t c[3] = { 0, 0, block->c[2][i] }, v[3];
+    ntp__i128 scaled[3];
+    ntp__texel_vector(v, block, i, j->m, j->src.encoding);
+    for (int32_t k = 0; k < 2; k++)
+        scaled[k] = ntp__i128_multiply(ntp__i128_of(v[k]), j->strength.numerator);
+    scaled[2] = ntp__i128_shift(ntp__i128_of(v[2]), j->strength.shift);
+    /* The vector is turned before it is rounded: half up is not symmetric about 0. */
+    ntp__i128 r = scaled[j->swap], g = scaled[!j->swap];
+    scaled[0] = j->mirror_r ? ntp__i128_negate(r) : r;
+    scaled[1] = j->mirror_g ? ntp__i128_negate(g) : g;
+    ntp__direction_levels(c, scaled, j->m, j->src.encoding);
+    for (int32_t k = 0; k < 3; k++)
+        block->c[k][i] = c[k];
 }
 
 /* Makes a block stronger, and turns its vectors. */
@@ -126,8 +122,29 @@ static void strengthen(const job *j, ntp__block *block, int32_t n)
         for (int32_t k = 0; k < 3; k++)
             block->c[k][i] = was.c[k][i];
         if (!unused)
-            transform_texel(j, block, i);
+            strengthen_texel(j, block, i);
     }
+}
+
+/* Turns the vectors of a block, which is exact. */
+static void turn_block(const job *j, ntp__block *block, int32_t n)
+{
+    int32_t turned[2][NTP__BLOCK];
+    const int32_t *r = block->c[j->swap], *g = block->c[!j->swap];
+    const int32_t flip_r = j->mirror_r ? j->m : 0,
+                  flip_g = j->mirror_g ? j->m : 0; /* M - c = M ^ c */
+    for (int32_t i = 0; i < n; i++) {
+        turned[0][i] = r[i] ^ flip_r;
+        turned[1][i] = g[i] ^ flip_g;
+    }
+    if (ntp__any_suspect(block, n, j->m)) {
+        for (int32_t i = 0; i < n; i++) {
+            for (int32_t k = 0; k < 2 && ntp__texel_unused(block, i, j->m, 0); k++)
+                turned[k][i] = block->c[k][i];
+        }
+    }
+    memcpy(block->c[0], turned[0], (size_t) n * sizeof turned[0][0]);
+    memcpy(block->c[1], turned[1], (size_t) n * sizeof turned[1][0]);
 }
 
 /* Floats that are only moved and mirrored keep all their bits. */
@@ -178,14 +195,7 @@ static void transform_run(const job *j, int32_t x, int32_t y, int32_t n)
     ntp__block before;
     if (floats)
         before = block;
-    if (j->stronger) {
-        strengthen(j, &block, n);
-    } else {
-        for (int32_t i = 0; i < n; i++) {
-            if (!ntp__texel_unused(&block, i, j->m, 0))
-                transform_texel(j, &block, i);
-        }
-    }
+    (j->stronger ? strengthen : turn_block)(j, &block, n);
     ntp__store_levels(j->dst, &block, x, y, n);
     if (floats)
         keep_unused_floats(j, &before, x, y, n);
@@ -244,9 +254,14 @@ ntp_status ntp_transform(const ntp_image *dst, const ntp_const_image *src,
         ntp__rotate(dst, src, how, j.strength, ticks, &rect);
         return NTP_OK;
     }
-    for (int32_t y = rect.y0; y < rect.y1; y++) {
-        for (int32_t x = rect.x0; x < rect.x1; x += NTP__BLOCK)
-            transform_run(&j, x, y, rect.x1 - x < NTP__BLOCK ? rect.x1 - x : NTP__BLOCK);
+    /* Rows that are columns of the source: the next row needs the same lines of the cache. */
+    const int32_t most = j.swap ? COLUMNS : NTP__BLOCK;
+    for (int32_t x0 = rect.x0; x0 < rect.x1; x0 += j.swap ? COLUMNS : rect.x1 - rect.x0) {
+        const int32_t x1 = j.swap && rect.x1 - x0 > COLUMNS ? x0 + COLUMNS : rect.x1;
+        for (int32_t y = rect.y0; y < rect.y1; y++) {
+            for (int32_t x = x0; x < x1; x += most)
+                transform_run(&j, x, y, x1 - x < most ? x1 - x : most);
+        }
     }
     return NTP_OK;
 }
