@@ -239,6 +239,23 @@ def y_verdict(n):
     return verdict(result.confidence >= SURE, result.y == ntp.UP)
 
 
+RULES = {
+    "unorm": (ours.UNORM, lambda v: np.floor((v + 1) * 127.5 + 0.5)),
+    "trunc": (ours.TRUNC, lambda v: np.floor((v + 1) * 127.5)),
+    "snorm": (ours.SNORM, lambda v: np.floor(v * 127 + 128.5)),
+}
+
+
+def count_rules(seen, h, kernel):
+    """How levels of clean maps were rounded, blue by itself."""
+    v = ours.from_height(h, kernel, vector=True).astype(np.float64)
+    for rule, (decode, levels) in RULES.items():
+        n = np.clip(levels(v), 0, 255).astype(np.uint8)
+        found = ours.to_height(n, decode=ours.DECODE_AUTO, z=ours.Z_AUTO)[1]["decode"]
+        named = {d: name for name, (d, _) in RULES.items()}.get(found, "neutral")
+        seen["decode", f"as {rule}", named] += 1
+
+
 def detect(count, size):
     """count maps: kernels, borders, decoding, each kind of surface, whole or cut out, damaged."""
     seen = Counter()
@@ -247,7 +264,10 @@ def detect(count, size):
     )
     for seed, name, kernel, cut, damage in itertools.islice(cases, count):
         side = 2 * size if cut else size
-        n = ours.from_height(SURFACES[name](side, 100 + seed).astype(np.float32), kernel)
+        h = SURFACES[name](side, 100 + seed).astype(np.float32)
+        n = ours.from_height(h, kernel)
+        if damage == "none":
+            count_rules(seen, h, kernel)
         if cut:
             n = n[30 : size + 10, 20:size].copy()  # no period of bricks; blocks of 4
         n = half(n) if damage == "half size" else DAMAGES[damage](n)
@@ -260,9 +280,10 @@ def detect(count, size):
         seen["decode", damage, named] += 1
     for what in ("kernel", "tiles", "decode", "green"):
         print(f"\n{what}, {count} maps of {size} x {size}")
-        for damage in (*DAMAGES, "half size"):
+        for damage in (*DAMAGES, "half size", *(f"as {rule}" for rule in RULES)):
             row = {k[2]: v for k, v in sorted(seen.items()) if k[:2] == (what, damage)}
-            print(f"  {damage:12}" + ", ".join(f"{k} {v}" for k, v in row.items()))
+            if row:
+                print(f"  {damage:12}" + ", ".join(f"{k} {v}" for k, v in row.items()))
 
 
 def main():

@@ -23,7 +23,7 @@ BORDERS = ["wrap", "clamp", "mirror", "extrapolate"]
 ROUNDS = 150
 KERNELS = ["forward", "central", "sobel3"]
 MASKED = [("central", WRAP), ("central", MIRROR), ("sobel3", WRAP), ("scharr3", WRAP)]
-MASKED += [("prewitt5", WRAP), ("gimp9", WRAP)]
+MASKED += [("sobel3", CLAMP), ("prewitt5", WRAP), ("gimp9", WRAP)]
 
 
 def field(n, rms_slope, exponent, seed=1):
@@ -100,6 +100,8 @@ def refine_rows(size):
     for kernel, border in (("forward", EXTRAPOLATE), ("central", EXTRAPOLATE), ("central", MIRROR)):
         yield refined("crop", crop, kernel, border)
     yield refined("crop", crop, "sobel3", CLAMP)
+    for kernel in ("prewitt5", "gimp7"):
+        yield refined("crop", crop, kernel, MIRROR)
     for kernel in KERNELS:
         yield refined("rough 30", rough(size, 30), kernel, WRAP, np.uint16)
     for name, h in tiles[1:3]:
@@ -122,7 +124,7 @@ def weighted_rows(size):
             bits = 8 * np.dtype(dtype).itemsize
             yield (
                 kernel,
-                ("wrap", "", "mirror")[border],
+                BORDERS[border],
                 bits,
                 *texels,
                 error(ours, h) / error(direct, h),
