@@ -9,7 +9,6 @@ See gimp_window.py for what it needs; NTP_BUILD is the build directory, NTP_GIMP
 import argparse
 import json
 import os
-import re
 import signal
 import subprocess
 import sys
@@ -38,20 +37,30 @@ TITLES = {
     (3, "clean"): "Clean Normals by Their Errors",
 }
 OPERATIONS = {
-    "op-normals": ("Normals from Height", "stones"),
-    "op-clean": ("Clean Normals", "wrong"),
-    "op-transform": ("Transform Normals", "wrong"),
-    "op-blend": ("Blend Normals", "wrong"),
-    "op-curvature": ("Curvature", "wrong"),
-    "op-occlusion": ("Ambient Occlusion", "stones"),
+    "op-normals": ("normals-from-height", "stones"),
+    "op-clean": ("clean-normals", "wrong"),
+    "op-transform": ("transform-normals", "wrong"),
+    "op-blend": ("blend-normals", "wrong"),
+    "op-curvature": ("curvature", "wrong"),
+    "op-occlusion": ("ambient-occlusion", "stones"),
 }
-NAMES = {
-    "op-normals": "normals-from-height",
-    "op-clean": "clean-normals",
-    "op-transform": "transform-normals",
-    "op-blend": "blend-normals",
-    "op-curvature": "curvature",
-    "op-occlusion": "ambient-occlusion",
+# In the list of GIMP 2.10's tool: how many operations are above each.
+ABOVE = {
+    "en": {
+        "ambient-occlusion": 1,
+        "blend-normals": 3,
+        "clean-normals": 6,
+        "curvature": 10,
+        "normals-from-height": 15,
+        "transform-normals": 18,
+    },
+}
+# The second and third tab of the dialog of normals, at a scale of 1.
+TABS = {
+    (2, "en"): ((102, 27), (149, 27)),
+    (2, "de"): ((115, 27), (170, 27)),
+    (3, "en"): ((116, 42), (160, 42)),
+    (3, "de"): ((130, 42), (179, 42)),
 }
 SCRIPT3 = """
 import json
@@ -112,37 +121,39 @@ def open_gimp(version, screen, folder, language, scale):
     return Gimp2(screen, folder, language, scale)
 
 
-def note(where, label, size, screen, scale):
-    fits = size[0] <= 1920 and size[1] <= 1080
-    print(f"{label}: {size[0]} x {size[1]}" + ("" if fits else "  TOO LARGE"), flush=True)
+def note(label, screen, window):
+    """What does not fit the screen is said."""
+    _, _, width, height = screen.box(window)
+    fits = width <= screen.width and height <= screen.height
+    print(f"{label}: {width} x {height}" + ("" if fits else "  TOO LARGE"), flush=True)
 
 
-def open_operation(gimp, where, title, name):
-    """The dialog of an operation; commands of the plug-in may have the words of its title, too."""
+def open_operation(gimp, main, name):
+    """The dialog of an operation."""
     screen = gimp.screen
-    if gimp.version == 2:
-        screen.search(where, "GEGL")
-        dialog = screen.window("GEGL")[0]
-        screen.front(dialog)
-        return dialog
-    words = " ".join(word for word in title.split() if word.isascii())  # what keys can type
-    for below in range(4):
-        before = set(screen.windows())
-        screen.search(where, words, below)
-        new = screen.wait(lambda b=before: [t for t in screen.windows() if t not in b], "dialog")
-        if f"(ntp:{name})" in new[0]:
-            return screen.windows()[new[0]][0]
-        screen.front(screen.windows()[new[0]][0])
-        screen.key("Escape")
-        screen.gone(f"^{re.escape(new[0])}$")
-    raise TimeoutError(f"no dialog {name}")
+    if gimp.version == 3:
+        screen.search(main, f"ntp:{name}")
+        return screen.window(rf"\(ntp:{name}\)")[0]
+    screen.search(main, "GEGL")
+    dialog = screen.window("GEGL")[0]
+    screen.place(dialog, 0, 0)
+    screen.front(dialog)
+    screen.settle()
+    x, y, width, _ = screen.box(dialog)
+    screen.click(x + width // 2, y + 62 * gimp.scale)
+    screen.settle(still=0.5)
+    screen.key(*["Down"] * ABOVE[gimp.language][name], "Return")
+    screen.settle()
+    return dialog
 
 
-def photograph(gimp, out, label, scale, only):
+def photograph(gimp, out, label, only):
     """The dialogs of the plug-in one after the other, then those of the operations."""
     screen = gimp.screen
     plug_in = [n for n in PLUG_IN if not only or n in only]
     operations = [n for n in OPERATIONS if not only or n in only]
+    if gimp.version == 2 and gimp.language not in ABOVE:
+        operations = []
     jobs = [PLUG_IN[n][:2] for n in plug_in]
     gimp.run((script3 if gimp.version == 3 else script2)(["stones", "wrong"], jobs))
     for name in plug_in:
@@ -150,29 +161,28 @@ def photograph(gimp, out, label, scale, only):
         window = screen.window(f"^{title}")[0]
         screen.place(window, 0, 0)
         time.sleep(2)
-        size = screen.picture(out / f"{label}-{name}.png", window)
-        note(out, f"{label}-{name}", size, screen, scale)
+        screen.picture(out / f"{label}-{name}.png", window)
+        note(f"{label}-{name}", screen, window)
         if name == "normals":
-            for page in ("forms", "more"):
-                screen.front(window)
-                screen.key("ctrl+Next")
+            for page, at in zip(("forms", "more"), TABS[gimp.version, gimp.language], strict=True):
+                left, top, _, _ = screen.box(window)
+                screen.click(left + gimp.scale * at[0], top + gimp.scale * at[1])
                 screen.picture(out / f"{label}-{name}-{page}.png", window)
         screen.front(window)
         screen.key("Escape")
         screen.gone(f"^{title}")
     for name in operations:
-        label_, image = OPERATIONS[name]
-        title = gimp.text(label_, "libntp-gegl")
-        where = gimp.image_window()[0]
-        screen.front(where)
+        operation, image = OPERATIONS[name]
+        main = gimp.image_window()[0]
+        screen.front(main)
         screen.key(f"alt+{1 + ['stones', 'wrong'].index(image)}")
         screen.settle(still=0.5)
-        dialog = open_operation(gimp, where, title, NAMES[name])
+        dialog = open_operation(gimp, main, operation)
         screen.place(dialog, 0, 0)
         screen.front(dialog)
         time.sleep(2)
-        size = screen.picture(out / f"{label}-{name}.png", dialog)
-        note(out, f"{label}-{name}", size, screen, scale)
+        screen.picture(out / f"{label}-{name}.png", dialog)
+        note(f"{label}-{name}", screen, dialog)
         screen.front(dialog)
         screen.key("Escape")
         screen.gone(r"\(ntp:" if gimp.version == 3 else "GEGL")
@@ -202,7 +212,7 @@ def main():
                 ):
                     write_images(gimp.work, program)
                     try:
-                        photograph(gimp, given.directory, label, scale, given.only)
+                        photograph(gimp, given.directory, label, given.only)
                     except TimeoutError as error:
                         print(f"{label}: {error}; there are {list(screen.windows())}")
                         screen.picture(given.directory / f"{label}-stuck.png")

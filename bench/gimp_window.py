@@ -27,7 +27,7 @@ LOCALES = {"en": "en_US.UTF-8", "de": "de_DE.UTF-8"}
 GIMPRC = '(color-profile-policy keep)\n(save-session-info no)\n(language "{language}")\n'
 GIMPRC3 = "(show-welcome-dialog no)\n(check-updates no)\n"
 NO_BLINK = "[Settings]\ngtk-cursor-blink=0\n"  # a picture is to come to rest
-PATIENCE = 90  # seconds
+PATIENCE = 240  # seconds
 
 
 def stones(side=512):
@@ -276,7 +276,8 @@ class Gimp3(Gimp):
 
     def __init__(self, screen, chroot, language="en", scale=1):
         self.chroot = Path(chroot)
-        super().__init__(screen, self.chroot / "home" / "window", language, scale)
+        self.inside = f"/home/window{screen.name[1:]}"
+        super().__init__(screen, self.chroot / self.inside[1:], language, scale)
         (self.work / ".config" / "gtk-3.0").mkdir(parents=True)
         (self.work / ".config" / "gtk-3.0" / "settings.ini").write_text(NO_BLINK)
         words = ["chroot", self.chroot, "gimp-console-3.0", "--version"]
@@ -288,14 +289,13 @@ class Gimp3(Gimp):
 
     def run(self, script):
         """Python; the work directory is HERE."""
-        (self.work / "script.py").write_text(
-            f"from gi.repository import Gio\nHERE = '/home/window'\n{script}"
-        )
+        head = f"from gi.repository import Gio\nHERE = '{self.inside}'\n"
+        (self.work / "script.py").write_text(head + script)
         variables = {
             "PATH": "/usr/bin:/bin",
-            "HOME": "/home/window",
+            "HOME": self.inside,
             "DISPLAY": self.screen.name,
-            "GIMP3_DIRECTORY": "/home/window/profile",
+            "GIMP3_DIRECTORY": f"{self.inside}/profile",
             "LC_ALL": LOCALES[self.language],
             "LANGUAGE": self.language,
             "GDK_SCALE": str(self.scale),
@@ -303,5 +303,5 @@ class Gimp3(Gimp):
         }
         command = ["chroot", self.chroot, "env", "-i"] + [f"{k}={v}" for k, v in variables.items()]
         command += ["gimp-3.0", "-n", "-s", "--batch-interpreter=python-fu-eval"]
-        command += ["-b", "exec(open('/home/window/script.py').read())"]
+        command += ["-b", f"exec(open('{self.inside}/script.py').read())"]
         self.start(command, None)

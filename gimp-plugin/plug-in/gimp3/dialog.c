@@ -135,8 +135,9 @@ gboolean dialog_run(const procedure *p, GimpProcedure *pdb_procedure, GimpProced
     GtkWidget *box = gtk_box_new(GTK_ORIENTATION_HORIZONTAL, 12);
     gtk_container_set_border_width(GTK_CONTAINER(box), 12);
     add_notice(gtk_dialog_get_content_area(GTK_DIALOG(dialog)), p, id);
-    gtk_box_pack_start(GTK_BOX(box), controls_new(GIMP_PROCEDURE_DIALOG(dialog), p), FALSE, TRUE,
-                       0);
+    GtkWidget *controls = controls_new(GIMP_PROCEDURE_DIALOG(dialog), p);
+    gtk_widget_set_hexpand(controls, p == &procedures[PROCEDURE_RESIZE]); /* room: to the preview */
+    gtk_box_pack_start(GTK_BOX(box), controls, FALSE, TRUE, 0);
     if (p != &procedures[PROCEDURE_RESIZE]) {
         c.view = view_new(p, id);
         gtk_box_pack_start(GTK_BOX(box), c.view, TRUE, TRUE, 0);
