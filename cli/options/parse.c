@@ -10,6 +10,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 #include "options/options.h"
 
@@ -98,14 +99,14 @@ static const char *meaning_of(const char *word)
     return strcmp(word, "opengl") == 0 ? "up" : strcmp(word, "directx") == 0 ? "down" : word;
 }
 
-/* "; did you mean sobel3 or sobel5?": the choices that begin with the word. */
+/* "; did you mean sobel3 or sobel5?": the choices that begin with the word, in either case. */
 static void add_guesses(text *t, const char *choices, const char *word)
 {
     const size_t size = strlen(word);
     const char *separator = "; did you mean ";
     for (const char *c = choices; size >= 2;) {
         const size_t length = strcspn(c, "|");
-        if (strncmp(c, word, size) == 0) {
+        if (strncasecmp(c, word, size) == 0) {
             text_add(t, separator);
             text_bytes(t, c, length);
             separator = " or ";

@@ -171,6 +171,7 @@ def test_older_names_are_accepted_and_not_shown(run, tmp_path, verb):
         (["resize", "a.png", "-o", "b.png", "--size", "512"], "--size 512x512, or percent"),
         (["from-height", "a.png", "-o", "b.png", "--scale", "1", "--kernel", "sobel"],
          "did you mean sobel3 or sobel5?"),
+        (["check", "a.png", "--y", "OpenGL"], "did you mean opengl?"),
         (["to-height", "a.png", "-o", "b.png", "--method", "poisson"],
          "did you mean poisson-dct?"),
     ],

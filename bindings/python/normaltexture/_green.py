@@ -17,17 +17,18 @@ _LEAST_SIDE = 6  # below, no texel says which way green points
 _COLOR, _WITH_ALPHA = 3, 4  # channels
 _EIGHT_BIT = 257  # levels of 16 bit in one of 8 bit
 _SYNONYMS: dict[str, Y] = {"opengl": "up", "directx": "down"}
+_WORDS = YS | {word: YS[y] for word, y in _SYNONYMS.items()}
 
 
 def choose_y(name: str, y: GivenY) -> int:
     """The number of the argument `y`, which "opengl" and "directx" can be, too."""
-    return choose(name, _SYNONYMS.get(y, y) if isinstance(y, str) else y, YS)
+    return choose(name, y, _WORDS)
 
 
 def told(name: str, y: AutoY) -> Y | None:
     """The argument `y`; None: "auto"."""
-    word: Any = _SYNONYMS.get(y, y) if isinstance(y, str) else y
-    choose(name, word, {"auto": AUTO} | YS)
+    choose(name, y, {"auto": AUTO} | _WORDS)
+    word: Any = _SYNONYMS.get(y, y)
     return None if word == "auto" else word
 
 

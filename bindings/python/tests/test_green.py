@@ -134,3 +134,18 @@ def test_types_are_asked_for_where_they_matter():
         nt.convert(gentle, to="zzero")
     assert np.array_equal(nt.convert(gentle), gentle)
     assert nt.convert(gentle, type="standard", to="zzero").shape == gentle.shape
+
+
+@pytest.mark.parametrize(
+    ("call", "how"),
+    [
+        (nt.transform, {"rotate": 90, "y": "OpenGL"}),
+        (nt.height_from_normals, {"y": "OpenGL"}),
+        (nt.normals_from_height, {"scale": 2, "to_y": "OpenGL"}),
+    ],
+)
+def test_a_wrong_word_is_answered_with_all_right_ones(call, how):
+    picture = np.full((8, 8, 3), (128, 128, 255), np.uint8)
+    picture = picture[..., 0] if "scale" in how else picture
+    with pytest.raises(nt.ArgumentError, match="'up', 'down', 'opengl', 'directx'"):
+        call(picture, **how)
