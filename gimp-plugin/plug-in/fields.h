@@ -84,7 +84,16 @@ enum {
 enum { FK_FROM, FK_KEEP_NEGATIVE_Z, FK_REMEDY, FK_COUNT };
 
 /* plug-in-ntp-clean-normals */
-enum { FC_METHOD, FC_FROM, FC_KEEP_NEGATIVE_Z, FC_ONLY_FAILING, FC_VERDICT, FC_UNUSED, FC_COUNT };
+enum {
+    FC_METHOD,
+    FC_FROM,
+    FC_KEEP_NEGATIVE_Z,
+    FC_ONLY_FAILING,
+    FC_VERDICT,
+    FC_UNUSED,
+    FC_UNDO,
+    FC_COUNT
+};
 
 /* plug-in-normalmap, the arguments of the old plug-in */
 enum {

@@ -79,14 +79,17 @@ static job_status run_repair(const repair_job *job, const raster *from, double a
     return status;
 }
 
-job_status host_find_normals(report *found, const settings *question, const raster *layer)
+static job_status usable(const report *found)
 {
-    const job_status status = report_run(found, question, layer, NULL, &host_surroundings);
-    if (status != JOB_DONE)
-        return status;
     if (!found->judged)
         return found->type.type == NTP_CLASS_HEIGHT ? JOB_IS_HEIGHT : JOB_NO_NORMALS;
     return found->misplaced ? JOB_MISPLACED : JOB_DONE;
+}
+
+job_status host_find_normals(report *found, const settings *question, const raster *layer)
+{
+    const job_status status = report_run(found, question, layer, NULL, &host_surroundings);
+    return status == JOB_DONE ? usable(found) : status;
 }
 
 /* ------------------------------------------------------------------------------- heights */
@@ -210,19 +213,37 @@ static job_status run_classic(const settings *s, const host_layer *layer, const 
 
 /* -------------------------------------------------------------------------------- cleaning */
 
+/* With an accident undone first, texels change even if none is to be cleaned then. */
+static job_status undo_and_clean(const settings *s, const findings *f, const host_layer *layer,
+                                 const ntp_rect *area, uint64_t *changed)
+{
+    undone right;
+    const repair_job job = repair_job_from(s, &f->undone);
+    undone_open(&right, &layer->raster, f->found.accident);
+    *changed = 1;
+    return run_repair(&job, &right.raster, -1, layer, area, NULL);
+}
+
 /* The encoding and the method, detected if the settings say so. */
 static job_status run_clean(const settings *s, const host_layer *layer, const ntp_rect *area,
                             uint64_t *changed)
 {
-    static report found;
+    static findings f;
     settings question;
     const bool finds_out = repair_finds_out(s, &question);
-    if (finds_out) {
-        const job_status status = host_find_normals(&found, &question, &layer->raster);
+    if (finds_out && s->value[FC_UNDO] != 0) {
+        const job_status status =
+            remedy_look(&f, &question, &layer->raster, NULL, &host_surroundings);
+        if (status == JOB_DONE && f.undoes)
+            return undo_and_clean(s, &f, layer, area, changed);
+        if (status != JOB_DONE || usable(&f.found) != JOB_DONE)
+            return status != JOB_DONE ? status : usable(&f.found);
+    } else if (finds_out) {
+        const job_status status = host_find_normals(&f.found, &question, &layer->raster);
         if (status != JOB_DONE)
             return status;
     }
-    const repair_job job = repair_job_from(s, finds_out ? &found : NULL);
+    const repair_job job = repair_job_from(s, finds_out ? &f.found : NULL);
     return run_repair(&job, &layer->raster, -1, layer, area, changed);
 }
 

@@ -369,7 +369,9 @@ static job_status show_clean(const preview *p, uint8_t *map, uint8_t *lit)
         m.encoding =
             p->found != NULL && p->found->judged ? p->found->encoding : NTP_ENCODING_STANDARD;
     } else {
-        m.repair = check ? *p->repair : repair_job_from(p->settings, p->found);
+        /* What was found of a layer does not hold for that without its accident. */
+        const report *found = p->accident == UNDO_NOTHING ? p->found : NULL;
+        m.repair = check ? *p->repair : repair_job_from(p->settings, found);
         m.encoding = m.repair.convert ? m.repair.to : m.repair.from;
     }
     if (p->accident != UNDO_NOTHING) {
@@ -380,7 +382,7 @@ static job_status show_clean(const preview *p, uint8_t *map, uint8_t *lit)
     if (status != JOB_DONE)
         return status;
     light_up(p, m.encoding, p->green, map, lit);
-    if (p->found == NULL || check)
+    if (p->found == NULL || check || p->accident != UNDO_NOTHING)
         return JOB_DONE;
     return !p->found->judged ? JOB_NO_NORMALS : p->found->misplaced ? JOB_MISPLACED : JOB_DONE;
 }

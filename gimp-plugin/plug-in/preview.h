@@ -36,7 +36,7 @@ typedef struct preview {
     const report *found;        /* clean, if a report decides; or NULL */
     bool waiting;               /* clean, but the report is not there yet: show the layer */
     const repair_job *repair;   /* check: the remedy to show; NULL: none, show the layer */
-    undo_kind accident;         /* that the remedy undoes first */
+    undo_kind accident;         /* that is undone first */
     ntp_y green;                /* of normals as they are after cleaning or a remedy */
     int32_t width, height;      /* pixels to fill */
     double x, y;                /* the texel position at their upper left corner */

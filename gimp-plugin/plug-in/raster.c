@@ -44,8 +44,9 @@ const char *job_status_text(job_status status)
             "of blue\".");
     case JOB_MISPLACED:
         return N_("Channels are exchanged or were converted: this would make it worse. Export "
-                  "again, or undo it: Check Normals has a button for that. If all is as it should "
-                  "be, set \"Range of blue\".");
+                  "again, or undo it: Check Normals has a button for that, and Clean Normals the "
+                  "option \"Put channels right first\". If all is as it should be, set \"Range of "
+                  "blue\".");
     case JOB_NO_METHOD:
         return N_("This method does not take this kernel with these edges. Choose the method \"As "
                   "the edges say\", or edges that wrap or mirror.");

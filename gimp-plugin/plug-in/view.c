@@ -186,6 +186,9 @@ static job_status render_rows(view *v, int first, int end, int most)
                   .smoothed = &v->smoothed,
                   .around = &around };
     p.repair = shown_remedy(v, &p.accident, &p.green);
+    if (v->procedure == &procedures[PROCEDURE_CLEAN] && v->settings.value[FC_UNDO] != 0 &&
+        p.found != NULL && undone_is_possible(p.found->accident, p.layer))
+        p.accident = p.found->accident;
     job_status status =
         preview_render(&p, v->map, v->lit, view_is_on(v->compare) ? v->before : NULL);
     if (status == JOB_DONE && v->areas[HEAT] != NULL && p.found != NULL && p.found->judged)

@@ -217,6 +217,7 @@ def normals_jobs():
     reports = {judged(n): opened(f"{judged(n)}.png", mirrored) for n in [*JUDGED, "padding"]}
     clean = call("plug-in-ntp-clean-normals")
     told = call("plug-in-ntp-clean-normals", **{"from": 1})
+    undo = call("plug-in-ntp-clean-normals", undo=1)
     return {
         "check": opened("rough8.png", check),
         "check-mirrored": opened("mirrored.png", mirrored),
@@ -225,6 +226,7 @@ def normals_jobs():
         "clean16": opened("rough16.png", clean + saved("clean16.png")),
         "clean-part": opened("rough8.png", SELECT + clean + saved("clean-part.png")),
         "clean-again": opened("rough8.png", clean + clean),
+        **{f"undone-{n}": opened(f"{n}.png", undo + saved(f"undone-{n}.png")) for n in MISPLACED},
         "clean-told": opened("red_blue_swapped.png", told + saved("clean-told.png")),
         "height-told": opened(
             "equal.png", call("plug-in-ntp-height-from-normals", **{"from": "standard"})
@@ -636,6 +638,15 @@ def test_remedy(done, ntp, name):
     channels = expected.shape[2]  # a layer keeps its alpha channel
     assert different(made[:, :, :channels], expected) == 0
     assert (made[:, :, channels:] == 255).all()
+
+
+@pytest.mark.parametrize("name", MISPLACED)
+def test_clean_puts_channels_right(done, program, tmp_path, name):
+    """As `ntp clean --undo`."""
+    command = [program, "clean", "--undo", "-q", TEST_FILES / f"{name}.png", "-o"]
+    subprocess.run([*command, tmp_path / "right.png"], check=True)
+    expected = pngs.read_png(tmp_path / "right.png")[0]
+    assert different(done(f"undone-{name}")[..., :3], expected[..., :3]) == 0
 
 
 def test_clean_selection(done, ntp):

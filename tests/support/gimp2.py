@@ -61,6 +61,7 @@ ARGUMENTS = {
         "only-failing": 0,
         "verdict": 0,
         "touch-unused": 0,
+        "undo": 0,
     },
     "plug-in-ntp-resize-normals": {
         "percent": 50,
