@@ -53,34 +53,21 @@ property_enum(detail_y, _("Green of the detail points"), ntp_op_blended_green, n
 #  define GEGL_OP_C_SOURCE blend_normals.c
 
 #  include <gegl-op.h>
-#  include <string.h>
 
-#  include "blending.h"
+#  include "blend_texels.h"
 
 /* The menu has the order of libntp's enumeration. */
 G_STATIC_ASSERT((gint) NTP_OP_LINEAR == (gint) NTP_BLEND_LINEAR);
 
-/* Set by prepare(), read by the threads that process. */
-typedef struct state {
-    pixels base, detail;
-    const blending *blending; /* shared by all */
-} state;
-
 static void prepare(GeglOperation *operation)
 {
     GeglProperties *o = GEGL_PROPERTIES(operation);
-    const Babl *source = gegl_operation_get_source_format(operation, "input");
-    const Babl *aux = gegl_operation_get_source_format(operation, "aux");
     if (o->user_data == NULL)
-        o->user_data = g_new0(state, 1);
-    state *s = o->user_data;
-    s->base = pixels_as_rgb(source, source == NULL || babl_format_has_alpha(source));
-    s->detail = pixels_as_rgb(aux, TRUE); /* transparent where the detail ends */
-    const Babl *light =
-        blending_ahead(operation) == AHEAD_MASK ? blending_prepare(&s->blending, &s->base) : NULL;
-    gegl_operation_set_format(operation, "input", s->base.format);
-    gegl_operation_set_format(operation, "aux", s->detail.format);
-    gegl_operation_set_format(operation, "output", light != NULL ? light : s->base.format);
+        o->user_data = g_new0(blend_texels, 1);
+    blend_texels *b = o->user_data;
+    blend_texels_prepare(b, operation, gegl_operation_get_source_format(operation, "input"),
+                         gegl_operation_get_source_format(operation, "aux"));
+    gegl_operation_set_format(operation, "aux", b->detail.format);
 }
 
 static void finalize(GObject *object)
@@ -91,51 +78,20 @@ static void finalize(GObject *object)
     G_OBJECT_CLASS(gegl_op_parent_class)->finalize(object);
 }
 
-/* Without a detail the base is the result. */
-static gboolean make(const GeglProperties *o, guchar *in, guchar *aux, gpointer out, gint texels)
-{
-    const state *s = o->user_data;
-    const ntp_blend_options how = { .mode = (ntp_blend_mode) o->mode,
-                                    .use_strength = o->strength != 1,
-                                    .strength = pixels_as_typed(o->strength),
-                                    .detail_alpha = o->detail_alpha };
-    if (aux == NULL) {
-        memcpy(out, in, (gsize) texels * (gsize) s->base.bytes);
-        return TRUE;
-    }
-    ntp_image base = pixels_view(&s->base, in, texels, 1);
-    ntp_image detail = pixels_view(&s->detail, aux, texels, 1);
-    ntp_image dst = pixels_view(&s->base, out, texels, 1);
-    base.encoding = detail.encoding = dst.encoding = (ntp_encoding) o->from;
-    base.y = dst.y = (ntp_y) o->base_y;
-    detail.y = (ntp_y) o->detail_y;
-    const ntp_const_image below = ntp_image_as_const(&base), above = ntp_image_as_const(&detail);
-    return ntp_blend(&dst, &below, &above, &how, NULL) == NTP_OK;
-}
-
 static gboolean process(GeglOperation *operation, void *in, void *aux, void *out, glong texels,
                         const GeglRectangle *area, gint level)
 {
     const GeglProperties *o = GEGL_PROPERTIES(operation);
-    const state *s = o->user_data;
-    const gsize bytes = (gsize) s->base.bytes;
-    const gboolean blended = s->base.format != gegl_operation_get_format(operation, "output");
-    guint16 *made = blended ? g_malloc((gsize) MIN(NTP_MAX_SIDE, texels) * bytes) : NULL;
-    gboolean ok = TRUE;
+    const blend_how how = { .options = { .mode = (ntp_blend_mode) o->mode,
+                                         .use_strength = o->strength != 1,
+                                         .strength = pixels_as_typed(o->strength),
+                                         .detail_alpha = o->detail_alpha },
+                            .encoding = (ntp_encoding) o->from,
+                            .base_y = (ntp_y) o->base_y,
+                            .detail_y = (ntp_y) o->detail_y };
     (void) area; /* no texel depends on its position */
     (void) level;
-    for (glong done = 0; done < texels && ok; done += NTP_MAX_SIDE) {
-        const gint count = (gint) MIN(NTP_MAX_SIDE, texels - done);
-        guchar *detail =
-            aux == NULL ? NULL : (guchar *) aux + (gsize) done * (gsize) s->detail.bytes;
-        ok = make(o, (guchar *) in + (gsize) done * bytes, detail,
-                  blended ? (gpointer) made : (guchar *) out + (gsize) done * bytes, count);
-        if (ok && blended)
-            blending_put(s->blending, s->base.channels, made, (gfloat *) out + 4 * done,
-                         (gsize) count);
-    }
-    g_free(made);
-    return ok;
+    return blend_texels_make(o->user_data, &how, in, aux, out, texels);
 }
 
 static void gegl_op_class_init(GeglOpClass *klass)

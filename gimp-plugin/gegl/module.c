@@ -10,6 +10,7 @@ void gegl_op_ntp_normals_from_height_register_type(GTypeModule *module);
 void gegl_op_ntp_clean_normals_register_type(GTypeModule *module);
 void gegl_op_ntp_transform_normals_register_type(GTypeModule *module);
 void gegl_op_ntp_blend_normals_register_type(GTypeModule *module);
+void gegl_op_ntp_blend_file_register_type(GTypeModule *module);
 void gegl_op_ntp_curvature_register_type(GTypeModule *module);
 void gegl_op_ntp_ambient_occlusion_register_type(GTypeModule *module);
 
@@ -32,6 +33,7 @@ gboolean gegl_module_register(GTypeModule *module)
     gegl_op_ntp_clean_normals_register_type(module);
     gegl_op_ntp_transform_normals_register_type(module);
     gegl_op_ntp_blend_normals_register_type(module);
+    gegl_op_ntp_blend_file_register_type(module);
     gegl_op_ntp_curvature_register_type(module);
     gegl_op_ntp_ambient_occlusion_register_type(module);
     return TRUE;

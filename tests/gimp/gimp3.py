@@ -61,6 +61,9 @@ INPUTS = {
 }
 INPUTS["rough8"] = rough_normals(3, 8), (GAMMA,)
 INPUTS["rough16"] = rough_normals(4, 16), ()
+INPUTS["rough8-plain"] = rough_normals(4, 8), ()
+INPUTS["rough16-gAMA"] = rough_normals(3, 16), (GAMMA,)
+ROUGH = [name for name in INPUTS if name.startswith("rough")]
 INPUTS["one"] = picture(1, 1, 3, 8), ()
 RGB, RGBA = name_of(3, 8, False), name_of(4, 16, False)
 SELECTED = [name_of(c, d, g) for c in (3, 4) for d in DEPTHS for g in (False, True)]
@@ -127,7 +130,7 @@ def jobs():
             job(f"{precision}-{name}", *steps, ["dump", f"{precision}-{name}-out"], file=file)
         steps = [["precision", precision], ["dump", f"{precision}-in"], ["merge", *PLAIN]]
         job(precision, *steps, ["dump", f"{precision}-out"], file=name_of(3, 16, True))
-    for file in ("rough8", "rough16"):
+    for file in ROUGH:
         for how in ("merge", "append"):
             job(f"{file}-{how}", [how, *ZZERO], ["save", f"{file}-{how}.png"], file=file)
         job(
@@ -380,7 +383,7 @@ def test_clean_precision(raw, precision):
 
 
 @pytest.mark.parametrize("how", ["merge", "append"])
-@pytest.mark.parametrize("file", ["rough8", "rough16"])
+@pytest.mark.parametrize("file", ROUGH)
 def test_clean(done, ntp, file, how):
     cleaned = ntp(INPUTS[file][0], "clean", "--type", "standard", "--method", "derive")
     told = ["--from", "standard", "--from-y", "up"]
@@ -389,10 +392,10 @@ def test_clean(done, ntp, file, how):
 
 
 def test_heatmap(done, ntp):
-    for file in ("rough8", "rough16"):
+    for file in ROUGH:
         expected = ntp(INPUTS[file][0], "heatmap", "--type", "standard")[:, :, :3]
         made = done(f"{file}-heat")[:, :, :3]
-        assert different(made, expected.astype(made.dtype) * (257 if file == "rough16" else 1)) == 0
+        assert different(made, expected.astype(made.dtype) * (257 if "16" in file else 1)) == 0
 
 
 def test_no_complaints(gimp):

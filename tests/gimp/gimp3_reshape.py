@@ -51,6 +51,7 @@ RESIZED = {
 }
 RESIZE = "plug-in-ntp-resize-normals"
 HOWS = ("merge", "append")
+PART = (20, 30, 50, 40)  # x, y, width, height of a selection
 
 
 def detail_for(file):
@@ -76,11 +77,13 @@ def jobs():
         for name, (settings, _) in BLENDS.items():
             steps = [["blend", f"detail{file[5:]}.png", settings], ["dump", f"{file}-{name}"]]
             todo[f"{file}-{name}"] = {"file": f"{file}.png", "steps": steps}
+        detail = {**BLENDS["rnm"][0], "path": f"/home/reshape/detail{file[5:]}.png"}
+        job(f"{file}-detail", file, ["append", "ntp:blend-normals-file", detail])
         for name, (settings, _) in RESIZED.items():
             todo[f"{file}-{name}"] = {
                 "file": f"{file}.png",
                 "steps": [
-                    ["select", 20, 30, 50, 40],
+                    ["select", *PART],
                     ["offsets", 7, -3],
                     ["call", RESIZE, settings],
                     ["note_place"],
@@ -88,6 +91,10 @@ def jobs():
                 ],
             }
     file = "rough8-3"
+    detail = ["ntp:blend-normals-file", {"path": "/home/reshape/detail8-3.png"}]
+    job("detail-xcf", file, ["append", *detail], ["reopen", "detail.xcf", "path"])
+    for how in HOWS:
+        job(f"detail-part-{how}", file, ["select", *PART], [how, *detail])
     todo["effect"] = {
         "file": f"{file}.png",
         "steps": [
@@ -180,6 +187,27 @@ def test_blend(raw, ntp, file):
         told += [] if "--detail-y" in options else ["--detail-y", "up"]
         expected = ntp(INPUTS[file][0], "blend", *told, detail=detail_for(file))
         assert different(raw(f"{file}-{name}", expected.dtype), expected) == 0, name
+
+
+@pytest.mark.parametrize("file", INPUTS)
+def test_blend_as_effect(done, ntp, file):
+    """The detail of a file: GIMP 3.0 takes no operation with a pad "aux" as an effect."""
+    told = [*TOLD, "--y", "up", "--detail-y", "up", *BLENDS["rnm"][1]]
+    expected = ntp(INPUTS[file][0], "blend", *told, detail=detail_for(file))
+    assert different(done(f"{file}-detail"), expected) == 0
+
+
+def test_blend_as_effect_is_saved(gimp, done, ntp):
+    base, told = INPUTS["rough8-3"][0], [*TOLD, "--y", "up", "--detail-y", "up"]
+    expected = ntp(base, "blend", *told, detail=detail_for("rough8-3"))
+    assert different(done("detail-xcf"), expected) == 0
+    assert gimp.results["detail-xcf"]["filters"] == ["ntp:blend-normals-file"]
+    x, y, width, height = PART
+    inside = slice(y, y + height), slice(x, x + width)
+    part = base.copy()
+    part[inside] = expected[inside]
+    for how in HOWS:
+        assert different(done(f"detail-part-{how}"), part) == 0, how
 
 
 @pytest.mark.parametrize("file", INPUTS)

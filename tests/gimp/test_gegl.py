@@ -513,7 +513,10 @@ def test_blend(gegl, run, tmp_path, mode, depth):
     aux = ["aux=[", "gegl:png-load", "path=detail.png", "]"]
     operation = ["ntp:blend-normals", f"mode={mode}", "strength=0.6", *aux]
     assert (gegl(base, *operation) == expected).all()
+    file = ["ntp:blend-normals-file", f"mode={mode}", "strength=0.6", "path=detail.png"]
+    assert (gegl(base, *file, threads=2) == expected).all()
     assert (gegl(base, "ntp:blend-normals") == base).all()
+    assert (gegl(base, "ntp:blend-normals-file", "path=none.png") == base).all()
     small = ["aux=[", "gegl:png-load", "path=detail.png", "gegl:crop", "width=20", "height=9", "]"]
     expected[9:], expected[:, 20:] = base[9:], base[:, 20:]
     operation = ["ntp:blend-normals", f"mode={mode}", "strength=0.6", *small]

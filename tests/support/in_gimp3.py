@@ -158,12 +158,12 @@ class Session:
     def save(self, file):
         Gimp.file_save(QUIET, self.image, path(file), None)
 
-    def reopen(self, file):
+    def reopen(self, file, noted="scale"):
         self.save(file)
         self.image.delete()
         self.image = Gimp.file_load(QUIET, path(file))
         self.notes["filters"] = [f.get_operation_name() for f in self.layer.get_filters()]
-        self.notes["scale"] = self.layer.get_filters()[0].get_config().get_property("scale")
+        self.notes[noted] = self.layer.get_filters()[0].get_config().get_property(noted)
 
     def dump(self, file):
         """The bytes of the layer as they are stored, and in the notes what they are."""
