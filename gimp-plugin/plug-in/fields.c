@@ -245,7 +245,7 @@ static const field clean_fields[FC_COUNT] = {
         0, 0, verdicts),
     [FC_UNUSED] = SWITCH("touch-unused", NTP_TOUCH_UNUSED_LABEL,
         N_("Treat black, white and transparent texels like any other"), 0),
-    [FC_UNDO] = SWITCH("undo", N_("_Put channels right first"),
+    [FC_UNDO] = SWITCH("undo", N_("Put channels right _first"),
         N_("Undo first that channels were exchanged, packed as DXT5nm or converted to sRGB, or blue was inverted"), 0),
 };
 
