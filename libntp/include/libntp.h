@@ -1027,8 +1027,8 @@ NTP_API size_t ntp_height_scratch_size(const ntp_height_options *how, int32_t wi
  * 1/variance, which is 1/((1 + p*p + q*q)(1 + p*p)) for p with z as stored and less with z derived,
  * and at least 0.01.  Slopes whose kernel reads a hole do not count.  In a first solution pairs of
  * neighbors count a little, as if the mean of their slopes were their difference: they connect
- * texels that the kernel leaves independent.  Then the iteration goes on without pairs, with the
- * prior (docs/reconstruction.md).  With NTP_PRIOR_NONE there is only the first solution, in which
+ * texels that the kernel leaves independent.  Then the iteration goes on with the prior, without
+ * pairs or, where there are holes, with weak ones (docs/reconstruction.md).  With NTP_PRIOR_NONE there is only the first solution, in which
  * pairs count 1e-5.  Heights in holes are 0. Texels connected by their sides form an island, also
  * across borders that wrap; the mean of each island is 0. The method is conjugate gradients and
  * needs about 50 bytes a texel.  Steep textures and ragged holes need more iterations.
