@@ -10,12 +10,14 @@
  *               convert_runs.c and packed_tmpl.h
  *
  * Three ways lead to the same bytes.  Rows of packed 8-bit pixels go through a table, the plan.
- * Pixels whose blue is only derived go through a kernel, and the few that it leaves are done one by
- * one.  All others are done one by one with the arithmetic of level.h.
+ * Pixels whose blue is only derived, or that are divided by their length, go through a kernel, and
+ * the few that it leaves are done one by one.  All others are done one by one with the arithmetic of
+ * level.h.
  */
 #include "base/view.h"
 #include "texel/kernels.h"
 #include "texel/level.h"
+#include "texel/unused.h"
 
 #include <string.h>
 
@@ -155,6 +157,53 @@ static uint64_t clean_by_derivation(const job *j, ntp__block *block, int32_t n)
     return changed;
 }
 
+/* The levels of vectors over their lengths, each rounded by itself. */
+static void round_vectors(const job *j, ntp__block *out, int32_t *doubt, const int32_t *r,
+                          const int32_t *g, const int32_t *b, int32_t n)
+{
+    const int32_t *const plane[3] = { r, g, b };
+    int32_t unused[2][NTP__BLOCK], doubt_z[NTP__BLOCK];
+    ntp__vectors v, turned;
+    for (int32_t k = 0; k < 3; k++) {
+        for (int32_t i = 0; i < n; i++)
+            v.c[k][i] = turned.c[(k + 1) % 3][i] = 2 * plane[k][i] - j->m;
+    }
+    j->kernels->directions(out->c[2], unused[0], unused[1], doubt_z, &turned, n, j->m, 0, 1);
+    j->kernels->directions(out->c[0], out->c[1], unused[1], doubt, &v, n, j->m, 0, 1);
+    for (int32_t i = 0; i < n; i++)
+        doubt[i] = (doubt[i] | doubt_z[i]) & NTP__IN_DOUBT;
+}
+
+/* Divides by the length with kernels, of the standard encoding.  Only texels near a boundary or
+ * those that may be unused go one by one. */
+static uint64_t clean_by_length(const job *j, ntp__block *block, int32_t n)
+{
+    const int32_t low = j->how.keep_negative_z ? -1 : (j->m - 1) / 2;
+    const bool suspect = ntp__any_suspect(block, n, j->m);
+    uint64_t changed = 0;
+    ntp__block out;
+    uint8_t flags[NTP__BLOCK];
+    int32_t want[NTP__BLOCK], doubt[NTP__BLOCK], up[NTP__BLOCK];
+    for (int32_t i = 0; i < n; i++)
+        up[i] = block->c[2][i] <= low ? j->m - block->c[2][i] : block->c[2][i];
+    j->kernels->judge(flags, want, block->c[0], block->c[1], up, n, j->m, 0);
+    round_vectors(j, &out, doubt, block->c[0], block->c[1], up, n);
+    for (int32_t i = 0; i < n; i++) {
+        if (doubt[i] || (suspect && ntp__texel_unused(block, i, j->m, j->how.touch_unused))) {
+            changed += clean_at(j, block, i);
+            continue;
+        }
+        const bool stays = (flags[i] & NTP_FLAG_ROUNDED) != 0;
+        int32_t r = stays ? block->c[0][i] : out.c[0][i], g = stays ? block->c[1][i] : out.c[1][i];
+        int32_t b = stays ? up[i] : out.c[2][i];
+        changed += r != block->c[0][i] || g != block->c[1][i] || b != block->c[2][i];
+        block->c[0][i] = r;
+        block->c[1][i] = g;
+        block->c[2][i] = b;
+    }
+    return changed;
+}
+
 static bool blue_is_written(const job *j)
 {
     return j->encoding != NTP_ENCODING_XY;
@@ -216,6 +265,9 @@ static void clean_block(const job *j, int32_t x, int32_t y, int32_t n, ntp_clean
     bool derive = j->how.method == NTP_CLEAN_DERIVE && !j->how.only_failing && blue_is_written(j);
     if (derive && !block.any_broken)
         counts->changed += clean_by_derivation(j, &block, n);
+    else if (j->how.method == NTP_CLEAN_NORMALIZE && j->encoding == NTP_ENCODING_STANDARD &&
+             !j->how.only_failing && !block.any_broken)
+        counts->changed += clean_by_length(j, &block, n);
     else
         counts->changed += clean_slowly(j, &block, n);
     if (floats)
