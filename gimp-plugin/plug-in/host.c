@@ -244,7 +244,8 @@ static void merge(host_layer *result, const ntp_rect *area)
 #if HOST_GIMP3
 /*
  * The numbers stay as they are; only the space in which they are blended changes.  So the undo step
- * contains two changes of the profile that cancel each other.  There is no way around both:
+ * contains two changes of the profile that cancel each other.  There is no way around both (in GIMP
+ * 3.0.4: gimp_drawable_merge_shadow_buffer and gimp_drawable_real_apply_buffer):
  *   - Merging the shadow is the only way to write pixels with an undo step.  It blends by the
  *     selection, in the linear light of the layer's space.  So for that moment either the space or
  *     the selection must be another one.  The selection could only be put aside in a new channel,

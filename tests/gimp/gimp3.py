@@ -61,7 +61,7 @@ INPUTS = {
 }
 INPUTS["rough8"] = rough_normals(3, 8), (GAMMA,)
 INPUTS["rough16"] = rough_normals(4, 16), ()
-INPUTS["rough8-plain"] = rough_normals(4, 8), ()
+INPUTS["rough8-plain"] = rough_normals(3, 8), ()
 INPUTS["rough16-gAMA"] = rough_normals(3, 16), (GAMMA,)
 ROUGH = [name for name in INPUTS if name.startswith("rough")]
 INPUTS["one"] = picture(1, 1, 3, 8), ()
