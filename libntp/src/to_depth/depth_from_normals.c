@@ -26,7 +26,7 @@ enum {
     MOST_ITERATIONS = 60
 };
 static const double USUAL_K = 2;
-static const double STEADY = 1e-3; /* change of the energy in a round, of itself, that ends them */
+static const double STEADY = 3e-4; /* change of the energy in a round, of itself, that ends them */
 static const double OTHER_K = 3;   /* times k: how far depth moves then is a part of the doubt */
 static const double TRIAL_WEIGHT = 4; /* ranks errors best on made scenes, beside OTHER_K */
 static const double FIRST_SHARE = 0.01, LATER_SHARE = 0.3; /* of the residual that a solve leaves */
