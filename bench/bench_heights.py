@@ -71,7 +71,9 @@ def noise(n):
 
 def bc1(n):
     """Block compression: of each 4 x 4 texels two colors of 5, 6, 5 bits at the ends of the longest
-    axis, and two between them.  Both sides are multiples of 4."""
+    axis, and two between them."""
+    height, width = n.shape[:2]
+    n = np.pad(n, ((0, -height % 4), (0, -width % 4), (0, 0)), "edge")
     h, w = n.shape[:2]
     blocks = n.reshape(h // 4, 4, w // 4, 4, 3).transpose(0, 2, 1, 3, 4).reshape(-1, 16, 3)
     away = blocks - blocks.mean(1, keepdims=True)
@@ -86,7 +88,7 @@ def bc1(n):
     off = ((blocks[:, :, None] - palette[:, None]) ** 2).sum(-1)
     chosen = np.take_along_axis(palette, off.argmin(-1)[..., None], 1)
     texels = chosen.reshape(h // 4, w // 4, 4, 4, 3).transpose(0, 2, 1, 3, 4).reshape(n.shape)
-    return np.floor(texels + 0.5).astype(np.uint8)
+    return np.floor(texels + 0.5).astype(np.uint8)[:height, :width]
 
 
 def half(n):

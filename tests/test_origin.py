@@ -4,8 +4,8 @@
 import numpy as np
 import pytest
 
+from support import drawn_maps, maps, surfaces
 from support import libntp_ffi as ntp
-from support import maps, surfaces
 from support import oracle_height as heights
 from support import to_height as reconstruction
 from support.find import find_kernel as find
@@ -57,6 +57,30 @@ def test_smooth_tiles_are_not_one_sided(seed, size, kernel):
     """All kernels give the same slopes there, but one-sided ones would lie half a texel off."""
     found = find(reconstruction.from_height(waves(size, seed), kernel))
     assert NAMES[found["kernel"]] != "forward" and not found["decided"], found
+
+
+def noisy(n):
+    added = np.random.default_rng(5).normal(0, 5, n.shape)
+    return (n + added).clip(0, 255).round().astype(np.uint8)
+
+
+DAMAGES = {
+    "jpeg": lambda n: maps.jpeg(n, 80, 0),
+    "blocks": drawn_maps.by_blocks,
+    "noise": noisy,
+}
+
+
+@pytest.mark.parametrize("damage", DAMAGES)
+def test_damaged_slopes_between_texels(damage):
+    """No kernel fits, but forward slopes lie half a texel further than all others."""
+    tile = bricks(256)
+    for h in (reconstruction.fractal(256, rms_slope=0.6), tile, np.roll(tile, (3, 1), (0, 1))):
+        for kernel in ("forward", "central", "sobel3"):
+            n = reconstruction.from_height(h.astype(np.float32), kernel)
+            found = find(np.ascontiguousarray(DAMAGES[damage](n)))
+            assert not found["decided"]
+            assert (NAMES[found["kernel"]] == "forward") == (kernel == "forward"), kernel
 
 
 def test_orientation_matters():

@@ -1480,7 +1480,8 @@ typedef struct ntp_kernel_fit {
  * green and src->y, which ntp_orientation_summarize can find.  It tries central, forward, prewitt3,
  * sobel3, scharr3, prewitt5 and baked; sobel5 looks like sobel3.  It reads sampled rows, at most
  * 1024 and only until they show enough detail, and 256 columns of each.  The border does not
- * matter.  src->ring_rows is 0.
+ * matter.  Where damage hides the kernel, it is forward if the slopes lie half a texel from their
+ * texels, else central, and undecided.  src->ring_rows is 0.
  */
 NTP_API ntp_status ntp_find_kernel(ntp_kernel_fit *fit, const ntp_const_image *src,
                                    uint32_t touch_unused);

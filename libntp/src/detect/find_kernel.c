@@ -8,6 +8,7 @@
  * tried on points of sampled rows, and the square of the difference is compared with that variance.
  */
 #include "base/view.h"
+#include "detect/between.h"
 #include "texel/level.h"
 
 #include <string.h>
@@ -296,5 +297,7 @@ ntp_status ntp_find_kernel(ntp_kernel_fit *fit, const ntp_const_image *src, uint
     fit->decided = fits && misfit[next] >= clearly * least;
     if (fit->decided)
         fit->kernel = CANDIDATE[best].kernel;
+    else if (misfit[best] > USABLE_MISFIT && ntp__lie_between(src)) /* damage hides kernels */
+        fit->kernel = NTP_KERNEL_FORWARD;
     return NTP_OK;
 }
