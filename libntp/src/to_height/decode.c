@@ -43,9 +43,14 @@ static const double most_error = 9;
  * slope has no limit. */
 static const double damaged_share = 2e-5;
 
-/* And z^2 does not follow 1 - x^2 - y^2 then: the slope of the line through both, 1 where blue is z
- * with errors, is below this. */
-static const double follows = 0.75;
+/* And z^2 does not follow 1 - x^2 - y^2 then.  Where blue is z, the slope of the line through both is
+ * 1.  Errors of x and y lower it, of rough ground as far as to 0.4, errors of z do not; and the
+ * slope of 1 - x^2 - y^2 over z^2 is at most 1 likewise.  A blue that is something else gives at most
+ * 0.11.  One that is something else in parts gives more, but there most texels are either right,
+ * within two standard errors of rounding, or far off: their share, times the root mean square of
+ * the errors in standard errors, is above 14.  Errors of one kind make it 1.6, damaged bricks 8. */
+static const double follows = 0.75, follows_loosely = 0.3, follows_back = 1.1, most_apart = 10;
+static const double right = 4; /* the square of two standard errors */
 
 /* Blue tells no z that is smaller than its errors.  A slope that is divided by such a z has no limit
  * either, so there n.z counts as so many times the error.  Few negative z tell little about it. */
@@ -83,11 +88,12 @@ typedef struct evidence {
     double all, lengths; /* texels of any depth, read as UNORM; squares of 2 m^2 times the error */
     double most_rest;    /* z^2 of a tilted texel is below this, in units of levels squared */
     double tilted, derived;
-    double too_long;              /* texels whose x, y are longer than 1 */
-    double rest, rest2, z2, both; /* sums of 1 - x^2 - y^2 and z^2, of their products */
-    double negative, negative2;   /* texels whose z is below 0, and its squares */
-    double pile[2], beside;       /* of red: texels at 127, at 128, beside them */
-    double level;                 /* of green: texels at 128 */
+    double too_long;                  /* texels whose x, y are longer than 1 */
+    double right;                     /* texels whose length is off by rounding alone */
+    double rest, rest2, z2, z4, both; /* sums of 1 - x^2 - y^2 and z^2, of their products */
+    double negative, negative2;       /* texels whose z is below 0, and its squares */
+    double pile[2], beside;           /* of red: texels at 127, at 128, beside them */
+    double level;                     /* of green: texels at 128 */
     uint8_t votes[1 << 2 * VOTE_BITS];
 } evidence;
 
@@ -150,7 +156,9 @@ static void add_negative(evidence *e, const double *z, double unit, int32_t n)
 static void add_lengths(evidence *e, const ntp__block *b, int32_t m, bool zzero, int32_t n)
 {
     double z[NTP__BLOCK], rest[NTP__BLOCK], square = (double) m * m, unit = 1 / square;
+    double most_off = right * noise * 4 * square * square; /* off is twice the error */
     int32_t scale = zzero ? 1 : 2, zero = zzero ? 0 : m, negative = 0, tilted_some = 0;
+    int32_t right_some = 0;
     for (int32_t i = 0; i < n; i++) {
         double x = 2 * b->c[0][i] - m, y = 2 * b->c[1][i] - m;
         z[i] = scale * b->c[2][i] - zero;
@@ -162,8 +170,11 @@ static void add_lengths(evidence *e, const ntp__block *b, int32_t m, bool zzero,
         e->rest += u;
         e->rest2 += u * u;
         e->z2 += v;
+        e->z4 += v * v;
         e->both += u * v;
+        right_some += off * off < most_off;
     }
+    e->right += right_some;
     for (int32_t i = 0; i < n; i++) {
         negative |= z[i] < -1;
         tilted_some |= rest[i] < e->most_rest;
@@ -254,6 +265,16 @@ static void choose_decode(ntp__height_plan *plan, const ntp_const_image *src, co
         plan->decode = is_neutral(e) ? NTP_DECODE_NEUTRAL : NTP_DECODE_UNORM;
 }
 
+/* Is blue z with errors? */
+static bool blue_follows(const evidence *e, double mean_error)
+{
+    double both = e->both * e->all - e->rest * e->z2;
+    double rest = e->rest2 * e->all - e->rest * e->rest, z2 = e->z4 * e->all - e->z2 * e->z2;
+    bool apart = e->right * sqrt(mean_error / noise) > most_apart * e->all;
+    return both >= follows * rest ||
+           (both >= follows_loosely * rest && both <= follows_back * z2 && !apart);
+}
+
 static void choose_z(ntp__height_plan *plan, const ntp_const_image *src, const evidence *e)
 {
     double m = ntp__max(src->type), unit = 2 * m * m;
@@ -264,10 +285,8 @@ static void choose_z(ntp__height_plan *plan, const ntp_const_image *src, const e
     }
     bool made = src->type != NTP_TYPE_F32 && e->tilted >= LEAST_TILTED &&
                 e->derived >= derived_share * e->tilted;
-    bool follow =
-        e->both * e->all - e->rest * e->z2 >= follows * (e->rest2 * e->all - e->rest * e->rest);
-    bool other =
-        lengths > most_error * noise * all && e->too_long <= damaged_share * e->all && !follow;
+    bool other = lengths > most_error * noise * all && e->too_long <= damaged_share * e->all &&
+                 !blue_follows(e, lengths / all);
     plan->z = made || other ? NTP_Z_DERIVED : NTP_Z_STORED;
     plan->least_z = most_of_error * sqrt(e->negative2 / (e->negative + FEW_NEGATIVE));
 }
