@@ -66,9 +66,11 @@ static luminance *make(const Babl *stored)
         g_free(l);
         return NULL;
     }
-    l->stored = (flags & BABL_MODEL_FLAG_LINEAR) != 0       ? (curve) { .power = 1 }
-                : (flags & BABL_MODEL_FLAG_PERCEPTUAL) != 0 ? (curve) { .srgb = TRUE }
-                                                            : l->made;
+    l->stored = l->made;
+    if ((flags & BABL_MODEL_FLAG_LINEAR) != 0)
+        l->stored = (curve) { .power = 1 };
+    else if ((flags & BABL_MODEL_FLAG_PERCEPTUAL) != 0)
+        l->stored = (curve) { .srgb = TRUE };
     l->same_curve = l->stored.srgb == l->made.srgb && l->stored.power == l->made.power;
     babl_space_get_rgb_luminance(space, &l->weights[0], &l->weights[1], &l->weights[2]);
     for (gint i = 0; i < l->levels; i++)

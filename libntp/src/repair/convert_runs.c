@@ -57,7 +57,7 @@ static int32_t put_exact(const ntp__conversion *j, int32_t *restrict out,
         int32_t up = in[i] <= low ? ms - in[i] : in[i];
         int32_t z = in[i] <= low ? most + (blue[i] ^ mirror) - mirror : blue[i];
         out[i] = want[i] == up ? z : out[i];
-        pull[i] = want[i] == up ? blue[i] >> 31 : 0;
+        pull[i] = -((want[i] == up) & (blue[i] < 0));
         any |= pull[i];
     }
     return any;
@@ -95,13 +95,13 @@ static int32_t convert_blues(const ntp__conversion *j, ntp__block *out, const nt
     if (from == NTP_ENCODING_XY && to != NTP_ENCODING_XY) {
         memcpy(out->c[2], blue, (size_t) n * sizeof blue[0]);
         for (int32_t i = 0; i < n; i++)
-            any |= pull[i] = blue[i] >> 31;
+            any |= pull[i] = -(blue[i] < 0);
         return any;
     }
     j->kernels->derive(want, in->c[0], in->c[1], n, j->ms, from == NTP_ENCODING_ZZERO);
     if (from == NTP_ENCODING_XY) {
         for (int32_t i = 0; i < n; i++)
-            any |= pull[i] = ~(want[i] >> 31) & (blue[i] >> 31);
+            any |= pull[i] = -((want[i] >= 0) & (blue[i] < 0));
         return any;
     }
     if (from != to && to != NTP_ENCODING_XY)
@@ -139,7 +139,7 @@ static void convert_levels(const ntp__conversion *j, int32_t x, int32_t y, int32
 {
     ntp__block in, out;
     int32_t pull[NTP__BLOCK];
-    uint8_t kept[NTP__BLOCK];
+    uint8_t kept[NTP__BLOCK] = { 0 };
     ntp__unpack(&in, j->src, x, y, n);
     const bool suspect = ntp__any_suspect(&in, n, j->ms);
     for (int32_t i = 0; suspect && i < n; i++) {
@@ -166,7 +166,7 @@ static void convert_levels(const ntp__conversion *j, int32_t x, int32_t y, int32
 }
 
 /* Reads float vectors, y as in the target; those that are none become 0.  Returns how many. */
-static uint64_t read_vectors(const ntp__conversion *j, ntp__vectors *v, int32_t *alpha, int32_t x,
+static uint64_t read_vectors(const ntp__conversion *j, ntp__vectors *v, ntp__block *out, int32_t x,
                              int32_t y, int32_t n)
 {
     const char *s = ntp__at(j->src, x, y);
@@ -176,7 +176,7 @@ static uint64_t read_vectors(const ntp__conversion *j, ntp__vectors *v, int32_t 
         v->c[0][i] = raw[0];
         v->c[1][i] = raw[1];
         v->c[2][i] = raw[2];
-        alpha[i] = j->src->channels == 4 ? ntp__level_of(raw[3], j->md) : j->md;
+        out->c[3][i] = j->src->channels == 4 ? ntp__level_of(raw[3], j->md) : j->md;
     }
     for (int32_t i = 0; i < n; i++) { /* not 0 when one is infinite or 0 */
         double size = fabs(v->c[0][i]) + fabs(v->c[1][i]) + fabs(v->c[2][i]);
@@ -191,7 +191,7 @@ static uint64_t read_vectors(const ntp__conversion *j, ntp__vectors *v, int32_t 
         if (size > 0.0 && ntp__is_finite(size))
             continue;
         v->c[0][i] = v->c[1][i] = v->c[2][i] = 0.0;
-        alpha[i] = j->md;
+        out->c[3][i] = j->md;
         broken++;
     }
     return broken;
@@ -206,7 +206,7 @@ static void encode_run(const ntp__conversion *j, int32_t x, int32_t y, int32_t n
     ntp__block out;
     ntp__vectors v;
     int32_t doubt[NTP__BLOCK];
-    counts->not_finite += read_vectors(j, &v, out.c[3], x, y, n);
+    counts->not_finite += read_vectors(j, &v, &out, x, y, n);
     int32_t any =
         j->kernels->directions(out.c[0], out.c[1], out.c[2], doubt, &v, n, j->md, zzero, true);
     for (int32_t i = 0; zzero && i < n; i++)

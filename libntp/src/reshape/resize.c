@@ -339,7 +339,7 @@ static bool across_quickly(const job *j, ntp__vectors *v, int32_t i, int32_t x)
 static void resize_run(const job *j, ntp__block *out, int32_t x, int32_t y, int32_t n)
 {
     const bool samples = j->sum[SUM_EXTRA] != NULL || j->sum[SUM_ALPHA] != NULL;
-    int32_t doubt[NTP__BLOCK];
+    int32_t doubt[NTP__BLOCK] = { 0 };
     bool inexact[NTP__BLOCK];
     ntp__vectors v;
     for (int32_t i = 0; i < n; i++) {
