@@ -11,7 +11,9 @@ void blend_texels_prepare(blend_texels *b, GeglOperation *operation, const Babl 
                           const Babl *detail)
 {
     b->base = pixels_as_rgb(base, base == NULL || babl_format_has_alpha(base));
-    b->detail = pixels_as_rgb(detail, TRUE); /* transparent where the detail ends */
+    /* Where the detail ends it is transparent or black, which is unused either way.  An alpha that it
+     * does not have would cost exactness: babl adds one in single precision. */
+    b->detail = pixels_as_rgb(detail, detail == NULL || babl_format_has_alpha(detail));
     const Babl *light =
         blending_ahead(operation) == AHEAD_MASK ? blending_prepare(&b->blending, &b->base) : NULL;
     b->light = light != NULL;

@@ -45,14 +45,29 @@ class Session:
         layer = getattr(self, target)
         layer.append_filter(self._filter(operation, settings, layer))
 
-    def blend(self, file, settings):
-        """Merges Blend Normals with the detail of another file, a layer that is not seen."""
-        self.other(file)
-        self.second.set_visible(False)
-        made = self._filter("ntp:blend-normals", settings)
-        made.set_aux_input("aux", self.second)
-        made.update()
-        self.layer.merge_filter(made)
+    def each(self, things):
+        """Does each [file, how, operation, settings] to a copy; dumps what is shown then.
+
+        This is a fraction of what opening and saving takes.  Settings of "aux" are true: the pad
+        gets the second layer.
+        """
+        original, self.notes["each"] = self.image, {}
+        for file, how, operation, settings in things:
+            self.image = original.duplicate()
+            try:
+                aux = settings.pop("aux", False)
+                made = self._filter(operation, settings)
+                if aux:
+                    made.set_aux_input("aux", self.image.get_layers()[1])
+                    made.update()
+                getattr(self.layer, f"{how}_filter")(made)
+                if how == "append":  # what an export does
+                    self.layer.merge_filters()
+                self.dump(file)
+                self.notes["each"][file] = self.notes.pop("shape")
+            finally:
+                self.image.delete()
+                self.image = original
 
     def note_place(self):
         """Where the layer begins, and the image's size."""
@@ -106,6 +121,10 @@ class Session:
         """A second layer, below the first; "other" as an argument."""
         self.second = Gimp.file_load_layer(QUIET, self.image, path(file))
         self.image.insert_layer(self.second, None, 1)
+
+    def hide_other(self, file):
+        self.other(file)
+        self.second.set_visible(False)
 
     def mask(self, kind="WHITE"):
         self.layer.add_mask(self.layer.create_mask(getattr(Gimp.AddMaskType, kind)))
