@@ -3,9 +3,10 @@
  * test_kernels.c - every instruction set gives the bytes of the base level
  *
  * All widths 1..300 between guard pages, levels of 8 and 16 bit, for each kernel; and their square
- * roots against integers, for every argument where that is feasible.
+ * roots against integers, for every argument where that is feasible.  Angles are those of angle.c.
  */
 #include "guarded.h"
+#include "texel/angle.h"
 #include "texel/kernels.h"
 #include "texel/root30.h"
 #include "libntp.h"
@@ -226,6 +227,37 @@ static void check_directions(const ntp__kernels_table *level, int32_t m, int32_t
     CHECK(doubts < BLOCKS * BLOCK / 500);
 }
 
+/* Numerators of levels: any, nearly parallel, nearly opposite and nearly at right angles. */
+static void check_angles(const ntp__kernels_table *level, uint64_t *seed)
+{
+    enum { BLOCKS = 400, BLOCK = 256, NEAR = 5 };
+    for (int32_t block = 0; block < BLOCKS; block++) {
+        int32_t n = block % 7 ? BLOCK : 1 + block % BLOCK, m = block % 2 ? 65535 : 255;
+        int32_t angle[BLOCK], pair[2][3][BLOCK];
+        ntp__vectors v[2];
+        for (int32_t i = 0; i < n; i++) {
+            for (int k = 0; k < 3; k++) {
+                pair[0][k][i] = 2 * random_level(seed, m) - m;
+                pair[1][k][i] = 2 * random_level(seed, m) - m;
+                if (i % 4 == 1 || i % 4 == 2) /* the same or the opposite, or near to it */
+                    pair[1][k][i] = (i % 4 == 1 ? 1 : -1) * pair[0][k][i] +
+                                    (i % 3 ? 2 * random_level(seed, NEAR) - NEAR : 0);
+            }
+            if (i % 4 == 3) {
+                pair[1][0][i] = pair[0][1][i];
+                pair[1][1][i] = -pair[0][0][i];
+                pair[1][2][i] = i % 3 - 1;
+            }
+        }
+        for (int32_t i = 0; i < 6 * n; i++)
+            v[i / (3 * n)].c[i / n % 3][i % n] = pair[i / (3 * n)][i / n % 3][i % n];
+        level->angles(angle, &v[0], &v[1], n);
+        for (int32_t i = 0; i < n; i++)
+            CHECK((uint32_t) angle[i] == ntp__angle(pair[0][0][i], pair[0][1][i], pair[0][2][i],
+                                                    pair[1][0][i], pair[1][1][i], pair[1][2][i]));
+    }
+}
+
 int main(int argc, char **argv)
 {
     bool avx2 = argc > 1 && strcmp(argv[1], "avx2") == 0;
@@ -249,6 +281,7 @@ int main(int argc, char **argv)
     check_derive(level);
     for (int kind = 0; kind < 4; kind++)
         check_directions(level, kind & 1 ? 65535 : 255, kind & 2, &seed);
+    check_angles(level, &seed);
     for (int32_t n = 1; n <= WIDEST; n++) {
         for (int kind = 0; kind < 4; kind++)
             compare_planar(level, n, kind & 1 ? 65535 : 255, kind & 2, &seed);

@@ -7,7 +7,9 @@
  * of levels and angles, so that parts add up exactly.
  */
 #include "texel/angle.h"
+#include "texel/direction.h"
 #include "texel/level.h"
+#include "texel/unused.h"
 #include "picture/picture.h"
 
 #include <string.h>
@@ -24,6 +26,7 @@ struct ntp_diff {
 enum {
     HEAT_FULL = 10000000, /* micro-degrees at and above which the heat is full red */
     HEAT_STEPS = 510,     /* blue to green and green to red, 255 each */
+    UNEQUAL = 1 << 16,    /* a texel that is a vector in one image only, beside its levels */
     HALF_TURN = 180000000 /* for the heat, a height difference of M counts as this angle */
 };
 
@@ -35,98 +38,124 @@ typedef struct job {
     int32_t ma, mb, m;
     int32_t channels;
     bool vectors, flip;
+    const ntp__kernels_table *kernels;
 } job;
 
-/* One texel of one image. */
-typedef struct texel {
-    int32_t c[4];
-    bool unused, broken;
-} texel;
+/* A block of one image. */
+typedef struct side {
+    ntp__block block;
+    ntp__vectors v;
+    uint8_t none[NTP__BLOCK]; /* not 0: unused or broken, so it is not flipped */
+    bool any_none;
+} side;
 
-static texel fetch(const ntp__block *block, int32_t i, int32_t m, bool vectors)
+static void fetch(const job *j, side *s, const ntp_const_image *view, int32_t m, int32_t x,
+                  int32_t y, int32_t n)
 {
-    texel t = { { block->c[0][i], block->c[1][i], block->c[2][i], block->c[3][i] }, false, false };
-    t.broken = block->any_broken && block->broken[i];
-    t.unused = vectors && !t.broken && ntp__unused(t.c[0], t.c[1], t.c[2], t.c[3], m, 0);
-    if (t.broken && vectors) {
-        t.c[0] = t.c[1] = (m + 1) / 2;
-        t.c[2] = m;
-    }
-    return t;
-}
-
-/* Numerators of the vector over M.  The M of the two images may differ. */
-static void decode(int64_t v[3], const texel *t, int32_t m, ntp_encoding encoding)
-{
-    v[0] = ntp__num(t->c[0], m);
-    v[1] = ntp__num(t->c[1], m);
-    if (encoding == NTP_ENCODING_XY) {
-        int64_t rest = ntp__rest(t->c[0], t->c[1], m);
-        v[2] = rest < 0 ? 0 : ntp__num(ntp__blue_of_rest(rest, m, false), m);
-    } else {
-        v[2] = encoding == NTP_ENCODING_ZZERO ? t->c[2] : ntp__num(t->c[2], m);
+    ntp__block *block = &s->block;
+    ntp__unpack(block, view, x, y, n);
+    s->any_none = j->vectors && ntp__any_suspect(block, n, m);
+    for (int32_t i = 0; s->any_none && i < n; i++) {
+        s->none[i] = ntp__texel_unused(block, i, m, 0);
+        if (block->any_broken && block->broken[i]) {
+            block->c[0][i] = block->c[1][i] = (m + 1) / 2;
+            block->c[2][i] = m;
+        }
     }
 }
 
-static uint32_t angle_between(const job *j, const texel *a, const texel *b)
+/* Is the texel unused?  Broken ones are not. */
+static bool is_unused(const side *s, int32_t i)
 {
-    int64_t v[3], w[3];
-    if (a->unused && b->unused)
-        return 0;
-    decode(v, a, j->ma, j->encoding_a);
-    decode(w, b, j->mb, j->encoding_b);
-    if (j->ma == j->mb && v[0] == w[0] && v[1] == w[1] && v[2] == w[2])
-        return 0;
-    return ntp__angle(v[0], v[1], v[2], w[0], w[1], w[2]);
+    return s->any_none && s->none[i] && !(s->block.any_broken && s->block.broken[i]);
+}
+
+/* Numerators of the vectors over M.  The M of the two images may differ. */
+static void decode(const job *j, side *s, int32_t n, int32_t m, ntp_encoding encoding)
+{
+    if (encoding != NTP_ENCODING_XY) {
+        ntp__block_vectors(&s->v, &s->block, n, m, encoding);
+        return;
+    }
+    ntp__block derived;
+    for (int32_t k = 0; k < 2; k++)
+        memcpy(derived.c[k], s->block.c[k], (size_t) n * sizeof derived.c[k][0]);
+    j->kernels->derive(derived.c[2], derived.c[0], derived.c[1], n, m, 0);
+    ntp__block_vectors(&s->v, &derived, n, m, NTP_ENCODING_STANDARD);
+    for (int32_t i = 0; i < n; i++)
+        s->v.c[2][i] = derived.c[2][i] < 0 ? 0 : s->v.c[2][i];
+}
+
+static void find_angles(const job *j, int32_t *angle, side *a, side *b, int32_t n)
+{
+    decode(j, a, n, j->ma, j->encoding_a);
+    decode(j, b, n, j->mb, j->encoding_b);
+    j->kernels->angles(angle, &a->v, &b->v, n);
+    for (int32_t i = 0; a->any_none && i < n; i++)
+        angle[i] = is_unused(a, i) && is_unused(b, i) ? 0 : angle[i];
 }
 
 /* The blue of b in the encoding of a, where the two store z differently. */
-static int32_t blue_as_in_a(const job *j, const texel *b)
+static int32_t blue_as_in_a(const job *j, const ntp__block *b, int32_t i)
 {
-    int32_t m = j->mb, blue = b->c[2];
+    int32_t m = j->mb, blue = b->c[2][i];
     bool zzero = j->encoding_b == NTP_ENCODING_ZZERO, negative = !zzero && ntp__z_negative(blue, m);
-    int64_t rest = ntp__rest(b->c[0], b->c[1], m);
+    int64_t rest = ntp__rest(b->c[0][i], b->c[1][i], m);
     if (rest >= 0 && ntp__blue_of_rest(rest, m, zzero) == (negative ? m - blue : blue))
         return ntp__blue_of_rest(rest, m, !zzero);
     return zzero ? (blue + m + 1) / 2 : ntp__abs(ntp__num(blue, m));
 }
 
-static int32_t deepen(int32_t level, int32_t from, int32_t to)
+/* Puts the levels of b into what those of a are in. */
+static void match(const job *j, side *b, int32_t n)
 {
-    return from == to ? level : level * 257;
+    for (int32_t i = 0; j->flip && i < n; i++)
+        b->block.c[1][i] ^= b->any_none && b->none[i] ? 0 : j->mb;
 }
 
-static uint32_t compare_texel(const job *j, texel *a, texel *b, bool *equal)
+/* Adds up the differences of channel k, and puts the greatest of each texel into `greatest`. */
+static void add_channel(const job *j, int32_t *restrict greatest, const ntp__block *restrict a,
+                        const ntp__block *restrict b, int32_t k, int32_t n)
 {
-    ntp_diff *d = j->diff;
-    if (j->flip && !b->unused && !b->broken)
-        b->c[1] = j->mb - b->c[1];
-    uint32_t angle = j->vectors ? angle_between(j, a, b) : 0;
-    if (j->channels > 2 && j->encoding_a != j->encoding_b && !b->unused)
-        b->c[2] = blue_as_in_a(j, b);
-    *equal = a->broken == b->broken;
-    uint32_t greatest = 0;
-    for (int32_t k = 0; k < j->channels; k++) {
-        /* A gray image with alpha is unpacked with alpha in the fourth plane. */
-        int32_t plane = !j->vectors && j->channels == 2 && k == 1 ? 3 : k;
-        int32_t off = deepen(a->c[plane], j->ma, j->m) - deepen(b->c[plane], j->mb, j->m);
-        uint32_t size = (uint32_t) ntp__abs(off);
-        d->levels_sum[k] += size;
-        if (size > d->levels_max[k])
-            d->levels_max[k] = size;
-        greatest = size > greatest ? size : greatest;
+    const int32_t by_a = j->m / j->ma, by_b = j->m / j->mb;
+    /* A gray image with alpha is unpacked with alpha in the fourth plane. */
+    const int32_t plane = !j->vectors && j->channels == 2 && k == 1 ? 3 : k;
+    int32_t sum = 0, most = 0;
+    for (int32_t i = 0; i < n; i++) {
+        int32_t off = ntp__abs(a->c[plane][i] * by_a - b->c[plane][i] * by_b);
+        sum += off;
+        most = off > most ? off : most;
+        greatest[i] = off > greatest[i] ? off : greatest[i];
     }
-    *equal = *equal && greatest == 0;
-    d->different += !*equal;
-    if (!j->vectors)
-        return (uint32_t) ((uint64_t) greatest * HALF_TURN / (uint64_t) j->m);
-    ntp__angles_add(&d->angles, angle, 1);
-    return angle;
+    j->diff->levels_sum[k] += (uint64_t) sum;
+    if ((uint32_t) most > j->diff->levels_max[k])
+        j->diff->levels_max[k] = (uint32_t) most;
 }
 
-static void paint_heat(uint8_t rgb[3], uint32_t angle, bool equal)
+/* Where greatest becomes 0, the texels are equal. */
+static void add_levels(const job *j, int32_t *greatest, side *a, side *b, int32_t n)
 {
-    uint64_t capped = angle < HEAT_FULL ? angle : HEAT_FULL;
+    int32_t different = 0;
+    for (int32_t i = 0; j->channels > 2 && j->encoding_a != j->encoding_b && i < n; i++) {
+        if (!is_unused(b, i))
+            b->block.c[2][i] = blue_as_in_a(j, &b->block, i);
+    }
+    memset(greatest, 0, (size_t) n * sizeof *greatest);
+    for (int32_t k = 0; k < j->channels; k++)
+        add_channel(j, greatest, &a->block, &b->block, k, n);
+    for (int32_t i = 0; i < n && (a->block.any_broken || b->block.any_broken); i++) {
+        bool broken_a = a->block.any_broken && a->block.broken[i];
+        bool broken_b = b->block.any_broken && b->block.broken[i];
+        greatest[i] |= (broken_a != broken_b) ? UNEQUAL : 0;
+    }
+    for (int32_t i = 0; i < n; i++)
+        different += greatest[i] != 0;
+    j->diff->different += (uint64_t) different;
+}
+
+static void paint_heat(uint8_t rgb[3], int32_t angle, bool equal)
+{
+    int64_t capped = angle < HEAT_FULL ? angle : HEAT_FULL;
     int32_t step = (int32_t) ((capped * HEAT_STEPS + HEAT_FULL / 2) / HEAT_FULL);
     bool lower = step <= 255;
     rgb[0] = (uint8_t) (lower ? 0 : step - 255);
@@ -136,22 +165,32 @@ static void paint_heat(uint8_t rgb[3], uint32_t angle, bool equal)
         rgb[0] = rgb[1] = rgb[2] = 0;
 }
 
+static void paint(const job *j, const int32_t *angle, const int32_t *greatest, int32_t x, int32_t y,
+                  int32_t n)
+{
+    uint8_t *d = ntp__at_mut(j->heat, x, y);
+    for (int32_t i = 0; i < n; i++, d += j->heat->pixel_stride) {
+        uint8_t rgb[3];
+        int64_t height = (int64_t) (greatest[i] & ~UNEQUAL) * HALF_TURN / j->m;
+        paint_heat(rgb, j->vectors ? angle[i] : (int32_t) height, greatest[i] == 0);
+        ntp__paint(d, j->heat->channels, rgb);
+    }
+}
+
 static void compare_run(const job *j, int32_t x, int32_t y, int32_t n)
 {
-    ntp__block a, b;
-    ntp__unpack(&a, j->a, x, y, n);
-    ntp__unpack(&b, j->b, x, y, n);
-    uint8_t *d = j->heat != NULL ? ntp__at_mut(j->heat, x, y) : NULL;
-    for (int32_t i = 0; i < n; i++) {
-        texel ta = fetch(&a, i, j->ma, j->vectors), tb = fetch(&b, i, j->mb, j->vectors);
-        bool equal;
-        uint32_t angle = compare_texel(j, &ta, &tb, &equal);
-        if (d == NULL)
-            continue;
-        uint8_t rgb[3];
-        paint_heat(rgb, angle, equal);
-        ntp__paint(d + i * j->heat->pixel_stride, j->heat->channels, rgb);
-    }
+    side a, b;
+    int32_t angle[NTP__BLOCK], greatest[NTP__BLOCK];
+    fetch(j, &a, j->a, j->ma, x, y, n);
+    fetch(j, &b, j->b, j->mb, x, y, n);
+    match(j, &b, n);
+    if (j->vectors)
+        find_angles(j, angle, &a, &b, n);
+    add_levels(j, greatest, &a, &b, n);
+    for (int32_t i = 0; j->vectors && i < n; i++)
+        ntp__angles_add(&j->diff->angles, (uint32_t) angle[i], 1);
+    if (j->heat != NULL)
+        paint(j, angle, greatest, x, y, n);
 }
 
 static ntp_status prepare(job *j, const ntp_const_image *a, const ntp_const_image *b)
@@ -195,7 +234,7 @@ ntp_status ntp_diff_add(ntp_diff *diff, const ntp_image *heat, const ntp_const_i
         return NTP_ERR_ARGUMENT;
     NTP__TRY(ntp__check_view(a));
     NTP__TRY(ntp__check_view(b));
-    job j = { .diff = diff, .heat = heat, .a = a, .b = b };
+    job j = { .diff = diff, .heat = heat, .a = a, .b = b, .kernels = ntp__kernels(NTP__CPU_ALL) };
     NTP__TRY(prepare(&j, a, b));
     if (heat != NULL) {
         NTP__TRY(ntp__check_painting(heat, a, 3));

@@ -11,10 +11,7 @@
 #include <math.h>
 #include <string.h>
 
-static const double PI = 3.14159265358979323846;
-
-/* atan(i/8) */
-static const double ATAN_EIGHTHS[9] = {
+const double ntp__atan_eighths[9] = {
     0.0,
     0.12435499454676143503,
     0.24497866312686415417,
@@ -32,7 +29,7 @@ static double arc_tangent(double t)
     double c = i * 0.125;
     double u = (t - c) / (1.0 + t * c), u2 = u * u;
     double series = 1.0 + u2 * (-1.0 / 3 + u2 * (1.0 / 5 + u2 * (-1.0 / 7 + u2 * (1.0 / 9))));
-    return ATAN_EIGHTHS[i] + u * series;
+    return ntp__atan_eighths[i] + u * series;
 }
 
 double ntp__radians(double s, double d)
@@ -40,8 +37,8 @@ double ntp__radians(double s, double d)
     if (s <= d)
         return arc_tangent(s / d);
     if (d <= -s)
-        return PI - arc_tangent(s / -d);
-    return PI / 2 - (d < 0 ? -arc_tangent(-d / s) : arc_tangent(d / s));
+        return NTP__PI - arc_tangent(s / -d);
+    return NTP__PI / 2 - (d < 0 ? -arc_tangent(-d / s) : arc_tangent(d / s));
 }
 
 uint32_t ntp__angle(int64_t x1, int64_t y1, int64_t z1, int64_t x2, int64_t y2, int64_t z2)
@@ -50,7 +47,7 @@ uint32_t ntp__angle(int64_t x1, int64_t y1, int64_t z1, int64_t x2, int64_t y2, 
     double cz = (double) (x1 * y2 - y1 * x2);
     double s = sqrt(cx * cx + cy * cy + cz * cz);
     double d = (double) (x1 * x2 + y1 * y2 + z1 * z2);
-    return (uint32_t) (ntp__radians(s, d) * (180e6 / PI) + 0.5);
+    return (uint32_t) (ntp__radians(s, d) * (180e6 / NTP__PI) + 0.5);
 }
 
 void ntp__angles_clear(ntp__angle_sums *angles)

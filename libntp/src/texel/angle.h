@@ -7,6 +7,10 @@
 
 #include "libntp.h"
 
+#define NTP__PI 3.14159265358979323846
+
+extern const double ntp__atan_eighths[9]; /* atan(i/8) */
+
 /*
  * The angle between two vectors of integers, in micro-degrees.  The arc tangent is our own, because
  * that of libm differs between systems.  |components| <= 2^17; neither vector is zero.

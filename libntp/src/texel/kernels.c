@@ -8,6 +8,7 @@
  */
 #include "texel/kernels.h"
 
+#include "texel/angle.h"
 #include "texel/judged.h"
 #include "texel/root30.h"
 
@@ -407,6 +408,7 @@ static void judge_block(ntp__judged *j, const int32_t *r, const int32_t *g, cons
 }
 
 #include "texel/directions_tmpl.h"
+#include "texel/angles_tmpl.h"
 
 extern const ntp__kernels_table CONCAT(ntp__kernels_, NTP_ISA);
 const ntp__kernels_table CONCAT(ntp__kernels_, NTP_ISA) = {
@@ -420,4 +422,5 @@ const ntp__kernels_table CONCAT(ntp__kernels_, NTP_ISA) = {
     judge,
     judge_block,
     directions,
+    angles,
 };

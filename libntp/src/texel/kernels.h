@@ -89,6 +89,10 @@ typedef int32_t ntp__directions_fn(int32_t *r, int32_t *g, int32_t *b, int32_t *
                                    ntp__vectors *v, int32_t n, int32_t m, int32_t zzero,
                                    int32_t exact);
 
+/* The angles of ntp__angle between vectors of levels; none of them has length 0.  Angles have room
+ * for 256; vectors beyond n change. */
+typedef void ntp__angles_fn(int32_t *angle, ntp__vectors *v, ntp__vectors *w, int32_t n);
+
 typedef struct ntp__kernels_table {
     const char *name;
     ntp__clean8_fn *clean_rgb8;         /* counts */
@@ -100,6 +104,7 @@ typedef struct ntp__kernels_table {
     ntp__judge_fn *judge;
     ntp__judge_block_fn *judge_block;
     ntp__directions_fn *directions;
+    ntp__angles_fn *angles;
 } ntp__kernels_table;
 
 enum { NTP__KERNEL_STEP = 16 };
