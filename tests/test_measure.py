@@ -118,6 +118,31 @@ def test_few_texels(kind, width, height):
     assert everything(both, encoding) == everything(many.merge(fresh), encoding)
 
 
+@pytest.mark.parametrize("channels", [3, 4])
+@pytest.mark.parametrize("touch", [0, 7])
+def test_runs_of_one_color(channels, touch):
+    """Groups of equal texels are counted at once: runs that begin and end anywhere."""
+    rng = np.random.default_rng(6)
+    colors = [(0, 0, 0, 255), (255, 255, 255, 255), (128, 128, 255, 255), (9, 9, 9, 255),
+              (0, 0, 0, 0), (255, 255, 255, 0), (90, 100, 200, 0), (140, 70, 230, 99),
+              (255, 255, 0, 255), (200, 60, 90, 255), (128, 127, 255, 0)]  # fmt: skip
+    lengths = rng.integers(1, 70, 400)
+    flat = np.repeat(rng.choice(np.array(colors, np.uint8), 400), lengths, 0)
+    size = flat.shape[0] // 251 * 251
+    array = np.ascontiguousarray(flat[:size, :channels].reshape(-1, 251, channels))
+    assert array.shape[0] < 128  # all rows are sampled
+    check_summary(ntp.Tally().measure(array, ntp.STANDARD, touch), array, ntp.STANDARD, touch)
+
+
+@pytest.mark.parametrize("color", [(128, 128, 255), (0, 0, 0)])
+def test_one_color_and_one_texel(color):
+    """One other texel at the end of a picture of one color is seen."""
+    array = np.full((80, 80, 3), color, np.uint8)
+    assert ntp.Tally().measure(array).stats()["distinct"] == (color != (0, 0, 0))
+    array[79, 79] = 120, 130, 254
+    assert ntp.Tally().measure(array).stats()["distinct"] == 1 + (color != (0, 0, 0))
+
+
 def check_summary(tally, array, encoding, touch):
     got = tally.stats(encoding)
     want = oracle_measure.measure(array, encoding == ntp.ZZERO, touch, encoding == ntp.XY)
