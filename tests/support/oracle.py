@@ -362,36 +362,38 @@ def count_passing(m, zz=False, step=2):
     """How many of the (M+1)**3 triplets pass `rounded` (1) or `neighbor` (2), in closed form.
 
     For one (|X|, |Y|) the passing blues are those whose least square is small enough and whose
-    greatest is large enough: an interval, counted from two integer square roots.
+    greatest is large enough: an interval, counted from two roots.  All numbers are whole and below
+    2**35, so doubles hold them, and their roots lie on the right side of every whole number: next
+    to k*k, with k below 2**18, roots are 1/(2k) from k, and doubles there lie far denser.
     """
-    x = np.arange(1, m + 1, 2, dtype=np.int64)
+    assert m < 1 << 16
+    x = np.arange(1, m + 1, 2, dtype=np.float64)
     total = 0
     low, high = (np.maximum(x - 2, 1), x + 2) if step == 2 else (x - 1, x + 1)
+    low, high = low * low, high * high
     for i in range(len(x)):
-        room = m * m - low[i] ** 2 - low[: i + 1] ** 2  # least square of z at most this
-        need = m * m - high[i] ** 2 - high[: i + 1] ** 2  # greatest square of z at least this
-        counts = np.where(room < 0, 0, _blues_between(np.maximum(room, 0), need, m, zz, step))
-        total += int(2 * counts[:i].sum() + counts[i])
+        room = (m * m - low[i]) - low[: i + 1]  # least square of z at most this
+        room = room[room >= 0]  # elsewhere no blue passes; these come first, for low ascends
+        need = (m * m - high[i]) - high[: len(room)]  # greatest square of z at least this
+        counts = _blues_between(room, np.maximum(need, 0), m, zz, step)
+        on_diagonal = counts[i] if len(room) > i else 0
+        total += int(2 * counts.sum() - on_diagonal)
     return total * 4  # four signs of X, Y
 
 
 def _blues_between(room, need, m, zz, step):
-    """How many blues have their least square <= room and their greatest >= need."""
-    top = isqrt(room)
-    needed = isqrt(np.maximum(need - 1, 0)) + (need > 0)  # ceil(sqrt(need)), 0 when need <= 0
+    """How many blues have their least square <= room and their greatest >= need, as doubles."""
     if zz and step == 2:  # |b - 1| <= top (b = 0 counts as 0), b + 1 >= needed
-        last, first = np.minimum(top + 1, m), np.maximum(needed - 1, 0)
+        last = np.minimum(np.floor(np.sqrt(room)) + 1, m)
+        first = np.maximum(np.ceil(np.sqrt(need)) - 1, 0)
     elif zz:  # 2b - 1 <= sqrt(4 room), 2b + 1 >= sqrt(4 need)
-        need4 = 4 * np.maximum(need, 0)
-        needed = isqrt(np.maximum(need4 - 1, 0)) + (need4 > 0)
-        last = np.minimum((isqrt(4 * room) + 1) // 2, m)
-        first = np.maximum(needed // 2, 0)
+        last = np.minimum(np.floor((np.floor(np.sqrt(4 * room)) + 1) / 2), m)
+        first = np.floor(np.ceil(np.sqrt(4 * need)) / 2)
     else:  # odd |Z| with |Z| - step <= top (neighbor: 1 counts as 1) and |Z| + step >= needed
-        most = np.minimum(top + step, m)
-        most -= 1 - (most & 1)
+        top = np.floor(np.sqrt(room))
+        most = 2 * np.floor((np.minimum(top + step, m) + 1) / 2) - 1
         if step == 2:
-            most = np.where(top < 1, -1, most)
-        least = np.maximum(needed - step, 1)
-        least += 1 - (least & 1)
-        return 2 * np.maximum((most - least) // 2 + 1, 0)
+            most[top < 1] = -1
+        least = 2 * np.floor(np.maximum(np.ceil(np.sqrt(need)) - step, 1) / 2) + 1
+        return 2 * np.maximum((most - least) / 2 + 1, 0)
     return np.maximum(last - first + 1, 0)
