@@ -6,6 +6,7 @@ import pytest
 
 from support import libntp_ffi as ntp
 from support import to_height as reconstruction
+from support.encoders import jpeg
 from support.find import find_border as find
 from support.find import find_borders, find_seams
 from support.oracle_height import CLAMP, EXTRAPOLATE, KERNELS, MIRROR, NAMES, REPEAT_SLOPE, WRAP
@@ -216,6 +217,19 @@ def test_damage_does_not_hide_that_it_tiles():
     found = find_borders(n, 0)
     assert [f["border"] for f in found] == [WRAP, WRAP]
     assert min(found[0]["error"][:4]) > 3  # levels: no border is shown by the edges alone
+
+
+def test_few_lines_that_close_by_chance_are_no_tile():
+    """Heights at both ends of the lines of one band are alike, and slopes there are not."""
+    n = 600
+    f = np.hypot(np.fft.fftfreq(n)[:, None], np.fft.rfftfreq(n)[None])
+    f[0, 0] = np.inf
+    noise = np.random.default_rng(7).standard_normal((n, n))
+    h = np.fft.irfft2(np.fft.rfft2(noise) / f**2.3, s=(n, n))
+    h *= 1.2 / np.diff(h, axis=1).std()
+    cut = h[30:330, 20:320].astype(np.float32)
+    normals = jpeg(reconstruction.from_height(cut, "forward", MIRROR, MIRROR), 85, 0)
+    assert WRAP not in [f["border"] for f in find_borders(normals, FORWARD)]
 
 
 def test_borders_that_are_given_stay():

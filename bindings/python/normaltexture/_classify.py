@@ -247,10 +247,12 @@ def resolve_both(
     return found, method
 
 
-def type_of(measured: Tally, name: str = "src") -> Type:
-    result = ffi.new("ntp_classification *")
-    check(lib.ntp_classify(result, measured._pointer), "classify")
-    kind: Class = _CLASS_NAMES[result.type]
+def type_of(measured: Tally, name: str = "src", kind: Class | None = None) -> Type:
+    """How a texture that was measured stores its normals; `kind` is what it was classified as."""
+    if kind is None:
+        result = ffi.new("ntp_classification *")
+        check(lib.ntp_classify(result, measured._pointer), "classify")
+        kind = _CLASS_NAMES[result.type]
     if kind == "standard" or kind == "one-color":
         return "standard"
     if kind == "zzero" or kind == "xy":

@@ -85,7 +85,7 @@ def resolve_sound(
     found = classify(measured)
     accident = accident_of(found, src.shape[2] if src.ndim == 3 else 1)
     if accident is None:
-        return type_of(measured, name)
+        return type_of(measured, name, found.type)
     possible = accident != "srgb" or src.dtype.kind == "u"
     raise ArgumentError(
         _question(found, accident, possible, "clean with undo=True", name, argument)
@@ -102,7 +102,7 @@ def sound_object(src: NDArray[Any], name: str) -> Type:
     if found.confidence < SURE:
         return "standard"
     if found.type in ("height", "not-normals"):
-        return type_of(measured, name)
+        return type_of(measured, name, found.type)
     accident = accident_of(found, src.shape[2])
     if accident is not None:
         possible = accident != "srgb" or src.dtype.kind == "u"

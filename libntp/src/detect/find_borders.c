@@ -14,8 +14,8 @@
 
 enum {
     WHOLE = 128, /* a side of up to so many lines is one band */
-    LINES = 64,  /* of a band: so many texels at two edges tell their rms to a twentieth */
-    SHARE = 32,  /* a large texture has bands of this share of its lines */
+    LINES = 32,  /* of a band: so many texels at two edges tell their rms to a tenth */
+    SHARE = 64,  /* a large texture has bands of this share of its lines */
     STARTS = 4,  /* places for a band begin at this share of its lines */
     LEAST_SIDE = 16
 };
@@ -27,6 +27,9 @@ enum { TRIED = sizeof tried / sizeof *tried };
 static const double clearly_better = 0.99;
 /* It is not tried if the normals at the edges are so many times as far off as with the best one. */
 static const double far_off = 2;
+/* Nor if normals at the edges of heights that were made with the best one are so many times as far off
+ * by it. */
+static const double confirming = 1.4;
 /* In levels of 8 bit: where normals fit so well, no border is wrong. */
 static const double fits_well = 0.4;
 /* And where texels at the edges do, whose rounding counts twice: 0.41 levels. */
@@ -38,6 +41,9 @@ static const double edges_alike = 1.3, edges_differ = 1.5;
  * more than this share of those along a line.  That of textures that tile is far less, however damaged,
  * unless they are as flat as bricks. */
 static const double far_off_wrap = 4, most_closure = 1;
+/* Nor where they are so many times as far off, though the lines of the band close, as few lines do by
+ * chance.  Of damaged tiles it was at most 4.4. */
+static const double most_off_wrap = 6;
 /* But for a tilt of this slope, 3/4 of a level of 8 bit: decoding can be off by half a level. */
 static const double most_tilt = 1.5 / 255;
 
@@ -197,10 +203,10 @@ static ntp_status solve(double *residual, search *s, ntp_border border, bool dow
     ntp_status status = ntp_height_from_normals(&s->heights, &s->src, &s->how, s->rest,
                                                 s->rest_size, &hooks, &result);
     s->from += step;
-    /* The next solution of this band need not ask the texels again. */
-    if (status == NTP_OK && result.z == NTP_Z_DERIVED) {
+    /* The next solution of this band need not ask the texels again; but for how small z can be. */
+    if (status == NTP_OK) {
         s->how.decode = result.decode;
-        s->how.z = result.z;
+        s->how.z = result.z == NTP_Z_DERIVED ? NTP_Z_DERIVED : s->how.z;
     }
     *residual = s->src.type == NTP_TYPE_U8 ? result.residual : result.residual / 257;
     if (status == NTP_ERR_ARGUMENT || status == NTP_ERR_FORMAT) {
@@ -246,18 +252,37 @@ static bool closes(const search *s, bool down)
     return spread + rest * rest <= most_closure * most_closure * signal;
 }
 
+/* Do heights that were made with the border of the fit give the normals at the edges back clearly
+ * better by it than by another border? */
+static ntp_status confirms(bool *confirmed, const ntp_border_fit *fit, const search *s,
+                           ntp_border other, bool down)
+{
+    const ntp_const_image made = ntp_image_as_const(&s->heights);
+    ntp_border_fit edges;
+    NTP__TRY(ntp_find_border(&edges, &s->src, &made, &s->how, down, 0));
+    double own = edges.error[fit->border];
+    *confirmed = own >= 0 && edges.error[other] > confirming * own;
+    return NTP_OK;
+}
+
 /* Tries other borders than the free one, which leaves `least`. */
 static ntp_status try_borders(ntp_border_fit *fit, search *s, double least, bool wraps, bool down)
 {
     const double most = far_off * least_error(fit);
+    const double over = fit->error[NTP_BORDER_WRAP] / least_error(fit);
     const bool never_wraps =
-        !wraps && !closes(s, down) && fit->error[NTP_BORDER_WRAP] > far_off_wrap * least_error(fit);
+        !wraps && (over > most_off_wrap || (over > far_off_wrap && !closes(s, down)));
     for (int32_t i = 0; i < TRIED; i++) {
         double residual = s->wrapped;
+        bool confirmed = false;
         /* The slopes close, and so do the heights. */
         if (wraps && fit->border == NTP_BORDER_WRAP)
             return NTP_OK;
         if (tried[i] == NTP_BORDER_WRAP ? never_wraps : fit->error[tried[i]] > most)
+            continue;
+        if (fit->border == NTP_BORDER_EXTRAPOLATE) /* the heights are those of it */
+            NTP__TRY(confirms(&confirmed, fit, s, tried[i], down));
+        if (confirmed)
             continue;
         if (tried[i] != NTP_BORDER_WRAP || residual < 0)
             NTP__TRY(solve(&residual, s, tried[i], down));

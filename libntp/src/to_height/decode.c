@@ -24,7 +24,8 @@ enum {
      * million times.  So only a few of each pair vote.  Low bits of both stand for the pair. */
     MOST_VOTES = 8,
     VOTE_BITS = 6,
-    VOTE_MASK = (1 << VOTE_BITS) - 1
+    VOTE_MASK = (1 << VOTE_BITS) - 1,
+    LANES = 4 /* sums side by side */
 };
 
 /* The mean square of the error of the length: the square of an 8-bit level, over 12. */
@@ -151,34 +152,57 @@ static void add_negative(evidence *e, const double *z, double unit, int32_t n)
     }
 }
 
+/* Sums of z^2 and 1 - x^2 - y^2.  Several sums of each run side by side, which compilers vectorize. */
+static void add_squares(evidence *e, const double *z2, const double *rest, double unit, int32_t n)
+{
+    double off2[LANES] = { 0 }, one[LANES] = { 0 }, one2[LANES] = { 0 };
+    double two[LANES] = { 0 }, two2[LANES] = { 0 }, both[LANES] = { 0 };
+    for (int32_t i = 0; i < n; i += LANES) {
+        for (int32_t k = 0; k < LANES; k++) {
+            double off = z2[i + k] - rest[i + k], u = rest[i + k] * unit, v = z2[i + k] * unit;
+            off2[k] += off * off;
+            one[k] += u;
+            one2[k] += u * u;
+            two[k] += v;
+            two2[k] += v * v;
+            both[k] += u * v;
+        }
+    }
+    for (int32_t k = 0; k < LANES; k++) {
+        e->lengths += off2[k];
+        e->rest += one[k];
+        e->rest2 += one2[k];
+        e->z2 += two[k];
+        e->z4 += two2[k];
+        e->both += both[k];
+    }
+}
+
 /* What x, y and z tell together.  In units of a half level they are integers, which doubles hold,
  * and so are their squares.  The loops over single arrays are for the compiler to vectorize. */
 static void add_lengths(evidence *e, const ntp__block *b, int32_t m, bool zzero, int32_t n)
 {
-    double z[NTP__BLOCK], rest[NTP__BLOCK], square = (double) m * m, unit = 1 / square;
+    double z[NTP__BLOCK], z2[NTP__BLOCK + LANES], rest[NTP__BLOCK + LANES];
+    double square = (double) m * m, unit = 1 / square;
     double most_off = right * noise * 4 * square * square; /* off is twice the error */
     int32_t scale = zzero ? 1 : 2, zero = zzero ? 0 : m, negative = 0, tilted_some = 0;
     int32_t right_some = 0;
     for (int32_t i = 0; i < n; i++) {
         double x = 2 * b->c[0][i] - m, y = 2 * b->c[1][i] - m;
         z[i] = scale * b->c[2][i] - zero;
+        z2[i] = z[i] * z[i];
         rest[i] = square - x * x - y * y;
     }
+    for (int32_t k = 0; k < LANES; k++)
+        z2[n + k] = rest[n + k] = 0;
+    add_squares(e, z2, rest, unit, n);
     for (int32_t i = 0; i < n; i++) {
-        double z2 = z[i] * z[i], off = z2 - rest[i], u = rest[i] * unit, v = z2 * unit;
-        e->lengths += off * off;
-        e->rest += u;
-        e->rest2 += u * u;
-        e->z2 += v;
-        e->z4 += v * v;
-        e->both += u * v;
+        double off = z2[i] - rest[i];
         right_some += off * off < most_off;
-    }
-    e->right += right_some;
-    for (int32_t i = 0; i < n; i++) {
         negative |= z[i] < -1;
         tilted_some |= rest[i] < e->most_rest;
     }
+    e->right += right_some;
     e->all += n;
     if (negative)
         add_negative(e, z, unit, n);
@@ -193,11 +217,13 @@ static void add_lengths(evidence *e, const ntp__block *b, int32_t m, bool zzero,
 static void add_rules(evidence *e, const ntp__block *b, int32_t n)
 {
     for (int32_t i = 0; i < n; i++) {
-        int32_t c[3] = { b->c[0][i], b->c[1][i], b->c[2][i] };
-        uint8_t *votes = &e->votes[(c[1] & VOTE_MASK) << VOTE_BITS | (c[0] & VOTE_MASK)];
-        bool neutral = (c[0] == 127 || c[0] == 128) && (c[1] == 127 || c[1] == 128);
-        if (neutral || *votes == MOST_VOTES) /* neutral ones tell nothing, and there can be many */
+        uint8_t *votes =
+            &e->votes[(b->c[1][i] & VOTE_MASK) << VOTE_BITS | (b->c[0][i] & VOTE_MASK)];
+        const int32_t c[3] = { b->c[0][i], b->c[1][i], b->c[2][i] };
+        if (*votes == MOST_VOTES)
             continue;
+        if ((c[0] == 127 || c[0] == 128) && (c[1] == 127 || c[1] == 128))
+            continue; /* neutral ones tell nothing, and there can be many */
         *votes += 1;
         e->count++;
         double plain = error_of(&e->unorm, c);
@@ -222,7 +248,8 @@ static int32_t keep_used(ntp__block *b, int32_t n, int32_t m, uint32_t touch)
     return kept;
 }
 
-static void look(evidence *e, const ntp_const_image *src, uint32_t touch)
+/* with_rules: also for what the levels mean. */
+static void look(evidence *e, const ntp_const_image *src, uint32_t touch, bool with_rules)
 {
     ntp__block block;
     int32_t m = ntp__max(src->type), step = (src->height + ROWS - 1) / ROWS;
@@ -233,9 +260,9 @@ static void look(evidence *e, const ntp_const_image *src, uint32_t touch)
             ntp__unpack(&block, src, x, y, n);
             n = keep_used(&block, n, m, touch);
             add_lengths(e, &block, m, zzero, n);
-            if (m == ntp__max(NTP_TYPE_U8))
+            if (with_rules)
                 add_neutral(e, &block, n);
-            if (m == ntp__max(NTP_TYPE_U8) && !zzero)
+            if (with_rules && !zzero)
                 add_rules(e, &block, n);
         }
     }
@@ -310,7 +337,8 @@ void ntp__decode_by_evidence(ntp__height_plan *plan, const ntp_const_image *src)
     if (!decode && plan->z != NTP_Z_AUTO)
         return;
     e.most_rest = tilted * m * m;
-    look(&e, src, plan->touch_unused);
+    bool plain = plan->decode == NTP_DECODE_UNORM || plan->decode == NTP_DECODE_NEUTRAL;
+    look(&e, src, plan->touch_unused, src->type == NTP_TYPE_U8 && !plain);
     if (decode)
         choose_decode(plan, src, &e);
     if (plan->z == NTP_Z_AUTO)
