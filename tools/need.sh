@@ -109,6 +109,26 @@ need_fuzz_tools() {
     install_missing
 }
 
+links_wasm() { # the compiler, its linker, the C library and the compiler's own functions
+    wasm=$(mktemp)
+    wasm_status=0
+    printf '#include <stdlib.h>\nint main(int n, char **v) { return malloc(n) && v ? n / 3.0L : 0; }\n' |
+        clang --target=wasm32-wasi -x c -o "$wasm" - || wasm_status=1
+    rm -f "$wasm"
+    return $wasm_status
+}
+
+need_js_tools() {
+    want clang has clang
+    want nodejs has node
+    want node-typescript has tsc
+    install_missing
+    want lld links_wasm
+    want wasi-libc links_wasm
+    want libclang-rt-dev-wasm32 links_wasm
+    install_missing
+}
+
 need_lint_tools() {
     want cppcheck has cppcheck
     want clang-tidy has clang-tidy
