@@ -12,7 +12,8 @@
  *   writer.c   joins an encoder with an output; writer.h: what an encoder is
  *   formats.h  the formats, in png_read.c, png_write.c, tga.c, jpeg.c and pfm.c; they know only
  *              reader.h, writer.h and what these include; png_read.c also png_whole.c, which
- *              unpacks pictures at once, and that png_filter.c, the row filters
+ *              unpacks pictures at once; png_write.c also png_pack.c, which packs them band by
+ *              band, with deflate.c and its parts; both of these png_filter.c, the row filters
  *   source.c   where bytes come from; stamp.c: which version of a file that is
  *   output.c   where bytes go, and how a file takes the place of its target; attributes.c: what
  *              it keeps of the older file
@@ -138,8 +139,7 @@ typedef struct ntpio_write_options {
     uint32_t width, height;
     int32_t channels;            /* 1..4 (PFM: 1 or 3; TGA: 1, 3, 4) */
     int32_t sample_bytes;        /* 1, 2 (PNG) or 4 (PFM) */
-    int32_t level;               /* PNG: 0..9 of zlib; -1: fast, and small for normals */
-    bool content_is_flat;        /* PNG, level -1: gray, flat art, heatmaps: matching saves space */
+    int32_t level;               /* PNG: 1 (fastest) to 12 (smallest); -1: 6 */
     bool dry_run;                /* encode nothing, write nothing */
     const ntpio_info *copy_from; /* PNG: text chunks and pHYs to keep, or NULL; lives until the
                                   * commit, so that texts after the pixels are kept as well */

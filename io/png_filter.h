@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * png_filter.h - the row filters of PNG, undone
+ * png_filter.h - the row filters of PNG, done and undone
  *
  * PNG stores each byte of a row as the difference from what a filter foretells from the texel to
  * the left (a), above (b) and above left (c): PNG specification, third edition, section 9.
@@ -11,12 +11,23 @@
 #include <stddef.h>
 #include <stdint.h>
 
-enum { NTPIO__FILTERS = 5 }; /* None, Sub, Up, Average, Paeth: their numbers in the file */
+enum {
+    NTPIO__FILTERS = 5,  /* None, Sub, Up, Average, Paeth: their numbers in the file */
+    NTPIO__TEXEL_MAX = 8 /* bytes */
+};
 
 /*
  * Undoes filter `kind` in a row of `size` bytes, in place.  `above`: the row above, undone, or NULL
  * in the first row.  `texel`: bytes of a texel, 1 to 4, 6 or 8, of which `size` is a multiple.
  */
 void ntpio__unfilter(uint8_t *row, const uint8_t *above, size_t size, size_t texel, int kind);
+
+/*
+ * Filters a row into `out`.  A texel of zeros stands before both rows; the row above the first one
+ * is zeros.  Returns the sum of what was written, each byte as its distance from 0 modulo 256: the
+ * smallest of the five is the usual guess at which filter packs best.
+ */
+uint64_t ntpio__filter(uint8_t *out, const uint8_t *row, const uint8_t *above, size_t size,
+                       size_t texel, int kind);
 
 #endif

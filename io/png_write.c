@@ -1,28 +1,29 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * png_write.c - PNG through libpng, row by row
+ * png_write.c - PNG: pixels through png_pack.c, all else through libpng
  *
- * The default is made for normals, which are noise to LZ77: runs and Huffman codes over the filter
- * Paeth take a sixth of the time of libpng's defaults, and 2 % more space.  Gray and flat art
- * repeats itself; it gets matching, and a filter chosen for each row.
+ * Rows that are too long for bands are libpng's as well, with its own defaults.
  */
 #include <png.h>
 #include <stdlib.h>
 #include <string.h>
-#include <zlib.h>
 
+#include "deflate.h"
 #include "formats.h"
+#include "png_pack.h"
 
 enum {
     IDAT_SIZE = 1 << 18, /* of compressed data at a time: few system calls */
-    FLAT_LEVEL = 4,      /* matching with lazy evaluation; more costs time and gains little */
-    KEY_MAX = 79,        /* bytes, by the PNG specification */
+    ZLIB_LEVEL_MAX = 9,
+    KEY_MAX = 79, /* bytes, by the PNG specification */
     MESSAGE_SIZE = 128
 };
 
 typedef struct png_state {
-    png_structp png;
-    png_infop info, end_info;
+    png_structp png, tail; /* tail: writes what follows the pixels */
+    png_infop info, tail_info, end_info;
+    bool at_tail;
+    ntpio__png_packer *packer; /* NULL: libpng packs the pixels */
     ntpio_writer *writer;
     ntpio_error *error;   /* of the call that is running */
     bool output_failed;   /* and *error says how */
@@ -52,6 +53,14 @@ static void on_write(png_structp png, png_bytep bytes, size_t size)
     }
 }
 
+/* Of the tail's file, only its end is wanted. */
+static void on_write_tail(png_structp png, png_bytep bytes, size_t size)
+{
+    const png_state *s = png_get_io_ptr(png);
+    if (s->at_tail)
+        on_write(png, bytes, size);
+}
+
 static void on_flush(png_structp png)
 {
     (void) png;
@@ -65,18 +74,19 @@ static bool fail(png_state *s)
                        s->message);
 }
 
+static int level_of(const ntpio_write_options *o)
+{
+    return o->level < 0 ? NTPIO__LEVEL_USUAL : o->level;
+}
+
+/* Only of texts, unless libpng packs the pixels. */
 static void set_compression(png_state *s)
 {
-    const ntpio_write_options *o = &s->writer->options;
+    const int level = level_of(&s->writer->options);
     png_set_compression_buffer_size(s->png, IDAT_SIZE);
-    if (o->level < 0 && !o->content_is_flat) {
-        png_set_compression_level(s->png, 1);
-        png_set_compression_strategy(s->png, Z_RLE);
-        png_set_filter(s->png, 0, PNG_FILTER_PAETH);
-    } else {
-        const int level = o->level < 0 ? FLAT_LEVEL : o->level;
-        png_set_compression_level(s->png, level);
-        png_set_filter(s->png, 0, level == 0 ? PNG_FILTER_NONE : PNG_ALL_FILTERS);
+    if (s->packer == NULL) {
+        png_set_compression_level(s->png, level < ZLIB_LEVEL_MAX ? level : ZLIB_LEVEL_MAX);
+        png_set_filter(s->png, 0, PNG_ALL_FILTERS);
     }
 }
 
@@ -129,6 +139,16 @@ static bool write_header(png_state *s)
     return true;
 }
 
+static bool make_packer(png_state *s)
+{
+    const ntpio_write_options *o = &s->writer->options;
+    const size_t texel = (size_t) o->channels * (size_t) o->sample_bytes;
+    if (o->width > NTPIO__PACKED_ROW_MAX / texel)
+        return true;
+    s->packer = ntpio__png_packer_new(o->width * texel, o->height, texel, level_of(o));
+    return s->packer != NULL;
+}
+
 static bool png_open(ntpio_writer *writer, ntpio_error *error)
 {
     png_state *s = calloc(1, sizeof *s);
@@ -142,9 +162,23 @@ static bool png_open(ntpio_writer *writer, ntpio_error *error)
         s->info = png_create_info_struct(s->png);
         s->end_info = png_create_info_struct(s->png);
     }
-    if (s->info == NULL || s->end_info == NULL)
+    if (s->info == NULL || s->end_info == NULL || !make_packer(s))
         return ntpio__fail_memory(error, writer->name);
     return write_header(s);
+}
+
+static void put_row(png_state *s, const uint8_t *row)
+{
+    static const png_byte name[] = "IDAT";
+    const bool swap = s->writer->options.sample_bytes == 2 && ntpio__little_endian();
+    const uint8_t *packed = NULL;
+    if (s->packer == NULL) {
+        png_write_row(s->png, row);
+        return;
+    }
+    const size_t size = ntpio__png_pack_row(s->packer, row, swap, &packed);
+    if (size != 0)
+        png_write_chunk(s->png, name, packed, size);
 }
 
 static bool png_rows(ntpio_writer *writer, const uint8_t *src, ptrdiff_t stride, uint32_t count,
@@ -155,7 +189,27 @@ static bool png_rows(ntpio_writer *writer, const uint8_t *src, ptrdiff_t stride,
     if (setjmp(png_jmpbuf(s->png)) != 0)
         return fail(s);
     for (uint32_t i = 0; i < count; i++)
-        png_write_row(s->png, src + (ptrdiff_t) i * stride);
+        put_row(s, src + (ptrdiff_t) i * stride);
+    return true;
+}
+
+/* libpng ends a file only after pixels of its own: so another one, of one texel, ends for this. */
+static bool write_tail(png_state *s)
+{
+    static const png_byte texel = 0;
+    s->tail = png_create_write_struct(PNG_LIBPNG_VER_STRING, s, on_error, on_warning);
+    s->tail_info = s->tail != NULL ? png_create_info_struct(s->tail) : NULL;
+    if (s->tail_info == NULL)
+        return ntpio__fail_memory(s->error, s->writer->name);
+    if (setjmp(png_jmpbuf(s->tail)) != 0)
+        return fail(s);
+    png_set_write_fn(s->tail, s, on_write_tail, on_flush);
+    png_set_IHDR(s->tail, s->tail_info, 1, 1, 8, PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE,
+                 PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+    png_write_info(s->tail, s->tail_info);
+    png_write_row(s->tail, &texel);
+    s->at_tail = true;
+    png_write_end(s->tail, s->end_info);
     return true;
 }
 
@@ -171,6 +225,8 @@ static bool png_end(ntpio_writer *writer, ntpio_error *error)
         !add_texts(s, s->end_info, from->texts + s->texts_written,
                    from->text_count - s->texts_written))
         return false;
+    if (s->packer != NULL)
+        return write_tail(s);
     png_write_end(s->png, s->end_info);
     return true;
 }
@@ -182,6 +238,8 @@ static void png_close(ntpio_writer *writer)
         return;
     png_destroy_info_struct(s->png, &s->end_info);
     png_destroy_write_struct(&s->png, &s->info);
+    png_destroy_write_struct(&s->tail, &s->tail_info);
+    ntpio__png_packer_free(s->packer);
     free(s);
 }
 

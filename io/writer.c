@@ -21,8 +21,8 @@ static const char *wrong_shape(const ntpio_write_options *o)
         return "sides above 2147483647 cannot be written";
     switch (o->format) {
     case NTPIO_PNG:
-        if (o->level < -1 || o->level > 9)
-            return "the compression level is 0 to 9, or -1";
+        if (o->level != -1 && (o->level < 1 || o->level > 12))
+            return "the compression level is 1 to 12, or -1";
         return c < 1 || c > 4 || b < 1 || b > 2 ? "PNG holds 1 to 4 channels of 8 or 16 bits"
                                                 : NULL;
     case NTPIO_TGA:

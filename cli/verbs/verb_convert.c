@@ -279,7 +279,6 @@ static bool begin(production *p, ntpio_write_options *shape, ntpio_error *error)
         st->diff = worker_diff(p->w);
     shape->channels = st->out_channels;
     shape->sample_bytes = (int32_t) sample_size(type);
-    shape->content_is_flat = height;
     p->changes = !option_given(p->m->o, OPT_IN_PLACE) || type != view->type ||
                  st->out_channels != p->s.info->channels;
     return true;

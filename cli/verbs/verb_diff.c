@@ -74,8 +74,7 @@ static bool open_heat(comparison *c, ntpio_error *error)
                                         .height = c->a.s.info->height,
                                         .channels = 3,
                                         .sample_bytes = 1,
-                                        .level = -1,
-                                        .content_is_flat = true };
+                                        .level = -1 };
     if (output == NULL)
         return true;
     c->writer = ntpio_create(output, &shape, error);

@@ -14,7 +14,6 @@ static bool begin(production *p, ntpio_write_options *shape, ntpio_error *error)
     (void) error;
     shape->channels = HEAT_CHANNELS;
     shape->sample_bytes = 1;
-    shape->content_is_flat = true;
     return true;
 }
 

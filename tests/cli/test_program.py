@@ -67,7 +67,7 @@ def test_version(run):
         (["clean", "a.png", "-o", ""], "empty"),
         (["clean", "--type", "object-space", "a.png"], "--type"),
         (["convert", "--depth", "32", "a.png", "-o", "b.png"], "8, 16"),
-        (["clean", "a.png", "-o", "b.png", "--level", "10"], "0 to 9"),
+        (["clean", "a.png", "-o", "b.png", "--level", "13"], "1 to 12"),
         (["dump", "a.png", "b.png"], "one file"),
         (["diff", "a.png"], "two files"),
         (["diff", "-", "-"], "standard input"),

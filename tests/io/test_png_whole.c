@@ -14,9 +14,13 @@
 
 #define NTPIO_NO_SIMD
 #define ntpio__unfilter unfilter_plainly
+#define ntpio__filter   filter_plainly
 void unfilter_plainly(uint8_t *row, const uint8_t *above, size_t size, size_t texel, int kind);
+uint64_t filter_plainly(uint8_t *out, const uint8_t *row, const uint8_t *above, size_t size,
+                        size_t texel, int kind);
 #include "../../io/png_filter.c" // NOLINT(bugprone-suspicious-include)
 #undef ntpio__unfilter
+#undef ntpio__filter
 
 #ifdef NTPIO_HAVE_LIBDEFLATE
 #  define CAN_UNPACK_AT_ONCE true
@@ -306,9 +310,38 @@ static void test_filters(void)
     }
 }
 
+/* What is done is undone, both ways are the same, and the sum is that of the bytes. */
+static void test_filters_done(void)
+{
+    static const size_t texels[] = { 1, 2, 3, 4, 6, 8 };
+    enum { LEAD = NTPIO__TEXEL_MAX };
+    uint8_t above[LEAD + SIDE * 8] = { 0 }, row[LEAD + SIDE * 8] = { 0 };
+    uint8_t fast[SIDE * 8], slow[SIDE * 8];
+    for (uint32_t n = 0; n < 60000; n++) {
+        const size_t texel = texels[chance(6)], size = texel * (1 + chance(SIDE));
+        const int kind = (int) chance(NTPIO__FILTERS);
+        const uint32_t values = once_in(2) ? 4 : 256;
+        const bool first = once_in(8);
+        for (size_t i = 0; i < size; i++) {
+            above[LEAD + i] = first ? 0 : (uint8_t) chance(values);
+            row[LEAD + i] = (uint8_t) chance(values);
+        }
+        const uint64_t sum = ntpio__filter(fast, row + LEAD, above + LEAD, size, texel, kind);
+        CHECK(filter_plainly(slow, row + LEAD, above + LEAD, size, texel, kind) == sum);
+        CHECK(memcmp(fast, slow, size) == 0);
+        uint64_t away = 0;
+        for (size_t i = 0; i < size; i++)
+            away += (uint64_t) abs((int8_t) fast[i]);
+        CHECK(away == sum);
+        unfilter_plainly(slow, first ? NULL : above + LEAD, size, texel, kind);
+        CHECK(memcmp(slow, row + LEAD, size) == 0);
+    }
+}
+
 int main(void)
 {
     test_filters();
+    test_filters_done();
     test_files();
     return 0;
 }

@@ -27,7 +27,7 @@ def image_of(dtype, shape):
 @pytest.mark.parametrize("dtype", [np.uint8, np.uint16])
 def test_png_is_exact(dtype, shape, tmp_path):
     image = image_of(dtype, shape)
-    for level in (None, 0, 9):
+    for level in (None, 1, 12):
         nt.write(tmp_path / "a.png", image, level=level)
         got, info = nt.read_with_info(tmp_path / "a.png")
         assert got.dtype == dtype and np.array_equal(got, image)
@@ -125,8 +125,8 @@ def test_refusals(tmp_path):
         nt.read(tmp_path)
     with pytest.raises(nt.ArgumentError, match=r"\.png, \.tga or \.pfm"):
         nt.write(tmp_path / "a.bmp", image)
-    with pytest.raises(nt.ArgumentError, match="level=10"):
-        nt.write(tmp_path / "a.png", image, level=10)
+    with pytest.raises(nt.ArgumentError, match="level=13"):
+        nt.write(tmp_path / "a.png", image, level=13)
     with pytest.raises(nt.ArgumentError, match="1 to 4 channels"):
         nt.write(tmp_path / "a.png", np.zeros((2, 2, 5), np.uint8))
     with pytest.raises(nt.SampleTypeError, match="image: samples"):

@@ -1,0 +1,227 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * deflate.c - packs the filtered rows of pictures as deflate does (RFC 1951)
+ *
+ * Filtered normals are noise: short matches cost more bits than the literals that they stand for.
+ * zlib leaves out matches below six bytes, libdeflate takes them.  Here a match is taken if it
+ * saves bits, by what literals, lengths and distances cost in the codes of the part before.  That
+ * gives smaller files than both, in the time of libdeflate.
+ *
+ * Two tables find matches: where the next four bytes stood last, and a chain of the places where
+ * the next six did.  Levels below CAREFUL take the match that saves more, here or a byte further.
+ * The others find a match for every byte, and then the cheapest way through all of them from the
+ * end to the start, several times, with the costs that the way before it had.
+ *
+ * A block ends where the symbols change so much that new codes pay.  All costs are integers, so
+ * every machine writes the same bytes.
+ */
+#include "deflate_state.h"
+
+enum {
+    FIRST_SPAN = 4096, /* bytes; its costs are guessed */
+    CAREFUL = 10,      /* levels from here on */
+    LITERAL_MAX = 15,  /* bits */
+    LENGTH_COST_MAX = 13,
+    DISTANCE_COST_MAX = 10
+};
+
+static const effort efforts[NTPIO__LEVEL_MAX + 1] = {
+    [1] = { 1, 32, 0, false },  [2] = { 1, 32, 0, true },    [3] = { 2, 32, 0, true },
+    [4] = { 3, 32, 0, true },   [5] = { 4, 64, 0, true },    [6] = { 6, 64, 0, true },
+    [7] = { 12, 64, 0, true },  [8] = { 24, 128, 0, true },  [9] = { 64, 258, 0, true },
+    [10] = { 16, 64, 1, true }, [11] = { 32, 128, 2, true }, [12] = { 128, 258, 3, true },
+};
+
+/* --------------------------------------------------------------------------- costs */
+
+/* log2, times BIT.  log2(1 + f) is nearly f + 0.344 f (1 - f). */
+static uint32_t log2_of(uint32_t v)
+{
+    if (v == 0)
+        return 0;
+    const unsigned top = ntpio__top_bit(v);
+    const uint32_t f = (uint32_t) (((uint64_t) v << (31 - top)) >> 15) & 0xffff;
+    const uint32_t more = (uint32_t) (((uint64_t) f * (65536 - f) >> 16) * 22524 >> 16);
+    return top * BIT + (((f + more) * BIT + 32768) >> 16);
+}
+
+static uint32_t cost_of(uint32_t count, uint32_t log_of_all, uint32_t most)
+{
+    const uint32_t log = log2_of(count);
+    const uint32_t cost = count == 0 ? log_of_all + BIT : log_of_all > log ? log_of_all - log : 0;
+    return cost < BIT ? BIT : cost < most * BIT ? cost : most * BIT;
+}
+
+static uint32_t sum_of(const uint32_t *counts, unsigned size)
+{
+    uint32_t sum = 0;
+    for (unsigned i = 0; i < size; i++)
+        sum += counts[i];
+    return sum;
+}
+
+void ntpio__set_costs(ntpio__deflater *d, const ntpio__counts *from)
+{
+    const uint32_t words = log2_of(sum_of(from->words, NTPIO__WORDS) + NTPIO__WORDS / 2);
+    const uint32_t all = log2_of(sum_of(from->distances, NTPIO__DISTANCES) + NTPIO__DISTANCES / 2);
+    for (unsigned i = 0; i < NTPIO__LITERALS; i++)
+        d->literals[i] = cost_of(from->words[i], words, LITERAL_MAX);
+    for (uint32_t length = 3; length <= NTPIO__LENGTH_MAX; length++) {
+        const uint32_t count = from->words[NTPIO__FIRST_LENGTH + ntpio__length_slot(length)];
+        d->lengths[length] =
+            cost_of(count, words, LENGTH_COST_MAX) + BIT * ntpio__length_extra(length);
+    }
+    for (unsigned i = 0; i < NTPIO__DISTANCES; i++)
+        d->distances[i] =
+            cost_of(from->distances[i], all, DISTANCE_COST_MAX) + BIT * (i < 4 ? 0 : i / 2 - 1);
+}
+
+/* Before anything is known: the literals as they are, and a match now and then. */
+static void guess(ntpio__counts *counts, const uint8_t *bytes, size_t size)
+{
+    memset(counts, 0, sizeof *counts);
+    for (size_t i = 0; i < size; i++)
+        counts->words[bytes[i]]++;
+    for (uint32_t i = 0; i < NTPIO__WORDS - NTPIO__FIRST_LENGTH; i++)
+        counts->words[NTPIO__FIRST_LENGTH + i] = (uint32_t) size / (64 * (i + 4));
+    for (unsigned i = 0; i < NTPIO__DISTANCES; i++)
+        counts->distances[i] = (uint32_t) size / 512;
+}
+
+static void add_counts(ntpio__counts *to, const ntpio__counts *from, unsigned shift)
+{
+    for (unsigned i = 0; i < NTPIO__WORDS; i++)
+        to->words[i] += from->words[i] >> shift;
+    for (unsigned i = 0; i < NTPIO__DISTANCES; i++)
+        to->distances[i] += from->distances[i] >> shift;
+}
+
+/* -------------------------------------------------------------------------- blocks */
+
+static uint64_t entropy(const uint32_t *counts, unsigned size)
+{
+    uint64_t parts = 0;
+    for (unsigned i = 0; i < size; i++)
+        parts += (uint64_t) counts[i] * log2_of(counts[i]);
+    const uint32_t sum = sum_of(counts, size);
+    return (uint64_t) sum * log2_of(sum) - parts;
+}
+
+/* What the symbols and their codes take, about. */
+static uint64_t block_cost(const ntpio__counts *counts)
+{
+    uint32_t used = 0;
+    for (unsigned i = 0; i < NTPIO__WORDS; i++)
+        used += counts->words[i] != 0;
+    for (unsigned i = 0; i < NTPIO__DISTANCES; i++)
+        used += counts->distances[i] != 0;
+    return entropy(counts->words, NTPIO__WORDS) + entropy(counts->distances, NTPIO__DISTANCES) +
+           (uint64_t) BIT * (60 + 3 * used);
+}
+
+static void end_block(ntpio__deflater *d, bool last)
+{
+    ntpio__put_block(&d->bits, d->symbols, d->in_block, &d->block, d->bytes + d->block_from,
+                     d->block_bytes, last);
+    d->count -= d->in_block;
+    memmove(d->symbols, d->symbols + d->in_block, d->count * sizeof *d->symbols);
+    d->block_from += d->block_bytes;
+    d->block_bytes = 0;
+    d->in_block = 0;
+    memset(&d->block, 0, sizeof d->block);
+}
+
+void ntpio__end_part(ntpio__deflater *d)
+{
+    if (d->in_block != 0) {
+        ntpio__counts both = d->block;
+        add_counts(&both, &d->part, 0);
+        if (d->count > BLOCK || block_cost(&both) > block_cost(&d->block) + block_cost(&d->part))
+            end_block(d, false);
+    }
+    add_counts(&d->block, &d->part, 0);
+    add_counts(&d->span, &d->part, 0);
+    memset(&d->part, 0, sizeof d->part);
+    d->block_bytes += d->part_bytes;
+    d->part_bytes = 0;
+    d->in_block = d->count;
+}
+
+/* --------------------------------------------------------------------------- stream */
+
+static void begin(ntpio__deflater *d, int level, const uint8_t *bytes, size_t from, size_t to)
+{
+    memset(d->near_places, -1, sizeof d->near_places);
+    memset(d->far_places, -1, sizeof d->far_places);
+    d->count = d->in_block = d->block_bytes = d->part_bytes = 0;
+    memset(&d->block, 0, sizeof d->block);
+    memset(&d->part, 0, sizeof d->part);
+    d->effort = &efforts[level];
+    d->bytes = bytes;
+    d->block_from = from;
+    d->to = to;
+    for (size_t i = from > NTPIO__WINDOW ? from - NTPIO__WINDOW : 0; i < from; i++)
+        visit(d, i);
+}
+
+/* Costs are those of the span before, and a little of those before that. */
+static void read_all(ntpio__deflater *d, size_t from)
+{
+    ntpio__counts old, counts;
+    const size_t span = d->effort->rounds > 0 ? WIDE_SPAN : SPAN;
+    size_t size = d->effort->rounds > 0 ? WIDE_SPAN : FIRST_SPAN;
+    guess(&counts, d->bytes + from, d->to - from < size ? d->to - from : size);
+    for (size_t at = from; at < d->to; size = span) {
+        const size_t end = d->to - at < size ? d->to : at + size;
+        ntpio__set_costs(d, &counts);
+        if (d->effort->rounds > 0) {
+            at = ntpio__read_carefully(d, at, end, at == from, &counts);
+            continue;
+        }
+        memset(&d->span, 0, sizeof d->span);
+        old = counts;
+        at = ntpio__read_quickly(d, at, end);
+        counts = d->span;
+        add_counts(&counts, &d->part, 0);
+        add_counts(&counts, &old, 1);
+    }
+}
+
+ntpio__deflater *ntpio__deflater_new(int level)
+{
+    ntpio__deflater *d = calloc(1, sizeof *d);
+    if (d != NULL && level >= CAREFUL)
+        d->careful = calloc(1, sizeof *d->careful);
+    if (d != NULL && level >= CAREFUL && d->careful == NULL) {
+        free(d);
+        return NULL;
+    }
+    return d;
+}
+
+void ntpio__deflater_free(ntpio__deflater *d)
+{
+    if (d != NULL)
+        free(d->careful);
+    free(d);
+}
+
+size_t ntpio__deflate_bound(size_t size)
+{
+    return size + 5 * (size / PART + 2) + 2 * NTPIO__SLACK;
+}
+
+size_t ntpio__deflate(ntpio__deflater *d, int level, const uint8_t *bytes, size_t from, size_t to,
+                      bool last, uint8_t *out)
+{
+    d->bits = (ntpio__bits) { .out = out };
+    begin(d, level, bytes, from, to);
+    read_all(d, from);
+    ntpio__end_part(d);
+    end_block(d, last);
+    if (last)
+        ntpio__end_byte(&d->bits);
+    else
+        ntpio__put_stored(&d->bits, bytes + to, 0, false);
+    return d->bits.size;
+}

@@ -1,0 +1,37 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * deflate.h - packs the filtered rows of pictures as deflate does (RFC 1951)
+ */
+#ifndef NTPIO_DEFLATE_H
+#define NTPIO_DEFLATE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+enum {
+    NTPIO__WINDOW = 32768, /* how far back a match may reach */
+    NTPIO__SLACK = 16,     /* bytes that are read, and do not matter, after the last one */
+    NTPIO__LEVEL_MAX = 12, /* 1: fastest */
+    NTPIO__LEVEL_USUAL = 6
+};
+
+typedef struct ntpio__deflater ntpio__deflater;
+
+/* Working memory, for this level and those below it; NULL without memory. */
+ntpio__deflater *ntpio__deflater_new(int level);
+void ntpio__deflater_free(ntpio__deflater *d);
+
+/* What `size` bytes may take at most. */
+size_t ntpio__deflate_bound(size_t size);
+
+/*
+ * Packs bytes[from] to bytes[to - 1]; they may repeat what stands up to a window before.  The slack
+ * after them is zeros.  Returns the size in out, which ends at a whole byte, so that parts of a
+ * stream packed by themselves are the stream one after the other.  `last` ends the stream.  The
+ * result depends on nothing else.
+ */
+size_t ntpio__deflate(ntpio__deflater *d, int level, const uint8_t *bytes, size_t from, size_t to,
+                      bool last, uint8_t *out);
+
+#endif

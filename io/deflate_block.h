@@ -1,0 +1,93 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * deflate_block.h - symbols of deflate, and how a block of them becomes bits (RFC 1951)
+ */
+#ifndef NTPIO_DEFLATE_BLOCK_H
+#define NTPIO_DEFLATE_BLOCK_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+enum {
+    NTPIO__LITERALS = 256,
+    NTPIO__FIRST_LENGTH = 257, /* after the literals and the end of the block */
+    NTPIO__WORDS = 286,        /* literals, the end, slots of lengths */
+    NTPIO__DISTANCES = 30,     /* slots of distances */
+    NTPIO__LENGTH_MAX = 258    /* of a match */
+};
+
+/* A symbol: a literal as its byte, a match as length << 16 | distance - 1. */
+typedef uint32_t ntpio__symbol;
+
+typedef struct ntpio__counts {
+    uint32_t words[NTPIO__WORDS], distances[NTPIO__DISTANCES];
+} ntpio__counts;
+
+typedef struct ntpio__bits {
+    uint8_t *out;
+    size_t size; /* whole bytes in out */
+    uint64_t waiting;
+    unsigned count; /* bits that wait, below 32 */
+} ntpio__bits;
+
+static inline unsigned ntpio__top_bit(uint32_t v)
+{
+    return 31 - (unsigned) __builtin_clz(v);
+}
+
+/* Slots of lengths grow by a bit after every four, those of distances after every two. */
+static inline unsigned ntpio__length_extra(uint32_t length)
+{
+    const uint32_t v = length - 3;
+    return v < 8 || length == NTPIO__LENGTH_MAX ? 0 : ntpio__top_bit(v) - 2;
+}
+
+static inline unsigned ntpio__length_slot(uint32_t length)
+{
+    const uint32_t v = length - 3;
+    if (length == NTPIO__LENGTH_MAX)
+        return 28;
+    return v < 8 ? v : 4 * (ntpio__top_bit(v) - 1) + (v >> (ntpio__top_bit(v) - 2) & 3);
+}
+
+static inline unsigned ntpio__distance_extra(uint32_t less_one)
+{
+    return less_one < 4 ? 0 : ntpio__top_bit(less_one) - 1;
+}
+
+static inline unsigned ntpio__distance_slot(uint32_t less_one)
+{
+    if (less_one < 4)
+        return less_one;
+    const unsigned top = ntpio__top_bit(less_one);
+    return 2 * top + (less_one >> (top - 1) & 1);
+}
+
+static inline void ntpio__put_bits(ntpio__bits *b, uint32_t value, unsigned count)
+{
+    b->waiting |= (uint64_t) value << b->count;
+    b->count += count;
+    if (b->count >= 32) {
+        for (int i = 0; i < 4; i++)
+            b->out[b->size++] = (uint8_t) (b->waiting >> 8 * i);
+        b->waiting >>= 32;
+        b->count -= 32;
+    }
+}
+
+/* Writes what waits, filled with zeros to a whole byte. */
+void ntpio__end_byte(ntpio__bits *b);
+
+/* Bytes as they are; an empty run ends at a whole byte, and no more. */
+void ntpio__put_stored(ntpio__bits *b, const uint8_t *bytes, size_t size, bool last);
+
+/*
+ * The shortest of three kinds of a block: codes made for it, codes that are fixed, bytes as they
+ * are.  The symbols stand for the bytes; counts has them all without the end of the block, which is
+ * counted here.
+ */
+void ntpio__put_block(ntpio__bits *b, const ntpio__symbol *symbols, size_t count,
+                      ntpio__counts *counts, const uint8_t *bytes, size_t size, bool last);
+
+#endif

@@ -1,0 +1,157 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * deflate_state.h - what a deflater knows, and where the bytes of a match stood before
+ */
+#ifndef NTPIO_DEFLATE_STATE_H
+#define NTPIO_DEFLATE_STATE_H
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "deflate.h"
+#include "deflate_block.h"
+
+enum {
+    NEAR_BYTES = 4,
+    FAR_BYTES = 6,
+    NEAR_BITS = 14, /* of the tables: together they fit in the second cache */
+    FAR_BITS = 15,
+    PART = 8192,       /* symbols: the least block */
+    BLOCK = 65536,     /* symbols: the largest one, less a part */
+    SPAN = 16384,      /* bytes that are read with the same costs */
+    WIDE_SPAN = 65536, /* ... at careful levels */
+    BIT = 16,          /* costs are in parts of a bit */
+    SOON = 4           /* bytes ahead, the tables are fetched */
+};
+
+typedef struct effort {
+    int depth;        /* places of a chain that are looked at */
+    uint32_t enough;  /* bytes: no longer match is looked for */
+    int rounds;       /* careful levels */
+    bool looks_ahead; /* one byte further */
+} effort;
+
+typedef struct careful {
+    uint32_t longest[WIDE_SPAN], nearest[WIDE_SPAN]; /* a match at each byte, or 0 */
+    ntpio__symbol best[WIDE_SPAN];                   /* 0: a literal */
+    uint32_t cost[WIDE_SPAN + NTPIO__LENGTH_MAX];    /* from a byte to the end */
+} careful;
+
+struct ntpio__deflater {
+    int32_t near_places[1 << NEAR_BITS], far_places[1 << FAR_BITS]; /* the newest; -1: none */
+    int32_t before[NTPIO__WINDOW]; /* the place before, of the same six bytes */
+    ntpio__symbol symbols[BLOCK + PART];
+    size_t count, in_block;             /* symbols; the rest is the newest part */
+    size_t block_bytes, part_bytes;     /* what they stand for */
+    ntpio__counts block, part, span;    /* of their symbols */
+    uint32_t literals[NTPIO__LITERALS]; /* costs */
+    uint32_t lengths[NTPIO__LENGTH_MAX + 1];
+    uint32_t distances[NTPIO__DISTANCES];
+    uint32_t sums[SPAN + NTPIO__LENGTH_MAX + 1]; /* of costs as literals, from the span's start */
+    careful *careful;
+    const effort *effort;
+    const uint8_t *bytes;
+    size_t block_from, to;
+    ntpio__bits bits;
+};
+
+/* Costs of symbols that occur as often. */
+void ntpio__set_costs(ntpio__deflater *d, const ntpio__counts *from);
+
+/* The newest part joins the block if that takes fewer bits than another block. */
+void ntpio__end_part(ntpio__deflater *d);
+
+/* Read the span up to `to`, or as far as its last match goes, and return where that is.  The second
+ * sets costs; `counts` gets what it has read. */
+size_t ntpio__read_quickly(ntpio__deflater *d, size_t from, size_t to);
+size_t ntpio__read_carefully(ntpio__deflater *d, size_t from, size_t to, bool first,
+                             ntpio__counts *counts);
+
+static inline void add_literal(ntpio__deflater *d, uint8_t byte)
+{
+    d->symbols[d->count++] = byte;
+    d->part.words[byte]++;
+    d->part_bytes++;
+}
+
+static inline void add_match(ntpio__deflater *d, ntpio__symbol s)
+{
+    d->symbols[d->count++] = s;
+    d->part.words[NTPIO__FIRST_LENGTH + ntpio__length_slot(s >> 16)]++;
+    d->part.distances[ntpio__distance_slot(s & 0xffff)]++;
+    d->part_bytes += s >> 16;
+}
+
+/* The first byte is the lowest one. */
+static inline uint64_t load(const uint8_t *b)
+{
+    uint64_t v;
+    memcpy(&v, b, sizeof v);
+#if defined __BYTE_ORDER__ && __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__
+    v = __builtin_bswap64(v);
+#endif
+    return v;
+}
+
+static inline uint32_t near_slot(uint64_t next)
+{
+    return ((uint32_t) next * 0x9e3779b1u) >> (32 - NEAR_BITS);
+}
+
+static inline uint32_t far_slot(uint64_t next)
+{
+    return (uint32_t) (((next << (64 - 8 * FAR_BYTES)) * 0x9e3779b185ebca87u) >> (64 - FAR_BITS));
+}
+
+static inline size_t common(const uint8_t *a, const uint8_t *b, size_t most)
+{
+    for (size_t n = 0; n < most; n += 8) {
+        const uint64_t other = load(a + n) ^ load(b + n);
+        if (other != 0) {
+            n += (size_t) __builtin_ctzll(other) / 8;
+            return n < most ? n : most;
+        }
+    }
+    return most;
+}
+
+static inline bool in_reach(int32_t place, size_t at)
+{
+    return place >= 0 && at - (size_t) place <= NTPIO__WINDOW;
+}
+
+typedef struct places {
+    int32_t near, far; /* the newest with these bytes, perhaps; near is one of them for sure */
+} places;
+
+/* Remembers a place; returns those before it. */
+static inline places visit(ntpio__deflater *d, size_t at)
+{
+    const uint64_t next = load(d->bytes + at);
+    int32_t *near = &d->near_places[near_slot(next)], *far = &d->far_places[far_slot(next)];
+    const uint64_t soon = load(d->bytes + at + SOON);
+    places p = { *near, *far };
+    __builtin_prefetch(&d->near_places[near_slot(soon)], 1);
+    __builtin_prefetch(&d->far_places[far_slot(soon)], 1);
+    d->before[at % NTPIO__WINDOW] = *far;
+    *near = *far = (int32_t) at;
+    if (!in_reach(p.near, at) || (uint32_t) load(d->bytes + p.near) != (uint32_t) next)
+        p.near = -1;
+    return p;
+}
+
+/* The next place of the chain, or -1.  Where the window has passed, later places stand. */
+static inline int32_t earlier(const ntpio__deflater *d, int32_t place)
+{
+    const int32_t next = d->before[(size_t) place % NTPIO__WINDOW];
+    return next < place ? next : -1;
+}
+
+/* Can a match there be longer, and long enough?  Then the bytes that would be its last are equal. */
+static inline bool may_exceed(const uint8_t *there, const uint8_t *here, uint32_t length)
+{
+    const size_t first = length < FAR_BYTES ? 0 : length + 1 - FAR_BYTES;
+    return (load(there + first) ^ load(here + first)) << (64 - 8 * FAR_BYTES) == 0;
+}
+
+#endif

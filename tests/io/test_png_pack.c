@@ -1,0 +1,340 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * test_png_pack.c - what is packed is unpacked by zlib and libpng, and has libpng's chunks
+ *
+ * Streams: bytes of many kinds, at every level, in parts.  Files: every kind of samples, sides that
+ * are 1 or odd, several bands, rows too long for bands.
+ */
+#define ZLIB_CONST
+#include <png.h>
+#include <unistd.h>
+#include <zlib.h>
+
+#include "deflate.h"
+#include "made.h"
+#include "ntpio.h"
+
+enum { SIZE_MAX_TRIED = 200000, GUARD = 64, FILE_MAX = 1 << 20 };
+
+static uint64_t state = 7;
+
+static uint32_t chance(uint32_t below)
+{
+    state = state * 6364136223846793005u + 1442695040888963407u;
+    return (uint32_t) (state >> 33) % below;
+}
+
+/* ------------------------------------------------------------------------- streams */
+
+/* Noise, steps, runs, repeated pieces, one value. */
+static void fill(uint8_t *b, size_t size, uint32_t kind)
+{
+    for (size_t i = 0; i < size;) {
+        const uint32_t back = 1 + chance(40000), length = 1 + chance(kind == 3 ? 400 : 20);
+        const uint8_t value = (uint8_t) (kind == 4 ? 9 : chance(kind == 0 ? 256 : 6));
+        for (uint32_t k = 0; k < length && i < size; k++, i++)
+            b[i] = kind == 3 && back <= i ? b[i - back]
+                   : kind == 2            ? value
+                   : kind == 4            ? 9
+                                          : (uint8_t) (kind == 0 ? chance(256) : chance(6) * value);
+    }
+}
+
+static void unpacks(const uint8_t *packed, size_t packed_size, const uint8_t *bytes, size_t size)
+{
+    static uint8_t out[SIZE_MAX_TRIED + 1];
+    z_stream z = { 0 };
+    CHECK(inflateInit2(&z, -MAX_WBITS) == Z_OK);
+    z.next_in = packed;
+    z.avail_in = (uInt) packed_size;
+    z.next_out = out;
+    z.avail_out = sizeof out;
+    CHECK(inflate(&z, Z_FINISH) == Z_STREAM_END && z.avail_in == 0 && z.total_out == size);
+    CHECK(memcmp(out, bytes, size) == 0);
+    inflateEnd(&z);
+}
+
+/* In parts, of which each may look back into the one before.  Nothing is written past the bound. */
+static size_t pack_parts(ntpio__deflater *d, int level, uint8_t *bytes, size_t size, size_t part,
+                         uint8_t *out)
+{
+    size_t packed = 0;
+    for (size_t from = 0, to; from < size; from = to) {
+        uint8_t kept[NTPIO__SLACK];
+        to = size - from < part ? size : from + part;
+        memcpy(kept, bytes + to, sizeof kept);
+        memset(bytes + to, 0, sizeof kept);
+        const size_t bound = ntpio__deflate_bound(to - from);
+        memset(out + packed + bound, 0x5a, GUARD);
+        packed += ntpio__deflate(d, level, bytes, from, to, to == size, out + packed);
+        for (size_t i = 0; i < GUARD && to == size; i++)
+            CHECK(size > part || out[bound + i] == 0x5a);
+        memcpy(bytes + to, kept, sizeof kept);
+    }
+    return packed;
+}
+
+static void test_streams(void)
+{
+    static uint8_t bytes[SIZE_MAX_TRIED + NTPIO__SLACK];
+    static uint8_t out[2 * SIZE_MAX_TRIED], again[2 * SIZE_MAX_TRIED];
+    for (int level = 1; level <= NTPIO__LEVEL_MAX; level++) {
+        ntpio__deflater *d = ntpio__deflater_new(level);
+        CHECK(d != NULL);
+        for (uint32_t n = 0; n < 40; n++) {
+            const size_t size = 1 + chance(n < 20 ? 300 : n < 38 ? 60000 : SIZE_MAX_TRIED);
+            const size_t part = n % 3 == 0 ? size : 1 + chance((uint32_t) size) / (1 + n % 2);
+            const size_t least = part < size / 8 ? size / 8 + 1 : part;
+            fill(bytes, size, n % 5);
+            const size_t packed = pack_parts(d, level, bytes, size, least, out);
+            unpacks(out, packed, bytes, size);
+            CHECK(pack_parts(d, level, bytes, size, least, again) == packed);
+            CHECK(memcmp(out, again, packed) == 0); /* what was packed before leaves no trace */
+        }
+        ntpio__deflater_free(d);
+    }
+}
+
+/* --------------------------------------------------------------------------- files */
+
+static ntpio_error error;
+static uint8_t file[FILE_MAX], other[FILE_MAX];
+
+static size_t load_file(const char *path, uint8_t *to)
+{
+    FILE *f = fopen(path, "rb");
+    CHECK(f != NULL);
+    const size_t size = fread(to, 1, FILE_MAX, f);
+    fclose(f);
+    CHECK(size < FILE_MAX);
+    return size;
+}
+
+static size_t row_bytes(const ntpio_write_options *o)
+{
+    return o->width * (size_t) (o->channels * o->sample_bytes);
+}
+
+static uint8_t *make_rows(const ntpio_write_options *o, uint32_t kind)
+{
+    const size_t size = row_bytes(o) * o->height;
+    uint8_t *rows = malloc(size);
+    CHECK(rows != NULL);
+    fill(rows, size, kind);
+    return rows;
+}
+
+static void write_rows(const char *path, const ntpio_write_options *o, const uint8_t *rows,
+                       uint32_t step)
+{
+    ntpio_writer *w = ntpio_create(path, o, &error);
+    CHECK(w != NULL);
+    for (uint32_t y = 0; y < o->height; y += step) {
+        const uint32_t count = o->height - y < step ? o->height - y : step;
+        CHECK(
+            ntpio_write_rows(w, rows + y * row_bytes(o), (ptrdiff_t) row_bytes(o), count, &error));
+    }
+    CHECK(ntpio_commit(w, &error));
+}
+
+/* max_at_once 1: libpng reads the pixels. */
+static void reads(const char *path, const ntpio_write_options *o, const uint8_t *rows,
+                  uint64_t max_at_once)
+{
+    const ntpio_limits limits = { .max_side = 1 << 20, .max_at_once = max_at_once };
+    uint8_t *row = malloc(row_bytes(o));
+    ntpio_reader *r = ntpio_open(path, &limits, &error);
+    CHECK(row != NULL && r != NULL);
+    const ntpio_info *info = ntpio_reader_info(r);
+    CHECK(info->width == o->width && info->height == o->height && info->channels == o->channels &&
+          info->sample_bytes == o->sample_bytes);
+    for (uint32_t y = 0; y < o->height; y++) {
+        CHECK(ntpio_read_rows(r, row, 0, 1, &error));
+        CHECK(memcmp(row, rows + y * row_bytes(o), row_bytes(o)) == 0);
+    }
+    CHECK(ntpio_read_end(r, &error));
+    ntpio_close(r);
+    free(row);
+}
+
+static void trip(const ntpio_write_options *o, uint32_t kind)
+{
+    uint8_t *rows = make_rows(o, kind);
+    write_rows("packed.png", o, rows, o->height);
+    reads("packed.png", o, rows, 1);
+    reads("packed.png", o, rows, 0);
+    free(rows);
+    unlink("packed.png");
+}
+
+static void test_kinds(void)
+{
+    static const uint32_t sides[][2] = { { 1, 1 }, { 1, 37 }, { 37, 1 }, { 33, 19 } };
+    for (int32_t level = -1; level <= NTPIO__LEVEL_MAX; level += level < 0 ? 2 : 1) {
+        for (uint32_t n = 0; n < 32; n++) {
+            const ntpio_write_options o = { .format = NTPIO_PNG,
+                                            .width = sides[n / 8][0],
+                                            .height = sides[n / 8][1],
+                                            .channels = 1 + (int32_t) n % 4,
+                                            .sample_bytes = 1 + (int32_t) n / 4 % 2,
+                                            .level = level };
+            trip(&o, (uint32_t) (n + (uint32_t) level) % 5);
+        }
+    }
+}
+
+/* Several bands; then rows that are too long for them, which libpng packs. */
+static void test_large(void)
+{
+    const ntpio_write_options bands = {
+        .width = 250001, .height = 11, .channels = 4, .sample_bytes = 1, .level = 1
+    };
+    const ntpio_write_options long_rows = {
+        .width = 350001, .height = 2, .channels = 3, .sample_bytes = 1, .level = 12
+    };
+    trip(&bands, 3);
+    trip(&long_rows, 2);
+}
+
+/* -------------------------------------------------------------------------- chunks */
+
+static void libpng_writes(const char *path, const ntpio_write_options *o, const uint8_t *rows,
+                          png_text *texts, int before, int after)
+{
+    static const int kinds[] = { PNG_COLOR_TYPE_GRAY, PNG_COLOR_TYPE_GRAY_ALPHA, PNG_COLOR_TYPE_RGB,
+                                 PNG_COLOR_TYPE_RGB_ALPHA };
+    FILE *f = fopen(path, "wb");
+    png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, NULL, NULL, NULL);
+    CHECK(f != NULL && png != NULL);
+    png_infop info = png_create_info_struct(png), end = png_create_info_struct(png);
+    CHECK(info != NULL && end != NULL);
+    png_init_io(png, f);
+    png_set_IHDR(png, info, o->width, o->height, 8 * o->sample_bytes, kinds[o->channels - 1], 0, 0,
+                 0);
+    png_set_pHYs(png, info, 11, 12, 1);
+    png_set_text(png, info, texts, before);
+    png_write_info(png, info);
+    if (o->sample_bytes == 2)
+        png_set_swap(png);
+    for (uint32_t y = 0; y < o->height; y++)
+        png_write_row(png, rows + y * row_bytes(o));
+    png_set_text(png, end, texts + before, after);
+    png_write_end(png, end);
+    png_destroy_info_struct(png, &end);
+    png_destroy_write_struct(&png, &info);
+    fclose(f);
+}
+
+/* Drops the chunks of pixels but for one empty one. */
+static size_t without_pixels(uint8_t *b, size_t size)
+{
+    size_t to = 8;
+    bool seen = false;
+    for (size_t at = 8, whole; at < size; at += whole) {
+        whole = 12 + ((size_t) b[at] << 24 | (size_t) b[at + 1] << 16 | (size_t) b[at + 2] << 8 |
+                      b[at + 3]);
+        CHECK(at + whole <= size);
+        const bool pixels = memcmp(b + at + 4, "IDAT", 4) == 0;
+        const size_t kept = pixels ? (seen ? 0 : 12) : whole;
+        CHECK(crc(b + at + 4, whole - 8) ==
+              ((uint32_t) b[at + whole - 4] << 24 | (uint32_t) b[at + whole - 3] << 16 |
+               (uint32_t) b[at + whole - 2] << 8 | b[at + whole - 1]));
+        memmove(b + to, b + at, kept);
+        if (pixels && !seen) {
+            memset(b + to, 0, 4);
+            memset(b + to + 8, 0, 4);
+        }
+        to += kept;
+        seen = seen || pixels;
+    }
+    return to;
+}
+
+static void test_chunks(void)
+{
+    static char keys[][8] = { "Title", "Comment", "Author", "Late" };
+    static char values[][40] = { "plain", "packed packed packed packed", "J\xc3\xb6rg", "after" };
+    static char language[] = "de", autor[] = "Autor";
+    static const int how[] = { PNG_TEXT_COMPRESSION_NONE, PNG_TEXT_COMPRESSION_zTXt,
+                               PNG_ITXT_COMPRESSION_NONE, PNG_TEXT_COMPRESSION_zTXt };
+    png_text theirs[4] = { { 0 } };
+    ntpio_text ours[4] = { { 0 } };
+    for (int i = 0; i < 4; i++) {
+        const bool itxt = i == 2;
+        theirs[i] = (png_text) { .compression = how[i],
+                                 .key = keys[i],
+                                 .text = values[i],
+                                 .lang = itxt ? language : NULL,
+                                 .lang_key = itxt ? autor : NULL };
+        ours[i] = (ntpio_text) { .key = keys[i],
+                                 .value = values[i],
+                                 .itxt = itxt,
+                                 .compressed = how[i] == PNG_TEXT_COMPRESSION_zTXt,
+                                 .language = itxt ? language : NULL,
+                                 .translated_key = itxt ? autor : NULL };
+    }
+    for (int n = 0; n < 8; n++) {
+        ntpio_info info = { .has_phys = true,
+                            .phys_x = 11,
+                            .phys_y = 12,
+                            .phys_unit = 1,
+                            .texts = ours,
+                            .text_count = 3 };
+        const ntpio_write_options o = { .width = 30,
+                                        .height = 20,
+                                        .channels = 1 + n % 4,
+                                        .sample_bytes = 1 + n / 4,
+                                        .level = -1,
+                                        .copy_from = &info };
+        uint8_t *rows = make_rows(&o, 1);
+        libpng_writes("theirs.png", &o, rows, theirs, 3, 1);
+        ntpio_writer *w = ntpio_create("ours.png", &o, &error);
+        CHECK(w != NULL && ntpio_write_rows(w, rows, (ptrdiff_t) row_bytes(&o), 20, &error));
+        info.text_count = 4;
+        CHECK(ntpio_commit(w, &error));
+        const size_t size = without_pixels(file, load_file("ours.png", file));
+        CHECK(size == without_pixels(other, load_file("theirs.png", other)));
+        CHECK(memcmp(file, other, size) == 0);
+        free(rows);
+    }
+    unlink("ours.png");
+    unlink("theirs.png");
+}
+
+/* -------------------------------------------------------------------- bytes and sizes */
+
+/* The same bytes however the rows come; no larger than libpng's own, whatever is in the picture. */
+static void test_sizes(void)
+{
+    for (uint32_t kind = 0; kind < 6; kind++) {
+        const ntpio_write_options o = {
+            .width = 200, .height = 150, .channels = 3, .sample_bytes = 1, .level = -1
+        };
+        uint8_t *rows = make_rows(&o, kind);
+        for (size_t i = 0; kind == 5 && i < row_bytes(&o) * o.height; i++) /* a slope, and noise */
+            rows[i] = (uint8_t) (i / 3 % 200 / 2 + i / 600 + chance(4));
+        libpng_writes("theirs.png", &o, rows, NULL, 0, 0);
+        write_rows("ours.png", &o, rows, 150);
+        write_rows("steps.png", &o, rows, 7);
+        const size_t size = load_file("ours.png", file);
+        CHECK(load_file("steps.png", other) == size && memcmp(file, other, size) == 0);
+        CHECK(size <= load_file("theirs.png", other));
+        free(rows);
+    }
+    unlink("ours.png");
+    unlink("steps.png");
+    unlink("theirs.png");
+}
+
+int main(void)
+{
+    char directory[] = "/tmp/ntp-pack-XXXXXX";
+    CHECK(mkdtemp(directory) != NULL && chdir(directory) == 0);
+    test_streams();
+    test_kinds();
+    test_large();
+    test_chunks();
+    test_sizes();
+    CHECK(rmdir(directory) == 0);
+    return 0;
+}
