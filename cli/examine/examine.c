@@ -167,6 +167,9 @@ void first_view(source *s, int forced)
 
 static bool measure(source *s, uint32_t touch, ntpio_error *error)
 {
+    enum { LARGE = 512 * 512 }; /* the tally of a smaller texture touches few pages */
+    if ((int64_t) s->view.width * s->view.height >= LARGE)
+        ntpio_large_pages(s->w->tally, ntp_tally_size());
     ntp_tally_clear(s->w->tally);
     orient_begin(s);
     middle_begin(s);
