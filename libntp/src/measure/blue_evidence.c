@@ -67,18 +67,15 @@ static void add_row(blue_sums *sums, const blue_row *row)
 
 static void add_cells(blue_sums *sums, const ntp_tally *t)
 {
-    uint32_t cells[256];
-    int32_t first, end;
+    ntp__cell cells[NTP__MOST_CELLS];
     for (int32_t i = 0; (i = ntp__next_row(t->cells.row_seen, i)) < NTP__ROWS; i++) {
         int64_t rest = ntp__rest(t->cells.row_pair[i] & 255, t->cells.row_pair[i] >> 8, 255);
         if (rest < 0)
             continue;
         blue_row row = row_of(sqrt((double) rest) / 255);
-        ntp__row_cells(cells, &first, &end, &t->cells, i);
-        for (int32_t b = first; b < end; b++) {
-            if (cells[b] > 0)
-                add_blue(sums, &row, b, cells[b]);
-        }
+        const int32_t n = ntp__row_cells(cells, &t->cells, i);
+        for (int32_t k = 0; k < n; k++)
+            add_blue(sums, &row, cells[k].blue, cells[k].count);
         add_row(sums, &row);
     }
 }

@@ -73,16 +73,32 @@ uint32_t ntp__find_row(ntp__color_counts *t, int32_t r, int32_t g)
                       rest < 0 ? -1 : ntp__blue_of_rest(rest, 255, false));
 }
 
-void ntp__row_cells(uint32_t cells[256], int32_t *first, int32_t *end, const ntp__color_counts *t,
-                    int32_t row)
+/* Appends those of `count` cells that are not 0.  Most groups of far cells are empty. */
+static int32_t append(ntp__cell *cells, int32_t n, const uint32_t *counts, int32_t blue,
+                      int32_t count)
 {
-    int32_t near = t->row_first[row];
-    bool far = t->row_seen[row] & NTP__SEEN_FAR;
-    *first = far ? 0 : near;
-    *end = far ? 256 : near + NTP__NEAR;
-    if (far)
-        memcpy(cells, t->far[row], 256 * sizeof cells[0]);
-    memcpy(cells + near, &t->near[row * NTP__NEAR], NTP__NEAR * sizeof cells[0]);
+    enum { GROUP = 8 };
+    for (int32_t i = 0; i < count; i += GROUP) {
+        const int32_t end = i + GROUP < count ? i + GROUP : count;
+        uint32_t any = 0;
+        for (int32_t k = i; k < end; k++)
+            any |= counts[k];
+        for (int32_t k = i; any != 0 && k < end; k++) {
+            cells[n].blue = blue + k;
+            cells[n].count = counts[k];
+            n += counts[k] != 0;
+        }
+    }
+    return n;
+}
+
+int32_t ntp__row_cells(ntp__cell cells[NTP__MOST_CELLS], const ntp__color_counts *t, int32_t row)
+{
+    const int32_t near = t->row_first[row], above = near + NTP__NEAR;
+    const uint32_t *far = t->row_seen[row] & NTP__SEEN_FAR ? t->far[row] : NULL;
+    int32_t n = far != NULL ? append(cells, 0, far, 0, near) : 0;
+    n = append(cells, n, &t->near[row * NTP__NEAR], near, NTP__NEAR);
+    return far != NULL ? append(cells, n, far + above, above, 256 - above) : n;
 }
 
 /* Adds the rows that were not noted to `seen`, which is t's own or a copy. */

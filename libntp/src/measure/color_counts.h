@@ -26,7 +26,8 @@ enum {
 
     NTP__NEAR = 16,            /* cells around the derived blue of a row: a cache line */
     NTP__FAR_CELLS = 256 + 16, /* rows a power of two apart would share few cache sets */
-    NTP__FEW = 4096            /* up to so many texels it pays to note the row of each */
+    NTP__FEW = 4096,           /* up to so many texels it pays to note the row of each */
+    NTP__MOST_CELLS = 256 + 1  /* of a row, and one that is written and not counted */
 };
 
 /* Where the cells of a row hold counts. */
@@ -68,10 +69,15 @@ static inline uint32_t ntp__entry_first(uint32_t entry)
     return entry & 255;
 }
 
-/* The counts of a row that was seen, by blue: cells[*first] to cells[*end - 1].  The others count
- * as 0 and are not written. */
-void ntp__row_cells(uint32_t cells[256], int32_t *first, int32_t *end,
-                    const ntp__color_counts *counts, int32_t row);
+/* A color that occurs: its blue, and how often. */
+typedef struct ntp__cell {
+    int32_t blue;
+    uint32_t count;
+} ntp__cell;
+
+/* The colors of a row that was seen, by rising blue; returns their number. */
+int32_t ntp__row_cells(ntp__cell cells[NTP__MOST_CELLS], const ntp__color_counts *counts,
+                       int32_t row);
 
 /* The first row from `row` on for which seen[row] is not 0; NTP__ROWS: none. */
 static inline int32_t ntp__next_row(const uint8_t seen[NTP__ROWS], int32_t row)

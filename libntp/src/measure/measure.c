@@ -200,7 +200,8 @@ static inline uint32_t count_odd(ntp_tally *t, const uint8_t *p, uint32_t entry,
     }
     uint32_t row = ntp__entry_cells(entry) / NTP__NEAR;
     t->cells.far[row][p[2]] += count;
-    t->cells.row_seen[row] |= NTP__SEEN_FAR;
+    if (!(t->cells.row_seen[row] & NTP__SEEN_FAR)) /* storing it again would be waited for */
+        t->cells.row_seen[row] |= NTP__SEEN_FAR;
     return 0;
 }
 

@@ -143,19 +143,6 @@ static void channel_from(ntp_channel *out, const ntp__channel_sums *sums, uint64
     out->mean = share(sums->sum, texels) / by;
 }
 
-/* Counts the texels of the cells by blue. */
-static void count_blues(uint64_t count[256], const ntp_tally *t)
-{
-    memset(count, 0, 256 * sizeof *count);
-    uint32_t cells[256];
-    int32_t first, end;
-    for (int32_t row = 0; (row = ntp__next_row(t->cells.row_seen, row)) < NTP__ROWS; row++) {
-        ntp__row_cells(cells, &first, &end, &t->cells, row);
-        for (int32_t b = first; b < end; b++)
-            count[b] += cells[b];
-    }
-}
-
 static bool has_alpha(const ntp_tally *t)
 {
     return t->channels == 4 || (t->encoding == NTP_ENCODING_HEIGHT && t->channels == 2);
@@ -267,9 +254,7 @@ static uint64_t scaled(const ntp_tally *t, uint64_t count)
 /* Exact moments of blue, from the cells; false: some used texels are not in the cells. */
 static bool moments_of_blue(moments *blue, const ntp_tally *t)
 {
-    uint64_t blues[256];
-    count_blues(blues, t);
-    *blue = moments_of_levels(blues);
+    *blue = moments_of_levels(t->blues);
     return !is_picture(t) && (uint64_t) blue->n == used_texels(t);
 }
 
@@ -337,17 +322,15 @@ static uint64_t bits_set(const uint8_t *bytes, size_t size)
 
 static void describe_colors(ntp_stats *s, const ntp_tally *t)
 {
-    uint32_t cells[256];
+    ntp__cell cells[NTP__MOST_CELLS];
     if (s->max == 255 && t->encoding != NTP_ENCODING_HEIGHT) {
         for (int32_t row = NTP__ROWS - NTP__FLAT_ROWS; row < NTP__ROWS; row++) {
-            int32_t first, end;
             if (t->cells.row_seen[row] == 0)
                 continue;
-            ntp__row_cells(cells, &first, &end, &t->cells, row);
-            for (int32_t b = first; b < end; b++) {
-                s->flat += cells[b];
-                s->distinct_flat += cells[b] > 0;
-            }
+            const int32_t n = ntp__row_cells(cells, &t->cells, row);
+            s->distinct_flat += (uint64_t) n;
+            for (int32_t i = 0; i < n; i++)
+                s->flat += cells[i].count;
         }
     } else {
         s->flat = t->wide_flat;

@@ -111,26 +111,25 @@ static void end_batch(ntp_tally *t, color_batch *batch, int32_t m, ntp_encoding 
 /* Adds the cells of one row. */
 static void add_row(ntp_tally *t, color_batch *batch, int32_t row, int32_t m, ntp_encoding encoding)
 {
-    uint32_t cells[256];
+    ntp__cell cells[NTP__MOST_CELLS];
     int32_t by = m / 255, r = (t->cells.row_pair[row] & 255) * by,
             g = (t->cells.row_pair[row] >> 8) * by;
     ntp__row far;
-    int32_t first, end;
-    ntp__row_cells(cells, &first, &end, &t->cells, row);
+    const int32_t n = ntp__row_cells(cells, &t->cells, row);
     bool too_long = ntp__rest(r, g, m) < 0;
     if (too_long)
         ntp__row_init(&far, r, g, m);
-    for (int32_t b = first; b < end; b++) {
-        if (cells[b] == 0)
-            continue;
+    for (int32_t i = 0; i < n; i++) {
+        const int32_t b = cells[i].blue;
+        t->blues[b] += cells[i].count;
         if (too_long) {
-            ntp__add(&t->used, &far, b * by, cells[b], encoding);
+            ntp__add(&t->used, &far, b * by, cells[i].count, encoding);
             continue;
         }
         batch->block.c[0][batch->n] = r;
         batch->block.c[1][batch->n] = g;
         batch->block.c[2][batch->n] = b * by;
-        batch->count[batch->n++] = cells[b];
+        batch->count[batch->n++] = cells[i].count;
         if (batch->n == NTP__BLOCK)
             end_batch(t, batch, m, encoding);
     }
@@ -170,6 +169,7 @@ ntp_status ntp__sum_up(ntp_tally *t, ntp_encoding encoding)
     const ntp__sums *transparent = m == 255 ? &t->transparent_narrow : &t->transparent_wide;
     ntp__clear_sums(&t->used);
     ntp__clear_sums(&t->unused);
+    memset(t->blues, 0, sizeof t->blues);
     if (!picture) {
         ntp__merge_sums(&t->used, &t->wide);
         add_cells(t, m, encoding);

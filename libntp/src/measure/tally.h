@@ -64,6 +64,7 @@ struct ntp_tally {
 
     ntp__color_counts cells; /* used texels only */
     /* ntp_tally_summarize makes these from all the rest.  They are kept until the tally changes. */
+    uint64_t blues[256]; /* texels of the cells by blue */
     ntp__sums used, unused;
 
     /* Well-formed textures of 8 bit need nothing from here on, so these pages stay untouched. */
