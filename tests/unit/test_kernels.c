@@ -8,6 +8,7 @@
 #include "guarded.h"
 #include "texel/angle.h"
 #include "texel/kernels.h"
+#include "texel/level.h"
 #include "texel/root30.h"
 #include "libntp.h"
 
@@ -227,6 +228,34 @@ static void check_directions(const ntp__kernels_table *level, int32_t m, int32_t
     CHECK(doubts < BLOCKS * BLOCK / 500);
 }
 
+/* Texels of any length and those near to length 1: what the kernel does not doubt is what the
+ * integers of level.h make of it, and it seldom doubts. */
+static void check_normalize(const ntp__kernels_table *level, int32_t m, uint64_t *seed)
+{
+    enum { BLOCKS = 400, BLOCK = 256 };
+    int32_t doubts = 0, in[3][BLOCK], out[3][BLOCK], doubt[BLOCK];
+    for (int32_t block = 0; block < BLOCKS; block++) {
+        for (int32_t i = 0; i < BLOCK; i++) {
+            for (int k = 0; k < 3; k++)
+                in[k][i] = random_level(seed, m);
+            int32_t blue = derived_by_search(in[0][i], in[1][i], m, false);
+            if (i % 2 && blue >= 0)
+                in[2][i] = blue - (blue >= 4 ? random_level(seed, 4) : 0);
+        }
+        int32_t *const to[3] = { out[0], out[1], out[2] };
+        const int32_t *const from[3] = { in[0], in[1], in[2] };
+        level->normalize(to, doubt, from, block % 7 ? BLOCK : 1 + block % BLOCK, m);
+        for (int32_t i = 0; i < (block % 7 ? BLOCK : 1 + block % BLOCK); i++) {
+            int32_t c[3] = { in[0][i], in[1][i], in[2][i] };
+            ntp__clean(c, m, NTP_ENCODING_STANDARD, NTP_CLEAN_NORMALIZE, true);
+            doubts += doubt[i] != 0;
+            for (int k = 0; k < 3; k++)
+                CHECK(doubt[i] || out[k][i] == c[k]);
+        }
+    }
+    CHECK(doubts < BLOCKS * BLOCK / 500);
+}
+
 /* Numerators of levels: any, nearly parallel, nearly opposite and nearly at right angles. */
 static void check_angles(const ntp__kernels_table *level, uint64_t *seed)
 {
@@ -282,6 +311,8 @@ int main(int argc, char **argv)
     for (int kind = 0; kind < 4; kind++)
         check_directions(level, kind & 1 ? 65535 : 255, kind & 2, &seed);
     check_angles(level, &seed);
+    check_normalize(level, 255, &seed);
+    check_normalize(level, 65535, &seed);
     for (int32_t n = 1; n <= WIDEST; n++) {
         for (int kind = 0; kind < 4; kind++)
             compare_planar(level, n, kind & 1 ? 65535 : 255, kind & 2, &seed);

@@ -54,6 +54,7 @@ static void fetch(const job *j, side *s, const ntp_const_image *view, int32_t m,
 {
     ntp__block *block = &s->block;
     ntp__unpack(block, view, x, y, n);
+    ntp__fill_group(block, n);
     s->any_none = j->vectors && ntp__any_suspect(block, n, m);
     for (int32_t i = 0; s->any_none && i < n; i++) {
         s->none[i] = ntp__texel_unused(block, i, m, 0);
@@ -79,10 +80,10 @@ static void decode(const job *j, side *s, int32_t n, int32_t m, ntp_encoding enc
     }
     ntp__block derived;
     for (int32_t k = 0; k < 2; k++)
-        memcpy(derived.c[k], s->block.c[k], (size_t) n * sizeof derived.c[k][0]);
-    j->kernels->derive(derived.c[2], derived.c[0], derived.c[1], n, m, 0);
-    ntp__block_vectors(&s->v, &derived, n, m, NTP_ENCODING_STANDARD);
-    for (int32_t i = 0; i < n; i++)
+        memcpy(derived.c[k], s->block.c[k], (size_t) ntp__whole(n) * sizeof derived.c[k][0]);
+    j->kernels->derive(derived.c[2], derived.c[0], derived.c[1], ntp__whole(n), m, 0);
+    ntp__block_vectors(&s->v, &derived, ntp__whole(n), m, NTP_ENCODING_STANDARD);
+    for (int32_t i = 0; i < ntp__whole(n); i++)
         s->v.c[2][i] = derived.c[2][i] < 0 ? 0 : s->v.c[2][i];
 }
 
@@ -121,7 +122,7 @@ static void add_channel(const job *j, int32_t *restrict greatest, const ntp__blo
     /* A gray image with alpha is unpacked with alpha in the fourth plane. */
     const int32_t plane = !j->vectors && j->channels == 2 && k == 1 ? 3 : k;
     int32_t sum = 0, most = 0;
-    for (int32_t i = 0; i < n; i++) {
+    for (int32_t i = 0; i < ntp__whole(n); i++) {
         int32_t off = ntp__abs(a->c[plane][i] * by_a - b->c[plane][i] * by_b);
         sum += off;
         most = off > most ? off : most;
@@ -140,7 +141,7 @@ static void add_levels(const job *j, int32_t *greatest, side *a, side *b, int32_
         if (!is_unused(b, i))
             b->block.c[2][i] = blue_as_in_a(j, &b->block, i);
     }
-    memset(greatest, 0, (size_t) n * sizeof *greatest);
+    memset(greatest, 0, (size_t) ntp__whole(n) * sizeof *greatest);
     for (int32_t k = 0; k < j->channels; k++)
         add_channel(j, greatest, &a->block, &b->block, k, n);
     for (int32_t i = 0; i < n && (a->block.any_broken || b->block.any_broken); i++) {

@@ -8,7 +8,10 @@
  * takes the color of the most serious fault, scaled by its strength.
  */
 #include "texel/level.h"
+#include "texel/unused.h"
 #include "picture/picture.h"
+
+#include <string.h>
 
 enum {
     STRONG = 255,
@@ -22,9 +25,10 @@ enum {
 /* Rec. 709 luma weights in ten-thousandths. */
 enum { LUMA_RED = 2126, LUMA_GREEN = 7152, LUMA_BLUE = 722, LUMA_WHOLE = 10000 };
 
-typedef struct strengths {
-    int32_t xy, length, z;
-} strengths;
+/* The faults of a block of texels, as planes, so that compilers vectorize the loops. */
+typedef struct faults {
+    int32_t xy[NTP__BLOCK], length[NTP__BLOCK], z[NTP__BLOCK];
+} faults;
 
 /* Vermilion, sky blue and yellow of Okabe and Ito, which color-blind people can tell apart. */
 static const uint8_t SAFE_XY[3] = { 213, 94, 0 };
@@ -34,88 +38,148 @@ static const uint8_t SAFE_Z[3] = { 240, 228, 66 };
 /* The color of a float texel that is not a vector. */
 static const uint8_t NOT_A_VECTOR[3] = { 255, 255, 255 };
 
-static int32_t xy_strength(int64_t xy2, int32_t m)
+/* (L*L - 1)/4 - (M*M - 1)/4 for odd L.  Such quarters have 31 bits and their sums are compared with
+ * those of M + 2k; what is left over, a square has less than 1. */
+static int32_t beyond(int32_t l, int32_t m)
 {
-    if (xy2 > ntp__sq(m + 2 * XY_STRONG_LEVELS))
-        return STRONG;
-    return xy2 > ntp__sq(m) ? WEAK : 0;
+    return (int32_t) ((ntp__sq(l) - ntp__sq(m)) / 4);
 }
 
-static bool length_off(int64_t length2, int32_t m, int32_t levels)
+static void judge_xy(int32_t *restrict fault, int32_t *restrict xy, const int32_t *restrict r,
+                     const int32_t *restrict g, int32_t n, int32_t m)
 {
-    return length2 >= ntp__sq(m + 2 * levels) || length2 <= ntp__sq(m - 2 * levels);
-}
-
-static strengths judge(int32_t r, int32_t g, int32_t b, int32_t m, ntp_encoding encoding)
-{
-    int64_t rest = ntp__rest(r, g, m);
-    strengths s = { xy_strength(ntp__sq(m) - rest, m), 0, 0 };
-    if (encoding == NTP_ENCODING_XY)
-        return s;
-    /* x, y that are too long have their own color.  So the length is that of the pulled pair and z,
-     * and tells only what is wrong with z. */
-    if (rest < 0) {
-        ntp__pull(&r, &g, m);
-        rest = ntp__rest(r, g, m);
+    const int32_t k = (m + 1) / 2, most = k * (k - 1), strong = beyond(m + 2 * XY_STRONG_LEVELS, m);
+    for (int32_t i = 0; i < ntp__whole(n); i++) {
+        int32_t p = r[i] - k, q = g[i] - k, sum = p * (p + 1) - most + q * (q + 1);
+        fault[i] = sum >= strong ? STRONG : sum >= 0 ? WEAK : 0;
+        xy[i] = sum;
     }
-    bool zzero = encoding == NTP_ENCODING_ZZERO;
-    int64_t length2 = ntp__sq(m) - rest + ntp__sq(zzero ? b : ntp__num(b, m));
-    if (length_off(length2, m, LENGTH_STRONG_LEVELS))
-        s.length = STRONG;
-    else if (length_off(length2, m, LENGTH_WEAK_LEVELS))
-        s.length = WEAK;
-    /* M - b runs from the middle, just below zero, to M, which is z = -1. */
-    if (!zzero && ntp__z_negative(b, m))
-        s.z = m == 255 ? m - b : ntp__narrow(m - b);
-    return s;
 }
 
-static void paint_gray(uint8_t rgb[3], int32_t r, int32_t g, int32_t b, int32_t m)
+/* x, y that are too long have their own color.  So the length is that of the pulled pair and z, and
+ * tells only what is wrong with z. */
+static void pull_long(const faults *f, int32_t *xy, const ntp__block *block, int32_t n, int32_t m)
 {
-    int32_t whole = LUMA_WHOLE * (m / 255);
-    int32_t luma = (LUMA_RED * r + LUMA_GREEN * g + LUMA_BLUE * b + whole / 2) / whole;
-    rgb[0] = rgb[1] = rgb[2] = (uint8_t) (GRAY_BASE + luma / 2);
+    for (int32_t i = 0; i < n; i++) {
+        if (f->xy[i] == 0)
+            continue;
+        int32_t r = block->c[0][i], g = block->c[1][i];
+        ntp__pull(&r, &g, m);
+        xy[i] = (int32_t) -((ntp__rest(r, g, m) + 1) / 4);
+    }
 }
 
-static void paint_fault(uint8_t rgb[3], const strengths *s, ntp_palette palette)
+static void judge_z(faults *restrict f, const int32_t *restrict xy, const int32_t *restrict b,
+                    int32_t n, int32_t m, bool zzero)
 {
-    if (palette == NTP_PALETTE_REFERENCE) {
-        rgb[0] = (uint8_t) s->xy;
-        rgb[1] = (uint8_t) s->length;
-        rgb[2] = (uint8_t) s->z;
+    const int32_t short1 = beyond(m - 2 * LENGTH_WEAK_LEVELS, m);
+    const int32_t short2 = beyond(m - 2 * LENGTH_STRONG_LEVELS, m);
+    const int32_t long1 = beyond(m + 2 * LENGTH_WEAK_LEVELS, m);
+    const int32_t long2 = beyond(m + 2 * LENGTH_STRONG_LEVELS, m);
+    const int32_t k = (m + 1) / 2;
+    for (int32_t i = 0; i < ntp__whole(n); i++) {
+        int32_t half = zzero ? b[i] >> 1 : b[i] - k, other = zzero ? b[i] - half : half + 1;
+        int32_t sum = xy[i] + half * other;
+        int32_t weak = (sum >= long1) | (sum < short1), strong = (sum >= long2) | (sum < short2);
+        f->length[i] = strong ? STRONG : weak ? WEAK : 0;
+    }
+    /* M - b runs from the middle, just below zero, to M, which is z = -1.  At 16 bits it is
+     * ntp__narrow without its division. */
+    const int32_t factor = m == 255 ? 1 : 255, more = m == 255 ? 0 : 32895,
+                  bits = m == 255 ? 0 : 16;
+    const int32_t low = zzero ? -1 : k - 1;
+    for (int32_t i = 0; i < ntp__whole(n); i++) {
+        int32_t z = b[i] <= low ? m - b[i] : 0;
+        f->z[i] = (factor * z + more) >> bits;
+    }
+}
+
+static void judge(faults *f, const ntp__block *block, int32_t n, int32_t m, ntp_encoding encoding)
+{
+    int32_t xy[NTP__BLOCK], any = 0;
+    judge_xy(f->xy, xy, block->c[0], block->c[1], n, m);
+    if (encoding == NTP_ENCODING_XY) {
+        memset(f->length, 0, sizeof f->length);
+        memset(f->z, 0, sizeof f->z);
         return;
     }
-    const uint8_t *hue = s->z > 0 ? SAFE_Z : s->xy > 0 ? SAFE_XY : SAFE_LENGTH;
-    int32_t strength = s->z > 0 ? s->z : s->xy > 0 ? s->xy : s->length;
+    for (int32_t i = 0; i < n; i++)
+        any |= f->xy[i];
+    if (any)
+        pull_long(f, xy, block, n, m);
+    judge_z(f, xy, block->c[2], n, m, encoding == NTP_ENCODING_ZZERO);
+}
+
+/* A quotient plus 1/2 is no whole number, and farther from one than doubles are wrong. */
+static void make_gray(int32_t *restrict gray, const ntp__block *restrict block, int32_t n,
+                      int32_t m)
+{
+    const int32_t whole = LUMA_WHOLE * (m / 255), more = whole / 2;
+    const double share = 1.0 / whole;
+    for (int32_t i = 0; i < ntp__whole(n); i++) {
+        int32_t sum = LUMA_RED * block->c[0][i] + LUMA_GREEN * block->c[1][i] +
+                      LUMA_BLUE * block->c[2][i] + more;
+        gray[i] = GRAY_BASE + (int32_t) ((sum + 0.5) * share) / 2;
+    }
+}
+
+static void paint_fault(uint8_t rgb[3], const faults *f, int32_t i, ntp_palette palette)
+{
+    const int32_t xy = f->xy[i], length = f->length[i], z = f->z[i];
+    if (palette == NTP_PALETTE_REFERENCE) {
+        rgb[0] = (uint8_t) xy;
+        rgb[1] = (uint8_t) length;
+        rgb[2] = (uint8_t) z;
+        return;
+    }
+    const uint8_t *hue = z > 0 ? SAFE_Z : xy > 0 ? SAFE_XY : SAFE_LENGTH;
+    const int32_t strength = z > 0 ? z : xy > 0 ? xy : length;
     for (int32_t k = 0; k < 3; k++)
         rgb[k] = (uint8_t) ((hue[k] * strength + STRONG / 2) / STRONG);
+}
+
+static void paint_faults(ntp__block *out, const faults *f, ntp_palette palette, int32_t n)
+{
+    int32_t any[NTP__BLOCK];
+    for (int32_t i = 0; i < n; i++)
+        any[i] = f->xy[i] | f->length[i] | f->z[i];
+    for (int32_t first = 0; first < n; first += NTP__GROUP) {
+        const int32_t end = ntp__group_end(any, first, n);
+        for (int32_t i = first; i < end; i++) {
+            uint8_t rgb[3];
+            if (any[i] == 0)
+                continue;
+            paint_fault(rgb, f, i, palette);
+            for (int32_t k = 0; k < 3; k++)
+                out->c[k][i] = rgb[k];
+        }
+    }
 }
 
 static void paint_run(const ntp_image *dst, const ntp_const_image *src, ntp_palette palette,
                       uint32_t touch, int32_t x, int32_t y, int32_t n)
 {
-    ntp__block block;
-    int32_t m = ntp__max(src->type);
-    ntp_encoding encoding =
-        src->encoding == NTP_ENCODING_VECTOR ? NTP_ENCODING_STANDARD : src->encoding;
+    ntp__block block, out;
+    faults f;
+    const int32_t m = ntp__max(src->type);
     ntp__unpack(&block, src, x, y, n);
-    uint8_t *d = ntp__at_mut(dst, x, y);
-    for (int32_t i = 0; i < n; i++, d += dst->pixel_stride) {
-        int32_t r = block.c[0][i], g = block.c[1][i], b = block.c[2][i];
-        if (block.any_broken && block.broken[i]) {
-            ntp__paint(d, dst->channels, NOT_A_VECTOR);
-            continue;
+    ntp__fill_group(&block, n);
+    judge(&f, &block, n, m, src->encoding);
+    make_gray(out.c[0], &block, n, m);
+    if (ntp__any_suspect(&block, n, m)) {
+        for (int32_t i = 0; i < n; i++) {
+            if (ntp__texel_unused(&block, i, m, touch))
+                f.xy[i] = f.length[i] = f.z[i] = 0;
         }
-        strengths s = { 0, 0, 0 };
-        if (!ntp__unused(r, g, b, block.c[3][i], m, touch))
-            s = judge(r, g, b, m, encoding);
-        uint8_t rgb[3];
-        if (s.xy + s.length + s.z > 0)
-            paint_fault(rgb, &s, palette);
-        else
-            paint_gray(rgb, r, g, b, m);
-        ntp__paint(d, dst->channels, rgb);
     }
+    memcpy(out.c[1], out.c[0], (size_t) n * sizeof out.c[0][0]);
+    memcpy(out.c[2], out.c[0], (size_t) n * sizeof out.c[0][0]);
+    paint_faults(&out, &f, palette, n);
+    for (int32_t i = 0; block.any_broken && i < n; i++) {
+        for (int32_t k = 0; block.broken[i] && k < 3; k++)
+            out.c[k][i] = NOT_A_VECTOR[k];
+    }
+    ntp__pack_opaque(dst, &out, x, y, n);
 }
 
 ntp_status ntp_heatmap(const ntp_image *dst, const ntp_const_image *src, ntp_palette palette,

@@ -4,6 +4,8 @@
  */
 #include "picture/picture.h"
 
+#include <string.h>
+
 ntp_status ntp__check_painting(const ntp_image *dst, const ntp_const_image *src,
                                int32_t min_channels)
 {
@@ -21,4 +23,17 @@ ntp_status ntp__check_painting(const ntp_image *dst, const ntp_const_image *src,
          target.pixel_stride != src->pixel_stride || target.ring_rows != src->ring_rows))
         return NTP_ERR_OVERLAP;
     return NTP_OK;
+}
+
+void ntp__fill_group(ntp__block *block, int32_t n)
+{
+    for (int32_t k = 0; k < 4; k++)
+        memset(block->c[k] + n, 0, (size_t) (ntp__whole(n) - n) * sizeof block->c[k][0]);
+}
+
+void ntp__pack_opaque(const ntp_image *dst, ntp__block *rgb, int32_t x, int32_t y, int32_t n)
+{
+    for (int32_t i = 0; dst->channels == 4 && i < n; i++)
+        rgb->c[3][i] = 255;
+    ntp__pack(dst, rgb, x, y, n, dst->channels);
 }

@@ -33,4 +33,29 @@ static inline void ntp__paint(uint8_t *pixel, int32_t channels, const uint8_t rg
         pixel[3] = 255;
 }
 
+enum { NTP__GROUP = 16 };
+
+/* The end of the group of marks that begins at `first`, or `first` where none of them is set.  Marks
+ * are few, so most groups are passed over without a branch for each. */
+static inline int32_t ntp__group_end(const int32_t *marks, int32_t first, int32_t n)
+{
+    const int32_t end = n - first < NTP__GROUP ? n : first + NTP__GROUP;
+    int32_t any = 0;
+    for (int32_t i = first; i < end; i++)
+        any |= marks[i];
+    return any != 0 ? end : first;
+}
+
+/* Loops over whole groups have no remainder, which would be code of its own for each. */
+static inline int32_t ntp__whole(int32_t n)
+{
+    return (n + NTP__GROUP - 1) / NTP__GROUP * NTP__GROUP;
+}
+
+/* Makes the last group of n texels whole, with black ones. */
+void ntp__fill_group(ntp__block *block, int32_t n);
+
+/* Writes n opaque pixels, whose alpha need not be set. */
+void ntp__pack_opaque(const ntp_image *dst, ntp__block *rgb, int32_t x, int32_t y, int32_t n);
+
 #endif

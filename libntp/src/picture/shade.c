@@ -4,7 +4,7 @@
  *
  * The bytes are the same everywhere: everything is in doubles with + - * / and sqrt only, in a
  * fixed order, and the build allows no fused multiply-add.  Sums of three are taken from left to
- * right.
+ * right.  Floats decide most levels; where they are near a boundary, doubles do.
  */
 #include "texel/level.h"
 #include "texel/unused.h"
@@ -92,8 +92,13 @@ static ntp_status set_light(job *j, const ntp_light *light)
 typedef struct planes {
     double n[3][NTP__BLOCK]; /* unit vectors, y up */
     double lambert[NTP__BLOCK], glint[NTP__BLOCK];
-    int32_t level[3][NTP__BLOCK];
 } planes;
+
+/* What floats tell of them. */
+typedef struct estimates {
+    float lambert[NTP__BLOCK], glint[NTP__BLOCK];
+    int32_t doubt[NTP__BLOCK]; /* not 0: a level may be wrong */
+} estimates;
 
 /* The stored vectors over their lengths, y up. */
 static void decode(planes *restrict p, const job *j, const ntp__block *restrict block, int32_t n)
@@ -102,7 +107,7 @@ static void decode(planes *restrict p, const job *j, const ntp__block *restrict 
     const bool zzero = j->src->encoding == NTP_ENCODING_ZZERO;
     const bool xy = j->src->encoding == NTP_ENCODING_XY;
     const double twice = zzero ? 1.0 : 2.0, less = zzero ? 0.0 : m;
-    for (int32_t i = 0; i < n; i++) {
+    for (int32_t i = 0; i < ntp__whole(n); i++) {
         double x = 2 * block->c[0][i] - m, y = (2 * block->c[1][i] - m) * up;
         double z = twice * block->c[2][i] - less, rest = m * m - x * x - y * y;
         z = xy ? sqrt(rest > 0 ? rest : 0.0) : z;
@@ -117,7 +122,7 @@ static void reflect(planes *restrict p, const job *j, int32_t n)
 {
     const double a = j->towards[0], b = j->towards[1], c = j->towards[2];
     const double d = j->half[0], e = j->half[1], f = j->half[2];
-    for (int32_t i = 0; i < n; i++) {
+    for (int32_t i = 0; i < ntp__whole(n); i++) {
         double x = p->n[0][i], y = p->n[1][i], z = p->n[2][i];
         double lambert = x * a + y * b + z * c, glint = x * d + y * e + z * f;
         glint = glint > 0 ? glint : 0.0;
@@ -139,52 +144,139 @@ static inline int32_t display(double linear)
     return (int32_t) (sqrt(v) * 255.0 + 0.5);
 }
 
-static void color(planes *restrict p, const job *j, int32_t k, int32_t n)
+static void color(int32_t *restrict level, const planes *restrict p, const job *j, int32_t k,
+                  int32_t n)
 {
     const ntp_light l = j->light;
-    for (int32_t i = 0; i < n; i++)
-        p->level[k][i] = display(linear(&l, k, p->lambert[i], p->glint[i]));
+    for (int32_t i = 0; i < ntp__whole(n); i++)
+        level[i] = display(linear(&l, k, p->lambert[i], p->glint[i]));
 }
 
-static void luminance(planes *restrict p, const job *j, int32_t n)
+static void luminance(int32_t *restrict level, const planes *restrict p, const job *j, int32_t n)
 {
     const ntp_light l = j->light;
-    for (int32_t i = 0; i < n; i++) {
+    for (int32_t i = 0; i < ntp__whole(n); i++) {
         double rgb[3];
         for (int32_t k = 0; k < 3; k++)
             rgb[k] = linear(&l, k, p->lambert[i], p->glint[i]);
-        p->level[0][i] = display(dot(LUMINANCE, rgb));
+        level[i] = display(dot(LUMINANCE, rgb));
+    }
+}
+
+/* The levels of a block, exactly. */
+static void shade_exactly(ntp__block *out, const job *j, const ntp__block *block, int32_t n)
+{
+    planes p;
+    const double *light = j->light.color;
+    decode(&p, j, block, n);
+    reflect(&p, j, n);
+    if (j->dst->channels == 1)
+        luminance(out->c[0], &p, j, n);
+    for (int32_t k = 0; j->dst->channels > 1 && k < 3; k++) {
+        if (k > 0 && light[k] == light[k - 1])
+            memcpy(out->c[k], out->c[k - 1], (size_t) n * sizeof out->c[k][0]);
+        else
+            color(out->c[k], &p, j, k, n);
+    }
+}
+
+/*
+ * The same in floats, whose roundings are off by up to u = 2^-24 of a result.  A component of a unit
+ * vector is off by at most 4 u.  So the products with the light and with the half vector are off by
+ * 16 u, and the power by 32 times that and its own roundings: 600 u.  Where the light just touches
+ * a texel, it may be on the wrong side.
+ */
+static void estimate(estimates *restrict e, const job *j, const ntp__block *restrict block,
+                     int32_t n)
+{
+    const float m = (float) ntp__max(j->src->type), up = j->src->y == NTP_Y_DOWN ? -1.0F : 1.0F;
+    const bool zzero = j->src->encoding == NTP_ENCODING_ZZERO;
+    const float twice = zzero ? 1.0F : 2.0F, less = zzero ? 0.0F : m;
+    const float a = (float) j->towards[0], b = (float) j->towards[1], c = (float) j->towards[2];
+    const float d = (float) j->half[0], f = (float) j->half[1], g = (float) j->half[2];
+    for (int32_t i = 0; i < ntp__whole(n); i++) {
+        float x = 2.0F * (float) block->c[0][i] - m, y = (2.0F * (float) block->c[1][i] - m) * up;
+        float z = twice * (float) block->c[2][i] - less;
+        float over = 1.0F / sqrtf(x * x + y * y + z * z);
+        float lambert = (x * a + y * b + z * c) * over, glint = (x * d + y * f + z * g) * over;
+        glint = glint > 0 ? glint : 0.0F;
+        for (int32_t k = 0; k < SQUARINGS; k++)
+            glint = glint * glint;
+        e->glint[i] = lambert > 0 ? glint : 0.0F;
+        e->lambert[i] = lambert > 0 ? lambert : 0.0F;
+        e->doubt[i] = fabsf(lambert) < 32 * 0x1p-24F;
+    }
+}
+
+/* A linear light v that is off by `off` has a root that is off by at most off / root(v). */
+static void estimate_color(estimates *restrict e, int32_t *restrict level, const job *j, int32_t k,
+                           int32_t n)
+{
+    const ntp_light *l = &j->light;
+    const float own = (float) l->color[k], ambient = (float) l->ambient;
+    const float diffuse = (float) l->diffuse, specular = (float) l->specular;
+    const float off = (16 + 16 * diffuse + 600 * specular) * 0x1p-24F * 255.0F;
+    for (int32_t i = 0; i < ntp__whole(n); i++) {
+        float v = own * (ambient + diffuse * e->lambert[i]) + specular * e->glint[i];
+        float root = sqrtf(v < 1.0F ? v : 1.0F), shown = root * 255.0F + 0.5F;
+        int32_t whole = (int32_t) shown;
+        float part = shown - (float) whole, gap = part < 0.5F ? part : 1.0F - part;
+        level[i] = whole;
+        e->doubt[i] |= !(gap * root > off + 0x1p-14F * root);
+    }
+}
+
+/* The levels of a block; those of texels in doubt once more, exactly. */
+static void shade_block(ntp__block *out, const job *j, const ntp__block *block, int32_t n)
+{
+    estimates e;
+    ntp__block few, again;
+    int32_t at[NTP__BLOCK], found = 0;
+    const double *light = j->light.color;
+    estimate(&e, j, block, n);
+    for (int32_t k = 0; k < 3; k++) {
+        if (k > 0 && light[k] == light[k - 1])
+            memcpy(out->c[k], out->c[k - 1], (size_t) n * sizeof out->c[k][0]);
+        else
+            estimate_color(&e, out->c[k], j, k, n);
+    }
+    for (int32_t first = 0; first < n; first += NTP__GROUP) {
+        const int32_t end = ntp__group_end(e.doubt, first, n);
+        for (int32_t i = first; i < end; i++) {
+            if (e.doubt[i] == 0)
+                continue;
+            for (int32_t k = 0; k < 3; k++)
+                few.c[k][found] = block->c[k][i];
+            at[found++] = i;
+        }
+    }
+    ntp__fill_group(&few, found);
+    shade_exactly(&again, j, &few, found);
+    for (int32_t i = 0; i < found; i++) {
+        for (int32_t k = 0; k < 3; k++)
+            out->c[k][at[i]] = again.c[k][i];
     }
 }
 
 static void shade_run(const job *j, int32_t x, int32_t y, int32_t n)
 {
-    ntp__block block;
-    planes p;
-    const int32_t m = ntp__max(j->src->type), channels = j->dst->channels;
-    const double *light = j->light.color;
+    ntp__block block, out;
+    const int32_t m = ntp__max(j->src->type);
     ntp__unpack(&block, j->src, x, y, n);
-    decode(&p, j, &block, n);
-    reflect(&p, j, n);
-    if (channels == 1)
-        luminance(&p, j, n);
-    for (int32_t k = 0; channels > 1 && k < 3; k++) {
-        if (k > 0 && light[k] == light[k - 1])
-            memcpy(p.level[k], p.level[k - 1], (size_t) n * sizeof p.level[k][0]);
-        else
-            color(&p, j, k, n);
-    }
-    const bool suspect = ntp__any_suspect(&block, n, m);
-    uint8_t *d = ntp__at_mut(j->dst, x, y);
-    for (int32_t i = 0; i < n; i++, d += j->dst->pixel_stride) {
-        uint8_t rgb[3] = { (uint8_t) p.level[0][i], (uint8_t) p.level[1][i],
-                           (uint8_t) p.level[2][i] };
-        if (suspect && ntp__texel_unused(&block, i, m, 0)) {
+    ntp__fill_group(&block, n);
+    /* Where z is a difference of squares, floats are too coarse. */
+    if (j->dst->channels == 1 || j->src->encoding == NTP_ENCODING_XY)
+        shade_exactly(&out, j, &block, n);
+    else
+        shade_block(&out, j, &block, n);
+    if (ntp__any_suspect(&block, n, m)) {
+        for (int32_t i = 0; i < n; i++) {
             bool bright = ((x + i) / CHECKER_SIDE + y / CHECKER_SIDE) % 2 == 0;
-            rgb[0] = rgb[1] = rgb[2] = bright ? CHECKER_LIGHT : CHECKER_DARK;
+            if (ntp__texel_unused(&block, i, m, 0))
+                out.c[0][i] = out.c[1][i] = out.c[2][i] = bright ? CHECKER_LIGHT : CHECKER_DARK;
         }
-        ntp__paint(d, channels, rgb);
     }
+    ntp__pack_opaque(j->dst, &out, x, y, n);
 }
 
 ntp_status ntp_shade(const ntp_image *dst, const ntp_const_image *src, const ntp_light *light,

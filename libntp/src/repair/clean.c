@@ -157,51 +157,38 @@ static uint64_t clean_by_derivation(const job *j, ntp__block *block, int32_t n)
     return changed;
 }
 
-/* The levels of vectors over their lengths, each rounded by itself. */
-static void round_vectors(const job *j, ntp__block *out, int32_t *doubt, const int32_t *r,
-                          const int32_t *g, const int32_t *b, int32_t n)
-{
-    const int32_t *const plane[3] = { r, g, b };
-    int32_t unused[2][NTP__BLOCK], doubt_z[NTP__BLOCK];
-    ntp__vectors v, turned;
-    for (int32_t k = 0; k < 3; k++) {
-        for (int32_t i = 0; i < n; i++)
-            v.c[k][i] = turned.c[(k + 1) % 3][i] = 2 * plane[k][i] - j->m;
-    }
-    j->kernels->directions(out->c[2], unused[0], unused[1], doubt_z, &turned, n, j->m, 0, 1);
-    j->kernels->directions(out->c[0], out->c[1], unused[1], doubt, &v, n, j->m, 0, 1);
-    for (int32_t i = 0; i < n; i++)
-        doubt[i] = (doubt[i] | doubt_z[i]) & NTP__IN_DOUBT;
-}
-
-/* Divides by the length with kernels, of the standard encoding.  Only texels near a boundary or
+/* Divides by the length with a kernel, of the standard encoding.  Only texels near a boundary and
  * those that may be unused go one by one. */
 static uint64_t clean_by_length(const job *j, ntp__block *block, int32_t n)
 {
     const int32_t low = j->how.keep_negative_z ? -1 : (j->m - 1) / 2;
-    const bool suspect = ntp__any_suspect(block, n, j->m);
-    uint64_t changed = 0;
+    int32_t changed = 0, doubt[NTP__BLOCK], up[NTP__BLOCK];
     ntp__block out;
-    uint8_t flags[NTP__BLOCK];
-    int32_t want[NTP__BLOCK], doubt[NTP__BLOCK], up[NTP__BLOCK];
     for (int32_t i = 0; i < n; i++)
         up[i] = block->c[2][i] <= low ? j->m - block->c[2][i] : block->c[2][i];
-    j->kernels->judge(flags, want, block->c[0], block->c[1], up, n, j->m, 0);
-    round_vectors(j, &out, doubt, block->c[0], block->c[1], up, n);
-    for (int32_t i = 0; i < n; i++) {
-        if (doubt[i] || (suspect && ntp__texel_unused(block, i, j->m, j->how.touch_unused))) {
-            changed += clean_at(j, block, i);
-            continue;
-        }
-        const bool stays = (flags[i] & NTP_FLAG_ROUNDED) != 0;
-        int32_t r = stays ? block->c[0][i] : out.c[0][i], g = stays ? block->c[1][i] : out.c[1][i];
-        int32_t b = stays ? up[i] : out.c[2][i];
-        changed += r != block->c[0][i] || g != block->c[1][i] || b != block->c[2][i];
-        block->c[0][i] = r;
-        block->c[1][i] = g;
-        block->c[2][i] = b;
+    for (int32_t i = n; i < NTP__BLOCK; i++)
+        block->c[0][i] = block->c[1][i] = up[i] = 0;
+    int32_t *const to[3] = { out.c[0], out.c[1], out.c[2] };
+    const int32_t *const from[3] = { block->c[0], block->c[1], up };
+    int32_t any = j->kernels->normalize(to, doubt, from, n, j->m);
+    if (ntp__any_suspect(block, n, j->m)) {
+        for (int32_t i = 0; i < n; i++)
+            any |= doubt[i] |= ntp__texel_unused(block, i, j->m, j->how.touch_unused);
     }
-    return changed;
+    for (int32_t i = 0; any && i < n; i++) {
+        if (!doubt[i])
+            continue;
+        int32_t c[4] = { block->c[0][i], block->c[1][i], block->c[2][i], block->c[3][i] };
+        clean_texel(j, c);
+        for (int32_t k = 0; k < 3; k++)
+            out.c[k][i] = c[k];
+    }
+    for (int32_t i = 0; i < n; i++)
+        changed += (out.c[0][i] != block->c[0][i]) | (out.c[1][i] != block->c[1][i]) |
+                   (out.c[2][i] != block->c[2][i]);
+    for (int32_t k = 0; k < 3; k++)
+        memcpy(block->c[k], out.c[k], (size_t) n * sizeof out.c[k][0]);
+    return (uint64_t) changed;
 }
 
 static bool blue_is_written(const job *j)

@@ -410,6 +410,32 @@ static void judge_block(ntp__judged *j, const int32_t *r, const int32_t *g, cons
 #include "texel/directions_tmpl.h"
 #include "texel/angles_tmpl.h"
 
+#define REAL        float
+#define SQRT        sqrtf
+#define ABS         fabsf
+#define STEPS       (1 << 13)
+#define FOR_REAL(f) f##_float
+#include "texel/normalize_tmpl.h"
+#undef REAL
+#undef SQRT
+#undef ABS
+#undef STEPS
+#undef FOR_REAL
+#define REAL        double
+#define SQRT        sqrt
+#define ABS         fabs
+#define STEPS       (1 << 15)
+#define FOR_REAL(f) f##_double
+#include "texel/normalize_tmpl.h"
+
+static int32_t normalize(int32_t *const out[3], int32_t *doubt, const int32_t *const in[3],
+                         int32_t n, int32_t m)
+{
+    if (m == 255)
+        return normalize_float(out[0], out[1], out[2], doubt, in[0], in[1], in[2], n, m);
+    return normalize_double(out[0], out[1], out[2], doubt, in[0], in[1], in[2], n, m);
+}
+
 extern const ntp__kernels_table CONCAT(ntp__kernels_, NTP_ISA);
 const ntp__kernels_table CONCAT(ntp__kernels_, NTP_ISA) = {
     NTP_ISA_NAME,
@@ -423,4 +449,5 @@ const ntp__kernels_table CONCAT(ntp__kernels_, NTP_ISA) = {
     judge_block,
     directions,
     angles,
+    normalize,
 };

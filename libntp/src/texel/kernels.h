@@ -93,6 +93,12 @@ typedef int32_t ntp__directions_fn(int32_t *r, int32_t *g, int32_t *b, int32_t *
  * for 256; vectors beyond n change. */
 typedef void ntp__angles_fn(int32_t *angle, ntp__vectors *v, ntp__vectors *w, int32_t n);
 
+/* Standard Z: vectors that are not `rounded` over their lengths, each level rounded half up; the
+ * others as they are.  Where doubt[i] is not 0, levels may be wrong.  Returns whether any is.  Works
+ * on whole lanes: the planes hold levels, and have room for them. */
+typedef int32_t ntp__normalize_fn(int32_t *const out[3], int32_t *doubt, const int32_t *const in[3],
+                                  int32_t n, int32_t m);
+
 typedef struct ntp__kernels_table {
     const char *name;
     ntp__clean8_fn *clean_rgb8;         /* counts */
@@ -105,6 +111,7 @@ typedef struct ntp__kernels_table {
     ntp__judge_block_fn *judge_block;
     ntp__directions_fn *directions;
     ntp__angles_fn *angles;
+    ntp__normalize_fn *normalize;
 } ntp__kernels_table;
 
 enum { NTP__KERNEL_STEP = 16 };
