@@ -15,6 +15,7 @@ from pathlib import Path
 import pytest
 
 from support import libntp_ffi
+from support.sanitized import EVERY, SANITIZED
 
 # Messages of the system in English, names and output in UTF-8, whatever the user speaks.
 os.environ["LC_ALL"] = "C.UTF-8"
@@ -24,14 +25,17 @@ ALLOWED_SKIPS = TESTS / "allowed_skips.txt"
 _skipped = {}
 
 
-# Modules of many cases, which all run the same code, have so many of them left out by a sanitizer.
-MANY_CASES, EVERY = 48, 4
+# What a sanitizer leaves out: cases of modules that have more than so many, which all run the same
+# code, and modules that call no code of ours that was compiled.
+MANY_CASES = 48
+NOTHING_COMPILED = {"test_fetch_real.py", "test_mnemonics.py", "test_oracle.py", "test_rooms.py"}
 
 
 def _sample(config, items):
     """Every fourth case of the modules that have many, where NTP_SANITIZED says it is slow."""
     counts = Counter(item.path for item in items if hasattr(item, "callspec"))
-    seen, left_out = Counter(), set()
+    seen = Counter()
+    left_out = {item for item in items if item.path.name in NOTHING_COMPILED}
     for item in items:
         if hasattr(item, "callspec") and counts[item.path] > MANY_CASES:
             if seen[item.path] % EVERY != 0:
@@ -51,7 +55,7 @@ def pytest_configure(config):
 
 
 def pytest_collection_modifyitems(config, items):
-    if os.environ.get("NTP_SANITIZED"):
+    if SANITIZED:
         _sample(config, items)
 
 

@@ -13,6 +13,7 @@ import pytest
 
 from support import libntp_ffi as ntp
 from support import maps, surfaces
+from support.sanitized import EVERY
 
 SEED = int(os.environ.get("NTP_SEED", "20261121"))
 DIVISORS = {"central": 2, "forward": 1, "prewitt3": 6, "sobel3": 8}
@@ -143,7 +144,7 @@ def test_drawn_textures():
     """Textures of every kind from the tests of the classification, none made from integer
     heights."""
     rng = np.random.default_rng(SEED)
-    for i in range(250):
+    for i in range(250 // EVERY):
         case = maps.draw(rng)
         if case.pixels.ndim == 3 and case.encoding != ntp.HEIGHT and case.pixels.shape[2] > 1:
             encoding = ntp.XY if case.pixels.shape[2] == 2 else ntp.STANDARD
