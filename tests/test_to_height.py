@@ -139,6 +139,23 @@ def test_neutral_levels_by_evidence():
     assert result["decode"] == UNORM
 
 
+def test_level_channels_are_neutral_where_heights_could_lean():
+    """Green is 128 everywhere: half a level that heights follow only where they do not wrap."""
+    x = np.arange(128)
+    h = np.tile(2 * np.sin(x / 64 * np.pi), (128, 1)).astype(np.float32)
+    for border, expected in ((WRAP, UNORM), (CLAMP, NEUTRAL)):
+        borders = {"border_x": border, "border_y": border}
+        n = from_height(h, **borders)
+        assert (n[..., 1] == 128).all()
+        ours, result = to_height(n, **borders)
+        assert result["decode"] == expected
+        assert np.std(ours - h) < 0.03
+    kept = {
+        d: (from_height(to_height(n, decode=d)[0]) == n).all(-1).sum() for d in (UNORM, NEUTRAL)
+    }
+    assert kept[UNORM] >= kept[NEUTRAL]
+
+
 @pytest.mark.parametrize("kernel", KERNELS)
 def test_own_normals_of_flat_ground_are_read_plainly(kernel):
     """With 127 and 128 both 0, more texels would differ when the normals are made again."""

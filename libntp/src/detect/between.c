@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * between.c - do slopes lie between texels, also where damage hides which kernel made them?
+ * between.c - do slopes lie between texels, where damage or smooth ground hides the kernel?
  *
  * The derivative of p down the picture is that of q to the right, at the same place.  Forward slopes
  * p lie half a texel to the right of their texel, and q half a texel below it.  So p is moved to the

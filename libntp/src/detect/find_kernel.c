@@ -295,9 +295,10 @@ ntp_status ntp_find_kernel(ntp_kernel_fit *fit, const ntp_const_image *src, uint
         next = best_of(rest, best);
     }
     fit->decided = fits && misfit[next] >= clearly * least;
+    /* Damage hides kernels, and smooth ground, where all give the same slopes. */
     if (fit->decided)
         fit->kernel = CANDIDATE[best].kernel;
-    else if (misfit[best] > USABLE_MISFIT && ntp__lie_between(src)) /* damage hides kernels */
+    else if (fit->kernel == NTP_KERNEL_CENTRAL && ntp__lie_between(src))
         fit->kernel = NTP_KERNEL_FORWARD;
     return NTP_OK;
 }
