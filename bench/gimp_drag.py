@@ -20,7 +20,7 @@ from gimp_window import Gimp3, Screen, stones
 
 OURS, THEIRS = "Normals from Height", "GIMP's Normal Map"
 # The buttons of the slider, plus and minus, from the upper right corner of the dialog.
-SLIDERS = {OURS: ((-20, 116), (-39, 116)), THEIRS: ((-20, 89), (-39, 89))}
+SLIDERS = {OURS: ((-20, 144), (-39, 144)), THEIRS: ((-20, 89), (-39, 89))}
 QUIET = 1.5  # seconds without a change: the picture is done
 LOAD = """
 image = Gimp.file_load(Gimp.RunMode.NONINTERACTIVE, Gio.File.new_for_path(HERE + '/heights.png'))

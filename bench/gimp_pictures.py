@@ -37,23 +37,48 @@ TITLES = {
     (3, "clean"): "Clean Normals by Their Errors",
 }
 OPERATIONS = {
-    "op-normals": ("normals-from-height", "stones"),
-    "op-clean": ("clean-normals", "wrong"),
-    "op-transform": ("transform-normals", "wrong"),
-    "op-blend": ("blend-normals", "wrong"),
-    "op-curvature": ("curvature", "wrong"),
-    "op-occlusion": ("ambient-occlusion", "stones"),
+    "op-normals": ("normals-from-height", "stones", "Normals from Height"),
+    "op-clean": ("clean-normals", "wrong", "Clean Normals"),
+    "op-transform": ("transform-normals", "wrong", "Transform Normals"),
+    "op-blend": ("blend-normals", "wrong", "Blend Normals"),
+    "op-blend-file": ("blend-normals-file", "wrong", "Blend Normals with a File"),
+    "op-curvature": ("curvature", "wrong", "Curvature"),
+    "op-occlusion": ("ambient-occlusion", "stones", "Ambient Occlusion"),
 }
-# In the list of GIMP 2.10's tool: how many operations are above each.
-ABOVE = {
-    "en": {
-        "ambient-occlusion": 1,
-        "blend-normals": 3,
-        "clean-normals": 6,
-        "curvature": 10,
-        "normals-from-height": 15,
-        "transform-normals": 18,
-    },
+# What else is in the list of GIMP 2.10's tool, which is in the order of bytes.
+LISTED = {
+    "en": (
+        "Absolute",
+        "Bilateral Filter",
+        "Box Blur",
+        "Brightness Contrast",
+        "Color Assimilation Grid",
+        "Color Overlay",
+        "Color warp",
+        "Denoise DCT",
+        "Fractal Explorer",
+        "Levels",
+        "Negative Darkroom",
+        "Pack",
+        "Smooth by Domain Transform",
+        "Unpremultiply alpha",
+    ),
+    "de": (
+        "Absolut",
+        "Bilateraler Filter",
+        "Box-Weichzeichner",
+        "Denoise DCT",
+        "Farb-Assimilation-Raster",
+        "Farben verzerren",
+        "Farbwerte",
+        "Farbüberlagerung",
+        "Fraktal-Explorer",
+        "Helligkeitskontrast",
+        "Negativ-Dunkelkammer",
+        "Packen",
+        "Vormultiplikation von Alpha rückgängig machen",
+        "Weichzeichnen durch Domänentransformation",
+    ),
 }
 # The second and third tab of the dialog of normals, at a scale of 1.
 TABS = {
@@ -62,6 +87,8 @@ TABS = {
     (3, "en"): ((116, 42), (160, 42)),
     (3, "de"): ((130, 42), (179, 42)),
 }
+# The choice of a page in the dialog of the operation, from the top, on the first and second page.
+PAGES = {2: (175, 175), 3: (89, 89)}
 SCRIPT3 = """
 import json
 images = {}
@@ -128,11 +155,19 @@ def note(label, screen, window):
     print(f"{label}: {width} x {height}" + ("" if fits else "  TOO LARGE"), flush=True)
 
 
+def above(gimp, name):
+    """How many operations are above it in the list of GIMP 2.10."""
+    titles = {words[0]: gimp.text(words[2], "libntp-gegl") for words in OPERATIONS.values()}
+    known = [*titles.values(), *LISTED[gimp.language]]
+    return sum(other.encode() < titles[name].encode() for other in known)
+
+
 def open_operation(gimp, main, name):
     """The dialog of an operation."""
     screen = gimp.screen
     if gimp.version == 3:
-        screen.search(main, f"ntp:{name}")
+        # That with a file is found first.
+        screen.search(main, f"ntp:{name}", below=name == "blend-normals")
         return screen.window(rf"\(ntp:{name}\)")[0]
     screen.search(main, "GEGL")
     dialog = screen.window("GEGL")[0]
@@ -141,8 +176,9 @@ def open_operation(gimp, main, name):
     screen.settle()
     x, y, width, _ = screen.box(dialog)
     screen.click(x + width // 2, y + 62 * gimp.scale)
+    screen.park()  # where it does not scroll the list
     screen.settle(still=0.5)
-    screen.key(*["Down"] * ABOVE[gimp.language][name], "Return")
+    screen.key("Home", *["Down"] * above(gimp, name), "Return")
     screen.settle()
     return dialog
 
@@ -152,8 +188,6 @@ def photograph(gimp, out, label, only):
     screen = gimp.screen
     plug_in = [n for n in PLUG_IN if not only or n in only]
     operations = [n for n in OPERATIONS if not only or n in only]
-    if gimp.version == 2 and gimp.language not in ABOVE:
-        operations = []
     jobs = [PLUG_IN[n][:2] for n in plug_in]
     gimp.run((script3 if gimp.version == 3 else script2)(["stones", "wrong"], jobs))
     for name in plug_in:
@@ -172,7 +206,7 @@ def photograph(gimp, out, label, only):
         screen.key("Escape")
         screen.gone(f"^{title}")
     for name in operations:
-        operation, image = OPERATIONS[name]
+        operation, image, _ = OPERATIONS[name]
         main = gimp.image_window()[0]
         screen.front(main)
         screen.key(f"alt+{1 + ['stones', 'wrong'].index(image)}")
@@ -183,6 +217,14 @@ def photograph(gimp, out, label, only):
         time.sleep(2)
         screen.picture(out / f"{label}-{name}.png", dialog)
         note(f"{label}-{name}", screen, dialog)
+        for page, at in zip(("forms", "more"), PAGES[gimp.version], strict=True):
+            if name == "op-normals":
+                left, top, width, _ = screen.box(dialog)
+                screen.click(left + width // 2, top + gimp.scale * at)
+                screen.settle(still=0.5)
+                screen.key("Down", "Return")
+                screen.picture(out / f"{label}-{name}-{page}.png", dialog)
+                note(f"{label}-{name}-{page}", screen, dialog)
         screen.front(dialog)
         screen.key("Escape")
         screen.gone(r"\(ntp:" if gimp.version == 3 else "GEGL")

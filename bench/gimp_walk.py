@@ -69,8 +69,8 @@ class Walk:
         few.save(self.out / f"{name}.png", optimize=True)
         print(name, flush=True)
 
-    def dialog(self, command, title, x=970, y=0):
-        self.screen.search(self.main, command)
+    def dialog(self, command, title, x=970, y=0, below=0):
+        self.screen.search(self.main, command, below)
         window = self.screen.window(title)[0]
         self.screen.place(window, x, y)
         self.screen.front(window)
@@ -103,7 +103,7 @@ class Walk:
 
     def blend(self):
         title = r"\(ntp:blend-normals\)"
-        window = self.dialog("ntp:blend-normals", title)
+        window = self.dialog("ntp:blend-normals", title, below=1)  # the first takes a file
         self.click(window, AUX)
         self.click(window, FIRST_IMAGE)
         self.picture("4-choose", self.main, window)

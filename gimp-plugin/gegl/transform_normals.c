@@ -53,17 +53,17 @@ property_enum(border, _("Edges"), ntp_op_turned_edge, ntp_op_turned_edge, NTP_OP
     description(_("What a turn brings in from beyond the edges"))
 property_enum(from, LABEL(NTP_TO_LABEL), ntp_op_turned_encoding, ntp_op_turned_encoding, NTP_OP_STANDARD)
     description(_("What the blue channel stands for"))
-property_enum(show, _("Show"), ntp_op_turned_view, ntp_op_turned_view, NTP_OP_TURNED)
-    description(_("The lit surface is for looking at. Choose Result before you export"))
 property_enum(from_y, LABEL(NTP_TO_Y_LABEL), ntp_op_turned_green, ntp_op_turned_green, NTP_OP_UP)
     description(_("Which way green points in the layer: turns and the lit surface depend on it"))
+property_enum(show, _("Show"), ntp_op_turned_view, ntp_op_turned_view, NTP_OP_TURNED)
+    description(_("The lit surface is for looking at. Choose Result before you export"))
 property_double(light_from, _("Light from"), 135.0)
     description(_("Where the light of the lit surface comes from: 0 is the right, 90 the top"))
     value_range(-360.0, 360.0)
     ui_range(0.0, 360.0)
     ui_meta("unit", "degree")
     ui_meta("direction", "ccw")
-    ui_meta("sensitive", "show {lit}")
+    ui_meta("visible", "show {lit}")
 /* clang-format on */
 
 #else

@@ -111,6 +111,27 @@ def test_shared_options_are_named_in_one_place():
         assert label == f"NTP_{name.upper()}_LABEL" == rows[name.replace("_", "-")]
 
 
+# Pixels in GIMP 2.10 at a scale of 1: rows of a dialog, all else that it has, and what fits.  With
+# letters of twice the size the window is 1.75 times as high.
+ROWS = {"enum": 33, "double": 23, "boolean": 21, "dial": 33, "string": 29}
+AROUND, MOST = 258, 590
+
+
+@pytest.mark.parametrize("file", sorted((PARTS / "gegl").glob("*.c")), ids=lambda file: file.stem)
+def test_dialogs_fit(file):
+    """The window does not scroll, so at a scale of 2 it must fit a screen of 1080 rows."""
+    text = file.read_text(encoding="utf-8")
+    row = r"^property_(\w+)\((\w+),(.*?)(?=^property|/\*|^#)"
+    rows = re.findall(row, text, re.MULTILINE | re.DOTALL)
+    pages = {words for _, _, meta in rows for words in re.findall(r"page \{\w+\}", meta)}
+    for page in pages or {""}:
+        shown = [("dial" if '"degree"' in meta else kind, meta) for kind, _, meta in rows]
+        shown = [kind for kind, meta in shown if page in meta or '"visible"' not in meta]
+        assert AROUND + sum(ROWS[kind] for kind in shown) <= MOST, page
+    if file.stem == "normals_from_height":
+        assert len(pages) == 3
+
+
 @pytest.mark.parametrize("language", ["de", "en_GB"])
 def test_nothing_untranslated(language):
     text = (PARTS / "po" / f"{language}.po").read_text(encoding="utf-8")
