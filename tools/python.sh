@@ -96,10 +96,10 @@ docs_examples() {
         --rootdir docs -p pysupport.doctest_place --doctest-glob='*.md' docs/tutorial-pipelines.md
 }
 
-docs() {
+docs() { # docs [--installed]
     need_tools
     build_main
-    install_tree
+    if [ "${1:-}" = --installed ]; then enter_python_venv; else install_tree; fi
     stage "programs in the pages" python docs/check_c.py build
     stage "Python in the pages" docs_examples
     stage "site" docs_site
