@@ -134,6 +134,24 @@ def test_runs_of_one_color(channels, touch):
     check_summary(ntp.Tally().measure(array, ntp.STANDARD, touch), array, ntp.STANDARD, touch)
 
 
+def test_odd_texel_among_wide_ones():
+    """Blocks of 16-bit texels that are counted as a whole, but for one: gray, flat, of 8 bit, too
+    long by as little as can be."""
+    m = 65535
+    x = int((m * m / 2) ** 0.5) | 1  # nearest to the circle, from within
+    inside, over = (x + m) // 2, (x + 2 + m) // 2
+    odd = [(0, 0, 0), (m, m, m), (9999, 9999, 9999), (32767, 32768, 65500), (32768, 32768, m),
+           (257, 514, 771), (m, 32700, 0), (inside, inside, 33000), (over, inside, 33000),
+           (over, over, 33000), (32768, 32768, 60000), (32766, 32768, 60000)]  # fmt: skip
+    array = np.random.default_rng(7).integers(28000, 37001, (len(odd), 256, 3), np.uint16)
+    array[..., 2] += 28000
+    for row, color in enumerate(odd):
+        array[row, 7 * row + 3] = color
+        one = array[row : row + 1]
+        check_summary(ntp.Tally().measure(one), one, ntp.STANDARD, 0)
+    check_summary(ntp.Tally().measure(array), array, ntp.STANDARD, 0)
+
+
 @pytest.mark.parametrize("color", [(128, 128, 255), (0, 0, 0)])
 def test_one_color_and_one_texel(color):
     """One other texel at the end of a picture of one color is seen."""

@@ -149,25 +149,24 @@ void ntp__add(ntp__sums *sums, const ntp__row *row, int32_t b, uint32_t count,
              angle, count);
 }
 
-static void add_judged(ntp__fit_sums *sums, const ntp__judged_fit *fit, const uint32_t *count,
-                       int32_t n)
+/* The sums and extremes of a block.  off[i] becomes how far the length is from 1.  count NULL: one
+ * each; inline, so that this case gets loops of its own. */
+static inline void add_lengths(ntp__fit_sums *sums, uint32_t *off, const ntp__judged_fit *fit,
+                               const uint32_t *count, int32_t n)
 {
     int32_t least = INT32_MAX, greatest = 0, levels_off = 0;
     uint64_t sum = 0, error2 = 0;
     for (int32_t i = 0; i < n; i++) {
-        int32_t length = fit->length[i], off = length - NTP__LENGTH_ONE;
+        int32_t length = fit->length[i];
         least = length < least ? length : least;
         greatest = length > greatest ? length : greatest;
         levels_off = fit->levels_off[i] > levels_off ? fit->levels_off[i] : levels_off;
-        sum += (uint64_t) length * count[i];
-        error2 += (uint64_t) ((int64_t) off * off) * count[i];
+        off[i] = (uint32_t) ntp__abs(length - NTP__LENGTH_ONE);
     }
     for (int32_t i = 0; i < n; i++) {
-        int32_t key = fit->key[i], off = ntp__abs(fit->length[i] - NTP__LENGTH_ONE);
-        sums->flags[key] += count[i];
-        sums->levels_off[fit->levels_off[i]] += count[i];
-        sums->lengths[fit->length[i] / (NTP__LENGTH_ONE / 128)] += count[i];
-        sums->length_error[key / 256] += (uint64_t) off * count[i];
+        const uint32_t texels = count != NULL ? count[i] : 1;
+        sum += (uint64_t) (uint32_t) fit->length[i] * texels;
+        error2 += (uint64_t) off[i] * off[i] * texels;
     }
     sums->length_sum += sum;
     sums->length_error2[0] += error2; /* texels of a block are not too long, so no padding */
@@ -177,6 +176,16 @@ static void add_judged(ntp__fit_sums *sums, const ntp__judged_fit *fit, const ui
         sums->length_max = (uint32_t) greatest;
     if (~(uint32_t) least > sums->length_inverted_min)
         sums->length_inverted_min = ~(uint32_t) least;
+}
+
+static inline void count_fit(ntp__fit_sums *sums, const ntp__judged_fit *fit, int32_t i,
+                             uint32_t off, uint32_t count)
+{
+    const uint32_t key = (uint32_t) fit->key[i];
+    sums->flags[key] += count;
+    sums->levels_off[fit->levels_off[i]] += count;
+    sums->lengths[(uint32_t) fit->length[i] / (NTP__LENGTH_ONE / 128)] += count;
+    sums->length_error[key / 256] += (uint64_t) off * count;
 }
 
 /* An angle that is too large for the short series of the kernel. */
@@ -190,32 +199,46 @@ static uint32_t long_angle(const ntp__judged *j, int32_t i, const ntp__block *bl
     return ntp__angle(x, y, ntp__num(b, m), x, y, ntp__num(want, m));
 }
 
+/* Each count waits for the one before it if both are in one place, as they mostly are.  So all
+ * counts of a texel are in one loop, where they wait at the same time. */
+static inline void add_judged(ntp__sums *sums, const ntp__judged *j, const ntp__block *block,
+                              const uint32_t *count, int32_t n, int32_t m, ntp_encoding encoding)
+{
+    const bool zzero = encoding == NTP_ENCODING_ZZERO;
+    const int32_t down = encoding == NTP_ENCODING_STANDARD ? (m - 1) / 2 : 0;
+    uint32_t off[2][NTP__BLOCK];
+    add_lengths(&sums->fit[0], off[0], &j->fit[0], count, n);
+    add_lengths(&sums->fit[1], off[1], &j->fit[1], count, n);
+    for (int32_t i = 0; i < n; i++) {
+        const uint32_t texels = count != NULL ? count[i] : 1;
+        const uint32_t flags = (uint32_t) j->fit[zzero].key[i];
+        uint32_t angle = 0;
+        count_fit(&sums->fit[0], &j->fit[0], i, off[0][i], texels);
+        count_fit(&sums->fit[1], &j->fit[1], i, off[1][i], texels);
+        if (encoding != NTP_ENCODING_XY)
+            angle = j->angle[i] >= 0 ? (uint32_t) j->angle[i] : long_angle(j, i, block, m, zzero);
+        sums->texels += texels;
+        ntp__angles_add(&sums->angles, angle, texels);
+        if (block->c[2][i] < down || !(flags & NTP_FLAG_NEIGHBOR)) {
+            const int32_t c[3] = { block->c[0][i], block->c[1][i], block->c[2][i] };
+            add_harm(sums, c, m, encoding, false, flags, angle, texels);
+        }
+    }
+}
+
 void ntp__add_block(ntp__sums *sums, const ntp__block *block, const uint32_t *count, int32_t n,
                     int32_t m, ntp_encoding encoding)
 {
     ntp__judged j;
-    uint32_t ones[NTP__BLOCK] = { 0 };
     if (n == 0)
         return;
-    for (int32_t i = 0; i < n; i++)
-        ones[i] = 1;
-    count = count == NULL ? ones : count;
     ntp__kernels(NTP__CPU_ALL)
         ->judge_block(&j, block->c[0], block->c[1], block->c[2], n, m,
                       encoding == NTP_ENCODING_ZZERO);
-    add_judged(&sums->fit[0], &j.fit[0], count, n);
-    add_judged(&sums->fit[1], &j.fit[1], count, n);
-    for (int32_t i = 0; i < n; i++) {
-        uint32_t angle = 0;
-        if (encoding != NTP_ENCODING_XY)
-            angle = j.angle[i] >= 0 ? (uint32_t) j.angle[i]
-                                    : long_angle(&j, i, block, m, encoding == NTP_ENCODING_ZZERO);
-        sums->texels += count[i];
-        ntp__angles_add(&sums->angles, angle, count[i]);
-        const int32_t c[3] = { block->c[0][i], block->c[1][i], block->c[2][i] };
-        add_harm(sums, c, m, encoding, false,
-                 (uint32_t) j.fit[encoding == NTP_ENCODING_ZZERO].key[i], angle, count[i]);
-    }
+    if (count == NULL)
+        add_judged(sums, &j, block, NULL, n, m, encoding);
+    else
+        add_judged(sums, &j, block, count, n, m, encoding);
 }
 
 /* ------------------------------------------------------------------------- sums as wholes */

@@ -393,12 +393,37 @@ static bool count_used(ntp_tally *t, int32_t r, int32_t g, int32_t b, int32_t a,
     return true;
 }
 
+/* Are these 16-bit texels of three channels all for count_wide, and none of them flat?  As mostly;
+ * then nothing of count_block is left to do for each. */
+static bool are_wide(const ntp__block *block, int32_t n)
+{
+    enum { K = 32768 };
+    const uint32_t most = (uint32_t) ((65535LL * 65535 - 2) / 4); /* then S >= 0 */
+    uint32_t odd = 0;
+    for (int32_t i = 0; i < n; i++) {
+        const uint32_t r = (uint32_t) block->c[0][i], g = (uint32_t) block->c[1][i],
+                       b = (uint32_t) block->c[2][i];
+        const uint32_t x = r - K, y = g - K; /* X*X = 4x(x + 1) + 1 */
+        const uint32_t narrow =
+            (((r >> 8) ^ r) & 255) | (((g >> 8) ^ g) & 255) | (((b >> 8) ^ b) & 255);
+        odd |= (uint32_t) (narrow == 0) | (uint32_t) (((r ^ g) | (g ^ b)) == 0) |
+               (uint32_t) (x * (x + 1) + y * (y + 1) > most) |
+               ((uint32_t) (x + 1 <= 1) & (uint32_t) (y + 1 <= 1));
+    }
+    return odd == 0;
+}
+
 static void count_block(ntp_tally *t, ntp__block *block, int32_t n, int32_t m)
 {
     unused_run run = { { 0, 0, 0 }, 0 };
     int32_t wide = 0;
     if (!block->any_broken)
         add_planes(t, block, n);
+    if (m == 65535 && t->channels == 3 && !block->any_broken && are_wide(block, n)) {
+        t->is_wide = 1;
+        count_wide(t, block, n);
+        return;
+    }
     for (int32_t i = 0; i < n; i++) {
         int32_t r = block->c[0][i], g = block->c[1][i], b = block->c[2][i], a = block->c[3][i];
         if (t->channels == 4) {
