@@ -8,9 +8,10 @@
  * gives smaller files than both, in the time of libdeflate.
  *
  * Two tables find matches: where the next four bytes stood last, and a chain of the places where
- * the next six did.  Levels below CAREFUL take the match that saves more, here or a byte further.
- * The others find a match for every byte, and then the cheapest way through all of them from the
- * end to the start, several times, with the costs that the way before it had.
+ * the next six did.  Levels below CAREFUL take the match that saves more, here or a byte further;
+ * where none was found for a while, most of them look at some bytes only.  The others find a match
+ * for every byte, and then the cheapest way through all of them from the end to the start, several
+ * times, with the costs that the way before it had.
  *
  * A block ends where the symbols change so much that new codes pay.  All costs are integers, so
  * every machine writes the same bytes.
@@ -19,6 +20,7 @@
 
 enum {
     FIRST_SPAN = 4096, /* bytes; its costs are guessed */
+    NEVER = 31,        /* patience */
     CAREFUL = 10,      /* levels from here on */
     LITERAL_MAX = 15,  /* bits */
     LENGTH_COST_MAX = 13,
@@ -26,10 +28,12 @@ enum {
 };
 
 static const effort efforts[NTPIO__LEVEL_MAX + 1] = {
-    [1] = { 1, 32, 0, false },  [2] = { 1, 32, 0, true },    [3] = { 2, 32, 0, true },
-    [4] = { 3, 32, 0, true },   [5] = { 4, 64, 0, true },    [6] = { 6, 64, 0, true },
-    [7] = { 12, 64, 0, true },  [8] = { 24, 128, 0, true },  [9] = { 64, 258, 0, true },
-    [10] = { 16, 64, 1, true }, [11] = { 32, 128, 2, true }, [12] = { 128, 258, 3, true },
+    [1] = { 1, 32, 0, false, 4 },       [2] = { 1, 32, 0, true, 5 },
+    [3] = { 2, 32, 0, true, 6 },        [4] = { 3, 32, 0, true, 7 },
+    [5] = { 4, 64, 0, true, 7 },        [6] = { 6, 64, 0, true, 7 },
+    [7] = { 12, 64, 0, true, NEVER },   [8] = { 24, 128, 0, true, NEVER },
+    [9] = { 64, 258, 0, true, NEVER },  [10] = { 16, 64, 1, true, NEVER },
+    [11] = { 32, 128, 2, true, NEVER }, [12] = { 128, 258, 3, true, NEVER },
 };
 
 /* --------------------------------------------------------------------------- costs */
@@ -131,8 +135,33 @@ static void end_block(ntpio__deflater *d, bool last)
     memset(&d->block, 0, sizeof d->block);
 }
 
+/* Counts the newest part; returns the bytes that it stands for.  Literals go into two tables by
+ * turns: adding to the same number again has to wait. */
+static size_t count_part(ntpio__deflater *d)
+{
+    uint32_t even[NTPIO__LITERALS] = { 0 };
+    const ntpio__symbol *symbols = d->symbols;
+    size_t size = 0;
+    memset(&d->part, 0, sizeof d->part);
+    for (size_t i = d->in_block; i < d->count; i++) {
+        const ntpio__symbol s = symbols[i];
+        if (s < NTPIO__LITERALS) {
+            (i % 2 == 0 ? even : d->part.words)[s]++;
+            size++;
+        } else {
+            d->part.words[NTPIO__FIRST_LENGTH + ntpio__length_slot(s >> 16)]++;
+            d->part.distances[ntpio__distance_slot(s & 0xffff)]++;
+            size += s >> 16;
+        }
+    }
+    for (unsigned i = 0; i < NTPIO__LITERALS; i++)
+        d->part.words[i] += even[i];
+    return size;
+}
+
 void ntpio__end_part(ntpio__deflater *d)
 {
+    const size_t size = count_part(d);
     if (d->in_block != 0) {
         ntpio__counts both = d->block;
         add_counts(&both, &d->part, 0);
@@ -140,10 +169,7 @@ void ntpio__end_part(ntpio__deflater *d)
             end_block(d, false);
     }
     add_counts(&d->block, &d->part, 0);
-    add_counts(&d->span, &d->part, 0);
-    memset(&d->part, 0, sizeof d->part);
-    d->block_bytes += d->part_bytes;
-    d->part_bytes = 0;
+    d->block_bytes += size;
     d->in_block = d->count;
 }
 
@@ -153,9 +179,8 @@ static void begin(ntpio__deflater *d, int level, const uint8_t *bytes, size_t fr
 {
     memset(d->near_places, -1, sizeof d->near_places);
     memset(d->far_places, -1, sizeof d->far_places);
-    d->count = d->in_block = d->block_bytes = d->part_bytes = 0;
+    d->count = d->in_block = d->block_bytes = 0;
     memset(&d->block, 0, sizeof d->block);
-    memset(&d->part, 0, sizeof d->part);
     d->effort = &efforts[level];
     d->bytes = bytes;
     d->block_from = from;
@@ -178,11 +203,10 @@ static void read_all(ntpio__deflater *d, size_t from)
             at = ntpio__read_carefully(d, at, end, at == from, &counts);
             continue;
         }
-        memset(&d->span, 0, sizeof d->span);
         old = counts;
         at = ntpio__read_quickly(d, at, end);
-        counts = d->span;
-        add_counts(&counts, &d->part, 0);
+        ntpio__end_part(d);
+        counts = d->part;
         add_counts(&counts, &old, 1);
     }
 }
@@ -217,7 +241,6 @@ size_t ntpio__deflate(ntpio__deflater *d, int level, const uint8_t *bytes, size_
     d->bits = (ntpio__bits) { .out = out };
     begin(d, level, bytes, from, to);
     read_all(d, from);
-    ntpio__end_part(d);
     end_block(d, last);
     if (last)
         ntpio__end_byte(&d->bits);

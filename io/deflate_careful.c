@@ -147,14 +147,13 @@ size_t ntpio__read_carefully(ntpio__deflater *d, size_t from, size_t to, bool fi
     }
     while (at < to) {
         const ntpio__symbol s = d->careful->best[at - from];
-        if (s == 0)
-            add_literal(d, d->bytes[at]);
-        else
-            add_match(d, s);
+        d->symbols[d->count++] = s == 0 ? d->bytes[at] : s;
         at += s == 0 ? 1 : s >> 16;
         if (d->count - d->in_block >= PART)
             ntpio__end_part(d);
     }
+    if (d->count > d->in_block)
+        ntpio__end_part(d);
     for (size_t i = to; i < at; i++)
         visit(d, i);
     return at;

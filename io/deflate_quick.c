@@ -7,7 +7,8 @@
 enum {
     PAYS = 2 * BIT, /* what a match has to save: the codes of its literals grow rarer by it */
     MUCH = 64,      /* of longer matches, only the first and last places are remembered */
-    FEW = 16
+    FEW = 16,
+    PASS_MAX = 3 /* bytes, where matches are rare */
 };
 
 /* What it saves << 32 | its symbol.  One number stays in a register, where a struct does not. */
@@ -16,10 +17,10 @@ typedef uint64_t match;
 static const uint64_t NOTHING = (uint64_t) PAYS << 32;
 
 /* This match, if it saves more than the best one. */
-static inline match better(const ntpio__deflater *d, match best, const uint32_t *sums, size_t at,
-                           int32_t place, uint32_t length)
+static inline match better(const ntpio__deflater *d, match best, const uint32_t *sums, size_t back,
+                           uint32_t length)
 {
-    const uint32_t distance = (uint32_t) (at - (size_t) place) - 1;
+    const uint32_t distance = (uint32_t) back - 1;
     const uint32_t whole = sums[length] - sums[0];
     const uint32_t cost = d->lengths[length] + d->distances[ntpio__distance_slot(distance)];
     if (whole < cost || whole - cost <= best >> 32)
@@ -28,7 +29,8 @@ static inline match better(const ntpio__deflater *d, match best, const uint32_t 
 }
 
 /* The match that saves most.  sums: from this byte on. */
-static inline match best_match(ntpio__deflater *d, size_t at, const uint32_t *sums)
+static inline match best_match(ntpio__deflater *d, size_t at, const uint32_t *sums, int depth,
+                               uint32_t enough)
 {
     match m = NOTHING;
     const uint8_t *here = d->bytes + at;
@@ -40,11 +42,11 @@ static inline match best_match(ntpio__deflater *d, size_t at, const uint32_t *su
         const uint32_t length = (uint32_t) common(d->bytes + p.near, here, most);
         if (length >= NEAR_BYTES) {
             longest = length;
-            m = better(d, m, sums, at, p.near, length);
+            m = better(d, m, sums, at - (size_t) p.near, length);
         }
     }
-    for (int n = d->effort->depth; n > 0 && in_reach(p.far, at); n--, p.far = earlier(d, p.far)) {
-        if (longest >= most || longest >= d->effort->enough)
+    for (int n = depth; n > 0 && in_reach(p.far, at); n--, p.far = earlier(d, p.far)) {
+        if (longest >= most || longest >= enough)
             break;
         const uint8_t *there = d->bytes + p.far;
         if (p.far == p.near || !may_exceed(there, here, longest))
@@ -52,7 +54,7 @@ static inline match best_match(ntpio__deflater *d, size_t at, const uint32_t *su
         const uint32_t length = (uint32_t) common(there, here, most);
         if (length > longest && length >= FAR_BYTES) {
             longest = length;
-            m = better(d, m, sums, at, p.far, length);
+            m = better(d, m, sums, at - (size_t) p.far, length);
         }
     }
     return m;
@@ -84,29 +86,40 @@ static void visit_all(ntpio__deflater *d, size_t from, size_t to)
 /* Reads the span up to `to`, or as far as its last match goes.  Returns where that is. */
 size_t ntpio__read_quickly(ntpio__deflater *d, size_t from, size_t to)
 {
-    size_t at = from;
+    const effort e = *d->effort;
+    const uint8_t *bytes = d->bytes;
+    ntpio__symbol *out = d->symbols + d->count;
+    size_t at = from, misses = 0; /* misses: bytes in a row without a match */
     sum_literals(d, from, to);
-    match m = best_match(d, at, d->sums);
+    match m = best_match(d, at, d->sums + (at - from), e.depth, e.enough);
     for (;;) {
         bool looked = false;
         match next = NOTHING;
         const uint32_t length = (uint32_t) m >> 16;
-        if (length != 0 && length < d->effort->enough && d->effort->looks_ahead && at + 1 < to) {
-            looked = true;
-            next = best_match(d, at + 1, d->sums + (at + 1 - from));
-        }
-        const bool waits = length == 0 || next >> 32 > m >> 32;
-        if (waits)
-            add_literal(d, d->bytes[at]);
-        else
-            add_match(d, (uint32_t) m);
-        if (d->count - d->in_block >= PART)
-            ntpio__end_part(d);
-        if (!waits)
+        if (length == 0) {
+            *out++ = bytes[at++];
+            size_t pass = misses++ >> e.patience;
+            for (pass = pass < PASS_MAX ? pass : PASS_MAX; pass > 0 && at < to; pass--)
+                *out++ = bytes[at++];
+        } else {
+            misses = 0;
+            if (length < e.enough && e.looks_ahead && at + 1 < to) {
+                looked = true;
+                next = best_match(d, at + 1, d->sums + (at + 1 - from), e.depth, e.enough);
+            }
+            if (next >> 32 > m >> 32) {
+                *out++ = bytes[at++];
+                m = next;
+                continue;
+            }
+            *out++ = (ntpio__symbol) m;
             visit_all(d, at + 1 + looked, at + length);
-        at += waits ? 1 : length;
+            at += length;
+        }
         if (at >= to)
-            return at;
-        m = waits && looked ? next : best_match(d, at, d->sums + (at - from));
+            break;
+        m = best_match(d, at, d->sums + (at - from), e.depth, e.enough);
     }
+    d->count = (size_t) (out - d->symbols);
+    return at;
 }

@@ -29,6 +29,7 @@ typedef struct effort {
     uint32_t enough;  /* bytes: no longer match is looked for */
     int rounds;       /* careful levels */
     bool looks_ahead; /* one byte further */
+    int patience; /* log2 of the literals in a row after which every other byte is passed over */
 } effort;
 
 typedef struct careful {
@@ -40,10 +41,10 @@ typedef struct careful {
 struct ntpio__deflater {
     int32_t near_places[1 << NEAR_BITS], far_places[1 << FAR_BITS]; /* the newest; -1: none */
     int32_t before[NTPIO__WINDOW]; /* the place before, of the same six bytes */
-    ntpio__symbol symbols[BLOCK + PART];
+    ntpio__symbol symbols[BLOCK + SPAN];
     size_t count, in_block;             /* symbols; the rest is the newest part */
-    size_t block_bytes, part_bytes;     /* what they stand for */
-    ntpio__counts block, part, span;    /* of their symbols */
+    size_t block_bytes;                 /* what they stand for */
+    ntpio__counts block, part;          /* of their symbols */
     uint32_t literals[NTPIO__LITERALS]; /* costs */
     uint32_t lengths[NTPIO__LENGTH_MAX + 1];
     uint32_t distances[NTPIO__DISTANCES];
@@ -66,21 +67,6 @@ void ntpio__end_part(ntpio__deflater *d);
 size_t ntpio__read_quickly(ntpio__deflater *d, size_t from, size_t to);
 size_t ntpio__read_carefully(ntpio__deflater *d, size_t from, size_t to, bool first,
                              ntpio__counts *counts);
-
-static inline void add_literal(ntpio__deflater *d, uint8_t byte)
-{
-    d->symbols[d->count++] = byte;
-    d->part.words[byte]++;
-    d->part_bytes++;
-}
-
-static inline void add_match(ntpio__deflater *d, ntpio__symbol s)
-{
-    d->symbols[d->count++] = s;
-    d->part.words[NTPIO__FIRST_LENGTH + ntpio__length_slot(s >> 16)]++;
-    d->part.distances[ntpio__distance_slot(s & 0xffff)]++;
-    d->part_bytes += s >> 16;
-}
 
 /* The first byte is the lowest one. */
 static inline uint64_t load(const uint8_t *b)
