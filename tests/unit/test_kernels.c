@@ -4,8 +4,10 @@
  *
  * All widths 1..300 between guard pages, levels of 8 and 16 bit, for each kernel; and their square
  * roots against integers, for every argument where that is feasible.  Angles are those of angle.c.
+ * Packed RGB goes to planes and back.
  */
 #include "guarded.h"
+#include "base/view.h"
 #include "texel/angle.h"
 #include "texel/kernels.h"
 #include "texel/level.h"
@@ -242,10 +244,9 @@ static void check_normalize(const ntp__kernels_table *level, int32_t m, uint64_t
             if (i % 2 && blue >= 0)
                 in[2][i] = blue - (blue >= 4 ? random_level(seed, 4) : 0);
         }
-        int32_t *const to[3] = { out[0], out[1], out[2] };
-        const int32_t *const from[3] = { in[0], in[1], in[2] };
-        level->normalize(to, doubt, from, block % 7 ? BLOCK : 1 + block % BLOCK, m);
-        for (int32_t i = 0; i < (block % 7 ? BLOCK : 1 + block % BLOCK); i++) {
+        const int32_t n = block % 7 ? BLOCK : 1 + block % BLOCK;
+        level->normalize(out[0], out[1], out[2], doubt, in[0], in[1], in[2], n, m);
+        for (int32_t i = 0; i < n; i++) {
             int32_t c[3] = { in[0][i], in[1][i], in[2][i] };
             ntp__clean(c, m, NTP_ENCODING_STANDARD, NTP_CLEAN_NORMALIZE, true);
             doubts += doubt[i] != 0;
@@ -287,6 +288,35 @@ static void check_angles(const ntp__kernels_table *level, uint64_t *seed)
     }
 }
 
+/* Packed RGB of every width to planes and back, not a byte beyond. */
+static void check_packed_rgb(ntp_type type, uint64_t *seed)
+{
+    enum { BLOCK = 256 };
+    const size_t sample = type == NTP_TYPE_U8 ? 1 : 2;
+    for (int32_t n = 1; n <= BLOCK; n++) {
+        guarded src = guarded_alloc(3 * sample * (size_t) n, false);
+        guarded dst = guarded_alloc(3 * sample * (size_t) n, false);
+        for (size_t i = 0; i < 3 * sample * (size_t) n; i++)
+            ((uint8_t *) src.data)[i] = (uint8_t) random_bits(seed);
+        const ntp_image from = ntp_image_packed(src.data, n, 1, 3, type);
+        const ntp_image to = ntp_image_packed(dst.data, n, 1, 3, type);
+        const ntp_const_image view = ntp_image_as_const(&from);
+        ntp__block block;
+        ntp__unpack(&block, &view, 0, 0, n);
+        for (int32_t i = 0; i < 4 * n; i++) {
+            int32_t at = 3 * (i / 4) + i % 4;
+            int32_t want = i % 4 == 3    ? (sample == 1 ? 255 : 65535)
+                           : sample == 1 ? ((uint8_t *) src.data)[at]
+                                         : ((uint16_t *) src.data)[at];
+            CHECK(block.c[i % 4][i / 4] == want);
+        }
+        ntp__pack(&to, &block, 0, 0, n, 3);
+        CHECK(memcmp(src.data, dst.data, 3 * sample * (size_t) n) == 0);
+        guarded_free(&src);
+        guarded_free(&dst);
+    }
+}
+
 int main(int argc, char **argv)
 {
     bool avx2 = argc > 1 && strcmp(argv[1], "avx2") == 0;
@@ -310,6 +340,8 @@ int main(int argc, char **argv)
     check_derive(level);
     for (int kind = 0; kind < 4; kind++)
         check_directions(level, kind & 1 ? 65535 : 255, kind & 2, &seed);
+    check_packed_rgb(NTP_TYPE_U8, &seed);
+    check_packed_rgb(NTP_TYPE_U16, &seed);
     check_angles(level, &seed);
     check_normalize(level, 255, &seed);
     check_normalize(level, 65535, &seed);

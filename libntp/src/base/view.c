@@ -4,7 +4,11 @@
  */
 #include "base/view.h"
 
+#include "base/cpu.h"
 #include "base/finite.h"
+#ifdef NTP_HAVE_AVX2
+#  include "base/rgb_avx2.h"
+#endif
 
 #include <string.h>
 
@@ -220,24 +224,56 @@ static void fill(int32_t *plane, int32_t value, int32_t n)
         }                                                                                          \
     } while (0)
 
+/* With AVX2: reads packed RGB; false: there is another way only. */
+static bool unpack_rgb(ntp__block *block, const ntp_const_image *v, int32_t x, int32_t y, int32_t n)
+{
+#ifdef NTP_HAVE_AVX2
+    if (v->channels == 3 && v->type != NTP_TYPE_F32 && ntp__is_packed(v) &&
+        ntp__cpu_has_avx2(NTP__CPU_ALL)) {
+        ntp__unpack_rgb_avx2(block, ntp__at(v, x, y), n, v->type == NTP_TYPE_U16);
+        return true;
+    }
+#else
+    (void) block, (void) v, (void) x, (void) y, (void) n;
+#endif
+    return false;
+}
+
+/* The other way round. */
+static bool pack_rgb(const ntp_image *v, const ntp__block *block, int32_t x, int32_t y, int32_t n,
+                     int32_t channels)
+{
+#ifdef NTP_HAVE_AVX2
+    if (channels == 3 && v->pixel_stride == 3 * ntp__sample_size(v->type) &&
+        ntp__cpu_has_avx2(NTP__CPU_ALL)) {
+        ntp__pack_rgb_avx2(ntp__at_mut(v, x, y), block, n, v->type == NTP_TYPE_U16);
+        return true;
+    }
+#else
+    (void) v, (void) block, (void) x, (void) y, (void) n, (void) channels;
+#endif
+    return false;
+}
+
 void ntp__unpack(ntp__block *block, const ntp_const_image *v, int32_t x, int32_t y, int32_t n)
 {
     int32_t m = ntp__max(v->type);
     bool packed = ntp__is_packed(v);
     block->any_broken = false;
-    if (v->type == NTP_TYPE_F32)
+    const bool done = unpack_rgb(block, v, x, y, n);
+    if (!done && v->type == NTP_TYPE_F32)
         unpack_f32(block, v, x, y, n, v->channels);
-    else if (v->type == NTP_TYPE_U8 && packed && v->channels == 3)
+    else if (!done && v->type == NTP_TYPE_U8 && packed && v->channels == 3)
         UNPACK_PACKED(uint8_t, 3);
-    else if (v->type == NTP_TYPE_U8 && packed && v->channels == 4)
+    else if (!done && v->type == NTP_TYPE_U8 && packed && v->channels == 4)
         UNPACK_PACKED(uint8_t, 4);
-    else if (v->type == NTP_TYPE_U16 && packed && v->channels == 3)
+    else if (!done && v->type == NTP_TYPE_U16 && packed && v->channels == 3)
         UNPACK_PACKED(uint16_t, 3);
-    else if (v->type == NTP_TYPE_U16 && packed && v->channels == 4)
+    else if (!done && v->type == NTP_TYPE_U16 && packed && v->channels == 4)
         UNPACK_PACKED(uint16_t, 4);
-    else if (v->type == NTP_TYPE_U8)
+    else if (!done && v->type == NTP_TYPE_U8)
         UNPACK_STRIDED(uint8_t);
-    else
+    else if (!done)
         UNPACK_STRIDED(uint16_t);
 
     size_t bytes = (size_t) n * sizeof block->c[0][0];
@@ -278,6 +314,8 @@ void ntp__unpack(ntp__block *block, const ntp_const_image *v, int32_t x, int32_t
 void ntp__pack(const ntp_image *v, const ntp__block *block, int32_t x, int32_t y, int32_t n,
                int32_t channels)
 {
+    if (pack_rgb(v, block, x, y, n, channels))
+        return;
     if (v->type == NTP_TYPE_U8)
         PACK(uint8_t);
     else

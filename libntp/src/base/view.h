@@ -5,6 +5,7 @@
  * All other rooms stand on this one.  It is about pixels, memory, numbers and the processor; the
  * arithmetic of normals begins in texel/.
  *   view.h, view.c      checks of views and areas; pixels to levels and back
+ *   rgb_avx2.h, .c      the latter for packed RGB, where there is AVX2
  *   scratch.h           hands out the caller's working memory
  *   parts.h, parts.c    shares work out among the caller's threads
  *   finite.h            tests for infinity and NaN without libm

@@ -78,9 +78,7 @@ static void decode(const job *j, side *s, int32_t n, int32_t m, ntp_encoding enc
         ntp__block_vectors(&s->v, &s->block, n, m, encoding);
         return;
     }
-    ntp__block derived;
-    for (int32_t k = 0; k < 2; k++)
-        memcpy(derived.c[k], s->block.c[k], (size_t) ntp__whole(n) * sizeof derived.c[k][0]);
+    ntp__block derived = s->block;
     j->kernels->derive(derived.c[2], derived.c[0], derived.c[1], ntp__whole(n), m, 0);
     ntp__block_vectors(&s->v, &derived, ntp__whole(n), m, NTP_ENCODING_STANDARD);
     for (int32_t i = 0; i < ntp__whole(n); i++)

@@ -111,7 +111,7 @@ static void judge(faults *f, const ntp__block *block, int32_t n, int32_t m, ntp_
 }
 
 /* A quotient plus 1/2 is no whole number, and farther from one than doubles are wrong. */
-static void make_gray(int32_t *restrict gray, const ntp__block *restrict block, int32_t n,
+static void make_gray(ntp__block *restrict gray, const ntp__block *restrict block, int32_t n,
                       int32_t m)
 {
     const int32_t whole = LUMA_WHOLE * (m / 255), more = whole / 2;
@@ -119,7 +119,8 @@ static void make_gray(int32_t *restrict gray, const ntp__block *restrict block, 
     for (int32_t i = 0; i < ntp__whole(n); i++) {
         int32_t sum = LUMA_RED * block->c[0][i] + LUMA_GREEN * block->c[1][i] +
                       LUMA_BLUE * block->c[2][i] + more;
-        gray[i] = GRAY_BASE + (int32_t) ((sum + 0.5) * share) / 2;
+        gray->c[0][i] = gray->c[1][i] = gray->c[2][i] =
+            GRAY_BASE + (int32_t) ((sum + 0.5) * share) / 2;
     }
 }
 
@@ -165,15 +166,13 @@ static void paint_run(const ntp_image *dst, const ntp_const_image *src, ntp_pale
     ntp__unpack(&block, src, x, y, n);
     ntp__fill_group(&block, n);
     judge(&f, &block, n, m, src->encoding);
-    make_gray(out.c[0], &block, n, m);
+    make_gray(&out, &block, n, m);
     if (ntp__any_suspect(&block, n, m)) {
         for (int32_t i = 0; i < n; i++) {
             if (ntp__texel_unused(&block, i, m, touch))
                 f.xy[i] = f.length[i] = f.z[i] = 0;
         }
     }
-    memcpy(out.c[1], out.c[0], (size_t) n * sizeof out.c[0][0]);
-    memcpy(out.c[2], out.c[0], (size_t) n * sizeof out.c[0][0]);
     paint_faults(&out, &f, palette, n);
     for (int32_t i = 0; block.any_broken && i < n; i++) {
         for (int32_t k = 0; block.broken[i] && k < 3; k++)

@@ -231,7 +231,7 @@ static void shade_block(ntp__block *out, const job *j, const ntp__block *block, 
 {
     estimates e;
     ntp__block few, again;
-    int32_t at[NTP__BLOCK], found = 0;
+    int32_t at[NTP__BLOCK] = { 0 }, found = 0;
     const double *light = j->light.color;
     estimate(&e, j, block, n);
     for (int32_t k = 0; k < 3; k++) {

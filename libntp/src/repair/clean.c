@@ -168,9 +168,8 @@ static uint64_t clean_by_length(const job *j, ntp__block *block, int32_t n)
         up[i] = block->c[2][i] <= low ? j->m - block->c[2][i] : block->c[2][i];
     for (int32_t i = n; i < NTP__BLOCK; i++)
         block->c[0][i] = block->c[1][i] = up[i] = 0;
-    int32_t *const to[3] = { out.c[0], out.c[1], out.c[2] };
-    const int32_t *const from[3] = { block->c[0], block->c[1], up };
-    int32_t any = j->kernels->normalize(to, doubt, from, n, j->m);
+    int32_t any = j->kernels->normalize(out.c[0], out.c[1], out.c[2], doubt, block->c[0],
+                                        block->c[1], up, n, j->m);
     if (ntp__any_suspect(block, n, j->m)) {
         for (int32_t i = 0; i < n; i++)
             any |= doubt[i] |= ntp__texel_unused(block, i, j->m, j->how.touch_unused);

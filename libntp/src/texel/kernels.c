@@ -428,12 +428,10 @@ static void judge_block(ntp__judged *j, const int32_t *r, const int32_t *g, cons
 #define FOR_REAL(f) f##_double
 #include "texel/normalize_tmpl.h"
 
-static int32_t normalize(int32_t *const out[3], int32_t *doubt, const int32_t *const in[3],
-                         int32_t n, int32_t m)
+static int32_t normalize(int32_t *to_r, int32_t *to_g, int32_t *to_b, int32_t *doubt,
+                         const int32_t *r, const int32_t *g, const int32_t *b, int32_t n, int32_t m)
 {
-    if (m == 255)
-        return normalize_float(out[0], out[1], out[2], doubt, in[0], in[1], in[2], n, m);
-    return normalize_double(out[0], out[1], out[2], doubt, in[0], in[1], in[2], n, m);
+    return (m == 255 ? normalize_float : normalize_double)(to_r, to_g, to_b, doubt, r, g, b, n, m);
 }
 
 extern const ntp__kernels_table CONCAT(ntp__kernels_, NTP_ISA);

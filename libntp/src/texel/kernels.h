@@ -96,8 +96,9 @@ typedef void ntp__angles_fn(int32_t *angle, ntp__vectors *v, ntp__vectors *w, in
 /* Standard Z: vectors that are not `rounded` over their lengths, each level rounded half up; the
  * others as they are.  Where doubt[i] is not 0, levels may be wrong.  Returns whether any is.  Works
  * on whole lanes: the planes hold levels, and have room for them. */
-typedef int32_t ntp__normalize_fn(int32_t *const out[3], int32_t *doubt, const int32_t *const in[3],
-                                  int32_t n, int32_t m);
+typedef int32_t ntp__normalize_fn(int32_t *to_r, int32_t *to_g, int32_t *to_b, int32_t *doubt,
+                                  const int32_t *r, const int32_t *g, const int32_t *b, int32_t n,
+                                  int32_t m);
 
 typedef struct ntp__kernels_table {
     const char *name;

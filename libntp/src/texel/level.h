@@ -4,7 +4,7 @@
  *
  * This room is the arithmetic of one normal, or of a run of them.
  *   level.h             derives blue, pulls onto the disc, judges and repairs one texel
- *   kernels.h, .c       the same for runs of texels, fast, with clean8_tmpl.h, clean16_tmpl.h,
+ *   kernels.h, .c       the same for runs of texels, fast, with the files that end in _tmpl.h,
  *                       root30.h and pick_kernels.c
  *   judged.h            what the kernels find out beyond the flags of ntp_validate
  *   unused.h, .c        which texels hold no normal

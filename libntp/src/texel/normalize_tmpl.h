@@ -30,9 +30,9 @@ ONE_COPY static int32_t FOR_REAL(normalize)(int32_t *restrict to_r, int32_t *res
         uint32_t rounded = (a + 3 <= am + ks) & (a + ks > am);
         int32_t odd = (((u + 1) & (STEPS - 1)) <= 1) | (((v + 1) & (STEPS - 1)) <= 1) |
                       (((w + 1) & (STEPS - 1)) <= 1);
-        to_r[i] = rounded ? r[i] : k + (u / STEPS ^ p >> 31);
-        to_g[i] = rounded ? g[i] : k + (v / STEPS ^ q >> 31);
-        to_b[i] = rounded ? b[i] : k + (w / STEPS ^ s >> 31);
+        to_r[i] = rounded ? r[i] : k + (u / STEPS ^ -(p < 0));
+        to_g[i] = rounded ? g[i] : k + (v / STEPS ^ -(q < 0));
+        to_b[i] = rounded ? b[i] : k + (w / STEPS ^ -(s < 0));
         doubt[i] = rounded ? 0 : odd;
         any |= doubt[i];
     }

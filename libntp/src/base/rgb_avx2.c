@@ -1,0 +1,137 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * rgb_avx2.c - packed RGB to planes and back with AVX2, eight texels a step
+ *
+ * Shuffles of bytes do in one step what other processors do texel by texel in view.c.  Planes are
+ * written and read in whole steps, for which a block has room.  At the end of a run, where a step
+ * would go beyond the caller's bytes, a copy of the last ones is used.
+ */
+#include "base/rgb_avx2.h"
+
+#include <immintrin.h>
+#include <string.h>
+
+enum { STEP = 8 /* texels */ };
+
+/* Two loads of 16 bytes, or two stores. */
+static inline __m256i load_two(const void *low, const void *high)
+{
+    return _mm256_inserti128_si256(_mm256_castsi128_si256(_mm_loadu_si128(low)),
+                                   _mm_loadu_si128(high), 1);
+}
+
+static inline void store_two(void *low, void *high, __m256i v)
+{
+    _mm_storeu_si128(low, _mm256_castsi256_si128(v));
+    _mm_storeu_si128(high, _mm256_extracti128_si256(v, 1));
+}
+
+/* The shuffle of both halves; -1: a byte that becomes 0. */
+#define SHUFFLE(v, ...)                                                                            \
+    _mm256_shuffle_epi8((v), _mm256_broadcastsi128_si256(_mm_setr_epi8(__VA_ARGS__)))
+
+static inline void store_plane(int32_t *plane, __m256i v)
+{
+    _mm256_storeu_si256((__m256i *) (void *) plane, v);
+}
+
+static inline __m256i load_plane(const int32_t *plane)
+{
+    return _mm256_loadu_si256((const __m256i *) (const void *) plane);
+}
+
+#define TAKE8(k)                                                                                   \
+    store_plane(b->c[k] + i, SHUFFLE(v, (k), -1, -1, -1, (k) + 3, -1, -1, -1, (k) + 6, -1, -1, -1, \
+                                     (k) + 9, -1, -1, -1))
+
+static inline void take8(ntp__block *b, int32_t i, const uint8_t *s)
+{
+    const __m256i v = load_two(s, s + 12);
+    TAKE8(0);
+    TAKE8(1);
+    TAKE8(2);
+}
+
+/* Texels 0 and 1 of four lie in the first eight bytes after these are loaded, 2 and 3 in others. */
+#define TAKE16(k)                                                                                  \
+    store_plane(b->c[k] + i,                                                                       \
+                _mm256_or_si256(SHUFFLE(v, 2 * (k), 2 * (k) + 1, -1, -1, 2 * (k) + 6, 2 * (k) + 7, \
+                                        -1, -1, -1, -1, -1, -1, -1, -1, -1, -1),                   \
+                                SHUFFLE(w, -1, -1, -1, -1, -1, -1, -1, -1, 2 * (k) + 4,            \
+                                        2 * (k) + 5, -1, -1, 2 * (k) + 10, 2 * (k) + 11, -1, -1)))
+
+static inline void take16(ntp__block *b, int32_t i, const uint8_t *s)
+{
+    const __m256i v = load_two(s, s + 24), w = load_two(s + 8, s + 32);
+    TAKE16(0);
+    TAKE16(1);
+    TAKE16(2);
+}
+
+static inline void put8(uint8_t *d, const ntp__block *b, int32_t i)
+{
+    __m256i v = load_plane(b->c[0] + i);
+    v = _mm256_or_si256(v, _mm256_slli_epi32(load_plane(b->c[1] + i), 8));
+    v = _mm256_or_si256(v, _mm256_slli_epi32(load_plane(b->c[2] + i), 16));
+    store_two(d, d + 12, SHUFFLE(v, 0, 1, 2, 4, 5, 6, 8, 9, 10, 12, 13, 14, -1, -1, -1, -1));
+}
+
+static inline void put16(uint8_t *d, const ntp__block *b, int32_t i)
+{
+    const __m256i g = _mm256_slli_epi32(load_plane(b->c[1] + i), 16);
+    const __m256i v = _mm256_or_si256(load_plane(b->c[0] + i), g), w = load_plane(b->c[2] + i);
+    /* Bytes 0 to 15 and 8 to 23 of four texels */
+    store_two(
+        d, d + 24,
+        _mm256_or_si256(SHUFFLE(v, 0, 1, 2, 3, -1, -1, 4, 5, 6, 7, -1, -1, 8, 9, 10, 11),
+                        SHUFFLE(w, -1, -1, -1, -1, 0, 1, -1, -1, -1, -1, 4, 5, -1, -1, -1, -1)));
+    store_two(
+        d + 8, d + 32,
+        _mm256_or_si256(SHUFFLE(v, 6, 7, -1, -1, 8, 9, 10, 11, -1, -1, 12, 13, 14, 15, -1, -1),
+                        SHUFFLE(w, -1, -1, 4, 5, -1, -1, -1, -1, 8, 9, -1, -1, -1, -1, 12, 13)));
+}
+
+/* `bytes` a texel, and how many bytes beyond a step it touches. */
+#define UNPACK(take, bytes, beyond)                                                                \
+    do {                                                                                           \
+        int32_t i = 0;                                                                             \
+        for (; (bytes) * (n - i) >= (bytes) * STEP + (beyond); i += STEP)                          \
+            take(block, i, s + (ptrdiff_t) (bytes) * i);                                           \
+        for (; i < n; i += STEP) {                                                                 \
+            uint8_t few[(bytes) * STEP + (beyond)] = { 0 };                                        \
+            int32_t left = n - i < STEP ? n - i : STEP;                                            \
+            memcpy(few, s + (ptrdiff_t) (bytes) * i, (size_t) left * (bytes));                     \
+            take(block, i, few);                                                                   \
+        }                                                                                          \
+    } while (0)
+
+#define PACK(put, bytes, beyond)                                                                   \
+    do {                                                                                           \
+        int32_t i = 0;                                                                             \
+        for (; (bytes) * (n - i) >= (bytes) * STEP + (beyond); i += STEP)                          \
+            put(d + (ptrdiff_t) (bytes) * i, block, i);                                            \
+        for (; i < n; i += STEP) {                                                                 \
+            uint8_t few[(bytes) * STEP + (beyond)];                                                \
+            int32_t left = n - i < STEP ? n - i : STEP;                                            \
+            put(few, block, i);                                                                    \
+            memcpy(d + (ptrdiff_t) (bytes) * i, few, (size_t) left * (bytes));                     \
+        }                                                                                          \
+    } while (0)
+
+void ntp__unpack_rgb_avx2(ntp__block *block, const void *src, int32_t n, bool deep)
+{
+    const uint8_t *s = src;
+    if (deep)
+        UNPACK(take16, 6, 0);
+    else
+        UNPACK(take8, 3, 4);
+}
+
+void ntp__pack_rgb_avx2(void *dst, const ntp__block *block, int32_t n, bool deep)
+{
+    uint8_t *d = dst;
+    if (deep)
+        PACK(put16, 6, 0);
+    else
+        PACK(put8, 3, 4);
+}
