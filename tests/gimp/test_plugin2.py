@@ -325,11 +325,13 @@ def gimp(tmp_path_factory):
 
 @pytest.fixture
 def done(gimp):
-    """done(job, file) -> the pixels of a PNG that the job saved."""
+    """done(job, file) -> the pixels that the job saved."""
 
     def look(job, file=None):
         assert f"job-{job}-done" in gimp.messages[job], gimp.messages[job]
-        return pngs.read_png(gimp.work / (file or f"{job}.png"))[0]
+        path = gimp.work / (file or f"{job}.png")
+        whole = path.with_suffix(".xcf")
+        return read_xcf(whole) if whole.exists() else pngs.read_png(path)[0]
 
     return look
 

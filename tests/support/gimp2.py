@@ -129,16 +129,34 @@ def normals(**given):
     return call("plug-in-ntp-normals-from-height", **given)
 
 
+# GIMP reads and writes PNG in a process of its own, which takes longer than the plug-in.  What many
+# jobs of a batch open is read once, and XCF is written by GIMP itself.
+ORIGINALS = """(define originals '())
+(define (original file)
+  (let ((known (assoc file originals)))
+    (if known (cdr known)
+        (let ((image (car (gimp-file-load RUN-NONINTERACTIVE file "x"))))
+          (set! originals (cons (cons file image) originals))
+          image))))"""
+SHARED = re.compile("(gray|rgb|rough)")  # the name of a copy is not looked at: it has none
+
+
 def opened(file, body):
     """Script-Fu with `image` and its `layer`."""
-    return f"""(let* ((image (car (gimp-file-load RUN-NONINTERACTIVE "{file}" "x")))
+    image = f'(gimp-file-load RUN-NONINTERACTIVE "{file}" "x")'
+    if SHARED.match(file):
+        image = f'(gimp-image-duplicate (original "{file}"))'
+    return f"""(let* ((image (car {image}))
                       (layer (car (gimp-image-get-active-drawable image))))
                  {body}
                  (gimp-image-delete image))"""
 
 
-def saved(file, layer="(car (gimp-image-get-active-drawable image))"):
-    """Script-Fu that saves a layer as PNG: its numbers, also under alpha 0."""
+def saved(file, layer=None):
+    """Script-Fu that saves a layer as PNG: its numbers, also under alpha 0.  An image whose only layer
+    it is becomes an XCF file of that name."""
+    if layer is None:
+        return stored(file.replace(".png", ".xcf"))
     return f'(file-png-save2 RUN-NONINTERACTIVE image {layer} "{file}" "x" 0 1 0 0 0 0 0 0 1)'
 
 
@@ -191,7 +209,7 @@ class Gimp2:
         names = list(jobs)
         for batch in [names[i : i + 10] for i in range(0, len(names), 10)] + [[n] for n in refused]:
             bodies = (marked(name, jobs.get(name) or refused[name]) for name in batch)
-            command += ["-b", f"(begin {' '.join(bodies)})"]
+            command += ["-b", f"(begin {ORIGINALS} {' '.join(bodies)})"]
         command += ["-b", "(gimp-quit 0)"]
         environment = dict(os.environ, GIMP2_DIRECTORY=str(self.work / "profile"), LC_ALL="C.UTF-8")
         environment["HOME"] = str(self.work)
