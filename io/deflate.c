@@ -20,6 +20,7 @@
 
 enum {
     FIRST_SPAN = 4096, /* bytes; its costs are guessed */
+    QUICK_PART = 4096, /* symbols: the least block of quick levels */
     NEVER = 31,        /* patience */
     CAREFUL = 10,      /* levels from here on */
     LITERAL_MAX = 15,  /* bits */
@@ -30,7 +31,7 @@ enum {
 static const effort efforts[NTPIO__LEVEL_MAX + 1] = {
     [1] = { 1, 32, 0, false, 4 },       [2] = { 1, 32, 0, true, 5 },
     [3] = { 2, 32, 0, true, 6 },        [4] = { 3, 32, 0, true, 7 },
-    [5] = { 4, 64, 0, true, 7 },        [6] = { 6, 64, 0, true, 7 },
+    [5] = { 4, 64, 0, true, 8 },        [6] = { 6, 64, 0, true, 9 },
     [7] = { 12, 64, 0, true, NEVER },   [8] = { 24, 128, 0, true, NEVER },
     [9] = { 64, 258, 0, true, NEVER },  [10] = { 16, 64, 1, true, NEVER },
     [11] = { 32, 128, 2, true, NEVER }, [12] = { 128, 258, 3, true, NEVER },
@@ -120,7 +121,7 @@ static uint64_t block_cost(const ntpio__counts *counts)
     for (unsigned i = 0; i < NTPIO__DISTANCES; i++)
         used += counts->distances[i] != 0;
     return entropy(counts->words, NTPIO__WORDS) + entropy(counts->distances, NTPIO__DISTANCES) +
-           (uint64_t) BIT * (60 + 3 * used);
+           (uint64_t) BIT * (120 + 4 * used);
 }
 
 static void end_block(ntpio__deflater *d, bool last)
@@ -159,9 +160,8 @@ static size_t count_part(ntpio__deflater *d)
     return size;
 }
 
-void ntpio__end_part(ntpio__deflater *d)
+static void join_part(ntpio__deflater *d, size_t size)
 {
-    const size_t size = count_part(d);
     if (d->in_block != 0) {
         ntpio__counts both = d->block;
         add_counts(&both, &d->part, 0);
@@ -171,6 +171,11 @@ void ntpio__end_part(ntpio__deflater *d)
     add_counts(&d->block, &d->part, 0);
     d->block_bytes += size;
     d->in_block = d->count;
+}
+
+void ntpio__end_part(ntpio__deflater *d)
+{
+    join_part(d, count_part(d));
 }
 
 /* --------------------------------------------------------------------------- stream */
@@ -205,9 +210,11 @@ static void read_all(ntpio__deflater *d, size_t from)
         }
         old = counts;
         at = ntpio__read_quickly(d, at, end);
-        ntpio__end_part(d);
+        const size_t part = count_part(d);
         counts = d->part;
         add_counts(&counts, &old, 1);
+        if (d->count - d->in_block >= QUICK_PART || at >= d->to)
+            join_part(d, part);
     }
 }
 
@@ -232,7 +239,7 @@ void ntpio__deflater_free(ntpio__deflater *d)
 
 size_t ntpio__deflate_bound(size_t size)
 {
-    return size + 5 * (size / PART + 2) + 2 * NTPIO__SLACK;
+    return size + 5 * (size / QUICK_PART + 2) + 2 * NTPIO__SLACK;
 }
 
 size_t ntpio__deflate(ntpio__deflater *d, int level, const uint8_t *bytes, size_t from, size_t to,

@@ -16,7 +16,7 @@ enum {
     FAR_BYTES = 6,
     NEAR_BITS = 14, /* of the tables: together they fit in the second cache */
     FAR_BITS = 15,
-    PART = 8192,       /* symbols: the least block */
+    PART = 8192,       /* symbols: the least block of careful levels */
     BLOCK = 65536,     /* symbols: the largest one, less a part */
     SPAN = 16384,      /* bytes that are read with the same costs */
     WIDE_SPAN = 65536, /* ... at careful levels */
@@ -41,7 +41,7 @@ typedef struct careful {
 struct ntpio__deflater {
     int32_t near_places[1 << NEAR_BITS], far_places[1 << FAR_BITS]; /* the newest; -1: none */
     int32_t before[NTPIO__WINDOW]; /* the place before, of the same six bytes */
-    ntpio__symbol symbols[BLOCK + SPAN];
+    ntpio__symbol symbols[BLOCK + 2 * SPAN];
     size_t count, in_block;             /* symbols; the rest is the newest part */
     size_t block_bytes;                 /* what they stand for */
     ntpio__counts block, part;          /* of their symbols */

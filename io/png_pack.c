@@ -26,13 +26,16 @@
 
 enum {
     BAND = 4 << 20,    /* bytes */
+    SMALL = 64 << 10,  /* bytes: pictures that are packed with more care */
+    FLAT = 256,        /* times smaller than its bytes */
     GROUP = 8,         /* rows that follow each other, and are tried together */
     SEARCHES = 5,      /* levels from here on try filters */
     SEARCHES_MORE = 7, /* ... with more rows */
     SEARCHES_ALL = 10, /* ... with all */
     FEW = 32,          /* one of so many groups is tried */
     SOME = 3,
-    SAMPLE = 8 << 10, /* bytes: at least so many are tried */
+    SAMPLE = 24 << 10, /* bytes: at least so many are tried */
+    BARELY = 64,       /* a sample that is smaller by this share, or less, says nothing */
     GUESS = NTPIO__FILTERS,
     HEADER = 2,  /* of a zlib stream */
     CHECKSUM = 4 /* at its end */
@@ -72,6 +75,9 @@ ntpio__png_packer *ntpio__png_packer_new(size_t row_size, uint32_t height, size_
     if (p == NULL)
         return NULL;
     const size_t fit = row_size + 1 < BAND ? BAND / (row_size + 1) : 1;
+    const bool small =
+        level >= NTPIO__LEVEL_USUAL && level < SEARCHES_ALL && height <= SMALL / (row_size + 1);
+    level = small ? SEARCHES_ALL : level; /* that takes no time to speak of */
     p->level = level;
     p->row_size = row_size;
     p->texel = texel;
@@ -80,7 +86,7 @@ ntpio__png_packer *ntpio__png_packer_new(size_t row_size, uint32_t height, size_
     p->rows = fit < height ? (uint32_t) fit : height;
     p->checksum = 1;
     const size_t band = p->rows * (row_size + 1);
-    p->deflater = ntpio__deflater_new(level);
+    p->deflater = ntpio__deflater_new(level < NTPIO__LEVEL_USUAL ? level : NTPIO__LEVEL_MAX);
     p->raw = calloc(p->rows + (size_t) 1, p->pitch);
     p->filtered = malloc(NTPIO__WINDOW + band + NTPIO__SLACK);
     p->guesses[0] = malloc(row_size);
@@ -160,7 +166,7 @@ static int choose_kind(ntpio__png_packer *p)
     int best = GUESS;
     for (int kind = 0; kind < NTPIO__FILTERS; kind++) {
         const size_t size = try_kind(p, kind);
-        if (size < least) {
+        if (size + size / BARELY < least) {
             least = size;
             best = kind;
         }
@@ -188,6 +194,16 @@ static void keep_end(ntpio__png_packer *p, size_t end)
     p->in_band = 0;
 }
 
+/* Bands of hardly anything are packed again: libpng's are small too, and care is quick there. */
+static size_t deflate_band(ntpio__png_packer *p, size_t from, size_t to, uint8_t *out)
+{
+    const bool last = p->left == 0;
+    const size_t size = ntpio__deflate(p->deflater, p->level, p->filtered, from, to, last, out);
+    if (p->level < NTPIO__LEVEL_USUAL || p->level >= SEARCHES_ALL || size > (to - from) / FLAT)
+        return size;
+    return ntpio__deflate(p->deflater, SEARCHES_ALL, p->filtered, from, to, last, out);
+}
+
 static size_t pack_band(ntpio__png_packer *p)
 {
     const size_t from = p->known, to = from + p->in_band * (p->row_size + 1);
@@ -202,8 +218,7 @@ static size_t pack_band(ntpio__png_packer *p)
         p->out[size++] = 0x9c;
     }
     p->begun = true;
-    size +=
-        ntpio__deflate(p->deflater, p->level, p->filtered, from, to, p->left == 0, p->out + size);
+    size += deflate_band(p, from, to, p->out + size);
     for (int i = 3; p->left == 0 && i >= 0; i--)
         p->out[size++] = (uint8_t) (p->checksum >> 8 * i);
     keep_end(p, to);
