@@ -151,6 +151,53 @@ def test_wrap_is_shift():
             assert (made(moved) == np.roll(plain, shift, (0, 1))).all()
 
 
+def normals_of(h, wraps):
+    """8-bit normals of heights by central differences, in numpy."""
+    padded = np.pad(h, 1, mode="wrap" if wraps else "reflect", **{} if wraps else ODD)
+    p, q = padded[1:-1, 2:] - padded[1:-1, :-2], padded[:-2, 1:-1] - padded[2:, 1:-1]
+    n = np.stack([-p / 2, -q / 2, np.ones_like(p)], -1)
+    n /= np.linalg.norm(n, axis=-1, keepdims=True)
+    return np.floor((n + 1) / 2 * 255 + 0.5).astype(np.uint8)
+
+
+ODD = {"reflect_type": "odd"}  # goes on straight
+
+
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("blur", [8, 12])
+def test_edges_of_tiles_and_of_cuts(seed, blur):
+    """What tiles wraps, also after it was shifted; a part that was cut out does not, on both axes."""
+    tile = maps.hills(160, 25, blur, seed)
+    for h, known in (
+        (tile, (maps.WRAP, maps.WRAP)),
+        (np.roll(tile, (31, 77), (0, 1)), (maps.WRAP, maps.WRAP)),
+        (tile[:, 20:120], (maps.CLAMP, maps.WRAP)),
+        (tile[30:130], (maps.WRAP, maps.CLAMP)),
+        (tile[10:110, 20:120], (maps.CLAMP, maps.CLAMP)),
+    ):
+        h = np.ascontiguousarray(h)
+        assert maps.borders((h / 25 * 65535).astype(np.uint16)) == known
+        assert maps.borders(h.astype(np.float32)) == known
+        if known[0] == known[1]:
+            made = normals_of(h, known[0] == maps.WRAP)
+            assert maps.borders(made, ntp.STANDARD) == known
+
+
+def test_edges_that_look_like_a_seam():
+    """A step at the edge is no seam if there is another inside, or if bevels cancel out."""
+    y, x = np.mgrid[:64, :64]
+    planks = np.where(x % 32 < 30, 200 + x // 32, 40).astype(np.uint8)
+    assert maps.borders(planks) == (maps.WRAP, maps.WRAP)
+    panel = np.minimum(np.minimum(np.minimum(x, 63 - x), np.minimum(y, 63 - y)), 12).astype(float)
+    assert maps.borders(normals_of(panel, True), ntp.STANDARD) == (maps.WRAP, maps.WRAP)
+    noise = np.random.default_rng(3).integers(0, 255, (90, 70), np.uint8)
+    assert maps.borders(noise) == (maps.WRAP, maps.WRAP)
+    ramp = np.tile(np.arange(40, dtype=np.float32), (15, 1))
+    assert maps.borders(ramp) == (maps.WRAP, maps.WRAP)  # few rows
+    assert maps.borders(np.tile(ramp, (2, 1))) == (maps.CLAMP, maps.WRAP)
+    assert maps.borders(np.zeros((40, 40), np.uint8)) == (maps.WRAP, maps.WRAP)
+
+
 @pytest.mark.parametrize("borders", [{}, CLAMP, {"border_x": maps.CLAMP}])
 @pytest.mark.parametrize("radius", [0, 11])
 def test_turns_and_flips(borders, radius):

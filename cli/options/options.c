@@ -287,11 +287,12 @@ const option_spec OPTION_TABLE[] = {
     { OPT_BLUR, "blur", 0, KIND_NUMBER, "SIGMA", "0", 0, 64, V_RELIEF,
       "first blur the heights, or the normals, by a Gaussian with this sigma, in texels: shows "
       "larger shapes and less noise" },
-    { OPT_BORDER, "border", 0, KIND_CHOICE, "wrap|clamp", "wrap", 0, 0, V_RELIEF,
-      "what lies beyond the edges: wrap: the opposite edge, for textures that tile; clamp: nothing" },
-    { OPT_BORDER_X, "border-x", 0, KIND_CHOICE, "wrap|clamp", NULL, 0, 0, V_RELIEF,
+    { OPT_BORDER, "border", 0, KIND_CHOICE, "auto|wrap|clamp", "auto", 0, 0, V_RELIEF,
+      "what lies beyond the edges: wrap: the opposite edge, for textures that tile; clamp: nothing; "
+      "auto: clamp where opposite edges clearly do not fit together, else wrap" },
+    { OPT_BORDER_X, "border-x", 0, KIND_CHOICE, "auto|wrap|clamp", NULL, 0, 0, V_RELIEF,
       "the same for the left and right edges only" },
-    { OPT_BORDER_Y, "border-y", 0, KIND_CHOICE, "wrap|clamp", NULL, 0, 0, V_RELIEF,
+    { OPT_BORDER_Y, "border-y", 0, KIND_CHOICE, "auto|wrap|clamp", NULL, 0, 0, V_RELIEF,
       "the same for the upper and lower edges only" },
     { OPT_RANGE, "range", 0, KIND_NUMBER, "R", "0", 0, 1e30, V_CURVATURE,
       "the curvature that is shown white (cavity: black), in 1/texel (gaussian: 1/texel^2). 0: 99 "

@@ -19,15 +19,14 @@ static const char HEIGHT_SCALE[] = "Height scale";
 
 /* ------------------------------------------------------------------------- options */
 
-static ntp_border border_of(const options *o, option_id axis)
+static int border_of(const options *o, option_id axis)
 {
-    return (ntp_border) option_integer(o, option_given(o, axis) ? axis : OPT_BORDER);
+    return (int) option_integer(o, option_given(o, axis) ? axis : OPT_BORDER) - 1;
 }
 
 static int solved_border(const options *o, option_id axis)
 {
-    const bool told = option_given(o, axis) || option_given(o, OPT_BORDER);
-    return told && border_of(o, axis) == NTP_BORDER_WRAP ? (int) NTP_BORDER_WRAP : AUTO;
+    return border_of(o, axis) == NTP_BORDER_WRAP ? (int) NTP_BORDER_WRAP : AUTO;
 }
 
 /* --depth, and the ending of a file that -o names. */
@@ -129,19 +128,72 @@ bool relief_knows(production *p, text *why)
     return relief_is_height(p) ? find_scale(p, why) : to_height_knows(p, why);
 }
 
-ntp_status relief_blur(const ntp_image *dst, const ntp_const_image *src, const relief_settings *set,
-                       ntp_height_source channel)
+ntp_status relief_blur(const ntp_image *dst, const ntp_const_image *src, const production *p,
+                       ntp_height_source channel, double sigma)
 {
-    const ntp_blur_options how = { .sigma = set->blur,
+    const relief_state *st = p->state;
+    const ntp_blur_options how = { .sigma = sigma,
                                    .weight = 1,
-                                   .border_x = set->border_x,
-                                   .border_y = set->border_y,
+                                   .border_x = st->border_x,
+                                   .border_y = st->border_y,
                                    .source = channel };
     const size_t size = ntp_height_blur_scratch_size(&how, src->width);
     void *scratch = need_aligned(size);
     const ntp_status status = ntp_height_blur(dst, src, &how, scratch, size);
     free(scratch);
     return status;
+}
+
+/* Floats in memory of the worker. */
+static ntp_image floats(buffer *own, const ntp_image *view)
+{
+    const size_t bytes = (size_t) view->width * (size_t) view->height * sizeof(float);
+    return ntp_image_packed(buffer_reserve(own, bytes), view->width, view->height, 1, NTP_TYPE_F32);
+}
+
+/* The input as it was read. */
+static ntp_const_image input_of(const production *p)
+{
+    ntp_const_image src = ntp_image_as_const(&p->s.view);
+    src.data = p->w->extra.data;
+    src.ring_rows = 0;
+    return src;
+}
+
+/* Heights in another channel than the first go there for this. */
+static ntp_status look_at_edges(production *p, ntp_border found[2])
+{
+    const relief_settings *set = p->m->settings;
+    const relief_state *st = p->state;
+    ntp_const_image src = relief_is_height(p) ? input_of(p) : st->solve.src;
+    ntp_status status = NTP_OK;
+    if (relief_is_height(p) && set->source != NTP_HEIGHT_SOURCE_RED) {
+        const ntp_image made = floats(&p->w->diff, &p->s.view);
+        status = relief_blur(&made, &src, p, set->source, 0);
+        src = ntp_image_as_const(&made);
+    }
+    return status == NTP_OK ? ntp_relief_borders(&found[0], &found[1], &src) : status;
+}
+
+bool relief_choose_borders(production *p, ntpio_error *error)
+{
+    const relief_settings *set = p->m->settings;
+    relief_state *st = p->state;
+    ntp_border found[2] = { NTP_BORDER_WRAP, NTP_BORDER_WRAP };
+    if (relief_is_height(p) && set->source == NTP_HEIGHT_SOURCE_ALPHA &&
+        p->s.view.channels % 2 == 1)
+        return wrong_use(p, "it has no alpha to take the height from", error);
+    const bool asked = set->border_x == AUTO || set->border_y == AUTO;
+    const ntp_status status = asked ? look_at_edges(p, found) : NTP_OK;
+    st->border_x = set->border_x == AUTO ? found[0] : (ntp_border) set->border_x;
+    st->border_y = set->border_y == AUTO ? found[1] : (ntp_border) set->border_y;
+    return status == NTP_OK || library_error(&p->s, status, error);
+}
+
+/* A border that is not given is that of ntp from-height, so that both find the same scale. */
+static ntp_border given_border(int asked)
+{
+    return asked == AUTO ? NTP_BORDER_WRAP : (ntp_border) asked;
 }
 
 /* With --scale auto: the scale that shows the relief. */
@@ -152,8 +204,8 @@ static bool measure(production *p, const ntp_const_image *heights, ntpio_error *
     const ntp_normals_options how = { .scale = 1,
                                       .dx = 1,
                                       .dy = 1,
-                                      .border_x = set->border_x,
-                                      .border_y = set->border_y,
+                                      .border_x = given_border(set->border_x),
+                                      .border_y = given_border(set->border_y),
                                       .source = set->source };
     const ntp_status status = heights_suit_scale(heights, &how, &st->scale);
     if (status != NTP_OK)
@@ -163,37 +215,25 @@ static bool measure(production *p, const ntp_const_image *heights, ntpio_error *
     return true;
 }
 
-/* Floats in memory of the worker. */
-static ntp_image floats(buffer *own, const ntp_image *view)
-{
-    const size_t bytes = (size_t) view->width * (size_t) view->height * sizeof(float);
-    return ntp_image_packed(buffer_reserve(own, bytes), view->width, view->height, 1, NTP_TYPE_F32);
-}
-
 bool relief_heights(production *p, ntp_const_image *heights, ntpio_error *error)
 {
     const relief_settings *set = p->m->settings;
     const relief_state *st = p->state;
-    const ntp_image *view = &p->s.view;
     ntp_height_source channel = set->source;
     ntp_image made;
-    *heights = ntp_image_as_const(view);
-    heights->data = p->w->extra.data;
-    heights->ring_rows = 0;
+    *heights = input_of(p);
     if (!relief_is_height(p)) {
         if (!to_height_solve(p, &made, error) || st->solve.cut_short)
             return false;
         *heights = ntp_image_as_const(&made);
         channel = NTP_HEIGHT_SOURCE_RED;
-    } else if (channel == NTP_HEIGHT_SOURCE_ALPHA && view->channels % 2 == 1) {
-        return wrong_use(p, "it has no alpha to take the height from", error);
     }
     if (relief_is_height(p) && set->measures && !measure(p, heights, error))
         return false;
     if (set->blur == 0 && channel == NTP_HEIGHT_SOURCE_RED)
         return true;
-    made = floats(&p->w->diff, view);
-    const ntp_status status = relief_blur(&made, heights, set, channel);
+    made = floats(&p->w->diff, &p->s.view);
+    const ntp_status status = relief_blur(&made, heights, p, channel, set->blur);
     *heights = ntp_image_as_const(&made);
     return status == NTP_OK || library_error(&p->s, status, error);
 }
@@ -231,6 +271,15 @@ bool relief_start(production *p, const char *key, double number, ntpio_error *er
     return p->writer != NULL;
 }
 
+/* The edges that were found not to fit together. */
+static void tell_borders(text *line, const relief_settings *set, const relief_state *st)
+{
+    const bool x = set->border_x == AUTO && st->border_x == NTP_BORDER_CLAMP;
+    const bool y = set->border_y == AUTO && st->border_y == NTP_BORDER_CLAMP;
+    if (x || y)
+        text_addf(line, ", border%s clamp", !y ? "-x" : !x ? "-y" : "");
+}
+
 void relief_describe(const production *p, text *line, json_t *object)
 {
     const relief_settings *set = p->m->settings;
@@ -242,6 +291,7 @@ void relief_describe(const production *p, text *line, json_t *object)
             text_addf(line, " with scale %.9g", st->scale);
         else
             green_tell(line, ", ", "green", &st->solve.y);
+        tell_borders(line, set, st);
     }
     if (object == NULL)
         return;
@@ -249,8 +299,8 @@ void relief_describe(const production *p, text *line, json_t *object)
     json_object_set_new(object, "from", json_string(encoding_name(p->s.view.encoding)));
     json_object_set_new(object, "scale", heights ? json_real(st->scale) : json_null());
     json_object_set_new(object, "blur", json_real(set->blur));
-    json_object_set_new(object, "border_x", json_string(ntp_border_name(set->border_x)));
-    json_object_set_new(object, "border_y", json_string(ntp_border_name(set->border_y)));
+    json_object_set_new(object, "border_x", json_string(ntp_border_name(st->border_x)));
+    json_object_set_new(object, "border_y", json_string(ntp_border_name(st->border_y)));
     json_object_set_new(object, "depth",
                         st->type == NTP_TYPE_F32 ? json_string("float")
                                                  : json_integer(8 << st->type));

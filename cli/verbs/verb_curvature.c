@@ -57,7 +57,7 @@ static ntp_status blurred_normals(production *p, const settings *set, const ntp_
         to.data = (float *) out->data + c;
         to.channels = 1;
         const ntp_const_image seen = ntp_image_as_const(&from);
-        status = relief_blur(&to, &seen, &set->relief, (ntp_height_source) c);
+        status = relief_blur(&to, &seen, p, (ntp_height_source) c, set->relief.blur);
     }
     return status;
 }
@@ -124,8 +124,10 @@ static bool finish(production *p, ntpio_error *error)
     const bool is_float = st->relief.type == NTP_TYPE_F32;
     ntp_const_image src;
     ntp_curvature_options how = set->how;
-    if (!find_surface(p, &src, error))
+    if (!relief_choose_borders(p, error) || !find_surface(p, &src, error))
         return false;
+    how.border_x = st->relief.border_x;
+    how.border_y = st->relief.border_y;
     how.scale = relief_is_height(p) ? st->relief.scale : 1;
     if (is_float)
         how.range = 0;
@@ -161,9 +163,7 @@ int curvature_run(const options *o)
     if (!relief_read_settings(&set.relief, o))
         return NTP_EXIT_USAGE;
     set.how = (ntp_curvature_options) { .kind = (ntp_curvature_kind) option_integer(o, OPT_KIND),
-                                        .range = option_number(o, OPT_RANGE),
-                                        .border_x = set.relief.border_x,
-                                        .border_y = set.relief.border_y };
+                                        .range = option_number(o, OPT_RANGE) };
     const maker m = { .o = o,
                       .forced = forced_class(o),
                       .takes_heights = true,

@@ -24,12 +24,12 @@ static bool finish(production *p, ntpio_error *error)
     const settings *set = p->m->settings;
     const relief_state *st = p->state;
     ntp_const_image heights;
-    if (!relief_heights(p, &heights, error))
+    if (!relief_choose_borders(p, error) || !relief_heights(p, &heights, error))
         return false;
     const ntp_occlusion_options how = { .scale = relief_is_height(p) ? st->scale : 1,
                                         .radius = set->radius,
-                                        .border_x = set->relief.border_x,
-                                        .border_y = set->relief.border_y };
+                                        .border_x = st->border_x,
+                                        .border_y = st->border_y };
     const size_t texels = (size_t) heights.width * (size_t) heights.height;
     void *data = buffer_reserve(&p->w->raw, texels << st->type);
     const ntp_image map = ntp_image_packed(data, heights.width, heights.height, 1, st->type);

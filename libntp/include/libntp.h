@@ -1510,6 +1510,16 @@ typedef struct ntp_seam {
 NTP_API ntp_status ntp_find_seams(ntp_seam *x, ntp_seam *y, const ntp_const_image *src,
                                   uint32_t touch_unused);
 
+/*
+ * The borders for ntp_curvature and ntp_occlusion of a texture of which nothing is known: x for the
+ * left and right edges, y for the others.  NTP_BORDER_CLAMP where it clearly does not tile, else
+ * NTP_BORDER_WRAP.  It does not where the step of heights (sample 0), or of x and y of normals, from
+ * an edge to the opposite one is more than 1.5 times the highest between two columns (rows) inside,
+ * as the rms of up to 128 lines.  Of normals ntp_find_seams comes first; where that is undecided
+ * its closure must be 0.3, too.  Sides below 16 texels wrap.  ring_rows is 0.
+ */
+NTP_API ntp_status ntp_relief_borders(ntp_border *x, ntp_border *y, const ntp_const_image *src);
+
 /* Slope quantization caused by low-bit heights. */
 typedef struct ntp_steps {
     int32_t decided; /* 1: slopes are quantized; 0: they are not, or it is unknown, and the rest is

@@ -47,6 +47,7 @@ def test_curvature(run, tmp_path, files, kind):
         ("n.png", files, ntp.STANDARD, {}),
     ):
         options = ["--scale", 9] if more else ["--y", "up"]
+        options += ["--border", "wrap"]
         args = [name, "--kind", kind, *options, "--format", "json"]
         made = item(run("curvature", *args, "-o", "c.png"))
         raw = maps.curvature(src, encoding, kind=KINDS[kind], **more)
@@ -63,11 +64,11 @@ def test_curvature(run, tmp_path, files, kind):
 
 def test_occlusion(run, tmp_path, files):
     """From heights: the library's numbers; from their normals: nearly the same."""
-    run("occlusion", "h.png", "-o", "a.png", "--scale", 9, "--jobs", 2)
+    run("occlusion", "h.png", "-o", "a.png", "--scale", 9, "--jobs", 2, "--border", "wrap")
     want = maps.occlusion(HEIGHTS, np.uint16, scale=9)
     made = pixels_of(tmp_path / "a.png")[..., 0]
     assert np.array_equal(made, want) and made.min() < 50000
-    solved = item(run("occlusion", "n.png", "-o", "b.png", "--format", "json"))
+    solved = item(run("occlusion", "n.png", "-o", "b.png", "--format", "json", "--border", "wrap"))
     assert solved["y"] == "up" and solved["scale"] is None and solved["depth"] == 16
     assert abs(pixels_of(tmp_path / "b.png")[..., 0].astype(int) - made).max() < 400
     run("occlusion", "h.png", "-o", "r.png", "--scale", 9, "--radius", 3, "--border", "clamp")
@@ -76,6 +77,34 @@ def test_occlusion(run, tmp_path, files):
         border_x=maps.CLAMP, border_y=maps.CLAMP,
     )  # fmt: skip
     assert np.array_equal(pixels_of(tmp_path / "r.png")[..., 0], near)
+
+
+def test_borders(run, tmp_path):
+    """A tile wraps, a part of it does not, of heights in any channel and of normals."""
+    tile = maps.hills(160, 65535, 12).astype(np.uint16)
+    cut = np.ascontiguousarray(tile[10:110, 20:120])
+    clamp = {"border_x": maps.CLAMP, "border_y": maps.CLAMP}
+    for h, found, how, solved in ((tile, "wrap", {}, "wrap"), (cut, "clamp", clamp, "extrapolate")):
+        write_png(tmp_path / "h.png", h[..., None])
+        write_png(tmp_path / "c.png", np.stack([0 * h, h, 0 * h], -1))
+        run("from-height", "h.png", "-o", "n.png", "--scale", 20, "--border", solved)
+        scaled, up = ["--scale", 20, "--type", "height"], ["--type", "standard", "--y", "up"]
+        for name, told in (
+            ("h.png", scaled),
+            ("c.png", [*scaled, "--source", "green"]),
+            ("n.png", up),
+        ):
+            for verb in ("curvature", "occlusion"):
+                made = item(run(verb, name, "-o", "a.png", *told, "--format", "json"))
+                assert (made["border_x"], made["border_y"]) == (found, found), (verb, name)
+                run(verb, name, "-o", "b.png", *told, "--border", found)
+                if verb == "curvature" or name != "n.png":  # it solves heights that wrap
+                    assert np.array_equal(*(pixels_of(tmp_path / f"{f}.png") for f in "ab"))
+        run("occlusion", "h.png", "-o", "a.png", *scaled)
+        want = maps.occlusion(h, np.uint16, scale=20, **how)
+        assert np.array_equal(pixels_of(tmp_path / "a.png")[..., 0], want)
+    done = run("occlusion", "h.png", "-o", "a.png", *scaled, "--border-x", "wrap")
+    assert "border-y clamp" in done.stdout
 
 
 def test_scale_of_heights(run, tmp_path, files):

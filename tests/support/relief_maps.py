@@ -26,6 +26,14 @@ def range_of(values):
     return found[0]
 
 
+def borders(src, encoding=ntp.HEIGHT):
+    """ntp_relief_borders: (x, y)."""
+    found = ntp.ffi.new("ntp_border[2]")
+    view = ntp.view(src, encoding, const=True)
+    ntp.check(ntp.lib.ntp_relief_borders(found, found + 1, view))
+    return found[0], found[1]
+
+
 def occlusion(src, dtype=np.float32, parts=1, hooks=None, **how):
     """ntp_occlusion of heights."""
     made = np.full(src.shape[:2], 7, dtype)

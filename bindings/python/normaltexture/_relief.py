@@ -2,7 +2,7 @@
 """Maps of the shape of a surface: curvature, cavity, ambient occlusion."""
 
 from collections.abc import Callable, Iterable
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,7 +30,8 @@ from .typing import (
 )
 
 _TYPES = {"auto": -1} | MEASURED
-_BORDERS = {name: BORDERS[name] for name in ("wrap", "clamp")}
+_BORDERS = {"auto": -1} | {name: BORDERS[name] for name in ("wrap", "clamp")}
+_Edges = tuple[Literal["wrap", "clamp"], Literal["wrap", "clamp"]]  # of x and of y
 _NO_SCALE = "scale=0: with this scale the heights are flat"
 
 
@@ -41,28 +42,45 @@ def _is_height(source: NDArray[Any], type: AutoReliefType) -> bool:
 
 
 def _edges(
-    border: ReliefBorder, border_x: ReliefBorder | None, border_y: ReliefBorder | None
-) -> tuple[int, int]:
-    return (
+    how: Any,
+    seen: Any,
+    border: ReliefBorder,
+    border_x: ReliefBorder | None,
+    border_y: ReliefBorder | None,
+) -> _Edges:
+    """Fills in the borders of options: those asked for, or those that the view shows."""
+    asked = (
         choose("border_x" if border_x else "border", border_x or border, _BORDERS),
         choose("border_y" if border_y else "border", border_y or border, _BORDERS),
     )
+    found = ffi.new("ntp_border[2]")
+    if min(asked) < 0:
+        check(lib.ntp_relief_borders(found, found + 1, seen), "border")
+    how.border_x, how.border_y = (b if b >= 0 else found[i] for i, b in enumerate(asked))
+    x, y = (how.border_x == BORDERS["clamp"], how.border_y == BORDERS["clamp"])
+    return "clamp" if x else "wrap", "clamp" if y else "wrap"
+
+
+def _plain(source: NDArray[Any], channel: HeightSource) -> Any:
+    """A view of heights as they are before a blur."""
+    choose("source", channel, SOURCES)
+    if channel == "red":
+        return view("src", source, HEIGHT)
+    made = blur_height(source, 0, source=channel)
+    return view("src", made if made.ndim == 2 else made[..., 0], HEIGHT)
 
 
 def _heights(
     source: NDArray[Any],
     blur: float,
-    how: tuple[ReliefBorder, ReliefBorder | None, ReliefBorder | None],
+    edges: _Edges,
     channel: HeightSource,
 ) -> NDArray[Any]:
     """The heights of an image: as they are where sample 0 has them, else as floats."""
     choose("source", channel, SOURCES)
     if blur == 0 and channel == "red":
         return source
-    border, border_x, border_y = how
-    made = blur_height(
-        source, blur, border=border, border_x=border_x, border_y=border_y, source=channel
-    )
+    made = blur_height(source, blur, border_x=edges[0], border_y=edges[1], source=channel)
     return made if made.ndim == 2 else made[..., 0]
 
 
@@ -70,18 +88,15 @@ def _blurred(
     source: NDArray[Any],
     type: Any,
     blur: float,
-    how: tuple[ReliefBorder, ReliefBorder | None, ReliefBorder | None],
+    edges: _Edges,
 ) -> NDArray[np.float32]:
     """Normals as vectors with x and y blurred; what has no direction counts as flat."""
     vectors = np.array(convert(source, type=type, to="vector")[..., :3], order="C")
     squares = vectors * vectors
     vectors[~(squares[..., 0] + squares[..., 1] + squares[..., 2] < 2)] = (0, 0, 1)
-    border, border_x, border_y = how
     for axis in (0, 1):
         channel = np.ascontiguousarray(vectors[..., axis])
-        vectors[..., axis] = blur_height(
-            channel, blur, border=border, border_x=border_x, border_y=border_y
-        )
+        vectors[..., axis] = blur_height(channel, blur, border_x=edges[0], border_y=edges[1])
     return vectors
 
 
@@ -100,7 +115,7 @@ def curvature(
     scale: float = 1.0,
     source: HeightSource = "red",
     blur: float = 0.0,
-    border: ReliefBorder = "wrap",
+    border: ReliefBorder = "auto",
     border_x: ReliefBorder | None = None,
     border_y: ReliefBorder | None = None,
     range: float = 0.0,
@@ -127,8 +142,9 @@ def curvature(
         Heights: what of a color image is the height.
     blur : float
         First blur the heights, or the normals, by a Gaussian with this sigma, in texels.
-    border, border_x, border_y : {"wrap", "clamp"}
-        For textures that tile; and others, for which the edge is like what is beside it.
+    border, border_x, border_y : {"auto", "wrap", "clamp"}
+        For textures that tile; and others, for which the edge is like what is beside it.  "auto":
+        "clamp" where opposite edges clearly do not fit together.
     range : float
         8 and 16 bit: the curvature that is shown white ("cavity": black); 0: 99 % of the values
         that are not 0 lie within.
@@ -163,13 +179,12 @@ def curvature(
     how.kind = choose("kind", kind, CURVATURES)
     how.range = number("range", range, 0, 1e30)
     how.scale = number("scale", scale, -1.7e308, 1.7e308)
-    how.border_x, how.border_y = _edges(border, border_x, border_y)
     blur = number("blur", blur, 0, lib.NTP_MAX_SIGMA)
-    edges = (border, border_x, border_y)
     dtype = _depth(depth, array)
     if _is_height(array, type):
         if how.scale == 0:
             raise ArgumentError(_NO_SCALE)
+        edges = _edges(how, _plain(array, source), border, border_x, border_y)
         array = _heights(array, blur, edges, source)
         seen = view("src", array, HEIGHT)
     else:
@@ -177,6 +192,7 @@ def curvature(
         needed = told("y", y) is None and slopes(array, found, False)[1]
         green = choose_y("y", known("y", y, array, found, threads, needed))
         encoding = MEASURED[found]
+        edges = _edges(how, view("src", array, encoding, green), border, border_x, border_y)
         if blur > 0:
             array, encoding = _blurred(array, found, blur, edges), MEASURED["vector"]
         seen = view("src", array, encoding, green)
@@ -213,7 +229,7 @@ def occlusion(
     scale: float = 1.0,
     source: HeightSource = "red",
     blur: float = 0.0,
-    border: ReliefBorder = "wrap",
+    border: ReliefBorder = "auto",
     border_x: ReliefBorder | None = None,
     border_y: ReliefBorder | None = None,
     radius: float = 0.0,
@@ -229,8 +245,9 @@ def occlusion(
     src, type, y, scale, source, blur
         As in `curvature`.  Of normals the heights are reconstructed first, as by
         `height_from_normals`; a blur is one of heights.
-    border, border_x, border_y : {"wrap", "clamp"}
-        For textures that tile; and others, for which there is nothing beyond the edges.
+    border, border_x, border_y : {"auto", "wrap", "clamp"}
+        For textures that tile; and others, for which there is nothing beyond the edges.  "auto":
+        as in `curvature`.
     radius : float
         What is farther away, in texels, hides nothing; 0: the longer side.
     depth : {8, 16, "float"}, optional
@@ -267,17 +284,25 @@ def occlusion(
     how = ffi.new("ntp_occlusion_options *")
     how.scale = number("scale", scale, -1.7e308, 1.7e308)
     how.radius = number("radius", radius, 0, 1e30)
-    how.border_x, how.border_y = _edges(border, border_x, border_y)
     blur = number("blur", blur, 0, lib.NTP_MAX_SIGMA)
-    edges = (border, border_x, border_y)
     dtype = _depth(depth, array)
     if _is_height(array, type):
         if how.scale == 0:
             raise ArgumentError(_NO_SCALE)
+        edges = _edges(how, _plain(array, source), border, border_x, border_y)
         array = _heights(array, blur, edges, source)
     else:
-        stored: Any = type
-        solved = height_from_normals(array, type=stored, y=y, threads=threads)
+        stored: Any = resolve_sound(array, type, threads) if type == "auto" else type
+        seen = view("src", array, MEASURED[stored])
+        edges = _edges(how, seen, border, border_x, border_y)
+        solved = height_from_normals(
+            array,
+            type=stored,
+            y=y,
+            border_x="wrap" if (border_x or border) == "wrap" else "auto",
+            border_y="wrap" if (border_y or border) == "wrap" else "auto",
+            threads=threads,
+        )
         array, how.scale = _heights(solved, blur, edges, "red"), 1.0
     height, width = array.shape[:2]
     output = Output((height, width), dtype, out)

@@ -98,7 +98,7 @@ WriteRows: TypeAlias = Callable[[int, NDArray[np.float32]], object]
 
 Filter: TypeAlias = Literal["box", "triangle", "lanczos3"]
 ResizeBorder: TypeAlias = Literal["wrap", "clamp", "mirror"]
-ReliefBorder: TypeAlias = Literal["wrap", "clamp"]
+ReliefBorder: TypeAlias = Literal["auto", "wrap", "clamp"]
 CurvatureKind: TypeAlias = Literal["mean", "gaussian", "convex", "cavity"]
 AutoReliefType: TypeAlias = Literal["auto"] | MeasuredType
 BlendMode: TypeAlias = Literal["rnm", "whiteout", "udn", "linear"]

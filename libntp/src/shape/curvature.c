@@ -12,6 +12,7 @@
  */
 #include "base/finite.h"
 #include "base/view.h"
+#include "texel/sample.h"
 
 #include <math.h>
 #include <string.h>
@@ -36,23 +37,12 @@ static void neighbors(int32_t at[3], int32_t i, int32_t n, ntp_border border)
     at[2] = i < n - 1 ? i + 1 : border == NTP_BORDER_WRAP ? 0 : n - 1;
 }
 
-/* A stored sample: levels as they are, floats too. */
-static double sample(const ntp_const_image *v, int32_t x, int32_t y, int32_t channel)
-{
-    const void *at = ntp__at(v, x, y);
-    if (v->type == NTP_TYPE_U8)
-        return ((const uint8_t *) at)[channel];
-    if (v->type == NTP_TYPE_U16)
-        return ((const uint16_t *) at)[channel];
-    return (double) ((const float *) at)[channel];
-}
-
 static bend of_heights(const ntp_const_image *src, const around *a, double scale)
 {
     double h[3][3];
     for (int32_t j = 0; j < 3; j++)
         for (int32_t i = 0; i < 3; i++)
-            h[j][i] = sample(src, a->x[i], a->y[j], 0);
+            h[j][i] = ntp__sample(src, a->x[i], a->y[j], 0);
     const double p = (h[1][2] - h[1][0]) / 2 * scale, q = (h[2][1] - h[0][1]) / 2 * scale;
     const double xx = (h[1][2] - h[1][1] - (h[1][1] - h[1][0])) * scale;
     const double yy = (h[2][1] - h[1][1] - (h[1][1] - h[0][1])) * scale;
@@ -64,11 +54,12 @@ static bend of_heights(const ntp_const_image *src, const around *a, double scale
 
 static bool is_unused(const ntp_const_image *src, int32_t x, int32_t y)
 {
-    const double m = src->type == NTP_TYPE_F32 ? 1 : ntp__max(src->type), r = sample(src, x, y, 0);
+    const double m = src->type == NTP_TYPE_F32 ? 1 : ntp__max(src->type),
+                 r = ntp__sample(src, x, y, 0);
     for (int32_t c = 1; c < src->channels && c < 3; c++)
-        if (sample(src, x, y, c) != r)
-            return src->channels == 4 && sample(src, x, y, 3) == 0;
-    return r == 0 || r == m || (src->channels == 4 && sample(src, x, y, 3) == 0);
+        if (ntp__sample(src, x, y, c) != r)
+            return src->channels == 4 && ntp__sample(src, x, y, 3) == 0;
+    return r == 0 || r == m || (src->channels == 4 && ntp__sample(src, x, y, 3) == 0);
 }
 
 static bend of_normals(const ntp_const_image *src, const around *a)
@@ -81,8 +72,10 @@ static bend of_normals(const ntp_const_image *src, const around *a)
     double d[2][2];
     for (int32_t c = 0; c < 2; c++) {
         const double factor = (c == 0 ? 1 : up) * unit / 2;
-        d[c][0] = (sample(src, a->x[2], a->y[1], c) - sample(src, a->x[0], a->y[1], c)) * factor;
-        d[c][1] = (sample(src, a->x[1], a->y[2], c) - sample(src, a->x[1], a->y[0], c)) * factor;
+        d[c][0] = (ntp__sample(src, a->x[2], a->y[1], c) - ntp__sample(src, a->x[0], a->y[1], c)) *
+                  factor;
+        d[c][1] = (ntp__sample(src, a->x[1], a->y[2], c) - ntp__sample(src, a->x[1], a->y[0], c)) *
+                  factor;
     }
     const bend none = { 0, 0 };
     for (int32_t i = 0; i < 3; i++)
