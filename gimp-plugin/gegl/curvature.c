@@ -28,6 +28,7 @@ enum_start(ntp_op_curvature_green)
 enum_end(ntp_op_curvature_green)
 
 enum_start(ntp_op_curvature_edge)
+    enum_value(NTP_OP_CURVATURE_AUTO, "auto", N_("As the edges show"))
     enum_value(NTP_OP_CURVATURE_WRAP, "wrap", N_("Wrap (textures that tile)"))
     enum_value(NTP_OP_CURVATURE_CLAMP, "clamp", N_("Clamp"))
 enum_end(ntp_op_curvature_edge)
@@ -53,8 +54,8 @@ property_double(scale, _("Scale"), 10.0)
 property_enum(from_y, LABEL(NTP_TO_Y_LABEL), ntp_op_curvature_green, ntp_op_curvature_green, NTP_OP_UP)
     description(_("Which way green points in the layer"))
     ui_meta("visible", "from {normals}")
-property_enum(border, _("Edges"), ntp_op_curvature_edge, ntp_op_curvature_edge, NTP_OP_CURVATURE_WRAP)
-    description(_("What lies beyond the edges"))
+property_enum(border, _("Edges"), ntp_op_curvature_edge, ntp_op_curvature_edge, NTP_OP_CURVATURE_AUTO)
+    description(_("What lies beyond the edges. As the edges show: clamp where opposite ones clearly do not fit together, else wrap"))
 /* clang-format on */
 
 #else
@@ -70,18 +71,22 @@ property_enum(border, _("Edges"), ntp_op_curvature_edge, ntp_op_curvature_edge, 
 #  include "output.h"
 #  include "surroundings.h"
 
-/* The menus have the order of libntp's enumerations. */
+/* The menus have the order of libntp's enumerations, that of edges after its first. */
 G_STATIC_ASSERT((gint) NTP_OP_CURVATURE_CAVITY == (gint) NTP_CURVATURE_CAVITY);
-G_STATIC_ASSERT((gint) NTP_OP_CURVATURE_CLAMP == (gint) NTP_BORDER_CLAMP);
+G_STATIC_ASSERT((gint) NTP_OP_CURVATURE_WRAP - 1 == (gint) NTP_BORDER_WRAP);
+G_STATIC_ASSERT((gint) NTP_OP_CURVATURE_CLAMP - 1 == (gint) NTP_BORDER_CLAMP);
 
 enum {
     BLOCK_HEIGHT = 64,
     REACH = 2 /* a texel at an edge has the value of the next one, which reads one more */
 };
 
-/* Set by prepare(), read by the threads that process. */
+/* Set by prepare() and before threads process. */
 typedef struct state {
     const blending *blending; /* shared by all */
+    /* Of edges that show it: of the layer, since the last prepare(). */
+    gboolean looked;
+    ntp_border border_x, border_y;
 } state;
 
 static void prepare(GeglOperation *operation)
@@ -91,6 +96,7 @@ static void prepare(GeglOperation *operation)
         o->user_data = g_new0(state, 1);
     state *s = o->user_data;
     output_formats(operation, &s->blending);
+    s->looked = FALSE;
 }
 
 static void finalize(GObject *object)
@@ -104,16 +110,21 @@ static void finalize(GObject *object)
 static GeglRectangle around(const GeglProperties *o, const GeglRectangle *area,
                             const GeglRectangle *edges)
 {
-    const gboolean wrap = o->border == NTP_OP_CURVATURE_WRAP;
-    return surroundings_of(area, edges, REACH, wrap, wrap);
+    const state *s = o->user_data;
+    return surroundings_of(area, edges, REACH, s->border_x == NTP_BORDER_WRAP,
+                           s->border_y == NTP_BORDER_WRAP);
 }
 
 static GeglRectangle get_required(GeglOperation *operation, const gchar *pad,
                                   const GeglRectangle *area)
 {
+    const GeglProperties *o = GEGL_PROPERTIES(operation);
     const GeglRectangle edges = gray_map_edges(operation, area);
-    const GeglRectangle from = around(GEGL_PROPERTIES(operation), area, &edges);
+    const gboolean wrap = o->border == NTP_OP_CURVATURE_WRAP;
+    const GeglRectangle from = surroundings_of(area, &edges, REACH, wrap, wrap);
     (void) pad;
+    if (o->border == NTP_OP_CURVATURE_AUTO)
+        return edges;
     return surroundings_wrapped(&from, &edges);
 }
 
@@ -121,6 +132,36 @@ static GeglRectangle get_bounding_box(GeglOperation *operation)
 {
     const GeglRectangle *all = gegl_operation_source_get_bounding_box(operation, "input");
     return all != NULL ? *all : (GeglRectangle) { 0, 0, 0, 0 };
+}
+
+static void set_view(const GeglProperties *o, ntp_image *in)
+{
+    in->encoding =
+        o->from == NTP_OP_CURVATURE_NORMALS ? NTP_ENCODING_STANDARD : NTP_ENCODING_HEIGHT;
+    in->y = (ntp_y) o->from_y;
+}
+
+/* Do opposite edges of the layer fit together? */
+static void look_at_edges(GeglOperation *operation, GeglBuffer *input, const GeglRectangle *edges)
+{
+    const GeglProperties *o = GEGL_PROPERTIES(operation);
+    state *s = o->user_data;
+    if (s->looked)
+        return;
+    s->looked = TRUE;
+    s->border_x = s->border_y = NTP_BORDER_WRAP;
+    if (o->border != NTP_OP_CURVATURE_AUTO) {
+        s->border_x = s->border_y = (ntp_border) (o->border - 1);
+        return;
+    }
+    const pixels p = pixels_of(gegl_operation_get_format(operation, "input"));
+    guchar *all = g_malloc((gsize) edges->width * (gsize) edges->height * (gsize) p.bytes);
+    ntp_image in = pixels_view(&p, all, edges->width, edges->height);
+    set_view(o, &in);
+    const ntp_const_image seen = ntp_image_as_const(&in);
+    gegl_buffer_get(input, edges, 1.0, p.format, all, GEGL_AUTO_ROWSTRIDE, GEGL_ABYSS_NONE);
+    ntp_relief_borders(&s->border_x, &s->border_y, &seen);
+    g_free(all);
 }
 
 static gboolean make_block(const GeglProperties *o, GeglBuffer *input, GeglBuffer *output,
@@ -140,12 +181,10 @@ static gboolean make_block(const GeglProperties *o, GeglBuffer *input, GeglBuffe
     const ntp_curvature_options how = { .kind = (ntp_curvature_kind) o->kind,
                                         .scale = pixels_as_typed(o->scale),
                                         .range = pixels_as_typed(o->range),
-                                        .border_x = (ntp_border) o->border,
-                                        .border_y = (ntp_border) o->border };
+                                        .border_x = s->border_x,
+                                        .border_y = s->border_y };
     surroundings_read(input, p, edges, &from, read);
-    if (o->from == NTP_OP_CURVATURE_NORMALS)
-        in.encoding = NTP_ENCODING_STANDARD;
-    in.y = (ntp_y) o->from_y;
+    set_view(o, &in);
     const ntp_const_image seen = ntp_image_as_const(&in);
     const gboolean ok = ntp_curvature(&gray, &seen, &how, &area) == NTP_OK;
     for (gint y = 0; y < block->height && ok; y++) {
@@ -179,6 +218,18 @@ static gboolean process(GeglOperation *operation, GeglBuffer *input, GeglBuffer 
     return ok;
 }
 
+/* What threads share comes first. */
+static gboolean process_all(GeglOperation *operation, GeglOperationContext *context,
+                            const gchar *pad, const GeglRectangle *area, gint level)
+{
+    GeglBuffer *input = GEGL_BUFFER(gegl_operation_context_get_object(context, "input"));
+    const GeglRectangle edges = gray_map_edges(operation, area);
+    if (input != NULL)
+        look_at_edges(operation, input, &edges);
+    return GEGL_OPERATION_CLASS(gegl_op_parent_class)
+        ->process(operation, context, pad, area, level);
+}
+
 static GeglRectangle get_changed(GeglOperation *operation, const gchar *pad,
                                  const GeglRectangle *area)
 {
@@ -192,6 +243,7 @@ static void gegl_op_class_init(GeglOpClass *klass)
 
     G_OBJECT_CLASS(klass)->finalize = finalize;
     filter_class->process = process;
+    operation_class->process = process_all;
     operation_class->prepare = prepare;
     operation_class->get_bounding_box = get_bounding_box;
     operation_class->get_required_for_output = get_required;

@@ -56,7 +56,7 @@ def enumerators(kind):
         ("to-height", "z", "ntp_z", []),
         ("resize", "border", "ntp_border", []),
         ("curvature", "kind", "ntp_curvature_kind", []),
-        ("curvature", "border", "ntp_border", []),
+        ("curvature", "border", "ntp_border", ["auto"]),
         ("occlusion", "source", "ntp_height_source", []),
     ],
 )

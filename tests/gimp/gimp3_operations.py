@@ -21,7 +21,7 @@ pytestmark = pytest.mark.skipif(not CHROOT, reason="NTP_GIMP3 names no chroot; u
 # Channels and bits.
 KINDS = [(channels, depth) for channels in (3, 4) for depth in (8, 16)]
 CURVES = {"plain": (), "gAMA": (GAMMA,)}
-MAKERS = {"heights": operations.heights, "normals": operations.normals}
+MAKERS = [operations.heights, operations.cut, operations.normals]
 
 
 def name_of(picture, channels, depth, curve):
@@ -36,7 +36,7 @@ def hows(operation):
 @pytest.fixture(scope="module")
 def gimp():
     made, jobs = Gimp3(CHROOT, "table"), {}
-    for picture in MAKERS.values():
+    for picture in MAKERS:
         for channels, depth in KINDS:
             for curve, chunks in CURVES.items():
                 name, pixels = name_of(picture, channels, depth, curve), picture(channels, depth)

@@ -268,7 +268,7 @@ def test_occlusion(gegl, ntp, run, tmp_path, channels, depth, properties, option
     scale = -12.5 * (0.5 if "strength" in properties else 1)
     pngs.write_png(tmp_path / "h.png", heights)
     turned = -scale if "invert" in properties else scale
-    words = ["--type", "height", "--scale", str(turned), *options.split()]
+    words = ["--type", "height", "--scale", str(turned), "--border", "wrap", *options.split()]
     done = run("occlusion", "h.png", "-o", "ao.png", *words)
     assert done.returncode == 0, done.stderr
     words = options.replace("clamp", "mirror").split()
@@ -445,7 +445,7 @@ def test_transform(gegl, ntp, depth, properties, options, y):
 @pytest.mark.parametrize(
     "settings",
     [
-        {"kind": "mean", "range": "0.3"},
+        {"kind": "mean", "range": "0.3", "border": "wrap"},
         {"kind": "cavity", "range": "0.7", "border": "clamp"},
     ],
 )
@@ -469,7 +469,7 @@ def test_curvature(gegl, ntp, channels, depth, settings):
 
 @pytest.mark.parametrize("depth", DEPTHS)
 @pytest.mark.parametrize("channels", [1, 4])
-@pytest.mark.parametrize("settings", [{"scale": "7.3"}, {"radius": "9", "border": "clamp"}])
+@pytest.mark.parametrize("settings", [{"border": "wrap"}, {"radius": "9", "border": "clamp"}])
 def test_ambient_occlusion(gegl, ntp, channels, depth, settings):
     """The numbers of `ntp occlusion`, as a gray picture; a part is that part of the whole."""
     heights = picture(90, 71, channels, depth)

@@ -53,6 +53,15 @@ def normals(channels, depth):
     return made
 
 
+def cut(channels, depth):
+    """A part of long waves, which does not tile."""
+    y, x = np.mgrid[:HEIGHT, :WIDTH]
+    waves = [np.sin(x / (17 + 3 * c) + 0.7) * np.cos(y / 21 + c) for c in range(channels)]
+    top = 2**depth - 1
+    made = (np.stack(waves, 2) * 0.45 + 0.5) * top + 0.5
+    return made.astype(np.uint8 if depth == 8 else np.uint16)
+
+
 def detail_of(pixels):
     """Other normals to blend with these; where there is an alpha it is of every kind."""
     made = np.ascontiguousarray(pixels[::-1, ::-1])
@@ -120,7 +129,7 @@ def lit(*, around, above, make=None, y=libntp_ffi.UP):
 
 
 def labpbr(ntp, pixels, _):
-    ao = ntp(pixels, "occlusion", "--type", "height", "--scale", "7.3")
+    ao = ntp(pixels, "occlusion", "--type", "height", "--scale", "7.3", "--border", "wrap")
     words = ["--to-y", "down", "--to", "xy", "--alpha", "height", "--scale", "7.3"]
     return ntp(pixels, "from-height", *words, side=("--ao", ao))[..., : pixels.shape[2]]
 
@@ -148,10 +157,24 @@ ROWS = [
             "--border", border))
       for kind, border in (("mean", "wrap"), ("gaussian", "clamp"), ("convex", "clamp"),
                            ("cavity", "wrap"))),
-    ("occlusion", heights, OCCLUSION, {"scale": 20.0},
+    ("occlusion", heights, OCCLUSION, {"scale": 20.0, "border": "wrap"},
      gray("occlusion", "--type", "height", "--scale", "20", "--border", "wrap")),
     ("occlusion near", heights, OCCLUSION, {"scale": 20.0, "radius": 9.0, "border": "clamp"},
      gray("occlusion", "--type", "height", "--scale", "20", "--radius", "9", "--border", "clamp")),
+    *((f"{verb_} of {picture.__name__} as edges show", picture, operation,
+       {"scale": 20.0, **({"from": "height"} if verb_ == "curvature" else {}), **settings},
+       gray(verb_, "--type", "height", "--scale", "20", *options))
+      for picture in (heights, cut)
+      for verb_, operation, settings, options in (
+          ("curvature", CURVATURE, {"range": 0.3}, ["--range", "0.3"]),
+          ("occlusion", OCCLUSION, {}, []),
+      )),
+    ("occlusion of normals", normals, OCCLUSION, {"from": "normals"}, gray("occlusion", *UP)),
+    ("occlusion of normals that wrap", normals, OCCLUSION,
+     {"from": "normals", "from-y": "down", "border": "wrap", "radius": 12.0},
+     gray("occlusion", *DOWN, "--border", "wrap", "--radius", "12")),
+    ("curvature of normals as edges show", normals, CURVATURE, {"range": 0.3},
+     gray("curvature", *UP, "--range", "0.3")),
     ("clean", normals, CLEAN, {}, verb("clean", *STANDARD, "--method", "derive")),
     ("normalize", normals, CLEAN, {"repair": "normalize"},
      verb("clean", *STANDARD, "--method", "normalize")),

@@ -43,31 +43,35 @@ def _is_height(source: NDArray[Any], type: AutoReliefType) -> bool:
 
 def _edges(
     how: Any,
-    seen: Any,
+    surface: tuple[NDArray[Any], int],
     border: ReliefBorder,
     border_x: ReliefBorder | None,
     border_y: ReliefBorder | None,
 ) -> _Edges:
-    """Fills in the borders of options: those asked for, or those that the view shows."""
+    """Fills in the borders of options: those asked for, or those that the edges show.
+
+    The surface is heights or normals, and how they are stored.
+    """
     asked = (
         choose("border_x" if border_x else "border", border_x or border, _BORDERS),
         choose("border_y" if border_y else "border", border_y or border, _BORDERS),
     )
     found = ffi.new("ntp_border[2]")
     if min(asked) < 0:
+        seen = view("src", *surface)
         check(lib.ntp_relief_borders(found, found + 1, seen), "border")
     how.border_x, how.border_y = (b if b >= 0 else found[i] for i, b in enumerate(asked))
     x, y = (how.border_x == BORDERS["clamp"], how.border_y == BORDERS["clamp"])
     return "clamp" if x else "wrap", "clamp" if y else "wrap"
 
 
-def _plain(source: NDArray[Any], channel: HeightSource) -> Any:
-    """A view of heights as they are before a blur."""
+def _plain(source: NDArray[Any], channel: HeightSource) -> tuple[NDArray[Any], int]:
+    """Heights as they are before a blur."""
     choose("source", channel, SOURCES)
     if channel == "red":
-        return view("src", source, HEIGHT)
+        return source, HEIGHT
     made = blur_height(source, 0, source=channel)
-    return view("src", made if made.ndim == 2 else made[..., 0], HEIGHT)
+    return made if made.ndim == 2 else made[..., 0], HEIGHT
 
 
 def _heights(
@@ -192,7 +196,7 @@ def curvature(
         needed = told("y", y) is None and slopes(array, found, False)[1]
         green = choose_y("y", known("y", y, array, found, threads, needed))
         encoding = MEASURED[found]
-        edges = _edges(how, view("src", array, encoding, green), border, border_x, border_y)
+        edges = _edges(how, (array, encoding), border, border_x, border_y)
         if blur > 0:
             array, encoding = _blurred(array, found, blur, edges), MEASURED["vector"]
         seen = view("src", array, encoding, green)
@@ -293,8 +297,7 @@ def occlusion(
         array = _heights(array, blur, edges, source)
     else:
         stored: Any = resolve_sound(array, type, threads) if type == "auto" else type
-        seen = view("src", array, MEASURED[stored])
-        edges = _edges(how, seen, border, border_x, border_y)
+        edges = _edges(how, (array, MEASURED[stored]), border, border_x, border_y)
         solved = height_from_normals(
             array,
             type=stored,

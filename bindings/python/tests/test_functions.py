@@ -513,3 +513,23 @@ def test_stats_are_plain():
         _ = stats.texel_count
     with pytest.raises(dataclasses.FrozenInstanceError):
         stats.texels = 1
+
+
+def test_edges_of_relief():
+    """Maps tile where the texture does, and do not look across the edges of a part of it."""
+    y, x = np.mgrid[:96, :96] * (2 * np.pi / 96)
+    tile = (np.sin(3 * x + 1) * np.cos(2 * y + 2) * 9 + np.sin(x + y)).astype(np.float32)
+    cut = np.ascontiguousarray(tile[:80, 5:75])
+    for heights, border, solved in ((tile, "wrap", "wrap"), (cut, "clamp", "extrapolate")):
+        normals = nt.normals_from_height(heights, 1, border=solved, depth=16)
+        color = np.stack([0 * heights, heights, 0 * heights], -1)
+        for make in (nt.curvature, nt.occlusion):
+            known = make(heights, border=border)
+            assert np.array_equal(make(heights), known)
+            green = make(color, type="height", source="green")
+            assert np.array_equal(green, known)
+            told = {"type": "standard", "y": "up"}
+            of_normals = make(normals, **told), make(normals, border=border, **told)
+            if make is nt.curvature or border == "clamp":  # it solves heights that wrap
+                assert np.array_equal(*of_normals)
+            assert make is nt.curvature or abs(of_normals[0] / 65535 - known).max() < 0.02
