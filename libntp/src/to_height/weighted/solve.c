@@ -26,7 +26,8 @@ static const double strength_least = 1e-8, strength_inexact = 1e-5;
  * hide more of the heights, so the error is larger; of 8 bits, rounding is a part of it. */
 static const double by_prior_8 = 10, by_prior_16 = 300, by_prior_16_wide = 30;
 /* Most of its iterations.  The first solution is nearly as good for 8 bits, but not for more: there
- * the error of pairs is many times that of slopes. */
+ * the error of pairs is many times that of slopes.  Wide kernels take thousands: with more than the
+ * default of max_iterations there are more. */
 enum { STEPS_8 = 12, STEPS_16 = 500 };
 /* Where no slope counts, pairs are so many times as strong.  With more, iteration takes longer. */
 static const double alone = 10;
@@ -336,7 +337,8 @@ static ntp_status solve_slopes(ntp__weighted *w, double scale, ntp_height_result
     progress p = { scale, goal, 1 };
     ntp__weighted_apply(w, w->r, w->x, true);
     double error = precondition(w);
-    int32_t most = result->iterations + (deep ? STEPS_16 : STEPS_8);
+    int32_t asked = w->plan->max_iterations - STEPS_16, steps = deep ? STEPS_16 : STEPS_8;
+    int32_t most = result->iterations + (deep && asked > steps ? asked : steps);
     return descend(w, &error, goal, most, &result->iterations, &p);
 }
 
