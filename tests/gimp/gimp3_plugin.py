@@ -15,6 +15,7 @@ from support.libntp_ffi import ROOT
 from support.plugin_cases import (
     CASES,
     INPUTS,
+    MISPLACED,
     PART,
     PARTS,
     REMEDIES,
@@ -35,6 +36,7 @@ NORMALS = "plug-in-ntp-normals-from-height"
 HEIGHT = "plug-in-ntp-height-from-normals"
 CHECK = "plug-in-ntp-check-normals"
 CLEAN = "plug-in-ntp-clean-normals"
+OTHERS = (HEIGHT, CHECK, CLEAN)
 INVERT = ["gegl:invert-gamma", {}]  # an effect whose result is plain to see: the levels from above
 SHADOW = ["gegl:dropshadow", {}]
 SOBEL = SETTINGS["sobel"]
@@ -51,7 +53,16 @@ FILTERS = ["4sample", "sobel3", "sobel5", "prewitt3", "prewitt5", "3x3", "5x5", 
 def refused_jobs():
     """Each with a part of the reason that is given."""
     sobel = ["call", NORMALS, SOBEL]
+    everywhere = {
+        **{f"indexed-{p}": ("rough8", ["mode", "indexed"], "Indexed images") for p in OTHERS},
+        **{f"group-{p}": ("rough8", ["group"], "layer group") for p in OTHERS},
+        **{f"text-{p}": ("rough8", ["text"], "text layer") for p in (HEIGHT, CLEAN)},
+    }
     return {
+        **{
+            name: (file, [step, ["call", name.split("-", 1)[1], {}]], reason)
+            for name, (file, step, reason) in everywhere.items()
+        },
         "indexed": ("rgb8", [["mode", "indexed"], sobel], "Indexed images"),
         "group": ("rgb8", [["group"], sobel], "layer group"),
         "mask": ("rgb8", [["mask"], [*sobel, "mask"]], "works on layers"),
@@ -118,6 +129,11 @@ def jobs():
     for depth in (8, 16):
         clean = ["call", "plug-in-ntp-clean-normals", {}]
         job(f"clean{depth}", f"rough{depth}", clean, ["save", f"clean{depth}.png"])
+    for name in MISPLACED:
+        job(f"right-{name}", name, ["call", CLEAN, {"undo": True}], ["save", f"right-{name}.png"])
+    for name, size in (("larger", (400, 300, 100, 50)), ("smaller", (60, 50, -30, -20))):
+        steps = [["enlarge", *size], ["mask"], ["call", CLEAN, {"from": "standard"}]]
+        job(f"canvas-{name}", "rough8", *steps, ["dump", f"canvas-{name}"])
     for name in REMEDIES:
         file, remedy = name.rsplit("-", 1)
         job(name, f"judged-{file}", ["call", CHECK, {"remedy": remedy}], ["save", f"{name}.png"])
@@ -163,6 +179,14 @@ def effect_jobs():
         jobs[f"inverted-{name}"] = name, [["merge", *INVERT], ["dump", f"inverted-{name}"]]
     part = [["select", *PART], ["merge", *INVERT], ["dump", "inverted-part"]]
     jobs["inverted-part"] = "rgba16", part
+    again = ["call", NORMALS, SOBEL]
+    jobs["seen-normals"] = "rgb16", [seen, again, note, ["dump", "seen-normals"]]
+    clean = ["call", CLEAN, {"from": "standard"}]
+    jobs["seen-made"] = "rgb16", [seen, clean, note, ["dump", "seen-made"]]
+    made = ["call", HEIGHT, {"from": "standard"}]
+    for name, how in (("seen", "append"), ("merged", "merge")):
+        steps = [[how, *seen[1:]], made, note, ["dump", f"{name}-relief"]]
+        jobs[f"{name}-relief"] = "rgb16", steps
     # Twice inverted shows what is there: the height of these normals, not of others.
     twice = [invert, invert]
     jobs["seen-height"] = "rough16", [*twice, ["call", HEIGHT, {}], note, ["dump", "seen-height"]]
@@ -193,7 +217,8 @@ def gimp():
     pngs.write_png(made.work / "rgb8-equal.png", equal)
     pngs.write_png(made.work / "rough8.png", rough_normals(3, 8))
     pngs.write_png(made.work / "rough16.png", rough_normals(4, 16))
-    shutil.copy(TEST_FILES / "red_blue_swapped.png", made.work)
+    for name in MISPLACED:
+        shutil.copy(TEST_FILES / f"{name}.png", made.work)
     for name in REMEDIES:
         file = name.rsplit("-", 1)[0]
         shutil.copy(TEST_FILES / f"{file}.png", made.work / f"judged-{file}.png")
@@ -437,6 +462,38 @@ def test_effects_to_height(gimp, raw):
     assert different(made, turned) == 0 and np.ptp(made) == 65535
     assert gimp.results["seen-image"]["filters"] == 1
     assert gimp.results["seen-height"]["filters"] == 0
+
+
+def test_our_effect_is_seen(gimp, raw, ntp):
+    """After Normals from Height as an effect each takes the normals, not the heights below."""
+    words = options(SOBEL)
+    shown = ntp(INPUTS["rgb16"][0], "from-height", *words)
+    again = ntp(shown, "from-height", "--force", *words)
+    assert different(raw("seen-normals", dtype=np.uint16), again) == 0
+    # These normals have no error: Clean leaves the effect, and the heights below it.
+    assert different(ntp(shown, "clean", "--type", "standard"), shown) == 0
+    assert different(raw("seen-made", dtype=np.uint16), INPUTS["rgb16"][0]) == 0
+    assert gimp.results["seen-made"]["filters"] == 1
+    relief = [raw(f"{how}-relief", dtype=np.uint16) for how in ("seen", "merged")]
+    assert different(*relief) == 0 and np.ptp(relief[0]) == 65535
+    for job in ("seen-normals", "seen-relief"):
+        assert gimp.results[job]["filters"] == 0
+
+
+@pytest.mark.parametrize("name", MISPLACED)
+def test_clean_puts_channels_right(done, program, tmp_path, name):
+    """As `ntp clean --undo`."""
+    command = [program, "clean", "--undo", "-q", TEST_FILES / f"{name}.png", "-o"]
+    subprocess.run([*command, tmp_path / "right.png"], check=True)
+    expected = pngs.read_png(tmp_path / "right.png")[0]
+    assert different(done(f"right-{name}")[..., :3], expected[..., :3]) == 0
+
+
+@pytest.mark.parametrize("name", ["larger", "smaller"])
+def test_canvas_of_another_size(raw, ntp, name):
+    """The whole layer is cleaned, not what the canvas shows of it; a mask changes nothing."""
+    expected = ntp(rough_normals(3, 8), "clean", "--type", "standard")
+    assert different(raw(f"canvas-{name}"), expected) == 0
 
 
 def test_uninstall_leaves_nothing(gimp):

@@ -21,6 +21,7 @@ from support.plugin_cases import (
     GAMMA,
     HEIGHT,
     INPUTS,
+    MISPLACED,
     PART,
     PARTS,
     REMEDIES,
@@ -69,10 +70,6 @@ PRECISE += [("gray16", f"{kind}-GAMMA") for kind in ("U8", "U16", "U32", "HALF",
 
 
 TEST_FILES = ROOT / "test_files"
-# Of these, what cleaning would make worse.
-MISPLACED = ["red_blue_swapped", "green_blue_swapped", "dxt5nm", "gamma"]
-
-
 # Findings of a file, not of its texels: a layer has none of them.
 OF_FILES = {"NT011", "NT030", "NT031"}
 # GIMP has other numbers of levels or refuses: palettes, 4 bits.
