@@ -5,7 +5,7 @@
  * This room walks over texels once and keeps counts and sums in a tally; facts follow from them.
  * Colors of 8 bit are only counted on the way, and judged when the facts are asked for.  Other
  * colors are judged at once and added to `wide`.
- *   measure.c        the pass over the texels
+ *   measure.c        the pass over the texels; packed8_tmpl.h is its part for packed 8 bit
  *   color_counts.h   how often each color of 8 bit occurs: the cells
  *   judged_sums.h    what judged texels add up to: verdicts, lengths, angles
  *   sampled_rows.c   what costs more than a count, and is measured on some rows only

@@ -1,0 +1,175 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * packed8_tmpl.h - counts packed RGB and RGBA of 8 bit; included by measure.c, whose counts it uses
+ *
+ * A group of texels of one color is counted at once.  In other groups each texel is one look-up and
+ * one count.
+ */
+
+enum { GROUP = 16 /* packed texels that are looked at together */ };
+
+/* Sums and extremes of packed 8-bit texels, a group at a time.  At the end its columns become
+ * channels. */
+static inline void add_bytes(ntp_tally *t, const uint8_t *p, int32_t n, int32_t channels)
+{
+    enum { MOST = 4 * GROUP, STEPS = 256 }; /* 256 bytes add up to less than 2^16 */
+    uint8_t least[MOST], greatest[MOST];
+    uint16_t sums[MOST];
+    const int32_t step = channels * GROUP;
+    memset(least, 255, sizeof least);
+    memset(greatest, 0, sizeof greatest);
+    for (; n >= GROUP;) {
+        memset(sums, 0, sizeof sums);
+        for (int32_t k = 0; k < STEPS && n >= GROUP; k++, n -= GROUP, p += step) {
+            for (int32_t i = 0; i < step; i++) {
+                least[i] = p[i] < least[i] ? p[i] : least[i];
+                greatest[i] = p[i] > greatest[i] ? p[i] : greatest[i];
+                sums[i] = (uint16_t) (sums[i] + p[i]);
+            }
+        }
+        for (int32_t i = 0; i < step; i++) {
+            if (i % channels < 3)
+                t->channel[i % channels].sum += sums[i];
+        }
+    }
+    for (int32_t i = 0; i < step; i++) {
+        if (i % channels == 3 || least[i] > greatest[i])
+            continue;
+        ntp__channel_sums *c = &t->channel[i % channels];
+        c->max = greatest[i] > c->max ? greatest[i] : c->max;
+        c->inverted_min =
+            ~(uint32_t) least[i] > c->inverted_min ? ~(uint32_t) least[i] : c->inverted_min;
+    }
+    for (; n > 0; n--, p += channels)
+        add_color(t, p[0], p[1], p[2]);
+}
+
+/* Are all texels of a group the same?  Each is compared with the next one, eight bytes at once. */
+static inline bool is_even_rgb8(const uint8_t *p)
+{
+    enum { LAST = 3 * (GROUP - 1) - 8 };
+    uint64_t a, b;
+    for (int32_t i = 0; i <= LAST; i = i + 8 > LAST && i < LAST ? LAST : i + 8) {
+        memcpy(&a, p + i, 8);
+        memcpy(&b, p + i + 3, 8);
+        if (a != b)
+            return false;
+    }
+    return true;
+}
+
+/* Counts `count` texels of this color outside the near cells, where all grays are.  Returns how
+ * many of them are black or white, and unused for that. */
+static inline uint32_t count_odd(ntp_tally *t, const uint8_t *p, uint32_t entry, uint32_t count)
+{
+    if ((p[0] == p[1]) & (p[1] == p[2])) {
+        t->gray += count;
+        if (p[2] == 0 && !(t->touched & NTP_UNUSED_BLACK)) {
+            t->black += count;
+            return count;
+        }
+        if (p[2] == 255 && !(t->touched & NTP_UNUSED_WHITE)) {
+            t->white += count;
+            return count;
+        }
+    }
+    uint32_t row = ntp__entry_cells(entry) / NTP__NEAR;
+    t->cells.far[row][p[2]] += count;
+    if (!(t->cells.row_seen[row] & NTP__SEEN_FAR)) /* storing it again would be waited for */
+        t->cells.row_seen[row] |= NTP__SEEN_FAR;
+    return 0;
+}
+
+/* `ntp check` spends its time here and on decoding files: one look-up, one count. */
+static inline uint32_t count_color(ntp_tally *t, const uint32_t *row_of, uint32_t *near,
+                                   const uint8_t *p, uint32_t count)
+{
+    uint32_t entry = row_of[p[0] | (uint32_t) p[1] << 8];
+    uint32_t place = p[2] - ntp__entry_first(entry);
+    if (place >= NTP__NEAR)
+        return count_odd(t, p, entry, count);
+    near[ntp__entry_cells(entry) + place] += count;
+    return 0;
+}
+
+static void count_rgb8(ntp_tally *t, const uint8_t *p, int32_t n)
+{
+    uint64_t unused = 0;
+    uint32_t *near = t->cells.near;
+    const uint32_t *row_of = t->cells.row_of;
+    add_bytes(t, p, n, 3);
+    t->narrow += (uint64_t) n;
+    for (; n >= GROUP; n -= GROUP) {
+        if (is_even_rgb8(p)) {
+            unused += count_color(t, row_of, near, p, GROUP);
+            p += 3 * GROUP;
+            continue;
+        }
+        for (int32_t i = 0; i < GROUP; i++, p += 3)
+            unused += count_color(t, row_of, near, p, 1);
+    }
+    for (; n > 0; n--, p += 3)
+        unused += count_color(t, row_of, near, p, 1);
+    t->narrow -= unused;
+}
+
+/* What the texels of a row with alpha are counted by. */
+typedef struct alpha_counts {
+    unused_run run;
+    uint32_t visible; /* the least alpha of a used texel */
+    uint64_t unused, ag;
+} alpha_counts;
+
+static void count_one_rgba8(ntp_tally *t, alpha_counts *c, const uint8_t *p)
+{
+    uint32_t r = p[0], g = p[1], b = p[2], a = p[3];
+    t->alpha[a]++;
+    if (a >= c->visible) {
+        uint32_t unused = count_color(t, t->cells.row_of, t->cells.near, p, 1);
+        c->ag += unused == 0 && a < 255 && in_disc8((int32_t) a, (int32_t) g);
+        c->unused += unused;
+        return;
+    }
+    c->unused++;
+    if ((r == g) & (g == b) && count_black_white(t, (int32_t) b, 255))
+        return;
+    add_transparent(t, &c->run, (int32_t) r, (int32_t) g, (int32_t) b, 255);
+}
+
+/* Counts a group; opaque ones, and those of one color, are the fast ones. */
+static inline void count_group_rgba8(ntp_tally *t, alpha_counts *c, const uint8_t *p)
+{
+    uint32_t texel[GROUP], all = UINT32_MAX, any = 0, opaque;
+    memcpy(texel, p, sizeof texel);
+    memcpy(&opaque, (const uint8_t[4]) { 0, 0, 0, 255 }, sizeof opaque);
+    for (int32_t i = 0; i < GROUP; i++) {
+        all &= texel[i];
+        any |= texel[i];
+    }
+    if ((all & opaque) != opaque) {
+        for (int32_t i = 0; i < GROUP; i++)
+            count_one_rgba8(t, c, p + 4 * i);
+        return;
+    }
+    t->alpha[255] += GROUP;
+    if (all == any) {
+        c->unused += count_color(t, t->cells.row_of, t->cells.near, p, GROUP);
+        return;
+    }
+    for (int32_t i = 0; i < GROUP; i++)
+        c->unused += count_color(t, t->cells.row_of, t->cells.near, p + 4 * i, 1);
+}
+
+static void count_rgba8(ntp_tally *t, const uint8_t *p, int32_t n)
+{
+    alpha_counts c = { .visible = t->touched & NTP_UNUSED_TRANSPARENT ? 0 : 1 };
+    add_bytes(t, p, n, 4);
+    t->narrow += (uint64_t) n;
+    for (; n >= GROUP; n -= GROUP, p += 4 * GROUP)
+        count_group_rgba8(t, &c, p);
+    for (; n > 0; n--, p += 4)
+        count_one_rgba8(t, &c, p);
+    end_run(t, &c.run, 255);
+    t->narrow -= c.unused;
+    t->ag_in_disc += c.ag;
+}
