@@ -113,4 +113,5 @@ def main():
         write(folder / "huge_n.png", image, HUGE // SIDE)
 
 
-main()
+if __name__ == "__main__":
+    main()
