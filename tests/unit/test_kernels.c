@@ -279,8 +279,12 @@ static void check_angles(const ntp__kernels_table *level, uint64_t *seed)
                 pair[1][2][i] = i % 3 - 1;
             }
         }
-        for (int32_t i = 0; i < 6 * n; i++)
-            v[i / (3 * n)].c[i / n % 3][i % n] = pair[i / (3 * n)][i / n % 3][i % n];
+        for (int k = 0; k < 3; k++) {
+            for (int32_t i = 0; i < n; i++) {
+                v[0].c[k][i] = pair[0][k][i];
+                v[1].c[k][i] = pair[1][k][i];
+            }
+        }
         level->angles(angle, &v[0], &v[1], n);
         for (int32_t i = 0; i < n; i++)
             CHECK((uint32_t) angle[i] == ntp__angle(pair[0][0][i], pair[0][1][i], pair[0][2][i],
