@@ -79,6 +79,20 @@ def test_occlusion(run, tmp_path, files):
     assert np.array_equal(pixels_of(tmp_path / "r.png")[..., 0], near)
 
 
+def test_pit_of_normals(run, tmp_path):
+    """A dent that is part of a ball, of its normals: each point of it sees 3/4 of the sky."""
+    y, x = np.mgrid[-80:81, -80:81].astype(float)
+    rim = 70
+    far, radius = np.hypot(x, y), rim / np.sin(np.radians(60))
+    deep = np.sqrt(np.maximum(radius**2 - far**2, 1))
+    n = np.where((far < rim)[..., None], np.stack([-x, y, deep], -1) / radius, (0, 0, 1))
+    write_png(tmp_path / "n.png", np.floor((n + 1) / 2 * 65535 + 0.5).astype(np.uint16))
+    told = ["--type", "standard", "--y", "up", "--border", "clamp"]
+    item(run("occlusion", "n.png", "-o", "a.png", *told, "--format", "json"))
+    made = pixels_of(tmp_path / "a.png")[..., 0] / 65535
+    assert abs(made / 0.75 - 1)[far < 0.9 * rim].max() < 0.01
+
+
 def test_borders(run, tmp_path):
     """A tile wraps, a part of it does not, of heights in any channel and of normals."""
     tile = maps.hills(160, 65535, 12).astype(np.uint16)
