@@ -94,7 +94,7 @@ run_tests() {
     case ${1:-} in
     --sanitize)
         stage "build with ASan and UBSan" build_dir build-asan -Dwerror="$werror" \
-            -Db_sanitize=address,undefined -Db_lundef=false -Doptimization=1 -Dfuzz=replay
+            -Db_sanitize=address,undefined -Db_lundef=false -Doptimization=2 -Dfuzz=replay
         finish_stages
         stage "C tests under ASan and UBSan" c_tests_sanitized
         stage "pytest under ASan and UBSan" pytest_sanitized
