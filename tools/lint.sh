@@ -44,7 +44,7 @@ END
 lint_python() { ruff check . && ruff format --check .; }
 
 lint_spelling() {
-    codespell --skip '*.png,*.tga,*.jpg,*.pfm' --ignore-words-list 'ue,fo,ba,nd,paeth,chekc,autor,aci' $(git ls-files '*.md' '*.c' '*.h' '*.py' '*.txt' '*.sh' dev)
+    codespell --skip '*.png,*.tga,*.jpg,*.pfm' --ignore-words-list 'ue,fo,ba,nd,paeth,chekc,autor,aci,absolut' $(git ls-files '*.md' '*.c' '*.h' '*.py' '*.txt' '*.sh' dev)
 }
 
 lint() {
