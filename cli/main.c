@@ -3,41 +3,21 @@
  * main.c - from the first word to a verb: one of ours, or a program ntp-VERB beside ntp
  */
 #include <errno.h>
-#include <libgen.h>
 #include <libntp.h>
 #include <ntpio.h>
-#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "generate.h"
 #include "options/options.h"
+#include "os/console.h"
+#include "os/files.h"
 #include "verbs/verbs.h"
 
-/* A reader that is gone and a file that grows too large are errors of writing, no reason to die. */
-static void on_write_signals(void (*how)(int))
-{
-    signal(SIGPIPE, how);
-    signal(SIGXFSZ, how);
-}
-
-static void on_signal(int number)
+static void on_interruption(int number)
 {
     interrupted_by = number;
-}
-
-/* The first signal asks for an orderly end, the second ends at once. */
-static void catch_signals(void)
-{
-    const struct sigaction action = { .sa_handler = on_signal, .sa_flags = (int) SA_RESETHAND };
-    static const int ENDING[] = { SIGINT, SIGTERM, SIGHUP };
-    for (size_t i = 0; i < sizeof ENDING / sizeof ENDING[0]; i++) {
-        struct sigaction old;
-        if (sigaction(ENDING[i], NULL, &old) == 0 && old.sa_handler != SIG_IGN)
-            sigaction(ENDING[i], &action, NULL);
-    }
 }
 
 static int finish(int code)
@@ -82,15 +62,15 @@ static int print_generated(const char *what)
     return print_text(&t);
 }
 
-/* The directory of a path once links are resolved, or NULL. */
-static char *directory_of(const char *path)
+/* The directory of an absolute path; frees the path, which may be NULL. */
+static char *directory_of(char *path)
 {
-    char *resolved = realpath(path, NULL);
-    if (resolved == NULL)
-        return NULL;
-    char *directory = copy_string(dirname(resolved));
-    free(resolved);
-    return directory;
+    char *slash = path != NULL ? strrchr(path, '/') : NULL;
+    if (slash != NULL)
+        slash[slash == path] = 0;
+    else
+        free(path);
+    return slash != NULL ? path : NULL;
 }
 
 /* Becomes the program ntp-VERB of a directory; frees `directory`.  Returns false if there is
@@ -103,11 +83,10 @@ static bool failed_to_become(char *directory, const char *verb, char **argv)
     text_free(&name);
     free(directory);
     argv[0] = path;
-    on_write_signals(SIG_DFL);
-    execv(path, argv);
+    os_become(argv);
     const int error = errno;
-    on_write_signals(SIG_IGN);
-    const bool found = access(path, F_OK) == 0;
+    os_file file;
+    const bool found = os_look(path, &file);
     if (found) /* ENOENT is then about the first line of a script */
         complain("%s: %s", path, error == ENOENT ? "its interpreter is missing" : strerror(error));
     free(path);
@@ -123,9 +102,11 @@ static int run_external(const char *started_as, const char *verb, char **argv)
 {
     const bool plain =
         verb[0] != 0 && strspn(verb, "abcdefghijklmnopqrstuvwxyz0123456789-") == strlen(verb);
-    const char *const ways[] = { "/proc/self/exe", strchr(started_as, '/') ? started_as : NULL };
-    for (size_t i = 0; plain && i < sizeof ways / sizeof ways[0]; i++) {
-        char *directory = ways[i] != NULL ? directory_of(ways[i]) : NULL;
+    for (int way = 0; plain && way < 2; way++) {
+        char *own = way == 0                  ? os_own_path()
+                    : strchr(started_as, '/') ? os_real_path(started_as)
+                                              : NULL;
+        char *directory = directory_of(own);
         if (directory != NULL && failed_to_become(directory, verb, argv))
             return NTP_EXIT_FAILED;
     }
@@ -179,7 +160,7 @@ static int run_verb(const verb_spec *verb, int argc, char **argv)
         if (option_given(&o, OPT_HELP)) {
             code = print_help(verb);
         } else {
-            catch_signals();
+            os_on_interruption(on_interruption);
             code = finish(run_parsed(&o));
         }
     }
@@ -189,6 +170,7 @@ static int run_verb(const verb_spec *verb, int argc, char **argv)
 
 int main(int argc, char **argv)
 {
+    os_start(&argc, &argv);
     if (argc < 2) {
         text t = { 0 };
         help_program(&t);
@@ -197,7 +179,7 @@ int main(int argc, char **argv)
         return NTP_EXIT_USAGE;
     }
     const char *word = argv[1];
-    on_write_signals(SIG_IGN);
+    os_keep_write_errors();
     if (strcmp(word, "--help") == 0 || strcmp(word, "-h") == 0)
         return print_help(NULL);
     if (strcmp(word, "help") == 0 && argc > 2)

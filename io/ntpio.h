@@ -124,10 +124,6 @@ const ntpio_info *ntpio_reader_info(const ntpio_reader *reader);
 bool ntpio_read_rows(ntpio_reader *reader, void *dst, ptrdiff_t stride, uint32_t count,
                      ntpio_error *error);
 
-/* Asks for large pages under a buffer that was allocated and will be used as a whole; nothing but
- * speed depends on it. */
-void ntpio_large_pages(void *memory, size_t size);
-
 /* Is the file at `path` still the version that was read?  True if the stamp is not known. */
 bool ntpio_is_current(const char *path, const ntpio_stamp *stamp);
 

@@ -17,7 +17,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "large_pages.h"
+#include "os/memory.h"
 #include "png_filter.h"
 
 #ifdef NTPIO_HAVE_LIBDEFLATE
@@ -182,7 +182,7 @@ static bool take_file(ntpio__png_whole *whole, parts *p, uint8_t *file, const nt
         return false;
     whole->texel = p->texel;
     whole->row_size = p->row_size;
-    whole->rows = ntpio__large_alloc((size_t) raw_size(p));
+    whole->rows = os_alloc_large((size_t) raw_size(p));
     const uint8_t *packed = whole->rows != NULL ? join(p, file, &memory) : NULL;
     if (packed != NULL && unpack(p, packed, whole->rows))
         whole->shell = shell_of(p, &whole->shell_size);
@@ -192,7 +192,7 @@ static bool take_file(ntpio__png_whole *whole, parts *p, uint8_t *file, const nt
 
 static uint8_t *read_file(ntpio__source *source, size_t size)
 {
-    uint8_t *file = ntpio__large_alloc(size);
+    uint8_t *file = os_alloc_large(size);
     if (file != NULL && ntpio__read(source, file, size) == size)
         return file;
     free(file);

@@ -8,42 +8,26 @@
 #include "source.h"
 
 #include <errno.h>
-#include <fcntl.h>
-#include <limits.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "message.h"
+#include "os/files.h"
 #include "stamp.h"
 
-#ifndef O_CLOEXEC
-#  define O_CLOEXEC 0
-#endif
-
 enum { BUFFER_SIZE = 1 << 16 };
-
-/* A pipe without a writer would be waited for: O_NONBLOCK does not, and changes nothing about
- * regular files. */
-static FILE *open_file(const char *path, bool regular_only)
-{
-    const int fd = open(path, O_RDONLY | O_CLOEXEC | (regular_only ? O_NONBLOCK : 0));
-    FILE *file = fd >= 0 ? fdopen(fd, "rb") : NULL;
-    if (fd >= 0 && file == NULL)
-        close(fd);
-    return file;
-}
 
 bool ntpio__source_open(ntpio__source *source, const char *path, bool regular_only,
                         ntpio_error *error)
 {
     *source = (ntpio__source) { .start = -1 };
     const bool standard = strcmp(path, "-") == 0;
-    source->file = standard ? stdin : open_file(path, regular_only);
+    source->file = standard ? stdin : os_open_to_read(path, regular_only);
     if (source->file == NULL)
         return ntpio__fail(error, NTPIO_ERR_OPEN, path, "cannot be opened: %s", strerror(errno));
-    if (!standard)
-        source->stamp = ntpio__stamp_of(fileno(source->file));
+    os_file file;
+    if (!standard && os_look_at_open(source->file, &file))
+        source->stamp = ntpio__stamp_of(&file);
     if (!standard && regular_only && !source->stamp.known) {
         ntpio__source_close(source);
         return ntpio__fail(error, NTPIO_ERR_OPEN, path, "not a regular file");
@@ -55,7 +39,7 @@ bool ntpio__source_open(ntpio__source *source, const char *path, bool regular_on
     }
     if (!standard) {
         setvbuf(source->file, NULL, _IONBF, 0);
-        if (fseek(source->file, 0, SEEK_SET) == 0)
+        if (os_seek(source->file, 0, SEEK_SET))
             source->start = 0;
     }
     source->bytes = source->buffer;
@@ -138,7 +122,7 @@ bool ntpio__seek(ntpio__source *source, uint64_t offset)
         return true;
     }
     source->at = source->end = 0;
-    return offset <= LONG_MAX && fseek(source->file, (long) offset, SEEK_SET) == 0;
+    return offset <= INT64_MAX && os_seek(source->file, (int64_t) offset, SEEK_SET);
 }
 
 bool ntpio__size(ntpio__source *source, uint64_t *size)
@@ -147,10 +131,10 @@ bool ntpio__size(ntpio__source *source, uint64_t *size)
         *size = source->end;
         return true;
     }
-    const long here = ntpio__can_seek(source) ? ftell(source->file) : -1;
-    if (here < 0 || fseek(source->file, 0, SEEK_END) != 0)
+    const int64_t here = ntpio__can_seek(source) ? os_tell(source->file) : -1;
+    if (here < 0 || !os_seek(source->file, 0, SEEK_END))
         return false;
-    const long end = ftell(source->file);
+    const int64_t end = os_tell(source->file);
     *size = end < 0 ? 0 : (uint64_t) end;
-    return fseek(source->file, here, SEEK_SET) == 0 && end >= 0;
+    return os_seek(source->file, here, SEEK_SET) && end >= 0;
 }

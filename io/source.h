@@ -16,8 +16,8 @@ typedef struct ntpio__source {
     size_t at, end;
     FILE *file; /* NULL: the bytes are all there is */
     uint8_t *buffer;
-    long start;  /* of the image in a file that can seek, else -1 */
-    int problem; /* errno of a failed read */
+    int64_t start; /* of the image in a file that can seek, else -1 */
+    int problem;   /* errno of a failed read */
     ntpio_stamp stamp;
 } ntpio__source;
 

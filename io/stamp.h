@@ -6,11 +6,12 @@
 #define NTPIO_STAMP_H
 
 #include "ntpio.h"
+#include "os/files.h"
 
-/* Of an open file; not known if it is not a regular one. */
-ntpio_stamp ntpio__stamp_of(int fd);
+/* Not known if it is not a regular file. */
+ntpio_stamp ntpio__stamp_of(const os_file *file);
 
-/* Has the file of this name in a directory that stamp?  False if there is none. */
-bool ntpio__has_stamp(int directory, const char *name, const ntpio_stamp *stamp);
+/* Of a stamp that is known. */
+os_file ntpio__version_of(const ntpio_stamp *stamp);
 
 #endif

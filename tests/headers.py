@@ -40,11 +40,17 @@ def main(root, *compiler):
         for std in stds:
             good &= compiles(cc, language, std, "libntp.h", core[:1])
             good &= compiles(cc, language, std, "libntp.h", core[:1], ["NTP_STATIC"])
-    for folder, directories in (("libntp/src", core), ("io", [*core, root / "io"])):
+    for folder, directories in (
+        ("libntp/src", core),
+        ("os", [root]),
+        ("io", [*core, root, root / "io"]),
+    ):
         for header in sorted((root / folder).rglob("*.h")):
             if header.name.endswith("_tmpl.h"):  # a part of a source, in its words and types
                 continue
-            name = header.relative_to(root / folder).as_posix()
+            if header.parent.name == "windows" and sys.platform != "win32":
+                continue
+            name = header.relative_to(directories[-1]).as_posix()
             good &= compiles(list(compiler), "c", "c11", name, directories, ["_GNU_SOURCE"])
     return 0 if good else 1
 

@@ -17,7 +17,7 @@ def rooms(tmp_path, monkeypatch):
     spec = importlib.util.spec_from_file_location("rooms", ROOT / "tools" / "rooms.py")
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
-    for folder in ("libntp/src", "cli"):
+    for folder in module.HOUSES:
         shutil.copytree(ROOT / folder, tmp_path / folder)
     shutil.copy(ROOT / "CONTRIBUTING.md", tmp_path)
     monkeypatch.setattr(module, "ROOT", tmp_path)
@@ -31,8 +31,8 @@ def faults(rooms, folder, names):
     return house.faults
 
 
-def both(rooms):
-    return faults(rooms, "libntp/src", rooms.LIBRARY) + faults(rooms, "cli", rooms.PROGRAM)
+def all_faults(rooms):
+    return [f for folder, names in rooms.HOUSES.items() for f in faults(rooms, folder, names)]
 
 
 def add_line(path, line):
@@ -40,7 +40,7 @@ def add_line(path, line):
 
 
 def test_the_tree_keeps_the_direction(rooms):
-    assert both(rooms) == []
+    assert all_faults(rooms) == []
 
 
 @pytest.mark.parametrize(
@@ -55,18 +55,28 @@ def test_the_tree_keeps_the_direction(rooms):
         ),
         ("libntp/src/reshape/blend.c", "elsewhere.h", "elsewhere.h is no file of these rooms"),
         ("cli/examine/orient.c", "report/report.h", "examine may not include report/report.h"),
+        ("io/open.c", "cli.h", "cli.h is no file of these rooms"),
+        ("io/open.c", "os/posix/state.h", "os/posix/state.h is no file of these rooms"),
+        ("os/version.c", "ntpio.h", "ntpio.h is no file of these rooms"),
+        ("libntp/src/base/view.c", "os/files.h", "os/files.h is no file of these rooms"),
     ],
 )
 def test_an_include_against_the_direction_is_told(rooms, path, include, told):
     add_line(rooms.ROOT / path, f'#include "{include}"')
-    (fault,) = both(rooms)
+    (fault,) = all_faults(rooms)
     assert fault.startswith(f"{path}: line 1: {told}")
+
+
+def test_a_question_for_the_system_outside_its_room_is_told(rooms):
+    add_line(rooms.ROOT / "io/open.c", "#ifdef _WIN32")
+    (fault,) = all_faults(rooms)
+    assert fault == "io/open.c: line 1: asks for _WIN32; what differs by system is in os/"
 
 
 def test_a_room_that_contributing_does_not_name_is_told(rooms):
     page = rooms.ROOT / "CONTRIBUTING.md"
     page.write_text(page.read_text(encoding="utf-8").replace("`detect/`", ""), encoding="utf-8")
-    (fault,) = both(rooms)
+    (fault,) = all_faults(rooms)
     assert "does not name the room `detect/`" in fault
 
 

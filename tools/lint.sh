@@ -20,11 +20,11 @@ lint_cppcheck() {
         --suppress=missingIncludeSystem --suppress=uninitvar:libntp/src/base/bignum.c \
         --suppress=legacyUninitvar:io/png_write.c \
         --suppress=uninitvar:bench/bench_to_height.c --error-exitcode=1 -j "$jobs" \
-        -Ilibntp/include -Ilibntp/src -Iio -Icli -Igimp-plugin/plug-in '-DG_DEFINE_TYPE(A,B,C)=' \
+        -I. -Ilibntp/include -Ilibntp/src -Iio -Icli -Igimp-plugin/plug-in '-DG_DEFINE_TYPE(A,B,C)=' \
         -DNTP_BUILDING -DNTP_ISA=base '-DNTP_ISA_NAME="base"' \
         '-Djson_array_foreach(a,i,v)=while((v=json_array_get(a,(i=0)))!=NULL)' \
         '-Djson_object_foreach(o,k,v)=while((v=json_object_get(o,(k="")))!=NULL)' \
-        libntp io cli gimp-plugin examples bench
+        libntp os io cli gimp-plugin examples bench
 }
 
 lint_tidy() {
@@ -33,7 +33,7 @@ import json, os
 top = os.getcwd()
 names = {os.path.realpath(os.path.join(e["directory"], e["file"])) for e in json.load(open("build/compile_commands.json"))}
 names = {os.path.relpath(n, top) for n in names}
-print("\n".join(sorted(n for n in names if n.endswith(".c") and n.split("/")[0] in ("libntp", "io", "cli", "gimp-plugin", "tests"))))
+print("\n".join(sorted(n for n in names if n.endswith(".c") and n.split("/")[0] in ("libntp", "os", "io", "cli", "gimp-plugin", "tests"))))
 END
     # The build is of gcc, whose options to optimize are not all clang's.
     xargs -n 1 -P "$jobs" clang-tidy --quiet -p build --warnings-as-errors='*' \

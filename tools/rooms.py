@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: MIT
 """rooms.py BUILD: does every include and every call run in the direction of the rooms?
 
-A room is a folder of libntp/src or of cli.  A file uses what lies in its own room and in the rooms
+A room is a folder of libntp/src, of cli or of os.  A file uses what lies in its own room and in the rooms
 that stand before it in the lists below; a shut room is reached through libntp.h alone.  Includes are
 read from the sources, calls from the symbols of the objects in the build directory BUILD.
 CONTRIBUTING.md has to name every room, and each room has the file that a newcomer opens first.
+Only os/ asks which system it is; io/ and cli/ use its headers, and io/ none of cli/.
 """
 
 import re
@@ -55,6 +56,13 @@ PROGRAM = [
     Room("verbs", "verbs.h"),
     Room("", "main.c"),
 ]
+# Below the program: what differs by system, and image files.
+SYSTEM = [Room("", "files.h"), Room("posix", "output.c", "posix")]
+FILES = [Room("", "ntpio.h")]
+# Who may include headers of os/, by their path from the top.
+ABOVE_SYSTEM = {"os", "io", "cli"}
+SYSTEM_QUESTION = re.compile(r"\s*#\s*(?:el)?if.*\b(_WIN32|__APPLE__|__linux__|__unix__)\b")
+HOUSES = {"libntp/src": LIBRARY, "os": SYSTEM, "io": FILES, "cli": PROGRAM}
 # Headers that a room after theirs may include although the room is shut, and why.
 OPEN_HEADERS = {
     # The classifier's evidence comes out of the tally; it is no part of the interface.
@@ -111,8 +119,15 @@ class House:
         for path in self.sources:
             user = self.room_of(path)
             for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):
+                self.check_system_question(path, number, line)
                 found = re.match(r'\s*#\s*include "([^"]+)"', line)
-                if found is None or (user, found[1]) in OPEN_HEADERS or found[1] in LOWEST:
+                if found is not None and self.is_of_system(path, found[1]):
+                    continue
+                if (
+                    found is None
+                    or (user, found[1]) in OPEN_HEADERS
+                    or (self.folder.name == "cli" and found[1] in LOWEST)
+                ):
                     continue
                 used = found[1].rpartition("/")[0]
                 if used not in self.rooms or not (self.folder / found[1]).exists():
@@ -120,6 +135,24 @@ class House:
                         self.fault(path, f"line {number}: {found[1]} is no file of these rooms")
                 elif not self.may_include(user, used):
                     self.fault(path, f"line {number}: {user or 'main'} may not include {found[1]}")
+
+    def is_of_system(self, path, name):
+        """Whether an include is a header of os/ that the file may use: its own system's, or none's."""
+        header = ROOT / name
+        user = path.parent.relative_to(ROOT).as_posix()
+        return (
+            name.startswith("os/")
+            and self.folder.name in ABOVE_SYSTEM
+            and header.exists()
+            and (header.parent == ROOT / "os" or header.parent == ROOT / user)
+        )
+
+    def check_system_question(self, path, number, line):
+        found = SYSTEM_QUESTION.match(line)
+        if found is not None and self.folder.name in ("io", "cli"):
+            self.fault(
+                path, f"line {number}: asks for {found[1]}; what differs by system is in os/"
+            )
 
     def check_calls(self, build):
         """Symbols that an object leaves open, against the room that defines them."""
@@ -158,7 +191,7 @@ class House:
 def main(build):
     pages = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
     faults = []
-    for folder, rooms in (("libntp/src", LIBRARY), ("cli", PROGRAM)):
+    for folder, rooms in HOUSES.items():
         house = House(folder, rooms)
         house.check_rooms(pages)
         house.check_includes()

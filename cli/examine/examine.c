@@ -12,6 +12,7 @@
 #include <string.h>
 
 #include "examine/middle_and_lines.h"
+#include "os/memory.h"
 
 ntpio_limits limits_from(const options *o)
 {
@@ -169,7 +170,7 @@ static bool measure(source *s, uint32_t touch, ntpio_error *error)
 {
     enum { LARGE = 512 * 512 }; /* the tally of a smaller texture touches few pages */
     if ((int64_t) s->view.width * s->view.height >= LARGE)
-        ntpio_large_pages(s->w->tally, ntp_tally_size());
+        os_large_pages(s->w->tally, ntp_tally_size());
     ntp_tally_clear(s->w->tally);
     orient_begin(s);
     middle_begin(s);

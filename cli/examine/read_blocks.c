@@ -9,14 +9,14 @@
 #include "examine/read_blocks.h"
 
 #include <errno.h>
-#include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 #include "cli.h"
 #include "examine/samples.h"
+#include "os/files.h"
+#include "os/threads.h"
 
 enum {
     BLOCK_BYTES = 256 * 1024, /* a block stays in the second-level cache */
@@ -64,15 +64,15 @@ static bool read_all(source *s, FILE *file, ntpio_error *error)
 
 static bool hold(source *s, ntpio_error *error)
 {
-    struct stat st;
+    os_file found;
     if (strcmp(s->in->path, "-") == 0)
         return read_all(s, stdin, error);
-    if (stat(s->in->path, &st) != 0 || S_ISREG(st.st_mode) || S_ISDIR(st.st_mode) ||
+    if (!os_look(s->in->path, &found) || found.kind == OS_REGULAR || found.kind == OS_DIRECTORY ||
         s->limits->regular_only)
         return true;
-    if (S_ISCHR(st.st_mode) || S_ISBLK(st.st_mode)) /* it may have no end */
+    if (found.kind == OS_DEVICE) /* it may have no end */
         return file_error(error, NTPIO_ERR_OPEN, s->in->path, "a device, not a file");
-    FILE *file = fopen(s->in->path, "rb");
+    FILE *file = os_open_to_read(s->in->path, false);
     if (file == NULL)
         return file_error(error, NTPIO_ERR_OPEN, s->in->path, strerror(errno));
     const bool ok = read_all(s, file, error);
@@ -231,9 +231,9 @@ static bool read_block(source *s, uint32_t index, ntpio_error *error)
 /* ------------------------------------------------------------------- reading ahead */
 
 struct ahead {
-    pthread_t thread;
-    pthread_mutex_t lock;
-    pthread_cond_t changed;
+    os_thread thread;
+    os_lock lock;
+    os_condition changed;
     uint32_t read;     /* blocks that are in the ring */
     uint32_t released; /* blocks that the caller is done with */
     bool stop, failed;
@@ -246,21 +246,21 @@ static void *read_ahead(void *context)
     struct ahead *a = s->ahead;
     const uint32_t block = (uint32_t) s->block_rows;
     const uint32_t blocks = (s->info->height + block - 1) / block;
-    pthread_mutex_lock(&a->lock);
+    os_lock_take(&a->lock);
     while (!a->stop && !a->failed && a->read < blocks) {
         if (a->read >= a->released + 2) {
-            pthread_cond_wait(&a->changed, &a->lock);
+            os_condition_wait(&a->changed, &a->lock);
             continue;
         }
         const uint32_t index = a->read;
-        pthread_mutex_unlock(&a->lock);
+        os_lock_release(&a->lock);
         const bool ok = read_block(s, index, &a->error);
-        pthread_mutex_lock(&a->lock);
+        os_lock_take(&a->lock);
         a->read += ok;
         a->failed = !ok;
-        pthread_cond_signal(&a->changed);
+        os_condition_wake_one(&a->changed);
     }
-    pthread_mutex_unlock(&a->lock);
+    os_lock_release(&a->lock);
     return NULL;
 }
 
@@ -269,13 +269,13 @@ static void stop_ahead(source *s)
     struct ahead *a = s->ahead;
     if (a == NULL)
         return;
-    pthread_mutex_lock(&a->lock);
+    os_lock_take(&a->lock);
     a->stop = true;
-    pthread_cond_signal(&a->changed);
-    pthread_mutex_unlock(&a->lock);
-    pthread_join(a->thread, NULL);
-    pthread_cond_destroy(&a->changed);
-    pthread_mutex_destroy(&a->lock);
+    os_condition_wake_one(&a->changed);
+    os_lock_release(&a->lock);
+    os_thread_join(a->thread);
+    os_condition_destroy(&a->changed);
+    os_lock_destroy(&a->lock);
     free(a);
     s->ahead = NULL;
 }
@@ -283,9 +283,9 @@ static void stop_ahead(source *s)
 static void start_ahead(source *s)
 {
     s->ahead = need(calloc(1, sizeof *s->ahead));
-    pthread_mutex_init(&s->ahead->lock, NULL);
-    pthread_cond_init(&s->ahead->changed, NULL);
-    if (pthread_create(&s->ahead->thread, NULL, read_ahead, s) == 0)
+    os_lock_init(&s->ahead->lock);
+    os_condition_init(&s->ahead->changed);
+    if (os_thread_start(&s->ahead->thread, read_ahead, s) == 0)
         return;
     free(s->ahead); /* without a thread the rows are read when they are asked for */
     s->ahead = NULL;
@@ -296,15 +296,15 @@ static bool take_block(source *s, uint32_t index, ntpio_error *error)
     struct ahead *a = s->ahead;
     if (a == NULL)
         return read_block(s, index, error);
-    pthread_mutex_lock(&a->lock);
+    os_lock_take(&a->lock);
     a->released = index;
-    pthread_cond_signal(&a->changed);
+    os_condition_wake_one(&a->changed);
     while (a->read <= index && !a->failed)
-        pthread_cond_wait(&a->changed, &a->lock);
+        os_condition_wait(&a->changed, &a->lock);
     const bool ok = a->read > index;
     if (!ok)
         *error = a->error;
-    pthread_mutex_unlock(&a->lock);
+    os_lock_release(&a->lock);
     return ok;
 }
 

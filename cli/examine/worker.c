@@ -12,7 +12,7 @@
 unsigned char *buffer_reserve(buffer *b, size_t size)
 {
     if (b->size < size) {
-        free(b->data);
+        free_aligned(b->data);
         b->data = need_aligned(size);
         b->size = size;
     }
@@ -40,17 +40,17 @@ ntp_diff *worker_diff(worker *w)
 void worker_free(worker *w)
 {
     free(w->tally);
-    free(w->rows.data);
-    free(w->raw.data);
-    free(w->kept.data);
-    free(w->extra.data);
-    free(w->extra2.data);
-    free(w->diff.data);
+    free_aligned(w->rows.data);
+    free_aligned(w->raw.data);
+    free_aligned(w->kept.data);
+    free_aligned(w->extra.data);
+    free_aligned(w->extra2.data);
+    free_aligned(w->diff.data);
     free(w->histogram);
     free(w->orientation);
-    free(w->band.data);
-    free(w->middle.data);
-    free(w->across.data);
-    free(w->down.data);
+    free_aligned(w->band.data);
+    free_aligned(w->middle.data);
+    free_aligned(w->across.data);
+    free_aligned(w->down.data);
     free(w);
 }

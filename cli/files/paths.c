@@ -7,18 +7,15 @@
  */
 #include "files/paths.h"
 
-#include <dirent.h>
 #include <errno.h>
-#include <fnmatch.h>
-#include <glob.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
+
+#include "os/files.h"
 
 typedef struct visited {
-    dev_t device;
-    ino_t node;
+    uint64_t device, node;
 } visited;
 
 typedef struct scan {
@@ -45,21 +42,21 @@ static bool matches_any(const option_value *globs, const char *relative)
     const char *base = slash != NULL ? slash + 1 : relative;
     for (size_t i = 0; i < globs->count; i++) {
         const bool whole = strchr(globs->all[i], '/') != NULL;
-        if (fnmatch(globs->all[i], whole ? relative : base, 0) == 0)
+        if (os_matches(globs->all[i], whole ? relative : base))
             return true;
     }
     return false;
 }
 
 /* Marks a directory as entered; returns false if it was entered before. */
-static bool enter(scan *s, const struct stat *st)
+static bool enter(scan *s, const os_file *found)
 {
     for (size_t i = 0; i < s->seen_count; i++) {
-        if (s->seen[i].device == st->st_dev && s->seen[i].node == st->st_ino)
+        if (s->seen[i].device == found->device && s->seen[i].node == found->node)
             return false;
     }
     s->seen = need(realloc(s->seen, (s->seen_count + 1) * sizeof *s->seen));
-    s->seen[s->seen_count++] = (visited) { st->st_dev, st->st_ino };
+    s->seen[s->seen_count++] = (visited) { found->device, found->node };
     return true;
 }
 
@@ -79,19 +76,19 @@ static bool is_texture_to_tell(const scan *s, const char *path)
 
 static void scan_entry(scan *s, const char *path, const char *relative, int depth)
 {
-    struct stat st;
+    os_file found;
     if (matches_any(&s->o->values[OPT_EXCLUDE], relative))
         return;
-    if (stat(path, &st) != 0) {
+    if (!os_look(path, &found)) {
         if (name_is_image(path))
             add_problem(s, path, errno);
         return;
     }
     const option_value *match = &s->o->values[OPT_MATCH];
-    if (S_ISDIR(st.st_mode)) {
-        if (option_given(s->o, OPT_RECURSIVE) && enter(s, &st))
+    if (found.kind == OS_DIRECTORY) {
+        if (option_given(s->o, OPT_RECURSIVE) && enter(s, &found))
             scan_directory(s, path, relative, depth + 1);
-    } else if (S_ISREG(st.st_mode)) {
+    } else if (found.kind == OS_REGULAR) {
         const bool foreign = name_is_foreign(path);
         if (match->count > 0 ? matches_any(match, relative)
                              : name_is_image(path) || (foreign && is_texture_to_tell(s, path)))
@@ -99,36 +96,23 @@ static void scan_entry(scan *s, const char *path, const char *relative, int dept
     }
 }
 
-/* No dotfiles: our own temporary files are among them. */
-static int is_listed(const struct dirent *entry)
-{
-    return entry->d_name[0] != '.';
-}
-
-static int by_bytes(const struct dirent **a, const struct dirent **b)
-{
-    return strcmp((*a)->d_name, (*b)->d_name);
-}
-
 static void scan_directory(scan *s, const char *directory, const char *relative, int depth)
 {
     enum { DEEPEST = 512 }; /* each level holds a list open */
-    struct dirent **entries = NULL;
-    const int count = depth < DEEPEST ? scandir(directory, &entries, is_listed, by_bytes) : -1;
-    if (count < 0) {
+    os_names names = { 0 };
+    if (depth >= DEEPEST || !os_list(directory, &names)) {
         add_problem(s, directory, depth < DEEPEST ? errno : ELOOP);
         return;
     }
-    for (int i = 0; i < count; i++) {
-        char *path = join_path(directory, entries[i]->d_name);
-        char *below = relative[0] != 0 ? join_path(relative, entries[i]->d_name)
-                                       : copy_string(entries[i]->d_name);
+    for (size_t i = 0; i < names.count; i++) {
+        const char *name = names.at[i];
+        char *path = join_path(directory, name);
+        char *below = relative[0] != 0 ? join_path(relative, name) : copy_string(name);
         scan_entry(s, path, below, depth);
         free(path);
         free(below);
-        free(entries[i]);
     }
-    free(entries);
+    os_free_names(&names);
 }
 
 /* A relative path without "..", with "./" taken off; otherwise the last component. */
@@ -138,14 +122,14 @@ static const char *relative_part(const char *path, bool keep_path)
         path += 2 + strspn(path + 2, "/");
     const char *slash = strrchr(path, '/');
     const bool climbs = strncmp(path, "../", 3) == 0 || strstr(path, "/../") != NULL;
-    if (slash == NULL || (keep_path && path[0] != '/' && !climbs))
+    if (keep_path && !os_is_absolute(path) && !climbs)
         return path;
-    return slash + 1;
+    return slash != NULL ? slash + 1 : os_after_drive(path);
 }
 
 static void add_root(input_list *list, const char *path)
 {
-    char *root = realpath(path, NULL);
+    char *root = os_real_path(path);
     if (root == NULL)
         return; /* then its files cannot be reached either */
     list->roots = need(realloc(list->roots, (list->root_count + 1) * sizeof *list->roots));
@@ -157,28 +141,28 @@ static bool add_path(scan *s, const char *path, bool keep_path);
 /* A pattern that the shell left alone, as it does in quotes.  Returns false if no file matches. */
 static bool add_matches(scan *s, const char *pattern, bool keep_path)
 {
-    glob_t found = { 0 };
-    const bool any = strpbrk(pattern, "*?[") != NULL && glob(pattern, 0, NULL, &found) == 0;
-    for (size_t i = 0; any && i < found.gl_pathc; i++)
-        add_path(s, found.gl_pathv[i], keep_path);
-    globfree(&found);
+    os_names found;
+    const bool any = os_expand(pattern, &found);
+    for (size_t i = 0; any && i < found.count; i++)
+        add_path(s, found.at[i], keep_path);
+    os_free_names(&found);
     return any;
 }
 
 static bool add_path(scan *s, const char *path, bool keep_path)
 {
-    struct stat st;
+    os_file found;
     if (path[0] == 0) {
         complain("a path is empty");
         return false;
     }
-    const bool exists = strcmp(path, "-") != 0 && lstat(path, &st) == 0;
+    const bool exists = strcmp(path, "-") != 0 && os_exists(path);
     if (!exists && add_matches(s, path, keep_path))
         return true;
-    if (exists && stat(path, &st) == 0 && S_ISDIR(st.st_mode)) {
+    if (exists && os_look(path, &found) && found.kind == OS_DIRECTORY) {
         s->list->from_directory = true;
         add_root(s->list, path);
-        if (enter(s, &st))
+        if (enter(s, &found))
             scan_directory(s, path, "", 0);
         return true;
     }
@@ -189,10 +173,9 @@ static bool add_path(scan *s, const char *path, bool keep_path)
 }
 
 /* Lists of Windows end their lines with "\r\n".  A file may have such a name, too. */
-static ssize_t without_return(char *line, ssize_t length)
+static ptrdiff_t without_return(char *line, ptrdiff_t length)
 {
-    struct stat st;
-    if (length > 0 && line[length - 1] == '\r' && lstat(line, &st) != 0)
+    if (length > 0 && line[length - 1] == '\r' && !os_exists(line))
         line[--length] = 0;
     return length;
 }
@@ -200,7 +183,7 @@ static ssize_t without_return(char *line, ssize_t length)
 static bool add_list(scan *s, const char *name)
 {
     const bool standard = strcmp(name, "-") == 0;
-    FILE *file = standard ? stdin : fopen(name, "r");
+    FILE *file = standard ? stdin : os_open_to_read(name, false);
     if (file == NULL) {
         complain("--files-from %s: %s", name, strerror(errno));
         return false;
@@ -209,11 +192,12 @@ static bool add_list(scan *s, const char *name)
     char *line = NULL;
     size_t size = 0;
     bool ok = true;
-    for (ssize_t length; ok && (length = getdelim(&line, &size, end, file)) > 0;) {
+    for (ptrdiff_t length; ok && (length = os_read_line(&line, &size, end, file)) > 0;) {
         if (line[length - 1] == (char) end)
             line[--length] = 0;
         if (end == '\n')
             length = without_return(line, length);
+        os_take_path(line);
         if (length > 0)
             ok = add_path(s, line, true);
     }
@@ -255,7 +239,7 @@ static char *canonical_name(const char *path)
     char *directory = copy_string(slash == NULL ? "." : slash == path ? "/" : path);
     if (slash != NULL && slash != path)
         directory[slash - path] = 0;
-    char *resolved = strcmp(path, "-") != 0 ? realpath(directory, NULL) : NULL;
+    char *resolved = strcmp(path, "-") != 0 ? os_real_path(directory) : NULL;
     free(directory);
     if (resolved == NULL)
         return copy_string(path);
@@ -268,7 +252,7 @@ static char *canonical_name(const char *path)
  * file of its own, unless both would be written. */
 static char *identity_of(const input *in, bool in_place)
 {
-    char *resolved = in->named && !in_place ? NULL : realpath(in->path, NULL);
+    char *resolved = in->named && !in_place ? NULL : os_real_path(in->path);
     return resolved != NULL ? resolved : canonical_name(in->path);
 }
 

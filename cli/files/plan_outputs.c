@@ -7,24 +7,24 @@
  * that an output is its own input, but not that it is another one, which may still be unread.
  */
 #include <errno.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include "files/paths.h"
+#include "os/files.h"
 
 static bool is_directory(const char *path)
 {
-    struct stat st;
-    return stat(path, &st) == 0 && S_ISDIR(st.st_mode);
+    os_file found;
+    return os_look(path, &found) && found.kind == OS_DIRECTORY;
 }
 
 static bool is_regular(const char *path)
 {
-    struct stat st;
-    return stat(path, &st) == 0 && S_ISREG(st.st_mode);
+    os_file found;
+    return os_look(path, &found) && found.kind == OS_REGULAR;
 }
 
 static bool ends_in(const char *path, const char *ending)
@@ -70,7 +70,7 @@ typedef struct target {
 static int by_path(const void *a, const void *b)
 {
     const target *x = a, *y = b;
-    const int order = strcmp(x->path, y->path);
+    const int order = os_compare_names(x->path, y->path);
     return order != 0 ? order : (x->index > y->index) - (x->index < y->index);
 }
 
@@ -89,8 +89,9 @@ static void part_collisions(input_list *list, const char *directory, const optio
     target *all = sorted_targets(list);
     char **renamed = need(calloc(list->count + 1, sizeof *renamed));
     for (size_t i = 0; i < list->count; i++) {
-        const bool meets_previous = i > 0 && strcmp(all[i].path, all[i - 1].path) == 0;
-        const bool meets_next = i + 1 < list->count && strcmp(all[i].path, all[i + 1].path) == 0;
+        const bool meets_previous = i > 0 && os_compare_names(all[i].path, all[i - 1].path) == 0;
+        const bool meets_next =
+            i + 1 < list->count && os_compare_names(all[i].path, all[i + 1].path) == 0;
         const char *relative = list->at[all[i].index].relative;
         if ((meets_previous || meets_next) && !ends_in(relative, ".png"))
             renamed[all[i].index] = below(directory, relative, ADDED_ENDING, o);
@@ -110,7 +111,7 @@ static bool no_two_alike(const input_list *list)
     target *all = sorted_targets(list);
     bool ok = true;
     for (size_t i = 1; ok && i < list->count; i++) {
-        if (strcmp(all[i].path, all[i - 1].path) != 0)
+        if (os_compare_names(all[i].path, all[i - 1].path) != 0)
             continue;
         complain("%s and %s would both be written to %s", list->at[all[i - 1].index].path,
                  list->at[all[i].index].path, all[i].path);
@@ -121,8 +122,7 @@ static bool no_two_alike(const input_list *list)
 }
 
 typedef struct node {
-    dev_t device;
-    ino_t number;
+    uint64_t device, number;
     size_t index; /* of the input */
 } node;
 
@@ -142,14 +142,14 @@ static bool refuse_input(const char *output)
 }
 
 /* Standard input may be a file, too. */
-static bool stat_input(const char *path, struct stat *st)
+static bool look_at_input(const char *path, os_file *found)
 {
-    return strcmp(path, "-") == 0 ? fstat(STDIN_FILENO, st) == 0 : stat(path, st) == 0;
+    return strcmp(path, "-") == 0 ? os_look_at_open(stdin, found) : os_look(path, found);
 }
 
-static bool is_file(const char *output, struct stat *st)
+static bool is_file(const char *output, os_file *found)
 {
-    return strcmp(output, "-") != 0 && stat(output, st) == 0 && S_ISREG(st->st_mode);
+    return strcmp(output, "-") != 0 && os_look(output, found) && found->kind == OS_REGULAR;
 }
 
 /* May an output be this input?  Several names of one file stand beside each other. */
@@ -168,20 +168,20 @@ static bool no_input_overwritten(const input_list *list, bool force)
 {
     node *inputs = need(calloc(list->count + 1, sizeof *inputs));
     size_t count = 0;
-    struct stat st;
+    os_file found;
     for (size_t i = 0; i < list->count; i++) {
-        if (stat_input(list->at[i].path, &st))
-            inputs[count++] = (node) { st.st_dev, st.st_ino, i };
+        if (look_at_input(list->at[i].path, &found))
+            inputs[count++] = (node) { found.device, found.node, i };
     }
     qsort(inputs, count, sizeof *inputs, by_node);
     bool ok = true;
     for (size_t i = 0; ok && i < list->count; i++) {
         const char *output = list->at[i].output;
-        if (!is_file(output, &st))
+        if (!is_file(output, &found))
             continue;
-        const node own = { st.st_dev, st.st_ino, i };
-        const node *found = bsearch(&own, inputs, count, sizeof own, by_node);
-        if (found != NULL && !(force && may_replace(found, inputs, count, i)))
+        const node own = { found.device, found.node, i };
+        const node *same = bsearch(&own, inputs, count, sizeof own, by_node);
+        if (same != NULL && !(force && may_replace(same, inputs, count, i)))
             ok = refuse_input(output);
     }
     free(inputs);
@@ -194,13 +194,13 @@ static bool no_second_image_overwritten(const input_list *list, const options *o
     const char *const others[] = { option_string(o, OPT_MASK), option_string(o, OPT_ALPHA),
                                    option_string(o, OPT_AO),
                                    o->verb_bit == V_BLEND ? o->paths[1] : NULL };
-    struct stat x, y;
+    os_file x, y;
     for (size_t k = 0; k < sizeof others / sizeof others[0]; k++) {
-        if (others[k] == NULL || !stat_input(others[k], &x))
+        if (others[k] == NULL || !look_at_input(others[k], &x))
             continue;
         for (size_t i = 0; i < list->count; i++) {
             const char *output = list->at[i].output;
-            if (is_file(output, &y) && x.st_dev == y.st_dev && x.st_ino == y.st_ino)
+            if (is_file(output, &y) && x.device == y.device && x.node == y.node)
                 return refuse_input(output);
         }
     }
@@ -217,12 +217,12 @@ static bool no_image_overwritten(const input_list *list, const options *o)
  * name is not that of an image, and either several inputs go there or it has no ending at all. */
 static bool means_directory(const input_list *list, const char *output)
 {
-    struct stat st;
+    os_file found;
     if (strcmp(output, "-") == 0)
         return false;
     if (output[strlen(output) - 1] == '/' || is_directory(output))
         return true;
-    if (stat(output, &st) == 0 || name_is_image(output))
+    if (os_look(output, &found) || name_is_image(output))
         return false;
     return list->from_directory || list->count > 1 || name_ending(output)[0] == 0;
 }
@@ -238,7 +238,7 @@ static bool is_below(const char *path, const char *directory)
  * named itself may be replaced, wherever it is. */
 static char *way_out(const input_list *list, const input *in)
 {
-    char *resolved = in->named ? NULL : realpath(in->path, NULL);
+    char *resolved = in->named ? NULL : os_real_path(in->path);
     for (size_t i = 0; resolved != NULL && i < list->root_count; i++) {
         if (is_below(resolved, list->roots[i])) {
             free(resolved);
@@ -333,8 +333,8 @@ bool output_is_allowed(const char *output, const options *o)
 
 bool is_same_file(const char *a, const char *b)
 {
-    struct stat x, y;
-    return stat(a, &x) == 0 && stat(b, &y) == 0 && x.st_dev == y.st_dev && x.st_ino == y.st_ino;
+    os_file x, y;
+    return os_look(a, &x) && os_look(b, &y) && x.device == y.device && x.node == y.node;
 }
 
 bool output_is_free(const input_list *list, const char *path)
@@ -342,7 +342,7 @@ bool output_is_free(const input_list *list, const char *path)
     const bool there = is_regular(path);
     for (size_t i = 0; i < list->count; i++) {
         const char *given = list->at[i].path;
-        if (strcmp(list->at[i].output, path) == 0 ||
+        if (os_compare_names(list->at[i].output, path) == 0 ||
             (there && strcmp(given, "-") != 0 && is_same_file(given, path)))
             return false;
     }
@@ -355,7 +355,7 @@ bool make_parents(const char *path, text *why)
     bool ok = true;
     for (char *slash = strchr(copy + 1, '/'); ok && slash != NULL; slash = strchr(slash + 1, '/')) {
         *slash = 0;
-        if (mkdir(copy, 0777) != 0 && errno != EEXIST && !is_directory(copy)) {
+        if (!os_make_directory(copy) && errno != EEXIST && !is_directory(copy)) {
             text_name(why, copy);
             text_addf(why, ": cannot be made: %s", strerror(errno));
             ok = false;

@@ -7,11 +7,13 @@
  */
 #include "report/baseline.h"
 
+#include <errno.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "cli.h"
+#include "os/files.h"
 #include "report/report.h"
 
 /* The value of a base64 digit; -1: it is none. */
@@ -114,16 +116,20 @@ bool baseline_read(baseline *b, const char *name)
     *b = (baseline) { 0 };
     if (name == NULL)
         return true;
-    json_error_t error;
-    json_t *report = json_load_file(name, JSON_REJECT_DUPLICATES, &error);
+    json_error_t problem = { .text = "" };
+    FILE *stream = os_open_to_read(name, false);
+    snprintf(problem.text, sizeof problem.text, "%s", strerror(errno));
+    json_t *report = stream != NULL ? json_loadf(stream, JSON_REJECT_DUPLICATES, &problem) : NULL;
+    if (stream != NULL)
+        fclose(stream);
     const json_t *files = json_object_get(report, "files");
     if (!json_is_array(files)) {
         complain("--baseline %s: %s", name,
-                 report == NULL ? error.text : "not a JSON report of ntp check");
+                 report == NULL ? problem.text : "not a JSON report of ntp check");
         json_decref(report);
         return false;
     }
-    char *here = getcwd(NULL, 0);
+    char *here = os_current_directory();
     if (here != NULL)
         text_addf(&b->here, "%s%s", here, strcmp(here, "/") == 0 ? "" : "/");
     free(here);

@@ -7,9 +7,9 @@
  */
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "options/names.h"
+#include "os/console.h"
 #include "report/report.h"
 
 bool colors_wanted(const options *o)
@@ -23,7 +23,7 @@ bool colors_wanted(const options *o)
     if (force != NULL && force[0] != 0 && strcmp(force, "0") != 0)
         return true;
     const char *terminal = getenv("TERM");
-    return isatty(STDOUT_FILENO) && (terminal == NULL || strcmp(terminal, "dumb") != 0);
+    return os_output_is_terminal() && (terminal == NULL || strcmp(terminal, "dumb") != 0);
 }
 
 void text_paint(text *t, bool colors, paint p, const char *words)

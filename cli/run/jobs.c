@@ -7,17 +7,14 @@
  */
 #include "run/jobs.h"
 
-#include <errno.h>
-#include <pthread.h>
-#include <sched.h>
 #include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
-#include <unistd.h>
 
 #include "cli.h"
+#include "os/console.h"
+#include "os/threads.h"
 
 enum {
     AHEAD = 256,              /* results that may wait to be printed */
@@ -28,8 +25,8 @@ enum {
 
 typedef struct queue {
     const batch *b;
-    pthread_mutex_t lock;
-    pthread_cond_t changed;
+    os_lock lock;
+    os_condition changed;
     size_t next;      /* first input that no worker took */
     size_t delivered; /* inputs whose result was printed */
     bool stop;
@@ -41,20 +38,13 @@ typedef struct queue {
 
 bool progress_wanted(const options *o)
 {
-    return !option_given(o, OPT_NO_PROGRESS) && isatty(STDERR_FILENO);
-}
-
-static int64_t now_ms(void)
-{
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (int64_t) t.tv_sec * 1000 + t.tv_nsec / 1000000;
+    return !option_given(o, OPT_NO_PROGRESS) && os_error_is_terminal();
 }
 
 typedef struct seat {
     queue *q;
     worker *w;
-    pthread_t thread;
+    os_thread thread;
 } seat;
 
 static void *work_loop(void *context)
@@ -62,40 +52,31 @@ static void *work_loop(void *context)
     seat *s = context;
     queue *q = s->q;
     const batch *b = q->b;
-    pthread_mutex_lock(&q->lock);
+    os_lock_take(&q->lock);
     for (;;) {
         while (!q->stop && q->next < b->inputs->count && q->next >= q->delivered + AHEAD)
-            pthread_cond_wait(&q->changed, &q->lock);
+            os_condition_wait(&q->changed, &q->lock);
         if (q->stop || interrupted_by != 0 || q->next >= b->inputs->count)
             break;
         const size_t index = q->next++;
-        pthread_mutex_unlock(&q->lock);
+        os_lock_release(&q->lock);
         result r = { 0 };
         b->work(b->context, s->w, &b->inputs->at[index], &r);
         atomic_store_explicit(&s->w->permille, 0, memory_order_relaxed);
         atomic_store_explicit(&s->w->left, 0, memory_order_relaxed);
-        pthread_mutex_lock(&q->lock);
+        os_lock_take(&q->lock);
         q->slots[index % AHEAD].r = r;
         q->slots[index % AHEAD].done = true;
-        pthread_cond_broadcast(&q->changed);
+        os_condition_wake_all(&q->changed);
     }
-    pthread_cond_broadcast(&q->changed);
-    pthread_mutex_unlock(&q->lock);
+    os_condition_wake_all(&q->changed);
+    os_lock_release(&q->lock);
     return NULL;
-}
-
-static int processors(void)
-{
-    cpu_set_t set;
-    if (sched_getaffinity(0, sizeof set, &set) == 0)
-        return CPU_COUNT(&set);
-    const long online = sysconf(_SC_NPROCESSORS_ONLN);
-    return online > 0 ? (int) online : 1;
 }
 
 static int threads_allowed(const batch *b)
 {
-    return b->jobs > 0 ? b->jobs : processors();
+    return b->jobs > 0 ? b->jobs : os_processors();
 }
 
 static int worker_count(const batch *b)
@@ -122,19 +103,9 @@ static void print_result(const batch *b, const input *in, result *r)
     text_free(&r->err);
 }
 
-static void wait_a_little(queue *q)
-{
-    struct timespec until;
-    clock_gettime(CLOCK_REALTIME, &until);
-    until.tv_nsec += POLL_MS * 1000000L;
-    until.tv_sec += until.tv_nsec / 1000000000L;
-    until.tv_nsec %= 1000000000L;
-    pthread_cond_timedwait(&q->changed, &q->lock, &until);
-}
-
 static void show_progress(const queue *q, const seat *seats, int workers, int64_t started)
 {
-    if (!q->b->show_progress || now_ms() - started < FIRST_PROGRESS_MS)
+    if (!q->b->show_progress || os_now_ms() - started < FIRST_PROGRESS_MS)
         return;
     double done = (double) q->delivered;
     for (size_t i = q->delivered; i < q->next; i++)
@@ -150,31 +121,31 @@ static void show_progress(const queue *q, const seat *seats, int workers, int64_
 /* Prints results in order, until all are printed or the work is stopped. */
 static unsigned deliver_all(queue *q, const seat *seats, int workers)
 {
-    const int64_t started = now_ms();
+    const int64_t started = os_now_ms();
     unsigned ran = 0;
-    pthread_mutex_lock(&q->lock);
+    os_lock_take(&q->lock);
     while (q->delivered < q->b->inputs->count) {
         const size_t index = q->delivered;
         while (!q->slots[index % AHEAD].done && interrupted_by == 0) {
-            wait_a_little(q);
+            os_condition_wait_ms(&q->changed, &q->lock, POLL_MS);
             show_progress(q, seats, workers, started);
         }
         if (!q->slots[index % AHEAD].done)
             break;
         result r = q->slots[index % AHEAD].r;
         q->slots[index % AHEAD].done = false;
-        pthread_mutex_unlock(&q->lock);
+        os_lock_release(&q->lock);
         ran |= r.ran;
         print_result(q->b, &q->b->inputs->at[index], &r);
-        pthread_mutex_lock(&q->lock);
+        os_lock_take(&q->lock);
         q->delivered++;
-        pthread_cond_broadcast(&q->changed);
+        os_condition_wake_all(&q->changed);
         if (q->b->reads_only && (output_closed() || output_failed()))
             break;
     }
     q->stop = true;
-    pthread_cond_broadcast(&q->changed);
-    pthread_mutex_unlock(&q->lock);
+    os_condition_wake_all(&q->changed);
+    os_lock_release(&q->lock);
     return ran;
 }
 
@@ -226,8 +197,8 @@ unsigned batch_run(const batch *b)
         return run_alone(b);
     queue *q = need(calloc(1, sizeof *q));
     q->b = b;
-    pthread_mutex_init(&q->lock, NULL);
-    pthread_cond_init(&q->changed, NULL);
+    os_lock_init(&q->lock);
+    os_condition_init(&q->changed);
     const int wanted = worker_count(b);
     int workers = wanted;
     seat *seats = need(calloc((size_t) workers, sizeof *seats));
@@ -235,7 +206,7 @@ unsigned batch_run(const batch *b)
         seats[i] = (seat) { .q = q, .w = worker_new() };
         seats[i].w->may_read_ahead = threads_allowed(b) >= 2 * wanted;
         seats[i].w->threads = threads_allowed(b) / wanted;
-        const int error = pthread_create(&seats[i].thread, NULL, work_loop, &seats[i]);
+        const int error = os_thread_start(&seats[i].thread, work_loop, &seats[i]);
         if (error == 0)
             continue;
         worker_free(seats[i].w);
@@ -245,12 +216,12 @@ unsigned batch_run(const batch *b)
     }
     unsigned ran = workers > 0 ? deliver_all(q, seats, workers) : RAN_FAILED;
     for (int i = 0; i < workers; i++) {
-        pthread_join(seats[i].thread, NULL);
+        os_thread_join(seats[i].thread);
         worker_free(seats[i].w);
     }
     ran |= drop_rest(q);
-    pthread_cond_destroy(&q->changed);
-    pthread_mutex_destroy(&q->lock);
+    os_condition_destroy(&q->changed);
+    os_lock_destroy(&q->lock);
     free(seats);
     free(q);
     return finish(ran);

@@ -7,21 +7,21 @@
  */
 #include "run/thread_crew.h"
 
-#include <pthread.h>
 #include <stdbool.h>
 #include <stdlib.h>
 
+#include "os/threads.h"
 #include "text/text.h"
 
 struct crew {
-    pthread_mutex_t lock;
-    pthread_cond_t has_work, is_done;
+    os_lock lock;
+    os_condition has_work, is_done;
     void (*task)(void *work, int32_t index);
     void *work;
     int32_t count, next, open; /* all indices; the next one to take; how many are not done */
     bool stop;
     int threads; /* besides the caller */
-    pthread_t thread[];
+    os_thread thread[];
 };
 
 /* Does parts while there are any.  The caller holds the lock before and after. */
@@ -31,24 +31,24 @@ static void take_part(crew *c)
         const int32_t index = c->next++;
         void (*task)(void *, int32_t) = c->task;
         void *work = c->work;
-        pthread_mutex_unlock(&c->lock);
+        os_lock_release(&c->lock);
         task(work, index);
-        pthread_mutex_lock(&c->lock);
+        os_lock_take(&c->lock);
         if (--c->open == 0)
-            pthread_cond_signal(&c->is_done);
+            os_condition_wake_one(&c->is_done);
     }
 }
 
 static void *wait_for_work(void *context)
 {
     crew *c = context;
-    pthread_mutex_lock(&c->lock);
+    os_lock_take(&c->lock);
     while (!c->stop) {
         take_part(c);
         if (!c->stop)
-            pthread_cond_wait(&c->has_work, &c->lock);
+            os_condition_wait(&c->has_work, &c->lock);
     }
-    pthread_mutex_unlock(&c->lock);
+    os_lock_release(&c->lock);
     return NULL;
 }
 
@@ -56,11 +56,11 @@ crew *crew_start(int threads)
 {
     const size_t more = threads > 1 ? (size_t) threads - 1 : 0;
     crew *c = need(calloc(1, sizeof *c + more * sizeof c->thread[0]));
-    pthread_mutex_init(&c->lock, NULL);
-    pthread_cond_init(&c->has_work, NULL);
-    pthread_cond_init(&c->is_done, NULL);
+    os_lock_init(&c->lock);
+    os_condition_init(&c->has_work);
+    os_condition_init(&c->is_done);
     while (c->threads < (int) more &&
-           pthread_create(&c->thread[c->threads], NULL, wait_for_work, c) == 0)
+           os_thread_start(&c->thread[c->threads], wait_for_work, c) == 0)
         c->threads++;
     return c;
 }
@@ -69,15 +69,15 @@ void crew_stop(crew *c)
 {
     if (c == NULL)
         return;
-    pthread_mutex_lock(&c->lock);
+    os_lock_take(&c->lock);
     c->stop = true;
-    pthread_cond_broadcast(&c->has_work);
-    pthread_mutex_unlock(&c->lock);
+    os_condition_wake_all(&c->has_work);
+    os_lock_release(&c->lock);
     for (int i = 0; i < c->threads; i++)
-        pthread_join(c->thread[i], NULL);
-    pthread_cond_destroy(&c->is_done);
-    pthread_cond_destroy(&c->has_work);
-    pthread_mutex_destroy(&c->lock);
+        os_thread_join(c->thread[i]);
+    os_condition_destroy(&c->is_done);
+    os_condition_destroy(&c->has_work);
+    os_lock_destroy(&c->lock);
     free(c);
 }
 
@@ -85,15 +85,15 @@ void crew_run(void *crew_of_threads, int32_t count, void (*task)(void *work, int
               void *work)
 {
     crew *c = crew_of_threads;
-    pthread_mutex_lock(&c->lock);
+    os_lock_take(&c->lock);
     c->task = task;
     c->work = work;
     c->count = c->open = count;
     c->next = 0;
-    pthread_cond_broadcast(&c->has_work);
+    os_condition_wake_all(&c->has_work);
     take_part(c);
     while (c->open > 0)
-        pthread_cond_wait(&c->is_done, &c->lock);
+        os_condition_wait(&c->is_done, &c->lock);
     c->count = c->next = 0;
-    pthread_mutex_unlock(&c->lock);
+    os_lock_release(&c->lock);
 }

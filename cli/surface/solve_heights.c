@@ -54,7 +54,7 @@ ntp_status heights_solve(worker *w, const ntp_image *heights, const ntp_const_im
     const ntp_status status =
         ntp_height_from_normals(heights, src, how, scratch, size, &hooks, result);
     crew_stop(all.threads);
-    free(scratch);
+    free_aligned(scratch);
     return status;
 }
 
@@ -68,7 +68,7 @@ ntp_status heights_occlude(worker *w, const ntp_image *map, const ntp_const_imag
     const ntp_hooks hooks = hooks_of(&all, parts);
     const ntp_status status = ntp_occlusion(map, heights, how, scratch, size, &hooks);
     crew_stop(all.threads);
-    free(scratch);
+    free_aligned(scratch);
     return status;
 }
 
@@ -84,7 +84,7 @@ ntp_status depth_solve(worker *w, const ntp_image *depth, const ntp_image *confi
     const ntp_hooks hooks = { .user = &all, .progress = tell_progress };
     const ntp_status status =
         ntp_depth_from_normals(depth, confidence, src, how, scratch, size, &hooks, result);
-    free(scratch);
+    free_aligned(scratch);
     return status;
 }
 
@@ -103,6 +103,6 @@ ntp_status heights_find_borders(ntp_border_fit found[2], worker *w, const ntp_co
     const ntp_hooks hooks = hooks_of(&all, parts);
     const ntp_status status = ntp_find_borders(found, src, how, open, wraps, scratch, size, &hooks);
     crew_stop(all.threads);
-    free(scratch);
+    free_aligned(scratch);
     return status;
 }

@@ -10,10 +10,9 @@
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
-#include <sys/ioctl.h>
-#include <unistd.h>
 
 #include "cli.h"
+#include "os/console.h"
 
 _Atomic int interrupted_by;
 
@@ -41,14 +40,6 @@ void progress_clear(void)
     progress_is_drawn = false;
 }
 
-/* Columns of the terminal; a terminal that does not tell has 80. */
-static int columns(void)
-{
-    struct winsize size;
-    enum { USUAL = 80 };
-    return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : USUAL;
-}
-
 /* Of one file it is not worth saying how many are done. */
 static int write_counts(char *counts, size_t size, size_t files, size_t total, uint64_t left)
 {
@@ -65,7 +56,7 @@ void progress_draw(double done, size_t files, size_t total, uint64_t left)
 {
     enum { CELLS = 30, FEWEST_CELLS = 4, BRACKETS = 2, SIZE = 80 };
     char bar[CELLS + 1], counts[SIZE], line[SIZE];
-    const int percent = (int) (100 * done), room = columns() - 1; /* the last column wraps */
+    const int percent = (int) (100 * done), room = os_columns() - 1; /* the last column wraps */
     const int share = snprintf(line, sizeof line, " %3d %%", percent);
     const int used = share + write_counts(counts, sizeof counts, files, total, left);
     const bool counts_fit = used <= room;

@@ -10,6 +10,7 @@
 #include <string.h>
 
 #include "cli.h"
+#include "os/memory.h"
 #include "text/numbers.h"
 
 void *need(void *memory)
@@ -24,7 +25,12 @@ void *need(void *memory)
 void *need_aligned(size_t size)
 {
     enum { LINE = 64 }; /* of a cache: no less than libntp asks for */
-    return need(aligned_alloc(LINE, (size + LINE - 1) / LINE * LINE));
+    return need(os_alloc_aligned(LINE, (size + LINE - 1) / LINE * LINE));
+}
+
+void free_aligned(void *memory)
+{
+    os_free_aligned(memory);
 }
 
 char *copy_string(const char *string)

@@ -58,9 +58,10 @@ bool utf8_valid(const char *s);
 /* How many letters were typed wrong, left out, added or exchanged, at least. */
 unsigned edit_distance(const char *a, const char *b);
 
-/* Memory or the end of the program; need_aligned: at 64 bytes, to be freed. */
+/* Memory or the end of the program; need_aligned: at 64 bytes, for free_aligned. */
 void *need(void *memory);
 void *need_aligned(size_t size);
+void free_aligned(void *memory);
 char *copy_string(const char *string);
 char *join_path(const char *directory, const char *name);
 

@@ -140,7 +140,7 @@ ntp_status relief_blur(const ntp_image *dst, const ntp_const_image *src, const p
     const size_t size = ntp_height_blur_scratch_size(&how, src->width);
     void *scratch = need_aligned(size);
     const ntp_status status = ntp_height_blur(dst, src, &how, scratch, size);
-    free(scratch);
+    free_aligned(scratch);
     return status;
 }
 

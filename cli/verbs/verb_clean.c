@@ -5,12 +5,12 @@
  * Blue is derived while a file is measured.  If --method auto then takes another method, and blue
  * changed, the rows are made again.
  */
-#include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "options/names.h"
+#include "os/threads.h"
 #include "report/report.h"
 #include "verbs/verbs.h"
 #include "write/write_run.h"
@@ -24,7 +24,7 @@ enum {
 
 /* Tables are made when they are first needed; all workers share them. */
 typedef struct plans {
-    pthread_mutex_t lock;
+    os_lock lock;
     void *memory[METHODS][ENCODINGS][ALPHAS];
     ntp_clean_plan *made[METHODS][ENCODINGS][ALPHAS];
 } plans;
@@ -48,7 +48,7 @@ static const ntp_clean_plan *plan_for(plans *shared, ntp_encoding encoding,
                                       const ntp_clean_options *how)
 {
     const int alpha = (how->touch_unused & NTP_UNUSED_TRANSPARENT) != 0;
-    pthread_mutex_lock(&shared->lock);
+    os_lock_take(&shared->lock);
     void **memory = &shared->memory[how->method][encoding][alpha];
     ntp_clean_plan **plan = &shared->made[how->method][encoding][alpha];
     if (*memory == NULL) {
@@ -58,7 +58,7 @@ static const ntp_clean_plan *plan_for(plans *shared, ntp_encoding encoding,
             *plan = NULL;
     }
     const ntp_clean_plan *made = *plan;
-    pthread_mutex_unlock(&shared->lock);
+    os_lock_release(&shared->lock);
     return made;
 }
 
@@ -263,7 +263,7 @@ int clean_run(const options *o)
     for (int i = 0; i < METHODS; i++) {
         for (int k = 0; k < ENCODINGS; k++) {
             for (int a = 0; a < ALPHAS; a++)
-                free(shared.memory[i][k][a]);
+                free_aligned(shared.memory[i][k][a]);
         }
     }
     return code;

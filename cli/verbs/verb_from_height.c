@@ -269,7 +269,7 @@ static ntp_status smooth(const state *st, const from_height_settings *set, const
         const size_t size = ntp_height_blur_scratch_size(&how, out->width);
         void *scratch = need_aligned(size);
         status = ntp_height_blur(out, &seen, &how, scratch, size);
-        free(scratch);
+        free_aligned(scratch);
     }
     return status;
 }

@@ -123,8 +123,8 @@ static bool make_size(production *p, ntpio_writer *writer, int32_t width, int32_
         z.scratch = need_aligned(z.scratch_size);
         ok = whole_write(p, writer, width, height, make, &z, error);
     }
-    free(z.scratch);
-    free(z.memory);
+    free_aligned(z.scratch);
+    free_aligned(z.memory);
     return ok;
 }
 

@@ -8,9 +8,9 @@
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
-#include <sys/stat.h>
 
 #include "cli.h"
+#include "os/files.h"
 #include "write/green.h"
 #include "write/question.h"
 #include "write/refusal.h"
@@ -312,8 +312,8 @@ static outcome speculate(production *p, bool writes, ntpio_error *error)
 /* What went to standard output or to a pipe cannot be taken back. */
 static bool can_be_dropped(const char *output)
 {
-    struct stat st;
-    return strcmp(output, "-") != 0 && (stat(output, &st) != 0 || S_ISREG(st.st_mode));
+    os_file found;
+    return strcmp(output, "-") != 0 && (!os_look(output, &found) || found.kind == OS_REGULAR);
 }
 
 static outcome make_as_known(production *p, ntpio_error *error)

@@ -9,8 +9,9 @@
  */
 #include "write/srgb_levels.h"
 
-#include <pthread.h>
 #include <stdbool.h>
+
+#include "os/threads.h"
 
 enum { LIMBS = 12 }; /* of 32 bits: 384 bits */
 
@@ -84,8 +85,8 @@ static void fill_16(void)
 
 const srgb_levels *srgb_levels_of(uint32_t max)
 {
-    static pthread_once_t once[2] = { PTHREAD_ONCE_INIT, PTHREAD_ONCE_INIT };
+    static os_once once[2] = { OS_ONCE, OS_ONCE };
     const bool deep = max != 255;
-    pthread_once(&once[deep], deep ? fill_16 : fill_8);
+    os_call_once(&once[deep], deep ? fill_16 : fill_8);
     return &tables[deep];
 }

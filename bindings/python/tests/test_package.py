@@ -46,7 +46,6 @@ ELSEWHERE = {
     "ntp_orientation_row": "a ring of rows",
     "ntpio_is_current": "output files take what was read by themselves",
     "ntp_find_border": "ntp_find_borders",
-    "ntpio_large_pages": "memory is numpy's",
     "ntp_tally_harm": "the data of `check` has it",
 }
 

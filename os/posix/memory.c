@@ -1,19 +1,20 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * large_pages.c - fewer page faults for large buffers
+ * memory.c - aligned memory, and fewer page faults for large buffers
  *
  * Fresh memory comes in pages of 4 KiB, each by a fault of one to three microseconds.  For the
  * pixels of a texture that takes a quarter as long as decoding them.  Linux gives 2 MiB at once if
  * it is asked to; elsewhere nothing changes.
  */
-#include "large_pages.h"
+#include "os/memory.h"
 
+#include <stdint.h>
 #include <stdlib.h>
 #include <sys/mman.h>
 
 enum { PAGE = 4096, LARGE = 2 << 20 };
 
-void ntpio_large_pages(void *memory, size_t size)
+void os_large_pages(void *memory, size_t size)
 {
 #ifdef MADV_HUGEPAGE
     const size_t before = (PAGE - (uintptr_t) memory % PAGE) % PAGE;
@@ -24,12 +25,22 @@ void ntpio_large_pages(void *memory, size_t size)
 #endif
 }
 
-void *ntpio__large_alloc(size_t size)
+void *os_alloc_large(size_t size)
 {
     if (size < LARGE || size > SIZE_MAX - LARGE)
         return malloc(size);
     const size_t whole = (size + LARGE - 1) / LARGE * LARGE;
     void *memory = aligned_alloc(LARGE, whole);
-    ntpio_large_pages(memory, whole);
+    os_large_pages(memory, whole);
     return memory;
+}
+
+void *os_alloc_aligned(size_t alignment, size_t size)
+{
+    return aligned_alloc(alignment, size);
+}
+
+void os_free_aligned(void *memory)
+{
+    free(memory);
 }

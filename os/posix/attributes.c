@@ -7,9 +7,10 @@
  * own, inherited from the directory, which must not let in anybody that the old file kept out.  So
  * the new file starts with mode 0600, and gets its list, or else its mode, last.
  */
-#include "attributes.h"
+#include "os/posix/attributes.h"
 
 #include <errno.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -18,20 +19,20 @@
 #  include <sys/xattr.h>
 #endif
 
-#include "message.h"
-
 enum { ALL_BITS = 0777, OTHER_BITS = 07, GROUP_SHIFT = 3 };
 
 typedef struct keeper {
     int fd;
-    const char *path, *name;
-    ntpio_error *error;
+    const char *path;
+    os_problem *problem;
 } keeper;
 
-static bool fail(const keeper *k, const char *what, int problem)
+static bool fail(const keeper *k, const char *what, int error)
 {
-    return ntpio__fail(k->error, NTPIO_ERR_WRITE, k->name,
-                       "cannot be replaced: %s cannot be kept: %s", what, strerror(problem));
+    *k->problem = (os_problem) { .error = error };
+    snprintf(k->problem->what, sizeof k->problem->what, "cannot be replaced: %s cannot be kept",
+             what);
+    return false;
 }
 
 #ifdef __linux__
@@ -177,10 +178,9 @@ static mode_t mode_for(const struct stat *old, bool group_kept)
     return group_kept ? all : (all & ~(mode_t) (OTHER_BITS << GROUP_SHIFT)) | other << GROUP_SHIFT;
 }
 
-bool ntpio__keep_attributes(int fd, const char *path, const struct stat *old, const char *name,
-                            ntpio_error *error)
+bool os__keep_attributes(int fd, const char *path, const struct stat *old, os_problem *problem)
 {
-    const keeper k = { fd, path, name, error };
+    const keeper k = { fd, path, problem };
     const bool group_kept = keep_owner(&k, old);
     bool has_list;
     if (!keep_others(&k, &has_list))

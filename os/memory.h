@@ -1,0 +1,20 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * memory.h - aligned memory, large pages
+ */
+#ifndef NTP_OS_MEMORY_H
+#define NTP_OS_MEMORY_H
+
+#include <stddef.h>
+
+/* alignment: a power of two, of which size is a multiple.  For os_free_aligned. */
+void *os_alloc_aligned(size_t alignment, size_t size);
+void os_free_aligned(void *memory);
+
+/* As malloc, for free; a large one is rounded up to large pages. */
+void *os_alloc_large(size_t size);
+
+/* Asks for large pages under a buffer that will be used as a whole. */
+void os_large_pages(void *memory, size_t size);
+
+#endif
