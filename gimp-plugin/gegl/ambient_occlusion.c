@@ -195,7 +195,9 @@ static gboolean process(GeglOperation *operation, GeglBuffer *input, GeglBuffer 
     const ntp_image out = pixels_view(&one, map, all.width, all.height);
     (void) level; /* everything is made at full size */
     gegl_buffer_get(input, &all, 1.0, p.format, read, GEGL_AUTO_ROWSTRIDE, GEGL_ABYSS_NONE);
+    tell_progress(operation, 0);
     const gboolean ok = make(operation, &out, &in);
+    tell_progress(operation, 1); /* until then GIMP takes neither clicks nor keys */
     for (gint y = 0; y < area->height && ok; y++) {
         const gsize at =
             (gsize) (area->y + y - all.y) * (gsize) all.width + (gsize) (area->x - all.x);

@@ -18,8 +18,8 @@ enum {
     TICK = 50,    /* milliseconds from one look at the progress to the next */
     WIDTH = 300,  /* of the text */
     HEIGHT = 100, /* of it, at least */
-    WIDER = 290,  /* than the least: the window at first */
-    HIGHER = 170
+    WIDER = 400,  /* than the least: the window at first */
+    HIGHER = 250  /* than that: its view */
 };
 
 typedef struct window {
@@ -235,6 +235,8 @@ static GtkWidget *text_new(window *w)
                                    GTK_POLICY_AUTOMATIC);
 #if GTK_MAJOR_VERSION >= 3
     gtk_container_add(GTK_CONTAINER(scrolled), w->text);
+    gtk_scrolled_window_set_overlay_scrolling(GTK_SCROLLED_WINDOW(scrolled), FALSE); /* in sight */
+    gtk_widget_set_margin_end(w->text, 6);
 #else
     gtk_scrolled_window_add_with_viewport(GTK_SCROLLED_WINDOW(scrolled), w->text);
     gtk_viewport_set_shadow_type(GTK_VIEWPORT(gtk_bin_get_child(GTK_BIN(scrolled))),
@@ -332,7 +334,7 @@ gboolean report_window_run(settings *s, gint32 id, report *r, char message[HOST_
     w->view = view_new(&procedures[PROCEDURE_CHECK], id);
     gtk_box_pack_start(GTK_BOX(box), w->view, TRUE, TRUE, 0);
     gtk_widget_show_all(box);
-    window_fit(w->dialog, WIDER, HIGHER);
+    window_fit(w->dialog, w->view, WIDER, HIGHER);
     gtk_widget_grab_focus(w->from); /* not the text, which would be selected */
     look(w);
     gimp_dialog_run(GIMP_DIALOG(w->dialog));

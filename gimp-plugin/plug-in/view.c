@@ -382,7 +382,7 @@ static GtkWidget *box_new(gboolean vertical)
 static GtkWidget *picture_new(view *v, int which, const char *title, const char *tip)
 {
     GtkWidget *box = box_new(TRUE);
-    GtkWidget *frame = gtk_frame_new(NULL), *area = gtk_drawing_area_new();
+    GtkWidget *area = gtk_drawing_area_new();
     v->areas[which] = area;
     const int side = v->procedure == &procedures[PROCEDURE_CHECK] ? NARROW : SIDE;
     gtk_widget_set_size_request(area, side, side);
@@ -398,8 +398,7 @@ static GtkWidget *picture_new(view *v, int which, const char *title, const char 
     if (which == MAP)
         v->title = label;
     gtk_box_pack_start(GTK_BOX(box), label, FALSE, FALSE, 0);
-    gtk_container_add(GTK_CONTAINER(frame), area);
-    gtk_box_pack_start(GTK_BOX(box), frame, TRUE, TRUE, 0);
+    gtk_box_pack_start(GTK_BOX(box), area, TRUE, TRUE, 0);
     return box;
 }
 

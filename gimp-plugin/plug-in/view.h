@@ -12,7 +12,7 @@
 
 #include <gtk/gtk.h>
 
-enum { VIEW_WIDER = 240 }; /* than the least: the window of a preview at first */
+enum { VIEW_WIDER = 240, VIEW_HIGHER = 120 }; /* than the least: at first, with two pictures */
 
 /* The preview of the result of the procedure.  It starts with the defaults.  That of
  * PROCEDURE_CHECK has the heatmap, too, and shows remedies. */

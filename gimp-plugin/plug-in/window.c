@@ -26,33 +26,38 @@ static GdkRectangle room(void)
 }
 
 #if GTK_MAJOR_VERSION >= 3
+static GtkRequisition least(GtkWidget *widget)
+{
+    GtkRequisition size;
+    gtk_widget_get_preferred_size(widget, NULL, &size);
+    return size;
+}
+
 GtkWidget *window_scrolled(GtkWidget *child)
 {
     GtkWidget *scrolled = gtk_scrolled_window_new(NULL, NULL);
     gtk_scrolled_window_set_policy(GTK_SCROLLED_WINDOW(scrolled), GTK_POLICY_NEVER,
                                    GTK_POLICY_AUTOMATIC);
     gtk_scrolled_window_set_propagate_natural_height(GTK_SCROLLED_WINDOW(scrolled), TRUE);
+    gtk_scrolled_window_set_overlay_scrolling(GTK_SCROLLED_WINDOW(scrolled), FALSE); /* in sight */
     gtk_container_add(GTK_CONTAINER(scrolled), child);
     return scrolled;
 }
 
-void window_fit(GtkWidget *window, int wider, int higher)
-{
-    const GdkRectangle most = room();
-    GtkRequisition size;
-    gtk_widget_get_preferred_size(window, NULL, &size);
-    gtk_window_set_default_size(GTK_WINDOW(window), MIN(size.width + wider, most.width),
-                                MIN(size.height + higher, most.height));
-}
 #else
 /* GTK 2 knows one size only: the least. */
+static GtkRequisition least(GtkWidget *widget)
+{
+    GtkRequisition size;
+    gtk_widget_size_request(widget, &size);
+    return size;
+}
+
 static void on_size(GtkWidget *scrolled, GtkRequisition *size, gpointer data)
 {
-    GtkRequisition child;
     (void) scrolled;
-    gtk_widget_size_request(data, &child);
     const GdkRectangle most = room();
-    size->height = MIN(child.height, most.height * 7 / 10); /* buttons and hints are below */
+    size->height = MIN(least(data).height, most.height * 7 / 10); /* buttons and hints are below */
 }
 
 GtkWidget *window_scrolled(GtkWidget *child)
@@ -67,12 +72,14 @@ GtkWidget *window_scrolled(GtkWidget *child)
     return scrolled;
 }
 
-void window_fit(GtkWidget *window, int wider, int higher)
+#endif
+
+void window_fit(GtkWidget *window, GtkWidget *view, int wider, int higher)
 {
     const GdkRectangle most = room();
-    GtkRequisition size;
-    gtk_widget_size_request(window, &size);
+    const GtkRequisition size = least(window);
+    const int box = view != NULL ? least(gtk_widget_get_parent(view)).height : 0;
+    const int more = view != NULL ? MAX(least(view).height + higher - box, 0) : 0;
     gtk_window_set_default_size(GTK_WINDOW(window), MIN(size.width + wider, most.width),
-                                MIN(size.height + higher, most.height));
+                                MIN(size.height + more, most.height));
 }
-#endif

@@ -7,6 +7,7 @@ import os
 import shlex
 import shutil
 import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -484,6 +485,23 @@ def test_ambient_occlusion(gegl, ntp, channels, depth, settings):
     assert (part[:, :, :3] == expected[2:7, 3:12]).all()
     flat = gegl(heights, "ntp:ambient-occlusion", "scale=0")
     assert (flat[:, :, :3] == np.iinfo(flat.dtype).max).all()
+
+
+def test_progress_ends(gegl_env, tmp_path):
+    """GIMP takes neither clicks nor keys from the progress 0 to the progress 1."""
+    pngs.write_png(tmp_path / "in.png", picture(33, 21, 3, 8))
+    program = Path(ffi_lib.__file__).parent / "gegl_progress.py"
+    done = subprocess.run(
+        [sys.executable, program, tmp_path / "in.png", "ntp:ambient-occlusion"],
+        env=gegl_env,
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        timeout=900,
+        check=True,
+    )
+    shares = [float(line) for line in done.stdout.split()]
+    assert shares[0] == 0 and shares[-1] == 1 and shares == sorted(shares), done.stderr
 
 
 @pytest.mark.parametrize(

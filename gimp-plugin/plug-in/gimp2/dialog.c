@@ -381,7 +381,7 @@ gboolean dialog_run(const procedure *p, settings *s, gint32 id)
         gtk_widget_grab_focus(d.first);
         gtk_entry_set_activates_default(GTK_ENTRY(d.first), TRUE);
     }
-    window_fit(d.window, alone ? 0 : VIEW_WIDER, 0);
+    window_fit(d.window, d.view, alone ? 0 : VIEW_WIDER, VIEW_HIGHER);
     const gboolean done = run_window(&d);
     gtk_widget_destroy(d.window);
     return done;

@@ -147,7 +147,7 @@ gboolean dialog_run(const procedure *p, GimpProcedure *pdb_procedure, GimpProced
     gtk_widget_show_all(box);
     const gulong handler = g_signal_connect(config, "notify", G_CALLBACK(on_change), &c);
     on_change(G_OBJECT(config), NULL, &c);
-    window_fit(dialog, c.view != NULL ? VIEW_WIDER : 0, 0);
+    window_fit(dialog, c.view, c.view != NULL ? VIEW_WIDER : 0, VIEW_HIGHER);
     const gboolean done = gimp_procedure_dialog_run(GIMP_PROCEDURE_DIALOG(dialog));
     g_signal_handler_disconnect(config, handler);
     gtk_widget_destroy(dialog);
