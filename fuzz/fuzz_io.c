@@ -6,7 +6,8 @@
  * several rows, and PNG unpacked at once, must give the same as reading row by row, and each error
  * must be one line of plain text with a status.  PNG is read again with its chunks' checksums
  * mended, or hardly any change would get further than those.  Formats are recognized by content;
- * because of the name, everything else is read as TGA.
+ * because of the name, everything else is read as TGA.  Of DDS and KTX2 other mips and layers than the
+ * first are read by inputs of other sizes.
  */
 #include "ntpio.h"
 
@@ -69,6 +70,9 @@ static seen read_all(const uint8_t *data, size_t size, uint32_t step, uint64_t m
     seen s = { .hash = 14695981039346656037u }; /* FNV-1a */
     ntpio_limits limits = LIMITS;
     limits.max_at_once = max_at_once;
+    limits.mip = size % 5 == 4;
+    limits.layer_and_one = size % 8 == 7 ? 2 : size % 4 != 0;
+    limits.pairs_as_rgb = size % 2 == 0;
     ntpio_reader *reader = ntpio_open_memory(data, size, "fuzz.tga", &limits, &s.error);
     if (reader == NULL) {
         check_error(&s.error);

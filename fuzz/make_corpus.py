@@ -9,7 +9,11 @@ import struct
 import sys
 from pathlib import Path
 
-SUFFIXES = {".png", ".tga", ".jpg", ".pfm"}
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "tests"))
+
+from support.gpu_textures import NUMBERS, block_bytes, dds, ktx2
+
+SUFFIXES = {".png", ".tga", ".jpg", ".pfm", ".dds", ".ktx2"}
 LARGEST = 65536
 
 
@@ -47,6 +51,27 @@ def extra():
     yield "float_big.pfm", pfm(b"Pf", b"1e0", ">")
 
 
+def gpu_textures():
+    """(name, bytes) of each kind of block, of masks and plain samples, of mips and cubes."""
+    noise = bytes(i * 167 + i // 5 & 0xFF for i in range(4096))
+    for kind, (four, dxgi, vulkan) in NUMBERS.items():
+        name = kind.replace(" ", "_").lower()
+        blocks = noise[: 4 * block_bytes(kind)]
+        yield f"{name}_10.dds", dds(7, 6, blocks, dxgi=dxgi)
+        if four:
+            yield f"{name}_9.dds", dds(7, 6, blocks, four=four)
+        yield f"{name}.ktx2", ktx2(7, 6, [blocks, blocks[: len(blocks) // 4]], vulkan)
+    for dxgi, vulkan, size in ((2, 109, 16), (10, 97, 8), (31, 38, 4), (37, 78, 4), (24, 64, 4)):
+        yield f"plain_{dxgi}.dds", dds(4, 3, noise[: 12 * size], dxgi=dxgi)
+        yield f"plain_{vulkan}.ktx2", ktx2(4, 3, [noise[: 12 * size]], vulkan, scheme=3)
+    yield "masks.dds", dds(4, 3, noise[:24], masks=(0x7C00, 0x3E0, 31, 0x8000), bits=16, flags=1)
+    yield "signed.dds", dds(4, 3, noise[:24], masks=(0xFF, 0xFF00), bits=16, flags=0x80000)
+    yield "cube.dds", dds(4, 4, noise[: 6 * 21], dxgi=61, mips=3, cube=1)
+    yield "cube.ktx2", ktx2(4, 4, [noise[:96], noise[:24]], 9, faces=6)
+    yield "array.ktx2", ktx2(4, 4, [noise[:48]], 9, layers=3, scheme=3)
+    yield "uastc.ktx2", ktx2(4, 4, [noise[:16]], 0, model=166, transfer=2)
+
+
 def main():
     source, target = Path(sys.argv[1]), Path(sys.argv[2])
     shutil.rmtree(target, ignore_errors=True)
@@ -56,7 +81,7 @@ def main():
             data = path.read_bytes()
             (target / path.name).write_bytes(data)
             (target / f"chip_{path.name}").write_bytes(data[: len(data) * 7 // 8])
-    for name, data in extra():
+    for name, data in [*extra(), *gpu_textures()]:
         (target / name).write_bytes(data)
 
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * ntpio.h - image files to rows of samples and back: PNG, TGA, JPEG (read only), PFM
+ * ntpio.h - image files to rows of samples and back: PNG, TGA, PFM; JPEG, DDS, KTX2 (read only)
  *
  * The edge of the project: used by the program, the tests and the bindings, never by libntp.
  * Samples are raw numbers: no color management, gamma, premultiplication or dithering happens
@@ -13,7 +13,9 @@
  *   formats.h  the formats, in png_read.c, png_write.c, tga.c, jpeg.c and pfm.c; they know only
  *              reader.h, writer.h and what these include; png_read.c also png_whole.c, which
  *              unpacks pictures at once; png_write.c also png_pack.c, which packs them band by
- *              band, with deflate.c and its parts; both of these png_filter.c, the row filters
+ *              band, with deflate.c and its parts; both of these png_filter.c, the row filters;
+ *              dds.c and ktx2.c share texture.c (rows of what GPUs take) and layouts.c (formats by
+ *              number), which decode blocks by blocks.c and bc7.c
  *   source.c   where bytes come from; stamp.c: which version of a file that is
  *   output.c   where bytes go, and how a file takes the place of its target; attributes.c: what
  *              it keeps of the older file
@@ -48,17 +50,25 @@ typedef enum ntpio_format {
     NTPIO_PNG = 0,
     NTPIO_TGA = 1,
     NTPIO_JPEG = 2,
-    NTPIO_PFM = 3
+    NTPIO_PFM = 3,
+    NTPIO_DDS = 4,
+    NTPIO_KTX2 = 5
 } ntpio_format;
 
-/* What a reader refuses before it allocates or decodes. */
+/* What a reader refuses before it allocates or decodes, and which image of a DDS or KTX2 it
+ * delivers. */
 typedef struct ntpio_limits {
-    uint32_t max_side;    /* 0: 65535 */
-    uint64_t max_texels;  /* 0: 2^30 (32768 x 32768) */
-    uint64_t max_memory;  /* 0: 4 GiB; for what must be held whole */
-    uint64_t max_at_once; /* 0: 256 MiB.  PNG files and pictures up to that size are unpacked at
+    uint32_t max_side;      /* 0: 65535 */
+    uint64_t max_texels;    /* 0: 2^30 (32768 x 32768) */
+    uint64_t max_memory;    /* 0: 4 GiB; for what must be held whole */
+    uint64_t max_at_once;   /* 0: 256 MiB.  PNG files and pictures up to that size are unpacked at
                            * once, which is faster; larger ones row by row.  1: all are. */
-    bool regular_only;    /* refuse pipes and devices, without waiting for them */
+    bool regular_only;      /* refuse pipes and devices, without waiting for them */
+    uint32_t mip;           /* 0: the largest, 1: half of it, ... */
+    uint32_t layer_and_one; /* 1 + the layer of an array, or the face of a cube; 0: none is picked,
+                             * and arrays and cubes are refused */
+    bool pairs_as_rgb;      /* two channels that are red and green (BC5) come with a blue of 0, as
+                             * GPUs sample them */
 } ntpio_limits;
 
 /* Which version of a file was read.  A save changes at least one of these. */
@@ -79,21 +89,27 @@ typedef struct ntpio_text {
 typedef struct ntpio_info {
     ntpio_format format;
     uint32_t width, height;
-    int32_t channels;     /* of the rows delivered: 1 gray, 2 gray+alpha, 3 RGB, 4 RGBA */
+    int32_t channels;     /* of the rows delivered: 1 gray, 2 gray+alpha, 3 RGB, 4 RGBA; or 2
+                           * red+green, where red_green says so */
     int32_t sample_bytes; /* of the rows delivered: 1, 2 (native order) or 4 (float) */
     int32_t bit_depth;    /* of a sample in the file: 1, 2, 4, 5 (TGA 15/16 bit), 8, 16, 32 */
     bool streams;
     bool interlaced;
     bool palette;
-    bool lossy; /* JPEG */
-    bool alpha; /* the file has an alpha channel or PNG transparency (tRNS) */
-    bool has_gama, has_srgb, has_iccp, has_chrm, has_cicp; /* PNG color chunks: never applied */
+    bool lossy;     /* JPEG */
+    bool red_green; /* the file has two channels, and they are red and green */
+    bool blocks;    /* stored in blocks: BC1 to BC7 */
+    bool alpha;     /* the file has an alpha channel or PNG transparency (tRNS) */
+    bool has_gama, has_srgb, has_iccp, has_chrm, has_cicp; /* PNG color chunks: never applied;
+                                                            * has_srgb: also of a DDS or KTX2 */
     double gamma;                                          /* of gAMA */
     bool has_phys;
     uint32_t phys_x, phys_y; /* pHYs: pixels per unit */
     int32_t phys_unit;       /* 1: metre */
     int32_t jpeg_quality;    /* estimated 1..100; 0 unknown or not JPEG */
     bool jpeg_subsampled;    /* chroma subsampling, e.g. 4:2:0 */
+    char layout[32];         /* DDS and KTX2: "BC5", "R8G8B8A8"; else empty */
+    uint32_t mips, layers;   /* DDS and KTX2, else 0 */
     ntpio_text *texts;
     size_t text_count;
     ntpio_stamp stamp; /* of the file when it was opened */

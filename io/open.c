@@ -51,7 +51,6 @@ static const char *foreign(const uint8_t *b, size_t n)
         const char *start, *what;
     } known[] = {
         { "version https://git-lfs", "a Git LFS pointer, not the image: run `git lfs pull`" },
-        { "DDS ", "DDS textures are not read" },
         { "GIF8", "GIF images are not read" },
         { "BM", "BMP images are not read" },
         { "II*", "TIFF images are not read" },
@@ -59,7 +58,7 @@ static const char *foreign(const uint8_t *b, size_t n)
         { "8BPS", "Photoshop documents are not read" },
         { "\x76\x2f\x31\x01", "OpenEXR images are not read" },
         { "#?RADIANCE", "Radiance HDR images are not read" },
-        { "\xabKTX", "KTX textures are not read" },
+        { "\xabKTX 11", "KTX textures of version 1 are not read, only KTX2" },
         { "RIFF", "RIFF files such as WebP are not read" },
         { "gimp xcf", "GIMP documents are not read" },
     };
@@ -93,6 +92,10 @@ static const ntpio__decoder *find_decoder(ntpio_reader *reader, ntpio_error *err
     if (n >= 3 && b[0] == 'P' && (b[1] == 'F' || b[1] == 'f') &&
         (b[2] == '\n' || b[2] == '\r' || b[2] == ' ' || b[2] == '\t'))
         return &ntpio__pfm_decoder;
+    if (n >= 4 && memcmp(b, "DDS ", 4) == 0)
+        return &ntpio__dds_decoder;
+    if (n >= 7 && memcmp(b, "\xabKTX 20", 7) == 0)
+        return &ntpio__ktx2_decoder;
     const char *what = foreign(b, n);
     const bool plausible = what == NULL && ntpio__tga_plausible(b, n);
     if (plausible || ends_with(reader->name, ".tga") || ends_with(reader->name, ".targa")) {
@@ -105,7 +108,7 @@ static const ntpio__decoder *find_decoder(ntpio_reader *reader, ntpio_error *err
         return NULL;
     }
     ntpio__fail(error, NTPIO_ERR_FORMAT, reader->name, "%s",
-                what != NULL ? what : "not a PNG, TGA, JPEG or PFM image");
+                what != NULL ? what : "not a PNG, TGA, JPEG, PFM, DDS or KTX2 image");
     return NULL;
 }
 
@@ -130,6 +133,11 @@ static ntpio_reader *new_reader(const char *name, const ntpio_limits *limits, nt
         reader->limits.max_memory = limits->max_memory;
     if (limits != NULL && limits->max_at_once != 0)
         reader->limits.max_at_once = limits->max_at_once;
+    if (limits != NULL) {
+        reader->limits.mip = limits->mip;
+        reader->limits.layer_and_one = limits->layer_and_one;
+        reader->limits.pairs_as_rgb = limits->pairs_as_rgb;
+    }
     return reader;
 }
 

@@ -12,6 +12,9 @@
 #ifdef NTPIO_HAVE_LIBDEFLATE
 #  include <libdeflate.h>
 #endif
+#ifdef NTPIO_HAVE_ZSTD
+#  include <zstd.h>
+#endif
 
 #include "ntpio.h"
 
@@ -23,6 +26,9 @@ const char *ntpio_versions(void)
     return "libpng " PNG_LIBPNG_VER_STRING ", zlib " ZLIB_VERSION
 #ifdef NTPIO_HAVE_LIBDEFLATE
            ", libdeflate " LIBDEFLATE_VERSION_STRING
+#endif
+#ifdef NTPIO_HAVE_ZSTD
+           ", libzstd " ZSTD_VERSION_STRING
 #endif
 #if defined(NTPIO_HAVE_JPEG) && defined(LIBJPEG_TURBO_VERSION)
            ", libjpeg-turbo " TEXT_OF(LIBJPEG_TURBO_VERSION)

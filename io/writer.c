@@ -34,6 +34,9 @@ static const char *wrong_shape(const ntpio_write_options *o)
         return (c != 1 && c != 3) || b != 4 ? "PFM holds 1 or 3 channels of float" : NULL;
     case NTPIO_JPEG:
         return "JPEG is read, never written: it damages normals";
+    case NTPIO_DDS:
+    case NTPIO_KTX2:
+        return "DDS and KTX2 are read, not written";
     }
     return "an unknown format";
 }

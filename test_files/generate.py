@@ -15,7 +15,7 @@ HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE), str(HERE.parent / "tests")]
 
 import shapes
-from support import pngs
+from support import gpu_textures, pngs
 
 N = shapes.normals(shapes.height())
 GENTLE = shapes.normals(shapes.height(), 2.0)
@@ -243,7 +243,37 @@ def _():
     return pngs.tga_bytes(indices.reshape(16, 16), palette=colors, rle=True)
 
 
+# ---------------------------------------------------------------------------- DDS and KTX2
+
+
+def dds(name, body, **options):
+    FILES[name] = lambda: gpu_textures.dds(96, 64, body(), **options)
+
+
+dds("bc5.dds", lambda: gpu_textures.bc5_bytes(GOOD[..., 0], GOOD[..., 1]), dxgi=83)
+dds("bc3_dxt5nm.dds", lambda: gpu_textures.dxt5nm_bytes(GOOD[..., 0], GOOD[..., 1]), four=b"DXT5")
+dds(
+    "bc4_height.dds",
+    lambda: gpu_textures.bc4_bytes(to_levels(shapes.height(), 255)).tobytes(),
+    four=b"ATI1",
+)
+dds(
+    "bgra.dds",
+    lambda: alpha(GOOD, 255)[..., [2, 1, 0, 3]].astype(np.uint8).tobytes(),
+    masks=(0xFF0000, 0xFF00, 0xFF, 0),
+    bits=32,
+)
+FILES["rg16.ktx2"] = lambda: gpu_textures.ktx2(
+    96, 64, [to_levels((N[..., :2] + 1) / 2, 65535).astype("<u2").tobytes()], 77
+)
+FILES["zlib.ktx2"] = lambda: gpu_textures.ktx2(
+    96, 64, [u8(GOOD).tobytes()], 23, scheme=3, pack=pngs.stored
+)
+
+
 # ---------------------------------------------------------------------------- broken
+
+FILES["broken_truncated.dds"] = lambda: FILES["bc5.dds"]()[:3000]
 
 FILES["broken_empty.png"] = lambda: b""
 FILES["broken_text.png"] = lambda: b"This is not an image.\n"

@@ -62,6 +62,7 @@ need_tools() {
     want libpng-dev pkg-config --exists libpng
     want libjpeg-dev pkg-config --exists libjpeg
     want libdeflate-dev pkg-config --exists libdeflate
+    want libzstd-dev pkg-config --exists libzstd
     want libpopt-dev pkg-config --exists popt
     want libjansson-dev pkg-config --exists jansson
     install_missing

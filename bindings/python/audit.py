@@ -42,7 +42,14 @@ IN_WHEEL = (
 GRAFTED = ("normaltexture.libs/*.so*", "normaltexture.scripts/ntp")
 # What may be linked: the C library, and before the others are grafted those too.
 C_LIBRARY = ("libc.so.6", "libm.so.6", "libpthread.so.0", "libz.so.1", "ld-linux*")
-BEFORE_GRAFTING = ("libpng16.so*", "libdeflate.so*", "libjpeg.so*", "libpopt.so*", "libjansson.so*")
+BEFORE_GRAFTING = (
+    "libpng16.so*",
+    "libdeflate.so*",
+    "libjpeg.so*",
+    "libzstd.so*",
+    "libpopt.so*",
+    "libjansson.so*",
+)
 MODULE_EXPORTS = {"PyInit__native"}
 
 problems: list[str] = []

@@ -157,17 +157,18 @@ bool name_promises(const char *path, bool zzero)
 
 bool name_is_image(const char *path)
 {
-    static const char *const ENDINGS[] = { ".png", ".tga", ".jpg", ".jpeg", ".jpe", ".pfm", NULL };
+    static const char *const ENDINGS[] = { ".png", ".tga", ".jpg",  ".jpeg", ".jpe",
+                                           ".pfm", ".dds", ".ktx2", NULL };
     return ends_in_one_of(path, ENDINGS);
 }
 
 bool name_is_foreign(const char *path)
 {
-    static const char *const ENDINGS[] = { ".astc", ".avif", ".basis", ".bmp",  ".crn",  ".dds",
-                                           ".dib",  ".exr",  ".gif",   ".hdr",  ".heic", ".j2k",
-                                           ".jp2",  ".jxl",  ".ktx",   ".ktx2", ".pcx",  ".pgm",
-                                           ".pnm",  ".ppm",  ".psb",   ".psd",  ".pvr",  ".qoi",
-                                           ".rgb",  ".sgi",  ".svg",   ".tif",  ".tiff", ".tx",
-                                           ".vtf",  ".webp", NULL };
+    static const char *const ENDINGS[] = { ".astc", ".avif", ".basis", ".bmp",  ".crn", ".dib",
+                                           ".exr",  ".gif",  ".hdr",   ".heic", ".j2k", ".jp2",
+                                           ".jxl",  ".ktx",  ".pcx",   ".pgm",  ".pnm", ".ppm",
+                                           ".psb",  ".psd",  ".pvr",   ".qoi",  ".rgb", ".sgi",
+                                           ".svg",  ".tif",  ".tiff",  ".tx",   ".vtf", ".webp",
+                                           NULL };
     return ends_in_one_of(path, ENDINGS);
 }

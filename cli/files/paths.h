@@ -11,6 +11,7 @@
 #define NTP_CLI_PATHS_H
 
 #include <stdbool.h>
+#include <ntpio.h>
 #include <stddef.h>
 
 #include "options/options.h"
@@ -64,6 +65,9 @@ bool output_is_allowed(const char *output, const options *o);
 
 /* Do both names lead to the same file? */
 bool is_same_file(const char *a, const char *b);
+
+/* "JPEG", of a format that is read and not written; NULL of others. */
+const char *unwritten_name(ntpio_format format);
 
 /* For an additional output: is the path neither an input nor the output of one? */
 bool output_is_free(const input_list *list, const char *path);

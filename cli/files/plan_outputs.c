@@ -261,6 +261,14 @@ static bool plan_in_place(input_list *list)
     return true;
 }
 
+const char *unwritten_name(ntpio_format format)
+{
+    return format == NTPIO_JPEG   ? "JPEG"
+           : format == NTPIO_DDS  ? "DDS"
+           : format == NTPIO_KTX2 ? "KTX2"
+                                  : NULL;
+}
+
 /* False for JPEG and the formats of other programs: a PNG must not have such a name. */
 static bool format_is_written(const char *output)
 {
@@ -268,7 +276,7 @@ static bool format_is_written(const char *output)
         complain("-o %s: JPEG damages normals and is not written; use .png", output);
         return false;
     }
-    if (!name_is_foreign(output))
+    if (!name_is_foreign(output) && !ends_in(output, ".dds") && !ends_in(output, ".ktx2"))
         return true;
     complain("-o %s: such files are not written; use .png", output);
     return false;

@@ -23,7 +23,10 @@ static void judge_xy_only(judgement *j)
 {
     const facts *f = j->f;
     const bool nothing = (f->type.accidents & NTP_ACCIDENT_BLUE_CONSTANT) != 0;
-    if (f->info.channels <= 2)
+    if (f->info.red_green)
+        addf(j, NT006, LEVEL_INFO, f->stats.texels,
+             "%s holds x and y, and no blue: whoever reads it computes z", f->info.layout);
+    else if (f->info.channels <= 2)
         addf(j, NT006, LEVEL_INFO, f->stats.texels,
              "gray and alpha hold x and y, in this order or the other");
     else if (name_promises(f->in->path, false) || (!nothing && counts_alpha_map(&f->stats)))

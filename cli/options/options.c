@@ -359,6 +359,11 @@ const option_spec OPTION_TABLE[] = {
       "refuse images wider or higher than this" },
     { OPT_MAX_TEXELS, "max-texels", 0, KIND_INTEGER, "N", "1073741824", 1, 4294836225.0, V_ALL,
       "refuse images of more texels than this" },
+    { OPT_MIP, "mip", 0, KIND_INTEGER, "N", "0", 0, 31, V_ALL,
+      "of a DDS or KTX2, read this mip: 0 is the largest, each next one is half as large" },
+    { OPT_LAYER, "layer", 0, KIND_INTEGER, "N", NULL, 0, 12287, V_ALL,
+      "of a DDS or KTX2 that is an array or a cube map, read this texture, from 0: six faces a "
+      "cube. Without it such files are refused" },
     { OPT_HELP, "help", 'h', KIND_FLAG, NULL, NULL, 0, 0, V_ALL, "print this help" },
 };
 /* clang-format on */

@@ -129,6 +129,8 @@ typedef enum option_id {
     OPT_NO_PROGRESS,
     OPT_MAX_SIDE,
     OPT_MAX_TEXELS,
+    OPT_MIP,
+    OPT_LAYER,
     OPT_HELP,
     OPT_COUNT
 } option_id;

@@ -170,6 +170,10 @@ static const char *format_name(ntpio_format format)
         return "tga";
     case NTPIO_JPEG:
         return "jpeg";
+    case NTPIO_DDS:
+        return "dds";
+    case NTPIO_KTX2:
+        return "ktx2";
     default:
         return "pfm";
     }

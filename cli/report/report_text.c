@@ -127,9 +127,12 @@ static void add_headline(text *t, const input *in, const checked *c, const check
         text_addf(t, ", %s", y_title(f->orientation.y));
     if (f->orientation.decided && f->orientation.confidence < 0.9)
         text_addf(t, " (%.0f %% sure)", 100 * f->orientation.confidence);
-    text_addf(t, ", %u x %u %d-bit %s%s: ", (unsigned) f->info.width, (unsigned) f->info.height,
-              (int) f->info.bit_depth, f->info.palette ? "palette " : "",
-              CHANNELS[f->info.channels]);
+    text_addf(t, ", %u x %u ", (unsigned) f->info.width, (unsigned) f->info.height);
+    if (f->info.layout[0] != 0)
+        text_addf(t, "%s: ", f->info.layout);
+    else
+        text_addf(t, "%d-bit %s%s: ", (int) f->info.bit_depth, f->info.palette ? "palette " : "",
+                  CHANNELS[f->info.channels]);
     add_verdict(t, c, s);
     text_char(t, '\n');
 }

@@ -225,12 +225,14 @@ static unsigned read_detail(layer *l, settings *set, const options *o, const ntp
     return 0;
 }
 
-/* With --force, -o may name the detail, as it may name the base, but not a JPEG. */
-static bool replaces_jpeg(const layer *l, const char *output)
+/* With --force, -o may name the detail, as it may name the base, but not one of a format that is only
+ * read. */
+static bool replaces_original(const layer *l, const char *output)
 {
-    if (output == NULL || l->s.info->format != NTPIO_JPEG || !is_same_file(l->in.path, output))
+    const char *name = unwritten_name(l->s.info->format);
+    if (name == NULL || output == NULL || !is_same_file(l->in.path, output))
         return false;
-    complain("%s: JPEG is not written; give -o for a PNG of another name", l->in.path);
+    complain("%s: %s is not written; give -o for a PNG of another name", l->in.path, name);
     return true;
 }
 
@@ -257,7 +259,7 @@ int blend_run(const options *o)
     const ntpio_limits limits = limits_from(o);
     layer detail = { 0 };
     unsigned ran = read_detail(&detail, &set, o, &limits);
-    if (ran == 0 && replaces_jpeg(&detail, output))
+    if (ran == 0 && replaces_original(&detail, output))
         ran = RAN_USAGE;
     options base = *o; /* the base is the only input of the run */
     base.path_count = 1;

@@ -91,18 +91,22 @@ static bool leads_out(const production *p, ntpio_error *error)
     return true;
 }
 
-/* A JPEG is never replaced: that would destroy the only original. */
-static bool replaces_jpeg(const production *p, ntpio_error *error)
+/* A JPEG is never replaced: that would destroy the only original.  Nor are DDS and KTX2, which are
+ * not written. */
+static bool replaces_original(const production *p, ntpio_error *error)
 {
-    const char *output = p->in->output;
-    if (p->s.info->format != NTPIO_JPEG || output == NULL || !is_same_file(p->in->path, output))
+    const char *output = p->in->output, *name = unwritten_name(p->s.info->format);
+    if (name == NULL || output == NULL || !is_same_file(p->in->path, output))
         return false;
+    text why = { 0 };
+    text_addf(&why, "%s is not written; give -o for a PNG of another name", name);
     file_error(error, is_in_place(p->m) ? NTPIO_ERR_WRITE : NTPIO_ERR_USAGE, p->in->path,
-               "JPEG is not written; give -o for a PNG of another name");
+               text_string(&why));
+    text_free(&why);
     return true;
 }
 
-/* Such a JPEG is an error only where it would change, which these verbs find out by their rows. */
+/* Such a file is an error only where it would change, which these verbs find out by their rows. */
 static bool may_stay(const production *p)
 {
     return is_in_place(p->m) && (p->m->o->verb_bit & (V_CLEAN | V_CONVERT)) != 0;
@@ -340,11 +344,11 @@ static outcome make_as_known(production *p, ntpio_error *error)
             return UNREADABLE;
     }
     ntpio_error never = { 0 };
-    const bool writes = !dry_run && p->in->outside == NULL && !replaces_jpeg(p, &never);
+    const bool writes = !dry_run && p->in->outside == NULL && !replaces_original(p, &never);
     done = speculate(p, writes, error);
     if (done == MADE && only_changed && !p->changes && !writes)
         return UNCHANGED;
-    if (done == MADE && (leads_out(p, error) || replaces_jpeg(p, error)))
+    if (done == MADE && (leads_out(p, error) || replaces_original(p, error)))
         return FAILED;
     if (done != MADE || dry_run)
         return done;
@@ -389,7 +393,7 @@ static outcome ask_about_object(production *p, ntpio_error *error)
 outcome make_output(production *p, ntpio_error *error)
 {
     p->forced = p->m->forced;
-    if (!may_stay(p) && replaces_jpeg(p, error))
+    if (!may_stay(p) && replaces_original(p, error))
         return FAILED;
     outcome asked = ask_for_heights(p, error);
     if (asked == MADE)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Image files: PNG, TGA, PFM, and JPEG to read, sample for sample.
+"""Image files: PNG, TGA, PFM, and to read JPEG, DDS and KTX2, sample for sample.
 
 Numbers are kept as stored: no color management, no gamma, no premultiplication.  16-bit RGB and
 RGBA PNG are exact both ways.
@@ -19,7 +19,7 @@ from ._native import ffi, lib
 from .typing import AnyPixels
 
 File: TypeAlias = str | os.PathLike[str] | bytes | bytearray | memoryview
-Format: TypeAlias = Literal["png", "tga", "jpeg", "pfm"]
+Format: TypeAlias = Literal["png", "tga", "jpeg", "pfm", "dds", "ktx2"]
 
 _FORMAT_NAMES: Any = names_of(FILE_FORMATS)
 _SAMPLES: dict[int, Any] = {1: np.uint8, 2: np.uint16, 4: np.float32}
@@ -32,10 +32,11 @@ class ImageInfo(_Result):
 
     Attributes
     ----------
-    format : {"png", "tga", "jpeg", "pfm"}
+    format : {"png", "tga", "jpeg", "pfm", "dds", "ktx2"}
     width, height : int
     channels : int
-        Of the array that `read` returns: 1 gray, 2 gray and alpha, 3 RGB, 4 RGBA.
+        Of the array that `read` returns: 1 gray, 2 gray and alpha, 3 RGB, 4 RGBA; or 2 red and
+        green, where `red_green` says so.
     bit_depth : int
         Of a sample in the file: 1, 2, 4, 5, 8, 16 or 32.
     interlaced, palette, lossy, alpha : bool
@@ -48,6 +49,13 @@ class ImageInfo(_Result):
         Estimated, 1..100; 0: unknown, or not a JPEG.
     jpeg_subsampled : bool
         The colors have fewer samples than the brightness, such as 4:2:0.
+    red_green : bool
+        The file has two channels, and they are red and green, as in BC5.
+    layout : str
+        Of a DDS or KTX2, such as "BC5" or "R8G8B8A8"; else "".
+    mips, layers : int
+        Of a DDS or KTX2: smaller copies, the first included; textures of an array, or faces of
+        cubes.  Else 0.
     """
 
     format: Format
@@ -63,6 +71,10 @@ class ImageInfo(_Result):
     texts: dict[str, str]
     jpeg_quality: int
     jpeg_subsampled: bool
+    red_green: bool
+    layout: str
+    mips: int
+    layers: int
 
 
 def _raise(error: Any) -> None:
@@ -93,6 +105,10 @@ def _info(info: Any) -> ImageInfo:
         texts=texts,
         jpeg_quality=info.jpeg_quality,
         jpeg_subsampled=info.jpeg_subsampled,
+        red_green=info.red_green,
+        layout=ffi.string(info.layout).decode(),
+        mips=info.mips,
+        layers=info.layers,
     )
 
 
@@ -105,13 +121,34 @@ def _open(file: Any, limits: Any, error: Any) -> tuple[Any, Any]:
     return lib.ntpio_open(os.fsencode(file), limits, error), None
 
 
-def read(file: File, *, max_side: int = 65535, max_texels: int = 1 << 30) -> AnyPixels:
-    """Read a PNG, TGA, JPEG or PFM.
+def _limits(mip: int, layer: int | None, max_side: int = 0, max_texels: int = 0) -> Any:
+    for name, value in (("mip", mip), ("layer", layer or 0)):
+        if not 0 <= value <= 12287:
+            raise ArgumentError(f"{name}={value!r}: must be within 0..12287")
+    limits = ffi.new("ntpio_limits *", (max_side, max_texels, 0))
+    limits.mip, limits.layer_and_one = mip, 0 if layer is None else layer + 1
+    return limits
+
+
+def read(
+    file: File,
+    *,
+    mip: int = 0,
+    layer: int | None = None,
+    max_side: int = 65535,
+    max_texels: int = 1 << 30,
+) -> AnyPixels:
+    """Read a PNG, TGA, JPEG, PFM, DDS or KTX2.
 
     Parameters
     ----------
     file : path, or bytes
         A file, or the content of one.
+    mip : int
+        Of a DDS or KTX2: 0 is the largest, each next one is half as large.
+    layer : int, optional
+        Of a DDS or KTX2 that is an array or a cube map: the texture to read, from 0; six faces a
+        cube.  Without it such files are refused.
     max_side, max_texels : int
         Refuse images larger than this before anything is allocated.
 
@@ -119,7 +156,8 @@ def read(file: File, *, max_side: int = 65535, max_texels: int = 1 << 30) -> Any
     -------
     array
         (height, width) for gray images, else (height, width, 2 to 4); uint8, uint16 or, for PFM,
-        float32.  Samples of less than 8 bits are scaled to 8, palettes become RGB.
+        float32.  Samples of less than 8 bits are scaled to 8, palettes become RGB.  BC5 is
+        (height, width, 2), red and green of 16 bits as GPUs interpolate them: ``type="xy"``.
 
     Raises
     ------
@@ -135,17 +173,22 @@ def read(file: File, *, max_side: int = 65535, max_texels: int = 1 << 30) -> Any
     >>> texture.shape, texture.dtype
     ((64, 96, 3), dtype('uint8'))
     """
-    return read_with_info(file, max_side=max_side, max_texels=max_texels)[0]
+    return read_with_info(file, mip=mip, layer=layer, max_side=max_side, max_texels=max_texels)[0]
 
 
 def read_with_info(
-    file: File, *, max_side: int = 65535, max_texels: int = 1 << 30
+    file: File,
+    *,
+    mip: int = 0,
+    layer: int | None = None,
+    max_side: int = 65535,
+    max_texels: int = 1 << 30,
 ) -> tuple[AnyPixels, ImageInfo]:
-    """Read a PNG, TGA, JPEG or PFM, and what the file says about its image.
+    """Read a PNG, TGA, JPEG, PFM, DDS or KTX2, and what the file says about its image.
 
     Parameters
     ----------
-    file, max_side, max_texels
+    file, mip, layer, max_side, max_texels
         As in `read`.
 
     Returns
@@ -165,7 +208,7 @@ def read_with_info(
     ('png', 8)
     """
     error = ffi.new("ntpio_error *")
-    limits = ffi.new("ntpio_limits *", (max_side, max_texels, 0))
+    limits = _limits(mip, layer, max_side, max_texels)
     reader, held = _open(file, limits, error)
     if reader == ffi.NULL:
         _raise(error)
@@ -185,12 +228,14 @@ def read_with_info(
         del held
 
 
-def read_info(file: File) -> ImageInfo:
+def read_info(file: File, *, mip: int = 0, layer: int | None = None) -> ImageInfo:
     """Read what a file says about its image, without its pixels.
 
     Parameters
     ----------
     file : path, or bytes
+    mip, layer
+        As in `read`.
 
     Returns
     -------
@@ -209,7 +254,7 @@ def read_info(file: File) -> ImageInfo:
     8
     """
     error = ffi.new("ntpio_error *")
-    reader, held = _open(file, ffi.NULL, error)
+    reader, held = _open(file, _limits(mip, layer), error)
     if reader == ffi.NULL:
         _raise(error)
     try:

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: MIT
-"""Images in other formats that artists use: WebP, TIFF, EXR, DDS, AVIF.
+"""Images in other formats that artists use: WebP, TIFF, EXR, AVIF.
 
 They are read by well-known libraries, which the extra installs: ``pip install
 'normaltexture[images]'``.  The result is what the file stores: numbers, without color management,
-gamma or premultiplication.  PNG, TGA, JPEG and PFM are read by the package itself, and need none of
-them.
+gamma or premultiplication.  PNG, TGA, JPEG, PFM, DDS and KTX2 are read by the package itself, and
+need none of them.
 """
 
 import importlib
@@ -96,31 +96,21 @@ def _read_exr(data: bytes) -> Pixels:
 
 
 def _read_by_pillow(data: bytes) -> Pixels:
-    pillow = _library("PIL.Image", "WebP, AVIF and DDS")
+    pillow = _library("PIL.Image", "WebP and AVIF")
     try:
-        with pillow.open(io.BytesIO(data), formats=["WEBP", "AVIF", "DDS"]) as image:
+        with pillow.open(io.BytesIO(data), formats=["WEBP", "AVIF"]) as image:
             if image.mode not in ("L", "LA", "RGB", "RGBA"):
                 image = image.convert("RGBA" if "A" in image.mode else "RGB")
             pixels = np.array(image)
     except (OSError, SyntaxError, NotImplementedError) as error:
         raise ValueError(str(error) or type(error).__name__) from None
-    # BC5 holds red and green only: what stands in blue is a filling.
-    two_channels = media_type(data) == "image/vnd-ms.dds" and _is_bc5(data)
-    return _kept(pixels[..., :2] if two_channels else pixels, "the image")
-
-
-def _is_bc5(data: bytes) -> bool:
-    """Whether a DDS is BC5: by its FourCC, or by its DXGI format (82..84)."""
-    four = data[84:88]
-    if four == b"DX10" and len(data) >= 132:
-        return 82 <= int.from_bytes(data[128:132], "little") <= 84
-    return four in (b"ATI2", b"BC5U", b"BC5S")
+    return _kept(pixels, "the image")
 
 
 _READERS: dict[str, Callable[[bytes], Pixels]] = {
     "image/tiff": _read_tiff,
     "image/x-exr": _read_exr,
-    "image/vnd-ms.dds": _read_by_pillow,
+    "image/vnd-ms.dds": _read_ours,
     "image/webp": _read_by_pillow,
     "image/avif": _read_by_pillow,
 }
@@ -137,7 +127,7 @@ def read(file: str | os.PathLike[str] | bytes) -> AnyPixels:
     Returns
     -------
     array, (height, width) or (height, width, 2 to 4); uint8, uint16 or float32
-        What the file stores.  BC5 has two channels: read it with ``type="xy"``.  EXR holds floats,
+        What the file stores.  BC5 has two channels of 16 bits: ``type="xy"``.  EXR holds floats,
         normals in them either -1..1 (``type="vector"``) or 0..1.
 
     Raises
