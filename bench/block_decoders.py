@@ -73,11 +73,15 @@ def main():
                 theirs = PEERS[name](module, kind, blocks)
                 if theirs is None:
                     continue
-                off = np.abs(ours - theirs[..., : ours.shape[2]])
+                # texture2ddecoder gives colors of BC3 a mode of BC1 that BC3 has not.
+                first = 3 if kind == "BC3" and name == "texture2ddecoder" else 0
+                off = np.abs(ours[..., first:] - theirs[..., first : ours.shape[2]])
                 worst[name] = max(worst[name], off.max())
                 different[name] += int((off >= 1).sum())
             done += SIDE * SIDE
         for name in modules:
+            if kind == "BC2" and name == "texture2ddecoder":
+                continue
             print(
                 f"{kind}, {done:,} blocks, {name}: at most {worst[name]:.3f} levels of 8 bit, "
                 f"{different[name]:,} samples by a level or more"
