@@ -195,6 +195,8 @@ static const field normals_fields[FN_COUNT] = {
     [FN_CHANNELS] = CHOICE("channels", NTP_CHANNELS_LABEL, NTP_CHANNELS_HELP, 2, 0, channel_orders),
     [FN_DITHER] = CHOICE("dither", NTP_DITHER_LABEL, NTP_DITHER_HELP, 2, 0, dithers),
     [FN_OCCLUSION] = SWITCH("occlusion", NTP_OCCLUSION_LABEL, NTP_OCCLUSION_HELP, 2),
+    [FN_FORCE] = SWITCH("force", N_("Of normals too"),
+        N_("Make normals also of what shows normals already; the dialog asks"), -1),
 };
 
 static const field height_fields[FH_COUNT] = {

@@ -61,6 +61,7 @@ enum {
     FN_CHANNELS,
     FN_DITHER,
     FN_OCCLUSION,
+    FN_FORCE,
     FN_COUNT
 };
 

@@ -84,6 +84,15 @@ gboolean host_has_effects(gint32 id);
  * nothing.  only_effects: nothing unless the layer shows effects. */
 void host_notice(const procedure *p, gint32 id, gboolean only_effects, char notice[HOST_TEXT]);
 
+/*
+ * Would normals be made of normals?  The judgement is that of `ntp from-height`, on what is shown.
+ * A single channel other than red, which is the default, is taken for a height.
+ */
+gboolean host_shows_normals(const settings *s, const host_layer *layer);
+
+/* The same before the procedure runs, so that the user can be asked. */
+gboolean host_must_ask(const settings *s, gint32 id);
+
 /* Is it a layer, so that the argument counts? */
 gboolean host_is_layer(gint32 id);
 

@@ -22,18 +22,24 @@ static bool read_sampled(void *user, int32_t y0, int32_t y1, void *rows)
     return true;
 }
 
-static ntp_class kind_of(host_layer *layer)
+static ntp_class kind_of(const raster *layer)
 {
     static report found;
     const settings question = { { 0 } };
-    raster sampled = layer->raster;
+    raster sampled = *layer;
     if (sampled.height > SAMPLED) {
-        sampled.user = &layer->raster;
+        sampled.user = (void *) (guintptr) layer;
         sampled.read = read_sampled;
         sampled.height = SAMPLED;
     }
     return report_run(&found, &question, &sampled, NULL, NULL) == JOB_DONE ? found.type.type
                                                                            : NTP_CLASS_ONE_COLOR;
+}
+
+static gboolean is_normals(ntp_class kind)
+{
+    return kind == NTP_CLASS_STANDARD || kind == NTP_CLASS_ZZERO || kind == NTP_CLASS_XY ||
+           kind == NTP_CLASS_OBJECT_SPACE;
 }
 
 /* NULL: the layer suits the procedure, as far as one can tell. */
@@ -42,15 +48,51 @@ static const char *misfit(const procedure *p, host_layer *layer)
     if (layer->raster.channels < 3 ||
         (p != &procedures[PROCEDURE_NORMALS] && p != &procedures[PROCEDURE_HEIGHT]))
         return NULL;
-    const ntp_class kind = kind_of(layer);
-    const gboolean normals =
-        kind == NTP_CLASS_STANDARD || kind == NTP_CLASS_ZZERO || kind == NTP_CLASS_XY;
+    const ntp_class kind = kind_of(&layer->raster);
     if (p == &procedures[PROCEDURE_NORMALS])
-        return normals ? _("The layer shows normals already: this makes normals of their colors.")
-                       : NULL;
+        return is_normals(kind)
+                   ? _("The layer shows normals already: this makes normals of their colors.")
+                   : NULL;
     return kind == NTP_CLASS_HEIGHT
                ? _("This looks like a heightfield (bump map), not like normals.")
                : NULL;
+}
+
+/* What it is takes a pass over every texel, unless some of them are clearly a heightfield's. */
+static gboolean holds_normals(const raster *layer)
+{
+    static const double SURE = 0.9; /* that of `ntp` */
+    static report found;
+    const settings question = { { 0 } };
+    if (layer->channels < 3 || kind_of(layer) == NTP_CLASS_HEIGHT)
+        return FALSE;
+    return report_run(&found, &question, layer, NULL, &host_surroundings) == JOB_DONE &&
+           is_normals(found.type.type) && found.type.confidence >= SURE;
+}
+
+gboolean host_shows_normals(const settings *s, const host_layer *layer)
+{
+    const ntp_height_source source = normals_job_from(s).how.source;
+    const gint32 other_id = (gint32) s->value[FN_HEIGHT_LAYER];
+    if (s->value[FN_FORCE] != 0 || source == NTP_HEIGHT_SOURCE_GREEN ||
+        source == NTP_HEIGHT_SOURCE_BLUE || source == NTP_HEIGHT_SOURCE_ALPHA)
+        return FALSE;
+    if (!host_is_layer(other_id))
+        return holds_normals(&layer->raster);
+    host_layer other;
+    host_open(&other, other_id);
+    const gboolean found = holds_normals(&other.raster);
+    host_close(&other);
+    return found;
+}
+
+gboolean host_must_ask(const settings *s, gint32 id)
+{
+    host_layer layer;
+    host_open(&layer, id);
+    const gboolean found = host_shows_normals(s, &layer);
+    host_close(&layer);
+    return found;
 }
 
 void host_notice(const procedure *p, gint32 id, gboolean only_effects, char notice[HOST_TEXT])

@@ -294,6 +294,8 @@ static job_status dispatch(const procedure *p, const settings *s, const host_lay
     switch ((procedure_id) (p - procedures)) {
     case PROCEDURE_NORMALS: {
         const normals_job job = normals_job_from(s);
+        if (host_shows_normals(s, layer))
+            return JOB_IS_NORMALS;
 #if HOST_GIMP3
         if (operation_merge(s, layer))
             return JOB_DONE;

@@ -38,6 +38,11 @@ const char *job_status_text(job_status status)
         return N_("This looks like a heightfield (bump map), not like normals. To make normals of "
                   "it, choose Normals from Height. If these are normals all the same, set \"Range "
                   "of blue\".");
+    case JOB_IS_NORMALS:
+        return N_(
+            "This shows normals already, not heights: normals of their colors would be wrong. "
+            "If one channel is a height, choose it under \"Height\". To insist, answer the "
+            "question of the dialog, or set \"force\" in a script.");
     case JOB_NO_NORMALS:
         return N_(
             "This does not look like a normals texture. If it is one all the same, set \"Range "

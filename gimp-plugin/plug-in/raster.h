@@ -45,6 +45,7 @@ typedef enum job_status {
     JOB_BEYOND,     /* the layer's effects reach beyond it */
     JOB_NO_NORMALS, /* the layer is not a normals texture */
     JOB_IS_HEIGHT,  /* it is a heightfield */
+    JOB_IS_NORMALS, /* heights are required, but it shows normals */
     JOB_MISPLACED,  /* its channels are exchanged or were converted */
     JOB_NO_METHOD,  /* the method does not support this kernel with these borders */
     JOB_WRONG       /* an argument; should not happen with checked settings */

@@ -85,6 +85,21 @@ def refused_jobs():
         "swapped-height": ("red_blue_swapped", [["call", HEIGHT, {}]], "this would make it worse"),
         "no-alpha-layer": ("rgb8", [["call", NORMALS, {"alpha": "layer"}]], "none is chosen"),
         "no-alpha-map": ("rgba8", [["call", "plug-in-normalmap", {"alpha": 6}]], "none is chosen"),
+        "normals": ("rough16", [sobel], "normals already"),
+        "effect": (
+            "rgb16",
+            [["append", "ntp:normals-from-height", SOBEL], sobel],
+            "normals already",
+        ),
+        "other-effect": (
+            "rgba8",
+            [
+                ["other", "rgb8.png"],
+                ["append", "ntp:normals-from-height", SOBEL, "second"],
+                ["call", NORMALS, {**SOBEL, "height-layer": "other"}],
+            ],
+            "normals already",
+        ),
         "shadow": ("rgba8", [["append", *SHADOW], sobel], "reach beyond its edges"),
     }
 
@@ -179,7 +194,7 @@ def effect_jobs():
         jobs[f"inverted-{name}"] = name, [["merge", *INVERT], ["dump", f"inverted-{name}"]]
     part = [["select", *PART], ["merge", *INVERT], ["dump", "inverted-part"]]
     jobs["inverted-part"] = "rgba16", part
-    again = ["call", NORMALS, SOBEL]
+    again = ["call", NORMALS, {**SOBEL, "force": True}]
     jobs["seen-normals"] = "rgb16", [seen, again, note, ["dump", "seen-normals"]]
     clean = ["call", CLEAN, {"from": "standard"}]
     jobs["seen-made"] = "rgb16", [seen, clean, note, ["dump", "seen-made"]]
@@ -465,7 +480,9 @@ def test_effects_to_height(gimp, raw):
 
 
 def test_our_effect_is_seen(gimp, raw, ntp):
-    """After Normals from Height as an effect each takes the normals, not the heights below."""
+    """After Normals from Height as an effect each takes the normals, not the heights below.
+
+    Making normals of them takes a word more: see refused_jobs."""
     words = options(SOBEL)
     shown = ntp(INPUTS["rgb16"][0], "from-height", *words)
     again = ntp(shown, "from-height", "--force", *words)

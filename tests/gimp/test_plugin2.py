@@ -131,6 +131,10 @@ def layer_jobs():
             + normals(alpha="layer", alpha_layer="other", **sobel)
             + saved("oa.png", "layer"),
         ),
+        "forced": opened("rough16.png", normals(force=1, **sobel) + saved("forced.png")),
+        "blue-is-height": opened(
+            "rough16.png", normals(source="blue", **sobel) + saved("blue-is-height.png")
+        ),
         "offsets": opened(
             "rgb8.png",
             "(gimp-layer-set-offsets layer 40 -30)" + normals(**sobel) + saved("offsets.png"),
@@ -167,6 +171,13 @@ def refused_jobs():
         "no-alpha-layer": opened("rgb8.png", normals(alpha="layer")),
         "no-alpha-map": opened("rgba8.png", classic(alpha=6)),
         "heightfield": opened("equal.png", call("plug-in-ntp-height-from-normals")),
+        "normals": opened("judged-standard.png", normals()),
+        "normals-luma": opened("rough16.png", normals(source="luma")),
+        "normals-zzero": opened("judged-zz.png", normals()),
+        "other-normals": opened(
+            "judged-height_rgb.png",
+            OTHER.format("judged-standard.png") + normals(height_layer="other"),
+        ),
         "text": opened("rgb8.png", TEXT + normals(layer="text")),
         "no-remedy": opened("rough8.png", call("plug-in-ntp-check-normals", remedy="undo")),
         "photograph": opened("noise.png", call("plug-in-ntp-clean-normals")),
@@ -427,6 +438,14 @@ def test_offsets_and_mask(done, ntp):
     assert different(done("mask"), expected) == 0
 
 
+@pytest.mark.parametrize("job", ["forced", "blue-is-height"])
+def test_normals_of_normals(done, ntp, job):
+    """Who insists gets them, and a single channel may well be a height: as `ntp` takes them."""
+    words = {"forced": ["--force"], "blue-is-height": ["--source", "blue"]}[job]
+    expected = ntp(rough_normals(4, 16), "from-height", *options(SETTINGS["sobel"]), *words)
+    assert different(done(job), expected) == 0
+
+
 def test_one_texel(done):
     assert done("one", "one-out.png").tolist() == [[[128, 128, 255]]]
 
@@ -447,6 +466,9 @@ REFUSED = {
     "no-alpha-layer": "none is chosen",
     "no-alpha-map": "none is chosen",
     "heightfield": "looks like a heightfield",
+    **dict.fromkeys(
+        ["normals", "normals-luma", "normals-zzero", "other-normals"], "normals already"
+    ),
     "text": "text layer",
     "no-remedy": "not one for this layer",
     "photograph": "not look like a normals texture",

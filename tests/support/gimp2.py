@@ -39,6 +39,7 @@ ARGUMENTS = {
         "channels": "xyz",
         "dither": "none",
         "occlusion": 0,
+        "force": 0,
     },
     "plug-in-ntp-height-from-normals": {
         "border-x": "extrapolate",

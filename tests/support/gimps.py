@@ -65,7 +65,7 @@ class Gimp3:
             **environment,
         }
         command = ["chroot", self.chroot, "env", "-i"] + [f"{k}={v}" for k, v in variables.items()]
-        command += ["gimp-console-3.0", "-i", "-d", "-f", "--batch-interpreter=python-fu-eval"]
+        command += ["gimp-console-3", "-i", "-d", "-f", "--batch-interpreter=python-fu-eval"]
         command += ["-b", f"exec(open('{home}/script.py').read())", "--quit"]
         if os.geteuid() != 0:
             command = ["sudo", "-n", *command]

@@ -29,6 +29,12 @@ typedef struct dialog {
 
 /* ------------------------------------------------------------------- widgets and settings */
 
+/* What is for scripts only has no widget. */
+static bool is_shown(const dialog *d, int i)
+{
+    return d->procedure->fields[i].page >= 0;
+}
+
 static double read_control(const dialog *d, int i)
 {
     gint id = -1;
@@ -64,8 +70,10 @@ static void on_change(gpointer widget, gpointer data)
     (void) widget;
     if (d->filling)
         return;
-    for (int i = 0; i < d->procedure->count; i++)
-        d->settings->value[i] = read_control(d, i);
+    for (int i = 0; i < d->procedure->count; i++) {
+        if (is_shown(d, i))
+            d->settings->value[i] = read_control(d, i);
+    }
     allow_what_the_preset_leaves(d);
     if (d->view != NULL)
         view_update(d->view, d->settings);
@@ -76,6 +84,8 @@ static void fill(dialog *d)
     d->filling = TRUE;
     for (int i = 0; i < d->procedure->count; i++) {
         const double value = d->settings->value[i];
+        if (!is_shown(d, i))
+            continue;
         switch (d->procedure->fields[i].kind) {
         case FIELD_CHOICE:
             gtk_combo_box_set_active(GTK_COMBO_BOX(d->controls[i]), (gint) value);

@@ -3,6 +3,7 @@
  * gimp2.c - the plug-in as GIMP 2.10 knows it: procedures, their arguments, how they are called
  */
 #include "about.h"
+#include "confirm.h"
 #include "dialog.h"
 #include "host.h"
 #include "report_window.h"
@@ -127,6 +128,14 @@ static gboolean settle(const procedure *p, settings *s, const GimpParam *params,
     return dialog_run(p, s, params[2].data.d_drawable);
 }
 
+/* The settings of this run alone: an answer is not kept for the next one. */
+static gboolean agreed(const procedure *p, const settings *s, settings *asked, GimpRunMode mode,
+                       gint32 id)
+{
+    *asked = *s;
+    return mode != GIMP_RUN_INTERACTIVE || confirm(p, asked, id);
+}
+
 /* The report: users get a window, scripts get values. */
 static gboolean check(settings *s, gint32 id, GimpRunMode mode, report *r, char message[HOST_TEXT])
 {
@@ -153,7 +162,7 @@ static void run(const gchar *name, gint given, const GimpParam *params, gint *co
 {
     static GimpParam values[1 + REPORT_VALUES];
     const procedure *p = procedure_find(name);
-    settings s;
+    settings s, asked;
     static report found;
     char message[HOST_TEXT] = "";
     gchar *wrong = NULL;
@@ -176,10 +185,12 @@ static void run(const gchar *name, gint given, const GimpParam *params, gint *co
     } else if (!settle(p, &s, params, given, &wrong)) {
         if (wrong == NULL)
             values[0].data.d_status = GIMP_PDB_CANCEL;
+    } else if (!agreed(p, &s, &asked, mode, id)) {
+        values[0].data.d_status = GIMP_PDB_CANCEL;
     } else {
         values[0].data.d_status = GIMP_PDB_EXECUTION_ERROR;
         done = p == &procedures[PROCEDURE_CHECK] ? check(&s, id, mode, &found, message)
-                                                 : host_run(p, &s, id, message);
+                                                 : host_run(p, &asked, id, message);
     }
     if (done) {
         values[0].data.d_status = GIMP_PDB_SUCCESS;

@@ -3,6 +3,7 @@
  * main.c - the plug-in as GIMP 3 knows it: procedures, their arguments, how they are called
  */
 #include "about.h"
+#include "confirm.h"
 #include "dialog.h"
 #include "host.h"
 #include "report_window.h"
@@ -138,6 +139,8 @@ static GimpValueArray *run(GimpProcedure *pdb, GimpRunMode mode, GimpImage *imag
         return give_up(pdb, GIMP_PDB_CANCEL, NULL);
     config_read(p, config, &s);
     settings_check(p, &s);
+    if (mode == GIMP_RUN_INTERACTIVE && !confirm(p, &s, id))
+        return give_up(pdb, GIMP_PDB_CANCEL, NULL);
     if (!(checks ? check(&s, id, mode, &found, message) : host_run(p, &s, id, message)))
         return give_up(pdb, GIMP_PDB_EXECUTION_ERROR, message);
     if (mode != GIMP_RUN_NONINTERACTIVE)

@@ -66,7 +66,7 @@ static GimpDrawableFilter *filter_new(GimpDrawable *drawable)
 static gboolean fill(GObject *config, const settings *s)
 {
     for (int i = FN_SCALE; i < FN_COUNT; i++) {
-        if (i > FN_BLUE && i < FN_PRESET)
+        if ((i > FN_BLUE && i < FN_PRESET) || i == FN_FORCE)
             continue;
         const field *f = &procedures[PROCEDURE_NORMALS].fields[i];
         if (g_object_class_find_property(G_OBJECT_GET_CLASS(config), f->name) == NULL)
