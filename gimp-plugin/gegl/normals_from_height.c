@@ -207,11 +207,10 @@ property_double(light_height, _("Height of the light"), 40.0)
 #  include <gegl-op.h>
 
 #  include "../channels.h"
-#  include "../occlusion.h"
-#  include "../presets.h"
-#  include "../smooth.h"
+#  include "layer_occlusion.h"
+#  include "layer_scale.h"
 #  include "lit.h"
-#  include "output.h"
+#  include "normals_area.h"
 #  include "surroundings.h"
 
 /* The menus above have the order of libntp's enumerations. */
@@ -225,11 +224,6 @@ G_STATIC_ASSERT((gint) NTP_OP_NEAREST == (gint) NTP_BLUE_NEAREST);
 G_STATIC_ASSERT((gint) NTP_OP_INVERSE_HEIGHT == (gint) NTP_ALPHA_INVERSE_HEIGHT);
 G_STATIC_ASSERT((gint) NTP_OP_DXT5NM == (gint) ORDER_DXT5NM);
 G_STATIC_ASSERT((gint) NTP_OP_GIMP_NORMALMAP == (gint) PRESET_GIMP_NORMALMAP);
-
-enum {
-    BLOCK_WIDTH = 512, /* a block of RGBA heights and its normals fit into the second-level cache */
-    BLOCK_HEIGHT = 64
-};
 
 /* The settings, as the preset has them. */
 static recipe recipe_of(GeglOperation *operation)
@@ -272,13 +266,8 @@ static smoothing smoothing_of(GeglOperation *operation)
 typedef struct state {
     pixels made;
     const blending *blending;
-    gboolean measured; /* the scale that suits the layer, and what it depends on */
-    gdouble scale;
-    ntp_normals_options of;
-    const Babl *of_format; /* the luminance is read as red of another format */
-    GeglRectangle edges;
-    ntp_image open;   /* ambient occlusion of the layer; without data: not known */
-    gchar *open_with; /* what it depends on */
+    layer_scale scale;    /* that suits the layer */
+    layer_occlusion open; /* for blue */
 } state;
 
 /* How its heights are read, once it is prepared. */
@@ -294,10 +283,7 @@ static gboolean is_measured(GeglOperation *operation, const ntp_normals_options 
                             const GeglRectangle *edges)
 {
     const state *s = GEGL_PROPERTIES(operation)->user_data;
-    return s != NULL && s->measured && s->of_format == heights_read(operation).format &&
-           s->of.kernel == how->kernel && s->of.source == how->source &&
-           s->of.border_x == how->border_x && s->of.border_y == how->border_y &&
-           s->of.dx == how->dx && s->of.dy == how->dy && gegl_rectangle_equal(&s->edges, edges);
+    return s != NULL && layer_scale_is_known(&s->scale, how, heights_read(operation).format, edges);
 }
 
 static void prepare(GeglOperation *operation)
@@ -315,7 +301,8 @@ static void prepare(GeglOperation *operation)
         o->user_data = g_new0(state, 1);
     state *s = o->user_data;
     s->made = pixels_as_rgb(stored.format, stored.channels % 2 == 0 || adds_alpha);
-    s->measured = s->measured && stored.format == gegl_operation_get_format(operation, "input");
+    s->scale.measured =
+        s->scale.measured && stored.format == gegl_operation_get_format(operation, "input");
     const Babl *light = next == AHEAD_MASK ? blending_prepare(&s->blending, &stored) : NULL;
     gegl_operation_set_format(operation, "input", stored.format);
     gegl_operation_set_format(operation, "output", light != NULL ? light : s->made.format);
@@ -326,8 +313,8 @@ static void finalize(GObject *object)
     GeglProperties *o = GEGL_PROPERTIES(object);
     state *s = o->user_data;
     if (s != NULL) {
-        g_free(s->open.data);
-        g_free(s->open_with);
+        layer_occlusion_forget(&s->open);
+        g_free(s->open.with);
     }
     g_free(s);
     o->user_data = NULL;
@@ -369,31 +356,16 @@ static gboolean occludes(GeglOperation *operation)
            layer_of(operation) != NULL;
 }
 
-/* How far the heights lie on which a normal depends. */
-static gint reach_of(GeglOperation *operation)
-{
-    const ntp_normals_options how = options_of(operation);
-    const smoothing forms = smoothing_of(operation);
-    return ntp_normals_reach(&how) + smoothing_reach(&forms);
-}
-
-/* The reach is chosen so that borders act on this part as they do on the whole. */
-static GeglRectangle surroundings(GeglOperation *operation, const GeglRectangle *area)
-{
-    const GeglRectangle *edges = gegl_operation_source_get_bounding_box(operation, "input");
-    if (edges == NULL || gegl_rectangle_is_empty(edges) || gegl_rectangle_is_empty(area))
-        return *area;
-    const ntp_normals_options how = options_of(operation);
-    return surroundings_of(area, edges, reach_of(operation), how.border_x == NTP_BORDER_WRAP,
-                           how.border_y == NTP_BORDER_WRAP);
-}
-
+/* What of the layer an area depends on. */
 static GeglRectangle inside(GeglOperation *operation, const GeglRectangle *area)
 {
     const GeglRectangle *edges = gegl_operation_source_get_bounding_box(operation, "input");
-    const GeglRectangle wide = surroundings(operation, area);
-    return edges == NULL || gegl_rectangle_is_empty(edges) ? wide
-                                                           : surroundings_wrapped(&wide, edges);
+    const ntp_normals_options how = options_of(operation);
+    const smoothing forms = smoothing_of(operation);
+    if (edges == NULL || gegl_rectangle_is_empty(edges) || gegl_rectangle_is_empty(area))
+        return *area;
+    const GeglRectangle wide = normals_area_reads(&how, &forms, area, edges);
+    return surroundings_wrapped(&wide, edges);
 }
 
 static GeglRectangle get_required_for_output(GeglOperation *operation, const gchar *pad,
@@ -416,8 +388,8 @@ static GeglRectangle get_invalidated_by_change(GeglOperation *operation, const g
     const GeglRectangle *all = all_of(operation);
     (void) pad;
     if (s != NULL) {
-        s->measured = FALSE;
-        g_clear_pointer(&s->open.data, g_free);
+        s->scale.measured = FALSE;
+        layer_occlusion_forget(&s->open);
     }
     if (all == NULL && s != NULL && (dithers(operation) || occludes(operation)))
         all = layer_of(operation);
@@ -430,26 +402,15 @@ static GeglRectangle get_cached_region(GeglOperation *operation, const GeglRecta
     return dithers(operation) ? *layer_of(operation) : *area;
 }
 
-/* ---------------------------------------------------------------- the scale of the layer */
+/* ------------------------------------------------------------------------------- normals */
 
-/* Counts the slopes of row y, which is counted from the upper edge. */
-static void measure_row(ntp_relief *relief, const ntp_normals_options *how, const pixels *in,
-                        GeglBuffer *input, const GeglRectangle *edges, gint y, guchar *rows)
+/* The scale with which normals are made, once it is measured. */
+static gdouble scale_of(GeglOperation *operation)
 {
-    int32_t first = 0;
-    const int32_t step = ntp_relief_row(edges->width, edges->height, y, &first);
-    if (step == 0)
-        return;
-    const GeglRectangle row = { edges->x, edges->y + y, edges->width, 1 };
-    const gboolean wrap = how->border_y == NTP_BORDER_WRAP;
-    const GeglRectangle around = surroundings_of(&row, edges, ntp_normals_reach(how), FALSE, wrap);
-    ntp_normals_options local = *how;
-    if (wrap)
-        local.border_y = NTP_BORDER_CLAMP; /* what lies beyond was read */
-    surroundings_read(input, in, edges, &around, rows);
-    const ntp_image view = pixels_view(in, rows, around.width, around.height);
-    const ntp_const_image seen = ntp_image_as_const(&view);
-    ntp_relief_add(relief, &seen, &local, first, row.y - around.y, step);
+    const GeglProperties *o = GEGL_PROPERTIES(operation);
+    const state *s = o->user_data;
+    const gdouble scale = options_of(operation).scale;
+    return (scale == 0 ? s->scale.value : scale) * pixels_as_typed(o->strength);
 }
 
 static void measure(GeglOperation *operation, GeglBuffer *input)
@@ -460,238 +421,19 @@ static void measure(GeglOperation *operation, GeglBuffer *input)
     if (s == NULL || input == NULL || edges == NULL || is_measured(operation, &how, edges))
         return;
     const pixels in = heights_read(operation);
-    const gsize rows = 1 + 2 * (gsize) ntp_normals_reach(&how);
-    guchar *data = g_malloc(rows * (gsize) edges->width * (gsize) in.bytes);
-    ntp_relief *relief = g_new0(ntp_relief, 1);
-    for (gint y = 0; y < edges->height; y++)
-        measure_row(relief, &how, &in, input, edges, y, data);
-    s->scale = ntp_relief_scale(relief);
-    s->of = how;
-    s->of_format = in.format;
-    s->edges = *edges;
-    s->measured = TRUE;
-    g_free(relief);
-    g_free(data);
+    layer_scale_measure(&s->scale, &how, &in, input, edges);
 }
 
-/* The scale with which normals are made, once it is measured. */
-static gdouble scale_of(GeglOperation *operation)
-{
-    const GeglProperties *o = GEGL_PROPERTIES(operation);
-    const state *s = o->user_data;
-    const gdouble scale = options_of(operation).scale;
-    return (scale == 0 ? s->scale : scale) * pixels_as_typed(o->strength);
-}
-
-/* --------------------------------------------------------------------- ambient occlusion */
-
-/* All on which the occlusion depends, but for the input. */
-static gchar *occlusion_settings(GeglOperation *operation, const pixels *in)
-{
-    const state *s = GEGL_PROPERTIES(operation)->user_data;
-    const ntp_normals_options how = options_of(operation);
-    const smoothing forms = smoothing_of(operation);
-    const GeglRectangle *edges = layer_of(operation);
-    return g_strdup_printf("%p %d %.17g %d %d %d %d %.17g %.17g %.17g %.17g %d %d %d %d",
-                           (const void *) in->format, (int) s->made.type, scale_of(operation),
-                           how.invert, (int) how.source, (int) how.border_x, (int) how.border_y,
-                           forms.blur, forms.small, forms.middle, forms.large, edges->x, edges->y,
-                           edges->width, edges->height);
-}
-
-/* Smooths the heights of the whole layer, if that is asked; else they are as read. */
-static gboolean whole_heights(GeglOperation *operation, const pixels *in, guchar *data,
-                              gfloat **smooth, ntp_image *heights, ntp_normals_options *how)
-{
-    const smoothing forms = smoothing_of(operation);
-    const GeglRectangle *edges = layer_of(operation);
-    const gint channels = smoothing_channels(in->channels);
-    const ntp_image read = pixels_view(in, data, edges->width, edges->height);
-    const ntp_const_image seen = ntp_image_as_const(&read);
-    *heights = read;
-    if (!smoothing_acts(&forms))
-        return TRUE;
-    *smooth = g_try_malloc((gsize) edges->width * (gsize) edges->height * (gsize) channels *
-                           sizeof **smooth);
-    *heights = ntp_image_packed(*smooth, edges->width, edges->height, channels, NTP_TYPE_F32);
-    heights->encoding = NTP_ENCODING_HEIGHT;
-    const gboolean ok = *smooth != NULL && smoothing_run(&forms, heights, &seen, how) == NTP_OK;
-    how->source = NTP_HEIGHT_SOURCE_RED;
-    return ok;
-}
-
-/* Finds the occlusion of the whole layer, unless it is known. */
 static gboolean occlude(GeglOperation *operation, GeglBuffer *input)
 {
-    static const gsize BYTES[] = { 1, 2, 4 }; /* of a sample, by ntp_type */
     state *s = GEGL_PROPERTIES(operation)->user_data;
-    const pixels in = heights_read(operation);
-    const GeglRectangle *edges = layer_of(operation);
-    const gsize texels = (gsize) edges->width * (gsize) edges->height;
-    ntp_normals_options how = options_of(operation);
-    gchar *with = occlusion_settings(operation, &in);
-    ntp_image heights;
-    gfloat *smooth = NULL;
-    if (s->open.data != NULL && g_strcmp0(with, s->open_with) == 0) {
-        g_free(with);
-        return TRUE;
-    }
-    g_free(s->open.data);
-    g_free(s->open_with);
-    s->open_with = with;
-    s->open = ntp_image_packed(g_try_malloc(texels * BYTES[s->made.type]), edges->width,
-                               edges->height, 1, s->made.type);
-    how.scale = scale_of(operation);
-    guchar *data = g_try_malloc(texels * (gsize) in.bytes);
-    gboolean ok = s->open.data != NULL && data != NULL;
-    if (ok) {
-        surroundings_read(input, &in, edges, edges, data);
-        ok = whole_heights(operation, &in, data, &smooth, &heights, &how);
-    }
-    if (ok) {
-        const ntp_const_image seen = ntp_image_as_const(&heights);
-        ok = occlusion_make(&s->open, &seen, &how) == NTP_OK;
-    }
-    if (!ok)
-        g_clear_pointer(&s->open.data, g_free);
-    g_free(smooth);
-    g_free(data);
-    return ok;
-}
-
-/* ------------------------------------------------------------------------------- a block */
-
-typedef struct job {
-    ntp_normals_options how;
-    pixels in, out;
-    recipe recipe;
-    const GeglRectangle *edges;
-    const Babl *format; /* of the output */
-    const blending *blending;
-    const ntp_light *light; /* NULL: output the normals */
-    guchar *heights, *normals;
-    GeglRectangle smoothed; /* what of the layer `smooth` has */
-    ntp_image smooth;       /* without data: heights are read for each block */
-    void *errors;           /* of dithering; NULL: none */
-    const ntp_image *open;  /* ambient occlusion of the layer for blue, or NULL */
-} job;
-
-/* The surroundings of a block, with the reach of a stencil. */
-static GeglRectangle block_surroundings(const job *j, const GeglRectangle *block)
-{
-    return surroundings_of(block, j->edges, ntp_normals_reach(&j->how),
-                           j->recipe.how.border_x == NTP_BORDER_WRAP && j->errors == NULL,
-                           j->recipe.how.border_y == NTP_BORDER_WRAP);
-}
-
-/* Reads and smooths all heights for an area. */
-static gboolean smooth_area(GeglOperation *operation, job *j, GeglBuffer *input,
-                            const GeglRectangle *area)
-{
-    const smoothing forms = smoothing_of(operation);
-    if (!smoothing_acts(&forms))
-        return TRUE;
-    j->smoothed = surroundings(operation, area);
-    const gsize texels = (gsize) j->smoothed.width * (gsize) j->smoothed.height;
-    const gint channels = smoothing_channels(j->in.channels);
-    guchar *data = g_try_malloc(texels * (gsize) j->in.bytes);
-    gfloat *smooth = g_try_malloc(texels * (gsize) channels * sizeof *smooth);
-    gboolean ok = data != NULL && smooth != NULL;
-    j->smooth =
-        ntp_image_packed(smooth, j->smoothed.width, j->smoothed.height, channels, NTP_TYPE_F32);
-    j->smooth.encoding = NTP_ENCODING_HEIGHT;
-    if (ok) {
-        surroundings_read(input, &j->in, j->edges, &j->smoothed, data);
-        const ntp_image read = pixels_view(&j->in, data, j->smoothed.width, j->smoothed.height);
-        const ntp_const_image heights = ntp_image_as_const(&read);
-        ok = smoothing_run(&forms, &j->smooth, &heights, &j->how) == NTP_OK;
-        j->how.source = NTP_HEIGHT_SOURCE_RED;
-    }
-    g_free(data);
-    return ok;
-}
-
-/* The heights around a block. */
-static ntp_const_image heights_of(const job *j, GeglBuffer *input, const GeglRectangle *around)
-{
-    ntp_image view = pixels_view(&j->in, j->heights, around->width, around->height);
-    if (j->smooth.data == NULL) {
-        surroundings_read(input, &j->in, j->edges, around, j->heights);
-        return ntp_image_as_const(&view);
-    }
-    view = j->smooth;
-    view.data = (guchar *) view.data + (around->y - j->smoothed.y) * view.row_stride +
-                (around->x - j->smoothed.x) * view.pixel_stride;
-    view.width = around->width;
-    view.height = around->height;
-    return ntp_image_as_const(&view);
-}
-
-static ntp_status make_normals(const job *j, const ntp_image *dst, const ntp_const_image *src,
-                               const ntp_rect *area)
-{
-    if (j->errors == NULL)
-        return ntp_normals_from_height(dst, src, &j->how, NULL, area);
-    return ntp_normals_dithered(dst, src, &j->how, j->errors,
-                                ntp_normals_dithered_scratch_size(src->width), NULL, area);
-}
-
-static gboolean make_block(const job *j, GeglBuffer *input, GeglBuffer *output,
-                           const GeglRectangle *block, const GeglRectangle *wanted)
-{
-    const GeglRectangle around = block_surroundings(j, block);
-    const ntp_const_image src = heights_of(j, input, &around);
-    GeglRectangle part;
-
-    /* Both views cover what was read; only the block of the normals is in memory. */
-    ntp_rect area = { block->x - around.x, block->y - around.y, block->x - around.x + block->width,
-                      block->y - around.y + block->height };
-    ntp_image dst = pixels_view(&j->out, j->normals, around.width, around.height);
-    dst.encoding = j->recipe.to;
-    dst.y = j->recipe.y;
-    if (make_normals(j, &dst, &src, &area) != NTP_OK)
-        return FALSE;
-    if (!gegl_rectangle_intersect(&part, block, wanted))
-        return TRUE;
-    area = (ntp_rect) { part.x - around.x, part.y - around.y, part.x - around.x + part.width,
-                        part.y - around.y + part.height };
-    const ntp_const_image normals = ntp_image_as_const(&dst);
-    if (j->light != NULL) {
-        dst = pixels_view(&j->out, j->heights, around.width, around.height);
-        if (!lit_paint(&j->out, &dst, &normals, j->light, &area))
-            return FALSE;
-    } else {
-        if (j->open != NULL)
-            occlusion_put(&dst, &area, j->open, part.x - j->edges->x, part.y - j->edges->y);
-        channels_arrange(&dst, (channel_order) j->recipe.channels, &area);
-    }
-    const guchar *first =
-        (const guchar *) dst.data + area.y0 * dst.row_stride + area.x0 * dst.pixel_stride;
-    output_write(output, j->format, &part, &j->out, first, (gint) dst.row_stride, j->blending);
-    return TRUE;
-}
-
-/* Makes blocks of an area, the upper ones first, and outputs what is wanted of them. */
-static gboolean make_blocks(job *j, GeglBuffer *input, GeglBuffer *output,
-                            const GeglRectangle *area, const GeglRectangle *wanted)
-{
-    const gint width = j->errors != NULL ? area->width : MIN(BLOCK_WIDTH, area->width);
-    const gsize margin = 2 * (gsize) ntp_normals_reach(&j->how);
-    const gsize most = ((gsize) width + margin) * (BLOCK_HEIGHT + margin);
-    /* The lit picture takes the place of the heights. */
-    j->heights = g_malloc(most * (gsize) MAX(j->in.bytes, j->out.bytes));
-    j->normals = g_malloc(most * (gsize) j->out.bytes);
-    gboolean ok = TRUE;
-    for (gint y = 0; y < area->height && ok; y += BLOCK_HEIGHT) {
-        for (gint x = 0; x < area->width && ok; x += width) {
-            const GeglRectangle block = { area->x + x, area->y + y, MIN(width, area->width - x),
-                                          MIN(BLOCK_HEIGHT, area->height - y) };
-            ok = make_block(j, input, output, &block, wanted);
-        }
-    }
-    g_free(j->heights);
-    g_free(j->normals);
-    return ok;
+    occluded of = { .input = input,
+                    .in = heights_read(operation),
+                    .edges = layer_of(operation),
+                    .forms = smoothing_of(operation),
+                    .how = options_of(operation) };
+    of.how.scale = scale_of(operation);
+    return layer_occlusion_make(&s->open, &of, s->made.type);
 }
 
 static gboolean process(GeglOperation *operation, GeglBuffer *input, GeglBuffer *output,
@@ -701,13 +443,14 @@ static gboolean process(GeglOperation *operation, GeglBuffer *input, GeglBuffer 
     const state *s = o->user_data;
     const ntp_light light = lit_light(o->light_from, o->light_height);
     GeglRectangle made = *area;
-    job j = { .recipe = recipe_of(operation),
-              .in = heights_read(operation),
-              .out = s->made,
-              .format = gegl_operation_get_format(operation, "output"),
-              .blending = s->blending,
-              .light = o->show == NTP_OP_LIT ? &light : NULL,
-              .edges = gegl_operation_source_get_bounding_box(operation, "input") };
+    normals_area j = { .recipe = recipe_of(operation),
+                       .forms = smoothing_of(operation),
+                       .in = heights_read(operation),
+                       .out = s->made,
+                       .format = gegl_operation_get_format(operation, "output"),
+                       .blending = s->blending,
+                       .light = o->show == NTP_OP_LIT ? &light : NULL,
+                       .edges = gegl_operation_source_get_bounding_box(operation, "input") };
     (void) level; /* everything is made at full size */
     if (j.edges == NULL || gegl_rectangle_is_empty(j.edges))
         return TRUE;
@@ -718,16 +461,9 @@ static gboolean process(GeglOperation *operation, GeglBuffer *input, GeglBuffer 
         made.height = area->y + area->height - made.y;
         j.errors = g_malloc0(ntp_normals_dithered_scratch_size(made.width));
     }
-    if (occludes(operation) && s->open.data != NULL)
-        j.open = &s->open;
-    const gboolean smooth = smooth_area(operation, &j, input, &made);
-    /* The stencils stay inside what was read, so nothing beyond it is needed. */
-    if (j.how.border_x == NTP_BORDER_WRAP && j.errors == NULL)
-        j.how.border_x = NTP_BORDER_CLAMP;
-    if (j.how.border_y == NTP_BORDER_WRAP)
-        j.how.border_y = NTP_BORDER_CLAMP;
-    const gboolean ok = smooth && make_blocks(&j, input, output, &made, area);
-    g_free(j.smooth.data);
+    if (occludes(operation) && s->open.map.data != NULL)
+        j.open = &s->open.map;
+    const gboolean ok = normals_area_make(&j, input, output, &made, area);
     g_free(j.errors);
     return ok;
 }
