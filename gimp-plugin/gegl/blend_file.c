@@ -27,8 +27,11 @@ enum_start(ntp_op_blended_green_file)
     NTP_GREEN_CHOICES(enum_value)
 enum_end(ntp_op_blended_green_file)
 
-property_string(path, _("File of the detail"), "") /* scripts cannot set a property_file_path */
-    description(_("The path of a picture with the details, as large as the layer. It is read again when it has changed and the layer is drawn"))
+property_file_path(file, _("File of the detail"), "")
+    description(_("A picture with the details, as large as the layer. It is read again when it has changed and the layer is drawn"))
+property_string(path, _("Path of the detail"), "") /* scripts of GIMP 3 cannot set a property_file_path */
+    description(_("The same for scripts; what is chosen in the dialog comes first"))
+    ui_meta("visible", "0")
 property_enum(mode, _("Mode"), ntp_op_blend_mode_file, ntp_op_blend_mode_file, NTP_OP_RNM)
     description(_("Reoriented: as if the detail lay on the surface of the base. UDN keeps less of it on slopes"))
 property_double(strength, LABEL(NTP_STRENGTH_LABEL), 1.0)
@@ -75,7 +78,7 @@ static void prepare(GeglOperation *operation)
     if (o->user_data == NULL)
         o->user_data = g_new0(state, 1);
     state *s = o->user_data;
-    detail_file_look(&s->file, o->path);
+    detail_file_look(&s->file, o->file != NULL && o->file[0] != 0 ? o->file : o->path);
     detail_file_place(operation, s->place);
     blend_texels_prepare(&s->texels, operation,
                          gegl_operation_get_source_format(operation, "input"),

@@ -297,12 +297,26 @@ gboolean host_is_layer(gint32 id)
 #endif
 }
 
+/* GIMP 3.2 makes texels of texts, files and paths by one command, and has no other for texts. */
+static const char *refusal_of_text(void)
+{
+#if HOST_GIMP3
+    gchar *version = gimp_version();
+    const gboolean rasterizes = !g_str_has_prefix(version, "3.0.");
+    g_free(version);
+    if (rasterizes)
+        return _("This is a text layer, and texels would take the place of its text. First choose "
+                 "Layer > Rasterize.");
+#endif
+    return _("This is a text layer, and texels would take the place of its text. First choose "
+             "Layer > Discard Text Information.");
+}
+
 /* Only reading leaves a text as it is, or a file that a layer shows. */
 static const char *refusal_to_write(gint32 id)
 {
     if (gimp_item_is_text_layer(HOST_ITEM(id)))
-        return _("This is a text layer, and texels would take the place of its text. First choose "
-                 "Layer > Discard Text Information.");
+        return refusal_of_text();
 #if HOST_GIMP3
     const char *kind = G_OBJECT_TYPE_NAME(gimp_item_get_by_id(id)); /* from GIMP 3.2 on */
     if (g_str_equal(kind, "GimpLinkLayer") || g_str_equal(kind, "GimpVectorLayer"))

@@ -6,75 +6,50 @@ layer effect.
 """
 
 import os
-import subprocess
 
 import numpy as np
 import pytest
 
 from support import operations, pngs
-from support.gimps import Gimp3
-from support.plugin_cases import GAMMA, different
+from support.gimps import Gimp3, is_32
+from support.operations import CURVES, KINDS, name_of
+from support.plugin_cases import different
 
 CHROOT = os.environ.get("NTP_GIMP3")
 pytestmark = pytest.mark.skipif(not CHROOT, reason="NTP_GIMP3 names no chroot; use ./dev gimp3")
 
-# Channels and bits.
-KINDS = [(channels, depth) for channels in (3, 4) for depth in (8, 16)]
-CURVES = {"plain": (), "gAMA": (GAMMA,)}
-MAKERS = [operations.heights, operations.cut, operations.normals]
-
-
-def name_of(picture, channels, depth, curve):
-    return f"{picture.__name__}{channels}-{depth}-{curve}"
-
 
 def hows(operation):
-    """GIMP 3.0 takes no operation with a pad "aux" as an effect."""
-    return ["merge"] if operation == operations.BLEND else ["merge", "append"]
+    """GIMP 3.0 takes no operation with a pad "aux" as an effect, 3.2 does."""
+    alone = operation == operations.BLEND and not is_32(CHROOT)
+    return ["merge"] if alone else ["merge", "append"]
 
 
 @pytest.fixture(scope="module")
 def gimp():
     made, jobs = Gimp3(CHROOT, "table"), {}
-    for picture in MAKERS:
-        for channels, depth in KINDS:
-            for curve, chunks in CURVES.items():
-                name, pixels = name_of(picture, channels, depth, curve), picture(channels, depth)
-                pngs.write_png(made.work / f"{name}.png", pixels, chunks=chunks)
-                detail = f"{name}-detail.png"
-                pngs.write_png(made.work / detail, operations.detail_of(pixels), chunks=chunks)
-                things = [
-                    [f"{name}-{row}-{how}", how, operation,
-                     {**settings,
-                      **({"aux": True} if operation == operations.BLEND else {}),
-                      **({"path": f"{made.inside}/{detail}"}
-                         if operation == operations.BLEND_FILE else {})}]
-                    for row, seen, operation, settings, _ in operations.ROWS if seen is picture
-                    for how in hows(operation)
-                ]  # fmt: skip
-                steps = [["hide_other", detail], ["each", things]]
-                jobs[name] = {"file": f"{name}.png", "steps": steps}
+    for name, pixels, chunks in operations.pictures():
+        pngs.write_png(made.work / f"{name}.png", pixels, chunks=chunks)
+        detail = f"{name}-detail.png"
+        pngs.write_png(made.work / detail, operations.detail_of(pixels), chunks=chunks)
+        things = [
+            [f"{name}-{row}-{how}", how, operation,
+             {**settings,
+              **({"aux": True} if operation == operations.BLEND else {}),
+              **({"path": f"{made.inside}/{detail}"}
+                 if operation == operations.BLEND_FILE else {})}]
+            for row, seen, operation, settings, _ in operations.ROWS
+            if name.startswith(seen.__name__) for how in hows(operation)
+        ]  # fmt: skip
+        steps = [["hide_other", detail], ["each", things]]
+        jobs[name] = {"file": f"{name}.png", "steps": steps}
     made.results, made.complaints = made.run(jobs)
     return made
 
 
 @pytest.fixture
 def ntp(program, tmp_path):
-    """ntp(pixels, verb, option...) -> the pixels that the program makes."""
-
-    def call(pixels, verb, *words, detail=None, side=None):
-        source, made, other = (tmp_path / f"{n}.png" for n in ("in", "out", "other"))
-        pngs.write_png(source, pixels)
-        inputs = [source] if detail is None else [source, other]
-        if detail is not None:
-            pngs.write_png(other, detail)
-        if side is not None:
-            pngs.write_png(other, side[1])
-            words = *words, side[0], other
-        subprocess.run([program, verb, "-q", *words, *inputs, "-o", made], check=True)
-        return pngs.read_png(made)[0]
-
-    return call
+    return operations.caller(program, tmp_path)
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from support import pngs
-from support.gimps import Gimp3
+from support.gimps import Gimp3, is_32
 from support.libntp_ffi import ROOT
 from support.plugin_cases import (
     CASES,
@@ -36,9 +36,11 @@ NORMALS = "plug-in-ntp-normals-from-height"
 HEIGHT = "plug-in-ntp-height-from-normals"
 CHECK = "plug-in-ntp-check-normals"
 CLEAN = "plug-in-ntp-clean-normals"
+RESIZE = "plug-in-ntp-resize-normals"
 OTHERS = (HEIGHT, CHECK, CLEAN)
 INVERT = ["gegl:invert-gamma", {}]  # an effect whose result is plain to see: the levels from above
 SHADOW = ["gegl:dropshadow", {}]
+TEXT = "Layer > Rasterize" if is_32(CHROOT) else "Layer > Discard Text Information"
 SOBEL = SETTINGS["sobel"]
 TYPES = {"U8": "u1", "U16": "u2", "U32": "u4", "HALF": "f2", "FLOAT": "f4", "DOUBLE": "f8"}
 CURVES = ("LINEAR", "NON_LINEAR", "PERCEPTUAL")
@@ -56,8 +58,13 @@ def refused_jobs():
     everywhere = {
         **{f"indexed-{p}": ("rough8", ["mode", "indexed"], "Indexed images") for p in OTHERS},
         **{f"group-{p}": ("rough8", ["group"], "layer group") for p in OTHERS},
-        **{f"text-{p}": ("rough8", ["text"], "text layer") for p in (HEIGHT, CLEAN)},
+        **{f"text-{p}": ("rough8", ["text"], TEXT) for p in (HEIGHT, CLEAN)},
     }
+    if is_32(CHROOT):
+        kinds = {"link": ["link", "rough16.png"], "vector": ["vector"]}
+        for kind, step in kinds.items():
+            for p in (NORMALS, HEIGHT, CLEAN, RESIZE):
+                everywhere[f"{kind}-{p}"] = ("rough8", step, "a file or paths")
     return {
         **{
             name: (file, [step, ["call", name.split("-", 1)[1], {}]], reason)
@@ -80,7 +87,7 @@ def refused_jobs():
             [["call", CLEAN, {}]],
             "this would make it worse",
         ),
-        "text": ("rgb8", [["text"], sobel], "text layer"),
+        "text": ("rgb8", [["text"], sobel], TEXT),
         "heightfield": ("rgb8-equal", [["call", HEIGHT, {}]], "looks like a heightfield"),
         "swapped-height": ("red_blue_swapped", [["call", HEIGHT, {}]], "this would make it worse"),
         "no-alpha-layer": ("rgb8", [["call", NORMALS, {"alpha": "layer"}]], "none is chosen"),
@@ -161,6 +168,10 @@ def jobs():
         job(name, file, *steps)
     job("told", "rgb8-equal", ["call", HEIGHT, {"from": "standard"}])
     job("text-check", "rgb8", ["text"], ["call", CHECK, {}])
+    if is_32(CHROOT):
+        job("link-check", "rgb8", ["link", "rough8.png"], ["call", CHECK, {}])
+        shown = ["merge", "ntp:normals-from-height", SOBEL]
+        job("link-merged", "rough8", ["link", "rgb8.png"], shown, ["dump", "link-merged"])
     return todo
 
 
@@ -423,6 +434,15 @@ def test_told(gimp):
     """Who says how blue stores z gets heights of anything; reading a text layer harms nothing."""
     for job in ("told", "text-check"):
         assert gimp.results[job]["error"] is None and "refused" not in gimp.results[job]
+
+
+@pytest.mark.skipif(not is_32(CHROOT), reason="GIMP 3.0 has no link layers")
+def test_link_layers(gimp, raw, ntp):
+    """They are checked as they are shown, and an operation takes what they show."""
+    values = gimp.results["link-check"]["values"]
+    assert values[0] == "standard" and values[2:8] == gimp.results["check"]["values"][2:8]
+    made, expected = raw("link-merged"), ntp(INPUTS["rgb8"][0], "from-height", *options(SOBEL))
+    assert different(made[..., :3], expected) == 0
 
 
 def test_effects_checked(gimp):

@@ -113,7 +113,7 @@ def test_shared_options_are_named_in_one_place():
 
 # Pixels in GIMP 2.10 at a scale of 1: rows of a dialog, all else that it has, and what fits.  With
 # letters of twice the size the window is 1.75 times as high.
-ROWS = {"enum": 33, "double": 23, "boolean": 21, "dial": 33, "string": 29}
+ROWS = {"enum": 33, "double": 23, "boolean": 21, "dial": 33, "string": 29, "file_path": 33}
 AROUND, MOST = 258, 590
 
 

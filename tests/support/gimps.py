@@ -42,6 +42,11 @@ def built_with(package, option, file):
     )
 
 
+def is_32(chroot):
+    """Does the chroot have GIMP 3.2 or newer, not 3.0?  None: there is no chroot."""
+    return chroot is not None and not (Path(chroot) / "usr/bin/gimp-console-3.0").exists()
+
+
 class Gimp3:
     """GIMP 3 in a chroot (./dev gimp3 makes it), with a work directory inside of it."""
 

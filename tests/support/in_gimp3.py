@@ -137,6 +137,19 @@ class Session:
         self.image.delete()
         self.image = Gimp.file_load(QUIET, path("text.xcf"))
 
+    def link(self, file):
+        """A layer that shows a file becomes the first one (GIMP 3.2)."""
+        self.image.insert_layer(Gimp.LinkLayer.new(self.image, path(file)), None, 0)
+
+    def vector(self):
+        """A layer that shows a path becomes the first one (GIMP 3.2)."""
+        drawn = Gimp.Path.new(self.image, "path")
+        self.image.insert_path(drawn, None, 0)
+        drawn.bezier_stroke_new_ellipse(70, 60, 40, 30, 0)
+        shape = Gimp.VectorLayer.new(self.image, drawn)
+        self.image.insert_layer(shape, None, 0)
+        shape.refresh()
+
     def hide_filters(self):
         for effect in self.layer.get_filters():
             effect.set_visible(False)

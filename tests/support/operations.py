@@ -6,11 +6,13 @@ expected: ntp(pixels, verb, option...) runs the program.
 """
 
 import math
+import subprocess
 
 import numpy as np
 
-from . import libntp_ffi
+from . import libntp_ffi, pngs
 from .libntp_ffi import ffi, lib
+from .plugin_cases import GAMMA
 
 WIDTH, HEIGHT = 61, 47  # no multiple of a tile or a vector
 FROM_HEIGHT, CLEAN = "ntp:normals-from-height", "ntp:clean-normals"
@@ -207,3 +209,37 @@ ROWS = [
       for what, operation in (("layers", BLEND), ("files", BLEND_FILE))),
 ]  # fmt: skip
 NAMES = [row[0] for row in ROWS]
+
+# Channels and bits, and what a file says of its curve.
+KINDS = [(channels, depth) for channels in (3, 4) for depth in (8, 16)]
+CURVES = {"plain": (), "gAMA": (GAMMA,)}
+
+
+def name_of(picture, channels, depth, curve):
+    return f"{picture.__name__}{channels}-{depth}-{curve}"
+
+
+def pictures():
+    """All inputs of the rows: a name, pixels, and PNG chunks."""
+    for picture in (heights, cut, normals):
+        for channels, depth in KINDS:
+            for curve, chunks in CURVES.items():
+                yield name_of(picture, channels, depth, curve), picture(channels, depth), chunks
+
+
+def caller(program, folder):
+    """ntp(pixels, verb, option...) -> the pixels that the program makes."""
+
+    def call(pixels, verb, *words, detail=None, side=None):
+        source, made, other = (folder / f"{n}.png" for n in ("in", "out", "other"))
+        pngs.write_png(source, pixels)
+        inputs = [source] if detail is None else [source, other]
+        if detail is not None:
+            pngs.write_png(other, detail)
+        if side is not None:
+            pngs.write_png(other, side[1])
+            words = *words, side[0], other
+        subprocess.run([program, verb, "-q", *words, *inputs, "-o", made], check=True)
+        return pngs.read_png(made)[0]
+
+    return call
