@@ -147,6 +147,26 @@ def test_flip_twice_is_the_identity():
             assert np.array_equal(once[0, :, [0, 2]], src[0, :, [0, 2]])
 
 
+@pytest.mark.parametrize("dtype", DEPTHS.values())
+def test_flips_leave_unused_texels_alone_wherever_they_lie(dtype):
+    """Loops of many texels a step: every width, also in place; levels that are nearly unused."""
+    m = np.iinfo(dtype).max
+    rng = np.random.default_rng(6)
+    for width, touch, stride in itertools.product((*range(1, 100), 300), (0, 1, 2, 3), (3, 4)):
+        src = rng.choice(np.array([0, 1, m - 1, m, 7], dtype), (2, width, stride))[..., :3]
+        some = rng.random((2, width))
+        src[some < 0.2] = 0
+        src[some > 0.8] = m
+        kept = (src == 0).all(2) & (not touch & 1) | (src == m).all(2) & (not touch & 2)
+        want = src.copy()
+        want[..., 1] = np.where(kept, src[..., 1], m - src[..., 1])
+        dst = np.zeros_like(src)
+        ntp.convert(src, dst, y=ntp.DOWN, how=(0, touch))
+        assert (dst == want).all(), (width, touch, stride)
+        ntp.convert(src, src, y=ntp.DOWN, how=(0, touch))
+        assert (src == want).all(), (width, touch, stride)
+
+
 def vectors():
     """Vectors that are difficult to convert."""
     rng = np.random.default_rng(11)

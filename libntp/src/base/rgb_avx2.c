@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * rgb_avx2.c - packed RGB to planes and back with AVX2, eight texels a step
+ * rgb_avx2.c - packed RGB to planes and back, and flips of it, with AVX2
  *
- * Shuffles of bytes do in one step what other processors do texel by texel in view.c.  Planes are
- * written and read in whole steps, for which a block has room.  At the end of a run, where a step
- * would go beyond the caller's bytes, a copy of the last ones is used.
+ * Shuffles of bytes do in one step of eight texels what other processors do texel by texel in
+ * view.c.  Planes are written and read in whole steps, for which a block has room.  At the end of a
+ * run, where a step would go beyond the caller's bytes, a copy of the last ones is used.
  */
 #include "base/rgb_avx2.h"
 
@@ -134,4 +134,51 @@ void ntp__pack_rgb_avx2(void *dst, const ntp__block *block, int32_t n, bool deep
         PACK(put16, 6, 0);
     else
         PACK(put8, 3, 4);
+}
+
+/* 32 bytes of src with green flipped.  Loaded a sample earlier and later, red and blue lie where
+ * green is. */
+static inline __m256i flipped(const uint8_t *s, __m256i green, bool deep, __m256i black,
+                              __m256i white)
+{
+    const ptrdiff_t size = deep ? 2 : 1;
+    const __m256i r = _mm256_loadu_si256((const void *) (s - size));
+    const __m256i g = _mm256_loadu_si256((const void *) s);
+    const __m256i b = _mm256_loadu_si256((const void *) (s + size));
+    const __m256i none = _mm256_or_si256(_mm256_or_si256(r, g), b), zero = _mm256_setzero_si256();
+    const __m256i all = _mm256_and_si256(_mm256_and_si256(r, g), b), ones = _mm256_set1_epi8(-1);
+    const __m256i is_none = deep ? _mm256_cmpeq_epi16(none, zero) : _mm256_cmpeq_epi8(none, zero);
+    const __m256i is_all = deep ? _mm256_cmpeq_epi16(all, ones) : _mm256_cmpeq_epi8(all, ones);
+    const __m256i kept =
+        _mm256_or_si256(_mm256_and_si256(is_none, black), _mm256_and_si256(is_all, white));
+    return _mm256_xor_si256(g, _mm256_andnot_si256(kept, green));
+}
+
+static inline int32_t flip(uint8_t *d, const uint8_t *s, int32_t n, bool deep, __m256i black,
+                           __m256i white)
+{
+    enum { BYTES = 96, VECTOR = 32 };
+    uint8_t pattern[BYTES];
+    const int32_t size = deep ? 2 : 1, texels = BYTES / (3 * size);
+    __m256i green[3], out[3];
+    int32_t i = 0;
+    for (int32_t k = 0; k < BYTES; k++)
+        pattern[k] = k / size % 3 == 1 ? 0xff : 0;
+    for (int32_t k = 0; k < 3; k++)
+        green[k] = _mm256_loadu_si256((const void *) (pattern + VECTOR * k));
+    for (; i + texels <= n; i += texels, s += BYTES, d += BYTES) {
+        for (int32_t k = 0; k < 3; k++)
+            out[k] = flipped(s + VECTOR * k, green[k], deep, black, white);
+        for (int32_t k = 0; k < 3; k++)
+            _mm256_storeu_si256((void *) (d + VECTOR * k), out[k]);
+    }
+    return i;
+}
+
+int32_t ntp__flip_rgb_avx2(void *dst, const void *src, int32_t n, bool deep, bool keep_black,
+                           bool keep_white)
+{
+    const __m256i black = _mm256_set1_epi8(keep_black ? -1 : 0);
+    const __m256i white = _mm256_set1_epi8(keep_white ? -1 : 0);
+    return deep ? flip(dst, src, n, true, black, white) : flip(dst, src, n, false, black, white);
 }

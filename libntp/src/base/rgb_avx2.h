@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * rgb_avx2.h - packed RGB to planes and back with AVX2
+ * rgb_avx2.h - packed RGB to planes and back, and flips of it, with AVX2
  */
 #ifndef NTP_RGB_AVX2_H
 #define NTP_RGB_AVX2_H
@@ -13,5 +13,11 @@ void ntp__unpack_rgb_avx2(ntp__block *block, const void *src, int32_t n, bool de
 
 /* The other way round. */
 void ntp__pack_rgb_avx2(void *dst, const ntp__block *block, int32_t n, bool deep);
+
+/* dst = src, packed pixels, with M - g for g.  Black and white pixels stay as they are, if that is
+ * asked for.  The pixel before the first one and that after the last are read too.  Returns how many
+ * of n are done, a multiple of 16.  dst may be src. */
+int32_t ntp__flip_rgb_avx2(void *dst, const void *src, int32_t n, bool deep, bool keep_black,
+                           bool keep_white);
 
 #endif

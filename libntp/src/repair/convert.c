@@ -313,11 +313,13 @@ ntp_status ntp_convert(const ntp_image *dst, const ntp_const_image *src,
     if ((int) j.how.blue < NTP_BLUE_DERIVED || (int) j.how.blue > NTP_BLUE_NEAREST ||
         j.how.touch_unused > NTP_UNUSED_ALL)
         return NTP_ERR_ARGUMENT;
-    ntp__convert_fn *fast = ntp__fast_conversion(&j), *convert = fast != NULL ? fast : convert_run;
+    int32_t most = NTP__BLOCK;
+    ntp__convert_fn *fast = ntp__fast_conversion(&j, &most);
+    ntp__convert_fn *convert = fast != NULL ? fast : convert_run;
     ntp_convert_counts local = { 0, 0, 0 };
     for (int32_t y = rect.y0; y < rect.y1; y++) {
-        for (int32_t x = rect.x0; x < rect.x1; x += NTP__BLOCK) {
-            int32_t n = rect.x1 - x < NTP__BLOCK ? rect.x1 - x : NTP__BLOCK;
+        for (int32_t x = rect.x0; x < rect.x1; x += most) {
+            int32_t n = rect.x1 - x < most ? rect.x1 - x : most;
             convert(&j, x, y, n, &local);
         }
     }

@@ -31,12 +31,12 @@ static inline int32_t ntp__level_of(double v, int32_t m)
     return c > 0 ? c < m + 1 ? (int32_t) c : m : 0;
 }
 
-/* Converts n <= NTP__BLOCK texels of row y from column x on. */
+/* Converts n texels of row y from column x on; how many at most, goes with the function. */
 typedef void ntp__convert_fn(const ntp__conversion *j, int32_t x, int32_t y, int32_t n,
                              ntp_convert_counts *counts);
 
-/* The fast way for these views and options; NULL: there is none. */
-ntp__convert_fn *ntp__fast_conversion(const ntp__conversion *j);
+/* The fast way for these views and options; NULL: there is none.  *most: texels at a time. */
+ntp__convert_fn *ntp__fast_conversion(const ntp__conversion *j, int32_t *most);
 
 /* The exact levels of one float vector, y as in the source; alpha is not set. */
 void ntp__convert_vector(const ntp__conversion *j, const float raw[3], int32_t out[3],

@@ -5,10 +5,15 @@
  * The bytes are those of convert.c, which says what they are.  Of biased levels, planes are
  * converted with the kernel that derives blues; float vectors go through that for directions.
  */
+#include "base/cpu.h"
 #include "base/finite.h"
 #include "repair/convert.h"
 #include "texel/direction.h"
 #include "texel/unused.h"
+
+#ifdef NTP_HAVE_AVX2
+#  include "base/rgb_avx2.h"
+#endif
 
 #include <math.h>
 #include <string.h>
@@ -230,7 +235,7 @@ static void encode_run(const ntp__conversion *j, int32_t x, int32_t y, int32_t n
     ntp__pack(j->dst, &out, x, y, n, j->dst->channels);
 }
 
-ntp__convert_fn *ntp__fast_conversion(const ntp__conversion *j)
+ntp__convert_fn *ntp__fast_conversion(const ntp__conversion *j, int32_t *most)
 {
     const ntp_encoding from = j->src->encoding, to = j->dst->encoding;
     const ntp_const_image target = ntp_image_as_const(j->dst);
@@ -243,11 +248,15 @@ ntp__convert_fn *ntp__fast_conversion(const ntp__conversion *j)
         return j->how.blue == NTP_BLUE_DERIVED ? encode_run : NULL;
     if (j->src->type == NTP_TYPE_F32)
         return NULL;
-    if (j->dst->type == NTP_TYPE_F32)
-        return to != NTP_ENCODING_VECTOR || from == NTP_ENCODING_XY || !packed ? NULL
-               : bytes                                                         ? decode_8
-                                                                               : decode_16;
-    if (packed && j->src->type == j->dst->type && from == to)
-        return bytes ? move_8 : move_16;
-    return convert_levels;
+    const bool move = packed && j->src->type == j->dst->type && from == to;
+    const bool decode =
+        packed && to == NTP_ENCODING_VECTOR && from != to && from != NTP_ENCODING_XY;
+    if (j->dst->type == NTP_TYPE_F32 && !decode)
+        return NULL;
+    if (!move && !decode)
+        return convert_levels;
+    *most = NTP_MAX_SIDE; /* these make ready for a row, not for each block */
+    if (decode)
+        return bytes ? decode_8 : decode_16;
+    return bytes ? move_8 : move_16;
 }

@@ -38,8 +38,7 @@ static inline void FOR_SAMPLE(watch)(SAMPLE *if_none, SAMPLE *if_all, int32_t ch
 }
 
 /* Copies texels of the same format; used ones are flipped if that is asked for. */
-static void FOR_SAMPLE(move)(const ntp__conversion *j, int32_t x, int32_t y, int32_t n,
-                             ntp_convert_counts *counts)
+static void FOR_SAMPLE(move_some)(const ntp__conversion *j, int32_t x, int32_t y, int32_t n)
 {
     const int32_t channels = j->src->channels, samples = n * channels;
     const SAMPLE *s = (const SAMPLE *) ntp__at(j->src, x, y);
@@ -64,7 +63,24 @@ static void FOR_SAMPLE(move)(const ntp__conversion *j, int32_t x, int32_t y, int
         }
         memcpy(d, out, whole ? sizeof out : size);
     }
+}
+
+static void FOR_SAMPLE(move)(const ntp__conversion *j, int32_t x, int32_t y, int32_t n,
+                             ntp_convert_counts *counts)
+{
     (void) counts;
+#ifdef NTP_HAVE_AVX2
+    if (j->flip && j->src->channels == 3 && n > 2 && ntp__cpu_has_avx2(NTP__CPU_ALL)) {
+        const uint32_t touch = j->how.touch_unused;
+        FOR_SAMPLE(move_some)(j, x, y, 1);
+        const int32_t done = ntp__flip_rgb_avx2(
+            ntp__at_mut(j->dst, x + 1, y), ntp__at(j->src, x + 1, y), n - 2, sizeof(SAMPLE) == 2,
+            !(touch & NTP_UNUSED_BLACK), !(touch & NTP_UNUSED_WHITE));
+        x += 1 + done;
+        n -= 1 + done;
+    }
+#endif
+    FOR_SAMPLE(move_some)(j, x, y, n);
 }
 
 /* To float vectors: V/M, b/M.  Numerators are whole floats, so a quotient is rounded once. */
