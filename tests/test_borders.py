@@ -232,6 +232,27 @@ def test_few_lines_that_close_by_chance_are_no_tile():
     assert WRAP not in [f["border"] for f in find_borders(normals, FORWARD)]
 
 
+@pytest.mark.parametrize("dtype", [np.uint8, np.uint16])
+@pytest.mark.parametrize("down", [0, 1])
+def test_an_axis_without_slopes_wraps(down, dtype):
+    """Heights would lean by half a level there if its border were free."""
+    x = np.arange(96)
+    for h in (0.3 * x, 3.0 * (x // 16 % 2), 3 * abs(np.sin(x / 5))):
+        h = np.tile(h, (80, 1))
+        n = reconstruction.from_height(
+            h.T if down else h, border_x=EXTRAPOLATE, border_y=EXTRAPOLATE, dst=dtype
+        )
+        fits = find_borders(n, 0)
+        level, sloped = fits[1 - down], fits[down]
+        assert (level["border"], level["decided"]) == (WRAP, 1)
+        assert max(level["error"]) == -1 < max(sloped["error"])
+        found = find_borders(n, 0, open_=(1 - down, down))
+        assert found[1 - down]["border"] == WRAP, "the other axis is given"
+        # one texel that slopes, and it is asked as before
+        n[5, 7, 1 - down] += 4
+        assert max(find_borders(n, 0)[1 - down]["error"]) > 0
+
+
 def test_borders_that_are_given_stay():
     h = reconstruction.fractal(200, seed=2)
     n = reconstruction.from_height(h)

@@ -156,6 +156,40 @@ def test_level_channels_are_neutral_where_heights_could_lean():
     assert kept[UNORM] >= kept[NEUTRAL]
 
 
+@pytest.mark.parametrize("down", [0, 1])
+@pytest.mark.parametrize("dtype", [np.uint8, np.uint16])
+@pytest.mark.parametrize("border", [CLAMP, EXTRAPOLATE, MIRROR, WRAP])
+def test_textures_that_slope_along_one_axis_come_back(border, dtype, down):
+    """Heights that are off by a rounding error of floats would make 127 of 128."""
+    x = np.arange(96)
+    for h in (0.3 * x, 2 * np.sin(x / 48 * np.pi), 2 * abs(np.sin(x * np.pi / 24 + 1))):
+        h = np.tile(h, (80, 1))
+        if border == WRAP and h[0, -1] > 20:
+            continue  # the ramp has a step of 29 texels at the seam
+        h = np.ascontiguousarray(h.T if down else h)
+        how = {"border_x": border, "border_y": border}
+        n = from_height(h, **how, dst=dtype)
+        assert (n[..., 1 - down] == {np.uint8: 128, np.uint16: 32768}[dtype]).all()
+        how["border_x" if down else "border_y"] = WRAP
+        ours, result = to_height(n, **how)
+        assert result["decode"] == UNORM
+        assert np.ptp(ours, axis=down).max() == 0
+        assert (result["min"], result["max"]) == (ours.min(), ours.max())
+        assert np.std(ours - h) < 0.012 * np.ptp(h)
+        assert np.mean(from_height(ours, **how, dst=dtype) != n) < 0.002
+
+
+def test_flat_ground_at_127_of_red_is_no_evidence_where_green_is_128():
+    """Whoever rounds 0 to 128 in green does so in red: these are slopes a little below 0."""
+    x = np.arange(128)
+    h = np.tile(2 * np.tanh((x % 32 - 16) / 3), (128, 1))
+    n = from_height(h, border_x=MIRROR)
+    red = np.bincount(n[..., 0].ravel(), minlength=256)
+    assert red[127] > 3 * (red[126] + red[129])
+    assert red[127] > 10 * red[128]
+    assert to_height(n, border_x=MIRROR)[1]["decode"] == UNORM
+
+
 @pytest.mark.parametrize("kernel", KERNELS)
 def test_own_normals_of_flat_ground_are_read_plainly(kernel):
     """With 127 and 128 both 0, more texels would differ when the normals are made again."""

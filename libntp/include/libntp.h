@@ -1046,14 +1046,15 @@ NTP_API size_t ntp_height_scratch_size(const ntp_height_options *how, int32_t wi
  * nine nearest heights in a line.  detrend is applied to the refined heights and changes
  * their normals; with NTP_HEIGHT_WEIGHTED using both is an error.
  *
- * Automatic choices: for 8-bit NTP_ENCODING_STANDARD, NTP_DECODE_AUTO chooses TRUNC or SNORM if the
- * lengths decoded so are 1 to within rounding, and clearly closer to 1 than with UNORM.  Otherwise,
- * for 8 bits, it chooses NEUTRAL if flat ground has 127 in red, not 128 as correct rounding makes it,
- * and if all of red or all of green is 128; else UNORM.  NTP_Z_AUTO chooses the derived z if tilted texels have the
+ * Automatic choices: for 8-bit NTP_ENCODING_STANDARD, NTP_DECODE_AUTO chooses TRUNC or SNORM if
+ * the lengths decoded so are 1 to within rounding, and clearly closer to 1 than with UNORM.
+ * Otherwise, for 8 bits, it chooses NEUTRAL if flat ground has 127 in red, not 128 as correct
+ * rounding makes it, unless all of green is 128; and if all of red or of green is 128 and that
+ * axis does not wrap; else UNORM.  NTP_Z_AUTO chooses the derived z if tilted texels have the
  * blue that is derived from red and green, or if lengths are off by more than three times their
- * rounding while x and y are too long in at most one texel of 50,000 and blue does not follow them;
- * NTP_ENCODING_VECTOR: stored.  Where it chooses the stored z, a z below twice the error that
- * negative z show counts as that.
+ * rounding while x and y are too long in at most one texel of 50,000 and blue does not follow
+ * them; NTP_ENCODING_VECTOR: stored.  Where it chooses the stored z, a z below twice the error
+ * that negative z show counts as that.
  *
  * Telescoping (Eberly 3.1, 3.2): forward goes along the first row and down each column.  central
  * goes in steps of two from h(0,0), h(1,0), h(0,1), h(1,1); by default h(0,0) = 0, and each other
@@ -1099,9 +1100,11 @@ NTP_API size_t ntp_height_rows_scratch_size(const ntp_const_image *form,
 
 /*
  * ntp_height_from_normals row by row.  The bytes are the same, except for central with
- * NTP_BORDER_EXTRAPOLATE, whose edges are not fitted again.  form describes the normals by its
- * size, channels, type, encoding and y. Supported are least squares with NTP_KERNEL_FORWARD,
- * _CENTRAL and _BAKED without a prior, but not central with NTP_BORDER_MIRROR down the picture; and
+ * NTP_BORDER_EXTRAPOLATE, whose edges are not fitted again, and for normals that are the same all
+ * along an axis that wraps, whose heights are not made the same to the last bit.  form describes
+ * the normals by its size, channels, type, encoding and y.  Supported are least squares with
+ * NTP_KERNEL_FORWARD, _CENTRAL and _BAKED without a prior, but not central with NTP_BORDER_MIRROR
+ * down the picture; and
  * no mask, detrend, residual_scope or refine.  Nothing is decided by the texels: NTP_DECODE_AUTO
  * means UNORM, and NTP_Z_AUTO means stored.
  * Errors: NTP_ERR_FORMAT for what is not supported; NTP_ERR_CANCELLED if a function returned
@@ -1579,8 +1582,9 @@ NTP_API size_t ntp_find_borders_scratch_size(const ntp_height_options *how, int3
 /*
  * Detects the borders of both axes, along x in fit[0] and along y in fit[1], from bands of the
  * texture that reach from edge to edge: the rows, and the columns, with the most slope at the two
- * edges.  Bands have 64 lines or more, up to 1/32 of all; sides of up to 128 are used whole.  If
- * ntp_find_seams says wrap for all axes that are open, bands are solved so, and that is the answer
+ * edges.  Bands have 32 lines or more, up to 1/64 of all; sides of up to 128 are used whole.
+ * An axis wraps if no texel slopes along it (red, or green, is at the two levels beside 0
+ * everywhere).  If ntp_find_seams says wrap for all axes that are open, bands are solved so, and that is the answer
  * if normals fit to 0.4 levels of 8 bit, and those at the edges to 0.8.  Else each is solved with
  * ntp_free_border, and ntp_find_border decides.  If that cannot, and the fit is worse than 0.4
  * levels, wrap is tried, and extrapolate and clamp if their error at the edges is at most twice the

@@ -366,6 +366,22 @@ static void guess(ntp_border_fit *fit, const ntp_height_options *how, bool wraps
         fit->error[b] = -1;
 }
 
+/* Is no texel further from level along this axis than by rounding? */
+static bool is_level(const ntp_const_image *src, int32_t axis)
+{
+    ntp__block block;
+    int32_t low = ntp__max(src->type) / 2, sloped = src->type == NTP_TYPE_F32;
+    for (int32_t y = 0; y < src->height && !sloped; y++) {
+        for (int32_t x = 0; x < src->width && !sloped; x += NTP__BLOCK) {
+            int32_t n = src->width - x < NTP__BLOCK ? src->width - x : NTP__BLOCK;
+            ntp__unpack(&block, src, x, y, n);
+            for (int32_t i = 0; i < n; i++)
+                sloped |= (block.c[axis][i] != low) & (block.c[axis][i] != low + 1);
+        }
+    }
+    return !sloped;
+}
+
 ntp_status ntp_find_borders(ntp_border_fit fit[2], const ntp_const_image *src,
                             const ntp_height_options *how, const int32_t open[2],
                             const int32_t wraps[2], void *scratch, size_t scratch_size,
@@ -378,11 +394,18 @@ ntp_status ntp_find_borders(ntp_border_fit fit[2], const ntp_const_image *src,
         return NTP_ERR_SHAPE;
     int32_t parts = hooks != NULL && hooks->parts > 0 ? hooks->parts : 1;
     size_t size = ntp_find_borders_scratch_size(how, src->width, src->height, parts);
-    const ntp_border given[2] = { how->border_x, how->border_y };
+    ntp_height_options with = *how;
+    ntp_border *border[2] = { &with.border_x, &with.border_y };
+    bool asked[2];
     for (int32_t i = 0; i < 2; i++) {
-        guess(&fit[i], how, wraps[i] != 0);
+        /* Where nothing slopes along an axis, it tiles, whatever made it. */
+        bool level = open[i] && is_level(src, i);
+        guess(&fit[i], how, level || wraps[i] != 0);
+        asked[i] = open[i] && !level;
         if (!open[i])
-            fit[i].border = given[i];
+            fit[i].border = *border[i];
+        else if (level)
+            *border[i] = NTP_BORDER_WRAP;
     }
     bool direct = how->method == NTP_HEIGHT_AUTO || how->method == NTP_HEIGHT_POISSON_DCT;
     if (!direct || how->mask != NULL || how->kernel == NTP_KERNEL_BAKED || size == 0 ||
@@ -393,16 +416,16 @@ ntp_status ntp_find_borders(ntp_border_fit fit[2], const ntp_const_image *src,
     search s[2];
     bool all_wrap = true;
     for (int32_t i = 0; i < 2; i++) {
-        if (open[i])
-            start(&s[i], src, how, i == 1, open[1 - i] != 0, scratch, hooks);
-        all_wrap = all_wrap && (!open[i] || wraps[i]);
+        if (asked[i])
+            start(&s[i], src, &with, i == 1, asked[1 - i], scratch, hooks);
+        all_wrap = all_wrap && (!asked[i] || wraps[i]);
     }
     for (int32_t i = 0; i < 2 && all_wrap; i++) {
-        if (open[i])
+        if (asked[i])
             NTP__TRY(fits_wrapped(&all_wrap, &s[i], i == 1));
     }
     for (int32_t i = 0; i < 2 && !all_wrap; i++) {
-        if (open[i])
+        if (asked[i])
             NTP__TRY(find(&fit[i], &s[i], wraps[i] != 0, i == 1));
     }
     return NTP_OK;

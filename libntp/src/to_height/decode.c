@@ -62,8 +62,8 @@ enum { FEW_NEGATIVE = 8 };
  * so many times the texels of 126 and 129 there, and 128 is rare beside it.  (In green a flip of Y
  * makes 127 of 128.)  Where it has 128, the plain rule gives more of the texels back: 0 is the edge of
  * the box of 128, so of the normals of heights that are flat to within errors half get 127.  Only if
- * nothing slopes along an axis the heights do not either, and it is 0; but where heights wrap, they
- * cannot lean, and the plain rule gives more texels back. */
+ * nothing slopes along an axis the heights do not either, and it is 0; but where heights wrap along it,
+ * they cannot lean, and the plain rule gives more texels back. */
 enum { PILE = 3, ALONE = 10 };
 
 /* A texel counts as tilted from 25 degrees on.  It takes so many of them, and this share of derived
@@ -276,22 +276,24 @@ static bool convinces(const evidence *e, const rule *r)
            r->gain >= least_gain * noise * e->count && r->gain >= least_score * sqrt(r->gain2);
 }
 
-static bool is_neutral(const evidence *e, bool wraps)
+static bool is_neutral(const evidence *e, const ntp__height_plan *plan)
 {
-    return (!wraps && (e->pile[1] == e->all || e->level == e->all)) ||
+    bool leans_x = plan->border_x != NTP_BORDER_WRAP, leans_y = plan->border_y != NTP_BORDER_WRAP;
+    if (e->level == e->all)
+        return leans_y;
+    return (leans_x && e->pile[1] == e->all) ||
            (e->pile[0] > PILE * e->beside && e->pile[0] > ALONE * e->pile[1]);
 }
 
 static void choose_decode(ntp__height_plan *plan, const ntp_const_image *src, const evidence *e)
 {
     bool rules = src->encoding == NTP_ENCODING_STANDARD;
-    bool wraps = plan->border_x == NTP_BORDER_WRAP && plan->border_y == NTP_BORDER_WRAP;
     if (rules && convinces(e, &e->trunc) && e->trunc.sum <= e->snorm.sum)
         plan->decode = NTP_DECODE_TRUNC;
     else if (rules && convinces(e, &e->snorm))
         plan->decode = NTP_DECODE_SNORM;
     else
-        plan->decode = is_neutral(e, wraps) ? NTP_DECODE_NEUTRAL : NTP_DECODE_UNORM;
+        plan->decode = is_neutral(e, plan) ? NTP_DECODE_NEUTRAL : NTP_DECODE_UNORM;
 }
 
 /* Is blue z with errors? */

@@ -58,6 +58,7 @@ static ntp_status check_mask(const ntp_const_image *mask, const ntp_const_image 
 typedef struct run {
     ntp__height_plan plan;
     const ntp_image *dst;
+    const ntp_const_image *src;
     const ntp_hooks *hooks;
     ntp__slopes slopes;
     ntp__crew crew;
@@ -127,6 +128,50 @@ static ntp_hooks inner_hooks(run *t)
     return hooks;
 }
 
+static void find_range(const ntp_image *dst, ntp_height_result *result)
+{
+    float min = *(const float *) dst->data, max = min;
+    for (int32_t y = 0; y < dst->height; y++) {
+        const float *row = ntp__at_mut(dst, 0, y);
+        for (int32_t x = 0; x < dst->width; x++) {
+            min = row[x] < min ? row[x] : min;
+            max = row[x] > max ? row[x] : max;
+        }
+    }
+    result->min = min;
+    result->max = max;
+}
+
+/* Are all rows of the texture the same, or, unless `down`, all columns? */
+static bool repeats(const ntp_const_image *src, bool down)
+{
+    size_t texel = (size_t) (src->channels * ntp__sample_size(src->type));
+    for (int32_t y = 0; y < src->height; y++) {
+        for (int32_t x = 0; x < src->width; x++) {
+            if (memcmp(ntp__at(src, x, y), ntp__at(src, down ? x : 0, down ? 0 : y), texel) != 0)
+                return false;
+        }
+    }
+    return true;
+}
+
+/* Heights of a texture that repeats along an axis do so too, where they wrap.  Transforms leave
+ * rounding errors there, and slopes that are a little below 0 round to another level than 0 does. */
+static void level_out(run *t)
+{
+    const ntp__height_plan *plan = &t->plan;
+    bool rows = plan->wrap_y && repeats(t->src, true);
+    if (!rows && !(plan->wrap_x && repeats(t->src, false)))
+        return;
+    for (int32_t y = 0; y < plan->height; y++) {
+        float *row = ntp__at_mut(t->dst, 0, y);
+        const float *first = ntp__at_mut(t->dst, 0, 0);
+        for (int32_t x = 0; x < plan->width; x++)
+            row[x] = rows ? first[x] : row[0];
+    }
+    find_range(t->dst, &t->result);
+}
+
 static ntp_status solve(run *t)
 {
     ntp__slope_counts counts = { 0, 0, 0, 0, { 0, 0 } };
@@ -147,6 +192,8 @@ static ntp_status solve(run *t)
     t->result.consistency_max = counts.consistency_max;
     t->result.min = (double) counts.range[0];
     t->result.max = (double) counts.range[1];
+    if (t->plan.solver == NTP__SOLVER_DIRECT)
+        level_out(t);
     return NTP_OK;
 }
 
@@ -189,20 +236,6 @@ static void detrend(const ntp_image *dst, const ntp__height_plan *plan, ntp_heig
         for (int32_t x = 0; x < dst->width; x++)
             row[x] = (float) ((double) row[x] - shift - (x - middle_x) * result->trend_x);
     }
-}
-
-static void find_range(const ntp_image *dst, ntp_height_result *result)
-{
-    float min = *(const float *) dst->data, max = min;
-    for (int32_t y = 0; y < dst->height; y++) {
-        const float *row = ntp__at_mut(dst, 0, y);
-        for (int32_t x = 0; x < dst->width; x++) {
-            min = row[x] < min ? row[x] : min;
-            max = row[x] > max ? row[x] : max;
-        }
-    }
-    result->min = min;
-    result->max = max;
 }
 
 /* ------------------------------------------------------------------------------- public */
@@ -260,6 +293,7 @@ ntp_status ntp_height_from_normals(const ntp_image *dst, const ntp_const_image *
         scratch_size < ntp_height_scratch_size(how, src->width, src->height, t.crew.parts))
         return NTP_ERR_SCRATCH;
     t.dst = dst;
+    t.src = src;
     t.hooks = hooks;
     t.told = result;
     if (hooks != NULL && hooks->progress != NULL && hooks->progress(hooks->user, 0) != 0)
