@@ -80,13 +80,6 @@ LISTED = {
         "Weichzeichnen durch Domänentransformation",
     ),
 }
-# The second and third tab of the dialog of normals, at a scale of 1.
-TABS = {
-    (2, "en"): ((102, 27), (149, 27)),
-    (2, "de"): ((115, 27), (170, 27)),
-    (3, "en"): ((116, 42), (160, 42)),
-    (3, "de"): ((130, 42), (179, 42)),
-}
 # The choice of a page in the dialog of the operation, from the top, on the first and second page.
 PAGES = {2: (175, 175), 3: (89, 89)}
 SCRIPT3 = """
@@ -114,7 +107,7 @@ def script2(files, jobs):
     for procedure, name in jobs:
         text = call(procedure, f"(car (gimp-image-get-active-drawable {name}))")
         text = text.replace("RUN-NONINTERACTIVE image", f"RUN-INTERACTIVE {name}")
-        lines.append(f'(gimp-message (if (catch #f {text}) "done" "no"))')
+        lines.append(f"(catch #f {text})")
     return f"(begin {' '.join(lines)})"
 
 
@@ -198,9 +191,9 @@ def photograph(gimp, out, label, only):
         screen.picture(out / f"{label}-{name}.png", window)
         note(f"{label}-{name}", screen, window)
         if name == "normals":
-            for page, at in zip(("forms", "more"), TABS[gimp.version, gimp.language], strict=True):
-                left, top, _, _ = screen.box(window)
-                screen.click(left + gimp.scale * at[0], top + gimp.scale * at[1])
+            for page in ("forms", "more"):
+                screen.front(window)
+                screen.key("ctrl+alt+Next")
                 screen.picture(out / f"{label}-{name}-{page}.png", window)
         screen.front(window)
         screen.key("Escape")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""GIMP 3 by hand, without a manual: gimp_walk.py DIRECTORY
+"""GIMP by hand, without a manual: gimp_walk.py DIRECTORY [--gimp 2]
 
 From the height of a photo to normals, blended with the details of another texture, checked, cleaned
 and lit, by keys and clicks alone.  Makes a picture of each step, for the tutorial.  The exit status
@@ -12,30 +12,45 @@ import json
 import os
 import subprocess
 import sys
+import tempfile
 from pathlib import Path
 
 import numpy as np
 from PIL import Image
 
-from gimp_window import ROOT, Gimp3, Screen, stones
+from gimp_pictures import open_gimp, open_operation
+from gimp_window import ROOT, Screen, stones
 
-LOAD = """
+sys.path.insert(0, str(ROOT / "tests"))
+from support.gimp2 import saved
+
+SCRIPT3 = """
 NI = Gimp.RunMode.NONINTERACTIVE
 for name in ('detail', 'stones'):
     image = Gimp.file_load(NI, Gio.File.new_for_path(f'{HERE}/{name}.png'))
     Gimp.Display.new(image)
-"""
-SAVE = """
 import os, time
 while not os.path.exists(f'{HERE}/walked'):
     time.sleep(0.2)
 Gimp.file_save(NI, image, Gio.File.new_for_path(f'{HERE}/made.png'), None)
 open(f'{HERE}/saved', 'w').close()
 """
-SPLIT_VIEW = 409  # of the dialog of Normals from Height, from the left
-AUX = (92, 101)  # of the dialog of Blend Normals: its button for the other layer
-FIRST_IMAGE = (155, 232)  # in what opens, from the same corner: the image that was opened first
-ITS_LAYER = (379, 216)
+SCRIPT2 = f"""(begin
+(define (wait file) (if (not (file-exists? file)) (begin (gimp-version) (wait file))))
+(define (open file)
+  (let ((image (car (gimp-file-load RUN-NONINTERACTIVE file "x")))) (gimp-display-new image) image))
+(open "detail.png")
+(let* ((image (open "stones.png")))
+  (wait "walked")
+  (let* ((layer (car (gimp-image-get-active-drawable image)))) {saved("made.png", "layer")})
+  (call-with-output-file "saved" (lambda (port) (write 1 port)))))
+"""
+TITLES = {2: "Normals from Height", 3: "Normals from Another Layer"}  # of the plug-in
+SPLIT_VIEW = {2: (280, 52), 3: (409, 56)}  # in Normals from Height: from the left, from the bottom
+AUX = {2: (140, 189), 3: (92, 101)}  # in Blend Normals: its button for the other layer
+# In what opens, from the same corner: the image that was opened first, and its layer.
+FIRST_IMAGE = {2: (194, 329), 3: (155, 232)}
+ITS_LAYER = {2: (399, 305), 3: (379, 216)}
 
 
 def write_images(folder, program):
@@ -52,7 +67,7 @@ def write_images(folder, program):
 
 class Walk:
     def __init__(self, gimp, out):
-        self.gimp, self.screen, self.out = gimp, gimp.screen, out
+        self.gimp, self.screen, self.out, self.version = gimp, gimp.screen, out, gimp.version
         self.main = gimp.image_window()[0]
         self.screen.place(self.main, 0, 0, 960, 680)
 
@@ -69,13 +84,29 @@ class Walk:
         few.save(self.out / f"{name}.png", optimize=True)
         print(name, flush=True)
 
-    def dialog(self, command, title, x=970, y=0, below=0):
-        self.screen.search(self.main, command, below)
-        window = self.screen.window(title)[0]
+    def place(self, window, x, y):
         self.screen.place(window, x, y)
         self.screen.front(window)
         self.screen.settle()
         return window
+
+    def dialog(self, title):
+        self.screen.search(self.main, title.lower())
+        return self.place(self.screen.window(f"^{title}|^Is this map right")[0], 100, 60)
+
+    def operation_dialog(self, name):
+        return self.place(open_operation(self.gimp, self.main, name), 970, 0)
+
+    def end(self, window, key=None):
+        """Closes a dialog, by OK if by no key."""
+        title = next(t for t, found in self.screen.windows().items() if found[0] == window)
+        _, _, width, height = self.screen.box(window)
+        if key is None:
+            self.click(window, (width - 50, height - 20))
+        else:
+            self.screen.front(window)
+            self.screen.key(key)
+        self.screen.wait(lambda: title not in self.screen.windows(), f"end of {title}")
 
     def click(self, window, at):
         x, y, _, _ = self.screen.box(window)
@@ -84,60 +115,56 @@ class Walk:
 
     def operation(self):
         """The filter on the canvas, in halves; then not."""
-        title = r"\(ntp:normals-from-height\)"
-        window = self.dialog("ntp:normals-from-height", title)
+        window = self.operation_dialog("normals-from-height")
         _, _, _, height = self.screen.box(window)
-        self.click(window, (SPLIT_VIEW, height - 56))
+        left, below = SPLIT_VIEW[self.version]
+        self.click(window, (left, height - below))
         self.picture("2-operation", self.main, window)
-        self.screen.front(window)
-        self.screen.key("Escape")
-        self.screen.gone(title)
+        self.end(window, "Escape")
 
     def normals(self):
-        title = "Normals from Another Layer"
-        window = self.dialog(title.lower(), title, 100, 60)
+        window = self.dialog(TITLES[self.version])
         self.picture("3-normals", window)
-        self.screen.front(window)
-        self.screen.key("Return")
-        self.screen.gone(title)
+        self.end(window, "Return")
 
     def blend(self):
-        title = r"\(ntp:blend-normals\)"
-        window = self.dialog("ntp:blend-normals", title, below=1)  # the first takes a file
-        self.click(window, AUX)
-        self.click(window, FIRST_IMAGE)
+        window = self.operation_dialog("blend-normals")
+        self.click(window, AUX[self.version])
+        self.click(window, FIRST_IMAGE[self.version])
         self.picture("4-choose", self.main, window)
-        self.click(window, ITS_LAYER)
+        self.click(window, ITS_LAYER[self.version])
         self.screen.key("Return")
         self.screen.settle()
+        self.screen.front(window)
+        self.screen.settle(still=2)
         self.picture("5-blend", self.main, window)
-        _, _, width, height = self.screen.box(window)
-        self.click(window, (width - 50, height - 20))  # OK
-        self.screen.gone(title)
+        self.end(window)
 
     def check(self):
-        title = r"Is this map right"
-        window = self.dialog("check normals", title, 100, 60)
+        window = self.dialog("Check Normals")
         self.picture("6-check", window)
         self.screen.front(window)
         self.screen.key("alt+l")  # Clean, if there is something to clean
         self.screen.settle(still=2)
         self.picture("7-right", window)
-        self.screen.front(window)
-        self.screen.key("Escape")
-        self.screen.gone(title)
+        self.end(window, "Escape")
 
 
 def main():
     parser = argparse.ArgumentParser(description="From heights to a blended, checked, lit texture")
     parser.add_argument("directory", type=Path)
+    parser.add_argument("--gimp", type=int, default=3, choices=[2, 3])
     parser.add_argument("--display", type=int, default=85)
     given = parser.parse_args()
     given.directory.mkdir(parents=True, exist_ok=True)
     program = next(Path(os.environ.get("NTP_BUILD", ROOT / "build")).rglob("cli/ntp"))
-    with Screen(given.display) as screen, Gimp3(screen, os.environ["NTP_GIMP3"]) as gimp:
+    with (
+        tempfile.TemporaryDirectory() as folder,
+        Screen(given.display) as screen,
+        open_gimp(given.gimp, screen, Path(folder) / "gimp", "en", 1) as gimp,
+    ):
         write_images(gimp.work, program)
-        gimp.run(LOAD + SAVE)
+        gimp.run(SCRIPT2 if given.gimp == 2 else SCRIPT3)
         walk = Walk(gimp, given.directory)
         walk.picture("1-heights", walk.main)
         walk.operation()
