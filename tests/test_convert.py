@@ -152,7 +152,7 @@ def test_flips_leave_unused_texels_alone_wherever_they_lie(dtype):
     """Loops of many texels a step: every width, also in place; levels that are nearly unused."""
     m = np.iinfo(dtype).max
     rng = np.random.default_rng(6)
-    for width, touch, stride in itertools.product((*range(1, 100), 300), (0, 1, 2, 3), (3, 4)):
+    for width, touch, stride in itertools.product((*range(1, 70), 300), (0, 1, 2), (3, 4)):
         src = rng.choice(np.array([0, 1, m - 1, m, 7], dtype), (2, width, stride))[..., :3]
         some = rng.random((2, width))
         src[some < 0.2] = 0

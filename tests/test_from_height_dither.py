@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from support import libntp_ffi as ntp
+from support import oracle
 from support import oracle_height as model
 from support.from_height import from_height, options
 
@@ -79,6 +80,61 @@ def test_dithering_keeps_sums_of_slopes(border, kernel, dst, m):
         steepest = 1 + (want**2).sum(-1).max()
         assert drift < 1.2 * steepest**1.5 / m + 1e-4
         assert drift < rounded
+
+
+def taken(error, x, y, half):
+    """How much of an error a texel with these slopes takes."""
+    length2 = 1 + x * x + y * y
+    length = math.sqrt(length2)
+    most = min(length2 * length / half, length / 10)
+    return max(-most, min(most, error))
+
+
+def dithered_texel(x, y, along, down, m, min_z):
+    """(red, green, error to the right, error down), with the double arithmetic of C."""
+    x, y = max(-1e6, min(1e6, x)), max(-1e6, min(1e6, y))
+    x, y = x + taken(along, x, y, m / 2), y + taken(down, x, y, m / 2)
+    factor = 1 / math.sqrt(1 + x * x + y * y)
+    if factor < min_z:
+        factor = math.sqrt(1 - min_z * min_z) / math.sqrt(x * x + y * y)
+    r, g = (min(m, int((v * factor + 1) / 2 * m + 0.5)) for v in (x, y))
+    if (2 * r - m) ** 2 + (2 * g - m) ** 2 > m * m:
+        r, g = (int(v[0]) for v in oracle.pulled(np.array([r]), np.array([g]), m))
+    z = math.sqrt(m * m - (2 * r - m) ** 2 - (2 * g - m) ** 2)
+    return r, g, x - (2 * r - m) / z, y - (2 * g - m) / z
+
+
+def dithered_model(src, m, zzero, scale, min_z):
+    """Texel by texel, kernel central, border wrap."""
+    heights = src.astype(float)
+    right = np.roll(heights, -1, 1) - np.roll(heights, 1, 1)
+    down = np.roll(heights, -1, 0) - np.roll(heights, 1, 0)
+    factor = scale / (2 * 65535)
+    out = np.zeros((*src.shape, 3), int)
+    errors = [0.0] * src.shape[1]
+    for row, (p, q) in enumerate(zip(right * -factor, down * factor, strict=True)):
+        along = 0.0
+        for i in range(src.shape[1]):
+            r, g, along, errors[i] = dithered_texel(p[i], q[i], along, errors[i], m, min_z)
+            out[row, i, :2] = r, g
+    out[..., 2] = oracle.derived_blues(out[..., 0].ravel(), out[..., 1].ravel(), m, zzero).reshape(
+        src.shape
+    )
+    return out
+
+
+def test_dithering_gives_the_bytes_of_one_texel_after_another():
+    """Rows are done in groups, and columns in blocks: shapes around these, and steep heights."""
+    rng = np.random.default_rng(8)
+    shapes = [(1, 1), (1, 9), (7, 2), (8, 3), (9, 17), (33, 5), (10, 259)]
+    ways = [(255, 0, 4.0, 0.0), (255, 1, 60.0, 0.0), (65535, 0, 4.0, 0.0), (65535, 0, 300.0, 0.6)]
+    for shape, (m, zzero, scale, min_z) in itertools.product(shapes, ways):
+        src = np.cumsum(rng.integers(-900, 901, shape), 1).astype(np.uint16)
+        dst = np.uint8 if m == 255 else np.uint16
+        encoding = ntp.ZZERO if zzero else ntp.STANDARD
+        made, _ = dithered(src, encoding, dst=dst, scale=scale, min_z=min_z)
+        want = dithered_model(src, m, zzero, scale, min_z)
+        assert (made == want).all(), (shape, m, zzero, scale, min_z)
 
 
 def bricks(n=96):

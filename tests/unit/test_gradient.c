@@ -167,6 +167,40 @@ static void test_encode(const ntp__gradient_kernels *base, const ntp__gradient_k
     }
 }
 
+typedef struct wave {
+    ntp__wave_step steps[NTP__WAVE_STEPS];
+    double along[NTP__WAVE], down[WIDEST];
+} wave;
+
+static void test_dither(const ntp__gradient_kernels *base, const ntp__gradient_kernels *level,
+                        int32_t n, uint64_t *seed)
+{
+    for (int32_t choice = 0; choice < 8; choice++) {
+        static wave a, b;
+        const int32_t rows = 1 + (int32_t) (next(seed) % NTP__WAVE);
+        const ntp__dithering how = { choice & 1 ? 255 : 65535, choice & 2, choice & 4 ? 0.6 : 0,
+                                     0.8 };
+        memset(&a, 0, sizeof a);
+        for (int32_t i = 0; i < n; i++) {
+            for (int32_t k = 0; k < rows; k++) {
+                a.steps[i + k].slope[0][k] = (double) (next(seed) % 4001) / 400 - 5;
+                a.steps[i + k].slope[1][k] = (double) (next(seed) % 4001) / 400 - 5;
+            }
+        }
+        b = a;
+        base->dither(a.steps, a.along, a.down, rows, n, &how);
+        level->dither(b.steps, b.along, b.down, rows, n, &how);
+        CHECK(memcmp(a.along, b.along, sizeof a.along) == 0);
+        CHECK(memcmp(a.down, b.down, sizeof a.down) == 0);
+        for (int32_t i = 0; i < n; i++) {
+            for (int32_t k = 0; k < rows; k++) {
+                for (int32_t c = 0; c < 3; c++)
+                    CHECK(a.steps[i + k].level[c][k] == b.steps[i + k].level[c][k]);
+            }
+        }
+    }
+}
+
 /* The menus of the plug-in are in the library's order. */
 static void test_choices(void)
 {
@@ -197,6 +231,7 @@ int main(int argc, char **argv)
     for (int32_t n = 1; n <= WIDEST; n += n < 40 ? 1 : 27) {
         test_sums(base, level, n, &seed);
         test_encode(base, level, n, &seed);
+        test_dither(base, level, n, &seed);
     }
     return 0;
 }

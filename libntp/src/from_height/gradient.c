@@ -291,18 +291,14 @@ static bool slopes(const walk *w, const strip *s, const facts *f, int32_t x, int
     return true;
 }
 
-/* Makes levels whose rounding errors are carried on to the next texels. */
-static void dither(walk *w, strip *s, const facts *f, int32_t x, int32_t y, int32_t n)
+static facts all_tap_sums(walk *w, strip *s, int32_t x, int32_t y, int32_t n)
 {
-    double *along = &w->along[(y - w->first) % BAND];
-    for (int32_t i = 0; i < n; i++) {
-        double xy[2];
-        int32_t level[3];
-        w->counts.not_finite += !slopes(w, s, f, x, y, i, xy);
-        ntp__dither(level, &w->g, xy, along, &w->errors[x + i]);
-        for (int32_t k = 0; k < 3; k++)
-            s->out.c[k][i] = level[k];
+    facts f = { true, 0x1p1000, 0 };
+    for (int32_t down = 0; down < 2; down++) {
+        tap_sums(w, s, &f, x, y, n, down);
+        repeat_slopes(w, s, x, n, down);
     }
+    return f;
 }
 
 static void do_block(walk *w, strip *s, int32_t x, int32_t y, int32_t n)
@@ -316,14 +312,8 @@ static void do_block(walk *w, strip *s, int32_t x, int32_t y, int32_t n)
         }
         return;
     }
-    facts f = { true, 0x1p1000, 0 };
-    for (int32_t down = 0; down < 2; down++) {
-        tap_sums(w, s, &f, x, y, n, down);
-        repeat_slopes(w, s, x, n, down);
-    }
-    if (w->errors != NULL)
-        dither(w, s, &f, x, y, n);
-    else if (encode(w, s, &f, n) || s->any_moved)
+    facts f = all_tap_sums(w, s, x, y, n);
+    if (encode(w, s, &f, n) || s->any_moved)
         settle(w, s, x, y, n);
     if (!w->g.derived)
         raise_blue(w, s, n);
@@ -349,13 +339,48 @@ static void fetch_ahead(const walk *w, int32_t x, int32_t y, int32_t n)
 #endif
 }
 
+/* Makes levels of a few rows whose rounding errors are carried on to the next texels. */
+static void dither_rows(walk *w, strip *s, int32_t x, int32_t y, int32_t rows, int32_t n)
+{
+    const ntp__gradient *g = &w->g;
+    const ntp__dithering how = { g->m, g->dst->encoding == NTP_ENCODING_ZZERO, g->min_z,
+                                 g->shortened };
+    ntp__wave_step steps[NTP__WAVE_STEPS];
+    memset(steps, 0, sizeof steps);
+    for (int32_t k = 0; k < rows; k++) {
+        const facts f = all_tap_sums(w, s, x, y + k, n);
+        fetch_ahead(w, x, y + k, n);
+        const bool plain = f.finite && !s->any_moved;
+        for (int32_t i = 0; plain && w->ints && i < n; i++) {
+            steps[i + k].slope[0][k] = s->sums.i[0][i] * g->cx;
+            steps[i + k].slope[1][k] = s->sums.i[1][i] * g->cy;
+        }
+        for (int32_t i = 0; !(plain && w->ints) && i < n; i++) {
+            double xy[2];
+            w->counts.not_finite += !slopes(w, s, &f, x, y + k, i, xy);
+            steps[i + k].slope[0][k] = xy[0];
+            steps[i + k].slope[1][k] = xy[1];
+        }
+    }
+    g->loops->dither(steps, &w->along[(y - w->first) % BAND], &w->errors[x], rows, n, &how);
+    for (int32_t k = 0; k < rows; k++) {
+        for (int32_t i = 0; i < n; i++) {
+            for (int32_t c = 0; c < 3; c++)
+                s->out.c[c][i] = steps[i + k].level[c][k];
+        }
+        ntp__gradient_pack(g, &s->out, x, y + k, n);
+    }
+}
+
 static void do_strip(walk *w, strip *s, const ntp_rect *r, int32_t x, int32_t n)
 {
     for (int32_t k = 0; k < NTP__MAX_TAPS; k++)
         s->row[k].filled = false;
     memset(s->moved, 0, sizeof s->moved);
     s->any_moved = false;
-    for (int32_t y = r->y0; y < r->y1; y++) {
+    for (int32_t y = r->y0; w->errors != NULL && y < r->y1; y += NTP__WAVE)
+        dither_rows(w, s, x, y, r->y1 - y < NTP__WAVE ? r->y1 - y : NTP__WAVE, n);
+    for (int32_t y = r->y0; w->errors == NULL && y < r->y1; y++) {
         fetch_ahead(w, x, y, n);
         do_block(w, s, x, y, n);
     }

@@ -8,7 +8,7 @@
  *   height_rows.c       makes rows of heights, extended beyond the borders
  *   gradient_kernels.c  the loops, with tap_sums_tmpl.h and encode_tmpl.h
  *   exact.c             rounds exactly the texels that the loops are in doubt about
- *   dither.c            rounds a texel so that errors do not add up
+ *   dither_tmpl.h       a part of them: rounds so that errors do not add up
  *   pack.c              writes the result, with its alpha
  *   blur.c              ntp_height_blur: Gaussian blur of the heights
  *   relief.c            ntp_relief_add, ntp_relief_scale: the scale that suits a heightfield
@@ -29,7 +29,8 @@
 enum {
     NTP__LANES = 8, /* the loops do a multiple of these */
     NTP__GRADIENT_ROW = NTP__BLOCK + 2 * NTP__MAX_RADIUS + NTP__LANES,
-    NTP__MAX_READS = 3 /* samples that a height is made of */
+    NTP__MAX_READS = 3, /* samples that a height is made of */
+    NTP__WAVE = 8       /* rows that are dithered at the same time */
 };
 
 /* mantissa 2^exponent, the sign apart; mantissa is odd or 0. */
@@ -80,11 +81,6 @@ void ntp__gradient_exact(ntp__normal *normal, const ntp__gradient *g, int32_t x,
 
 /* n.x / n.z and n.y / n.z, before min_z, as doubles; false: a height is not finite, both are 0. */
 bool ntp__gradient_slopes(const ntp__gradient *g, int32_t x, int32_t y, double xy[2]);
-
-/* The levels of a texel, dithered (dither.c).  xy is as above.  along, down: in, the errors of the
- * texels before it on the row and above it; out, the errors that it leaves. */
-void ntp__dither(int32_t level[3], const ntp__gradient *g, const double xy[2], double *along,
-                 double *down);
 
 /* Checks all arguments and fills in the rest (plan.c). */
 ntp_status ntp__gradient_plan(ntp__gradient *g, const ntp_image *dst, const ntp_const_image *src,
@@ -166,6 +162,28 @@ typedef int32_t ntp__encode_d_fn(int32_t *red, int32_t *green, int32_t *blue, in
                                  const double *right, const double *down, int32_t n,
                                  const ntp__encode *e);
 
+/*
+ * A step of a wave that dithers rows: a texel of each row, one column farther left than that of the
+ * row above.  So none of them needs the errors of another.  Step t holds column t - k of row k.
+ */
+typedef union ntp__wave_step {
+    double slope[2][NTP__WAVE];  /* in: n.x / n.z and n.y / n.z, before min_z; else 0 */
+    int32_t level[3][NTP__WAVE]; /* out */
+} ntp__wave_step;
+
+enum { NTP__WAVE_STEPS = NTP__BLOCK + NTP__WAVE - 1 };
+
+typedef struct ntp__dithering {
+    int32_t m;
+    bool zzero;
+    double min_z, shortened; /* as in ntp__gradient */
+} ntp__dithering;
+
+/* Dithers n columns of 1 to NTP__WAVE rows.  along (for each row), down (for each column): in, the
+ * errors of the texels before and above; out, those that the last ones leave. */
+typedef void ntp__dither_fn(ntp__wave_step *steps, double *along, double *down, int32_t rows,
+                            int32_t n, const ntp__dithering *how);
+
 /* dst[3 n] from planes of levels 0..255. */
 typedef void ntp__pack_rgb8_fn(uint8_t *dst, const int32_t *red, const int32_t *green,
                                const int32_t *blue, int32_t n);
@@ -176,6 +194,7 @@ struct ntp__gradient_kernels {
     ntp__encode_i_fn *encode_single; /* in float arithmetic, for M = 255 */
     ntp__encode_i_fn *encode_i;      /* in double */
     ntp__encode_d_fn *encode_d;
+    ntp__dither_fn *dither;
     ntp__pack_rgb8_fn *pack_rgb8;
 };
 

@@ -3,7 +3,7 @@
  * gradient_kernels.c - the loops of heightfield -> normals, compiled once per instruction set
  *
  * Each loop is plain C that vectorizes.  tap_sums_tmpl.h and encode_tmpl.h are included once for
- * each type of number.  Their loops do a multiple of NTP__LANES numbers, so that no loop has a
+ * each type of number, dither_tmpl.h once.  Their loops do a multiple of NTP__LANES numbers, so that no loop has a
  * remainder, which would be most of the code.  The encoding is floating point with a proved bound.
  * Texels that are within this bound of a rounding boundary are reported.
  *
@@ -21,6 +21,8 @@
  * an absolute bound.
  */
 #include "from_height/gradient.h"
+
+#include "texel/level.h"
 
 #include <math.h>
 #include <string.h>
@@ -98,6 +100,8 @@
 #define NAME(x) x##_d
 #include "from_height/encode_tmpl.h"
 
+#include "from_height/dither_tmpl.h"
+
 static inline bool is_little_endian(void)
 {
     const uint16_t one = 1;
@@ -131,5 +135,5 @@ static void pack_rgb8(uint8_t *dst, const int32_t *red, const int32_t *green, co
 
 extern const ntp__gradient_kernels TABLE_NAME(NTP_ISA);
 const ntp__gradient_kernels TABLE_NAME(NTP_ISA) = {
-    tap_sums_i, tap_sums_d, encode_single, encode_i, encode_d, pack_rgb8,
+    tap_sums_i, tap_sums_d, encode_single, encode_i, encode_d, dither, pack_rgb8,
 };
