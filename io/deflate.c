@@ -29,12 +29,18 @@ enum {
 };
 
 static const effort efforts[NTPIO__LEVEL_MAX + 1] = {
-    [1] = { 1, 32, 0, false, 4 },       [2] = { 1, 32, 0, true, 5 },
-    [3] = { 2, 32, 0, true, 6 },        [4] = { 3, 32, 0, true, 7 },
-    [5] = { 4, 64, 0, true, 8 },        [6] = { 6, 64, 0, true, 9 },
-    [7] = { 12, 64, 0, true, NEVER },   [8] = { 24, 128, 0, true, NEVER },
-    [9] = { 64, 258, 0, true, NEVER },  [10] = { 16, 64, 1, true, NEVER },
-    [11] = { 32, 128, 2, true, NEVER }, [12] = { 128, 258, 3, true, NEVER },
+    [1] = { 1, 32, 0, false, 3, 4 },
+    [2] = { 1, 32, 0, true, 4, 5 },
+    [3] = { 2, 32, 0, true, 4, 6 },
+    [4] = { 3, 32, 0, true, 5, 7 },
+    [5] = { 3, 48, 0, true, 6, 7 },
+    [6] = { 4, 64, 0, true, 6, 8 },
+    [7] = { 12, 64, 0, true, NEVER, NEVER },
+    [8] = { 24, 128, 0, true, NEVER, NEVER },
+    [9] = { 64, 258, 0, true, NEVER, NEVER },
+    [10] = { 16, 64, 1, true, NEVER, NEVER },
+    [11] = { 32, 128, 2, true, NEVER, NEVER },
+    [12] = { 128, 258, 3, true, NEVER, NEVER },
 };
 
 /* --------------------------------------------------------------------------- costs */
@@ -103,13 +109,16 @@ static void add_counts(ntpio__counts *to, const ntpio__counts *from, unsigned sh
 
 /* -------------------------------------------------------------------------- blocks */
 
+/* No word takes less than a bit. */
 static uint64_t entropy(const uint32_t *counts, unsigned size)
 {
     uint64_t parts = 0;
-    for (unsigned i = 0; i < size; i++)
-        parts += (uint64_t) counts[i] * log2_of(counts[i]);
-    const uint32_t sum = sum_of(counts, size);
-    return (uint64_t) sum * log2_of(sum) - parts;
+    const uint32_t all = log2_of(sum_of(counts, size));
+    for (unsigned i = 0; i < size; i++) {
+        const uint32_t bits = all - log2_of(counts[i]);
+        parts += (uint64_t) counts[i] * (bits > BIT ? bits : BIT);
+    }
+    return parts;
 }
 
 /* What the symbols and their codes take, about. */
@@ -126,56 +135,71 @@ static uint64_t block_cost(const ntpio__counts *counts)
 
 static void end_block(ntpio__deflater *d, bool last)
 {
-    ntpio__put_block(&d->bits, d->symbols, d->in_block, &d->block, d->bytes + d->block_from,
+    ntpio__put_block(&d->bits, d->steps, d->in_block, &d->block, d->bytes + d->block_from,
                      d->block_bytes, last);
     d->count -= d->in_block;
-    memmove(d->symbols, d->symbols + d->in_block, d->count * sizeof *d->symbols);
+    memmove(d->steps, d->steps + d->in_block, d->count * sizeof *d->steps);
     d->block_from += d->block_bytes;
+    d->counted -= d->in_block;
     d->block_bytes = 0;
+    d->block_symbols = 0;
     d->in_block = 0;
     memset(&d->block, 0, sizeof d->block);
 }
 
-/* Counts the newest part; returns the bytes that it stands for.  Literals go into two tables by
- * turns: adding to the same number again has to wait. */
-static size_t count_part(ntpio__deflater *d)
+/* Two tables by turns: adding to the same number again has to wait. */
+static inline void count_literals(uint32_t *even, uint32_t *odd, const uint8_t *bytes, size_t count)
+{
+    size_t i = 0;
+    for (; i + 2 <= count; i += 2) {
+        even[bytes[i]]++;
+        odd[bytes[i + 1]]++;
+    }
+    if (i < count)
+        even[bytes[i]]++;
+}
+
+/* Counts the steps that came to the newest part. */
+static void count_part(ntpio__deflater *d)
 {
     uint32_t even[NTPIO__LITERALS] = { 0 };
-    const ntpio__symbol *symbols = d->symbols;
-    size_t size = 0;
-    memset(&d->part, 0, sizeof d->part);
-    for (size_t i = d->in_block; i < d->count; i++) {
-        const ntpio__symbol s = symbols[i];
-        if (s < NTPIO__LITERALS) {
-            (i % 2 == 0 ? even : d->part.words)[s]++;
-            size++;
-        } else {
-            d->part.words[NTPIO__FIRST_LENGTH + ntpio__length_slot(s >> 16)]++;
-            d->part.distances[ntpio__distance_slot(s & 0xffff)]++;
-            size += s >> 16;
+    const uint8_t *first = d->bytes + d->block_from + d->block_bytes + d->part_bytes, *at = first;
+    for (; d->counted < d->count; d->counted++) {
+        const ntpio__step s = d->steps[d->counted];
+        count_literals(even, d->part.words, at, s.literals);
+        if (s.match != 0) {
+            d->part.words[NTPIO__FIRST_LENGTH + ntpio__length_slot(s.match >> 16)]++;
+            d->part.distances[ntpio__distance_slot(s.match & 0xffff)]++;
         }
+        d->part_symbols += s.literals + (s.match != 0);
+        at += s.literals + (s.match >> 16);
     }
     for (unsigned i = 0; i < NTPIO__LITERALS; i++)
         d->part.words[i] += even[i];
-    return size;
+    d->part_bytes += (size_t) (at - first);
 }
 
-static void join_part(ntpio__deflater *d, size_t size)
+static void join_part(ntpio__deflater *d)
 {
     if (d->in_block != 0) {
         ntpio__counts both = d->block;
         add_counts(&both, &d->part, 0);
-        if (d->count > BLOCK || block_cost(&both) > block_cost(&d->block) + block_cost(&d->part))
+        if (d->block_symbols + d->part_symbols > BLOCK ||
+            block_cost(&both) > block_cost(&d->block) + block_cost(&d->part))
             end_block(d, false);
     }
     add_counts(&d->block, &d->part, 0);
-    d->block_bytes += size;
+    d->block_bytes += d->part_bytes;
+    d->block_symbols += d->part_symbols;
     d->in_block = d->count;
+    d->part_bytes = d->part_symbols = 0;
+    memset(&d->part, 0, sizeof d->part);
 }
 
 void ntpio__end_part(ntpio__deflater *d)
 {
-    join_part(d, count_part(d));
+    count_part(d);
+    join_part(d);
 }
 
 /* --------------------------------------------------------------------------- stream */
@@ -184,7 +208,9 @@ static void begin(ntpio__deflater *d, int level, const uint8_t *bytes, size_t fr
 {
     memset(d->near_places, -1, sizeof d->near_places);
     memset(d->far_places, -1, sizeof d->far_places);
-    d->count = d->in_block = d->block_bytes = 0;
+    d->count = d->counted = d->in_block = d->block_bytes = d->block_symbols = 0;
+    d->part_bytes = d->part_symbols = 0;
+    memset(&d->part, 0, sizeof d->part);
     memset(&d->block, 0, sizeof d->block);
     d->effort = &efforts[level];
     d->bytes = bytes;
@@ -210,11 +236,11 @@ static void read_all(ntpio__deflater *d, size_t from)
         }
         old = counts;
         at = ntpio__read_quickly(d, at, end);
-        const size_t part = count_part(d);
+        count_part(d);
         counts = d->part;
         add_counts(&counts, &old, 1);
-        if (d->count - d->in_block >= QUICK_PART || at >= d->to)
-            join_part(d, part);
+        if (d->part_symbols >= QUICK_PART || at >= d->to)
+            join_part(d);
     }
 }
 

@@ -5,7 +5,6 @@
 #include "deflate_block.h"
 
 #include <stdlib.h>
-#include <string.h>
 
 enum {
     END = 256,
@@ -259,38 +258,61 @@ static uint64_t shared_bits(const ntpio__counts *counts)
     return bits;
 }
 
-static void put_match(ntpio__bits *b, ntpio__symbol symbol, const code *words,
-                      const code *distances)
+/* Its bits fit: 15 and 5 of the length, 15 and 13 of the distance, 7 that wait. */
+static inline void put_match(ntpio__bits *b, ntpio__match match, const uint32_t *words,
+                             const code *distances)
 {
-    const uint32_t length = symbol >> 16, distance = symbol & 0xffff;
-    const unsigned word = NTPIO__FIRST_LENGTH + ntpio__length_slot(length);
+    const uint32_t length = match >> 16, distance = match & 0xffff;
+    const uint32_t word = words[NTPIO__FIRST_LENGTH + ntpio__length_slot(length)];
     const unsigned slot = ntpio__distance_slot(distance);
     unsigned extra = ntpio__length_extra(length);
-    ntpio__put_bits(b, words->word[word], words->bits[word]);
-    ntpio__put_bits(b, (length - 3) & ((1u << extra) - 1), extra);
+    ntpio__add_bits(b, word >> 16, word & 0xffff);
+    ntpio__add_bits(b, (length - 3) & ((1u << extra) - 1), extra);
     extra = ntpio__distance_extra(distance);
-    ntpio__put_bits(b, distances->word[slot], distances->bits[slot]);
-    ntpio__put_bits(b, distance & ((1u << extra) - 1), extra);
+    ntpio__add_bits(b, distances->word[slot], distances->bits[slot]);
+    ntpio__add_bits(b, distance & ((1u << extra) - 1), extra);
+    ntpio__flush_bits(b);
 }
 
-static void put_symbols(ntpio__bits *b, const ntpio__symbol *symbols, size_t count,
-                        const code *words, const code *distances)
+/* Three at once: 45 bits, and 7 that wait. */
+static inline const uint8_t *put_literals(ntpio__bits *b, const uint8_t *bytes, size_t count,
+                                          const uint32_t *words)
 {
-    for (size_t i = 0; i < count; i++) {
-        if (symbols[i] < NTPIO__LITERALS)
-            ntpio__put_bits(b, words->word[symbols[i]], words->bits[symbols[i]]);
-        else
-            put_match(b, symbols[i], words, distances);
+    const uint8_t *end = bytes + count;
+    for (; end - bytes >= 3; bytes += 3) {
+        for (int i = 0; i < 3; i++)
+            ntpio__add_bits(b, words[bytes[i]] >> 16, words[bytes[i]] & 0xffff);
+        ntpio__flush_bits(b);
     }
-    ntpio__put_bits(b, words->word[END], words->bits[END]);
+    for (; bytes < end; bytes++)
+        ntpio__add_bits(b, words[*bytes] >> 16, words[*bytes] & 0xffff);
+    ntpio__flush_bits(b);
+    return bytes;
+}
+
+static void put_steps(ntpio__bits *to, const ntpio__step *steps, size_t count, const uint8_t *bytes,
+                      const code *words, const code *distances)
+{
+    uint32_t both[NTPIO__WORDS]; /* word << 16 | its bits: one look finds both */
+    ntpio__bits b = *to;         /* stays in registers */
+    for (unsigned i = 0; i < NTPIO__WORDS; i++)
+        both[i] = (uint32_t) words->word[i] << 16 | words->bits[i];
+    for (size_t i = 0; i < count; i++) {
+        bytes = put_literals(&b, bytes, steps[i].literals, both);
+        if (steps[i].match != 0)
+            put_match(&b, steps[i].match, both, distances);
+        bytes += steps[i].match >> 16;
+    }
+    ntpio__put_bits(&b, words->word[END], words->bits[END]);
+    *to = b;
 }
 
 void ntpio__end_byte(ntpio__bits *b)
 {
-    for (; b->count > 0; b->count -= b->count < 8 ? b->count : 8) {
+    if (b->count > 0)
         b->out[b->size++] = (uint8_t) b->waiting;
-        b->waiting >>= 8;
-    }
+    b->waiting = 0;
+    b->count = 0;
 }
 
 void ntpio__put_stored(ntpio__bits *b, const uint8_t *bytes, size_t size, bool last)
@@ -308,18 +330,21 @@ void ntpio__put_stored(ntpio__bits *b, const uint8_t *bytes, size_t size, bool l
     } while (size > 0);
 }
 
-void ntpio__put_block(ntpio__bits *b, const ntpio__symbol *symbols, size_t count,
-                      ntpio__counts *counts, const uint8_t *bytes, size_t size, bool last)
+void ntpio__put_block(ntpio__bits *b, const ntpio__step *steps, size_t count, ntpio__counts *counts,
+                      const uint8_t *bytes, size_t size, bool last)
 {
     code words, distances, fixed_words, fixed_distances;
     header h;
     uint64_t fixed = UINT64_MAX / 2;
+    uint32_t symbols = 0;
+    for (unsigned i = 0; i < NTPIO__WORDS; i++)
+        symbols += counts->words[i];
     counts->words[END] = 1;
     make_code(&words, counts->words, NTPIO__WORDS, CODE_MAX);
     make_code(&distances, counts->distances, NTPIO__DISTANCES, CODE_MAX);
     make_header(&h, &words, &distances);
     const uint64_t made = header_bits(&h) + code_bits(counts, &words, &distances);
-    if (count <= SMALL) {
+    if (symbols <= SMALL) {
         take_fixed_codes(&fixed_words, &fixed_distances);
         fixed = code_bits(counts, &fixed_words, &fixed_distances);
     }
@@ -331,6 +356,6 @@ void ntpio__put_block(ntpio__bits *b, const ntpio__symbol *symbols, size_t count
     ntpio__put_bits(b, (last ? 1u : 0u) | (made < fixed ? MADE : FIXED) << 1u, 3);
     if (made < fixed)
         put_header(b, &h);
-    put_symbols(b, symbols, count, made < fixed ? &words : &fixed_words,
-                made < fixed ? &distances : &fixed_distances);
+    put_steps(b, steps, count, bytes, made < fixed ? &words : &fixed_words,
+              made < fixed ? &distances : &fixed_distances);
 }

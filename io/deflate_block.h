@@ -8,6 +8,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <string.h>
 
 enum {
     NTPIO__LITERALS = 256,
@@ -17,8 +18,14 @@ enum {
     NTPIO__LENGTH_MAX = 258    /* of a match */
 };
 
-/* A symbol: a literal as its byte, a match as length << 16 | distance - 1. */
-typedef uint32_t ntpio__symbol;
+/* A match: length << 16 | distance - 1; 0: none. */
+typedef uint32_t ntpio__match;
+
+/* Literals, which stand in the bytes themselves, and the match after them. */
+typedef struct ntpio__step {
+    uint32_t literals;
+    ntpio__match match;
+} ntpio__step;
 
 typedef struct ntpio__counts {
     uint32_t words[NTPIO__WORDS], distances[NTPIO__DISTANCES];
@@ -28,7 +35,7 @@ typedef struct ntpio__bits {
     uint8_t *out;
     size_t size; /* whole bytes in out */
     uint64_t waiting;
-    unsigned count; /* bits that wait, below 32 */
+    unsigned count; /* bits that wait; below 8 between calls */
 } ntpio__bits;
 
 static inline unsigned ntpio__top_bit(uint32_t v)
@@ -64,16 +71,29 @@ static inline unsigned ntpio__distance_slot(uint32_t less_one)
     return 2 * top + (less_one >> (top - 1) & 1);
 }
 
-static inline void ntpio__put_bits(ntpio__bits *b, uint32_t value, unsigned count)
+/* At most 57 bits may wait.  Writes eight bytes, of which the whole ones count. */
+static inline void ntpio__flush_bits(ntpio__bits *b)
+{
+    uint64_t waiting = b->waiting;
+#if defined __BYTE_ORDER__ && __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__
+    waiting = __builtin_bswap64(waiting);
+#endif
+    memcpy(b->out + b->size, &waiting, sizeof waiting);
+    b->size += b->count / 8;
+    b->waiting >>= b->count / 8 * 8;
+    b->count %= 8;
+}
+
+static inline void ntpio__add_bits(ntpio__bits *b, uint32_t value, unsigned count)
 {
     b->waiting |= (uint64_t) value << b->count;
     b->count += count;
-    if (b->count >= 32) {
-        for (int i = 0; i < 4; i++)
-            b->out[b->size++] = (uint8_t) (b->waiting >> 8 * i);
-        b->waiting >>= 32;
-        b->count -= 32;
-    }
+}
+
+static inline void ntpio__put_bits(ntpio__bits *b, uint32_t value, unsigned count)
+{
+    ntpio__add_bits(b, value, count);
+    ntpio__flush_bits(b);
 }
 
 /* Writes what waits, filled with zeros to a whole byte. */
@@ -84,10 +104,10 @@ void ntpio__put_stored(ntpio__bits *b, const uint8_t *bytes, size_t size, bool l
 
 /*
  * The shortest of three kinds of a block: codes made for it, codes that are fixed, bytes as they
- * are.  The symbols stand for the bytes; counts has them all without the end of the block, which is
- * counted here.
+ * are.  The steps stand for the bytes; counts has all their symbols without the end of the block,
+ * which is counted here.
  */
-void ntpio__put_block(ntpio__bits *b, const ntpio__symbol *symbols, size_t count,
-                      ntpio__counts *counts, const uint8_t *bytes, size_t size, bool last);
+void ntpio__put_block(ntpio__bits *b, const ntpio__step *steps, size_t count, ntpio__counts *counts,
+                      const uint8_t *bytes, size_t size, bool last);
 
 #endif

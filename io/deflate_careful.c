@@ -78,7 +78,9 @@ static void find_all(ntpio__deflater *d, size_t from, size_t to)
 {
     run near_run = { 0, 0 }, far_run = { 0, 0 };
     for (size_t at = from; at < to; at++) {
-        const places p = visit(d, at);
+        places p = visit(d, at);
+        if (!is_near(d, p.near, at))
+            p.near = -1;
         const uint32_t near = near_match(d, at, p.near, &near_run);
         d->careful->nearest[at - from] = near;
         d->careful->longest[at - from] = long_match(d, at, &p, near, &far_run);
@@ -87,7 +89,7 @@ static void find_all(ntpio__deflater *d, size_t from, size_t to)
 
 /* Takes the match, or one of its beginnings longer than `over`, where that is cheaper. */
 static inline void try_match(const ntpio__deflater *d, uint32_t found, uint32_t over,
-                             const uint32_t *cost, uint32_t *least, ntpio__symbol *best)
+                             const uint32_t *cost, uint32_t *least, ntpio__match *best)
 {
     const uint32_t length = found >> 16, distance = found & 0xffff;
     const uint32_t fixed = d->distances[ntpio__distance_slot(distance)];
@@ -123,7 +125,7 @@ static void count_way(const ntpio__deflater *d, size_t from, size_t size, ntpio_
 {
     memset(counts, 0, sizeof *counts);
     for (size_t i = 0; i < size;) {
-        const ntpio__symbol s = d->careful->best[i];
+        const ntpio__match s = d->careful->best[i];
         if (s == 0) {
             counts->words[d->bytes[from + i++]]++;
         } else {
@@ -145,15 +147,22 @@ size_t ntpio__read_carefully(ntpio__deflater *d, size_t from, size_t to, bool fi
         if (i + 1 < d->effort->rounds)
             ntpio__set_costs(d, counts);
     }
+    uint32_t literals = 0;
+    size_t symbols = 0; /* of this part */
     while (at < to) {
-        const ntpio__symbol s = d->careful->best[at - from];
-        d->symbols[d->count++] = s == 0 ? d->bytes[at] : s;
-        at += s == 0 ? 1 : s >> 16;
-        if (d->count - d->in_block >= PART)
+        const ntpio__match m = d->careful->best[at - from];
+        literals += m == 0;
+        at += m == 0 ? 1 : m >> 16;
+        const bool ends = ++symbols == PART || at >= to;
+        if (m != 0 || ends) {
+            d->steps[d->count++] = (ntpio__step) { literals, m };
+            literals = 0;
+        }
+        if (ends) {
             ntpio__end_part(d);
+            symbols = 0;
+        }
     }
-    if (d->count > d->in_block)
-        ntpio__end_part(d);
     for (size_t i = to; i < at; i++)
         visit(d, i);
     return at;

@@ -6,8 +6,9 @@
 
 enum {
     PAYS = 2 * BIT, /* what a match has to save: the codes of its literals grow rarer by it */
-    MUCH = 64,      /* of longer matches, only the first and last places are remembered */
-    FEW = 16,
+    MUCH = 24,      /* of longer matches, only the first and last places are remembered */
+    FEW = 8,
+    CLOSE = 4,   /* bytes: distances without extra bits */
     PASS_MAX = 3 /* bytes, where matches are rare */
 };
 
@@ -28,33 +29,39 @@ static inline match better(const ntpio__deflater *d, match best, const uint32_t 
     return (match) (whole - cost) << 32 | length << 16 | distance;
 }
 
-/* The match that saves most.  sums: from this byte on. */
-static inline match best_match(ntpio__deflater *d, size_t at, const uint32_t *sums, int depth,
-                               uint32_t enough)
+static inline uint32_t most_at(const ntpio__deflater *d, size_t at)
+{
+    return d->to - at < NTPIO__LENGTH_MAX ? (uint32_t) (d->to - at) : NTPIO__LENGTH_MAX;
+}
+
+/* The match that saves most.  sums: from this byte on; with_near: those shorter than FAR_BYTES count, too. */
+static inline match best_match(ntpio__deflater *d, size_t at, const uint32_t *sums, bool with_near,
+                               const effort *e)
 {
     match m = NOTHING;
     const uint8_t *here = d->bytes + at;
-    const size_t left = d->to - at;
-    const uint32_t most = left < NTPIO__LENGTH_MAX ? (uint32_t) left : NTPIO__LENGTH_MAX;
+    const uint32_t most = most_at(d, at);
     places p = visit(d, at);
-    uint32_t longest = 0;
-    if (p.near >= 0) {
+    uint32_t longest = NEAR_BYTES - 1;
+    if (with_near && is_near(d, p.near, at)) {
         const uint32_t length = (uint32_t) common(d->bytes + p.near, here, most);
-        if (length >= NEAR_BYTES) {
+        if (length > longest) {
             longest = length;
             m = better(d, m, sums, at - (size_t) p.near, length);
+            if (length >= e->enough || length >= most)
+                return m;
         }
     }
-    for (int n = depth; n > 0 && in_reach(p.far, at); n--, p.far = earlier(d, p.far)) {
-        if (longest >= most || longest >= enough)
-            break;
+    for (int n = e->depth; n > 0 && in_reach(p.far, at); n--, p.far = earlier(d, p.far)) {
         const uint8_t *there = d->bytes + p.far;
-        if (p.far == p.near || !may_exceed(there, here, longest))
+        if (!may_exceed(there, here, longest))
             continue;
         const uint32_t length = (uint32_t) common(there, here, most);
         if (length > longest && length >= FAR_BYTES) {
             longest = length;
             m = better(d, m, sums, at - (size_t) p.far, length);
+            if (length >= e->enough || length >= most)
+                break;
         }
     }
     return m;
@@ -83,43 +90,68 @@ static void visit_all(ntpio__deflater *d, size_t from, size_t to)
         visit(d, i);
 }
 
+/* Do the bytes repeat the few before them?  Short distances cost few bits. */
+static bool repeats_few(const uint8_t *here)
+{
+    for (int i = 1; i <= CLOSE; i++) {
+        if (load(here) == load(here - i))
+            return true;
+    }
+    return false;
+}
+
+/* After the longest match there is: does it go on? */
+static inline match goes_on(const ntpio__deflater *d, size_t at, match last)
+{
+    const uint32_t distance = ((uint32_t) last & 0xffff) + 1;
+    const uint8_t *here = d->bytes + at;
+    const bool may = (uint32_t) last >> 16 == NTPIO__LENGTH_MAX &&
+                     most_at(d, at) == NTPIO__LENGTH_MAX &&
+                     (distance <= CLOSE || !repeats_few(here));
+    return may && common(here - distance, here, NTPIO__LENGTH_MAX) == NTPIO__LENGTH_MAX ? last
+                                                                                        : NOTHING;
+}
+
 /* Reads the span up to `to`, or as far as its last match goes.  Returns where that is. */
 size_t ntpio__read_quickly(ntpio__deflater *d, size_t from, size_t to)
 {
     const effort e = *d->effort;
-    const uint8_t *bytes = d->bytes;
-    ntpio__symbol *out = d->symbols + d->count;
-    size_t at = from, misses = 0; /* misses: bytes in a row without a match */
+    size_t at = from, written = from;
+    size_t misses = 0; /* bytes in a row without a match */
+    ntpio__step *out = d->steps + d->count;
+    const uint32_t *sums = d->sums - from;
     sum_literals(d, from, to);
-    match m = best_match(d, at, d->sums + (at - from), e.depth, e.enough);
+    match m = best_match(d, at, sums + at, true, &e);
     for (;;) {
-        bool looked = false;
-        match next = NOTHING;
         const uint32_t length = (uint32_t) m >> 16;
+        match next = NOTHING;
         if (length == 0) {
-            *out++ = bytes[at++];
-            size_t pass = misses++ >> e.patience;
-            for (pass = pass < PASS_MAX ? pass : PASS_MAX; pass > 0 && at < to; pass--)
-                *out++ = bytes[at++];
+            const size_t pass = misses++ >> e.patience;
+            at += 1 + (pass < PASS_MAX ? pass : PASS_MAX);
         } else {
+            const bool looks = length < e.enough && e.looks_ahead && at + 1 < to;
             misses = 0;
-            if (length < e.enough && e.looks_ahead && at + 1 < to) {
-                looked = true;
-                next = best_match(d, at + 1, d->sums + (at + 1 - from), e.depth, e.enough);
-            }
+            if (looks)
+                next = best_match(d, at + 1, sums + at + 1, true, &e);
             if (next >> 32 > m >> 32) {
-                *out++ = bytes[at++];
+                at++;
                 m = next;
                 continue;
             }
-            *out++ = (ntpio__symbol) m;
-            visit_all(d, at + 1 + looked, at + length);
+            *out++ = (ntpio__step) { (uint32_t) (at - written), (uint32_t) m };
+            visit_all(d, at + 1 + looks, at + length);
             at += length;
+            written = at;
+            next = at < to ? goes_on(d, at, m) : NOTHING;
         }
         if (at >= to)
             break;
-        m = best_match(d, at, d->sums + (at - from), e.depth, e.enough);
+        m = (uint32_t) next != 0 ? next
+                                 : best_match(d, at, sums + at, misses >> e.near_patience == 0, &e);
     }
-    d->count = (size_t) (out - d->symbols);
+    at = at < d->to ? at : d->to;
+    if (at > written)
+        *out++ = (ntpio__step) { (uint32_t) (at - written), 0 };
+    d->count = (size_t) (out - d->steps);
     return at;
 }

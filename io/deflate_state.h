@@ -25,25 +25,28 @@ enum {
 };
 
 typedef struct effort {
-    int depth;        /* places of a chain that are looked at */
-    uint32_t enough;  /* bytes: no longer match is looked for */
-    int rounds;       /* careful levels */
-    bool looks_ahead; /* one byte further */
+    int depth;         /* places of a chain that are looked at */
+    uint32_t enough;   /* bytes: no longer match is looked for */
+    int rounds;        /* careful levels */
+    bool looks_ahead;  /* one byte further */
+    int near_patience; /* log2 of ... after which short matches are not looked for */
     int patience; /* log2 of the literals in a row after which every other byte is passed over */
 } effort;
 
 typedef struct careful {
     uint32_t longest[WIDE_SPAN], nearest[WIDE_SPAN]; /* a match at each byte, or 0 */
-    ntpio__symbol best[WIDE_SPAN];                   /* 0: a literal */
+    ntpio__match best[WIDE_SPAN];                    /* 0: a literal */
     uint32_t cost[WIDE_SPAN + NTPIO__LENGTH_MAX];    /* from a byte to the end */
 } careful;
 
 struct ntpio__deflater {
     int32_t near_places[1 << NEAR_BITS], far_places[1 << FAR_BITS]; /* the newest; -1: none */
     int32_t before[NTPIO__WINDOW]; /* the place before, of the same six bytes */
-    ntpio__symbol symbols[BLOCK + 2 * SPAN];
-    size_t count, in_block;             /* symbols; the rest is the newest part */
-    size_t block_bytes;                 /* what they stand for */
+    ntpio__step steps[BLOCK + 2 * SPAN];
+    size_t count, in_block;             /* steps; the rest is the newest part */
+    size_t counted;                     /* steps that block and part have */
+    size_t block_symbols, part_symbols; /* literals and matches */
+    size_t block_bytes, part_bytes;     /* what they stand for */
     ntpio__counts block, part;          /* of their symbols */
     uint32_t literals[NTPIO__LITERALS]; /* costs */
     uint32_t lengths[NTPIO__LENGTH_MAX + 1];
@@ -110,6 +113,13 @@ typedef struct places {
     int32_t near, far; /* the newest with these bytes, perhaps; near is one of them for sure */
 } places;
 
+/* Does it have the next four bytes? */
+static inline bool is_near(const ntpio__deflater *d, int32_t place, size_t at)
+{
+    return in_reach(place, at) &&
+           (uint32_t) load(d->bytes + place) == (uint32_t) load(d->bytes + at);
+}
+
 /* Remembers a place; returns those before it. */
 static inline places visit(ntpio__deflater *d, size_t at)
 {
@@ -121,8 +131,6 @@ static inline places visit(ntpio__deflater *d, size_t at)
     __builtin_prefetch(&d->far_places[far_slot(soon)], 1);
     d->before[at % NTPIO__WINDOW] = *far;
     *near = *far = (int32_t) at;
-    if (!in_reach(p.near, at) || (uint32_t) load(d->bytes + p.near) != (uint32_t) next)
-        p.near = -1;
     return p;
 }
 

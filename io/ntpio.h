@@ -140,6 +140,10 @@ const ntpio_info *ntpio_reader_info(const ntpio_reader *reader);
 bool ntpio_read_rows(ntpio_reader *reader, void *dst, ptrdiff_t stride, uint32_t count,
                      ntpio_error *error);
 
+/* Back to the first row, if the reader holds the picture.  False: it does not, and has to be opened
+ * again.  ntpio_read_end is called once all the same. */
+bool ntpio_rewind(ntpio_reader *reader);
+
 /* Is the file at `path` still the version that was read?  True if the stamp is not known. */
 bool ntpio_is_current(const char *path, const ntpio_stamp *stamp);
 

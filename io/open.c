@@ -208,6 +208,15 @@ bool ntpio_read_end(ntpio_reader *reader, ntpio_error *error)
     return reader->decoder->end == NULL || reader->decoder->end(reader, error);
 }
 
+bool ntpio_rewind(ntpio_reader *reader)
+{
+    const ntpio__decoder *decoder = reader->decoder;
+    const bool can = reader->held != NULL || (decoder->rewind != NULL && decoder->rewind(reader));
+    if (can)
+        reader->row = 0;
+    return can;
+}
+
 void ntpio_close(ntpio_reader *reader)
 {
     if (reader == NULL)

@@ -27,7 +27,6 @@
 enum {
     BAND = 4 << 20,    /* bytes */
     SMALL = 64 << 10,  /* bytes: pictures that are packed with more care */
-    FLAT = 256,        /* times smaller than its bytes */
     GROUP = 8,         /* rows that follow each other, and are tried together */
     SEARCHES = 5,      /* levels from here on try filters */
     SEARCHES_MORE = 7, /* ... with more rows */
@@ -37,8 +36,9 @@ enum {
     SAMPLE = 24 << 10, /* bytes: at least so many are tried */
     BARELY = 64,       /* a sample that is smaller by this share, or less, says nothing */
     GUESS = NTPIO__FILTERS,
-    HEADER = 2,  /* of a zlib stream */
-    CHECKSUM = 4 /* at its end */
+    CHUNK = 64 << 10, /* bytes: fewer of a file go with those of the next band */
+    HEADER = 2,       /* of a zlib stream */
+    CHECKSUM = 4      /* at its end */
 };
 
 struct ntpio__png_packer {
@@ -51,6 +51,7 @@ struct ntpio__png_packer {
     size_t known;                 /* bytes of the window */
     uint8_t *guesses[2];          /* rows: the best so far, and another */
     uint8_t *sample, *out;
+    size_t waiting; /* bytes in out, too few for a chunk of the file */
     uint32_t checksum;
     bool begun;
 };
@@ -86,13 +87,13 @@ ntpio__png_packer *ntpio__png_packer_new(size_t row_size, uint32_t height, size_
     p->rows = fit < height ? (uint32_t) fit : height;
     p->checksum = 1;
     const size_t band = p->rows * (row_size + 1);
-    p->deflater = ntpio__deflater_new(level < NTPIO__LEVEL_USUAL ? level : NTPIO__LEVEL_MAX);
+    p->deflater = ntpio__deflater_new(level);
     p->raw = calloc(p->rows + (size_t) 1, p->pitch);
     p->filtered = malloc(NTPIO__WINDOW + band + NTPIO__SLACK);
     p->guesses[0] = malloc(row_size);
     p->guesses[1] = malloc(row_size);
     p->sample = malloc(band + NTPIO__SLACK);
-    p->out = malloc(HEADER + ntpio__deflate_bound(band) + CHECKSUM);
+    p->out = malloc(CHUNK + HEADER + ntpio__deflate_bound(band) + CHECKSUM);
     if (p->deflater != NULL && p->raw != NULL && p->filtered != NULL && p->guesses[0] != NULL &&
         p->guesses[1] != NULL && p->sample != NULL && p->out != NULL)
         return p;
@@ -122,6 +123,8 @@ static void guess_row(ntpio__png_packer *p, uint32_t y, uint8_t *out)
             least = sum;
             out[0] = (uint8_t) kind;
         }
+        if (least == 0)
+            break;
     }
     memcpy(out + 1, p->guesses[0], p->row_size);
 }
@@ -155,7 +158,9 @@ static size_t try_kind(ntpio__png_packer *p, int kind)
         }
     }
     memset(p->sample + size, 0, NTPIO__SLACK);
-    return size == 0 ? 0 : ntpio__deflate(p->deflater, 1, p->sample, 0, size, true, p->out);
+    return size == 0
+               ? 0
+               : ntpio__deflate(p->deflater, 1, p->sample, 0, size, true, p->out + p->waiting);
 }
 
 static int choose_kind(ntpio__png_packer *p)
@@ -194,16 +199,6 @@ static void keep_end(ntpio__png_packer *p, size_t end)
     p->in_band = 0;
 }
 
-/* Bands of hardly anything are packed again: libpng's are small too, and care is quick there. */
-static size_t deflate_band(ntpio__png_packer *p, size_t from, size_t to, uint8_t *out)
-{
-    const bool last = p->left == 0;
-    const size_t size = ntpio__deflate(p->deflater, p->level, p->filtered, from, to, last, out);
-    if (p->level < NTPIO__LEVEL_USUAL || p->level >= SEARCHES_ALL || size > (to - from) / FLAT)
-        return size;
-    return ntpio__deflate(p->deflater, SEARCHES_ALL, p->filtered, from, to, last, out);
-}
-
 static size_t pack_band(ntpio__png_packer *p)
 {
     const size_t from = p->known, to = from + p->in_band * (p->row_size + 1);
@@ -212,17 +207,19 @@ static size_t pack_band(ntpio__png_packer *p)
         filter_row(p, y, kind, p->filtered + from + y * (p->row_size + 1));
     memset(p->filtered + to, 0, NTPIO__SLACK);
     p->checksum = sum_bytes(p->checksum, p->filtered + from, to - from);
-    size_t size = 0;
+    size_t size = p->waiting;
     if (!p->begun) { /* a window of 32 KiB, and the usual level */
         p->out[size++] = 0x78;
         p->out[size++] = 0x9c;
     }
     p->begun = true;
-    size += deflate_band(p, from, to, p->out + size);
+    size +=
+        ntpio__deflate(p->deflater, p->level, p->filtered, from, to, p->left == 0, p->out + size);
     for (int i = 3; p->left == 0 && i >= 0; i--)
         p->out[size++] = (uint8_t) (p->checksum >> 8 * i);
     keep_end(p, to);
-    return size;
+    p->waiting = size < CHUNK && p->left > 0 ? size : 0;
+    return p->waiting == 0 ? size : 0;
 }
 
 size_t ntpio__png_pack_row(ntpio__png_packer *p, const uint8_t *row, bool swap,

@@ -324,4 +324,11 @@ static void png_close(ntpio_reader *reader)
     free(s);
 }
 
-const ntpio__decoder ntpio__png_decoder = { png_open, png_rows, png_end, png_close };
+static bool png_rewind(ntpio_reader *reader)
+{
+    png_state *s = reader->state;
+    s->whole.row = 0;
+    return s->whole.rows != NULL;
+}
+
+const ntpio__decoder ntpio__png_decoder = { png_open, png_rows, png_end, png_close, png_rewind };

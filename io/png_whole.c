@@ -240,7 +240,10 @@ void ntpio__png_take_row(ntpio__png_whole *whole, uint8_t *dst, bool swap)
     const size_t size = whole->row_size;
     uint8_t *row = whole->rows + whole->row * (size + 1) + 1;
     const uint8_t *above = whole->row > 0 ? row - (size + 1) : NULL;
-    ntpio__unfilter(row, above, size, whole->texel, row[-1]);
+    if (whole->row == whole->undone) {
+        ntpio__unfilter(row, above, size, whole->texel, row[-1]);
+        whole->undone++;
+    }
     whole->row++;
     if (!swap)
         memcpy(dst, row, size);

@@ -123,7 +123,7 @@ void source_keep(source *s)
     const ntpio_info *info = s->info;
     const uint64_t bytes = (uint64_t) info->width * info->height * (uint64_t) info->channels *
                            (uint64_t) info->sample_bytes;
-    if (s->kept)
+    if (s->kept || ntpio_rewind(s->reader))
         return;
     s->keeps = bytes <= KEPT_BYTES;
     if (s->keeps)
@@ -134,7 +134,7 @@ bool source_rewind(source *s, ntpio_error *error)
 {
     stop_ahead(s);
     s->kept = s->kept || (s->keeps && s->ended);
-    if (s->kept) {
+    if (s->kept || ntpio_rewind(s->reader)) {
         s->next = 0;
         return s->bytes != NULL || source_is_current(s, error);
     }
@@ -322,7 +322,7 @@ int source_next(source *s, ntp_rect *area, ntpio_error *error)
     }
     if (s->next == height) {
         stop_ahead(s);
-        s->ended = s->kept || ntpio_read_end(s->reader, error);
+        s->ended = s->ended || ntpio_read_end(s->reader, error);
         return s->ended ? 0 : -1;
     }
     if (s->next == 0 && s->view.ring_rows > s->block_rows)

@@ -2,8 +2,8 @@
 /*
  * verb_clean.c - ntp clean: repairs normals
  *
- * Blue is derived while a file is measured.  If --method auto then takes another method, and blue
- * changed, the rows are made again.
+ * A file that is held is measured first.  In any other one, blue is derived while it is measured; if
+ * --method auto then takes another method, and blue changed, the rows are made again.
  */
 #include <stdio.h>
 #include <stdlib.h>
@@ -78,10 +78,8 @@ static ntp_status choose(production *p)
 /* Blue was derived.  If that changed nothing, other methods change nothing either. */
 static bool holds(production *p)
 {
-    const settings *set = p->m->settings;
     const state *st = p->state;
-    return !set->choose ||
-           (choose(p) == NTP_OK && (st->how.method == NTP_CLEAN_DERIVE || st->counts.changed == 0));
+    return choose(p) == NTP_OK && (st->how.method == NTP_CLEAN_DERIVE || st->counts.changed == 0);
 }
 
 static bool begin(production *p, ntpio_write_options *shape, ntpio_error *error)
@@ -257,7 +255,7 @@ int clean_run(const options *o)
                       .settings = &set,
                       .begin = begin,
                       .rows = rows,
-                      .holds = holds,
+                      .holds = set.choose ? holds : NULL,
                       .describe = describe };
     const int code = produce(&m);
     for (int i = 0; i < METHODS; i++) {

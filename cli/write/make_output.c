@@ -328,7 +328,10 @@ static outcome make_as_known(production *p, ntpio_error *error)
     outcome done = MADE;
     const bool dry_run = is_dry_run(m), only_changed = needs_change(m);
     const bool final = !dry_run && !can_be_dropped(p->in->output);
-    if (m->plan == PLAN_MEASURE_FIRST || (m->plan != PLAN_AS_TOLD && (gray || final)))
+    /* Rows that are held cost little to read twice; rows that were packed in vain cost much. */
+    const bool may_fail = m->plan == PLAN_WHILE_READING && m->holds != NULL;
+    const bool twice = gray || final || (may_fail && ntpio_rewind(p->s.reader));
+    if (m->plan == PLAN_MEASURE_FIRST || (m->plan != PLAN_AS_TOLD && twice))
         done = know_first(p, error);
     if (done != MADE)
         return done;
