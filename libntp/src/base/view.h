@@ -22,7 +22,13 @@
 
 #include "libntp.h"
 
+#include <float.h>
 #include <stdbool.h>
+
+/* The bytes of results depend on it.  16 differs from 0 in floats of 16 bits only. */
+#if FLT_EVAL_METHOD != 0 && FLT_EVAL_METHOD != 16
+#  error "floats are computed as doubles: add -fexcess-precision=fast (x86: -msse2 -mfpmath=sse)"
+#endif
 
 enum {
     NTP__BLOCK = 256 /* texels; a block is 4 KiB of levels, which stays in the first cache */

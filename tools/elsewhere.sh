@@ -1,0 +1,116 @@
+# SPDX-License-Identifier: MIT
+# ./dev elsewhere: the same results on other processors and with another C library, as on x86-64.
+
+elsewhere_targets="arm64 s390x i386 musl" # each has packaging/cross/TARGET.ini
+
+elsewhere_runner() { # what starts a program of the target: nothing where this kernel can
+    case $1 in
+    arm64) say qemu-aarch64 ;;
+    s390x) say qemu-s390x ;;
+    esac
+}
+
+links_for() { # links_for COMPILER: with the C library of its target
+    links=$(mktemp)
+    links_status=0
+    printf 'int main(void) { return 0; }\n' | "$1" -static -x c -o "$links" - || links_status=1
+    rm -f "$links"
+    return $links_status
+}
+
+need_elsewhere_tools() {
+    want gcc-aarch64-linux-gnu has aarch64-linux-gnu-gcc
+    want gcc-s390x-linux-gnu has s390x-linux-gnu-gcc
+    want gcc-i686-linux-gnu has i686-linux-gnu-gcc
+    want musl-tools has musl-gcc
+    want qemu-user has qemu-s390x
+    install_missing
+    want libc6-dev-arm64-cross links_for aarch64-linux-gnu-gcc
+    want libc6-dev-s390x-cross links_for s390x-linux-gnu-gcc
+    want libc6-dev-i386-cross links_for i686-linux-gnu-gcc
+    install_missing
+}
+
+elsewhere_setup() { # elsewhere_setup DIR TARGET OPTION...
+    elsewhere_dir=$1 elsewhere_target=$2
+    shift 2
+    [ -f "$elsewhere_dir/build.ninja" ] || quietly "$elsewhere_dir.setup.log" meson setup \
+        "$elsewhere_dir" --cross-file "packaging/cross/$elsewhere_target.ini" -Dwerror="$werror" \
+        -Dbuildtype=plain -Doptimization=2 -Ddefault_library=static -Dgegl=disabled \
+        -Dgimp=disabled "$@"
+}
+
+elsewhere_sums() { # elsewhere_sums TARGET SHARE
+    elsewhere_setup "build-elsewhere/$1" "$1" -Dio=disabled -Dcli=disabled
+    quietly "build-elsewhere/$1.log" ninja -C "build-elsewhere/$1" -j "$jobs" tests/sums
+    # shellcheck disable=SC2046 # nothing, or one word
+    $(elsewhere_runner "$1") "build-elsewhere/$1/tests/sums" "$2" >"build-elsewhere/$1.sums"
+    diff build-elsewhere/here.sums "build-elsewhere/$1.sums"
+    say "$(wc -l <"build-elsewhere/$1.sums") sums are those of this machine"
+}
+
+elsewhere_units() { # elsewhere_units TARGET
+    quietly "build-elsewhere/$1.log" ninja -C "build-elsewhere/$1" -j "$jobs"
+    meson test -C "build-elsewhere/$1" --no-rebuild --print-errorlogs --timeout-multiplier 40 \
+        --suite unit
+}
+
+# What libraries Debian has for a target, unpacked and not installed: its lists are kept apart too.
+elsewhere_libraries() { # elsewhere_libraries ARCHITECTURE ROOT
+    [ ! -f "$2/.complete" ] || return 0
+    rm -rf "$2"
+    mkdir -p "$2/lists" "$2/cache" "$2/packages"
+    set -- "$1" "$(cd "$2" && pwd)"
+    elsewhere_apt="apt-get -q -o APT::Architecture=$1 -o APT::Architectures=$1 -o Debug::NoLocking=1
+        -o Dir::State::Lists=$2/lists -o Dir::Cache=$2/cache -o Dir::State::status=/dev/null
+        -o Acquire::Languages=none -o APT::Sandbox::User=root"
+    quietly "$2/apt.log" patiently $elsewhere_apt update
+    (cd "$2/packages" && quietly "$2/apt.log" patiently $elsewhere_apt download libpng-dev \
+        zlib1g-dev libjpeg62-turbo-dev libdeflate-dev libpopt-dev libjansson-dev)
+    for elsewhere_package in "$2"/packages/*.deb; do dpkg -x "$elsewhere_package" "$2"; done
+    touch "$2/.complete"
+}
+
+elsewhere_program() { # elsewhere_program TARGET: what ntp makes of test_files
+    case $1 in
+    arm64) elsewhere_triplet=aarch64-linux-gnu ;;
+    *) elsewhere_triplet=$1-linux-gnu ;;
+    esac
+    elsewhere_root=$top/build-elsewhere/root-$1
+    elsewhere_libraries "$1" "$elsewhere_root"
+    (
+        export PKG_CONFIG_LIBDIR="$elsewhere_root/usr/lib/$elsewhere_triplet/pkgconfig"
+        export PKG_CONFIG_SYSROOT_DIR="$elsewhere_root" PKG_CONFIG_PATH=
+        elsewhere_setup "build-elsewhere/ntp-$1" "$1" -Dprefer_static=true -Dtests=false \
+            -Djpeg=enabled -Dlibdeflate=enabled
+        quietly "build-elsewhere/$1.log" ninja -C "build-elsewhere/ntp-$1" -j "$jobs" cli/ntp
+    )
+    tests/elsewhere/outputs.sh "$(elsewhere_runner "$1") $top/build-elsewhere/ntp-$1/cli/ntp" \
+        build-elsewhere/outputs >"build-elsewhere/$1.outputs"
+    diff build-elsewhere/here.outputs "build-elsewhere/$1.outputs"
+    say "$(wc -l <"build-elsewhere/$1.outputs") files are those of this machine"
+}
+
+elsewhere() { # elsewhere [--sums]
+    elsewhere_share=1
+    [ "${1:-}" != --sums ] || elsewhere_share=64
+    need_tools
+    need_elsewhere_tools
+    build_main
+    mkdir -p build-elsewhere
+    quietly build-elsewhere/here.log ninja -C build -j "$jobs" tests/sums
+    build/tests/sums $elsewhere_share >build-elsewhere/here.sums
+    for elsewhere_target in $elsewhere_targets; do
+        stage "$elsewhere_target: sums" elsewhere_sums "$elsewhere_target" $elsewhere_share
+    done
+    if [ $elsewhere_share = 1 ]; then
+        tests/elsewhere/outputs.sh "$top/build/cli/ntp" build-elsewhere/outputs \
+            >build-elsewhere/here.outputs
+        for elsewhere_target in $elsewhere_targets; do
+            stage "$elsewhere_target: unit tests" elsewhere_units "$elsewhere_target"
+            [ "$elsewhere_target" = musl ] || # Debian has no libraries for it
+                stage "$elsewhere_target: ntp" elsewhere_program "$elsewhere_target"
+        done
+    fi
+    finish_stages
+}
