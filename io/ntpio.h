@@ -96,7 +96,7 @@ typedef struct ntpio_info {
     bool streams;
     bool interlaced;
     bool palette;
-    bool lossy;     /* JPEG */
+    bool lossy;     /* JPEG, and blocks in which three channels share a line */
     bool red_green; /* the file has two channels, and they are red and green */
     bool blocks;    /* stored in blocks: BC1 to BC7 */
     bool alpha;     /* the file has an alpha channel or PNG transparency (tRNS) */

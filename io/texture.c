@@ -382,6 +382,7 @@ bool ntpio__texture_start(ntpio_reader *reader, const ntpio__texture *t, uint8_t
     info->red_green = l->channels == 2 && !l->alpha;
     info->channels = info->red_green && reader->limits.pairs_as_rgb ? 3 : l->channels;
     info->blocks = is_block(l->texels);
+    info->lossy = info->blocks && l->texels != NTPIO__TEXELS_BC4 && l->texels != NTPIO__TEXELS_BC5;
     info->mips = t->mips;
     info->layers = t->layers;
     memcpy(info->layout, t->name, sizeof info->layout);

@@ -251,6 +251,8 @@ def dds(name, body, **options):
 
 
 dds("bc5.dds", lambda: gpu_textures.bc5_bytes(GOOD[..., 0], GOOD[..., 1]), dxgi=83)
+dds("bc5_exchanged.dds", lambda: gpu_textures.bc5_bytes(GOOD[..., 1], GOOD[..., 0]), four=b"ATI2")
+dds("srgb.dds", lambda: alpha(GOOD, 255).astype(np.uint8).tobytes(), dxgi=29)
 dds("bc3_dxt5nm.dds", lambda: gpu_textures.dxt5nm_bytes(GOOD[..., 0], GOOD[..., 1]), four=b"DXT5")
 dds(
     "bc4_height.dds",

@@ -40,6 +40,13 @@ typedef struct surface_facts {
     ntp_steps steps;   /* of slopes */
 } surface_facts;
 
+/* What exchange.c adds: by how much x and y fit a surface better when exchanged (a difference of
+ * correlations), and in standard deviations. */
+typedef struct exchange_facts {
+    double difference, deviations;
+    bool sure;
+} exchange_facts;
+
 /* Texels that are wrong beyond rounding: in length (red and green alone included), in red and green
  * alone, by negative z. */
 typedef enum harm_kind { HARM_LENGTH, HARM_XY, HARM_Z, HARM_KINDS } harm_kind;
@@ -55,6 +62,7 @@ typedef struct facts {
     ntp_orientation_result orientation; /* undecided when it was not asked for */
     steepest most;                      /* only if it was asked for */
     surface_facts surface;
+    exchange_facts exchange;
     bool forced;         /* by --type */
     bool counts;         /* it is judged: named, or a normals texture by its name or content */
     level_count *levels; /* the histogram of levels_off, without zeros */

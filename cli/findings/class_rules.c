@@ -90,6 +90,12 @@ void judge_accidents(judgement *j)
         addf(j, NT012, LEVEL_ERROR, n, "green and blue seem to be swapped: green holds z");
     else if ((a & NTP_ACCIDENT_DXT5NM) != 0 && f->info.channels > 2)
         addf(j, NT012, LEVEL_ERROR, n, "packed as DXT5nm: x is in alpha, y in green");
+    if (f->exchange.sure)
+        addf(j, NT013, LEVEL_ERROR, n,
+             "x and y are exchanged: the slopes fit a surface only the other way round (%.0f "
+             "standard "
+             "deviations)",
+             f->exchange.deviations < 99 ? f->exchange.deviations : 99);
     if ((a & NTP_ACCIDENT_GAMMA) != 0)
         addf(j, NT040, LEVEL_ERROR, f->stats.near_gamma_flat,
              "flat texels lie near 188, not 128: the numbers were converted to sRGB");

@@ -68,22 +68,46 @@ static void judge_color_chunks(judgement *j)
     text_free(&t);
 }
 
+/* Of DDS and KTX2. */
+static void judge_gpu_texture(judgement *j)
+{
+    const ntpio_info *info = &j->f->info;
+    const ntp_stats *s = &j->f->stats;
+    const bool still_x = s->channel[0].min == s->channel[0].max;
+    const bool still_y = s->channel[1].min == s->channel[1].max;
+    if (info->layout[0] == 0)
+        return;
+    if (info->red_green && still_x != still_y)
+        addf(j, NT014, LEVEL_WARNING, s->texels, "%s is %u in every texel: it holds nothing",
+             still_x ? "red" : "green", (unsigned) s->channel[still_x ? 0 : 1].min);
+    if (info->lossy)
+        addf(j, NT036, LEVEL_INFO, s->texels, "compressed in blocks of 16 texels, as %s",
+             info->layout);
+    if (info->has_srgb)
+        addf(j, NT045, LEVEL_WARNING, s->texels,
+             "marked sRGB (%s): GPUs convert the numbers as they read them", info->layout);
+    if (info->mips == 1 && (info->width > 1 || info->height > 1))
+        addf(j, NT053, LEVEL_INFO, 0, "has no mips");
+}
+
 static void judge_storage(judgement *j)
 {
     const ntpio_info *info = &j->f->info;
     const ntp_stats *s = &j->f->stats;
-    if (info->lossy && info->jpeg_quality > 0)
+    judge_gpu_texture(j);
+    if (info->format == NTPIO_JPEG && info->jpeg_quality > 0)
         addf(j, NT030, LEVEL_INFO, s->texels, "stored as JPEG, quality about %d",
              (int) info->jpeg_quality);
-    else if (info->lossy)
+    else if (info->format == NTPIO_JPEG)
         addf(j, NT030, LEVEL_INFO, s->texels, "stored as JPEG");
     if (info->jpeg_subsampled)
         addf(j, NT031, level_of_cause(j), s->texels,
              "JPEG with chroma subsampling: the directions are blurred");
     if (s->stored_max == 65535 && s->max == 255)
         addf(j, NT034, LEVEL_INFO, s->texels, "a 16-bit file with 8-bit content");
-    judge_color_chunks(j);
-    if (info->alpha && s->alpha_full == s->texels)
+    if (info->layout[0] == 0)
+        judge_color_chunks(j);
+    if (info->alpha && !info->blocks && s->alpha_full == s->texels)
         addf(j, NT041, LEVEL_INFO, s->texels, "the alpha channel is opaque everywhere");
     if (s->unused > 0 && s->unused < s->texels) {
         text t = { 0 };

@@ -69,6 +69,17 @@ const finding_spec FINDING_TABLE[FINDING_COUNT] = {
         "`ntp clean` puts them in their places where that is at least 90 % sure, and with `--undo` in any case. For other "
         "orders `ntp convert` takes letters: `ntp convert --from-channels -y-x` reads DXT5nm, `ntp convert "
         "--from-channels zyx` swapped red and blue." },
+    [NT013] = { "NT013", "nt013", "error", "x and y are exchanged",
+        "In a DDS or KTX2: the slopes fit a surface when x and y change places, and do not fit one as they are. The "
+        "format ATI2 was first written with y before x, and some tools still do so; GPUs read the first as x. Every normal "
+        "is turned then. It is said only where it is sure, which is so in three of four exchanged textures: the others show "
+        "too little of a surface.",
+        "`ntp convert --from-channels yx` makes a standard PNG with x and y in their places. Better: export as BC5 with "
+        "the header of DirectX 10, x first." },
+    [NT014] = { "NT014", "nt014", "warning", "one of two channels holds nothing",
+        "A texture of two channels, such as BC5, has the same number everywhere in one of them, so only x or only y is "
+        "there. The cause is a wrong order of channels before compression, such as that of DXT5nm, whose red is 1.",
+        "Compress again, x in red and y in green." },
     [NT020] = { "NT020", "nt020", "info", "not bit-exact",
         "Some texels do not have the exact blue that red and green imply. This is harmless, but the file changes "
         "when z is dropped and computed again.",
@@ -111,6 +122,10 @@ const finding_spec FINDING_TABLE[FINDING_COUNT] = {
         "Vectors are too short where the surface is curved: neighboring normals were averaged and not normalized "
         "again. It is a warning where NT001 is visible.",
         "`ntp clean`. Better: resize with a tool that normalizes." },
+    [NT036] = { "NT036", "nt036", "info", "compressed in blocks",
+        "BC1, BC2, BC3 and BC7 share two or a few colors among 16 texels, so lengths are wrong nearly everywhere. "
+        "[The angles](#levels) decide whether that is visible, as in JPEG. BC1 rounds to 5 and 6 bits, besides.",
+        "Compress x and y as BC5, which has a line of 8 values for each, and let the shader compute z." },
     [NT040] = { "NT040", "nt040", "info or error", "treated as colors",
         "Normals are numbers; a color conversion makes them wrong. gAMA, sRGB, iCCP, cHRM or cICP chunks ask "
         "programs to convert (info). Flat texels near 188 instead of 128 show that it was done: the numbers were "
@@ -133,6 +148,10 @@ const finding_spec FINDING_TABLE[FINDING_COUNT] = {
         "it is changed by `ntp clean`, as any used texel.",
         "Nothing, if no triangle uses it. But mipmaps blend it into its neighbors, and so does JPEG: export again with "
         "flat normals (128, 128, 255) around the charts." },
+    [NT045] = { "NT045", "nt045", "warning", "marked sRGB in a DDS or KTX2",
+        "A GPU that reads a format of sRGB converts each number to linear light: 128 becomes 55, and flat ground is "
+        "tilted by 40 degrees. Some engines replace the format by the plain one, others do not.",
+        "Export again with a plain (UNORM, linear) format: of normals, never one of sRGB." },
     [NT050] = { "NT050", "nt050", "info or warning", "one color, or nothing",
         "All used texels are equal: a placeholder, or an export that went wrong. If all texels are black, white or "
         "transparent, there is no normal at all: a warning.",
@@ -144,6 +163,10 @@ const finding_spec FINDING_TABLE[FINDING_COUNT] = {
         "Found with `--deep`: if the texture is repeated, a seam is visible. In most rows or columns the step "
         "across the seam is the largest one, and the heights at the two edges differ.",
         "Nothing, unless it should tile. It may have been cropped, or resized without wrapping around." },
+    [NT053] = { "NT053", "nt053", "info", "no mips",
+        "A DDS or KTX2 with a single level: an engine that does not make the others itself shows noise and moire from "
+        "afar, and reads more memory.",
+        "`ntp resize --mips` makes the levels, each normalized; build the DDS or KTX2 of them." },
 };
 /* clang-format on */
 

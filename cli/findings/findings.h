@@ -34,6 +34,8 @@ typedef enum finding_id {
     NT010,
     NT011,
     NT012,
+    NT013,
+    NT014,
     NT020,
     NT021,
     NT022,
@@ -44,13 +46,16 @@ typedef enum finding_id {
     NT033,
     NT034,
     NT035,
+    NT036,
     NT040,
     NT041,
     NT042,
     NT044,
+    NT045,
     NT050,
     NT051,
     NT052,
+    NT053,
     FINDING_COUNT
 } finding_id;
 

@@ -8,6 +8,7 @@
 #include "report/baseline.h"
 #include "report/report.h"
 #include "run/jobs.h"
+#include "surface/exchange.h"
 #include "surface/surface.h"
 #include "verbs/verbs.h"
 
@@ -43,13 +44,16 @@ static void examine_file(const check *c, worker *w, const input *in, checked *do
     const int y = c->settings.rules.y - 1;
     s.orient = deep ? ORIENT_EVERY_ROW : ORIENT_SAMPLED;
     s.max_angle = c->settings.rules.max_angle;
-    s.keep_middle = deep || tells_of_surface(c);
+    const bool of_gpus = s.info->layout[0] != 0;
+    s.keep_middle = deep || tells_of_surface(c) || of_gpus;
     if (deep)
         s.read_permille = DEEP_READ_PERMILLE;
     done->readable = examine(&s, c->forced, &done->f, &done->error);
+    if (done->readable && of_gpus)
+        exchange_look(&s, &done->f);
     if (done->readable && deep)
         done->readable = surface_look_deeper(&s, &done->f, y, &done->error);
-    else if (done->readable && s.keep_middle)
+    else if (done->readable && tells_of_surface(c))
         surface_look(&s, &done->f, y);
     source_close(&s);
     if (!done->readable)

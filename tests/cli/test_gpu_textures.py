@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: MIT
 """ntp on DDS and KTX2: what a check says, which image is read, and that none is written."""
 
+import csv
 import json
 
 import numpy as np
+import pytest
 
 from support import oracle_blocks, textures
 from support.gpu_textures import bc5_bytes, dds, ktx2
@@ -73,3 +75,75 @@ def test_what_is_not_read_is_described(run, tmp_path):
     done = run("check", "a_n.ktx2")
     assert done.returncode == 3
     assert "a KTX2 texture of UASTC, 64 x 64, 1 mip, marked sRGB" in done.stderr
+
+
+def findings(file):
+    return {found["id"]: found["level"] for found in file["findings"]}
+
+
+def test_findings_of_the_file(run, tmp_path):
+    """Marked sRGB, blocks, a channel that holds nothing, no mips; and a file with none of these."""
+    rgba = np.dstack([GOOD, np.full_like(GOOD[..., 0], 255)]).tobytes()
+    small = np.ascontiguousarray(GOOD[::2, ::2, :2])
+    pair = np.ascontiguousarray(GOOD[..., :2])
+    still = pair.copy()
+    still[..., 1] = 255
+    made = {
+        "srgb_n.dds": dds(48, 32, rgba, dxgi=29),
+        "bc7_n.dds": dds(48, 32, bytes([64, 0, 0, 0, 0, 0, 0, 0] * 192), dxgi=98),
+        "still_n.ktx2": ktx2(48, 32, [still.tobytes()], 16),
+        "good_n.ktx2": ktx2(48, 32, [pair.tobytes(), small.tobytes()], 16),
+    }
+    for name, data in made.items():
+        (tmp_path / name).write_bytes(data)
+    out = json.loads(run("check", "--format", "json", *made).stdout)
+    found = {file["path"]: findings(file) for file in out["files"]}
+    of_gpus = {"NT013", "NT014", "NT036", "NT045", "NT053"}
+    assert found["srgb_n.dds"]["NT045"] == "warning" and found["srgb_n.dds"]["NT053"] == "info"
+    assert found["bc7_n.dds"]["NT036"] == "info" and "NT041" not in found["bc7_n.dds"]
+    assert found["still_n.ktx2"]["NT014"] == "warning"
+    assert not of_gpus & set(found["good_n.ktx2"])
+
+
+@pytest.mark.parametrize("down", [False, True])
+def test_exchanged_x_and_y(run, tmp_path, down):
+    """Of a surface, with green either way: told where x and y are exchanged, and only there."""
+    image = textures.standard(128, 128)
+    x, y = image[..., 0], image[..., 1]
+    y = 255 - y if down else y
+    for name, channels in (("right", (x, y)), ("exchanged", (y, x))):
+        (tmp_path / f"{name}_n.dds").write_bytes(dds(128, 128, bc5_bytes(*channels), four=b"ATI2"))
+    assert "NT013" not in findings(check(run, "right_n.dds")[1])
+    code, file = check(run, "exchanged_n.dds")
+    assert code == 1 and findings(file)["NT013"] == "error"
+
+
+def test_exchanged_in_the_corpus(run, corpus, tmp_path):
+    """None of the real textures is accused; exchanged, most of them are told."""
+    names = []
+    with open(corpus / "manifest.csv", encoding="utf-8", newline="") as file:
+        rows = [row for row in csv.DictReader(file) if row["kind"] == "normals"]
+    for row in rows:
+        if row["format"] != "PNG" or row["mode"] not in ("RGB", "RGBA") or row["bit_depth"] != "8":
+            continue
+        if int(row["width"]) * int(row["height"]) > 300_000:  # the test's own reader is slow
+            continue
+        pair = read_png(corpus / row["file"])[0][:512, :512, :2]
+        for kind, order in (("right", (0, 1)), ("exchanged", (1, 0))):
+            body = np.ascontiguousarray(pair[..., order]).tobytes()
+            name = f"{len(names)}_{kind}_n.ktx2"
+            (tmp_path / name).write_bytes(ktx2(pair.shape[1], pair.shape[0], [body], 16))
+            names.append(name)
+    files = json.loads(run("check", "--format", "json", "--type", "xy", *names).stdout)["files"]
+    told = {file["path"] for file in files if "NT013" in findings(file)}
+    assert not [name for name in told if "right" in name]
+    assert len(told) > 0.55 * len(names) / 2, (len(told), len(names) / 2)
+
+
+def test_fieldstone(run, corpus, tmp_path):
+    """A shipped ATI2 with y before x: put right, it is 1.49 degrees from its source."""
+    shipped = corpus / "bgfx/fieldstone-n.dds"
+    assert findings(check(run, shipped)[1])["NT013"] == "error"
+    assert run("convert", "--from-channels", "yx", shipped, "-o", "a.png").returncode == 0
+    done = run("diff", "--format", "json", "a.png", corpus / "bgfx/fieldstone-n.tga")
+    assert 1.48 < json.loads(done.stdout)["angle_deg"]["mean"] < 1.50
