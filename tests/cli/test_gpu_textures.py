@@ -124,9 +124,11 @@ def test_exchanged_in_the_corpus(run, corpus, tmp_path):
     with open(corpus / "manifest.csv", encoding="utf-8", newline="") as file:
         rows = [row for row in csv.DictReader(file) if row["kind"] == "normals"]
     for row in rows:
-        if row["format"] != "PNG" or row["mode"] not in ("RGB", "RGBA") or row["bit_depth"] != "8":
+        if row["format"] != "PNG" or not row["mode"].startswith("RGB"):
             continue
         if int(row["width"]) * int(row["height"]) > 300_000:  # the test's own reader is slow
+            continue
+        if (corpus / row["file"]).read_bytes()[28]:  # interlaced
             continue
         pair = read_png(corpus / row["file"])[0][:512, :512, :2]
         for kind, order in (("right", (0, 1)), ("exchanged", (1, 0))):
