@@ -63,6 +63,9 @@ const option_spec OPTION_TABLE[] = {
     { OPT_OUTPUT, "output", 'o', KIND_STRING, "HEATMAP", NULL, 0, 0, V_DIFF,
       "write a picture of the differences: black means equal, then come blue, green, and red "
       "for 10 degrees and more" },
+    { OPT_FAIL_OVER, "fail-over", 0, KIND_NUMBER, "DEG", NULL, 0, 180, V_DIFF,
+      "exit with 1 only if the mean angle is above DEG degrees, here or in a mip; without it, if "
+      "anything differs" },
     { OPT_IN_PLACE, "in-place", 0, KIND_FLAG, NULL, NULL, 0, 0, V_CLEAN,
       "repair the files themselves; only files that change are written" },
     { OPT_IN_PLACE, "in-place", 0, KIND_FLAG, NULL, NULL, 0, 0, V_CONVERT,
@@ -439,11 +442,15 @@ const verb_spec VERB_TABLE[] = {
       "ntp dump --all tiny_n.png > tiny.csv\n" },
     { "diff", "A B", "compare two textures in levels and degrees",
       "Says how many texels of two textures of the same size differ, by how many levels, and by "
-      "what angle. Depth and encoding may differ; B is converted to those of A. The exit code "
-      "is 0 if they are the same, and 1 if they differ.",
+      "what angle. Depth and encoding may differ; B is converted to those of A. If one is a DDS "
+      "or KTX2, x and y are compared as the vectors that a shader makes of them, and each of its "
+      "mips with the right one; the ten worst blocks are listed. The exit code is 0 if they are "
+      "the same, and 1 if they differ.",
       "ntp diff wall_n.png wall_clean_n.png\n"
       "ntp diff a.png b.png -o where.png\n"
-      "  a picture of the differences\n" },
+      "  a picture of the differences\n"
+      "ntp diff wall_n.png wall_n.dds --fail-over 1\n"
+      "  what compression costs, in degrees\n" },
     { "from-height", "PATH...", "make normals from heights",
       "Turns heightfields (bump maps: white is high) into normals textures. Red and green are "
       "the correctly rounded values of the formula; blue is computed from them. Input may be 8 "

@@ -131,6 +131,7 @@ typedef enum option_id {
     OPT_MAX_TEXELS,
     OPT_MIP,
     OPT_LAYER,
+    OPT_FAIL_OVER,
     OPT_HELP,
     OPT_COUNT
 } option_id;

@@ -5,11 +5,15 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "examine/hold_image.h"
+#include "examine/samples.h"
 #include "report/report.h"
+#include "verbs/diff_details.h"
 #include "verbs/verbs.h"
 
 typedef struct side {
     input in;
+    ntpio_limits limits;
     worker *w;
     source s;
     facts f;
@@ -21,14 +25,30 @@ typedef struct comparison {
     bool sizes_agree;
     ntp_diff *diff;
     ntp_diff_stats stats;
+    diff_details details;
     ntpio_writer *writer;
 } comparison;
+
+/* A DDS or KTX2? */
+static bool is_of_gpus(const side *s)
+{
+    return s->s.info->layout[0] != 0;
+}
+
+/* Two channels, or those of DXT5nm. */
+static bool has_no_blue(const side *s)
+{
+    return s->s.info->red_green ||
+           (is_of_gpus(s) && (s->f.type.accidents & NTP_ACCIDENT_DXT5NM) != 0);
+}
 
 /* A class with a confidence of 0.8 is trusted.  A texture is read as XY only if both are,
  * because XY has no blue to compare. */
 static ntp_encoding encoding_of(const side *one, const side *other)
 {
     const bool sure = one->f.type.confidence >= 0.8;
+    if (has_no_blue(one) || (has_no_blue(other) && one->f.type.type == NTP_CLASS_XY))
+        return NTP_ENCODING_XY;
     if (one->f.encoding == NTP_ENCODING_XY && other->f.encoding == NTP_ENCODING_XY)
         return NTP_ENCODING_XY;
     return one->f.encoding == NTP_ENCODING_ZZERO && sure ? NTP_ENCODING_ZZERO
@@ -37,12 +57,14 @@ static ntp_encoding encoding_of(const side *one, const side *other)
 
 static bool open_side(comparison *c, side *s, const char *path, ntpio_error *error)
 {
-    const ntpio_limits limits = limits_from(c->o);
     char *name = copy_string(path);
     s->in = (input) { .path = name, .named = true };
+    s->limits = limits_from(c->o);
     s->w = worker_new();
-    return source_open(&s->s, s->w, &s->in, &limits, error) &&
-           examine(&s->s, forced_class(c->o), &s->f, error) && source_rewind(&s->s, error);
+    if (!source_open(&s->s, s->w, &s->in, &s->limits, error))
+        return false;
+    s->s.orient = ORIENT_SAMPLED;
+    return examine(&s->s, forced_class(c->o), &s->f, error) && source_rewind(&s->s, error);
 }
 
 static void close_side(side *s)
@@ -54,16 +76,38 @@ static void close_side(side *s)
     free(s->in.path);
 }
 
+/* With a DDS or KTX2, green is matched where both files surely show which way it points. */
+static ntp_y y_of(const side *s, const side *other)
+{
+    const bool sure = s->f.orientation.decided && other->f.orientation.decided;
+    return sure && (is_of_gpus(s) || is_of_gpus(other)) ? s->f.orientation.y : NTP_Y_UP;
+}
+
 /* Gray files become RGB, except those that hold x and y. */
 static void view_side(side *s, const side *other)
 {
+    static const int8_t DXT5NM[3] = { 3, 1, FROM_ONE };
     const int32_t channels = s->s.info->channels;
-    if (channels < 3 && s->f.encoding == NTP_ENCODING_XY)
+    if (has_no_blue(s) && !s->s.info->red_green)
+        source_view(&s->s, NTP_ENCODING_XY, y_of(s, other), DXT5NM, 3);
+    else if (channels < 3 && s->f.encoding == NTP_ENCODING_XY)
         source_view(&s->s, NTP_ENCODING_XY, NTP_Y_UP, NULL, 0);
     else if (channels < 3)
         source_view_as_rgb(&s->s, encoding_of(s, other));
     else
-        source_view(&s->s, encoding_of(s, other), NTP_Y_UP, NULL, 0);
+        source_view(&s->s, encoding_of(s, other), y_of(s, other), NULL, 0);
+}
+
+/* Mips and blocks: of B if it is a DDS or KTX2, else of A. */
+static bool look_closer(comparison *c, ntpio_error *error)
+{
+    side *texture = is_of_gpus(&c->b) ? &c->b : &c->a;
+    side *plain = texture == &c->b ? &c->a : &c->b;
+    if (!is_of_gpus(texture) || !hold_is_possible(&plain->s) || !hold_is_possible(&texture->s) ||
+        texture->s.view.encoding == NTP_ENCODING_HEIGHT)
+        return true;
+    return source_rewind(&plain->s, error) && source_rewind(&texture->s, error) &&
+           diff_details_find(&c->details, &plain->s, &texture->s, error);
 }
 
 static bool open_heat(comparison *c, ntpio_error *error)
@@ -126,6 +170,8 @@ static bool compare(comparison *c, ntpio_error *error)
     const ntp_status status = ntp_diff_summarize(&c->stats, c->diff);
     if (status != NTP_OK)
         return library_error(&c->a.s, status, error);
+    if (!look_closer(c, error))
+        return false;
     ntpio_writer *writer = c->writer;
     c->writer = NULL;
     if (writer == NULL)
@@ -141,6 +187,18 @@ static bool is_same(const comparison *c)
     return c->sizes_agree && c->stats.different == 0;
 }
 
+/* With --fail-over, the mean angle decides, of mips too. */
+static bool fails(const comparison *c)
+{
+    if (!option_given(c->o, OPT_FAIL_OVER) || !c->sizes_agree)
+        return !is_same(c);
+    const double most = option_number(c->o, OPT_FAIL_OVER);
+    bool over = c->stats.angles.mean > most;
+    for (int i = 0; i < c->details.mips; i++)
+        over = over || c->details.mip[i].angles.mean > most;
+    return over;
+}
+
 static json_t *side_json(const side *s)
 {
     json_t *object = need(json_object());
@@ -151,6 +209,43 @@ static json_t *side_json(const side *s)
     json_object_set_new(object, "channels", json_integer(s->s.info->channels));
     json_object_set_new(object, "type", json_string(ntp_class_name(s->f.type.type)));
     return object;
+}
+
+static void tell_details_json(const diff_details *d, json_t *object)
+{
+    json_t *blocks = need(json_array()), *mips = need(json_array());
+    for (int i = 0; i < d->blocks; i++) {
+        json_t *one = need(json_object());
+        json_object_set_new(one, "x", json_integer(d->worst[i].x));
+        json_object_set_new(one, "y", json_integer(d->worst[i].y));
+        json_object_set_new(one, "angle_deg", json_angles(&d->worst[i].angles));
+        json_array_append_new(blocks, one);
+    }
+    for (int i = 0; i < d->mips; i++) {
+        json_t *one = need(json_object());
+        json_object_set_new(one, "mip", json_integer(i + 1));
+        json_object_set_new(one, "width", json_integer(d->mip[i].width));
+        json_object_set_new(one, "height", json_integer(d->mip[i].height));
+        json_object_set_new(one, "angle_deg", json_angles(&d->mip[i].angles));
+        json_array_append_new(mips, one);
+    }
+    json_object_set_new(object, "worst_blocks", blocks);
+    json_object_set_new(object, "mips", mips);
+}
+
+static void tell_details_text(const diff_details *d, text *t)
+{
+    if (d->mips > 0)
+        text_add(t, "  mips, compared with those of ntp resize --mips\n");
+    for (int i = 0; i < d->mips; i++)
+        text_addf(t, "    %-2d %5d x %-5d mean %.3f, 99 %% within %.3f, at most %.3f degrees\n",
+                  i + 1, (int) d->mip[i].width, (int) d->mip[i].height, d->mip[i].angles.mean,
+                  d->mip[i].angles.p99, d->mip[i].angles.max);
+    if (d->blocks > 0)
+        text_add(t, "  blocks that are farthest off, by their first texel\n");
+    for (int i = 0; i < d->blocks; i++)
+        text_addf(t, "    %5d, %-5d     mean %.3f, at most %.3f degrees\n", (int) d->worst[i].x,
+                  (int) d->worst[i].y, d->worst[i].angles.mean, d->worst[i].angles.max);
 }
 
 static void tell_json(const comparison *c, text *t)
@@ -174,6 +269,8 @@ static void tell_json(const comparison *c, text *t)
         json_object_set_new(object, "levels_mean", mean);
         json_object_set_new(object, "angle_deg", json_angles(&d->angles));
     }
+    if (c->details.known)
+        tell_details_json(&c->details, object);
     json_document(t, object);
 }
 
@@ -203,6 +300,8 @@ static void tell_text(const comparison *c, text *t)
     for (int32_t i = 0; i < d->channels; i++)
         text_addf(t, "  %-6s mean %.3f, at most %u levels of %u\n", NAMES[i], d->levels_mean[i],
                   (unsigned) d->levels_max[i], (unsigned) d->max);
+    if (c->details.known)
+        tell_details_text(&c->details, t);
 }
 
 int diff_run(const options *o)
@@ -224,7 +323,7 @@ int diff_run(const options *o)
         ran = error.status == NTPIO_ERR_USAGE ? RAN_USAGE : RAN_FAILED;
         complain("%s", error.message);
     } else {
-        ran = is_same(&c) ? 0 : RAN_FINDINGS;
+        ran = fails(&c) ? RAN_FINDINGS : 0;
         if (option_integer(o, OPT_FORMAT) == 1)
             tell_json(&c, &t);
         else if (!option_given(o, OPT_QUIET))

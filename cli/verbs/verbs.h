@@ -7,6 +7,7 @@
  *   verb_from_height.c  with verb_from_height_options.c
  *   verb_to_height.c    with verb_to_height_choose.c (what the options leave open) and
  *                       verb_to_height_report.c
+ *   verb_diff.c         with diff_details.c (mips and blocks of a DDS or KTX2)
  *   verb_curvature.c    and verb_occlusion.c share relief.c
  */
 #ifndef NTP_CLI_VERBS_H

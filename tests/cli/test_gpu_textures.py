@@ -9,7 +9,7 @@ import pytest
 
 from support import oracle_blocks, textures
 from support.gpu_textures import bc5_bytes, dds, ktx2
-from support.pngs import read_png
+from support.pngs import read_png, write_png
 
 GOOD = textures.standard(32, 48)
 
@@ -149,3 +149,68 @@ def test_fieldstone(run, corpus, tmp_path):
     assert run("convert", "--from-channels", "yx", shipped, "-o", "a.png").returncode == 0
     done = run("diff", "--format", "json", "a.png", corpus / "bgfx/fieldstone-n.tga")
     assert 1.48 < json.loads(done.stdout)["angle_deg"]["mean"] < 1.50
+
+
+def vectors(x, y):
+    """Unit vectors of components in -1..1."""
+    z = np.sqrt(np.maximum(1 - x * x - y * y, 0))
+    v = np.stack([x, y, z], -1)
+    return v / np.linalg.norm(v, axis=-1, keepdims=True)
+
+
+def angles(a, b):
+    return np.degrees(np.arctan2(np.linalg.norm(np.cross(a, b), axis=-1), (a * b).sum(-1)))
+
+
+def to_16_bit(v):
+    return np.floor((v[..., :2] + 1) / 2 * 65535 + 0.5).astype("<u2").tobytes()
+
+
+def test_diff_of_a_source_and_its_blocks(run, tmp_path):
+    """Angles, mips and the worst block are those of numpy; the mean decides about --fail-over."""
+    source = textures.standard(32, 48, depth=16)
+    write_png(tmp_path / "a.png", source)
+    x, y = (source[..., :2].astype(np.float64) * 2 / 65535 - 1).transpose(2, 0, 1)
+    whole = vectors(x, y)
+    spoiled = whole.copy()
+    spoiled[8:12, 20:24, :2] *= -0.5
+    right = whole.reshape(16, 2, 24, 2, 3).mean((1, 3))
+    right /= np.linalg.norm(right, axis=-1, keepdims=True)
+    tilted = right.copy()
+    tilted[..., 0] *= 0.7
+    levels = [to_16_bit(spoiled), to_16_bit(tilted)]
+    (tmp_path / "b.ktx2").write_bytes(ktx2(48, 32, levels, 77))
+    done = run("diff", "a.png", "b.ktx2", "--format", "json")
+    out = json.loads(done.stdout)
+    stored = [
+        np.frombuffer(level, "<u2").reshape(*shape, 2).astype(np.float64) * 2 / 65535 - 1
+        for level, shape in zip(levels, ((32, 48), (16, 24)), strict=True)
+    ]
+    want = angles(whole, vectors(stored[0][..., 0], stored[0][..., 1]))
+    assert done.returncode == 1
+    assert out["angle_deg"]["mean"] == pytest.approx(want.mean(), abs=0.002)
+    assert out["angle_deg"]["max"] == pytest.approx(want.max(), abs=0.01)
+    (mip,) = out["mips"]
+    want_mip = angles(right, vectors(stored[1][..., 0], stored[1][..., 1]))
+    assert (mip["mip"], mip["width"], mip["height"]) == (1, 24, 16)
+    assert mip["angle_deg"]["mean"] == pytest.approx(want_mip.mean(), abs=0.002)
+    worst = out["worst_blocks"]
+    by_block = want.reshape(8, 4, 12, 4).mean((1, 3))
+    assert (worst[0]["x"], worst[0]["y"]) == (20, 8) and len(worst) <= 10
+    assert worst[0]["angle_deg"]["mean"] == pytest.approx(by_block[2, 5], abs=0.002)
+    text = run("diff", "a.png", "b.ktx2").stdout
+    assert "24 x 16" in text and "20, 8 " in text
+    most = max(want.mean(), want_mip.mean())
+    assert run("diff", "a.png", "b.ktx2", "--fail-over", f"{most + 0.01:.3f}").returncode == 0
+    assert run("diff", "a.png", "b.ktx2", "--fail-over", f"{most - 0.01:.3f}").returncode == 1
+    assert run("diff", "b.ktx2", "a.png").returncode == 1  # in either order
+
+
+def test_diff_matches_green(run, tmp_path):
+    """Of a texture whose green surely points the other way."""
+    image = textures.standard(128, 128)
+    write_png(tmp_path / "up.png", image)
+    down = np.ascontiguousarray(np.dstack([image[..., 0], 255 - image[..., 1]]))
+    (tmp_path / "down.ktx2").write_bytes(ktx2(128, 128, [down.tobytes()], 16))
+    done = run("diff", "up.png", "down.ktx2", "--format", "json")
+    assert json.loads(done.stdout)["angle_deg"]["mean"] == 0
