@@ -249,7 +249,7 @@ static inline int32_t half_up(int32_t a)
  * 4(A - 2(k - 1)) + 1 or 4(A + 2k) + 1.  Half a level further it is 4(k - 1)^2 = 4(A - (k - 1)) or
  * 4k^2 = 4(A + k).  M*M = 4 A_M + 1.
  */
-ONE_COPY static void judge_standard(uint8_t *restrict flags, int32_t *restrict want,
+ONE_COPY static void judge_standard(int32_t *restrict flags, int32_t *restrict want,
                                     const int32_t *restrict r, const int32_t *restrict g,
                                     const int32_t *restrict b, int32_t n, int32_t m)
 {
@@ -269,7 +269,7 @@ ONE_COPY static void judge_standard(uint8_t *restrict flags, int32_t *restrict w
         uint32_t rounded = (a + 3 <= am + ks) & (a + ks > am);
         uint32_t in = e >= 0;
         flags[i] =
-            (uint8_t) (neighbor * NTP_FLAG_NEIGHBOR | rounded * NTP_FLAG_ROUNDED |
+            (int32_t) (neighbor * NTP_FLAG_NEIGHBOR | rounded * NTP_FLAG_ROUNDED |
                        (in & (b[i] == t)) * NTP_FLAG_EXACT |
                        (in & (m - b[i] == t)) * NTP__MIRRORED | (in ^ 1) * NTP_FLAG_XY_TOO_LONG |
                        (uint32_t) (z < 0) * NTP_FLAG_Z_NEGATIVE);
@@ -279,7 +279,7 @@ ONE_COPY static void judge_standard(uint8_t *restrict flags, int32_t *restrict w
 
 /* Z-zero.  The square of blue is compared with 4e + 3, where e is made of x and y alone.  Half a
  * level in or out it is compared with 4q + 1.  Both fit into 32 bits unsigned if not negative. */
-ONE_COPY static void judge_zzero(uint8_t *restrict flags, int32_t *restrict want,
+ONE_COPY static void judge_zzero(int32_t *restrict flags, int32_t *restrict want,
                                  const int32_t *restrict r, const int32_t *restrict g,
                                  const int32_t *restrict b, int32_t n, int32_t m)
 {
@@ -300,37 +300,13 @@ ONE_COPY static void judge_zzero(uint8_t *restrict flags, int32_t *restrict want
         int32_t t = blue(e < 0 ? 0 : e, k0, 1);
         uint32_t in = e >= 0;
         flags[i] =
-            (uint8_t) (neighbor * NTP_FLAG_NEIGHBOR | rounded * NTP_FLAG_ROUNDED |
+            (int32_t) (neighbor * NTP_FLAG_NEIGHBOR | rounded * NTP_FLAG_ROUNDED |
                        (in & (b[i] == t)) * NTP_FLAG_EXACT | (in ^ 1) * NTP_FLAG_XY_TOO_LONG);
         want[i] = e < 0 ? -1 : t;
     }
 }
 
-static void judge_lanes(uint8_t *flags, int32_t *want, const int32_t *r, const int32_t *g,
-                        const int32_t *b, int32_t n, int32_t m, int32_t zzero)
-{
-    if (zzero)
-        judge_zzero(flags, want, r, g, b, n, m);
-    else
-        judge_standard(flags, want, r, g, b, n, m);
-}
-
-static void judge(uint8_t *flags, int32_t *want, const int32_t *r, const int32_t *g,
-                  const int32_t *b, int32_t n, int32_t m, int32_t zzero)
-{
-    int32_t whole = n / LANES * LANES, in[3][LANES] = { { 0 } }, out[LANES];
-    uint8_t few[LANES];
-    size_t rest = (size_t) (n - whole), size = rest * sizeof *want;
-    judge_lanes(flags, want, r, g, b, whole, m, zzero);
-    if (rest == 0)
-        return;
-    memcpy(in[0], r + whole, size);
-    memcpy(in[1], g + whole, size);
-    memcpy(in[2], b + whole, size);
-    judge_lanes(few, out, in[0], in[1], in[2], LANES, m, zzero);
-    memcpy(flags + whole, few, rest);
-    memcpy(want + whole, out, size);
-}
+#include "texel/flags_tmpl.h"
 
 /* Turns flags and derived blues into what a measurement sums up. */
 static void keys(ntp__judged_fit *restrict fit, const double *restrict xy2,
@@ -443,7 +419,7 @@ const ntp__kernels_table CONCAT(ntp__kernels_, NTP_ISA) = {
     derive_rgb8,
     clean_rgb16,
     derive,
-    judge,
+    validate,
     judge_block,
     directions,
     angles,

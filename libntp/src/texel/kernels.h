@@ -44,14 +44,21 @@ typedef int32_t ntp__derive8_fn(uint8_t *dst, const uint8_t *src, int32_t n, uin
 typedef void ntp__derive_fn(int32_t *want, const int32_t *r, const int32_t *g, int32_t n, int32_t m,
                             int32_t zzero);
 
-/* flags[i]: those of ntp_validate without keep_negative_z, and NTP__MIRRORED (judged.h).  Unused
- * texels are not told apart.  want is as above. */
-typedef void ntp__judge_fn(uint8_t *flags, int32_t *want, const int32_t *r, const int32_t *g,
-                           const int32_t *b, int32_t n, int32_t m, int32_t zzero);
+/* What texels are judged by.  `kept` of the flags stay, and where none is left, the flags are
+ * `others`. */
+typedef struct ntp__validity {
+    int32_t m, zzero, keep_negative_z;
+    uint32_t kept, others;
+} ntp__validity;
+
+/* The flags of ntp_validate but NTP_FLAG_NOT_FINITE.  Flags, and the planes of red, green, blue and
+ * alpha, have room for 256; the latter change beyond n. */
+typedef void ntp__validate_fn(uint8_t *flags, int32_t *const c[4], int32_t n,
+                              const ntp__validity *how);
 
 /* A block of texels whose x, y are not too long, judged as standard or as Z-zero. */
 typedef struct ntp__judged_fit {
-    uint8_t flags[256]; /* as judge */
+    int32_t flags[256]; /* those of ntp_validate, and NTP__MIRRORED (judged.h) */
     int32_t want[256];  /* derived blue */
     int32_t key[256];   /* steepness * 256 + flags with NTP__LONG */
     int32_t levels_off[256];
@@ -108,7 +115,7 @@ typedef struct ntp__kernels_table {
     ntp__derive8_fn *derive_rgb8; /* NULL where a table is faster than arithmetic */
     ntp__clean16_fn *clean_rgb16;
     ntp__derive_fn *derive;
-    ntp__judge_fn *judge;
+    ntp__validate_fn *validate;
     ntp__judge_block_fn *judge_block;
     ntp__directions_fn *directions;
     ntp__angles_fn *angles;
