@@ -2,58 +2,26 @@
 // Normals textures in JavaScript: libntp as a WebAssembly module, in browsers and in node.
 // index.d.ts says what each function takes and gives.
 import { accidentOf, undone } from "./undo.js";
+import {
+  ACCIDENTS,
+  ALPHAS,
+  BLENDS,
+  BLUES,
+  BORDERS,
+  CLASSES,
+  DECODES,
+  ENCODINGS,
+  FILTERS,
+  HEIGHT_METHODS,
+  KERNELS,
+  METHODS,
+  PALETTES,
+  SOURCES,
+  VERDICTS,
+  YS,
+  ZS,
+} from "./words.js";
 
-// Each list has the order of its enum in libntp.h.
-const ENCODINGS = ["standard", "zzero", "xy", "vector", "height"];
-const YS = ["up", "down"];
-const CLASSES = ["standard", "zzero", "xy", "height", "object-space", "one-color", "not-normals"];
-const ACCIDENTS = [
-  "gamma",
-  "red-is-z",
-  "green-is-z",
-  "dxt5nm",
-  "lossy",
-  "filtered",
-  "z-flipped",
-  "blue-constant",
-];
-const METHODS = ["derive", "normalize", "keep"];
-const VERDICTS = ["neighbor", "rounded", "exact"];
-const KERNELS = [
-  "central",
-  "forward",
-  "prewitt3",
-  "sobel3",
-  "scharr3",
-  "prewitt5",
-  "sobel5",
-  "gimp5",
-  "gimp7",
-  "gimp9",
-  "baked",
-];
-const BORDERS = ["wrap", "clamp", "mirror", "extrapolate", "repeat-slope"];
-const SOURCES = [
-  "red",
-  "green",
-  "blue",
-  "alpha",
-  "luma",
-  "luma-gimp",
-  "luma-eberly",
-  "mean",
-  "max",
-  "min",
-  "screen",
-];
-const BLUES = ["derived", "nearest"];
-const ALPHAS = ["keep", "one", "inverse", "height", "inverse-height"];
-const PALETTES = ["reference", "safe"];
-const HEIGHT_METHODS = ["auto", "telescoping", "frankot-chellappa", "poisson-dct"];
-const DECODES = ["auto", "unorm", "neutral", "unorm-trunc", "snorm128"];
-const ZS = ["auto", "stored", "derived"];
-const FILTERS = ["triangle", "box", "lanczos3"];
-const BLENDS = ["rnm", "whiteout", "udn", "linear"];
 const SAMPLES = [Uint8Array, Uint16Array, Float32Array];
 const DEPTHS = { 8: 0, 16: 1, 32: 2 };
 const Y_WORDS = { up: 0, opengl: 0, down: 1, directx: 1 };
@@ -223,14 +191,15 @@ export class Ntp {
     const verdict = pick("verdict", how.verdict, VERDICTS);
     let type = how.type;
     let method = pickAuto("method", how.method, METHODS.slice(0, 2));
-    const accident = type === "auto" || how.undo ? this.#accident(source, type, how.undo) : null;
+    let found = type === "auto" || how.undo ? this.check(source) : null;
+    const accident = found === null ? null : this.#accident(found, source, type, how.undo);
     if (accident !== null) {
       source = undone(source, accident);
       type = "standard";
       if (accident === "dxt5nm") method = METHODS.indexOf("derive"); // there is no blue
     }
     if (type === "auto" || method === AUTO) {
-      const found = this.check(source, { type });
+      if (found === null || type !== "auto") found = this.check(source, { type });
       if (type === "auto") type = this.#typeOf(found);
       if (method === AUTO) method = METHODS.indexOf(found.method);
       // Unused texels were not asked.  Normalizing repairs them, and leaves what is rounded.
@@ -511,8 +480,8 @@ export class Ntp {
     );
   }
 
-  #accident(source, type, undo) {
-    const found = this.check(source);
+  /** The accident to undo first, or null.  `found` is what `check` says of it, of type auto. */
+  #accident(found, source, type, undo) {
     const accident = accidentOf(found, source.channels);
     if (accident === null || (type !== "auto" && !undo)) return null;
     const possible = accident !== "srgb" || source.type !== 2;

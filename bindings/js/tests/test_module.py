@@ -287,7 +287,7 @@ def test_blend_gives_the_same_bytes(textures, tmp_path):
     assert np.array_equal(jobs.run()[0]["data"], read_png(out)[0])
 
 
-def test_every_triplet_is_judged_as_the_library_judges_it(tmp_path):
+def test_random_triplets_are_judged_as_the_library_judges_them(tmp_path):
     rng = np.random.default_rng(4)
     levels = rng.integers(0, 256, (512, 512, 3), np.uint8)
     deep = rng.integers(0, 65536, (256, 256, 3), np.uint16)
@@ -297,6 +297,51 @@ def test_every_triplet_is_judged_as_the_library_judges_it(tmp_path):
     first, second = jobs.run()
     assert np.array_equal(first["data"][..., 0], native.validate(levels, native.STANDARD))
     assert np.array_equal(second["data"][..., 0], native.validate(deep, native.ZZERO))
+
+
+WORD_LISTS = {  # the list in words.js: the enum of libntp.h, and what its enumerators begin with
+    "ENCODINGS": ("ntp_encoding", "ENCODING"),
+    "YS": ("ntp_y", "Y"),
+    "CLASSES": ("ntp_class", "CLASS"),
+    "METHODS": ("ntp_clean_method", "CLEAN"),
+    "VERDICTS": ("ntp_verdict", "VERDICT"),
+    "KERNELS": ("ntp_kernel", "KERNEL"),
+    "BORDERS": ("ntp_border", "BORDER"),
+    "SOURCES": ("ntp_height_source", "HEIGHT_SOURCE"),
+    "BLUES": ("ntp_blue", "BLUE"),
+    "ALPHAS": ("ntp_alpha", "ALPHA"),
+    "PALETTES": ("ntp_palette", "PALETTE"),
+    "HEIGHT_METHODS": ("ntp_height_method", "HEIGHT"),
+    "DECODES": ("ntp_decode", "DECODE"),
+    "ZS": ("ntp_z", "Z"),
+    "FILTERS": ("ntp_filter", "FILTER"),
+    "BLENDS": ("ntp_blend_mode", "BLEND"),
+}
+LEFT_OUT = {"weighted"}  # it takes weights, and no picture that JavaScript passes has them
+OTHER_WORDS = {"trunc": "unorm-trunc", "snorm": "snorm128"}  # as the command line says them
+
+
+def word(enumerator, prefix):
+    """NTP_KERNEL_SOBEL3 is sobel3."""
+    plain = enumerator.removeprefix(f"NTP_{prefix}_").lower().replace("_", "-")
+    return OTHER_WORDS.get(plain, plain)
+
+
+def test_words_are_those_of_libntp():
+    index = (ROOT / "bindings/js/words.js").as_uri()
+    script = "console.log(JSON.stringify(await import(process.argv[1])))"
+    command = ["node", "--input-type=module", "-e", script, index]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    words = json.loads(done.stdout)
+    accidents = {
+        getattr(native.lib, name): name for name in dir(native.lib) if "_ACCIDENT_" in name
+    }
+    assert words.pop("ACCIDENTS") == [word(accidents[bit], "ACCIDENT") for bit in sorted(accidents)]
+    assert set(words) == set(WORD_LISTS)
+    for name, (enum, prefix) in WORD_LISTS.items():
+        found = native.ffi.typeof(enum).elements
+        theirs = [word(found[number], prefix) for number in sorted(found)]
+        assert words[name] == [plain for plain in theirs if plain not in LEFT_OUT], name
 
 
 def test_floats_and_vectors(tmp_path):
