@@ -238,8 +238,9 @@ int clean_run(const options *o)
     static const ntp_clean_method METHODS_OF_OPTION[] = { NTP_CLEAN_DERIVE, NTP_CLEAN_DERIVE,
                                                           NTP_CLEAN_NORMALIZE };
     const int64_t method = option_integer(o, OPT_METHOD);
-    plans shared = { .lock = PTHREAD_MUTEX_INITIALIZER };
+    plans shared = { 0 };
     settings set = { .shared = &shared, .choose = method == 0 };
+    os_lock_init(&shared.lock);
     set.how.method = METHODS_OF_OPTION[method];
     set.how.keep_negative_z = option_given(o, OPT_KEEP_NEGATIVE_Z);
     set.how.only_failing = option_given(o, OPT_ONLY_FAILING);
