@@ -71,13 +71,33 @@ def test_within_one_percent(name, what, y):
     assert error(maps.MEAN, mean, abs(mean)[inside].max()) < 0.01
     assert error(maps.GAUSSIAN, gaussian, first**2) < 0.01
     apart = np.sqrt(np.maximum(mean**2 - gaussian, 0))
-    # The two principal curvatures of a sphere are equal, so that rounding counts by its root.
-    limit = 0.05 if name == "sphere" and what == "normals16" else 0.01
-    assert error(maps.CONVEX, np.maximum(mean + apart, 0), first) < limit
-    assert error(maps.CAVITY, np.maximum(apart - mean, 0), first) < limit
+    assert error(maps.CONVEX, np.maximum(mean + apart, 0), first) < 0.01
+    assert error(maps.CAVITY, np.maximum(apart - mean, 0), first) < 0.01
     if what == "heights":
         dent = maps.curvature(-src, encoding, kind=maps.CAVITY, **CLAMP)
         assert (dent == maps.curvature(src, encoding, kind=maps.CONVEX, **CLAMP)).all()
+        return
+    normal = normal * [-1, -1, 1]  # a trench or a bowl
+    src = np.floor((normal + 1) / 2 * 65535 + 0.5).astype(np.uint16)
+    src = src if what == "normals16" else normal.astype(np.float32)
+    assert error(maps.CAVITY, np.maximum(mean + apart, 0), first) < 0.01
+
+
+@pytest.mark.parametrize("radius", [30.0, 90.0, 300.0, 1000.0])
+@pytest.mark.parametrize("kind", [maps.MEAN, maps.CONVEX, maps.CAVITY])
+def test_levels_of_a_ball(radius, kind):
+    """What rounding to 16 bit alone can do, where both principal curvatures are the same.
+
+    A stored number is off by up to 1/M, so that a difference of two, halved, is too: e.  The mean is
+    off by up to e; half the difference of the principal curvatures, which is
+    sqrt(((a - d) / 2)^2 + b c) of differences a, b, c, d that are off by e, by up to sqrt(2) e.
+    """
+    _, normal, mean, _, inside = sphere(radius)
+    src = np.floor((normal + 1) / 2 * 65535 + 0.5).astype(np.uint16)
+    made = maps.curvature(src, ntp.STANDARD, kind=kind, **CLAMP)
+    known = 0 * mean if kind == maps.CAVITY else mean
+    most = (1 if kind == maps.MEAN else 1 + 2**0.5) / 65535
+    assert abs(made - known)[inside].max() <= most * 1.0001
 
 
 @pytest.mark.parametrize("degrees", [30, 45, 60])
@@ -93,30 +113,10 @@ def test_pit(degrees):
     assert made[far > rim + 1].min() == 1
 
 
-def groove(kind, half):
-    """Heights of a groove that runs down the picture, and what each texel sees of the sky.
-
-    In a cross-section the share is the half of the difference of the sines of the angles to the
-    normal between which the sky is seen.
-    """
-    x = X[0]
-    if kind == "cylinder":
-        radius = half / np.sin(np.radians(50))
-        h = radius * np.cos(np.radians(50)) - np.sqrt(np.maximum(radius**2 - x**2, 0))
-        slope = x / np.sqrt(np.maximum(radius**2 - x**2, 1))
-    else:
-        h, slope = (abs(x) - half) * kind, np.sign(x) * kind
-    h = np.where(abs(x) < half, h, 0)
-    right = np.stack([np.ones_like(x), slope], -1) / np.sqrt(1 + slope**2)[:, None]
-    rims = [np.stack([end - x, -h], -1) for end in (-half, half)]
-    sines = [(rim * right).sum(-1) / np.maximum(np.hypot(*rim.T), 1e-9) for rim in rims]
-    return np.broadcast_to(h, (60, len(x))), (sines[1] - sines[0]) / 2, abs(x) < 0.9 * half
-
-
 @pytest.mark.parametrize("kind", ["cylinder", 0.5, 1.0, 2.0])
 def test_groove(kind):
     """A trench, and grooves with straight sides: endless, as the texture tiles along them."""
-    h, known, inside = groove(kind, 20.0 if kind == "cylinder" else 20)
+    h, known, inside = maps.groove(kind, 20.0 if kind == "cylinder" else 20)
     inside &= abs(X[0]) > (0 if kind == "cylinder" else 2)
     h = np.tile(h, (2, 1)).astype(np.float32)
     for src in (h, h.T):

@@ -93,6 +93,22 @@ def test_pit_of_normals(run, tmp_path):
     assert abs(made / 0.75 - 1)[far < 0.9 * rim].max() < 0.01
 
 
+@pytest.mark.parametrize("kind", ["cylinder", 0.5, 1.0, 2.0])
+def test_groove_of_normals(run, tmp_path, kind):
+    """A trench and grooves of straight sides, of their central differences in 16 bit."""
+    h, known, inside = maps.groove(kind, 20)
+    right = np.roll(h, -1, 1) - np.roll(h, 1, 1)
+    n = np.stack([-right / 2, 0 * right, np.ones_like(right)], -1)
+    n /= np.linalg.norm(n, axis=-1, keepdims=True)
+    levels = np.floor((n + 1) / 2 * 65535 + 0.5).astype(np.uint16)
+    write_png(tmp_path / "n.png", np.tile(levels, (2, 1, 1)))
+    told = ["--type", "standard", "--y", "up", "--border", "wrap"]
+    item(run("occlusion", "n.png", "-o", "a.png", *told, "--format", "json"))
+    made = pixels_of(tmp_path / "a.png")[7, :, 0] / 65535
+    inside &= kind == "cylinder" or abs(np.arange(-100, 101)) > 2
+    assert abs(made[inside] / known[inside] - 1).max() < 0.01
+
+
 def test_borders(run, tmp_path):
     """A tile wraps, a part of it does not, of heights in any channel and of normals."""
     tile = maps.hills(160, 65535, 12).astype(np.uint16)

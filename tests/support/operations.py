@@ -142,6 +142,19 @@ FORMS = {"scale": 7.3, "blur": 1.5, "small": 0.5, "middle": 2, "large": 1.25}
 FORMS_TOLD = "--scale", "7.3", "--blur", "1.5", "--octaves", "0.5,0,1.5,0,-0.75"
 DITHER = {"scale": 2.5, "dither": "integrable"}
 
+# What README.md says of each preset, as options of `ntp from-height`; the properties that it decides
+# are set to something else before.  LabPBR has a row of its own; GIMP's filter takes a luminance,
+# which no verb has.
+PRESET_SET = {"scale": 7.3, "kernel": "sobel3", "to": "zzero", "channels": "zyx"}
+WORDS = "--scale", "7.3", "--kernel", "sobel3", "--to", "standard", "--to-y"
+PRESETS = {
+    "unreal": (*WORDS, "down"),
+    "unity": (*WORDS, "up"),
+    "godot": (*WORDS, "up"),
+    "source": (*WORDS, "down"),
+    "gimp-normalmap": ("--like", "gimp-normalmap:sobel3:7.3"),
+}
+
 ROWS = [
     ("from height", heights, FROM_HEIGHT, SOBEL_SET, verb("from-height", *SOBEL)),
     ("forms", heights, FROM_HEIGHT, FORMS, verb("from-height", *FORMS_TOLD)),
@@ -150,6 +163,9 @@ ROWS = [
     ("auto scale", heights, FROM_HEIGHT, {"strength": 0.3},
      verb("from-height", "--scale", "auto", "--strength", "0.3")),
     ("LabPBR", heights, FROM_HEIGHT, {"scale": 7.3, "preset": "labpbr", "occlusion": True}, labpbr),
+    *((f"preset {name}", heights, FROM_HEIGHT, {**PRESET_SET, "preset": name},
+       verb("from-height", *words))
+      for name, words in PRESETS.items()),
     ("lit heights", heights, FROM_HEIGHT,
      {**SOBEL_SET, "show": "lit", "light-from": 20.0, "light-height": 50.0},
      lit(around=20, above=50, make=verb("from-height", *SOBEL), y=libntp_ffi.DOWN)),

@@ -59,6 +59,26 @@ def hills(side, height, blur=8, seed=1):
     return (smooth - smooth.min()) / (smooth.max() - smooth.min()) * height
 
 
+def groove(kind, half):
+    """Heights of a groove that runs down the picture, and what each texel sees of the sky.
+
+    In a cross-section the share is the half of the difference of the sines of the angles to the
+    normal between which the sky is seen.
+    """
+    x = np.arange(-100, 101.0)
+    if kind == "cylinder":
+        radius = half / np.sin(np.radians(50))
+        h = radius * np.cos(np.radians(50)) - np.sqrt(np.maximum(radius**2 - x**2, 0))
+        slope = x / np.sqrt(np.maximum(radius**2 - x**2, 1))
+    else:
+        h, slope = (abs(x) - half) * kind, np.sign(x) * kind
+    h = np.where(abs(x) < half, h, 0)
+    right = np.stack([np.ones_like(x), slope], -1) / np.sqrt(1 + slope**2)[:, None]
+    rims = [np.stack([end - x, -h], -1) for end in (-half, half)]
+    sines = [(rim * right).sum(-1) / np.maximum(np.hypot(*rim.T), 1e-9) for rim in rims]
+    return np.broadcast_to(h, (60, len(x))), (sines[1] - sines[0]) / 2, abs(x) < 0.9 * half
+
+
 def _between(h, x, y):
     """Heights at positions between texels, bilinear, of a texture that tiles."""
     left, up = np.floor(x).astype(int), np.floor(y).astype(int)
