@@ -17,14 +17,15 @@ static ntp_border border_of(ntp_border border)
 }
 
 static ntp_status occlude(const ntp_image *plane, const ntp_const_image *heights,
-                          const ntp_occlusion_options *how)
+                          const ntp_occlusion_options *how, const ntp_hooks *hooks)
 {
-    const size_t size = ntp_occlusion_scratch_size(how, heights->width, heights->height, 1);
+    const int32_t parts = hooks != NULL ? hooks->parts : 1;
+    const size_t size = ntp_occlusion_scratch_size(how, heights->width, heights->height, parts);
     unsigned char *memory = malloc(size + ALIGNMENT);
     if (memory == NULL)
         return NTP_ERR_SCRATCH;
     void *scratch = memory + (ALIGNMENT - (uintptr_t) memory % ALIGNMENT) % ALIGNMENT;
-    const ntp_status status = ntp_occlusion(plane, heights, how, scratch, size, NULL);
+    const ntp_status status = ntp_occlusion(plane, heights, how, scratch, size, hooks);
     free(memory);
     return status;
 }
@@ -42,7 +43,7 @@ static void fill_open(const ntp_image *plane)
 }
 
 ntp_status occlusion_make(const ntp_image *plane, const ntp_const_image *heights,
-                          const ntp_normals_options *how)
+                          const ntp_normals_options *how, const ntp_hooks *hooks)
 {
     static const smoothing NONE = { 0, 1, 1, 1 };
     const ntp_occlusion_options options = { .scale = how->invert ? -how->scale : how->scale,
@@ -53,14 +54,14 @@ ntp_status occlusion_make(const ntp_image *plane, const ntp_const_image *heights
         return NTP_OK;
     }
     if (how->source == NTP_HEIGHT_SOURCE_RED)
-        return occlude(plane, heights, &options);
+        return occlude(plane, heights, &options, hooks);
     const size_t texels = (size_t) heights->width * (size_t) heights->height;
     float *data = malloc(texels * sizeof *data);
     ntp_image made = ntp_image_packed(data, heights->width, heights->height, 1, NTP_TYPE_F32);
     const ntp_status status =
         data != NULL ? smoothing_run(&NONE, &made, heights, how) : NTP_ERR_SCRATCH;
     const ntp_const_image seen = ntp_image_as_const(&made);
-    const ntp_status done = status == NTP_OK ? occlude(plane, &seen, &options) : status;
+    const ntp_status done = status == NTP_OK ? occlude(plane, &seen, &options, hooks) : status;
     free(data);
     return done;
 }

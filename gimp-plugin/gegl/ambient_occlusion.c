@@ -59,13 +59,14 @@ property_enum(border, _("Edges"), ntp_op_occlusion_edge, ntp_op_occlusion_edge, 
 
 #  include "gray_map.h"
 #  include "output.h"
+#  include "parts.h"
 #  include "surface_heights.h"
 
 /* After the first one the menu has the order of libntp's enumeration. */
 G_STATIC_ASSERT((gint) NTP_OP_OCCLUSION_WRAP - 1 == (gint) NTP_BORDER_WRAP);
 G_STATIC_ASSERT((gint) NTP_OP_OCCLUSION_CLAMP - 1 == (gint) NTP_BORDER_CLAMP);
 
-enum { ALIGNMENT = 64, MOST_PARTS = 16 };
+enum { ALIGNMENT = 64 };
 
 /* Set by prepare(), read by process(). */
 typedef struct state {
@@ -99,34 +100,6 @@ static GeglRectangle get_required(GeglOperation *operation, const gchar *pad,
 static GeglRectangle get_cached(GeglOperation *operation, const GeglRectangle *area)
 {
     return gray_map_edges(operation, area);
-}
-
-/* The work of all parts; GEGL shares it out. */
-typedef struct shares {
-    gint32 count;
-    void (*task)(void *work, gint32 index);
-    void *work;
-} shares;
-
-static void do_share(gint i, gint n, gpointer data)
-{
-    const shares *all = data;
-    for (gint32 k = i; k < all->count; k += n)
-        all->task(all->work, k);
-}
-
-static void run_parts(void *user, gint32 count, void (*task)(void *work, gint32 index), void *work)
-{
-    shares all = { count, task, work };
-    (void) user;
-    gegl_parallel_distribute(count, do_share, &all);
-}
-
-static gint32 tell_progress(void *user, gdouble share)
-{
-    gchar message[] = "";
-    gegl_operation_progress(user, share, message);
-    return 0;
 }
 
 static ntp_status occlude(const ntp_image *map, const ntp_const_image *heights,
@@ -166,9 +139,7 @@ static gboolean make(GeglOperation *operation, const ntp_image *map, ntp_image *
     layer->y = (ntp_y) o->from_y;
     const ntp_const_image src = ntp_image_as_const(layer);
     ntp_occlusion_options how = { .radius = pixels_as_typed(o->radius) };
-    const ntp_hooks hooks = {
-        .user = operation, .progress = tell_progress, .parallel_for = run_parts, .parts = MOST_PARTS
-    };
+    const ntp_hooks hooks = parts_hooks(operation);
     how.border_x = how.border_y = (ntp_border) (o->border - 1);
     if (o->border == NTP_OP_OCCLUSION_AUTO &&
         ntp_relief_borders(&how.border_x, &how.border_y, &src) != NTP_OK)
@@ -195,9 +166,9 @@ static gboolean process(GeglOperation *operation, GeglBuffer *input, GeglBuffer 
     const ntp_image out = pixels_view(&one, map, all.width, all.height);
     (void) level; /* everything is made at full size */
     gegl_buffer_get(input, &all, 1.0, p.format, read, GEGL_AUTO_ROWSTRIDE, GEGL_ABYSS_NONE);
-    tell_progress(operation, 0);
+    parts_tell(operation, 0);
     const gboolean ok = make(operation, &out, &in);
-    tell_progress(operation, 1); /* until then GIMP takes neither clicks nor keys */
+    parts_tell(operation, 1); /* until then GIMP takes neither clicks nor keys */
     for (gint y = 0; y < area->height && ok; y++) {
         const gsize at =
             (gsize) (area->y + y - all.y) * (gsize) all.width + (gsize) (area->x - all.x);

@@ -5,6 +5,7 @@
 #include "layer_occlusion.h"
 
 #include "../occlusion.h"
+#include "parts.h"
 #include "surroundings.h"
 
 /* All on which the occlusion depends, but for the input. */
@@ -62,7 +63,10 @@ gboolean layer_occlusion_make(layer_occlusion *l, const occluded *of, ntp_type t
     }
     if (ok) {
         const ntp_const_image seen = ntp_image_as_const(&heights);
-        ok = occlusion_make(&l->map, &seen, &how) == NTP_OK;
+        const ntp_hooks hooks = parts_hooks(of->operation);
+        parts_tell(of->operation, 0);
+        ok = occlusion_make(&l->map, &seen, &how, &hooks) == NTP_OK;
+        parts_tell(of->operation, 1);
     }
     if (!ok)
         layer_occlusion_forget(l);

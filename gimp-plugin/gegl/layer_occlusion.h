@@ -5,6 +5,8 @@
 #ifndef NTP_GEGL_LAYER_OCCLUSION_H
 #define NTP_GEGL_LAYER_OCCLUSION_H
 
+#include <gegl-plugin.h>
+
 #include "../smooth.h"
 #include "pixels.h"
 
@@ -15,6 +17,7 @@ typedef struct layer_occlusion {
 
 /* The heights on which it depends. */
 typedef struct occluded {
+    GeglOperation *operation; /* shows progress */
     GeglBuffer *input;
     pixels in;
     const GeglRectangle *edges;

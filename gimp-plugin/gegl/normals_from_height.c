@@ -427,7 +427,8 @@ static void measure(GeglOperation *operation, GeglBuffer *input)
 static gboolean occlude(GeglOperation *operation, GeglBuffer *input)
 {
     state *s = GEGL_PROPERTIES(operation)->user_data;
-    occluded of = { .input = input,
+    occluded of = { .operation = operation,
+                    .input = input,
                     .in = heights_read(operation),
                     .edges = layer_of(operation),
                     .forms = smoothing_of(operation),

@@ -30,17 +30,6 @@ height_job height_job_from(const settings *s)
     };
 }
 
-static int32_t tell_progress(void *user, double share)
-{
-    return !surroundings_progress(user, share);
-}
-
-static void run_parts(void *user, int32_t count, void (*task)(void *work, int32_t index),
-                      void *work)
-{
-    surroundings_parallel(user, count, task, work);
-}
-
 static void stretch(const height_job *job, float *plane, size_t texels, double low, double high)
 {
     const double range = high - low, gain = 1 + job->contrast;
@@ -61,17 +50,13 @@ job_status height_job_run(const height_job *job, const raster *normals, float **
                           double *range, const surroundings *around)
 {
     const size_t texels = (size_t) normals->width * (size_t) normals->height;
-    const int32_t parts = around != NULL && around->threads > 1 ? around->threads : 1;
+    const ntp_hooks hooks = surroundings_hooks(around);
     ntp_height_options how = job->how;
-    size_t size = ntp_height_scratch_size(&how, normals->width, normals->height, parts);
+    size_t size = ntp_height_scratch_size(&how, normals->width, normals->height, hooks.parts);
     if (size == 0 && how.method == NTP_HEIGHT_AUTO) { /* supports every kernel and border */
         how.method = NTP_HEIGHT_WEIGHTED;
-        size = ntp_height_scratch_size(&how, normals->width, normals->height, parts);
+        size = ntp_height_scratch_size(&how, normals->width, normals->height, hooks.parts);
     }
-    const ntp_hooks hooks = { .user = (void *) (uintptr_t) around,
-                              .progress = tell_progress,
-                              .parallel_for = run_parts,
-                              .parts = parts };
     *plane = NULL;
     if (size == 0)
         return JOB_NO_METHOD;

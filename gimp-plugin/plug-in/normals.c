@@ -332,11 +332,13 @@ static job_status find_open(work *w)
     if (status == JOB_DONE) {
         const ntp_image read = raster_view(r, rows, r->height);
         const ntp_const_image seen = ntp_image_as_const(&read);
-        const ntp_status made = occlusion_make(&w->open, &seen, &how);
-        status = made == NTP_OK            ? JOB_DONE
-                 : made == NTP_ERR_FORMAT  ? JOB_NO_ALPHA
-                 : made == NTP_ERR_SCRATCH ? JOB_NO_MEMORY
-                                           : JOB_WRONG;
+        const ntp_hooks hooks = surroundings_hooks(w->around);
+        const ntp_status made = occlusion_make(&w->open, &seen, &how, &hooks);
+        status = made == NTP_OK              ? JOB_DONE
+                 : made == NTP_ERR_FORMAT    ? JOB_NO_ALPHA
+                 : made == NTP_ERR_SCRATCH   ? JOB_NO_MEMORY
+                 : made == NTP_ERR_CANCELLED ? JOB_CANCELLED
+                                             : JOB_WRONG;
     }
     free(rows);
     return status;

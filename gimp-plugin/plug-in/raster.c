@@ -83,6 +83,25 @@ void surroundings_parallel(const surroundings *s, int32_t count,
         task(work, i);
 }
 
+static int32_t tell_progress(void *user, double share)
+{
+    return !surroundings_progress(user, share);
+}
+
+static void run_parts(void *user, int32_t count, void (*task)(void *work, int32_t index),
+                      void *work)
+{
+    surroundings_parallel(user, count, task, work);
+}
+
+ntp_hooks surroundings_hooks(const surroundings *s)
+{
+    return (ntp_hooks) { .user = (void *) (uintptr_t) s,
+                         .progress = tell_progress,
+                         .parallel_for = run_parts,
+                         .parts = s != NULL && s->threads > 1 ? s->threads : 1 };
+}
+
 /* ------------------------------------------------------------------------------- scaling */
 
 static double sample(const void *at, ntp_type type)

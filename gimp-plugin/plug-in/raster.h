@@ -74,6 +74,9 @@ bool surroundings_progress(const surroundings *s, double share);
 void surroundings_parallel(const surroundings *s, int32_t count,
                            void (*task)(void *work, int32_t index), void *work);
 
+/* The same as libntp takes them; s NULL: none. */
+ntp_hooks surroundings_hooks(const surroundings *s);
+
 /*
  * The brightness of a layer as a plane of width x height samples of this type: gray as it is, or
  * the Rec. 709 luma of a color.  A layer of another size is scaled: triangle filter, widened where
