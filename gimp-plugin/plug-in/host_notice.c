@@ -64,9 +64,11 @@ static gboolean holds_normals(const raster *layer)
     static const double SURE = 0.9; /* that of `ntp` */
     static report found;
     const settings question = { { 0 } };
+    surroundings quiet = host_surroundings;
+    quiet.progress = NULL; /* it would open a window beside the question */
     if (layer->channels < 3 || kind_of(layer) == NTP_CLASS_HEIGHT)
         return FALSE;
-    return report_run(&found, &question, layer, NULL, &host_surroundings) == JOB_DONE &&
+    return report_run(&found, &question, layer, NULL, &quiet) == JOB_DONE &&
            is_normals(found.type.type) && found.type.confidence >= SURE;
 }
 
