@@ -27,9 +27,7 @@ enum_start(ntp_op_blended_green_file)
     NTP_GREEN_CHOICES(enum_value)
 enum_end(ntp_op_blended_green_file)
 
-property_file_path(file, _("File of the detail"), "")
-    description(_("A picture with the details, as large as the layer. It is read again when it has changed and the layer is drawn"))
-property_string(path, _("Path of the detail"), "") /* scripts of GIMP 3 cannot set a property_file_path */
+property_string(path, _("Path of the detail"), "")
     description(_("The same for scripts; what is chosen in the dialog comes first"))
     ui_meta("visible", "0")
 property_enum(mode, _("Mode"), ntp_op_blend_mode_file, ntp_op_blend_mode_file, NTP_OP_RNM)
@@ -49,6 +47,9 @@ property_enum(base_y, _("Green of the base points"), ntp_op_blended_green_file, 
     description(_("Which way green points in the layer, and in the result"))
 property_enum(detail_y, _("Green of the detail points"), ntp_op_blended_green_file, ntp_op_blended_green_file, NTP_OP_UP)
     description(_("Which way green points in the detail"))
+/* The last: scripts of GIMP 3.0 see no property from the first file path on. */
+property_file_path(file, _("File of the detail"), "")
+    description(_("A picture with the details, as large as the layer. It is read again when it has changed and the layer is drawn"))
 /* clang-format on */
 
 #else
