@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""How long GIMP 3 takes to show a change of a slider: gimp_drag.py [SIDE] [--steps N]
+"""How long GIMP takes to show a change of a slider: gimp_drag.py [SIDE] [--steps N] [--gimp 2]
 
 Strength of Normals from Height beside Scale of GIMP's own Normal Map filter, on the canvas of an
 image of SIDE x SIDE, from a click on its plus or minus to the first and to the last
@@ -9,20 +9,28 @@ is the chroot.
 
 import argparse
 import ctypes
-import os
 import statistics
+import tempfile
 import time
+from pathlib import Path
 
 import numpy as np
 from PIL import Image
 
-from gimp_window import Gimp3, Screen, stones
+from gimp_pictures import open_gimp, open_operation
+from gimp_window import Screen, stones
 
 OURS, THEIRS = "Normals from Height", "GIMP's Normal Map"
 # The buttons of the slider, plus and minus, from the upper right corner of the dialog.
-SLIDERS = {OURS: ((-20, 144), (-39, 144)), THEIRS: ((-20, 89), (-39, 89))}
+SLIDERS = {
+    2: {OURS: ((-13, 233), (-13, 241)), THEIRS: ((-13, 89), (-13, 97))},
+    3: {OURS: ((-20, 144), (-39, 144)), THEIRS: ((-20, 89), (-39, 89))},
+}
 QUIET = 1.5  # seconds without a change: the picture is done
-LOAD = """
+LOAD2 = """
+(gimp-display-new (car (gimp-file-load RUN-NONINTERACTIVE "heights.png" "x")))
+"""
+LOAD3 = """
 image = Gimp.file_load(Gimp.RunMode.NONINTERACTIVE, Gio.File.new_for_path(HERE + '/heights.png'))
 Gimp.Display.new(image)
 """
@@ -45,11 +53,13 @@ class Hand:
 
 def open_dialog(gimp, name):
     screen, main = gimp.screen, gimp.image_window()[0]
-    before = set(screen.windows())
-    words = "Generate a normal map" if name == THEIRS else "ntp:normals-from-height"
-    screen.search(main, words)
-    title = screen.wait(lambda: set(screen.windows()) - before, "dialog").pop()
-    dialog = screen.windows()[title][0]
+    if name == OURS:
+        dialog = open_operation(gimp, main, "normals-from-height")
+    else:
+        before = set(screen.windows())
+        screen.search(main, "Generate a normal map")
+        title = screen.wait(lambda: set(screen.windows()) - before, "dialog").pop()
+        dialog = screen.windows()[title][0]
     screen.place(dialog, 1400, 40)
     screen.front(dialog)
     screen.settle()
@@ -77,7 +87,7 @@ def measure(gimp, name, steps):
     screen = gimp.screen
     dialog = open_dialog(gimp, name)
     x, y, width, _ = screen.box(dialog)
-    buttons = [(x + width + right, y + down) for right, down in SLIDERS[name]]
+    buttons = [(x + width + right, y + down) for right, down in SLIDERS[gimp.version][name]]
     x, y, width, height = screen.box(gimp.image_window()[0])
     canvas = screen.pixels[y + 150 : y + height - 100, x + 300 : x + width - 420]
     found = []
@@ -97,7 +107,7 @@ def measure(gimp, name, steps):
 def bench(gimp, side, steps):
     image = np.tile(np.repeat(stones()[:, :, None], 3, 2), (side // 512, side // 512, 1))
     Image.fromarray(image).save(gimp.work / "heights.png", compress_level=1)
-    gimp.run(LOAD)
+    gimp.run(LOAD2 if gimp.version == 2 else LOAD3)
     main = gimp.image_window()[0]
     gimp.screen.place(main, 0, 0, 1380, 1000)
     gimp.screen.settle(still=QUIET)
@@ -119,9 +129,14 @@ def main():
     parser = argparse.ArgumentParser(description="How long GIMP takes to show a change of a slider")
     parser.add_argument("side", type=int, nargs="?", default=4096)
     parser.add_argument("--steps", type=int, default=10)
+    parser.add_argument("--gimp", type=int, default=3, choices=[2, 3])
     parser.add_argument("--display", type=int, default=85)
     given = parser.parse_args()
-    with Screen(given.display) as screen, Gimp3(screen, os.environ["NTP_GIMP3"]) as gimp:
+    with (
+        tempfile.TemporaryDirectory() as folder,
+        Screen(given.display) as screen,
+        open_gimp(given.gimp, screen, Path(folder) / "gimp", "en", 1) as gimp,
+    ):
         bench(gimp, given.side, given.steps)
 
 

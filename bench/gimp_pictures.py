@@ -172,7 +172,7 @@ def open_operation(gimp, main, name):
     screen.park()  # where it does not scroll the list
     screen.settle(still=0.5)
     screen.key("Home", *["Down"] * above(gimp, name), "Return")
-    screen.settle()
+    screen.settle(still=3)  # the list goes when the preview is there
     return dialog
 
 
@@ -216,6 +216,7 @@ def photograph(gimp, out, label, only):
                 screen.click(left + width // 2, top + gimp.scale * at)
                 screen.settle(still=0.5)
                 screen.key("Down", "Return")
+                screen.settle(still=3)
                 screen.picture(out / f"{label}-{name}-{page}.png", dialog)
                 note(f"{label}-{name}-{page}", screen, dialog)
         screen.front(dialog)

@@ -55,10 +55,10 @@ SCRIPT2 = """
          (layer (car (gimp-image-get-active-drawable image)))
          (display (car (gimp-display-new image))))
     (plug-in-ntp-check-normals RUN-INTERACTIVE image layer 0 0 0)
-    (save image (file "after-"))
+    (save image layer (file "after-"))
     (note (string-append "saved-" name))
     (wait (string-append "undone-" name))
-    (save image (file "again-"))
+    (save image layer (file "again-"))
     (gimp-display-delete display)
     (note (string-append "closed-" name))))
 """
@@ -67,9 +67,9 @@ SCRIPT2 = """
 def script(version, names):
     if version == 3:
         return SCRIPT3.replace("NAMES", repr(names))
-    save = saved("FILE").replace('"FILE"', "file")
+    save = saved("FILE", "layer").replace('"FILE"', "file")
     calls = " ".join(f'(check "{name}")' for name in names)
-    return f"(begin {SCRIPT2} (define (save image file) {save}) {calls})"
+    return f"(begin {SCRIPT2} (define (save image layer file) {save}) {calls})"
 
 
 def same(a, b):

@@ -230,7 +230,7 @@ static GtkWidget *text_new(window *w)
     to_the_left(w->text);
     gtk_label_set_line_wrap(GTK_LABEL(w->text), TRUE);
     gtk_label_set_selectable(GTK_LABEL(w->text), TRUE);
-    gtk_widget_set_size_request(w->text, WIDTH, -1);
+    gtk_widget_set_size_request(w->text, window_scaled(WIDTH), -1);
     gtk_scrolled_window_set_policy(GTK_SCROLLED_WINDOW(scrolled), GTK_POLICY_NEVER,
                                    GTK_POLICY_AUTOMATIC);
 #if GTK_MAJOR_VERSION >= 3
@@ -242,7 +242,7 @@ static GtkWidget *text_new(window *w)
     gtk_viewport_set_shadow_type(GTK_VIEWPORT(gtk_bin_get_child(GTK_BIN(scrolled))),
                                  GTK_SHADOW_NONE);
 #endif
-    gtk_widget_set_size_request(scrolled, -1, HEIGHT);
+    gtk_widget_set_size_request(scrolled, -1, window_scaled(HEIGHT));
     return scrolled;
 }
 

@@ -26,6 +26,11 @@ static GdkRectangle room(void)
 }
 
 #if GTK_MAJOR_VERSION >= 3
+int window_scaled(int pixels)
+{
+    return pixels;
+}
+
 static GtkRequisition least(GtkWidget *widget)
 {
     GtkRequisition size;
@@ -45,6 +50,12 @@ GtkWidget *window_scrolled(GtkWidget *child)
 }
 
 #else
+int window_scaled(int pixels)
+{
+    const gdouble usual = 96, dots = gdk_screen_get_resolution(gdk_screen_get_default());
+    return (int) (pixels * MAX(dots / usual, 1));
+}
+
 /* GTK 2 knows one size only: the least. */
 static GtkRequisition least(GtkWidget *widget)
 {
@@ -79,7 +90,8 @@ void window_fit(GtkWidget *window, GtkWidget *view, int wider, int higher)
     const GdkRectangle most = room();
     const GtkRequisition size = least(window);
     const int box = view != NULL ? least(gtk_widget_get_parent(view)).height : 0;
-    const int more = view != NULL ? MAX(least(view).height + higher - box, 0) : 0;
-    gtk_window_set_default_size(GTK_WINDOW(window), MIN(size.width + wider, most.width),
+    const int more = view != NULL ? MAX(least(view).height + window_scaled(higher) - box, 0) : 0;
+    gtk_window_set_default_size(GTK_WINDOW(window),
+                                MIN(size.width + window_scaled(wider), most.width),
                                 MIN(size.height + more, most.height));
 }
