@@ -36,10 +36,13 @@ IN_WHEEL = (
     "normaltexture/report/page.js",
     "normaltexture/py.typed",
     "normaltexture/_native.abi3.so",
+    "normaltexture/ntp",
+    "ntp_program.py",
     "normaltexture-*.dist-info/*",
-    "normaltexture-*.data/scripts/ntp",
 )
-GRAFTED = ("normaltexture.libs/*.so*", "normaltexture.scripts/ntp")
+GRAFTED = ("normaltexture.libs/*.so*",)
+# What the sdist leaves out, because nothing of it is built with the package.
+NOT_IN_SDIST = ("gimp-plugin/*", "tests/gimp/*", "fuzz/*", "bench/*")
 # What may be linked: the C library, and before the others are grafted those too.
 C_LIBRARY = ("libc.so.6", "libm.so.6", "libpthread.so.0", "libz.so.1", "ld-linux*")
 BEFORE_GRAFTING = (
@@ -84,6 +87,9 @@ def sdist(path: Path) -> None:
     for name in IN_SDIST:
         if name not in names:
             problems.append(f"{path.name}: {name} is missing")
+    for name in sorted(names):
+        if is_one_of(name, NOT_IN_SDIST):
+            problems.append(f"{path.name}: {name} does not belong there")
     print(f"{path.name}: {len(names)} files, {path.stat().st_size >> 10} KiB")
 
 
@@ -115,7 +121,7 @@ def wheel(path: Path) -> None:
                 module(path, name, elf(data), repaired)
             elif data.startswith(b"\x7fELF"):
                 linked(path, name, elf(data), repaired)
-    for part in ("normaltexture/_native.abi3.so", "normaltexture/__init__.py", "/scripts/ntp"):
+    for part in ("normaltexture/_native.abi3.so", "normaltexture/__init__.py", "normaltexture/ntp"):
         if not any(name.endswith(part) for name in names):
             problems.append(f"{path.name}: {part} is missing")
     if f"-cp3{sys.version_info.minor}-abi3-" not in path.name:

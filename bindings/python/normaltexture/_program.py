@@ -5,20 +5,16 @@ import json
 import os
 import shutil
 import subprocess
-import sys
-import sysconfig
-import threading
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
+import ntp_program
+
 from ._errors import ArgumentError, FileError, FileStatus
 from ._measure import _Result
 from .typing import AutoY, CheckType, Class, Level, Policy, Verdict
-
-# sysconfig of Python 3.11 fails where two threads are the first to ask it.
-_ONE_AT_A_TIME = threading.Lock()
 
 
 @dataclass(frozen=True)
@@ -109,24 +105,16 @@ def program() -> Path:
     Raises
     ------
     FileNotFoundError
-        If neither the scripts directory of this Python nor PATH has one.
+        If neither the package nor PATH has one.
     """
     if os.environ.get("NTP_PROGRAM"):
         return Path(os.environ["NTP_PROGRAM"])
-    name = "ntp.exe" if os.name == "nt" else "ntp"
-    # Repaired wheels have the program here, and a script that starts it among the scripts.
-    repaired = Path(__file__).parent.with_name("normaltexture.scripts") / name
-    if repaired.is_file():
-        return repaired
-    with _ONE_AT_A_TIME:
-        beside = [sysconfig.get_path("scripts"), str(Path(sys.executable).parent)]
-        beside.append(str(Path(sysconfig.get_path("scripts", f"{os.name}_user"))))
-    for directory in beside:
-        if (Path(directory) / name).is_file():
-            return Path(directory) / name
-    found = shutil.which(name)
+    own = ntp_program.path()
+    if own is not None:
+        return own
+    found = shutil.which("ntp")
     if found is None:
-        raise FileNotFoundError(f"{name} is not in {beside[0]}, nor in PATH")
+        raise FileNotFoundError("ntp is neither in the package normaltexture nor in PATH")
     return Path(found)
 
 
