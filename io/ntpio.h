@@ -157,10 +157,12 @@ void ntpio_close(ntpio_reader *reader);
 typedef struct ntpio_write_options {
     ntpio_format format; /* NTPIO_JPEG cannot be written */
     uint32_t width, height;
-    int32_t channels;            /* 1..4 (PFM: 1 or 3; TGA: 1, 3, 4) */
-    int32_t sample_bytes;        /* 1, 2 (PNG) or 4 (PFM) */
-    int32_t level;               /* PNG: 1 (fastest) to 12 (smallest); -1: 6 */
-    bool dry_run;                /* encode nothing, write nothing */
+    int32_t channels;     /* 1..4 (PFM: 1 or 3; TGA: 1, 3, 4) */
+    int32_t sample_bytes; /* 1, 2 (PNG) or 4 (PFM) */
+    int32_t level;        /* PNG: 1 (fastest) to 12 (smallest); -1: 6 */
+    int32_t threads;      /* PNG: at most so many pack; 0 or 1: the caller's alone.  The bytes
+                                  * are the same. */
+    bool dry_run;         /* encode nothing, write nothing */
     const ntpio_info *copy_from; /* PNG: text chunks and pHYs to keep, or NULL; lives until the
                                   * commit, so that texts after the pixels are kept as well */
     const ntpio_text *texts;     /* PNG: further texts; copied */

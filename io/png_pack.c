@@ -7,11 +7,13 @@
  * packs best.  From SEARCHES on, that is tried with some of the rows, at level 1; below, the guess
  * is taken.  Normals that were painted or scaled up need none, smooth ones Average, many a mixture.
  *
- * Bands are packed one by one.  Matches reach back into the band before, but nothing else of it is
- * known, so that bands could be packed side by side to the same bytes.
+ * Matches reach back into the band before, but nothing else of it is known: bands are packed side by
+ * side to the same bytes.  The caller's thread filters; others pack, and so does the caller when it
+ * would have to wait.
  */
 #include "png_pack.h"
 
+#include <os/threads.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -41,36 +43,105 @@ enum {
     CHECKSUM = 4      /* at its end */
 };
 
-struct ntpio__png_packer {
+/* A band that waits to be packed, or to be written. */
+typedef struct band {
     ntpio__deflater *deflater;
+    uint8_t *filtered;     /* a window of older bytes, the band, the slack */
+    uint8_t *out;          /* packed */
+    size_t from, to, size; /* in filtered; of out */
+    bool last, done;
+} band;
+
+struct ntpio__png_packer {
     int level;
     size_t row_size, texel, pitch;
     uint32_t left, rows, in_band; /* not taken yet; of a band; taken of this one */
     uint8_t *raw;                 /* the row before the band, and the band's */
-    uint8_t *filtered;            /* a window of older bytes, the band, the slack */
-    size_t known;                 /* bytes of the window */
     uint8_t *guesses[2];          /* rows: the best so far, and another */
-    uint8_t *sample, *out;
-    size_t waiting; /* bytes in out, too few for a chunk of the file */
+    uint8_t *sample;
+    uint8_t *joined; /* small bands, which together make a chunk of the file */
+    size_t in_joined;
     uint32_t checksum;
-    bool begun;
+    band bands[NTPIO__PACKERS_MAX + 1]; /* a ring: band n is number n % slots */
+    uint32_t slots;
+    uint32_t filled, taken, delivered; /* bands: to be packed, begun, handed out */
+    os_lock lock;                      /* of those, `done` and `stop` */
+    os_condition changed;
+    os_thread threads[NTPIO__PACKERS_MAX];
+    int thread_count;
+    bool stop;
 };
+
+static bool band_init(band *b, size_t size, int level)
+{
+    b->deflater = ntpio__deflater_new(level);
+    b->filtered = malloc(NTPIO__WINDOW + size + NTPIO__SLACK);
+    b->out = malloc(HEADER + ntpio__deflate_bound(size) + CHECKSUM);
+    return b->deflater != NULL && b->filtered != NULL && b->out != NULL;
+}
 
 void ntpio__png_packer_free(ntpio__png_packer *p)
 {
     if (p == NULL)
         return;
-    ntpio__deflater_free(p->deflater);
+    os_lock_take(&p->lock);
+    p->stop = true;
+    os_condition_wake_all(&p->changed);
+    os_lock_release(&p->lock);
+    for (int i = 0; i < p->thread_count; i++)
+        os_thread_join(p->threads[i]);
+    os_condition_destroy(&p->changed);
+    os_lock_destroy(&p->lock);
+    for (uint32_t i = 0; i < p->slots; i++) {
+        ntpio__deflater_free(p->bands[i].deflater);
+        free(p->bands[i].filtered);
+        free(p->bands[i].out);
+    }
     free(p->raw);
-    free(p->filtered);
     free(p->guesses[0]);
     free(p->guesses[1]);
     free(p->sample);
-    free(p->out);
+    free(p->joined);
     free(p);
 }
 
-ntpio__png_packer *ntpio__png_packer_new(size_t row_size, uint32_t height, size_t texel, int level)
+/* Packs the next band that nobody has begun.  The lock is held before and after. */
+static void pack_next(ntpio__png_packer *p)
+{
+    const uint32_t number = p->taken++;
+    band *b = &p->bands[number % p->slots];
+    os_lock_release(&p->lock);
+    b->size += ntpio__deflate(b->deflater, p->level, b->filtered, b->from, b->to, b->last,
+                              b->out + b->size);
+    os_lock_take(&p->lock);
+    b->done = true;
+    os_condition_wake_all(&p->changed);
+}
+
+static void *pack_bands(void *context)
+{
+    ntpio__png_packer *p = context;
+    os_lock_take(&p->lock);
+    while (!p->stop) {
+        if (p->taken < p->filled)
+            pack_next(p);
+        else
+            os_condition_wait(&p->changed, &p->lock);
+    }
+    os_lock_release(&p->lock);
+    return NULL;
+}
+
+/* If the system refuses some, the others do the work. */
+static void start_threads(ntpio__png_packer *p, int count)
+{
+    while (p->thread_count < count &&
+           os_thread_start(&p->threads[p->thread_count], pack_bands, p) == 0)
+        p->thread_count++;
+}
+
+ntpio__png_packer *ntpio__png_packer_new(size_t row_size, uint32_t height, size_t texel, int level,
+                                         int threads)
 {
     ntpio__png_packer *p = calloc(1, sizeof *p);
     if (p == NULL)
@@ -78,27 +149,35 @@ ntpio__png_packer *ntpio__png_packer_new(size_t row_size, uint32_t height, size_
     const size_t fit = row_size + 1 < BAND ? BAND / (row_size + 1) : 1;
     const bool small =
         level >= NTPIO__LEVEL_USUAL && level < SEARCHES_ALL && height <= SMALL / (row_size + 1);
-    level = small ? SEARCHES_ALL : level; /* that takes no time to speak of */
-    p->level = level;
+    os_lock_init(&p->lock);
+    os_condition_init(&p->changed);
+    p->level = small ? SEARCHES_ALL : level; /* that takes no time to speak of */
     p->row_size = row_size;
     p->texel = texel;
     p->pitch = NTPIO__TEXEL_MAX + row_size;
     p->left = height;
     p->rows = fit < height ? (uint32_t) fit : height;
     p->checksum = 1;
-    const size_t band = p->rows * (row_size + 1);
-    p->deflater = ntpio__deflater_new(level);
+    const size_t size = p->rows * (row_size + 1);
+    const uint32_t bands = (height + p->rows - 1) / p->rows;
+    const int most = threads < NTPIO__PACKERS_MAX ? threads : NTPIO__PACKERS_MAX;
+    bool good = true;
+    /* One more than the threads: the caller fills it meanwhile. */
+    p->slots = most < 2 ? 1 : bands < (uint32_t) most + 1 ? bands : (uint32_t) most + 1;
+    for (uint32_t i = 0; i < p->slots; i++)
+        good = band_init(&p->bands[i], size, p->level) && good;
     p->raw = calloc(p->rows + (size_t) 1, p->pitch);
-    p->filtered = malloc(NTPIO__WINDOW + band + NTPIO__SLACK);
     p->guesses[0] = malloc(row_size);
     p->guesses[1] = malloc(row_size);
-    p->sample = malloc(band + NTPIO__SLACK);
-    p->out = malloc(CHUNK + HEADER + ntpio__deflate_bound(band) + CHECKSUM);
-    if (p->deflater != NULL && p->raw != NULL && p->filtered != NULL && p->guesses[0] != NULL &&
-        p->guesses[1] != NULL && p->sample != NULL && p->out != NULL)
-        return p;
-    ntpio__png_packer_free(p);
-    return NULL;
+    p->sample = malloc(size + NTPIO__SLACK);
+    p->joined = malloc(CHUNK);
+    if (!good || p->raw == NULL || p->guesses[0] == NULL || p->guesses[1] == NULL ||
+        p->sample == NULL || p->joined == NULL) {
+        ntpio__png_packer_free(p);
+        return NULL;
+    }
+    start_threads(p, (int) p->slots < most ? (int) p->slots - 1 : most - 1);
+    return p;
 }
 
 /* ------------------------------------------------------------------------- filters */
@@ -158,9 +237,8 @@ static size_t try_kind(ntpio__png_packer *p, int kind)
         }
     }
     memset(p->sample + size, 0, NTPIO__SLACK);
-    return size == 0
-               ? 0
-               : ntpio__deflate(p->deflater, 1, p->sample, 0, size, true, p->out + p->waiting);
+    const band *b = &p->bands[p->filled % p->slots];
+    return size == 0 ? 0 : ntpio__deflate(b->deflater, 1, p->sample, 0, size, true, b->out);
 }
 
 static int choose_kind(ntpio__png_packer *p)
@@ -190,40 +268,44 @@ static uint32_t sum_bytes(uint32_t sum, const uint8_t *bytes, size_t size)
 #endif
 }
 
-/* The last bytes and the last row stay for the next band. */
-static void keep_end(ntpio__png_packer *p, size_t end)
+/* The window that the next band may look back into: the last bytes of the one before. */
+static size_t take_window(const ntpio__png_packer *p, band *b)
 {
-    p->known = end < NTPIO__WINDOW ? end : NTPIO__WINDOW;
-    memmove(p->filtered, p->filtered + end - p->known, p->known);
-    memcpy(raw_row(p, -1), raw_row(p, (int64_t) p->in_band - 1), p->row_size);
-    p->in_band = 0;
+    if (p->filled == 0)
+        return 0;
+    const band *before = &p->bands[(p->filled - 1) % p->slots];
+    const size_t known = before->to < NTPIO__WINDOW ? before->to : NTPIO__WINDOW;
+    memmove(b->filtered, before->filtered + before->to - known, known);
+    return known;
 }
 
-static size_t pack_band(ntpio__png_packer *p)
+/* Filters the rows that were taken; then the band can be packed. */
+static void fill_band(ntpio__png_packer *p)
 {
-    const size_t from = p->known, to = from + p->in_band * (p->row_size + 1);
+    band *b = &p->bands[p->filled % p->slots];
     const int kind = choose_kind(p);
+    b->from = take_window(p, b);
+    b->to = b->from + p->in_band * (p->row_size + 1);
     for (uint32_t y = 0; y < p->in_band; y++)
-        filter_row(p, y, kind, p->filtered + from + y * (p->row_size + 1));
-    memset(p->filtered + to, 0, NTPIO__SLACK);
-    p->checksum = sum_bytes(p->checksum, p->filtered + from, to - from);
-    size_t size = p->waiting;
-    if (!p->begun) { /* a window of 32 KiB, and the usual level */
-        p->out[size++] = 0x78;
-        p->out[size++] = 0x9c;
+        filter_row(p, y, kind, b->filtered + b->from + y * (p->row_size + 1));
+    memset(b->filtered + b->to, 0, NTPIO__SLACK);
+    p->checksum = sum_bytes(p->checksum, b->filtered + b->from, b->to - b->from);
+    memcpy(raw_row(p, -1), raw_row(p, (int64_t) p->in_band - 1), p->row_size);
+    b->size = 0;
+    if (p->filled == 0) { /* a window of 32 KiB, and the usual level */
+        b->out[b->size++] = 0x78;
+        b->out[b->size++] = 0x9c;
     }
-    p->begun = true;
-    size +=
-        ntpio__deflate(p->deflater, p->level, p->filtered, from, to, p->left == 0, p->out + size);
-    for (int i = 3; p->left == 0 && i >= 0; i--)
-        p->out[size++] = (uint8_t) (p->checksum >> 8 * i);
-    keep_end(p, to);
-    p->waiting = size < CHUNK && p->left > 0 ? size : 0;
-    return p->waiting == 0 ? size : 0;
+    os_lock_take(&p->lock);
+    b->done = false;
+    b->last = p->left == 0;
+    p->in_band = 0;
+    p->filled++;
+    os_condition_wake_all(&p->changed);
+    os_lock_release(&p->lock);
 }
 
-size_t ntpio__png_pack_row(ntpio__png_packer *p, const uint8_t *row, bool swap,
-                           const uint8_t **packed)
+void ntpio__png_pack_row(ntpio__png_packer *p, const uint8_t *row, bool swap)
 {
     uint8_t *to = raw_row(p, p->in_band++);
     p->left--;
@@ -233,6 +315,49 @@ size_t ntpio__png_pack_row(ntpio__png_packer *p, const uint8_t *row, bool swap,
         to[i] = row[i + 1];
         to[i + 1] = row[i];
     }
-    *packed = p->out;
-    return p->in_band == p->rows || p->left == 0 ? pack_band(p) : 0;
+    if (p->in_band == p->rows || p->left == 0)
+        fill_band(p);
+}
+
+/* Is the oldest band packed?  If no other can be filled before it is, it is waited for. */
+static bool oldest_is_done(ntpio__png_packer *p)
+{
+    const bool waits = p->left == 0 || p->filled - p->delivered == p->slots;
+    const band *b = &p->bands[p->delivered % p->slots];
+    os_lock_take(&p->lock);
+    while (waits && !b->done) {
+        if (p->taken < p->filled)
+            pack_next(p);
+        else
+            os_condition_wait(&p->changed, &p->lock);
+    }
+    const bool done = b->done;
+    os_lock_release(&p->lock);
+    return done;
+}
+
+static size_t take_joined(ntpio__png_packer *p, const uint8_t **packed)
+{
+    const size_t size = p->in_joined;
+    p->in_joined = 0;
+    *packed = p->joined;
+    return size;
+}
+
+size_t ntpio__png_packed(ntpio__png_packer *p, const uint8_t **packed)
+{
+    while (p->delivered < p->filled && oldest_is_done(p)) {
+        band *b = &p->bands[p->delivered % p->slots];
+        if (p->in_joined + b->size + CHECKSUM > CHUNK && p->in_joined > 0)
+            return take_joined(p, packed);
+        for (int i = 3; b->last && i >= 0; i--)
+            b->out[b->size++] = (uint8_t) (p->checksum >> 8 * i);
+        p->delivered++;
+        *packed = b->out;
+        if (b->size > CHUNK)
+            return b->size;
+        memcpy(p->joined + p->in_joined, b->out, b->size);
+        p->in_joined += b->size;
+    }
+    return p->left == 0 ? take_joined(p, packed) : 0;
 }

@@ -9,20 +9,28 @@
 #include <stddef.h>
 #include <stdint.h>
 
-enum { NTPIO__PACKED_ROW_MAX = 1 << 20 }; /* bytes: 131072 texels of RGBA with 16 bits */
+enum {
+    NTPIO__PACKED_ROW_MAX = 1 << 20, /* bytes: 131072 texels of RGBA with 16 bits */
+    NTPIO__PACKERS_MAX = 16          /* threads; each takes about 10 MB */
+};
 
 typedef struct ntpio__png_packer ntpio__png_packer;
 
-/* Rows of at most NTPIO__PACKED_ROW_MAX bytes, texels of `texel` bytes.  NULL without memory. */
-ntpio__png_packer *ntpio__png_packer_new(size_t row_size, uint32_t height, size_t texel, int level);
+/* Rows of at most NTPIO__PACKED_ROW_MAX bytes, texels of `texel` bytes; at most `threads` pack, the
+ * caller's included.  NULL without memory. */
+ntpio__png_packer *ntpio__png_packer_new(size_t row_size, uint32_t height, size_t texel, int level,
+                                         int threads);
 void ntpio__png_packer_free(ntpio__png_packer *p);
 
+/* Takes the next row; swap: the two bytes of its samples.  Whatever is packed is to be taken before
+ * the next row. */
+void ntpio__png_pack_row(ntpio__png_packer *p, const uint8_t *row, bool swap);
+
 /*
- * Takes the next row; swap: the two bytes of its samples.  Returns the size of the stream's next
- * part, which *packed shows until the next call, or 0 while a band is not full.  All parts together
- * are a zlib stream, and depend on the rows and the level alone.
+ * Returns the size of the stream's next part, which *packed shows until the next call, or 0 while
+ * there is none.  All parts together are a zlib stream; they depend on the rows and the level
+ * alone, not on the threads.
  */
-size_t ntpio__png_pack_row(ntpio__png_packer *p, const uint8_t *row, bool swap,
-                           const uint8_t **packed);
+size_t ntpio__png_packed(ntpio__png_packer *p, const uint8_t **packed);
 
 #endif

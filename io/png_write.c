@@ -145,7 +145,7 @@ static bool make_packer(png_state *s)
     const size_t texel = (size_t) o->channels * (size_t) o->sample_bytes;
     if (o->width > NTPIO__PACKED_ROW_MAX / texel)
         return true;
-    s->packer = ntpio__png_packer_new(o->width * texel, o->height, texel, level_of(o));
+    s->packer = ntpio__png_packer_new(o->width * texel, o->height, texel, level_of(o), o->threads);
     return s->packer != NULL;
 }
 
@@ -176,8 +176,8 @@ static void put_row(png_state *s, const uint8_t *row)
         png_write_row(s->png, row);
         return;
     }
-    const size_t size = ntpio__png_pack_row(s->packer, row, swap, &packed);
-    if (size != 0)
+    ntpio__png_pack_row(s->packer, row, swap);
+    for (size_t size; (size = ntpio__png_packed(s->packer, &packed)) != 0;)
         png_write_chunk(s->png, name, packed, size);
 }
 

@@ -131,6 +131,7 @@ ntpio_writer *production_open(const production *p, const char *output, ntpio_wri
     shape->read_stamp = p->s.info->stamp;
     shape->level =
         option_given(p->m->o, OPT_LEVEL) ? (int32_t) option_integer(p->m->o, OPT_LEVEL) : -1;
+    shape->threads = p->w->threads;
     return ntpio_create(output, shape, error);
 }
 

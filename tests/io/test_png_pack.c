@@ -14,7 +14,7 @@
 #include "made.h"
 #include "ntpio.h"
 
-enum { SIZE_MAX_TRIED = 200000, GUARD = 64, FILE_MAX = 1 << 20 };
+enum { SIZE_MAX_TRIED = 200000, GUARD = 64, FILE_MAX = 1 << 22 };
 
 static uint64_t state = 7;
 
@@ -326,6 +326,42 @@ static void test_sizes(void)
     unlink("theirs.png");
 }
 
+/* The same bytes with any number of threads: more bands than slots, fewer, one that is small. */
+static void test_threads(void)
+{
+    for (uint32_t height = 3; height <= 45; height += 21) {
+        ntpio_write_options o = {
+            .width = 50001, .height = height, .channels = 4, .sample_bytes = 1, .level = 2
+        };
+        uint8_t *rows = make_rows(&o, 2);
+        write_rows("ours.png", &o, rows, height);
+        const size_t size = load_file("ours.png", file);
+        for (o.threads = 2; o.threads <= 40; o.threads += o.threads < 4 ? 1 : 36) {
+            write_rows("threads.png", &o, rows, 5);
+            CHECK(load_file("threads.png", other) == size && memcmp(file, other, size) == 0);
+        }
+        reads("ours.png", &o, rows, 0);
+        free(rows);
+    }
+    unlink("ours.png");
+    unlink("threads.png");
+}
+
+/* A writer that is dropped ends its threads. */
+static void test_dropped(void)
+{
+    ntpio_write_options o = {
+        .width = 50001, .height = 90, .channels = 4, .sample_bytes = 1, .level = 9, .threads = 3
+    };
+    uint8_t *rows = make_rows(&o, 0);
+    ntpio_writer *writer = ntpio_create("dropped.png", &o, &error);
+    CHECK(writer != NULL);
+    CHECK(ntpio_write_rows(writer, rows, (ptrdiff_t) row_bytes(&o), 60, &error));
+    ntpio_abort(writer);
+    CHECK(access("dropped.png", F_OK) != 0);
+    free(rows);
+}
+
 int main(void)
 {
     char directory[] = "/tmp/ntp-pack-XXXXXX";
@@ -335,6 +371,8 @@ int main(void)
     test_large();
     test_chunks();
     test_sizes();
+    test_threads();
+    test_dropped();
     CHECK(rmdir(directory) == 0);
     return 0;
 }
