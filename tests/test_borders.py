@@ -271,8 +271,13 @@ def test_borders_of_what_is_not_solved():
     for small in (n[:15], n[:, :15]):
         found = find_borders(np.ascontiguousarray(small), FORWARD)
         assert [(f["border"], f["decided"]) for f in found] == [(CLAMP, 0)] * 2
-    found = find_borders(n, BAKED)
-    assert [(f["border"], f["decided"]) for f in found] == [(MIRROR, 0)] * 2
+
+
+def test_baked_normals_show_borders_as_central_ones():
+    whole = reconstruction.fractal(160)
+    for h in (whole, whole[20:120, 30:150].copy()):
+        n = jpeg(reconstruction.from_height(h, border_x=EXTRAPOLATE), 90, 0)
+        assert find_borders(n, BAKED) == find_borders(n, 0)
 
 
 def test_threads_do_not_change_the_borders_and_progress_can_stop():

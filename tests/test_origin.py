@@ -97,7 +97,7 @@ def test_orientation_matters():
     n[..., 1] = 255 - n[..., 1]
     assert find(n, ntp.DOWN)["decided"]
     wrong = find(n, ntp.UP)
-    assert not wrong["decided"] and NAMES[wrong["kernel"]] == "central"
+    assert not wrong["decided"]
 
 
 @pytest.mark.parametrize("dtype", [np.uint16, np.float32])
@@ -143,7 +143,42 @@ def test_left_open():
     for name, n in cases.items():
         found = find(n)
         assert not found["decided"], (name, found)
-        assert name == "noisy" or NAMES[found["kernel"]] == "central", (name, found)
+        damaged = name in ("noise", "noisy", "JPEG")
+        likely = ["central", "baked"] if damaged else ["central"]
+        assert [*NAMES, "baked"][found["kernel"]] in likely, (name, found)
+
+
+BAKED = len(heights.NAMES)
+
+
+def sampled(h):
+    """Normals of the smooth surface through heights that tile, at their places."""
+    spectrum = np.fft.fft2(h)
+    wave = [2j * np.pi * np.fft.fftfreq(n) for n in h.shape]
+    for w in wave:
+        w[len(w) // 2] = 0
+    p = np.fft.ifft2(spectrum * wave[1]).real
+    q = np.fft.ifft2(spectrum * wave[0][:, None]).real
+    v = np.stack([-p, q, np.ones_like(p)], -1)
+    return maps.encode(v / np.linalg.norm(v, axis=-1, keepdims=True))
+
+
+def test_damage_takes_the_kernel_that_errs_least():
+    """None fits; central is off by far on what it did not make, baked on nothing."""
+    rough = reconstruction.fractal(160, seed=3)
+    wave = np.arange(160) * (2 * np.pi / 160)
+    even = 3 * np.sin(3 * wave)[:, None] * np.cos(2 * wave) + 2 * np.cos(5 * wave)
+    rng = np.random.default_rng(2)
+    cases = [(rough, maps.jpeg(maps.to_type(sampled(rough)), 90, 0), "baked")]
+    cases += [(rough, maps.jpeg(reconstruction.from_height(rough), 97, 0), "central")]
+    noisy = reconstruction.from_height(even) + rng.normal(0, 4, (160, 160, 3))
+    cases += [(even, np.clip(noisy, 0, 255).round().astype(np.uint8), "baked")]
+    for h, n, expected in cases:
+        found = find(n)
+        assert not found["decided"]
+        assert [*NAMES, "baked"][found["kernel"]] == expected, found
+        error = [np.std(reconstruction.to_height(n, kernel=k)[0] - h) for k in (0, BAKED)]
+        assert error[expected == "baked"] < 0.95 * error[expected != "baked"]
 
 
 def test_holes_do_not_matter():

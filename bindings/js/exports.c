@@ -461,6 +461,8 @@ ntp_status ntp_js_height_from_normals(double *facts, float *heights, const pictu
     if (how->kernel == AUTO) {
         status = ntp_find_kernel(&fit, &src, how->touch_unused);
         options.kernel = status == NTP_OK ? fit.kernel : NTP_KERNEL_CENTRAL;
+        if (options.method == NTP_HEIGHT_TELESCOPING && options.kernel == NTP_KERNEL_BAKED)
+            options.kernel = NTP_KERNEL_CENTRAL;
     }
     status = find_borders(&options, &src);
     if (status == NTP_OK) {

@@ -192,7 +192,7 @@ const option_spec OPTION_TABLE[] = {
     { OPT_Y, "from-y", 0, KIND_CHOICE, "auto|" Y_WORDS, NULL, 0, 0, V_TO_HEIGHT, NULL },
     { OPT_KERNEL, "kernel", 0, KIND_CHOICE, "auto|" KERNELS "|baked", "auto", 0, 0, V_TO_HEIGHT,
       "how the slopes were computed from heights; baked: they are those of a surface, at texel "
-      "centers. auto: the one that fits best, else central" },
+      "centers. auto: the one that fits best, else central or baked" },
     { OPT_BORDER, "border", 0, KIND_CHOICE, "auto|" BORDERS, "auto", 0, 0, V_TO_HEIGHT,
       "the height beyond the edges. auto: detect it from the normals at the edges and from "
       "whether the texture tiles, else the one with which normals fit best" },

@@ -38,6 +38,18 @@ static const double HOLES_TOLERANCE = 1e-4, QUICK_TOLERANCE = 3e-4;
  * cause. */
 static const double FITS = 0.25, FAR_OFF = 1;
 
+/* Where no kernel is near, heights are best taken from baked slopes.  But whether a surface fits is
+ * told by central ones, which take no account of what lies between texels. */
+static const double NO_KERNEL_NEAR = 4;
+
+static void find_nearest(ntp_kernel_fit *origin, const ntp_const_image *src, uint32_t touch)
+{
+    ntp_find_kernel(origin, src, touch);
+    if (!origin->decided && origin->kernel == NTP_KERNEL_BAKED &&
+        origin->misfit[NTP_KERNEL_BAKED] > NO_KERNEL_NEAR)
+        origin->kernel = NTP_KERNEL_CENTRAL;
+}
+
 /* Sets src->y and finds the kernel.  If neither the option nor the texels nor the name say which
  * way green points, it is the way in which a kernel fits better. */
 static void find_kernel(ntp_kernel_fit *origin, ntp_const_image *src, const facts *f,
@@ -48,13 +60,13 @@ static void find_kernel(ntp_kernel_fit *origin, ntp_const_image *src, const fact
              : f->orientation.decided  ? f->orientation.y
              : f->in->y == NAME_Y_DOWN ? NTP_Y_DOWN
                                        : NTP_Y_UP;
-    ntp_find_kernel(origin, src, touch);
+    find_nearest(origin, src, touch);
     if (known)
         return;
     ntp_kernel_fit other = { 0 };
     ntp_const_image flipped = *src;
     flipped.y = NTP_Y_DOWN;
-    ntp_find_kernel(&other, &flipped, touch);
+    find_nearest(&other, &flipped, touch);
     if (other.points > 0 && other.misfit[other.kernel] < origin->misfit[origin->kernel]) {
         *origin = other;
         *src = flipped;

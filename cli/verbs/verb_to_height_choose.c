@@ -43,8 +43,10 @@ static void choose_kernel(to_height_state *st, const to_height_settings *set)
     if (set->kernel != AUTO)
         return;
     ntp_find_kernel(&found, &st->src, st->how.touch_unused);
-    st->how.kernel = found.kernel;
-    st->kernel_by = found.decided ? BY_TEXELS : BY_DEFAULT;
+    const bool telescoping = st->how.method == NTP_HEIGHT_TELESCOPING;
+    const bool sums = telescoping && found.kernel == NTP_KERNEL_BAKED; /* which it cannot do */
+    st->how.kernel = sums ? NTP_KERNEL_CENTRAL : found.kernel;
+    st->kernel_by = found.decided && !sums ? BY_TEXELS : BY_DEFAULT;
 }
 
 /*

@@ -1485,7 +1485,8 @@ typedef struct ntp_kernel_fit {
  * sobel3, scharr3, prewitt5 and baked; sobel5 looks like sobel3.  It reads sampled rows, at most
  * 1024 and only until they show enough detail, and 256 columns of each.  The border does not
  * matter.  Where damage hides the kernel, it is forward if the slopes lie half a texel from their
- * texels, else central, and undecided.  src->ring_rows is 0.
+ * texels, else baked unless that misfits 1.03 times as much as central, and undecided.
+ * src->ring_rows is 0.
  */
 NTP_API ntp_status ntp_find_kernel(ntp_kernel_fit *fit, const ntp_const_image *src,
                                    uint32_t touch_unused);
@@ -1590,8 +1591,8 @@ NTP_API size_t ntp_find_borders_scratch_size(const ntp_height_options *how, int3
  * levels, wrap is tried, and extrapolate and clamp if their error at the edges is at most twice the
  * least; the border with the least residual is taken if that is less by 1 %.
  * how: as for ntp_height_from_normals; the borders are those of the axes that are not `open`.  Only
- * NTP_HEIGHT_AUTO and NTP_HEIGHT_POISSON_DCT without a mask are solved; else, and for baked normals
- * and sides below 16 texels, fit[i] is what `wraps` says, or undecided.  open, wraps: nonzero for
+ * NTP_HEIGHT_AUTO and NTP_HEIGHT_POISSON_DCT without a mask are solved, NTP_KERNEL_BAKED as central;
+ * else, and for sides below 16 texels, fit[i] is what `wraps` says, or undecided.  open, wraps: nonzero for
  * the axes whose border is to be found, and that ntp_find_seams says wrap.  fit[i].error is -1
  * where ntp_find_border was not asked, and fit[i] is that of `how` where the axis is not open.
  * scratch: aligned to 64.  hooks may be NULL.  src->ring_rows is 0.

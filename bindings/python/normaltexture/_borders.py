@@ -13,12 +13,12 @@ _FRANKOT_CHELLAPPA: int = lib.NTP_HEIGHT_FRANKOT_CHELLAPPA
 SHARE = 0.2  # of the progress
 
 
-def find_kernel(src: Any, touch_unused: int) -> int:
-    """The kernel to reconstruct with."""
+def find_kernel(src: Any, how: Any) -> int:
+    """The kernel to reconstruct with; telescoping cannot do baked slopes."""
     origin = ffi.new("ntp_kernel_fit *")
-    if lib.ntp_find_kernel(origin, src, touch_unused) != Status.OK:
-        return int(lib.NTP_KERNEL_CENTRAL)
-    return int(origin.kernel)
+    failed = lib.ntp_find_kernel(origin, src, how.touch_unused) != Status.OK
+    sums = how.method == lib.NTP_HEIGHT_TELESCOPING and origin.kernel == lib.NTP_KERNEL_BAKED
+    return int(lib.NTP_KERNEL_CENTRAL if failed or sums else origin.kernel)
 
 
 def choose_borders(how: Any, asked: tuple[int, int], src: Any, solver: Solver) -> bool:

@@ -111,7 +111,7 @@ def height_from_normals(
         sums of slopes.  "auto": weighted with a `mask`, else by the borders.
     kernel : {"auto", "baked"}, or one of `normals_from_height`
         How the slopes were computed; "baked": they are those of a surface, at texel centers.
-        "auto": the one that fits best, else central.
+        "auto": the one that fits best, else central or baked.
     border, border_x, border_y : {"auto"}, or one of `normals_from_height`
         The height beyond the edges.  "auto": detect it from the normals at the edges; if they show
         none, the one with which normals fit best.
@@ -365,7 +365,7 @@ def _heights(
         output.array if output.array.flags.c_contiguous else np.empty_like(output.array, order="C")
     )
     dst = view("out", packed, HEIGHT, writable=True)
-    how.kernel = find_kernel(src_view, how.touch_unused) if kernel_code == AUTO else kernel_code
+    how.kernel = find_kernel(src_view, how) if kernel_code == AUTO else kernel_code
     result = ffi.new("ntp_height_result *")
     solver = Solver(dst, src_view, threads, progress)
     looked = choose_borders(how, asked, src_view, solver)

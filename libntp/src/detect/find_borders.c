@@ -95,10 +95,13 @@ static size_t solver_size(const ntp_height_options *how, int32_t width, int32_t 
     return most;
 }
 
+/* Baked normals show borders as central slopes do: no kernel makes them again. */
 static ntp_height_options plain(const ntp_height_options *how)
 {
     ntp_height_options first = *how;
     first.refine = first.detrend = 0;
+    if (first.kernel == NTP_KERNEL_BAKED)
+        first.kernel = NTP_KERNEL_CENTRAL;
     return first;
 }
 
@@ -122,8 +125,8 @@ size_t ntp_find_borders_scratch_size(const ntp_height_options *how, int32_t widt
     if (how == NULL || width < 1 || height < 1 || width > NTP_MAX_SIDE || height > NTP_MAX_SIDE)
         return 0;
     s.how = plain(how);
-    if (!lay_out(&s, &rows, width, band_lines(height, how->kernel), parts) ||
-        !lay_out(&s, &columns, band_lines(width, how->kernel), height, parts))
+    if (!lay_out(&s, &rows, width, band_lines(height, s.how.kernel), parts) ||
+        !lay_out(&s, &columns, band_lines(width, s.how.kernel), height, parts))
         return 0;
     return rows.used > columns.used ? rows.used : columns.used;
 }
@@ -346,7 +349,7 @@ static void start(search *s, const ntp_const_image *src, const ntp_height_option
     memset(s, 0, sizeof *s);
     s->wrapped = -1;
     s->hooks = hooks;
-    s->how = plain(how);
+    s->how = *how;
     bool free = cut_band(s, src, how->kernel, down) || both;
     if (free)
         *(down ? &s->how.border_x : &s->how.border_y) = ntp_free_border(how->kernel);
@@ -394,7 +397,7 @@ ntp_status ntp_find_borders(ntp_border_fit fit[2], const ntp_const_image *src,
         return NTP_ERR_SHAPE;
     int32_t parts = hooks != NULL && hooks->parts > 0 ? hooks->parts : 1;
     size_t size = ntp_find_borders_scratch_size(how, src->width, src->height, parts);
-    ntp_height_options with = *how;
+    ntp_height_options with = plain(how);
     ntp_border *border[2] = { &with.border_x, &with.border_y };
     bool asked[2];
     for (int32_t i = 0; i < 2; i++) {
@@ -408,8 +411,8 @@ ntp_status ntp_find_borders(ntp_border_fit fit[2], const ntp_const_image *src,
             *border[i] = NTP_BORDER_WRAP;
     }
     bool direct = how->method == NTP_HEIGHT_AUTO || how->method == NTP_HEIGHT_POISSON_DCT;
-    if (!direct || how->mask != NULL || how->kernel == NTP_KERNEL_BAKED || size == 0 ||
-        src->width < LEAST_SIDE || src->height < LEAST_SIDE)
+    if (!direct || how->mask != NULL || size == 0 || src->width < LEAST_SIDE ||
+        src->height < LEAST_SIDE)
         return NTP_OK;
     if (scratch == NULL || (uintptr_t) scratch % NTP__ALIGNMENT != 0 || scratch_size < size)
         return NTP_ERR_SCRATCH;

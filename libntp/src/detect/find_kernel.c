@@ -70,6 +70,9 @@ static const double CLEARLY = 1.15, CLEARLY_BAKED = 1.5;
 /* The answer is central unless another kernel fits better by this factor, and not too badly
  * itself. */
 static const double BETTER = 1.15, USABLE_MISFIT = 4;
+/* Where no kernel fits, central is off by far on normals that were not made by it, and lets even and
+ * odd heights drift apart under noise.  `baked` does neither, unless it misfits so much more. */
+static const double AS_GOOD = 1.03;
 static const uint64_t LEAST_POINTS = 200;
 
 /* The rows around a point's row. */
@@ -300,5 +303,8 @@ ntp_status ntp_find_kernel(ntp_kernel_fit *fit, const ntp_const_image *src, uint
         fit->kernel = CANDIDATE[best].kernel;
     else if (fit->kernel == NTP_KERNEL_CENTRAL && ntp__lie_between(src))
         fit->kernel = NTP_KERNEL_FORWARD;
+    else if (fit->kernel == NTP_KERNEL_CENTRAL && misfit[best] > MOST_MISFIT &&
+             misfit[last] < AS_GOOD * misfit[0])
+        fit->kernel = NTP_KERNEL_BAKED;
     return NTP_OK;
 }
