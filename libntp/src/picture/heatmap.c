@@ -124,22 +124,27 @@ static void make_gray(ntp__block *restrict gray, const ntp__block *restrict bloc
     }
 }
 
-static void paint_fault(uint8_t rgb[3], const faults *f, int32_t i, ntp_palette palette)
+static void paint_fault(uint8_t rgb[3], const faults *f, int32_t i)
 {
     const int32_t xy = f->xy[i], length = f->length[i], z = f->z[i];
-    if (palette == NTP_PALETTE_REFERENCE) {
-        rgb[0] = (uint8_t) xy;
-        rgb[1] = (uint8_t) length;
-        rgb[2] = (uint8_t) z;
-        return;
-    }
     const uint8_t *hue = z > 0 ? SAFE_Z : xy > 0 ? SAFE_XY : SAFE_LENGTH;
     const int32_t strength = z > 0 ? z : xy > 0 ? xy : length;
     for (int32_t k = 0; k < 3; k++)
         rgb[k] = (uint8_t) ((hue[k] * strength + STRONG / 2) / STRONG);
 }
 
-static void paint_faults(ntp__block *out, const faults *f, ntp_palette palette, int32_t n)
+/* The colors of the reference palette are the faults themselves. */
+static void paint_reference(ntp__block *restrict out, const faults *restrict f, int32_t n)
+{
+    for (int32_t i = 0; i < ntp__whole(n); i++) {
+        const int32_t none = -((f->xy[i] | f->length[i] | f->z[i]) == 0);
+        out->c[0][i] = f->xy[i] | (out->c[0][i] & none);
+        out->c[1][i] = f->length[i] | (out->c[1][i] & none);
+        out->c[2][i] = f->z[i] | (out->c[2][i] & none);
+    }
+}
+
+static void paint_safe(ntp__block *out, const faults *f, int32_t n)
 {
     int32_t any[NTP__BLOCK];
     for (int32_t i = 0; i < n; i++)
@@ -150,7 +155,7 @@ static void paint_faults(ntp__block *out, const faults *f, ntp_palette palette, 
             uint8_t rgb[3];
             if (any[i] == 0)
                 continue;
-            paint_fault(rgb, f, i, palette);
+            paint_fault(rgb, f, i);
             for (int32_t k = 0; k < 3; k++)
                 out->c[k][i] = rgb[k];
         }
@@ -173,7 +178,10 @@ static void paint_run(const ntp_image *dst, const ntp_const_image *src, ntp_pale
                 f.xy[i] = f.length[i] = f.z[i] = 0;
         }
     }
-    paint_faults(&out, &f, palette, n);
+    if (palette == NTP_PALETTE_REFERENCE)
+        paint_reference(&out, &f, n);
+    else
+        paint_safe(&out, &f, n);
     for (int32_t i = 0; block.any_broken && i < n; i++) {
         for (int32_t k = 0; block.broken[i] && k < 3; k++)
             out.c[k][i] = NOT_A_VECTOR[k];
