@@ -47,6 +47,12 @@ typedef struct exchange_facts {
     bool sure;
 } exchange_facts;
 
+/* What mips.c adds: are mips plain means of x and y, and how far is that from the right ones? */
+typedef struct mips_facts {
+    bool plain;
+    double degrees;
+} mips_facts;
+
 /* Texels that are wrong beyond rounding: in length (red and green alone included), in red and green
  * alone, by negative z. */
 typedef enum harm_kind { HARM_LENGTH, HARM_XY, HARM_Z, HARM_KINDS } harm_kind;
@@ -63,6 +69,7 @@ typedef struct facts {
     steepest most;                      /* only if it was asked for */
     surface_facts surface;
     exchange_facts exchange;
+    mips_facts mips;
     bool forced;         /* by --type */
     bool counts;         /* it is judged: named, or a normals texture by its name or content */
     level_count *levels; /* the histogram of levels_off, without zeros */

@@ -88,6 +88,10 @@ static void judge_gpu_texture(judgement *j)
              "marked sRGB (%s): GPUs convert the numbers as they read them", info->layout);
     if (info->mips == 1 && (info->width > 1 || info->height > 1))
         addf(j, NT053, LEVEL_INFO, 0, "has no mips");
+    if (j->f->mips.plain)
+        addf(j, NT054, j->f->mips.degrees > j->rules->max_angle / 5 ? LEVEL_WARNING : LEVEL_INFO, 0,
+             "mips are plain means of x and y, not of vectors: off by %.2f degrees on average",
+             j->f->mips.degrees);
 }
 
 static void judge_storage(judgement *j)

@@ -167,6 +167,11 @@ const finding_spec FINDING_TABLE[FINDING_COUNT] = {
         "A DDS or KTX2 with a single level: an engine that does not make the others itself shows noise and moire from "
         "afar, and reads more memory.",
         "`ntp resize --mips` makes the levels, each normalized; build the DDS or KTX2 of them." },
+    [NT054] = { "NT054", "nt054", "info or warning", "mips are not normalized",
+        "In a DDS or KTX2 of two channels: the mips are plain means of x and of y. The mean of vectors is to be made a unit "
+        "vector again, else the z that a shader computes is too large, and rough surfaces become smooth from afar. It is a "
+        "warning where that is more than a fifth of `--max-angle` on average.",
+        "Make the levels by `ntp resize --mips`, which normalizes, and build the DDS or KTX2 of them." },
 };
 /* clang-format on */
 

@@ -56,6 +56,7 @@ typedef enum finding_id {
     NT051,
     NT052,
     NT053,
+    NT054,
     FINDING_COUNT
 } finding_id;
 

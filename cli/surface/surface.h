@@ -5,6 +5,7 @@
  * The room of what needs heights or slopes, for `ntp check` and `ntp to-height`.
  *   surface.c           the facts that a check adds, of the middle or of all of a texture
  *   exchange.c          whether x and y are exchanged
+ *   mips.c              how the mips of a DDS or KTX2 were made
  *   most_used_square.c  the part of a texture with the fewest holes
  *   height_range.c      the range that most heights lie in, and clipping to it
  *   solve_heights.c     heights on all threads of a worker; borders by the normals at the edges

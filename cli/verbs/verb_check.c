@@ -9,6 +9,7 @@
 #include "report/report.h"
 #include "run/jobs.h"
 #include "surface/exchange.h"
+#include "surface/mips.h"
 #include "surface/surface.h"
 #include "verbs/verbs.h"
 
@@ -55,6 +56,8 @@ static void examine_file(const check *c, worker *w, const input *in, checked *do
         done->readable = surface_look_deeper(&s, &done->f, y, &done->error);
     else if (done->readable && tells_of_surface(c))
         surface_look(&s, &done->f, y);
+    if (done->readable && of_gpus)
+        done->readable = mips_look(&s, &done->f, &done->error);
     source_close(&s);
     if (!done->readable)
         return;

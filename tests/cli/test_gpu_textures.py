@@ -214,3 +214,24 @@ def test_diff_matches_green(run, tmp_path):
     (tmp_path / "down.ktx2").write_bytes(ktx2(128, 128, [down.tobytes()], 16))
     done = run("diff", "up.png", "down.ktx2", "--format", "json")
     assert json.loads(done.stdout)["angle_deg"]["mean"] == 0
+
+
+def test_mips_that_are_plain_means(run, tmp_path):
+    """Told of plain means, also with noise as of compression; not of right mips with that noise."""
+    source = textures.standard(128, 128, depth=16)
+    x, y = (source[..., :2].astype(np.float64) * 2 / 65535 - 1).transpose(2, 0, 1)
+    whole = vectors(x, y)
+    rng = np.random.default_rng(7)
+    for noise in (0, 0.02):
+        right, plain = [to_16_bit(whole)], [to_16_bit(whole)]
+        for side in (2, 4, 8):
+            n = 128 // side
+            mean = whole.reshape(n, side, n, side, 3).mean((1, 3))
+            error = rng.normal(0, noise, (n, n, 2))
+            plain.append(to_16_bit(np.clip(mean[..., :2] + error, -0.99, 0.99)))
+            unit = mean / np.linalg.norm(mean, axis=-1, keepdims=True)
+            right.append(to_16_bit(np.clip(unit[..., :2] + error, -0.99, 0.99)))
+        (tmp_path / "right_n.ktx2").write_bytes(ktx2(128, 128, right, 77))
+        (tmp_path / "plain_n.ktx2").write_bytes(ktx2(128, 128, plain, 77))
+        assert "NT054" not in findings(check(run, "right_n.ktx2")[1])
+        assert "NT054" in findings(check(run, "plain_n.ktx2")[1])

@@ -51,6 +51,7 @@ NO_COMMANDS = {
     ("NT023", "ntp blend"),
     ("NT012", "ntp convert"),
     ("NT053", "ntp resize --mips"),
+    ("NT054", "ntp resize --mips"),
 }  # a verb is named, no command
 
 
