@@ -57,7 +57,11 @@ PROGRAM = [
     Room("", "main.c"),
 ]
 # Below the program: what differs by system, and image files.
-SYSTEM = [Room("", "files.h"), Room("posix", "output.c", "posix")]
+SYSTEM = [
+    Room("", "files.h"),
+    Room("posix", "output.c", "posix"),
+    Room("windows", "output.c", "windows"),
+]
 FILES = [Room("", "ntpio.h")]
 # Who may include headers of os/, by their path from the top.
 ABOVE_SYSTEM = {"os", "io", "cli"}

@@ -236,9 +236,9 @@ static void free_input(input *in)
 static char *canonical_name(const char *path)
 {
     const char *slash = strrchr(path, '/');
-    char *directory = copy_string(slash == NULL ? "." : slash == path ? "/" : path);
-    if (slash != NULL && slash != path)
-        directory[slash - path] = 0;
+    char *directory = copy_string(slash == NULL ? "." : path);
+    if (slash != NULL)
+        directory[slash - path + (slash == os_after_drive(path))] = 0;
     char *resolved = strcmp(path, "-") != 0 ? os_real_path(directory) : NULL;
     free(directory);
     if (resolved == NULL)

@@ -361,7 +361,9 @@ bool make_parents(const char *path, text *why)
 {
     char *copy = copy_string(path);
     bool ok = true;
-    for (char *slash = strchr(copy + 1, '/'); ok && slash != NULL; slash = strchr(slash + 1, '/')) {
+    char *start = copy + (os_after_drive(copy) - copy);
+    char *slash = *start != 0 ? strchr(start + 1, '/') : NULL;
+    for (; ok && slash != NULL; slash = strchr(slash + 1, '/')) {
         *slash = 0;
         if (!os_make_directory(copy) && errno != EEXIST && !is_directory(copy)) {
             text_name(why, copy);

@@ -95,6 +95,7 @@ static void print_result(const batch *b, const input *in, result *r)
         progress_clear();
         output_flush();
         fwrite(r->err.data, 1, r->err.size, stderr);
+        fflush(stderr);
     }
     if (r->out.size > 0)
         progress_clear();

@@ -85,6 +85,7 @@ void complain(const char *format, ...)
     text t = { 0 };
     text_name(&t, message); /* it may quote file names */
     fprintf(stderr, "ntp: %s\n", text_string(&t));
+    fflush(stderr);
     text_free(&t);
 }
 

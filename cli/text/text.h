@@ -17,7 +17,9 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#if defined(__GNUC__)
+#if defined(__GNUC__) && !defined(__clang__) /* its plain printf is that of the system */
+#  define TEXT_FORMAT(string, first) __attribute__((format(gnu_printf, string, first)))
+#elif defined(__clang__)
 #  define TEXT_FORMAT(string, first) __attribute__((format(printf, string, first)))
 #else
 #  define TEXT_FORMAT(string, first)

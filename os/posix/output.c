@@ -21,6 +21,7 @@
 
 #include "os/posix/attributes.h"
 #include "os/posix/state.h"
+#include "os/slots.h"
 
 #ifndef O_CLOEXEC
 #  define O_CLOEXEC 0
@@ -68,38 +69,12 @@ static bool fail_as_changed(os_problem *problem)
 
 /* ------------------------------------------------------------------------ names */
 
-static uint32_t fnv1a(const char *s)
-{
-    uint32_t hash = 2166136261u;
-    for (; *s != 0; s++)
-        hash = (hash ^ (unsigned char) *s) * 16777619u;
-    return hash;
-}
-
-/* If a name is too long for the suffix, a hash of the whole replaces its end. */
 static char *slot_name(const os_output *output, unsigned slot)
 {
-    const size_t length = strlen(output->target);
-    long limit = NAME_LIMIT;
-    if (length + 1 + SLOT_SUFFIX > NAME_FITS && output->directory >= 0)
+    long limit = OS__SLOT_NAME_LIMIT;
+    if (strlen(output->target) + 1 + OS__SLOT_SUFFIX > NAME_FITS && output->directory >= 0)
         limit = fpathconf(output->directory, _PC_NAME_MAX);
-    if (limit < SLOT_SUFFIX + HASH_SIZE + 2)
-        limit = NAME_LIMIT;
-    const size_t size = length + HASH_SIZE + SLOT_SUFFIX + 2;
-    char *name = malloc(size);
-    if (name == NULL)
-        return NULL;
-    if (length + 1 + SLOT_SUFFIX <= (size_t) limit) {
-        snprintf(name, size, ".%s.ntp-%06u.tmp", output->target, slot);
-        return name;
-    }
-    size_t keep = (size_t) limit - 1 - SLOT_SUFFIX - HASH_SIZE;
-    keep = keep < length ? keep : length;
-    while (keep > 1 && ((unsigned char) output->target[keep] & 0xc0) == 0x80)
-        keep--;
-    snprintf(name, size, ".%.*s~%08lx.ntp-%06u.tmp", (int) keep, output->target,
-             (unsigned long) fnv1a(output->target), slot);
-    return name;
+    return os__slot_name(output->target, limit, slot);
 }
 
 static char *read_link(const char *path)
@@ -162,7 +137,7 @@ static void remove_stale(const os_output *output, const char *temp)
 
 static void remove_all_stale(const os_output *output)
 {
-    for (unsigned slot = 1; slot <= SLOTS; slot++) {
+    for (unsigned slot = 1; slot <= OS__SLOTS; slot++) {
         char *temp = slot_name(output, slot);
         if (temp != NULL)
             remove_stale(output, temp);
@@ -197,7 +172,7 @@ static bool open_unnamed(os_output *output, mode_t mode)
 static bool open_named(os_output *output, mode_t mode, os_problem *problem)
 {
     int error = EEXIST;
-    for (unsigned slot = 1; slot <= SLOTS && error == EEXIST; slot++) {
+    for (unsigned slot = 1; slot <= OS__SLOTS && error == EEXIST; slot++) {
         struct stat st;
         char *temp = slot_name(output, slot);
         if (temp == NULL)
@@ -226,7 +201,7 @@ static bool link_unnamed(os_output *output, os_problem *problem)
     snprintf(proc, sizeof proc, "/proc/self/fd/%d", output->fd);
     if (linkat(AT_FDCWD, proc, output->directory, output->target, AT_SYMLINK_FOLLOW) == 0)
         return true;
-    for (unsigned slot = 1; slot <= SLOTS && errno == EEXIST; slot++) {
+    for (unsigned slot = 1; slot <= OS__SLOTS && errno == EEXIST; slot++) {
         char *temp = slot_name(output, slot);
         if (temp == NULL)
             return fail_memory(problem);
