@@ -80,8 +80,8 @@ LISTED = {
         "Weichzeichnen durch Domänentransformation",
     ),
 }
-# The choice of a page in the dialog of the operation, from the top, on the first and second page.
-PAGES = {2: (175, 175), 3: (89, 89)}
+# The choice of a page in the dialog of the operation, from the top, at each scale.
+PAGES = {2: {1: 175, 2: 274}, 3: {1: 89, 2: 178}}
 SCRIPT3 = """
 import json
 images = {}
@@ -168,7 +168,7 @@ def open_operation(gimp, main, name):
     screen.front(dialog)
     screen.settle()
     x, y, width, _ = screen.box(dialog)
-    screen.click(x + width // 2, y + 62 * gimp.scale)
+    screen.click(x + width // 2, y + 54 * gimp.scale)
     screen.park()  # where it does not scroll the list
     screen.settle(still=0.5)
     screen.key("Home", *["Down"] * above(gimp, name), "Return")
@@ -210,10 +210,10 @@ def photograph(gimp, out, label, only):
         time.sleep(2)
         screen.picture(out / f"{label}-{name}.png", dialog)
         note(f"{label}-{name}", screen, dialog)
-        for page, at in zip(("forms", "more"), PAGES[gimp.version], strict=True):
+        for page in ("forms", "more"):
             if name == "op-normals":
                 left, top, width, _ = screen.box(dialog)
-                screen.click(left + width // 2, top + gimp.scale * at)
+                screen.click(left + width // 2, top + PAGES[gimp.version][gimp.scale])
                 screen.settle(still=0.5)
                 screen.key("Down", "Return")
                 screen.settle(still=3)
