@@ -122,6 +122,12 @@ def steps(name):
     return step
 
 
+def test_other_actions_are_named_by_commit():
+    for path in (ROOT / "action.yml", ROOT / ".github" / "workflows" / "release.yml"):
+        used = re.findall(r"uses: (\S+)", path.read_text(encoding="utf-8"))
+        assert used and all(re.fullmatch(r"[\w/.-]+@[0-9a-f]{40}", name) for name in used)
+
+
 def test_action_takes_no_input_into_a_script():
     for step in ACTION["runs"]["steps"]:
         assert "${{" not in step.get("run", "")
