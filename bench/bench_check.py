@@ -157,4 +157,5 @@ def main():
         compare_folder(build, args.folder, args.pairs, args.markdown)
 
 
-main()
+if __name__ == "__main__":
+    main()

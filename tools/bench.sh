@@ -57,6 +57,12 @@ bench() {
         NTP_BUILD=$top/build-bench python bench/bench_check.py "$@"
         return
     fi
+    if [ "${1:-}" = png ]; then
+        shift
+        pip_install python -r bench/requirements.txt
+        NTP_BUILD=$top/build-bench python bench/bench_png.py "$@"
+        return
+    fi
     python bench/run.py build-bench "$@"
     pip_install python -r bench/requirements.txt
     printf '\nHeights to normals, beside OpenCV and numpy:\n'
