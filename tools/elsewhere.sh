@@ -66,7 +66,7 @@ elsewhere_libraries() { # elsewhere_libraries ARCHITECTURE ROOT
         -o Acquire::Languages=none -o APT::Sandbox::User=root"
     quietly "$2/apt.log" patiently $elsewhere_apt update
     (cd "$2/packages" && quietly "$2/apt.log" patiently $elsewhere_apt download libpng-dev \
-        zlib1g-dev libjpeg62-turbo-dev libdeflate-dev libpopt-dev libjansson-dev)
+        zlib1g-dev libjpeg62-turbo-dev libdeflate-dev libzstd-dev libpopt-dev libjansson-dev)
     for elsewhere_package in "$2"/packages/*.deb; do dpkg -x "$elsewhere_package" "$2"; done
     touch "$2/.complete"
 }
@@ -82,7 +82,7 @@ elsewhere_program() { # elsewhere_program TARGET: what ntp makes of test_files
         export PKG_CONFIG_LIBDIR="$elsewhere_root/usr/lib/$elsewhere_triplet/pkgconfig"
         export PKG_CONFIG_SYSROOT_DIR="$elsewhere_root" PKG_CONFIG_PATH=
         elsewhere_setup "build-elsewhere/ntp-$1" "$1" -Dprefer_static=true -Dtests=false \
-            -Djpeg=enabled -Dlibdeflate=enabled
+            -Djpeg=enabled -Dlibdeflate=enabled -Dzstd=enabled
         quietly "build-elsewhere/$1.log" ninja -C "build-elsewhere/ntp-$1" -j "$jobs" cli/ntp
     )
     tests/elsewhere/outputs.sh "$(elsewhere_runner "$1") $top/build-elsewhere/ntp-$1/cli/ntp" \
