@@ -2,8 +2,8 @@
 /*
  * files.h - files, directories and their names
  *
- * The room of what differs by system: os/posix/ and os/windows/ have the same functions, and the
- * build takes one of them.  Nothing outside os/ asks which system it is.
+ * The room of what differs by system: os/posix/, os/windows/ and os/wasi/ have the same functions,
+ * and the build takes one of them.  Nothing outside os/ asks which system it is.
  *   files.h    what a file is, opening, listing, patterns
  *   output.h   writing a file beside its target, and putting it in place
  *   console.h  arguments, terminals, interruption, other programs

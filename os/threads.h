@@ -22,6 +22,15 @@ typedef struct os_once {
 typedef void *os_thread;
 #  define OS_ONCE { 0 }
 
+#elif defined(__wasi__)
+
+/* There is one thread: no other starts, and nothing is waited for. */
+typedef char os_lock;
+typedef char os_condition;
+typedef bool os_once;
+typedef char os_thread;
+#  define OS_ONCE false
+
 #else
 
 #  include <pthread.h>

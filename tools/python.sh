@@ -98,10 +98,12 @@ docs_examples() {
 
 docs() { # docs [--installed]
     need_tools
+    need_page_tools
     build_main
     if [ "${1:-}" = --installed ]; then enter_python_venv; else install_tree; fi
     stage "programs in the pages" python docs/check_c.py build
     stage "Python in the pages" docs_examples
     stage "site" docs_site
+    stage "page for browsers" page_for_site
     finish_stages
 }

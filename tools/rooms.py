@@ -61,11 +61,14 @@ SYSTEM = [
     Room("", "files.h"),
     Room("posix", "output.c", "posix"),
     Room("windows", "output.c", "windows"),
+    Room("wasi", "output.c", "wasi"),
 ]
 FILES = [Room("", "ntpio.h")]
 # Who may include headers of os/, by their path from the top.
 ABOVE_SYSTEM = {"os", "io", "cli"}
-SYSTEM_QUESTION = re.compile(r"\s*#\s*(?:el)?if.*\b(_WIN32|__APPLE__|__linux__|__unix__)\b")
+SYSTEM_QUESTION = re.compile(
+    r"\s*#\s*(?:el)?if.*\b(_WIN32|__APPLE__|__linux__|__unix__|__wasi__)\b"
+)
 HOUSES = {"libntp/src": LIBRARY, "os": SYSTEM, "io": FILES, "cli": PROGRAM}
 # Headers that a room after theirs may include although the room is shut, and why.
 OPEN_HEADERS = {

@@ -7,43 +7,6 @@ need_windows_tools() {
     install_missing
 }
 
-# The source packages of this Debian, beside the lists that the system has.
-windows_apt() {
-    apt-get -q -o Dir::Etc::SourceList=/dev/null -o "Dir::Etc::SourceParts=$windows_work/parts" \
-        -o "Dir::State::Lists=$windows_work/lists" -o "Dir::Cache=$windows_work/cache" \
-        -o APT::Sandbox::User=root "$@"
-}
-
-# windows_source PACKAGE WRAP: its source where the wrap would put it, with the build files of the wrap
-windows_source() {
-    windows_to=subprojects/$(sed -n 's/^directory = //p' "subprojects/$2.wrap")
-    if [ ! -d "$windows_to" ]; then
-        (cd "$windows_work" && windows_apt source --download-only "$1" >/dev/null)
-        mkdir -p "$windows_to.new"
-        tar -x --strip-components=1 -C "$windows_to.new" -f "$windows_work/$1"_*.orig.tar.*
-        mv "$windows_to.new" "$windows_to"
-    fi
-    cp -r "subprojects/packagefiles/$2/." "$windows_to"
-}
-
-windows_sources() {
-    mkdir -p "$windows_work/parts" "$windows_work/lists/partial" "$windows_work/cache/archives/partial"
-    if ! ls -d subprojects/popt-*/ >/dev/null 2>&1; then
-        for windows_list in /etc/apt/sources.list /etc/apt/sources.list.d/*; do
-            [ ! -f "$windows_list" ] || ! grep -q debian "$windows_list" ||
-                sed 's/^deb /deb-src /; s/^Types:.*/Types: deb-src/' "$windows_list" \
-                    >"$windows_work/parts/$(basename "$windows_list")"
-        done
-        patiently windows_apt update >/dev/null || say "apt-get update failed; trying with what there is"
-    fi
-    windows_source zlib zlib
-    windows_source libpng1.6 libpng
-    windows_source libdeflate libdeflate
-    windows_source libjpeg-turbo libjpeg-turbo
-    windows_source popt popt
-    windows_source jansson jansson
-}
-
 windows_build() {
     if [ ! -f build-windows/build.ninja ]; then
         quietly "$windows_work/setup.log" meson setup build-windows --wrap-mode=nodownload \
@@ -76,9 +39,10 @@ windows() { # windows [ARG...]: the arguments are pytest's
     need_tools
     need_windows_tools
     windows_work=$top/build-windows-work
+    mkdir -p "$windows_work"
     export WINEPREFIX="$windows_work/wine" WINEDEBUG=-all WINEDLLOVERRIDES=mscoree,mshtml=
     build_main
-    stage "sources of other libraries" windows_sources
+    stage "sources of other libraries" fetch_sources
     finish_stages
     stage "build for Windows" windows_build
     finish_stages

@@ -87,7 +87,11 @@ ptrdiff_t os_read_line(char **line, size_t *size, int end, FILE *stream)
 
 char *os_real_path(const char *path)
 {
+#ifdef __wasi__ /* it has no links */
+    return strdup(path);
+#else
     return realpath(path, NULL);
+#endif
 }
 
 char *os_current_directory(void)

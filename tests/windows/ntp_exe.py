@@ -7,6 +7,7 @@ start of wine takes half a second, so one start does many files.
 
 import json
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -87,11 +88,17 @@ def test_the_bytes_are_those_of_linux(verb, tmp_path):
     assert made == files_below(tmp_path / "linux")
 
 
+def without_versions(report):
+    """JSON names the image libraries, and those of the two builds differ."""
+    return re.sub(rb'"codecs": "[^"]*"', b"", report)
+
+
 @pytest.mark.parametrize("form", ["text", "json", "csv", "list"])
 def test_check_says_the_same(form):
     args = ["check", "-r", ".", "--format", form, "--deep"]
     process = start(*args, cwd=TEST_FILES)
-    assert process.communicate()[0] == linux(*args, cwd=TEST_FILES)
+    said = process.communicate()[0]
+    assert without_versions(said) == without_versions(linux(*args, cwd=TEST_FILES))
 
 
 @pytest.fixture

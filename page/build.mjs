@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: MIT
+// Builds the page: node build.mjs MODULE OUTPUT.  MODULE is ntp as WebAssembly; OUTPUT is one file that
+// needs no other.
+import { readFile, writeFile } from "node:fs/promises";
+import { fileURLToPath } from "node:url";
+import { gzipSync } from "node:zlib";
+import { build } from "esbuild";
+
+const LIMIT = 500_000; // bytes, gzipped
+
+const [, , module, output] = process.argv;
+const source = (name) => fileURLToPath(new URL(`src/${name}`, import.meta.url));
+
+async function bundle(entry, format) {
+  const { outputFiles } = await build({
+    entryPoints: [source(entry)],
+    bundle: true,
+    minify: true,
+    write: false,
+    target: "es2022",
+    format,
+    loader: { ".css": "css" },
+    legalComments: "none",
+  });
+  return outputFiles[0].text;
+}
+
+// Within a script element, neither of these may occur.
+const harmless = (script) => script.replaceAll("</script", "<\\/script").replaceAll("<!--", "<\\!--");
+
+const parts = {
+  "/*style*/": await bundle("style.css"),
+  "<!--module-->": gzipSync(await readFile(module), { level: 9 }).toString("base64"),
+  "<!--worker-->": harmless(await bundle("worker.ts", "iife")),
+  "/*script*/": harmless(await bundle("main.ts", "esm")),
+};
+let page = await readFile(source("index.html"), "utf8");
+for (const [mark, text] of Object.entries(parts)) page = page.replace(mark, () => text);
+const packed = gzipSync(page, { level: 9 }).length;
+if (packed > LIMIT) throw new Error(`${output}: ${packed} bytes gzipped, more than ${LIMIT}`);
+await writeFile(output, page);
+console.log(`${output}: ${page.length} bytes, ${packed} gzipped`);

@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: MIT
+// Draws a texture on a canvas: as it is, lit, on a sphere, tiled.  The samples are those of the file;
+// the browser's own decoding would manage colors and multiply by alpha.
+import type { Texture } from "./program.js";
+
+export type Mode = "texture" | "heatmap" | "lit" | "sphere" | "tiles";
+export const MODES: readonly Mode[] = ["texture", "heatmap", "lit", "sphere", "tiles"];
+
+/** How blue stores z; green points up (1) or down (-1). */
+export interface Reading {
+  type: string;
+  up: 1 | -1;
+}
+
+export interface Light {
+  x: number;
+  y: number;
+}
+
+/** The longest side that is drawn: more would not fit a screen. */
+const MOST = 1024;
+const AMBIENT = 0.12;
+const SHINE = 24;
+const GLOSS = 0.35;
+const GRAY = 175;
+
+const mostOf = ({ data }: Texture) => (data instanceof Uint8Array ? 255 : data instanceof Uint16Array ? 65535 : 1);
+
+export function sizeOf({ width, height }: Texture): [number, number] {
+  const shrink = Math.min(1, MOST / Math.max(width, height));
+  return [Math.max(1, Math.round(width * shrink)), Math.max(1, Math.round(height * shrink))];
+}
+
+/** The mean of the samples of each drawn pixel, in 0..1. */
+function shrunk(texture: Texture, width: number, height: number): Float32Array {
+  const { data, channels } = texture;
+  const most = mostOf(texture);
+  const out = new Float32Array(width * height * channels);
+  for (let y = 0; y < height; y++) {
+    const top = Math.floor((y * texture.height) / height);
+    const bottom = Math.max(top + 1, Math.floor(((y + 1) * texture.height) / height));
+    for (let x = 0; x < width; x++) {
+      const left = Math.floor((x * texture.width) / width);
+      const right = Math.max(left + 1, Math.floor(((x + 1) * texture.width) / width));
+      const share = 1 / (most * (bottom - top) * (right - left));
+      for (let c = 0; c < channels; c++) {
+        let sum = 0;
+        for (let v = top; v < bottom; v++)
+          for (let u = left; u < right; u++) sum += data[(v * texture.width + u) * channels + c];
+        out[(y * width + x) * channels + c] = sum * share;
+      }
+    }
+  }
+  return out;
+}
+
+/** A texture at the size at which it is drawn. */
+export class Picture {
+  readonly width: number;
+  readonly height: number;
+  readonly #samples: Float32Array;
+  readonly #channels: number;
+  #normals: Float32Array | null = null;
+
+  constructor(texture: Texture) {
+    [this.width, this.height] = sizeOf(texture);
+    this.#channels = texture.channels;
+    this.#samples = shrunk(texture, this.width, this.height);
+  }
+
+  colors(): ImageData {
+    const image = new ImageData(this.width, this.height);
+    const gray = this.#channels < 3;
+    for (let i = 0, from = 0; i < image.data.length; i += 4, from += this.#channels) {
+      for (let c = 0; c < 3; c++) image.data[i + c] = 255 * this.#samples[from + (gray ? 0 : c)];
+      image.data[i + 3] = 255;
+    }
+    return image;
+  }
+
+  /** Unit vectors: x right, y up, z to the viewer. */
+  normals({ type, up }: Reading): Float32Array {
+    if (this.#normals !== null) return this.#normals;
+    const out = new Float32Array(3 * this.width * this.height);
+    for (let i = 0, from = 0; i < out.length; i += 3, from += this.#channels) {
+      const x = 2 * this.#samples[from] - 1;
+      const y = this.#channels > 1 ? (2 * this.#samples[from + 1] - 1) * up : 0;
+      const derived = Math.sqrt(Math.max(0, 1 - x * x - y * y));
+      const blue = this.#channels > 2 ? this.#samples[from + 2] : 1;
+      const z = type === "xy" || this.#channels < 3 ? derived : type === "zzero" ? blue : 2 * blue - 1;
+      const length = Math.hypot(x, y, z) || 1;
+      out[i] = x / length;
+      out[i + 1] = y / length;
+      out[i + 2] = z / length;
+    }
+    this.#normals = out;
+    return out;
+  }
+}
+
+/** Lambert and Blinn's light on a gray surface. */
+function shade(nx: number, ny: number, nz: number, lx: number, ly: number, lz: number): number {
+  const facing = Math.max(0, nx * lx + ny * ly + nz * lz);
+  const half = Math.hypot(lx, ly, lz + 1);
+  const shine = Math.max(0, (nx * lx + ny * ly + nz * (lz + 1)) / half);
+  return GRAY * (AMBIENT + (1 - AMBIENT) * facing) + 255 * GLOSS * facing * shine ** SHINE;
+}
+
+function direction({ x, y }: Light): [number, number, number] {
+  const length = Math.hypot(x, y, 0.8);
+  return [x / length, y / length, 0.8 / length];
+}
+
+export function litPlane(picture: Picture, reading: Reading, light: Light): ImageData {
+  const image = new ImageData(picture.width, picture.height);
+  const normals = picture.normals(reading);
+  const [lx, ly, lz] = direction(light);
+  for (let i = 0, from = 0; i < image.data.length; i += 4, from += 3) {
+    const value = shade(normals[from], normals[from + 1], normals[from + 2], lx, ly, lz);
+    image.data[i] = image.data[i + 1] = image.data[i + 2] = value;
+    image.data[i + 3] = 255;
+  }
+  return image;
+}
+
+const SPHERE = 512;
+
+/** The mean of the four nearest normals of a place in 0..1, weighted by how near they are. */
+function between({ width, height }: Picture, normals: Float32Array, u: number, v: number): [number, number, number] {
+  const within = (place: number, size: number) => Math.min(size - 1, Math.max(0, place));
+  const [x, y] = [within(u * width - 0.5, width), within(v * height - 0.5, height)];
+  const [left, top] = [Math.floor(x), Math.floor(y)];
+  const [right, bottom] = [within(left + 1, width), within(top + 1, height)];
+  const [fx, fy] = [x - left, y - top];
+  const at = [top * width + left, top * width + right, bottom * width + left, bottom * width + right];
+  const shares = [(1 - fx) * (1 - fy), fx * (1 - fy), (1 - fx) * fy, fx * fy];
+  const sum = (c: number) => at.reduce((total, place, i) => total + shares[i] * normals[3 * place + c], 0);
+  return [sum(0), sum(1), sum(2)];
+}
+
+/** The texture once around half a sphere, in its tangent space. */
+export function litSphere(picture: Picture, reading: Reading, light: Light): ImageData {
+  const image = new ImageData(SPHERE, SPHERE);
+  const normals = picture.normals(reading);
+  const [lx, ly, lz] = direction(light);
+  for (let row = 0; row < SPHERE; row++)
+    for (let column = 0; column < SPHERE; column++) {
+      const at = 4 * (row * SPHERE + column);
+      const sx = (2.1 * (column + 0.5)) / SPHERE - 1.05;
+      const sy = 1.05 - (2.1 * (row + 0.5)) / SPHERE;
+      const inside = 1 - sx * sx - sy * sy;
+      image.data[at + 3] = 255;
+      if (inside <= 0) {
+        image.data[at] = image.data[at + 1] = image.data[at + 2] = 96;
+        continue;
+      }
+      const sz = Math.sqrt(inside);
+      const u = Math.atan2(sx, sz) / Math.PI + 0.5;
+      const v = 0.5 - Math.asin(sy) / Math.PI;
+      const [nx, ny, nz] = between(picture, normals, u, v);
+      const around = Math.hypot(sx, sz) || 1;
+      const [tx, tz] = [sz / around, -sx / around]; // to the east
+      const [bx, by, bz] = [sy * tz, sz * tx - sx * tz, -sy * tx]; // to the north
+      const value = shade(
+        nx * tx + ny * bx + nz * sx,
+        ny * by + nz * sy,
+        nx * tz + ny * bz + nz * sz,
+        lx,
+        ly,
+        lz,
+      );
+      image.data[at] = image.data[at + 1] = image.data[at + 2] = value;
+    }
+  return image;
+}
+
+/** The numbers of one texel, as they are stored. */
+export function texelAt({ data, width, channels }: Texture, x: number, y: number): number[] {
+  const at = (y * width + x) * channels;
+  return [...data.subarray(at, at + channels)];
+}
+
+/** The vector of a texel and its length. */
+export function vectorOf(texel: number[], texture: Texture, type: string): { vector: number[]; length: number } {
+  const most = mostOf(texture);
+  const stored = texel.slice(0, 3).map((value) => value / most);
+  const vector = stored.map((value, i) => (i === 2 && type === "zzero" ? value : 2 * value - 1));
+  if (type === "xy") vector[2] = Math.sqrt(Math.max(0, 1 - vector[0] ** 2 - (vector[1] ?? 0) ** 2));
+  return { vector, length: Math.hypot(...vector) };
+}
