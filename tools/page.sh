@@ -19,7 +19,7 @@ page_module() {
     fetch_sources
     if [ ! -f build-page/build.ninja ]; then
         quietly build-sources/page.log meson setup build-page --wrap-mode=nodownload \
-            --cross-file packaging/cross/wasm32-wasi.ini -Dgegl=disabled -Dgimp=disabled -Djpeg=disabled \
+            --cross-file packaging/cross/wasm32-wasi.ini -Dgegl=disabled -Dgimp=disabled \
             -Dzstd=disabled -Ddebug=false -Doptimization=s -Dtests=false -Ddefault_library=static
     fi
     quietly build-sources/page.log ninja -C build-page -j "$jobs" page/page

@@ -172,7 +172,8 @@ export class Look {
       const texel = texelAt(texture, x, y);
       const { vector, length } = vectorOf(texel, texture, reading.type);
       const name = this.#sides.length > 1 ? `${say(side === 0 ? "before" : "after")} ` : "";
-      const normal = reading.type === "height" ? "" : ` = ${vector.map((value) => value.toFixed(3)).join(", ")}; ${say("length")} ${length.toFixed(4)}`;
+      const numbers = vector.map((value) => value.toFixed(3)).join(", ");
+      const normal = reading.type === "height" ? "" : ` = ${numbers}; ${say("length")} ${length.toFixed(4)}`;
       return `${name}(${x}, ${y}): ${texel.join(", ")}${normal}`;
     });
     this.#loupe.textContent = lines.join(" · ");

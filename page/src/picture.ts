@@ -132,10 +132,11 @@ function between({ width, height }: Picture, normals: Float32Array, u: number, v
   const [left, top] = [Math.floor(x), Math.floor(y)];
   const [right, bottom] = [within(left + 1, width), within(top + 1, height)];
   const [fx, fy] = [x - left, y - top];
-  const at = [top * width + left, top * width + right, bottom * width + left, bottom * width + right];
-  const shares = [(1 - fx) * (1 - fy), fx * (1 - fy), (1 - fx) * fy, fx * fy];
-  const sum = (c: number) => at.reduce((total, place, i) => total + shares[i] * normals[3 * place + c], 0);
-  return [sum(0), sum(1), sum(2)];
+  const [a, b] = [3 * (top * width + left), 3 * (top * width + right)];
+  const [c, d] = [3 * (bottom * width + left), 3 * (bottom * width + right)];
+  const [p, q, r, s] = [(1 - fx) * (1 - fy), fx * (1 - fy), (1 - fx) * fy, fx * fy];
+  const mean = (i: number) => p * normals[a + i] + q * normals[b + i] + r * normals[c + i] + s * normals[d + i];
+  return [mean(0), mean(1), mean(2)];
 }
 
 /** The texture once around half a sphere, in its tangent space. */

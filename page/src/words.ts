@@ -10,8 +10,8 @@ const TABLE = {
   language: ["Language", "Sprache"],
   textures: ["Textures", "Texturen"],
   drop: [
-    "Drop normal maps or height maps here, or paste them: PNG, TGA, PFM, DDS or KTX2.",
-    "Normal-Maps oder Höhenkarten hierher ziehen oder einfügen: PNG, TGA, PFM, DDS oder KTX2.",
+    "Drop normal maps or height maps here, or paste them: PNG, TGA, JPEG, PFM, DDS or KTX2.",
+    "Normal-Maps oder Höhenkarten hierher ziehen oder einfügen: PNG, TGA, JPEG, PFM, DDS oder KTX2.",
   ],
   choose: ["Choose files…", "Dateien wählen…"],
   chooseFolder: ["Choose a folder…", "Ordner wählen…"],
@@ -158,6 +158,8 @@ const GERMAN_FINDINGS: Record<string, string> = {
   NT010: "Grün zeigt in die falsche Richtung",
   NT011: "der Name widerspricht der verlangten Richtung von Grün",
   NT012: "Kanäle sind vertauscht",
+  NT013: "x und y sind vertauscht",
+  NT014: "ein Kanal enthält nichts",
   NT020: "nicht bitgenau",
   NT021: "die flache Farbe ist nicht 128, 128, 255",
   NT022: "im Mittel geneigt",
@@ -168,13 +170,17 @@ const GERMAN_FINDINGS: Record<string, string> = {
   NT033: "aus Höhen mit wenigen Stufen gemacht (Bänder)",
   NT034: "16 Bit mit 8-Bit-Inhalt",
   NT035: "verkleinert oder weichgezeichnet, ohne zu normieren",
+  NT036: "Blockkompression",
   NT040: "als Farben behandelt",
   NT041: "ein Alphakanal, der überall deckt",
   NT042: "unbenutzte Texel",
   NT044: "Füllung in einer Farbe, die keine Normale hat",
+  NT045: "als sRGB gekennzeichnet",
   NT050: "eine Farbe, oder nichts",
   NT051: "die Seiten sind keine Zweierpotenzen",
   NT052: "gegenüberliegende Ränder passen nicht zusammen",
+  NT053: "keine Mips",
+  NT054: "Mips, die nicht normiert sind",
 };
 
 /** The subject of a finding where it needs translation, else "". */

@@ -412,5 +412,6 @@ def test_no_file_of_the_corpus_is_turned_wrongly(run, corpus):
     wrong = {name for name, y in taken.items() if y != says[name]}
     assert wrong <= {"glTF-Sample-Assets-OLD/StainedGlassLamp_hardware_normal.png"}
     assert len(taken) >= 16
-    asked = [one for one in files.values() if one["status"] == "refused"]
-    assert all("--y up (OpenGL) or --y down (DirectX)?" in one["message"] for one in asked)
+    refused = [one["message"] for one in files.values() if one["status"] == "refused"]
+    asked = [said for said in refused if "it is packed as DXT5nm" not in said]
+    assert all("--y up (OpenGL) or --y down (DirectX)?" in said for said in asked)
