@@ -523,8 +523,11 @@ GtkWidget *view_new(const procedure *p, gint32 id)
                           "under it")),
             TRUE, TRUE, 0);
     gtk_box_pack_start(GTK_BOX(pictures),
-                       picture_new(v, MAP, height ? _("Height (about)") : _("Result"),
-                                   _("Drag to move, turn the wheel to zoom")),
+                       picture_new(v, MAP, height ? _("Approximate height") : _("Result"),
+                                   height ? _("Made from the pixels shown here. The result is made "
+                                              "from all texels of the layer.\n"
+                                              "Drag to move, turn the wheel to zoom")
+                                          : _("Drag to move, turn the wheel to zoom")),
                        TRUE, TRUE, 0);
     gtk_box_pack_start(GTK_BOX(pictures),
                        picture_new(v, LIT, _("Lit"), _("Drag to move the light")), TRUE, TRUE, 0);
