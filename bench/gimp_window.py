@@ -226,7 +226,11 @@ class Gimp:
     def __exit__(self, *_):
         if self.process is not None:
             self.process.terminate()
-            self.process.wait()
+            try:
+                self.process.wait(20)
+            except subprocess.TimeoutExpired:  # GIMP 3 now and then does not end when told to
+                self.process.kill()
+                self.process.wait()
 
     def image_window(self):
         return self.screen.window(r"[– -] GIMP$")
