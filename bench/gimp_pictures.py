@@ -191,6 +191,9 @@ def photograph(gimp, out, label, only):
         screen.picture(out / f"{label}-{name}.png", window)
         note(f"{label}-{name}", screen, window)
         if name == "normals":
+            screen.front(window)
+            if gimp.version == 3:
+                screen.key("Tab")  # from OK to the tabs
             for page in ("forms", "more"):
                 screen.front(window)
                 screen.key("ctrl+alt+Next")
