@@ -238,7 +238,10 @@ static GtkWidget *text_new(window *w)
     gtk_scrolled_window_set_overlay_scrolling(GTK_SCROLLED_WINDOW(scrolled), FALSE); /* in sight */
     gtk_widget_set_margin_end(w->text, 6);
 #else
-    gtk_scrolled_window_add_with_viewport(GTK_SCROLLED_WINDOW(scrolled), w->text);
+    GtkWidget *beside = gtk_alignment_new(0, 0, 1, 0); /* the scroll bar, which it would touch */
+    gtk_alignment_set_padding(GTK_ALIGNMENT(beside), 0, 0, 0, 6);
+    gtk_container_add(GTK_CONTAINER(beside), w->text);
+    gtk_scrolled_window_add_with_viewport(GTK_SCROLLED_WINDOW(scrolled), beside);
     gtk_viewport_set_shadow_type(GTK_VIEWPORT(gtk_bin_get_child(GTK_BIN(scrolled))),
                                  GTK_SHADOW_NONE);
 #endif
