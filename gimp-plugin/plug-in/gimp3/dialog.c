@@ -66,6 +66,36 @@ static void make_slider(GimpProcedureDialog *dialog, const field *f)
     gtk_spin_button_set_digits(GTK_SPIN_BUTTON(slider), (guint) f->digits);
 }
 
+/* NULL: it has none.  What chooses a layer is a box that begins with it; its own function for that
+ * is deprecated in GIMP 3.2. */
+static GtkWidget *label_of(GtkWidget *widget)
+{
+    if (GIMP_IS_LABELED(widget))
+        return gimp_labeled_get_label(GIMP_LABELED(widget));
+    if (!GTK_IS_BOX(widget))
+        return NULL;
+    GList *inside = gtk_container_get_children(GTK_CONTAINER(widget));
+    GtkWidget *first = inside != NULL ? inside->data : NULL;
+    g_list_free(inside);
+    return first != NULL && GTK_IS_LABEL(first) ? first : NULL;
+}
+
+/* GIMP puts the choices below each other, but not the layers among them. */
+static void align_labels(GimpProcedureDialog *dialog, const procedure *p, const int *fields,
+                         int count)
+{
+    GtkSizeGroup *group = gtk_size_group_new(GTK_SIZE_GROUP_HORIZONTAL);
+    for (int i = 0; i < count; i++) {
+        const field *f = &p->fields[fields[i]];
+        GtkWidget *label = NULL;
+        if (f->kind == FIELD_CHOICE || f->kind == FIELD_LAYER)
+            label = label_of(gimp_procedure_dialog_get_widget(dialog, f->name, G_TYPE_NONE));
+        if (label != NULL)
+            gtk_size_group_add_widget(group, label);
+    }
+    g_object_unref(group);
+}
+
 /* The fields of a page as a box; NULL: there are none. */
 static GtkWidget *page_new(GimpProcedureDialog *dialog, const procedure *p, int page)
 {
@@ -82,8 +112,10 @@ static GtkWidget *page_new(GimpProcedureDialog *dialog, const procedure *p, int 
     }
     if (names != NULL)
         box = gimp_procedure_dialog_fill_box_list(dialog, id, names);
-    if (box != NULL)
+    if (box != NULL) {
         gtk_container_set_border_width(GTK_CONTAINER(box), 6);
+        align_labels(dialog, p, fields, count);
+    }
     g_list_free(names);
     g_free(id);
     return box != NULL ? window_scrolled(box) : NULL;
