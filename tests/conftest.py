@@ -27,7 +27,7 @@ _skipped = {}
 
 # What a sanitizer leaves out: cases of modules that have more than so many, which all run the same
 # code, and modules that call no code of ours that was compiled.
-MANY_CASES = 48
+MANY_CASES = 24
 NOTHING_COMPILED = {"test_fetch_real.py", "test_mnemonics.py", "test_oracle.py", "test_rooms.py"}
 
 
