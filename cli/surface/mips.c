@@ -105,16 +105,17 @@ static bool look_at_mip(sums *t, const ntp_image *whole, const source *s, uint32
 
 bool mips_look(source *s, facts *f, ntpio_error *error)
 {
-    const ntpio_info *info = s->info;
+    const ntpio_info *info = s->info; /* until the source is rewound: that makes another */
+    const uint32_t mips = info->mips, sides = info->width | info->height;
     ntp_image whole;
     void *data = NULL;
     sums t = { 0 };
-    if (!info->red_green || info->mips < 2 || s->limits->mip != 0 || info->sample_bytes > 2 ||
+    if (!info->red_green || mips < 2 || s->limits->mip != 0 || info->sample_bytes > 2 ||
         f->encoding != NTP_ENCODING_XY || s->bytes != NULL || !hold_is_possible(s))
         return true;
     bool ok = source_rewind(s, error) && hold_all(&whole, &data, s, error);
-    for (uint32_t mip = 1; ok && mip < info->mips && mip <= MIPS_LOOKED_AT; mip++) {
-        if (((info->width | info->height) & ((1u << mip) - 1)) != 0)
+    for (uint32_t mip = 1; ok && mip < mips && mip <= MIPS_LOOKED_AT; mip++) {
+        if ((sides & ((1u << mip) - 1)) != 0)
             break; /* a mip whose texels do not cover whole ones */
         ok = look_at_mip(&t, &whole, s, mip, error);
     }
