@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * samples.c - sizes of samples, and channels in another order
+ * samples.c - sizes and values of samples, and channels in another order
  */
 #include "examine/samples.h"
+
+#include <string.h>
 
 size_t sample_size(ntp_type type)
 {
@@ -12,6 +14,22 @@ size_t sample_size(ntp_type type)
 ntp_type sample_type(int32_t bytes)
 {
     return bytes == 1 ? NTP_TYPE_U8 : bytes == 2 ? NTP_TYPE_U16 : NTP_TYPE_F32;
+}
+
+double sample_value(ntp_type type, const unsigned char *at, int channel)
+{
+    uint16_t word;
+    float v;
+    switch (type) {
+    case NTP_TYPE_U8:
+        return at[channel] / 255.0;
+    case NTP_TYPE_U16:
+        memcpy(&word, at + channel * (ptrdiff_t) sizeof word, sizeof word);
+        return word / 65535.0;
+    default:
+        memcpy(&v, at + channel * (ptrdiff_t) sizeof v, sizeof v);
+        return v;
+    }
 }
 
 #define REORDER reorder_8

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * samples.h - sizes of samples, and channels in another order
+ * samples.h - sizes and values of samples, and channels in another order
  */
 #ifndef NTP_CLI_SAMPLES_H
 #define NTP_CLI_SAMPLES_H
@@ -12,6 +12,9 @@
 /* Bytes of a sample, and the type of samples of so many bytes. */
 size_t sample_size(ntp_type type);
 ntp_type sample_type(int32_t bytes);
+
+/* Sample `channel` of the texel at `at`: integers as 0..1, floats as they are. */
+double sample_value(ntp_type type, const unsigned char *at, int channel);
 
 /* What a channel is taken from: a channel of the source, or a constant. */
 enum { FROM_ZERO = -1, FROM_ONE = -2 };

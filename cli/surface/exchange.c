@@ -18,6 +18,7 @@
 
 #include "cli.h"
 #include "examine/middle_and_lines.h"
+#include "examine/samples.h"
 
 enum {
     SCALES = 4,
@@ -44,22 +45,6 @@ typedef struct pair_sums {
     double at[BLOCKS][SUMS];
 } pair_sums;
 
-static double unit(const ntp_image *image, const unsigned char *at, int channel)
-{
-    uint16_t word;
-    float v;
-    switch (image->type) {
-    case NTP_TYPE_U8:
-        return at[channel] / 255.0;
-    case NTP_TYPE_U16:
-        memcpy(&word, at + channel * (ptrdiff_t) sizeof word, sizeof word);
-        return word / 65535.0;
-    default:
-        memcpy(&v, at + channel * (ptrdiff_t) sizeof v, sizeof v);
-        return v > 0 ? v < 1 ? v : 1 : 0;
-    }
-}
-
 static void take_slopes(slopes *s, const ntp_image *image)
 {
     for (int32_t y = 0; y < s->height; y++) {
@@ -67,7 +52,8 @@ static void take_slopes(slopes *s, const ntp_image *image)
             (const unsigned char *) image->data + (ptrdiff_t) y * image->row_stride;
         for (int32_t x = 0; x < s->width; x++, at += image->pixel_stride) {
             const size_t i = (size_t) y * (size_t) s->width + (size_t) x;
-            const double nx = 2 * unit(image, at, 0) - 1, ny = 2 * unit(image, at, 1) - 1;
+            const double nx = 2 * sample_value(image->type, at, 0) - 1,
+                         ny = 2 * sample_value(image->type, at, 1) - 1;
             const double square = 1 - nx * nx - ny * ny;
             const double nz = square > Z_LEAST * Z_LEAST ? sqrt(square) : Z_LEAST;
             s->x[i] = (float) (nx / nz);

@@ -12,10 +12,10 @@
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "cli.h"
 #include "examine/hold_image.h"
+#include "examine/samples.h"
 
 enum {
     MIPS_LOOKED_AT = 5, /* further ones have few texels */
@@ -40,11 +40,7 @@ static double component(const ntp_image *image, int32_t x, int32_t y, int channe
     const unsigned char *at = (const unsigned char *) image->data +
                               (ptrdiff_t) y * image->row_stride +
                               (ptrdiff_t) x * image->pixel_stride;
-    uint16_t word;
-    if (image->type == NTP_TYPE_U8)
-        return 2 * at[channel] / 255.0 - 1;
-    memcpy(&word, at + channel * (ptrdiff_t) sizeof word, sizeof word);
-    return 2 * word / 65535.0 - 1;
+    return 2 * sample_value(image->type, at, channel) - 1;
 }
 
 /* With z computed; too long x and y are shortened. */

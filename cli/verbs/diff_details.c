@@ -9,42 +9,27 @@
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "cli.h"
 #include "examine/hold_image.h"
+#include "examine/samples.h"
 
 enum { BLOCK = 4 };
 
 /* ------------------------------------------------------------------------ blocks */
-
-static double sample(const ntp_const_image *image, const unsigned char *at, int channel)
-{
-    uint16_t word;
-    float v;
-    switch (image->type) {
-    case NTP_TYPE_U8:
-        return at[channel] / 255.0;
-    case NTP_TYPE_U16:
-        memcpy(&word, at + channel * (ptrdiff_t) sizeof word, sizeof word);
-        return word / 65535.0;
-    default:
-        memcpy(&v, at + channel * (ptrdiff_t) sizeof v, sizeof v);
-        return v;
-    }
-}
 
 static void vector_at(double v[3], const ntp_const_image *image, int32_t x, int32_t y)
 {
     const unsigned char *at = (const unsigned char *) image->data +
                               (ptrdiff_t) y * image->row_stride +
                               (ptrdiff_t) x * image->pixel_stride;
-    v[0] = 2 * sample(image, at, 0) - 1;
-    v[1] = 2 * sample(image, at, 1) - 1;
+    v[0] = 2 * sample_value(image->type, at, 0) - 1;
+    v[1] = 2 * sample_value(image->type, at, 1) - 1;
     if (image->y == NTP_Y_DOWN)
         v[1] = -v[1];
     const double rest = 1 - v[0] * v[0] - v[1] * v[1];
-    v[2] = image->encoding == NTP_ENCODING_XY ? sqrt(rest > 0 ? rest : 0) : sample(image, at, 2);
+    v[2] = image->encoding == NTP_ENCODING_XY ? sqrt(rest > 0 ? rest : 0)
+                                              : sample_value(image->type, at, 2);
     if (image->encoding == NTP_ENCODING_STANDARD)
         v[2] = 2 * v[2] - 1;
     const double length = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
