@@ -42,6 +42,7 @@ LIBRARY = [
     Room("to_height/weighted", "weighted.h", "to_height"),
     Room("to_height", "height_from_normals.c", "-"),
     Room("detect", "orientation.c", "-"),
+    Room("compress", "encode.c", "-"),
 ]
 PROGRAM = [
     Room("text", "text.h"),

@@ -946,8 +946,8 @@ typedef struct ntp_height_options {
      * Unused texels are holes too. */
     const ntp_const_image *mask;
     double tolerance;       /* rms error of slopes divided by their rms; 0 means 1e-6 */
-    int32_t max_iterations; /* 1..NTP_MAX_ITERATIONS; 0 means 1000.  Beside holes in 16 bits gimp7
-                             * and gimp9 take up to 13000 to give the texture back. */
+    int32_t max_iterations; /* 1..NTP_MAX_ITERATIONS; 0 means 1000.  A second solution, which only
+                             * improves heights and ends by itself, may take 30 times as many. */
     double dx;              /* spacing of texels, 2^-100..2^100; 0 stands for 1 */
     double dy;              /* the same; the two differ by less than a factor of 2^50 */
     ntp_prior prior;
@@ -1413,6 +1413,40 @@ NTP_API ntp_status ntp_blend(const ntp_image *dst, const ntp_const_image *base,
 
 /* The name of a mode ("rnm", "whiteout", "udn", "linear"); never NULL. */
 NTP_API const char *ntp_blend_mode_name(ntp_blend_mode mode);
+
+/* ------------------------------------------------------------------ block compression */
+
+/*
+ * BC4 stores one channel in 8 bytes for 4 x 4 texels, BC5 two in 16.  Each block has two ends of 8
+ * bit for each channel, and each texel takes one of eight values on the line between them (or of
+ * six, and 0 and 1).  The error is that of a decoder that interpolates exactly, as GPUs do; the
+ * ends are the same for any other.
+ */
+typedef enum ntp_block_quality {
+    NTP_BLOCK_BY_ANGLE = 0, /* BC5: both channels by the angle between the vectors; BC4: as next */
+    NTP_BLOCK_BY_CHANNEL = 1, /* the least squared error of each channel that BC4 can have */
+    NTP_BLOCK_QUICK = 2       /* the best of the ends near the range of the texels */
+} ntp_block_quality;
+
+typedef struct ntp_block_options {
+    ntp_block_quality quality;
+} ntp_block_options;
+
+enum { NTP_BLOCK_SIDE = 4 };
+
+/*
+ * Writes the blocks of an area: sample 0 of a view as BC4, samples 0 and 1 as BC5.  The block of
+ * the texels from (x, y) on goes to dst + (y / 4) row_stride + (x / 4) 8 (BC5: 16).  x, y are taken
+ * as they are stored, and z is what follows from them; texels whose x, y are too long count as
+ * shortened.  Where a side is no multiple of 4, the texels beyond the edge count for nothing.
+ * area begins at multiples of 4, and ends there or at the edge of the image.  how may be NULL.
+ * Errors: NTP_ERR_ARGUMENT for another area; NTP_ERR_FORMAT for NTP_ENCODING_VECTOR, for too few
+ * channels, and BC5 for NTP_ENCODING_HEIGHT.
+ */
+NTP_API ntp_status ntp_bc4_encode(uint8_t *dst, ptrdiff_t row_stride, const ntp_const_image *src,
+                                  const ntp_block_options *how, const ntp_rect *area);
+NTP_API ntp_status ntp_bc5_encode(uint8_t *dst, ptrdiff_t row_stride, const ntp_const_image *src,
+                                  const ntp_block_options *how, const ntp_rect *area);
 
 /* -------------------------------------------------------------------- which way is green */
 

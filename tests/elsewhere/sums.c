@@ -51,6 +51,7 @@ static const struct {
     { "curvature", curvature, NTP_TYPE_F32 },
     { "occlusion", occlusion, NTP_TYPE_F32 },
     { "blur", blur, NTP_TYPE_F32 },
+    { "blocks", blocks, NTP_TYPE_F32 },
 };
 
 int main(int argc, char **argv)

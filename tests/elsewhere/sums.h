@@ -59,5 +59,6 @@ uint64_t blend(ntp_type type);
 uint64_t curvature(ntp_type type);
 uint64_t occlusion(ntp_type type);
 uint64_t blur(ntp_type type);
+uint64_t blocks(ntp_type type);
 
 #endif

@@ -286,3 +286,27 @@ uint64_t blur(ntp_type type)
     free(heights.data);
     return hash;
 }
+
+/* The bytes of the blocks, of each quality. */
+uint64_t blocks(ntp_type type)
+{
+    enum { COLUMNS = (NARROW + NTP_BLOCK_SIDE - 1) / NTP_BLOCK_SIDE, TWO = 16 };
+    const int rows = (LOW + NTP_BLOCK_SIDE - 1) / NTP_BLOCK_SIDE;
+    ntp_image normals = make_damaged(NARROW, LOW, type, NTP_ENCODING_STANDARD, 3);
+    const ntp_const_image src = ntp_image_as_const(&normals);
+    const size_t size = (size_t) rows * COLUMNS * TWO;
+    uint8_t *bytes = reserve(size);
+    uint64_t hash = seed;
+    for (int quality = NTP_BLOCK_BY_ANGLE; quality <= NTP_BLOCK_QUICK; quality++) {
+        const ntp_block_options how = { .quality = (ntp_block_quality) quality };
+        OK(ntp_bc5_encode(bytes, (ptrdiff_t) COLUMNS * TWO, &src, &how, NULL));
+        for (size_t i = 0; i < size; i++)
+            hash = hash_number(hash, bytes[i]);
+        OK(ntp_bc4_encode(bytes, (ptrdiff_t) COLUMNS * TWO, &src, &how, NULL));
+        for (size_t i = 0; i < size; i++)
+            hash = hash_number(hash, bytes[i]);
+    }
+    free(bytes);
+    free(normals.data);
+    return hash;
+}

@@ -13,8 +13,8 @@
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <sys/mman.h>
-#include <unistd.h>
+
+#include "../system.h"
 
 #define CHECK(condition)                                                                           \
     do {                                                                                           \
@@ -32,20 +32,19 @@ typedef struct guarded {
 
 static inline guarded guarded_alloc(size_t size, bool at_start)
 {
-    size_t page = (size_t) sysconf(_SC_PAGESIZE);
+    size_t page = system_page();
     size_t inner = (size + page - 1) / page * page;
     guarded g = { NULL, inner + 2 * page, NULL };
-    void *map = mmap(NULL, g.length, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
-    CHECK(map != MAP_FAILED);
-    g.map = map;
-    CHECK(mprotect(g.map + page, inner, PROT_READ | PROT_WRITE) == 0);
+    g.map = system_reserve(g.length);
+    CHECK(g.map != NULL);
+    CHECK(inner == 0 || system_allow(g.map + page, inner));
     g.data = at_start ? g.map + page : g.map + page + inner - size;
     return g;
 }
 
 static inline void guarded_free(guarded *g)
 {
-    munmap(g->map, g->length);
+    system_release(g->map, g->length);
 }
 
 /* xorshift64*: a fixed stream, so that a failure can be repeated. */

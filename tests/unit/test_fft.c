@@ -5,6 +5,8 @@
  */
 #include "to_height/shared/solver_kernels.h"
 
+#include "../system.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -46,7 +48,7 @@ static double direct(ntp__fft_kind kind, const double *line, int32_t n, int32_t 
 
 static void *allocate(size_t bytes)
 {
-    void *memory = aligned_alloc(NTP__ALIGNMENT, (bytes / NTP__ALIGNMENT + 1) * NTP__ALIGNMENT);
+    void *memory = system_aligned(bytes + 1);
     if (memory == NULL)
         abort();
     return memory;
@@ -80,10 +82,10 @@ static void make(batch *b, ntp__fft_kind kind, int32_t n, bool single)
 
 static void drop(batch *b)
 {
-    free(b->tables);
-    free(b->work);
-    free(b->lines);
-    free(b->out);
+    system_aligned_free(b->tables);
+    system_aligned_free(b->work);
+    system_aligned_free(b->lines);
+    system_aligned_free(b->out);
 }
 
 static void forward(batch *b)
@@ -147,7 +149,7 @@ static int check_levels(ntp__fft_kind kind, int32_t n, bool single)
     bad |= memcmp(first, b.out, bytes) != 0;
     if (bad)
         printf("kind %d, length %d: other bytes by other instructions\n", (int) kind, (int) n);
-    free(first);
+    system_aligned_free(first);
     drop(&b);
     return bad;
 }
@@ -183,7 +185,7 @@ static int check_filter(ntp__fft_kind kind, int32_t n, bool single, int32_t colu
             off = fmax(off, fabs((double) grid[i * ROWS + r] - want));
         }
     }
-    free(grid);
+    system_aligned_free(grid);
     drop(&b);
     if (off > 1e-4)
         printf("filter, kind %d, length %d: off by %g\n", (int) kind, (int) n, off);

@@ -45,11 +45,11 @@ static void solve(solution *s, const ntp_const_image *src, const ntp_height_opti
     const ntp_image dst = ntp_image_packed(s->heights, WIDTH, HEIGHT, 1, NTP_TYPE_F32);
     allowed = avx2;
     size_t size = ntp_height_scratch_size(how, WIDTH, HEIGHT, parts);
-    void *scratch = aligned_alloc(64, (size + 63) / 64 * 64);
+    void *scratch = system_aligned(size);
     CHECK(scratch != NULL);
     memset(s, 0, sizeof *s);
     CHECK(ntp_height_from_normals(&dst, src, how, scratch, size, &hooks, &s->result) == NTP_OK);
-    free(scratch);
+    system_aligned_free(scratch);
 }
 
 static void compare(const ntp_const_image *src, const ntp_height_options *how)
@@ -83,10 +83,10 @@ static void make_normals(void *texels, ntp_type type)
     const ntp_image smooth = ntp_image_packed(heights, WIDTH, HEIGHT, 1, NTP_TYPE_F32);
     const ntp_const_image from = ntp_image_as_const(&rough), seen = ntp_image_as_const(&smooth);
     size_t size = ntp_height_blur_scratch_size(&blur, WIDTH);
-    void *scratch = aligned_alloc(64, (size + 63) / 64 * 64);
+    void *scratch = system_aligned(size);
     CHECK(scratch != NULL);
     CHECK(ntp_height_blur(&smooth, &from, &blur, scratch, size) == NTP_OK);
-    free(scratch);
+    system_aligned_free(scratch);
     const ntp_image normals = ntp_image_packed(texels, WIDTH, HEIGHT, 3, type);
     CHECK(ntp_normals_from_height(&normals, &seen, &how, NULL, NULL) == NTP_OK);
 }

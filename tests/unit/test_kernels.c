@@ -317,6 +317,39 @@ static void check_angles(const ntp__kernels_table *level, uint64_t *seed)
     }
 }
 
+/* Pairs are pulled as ntp__pull does it, or in doubt, which is rare: all of 8 bit; those of 16 bit
+ * that lie close to the circle, and others. */
+static void check_pull(const ntp__kernels_table *level, int32_t m, uint64_t *seed)
+{
+    enum { BLOCK = 256, BLOCKS = 2000 };
+    int32_t pair = 0, doubts = 0, all = 0;
+    for (int32_t block = 0; block < (m == 255 ? 65536 / BLOCK : BLOCKS); block++) {
+        const int32_t n = m == 255 || block % 5 ? BLOCK : 1 + block % BLOCK;
+        int32_t r[BLOCK] = { 0 }, g[BLOCK] = { 0 }, from[2][BLOCK], doubt[BLOCK];
+        for (int32_t i = 0; i < n; i++, pair++) {
+            r[i] = m == 255 ? pair & 255 : random_level(seed, m);
+            g[i] = m == 255 ? pair >> 8 : random_level(seed, m);
+            if (m != 255 && i % 2) { /* just outside */
+                const double x = 2 * r[i] - m, y = sqrt((double) m * m - x * x);
+                g[i] = (int32_t) ((y + m) / 2) + 1;
+                g[i] = i % 4 == 1 ? g[i] : m - g[i];
+            }
+            while (ntp__rest(r[i], g[i], m) >= 0)
+                r[i] = g[i] = random_level(seed, m);
+            from[0][i] = r[i];
+            from[1][i] = g[i];
+        }
+        level->pull(r, g, doubt, n, m);
+        for (int32_t i = 0; i < n; i++) {
+            ntp__pull(&from[0][i], &from[1][i], m);
+            CHECK(doubt[i] || (r[i] == from[0][i] && g[i] == from[1][i]));
+            doubts += doubt[i] != 0;
+            all++;
+        }
+    }
+    CHECK(doubts * 5 < all); /* where X = 1, one is always in doubt */
+}
+
 /* Packed RGB of every width to planes and back, not a byte beyond. */
 static void check_packed_rgb(ntp_type type, uint64_t *seed)
 {
@@ -374,6 +407,8 @@ int main(int argc, char **argv)
     check_angles(level, &seed);
     check_normalize(level, 255, &seed);
     check_normalize(level, 65535, &seed);
+    check_pull(level, 255, &seed);
+    check_pull(level, 65535, &seed);
     for (int32_t n = 1; n <= WIDEST; n++) {
         for (int kind = 0; kind < 4; kind++)
             compare_planar(level, n, kind & 1 ? 65535 : 255, kind & 2, &seed);

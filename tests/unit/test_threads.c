@@ -38,7 +38,7 @@ static void *work(void *argument)
 
 static void *zeroed(size_t size)
 {
-    void *memory = aligned_alloc(64, (size + 63) / 64 * 64);
+    void *memory = system_aligned(size);
     CHECK(memory != NULL);
     memset(memory, 0, size);
     return memory;
@@ -85,7 +85,7 @@ int main(void)
         CHECK(pthread_join(bands[i].thread, NULL) == 0);
         CHECK(ntp_tally_merge(merged, bands[i].tally) == NTP_OK);
         changed += bands[i].counts.changed;
-        free(bands[i].tally);
+        system_aligned_free(bands[i].tally);
     }
     CHECK(changed == counts.changed);
     CHECK(memcmp(dst, whole, sizeof dst) == 0);
@@ -98,8 +98,8 @@ int main(void)
     CHECK(one.texels == (uint64_t) WIDTH * HEIGHT);
     /* Both were zero-filled, padding included.  NOLINTNEXTLINE */
     CHECK(memcmp(&one, &many, sizeof one) == 0);
-    free(tally);
-    free(merged);
-    free(memory);
+    system_aligned_free(tally);
+    system_aligned_free(merged);
+    system_aligned_free(memory);
     return 0;
 }

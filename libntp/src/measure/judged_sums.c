@@ -9,221 +9,235 @@
 #include <math.h>
 #include <string.h>
 
-static const double PI = 3.14159265358979323846;
+enum { NO_HARM = NTP__ALL_HARM };
 
-/* The limit |(x, y)| <= 1.00774 of the reference program, squared. */
-static const double FAR_SQUARED = 1.00774 * 1.00774;
+/* Counts one texel for each count of 1. */
+static const uint32_t ONES[NTP__BLOCK] = {
+#define ONES_16 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1
+    ONES_16, ONES_16, ONES_16, ONES_16, ONES_16, ONES_16, ONES_16, ONES_16,
+    ONES_16, ONES_16, ONES_16, ONES_16, ONES_16, ONES_16, ONES_16, ONES_16,
+};
 
-void ntp__row_init(ntp__row *row, int32_t r, int32_t g, int32_t m)
+/* Pulls the pairs among these that are too long, and derives the blues of these. */
+static void clean_long(int32_t *r, int32_t *g, int32_t *want, int32_t n, int32_t m, bool zzero)
 {
-    int64_t s = ntp__rest(r, g, m);
-    row->m = m;
-    row->r = row->cleaned[0] = r;
-    row->g = row->cleaned[1] = g;
-    row->xy2 = ntp__sq(m) - s;
-    int32_t bin = ntp__steepness_bin((double) row->xy2, m);
-    row->steepness = bin < NTP__STEEPNESS_BINS ? bin : NTP__STEEPNESS_BINS - 1;
-    if (ntp__is_padding(r, g, m))
-        row->steepness = NTP__PADDING_BIN;
-    row->flags = 0;
-    row->pair_fails = false;
-    if (s >= 0) {
-        row->want[0] = row->cleaned_blue[0] = ntp__blue_of_rest(s, m, false);
-        row->want[1] = row->cleaned_blue[1] = ntp__blue_of_rest(s, m, true);
-        return;
-    }
-    row->flags = NTP_FLAG_XY_TOO_LONG;
-    int64_t x = ntp__abs(ntp__num(r, m)), y = ntp__abs(ntp__num(g, m));
-    row->pair_fails = ntp__sq(x > 2 ? x - 2 : 1) + ntp__sq(y > 2 ? y - 2 : 1) > ntp__sq(m);
-    if ((double) row->xy2 > FAR_SQUARED * (double) ntp__sq(m))
-        row->flags |= NTP__FAR;
-    row->want[0] = row->want[1] = -1;
-    ntp__pull(&row->cleaned[0], &row->cleaned[1], m);
-    s = ntp__rest(row->cleaned[0], row->cleaned[1], m);
-    row->cleaned_blue[0] = ntp__blue_of_rest(s, m, false);
-    row->cleaned_blue[1] = ntp__blue_of_rest(s, m, true);
-}
-
-static void add_length(ntp__fit_sums *fit, int32_t steepness, uint32_t flags, int32_t levels_off,
-                       int32_t length, uint32_t count)
-{
-    uint64_t error =
-        (uint64_t) (length > NTP__LENGTH_ONE ? length - NTP__LENGTH_ONE : NTP__LENGTH_ONE - length);
-    uint32_t bin = (uint32_t) length / (NTP__LENGTH_ONE / 128), inverted = ~(uint32_t) length;
-    fit->flags[(uint32_t) steepness * 256 + flags] += count;
-    if (levels_off >= 0)
-        fit->levels_off[levels_off] += count;
-    if (levels_off > (int32_t) fit->levels_off_max)
-        fit->levels_off_max = (uint32_t) levels_off;
-    fit->lengths[bin < NTP__LENGTH_BINS ? bin : NTP__LENGTH_BINS - 1] += count;
-    fit->length_sum += (uint64_t) length * count;
-    fit->length_error[steepness] += error * count;
-    fit->length_error2[steepness == NTP__PADDING_BIN] += error * error * count;
-    if ((uint32_t) length > fit->length_max)
-        fit->length_max = (uint32_t) length;
-    if (inverted > fit->length_inverted_min)
-        fit->length_inverted_min = inverted;
-}
-
-/* Returns the flags. */
-static uint32_t add_fit(ntp__fit_sums *fit, const ntp__row *row, int32_t b, uint32_t count,
-                        bool zzero)
-{
-    int32_t m = row->m, want = row->want[zzero], levels_off = -1;
-    bool negative = !zzero && ntp__z_negative(b, m);
-    uint32_t flags = row->flags | (negative ? (uint32_t) NTP_FLAG_Z_NEGATIVE : 0);
-    if (ntp__neighbor(row->r, row->g, b, m, zzero))
-        flags |= NTP_FLAG_NEIGHBOR;
-    if (ntp__rounded(row->r, row->g, b, m, zzero))
-        flags |= NTP_FLAG_ROUNDED;
-    if (want >= 0) {
-        if (b == want)
-            flags |= NTP_FLAG_EXACT;
-        if (!zzero && m - b == want)
-            flags |= NTP__MIRRORED;
-        levels_off = ntp__abs((negative ? m - b : b) - want);
-    }
-    int64_t length2 = row->xy2 + ntp__sq(zzero ? b : ntp__num(b, m));
-    if (length2 > ntp__sq(m))
-        flags |= NTP__LONG;
-    add_length(fit, row->steepness, flags, levels_off, ntp__fixed_length((double) length2, m),
-               count);
-    return flags;
-}
-
-/* Adds texels of one color that may be wrong by more than rounding. */
-static void add_harm(ntp__sums *sums, const int32_t c[3], int32_t m, ntp_encoding encoding,
-                     bool pair_fails, uint32_t flags, uint32_t angle, uint32_t count)
-{
-    bool padding = pair_fails && ntp__is_padding(c[0], c[1], m);
-    int64_t x = ntp__num(c[0], m), y = ntp__num(c[1], m), z = ntp__num(c[2], m);
-    int32_t kind = 0;
-    if (encoding == NTP_ENCODING_STANDARD && c[2] < (m - 1) / 2) {
-        kind = 2;
-        angle = ntp__angle(x, y, z, x, y, -z);
-    } else if (pair_fails) {
-        kind = 1;
-        /* without z there is no angle: how far x, y lie outside the circle stands for it */
-        if (encoding == NTP_ENCODING_XY)
-            angle = (uint32_t) ((sqrt((double) (x * x + y * y)) / m - 1.0) * (180e6 / PI) + 0.5);
-    } else if (encoding == NTP_ENCODING_XY || (flags & NTP_FLAG_NEIGHBOR)) {
-        return;
-    }
-    ntp__harm_sums *harm = &sums->harm[padding ? kind + NTP__PADDING_HARM : kind];
-    harm->texels += count;
-    harm->sum += (uint64_t) angle * count;
-    harm->bins[ntp__harm_bin(angle)] += count;
-    if (angle > harm->max)
-        harm->max = angle;
-}
-
-static uint32_t add_angle(ntp__angle_sums *angles, const ntp__row *row, int32_t b, uint32_t count,
-                          ntp_encoding encoding)
-{
-    int32_t m = row->m;
-    bool zzero = encoding == NTP_ENCODING_ZZERO;
-    int64_t x = ntp__num(row->r, m), y = ntp__num(row->g, m), z, wz;
-    if (encoding == NTP_ENCODING_XY) {
-        z = row->want[0] < 0 ? 0 : ntp__num(row->want[0], m);
-        wz = ntp__num(row->cleaned_blue[0], m);
-    } else {
-        z = zzero ? b : ntp__num(b, m);
-        wz = zzero ? row->cleaned_blue[1] : ntp__num(row->cleaned_blue[0], m);
-    }
-    uint32_t angle = 0;
-    if (row->want[0] < 0 || z != wz)
-        angle = ntp__angle(x, y, z, ntp__num(row->cleaned[0], m), ntp__num(row->cleaned[1], m), wz);
-    ntp__angles_add(angles, angle, count);
-    return angle;
-}
-
-void ntp__add(ntp__sums *sums, const ntp__row *row, int32_t b, uint32_t count,
-              ntp_encoding encoding)
-{
-    sums->texels += count;
-    uint32_t flags[2] = { add_fit(&sums->fit[0], row, b, count, false),
-                          add_fit(&sums->fit[1], row, b, count, true) };
-    uint32_t angle = add_angle(&sums->angles, row, b, count, encoding);
-    const int32_t c[3] = { row->r, row->g, b };
-    add_harm(sums, c, row->m, encoding, row->pair_fails, flags[encoding == NTP_ENCODING_ZZERO],
-             angle, count);
-}
-
-/* The sums and extremes of a block.  off[i] becomes how far the length is from 1.  count NULL: one
- * each; inline, so that this case gets loops of its own. */
-static inline void add_lengths(ntp__fit_sums *sums, uint32_t *off, const ntp__judged_fit *fit,
-                               const uint32_t *count, int32_t n)
-{
-    int32_t least = INT32_MAX, greatest = 0, levels_off = 0;
-    uint64_t sum = 0, error2 = 0;
+    const ntp__kernels_table *kernels = ntp__kernels(NTP__CPU_ALL);
+    int32_t at[NTP__BLOCK], to[3][NTP__BLOCK], doubt[NTP__BLOCK], count = 0;
     for (int32_t i = 0; i < n; i++) {
-        int32_t length = fit->length[i];
-        least = length < least ? length : least;
-        greatest = length > greatest ? length : greatest;
-        levels_off = fit->levels_off[i] > levels_off ? fit->levels_off[i] : levels_off;
-        off[i] = (uint32_t) ntp__abs(length - NTP__LENGTH_ONE);
+        at[count] = i;
+        count += want[i] < 0;
     }
-    for (int32_t i = 0; i < n; i++) {
-        const uint32_t texels = count != NULL ? count[i] : 1;
-        sum += (uint64_t) (uint32_t) fit->length[i] * texels;
-        error2 += (uint64_t) off[i] * off[i] * texels;
+    if (count == 0)
+        return;
+    for (int32_t i = 0; i < count; i++) {
+        to[0][i] = r[at[i]];
+        to[1][i] = g[at[i]];
     }
-    sums->length_sum += sum;
-    sums->length_error2[0] += error2; /* texels of a block are not too long, so no padding */
-    if ((uint32_t) levels_off > sums->levels_off_max)
-        sums->levels_off_max = (uint32_t) levels_off;
-    if ((uint32_t) greatest > sums->length_max)
-        sums->length_max = (uint32_t) greatest;
-    if (~(uint32_t) least > sums->length_inverted_min)
-        sums->length_inverted_min = ~(uint32_t) least;
+    for (int32_t i = count; i % NTP__KERNEL_LANES != 0; i++)
+        to[0][i] = to[1][i] = 0;
+    const bool any = kernels->pull(to[0], to[1], doubt, count, m);
+    for (int32_t i = 0; any && i < count; i++) {
+        if (doubt[i]) {
+            to[0][i] = r[at[i]];
+            to[1][i] = g[at[i]];
+            ntp__pull(&to[0][i], &to[1][i], m);
+        }
+    }
+    kernels->derive(to[2], to[0], to[1], count, m, zzero);
+    for (int32_t i = 0; i < count; i++) {
+        r[at[i]] = to[0][i];
+        g[at[i]] = to[1][i];
+        want[at[i]] = to[2][i];
+    }
 }
 
-static inline void count_fit(ntp__fit_sums *sums, const ntp__judged_fit *fit, int32_t i,
-                             uint32_t off, uint32_t count)
+/* Fills in the angles that the kernel left out; returns whether these are many. */
+static bool add_angles(ntp__judged *j, const ntp__block *block, int32_t n, int32_t m,
+                       ntp_encoding encoding)
+{
+    const bool zzero = encoding == NTP_ENCODING_ZZERO;
+    const int32_t twice = zzero ? 1 : 2, less = zzero ? 0 : m;
+    int32_t at[NTP__BLOCK], r[NTP__BLOCK], g[NTP__BLOCK], want[NTP__BLOCK], angle[NTP__BLOCK];
+    int32_t count = 0;
+    ntp__vectors v, w;
+    for (int32_t i = 0; i < n; i++) {
+        at[count] = i;
+        count += j->angle[i] < 0;
+    }
+    if (count == 0)
+        return false;
+    for (int32_t i = 0; i < count; i++) {
+        r[i] = block->c[0][at[i]];
+        g[i] = block->c[1][at[i]];
+        want[i] = j->want[at[i]];
+        v.c[0][i] = ntp__num(r[i], m);
+        v.c[1][i] = ntp__num(g[i], m);
+        v.c[2][i] = encoding == NTP_ENCODING_XY ? 0 : twice * block->c[2][at[i]] - less;
+    }
+    clean_long(r, g, want, count, m, zzero);
+    for (int32_t i = 0; i < count; i++) {
+        w.c[0][i] = ntp__num(r[i], m);
+        w.c[1][i] = ntp__num(g[i], m);
+        w.c[2][i] = twice * want[i] - less;
+    }
+    ntp__kernels(NTP__CPU_ALL)->angles(angle, &v, &w, count);
+    for (int32_t i = 0; i < count; i++)
+        j->angle[at[i]] = angle[i];
+    return 2 * count > n;
+}
+
+/* How texels are wrong by more than rounding: an index of ntp__sums.harm, or NO_HARM.  Returns
+ * whether any is. */
+static bool find_harm(int32_t *restrict kinds, const ntp__judged *restrict j,
+                      const ntp__block *restrict block, int32_t n, int32_t m, ntp_encoding encoding)
+{
+    const int32_t *keys = j->fit[encoding == NTP_ENCODING_ZZERO].key;
+    const int32_t down = encoding == NTP_ENCODING_STANDARD ? (m - 1) / 2 : 0;
+    const int32_t k0 = (m + 1) / 2, am = k0 * (k0 - 1);
+    const int32_t fails = encoding == NTP_ENCODING_XY ? NO_HARM : 0;
+    int32_t any = 0;
+    for (int32_t i = 0; i < n; i++) {
+        const int32_t p = block->c[0][i] - k0, q = block->c[1][i] - k0;
+        /* |X| - 2 = 2k - 1.  Are even such red and green too long? */
+        const int32_t x = p < 0 ? ~p : p, y = q < 0 ? ~q : q;
+        const int32_t pair = x * (x - 1) + y * (y - 1) >= am;
+        const int32_t padding = keys[i] >= NTP__PADDING_BIN * 256 ? NTP__PADDING_HARM : 0;
+        int32_t kind = keys[i] & NTP_FLAG_NEIGHBOR ? NO_HARM : fails;
+        kind = pair ? 1 : kind;
+        kind = block->c[2][i] < down ? 2 : kind;
+        kinds[i] = kind + (pair ? padding : 0);
+        any |= kind != NO_HARM;
+    }
+    return any != 0;
+}
+
+/* Texels below the horizon, which may be too long besides: their angle is that to the vector with
+ * the other sign of z. */
+static void negative_angles(int32_t *angle, const int32_t *kinds, const ntp__block *block,
+                            int32_t n, int32_t m)
+{
+    int32_t at[NTP__BLOCK], found[NTP__BLOCK], count = 0;
+    ntp__vectors v, w;
+    for (int32_t i = 0; i < n; i++) {
+        at[count] = i;
+        count += (kinds[i] == 2) | (kinds[i] == 2 + NTP__PADDING_HARM);
+    }
+    if (count == 0)
+        return;
+    for (int32_t i = 0; i < count; i++) {
+        for (int32_t k = 0; k < 3; k++)
+            v.c[k][i] = w.c[k][i] = ntp__num(block->c[k][at[i]], m);
+        w.c[2][i] = -w.c[2][i];
+    }
+    ntp__kernels(NTP__CPU_ALL)->angles(found, &v, &w, count);
+    for (int32_t i = 0; i < count; i++)
+        angle[at[i]] = found[i];
+}
+
+/* Without z there is no angle: how far x, y lie outside the circle stands for it. */
+static void outside_angles(int32_t *angle, const int32_t *kinds, const ntp__block *block, int32_t n,
+                           int32_t m)
+{
+    for (int32_t i = 0; i < n; i++) {
+        const double x = ntp__num(block->c[0][i], m), y = ntp__num(block->c[1][i], m);
+        if (kinds[i] != NO_HARM)
+            angle[i] = (int32_t) ((sqrt(x * x + y * y) / m - 1.0) * (180e6 / NTP__PI) + 0.5);
+    }
+}
+
+/* Changes the angles. */
+static void add_harm(ntp__sums *sums, ntp__judged *j, const ntp__block *block,
+                     const uint32_t *count, int32_t n, int32_t m, ntp_encoding encoding)
+{
+    int32_t kinds[NTP__BLOCK];
+    if (!find_harm(kinds, j, block, n, m, encoding))
+        return;
+    if (encoding == NTP_ENCODING_STANDARD)
+        negative_angles(j->angle, kinds, block, n, m);
+    if (encoding == NTP_ENCODING_XY)
+        outside_angles(j->angle, kinds, block, n, m);
+    for (int32_t i = 0; i < n; i++) {
+        const uint32_t angle = (uint32_t) j->angle[i];
+        if (kinds[i] == NO_HARM)
+            continue;
+        ntp__harm_sums *harm = &sums->harm[kinds[i]];
+        harm->texels += count[i];
+        harm->sum += (uint64_t) angle * count[i];
+        harm->bins[ntp__harm_bin(angle)] += count[i];
+        harm->max = angle > harm->max ? angle : harm->max;
+    }
+}
+
+static void add_sums(ntp__fit_sums *sums, const ntp__judged_fit *fit)
+{
+    sums->length_sum += fit->length_sum;
+    for (int32_t i = 0; i < 2; i++)
+        sums->length_error2[i] += fit->length_error2[i];
+    ntp__merge_max(&sums->levels_off_max, fit->levels_off_max);
+    ntp__merge_max(&sums->length_max, fit->greatest);
+    ntp__merge_max(&sums->length_inverted_min, ~fit->least);
+}
+
+static inline void count_fit(ntp__fit_sums *sums, uint64_t *errors, const ntp__judged_fit *fit,
+                             int32_t i, uint32_t count)
 {
     const uint32_t key = (uint32_t) fit->key[i];
     sums->flags[key] += count;
     sums->levels_off[fit->levels_off[i]] += count;
     sums->lengths[(uint32_t) fit->length[i] / (NTP__LENGTH_ONE / 128)] += count;
-    sums->length_error[key / 256] += (uint64_t) off * count;
+    errors[key / 256] += (uint64_t) fit->off[i] * count;
 }
 
-/* An angle that is too large for the short series of the kernel. */
-static uint32_t long_angle(const ntp__judged *j, int32_t i, const ntp__block *block, int32_t m,
-                           bool zzero)
+enum { AHEAD = 32 /* texels */ };
+
+/* Brings counts that lie far apart into the first cache. */
+static void fetch(const ntp__sums *sums, const ntp__judged *j, const uint32_t *bin, int32_t from,
+                  int32_t to)
 {
-    int64_t x = ntp__num(block->c[0][i], m), y = ntp__num(block->c[1][i], m);
-    int32_t b = block->c[2][i], want = j->fit[zzero].want[i];
-    if (zzero)
-        return ntp__angle(x, y, b, x, y, want);
-    return ntp__angle(x, y, ntp__num(b, m), x, y, ntp__num(want, m));
+#ifdef __GNUC__
+    for (int32_t i = from; i < to; i++) {
+        __builtin_prefetch(&sums->angles.bins[bin[i]], 1);
+        __builtin_prefetch(&sums->fit[0].levels_off[j->fit[0].levels_off[i]], 1);
+        __builtin_prefetch(&sums->fit[1].levels_off[j->fit[1].levels_off[i]], 1);
+    }
+#else
+    (void) sums, (void) j, (void) bin, (void) from, (void) to;
+#endif
 }
 
 /* Each count waits for the one before it if both are in one place, as they mostly are.  So all
  * counts of a texel are in one loop, where they wait at the same time. */
-static inline void add_judged(ntp__sums *sums, const ntp__judged *j, const ntp__block *block,
-                              const uint32_t *count, int32_t n, int32_t m, ntp_encoding encoding)
+static void count_judged(ntp__sums *sums, const ntp__judged *j, const uint32_t *count, int32_t n,
+                         bool scattered)
 {
-    const bool zzero = encoding == NTP_ENCODING_ZZERO;
-    const int32_t down = encoding == NTP_ENCODING_STANDARD ? (m - 1) / 2 : 0;
-    uint32_t off[2][NTP__BLOCK];
-    add_lengths(&sums->fit[0], off[0], &j->fit[0], count, n);
-    add_lengths(&sums->fit[1], off[1], &j->fit[1], count, n);
+    uint64_t errors[2][NTP__ALL_BINS] = { { 0 } }, texels = 0, sum = 0;
+    uint32_t greatest = 0, bin[NTP__BLOCK];
     for (int32_t i = 0; i < n; i++) {
-        const uint32_t texels = count != NULL ? count[i] : 1;
-        const uint32_t flags = (uint32_t) j->fit[zzero].key[i];
-        uint32_t angle = 0;
-        count_fit(&sums->fit[0], &j->fit[0], i, off[0][i], texels);
-        count_fit(&sums->fit[1], &j->fit[1], i, off[1][i], texels);
-        if (encoding != NTP_ENCODING_XY)
-            angle = j->angle[i] >= 0 ? (uint32_t) j->angle[i] : long_angle(j, i, block, m, zzero);
-        sums->texels += texels;
-        ntp__angles_add(&sums->angles, angle, texels);
-        if (block->c[2][i] < down || !(flags & NTP_FLAG_NEIGHBOR)) {
-            const int32_t c[3] = { block->c[0][i], block->c[1][i], block->c[2][i] };
-            add_harm(sums, c, m, encoding, false, flags, angle, texels);
+        const uint32_t angle = (uint32_t) j->angle[i];
+        bin[i] = (angle + 500) / 1000;
+        greatest = angle > greatest ? angle : greatest;
+        texels += count[i];
+        sum += (uint64_t) angle * count[i];
+    }
+    for (int32_t i = 0, end; i < n; i = end) {
+        end = i + AHEAD < n ? i + AHEAD : n;
+        if (scattered)
+            fetch(sums, j, bin, i, end);
+        for (int32_t k = i; k < end; k++) {
+            count_fit(&sums->fit[0], errors[0], &j->fit[0], k, count[k]);
+            count_fit(&sums->fit[1], errors[1], &j->fit[1], k, count[k]);
+            sums->angles.bins[bin[k]] += count[k];
         }
     }
+    for (int32_t i = 0; i < NTP__ALL_BINS; i++) {
+        sums->fit[0].length_error[i] += errors[0][i];
+        sums->fit[1].length_error[i] += errors[1][i];
+    }
+    sums->texels += texels;
+    sums->angles.texels += texels;
+    sums->angles.sum += sum;
+    if (greatest > sums->angles.max)
+        sums->angles.max = greatest;
 }
 
 void ntp__add_block(ntp__sums *sums, const ntp__block *block, const uint32_t *count, int32_t n,
@@ -232,13 +246,26 @@ void ntp__add_block(ntp__sums *sums, const ntp__block *block, const uint32_t *co
     ntp__judged j;
     if (n == 0)
         return;
-    ntp__kernels(NTP__CPU_ALL)
-        ->judge_block(&j, block->c[0], block->c[1], block->c[2], n, m,
-                      encoding == NTP_ENCODING_ZZERO);
     if (count == NULL)
-        add_judged(sums, &j, block, NULL, n, m, encoding);
-    else
-        add_judged(sums, &j, block, count, n, m, encoding);
+        count = ONES;
+    ntp__kernels(NTP__CPU_ALL)
+        ->judge_block(&j, block->c[0], block->c[1], block->c[2], count, n, m,
+                      encoding == NTP_ENCODING_ZZERO);
+    for (int32_t i = 0; encoding == NTP_ENCODING_XY && i < n; i++)
+        j.angle[i] = j.want[i] < 0 ? -1 : 0;
+    const bool scattered = add_angles(&j, block, n, m, encoding);
+    for (int32_t i = 0; i < 2; i++)
+        add_sums(&sums->fit[i], &j.fit[i]);
+    count_judged(sums, &j, count, n, scattered);
+    add_harm(sums, &j, block, count, n, m, encoding);
+}
+
+void ntp__add(ntp__sums *sums, const int32_t c[3], uint32_t count, int32_t m, ntp_encoding encoding)
+{
+    ntp__block one;
+    for (int32_t k = 0; k < 3; k++)
+        one.c[k][0] = c[k];
+    ntp__add_block(sums, &one, &count, 1, m, encoding);
 }
 
 /* ------------------------------------------------------------------------- sums as wholes */

@@ -22,8 +22,8 @@ typedef struct ntp__fit_sums {
     uint64_t length_sum;
     uint32_t length_max, length_inverted_min; /* ~min: zero-filled memory means none yet */
     uint32_t lengths[NTP__LENGTH_BINS];
-    uint32_t levels_off_max; /* the greatest index below with a count */
-    uint32_t levels_off[65536];
+    uint32_t levels_off_max;               /* the greatest index below with a count */
+    uint32_t levels_off[NTP__NO_BLUE + 1]; /* the last one is never read */
 } ntp__fit_sums;
 
 enum {
@@ -59,29 +59,13 @@ void ntp__clear_sums(ntp__sums *sums);
 
 void ntp__merge_sums(ntp__sums *into, const ntp__sums *from);
 
-/* What all texels of one red and green share, whatever their blue. */
-typedef struct ntp__row {
-    int32_t m, r, g;
-    int64_t xy2;     /* X*X + Y*Y */
-    int32_t want[2]; /* derived blue, standard and Z-zero; -1: too long */
-    int32_t steepness;
-    uint32_t flags;     /* NTP_FLAG_XY_TOO_LONG, NTP__FAR */
-    bool pair_fails;    /* even one level nearer to the middle each, r and g are too long */
-    int32_t cleaned[2]; /* r, g as ntp_clean leaves them */
-    int32_t cleaned_blue[2];
-} ntp__row;
-
-void ntp__row_init(ntp__row *row, int32_t r, int32_t g, int32_t m);
-
-/* Adds `count` texels of this row and blue, with angles by this encoding. */
-void ntp__add(ntp__sums *sums, const ntp__row *row, int32_t b, uint32_t count,
-              ntp_encoding encoding);
-
-/*
- * Adds count[i] texels (NULL: one each) of the color c[0..2][i], i < n.  Their x, y must not be
- * too long.
- */
+/* Adds count[i] texels (NULL: one each) of the color c[0..2][i], i < n, with angles by this
+ * encoding. */
 void ntp__add_block(ntp__sums *sums, const ntp__block *block, const uint32_t *count, int32_t n,
                     int32_t m, ntp_encoding encoding);
+
+/* Adds `count` texels of one color. */
+void ntp__add(ntp__sums *sums, const int32_t c[3], uint32_t count, int32_t m,
+              ntp_encoding encoding);
 
 #endif

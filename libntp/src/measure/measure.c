@@ -24,19 +24,16 @@ static void end_run(ntp_tally *t, unused_run *run, int32_t m)
 {
     if (run->count == 0)
         return;
-    ntp__row row;
     const int32_t *c = run->c;
     ntp_encoding as = ntp__judged_as((ntp_encoding) t->encoding);
     bool narrow = c[0] % 257 == 0 && c[1] % 257 == 0 && c[2] % 257 == 0;
     if (m == 255 || narrow) {
-        int32_t by = m == 255 ? 1 : 257;
-        ntp__row_init(&row, c[0] / by, c[1] / by, 255);
-        ntp__add(&t->transparent_narrow, &row, c[2] / by, run->count, as);
+        const int32_t by = m == 255 ? 1 : 257, at8[] = { c[0] / by, c[1] / by, c[2] / by };
+        ntp__add(&t->transparent_narrow, at8, run->count, 255, as);
     }
     if (m != 255) {
         t->is_wide |= !narrow;
-        ntp__row_init(&row, c[0], c[1], m);
-        ntp__add(&t->transparent_wide, &row, c[2], run->count, as);
+        ntp__add(&t->transparent_wide, c, run->count, m, as);
     }
     run->count = 0;
 }
@@ -171,16 +168,7 @@ static void note_flat(ntp_tally *t, int32_t r, int32_t g, int32_t b)
         (uint8_t) (1 << (b & 7));
 }
 
-/* A used 16-bit texel whose x, y are too long. */
-static void count_too_long(ntp_tally *t, int32_t r, int32_t g, int32_t b)
-{
-    ntp__row row;
-    ntp__row_init(&row, r, g, 65535);
-    ntp__add(&t->wide, &row, b, 1, ntp__judged_as((ntp_encoding) t->encoding));
-}
-
-/* Used 16-bit texels, c[0..2] of the block, that are not 8-bit content and whose x, y are not too
- * long. */
+/* Used 16-bit texels, c[0..2] of the block, that are not 8-bit content. */
 static void count_wide(ntp_tally *t, const ntp__block *block, int32_t n)
 {
     ntp__add_block(&t->wide, block, NULL, n, 65535, ntp__judged_as((ntp_encoding) t->encoding));
@@ -221,10 +209,7 @@ static bool count_used(ntp_tally *t, int32_t r, int32_t g, int32_t b, int32_t a,
     }
     t->is_wide = 1;
     note_flat(t, r, g, b);
-    if (ntp__rest(r, g, m) >= 0)
-        return false;
-    count_too_long(t, r, g, b);
-    return true;
+    return false;
 }
 
 /* Are these 16-bit texels of three channels all for count_wide, and none of them flat?  As mostly;
@@ -232,17 +217,14 @@ static bool count_used(ntp_tally *t, int32_t r, int32_t g, int32_t b, int32_t a,
 static bool are_wide(const ntp__block *block, int32_t n)
 {
     enum { K = 32768 };
-    const uint32_t most = (uint32_t) ((65535LL * 65535 - 2) / 4); /* then S >= 0 */
     uint32_t odd = 0;
     for (int32_t i = 0; i < n; i++) {
         const uint32_t r = (uint32_t) block->c[0][i], g = (uint32_t) block->c[1][i],
                        b = (uint32_t) block->c[2][i];
-        const uint32_t x = r - K, y = g - K; /* X*X = 4x(x + 1) + 1 */
         const uint32_t narrow =
             (((r >> 8) ^ r) & 255) | (((g >> 8) ^ g) & 255) | (((b >> 8) ^ b) & 255);
         odd |= (uint32_t) (narrow == 0) | (uint32_t) (((r ^ g) | (g ^ b)) == 0) |
-               (uint32_t) (x * (x + 1) + y * (y + 1) > most) |
-               ((uint32_t) (x + 1 <= 1) & (uint32_t) (y + 1 <= 1));
+               ((uint32_t) (r - K + 1 <= 1) & (uint32_t) (g - K + 1 <= 1));
     }
     return odd == 0;
 }

@@ -114,18 +114,10 @@ static void add_row(ntp_tally *t, color_batch *batch, int32_t row, int32_t m, nt
     ntp__cell cells[NTP__MOST_CELLS];
     int32_t by = m / 255, r = (t->cells.row_pair[row] & 255) * by,
             g = (t->cells.row_pair[row] >> 8) * by;
-    ntp__row far;
     const int32_t n = ntp__row_cells(cells, &t->cells, row);
-    bool too_long = ntp__rest(r, g, m) < 0;
-    if (too_long)
-        ntp__row_init(&far, r, g, m);
     for (int32_t i = 0; i < n; i++) {
         const int32_t b = cells[i].blue;
         t->blues[b] += cells[i].count;
-        if (too_long) {
-            ntp__add(&t->used, &far, b * by, cells[i].count, encoding);
-            continue;
-        }
         batch->block.c[0][batch->n] = r;
         batch->block.c[1][batch->n] = g;
         batch->block.c[2][batch->n] = b * by;
@@ -147,11 +139,9 @@ static void add_cells(ntp_tally *t, int32_t m, ntp_encoding encoding)
 
 static void add_gray(ntp_tally *t, int32_t level, int32_t m, uint64_t count, ntp_encoding encoding)
 {
-    ntp__row row;
-    if (count == 0)
-        return;
-    ntp__row_init(&row, level, level, m);
-    ntp__add(&t->unused, &row, level, (uint32_t) count, encoding);
+    const int32_t gray[] = { level, level, level };
+    if (count > 0)
+        ntp__add(&t->unused, gray, (uint32_t) count, m, encoding);
 }
 
 ntp_status ntp__sum_up(ntp_tally *t, ntp_encoding encoding)

@@ -100,6 +100,11 @@ typedef struct job {
     bool count; /* whether the caller asks how many texels changed */
 } job;
 
+enum {
+    FEW = 8,         /* too long pairs of a block: fewer are pulled one by one */
+    PULLED = 1 << 16 /* red and green changed too */
+};
+
 static void clean_texel(const job *j, int32_t c[4])
 {
     if (ntp__unused(c[0], c[1], c[2], c[3], j->m, j->how.touch_unused))
@@ -136,25 +141,67 @@ static uint64_t clean_slowly(const job *j, ntp__block *block, int32_t n)
     return changed;
 }
 
-/* Derives blue with a kernel.  Only texels that are too long or may be unused go one by one. */
+/* Pulls used pairs of a block that are too long, and derives their blues.  Where want[i] is still
+ * negative, the kernel is in doubt. */
+static void pull_long(const job *j, ntp__block *block, int32_t *want, int32_t n, bool suspect)
+{
+    int32_t at[NTP__BLOCK], to[3][NTP__BLOCK], doubt[NTP__BLOCK], count = 0;
+    for (int32_t i = 0; i < n; i++) {
+        at[count] = i;
+        count += want[i] < 0;
+    }
+    for (int32_t i = 0; i < count; i++) {
+        to[0][i] = block->c[0][at[i]];
+        to[1][i] = block->c[1][at[i]];
+    }
+    for (int32_t i = count; i % NTP__KERNEL_LANES != 0; i++)
+        to[0][i] = to[1][i] = 0;
+    j->kernels->pull(to[0], to[1], doubt, count, j->m);
+    j->kernels->derive(to[2], to[0], to[1], count, j->m, j->encoding == NTP_ENCODING_ZZERO);
+    for (int32_t i = 0; i < count; i++) {
+        if (doubt[i] || (suspect && ntp__texel_unused(block, at[i], j->m, j->how.touch_unused)))
+            continue;
+        block->c[0][at[i]] = to[0][i];
+        block->c[1][at[i]] = to[1][i];
+        want[at[i]] = to[2][i] | PULLED;
+    }
+}
+
+/* Texel i of a block gets the derived blue; true: it changed. */
+static inline bool set_blue(ntp__block *block, int32_t i, int32_t want, int32_t m, int32_t low)
+{
+    const int32_t to = want & ~PULLED, b = block->c[2][i], blue = b <= low ? m - to : to;
+    block->c[2][i] = blue;
+    return (blue != b) | (want >= PULLED);
+}
+
+/* Derives blue with a kernel.  Where few texels are too long, these go one by one, as do those that
+ * may be unused. */
 static uint64_t clean_by_derivation(const job *j, ntp__block *block, int32_t n)
 {
-    int32_t want[NTP__BLOCK];
-    bool keep = j->how.keep_negative_z && j->encoding == NTP_ENCODING_STANDARD;
-    uint64_t changed = 0;
+    const bool keep = j->how.keep_negative_z && j->encoding == NTP_ENCODING_STANDARD;
+    const int32_t low = keep ? (j->m - 1) / 2 : -1;
+    int32_t want[NTP__BLOCK], negative = 0, changed = 0;
     j->kernels->derive(want, block->c[0], block->c[1], n, j->m, j->encoding == NTP_ENCODING_ZZERO);
-    for (int32_t i = 0; i < n; i++) {
-        int32_t b = block->c[2][i];
-        /* The pairs of black and white are too long, so unused texels of these colors come here. */
-        if (want[i] < 0 || block->c[3][i] == 0) {
-            changed += clean_at(j, block, i);
-            continue;
-        }
-        int32_t blue = keep && ntp__z_negative(b, j->m) ? j->m - want[i] : want[i];
-        changed += blue != b;
-        block->c[2][i] = blue;
+    for (int32_t i = 0; i < n; i++)
+        negative += want[i] < 0;
+    /* The pairs of black and white are too long, so unused texels of these colors are among them. */
+    const bool suspect = ntp__any_suspect(block, n, j->m);
+    if (negative >= FEW) {
+        pull_long(j, block, want, n, suspect);
+        negative = 0;
+        for (int32_t i = 0; i < n; i++)
+            negative |= want[i] < 0;
     }
-    return changed;
+    if (negative == 0 && !suspect) {
+        for (int32_t i = 0; i < n; i++)
+            changed += set_blue(block, i, want[i], j->m, low);
+        return (uint64_t) changed;
+    }
+    for (int32_t i = 0; i < n; i++)
+        changed += want[i] < 0 || block->c[3][i] == 0 ? clean_at(j, block, i)
+                                                      : set_blue(block, i, want[i], j->m, low);
+    return (uint64_t) changed;
 }
 
 /* Divides by the length with a kernel, of the standard encoding.  Only texels near a boundary and
@@ -292,8 +339,14 @@ static void clean_row(const job *j, int32_t x0, int32_t x1, int32_t y, ntp_clean
     bool plain = is_plain_rgb(j) && has_kernel(j);
     int32_t most = plain ? NTP__KERNEL_STEP : NTP__BLOCK;
     for (int32_t x = x0; x < x1;) {
-        if (plain)
-            x += clean_rgb(j, x, x1 - x, y, j->count ? &counts->changed : NULL);
+        if (plain) {
+            const int32_t done = clean_rgb(j, x, x1 - x, y, j->count ? &counts->changed : NULL);
+            x += done;
+            /* Where pairs that are too long come closely, larger blocks are done without it. */
+            most = done >= NTP__KERNEL_STEP ? NTP__KERNEL_STEP
+                   : most < NTP__BLOCK      ? 2 * most
+                                            : most;
+        }
         int32_t n = x1 - x < most ? x1 - x : most;
         clean_block(j, x, y, n, counts);
         x += n;

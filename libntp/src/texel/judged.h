@@ -16,7 +16,11 @@ enum {
     NTP__MIRRORED = 128 /* blue is M - derived blue */
 };
 
+/* The limit |(x, y)| <= 1.00774 of the reference program, squared. */
+#define NTP__FAR_SQUARED (1.00774 * 1.00774)
+
 enum {
+    NTP__NO_BLUE = 65536,      /* a distance from the derived blue where there is none */
     NTP__LENGTH_ONE = 1 << 16, /* fixed-point unit of lengths */
     /* Texels by the length of x, y: bin i is i/8..(i+1)/8; too long: last. */
     NTP__STEEPNESS_BINS = 8,
@@ -29,13 +33,6 @@ enum {
 static inline int32_t ntp__fixed_length(double length2, int32_t m)
 {
     return (int32_t) (sqrt(length2) * ((double) NTP__LENGTH_ONE / m) + 0.5);
-}
-
-/* The bin of the length of x, y.  Pairs that are too long can lie beyond the last bin: the caller
- * holds them to it. */
-static inline int32_t ntp__steepness_bin(double xy2, int32_t m)
-{
-    return (int32_t) (sqrt(xy2) * ((double) NTP__STEEPNESS_BINS / m));
 }
 
 #endif

@@ -77,7 +77,8 @@ static inline void store64le(uint8_t *p, uint64_t v)
 
 enum {
     RGB = 0xffffff,
-    LANES = 32 /* most loops over planes do a multiple of these, so that they have no remainder */
+    LANES =
+        NTP__KERNEL_LANES /* most loops over planes do a multiple, so that they have no remainder */
 };
 
 static inline uint32_t load24le(const uint8_t *p)
@@ -244,146 +245,10 @@ static inline int32_t half_up(int32_t a)
     return a >= 0 ? a + 1 : -a;
 }
 
-/*
- * Standard.  With A = k(k - 1) a square is 4A + 1.  One level further in or out it is
- * 4(A - 2(k - 1)) + 1 or 4(A + 2k) + 1.  Half a level further it is 4(k - 1)^2 = 4(A - (k - 1)) or
- * 4k^2 = 4(A + k).  M*M = 4 A_M + 1.
- */
-ONE_COPY static void judge_standard(int32_t *restrict flags, int32_t *restrict want,
-                                    const int32_t *restrict r, const int32_t *restrict g,
-                                    const int32_t *restrict b, int32_t n, int32_t m)
-{
-    int32_t k0 = (m + 1) / 2;
-    uint32_t am = (uint32_t) k0 * (uint32_t) (k0 - 1);
-    int32_t e0 = (int32_t) (((int64_t) m * m - 5) / 4);
-    for (int32_t i = 0; i < n; i++) {
-        int32_t x = r[i] - k0, y = g[i] - k0, z = b[i] - k0;
-        uint32_t ks = (uint32_t) (half_up(x) + half_up(y) + half_up(z));
-        int32_t xy = x * (x + 1) + y * (y + 1);
-        uint32_t a = (uint32_t) xy + (uint32_t) (z * (z + 1));
-        int32_t e = e0 - xy;
-        int32_t t = blue(e < 0 ? 0 : e, k0, 0);
-        /* 4(a - 2(ks - 3)) + 3 <= 4 am + 1 <= 4(a + 2 ks) + 3 */
-        uint32_t neighbor = (a + 6 < am + 2 * ks) & (a + 2 * ks >= am);
-        /* 4(a - ks + 3) <= 4 am + 1 <= 4(a + ks) */
-        uint32_t rounded = (a + 3 <= am + ks) & (a + ks > am);
-        uint32_t in = e >= 0;
-        flags[i] =
-            (int32_t) (neighbor * NTP_FLAG_NEIGHBOR | rounded * NTP_FLAG_ROUNDED |
-                       (in & (b[i] == t)) * NTP_FLAG_EXACT |
-                       (in & (m - b[i] == t)) * NTP__MIRRORED | (in ^ 1) * NTP_FLAG_XY_TOO_LONG |
-                       (uint32_t) (z < 0) * NTP_FLAG_Z_NEGATIVE);
-        want[i] = e < 0 ? -1 : t;
-    }
-}
-
-/* Z-zero.  The square of blue is compared with 4e + 3, where e is made of x and y alone.  Half a
- * level in or out it is compared with 4q + 1.  Both fit into 32 bits unsigned if not negative. */
-ONE_COPY static void judge_zzero(int32_t *restrict flags, int32_t *restrict want,
-                                 const int32_t *restrict r, const int32_t *restrict g,
-                                 const int32_t *restrict b, int32_t n, int32_t m)
-{
-    int32_t k0 = (m + 1) / 2;
-    int32_t e0 = (int32_t) (((int64_t) m * m - 5) / 4), q0 = e0 + 1;
-    for (int32_t i = 0; i < n; i++) {
-        int32_t x = r[i] - k0, y = g[i] - k0;
-        int32_t ks = half_up(x) + half_up(y);
-        int32_t e = e0 - x * (x + 1) - y * (y + 1);
-        uint32_t u = (uint32_t) b[i], below = u - (u > 0);
-        int32_t e_in = e + 2 * (ks - 2), e_out = e - 2 * ks;
-        uint32_t neighbor = (e_in >= 0) & (below * below <= 4 * (uint32_t) e_in + 3);
-        neighbor &= (e_out < 0) | (u * (u + 2) >= 4 * (uint32_t) e_out + 2);
-        /* q = (M*M - 1)/4 - sum of k*k (out) or of (k - 1)^2 (in) */
-        int32_t q_in = e - e0 + q0 + (ks - 2), q_out = e - e0 + q0 - ks;
-        uint32_t rounded = (q_in >= 0) & (u * below <= 4 * (uint32_t) q_in);
-        rounded &= (q_out < 0) | (u * (u + 1) >= 4 * (uint32_t) q_out + 1);
-        int32_t t = blue(e < 0 ? 0 : e, k0, 1);
-        uint32_t in = e >= 0;
-        flags[i] =
-            (int32_t) (neighbor * NTP_FLAG_NEIGHBOR | rounded * NTP_FLAG_ROUNDED |
-                       (in & (b[i] == t)) * NTP_FLAG_EXACT | (in ^ 1) * NTP_FLAG_XY_TOO_LONG);
-        want[i] = e < 0 ? -1 : t;
-    }
-}
-
 #include "texel/flags_tmpl.h"
 
-/* Turns flags and derived blues into what a measurement sums up. */
-static void keys(ntp__judged_fit *restrict fit, const double *restrict xy2,
-                 const int32_t *restrict steepness, const int32_t *restrict b, int32_t n, int32_t m,
-                 int32_t zzero)
-{
-    double m2 = (double) m * m;
-    for (int32_t i = 0; i < n; i++) {
-        double z = zzero ? b[i] : 2 * b[i] - m;
-        double length2 = xy2[i] + z * z;
-        int32_t flags = fit->flags[i] | (length2 > m2 ? NTP__LONG : 0);
-        int32_t up = !zzero && b[i] <= m / 2 ? m - b[i] : b[i], off = up - fit->want[i];
-        fit->key[i] = steepness[i] * 256 + flags;
-        fit->levels_off[i] = off < 0 ? -off : off;
-        fit->length[i] = ntp__fixed_length(length2, m);
-    }
-}
-
-/*
- * A vector and the cleaned vector differ in z alone.  So with rho = |(x, y)| the tangent of the
- * angle between them is rho |z - z'| / (rho*rho + z z').  Up to 1/16, the series of angle.c about 0
- * is enough.
- */
-static void angles_of(int32_t *restrict angle, const double *restrict xy2,
-                      const int32_t *restrict b, const int32_t *restrict want, int32_t n, int32_t m,
-                      int32_t zzero)
-{
-    for (int32_t i = 0; i < n; i++) {
-        double z = zzero ? b[i] : 2 * b[i] - m, w = zzero ? want[i] : 2 * want[i] - m;
-        double across = sqrt(xy2[i]) * (z > w ? z - w : w - z), along = xy2[i] + z * w;
-        double t = across / along, t2 = t * t;
-        double series = 1.0 + t2 * (-1.0 / 3 + t2 * (1.0 / 5 + t2 * (-1.0 / 7 + t2 * (1.0 / 9))));
-        int32_t small = (along > 0) & (t <= 0.0625);
-        double micro = small ? t * series * (180e6 / 3.14159265358979323846) + 0.5 : -1.0;
-        angle[i] = (int32_t) micro;
-    }
-}
-
-static void judge_block_lanes(ntp__judged *j, const int32_t *r, const int32_t *g, const int32_t *b,
-                              int32_t n, int32_t m, int32_t angles)
-{
-    double xy2[256];
-    int32_t steepness[256];
-    judge_standard(j->fit[0].flags, j->fit[0].want, r, g, b, n, m);
-    judge_zzero(j->fit[1].flags, j->fit[1].want, r, g, b, n, m);
-    for (int32_t i = 0; i < n; i++) {
-        double x = 2 * r[i] - m, y = 2 * g[i] - m;
-        xy2[i] = x * x + y * y;
-        steepness[i] = ntp__steepness_bin(xy2[i], m);
-    }
-    keys(&j->fit[0], xy2, steepness, b, n, m, 0);
-    keys(&j->fit[1], xy2, steepness, b, n, m, 1);
-    if (angles)
-        angles_of(j->angle, xy2, b, j->fit[1].want, n, m, 1);
-    else
-        angles_of(j->angle, xy2, b, j->fit[0].want, n, m, 0);
-}
-
-/* The outputs of a block have room for whole lanes, so only the inputs have to be filled up. */
-static void judge_block(ntp__judged *j, const int32_t *r, const int32_t *g, const int32_t *b,
-                        int32_t n, int32_t m, int32_t angles)
-{
-    int32_t in[3][256];
-    int32_t filled = (n + LANES - 1) / LANES * LANES;
-    if (filled == n) {
-        judge_block_lanes(j, r, g, b, filled, m, angles);
-        return;
-    }
-    const int32_t *const planes[3] = { r, g, b };
-    for (int32_t k = 0; k < 3; k++) {
-        memcpy(in[k], planes[k], (size_t) n * sizeof in[k][0]);
-        memset(in[k] + n, 0, (size_t) (filled - n) * sizeof in[k][0]);
-    }
-    judge_block_lanes(j, in[0], in[1], in[2], filled, m, angles);
-}
-
 #include "texel/directions_tmpl.h"
+#include "texel/judge_tmpl.h"
 #include "texel/angles_tmpl.h"
 
 #define REAL        float
@@ -424,4 +289,5 @@ const ntp__kernels_table CONCAT(ntp__kernels_, NTP_ISA) = {
     directions,
     angles,
     normalize,
+    pull,
 };

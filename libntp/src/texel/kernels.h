@@ -56,23 +56,27 @@ typedef struct ntp__validity {
 typedef void ntp__validate_fn(uint8_t *flags, int32_t *const c[4], int32_t n,
                               const ntp__validity *how);
 
-/* A block of texels whose x, y are not too long, judged as standard or as Z-zero. */
+/* A block of texels, judged as standard or as Z-zero. */
 typedef struct ntp__judged_fit {
-    int32_t flags[256]; /* those of ntp_validate, and NTP__MIRRORED (judged.h) */
-    int32_t want[256];  /* derived blue */
-    int32_t key[256];   /* steepness * 256 + flags with NTP__LONG */
-    int32_t levels_off[256];
-    int32_t length[256]; /* in NTP__LENGTH_ONE */
+    int32_t key[256];        /* steepness * 256 + flags (judged.h) */
+    int32_t levels_off[256]; /* NTP__NO_BLUE: x, y are too long */
+    int32_t length[256];     /* in NTP__LENGTH_ONE */
+    uint32_t off[256];       /* how far the length is from 1 */
+    uint64_t length_sum,
+        length_error2[2]; /* the second: squares of off; without padding, and of it */
+    uint32_t least, greatest, levels_off_max;
 } ntp__judged_fit;
 
 typedef struct ntp__judged {
     ntp__judged_fit fit[2]; /* standard, Z-zero */
-    int32_t angle[256];     /* micro-degrees to the cleaned vector; -1: beyond the short series */
+    int32_t want[256];      /* derived blue in the encoding of the angles; -1: x, y are too long */
+    int32_t angle[256];     /* micro-degrees to the cleaned vector; -1: not by the short series */
 } ntp__judged;
 
-/* The angles are those of the encoding that `angles` names: 0 standard, 1 Z-zero. */
+/* Sums are of count[i] texels of each color.  The angles are Z-zero's if `zzero`, else standard's. */
 typedef void ntp__judge_block_fn(ntp__judged *judged, const int32_t *r, const int32_t *g,
-                                 const int32_t *b, int32_t n, int32_t m, int32_t angles);
+                                 const int32_t *b, const uint32_t *count, int32_t n, int32_t m,
+                                 int32_t zzero);
 
 /* Vectors of any length, as planes. */
 typedef struct ntp__vectors {
@@ -107,6 +111,10 @@ typedef int32_t ntp__normalize_fn(int32_t *to_r, int32_t *to_g, int32_t *to_b, i
                                   const int32_t *r, const int32_t *g, const int32_t *b, int32_t n,
                                   int32_t m);
 
+/* Pulls pairs that are too long onto the disc.  Where doubt[i] is not 0, levels may be wrong.
+ * Returns whether any is.  Works on whole lanes: the planes hold levels, and have room for them. */
+typedef int32_t ntp__pull_fn(int32_t *r, int32_t *g, int32_t *doubt, int32_t n, int32_t m);
+
 typedef struct ntp__kernels_table {
     const char *name;
     ntp__clean8_fn *clean_rgb8;         /* counts */
@@ -120,9 +128,13 @@ typedef struct ntp__kernels_table {
     ntp__directions_fn *directions;
     ntp__angles_fn *angles;
     ntp__normalize_fn *normalize;
+    ntp__pull_fn *pull;
 } ntp__kernels_table;
 
-enum { NTP__KERNEL_STEP = 16 };
+enum {
+    NTP__KERNEL_STEP = 16,
+    NTP__KERNEL_LANES = 32 /* whole lanes are a multiple of these */
+};
 
 /* The kernels for this processor; cpu.h says what the mask is. */
 const ntp__kernels_table *ntp__kernels(int mask);

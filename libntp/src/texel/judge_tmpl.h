@@ -1,0 +1,199 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * judge_tmpl.h - judges texels for a measurement, in both encodings; a part of kernels.c
+ *
+ * Standard.  With A = k(k - 1) a square is 4A + 1.  One level further in or out it is
+ * 4(A - 2(k - 1)) + 1 or 4(A + 2k) + 1.  Half a level further it is 4(k - 1)^2 = 4(A - (k - 1)) or
+ * 4k^2 = 4(A + k).  M*M = 4 A_M + 1.
+ *
+ * Z-zero.  The square of blue is compared with 4e + 3, where e is made of x and y alone.  Half a
+ * level in or out it is compared with 4q + 1.  Both fit into 32 bits unsigned if not negative.
+ */
+
+/* Verdicts, signs, and how far blue is off; `want` is the blue of the encoding of the angles. */
+ONE_COPY static void judge_levels(int32_t *restrict std, int32_t *restrict off_std,
+                                  int32_t *restrict zz, int32_t *restrict off_zz,
+                                  int32_t *restrict want, const int32_t *restrict r,
+                                  const int32_t *restrict g, const int32_t *restrict b, int32_t n,
+                                  int32_t m, int32_t zzero)
+{
+    const int32_t k0 = (m + 1) / 2, e0 = (int32_t) (((int64_t) m * m - 5) / 4);
+    const uint32_t am = (uint32_t) k0 * (uint32_t) (k0 - 1);
+    for (int32_t i = 0; i < n; i++) {
+        const int32_t x = r[i] - k0, y = g[i] - k0, z = b[i] - k0, up = z < 0 ? m - b[i] : b[i];
+        const int32_t xy = x * (x + 1) + y * (y + 1), e = e0 - xy, in = e >= 0;
+        const int32_t root = ntp__root30(in ? e : 0), d = e - root * root, w = k0 + root;
+        const int32_t v = 2 * root + (2 * d + 1 >= root) + (2 * d >= 3 * root); /* as in blue() */
+        const uint32_t kxy = (uint32_t) (half_up(x) + half_up(y)), k = kxy + (uint32_t) half_up(z);
+        const uint32_t a = (uint32_t) xy + (uint32_t) (z * (z + 1));
+        const uint32_t too_long = in ? 0 : NTP_FLAG_XY_TOO_LONG;
+        /* 4(a - 2(k - 3)) + 3 <= 4 am + 1 <= 4(a + 2k) + 3, and 4(a - k + 3) <= 4 am + 1 <= 4(a + k) */
+        std[i] = (int32_t) (((a + 6 < am + 2 * k) & (a + 2 * k >= am)) * NTP_FLAG_NEIGHBOR |
+                            ((a + 3 <= am + k) & (a + k > am)) * NTP_FLAG_ROUNDED |
+                            (uint32_t) (in & (b[i] == w)) * NTP_FLAG_EXACT |
+                            (uint32_t) (in & (m - b[i] == w)) * NTP__MIRRORED |
+                            (uint32_t) (z < 0) * NTP_FLAG_Z_NEGATIVE | too_long);
+        const uint32_t u = (uint32_t) b[i], below = u - (u > 0);
+        const int32_t e_in = e + 2 * ((int32_t) kxy - 2), e_out = e - 2 * (int32_t) kxy;
+        /* q = (M*M - 1)/4 - sum of k*k (out) or of (k - 1)^2 (in) */
+        const int32_t q_in = e + ((int32_t) kxy - 1), q_out = e + 1 - (int32_t) kxy;
+        uint32_t neighbor = (e_in >= 0) & (below * below <= 4 * (uint32_t) e_in + 3);
+        uint32_t rounded = (q_in >= 0) & (u * below <= 4 * (uint32_t) q_in);
+        neighbor &= (e_out < 0) | (u * (u + 2) >= 4 * (uint32_t) e_out + 2);
+        rounded &= (q_out < 0) | (u * (u + 1) >= 4 * (uint32_t) q_out + 1);
+        zz[i] = (int32_t) (neighbor * NTP_FLAG_NEIGHBOR | rounded * NTP_FLAG_ROUNDED |
+                           (uint32_t) (in & (b[i] == v)) * NTP_FLAG_EXACT | too_long);
+        off_std[i] = !in ? NTP__NO_BLUE : up < w ? w - up : up - w;
+        off_zz[i] = !in ? NTP__NO_BLUE : b[i] < v ? v - b[i] : b[i] - v;
+        want[i] = !in ? -1 : zzero ? v : w;
+    }
+}
+
+/* The squares and lengths of x, y, and flags that are made of them and of red and green. */
+ONE_COPY static void judge_pairs(double *restrict xy2, double *restrict rho,
+                                 int32_t *restrict common, const int32_t *restrict r,
+                                 const int32_t *restrict g, int32_t n, int32_t m)
+{
+    /* ntp__is_padding: 16 levels of 8 bit from an end */
+    const int32_t low = m == 255 ? 16 : 16 * 257 - 128, high = m - low;
+    const double far = NTP__FAR_SQUARED * ((double) m * m);
+    for (int32_t i = 0; i < n; i++) {
+        const double x = 2 * r[i] - m, y = 2 * g[i] - m;
+        xy2[i] = x * x + y * y;
+        rho[i] = sqrt(xy2[i]);
+        int32_t bin = (int32_t) (rho[i] * ((double) NTP__STEEPNESS_BINS / m));
+        const int32_t padding = ((r[i] < low) | (r[i] > high)) & ((g[i] < low) | (g[i] > high));
+        bin = bin < NTP__STEEPNESS_BINS ? bin : NTP__STEEPNESS_BINS - 1;
+        bin = padding ? NTP__PADDING_BIN : bin;
+        common[i] = bin * 256 | (xy2[i] > far ? NTP__FAR : 0);
+    }
+}
+
+ONE_COPY static void judge_lengths(ntp__judged_fit *restrict fit, const double *restrict xy2,
+                                   const int32_t *restrict common, const int32_t *restrict b,
+                                   int32_t n, int32_t m, int32_t zzero)
+{
+    const double m2 = (double) m * m, twice = zzero ? 1 : 2, less = zzero ? 0 : m;
+    for (int32_t i = 0; i < n; i++) {
+        const double z = twice * b[i] - less, length2 = xy2[i] + z * z;
+        fit->key[i] |= common[i] | (length2 > m2 ? NTP__LONG : 0);
+        fit->length[i] = ntp__fixed_length(length2, m);
+    }
+}
+
+/* The sums and extremes of a block, with off[i], how far the length is from 1. */
+ONE_COPY static void sum_lengths(ntp__judged_fit *restrict fit, const uint32_t *restrict count,
+                                 int32_t n)
+{
+    int32_t least = INT32_MAX, greatest = 0, most = 0;
+    uint64_t sum = 0, all = 0, of_padding = 0;
+    for (int32_t i = 0; i < n; i++) {
+        const int32_t length = fit->length[i], off = length - NTP__LENGTH_ONE;
+        const int32_t levels = fit->levels_off[i] == NTP__NO_BLUE ? 0 : fit->levels_off[i];
+        least = length < least ? length : least;
+        greatest = length > greatest ? length : greatest;
+        most = levels > most ? levels : most;
+        fit->off[i] = (uint32_t) (off < 0 ? -off : off);
+    }
+    for (int32_t i = 0; i < n; i++) {
+        const uint64_t off = fit->off[i], texels = count[i];
+        const uint64_t squares = (uint32_t) (off * off) * texels;
+        sum += (uint32_t) fit->length[i] * texels;
+        all += squares;
+        of_padding += fit->key[i] >= NTP__PADDING_BIN * 256 ? squares : 0;
+    }
+    fit->length_sum = sum;
+    fit->length_error2[0] = all - of_padding;
+    fit->length_error2[1] = of_padding;
+    fit->least = (uint32_t) least;
+    fit->greatest = (uint32_t) greatest;
+    fit->levels_off_max = (uint32_t) most;
+}
+
+/*
+ * A vector and the cleaned vector differ in z alone where x, y are not too long.  So with
+ * rho = |(x, y)| the tangent of the angle between them is rho |z - z'| / (rho*rho + z z').  Up to
+ * 1/16, the series of angle.c about 0 is enough.
+ */
+static void judge_angles(int32_t *restrict angle, const double *restrict xy2,
+                         const double *restrict rho, const int32_t *restrict b,
+                         const int32_t *restrict want, int32_t n, int32_t m, int32_t zzero)
+{
+    const double twice = zzero ? 1 : 2, less = zzero ? 0 : m;
+    for (int32_t i = 0; i < n; i++) {
+        const double z = twice * b[i] - less, w = twice * want[i] - less;
+        const double across = rho[i] * fabs(z - w), along = xy2[i] + z * w;
+        const double t = across / along, t2 = t * t;
+        const double series =
+            1.0 + t2 * (-1.0 / 3 + t2 * (1.0 / 5 + t2 * (-1.0 / 7 + t2 * (1.0 / 9))));
+        const int32_t small = (want[i] >= 0) & (along > 0) & (t <= 0.0625);
+        angle[i] = (int32_t) (small ? t * series * (180e6 / NTP__PI) + 0.5 : -1.0);
+    }
+}
+
+static void judge_lanes(ntp__judged *j, const int32_t *r, const int32_t *g, const int32_t *b,
+                        const uint32_t *count, int32_t n, int32_t m, int32_t zzero)
+{
+    double xy2[256], rho[256];
+    int32_t common[256];
+    judge_levels(j->fit[0].key, j->fit[0].levels_off, j->fit[1].key, j->fit[1].levels_off, j->want,
+                 r, g, b, n, m, zzero);
+    judge_pairs(xy2, rho, common, r, g, n, m);
+    judge_lengths(&j->fit[0], xy2, common, b, n, m, 0);
+    judge_lengths(&j->fit[1], xy2, common, b, n, m, 1);
+    for (int k = 0; k < 2; k++)
+        sum_lengths(&j->fit[k], count, n);
+    judge_angles(j->angle, xy2, rho, b, j->want, n, m, zzero);
+}
+
+/* The outputs of a block have room for whole lanes, so only the inputs have to be filled up: with
+ * the last texel, counted 0 times. */
+static void judge_block(ntp__judged *j, const int32_t *r, const int32_t *g, const int32_t *b,
+                        const uint32_t *count, int32_t n, int32_t m, int32_t zzero)
+{
+    int32_t in[3][256];
+    uint32_t counts[256];
+    const int32_t filled = (n + LANES - 1) / LANES * LANES;
+    if (filled == n) {
+        judge_lanes(j, r, g, b, count, n, m, zzero);
+        return;
+    }
+    const int32_t *const planes[3] = { r, g, b };
+    for (int32_t i = 0; i < filled; i++) {
+        const int32_t from = i < n ? i : n - 1;
+        counts[i] = i < n ? count[i] : 0;
+        for (int32_t k = 0; k < 3; k++)
+            in[k][i] = planes[k][from];
+    }
+    judge_lanes(j, in[0], in[1], in[2], counts, filled, m, zzero);
+}
+
+/*
+ * Pulls as ntp__pull does.  With the odd numbers 2u - 1 < t < 2u + 1 around a projection, and
+ * 2v - 1, 2v + 1 around the other one, the pair of the lower ones is on the disc, that of the
+ * greater ones is not, and of the other two each reaches farther than the first.  (t + 1)/2 is taken
+ * in double, in units of 2^-15, as in directions_tmpl.h.
+ */
+static int32_t pull(int32_t *restrict r, int32_t *restrict g, int32_t *restrict doubt, int32_t n,
+                    int32_t m)
+{
+    const int32_t k = (m + 1) / 2, am = k * (k - 1);
+    const double half = 0.5 * FRACTION * m;
+    int32_t any = 0;
+    n = (n + LANES - 1) / LANES * LANES;
+    for (int32_t i = 0; i < n; i++) {
+        const int32_t p = r[i] - k, q = g[i] - k, ax = 2 * half_up(p) - 1, ay = 2 * half_up(q) - 1;
+        const double x = ax, y = ay, factor = half / sqrt(x * x + y * y);
+        const int32_t s = (int32_t) (x * factor + 0.5 * FRACTION);
+        const int32_t t = (int32_t) (y * factor + 0.5 * FRACTION), u = s >> 15, v = t >> 15;
+        const int32_t right = (u * (u + 1) + v * (v - 1) < am) & (ax != ay);
+        const int32_t down = (u * (u - 1) + v * (v + 1) < am) & (ax != ay);
+        const int32_t a = u + (right & ((ax > ay) | (down ^ 1)));
+        const int32_t c = v + (down & ((ay > ax) | (right ^ 1)));
+        doubt[i] = in_doubt(s, 0) | in_doubt(t, 0);
+        any |= doubt[i];
+        r[i] = p < 0 ? k - a : k - 1 + a;
+        g[i] = q < 0 ? k - c : k - 1 + c;
+    }
+    return any;
+}
