@@ -135,19 +135,24 @@ def test_holes_do_not_bias_the_rest(kernel, dtype, most):
         assert seen.mean() > 0.1 and off < most, (name, seen.mean(), off)
 
 
-def test_more_iterations_solve_wide_kernels_beside_holes():
-    """The equations are exact: only the default number of steps is too small for 16 bits."""
-    h = fractal(160)[:40, :37]
-    mask = np.ones(h.shape, bool)
-    mask[20:22, 5:8] = mask[3, 20] = False
-    how = {"kernel": "gimp7", "border_x": EXTRAPOLATE, "border_y": EXTRAPOLATE}
-    n = from_height(h, dst=np.uint16, **how)
-    seen = mask.copy()
-    for shift in itertools.product(range(-3, 4), repeat=2):
-        seen &= np.roll(mask, shift, (0, 1))
-    seen[[0, 1, -2, -1]] = seen[:, [0, 1, -2, -1]] = False
-    ours, _ = weighted(n, mask=mask.astype(np.uint8), max_iterations=4000, **how)
-    assert np.any(from_height(ours, dst=np.uint16, **how) != n, axis=-1)[seen].mean() < 0.06
+@pytest.mark.parametrize("kernel", KERNELS[:-1])
+def test_holes_beside_a_full_mask(kernel):
+    """Every border and depth by default: as many texels come back beside holes as without any."""
+    radius = {"5": 2, "7": 3, "9": 4}.get(kernel[-1], 1)
+    for border, dtype in itertools.product(range(5), (np.uint8, np.uint16)):
+        side = 40 if dtype == np.uint8 else 28
+        h = fractal(2 * side)[:side, : side - 3] if border else fractal(side)
+        mask = np.ones(h.shape, np.uint8)
+        mask[20:22, 5:8] = mask[3, 20] = 0
+        how = {"kernel": kernel, "border_x": border, "border_y": border}
+        n = from_height(h, dst=dtype, **how)
+        seen = mask > 0
+        for shift in itertools.product(range(-radius, radius + 1), repeat=2):
+            seen &= np.roll(mask, shift, (0, 1)) > 0
+        made = [weighted(n, mask=m, **how)[0] for m in (np.ones_like(mask), mask)]
+        off = [np.any(from_height(v, dst=dtype, **how) != n, axis=-1)[seen].mean() for v in made]
+        assert off[1] <= off[0] + (0.13 if radius > 2 else 0.07), (border, dtype, off)
+        assert off[0] <= (0.22 if dtype == np.uint8 else 0.07), (border, dtype, off)
 
 
 # --------------------------------------------------------------------- holes and islands

@@ -20,15 +20,19 @@ static const double strength_without_prior = 1e-5;
 /* In the preconditioner alone, where slopes decide.  With less, floats have no digits for what the
  * stencil does not see.  Where it does not know the ends or the holes, it must not make too much of
  * the finest detail. */
-static const double strength_least = 1e-8, strength_inexact = 1e-5;
+static const double strength_least = 1e-8, strength_inexact = 1e-4;
 /* In the second solution, by the prior.  The difference of a pair is the mean of two slopes but for
  * an error, and this grows with the Laplacian, as the prior does.  The stencils of wider kernels
  * hide more of the heights, so the error is larger; of 8 bits, rounding is a part of it. */
-static const double by_prior_8 = 10, by_prior_16 = 300, by_prior_16_wide = 30;
-/* Most of its iterations.  The first solution is nearly as good for 8 bits, but not for more: there
- * the error of pairs is many times that of slopes.  Wide kernels take thousands: with more than the
- * default of max_iterations there are more. */
-enum { STEPS_8 = 12, STEPS_16 = 500 };
+static const double by_prior_8 = 16, by_prior_8_wide = 0.3;
+static const double by_prior_16 = 300, by_prior_16_wide = 10;
+/* The second solution ends when one part of its iterations, the last fifth, made the sum of squares
+ * fall by less than this share of what rounding makes of it.  With 0.1 up to 5 % more texels
+ * differ. */
+static const double share_of_rounding = 0.02, usual_tolerance = 1e-6;
+/* Floats are taken to be rounded to this. */
+static const double finest_level = 0x1p-20;
+enum { LEAST_PART = 12, TIMES_MOST = 30 /* of max_iterations */ };
 /* Where no slope counts, pairs are so many times as strong.  With more, iteration takes longer. */
 static const double alone = 10;
 
@@ -178,6 +182,7 @@ static void each_band(ntp__weighted *w, ntp__crew_task *task)
 
 typedef struct progress {
     double first, last; /* errors */
+    double from, to;    /* shares of the whole at both */
     double share;
 } progress;
 
@@ -204,7 +209,7 @@ static bool stopped(const ntp__weighted *w, progress *p, double error)
     double all = magnitude_of(p->first) - magnitude_of(p->last);
     double done = magnitude_of(p->first) - magnitude_of(error);
     double share = all > 0 ? done / all : 1;
-    share = share > 1 ? 1 : share;
+    share = p->from + (p->to - p->from) * (share > 1 ? 1 : share);
     p->share = share > p->share ? share : p->share;
     return hooks->progress(hooks->user, p->share) != 0;
 }
@@ -219,38 +224,72 @@ static double precondition(ntp__weighted *w)
     return rz > 0 ? sqrt(rz) : 0;
 }
 
-/* Iterates from x on.  r is the residual of x, dst is z, and *error is the error of r. */
+/* One step from x along d, and the next d.  r is the residual of x, dst is z, and *error is the error
+ * of r.  Returns by how much the sum of squares falls; 0: no step was possible. */
+static double go_on(ntp__weighted *w, double *error)
+{
+    double rz = *error * *error;
+    each_band(w, turn);
+    ntp__weighted_apply(w, w->a, w->d, false);
+    double curvature = total(w->sum, w->height);
+    if (!(curvature > 0))
+        return 0; /* d is only rounding errors, and so will the residual be */
+    w->alpha = rz / curvature;
+    each_band(w, step);
+    *error = precondition(w);
+    w->beta = -w->alpha * total(w->sum_also, w->height) / rz;
+    w->beta = w->beta > 0 ? w->beta : 0;
+    return w->alpha * rz;
+}
+
+/* Iterates from x on until the error is small. */
 static ntp_status descend(ntp__weighted *w, double *error, double goal, int32_t most,
                           int32_t *iterations, progress *p)
 {
-    double rz = *error * *error;
     w->beta = 0;
     while (*error > goal && *iterations < most) {
         if (stopped(w, p, *error))
             return NTP_ERR_CANCELLED;
-        each_band(w, turn);
-        ntp__weighted_apply(w, w->a, w->d, false);
-        double curvature = total(w->sum, w->height);
-        if (!(curvature > 0))
-            return NTP_OK; /* d is only rounding errors, and so will the residual be */
-        w->alpha = rz / curvature;
-        each_band(w, step);
-        *error = precondition(w);
-        w->beta = -w->alpha * total(w->sum_also, w->height) / rz;
-        w->beta = w->beta > 0 ? w->beta : 0;
-        rz = *error * *error;
+        if (!(go_on(w, error) > 0))
+            return NTP_OK;
         ++*iterations;
     }
     return NTP_OK;
 }
 
+/* Iterates from x on until one part of the iterations makes the sum of squares fall by no more than
+ * `enough`. */
+static ntp_status descend_in_parts(ntp__weighted *w, double *error, double enough, int32_t most,
+                                   int32_t *iterations, progress *p)
+{
+    double fall = p->first, last;
+    int32_t done = 0;
+    w->beta = 0;
+    do {
+        int32_t part = done / 4 > LEAST_PART ? done / 4 : LEAST_PART;
+        last = fall;
+        fall = 0;
+        for (int32_t i = 0; i < part && done < most; i++) {
+            if (stopped(w, p, last))
+                return NTP_ERR_CANCELLED;
+            double by = go_on(w, error);
+            if (!(by > 0))
+                return NTP_OK;
+            fall += by;
+            done++;
+            ++*iterations;
+        }
+    } while (fall > enough && done < most);
+    return NTP_OK;
+}
+
 /* Repeats until the residual that is worked out from the slopes is small enough, or nothing more
- * helps. */
-static ntp_status iterate(ntp__weighted *w, double scale, ntp_height_result *result)
+ * helps.  It is this share of the whole work. */
+static ntp_status iterate(ntp__weighted *w, double scale, double share, ntp_height_result *result)
 {
     int32_t most = w->plan->max_iterations;
     double goal = w->plan->tolerance * scale;
-    progress p = { scale, goal, 0 };
+    progress p = { scale, goal, 0, share, 0 };
     for (;;) {
         ntp__weighted_apply(w, w->r, w->x, true);
         double error = precondition(w);
@@ -294,6 +333,8 @@ static double prior_of(ntp__weighted *w)
     }
     /* The right-hand side has it, squared. */
     double weight = count > 0 ? weights / count : 0;
+    double fine = level > finest_level ? level : finest_level;
+    w->rounding = 2 * weights * fine * fine / 12 * step * step;
     double noise =
         level * level / 12 * part_of_prior(w) * step * step * (type == NTP_TYPE_U8 ? weight : 1);
     return sum > 0 ? noise * weight * weight * count / sum : 0;
@@ -322,24 +363,24 @@ static bool pairs_alone(const ntp__weighted *w)
 static ntp_status solve_slopes(ntp__weighted *w, double scale, ntp_height_result *result)
 {
     bool exact = is_exact(w), deep = w->slopes->src->type != NTP_TYPE_U8;
-    double pairs = !deep                                            ? by_prior_8
-                   : ntp__kernel_table[w->plan->kernel].radius == 1 ? by_prior_16
-                                                                    : by_prior_16_wide;
+    bool wide = ntp__kernel_table[w->plan->kernel].radius > 1;
+    double pairs = deep   ? wide ? by_prior_16_wide : by_prior_16
+                   : wide ? by_prior_8_wide
+                          : by_prior_8;
     if (!exact)
-        NTP__TRY(iterate(w, scale, result));
+        NTP__TRY(iterate(w, scale, 0.5, result));
     w->strength = w->strength_alone = 0;
     w->prior = w->inverse.prior = prior_of(w);
     w->strength = w->strength_alone = w->holes ? pairs * w->prior : 0;
     w->inverse.strength = exact ? strength_least : strength_inexact;
     if (exact)
-        return iterate(w, scale, result);
-    double goal = w->plan->tolerance * scale;
-    progress p = { scale, goal, 1 };
+        return iterate(w, scale, 1, result);
     ntp__weighted_apply(w, w->r, w->x, true);
     double error = precondition(w);
-    int32_t asked = w->plan->max_iterations - STEPS_16, steps = deep ? STEPS_16 : STEPS_8;
-    int32_t most = result->iterations + (deep && asked > steps ? asked : steps);
-    return descend(w, &error, goal, most, &result->iterations, &p);
+    double finer = w->plan->tolerance / usual_tolerance;
+    progress p = { error * error, share_of_rounding * w->rounding * finer * finer, 0.5, 1, 0.5 };
+    return descend_in_parts(w, &error, p.last, TIMES_MOST * w->plan->max_iterations,
+                            &result->iterations, &p);
 }
 
 static void store(void *job, int32_t part, int32_t item)
@@ -376,7 +417,7 @@ ntp_status ntp__weighted_solve(const ntp_image *dst, const ntp__slopes *slopes,
     memset(w.a, 0, texels * sizeof *w.a);
     ntp__weighted_start(&w);
     ntp_status status =
-        pairs_alone(&w) ? iterate(&w, scale, result) : solve_slopes(&w, scale, result);
+        pairs_alone(&w) ? iterate(&w, scale, 1, result) : solve_slopes(&w, scale, result);
     if (status == NTP_ERR_CANCELLED)
         return status;
     result->holes = result->not_finite = 0;

@@ -60,6 +60,7 @@ typedef struct ntp__weighted {
     double strength;       /* of pairs */
     double strength_alone; /* of pairs near which no slope counts, because of holes */
     double prior;          /* of the squared Laplacian of the heights */
+    double rounding;       /* what it makes of the sum of weighted squares; set with the prior */
     bool holes;
     double *laplacian;      /* of the heights that the operator is applied to */
     double *x, *r, *d, *a;  /* of conjugate gradients: heights, residual, direction, its image */
