@@ -371,13 +371,15 @@ static const char LEVELS[] =
     "them.\n";
 
 static const char OF_GLTF[] =
-    "\n## NT060 to NT067\n\n"
+    "\n## NT060 to NT073\n\n"
     "`ntp gltf` has findings of its own about the file that contains an image: "
     "[NT060](gltf.md) (an image with two uses), [NT061](gltf.md) (odd scale), [NT062](gltf.md) "
     "(no texture coordinates), [NT063](gltf.md) (media type), [NT064](gltf.md) (a format that is "
     "not read), [NT065](gltf.md) (no standard normals texture, which glTF requires), "
-    "[NT066](gltf.md) (alpha), [NT067](gltf.md) (mirrored or turned). [gltf.md](gltf.md) describes "
-    "them.\n";
+    "[NT066](gltf.md) (alpha), [NT067](gltf.md) (mirrored or turned), [NT068](gltf.md) (an image "
+    "that readers may not show), [NT069](gltf.md) (a KTX2 that is not allowed). [gltf.md](gltf.md) "
+    "describes them. `ntp usd` has [NT070](usd.md) (color space), [NT071](usd.md) (scale and "
+    "bias), [NT072](usd.md) (strength) and [NT073](usd.md) (outputs); see [usd.md](usd.md).\n";
 
 static void generate_findings(text *t)
 {

@@ -4,13 +4,18 @@
 The small images of test_files, a chip of each, and headers that those do not have.
 """
 
+import io
 import shutil
 import struct
 import sys
 from pathlib import Path
 
+import numpy as np
+from PIL import Image
+
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "tests"))
 
+from support import exr
 from support.gpu_textures import NUMBERS, block_bytes, dds, ktx2
 
 SUFFIXES = {".png", ".tga", ".jpg", ".pfm", ".dds", ".ktx2"}
@@ -72,6 +77,48 @@ def gpu_textures():
     yield "uastc.ktx2", ktx2(4, 4, [noise[:16]], 0, model=166, transfer=2)
 
 
+def pictures():
+    """A small picture of noise and of a ramp, by name."""
+    x, y = np.meshgrid(np.arange(19), np.arange(13))
+    yield "noise", (x * 167 + y * 59 + x * y) % 256 / 255
+    yield "ramp", (x + y) / 32
+
+
+def floats():
+    """(name, bytes) of EXR files: rows and tiles, each packing of ours, several layers."""
+    for name, picture in pictures():
+        for kind in ("f2", "f4"):
+            plane = picture.astype(kind)
+            rgb = dict.fromkeys("RGB", plane)
+            for packing in (exr.NONE, exr.RLE, exr.ZIPS, exr.ZIP):
+                yield f"{name}_{kind}_{packing}.exr", exr.exr(rgb, compression=packing)
+            yield f"{name}_{kind}_tiles.exr", exr.exr(rgb, compression=exr.ZIP, tile=8)
+    layers = {f"a.Normal.{c}": plane for c in "XYZ"} | {"Z": plane, "b.R": plane, "b.G": plane}
+    yield "layers.exr", exr.exr(layers, corner=(-3, 5))
+    yield "gray.exr", exr.exr({"Y": plane, "A": plane}, compression=exr.ZIP)
+    # The other packings are of noise: their decoders are tried, and refuse it.
+    noise = bytes(i * 167 + i // 5 & 0xFF for i in range(300))
+    for packing in range(4, 10):
+        data = exr.exr({"R": plane, "G": plane, "B": plane}, raw=noise)
+        at = data.index(b"compression\0compression\0") + 28
+        yield f"packing_{packing}.exr", data[:at] + bytes([packing]) + data[at + 1 :]
+
+
+def webps():
+    """(name, bytes) of WebP: with and without loss and alpha, and with a profile."""
+    for name, picture in pictures():
+        gray = np.round(picture * 255).astype(np.uint8)
+        for mode, planes in (
+            ("RGB", [gray, gray.T.reshape(gray.shape), gray]),
+            ("RGBA", [gray] * 4),
+        ):
+            image = Image.fromarray(np.dstack(planes), mode)
+            for lossless in (False, True):
+                out = io.BytesIO()
+                image.save(out, "WEBP", lossless=lossless, icc_profile=b"profile" * (not lossless))
+                yield f"{name}_{mode}_{lossless}.webp", out.getvalue()
+
+
 def main():
     source, target = Path(sys.argv[1]), Path(sys.argv[2])
     shutil.rmtree(target, ignore_errors=True)
@@ -81,7 +128,7 @@ def main():
             data = path.read_bytes()
             (target / path.name).write_bytes(data)
             (target / f"chip_{path.name}").write_bytes(data[: len(data) * 7 // 8])
-    for name, data in [*extra(), *gpu_textures()]:
+    for name, data in [*extra(), *gpu_textures(), *floats(), *webps()]:
         (target / name).write_bytes(data)
 
 

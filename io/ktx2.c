@@ -104,16 +104,23 @@ static bool read_header(ntpio_reader *reader, header *h, ntpio_error *error)
     return read_index(reader, h, h->t.mips, error) && read_descriptor(reader, h, error);
 }
 
+/* Of ETC1S or UASTC. */
+static bool is_basis(const header *h)
+{
+    return h->model == MODEL_UASTC || h->model == MODEL_ETC1S || h->scheme == BASIS;
+}
+
 /* "a KTX2 texture of UASTC, 512 x 512, 10 mips, marked sRGB, ..." */
 static bool not_read(const ntpio_reader *reader, const header *h, const char *what,
                      ntpio_error *error)
 {
     return ntpio__fail(error, NTPIO_ERR_FORMAT, reader->name,
-                       "a KTX2 texture of %s, %lu x %lu, %lu mip%s%s: its pixels are not read",
+                       "a KTX2 texture of %s, %lu x %lu, %lu mip%s%s: its pixels are not read%s",
                        what, (unsigned long) h->t.width, (unsigned long) h->t.height,
                        (unsigned long) h->t.mips, h->t.mips == 1 ? "" : "s",
                        h->transfer == TRANSFER_SRGB ? ", marked sRGB, which is wrong for normals"
-                                                    : "");
+                                                    : "",
+                       is_basis(h) ? "; `ktx transcode` (KTX-Software) makes a KTX2 that is" : "");
 }
 
 static const char *basis_name(const header *h)

@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * ntpio.h - image files to rows of samples and back: PNG, TGA, PFM; JPEG, DDS, KTX2 (read only)
+ * ntpio.h - image files to rows of samples and back: PNG, TGA, PFM, WebP; JPEG, DDS, KTX2, EXR (read
+ * only)
  *
  * The edge of the project: used by the program, the tests and the bindings, never by libntp.
  * Samples are raw numbers: no color management, gamma, premultiplication or dithering happens
  * here.  Files are read and written row by row, top row first, so an image of any height needs the
  * memory of a few rows.  What cannot stream is held whole, and `info.streams` says so: interlaced
- * PNG, some compressed TGA, progressive JPEG (inside its library).
+ * PNG, some compressed TGA, progressive JPEG (inside its library), WebP.
  *
  *   open.c     finds the format of a file and delivers its rows; reader.h: what a decoder is
  *   writer.c   joins an encoder with an output; writer.h: what an encoder is
@@ -16,7 +17,10 @@
  *              band, with deflate.c and its parts; both of these png_filter.c, the row filters;
  *              dds.c and ktx2.c share texture.c (rows of what GPUs take) and layouts.c (formats by
  *              number), which decode blocks by blocks.c and bc7.c
+ *              webp.c and exr.c are built where their libraries are there; exr_channels.c: which
+ *              channels of an EXR are read
  *   source.c   where bytes come from; stamp.c: which version of a file that is
+ *   copy.c     an output that is equal to its input
  *   output.c   where bytes go, and how a file takes the place of its target; attributes.c: what
  *              it keeps of the older file
  *   message.c  the words of errors
@@ -52,7 +56,9 @@ typedef enum ntpio_format {
     NTPIO_JPEG = 2,
     NTPIO_PFM = 3,
     NTPIO_DDS = 4,
-    NTPIO_KTX2 = 5
+    NTPIO_KTX2 = 5,
+    NTPIO_WEBP = 6,
+    NTPIO_EXR = 7
 } ntpio_format;
 
 /* What a reader refuses before it allocates or decodes, and which image of a DDS or KTX2 it
@@ -69,6 +75,7 @@ typedef struct ntpio_limits {
                              * and arrays and cubes are refused */
     bool pairs_as_rgb;      /* two channels that are red and green (BC5) come with a blue of 0, as
                              * GPUs sample them */
+    bool vectors_as_texels; /* channels X, Y, Z of an EXR, which hold -1..1, come as (v + 1) / 2 */
 } ntpio_limits;
 
 /* Which version of a file was read.  A save changes at least one of these. */
@@ -96,8 +103,10 @@ typedef struct ntpio_info {
     bool streams;
     bool interlaced;
     bool palette;
-    bool lossy;     /* JPEG, and blocks in which three channels share a line */
+    bool
+        lossy; /* JPEG, WebP and EXR of such kinds, and blocks in which three channels share a line */
     bool red_green; /* the file has two channels, and they are red and green */
+    bool vectors;   /* an EXR with channels X, Y, Z: its numbers are -1..1, not 0..1 */
     bool blocks;    /* stored in blocks: BC1 to BC7 */
     bool alpha;     /* the file has an alpha channel or PNG transparency (tRNS) */
     bool has_gama, has_srgb, has_iccp, has_chrm, has_cicp; /* PNG color chunks: never applied;
@@ -107,7 +116,7 @@ typedef struct ntpio_info {
     uint32_t phys_x, phys_y; /* pHYs: pixels per unit */
     int32_t phys_unit;       /* 1: metre */
     int32_t jpeg_quality;    /* estimated 1..100; 0 unknown or not JPEG */
-    bool jpeg_subsampled;    /* chroma subsampling, e.g. 4:2:0 */
+    bool jpeg_subsampled;    /* chroma subsampling, e.g. 4:2:0; also of a lossy WebP */
     char layout[32];         /* DDS and KTX2: "BC5", "R8G8B8A8"; else empty */
     uint32_t mips, layers;   /* DDS and KTX2, else 0 */
     ntpio_text *texts;
@@ -151,15 +160,32 @@ bool ntpio_is_current(const char *path, const ntpio_stamp *stamp);
  * checksum; texts that follow the pixels join the info). */
 bool ntpio_read_end(ntpio_reader *reader, ntpio_error *error);
 
+/* Closes the file after the last row, so that it can be replaced: Windows lets nobody replace what is
+ * open in certain ways.  The info stays. */
+void ntpio_close_file(ntpio_reader *reader);
+
 /* NULL is allowed. */
 void ntpio_close(ntpio_reader *reader);
 
+typedef enum ntpio_blocks { NTPIO_BLOCKS_NONE, NTPIO_BLOCKS_BC4, NTPIO_BLOCKS_BC5 } ntpio_blocks;
+
+/* How a DDS or KTX2 is made.  Pictures in memory have no gaps between rows.  Both functions return
+ * false if they fail. */
+typedef struct ntpio_texture {
+    ntpio_blocks blocks;
+    bool mips; /* down to 1 x 1 */
+    void *context;
+    /* Only for mips, only for blocks. */
+    bool (*make_mip)(void *context, void *dst, uint32_t width, uint32_t height, const void *whole);
+    bool (*compress)(void *context, uint8_t *dst, const void *src, uint32_t width, uint32_t height);
+} ntpio_texture;
+
 typedef struct ntpio_write_options {
-    ntpio_format format; /* NTPIO_JPEG cannot be written */
+    ntpio_format format; /* not NTPIO_JPEG, not NTPIO_EXR */
     uint32_t width, height;
-    int32_t channels;     /* 1..4 (PFM: 1 or 3; TGA: 1, 3, 4) */
-    int32_t sample_bytes; /* 1, 2 (PNG) or 4 (PFM) */
-    int32_t level;        /* PNG: 1 (fastest) to 12 (smallest); -1: 6 */
+    int32_t channels;     /* 1..4 (PFM: 1 or 3; TGA: 1, 3, 4; WebP: 3, 4) */
+    int32_t sample_bytes; /* 1, 2 (PNG, DDS, KTX2) or 4 (PFM) */
+    int32_t level;        /* PNG, WebP: 1 (fastest) to 12 (smallest; WebP: 9); -1: 6 */
     int32_t threads;      /* PNG: at most so many pack; 0 or 1: the caller's alone.  The bytes
                                   * are the same. */
     bool dry_run;         /* encode nothing, write nothing */
@@ -167,8 +193,9 @@ typedef struct ntpio_write_options {
                                   * commit, so that texts after the pixels are kept as well */
     const ntpio_text *texts;     /* PNG: further texts; copied */
     size_t text_count;
-    const char *read_path;  /* the file that the image was made of, or NULL; copied.  The */
-    ntpio_stamp read_stamp; /* commit fails if it is not this version any more. */
+    const ntpio_texture *texture; /* DDS, KTX2: lives until the commit; NULL: as it is */
+    const char *read_path;        /* the file that the image was made of, or NULL; copied.  The */
+    ntpio_stamp read_stamp;       /* commit fails if it is not this version any more. */
 } ntpio_write_options;
 
 /*
@@ -193,6 +220,14 @@ bool ntpio_commit(ntpio_writer *writer, ntpio_error *error);
 
 /* Drops what was written.  NULL is allowed. */
 void ntpio_abort(ntpio_writer *writer);
+
+/* Writes to `path` what is in the file options->read_path, byte for byte; or `bytes`, unless they are NULL.
+ * Of the options, only those about the file that was read count. */
+bool ntpio_copy(const char *path, const void *bytes, size_t size,
+                const ntpio_write_options *options, ntpio_error *error);
+
+/* Does this build read files of that format? */
+bool ntpio_reads(ntpio_format format);
 
 /* "libpng 1.6.39, zlib 1.2.13, libjpeg-turbo 2.1.5": what this build reads and writes with. */
 const char *ntpio_versions(void);

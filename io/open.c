@@ -44,6 +44,9 @@ static bool has_tga_footer(ntpio__source *source)
     return ntpio__seek(source, 0) && found;
 }
 
+#define BY_PYTHON "Python reads it after pip install 'normaltexture[images]'"
+#define EXR_START "\x76\x2f\x31\x01"
+
 /* What a file is that cannot be read here, if it is known; else NULL. */
 static const char *foreign(const uint8_t *b, size_t n)
 {
@@ -53,13 +56,18 @@ static const char *foreign(const uint8_t *b, size_t n)
         { "version https://git-lfs", "a Git LFS pointer, not the image: run `git lfs pull`" },
         { "GIF8", "GIF images are not read" },
         { "BM", "BMP images are not read" },
-        { "II*", "TIFF images are not read" },
-        { "MM", "TIFF images are not read" },
+        { "II*", "a TIFF image, which is not read; " BY_PYTHON },
+        { "MM", "a TIFF image, which is not read; " BY_PYTHON },
         { "8BPS", "Photoshop documents are not read" },
-        { "\x76\x2f\x31\x01", "OpenEXR images are not read" },
+#ifndef NTPIO_HAVE_EXR
+        { EXR_START, "an EXR image, which this build does not read: it needs OpenEXR (Debian: "
+                     "libopenexr-dev) when it is built; " BY_PYTHON },
+#endif
         { "#?RADIANCE", "Radiance HDR images are not read" },
         { "\xabKTX 11", "KTX textures of version 1 are not read, only KTX2" },
-        { "RIFF", "RIFF files such as WebP are not read" },
+        { "\x13\xab\xa1\x5c", "an ASTC texture, which is not read; astcenc -dl makes a PNG of it "
+                              "(Debian: astcenc)" },
+        { "RIFF", "RIFF files that are no WebP are not read" },
         { "gimp xcf", "GIMP documents are not read" },
     };
     for (size_t i = 0; i < sizeof known / sizeof *known; i++) {
@@ -96,7 +104,23 @@ static const ntpio__decoder *find_decoder(ntpio_reader *reader, ntpio_error *err
         return &ntpio__dds_decoder;
     if (n >= 7 && memcmp(b, "\xabKTX 20", 7) == 0)
         return &ntpio__ktx2_decoder;
+    if (n >= 12 && memcmp(b, "RIFF", 4) == 0 && memcmp(b + 8, "WEBP", 4) == 0) {
+#ifdef NTPIO_HAVE_WEBP
+        return &ntpio__webp_decoder;
+#else
+        ntpio__fail(error, NTPIO_ERR_FORMAT, reader->name,
+                    "a WebP image, which this build does not read: it needs libwebp (Debian: "
+                    "libwebp-dev) when it is built; " BY_PYTHON);
+        return NULL;
+#endif
+    }
+#ifdef NTPIO_HAVE_EXR
+    if (n >= 4 && memcmp(b, EXR_START, 4) == 0)
+        return &ntpio__exr_decoder;
+#endif
     const char *what = foreign(b, n);
+    if (n >= 12 && (memcmp(b + 4, "ftypavif", 8) == 0 || memcmp(b + 4, "ftypavis", 8) == 0))
+        what = "an AVIF image, which is not read; " BY_PYTHON;
     const bool plausible = what == NULL && ntpio__tga_plausible(b, n);
     if (plausible || ends_with(reader->name, ".tga") || ends_with(reader->name, ".targa")) {
         if (plausible || (what == NULL && has_tga_footer(&reader->source)))
@@ -108,7 +132,7 @@ static const ntpio__decoder *find_decoder(ntpio_reader *reader, ntpio_error *err
         return NULL;
     }
     ntpio__fail(error, NTPIO_ERR_FORMAT, reader->name, "%s",
-                what != NULL ? what : "not a PNG, TGA, JPEG, PFM, DDS or KTX2 image");
+                what != NULL ? what : "not a PNG, TGA, JPEG, PFM, DDS, KTX2, WebP or EXR image");
     return NULL;
 }
 
@@ -137,6 +161,7 @@ static ntpio_reader *new_reader(const char *name, const ntpio_limits *limits, nt
         reader->limits.mip = limits->mip;
         reader->limits.layer_and_one = limits->layer_and_one;
         reader->limits.pairs_as_rgb = limits->pairs_as_rgb;
+        reader->limits.vectors_as_texels = limits->vectors_as_texels;
     }
     return reader;
 }
@@ -215,6 +240,11 @@ bool ntpio_rewind(ntpio_reader *reader)
     if (can)
         reader->row = 0;
     return can;
+}
+
+void ntpio_close_file(ntpio_reader *reader)
+{
+    ntpio__source_close(&reader->source);
 }
 
 void ntpio_close(ntpio_reader *reader)

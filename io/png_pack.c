@@ -7,9 +7,10 @@
  * packs best.  From SEARCHES on, that is tried with some of the rows, at level 1; below, the guess
  * is taken.  Normals that were painted or scaled up need none, smooth ones Average, many a mixture.
  *
- * Matches reach back into the band before, but nothing else of it is known: bands are packed side by
- * side to the same bytes.  The caller's thread filters; others pack, and so does the caller when it
- * would have to wait.
+ * Matches reach back into the band before, but nothing else of it is known: bands are filtered and
+ * packed side by side to the same bytes.  Only the end of the band before is waited for, which is
+ * there once that is filtered.  The caller's thread copies rows; others do the work, and so does
+ * the caller when it would have to wait.
  */
 #include "png_pack.h"
 
@@ -22,9 +23,8 @@
 
 #ifdef NTPIO_HAVE_LIBDEFLATE
 #  include <libdeflate.h>
-#else
-#  include <zlib.h>
 #endif
+#include <zlib.h>
 
 enum {
     BAND = 4 << 20,    /* bytes */
@@ -46,23 +46,32 @@ enum {
 /* A band that waits to be packed, or to be written. */
 typedef struct band {
     ntpio__deflater *deflater;
-    uint8_t *filtered;     /* a window of older bytes, the band, the slack */
-    uint8_t *out;          /* packed */
-    size_t from, to, size; /* in filtered; of out */
+    uint8_t *raw;        /* the row before the band, and the band's */
+    uint8_t *guesses[2]; /* rows: the best so far, and another */
+    uint8_t *filtered;   /* a window of older bytes, the band, the slack; before, what is tried */
+    uint8_t *out;        /* packed */
+    size_t size;         /* of out */
+    uint32_t rows, checksum;
     bool last, done;
 } band;
+
+/* The last bytes of a filtered band, for the next one. */
+typedef struct tail {
+    uint8_t bytes[NTPIO__WINDOW];
+    size_t size;
+    uint32_t ready; /* 1 + the number of the band */
+} tail;
 
 struct ntpio__png_packer {
     int level;
     size_t row_size, texel, pitch;
     uint32_t left, rows, in_band; /* not taken yet; of a band; taken of this one */
-    uint8_t *raw;                 /* the row before the band, and the band's */
-    uint8_t *guesses[2];          /* rows: the best so far, and another */
-    uint8_t *sample;
-    uint8_t *joined; /* small bands, which together make a chunk of the file */
+    uint8_t *before;              /* the last row of the band before */
+    uint8_t *joined;              /* small bands, which together make a chunk of the file */
     size_t in_joined;
     uint32_t checksum;
     band bands[NTPIO__PACKERS_MAX + 1]; /* a ring: band n is number n % slots */
+    tail *tails; /* a ring of one more: when tail n goes, band n + 1 has been written */
     uint32_t slots;
     uint32_t filled, taken, delivered; /* bands: to be packed, begun, handed out */
     os_lock lock;                      /* of those, `done` and `stop` */
@@ -72,12 +81,16 @@ struct ntpio__png_packer {
     bool stop;
 };
 
-static bool band_init(band *b, size_t size, int level)
+static bool band_init(const ntpio__png_packer *p, band *b, size_t size)
 {
-    b->deflater = ntpio__deflater_new(level);
+    b->deflater = ntpio__deflater_new(p->level);
+    b->raw = calloc(p->rows + (size_t) 1, p->pitch);
+    b->guesses[0] = malloc(p->row_size);
+    b->guesses[1] = malloc(p->row_size);
     b->filtered = malloc(NTPIO__WINDOW + size + NTPIO__SLACK);
     b->out = malloc(HEADER + ntpio__deflate_bound(size) + CHECKSUM);
-    return b->deflater != NULL && b->filtered != NULL && b->out != NULL;
+    return b->deflater != NULL && b->raw != NULL && b->guesses[0] != NULL &&
+           b->guesses[1] != NULL && b->filtered != NULL && b->out != NULL;
 }
 
 void ntpio__png_packer_free(ntpio__png_packer *p)
@@ -94,27 +107,163 @@ void ntpio__png_packer_free(ntpio__png_packer *p)
     os_lock_destroy(&p->lock);
     for (uint32_t i = 0; i < p->slots; i++) {
         ntpio__deflater_free(p->bands[i].deflater);
+        free(p->bands[i].raw);
+        free(p->bands[i].guesses[0]);
+        free(p->bands[i].guesses[1]);
         free(p->bands[i].filtered);
         free(p->bands[i].out);
     }
-    free(p->raw);
-    free(p->guesses[0]);
-    free(p->guesses[1]);
-    free(p->sample);
+    free(p->tails);
+    free(p->before);
     free(p->joined);
     free(p);
+}
+
+/* ------------------------------------------------------------------------- filters */
+
+/* Row y of a band; -1: the one before it. */
+static uint8_t *raw_row(const ntpio__png_packer *p, const band *b, int64_t y)
+{
+    return b->raw + (size_t) (y + 1) * p->pitch + NTPIO__TEXEL_MAX;
+}
+
+/* The filter with the least sum; the first of equals. */
+static void guess_row(const ntpio__png_packer *p, band *b, uint32_t y, uint8_t *out)
+{
+    uint64_t least = UINT64_MAX;
+    for (int kind = 0; kind < NTPIO__FILTERS; kind++) {
+        const uint64_t sum =
+            ntpio__filter(b->guesses[1], raw_row(p, b, y), raw_row(p, b, (int64_t) y - 1),
+                          p->row_size, p->texel, kind);
+        if (sum < least) {
+            uint8_t *best = b->guesses[1];
+            b->guesses[1] = b->guesses[0];
+            b->guesses[0] = best;
+            least = sum;
+            out[0] = (uint8_t) kind;
+        }
+        if (least == 0)
+            break;
+    }
+    memcpy(out + 1, b->guesses[0], p->row_size);
+}
+
+static void filter_row(const ntpio__png_packer *p, band *b, uint32_t y, int kind, uint8_t *out)
+{
+    if (kind == GUESS) {
+        guess_row(p, b, y, out);
+        return;
+    }
+    out[0] = (uint8_t) kind;
+    ntpio__filter(out + 1, raw_row(p, b, y), raw_row(p, b, (int64_t) y - 1), p->row_size, p->texel,
+                  kind);
+}
+
+/* One of how many groups of rows is tried. */
+static uint32_t stride_of_groups(const ntpio__png_packer *p, const band *b)
+{
+    const uint32_t wanted = p->level >= SEARCHES_ALL ? 1 : p->level >= SEARCHES_MORE ? SOME : FEW;
+    const size_t size = b->rows * (p->row_size + 1), most = size / SAMPLE;
+    return most < 1 ? 1 : most < wanted ? (uint32_t) most : wanted;
+}
+
+static size_t try_kind(const ntpio__png_packer *p, band *b, int kind)
+{
+    const uint32_t step = GROUP * stride_of_groups(p, b);
+    size_t size = 0;
+    for (uint32_t first = (step - GROUP) / 2; first < b->rows; first += step) {
+        for (uint32_t y = first; y < first + GROUP && y < b->rows; y++) {
+            filter_row(p, b, y, kind, b->filtered + size);
+            size += p->row_size + 1;
+        }
+    }
+    memset(b->filtered + size, 0, NTPIO__SLACK);
+    return size == 0 ? 0 : ntpio__deflate(b->deflater, 1, b->filtered, 0, size, true, b->out);
+}
+
+static int choose_kind(const ntpio__png_packer *p, band *b)
+{
+    if (p->level < SEARCHES)
+        return GUESS;
+    size_t least = try_kind(p, b, GUESS);
+    int best = GUESS;
+    for (int kind = 0; kind < NTPIO__FILTERS; kind++) {
+        const size_t size = try_kind(p, b, kind);
+        if (size + size / BARELY < least) {
+            least = size;
+            best = kind;
+        }
+    }
+    return best;
+}
+
+/* --------------------------------------------------------------------------- bands */
+
+static uint32_t sum_bytes(uint32_t sum, const uint8_t *bytes, size_t size)
+{
+#ifdef NTPIO_HAVE_LIBDEFLATE
+    return libdeflate_adler32(sum, bytes, size);
+#else
+    return (uint32_t) adler32(sum, bytes, (uInt) size);
+#endif
+}
+
+/* Leaves the end of a band for the next one, which may look back into it. */
+static void leave_tail(ntpio__png_packer *p, uint32_t number, const uint8_t *end, size_t size)
+{
+    tail *t = &p->tails[number % (p->slots + 1)];
+    t->size = size < NTPIO__WINDOW ? size : NTPIO__WINDOW;
+    memcpy(t->bytes, end - t->size, t->size);
+    os_lock_take(&p->lock);
+    t->ready = number + 1;
+    os_condition_wake_all(&p->changed);
+    os_lock_release(&p->lock);
+}
+
+/* Puts the end of the band before in front of a band's bytes.  Returns its size. */
+static size_t take_tail(ntpio__png_packer *p, uint32_t number, uint8_t *bytes)
+{
+    if (number == 0)
+        return 0;
+    const tail *t = &p->tails[(number - 1) % (p->slots + 1)];
+    os_lock_take(&p->lock);
+    while (t->ready != number)
+        os_condition_wait(&p->changed, &p->lock);
+    os_lock_release(&p->lock);
+    memcpy(bytes - t->size, t->bytes, t->size);
+    return t->size;
+}
+
+/* Filters and packs a band. */
+static void make_band(ntpio__png_packer *p, uint32_t number)
+{
+    band *b = &p->bands[number % p->slots];
+    uint8_t *bytes = b->filtered + NTPIO__WINDOW;
+    const size_t line = p->row_size + 1, size = b->rows * line;
+    const int kind = choose_kind(p, b);
+    for (uint32_t y = 0; y < b->rows; y++)
+        filter_row(p, b, y, kind, bytes + y * line);
+    memset(bytes + size, 0, NTPIO__SLACK);
+    leave_tail(p, number, bytes + size, size);
+    b->checksum = sum_bytes(1, bytes, size);
+    b->size = 0;
+    if (number == 0) { /* a window of 32 KiB, and the usual level */
+        b->out[b->size++] = 0x78;
+        b->out[b->size++] = 0x9c;
+    }
+    const size_t known = take_tail(p, number, bytes);
+    b->size += ntpio__deflate(b->deflater, p->level, bytes - known, known, known + size, b->last,
+                              b->out + b->size);
 }
 
 /* Packs the next band that nobody has begun.  The lock is held before and after. */
 static void pack_next(ntpio__png_packer *p)
 {
     const uint32_t number = p->taken++;
-    band *b = &p->bands[number % p->slots];
     os_lock_release(&p->lock);
-    b->size += ntpio__deflate(b->deflater, p->level, b->filtered, b->from, b->to, b->last,
-                              b->out + b->size);
+    make_band(p, number);
     os_lock_take(&p->lock);
-    b->done = true;
+    p->bands[number % p->slots].done = true;
     os_condition_wake_all(&p->changed);
 }
 
@@ -165,14 +314,11 @@ ntpio__png_packer *ntpio__png_packer_new(size_t row_size, uint32_t height, size_
     /* One more than the threads: the caller fills it meanwhile. */
     p->slots = most < 2 ? 1 : bands < (uint32_t) most + 1 ? bands : (uint32_t) most + 1;
     for (uint32_t i = 0; i < p->slots; i++)
-        good = band_init(&p->bands[i], size, p->level) && good;
-    p->raw = calloc(p->rows + (size_t) 1, p->pitch);
-    p->guesses[0] = malloc(row_size);
-    p->guesses[1] = malloc(row_size);
-    p->sample = malloc(size + NTPIO__SLACK);
+        good = band_init(p, &p->bands[i], size) && good;
+    p->tails = calloc(p->slots + (size_t) 1, sizeof *p->tails);
+    p->before = calloc(1, row_size);
     p->joined = malloc(CHUNK);
-    if (!good || p->raw == NULL || p->guesses[0] == NULL || p->guesses[1] == NULL ||
-        p->sample == NULL || p->joined == NULL) {
+    if (!good || p->tails == NULL || p->before == NULL || p->joined == NULL) {
         ntpio__png_packer_free(p);
         return NULL;
     }
@@ -180,134 +326,28 @@ ntpio__png_packer *ntpio__png_packer_new(size_t row_size, uint32_t height, size_
     return p;
 }
 
-/* ------------------------------------------------------------------------- filters */
-
-/* Row y of the band; -1: the one before it. */
-static uint8_t *raw_row(const ntpio__png_packer *p, int64_t y)
-{
-    return p->raw + (size_t) (y + 1) * p->pitch + NTPIO__TEXEL_MAX;
-}
-
-/* The filter with the least sum; the first of equals. */
-static void guess_row(ntpio__png_packer *p, uint32_t y, uint8_t *out)
-{
-    uint64_t least = UINT64_MAX;
-    for (int kind = 0; kind < NTPIO__FILTERS; kind++) {
-        const uint64_t sum = ntpio__filter(
-            p->guesses[1], raw_row(p, y), raw_row(p, (int64_t) y - 1), p->row_size, p->texel, kind);
-        if (sum < least) {
-            uint8_t *best = p->guesses[1];
-            p->guesses[1] = p->guesses[0];
-            p->guesses[0] = best;
-            least = sum;
-            out[0] = (uint8_t) kind;
-        }
-        if (least == 0)
-            break;
-    }
-    memcpy(out + 1, p->guesses[0], p->row_size);
-}
-
-static void filter_row(ntpio__png_packer *p, uint32_t y, int kind, uint8_t *out)
-{
-    if (kind == GUESS) {
-        guess_row(p, y, out);
-        return;
-    }
-    out[0] = (uint8_t) kind;
-    ntpio__filter(out + 1, raw_row(p, y), raw_row(p, (int64_t) y - 1), p->row_size, p->texel, kind);
-}
-
-/* One of how many groups of rows is tried. */
-static uint32_t stride_of_groups(const ntpio__png_packer *p)
-{
-    const uint32_t wanted = p->level >= SEARCHES_ALL ? 1 : p->level >= SEARCHES_MORE ? SOME : FEW;
-    const size_t size = p->in_band * (p->row_size + 1), most = size / SAMPLE;
-    return most < 1 ? 1 : most < wanted ? (uint32_t) most : wanted;
-}
-
-static size_t try_kind(ntpio__png_packer *p, int kind)
-{
-    const uint32_t step = GROUP * stride_of_groups(p);
-    size_t size = 0;
-    for (uint32_t first = (step - GROUP) / 2; first < p->in_band; first += step) {
-        for (uint32_t y = first; y < first + GROUP && y < p->in_band; y++) {
-            filter_row(p, y, kind, p->sample + size);
-            size += p->row_size + 1;
-        }
-    }
-    memset(p->sample + size, 0, NTPIO__SLACK);
-    const band *b = &p->bands[p->filled % p->slots];
-    return size == 0 ? 0 : ntpio__deflate(b->deflater, 1, p->sample, 0, size, true, b->out);
-}
-
-static int choose_kind(ntpio__png_packer *p)
-{
-    if (p->level < SEARCHES)
-        return GUESS;
-    size_t least = try_kind(p, GUESS);
-    int best = GUESS;
-    for (int kind = 0; kind < NTPIO__FILTERS; kind++) {
-        const size_t size = try_kind(p, kind);
-        if (size + size / BARELY < least) {
-            least = size;
-            best = kind;
-        }
-    }
-    return best;
-}
-
-/* --------------------------------------------------------------------------- bands */
-
-static uint32_t sum_bytes(uint32_t sum, const uint8_t *bytes, size_t size)
-{
-#ifdef NTPIO_HAVE_LIBDEFLATE
-    return libdeflate_adler32(sum, bytes, size);
-#else
-    return (uint32_t) adler32(sum, bytes, (uInt) size);
-#endif
-}
-
-/* The window that the next band may look back into: the last bytes of the one before. */
-static size_t take_window(const ntpio__png_packer *p, band *b)
-{
-    if (p->filled == 0)
-        return 0;
-    const band *before = &p->bands[(p->filled - 1) % p->slots];
-    const size_t known = before->to < NTPIO__WINDOW ? before->to : NTPIO__WINDOW;
-    memmove(b->filtered, before->filtered + before->to - known, known);
-    return known;
-}
-
-/* Filters the rows that were taken; then the band can be packed. */
+/* Hands the rows that were taken to whoever packs. */
 static void fill_band(ntpio__png_packer *p)
 {
     band *b = &p->bands[p->filled % p->slots];
-    const int kind = choose_kind(p);
-    b->from = take_window(p, b);
-    b->to = b->from + p->in_band * (p->row_size + 1);
-    for (uint32_t y = 0; y < p->in_band; y++)
-        filter_row(p, y, kind, b->filtered + b->from + y * (p->row_size + 1));
-    memset(b->filtered + b->to, 0, NTPIO__SLACK);
-    p->checksum = sum_bytes(p->checksum, b->filtered + b->from, b->to - b->from);
-    memcpy(raw_row(p, -1), raw_row(p, (int64_t) p->in_band - 1), p->row_size);
-    b->size = 0;
-    if (p->filled == 0) { /* a window of 32 KiB, and the usual level */
-        b->out[b->size++] = 0x78;
-        b->out[b->size++] = 0x9c;
-    }
+    const uint8_t *end = raw_row(p, b, (int64_t) p->in_band - 1);
     os_lock_take(&p->lock);
     b->done = false;
     b->last = p->left == 0;
+    b->rows = p->in_band;
     p->in_band = 0;
     p->filled++;
     os_condition_wake_all(&p->changed);
     os_lock_release(&p->lock);
+    memcpy(p->before, end, p->row_size); /* nobody changes rows */
 }
 
 void ntpio__png_pack_row(ntpio__png_packer *p, const uint8_t *row, bool swap)
 {
-    uint8_t *to = raw_row(p, p->in_band++);
+    const band *b = &p->bands[p->filled % p->slots];
+    if (p->in_band == 0)
+        memcpy(raw_row(p, b, -1), p->before, p->row_size);
+    uint8_t *to = raw_row(p, b, p->in_band++);
     p->left--;
     if (!swap)
         memcpy(to, row, p->row_size);
@@ -350,6 +390,8 @@ size_t ntpio__png_packed(ntpio__png_packer *p, const uint8_t **packed)
         band *b = &p->bands[p->delivered % p->slots];
         if (p->in_joined + b->size + CHECKSUM > CHUNK && p->in_joined > 0)
             return take_joined(p, packed);
+        const size_t size = b->rows * (p->row_size + 1);
+        p->checksum = (uint32_t) adler32_combine(p->checksum, b->checksum, (z_off_t) size);
         for (int i = 3; b->last && i >= 0; i--)
             b->out[b->size++] = (uint8_t) (p->checksum >> 8 * i);
         p->delivered++;

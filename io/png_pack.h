@@ -11,7 +11,7 @@
 
 enum {
     NTPIO__PACKED_ROW_MAX = 1 << 20, /* bytes: 131072 texels of RGBA with 16 bits */
-    NTPIO__PACKERS_MAX = 16          /* threads; each takes about 10 MB */
+    NTPIO__PACKERS_MAX = 16          /* threads; each takes about 13 MB */
 };
 
 typedef struct ntpio__png_packer ntpio__png_packer;

@@ -41,6 +41,15 @@ bool ntpio__check_memory(const ntpio_reader *reader, uint64_t bytes, ntpio_error
     return true;
 }
 
+bool ntpio__hold_source(ntpio_reader *reader, ntpio_error *error)
+{
+    bool too_long;
+    if (ntpio__source_hold(&reader->source, reader->limits.max_memory, &too_long))
+        return true;
+    return too_long ? ntpio__check_memory(reader, UINT64_MAX, error)
+                    : ntpio__fail_memory(error, reader->name);
+}
+
 bool ntpio__hold(ntpio_reader *reader, ntpio_error *error)
 {
     /* No overflow: the sides have passed ntpio__check_size. */

@@ -47,6 +47,9 @@ size_t ntpio__row_bytes(const ntpio_info *info);
 /* Reads `size` bytes, or reports that the file is truncated or cannot be read. */
 bool ntpio__read_all(ntpio_reader *reader, void *dst, size_t size, ntpio_error *error);
 
+/* Reads the rest of the source into memory, where it can seek; refuses what is above the limits. */
+bool ntpio__hold_source(ntpio_reader *reader, ntpio_error *error);
+
 /* Reports why the source gave less than was asked for.  Returns false. */
 bool ntpio__fail_ended(const ntpio_reader *reader, ntpio_error *error);
 

@@ -86,6 +86,37 @@ size_t ntpio__peek(ntpio__source *source, size_t size)
     return source->end - source->at;
 }
 
+bool ntpio__source_hold(ntpio__source *source, uint64_t most, bool *too_long)
+{
+    *too_long = false;
+    if (source->file == NULL)
+        return true;
+    size_t size = source->end - source->at, room = BUFFER_SIZE;
+    memmove(source->buffer, source->buffer + source->at, size);
+    for (;;) {
+        if (size == room) {
+            *too_long = room > most || room > SIZE_MAX / 2;
+            uint8_t *grown = *too_long ? NULL : realloc(source->buffer, room * 2);
+            if (grown == NULL)
+                return false;
+            source->buffer = grown;
+            room *= 2;
+        }
+        const size_t got = from_file(source, source->buffer + size, room - size);
+        size += got;
+        if (got == 0)
+            break;
+    }
+    *too_long = size > most;
+    if (source->file != stdin)
+        fclose(source->file);
+    source->file = NULL;
+    source->bytes = source->buffer;
+    source->at = 0;
+    source->end = size;
+    return !*too_long;
+}
+
 size_t ntpio__read(ntpio__source *source, void *dst, size_t size)
 {
     uint8_t *out = dst;

@@ -30,6 +30,10 @@ void ntpio__source_close(ntpio__source *source);
  * are. */
 size_t ntpio__peek(ntpio__source *source, size_t size);
 
+/* Reads all that is left, at most `most` bytes, into memory: then the source can seek.  False if there
+ * is more, or no memory: `*too_long` says which. */
+bool ntpio__source_hold(ntpio__source *source, uint64_t most, bool *too_long);
+
 /* Reads up to `size` bytes; returns how many there were. */
 size_t ntpio__read(ntpio__source *source, void *dst, size_t size);
 

@@ -12,6 +12,7 @@
 
 #include "blocks.h"
 #include "formats.h"
+#include "half.h"
 
 typedef struct state {
     ntpio__texture t;
@@ -155,23 +156,6 @@ static uint32_t from_signed(int32_t v, int32_t top)
     return (uint32_t) ((up * 65535 + top) / (2 * (int64_t) top));
 }
 
-/* Half precision to single: exact. */
-static uint32_t from_half(uint32_t h)
-{
-    const uint32_t sign = (h & 0x8000) << 16, exponent = h >> 10 & 31;
-    uint32_t fraction = h & 1023;
-    if (exponent == 31)
-        return sign | 0x7f800000 | fraction << 13;
-    if (exponent != 0)
-        return sign | (exponent + 112) << 23 | fraction << 13;
-    if (fraction == 0)
-        return sign;
-    uint32_t power = 113;
-    for (; (fraction & 1024) == 0; power--)
-        fraction <<= 1;
-    return sign | power << 23 | (fraction & 1023) << 13;
-}
-
 static void put_sample(uint8_t *dst, const uint8_t *src, ntpio__texels texels)
 {
     uint32_t word;
@@ -190,7 +174,7 @@ static void put_sample(uint8_t *dst, const uint8_t *src, ntpio__texels texels)
         put_wide(dst, from_signed((int32_t) word - (word > 32767 ? 65536 : 0), 32767));
         break;
     default:
-        word = texels == NTPIO__TEXELS_F16 ? from_half(half_word(src)) : ntpio__u32(src);
+        word = texels == NTPIO__TEXELS_F16 ? ntpio__from_half(half_word(src)) : ntpio__u32(src);
         memcpy(dst, &word, sizeof word);
         break;
     }

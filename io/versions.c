@@ -21,6 +21,23 @@
 #define TEXT_OF_(x) #x
 #define TEXT_OF(x)  TEXT_OF_(x)
 
+bool ntpio_reads(ntpio_format format)
+{
+#ifndef NTPIO_HAVE_JPEG
+    if (format == NTPIO_JPEG)
+        return false;
+#endif
+#ifndef NTPIO_HAVE_WEBP
+    if (format == NTPIO_WEBP)
+        return false;
+#endif
+#ifndef NTPIO_HAVE_EXR
+    if (format == NTPIO_EXR)
+        return false;
+#endif
+    return format <= NTPIO_EXR;
+}
+
 const char *ntpio_versions(void)
 {
     return "libpng " PNG_LIBPNG_VER_STRING ", zlib " ZLIB_VERSION
@@ -35,5 +52,11 @@ const char *ntpio_versions(void)
 #elif defined(NTPIO_HAVE_JPEG)
            ", libjpeg " TEXT_OF(JPEG_LIB_VERSION)
 #endif
-               ;
+#ifdef NTPIO_HAVE_WEBP
+               ", libwebp " NTPIO_HAVE_WEBP
+#endif
+#ifdef NTPIO_HAVE_EXR
+               ", OpenEXR " NTPIO_HAVE_EXR
+#endif
+        ;
 }

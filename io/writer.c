@@ -10,7 +10,31 @@
 
 #include "formats.h"
 
-enum { TGA_SIDE_MAX = 65535, SIDE_MAX = INT32_MAX };
+enum { TGA_SIDE_MAX = 65535, WEBP_SIDE_MAX = 16383, SIDE_MAX = INT32_MAX };
+
+static const char *wrong_level(const ntpio_write_options *o)
+{
+    return o->level != -1 && (o->level < 1 || o->level > 12)
+               ? "the compression level is 1 to 12, or -1"
+               : NULL;
+}
+
+static const char *wrong_webp(const ntpio_write_options *o)
+{
+#ifdef NTPIO_HAVE_WEBP
+    if (o->sample_bytes != 1)
+        return "WebP holds 8 bits, not more; write a PNG, or 8 bits";
+    if (o->channels != 3 && o->channels != 4)
+        return "WebP holds RGB and RGBA, not gray; write a PNG";
+    if (o->width > WEBP_SIDE_MAX || o->height > WEBP_SIDE_MAX)
+        return "WebP holds at most 16383 x 16383 texels";
+    return wrong_level(o);
+#else
+    (void) o;
+    return "this build does not write WebP: it needs libwebp (Debian: libwebp-dev) when it is "
+           "built";
+#endif
+}
 
 static const char *wrong_shape(const ntpio_write_options *o)
 {
@@ -21,10 +45,10 @@ static const char *wrong_shape(const ntpio_write_options *o)
         return "sides above 2147483647 cannot be written";
     switch (o->format) {
     case NTPIO_PNG:
-        if (o->level != -1 && (o->level < 1 || o->level > 12))
-            return "the compression level is 1 to 12, or -1";
+        if (b == 4)
+            return "PNG holds no floats: write a PFM, or make 16 bits by ntp convert --depth 16";
         return c < 1 || c > 4 || b < 1 || b > 2 ? "PNG holds 1 to 4 channels of 8 or 16 bits"
-                                                : NULL;
+                                                : wrong_level(o);
     case NTPIO_TGA:
         if (o->width > TGA_SIDE_MAX || o->height > TGA_SIDE_MAX)
             return "TGA holds at most 65535 x 65535 texels";
@@ -34,9 +58,14 @@ static const char *wrong_shape(const ntpio_write_options *o)
         return (c != 1 && c != 3) || b != 4 ? "PFM holds 1 or 3 channels of float" : NULL;
     case NTPIO_JPEG:
         return "JPEG is read, never written: it damages normals";
+    case NTPIO_WEBP:
+        return wrong_webp(o);
     case NTPIO_DDS:
     case NTPIO_KTX2:
-        return "DDS and KTX2 are read, not written";
+        return c < 1 || c > 4 || b < 1 || b > 2 ? "DDS and KTX2 get 1 to 4 channels of 8 or 16 bits"
+                                                : NULL;
+    case NTPIO_EXR:
+        return "EXR is read, not written";
     }
     return "an unknown format";
 }
@@ -52,9 +81,14 @@ static void destroy(ntpio_writer *writer)
 static ntpio_writer *new_writer(const char *name, const ntpio_write_options *options,
                                 ntpio_error *error)
 {
-    static const ntpio__encoder *const encoders[] = { [NTPIO_PNG] = &ntpio__png_encoder,
-                                                      [NTPIO_TGA] = &ntpio__tga_encoder,
-                                                      [NTPIO_PFM] = &ntpio__pfm_encoder };
+    static const ntpio__encoder *const encoders[] = {
+        [NTPIO_PNG] = &ntpio__png_encoder,      [NTPIO_TGA] = &ntpio__tga_encoder,
+        [NTPIO_PFM] = &ntpio__pfm_encoder,      [NTPIO_DDS] = &ntpio__texture_encoder,
+        [NTPIO_KTX2] = &ntpio__texture_encoder,
+#ifdef NTPIO_HAVE_WEBP
+        [NTPIO_WEBP] = &ntpio__webp_encoder
+#endif
+    };
     ntpio_writer *writer = calloc(1, sizeof *writer);
     if (writer != NULL)
         writer->name = ntpio__copy_string(name, strlen(name));

@@ -14,6 +14,10 @@ void os_free_aligned(void *memory);
 /* As malloc, for free; a large one is rounded up to large pages. */
 void *os_alloc_large(size_t size);
 
+/* Zeros, of which only what is used takes memory.  For os_free_zeros. */
+void *os_alloc_zeros(size_t size);
+void os_free_zeros(void *memory);
+
 /* Asks for large pages under a buffer that will be used as a whole. */
 void os_large_pages(void *memory, size_t size);
 

@@ -54,9 +54,20 @@ def pytest_configure(config):
         )
 
 
+def _leave_out(items):
+    """Skips what makes no sense with the program of another system."""
+    patterns = listed(TESTS / "windows" / "left_out.txt")
+    for item in items:
+        for pattern, reason in patterns.items():
+            if fnmatch.fnmatchcase(_short_id(item.nodeid), pattern):
+                item.add_marker(pytest.mark.skip(reason=f"ntp.exe: {reason}"))
+
+
 def pytest_collection_modifyitems(config, items):
     if SANITIZED:
         _sample(config, items)
+    if "NTP_PROGRAM" in os.environ:
+        _leave_out(items)
 
 
 PATIENCE = 900  # seconds: ends what hangs; a busy machine, or a sanitizer, is no failure
@@ -64,8 +75,8 @@ PATIENCE = 900  # seconds: ends what hangs; a busy machine, or a sanitizer, is n
 
 @pytest.fixture(scope="session")
 def program():
-    """The built `ntp`."""
-    path = libntp_ffi.find_built("cli/ntp")
+    """The built `ntp`, or what starts that of another system: tests/windows/under_wine."""
+    path = os.environ.get("NTP_PROGRAM") or libntp_ffi.find_built("cli/ntp")
     if path is None:
         pytest.skip("the program is not built")
     return path
@@ -94,9 +105,9 @@ def corpus():
     return path
 
 
-def allowed_skips():
+def listed(path):
     """{pattern of a test id: reason}."""
-    lines = ALLOWED_SKIPS.read_text(encoding="utf-8").splitlines()
+    lines = path.read_text(encoding="utf-8").splitlines()
     lines = [line for line in lines if line.strip() and not line.startswith("#")]
     return dict((part.strip() for part in line.split(" # ", 1)) for line in lines)
 
@@ -124,11 +135,12 @@ def pytest_sessionfinish(session):
 
 
 def _unexpected():
-    patterns = allowed_skips()
+    patterns = listed(ALLOWED_SKIPS)
     return {
         test: reason
         for test, reason in _skipped.items()
-        if not any(fnmatch.fnmatchcase(test, pattern) for pattern in patterns)
+        if "ntp.exe: " not in reason
+        and not any(fnmatch.fnmatchcase(test, pattern) for pattern in patterns)
     }
 
 

@@ -18,11 +18,14 @@ ntpio_limits limits_from(const options *o)
 {
     return (ntpio_limits) { .max_side = (uint32_t) option_integer(o, OPT_MAX_SIDE),
                             .max_texels = (uint64_t) option_integer(o, OPT_MAX_TEXELS),
+                            .max_at_once = /* never 0: that is the default */
+                            ((uint64_t) option_integer(o, OPT_MAX_AT_ONCE) << 20) + 1,
                             .mip = (uint32_t) option_integer(o, OPT_MIP),
                             .layer_and_one = option_given(o, OPT_LAYER)
                                                  ? 1 + (uint32_t) option_integer(o, OPT_LAYER)
                                                  : 0,
-                            .pairs_as_rgb = true };
+                            .pairs_as_rgb = true,
+                            .vectors_as_texels = true };
 }
 
 int forced_class(const options *o)

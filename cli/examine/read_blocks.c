@@ -149,6 +149,12 @@ bool source_is_current(const source *s, ntpio_error *error)
     return ntpio_is_current(s->in->path, &s->info->stamp) || changed(s, error);
 }
 
+void source_close_file(source *s)
+{
+    stop_ahead(s);
+    ntpio_close_file(s->reader);
+}
+
 void source_close(source *s)
 {
     stop_ahead(s);

@@ -60,6 +60,8 @@ bool source_rewind(source *s, ntpio_error *error);
 void source_keep(source *s);
 /* Is the file still the version that is read? */
 bool source_is_current(const source *s, ntpio_error *error);
+/* Lets go of the file when all is read, so that it can be replaced; what is known of it stays. */
+void source_close_file(source *s);
 void source_close(source *s);
 
 /* Sets how the rows are seen.  map: NULL, or what each of `channels` is taken from. */

@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "os/memory.h"
 #include "text/text.h"
 
 unsigned char *buffer_reserve(buffer *b, size_t size)
@@ -22,7 +23,7 @@ unsigned char *buffer_reserve(buffer *b, size_t size)
 worker *worker_new(void)
 {
     worker *w = need(calloc(1, sizeof *w));
-    w->tally = need(calloc(1, ntp_tally_size())); /* fresh pages: most are never touched */
+    w->tally = need(os_alloc_zeros(ntp_tally_size())); /* most of it is never touched */
     return w;
 }
 
@@ -39,7 +40,7 @@ ntp_diff *worker_diff(worker *w)
 
 void worker_free(worker *w)
 {
-    free(w->tally);
+    os_free_zeros(w->tally);
     free_aligned(w->rows.data);
     free_aligned(w->raw.data);
     free_aligned(w->kept.data);

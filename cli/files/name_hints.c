@@ -155,20 +155,27 @@ bool name_promises(const char *path, bool zzero)
     return false;
 }
 
+/* Is the file of a format that some builds read, and this one does, or does not? */
+static bool name_is_optional(const char *path, bool is_read)
+{
+    static const char *const WEBP[] = { ".webp", NULL }, *const EXR[] = { ".exr", NULL };
+    return (ends_in_one_of(path, WEBP) && ntpio_reads(NTPIO_WEBP) == is_read) ||
+           (ends_in_one_of(path, EXR) && ntpio_reads(NTPIO_EXR) == is_read);
+}
+
 bool name_is_image(const char *path)
 {
     static const char *const ENDINGS[] = { ".png", ".tga", ".jpg",  ".jpeg", ".jpe",
                                            ".pfm", ".dds", ".ktx2", NULL };
-    return ends_in_one_of(path, ENDINGS);
+    return ends_in_one_of(path, ENDINGS) || name_is_optional(path, true);
 }
 
 bool name_is_foreign(const char *path)
 {
-    static const char *const ENDINGS[] = { ".astc", ".avif", ".basis", ".bmp",  ".crn", ".dib",
-                                           ".exr",  ".gif",  ".hdr",   ".heic", ".j2k", ".jp2",
-                                           ".jxl",  ".ktx",  ".pcx",   ".pgm",  ".pnm", ".ppm",
-                                           ".psb",  ".psd",  ".pvr",   ".qoi",  ".rgb", ".sgi",
-                                           ".svg",  ".tif",  ".tiff",  ".tx",   ".vtf", ".webp",
-                                           NULL };
-    return ends_in_one_of(path, ENDINGS);
+    static const char *const ENDINGS[] = { ".astc", ".avif", ".basis", ".bmp", ".crn", ".dib",
+                                           ".gif",  ".hdr",  ".heic",  ".j2k", ".jp2", ".jxl",
+                                           ".ktx",  ".pcx",  ".pgm",   ".pnm", ".ppm", ".psb",
+                                           ".psd",  ".pvr",  ".qoi",   ".rgb", ".sgi", ".svg",
+                                           ".tif",  ".tiff", ".tx",    ".vtf", NULL };
+    return ends_in_one_of(path, ENDINGS) || name_is_optional(path, false);
 }

@@ -67,7 +67,7 @@ bool output_is_allowed(const char *output, const options *o);
 bool is_same_file(const char *a, const char *b);
 
 /* "JPEG", of a format that is read and not written; NULL of others. */
-const char *unwritten_name(ntpio_format format);
+const char *unwritten_name(const ntpio_info *info);
 
 /* For an additional output: is the path neither an input nor the output of one? */
 bool output_is_free(const input_list *list, const char *path);

@@ -50,7 +50,8 @@ static bool makes_pfm(const options *o)
 
 static char *below(const char *directory, const char *relative, ending how, const options *o)
 {
-    const char *made = makes_pfm(o) ? ".pfm" : ".png";
+    const bool of_floats = ends_in(relative, ".exr") && keeps_pfm(o);
+    const char *made = makes_pfm(o) || of_floats ? ".pfm" : ".png";
     const bool as_it_is = ends_in(relative, made) || (ends_in(relative, ".pfm") && keeps_pfm(o));
     const size_t dropped = as_it_is || how == ADDED_ENDING ? 0 : strlen(name_ending(relative));
     text name = { 0 };
@@ -261,35 +262,43 @@ static bool plan_in_place(input_list *list)
     return true;
 }
 
-const char *unwritten_name(ntpio_format format)
+const char *unwritten_name(const ntpio_info *info)
 {
-    return format == NTPIO_JPEG   ? "JPEG"
-           : format == NTPIO_DDS  ? "DDS"
-           : format == NTPIO_KTX2 ? "KTX2"
-                                  : NULL;
+    return info->format == NTPIO_JPEG                  ? "JPEG"
+           : info->format == NTPIO_DDS                 ? "DDS"
+           : info->format == NTPIO_KTX2                ? "KTX2"
+           : info->format == NTPIO_EXR                 ? "EXR"
+           : info->format == NTPIO_WEBP && info->lossy ? "WebP with loss"
+                                                       : NULL;
 }
 
 /* False for JPEG and the formats of other programs: a PNG must not have such a name. */
-static bool format_is_written(const char *output)
+static bool format_is_written(const char *output, const options *o)
 {
+    const bool texture = ends_in(output, ".dds") || ends_in(output, ".ktx2");
     if (ends_in(output, ".jpg") || ends_in(output, ".jpeg") || ends_in(output, ".jpe")) {
         complain("-o %s: JPEG damages normals and is not written; use .png", output);
         return false;
     }
-    if (!name_is_foreign(output) && !ends_in(output, ".dds") && !ends_in(output, ".ktx2"))
+    if (texture ? o->verb_bit == V_CONVERT : !name_is_foreign(output) && !ends_in(output, ".exr"))
         return true;
+    if (texture) {
+        complain("-o %s: only ntp convert writes DDS and KTX2; write .png, then convert it",
+                 output);
+        return false;
+    }
     complain("-o %s: such files are not written; use .png", output);
     return false;
 }
 
-static bool plan_file(input_list *list, const char *output)
+static bool plan_file(input_list *list, const options *o, const char *output)
 {
     if (list->count > 1 || list->from_directory) {
         complain("-o %s is one file, but the inputs are %s; give a directory", output,
                  list->from_directory ? "those of a directory" : "several");
         return false;
     }
-    if (!format_is_written(output))
+    if (!format_is_written(output, o))
         return false;
     if (list->count == 1)
         list->at[0].output = copy_string(output);
@@ -314,7 +323,7 @@ bool outputs_plan(input_list *list, const options *o)
         return false;
     }
     if (!means_directory(list, output))
-        return plan_file(list, output) && no_image_overwritten(list, o);
+        return plan_file(list, o, output) && no_image_overwritten(list, o);
     for (size_t i = 0; i < list->count; i++) {
         const char *relative = list->at[i].relative;
         const char *name = strcmp(relative, "-") == 0 ? "stdin" : relative;
@@ -326,7 +335,7 @@ bool outputs_plan(input_list *list, const options *o)
 
 bool output_is_allowed(const char *output, const options *o)
 {
-    if (!format_is_written(output))
+    if (!format_is_written(output, o))
         return false;
     if (strcmp(output, "-") == 0 || !is_regular(output))
         return true;

@@ -104,9 +104,13 @@ static void judge_storage(judgement *j)
              (int) info->jpeg_quality);
     else if (info->format == NTPIO_JPEG)
         addf(j, NT030, LEVEL_INFO, s->texels, "stored as JPEG");
+    else if ((info->format == NTPIO_WEBP || info->format == NTPIO_EXR) && info->lossy)
+        addf(j, NT030, LEVEL_INFO, s->texels, "stored as %s with loss",
+             info->format == NTPIO_WEBP ? "WebP" : "EXR");
     if (info->jpeg_subsampled)
         addf(j, NT031, level_of_cause(j), s->texels,
-             "JPEG with chroma subsampling: the directions are blurred");
+             "%s with chroma subsampling: the directions are blurred",
+             info->format == NTPIO_WEBP ? "WebP" : "JPEG");
     if (s->stored_max == 65535 && s->max == 255)
         addf(j, NT034, LEVEL_INFO, s->texels, "a 16-bit file with 8-bit content");
     if (info->layout[0] == 0)

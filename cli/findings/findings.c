@@ -97,13 +97,13 @@ const finding_spec FINDING_TABLE[FINDING_COUNT] = {
         "Typical causes are normals that were painted, mixed as colors or lossily compressed, and atlases of "
         "separate parts. Such normals are usable for lighting, but heights made from them are only approximate.",
         "Nothing, unless heights are needed. `ntp blend` combines textures so that a surface remains." },
-    [NT030] = { "NT030", "nt030", "info", "stored with lossy compression (JPEG)",
-        "JPEG is made for photographs. It changes nearly every normal slightly, and steep ones by much.",
-        "Export PNG from the source. Cleaning repairs lengths, not lost directions." },
-    [NT031] = { "NT031", "nt031", "info or warning", "JPEG with chroma subsampling",
+    [NT030] = { "NT030", "nt030", "info", "stored with lossy compression (JPEG, WebP, EXR)",
+        "JPEG, WebP with loss, and B44 and DWA of EXR are made for photographs. They change nearly every normal slightly, and steep ones by much.",
+        "Export PNG, or WebP without loss, from the source. Cleaning repairs lengths, not lost directions." },
+    [NT031] = { "NT031", "nt031", "info or warning", "JPEG or WebP with chroma subsampling",
         "x, y and z were mixed into brightness and color, and the color was stored at half the size: normals are blurred. It is a "
         "warning where NT001 is visible.",
-        "Export again as PNG. If it must be JPEG, use 4:4:4." },
+        "Export again as PNG. If it must be JPEG, use 4:4:4; WebP with loss has no such choice." },
     [NT032] = { "NT032", "nt032", "info or warning", "traces of lossy compression in a lossless file",
         "The texels show the 8 x 8 blocks or the noise of JPEG, WebP or GPU compression: the texture was once "
         "stored in such a format. It is a warning where NT001 is visible.",

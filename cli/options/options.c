@@ -110,6 +110,14 @@ const option_spec OPTION_TABLE[] = {
     { OPT_FROM_CHANNELS, "from-channels", 0, KIND_STRING, "SPEC", NULL, 0, 0, V_CONVERT,
       "what each channel of the input holds, in the same letters, with - for an unused channel: "
       "-y-x reads DXT5nm. If z is missing, it is computed" },
+    { OPT_COMPRESSION, "compression", 0, KIND_CHOICE, "blocks|none", "blocks", 0, 0, V_CONVERT,
+      "of .dds and .ktx2. blocks: BC5 for normals, which keeps x and y, and BC4 for heights; none: "
+      "1, 2 or 4 channels, RGB with an opaque alpha" },
+    { OPT_QUALITY, "quality", 0, KIND_CHOICE, "angle|channel|quick", "angle", 0, 0, V_CONVERT,
+      "of BC5 and BC4. angle: by the angle between the vectors; channel: the best that each channel "
+      "alone can be; quick: several times faster than channel, nearly as good" },
+    { OPT_MIPS, "mips", 0, KIND_FLAG, NULL, NULL, 0, 0, V_CONVERT,
+      "all mips in the one file, each made of the whole texture, as ntp resize --mips makes them" },
     { OPT_SCALE, "scale", 0, KIND_NUMBER, "S|auto", NULL, -1.7e308, 1.7e308, V_FROM_HEIGHT,
       "how many texels a height of 1 (white) rises above 0 (black); negative turns hills into "
       "dents. auto: as the slopes of the heights, before blur and octaves, suggest: one in twenty "
@@ -362,6 +370,9 @@ const option_spec OPTION_TABLE[] = {
       "refuse images wider or higher than this" },
     { OPT_MAX_TEXELS, "max-texels", 0, KIND_INTEGER, "N", "1073741824", 1, 4294836225.0, V_ALL,
       "refuse images of more texels than this" },
+    { OPT_MAX_AT_ONCE, "max-at-once", 0, KIND_INTEGER, "MIB", "256", 0, 4095, V_ALL,
+      "unpack a PNG at once, which is faster, if file and picture take up to so many MiB each; larger "
+      "ones row by row, in little memory" },
     { OPT_MIP, "mip", 0, KIND_INTEGER, "N", "0", 0, 31, V_ALL,
       "of a DDS or KTX2, read this mip: 0 is the largest, each next one is half as large" },
     { OPT_LAYER, "layer", 0, KIND_INTEGER, "N", NULL, 0, 12287, V_ALL,
@@ -421,6 +432,8 @@ const verb_spec VERB_TABLE[] = {
       "  the same of a tree; files that do not show it are named, and left alone\n"
       "ntp convert wall_n.png -o wall_gl.png --y directx --to-y opengl\n"
       "  a file that does not show which way green points\n"
+      "ntp convert wall_n.png -o wall_n.dds --mips\n"
+      "  BC5 with all mips, for games; .ktx2 likewise\n"
       "ntp convert wall_n.png -o wall16.png --depth 16\n"
       "  8 bit to 16 bit\n"
       "ntp convert labpbr_n.png -o full_n.png --type xy\n"
@@ -556,6 +569,7 @@ const size_t VERB_ROWS = sizeof VERB_TABLE / sizeof VERB_TABLE[0];
 const companion COMPANION_TABLE[COMPANIONS] = {
     { "report", "an HTML page with pictures, SARIF or annotations of a check" },
     { "gltf", "check or clean the normals textures in .gltf and .glb files" },
+    { "usd", "check or clean the normals textures of USD scenes" },
 };
 
 const option_spec *option_row(option_id id, unsigned verb_bits)

@@ -101,6 +101,8 @@ typedef enum option_id {
     OPT_ROTATE,
     OPT_SIZE,
     OPT_MIPS,
+    OPT_COMPRESSION,
+    OPT_QUALITY,
     OPT_FILTER,
     OPT_MODE,
     OPT_KIND,
@@ -128,6 +130,7 @@ typedef enum option_id {
     OPT_COLOR,
     OPT_NO_PROGRESS,
     OPT_MAX_SIDE,
+    OPT_MAX_AT_ONCE,
     OPT_MAX_TEXELS,
     OPT_MIP,
     OPT_LAYER,
@@ -203,7 +206,7 @@ typedef struct companion {
     const char *summary;
 } companion;
 
-enum { COMPANIONS = 2 };
+enum { COMPANIONS = 3 };
 extern const companion COMPANION_TABLE[COMPANIONS];
 
 /* The nearest of the names, or NULL if none is near. */

@@ -174,6 +174,10 @@ static const char *format_name(ntpio_format format)
         return "dds";
     case NTPIO_KTX2:
         return "ktx2";
+    case NTPIO_WEBP:
+        return "webp";
+    case NTPIO_EXR:
+        return "exr";
     default:
         return "pfm";
     }

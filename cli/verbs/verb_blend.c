@@ -229,7 +229,7 @@ static unsigned read_detail(layer *l, settings *set, const options *o, const ntp
  * read. */
 static bool replaces_original(const layer *l, const char *output)
 {
-    const char *name = unwritten_name(l->s.info->format);
+    const char *name = unwritten_name(l->s.info);
     if (name == NULL || output == NULL || !is_same_file(l->in.path, output))
         return false;
     complain("%s: %s is not written; give -o for a PNG of another name", l->in.path, name);

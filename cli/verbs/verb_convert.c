@@ -18,6 +18,7 @@
 #include "verbs/verbs.h"
 #include "write/green.h"
 #include "write/side_image.h"
+#include "write/texture_output.h"
 #include "write/whole_image.h"
 
 enum {
@@ -53,6 +54,7 @@ typedef struct state {
     ntp_convert_counts counts;
     ntp_image full; /* the converted rows */
     ntp_diff *diff; /* input against output, where a report asks for it */
+    texture_output texture;
     int32_t out_channels;
     size_t out_row; /* bytes of a row of the file */
 } state;
@@ -254,6 +256,31 @@ static bool view_input(production *p, ntpio_error *error)
     return true;
 }
 
+/* DDS and KTX2 have x and y in red and green, or are not compressed and have one size. */
+static bool begin_texture(production *p, ntpio_write_options *shape, ntpio_error *error)
+{
+    const settings *set = p->m->settings;
+    state *st = p->state;
+    const bool height = st->full.encoding == NTP_ENCODING_HEIGHT;
+    const bool other = set->out_count > 0 && (set->out[0] != 0 || set->out[1] != 1);
+    const bool lacks_z = set->out_count > 2 && set->out[2] != 2;
+    ntp_image rows =
+        ntp_image_packed(NULL, st->full.width, st->full.height, st->out_channels, st->full.type);
+    rows.y = st->full.y;
+    rows.encoding = height                             ? NTP_ENCODING_HEIGHT
+                    : st->out_channels == 2 || lacks_z ? NTP_ENCODING_XY
+                    : st->out_channels == 1            ? NTP_ENCODING_HEIGHT
+                                                       : st->full.encoding;
+    if (!texture_begin(&st->texture, p, &rows, shape, error))
+        return false;
+    st->texture.touch_unused |= set->how.touch_unused;
+    return !st->texture.used || !other ||
+           (st->texture.how.blocks == NTPIO_BLOCKS_NONE && !st->texture.how.mips) ||
+           wrong_use(p,
+                     "BC5 and mips need x, y first in --channels; --compression none takes others",
+                     error);
+}
+
 static bool begin(production *p, ntpio_write_options *shape, ntpio_error *error)
 {
     const settings *set = p->m->settings;
@@ -281,7 +308,7 @@ static bool begin(production *p, ntpio_write_options *shape, ntpio_error *error)
     shape->sample_bytes = (int32_t) sample_size(type);
     p->changes = !option_given(p->m->o, OPT_IN_PLACE) || type != view->type ||
                  st->out_channels != p->s.info->channels;
-    return true;
+    return begin_texture(p, shape, error);
 }
 
 static const int8_t PLAIN[FULL] = { 0, 1, 2, 3 };
@@ -373,7 +400,11 @@ static void describe_text(const production *p, text *line)
     else
         text_add(line, encoding_name(st->from));
     describe_green(p, line);
-    text_addf(line, ", %zu bit", 8 * sample_size(st->full.type));
+    if (st->texture.used && st->texture.how.blocks != NTPIO_BLOCKS_NONE)
+        text_add(line, ",");
+    else
+        text_addf(line, ", %zu bit", 8 * sample_size(st->full.type));
+    texture_describe(&st->texture, line);
     const struct {
         uint64_t count;
         const char *what;
@@ -410,6 +441,10 @@ static void describe(const production *p, text *line, json_t *object)
                         set->to_y == AS_INPUT ? json_null() : json_string(y_name(st->to_y)));
     json_object_set_new(object, "depth", json_integer(8 * (json_int_t) sample_size(st->full.type)));
     json_object_set_new(object, "channels", json_integer(st->out_channels));
+    if (st->texture.used) {
+        json_object_set_new(object, "compression", json_string(texture_compression(&st->texture)));
+        json_object_set_new(object, "mips", json_integer(texture_mips(&st->texture)));
+    }
     json_object_set_new(object, "z_negative", json_count(st->counts.z_negative));
     json_object_set_new(object, "pulled", json_count(st->counts.pulled));
     json_object_set_new(object, "not_finite", json_count(st->counts.not_finite));

@@ -59,9 +59,12 @@ static ntpio_format format_of(const production *p, const char *output, int32_t s
         return p->s.info->format;
     if (p->m->plan == PLAN_AFTER_READING && sample_bytes == 4) /* standard output, too */
         return NTPIO_PFM;
-    return strcasecmp(ending, ".tga") == 0   ? NTPIO_TGA
-           : strcasecmp(ending, ".pfm") == 0 ? NTPIO_PFM
-                                             : NTPIO_PNG;
+    return strcasecmp(ending, ".tga") == 0    ? NTPIO_TGA
+           : strcasecmp(ending, ".pfm") == 0  ? NTPIO_PFM
+           : strcasecmp(ending, ".webp") == 0 ? NTPIO_WEBP
+           : strcasecmp(ending, ".dds") == 0  ? NTPIO_DDS
+           : strcasecmp(ending, ".ktx2") == 0 ? NTPIO_KTX2
+                                              : NTPIO_PNG;
 }
 
 bool production_may_write(const production *p, const char *path, ntpio_error *error)
@@ -91,11 +94,12 @@ static bool leads_out(const production *p, ntpio_error *error)
     return true;
 }
 
-/* A JPEG is never replaced: that would destroy the only original.  Nor are DDS and KTX2, which are
- * not written. */
+/* A JPEG is never replaced: that would destroy the only original; nor is WebP that lost as much.  Nor
+ * are DDS and KTX2: what was compressed once is not compressed again; nor EXR, which is not
+ * written. */
 static bool replaces_original(const production *p, ntpio_error *error)
 {
-    const char *output = p->in->output, *name = unwritten_name(p->s.info->format);
+    const char *output = p->in->output, *name = unwritten_name(p->s.info);
     if (name == NULL || output == NULL || !is_same_file(p->in->path, output))
         return false;
     text why = { 0 };
@@ -112,18 +116,25 @@ static bool may_stay(const production *p)
     return is_in_place(p->m) && (p->m->o->verb_bit & (V_CLEAN | V_CONVERT)) != 0;
 }
 
-ntpio_writer *production_open(const production *p, const char *output, ntpio_write_options *shape,
-                              ntpio_error *error)
+/* Whether the place of an output may be written, and its directories are there. */
+static bool prepare_place(const production *p, const char *output, ntpio_error *error)
 {
     text why = { 0 };
     if (leads_out(p, error))
+        return false;
+    if (strcmp(output, "-") == 0 || make_parents(output, &why))
+        return true;
+    error->status = NTPIO_ERR_WRITE;
+    snprintf(error->message, sizeof error->message, "%.500s", text_string(&why));
+    text_free(&why);
+    return false;
+}
+
+ntpio_writer *production_open(const production *p, const char *output, ntpio_write_options *shape,
+                              ntpio_error *error)
+{
+    if (!prepare_place(p, output, error))
         return NULL;
-    if (strcmp(output, "-") != 0 && !make_parents(output, &why)) {
-        error->status = NTPIO_ERR_WRITE;
-        snprintf(error->message, sizeof error->message, "%.500s", text_string(&why));
-        text_free(&why);
-        return NULL;
-    }
     shape->format = format_of(p, output, shape->sample_bytes);
     if (shape->copy_from == NULL)
         shape->copy_from = p->s.info;
@@ -321,6 +332,48 @@ static bool can_be_dropped(const char *output)
     return strcmp(output, "-") != 0 && (!os_look(output, &found) || found.kind == OS_REGULAR);
 }
 
+/*
+ * Would an output without changes hold what its input does, chunks included?  Then it is a copy of
+ * it: its packing and its other chunks stay.  Color chunks are dropped, so files that have some
+ * are written anew; and who gives a level wants the file packed by it.
+ */
+static bool is_copied(const production *p)
+{
+    const ntpio_info *info = p->s.info;
+    const bool color =
+        info->has_gama || info->has_srgb || info->has_iccp || info->has_chrm || info->has_cicp;
+    return p->m->o->verb_bit == V_CLEAN && p->in->output != NULL && !is_dry_run(p->m) &&
+           !needs_change(p->m) && !option_given(p->m->o, OPT_LEVEL) && info->format == NTPIO_PNG &&
+           !color && format_of(p, p->in->output, info->sample_bytes) == NTPIO_PNG;
+}
+
+static outcome copy_input(const production *p, ntpio_error *error)
+{
+    const ntpio_write_options how = { .read_path = p->s.in->path, .read_stamp = p->s.info->stamp };
+    return prepare_place(p, p->in->output, error) &&
+                   ntpio_copy(p->in->output, p->s.bytes, p->s.size, &how, error)
+               ? MADE
+               : FAILED;
+}
+
+/* No sample changed; nor does a copy show gray as RGB, or the like. */
+static bool stays(const production *p, bool copied)
+{
+    return !p->changes && !(copied && p->s.mapped);
+}
+
+/* Makes the output as far as its first change, without writing it: *unchanged says that there is none. */
+static outcome probe(production *p, bool copied, bool *unchanged, ntpio_error *error)
+{
+    p->probing = true;
+    const outcome done = speculate(p, false, error);
+    p->probing = false;
+    *unchanged = done == MADE && stays(p, copied);
+    if (done != MADE || *unchanged)
+        return done;
+    return source_rewind(&p->s, error) ? MADE : UNREADABLE;
+}
+
 static outcome make_as_known(production *p, ntpio_error *error)
 {
     const maker *m = p->m;
@@ -336,16 +389,14 @@ static outcome make_as_known(production *p, ntpio_error *error)
         done = know_first(p, error);
     if (done != MADE)
         return done;
-    if (only_changed && !dry_run) {
-        p->probing = true;
-        done = speculate(p, false, error);
-        p->probing = false;
+    const bool copied = is_copied(p), cheap = final || ntpio_rewind(p->s.reader);
+    if ((only_changed && !dry_run) || (copied && cheap)) {
+        bool unchanged = false;
+        done = probe(p, copied, &unchanged, error);
         if (done != MADE)
             return done;
-        if (!p->changes)
-            return UNCHANGED;
-        if (!source_rewind(&p->s, error))
-            return UNREADABLE;
+        if (unchanged)
+            return copied ? copy_input(p, error) : UNCHANGED;
     }
     ntpio_error never = { 0 };
     const bool writes = !dry_run && p->in->outside == NULL && !replaces_original(p, &never);
@@ -358,10 +409,11 @@ static outcome make_as_known(production *p, ntpio_error *error)
         return done;
     ntpio_writer *writer = p->writer;
     p->writer = NULL;
-    if (only_changed && !p->changes) { /* the probe had supposed another class */
-        ntpio_abort(writer);
-        return UNCHANGED;
+    if ((only_changed || copied) && stays(p, copied)) {
+        ntpio_abort(writer); /* there was no probe, or it had supposed another class */
+        return copied ? copy_input(p, error) : UNCHANGED;
     }
+    source_close_file(&p->s);
     return ntpio_commit(writer, error) ? MADE : FAILED;
 }
 

@@ -44,3 +44,13 @@ void os_free_aligned(void *memory)
 {
     free(memory);
 }
+
+void *os_alloc_zeros(size_t size)
+{
+    return calloc(1, size);
+}
+
+void os_free_zeros(void *memory)
+{
+    free(memory);
+}

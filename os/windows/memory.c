@@ -26,3 +26,13 @@ void os_large_pages(void *memory, size_t size)
 {
     (void) memory, (void) size;
 }
+
+void *os_alloc_zeros(size_t size)
+{
+    return calloc(1, size);
+}
+
+void os_free_zeros(void *memory)
+{
+    free(memory);
+}

@@ -159,8 +159,8 @@ def test_nothing_checked(run, tmp_path):
 FOREIGN = {
     "brick_normal.tif": b"II*\0" + bytes(99),
     "brick_n.psd": b"8BPS" + bytes(99),
-    "brick_nrm.webp": b"RIFF\x10\0\0\0WEBP" + bytes(99),
-    "BrickNormalGL.EXR": b"\x76\x2f\x31\x01" + bytes(99),
+    "brick_nrm.avif": b"\0\0\0\x20ftypavif" + bytes(99),
+    "BrickNormalGL.HDR": b"#?RADIANCE" + bytes(99),
     "sub/brick_normals.bmp": b"BM" + bytes(99),
     "sub/brick_normal.ktx": b"\xabKTX 11\xbb\r\n\x1a\n" + bytes(99),
 }

@@ -261,7 +261,7 @@ def test_bash_completion(run, tmp_path):
 @pytest.mark.parametrize("shell", ["zsh", "fish"])
 def test_other_completions(run, tmp_path, shell):
     text = run("--generate", shell).stdout
-    assert all(verb in text for verb in [*VERBS, "report", "gltf"]) and "verdict" in text
+    assert all(verb in text for verb in [*VERBS, "report", "gltf", "usd"]) and "verdict" in text
     if shutil.which(shell) is None:
         pytest.skip(f"{shell} is not installed")
     script = tmp_path / "completion"
@@ -272,7 +272,7 @@ def test_other_completions(run, tmp_path, shell):
 def test_man_page(run, tmp_path):
     page = tmp_path / "ntp.1"
     page.write_text(run("--generate", "man").stdout)
-    assert all(f"ntp {verb}" in page.read_text() for verb in [*VERBS, "report", "gltf"])
+    assert all(f"ntp {verb}" in page.read_text() for verb in [*VERBS, "report", "gltf", "usd"])
     if shutil.which("groff") is None:
         pytest.skip("groff is not installed")
     env = {name: value for name, value in os.environ.items() if name != "LD_PRELOAD"}

@@ -513,6 +513,36 @@ def test_chunks(run, tmp_path):
     assert kept[b"tEXt"] == [b"Author\0somebody"] and b"iTXt" in kept and b"zTXt" in kept
 
 
+def test_what_does_not_change_is_copied(run, program, tmp_path):
+    """Byte for byte, with chunks that no writer knows, unless there are chunks to drop."""
+    picture = textures.standard(600, 600)  # large enough to be packed by threads
+    chunks = [(b"tIME", bytes(7)), (b"prVt", b"private"), (b"tEXt", b"Author\0somebody")]
+    write_png(tmp_path / "a_n.png", picture, chunks=chunks)
+    data = (tmp_path / "a_n.png").read_bytes()
+    by_row = ["a_n.png", "-o", "r.png", "--max-at-once", "0"]
+    for args in (["a_n.png", "-o", "b.png"], ["a_n.png", "-o", "d/"], ["d", "-o", "e"], by_row):
+        assert run("clean", *args).returncode == 0
+    for name in ("b.png", "d/a_n.png", "e/a_n.png", "r.png"):
+        assert (tmp_path / name).read_bytes() == data, name
+    assert spawn([program, "clean", "-", "-o", "-"], input=data).stdout == data
+    (item,) = items(run("clean", "a_n.png", "-o", "f.png", "--format", "json"))
+    assert (item["changed"], item["written"]) == (0, True)
+    # What is asked for, or dropped, is written anew; and so is what changes, in its last texel too.
+    late = picture.copy()
+    late[-1, -1] = (128, 128, 100)
+    write_png(tmp_path / "late_n.png", late, chunks=chunks)
+    write_png(tmp_path / "color_n.png", picture, chunks=[(b"gAMA", (45455).to_bytes(4, "big"))])
+    write_png(tmp_path / "gray.png", np.full((8, 8), 128, np.uint8))
+    for name, args in (("a_n", ["--level", "6"]), ("late_n", []), ("color_n", []), ("gray", [])):
+        assert run("clean", f"{name}.png", "-o", "g.png", *args).returncode == 0, name
+        got, kept = read_png(tmp_path / "g.png")
+        assert b"prVt" not in kept and b"gAMA" not in kept and got.shape[2] == 3, name
+        if name in ("a_n", "color_n"):
+            assert np.array_equal(got, picture)
+    assert run("clean", "a_n.png", "-o", "h.tga").returncode == 0
+    assert (tmp_path / "h.tga").read_bytes()[:4] != data[:4]
+
+
 def test_tga(run, tmp_path):
     before = noisy()
     (tmp_path / "a_n.tga").write_bytes(tga_bytes(before))

@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * test_output.c - what is written is read back the same, and a failure leaves the old file whole
- * and nothing beside it
+ * test_output.c - links, modes and names of targets; a failure leaves the old file whole and nothing
+ * beside it
  */
-#include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <signal.h>
@@ -14,119 +13,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "made.h"
-#include "ntpio.h"
-
-static ntpio_error error;
-static uint8_t noise[1 << 20];
-
-static ntpio_write_options rgb(uint32_t side)
-{
-    return (ntpio_write_options) { .format = NTPIO_PNG,
-                                   .width = side,
-                                   .height = side,
-                                   .channels = 3,
-                                   .sample_bytes = 1,
-                                   .level = -1 };
-}
-
-static bool write_all(const char *path, const ntpio_write_options *o)
-{
-    ntpio_writer *w = ntpio_create(path, o, &error);
-    const size_t row = (size_t) o->width * (size_t) (o->channels * o->sample_bytes);
-    if (w == NULL)
-        return false;
-    if (!ntpio_write_rows(w, noise, (ptrdiff_t) row, o->height, &error)) {
-        ntpio_abort(w);
-        return false;
-    }
-    return ntpio_commit(w, &error);
-}
-
-static ntpio_reader *read_back(const char *path, const ntpio_write_options *o)
-{
-    const size_t row = (size_t) o->width * (size_t) (o->channels * o->sample_bytes);
-    uint8_t *image = malloc(row * o->height);
-    ntpio_reader *r = ntpio_open(path, NULL, &error);
-    CHECK(image != NULL && r != NULL);
-    CHECK(ntpio_read_rows(r, image, (ptrdiff_t) row, o->height, &error));
-    CHECK(ntpio_read_end(r, &error));
-    CHECK(memcmp(image, noise, row * o->height) == 0);
-    free(image);
-    return r;
-}
-
-static size_t entries(void)
-{
-    size_t n = 0;
-    DIR *d = opendir(".");
-    CHECK(d != NULL);
-    for (const struct dirent *e; (e = readdir(d)) != NULL;)
-        n += strcmp(e->d_name, ".") != 0 && strcmp(e->d_name, "..") != 0;
-    closedir(d);
-    return n;
-}
-
-static void round_trips(void)
-{
-    for (int format = NTPIO_PNG; format <= NTPIO_PFM; format++) {
-        for (int32_t c = 1; c <= 4; c++) {
-            for (int32_t b = 1; b <= 4; b *= 2) {
-                for (int32_t level = -1; level <= 12; level += level < 0 ? 2 : 1) {
-                    ntpio_write_options o = rgb(23);
-                    o.format = (ntpio_format) format;
-                    o.channels = c;
-                    o.sample_bytes = b;
-                    o.level = level;
-                    const bool fits = format == NTPIO_PNG   ? b <= 2
-                                      : format == NTPIO_TGA ? b == 1 && c != 2
-                                      : format == NTPIO_PFM ? b == 4 && (c == 1 || c == 3)
-                                                            : false;
-                    CHECK(write_all("trip", &o) == fits);
-                    if (fits)
-                        ntpio_close(read_back("trip", &o));
-                    else
-                        CHECK(error.status == NTPIO_ERR_USAGE);
-                    unlink("trip");
-                }
-            }
-        }
-    }
-    CHECK(entries() == 0);
-}
-
-static void metadata(void)
-{
-    static char title[] = "Title", plain[] = "plain", comment[] = "Comment", author[] = "Author",
-                packed[] = "packed packed packed", name[] = "J\xc3\xb6rg", de[] = "de",
-                autor[] = "Autor";
-    ntpio_text texts[] = {
-        { .key = title, .value = plain },
-        { .key = comment, .value = packed, .compressed = true },
-        { .key = author, .value = name, .language = de, .translated_key = autor, .itxt = true },
-    };
-    ntpio_info info = { .has_phys = true, .phys_x = 11, .phys_y = 12, .phys_unit = 1 };
-    ntpio_write_options o = rgb(5);
-    o.copy_from = &info;
-    info.texts = texts;
-    info.text_count = 2;
-    ntpio_writer *w = ntpio_create("meta.png", &o, &error);
-    CHECK(w != NULL && ntpio_write_rows(w, noise, 15, 5, &error));
-    info.text_count = 3; /* one that came after the pixels */
-    CHECK(ntpio_commit(w, &error));
-    ntpio_reader *r = read_back("meta.png", &o);
-    const ntpio_info *got = ntpio_reader_info(r);
-    CHECK(got->has_phys && got->phys_x == 11 && got->phys_y == 12 && got->text_count == 3);
-    for (size_t i = 0; i < 3; i++) {
-        CHECK(strcmp(got->texts[i].key, texts[i].key) == 0);
-        CHECK(strcmp(got->texts[i].value, texts[i].value) == 0);
-        CHECK(got->texts[i].compressed == texts[i].compressed &&
-              got->texts[i].itxt == texts[i].itxt);
-    }
-    CHECK(strcmp(got->texts[2].translated_key, "Autor") == 0);
-    ntpio_close(r);
-    unlink("meta.png");
-}
+#include "written.h"
 
 static void targets(void)
 {
@@ -309,16 +196,12 @@ static void saved_at_the_last_moment(void)
 
 int main(void)
 {
-    char folder[] = "/tmp/ntpio-test-XXXXXX";
-    CHECK(mkdtemp(folder) != NULL && chdir(folder) == 0);
-    for (size_t i = 0; i < sizeof noise; i++)
-        noise[i] = (uint8_t) sample((uint32_t) i, 3, 1, 8);
-    round_trips();
-    metadata();
+    CHECK(system_enter_folder());
+    make_noise();
     targets();
     no_room();
     killed();
     saved_at_the_last_moment();
-    CHECK(rmdir(folder) == 0);
+    CHECK(system_leave_folder());
     return 0;
 }

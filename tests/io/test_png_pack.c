@@ -7,9 +7,9 @@
  */
 #define ZLIB_CONST
 #include <png.h>
-#include <unistd.h>
 #include <zlib.h>
 
+#include "../system.h"
 #include "deflate.h"
 #include "made.h"
 #include "ntpio.h"
@@ -364,8 +364,7 @@ static void test_dropped(void)
 
 int main(void)
 {
-    char directory[] = "/tmp/ntp-pack-XXXXXX";
-    CHECK(mkdtemp(directory) != NULL && chdir(directory) == 0);
+    CHECK(system_enter_folder());
     test_streams();
     test_kinds();
     test_large();
@@ -373,6 +372,6 @@ int main(void)
     test_sizes();
     test_threads();
     test_dropped();
-    CHECK(rmdir(directory) == 0);
+    CHECK(system_leave_folder());
     return 0;
 }
