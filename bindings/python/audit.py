@@ -50,6 +50,8 @@ BEFORE_GRAFTING = (
     "libdeflate.so*",
     "libjpeg.so*",
     "libzstd.so*",
+    "libwebp.so*",
+    "libOpenEXRCore*.so*",
     "libpopt.so*",
     "libjansson.so*",
 )

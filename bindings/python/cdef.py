@@ -49,6 +49,12 @@ def main(libntp_h: str, ntpio_h: str, output: str) -> None:
     ffi.cdef(CALLBACKS)
     ffi.set_source("normaltexture._native", SOURCE)
     ffi.emit_c_code(output)
+    # The code of cffi 1.17 uses memset, for which Python.h of the limited API includes nothing.
+    code = Path(output).read_text(encoding="utf-8")
+    if "#include <string.h>" not in code:
+        stddef = "#include <stddef.h>\n"
+        code = code.replace(stddef, stddef + "#include <string.h>\n", 1)
+        Path(output).write_text(code, encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -16,6 +16,7 @@ False
 True
 """
 
+from ._blocks import encode_bc4, encode_bc5
 from ._blur import blur_height
 from ._channels import pack_channels
 from ._classify import Classification, MethodChoice, choose_method, classify
@@ -117,6 +118,8 @@ __all__ = [
     "depth_from_normals_with_confidence",
     "detect_orientation",
     "encode",
+    "encode_bc4",
+    "encode_bc5",
     "find_kernel",
     "find_seams",
     "find_steps",

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Image files: PNG, TGA, PFM, and to read JPEG, DDS and KTX2, sample for sample.
+"""Image files: PNG, TGA, PFM, WebP, and to read JPEG, EXR, DDS and KTX2, sample for sample.
 
 Numbers are kept as stored: no color management, no gamma, no premultiplication.  16-bit RGB and
 RGBA PNG are exact both ways.
@@ -19,11 +19,11 @@ from ._native import ffi, lib
 from .typing import AnyPixels
 
 File: TypeAlias = str | os.PathLike[str] | bytes | bytearray | memoryview
-Format: TypeAlias = Literal["png", "tga", "jpeg", "pfm", "dds", "ktx2"]
+Format: TypeAlias = Literal["png", "tga", "jpeg", "pfm", "dds", "ktx2", "webp", "exr"]
 
 _FORMAT_NAMES: Any = names_of(FILE_FORMATS)
 _SAMPLES: dict[int, Any] = {1: np.uint8, 2: np.uint16, 4: np.float32}
-_ENDINGS = {f".{name}": FILE_FORMATS[name] for name in ("png", "tga", "pfm")}
+_ENDINGS = {f".{name}": FILE_FORMATS[name] for name in ("png", "tga", "pfm", "webp")}
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,7 @@ class ImageInfo(_Result):
 
     Attributes
     ----------
-    format : {"png", "tga", "jpeg", "pfm", "dds", "ktx2"}
+    format : {"png", "tga", "jpeg", "pfm", "dds", "ktx2", "webp", "exr"}
     width, height : int
     channels : int
         Of the array that `read` returns: 1 gray, 2 gray and alpha, 3 RGB, 4 RGBA; or 2 red and
@@ -48,9 +48,11 @@ class ImageInfo(_Result):
     jpeg_quality : int
         Estimated, 1..100; 0: unknown, or not a JPEG.
     jpeg_subsampled : bool
-        The colors have fewer samples than the brightness, such as 4:2:0.
+        Of a JPEG or a WebP: the colors have fewer samples than the brightness, such as 4:2:0.
     red_green : bool
         The file has two channels, and they are red and green, as in BC5.
+    vectors : bool
+        An EXR with channels X, Y, Z: its numbers are -1..1, for ``type="vector"``.
     layout : str
         Of a DDS or KTX2, such as "BC5" or "R8G8B8A8"; else "".
     mips, layers : int
@@ -72,6 +74,7 @@ class ImageInfo(_Result):
     jpeg_quality: int
     jpeg_subsampled: bool
     red_green: bool
+    vectors: bool
     layout: str
     mips: int
     layers: int
@@ -106,6 +109,7 @@ def _info(info: Any) -> ImageInfo:
         jpeg_quality=info.jpeg_quality,
         jpeg_subsampled=info.jpeg_subsampled,
         red_green=info.red_green,
+        vectors=info.vectors,
         layout=ffi.string(info.layout).decode(),
         mips=info.mips,
         layers=info.layers,
@@ -138,7 +142,7 @@ def read(
     max_side: int = 65535,
     max_texels: int = 1 << 30,
 ) -> AnyPixels:
-    """Read a PNG, TGA, JPEG, PFM, DDS or KTX2.
+    """Read a PNG, TGA, JPEG, PFM, WebP, EXR, DDS or KTX2.
 
     Parameters
     ----------
@@ -155,8 +159,8 @@ def read(
     Returns
     -------
     array
-        (height, width) for gray images, else (height, width, 2 to 4); uint8, uint16 or, for PFM,
-        float32.  Samples of less than 8 bits are scaled to 8, palettes become RGB.  BC5 is
+        (height, width) for gray images, else (height, width, 2 to 4); uint8, uint16 or, for PFM
+        and EXR, float32.  Samples of less than 8 bits are scaled to 8, palettes become RGB.  BC5 is
         (height, width, 2), red and green of 16 bits as GPUs interpolate them: ``type="xy"``.
 
     Raises
@@ -184,7 +188,7 @@ def read_with_info(
     max_side: int = 65535,
     max_texels: int = 1 << 30,
 ) -> tuple[AnyPixels, ImageInfo]:
-    """Read a PNG, TGA, JPEG, PFM, DDS or KTX2, and what the file says about its image.
+    """Read a PNG, TGA, JPEG, PFM, WebP, EXR, DDS or KTX2, and what the file says about its image.
 
     Parameters
     ----------
@@ -292,19 +296,21 @@ def write(
     level: int | None = None,
     texts: dict[str, str] | None = None,
 ) -> None:
-    """Write a PNG, TGA or PFM; the ending of the name says which.
+    """Write a PNG, TGA, PFM or WebP; the ending of the name says which.
 
     An older file of that name is replaced only when the new one is complete.
 
     Parameters
     ----------
     path : path
-        A name that ends in .png, .tga or .pfm.
+        A name that ends in .png, .tga, .pfm or .webp.
     image : array, (height, width) or (height, width, channels)
-        uint8 or, in a PNG, uint16; float32 in a PFM (1 or 3 channels).  Strided arrays are written
+        uint8 or, in a PNG, uint16; float32 in a PFM (1 or 3 channels).  WebP is written without
+        loss, and takes 3 or 4 channels; an alpha of only 255 is not stored in it.  Strided arrays are written
         row by row, without a copy where a row has no gaps.
     level : int, optional
-        of a PNG: 1 is fastest, 12 smallest and slow; default: 6, smaller than libpng's.
+        of a PNG or WebP: 1 is fastest, 12 smallest and slow; default: 6, in a PNG smaller than
+        libpng's.
     texts : dict, optional
         Texts of a PNG by their keys.
 
@@ -327,7 +333,7 @@ def write(
     name = os.fspath(path)
     ending = os.path.splitext(os.fsdecode(name))[1].lower()
     if ending not in _ENDINGS:
-        raise ArgumentError(f"path={name!r}: the name must end in .png, .tga or .pfm")
+        raise ArgumentError(f"path={name!r}: the name must end in .png, .tga, .pfm or .webp")
     if level is not None and not 1 <= level <= 12:
         raise ArgumentError(f"level={level!r}: must be within 1..12")
     channels = array.shape[2] if array.ndim == 3 else 1

@@ -71,6 +71,10 @@ ZS = _enumerators("ntp_z", "NTP_Z_")
 FILTERS = _named("ntp_filter", lib.ntp_filter_name)
 RESIZE_BORDERS = {name: BORDERS[name] for name in ("wrap", "clamp", "mirror")}
 CURVATURES = _enumerators("ntp_curvature_kind", "NTP_CURVATURE_")
+BLOCK_QUALITIES = {
+    name.removeprefix("by-"): number
+    for name, number in _enumerators("ntp_block_quality", "NTP_BLOCK_").items()
+}
 BLEND_MODES = _named("ntp_blend_mode", lib.ntp_blend_mode_name)
 
 TOUCH_ALL: int = lib.NTP_UNUSED_ALL

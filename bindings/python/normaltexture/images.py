@@ -3,8 +3,8 @@
 
 They are read by well-known libraries, which the extra installs: ``pip install
 'normaltexture[images]'``.  The result is what the file stores: numbers, without color management,
-gamma or premultiplication.  PNG, TGA, JPEG, PFM, DDS and KTX2 are read by the package itself, and
-need none of them.
+gamma or premultiplication.  PNG, TGA, JPEG, PFM, DDS and KTX2 are read by the package itself, as are
+WebP and EXR where it was built with libwebp and OpenEXR (`normaltexture.codecs`).
 """
 
 import importlib
@@ -20,6 +20,8 @@ from numpy.typing import NDArray
 
 from ._files import read as _read_ours
 from ._files import write as _write_ours
+from ._names import FILE_FORMATS
+from ._native import lib
 from .typing import AnyPixels
 
 Pixels: TypeAlias = NDArray[Any]
@@ -109,9 +111,9 @@ def _read_by_pillow(data: bytes) -> Pixels:
 
 _READERS: dict[str, Callable[[bytes], Pixels]] = {
     "image/tiff": _read_tiff,
-    "image/x-exr": _read_exr,
+    "image/x-exr": _read_ours if lib.ntpio_reads(FILE_FORMATS["exr"]) else _read_exr,
     "image/vnd-ms.dds": _read_ours,
-    "image/webp": _read_by_pillow,
+    "image/webp": _read_ours if lib.ntpio_reads(FILE_FORMATS["webp"]) else _read_by_pillow,
     "image/avif": _read_by_pillow,
 }
 

@@ -101,6 +101,7 @@ ResizeBorder: TypeAlias = Literal["wrap", "clamp", "mirror"]
 ReliefBorder: TypeAlias = Literal["auto", "wrap", "clamp"]
 CurvatureKind: TypeAlias = Literal["mean", "gaussian", "convex", "cavity"]
 AutoReliefType: TypeAlias = Literal["auto"] | MeasuredType
+BlockQuality: TypeAlias = Literal["angle", "channel", "quick"]
 BlendMode: TypeAlias = Literal["rnm", "whiteout", "udn", "linear"]
 Flip: TypeAlias = Literal["x", "y", "xy"]
 Size: TypeAlias = tuple[int, int] | str

@@ -37,6 +37,8 @@ CALLS = {
     "height_from_normals": lambda **how: nt.height_from_normals(TEXTURE, **how),
     "curvature": lambda **how: nt.curvature(GRAY, **how),
     "occlusion": lambda **how: nt.occlusion(GRAY, **how),
+    "encode_bc5": lambda **how: nt.encode_bc5(TEXTURE, **how),
+    "encode_bc4": lambda **how: nt.encode_bc4(**{"src": GRAY} | how),
     "detect_orientation": lambda **how: nt.detect_orientation(TEXTURE, **how),
 }
 
@@ -58,6 +60,8 @@ WRONG = [
     ("measure", {"type": "STANDARD"}),
     ("heatmap", {"palette": "pink"}),
     ("shade", {"y": 0}),
+    ("encode_bc5", {"quality": "best"}),
+    ("encode_bc4", {"src": TEXTURE}),
     ("compare", {"type": ("zz", "standard")}),
     ("compare", {"type": ("auto",)}),
     ("compare", {"y": ("up", "zz")}),
@@ -379,6 +383,7 @@ LITERALS = [
     (nt.height_from_normals, "z", _names.ZS),
     (nt.resize, "filter", _names.FILTERS),
     (nt.blend, "mode", _names.BLEND_MODES),
+    (nt.encode_bc5, "quality", _names.BLOCK_QUALITIES),
     (nt.ImageInfo, "format", _names.FILE_FORMATS),
 ]
 

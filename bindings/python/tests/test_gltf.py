@@ -30,6 +30,8 @@ def green_mirrored(texture):
 GOOD = green_mirrored(textures.standard(48, 64))  # up
 BAD = textures.wrong_blue(GOOD, 0.2)
 COLOR = files.noise_color()
+# A KTX2 of ASTC: its header is read, its pixels are not.
+NOT_READ = files.ktx2(np.zeros((3, 3, 4), np.uint8), model=162, vulkan=157)
 WAYS = ["glb", "files", "data", "bin"]
 
 
@@ -80,8 +82,8 @@ def test_finds_normals_textures(tmp_path, how):
 def test_finds_clearcoat_and_alternative_sources(tmp_path):
     made = model(slot="emissiveTexture")  # the bad one is no normals texture here
     coat = made.image("coat.png", png_bytes(GOOD))
-    made.textures[coat]["extensions"] = {"EXT_texture_webp": {"source": 4}}
-    made.images.append(("coat.webp", b"RIFF\4\0\0\0WEBP", "image/webp"))
+    made.textures[coat]["extensions"] = {"EXT_texture_avif": {"source": 4}}
+    made.images.append(("coat.avif", b"\0\0\0\x1cftypavif" + bytes(16), "image/avif"))
     made.materials[1]["extensions"] = {
         "KHR_materials_clearcoat": {"clearcoatNormalTexture": {"index": coat, "scale": 0.5}}
     }
@@ -91,14 +93,14 @@ def test_finds_clearcoat_and_alternative_sources(tmp_path):
     assert use["slot"] == "clearcoatNormalTexture" and use["scale"] == 0.5
     pointer = "/materials/1/extensions/KHR_materials_clearcoat/clearcoatNormalTexture"
     assert use["pointer"] == pointer and entries[0]["type"] == "standard"
-    assert entries[1]["uses"][0]["via"] == "EXT_texture_webp"
+    assert entries[1]["uses"][0]["via"] == "EXT_texture_avif"
     assert entries[1]["status"] == "skipped" and ids(entries[1])["NT064"] == "info"
 
 
 def test_ktx2_is_said(tmp_path):
     made = model()
     made.textures[1]["extensions"] = {"KHR_texture_basisu": {"source": 3}}
-    made.images.append(("n.ktx2", b"\xabKTX 20\xbb\r\n\x1a\n" + bytes(60), "image/ktx2"))
+    made.images.append(("n.ktx2", NOT_READ, "image/ktx2"))
     entries = gltf.check(save(made, tmp_path))["files"]
     assert [entry["status"] for entry in entries] == ["ok", "skipped"]
     assert "KTX2" in entries[1]["message"]
@@ -130,7 +132,7 @@ def test_rules_of_gltf(tmp_path):
     assert only(model(green_mirrored(GOOD)), "j").get("NT010") == "warning"
     assert not {"warning", "error"} & set(only(model(GOOD), "k").values())
     documented = {name for name in gltf.RULES}
-    assert documented == {f"NT{number:03}" for number in (60, 61, 62, 63, 64, 65, 66, 67)}
+    assert documented == {f"NT{number:03}" for number in range(60, 70)}
 
 
 BROKEN = {
@@ -660,10 +662,10 @@ def test_wrong_outputs_are_wrong_use(tmp_path):
 
 def test_messages_name_the_file(tmp_path):
     made = model()
-    made.images[1] = ("n.ktx2", b"\xabKTX 20\xbb\r\n\x1a\n" + bytes(60), "image/ktx2")
+    made.images[1] = ("n.ktx2", NOT_READ, "image/ktx2")
     path = save(made, tmp_path)
     done = ntp_gltf(path, "-o", tmp_path / "copy.glb")
-    assert f"{path}, image 1: KTX2 is not read" in done.stderr
+    assert f"{path}, image 1: a KTX2 texture of ASTC" in done.stderr
     assert str(path) in ntp_gltf(path).stdout
 
 
@@ -762,10 +764,10 @@ def test_no_file_is_a_failure(tmp_path, capsys):
     # A model without normals textures was looked at; one of which no image is read was not.
     plain, packed = model(slot="emissiveTexture"), model()
     assert _cli.main([str(save(plain, tmp_path, name="plain"))]) == 0
-    packed.images[1] = ("n.ktx2", b"\xabKTX 20\xbb\r\n\x1a\n" + bytes(60), "image/ktx2")
+    packed.images[1] = ("n.ktx2", NOT_READ, "image/ktx2")
     path = str(save(packed, tmp_path, name="packed"))
     assert _cli.main([path]) == 3 and "of 1 image, none" in capsys.readouterr().err
-    assert _cli.main([path, "--allow-empty"]) == 0
+    assert _cli.main([path, "--allow-empty", "--fail-on", "never"]) == 0
 
 
 def test_limits_are_those_of_the_check(tmp_path, capsys):
@@ -818,7 +820,7 @@ def test_json_is_as_the_schema_says(tmp_path):
     made["shared"], made["gone"], made["ktx"] = model(GOOD), model(), model()
     made["shared"].materials[1]["emissiveTexture"] = {"index": 1}
     made["ktx"].textures[1]["extensions"] = {"KHR_texture_basisu": {"source": 3}}
-    made["ktx"].images.append(("n.ktx2", b"\xabKTX 20\xbb\r\n\x1a\n" + bytes(60), "image/ktx2"))
+    made["ktx"].images.append(("n.ktx2", NOT_READ, "image/ktx2"))
     for name, one in made.items():
         save(one, tmp_path / name, "files") if name == "gone" else save(one, tmp_path, name=name)
     next((tmp_path / "gone").glob("brick_n*")).unlink()

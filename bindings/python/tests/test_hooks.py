@@ -19,7 +19,8 @@ from test_gltf import model, save
 ROOT = Path(__file__).resolve().parents[3]
 GOOD = textures.standard(32, 32)
 BAD = textures.wrong_blue(GOOD, 0.1)
-HOOKS = yaml.safe_load((ROOT / ".pre-commit-hooks.yaml").read_text(encoding="utf-8"))
+HOOKS = ROOT / "packaging" / "pre-commit" / ".pre-commit-hooks.yaml"
+HOOKS = yaml.safe_load(HOOKS.read_text(encoding="utf-8"))
 ACTION = yaml.safe_load((ROOT / "action.yml").read_text(encoding="utf-8"))
 
 

@@ -46,6 +46,7 @@ ELSEWHERE = {
     "ntp_orientation_row": "a ring of rows",
     "ntpio_is_current": "output files take what was read by themselves",
     "ntpio_rewind": "files are read once",
+    "ntpio_close_file": "files are closed when they are read",
     "ntp_find_border": "ntp_find_borders",
     "ntp_tally_harm": "the data of `check` has it",
 }

@@ -4,6 +4,7 @@
 import math
 
 import numpy as np
+import OpenEXR
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
@@ -72,6 +73,42 @@ def test_pfm(shape, tmp_path):
     assert got.tobytes() == image.tobytes() and info.format == "pfm"
 
 
+def skip_unless(name):
+    if name not in nt.codecs:
+        pytest.skip(f"built without {name}")
+
+
+@pytest.mark.parametrize("channels", [3, 4])
+def test_webp(channels, tmp_path):
+    skip_unless("libwebp")
+    image = image_of(np.uint8, (5, 7, channels))
+    nt.write(tmp_path / "a.webp", image, level=9)
+    got, info = nt.read_with_info(tmp_path / "a.webp")
+    assert np.array_equal(got, image) and (info.format, info.lossy) == ("webp", False)
+    for wrong, word in ((image[..., 0], "not gray"), (image.astype(np.uint16), "8 bits")):
+        with pytest.raises(nt.FileError, match=word):
+            nt.write(tmp_path / "b.webp", wrong)
+
+
+@pytest.mark.parametrize("tiles", [None, (8, 8)])
+def test_exr(tiles, tmp_path):
+    """All that OpenEXR packs without loss, by OpenEXR's own package."""
+    skip_unless("OpenEXR")
+    x = np.random.default_rng(3).normal(size=(40, 21, 3)).astype(np.float32)
+    for kind in (np.float32, np.float16):
+        for packing in ["NO", "RLE", "ZIPS", "ZIP", "PIZ"]:
+            header = {"compression": getattr(OpenEXR, f"{packing}_COMPRESSION")}
+            header["type"] = OpenEXR.tiledimage if tiles else OpenEXR.scanlineimage
+            if tiles:
+                header["tiles"] = OpenEXR.TileDescription()
+                header["tiles"].xSize, header["tiles"].ySize = tiles
+            planes = {c: x[..., i].astype(kind).copy() for i, c in enumerate("XYZ")}
+            OpenEXR.File(header, planes).write(str(tmp_path / "a.exr"))
+            got, info = nt.read_with_info(tmp_path / "a.exr")
+            assert np.array_equal(got, x.astype(kind).astype(np.float32)), packing
+            assert (info.format, info.vectors, info.bit_depth) == ("exr", True, 8 * kind().nbytes)
+
+
 def test_texts(tmp_path):
     texts = {"Title": "Wand", "Comment": "r\u00f6ad \u2014 \u6cd5\u7dda"}
     nt.write(tmp_path / "a.png", np.zeros((2, 2, 3), np.uint8), texts=texts)
@@ -123,7 +160,7 @@ def test_refusals(tmp_path):
         nt.read(tmp_path / "none.png")
     with pytest.raises(nt.FileError):
         nt.read(tmp_path)
-    with pytest.raises(nt.ArgumentError, match=r"\.png, \.tga or \.pfm"):
+    with pytest.raises(nt.ArgumentError, match=r"\.png, \.tga, \.pfm or \.webp"):
         nt.write(tmp_path / "a.bmp", image)
     with pytest.raises(nt.ArgumentError, match="level=13"):
         nt.write(tmp_path / "a.png", image, level=13)

@@ -8,16 +8,18 @@ texels look like.  Heights, photographs and the like are still called by their n
 import os
 import re
 import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Literal
 
 from .. import _ntp
 from .._named import MAX_BYTES
 from ._document import Document, GltfError, load
+from ._pixels import Extracted, extract, media_type
 from ._rules import RULES
 from ._walk import (
     NormalImage,
+    Use,
     is_odd_scale,
     normal_images,
     uses_without_coordinates,
@@ -41,26 +43,14 @@ COLOR_SLOTS = {
     "specularcolortexture",
     "diffusetransmissioncolortexture",
 }
-_SIGNATURES = [
-    (b"\x89PNG\r\n\x1a\n", "image/png", ".png"),
-    (b"\xff\xd8\xff", "image/jpeg", ".jpg"),
-    (b"\xabKTX 20\xbb", "image/ktx2", ".ktx2"),
-    (b"DDS ", "image/vnd-ms.dds", ".dds"),
-]
-READ_BY_NTP = {"image/png", "image/jpeg"}
-_UNSAFE = re.compile(r"[^A-Za-z0-9._-]+")
-
-
-def media_type(data: bytes) -> tuple[str, str]:
-    """(media type, suffix) of an image by its first bytes; ("", "") when unknown."""
-    for signature, mime, suffix in _SIGNATURES:
-        if data.startswith(signature):
-            return mime, suffix
-    if data[:4] == b"RIFF" and data[8:12] == b"WEBP":
-        return "image/webp", ".webp"
-    if data[4:12] in (b"ftypavif", b"ftypavis"):
-        return "image/avif", ".avif"
-    return "", ""
+# What `source` may name, and each extension.
+FORMATS = {
+    "": ("image/png", "image/jpeg"),
+    "KHR_texture_basisu": ("image/ktx2",),
+    "EXT_texture_webp": ("image/webp",),
+    "EXT_texture_avif": ("image/avif",),
+    "MSFT_texture_dds": ("image/vnd-ms.dds",),
+}
 
 
 def finding(rule: str, level: str, message: str, count: int = 0) -> Json:
@@ -107,7 +97,36 @@ def document_findings(document: Document, image: NormalImage, data: bytes) -> li
         found.append(
             finding("NT063", "warning", f"the image is said to be {claimed} and is {actual}")
         )
+    found += _extension_findings(document, image, actual)
     return found
+
+
+def _names(document: Document, key: str) -> list[str]:
+    """extensionsUsed or extensionsRequired."""
+    found = document.json.get(key, [])
+    return [str(name) for name in found] if isinstance(found, list) else []
+
+
+def _extension_words(document: Document, use: Use, actual: str) -> Iterator[tuple[str, str]]:
+    """(level, message) of what keeps readers from showing an image."""
+    allowed = FORMATS.get(use.via)
+    name = use.via or "source"
+    if allowed is not None and actual and actual not in allowed:
+        words = " or ".join(allowed)
+        yield "error", f"{name} of texture {use.texture} is {actual}; it has to be {words}"
+    if not use.via:
+        return
+    alone = use.role == "only"
+    level = "error" if alone else "warning"
+    if use.via not in _names(document, "extensionsUsed"):
+        yield level, f"{use.via} is not in extensionsUsed: readers may ignore it"
+    if alone and use.via not in _names(document, "extensionsRequired"):
+        yield "warning", f"texture {use.texture} has no fallback, and {use.via} is not required"
+
+
+def _extension_findings(document: Document, image: NormalImage, actual: str) -> list[Json]:
+    told = [pair for use in image.uses for pair in _extension_words(document, use, actual)]
+    return [finding("NT068", level, message) for level, message in dict.fromkeys(told)]
 
 
 def texel_findings(file: Json, type: GltfType) -> list[Json]:
@@ -128,33 +147,6 @@ def texel_findings(file: Json, type: GltfType) -> list[Json]:
             finding("NT066", "warning", "the image has an alpha channel; nothing reads it")
         )
     return found
-
-
-def safe_name(image: NormalImage, suffix: str) -> str:
-    """A file name for an image: what its own name says (such as _DX) stays readable."""
-    stem = _UNSAFE.sub("_", Path(image.name).stem).strip("._-")[:60]
-    return f"{image.index}_{stem or 'image'}{suffix}"
-
-
-def extract(image: NormalImage, data: bytes, folder: Path) -> tuple[Path | None, str]:
-    """Writes an image to a folder in a form that ntp reads; else (None, why not)."""
-    mime, suffix = media_type(data)
-    path = folder / safe_name(image, suffix or ".bin")
-    if mime in READ_BY_NTP or not mime:
-        path.write_bytes(data)  # ntp says itself what is wrong with an unknown format
-        return path, ""
-    if mime == "image/ktx2":
-        return None, "KTX2 is not read"
-    try:
-        from ..images import decode_to_png
-
-        path = path.with_suffix(".png")
-        path.write_bytes(decode_to_png(data, mime))
-    except ImportError as error:
-        return None, f"{mime} is not read: {error}"
-    except ValueError as error:
-        return None, f"{mime} could not be read: {error}"
-    return path, ""
 
 
 def where(entry: Mapping[str, Any]) -> str:
@@ -203,7 +195,7 @@ def check_document(
 ) -> list[Json]:
     """The entries of a loaded file's images, by index."""
     entries: list[Json] = []
-    readable: list[tuple[Path, Json]] = []
+    readable: list[tuple[Extracted, Json]] = []
     room = document.max_bytes
     with tempfile.TemporaryDirectory(prefix="ntp-gltf-") as scratch:
         folder = Path(scratch)
@@ -219,18 +211,23 @@ def check_document(
                 message = f"{where(entry)}: {str(error).removeprefix(f'{document.path}: ')}"
                 entry.update(status="unreadable", message=message, type=None, findings=[])
                 continue
-            path, why_not = extract(image, data, folder)
-            entry["findings"] = document_findings(document, image, data)
-            if path is None:
-                entry["findings"].append(finding("NT064", "info", why_not))
-                entry.update(status="skipped", message=f"{where(entry)}: {why_not}", type=None)
+            made = extract(image, data, folder)
+            entry["findings"] = document_findings(document, image, data) + made.findings
+            if made.path is None:
+                why_not = finding("NT064", "info", made.why_not)
+                entry["findings"] = by_level([*entry["findings"], why_not])
+                message = f"{where(entry)}: {made.why_not}"
+                entry.update(status="skipped", message=message, type=None)
             else:
-                readable.append((path, entry))
-        if readable:
-            names = [path.name for path, _ in readable]
-            files = judge(folder, names, options, y, type)
-            for (_, entry), file in zip(readable, files, strict=True):
-                _merge(entry, file, type)
+                readable.append((made, entry))
+        for xy in (False, True):  # those that hold x and y alone are judged as such
+            some = [
+                (made.path.name, entry) for made, entry in readable if made.path if made.xy == xy
+            ]
+            names = [name for name, _ in some]
+            files = judge(folder, names, options, y, "xy" if xy else type) if some else []
+            for (_, entry), file in zip(some, files, strict=True):
+                _merge(entry, file, "auto" if xy else type)
     return entries
 
 
@@ -271,7 +268,22 @@ def _merge(entry: Json, file: Json, type: GltfType) -> None:
         entry["message"] = f"{where(entry)}: {message}"
         return
     found = file["findings"] + about_container + texel_findings(file, type)
-    entry["findings"] = by_level(found)
+    for one in found:
+        if one["id"] == "NT045":  # glTF says how normals are read: there is nobody to be asked
+            one["level"] = "error"
+    entry["findings"] = by_level(_once(found))
+
+
+def _once(findings: list[Json]) -> list[Json]:
+    """What the program and the descriptor both say is said once; the program's comes first."""
+    both = {"NT036", "NT045", "NT053", "NT066"}
+    known: set[str] = set()
+    kept = []
+    for one in findings:
+        if one["id"] not in both or one["id"] not in known:
+            kept.append(one)
+        known.add(one["id"])
+    return kept
 
 
 def by_level(findings: list[Json]) -> list[Json]:

@@ -9,6 +9,7 @@ from typing import Any, Literal
 
 from .. import _ntp
 from .._named import MAX_BYTES
+from ..images import decode_to_png
 from ._check import (
     MALFORMED,
     GltfType,
@@ -17,18 +18,20 @@ from ._check import (
     document_findings,
     image_fields,
     judge,
-    media_type,
-    safe_name,
     texel_findings,
     where,
     why,
 )
 from ._document import Document, GltfError, load
+from ._pixels import extract, lossless_webp, media_type, safe_name
 from ._walk import NormalImage, normal_images
 from ._write import Replacement, plan, valid_suffix, why_fixed, write
 
 Json = dict[str, Any]
 Method = Literal["derive", "normalize", "auto"]
+
+WEBP = "image/webp"
+WRITTEN = ("image/png", "image/jpeg", WEBP)
 
 
 def _clean_words(entry: Json, how: Json) -> list[str]:
@@ -60,6 +63,9 @@ def _clean_one(
     """The new bytes of an image, None where nothing changes, and what was done."""
     data = document.image_bytes(image.index)
     source = folder / safe_name(image, media_type(data)[1])
+    if media_type(data)[0] == WEBP:
+        source = source.with_suffix(".png")
+        data = decode_to_png(data, WEBP)
     source.write_bytes(data)
     words = ["-o", "cleaned", "--only-changed", *_clean_words(entry, how)]
     done, _ = _ntp.run_json("clean", [source.name], words, cwd=folder)
@@ -102,13 +108,18 @@ def _clean_image(
         _skip(entry, f"is used as {slots} as well")
     elif fixed:
         _skip(entry, fixed)
-    elif mime not in ("image/png", "image/jpeg"):
-        _skip(entry, f"{mime} is not written")
+    elif mime not in WRITTEN:
+        _skip(entry, f"{mime} is not written: clean its source, and compress that anew")
     elif mime == "image/jpeg" and how["keep_jpeg"]:
         _skip(entry, "JPEG is left as it is")
     else:
         with tempfile.TemporaryDirectory(prefix="ntp-gltf-") as scratch:
             new, said = _clean_one(document, image, found, Path(scratch), how)
+            if new is not None and mime == WEBP:
+                new = lossless_webp(new)
+                if new is None:
+                    _skip(entry, "its numbers cannot be written as WebP")
+                    return entry, None
             if new is not None:
                 entry["remaining"] = _remaining(document, image, new, Path(scratch), how)
         entry.update(said, written=new is not None)
@@ -123,11 +134,12 @@ def _remaining(
     document: Document, image: NormalImage, new: bytes, folder: Path, how: Json
 ) -> list[Json]:
     """The findings of an image in the copy: the clean bytes are checked as the old ones were."""
-    path = folder / "check" / safe_name(image, media_type(new)[1])
-    path.parent.mkdir()
-    path.write_bytes(new)
+    checked = folder / "check"
+    checked.mkdir()
+    path = extract(image, new, checked).path
+    assert path is not None  # PNG, or WebP that was read before
     type: GltfType = "standard" if how["type"] in ("zzero", "xy") else how["type"]
-    (file,) = judge(path.parent, [path.name], how["options"], "up", type)
+    (file,) = judge(checked, [path.name], how["options"], "up", type)
     about_file = [f for f in document_findings(document, image, new) if f["id"] != "NT063"]
     return by_level(file["findings"] + about_file + texel_findings(file, type))
 
@@ -143,7 +155,8 @@ def _clean_images(document: Document, how: Json) -> tuple[list[Json], dict[int, 
         entry, new = _clean_image(document, image, found[image.index], normals, how)
         entries.append(entry)
         if new is not None:
-            replacements[image.index] = Replacement(new)
+            mime, suffix = media_type(new)
+            replacements[image.index] = Replacement(new, mime, (suffix,))
     return entries, replacements
 
 

@@ -97,6 +97,13 @@ def image_label(file: Json) -> str:
     return f'{label} "{_console.shown(name)}"' if name else label
 
 
+def _slot_words(use: Json) -> str:
+    """A slot, and by which of a texture's images it is shown."""
+    if use["via"]:
+        return f"{use['slot']} by {use['via']}"
+    return f"{use['slot']}, fallback" if use["role"] == "fallback" else str(use["slot"])
+
+
 def _print_check(report: Json, *, quiet: bool, verbose: bool) -> None:
     words = {"zzero": "Z-zero", "xy": "XY only", "height": "heights", "one-color": "one color"}
     for file in report["files"]:
@@ -106,15 +113,15 @@ def _print_check(report: Json, *, quiet: bool, verbose: bool) -> None:
         level = _ntp.worst_level(file)
         if quiet and level in (None, "info"):
             continue
-        slots = sorted({use["slot"] for use in file["uses"]})
+        slots = ", ".join(sorted({_slot_words(use) for use in file["uses"]}))
         if file["status"] == "skipped":
             reason = file["message"].removeprefix(f"{where(file)}: ")
-            print(f"{image_label(file)} ({', '.join(slots)}): not checked: {reason}")
-            continue
-        kind = words.get(file["type"], file["type"])
-        size = f"{file['width']} x {file['height']} {file['bit_depth']}-bit"
-        verdict = "well formed" if level in (None, "info") else level
-        print(f"{image_label(file)} ({', '.join(slots)}): {kind}, {size}: {verdict}")
+            print(f"{image_label(file)} ({slots}): not checked: {reason}")
+        else:
+            kind = words.get(file["type"], file["type"])
+            size = f"{file['width']} x {file['height']} {file['bit_depth']}-bit"
+            verdict = "well formed" if level in (None, "info") else level
+            print(f"{image_label(file)} ({slots}): {kind}, {size}: {verdict}")
         for found in file["findings"]:
             if verbose or found["level"] != "info":
                 print(f"  {found['level']:<7} {found['id']}  {found['message']}")

@@ -23,7 +23,9 @@ class Use:
     """A slot of a material that shows an image.
 
     ``slot`` is its key, ``pointer`` its JSON pointer, ``via`` the texture extension through which
-    the image is named ("" for `source`).
+    the image is named ("" for `source`).  ``role`` says who takes it: "only" where the texture names
+    no other image, "fallback" where an extension names a better one, "preferred" where it is that.
+    glTF does not rank extensions: a reader that knows several may take any of them.
     """
 
     material: int
@@ -32,6 +34,7 @@ class Use:
     pointer: str
     texture: int
     via: str
+    role: str
     info: dict[str, Any] = field(compare=False, hash=False)
 
     @property
@@ -47,6 +50,7 @@ class Use:
             "pointer": self.pointer,
             "texture": self.texture,
             "via": self.via,
+            "role": self.role,
             "scale": self.info["scale"],
             "tex_coord": self.info["tex_coord"],
             "wrap_s": wrap_s,
@@ -88,6 +92,12 @@ def _sources(texture: dict[str, Any]) -> Iterator[tuple[str, Any]]:
                 yield name, body["source"]
 
 
+def _role(via: str, number: int) -> str:
+    if number == 1:
+        return "only"
+    return "preferred" if via else "fallback"
+
+
 def _number(value: Any, default: float) -> float:
     return float(value) if isinstance(value, int | float) else default
 
@@ -119,10 +129,12 @@ def all_uses(document: Document) -> dict[int, list[Use]]:
         for key, pointer, slot in _slots(material, f"/materials/{number}"):
             texture = document.item("textures", slot["index"])
             info = _info(document, texture, slot)
-            for via, image in _sources(texture):
+            sources = list(_sources(texture))
+            for via, image in sources:
                 document.item("images", image)
                 name = str(material.get("name", ""))
-                use = Use(number, name, key, pointer, slot["index"], via, info)
+                role = _role(via, len(sources))
+                use = Use(number, name, key, pointer, slot["index"], via, role, info)
                 found.setdefault(image, []).append(use)
     return found
 

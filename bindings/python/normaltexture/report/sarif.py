@@ -18,6 +18,7 @@ from urllib.parse import quote
 from .. import _ntp
 from .._named import open_named
 from ..gltf._rules import RULES
+from ..usd._rules import RULES as USD_RULES
 
 Json = dict[str, Any]
 
@@ -40,7 +41,7 @@ _GITHUB_COMMANDS = {"error": "error", "warning": "warning", "info": "notice"}
 
 
 def all_rules() -> dict[str, _ntp.Rule]:
-    """Every rule by its id: the program's, those of glTF, and that a file cannot be read."""
+    """Every rule by its id: the program's, those of glTF and USD, and that a file cannot be read."""
     unreadable = _ntp.Rule(
         UNREADABLE,
         "error",
@@ -48,7 +49,7 @@ def all_rules() -> dict[str, _ntp.Rule]:
         "The file is missing, damaged, too large, or no image of a kind that is read.",
         "Restore the file, or leave it out with --exclude.",
     )
-    return {UNREADABLE: unreadable, **_ntp.program_rules(), **RULES}
+    return {UNREADABLE: unreadable, **_ntp.program_rules(), **RULES, **USD_RULES}
 
 
 def file_uri(path: str) -> str:
@@ -117,7 +118,8 @@ def _result(
     if not os.path.isabs(path):
         location["physicalLocation"]["artifactLocation"]["uriBaseId"] = "%SRCROOT%"
     if "image" in file:
-        pointer = f"/images/{file['image']}"
+        image = file["image"]  # an index of glTF, or a name of USD
+        pointer = f"/images/{image}" if isinstance(image, int) else image
         location["logicalLocations"] = [{"fullyQualifiedName": pointer, "kind": "object"}]
     place = "\0".join([found["id"], file_uri(path), str(file.get("image", ""))])
     return {

@@ -203,3 +203,50 @@ def noise_color(side=32, seed=5):
     """An image that is no normals texture."""
     rng = np.random.default_rng(seed)
     return rng.integers(0, 256, (side, side, 3)).astype(np.uint8)
+
+
+def solid_uastc(color):
+    """A block of UASTC whose 16 texels have one color: mode 8, and no hints."""
+    red, green, blue, alpha = (int(level) for level in color)
+    bits = 0b10111 | red << 5 | green << 13 | blue << 21 | alpha << 29
+    return bits.to_bytes(16, "little")
+
+
+def ktx2(
+    blocks,
+    *,
+    model=166,
+    channels=(0,),
+    transfer=1,
+    primaries=0,
+    flags=0,
+    scheme=0,
+    layers=0,
+    faces=1,
+    depth=0,
+    size=None,
+    vulkan=0,
+    keys=(),
+):
+    """A KTX2 of one level; `blocks` (rows, columns, 4) are the colors of its blocks of UASTC."""
+    rows, columns = blocks.shape[:2]
+    width, height = size or (4 * columns, 4 * rows)
+    body = b"".join(solid_uastc(color) for color in blocks.reshape(-1, 4))
+    samples = b"".join(
+        struct.pack("<HBB4BII", 0, 127, channel, 0, 0, 0, 0, 0, 0xFFFFFFFF) for channel in channels
+    )
+    block = struct.pack("<IHH4B", 0, 2, 24 + len(samples), model, primaries, transfer, flags)
+    block += bytes([3, 3, 0, 0, 16, 0, 0, 0, 0, 0, 0, 0]) + samples
+    descriptor = struct.pack("<I", 4 + len(block)) + block
+    pairs = b""
+    for key, value in keys:
+        pair = key.encode() + b"\0" + value.encode() + b"\0"
+        pairs += struct.pack("<I", len(pair)) + pair + bytes(-len(pair) % 4)
+    at = 104
+    place = (at, len(descriptor), at + len(descriptor) if pairs else 0, len(pairs), 0, 0)
+    start = at + len(descriptor) + len(pairs)
+    start += -start % 16
+    head = struct.pack("<9I", vulkan, 1, width, height, depth, layers, faces, 1, scheme)
+    index = struct.pack("<4I2Q3Q", *place, start, len(body), len(body))
+    file = b"\xabKTX 20\xbb\r\n\x1a\n" + head + index + descriptor + pairs
+    return file + bytes(start - len(file)) + body
