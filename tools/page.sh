@@ -4,6 +4,7 @@
 need_page_tools() {
     want clang has clang
     want llvm has llvm-ar
+    want libdeflate-tools has libdeflate-gzip
     want nodejs has node
     want npm has npm
     install_missing
@@ -20,7 +21,8 @@ page_module() {
     if [ ! -f build-page/build.ninja ]; then
         quietly build-sources/page.log meson setup build-page --wrap-mode=nodownload \
             --cross-file packaging/cross/wasm32-wasi.ini -Dgegl=disabled -Dgimp=disabled \
-            -Dzstd=disabled -Ddebug=false -Doptimization=s -Dtests=false -Ddefault_library=static
+            -Dzstd=disabled -Dwebp=disabled -Dexr=disabled -Ddebug=false -Doptimization=s \
+            -Dlibdeflate:optimization=2 -Dtests=false -Ddefault_library=static
     fi
     quietly build-sources/page.log ninja -C build-page -j "$jobs" page/page
 }
@@ -38,7 +40,19 @@ page_build() { (cd page && node build.mjs ../build-page/page/page ../build-page/
 
 page_tests() { # page_tests BROWSER
     PAGE=$top/build-page/normals-texture.html NTP=$top/build/cli/ntp TEXTURES=$top/test_files BROWSER=$1 \
-        node --test --test-reporter=spec page/tests/
+        CORPUS=${NTP_CORPUS:-$top/../shared/corpus} node --test --test-reporter=spec page/tests/page.test.mjs
+}
+
+# The pictures of docs/page.md, of few colors so that they are small.
+page_pictures() {
+    (cd page && node pictures.mjs ../build-page/normals-texture.html ../test_files ../docs/images)
+    python - docs/images/page.png docs/images/page-phone.png <<'END'
+import sys
+from PIL import Image
+
+for path in sys.argv[1:]:
+    Image.open(path).convert("RGB").quantize(128).save(path, optimize=True)
+END
 }
 
 need_browsers() {
@@ -47,7 +61,7 @@ need_browsers() {
     install_missing
 }
 
-page() { # page [--build]
+page() { # page [--build | --pictures]
     need_tools
     need_page_tools
     [ "${1:-}" = --build ] || need_browsers
@@ -58,7 +72,8 @@ page() { # page [--build]
     stage "types" page_types
     stage "page" page_build
     finish_stages
-    [ "${1:-}" = --build ] || for page_browser in chromium firefox; do
+    [ "${1:-}" != --pictures ] || stage "pictures" page_pictures
+    [ -n "${1:-}" ] || for page_browser in chromium firefox; do
         stage "the page in $page_browser" page_tests "$page_browser"
     done
     finish_stages

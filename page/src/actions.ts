@@ -50,7 +50,14 @@ export const VERBS: readonly Verb[] = [
   },
   {
     name: "convert",
-    fields: [type, choice("to", "", "standard", "zzero", "xy"), y, choice("to-y", "", "up", "down"), choice("depth", "", "8", "16")],
+    fields: [
+      type,
+      choice("to", "", "standard", "zzero", "xy"),
+      y,
+      choice("to-y", "", "up", "down"),
+      choice("depth", "", "8", "16"),
+      choice("format", "png", "tga", "dds", "ktx2"),
+    ],
   },
   {
     name: "resize",
@@ -119,7 +126,7 @@ export function argumentsOf(verb: Verb, values: Values): string[] {
   const args: string[] = [];
   for (const { option, kind, initial } of verb.fields) {
     const value = values[option] ?? initial;
-    if (kind === "file" || value === "") continue;
+    if (kind === "file" || option === "format" || value === "") continue;
     if (kind === "check") args.push(`--${option}`);
     else if (option === "size" && values.mips) continue; // the chain begins with the texture itself
     else if (value !== initial || ALWAYS.includes(option)) args.push(`--${option}`, value);
@@ -132,8 +139,8 @@ export function commandLine(args: readonly string[]): string {
   return ["ntp", ...args].map((arg) => (/^[\w./%:=,+-]+$/.test(arg) ? arg : `'${arg.replaceAll("'", `'\\''`)}'`)).join(" ");
 }
 
-export const outputName = (input: string, verb: string): string =>
-  `${input.replace(/\.[^.]*$/, "")}_${verb}.png`;
+export const outputName = (input: string, verb: string, { format = "png" }: Values): string =>
+  `${input.replace(/\.[^.]*$/, "")}_${verb}.${format}`;
 
 export interface Remedy {
   word: Word;

@@ -1,17 +1,16 @@
 // SPDX-License-Identifier: MIT
 // The workers, and what waits for them.
-import type { Done, Work } from "./messages.js";
+import type { Done, Files, Work } from "./messages.js";
 import type { Run, Texture } from "./program.js";
 
 const MOST_WORKERS = 4;
 
-type Task = Work extends infer W ? (W extends Work ? Omit<W, "id"> : never) : never;
+/** A worker that took more bytes is ended after its work: only so they are given back at once. */
+const MUCH_MEMORY = 1 << 27;
 
 interface Waiting {
-  task: Task;
-  urgent: boolean;
+  task: Work;
   resolve(done: Done): void;
-  signal: AbortSignal | null;
 }
 
 export class Aborted extends Error {}
@@ -22,8 +21,10 @@ interface Member {
 }
 
 export class Crew {
+  /** How many work at the same time. */
+  readonly size = Math.min(MOST_WORKERS, navigator.hardwareConcurrency || 1);
   readonly #start: () => Worker;
-  readonly #members: Member[] = [];
+  #members: Member[] = [];
   #waiting: Waiting[] = [];
 
   /** `start` makes a worker that has the module. */
@@ -31,22 +32,31 @@ export class Crew {
     this.#start = start;
   }
 
-  /** Runs `ntp`.  What is urgent goes before what is not. */
-  async run(args: string[], files: Map<string, Uint8Array>, urgent = false, signal: AbortSignal | null = null) {
-    const done = await this.#do({ kind: "run", args, files }, urgent, signal);
+  /** Runs `ntp`. */
+  async run(args: string[], files: Files, signal: AbortSignal | null = null): Promise<Run> {
+    const done = await this.#do({ kind: "run", args, files }, signal);
     return (done as { run: Run }).run;
   }
 
-  async read(bytes: Uint8Array, type: string): Promise<Texture | null> {
-    const done = await this.#do({ kind: "read", bytes, type }, true, null);
+  async read(file: Blob, type: string, signal: AbortSignal | null = null): Promise<Texture | null> {
+    const done = await this.#do({ kind: "read", file, type }, signal);
     return (done as { texture: Texture | null }).texture;
   }
 
-  async #do(task: Task, urgent: boolean, signal: AbortSignal | null): Promise<Done> {
+  /** Does something with each item, as many at a time as there are workers. */
+  async each<T>(items: Iterable<T>, work: (item: T) => Promise<void>, atOnce = this.size): Promise<void> {
+    const rest = items[Symbol.iterator]();
+    const some = async () => {
+      for (let next = rest.next(); !next.done; next = rest.next()) await work(next.value);
+    };
+    await Promise.all(Array.from({ length: atOnce }, some));
+  }
+
+  async #do(task: Work, signal: AbortSignal | null): Promise<Done> {
+    if (signal?.aborted) throw new Aborted();
     const done = await new Promise<Done>((resolve) => {
-      const waiting = { task, urgent, resolve, signal };
-      if (urgent) this.#waiting.unshift(waiting);
-      else this.#waiting.push(waiting);
+      const waiting = { task, resolve };
+      this.#waiting.push(waiting);
       signal?.addEventListener("abort", () => this.#stop(waiting), { once: true });
       this.#next();
     });
@@ -59,18 +69,16 @@ export class Crew {
     while (this.#waiting.length > 0) {
       const free = this.#members.find(({ busy }) => busy === null) ?? this.#grow();
       if (free === null) return;
-      const waiting = this.#waiting.shift()!;
-      free.busy = waiting;
-      free.worker.postMessage({ id: 0, ...waiting.task });
+      free.busy = this.#waiting.shift()!;
+      free.worker.postMessage(free.busy.task);
     }
   }
 
   #grow(): Member | null {
-    const most = Math.min(MOST_WORKERS, navigator.hardwareConcurrency || 1);
-    if (this.#members.length >= most) return null;
+    if (this.#members.length >= this.size) return null;
     const member: Member = { worker: this.#start(), busy: null };
     member.worker.onmessage = (event: MessageEvent<Done>) => this.#finish(member, event.data);
-    member.worker.onerror = (event) => this.#finish(member, { id: 0, failed: event.message });
+    member.worker.onerror = (event) => this.#finish(member, { memory: Infinity, failed: event.message });
     this.#members.push(member);
     return member;
   }
@@ -78,16 +86,22 @@ export class Crew {
   #finish(member: Member, done: Done) {
     const { busy } = member;
     member.busy = null;
+    if (done.memory > MUCH_MEMORY) this.#end(member);
     busy?.resolve(done);
     this.#next();
+  }
+
+  #end(member: Member) {
+    this.#members = this.#members.filter((other) => other !== member);
+    member.worker.terminate();
   }
 
   /** A worker that computes hears nothing: it is ended, and another begins. */
   #stop(waiting: Waiting) {
     this.#waiting = this.#waiting.filter((other) => other !== waiting);
-    const at = this.#members.findIndex(({ busy }) => busy === waiting);
-    if (at >= 0) this.#members.splice(at, 1)[0].worker.terminate();
-    waiting.resolve({ id: 0, failed: "" });
+    const member = this.#members.find(({ busy }) => busy === waiting);
+    if (member !== undefined) this.#end(member);
+    waiting.resolve({ memory: 0, failed: "" });
     this.#next();
   }
 }

@@ -2,6 +2,7 @@
 // Files in memory for the program.  Those that it writes grow by doubling: the files of
 // browser_wasi_shim are copied whole at each write.
 import { Directory, File, OpenFile, PreopenDirectory } from "@bjorn3/browser_wasi_shim";
+import type { Files } from "./messages.js";
 
 const SUCCESS = 0;
 const FIRST_SIZE = 1 << 16;
@@ -45,17 +46,30 @@ class GrowingDirectory extends Directory {
 
 /** The directory in which the program runs. */
 export class Folder extends PreopenDirectory {
-  constructor(files: Map<string, Uint8Array>) {
+  private constructor(files: [string, File][]) {
     super("/", new Map());
-    const entries = [...files].map(([name, bytes]) => [name, new File(bytes, { readonly: true })] as const);
-    this.dir = new GrowingDirectory(new Map(entries));
+    this.dir = new GrowingDirectory(new Map(files));
+  }
+
+  static async of(files: Files): Promise<Folder> {
+    const read = async ([name, blob]: [string, Blob]): Promise<[string, File]> => {
+      return [name, new File(new Uint8Array(await blob.arrayBuffer()), { readonly: true })];
+    };
+    return new Folder(await Promise.all([...files].map(read)));
   }
 
   /** The files that were written. */
-  made(): Map<string, Uint8Array> {
-    const files = new Map<string, Uint8Array>();
+  made(): Files {
+    const files: Files = new Map();
     for (const [name, entry] of this.dir.contents)
-      if (entry instanceof GrowingFile) files.set(name, entry.data.slice());
+      if (entry instanceof GrowingFile) files.set(name, new Blob([entry.data as BlobPart]));
     return files;
+  }
+
+  /** The bytes of all files. */
+  size(): number {
+    let sum = 0;
+    for (const entry of this.dir.contents.values()) if (entry instanceof File) sum += entry.data.byteLength;
+    return sum;
   }
 }

@@ -2,6 +2,7 @@
 // The picture of the chosen texture: ways to look at it, the light, the loupe, before and after.
 import { litPlane, litSphere, type Light, type Mode, MODES, Picture, type Reading, texelAt, vectorOf } from "./picture.js";
 import type { Texture } from "./program.js";
+import { listenForArrows, mark } from "./rove.js";
 import { element } from "./verdict.js";
 import { say, type Word } from "./words.js";
 
@@ -15,11 +16,6 @@ const byId = <T extends HTMLElement>(id: string) => document.getElementById(id) 
 const LOUPE = 64; // texels that fit across an enlarged picture
 const STEP = 0.1;
 
-interface Drawn {
-  picture: Picture;
-  heat: Picture | null;
-}
-
 export class Look {
   readonly #canvas = byId<HTMLCanvasElement>("canvas");
   readonly #split = byId<HTMLInputElement>("split");
@@ -28,7 +24,7 @@ export class Look {
   #mode: Mode = "texture";
   #light: Light = { x: -0.6, y: 0.6 };
   #sides: Side[] = [];
-  #drawn = new Map<Texture, Drawn>();
+  #drawn = new Map<Texture, Picture>();
   #texel = { x: 0, y: 0 };
   #order = 0;
 
@@ -39,26 +35,26 @@ export class Look {
       this.#canvas.setPointerCapture(event.pointerId);
       this.#point(event);
     };
+    listenForArrows(byId("modes"));
     this.#canvas.onkeydown = (event) => this.#press(event);
     this.translate();
   }
 
   translate() {
     const modes = byId<HTMLDivElement>("modes");
-    modes.replaceChildren(...MODES.map((mode) => this.#modeButton(mode)));
+    modes.replaceChildren(...MODES.map((mode) => this.#modeButton(modes, mode)));
+    mark(modes, "aria-checked", modes.children[MODES.indexOf(this.#mode)]);
     this.#split.setAttribute("aria-label", say("split"));
     this.#say();
   }
 
-  #modeButton(mode: Mode): HTMLButtonElement {
+  #modeButton(modes: HTMLElement, mode: Mode): HTMLButtonElement {
     const button = element("button", say(mode), { type: "button" });
     button.setAttribute("role", "radio");
-    button.setAttribute("aria-checked", String(mode === this.#mode));
     button.dataset.mode = mode;
     button.onclick = () => {
       this.#mode = mode;
-      for (const other of document.querySelectorAll<HTMLElement>("[data-mode]"))
-        other.setAttribute("aria-checked", String(other === button));
+      mark(modes, "aria-checked", button);
       this.#say();
       this.draw();
     };
@@ -80,7 +76,7 @@ export class Look {
   /** Before alone, or before and after. */
   show(sides: Side[]) {
     this.#sides = sides;
-    const kept = new Map<Texture, Drawn>();
+    const kept = new Map<Texture, Picture>();
     for (const { texture } of sides) {
       const drawn = this.#drawn.get(texture);
       if (drawn !== undefined) kept.set(texture, drawn);
@@ -88,6 +84,7 @@ export class Look {
     this.#drawn = kept;
     this.#split.hidden = sides.length < 2;
     this.#loupe.textContent = "";
+    delete this.#canvas.dataset.drawn;
     return this.draw();
   }
 
@@ -122,17 +119,13 @@ export class Look {
   }
 
   #image({ texture, reading }: Side): ImageData {
-    let drawn = this.#drawn.get(texture);
-    if (drawn === undefined) {
-      drawn = { picture: new Picture(texture), heat: null };
-      this.#drawn.set(texture, drawn);
-    }
-    if (this.#mode === "texture") return drawn.picture.colors();
-    if (this.#mode === "sphere") return litSphere(drawn.picture, reading, this.#light);
-    if (this.#mode !== "heatmap") return litPlane(drawn.picture, reading, this.#light);
-    const { heatmap } = texture;
-    drawn.heat ??= heatmap === null ? drawn.picture : new Picture({ ...texture, channels: 3, data: heatmap });
-    return drawn.heat.colors();
+    const picture = this.#drawn.get(texture) ?? new Picture(texture);
+    this.#drawn.set(texture, picture);
+    if (this.#mode === "sphere") return litSphere(picture, reading, this.#light);
+    if (this.#mode === "lit" || this.#mode === "tiles") return litPlane(picture, reading, this.#light);
+    const { heatmap, drawn } = texture;
+    if (this.#mode === "texture" || heatmap === null) return picture.colors();
+    return new ImageData(heatmap, drawn.width, drawn.height);
   }
 
   /* ------------------------------------------------------------- pointer and keys */

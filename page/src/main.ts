@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: MIT
 // The page: what a person does, and what happens then.
-import { strToU8, zip, type Zippable } from "fflate";
 import { argumentsOf, commandLine, type Field, initialValues, outputName, remediesOf, type Values, type Verb, VERBS } from "./actions.js";
 import { Aborted, Crew } from "./crew.js";
+import { List } from "./list.js";
 import { Look, type Side } from "./look.js";
 import type { Texture } from "./program.js";
+import { listenForArrows, mark } from "./rove.js";
 import { type Item, type Result, Textures } from "./textures.js";
 import { describe, element, shortVerdict, type Verdict } from "./verdict.js";
-import { currentLanguage, isWord, type Language, say, setLanguage, type Word } from "./words.js";
+import { currentLanguage, isWord, type Language, numberOf, say, setLanguage, type Word } from "./words.js";
+import { Zip } from "./zip.js";
 
 const PAUSE = 250; // ms after the last key before a result is made anew
 
@@ -24,8 +26,8 @@ async function throughStream(packed: Uint8Array): Promise<ArrayBuffer> {
   return new Response(stream).arrayBuffer();
 }
 
-function save(name: string, bytes: Uint8Array, type: string) {
-  const link = element("a", "", { href: URL.createObjectURL(new Blob([bytes as BlobPart], { type })), download: name });
+function save(name: string, blob: Blob) {
+  const link = element("a", "", { href: URL.createObjectURL(blob), download: name });
   link.click();
   setTimeout(() => URL.revokeObjectURL(link.href), 60_000);
 }
@@ -36,12 +38,17 @@ const readingOf = (verdict: Verdict | null) =>
 class Page {
   readonly #textures: Textures;
   readonly #look = new Look();
+  readonly #list = new List(
+    (item) => void this.#choose(item),
+    () => this.#nameDownloadAll(),
+  );
   #item: Item | null = null;
   #texture: Texture | null = null;
   #result: Result | null = null;
   #verb: Verb = VERBS[0];
   #values: Values = initialValues(VERBS[0]);
   #detail: File | null = null;
+  #looking: AbortController | null = null;
   #working: AbortController | null = null;
   #pause = 0;
 
@@ -61,7 +68,7 @@ class Page {
       if (isWord(word)) spoken.textContent = say(word);
     }
     this.#look.translate();
-    this.#list();
+    this.#list.show(this.#textures.items, this.#item);
     this.#showVerdict();
     this.#showVerbs();
     this.#showForm();
@@ -104,6 +111,7 @@ class Page {
       setLanguage(language.value as Language);
       this.translate();
     };
+    listenForArrows(byId("verbs"));
     byId("form").onsubmit = (event) => event.preventDefault();
   }
 
@@ -132,71 +140,61 @@ class Page {
   #add(files: [File, string][]) {
     const items = files.map(([file, path]) => this.#textures.add(file, path));
     document.querySelector("main")!.classList.toggle("empty", this.#textures.items.length === 0);
-    for (const item of items)
-      void this.#textures.check(item, false).then(
-        () => this.#list(),
-        () => this.#list(),
-      );
-    this.#list();
     if (this.#item === null && items.length > 0) void this.#choose(items[0]);
+    this.#list.show(this.#textures.items, this.#item);
+    void this.#textures.checkAll(items, (item) => this.#list.update(item));
   }
 
   #clear() {
     this.#textures.clear();
+    this.#looking?.abort();
     this.#working?.abort();
     this.#item = this.#texture = this.#result = null;
     document.querySelector("main")!.classList.add("empty");
     for (const id of ["verdict", "view", "act"]) byId(id).hidden = true;
     void this.#look.show([]);
-    this.#list();
+    this.#list.show([], null);
     byId("choose").focus();
-  }
-
-  #list() {
-    const { items } = this.#textures;
-    const done = items.filter(({ verdict }) => verdict !== null);
-    byId("clear").hidden = items.length === 0;
-    byId("summary").textContent =
-      items.length > 1 ? `${done.length} ${say("of")} ${items.length} ${say("checked")}` : "";
-    byId("list").replaceChildren(...items.map((item) => this.#line(item)));
-  }
-
-  #line(item: Item): HTMLLIElement {
-    const button = element("button", item.name, { type: "button" });
-    const { text, level } = item.verdict === null ? { text: say("waiting"), level: "quiet" } : shortVerdict(item.verdict);
-    button.append(element("small", text, { className: level }));
-    if (item === this.#item) button.setAttribute("aria-current", "true");
-    button.onclick = () => void this.#choose(item);
-    const line = element("li");
-    line.append(button);
-    return line;
   }
 
   /* ----------------------------------------------------------------- verdict */
 
   async #choose(item: Item) {
+    this.#looking?.abort();
     this.#working?.abort();
+    const looking = new AbortController();
+    this.#looking = looking;
     this.#item = item;
-    this.#texture = this.#result = null;
+    this.#texture = null;
+    this.#setResult(null);
     byId("verdict").hidden = false;
     byId("verdict-title").textContent = item.name;
     byId("verdict-body").replaceChildren(element("p", say("checking")));
-    this.#list();
-    const verdict = await this.#textures.check(item, true);
-    if (item !== this.#item) return;
-    this.#list();
+    byId("remedies").replaceChildren();
+    this.#list.mark(item);
+    const verdict = this.#textures.check(item).then((checked) => this.#showChosen(checked, looking.signal));
+    try {
+      const [texture] = await Promise.all([this.#textures.look(item, looking.signal), verdict]);
+      if (!looking.signal.aborted) await this.#showTexture(texture);
+    } catch (error) {
+      if (!(error instanceof Aborted)) this.#setResult(null, String(error), true);
+    }
+  }
+
+  #showChosen(verdict: Verdict, signal: AbortSignal) {
+    if (signal.aborted) return;
+    this.#list.update(this.#item!);
     this.#showVerdict();
     const readable = verdict.status === "ok";
-    byId("act").hidden = !readable;
-    byId("view").hidden = !readable;
-    if (!readable) return;
-    const texture = await this.#textures.look(item);
-    if (item !== this.#item) return;
-    this.#texture = texture;
-    byId("view").hidden = texture === null;
+    byId("act").hidden = byId("view").hidden = !readable;
     if (verdict.type === "height" && this.#verb.name !== "from-height") this.#setVerb("from-height");
     if (verdict.type !== "height" && this.#verb.name === "from-height") this.#setVerb("clean");
     this.#showForm();
+  }
+
+  async #showTexture(texture: Texture | null) {
+    this.#texture = texture;
+    byId("view").hidden = texture === null;
     await this.#draw();
   }
 
@@ -236,20 +234,23 @@ class Page {
   }
 
   #showVerbs() {
+    const row = byId("verbs");
     const tabs = VERBS.map((verb) => {
       const tab = element("button", say(verb.name), { type: "button" });
       tab.setAttribute("role", "tab");
-      tab.setAttribute("aria-selected", String(verb === this.#verb));
       tab.setAttribute("aria-controls", "panel");
       tab.dataset.verb = verb.name;
       tab.onclick = () => {
         this.#setVerb(verb.name);
+        byId(tab.id).focus();
         this.#showForm();
         this.#later(0);
       };
+      tab.id = `verb-${verb.name}`;
       return tab;
     });
-    byId("verbs").replaceChildren(...tabs);
+    row.replaceChildren(...tabs);
+    mark(row, "aria-selected", row.children[VERBS.indexOf(this.#verb)]);
     byId("panel").setAttribute("aria-label", say(this.#verb.name));
   }
 
@@ -304,7 +305,7 @@ class Page {
     if (item === null) return;
     const [verb, ...options] = this.#arguments();
     const detail = verb === "blend" ? [this.#detail?.name ?? "DETAIL"] : [];
-    const output = outputName(item.file, verb);
+    const output = outputName(item.file, verb, this.#values);
     byId("command").textContent = commandLine([verb, item.file, ...detail, "-o", output, ...options]);
   }
 
@@ -331,7 +332,7 @@ class Page {
       const made = await this.#make(item, working.signal);
       if (typeof made === "string") this.#setResult(null, made, true);
       else {
-        await this.#textures.judge(made);
+        await this.#textures.judge(made, working.signal);
         if (!working.signal.aborted) this.#setResult(made);
       }
     } catch (error) {
@@ -343,7 +344,7 @@ class Page {
   #make(item: Item, signal: AbortSignal) {
     const args = this.#arguments();
     const detail = args[0] === "blend" ? this.#detail : null;
-    return this.#textures.act(item, args, outputName(item.file, args[0]), detail, signal);
+    return this.#textures.act(item, args, outputName(item.file, args[0], this.#values), detail, signal);
   }
 
   #setResult(result: Result | null, message = "", failed = false) {
@@ -357,41 +358,58 @@ class Page {
       const { text, level } = shortVerdict(result.verdict);
       outcome.append(`${say("result")}: `, element("span", text, { className: level }));
       const { width, height, bit_depth: depth } = result.verdict;
-      outcome.append(`, ${width} × ${height}, ${depth} bit, ${Math.ceil(result.bytes.length / 1024).toLocaleString()} KiB`);
+      outcome.append(`, ${width} × ${height}, ${depth} bit, ${numberOf(Math.ceil(result.blob.size / 1024))} KiB. `);
+      outcome.append(element("span", result.said, { lang: "en", className: "quiet" }));
     }
   }
 
   /* -------------------------------------------------------------- taking home */
 
-  async #zipped(files: Zippable): Promise<Uint8Array> {
-    return new Promise((take, fail) => zip(files, { level: 0 }, (error, data) => (error ? fail(error) : take(data))));
-  }
-
   #download() {
     const result = this.#result;
     if (result === null) return;
-    if (result.more.size === 0) return save(result.name, result.bytes, "image/png");
-    const files: Zippable = { [result.name]: result.bytes };
-    for (const [name, bytes] of result.more) files[name] = bytes;
-    void this.#zipped(files).then((data) => save(result.name.replace(/\.png$/, ".zip"), data, "application/zip"));
+    if (result.more.size === 0) return save(result.name, result.blob);
+    void this.#zipped([result]).then((blob) => save(result.name.replace(/\.[^.]*$/, ".zip"), blob));
+  }
+
+  async #zipped(results: Result[]): Promise<Blob> {
+    const zip = new Zip();
+    for (const { name, blob, more } of results)
+      for (const [path, file] of [[name, blob] as const, ...more]) await zip.add(path, file);
+    return zip.finish();
+  }
+
+  #nameDownloadAll() {
+    const all = this.#list.shown().length === this.#textures.items.length;
+    byId("download-all").dataset.word = all ? "downloadAll" : "downloadShown";
+    byId("download-all").textContent = say(all ? "downloadAll" : "downloadShown");
   }
 
   /** What was refused is said in a text file: a zip without it would look complete. */
   async #downloadAll() {
-    const files: Zippable = {};
+    const items = this.#list.shown();
+    const zip = new Zip();
     const notes: string[] = [];
+    const verb = this.#verb.name;
+    this.#working?.abort();
     const working = new AbortController();
     this.#working = working;
-    for (const [done, item] of this.#textures.items.entries()) {
-      byId("outcome").textContent = `${done} ${say("of")} ${this.#textures.items.length}`;
+    let done = 0;
+    const act = async (item: Item) => {
       const made = await this.#make(item, working.signal);
       const folder = item.name.includes("/") ? item.name.replace(/[^/]*$/, "") : "";
       if (typeof made === "string") notes.push(made);
-      else for (const [name, bytes] of [[made.name, made.bytes] as const, ...made.more]) files[folder + name] = bytes;
+      else for (const [name, file] of [[made.name, made.blob] as const, ...made.more]) await zip.add(folder + name, file);
+      this.#setResult(null, `${++done} ${say("of")} ${items.length}`);
+    };
+    try {
+      await this.#textures.actOnEach(items, act);
+      if (notes.length > 0) await zip.add("not-done.txt", new Blob([`${notes.join("\n")}\n`]));
+      this.#setResult(null, notes.join(" · "));
+      save(`${verb}.zip`, zip.finish());
+    } catch (error) {
+      if (!(error instanceof Aborted)) this.#setResult(null, String(error), true);
     }
-    if (notes.length > 0) files["not-done.txt"] = strToU8(`${notes.join("\n")}\n`);
-    byId("outcome").textContent = notes.join(" · ");
-    save(`${this.#verb.name}.zip`, await this.#zipped(files), "application/zip");
   }
 
   async #copy() {

@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: MIT
-// What the page and its workers say to each other.
+// What the page and its workers say to each other.  Files travel as blobs: their bytes are read where
+// they are needed, and by nobody else.
 import type { Run, Texture } from "./program.js";
+
+export type Files = Map<string, Blob>;
 
 export interface Setup {
   module: WebAssembly.Module;
 }
 
-export type Work =
-  | { id: number; kind: "run"; args: string[]; files: Map<string, Uint8Array> }
-  | { id: number; kind: "read"; bytes: Uint8Array; type: string };
+export type Work = { kind: "run"; args: string[]; files: Files } | { kind: "read"; file: Blob; type: string };
 
-export type Done = { id: number } & ({ run: Run } | { texture: Texture | null } | { failed: string });
+/** `memory`: the bytes that the work took. */
+export type Done = { memory: number } & ({ run: Run } | { texture: Texture | null } | { failed: string });

@@ -17,42 +17,12 @@ export interface Light {
   y: number;
 }
 
-/** The longest side that is drawn: more would not fit a screen. */
-const MOST = 1024;
 const AMBIENT = 0.12;
 const SHINE = 24;
 const GLOSS = 0.35;
 const GRAY = 175;
 
 const mostOf = ({ data }: Texture) => (data instanceof Uint8Array ? 255 : data instanceof Uint16Array ? 65535 : 1);
-
-export function sizeOf({ width, height }: Texture): [number, number] {
-  const shrink = Math.min(1, MOST / Math.max(width, height));
-  return [Math.max(1, Math.round(width * shrink)), Math.max(1, Math.round(height * shrink))];
-}
-
-/** The mean of the samples of each drawn pixel, in 0..1. */
-function shrunk(texture: Texture, width: number, height: number): Float32Array {
-  const { data, channels } = texture;
-  const most = mostOf(texture);
-  const out = new Float32Array(width * height * channels);
-  for (let y = 0; y < height; y++) {
-    const top = Math.floor((y * texture.height) / height);
-    const bottom = Math.max(top + 1, Math.floor(((y + 1) * texture.height) / height));
-    for (let x = 0; x < width; x++) {
-      const left = Math.floor((x * texture.width) / width);
-      const right = Math.max(left + 1, Math.floor(((x + 1) * texture.width) / width));
-      const share = 1 / (most * (bottom - top) * (right - left));
-      for (let c = 0; c < channels; c++) {
-        let sum = 0;
-        for (let v = top; v < bottom; v++)
-          for (let u = left; u < right; u++) sum += data[(v * texture.width + u) * channels + c];
-        out[(y * width + x) * channels + c] = sum * share;
-      }
-    }
-  }
-  return out;
-}
 
 /** A texture at the size at which it is drawn. */
 export class Picture {
@@ -63,9 +33,9 @@ export class Picture {
   #normals: Float32Array | null = null;
 
   constructor(texture: Texture) {
-    [this.width, this.height] = sizeOf(texture);
+    ({ width: this.width, height: this.height } = texture.drawn);
     this.#channels = texture.channels;
-    this.#samples = shrunk(texture, this.width, this.height);
+    this.#samples = texture.means;
   }
 
   colors(): ImageData {
@@ -99,24 +69,24 @@ export class Picture {
 }
 
 /** Lambert and Blinn's light on a gray surface. */
-function shade(nx: number, ny: number, nz: number, lx: number, ly: number, lz: number): number {
-  const facing = Math.max(0, nx * lx + ny * ly + nz * lz);
-  const half = Math.hypot(lx, ly, lz + 1);
-  const shine = Math.max(0, (nx * lx + ny * ly + nz * (lz + 1)) / half);
-  return GRAY * (AMBIENT + (1 - AMBIENT) * facing) + 255 * GLOSS * facing * shine ** SHINE;
-}
-
-function direction({ x, y }: Light): [number, number, number] {
+function shading({ x, y }: Light): (nx: number, ny: number, nz: number) => number {
   const length = Math.hypot(x, y, 0.8);
-  return [x / length, y / length, 0.8 / length];
+  const [lx, ly, lz] = [x / length, y / length, 0.8 / length];
+  const half = Math.hypot(lx, ly, lz + 1); // of the direction between light and viewer
+  return (nx, ny, nz) => {
+    const sum = nx * lx + ny * ly + nz * lz;
+    const facing = Math.max(0, sum);
+    const shine = Math.max(0, (sum + nz) / half);
+    return GRAY * (AMBIENT + (1 - AMBIENT) * facing) + 255 * GLOSS * facing * shine ** SHINE;
+  };
 }
 
 export function litPlane(picture: Picture, reading: Reading, light: Light): ImageData {
   const image = new ImageData(picture.width, picture.height);
   const normals = picture.normals(reading);
-  const [lx, ly, lz] = direction(light);
+  const shade = shading(light);
   for (let i = 0, from = 0; i < image.data.length; i += 4, from += 3) {
-    const value = shade(normals[from], normals[from + 1], normals[from + 2], lx, ly, lz);
+    const value = shade(normals[from], normals[from + 1], normals[from + 2]);
     image.data[i] = image.data[i + 1] = image.data[i + 2] = value;
     image.data[i + 3] = 255;
   }
@@ -143,7 +113,7 @@ function between({ width, height }: Picture, normals: Float32Array, u: number, v
 export function litSphere(picture: Picture, reading: Reading, light: Light): ImageData {
   const image = new ImageData(SPHERE, SPHERE);
   const normals = picture.normals(reading);
-  const [lx, ly, lz] = direction(light);
+  const shade = shading(light);
   for (let row = 0; row < SPHERE; row++)
     for (let column = 0; column < SPHERE; column++) {
       const at = 4 * (row * SPHERE + column);
@@ -166,9 +136,6 @@ export function litSphere(picture: Picture, reading: Reading, light: Light): Ima
         nx * tx + ny * bx + nz * sx,
         ny * by + nz * sy,
         nx * tz + ny * bz + nz * sz,
-        lx,
-        ly,
-        lz,
       );
       image.data[at] = image.data[at + 1] = image.data[at + 2] = value;
     }

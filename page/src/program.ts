@@ -3,12 +3,13 @@
 import { ConsoleStdout, File, OpenFile, WASI } from "@bjorn3/browser_wasi_shim";
 import { Folder } from "./folder.js";
 import { jumpImports } from "./jump.js";
+import type { Files } from "./messages.js";
 
 export interface Run {
   code: number;
   out: string;
   err: string;
-  made: Map<string, Uint8Array>;
+  made: Files;
 }
 
 /** Samples by rows, from the top; floats for PFM. */
@@ -17,8 +18,11 @@ export interface Texture {
   height: number;
   channels: number;
   data: Uint8Array | Uint16Array | Float32Array;
-  /** Which texels are wrong, as RGB; null where that makes no sense. */
-  heatmap: Uint8Array | null;
+  drawn: { width: number; height: number };
+  /** Of the samples of each drawn pixel, in 0..1. */
+  means: Float32Array;
+  /** Which texels are wrong, as RGBA at the drawn size; null where that makes no sense. */
+  heatmap: Uint8ClampedArray<ArrayBuffer> | null;
 }
 
 interface Exports extends WebAssembly.Exports {
@@ -26,7 +30,7 @@ interface Exports extends WebAssembly.Exports {
   _start(): void;
   __stack_pointer: WebAssembly.Global;
   __indirect_function_table: WebAssembly.Table;
-  readTexture(mostTexels: number, encoding: number): number;
+  readTexture(mostTexels: number, mostSide: number, encoding: number): number;
 }
 
 const ENCODINGS = ["standard", "zzero", "xy"]; // as in ntp_encoding
@@ -40,6 +44,9 @@ const SAMPLES: Record<number, typeof Uint8Array | typeof Uint16Array | typeof Fl
 /** Larger textures are refused, in the words of `ntp`: they would fill the memory of a browser. */
 export const MOST_TEXELS = 8192 * 8192;
 
+/** The longest side that is drawn: more would not fit a screen. */
+const MOST_SIDE = 1024;
+
 export class Program {
   readonly #module: WebAssembly.Module;
 
@@ -47,7 +54,7 @@ export class Program {
     this.#module = module;
   }
 
-  async #instance(args: string[], files: Map<string, Uint8Array>) {
+  async #instance(args: string[], files: Files) {
     const text = { out: "", err: "" };
     const collect = (which: "out" | "err") => {
       const decoder = new TextDecoder();
@@ -55,7 +62,7 @@ export class Program {
         text[which] += decoder.decode(bytes, { stream: true });
       });
     };
-    const folder = new Folder(files);
+    const folder = await Folder.of(files);
     const input = new OpenFile(new File(new Uint8Array(0)));
     const wasi = new WASI(args, ["NO_COLOR=1"], [input, collect("out"), collect("err"), folder], {
       debug: false,
@@ -66,11 +73,12 @@ export class Program {
       env: jumpImports(this.#module, () => exports),
     });
     exports = instance.exports as Exports;
-    return { wasi, exports, folder, text };
+    const memory = () => exports.memory.buffer.byteLength + folder.size();
+    return { wasi, exports, folder, text, memory };
   }
 
-  async run(args: string[], files: Map<string, Uint8Array>): Promise<Run> {
-    const { wasi, exports, folder, text } = await this.#instance(["ntp", ...args], files);
+  async run(args: string[], files: Files): Promise<{ run: Run; memory: number }> {
+    const { wasi, exports, folder, text, memory } = await this.#instance(["ntp", ...args], files);
     let code = UNREADABLE;
     try {
       code = wasi.start({ exports });
@@ -78,20 +86,28 @@ export class Program {
       // Memory that is used up, or a mistake of ours: either way the page lives on.
       text.err += `ntp: ${error instanceof Error ? error.message : String(error)}\n`;
     }
-    return { code, ...text, made: folder.made() };
+    return { run: { code, ...text, made: folder.made() }, memory: memory() };
   }
 
   /** A file that `ntp check` can read, and takes for this type; null for others. */
-  async read(bytes: Uint8Array, type: string): Promise<Texture | null> {
-    const { wasi, exports } = await this.#instance(["ntp"], new Map([["texture", bytes]]));
+  async read(file: Blob, type: string): Promise<{ texture: Texture | null; memory: number }> {
+    const { wasi, exports, memory } = await this.#instance(["ntp"], new Map([["texture", file]]));
     wasi.initialize({ exports });
-    const at = exports.readTexture(MOST_TEXELS, ENCODINGS.indexOf(type));
-    if (at === 0) return null;
-    const buffer = exports.memory.buffer;
-    const [samples, width, height, channels, size, heat] = new Uint32Array(buffer, at, 6);
-    const Samples = SAMPLES[size];
-    const data = new Samples(buffer, samples, width * height * channels).slice();
-    const heatmap = heat === 0 ? null : new Uint8Array(buffer, heat, 3 * width * height).slice();
-    return { width, height, channels, data, heatmap };
+    const at = exports.readTexture(MOST_TEXELS, MOST_SIDE, ENCODINGS.indexOf(type));
+    return { texture: at === 0 ? null : textureAt(exports.memory.buffer, at), memory: memory() };
   }
+}
+
+function textureAt(memory: ArrayBuffer, at: number): Texture {
+  const [samples, width, height, channels, size, drawnWidth, drawnHeight, means, heat] = new Uint32Array(memory, at, 9);
+  const pixels = drawnWidth * drawnHeight;
+  return {
+    width,
+    height,
+    channels,
+    data: new SAMPLES[size](memory, samples, width * height * channels).slice(),
+    drawn: { width: drawnWidth, height: drawnHeight },
+    means: new Float32Array(memory, means, pixels * channels).slice(),
+    heatmap: heat === 0 ? null : new Uint8ClampedArray(memory, heat, 4 * pixels).slice(),
+  };
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // What `ntp check --format json` says of one file, and how it is shown.
-import { isWord, say, subjectOf } from "./words.js";
+import { isWord, numberOf, say, subjectOf, type Word } from "./words.js";
 
 export interface Finding {
   id: string;
@@ -52,14 +52,25 @@ const CHANNELS = ["", "gray", "gray + alpha", "RGB", "RGBA"];
 const ofLevel = (verdict: Verdict, level: Finding["level"]) =>
   verdict.findings.filter((finding) => finding.level === level).length;
 
+export type Severity = "error" | "warning" | "good";
+
+export function severityOf(verdict: Verdict): Severity {
+  if (verdict.status !== "ok" || ofLevel(verdict, "error") > 0) return "error";
+  return ofLevel(verdict, "warning") > 0 ? "warning" : "good";
+}
+
 /** As the end of the first line of `ntp check`: the worst that was found. */
-export function shortVerdict(verdict: Verdict): { text: string; level: string } {
-  if (verdict.status !== "ok") return { text: say("unreadable"), level: "error" };
+export function shortVerdict(verdict: Verdict): { text: string; level: Severity } {
+  const level = severityOf(verdict);
+  if (verdict.status !== "ok") return { text: say("unreadable"), level };
   const [errors, warnings] = [ofLevel(verdict, "error"), ofLevel(verdict, "warning")];
   const parts = [...counted(errors, "error", "errors"), ...counted(warnings, "warning", "warnings")];
-  if (parts.length === 0) return { text: say("wellFormed"), level: "good" };
-  return { text: parts.join(", "), level: errors > 0 ? "error" : "warning" };
+  return { text: parts.join(", ") || say("wellFormed"), level };
 }
+
+export const isNormals = ({ type }: Verdict) => ["standard", "zzero", "xy"].includes(type ?? "");
+
+export const typeOf = ({ type }: Verdict) => (isWord(type ?? "") ? say(type as Word) : (type ?? ""));
 
 function greenOf({ y, y_confidence: sure }: Verdict): string {
   if (y === "undecided") return say("yUndecided");
@@ -67,17 +78,16 @@ function greenOf({ y, y_confidence: sure }: Verdict): string {
 }
 
 function facts(verdict: Verdict): string[] {
-  const type = verdict.type ?? "";
-  const name = isWord(type) ? say(type) : type;
   const form = `${verdict.width} × ${verdict.height}, ${verdict.bit_depth} bit ${CHANNELS[verdict.channels]}`;
-  const lines = [`${name}, ${Math.round(100 * verdict.confidence)} % ${say("sure")}`, form];
-  if (["standard", "zzero", "xy"].includes(type)) lines.push(greenOf(verdict));
+  const lines = [`${typeOf(verdict)}, ${Math.round(100 * verdict.confidence)} % ${say("sure")}`, form];
+  if (isNormals(verdict)) lines.push(greenOf(verdict));
+  if (verdict.findings.some(({ id }) => id === "NT030")) lines.push(say("lossy"));
   const { used } = verdict;
   if (!used?.fail?.neighbor) return lines;
-  lines.push(`${say("failing")}: ${used.fail.neighbor.toLocaleString()} ${say("of")} ${used.texels.toLocaleString()}`);
+  lines.push(`${say("failing")}: ${numberOf(used.fail.neighbor)} ${say("of")} ${numberOf(used.texels)}`);
   if (verdict.angle_deg !== null) {
     const { mean, p99, max } = verdict.angle_deg;
-    lines.push(`${say("angles")}: ${mean.toFixed(2)}, ${p99.toFixed(2)}, ${max.toFixed(2)}`);
+    lines.push(`${say("angles")}: ${[mean, p99, max].map((angle) => numberOf(angle, 2)).join("; ")}`);
   }
   return lines;
 }

@@ -20,12 +20,22 @@ const TABLE = {
   repair: ["Repair and convert", "Reparieren und umwandeln"],
   download: ["Download", "Herunterladen"],
   downloadAll: ["Do this to all, download a zip", "Auf alle anwenden, als Zip herunterladen"],
+  downloadShown: ["Do this to those listed, download a zip", "Auf die gelisteten anwenden, als Zip herunterladen"],
   copy: ["Copy", "Kopieren"],
   copied: ["Copied", "Kopiert"],
   footer: [
     "The page runs ntp, the program of libntp. Its results are the same bytes.",
     "Die Seite führt ntp aus, das Programm von libntp. Die Ergebnisse sind dieselben Bytes.",
   ],
+  find: ["Name contains", "Name enthält"],
+  only: ["Show", "Zeigen"],
+  all: ["all", "alle"],
+  withErrors: ["with errors", "mit Fehlern"],
+  withWarnings: ["with warnings", "mit Warnungen"],
+  order: ["Order", "Reihenfolge"],
+  asAdded: ["as added", "wie hinzugefügt"],
+  byName: ["by name", "nach Namen"],
+  worstFirst: ["worst first", "Schlimmste zuerst"],
   waiting: ["waiting", "wartet"],
   checking: ["is being checked", "wird geprüft"],
   checked: ["checked", "geprüft"],
@@ -42,6 +52,7 @@ const TABLE = {
   yUp: ["green points up (OpenGL)", "Grün zeigt nach oben (OpenGL)"],
   yDown: ["green points down (DirectX)", "Grün zeigt nach unten (DirectX)"],
   yUndecided: ["which way green points is undecided", "wohin Grün zeigt, ist unentschieden"],
+  lossy: ["JPEG is lossy: keep another copy", "JPEG speichert mit Verlust: eine andere Kopie behalten"],
   failing: ["texels that are not unit vectors", "Texel, die keine Einheitsvektoren sind"],
   angles: ["degrees off: mean, 99th percentile, most", "Grad daneben: Mittel, 99. Perzentil, höchstens"],
   standard: ["standard normals", "Standard-Normalen"],
@@ -93,6 +104,7 @@ const TABLE = {
   y: ["Green points now", "Grün zeigt jetzt"],
   "to-y": ["Green shall point", "Grün soll zeigen"],
   depth: ["Bits", "Bits"],
+  format: ["File", "Datei"],
   size: ["Size", "Größe"],
   mips: ["With all smaller levels (mips)", "Mit allen kleineren Stufen (Mips)"],
   filter: ["Filter", "Filter"],
@@ -116,6 +128,7 @@ const TABLE = {
   result: ["Result", "Ergebnis"],
   noSamples: ["There is nothing to show.", "Es gibt nichts anzuzeigen."],
   tooLarge: ["larger than 1 GiB: the page does not open it", "größer als 1 GiB: die Seite öffnet es nicht"],
+  zipTooLarge: ["a zip holds no more than 4 GiB: do it in parts", "ein Zip fasst höchstens 4 GiB: bitte in Teilen"],
   noModule: [
     "This browser is too old: it has no WebAssembly with vectors. Use Chrome 91, Firefox 89, Safari 16.4 or later.",
     "Dieser Browser ist zu alt: ihm fehlt WebAssembly mit Vektoren. Nötig sind Chrome 91, Firefox 89, Safari 16.4 oder neuer.",
@@ -138,6 +151,12 @@ export function setLanguage(to: Language) {
 
 export function say(word: Word): string {
   return TABLE[word][LANGUAGES.indexOf(language)];
+}
+
+/** As the language writes numbers. */
+export function numberOf(value: number, decimals = 0): string {
+  const digits = { minimumFractionDigits: decimals, maximumFractionDigits: decimals };
+  return value.toLocaleString(language, digits);
 }
 
 export function isWord(word: string): word is Word {
