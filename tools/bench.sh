@@ -57,6 +57,12 @@ bench() {
         NTP_BUILD=$top/build-bench python bench/bench_check.py "$@"
         return
     fi
+    if [ "${1:-}" = compression ]; then
+        shift
+        pip_install python -r bench/requirements.txt
+        NTP_BUILD=$top/build-bench python bench/block_encoders.py "$@"
+        return
+    fi
     if [ "${1:-}" = png ]; then
         shift
         pip_install python -r bench/requirements.txt

@@ -8,7 +8,7 @@ quietly() { # quietly LOG COMMAND...: shows the log only on failure
 }
 
 # The build looks for these by pkg-config, and what it finds decides what is built.
-looked_for="libpng zlib libdeflate libzstd libjpeg popt jansson gegl-0.4 gimp-3.0 gimpui-3.0 gimp-2.0 gimpui-2.0"
+looked_for="libpng zlib libdeflate libzstd libjpeg libwebp OpenEXR popt jansson gegl-0.4 gimp-3.0 gimpui-3.0 gimp-2.0 gimpui-2.0"
 
 first_line() { "$@" 2>/dev/null | sed -n 1p; }
 

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
-# ./dev elsewhere: the same results on other processors and with another C library, as on x86-64.
+# ./dev elsewhere: the same results on other processors and with another C library, as on x86-64;
+# and what links for macOS.
 
 elsewhere_targets="arm64 s390x i386 musl" # each has packaging/cross/TARGET.ini
 
@@ -91,6 +92,26 @@ elsewhere_program() { # elsewhere_program TARGET: what ntp makes of test_files
     say "$(wc -l <"build-elsewhere/$1.outputs") files are those of this machine"
 }
 
+need_zig() {
+    .venv-zig/bin/python -m ziglang version >/dev/null 2>&1 && return 0
+    "$python" -m venv --clear .venv-zig
+    pip_install .venv-zig/bin/python ziglang==0.17.1 macholib==1.16.4
+}
+
+# ntp and libntp for a Mac, with the other libraries from their sources; they cannot run here.
+elsewhere_macos() { # elsewhere_macos PROCESSOR
+    elsewhere_dir=build-elsewhere/macos-$1
+    (
+        export PATH="$top/.venv-zig/bin:$PATH" # the cross file says python3 -m ziglang
+        [ -f "$elsewhere_dir/build.ninja" ] || quietly "$elsewhere_dir.setup.log" meson setup \
+            "$elsewhere_dir" --wrap-mode=nodownload --cross-file "packaging/cross/macos-$1.ini" \
+            -Ddebug=false -Doptimization=1 -Dgegl=disabled -Dgimp=disabled -Dtests=false
+        quietly "$elsewhere_dir.log" ninja -C "$elsewhere_dir" -j "$jobs"
+    )
+    .venv-zig/bin/python tests/elsewhere/mach_o.py "$elsewhere_dir/cli/ntp" \
+        "$elsewhere_dir"/libntp/libntp.[0-9]*.dylib
+}
+
 elsewhere() { # elsewhere [--sums]
     elsewhere_share=1
     [ "${1:-}" != --sums ] || elsewhere_share=64
@@ -110,6 +131,12 @@ elsewhere() { # elsewhere [--sums]
             stage "$elsewhere_target: unit tests" elsewhere_units "$elsewhere_target"
             [ "$elsewhere_target" = musl ] || # Debian has no libraries for it
                 stage "$elsewhere_target: ntp" elsewhere_program "$elsewhere_target"
+        done
+        find_python
+        need_zig
+        fetch_sources
+        for elsewhere_target in arm64 x86_64; do
+            stage "macOS, $elsewhere_target" elsewhere_macos "$elsewhere_target"
         done
     fi
     finish_stages

@@ -23,26 +23,9 @@ gimp() {
 gimp3_suite=trixie
 gimp3_packages=gimp,libgimp-3.0-dev,meson,gcc,libc6-dev,pkgconf,gettext,python3-gi
 
-gimp3_chroot() {
-    [ "$(cat "$chroot.made" 2>/dev/null)" = "$gimp3_suite $gimp3_packages" ] && return 0
-    want mmdebstrap has mmdebstrap
-    install_missing
-    say "making a chroot of Debian $gimp3_suite with GIMP 3 in $chroot (about 1 GB, once)"
-    # The packages come from the mirror that this machine uses.
-    mirror=$(apt-get indextargets --format '$(REPO_URI)' 'Created-By: Packages' 'Origin: Debian' \
-        'Label: Debian' 2>/dev/null | head -n 1)
-    rm -f "$chroot.made"
-    quietly "$chroot.log" patiently gimp3_debian
-    say "$gimp3_suite $gimp3_packages" >"$chroot.made"
-}
-
-gimp3_debian() {
-    $root rm -rf "$chroot"
-    $root mmdebstrap --variant=apt --aptopt='Acquire::Languages "none"' \
-        --aptopt='Acquire::Retries "5"' --dpkgopt='path-exclude=/usr/share/doc/*' \
-        --dpkgopt='path-exclude=/usr/share/man/*' \
-        --dpkgopt='path-exclude=/usr/share/locale/*' --include="$gimp3_packages" \
-        "$gimp3_suite" "$chroot" $mirror
+gimp3_chroot() { # about 1 GB
+    make_chroot "$chroot" $gimp3_suite $gimp3_packages --dpkgopt='path-exclude=/usr/share/doc/*' \
+        --dpkgopt='path-exclude=/usr/share/man/*' --dpkgopt='path-exclude=/usr/share/locale/*'
 }
 
 gimp3_build() { # the tree, built and installed inside
@@ -60,15 +43,7 @@ gimp3_build() { # the tree, built and installed inside
 }
 
 gimp3() {
-    root=
-    if [ "$(id -u)" != 0 ]; then
-        if ! sudo -n true 2>/dev/null; then
-            [ $werror = false ] || die "gimp3 needs root, for chroot"
-            say "gimp3: skipped, it needs root for chroot"
-            return 0
-        fi
-        root='sudo -n'
-    fi
+    need_root gimp3 || return 0
     need_tools
     build_main
     cache=${XDG_CACHE_HOME:-$HOME/.cache}/libntp

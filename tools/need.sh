@@ -63,6 +63,8 @@ need_tools() {
     want libjpeg-dev pkg-config --exists libjpeg
     want libdeflate-dev pkg-config --exists libdeflate
     want libzstd-dev pkg-config --exists libzstd
+    want libwebp-dev pkg-config --exists libwebp
+    want libopenexr-dev pkg-config --exists OpenEXR
     want libpopt-dev pkg-config --exists popt
     want libjansson-dev pkg-config --exists jansson
     install_missing

@@ -36,14 +36,85 @@ python_tests() {
         --rootdir "$site" -p pysupport.doctest_place --doctest-modules "$site"
 }
 
-python_clean_install() { # with nothing but what the wheel's metadata asks for
-    rm -rf build-python/clean
-    python -m venv build-python/clean
-    pip_install build-python/clean/bin/python build-python/repaired/*.whl
-    (cd build-python && clean/bin/python -c 'import normaltexture as nt; print(nt.codecs)')
-    build-python/clean/bin/ntp check --fail-on never test_files/standard_z_off.png
-    build-python/clean/bin/ntp report test_files/standard.png -o build-python/report.html
-    build-python/clean/bin/ntp help gltf >/dev/null
+new_repository() { # new_repository DIR: of the files that are there
+    git -C "$1" init -q
+    git -C "$1" add -A
+    git -C "$1" -c user.name=ntp -c user.email=ntp@example.com commit -q -m all
+}
+
+# With nothing but what the wheel's metadata asks for: as pre-commit installs it for its users.
+python_clean_install() {
+    clean=$top/build-python/clean
+    rm -rf "$clean"
+    mkdir -p "$clean/game"
+    cp -r packaging/pre-commit "$clean/hooks"
+    python_version=$(sed -n 's/^version = "\(.*\)"$/\1/p' pyproject.toml)
+    sed -i "s/0\.0\.0/$python_version/" "$clean/hooks/pyproject.toml"
+    new_repository "$clean/hooks"
+    git -C "$clean/hooks" tag "v$python_version"
+    cp test_files/standard_z_off.png "$clean/game/wall_n.png"
+    printf 'repos: [{repo: %s, rev: v%s, hooks: [{id: ntp-check}]}]\n' "$clean/hooks" \
+        "$python_version" >"$clean/game/.pre-commit-config.yaml"
+    new_repository "$clean/game"
+    export PRE_COMMIT_HOME="$clean/home" PIP_ONLY_BINARY=normaltexture
+    export PIP_FIND_LINKS="$top/build-python/repaired ${PIP_FIND_LINKS:-}"
+    (cd "$clean/game" && quietly "$clean/install.log" patiently pre-commit install-hooks)
+    (cd "$clean/game" && ! pre-commit run --all-files >"$clean/hook.log")
+    grep '^  error   NT001' "$clean/hook.log" || { cat "$clean/hook.log"; return 1; }
+    programs=$(echo "$clean"/home/*/py_env-*/bin)
+    (cd build-python && "$programs/python" -c 'import normaltexture as nt; print(nt.codecs)')
+    "$programs/ntp" report test_files/standard.png -o build-python/report.html
+    "$programs/ntp" help gltf >/dev/null
+}
+
+# One commit gives one wheel, and that needs neither a compiler nor a library of its system.
+wheel_twice() {
+    SOURCE_DATE_EPOCH=$(git log -1 --format=%ct)
+    export SOURCE_DATE_EPOCH
+    for wheel_time in first second; do
+        rm -rf build-python/dist build-python/$wheel_time
+        mkdir -p build-python/dist build-python/$wheel_time
+        python_build
+        python_repair
+        mv build-python/dist/* build-python/repaired/* build-python/$wheel_time
+    done
+    (cd build-python/first && sha256sum -- *) | tee build-python/first.sums
+    (cd build-python/second && sha256sum -- *) | diff build-python/first.sums -
+}
+
+wheel_bare() { # a new Debian with Python alone, and no network; what the wheel asks for comes from here
+    bare=$top/build-python/bare
+    trap '$root rm -rf --one-file-system "$bare"' EXIT
+    quietly build-python/bare.log patiently new_debian "$bare" trixie python3,python3-venv
+    rm -rf build-python/wheels
+    quietly build-python/bare.log patiently python -m pip --disable-pip-version-check download -q \
+        --only-binary :all: --python-version 3.13 --abi cp313 --abi abi3 --abi none \
+        --platform manylinux_2_34_x86_64 --platform manylinux_2_28_x86_64 \
+        --platform manylinux_2_17_x86_64 --platform manylinux2014_x86_64 \
+        -d build-python/wheels numpy jinja2 cffi
+    cp build-python/first/*manylinux*.whl test_files/standard_z_off.png build-python/wheels
+    $root cp -r build-python/wheels "$bare/wheels"
+    in_chroot "$bare" '
+        if command -v cc gcc clang ld || ls /usr/lib/*/libpng* 2>/dev/null; then exit 1; fi
+        python3 -m venv /venv
+        /venv/bin/pip install -q --no-index --find-links /wheels normaltexture
+        cd /wheels
+        /venv/bin/ntp --version
+        /venv/bin/python -c "import normaltexture as nt; print(nt.__version__, nt.codecs)"
+        /venv/bin/ntp clean standard_z_off.png -o clean.png
+        /venv/bin/ntp report clean.png -o clean.html'
+}
+
+wheel() {
+    need_root wheel || return 0
+    need_tools
+    want mmdebstrap has mmdebstrap
+    install_missing
+    enter_python_venv
+    stage "two builds are equal" wheel_twice
+    finish_stages
+    stage "in a Debian without compilers" wheel_bare
+    finish_stages
 }
 
 enter_python_venv() { # from here on `python` has the package's tools

@@ -38,4 +38,5 @@ fetch_sources() {
     fetch_source libjpeg-turbo libjpeg-turbo
     fetch_source popt popt
     fetch_source jansson jansson
+    fetch_source libzstd zstd
 }

@@ -5,8 +5,11 @@
 #include "height.h"
 #include "texels.h"
 
+#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
+
+enum { ALIGNMENT = 64 }; /* of what the library works with */
 
 bool height_finds_out(const settings *s)
 {
@@ -41,11 +44,6 @@ static void stretch(const height_job *job, float *plane, size_t texels, double l
     }
 }
 
-static size_t rounded_up(size_t size, size_t step)
-{
-    return (size + step - 1) / step * step;
-}
-
 job_status height_job_run(const height_job *job, const raster *normals, float **plane,
                           double *range, const surroundings *around)
 {
@@ -61,11 +59,12 @@ job_status height_job_run(const height_job *job, const raster *normals, float **
     if (size == 0)
         return JOB_NO_METHOD;
     unsigned char *rows = malloc(raster_row(normals) * (size_t) normals->height);
-    void *scratch = aligned_alloc(64, rounded_up(size, 64));
+    unsigned char *memory = malloc(size + ALIGNMENT); /* Windows has no aligned_alloc */
     float *heights = malloc(texels * sizeof *heights);
     ntp_height_result found = { 0 };
     job_status status = JOB_NO_MEMORY;
-    if (rows != NULL && scratch != NULL && heights != NULL) {
+    if (rows != NULL && memory != NULL && heights != NULL) {
+        void *scratch = memory + (ALIGNMENT - (uintptr_t) memory % ALIGNMENT);
         ntp_image source = raster_view(normals, rows, normals->height);
         ntp_image made =
             ntp_image_packed(heights, normals->width, normals->height, 1, NTP_TYPE_F32);
@@ -82,7 +81,7 @@ job_status height_job_run(const height_job *job, const raster *normals, float **
         }
     }
     free(rows);
-    free(scratch);
+    free(memory);
     if (status != JOB_DONE) {
         free(heights);
         return status;

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""ntp.exe, under wine: names, patterns, long paths, replacement, and the bytes of Linux.
+"""ntp.exe, under wine: names, patterns, long paths, consoles, replacement, and the bytes of Linux.
 
 `./dev windows` runs this file; NTP_EXE is the program of Windows, NTP_BUILD has that of Linux.  A
 start of wine takes half a second, so one start does many files.
@@ -7,7 +7,9 @@ start of wine takes half a second, so one start does many files.
 
 import json
 import os
+import pty
 import re
+import select
 import shutil
 import signal
 import subprocess
@@ -18,6 +20,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 EXE = Path(os.environ["NTP_EXE"]).resolve()
+PRESS = EXE.parents[1] / "tests" / "press_ctrl_c.exe"
 NTP = Path(os.environ["NTP_BUILD"]).resolve() / "cli" / "ntp"
 TEST_FILES = ROOT / "test_files"
 STANDARD = TEST_FILES / "standard.png"
@@ -71,9 +74,7 @@ VERBS = [
 def test_the_bytes_are_those_of_linux(verb, tmp_path):
     """Every file of test_files, and of the corpus where it is."""
     corpus = Path(os.environ.get("NTP_CORPUS", ROOT.parent / "shared" / "corpus"))
-    inputs = [TEST_FILES] + (
-        [corpus] if corpus.exists() and verb[0] in ("clean", "heatmap") else []
-    )
+    inputs = [TEST_FILES] + ([corpus] if corpus.exists() else [])
     for i, folder in enumerate(inputs):
         for system, call in (("windows", start), ("linux", None)):
             args = [*verb, "-r", ".", "-o", tmp_path / system / str(i), "--jobs", "2"]
@@ -178,12 +179,56 @@ def test_a_path_of_more_than_300_characters(tmp_path):
     assert sorted(p.name for p in deep.iterdir()) == ["new", "x_n.png"]
 
 
-@pytest.mark.xfail(reason="wine 8 cannot rename over a file that is open, as the input still is")
 def test_in_place(tmp_path):
     shutil.copy(OFF, tmp_path / "x_n.png")
     linux("clean", OFF, "-o", "linux.png", cwd=tmp_path)
     run("clean", "x_n.png", "--in-place", cwd=tmp_path)
     assert (tmp_path / "x_n.png").read_bytes() == (tmp_path / "linux.png").read_bytes()
+
+
+def in_console(*command, cwd):
+    """Exit code, and what a console on a pseudo-terminal shows, without the padding of its lines."""
+    pid, terminal = pty.fork()
+    if pid == 0:
+        os.chdir(cwd)
+        os.execvpe("wine", ["wine", *map(str, command)], {**ENVIRONMENT, "TERM": "xterm"})
+    shown, deadline = b"", time.monotonic() + 120
+    while True:
+        if select.select([terminal], [], [], 0.2)[0]:
+            try:
+                shown += os.read(terminal, 1 << 16)
+            except OSError:  # the last of its users is gone
+                pass
+        ended, status = os.waitpid(pid, os.WNOHANG)
+        if ended:
+            break
+        if time.monotonic() > deadline:
+            os.kill(pid, signal.SIGKILL)
+    os.close(terminal)
+    return os.waitstatus_to_exitcode(status), shown.decode()
+
+
+def test_a_console_has_colors(tmp_path):
+    shutil.copy(OFF, tmp_path / "x_n.png")
+    code, shown = in_console(EXE, "check", "x_n.png", cwd=tmp_path)
+    assert code == 1
+    assert "\x1b[1mx_n.png\x1b[0m" in shown and "\x1b[31m1 error\x1b[0m" in shown
+    plain = in_console(EXE, "check", "x_n.png", "--color", "never", cwd=tmp_path)[1]
+    assert "x_n.png: " in plain and not re.search(r"\x1b\[[0-9;]*m", plain)
+
+
+@pytest.mark.parametrize("times", [1, 2])
+def test_ctrl_c_keeps_the_old_file(tmp_path, times):
+    """The program ends with 130 and leaves nothing beside the target; a bar shows how far it is."""
+    linux("resize", STANDARD, "--size", "3000x2000", "-o", "big.png", cwd=tmp_path)
+    shutil.copy(OFF, tmp_path / "out.png")
+    press = [PRESS, ".out.png.ntp-000001.tmp", 1200 if times == 1 else 0, times]
+    work = ["transform", "big.png", "--flip", "x", "--y", "up", "--level", "12", "-o", "out.png"]
+    code, shown = in_console(*press, EXE, *work, cwd=tmp_path)
+    assert code == 130
+    assert times > 1 or "%  0 of 1 files" in shown
+    assert (tmp_path / "out.png").read_bytes() == OFF.read_bytes()
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["big.png", "out.png"]
 
 
 def test_a_kill_while_writing_leaves_the_old_file(tmp_path):
