@@ -21,6 +21,9 @@ int os_columns(void);
 /* What ends a program that writes to a closed pipe or beyond a limit becomes an error of writing. */
 void os_keep_write_errors(void);
 
+/* After an error of writing: is it that the reader of a pipe went away?  It reads errno. */
+bool os_reader_is_gone(void);
+
 /* Calls a function when the user or the system asks for an end.  The second time ends at once. */
 void os_on_interruption(void (*call)(int number));
 

@@ -91,7 +91,7 @@ void complain(const char *format, ...)
 
 static void note_failure(void)
 {
-    if (errno == EPIPE) {
+    if (os_reader_is_gone()) {
         out.closed = true;
     } else if (!out.failed) {
         out.failed = true;

@@ -4,6 +4,7 @@
  */
 #include "os/console.h"
 
+#include <errno.h>
 #include <signal.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -53,6 +54,11 @@ static void on_write_signals(void (*how)(int))
 void os_keep_write_errors(void)
 {
     on_write_signals(SIG_IGN);
+}
+
+bool os_reader_is_gone(void)
+{
+    return errno == EPIPE;
 }
 
 static void on_signal(int number)

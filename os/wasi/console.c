@@ -37,6 +37,11 @@ void os_keep_write_errors(void)
 {
 }
 
+bool os_reader_is_gone(void)
+{
+    return errno == EPIPE;
+}
+
 void os_on_interruption(void (*call)(int number))
 {
     (void) call;

@@ -118,6 +118,13 @@ void os_keep_write_errors(void)
     /* they are errors here, no signals */
 }
 
+/* The runtime says EINVAL for both of a pipe's ends without a name of their own. */
+bool os_reader_is_gone(void)
+{
+    return errno == EPIPE ||
+           (errno == EINVAL && (_doserrno == ERROR_NO_DATA || _doserrno == ERROR_BROKEN_PIPE));
+}
+
 static void (*on_interruption)(int number);
 static atomic_bool was_interrupted;
 
