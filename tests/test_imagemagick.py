@@ -25,10 +25,19 @@ IMAGEMAGICK = {
 }
 
 
+def imagemagick():
+    """Other programs are called `convert` too, so it is asked who it is."""
+    program = shutil.which("convert")
+    if program is None:
+        return None
+    said = subprocess.run([program, "-version"], capture_output=True, text=True, check=False)
+    return program if "ImageMagick" in said.stdout else None
+
+
 @pytest.fixture(scope="module")
 def by_imagemagick(tmp_path_factory):
     """One run of ImageMagick for all pictures: {(kind, name): pixels}."""
-    program = shutil.which("convert")
+    program = imagemagick()
     if program is None:
         pytest.skip("no ImageMagick")
     folder = tmp_path_factory.mktemp("imagemagick")
