@@ -11,7 +11,8 @@ from pathlib import Path
 
 import cffi
 
-# Python functions that C calls: the hooks of ntp_height_from_normals, and those that move rows.
+# Python functions that C calls: the hooks of ntp_height_from_normals, those that move rows, and
+# those that make the mips and blocks of a DDS or KTX2.
 CALLBACKS = """
 extern "Python" int32_t ntp_py_progress(void *user, double share);
 extern "Python" void ntp_py_parallel_for(void *user, int32_t count,
@@ -20,6 +21,10 @@ extern "Python" int32_t ntp_py_read_normals(void *user, void *rows, int32_t y, i
 extern "Python" int32_t ntp_py_read_heights(void *user, float *rows, int32_t y, int32_t count);
 extern "Python" int32_t ntp_py_write_heights(void *user, const float *rows, int32_t y,
                                              int32_t count);
+extern "Python" bool ntp_py_make_mip(void *context, void *dst, uint32_t width, uint32_t height,
+                                     const void *whole);
+extern "Python" bool ntp_py_compress(void *context, uint8_t *dst, const void *src, uint32_t width,
+                                     uint32_t height);
 """
 
 # stdlib.h: alloca, which cffi's code uses; Python.h of the limited API does not include it.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Image files: PNG, TGA, PFM, WebP, and to read JPEG, EXR, DDS and KTX2, sample for sample.
+"""Image files: PNG, TGA, PFM, WebP, DDS, KTX2, and to read JPEG and EXR, sample for sample.
 
 Numbers are kept as stored: no color management, no gamma, no premultiplication.  16-bit RGB and
 RGBA PNG are exact both ways.
@@ -16,7 +16,9 @@ from ._errors import ArgumentError, FileError, FileStatus, Status
 from ._measure import _Result
 from ._names import FILE_FORMATS, names_of
 from ._native import ffi, lib
-from .typing import AnyPixels
+from ._texture_file import ENDINGS as _TEXTURE_ENDINGS
+from ._texture_file import texture_output
+from .typing import AnyPixels, AutoType, BlockQuality, Compression
 
 File: TypeAlias = str | os.PathLike[str] | bytes | bytearray | memoryview
 Format: TypeAlias = Literal["png", "tga", "jpeg", "pfm", "dds", "ktx2", "webp", "exr"]
@@ -24,6 +26,7 @@ Format: TypeAlias = Literal["png", "tga", "jpeg", "pfm", "dds", "ktx2", "webp", 
 _FORMAT_NAMES: Any = names_of(FILE_FORMATS)
 _SAMPLES: dict[int, Any] = {1: np.uint8, 2: np.uint16, 4: np.float32}
 _ENDINGS = {f".{name}": FILE_FORMATS[name] for name in ("png", "tga", "pfm", "webp")}
+_ENDINGS |= _TEXTURE_ENDINGS
 
 
 @dataclass(frozen=True)
@@ -295,17 +298,22 @@ def write(
     *,
     level: int | None = None,
     texts: dict[str, str] | None = None,
+    compression: Compression = "blocks",
+    quality: BlockQuality = "angle",
+    mips: bool = False,
+    type: AutoType = "auto",
+    threads: int = 1,
 ) -> None:
-    """Write a PNG, TGA, PFM or WebP; the ending of the name says which.
+    """Write a PNG, TGA, PFM, WebP, DDS or KTX2; the ending of the name says which.
 
     An older file of that name is replaced only when the new one is complete.
 
     Parameters
     ----------
     path : path
-        A name that ends in .png, .tga, .pfm or .webp.
+        A name that ends in .png, .tga, .pfm, .webp, .dds or .ktx2.
     image : array, (height, width) or (height, width, channels)
-        uint8 or, in a PNG, uint16; float32 in a PFM (1 or 3 channels).  WebP is written without
+        uint8 or, in a PNG, DDS or KTX2, uint16; float32 in a PFM (1 or 3 channels).  WebP is written without
         loss, and takes 3 or 4 channels; an alpha of only 255 is not stored in it.  Strided arrays are written
         row by row, without a copy where a row has no gaps.
     level : int, optional
@@ -313,6 +321,19 @@ def write(
         libpng's.
     texts : dict, optional
         Texts of a PNG by their keys.
+    compression : {"blocks", "none"}
+        Of a DDS or KTX2.  "blocks": BC5, which keeps x and y in red and green, or BC4 of one channel;
+        "none": 1, 2 or 4 channels, RGB with an opaque alpha.
+    quality : {"angle", "channel", "quick"}
+        Of these blocks, as in `encode_bc5`.
+    mips : bool
+        Of a DDS or KTX2: all smaller copies down to 1 x 1 too, as `mip_chain` makes them.
+    type : {"auto", "standard", "zzero", "xy"}
+        How a normal is stored; only mips depend on it.  "auto" detects it from the texels; two
+        channels are "xy".
+    threads : int
+        How many threads share the mips and blocks; 0: one for each processor.  The bytes are the
+        same.
 
     Raises
     ------
@@ -333,7 +354,9 @@ def write(
     name = os.fspath(path)
     ending = os.path.splitext(os.fsdecode(name))[1].lower()
     if ending not in _ENDINGS:
-        raise ArgumentError(f"path={name!r}: the name must end in .png, .tga, .pfm or .webp")
+        raise ArgumentError(
+            f"path={name!r}: the name must end in .png, .tga, .pfm, .webp, .dds or .ktx2"
+        )
     if level is not None and not 1 <= level <= 12:
         raise ArgumentError(f"level={level!r}: must be within 1..12")
     channels = array.shape[2] if array.ndim == 3 else 1
@@ -343,8 +366,19 @@ def write(
         )
     if array.strides[1] != channels * array.itemsize and array.shape[1] > 1:
         array = np.ascontiguousarray(array)
+    texture = texture_output(
+        path,
+        ending,
+        image=array,
+        compression=compression,
+        quality=quality,
+        mips=mips,
+        type=type,
+        threads=threads,
+    )
     alive: list[Any] = []
     options = ffi.new("ntpio_write_options *")
+    options.texture = ffi.NULL if texture is None else texture.how
     options.format = _ENDINGS[ending]
     options.width, options.height, options.channels = array.shape[1], array.shape[0], channels
     options.sample_bytes = array.itemsize
@@ -360,4 +394,6 @@ def write(
         lib.ntpio_abort(writer)
         _raise(error)
     if not lib.ntpio_commit(writer, error):
+        if texture is not None and texture.raised is not None:
+            raise texture.raised
         _raise(error)

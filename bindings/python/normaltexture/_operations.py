@@ -62,7 +62,7 @@ def _size(size: Size, width: int, height: int) -> tuple[int, int]:
     return sides
 
 
-def _resized(
+def resized(
     source: NDArray[Any], encoding: int, width: int, height: int, how: Any, out: Any, threads: int
 ) -> NDArray[Any]:
     src_view = view("src", source, encoding)
@@ -194,7 +194,7 @@ def resize(
     view("src", source, encoding)
     how = _resize_options(filter, border, border_x, border_y, touch_unused)
     width, height = _size(size, source.shape[1], source.shape[0])
-    return _resized(source, encoding, width, height, how, out, threads)
+    return resized(source, encoding, width, height, how, out, threads)
 
 
 @overload
@@ -255,7 +255,7 @@ def mip_chain(
     chain: list[Any] = [source.copy()]
     for level in range(1, lib.ntp_mip_levels(width, height)):
         sides = lib.ntp_mip_side(width, level), lib.ntp_mip_side(height, level)
-        chain.append(_resized(source, encoding, *sides, how, None, threads))
+        chain.append(resized(source, encoding, *sides, how, None, threads))
     return chain
 
 

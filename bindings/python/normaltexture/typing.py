@@ -102,6 +102,7 @@ ReliefBorder: TypeAlias = Literal["auto", "wrap", "clamp"]
 CurvatureKind: TypeAlias = Literal["mean", "gaussian", "convex", "cavity"]
 AutoReliefType: TypeAlias = Literal["auto"] | MeasuredType
 BlockQuality: TypeAlias = Literal["angle", "channel", "quick"]
+Compression: TypeAlias = Literal["blocks", "none"]
 BlendMode: TypeAlias = Literal["rnm", "whiteout", "udn", "linear"]
 Flip: TypeAlias = Literal["x", "y", "xy"]
 Size: TypeAlias = tuple[int, int] | str

@@ -2,6 +2,7 @@
 """Image files: sample for sample both ways, and what is refused."""
 
 import math
+import subprocess
 
 import numpy as np
 import OpenEXR
@@ -160,7 +161,7 @@ def test_refusals(tmp_path):
         nt.read(tmp_path / "none.png")
     with pytest.raises(nt.FileError):
         nt.read(tmp_path)
-    with pytest.raises(nt.ArgumentError, match=r"\.png, \.tga, \.pfm or \.webp"):
+    with pytest.raises(nt.ArgumentError, match=r"\.png, \.tga, \.pfm, \.webp, \.dds or \.ktx2"):
         nt.write(tmp_path / "a.bmp", image)
     with pytest.raises(nt.ArgumentError, match="level=13"):
         nt.write(tmp_path / "a.png", image, level=13)
@@ -191,3 +192,64 @@ def test_an_older_file_stays_until_the_new_one_is_complete(tmp_path):
     assert path.read_bytes() == before
     nt.write(path, np.ones((2, 2, 3), np.uint8))
     assert nt.read(path).all()
+
+
+TEXTURE_CASES = [  # arguments of write, those of ntp convert, dtype, channels
+    ({}, (), np.uint8, 3),
+    ({"mips": True}, ("--mips",), np.uint16, 3),
+    ({"quality": "quick", "mips": True}, ("--quality", "quick", "--mips"), np.uint8, 4),
+    ({"quality": "channel"}, ("--quality", "channel", "--type", "height"), np.uint16, 1),
+    ({"compression": "none", "mips": True}, ("--compression", "none", "--mips"), np.uint16, 3),
+    ({"compression": "none"}, ("--compression", "none", "--type", "height"), np.uint8, 1),
+]
+
+
+def waves(depth):
+    v, u = np.mgrid[0:37, 0:46] / 7
+    n = np.stack([np.sin(u) / 3, np.cos(v + u) / 3, np.ones_like(u)], -1)
+    n /= np.linalg.norm(n, axis=-1, keepdims=True)
+    return nt.encode(n.astype(np.float32), depth=depth)
+
+
+@pytest.mark.parametrize("ending", ["dds", "ktx2"])
+@pytest.mark.parametrize("case", range(len(TEXTURE_CASES)))
+def test_gpu_textures_as_the_program_writes_them(tmp_path, ending, case):
+    how, arguments, dtype, channels = TEXTURE_CASES[case]
+    image = waves(8 * np.dtype(dtype).itemsize)
+    if channels == 4:
+        image = np.dstack([image, np.full((37, 46), 255, dtype)])
+    image = image[..., 0] if channels == 1 else image
+    nt.write(tmp_path / "a.png", image)
+    made, expected = tmp_path / f"a.{ending}", tmp_path / f"b.{ending}"
+    command = [nt.program(), "convert", tmp_path / "a.png", "-o", expected, *arguments]
+    subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
+    for threads in (1, 3):
+        nt.write(made, np.asfortranarray(image), threads=threads, **how)
+        assert made.read_bytes() == expected.read_bytes()
+
+
+def test_gpu_textures_refused(tmp_path, monkeypatch):
+    image = waves(8)
+    target = tmp_path / "a.dds"
+    for match, array, how in [
+        ("mips=True", image[..., 0], {"mips": True}),
+        ("quality=", image, {"quality": "best"}),
+        ("compression=", image, {"compression": "bc7"}),
+        ("threads=", image, {"threads": -1}),
+        ("type=", image, {"type": "rgb"}),
+        ("undo", image[..., ::-1], {"mips": True}),
+    ]:
+        with pytest.raises(nt.ArgumentError, match=match):
+            nt.write(target, array, **how)
+    with pytest.raises(nt.ArgumentError, match=r"\.dds or \.ktx2"):
+        nt.write(tmp_path / "a.png", image, mips=True)
+    with pytest.raises(nt.FileError, match="DDS"):
+        nt.write(target, image.astype(np.float32))
+
+    def interrupted(*_, **__):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("normaltexture._texture_file.encode_bc5", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        nt.write(target, image)
+    assert not list(tmp_path.iterdir())

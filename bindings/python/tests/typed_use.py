@@ -34,6 +34,7 @@ def use_images(image: AnyPixels, bytes_: U8, words: U16, floats: F32, some: NDAr
     assert_type(nt.pack_channels(bytes_, "xyzh", height=words), U8)
     nt.clean(image[2:4], out=image[2:4])
     nt.write("wall_clean_n.png", nt.clean(image))
+    nt.write("wall_n.dds", image, compression="blocks", quality="quick", mips=True, type="auto")
 
 
 def use_depths(
