@@ -34,6 +34,7 @@ IN_WHEEL = (
     "normaltexture/report/page.html.j2",
     "normaltexture/report/page.css",
     "normaltexture/report/page.js",
+    "normaltexture/usd/plugInfo.json",
     "normaltexture/py.typed",
     "normaltexture/_native.abi3.so",
     "normaltexture/ntp",
