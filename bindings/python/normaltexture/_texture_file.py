@@ -36,7 +36,7 @@ class TextureOutput:
         self.raised: BaseException | None = None
         self._image = image
         self._channels = image.shape[2] if image.ndim == 3 else 1
-        self._quality = quality
+        self._quality: BlockQuality = quality
         self._threads = thread_count(threads)
         self._encoding = -1
         choose("quality", quality, BLOCK_QUALITIES)

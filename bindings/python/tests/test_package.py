@@ -45,6 +45,7 @@ ELSEWHERE = {
     "ntp_resize_rows": "a ring of rows: arrays are whole",
     "ntp_orientation_row": "a ring of rows",
     "ntpio_is_current": "output files take what was read by themselves",
+    "ntpio_copy": "shutil copies files",
     "ntpio_rewind": "files are read once",
     "ntpio_close_file": "files are closed when they are read",
     "ntp_find_border": "ntp_find_borders",
