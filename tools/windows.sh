@@ -45,7 +45,7 @@ windows_tests() { windows_pytest -c /dev/null --rootdir="$top" tests/windows/ntp
 windows_suites() { NTP_PROGRAM=$top/tests/windows/under_wine windows_pytest "$@" tests/cli; }
 
 windows_core="check_says or patterns or unicode or long or characters or read_only or full_disk \
-    or in_place or console or ctrl_c and 1 or bytes_are_those_of_linux and clean"
+    or in_place or console or closed_pipe or ctrl_c and 1 or bytes_are_those_of_linux and clean"
 
 windows() { # windows [--core | --suites | ARG...]: the arguments are pytest's
     need_tools

@@ -118,11 +118,11 @@ void os_keep_write_errors(void)
     /* they are errors here, no signals */
 }
 
-/* The runtime says EINVAL for both of a pipe's ends without a name of their own. */
+/* The runtime says EINVAL for what it does not know; a pipe that blocks fails in no other way. */
 bool os_reader_is_gone(void)
 {
     return errno == EPIPE ||
-           (errno == EINVAL && (_doserrno == ERROR_NO_DATA || _doserrno == ERROR_BROKEN_PIPE));
+           (errno == EINVAL && GetFileType(GetStdHandle(STD_OUTPUT_HANDLE)) == FILE_TYPE_PIPE);
 }
 
 static void (*on_interruption)(int number);

@@ -5,6 +5,7 @@
 start of wine takes half a second, so one start does many files.
 """
 
+import hashlib
 import json
 import os
 import pty
@@ -55,6 +56,17 @@ def files_below(folder):
     return {p.relative_to(folder): p.read_bytes() for p in sorted(folder.rglob("*")) if p.is_file()}
 
 
+def sums_below(folder):
+    """As files_below, but what a failure shows of large files can be read."""
+    return {str(p): hashlib.sha256(b).hexdigest() for p, b in files_below(folder).items()}
+
+
+def of_other_formats(folder):
+    """Outputs of WebP and EXR, which the build for Windows does not read."""
+    unread = (p.relative_to(folder) for p in folder.rglob("*") if p.suffix in (".webp", ".exr"))
+    return {str(p.parent / name) for p in unread for name in (f"{p.name}.png", f"{p.stem}.pfm")}
+
+
 def windows_path(path):
     return "Z:" + str(path).replace("/", "\\")
 
@@ -72,10 +84,12 @@ VERBS = [
 
 @pytest.mark.parametrize("verb", VERBS, ids=[verb[0] for verb in VERBS])
 def test_the_bytes_are_those_of_linux(verb, tmp_path):
-    """Every file of test_files, and of the corpus where it is."""
+    """Every file of test_files, and of the corpus where it is, of the formats that both builds read."""
     corpus = Path(os.environ.get("NTP_CORPUS", ROOT.parent / "shared" / "corpus"))
     inputs = [TEST_FILES] + ([corpus] if corpus.exists() else [])
+    unread = set()
     for i, folder in enumerate(inputs):
+        unread |= {f"{i}/{name}" for name in of_other_formats(folder)}
         for system, call in (("windows", start), ("linux", None)):
             args = [*verb, "-r", ".", "-o", tmp_path / system / str(i), "--jobs", "2"]
             if call is None:
@@ -84,9 +98,9 @@ def test_the_bytes_are_those_of_linux(verb, tmp_path):
                 process = call(*args, cwd=folder)
                 process.communicate()
                 assert process.returncode in (0, 1, 3)
-    made = files_below(tmp_path / "windows")
+    made, expected = sums_below(tmp_path / "windows"), sums_below(tmp_path / "linux")
     assert len(made) > 20
-    assert made == files_below(tmp_path / "linux")
+    assert made == {name: value for name, value in expected.items() if name not in unread}
 
 
 def without_versions(report):
@@ -215,6 +229,16 @@ def test_a_console_has_colors(tmp_path):
     assert "\x1b[1mx_n.png\x1b[0m" in shown and "\x1b[31m1 error\x1b[0m" in shown
     plain = in_console(EXE, "check", "x_n.png", "--color", "never", cwd=tmp_path)[1]
     assert "x_n.png: " in plain and not re.search(r"\x1b\[[0-9;]*m", plain)
+
+
+def test_a_closed_pipe_is_quiet(tmp_path):
+    """The reader goes away after a line; that is no error, as on other systems."""
+    linux("resize", STANDARD, "--size", "400x400", "-o", "big.png", cwd=tmp_path)
+    process = start("dump", "--all", "big.png", cwd=tmp_path)
+    assert process.stdout.readline()
+    process.stdout.close()
+    err = process.stderr.read().decode()
+    assert (process.wait(120), err) == (0, "")
 
 
 @pytest.mark.parametrize("times", [1, 2])
