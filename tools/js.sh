@@ -39,13 +39,16 @@ js_types() {
 
 js_tests() { python -m pytest -q -p no:cacheprovider -c /dev/null bindings/js/tests; }
 
-js_pack() { # what would be published, and a use of it from another directory
+js_pack() { # what npm would publish, and a use of it from another directory
+    cmp LICENSE bindings/js/LICENSE
     rm -rf build-js/user
     mkdir -p build-js/user/node_modules/normaltexture
+    (cd bindings/js && npm pack --silent --pack-destination "$top/build-js" >/dev/null)
+    tar -tzf build-js/normaltexture-*.tgz | sort
+    tar -xzf build-js/normaltexture-*.tgz --strip-components=1 -C build-js/user/node_modules/normaltexture
     for js_file in $(python -c 'import json; print(*json.load(open("bindings/js/package.json"))["files"])'); do
-        cp "bindings/js/$js_file" build-js/user/node_modules/normaltexture/
+        [ -f "build-js/user/node_modules/normaltexture/$js_file" ] || { say "not packed: $js_file"; return 1; }
     done
-    cp bindings/js/package.json build-js/user/node_modules/normaltexture/
     (cd build-js/user && node --input-type=module -e '
         import { load } from "normaltexture";
         const picture = { data: new Uint8Array([200, 100, 10]), width: 1, height: 1 };

@@ -124,6 +124,7 @@ links_wasm() { # the compiler, its linker, the C library and the compiler's own 
 need_js_tools() {
     want clang has clang
     want nodejs has node
+    want npm has npm
     want node-typescript has tsc
     install_missing
     want lld links_wasm
