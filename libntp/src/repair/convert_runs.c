@@ -13,6 +13,7 @@
 
 #ifdef NTP_HAVE_AVX2
 #  include "base/rgb_avx2.h"
+#  include "repair/convert_avx2.h"
 #endif
 
 #include <math.h>
@@ -170,6 +171,23 @@ static void convert_levels(const ntp__conversion *j, int32_t x, int32_t y, int32
     ntp__pack(j->dst, &out, x, y, n, j->dst->channels);
 }
 
+#ifdef NTP_HAVE_AVX2
+/* The same for a row of packed RGB.  What the loop without planes gives back goes by the block, so
+ * that textures with much of it lose little. */
+static void convert_rgb(const ntp__conversion *j, int32_t x, int32_t y, int32_t n,
+                        ntp_convert_counts *counts)
+{
+    while (n > 0) {
+        const int32_t done = ntp__convert_rgb_avx2(j, x, y, n, &counts->z_negative);
+        const int32_t left = n - done < NTP__BLOCK ? n - done : NTP__BLOCK;
+        if (left > 0)
+            convert_levels(j, x + done, y, left, counts);
+        x += done + left;
+        n -= done + left;
+    }
+}
+#endif
+
 /* Reads float vectors, y as in the target; those that are none become 0.  Returns how many. */
 static uint64_t read_vectors(const ntp__conversion *j, ntp__vectors *v, ntp__block *out, int32_t x,
                              int32_t y, int32_t n)
@@ -253,6 +271,13 @@ ntp__convert_fn *ntp__fast_conversion(const ntp__conversion *j, int32_t *most)
         packed && to == NTP_ENCODING_VECTOR && from != to && from != NTP_ENCODING_XY;
     if (j->dst->type == NTP_TYPE_F32 && !decode)
         return NULL;
+#ifdef NTP_HAVE_AVX2
+    if (packed && j->src->channels == 3 && !move && !decode && !j->flip &&
+        from != NTP_ENCODING_XY && to != NTP_ENCODING_XY && ntp__cpu_has_avx2(NTP__CPU_ALL)) {
+        *most = NTP_MAX_SIDE;
+        return convert_rgb;
+    }
+#endif
     if (!move && !decode)
         return convert_levels;
     *most = NTP_MAX_SIDE; /* these make ready for a row, not for each block */

@@ -28,12 +28,10 @@ void ntp__texel_vector(int32_t v[3], const ntp__block *block, int32_t i, int32_t
 void ntp__block_vectors(ntp__vectors *v, const ntp__block *block, int32_t n, int32_t m,
                         ntp_encoding encoding)
 {
-    for (int32_t k = 0; k < 3; k++) {
-        const int32_t twice = k == 2 && encoding == NTP_ENCODING_ZZERO ? 1 : 2;
-        const int32_t less = twice == 2 ? m : 0;
-        for (int32_t i = 0; i < n; i++)
-            v->c[k][i] = twice * block->c[k][i] - less;
-    }
+    if (encoding != NTP_ENCODING_XY)
+        ntp__kernels(NTP__CPU_ALL)
+            ->numerators(v, block->c[0], block->c[1], block->c[2], n, m,
+                         encoding == NTP_ENCODING_ZZERO);
     for (int32_t i = 0; encoding == NTP_ENCODING_XY && i < n; i++) {
         int32_t one[3];
         ntp__texel_vector(one, block, i, m, encoding);

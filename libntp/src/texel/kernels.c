@@ -275,6 +275,27 @@ static int32_t normalize(int32_t *to_r, int32_t *to_g, int32_t *to_b, int32_t *d
     return (m == 255 ? normalize_float : normalize_double)(to_r, to_g, to_b, doubt, r, g, b, n, m);
 }
 
+static int32_t suspect(const int32_t *restrict r, const int32_t *restrict g,
+                       const int32_t *restrict b, const int32_t *restrict a, int32_t n, int32_t m)
+{
+    int32_t any = 0;
+    for (int32_t i = 0; i < n; i++)
+        any |= (a[i] == 0) | ((r[i] | g[i] | b[i]) == 0) | ((r[i] & g[i] & b[i]) == m);
+    return any;
+}
+
+static void numerators(ntp__vectors *restrict v, const int32_t *restrict r,
+                       const int32_t *restrict g, const int32_t *restrict b, int32_t n, int32_t m,
+                       int32_t zzero)
+{
+    const double twice = zzero ? 1 : 2, less = zzero ? 0 : m;
+    for (int32_t i = 0; i < n; i++) {
+        v->c[0][i] = 2.0 * r[i] - m;
+        v->c[1][i] = 2.0 * g[i] - m;
+        v->c[2][i] = twice * b[i] - less;
+    }
+}
+
 extern const ntp__kernels_table CONCAT(ntp__kernels_, NTP_ISA);
 const ntp__kernels_table CONCAT(ntp__kernels_, NTP_ISA) = {
     NTP_ISA_NAME,
@@ -290,4 +311,6 @@ const ntp__kernels_table CONCAT(ntp__kernels_, NTP_ISA) = {
     angles,
     normalize,
     pull,
+    suspect,
+    numerators,
 };

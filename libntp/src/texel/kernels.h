@@ -115,6 +115,14 @@ typedef int32_t ntp__normalize_fn(int32_t *to_r, int32_t *to_g, int32_t *to_b, i
  * Returns whether any is.  Works on whole lanes: the planes hold levels, and have room for them. */
 typedef int32_t ntp__pull_fn(int32_t *r, int32_t *g, int32_t *doubt, int32_t n, int32_t m);
 
+/* May one of n texels be black, white or transparent?  Those of four planes. */
+typedef int32_t ntp__suspect_fn(const int32_t *r, const int32_t *g, const int32_t *b,
+                                const int32_t *a, int32_t n, int32_t m);
+
+/* The numerators of n levels over m: 2c - m, or c where blue is that of Z-zero. */
+typedef void ntp__numerators_fn(ntp__vectors *v, const int32_t *r, const int32_t *g,
+                                const int32_t *b, int32_t n, int32_t m, int32_t zzero);
+
 typedef struct ntp__kernels_table {
     const char *name;
     ntp__clean8_fn *clean_rgb8;         /* counts */
@@ -129,6 +137,8 @@ typedef struct ntp__kernels_table {
     ntp__angles_fn *angles;
     ntp__normalize_fn *normalize;
     ntp__pull_fn *pull;
+    ntp__suspect_fn *suspect;
+    ntp__numerators_fn *numerators;
 } ntp__kernels_table;
 
 enum {

@@ -4,6 +4,7 @@
  */
 #include "texel/unused.h"
 
+#include "texel/kernels.h"
 #include "texel/level.h"
 
 bool ntp__texel_unused(const ntp__block *block, int32_t i, int32_t m, uint32_t touch_unused)
@@ -15,10 +16,6 @@ bool ntp__texel_unused(const ntp__block *block, int32_t i, int32_t m, uint32_t t
 
 bool ntp__any_suspect(const ntp__block *b, int32_t n, int32_t m)
 {
-    int32_t suspect = b->any_broken;
-    for (int32_t i = 0; i < n; i++) {
-        int32_t r = b->c[0][i], g = b->c[1][i], blue = b->c[2][i];
-        suspect |= (b->c[3][i] == 0) | ((r | g | blue) == 0) | ((r & g & blue) == m);
-    }
-    return suspect != 0;
+    return b->any_broken ||
+           ntp__kernels(NTP__CPU_ALL)->suspect(b->c[0], b->c[1], b->c[2], b->c[3], n, m) != 0;
 }

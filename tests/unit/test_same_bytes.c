@@ -1,0 +1,181 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * test_same_bytes.c - operations on textures give the same bytes and counts with and without AVX2
+ *
+ * All triplets of 8 bit; of 16 bit random ones, and many that are exact or beside an exact one.  Then
+ * all widths up to 100, between guard pages, packed and strided, of 3 and 4 channels, in place where
+ * that is allowed.  The function that asks the processor is defined here, so that of the library is
+ * left out.
+ */
+#include "base/cpu.h"
+#include "guarded.h"
+#include "texel/level.h"
+#include "libntp.h"
+
+#include <string.h>
+
+enum { ROW = 4096, ROWS = 4096, ROWS_16 = 200, WIDEST = 100, SKIPPED = 77 };
+
+static bool allowed; /* AVX2 */
+
+bool ntp__cpu_has_avx2(int mask)
+{
+#if defined __x86_64__ || defined __i386__
+    return allowed && (mask & NTP__CPU_AVX2) != 0 && __builtin_cpu_supports("avx2");
+#else
+    (void) mask;
+    return false;
+#endif
+}
+
+/* ------------------------------------------------------------------------------------- texels */
+
+/* Every sixteenth texel is black, white or transparent; most others are exact, or nearly. */
+static void make_texel(int32_t c[4], int32_t m, bool zzero, uint64_t *seed)
+{
+    for (int k = 0; k < 4; k++)
+        c[k] = random_level(seed, m);
+    const uint64_t kind = random_bits(seed) % 16;
+    if (kind == 0) {
+        c[0] = c[1] = c[2] = random_bits(seed) & 1 ? m : 0;
+        c[3] = random_bits(seed) & 1 ? m : 0;
+    } else if (kind > 4 && ntp__rest(c[0], c[1], m) >= 0) {
+        c[2] = ntp__blue_of_rest(ntp__rest(c[0], c[1], m), m, zzero);
+        c[2] = kind > 12 && !zzero ? m - c[2] : c[2];
+        c[2] += kind == 5 && c[2] < m ? 1 : kind == 6 && c[2] > 0 ? -1 : 0;
+    }
+}
+
+static void put(void *texel, int32_t channels, ntp_type type, const int32_t c[4])
+{
+    for (int32_t k = 0; k < channels; k++) {
+        if (type == NTP_TYPE_U8)
+            ((uint8_t *) texel)[k] = (uint8_t) c[k];
+        else
+            ((uint16_t *) texel)[k] = (uint16_t) c[k];
+    }
+}
+
+static int32_t max_of(ntp_type type)
+{
+    return type == NTP_TYPE_U8 ? 255 : 65535;
+}
+
+/* --------------------------------------------------------------------------------- operations */
+
+typedef struct counts {
+    ntp_convert_counts convert;
+} counts;
+
+static void convert(const ntp_image *dst, const ntp_const_image *src, counts *found)
+{
+    CHECK(ntp_convert(dst, src, NULL, &found->convert, NULL) == NTP_OK);
+}
+
+/* Conversions of a row to every encoding and depth, both ways, into rows that end where plain and
+ * other do. */
+static void compare_conversions(const ntp_const_image *src, uint8_t *plain, uint8_t *other,
+                                bool in_place)
+{
+    for (int e = NTP_ENCODING_STANDARD; e <= NTP_ENCODING_ZZERO; e++) {
+        for (int t = NTP_TYPE_U8; t <= NTP_TYPE_U16; t++) {
+            ntp_image dst = ntp_image_packed(plain, src->width, 1, src->channels, (ntp_type) t);
+            const size_t size = (size_t) dst.row_stride;
+            const bool same = in_place && dst.type == src->type;
+            counts one = { { 0, 0, 0 } }, two = one;
+            ntp_const_image from = *src;
+            dst.data = plain - size;
+            dst.encoding = (ntp_encoding) e;
+            allowed = false;
+            convert(&dst, &from, &one);
+            allowed = true;
+            dst.data = other - size;
+            if (same) {
+                memcpy(dst.data, src->data, size);
+                from.data = dst.data;
+            }
+            convert(&dst, &from, &two);
+            CHECK(memcmp(plain - size, other - size, size) == 0);
+            CHECK(memcmp(&one, &two, sizeof one) == 0);
+        }
+    }
+}
+
+/* -------------------------------------------------------------------------------------- tests */
+
+static uint64_t in[ROW], out[2][ROW];
+
+static void all_triplets(void)
+{
+    for (int32_t row = 0; row < ROWS; row++) {
+        for (int32_t i = 0; i < ROW; i++) {
+            const int32_t c[4] = { i & 255, i >> 8 | (row & 15) << 4, row >> 4, 255 };
+            put((uint8_t *) in + 3 * i, 3, NTP_TYPE_U8, c);
+        }
+        ntp_image src = ntp_image_packed(in, ROW, 1, 3, NTP_TYPE_U8);
+        for (int e = NTP_ENCODING_STANDARD; e <= NTP_ENCODING_ZZERO; e++) {
+            src.encoding = (ntp_encoding) e;
+            const ntp_const_image view = ntp_image_as_const(&src);
+            compare_conversions(&view, (uint8_t *) out[1], (uint8_t *) (out[1] + ROW), false);
+        }
+    }
+}
+
+static void random_texels_16(uint64_t *seed)
+{
+    for (int32_t row = 0; row < ROWS_16; row++) {
+        for (int e = NTP_ENCODING_STANDARD; e <= NTP_ENCODING_ZZERO; e++) {
+            for (int32_t i = 0; i < ROW; i++) {
+                int32_t c[4];
+                do /* texels that are to be kept end the fast loop */
+                    make_texel(c, 65535, e == NTP_ENCODING_ZZERO, seed);
+                while (c[0] == c[1] && i % 512 != 0);
+                put((uint16_t *) (void *) in + 3 * i, 3, NTP_TYPE_U16, c);
+            }
+            ntp_image src = ntp_image_packed(in, ROW, 1, 3, NTP_TYPE_U16);
+            src.encoding = (ntp_encoding) e;
+            const ntp_const_image view = ntp_image_as_const(&src);
+            compare_conversions(&view, (uint8_t *) out[1], (uint8_t *) (out[1] + ROW), row & 1);
+        }
+    }
+}
+
+static void widths(uint64_t *seed)
+{
+    for (int32_t n = 1; n <= WIDEST; n++) {
+        for (int kind = 0; kind < 16; kind++) {
+            const ntp_type type = kind & 1 ? NTP_TYPE_U16 : NTP_TYPE_U8;
+            const int32_t channels = kind & 2 ? 4 : 3, size = type == NTP_TYPE_U16 ? 2 : 1;
+            const int32_t stride = (kind & 4 ? 5 : channels) * size;
+            guarded from = guarded_alloc((size_t) (n * stride), n & 1);
+            guarded one = guarded_alloc((size_t) n * 8, false);
+            guarded two = guarded_alloc((size_t) n * 8, false);
+            ntp_image src = ntp_image_packed(from.data, n, 1, channels, type);
+            src.pixel_stride = stride;
+            src.encoding = kind & 8 ? NTP_ENCODING_ZZERO : NTP_ENCODING_STANDARD;
+            for (int32_t i = 0; i < n; i++) {
+                int32_t c[4];
+                make_texel(c, max_of(type), kind & 8, seed);
+                put((uint8_t *) from.data + i * stride, channels, type, c);
+            }
+            const ntp_const_image view = ntp_image_as_const(&src);
+            compare_conversions(&view, (uint8_t *) one.data + n * 8, (uint8_t *) two.data + n * 8,
+                                stride == channels * size);
+            guarded_free(&from);
+            guarded_free(&one);
+            guarded_free(&two);
+        }
+    }
+}
+
+int main(void)
+{
+    uint64_t seed = 1;
+    allowed = true;
+    if (!ntp__cpu_has_avx2(NTP__CPU_ALL))
+        return SKIPPED;
+    all_triplets();
+    random_texels_16(&seed);
+    widths(&seed);
+    return 0;
+}
