@@ -25,10 +25,10 @@ static void fail(const char *what)
     exit(2);
 }
 
-static double now(void)
+static double now(clockid_t clock)
 {
     struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
+    clock_gettime(clock, &t);
     return (double) t.tv_sec + 1e-9 * (double) t.tv_nsec;
 }
 
@@ -134,7 +134,7 @@ static double median(double *values, int count)
 
 static void time_threads(int32_t size, int pairs, ntp_border border, const char *name)
 {
-    double one[MAX_PAIRS], two[MAX_PAIRS], ratio[MAX_PAIRS];
+    double one[MAX_PAIRS], two[MAX_PAIRS], ratio[MAX_PAIRS], busy_ratio[MAX_PAIRS];
     size_t texels = (size_t) size * (size_t) size;
     uint8_t *normals = allocate(3 * texels);
     float *heights = allocate(sizeof(float) * texels);
@@ -153,23 +153,28 @@ static void time_threads(int32_t size, int pairs, ntp_border border, const char 
     helper h;
     start_helper(&h);
     for (int i = -1; i < pairs; i++) { /* the first is for the caches */
-        double spent[PARTS];
+        double spent[PARTS], busy[PARTS];
         for (int32_t k = 0; k < PARTS; k++) {
             ntp_hooks hooks = { &h, NULL, parallel_for, 1 + (i % 2 == 0 ? k : 1 - k) };
-            double start = now();
+            double start = now(CLOCK_MONOTONIC), before = now(CLOCK_PROCESS_CPUTIME_ID);
             if (ntp_height_from_normals(&dst, &seen, &how, scratch, bytes, &hooks, NULL) != NTP_OK)
                 fail("not solved");
-            spent[hooks.parts - 1] = now() - start;
+            spent[hooks.parts - 1] = now(CLOCK_MONOTONIC) - start;
+            busy[hooks.parts - 1] = now(CLOCK_PROCESS_CPUTIME_ID) - before;
         }
         if (i >= 0) {
             one[i] = 1000 * spent[0];
             two[i] = 1000 * spent[1];
             ratio[i] = spent[1] / spent[0];
+            busy_ratio[i] = busy[1] / busy[0];
         }
     }
     stop_helper(&h);
-    printf("%-40s %8.1f ms %8.1f ms %7.3f  <= 0.625\n", name, median(two, pairs),
+    printf("%-40s %8.1f ms %8.1f ms %7.3f  <= 0.571\n", name, median(two, pairs),
            median(one, pairs), median(ratio, pairs));
+    /* Where other programs run, threads wait for a processor; this does not count that. */
+    printf("%-40s %22s %9.3f  <= 1.143\n", "the same, time of both processors added", "",
+           median(busy_ratio, pairs));
     printf("%-40s %8.2f B  %8.2f B  %7.3f  <= 1\n", "bytes of memory per texel beyond the input",
            (double) (sizeof(float) * texels + bytes) / (double) texels, 5.0,
            (double) (sizeof(float) * texels + bytes) / (double) texels / 5);
@@ -225,10 +230,10 @@ static void time_rows(int32_t size)
     helper h;
     start_helper(&h);
     ntp_hooks hooks = { &h, NULL, parallel_for, PARTS };
-    double start = now();
+    double start = now(CLOCK_MONOTONIC);
     if (ntp_height_from_rows(&form, &calls, &how, scratch, bytes, &hooks, NULL) != NTP_OK)
         fail("not solved; is the disk full?");
-    double seconds = now() - start;
+    double seconds = now(CLOCK_MONOTONIC) - start;
     stop_helper(&h);
     struct rusage usage;
     getrusage(RUSAGE_SELF, &usage);

@@ -8,9 +8,9 @@
  * the working memory is that of a few rows, and the picture is walked over twice.  For stencils
  * that recursion cannot do, the columns are transformed in between.
  *
- * Batches do not depend on each other, nor do groups of columns, so several threads can do them.
- * Then the columns of one round of batches are done beside the rows of the next round.  Threads
- * wait for each other half as often, and memory and arithmetic are busy at the same time.
+ * Blocks of batches do not depend on each other; the recursion takes them one after another, in
+ * lanes of columns if there are many threads.  A thread transforms a block, and then walks the
+ * recursion over it, if the blocks above have come so far; going up it is the other way round.
  */
 #include "base/parts.h"
 #include "to_height/direct/direct.h"
@@ -20,9 +20,13 @@
 
 enum {
     ROWS = NTP__FFT_ROWS,
-    RUN = 8,                       /* neighboring batches of an item of work */
-    MOST_GROUP = 8 * NTP__COLUMNS, /* most columns of an item of work */
-    NONE = -1                      /* no round */
+    RUN = 8,                  /* most batches of a block */
+    BLOCK_BYTES = 1 << 19,    /* about the heights of a block: they stay in a cache */
+    PART_BLOCKS = 8,          /* so many or more for each part, where the picture is large enough */
+    ROUND_BLOCKS = 16,        /* of a round, for each part */
+    LANE_PARTS = 4,           /* parts that one lane of the recursion keeps at work */
+    GROUP = 8 * NTP__COLUMNS, /* columns whose state stays in the nearest cache */
+    MOST_ITEMS = GROUP / ROWS /* columns to filter, in batches, of a part between two reports */
 };
 
 /* A range of rows: first..end - 1. */
@@ -53,9 +57,11 @@ typedef struct job {
     ntp__window window; /* with rows: where the normals in memory lie in the picture */
     void *normals;
     size_t row_bytes;
-    span held;           /* with rows: the rows that dst holds */
-    span lines, columns; /* the rows that are being transformed, and those in the recursion */
-    int32_t group;       /* columns of an item of work */
+    span held;     /* the rows of this round; with rows: those that dst holds */
+    int32_t block; /* rows of a block */
+    int32_t lanes, lane_columns;
+    int32_t first_filtered; /* the first batch of columns that is being filtered */
+    bool up;                /* the way through the picture */
 } job;
 
 /* ------------------------------------------------------------------------ working memory */
@@ -127,25 +133,31 @@ static void analyze_batch(job *j, part *p, int32_t first)
     j->fft.loops->forward(&j->fft, rows, p->fft_work);
 }
 
-static void analyze(void *work, int32_t part_index, int32_t item)
+/* The rows of a block of this round, counted in the order of the recursion. */
+static span block_rows(const job *j, int32_t i)
 {
-    job *j = work;
-    for (int32_t i = 0; i < RUN; i++) {
-        int32_t y = j->lines.first + (item * RUN + i) * ROWS;
-        if (y < j->lines.end)
-            analyze_batch(j, &j->parts[part_index], y);
-    }
+    int32_t count = (j->held.end - j->held.first + j->block - 1) / j->block;
+    int32_t first = j->held.first + (j->up ? count - 1 - i : i) * j->block;
+    int32_t end = first + j->block;
+    span s = { first, end < j->held.end ? end : j->held.end };
+    return s;
 }
 
-static void synthesize(void *work, int32_t part_index, int32_t item)
+static void analyze(void *work, int32_t part_index, int32_t block)
+{
+    job *j = work;
+    span s = block_rows(j, block);
+    for (int32_t y = s.first; y < s.end; y += ROWS)
+        analyze_batch(j, &j->parts[part_index], y);
+}
+
+static void synthesize(void *work, int32_t part_index, int32_t block)
 {
     job *j = work;
     part *p = &j->parts[part_index];
-    for (int32_t i = 0; i < RUN; i++) {
+    span s = block_rows(j, block);
+    for (int32_t y = s.first; y < s.end; y += ROWS) {
         float *rows[ROWS];
-        int32_t y = j->lines.first + (item * RUN + i) * ROWS;
-        if (y >= j->lines.end)
-            return;
         int32_t count = batch_rows(j, p, y, rows);
         j->fft.loops->inverse(&j->fft, rows, p->fft_work);
         for (int32_t k = 0; k < count; k++)
@@ -153,32 +165,25 @@ static void synthesize(void *work, int32_t part_index, int32_t item)
     }
 }
 
-static int32_t group_end(const job *j, int32_t item)
-{
-    int32_t end = (item + 1) * j->group;
-    return end < j->problem.along.n ? end : j->problem.along.n;
-}
-
-static void columns_down(void *work, int32_t part_index, int32_t item)
+/* The recursion through a block, in the columns of a lane. */
+static void recur(void *work, int32_t lane, int32_t block)
 {
     job *j = work;
-    (void) part_index;
-    for (int32_t y = j->columns.first; y < j->columns.end; y++)
-        ntp__columns_down(&j->recursion, height_row(j, y), y, item * j->group, group_end(j, item));
-}
-
-static void columns_up(void *work, int32_t part_index, int32_t item)
-{
-    job *j = work;
-    (void) part_index;
-    for (int32_t y = j->columns.end - 1; y >= j->columns.first; y--)
-        ntp__columns_up(&j->recursion, height_row(j, y), y, item * j->group, group_end(j, item));
+    span s = block_rows(j, block);
+    int32_t x = lane * j->lane_columns, end = x + j->lane_columns;
+    for (end = end < j->problem.along.n ? end : j->problem.along.n; x < end; x += GROUP) {
+        int32_t next = end - x < GROUP ? end : x + GROUP;
+        for (int32_t y = s.first; y < s.end && !j->up; y++)
+            ntp__columns_down(&j->recursion, height_row(j, y), y, x, next);
+        for (int32_t y = s.end - 1; y >= s.first && j->up; y--)
+            ntp__columns_up(&j->recursion, height_row(j, y), y, x, next);
+    }
 }
 
 static void filter_columns(void *work, int32_t part_index, int32_t item)
 {
     const job *j = work;
-    ntp__filter_columns(&j->filter, j->dst, (j->lines.first + item) * NTP__FFT_ROWS,
+    ntp__filter_columns(&j->filter, j->dst, (j->first_filtered + item) * NTP__FFT_ROWS,
                         j->parts[part_index].fft_work);
 }
 
@@ -190,10 +195,19 @@ static bool stopped(const job *j, double share)
 
 /* -------------------------------------------------------------------------------- passes */
 
-/* The number of rows of a round. */
-static int32_t round_rows(const job *j)
+/* With callbacks: the rows of heights in memory. */
+static int32_t held_rows(const job *j)
 {
     return j->crew.parts * RUN * ROWS;
+}
+
+/* The number of rows of a round.  A single part waits for nobody, so its rounds are short. */
+static int32_t round_rows(const job *j)
+{
+    int32_t blocks = ROUND_BLOCKS * j->crew.parts;
+    if (j->crew.parts == 1 || j->rows != NULL)
+        return held_rows(j);
+    return (blocks < NTP__MOST_BLOCKS ? blocks : NTP__MOST_BLOCKS) * j->block;
 }
 
 static span round_at(const job *j, int32_t round)
@@ -203,29 +217,32 @@ static span round_at(const job *j, int32_t round)
     return s;
 }
 
-/* Does the rows of one round along with the columns of another.  There are none before the first
- * round and after the last. */
-static void run(job *j, ntp__crew_task *lines, int32_t line_round, ntp__crew_task *columns,
-                int32_t column_round, int32_t rounds)
+static void run_round(job *j)
 {
-    ntp__crew_items some = { lines, j, 0 }, more = { columns, j, 0 };
-    if (line_round >= 0 && line_round < rounds) {
-        j->lines = round_at(j, line_round);
-        some.count = (j->lines.end - j->lines.first + RUN * ROWS - 1) / (RUN * ROWS);
-    }
-    if (column_round >= 0 && column_round < rounds && !j->problem.filter) {
-        j->columns = round_at(j, column_round);
-        more.count = (j->problem.along.n + j->group - 1) / j->group;
-    }
-    ntp__crew_both(&j->crew, &some, &more);
+    ntp__crew_steps steps = { j->up ? synthesize : analyze, recur, j, 0, 0, j->up };
+    steps.count = (j->held.end - j->held.first + j->block - 1) / j->block;
+    steps.lanes = j->problem.filter ? 0 : j->lanes;
+    ntp__crew_blocks(&j->crew, &steps);
 }
 
-/* Every part gets columns, in whole groups of NTP__COLUMNS. */
-static void set_group(job *j)
+static int32_t least(int32_t a, int32_t b)
 {
-    int32_t each = (j->problem.along.n + j->crew.parts - 1) / j->crew.parts;
-    int32_t group = (each + NTP__COLUMNS - 1) / NTP__COLUMNS * NTP__COLUMNS;
-    j->group = group < MOST_GROUP ? group : MOST_GROUP;
+    return a < b ? a : b;
+}
+
+static void set_blocks(job *j)
+{
+    int32_t width = j->problem.along.n, parts = j->crew.parts;
+    int32_t batches = BLOCK_BYTES / (int32_t) sizeof(float) / width / ROWS;
+    int32_t all = (j->problem.down.n + ROWS - 1) / ROWS;
+    int32_t lanes = least((parts + LANE_PARTS - 1) / LANE_PARTS, NTP__MOST_LANES);
+    batches = least(least(batches, RUN), parts > 1 ? all / (PART_BLOCKS * parts) : RUN);
+    if (j->rows != NULL) /* no more blocks than one call takes */
+        batches = least(RUN, (parts * RUN + NTP__MOST_BLOCKS - 1) / NTP__MOST_BLOCKS);
+    j->block = (batches > 1 ? batches : 1) * ROWS;
+    int32_t groups = (width + NTP__COLUMNS - 1) / NTP__COLUMNS;
+    j->lane_columns = (groups + lanes - 1) / lanes * NTP__COLUMNS;
+    j->lanes = (width + j->lane_columns - 1) / j->lane_columns;
 }
 
 /* Reads the normals that the rows of a round need, in up to three runs. */
@@ -270,28 +287,16 @@ static ntp_status read_heights(job *j)
                : NTP_ERR_CANCELLED;
 }
 
-/* Is each round finished before the next begins?  A single part walks over the rows of a round
- * while they are in its cache; with callbacks no more than one round is in memory. */
-static bool in_step(const job *j)
-{
-    return j->crew.parts == 1 || j->rows != NULL;
-}
-
 static ntp_status go_down(job *j, int32_t rounds, double share)
 {
-    bool step = in_step(j);
-    for (int32_t i = 0; i < rounds + (step ? 0 : 1); i++) {
+    j->up = false;
+    for (int32_t i = 0; i < rounds; i++) {
         if (stopped(j, share * i / rounds))
             return NTP_ERR_CANCELLED;
-        if (!step) {
-            run(j, analyze, i, columns_down, i - 1, rounds);
-            continue;
-        }
         j->held = round_at(j, i);
         if (j->rows != NULL)
             NTP__TRY(read_normals(j));
-        run(j, analyze, i, NULL, NONE, rounds);
-        run(j, NULL, NONE, columns_down, i, rounds);
+        run_round(j);
         if (j->rows != NULL)
             NTP__TRY(write_heights(j));
     }
@@ -300,19 +305,14 @@ static ntp_status go_down(job *j, int32_t rounds, double share)
 
 static ntp_status go_up(job *j, int32_t rounds, double share)
 {
-    bool step = in_step(j);
-    for (int32_t i = rounds - 1; i >= (step ? 0 : -1); i--) {
+    j->up = true;
+    for (int32_t i = rounds - 1; i >= 0; i--) {
         if (stopped(j, 1 - share * (i + 1) / rounds))
             return NTP_ERR_CANCELLED;
-        if (!step) {
-            run(j, synthesize, i + 1, columns_up, i, rounds);
-            continue;
-        }
         j->held = round_at(j, i);
         if (j->rows != NULL)
             NTP__TRY(read_heights(j));
-        run(j, NULL, NONE, columns_up, i, rounds);
-        run(j, synthesize, i, NULL, NONE, rounds);
+        run_round(j);
         if (j->rows != NULL)
             NTP__TRY(write_heights(j));
     }
@@ -323,14 +323,14 @@ static ntp_status filter_all(job *j)
 {
     double sum = 0, width = j->problem.along.n, height = j->problem.down.n;
     int32_t count = (j->problem.along.n + NTP__FFT_ROWS - 1) / NTP__FFT_ROWS;
-    int32_t step = j->crew.parts * MOST_GROUP / NTP__FFT_ROWS;
+    int32_t step = j->crew.parts * MOST_ITEMS;
     for (int32_t y = 0; y < j->problem.down.n; y++)
         sum += j->squares[y];
     ntp__filter_set_prior(&j->filter, sum / (width * height));
     for (int32_t i = 0; i < count; i += step) {
         if (stopped(j, (1 + (double) i / count) / 3))
             return NTP_ERR_CANCELLED;
-        j->lines.first = i;
+        j->first_filtered = i;
         ntp__crew_each(&j->crew, filter_columns, j, count - i < step ? count - i : step);
     }
     return NTP_OK;
@@ -338,9 +338,9 @@ static ntp_status filter_all(job *j)
 
 static ntp_status least_squares(job *j)
 {
+    set_blocks(j);
     int32_t rounds = (j->problem.down.n + round_rows(j) - 1) / round_rows(j);
     double share = j->problem.filter ? 1.0 / 3 : 0.5;
-    set_group(j);
     NTP__TRY(go_down(j, rounds, share));
     if (j->problem.filter)
         NTP__TRY(filter_all(j));
@@ -412,7 +412,7 @@ static void lay_out_windows(job *j, ntp__scratch *memory, const ntp_const_image 
 {
     j->row_bytes = sample_row(form);
     *heights = ntp_image_packed(
-        ntp__take(memory, (size_t) round_rows(j) * (size_t) form->width * sizeof(float)),
+        ntp__take(memory, (size_t) held_rows(j) * (size_t) form->width * sizeof(float)),
         form->width, form->height, 1, NTP_TYPE_F32);
     j->normals = ntp__take(memory, (size_t) window_rows(&j->problem, j->crew.parts) * j->row_bytes);
 }
