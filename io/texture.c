@@ -152,7 +152,7 @@ static void put_wide(uint8_t *dst, uint32_t level)
 /* round((v + top) 65535 / (2 top)), half up, of v / top in -1..1; below -1 counts as -1 */
 static uint32_t from_signed(int32_t v, int32_t top)
 {
-    const int64_t up = (int64_t) (v < -top ? 0 : v + top);
+    const int64_t up = v < -top ? 0 : (int64_t) v + top;
     return (uint32_t) ((up * 65535 + top) / (2 * (int64_t) top));
 }
 

@@ -95,7 +95,8 @@ fuzz() {
         seeds=fuzz/corpus/${name#fuzz_}
         [ -d "$seeds" ] || seeds=
         # test_files are good seeds for the readers, and harmless for the rest
-        quietly "build-fuzz/$name.log" plain_addresses "$target" -max_total_time="$seconds" \
+        quietly "build-fuzz/$name.log" plain_addresses \
+            env UBSAN_OPTIONS=print_stacktrace=1:halt_on_error=1 "$target" -max_total_time="$seconds" \
             -seed="${NTP_SEED:-$fuzz_seed}" -timeout="$fuzz_timeout" -rss_limit_mb=3000 \
             -max_len=65536 -print_final_stats=1 \
             -artifact_prefix="build-fuzz/$name-" "build-fuzz/corpus/$name" $seeds test_files

@@ -272,9 +272,41 @@ static void every_pfm(void)
     }
 }
 
+/* Signed channels of 2 to 32 bits, alone in a DDS: round((v + top) 65535 / (2 top)), half up. */
+static void signed_masks(void)
+{
+    for (int bits = 2; bits <= 32; bits++) {
+        const int64_t top = ((int64_t) 1 << (bits - 1)) - 1;
+        const int64_t values[] = { -top - 1, -top, -1, 0, 1, top / 3, top - 1, top };
+        uint32_t words[32] = { 0x20534444, 124, 0x1007, 1, 8 }; /* "DDS ", ..., height, width */
+        words[19] = 32;                                         /* of the format: its size, */
+        words[20] = 0x80040;                                    /* signed and with masks, */
+        words[22] = 32;                                         /* bits of a texel, red's mask */
+        words[23] = (uint32_t) (((uint64_t) 1 << bits) - 1);
+        file.size = 0;
+        for (size_t i = 0; i < 32 + 8; i++) {
+            const uint32_t v =
+                i < 32 ? words[i] : (uint32_t) ((uint64_t) values[i - 32] & words[23]);
+            const uint8_t b[] = { (uint8_t) v, (uint8_t) (v >> 8), (uint8_t) (v >> 16),
+                                  (uint8_t) (v >> 24) };
+            put(&file, b, 4);
+        }
+        ntpio_info info;
+        CHECK(read_all(file.bytes, file.size, "x.dds", &info));
+        CHECK(info.channels == 1 && info.sample_bytes == 2);
+        for (size_t i = 0; i < 8; i++) {
+            const int64_t up = values[i] < -top ? 0 : values[i] + top;
+            uint16_t got;
+            memcpy(&got, rows + 2 * i, 2);
+            CHECK(got == (up * 2 * 65535 + 2 * top) / (4 * top));
+        }
+    }
+}
+
 int main(void)
 {
     every_png();
+    signed_masks();
     told();
     every_tga();
     every_pfm();
