@@ -119,9 +119,9 @@ size_t ntpio__read_quickly(ntpio__deflater *d, size_t from, size_t to)
     size_t at = from, written = from;
     size_t misses = 0; /* bytes in a row without a match */
     ntpio__step *out = d->steps + d->count;
-    const uint32_t *sums = d->sums - from;
+    const uint32_t *sums = d->sums; /* of the byte at `from` */
     sum_literals(d, from, to);
-    match m = best_match(d, at, sums + at, true, &e);
+    match m = best_match(d, at, sums + (at - from), true, &e);
     for (;;) {
         const uint32_t length = (uint32_t) m >> 16;
         match next = NOTHING;
@@ -132,7 +132,7 @@ size_t ntpio__read_quickly(ntpio__deflater *d, size_t from, size_t to)
             const bool looks = length < e.enough && e.looks_ahead && at + 1 < to;
             misses = 0;
             if (looks)
-                next = best_match(d, at + 1, sums + at + 1, true, &e);
+                next = best_match(d, at + 1, sums + (at + 1 - from), true, &e);
             if (next >> 32 > m >> 32) {
                 at++;
                 m = next;
@@ -146,8 +146,9 @@ size_t ntpio__read_quickly(ntpio__deflater *d, size_t from, size_t to)
         }
         if (at >= to)
             break;
-        m = (uint32_t) next != 0 ? next
-                                 : best_match(d, at, sums + at, misses >> e.near_patience == 0, &e);
+        m = (uint32_t) next != 0
+                ? next
+                : best_match(d, at, sums + (at - from), misses >> e.near_patience == 0, &e);
     }
     at = at < d->to ? at : d->to;
     if (at > written)

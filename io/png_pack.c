@@ -27,7 +27,6 @@
 #include <zlib.h>
 
 enum {
-    BAND = 4 << 20,    /* bytes */
     SMALL = 64 << 10,  /* bytes: pictures that are packed with more care */
     GROUP = 8,         /* rows that follow each other, and are tried together */
     SEARCHES = 5,      /* levels from here on try filters */
@@ -295,7 +294,7 @@ ntpio__png_packer *ntpio__png_packer_new(size_t row_size, uint32_t height, size_
     ntpio__png_packer *p = calloc(1, sizeof *p);
     if (p == NULL)
         return NULL;
-    const size_t fit = row_size + 1 < BAND ? BAND / (row_size + 1) : 1;
+    const size_t fit = row_size + 1 < NTPIO__PACKED_BAND ? NTPIO__PACKED_BAND / (row_size + 1) : 1;
     const bool small =
         level >= NTPIO__LEVEL_USUAL && level < SEARCHES_ALL && height <= SMALL / (row_size + 1);
     os_lock_init(&p->lock);

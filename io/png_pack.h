@@ -9,9 +9,18 @@
 #include <stddef.h>
 #include <stdint.h>
 
+/* Fuzzing makes both smaller. */
+#ifndef NTPIO_PNG_BAND
+#  define NTPIO_PNG_BAND (4 << 20)
+#endif
+#ifndef NTPIO_PNG_ROW_MAX
+#  define NTPIO_PNG_ROW_MAX (1 << 20)
+#endif
+
 enum {
-    NTPIO__PACKED_ROW_MAX = 1 << 20, /* bytes: 131072 texels of RGBA with 16 bits */
-    NTPIO__PACKERS_MAX = 16          /* threads; each takes about 13 MB */
+    NTPIO__PACKED_BAND = NTPIO_PNG_BAND,       /* bytes */
+    NTPIO__PACKED_ROW_MAX = NTPIO_PNG_ROW_MAX, /* bytes: 131072 texels of RGBA with 16 bits */
+    NTPIO__PACKERS_MAX = 16                    /* threads; each takes about 13 MB */
 };
 
 typedef struct ntpio__png_packer ntpio__png_packer;
