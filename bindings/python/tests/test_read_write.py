@@ -4,12 +4,14 @@
 import math
 import subprocess
 
+import imagecodecs
 import numpy as np
 import OpenEXR
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
+from PIL import Image
 
 import normaltexture as nt
 from pysupport.drawn import layouts
@@ -226,6 +228,23 @@ def test_gpu_textures_as_the_program_writes_them(tmp_path, ending, case):
     for threads in (1, 3):
         nt.write(made, np.asfortranarray(image), threads=threads, **how)
         assert made.read_bytes() == expected.read_bytes()
+
+
+def test_dds_by_other_readers(tmp_path):
+    """Both round BC4 and BC5 to 8 bits, some a level off."""
+    image, target = waves(8)[:36, :44], tmp_path / "a.dds"
+    nt.write(target, image, compression="none", mips=True)
+    rgba = np.asarray(Image.open(target))
+    assert np.array_equal(rgba[..., :3], image) and np.all(rgba[..., 3] == 255)
+    for source in (image, image[..., 0]):
+        nt.write(target, source, mips=source.ndim == 3)
+        ours = nt.read(target) / 257
+        theirs = np.asarray(Image.open(target))
+        if source.ndim == 3:
+            theirs = theirs[..., :2]
+        for other in (theirs, imagecodecs.dds_decode(target.read_bytes())):
+            assert np.abs(other - ours).max() <= 1.5
+            assert np.abs(other - ours).mean() < 0.6
 
 
 def test_gpu_textures_refused(tmp_path, monkeypatch):
