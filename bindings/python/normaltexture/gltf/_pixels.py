@@ -25,6 +25,8 @@ _SIGNATURES = [
 _OF_GPUS = ("image/ktx2", "image/vnd-ms.dds")
 READ_BY_NTP = {"image/png", "image/jpeg", *_OF_GPUS}
 _UNSAFE = re.compile(r"[^A-Za-z0-9._-]+")
+_DDS_FORMAT, _DDS_TEXELS = 128, 148  # where they stand behind the header of DirectX 10
+_B8G8R8X8 = 88
 MAX_TEXELS = 1 << 28  # of Basis Universal, which is unpacked whole: 1 GiB
 
 # The layouts that Python's reader returns with two channels, such as BC5.
@@ -144,6 +146,32 @@ def extract(image: NormalImage, data: bytes, folder: Path) -> Extracted:
     if ktx is not None:
         made.findings += _ktx2.findings(ktx)
     return made
+
+
+def is_plain_dds(data: bytes) -> bool:
+    """A DDS of one RGB or RGBA texture of 8 bits, not in blocks: it is written again as such."""
+    if not data.startswith(b"DDS "):
+        return False
+    try:
+        info = _files.read_info(data)
+    except FileError:
+        return False
+    other = info.layout.startswith("BC") or "SNORM" in info.layout
+    return info.layers <= 1 and info.bit_depth == 8 and info.channels >= 3 and not other
+
+
+def plain_dds(png: bytes) -> bytes:
+    """A PNG of 8 bits as a DDS of the same numbers, with all mips; RGB as B8G8R8X8."""
+    pixels = _files.read(png)
+    with tempfile.TemporaryDirectory(prefix="ntp-dds-") as scratch:
+        path = Path(scratch) / "image.dds"
+        _files.write(path, pixels, compression="none", mips=True, type="standard")
+        data = bytearray(path.read_bytes())
+    if pixels.shape[2] == 3:
+        texels = np.frombuffer(data, np.uint8, offset=_DDS_TEXELS).reshape(-1, 4)
+        texels[:, :3] = texels[:, 2::-1]
+        data[_DDS_FORMAT] = _B8G8R8X8
+    return bytes(data)
 
 
 def _webp_by_pillow(pixels: Any, path: Path) -> bool:
