@@ -40,8 +40,8 @@ typedef struct surface_facts {
     ntp_steps steps;   /* of slopes */
 } surface_facts;
 
-/* What exchange.c adds: by how much x and y fit a surface better when exchanged (a difference of
- * correlations), and in standard deviations. */
+/* What exchange.c adds: by how much x and y fit a surface better when exchanged (a share of the energy
+ * of the derivatives), and in standard deviations. */
 typedef struct exchange_facts {
     double difference, deviations;
     bool sure;

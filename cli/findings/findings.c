@@ -72,7 +72,7 @@ const finding_spec FINDING_TABLE[FINDING_COUNT] = {
     [NT013] = { "NT013", "nt013", "error", "x and y are exchanged",
         "In a DDS or KTX2: the slopes fit a surface when x and y change places, and do not fit one as they are. The "
         "format ATI2 was first written with y before x, and some tools still do so; GPUs read the first as x. Every normal "
-        "is turned then. It is said only where it is sure, which is so in three of four exchanged textures: the others show "
+        "is turned then. It is said only where it is sure, which is so in nine of ten exchanged textures: the others show "
         "too little of a surface.",
         "`ntp convert --from-channels yx` makes a standard PNG with x and y in their places. Better: export as BC5 with "
         "the header of DirectX 10, x first." },

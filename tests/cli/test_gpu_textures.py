@@ -119,7 +119,7 @@ def test_exchanged_x_and_y(run, tmp_path, down):
 
 
 def test_exchanged_in_the_corpus(run, corpus, tmp_path):
-    """None of the real textures is accused; exchanged, most of them are told."""
+    """None of the real textures is accused; exchanged, most of these small ones are told."""
     names = []
     with open(corpus / "manifest.csv", encoding="utf-8", newline="") as file:
         rows = [row for row in csv.DictReader(file) if row["kind"] == "normals"]
@@ -139,7 +139,7 @@ def test_exchanged_in_the_corpus(run, corpus, tmp_path):
     files = json.loads(run("check", "--format", "json", "--type", "xy", *names).stdout)["files"]
     told = {file["path"] for file in files if "NT013" in findings(file)}
     assert not [name for name in told if "right" in name]
-    assert len(told) > 0.55 * len(names) / 2, (len(told), len(names) / 2)
+    assert len(told) >= 0.75 * len(names) / 2, (len(told), len(names) / 2)
 
 
 def test_fieldstone(run, corpus, tmp_path):
