@@ -101,6 +101,77 @@ static void compare_conversions(const ntp_const_image *src, uint8_t *plain, uint
     }
 }
 
+typedef ntp_status paint_fn(const ntp_image *dst, const ntp_const_image *src, ntp_diff *diff);
+
+static ntp_status reference(const ntp_image *dst, const ntp_const_image *src, ntp_diff *diff)
+{
+    (void) diff;
+    return ntp_heatmap(dst, src, NTP_PALETTE_REFERENCE, 0, NULL);
+}
+
+static ntp_status safe(const ntp_image *dst, const ntp_const_image *src, ntp_diff *diff)
+{
+    (void) diff;
+    return ntp_heatmap(dst, src, NTP_PALETTE_SAFE, 0, NULL);
+}
+
+static ntp_status shade(const ntp_image *dst, const ntp_const_image *src, ntp_diff *diff)
+{
+    (void) diff;
+    return ntp_shade(dst, src, NULL, NULL);
+}
+
+static ntp_status shade_in_color(const ntp_image *dst, const ntp_const_image *src, ntp_diff *diff)
+{
+    const ntp_light light = { .direction = { 0.3, -0.2, 0.9 },
+                              .ambient = 0.05,
+                              .diffuse = 1,
+                              .specular = 0.7,
+                              .color = { 1, 0.5, 0.25 } };
+    (void) diff;
+    return ntp_shade(dst, src, &light, NULL);
+}
+
+/* With the texels from right to left. */
+static ntp_status differ(const ntp_image *dst, const ntp_const_image *src, ntp_diff *diff)
+{
+    ntp_const_image other = *src;
+    other.data = (const char *) src->data + (src->width - 1) * src->pixel_stride;
+    other.pixel_stride = -src->pixel_stride;
+    CHECK(ntp_diff_clear(diff) == NTP_OK);
+    return ntp_diff_add(diff, dst, src, &other, NULL);
+}
+
+/* Pictures of a row, into rows that end where plain and other do. */
+static void compare_pictures(const ntp_const_image *src, paint_fn *const *paint, int32_t count,
+                             uint8_t *plain, uint8_t *other)
+{
+    static ntp_diff *diff[2];
+    for (int k = 0; k < 2 && diff[k] == NULL; k++)
+        CHECK((diff[k] = calloc(1, ntp_diff_size())) != NULL);
+    const size_t size = (size_t) src->width * 3;
+    ntp_image dst = ntp_image_packed(plain - size, src->width, 1, 3, NTP_TYPE_U8);
+    dst.encoding = NTP_ENCODING_HEIGHT;
+    for (int32_t i = 0; i < count; i++) {
+        allowed = false;
+        dst.data = plain - size;
+        CHECK(paint[i](&dst, src, diff[0]) == NTP_OK);
+        allowed = true;
+        dst.data = other - size;
+        CHECK(paint[i](&dst, src, diff[1]) == NTP_OK);
+        CHECK(memcmp(plain - size, other - size, size) == 0);
+        ntp_diff_stats one, two;
+        if (paint[i] != differ)
+            continue;
+        CHECK(ntp_diff_summarize(&one, diff[0]) == NTP_OK);
+        CHECK(ntp_diff_summarize(&two, diff[1]) == NTP_OK);
+        CHECK(memcmp(&one, &two, sizeof one) == 0);
+    }
+}
+
+static paint_fn *const PAINT[] = { reference, safe, shade, shade_in_color, differ };
+enum { PAINTS = 5, PAINTS_OF_ALL = 3 };
+
 /* -------------------------------------------------------------------------------------- tests */
 
 static uint64_t in[ROW], out[2][ROW];
@@ -117,6 +188,8 @@ static void all_triplets(void)
             src.encoding = (ntp_encoding) e;
             const ntp_const_image view = ntp_image_as_const(&src);
             compare_conversions(&view, (uint8_t *) out[1], (uint8_t *) (out[1] + ROW), false);
+            compare_pictures(&view, PAINT, PAINTS_OF_ALL, (uint8_t *) out[1],
+                             (uint8_t *) (out[1] + ROW));
         }
     }
 }
@@ -136,6 +209,7 @@ static void random_texels_16(uint64_t *seed)
             src.encoding = (ntp_encoding) e;
             const ntp_const_image view = ntp_image_as_const(&src);
             compare_conversions(&view, (uint8_t *) out[1], (uint8_t *) (out[1] + ROW), row & 1);
+            compare_pictures(&view, PAINT, PAINTS, (uint8_t *) out[1], (uint8_t *) (out[1] + ROW));
         }
     }
 }
@@ -161,6 +235,8 @@ static void widths(uint64_t *seed)
             const ntp_const_image view = ntp_image_as_const(&src);
             compare_conversions(&view, (uint8_t *) one.data + n * 8, (uint8_t *) two.data + n * 8,
                                 stride == channels * size);
+            compare_pictures(&view, PAINT, PAINTS, (uint8_t *) one.data + n * 8,
+                             (uint8_t *) two.data + n * 8);
             guarded_free(&from);
             guarded_free(&one);
             guarded_free(&two);

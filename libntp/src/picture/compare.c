@@ -11,6 +11,7 @@
 #include "texel/level.h"
 #include "texel/unused.h"
 #include "picture/picture.h"
+#include "picture/picture_kernels.h"
 
 #include <string.h>
 
@@ -119,16 +120,10 @@ static void add_channel(const job *j, int32_t *restrict greatest, const ntp__blo
     const int32_t by_a = j->m / j->ma, by_b = j->m / j->mb;
     /* A gray image with alpha is unpacked with alpha in the fourth plane. */
     const int32_t plane = !j->vectors && j->channels == 2 && k == 1 ? 3 : k;
-    int32_t sum = 0, most = 0;
-    for (int32_t i = 0; i < ntp__whole(n); i++) {
-        int32_t off = ntp__abs(a->c[plane][i] * by_a - b->c[plane][i] * by_b);
-        sum += off;
-        most = off > most ? off : most;
-        greatest[i] = off > greatest[i] ? off : greatest[i];
-    }
-    j->diff->levels_sum[k] += (uint64_t) sum;
-    if ((uint32_t) most > j->diff->levels_max[k])
-        j->diff->levels_max[k] = (uint32_t) most;
+    int32_t most = (int32_t) j->diff->levels_max[k];
+    j->diff->levels_sum[k] += (uint64_t) ntp__picture_loops()->differ(
+        greatest, &most, a->c[plane], b->c[plane], by_a, by_b, ntp__whole(n));
+    j->diff->levels_max[k] = (uint32_t) most;
 }
 
 /* Where greatest becomes 0, the texels are equal. */
@@ -176,6 +171,18 @@ static void paint(const job *j, const int32_t *angle, const int32_t *greatest, i
     }
 }
 
+static void add_angles(ntp__angle_sums *sums, int32_t *angle, int32_t n)
+{
+    int32_t bin[NTP__BLOCK], most = (int32_t) sums->max;
+    for (int32_t i = n; i < ntp__whole(n); i++)
+        angle[i] = 0;
+    sums->texels += (uint64_t) n;
+    sums->sum += ntp__picture_loops()->bins(bin, &most, angle, ntp__whole(n));
+    sums->max = (uint64_t) most;
+    for (int32_t i = 0; i < n; i++)
+        sums->bins[bin[i]]++;
+}
+
 static void compare_run(const job *j, int32_t x, int32_t y, int32_t n)
 {
     side a, b;
@@ -186,8 +193,8 @@ static void compare_run(const job *j, int32_t x, int32_t y, int32_t n)
     if (j->vectors)
         find_angles(j, angle, &a, &b, n);
     add_levels(j, greatest, &a, &b, n);
-    for (int32_t i = 0; j->vectors && i < n; i++)
-        ntp__angles_add(&j->diff->angles, (uint32_t) angle[i], 1);
+    if (j->vectors)
+        add_angles(&j->diff->angles, angle, n);
     if (j->heat != NULL)
         paint(j, angle, greatest, x, y, n);
 }

@@ -1,10 +1,20 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * picture.c - the checks shared by the operations that paint a picture of a texture
+ * picture.c - what the operations share that paint a picture of a texture
  */
 #include "picture/picture.h"
 
+#include "base/cpu.h"
+#include "picture/picture_kernels.h"
+
 #include <string.h>
+
+extern const ntp__picture_kernels ntp__picture_loops_base, ntp__picture_loops_avx2;
+
+const ntp__picture_kernels *ntp__picture_loops(void)
+{
+    return NTP__CPU_PICK(NTP__CPU_ALL, ntp__picture_loops_base, ntp__picture_loops_avx2);
+}
 
 ntp_status ntp__check_painting(const ntp_image *dst, const ntp_const_image *src,
                                int32_t min_channels)

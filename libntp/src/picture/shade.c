@@ -9,12 +9,12 @@
 #include "texel/level.h"
 #include "texel/unused.h"
 #include "picture/picture.h"
+#include "picture/picture_kernels.h"
 
 #include <math.h>
 #include <string.h>
 
 enum {
-    SQUARINGS = 5, /* specular exponent 2^5 = 32 */
     /* Texels without a normal show a checker, as image editors show what is transparent. */
     CHECKER_SIDE = 8,
     CHECKER_DARK = 72,
@@ -94,12 +94,6 @@ typedef struct planes {
     double lambert[NTP__BLOCK], glint[NTP__BLOCK];
 } planes;
 
-/* What floats tell of them. */
-typedef struct estimates {
-    float lambert[NTP__BLOCK], glint[NTP__BLOCK];
-    int32_t doubt[NTP__BLOCK]; /* not 0: a level may be wrong */
-} estimates;
-
 /* The stored vectors over their lengths, y up. */
 static void decode(planes *restrict p, const job *j, const ntp__block *restrict block, int32_t n)
 {
@@ -126,7 +120,7 @@ static void reflect(planes *restrict p, const job *j, int32_t n)
         double x = p->n[0][i], y = p->n[1][i], z = p->n[2][i];
         double lambert = x * a + y * b + z * c, glint = x * d + y * e + z * f;
         glint = glint > 0 ? glint : 0.0;
-        for (int32_t k = 0; k < SQUARINGS; k++)
+        for (int32_t k = 0; k < NTP__SQUARINGS; k++)
             glint = glint * glint;
         p->glint[i] = lambert > 0 ? glint : 0.0;
         p->lambert[i] = lambert > 0 ? lambert : 0.0;
@@ -184,66 +178,50 @@ static void shade_exactly(ntp__block *out, const job *j, const ntp__block *block
  * The same in floats, whose roundings are off by up to u = 2^-24 of a result.  A component of a unit
  * vector is off by at most 4 u.  So the products with the light and with the half vector are off by
  * 16 u, and the power by 32 times that and its own roundings: 600 u.  Where the light just touches
- * a texel, it may be on the wrong side.
+ * a texel, it may be on the wrong side.  A linear light v that is off by `off` has a root that is off
+ * by at most off / root(v).
  */
-static void estimate(estimates *restrict e, const job *j, const ntp__block *restrict block,
-                     int32_t n)
-{
-    const float m = (float) ntp__max(j->src->type), up = j->src->y == NTP_Y_DOWN ? -1.0F : 1.0F;
-    const bool zzero = j->src->encoding == NTP_ENCODING_ZZERO;
-    const float twice = zzero ? 1.0F : 2.0F, less = zzero ? 0.0F : m;
-    const float a = (float) j->towards[0], b = (float) j->towards[1], c = (float) j->towards[2];
-    const float d = (float) j->half[0], f = (float) j->half[1], g = (float) j->half[2];
-    for (int32_t i = 0; i < ntp__whole(n); i++) {
-        float x = 2.0F * (float) block->c[0][i] - m, y = (2.0F * (float) block->c[1][i] - m) * up;
-        float z = twice * (float) block->c[2][i] - less;
-        float over = 1.0F / sqrtf(x * x + y * y + z * z);
-        float lambert = (x * a + y * b + z * c) * over, glint = (x * d + y * f + z * g) * over;
-        glint = glint > 0 ? glint : 0.0F;
-        for (int32_t k = 0; k < SQUARINGS; k++)
-            glint = glint * glint;
-        e->glint[i] = lambert > 0 ? glint : 0.0F;
-        e->lambert[i] = lambert > 0 ? lambert : 0.0F;
-        e->doubt[i] = fabsf(lambert) < 32 * 0x1p-24F;
-    }
-}
-
-/* A linear light v that is off by `off` has a root that is off by at most off / root(v). */
-static void estimate_color(estimates *restrict e, int32_t *restrict level, const job *j, int32_t k,
-                           int32_t n)
+static ntp__lamp lamp_of(const job *j)
 {
     const ntp_light *l = &j->light;
-    const float own = (float) l->color[k], ambient = (float) l->ambient;
-    const float diffuse = (float) l->diffuse, specular = (float) l->specular;
-    const float off = (16 + 16 * diffuse + 600 * specular) * 0x1p-24F * 255.0F;
-    for (int32_t i = 0; i < ntp__whole(n); i++) {
-        float v = own * (ambient + diffuse * e->lambert[i]) + specular * e->glint[i];
-        float root = sqrtf(v < 1.0F ? v : 1.0F), shown = root * 255.0F + 0.5F;
-        int32_t whole = (int32_t) shown;
-        float part = shown - (float) whole, gap = part < 0.5F ? part : 1.0F - part;
-        level[i] = whole;
-        e->doubt[i] |= !(gap * root > off + 0x1p-14F * root);
+    const float m = (float) ntp__max(j->src->type);
+    const bool zzero = j->src->encoding == NTP_ENCODING_ZZERO;
+    ntp__lamp lamp = { .m = m,
+                       .up = j->src->y == NTP_Y_DOWN ? -1.0F : 1.0F,
+                       .twice = zzero ? 1.0F : 2.0F,
+                       .less = zzero ? 0.0F : m,
+                       .ambient = (float) l->ambient,
+                       .diffuse = (float) l->diffuse,
+                       .specular = (float) l->specular,
+                       .white = 1 };
+    for (int32_t k = 0; k < 3; k++) {
+        lamp.towards[k] = (float) j->towards[k];
+        lamp.half[k] = (float) j->half[k];
     }
+    lamp.off = (16 + 16 * lamp.diffuse + 600 * lamp.specular) * 0x1p-24F * 255.0F;
+    return lamp;
 }
 
 /* The levels of a block; those of texels in doubt once more, exactly. */
 static void shade_block(ntp__block *out, const job *j, const ntp__block *block, int32_t n)
 {
-    estimates e;
+    const ntp__picture_kernels *loops = ntp__picture_loops();
+    const ntp__lamp lamp = lamp_of(j);
+    ntp__lit lit;
     ntp__block few, again;
     int32_t at[NTP__BLOCK] = { 0 }, found = 0;
     const double *light = j->light.color;
-    estimate(&e, j, block, n);
+    loops->light(&lit, block, ntp__whole(n), &lamp);
     for (int32_t k = 0; k < 3; k++) {
         if (k > 0 && light[k] == light[k - 1])
             memcpy(out->c[k], out->c[k - 1], (size_t) n * sizeof out->c[k][0]);
         else
-            estimate_color(&e, out->c[k], j, k, n);
+            loops->show(&lit, out->c[k], ntp__whole(n), &lamp, (float) light[k]);
     }
     for (int32_t first = 0; first < n; first += NTP__GROUP) {
-        const int32_t end = ntp__group_end(e.doubt, first, n);
+        const int32_t end = ntp__group_end(lit.doubt, first, n);
         for (int32_t i = first; i < end; i++) {
-            if (e.doubt[i] == 0)
+            if (lit.doubt[i] == 0)
                 continue;
             for (int32_t k = 0; k < 3; k++)
                 few.c[k][found] = block->c[k][i];

@@ -1,0 +1,171 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * picture_kernels.c - loops over blocks of texels, compiled once for each instruction set
+ *
+ * heatmap.c, shade.c and compare.c say what they are for.
+ */
+#include "picture/picture_kernels.h"
+
+#include <math.h>
+
+#define CONCAT_(a, b) a##b
+#define CONCAT(a, b)  CONCAT_(a, b)
+
+/* Rec. 709 luma weights in ten-thousandths. */
+enum { LUMA_RED = 2126, LUMA_GREEN = 7152, LUMA_BLUE = 722, LUMA_WHOLE = 10000 };
+
+enum { GRAY_BASE = 100 /* faultless texels: 100 + luma/2, so 100..227, never taken for a fault */ };
+
+/* Vermilion, sky blue and yellow of Okabe and Ito, which color-blind people can tell apart. */
+static const uint8_t SAFE_XY[3] = { 213, 94, 0 };
+static const uint8_t SAFE_LENGTH[3] = { 86, 180, 233 };
+static const uint8_t SAFE_Z[3] = { 240, 228, 66 };
+
+static int32_t judge_pairs(int32_t *restrict fault, int32_t *restrict xy, const int32_t *restrict r,
+                           const int32_t *restrict g, int32_t n, const ntp__limits *restrict how)
+{
+    const int32_t k = (how->m + 1) / 2, most = k * (k - 1), strong = how->xy_strong;
+    int32_t found = 0;
+    for (int32_t i = 0; i < n; i++) {
+        int32_t p = r[i] - k, q = g[i] - k, sum = p * (p + 1) - most + q * (q + 1);
+        fault[i] = sum >= strong ? NTP__STRONG : sum >= 0 ? NTP__WEAK : 0;
+        found += sum >= 0;
+        xy[i] = sum;
+    }
+    return found;
+}
+
+static void judge_blues(ntp__faults *restrict f, const int32_t *restrict xy,
+                        const int32_t *restrict b, int32_t n, const ntp__limits *restrict how)
+{
+    const ntp__limits l = *how;
+    const int32_t k = (l.m + 1) / 2, low = l.zzero ? -1 : k - 1, deep = l.m != 255;
+    for (int32_t i = 0; i < n; i++) {
+        int32_t half = l.zzero ? b[i] >> 1 : b[i] - k, other = l.zzero ? b[i] - half : half + 1;
+        int32_t sum = xy[i] + half * other;
+        int32_t weak = (sum >= l.long_weak) | (sum < l.short_weak);
+        int32_t strong = (sum >= l.long_strong) | (sum < l.short_strong);
+        f->length[i] = strong ? NTP__STRONG : weak ? NTP__WEAK : 0;
+        /* M - b runs from the middle, just below zero, to M, which is z = -1.  At 16 bits it is
+         * ntp__narrow without its division. */
+        int32_t z = b[i] <= low ? l.m - b[i] : 0;
+        f->z[i] = deep ? (255 * z + 32895) >> 16 : z;
+    }
+}
+
+/* A quotient plus 1/2 is no whole number, and farther from one than doubles are wrong. */
+static void make_gray(int32_t *restrict gray, const ntp__block *restrict block, int32_t n,
+                      int32_t m)
+{
+    const int32_t whole = LUMA_WHOLE * (m / 255), more = whole / 2;
+    const double share = 1.0 / whole;
+    for (int32_t i = 0; i < n; i++) {
+        int32_t sum = LUMA_RED * block->c[0][i] + LUMA_GREEN * block->c[1][i] +
+                      LUMA_BLUE * block->c[2][i] + more;
+        gray[i] = GRAY_BASE + (int32_t) ((sum + 0.5) * share) / 2;
+    }
+}
+
+/* The colors of the reference palette are the faults themselves. */
+static void paint_reference(ntp__block *restrict out, const int32_t *restrict gray,
+                            const ntp__faults *restrict f, int32_t n)
+{
+    for (int32_t i = 0; i < n; i++) {
+        const int32_t base = (f->xy[i] | f->length[i] | f->z[i]) == 0 ? gray[i] : 0;
+        out->c[0][i] = f->xy[i] | base;
+        out->c[1][i] = f->length[i] | base;
+        out->c[2][i] = f->z[i] | base;
+    }
+}
+
+static void paint_safe(ntp__block *restrict out, const int32_t *restrict gray,
+                       const ntp__faults *restrict f, int32_t n)
+{
+    for (int32_t k = 0; k < 3; k++) {
+        const int32_t of_xy = SAFE_XY[k], of_length = SAFE_LENGTH[k], of_z = SAFE_Z[k];
+        for (int32_t i = 0; i < n; i++) {
+            const int32_t xy = f->xy[i], length = f->length[i], z = f->z[i];
+            const int32_t hue = z > 0 ? of_z : xy > 0 ? of_xy : of_length;
+            const int32_t strength = z > 0 ? z : xy > 0 ? xy : length;
+            const int32_t sum = hue * strength + NTP__STRONG / 2;
+            const int32_t shown = (sum + 1 + (sum >> 8)) >> 8; /* sum / 255 below 65535 */
+            out->c[k][i] = strength == 0 ? gray[i] : shown;
+        }
+    }
+}
+
+static void paint(ntp__block *out, const int32_t *gray, const ntp__faults *f, int32_t n,
+                  int32_t safe)
+{
+    (safe ? paint_safe : paint_reference)(out, gray, f, n);
+}
+
+static void light(ntp__lit *restrict lit, const ntp__block *restrict block, int32_t n,
+                  const ntp__lamp *restrict lamp)
+{
+    const float m = lamp->m, up = lamp->up, twice = lamp->twice, less = lamp->less;
+    const float a = lamp->towards[0], b = lamp->towards[1], c = lamp->towards[2];
+    const float d = lamp->half[0], f = lamp->half[1], g = lamp->half[2];
+    for (int32_t i = 0; i < n; i++) {
+        float x = 2.0F * (float) block->c[0][i] - m, y = (2.0F * (float) block->c[1][i] - m) * up;
+        float z = twice * (float) block->c[2][i] - less;
+        float over = 1.0F / sqrtf(x * x + y * y + z * z);
+        float lambert = (x * a + y * b + z * c) * over, glint = (x * d + y * f + z * g) * over;
+        glint = glint > 0 ? glint : 0.0F;
+        for (int32_t k = 0; k < NTP__SQUARINGS; k++)
+            glint = glint * glint;
+        lit->glint[i] = lambert > 0 ? glint : 0.0F;
+        lit->lambert[i] = lambert > 0 ? lambert : 0.0F;
+        lit->doubt[i] = fabsf(lambert) < 32 * 0x1p-24F;
+    }
+}
+
+static void show(ntp__lit *restrict lit, int32_t *restrict level, int32_t n,
+                 const ntp__lamp *restrict lamp, float own)
+{
+    const float ambient = lamp->ambient, diffuse = lamp->diffuse, specular = lamp->specular;
+    const float off = lamp->off, white = lamp->white;
+    for (int32_t i = 0; i < n; i++) {
+        float v = own * (ambient + diffuse * lit->lambert[i]) + specular * lit->glint[i];
+        float root = sqrtf(v < white ? v : white), shown = root * 255.0F + 0.5F;
+        int32_t whole = (int32_t) shown;
+        float part = shown - (float) whole, gap = part < 0.5F ? part : 1.0F - part;
+        level[i] = whole;
+        lit->doubt[i] |= !(gap * root > off + 0x1p-14F * root);
+    }
+}
+
+static int32_t differ(int32_t *restrict greatest, int32_t *restrict most, const int32_t *restrict a,
+                      const int32_t *restrict b, int32_t by_a, int32_t by_b, int32_t n)
+{
+    int32_t sum = 0, high = *most;
+    for (int32_t i = 0; i < n; i++) {
+        int32_t off = a[i] * by_a - b[i] * by_b;
+        off = off < 0 ? -off : off;
+        sum += off;
+        high = off > high ? off : high;
+        greatest[i] = off > greatest[i] ? off : greatest[i];
+    }
+    *most = high;
+    return sum;
+}
+
+static uint64_t bins(int32_t *restrict bin, int32_t *restrict most, const int32_t *restrict angle,
+                     int32_t n)
+{
+    enum { LOW = 65535 };
+    int32_t high = *most, lows = 0, highs = 0; /* of 256 angles each is below 2^24 */
+    for (int32_t i = 0; i < n; i++) {
+        bin[i] = (angle[i] + 500) / 1000;
+        high = angle[i] > high ? angle[i] : high;
+        lows += angle[i] & LOW;
+        highs += angle[i] >> 16;
+    }
+    *most = high;
+    return (uint64_t) lows + (uint64_t) highs * (LOW + 1);
+}
+
+extern const ntp__picture_kernels CONCAT(ntp__picture_loops_, NTP_ISA);
+const ntp__picture_kernels CONCAT(ntp__picture_loops_, NTP_ISA) = {
+    judge_pairs, judge_blues, make_gray, paint, light, show, differ, bins,
+};
