@@ -20,7 +20,7 @@
  *              webp.c and exr.c are built where their libraries are there; exr_channels.c: which
  *              channels of an EXR are read
  *   source.c   where bytes come from; stamp.c: which version of a file that is
- *   copy.c     an output that is equal to its input
+ *   copy.c     an output that is equal to its input, or but for chunks of a PNG
  *   output.c   where bytes go, and how a file takes the place of its target; attributes.c: what
  *              it keeps of the older file
  *   message.c  the words of errors
@@ -189,6 +189,9 @@ typedef struct ntpio_write_options {
     int32_t threads;      /* PNG: at most so many pack; 0 or 1: the caller's alone.  The bytes
                                   * are the same. */
     bool dry_run;         /* encode nothing, write nothing */
+    bool
+        without_color; /* ntpio_copy: a PNG that was read, whose gAMA, sRGB, iCCP, cHRM and cICP are
+                           * left out */
     const ntpio_info *copy_from; /* PNG: text chunks and pHYs to keep, or NULL; lives until the
                                   * commit, so that texts after the pixels are kept as well */
     const ntpio_text *texts;     /* PNG: further texts; copied */
@@ -222,7 +225,7 @@ bool ntpio_commit(ntpio_writer *writer, ntpio_error *error);
 void ntpio_abort(ntpio_writer *writer);
 
 /* Writes to `path` what is in the file options->read_path, byte for byte; or `bytes`, unless they are NULL.
- * Of the options, only those about the file that was read count. */
+ * Of the options, only those about the file that was read count, and without_color. */
 bool ntpio_copy(const char *path, const void *bytes, size_t size,
                 const ntpio_write_options *options, ntpio_error *error);
 

@@ -333,23 +333,25 @@ static bool can_be_dropped(const char *output)
 }
 
 /*
- * Would an output without changes hold what its input does, chunks included?  Then it is a copy of
- * it: its packing and its other chunks stay.  Color chunks are dropped, so files that have some
- * are written anew; and who gives a level wants the file packed by it.
+ * Is an output without changes a copy of its input?  Then its packing and its other chunks stay; only
+ * color chunks are left out.  Who gives a level wants the file packed by it.
  */
 static bool is_copied(const production *p)
 {
     const ntpio_info *info = p->s.info;
-    const bool color =
-        info->has_gama || info->has_srgb || info->has_iccp || info->has_chrm || info->has_cicp;
     return p->m->o->verb_bit == V_CLEAN && p->in->output != NULL && !is_dry_run(p->m) &&
            !needs_change(p->m) && !option_given(p->m->o, OPT_LEVEL) && info->format == NTPIO_PNG &&
-           !color && format_of(p, p->in->output, info->sample_bytes) == NTPIO_PNG;
+           format_of(p, p->in->output, info->sample_bytes) == NTPIO_PNG;
 }
 
 static outcome copy_input(const production *p, ntpio_error *error)
 {
-    const ntpio_write_options how = { .read_path = p->s.in->path, .read_stamp = p->s.info->stamp };
+    const ntpio_info *info = p->s.info;
+    const ntpio_write_options how = { .read_path = p->s.in->path,
+                                      .read_stamp = info->stamp,
+                                      .without_color = info->has_gama || info->has_srgb ||
+                                                       info->has_iccp || info->has_chrm ||
+                                                       info->has_cicp };
     return prepare_place(p, p->in->output, error) &&
                    ntpio_copy(p->in->output, p->s.bytes, p->s.size, &how, error)
                ? MADE
