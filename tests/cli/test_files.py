@@ -211,9 +211,14 @@ def test_files_from(run, tree, tmp_path):
 
 
 def test_files_from_windows(run, tree, tmp_path):
-    """Lines end with a carriage return and a newline; but that may also be part of a name."""
+    """Lines end with a carriage return and a newline."""
     (tmp_path / "list").write_bytes(b"t/b_n.png\r\n\r\nt/sub/c_n.png\r\n")
     assert listed(run, "--files-from", "list") == ["t/b_n.png", "t/sub/c_n.png"]
+
+
+def test_carriage_return_in_a_name(run, tree, tmp_path):
+    """What ends a line in a list from Windows may be part of a name here."""
+    (tmp_path / "list").write_bytes(b"t/b_n.png\r\n\r\nt/sub/c_n.png\r\n")
     (tree / "b_n.png\r").write_bytes((tree / "b_n.png").read_bytes())
     assert listed(run, "--files-from", "list") == ["t/b_n.png\r", "t/sub/c_n.png"]
     (tmp_path / "list").write_bytes(b"t/a_n.png\r\0")
@@ -289,6 +294,10 @@ def test_standard_streams(program, tmp_path):
     assert b"changed" in done.stderr
     done = spawn([program, "check", "-"], input=data)
     assert done.returncode == 1 and done.stdout.startswith(b"-: Z-zero")
+
+
+def test_standard_input_by_its_path(program, tmp_path):
+    write_png(tmp_path / "a.png", textures.wrong_blue(textures.zzero(), 0.1))
     pipe = f"cat a.png | '{program}' check /dev/stdin"
     assert spawn(["sh", "-c", pipe], cwd=tmp_path).returncode == 1
 

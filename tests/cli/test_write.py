@@ -264,9 +264,8 @@ OVERWRITING = {
 }
 
 
-@pytest.mark.parametrize("verb", OVERWRITING)
-def test_the_input_is_replaced_only_on_request(run, tmp_path, verb):
-    """-o FILE that is the input, by its own name or another: refused, but for --force."""
+def replaced_on_request(run, tmp_path, verb, names):
+    """Each of the names, given as -o, is refused, but for --force; what then comes of the input."""
     before = textures.heights() if verb == "from-height" else noisy()
     options = OVERWRITING[verb]
     inputs = ["a_n.png"]
@@ -277,32 +276,44 @@ def test_the_input_is_replaced_only_on_request(run, tmp_path, verb):
     if verb in ("clean", "convert", "transform", "resize"):
         options = [*options, *(["--from"] if verb == "convert" else ["--type"]), "standard"]
     write_png(tmp_path / "a_n.png", before)
+    (tmp_path / "sub").mkdir()
     old = (tmp_path / "a_n.png").read_bytes()
     done = run(verb, *inputs, "-o", "other.png", *options)
     assert done.returncode == 0, done.stderr
     want = (tmp_path / "other.png").read_bytes()
-    for given in ("a_n.png", "./sub/../a_n.png", "link.png"):
-        (tmp_path / "sub").mkdir(exist_ok=True)
+    for given in names:
         (tmp_path / "a_n.png").write_bytes(old)
-        if given == "link.png":
-            (tmp_path / given).symlink_to("a_n.png")
         done = run(verb, *inputs, "-o", given, *options)
         assert done.returncode == 2 and given in done.stderr, (given, done.stderr)
         assert (tmp_path / "a_n.png").read_bytes() == old, given
         done = run(verb, *inputs, "-o", given, *options, "--force")
         assert done.returncode == 0, (given, done.stderr)
         assert (tmp_path / "a_n.png").read_bytes() == want, given
-    assert (tmp_path / "link.png").is_symlink()
     (tmp_path / "a_n.png").write_bytes(old)
-    done = run(verb, *inputs, *options, "--in-place")
+    return [verb, *inputs, *options], old, want
+
+
+@pytest.mark.parametrize("verb", OVERWRITING)
+def test_the_input_is_replaced_only_on_request(run, tmp_path, verb):
+    """-o FILE that is the input, by its own name or another: refused, but for --force."""
+    names = ("a_n.png", "./sub/../a_n.png")
+    args, old, want = replaced_on_request(run, tmp_path, verb, names)
+    done = run(*args, "--in-place")
     assert done.returncode == 0, done.stderr
     assert (tmp_path / "a_n.png").read_bytes() == want
     if verb == "blend":
         (tmp_path / "a_n.png").write_bytes(old)
-        assert run(verb, *inputs, "-o", "d_n.png", *options).returncode == 2
-        assert run(verb, *inputs, "-o", "d_n.png", *options, "--force").returncode == 0
+        assert run(*args, "-o", "d_n.png").returncode == 2
+        assert run(*args, "-o", "d_n.png", "--force").returncode == 0
         assert (tmp_path / "d_n.png").read_bytes() == want
         assert (tmp_path / "a_n.png").read_bytes() == old
+
+
+@pytest.mark.parametrize("verb", OVERWRITING)
+def test_the_input_is_replaced_by_a_link_only_on_request(run, tmp_path, verb):
+    (tmp_path / "link.png").symlink_to("a_n.png")
+    replaced_on_request(run, tmp_path, verb, ["link.png"])
+    assert (tmp_path / "link.png").is_symlink()
 
 
 def test_further_inputs_are_not_overwritten(run, tmp_path):

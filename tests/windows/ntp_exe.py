@@ -180,6 +180,17 @@ def test_standard_input_is_binary(tmp_path):
     assert (tmp_path / "out.png").read_bytes() == (tmp_path / "linux.png").read_bytes()
 
 
+def test_standard_input_is_not_overwritten(tmp_path):
+    """It is a file that the shell of Windows opened."""
+    shutil.copy(OFF, tmp_path / "x_n.png")
+    shutil.copy(EXE, tmp_path / "ntp.exe")
+    words = ["/c", "ntp.exe", "clean", "-", "-o", "x_n.png", "--type", "standard", "<", "x_n.png"]
+    process = start(*words, cwd=tmp_path, exe="cmd")
+    err = process.communicate()[1].decode()
+    assert process.returncode == 2 and "x_n.png is an input" in err
+    assert (tmp_path / "x_n.png").read_bytes() == OFF.read_bytes()
+
+
 def test_a_path_of_more_than_300_characters(tmp_path):
     deep = tmp_path
     while len(str(deep)) < 300:
