@@ -169,6 +169,91 @@ static void compare_pictures(const ntp_const_image *src, paint_fn *const *paint,
     }
 }
 
+/* ------------------------------------------------------------------------ vectors that change */
+
+typedef void change_fn(const ntp_image *dst, const ntp_const_image *src);
+
+static void strengthen(const ntp_image *dst, const ntp_const_image *src)
+{
+    const ntp_transform_options how = { .flip_x = 1, .use_strength = 1, .strength = 1.7 };
+    CHECK(ntp_transform(dst, src, &how, NULL) == NTP_OK);
+}
+
+static void weaken_and_turn(const ntp_image *dst, const ntp_const_image *src)
+{
+    const ntp_transform_options how = { .quarter_turns = 2, .use_strength = 1, .strength = -0.3 };
+    CHECK(ntp_transform(dst, src, &how, NULL) == NTP_OK);
+}
+
+/* As a column of the source: the picture is turned, and so is what it is turned into. */
+static void turn(const ntp_image *dst, const ntp_const_image *src)
+{
+    const ntp_transform_options how = { .quarter_turns = 3 };
+    ntp_image upright = *dst;
+    upright.width = 1;
+    upright.height = dst->width;
+    upright.row_stride = dst->pixel_stride;
+    CHECK(ntp_transform(&upright, src, &how, NULL) == NTP_OK);
+}
+
+static void blend(const ntp_image *dst, const ntp_const_image *src, ntp_blend_mode mode,
+                  double strength)
+{
+    const ntp_blend_options how = { .mode = mode,
+                                    .use_strength = strength != 1,
+                                    .strength = strength,
+                                    .detail_alpha = mode == NTP_BLEND_LINEAR };
+    ntp_const_image detail = *src; /* repeats */
+    detail.width = (src->width + 2) / 3;
+    CHECK(ntp_blend(dst, src, &detail, &how, NULL) == NTP_OK);
+}
+
+static void reorient(const ntp_image *dst, const ntp_const_image *src)
+{
+    blend(dst, src, NTP_BLEND_RNM, 1);
+}
+
+static void reorient_strongly(const ntp_image *dst, const ntp_const_image *src)
+{
+    blend(dst, src, NTP_BLEND_RNM, 2.3);
+}
+
+static void whiteout(const ntp_image *dst, const ntp_const_image *src)
+{
+    blend(dst, src, NTP_BLEND_WHITEOUT, 1);
+}
+
+static void udn(const ntp_image *dst, const ntp_const_image *src)
+{
+    blend(dst, src, NTP_BLEND_UDN, -0.7);
+}
+
+static void linear(const ntp_image *dst, const ntp_const_image *src)
+{
+    blend(dst, src, NTP_BLEND_LINEAR, 1);
+}
+
+static change_fn *const CHANGE[] = { strengthen, weaken_and_turn,   turn, reorient,
+                                     whiteout,   reorient_strongly, udn,  linear };
+enum { CHANGES = 8 };
+
+/* Changes of a row, into rows that end where plain and other do. */
+static void compare_changes(const ntp_const_image *src, uint8_t *plain, uint8_t *other)
+{
+    ntp_image dst = ntp_image_packed(plain, src->width, 1, src->channels, src->type);
+    const size_t size = (size_t) dst.row_stride;
+    dst.encoding = src->encoding;
+    for (int32_t i = 0; i < CHANGES; i++) {
+        allowed = false;
+        dst.data = plain - size;
+        CHANGE[i](&dst, src);
+        allowed = true;
+        dst.data = other - size;
+        CHANGE[i](&dst, src);
+        CHECK(memcmp(plain - size, other - size, size) == 0);
+    }
+}
+
 static paint_fn *const PAINT[] = { reference, safe, shade, shade_in_color, differ };
 enum { PAINTS = 5, PAINTS_OF_ALL = 3 };
 
@@ -210,6 +295,8 @@ static void random_texels_16(uint64_t *seed)
             const ntp_const_image view = ntp_image_as_const(&src);
             compare_conversions(&view, (uint8_t *) out[1], (uint8_t *) (out[1] + ROW), row & 1);
             compare_pictures(&view, PAINT, PAINTS, (uint8_t *) out[1], (uint8_t *) (out[1] + ROW));
+            if (row % 8 == 0)
+                compare_changes(&view, (uint8_t *) out[1], (uint8_t *) (out[1] + ROW));
         }
     }
 }
@@ -237,6 +324,7 @@ static void widths(uint64_t *seed)
                                 stride == channels * size);
             compare_pictures(&view, PAINT, PAINTS, (uint8_t *) one.data + n * 8,
                              (uint8_t *) two.data + n * 8);
+            compare_changes(&view, (uint8_t *) one.data + n * 8, (uint8_t *) two.data + n * 8);
             guarded_free(&from);
             guarded_free(&one);
             guarded_free(&two);

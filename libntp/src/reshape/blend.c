@@ -14,6 +14,8 @@
  * An alpha a / A that fades the detail makes it a D + (A - a) N e, and linearly A N B + a M D.
  * Only u can then be too long; it is shortened.
  */
+#include "base/cpu.h"
+#include "reshape/blend_kernels.h"
 #include "texel/direction.h"
 #include "texel/unused.h"
 #include "texel/level.h"
@@ -74,6 +76,10 @@ static void unpack_detail(const job *j, ntp__block *out, int32_t x, int32_t y, i
 {
     const ntp_const_image *v = j->detail;
     int32_t row = y % v->height;
+    if (x % v->width + n <= v->width) {
+        ntp__unpack(out, v, x % v->width, row, n);
+        return;
+    }
     out->any_broken = false;
     for (int32_t done = 0; done < n;) {
         int32_t column = (x + done) % v->width, run = v->width - column;
@@ -128,44 +134,38 @@ static void blend_texel(const job *j, ntp__block *out, const ntp__block *base,
         out->c[k][i] = c[k];
 }
 
-/* The vectors of the mode in doubles, divided by 2^shift.  size is at least their length, and what
- * was added up for a component; an error is below 2^-49 of it. */
-static void estimate(const job *j, ntp__vectors *out, double *size, const ntp__vectors *base,
-                     const ntp__vectors *detail, const int32_t *alpha, int32_t n)
+extern const ntp__blend_kernels ntp__blend_loops_base, ntp__blend_loops_avx2;
+
+/* The vectors of the mode in doubles.  Beyond n, base, detail and alpha become 0. */
+static void estimate(const job *j, ntp__vectors *out, double *size, ntp__vectors *base,
+                     ntp__vectors *detail, int32_t *alpha, int32_t n)
 {
     const double strength =
         (double) j->strength.numerator / (double) ((uint64_t) 1 << j->strength.shift);
-    const double mb = j->mb, md = j->md, turn = j->flip ? -strength : strength;
-    const double most = j->fades ? md : 1;
     const ntp_blend_mode mode = j->how.mode;
-    const double filled = mode == NTP_BLEND_LINEAR ? 0 : md;
-    const double base_z = mode == NTP_BLEND_WHITEOUT ? 0 : 1;
-    const double detail_z = mode == NTP_BLEND_LINEAR ? 1 : 0, product = 1 - base_z;
-    for (int32_t i = 0; i < n; i++) {
-        double a = j->fades ? alpha[i] : 1, bx = base->c[0][i], by = base->c[1][i];
-        double bz = base->c[2][i], dx = strength * (detail->c[0][i] * a);
-        double dy = turn * (detail->c[1][i] * a);
-        double dz = detail->c[2][i] * a + (most - a) * filled, level = fabs(bz) + mb, x, y, z;
-        if (mode == NTP_BLEND_RNM) {
-            double tz = bz + mb, dot = tz * dz - bx * dx - by * dy, scale = tz * mb;
-            x = dot * bx + scale * dx;
-            y = dot * by + scale * dy;
-            z = dot * tz - scale * dz;
-            double sum = fabs(bx) + fabs(by) + level;
-            size[i] = 2 * sum * sum * (fabs(dx) + fabs(dy) + fabs(dz));
-        } else {
-            double reach = md * most;
-            x = bx * reach + dx * mb;
-            y = by * reach + dy * mb;
-            z = base_z * bz * reach + detail_z * dz * mb + product * bz * dz;
-            size[i] = (fabs(bx) + fabs(by) + fabs(bz)) * (reach + fabs(dz)) +
-                      mb * (fabs(dx) + fabs(dy) + fabs(dz));
-        }
-        z = z < 0 && bz >= 0 && detail->c[2][i] >= 0 ? 0 : z;
-        out->c[0][i] = x;
-        out->c[1][i] = y;
-        out->c[2][i] = z;
+    const bool linear = mode == NTP_BLEND_LINEAR, whiteout = mode == NTP_BLEND_WHITEOUT;
+    const ntp__mixture how = { .strength = strength,
+                               .turn = j->flip ? -strength : strength,
+                               .mb = j->mb,
+                               .md = j->md,
+                               .by_alpha = j->fades,
+                               .opaque = !j->fades,
+                               .most = j->fades ? j->md : 1,
+                               .filled = linear ? 0 : j->md,
+                               .base_z = !whiteout,
+                               .detail_z = linear,
+                               .product = whiteout };
+    const ntp__blend_kernels *loops =
+        NTP__CPU_PICK(NTP__CPU_ALL, ntp__blend_loops_base, ntp__blend_loops_avx2);
+    const int32_t filled = (n + NTP__KERNEL_LANES - 1) / NTP__KERNEL_LANES * NTP__KERNEL_LANES;
+    const size_t beyond = (size_t) (filled - n);
+    for (int32_t k = 0; k < 3; k++) {
+        memset(base->c[k] + n, 0, beyond * sizeof base->c[k][0]);
+        memset(detail->c[k] + n, 0, beyond * sizeof detail->c[k][0]);
     }
+    memset(alpha + n, 0, beyond * sizeof alpha[0]);
+    ntp__mix_fn *mix = mode == NTP_BLEND_RNM ? loops->reoriented : loops->others;
+    mix(out, size, base, detail, alpha, filled, &how);
 }
 
 /* Doubts vectors whose terms nearly cancel each other, and a z whose sign is not sure. */
@@ -195,15 +195,14 @@ static void blend_run(const job *j, int32_t x, int32_t y, int32_t n)
     ntp__block_vectors(&b, &base, n, j->mb, j->base->encoding);
     ntp__block_vectors(&d, &detail, n, j->md, j->detail->encoding);
     estimate(j, &v, size, &b, &d, detail.c[3], n);
-    for (int32_t k = 2; k < 4; k++) {
-        for (int32_t i = 0; i < n; i++)
-            out.c[k][i] = base.c[k][i];
-    }
-    ntp__block_directions(&out, doubt, &v, n, j->mb, j->base->encoding, exact);
+    for (int32_t k = 2; k < 4; k++)
+        memcpy(out.c[k], base.c[k], (size_t) n * sizeof base.c[k][0]);
+    bool any = ntp__block_directions(&out, doubt, &v, n, j->mb, j->base->encoding, exact);
     if (!exact)
         doubt_small(doubt, &v, size, n);
     const bool suspect = ntp__any_suspect(&base, n, j->mb) || ntp__any_suspect(&detail, n, j->md);
-    for (int32_t i = 0; i < n; i++) {
+    any = any || suspect || !exact || floats;
+    for (int32_t i = 0; any && i < n; i++) {
         const bool keep = suspect && (ntp__texel_unused(&base, i, j->mb, touch) ||
                                       ntp__texel_unused(&detail, i, j->md, touch));
         for (int32_t k = 0; keep && k < 3; k++)

@@ -13,7 +13,11 @@
 
 #include <string.h>
 
-enum { COLUMNS = 64 /* of the result at a time, where these are rows of the source */ };
+enum {
+    AHEAD = 8,         /* rows of the source that are asked for before they are needed */
+    COLUMNS = 128,     /* of the result at a time, where these are rows of the source */
+    TILE_BYTES = 24576 /* of such texels; they fit into the first cache, and the caller's stack */
+};
 
 typedef struct job {
     const ntp_image *dst;
@@ -98,24 +102,37 @@ static void strengthen_texel(const job *j, ntp__block *block, int32_t i)
         block->c[k][i] = c[k];
 }
 
-/* Makes a block stronger, and turns its vectors. */
-static void strengthen(const job *j, ntp__block *block, int32_t n)
+/* The vectors of a block, turned and stronger. */
+static void stronger_vectors(const job *j, ntp__vectors *v, const ntp__block *block, int32_t n)
 {
     const double factor =
         (double) j->strength.numerator / (double) ((uint64_t) 1 << j->strength.shift);
     const double by_r = j->mirror_r ? -factor : factor, by_g = j->mirror_g ? -factor : factor;
-    ntp__block was = *block;
-    ntp__vectors v, turned;
-    int32_t doubt[NTP__BLOCK];
-    ntp__block_vectors(&v, block, n, j->m, j->src.encoding);
-    for (int32_t i = 0; i < n; i++) {
-        turned.c[0][i] = v.c[j->swap][i] * by_r;
-        turned.c[1][i] = v.c[!j->swap][i] * by_g;
-        turned.c[2][i] = v.c[2][i];
+    if (j->src.encoding != NTP_ENCODING_XY) {
+        ntp__kernels(NTP__CPU_ALL)
+            ->numerators(v, block->c[j->swap], block->c[!j->swap], block->c[2], n, j->m,
+                         j->src.encoding == NTP_ENCODING_ZZERO, by_r, by_g);
+        return;
     }
-    ntp__block_directions(block, doubt, &turned, n, j->m, j->src.encoding, true);
-    const bool suspect = ntp__any_suspect(&was, n, j->m);
+    ntp__vectors was;
+    ntp__block_vectors(&was, block, n, j->m, j->src.encoding);
     for (int32_t i = 0; i < n; i++) {
+        v->c[0][i] = was.c[j->swap][i] * by_r;
+        v->c[1][i] = was.c[!j->swap][i] * by_g;
+        v->c[2][i] = was.c[2][i];
+    }
+}
+
+/* Makes a block stronger, and turns its vectors. */
+static void strengthen(const job *j, ntp__block *block, int32_t n)
+{
+    ntp__block was = *block;
+    ntp__vectors v;
+    int32_t doubt[NTP__BLOCK];
+    stronger_vectors(j, &v, block, n);
+    const bool any = ntp__block_directions(block, doubt, &v, n, j->m, j->src.encoding, true);
+    const bool suspect = ntp__any_suspect(&was, n, j->m);
+    for (int32_t i = 0; (any || suspect) && i < n; i++) {
         const bool unused = suspect && ntp__texel_unused(&was, i, j->m, 0);
         if (!unused && doubt[i] == 0)
             continue;
@@ -201,6 +218,75 @@ static void transform_run(const job *j, int32_t x, int32_t y, int32_t n)
         keep_unused_floats(j, &before, x, y, n);
 }
 
+/* Asks for memory.  (In a function of its own, compilers take it for something without effect.) */
+#ifdef __GNUC__
+#  define FETCH(address) __builtin_prefetch(address)
+#else
+#  define FETCH(address) ((void) (address))
+#endif
+
+/* Copies texels of the turned source side by side, for which its own rows are read one by one. */
+static inline void turn_texels(char *tile, const ntp_const_image *src, const ntp_rect *part,
+                               size_t size)
+{
+    enum { LINE = 64 };
+    const ptrdiff_t row = (ptrdiff_t) size * (part->x1 - part->x0), step = src->row_stride;
+    /* Texels that lie apart are not asked for. */
+    const ptrdiff_t apart = step < 0 ? -step : step;
+    const ptrdiff_t bytes = apart < LINE ? apart * (part->y1 - part->y0) : 0;
+    for (int32_t x = part->x0; x < part->x1; x++, tile += size) {
+        const char *s = ntp__at(src, x, part->y0);
+        const char *ahead =
+            (step < 0 ? s + step * (part->y1 - part->y0) : s) + AHEAD * src->pixel_stride;
+        char *d = tile;
+        for (ptrdiff_t k = 0; k < bytes; k += LINE)
+            FETCH(ahead + k);
+        for (int32_t y = part->y0; y < part->y1; y++, s += src->row_stride, d += row)
+            memcpy(d, s, size);
+    }
+}
+
+/* A part of the result that is columns of the source. */
+static void transform_tile(const job *j, const ntp_rect *part)
+{
+    uint32_t tile[TILE_BYTES / 4];
+    char *bytes = (char *) tile;
+    const int32_t width = part->x1 - part->x0;
+    const ptrdiff_t size = j->src.channels * ntp__sample_size(j->src.type);
+    /* A constant size is a load and a store. */
+    if (size == 3)
+        turn_texels(bytes, &j->src, part, 3);
+    else if (size == 4)
+        turn_texels(bytes, &j->src, part, 4);
+    else if (size == 6)
+        turn_texels(bytes, &j->src, part, 6);
+    else
+        turn_texels(bytes, &j->src, part, (size_t) size);
+    job turned = *j;
+    ntp_image row = *j->dst;
+    row.ring_rows = 0;
+    turned.dst = &row;
+    turned.src.pixel_stride = size;
+    for (int32_t y = part->y0; y < part->y1; y++, bytes += size * width) {
+        row.data = ntp__at_mut(j->dst, part->x0, y);
+        turned.src.data = bytes;
+        transform_run(&turned, 0, 0, width);
+    }
+}
+
+static void transform_tiles(const job *j, const ntp_rect *rect)
+{
+    const ptrdiff_t size = j->src.channels * ntp__sample_size(j->src.type);
+    const int32_t rows = (int32_t) (TILE_BYTES / (COLUMNS * size));
+    for (int32_t y = rect->y0; y < rect->y1; y += rows) {
+        for (int32_t x = rect->x0; x < rect->x1; x += COLUMNS) {
+            const ntp_rect part = { x, y, rect->x1 - x < COLUMNS ? rect->x1 : x + COLUMNS,
+                                    rect->y1 - y < rows ? rect->y1 : y + rows };
+            transform_tile(j, &part);
+        }
+    }
+}
+
 static bool angle_is_good(double angle)
 {
     return angle >= -NTP_MAX_ANGLE && angle <= NTP_MAX_ANGLE;
@@ -254,14 +340,13 @@ ntp_status ntp_transform(const ntp_image *dst, const ntp_const_image *src,
         ntp__rotate(dst, src, how, j.strength, ticks, &rect);
         return NTP_OK;
     }
-    /* Rows that are columns of the source: the next row needs the same lines of the cache. */
-    const int32_t most = j.swap ? COLUMNS : NTP__BLOCK;
-    for (int32_t x0 = rect.x0; x0 < rect.x1; x0 += j.swap ? COLUMNS : rect.x1 - rect.x0) {
-        const int32_t x1 = j.swap && rect.x1 - x0 > COLUMNS ? x0 + COLUMNS : rect.x1;
-        for (int32_t y = rect.y0; y < rect.y1; y++) {
-            for (int32_t x = x0; x < x1; x += most)
-                transform_run(&j, x, y, x1 - x < most ? x1 - x : most);
-        }
+    if (j.swap) {
+        transform_tiles(&j, &rect);
+        return NTP_OK;
+    }
+    for (int32_t y = rect.y0; y < rect.y1; y++) {
+        for (int32_t x = rect.x0; x < rect.x1; x += NTP__BLOCK)
+            transform_run(&j, x, y, rect.x1 - x < NTP__BLOCK ? rect.x1 - x : NTP__BLOCK);
     }
     return NTP_OK;
 }

@@ -31,7 +31,7 @@ void ntp__block_vectors(ntp__vectors *v, const ntp__block *block, int32_t n, int
     if (encoding != NTP_ENCODING_XY)
         ntp__kernels(NTP__CPU_ALL)
             ->numerators(v, block->c[0], block->c[1], block->c[2], n, m,
-                         encoding == NTP_ENCODING_ZZERO);
+                         encoding == NTP_ENCODING_ZZERO, 1, 1);
     for (int32_t i = 0; encoding == NTP_ENCODING_XY && i < n; i++) {
         int32_t one[3];
         ntp__texel_vector(one, block, i, m, encoding);
@@ -55,7 +55,7 @@ uint64_t ntp__pull_directions(ntp__block *out, int32_t *doubt, const ntp__vector
     return pulled;
 }
 
-void ntp__block_directions(ntp__block *out, int32_t *doubt, ntp__vectors *v, int32_t n, int32_t m,
+bool ntp__block_directions(ntp__block *out, int32_t *doubt, ntp__vectors *v, int32_t n, int32_t m,
                            ntp_encoding encoding, bool exact)
 {
     bool zzero = encoding == NTP_ENCODING_ZZERO;
@@ -63,11 +63,14 @@ void ntp__block_directions(ntp__block *out, int32_t *doubt, ntp__vectors *v, int
     const size_t size = (size_t) n * sizeof kept[0];
     if (encoding == NTP_ENCODING_XY)
         memcpy(kept, out->c[2], size);
-    if (ntp__kernels(NTP__CPU_ALL)
-            ->directions(out->c[0], out->c[1], out->c[2], doubt, v, n, m, zzero, exact))
+    const bool any =
+        ntp__kernels(NTP__CPU_ALL)
+            ->directions(out->c[0], out->c[1], out->c[2], doubt, v, n, m, zzero, exact);
+    if (any)
         ntp__pull_directions(out, doubt, v, n, m, zzero);
     if (encoding == NTP_ENCODING_XY)
         memcpy(out->c[2], kept, size);
+    return any;
 }
 
 static ntp__i128 magnitude(ntp__i128 a)

@@ -25,9 +25,10 @@ void ntp__block_vectors(ntp__vectors *v, const ntp__block *block, int32_t n, int
 /*
  * The levels of the directions of n vectors: those of ntp__direction_levels, but fast.  Where
  * doubt[i] is not 0 the caller asks that function, with exact components.  NTP_ENCODING_XY: b is
- * left alone.  kernels.h says how good the components have to be, and what `exact` means.
+ * left alone.  kernels.h says how good the components have to be, and what `exact` means.  False: no
+ * doubt[i] is other than 0.
  */
-void ntp__block_directions(ntp__block *out, int32_t *doubt, ntp__vectors *v, int32_t n, int32_t m,
+bool ntp__block_directions(ntp__block *out, int32_t *doubt, ntp__vectors *v, int32_t n, int32_t m,
                            ntp_encoding encoding, bool exact);
 
 /* Pulls what is too long and not in doubt, and derives its blue; returns how many. */

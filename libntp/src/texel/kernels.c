@@ -286,12 +286,12 @@ static int32_t suspect(const int32_t *restrict r, const int32_t *restrict g,
 
 static void numerators(ntp__vectors *restrict v, const int32_t *restrict r,
                        const int32_t *restrict g, const int32_t *restrict b, int32_t n, int32_t m,
-                       int32_t zzero)
+                       int32_t zzero, double by_r, double by_g)
 {
     const double twice = zzero ? 1 : 2, less = zzero ? 0 : m;
     for (int32_t i = 0; i < n; i++) {
-        v->c[0][i] = 2.0 * r[i] - m;
-        v->c[1][i] = 2.0 * g[i] - m;
+        v->c[0][i] = (2.0 * r[i] - m) * by_r;
+        v->c[1][i] = (2.0 * g[i] - m) * by_g;
         v->c[2][i] = twice * b[i] - less;
     }
 }

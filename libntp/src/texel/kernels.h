@@ -119,9 +119,11 @@ typedef int32_t ntp__pull_fn(int32_t *r, int32_t *g, int32_t *doubt, int32_t n, 
 typedef int32_t ntp__suspect_fn(const int32_t *r, const int32_t *g, const int32_t *b,
                                 const int32_t *a, int32_t n, int32_t m);
 
-/* The numerators of n levels over m: 2c - m, or c where blue is that of Z-zero. */
+/* The numerators of n levels over m: 2c - m, or c where blue is that of Z-zero.  Those of r and g
+ * are multiplied by by_r and by_g. */
 typedef void ntp__numerators_fn(ntp__vectors *v, const int32_t *r, const int32_t *g,
-                                const int32_t *b, int32_t n, int32_t m, int32_t zzero);
+                                const int32_t *b, int32_t n, int32_t m, int32_t zzero, double by_r,
+                                double by_g);
 
 typedef struct ntp__kernels_table {
     const char *name;
