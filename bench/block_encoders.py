@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: MIT
-"""What BC5 costs, by encoder: block_encoders.py [--exhaustive N]
+"""What BC5 costs, by encoder: block_encoders.py [--exhaustive N | --joint N]
 
 Degrees to the source, for the middles of sixteen textures (those of the corpus if it is there) and
 for gentle slopes of 16 bit; and the time on one thread, all in one run.  Every file is decoded
 exactly, as GPUs do, whatever its encoder supposed.  Others are taken as far as they are installed:
 etcpak, quicktex and Pillow; rgbcx from NTP_RGBCX, a shared library made of rgbcx.cpp of bc7enc_rdo.
 
---exhaustive N: N blocks of one channel against all pairs of ends instead.  NTP_BUILD is the build.
+--exhaustive N: N blocks of one channel against all pairs of ends instead.  --joint N: N blocks of these
+textures against the best that both channels can be together.  NTP_BUILD is the build.
 """
 
 import ctypes
@@ -25,6 +26,7 @@ from images import bricks, normals, rock
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT / "tests"))
 
+import joint_blocks
 from support import exact_blocks
 from support import libntp_ffi as ntp
 from test_block_encoder import encode, errors, kinds_of_blocks, picture_of
@@ -51,6 +53,7 @@ MADE = {
     "rock, soft": (lambda: rock(SIDE, 4, 0.15), 255),
     "bricks": (lambda: bricks(SIDE, 5) / 8, 255),
 }
+MOST_OF_JOINT = 0.3  # a mean of about a degree; rougher blocks have too many good pairs
 GENTLE = [(slope, seed) for slope in (0.01, 0.02, 0.04) for seed in (1, 2)]
 
 
@@ -181,9 +184,50 @@ def exhaustive(count):
         )
 
 
+def blocks_to_compare(count):
+    """(levels of x, levels of y, the 16 bytes by angle, by channel), of all textures alike."""
+    rng = np.random.default_rng(count)
+    images = [image for _, image in textures()]
+    for number in range(count):
+        image = images[number % len(images)]
+        y, x = (4 * rng.integers(0, side // 4) for side in image.shape[:2])
+        part = np.ascontiguousarray(image[y : y + 4, x : x + 4])
+        if part.shape[:2] == (4, 4):
+            yield *(part[..., c].ravel() for c in range(2)), ours(0)(part), ours(1)(part)
+
+
+def distance_of(levels, coded):
+    """The sum of distances of a coded block to its source."""
+    source, got = (
+        exact_blocks.unit(*(2.0 * v / exact_blocks.TOP - 1 for v in levels)),
+        exact_blocks.vectors(coded, 4, 4).reshape(16, 3),
+    )
+    return np.linalg.norm(source - got, axis=-1).sum()
+
+
+def joint(count):
+    rows, left_out = [], 0
+    for x, y, by_angle, by_channel in blocks_to_compare(count):
+        angle, channel = (distance_of((x, y), coded) for coded in (by_angle, by_channel))
+        rim = joint_blocks.from_rim(*(2.0 * v / exact_blocks.TOP - 1 for v in (x, y)))
+        if angle >= min(rim, MOST_OF_JOINT):
+            left_out += 1
+            continue
+        rows.append((joint_blocks.least_distance(x, y, angle), angle, channel))
+        if len(rows) % 50 == 0:
+            least, angle, channel = np.degrees(np.mean(rows, 0) / 16)
+            print(
+                f"{len(rows)} blocks, {left_out} too steep or too rough; mean degrees: the least "
+                f"{least:.4f}, angle {angle:.4f}, channel {channel:.4f}",
+                flush=True,
+            )
+
+
 def main():
     if sys.argv[1:2] == ["--exhaustive"]:
         return exhaustive(int(sys.argv[2]))
+    if sys.argv[1:2] == ["--joint"]:
+        return joint(int(sys.argv[2]))
     images = list(textures())
     texels = sum(i.shape[0] * i.shape[1] for _, i in images)
     print(f"BC5, {len(images)} textures of 8 bit, geometric means; degrees to the source")

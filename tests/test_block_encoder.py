@@ -60,6 +60,17 @@ def test_no_pair_of_ends_is_better(channels):
         assert np.array_equal(ours if c == 0 else ours[::-1], want)
 
 
+def test_no_pair_of_ends_is_better_near_the_ends_of_the_range():
+    """Where fifths have 0 and 255 besides, and texels lie a few levels beside these."""
+    rng = np.random.default_rng(9)
+    middle = rng.integers(60, 180, (200, 1)) + rng.integers(0, 40, (200, 16))
+    beside = rng.integers(0, 14, (200, 16))
+    kind = rng.choice(3, (200, 16), p=[0.6, 0.2, 0.2])
+    blocks = np.choose(kind, [middle, beside, 255 - beside]).astype(np.uint8)
+    image = picture_of(blocks)
+    assert list(errors(image, encode(image))) == [exact_blocks.least_error(b) for b in blocks]
+
+
 def test_no_pair_of_ends_is_better_for_16_bit():
     rng = np.random.default_rng(5)
     blocks = kinds_of_blocks(rng, 16).astype(np.int64) * 257
@@ -92,6 +103,16 @@ def test_by_angle_is_best(slope, m):
     assert mean[0] <= mean[1]
     assert mean[0] < 0.97 * mean[2] or slope < 0.1
     assert mean[2] < 1.2 * mean[0]
+
+
+def test_by_angle_gains_much_where_it_is_steep():
+    image = normals(np.random.default_rng(1), 64, 0.8, 255)
+    source = exact_blocks.unit(*(2.0 * image[..., c] / 255 - 1 for c in range(2)))
+    mean = [
+        exact_blocks.degrees(source, exact_blocks.vectors(encode(image, 2, q), 64, 64)).mean()
+        for q in (BY_ANGLE, BY_CHANNEL)
+    ]
+    assert mean[0] < 0.89 * mean[1], mean
 
 
 @pytest.mark.parametrize("quality", [BY_ANGLE, BY_CHANNEL, QUICK])

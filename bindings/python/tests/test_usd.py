@@ -44,6 +44,7 @@ def folder(tmp_path_factory):
     place = tmp_path_factory.mktemp("usd")
     images = {"good": GOOD, "bad": BAD, "down": DOWN, "left": LEFT, "zzero": ZZERO}
     images |= {"deep": GOOD.astype(np.uint16) * 257, "photo": textures.photograph()}
+    images["gray"] = GOOD[..., 0]
     for name, pixels in images.items():
         (place / f"{name}.png").write_bytes(png_bytes(pixels))
     Image.fromarray(BAD).save(place / "bad.jpg", quality=90)
@@ -77,6 +78,8 @@ WRONG = [
     ("NT070", "error", preview("good.png", space=None)),
     ("NT070", "warning", preview("deep.png", space="auto")),
     ("NT070", "error", mtlx("good.png", node="ND_image_color3")),
+    ("NT070", "error", mtlx("good.png", node="ND_image_color3", space="srgb_texture")),
+    ("NT070", "warning", preview("gray.png", space="auto")),
     ("NT070", "warning", mtlx("good.png", space="srgb_texture")),
     ("NT071", "error", preview("good.png", scale=None, bias=None)),
     ("NT071", "error", preview("deep.png", scale=None, bias=None)),
@@ -129,6 +132,13 @@ def test_what_is_right_is_not_accused(folder, number):
     assert not [one for one in levels if one[1] != "info"], levels
     (entry,) = entries
     assert entry["status"] == "ok" and entry["image"] == file
+
+
+def test_strength_of_z_in_0_to_1(folder):
+    for scale, full in ((2, True), (1, False)):
+        more = {"scale": (scale, scale, 1, 1), "bias": (-scale / 2, -scale / 2, 0, 0)}
+        path = usd_files.scene(folder / f"strength{scale}.usda", "zzero.png", **more)
+        assert (("NT072", "info") in found(path)[0]) != full
 
 
 def test_every_rule_has_a_case():
