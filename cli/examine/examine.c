@@ -99,22 +99,29 @@ void facts_free(facts *f)
     *f = (facts) { 0 };
 }
 
+enum { LEVELS = 65536 };
+
 static void keep_levels(facts *f, source *s)
 {
     worker *w = s->w;
+    /* Few levels are common; only unused texels may be further off than that. */
+    size_t size = (size_t) f->stats.levels_off_max[f->encoding == NTP_ENCODING_ZZERO] + 1;
     if (w->histogram == NULL)
-        w->histogram = need(calloc(65536, sizeof *w->histogram));
-    if (ntp_tally_levels_off(w->histogram, 65536, w->tally, f->encoding) != NTP_OK)
-        return;
+        w->histogram = need(calloc(LEVELS, sizeof *w->histogram));
+    if (ntp_tally_levels_off(w->histogram, size, w->tally, f->encoding) != NTP_OK) {
+        size = (size_t) f->stats.max + 1;
+        if (ntp_tally_levels_off(w->histogram, size, w->tally, f->encoding) != NTP_OK)
+            return;
+    }
     size_t count = 0;
-    for (uint32_t i = 0; i <= f->stats.max; i++)
+    for (size_t i = 0; i < size; i++)
         count += w->histogram[i] != 0;
     free(f->levels);
     f->levels = need(calloc(count + 1, sizeof *f->levels));
     f->level_count = 0;
-    for (uint32_t i = 0; i <= f->stats.max; i++) {
+    for (size_t i = 0; i < size; i++) {
         if (w->histogram[i] != 0)
-            f->levels[f->level_count++] = (level_count) { i, w->histogram[i] };
+            f->levels[f->level_count++] = (level_count) { (uint32_t) i, w->histogram[i] };
     }
 }
 

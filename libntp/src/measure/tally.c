@@ -131,6 +131,10 @@ static void add_cells(ntp_tally *t, int32_t m, ntp_encoding encoding)
 {
     color_batch batch;
     batch.n = 0;
+    if (t->narrow == 0) { /* as in most textures of 16 bit: there is nothing to look for */
+        t->cells.unnoted = 0;
+        return;
+    }
     ntp__note_rows(&t->cells);
     for (int32_t row = 0; (row = ntp__next_row(t->cells.row_seen, row)) < NTP__ROWS; row++)
         add_row(t, &batch, row, m, encoding);
