@@ -1,43 +1,127 @@
 # SPDX-License-Identifier: MIT
-"""PNG files that `ntp` writes, beside libpng's defaults: bench_png.py [FOLDER] [--pairs N] [--markdown]
+"""PNG files that `ntp` reads and writes, beside libpng and others: bench_png.py [FOLDER] [--pairs N] [--markdown]
 
-The files are the PNGs of FOLDER, or those of bench_check.py.  Sizes: `ntp convert`, which keeps the
-samples, over a copy that libpng makes.  Times: processor time of `ntp clean --jobs 1` over that of
-the copy, alternating in one run, and beside it Pillow and OpenCV (if installed) opening and saving.
+The files are the PNGs of FOLDER, or those of bench_check.py.  All times are processor times over
+those of libpng, alternating in one run; medians count.  Reading: `ntp check --jobs 1`, libspng,
+Pillow and OpenCV over a program that decodes.  Writing: `ntp clean --jobs 1`, Pillow and OpenCV over a
+copy with libpng's defaults; sizes, too, and those of oxipng -o2.  `ntp convert` makes the files for the
+sizes, as it keeps all samples.  Programs count from their start, Python's modules only what they
+do.  What is not installed is left out.  Without FOLDER, two threads on one file of 8192 x 8192 are
+compared with one, by the clock.
 """
 
 import argparse
+import importlib.util
 import os
 import statistics
+import subprocess
 import sys
 import tempfile
 from pathlib import Path
 
-from bench_check import has_opencv, ratios, show, spent, textures
+import numpy as np
+from PIL import Image
 
-GOALS = {6: 0.33, 1: 0.16}
-PILLOW = "import sys; from PIL import Image; Image.open(sys.argv[1]).save(sys.argv[2])"
-OPENCV = "import sys, cv2; cv2.imwrite(sys.argv[2], cv2.imread(sys.argv[1], cv2.IMREAD_UNCHANGED))"
+from bench_check import ratios, save, show, spent, textures
+
+LEVELS = (6, 1)
+GOALS = {"check": 0.55, 6: 0.33, 1: 0.16, "threads": 0.60}
+TIMED = """
+import sys, time
+{start}
+path, out = sys.argv[1:]
+begin = time.process_time()
+{work}
+print(time.process_time() - begin)
+"""
+PILLOW = "from PIL import Image\nImage.MAX_IMAGE_PIXELS = None\nImage.init()"
+READERS = {
+    "Pillow": TIMED.format(start=PILLOW, work="Image.open(path).load()"),
+    "OpenCV": TIMED.format(start="import cv2", work="cv2.imread(path, cv2.IMREAD_UNCHANGED)"),
+}
+WRITERS = {
+    "Pillow": TIMED.format(start=PILLOW, work="Image.open(path).save(out)"),
+    "OpenCV": TIMED.format(
+        start="import cv2", work="cv2.imwrite(out, cv2.imread(path, cv2.IMREAD_UNCHANGED))"
+    ),
+}
+OXIPNG = "import sys, oxipng; oxipng.optimize(sys.argv[1], sys.argv[2], level=2)"
+MODULES = {"Pillow": "PIL", "OpenCV": "cv2"}
 
 
-def measure(build, path, out, pairs):
-    """Of one file: {level: (size, time)} over libpng's copy, and times of the others."""
-    ntp, theirs = build / "cli" / "ntp", out / "theirs.png"
-    copy = [build / "bench" / "png_copy", path, theirs]
-    found = {}
-    for level in GOALS:
-        ours = out / f"{level}.png"
-        options = ["-q", "--jobs", "1", "--level", str(level), "-o", ours]
-        kept = [ntp, "convert", path, *options, "--force", "--type", "standard"]
-        clean = [ntp, "clean", path, *options, "--type", "standard"]
-        spent(kept)
-        spent(copy)
-        size = ours.stat().st_size / theirs.stat().st_size
-        found[level] = size, ratios([clean, copy], None, pairs)[0]
-    others = [[sys.executable, "-c", PILLOW, path, out / "pillow.png"]]
-    if has_opencv():
-        others.append([sys.executable, "-c", OPENCV, path, out / "opencv.png"])
-    return found, ratios([*others, copy], None, pairs)
+def installed(programs):
+    return {k: v for k, v in programs.items() if importlib.util.find_spec(MODULES[k]) is not None}
+
+
+def seconds(command):
+    """Processor time: of a script what it says, of a program all."""
+    if command[0] != sys.executable:
+        return spent(command)[0]
+    command = [str(part) for part in command]
+    return float(subprocess.run(command, capture_output=True, check=True).stdout)
+
+
+def alternating(commands, pairs):
+    """{name: median of its time over that of "libpng"}."""
+    times = []
+    for i in range(pairs + 1):  # the first run warms the caches
+        order = list(commands) if i % 2 else list(reversed(commands))
+        times.append({name: seconds(commands[name]) for name in order})
+    return {k: statistics.median(t[k] / t["libpng"] for t in times[1:]) for k in commands}
+
+
+def is_wide(path):
+    """16 bits?  Pillow reads 8 of them."""
+    with open(path, "rb") as file:
+        return file.read(25)[24] == 16
+
+
+def reading(build, path, pairs):
+    bench = build / "bench"
+    commands = {"ntp check": [build / "cli" / "ntp", "check", "-q", "--jobs", "1", path]}
+    if (bench / "spng_decode").exists():
+        commands["libspng"] = [bench / "spng_decode", path]
+    for name, script in installed(READERS).items():
+        if not (name == "Pillow" and is_wide(path)):
+            commands[name] = [sys.executable, "-c", script, path, ""]
+    return alternating({**commands, "libpng": [bench / "png_decode", path]}, pairs)
+
+
+def writing(build, path, out, pairs):
+    """Times and sizes of one file, over those of libpng's copy."""
+    ntp = build / "cli" / "ntp"
+    commands, sizes = {}, {}
+    for level in LEVELS:
+        options = ["-q", "--jobs", "1", "--level", str(level), "--type", "standard"]
+        commands[level] = [ntp, "clean", path, *options, "-o", out / f"{level}.png"]
+        spent([ntp, "convert", path, *options, "--force", "-o", out / "kept.png"])
+        sizes[level] = (out / "kept.png").stat().st_size
+    for name, script in installed(WRITERS).items():
+        if not (name == "Pillow" and is_wide(path)):
+            commands[name] = [sys.executable, "-c", script, path, out / f"{name}.png"]
+    commands["libpng"] = [build / "bench" / "png_copy", path, out / "libpng.png"]
+    times = alternating(commands, pairs)
+    if importlib.util.find_spec("oxipng") is not None:
+        spent([sys.executable, "-c", OXIPNG, path, out / "oxipng.png"])
+        sizes["oxipng"] = (out / "oxipng.png").stat().st_size
+    for name in commands.keys() - sizes.keys():
+        sizes[name] = (out / f"{name}.png").stat().st_size
+    return times, {name: size / sizes["libpng"] for name, size in sizes.items()}
+
+
+def cells(values, names):
+    return [f"{values[name]:.2f}" if name in values else "" for name in names]
+
+
+def two_threads(build, out, pairs):
+    """By the clock: one file of 8192 x 8192, which mirrors one of 4096 x 4096."""
+    path = out / "large.png"
+    quarter = np.asarray(Image.open(build / "check-textures" / "rock8_4096.png"))
+    half = np.hstack([quarter, quarter[:, ::-1]])
+    save(np.vstack([half, half[::-1]]), path)
+    clean = [build / "cli" / "ntp", "clean", path, "-q", "--type", "standard", "-o", out / "x.png"]
+    commands = [[*clean, "--jobs", str(jobs), "--level", "6"] for jobs in (2, 1)]
+    return ratios(commands, None, pairs, clock=1)[0]
 
 
 def main():
@@ -51,23 +135,33 @@ def main():
         files = list(textures(build / "check-textures"))
     else:
         files = [(path.name, path) for path in sorted(args.folder.rglob("*.png"))]
-    show(["file", "size 6", "size 1", "time 6", "time 1", "Pillow", "OpenCV"], args.markdown)
+    print("load:", *(f"{load:.1f}" for load in os.getloadavg()))
+    read = ["ntp check", "libspng", "Pillow", "OpenCV"]
+    times = [*LEVELS, "Pillow", "OpenCV"]
+    head = [*read, *(f"time {k}" for k in times), *(f"size {k}" for k in times), "size oxipng"]
+    show(["file", *head], args.markdown)
     if args.markdown:
-        print("|---" + "|--:" * 6 + "|")
-    sizes = {level: [] for level in GOALS}
-    with tempfile.TemporaryDirectory() as out:
+        print("|---" + "|--:" * len(head) + "|")
+    sizes = {level: [] for level in LEVELS}
+    with tempfile.TemporaryDirectory() as folder:
+        out = Path(folder)
         for name, path in files:
-            found, others = measure(build, path, Path(out), args.pairs)
-            for level, (size, _) in found.items():
-                sizes[level].append(size)
-            cells = [f"{found[k][0]:.3f}" for k in GOALS] + [f"{found[k][1]:.2f}" for k in GOALS]
-            cells += [f"{ratio:.2f}" for ratio in others]
-            show([name, *cells, *[""] * (2 - len(others))], args.markdown)
-    for level, goal in GOALS.items():
+            spent_writing, size = writing(build, path, out, args.pairs)
+            row = cells(reading(build, path, args.pairs), read)
+            row += cells(spent_writing, times) + cells(size, [*times, "oxipng"])
+            show([name, *row], args.markdown)
+            for level in LEVELS:
+                sizes[level].append(size[level])
+        if args.folder is None:
+            ratio = two_threads(build, out, args.pairs)
+            print(f"two threads, 8192 x 8192: {ratio:.2f} of one; goal {GOALS['threads']}")
+    print(f"goal of ntp check: {GOALS['check']}, at 256 x 256 1")
+    for level in LEVELS:
         mean = statistics.geometric_mean(sizes[level])
         larger = sum(size > 1 for size in sizes[level])
         print(
-            f"level {level}: size {mean:.3f}, largest {max(sizes[level]):.3f}, {larger} larger; goal of the time {goal}"
+            f"level {level}: size {mean:.3f}, largest {max(sizes[level]):.3f}, {larger} larger; "
+            f"goal of the time {GOALS[level]}"
         )
 
 

@@ -29,6 +29,11 @@ bench() {
         return
     fi
     need_tools
+    if [ "${1:-}" = png ]; then
+        want libspng-dev pkg-config --exists spng
+        [ -z "$missing" ] || rm -rf build-bench
+        install_missing
+    fi
     build_dir build-bench -Dbench=true -Dtests=false -Dbuildtype=release
     if [ "${1:-}" = quality ]; then
         shift
