@@ -26,7 +26,7 @@ static void reoriented(ntp__vectors *restrict out, double *restrict size,
         size[i] = 2 * sum * sum * (fabs(dx) + fabs(dy) + fabs(dz));
         out->c[0][i] = dot * bx + scale * dx;
         out->c[1][i] = dot * by + scale * dy;
-        out->c[2][i] = (z < 0) & (bz >= 0) & (detail->c[2][i] >= 0) ? 0 : z;
+        out->c[2][i] = ((z < 0) & (bz >= 0) & (detail->c[2][i] >= 0)) ? 0 : z;
     }
 }
 
@@ -48,7 +48,7 @@ static void others(ntp__vectors *restrict out, double *restrict size,
                   h.mb * (fabs(dx) + fabs(dy) + fabs(dz));
         out->c[0][i] = bx * reach + dx * h.mb;
         out->c[1][i] = by * reach + dy * h.mb;
-        out->c[2][i] = (z < 0) & (bz >= 0) & (detail->c[2][i] >= 0) ? 0 : z;
+        out->c[2][i] = ((z < 0) & (bz >= 0) & (detail->c[2][i] >= 0)) ? 0 : z;
     }
 }
 
