@@ -195,8 +195,10 @@ static void blend_run(const job *j, int32_t x, int32_t y, int32_t n)
     ntp__block_vectors(&b, &base, n, j->mb, j->base->encoding);
     ntp__block_vectors(&d, &detail, n, j->md, j->detail->encoding);
     estimate(j, &v, size, &b, &d, detail.c[3], n);
-    for (int32_t k = 2; k < 4; k++)
-        memcpy(out.c[k], base.c[k], (size_t) n * sizeof base.c[k][0]);
+    for (int32_t k = 2; k < 4; k++) {
+        for (int32_t i = 0; i < n; i++)
+            out.c[k][i] = base.c[k][i];
+    }
     bool any = ntp__block_directions(&out, doubt, &v, n, j->mb, j->base->encoding, exact);
     if (!exact)
         doubt_small(doubt, &v, size, n);
