@@ -86,22 +86,28 @@ static void limit_depths(unsigned *at_depth, unsigned most)
     }
 }
 
+/* The first bit last. */
+static uint16_t reversed(uint32_t value, unsigned bits)
+{
+    uint32_t result = 0;
+    for (; bits > 0; bits--, value >>= 1)
+        result = result << 1 | (value & 1);
+    return (uint16_t) result;
+}
+
 /* The words of a code follow from its lengths; their bits are written the last one first. */
-static void name_words(code *c, unsigned words)
+static void name_words(uint16_t *word, const uint8_t *lengths, unsigned words)
 {
     uint32_t first[CODE_MAX + 2] = { 0 };
     unsigned at_depth[CODE_MAX + 1] = { 0 };
     for (unsigned i = 0; i < words; i++)
-        at_depth[c->bits[i]]++;
+        at_depth[lengths[i]]++;
     at_depth[0] = 0;
     for (unsigned d = 1; d <= CODE_MAX; d++)
         first[d + 1] = (first[d] + at_depth[d]) << 1;
     for (unsigned i = 0; i < words; i++) {
-        const unsigned bits = c->bits[i];
-        const uint32_t value = bits != 0 ? first[bits]++ : 0;
-        c->word[i] = 0;
-        for (unsigned k = 0; k < bits; k++)
-            c->word[i] |= (uint16_t) ((value >> k & 1) << (bits - 1 - k));
+        const unsigned bits = lengths[i];
+        word[i] = reversed(bits != 0 ? first[bits]++ : 0, bits);
     }
 }
 
@@ -129,7 +135,7 @@ static void make_code(code *c, const uint32_t *counts, unsigned words, unsigned 
         for (unsigned i = 0; i < at_depth[d]; i++)
             c->bits[keys[--n] & ((1 << WORD_BITS) - 1)] = (uint8_t) d;
     }
-    name_words(c, words);
+    name_words(c->word, c->bits, words);
 }
 
 static void take_fixed_codes(code *words, code *distances)
@@ -137,16 +143,13 @@ static void take_fixed_codes(code *words, code *distances)
     for (unsigned i = 0; i < NTPIO__WORDS; i++)
         words->bits[i] = i < 144 ? 8 : i < 256 ? 9 : i < 280 ? 7 : 8;
     memset(distances->bits, 5, sizeof distances->bits);
-    name_words(distances, NTPIO__DISTANCES);
+    name_words(distances->word, distances->bits, NTPIO__DISTANCES);
     for (unsigned i = 0; i < NTPIO__WORDS; i++) { /* words 286 and 287 are missing in the array */
-        const unsigned bits = words->bits[i];
         const uint32_t value = i < 144   ? 0x30 + i
                                : i < 256 ? 0x190 + i - 144
                                : i < 280 ? i - 256
                                          : 0xc0 + i - 280;
-        words->word[i] = 0;
-        for (unsigned k = 0; k < bits; k++)
-            words->word[i] |= (uint16_t) ((value >> k & 1) << (bits - 1 - k));
+        words->word[i] = reversed(value, words->bits[i]);
     }
 }
 

@@ -65,7 +65,8 @@ elsewhere_libraries() { # elsewhere_libraries ARCHITECTURE ROOT
     elsewhere_apt="apt-get -q -o APT::Architecture=$1 -o APT::Architectures=$1 -o Debug::NoLocking=1
         -o Dir::State::Lists=$2/lists -o Dir::Cache=$2/cache -o Dir::State::status=/dev/null
         -o Acquire::Languages=none -o APT::Sandbox::User=root"
-    quietly "$2/apt.log" patiently $elsewhere_apt update
+    patiently $elsewhere_apt update >"$2/apt.log" 2>&1 ||
+        say "apt-get update failed; trying with what there is"
     (cd "$2/packages" && quietly "$2/apt.log" patiently $elsewhere_apt download libpng-dev \
         zlib1g-dev libjpeg62-turbo-dev libdeflate-dev libzstd-dev libpopt-dev libjansson-dev)
     for elsewhere_package in "$2"/packages/*.deb; do dpkg -x "$elsewhere_package" "$2"; done
@@ -82,7 +83,10 @@ elsewhere_program() { # elsewhere_program TARGET: tests of io/, and what ntp mak
     (
         export PKG_CONFIG_LIBDIR="$elsewhere_root/usr/lib/$elsewhere_triplet/pkgconfig"
         export PKG_CONFIG_SYSROOT_DIR="$elsewhere_root" PKG_CONFIG_PATH=
+        # The compiler of a target does not look there by itself, nor does pkg-config name them.
         elsewhere_setup "build-elsewhere/ntp-$1" "$1" -Dprefer_static=true \
+            -Dc_args="-isystem $elsewhere_root/usr/include/$elsewhere_triplet" \
+            -Dc_link_args="-static -L$elsewhere_root/usr/lib/$elsewhere_triplet" \
             -Djpeg=enabled -Dlibdeflate=enabled -Dzstd=enabled
         quietly "build-elsewhere/$1.log" ninja -C "build-elsewhere/ntp-$1" -j "$jobs"
     )
