@@ -23,4 +23,6 @@ transform --strength 1.7 --rotate 90 --y up
 END
 (cd test_files && "${ntp[@]}" check -r . --format json) >"$dir/check.json" 2>/dev/null || true
 sed -i "s|$dir||g" "$dir"/*.txt
+# It names the image libraries; those of two builds differ.
+sed -i 's/"codecs": "[^"]*"//' "$dir/check.json"
 (cd "$dir" && find . -type f | sort | xargs -d '\n' sha256sum)
