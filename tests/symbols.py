@@ -14,6 +14,7 @@ ALLOWED = {"memcpy", "memset", "memmove", "memcmp", "strcmp", "strlen", "sqrt", 
 # What compilers, sanitizers and coverage add by themselves; bcmp is clang's memcmp that asks for
 # equality only.
 GENERATED = ("__stack_chk", "__asan", "__ubsan", "__tsan", "__msan", "__gcov", "__sanitizer")
+GENERATED += ("__memcpy_chk", "__memset_chk", "__memmove_chk")  # _FORTIFY_SOURCE
 GENERATED += (
     "_GLOBAL_OFFSET_TABLE_",
     "bcmp",
