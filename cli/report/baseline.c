@@ -77,6 +77,9 @@ static void add_plain(text *t, const char *path)
 static void add_key(text *key, const baseline *b, const char *path, const char *id)
 {
     text plain = { 0 };
+    const char *here = text_string(&b->here);
+    if (path[0] == '/' && path[1] != '/') /* on Windows it begins with the drive that one is on */
+        text_bytes(&plain, here, (size_t) (os_after_drive(here) - here));
     add_plain(&plain, path);
     const bool inside = b->here.size > 0 && plain.size > b->here.size &&
                         memcmp(plain.data, b->here.data, b->here.size) == 0;
