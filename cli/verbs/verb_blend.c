@@ -219,6 +219,7 @@ static unsigned read_detail(layer *l, settings *set, const options *o, const ntp
         complain("%s", error.message);
         return RAN_FAILED;
     }
+    source_close_file(&l->s); /* -o may name it, and no open file is replaced on Windows */
     set->detail_facts = &l->f;
     set->detail_source = &l->s;
     set->detail_touch = touch_for(&l->f.stats, l->f.encoding);
