@@ -1,126 +1,59 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * encode_tmpl.h - a part of gradient_kernels.c: encodes tap sums of type SUM
+ * encode_tmpl.h - a part of gradient_kernels.c: rounds slopes of type T to levels
  *
- * T is the type of the arithmetic, NAME(x) is x with the ending of both types, and ROUND is the
- * number that rounds a T.
- * All loops take n numbers, a multiple of NTP__LANES, so that none has a remainder.
+ * NAME(x) is x with the ending of the type.  ERROR(units) bounds the relative error of so many units.
+ * All loops do whole lanes, so that none has a remainder; planes have room for these.
  */
 
-/* M/2 over the length of (x, y, 1). */
-static void NAME(invert_lengths)(T *restrict inverse, const SUM *right, const SUM *down, int32_t n,
-                                 const ntp__encode *e)
-{
-    const T cx = (T) e->cx, cy = (T) e->cy, half = (T) e->half;
-    for (int32_t i = 0; i < n; i++) {
-        T x = (T) right[i] * cx, y = (T) down[i] * cy;
-        inverse[i] = half / SQRT(1 + (x * x + y * y));
-    }
-}
-
 static ALWAYS_INLINE int32_t NAME(round_pairs)(int32_t *restrict red, int32_t *restrict green,
-                                               int32_t *restrict doubt, const SUM *right,
-                                               const SUM *down, const T *inverse, int32_t n,
-                                               const ntp__encode *e, bool shorten)
+                                               int32_t *restrict doubt, const T *restrict x,
+                                               const T *restrict y, int32_t n, const ntp__encode *e,
+                                               bool shorten)
 {
-    const T cx = (T) e->cx, cy = (T) e->cy, shortened = (T) (e->shortened * e->half);
-    const T relative = (T) e->relative, absolute = (T) e->absolute;
-    const int32_t zero = (int32_t) (e->half + 0.5);
+    const T most = (T) (e->half * UNITS), shortened = (T) (e->shortened * e->half * UNITS);
+    const int32_t zero = (int32_t) (e->half + 0.5), off = e->off, exact = -(off <= 1);
     int32_t doubts = 0;
     for (int32_t i = 0; i < n; i++) {
-        T x = (T) right[i] * cx, y = (T) down[i] * cy, factor = inverse[i];
+        T square = x[i] * x[i] + y[i] * y[i], factor = most / SQRT(1 + square);
         if (shorten) {
-            T other = shortened / SQRT(x * x + y * y);
+            T other = shortened / SQRT(square);
             factor = other < factor ? other : factor;
         }
-        x *= factor;
-        y *= factor;
-        T round_x = (x + ROUND) - ROUND, round_y = (y + ROUND) - ROUND;
-        T over_x = x - round_x, over_y = y - round_y;
-        red[i] = zero + (int32_t) round_x - (over_x < 0);
-        green[i] = zero + (int32_t) round_y - (over_y < 0);
-        T near_x = ABS(round_x) * relative - ABS(over_x);
-        T near_y = ABS(round_y) * relative - ABS(over_y);
-        T near = (near_x > near_y ? near_x : near_y) + absolute;
-        doubt[i] = near > 0 ? NTP__DOUBT : 0;
+        int32_t u = (int32_t) (ABS(x[i]) * factor), v = (int32_t) (ABS(y[i]) * factor);
+        int32_t error = ERROR(u > v ? u : v) + off;
+        red[i] = zero + ((u >> UNIT_BITS) ^ IS_NEGATIVE(x[i]));
+        green[i] = zero + ((v >> UNIT_BITS) ^ IS_NEGATIVE(y[i]));
+        int32_t least = error & exact;
+        doubt[i] = near_level(u > least ? u : least, error, UNITS) |
+                   near_level(v > least ? v : least, error, UNITS);
         doubts |= doubt[i];
     }
     return doubts;
 }
 
-/* Blue rounded from z. */
-static int32_t NAME(round_blues)(int32_t *restrict blue, int32_t *restrict doubt, const T *inverse,
-                                 int32_t n, const ntp__encode *e)
+/* Blue rounded from z.  Z-zero has twice as many levels, and so half as many units in each. */
+static int32_t NAME(round_blues)(int32_t *restrict blue, int32_t *restrict doubt,
+                                 const T *restrict x, const T *restrict y, int32_t n,
+                                 const ntp__encode *e)
 {
-    const T relative = (T) e->relative, absolute = (T) e->absolute;
-    const T factor = e->zzero ? 2 : 1, more = (T) (e->zzero ? 0.5 : 0);
-    const int32_t zero = e->zzero ? 0 : (int32_t) (e->half + 0.5);
+    const T most = (T) (e->half * UNITS);
+    const int32_t shift = e->zzero ? UNIT_BITS - 1 : UNIT_BITS, more = e->zzero ? UNITS / 4 : 0;
+    const int32_t zero = e->zzero ? 0 : (int32_t) (e->half + 0.5), off = e->off;
     int32_t doubts = 0;
     for (int32_t i = 0; i < n; i++) {
-        T z = factor * inverse[i] + more;
-        T round_z = (z + ROUND) - ROUND, over_z = z - round_z;
-        blue[i] = zero + (int32_t) round_z - (over_z < 0);
-        doubt[i] |= ABS(over_z) < round_z * relative + 2 * absolute ? NTP__DOUBT : 0;
+        int32_t u = (int32_t) (most / SQRT(1 + (x[i] * x[i] + y[i] * y[i]))) + more;
+        blue[i] = zero + (u >> shift);
+        doubt[i] |= near_level(u, ERROR(u) + off, 1 << shift);
         doubts |= doubt[i];
     }
     return doubts;
 }
 
-/* Blue derived from the rounded red and green. */
-static int32_t NAME(derive_blues)(int32_t *restrict blue, int32_t *restrict doubt,
-                                  const int32_t *red, const int32_t *green, int32_t n,
-                                  const ntp__encode *e)
+static int32_t NAME(round_slopes)(int32_t *red, int32_t *green, int32_t *blue, int32_t *doubt,
+                                  const T *x, const T *y, int32_t n, const ntp__encode *e)
 {
-    const T half = (T) e->half, quarter = half * half;
-    const T factor = e->zzero ? 2 : 1, more = (T) (e->zzero ? 0.5 : 0);
-    const int32_t zero = e->zzero ? 0 : (int32_t) (e->half + 0.5);
-    int32_t doubts = 0;
-    for (int32_t i = 0; i < n; i++) {
-        T a = (T) red[i] - half, b = (T) green[i] - half;
-        T rest = quarter - a * a - b * b;
-        T root = SQRT(rest > 0 ? rest : (T) 0);
-        blue[i] = zero + (int32_t) (factor * root + more);
-        doubt[i] |= rest < 0 ? NTP__TOO_LONG : 0;
-        doubts |= doubt[i];
-    }
-    return doubts;
-}
-
-static int32_t NAME(encode_lanes)(int32_t *red, int32_t *green, int32_t *blue, int32_t *doubt,
-                                  const SUM *right, const SUM *down, int32_t n,
-                                  const ntp__encode *e)
-{
-    T inverse[NTP__BLOCK];
-    NAME(invert_lengths)(inverse, right, down, n, e);
-    int32_t doubts = e->use_shortened
-                         ? NAME(round_pairs)(red, green, doubt, right, down, inverse, n, e, true)
-                         : NAME(round_pairs)(red, green, doubt, right, down, inverse, n, e, false);
-    if (blue == NULL)
-        return doubts;
-    return doubts | (e->derived ? NAME(derive_blues)(blue, doubt, red, green, n, e)
-                                : NAME(round_blues)(blue, doubt, inverse, n, e));
-}
-
-/* The last few numbers go through their own arrays, filled up with the first of them. */
-static int32_t NAME(encode)(int32_t *red, int32_t *green, int32_t *blue, int32_t *doubt,
-                            const SUM *right, const SUM *down, int32_t n, const ntp__encode *e)
-{
-    int32_t whole = n / NTP__LANES * NTP__LANES, rest = n - whole;
-    int32_t doubts = NAME(encode_lanes)(red, green, blue, doubt, right, down, whole, e);
-    if (rest == 0)
-        return doubts;
-    int32_t out[4][NTP__LANES];
-    SUM in[2][NTP__LANES];
-    for (int32_t i = 0; i < NTP__LANES; i++) {
-        in[0][i] = right[i < rest ? whole + i : whole];
-        in[1][i] = down[i < rest ? whole + i : whole];
-    }
-    doubts |= NAME(encode_lanes)(out[0], out[1], blue == NULL ? NULL : out[2], out[3], in[0], in[1],
-                                 NTP__LANES, e);
-    int32_t *const to[] = { red, green, blue, doubt };
-    for (int32_t k = 0; k < 4; k++) {
-        if (to[k] != NULL)
-            memcpy(to[k] + whole, out[k], (size_t) rest * sizeof out[k][0]);
-    }
-    return doubts;
+    int32_t doubts = e->use_shortened ? NAME(round_pairs)(red, green, doubt, x, y, n, e, true)
+                                      : NAME(round_pairs)(red, green, doubt, x, y, n, e, false);
+    return blue == NULL ? doubts : doubts | NAME(round_blues)(blue, doubt, x, y, n, e);
 }

@@ -20,8 +20,9 @@
 static const double least_single = 0x1p-60, most_single = 0x1p60;
 static const double least_double = 0x1p-400, most_double = 0x1p400;
 
-/* Error of the encoding loops in units of roundoff; see gradient_kernels.c. */
-static const double encode_error = 18;
+/* Float heights other than 0 differ by no less than 2^-24 of the least one, so with these their
+ * slopes too stay in the range of floats. */
+static const double least_height = 0x1p-70, least_for_floats = 0x1p-30;
 
 /* The error of tap sums in double that are not exact, over the greatest sum: they have fewer than
  * 64 roundings. */
@@ -33,9 +34,10 @@ enum { BAND = 32 /* rows; a strip as high as the image would touch a memory page
 typedef struct walk {
     ntp__gradient g;
     bool ints;       /* heights are int32_t */
+    bool floats;     /* samples are */
     bool blue;       /* blue is wanted */
-    bool single;     /* the loops may compute in float */
-    bool doubles;    /* the loops may compute in double; neither: every texel exactly */
+    bool doubles;    /* the loops may compute in double; else every texel exactly */
+    bool single;     /* also in float, but for texels in doubt */
     double greatest; /* bound of the tap sums for heights of magnitude 1 */
     ntp__encode encode;
     ntp_normals_counts counts;
@@ -51,7 +53,7 @@ typedef struct strip {
         double d[2][NTP__BLOCK];
     } sums;
     ntp__block out;
-    int32_t doubt[NTP__BLOCK]; /* NTP__DOUBT: to be done exactly; NTP__TOO_LONG */
+    int32_t doubt[NTP__BLOCK]; /* not 0: to be done exactly */
     uint8_t moved
         [NTP__BLOCK]; /* to be done exactly: repeat-slope takes a slope from outside the block */
     bool any_moved;
@@ -69,13 +71,13 @@ static bool within(const ntp__scaled *exact, double c, double least, double most
 static void set_arithmetic(walk *w, double greatest)
 {
     const ntp__gradient *g = &w->g;
+    const double least = w->floats ? least_for_floats : least_single;
+    const double most = greatest > 1 ? greatest : 1;
     w->doubles = g->m > 0 && within(&g->x, g->cx, least_double, most_double, greatest) &&
                  within(&g->y, g->cy, least_double, most_double, greatest);
-    w->single = w->ints && g->m == 255 &&
-                within(&g->x, g->cx, least_single, most_single, greatest) &&
-                within(&g->y, g->cy, least_single, most_single, greatest);
-    w->encode.relative = encode_error * (w->single ? 0x1p-24 : 0x1p-53);
-    w->encode.absolute = 0;
+    w->single = w->doubles && within(&g->x, g->cx, least, most_single, most) &&
+                within(&g->y, g->cy, least, most_single, most);
+    w->encode.off = 1;
 }
 
 /* The tap sums, in doubles, are off by up to greatest * sum_error.  No component of a normal
@@ -83,8 +85,10 @@ static void set_arithmetic(walk *w, double greatest)
 static void set_inexact(walk *w, double greatest)
 {
     double cx = w->g.cx < 0 ? -w->g.cx : w->g.cx, cy = w->g.cy < 0 ? -w->g.cy : w->g.cy;
-    w->encode.absolute = w->encode.half * (cx + cy) * greatest * sum_error;
-    w->doubles = w->doubles && w->encode.absolute < 0.25;
+    const double off = w->encode.half * (cx + cy) * greatest * sum_error;
+    w->doubles = w->doubles && off < 0.25;
+    if (w->doubles)
+        w->encode.off = 2 + (int32_t) (off * NTP__OFF_ONE);
 }
 
 static ntp_status make_walk(walk *w, const ntp_image *dst, const ntp_const_image *src,
@@ -94,16 +98,18 @@ static ntp_status make_walk(walk *w, const ntp_image *dst, const ntp_const_image
     memset(w, 0, sizeof *w);
     NTP__TRY(ntp__gradient_plan(g, dst, src, how));
     w->ints = ntp__heights_are_int(g);
+    w->floats = src->type == NTP_TYPE_F32;
     w->blue = g->derived || dst->encoding != NTP_ENCODING_XY;
     w->greatest = (double) g->kernel->gain * (double) g->range;
-    w->encode.cx = g->cx;
-    w->encode.cy = g->cy;
+    /* What is shortened to nothing has no sign. */
+    const double kept = g->shortened > 0 ? 1 : 0;
+    w->encode.cx = g->cx * kept;
+    w->encode.cy = g->cy * kept;
     w->encode.half = g->m / 2.0;
     w->encode.shortened = g->shortened;
     w->encode.use_shortened = g->min_z > 0;
-    w->encode.derived = g->derived;
     w->encode.zzero = dst->encoding == NTP_ENCODING_ZZERO;
-    if (src->type != NTP_TYPE_F32) {
+    if (!w->floats) {
         set_arithmetic(w, w->greatest);
         if (w->greatest > 0x1p53)
             set_inexact(w, w->greatest);
@@ -191,42 +197,89 @@ static bool trust_floats(walk *w, const facts *f)
         set_inexact(w, gain * (f->most > 1 ? 8 * f->most * f->most * f->most : 8));
     else if (!(gain * f->most <= 0x1p28 * f->least))
         set_inexact(w, gain * f->most);
+    w->single = w->single && one_product && f->least >= least_height;
     return w->doubles;
+}
+
+/* Derives blue where that is asked for; negative: red and green are too long.  Not 0: there are
+ * such. */
+static int32_t derive(const walk *w, int32_t *const level[3], int32_t n)
+{
+    int32_t all = 0;
+    if (!w->g.derived)
+        return 0;
+    ntp__kernels(NTP__CPU_ALL)->derive(level[2], level[0], level[1], n, w->g.m, w->encode.zzero);
+    for (int32_t i = 0; i < n; i++)
+        all |= level[2][i];
+    return all < 0;
+}
+
+/* n texels in double, from their tap sums in double. */
+static int32_t encode_precisely(const walk *w, int32_t *const level[3], int32_t *doubt,
+                                double sums[2][NTP__BLOCK], int32_t n)
+{
+    int32_t *nearest = w->blue && !w->g.derived ? level[2] : NULL;
+    const int32_t any = w->g.loops->encode_precisely(level[0], level[1], nearest, doubt, sums[0],
+                                                     sums[1], n, &w->encode);
+    return any | derive(w, level, n);
+}
+
+/* The tap sums of n texels: of all, or of those in `at`. */
+static void sums_as_doubles(double sums[2][NTP__BLOCK], const walk *w, const strip *s,
+                            const int32_t *at, int32_t n)
+{
+    for (int32_t k = 0; k < 2; k++) {
+        for (int32_t i = 0; i < n; i++) {
+            const int32_t from = at != NULL ? at[i] : i;
+            sums[k][i] = w->ints ? (double) s->sums.i[k][from] : s->sums.d[k][from];
+        }
+    }
 }
 
 /* Makes levels by the loops and fills s->doubt.  Returns whether any texel has a flag there. */
 static bool encode(walk *w, strip *s, const facts *f, int32_t n)
 {
     const ntp__gradient *g = &w->g;
-    int32_t *r = s->out.c[0], *gr = s->out.c[1], *b = w->blue ? s->out.c[2] : NULL;
-    bool trust = g->src->type == NTP_TYPE_F32 ? trust_floats(w, f) : w->single || w->doubles;
-    if (!trust) {
+    int32_t *const level[3] = { s->out.c[0], s->out.c[1], s->out.c[2] };
+    int32_t *nearest = w->blue && !g->derived ? level[2] : NULL, any;
+    if (w->floats ? !trust_floats(w, f) : !w->doubles) {
+        w->single = false;
         for (int32_t i = 0; i < n; i++)
-            s->doubt[i] = NTP__DOUBT;
+            s->doubt[i] = 1;
         return true;
     }
-    if (w->ints) {
-        ntp__encode_i_fn *loop = w->single ? g->loops->encode_single : g->loops->encode_i;
-        return loop(r, gr, b, s->doubt, s->sums.i[0], s->sums.i[1], n, &w->encode) != 0;
+    if (!w->single) {
+        double sums[2][NTP__BLOCK];
+        sums_as_doubles(sums, w, s, NULL, n);
+        return encode_precisely(w, level, s->doubt, sums, n) != 0;
     }
-    return g->loops->encode_d(r, gr, b, s->doubt, s->sums.d[0], s->sums.d[1], n, &w->encode) != 0;
+    if (w->ints)
+        any = g->loops->encode_i(level[0], level[1], nearest, s->doubt, s->sums.i[0], s->sums.i[1],
+                                 n, &w->encode);
+    else
+        any = g->loops->encode_d(level[0], level[1], nearest, s->doubt, s->sums.d[0], s->sums.d[1],
+                                 n, &w->encode);
+    return (any | derive(w, level, n)) != 0;
 }
 
-static void count(walk *w, const ntp__normal *normal)
+/* Does texels in doubt after float again in double. */
+static void settle_in_double(const walk *w, strip *s, int32_t n)
 {
-    w->counts.not_finite += !normal->finite;
-    w->counts.exact += normal->wide;
-}
-
-/* Does a texel in doubt again in double, after float; true if that settles it. */
-static bool settle_in_double(const walk *w, strip *s, int32_t i)
-{
-    ntp__encode e = w->encode;
-    e.relative = encode_error * 0x1p-53;
-    int32_t *blue = w->blue ? &s->out.c[2][i] : NULL;
-    w->g.loops->encode_i(&s->out.c[0][i], &s->out.c[1][i], blue, &s->doubt[i], &s->sums.i[0][i],
-                         &s->sums.i[1][i], 1, &e);
-    return (s->doubt[i] & NTP__DOUBT) == 0;
+    int32_t at[NTP__BLOCK], level[3][NTP__BLOCK], doubt[NTP__BLOCK], found = 0;
+    double sums[2][NTP__BLOCK];
+    for (int32_t i = 0; i < n; i++) {
+        at[found] = i;
+        found += s->doubt[i];
+    }
+    if (found == 0)
+        return;
+    sums_as_doubles(sums, w, s, at, found);
+    encode_precisely(w, (int32_t *[3]) { level[0], level[1], level[2] }, doubt, sums, found);
+    for (int32_t i = 0; i < found; i++) {
+        for (int32_t k = 0; k < 3; k++)
+            s->out.c[k][at[i]] = level[k][i];
+        s->doubt[at[i]] = doubt[i];
+    }
 }
 
 static void settle_exactly(walk *w, strip *s, int32_t x, int32_t y, int32_t i, bool known)
@@ -238,22 +291,10 @@ static void settle_exactly(walk *w, strip *s, int32_t x, int32_t y, int32_t i, b
         sums[1] = s->sums.i[1][i];
     }
     ntp__gradient_exact(&normal, &w->g, x + i, y, known ? sums : NULL);
-    count(w, &normal);
+    w->counts.not_finite += !normal.finite;
+    w->counts.exact += normal.wide;
     for (int32_t k = 0; k < 3; k++)
         s->out.c[k][i] = normal.level[k];
-    if (w->g.derived)
-        s->doubt[i] |= NTP__TOO_LONG;
-}
-
-static void settle_texel(walk *w, strip *s, int32_t x, int32_t y, int32_t i)
-{
-    bool zzero = w->g.dst->encoding == NTP_ENCODING_ZZERO;
-    bool known = w->ints && !s->moved[i];
-    bool certain = (s->doubt[i] & NTP__DOUBT) == 0 && !s->moved[i];
-    if (!certain && !(known && w->single && settle_in_double(w, s, i)))
-        settle_exactly(w, s, x, y, i, known);
-    if (s->doubt[i] & NTP__TOO_LONG)
-        s->out.c[2][i] = ntp__derive(&s->out.c[0][i], &s->out.c[1][i], w->g.m, zzero);
 }
 
 /* Does texels in doubt again, and pulls pairs that are too long onto the disc.  Such texels are
@@ -261,13 +302,20 @@ static void settle_texel(walk *w, strip *s, int32_t x, int32_t y, int32_t i)
 static void settle(walk *w, strip *s, int32_t x, int32_t y, int32_t n)
 {
     enum { GROUP = 16 };
+    const bool derived = w->g.derived;
+    int32_t *const *c = (int32_t *[3]) { s->out.c[0], s->out.c[1], s->out.c[2] };
+    if (w->single)
+        settle_in_double(w, s, n);
     for (int32_t first = 0; first < n; first += GROUP) {
         int32_t end = n - first < GROUP ? n : first + GROUP, any = 0;
         for (int32_t i = first; i < end; i++)
-            any |= s->doubt[i] | s->moved[i];
+            any |= s->doubt[i] | s->moved[i] | (derived && c[2][i] < 0);
         for (int32_t i = first; any != 0 && i < end; i++) {
-            if (s->doubt[i] != 0 || s->moved[i])
-                settle_texel(w, s, x, y, i);
+            const bool again = s->doubt[i] != 0 || s->moved[i];
+            if (again)
+                settle_exactly(w, s, x, y, i, w->ints && !s->moved[i]);
+            if (derived && (again || c[2][i] < 0))
+                c[2][i] = ntp__derive(&c[0][i], &c[1][i], w->g.m, w->encode.zzero);
         }
     }
 }
@@ -307,7 +355,8 @@ static void do_block(walk *w, strip *s, int32_t x, int32_t y, int32_t n)
         for (int32_t i = 0; i < n; i++) {
             ntp__normal normal;
             ntp__gradient_exact(&normal, &w->g, x + i, y, NULL);
-            count(w, &normal);
+            w->counts.not_finite += !normal.finite;
+            w->counts.exact += normal.wide;
             ntp__gradient_pack_float(&w->g, &normal, x + i, y);
         }
         return;

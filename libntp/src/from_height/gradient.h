@@ -138,23 +138,26 @@ typedef void ntp__tap_sums_i_fn(int32_t *sums, const int32_t *const rows[NTP__MA
 typedef void ntp__tap_sums_d_fn(double *sums, const double *const rows[NTP__MAX_TAPS],
                                 ntp_kernel kernel, int32_t down, int32_t n);
 
+/* Bits of floats without their signs. */
+typedef struct ntp__magnitudes {
+    int32_t least, most; /* the least other than 0, less 1, else INT32_MAX; the greatest */
+} ntp__magnitudes;
+
+/* Heights from floats; widens their range. */
+typedef void ntp__take_floats_fn(double *height, const float *s, int32_t n, ntp__magnitudes *m);
+
 /* What the encoding loops need to know. */
 typedef struct ntp__encode {
     double cx, cy, half; /* c/N, d/N, M/2 */
-    double relative,
-        absolute;     /* the doubt about v = M/2 times a component: relative |v| + absolute */
-    double shortened; /* sqrt(1 - min_z^2); ignored unless use_shortened */
-    int32_t use_shortened;
-    int32_t derived, zzero; /* blue */
+    double shortened;    /* sqrt(1 - min_z^2); ignored unless use_shortened */
+    int32_t use_shortened, zzero;
+    int32_t off; /* 1, and the error of M/2 times a component that tap sums cause, in 2^-15 */
 } ntp__encode;
 
-enum {
-    NTP__DOUBT = 1,   /* the rounding of red, green or a nearest blue is in doubt */
-    NTP__TOO_LONG = 2 /* red and green are to be pulled onto the disc */
-};
+enum { NTP__OFF_ONE = 1 << 15 };
 
-/* red, green: levels; blue: derived or nearest, or NULL.  doubt[i]: the flags of a texel.  Returns
- * the flags of all texels together. */
+/* red, green: levels; blue: the nearest, or NULL.  doubt[i]: 1 where the rounding of
+ * one of them is in doubt, else 0.  Returns whether any is.  All planes have room for a multiple of NTP__LANES. */
 typedef int32_t ntp__encode_i_fn(int32_t *red, int32_t *green, int32_t *blue, int32_t *doubt,
                                  const int32_t *right, const int32_t *down, int32_t n,
                                  const ntp__encode *e);
@@ -184,18 +187,13 @@ typedef struct ntp__dithering {
 typedef void ntp__dither_fn(ntp__wave_step *steps, double *along, double *down, int32_t rows,
                             int32_t n, const ntp__dithering *how);
 
-/* dst[3 n] from planes of levels 0..255. */
-typedef void ntp__pack_rgb8_fn(uint8_t *dst, const int32_t *red, const int32_t *green,
-                               const int32_t *blue, int32_t n);
-
 struct ntp__gradient_kernels {
     ntp__tap_sums_i_fn *tap_sums_i;
     ntp__tap_sums_d_fn *tap_sums_d;
-    ntp__encode_i_fn *encode_single; /* in float arithmetic, for M = 255 */
-    ntp__encode_i_fn *encode_i;      /* in double */
-    ntp__encode_d_fn *encode_d;
+    ntp__take_floats_fn *take_floats;
+    ntp__encode_i_fn *encode_i;                    /* in float arithmetic */
+    ntp__encode_d_fn *encode_d, *encode_precisely; /* in float, in double */
     ntp__dither_fn *dither;
-    ntp__pack_rgb8_fn *pack_rgb8;
 };
 
 const ntp__gradient_kernels *ntp__gradient_kernels_for(int mask);

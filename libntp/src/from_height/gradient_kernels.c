@@ -12,10 +12,10 @@
  * conversion (1), c is rounded, in double from a rounded N (2), the product (1): 4u.  p*p: 9u.
  * The sum of two such squares: 10u; with 1 added: 11u.  Its root: 5.5u + 1.  (M/2)/L: 7.5u.
  * Times p: 12.5u.  Shortened by min_z: M/2 sqrt(1 - z^2) 4u, the root of the sum of squares 6u,
- * their quotient 11u, times p: 16u.  So v = M/2 times a component is off by less than 17u |v|,
- * and its distance to the nearest integer k is exact: floor(v) is right unless that distance is
- * below 17u (|k| + 1/1000).  18u |k| covers it, with the roundings of the test itself; and k = 0 is
- * no boundary in doubt, as the sign is right.  z: 8.5u of v, 2 v + 1/2 less than 18u of it.
+ * their quotient 11u, times p: 16u.  So v = M/2 times the magnitude of a component, in units of
+ * 2^-15, is off by less than 17u v.  In float that is less than v 2^-19, in double less than one
+ * unit.  The level is right unless v is within this of a boundary; and 0 is none, as the sign is
+ * right.  z: 8.5u of v.
  * Nothing overflows or falls below the normal range, because the caller keeps c/N within limits
  * (gradient.c).  Tap sums of int32_t are exact.  Those of doubles may not be; then the caller adds
  * an absolute bound.
@@ -58,82 +58,99 @@
 #undef T
 #undef NAME
 
-/*
- * Adding this number and subtracting it again rounds a float (double) to the nearest integer.  This
- * relies on the default rounding of C, and no flag here lets the compiler change it.
- */
-#define ROUND_F 12582912.0f        /* 1.5 * 2^23 */
-#define ROUND_D 6755399441055744.0 /* 1.5 * 2^52 */
+/* v is taken in units of 1/UNITS.  With M = 65535 there are 2^30 of them. */
+enum { UNIT_BITS = 15, UNITS = 1 << UNIT_BITS };
 
-/*
- * The level of n = v / half in [-1, 1] is floor(v) + zero.  It is in doubt where v is within
- * relative |v| + absolute of an integer.  Three short loops are faster than one with two roots in a
- * row, because a processor works on many turns of a short loop at a time.
- *
- * Blue is derived in the same way.  With v = floor(M n / 2) the numerators of red and green are
- * X = 2 v_x + 1 and Y, and S/4 = (M^2 - X^2 - Y^2)/4 is an exact float (M = 255) or double.  S is
- * 7 mod 8, so 4 k^2 - S is at least 1 and root(S/4) stays 1/(8 M) below any integer k above it, far
- * more than its rounding: floor(root) is right.  For Z-zero, floor(root(S) + 1/2) is as safe:
- * 4 S = 28 mod 32, and (2b - 1)^2 is odd.
- */
-#define T       float
-#define SUM     int32_t
-#define SQRT    sqrtf
-#define ABS     fabsf
-#define ROUND   ROUND_F
-#define NAME(x) x##_single
+/* May `units`, off by less than `error`, lie on the other side of a multiple of `step`?  The sign of
+ * exact sums is right, so with these 0 is not on the other side.  Units below `error` are then
+ * passed as `error`. */
+static ALWAYS_INLINE int32_t near_level(int32_t units, int32_t error, int32_t step)
+{
+    return ((units + error) & (step - 1)) < 2 * error;
+}
+
+/* -1 for x < 0, else 0.  A comparison of doubles that gives integers is not vectorized. */
+static ALWAYS_INLINE int32_t is_negative_double(double x)
+{
+    return (int32_t) copysign(1.0, x + 0.0) >> 1;
+}
+
+#define T              float
+#define SQRT           sqrtf
+#define ABS            fabsf
+#define ERROR(units)   ((units) >> 19)
+#define IS_NEGATIVE(x) (-((x) < 0))
+#define NAME(x)        x##_single
 #include "from_height/encode_tmpl.h"
 #undef T
 #undef SQRT
 #undef ABS
-#undef ROUND
+#undef ERROR
+#undef IS_NEGATIVE
 #undef NAME
-#define T       double
-#define SQRT    sqrt
-#define ABS     fabs
-#define ROUND   ROUND_D
-#define NAME(x) x##_i
+#define T              double
+#define SQRT           sqrt
+#define ABS            fabs
+#define ERROR(units)   0
+#define IS_NEGATIVE(x) is_negative_double(x)
+#define NAME(x)        x##_double
 #include "from_height/encode_tmpl.h"
-#undef SUM
-#undef NAME
-#define SUM     double
-#define NAME(x) x##_d
-#include "from_height/encode_tmpl.h"
+
+/* The slopes of tap sums. */
+#define MAKE_SLOPES(T)                                                                             \
+    T x[NTP__BLOCK], y[NTP__BLOCK];                                                                \
+    const T cx = (T) e->cx, cy = (T) e->cy;                                                        \
+    n = (n + NTP__LANES - 1) / NTP__LANES * NTP__LANES;                                            \
+    for (int32_t i = 0; i < n; i++) {                                                              \
+        x[i] = (T) right[i] * cx;                                                                  \
+        y[i] = (T) down[i] * cy;                                                                   \
+    }
+
+static int32_t encode_i(int32_t *red, int32_t *green, int32_t *blue, int32_t *doubt,
+                        const int32_t *right, const int32_t *down, int32_t n, const ntp__encode *e)
+{
+    MAKE_SLOPES(float)
+    return round_slopes_single(red, green, blue, doubt, x, y, n, e);
+}
+
+static int32_t encode_d(int32_t *red, int32_t *green, int32_t *blue, int32_t *doubt,
+                        const double *right, const double *down, int32_t n, const ntp__encode *e)
+{
+    MAKE_SLOPES(float)
+    return round_slopes_single(red, green, blue, doubt, x, y, n, e);
+}
+
+static int32_t encode_precisely(int32_t *red, int32_t *green, int32_t *blue, int32_t *doubt,
+                                const double *right, const double *down, int32_t n,
+                                const ntp__encode *e)
+{
+    MAKE_SLOPES(double)
+    return round_slopes_double(red, green, blue, doubt, x, y, n, e);
+}
+
+/* Magnitudes are compared as the integers that have their bits. */
+static void take_floats(double *restrict height, const float *restrict s, int32_t n,
+                        ntp__magnitudes *m)
+{
+    int32_t least = m->least, most = m->most;
+    for (int32_t i = 0; i < n; i++) {
+        int32_t bits;
+        memcpy(&bits, &s[i], sizeof bits);
+        const int32_t size = bits & INT32_MAX, below = (size - 1) & INT32_MAX;
+        most = size > most ? size : most;
+        least = below < least ? below : least;
+        height[i] = (double) s[i];
+    }
+    m->least = least;
+    m->most = most;
+}
 
 #include "from_height/dither_tmpl.h"
-
-static inline bool is_little_endian(void)
-{
-    const uint16_t one = 1;
-    uint8_t first;
-    memcpy(&first, &one, 1);
-    return first == 1;
-}
-
-/* A word of eight bytes holds two pixels in six.  The next store, or the last pixels one by one,
- * overwrites the two bytes behind them. */
-static void pack_rgb8(uint8_t *dst, const int32_t *red, const int32_t *green, const int32_t *blue,
-                      int32_t n)
-{
-    uint32_t packed[NTP__BLOCK];
-    int32_t i = 0;
-    for (int32_t k = 0; k < n; k++)
-        packed[k] = (uint32_t) (red[k] | green[k] << 8 | blue[k] << 16);
-    for (; is_little_endian() && i + 4 <= n; i += 2) {
-        uint64_t word = packed[i] | (uint64_t) packed[i + 1] << 24;
-        memcpy(dst + 3 * i, &word, sizeof word);
-    }
-    for (; i < n; i++) {
-        dst[3 * i] = (uint8_t) red[i];
-        dst[3 * i + 1] = (uint8_t) green[i];
-        dst[3 * i + 2] = (uint8_t) blue[i];
-    }
-}
 
 #define TABLE_NAME_(isa) ntp__gradient_kernels_##isa
 #define TABLE_NAME(isa)  TABLE_NAME_(isa)
 
 extern const ntp__gradient_kernels TABLE_NAME(NTP_ISA);
 const ntp__gradient_kernels TABLE_NAME(NTP_ISA) = {
-    tap_sums_i, tap_sums_d, encode_single, encode_i, encode_d, dither, pack_rgb8,
+    tap_sums_i, tap_sums_d, take_floats, encode_i, encode_d, encode_precisely, dither,
 };

@@ -130,10 +130,41 @@ static void read_integers(ntp__height_row *row, int32_t at, const ntp__gradient 
     }
 }
 
+static double magnitude_of(int32_t bits)
+{
+    float v;
+    memcpy(&v, &bits, sizeof v);
+    return (double) v;
+}
+
+/* One sample of each texel, or its alpha. */
+static void read_samples(ntp__height_row *row, int32_t at, const ntp__gradient *g, const char *p,
+                         int32_t n)
+{
+    ntp__magnitudes m = { INT32_MAX, 0 };
+    float line[NTP__GRADIENT_ROW];
+    const float *s = (const float *) (const void *) (p + g->read[0] * (ptrdiff_t) sizeof(float));
+    if (g->src->pixel_stride != (ptrdiff_t) sizeof(float)) {
+        for (int32_t i = 0; i < n; i++, p += g->src->pixel_stride)
+            line[i] = ((const float *) (const void *) p)[g->read[0]];
+        s = line;
+    }
+    g->loops->take_floats(&row->h.d[at], s, n, &m);
+    const double most = magnitude_of(m.most);
+    row->finite = row->finite && ntp__is_finite(most);
+    row->most = most > row->most ? most : row->most;
+    if (m.least < INT32_MAX && magnitude_of(m.least + 1) < row->least)
+        row->least = magnitude_of(m.least + 1);
+}
+
 static void read_floats(ntp__height_row *row, int32_t at, const ntp__gradient *g, int32_t x,
                         int32_t y, int32_t n)
 {
     const char *p = ntp__at(g->src, x, y);
+    if (g->reads == 1) {
+        read_samples(row, at, g, p, n);
+        return;
+    }
     for (int32_t i = 0; i < n; i++, p += g->src->pixel_stride) {
         const float *s = (const float *) (const void *) p;
         double h = combine_floats(g, s);

@@ -51,7 +51,6 @@ static int32_t level_alpha(const ntp__gradient *g, int32_t x, int32_t y)
 void ntp__gradient_pack(const ntp__gradient *g, ntp__block *block, int32_t x, int32_t y, int32_t n)
 {
     const ntp_image *dst = g->dst;
-    bool rgb8 = dst->type == NTP_TYPE_U8 && dst->channels == 3 && dst->pixel_stride == 3;
     if (dst->encoding == NTP_ENCODING_XY) {
         for (int32_t i = 0; i < n; i++)
             block->c[2][i] = g->m;
@@ -60,10 +59,7 @@ void ntp__gradient_pack(const ntp__gradient *g, ntp__block *block, int32_t x, in
         for (int32_t i = 0; i < n; i++)
             block->c[3][i] = level_alpha(g, x + i, y);
     }
-    if (rgb8)
-        g->loops->pack_rgb8(ntp__at_mut(dst, x, y), block->c[0], block->c[1], block->c[2], n);
-    else
-        ntp__pack(dst, block, x, y, n, dst->channels);
+    ntp__pack(dst, block, x, y, n, dst->channels);
 }
 
 void ntp__gradient_pack_float(const ntp__gradient *g, const ntp__normal *normal, int32_t x,
