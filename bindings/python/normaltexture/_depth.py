@@ -126,8 +126,8 @@ def depth_from_normals_with_confidence(
     Returns
     -------
     (depth, confidence) : arrays, (height, width), float32
-        The confidence is 1/(1 + e), e the error that may be expected, in texels; with a camera in
-        parts 1/fx of the depth.  It ranks texels and is no bound.  0: there is no surface.
+        The confidence is 1/(1 + e), e the error that may be expected, in texels; with a camera fx
+        times that of the depth.  It ranks texels and is no bound.  0: there is no surface.
 
     Raises
     ------

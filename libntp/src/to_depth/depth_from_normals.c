@@ -295,13 +295,17 @@ static void write_depth(work *w, const ntp_image *dst)
     }
 }
 
-static void write_confidence(const work *w, const ntp_image *dst)
+/* With a camera the doubt is one of the logarithm of the depth, so depth itself moves by so much times
+ * the depth. */
+static void write_confidence(const work *w, const ntp_image *dst, const ntp_image *depth)
 {
+    double focal = w->terms.axis[0].focal;
     for (int32_t y = 0; y < dst->height; y++) {
         for (int32_t x = 0; x < dst->width; x++) {
             int32_t i = w->node[(size_t) y * (size_t) dst->width + (size_t) x];
-            float *out = ntp__at_mut(dst, x, y);
-            *out = i < 0 ? 0 : (float) (1 / (1 + w->doubt[i] * w->terms.axis[0].focal));
+            float *out = ntp__at_mut(dst, x, y), *z = ntp__at_mut(depth, x, y);
+            double scale = w->how.camera.fx > 0 ? focal * (double) *z : 1;
+            *out = i < 0 ? 0 : (float) (1 / (1 + w->doubt[i] * scale));
         }
     }
 }
@@ -377,7 +381,7 @@ ntp_status ntp_depth_from_normals(const ntp_image *dst, const ntp_image *confide
     w.result.turned_away = counts.turned_away;
     write_depth(&w, dst);
     if (confidence != NULL)
-        write_confidence(&w, confidence);
+        write_confidence(&w, confidence, dst);
     if (result != NULL)
         *result = w.result;
     return NTP_OK;

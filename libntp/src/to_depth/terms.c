@@ -219,13 +219,15 @@ double ntp__terms_energy(const ntp__terms *t)
     return sum;
 }
 
-/* What is left of the equations of the spring from i to j, as a force. */
+/* What is left of the equations of the spring from i to j, as a force.  The tie of LEAST is an equation
+ * too: that both are as deep.  Where a piece hangs by nothing else, its depth is a guess. */
 static double left_over(const ntp__axis_terms *a, const double *z, int32_t i, int32_t j)
 {
     double difference = z[j] - z[i], mine = (double) a->view[i], other = (double) a->view[j];
     double left = mine * difference - (double) a->rise[i];
     double right = other * difference - (double) a->rise[j];
-    return sqrt((double) a->share[i] * left * left * mine * mine +
+    double tie = a->focal * a->focal * difference;
+    return sqrt(LEAST * tie * tie + (double) a->share[i] * left * left * mine * mine +
                 (1 - (double) a->share[j]) * right * right * other * other);
 }
 
