@@ -51,21 +51,23 @@ static void clean_long(int32_t *r, int32_t *g, int32_t *want, int32_t n, int32_t
     }
 }
 
-/* Fills in the angles that the kernel left out; returns whether these are many. */
-static bool add_angles(ntp__judged *j, const ntp__block *block, int32_t n, int32_t m,
+/* Fills in the angles that the kernel left out. */
+static void add_angles(ntp__judged *j, const ntp__block *block, int32_t n, int32_t m,
                        ntp_encoding encoding)
 {
     const bool zzero = encoding == NTP_ENCODING_ZZERO;
     const int32_t twice = zzero ? 1 : 2, less = zzero ? 0 : m;
     int32_t at[NTP__BLOCK], r[NTP__BLOCK], g[NTP__BLOCK], want[NTP__BLOCK], angle[NTP__BLOCK];
-    int32_t count = 0;
+    int32_t count = 0, any = 0;
     ntp__vectors v, w;
-    for (int32_t i = 0; i < n; i++) {
+    for (int32_t i = 0; i < n; i++)
+        any |= j->angle[i];
+    for (int32_t i = 0; any < 0 && i < n; i++) {
         at[count] = i;
         count += j->angle[i] < 0;
     }
     if (count == 0)
-        return false;
+        return;
     for (int32_t i = 0; i < count; i++) {
         r[i] = block->c[0][at[i]];
         g[i] = block->c[1][at[i]];
@@ -83,7 +85,6 @@ static bool add_angles(ntp__judged *j, const ntp__block *block, int32_t n, int32
     ntp__kernels(NTP__CPU_ALL)->angles(angle, &v, &w, count);
     for (int32_t i = 0; i < count; i++)
         j->angle[at[i]] = angle[i];
-    return 2 * count > n;
 }
 
 /* How texels are wrong by more than rounding: an index of ntp__sums.harm, or NO_HARM.  Returns
@@ -145,11 +146,15 @@ static void outside_angles(int32_t *angle, const int32_t *kinds, const ntp__bloc
     }
 }
 
-/* Changes the angles. */
+/* Changes the angles.  Only texels that are no neighbors, too long or negative do harm. */
 static void add_harm(ntp__sums *sums, ntp__judged *j, const ntp__block *block,
                      const uint32_t *count, int32_t n, int32_t m, ntp_encoding encoding)
 {
+    const ntp__judged_fit *const fit = &j->fit[encoding == NTP_ENCODING_ZZERO];
     int32_t kinds[NTP__BLOCK];
+    if ((fit->every & NTP_FLAG_NEIGHBOR) &&
+        !(fit->some & (NTP_FLAG_XY_TOO_LONG | NTP_FLAG_Z_NEGATIVE)))
+        return;
     if (!find_harm(kinds, j, block, n, m, encoding))
         return;
     if (encoding == NTP_ENCODING_STANDARD)
@@ -188,56 +193,122 @@ static inline void count_fit(ntp__fit_sums *sums, uint64_t *errors, const ntp__j
     errors[key / 256] += (uint64_t) fit->off[i] * count;
 }
 
-enum { AHEAD = 32 /* texels */ };
-
-/* Brings counts that lie far apart into the first cache. */
-static void fetch(const ntp__sums *sums, const ntp__judged *j, const uint32_t *bin, int32_t from,
-                  int32_t to)
+/* Of colors that occur any number of times. */
+static void count_colors(ntp__sums *sums, const ntp__judged *j, const uint32_t *count, int32_t n)
 {
-#ifdef __GNUC__
-    for (int32_t i = from; i < to; i++) {
-        __builtin_prefetch(&sums->angles.bins[bin[i]], 1);
-        __builtin_prefetch(&sums->fit[0].levels_off[j->fit[0].levels_off[i]], 1);
-        __builtin_prefetch(&sums->fit[1].levels_off[j->fit[1].levels_off[i]], 1);
-    }
-#else
-    (void) sums, (void) j, (void) bin, (void) from, (void) to;
-#endif
-}
-
-/* Each count waits for the one before it if both are in one place, as they mostly are.  So all
- * counts of a texel are in one loop, where they wait at the same time. */
-static void count_judged(ntp__sums *sums, const ntp__judged *j, const uint32_t *count, int32_t n,
-                         bool scattered)
-{
-    uint64_t errors[2][NTP__ALL_BINS] = { { 0 } }, texels = 0, sum = 0;
-    uint32_t greatest = 0, bin[NTP__BLOCK];
+    uint64_t errors[2][NTP__ALL_BINS] = { { 0 } };
     for (int32_t i = 0; i < n; i++) {
-        const uint32_t angle = (uint32_t) j->angle[i];
-        bin[i] = (angle + 500) / 1000;
-        greatest = angle > greatest ? angle : greatest;
-        texels += count[i];
-        sum += (uint64_t) angle * count[i];
-    }
-    for (int32_t i = 0, end; i < n; i = end) {
-        end = i + AHEAD < n ? i + AHEAD : n;
-        if (scattered)
-            fetch(sums, j, bin, i, end);
-        for (int32_t k = i; k < end; k++) {
-            count_fit(&sums->fit[0], errors[0], &j->fit[0], k, count[k]);
-            count_fit(&sums->fit[1], errors[1], &j->fit[1], k, count[k]);
-            sums->angles.bins[bin[k]] += count[k];
-        }
+        count_fit(&sums->fit[0], errors[0], &j->fit[0], i, count[i]);
+        count_fit(&sums->fit[1], errors[1], &j->fit[1], i, count[i]);
+        ntp__angles_add(&sums->angles, (uint32_t) j->angle[i], count[i]);
+        sums->texels += count[i];
     }
     for (int32_t i = 0; i < NTP__ALL_BINS; i++) {
         sums->fit[0].length_error[i] += errors[0][i];
         sums->fit[1].length_error[i] += errors[1][i];
     }
-    sums->texels += texels;
-    sums->angles.texels += texels;
-    sums->angles.sum += sum;
-    if (greatest > sums->angles.max)
-        sums->angles.max = greatest;
+}
+
+/*
+ * Of colors that occur once each.  A count waits for the one before it if both are in one place, as
+ * they mostly are.  So every second texel is counted elsewhere: distances below NEAR in counts of the
+ * block.  Runs of zeros, the distances and angles of exact texels, are one count.  Lanes are whole,
+ * so that runs may be looked at beyond n.
+ */
+enum { NEAR = 16, RUN = 16 };
+
+static inline bool is_run_of_zeros(const int32_t *value)
+{
+    int32_t any = 0;
+    for (int32_t i = 0; i < RUN; i++)
+        any |= value[i];
+    return any == 0;
+}
+
+static void count_distances(uint32_t *counts, const int32_t *value, int32_t n)
+{
+    uint32_t near[NEAR] = { 0 };
+    for (int32_t i = 0; i < n; i += RUN) {
+        const int32_t end = i + RUN < n ? i + RUN : n;
+        if (is_run_of_zeros(value + i)) {
+            near[0] += (uint32_t) (end - i);
+            continue;
+        }
+        for (int32_t k = i; k + 1 < end; k += 2) {
+            uint32_t *const place = value[k + 1] < NEAR ? near : counts;
+            counts[value[k]]++;
+            place[value[k + 1]]++;
+        }
+        if ((end - i) % 2 != 0)
+            counts[value[end - 1]]++;
+    }
+    ntp__merge_counts(counts, near, NEAR);
+}
+
+static void count_angles(ntp__angle_sums *sums, const int32_t *angle, int32_t n)
+{
+    uint64_t sum = 0;
+    uint32_t greatest = 0, zeros = 0;
+    for (int32_t i = 0; i < n; i += RUN) {
+        const int32_t end = i + RUN < n ? i + RUN : n;
+        if (is_run_of_zeros(angle + i)) {
+            zeros += (uint32_t) (end - i);
+            continue;
+        }
+        for (int32_t k = i; k < end; k++) {
+            const uint32_t a = (uint32_t) angle[k];
+            sum += a;
+            greatest = a > greatest ? a : greatest;
+            sums->bins[(a + 500) / 1000]++;
+        }
+    }
+    sums->texels += (uint32_t) n;
+    sums->bins[0] += zeros;
+    sums->sum += sum;
+    sums->max = greatest > sums->max ? greatest : sums->max;
+}
+
+static inline void count_key(ntp__fit_sums *sums, const ntp__judged_fit *fit, int32_t i, bool other)
+{
+    const uint32_t key = (uint32_t) fit->key[i];
+    const uint32_t length = (uint32_t) fit->length[i] / (NTP__LENGTH_ONE / 128);
+    if (other) {
+        sums->other_flags[key]++;
+        sums->other_lengths[length]++;
+    } else {
+        sums->flags[key]++;
+        sums->lengths[length]++;
+    }
+}
+
+/* `errors` are those of standard, and of Z-zero 32 bits above. */
+static inline void count_texel(ntp__sums *sums, uint64_t *errors, const ntp__judged *j, int32_t i,
+                               bool other)
+{
+    const uint64_t off = j->fit[0].off[i] | (uint64_t) j->fit[1].off[i] << 32;
+    errors[(uint32_t) j->fit[0].key[i] / 256] += off;
+    count_key(&sums->fit[0], &j->fit[0], i, other);
+    count_key(&sums->fit[1], &j->fit[1], i, other);
+}
+
+static void count_texels(ntp__sums *sums, const ntp__judged *j, int32_t n)
+{
+    uint64_t errors[2][NTP__ALL_BINS] = { { 0 } };
+    ntp__fit_sums *const std = &sums->fit[0], *const zz = &sums->fit[1];
+    for (int32_t i = 0; i + 1 < n; i += 2) {
+        count_texel(sums, errors[0], j, i, false);
+        count_texel(sums, errors[1], j, i + 1, true);
+    }
+    if (n % 2 != 0)
+        count_texel(sums, errors[0], j, n - 1, false);
+    for (int32_t i = 0; i < NTP__ALL_BINS; i++) {
+        std->length_error[i] += (uint32_t) errors[0][i] + (uint64_t) (uint32_t) errors[1][i];
+        zz->length_error[i] += (errors[0][i] >> 32) + (errors[1][i] >> 32);
+    }
+    count_distances(std->levels_off, j->fit[0].levels_off, n);
+    count_distances(zz->levels_off, j->fit[1].levels_off, n);
+    count_angles(&sums->angles, j->angle, n);
+    sums->texels += (uint32_t) n;
 }
 
 void ntp__add_block(ntp__sums *sums, const ntp__block *block, const uint32_t *count, int32_t n,
@@ -246,18 +317,20 @@ void ntp__add_block(ntp__sums *sums, const ntp__block *block, const uint32_t *co
     ntp__judged j;
     if (n == 0)
         return;
-    if (count == NULL)
-        count = ONES;
+    const uint32_t *const times = count != NULL ? count : ONES;
     ntp__kernels(NTP__CPU_ALL)
-        ->judge_block(&j, block->c[0], block->c[1], block->c[2], count, n, m,
+        ->judge_block(&j, block->c[0], block->c[1], block->c[2], times, n, m,
                       encoding == NTP_ENCODING_ZZERO);
     for (int32_t i = 0; encoding == NTP_ENCODING_XY && i < n; i++)
         j.angle[i] = j.want[i] < 0 ? -1 : 0;
-    const bool scattered = add_angles(&j, block, n, m, encoding);
+    add_angles(&j, block, n, m, encoding);
     for (int32_t i = 0; i < 2; i++)
         add_sums(&sums->fit[i], &j.fit[i]);
-    count_judged(sums, &j, count, n, scattered);
-    add_harm(sums, &j, block, count, n, m, encoding);
+    if (count != NULL)
+        count_colors(sums, &j, count, n);
+    else
+        count_texels(sums, &j, n);
+    add_harm(sums, &j, block, times, n, m, encoding);
 }
 
 void ntp__add(ntp__sums *sums, const int32_t c[3], uint32_t count, int32_t m, ntp_encoding encoding)
@@ -297,6 +370,17 @@ static void merge_harm(ntp__harm_sums *into, const ntp__harm_sums *from)
     ntp__merge_counts(into->bins, from->bins, (size_t) ntp__harm_bin(from->max) + 1);
 }
 
+void ntp__join_halves(ntp__sums *sums)
+{
+    for (int32_t z = 0; z < 2; z++) {
+        ntp__fit_sums *const fit = &sums->fit[z];
+        ntp__merge_counts(fit->flags, fit->other_flags, NTP__ALL_BINS * 256);
+        ntp__merge_counts(fit->lengths, fit->other_lengths, NTP__LENGTH_BINS);
+        memset(fit->other_flags, 0, sizeof fit->other_flags);
+        memset(fit->other_lengths, 0, sizeof fit->other_lengths);
+    }
+}
+
 void ntp__merge_sums(ntp__sums *into, const ntp__sums *from)
 {
     if (from->texels == 0)
@@ -306,7 +390,9 @@ void ntp__merge_sums(ntp__sums *into, const ntp__sums *from)
         ntp__fit_sums *a = &into->fit[z];
         const ntp__fit_sums *b = &from->fit[z];
         ntp__merge_counts(a->flags, b->flags, NTP__ALL_BINS * 256);
+        ntp__merge_counts(a->flags, b->other_flags, NTP__ALL_BINS * 256);
         ntp__merge_counts(a->lengths, b->lengths, NTP__LENGTH_BINS);
+        ntp__merge_counts(a->lengths, b->other_lengths, NTP__LENGTH_BINS);
         ntp__merge_counts(a->levels_off, b->levels_off, (size_t) b->levels_off_max + 1);
         ntp__merge_max(&a->levels_off_max, b->levels_off_max);
         for (int32_t i = 0; i < NTP__ALL_BINS; i++)

@@ -17,13 +17,15 @@ enum {
 /* Sums over judged texels, read as standard or as Z-zero. */
 typedef struct ntp__fit_sums {
     uint32_t flags[NTP__ALL_BINS * 256]; /* texels by steepness * 256 + flags */
+    uint32_t lengths[NTP__LENGTH_BINS];
+    /* The same of every second texel of 16 bit, until ntp__join_halves. */
+    uint32_t other_flags[NTP__ALL_BINS * 256], other_lengths[NTP__LENGTH_BINS];
     uint64_t length_error[NTP__ALL_BINS];
     uint64_t length_error2[2]; /* without padding, and of padding */
     uint64_t length_sum;
     uint32_t length_max, length_inverted_min; /* ~min: zero-filled memory means none yet */
-    uint32_t lengths[NTP__LENGTH_BINS];
-    uint32_t levels_off_max;               /* the greatest index below with a count */
-    uint32_t levels_off[NTP__NO_BLUE + 1]; /* the last one is never read */
+    uint32_t levels_off_max;                  /* the greatest index below with a count */
+    uint32_t levels_off[NTP__NO_BLUE + 1];    /* the last one is never read */
 } ntp__fit_sums;
 
 enum {
@@ -58,6 +60,9 @@ static inline uint32_t ntp__harm_bin(uint64_t angle)
 void ntp__clear_sums(ntp__sums *sums);
 
 void ntp__merge_sums(ntp__sums *into, const ntp__sums *from);
+
+/* Adds the counts that were kept apart, for those who read `flags` and `lengths`. */
+void ntp__join_halves(ntp__sums *sums);
 
 /* Adds count[i] texels (NULL: one each) of the color c[0..2][i], i < n, with angles by this
  * encoding. */

@@ -174,21 +174,13 @@ static void count_wide(ntp_tally *t, const ntp__block *block, int32_t n)
     ntp__add_block(&t->wide, block, NULL, n, 65535, ntp__judged_as((ntp_encoding) t->encoding));
 }
 
-static void add_planes(ntp_tally *t, const ntp__block *block, int32_t n)
+static void add_planes(ntp_tally *t, const ntp__survey *survey)
 {
     for (int32_t k = 0; k < 3; k++) {
-        uint32_t least = UINT32_MAX, greatest = 0, sum = 0;
-        const int32_t *c = block->c[k];
-        for (int32_t i = 0; i < n; i++) {
-            uint32_t v = (uint32_t) c[i];
-            least = v < least ? v : least;
-            greatest = v > greatest ? v : greatest;
-            sum += v;
-        }
         ntp__channel_sums *sums = &t->channel[k];
-        sums->sum += sum;
-        sums->max = greatest > sums->max ? greatest : sums->max;
-        sums->inverted_min = ~least > sums->inverted_min ? ~least : sums->inverted_min;
+        sums->sum += survey->sum[k];
+        ntp__merge_max(&sums->max, survey->greatest[k]);
+        ntp__merge_max(&sums->inverted_min, ~survey->least[k]);
     }
 }
 
@@ -212,33 +204,20 @@ static bool count_used(ntp_tally *t, int32_t r, int32_t g, int32_t b, int32_t a,
     return false;
 }
 
-/* Are these 16-bit texels of three channels all for count_wide, and none of them flat?  As mostly;
- * then nothing of count_block is left to do for each. */
-static bool are_wide(const ntp__block *block, int32_t n)
-{
-    enum { K = 32768 };
-    uint32_t odd = 0;
-    for (int32_t i = 0; i < n; i++) {
-        const uint32_t r = (uint32_t) block->c[0][i], g = (uint32_t) block->c[1][i],
-                       b = (uint32_t) block->c[2][i];
-        const uint32_t narrow =
-            (((r >> 8) ^ r) & 255) | (((g >> 8) ^ g) & 255) | (((b >> 8) ^ b) & 255);
-        odd |= (uint32_t) (narrow == 0) | (uint32_t) (((r ^ g) | (g ^ b)) == 0) |
-               ((uint32_t) (r - K + 1 <= 1) & (uint32_t) (g - K + 1 <= 1));
-    }
-    return odd == 0;
-}
-
 static void count_block(ntp_tally *t, ntp__block *block, int32_t n, int32_t m)
 {
     unused_run run = { { 0, 0, 0 }, 0 };
     int32_t wide = 0;
-    if (!block->any_broken)
-        add_planes(t, block, n);
-    if (m == 65535 && t->channels == 3 && !block->any_broken && are_wide(block, n)) {
-        t->is_wide = 1;
-        count_wide(t, block, n);
-        return;
+    if (!block->any_broken) {
+        ntp__survey survey;
+        ntp__kernels(NTP__CPU_ALL)->survey(&survey, block->c[0], block->c[1], block->c[2], n);
+        add_planes(t, &survey);
+        /* As mostly, these are all for count_wide, and none is flat: nothing is left for each. */
+        if (m == 65535 && t->channels == 3 && survey.odd == 0) {
+            t->is_wide = 1;
+            count_wide(t, block, n);
+            return;
+        }
     }
     for (int32_t i = 0; i < n; i++) {
         int32_t r = block->c[0][i], g = block->c[1][i], b = block->c[2][i], a = block->c[3][i];

@@ -306,6 +306,7 @@ const ntp__kernels_table CONCAT(ntp__kernels_, NTP_ISA) = {
     clean_rgb16,
     derive,
     validate,
+    survey,
     judge_block,
     directions,
     angles,

@@ -56,6 +56,15 @@ typedef struct ntp__validity {
 typedef void ntp__validate_fn(uint8_t *flags, int32_t *const c[4], int32_t n,
                               const ntp__validity *how);
 
+/* What is known of a block of texels at once. */
+typedef struct ntp__survey {
+    uint32_t least[3], greatest[3], sum[3];
+    uint32_t odd; /* not 0: a texel is gray, flat at 16 bit, or one of 8 bit times 257 */
+} ntp__survey;
+
+/* 1 <= n <= 256.  The planes have room for whole lanes, and change beyond n. */
+typedef void ntp__survey_fn(ntp__survey *survey, int32_t *r, int32_t *g, int32_t *b, int32_t n);
+
 /* A block of texels, judged as standard or as Z-zero. */
 typedef struct ntp__judged_fit {
     int32_t key[256];        /* steepness * 256 + flags (judged.h) */
@@ -65,6 +74,7 @@ typedef struct ntp__judged_fit {
     uint64_t length_sum,
         length_error2[2]; /* the second: squares of off; without padding, and of it */
     uint32_t least, greatest, levels_off_max;
+    uint32_t every, some; /* the bits of all keys, and those of any */
 } ntp__judged_fit;
 
 typedef struct ntp__judged {
@@ -134,6 +144,7 @@ typedef struct ntp__kernels_table {
     ntp__clean16_fn *clean_rgb16;
     ntp__derive_fn *derive;
     ntp__validate_fn *validate;
+    ntp__survey_fn *survey;
     ntp__judge_block_fn *judge_block;
     ntp__directions_fn *directions;
     ntp__angles_fn *angles;
