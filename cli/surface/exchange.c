@@ -33,7 +33,7 @@ enum {
 static const double Z_LEAST = 0.05;
 
 /* The difference, its deviations, and the least that a scale may say to the contrary.  These were chosen
- * on one half of 404 real textures; docs/gpu-textures.md has the results of the other half. */
+ * on 404 real textures; docs/gpu-textures.md says how many of them are told. */
 static const double SURE_DIFFERENCE = 0.05, SURE_DEVIATIONS = 5, CONTRARY = -0.03;
 
 typedef struct slopes {
