@@ -14,7 +14,7 @@ import normaltexture as nt
 from normaltexture import gltf
 from normaltexture.gltf import _cli
 from pysupport import gltf_files as files
-from support import gpu_textures, textures
+from support import encoders, gpu_textures, textures
 from support.pngs import png_bytes
 
 SIDE = 48
@@ -32,10 +32,10 @@ def with_alpha(level):
     return np.dstack([GOOD, np.full(GOOD.shape[:2], level, np.uint8)])
 
 
-def plain(texture=GOOD, mime="image/png", **more):
+def plain(texture=GOOD, mime="image/png", chunks=(), **more):
     """A model of one normals texture in a PNG."""
     made = files.Model()
-    number = made.image("wall_n.png", png_bytes(texture), mime)
+    number = made.image("wall_n.png", png_bytes(texture, chunks=chunks), mime)
     made.material("wall", normalTexture={"index": number} | more)
     return made
 
@@ -282,19 +282,35 @@ def test_what_cannot_be_repaired_is_said(tmp_path, capsys, made):
     assert _cli.main([str(copy)]) == 1
 
 
-def test_constant_blue_and_z_zero_are_repaired(tmp_path, capsys):
-    """As of two sample models of Khronos: SheenChair, and Box With Spaces."""
+@pytest.mark.parametrize("chunks", [(), [(b"sRGB", b"\0"), (b"gAMA", b"\0\0\xb1\x8f")]])
+def test_constant_blue_and_z_zero_are_repaired(tmp_path, capsys, chunks):
+    """As of two sample models of Khronos: SheenChair, and Box With Spaces.  Many have color chunks."""
     constant = np.dstack([GOOD[..., :2], np.full(GOOD.shape[:2], 255, np.uint8)])
     # Nearly flat, so that z in 0..1 and in -1..1 are both within the limits of `ntp check`.
     flat = np.full_like(GOOD, (128, 128, 255))
     flat[:6, :6] = ZZERO[:6, :6]
     for name, texture in (("constant", constant), ("zzero", ZZERO), ("flat", flat)):
-        path, copy = save(plain(texture), tmp_path / name), tmp_path / "out" / f"{name}.gltf"
+        path = save(plain(texture, chunks=chunks), tmp_path / name)
+        copy = tmp_path / "out" / f"{name}.gltf"
         before = {(rule, level) for rule, level in found(path)[0] if level != "info"}
         assert before, name
         assert _cli.main([str(path), "-o", str(copy), "--fail-on", "warning"]) == 0, name
         assert "nothing to change" not in capsys.readouterr().out
         assert not {level for _, level in found(copy)[0]} - {"info"}, name
+
+
+def test_numbers_converted_to_srgb_are_undone(tmp_path):
+    """And z is not derived from x and y as they are, although blue looks like z in 0..1."""
+    flat = GOOD.copy()
+    flat[12:] = 128, 128, 255
+    path, copy = (
+        save(plain(encoders.srgb_encode(flat)), tmp_path / "a"),
+        tmp_path / "out" / "a.gltf",
+    )
+    assert ("NT040", "error") in found(path)[0]
+    assert _cli.main([str(path), "-o", str(copy)]) == 0
+    (image,) = files.resources(copy)[1]
+    assert nt.compare(nt.read(image), flat, type="standard").angles.max < 1.5
 
 
 VALIDATE = """

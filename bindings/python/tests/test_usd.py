@@ -19,10 +19,11 @@ from PIL import Image
 from pxr import Usd, UsdValidation
 from referencing import Registry, Resource
 
+import normaltexture as nt
 from normaltexture import usd
 from normaltexture.usd import _cli, validator
 from pysupport import ROOT, usd_files
-from support import textures
+from support import encoders, textures
 from support.pngs import png_bytes, read_png
 
 GOOD = textures.standard(48, 64)
@@ -266,6 +267,17 @@ def test_what_cannot_be_repaired_is_said(folder, tmp_path, capsys):
         assert _cli.main([str(path), "-o", str(tmp_path / name)]) == code, name
         said = capsys.readouterr()
         assert word in said.out + said.err, name
+
+
+def test_numbers_converted_to_srgb_are_undone(tmp_path):
+    flat = GOOD.copy()
+    flat[12:] = 128, 128, 255
+    (tmp_path / "flat.png").write_bytes(png_bytes(encoders.srgb_encode(flat)))
+    path = usd_files.scene(tmp_path / "a.usda", "flat.png")
+    assert ("NT040", "error") in found(path)[0]
+    assert _cli.main([str(path), "--in-place"]) == 0
+    made, _ = read_png(tmp_path / "flat.png")
+    assert nt.compare(made, flat, type="standard").angles.max < 1.5
 
 
 def test_json_is_as_the_schema_says(folder, tmp_path, capsys):

@@ -258,6 +258,22 @@ def judge(
     return files
 
 
+def type_to_clean(judged: Json, type: str, method: str) -> tuple[str, str]:
+    """As what, and how, an image that `judge` has seen is cleaned.
+
+    An accident (channels in wrong places, numbers converted to sRGB) makes the program look itself:
+    it undoes that, or refuses.  Color chunks have the id of the second, and are but notes.
+    """
+    ids = {found["id"] for found in judged["findings"] if found["level"] != "info"}
+    if ids & {"NT012", "NT040"}:
+        return "auto", method
+    if (
+        "looks_like" in judged
+    ):  # x and y are right, and z was stored for other readers or not at all
+        return "standard", "derive"
+    return type, method
+
+
 def _merge(entry: Json, file: Json, type: GltfType) -> None:
     """Puts what the program said about an image into its entry."""
     about_container = entry["findings"]

@@ -19,6 +19,7 @@ from ._check import (
     image_fields,
     judge,
     texel_findings,
+    type_to_clean,
     where,
     why,
 )
@@ -37,10 +38,8 @@ WRITTEN = ("image/png", "image/jpeg", WEBP)
 def _clean_words(entry: Json, how: Json) -> list[str]:
     """The options of `ntp clean` for an image: what it is, and the method."""
     type, method = how["type"], how["method"]
-    accident = any(found["id"] in ("NT012", "NT040") for found in entry["findings"])
-    if type == "auto" and "looks_like" in entry and not accident:
-        # x and y are right, and z was stored for other readers or not at all.
-        return ["--type", "standard", "--method", "derive"]
+    if type == "auto":
+        type, method = type_to_clean(entry, type, method)
     return ["--type", type, "--method", method]
 
 

@@ -11,7 +11,7 @@ from typing import Any
 from .. import _ntp
 from .._atomic import write_atomically, write_inside
 from .._named import MAX_BYTES, is_inside, read_named
-from ..gltf._check import by_level
+from ..gltf._check import by_level, type_to_clean
 from ..gltf._pixels import media_type
 from ._check import check_scene, first_decoding, image_fields, lost_layers, where
 from ._pxr import Ar, Sdf, UsdUtils
@@ -66,8 +66,7 @@ def _clean_image(
     elif mime != "image/png":
         _skip(entry, f"{mime} is not written: clean its source, or convert it to PNG")
     else:
-        looks = found.get("looks_like")
-        type, how = ("standard", "derive") if looks else (read.type, method)
+        type, how = type_to_clean(found, read.type, method)
         if found["type"] in ("height", "not-normals", "object-space"):
             type = "auto"  # and the program refuses it
         with tempfile.TemporaryDirectory(prefix="ntp-usd-") as scratch:
