@@ -63,9 +63,9 @@ def test_no_pair_of_ends_is_better(channels):
 def test_no_pair_of_ends_is_better_near_the_ends_of_the_range():
     """Where fifths have 0 and 255 besides, and texels lie a few levels beside these."""
     rng = np.random.default_rng(9)
-    middle = rng.integers(60, 180, (200, 1)) + rng.integers(0, 40, (200, 16))
-    beside = rng.integers(0, 14, (200, 16))
-    kind = rng.choice(3, (200, 16), p=[0.6, 0.2, 0.2])
+    middle = rng.integers(60, 180, (1200, 1)) + rng.integers(0, 40, (1200, 16))
+    beside = rng.integers(0, rng.choice([14, 30], (1200, 1)), (1200, 16))
+    kind = rng.choice(3, (1200, 16), p=[0.6, 0.2, 0.2])
     blocks = np.choose(kind, [middle, beside, 255 - beside]).astype(np.uint8)
     image = picture_of(blocks)
     assert list(errors(image, encode(image))) == [exact_blocks.least_error(b) for b in blocks]
