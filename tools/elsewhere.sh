@@ -110,9 +110,13 @@ elsewhere_macos() { # elsewhere_macos PROCESSOR
     elsewhere_dir=build-elsewhere/macos-$1
     (
         export PATH="$top/.venv-zig/bin:$PATH" # the cross file says python3 -m ziglang
-        [ -f "$elsewhere_dir/build.ninja" ] || quietly "$elsewhere_dir.setup.log" meson setup \
-            "$elsewhere_dir" --wrap-mode=nodownload --cross-file "packaging/cross/macos-$1.ini" \
-            -Ddebug=false -Doptimization=1 -Dgegl=disabled -Dgimp=disabled -Dtests=false
+        # In there: zig leaves an a.o where Meson asks it what it is.
+        [ -f "$elsewhere_dir/build.ninja" ] || (
+            cd build-elsewhere
+            quietly "macos-$1.setup.log" meson setup "macos-$1" "$top" --wrap-mode=nodownload \
+                --cross-file "$top/packaging/cross/macos-$1.ini" -Ddebug=false -Doptimization=1 \
+                -Dgegl=disabled -Dgimp=disabled -Dtests=false
+        )
         quietly "$elsewhere_dir.log" ninja -C "$elsewhere_dir" -j "$jobs"
     )
     .venv-zig/bin/python tests/elsewhere/mach_o.py "$elsewhere_dir/cli/ntp" \
