@@ -70,12 +70,13 @@ const finding_spec FINDING_TABLE[FINDING_COUNT] = {
         "orders `ntp convert` takes letters: `ntp convert --from-channels -y-x` reads DXT5nm, `ntp convert "
         "--from-channels zyx` swapped red and blue." },
     [NT013] = { "NT013", "nt013", "error", "x and y are exchanged",
-        "In a DDS or KTX2: the slopes fit a surface when x and y change places, and do not fit one as they are. The "
-        "format ATI2 was first written with y before x, and some tools still do so; GPUs read the first as x. Every normal "
-        "is turned then. It is said only where it is sure, which is so in nine of ten exchanged textures: the others show "
-        "too little of a surface.",
+        "In a DDS or KTX2, and elsewhere with `--deep`: the slopes fit a surface when x and y change places, and do not "
+        "fit one as they are. The format ATI2 was first written with y before x, and some tools still do so; GPUs read the "
+        "first as x. A picture that was rotated by 90 degrees without its normals shows the same. Every normal is turned "
+        "then. It is said only where it is sure, which is so in nine of ten exchanged textures: the others show too little "
+        "of a surface.",
         "`ntp convert --from-channels yx` makes a standard PNG with x and y in their places. Better: export as BC5 with "
-        "the header of DirectX 10, x first." },
+        "the header of DirectX 10, x first; and rotate by `ntp transform --rotate 90`, which turns the normals too." },
     [NT014] = { "NT014", "nt014", "warning", "one of two channels holds nothing",
         "A texture of two channels, such as BC5, has the same number everywhere in one of them, so only x or only y is "
         "there. The cause is a wrong order of channels before compression, such as that of DXT5nm, whose red is 1.",

@@ -50,7 +50,7 @@ static void examine_file(const check *c, worker *w, const input *in, checked *do
     if (deep)
         s.read_permille = DEEP_READ_PERMILLE;
     done->readable = examine(&s, c->forced, &done->f, &done->error);
-    if (done->readable && of_gpus)
+    if (done->readable && (deep || of_gpus))
         exchange_look(&s, &done->f);
     if (done->readable && deep)
         done->readable = surface_look_deeper(&s, &done->f, y, &done->error);

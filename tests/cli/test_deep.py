@@ -264,6 +264,18 @@ def test_paint_around_holes_and_too_many(run, tmp_path):
     assert file["residual_levels"] is None and file["residual_area"] is None
 
 
+@pytest.mark.parametrize("name", ["right", "rotated", "exchanged"])
+def test_exchanged_x_and_y(run, tmp_path, name):
+    """Rotating a picture without its normals exchanges them too, whichever way green points."""
+    n = reconstruction.from_height(reconstruction.fractal(128), "central")
+    wrong = {"right": n, "rotated": np.rot90(n), "exchanged": n[..., [1, 0, 2]]}[name]
+    write_png(tmp_path / "a_n.png", np.ascontiguousarray(wrong))
+    assert "NT013" not in ids(only(run, "a_n.png"))
+    assert ("NT013" in ids(only(run, "a_n.png", "--deep", code=int(name != "right")))) == (
+        name != "right"
+    )
+
+
 def test_what_has_no_slopes(run, tmp_path):
     rng = np.random.default_rng(3)
     flat = np.full((64, 64, 3), (128, 128, 255), np.uint8)
