@@ -123,9 +123,12 @@ elsewhere_macos() { # elsewhere_macos PROCESSOR
         "$elsewhere_dir"/libntp/libntp.[0-9]*.dylib
 }
 
-elsewhere() { # elsewhere [--sums]
-    elsewhere_share=1
-    [ "${1:-}" != --sums ] || elsewhere_share=64
+elsewhere() { # elsewhere [--sums | TARGET...]
+    elsewhere_share=1 elsewhere_macs="arm64 x86_64"
+    case ${1:-} in
+    --sums) elsewhere_share=64 ;;
+    ?*) elsewhere_targets=$* elsewhere_macs= ;;
+    esac
     need_tools
     need_elsewhere_tools
     build_main
@@ -143,10 +146,12 @@ elsewhere() { # elsewhere [--sums]
             [ "$elsewhere_target" = musl ] || # Debian has no libraries for it
                 stage "$elsewhere_target: ntp" elsewhere_program "$elsewhere_target"
         done
-        find_python
-        need_zig
-        fetch_sources
-        for elsewhere_target in arm64 x86_64; do
+        [ -z "$elsewhere_macs" ] || {
+            find_python
+            need_zig
+            fetch_sources
+        }
+        for elsewhere_target in $elsewhere_macs; do
             stage "macOS, $elsewhere_target" elsewhere_macos "$elsewhere_target"
         done
     fi
