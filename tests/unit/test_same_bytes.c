@@ -229,9 +229,40 @@ static void linear(const ntp_image *dst, const ntp_const_image *src)
     blend(dst, src, NTP_BLEND_LINEAR, 1);
 }
 
-static change_fn *const CHANGE[] = { strengthen, weaken_and_turn,   turn, reorient,
-                                     whiteout,   reorient_strongly, udn,  linear };
-enum { CHANGES = 8 };
+static void resize(const ntp_image *dst, const ntp_const_image *src, int32_t to, int32_t from,
+                   ntp_filter filter)
+{
+    static uint64_t plan_memory[ROW * 16], scratch[ROW * 64];
+    const ntp_resize_options how = { filter, NTP_BORDER_WRAP, NTP_BORDER_CLAMP, 0 };
+    ntp_image made = *dst;
+    ntp_const_image view = *src;
+    ntp_resize_plan *plan;
+    made.width = to;
+    view.width = from;
+    CHECK(ntp_resize_plan_init(&plan, plan_memory, sizeof plan_memory, &how, from, 1, to, 1) ==
+          NTP_OK);
+    CHECK(ntp_resize_scratch_size(plan) <= sizeof scratch);
+    CHECK(ntp_resize(&made, &view, plan, scratch, sizeof scratch, NULL) == NTP_OK);
+}
+
+static void shrink(const ntp_image *dst, const ntp_const_image *src)
+{
+    resize(dst, src, (src->width + 1) / 2, src->width, NTP_FILTER_LANCZOS3);
+    /* The first few texels, of which often none is unused */
+    resize(dst, src, src->width < 2 ? 1 : 2, src->width < 8 ? src->width : 8, NTP_FILTER_BOX);
+}
+
+static void grow(const ntp_image *dst, const ntp_const_image *src)
+{
+    resize(dst, src, src->width, (src->width + 1) / 2, NTP_FILTER_TRIANGLE);
+    resize(dst, src, 1, src->width < 9 ? src->width : 9, NTP_FILTER_TRIANGLE);
+}
+
+static change_fn *const CHANGE[] = { strengthen, weaken_and_turn, turn,
+                                     reorient,   whiteout,        reorient_strongly,
+                                     udn,        linear,          shrink,
+                                     grow };
+enum { CHANGES = 10 };
 
 /* Changes of a row, into rows that end where plain and other do. */
 static void compare_changes(const ntp_const_image *src, uint8_t *plain, uint8_t *other)

@@ -136,6 +136,45 @@ void ntp__pack_rgb_avx2(void *dst, const ntp__block *block, int32_t n, bool deep
         PACK(put8, 3, 4);
 }
 
+/* Two texels from pixels of so many bytes, as x, y, z and 1 each; widens the range of levels. */
+static inline void place_two(float *to, const uint8_t *s, int32_t bytes, __m256i shuffle,
+                             __m256 twice, __m256 less, __m256i range[2])
+{
+    const __m256i v = _mm256_shuffle_epi8(load_two(s, s + bytes), shuffle);
+    range[0] = _mm256_min_epi32(range[0], v);
+    range[1] = _mm256_max_epi32(range[1], v);
+    _mm256_storeu_ps(to, _mm256_sub_ps(_mm256_mul_ps(_mm256_cvtepi32_ps(v), twice), less));
+}
+
+bool ntp__place_rgb_avx2(float *to, bool *negative, const void *src, int32_t n, bool deep,
+                         bool zzero)
+{
+    enum { LOAD = 16 };
+    const uint8_t *s = src;
+    const int32_t bytes = deep ? 6 : 3, m = deep ? 65535 : 255;
+    const __m128i of8 = _mm_setr_epi8(0, -1, -1, -1, 1, -1, -1, -1, 2, -1, -1, -1, -1, -1, -1, -1);
+    const __m128i of16 = _mm_setr_epi8(0, 1, -1, -1, 2, 3, -1, -1, 4, 5, -1, -1, -1, -1, -1, -1);
+    const __m256i shuffle = _mm256_broadcastsi128_si256(deep ? of16 : of8);
+    const float k = zzero ? 1 : 2, f = (float) m, z = zzero ? 0 : f;
+    const __m256 twice = _mm256_setr_ps(2, 2, k, 1, 2, 2, k, 1);
+    const __m256 less = _mm256_setr_ps(f, f, z, -1, f, f, z, -1);
+    __m256i range[2] = { _mm256_set1_epi32(m), _mm256_setzero_si256() };
+    int32_t i = 0, least[8], most[8];
+    for (; bytes * (n - i - 1) >= LOAD; i += 2)
+        place_two(to + 4 * i, s + bytes * i, bytes, shuffle, twice, less, range);
+    for (; i < n; i += 2) {
+        uint8_t few[2 * LOAD] = { 0 };
+        const int32_t second = i + 1 < n ? i + 1 : i;
+        memcpy(few, s + bytes * i, (size_t) bytes);
+        memcpy(few + bytes, s + bytes * second, (size_t) bytes);
+        place_two(to + 4 * i, few, bytes, shuffle, twice, less, range);
+    }
+    _mm256_storeu_si256((__m256i *) (void *) least, range[0]);
+    _mm256_storeu_si256((__m256i *) (void *) most, range[1]);
+    *negative = !zzero && 2 * (least[2] < least[6] ? least[2] : least[6]) < m;
+    return least[0] > 0 && least[4] > 0 && most[0] < m && most[4] < m;
+}
+
 /* 32 bytes of src with green flipped.  Loaded a sample earlier and later, red and blue lie where
  * green is. */
 static inline __m256i flipped(const uint8_t *s, __m256i green, bool deep, __m256i black,

@@ -14,6 +14,13 @@ void ntp__unpack_rgb_avx2(ntp__block *block, const void *src, int32_t n, bool de
 /* The other way round. */
 void ntp__pack_rgb_avx2(void *dst, const ntp__block *block, int32_t n, bool deep);
 
+/*
+ * x, y, z and 1 of packed pixels, as numerators over M in floats; `to` has room for one pixel more.
+ * negative: a z is below 0.  False where red of a pixel is 0 or M: it may be black or white.
+ */
+bool ntp__place_rgb_avx2(float *to, bool *negative, const void *src, int32_t n, bool deep,
+                         bool zzero);
+
 /* dst = src, packed pixels, with M - g for g.  Black and white pixels stay as they are, if that is
  * asked for.  The pixel before the first one and that after the last are read too.  Returns how many
  * of n are done, a multiple of 16.  dst may be src. */

@@ -14,39 +14,12 @@
 #include "texel/direction.h"
 #include "texel/unused.h"
 #include "texel/level.h"
-#include "reshape/resize.h"
+#include "reshape/resize_job.h"
 
 #include <math.h>
 #include <string.h>
 
-struct ntp_resize_plan {
-    ntp_resize_options how;
-    ntp__axis x, y;
-};
-
-/* What is summed up. */
-enum {
-    SUM_X,
-    SUM_Y,
-    SUM_Z,
-    SUM_WEIGHT, /* alpha of used texels, or 1 */
-    SUM_ALPHA,
-    SUM_NEGATIVE, /* not 0: texels with z < 0 */
-    SUM_EXTRA,    /* third sample of NTP_ENCODING_XY, weighted */
-    SUMS
-};
-
-typedef struct job {
-    const ntp_image *dst;
-    const ntp_const_image *src;
-    const ntp_resize_plan *plan;
-    int64_t *sum[SUMS]; /* one for each column of src; NULL: not needed */
-    double *quick[SUMS];
-    double most; /* the greatest sum of |weight| of a texel, with alpha */
-    int32_t m;
-    bool weighted; /* with alpha */
-    bool quickly;  /* the columns are in quick */
-} job;
+typedef ntp__resize_job job;
 
 static size_t align16(size_t n)
 {
@@ -126,9 +99,14 @@ ntp_status ntp_resize_plan_init(ntp_resize_plan **plan, void *memory, size_t siz
     return NTP_OK;
 }
 
+static size_t columns_size(const ntp_resize_plan *plan)
+{
+    return SUMS * align16((size_t) plan->x.src * sizeof(int64_t));
+}
+
 size_t ntp_resize_scratch_size(const ntp_resize_plan *plan)
 {
-    return plan == NULL ? 0 : SUMS * align16((size_t) plan->x.src * sizeof(int64_t));
+    return plan == NULL ? 0 : columns_size(plan) + ntp__strip_size(plan);
 }
 
 ntp_rows ntp_resize_rows(const ntp_resize_plan *plan, int32_t y)
@@ -168,30 +146,6 @@ static void add_scaled(double *restrict sum, const double *restrict v, const dou
         sum[i] += v[i] * by[i];
 }
 
-/* A block of used texels of one weight, none of which has a negative z; not of XY. */
-static void add_plainly(const job *j, const ntp__block *block, int32_t x, int32_t n, double w)
-{
-    for (int32_t k = 0; k < 3; k++) {
-        const bool biased = k < 2 || j->src->encoding != NTP_ENCODING_ZZERO;
-        const double twice = biased ? 2 * w : w, less = biased ? w * j->m : 0;
-        double *restrict sum = j->quick[k] + x;
-        for (int32_t i = 0; i < n; i++)
-            sum[i] += twice * block->c[k][i] - less;
-    }
-    for (int32_t i = 0; i < n; i++)
-        j->quick[SUM_WEIGHT][x + i] += w;
-}
-
-static bool is_plain(const job *j, const ntp__block *block, int32_t n)
-{
-    const int32_t low = j->src->encoding == NTP_ENCODING_ZZERO ? -1 : (j->m - 1) / 2;
-    int32_t negative = 0;
-    for (int32_t i = 0; i < n; i++)
-        negative |= block->c[2][i] <= low;
-    return !negative && j->src->channels == 3 && j->src->encoding != NTP_ENCODING_XY &&
-           !ntp__any_suspect(block, n, j->m);
-}
-
 /* The same in doubles. */
 static void add_run_quickly(const job *j, int32_t x, int32_t y, int32_t n, int64_t w)
 {
@@ -199,10 +153,6 @@ static void add_run_quickly(const job *j, int32_t x, int32_t y, int32_t n, int64
     ntp__vectors v;
     double by[NTP__BLOCK], plane[NTP__BLOCK], *const *sum = j->quick;
     ntp__unpack(&block, j->src, x, y, n);
-    if (is_plain(j, &block, n)) {
-        add_plainly(j, &block, x, n, (double) w);
-        return;
-    }
     ntp__block_vectors(&v, &block, n, j->m, j->src->encoding);
     for (int32_t i = 0; i < n; i++)
         by[i] = (double) w * (j->weighted ? block.c[3][i] : 1);
@@ -367,6 +317,58 @@ static void columns_of(int32_t *first, int32_t *end, const ntp__axis *axis, int3
     }
 }
 
+/* Does texels of row y in doubt again, from the sums of their columns; of all if they are many. */
+static void settle_strip(const job *j, ntp__block *out, const int32_t *doubt,
+                         const int32_t *inexact, const ntp_rect *strip, int32_t y)
+{
+    enum { MANY = 8 };
+    int32_t first, end, found = 0;
+    const int32_t x0 = strip->x0, n = strip->x1 - x0;
+    for (int32_t i = 0; i < n; i++)
+        found += (doubt[i] | inexact[i]) != 0;
+    columns_of(&first, &end, &j->plan->x, x0, strip->x1);
+    if (found > MANY)
+        add_rows(j, y, first, end);
+    for (int32_t i = 0; found > 0 && i < n; i++) {
+        if ((doubt[i] | inexact[i]) == 0)
+            continue;
+        columns_of(&first, &end, &j->plan->x, x0 + i, x0 + i + 1);
+        if (found <= MANY)
+            add_rows(j, y, first, end);
+        resize_texel(j, out, i, x0 + i);
+    }
+}
+
+/* A strip: columns from rect->x0 on; returns where it ends. */
+static int32_t resize_strip(const job *j, const ntp_rect *rect)
+{
+    ntp_rect strip = *rect;
+    int32_t doubt[NTP__BLOCK], inexact[NTP__BLOCK];
+    ntp__block out;
+    ntp__vectors v;
+    strip.x1 = ntp__strip_begin(j, rect->x0, rect->x1);
+    const int32_t n = strip.x1 - strip.x0;
+    for (int32_t y = rect->y0; y < rect->y1; y++) {
+        const int32_t any = ntp__strip_vectors(j, &v, inexact, y);
+        if (ntp__block_directions(&out, doubt, &v, n, j->m, j->src->encoding, j->most < 0x1p53) ||
+            any > 0)
+            settle_strip(j, &out, doubt, inexact, &strip, y);
+        ntp__store_levels(j->dst, &out, strip.x0, y, n);
+    }
+    return strip.x1;
+}
+
+/* Strips as high as the image would touch a memory page for each row. */
+static void resize_strips(const job *j, const ntp_rect *rect)
+{
+    enum { BAND = 64 };
+    for (ntp_rect band = *rect; band.y0 < rect->y1; band.y0 = band.y1) {
+        band.y1 = rect->y1 - band.y0 < BAND ? rect->y1 : band.y0 + BAND;
+        for (band.x0 = rect->x0; band.x0 < rect->x1;)
+            band.x0 = resize_strip(j, &band);
+    }
+}
+
 static void resize_area(const job *j, const ntp_rect *rect)
 {
     int32_t first, end;
@@ -407,10 +409,13 @@ ntp_status ntp_resize(const ntp_image *dst, const ntp_const_image *src, const nt
     job j = { .dst = dst, .src = src, .plan = plan, .m = ntp__max(src->type) };
     bool alpha = src->channels == 4;
     j.weighted = alpha && !(plan->how.touch_unused & NTP_UNUSED_TRANSPARENT);
-    size_t plane = ntp_resize_scratch_size(plan) / SUMS;
+    size_t plane = columns_size(plan) / SUMS;
     const double level = (double) j.m * (j.weighted ? j.m : 1);
     j.quickly = (double) plan->y.most * level < 0x1p53;
     j.most = (double) plan->y.most * (double) plan->x.most * level;
+    if (j.quickly && src->channels == 3 && src->encoding != NTP_ENCODING_XY &&
+        ntp__strip_size(plan) > 0)
+        j.strip = (ntp__strip *) (void *) ((char *) scratch + columns_size(plan));
     for (size_t k = 0; k < SUMS; k++) {
         const bool needed = k == SUM_ALPHA   ? alpha
                             : k == SUM_EXTRA ? src->encoding == NTP_ENCODING_XY && src->channels > 2
@@ -418,7 +423,7 @@ ntp_status ntp_resize(const ntp_image *dst, const ntp_const_image *src, const nt
         j.sum[k] = needed ? (int64_t *) (void *) ((char *) scratch + k * plane) : NULL;
         j.quick[k] = (double *) (void *) j.sum[k];
     }
-    resize_area(&j, &rect);
+    (j.strip != NULL ? resize_strips : resize_area)(&j, &rect);
     return NTP_OK;
 }
 

@@ -5,6 +5,7 @@
  * This room makes new normals of old ones: in another size, turned, stronger, or with a detail.
  * New vectors are exact integers, and only their direction is rounded, once (texel/direction.h).
  *   resize.c          ntp_resize: sums of weighted vectors; sides of mip levels
+ *   resize_strip.c    its quick way for RGB, with resize_kernels.c; resize_job.h
  *   resize_weights.c  the weights of the filters, as integers
  *   transform.c       ntp_transform: flips, turns, strength
  *   rotate.c          its turns by other angles than quarter turns

@@ -1,0 +1,53 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * resize_job.h - what resize.c and resize_strip.c share
+ */
+#ifndef NTP_RESIZE_JOB_H
+#define NTP_RESIZE_JOB_H
+
+#include "reshape/resize.h"
+#include "texel/direction.h"
+
+struct ntp_resize_plan {
+    ntp_resize_options how;
+    ntp__axis x, y;
+};
+
+/* What is summed up. */
+enum {
+    SUM_X,
+    SUM_Y,
+    SUM_Z,
+    SUM_WEIGHT, /* alpha of used texels, or 1 */
+    SUM_ALPHA,
+    SUM_NEGATIVE, /* not 0: texels with z < 0 */
+    SUM_EXTRA,    /* third sample of NTP_ENCODING_XY, weighted */
+    SUMS
+};
+
+typedef struct ntp__strip ntp__strip;
+
+typedef struct ntp__resize_job {
+    const ntp_image *dst;
+    const ntp_const_image *src;
+    const ntp_resize_plan *plan;
+    int64_t *sum[SUMS]; /* one for each column of src; NULL: not needed */
+    double *quick[SUMS];
+    ntp__strip *strip; /* NULL: the texture or the filter is not for strips */
+    double most;       /* the greatest sum of |weight| of a texel, with alpha */
+    int32_t m;
+    bool weighted; /* with alpha */
+    bool quickly;  /* the columns are in quick */
+} ntp__resize_job;
+
+/* The bytes of a strip; 0 if the filter of the plan is too wide. */
+size_t ntp__strip_size(const ntp_resize_plan *plan);
+
+/* Makes j->strip ready for columns x0.. of the result; returns the end of those that it has room
+ * for, at most x1. */
+int32_t ntp__strip_begin(const ntp__resize_job *j, int32_t x0, int32_t x1);
+
+/* The vectors of row y; inexact[i]: not 0 where they are not good enough.  Returns how many. */
+int32_t ntp__strip_vectors(const ntp__resize_job *j, ntp__vectors *v, int32_t *inexact, int32_t y);
+
+#endif

@@ -1,0 +1,68 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * resize_kernels.c - the loops of ntp_resize, compiled once for each instruction set
+ */
+#include "reshape/resize_kernels.h"
+
+#define CONCAT_(a, b) a##b
+#define CONCAT(a, b)  CONCAT_(a, b)
+
+enum { LANES = NTP__KERNEL_LANES };
+
+static void place(float *restrict to, const int32_t *restrict r, const int32_t *restrict g,
+                  const int32_t *restrict b, int32_t n, int32_t m, int32_t zzero)
+{
+    const int32_t twice = zzero ? 1 : 2, less = zzero ? 0 : m;
+    n = (n + LANES - 1) / LANES * LANES;
+    for (int32_t i = 0; i < n; i++) {
+        to[4 * i] = (float) (2 * r[i] - m);
+        to[4 * i + 1] = (float) (2 * g[i] - m);
+        to[4 * i + 2] = (float) (twice * b[i] - less);
+        to[4 * i + 3] = 1;
+    }
+}
+
+static void add_rows(double *restrict sums, const float *const *rows, const int32_t *weight,
+                     int32_t taps, int32_t count)
+{
+    const float *restrict a = rows[0], *restrict b = rows[1];
+    double u = weight[0], v = weight[1];
+    int32_t t = 2;
+    count = count / 8 * 8;
+    for (int32_t i = 0; i < count; i++)
+        sums[i] = u * (double) a[i] + v * (double) b[i];
+    for (; t + 4 <= taps; t += 4) {
+        const float *restrict c = rows[t + 2], *restrict d = rows[t + 3];
+        const double w = weight[t + 2], x = weight[t + 3];
+        a = rows[t], b = rows[t + 1], u = weight[t], v = weight[t + 1];
+        for (int32_t i = 0; i < count; i++)
+            sums[i] +=
+                (u * (double) a[i] + v * (double) b[i]) + (w * (double) c[i] + x * (double) d[i]);
+    }
+    if (t < taps) {
+        a = rows[t], b = rows[t + 1], u = weight[t], v = weight[t + 1];
+        for (int32_t i = 0; i < count; i++)
+            sums[i] += u * (double) a[i] + v * (double) b[i];
+    }
+}
+
+static void add_columns(ntp__vectors *restrict out, double *restrict total,
+                        const double *restrict sums, const int32_t *restrict first,
+                        const double *restrict weight, int32_t taps, int32_t n)
+{
+    for (int32_t i = 0; i < n; i++, weight += taps) {
+        const double *c = sums + 4 * (ptrdiff_t) first[i];
+        double sum[4] = { 0, 0, 0, 0 };
+        for (int32_t t = 0; t < taps; t += 2, c += 8) {
+            for (int32_t k = 0; k < 4; k++)
+                sum[k] += weight[t] * c[k] + weight[t + 1] * c[k + 4];
+        }
+        out->c[0][i] = sum[0];
+        out->c[1][i] = sum[1];
+        out->c[2][i] = sum[2];
+        total[i] = sum[3];
+    }
+}
+
+extern const ntp__resize_kernels CONCAT(ntp__resize_loops_, NTP_ISA);
+const ntp__resize_kernels CONCAT(ntp__resize_loops_, NTP_ISA) = { place, add_rows, add_columns };

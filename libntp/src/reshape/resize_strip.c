@@ -1,0 +1,249 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * resize_strip.c - resizes RGB strip by strip
+ *
+ * Each source row of a strip is read once and kept, as floats, until no row of the result needs it.
+ * Its levels have 17 bits with their sign, so they are exact.  Sums of rows are doubles, which are
+ * exact too (resize.c); sums of columns are doubles as well.
+ */
+#include "base/cpu.h"
+#include "base/rgb_avx2.h"
+#include "reshape/resize_job.h"
+#include "reshape/resize_kernels.h"
+#include "texel/unused.h"
+
+#include <math.h>
+#include <string.h>
+
+enum {
+    MOST_TAPS = 32,
+    WIDEST = NTP__BLOCK / 2,              /* texels of the result */
+    PADDED = NTP__BLOCK + MOST_TAPS + 16, /* weights of 0 may follow the last column */
+    NOWHERE = -(1 << 30)                  /* is no row */
+};
+
+struct ntp__strip {
+    int32_t x0, n;          /* columns of the result */
+    int32_t first, columns; /* of the source; they may lie outside */
+    int32_t taps_x, rows;
+    int32_t at[WIDEST]; /* where the columns of a texel begin */
+    double weight[WIDEST * (MOST_TAPS + 2)];
+    double sums[4 * PADDED];
+    int32_t held[MOST_TAPS + 1]; /* rows, which may lie outside */
+    bool negative[MOST_TAPS + 1];
+    float row[]; /* 4 PADDED numbers for each */
+};
+
+extern const ntp__resize_kernels ntp__resize_loops_base, ntp__resize_loops_avx2;
+
+static const ntp__resize_kernels *loops(void)
+{
+    return NTP__CPU_PICK(NTP__CPU_ALL, ntp__resize_loops_base, ntp__resize_loops_avx2);
+}
+
+size_t ntp__strip_size(const ntp_resize_plan *plan)
+{
+    if (plan->x.stride > MOST_TAPS + 1 || plan->y.stride > MOST_TAPS + 1)
+        return 0;
+    return sizeof(ntp__strip) + (size_t) plan->y.stride * 4 * PADDED * sizeof(float);
+}
+
+static int32_t end_of(const ntp__axis *axis, int32_t x)
+{
+    return axis->span[x].first + axis->span[x].count;
+}
+
+int32_t ntp__strip_begin(const ntp__resize_job *j, int32_t x0, int32_t x1)
+{
+    ntp__strip *s = j->strip;
+    const ntp__axis *axis = &j->plan->x;
+    int32_t end = x0;
+    s->taps_x = 0;
+    for (; end < x1 && end - x0 < WIDEST && end_of(axis, end) - axis->span[x0].first <= NTP__BLOCK;
+         end++)
+        s->taps_x = axis->span[end].count > s->taps_x ? axis->span[end].count : s->taps_x;
+    s->taps_x += s->taps_x % 2;
+    s->x0 = x0;
+    s->n = end - x0;
+    s->first = axis->span[x0].first;
+    s->columns = end_of(axis, end - 1) - s->first;
+    s->rows = j->plan->y.stride;
+    for (int32_t i = 0; i < s->n; i++) {
+        const ntp__span_of_taps span = axis->span[x0 + i];
+        s->at[i] = span.first - s->first;
+        for (int32_t t = 0; t < s->taps_x; t++)
+            s->weight[i * s->taps_x + t] =
+                t < span.count ? axis->weight[(ptrdiff_t) (x0 + i) * axis->stride + t] : 0;
+    }
+    memset(s->sums, 0, sizeof s->sums);
+    for (int32_t k = 0; k < s->rows; k++)
+        s->held[k] = NOWHERE;
+    return end;
+}
+
+/* With AVX2: packed pixels none of which is unused; false: there is another way only. */
+static bool place_packed(const ntp__resize_job *j, float *to, bool *negative, int32_t x,
+                         int32_t row, int32_t n)
+{
+#ifdef NTP_HAVE_AVX2
+    return j->src->type != NTP_TYPE_F32 && ntp__is_packed(j->src) &&
+           ntp__cpu_has_avx2(NTP__CPU_ALL) &&
+           ntp__place_rgb_avx2(to, negative, ntp__at(j->src, x, row), n,
+                               j->src->type == NTP_TYPE_U16,
+                               j->src->encoding == NTP_ENCODING_ZZERO);
+#else
+    (void) j, (void) to, (void) negative, (void) x, (void) row, (void) n;
+    return false;
+#endif
+}
+
+/* Reads n texels of a row from column x on; whether one has a negative z. */
+static bool read_run(const ntp__resize_job *j, float *to, int32_t x, int32_t row, int32_t n)
+{
+    ntp__block block;
+    const bool zzero = j->src->encoding == NTP_ENCODING_ZZERO;
+    bool negative = false;
+    if (place_packed(j, to, &negative, x, row, n))
+        return negative;
+    ntp__unpack(&block, j->src, x, row, n);
+    for (int32_t k = 0; k < 3; k++) /* whole lanes are read */
+        memset(block.c[k] + n, 0, (size_t) (-n & (NTP__KERNEL_LANES - 1)) * sizeof block.c[k][0]);
+    loops()->place(to, block.c[0], block.c[1], block.c[2], n, j->m, zzero);
+    const bool suspect = ntp__any_suspect(&block, n, j->m);
+    for (int32_t i = 0; i < n; i++) {
+        if (suspect && ntp__texel_unused(&block, i, j->m, j->plan->how.touch_unused))
+            memset(&to[4 * i], 0, 4 * sizeof to[0]);
+        negative = negative || to[4 * i + 2] < 0;
+    }
+    return negative;
+}
+
+/* Reads a row; columns beyond an edge one by one. */
+static void read_row(const ntp__resize_job *j, float *to, bool *negative, int32_t row)
+{
+    const ntp__strip *s = j->strip;
+    const ntp__axis *axis = &j->plan->x;
+    const int32_t end = s->first + s->columns, last = end < axis->src ? end : axis->src;
+    const int32_t inside = s->first > 0 ? s->first : 0;
+    *negative = false;
+    if (inside < last)
+        *negative = read_run(j, to + 4 * (inside - s->first), inside, row, last - inside);
+    for (int32_t x = s->first; x < end; x++) {
+        float one[4 * NTP__KERNEL_LANES];
+        if (x == inside && inside < last)
+            x = last;
+        if (x >= end)
+            break;
+        *negative = read_run(j, one, ntp__axis_map(axis, x), row, 1) || *negative;
+        memcpy(to + 4 * (x - s->first), one, 4 * sizeof one[0]);
+    }
+    memset(to + 4 * s->columns, 0, 4 * sizeof to[0]); /* so that it is no NaN */
+}
+
+/* The rows of row y of the result; whether one of them has a negative z. */
+static bool get_rows(const ntp__resize_job *j, const float **rows, int32_t y)
+{
+    ntp__strip *s = j->strip;
+    const ntp__axis *axis = &j->plan->y;
+    bool negative = false;
+    for (int32_t t = 0; t < axis->span[y].count; t++) {
+        const int32_t row = axis->span[y].first + t, k = (row % s->rows + s->rows) % s->rows;
+        float *to = s->row + (ptrdiff_t) k * 4 * PADDED;
+        if (s->held[k] != row)
+            read_row(j, to, &s->negative[k], ntp__axis_map(axis, row));
+        s->held[k] = row;
+        rows[t] = to;
+        negative = negative || s->negative[k];
+    }
+    return negative;
+}
+
+/* The rows of a strip are far apart in memory, so processors do not fetch them ahead of time. */
+static void fetch_ahead(const ntp__resize_job *j, int32_t y)
+{
+#if defined(__GNUC__)
+    enum { LINE = 64 };
+    const ntp__strip *s = j->strip;
+    const ntp__axis *axis = &j->plan->y;
+    const int32_t x = s->first > 0 ? s->first : 0;
+    const ptrdiff_t bytes = (s->first + s->columns - x) * j->src->pixel_stride;
+    if (y + 1 >= axis->dst)
+        return;
+    for (int32_t row = axis->span[y].first + axis->span[y].count;
+         row < axis->span[y + 1].first + axis->span[y + 1].count && row < axis->src; row++) {
+        const char *from = row < 0 ? NULL : ntp__at(j->src, x, row);
+        for (ptrdiff_t i = 0; from != NULL && i < bytes; i += LINE)
+            __builtin_prefetch(from + i, 0);
+    }
+#else
+    (void) j, (void) y;
+#endif
+}
+
+/* Does a texel that texel i of row y is made of have a negative z? */
+static bool any_negative(const ntp__resize_job *j, const float *const *rows, int32_t i, int32_t y)
+{
+    const ntp__strip *s = j->strip;
+    const ntp__axis *axis = &j->plan->y;
+    const int32_t *weight = axis->weight + (ptrdiff_t) y * axis->stride;
+    const int32_t columns = j->plan->x.span[s->x0 + i].count;
+    for (int32_t t = 0; t < axis->span[y].count; t++) {
+        const float *z = rows[t] + 4 * s->at[i] + 2;
+        for (int32_t k = 0; weight[t] != 0 && k < columns; k++, z += 4) {
+            if (*z < 0)
+                return true;
+        }
+    }
+    return false;
+}
+
+/* Is a texel made of unused ones only? */
+static bool is_empty(const ntp__resize_job *j, int32_t i)
+{
+    const ntp__strip *s = j->strip;
+    const double *weight = s->sums + 4 * s->at[i] + 3;
+    for (int32_t k = 0; k < j->plan->x.span[s->x0 + i].count; k++, weight += 4) {
+        if (*weight != 0)
+            return false;
+    }
+    return true;
+}
+
+/* What is to be done about a texel whose sums are not plain; returns whether it is inexact. */
+static bool judge_sums(const ntp__resize_job *j, ntp__vectors *v, double total, int32_t i)
+{
+    const double x = v->c[0][i], y = v->c[1][i], z = v->c[2][i];
+    const double error = j->most < 0x1p53 ? -1 : j->most * j->strip->taps_x * 0x1p-52;
+    const bool small = x * x + y * y + z * z <= error * error * 0x1p80;
+    /* Negative weights of Lanczos can outweigh the others where many texels are unused. */
+    if (total <= 0)
+        v->c[0][i] = v->c[1][i] = v->c[2][i] = 0;
+    return error > 0 && (total <= error || fabs(z) <= error || small) && !is_empty(j, i);
+}
+
+int32_t ntp__strip_vectors(const ntp__resize_job *j, ntp__vectors *v, int32_t *inexact, int32_t y)
+{
+    ntp__strip *s = j->strip;
+    const ntp__axis *axis = &j->plan->y;
+    const float *rows[MOST_TAPS + 2];
+    int32_t weight[MOST_TAPS + 2], taps = axis->span[y].count, found = 0;
+    double total[NTP__BLOCK];
+    const bool negative = get_rows(j, rows, y), exact = j->most < 0x1p53;
+    memcpy(weight, axis->weight + (ptrdiff_t) y * axis->stride, (size_t) taps * sizeof weight[0]);
+    weight[taps] = 0;
+    rows[taps] = rows[0];
+    fetch_ahead(j, y);
+    loops()->add_rows(s->sums, rows, weight, taps + taps % 2, (4 * s->columns + 7) / 8 * 8);
+    loops()->add_columns(v, total, s->sums, s->at, s->weight, s->taps_x, s->n);
+    for (int32_t i = 0; i < s->n; i++) {
+        const double z = v->c[2][i];
+        inexact[i] = 0;
+        if (!exact || total[i] <= 0)
+            inexact[i] = judge_sums(j, v, total[i], i);
+        /* Lanczos overshoots. */
+        if (z < 0 && !(negative && any_negative(j, rows, i, y)))
+            v->c[2][i] = 0;
+        found += inexact[i];
+    }
+    return found;
+}
