@@ -13,6 +13,7 @@
 #include "options/options.h"
 #include "os/console.h"
 #include "os/files.h"
+#include "os/memory.h"
 #include "verbs/verbs.h"
 
 static void on_interruption(int number)
@@ -180,6 +181,7 @@ int main(int argc, char **argv)
     }
     const char *word = argv[1];
     os_keep_write_errors();
+    os_keep_memory();
     if (strcmp(word, "--help") == 0 || strcmp(word, "-h") == 0)
         return print_help(NULL);
     if (strcmp(word, "help") == 0 && argc > 2)

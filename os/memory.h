@@ -21,4 +21,7 @@ void os_free_zeros(void *memory);
 /* Asks for large pages under a buffer that will be used as a whole. */
 void os_large_pages(void *memory, size_t size);
 
+/* What is freed from now on may stay with the program: for one that works on file after file. */
+void os_keep_memory(void);
+
 #endif

@@ -27,6 +27,10 @@ void os_large_pages(void *memory, size_t size)
     (void) memory, (void) size;
 }
 
+void os_keep_memory(void)
+{
+}
+
 /* calloc of wasi-libc writes zeros over zeros, which takes longer than to check a small file. */
 void *os_alloc_zeros(size_t size)
 {
