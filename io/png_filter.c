@@ -21,6 +21,13 @@
 #  define IN_REGISTERS
 #endif
 
+/* The size of a texel is a constant in these only if they are part of their caller. */
+#ifdef __GNUC__
+#  define SIZE_KNOWN static inline __attribute__((always_inline))
+#else
+#  define SIZE_KNOWN static inline
+#endif
+
 enum { NONE, SUB, UP, AVERAGE, PAETH };
 #ifdef IN_REGISTERS
 enum { AT_ONCE = 16 };
@@ -87,36 +94,49 @@ static inline bytes no_texel(void)
 
 /* ------------------------------------------------------------------------------ rows */
 
-/* A row in texels of a size that the compiler knows. */
-static inline void undo_left(uint8_t *row, const uint8_t *above, size_t size, size_t texel,
-                             int kind)
+/* Rows in texels of a size that the compiler knows. */
+SIZE_KNOWN void undo_sub_row(uint8_t *row, size_t size, size_t texel)
 {
-    bytes a = no_texel(), c = no_texel();
+    bytes a = no_texel();
     for (size_t i = 0; i < size; i += texel) {
-        const bytes value = load(row + i, texel);
-        if (kind == SUB) {
-            a = undo_sub(value, a);
-        } else {
-            const bytes b = load(above + i, texel);
-            a = kind == AVERAGE ? undo_average(value, a, b) : undo_paeth(value, a, b, c);
-            c = b;
-        }
+        a = undo_sub(load(row + i, texel), a);
         store(row + i, a, texel);
     }
 }
 
-static inline void undo_kind(uint8_t *row, const uint8_t *above, size_t size, size_t texel,
-                             int kind)
+SIZE_KNOWN void undo_average_row(uint8_t *row, const uint8_t *above, size_t size, size_t texel)
+{
+    bytes a = no_texel();
+    for (size_t i = 0; i < size; i += texel) {
+        a = undo_average(load(row + i, texel), a, load(above + i, texel));
+        store(row + i, a, texel);
+    }
+}
+
+#ifndef IN_SSE2 /* which has its own */
+SIZE_KNOWN void undo_paeth_row(uint8_t *row, const uint8_t *above, size_t size, size_t texel)
+{
+    bytes a = no_texel(), c = no_texel();
+    for (size_t i = 0; i < size; i += texel) {
+        const bytes b = load(above + i, texel);
+        a = undo_paeth(load(row + i, texel), a, b, c);
+        c = b;
+        store(row + i, a, texel);
+    }
+}
+#endif
+
+SIZE_KNOWN void undo_kind(uint8_t *row, const uint8_t *above, size_t size, size_t texel, int kind)
 {
     switch (kind) {
     case SUB:
-        undo_left(row, above, size, texel, SUB);
+        undo_sub_row(row, size, texel);
         break;
     case AVERAGE:
-        undo_left(row, above, size, texel, AVERAGE);
+        undo_average_row(row, above, size, texel);
         break;
     default:
-        undo_left(row, above, size, texel, PAETH);
+        undo_paeth_row(row, above, size, texel);
         break;
     }
 }
