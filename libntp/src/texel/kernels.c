@@ -176,10 +176,11 @@ static int32_t derive_rgb8(uint8_t *dst, const uint8_t *src, int32_t n, uint64_t
 #  define derive_rgb8 NULL
 #endif
 
-static uint64_t clean_rgba8(uint8_t *dst, const uint8_t *src, size_t n, const uint32_t *table,
-                            const uint8_t *blue, uint32_t kept, uint32_t touch_unused)
+/* Pixels with alpha by the table. */
+static inline uint64_t clean_rgba8_by_table(uint8_t *dst, const uint8_t *src, size_t n,
+                                            const uint32_t *table, uint32_t kept,
+                                            uint32_t touch_unused)
 {
-    (void) blue;
     uint64_t changed = 0;
     uint32_t transparent = touch_unused & NTP_UNUSED_TRANSPARENT ? 0 : 1;
     for (size_t i = 0; i < n; i++, src += 4, dst += 4) {
@@ -194,6 +195,23 @@ static uint64_t clean_rgba8(uint8_t *dst, const uint8_t *src, size_t n, const ui
         store32le(dst, t);
     }
     return changed;
+}
+
+static uint64_t clean_rgba8(uint8_t *dst, const uint8_t *src, size_t n, const uint32_t *table,
+                            const uint8_t *blue, uint32_t kept, uint32_t touch_unused)
+{
+    uint64_t changed = 0;
+#ifdef __AVX2__
+    enum { STEP = 16 };
+    const uint32_t opaque = touch_unused & NTP_UNUSED_TRANSPARENT ? 0 : 0x88888888U;
+    for (; blue != NULL && kept == 0 && n >= STEP; n -= STEP, src += 4 * STEP, dst += 4 * STEP) {
+        if (!put_blues_rgba(dst, src, opaque, &changed))
+            changed += clean_rgba8_by_table(dst, src, STEP, table, kept, touch_unused);
+    }
+#else
+    (void) blue;
+#endif
+    return changed + clean_rgba8_by_table(dst, src, n, table, kept, touch_unused);
 }
 
 /* The derived blue for S = 4e + 3, e >= 0.  Standard: K + t, t = floor(sqrt(e)).  Z-zero: the
