@@ -47,6 +47,14 @@ def test_error_is_at_most_a_third_of_least_squares(found):
         assert result["islands"] == 1
 
 
+def test_the_cliff_of_a_wide_view_is_found():
+    """Least squares spread it so widely that differences of slopes hardly show it."""
+    scene = scenes.spiral(128, 75)
+    plain = find_depth(vectors(scene), camera=scene.camera, rounds=1, sure=False)[0]
+    depth = find_depth(vectors(scene), camera=scene.camera, sure=False)[0]
+    assert scenes.error(depth, scene, scene.pieces) <= scenes.error(plain, scene, scene.pieces) / 3
+
+
 def test_confidence_ranks_the_errors(found):
     ranks = []
     for scene, _, depth, confidence, _ in found:
@@ -58,7 +66,7 @@ def test_confidence_ranks_the_errors(found):
 
 
 @pytest.mark.parametrize(
-    ("size", "degrees", "least"), [(64, 60, 0.85), (64, 90, 0.85), (256, 90, 0.75)]
+    ("size", "degrees", "least"), [(64, 60, 0.8), (64, 90, 0.8), (256, 90, 0.65)]
 )
 def test_confidence_knows_what_is_far_and_what_is_cut_off(size, degrees, least):
     """Balls in the air, and a plane whose far end is off by more texels than its near end."""

@@ -1244,8 +1244,9 @@ NTP_API size_t ntp_depth_scratch_size(int32_t width, int32_t height);
  * differences of depth to the two, in texels and times the cosine between normal and view, the
  * shares of the equations are 1/(1 + exp(-k (b*b - a*a))) and the rest: the side with the jump
  * hardly counts.  Shares and depth are found in turn, until the sum of squares changes by less than
- * 0.03 percent.  The first rounds take 16, 8, 4 and 2 times k, unless there is a start.  What is cut
- * off all round keeps about the depth that the first rounds gave it: nothing tells it.
+ * 0.1 percent.  The first rounds take 16, 8, 4 and 2 times k, unless there is a start; 96 x 96 texels
+ * begin with 32, and 192 x 192 with 64 times k.  What is cut off all round keeps about the depth that
+ * the first rounds gave it: nothing tells it.
  *
  * confidence: NULL, or a view like dst that gets 1/(1 + e), e the error that may be expected of the
  * depth, in texels (with a camera: fx times that of the depth in dst); 0 in holes.  e is four times how

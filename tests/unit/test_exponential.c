@@ -26,6 +26,14 @@ int main(void)
     check("exp", INFINITY, ntp__exp(INFINITY), ntp__exp(700), 0);
     check("exp", -INFINITY, ntp__exp(-INFINITY), ntp__exp(-700), 0);
     check("exp", NAN, ntp__exp(NAN), ntp__exp(-700), 0);
+    for (int i = -87000; i <= 87000; i++) {
+        float x = (float) i / 1000;
+        double want = exp((double) x);
+        check("exp_float", (double) x, (double) ntp__exp_float(x), want, want * 0x1p-21);
+    }
+    check("exp_float", INFINITY, (double) ntp__exp_float(INFINITY), (double) ntp__exp_float(87), 0);
+    check("exp_float", -INFINITY, (double) ntp__exp_float(-INFINITY), (double) ntp__exp_float(-87),
+          0);
     for (int e = -1021; e < 1023; e++) {
         for (int i = 0; i < 64; i++) {
             double x = ldexp(1 + i / 64.0 + i * 1e-9, e), want = log(x);

@@ -90,6 +90,19 @@ static int32_t add_springs(ntp__graph *coarse, const ntp__graph *fine, const int
     return count;
 }
 
+/* Puts the springs to nodes before k first. */
+static void sort_springs(ntp__spring *spring, int32_t count, int32_t k)
+{
+    int32_t before = 0;
+    for (int32_t e = 0; e < count; e++) {
+        if (spring[e].to < k) {
+            ntp__spring moved = spring[e];
+            spring[e] = spring[before];
+            spring[before++] = moved;
+        }
+    }
+}
+
 /* coarse = the groups of fine, of one or two nodes each, with the sums of the springs between
  * them.  members and place are working memory: 2 and 1 numbers a group. */
 static void contract(ntp__graph *coarse, const ntp__graph *fine, const int32_t *group,
@@ -106,6 +119,7 @@ static void contract(ntp__graph *coarse, const ntp__graph *fine, const int32_t *
         coarse->first[k] = start;
         for (int32_t m = 2 * k; m < 2 * k + 2 && members[m] >= 0; m++)
             count = add_springs(coarse, fine, group, members[m], start, count, place);
+        sort_springs(coarse->spring + start, count - start, k);
     }
     coarse->first[groups] = count;
 }
@@ -176,7 +190,27 @@ void ntp__springs_keep_levels(ntp__springs *s)
 
 /* -------------------------------------------------------------------------- the cycle */
 
-/* One sweep of Gauss and Seidel, up or down the nodes. */
+/* A sweep of Gauss and Seidel up the nodes, all of which are at 0. */
+static void sweep_up_from_0(const ntp__graph *g, float *restrict x, const float *restrict force)
+{
+    for (int32_t i = 0; i < g->nodes; i++) {
+        float sum = force[i];
+        for (int32_t e = g->first[i]; e < g->first[i + 1] && g->spring[e].to < i; e++)
+            sum += g->spring[e].stiffness * x[g->spring[e].to];
+        x[i] = sum * g->inverse[i];
+    }
+}
+
+/* What that sweep leaves of the force on node i: each node after it has moved since. */
+static float left_over(const ntp__graph *g, const float *x, int32_t i)
+{
+    float sum = 0;
+    for (int32_t e = g->first[i + 1] - 1; e >= g->first[i] && g->spring[e].to > i; e--)
+        sum += g->spring[e].stiffness * x[g->spring[e].to];
+    return sum;
+}
+
+/* The same sweep up or down, wherever nodes are. */
 static void sweep(const ntp__graph *g, float *restrict x, const float *restrict force, bool up)
 {
     for (int32_t k = 0; k < g->nodes; k++) {
@@ -222,8 +256,8 @@ static void cycle(ntp__springs *s, int32_t l)
     const ntp__graph *g = &s->level[l];
     float *x = s->move[l];
     const float *force = s->force[l];
-    memset(x, 0, (size_t) g->nodes * sizeof *x);
     if (l + 1 == s->levels) {
+        memset(x, 0, (size_t) g->nodes * sizeof *x);
         for (int32_t k = 0; k < LAST_SWEEPS; k++) {
             sweep(g, x, force, true);
             sweep(g, x, force, false);
@@ -231,10 +265,10 @@ static void cycle(ntp__springs *s, int32_t l)
         return;
     }
     float *left = s->force[l + 1];
-    sweep(g, x, force, true);
+    sweep_up_from_0(g, x, force);
     memset(left, 0, (size_t) s->level[l + 1].nodes * sizeof *left);
     for (int32_t i = 0; i < g->nodes; i++)
-        left[g->group[i]] += force[i] - hold(g, x, i);
+        left[g->group[i]] += left_over(g, x, i);
     solve_coarse(s, l + 1);
     for (int32_t i = 0; i < g->nodes; i++)
         x[i] += s->move[l + 1][g->group[i]];

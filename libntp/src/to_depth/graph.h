@@ -23,7 +23,8 @@ typedef struct ntp__spring {
     float stiffness;
 } ntp__spring;
 
-/* The springs of node i are those from first[i] to first[i + 1] - 1.  Each stands at both ends. */
+/* The springs of node i are those from first[i] to first[i + 1] - 1, first those to nodes before it.
+ * Each stands at both ends. */
 typedef struct ntp__graph {
     int32_t nodes;
     int32_t *first;

@@ -10,6 +10,7 @@
 #include "to_depth/terms.h"
 
 #include <math.h>
+#include <string.h>
 
 #include "texel/direction.h"
 #include "texel/unused.h"
@@ -21,6 +22,8 @@ static const double SHORTEST = 0.25;
 /* Of a spring, relative to that between two texels that face the viewer.  It keeps every texel tied
  * to its neighbors, and holds single slopes below 1 / (2 sqrt(LEAST)) = 500. */
 static const double LEAST = 1e-6;
+
+enum { RUN = 256 }; /* nodes whose shares are found at once */
 
 void ntp__terms_init(ntp__terms *t, int32_t nodes, ntp__scratch *memory)
 {
@@ -147,18 +150,28 @@ void ntp__terms_even(ntp__terms *t)
     }
 }
 
+/* The shares of nodes from..from + count - 1 along one axis. */
+static void share_run(ntp__axis_terms *a, const double *z, double k, int32_t from, int32_t count)
+{
+    float power[RUN];
+    for (int32_t m = 0; m < count; m++) {
+        int32_t i = from + m, next = a->after[i], last = a->before[i];
+        double view = (double) a->view[i];
+        double after = next >= 0 ? view * (z[next] - z[i]) : 0;
+        double before = last >= 0 ? view * (z[i] - z[last]) : 0;
+        power[m] = (float) (k * (after * after - before * before));
+    }
+    for (int32_t m = 0; m < count; m++)
+        power[m] = 1 / (1 + ntp__exp_float(power[m]));
+    memcpy(a->share + from, power, (size_t) count * sizeof *power);
+}
+
 void ntp__terms_share(ntp__terms *t, double k)
 {
-    const double *z = t->z;
-    for (int32_t d = 0; d < 2; d++) {
-        ntp__axis_terms *a = &t->axis[d];
-        for (int32_t i = 0; i < t->nodes; i++) {
-            int32_t next = a->after[i], last = a->before[i];
-            double view = (double) a->view[i];
-            double after = next >= 0 ? view * (z[next] - z[i]) : 0;
-            double before = last >= 0 ? view * (z[i] - z[last]) : 0;
-            a->share[i] = (float) (1 / (1 + ntp__exp(k * (after * after - before * before))));
-        }
+    for (int32_t i = 0; i < t->nodes; i += RUN) {
+        int32_t count = t->nodes - i < RUN ? t->nodes - i : RUN;
+        share_run(&t->axis[0], t->z, k, i, count);
+        share_run(&t->axis[1], t->z, k, i, count);
     }
 }
 
