@@ -221,3 +221,61 @@ int32_t ntp__flip_rgb_avx2(void *dst, const void *src, int32_t n, bool deep, boo
     const __m256i white = _mm256_set1_epi8(keep_white ? -1 : 0);
     return deep ? flip(dst, src, n, true, black, white) : flip(dst, src, n, false, black, white);
 }
+
+/* 8 pixels of 8 bit, or 4, with red and green of `shuffle` and bits inverted; black and white ones
+ * as they are. */
+static inline void turn_step(uint8_t *d, const uint8_t *s, __m256i shuffle, __m256i inverted,
+                             bool deep)
+{
+    enum { HALF = 12 }; /* bytes; each half touches four more */
+    const __m256i zero = _mm256_setzero_si256(), ones = _mm256_set1_epi8(-1);
+    const __m256i v = load_two(s, s + HALF);
+    const __m256i r = deep ? SHUFFLE(v, 0, 1, 0, 1, 0, 1, 6, 7, 6, 7, 6, 7, -1, -1, -1, -1)
+                           : SHUFFLE(v, 0, 0, 0, 3, 3, 3, 6, 6, 6, 9, 9, 9, -1, -1, -1, -1);
+    const __m256i g = deep ? SHUFFLE(v, 2, 3, 2, 3, 2, 3, 8, 9, 8, 9, 8, 9, -1, -1, -1, -1)
+                           : SHUFFLE(v, 1, 1, 1, 4, 4, 4, 7, 7, 7, 10, 10, 10, -1, -1, -1, -1);
+    const __m256i b = deep ? SHUFFLE(v, 4, 5, 4, 5, 4, 5, 10, 11, 10, 11, 10, 11, -1, -1, -1, -1)
+                           : SHUFFLE(v, 2, 2, 2, 5, 5, 5, 8, 8, 8, 11, 11, 11, -1, -1, -1, -1);
+    const __m256i none = _mm256_or_si256(_mm256_or_si256(r, g), b);
+    const __m256i all = _mm256_and_si256(_mm256_and_si256(r, g), b);
+    const __m256i kept =
+        deep ? _mm256_or_si256(_mm256_cmpeq_epi16(none, zero), _mm256_cmpeq_epi16(all, ones))
+             : _mm256_or_si256(_mm256_cmpeq_epi8(none, zero), _mm256_cmpeq_epi8(all, ones));
+    const __m256i turned = _mm256_xor_si256(_mm256_shuffle_epi8(v, shuffle), inverted);
+    store_two(d, d + HALF, _mm256_blendv_epi8(turned, v, kept));
+}
+
+static inline void turn(uint8_t *d, const uint8_t *s, int32_t bytes, __m256i shuffle,
+                        __m256i inverted, bool deep)
+{
+    enum { BYTES = 24, BEYOND = 4 };
+    int32_t i = 0;
+    for (; i + BYTES + BEYOND <= bytes; i += BYTES)
+        turn_step(d + i, s + i, shuffle, inverted, deep);
+    for (; i < bytes; i += BYTES) {
+        uint8_t few[BYTES + BEYOND] = { 0 };
+        const size_t left = (size_t) (bytes - i < BYTES ? bytes - i : BYTES);
+        memcpy(few, s + i, left);
+        turn_step(few, few, shuffle, inverted, deep);
+        memcpy(d + i, few, left);
+    }
+}
+
+void ntp__turn_rgb_avx2(void *dst, const void *src, int32_t n, bool deep, bool swap, bool invert_r,
+                        bool invert_g)
+{
+    enum { LANE = 16, TEXELS = 12 /* bytes */ };
+    int8_t from[LANE], mask[LANE];
+    const int32_t size = deep ? 2 : 1;
+    for (int32_t i = 0; i < LANE; i++) {
+        const int32_t c = i / size % 3;
+        const bool first = c == 0, pair = c < 2 && i < TEXELS;
+        from[i] = (int8_t) (!(pair && swap) ? i : first ? i + size : i - size);
+        mask[i] = pair && (first ? invert_r : invert_g) ? -1 : 0;
+    }
+    const __m256i shuffle = load_two(from, from), inverted = load_two(mask, mask);
+    if (deep)
+        turn(dst, src, 6 * n, shuffle, inverted, true);
+    else
+        turn(dst, src, 3 * n, shuffle, inverted, false);
+}

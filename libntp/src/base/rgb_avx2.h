@@ -21,6 +21,11 @@ void ntp__pack_rgb_avx2(void *dst, const ntp__block *block, int32_t n, bool deep
 bool ntp__place_rgb_avx2(float *to, bool *negative, const void *src, int32_t n, bool deep,
                          bool zzero);
 
+/* Packed pixels with red and green exchanged if `swap`, and then M - r and M - g if inverted; black
+ * and white ones stay.  dst is not src. */
+void ntp__turn_rgb_avx2(void *dst, const void *src, int32_t n, bool deep, bool swap, bool invert_r,
+                        bool invert_g);
+
 /* dst = src, packed pixels, with M - g for g.  Black and white pixels stay as they are, if that is
  * asked for.  The pixel before the first one and that after the last are read too.  Returns how many
  * of n are done, a multiple of 16.  dst may be src. */

@@ -28,7 +28,10 @@ static const double least_height = 0x1p-70, least_for_floats = 0x1p-30;
  * 64 roundings. */
 static const double sum_error = 0x1p-47;
 
-enum { BAND = 32 /* rows; a strip as high as the image would touch a memory page for each row */ };
+enum {
+    GROUP = NTP__LANES, /* texels that are looked at together */
+    BAND = 32 /* rows; a strip as high as the image would touch a memory page for each row */
+};
 
 /* How a call is carried out. */
 typedef struct walk {
@@ -236,6 +239,31 @@ static void sums_as_doubles(double sums[2][NTP__BLOCK], const walk *w, const str
     }
 }
 
+/* Does texels in doubt after float again in double.  Returns not 0 where that does not settle all. */
+static int32_t settle_in_double(const walk *w, strip *s, int32_t n)
+{
+    int32_t at[NTP__BLOCK], level[3][NTP__BLOCK], doubt[NTP__BLOCK], found = 0;
+    double sums[2][NTP__BLOCK];
+    for (int32_t first = 0; first < n; first += GROUP) {
+        int32_t any = 0;
+        for (int32_t i = 0; i < GROUP; i++)
+            any |= s->doubt[first + i];
+        for (int32_t i = first; any != 0 && i < first + GROUP && i < n; i++) {
+            at[found] = i;
+            found += s->doubt[i];
+        }
+    }
+    sums_as_doubles(sums, w, s, at, found);
+    int32_t *const to[3] = { level[0], level[1], level[2] };
+    const int32_t left = encode_precisely(w, to, doubt, sums, found);
+    for (int32_t i = 0; i < found; i++) {
+        for (int32_t k = 0; k < 3; k++)
+            s->out.c[k][at[i]] = level[k][i];
+        s->doubt[at[i]] = doubt[i];
+    }
+    return left;
+}
+
 /* Makes levels by the loops and fills s->doubt.  Returns whether any texel has a flag there. */
 static bool encode(walk *w, strip *s, const facts *f, int32_t n)
 {
@@ -259,37 +287,14 @@ static bool encode(walk *w, strip *s, const facts *f, int32_t n)
     else
         any = g->loops->encode_d(level[0], level[1], nearest, s->doubt, s->sums.d[0], s->sums.d[1],
                                  n, &w->encode);
-    return (any | derive(w, level, n)) != 0;
-}
-
-/* Does texels in doubt after float again in double. */
-static void settle_in_double(const walk *w, strip *s, int32_t n)
-{
-    int32_t at[NTP__BLOCK], level[3][NTP__BLOCK], doubt[NTP__BLOCK], found = 0;
-    double sums[2][NTP__BLOCK];
-    for (int32_t i = 0; i < n; i++) {
-        at[found] = i;
-        found += s->doubt[i];
-    }
-    if (found == 0)
-        return;
-    sums_as_doubles(sums, w, s, at, found);
-    encode_precisely(w, (int32_t *[3]) { level[0], level[1], level[2] }, doubt, sums, found);
-    for (int32_t i = 0; i < found; i++) {
-        for (int32_t k = 0; k < 3; k++)
-            s->out.c[k][at[i]] = level[k][i];
-        s->doubt[at[i]] = doubt[i];
-    }
+    const int32_t too_long = derive(w, level, n);
+    return ((any ? settle_in_double(w, s, n) : 0) | too_long) != 0;
 }
 
 static void settle_exactly(walk *w, strip *s, int32_t x, int32_t y, int32_t i, bool known)
 {
-    int64_t sums[2] = { 0, 0 };
+    const int64_t sums[2] = { known ? s->sums.i[0][i] : 0, known ? s->sums.i[1][i] : 0 };
     ntp__normal normal;
-    if (known) {
-        sums[0] = s->sums.i[0][i];
-        sums[1] = s->sums.i[1][i];
-    }
     ntp__gradient_exact(&normal, &w->g, x + i, y, known ? sums : NULL);
     w->counts.not_finite += !normal.finite;
     w->counts.exact += normal.wide;
@@ -297,24 +302,20 @@ static void settle_exactly(walk *w, strip *s, int32_t x, int32_t y, int32_t i, b
         s->out.c[k][i] = normal.level[k];
 }
 
-/* Does texels in doubt again, and pulls pairs that are too long onto the disc.  Such texels are
- * few, and most groups have none. */
+/* Does texels in doubt again, and pulls pairs that are too long onto the disc.  They are few. */
 static void settle(walk *w, strip *s, int32_t x, int32_t y, int32_t n)
 {
-    enum { GROUP = 16 };
-    const bool derived = w->g.derived;
-    int32_t *const *c = (int32_t *[3]) { s->out.c[0], s->out.c[1], s->out.c[2] };
-    if (w->single)
-        settle_in_double(w, s, n);
+    const int32_t sign = w->g.derived ? INT32_MIN : 0;
+    int32_t(*c)[NTP__BLOCK] = s->out.c;
     for (int32_t first = 0; first < n; first += GROUP) {
-        int32_t end = n - first < GROUP ? n : first + GROUP, any = 0;
-        for (int32_t i = first; i < end; i++)
-            any |= s->doubt[i] | s->moved[i] | (derived && c[2][i] < 0);
-        for (int32_t i = first; any != 0 && i < end; i++) {
+        int32_t any = s->any_moved;
+        for (int32_t i = 0; i < GROUP; i++)
+            any |= s->doubt[first + i] | (c[2][first + i] & sign);
+        for (int32_t i = first; any != 0 && i < first + GROUP && i < n; i++) {
             const bool again = s->doubt[i] != 0 || s->moved[i];
             if (again)
                 settle_exactly(w, s, x, y, i, w->ints && !s->moved[i]);
-            if (derived && (again || c[2][i] < 0))
+            if (w->g.derived && (again || c[2][i] < 0))
                 c[2][i] = ntp__derive(&c[0][i], &c[1][i], w->g.m, w->encode.zzero);
         }
     }

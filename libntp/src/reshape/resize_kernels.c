@@ -46,6 +46,28 @@ static void add_rows(double *restrict sums, const float *const *rows, const int3
     }
 }
 
+/* Sums of floats of 18 bits are exact. */
+static void add_pairs(double *restrict sums, const float *const *rows, const int32_t *weight,
+                      int32_t taps, int32_t count)
+{
+    const int32_t last = taps - 1, half = taps / 2;
+    count = count / 8 * 8;
+    for (int32_t t = 0; t < half; t += 2) {
+        /* The middle one of an odd number of pairs is taken once more, 0 times. */
+        const int32_t s = t + 1 < half ? t + 1 : t;
+        const float *restrict a = rows[t], *restrict b = rows[last - t];
+        const float *restrict c = rows[s], *restrict d = rows[last - s];
+        const double u = weight[t], v = t + 1 < half ? weight[s] : 0;
+        if (t == 0) {
+            for (int32_t i = 0; i < count; i++)
+                sums[i] = u * (double) (a[i] + b[i]) + v * (double) (c[i] + d[i]);
+        } else {
+            for (int32_t i = 0; i < count; i++)
+                sums[i] += u * (double) (a[i] + b[i]) + v * (double) (c[i] + d[i]);
+        }
+    }
+}
+
 static void add_columns(ntp__vectors *restrict out, double *restrict total,
                         const double *restrict sums, const int32_t *restrict first,
                         const double *restrict weight, int32_t taps, int32_t n)
@@ -65,4 +87,5 @@ static void add_columns(ntp__vectors *restrict out, double *restrict total,
 }
 
 extern const ntp__resize_kernels CONCAT(ntp__resize_loops_, NTP_ISA);
-const ntp__resize_kernels CONCAT(ntp__resize_loops_, NTP_ISA) = { place, add_rows, add_columns };
+const ntp__resize_kernels CONCAT(ntp__resize_loops_, NTP_ISA) = { place, add_rows, add_pairs,
+                                                                  add_columns };

@@ -16,6 +16,9 @@ typedef struct ntp__resize_kernels {
      * multiple of 2. */
     void (*add_rows)(double *sums, const float *const *rows, const int32_t *weight, int32_t taps,
                      int32_t count);
+    /* The same where the weights from the last to the first are those from the first to the last. */
+    void (*add_pairs)(double *sums, const float *const *rows, const int32_t *weight, int32_t taps,
+                      int32_t count);
     /* The same for n texels of the result, from columns first[i] on and with an even number of
      * weights of their own. */
     void (*add_columns)(ntp__vectors *v, double *total, const double *sums, const int32_t *first,

@@ -209,6 +209,15 @@ static bool is_empty(const ntp__resize_job *j, int32_t i)
     return true;
 }
 
+/* So it is where the sides are halved. */
+static bool is_symmetric(const int32_t *weight, int32_t taps)
+{
+    bool same = taps % 2 == 0;
+    for (int32_t t = 0; same && t < taps / 2; t++)
+        same = weight[t] == weight[taps - 1 - t];
+    return same;
+}
+
 /* What is to be done about a texel whose sums are not plain; returns whether it is inexact. */
 static bool judge_sums(const ntp__resize_job *j, ntp__vectors *v, double total, int32_t i)
 {
@@ -233,7 +242,8 @@ int32_t ntp__strip_vectors(const ntp__resize_job *j, ntp__vectors *v, int32_t *i
     weight[taps] = 0;
     rows[taps] = rows[0];
     fetch_ahead(j, y);
-    loops()->add_rows(s->sums, rows, weight, taps + taps % 2, (4 * s->columns + 7) / 8 * 8);
+    (is_symmetric(weight, taps) ? loops()->add_pairs : loops()->add_rows)(
+        s->sums, rows, weight, taps + taps % 2, (4 * s->columns + 7) / 8 * 8);
     loops()->add_columns(v, total, s->sums, s->at, s->weight, s->taps_x, s->n);
     for (int32_t i = 0; i < s->n; i++) {
         const double z = v->c[2][i];

@@ -7,6 +7,8 @@
  * are in rotate.c.)  A strength S = n / 2^k
  * makes (n x, n y, 2^k z), whose direction is rounded once.
  */
+#include "base/cpu.h"
+#include "base/rgb_avx2.h"
 #include "reshape/rotate.h"
 #include "texel/unused.h"
 #include "texel/level.h"
@@ -16,6 +18,7 @@
 enum {
     AHEAD = 8,         /* rows of the source that are asked for before they are needed */
     COLUMNS = 128,     /* of the result at a time, where these are rows of the source */
+    BEYOND = 4,        /* bytes after a row of a tile; a whole number of samples */
     TILE_BYTES = 24576 /* of such texels; they fit into the first cache, and the caller's stack */
 };
 
@@ -200,9 +203,28 @@ static void keep_unused_floats(const job *j, const ntp__block *block, int32_t x,
     }
 }
 
+/* With AVX2: packed RGB that is only turned; false: there is another way only. */
+static bool turn_packed(const job *j, int32_t x, int32_t y, int32_t n)
+{
+#ifdef NTP_HAVE_AVX2
+    if (!j->stronger && j->src.channels == 3 && j->src.type != NTP_TYPE_F32 &&
+        j->src.encoding != NTP_ENCODING_XY && ntp__is_packed(&j->src) &&
+        j->dst->pixel_stride == j->src.pixel_stride && ntp__cpu_has_avx2(NTP__CPU_ALL)) {
+        ntp__turn_rgb_avx2(ntp__at_mut(j->dst, x, y), ntp__at(&j->src, x, y), n,
+                           j->src.type == NTP_TYPE_U16, j->swap, j->mirror_r, j->mirror_g);
+        return true;
+    }
+#else
+    (void) j, (void) x, (void) y, (void) n;
+#endif
+    return false;
+}
+
 static void transform_run(const job *j, int32_t x, int32_t y, int32_t n)
 {
     ntp__block block;
+    if (turn_packed(j, x, y, n))
+        return;
     ntp__unpack(&block, &j->src, x, y, n);
     bool floats = j->src.type == NTP_TYPE_F32;
     if (floats && !j->stronger) {
@@ -225,12 +247,15 @@ static void transform_run(const job *j, int32_t x, int32_t y, int32_t n)
 #  define FETCH(address) ((void) (address))
 #endif
 
-/* Copies texels of the turned source side by side, for which its own rows are read one by one. */
-static inline void turn_texels(char *tile, const ntp_const_image *src, const ntp_rect *part,
-                               size_t size)
+/* Copies texels of the turned source side by side, for which its own rows are read one by one.
+ * `pitch` bytes lie between rows of the tile.  Of most texels `wide` bytes are copied, which is
+ * quicker: what is too much belongs to a neighbor, or is overwritten. */
+static inline void turn_texels(char *tile, ptrdiff_t pitch, const ntp_const_image *src,
+                               const ntp_rect *part, size_t size, size_t wide)
 {
     enum { LINE = 64 };
-    const ptrdiff_t row = (ptrdiff_t) size * (part->x1 - part->x0), step = src->row_stride;
+    const ptrdiff_t step = src->row_stride;
+    const int32_t last = part->y1 - part->y0 - 1;
     /* Texels that lie apart are not asked for. */
     const ptrdiff_t apart = step < 0 ? -step : step;
     const ptrdiff_t bytes = apart < LINE ? apart * (part->y1 - part->y0) : 0;
@@ -238,11 +263,12 @@ static inline void turn_texels(char *tile, const ntp_const_image *src, const ntp
         const char *s = ntp__at(src, x, part->y0);
         const char *ahead =
             (step < 0 ? s + step * (part->y1 - part->y0) : s) + AHEAD * src->pixel_stride;
-        char *d = tile;
         for (ptrdiff_t k = 0; k < bytes; k += LINE)
             FETCH(ahead + k);
-        for (int32_t y = part->y0; y < part->y1; y++, s += src->row_stride, d += row)
-            memcpy(d, s, size);
+        memcpy(tile, s, size);
+        for (int32_t y = 1; y < last; y++)
+            memcpy(tile + y * pitch, s + y * step, wide);
+        memcpy(tile + last * pitch, s + last * step, size);
     }
 }
 
@@ -253,21 +279,22 @@ static void transform_tile(const job *j, const ntp_rect *part)
     char *bytes = (char *) tile;
     const int32_t width = part->x1 - part->x0;
     const ptrdiff_t size = j->src.channels * ntp__sample_size(j->src.type);
+    const ptrdiff_t pitch = size * width + BEYOND;
     /* A constant size is a load and a store. */
     if (size == 3)
-        turn_texels(bytes, &j->src, part, 3);
+        turn_texels(bytes, pitch, &j->src, part, 3, 4);
     else if (size == 4)
-        turn_texels(bytes, &j->src, part, 4);
+        turn_texels(bytes, pitch, &j->src, part, 4, 4);
     else if (size == 6)
-        turn_texels(bytes, &j->src, part, 6);
+        turn_texels(bytes, pitch, &j->src, part, 6, 8);
     else
-        turn_texels(bytes, &j->src, part, (size_t) size);
+        turn_texels(bytes, pitch, &j->src, part, (size_t) size, (size_t) size);
     job turned = *j;
     ntp_image row = *j->dst;
     row.ring_rows = 0;
     turned.dst = &row;
     turned.src.pixel_stride = size;
-    for (int32_t y = part->y0; y < part->y1; y++, bytes += size * width) {
+    for (int32_t y = part->y0; y < part->y1; y++, bytes += pitch) {
         row.data = ntp__at_mut(j->dst, part->x0, y);
         turned.src.data = bytes;
         transform_run(&turned, 0, 0, width);
@@ -277,7 +304,7 @@ static void transform_tile(const job *j, const ntp_rect *part)
 static void transform_tiles(const job *j, const ntp_rect *rect)
 {
     const ptrdiff_t size = j->src.channels * ntp__sample_size(j->src.type);
-    const int32_t rows = (int32_t) (TILE_BYTES / (COLUMNS * size));
+    const int32_t rows = (int32_t) (TILE_BYTES / (COLUMNS * size + BEYOND));
     for (int32_t y = rect->y0; y < rect->y1; y += rows) {
         for (int32_t x = rect->x0; x < rect->x1; x += COLUMNS) {
             const ntp_rect part = { x, y, rect->x1 - x < COLUMNS ? rect->x1 : x + COLUMNS,
