@@ -196,13 +196,21 @@ static inline void count_fit(ntp__fit_sums *sums, uint64_t *errors, const ntp__j
 /* Of colors that occur any number of times. */
 static void count_colors(ntp__sums *sums, const ntp__judged *j, const uint32_t *count, int32_t n)
 {
-    uint64_t errors[2][NTP__ALL_BINS] = { { 0 } };
+    uint64_t errors[2][NTP__ALL_BINS] = { { 0 } }, texels = 0, sum = 0;
+    uint32_t greatest = 0;
     for (int32_t i = 0; i < n; i++) {
+        const uint32_t angle = (uint32_t) j->angle[i];
         count_fit(&sums->fit[0], errors[0], &j->fit[0], i, count[i]);
         count_fit(&sums->fit[1], errors[1], &j->fit[1], i, count[i]);
-        ntp__angles_add(&sums->angles, (uint32_t) j->angle[i], count[i]);
-        sums->texels += count[i];
+        sums->angles.bins[(angle + 500) / 1000] += count[i];
+        greatest = angle > greatest ? angle : greatest;
+        texels += count[i];
+        sum += (uint64_t) angle * count[i];
     }
+    sums->texels += texels;
+    sums->angles.texels += texels;
+    sums->angles.sum += sum;
+    sums->angles.max = greatest > sums->angles.max ? greatest : sums->angles.max;
     for (int32_t i = 0; i < NTP__ALL_BINS; i++) {
         sums->fit[0].length_error[i] += errors[0][i];
         sums->fit[1].length_error[i] += errors[1][i];

@@ -10,12 +10,6 @@
  * level in or out it is compared with 4q + 1.  Both fit into 32 bits unsigned if not negative.
  */
 
-/* n, as a compiler knows it to be a multiple of lanes: loops then have no remainder. */
-static inline int32_t whole_lanes(int32_t n)
-{
-    return n & -LANES;
-}
-
 /* Blue and the others are looked at together; and one plane after the other. */
 static void survey(ntp__survey *s, int32_t *r, int32_t *g, int32_t *b, int32_t n)
 {

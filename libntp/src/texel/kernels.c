@@ -263,6 +263,12 @@ static inline int32_t half_up(int32_t a)
     return a >= 0 ? a + 1 : -a;
 }
 
+/* n, as a compiler knows it to be a multiple of lanes: loops then have no remainder. */
+static inline int32_t whole_lanes(int32_t n)
+{
+    return n & -LANES;
+}
+
 #include "texel/flags_tmpl.h"
 
 #include "texel/directions_tmpl.h"
@@ -324,6 +330,7 @@ const ntp__kernels_table CONCAT(ntp__kernels_, NTP_ISA) = {
     clean_rgb16,
     derive,
     validate,
+    validate_rgb8,
     survey,
     judge_block,
     directions,

@@ -56,6 +56,10 @@ typedef struct ntp__validity {
 typedef void ntp__validate_fn(uint8_t *flags, int32_t *const c[4], int32_t n,
                               const ntp__validity *how);
 
+/* The same for at most 256 packed texels of 8 bit, not as Z-zero. */
+typedef void ntp__validate8_fn(uint8_t *flags, const uint8_t *src, int32_t n,
+                               const ntp__validity *how);
+
 /* What is known of a block of texels at once. */
 typedef struct ntp__survey {
     uint32_t least[3], greatest[3], sum[3];
@@ -144,6 +148,7 @@ typedef struct ntp__kernels_table {
     ntp__clean16_fn *clean_rgb16;
     ntp__derive_fn *derive;
     ntp__validate_fn *validate;
+    ntp__validate8_fn *validate_rgb8; /* NULL where planes are as fast */
     ntp__survey_fn *survey;
     ntp__judge_block_fn *judge_block;
     ntp__directions_fn *directions;
