@@ -120,6 +120,20 @@ def test_damaged_tiles_still_tile():
     assert not any(part) and sum(tile) >= 0.75 * len(tile), tile
 
 
+def test_parts_whose_ends_happen_to_be_alike():
+    """A wave and a part of the next: slopes nearly go on across the edges, but with a step or a lean."""
+    x = np.arange(44)[None] * (2 * np.pi / 44)
+    y = np.arange(44)[:, None] * (2 * np.pi / 44)
+    answers = []
+    for turns in (1.15, 1.2, 1.25, 1.3):
+        for tilt in (0.0, 0.04, 0.06):
+            p = 0.25 * np.cos(turns * x + 0.4 + 0.3 * np.sin(y)) + tilt
+            q = 0.2 * np.sin(y) + 0 * x
+            n = maps.to_type(maps.encode(reconstruction.vectors_of(p, q)))
+            answers.append(told(find(noisy(n, 3))[0]))
+    assert TILES not in answers, answers
+
+
 def test_undecided():
     rng = np.random.default_rng(5)
     fractal = reconstruction.from_height(reconstruction.fractal(64))

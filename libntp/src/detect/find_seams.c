@@ -33,8 +33,11 @@ static const double LEAST_RANK = 0.2;
 static const double SEAM_JUMP = 3, SEAM_LARGEST = 0.6, SEAM_CLOSURE = 0.3;
 /* Slopes continue across a seam if they differ by no more than this, in units of their difference
  * inside.  It tells nothing unless slopes inside differ far less than those of two places that have
- * nothing to do with each other.  The closure is spoiled by damage, but not as by a seam. */
+ * nothing to do with each other.  Damage spoils the closure, but not as a seam does.  It leaves the
+ * step and the lean small: on 238 damaged axes that tile they were at most 1.8 and 0.015; smooth
+ * pictures cut where slopes happen to be alike had 2.1 or 0.06. */
 static const double MOST_SEAM = 1.5, MOST_INSIDE = 0.5, MOST_DAMAGED_CLOSURE = 0.4;
+static const double MOST_DAMAGED_JUMP = 2, MOST_DAMAGED_LEAN = 0.03;
 /* Heights must vary by so many times the variance that rounding gives them, or they tell
  * nothing. */
 static const double LEAST_SIGNAL = 4;
@@ -231,7 +234,9 @@ static void judge(ntp_seam *seam, const axis_sums *s, const ntp_const_image *src
         seam->closure >= SEAM_CLOSURE && seam->jump >= SEAM_JUMP && seam->largest >= SEAM_LARGEST;
     seam->tiles = closes && (seam->closure * seam->jump <= MOST_CLOSURE_TIMES_JUMP ||
                              seam->rank >= LEAST_RANK);
-    seam->tiles |= seam->closure <= MOST_DAMAGED_CLOSURE && continues(s);
+    bool damaged = seam->closure <= MOST_DAMAGED_CLOSURE && seam->jump <= MOST_DAMAGED_JUMP &&
+                   size(seam->lean) <= MOST_DAMAGED_LEAN;
+    seam->tiles |= damaged && continues(s);
     seam->decided = seam->tiles || has_seam;
     /* Encoders that cut off fractions add half a level. */
     seam->wraps = seam->tiles && size(seam->lean) <= 1.5 / ntp__max(src->type);

@@ -2,7 +2,7 @@
 /*
  * exponential.h - the exponential function and the logarithm, without libm
  *
- * Sums, products and quotients of doubles alone, so the bytes are the same everywhere.
+ * Sums, products and quotients alone, so the bytes are the same everywhere.
  */
 #ifndef NTP_EXPONENTIAL_H
 #define NTP_EXPONENTIAL_H
