@@ -181,6 +181,12 @@ static void weaken_and_turn(const ntp_image *dst, const ntp_const_image *src)
     CHECK(ntp_transform(dst, src, &how, NULL) == NTP_OK);
 }
 
+static void mirror(const ntp_image *dst, const ntp_const_image *src)
+{
+    const ntp_transform_options how = { .flip_y = 1 };
+    CHECK(ntp_transform(dst, src, &how, NULL) == NTP_OK);
+}
+
 /* As a column of the source: the picture is turned, and so is what it is turned into. */
 static void turn(const ntp_image *dst, const ntp_const_image *src)
 {
@@ -261,8 +267,8 @@ static void grow(const ntp_image *dst, const ntp_const_image *src)
 static change_fn *const CHANGE[] = { strengthen, weaken_and_turn, turn,
                                      reorient,   whiteout,        reorient_strongly,
                                      udn,        linear,          shrink,
-                                     grow };
-enum { CHANGES = 10 };
+                                     grow,       mirror };
+enum { CHANGES = 11 };
 
 /* Changes of a row, into rows that end where plain and other do. */
 static void compare_changes(const ntp_const_image *src, uint8_t *plain, uint8_t *other)
