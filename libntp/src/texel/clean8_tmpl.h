@@ -86,16 +86,20 @@ static inline __m256i root8(__m256i e)
     return _mm256_cvttps_epi32(_mm256_add_ps(root, _mm256_set1_ps(0.0625f)));
 }
 
-/* The derived blues of 16 pairs, as words; false: a pair is too long. */
-static inline bool blue_words(__m256i *blues, __m256i pairs0, __m256i pairs1)
+/* The derived blues of 16 pairs, as words, from what rest8 makes of them; of pairs that are too long
+ * it is any number. */
+static inline __m256i blue_words(__m256i e0, __m256i e1)
 {
-    __m256i e0 = rest8(pairs0), e1 = rest8(pairs1);
     __m256i e = _mm256_packs_epi32(e0, e1), t = _mm256_packs_epi32(root8(e0), root8(e1));
-    if ((uint32_t) _mm256_movemask_epi8(e) & 0xaaaaaaaaU)
-        return false;
     t = _mm256_add_epi16(t, _mm256_cmpgt_epi16(_mm256_mullo_epi16(t, t), e));
-    *blues = _mm256_add_epi16(t, _mm256_set1_epi16(128));
-    return true;
+    return _mm256_add_epi16(t, _mm256_set1_epi16(128));
+}
+
+/* One bit for each of 16 numbers: is it negative? */
+static inline uint32_t negatives(__m256i e0, __m256i e1)
+{
+    return (uint32_t) _mm256_movemask_ps(_mm256_castsi256_ps(e0)) |
+           (uint32_t) _mm256_movemask_ps(_mm256_castsi256_ps(e1)) << 8;
 }
 
 /* The derived blues of 16 pixels, in the order 0-3, 8-11, 4-7, 12-15; false: a pair is too long. */
@@ -110,41 +114,42 @@ static inline bool derive_blues(__m128i *blues, const uint8_t *src)
         __m128i b = _mm_loadu_si128((const __m128i *) (const void *) second);
         p[i] = _mm256_inserti128_si256(_mm256_castsi128_si256(a), b, 1);
     }
-    __m256i t;
-    if (!blue_words(&t, _mm256_shuffle_epi8(p[0], low), _mm256_shuffle_epi8(p[1], high)))
+    const __m256i e0 = rest8(_mm256_shuffle_epi8(p[0], low));
+    const __m256i e1 = rest8(_mm256_shuffle_epi8(p[1], high));
+    if (negatives(e0, e1) != 0)
         return false;
+    const __m256i t = blue_words(e0, e1);
     *blues = _mm_packus_epi16(_mm256_castsi256_si128(t), _mm256_extracti128_si256(t, 1));
     return true;
 }
 
-/* Puts the blues into 16 pixels with alpha; false, with nothing written: a pair is too long, or one
- * of the alphas in `opaque` is 0. */
-static inline bool put_blues_rgba(uint8_t *dst, const uint8_t *src, uint32_t opaque,
-                                  uint64_t *changed)
+/* Puts the blues into 16 pixels with alpha.  Returns a bit for each that is to be done otherwise:
+ * its pair is too long, or its alpha 0 if `opaque` has all bits set. */
+static inline uint32_t put_blues_rgba(uint8_t *dst, const uint8_t *src, uint32_t opaque,
+                                      uint64_t *changed)
 {
     const __m256i zero = _mm256_setzero_si256();
     const __m256i pairs = _mm256_broadcastsi128_si256(
         _mm_setr_epi8(0, -1, 1, -1, 4, -1, 5, -1, 8, -1, 9, -1, 12, -1, 13, -1));
-    __m256i v[2], t;
-    uint32_t same = 0, clear = 0;
-    for (int i = 0; i < 2; i++)
+    __m256i v[2], e[2], clear[2], same[2];
+    for (int i = 0; i < 2; i++) {
         v[i] = _mm256_loadu_si256((const __m256i *) (const void *) (src + 32 * i));
-    for (int i = 0; i < 2; i++)
-        clear |= (uint32_t) _mm256_movemask_epi8(_mm256_cmpeq_epi8(v[i], zero));
-    if ((clear & opaque) != 0 ||
-        !blue_words(&t, _mm256_shuffle_epi8(v[0], pairs), _mm256_shuffle_epi8(v[1], pairs)))
-        return false;
+        e[i] = rest8(_mm256_shuffle_epi8(v[i], pairs));
+        clear[i] = _mm256_cmpeq_epi32(_mm256_srli_epi32(v[i], 24), zero);
+    }
+    const uint32_t left = negatives(e[0], e[1]) | (negatives(clear[0], clear[1]) & opaque);
+    const __m256i t = blue_words(e[0], e[1]);
     for (int i = 0; i < 2; i++) {
         const __m256i blues =
             i == 0 ? _mm256_unpacklo_epi16(zero, t) : _mm256_unpackhi_epi16(zero, t);
         const __m256i rest = _mm256_andnot_si256(_mm256_set1_epi32(0xff0000), v[i]);
-        const __m256i now = _mm256_or_si256(rest, blues);
-        const __m256i equal = _mm256_cmpeq_epi32(now, v[i]);
-        same = same << 8 | (uint32_t) _mm256_movemask_ps(_mm256_castsi256_ps(equal));
+        const __m256i blue = _mm256_and_si256(blues, _mm256_set1_epi32(0xff0000));
+        const __m256i now = _mm256_or_si256(rest, blue);
+        same[i] = _mm256_cmpeq_epi32(now, v[i]);
         _mm256_storeu_si256((__m256i *) (void *) (dst + 32 * i), now);
     }
-    *changed += (uint64_t) __builtin_popcount(same ^ 0xffff);
-    return true;
+    *changed += (uint64_t) __builtin_popcount((negatives(same[0], same[1]) | left) ^ 0xffff);
+    return left;
 }
 
 #  define N -1

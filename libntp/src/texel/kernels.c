@@ -203,10 +203,15 @@ static uint64_t clean_rgba8(uint8_t *dst, const uint8_t *src, size_t n, const ui
     uint64_t changed = 0;
 #ifdef __AVX2__
     enum { STEP = 16 };
-    const uint32_t opaque = touch_unused & NTP_UNUSED_TRANSPARENT ? 0 : 0x88888888U;
+    const uint32_t opaque = touch_unused & NTP_UNUSED_TRANSPARENT ? 0 : ~0U;
+    uint8_t was[4 * STEP];
     for (; blue != NULL && kept == 0 && n >= STEP; n -= STEP, src += 4 * STEP, dst += 4 * STEP) {
-        if (!put_blues_rgba(dst, src, opaque, &changed))
-            changed += clean_rgba8_by_table(dst, src, STEP, table, kept, touch_unused);
+        memcpy(was, src, sizeof was); /* dst may be src */
+        uint32_t left = put_blues_rgba(dst, src, opaque, &changed);
+        for (; left != 0; left &= left - 1) {
+            const int at = 4 * __builtin_ctz(left);
+            changed += clean_rgba8_by_table(dst + at, was + at, 1, table, kept, touch_unused);
+        }
     }
 #else
     (void) blue;
