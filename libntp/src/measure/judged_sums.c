@@ -378,17 +378,6 @@ static void merge_harm(ntp__harm_sums *into, const ntp__harm_sums *from)
     ntp__merge_counts(into->bins, from->bins, (size_t) ntp__harm_bin(from->max) + 1);
 }
 
-void ntp__join_halves(ntp__sums *sums)
-{
-    for (int32_t z = 0; z < 2; z++) {
-        ntp__fit_sums *const fit = &sums->fit[z];
-        ntp__merge_counts(fit->flags, fit->other_flags, NTP__ALL_BINS * 256);
-        ntp__merge_counts(fit->lengths, fit->other_lengths, NTP__LENGTH_BINS);
-        memset(fit->other_flags, 0, sizeof fit->other_flags);
-        memset(fit->other_lengths, 0, sizeof fit->other_lengths);
-    }
-}
-
 void ntp__merge_sums(ntp__sums *into, const ntp__sums *from)
 {
     if (from->texels == 0)

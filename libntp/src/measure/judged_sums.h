@@ -18,7 +18,7 @@ enum {
 typedef struct ntp__fit_sums {
     uint32_t flags[NTP__ALL_BINS * 256]; /* texels by steepness * 256 + flags */
     uint32_t lengths[NTP__LENGTH_BINS];
-    /* The same of every second texel of 16 bit, until ntp__join_halves. */
+    /* The same of every second texel that ntp__add_block counts once; merged sums have none. */
     uint32_t other_flags[NTP__ALL_BINS * 256], other_lengths[NTP__LENGTH_BINS];
     uint64_t length_error[NTP__ALL_BINS];
     uint64_t length_error2[2]; /* without padding, and of padding */
@@ -60,9 +60,6 @@ static inline uint32_t ntp__harm_bin(uint64_t angle)
 void ntp__clear_sums(ntp__sums *sums);
 
 void ntp__merge_sums(ntp__sums *into, const ntp__sums *from);
-
-/* Adds the counts that were kept apart, for those who read `flags` and `lengths`. */
-void ntp__join_halves(ntp__sums *sums);
 
 /* Adds count[i] texels (NULL: one each) of the color c[0..2][i], i < n, with angles by this
  * encoding. */

@@ -170,8 +170,6 @@ ntp_status ntp__sum_up(ntp_tally *t, ntp_encoding encoding)
         ntp__merge_sums(&t->unused, transparent);
         add_gray(t, 0, m, t->black, encoding);
         add_gray(t, m, m, t->white, encoding);
-        ntp__join_halves(&t->used);
-        ntp__join_halves(&t->unused);
     }
     t->summed = 1;
     t->summed_encoding = (uint32_t) encoding;

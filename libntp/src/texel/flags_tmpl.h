@@ -49,15 +49,16 @@ ONE_COPY static void flags_zzero(int32_t *restrict flags, const int32_t *restric
     for (int32_t i = 0; i < n; i++) {
         int32_t x = r[i] - k0, y = g[i] - k0, ks = half_up(x) + half_up(y);
         int32_t e = e0 - x * (x + 1) - y * (y + 1);
-        uint32_t u = (uint32_t) b[i], below = u - (u > 0);
+        /* (u - 1)^2 is 1, not 0, where u is 0: both are below 4 e_in + 3 */
+        uint32_t u = (uint32_t) b[i], u2 = u * u;
         int32_t e_in = e + 2 * (ks - 2), e_out = e - 2 * ks;
-        uint32_t neighbor = (e_in >= 0) & (below * below <= 4 * (uint32_t) e_in + 3);
-        neighbor &= (e_out < 0) | (u * (u + 2) >= 4 * (uint32_t) e_out + 2);
+        uint32_t neighbor = (e_in >= 0) & (u2 - 2 * u + 1 <= 4 * (uint32_t) e_in + 3);
+        neighbor &= (e_out < 0) | (u2 + 2 * u >= 4 * (uint32_t) e_out + 2);
         int32_t q_in = e + 1 + (ks - 2), q_out = e + 1 - ks;
-        uint32_t rounded = (q_in >= 0) & (u * below <= 4 * (uint32_t) q_in);
-        rounded &= (q_out < 0) | (u * (u + 1) >= 4 * (uint32_t) q_out + 1);
-        uint32_t exact = (e >= 0) & (u * below <= 4 * (uint32_t) e + 2);
-        exact &= u * (u + 1) >= 4 * (uint32_t) e + 3;
+        uint32_t rounded = (q_in >= 0) & (u2 - u <= 4 * (uint32_t) q_in);
+        rounded &= (q_out < 0) | (u2 + u >= 4 * (uint32_t) q_out + 1);
+        uint32_t exact = (e >= 0) & (u2 - u <= 4 * (uint32_t) e + 2);
+        exact &= u2 + u >= 4 * (uint32_t) e + 3;
         uint32_t f = neighbor * NTP_FLAG_NEIGHBOR | rounded * NTP_FLAG_ROUNDED |
                      exact * NTP_FLAG_EXACT | (uint32_t) (e < 0) * NTP_FLAG_XY_TOO_LONG;
         flags[i] = (int32_t) (f | unused_flag(r[i], g[i], b[i], a[i], m));

@@ -92,17 +92,18 @@ ONE_COPY static void judge_levels(int32_t *restrict std, int32_t *restrict off_s
                             (uint32_t) (in & (m - b[i] == w)) * NTP__MIRRORED |
                             (uint32_t) (z < 0) * NTP_FLAG_Z_NEGATIVE |
                             (uint32_t) (a >= am) * NTP__LONG | (uint32_t) common[i]);
-        const uint32_t u = (uint32_t) b[i], below = u - (u > 0);
+        /* (u - 1)^2 is 1, not 0, where u is 0: both are below 4 e_in + 3 */
+        const uint32_t u = (uint32_t) b[i], u2 = u * u;
         const int32_t e_in = e + 2 * ((int32_t) kxy - 2), e_out = e - 2 * (int32_t) kxy;
         /* q = (M*M - 1)/4 - sum of k*k (out) or of (k - 1)^2 (in) */
         const int32_t q_in = e + ((int32_t) kxy - 1), q_out = e + 1 - (int32_t) kxy;
-        uint32_t neighbor = (e_in >= 0) & (below * below <= 4 * (uint32_t) e_in + 3);
-        uint32_t rounded = (q_in >= 0) & (u * below <= 4 * (uint32_t) q_in);
-        neighbor &= (e_out < 0) | (u * (u + 2) >= 4 * (uint32_t) e_out + 2);
-        rounded &= (q_out < 0) | (u * (u + 1) >= 4 * (uint32_t) q_out + 1);
+        uint32_t neighbor = (e_in >= 0) & (u2 - 2 * u + 1 <= 4 * (uint32_t) e_in + 3);
+        uint32_t rounded = (q_in >= 0) & (u2 - u <= 4 * (uint32_t) q_in);
+        neighbor &= (e_out < 0) | (u2 + 2 * u >= 4 * (uint32_t) e_out + 2);
+        rounded &= (q_out < 0) | (u2 + u >= 4 * (uint32_t) q_out + 1);
         zz[i] = (int32_t) (neighbor * NTP_FLAG_NEIGHBOR | rounded * NTP_FLAG_ROUNDED |
                            (uint32_t) (in & (b[i] == v)) * NTP_FLAG_EXACT |
-                           (uint32_t) ((e < 0) | (u * u >= 4 * (uint32_t) e + 4)) * NTP__LONG |
+                           (uint32_t) ((e < 0) | (u2 >= 4 * (uint32_t) e + 4)) * NTP__LONG |
                            (uint32_t) common[i]);
         off_std[i] = !in ? NTP__NO_BLUE : up < w ? w - up : up - w;
         off_zz[i] = !in ? NTP__NO_BLUE : b[i] < v ? v - b[i] : b[i] - v;
@@ -113,7 +114,7 @@ ONE_COPY static void judge_levels(int32_t *restrict std, int32_t *restrict off_s
 /* Blue as a numerator; without a condition, for which loops would be made twice. */
 static inline int32_t upward(int32_t b, int32_t m, int32_t zzero)
 {
-    return b * (2 - zzero) - m * (1 - zzero);
+    return (b << (1 - zzero)) - m * (1 - zzero);
 }
 
 static void judge_lengths_slowly(int32_t *restrict length, const int32_t *restrict xy,
