@@ -112,7 +112,8 @@ ONE_COPY static void flags_rgb8(uint8_t *restrict flags, const uint8_t *restrict
         f &= kept;
         f |= f == 0 ? others : 0;
         const uint8_t any = (uint8_t) (r[i] | g[i] | b[i]), all = (uint8_t) (r[i] & g[i] & b[i]);
-        flags[i] = (uint8_t) (f | ((any == 0) | (all == 255) ? NTP_FLAG_UNUSED : 0));
+        const bool unused = (any == 0) | (all == 255);
+        flags[i] = (uint8_t) (f | (unused ? NTP_FLAG_UNUSED : 0));
     }
 }
 

@@ -10,7 +10,7 @@
  * level in or out it is compared with 4q + 1.  Both fit into 32 bits unsigned if not negative.
  */
 
-/* Blue and the others are looked at together; and one plane after the other. */
+/* Extremes and sums, one plane after the other; then the texels that need more than count_wide. */
 static void survey(ntp__survey *s, int32_t *r, int32_t *g, int32_t *b, int32_t n)
 {
     enum { FLAT = 32767 }; /* and one more */
@@ -230,7 +230,8 @@ static int32_t judge_angles_quickly(int32_t *restrict angle, const int32_t *rest
 {
     n = whole_lanes(n);
     /* Where `most` is a constant, GCC makes branches. */
-    const float most = (float) (m / 2), error = 0x1p-20f, degrees = (float) (180e6 / NTP__PI);
+    const int32_t half = m / 2;
+    const float most = (float) half, error = 0x1p-20f, degrees = (float) (180e6 / NTP__PI);
     int32_t any = 0;
     for (int32_t i = 0; i < n; i++) {
         const int32_t z = upward(b[i], m, zzero), w = upward(want[i], m, zzero);
@@ -240,7 +241,7 @@ static int32_t judge_angles_quickly(int32_t *restrict angle, const int32_t *rest
         const float doubt = (up + 1.0f) * error;
         const int32_t down = (int32_t) up, large = -(across >= along * most);
         const float part = up - (float) down;
-        angle[i] = down | large | want[i] >> 31; /* want < 0: there is none */
+        angle[i] = down | large | -(want[i] < 0); /* want < 0: there is none */
         any |= (large | -(part < doubt) | -(part > 1.0f - doubt)) & ~want[i];
     }
     return any < 0;
