@@ -18,7 +18,7 @@ static bool used;    /* by the library */
 
 bool ntp__cpu_has_avx2(int mask)
 {
-#if defined __x86_64__ || defined __i386__
+#ifdef __x86_64__
     used = allowed && (mask & NTP__CPU_AVX2) != 0 && __builtin_cpu_supports("avx2");
 #else
     (void) mask;

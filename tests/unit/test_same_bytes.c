@@ -20,7 +20,7 @@ static bool allowed; /* AVX2 */
 
 bool ntp__cpu_has_avx2(int mask)
 {
-#if defined __x86_64__ || defined __i386__
+#ifdef __x86_64__
     return allowed && (mask & NTP__CPU_AVX2) != 0 && __builtin_cpu_supports("avx2");
 #else
     (void) mask;
