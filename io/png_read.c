@@ -12,6 +12,7 @@
 #include <png.h>
 #include <stdlib.h>
 #include <string.h>
+#include <zlib.h>
 
 #include "formats.h"
 #include "png_whole.h"
@@ -250,6 +251,23 @@ static bool start_rows(png_state *s, int *passes, ntpio_error *error)
     return true;
 }
 
+/* Where pointers have 32 bits, libpng calls a size damaged that it cannot hold.  The limits come
+ * first, so that all systems say the same. */
+static bool check_announced_size(ntpio_reader *reader, ntpio_error *error)
+{
+    enum { SIGNATURE = 8, KIND = 12, BODY = 16, BODY_SIZE = 13, END = BODY + BODY_SIZE };
+    const size_t size = ntpio__peek(&reader->source, END + 4);
+    const uint8_t *b = reader->source.bytes + reader->source.at;
+    if (size < END + 4 || ntpio__png_number(b + SIGNATURE) != BODY_SIZE ||
+        memcmp(b + KIND, "IHDR", 4) != 0 ||
+        crc32(0, b + KIND, END - KIND) != ntpio__png_number(b + END))
+        return true;
+    const uint32_t width = ntpio__png_number(b + BODY), height = ntpio__png_number(b + BODY + 4);
+    if (width == 0 || height == 0 || width > INT32_MAX || height > INT32_MAX)
+        return true;
+    return ntpio__check_size(reader, width, height, error);
+}
+
 static bool read_header(png_state *s, ntpio_error *error)
 {
     if (setjmp(png_jmpbuf(s->png)) != 0)
@@ -267,6 +285,8 @@ static bool png_open(ntpio_reader *reader, ntpio_error *error)
     reader->state = s;
     s->reader = reader;
     s->budget = CHUNK_BUDGET;
+    if (!check_announced_size(reader, error))
+        return false;
     if (ntpio__png_take(&s->whole, reader))
         ntpio__source_memory(&s->shell, s->whole.shell, s->whole.shell_size);
     s->png = png_create_read_struct_2(PNG_LIBPNG_VER_STRING, s, on_error, on_warning, s, allocate,

@@ -43,11 +43,6 @@ typedef struct parts {
     size_t row_size, texel;
 } parts;
 
-static uint32_t big_endian(const uint8_t *b)
-{
-    return (uint32_t) b[0] << 24 | (uint32_t) b[1] << 16 | (uint32_t) b[2] << 8 | b[3];
-}
-
 static bool named(const uint8_t *chunk, const char *name)
 {
     return memcmp(chunk + 4, name, 4) == 0;
@@ -58,13 +53,13 @@ static bool chunk_at(const parts *p, size_t at, size_t *size)
 {
     if (p->size - at < CHUNK)
         return false;
-    *size = (size_t) big_endian(p->file + at) + CHUNK;
+    *size = (size_t) ntpio__png_number(p->file + at) + CHUNK;
     return *size <= p->size - at;
 }
 
 static bool checksum_is_right(const uint8_t *chunk, size_t size)
 {
-    return libdeflate_crc32(0, chunk + 4, size - 8) == big_endian(chunk + size - 4);
+    return libdeflate_crc32(0, chunk + 4, size - 8) == ntpio__png_number(chunk + size - 4);
 }
 
 static bool take_header(parts *p)
@@ -75,9 +70,9 @@ static bool take_header(parts *p)
     if (p->size < SIGNATURE || !chunk_at(p, SIGNATURE, &size) || size != HEADER + CHUNK ||
         !named(chunk, "IHDR") || !checksum_is_right(chunk, size))
         return false;
-    const uint32_t width = big_endian(b);
+    const uint32_t width = ntpio__png_number(b);
     const int depth = b[8], kind = b[9];
-    p->height = big_endian(b + 4);
+    p->height = ntpio__png_number(b + 4);
     if ((depth != 8 && depth != 16) || kind > 6 || channels[kind] == 0 || b[10] != 0 ||
         b[11] != 0 || b[12] != 0)
         return false;
@@ -127,7 +122,7 @@ static const uint8_t *join(const parts *p, uint8_t *file, uint8_t **memory)
     uint8_t *first = file != NULL ? file + p->pixels_from : malloc(p->packed), *out = first;
     *memory = file != NULL ? NULL : first;
     for (size_t at = p->pixels_from, size; first != NULL && at < p->pixels_to; at += size) {
-        size = (size_t) big_endian(p->file + at) + CHUNK;
+        size = (size_t) ntpio__png_number(p->file + at) + CHUNK;
         memmove(out, p->file + at + 8, size - CHUNK);
         out += size - CHUNK;
     }

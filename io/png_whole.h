@@ -18,6 +18,12 @@ typedef struct ntpio__png_whole {
     size_t shell_size;
 } ntpio__png_whole;
 
+/* The number that four bytes of a PNG are. */
+static inline uint32_t ntpio__png_number(const uint8_t *b)
+{
+    return (uint32_t) b[0] << 24 | (uint32_t) b[1] << 16 | (uint32_t) b[2] << 8 | b[3];
+}
+
 /* Reads the file if it is one of those.  False: it is not, and the source is at its start. */
 bool ntpio__png_take(ntpio__png_whole *whole, ntpio_reader *reader);
 
