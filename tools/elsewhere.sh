@@ -87,7 +87,7 @@ elsewhere_program() { # elsewhere_program TARGET: tests of io/, and what ntp mak
         elsewhere_setup "build-elsewhere/ntp-$1" "$1" -Dprefer_static=true \
             -Dc_args="-isystem $elsewhere_root/usr/include/$elsewhere_triplet" \
             -Dc_link_args="-static -L$elsewhere_root/usr/lib/$elsewhere_triplet" \
-            -Djpeg=enabled -Dlibdeflate=enabled -Dzstd=enabled
+            -Djpeg=enabled -Dlibdeflate=enabled -Dzstd=enabled -Dwebp=disabled -Dexr=disabled
         quietly "build-elsewhere/$1.log" ninja -C "build-elsewhere/ntp-$1" -j "$jobs"
     )
     # On arm64 these compare the filters of PNG in NEON with those in plain C.
