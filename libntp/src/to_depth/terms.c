@@ -10,7 +10,6 @@
 #include "to_depth/terms.h"
 
 #include <math.h>
-#include <string.h>
 
 #include "texel/direction.h"
 #include "texel/unused.h"
@@ -162,8 +161,7 @@ static void share_run(ntp__axis_terms *a, const double *z, double k, int32_t fro
         power[m] = (float) (k * (after * after - before * before));
     }
     for (int32_t m = 0; m < count; m++)
-        power[m] = 1 / (1 + ntp__exp_float(power[m]));
-    memcpy(a->share + from, power, (size_t) count * sizeof *power);
+        a->share[from + m] = 1 / (1 + ntp__exp_float(power[m]));
 }
 
 void ntp__terms_share(ntp__terms *t, double k)
