@@ -114,7 +114,7 @@ ONE_COPY static void judge_levels(int32_t *restrict std, int32_t *restrict off_s
 /* Blue as a numerator; without a condition, for which loops would be made twice. */
 static inline int32_t upward(int32_t b, int32_t m, int32_t zzero)
 {
-    return (b << (1 - zzero)) - m * (1 - zzero);
+    return b + (b & (zzero - 1)) - m * (1 - zzero);
 }
 
 static void judge_lengths_slowly(int32_t *restrict length, const int32_t *restrict xy,
