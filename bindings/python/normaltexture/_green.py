@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Which way green points, where a result depends on it: told, or sure by the texels, or asked."""
 
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -56,21 +57,38 @@ def _levels(source: NDArray[Any], type: Type) -> tuple[NDArray[np.int64], int]:
     return np.floor(np.clip(np.nan_to_num(unit), 0, 1) * 65535 + 0.5).astype(np.int64), 65535
 
 
-def slopes(source: NDArray[Any], type: Type, touch_unused: bool = False) -> tuple[bool, bool]:
-    """Is x, is y of any used texel not 0, as nearly as the depth can say it?"""
-    # What counts as 0 in 16 bit depends on all texels; in 8 bit the first rows are mostly enough.
-    rows = _FIRST_ROWS if source.dtype == np.uint8 else max(len(source), 1)
-    x = y = False
-    first = 0
-    while first < len(source) and not (x and y):
-        found = _slopes(source[first : first + rows], type, touch_unused)
-        x, y = x or found[0], y or found[1]
+def _parts(source: NDArray[Any]) -> Iterator[NDArray[Any]]:
+    """Rows from the first on: few, then more, as the first ones are mostly enough."""
+    first, rows = 0, _FIRST_ROWS
+    while first < len(source):
+        yield source[first : first + rows]
         first += rows
         rows = min(4 * rows, _ROWS)
+
+
+def _neutral(source: NDArray[Any], type: Type) -> int:
+    """How far twice a level may be from the greatest one and still be 0: more in 8 bit kept in 16."""
+    if source.dtype == np.uint8:
+        return 1
+    wide = any((_levels(part, type)[0] % _EIGHT_BIT).any() for part in _parts(source))
+    return 1 if wide else _EIGHT_BIT
+
+
+def slopes(source: NDArray[Any], type: Type, touch_unused: bool = False) -> tuple[bool, bool]:
+    """Is x, is y of any used texel not 0, as nearly as the depth can say it?"""
+    neutral = _neutral(source, type)
+    x = y = False
+    for part in _parts(source):
+        found = _slopes(part, type, touch_unused, neutral)
+        x, y = x or found[0], y or found[1]
+        if x and y:
+            break
     return x, y
 
 
-def _slopes(source: NDArray[Any], type: Type, touch_unused: bool) -> tuple[bool, bool]:
+def _slopes(
+    source: NDArray[Any], type: Type, touch_unused: bool, neutral: int
+) -> tuple[bool, bool]:
     level, m = _levels(source, type)
     used = np.ones(level.shape[:2], bool)
     if not touch_unused and type != "vector":
@@ -79,7 +97,6 @@ def _slopes(source: NDArray[Any], type: Type, touch_unused: bool) -> tuple[bool,
             used &= (color != 0).any(-1) & (color != m).any(-1)
         if level.shape[2] == _WITH_ALPHA:
             used &= level[..., _WITH_ALPHA - 1] > 0
-    neutral = _EIGHT_BIT if m != 255 and not (level % _EIGHT_BIT).any() else 1
     leaning = np.abs(2 * level[..., :2] - m)[used] > neutral
     return bool(leaning[:, 0].any()), bool(leaning[:, 1].any())
 

@@ -149,3 +149,15 @@ def test_a_wrong_word_is_answered_with_all_right_ones(call, how):
     picture = picture[..., 0] if "scale" in how else picture
     with pytest.raises(nt.ArgumentError, match="'up', 'down', 'opengl', 'directx'"):
         call(picture, **how)
+
+
+def test_flat_in_16_bit_depends_on_all_texels():
+    """127 and 128 of 8 bit are both flat; one texel anywhere that is not of 8 bit makes them slopes."""
+    level = np.random.default_rng(3).choice([127, 128], (150, 8, 3)).astype(np.uint16) * 257
+    level[..., 2] = 65535
+    nt.height_from_normals(level, type="standard", border="wrap", kernel="central")  # is not asked
+    for row in (0, 70, 149):
+        other = level.copy()
+        other[row, 3, 2] -= 1
+        with pytest.raises(nt.ArgumentError, match="which is it"):
+            nt.height_from_normals(other, type="standard", border="wrap", kernel="central")
