@@ -303,10 +303,8 @@ def test_numbers_converted_to_srgb_are_undone(tmp_path):
     """And z is not derived from x and y as they are, although blue looks like z in 0..1."""
     flat = GOOD.copy()
     flat[12:] = 128, 128, 255
-    path, copy = (
-        save(plain(encoders.srgb_encode(flat)), tmp_path / "a"),
-        tmp_path / "out" / "a.gltf",
-    )
+    path = save(plain(encoders.srgb_encode(flat)), tmp_path / "a")
+    copy = tmp_path / "out" / "a.gltf"
     assert ("NT040", "error") in found(path)[0]
     assert _cli.main([str(path), "-o", str(copy)]) == 0
     (image,) = files.resources(copy)[1]

@@ -261,15 +261,14 @@ def judge(
 def type_to_clean(judged: Json, type: str, method: str) -> tuple[str, str]:
     """As what, and how, an image that `judge` has seen is cleaned.
 
-    An accident (channels in wrong places, numbers converted to sRGB) makes the program look itself:
-    it undoes that, or refuses.  Color chunks have the id of the second, and are but notes.
+    Where channels are in wrong places or numbers were converted to sRGB, the program decides: it
+    undoes that, or refuses.  A note NT040 says only that there are color chunks.
     """
     ids = {found["id"] for found in judged["findings"] if found["level"] != "info"}
     if ids & {"NT012", "NT040"}:
         return "auto", method
-    if (
-        "looks_like" in judged
-    ):  # x and y are right, and z was stored for other readers or not at all
+    if "looks_like" in judged:
+        # x and y are right, and z was stored for other readers or not at all.
         return "standard", "derive"
     return type, method
 
