@@ -11,37 +11,37 @@ deb_sources() { # as a release has them, with packaging/debian where Debian want
     git archive --prefix="libntp-$version/" HEAD | xz -1 >"build-deb/libntp_$version.orig.tar.xz"
     tar -xf "build-deb/libntp_$version.orig.tar.xz" -C build-deb
     cp -r packaging/debian "build-deb/libntp-$version"
-    $root rm -rf --one-file-system "$chroot/work"
-    $root cp -r build-deb "$chroot/work"
+    $root rm -rf --one-file-system "$chroot/build"
+    $root cp -r build-deb "$chroot/build"
     rm -rf "build-deb/libntp-$version"
 }
 
 deb_build() {
     quietly build-deb/tools.log patiently in_chroot "$chroot" "
         apt-get -q update
-        apt-get -q -y --no-install-recommends build-dep /work/libntp-$version"
+        apt-get -q -y --no-install-recommends build-dep /build/libntp-$version"
     quietly build-deb/build.log in_chroot "$chroot" "
-        cd /work/libntp-$version
+        cd /build/libntp-$version
         export PATH=/usr/lib/ccache:\$PATH CCACHE_DIR=/var/cache/ccache
         export DEB_BUILD_OPTIONS='${DEB_BUILD_OPTIONS:-}'
         dpkg-buildpackage -us -uc -j$jobs"
-    cp "$chroot"/work/libntp_* "$chroot"/work/*.deb build-deb
+    cp "$chroot"/build/libntp_* "$chroot"/build/*.deb build-deb
     ls build-deb/*.deb
 }
 
 deb_lintian() {
-    in_chroot "$chroot" "lintian --allow-root --fail-on error,warning /work/libntp_*.changes"
+    in_chroot "$chroot" "lintian --allow-root --fail-on error,warning /build/libntp_*.changes"
 }
 
 deb_installed() { # in a new chroot, by what the package's own test does
     trap '$root rm -rf --one-file-system "$chroot.new"' EXIT
     quietly build-deb/new.log patiently new_debian "$chroot.new" $deb_suite \
         gcc,libc6-dev,man-db,pkgconf
-    $root cp -r "$chroot/work" "$chroot.new/work"
+    $root cp -r "$chroot/build" "$chroot.new/build"
     quietly build-deb/install.log patiently in_chroot "$chroot.new" "
         apt-get -q update
-        apt-get -q -y --no-install-recommends install /work/*.deb"
-    in_chroot "$chroot.new" "cd /work/libntp-$version && debian/tests/installed"
+        apt-get -q -y --no-install-recommends install /build/*.deb"
+    in_chroot "$chroot.new" "cd /build/libntp-$version && debian/tests/installed"
 }
 
 deb() {
