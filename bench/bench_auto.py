@@ -18,7 +18,6 @@ import time
 from pathlib import Path
 
 import numpy as np
-from PIL import Image
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "tests"))
 
@@ -59,6 +58,7 @@ def drawn(size):
         (("tile", whole), ("cut out", cut)), damages.items()
     ):
         yield f"{kind}, {name}", damage(n)
+    yield "tile, 16 bit", nt.normals_from_height(surface(size), 1.0, depth=16)
 
 
 def stored():
@@ -94,11 +94,15 @@ def in_python(n, how):
 def by_program(file, out, how):
     options = [f"--{k.replace('_', '-')}={v}" for k, v in how.items()]
     command = [os.environ.get("NTP_PROGRAM") or shutil.which("ntp"), "to-height", "-q"]
-    process = subprocess.Popen([*command, "--jobs=1", *options, file, "-o", out])
+    # It warns of textures that are no surface, as many real ones are.
+    process = subprocess.Popen(
+        [*command, "--jobs=1", *options, file, "-o", out], stderr=subprocess.PIPE
+    )
+    said = process.stderr.read()
     _, status, usage = os.wait4(process.pid, 0)
     process.returncode = os.waitstatus_to_exitcode(status)
     if process.returncode != 0:
-        sys.exit(f"exit {process.returncode}: {process.args}")
+        sys.exit(f"exit {process.returncode}: {process.args}: {said.decode()}")
     return usage.ru_utime + usage.ru_stime
 
 
@@ -115,7 +119,7 @@ def compare(name, n, pairs, folder):
     a, b = median_of(lambda how: in_python(n, how), (asked, known), pairs)
     each = 1e9 / (n.shape[0] * n.shape[1])
     file, out = folder / "n.png", folder / "h.png"
-    Image.fromarray(n).save(file)
+    nt.write(file, n)
     c, d = median_of(lambda how: by_program(file, out, how), (asked, known), pairs)
     mark = "" if max(a / b, c / d) <= GOAL else "  over"
     print(
