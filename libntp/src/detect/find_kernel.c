@@ -22,7 +22,8 @@ enum {
     MOST_ROWS = 1024,
     MOST_COLUMNS = 256,
     ENOUGH_POINTS = 1 << 14, /* the mean of so many squares is right to a few percent */
-    CANDIDATES = 7
+    CANDIDATES = 7,
+    LANES = 4 /* of a sum, which would wait for itself */
 };
 
 /* Sobel 5 x 5 is Sobel 3 x 3 of a blurred heightfield, so nothing tells the two apart.  The kernels
@@ -79,7 +80,7 @@ static const uint64_t LEAST_POINTS = 200;
 typedef struct rows {
     float p[TAPS][WIDE], q[TAPS][WIDE];             /* slopes to the right and down the picture */
     float p_noise[TAPS][WIDE], q_noise[TAPS][WIDE]; /* what rounding adds to their squares */
-    uint8_t bad[WIDE];
+    int32_t bad[WIDE];
 } rows;
 
 typedef struct sums {
@@ -87,61 +88,76 @@ typedef struct sums {
     uint64_t points;
 } sums;
 
-/* Slopes from red and green, and the variance of their rounding errors. */
+/* Slopes from red and green. */
 static void to_slopes(rows *at, int32_t k, const ntp__block *b, const ntp_const_image *src,
                       uint32_t touch, int32_t n)
 {
-    int32_t m = ntp__max(src->type);
-    double m2 = (double) m * m, least = m2 / 100, sign = src->y == NTP_Y_UP ? 1 : -1;
-    double rest[WIDE], inverse[WIDE];
-    float level = 2 / (float) m, noise = level * level / 12;
-    /* short loops, which compilers vectorize */
+    int32_t m = ntp__max(src->type), bad[WIDE];
+    double m2 = (double) m * m;
+    float least = (float) (m2 / 100), sign = src->y == NTP_Y_UP ? 1.0F : -1.0F;
+    float rest[WIDE];
+    /* short loops, which compilers vectorize; near 0 only doubles have the digits of 16 bits */
     for (int32_t i = 0; i < n; i++) {
         double x = ntp__num(b->c[0][i], m), y = ntp__num(b->c[1][i], m);
-        rest[i] = m2 - x * x - y * y;
+        rest[i] = (float) (m2 - x * x - y * y);
     }
     for (int32_t i = 0; i < n; i++)
-        at->bad[i] |= rest[i] < least;
+        bad[i] = rest[i] < least;
     for (int32_t i = 0; i < n; i++)
-        inverse[i] = 1 / sqrt(rest[i] < least ? least : rest[i]);
+        rest[i] = 1 / sqrtf(rest[i] < least ? least : rest[i]);
     for (int32_t i = 0; i < n; i++) {
-        at->p[k][i] = (float) (-ntp__num(b->c[0][i], m) * inverse[i]);
-        at->q[k][i] = (float) (sign * ntp__num(b->c[1][i], m) * inverse[i]);
+        at->p[k][i] = -(float) ntp__num(b->c[0][i], m) * rest[i];
+        at->q[k][i] = sign * (float) ntp__num(b->c[1][i], m) * rest[i];
     }
+    for (int32_t i = 0; i < n && !(touch & NTP_UNUSED_TRANSPARENT); i++)
+        bad[i] |= b->c[3][i] == 0;
+    for (int32_t i = 0; i < n && b->any_broken; i++)
+        bad[i] |= b->broken[i];
+    for (int32_t i = 0; i < n; i++)
+        at->bad[i] |= bad[i];
+}
+
+/* The variance of their rounding errors. */
+static void to_noise(rows *at, int32_t k, float level, int32_t n)
+{
+    float noise = level * level / 12;
     for (int32_t i = 0; i < n; i++) {
         float p = at->p[k][i], q = at->q[k][i];
         float pp = p * p, qq = q * q, common = noise * (1 + pp + qq);
         at->p_noise[k][i] = common * ((1 + pp) * (1 + pp) + pp * qq);
         at->q_noise[k][i] = common * ((1 + qq) * (1 + qq) + pp * qq);
     }
-    for (int32_t i = 0; i < n && !(touch & NTP_UNUSED_TRANSPARENT); i++)
-        at->bad[i] |= b->c[3][i] == 0;
-    for (int32_t i = 0; i < n && b->any_broken; i++)
-        at->bad[i] |= b->broken[i];
 }
 
-static void down(float *out, float (*rows_of)[WIDE], const float taps[TAPS], int32_t n)
+static void add_row(float *out, const float *row, float tap, bool onto, int32_t n)
 {
-    memset(out, 0, (size_t) n * sizeof *out);
+    for (int32_t i = 0; i < n && onto; i++)
+        out[i] += tap * row[i];
+    for (int32_t i = 0; i < n && !onto; i++)
+        out[i] = tap * row[i];
+}
+
+/* The sums of n columns from column `from` on. */
+static void down(float *out, const float (*rows_of)[WIDE], const float taps[TAPS], int32_t from,
+                 int32_t n)
+{
+    bool onto = false;
     for (int32_t k = 0; k < TAPS; k++) {
-        float tap = taps[k];
-        const float *row = rows_of[k];
-        if (tap == 0)
+        if (taps[k] == 0)
             continue;
-        for (int32_t i = 0; i < n; i++)
-            out[i] += tap * row[i];
+        add_row(out, rows_of[k] + from, taps[k], onto, n);
+        onto = true;
     }
 }
 
-/* Adds to out[0..n - 1], of which out[0] belongs to in[REACH]. */
-static void across(float *out, const float *in, const float taps[TAPS], int32_t n)
+/* Sums for out[0..n - 1], of which out[0] belongs to in[REACH]; onto: they are added to it. */
+static void across(float *out, const float *in, const float taps[TAPS], bool onto, int32_t n)
 {
     for (int32_t k = 0; k < TAPS; k++) {
-        float tap = taps[k];
-        if (tap == 0)
+        if (taps[k] == 0)
             continue;
-        for (int32_t i = 0; i < n; i++)
-            out[i] += tap * in[i + k];
+        add_row(out, in + k, taps[k], onto, n);
+        onto = true;
     }
 }
 
@@ -158,46 +174,53 @@ static void squared(float out[TAPS], const float taps[TAPS])
 }
 
 /* Finds the points that can tell: where both mixed differences are more than a level. */
-static int32_t find_points(uint8_t worth[POINTS], rows *at, float level, int32_t n)
+static int32_t find_points(int32_t worth[POINTS], const rows *at, float level, int32_t n)
 {
-    float line[WIDE], u[POINTS] = { 0 }, v[POINTS] = { 0 };
+    float line[WIDE], u[POINTS], v[POINTS];
     int32_t count = 0;
-    down(line, at->p, SEEN_DIFFERENCE, n + 2 * REACH);
-    across(u, line, SEEN_MEAN, n);
-    down(line, at->q, SEEN_MEAN, n + 2 * REACH);
-    across(v, line, SEEN_DIFFERENCE, n);
-    for (int32_t i = 0; i < n; i++) {
-        uint8_t bad = 0;
-        for (int32_t k = 0; k < TAPS; k++)
-            bad |= at->bad[i + k];
-        worth[i] = !bad && u[i] * u[i] > level * level && v[i] * v[i] > level * level;
-        count += worth[i];
+    down(line, at->p, SEEN_DIFFERENCE, 0, n + 2 * REACH);
+    across(u, line, SEEN_MEAN, false, n);
+    down(line, at->q, SEEN_MEAN, 0, n + 2 * REACH);
+    across(v, line, SEEN_DIFFERENCE, false, n);
+    for (int32_t i = 0; i < n; i++)
+        worth[i] = (u[i] * u[i] > level * level) & (v[i] * v[i] > level * level);
+    for (int32_t k = 0; k < TAPS; k++) {
+        for (int32_t i = 0; i < n; i++)
+            worth[i] &= !at->bad[i + k];
     }
+    for (int32_t i = 0; i < n; i++)
+        count += worth[i];
     return count;
 }
 
-static void try_candidate(double *sum, const struct candidate *c, rows *at,
-                          const uint8_t worth[POINTS], int32_t n)
+static void try_candidate(double *sum, const struct candidate *c, const rows *at,
+                          const int32_t worth[POINTS], int32_t from, int32_t n)
 {
-    float line[WIDE], e[POINTS] = { 0 }, expected[POINTS] = { 0 };
+    float line[WIDE], e[WIDE] = { 0 }, expected[POINTS];
+    double lanes[LANES] = { 0 };
     float minus[TAPS], difference2[TAPS], mean2[TAPS];
     negated(minus, c->difference);
     squared(difference2, c->difference);
     squared(mean2, c->mean);
-    down(line, at->p, c->difference, n + 2 * REACH);
-    across(e, line, c->mean, n);
-    down(line, at->q, c->mean, n + 2 * REACH);
-    across(e, line, minus, n);
-    down(line, at->p_noise, difference2, n + 2 * REACH);
-    across(expected, line, mean2, n);
-    down(line, at->q_noise, mean2, n + 2 * REACH);
-    across(expected, line, difference2, n);
+    down(line, at->p, c->difference, from, n + 2 * REACH);
+    across(e, line, c->mean, false, n);
+    down(line, at->q, c->mean, from, n + 2 * REACH);
+    across(e, line, minus, true, n);
+    down(line, at->p_noise, difference2, from, n + 2 * REACH);
+    across(expected, line, mean2, false, n);
+    down(line, at->q_noise, mean2, from, n + 2 * REACH);
+    across(expected, line, difference2, true, n);
     for (int32_t i = 0; i < n; i++)
         e[i] = e[i] * e[i] / expected[i];
     for (int32_t i = 0; i < n; i++)
         e[i] = e[i] / (1 + e[i] / LARGE_SQUARE);
     for (int32_t i = 0; i < n; i++)
-        *sum += (double) (worth[i] ? e[i] : 0);
+        e[i] = worth[from + i] ? e[i] : 0;
+    for (int32_t i = 0; i < n; i += LANES) {
+        for (int32_t k = 0; k < LANES; k++)
+            lanes[k] += (double) e[i + k];
+    }
+    *sum += (lanes[0] + lanes[1]) + (lanes[2] + lanes[3]);
 }
 
 /* Adds the points x..x + n - 1 of row y. */
@@ -206,17 +229,27 @@ static void add_stretch(sums *s, const ntp_const_image *src, uint32_t touch, int
 {
     rows at;
     ntp__block block;
-    uint8_t worth[POINTS];
+    int32_t worth[POINTS];
     int32_t texels = n + 2 * REACH;
     memset(at.bad, 0, sizeof at.bad);
     for (int32_t k = 0; k < TAPS; k++) {
         ntp__unpack(&block, src, x - REACH, y - REACH + k, texels);
         to_slopes(&at, k, &block, src, touch, texels);
     }
-    int32_t count = find_points(worth, &at, 2 / (float) ntp__max(src->type), n);
+    float level = 2 / (float) ntp__max(src->type);
+    int32_t count = find_points(worth, &at, level, n);
+    if (count == 0)
+        return;
+    int32_t first = 0, last = n - 1;
+    while (!worth[first])
+        first++;
+    while (!worth[last])
+        last--;
     s->points += (uint64_t) count;
-    for (int32_t i = 0; i < CANDIDATES && count > 0; i++)
-        try_candidate(&s->square[i], &CANDIDATE[i], &at, worth, n);
+    for (int32_t k = 0; k < TAPS; k++)
+        to_noise(&at, k, level, texels);
+    for (int32_t i = 0; i < CANDIDATES; i++)
+        try_candidate(&s->square[i], &CANDIDATE[i], &at, worth, first, last - first + 1);
 }
 
 /* A step near the golden section of `count`.  It visits all rows, each far from the last. */
