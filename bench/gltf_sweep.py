@@ -78,7 +78,7 @@ def main():
                 images = sweep(path, copy)
             except (gltf.GltfError, OSError) as error:
                 counts["not written"] += 1
-                print(f"{path}: {error}")
+                print(error if str(path) in str(error) else f"{path}: {error}")
                 continue
             if not images:
                 counts["without normals textures"] += 1

@@ -184,6 +184,43 @@ def test_offsets_of_extensions_move(tmp_path):
     assert copy.read_bytes().endswith(extra)
 
 
+def packed_by_meshopt(tmp_path, **compressed):
+    """What EXT_meshopt_compression says of such files: accessors read a buffer without bytes."""
+    path = save(model(), tmp_path)
+    document, _, chunk = files.parse(path)
+    fallback = {"byteLength": 64, "extensions": {"EXT_meshopt_compression": {"fallback": True}}}
+    document["buffers"].append(fallback)
+    body = {"buffer": 0, "byteOffset": len(chunk), "byteLength": 8} | compressed
+    view = {"buffer": 1, "byteLength": 64, "extensions": {"EXT_meshopt_compression": body}}
+    document["bufferViews"].append(view)
+    chunk += b"vertices"
+    document["buffers"][0]["byteLength"] = len(chunk)
+    path.write_bytes(files.glb(json.dumps(document), chunk))
+    return path
+
+
+def test_buffers_without_bytes(tmp_path):
+    path, copy = packed_by_meshopt(tmp_path), tmp_path / "copy.glb"
+    assert gltf.clean(path, copy, method="derive")["files"][0]["status"] == "ok"
+    document, _, chunk = files.parse(copy)
+    body = document["bufferViews"][-1]["extensions"]["EXT_meshopt_compression"]
+    assert chunk[body["byteOffset"] :][:8] == b"vertices"
+    assert document["buffers"][1]["byteLength"] == 64
+    assert "NT001" not in ids(gltf.check(copy)["files"][0])
+
+
+def test_packed_bytes_that_overlap_an_image_are_left(tmp_path):
+    path, copy = (
+        packed_by_meshopt(tmp_path, byteOffset=0, byteLength=1 << 20),
+        tmp_path / "copy.glb",
+    )
+    entry = gltf.clean(path, copy, method="derive")["files"][0]
+    assert entry["status"] == "skipped" and "overlaps" in entry["message"]
+    path = packed_by_meshopt(tmp_path, byteLength="8")
+    with pytest.raises(gltf.GltfError, match="without a range"):
+        gltf.clean(path, copy, method="derive")
+
+
 def test_spoiled_blue_is_standard_all_the_same(tmp_path):
     """By its texels alone it would be XY-only, whose blue nobody judges or repairs."""
     half = textures.wrong_blue(GOOD, 0.5)

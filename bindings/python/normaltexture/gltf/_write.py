@@ -11,6 +11,7 @@ could be opened.
 import base64
 import os
 import re
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -59,13 +60,34 @@ def why_fixed(document: Document, index: int, normals: set[int]) -> str:
         if accessor.get("bufferView") == view:
             return "an accessor reads the same bytes"
     buffer, start, end = document.view_range(view)
-    for number in range(len(document.items("bufferViews"))):
-        if number == view:
-            continue
-        other_buffer, other_start, other_end = document.view_range(number)
-        if other_buffer == buffer and other_start < end and start < other_end:
+    for number, other_start, other_end in _ranges(document, buffer):
+        if number != view and other_start < end and start < other_end:
             return f"buffer view {number} overlaps it"
     return ""
+
+
+def _ranges(document: Document, buffer: int) -> Iterator[tuple[int, int, int]]:
+    """(buffer view, first byte, end) of what views, and their extensions, hold in a buffer.
+
+    Other buffers need not have bytes: what EXT_meshopt_compression packs has a view of its own into
+    a buffer that is made when the file is loaded."""
+    for number, view in enumerate(document.items("bufferViews")):
+        if view.get("buffer") == buffer:
+            _, start, end = document.view_range(number)
+            yield number, start, end
+        for _, body in _extensions(view, buffer):
+            start, length = body.get("byteOffset", 0), body.get("byteLength", 0)
+            if not isinstance(start, int) or not isinstance(length, int):
+                raise document.fail(f"bufferViews[{number}] has an extension without a range")
+            yield number, start, start + length
+
+
+def _extensions(view: dict[str, Any], buffer: int) -> Iterator[tuple[str, dict[str, Any]]]:
+    """(name, body) of the extensions of a buffer view that point into a buffer."""
+    extensions = view.get("extensions")
+    for name, body in extensions.items() if isinstance(extensions, dict) else ():
+        if isinstance(body, dict) and body.get("buffer") == buffer:
+            yield name, body
 
 
 def _replace_in_buffer(
@@ -107,11 +129,9 @@ def _offsets(document: Document, buffer: int) -> list[tuple[list[Any], int]]:
     for number, view in enumerate(document.items("bufferViews")):
         if view.get("buffer") == buffer:
             found.append((["bufferViews", number, "byteOffset"], view.get("byteOffset", 0)))
-        extensions = view.get("extensions")
-        for name, body in extensions.items() if isinstance(extensions, dict) else ():
-            if isinstance(body, dict) and body.get("buffer") == buffer:
-                path = ["bufferViews", number, "extensions", name, "byteOffset"]
-                found.append((path, body.get("byteOffset", 0)))
+        for name, body in _extensions(view, buffer):
+            path = ["bufferViews", number, "extensions", name, "byteOffset"]
+            found.append((path, body.get("byteOffset", 0)))
     return found
 
 
