@@ -45,6 +45,11 @@ bench() {
         NTP_BUILD=$top/build-bench python bench/bench_heights_loop.py "$@"
         return
     fi
+    if [ "${1:-}" = exchange ]; then
+        shift
+        NTP_BUILD=$top/build-bench python bench/bench_exchange.py "$@"
+        return
+    fi
     if [ "${1:-}" = cliffs ]; then
         shift
         NTP_BUILD=$top/build-bench python bench/bench_cliffs.py "$@"
