@@ -112,8 +112,8 @@ static void generate_man(text *t)
     text_add(t, ".B ntp \\-\\-version\n.SH DESCRIPTION\n");
     roff(
         t,
-        "Checks, repairs and converts normals textures: PNG, TGA, PFM, and to read JPEG, DDS and "
-        "KTX2; 8 and 16 bit, of any size, in little memory.\n"
+        "Checks, repairs and converts normals textures, of any size, in little "
+        "memory. " HELP_FORMATS "\n"
         "PATH is a file, a directory (with -r also its subdirectories), or - for standard input or "
         "output; -- ends options. Results go to standard output, messages to standard error. "
         "Any other VERB runs the program ntp-VERB in the directory of ntp, never "

@@ -63,10 +63,10 @@ void help_verb(text *t, const verb_spec *verb)
 void help_program(text *t)
 {
     text_add(t, "Usage: ntp VERB [OPTION...] PATH...\n\n");
-    text_wrap(t,
-              "Checks, repairs and converts normals textures (normal maps): PNG, TGA, PFM, "
-              "and to read JPEG, DDS and KTX2; 8 and 16 bit, of any size.",
-              0, 0, HELP_WIDTH);
+    text_wrap(
+        t,
+        "Checks, repairs and converts normals textures (normal maps), of any size. " HELP_FORMATS,
+        0, 0, HELP_WIDTH);
     text_add(t, "\n\nVerbs:\n");
     for (size_t i = 0; i < VERB_ROWS; i++)
         text_addf(t, "  %-11s %s\n", VERB_TABLE[i].name, VERB_TABLE[i].summary);

@@ -172,6 +172,11 @@ extern const size_t OPTION_ROWS;
 extern const verb_spec VERB_TABLE[];
 extern const size_t VERB_ROWS;
 
+#define HELP_FORMATS                                                                               \
+    "Reads PNG, TGA, JPEG, PFM, DDS and KTX2, and WebP and OpenEXR if built with them; writes "    \
+    "PNG, "                                                                                        \
+    "TGA, PFM and WebP, and converts to DDS and KTX2."
+
 typedef struct option_value {
     bool given;
     int64_t integer; /* also the index of a choice */
