@@ -11,10 +11,9 @@ from pathlib import Path
 import pytest
 import yaml
 
+from pysupport.gltf_models import model, save
 from support import textures
 from support.pngs import read_png, write_png
-from test_gltf import BAD as GLTF_BAD
-from test_gltf import model, save
 
 ROOT = Path(__file__).resolve().parents[3]
 GOOD = textures.standard(32, 32)
@@ -110,7 +109,7 @@ def test_clean_hook(repository):
 
 
 def test_gltf_hook(repository):
-    save(model(GLTF_BAD), repository.place, "glb", "bad")
+    save(model(), repository.place, "glb", "bad")
     done = hook(repository, "ntp-gltf")
     assert done.returncode == 1 and "bad.glb" in done.stdout
 
