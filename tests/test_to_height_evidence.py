@@ -7,7 +7,18 @@ import pytest
 
 from support import libntp_ffi as ntp
 from support import maps
-from support.to_height import CLAMP, DECODE_AUTO, NEUTRAL, SNORM, TRUNC, UNORM, WRAP, fractal
+from support.to_height import (
+    CLAMP,
+    DECODE_AUTO,
+    NEUTRAL,
+    SNORM,
+    TRUNC,
+    UNORM,
+    WRAP,
+    by_eigenvectors,
+    fractal,
+    near,
+)
 from support.to_height import to_height as reconstruct
 
 AUTO, STORED, DERIVED = range(3)
@@ -182,6 +193,53 @@ def test_blue_of_a_jpeg_is_kept():
     heights[..., 2] = (h - h.min()) / np.ptp(h) * 255
     for other in (parts, heights, maps.jpeg(heights, 85, 0)):
         assert reconstruct(other, z=AUTO, **how)[1]["z"] == DERIVED
+
+
+def mixed_slopes(c):
+    """By a z of which the stored one is the share x^2 + y^2, and the derived one the rest."""
+    v = (2 * c.astype(np.float64) - 255) / 255
+    square = np.minimum(v[..., 0] ** 2 + v[..., 1] ** 2, 1)
+    derived = np.sqrt(np.maximum(1 - square, 1 / 255**2))
+    negative = v[..., 2][v[..., 2] < -1 / 255]
+    least = 2 * np.sqrt((negative**2).sum() / (negative.size + 8))
+    z = np.maximum(square * v[..., 2] + (1 - square) * derived, max(least, 1 / 255))
+    return -v[..., 0] / z, v[..., 1] / z
+
+
+@pytest.mark.parametrize("slope", [0.5, 2.5])
+def test_z_of_a_jpeg_is_told_by_all_three_channels(slope):
+    h = fractal(64, seed=3, rms_slope=slope)
+    n = maps.jpeg(encode(normals(h, True), UNORM), 85, 0)
+    model = by_eigenvectors(*mixed_slopes(n), "forward", WRAP, WRAP)
+    how = {"kernel": "forward", "z": AUTO, "decode": UNORM}
+    opaque = np.dstack([n, np.full(n.shape[:2], 255, np.uint8)])
+    for same in (n, opaque, n[:, ::-1][:, ::-1], n.astype(np.uint16) * 257):
+        assert near(reconstruct(same, **how)[0], model, 1e-5)
+    assert near(reconstruct((n / 255).astype(np.float32), **how)[0], model, 1e-5)
+    assert not near(reconstruct(n, **{**how, "z": STORED})[0], model, 1e-4)
+
+
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("quality", [85, 95])
+def test_z_of_a_part_of_a_jpeg_is_near_the_best(seed, quality):
+    """Errors of blue bend heights where no border holds them."""
+    h = fractal(512, seed=seed, rms_slope=0.65, exponent=2.2)
+    part = np.s_[30:286, 20:276]
+    n = maps.jpeg(np.ascontiguousarray(encode(normals(h, True), UNORM)[part]), quality, 0)
+    how = {"kernel": "forward", "border_x": CLAMP, "border_y": CLAMP, "decode": UNORM}
+    error = []
+    for z in (AUTO, STORED, DERIVED):
+        away = reconstruct(n, z=z, **how)[0] - h[part]
+        error.append(np.std(away))
+    assert error[AUTO] <= 1.4 * min(error[1:])
+
+
+def test_z_of_shorter_normals_is_the_stored_one():
+    """Means of normals keep the quotient of x and z."""
+    n = encode(normals(fractal(256, rms_slope=1.5, exponent=1.6), True), UNORM).astype(np.float64)
+    half = (n.reshape(128, 2, 128, 2, 3).mean((1, 3)) + 0.5).astype(np.uint8)
+    made = [reconstruct(half, kernel="forward", z=z, decode=UNORM)[0] for z in (AUTO, STORED)]
+    assert (made[0] == made[1]).all()
 
 
 def test_whether_blue_counts():

@@ -1053,8 +1053,9 @@ NTP_API size_t ntp_height_scratch_size(const ntp_height_options *how, int32_t wi
  * axis does not wrap; else UNORM.  NTP_Z_AUTO chooses the derived z if tilted texels have the
  * blue that is derived from red and green, or if lengths are off by more than three times their
  * rounding while x and y are too long in at most one texel of 50,000 and blue does not follow
- * them; NTP_ENCODING_VECTOR: stored.  Where it chooses the stored z, a z below twice the error
- * that negative z show counts as that.
+ * them; NTP_ENCODING_VECTOR: stored.  Where it chooses the stored z and damage made some vectors
+ * longer than 1, a mean of both counts: of the stored z the share x*x + y*y, of the derived one the
+ * rest.  A z below twice the error that negative z show counts as that.
  *
  * Telescoping (Eberly 3.1, 3.2): forward goes along the first row and down each column.  central
  * goes in steps of two from h(0,0), h(1,0), h(0,1), h(1,1); by default h(0,0) = 0, and each other

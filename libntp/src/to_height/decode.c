@@ -58,6 +58,12 @@ static const double right = 4; /* the square of two standard errors */
 static const double most_of_error = 2;
 enum { FEW_NEGATIVE = 8 };
 
+/* Damage makes some vectors longer than 1, with at least this share of the squares of all errors: 0.08
+ * of a JPEG, 0.07 of noise.  Means of normals, as of a texture made smaller, are shorter, with 0.02
+ * at most, and x/z is right then; so it is nearly of block compression, where texels lie between
+ * two ends. */
+static const double longer_share = 0.05;
+
 /* Rounding puts 0 at 128.  Where flat ground has 127 instead, both levels were meant to be flat: red has
  * so many times the texels of 126 and 129 there, and 128 is rare beside it.  (In green a flip of Y
  * makes 127 of 128.)  Where it has 128, the plain rule gives more of the texels back: 0 is the edge of
@@ -88,6 +94,7 @@ typedef struct evidence {
     rule unorm, trunc, snorm;
     double count;        /* texels in the sums of the rules */
     double all, lengths; /* texels of any depth, read as UNORM; squares of 2 m^2 times the error */
+    double longer;       /* those of lengths above 1 */
     double most_rest;    /* z^2 of a tilted texel is below this, in units of levels squared */
     double tilted, derived;
     double too_long;                  /* texels whose x, y are longer than 1 */
@@ -156,12 +163,13 @@ static void add_negative(evidence *e, const double *z, double unit, int32_t n)
 /* Sums of z^2 and 1 - x^2 - y^2.  Several sums of each run side by side, which compilers vectorize. */
 static void add_squares(evidence *e, const double *z2, const double *rest, double unit, int32_t n)
 {
-    double off2[LANES] = { 0 }, one[LANES] = { 0 }, one2[LANES] = { 0 };
+    double off2[LANES] = { 0 }, longer[LANES] = { 0 }, one[LANES] = { 0 }, one2[LANES] = { 0 };
     double two[LANES] = { 0 }, two2[LANES] = { 0 }, both[LANES] = { 0 };
     for (int32_t i = 0; i < n; i += LANES) {
         for (int32_t k = 0; k < LANES; k++) {
             double off = z2[i + k] - rest[i + k], u = rest[i + k] * unit, v = z2[i + k] * unit;
             off2[k] += off * off;
+            longer[k] += off > 0 ? off * off : 0;
             one[k] += u;
             one2[k] += u * u;
             two[k] += v;
@@ -171,6 +179,7 @@ static void add_squares(evidence *e, const double *z2, const double *rest, doubl
     }
     for (int32_t k = 0; k < LANES; k++) {
         e->lengths += off2[k];
+        e->longer += longer[k];
         e->rest += one[k];
         e->rest2 += one2[k];
         e->z2 += two[k];
@@ -319,6 +328,7 @@ static void choose_z(ntp__height_plan *plan, const ntp_const_image *src, const e
     bool other = lengths > most_error * noise * all && e->too_long <= damaged_share * e->all &&
                  !blue_follows(e, lengths / all);
     plan->z = made || other ? NTP_Z_DERIVED : NTP_Z_STORED;
+    plan->mix_z = lengths > most_error * noise * all && e->longer > longer_share * e->lengths;
     plan->least_z = most_of_error * sqrt(e->negative2 / (e->negative + FEW_NEGATIVE));
 }
 

@@ -4,6 +4,11 @@
  *
  * Integer samples stay integer numerators.  Their common denominator cancels, so a slope is one
  * division.  Texels that hold no normal are flat.
+ *
+ * Where errors of x, y and z are alike, of size e, the stored z is off by e, and the one that is
+ * derived by e r/z, with r^2 = x^2 + y^2.  So the most likely z is the mean of both with the weights
+ * r^2 and z^2 = 1 - r^2: that is the mixed z.  On gentle ground it is free of errors of blue, and on
+ * steep ground of those of red and green.
  */
 #include "to_height/shared/slopes.h"
 
@@ -21,6 +26,7 @@ void ntp__slopes_init(ntp__slopes *s, const ntp_const_image *src, const ntp__hei
     if (src->encoding == NTP_ENCODING_VECTOR) /* of any length, so (2, 2, 2) is no padding */
         s->touch_unused |= NTP_UNUSED_BLACK | NTP_UNUSED_WHITE;
     s->derived = plan->z == NTP_Z_DERIVED || src->encoding == NTP_ENCODING_XY;
+    s->mixed = plan->mix_z && !s->derived;
     s->decode = plan->decode;
     if (src->type == NTP_TYPE_F32 || s->decode == NTP_DECODE_AUTO)
         s->decode = NTP_DECODE_UNORM;
@@ -37,7 +43,14 @@ static int32_t numerator(int32_t c, int32_t zero, int32_t neutral)
     return v >= -neutral && v <= neutral ? 0 : v;
 }
 
-/* z of n texels, times range, as stored or derived from x and y. */
+/* The mean of the stored z and the derived one, where x^2 + y^2 is `xy` of `square`. */
+static double mix(double stored, double xy, double square, double least_rest)
+{
+    double rest = square - xy, made = sqrt(rest > least_rest ? rest : least_rest);
+    return made + (xy < square ? xy / square : 1) * (stored - made);
+}
+
+/* z of n texels, times range, as stored or derived from x and y, or both. */
 static void z_of_levels(const ntp__slopes *s, const ntp__block *b, double *z, int32_t n)
 {
     double square = s->range * s->range, scale = s->z_scale;
@@ -55,6 +68,10 @@ static void z_of_levels(const ntp__slopes *s, const ntp__block *b, double *z, in
     } else {
         for (int32_t i = 0; i < n; i++)
             z[i] = 2 * b->c[2][i] - zero;
+    }
+    for (int32_t i = 0; i < n && s->mixed; i++) {
+        double x = numerator(b->c[0][i], zero, neutral), y = numerator(b->c[1][i], zero, neutral);
+        z[i] = mix(z[i], x * x + y * y, square, 1);
     }
 }
 
@@ -88,6 +105,7 @@ static void of_floats(const ntp__slopes *s, double *right, double *down, int32_t
             nz = rest > 0 ? sqrt(rest) : 0;
         } else {
             nz = vector || zzero ? (double) c[2] : 2 * (double) c[2] - 1;
+            nz = s->mixed ? mix(nz, nx * nx + ny * ny, 1, 0) : nz;
         }
         nz = nz > least ? nz : least;
         right[i] = -nx / nz;
@@ -176,7 +194,8 @@ void ntp__slopes_row_single(const ntp__slopes *s, float *right, float *down, int
                                     .square = (float) (s->range * s->range),
                                     .sign = src->y == NTP_Y_UP ? 1 : -1,
                                     .least = (float) s->least,
-                                    .derived = s->derived };
+                                    .derived = s->derived,
+                                    .mixed = s->mixed };
     ntp__block block;
     bool flat[NTP__BLOCK];
     uint8_t pixels[RGB * NTP__BLOCK];

@@ -28,6 +28,7 @@ typedef struct ntp__slopes {
     double z_scale;  /* z-zero: z is b * z_scale / range */
     int32_t neutral; /* |2 c - zero| up to this counts as 0 */
     bool derived;
+    bool mixed;   /* z is a mean of the stored and the derived one */
     double least; /* the least z, times range */
 } ntp__slopes;
 

@@ -6,6 +6,8 @@
  */
 #include "to_height/shared/solver_kernels.h"
 
+#include "base/view.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -88,25 +90,19 @@ static ALWAYS_INLINE int32_t numerator(int32_t c, int32_t zero, int32_t neutral)
     return v >= -neutral && v <= neutral ? 0 : v;
 }
 
-static ALWAYS_INLINE int32_t slopes8_loop(float *restrict right, float *restrict down_row,
-                                          const uint8_t *restrict src, int32_t step, int32_t n,
-                                          const ntp__slope_levels *how, bool derived)
+/* x, y and z of n texels, and whether one of them may be unused. */
+static ALWAYS_INLINE int32_t levels8(float *restrict x, float *restrict y, float *restrict z,
+                                     const uint8_t *restrict src, int32_t step, int32_t n,
+                                     const ntp__slope_levels *how)
 {
     const int32_t zero = how->zero, neutral = how->neutral;
     const float z_scale = how->z_scale, z_zero = how->z_zero;
-    const float square = how->square, sign = how->sign, least = how->least;
     int32_t suspect = 0;
     for (int32_t i = 0; i < n; i++) {
         int32_t r = src[step * i], g = src[step * i + 1], b = src[step * i + 2];
-        float x = (float) numerator(r, zero, neutral), y = (float) numerator(g, zero, neutral);
-        float z = (float) b * z_scale - z_zero;
-        if (derived) {
-            float rest = square - x * x - y * y;
-            z = sqrtf(rest > 1 ? rest : 1);
-        }
-        z = z > least ? z : least;
-        right[i] = -x / z;
-        down_row[i] = sign * y / z;
+        x[i] = (float) numerator(r, zero, neutral);
+        y[i] = (float) numerator(g, zero, neutral);
+        z[i] = (float) b * z_scale - z_zero;
         suspect |= ((r | g | b) == 0) | ((r & g & b) == 255);
         if (step == 4)
             suspect |= src[4 * i + 3] == 0;
@@ -114,16 +110,33 @@ static ALWAYS_INLINE int32_t slopes8_loop(float *restrict right, float *restrict
     return suspect;
 }
 
-static int32_t slopes8(float *right, float *down_row, const uint8_t *src, int32_t step, int32_t n,
-                       const ntp__slope_levels *how)
+/* z as it is derived from x and y, where mixed is 0; or as much of the stored one as x^2 + y^2. */
+static void make_z(float *restrict z, const float *restrict x, const float *restrict y, int32_t n,
+                   float square, float mixed)
 {
-    if (step == 3 && how->derived)
-        return slopes8_loop(right, down_row, src, 3, n, how, true);
-    if (step == 3)
-        return slopes8_loop(right, down_row, src, 3, n, how, false);
-    if (how->derived)
-        return slopes8_loop(right, down_row, src, 4, n, how, true);
-    return slopes8_loop(right, down_row, src, 4, n, how, false);
+    const float part = mixed / square;
+    for (int32_t i = 0; i < n; i++) {
+        float xy = x[i] * x[i] + y[i] * y[i], rest = square - xy;
+        float made = sqrtf(rest > 1 ? rest : 1), share = (xy < square ? xy : square) * part;
+        z[i] = made + share * (z[i] - made);
+    }
+}
+
+static int32_t slopes8(float *restrict right, float *restrict down_row, const uint8_t *src,
+                       int32_t step, int32_t n, const ntp__slope_levels *how)
+{
+    const float sign = how->sign, least = how->least;
+    float z[NTP__BLOCK];
+    int32_t suspect = step == 3 ? levels8(right, down_row, z, src, 3, n, how)
+                                : levels8(right, down_row, z, src, 4, n, how);
+    if (how->derived || how->mixed)
+        make_z(z, right, down_row, n, how->square, how->mixed ? 1 : 0);
+    for (int32_t i = 0; i < n; i++) {
+        float below = z[i] > least ? z[i] : least;
+        right[i] = -right[i] / below;
+        down_row[i] = sign * down_row[i] / below;
+    }
+    return suspect;
 }
 
 /* ---------------------------------------------------------------------------------- range */

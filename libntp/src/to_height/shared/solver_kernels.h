@@ -27,7 +27,7 @@ typedef struct ntp__slope_levels {
     float square;          /* range^2 */
     float sign;            /* of y, down the picture */
     float least;           /* z, times range */
-    bool derived;
+    bool derived, mixed;
 } ntp__slope_levels;
 
 /* Slopes of n packed texels of `step` samples, 3 or 4; nonzero: one of them may be unused. */
