@@ -296,8 +296,9 @@ def test_errors():
     assert status(a, a.copy(), area=(2, 1, 2, 3)) == ntp.ERR_SHAPE
 
 
+@pytest.mark.parametrize("y", [ntp.UP, ntp.DOWN], ids=["same", "flip"])
 @pytest.mark.parametrize("m", DEPTHS)
-def test_to_vectors_every_level(m):
+def test_to_vectors_every_level(m, y):
     """Also beside unused texels, whose green keeps its sign in a flip, and in strides."""
     for channels, encoding in itertools.product((3, 4), (ntp.STANDARD, ntp.ZZERO)):
         texels = np.repeat(np.arange(m + 1)[:, None], channels, 1)
@@ -311,8 +312,8 @@ def test_to_vectors_every_level(m):
         want[:, 2 if encoding == ntp.ZZERO else 3 :] = (
             texels[:, 2 if encoding == ntp.ZZERO else 3 :] / m
         )
-        want[:, 1] *= np.where(unused, 1, -1)
+        want[:, 1] *= np.where(unused | (y == ntp.UP), 1, -1)
         for view in (src, np.dstack([src, src])[..., :channels]):
             dst = np.zeros(src.shape, np.float32)
-            ntp.convert(view, dst, encoding, ntp.VECTOR, ntp.UP, ntp.DOWN)
+            ntp.convert(view, dst, encoding, ntp.VECTOR, ntp.UP, y)
             assert np.array_equal(dst.reshape(want.shape), want.astype(np.float32))

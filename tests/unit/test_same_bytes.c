@@ -12,6 +12,7 @@
 #include "texel/level.h"
 #include "libntp.h"
 
+#include <math.h>
 #include <string.h>
 
 enum { ROW = 4096, ROWS = 4096, ROWS_16 = 200, WIDEST = 100, SKIPPED = 77 };
@@ -99,6 +100,75 @@ static void compare_conversions(const ntp_const_image *src, uint8_t *plain, uint
             CHECK(memcmp(&one, &two, sizeof one) == 0);
         }
     }
+}
+
+/* A row as float vectors, and these as levels of every encoding and depth, both ways, the vectors up
+ * to `ends`. */
+static void compare_vectors(const ntp_const_image *src, float *const ends[2], uint8_t *plain,
+                            uint8_t *other)
+{
+    uint8_t *const to[2] = { plain, other };
+    counts found[2];
+    ntp_image dst[2];
+    for (int y = NTP_Y_UP; y <= NTP_Y_DOWN; y++) {
+        for (int k = 0; k < 2; k++) {
+            allowed = k == 1;
+            dst[k] = ntp_image_packed(ends[k] - src->width * src->channels, src->width, 1,
+                                      src->channels, NTP_TYPE_F32);
+            dst[k].encoding = NTP_ENCODING_VECTOR;
+            dst[k].y = (ntp_y) y;
+            convert(&dst[k], src, &found[k]);
+        }
+        CHECK(memcmp(dst[0].data, dst[1].data, (size_t) dst[0].row_stride) == 0);
+    }
+    for (int e = 0; e < 12; e++) {
+        const ntp_type type = e & 1 ? NTP_TYPE_U16 : NTP_TYPE_U8;
+        ntp_image made = ntp_image_packed(NULL, src->width, 1, src->channels, type);
+        const size_t size = (size_t) made.row_stride;
+        made.encoding = (ntp_encoding) (NTP_ENCODING_STANDARD + e % 3);
+        made.y = e < 6 ? NTP_Y_UP : NTP_Y_DOWN;
+        for (int k = 0; k < 2; k++) {
+            const ntp_const_image view = ntp_image_as_const(&dst[k]);
+            allowed = k == 1;
+            made.data = to[k] - size;
+            memset(&found[k], 0, sizeof found[k]);
+            convert(&made, &view, &found[k]);
+        }
+        CHECK(memcmp(plain - size, other - size, size) == 0);
+        CHECK(memcmp(&found[0], &found[1], sizeof found[0]) == 0);
+    }
+}
+
+static const float WHOLE[4][3] = { { -2, 1, 2 }, { 1, -2, -2 }, { 0, -4, 3 }, { 2, 10, 11 } };
+
+/* A vector of a length that is common, tiny or huge, or none; many lie on the rim, or beside a
+ * boundary between levels. */
+static void make_vector(float v[3], uint64_t *seed)
+{
+    const uint32_t kind = random_bits(seed) % 64;
+    for (int k = 0; k < 3; k++)
+        v[k] = (float) (int32_t) random_bits(seed) * 0x1p-31F;
+    if (kind < 16) {
+        v[2] *= 0x1p-9F;
+    } else if (kind < 24) { /* M x/2 is whole at 8 bit, but for rounding */
+        v[0] = (float) (2 * (int32_t) (random_bits(seed) % 128)) / 255;
+        v[1] = 0;
+        v[2] = sqrtf(1 - v[0] * v[0]);
+    } else if (kind < 32) {
+        v[random_bits(seed) % 3] = random_bits(seed) & 1 ? 0.0F : -0.0F;
+    } else if (kind > 60) { /* M x/2L or M y/2L is whole */
+        memcpy(v, WHOLE[random_bits(seed) % 4], sizeof WHOLE[0]);
+    }
+    const float by = kind == 33   ? 0x1p-70F
+                     : kind == 34 ? 0x1p70F
+                     : kind == 35 ? 0x1p-140F
+                     : kind == 36 ? 0.0F
+                     : kind < 50  ? 1.0F
+                                  : 0x1p-10F;
+    for (int k = 0; k < 3; k++)
+        v[k] *= by;
+    if (kind == 37)
+        v[random_bits(seed) % 3] = random_bits(seed) & 1 ? INFINITY : NAN;
 }
 
 typedef ntp_status paint_fn(const ntp_image *dst, const ntp_const_image *src, ntp_diff *diff);
@@ -292,7 +362,7 @@ enum { PAINTS = 5, PAINTS_OF_ALL = 3 };
 
 /* -------------------------------------------------------------------------------------- tests */
 
-static uint64_t in[ROW], out[2][ROW];
+static uint64_t in[2 * ROW], out[2][ROW];
 
 static void all_triplets(void)
 {
@@ -334,6 +404,21 @@ static void random_texels_16(uint64_t *seed)
     }
 }
 
+/* Of random vectors.  compare_vectors copies, or flips, them first. */
+static void random_vectors(uint64_t *seed)
+{
+    static float vectors[3 * ROW], copy[3 * ROW];
+    float *const ends[2] = { vectors + 3 * ROW, copy + 3 * ROW };
+    for (int32_t row = 0; row < ROWS_16; row++) {
+        ntp_image src = ntp_image_packed(in, ROW, 1, 3, NTP_TYPE_F32);
+        for (int32_t i = 0; i < ROW; i++)
+            make_vector((float *) (void *) in + 3 * i, seed);
+        src.encoding = NTP_ENCODING_VECTOR;
+        const ntp_const_image view = ntp_image_as_const(&src);
+        compare_vectors(&view, ends, (uint8_t *) out[1], (uint8_t *) (out[1] + ROW));
+    }
+}
+
 static void widths(uint64_t *seed)
 {
     for (int32_t n = 1; n <= WIDEST; n++) {
@@ -344,6 +429,10 @@ static void widths(uint64_t *seed)
             guarded from = guarded_alloc((size_t) n * (size_t) stride, n & 1);
             guarded one = guarded_alloc((size_t) n * 8, false);
             guarded two = guarded_alloc((size_t) n * 8, false);
+            guarded vectors = guarded_alloc((size_t) (n * channels) * sizeof(float), false);
+            guarded copy = guarded_alloc((size_t) (n * channels) * sizeof(float), false);
+            float *const ends[2] = { (float *) vectors.data + n * channels,
+                                     (float *) copy.data + n * channels };
             ntp_image src = ntp_image_packed(from.data, n, 1, channels, type);
             src.pixel_stride = stride;
             src.encoding = kind & 8 ? NTP_ENCODING_ZZERO : NTP_ENCODING_STANDARD;
@@ -355,12 +444,16 @@ static void widths(uint64_t *seed)
             const ntp_const_image view = ntp_image_as_const(&src);
             compare_conversions(&view, (uint8_t *) one.data + n * 8, (uint8_t *) two.data + n * 8,
                                 stride == channels * size);
+            compare_vectors(&view, ends, (uint8_t *) one.data + n * 8,
+                            (uint8_t *) two.data + n * 8);
             compare_pictures(&view, PAINT, PAINTS, (uint8_t *) one.data + n * 8,
                              (uint8_t *) two.data + n * 8);
             compare_changes(&view, (uint8_t *) one.data + n * 8, (uint8_t *) two.data + n * 8);
             guarded_free(&from);
             guarded_free(&one);
             guarded_free(&two);
+            guarded_free(&vectors);
+            guarded_free(&copy);
         }
     }
 }
@@ -373,6 +466,7 @@ int main(void)
         return SKIPPED;
     all_triplets();
     random_texels_16(&seed);
+    random_vectors(&seed);
     widths(&seed);
     return 0;
 }

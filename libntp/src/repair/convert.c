@@ -7,8 +7,11 @@
  * a block at a time: a kernel derives the blues of the source.  The common conversions have faster
  * ways to the same bytes, in convert_runs.c.
  */
+#include "base/finite.h"
 #include "repair/convert.h"
+#include "repair/convert_avx2.h"
 #include "texel/float_vector.h"
+#include "texel/unused.h"
 
 #include <math.h>
 #include <string.h>
@@ -126,6 +129,51 @@ static void convert_vector(const job *j, const texel *t, int32_t out[4], ntp_con
     out[3] = j->src->channels == 4 ? ntp__level_of(t->raw[3], j->md) : j->md;
 }
 
+#ifdef NTP_HAVE_AVX2
+/* Does a texel again whose vector the loop without planes is in doubt about. */
+static void encode_exactly(const ntp__conversion *j, const float raw[3], int32_t c[3],
+                           ntp_convert_counts *counts)
+{
+    const double size = fabs((double) raw[0]) + fabs((double) raw[1]) + fabs((double) raw[2]);
+    if (size > 0.0 && ntp__is_finite(size)) {
+        ntp__convert_vector(j, raw, c, counts);
+        return;
+    }
+    c[0] = c[1] = (j->md + 1) / 2;
+    c[2] = j->md;
+    counts->not_finite++;
+}
+
+/* Texels of 16, from s to d, that the loop leaves. */
+void ntp__settle_vectors(const ntp__conversion *j, uint8_t *d, const float *s,
+                         const ntp__left *left, ntp_convert_counts *counts)
+{
+    const bool deep = j->md > 255, zzero = j->dst->encoding == NTP_ENCODING_ZZERO;
+    for (int32_t i = 0; (left->doubt | left->overlong) >> i != 0; i++) {
+        const bool doubt = left->doubt >> i & 1;
+        uint16_t *d16 = (uint16_t *) (void *) d + 3 * i;
+        uint8_t *d8 = d + 3 * i;
+        int32_t c[3] = { deep ? d16[0] : d8[0], deep ? d16[1] : d8[1] };
+        if (doubt) {
+            encode_exactly(j, s + 3 * i, c, counts);
+        } else if (left->overlong >> i & 1) {
+            c[2] = ntp__derive(&c[0], &c[1], j->md, zzero);
+            c[2] = !zzero && left->negative >> i & 1 ? j->md - c[2] : c[2];
+            counts->pulled++;
+        } else {
+            continue;
+        }
+        for (int32_t k = 0; k < 3; k++) {
+            if (deep)
+                d16[k] = (uint16_t) c[k];
+            else
+                d8[k] = (uint8_t) c[k];
+        }
+    }
+}
+
+#endif
+
 /* Levels to floats of a biased target.  Float samples whose level is unchanged keep their bits. */
 static void levels_to_floats(const job *j, const texel *t, const int32_t level[4], float out[4])
 {
@@ -189,6 +237,48 @@ static void vector_floats(const job *j, const texel *t, float out[4], ntp_conver
                                   : (float) ((double) t->c[3] / j->ms);
     if (j->flip && !t->unused)
         out[1] = -out[1];
+}
+
+/* To float vectors: V/M, b/M.  v = c*times - less is the numerator over 2^8 or 2^16, which is exact.
+ * With 1/M as a float, v + v/M is the quotient of numerator and M, rounded once, for all numerators
+ * that there are (shown by tests/test_convert.py).  Unused texels are not flipped. */
+void ntp__decode(const ntp__conversion *j, int32_t x, int32_t y, int32_t n,
+                 ntp_convert_counts *counts)
+{
+    const int32_t channels = j->src->channels;
+    const float m = (float) j->ms, unit = j->ms > 255 ? 0x1p-16F : 0x1p-8F, over = 1 / m;
+    float *d = ntp__at_mut(j->dst, x, y);
+    const bool zzero = j->src->encoding == NTP_ENCODING_ZZERO;
+    float times[4], less[4];
+    int32_t done = 0;
+    for (int32_t k = 0; k < 4; k++) {
+        const bool biased = k < (zzero ? 2 : 3);
+        const float sign = k == 1 && j->flip ? -1 : 1;
+        times[k] = sign * unit * (biased ? 2 : 1);
+        less[k] = biased ? sign * unit * m : 0;
+    }
+#ifdef NTP_HAVE_AVX2
+    if (ntp__cpu_has_avx2(NTP__CPU_ALL))
+        done = ntp__decode_avx2(d, ntp__at(j->src, x, y), n, channels, j->ms > 255, times, less);
+#endif
+    ntp__block in;
+    for (int32_t at = j->flip ? 0 : done, some; at < n; at += some) {
+        some = n - at < NTP__BLOCK ? n - at : NTP__BLOCK;
+        ntp__unpack(&in, j->src, x + at, y, some);
+        float *to = d + (ptrdiff_t) channels * at;
+        for (int32_t k = 0; k < channels; k++) {
+            for (int32_t i = done > at ? done - at : 0; i < some; i++) {
+                const float v = (float) in.c[k][i] * times[k] - less[k];
+                to[channels * i + k] = v + v * over;
+            }
+        }
+        const bool suspect = j->flip && ntp__any_suspect(&in, some, j->ms);
+        for (int32_t i = 0; suspect && i < some; i++) {
+            if (ntp__texel_unused(&in, i, j->ms, j->how.touch_unused))
+                to[channels * i + 1] = -to[channels * i + 1];
+        }
+    }
+    (void) counts;
 }
 
 /* The levels for a texel that is not a vector: flat, or height 0. */

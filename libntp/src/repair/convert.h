@@ -38,6 +38,10 @@ typedef void ntp__convert_fn(const ntp__conversion *j, int32_t x, int32_t y, int
 /* The fast way for these views and options; NULL: there is none.  *most: texels at a time. */
 ntp__convert_fn *ntp__fast_conversion(const ntp__conversion *j, int32_t *most);
 
+/* Integers of at least three channels, not XY, to packed float vectors: n texels up to the whole
+ * row. */
+ntp__convert_fn ntp__decode;
+
 /* The exact levels of one float vector, y as in the source; alpha is not set. */
 void ntp__convert_vector(const ntp__conversion *j, const float raw[3], int32_t out[3],
                          ntp_convert_counts *counts);

@@ -15,4 +15,24 @@
 int32_t ntp__convert_rgb_avx2(const ntp__conversion *j, int32_t x, int32_t y, int32_t n,
                               uint64_t *negative);
 
+/* Packed levels of 3 or 4 channels to float vectors, v + v/M with v = c*times - less for each channel.
+ * Returns how many of n are done: it leaves some of the last ones. */
+int32_t ntp__decode_avx2(float *d, const void *s, int32_t n, int32_t channels, bool deep,
+                         const float times[4], const float less[4]);
+
+/* Of 16 texels: bits of those whose levels are not known, or whose red and green are too long; and of
+ * those with z < 0. */
+typedef struct ntp__left {
+    uint32_t doubt, overlong, negative;
+} ntp__left;
+
+/* Packed vectors to packed RGB with derived blue.  Returns how many of n are done, a multiple of 16,
+ * with one of `left` for every 16. */
+int32_t ntp__encode_rgb_avx2(void *d, const float *s, int32_t n, bool deep, bool zzero, bool flip,
+                             ntp__left *left);
+
+/* Does those of 16 texels, from s to d, that the former leaves (convert.c). */
+void ntp__settle_vectors(const ntp__conversion *j, uint8_t *d, const float *s,
+                         const ntp__left *left, ntp_convert_counts *counts);
+
 #endif

@@ -253,6 +253,29 @@ static void encode_run(const ntp__conversion *j, int32_t x, int32_t y, int32_t n
     ntp__pack(j->dst, &out, x, y, n, j->dst->channels);
 }
 
+#ifdef NTP_HAVE_AVX2
+/* Encodes packed float vectors as packed RGB, blue derived. */
+static void encode_rgb(const ntp__conversion *j, int32_t x, int32_t y, int32_t n,
+                       ntp_convert_counts *counts)
+{
+    enum { STEP = 16 };
+    const bool deep = j->md > 255, zzero = j->dst->encoding == NTP_ENCODING_ZZERO;
+    const float *s = ntp__at(j->src, x, y);
+    uint8_t *d = ntp__at_mut(j->dst, x, y);
+    ntp__left left[NTP__BLOCK / STEP];
+    const int32_t done = ntp__encode_rgb_avx2(d, s, n, deep, zzero, j->flip, left);
+    for (int32_t i = 0; i < done; i += STEP) {
+        const ntp__left *l = &left[i / STEP];
+        for (uint32_t b = zzero ? l->negative & ~l->doubt : 0; b != 0; b &= b - 1)
+            counts->z_negative++;
+        if ((l->doubt | l->overlong) != 0)
+            ntp__settle_vectors(j, d + (ptrdiff_t) (deep ? 6 : 3) * i, s + 3 * i, l, counts);
+    }
+    if (done < n)
+        encode_run(j, x + done, y, n - done, counts);
+}
+#endif
+
 ntp__convert_fn *ntp__fast_conversion(const ntp__conversion *j, int32_t *most)
 {
     const ntp_encoding from = j->src->encoding, to = j->dst->encoding;
@@ -262,26 +285,32 @@ ntp__convert_fn *ntp__fast_conversion(const ntp__conversion *j, int32_t *most)
     const bool bytes = j->src->type == NTP_TYPE_U8;
     if (from == NTP_ENCODING_HEIGHT)
         return NULL;
-    if (j->dst->type != NTP_TYPE_F32 && from == NTP_ENCODING_VECTOR)
+    if (j->dst->type != NTP_TYPE_F32 && from == NTP_ENCODING_VECTOR) {
+#ifdef NTP_HAVE_AVX2
+        if (j->how.blue == NTP_BLUE_DERIVED && packed && j->src->channels == 3 &&
+            to != NTP_ENCODING_XY && ntp__cpu_has_avx2(NTP__CPU_ALL))
+            return encode_rgb;
+#endif
         return j->how.blue == NTP_BLUE_DERIVED ? encode_run : NULL;
+    }
     if (j->src->type == NTP_TYPE_F32)
         return NULL;
     const bool move = packed && j->src->type == j->dst->type && from == to;
-    const bool decode =
+    const bool to_vectors =
         packed && to == NTP_ENCODING_VECTOR && from != to && from != NTP_ENCODING_XY;
-    if (j->dst->type == NTP_TYPE_F32 && !decode)
+    if (j->dst->type == NTP_TYPE_F32 && !to_vectors)
         return NULL;
 #ifdef NTP_HAVE_AVX2
-    if (packed && j->src->channels == 3 && !move && !decode && !j->flip &&
+    if (packed && j->src->channels == 3 && !move && !to_vectors && !j->flip &&
         from != NTP_ENCODING_XY && to != NTP_ENCODING_XY && ntp__cpu_has_avx2(NTP__CPU_ALL)) {
         *most = NTP_MAX_SIDE;
         return convert_rgb;
     }
 #endif
-    if (!move && !decode)
+    if (!move && !to_vectors)
         return convert_levels;
     *most = NTP_MAX_SIDE; /* these make ready for a row, not for each block */
-    if (decode)
-        return bytes ? decode_8 : decode_16;
+    if (to_vectors)
+        return ntp__decode;
     return bytes ? move_8 : move_16;
 }

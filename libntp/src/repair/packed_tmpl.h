@@ -82,38 +82,3 @@ static void FOR_SAMPLE(move)(const ntp__conversion *j, int32_t x, int32_t y, int
 #endif
     FOR_SAMPLE(move_some)(j, x, y, n);
 }
-
-/* To float vectors: V/M, b/M.  Numerators are whole floats, so a quotient is rounded once. */
-static void FOR_SAMPLE(decode)(const ntp__conversion *j, int32_t x, int32_t y, int32_t n,
-                               ntp_convert_counts *counts)
-{
-    const int32_t channels = j->src->channels, samples = n * channels;
-    const SAMPLE *s = (const SAMPLE *) ntp__at(j->src, x, y);
-    float *d = (float *) ntp__at_mut(j->dst, x, y);
-    const float m = (float) j->ms;
-    float twice[CHUNK], less[CHUNK], out[CHUNK];
-    SAMPLE if_none[CHUNK], if_all[CHUNK], in[CHUNK];
-    FOR_SAMPLE(watch)(if_none, if_all, channels, j->flip);
-    for (int32_t i = 0; i < CHUNK; i++) {
-        const int32_t k = i % channels;
-        const bool biased = k < 2 || (k == 2 && j->src->encoding == NTP_ENCODING_STANDARD);
-        twice[i] = biased ? k == 1 && j->flip ? -2.0f : 2.0f : 1.0f;
-        less[i] = biased ? k == 1 && j->flip ? -m : m : 0.0f;
-    }
-    memset(in, 1, sizeof in);
-    for (int32_t at = 0; at < samples; at += CHUNK, s += CHUNK, d += CHUNK) {
-        const bool whole = samples - at >= CHUNK;
-        memcpy(in, s, whole ? sizeof in : (size_t) (samples - at) * sizeof *s);
-        for (int32_t i = 0; i < CHUNK; i++)
-            out[i] = ((float) in[i] * twice[i] - less[i]) / m;
-        if (FOR_SAMPLE(suspect)(in, if_none, if_all)) {
-            uint64_t unused = FOR_SAMPLE(unused)(in, whole ? CHUNK : samples - at, j);
-            for (int32_t i = 1; unused != 0; unused >>= 1, i += channels) {
-                if (unused & 1)
-                    out[i] = -out[i];
-            }
-        }
-        memcpy(d, out, whole ? sizeof out : (size_t) (samples - at) * sizeof *d);
-    }
-    (void) counts;
-}
