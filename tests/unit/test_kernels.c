@@ -294,7 +294,10 @@ static void check_normalize(const ntp__kernels_table *level, int32_t m, uint64_t
 {
     enum { BLOCKS = 400, BLOCK = 256 };
     int32_t doubts = 0, in[3][BLOCK], out[3][BLOCK], doubt[BLOCK];
+    int32_t *const from[] = { in[0], in[1], in[2] }, *const to[] = { out[0], out[1], out[2] };
     for (int32_t block = 0; block < BLOCKS; block++) {
+        const bool mirror = block % 2;
+        int32_t changed = 0, differ = 0;
         for (int32_t i = 0; i < BLOCK; i++) {
             for (int k = 0; k < 3; k++)
                 in[k][i] = random_level(seed, m);
@@ -303,14 +306,20 @@ static void check_normalize(const ntp__kernels_table *level, int32_t m, uint64_t
                 in[2][i] = blue - (blue >= 4 ? random_level(seed, 4) : 0);
         }
         const int32_t n = block % 7 ? BLOCK : 1 + block % BLOCK;
-        level->normalize(out[0], out[1], out[2], doubt, in[0], in[1], in[2], n, m);
+        for (int32_t i = n; i < BLOCK; i++) { /* flat */
+            in[0][i] = in[1][i] = (m + 1) / 2;
+            in[2][i] = m;
+        }
+        level->normalize(to, doubt, from, n, m, mirror ? (m - 1) / 2 : -1, &changed);
         for (int32_t i = 0; i < n; i++) {
             int32_t c[3] = { in[0][i], in[1][i], in[2][i] };
-            ntp__clean(c, m, NTP_ENCODING_STANDARD, NTP_CLEAN_NORMALIZE, true);
+            ntp__clean(c, m, NTP_ENCODING_STANDARD, NTP_CLEAN_NORMALIZE, !mirror);
             doubts += doubt[i] != 0;
+            differ += out[0][i] != in[0][i] || out[1][i] != in[1][i] || out[2][i] != in[2][i];
             for (int k = 0; k < 3; k++)
                 CHECK(doubt[i] || out[k][i] == c[k]);
         }
+        CHECK(changed == differ);
     }
     CHECK(doubts < BLOCKS * BLOCK / 500);
 }

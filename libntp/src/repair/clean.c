@@ -204,36 +204,40 @@ static uint64_t clean_by_derivation(const job *j, ntp__block *block, int32_t n)
     return (uint64_t) changed;
 }
 
+static int32_t differs(const ntp__block *a, const ntp__block *b, int32_t i)
+{
+    return (a->c[0][i] != b->c[0][i]) | (a->c[1][i] != b->c[1][i]) | (a->c[2][i] != b->c[2][i]);
+}
+
 /* Divides by the length with a kernel, of the standard encoding.  Only texels near a boundary and
  * those that may be unused go one by one. */
-static uint64_t clean_by_length(const job *j, ntp__block *block, int32_t n)
+static uint64_t clean_by_length(const job *j, ntp__block *out, ntp__block *block, int32_t n)
 {
-    const int32_t low = j->how.keep_negative_z ? -1 : (j->m - 1) / 2;
-    int32_t changed = 0, doubt[NTP__BLOCK], up[NTP__BLOCK];
-    ntp__block out;
-    for (int32_t i = 0; i < n; i++)
-        up[i] = block->c[2][i] <= low ? j->m - block->c[2][i] : block->c[2][i];
-    for (int32_t i = n; i < NTP__BLOCK; i++)
-        block->c[0][i] = block->c[1][i] = up[i] = 0;
-    int32_t any = j->kernels->normalize(out.c[0], out.c[1], out.c[2], doubt, block->c[0],
-                                        block->c[1], up, n, j->m);
-    if (ntp__any_suspect(block, n, j->m)) {
-        for (int32_t i = 0; i < n; i++)
-            any |= doubt[i] |= ntp__texel_unused(block, i, j->m, j->how.touch_unused);
+    const int32_t m = j->m, low = j->how.keep_negative_z ? -1 : (m - 1) / 2;
+    int32_t changed = 0, doubt[NTP__BLOCK];
+    for (int32_t i = n; i % NTP__KERNEL_LANES != 0; i++) { /* flat: these do not change */
+        block->c[0][i] = block->c[1][i] = (m + 1) / 2;
+        block->c[2][i] = m;
+    }
+    int32_t any = j->kernels->normalize((int32_t *[]) { out->c[0], out->c[1], out->c[2] }, doubt,
+                                        (int32_t *[]) { block->c[0], block->c[1], block->c[2] }, n,
+                                        m, low, &changed);
+    if (ntp__any_suspect(block, n, m)) {
+        for (int32_t i = 0; i < n; i++) {
+            if (ntp__texel_unused(block, i, m, j->how.touch_unused))
+                any = doubt[i] = 1;
+        }
     }
     for (int32_t i = 0; any && i < n; i++) {
         if (!doubt[i])
             continue;
         int32_t c[4] = { block->c[0][i], block->c[1][i], block->c[2][i], block->c[3][i] };
         clean_texel(j, c);
+        changed -= differs(out, block, i);
         for (int32_t k = 0; k < 3; k++)
-            out.c[k][i] = c[k];
+            out->c[k][i] = c[k];
+        changed += differs(out, block, i);
     }
-    for (int32_t i = 0; i < n; i++)
-        changed += (out.c[0][i] != block->c[0][i]) | (out.c[1][i] != block->c[1][i]) |
-                   (out.c[2][i] != block->c[2][i]);
-    for (int32_t k = 0; k < 3; k++)
-        memcpy(block->c[k], out.c[k], (size_t) n * sizeof out.c[k][0]);
     return (uint64_t) changed;
 }
 
@@ -289,24 +293,24 @@ static void store_floats(const job *j, const ntp__block *before, const ntp__bloc
 /* Up to a block of texels of any kind. */
 static void clean_block(const job *j, int32_t x, int32_t y, int32_t n, ntp_clean_counts *counts)
 {
-    ntp__block block;
+    ntp__block block, other, *result = &block;
     ntp__unpack(&block, j->src, x, y, n);
-    ntp__block before;
-    bool floats = j->src->type == NTP_TYPE_F32;
-    if (floats)
-        before = block;
-    bool derive = j->how.method == NTP_CLEAN_DERIVE && !j->how.only_failing && blue_is_written(j);
-    if (derive && !block.any_broken)
+    const bool floats = j->src->type == NTP_TYPE_F32;
+    const bool all = !j->how.only_failing && !block.any_broken;
+    const bool by_length =
+        all && j->how.method == NTP_CLEAN_NORMALIZE && j->encoding == NTP_ENCODING_STANDARD;
+    if (floats && !by_length)
+        other = block;
+    if (all && j->how.method == NTP_CLEAN_DERIVE && blue_is_written(j))
         counts->changed += clean_by_derivation(j, &block, n);
-    else if (j->how.method == NTP_CLEAN_NORMALIZE && j->encoding == NTP_ENCODING_STANDARD &&
-             !j->how.only_failing && !block.any_broken)
-        counts->changed += clean_by_length(j, &block, n);
+    else if (by_length)
+        counts->changed += clean_by_length(j, result = &other, &block, n);
     else
         counts->changed += clean_slowly(j, &block, n);
     if (floats)
-        store_floats(j, &before, &block, x, y, n, counts);
+        store_floats(j, by_length ? &block : &other, result, x, y, n, counts);
     else
-        ntp__pack(j->dst, &block, x, y, n, blue_is_written(j) ? 3 : 2);
+        ntp__pack(j->dst, result, x, y, n, blue_is_written(j) ? 3 : 2);
     copy_alpha(j, x, y, n);
 }
 

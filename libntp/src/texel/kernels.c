@@ -280,29 +280,7 @@ static inline int32_t whole_lanes(int32_t n)
 #include "texel/judge_tmpl.h"
 #include "texel/angles_tmpl.h"
 
-#define REAL        float
-#define SQRT        sqrtf
-#define ABS         fabsf
-#define STEPS       (1 << 13)
-#define FOR_REAL(f) f##_float
 #include "texel/normalize_tmpl.h"
-#undef REAL
-#undef SQRT
-#undef ABS
-#undef STEPS
-#undef FOR_REAL
-#define REAL        double
-#define SQRT        sqrt
-#define ABS         fabs
-#define STEPS       (1 << 15)
-#define FOR_REAL(f) f##_double
-#include "texel/normalize_tmpl.h"
-
-static int32_t normalize(int32_t *to_r, int32_t *to_g, int32_t *to_b, int32_t *doubt,
-                         const int32_t *r, const int32_t *g, const int32_t *b, int32_t n, int32_t m)
-{
-    return (m == 255 ? normalize_float : normalize_double)(to_r, to_g, to_b, doubt, r, g, b, n, m);
-}
 
 static int32_t suspect(const int32_t *restrict r, const int32_t *restrict g,
                        const int32_t *restrict b, const int32_t *restrict a, int32_t n, int32_t m)

@@ -118,12 +118,12 @@ typedef int32_t ntp__directions_fn(int32_t *r, int32_t *g, int32_t *b, int32_t *
  * for 256; vectors beyond n change. */
 typedef void ntp__angles_fn(int32_t *angle, ntp__vectors *v, ntp__vectors *w, int32_t n);
 
-/* Standard Z: vectors that are not `rounded` over their lengths, each level rounded half up; the
- * others as they are.  Where doubt[i] is not 0, levels may be wrong.  Returns whether any is.  Works
- * on whole lanes: the planes hold levels, and have room for them. */
-typedef int32_t ntp__normalize_fn(int32_t *to_r, int32_t *to_g, int32_t *to_b, int32_t *doubt,
-                                  const int32_t *r, const int32_t *g, const int32_t *b, int32_t n,
-                                  int32_t m);
+/* Standard Z: blues up to `low` are mirrored; then vectors that are not `rounded` go over their
+ * lengths, each level rounded half up.  Where doubt[i] is not 0, levels may be wrong.  Returns
+ * whether any is.  `changed` counts the texels that are not as they were, also those in doubt.
+ * Works on whole lanes: the planes hold levels, and have room for them. */
+typedef int32_t ntp__normalize_fn(int32_t *const to[3], int32_t *doubt, int32_t *const from[3],
+                                  int32_t n, int32_t m, int32_t low, int32_t *changed);
 
 /* Pulls pairs that are too long onto the disc.  Where doubt[i] is not 0, levels may be wrong.
  * Returns whether any is.  Works on whole lanes: the planes hold levels, and have room for them. */
