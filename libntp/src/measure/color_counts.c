@@ -95,9 +95,9 @@ static int32_t append(ntp__cell *cells, int32_t n, const uint32_t *counts, int32
 int32_t ntp__row_cells(ntp__cell cells[NTP__MOST_CELLS], const ntp__color_counts *t, int32_t row)
 {
     const int32_t near = t->row_first[row], above = near + NTP__NEAR;
-    const uint32_t *far = t->row_seen[row] & NTP__SEEN_FAR ? t->far[row] : NULL;
+    const uint32_t *far = t->row_seen[row] & NTP__SEEN_FAR ? ntp__far_counts(t, row) : NULL;
     int32_t n = far != NULL ? append(cells, 0, far, 0, near) : 0;
-    n = append(cells, n, &t->near[row * NTP__NEAR], near, NTP__NEAR);
+    n = append(cells, n, &t->cells[row * NTP__NEAR], near, NTP__NEAR);
     return far != NULL ? append(cells, n, far + above, above, 256 - above) : n;
 }
 
@@ -109,7 +109,7 @@ static void find_rows(uint8_t seen[NTP__ROWS], const ntp__color_counts *t)
     for (int32_t row = 0; row < NTP__ROWS; row++) {
         uint32_t any = 0;
         for (int32_t i = 0; i < NTP__NEAR; i++)
-            any |= t->near[row * NTP__NEAR + i];
+            any |= t->cells[row * NTP__NEAR + i];
         seen[row] |= any != 0 ? NTP__SEEN_NEAR : 0;
     }
 }
@@ -126,9 +126,9 @@ void ntp__merge_cells(ntp__color_counts *into, const ntp__color_counts *from)
     memcpy(seen, from->row_seen, sizeof seen);
     find_rows(seen, from);
     for (int32_t row = 0; (row = ntp__next_row(seen, row)) < NTP__ROWS; row++) {
-        ntp__merge_counts(&into->near[row * NTP__NEAR], &from->near[row * NTP__NEAR], NTP__NEAR);
+        ntp__merge_counts(&into->cells[row * NTP__NEAR], &from->cells[row * NTP__NEAR], NTP__NEAR);
         if (seen[row] & NTP__SEEN_FAR)
-            ntp__merge_counts(into->far[row], from->far[row], 256);
+            ntp__merge_counts(ntp__far_cells(into, row), ntp__far_counts(from, row), 256);
         into->row_seen[row] |= seen[row];
         into->row_pair[row] = from->row_pair[row];
         into->row_first[row] = from->row_first[row];
@@ -139,9 +139,9 @@ void ntp__clear_cells(ntp__color_counts *t)
 {
     ntp__note_rows(t);
     for (int32_t row = 0; (row = ntp__next_row(t->row_seen, row)) < NTP__ROWS; row++) {
-        memset(&t->near[row * NTP__NEAR], 0, NTP__NEAR * sizeof t->near[0]);
+        memset(&t->cells[row * NTP__NEAR], 0, NTP__NEAR * sizeof t->cells[0]);
         if (t->row_seen[row] & NTP__SEEN_FAR)
-            memset(t->far[row], 0, sizeof t->far[row]);
+            memset(ntp__far_cells(t, row), 0, 256 * sizeof t->cells[0]);
     }
     memset(t->row_seen, 0, sizeof t->row_seen);
 }

@@ -15,37 +15,40 @@
 #ifndef NTP_COLOR_COUNTS_H
 #define NTP_COLOR_COUNTS_H
 
+#include "texel/cells.h"
+
 #include <stdint.h>
 #include <string.h>
 
 enum {
-    /* Unordered pairs of 128 magnitudes, and one row for each of the four flat pairs (127 or 128 in
-     * red and in green).  These are kept apart to count flat colors. */
-    NTP__FLAT_ROWS = 4,
-    NTP__ROWS = 128 * 129 / 2 + NTP__FLAT_ROWS,
-
-    NTP__NEAR = 16,            /* cells around the derived blue of a row: a cache line */
-    NTP__FAR_CELLS = 256 + 16, /* rows a power of two apart would share few cache sets */
-    NTP__FEW = 4096,           /* up to so many texels it pays to note the row of each */
-    NTP__MOST_CELLS = 256 + 1  /* of a row, and one that is written and not counted */
+    NTP__FEW = 4096,             /* up to so many texels it pays to note the row of each */
+    NTP__MOST_CELLS = 256 + 1    /* of a row, and one that is written and not counted */
 };
-
-/* Where the cells of a row hold counts. */
-enum { NTP__SEEN_NEAR = 1, NTP__SEEN_FAR = 2 };
 
 typedef struct ntp__color_counts {
     uint32_t rows_ready;
     uint32_t few;                 /* few texels are being measured: their rows are noted */
     uint32_t unnoted;             /* some rows with near cells are not in row_seen */
-    uint8_t row_seen[NTP__ROWS];  /* NTP__SEEN_* */
-    uint32_t row_of[65536];       /* by r | g << 8: see ntp__entry; when rows_ready */
-    uint16_t row_pair[NTP__ROWS]; /* of a row seen: some r | g << 8 of it, r, g >= 128 */
-    uint8_t row_first[NTP__ROWS]; /* the blue of its first near cell */
-    /* The cells of a row near its derived blue; the others are in `far`. */
-    uint32_t near[NTP__ROWS * NTP__NEAR];
-    /* Well-formed textures do not need these, so their pages stay untouched. */
-    uint32_t far[NTP__ROWS][NTP__FAR_CELLS];
+    uint64_t far_texels;             /* that were counted by look-ups, ever */
+    uint8_t row_seen[NTP__ROWS + 1]; /* NTP__SEEN_*; the last one is written and not read */
+    uint32_t row_of[65536];          /* by r | g << 8: see ntp__entry; when rows_ready */
+    uint16_t row_pair[NTP__ROWS];    /* of a row seen: some r | g << 8 of it, r, g >= 128 */
+    uint8_t row_first[NTP__ROWS];    /* the blue of its first near cell */
+    /* First the cells of each row near its derived blue, then the others.  Well-formed textures do
+     * not need the latter, so their pages stay untouched. */
+    uint32_t cells[NTP__CELLS];
 } ntp__color_counts;
+
+/* The far cells of a row. */
+static inline uint32_t *ntp__far_cells(ntp__color_counts *counts, int32_t row)
+{
+    return &counts->cells[NTP__FIRST_FAR + row * NTP__FAR_CELLS];
+}
+
+static inline const uint32_t *ntp__far_counts(const ntp__color_counts *counts, int32_t row)
+{
+    return &counts->cells[NTP__FIRST_FAR + row * NTP__FAR_CELLS];
+}
 
 /* Fills row_of, once. */
 void ntp__rows_prepare(ntp__color_counts *counts);
@@ -53,7 +56,7 @@ void ntp__rows_prepare(ntp__color_counts *counts);
 /* The entry of row_of for one pair, worked out without that table. */
 uint32_t ntp__find_row(ntp__color_counts *counts, int32_t r, int32_t g);
 
-/* An entry of row_of: where the cells of its row begin in `near`, and the blue of the first. */
+/* An entry of row_of: where the near cells of its row begin, and the blue of the first. */
 static inline uint32_t ntp__entry(uint32_t row, uint32_t first)
 {
     return row * NTP__NEAR << 8 | first;

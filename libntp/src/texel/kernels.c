@@ -9,6 +9,7 @@
 #include "texel/kernels.h"
 
 #include "texel/angle.h"
+#include "texel/cells.h"
 #include "texel/judged.h"
 #include "texel/root30.h"
 
@@ -274,6 +275,7 @@ static inline int32_t whole_lanes(int32_t n)
     return n & -LANES;
 }
 
+#include "texel/cells_tmpl.h"
 #include "texel/flags_tmpl.h"
 
 #include "texel/directions_tmpl.h"
@@ -314,6 +316,7 @@ const ntp__kernels_table CONCAT(ntp__kernels_, NTP_ISA) = {
     derive,
     validate,
     validate_rgb8,
+    count_cells,
     survey,
     judge_block,
     directions,

@@ -60,6 +60,14 @@ typedef void ntp__validate_fn(uint8_t *flags, int32_t *const c[4], int32_t n,
 typedef void ntp__validate8_fn(uint8_t *flags, const uint8_t *src, int32_t n,
                                const ntp__validity *how);
 
+/*
+ * Counts packed texels of 3 or 4 channels of 8 bit in the cells of a tally (cells.h), a group of
+ * NTP__KERNEL_STEP after the other, up to one in which a texel is gray or not opaque.  Returns how
+ * many are counted.  row_seen has a place more than rows.
+ */
+typedef int32_t ntp__count8_fn(uint32_t *cells, uint8_t *row_seen, const uint8_t *src, int32_t n,
+                               int32_t channels);
+
 /* What is known of a block of texels at once. */
 typedef struct ntp__survey {
     uint32_t least[3], greatest[3], sum[3];
@@ -149,6 +157,7 @@ typedef struct ntp__kernels_table {
     ntp__derive_fn *derive;
     ntp__validate_fn *validate;
     ntp__validate8_fn *validate_rgb8; /* NULL where planes are as fast */
+    ntp__count8_fn *count_cells;      /* NULL where a table is faster than arithmetic */
     ntp__survey_fn *survey;
     ntp__judge_block_fn *judge_block;
     ntp__directions_fn *directions;
