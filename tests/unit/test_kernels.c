@@ -324,14 +324,40 @@ static void check_normalize(const ntp__kernels_table *level, int32_t m, uint64_t
     CHECK(doubts < BLOCKS * BLOCK / 500);
 }
 
+/* Angles within 0.00001 micro-degrees of the middle between two whole ones, on the other side of which
+ * a polynomial alone takes them to be. */
+static void check_doubtful_angles(const ntp__kernels_table *level)
+{
+    static const int32_t CASE[][7] = {
+        { -11, 55, -213, -7, -179, 45, 118405253 },
+        { 113, 19, -91, 9, 193, -35, 74104704 },
+        { 201, -37, 121, -25, 231, 147, 86299215 },
+        { 33, -179, -145, 133, -109, 203, 95129192 },
+        { -165, -139, -3, -221, -231, -173, 28243497 },
+        { -77, -87, 239, -95, -183, -255, 115639940 },
+        { 225, 147, -161, 157, 153, 53, 45775971 },
+        { -209, 133, -175, 145, -99, 151, 174349569 },
+    };
+    enum { CASES = sizeof CASE / sizeof CASE[0], BLOCK = 256 };
+    int32_t angle[BLOCK], c[2][3][BLOCK];
+    for (int32_t i = 0; i < CASES; i++) {
+        for (int32_t k = 0; k < 6; k++)
+            c[k / 3][k % 3][i] = (CASE[i][k] + 255) / 2;
+    }
+    const ntp__numbers v = { { c[0][0], c[0][1], c[0][2] }, 255, -1, 255, -1, 255 };
+    const ntp__numbers w = { { c[1][0], c[1][1], c[1][2] }, 255, -1, 255, -1, 255 };
+    level->angles(angle, &v, &w, CASES);
+    for (int32_t i = 0; i < CASES; i++)
+        CHECK(angle[i] == CASE[i][6]);
+}
+
 /* Numerators of levels: any, nearly parallel, nearly opposite and nearly at right angles. */
 static void check_angles(const ntp__kernels_table *level, uint64_t *seed)
 {
     enum { BLOCKS = 400, BLOCK = 256, NEAR = 5 };
     for (int32_t block = 0; block < BLOCKS; block++) {
         int32_t n = block % 7 ? BLOCK : 1 + block % BLOCK, m = block % 2 ? 65535 : 255;
-        int32_t angle[BLOCK], pair[2][3][BLOCK];
-        ntp__vectors v[2];
+        int32_t angle[BLOCK], pair[2][3][BLOCK], copy[2][3][BLOCK];
         for (int32_t i = 0; i < n; i++) {
             for (int k = 0; k < 3; k++) {
                 pair[0][k][i] = 2 * random_level(seed, m) - m;
@@ -346,13 +372,10 @@ static void check_angles(const ntp__kernels_table *level, uint64_t *seed)
                 pair[1][2][i] = i % 3 - 1;
             }
         }
-        for (int k = 0; k < 3; k++) {
-            for (int32_t i = 0; i < n; i++) {
-                v[0].c[k][i] = pair[0][k][i];
-                v[1].c[k][i] = pair[1][k][i];
-            }
-        }
-        level->angles(angle, &v[0], &v[1], n);
+        memcpy(copy, pair, sizeof copy);
+        const ntp__numbers v = { .c = { copy[0][0], copy[0][1], copy[0][2] }, .m = m };
+        const ntp__numbers w = { .c = { copy[1][0], copy[1][1], copy[1][2] }, .m = m };
+        level->angles(angle, &v, &w, n);
         for (int32_t i = 0; i < n; i++)
             CHECK((uint32_t) angle[i] == ntp__angle(pair[0][0][i], pair[0][1][i], pair[0][2][i],
                                                     pair[1][0][i], pair[1][1][i], pair[1][2][i]));
@@ -448,6 +471,7 @@ int main(int argc, char **argv)
     check_packed_rgb(NTP_TYPE_U8, &seed);
     check_packed_rgb(NTP_TYPE_U16, &seed);
     check_angles(level, &seed);
+    check_doubtful_angles(level);
     check_normalize(level, 255, &seed);
     check_normalize(level, 65535, &seed);
     check_pull(level, 255, &seed);

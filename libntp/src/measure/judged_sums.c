@@ -51,6 +51,18 @@ static void clean_long(int32_t *r, int32_t *g, int32_t *want, int32_t n, int32_t
     }
 }
 
+typedef struct planes {
+    int32_t c[3][NTP__BLOCK];
+} planes;
+
+/* The angles between numerators over m. */
+static void find_angles(int32_t *angle, planes *v, planes *w, int32_t n, int32_t m)
+{
+    const ntp__numbers a = { .c = { v->c[0], v->c[1], v->c[2] }, .m = m };
+    const ntp__numbers b = { .c = { w->c[0], w->c[1], w->c[2] }, .m = m };
+    ntp__kernels(NTP__CPU_ALL)->angles(angle, &a, &b, n);
+}
+
 /* Fills in the angles that the kernel left out. */
 static void add_angles(ntp__judged *j, const ntp__block *block, int32_t n, int32_t m,
                        ntp_encoding encoding)
@@ -59,7 +71,7 @@ static void add_angles(ntp__judged *j, const ntp__block *block, int32_t n, int32
     const int32_t twice = zzero ? 1 : 2, less = zzero ? 0 : m;
     int32_t at[NTP__BLOCK], r[NTP__BLOCK], g[NTP__BLOCK], want[NTP__BLOCK], angle[NTP__BLOCK];
     int32_t count = 0, any = 0;
-    ntp__vectors v, w;
+    planes v, w;
     for (int32_t i = 0; i < n; i++)
         any |= j->angle[i];
     for (int32_t i = 0; any < 0 && i < n; i++) {
@@ -82,7 +94,7 @@ static void add_angles(ntp__judged *j, const ntp__block *block, int32_t n, int32
         w.c[1][i] = ntp__num(g[i], m);
         w.c[2][i] = twice * want[i] - less;
     }
-    ntp__kernels(NTP__CPU_ALL)->angles(angle, &v, &w, count);
+    find_angles(angle, &v, &w, count, m);
     for (int32_t i = 0; i < count; i++)
         j->angle[at[i]] = angle[i];
 }
@@ -118,7 +130,7 @@ static void negative_angles(int32_t *angle, const int32_t *kinds, const ntp__blo
                             int32_t n, int32_t m)
 {
     int32_t at[NTP__BLOCK], found[NTP__BLOCK], count = 0;
-    ntp__vectors v, w;
+    planes v, w;
     for (int32_t i = 0; i < n; i++) {
         at[count] = i;
         count += (kinds[i] == 2) | (kinds[i] == 2 + NTP__PADDING_HARM);
@@ -130,7 +142,7 @@ static void negative_angles(int32_t *angle, const int32_t *kinds, const ntp__blo
             v.c[k][i] = w.c[k][i] = ntp__num(block->c[k][at[i]], m);
         w.c[2][i] = -w.c[2][i];
     }
-    ntp__kernels(NTP__CPU_ALL)->angles(found, &v, &w, count);
+    find_angles(found, &v, &w, count, m);
     for (int32_t i = 0; i < count; i++)
         angle[at[i]] = found[i];
 }

@@ -45,7 +45,7 @@ typedef struct job {
 /* A block of one image. */
 typedef struct side {
     ntp__block block;
-    ntp__vectors v;
+    ntp__block derived;       /* of an image without blue: z as a numerator */
     uint8_t none[NTP__BLOCK]; /* not 0: unused or broken, so it is not flipped */
     bool any_none;
 } side;
@@ -72,25 +72,36 @@ static bool is_unused(const side *s, int32_t i)
     return s->any_none && s->none[i] && !(s->block.any_broken && s->block.broken[i]);
 }
 
-/* Numerators of the vectors over M.  The M of the two images may differ. */
-static void decode(const job *j, side *s, int32_t n, int32_t m, ntp_encoding encoding)
+/* The vectors of a side.  The M of the two images may differ. */
+static ntp__numbers decode(const job *j, side *s, int32_t n, int32_t m, ntp_encoding encoding)
 {
-    if (encoding != NTP_ENCODING_XY) {
-        ntp__block_vectors(&s->v, &s->block, n, m, encoding);
-        return;
-    }
-    ntp__block derived = s->block;
-    j->kernels->derive(derived.c[2], derived.c[0], derived.c[1], ntp__whole(n), m, 0);
-    ntp__block_vectors(&s->v, &derived, ntp__whole(n), m, NTP_ENCODING_STANDARD);
+    const bool zzero = encoding == NTP_ENCODING_ZZERO;
+    ntp__numbers v = {
+        .c = { s->block.c[0], s->block.c[1], s->block.c[2] },
+        .m = m,
+        .doubled = -1,
+        .less = m,
+        .doubled_z = zzero ? 0 : -1,
+        .less_z = zzero ? 0 : m,
+    };
+    if (encoding != NTP_ENCODING_XY)
+        return v;
+    ntp__block *derived = &s->derived;
+    *derived = s->block;
+    j->kernels->derive(derived->c[2], derived->c[0], derived->c[1], ntp__whole(n), m, 0);
     for (int32_t i = 0; i < ntp__whole(n); i++)
-        s->v.c[2][i] = derived.c[2][i] < 0 ? 0 : s->v.c[2][i];
+        derived->c[2][i] = derived->c[2][i] < 0 ? 0 : ntp__num(derived->c[2][i], m);
+    for (int k = 0; k < 3; k++)
+        v.c[k] = derived->c[k];
+    v.doubled_z = v.less_z = 0;
+    return v;
 }
 
 static void find_angles(const job *j, int32_t *angle, side *a, side *b, int32_t n)
 {
-    decode(j, a, n, j->ma, j->encoding_a);
-    decode(j, b, n, j->mb, j->encoding_b);
-    j->kernels->angles(angle, &a->v, &b->v, n);
+    const ntp__numbers v = decode(j, a, n, j->ma, j->encoding_a);
+    const ntp__numbers w = decode(j, b, n, j->mb, j->encoding_b);
+    j->kernels->angles(angle, &v, &w, n);
     for (int32_t i = 0; a->any_none && i < n; i++)
         angle[i] = is_unused(a, i) && is_unused(b, i) ? 0 : angle[i];
 }

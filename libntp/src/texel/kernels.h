@@ -122,9 +122,18 @@ typedef int32_t ntp__directions_fn(int32_t *r, int32_t *g, int32_t *b, int32_t *
                                    ntp__vectors *v, int32_t n, int32_t m, int32_t zzero,
                                    int32_t exact);
 
-/* The angles of ntp__angle between vectors of levels; none of them has length 0.  Angles have room
- * for 256; vectors beyond n change. */
-typedef void ntp__angles_fn(int32_t *angle, ntp__vectors *v, ntp__vectors *w, int32_t n);
+/* Planes of numerators over m: level + (level & doubled) - less.  So these are levels with a mask of
+ * -1 and m, or already numerators with 0 and 0. */
+typedef struct ntp__numbers {
+    int32_t *c[3];
+    int32_t m; /* 255 or 65535: no numerator is beyond it */
+    int32_t doubled, less, doubled_z, less_z;
+} ntp__numbers;
+
+/* The angles of ntp__angle between vectors; none of them has length 0.  Angles and planes have room
+ * for 256; the latter change beyond n, where levels become 0. */
+typedef void ntp__angles_fn(int32_t *angle, const ntp__numbers *v, const ntp__numbers *w,
+                            int32_t n);
 
 /* Standard Z: blues up to `low` are mirrored; then vectors that are not `rounded` go over their
  * lengths, each level rounded half up.  Where doubt[i] is not 0, levels may be wrong.  Returns
