@@ -216,8 +216,12 @@ static void begin(ntpio__deflater *d, int level, const uint8_t *bytes, size_t fr
     d->bytes = bytes;
     d->block_from = from;
     d->to = to;
-    for (size_t i = from > NTPIO__WINDOW ? from - NTPIO__WINDOW : 0; i < from; i++)
-        visit(d, i);
+    for (size_t i = from > NTPIO__WINDOW ? from - NTPIO__WINDOW : 0; i < from; i++) {
+        if (d->effort->rounds > 0)
+            ntpio__visit_carefully(d, i);
+        else
+            visit(d, i);
+    }
 }
 
 /* Costs are those of the span before, and a little of those before that. */

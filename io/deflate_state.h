@@ -11,16 +11,22 @@
 #include "deflate.h"
 #include "deflate_block.h"
 
+/* Fuzzing makes the tables smaller. */
+#ifndef NTPIO_TABLE_BITS
+#  define NTPIO_TABLE_BITS 14
+#endif
+
 enum {
     NEAR_BYTES = 4,
     FAR_BYTES = 6,
-    NEAR_BITS = 14, /* of the tables: together they fit in the second cache */
-    FAR_BITS = 15,
+    NEAR_BITS = NTPIO_TABLE_BITS, /* of the tables: together they fit in the second cache */
+    FAR_BITS = NTPIO_TABLE_BITS + 1,
     PART = 8192,       /* symbols: the least block of careful levels */
     BLOCK = 65536,     /* symbols: the largest one, less a part */
     SPAN = 16384,      /* bytes that are read with the same costs */
     WIDE_SPAN = 65536, /* ... at careful levels */
     BIT = 16,          /* costs are in parts of a bit */
+    FOUND_MAX = 8,     /* matches at a byte that are remembered */
     SOON = 4           /* bytes ahead, the tables are fetched */
 };
 
@@ -34,9 +40,11 @@ typedef struct effort {
 } effort;
 
 typedef struct careful {
-    uint32_t longest[WIDE_SPAN], nearest[WIDE_SPAN]; /* a match at each byte, or 0 */
-    ntpio__match best[WIDE_SPAN];                    /* 0: a literal */
-    uint32_t cost[WIDE_SPAN + NTPIO__LENGTH_MAX];    /* from a byte to the end */
+    ntpio__match found[WIDE_SPAN][FOUND_MAX]; /* at each byte */
+    int32_t sides[NTPIO__WINDOW][2]; /* of a place in its tree: what is before it, and after it */
+    uint8_t count[WIDE_SPAN];        /* of found */
+    ntpio__match best[WIDE_SPAN];    /* 0: a literal */
+    uint32_t cost[WIDE_SPAN + NTPIO__LENGTH_MAX]; /* from a byte to the end */
 } careful;
 
 struct ntpio__deflater {
@@ -64,6 +72,9 @@ void ntpio__set_costs(ntpio__deflater *d, const ntpio__counts *from);
 
 /* The newest part joins the block if that takes fewer bits than another block. */
 void ntpio__end_part(ntpio__deflater *d);
+
+/* Remembers a place, for careful levels. */
+void ntpio__visit_carefully(ntpio__deflater *d, size_t at);
 
 /* Read the span up to `to`, or as far as its last match goes, and return where that is.  The second
  * sets costs; `counts` gets what it has read. */

@@ -121,7 +121,9 @@ typedef struct ntpio_info {
     uint32_t mips, layers;   /* DDS and KTX2, else 0 */
     ntpio_text *texts;
     size_t text_count;
-    ntpio_stamp stamp; /* of the file when it was opened */
+    ntpio_stamp stamp;  /* of the file when it was opened */
+    uint64_t file_size; /* PNG: in bytes; 0: not known (a pipe) */
+    bool packed_hard;   /* PNG: its maker says that it took pains; known after the first row */
 } ntpio_info;
 
 typedef struct ntpio_reader ntpio_reader;
@@ -192,9 +194,12 @@ typedef struct ntpio_write_options {
     bool
         without_color; /* ntpio_copy: a PNG that was read, whose gAMA, sRGB, iCCP, cHRM and cICP are
                            * left out */
-    const ntpio_info *copy_from; /* PNG: text chunks and pHYs to keep, or NULL; lives until the
+    const ntpio_info *copy_from;  /* PNG: text chunks and pHYs to keep, or NULL; lives until the
                                   * commit, so that texts after the pixels are kept as well */
-    const ntpio_text *texts;     /* PNG: further texts; copied */
+    const ntpio_info *as_it_came; /* PNG at level -1: of the file that has the same picture, nearly,
+                                   * or NULL.  A file that comes out larger than that one, though
+                                   * its maker took pains, is packed again with more. */
+    const ntpio_text *texts;      /* PNG: further texts; copied */
     size_t text_count;
     const ntpio_texture *texture; /* DDS, KTX2: lives until the commit; NULL: as it is */
     const char *read_path;        /* the file that the image was made of, or NULL; copied.  The */

@@ -7,6 +7,10 @@
  * packs best.  From SEARCHES on, that is tried with some of the rows, at level 1; below, the guess
  * is taken.  Normals that were painted or scaled up need none, smooth ones Average, many a mixture.
  *
+ * If it is known how large a file of nearly this picture was, and a band takes more than its share
+ * of that, the band is packed again at a higher level.  If it is the whole picture, that is done with
+ * two rules of filters: those that are best when all rows are tried at the usual level.
+ *
  * Matches reach back into the band before, but nothing else of it is known: bands are filtered and
  * packed side by side to the same bytes.  Only the end of the band before is waited for, which is
  * there once that is filtered.  The caller's thread copies rows; others do the work, and so does
@@ -35,8 +39,14 @@ enum {
     FEW = 32,          /* one of so many groups is tried */
     SOME = 3,
     SAMPLE = 24 << 10, /* bytes: at least so many are tried */
+    LITTLE = 2 << 10,  /* bytes: beside a rival, a sample that packs to less is tried again ... */
+    CLOSER = 4,        /* ... with so many times as many rows */
     BARELY = 64,       /* a sample that is smaller by this share, or less, says nothing */
     GUESS = NTPIO__FILTERS,
+    KINDS,
+    ROUNDS = 2,       /* rules of filters that are tried again */
+    NEARLY = 50,      /* a file that is larger than its rival by this share is small enough */
+    ABOUT = 8,        /* ... and its share is known up to this one */
     CHUNK = 64 << 10, /* bytes: fewer of a file go with those of the next band */
     HEADER = 2,       /* of a zlib stream */
     CHECKSUM = 4      /* at its end */
@@ -49,9 +59,10 @@ typedef struct band {
     uint8_t *guesses[2]; /* rows: the best so far, and another */
     uint8_t *filtered;   /* a window of older bytes, the band, the slack; before, what is tried */
     uint8_t *out;        /* packed */
+    uint8_t *again;      /* ... with more care, or NULL: there is no rival */
     size_t size;         /* of out */
     uint32_t rows, checksum;
-    bool last, done;
+    bool first, last, done;
 } band;
 
 /* The last bytes of a filtered band, for the next one. */
@@ -77,6 +88,8 @@ struct ntpio__png_packer {
     os_condition changed;
     os_thread threads[NTPIO__PACKERS_MAX];
     int thread_count;
+    uint64_t rival; /* bytes of a file with nearly this picture; 0: there is none */
+    uint32_t height;
     bool stop;
 };
 
@@ -111,6 +124,7 @@ void ntpio__png_packer_free(ntpio__png_packer *p)
         free(p->bands[i].guesses[1]);
         free(p->bands[i].filtered);
         free(p->bands[i].out);
+        free(p->bands[i].again);
     }
     free(p->tails);
     free(p->before);
@@ -166,9 +180,9 @@ static uint32_t stride_of_groups(const ntpio__png_packer *p, const band *b)
     return most < 1 ? 1 : most < wanted ? (uint32_t) most : wanted;
 }
 
-static size_t try_kind(const ntpio__png_packer *p, band *b, int kind)
+static size_t try_kind(const ntpio__png_packer *p, band *b, int kind, uint32_t stride, int level)
 {
-    const uint32_t step = GROUP * stride_of_groups(p, b);
+    const uint32_t step = GROUP * stride;
     size_t size = 0;
     for (uint32_t first = (step - GROUP) / 2; first < b->rows; first += step) {
         for (uint32_t y = first; y < first + GROUP && y < b->rows; y++) {
@@ -177,17 +191,21 @@ static size_t try_kind(const ntpio__png_packer *p, band *b, int kind)
         }
     }
     memset(b->filtered + size, 0, NTPIO__SLACK);
-    return size == 0 ? 0 : ntpio__deflate(b->deflater, 1, b->filtered, 0, size, true, b->out);
+    uint8_t *out = b->again != NULL ? b->again : b->out; /* out may have the best so far */
+    return size == 0 ? 0 : ntpio__deflate(b->deflater, level, b->filtered, 0, size, true, out);
 }
 
 static int choose_kind(const ntpio__png_packer *p, band *b)
 {
     if (p->level < SEARCHES)
         return GUESS;
-    size_t least = try_kind(p, b, GUESS);
+    uint32_t stride = stride_of_groups(p, b);
+    size_t least = try_kind(p, b, GUESS, stride, 1);
+    for (; p->rival != 0 && least < LITTLE && stride > 1; least = try_kind(p, b, GUESS, stride, 1))
+        stride = stride < CLOSER ? 1 : stride / CLOSER;
     int best = GUESS;
     for (int kind = 0; kind < NTPIO__FILTERS; kind++) {
-        const size_t size = try_kind(p, b, kind);
+        const size_t size = try_kind(p, b, kind, stride, 1);
         if (size + size / BARELY < least) {
             least = size;
             best = kind;
@@ -233,26 +251,88 @@ static size_t take_tail(ntpio__png_packer *p, uint32_t number, uint8_t *bytes)
     return t->size;
 }
 
+/* Filters the band's rows, and returns their size. */
+static size_t filter_rows(const ntpio__png_packer *p, band *b, int kind)
+{
+    uint8_t *bytes = b->filtered + NTPIO__WINDOW;
+    const size_t line = p->row_size + 1, size = b->rows * line;
+    for (uint32_t y = 0; y < b->rows; y++)
+        filter_row(p, b, y, kind, bytes + y * line);
+    memset(bytes + size, 0, NTPIO__SLACK);
+    return size;
+}
+
+/* Packs what was filtered, which follows the `known` bytes before it.  Returns its size in `out`. */
+static size_t pack_rows(const ntpio__png_packer *p, const band *b, int level, size_t known,
+                        uint8_t *out)
+{
+    const uint8_t *bytes = b->filtered + NTPIO__WINDOW - known;
+    size_t size = 0;
+    if (b->first) { /* a window of 32 KiB, and the usual level */
+        out[size++] = 0x78;
+        out[size++] = 0x9c;
+    }
+    return size + ntpio__deflate(b->deflater, level, bytes, known,
+                                 known + b->rows * (p->row_size + 1), b->last, out + size);
+}
+
+/* Does the whole picture take more than its rival, and a bit?  Shares are not known so well: bands
+ * that take little less are packed again as well. */
+static bool is_beaten(const ntpio__png_packer *p, const band *b)
+{
+    const uint64_t share = p->rival * b->rows / p->height;
+    return b->size > (b->rows == p->height ? share + share / NEARLY : share - share / ABOUT);
+}
+
+/* The smaller one counts. */
+static void pack_again(const ntpio__png_packer *p, band *b, int level, size_t known)
+{
+    const size_t size = pack_rows(p, b, level, known, b->again);
+    if (size < b->size) {
+        uint8_t *better = b->again;
+        b->again = b->out;
+        b->out = better;
+        b->size = size;
+        b->checksum = sum_bytes(1, b->filtered + NTPIO__WINDOW, b->rows * (p->row_size + 1));
+    }
+}
+
+/* The whole picture: other filters may be better where more matches are found. */
+static void try_again(const ntpio__png_packer *p, band *b)
+{
+    size_t sizes[KINDS];
+    for (int kind = 0; kind < KINDS; kind++)
+        sizes[kind] = try_kind(p, b, kind, 1, NTPIO__LEVEL_USUAL);
+    for (int round = 0; round < ROUNDS && is_beaten(p, b); round++) {
+        int best = GUESS;
+        for (int kind = 0; kind < KINDS; kind++)
+            best = sizes[kind] < sizes[best] ? kind : best;
+        sizes[best] = SIZE_MAX;
+        filter_rows(p, b, best);
+        if (round == 0)
+            pack_again(p, b, SEARCHES_ALL, 0);
+        if (is_beaten(p, b))
+            pack_again(p, b, NTPIO__LEVEL_MAX, 0);
+    }
+}
+
 /* Filters and packs a band. */
 static void make_band(ntpio__png_packer *p, uint32_t number)
 {
     band *b = &p->bands[number % p->slots];
     uint8_t *bytes = b->filtered + NTPIO__WINDOW;
-    const size_t line = p->row_size + 1, size = b->rows * line;
-    const int kind = choose_kind(p, b);
-    for (uint32_t y = 0; y < b->rows; y++)
-        filter_row(p, b, y, kind, bytes + y * line);
-    memset(bytes + size, 0, NTPIO__SLACK);
+    const size_t size = filter_rows(p, b, choose_kind(p, b));
+    b->first = number == 0;
     leave_tail(p, number, bytes + size, size);
     b->checksum = sum_bytes(1, bytes, size);
-    b->size = 0;
-    if (number == 0) { /* a window of 32 KiB, and the usual level */
-        b->out[b->size++] = 0x78;
-        b->out[b->size++] = 0x9c;
-    }
     const size_t known = take_tail(p, number, bytes);
-    b->size += ntpio__deflate(b->deflater, p->level, bytes - known, known, known + size, b->last,
-                              b->out + b->size);
+    b->size = pack_rows(p, b, p->level, known, b->out);
+    if (p->rival == 0 || !is_beaten(p, b))
+        return;
+    if (b->rows == p->height)
+        try_again(p, b);
+    else
+        pack_again(p, b, SEARCHES_ALL, known);
 }
 
 /* Packs the next band that nobody has begun.  The lock is held before and after. */
@@ -303,7 +383,7 @@ ntpio__png_packer *ntpio__png_packer_new(size_t row_size, uint32_t height, size_
     p->row_size = row_size;
     p->texel = texel;
     p->pitch = NTPIO__TEXEL_MAX + row_size;
-    p->left = height;
+    p->left = p->height = height;
     p->rows = fit < height ? (uint32_t) fit : height;
     p->checksum = 1;
     const size_t size = p->rows * (row_size + 1);
@@ -323,6 +403,21 @@ ntpio__png_packer *ntpio__png_packer_new(size_t row_size, uint32_t height, size_
     }
     start_threads(p, (int) p->slots < most ? (int) p->slots - 1 : most - 1);
     return p;
+}
+
+bool ntpio__png_packer_rival(ntpio__png_packer *p, uint64_t size)
+{
+    const size_t most = HEADER + ntpio__deflate_bound(p->rows * (p->row_size + 1)) + CHECKSUM;
+    for (uint32_t i = 0; i < p->slots; i++) {
+        band *b = &p->bands[i];
+        ntpio__deflater_free(b->deflater);
+        b->deflater = ntpio__deflater_new(NTPIO__LEVEL_MAX);
+        b->again = malloc(most);
+        if (b->deflater == NULL || b->again == NULL)
+            return false;
+    }
+    p->rival = size;
+    return true;
 }
 
 /* Hands the rows that were taken to whoever packs. */

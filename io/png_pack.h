@@ -29,6 +29,9 @@ typedef struct ntpio__png_packer ntpio__png_packer;
  * caller's included.  NULL without memory. */
 ntpio__png_packer *ntpio__png_packer_new(size_t row_size, uint32_t height, size_t texel, int level,
                                          int threads);
+/* Before the first row: the same picture, nearly, was in a file of `size` bytes.  What comes out larger
+ * is packed again with more care.  False: no memory. */
+bool ntpio__png_packer_rival(ntpio__png_packer *p, uint64_t size);
 void ntpio__png_packer_free(ntpio__png_packer *p);
 
 /* Takes the next row; swap: the two bytes of its samples.  Whatever is packed is to be taken before

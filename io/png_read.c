@@ -34,8 +34,9 @@ typedef struct png_state {
     ntpio__png_whole whole; /* rows NULL: libpng unpacks the pixels */
     ntpio__source shell;    /* of `whole` */
     size_t budget;
-    bool ended;      /* the source gave less than was asked for */
-    size_t surplus;  /* bytes of IDAT read after the last row */
+    bool ended;     /* the source gave less than was asked for */
+    size_t begun;   /* bytes of the stream of pixels that were seen, until its two of header were */
+    size_t surplus; /* bytes of IDAT read after the last row */
     bool bad_pixels; /* a warning that is an error here */
     bool out_of_memory;
     char message[MESSAGE_SIZE];
@@ -94,6 +95,18 @@ static void count_surplus(png_state *s, size_t size)
         s->surplus += size;
 }
 
+/* The second byte of the stream says how hard its maker tried. */
+static void look_at_stream(png_state *s, const uint8_t *bytes, size_t size)
+{
+    enum { IDAT = 0x49444154 };
+    if (s->begun >= 2 || png_get_io_chunk_type(s->png) != IDAT ||
+        (png_get_io_state(s->png) & PNG_IO_MASK_LOC) != PNG_IO_CHUNK_DATA)
+        return;
+    if (s->begun + size >= 2)
+        s->reader->info.packed_hard = ntpio__png_packed_hard(bytes[1 - s->begun]);
+    s->begun += size;
+}
+
 static void on_read(png_structp png, png_bytep dst, size_t size)
 {
     png_state *s = png_get_io_ptr(png);
@@ -105,6 +118,8 @@ static void on_read(png_structp png, png_bytep dst, size_t size)
         s->ended = true;
         png_error(png, "truncated");
     }
+    if (s->whole.rows == NULL)
+        look_at_stream(s, dst, size);
 }
 
 /* gAMA, sRGB, iCCP, cHRM and cICP are reported, never applied. */
@@ -287,8 +302,12 @@ static bool png_open(ntpio_reader *reader, ntpio_error *error)
     s->budget = CHUNK_BUDGET;
     if (!check_announced_size(reader, error))
         return false;
-    if (ntpio__png_take(&s->whole, reader))
+    if (!ntpio__can_seek(&reader->source) || !ntpio__size(&reader->source, &reader->info.file_size))
+        reader->info.file_size = 0;
+    if (ntpio__png_take(&s->whole, reader)) {
         ntpio__source_memory(&s->shell, s->whole.shell, s->whole.shell_size);
+        reader->info.packed_hard = s->whole.packed_hard;
+    }
     s->png = png_create_read_struct_2(PNG_LIBPNG_VER_STRING, s, on_error, on_warning, s, allocate,
                                       release);
     if (s->png != NULL) {

@@ -179,6 +179,7 @@ static bool take_file(ntpio__png_whole *whole, parts *p, uint8_t *file, const nt
     whole->row_size = p->row_size;
     whole->rows = os_alloc_large((size_t) raw_size(p));
     const uint8_t *packed = whole->rows != NULL ? join(p, file, &memory) : NULL;
+    whole->packed_hard = packed != NULL && ntpio__png_packed_hard(packed[1]);
     if (packed != NULL && unpack(p, packed, whole->rows))
         whole->shell = shell_of(p, &whole->shell_size);
     free(memory);

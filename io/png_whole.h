@@ -16,12 +16,19 @@ typedef struct ntpio__png_whole {
     uint32_t row, undone;   /* the next one to deliver; how many are without their filters */
     uint8_t *shell;         /* the file with an empty picture, for libpng: all but the pixels */
     size_t shell_size;
+    bool packed_hard;
 } ntpio__png_whole;
 
 /* The number that four bytes of a PNG are. */
 static inline uint32_t ntpio__png_number(const uint8_t *b)
 {
     return (uint32_t) b[0] << 24 | (uint32_t) b[1] << 16 | (uint32_t) b[2] << 8 | b[3];
+}
+
+/* The second byte of a zlib stream: its two top bits say how hard its maker tried, and 3 is hardest. */
+static inline bool ntpio__png_packed_hard(uint8_t second)
+{
+    return second >> 6 == 3;
 }
 
 /* Reads the file if it is one of those.  False: it is not, and the source is at its start. */

@@ -24,6 +24,7 @@ typedef struct png_state {
     png_infop info, tail_info, end_info;
     bool at_tail;
     ntpio__png_packer *packer; /* NULL: libpng packs the pixels */
+    bool begun;                /* a row was written */
     ntpio_writer *writer;
     ntpio_error *error;   /* of the call that is running */
     bool output_failed;   /* and *error says how */
@@ -167,6 +168,35 @@ static bool png_open(ntpio_writer *writer, ntpio_error *error)
     return write_header(s);
 }
 
+/* Asked after the first row, when a reader knows. */
+static bool has_rival(const ntpio_write_options *o)
+{
+    const ntpio_info *i = o->as_it_came;
+    return o->level < 0 && i != NULL && i->packed_hard && i->file_size != 0 && !i->palette &&
+           i->width == o->width && i->height == o->height && i->channels == o->channels &&
+           i->bit_depth == 8 * o->sample_bytes;
+}
+
+/* What of that file may be pixels: texts that stand there as they are stand here as well. */
+static uint64_t rival_size(const ntpio_info *i)
+{
+    uint64_t texts = 0;
+    for (size_t k = 0; k < i->text_count; k++) {
+        if (!i->texts[k].compressed)
+            texts += strlen(i->texts[k].key) + strlen(i->texts[k].value);
+    }
+    return texts < i->file_size ? i->file_size - texts : i->file_size;
+}
+
+static void begin_rows(png_state *s)
+{
+    const ntpio_write_options *o = &s->writer->options;
+    s->begun = true;
+    if (s->packer != NULL && has_rival(o) &&
+        !ntpio__png_packer_rival(s->packer, rival_size(o->as_it_came)))
+        png_error(s->png, "out of memory");
+}
+
 static void put_row(png_state *s, const uint8_t *row)
 {
     static const png_byte name[] = "IDAT";
@@ -188,6 +218,8 @@ static bool png_rows(ntpio_writer *writer, const uint8_t *src, ptrdiff_t stride,
     s->error = error;
     if (setjmp(png_jmpbuf(s->png)) != 0)
         return fail(s);
+    if (!s->begun)
+        begin_rows(s);
     for (uint32_t i = 0; i < count; i++)
         put_row(s, src + (ptrdiff_t) i * stride);
     return true;

@@ -104,6 +104,7 @@ static bool begin(production *p, ntpio_write_options *shape, ntpio_error *error)
     if (large && view->type == NTP_TYPE_U8)
         st->plan = plan_for(set->shared, view->encoding, &st->how);
     shape->channels = view->channels;
+    shape->as_it_came = p->s.info;
     return true;
 }
 

@@ -305,6 +305,7 @@ static bool begin(production *p, ntpio_write_options *shape, ntpio_error *error)
     if (option_integer(p->m->o, OPT_FORMAT) == 1 && !height)
         st->diff = worker_diff(p->w);
     shape->channels = st->out_channels;
+    shape->as_it_came = p->s.info;
     shape->sample_bytes = (int32_t) sample_size(type);
     p->changes = !option_given(p->m->o, OPT_IN_PLACE) || type != view->type ||
                  st->out_channels != p->s.info->channels;

@@ -75,6 +75,7 @@ static bool begin(production *p, ntpio_write_options *shape, ntpio_error *error)
     find_y(p, &st->y);
     p->s.view.y = st->y.y;
     p->changes = true;
+    shape->as_it_came = p->s.info;
     if (lies_down(set)) {
         shape->width = (uint32_t) p->s.view.height;
         shape->height = (uint32_t) p->s.view.width;

@@ -157,14 +157,17 @@ static void reads(const char *path, const ntpio_write_options *o, const uint8_t 
     free(row);
 }
 
-static void trip(const ntpio_write_options *o, uint32_t kind)
+/* Returns the size of the file. */
+static size_t trip(const ntpio_write_options *o, uint32_t kind)
 {
     uint8_t *rows = make_rows(o, kind);
     write_rows("packed.png", o, rows, o->height);
     reads("packed.png", o, rows, 1);
     reads("packed.png", o, rows, 0);
+    const size_t size = load_file("packed.png", other);
     free(rows);
     unlink("packed.png");
+    return size;
 }
 
 static void test_kinds(void)
@@ -194,6 +197,48 @@ static void test_large(void)
     };
     trip(&bands, 3);
     trip(&long_rows, 2);
+}
+
+/* Beside a file that was smaller: never larger than without, and at least as small as at the highest
+ * level where there is one band.  Noise gets no smaller. */
+static void beside_rival(ntpio_write_options o, uint32_t kind)
+{
+    ntpio_info rival = { .packed_hard = true,
+                         .file_size = 1,
+                         .width = o.width,
+                         .height = o.height,
+                         .channels = o.channels,
+                         .bit_depth = 8 * o.sample_bytes };
+    const uint64_t start = state;
+    const size_t usual = trip(&o, kind);
+    state = start;
+    o.as_it_came = &rival;
+    const size_t again = trip(&o, kind);
+    memcpy(file, other, again);
+    CHECK(again <= usual && (again < usual || kind == 0));
+    state = start;
+    o.threads = 3;
+    CHECK(trip(&o, kind) == again && memcmp(file, other, again) == 0);
+    state = start;
+    rival.packed_hard = false; /* nothing is packed again */
+    CHECK(trip(&o, kind) == usual);
+    o.level = NTPIO__LEVEL_MAX;
+    state = start;
+    CHECK(row_bytes(&o) * o.height > 4 << 20 || again <= trip(&o, kind));
+}
+
+static void test_rivals(void)
+{
+    ntpio_write_options o = { .format = NTPIO_PNG, .channels = 3, .level = -1 };
+    for (uint32_t n = 0; n < 8; n++) {
+        o.width = 290 + 7 * n;
+        o.height = n % 2 == 0 ? 20 : 90;
+        o.sample_bytes = 1 + (int32_t) n / 4;
+        beside_rival(o, n % 4);
+    }
+    o.width = 900;
+    o.height = 800; /* two bands */
+    beside_rival(o, 2);
 }
 
 /* -------------------------------------------------------------------------- chunks */
@@ -368,6 +413,7 @@ int main(void)
     test_streams();
     test_kinds();
     test_large();
+    test_rivals();
     test_chunks();
     test_sizes();
     test_threads();
