@@ -134,6 +134,49 @@ def test_parts_whose_ends_happen_to_be_alike():
     assert TILES not in answers, answers
 
 
+def bricks(n, grain, seed):
+    """64 x 32 texels each, in courses that are half a brick apart."""
+    y, x = np.mgrid[:n, :n]
+    x = (x + y // 32 % 2 * 32) % 64
+    y = y % 32
+    edge = np.minimum(np.minimum(x, 64 - x), np.minimum(y, 32 - y))
+    h = np.clip(edge / 3 + grain * reconstruction.fractal(n, seed, exponent=1.6), 0, 1)
+    return (7 * h).astype(np.float32)
+
+
+@pytest.mark.parametrize("kernel", ["central", "forward"])
+@pytest.mark.parametrize("seed", range(3))
+def test_flat_edges_decide_nothing(kernel, seed):
+    """The face of one brick fits that of another, wherever both are cut."""
+    n = reconstruction.from_height(bricks(512, 0.03 * seed, seed), kernel)
+    for damage in (lambda n: n, lambda n: maps.jpeg(n, 95, 0)):
+        for part in (n[20:266, 30:256], n[20:266, 30:267], n[12:490, 7:490]):
+            for seam in find(damage(np.ascontiguousarray(part))):
+                assert told(seam) != TILES, seam
+    shifted = find(np.roll(n, 16, 0))[1]  # seams of tiles may be amid bricks as well
+    assert told(shifted) == UNDECIDED and (kernel == "forward" or shifted["wraps"]), shifted
+
+
+def sampled(h):
+    """Normals of the band-limited surface through the heights: it rings beside edges."""
+    slopes = []
+    for axis in (1, 0):
+        f = np.fft.fftfreq(h.shape[axis]) * 2j * np.pi
+        f[h.shape[axis] // 2] = 0
+        f = f if axis == 1 else f[:, None]
+        slopes.append(np.fft.ifft(np.fft.fft(h, axis=axis) * f, axis=axis).real)
+    n = reconstruction.vectors_of(*slopes)
+    return np.floor((n + 1) * 127.5 + 0.5).clip(0, 255).astype(np.uint8)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_sums_of_very_steep_slopes_decide_nothing(seed):
+    n = sampled(bricks(512, 0.03, seed))
+    for first in range(28, 40, 2):
+        for seam in find(np.ascontiguousarray(n[first : first + 236, 20:256])):
+            assert told(seam) != TILES, (first, seam)
+
+
 def test_undecided():
     rng = np.random.default_rng(5)
     fractal = reconstruction.from_height(reconstruction.fractal(64))

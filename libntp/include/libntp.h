@@ -1531,7 +1531,8 @@ NTP_API ntp_status ntp_find_kernel(ntp_kernel_fit *fit, const ntp_const_image *s
 typedef struct ntp_seam {
     int32_t decided; /* 0: neither clearly a seam nor clearly without one */
     int32_t tiles;   /* decided only: 1: the two edges fit together; 0: there is a seam */
-    int32_t wraps;   /* 1: the heights at the edges meet too: it tiles and is not tilted */
+    int32_t wraps;   /* 1: the heights at the edges meet too: NTP_BORDER_WRAP suits them, also where
+                      * nothing is decided because the edges are flat */
     /* The difference of heights between the ends of a line, divided by their variation along it;
      * without rounding and what all lines have in common. */
     double closure;
@@ -1544,9 +1545,9 @@ typedef struct ntp_seam {
 /*
  * Says whether a texture tiles.  x is for the left and right edges, y for the upper and lower ones.
  * It reads at most 128 rows and 128 columns, and uses red and green.  Undecided are textures below
- * 16 x 16 texels, nearly flat ones, those with many unused texels at the edges, and those with
- * neither a clear seam nor clearly none.  src->ring_rows is 0. One of x and y may be NULL: it is
- * not computed.
+ * 16 x 16 texels, nearly flat ones, those with many unused texels at the edges, those with flat
+ * edges but not flat inside, and those with neither a clear seam nor clearly none.  src->ring_rows
+ * is 0. One of x and y may be NULL: it is not computed.
  */
 NTP_API ntp_status ntp_find_seams(ntp_seam *x, ntp_seam *y, const ntp_const_image *src,
                                   uint32_t touch_unused);

@@ -56,7 +56,8 @@ class Seam(_Result):
     tiles : bool
         The texture continues across the edges; False if undecided.
     wraps : bool
-        The heights at the edges meet too: it tiles and is not tilted.
+        The heights at the edges meet too: the border "wrap" suits them, also where nothing is
+        decided because the edges are flat.
     closure : float
         The difference of heights between the ends of a line, divided by their variation along it.
     jump : float

@@ -38,9 +38,16 @@ static const double SEAM_JUMP = 3, SEAM_LARGEST = 0.6, SEAM_CLOSURE = 0.3;
  * pictures cut where slopes happen to be alike had 2.1 or 0.06. */
 static const double MOST_SEAM = 1.5, MOST_INSIDE = 0.5, MOST_DAMAGED_CLOSURE = 0.4;
 static const double MOST_DAMAGED_JUMP = 2, MOST_DAMAGED_LEAN = 0.03;
+/* Flat places fit each other wherever they are cut, as the faces of two bricks do: where the step at
+ * the seam is below this, edges that fit decide nothing.  Of tiles with detail all over it is 0.7 or more. */
+static const double LEAST_JUMP = 0.6;
 /* Heights must vary by so many times the variance that rounding gives them, or they tell
  * nothing. */
 static const double LEAST_SIGNAL = 4;
+/* The rounding of steep texels is known less well, as their slopes end at STEEPEST.  Where it makes so
+ * many times the variance of rounded level ground, and this share of that of the heights, sums that
+ * close tell nothing: the share was at most 0.018 in steep tiles, and 0.02 to 0.05 in cut bricks whose edges ring. */
+static const double STEEP_NOISE = 4, MOST_STEEP_NOISE = 0.02;
 /* Steeper slopes count as this one: such a texel tells little. */
 static const double STEEPEST = 8;
 
@@ -229,6 +236,8 @@ static void judge(ntp_seam *seam, const axis_sums *s, const ntp_const_image *src
     if (signal < LEAST_SIGNAL * walk)
         return;
     seam->closure = closing > 0 ? sqrt(closing / (signal - walk)) : 0;
+    double level = 2.0 / ntp__max(src->type), plain = src->width * level * level / 12;
+    bool vague = noise > STEEP_NOISE * plain && noise > MOST_STEEP_NOISE * signal;
     bool closes = seam->closure <= MOST_CLOSURE;
     bool has_seam =
         seam->closure >= SEAM_CLOSURE && seam->jump >= SEAM_JUMP && seam->largest >= SEAM_LARGEST;
@@ -236,10 +245,11 @@ static void judge(ntp_seam *seam, const axis_sums *s, const ntp_const_image *src
                              seam->rank >= LEAST_RANK);
     bool damaged = seam->closure <= MOST_DAMAGED_CLOSURE && seam->jump <= MOST_DAMAGED_JUMP &&
                    size(seam->lean) <= MOST_DAMAGED_LEAN;
-    seam->tiles |= damaged && continues(s);
-    seam->decided = seam->tiles || has_seam;
+    seam->tiles |= damaged && seam->jump >= LEAST_JUMP && continues(s);
     /* Encoders that cut off fractions add half a level. */
     seam->wraps = seam->tiles && size(seam->lean) <= 1.5 / ntp__max(src->type);
+    seam->tiles = seam->tiles && seam->jump >= LEAST_JUMP && !vague;
+    seam->decided = seam->tiles || has_seam;
 }
 
 static void measure(ntp_seam *seam, const ntp_const_image *src, uint32_t touch, int32_t along)
