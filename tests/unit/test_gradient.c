@@ -202,19 +202,35 @@ typedef struct wave {
     double along[NTP__WAVE], down[WIDEST];
 } wave;
 
+/* A slope of at most a size, or 0; or one whose level of 8 bit is next to another one, but for an error
+ * from before. */
+static double some_slope(uint64_t *seed, double size, bool edge)
+{
+    if (edge && next(seed) % 4 == 0)
+        return ((double) (next(seed) % 3) - 1) * 1e-12;
+    if (edge) {
+        const double n = ((double) (next(seed) % 255) - 127) / 127.5;
+        return n / sqrt(1 - n * n) * (1 + ((double) (next(seed) % 2001) - 1000) * 0x1p-34);
+    }
+    return next(seed) % 8 == 0 ? 0 : ((double) (next(seed) % 4001) / 2000 - 1) * size;
+}
+
 static void test_dither(const ntp__gradient_kernels *base, const ntp__gradient_kernels *level,
                         int32_t n, uint64_t *seed)
 {
-    for (int32_t choice = 0; choice < 8; choice++) {
+    static const double SIZES[] = { 0.02, 0.4, 5, 400, 1e7 };
+    for (int32_t choice = 0; choice < 80; choice++) {
         static wave a, b;
+        const double size = SIZES[choice / 8 % 5];
+        const bool edge = choice >= 40 && n < 4;
         const int32_t rows = 1 + (int32_t) (next(seed) % NTP__WAVE);
         const ntp__dithering how = { choice & 1 ? 255 : 65535, choice & 2, choice & 4 ? 0.6 : 0,
                                      0.8 };
         memset(&a, 0, sizeof a);
         for (int32_t i = 0; i < n; i++) {
             for (int32_t k = 0; k < rows; k++) {
-                a.steps[i + k].slope[0][k] = (double) (next(seed) % 4001) / 400 - 5;
-                a.steps[i + k].slope[1][k] = (double) (next(seed) % 4001) / 400 - 5;
+                a.steps[i + k].slope[0][k] = some_slope(seed, size, edge);
+                a.steps[i + k].slope[1][k] = edge ? 0 : some_slope(seed, size, false);
             }
         }
         b = a;
@@ -263,7 +279,9 @@ int main(int argc, char **argv)
         test_sums(base, level, n, &seed);
         test_encode(base, level, n, &seed);
         test_floats(level, n, &seed);
-        test_dither(base, level, n, &seed);
+        test_dither(base, level, n < NTP__WAVE_COLUMNS ? n : NTP__WAVE_COLUMNS, &seed);
     }
+    for (int32_t i = 0; i < 200; i++)
+        test_dither(base, level, 1 + i % 3, &seed);
     return 0;
 }

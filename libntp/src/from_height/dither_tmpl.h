@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * dither_tmpl.h - a part of gradient_kernels.c: rounding that keeps the sum of slopes
+ * dither_tmpl.h - a part of gradient_kernels.c: rounding that keeps the sum of slopes, without AVX2
  *
  * The difference in height of two texels is a sum of slopes, so rounding errors add up along a row.
  * Here each texel leaves the error of its slope, as a reader of the texture will see it, to the
@@ -15,9 +15,6 @@ static inline double between(double v, double most)
 {
     return v > most ? most : v < -most ? -most : v;
 }
-
-/* Beyond the last level of 16 bits; its powers are no infinity. */
-#define STEEPEST 1e6
 
 /* What a step needs of the slopes, with the errors that came. */
 typedef struct dithered {

@@ -329,17 +329,6 @@ static void raise_blue(const walk *w, strip *s, int32_t n)
         b[i] = b[i] > least ? b[i] : least;
 }
 
-/* The slopes of a texel: n.x / n.z and n.y / n.z, before min_z. */
-static bool slopes(const walk *w, const strip *s, const facts *f, int32_t x, int32_t y, int32_t i,
-                   double xy[2])
-{
-    if (s->moved[i] || !f->finite)
-        return ntp__gradient_slopes(&w->g, x + i, y, xy);
-    xy[0] = (w->ints ? (double) s->sums.i[0][i] : s->sums.d[0][i]) * w->g.cx;
-    xy[1] = (w->ints ? (double) s->sums.i[1][i] : s->sums.d[1][i]) * w->g.cy;
-    return true;
-}
-
 static facts all_tap_sums(walk *w, strip *s, int32_t x, int32_t y, int32_t n)
 {
     facts f = { true, 0x1p1000, 0 };
@@ -389,38 +378,7 @@ static void fetch_ahead(const walk *w, int32_t x, int32_t y, int32_t n)
 #endif
 }
 
-/* Makes levels of a few rows whose rounding errors are carried on to the next texels. */
-static void dither_rows(walk *w, strip *s, int32_t x, int32_t y, int32_t rows, int32_t n)
-{
-    const ntp__gradient *g = &w->g;
-    const ntp__dithering how = { g->m, g->dst->encoding == NTP_ENCODING_ZZERO, g->min_z,
-                                 g->shortened };
-    ntp__wave_step steps[NTP__WAVE_STEPS];
-    memset(steps, 0, sizeof steps);
-    for (int32_t k = 0; k < rows; k++) {
-        const facts f = all_tap_sums(w, s, x, y + k, n);
-        fetch_ahead(w, x, y + k, n);
-        const bool plain = f.finite && !s->any_moved;
-        for (int32_t i = 0; plain && w->ints && i < n; i++) {
-            steps[i + k].slope[0][k] = s->sums.i[0][i] * g->cx;
-            steps[i + k].slope[1][k] = s->sums.i[1][i] * g->cy;
-        }
-        for (int32_t i = 0; !(plain && w->ints) && i < n; i++) {
-            double xy[2];
-            w->counts.not_finite += !slopes(w, s, &f, x, y + k, i, xy);
-            steps[i + k].slope[0][k] = xy[0];
-            steps[i + k].slope[1][k] = xy[1];
-        }
-    }
-    g->loops->dither(steps, &w->along[(y - w->first) % BAND], &w->errors[x], rows, n, &how);
-    for (int32_t k = 0; k < rows; k++) {
-        for (int32_t i = 0; i < n; i++) {
-            for (int32_t c = 0; c < 3; c++)
-                s->out.c[c][i] = steps[i + k].level[c][k];
-        }
-        ntp__gradient_pack(g, &s->out, x, y + k, n);
-    }
-}
+#include "from_height/dither_rows_tmpl.h"
 
 static void do_strip(walk *w, strip *s, const ntp_rect *r, int32_t x, int32_t n)
 {
@@ -443,8 +401,9 @@ static void do_bands(walk *w, ntp_rect r)
     for (ntp_rect band = r; band.y0 < r.y1; band.y0 = band.y1) {
         band.y1 = r.y1 - band.y0 < BAND ? r.y1 : band.y0 + BAND;
         memset(w->along, 0, sizeof w->along);
-        for (int32_t x = r.x0; x < r.x1; x += NTP__BLOCK)
-            do_strip(w, &s, &band, x, r.x1 - x < NTP__BLOCK ? r.x1 - x : NTP__BLOCK);
+        const int32_t most = w->errors != NULL ? NTP__WAVE_COLUMNS : NTP__BLOCK;
+        for (int32_t x = r.x0; x < r.x1; x += most)
+            do_strip(w, &s, &band, x, r.x1 - x < most ? r.x1 - x : most);
     }
 }
 

@@ -8,7 +8,9 @@
  *   height_rows.c       makes rows of heights, extended beyond the borders
  *   gradient_kernels.c  the loops, with tap_sums_tmpl.h and encode_tmpl.h
  *   exact.c             rounds exactly the texels that the loops are in doubt about
- *   dither_tmpl.h       a part of them: rounds so that errors do not add up
+ *   dither_tmpl.h       a part of them: rounds so that errors do not add up;
+ *                       dither_avx2_tmpl.h is the same with AVX2, dither_rows_tmpl.h
+ *                       a part of gradient.c that lays out rows for them
  *   pack.c              writes the result, with its alpha
  *   blur.c              ntp_height_blur: Gaussian blur of the heights
  *   relief.c            ntp_relief_add, ntp_relief_scale: the scale that suits a heightfield
@@ -30,7 +32,7 @@ enum {
     NTP__LANES = 8, /* the loops do a multiple of these */
     NTP__GRADIENT_ROW = NTP__BLOCK + 2 * NTP__MAX_RADIUS + NTP__LANES,
     NTP__MAX_READS = 3, /* samples that a height is made of */
-    NTP__WAVE = 8       /* rows that are dithered at the same time */
+    NTP__WAVE = 16      /* rows that are dithered at the same time */
 };
 
 /* mantissa 2^exponent, the sign apart; mantissa is odd or 0. */
@@ -174,7 +176,8 @@ typedef union ntp__wave_step {
     int32_t level[3][NTP__WAVE]; /* out */
 } ntp__wave_step;
 
-enum { NTP__WAVE_STEPS = NTP__BLOCK + NTP__WAVE - 1 };
+/* A wave of so many columns stays in the first caches. */
+enum { NTP__WAVE_COLUMNS = NTP__BLOCK / 2, NTP__WAVE_STEPS = NTP__WAVE_COLUMNS + NTP__WAVE - 1 };
 
 typedef struct ntp__dithering {
     int32_t m;
@@ -182,7 +185,7 @@ typedef struct ntp__dithering {
     double min_z, shortened; /* as in ntp__gradient */
 } ntp__dithering;
 
-/* Dithers n columns of 1 to NTP__WAVE rows.  along (for each row), down (for each column): in, the
+/* Dithers n <= NTP__WAVE_COLUMNS columns of 1 to NTP__WAVE rows.  along (for each row), down (for each column): in, the
  * errors of the texels before and above; out, those that the last ones leave. */
 typedef void ntp__dither_fn(ntp__wave_step *steps, double *along, double *down, int32_t rows,
                             int32_t n, const ntp__dithering *how);

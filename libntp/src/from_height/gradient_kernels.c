@@ -29,8 +29,10 @@
 
 #if defined(__GNUC__)
 #  define ALWAYS_INLINE inline __attribute__((always_inline))
+#  define SELDOM        __attribute__((noinline, cold))
 #else
 #  define ALWAYS_INLINE inline
+#  define SELDOM
 #endif
 
 /* The taps are constants once the function of a kernel is inlined, and taps of 0 vanish. */
@@ -145,7 +147,14 @@ static void take_floats(double *restrict height, const float *restrict s, int32_
     m->most = most;
 }
 
-#include "from_height/dither_tmpl.h"
+/* Beyond the last level of 16 bits; its powers are no infinity. */
+#define STEEPEST 1e6
+
+#ifdef __AVX2__
+#  include "from_height/dither_avx2_tmpl.h"
+#else
+#  include "from_height/dither_tmpl.h"
+#endif
 
 #define TABLE_NAME_(isa) ntp__gradient_kernels_##isa
 #define TABLE_NAME(isa)  TABLE_NAME_(isa)

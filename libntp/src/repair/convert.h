@@ -42,6 +42,9 @@ ntp__convert_fn *ntp__fast_conversion(const ntp__conversion *j, int32_t *most);
  * row. */
 ntp__convert_fn ntp__decode;
 
+/* Packed samples of 8 or 16 bit to the same format, flipped if that is asked for; also of whole rows. */
+ntp__convert_fn ntp__move_8, ntp__move_16;
+
 /* The exact levels of one float vector, y as in the source; alpha is not set. */
 void ntp__convert_vector(const ntp__conversion *j, const float raw[3], int32_t out[3],
                          ntp_convert_counts *counts);

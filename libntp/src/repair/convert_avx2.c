@@ -233,7 +233,7 @@ int32_t ntp__convert_rgb_avx2(const ntp__conversion *j, int32_t x, int32_t y, in
                        : convert(d, s, n, false, false, &how, negative);
 }
 
-/* What convert_runs.c does with samples, eight at a time. */
+/* What convert_packed.c does with samples, eight at a time. */
 static inline void decode(float *d, const uint8_t *s, bool deep, __m256 times, __m256 less,
                           __m256 over)
 {

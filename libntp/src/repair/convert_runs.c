@@ -12,23 +12,18 @@
 #include "texel/unused.h"
 
 #ifdef NTP_HAVE_AVX2
-#  include "base/rgb_avx2.h"
 #  include "repair/convert_avx2.h"
 #endif
 
 #include <math.h>
 #include <string.h>
 
-enum { CHUNK = 48 /* samples: whole texels of 2, 3 and 4 channels */ };
-
-#define SAMPLE        uint8_t
-#define FOR_SAMPLE(f) f##_8
-#include "repair/packed_tmpl.h"
-#undef SAMPLE
-#undef FOR_SAMPLE
-#define SAMPLE        uint16_t
-#define FOR_SAMPLE(f) f##_16
-#include "repair/packed_tmpl.h"
+/* What few textures have: a copy of its own, and small. */
+#if defined(__GNUC__)
+#  define SELDOM __attribute__((noinline, cold))
+#else
+#  define SELDOM
+#endif
 
 /* Blue by value, where source and target store z differently. */
 static void blues_by_value(const ntp__conversion *j, int32_t *restrict out,
@@ -70,8 +65,8 @@ static int32_t put_exact(const ntp__conversion *j, int32_t *restrict out,
 }
 
 /* Pulls the texels that are marked, and derives their blue. */
-static uint64_t pull_marked(const ntp__conversion *j, ntp__block *out, const ntp__block *in,
-                            const int32_t *pull, int32_t n)
+SELDOM static uint64_t pull_marked(const ntp__conversion *j, ntp__block *out, const ntp__block *in,
+                                   const int32_t *pull, int32_t n)
 {
     const bool standard = j->src->encoding == NTP_ENCODING_STANDARD;
     uint64_t pulled = 0;
@@ -119,8 +114,8 @@ static int32_t convert_blues(const ntp__conversion *j, ntp__block *out, const nt
 }
 
 /* Puts unused texels back, which are converted by value alone. */
-static void keep_unused(const ntp__conversion *j, ntp__block *out, const ntp__block *in,
-                        const uint8_t *kept, int32_t n)
+SELDOM static void keep_unused(const ntp__conversion *j, ntp__block *out, const ntp__block *in,
+                               const uint8_t *kept, int32_t n)
 {
     for (int32_t i = 0; i < n; i++) {
         for (int32_t k = 0; kept[i] && k < 4; k++)
@@ -188,6 +183,22 @@ static void convert_rgb(const ntp__conversion *j, int32_t x, int32_t y, int32_t 
 }
 #endif
 
+/* Makes what is no vector 0; returns how many. */
+SELDOM static uint64_t clear_broken(const ntp__conversion *j, ntp__vectors *v, ntp__block *out,
+                                    int32_t n)
+{
+    uint64_t broken = 0;
+    for (int32_t i = 0; i < n; i++) {
+        double size = fabs(v->c[0][i]) + fabs(v->c[1][i]) + fabs(v->c[2][i]);
+        if (size > 0.0 && ntp__is_finite(size))
+            continue;
+        v->c[0][i] = v->c[1][i] = v->c[2][i] = 0.0;
+        out->c[3][i] = j->md;
+        broken++;
+    }
+    return broken;
+}
+
 /* Reads float vectors, y as in the target; those that are none become 0.  Returns how many. */
 static uint64_t read_vectors(const ntp__conversion *j, ntp__vectors *v, ntp__block *out, int32_t x,
                              int32_t y, int32_t n)
@@ -206,18 +217,7 @@ static uint64_t read_vectors(const ntp__conversion *j, ntp__vectors *v, ntp__blo
         v->c[1][i] = j->flip ? -v->c[1][i] : v->c[1][i];
         any += size * 0.0 + (size == 0.0);
     }
-    if (any == 0.0)
-        return 0;
-    uint64_t broken = 0;
-    for (int32_t i = 0; i < n; i++) {
-        double size = fabs(v->c[0][i]) + fabs(v->c[1][i]) + fabs(v->c[2][i]);
-        if (size > 0.0 && ntp__is_finite(size))
-            continue;
-        v->c[0][i] = v->c[1][i] = v->c[2][i] = 0.0;
-        out->c[3][i] = j->md;
-        broken++;
-    }
-    return broken;
+    return any == 0.0 ? 0 : clear_broken(j, v, out, n);
 }
 
 /* Encodes float vectors, blue derived. */
@@ -312,5 +312,5 @@ ntp__convert_fn *ntp__fast_conversion(const ntp__conversion *j, int32_t *most)
     *most = NTP_MAX_SIDE; /* these make ready for a row, not for each block */
     if (to_vectors)
         return ntp__decode;
-    return bytes ? move_8 : move_16;
+    return bytes ? ntp__move_8 : ntp__move_16;
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * packed_tmpl.h - conversions of packed samples, a chunk at a time; a part of convert_runs.c, which
+ * packed_tmpl.h - conversions of packed samples, a chunk at a time; a part of convert_packed.c, which
  * includes it for each SAMPLE type
  *
  * What happens to a sample depends on its channel alone, so a chunk of whole texels is treated as
@@ -65,8 +65,8 @@ static void FOR_SAMPLE(move_some)(const ntp__conversion *j, int32_t x, int32_t y
     }
 }
 
-static void FOR_SAMPLE(move)(const ntp__conversion *j, int32_t x, int32_t y, int32_t n,
-                             ntp_convert_counts *counts)
+void FOR_SAMPLE(ntp__move)(const ntp__conversion *j, int32_t x, int32_t y, int32_t n,
+                           ntp_convert_counts *counts)
 {
     (void) counts;
 #ifdef NTP_HAVE_AVX2
