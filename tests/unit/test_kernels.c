@@ -351,6 +351,26 @@ static void check_doubtful_angles(const ntp__kernels_table *level)
         CHECK(angle[i] == CASE[i][6]);
 }
 
+/* Marks of any density; what comes after the places is not looked at. */
+static void check_find(const ntp__kernels_table *level, uint64_t *seed)
+{
+    enum { RUNS = 3000, BLOCK = 256 };
+    for (int32_t run = 0; run < RUNS; run++) {
+        const int32_t n = random_level(seed, BLOCK), bits = run % 3 ? INT32_MIN : 1 + run % 7;
+        int32_t marks[BLOCK], at[BLOCK], places = 0;
+        for (int32_t i = 0; i < BLOCK; i++) {
+            const bool marked = random_level(seed, 15) < run % 17;
+            marks[i] = (random_level(seed, 65535) & ~bits) | (marked ? bits : 0);
+        }
+        const int32_t found = level->find(at, marks, bits, n);
+        for (int32_t i = 0; i < n; i++) {
+            if (marks[i] & bits)
+                CHECK(places < found && at[places++] == i);
+        }
+        CHECK(places == found);
+    }
+}
+
 /* Numerators of levels: any, nearly parallel, nearly opposite and nearly at right angles. */
 static void check_angles(const ntp__kernels_table *level, uint64_t *seed)
 {
@@ -474,6 +494,7 @@ int main(int argc, char **argv)
     check_doubtful_angles(level);
     check_normalize(level, 255, &seed);
     check_normalize(level, 65535, &seed);
+    check_find(level, &seed);
     check_pull(level, 255, &seed);
     check_pull(level, 65535, &seed);
     for (int32_t n = 1; n <= WIDEST; n++) {

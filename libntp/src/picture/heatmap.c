@@ -49,11 +49,8 @@ static ntp__limits limits_of(int32_t m, bool zzero)
 static void pull_long(const ntp__faults *f, int32_t *xy, const ntp__block *block, int32_t n,
                       int32_t m, bool few)
 {
-    int32_t at[NTP__BLOCK], pair[2][NTP__BLOCK], doubt[NTP__BLOCK], found = 0;
-    for (int32_t i = 0; i < n; i++) {
-        at[found] = i;
-        found += f->xy[i] != 0;
-    }
+    int32_t at[NTP__BLOCK], pair[2][NTP__BLOCK], doubt[NTP__BLOCK];
+    const int32_t found = ntp__kernels(NTP__CPU_ALL)->find(at, f->xy, -1, n);
     for (int32_t i = 0; i < found; i++) {
         pair[0][i] = block->c[0][at[i]];
         pair[1][i] = block->c[1][at[i]];
@@ -74,43 +71,48 @@ static void pull_long(const ntp__faults *f, int32_t *xy, const ntp__block *block
     }
 }
 
-static void judge(ntp__faults *f, const ntp__block *block, int32_t n, int32_t m,
-                  ntp_encoding encoding)
+/* False: there is no fault, and nothing was written.  Where the block before had `many` pairs that
+ * are too long, it is not looked whether there is a fault. */
+static bool judge(ntp__faults *f, const ntp__block *block, int32_t n, int32_t m,
+                  ntp_encoding encoding, bool *many)
 {
     const ntp__picture_kernels *loops = ntp__picture_loops();
     const ntp__limits limits = limits_of(m, encoding == NTP_ENCODING_ZZERO);
     int32_t xy[NTP__BLOCK];
+    if (!*many && encoding != NTP_ENCODING_XY && !loops->any_fault(block, ntp__whole(n), &limits))
+        return false;
     const int32_t found =
         loops->judge_pairs(f->xy, xy, block->c[0], block->c[1], ntp__whole(n), &limits);
+    *many = found >= FEW;
     if (encoding == NTP_ENCODING_XY) {
         memset(f->length, 0, sizeof f->length);
         memset(f->z, 0, sizeof f->z);
-        return;
+        return found > 0;
     }
     if (found > 0)
-        pull_long(f, xy, block, n, m, found < FEW);
+        pull_long(f, xy, block, n, m, !*many);
     loops->judge_blues(f, xy, block->c[2], ntp__whole(n), &limits);
+    return true;
 }
 
 static void paint_run(const ntp_image *dst, const ntp_const_image *src, ntp_palette palette,
-                      uint32_t touch, int32_t x, int32_t y, int32_t n)
+                      uint32_t touch, int32_t x, int32_t y, int32_t n, bool *many)
 {
     ntp__block block, out;
     ntp__faults f;
-    int32_t gray[NTP__BLOCK];
     const int32_t m = ntp__max(src->type);
     const ntp__picture_kernels *loops = ntp__picture_loops();
     ntp__unpack(&block, src, x, y, n);
     ntp__fill_group(&block, n);
-    judge(&f, &block, n, m, src->encoding);
-    loops->make_gray(gray, &block, ntp__whole(n), m);
-    if (ntp__any_suspect(&block, n, m)) {
-        for (int32_t i = 0; i < n; i++) {
+    loops->make_gray(&out, &block, ntp__whole(n), m);
+    if (judge(&f, &block, n, m, src->encoding, many)) {
+        const bool suspect = ntp__any_suspect(&block, n, m);
+        for (int32_t i = 0; suspect && i < n; i++) {
             if (ntp__texel_unused(&block, i, m, touch))
                 f.xy[i] = f.length[i] = f.z[i] = 0;
         }
+        loops->paint(&out, &f, ntp__whole(n), palette == NTP_PALETTE_SAFE);
     }
-    loops->paint(&out, gray, &f, ntp__whole(n), palette == NTP_PALETTE_SAFE);
     for (int32_t i = 0; block.any_broken && i < n; i++) {
         for (int32_t k = 0; block.broken[i] && k < 3; k++)
             out.c[k][i] = NOT_A_VECTOR[k];
@@ -128,10 +130,11 @@ ntp_status ntp_heatmap(const ntp_image *dst, const ntp_const_image *src, ntp_pal
         return NTP_ERR_ARGUMENT;
     ntp_rect rect;
     NTP__TRY(ntp__check_area(&rect, src, area));
+    bool many = false;
     for (int32_t y = rect.y0; y < rect.y1; y++) {
         for (int32_t x = rect.x0; x < rect.x1; x += NTP__BLOCK) {
             int32_t n = rect.x1 - x < NTP__BLOCK ? rect.x1 - x : NTP__BLOCK;
-            paint_run(dst, src, palette, touch_unused, x, y, n);
+            paint_run(dst, src, palette, touch_unused, x, y, n, &many);
         }
     }
     return NTP_OK;

@@ -36,17 +36,6 @@ static inline void ntp__paint(uint8_t *pixel, int32_t channels, const uint8_t rg
 
 enum { NTP__GROUP = 16 };
 
-/* The end of the group of marks that begins at `first`, or `first` where none of them is set.  Marks
- * are few, so most groups are passed over without a branch for each. */
-static inline int32_t ntp__group_end(const int32_t *marks, int32_t first, int32_t n)
-{
-    const int32_t end = n - first < NTP__GROUP ? n : first + NTP__GROUP;
-    int32_t any = 0;
-    for (int32_t i = first; i < end; i++)
-        any |= marks[i];
-    return any != 0 ? end : first;
-}
-
 /* Loops over whole groups have no remainder, which would be code of its own for each. */
 static inline int32_t ntp__whole(int32_t n)
 {

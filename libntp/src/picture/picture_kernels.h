@@ -38,16 +38,17 @@ typedef struct ntp__lamp {
 } ntp__lamp;
 
 typedef struct ntp__picture_kernels {
+    /* Has one of n texels a fault? */
+    int32_t (*any_fault)(const ntp__block *block, int32_t n, const ntp__limits *how);
     /* The faults of x, y, and their squares less that of 1; returns how many are too long. */
     int32_t (*judge_pairs)(int32_t *fault, int32_t *xy, const int32_t *r, const int32_t *g,
                            int32_t n, const ntp__limits *how);
     /* The faults of the length and of z, from the squares of x, y. */
     void (*judge_blues)(ntp__faults *f, const int32_t *xy, const int32_t *b, int32_t n,
                         const ntp__limits *how);
-    void (*make_gray)(int32_t *gray, const ntp__block *block, int32_t n, int32_t m);
+    void (*make_gray)(ntp__block *out, const ntp__block *block, int32_t n, int32_t m);
     /* Colors of faults over gray, by the reference palette or by the safe one. */
-    void (*paint)(ntp__block *out, const int32_t *gray, const ntp__faults *f, int32_t n,
-                  int32_t safe);
+    void (*paint)(ntp__block *out, const ntp__faults *f, int32_t n, int32_t safe);
     void (*light)(ntp__lit *lit, const ntp__block *block, int32_t n, const ntp__lamp *lamp);
     /* The levels of a color that reflects `own` of the light. */
     void (*show)(ntp__lit *lit, int32_t *level, int32_t n, const ntp__lamp *lamp, float own);

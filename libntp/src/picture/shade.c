@@ -6,6 +6,7 @@
  * fixed order, and the build allows no fused multiply-add.  Sums of three are taken from left to
  * right.  Floats decide most levels; where they are near a boundary, doubles do.
  */
+#include "texel/kernels.h"
 #include "texel/level.h"
 #include "texel/unused.h"
 #include "picture/picture.h"
@@ -209,7 +210,7 @@ static void shade_block(ntp__block *out, const job *j, const ntp__block *block, 
     const ntp__lamp lamp = lamp_of(j);
     ntp__lit lit;
     ntp__block few, again;
-    int32_t at[NTP__BLOCK] = { 0 }, found = 0;
+    int32_t at[NTP__BLOCK];
     const double *light = j->light.color;
     loops->light(&lit, block, ntp__whole(n), &lamp);
     for (int32_t k = 0; k < 3; k++) {
@@ -218,15 +219,10 @@ static void shade_block(ntp__block *out, const job *j, const ntp__block *block, 
         else
             loops->show(&lit, out->c[k], ntp__whole(n), &lamp, (float) light[k]);
     }
-    for (int32_t first = 0; first < n; first += NTP__GROUP) {
-        const int32_t end = ntp__group_end(lit.doubt, first, n);
-        for (int32_t i = first; i < end; i++) {
-            if (lit.doubt[i] == 0)
-                continue;
-            for (int32_t k = 0; k < 3; k++)
-                few.c[k][found] = block->c[k][i];
-            at[found++] = i;
-        }
+    const int32_t found = ntp__kernels(NTP__CPU_ALL)->find(at, lit.doubt, -1, n);
+    for (int32_t i = 0; i < found; i++) {
+        for (int32_t k = 0; k < 3; k++)
+            few.c[k][i] = block->c[k][at[i]];
     }
     ntp__fill_group(&few, found);
     shade_exactly(&again, j, &few, found);

@@ -145,11 +145,8 @@ static uint64_t clean_slowly(const job *j, ntp__block *block, int32_t n)
  * negative, the kernel is in doubt. */
 static void pull_long(const job *j, ntp__block *block, int32_t *want, int32_t n, bool suspect)
 {
-    int32_t at[NTP__BLOCK], to[3][NTP__BLOCK], doubt[NTP__BLOCK], count = 0;
-    for (int32_t i = 0; i < n; i++) {
-        at[count] = i;
-        count += want[i] < 0;
-    }
+    int32_t at[NTP__BLOCK], to[3][NTP__BLOCK], doubt[NTP__BLOCK];
+    const int32_t count = j->kernels->find(at, want, INT32_MIN, n);
     for (int32_t i = 0; i < count; i++) {
         to[0][i] = block->c[0][at[i]];
         to[1][i] = block->c[1][at[i]];

@@ -282,6 +282,37 @@ static inline int32_t whole_lanes(int32_t n)
 #include "texel/judge_tmpl.h"
 #include "texel/angles_tmpl.h"
 
+static int32_t find(int32_t *restrict at, const int32_t *restrict marks, int32_t bits, int32_t n)
+{
+    int32_t found = 0, i = 0;
+#ifdef __AVX2__
+    /* Which of four are set, for each mask of four; and how many, as hexadecimal digits.  Branches
+     * would be taken at random. */
+    static const uint8_t SET[16][4] = { { 0 },    { 0 },       { 1 },       { 0, 1 },
+                                        { 2 },    { 0, 2 },    { 1, 2 },    { 0, 1, 2 },
+                                        { 3 },    { 0, 3 },    { 1, 3 },    { 0, 1, 3 },
+                                        { 2, 3 }, { 0, 2, 3 }, { 1, 2, 3 }, { 0, 1, 2, 3 } };
+    const uint64_t counts = UINT64_C(0x4332322132212110);
+    const __m128i wanted = _mm_set1_epi32(bits), zero = _mm_setzero_si128();
+    for (; i + 4 <= n; i += 4) {
+        const __m128i v = _mm_loadu_si128((const __m128i *) (const void *) (marks + i));
+        const __m128i none = _mm_cmpeq_epi32(_mm_and_si128(v, wanted), zero);
+        const int mask = _mm_movemask_ps(_mm_castsi128_ps(none)) ^ 15;
+        int32_t which;
+        memcpy(&which, SET[mask], sizeof which);
+        const __m128i places =
+            _mm_add_epi32(_mm_cvtepu8_epi32(_mm_cvtsi32_si128(which)), _mm_set1_epi32(i));
+        _mm_storeu_si128((__m128i *) (void *) (at + found), places);
+        found += (int32_t) (counts >> 4 * mask & 15);
+    }
+#endif
+    for (; i < n; i++) {
+        at[found] = i;
+        found += (marks[i] & bits) != 0;
+    }
+    return found;
+}
+
 #include "texel/normalize_tmpl.h"
 
 static int32_t suspect(const int32_t *restrict r, const int32_t *restrict g,
@@ -322,6 +353,7 @@ const ntp__kernels_table CONCAT(ntp__kernels_, NTP_ISA) = {
     directions,
     angles,
     normalize,
+    find,
     pull,
     suspect,
     numerators,

@@ -142,6 +142,9 @@ typedef void ntp__angles_fn(int32_t *angle, const ntp__numbers *v, const ntp__nu
 typedef int32_t ntp__normalize_fn(int32_t *const to[3], int32_t *doubt, int32_t *const from[3],
                                   int32_t n, int32_t m, int32_t low, int32_t *changed);
 
+/* The places of the marks that have one of `bits`, in order; returns how many.  `at` has room for n. */
+typedef int32_t ntp__find_fn(int32_t *at, const int32_t *marks, int32_t bits, int32_t n);
+
 /* Pulls pairs that are too long onto the disc.  Where doubt[i] is not 0, levels may be wrong.
  * Returns whether any is.  Works on whole lanes: the planes hold levels, and have room for them. */
 typedef int32_t ntp__pull_fn(int32_t *r, int32_t *g, int32_t *doubt, int32_t n, int32_t m);
@@ -172,6 +175,7 @@ typedef struct ntp__kernels_table {
     ntp__directions_fn *directions;
     ntp__angles_fn *angles;
     ntp__normalize_fn *normalize;
+    ntp__find_fn *find;
     ntp__pull_fn *pull;
     ntp__suspect_fn *suspect;
     ntp__numerators_fn *numerators;

@@ -87,26 +87,6 @@ ONE_COPY static int32_t normalize_doubles(int32_t *restrict r, int32_t *restrict
     return any;
 }
 
-/* The texels of a block whose mark is not 0 but 1; n is a multiple of lanes. */
-static inline int32_t find_marked(int32_t *restrict at, const int32_t *restrict marks, int32_t n)
-{
-    int32_t found = 0;
-#ifdef __AVX2__
-    for (int32_t first = 0; first < n; first += 8) {
-        const __m256i v = _mm256_loadu_si256((const __m256i *) (const void *) (marks + first));
-        const __m256 sign = _mm256_castsi256_ps(_mm256_slli_epi32(v, 31));
-        for (uint32_t set = (uint32_t) _mm256_movemask_ps(sign); set != 0; set &= set - 1)
-            at[found++] = first + __builtin_ctz(set);
-    }
-#else
-    for (int32_t i = 0; i < n; i++) {
-        at[found] = i;
-        found += marks[i];
-    }
-#endif
-    return found;
-}
-
 static int32_t normalize(int32_t *const to[3], int32_t *doubt, int32_t *const from[3], int32_t n,
                          int32_t m, int32_t low, int32_t *changed)
 {
@@ -116,7 +96,7 @@ static int32_t normalize(int32_t *const to[3], int32_t *doubt, int32_t *const fr
         normalize_floats(to[0], to[1], to[2], doubt, from[0], from[1], from[2], n, m, low, changed);
     if (m == 255 || any == 0)
         return any;
-    const int32_t found = find_marked(at, doubt, n), filled = whole_lanes(found + LANES - 1);
+    const int32_t found = find(at, doubt, 1, n), filled = whole_lanes(found + LANES - 1);
     memset(at + found, 0, LANES * sizeof at[0]);
     for (int32_t i = 0; i < filled; i++) {
         const int32_t j = at[i], b = from[2][j];
