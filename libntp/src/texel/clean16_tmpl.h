@@ -80,7 +80,8 @@ static inline void load_pairs(__m128i rg[2], const __m128i p[3])
         _mm_shuffle_epi8(p[2], _mm_setr_epi8(NO, NO, NO, W(0), W(2), W(3), W(5), W(6))));
 }
 
-static inline void replace_blues(__m128i p[3], __m128i b)
+/* Returns how many blues were others.  Each of the eight has a place of its own in the vectors. */
+static inline uint32_t replace_blues(__m128i p[3], __m128i b)
 {
     __m128i at[3] = { _mm_setr_epi8(NO, NO, W(0), NO, NO, W(1), NO, NO),
                       _mm_setr_epi8(W(2), NO, NO, W(3), NO, NO, W(4), NO),
@@ -88,8 +89,15 @@ static inline void replace_blues(__m128i p[3], __m128i b)
     __m128i blues[3] = { _mm_setr_epi16(0, 0, -1, 0, 0, -1, 0, 0),
                          _mm_setr_epi16(-1, 0, 0, -1, 0, 0, -1, 0),
                          _mm_setr_epi16(0, -1, 0, 0, -1, 0, 0, -1) };
-    for (int i = 0; i < 3; i++)
-        p[i] = _mm_or_si128(_mm_andnot_si128(blues[i], p[i]), _mm_shuffle_epi8(b, at[i]));
+    __m128i differ = _mm_setzero_si128();
+    for (int i = 0; i < 3; i++) {
+        const __m128i now =
+            _mm_or_si128(_mm_andnot_si128(blues[i], p[i]), _mm_shuffle_epi8(b, at[i]));
+        differ = _mm_or_si128(differ, _mm_xor_si128(now, p[i]));
+        p[i] = now;
+    }
+    const int same = _mm_movemask_epi8(_mm_cmpeq_epi16(differ, _mm_setzero_si128()));
+    return (uint32_t) __builtin_popcount((unsigned) same ^ 0xffff) / 2;
 }
 
 #    undef W
@@ -116,20 +124,24 @@ static inline bool clean16_step(uint16_t *dst, const uint16_t *src, bool zzero, 
     if (_mm_movemask_ps(_mm_castsi128_ps(_mm_or_si128(e0, e1))) != 0)
         return false;
     __m128i b = _mm_packs_epi32(blue4(e0, zzero), blue4(e1, zzero));
-    uint16_t level[8];
     b = _mm_xor_si128(b, flip);
-    _mm_storeu_si128((__m128i *) (void *) level, b);
-    for (int i = 0; changed != NULL && i < 8; i++)
-        *changed += src[3 * i + 2] != level[i];
 #  ifdef __SSSE3__
-    replace_blues(p, b);
-#  endif
+    const uint32_t others = replace_blues(p, b);
     for (int i = 0; i < 3; i++)
         _mm_storeu_si128((__m128i *) (void *) (dst + 8 * i), p[i]);
-#  ifndef __SSSE3__
-    for (int i = 0; i < 8; i++)
+#  else
+    uint16_t level[8];
+    uint32_t others = 0;
+    _mm_storeu_si128((__m128i *) (void *) level, b);
+    for (int i = 0; i < 3; i++)
+        _mm_storeu_si128((__m128i *) (void *) (dst + 8 * i), p[i]);
+    for (int i = 0; i < 8; i++) {
+        others += dst[3 * i + 2] != level[i];
         dst[3 * i + 2] = level[i];
+    }
 #  endif
+    if (changed != NULL)
+        *changed += others;
     return true;
 }
 
