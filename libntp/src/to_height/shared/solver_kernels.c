@@ -90,19 +90,23 @@ static ALWAYS_INLINE int32_t numerator(int32_t c, int32_t zero, int32_t neutral)
     return v >= -neutral && v <= neutral ? 0 : v;
 }
 
-/* x, y and z of n texels, and whether one of them may be unused. */
+/* x, y and z of n texels, and whether one of them may be unused.  slopes: x and y become slopes by the
+ * stored z. */
 static ALWAYS_INLINE int32_t levels8(float *restrict x, float *restrict y, float *restrict z,
                                      const uint8_t *restrict src, int32_t step, int32_t n,
-                                     const ntp__slope_levels *how)
+                                     const ntp__slope_levels *how, bool slopes)
 {
     const int32_t zero = how->zero, neutral = how->neutral;
     const float z_scale = how->z_scale, z_zero = how->z_zero;
+    const float sign = how->sign, least = how->least;
     int32_t suspect = 0;
     for (int32_t i = 0; i < n; i++) {
         int32_t r = src[step * i], g = src[step * i + 1], b = src[step * i + 2];
-        x[i] = (float) numerator(r, zero, neutral);
-        y[i] = (float) numerator(g, zero, neutral);
-        z[i] = (float) b * z_scale - z_zero;
+        float u = (float) numerator(r, zero, neutral), v = (float) numerator(g, zero, neutral);
+        float stored = (float) b * z_scale - z_zero, below = stored > least ? stored : least;
+        x[i] = slopes ? -u / below : u;
+        y[i] = slopes ? sign * v / below : v;
+        z[i] = stored;
         suspect |= ((r | g | b) == 0) | ((r & g & b) == 255);
         if (step == 4)
             suspect |= src[4 * i + 3] == 0;
@@ -110,27 +114,41 @@ static ALWAYS_INLINE int32_t levels8(float *restrict x, float *restrict y, float
     return suspect;
 }
 
-/* z as it is derived from x and y, where mixed is 0; or as much of the stored one as x^2 + y^2. */
-static void make_z(float *restrict z, const float *restrict x, const float *restrict y, int32_t n,
-                   float square, float mixed)
+static ALWAYS_INLINE float derived_z(float xy, float square)
 {
-    const float part = mixed / square;
+    float rest = square - xy;
+    return sqrtf(rest > 1 ? rest : 1);
+}
+
+/* x and y become slopes, by a mixed z; see slopes.c. */
+static void mix(float *restrict x, float *restrict y, const float *restrict z, int32_t n,
+                const ntp__slope_levels *how)
+{
+    const float square = how->square, part = 1 / square, sign = how->sign, least = how->least;
     for (int32_t i = 0; i < n; i++) {
-        float xy = x[i] * x[i] + y[i] * y[i], rest = square - xy;
-        float made = sqrtf(rest > 1 ? rest : 1), share = (xy < square ? xy : square) * part;
-        z[i] = made + share * (z[i] - made);
+        float xy = x[i] * x[i] + y[i] * y[i], made = derived_z(xy, square);
+        float mixed = made + (xy < square ? xy : square) * part * (z[i] - made);
+        float inverse = 1 / (mixed > least ? mixed : least);
+        x[i] = -x[i] * inverse;
+        y[i] = sign * y[i] * inverse;
     }
 }
 
 static int32_t slopes8(float *restrict right, float *restrict down_row, const uint8_t *src,
                        int32_t step, int32_t n, const ntp__slope_levels *how)
 {
-    const float sign = how->sign, least = how->least;
+    const float square = how->square, sign = how->sign, least = how->least;
     float z[NTP__BLOCK];
-    int32_t suspect = step == 3 ? levels8(right, down_row, z, src, 3, n, how)
-                                : levels8(right, down_row, z, src, 4, n, how);
-    if (how->derived || how->mixed)
-        make_z(z, right, down_row, n, how->square, how->mixed ? 1 : 0);
+    if (step == 3 && !how->mixed && !how->derived)
+        return levels8(right, down_row, z, src, 3, n, how, true);
+    int32_t suspect = step == 3 ? levels8(right, down_row, z, src, 3, n, how, false)
+                                : levels8(right, down_row, z, src, 4, n, how, false);
+    if (how->mixed) {
+        mix(right, down_row, z, n, how);
+        return suspect;
+    }
+    for (int32_t i = 0; i < n && how->derived; i++)
+        z[i] = derived_z(right[i] * right[i] + down_row[i] * down_row[i], square);
     for (int32_t i = 0; i < n; i++) {
         float below = z[i] > least ? z[i] : least;
         right[i] = -right[i] / below;
