@@ -23,21 +23,27 @@
 #include <string.h>
 
 enum {
-    MEMORY = 6,      /* steps that are remembered; more take no fewer rounds */
-    DOTS = 4,        /* products of each remembered step, see `learn_row` */
-    MOST_TRIES = 12, /* lengths of a step */
-    PATIENCE = 8,    /* rounds that help nothing, after which other texels are tied */
-    MOST_ADDED = 12  /* times that texels are added to those tied */
+    MEMORY = 6,       /* steps that are remembered; more take no fewer rounds */
+    DOTS = 4,         /* products of each remembered step, see `learn_row` */
+    MOST_TRIES = 12,  /* lengths of a step */
+    PATIENCE = 8,     /* rounds that help little, after which other texels are tied */
+    HELP = 12,        /* to help is to lower the texels that differ by such a part */
+    MOST_CHANGES = 12 /* of what is tied */
 };
 
 /* The share of each box that has no excess, from some round on.  A small one keeps slopes off the
  * edges of boxes, so that fewer leave them again, and brings heights nearer to the true ones.  But
- * the smaller boxes are, the fewer heights are in all of them. */
+ * the smaller boxes are, the fewer heights are in all of them: the last stages begin where nothing
+ * helps any more. */
 typedef struct stage {
     int32_t round, with_blue; /* from this round on; the second where blue has an excess too */
     double share;
 } stage;
-static const stage stages[] = { { 0, 0, 0.7 }, { 4, 4, 0.85 }, { 100, 30, 0.96 } };
+static const stage stages[] = { { 0, 0, 0.7 },
+                                { 4, 4, 0.85 },
+                                { 100, 30, 0.96 },
+                                { INT32_MAX, INT32_MAX, 0.99 },
+                                { INT32_MAX, INT32_MAX, 0.998 } };
 enum { STAGES = sizeof stages / sizeof stages[0] };
 /* Where floats hardly tell one level from the next. */
 static const double least_share = 0.4;
@@ -372,7 +378,8 @@ static double rounding_of(const refinement *f, const ntp_image *dst)
 
 static void begin_stage(refinement *f, int32_t which)
 {
-    double share = stages[which].share, most = 1 - f->rounding;
+    bool last = which + 1 == STAGES; /* most heights lose far less than the highest can */
+    double share = stages[which].share, most = 1 - (last ? f->rounding / 4 : f->rounding);
     share = share < most ? share : most;
     f->trip->inside = share > least_share ? share : least_share;
     f->remembered = 0;
@@ -513,15 +520,15 @@ static bool is_over(const refinement *f, int32_t rounds)
 }
 
 /* What comes next where nothing helps any more; false: nothing does. */
-static bool go_on(refinement *f, int32_t *added)
+static bool go_on(refinement *f, int32_t *changes)
 {
-    if (f->ties.any && ++*added <= MOST_ADDED &&
-        ntp__ties_add(&f->ties, f->trip, f->plan, f->heights)) {
+    if (f->ties.any && ++*changes <= MOST_CHANGES &&
+        ntp__ties_change(&f->ties, f->trip, f->plan, f->heights)) {
         ntp__ties_level(&f->ties, f->heights);
         begin_stage(f, f->stage);
     } else if (f->stage + 1 < STAGES) {
         begin_stage(f, f->stage + 1);
-    } else if (f->ties.any) {
+    } else if (f->ties.any && !f->ties.sure) {
         f->ties.any = false;
         begin_stage(f, f->stage);
     } else {
@@ -535,8 +542,8 @@ static ntp_status iterate(refinement *f, const ntp_image *dst, int32_t *rounds, 
 {
     const ntp_hooks *hooks = f->crew.hooks;
     bool stepped = false;
-    int32_t best = 0, added = 0; /* the last round that helped */
-    uint64_t off;
+    int32_t best = 0, changes = 0; /* the last round that helped */
+    uint64_t off, mark = UINT64_MAX;
     double value = value_at(f, 0, least);
     if (f->plan->refine > 0 && *least > 0 && f->ties.any) {
         ntp__ties_level(&f->ties, f->heights);
@@ -548,26 +555,30 @@ static ntp_status iterate(refinement *f, const ntp_image *dst, int32_t *rounds, 
             return NTP_ERR_CANCELLED;
         bool over = is_over(f, *rounds), stalls = f->ties.any && *rounds - best > PATIENCE;
         if (stalls)
-            go_on(f, &added);
+            stalls = go_on(f, &changes);
         else if (over || *rounds == 0)
             begin_stage(f, f->stage + over);
         if (stalls || over || *rounds == 0) {
             value = value_at(f, f->moved, &off);
             stepped = false;
             best = *rounds;
+            mark = UINT64_MAX;
         }
         ++*rounds;
         if (!advance(f, stepped, &value, &off)) {
-            if (!go_on(f, &added))
+            if (!go_on(f, &changes))
                 break;
             value = value_at(f, f->moved, &off);
             stepped = false;
             best = *rounds;
+            mark = UINT64_MAX;
             continue;
         }
         stepped = true;
-        if (off < *least) {
+        if (off < *least)
             keep_better(f, dst, least);
+        if (off < mark - mark / HELP) {
+            mark = off;
             best = *rounds;
         }
     }
