@@ -30,7 +30,10 @@ static const double sum_error = 0x1p-47;
 
 enum {
     GROUP = NTP__LANES, /* texels that are looked at together */
-    BAND = 32 /* rows; a strip as high as the image would touch a memory page for each row */
+    /* Rows of a band.  A strip as high as the image would touch a memory page for each row; one of few
+     * rows also reads more of them again: twice the radius of the kernel for each band. */
+    BAND = 32,
+    BAND_OF_RADIUS = 4 /* without dithering: so many for each 1 of the radius */
 };
 
 /* How a call is carried out. */
@@ -399,7 +402,8 @@ static void do_bands(walk *w, ntp_rect r)
     strip s;
     w->first = r.y0;
     for (ntp_rect band = r; band.y0 < r.y1; band.y0 = band.y1) {
-        band.y1 = r.y1 - band.y0 < BAND ? r.y1 : band.y0 + BAND;
+        const int32_t rows = w->errors != NULL ? BAND : BAND_OF_RADIUS * w->g.kernel->radius;
+        band.y1 = r.y1 - band.y0 < rows ? r.y1 : band.y0 + rows;
         memset(w->along, 0, sizeof w->along);
         const int32_t most = w->errors != NULL ? NTP__WAVE_COLUMNS : NTP__BLOCK;
         for (int32_t x = r.x0; x < r.x1; x += most)
