@@ -21,14 +21,14 @@
 #include <string.h>
 
 enum {
-    NTP__FEW = 4096,             /* up to so many texels it pays to note the row of each */
-    NTP__MOST_CELLS = 256 + 1    /* of a row, and one that is written and not counted */
+    NTP__FEW = 4096,          /* up to so many texels it pays to note the row of each */
+    NTP__MOST_CELLS = 256 + 1 /* of a row, and one that is written and not counted */
 };
 
 typedef struct ntp__color_counts {
     uint32_t rows_ready;
-    uint32_t few;                 /* few texels are being measured: their rows are noted */
-    uint32_t unnoted;             /* some rows with near cells are not in row_seen */
+    uint32_t few;                    /* few texels are being measured: their rows are noted */
+    uint32_t unnoted;                /* some rows with near cells are not in row_seen */
     uint64_t far_texels;             /* that were counted by look-ups, ever */
     uint8_t row_seen[NTP__ROWS + 1]; /* NTP__SEEN_*; the last one is written and not read */
     uint32_t row_of[65536];          /* by r | g << 8: see ntp__entry; when rows_ready */

@@ -7,6 +7,7 @@
  */
 #include "texel/level.h"
 #include "texel/srgb.h"
+#include "texel/unused.h"
 #include "measure/tally.h"
 
 /* Samples at least 64 rows, or all of a small image.  In a large image it is one row in 32.  Their
@@ -24,36 +25,54 @@ static bool is_sampled(const ntp_const_image *src, int32_t y)
 }
 
 /* Is the length within 1/8 of 1 if the levels are decoded from sRGB first? */
-static bool linear_near_unit(int32_t r, int32_t g, int32_t b)
+static inline bool linear_near_unit(int32_t r, int32_t g, int32_t b)
 {
     enum { M = 65535 };
     int64_t x = 2 * (int64_t) NTP__LINEAR_OF_SRGB[r] - M;
     int64_t y = 2 * (int64_t) NTP__LINEAR_OF_SRGB[g] - M;
     int64_t z = 2 * (int64_t) NTP__LINEAR_OF_SRGB[b] - M;
     int64_t square = x * x + y * y + z * z, unit = (int64_t) M * M;
-    return 64 * square >= 49 * unit && 64 * square <= 81 * unit;
+    return (64 * square >= 49 * unit) & (64 * square <= 81 * unit);
 }
 
-static bool near_gamma_flat(int32_t level)
+/* Counts of a block of colors of 8 bit. */
+static void count_signs(ntp__samples *s, const int32_t *r, const int32_t *g, const int32_t *b,
+                        int32_t n)
 {
-    return level >= 185 && level <= 191;
-}
-
-static inline void add_color(ntp__samples *s, int32_t r, int32_t g, int32_t b)
-{
-    const uint32_t v[3] = { (uint32_t) r, (uint32_t) g, (uint32_t) b };
-    s->n++;
-    for (int32_t k = 0; k < 3; k++) {
-        s->sum[k] += v[k];
-        s->square[k] += v[k] * v[k];
+    enum { LEAST = 185, RANGE = 6 }; /* flat after gamma: 188, and 3 to both sides */
+    int32_t red = 0, green = 0, flat = 0, unit = 0;
+    for (int32_t i = 0; i < n; i++) {
+        red += r[i] < 128;
+        green += g[i] < 128;
+        flat +=
+            (r[i] >= LEAST) & (r[i] <= LEAST + RANGE) & (g[i] >= LEAST) & (g[i] <= LEAST + RANGE);
     }
-    s->product[0] += v[0] * v[1];
-    s->product[1] += v[0] * v[2];
-    s->product[2] += v[1] * v[2];
-    s->red_low += r < 128;
-    s->green_low += g < 128;
-    s->gamma_flat += near_gamma_flat(r) && near_gamma_flat(g);
-    s->gamma_unit += linear_near_unit(r, g, b);
+    for (int32_t i = 0; i < n; i++)
+        unit += linear_near_unit(r[i], g[i], b[i]);
+    s->red_low += (uint32_t) red;
+    s->green_low += (uint32_t) green;
+    s->gamma_flat += (uint32_t) flat;
+    s->gamma_unit += (uint32_t) unit;
+}
+
+/* Adds a block of colors of 8 bit.  These are loops over planes, as compilers make vectors of them;
+ * the sums of a block fit into 32 bits. */
+static void add_planes(ntp__samples *s, const int32_t *const c[3], int32_t n)
+{
+    for (int32_t k = 0; k < 3; k++) {
+        const int32_t *const v = c[k], *const p = c[k == 2], *const q = c[k == 0 ? 1 : 2];
+        int32_t sum = 0, square = 0, product = 0;
+        for (int32_t i = 0; i < n; i++) {
+            sum += v[i];
+            square += (int16_t) v[i] * (int16_t) v[i]; /* one instruction for two of these */
+            product += (int16_t) p[i] * (int16_t) q[i];
+        }
+        s->sum[k] += (uint32_t) sum;
+        s->square[k] += (uint32_t) square;
+        s->product[k] += (uint32_t) product;
+    }
+    count_signs(s, c[0], c[1], c[2], n);
+    s->n += (uint32_t) n;
 }
 
 static void add_samples(ntp__samples *a, const ntp__samples *b)
@@ -103,29 +122,72 @@ void ntp__clear_samples(ntp_tally *t)
     memset(t->pair_seen, 0, sizeof t->pair_seen);
 }
 
+static void add_pairs(ntp_tally *t, const int32_t *const c[3], int32_t n)
+{
+    for (int32_t i = 0; i < n; i++) {
+        int32_t pair = c[0][i] | c[1][i] << 8;
+        t->pair_seen[pair / NTP__PAIR_GROUP] = 1;
+        t->pair_texels[pair]++;
+        t->pair_blue[pair] += (uint32_t) c[2][i];
+    }
+}
+
+static void add_padding(ntp__samples *s, const int32_t *const c[3], int32_t n)
+{
+    int32_t any = 0;
+    for (int32_t i = 0; i < n; i++)
+        any |= ntp__is_padding(c[0][i], c[1][i], 255);
+    for (int32_t i = 0; any && i < n; i++) {
+        const int32_t *const one[3] = { c[0] + i, c[1] + i, c[2] + i };
+        if (ntp__is_padding(*one[0], *one[1], 255))
+            add_planes(s, one, 1);
+    }
+}
+
 static void add_colors(ntp_tally *t, const ntp__block *block, int32_t first, int32_t n, int32_t m)
 {
     bool picture = t->encoding == NTP_ENCODING_HEIGHT;
-    ntp__samples sum = { 0 }; /* a local one can stay in registers */
-    for (int32_t i = first; i < first + n; i++) {
-        int32_t r = block->c[0][i], g = block->c[1][i], b = block->c[2][i], a = block->c[3][i];
-        if ((block->any_broken && block->broken[i]) ||
-            (!picture && ntp__unused(r, g, b, a, m, t->touched)))
-            continue;
-        if (m != 255) {
-            r = ntp__narrow(r);
-            g = ntp__narrow(g);
-            b = ntp__narrow(b);
-            int32_t pair = r | g << 8;
-            t->pair_seen[pair / NTP__PAIR_GROUP] = 1;
-            t->pair_texels[pair]++;
-            t->pair_blue[pair] += (uint32_t) b;
+    int32_t used[3][NTP__BLOCK], count = 0;
+    const int32_t *c[3];
+    for (int32_t k = 0; k < 3; k++)
+        c[k] = block->c[k] + first;
+    if (m != 255 || ntp__any_suspect(block, first + n, m)) {
+        for (int32_t i = first; i < first + n; i++) {
+            int32_t r = block->c[0][i], g = block->c[1][i], b = block->c[2][i], a = block->c[3][i];
+            if ((block->any_broken && block->broken[i]) ||
+                (!picture && ntp__unused(r, g, b, a, m, t->touched)))
+                continue;
+            used[0][count] = m == 255 ? r : ntp__narrow(r);
+            used[1][count] = m == 255 ? g : ntp__narrow(g);
+            used[2][count++] = m == 255 ? b : ntp__narrow(b);
         }
-        add_color(&sum, r, g, b);
-        if (ntp__is_padding(r, g, 255))
-            add_color(&t->padding_samples, r, g, b);
+        for (int32_t k = 0; k < 3; k++)
+            c[k] = used[k];
+        n = count;
     }
-    add_samples(&t->samples, &sum);
+    if (m != 255)
+        add_pairs(t, c, n);
+    add_planes(&t->samples, c, n);
+    add_padding(&t->padding_samples, c, n);
+}
+
+/* Adds the steps to texels [first, n) of a block from the ones before; `x` is the column of texel 0. */
+static void add_steps(ntp_tally *t, const ntp__block *block, int32_t first, int32_t n, int32_t x)
+{
+    for (int32_t k = 0; k < 3; k++) {
+        const int32_t *const c = block->c[k];
+        uint32_t all = 0, across = 0; /* less than 256 * 65535 */
+        for (int32_t i = first; i < n; i++)
+            all += (uint32_t) ntp__abs(c[i] - c[i - 1]);
+        for (int32_t i = first + (-(x + first) & 7); i < n; i += 8)
+            across += (uint32_t) ntp__abs(c[i] - c[i - 1]);
+        t->block_steps[k][0] += all - across;
+        t->block_steps[k][1] += across;
+    }
+    const int32_t border = first + (-(x + first) & 7);
+    const int32_t count = border < n ? (n - border + 7) / 8 : 0;
+    t->block_count[0] += (uint32_t) (n > first ? n - first - count : 0);
+    t->block_count[1] += (uint32_t) count;
 }
 
 /* Steps between neighboring columns are summed twice: inside blocks of 8 x 8, and across their
@@ -139,12 +201,6 @@ void ntp__sample_row(ntp_tally *t, const ntp_const_image *src, int32_t x0, int32
         int32_t n = x1 - x < NTP__BLOCK - 1 ? x1 - x : NTP__BLOCK - 1, before = x > 0;
         ntp__unpack(&block, src, x - before, y, n + before);
         add_colors(t, &block, before, n, ntp__max(src->type));
-        for (int32_t i = before == 0; i < n; i++) {
-            int32_t across = (x + i) % 8 == 0, right = i + before;
-            t->block_count[across]++;
-            for (int32_t k = 0; k < 3; k++)
-                t->block_steps[k][across] +=
-                    (uint64_t) ntp__abs(block.c[k][right] - block.c[k][right - 1]);
-        }
+        add_steps(t, &block, 1, n + before, x - before);
     }
 }

@@ -27,20 +27,18 @@ static inline __m256i cells_of(__m256i *far_rows, __m256i colors)
     const __m256i bits = _mm256_or_si256(_mm256_srli_epi32(high, 7), _mm256_srli_epi32(high, 14));
     const __m256i flat = _mm256_add_epi32(_mm256_and_si256(bits, _mm256_set1_epi32(3)),
                                           _mm256_set1_epi32(NTP__ROWS - NTP__FLAT_ROWS));
-    const __m256i row =
-        _mm256_blendv_epi8(_mm256_add_epi32(_mm256_srli_epi32(sq1, 1), k2), flat,
-                           _mm256_cmpeq_epi32(k1, _mm256_setzero_si256()));
+    const __m256i row = _mm256_blendv_epi8(_mm256_add_epi32(_mm256_srli_epi32(sq1, 1), k2), flat,
+                                           _mm256_cmpeq_epi32(k1, _mm256_setzero_si256()));
     const __m256i e = _mm256_sub_epi32(_mm256_set1_epi32(16255), _mm256_add_epi32(sq1, sq2));
     __m256i t = root8(e);
     t = _mm256_add_epi32(t, _mm256_cmpgt_epi32(_mm256_mullo_epi16(t, t), e));
     t = _mm256_andnot_si256(_mm256_srai_epi32(e, 31), t); /* too long: as if blue were 128 */
-    __m256i first =
-        _mm256_min_epi32(_mm256_add_epi32(t, _mm256_set1_epi32(128 - NTP__NEAR / 2)),
-                         _mm256_set1_epi32(256 - NTP__NEAR));
+    __m256i first = _mm256_min_epi32(_mm256_add_epi32(t, _mm256_set1_epi32(128 - NTP__NEAR / 2)),
+                                     _mm256_set1_epi32(256 - NTP__NEAR));
     /* above the gray, where that would be among them */
     const __m256i gray = _mm256_add_epi32(k1, middle), up = _mm256_sub_epi32(gray, first);
-    const __m256i among = _mm256_and_si256(
-        _mm256_cmpeq_epi32(k1, k2), _mm256_cmpeq_epi32(_mm256_min_epu32(up, last_near), up));
+    const __m256i among = _mm256_and_si256(_mm256_cmpeq_epi32(k1, k2),
+                                           _mm256_cmpeq_epi32(_mm256_min_epu32(up, last_near), up));
     first = _mm256_blendv_epi8(first, _mm256_add_epi32(gray, one), among);
     const __m256i place = _mm256_sub_epi32(b, first);
     const __m256i near = _mm256_cmpeq_epi32(_mm256_min_epu32(place, last_near), place);
