@@ -7,6 +7,7 @@
  *   kernels.h, .c       the same for runs of texels, fast, with the files that end in _tmpl.h,
  *                       root30.h and pick_kernels.c
  *   judged.h            what the kernels find out beyond the flags of ntp_validate
+ *   cells.h             where colors of 8 bit are counted
  *   unused.h, .c        which texels hold no normal
  *   angle.h, .c         angles between vectors, and sums of angles
  *   direction.h, .c     integer vectors of any length to levels
