@@ -10,6 +10,7 @@
 #include "base/rgb_avx2.h"
 #include "reshape/resize_job.h"
 #include "reshape/resize_kernels.h"
+#include "texel/level.h"
 #include "texel/unused.h"
 
 #include <math.h>
@@ -81,16 +82,36 @@ int32_t ntp__strip_begin(const ntp__resize_job *j, int32_t x0, int32_t x1)
     return end;
 }
 
-/* With AVX2: packed pixels none of which is unused; false: there is another way only. */
+#ifdef NTP_HAVE_AVX2
+/* Takes out the packed pixels that are unused. */
+static void leave_out(const ntp__resize_job *j, float *to, const void *src, int32_t n)
+{
+    const uint32_t touch = j->plan->how.touch_unused;
+    const uint8_t *s = src;
+    const bool deep = j->src->type == NTP_TYPE_U16;
+    for (int32_t i = 0; i < n; i++, to += 4) {
+        uint16_t c[3] = { s[0], s[1], s[2] };
+        if (deep)
+            memcpy(c, s, sizeof c);
+        s += deep ? 6 : 3;
+        if ((c[0] == 0 || c[0] == j->m) && ntp__unused(c[0], c[1], c[2], j->m, j->m, touch))
+            memset(to, 0, 4 * sizeof to[0]);
+    }
+}
+#endif
+
+/* With AVX2: packed pixels; false: there is another way only. */
 static bool place_packed(const ntp__resize_job *j, float *to, bool *negative, int32_t x,
                          int32_t row, int32_t n)
 {
 #ifdef NTP_HAVE_AVX2
-    return j->src->type != NTP_TYPE_F32 && ntp__is_packed(j->src) &&
-           ntp__cpu_has_avx2(NTP__CPU_ALL) &&
-           ntp__place_rgb_avx2(to, negative, ntp__at(j->src, x, row), n,
-                               j->src->type == NTP_TYPE_U16,
-                               j->src->encoding == NTP_ENCODING_ZZERO);
+    if (j->src->type == NTP_TYPE_F32 || !ntp__is_packed(j->src) || !ntp__cpu_has_avx2(NTP__CPU_ALL))
+        return false;
+    const void *from = ntp__at(j->src, x, row);
+    if (!ntp__place_rgb_avx2(to, negative, from, n, j->src->type == NTP_TYPE_U16,
+                             j->src->encoding == NTP_ENCODING_ZZERO))
+        leave_out(j, to, from, n);
+    return true;
 #else
     (void) j, (void) to, (void) negative, (void) x, (void) row, (void) n;
     return false;
