@@ -14,6 +14,7 @@
 #include "texel/root30.h"
 #include "libntp.h"
 
+#include <math.h>
 #include <string.h>
 
 enum { WIDEST = 300, TABLE = 65536, SKIPPED = 77 };
@@ -248,6 +249,19 @@ static bool rounds_to(int32_t c, int64_t v, int64_t length2, int64_t m)
     return reaches[0] && !reaches[1];
 }
 
+/* x so that 255 |x| / 2L lies about 2^-22 of itself from an integer: floats alone go wrong there. */
+static void near_boundary(ntp__vectors *v, int32_t i, uint64_t *seed)
+{
+    enum { LENGTH = 1 << 21 };
+    const int32_t k = 1 + random_level(seed, 125), sign = i % 2 ? -1 : 1;
+    const double y = random_level(seed, LENGTH / 8), length = LENGTH + random_level(seed, LENGTH);
+    const double x = (double) (int32_t) (length * k / 127.5 + 0.5), exact = x * 127.5 / k;
+    const double z2 = exact * exact - x * x - y * y;
+    v->c[0][i] = sign * x;
+    v->c[1][i] = y;
+    v->c[2][i] = z2 > 0 ? (double) (int32_t) sqrt(z2) : 1;
+}
+
 /* Vectors of small integers, and those whose quotients are close to a boundary: what the kernel
  * does not doubt is right, and it seldom doubts. */
 static void check_directions(const ntp__kernels_table *level, int32_t m, int32_t zzero,
@@ -265,17 +279,20 @@ static void check_directions(const ntp__kernels_table *level, int32_t m, int32_t
                 v.c[2][i] = i % 10 ? 0 : 1;
             if (i % 7 == 0)
                 v.c[i % 2][i] = i % 3 ? 0 : -0.0;
+            if (m == 255 && i % 11 == 3)
+                near_boundary(&v, i, seed);
         }
         copy = v;
         level->directions(c[0], c[1], c[2], c[3], &v, n, m, zzero, 1);
         base->directions(first[0], first[1], first[2], first[3], &copy, n, m, zzero, 1);
-        for (int k = 0; k < 4; k++)
-            CHECK(memcmp(c[k], first[k], (size_t) n * sizeof c[k][0]) == 0);
         for (int32_t i = 0; i < n; i++) {
+            const bool doubted = (c[3][i] | first[3][i]) & NTP__IN_DOUBT;
+            for (int k = 0; k < 4; k++)
+                CHECK(doubted || c[k][i] == first[k][i]);
             int64_t x = (int64_t) v.c[0][i], y = (int64_t) v.c[1][i], z = (int64_t) v.c[2][i];
             int64_t length2 = x * x + y * y + z * z;
             if (c[3][i] & NTP__IN_DOUBT) {
-                doubts += length2 > 0;
+                doubts += length2 > 0 && i % 11 != 3;
                 continue;
             }
             CHECK(length2 == 0 || rounds_to(c[0][i], x, length2, m));

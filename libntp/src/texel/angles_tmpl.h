@@ -44,7 +44,7 @@ ONE_COPY static void products(double *restrict s2, double *restrict d,
     const int32_t *restrict r1 = f.c[0], *restrict g1 = f.c[1], *restrict b1 = f.c[2];
     const int32_t *restrict r2 = h.c[0], *restrict g2 = h.c[1], *restrict b2 = h.c[2];
     n = whole_lanes(n);
-    if (f.m == 255 && h.m == 255) {
+    if (FLOATS && f.m == 255 && h.m == 255) {
         for (int32_t i = 0; i < n; i++) {
             NUMERATORS(float);
             const double k = x1 * x1 + y1 * y1 + z1 * z1, l = x2 * x2 + y2 * y2 + z2 * z2;

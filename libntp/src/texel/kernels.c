@@ -27,6 +27,14 @@
 #  define ONE_COPY
 #endif
 
+/* Loops in float for 8 bit beside those in double: not where they would only make the library greater
+ * for processors from before 2013. */
+#if defined(__AVX2__) || !defined(NTP_HAVE_AVX2)
+enum { FLOATS = 1 };
+#else
+enum { FLOATS = 0 };
+#endif
+
 static inline bool little_endian(void)
 {
     const uint16_t one = 1;
