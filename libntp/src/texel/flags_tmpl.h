@@ -19,15 +19,17 @@ ONE_COPY static void flags_standard(int32_t *restrict flags, const int32_t *rest
 {
     n = whole_lanes(n);
     const int32_t m = how->m, k0 = (m + 1) / 2, e0 = (int32_t) (((int64_t) m * m - 5) / 4);
-    const uint32_t am = (uint32_t) k0 * (uint32_t) (k0 - 1), kept = how->kept, others = how->others;
+    const int32_t am = k0 * (k0 - 1);
+    const uint32_t kept = how->kept, others = how->others;
     const uint32_t mirrored = how->keep_negative_z ? NTP_FLAG_EXACT : 0;
     for (int32_t i = 0; i < n; i++) {
         int32_t x = r[i] - k0, y = g[i] - k0, z = b[i] - k0, up = z < 0 ? ~z : z;
-        uint32_t ks = (uint32_t) (half_up(x) + half_up(y) + half_up(z));
-        int32_t xy = x * (x + 1) + y * (y + 1), e = e0 - xy, d = e - up * up;
-        uint32_t q = (uint32_t) xy + (uint32_t) (z * (z + 1));
-        uint32_t neighbor = (q + 6 < am + 2 * ks) & (q + 2 * ks >= am);
-        uint32_t rounded = (q + 3 <= am + ks) & (q + ks > am);
+        int32_t ks = half_up(x) + half_up(y) + up + 1;
+        /* z(z + 1) is up(up + 1); the squares less that of 1 have 31 bits and a sign */
+        int32_t xy = x * (x + 1) + y * (y + 1), zz = z * (z + 1), e = e0 - xy, d = e - zz + up;
+        int32_t off = (int32_t) ((uint32_t) (xy - am) + (uint32_t) zz);
+        uint32_t neighbor = (uint32_t) ((off + 6 < 2 * ks) & (off >= -2 * ks));
+        uint32_t rounded = (uint32_t) ((off + 3 <= ks) & (off > -ks));
         uint32_t exact = (uint32_t) ((d >= 0) & (d <= 2 * up));
         uint32_t f = neighbor * NTP_FLAG_NEIGHBOR | rounded * NTP_FLAG_ROUNDED |
                      exact * (z < 0 ? mirrored : NTP_FLAG_EXACT) |
