@@ -9,8 +9,8 @@
  *
  * Two tables find matches: where the next four bytes stood last, and a chain of the places where
  * the next six did.  Levels below CAREFUL take the match that saves more, here or a byte further;
- * where none was found for a while, most of them look at some bytes only.  The others find a match
- * for every byte, and then the cheapest way through all of them from the end to the start, several
+ * where none was found for a while, most of them look at some bytes only.  The others find matches
+ * of every length for every byte, with trees, and then the cheapest way through all of them from the end to the start, several
  * times, with the costs that the way before it had.
  *
  * A block ends where the symbols change so much that new codes pay.  All costs are integers, so

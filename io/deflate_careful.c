@@ -1,17 +1,17 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * deflate_careful.c - finds a match for every byte, and the cheapest way through all of them
+ * deflate_careful.c - finds matches of every length for every byte, and the cheapest way through all
+ * of them
  */
 #include "deflate_state.h"
 
 enum {
     LEAST = 3,            /* bytes of a match: a texel of RGB often is like one of those before */
-    FOUR = 4,             /* bytes that all of a tree share */
     ENDS = 4,             /* lengths of a long match that are tried */
     MANY = 20,            /* bytes: shorter matches are tried at every length */
     FAR_ENOUGH = 1 << 14, /* bytes: how far a match is followed at once */
-    LONG = 2 * NTPIO__LENGTH_MAX,
-    CLOSE = 8 /* bytes: short distances cost few bits */
+    LONG = 2 * NTPIO__LENGTH_MAX, /* a match that goes on for so long hides all others */
+    CLOSE = 8                     /* bytes: short distances cost few bits */
 };
 
 /* A match that goes on: known from a byte before. */

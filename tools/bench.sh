@@ -104,11 +104,13 @@ fuzz() {
         say "== $name, $seconds s"
         seeds=fuzz/corpus/${name#fuzz_}
         [ -d "$seeds" ] || seeds=
+        words=fuzz/$name.dict
+        [ -f "$words" ] || words=
         # test_files are good seeds for the readers, and harmless for the rest
         quietly "build-fuzz/$name.log" plain_addresses \
             env UBSAN_OPTIONS=print_stacktrace=1:halt_on_error=1 "$target" -max_total_time="$seconds" \
             -seed="${NTP_SEED:-$fuzz_seed}" -timeout="$fuzz_timeout" -rss_limit_mb=3000 \
-            -max_len=65536 -print_final_stats=1 \
+            -max_len=65536 -print_final_stats=1 ${words:+"-dict=$words"} \
             -artifact_prefix="build-fuzz/$name-" "build-fuzz/corpus/$name" $seeds test_files
         grep -E 'number_of_executed_units' "build-fuzz/$name.log" || true
     done

@@ -686,3 +686,36 @@ def test_heatmap(run, tmp_path):
     assert heat[5, 5, 0] > heat[5, 5, 2] and heat[9, 9, 1] > heat[9, 9, 0]
     assert run("heatmap", "a_n.png", "-o", "s.png", "--palette", "safe").returncode == 0
     assert not np.array_equal(pixels_of(tmp_path / "s.png"), heat)
+
+
+def words(size=256):
+    """Texels of few colors in words that come again and again, as painted or tiled maps have them."""
+    rng = np.random.default_rng(5)
+    colors = rng.integers(0, 256, (60, 3), dtype=np.uint8)
+    some = [rng.integers(0, 60, rng.integers(2, 9)) for _ in range(200)]
+    texels = np.concatenate([some[i] for i in rng.integers(0, 200, size * size)])
+    return colors[texels[: size * size].reshape(size, size)]
+
+
+@pytest.mark.parametrize("pains", [9, 6])
+def test_beside_a_file_that_was_packed_hard(run, tmp_path, pains):
+    picture = words()
+    rows = b"".join(b"\0" + row.tobytes() for row in picture)
+    head = struct.pack(">IIBBBBB", *picture.shape[1::-1], 8, 2, 0, 0, 0)
+    data = b"\x89PNG\r\n\x1a\n"
+    for name, body in ((b"IHDR", head), (b"IDAT", zlib.compress(rows, pains)), (b"IEND", b"")):
+        data += struct.pack(">I", len(body)) + name + body
+        data += struct.pack(">I", zlib.crc32(name + body))
+    path = tmp_path / "in.png"
+    path.write_bytes(data)
+    made = []
+    ways = ((), ("--max-at-once", "0"), ("--jobs", "3"), ("--level", "6"))
+    for i, way in enumerate(ways):
+        out = tmp_path / f"{i}.png"
+        run("convert", path, "--force", "--type", "standard", *way, "-o", out)
+        assert (pixels_of(out) == picture).all()
+        made.append(out.read_bytes())
+    assert made[0] == made[1] == made[2]
+    assert len(made[3]) > 1.02 * len(data)  # or this picture tells nothing
+    assert (len(made[0]) <= 1.02 * len(data)) == (pains == 9)
+    assert (made[0] == made[3]) == (pains == 6)  # such a file says nothing about pains
