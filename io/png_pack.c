@@ -46,7 +46,6 @@ enum {
     KINDS,
     ROUNDS = 2,       /* rules of filters that are tried again */
     NEARLY = 50,      /* a file that is larger than its rival by this share is small enough */
-    ABOUT = 8,        /* ... and its share is known up to this one */
     CHUNK = 64 << 10, /* bytes: fewer of a file go with those of the next band */
     HEADER = 2,       /* of a zlib stream */
     CHECKSUM = 4      /* at its end */
@@ -276,12 +275,11 @@ static size_t pack_rows(const ntpio__png_packer *p, const band *b, int level, si
                                  known + b->rows * (p->row_size + 1), b->last, out + size);
 }
 
-/* Does the whole picture take more than its rival, and a bit?  Shares are not known so well: bands
- * that take little less are packed again as well. */
+/* Does it take more than its share of the rival, and a bit? */
 static bool is_beaten(const ntpio__png_packer *p, const band *b)
 {
     const uint64_t share = p->rival * b->rows / p->height;
-    return b->size > (b->rows == p->height ? share + share / NEARLY : share - share / ABOUT);
+    return b->size > share + share / NEARLY;
 }
 
 /* The smaller one counts. */
