@@ -95,7 +95,7 @@ static uint64_t counted(void)
 
 static void check_ends(const ntp__kernels_table *level, int32_t n, int32_t channels, uint64_t *seed)
 {
-    guarded src = guarded_alloc((size_t) (n * channels), random_bits(seed) & 1);
+    guarded src = guarded_alloc((size_t) n * (size_t) channels, random_bits(seed) & 1);
     uint8_t *p = src.data;
     for (int32_t i = 0; i < n; i++) {
         const int32_t r = (int32_t) random_level(seed, 255);

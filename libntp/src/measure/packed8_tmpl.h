@@ -101,7 +101,8 @@ static inline int32_t count_groups(ntp_tally *t, uint64_t far_before, int32_t do
 {
     enum { ONE_IN = 4, LEAST = 32 };
     ntp__count8_fn *const count = ntp__kernels(NTP__CPU_ALL)->count_cells;
-    if (t->cells.far_texels - far_before < (uint64_t) (done / ONE_IN + LEAST) || count == NULL)
+    const uint64_t least = (uint64_t) done / ONE_IN + LEAST;
+    if (t->cells.far_texels - far_before < least || count == NULL)
         return 0;
     return count(t->cells.cells, t->cells.row_seen, p, n, channels);
 }

@@ -93,7 +93,7 @@ static inline bool load_group(__m256i colors[2], const uint8_t *src, int32_t cha
     for (int k = 0; k < 2; k++)
         gray[k] = _mm256_cmpeq_epi32(_mm256_and_si256(colors[k], _mm256_set1_epi32(0xffff)),
                                      _mm256_srli_epi32(colors[k], 8));
-    return (lanes_set(gray) == 0) & (_mm256_movemask_epi8(least) == -1);
+    return lanes_set(gray) == 0 && _mm256_movemask_epi8(least) == -1;
 }
 
 /* Apart from the arithmetic, so that many counts are on their way at once. */
