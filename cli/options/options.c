@@ -327,7 +327,7 @@ const option_spec OPTION_TABLE[] = {
       "write in spite of what the input is: a named file that would be refused is taken for a "
       "standard texture. -o may also name an input" },
     { OPT_LEVEL, "level", 0, KIND_INTEGER, "1..12", NULL, 1, 12, V_WRITES,
-      "PNG output: 1 is fastest, 12 smallest and slow; default: 6, smaller than libpng's" },
+      "PNG output: 1 is fastest, 12 smallest and slow; default: 6, more where the input is smaller" },
 
     { OPT_FORMAT, "format", 0, KIND_CHOICE, "text|json|csv|list", "text", 0, 0, V_CHECK,
       "text for people, JSON (see docs/schema/check-1.json), CSV with a row for each file, or "

@@ -75,6 +75,7 @@ ONE_COPY static int32_t round_in_float(int32_t *restrict r, int32_t *restrict g,
     for (int32_t i = 0; i < n; i++) {
         const float x = (float) v->c[0][i], y = (float) v->c[1][i], z = (float) v->c[2][i];
         const float square = x * x + y * y + z * z;
+        const float size = fabsf(x) + fabsf(y) + fabsf(z); /* not 0 where the square is too small */
         const float factor = 127.5F / sqrtf(square + 0x1p-100F);
         const float a = fabsf(x) * factor, b = fabsf(y) * factor;
         const float from_a = fabsf(a - (float) (int32_t) (a + 0.5F));
@@ -83,7 +84,7 @@ ONE_COPY static int32_t round_in_float(int32_t *restrict r, int32_t *restrict g,
         r[i] = 128 + ((int32_t) a ^ is_negative_float(x));
         g[i] = 128 + ((int32_t) b ^ is_negative_float(y));
         doubt[i] = (from_a <= a * near + less) | (from_b <= b * near + less) |
-                   (square >= 0x1p100F) | ((square < 0x1p-60F) & (square != 0));
+                   (square >= 0x1p100F) | ((square < 0x1p-60F) & (size != 0));
         found += doubt[i];
     }
     return found;
