@@ -20,7 +20,7 @@
 enum {
     NTPIO__PACKED_BAND = NTPIO_PNG_BAND,       /* bytes */
     NTPIO__PACKED_ROW_MAX = NTPIO_PNG_ROW_MAX, /* bytes: 131072 texels of RGBA with 16 bits */
-    NTPIO__PACKERS_MAX = 16                    /* threads; each takes about 13 MB */
+    NTPIO__PACKERS_MAX = 16                    /* threads; each takes about 11 MB */
 };
 
 typedef struct ntpio__png_packer ntpio__png_packer;

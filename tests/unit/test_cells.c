@@ -113,12 +113,9 @@ static void check_ends(const ntp__kernels_table *level, int32_t n, int32_t chann
     guarded_free(&src);
 }
 
-int main(int argc, char **argv)
+int main(void)
 {
-    bool avx2 = argc > 1 && strcmp(argv[1], "avx2") == 0;
-    if (avx2 && !ntp__cpu_has_avx2(NTP__CPU_ALL))
-        return SKIPPED;
-    const ntp__kernels_table *level = ntp__kernels(avx2 ? NTP__CPU_AVX2 : 0);
+    const ntp__kernels_table *level = ntp__kernels(NTP__CPU_ALL);
     uint64_t seed = 54321;
     if (level->count_cells == NULL)
         return SKIPPED;
