@@ -52,3 +52,11 @@ def pytest_terminal_summary(terminalreporter):
 def test_files():
     """The folder of made textures."""
     return ROOT / "test_files"
+
+
+@pytest.fixture
+def folder(tmp_path):
+    """What normaltexture.report is asked about."""
+    from pysupport import reports  # it needs the path above
+
+    return reports.make_folder(tmp_path)
