@@ -49,7 +49,8 @@ pytest_sanitized() {
 
 # --quick runs these: single texels, what ntp says and writes, the table of test_files.
 quick_tests="tests/test_levels.py tests/test_inspect.py tests/test_files_table.py
-    tests/cli/test_check.py tests/cli/test_program.py tests/cli/test_write.py"
+    tests/cli/test_check.py tests/cli/test_program.py tests/cli/test_clean.py
+    tests/cli/test_written_files.py"
 pytest_quick() { pytest_of build -n "$jobs" --dist loadgroup $quick_tests; }
 
 c_file() { # c_file FILE: the C test that is made of it, by the name that meson has for it
