@@ -2,62 +2,21 @@
 """The GEGL operations through the program `gegl`: the same numbers as `ntp`."""
 
 import ctypes
-import math
-import shlex
-import subprocess
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 from support import libntp_ffi as ffi_lib
 from support import pngs
-from support.gegl_pictures import CHANNELS, DEPTHS, GAMMA, picture, rough_normals, to_options
-
-
-@pytest.fixture
-def gegl(gegl_env, tmp_path):
-    """gegl(pixels, "ntp:...", "name=value", ...) -> pixels of the result as a PNG file."""
-
-    def call(pixels, *operations, chunks=(), threads=1, depth=None):
-        pngs.write_png(tmp_path / "in.png", pixels, chunks=chunks)
-        out = tmp_path / "out.png"
-        out.unlink(missing_ok=True)
-        depth = depth or pixels.dtype.itemsize * 8
-        done = subprocess.run(
-            ["gegl", "in.png", "-o", "out.png", "--", *operations, "gegl:png-save", "path=out.png"]
-            + [f"bitdepth={depth}", "compression=1"],
-            env=dict(gegl_env, GEGL_THREADS=str(threads)),
-            cwd=tmp_path,
-            capture_output=True,
-            text=True,
-            timeout=900,
-            check=False,
-        )
-        assert done.returncode == 0, done.stderr
-        assert not any(s in done.stderr for s in ("CRITICAL", "WARNING")), done.stderr
-        return pngs.read_png(out)[0]
-
-    return call
-
-
-@pytest.fixture
-def ntp(run, tmp_path):
-    """ntp(pixels, "from-height", option, ...) -> pixels of the result."""
-
-    def call(pixels, verb, *options, chunks=()):
-        pngs.write_png(tmp_path / "ntp-in.png", pixels, chunks=chunks)
-        done = run(verb, "ntp-in.png", "-o", "ntp-out.png", "-q", *options)
-        assert done.returncode == 0, done.stderr
-        return pngs.read_png(tmp_path / "ntp-out.png")[0]
-
-    return call
-
-
-def to_properties(settings):
-    """The same as properties of the operation."""
-    return [f"{k}={'true' if v is True else v}" for k, v in settings.items()]
+from support.gegl_pictures import (
+    CHANNELS,
+    DEPTHS,
+    GAMMA,
+    picture,
+    rough_normals,
+    to_options,
+    to_properties,
+)
 
 
 @pytest.mark.parametrize("chunks", [(), (GAMMA,)], ids=["plain", "gAMA"])
@@ -369,53 +328,6 @@ def test_scale_of_the_layer(gegl, ntp, depth, kernel):
     assert (part == expected[40:70, 37:87]).all()
 
 
-@pytest.mark.parametrize(("channels", "depth"), [(3, 8), (4, 8), (3, 16)])
-def test_lit(gegl, ntp, channels, depth):
-    """As libntp lights the normals that the program makes."""
-    heights = picture(150, 133, channels, depth)
-    normals = ntp(heights, "from-height", "--scale", "30", "--to-y", "down")
-    around, above = math.radians(20), math.radians(50)
-    light = ffi_lib.ffi.new("ntp_light *")
-    direction = (math.cos(around) * math.cos(above), math.sin(around) * math.cos(above))
-    light.direction = [*direction, math.sin(above)]
-    light.ambient, light.diffuse, light.specular, light.color = 0.1, 0.9, 0.2, [0.6] * 3
-    expected = np.zeros((*normals.shape[:2], channels), np.uint8)
-    source = ffi_lib.view(normals, ffi_lib.STANDARD, ffi_lib.DOWN, const=True)
-    picture_of = ffi_lib.view(expected, ffi_lib.HEIGHT)
-    ffi_lib.check(ffi_lib.lib.ntp_shade(picture_of, source, light, ffi_lib.ffi.NULL))
-    shown = ["show=lit", "light-from=20", "light-height=50"]
-    made = gegl(heights, "ntp:normals-from-height", "scale=30", "to-y=down", *shown)
-    assert (made == expected.astype(made.dtype) * (1 if depth == 8 else 257)).all()
-
-
-@pytest.mark.parametrize(
-    ("depth", "properties", "options"),
-    [
-        (8, ["strength=1.7"], ["--strength", "1.7"]),
-        (16, ["strength=-0.3", "flip-x=true"], ["--strength", "-0.3", "--flip", "x"]),
-        (8, ["flip-y=true"], ["--flip", "y"]),
-        (16, ["flip-x=true", "flip-y=true"], ["--rotate", "180"]),
-        (8, ["rotate=90", "flip-x=true"], ["--rotate", "90", "--flip", "x"]),
-        (16, ["rotate=-90", "flip-y=true"], ["--rotate", "-90", "--flip", "y"]),
-        (8, ["rotate=33.3"], ["--rotate", "33.3"]),
-        (16, ["rotate=-120.5", "strength=0.7", "flip-x=true"],
-         ["--rotate", "-120.5", "--strength", "0.7", "--flip", "x"]),
-        (8, ["rotate=200", "border=clamp", "flip-y=true"],
-         ["--rotate", "200", "--border", "clamp", "--flip", "y"]),
-    ],
-)  # fmt: skip
-@pytest.mark.parametrize("y", ["up", "down"])
-def test_transform(gegl, ntp, depth, properties, options, y):
-    normals = rough_normals(4, depth)
-    expected = ntp(normals, "transform", "--type", "standard", "--y", y, *options)
-    properties = [f"from-y={y}", *properties]
-    assert (gegl(normals, "ntp:transform-normals", *properties, threads=4) == expected).all()
-    if properties[-1].startswith(("flip", "rotate")):  # a part is that part of the whole
-        crop = ["gegl:crop", "x=3", "y=2", "width=9", "height=5"]
-        part = gegl(normals, "ntp:transform-normals", *properties, *crop)
-        assert (part == expected[2:7, 3:12]).all()
-
-
 @pytest.mark.parametrize("depth", DEPTHS)
 @pytest.mark.parametrize("channels", [1, 3, 4])
 @pytest.mark.parametrize(
@@ -460,192 +372,3 @@ def test_ambient_occlusion(gegl, ntp, channels, depth, settings):
     assert (part[:, :, :3] == expected[2:7, 3:12]).all()
     flat = gegl(heights, "ntp:ambient-occlusion", "scale=0")
     assert (flat[:, :, :3] == np.iinfo(flat.dtype).max).all()
-
-
-def test_progress_ends(gegl_env, tmp_path):
-    """GIMP takes neither clicks nor keys from the progress 0 to the progress 1."""
-    pngs.write_png(tmp_path / "in.png", picture(33, 21, 3, 8))
-    program = Path(ffi_lib.__file__).parent / "gegl_progress.py"
-    done = subprocess.run(
-        [sys.executable, program, tmp_path / "in.png", "ntp:ambient-occlusion"],
-        env=gegl_env,
-        cwd=tmp_path,
-        capture_output=True,
-        text=True,
-        timeout=900,
-        check=True,
-    )
-    shares = [float(line) for line in done.stdout.split()]
-    assert shares[0] == 0 and shares[-1] == 1 and shares == sorted(shares), done.stderr
-
-
-@pytest.mark.parametrize(
-    ("mode", "depth"), [("rnm", 8), ("whiteout", 16), ("linear", 8), ("rnm", 16)]
-)
-def test_blend(gegl, run, tmp_path, mode, depth):
-    """The detail is at the pad aux; where it ends the base stays."""
-    base = rough_normals(3, depth)
-    detail = np.ascontiguousarray(rough_normals(3, depth)[::-1, ::-1])
-    pngs.write_png(tmp_path / "base.png", base)
-    pngs.write_png(tmp_path / "detail.png", detail)
-    told = [
-        "--mode",
-        mode,
-        "--strength",
-        "0.6",
-        "--type",
-        "standard",
-        "--y",
-        "up",
-        "--detail-y",
-        "up",
-    ]
-    done = run("blend", "base.png", "detail.png", "-o", "blended.png", "-q", *told)
-    assert done.returncode == 0, done.stderr
-    expected = pngs.read_png(tmp_path / "blended.png")[0]
-    aux = ["aux=[", "gegl:png-load", "path=detail.png", "]"]
-    operation = ["ntp:blend-normals", f"mode={mode}", "strength=0.6", *aux]
-    assert (gegl(base, *operation) == expected).all()
-    file = ["ntp:blend-normals-file", f"mode={mode}", "strength=0.6", "path=detail.png"]
-    assert (gegl(base, *file, threads=2) == expected).all()
-    assert (gegl(base, "ntp:blend-normals") == base).all()
-    assert (gegl(base, "ntp:blend-normals-file", "path=none.png") == base).all()
-    small = ["aux=[", "gegl:png-load", "path=detail.png", "gegl:crop", "width=20", "height=9", "]"]
-    expected[9:], expected[:, 20:] = base[9:], base[:, 20:]
-    operation = ["ntp:blend-normals", f"mode={mode}", "strength=0.6", *small]
-    assert (gegl(base, *operation) == expected).all()
-    faded = np.dstack([detail, np.arange(detail[..., 0].size).reshape(detail.shape[:2])])
-    pngs.write_png(tmp_path / "detail.png", faded.astype(detail.dtype))
-    told += ["--detail-alpha"]
-    done = run("blend", "base.png", "detail.png", "-o", "blended.png", "-q", *told)
-    assert done.returncode == 0, done.stderr
-    expected = pngs.read_png(tmp_path / "blended.png")[0]
-    operation = ["ntp:blend-normals", f"mode={mode}", "strength=0.6", "detail-alpha=true", *aux]
-    assert (gegl(base, *operation) == expected).all()
-
-
-def test_nothing_to_do(gegl_env, tmp_path):
-    """No input, an empty one, an endless one."""
-    for graph in (
-        ["gegl:nop", "ntp:normals-from-height"],
-        ["gegl:crop", "width=0", "height=0", "ntp:normals-from-height"],
-        ["gegl:checkerboard", "ntp:normals-from-height", "gegl:crop", "width=9", "height=9"],
-        ["gegl:checkerboard", "ntp:clean-normals", "gegl:crop", "width=9", "height=9"],
-    ):
-        done = subprocess.run(
-            ["gegl", "-o", "none.png", "--", *graph],
-            env=gegl_env,
-            cwd=tmp_path,
-            capture_output=True,
-            text=True,
-            timeout=900,
-            check=False,
-        )
-        assert done.returncode >= 0 and "CRITICAL" not in done.stderr, done.stderr
-
-
-def documented():
-    """The commands of the README, under "Without GIMP"."""
-    text = (Path(__file__).resolve().parents[2] / "gimp-plugin" / "README.md").read_text()
-    block = text.split("## Without GIMP")[1].split("```sh")[1].split("```")[0]
-    return [shlex.split(line) for line in block.strip().splitlines()]
-
-
-def gegl_says(gegl_env, tmp_path, *words):
-    """What the program says in all; --info prints a pointer as if it were text."""
-    done = subprocess.run(
-        words, env=gegl_env, cwd=tmp_path, capture_output=True, timeout=900, check=False
-    )
-    text = (done.stdout + done.stderr).decode(errors="replace")
-    # GLib of Debian 13 says so of a value out of range; the program goes on and says it too.
-    lines = [line for line in text.splitlines() if "is invalid or out of range for" not in line]
-    assert done.returncode == 0 and "CRITICAL" not in "".join(lines), text
-    return text
-
-
-def test_documented(gegl_env, tmp_path, ntp):
-    heights, normals = picture(40, 30, 3, 8), rough_normals(3, 8)
-    pngs.write_png(tmp_path / "heights.png", heights)
-    pngs.write_png(tmp_path / "rock_n.png", normals)
-    made, cleaned, info = documented()
-    gegl_says(gegl_env, tmp_path, *made)
-    options = to_options(dict(word.split("=") for word in made if "=" in word))
-    expected = ntp(heights, "from-height", *options)
-    assert (pngs.read_png(tmp_path / "normals.png")[0] == expected * np.uint16(257)).all()
-    gegl_says(gegl_env, tmp_path, *cleaned)
-    expected = ntp(normals, "clean", "--type", "standard", "--method", "derive")
-    assert (pngs.read_png(tmp_path / "rock_clean.png")[0] == expected * np.uint16(257)).all()
-    text = gegl_says(gegl_env, tmp_path, *info)
-    assert all(name in text for name in ("kernel", "border-x", "How many texels white rises"))
-
-
-@pytest.mark.parametrize(
-    "word, answer",
-    [
-        ("kernel=sobel", "prewitt3 sobel3 scharr3"),
-        ("border=wrap", "'border-x', 'border-y'"),
-        ("min-z=1.5", "out of range for property 'min-z'"),
-    ],
-)
-def test_mistakes(gegl_env, tmp_path, word, answer):
-    """Said with what there is instead, as the README tells."""
-    pngs.write_png(tmp_path / "in.png", picture(9, 9, 3, 8))
-    command = ["gegl", "in.png", "-o", "out.png", "--", "ntp:normals-from-height", word]
-    assert answer in gegl_says(gegl_env, tmp_path, *command)
-
-
-CLEANING = [
-    ({}, {}),
-    ({"repair": "normalize"}, {"method": "normalize"}),
-    ({"keep-negative-z": True}, {"keep-negative-z": True}),
-    ({"touch-unused": True}, {"touch-unused": True}),
-    ({"only-failing": True, "verdict": "rounded"}, {"only-failing": True, "verdict": "rounded"}),
-    ({"from": "zzero", "to": "zzero"}, {"type": "zzero"}),
-    ({"from": "xy", "to": "xy"}, {"type": "xy"}),
-]
-
-
-@pytest.mark.parametrize("chunks", [(), (GAMMA,)], ids=["plain", "gAMA"])
-@pytest.mark.parametrize("depth", DEPTHS)
-@pytest.mark.parametrize("channels", [3, 4])
-@pytest.mark.parametrize("properties, options", CLEANING)
-def test_clean(gegl, ntp, properties, options, channels, depth, chunks):
-    normals = rough_normals(channels, depth)
-    options = {"type": "standard", "method": "derive", **options}
-    expected = ntp(normals, "clean", *to_options(options))
-    made = gegl(normals, "ntp:clean-normals", *to_properties(properties), chunks=chunks)
-    assert (made == expected).all()
-
-
-CONVERSIONS = [
-    {"to": "zzero"},
-    {"to-y": "down"},
-    {"from": "zzero", "to": "standard", "from-y": "down"},
-    {"to": "xy", "from-y": "down", "to-y": "down"},
-]
-
-
-@pytest.mark.parametrize("depth", DEPTHS)
-@pytest.mark.parametrize("settings", CONVERSIONS, ids=lambda s: "-".join(s.values()))
-def test_convert(gegl, ntp, settings, depth):
-    normals = rough_normals(4, depth)
-    # The operation does not look at the layer; the program would.
-    told = {"from": "standard", "from-y": "up", **settings}
-    expected = ntp(normals, "convert", *to_options(told))
-    made = gegl(normals, "ntp:clean-normals", "repair=none", *to_properties(settings))
-    assert (made == expected).all()
-    cleaned = ntp(normals, "clean", "--type", told["from"], "--method", "derive")
-    expected = ntp(cleaned, "convert", *to_options(told))
-    made = gegl(normals, "ntp:clean-normals", *to_properties(settings))
-    assert (made == expected).all()
-
-
-@pytest.mark.parametrize("palette", ["reference", "safe"])
-@pytest.mark.parametrize("depth", DEPTHS)
-def test_heatmap(gegl, ntp, depth, palette):
-    normals = rough_normals(3, depth)
-    show = "heatmap" if palette == "reference" else "heatmap-safe"
-    expected = ntp(normals, "heatmap", "--type", "standard", "--palette", palette)[:, :, :3]
-    assert expected.dtype == np.uint8
-    made = gegl(normals, "ntp:clean-normals", f"show={show}")
-    assert (made == expected.astype(made.dtype) * (1 if depth == 8 else 257)).all()

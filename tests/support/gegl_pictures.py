@@ -37,3 +37,8 @@ def rough_normals(channels, depth, seed=9):
     pixels[:20, :, 2] = top - pixels[:20, :, 2] // 3
     pixels[5, :30], pixels[6, :30] = 0, top
     return pixels.astype(np.uint8 if depth == 8 else np.uint16)
+
+
+def to_properties(settings):
+    """The same as properties of the operation."""
+    return [f"{k}={'true' if v is True else v}" for k, v in settings.items()]
