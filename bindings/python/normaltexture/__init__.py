@@ -16,6 +16,7 @@ False
 True
 """
 
+from ._blend import blend
 from ._blocks import encode_bc4, encode_bc5
 from ._blur import blur_height
 from ._channels import pack_channels
@@ -39,9 +40,9 @@ from ._height import (
     like,
     normals_from_height,
     normals_from_height_with_counts,
-    suggest_scale,
 )
 from ._height_info import HeightInfo
+from ._height_scale import suggest_scale
 from ._measure import (
     Angles,
     Channel,
@@ -52,14 +53,15 @@ from ._measure import (
 )
 from ._native import ffi as _ffi
 from ._native import lib as _lib
-from ._operations import blend, mip_chain, resize, transform
 from ._orientation import Orientation, detect_orientation
 from ._origin import KernelFit, Seam, Steps, find_kernel, find_seams, find_steps
 from ._pictures import Difference, Light, compare, heatmap, shade
 from ._program import CheckedFile, CheckReport, Finding, check, program
 from ._reconstruct import height_from_normals, height_from_normals_with_info
 from ._relief import curvature, occlusion
+from ._resize import mip_chain, resize
 from ._rows import height_from_rows
+from ._transform import transform
 from ._validate import Flag, Texel, inspect, validate
 from ._vectors import decode, encode
 

@@ -12,7 +12,7 @@ from ._blocks import encode_bc4, encode_bc5
 from ._errors import ArgumentError
 from ._names import BLOCK_QUALITIES, FILE_FORMATS, FILTERS, TOUCH_NONE, TYPES
 from ._native import ffi, lib
-from ._operations import resized
+from ._resize import resized
 from ._threads import thread_count
 from ._undo import resolve_sound
 from .typing import AutoType, BlockQuality, Compression
