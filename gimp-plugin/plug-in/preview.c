@@ -7,6 +7,7 @@
  */
 #include "preview.h"
 #include "height.h"
+#include "preview_pixels.h"
 #include "repair.h"
 #include "texels.h"
 
@@ -102,29 +103,6 @@ static job_status make(const maker *m, const ntp_rect *area, unsigned char *data
 
 /* ------------------------------------------------------------------------------ averages */
 
-static int32_t texel_at(double start, double step, double i, int32_t size)
-{
-    const double at = start + i * step;
-    return at < 0 ? 0 : at >= (double) size ? size - 1 : (int32_t) at;
-}
-
-/* How many texels a pixel averages on each axis. */
-static int32_t texels_in_pixel(const preview *p)
-{
-    const int32_t all = p->step > 1 ? (int32_t) ceil(p->step) : 1;
-    return p->most > 0 && p->most < all ? p->most : all;
-}
-
-/* The texel under sample k of n of pixel i. */
-static int32_t column_of(const preview *p, int32_t i, int32_t k, int32_t n)
-{
-    return texel_at(p->x, p->step, (double) i + ((double) k + 0.5) / (double) n, p->layer->width);
-}
-static int32_t row_of(const preview *p, int32_t j, int32_t k, int32_t n)
-{
-    return texel_at(p->y, p->step, (double) j + ((double) k + 0.5) / (double) n, p->layer->height);
-}
-
 /* What the texels under a pixel add up to. */
 typedef struct sum {
     float across, up; /* slopes of normals */
@@ -178,11 +156,11 @@ static void gather(const maker *m, int32_t first, const unsigned char *const *ro
     for (int32_t i = 0; i < p->width; i++, out += RGB) {
         sum s = { 0 };
         if (n == 1) {
-            memcpy(out, rows[0] + (size_t) (column_of(p, i, 0, 1) - first) * RGBA, RGB);
+            memcpy(out, rows[0] + (size_t) (preview_column_of(p, i, 0, 1) - first) * RGBA, RGB);
             continue;
         }
         for (int32_t c = 0; c < n; c++) {
-            const size_t at = (size_t) (column_of(p, i, c, n) - first) * RGBA;
+            const size_t at = (size_t) (preview_column_of(p, i, c, n) - first) * RGBA;
             for (int32_t k = 0; k < n; k++)
                 add(&s, rows[k] + at, m);
         }
@@ -195,19 +173,20 @@ static job_status sample_group(const maker *m, int32_t j, int32_t end, unsigned 
                                const unsigned char **rows, uint8_t *out)
 {
     const preview *p = m->p;
-    const int32_t n = texels_in_pixel(p);
-    const int32_t x0 = column_of(p, 0, 0, n), x1 = column_of(p, p->width - 1, n - 1, n) + 1;
+    const int32_t n = preview_texels_in_pixel(p);
+    const int32_t x0 = preview_column_of(p, 0, 0, n),
+                  x1 = preview_column_of(p, p->width - 1, n - 1, n) + 1;
     const size_t row = (size_t) (x1 - x0) * RGBA;
     const bool dense = n >= p->step;
-    const int32_t first = row_of(p, j, 0, n);
+    const int32_t first = preview_row_of(p, j, 0, n);
     job_status status = JOB_DONE;
     if (dense) {
-        const ntp_rect area = { x0, first, x1, row_of(p, end - 1, n - 1, n) + 1 };
+        const ntp_rect area = { x0, first, x1, preview_row_of(p, end - 1, n - 1, n) + 1 };
         status = make(m, &area, data);
     }
     for (; status == JOB_DONE && j < end; j++) {
         for (int32_t k = 0; status == JOB_DONE && k < n; k++) {
-            const int32_t y = row_of(p, j, k, n);
+            const int32_t y = preview_row_of(p, j, k, n);
             unsigned char *at = data + row * (size_t) (dense ? y - first : k);
             const ntp_rect area = { x0, y, x1, y + 1 };
             if (!dense)
@@ -220,16 +199,11 @@ static job_status sample_group(const maker *m, int32_t j, int32_t end, unsigned 
     return status;
 }
 
-static int32_t end_of(const preview *p)
-{
-    return p->end > 0 ? p->end : p->height;
-}
-
 static job_status sample(const maker *m, uint8_t *out)
 {
     const preview *p = m->p;
-    const int32_t end = end_of(p);
-    const int32_t n = texels_in_pixel(p);
+    const int32_t end = preview_end_of(p);
+    const int32_t n = preview_texels_in_pixel(p);
     const double covered = (double) GROUP / p->step;
     const int32_t group = covered < 1 ? 1 : covered > p->height ? p->height : (int32_t) covered;
     const size_t most = (size_t) ceil((double) group * p->step) + (size_t) n + 2;
@@ -254,7 +228,7 @@ static void light_up(const preview *p, ntp_encoding encoding, ntp_y y, uint8_t *
     view.y = y;
     out.encoding = NTP_ENCODING_HEIGHT;
     const ntp_const_image seen = ntp_image_as_const(&view);
-    const ntp_rect rows = { 0, p->first, p->width, end_of(p) };
+    const ntp_rect rows = { 0, p->first, p->width, preview_end_of(p) };
     ntp_shade(&out, &seen, p->light, &rows);
 }
 
@@ -423,14 +397,14 @@ static job_status show_height(const preview *p, uint8_t *map, uint8_t *lit)
     const height_job job = height_job_from(p->settings);
     preview small = *p; /* a texel for each pixel, if pixels are smaller */
     maker m = { .p = &small, .what = MAKE_NOTHING, .encoding = job.encoding };
-    const int32_t x0 = column_of(p, 0, 0, 1), y0 = row_of(p, 0, 0, 1);
+    const int32_t x0 = preview_column_of(p, 0, 0, 1), y0 = preview_row_of(p, 0, 0, 1);
     if (p->step < 1) {
         small.step = 1;
         small.first = small.end = 0; /* all of its rows, which are fewer */
         small.x = x0;
         small.y = y0;
-        small.width = column_of(p, p->width - 1, 0, 1) - x0 + 1;
-        small.height = row_of(p, p->height - 1, 0, 1) - y0 + 1;
+        small.width = preview_column_of(p, p->width - 1, 0, 1) - x0 + 1;
+        small.height = preview_row_of(p, p->height - 1, 0, 1) - y0 + 1;
     }
     const size_t count = (size_t) small.width * (size_t) small.height;
     uint8_t *normals = malloc(count * RGB);
@@ -439,9 +413,9 @@ static job_status show_height(const preview *p, uint8_t *map, uint8_t *lit)
     if (status == JOB_DONE)
         status = solve(&small, normals, &plane);
     for (int32_t j = 0; status == JOB_DONE && j < p->height; j++) {
-        const int32_t y = p->step < 1 ? row_of(p, j, 0, 1) - y0 : j;
+        const int32_t y = p->step < 1 ? preview_row_of(p, j, 0, 1) - y0 : j;
         for (int32_t i = 0; i < p->width; i++, map += RGB, lit += RGB) {
-            const int32_t x = p->step < 1 ? column_of(p, i, 0, 1) - x0 : i;
+            const int32_t x = p->step < 1 ? preview_column_of(p, i, 0, 1) - x0 : i;
             const size_t at = (size_t) y * (size_t) small.width + (size_t) x;
             memset(map, (int) (plane[at] * 255 + 0.5f), RGB);
             memcpy(lit, normals + at * RGB, RGB);
@@ -476,71 +450,4 @@ job_status preview_render(const preview *p, uint8_t *map, uint8_t *lit, uint8_t 
         return JOB_GRAY;
     return p->procedure == &procedures[PROCEDURE_HEIGHT] ? show_height(p, map, lit)
                                                          : show_clean(p, map, lit);
-}
-
-/* ------------------------------------------------------------------------------ heatmap */
-
-/* The stronger a fault, the brighter its color; texels without one are gray. */
-static int32_t weight_of(const uint8_t *rgb)
-{
-    const bool gray = rgb[0] == rgb[1] && rgb[1] == rgb[2];
-    return gray ? 0 : 1 + rgb[0] + rgb[1] + rgb[2];
-}
-
-typedef struct heater {
-    const preview *p;
-    ntp_palette palette;
-    unsigned char *texels; /* rows of the layer */
-    uint8_t *heat;         /* the same rows */
-    int32_t n;             /* texels that a pixel shows on each axis */
-} heater;
-
-static job_status heat_rows(const heater *h, int32_t y0, int32_t y1)
-{
-    const preview *p = h->p;
-    if (!p->layer->read(p->layer->user, y0, y1, h->texels))
-        return JOB_NO_PIXELS;
-    ntp_image view = raster_view(p->layer, h->texels, y1 - y0);
-    ntp_image heat = ntp_image_packed(h->heat, p->layer->width, y1 - y0, RGB, NTP_TYPE_U8);
-    view.encoding = p->found->encoding;
-    heat.encoding = NTP_ENCODING_HEIGHT;
-    const ntp_const_image seen = ntp_image_as_const(&view);
-    return ntp_heatmap(&heat, &seen, h->palette, p->found->touch, NULL) == NTP_OK ? JOB_DONE
-                                                                                  : JOB_WRONG;
-}
-
-/* Adds a row of texels to a row of pixels, which begins black. */
-static void keep_worst(const heater *h, const uint8_t *row, uint8_t *out)
-{
-    const preview *p = h->p;
-    for (int32_t i = 0; i < p->width; i++, out += RGB) {
-        for (int32_t k = 0; k < h->n; k++) {
-            const uint8_t *texel = row + (size_t) column_of(p, i, k, h->n) * RGB;
-            const int32_t weight = weight_of(texel), before = weight_of(out);
-            if (weight > before || (weight == 0 && before == 0 && texel[0] > out[0]))
-                memcpy(out, texel, RGB);
-        }
-    }
-}
-
-job_status preview_heatmap(const preview *p, ntp_palette palette, uint8_t *heat)
-{
-    const int32_t n = texels_in_pixel(p);
-    heater h = { .p = p, .palette = palette, .n = n };
-    h.texels = malloc(raster_row(p->layer));
-    h.heat = malloc((size_t) p->layer->width * RGB);
-    job_status status = h.texels != NULL && h.heat != NULL ? JOB_DONE : JOB_NO_MEMORY;
-    for (int32_t j = p->first; status == JOB_DONE && j < end_of(p); j++) {
-        uint8_t *out = heat + (size_t) j * (size_t) p->width * RGB;
-        memset(out, 0, (size_t) p->width * RGB);
-        for (int32_t k = 0; status == JOB_DONE && k < n; k++) {
-            const int32_t y = row_of(p, j, k, n);
-            status = heat_rows(&h, y, y + 1);
-            if (status == JOB_DONE)
-                keep_worst(&h, h.heat, out);
-        }
-    }
-    free(h.texels);
-    free(h.heat);
-    return status;
 }
