@@ -32,26 +32,6 @@ static bool is(question *q, ntp_class type, double confidence)
     return true;
 }
 
-static void prepare(question *q)
-{
-    const ntp_stats *s = q->s;
-    const ntp__evidence *e = q->e;
-    const ntp_fit *fit[2] = { &s->standard, &s->zzero };
-    double x = 2 * s->used_mean[0] - 1, y = 2 * s->used_mean[1] - 1;
-    q->all_used = most(1, (double) (s->texels - s->unused) - (double) s->not_finite);
-    q->used = q->all_used - (double) e->padding;
-    q->lean = sqrt(x * x + y * y);
-    for (int32_t z = 0; z < 2; z++) {
-        q->unit[z] = (double) (fit[z]->neighbor - fit[z]->unused_neighbor) / q->used;
-        q->rounded[z] = (double) (fit[z]->rounded - fit[z]->unused_rounded) / q->used;
-        q->near[z] = q->e->fit[z].near_unit[2];
-    }
-    q->negative = (double) e->used_z_negative / q->used;
-    q->red_low = (double) e->red_low / q->used;
-    q->green_low = (double) e->green_low / q->used;
-    q->too_long = (double) (s->xy_too_long - s->unused_xy_too_long - e->padding) / q->used;
-}
-
 /* ------------------------------------------------------------------------- the questions */
 
 /* DXT5nm: alpha and green lie around the middle, and red and blue hold nothing of their own. */
@@ -173,18 +153,11 @@ static bool is_swapped(question *q)
     return is(q, NTP_CLASS_STANDARD, sure ? SWAPPED_SURE : SWAPPED_LOOSE_SURE);
 }
 
-/* Are enough texels steeper than 1/8 to tell anything? */
-static bool has_slopes(const question *q)
-{
-    return ntp__count_bins(q->e, 1, NTP__STEEPNESS_BINS) >=
-           most(SLOPING_TEXELS_LEAST, TILTED_LEAST * q->used);
-}
-
 /* Do blue and the derived blue keep to a line of this slope, and do enough texels slope to tell? */
 static bool follows_as(const question *q, double slope, double correlation, double off)
 {
     double sign = slope < 0 ? -1 : 1;
-    return has_slopes(q) && sign * q->e->blue_correlation > correlation &&
+    return ntp__has_slopes(q) && sign * q->e->blue_correlation > correlation &&
            distance(q->e->blue_slope, slope) < off;
 }
 
@@ -226,12 +199,6 @@ static bool prefers_zzero(const question *q)
            (e->tilted_gap > ZZERO_WIDE_GAP || e->blue_correlation > ZZERO_GENTLE_FOLLOWS);
 }
 
-/* The share of texels that are steeper than 1/2. */
-static double steep_share(const question *q)
-{
-    return ntp__count_bins(q->e, NTP__STEEPNESS_BINS / 2, NTP__STEEPNESS_BINS) / q->used;
-}
-
 static bool is_object_space(question *q)
 {
     double z = rarer(q->negative), red = rarer(q->red_low), green = rarer(q->green_low);
@@ -240,7 +207,7 @@ static bool is_object_space(question *q)
     bool mixed = z > MIXED_LEAST && red > MIXED_LEAST && green > MIXED_LEAST;
     double up = 2 * q->s->used_mean[2] - 1, one_way = sqrt(q->lean * q->lean + up * up);
     if (bright_and_dark || one_way > ONE_WAY_MOST || z < DIRECTIONS_LEAST || red < AXIS_LEAST ||
-        green < AXIS_LEAST || steep_share(q) < BODY_STEEP_LEAST ||
+        green < AXIS_LEAST || ntp__steep_share(q) < BODY_STEEP_LEAST ||
         ntp__keep_to_a_line(q->e, 0, 1) ||
         q->near[0] < (mixed ? MIXED_UNIT_SHARE : NEAR_UNIT_SHARE) || prefers_zzero(q) ||
         ntp__length_error(q->e, TILTED_FIRST_BIN, TILTED_END_BIN) > TILTED_ERROR_MOST)
@@ -260,12 +227,6 @@ static bool is_one_channel_twice(const question *q)
            sd[1] < AS_MUCH * sd[0];
 }
 
-/* The share of all used texels; where blue does not tell, padding counts as well. */
-static double too_long(const question *q)
-{
-    return (double) (q->s->xy_too_long - q->s->unused_xy_too_long) / q->all_used;
-}
-
 static bool is_blue_constant(question *q)
 {
     const ntp_stats *s = q->s;
@@ -273,7 +234,8 @@ static bool is_blue_constant(question *q)
     const double z = 2 * s->used_mean[2] - 1;
     bool constant = e->used_sd[2] < CONSTANT_DEVIATION;
     bool still = most(e->used_sd[0], e->used_sd[1]) < CONSTANT_DEVIATION;
-    if (!ntp__blue_is_idle(e) || still || too_long(q) > TOO_LONG_SHARE || q->lean > LEAN_MOST ||
+    if (!ntp__blue_is_idle(e) || still || ntp__too_long(q) > TOO_LONG_SHARE ||
+        q->lean > LEAN_MOST ||
         (constant ? q->lean > LEAN_PICTURE && is_one_channel_twice(q) : is_bright_and_dark(q)) ||
         (s->used_mean[2] > BRIGHT_BLUE && q->unit[0] > UNIT_SHARE) ||
         (constant && s->used_mean[2] < FULL_BLUE && s->used_mean[2] > BRIGHT_BLUE &&
@@ -344,7 +306,7 @@ static bool follows_z(const question *q, bool flipped, double correlation)
 /* Does blue rise and fall with z at all, and are lengths close together, on slopes as well? */
 static bool keeps_length(const question *q, double follows)
 {
-    return has_slopes(q) && follows > BLUE_FOLLOWS && q->e->fit[0].length_sd < KEPT_SPREAD &&
+    return ntp__has_slopes(q) && follows > BLUE_FOLLOWS && q->e->fit[0].length_sd < KEPT_SPREAD &&
            ntp__length_error(q->e, 1, NTP__STEEPNESS_BINS) < KEPT_SLOPING_ERROR;
 }
 
@@ -457,9 +419,9 @@ static bool is_xy(question *q)
     const ntp_stats *s = q->s;
     const ntp__evidence *e = q->e;
     double middle = (double) (e->steepness[0] + e->steepness[1]) / q->used;
-    if (too_long(q) > TOO_LONG_SHARE || q->lean > LEAN_CENTERED || steep_share(q) > STEEP_MOST ||
-        is_bright_and_dark(q) || is_one_channel_twice(q) || ntp__blue_alike(e) > BLUE_ALIKE ||
-        ntp__is_noise(q->e))
+    if (ntp__too_long(q) > TOO_LONG_SHARE || q->lean > LEAN_CENTERED ||
+        ntp__steep_share(q) > STEEP_MOST || is_bright_and_dark(q) || is_one_channel_twice(q) ||
+        ntp__blue_alike(e) > BLUE_ALIKE || ntp__is_noise(q->e))
         return false;
     double ends = (double) (s->alpha_zero + s->alpha_full) / (double) s->texels;
     bool alpha = e->used_sd[3] > ALPHA_VARIES && ends < ALPHA_ENDS_MOST;
@@ -523,7 +485,7 @@ ntp_status ntp_classify(ntp_classification *result, ntp_tally *tally)
     NTP__TRY(ntp__gather_evidence(&e, tally));
     memset(result, 0, sizeof *result);
     question q = { .out = result, .e = &e, .s = &e.stats };
-    prepare(&q);
+    ntp__set_shares(&q);
     classify(&q);
     return NTP_OK;
 }

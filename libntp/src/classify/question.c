@@ -91,3 +91,39 @@ bool ntp__is_noise(const ntp__evidence *e)
     return distance(mean[2], mean[0]) < NOISE_MEAN && distance(mean[2], mean[1]) < NOISE_MEAN &&
            high < NOISE_SPREAD * low;
 }
+
+void ntp__set_shares(question *q)
+{
+    const ntp_stats *s = q->s;
+    const ntp__evidence *e = q->e;
+    const ntp_fit *fit[2] = { &s->standard, &s->zzero };
+    double x = 2 * s->used_mean[0] - 1, y = 2 * s->used_mean[1] - 1;
+    q->all_used = most(1, (double) (s->texels - s->unused) - (double) s->not_finite);
+    q->used = q->all_used - (double) e->padding;
+    q->lean = sqrt(x * x + y * y);
+    for (int32_t z = 0; z < 2; z++) {
+        q->unit[z] = (double) (fit[z]->neighbor - fit[z]->unused_neighbor) / q->used;
+        q->rounded[z] = (double) (fit[z]->rounded - fit[z]->unused_rounded) / q->used;
+        q->near[z] = q->e->fit[z].near_unit[2];
+    }
+    q->negative = (double) e->used_z_negative / q->used;
+    q->red_low = (double) e->red_low / q->used;
+    q->green_low = (double) e->green_low / q->used;
+    q->too_long = (double) (s->xy_too_long - s->unused_xy_too_long - e->padding) / q->used;
+}
+
+bool ntp__has_slopes(const question *q)
+{
+    return ntp__count_bins(q->e, 1, NTP__STEEPNESS_BINS) >=
+           most(SLOPING_TEXELS_LEAST, TILTED_LEAST * q->used);
+}
+
+double ntp__steep_share(const question *q)
+{
+    return ntp__count_bins(q->e, NTP__STEEPNESS_BINS / 2, NTP__STEEPNESS_BINS) / q->used;
+}
+
+double ntp__too_long(const question *q)
+{
+    return (double) (q->s->xy_too_long - q->s->unused_xy_too_long) / q->all_used;
+}

@@ -80,4 +80,17 @@ double ntp__blue_drop_before(const ntp__evidence *e);
  * little. */
 double ntp__blue_alike(const ntp__evidence *e);
 
+/* Sets the shares of texels by the counts. */
+void ntp__set_shares(question *q);
+
+/* Are enough texels steeper than 1/8 to tell anything? */
+bool ntp__has_slopes(const question *q);
+
+/* The share of texels that are steeper than 1/2. */
+double ntp__steep_share(const question *q);
+
+/* The share of all used texels whose x, y are too long; where blue does not tell, padding counts
+ * as well. */
+double ntp__too_long(const question *q);
+
 #endif

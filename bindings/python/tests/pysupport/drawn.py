@@ -69,3 +69,11 @@ def layouts(array):
     locked = array.copy()
     locked.flags.writeable = False
     yield "read-only", locked
+
+
+types = st.sampled_from(list(ENCODINGS))
+ups = st.sampled_from(["up", "down"])
+
+
+def max_of(texture):
+    return DEPTHS[texture.dtype.type]
