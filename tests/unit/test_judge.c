@@ -3,10 +3,12 @@
  * test_judge.c - what a measurement finds out about texels, against level.h, angle.c and doubles
  *
  * At 8 bit all pairs of magnitudes with all blues; at 16 bit random texels, and such whose blue is
- * the derived one, or lies near it.  Then surveys of all widths, against a loop.
+ * the derived one, or lies near it.  Then surveys of all widths, against a loop, and the counts of
+ * texels that are close to exact, against judging each.
  */
 #include "guarded.h"
 #include "base/view.h"
+#include "measure/judged_sums.h"
 #include "texel/angle.h"
 #include "texel/judged.h"
 #include "texel/kernels.h"
@@ -162,6 +164,129 @@ static void check_survey(const ntp__kernels_table *level, uint64_t *seed)
     }
 }
 
+/* Sums of texels by both ways.  Of Z-zero, steepness is not told apart. */
+typedef struct close_check {
+    ntp__sums some, each, found, want;
+    ntp__close_counts close;
+    ntp__block block;
+    int32_t n;
+} close_check;
+
+static void end_close_block(close_check *k, int32_t n)
+{
+    ntp__add_block(&k->each, &k->block, NULL, n, 65535, NTP_ENCODING_STANDARD);
+    ntp__add_close_block(&k->some, &k->close, &k->block, n);
+    k->n = 0;
+}
+
+/* Adds a group of texels (x, y, z) with any signs of x and y, whichever is which; z = b - K.  They
+ * are close all together, or else none is counted as such. */
+static void add_close_group(close_check *k, uint64_t *seed, int64_t x, int64_t y, int64_t z)
+{
+    enum { K = 32768, GROUP = 8 };
+    if (z < -K || z >= K)
+        return;
+    const uint32_t all = random_bits(seed);
+    for (int32_t i = 0; i < GROUP; i++) {
+        const uint32_t bits = all >> i;
+        const int32_t r = (int32_t) (bits & 1 ? K + x : K - 1 - x);
+        const int32_t g = (int32_t) (bits & 2 ? K + y : K - 1 - y);
+        k->block.c[0][k->n] = bits & 4 ? r : g;
+        k->block.c[1][k->n] = bits & 4 ? g : r;
+        k->block.c[2][k->n++] = (int32_t) (K + z);
+    }
+    if (k->n == NTP__BLOCK)
+        end_close_block(k, all % 4 == 0 ? NTP__BLOCK - (int32_t) (all >> 16) % GROUP : NTP__BLOCK);
+}
+
+/* Near t = x(x + 1) + y(y + 1) + z(z + 1) - A_M + 1 = add + of_z * z + of_k * k, k being the sum
+ * that neighbors are found by: one verdict or another changes there. */
+static void add_near_edge(close_check *c, uint64_t *seed, int64_t add, int64_t of_z, int64_t of_k)
+{
+    enum { K = 32768, TRIED = 250 };
+    const int64_t am = (int64_t) K * (K - 1), x = (int64_t) (random_bits(seed) % K);
+    const int64_t z = (int64_t) ntp__isqrt((uint64_t) (am - 1 - x * (x + 1))) + 2 -
+                      (int64_t) (random_bits(seed) % 5);
+    int64_t best = -1, off = INT64_MAX;
+    for (int64_t y = 0; y < TRIED; y++) {
+        const int64_t t = x * (x + 1) + y * (y + 1) + z * (z + 1) - am + 1;
+        const int64_t from = t - (add + of_z * z + of_k * (x + y + z + 3));
+        if ((from < 0 ? -from : from) < off) {
+            off = from < 0 ? -from : from;
+            best = y;
+        }
+    }
+    add_close_group(c, seed, x, best, z);
+}
+
+static void add_edges(close_check *k, uint64_t *seed)
+{
+    static const int32_t LENGTHS[] = { 0, -16382, 16384, -49150, 49150 };
+    static const int32_t TIMES[][2] = { { -3, 0 }, { -1, 0 }, { 1, 0 }, { 3, 0 },
+                                        { 0, -2 }, { 0, -1 }, { 0, 1 }, { 0, 2 } };
+    for (int32_t i = 0; i < 20000; i++) {
+        const int64_t more = (int64_t) (random_bits(seed) % 5) - 2;
+        const int32_t *const times = TIMES[i % 8];
+        add_near_edge(k, seed, LENGTHS[i % 5] + more, 0, 0);
+        add_near_edge(k, seed, more * 2, times[0], times[1]);
+    }
+    /* squares of x, y where steepness is another one */
+    for (int64_t i = 1; i < 8; i++) {
+        for (int64_t x = 0; x < 32768; x++) {
+            const int64_t rest = i * i * (32768 * 32767 / 64) - x * (x + 1);
+            const int64_t y = rest >= 0 ? (int64_t) ntp__isqrt((uint64_t) rest) : 0;
+            if (rest < 0 || rest - y * (y + 1) > 2 || rest - y * (y + 1) < -2)
+                continue;
+            const int64_t s = ntp__rest((int32_t) (32768 + x), (int32_t) (32768 + y), 65535);
+            add_close_group(k, seed, x, y, (int64_t) ntp__isqrt((uint64_t) s) / 2);
+        }
+    }
+}
+
+static void check_close(uint64_t *seed)
+{
+    enum { NEAR_FLAT = 400, RANDOM = 100000 };
+    static close_check k;
+    for (int32_t x = 0; x < NEAR_FLAT; x++) {
+        for (int32_t y = 0; y <= x; y++) {
+            for (int32_t z = 32763; z < 32768; z++)
+                add_close_group(&k, seed, x, y, z);
+        }
+    }
+    add_edges(&k, seed);
+    for (int32_t i = 0; i < RANDOM; i++) {
+        const int32_t x = (int32_t) (random_bits(seed) % 32768),
+                      y = (int32_t) (random_bits(seed) % 32768);
+        const int64_t s = ntp__rest(x + 32768, y + 32768, 65535);
+        const bool other = random_bits(seed) % 256 == 0;
+        if (s >= 0)
+            add_close_group(&k, seed, x, y, ntp__blue_of_rest(s, 65535, false) - 32768 + other);
+        else if (other)
+            add_close_group(&k, seed, x, y, -x);
+    }
+    end_close_block(&k, k.n);
+    ntp__merge_sums(&k.want, &k.each);
+    ntp__merge_sums(&k.found, &k.some);
+    ntp__add_close(&k.found, &k.close);
+    const ntp__sums *const f = &k.found, *const w = &k.want;
+    const ntp__fit_sums *const a = &f->fit[1], *const b = &w->fit[1];
+    CHECK(f->texels == w->texels);
+    CHECK(memcmp(&f->fit[0], &w->fit[0], sizeof f->fit[0]) == 0);
+    CHECK(memcmp(&f->angles, &w->angles, sizeof f->angles) == 0);
+    CHECK(memcmp(f->harm, w->harm, sizeof f->harm) == 0);
+    for (int32_t i = 0; i < 256; i++) {
+        uint32_t more = 0;
+        for (int32_t bin = 0; bin < NTP__ALL_BINS; bin++)
+            more += a->flags[bin * 256 + i] - b->flags[bin * 256 + i];
+        CHECK(more == 0);
+    }
+    CHECK(memcmp(a->lengths, b->lengths, sizeof a->lengths) == 0);
+    CHECK(memcmp(a->levels_off, b->levels_off, sizeof a->levels_off) == 0);
+    CHECK(a->length_sum == b->length_sum && a->levels_off_max == b->levels_off_max);
+    CHECK(a->length_error2[0] == b->length_error2[0] && a->length_error2[1] == b->length_error2[1]);
+    CHECK(a->length_max == b->length_max && a->length_inverted_min == b->length_inverted_min);
+}
+
 int main(int argc, char **argv)
 {
     const bool avx2 = argc > 1 && strcmp(argv[1], "avx2") == 0;
@@ -173,5 +298,6 @@ int main(int argc, char **argv)
     check_8_bit(level);
     check_16_bit(level, &seed);
     check_survey(level, &seed);
+    check_close(&seed);
     return 0;
 }

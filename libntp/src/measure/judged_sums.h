@@ -8,6 +8,7 @@
 #include "measure/merge.h"
 #include "base/view.h"
 #include "texel/angle.h"
+#include "texel/close.h"
 #include "texel/judged.h"
 
 enum {
@@ -20,8 +21,8 @@ typedef struct ntp__fit_sums {
     uint32_t lengths[NTP__LENGTH_BINS];
     /* The same of every second texel that ntp__add_block counts once; merged sums have none. */
     uint32_t other_flags[NTP__ALL_BINS * 256], other_lengths[NTP__LENGTH_BINS];
-    uint64_t length_error[NTP__ALL_BINS];
-    uint64_t length_error2[2]; /* without padding, and of padding */
+    uint64_t length_error[NTP__ALL_BINS]; /* Z-zero: only that of padding is read */
+    uint64_t length_error2[2];            /* without padding, and of padding */
     uint64_t length_sum;
     uint32_t length_max, length_inverted_min; /* ~min: zero-filled memory means none yet */
     uint32_t levels_off_max;                  /* the greatest index below with a count */
@@ -65,6 +66,13 @@ void ntp__merge_sums(ntp__sums *into, const ntp__sums *from);
  * encoding. */
 void ntp__add_block(ntp__sums *sums, const ntp__block *block, const uint32_t *count, int32_t n,
                     int32_t m, ntp_encoding encoding);
+
+/* Adds n 16-bit texels of the standard encoding, which angles are those of too.  Those that are close
+ * to exact are counted in `close`, as far as that holds them.  Changes the block. */
+void ntp__add_close_block(ntp__sums *sums, ntp__close_counts *close, ntp__block *block, int32_t n);
+
+/* Adds what `close` holds of the texels that ntp__add_close_block added. */
+void ntp__add_close(ntp__sums *sums, const ntp__close_counts *close);
 
 /* Adds `count` texels of one color. */
 void ntp__add(ntp__sums *sums, const int32_t c[3], uint32_t count, int32_t m,

@@ -169,9 +169,13 @@ static void note_flat(ntp_tally *t, int32_t r, int32_t g, int32_t b)
 }
 
 /* Used 16-bit texels, c[0..2] of the block, that are not 8-bit content. */
-static void count_wide(ntp_tally *t, const ntp__block *block, int32_t n)
+static void count_wide(ntp_tally *t, ntp__block *block, int32_t n)
 {
-    ntp__add_block(&t->wide, block, NULL, n, 65535, ntp__judged_as((ntp_encoding) t->encoding));
+    const ntp_encoding as = ntp__judged_as((ntp_encoding) t->encoding);
+    if (as == NTP_ENCODING_STANDARD)
+        ntp__add_close_block(&t->wide, &t->close, block, n);
+    else
+        ntp__add_block(&t->wide, block, NULL, n, 65535, as);
 }
 
 static void add_planes(ntp_tally *t, const ntp__survey *survey)

@@ -69,6 +69,9 @@ ntp_status ntp_tally_merge(ntp_tally *into, const ntp_tally *from)
             into->wide_flat_seen[i] |= from->wide_flat_seen[i];
     }
     ntp__merge_sums(&into->wide, &from->wide);
+    if (from->wide.texels > 0)
+        ntp__merge_counts((uint32_t *) &into->close, (const uint32_t *) &from->close,
+                          sizeof into->close / sizeof(uint32_t));
     ntp__merge_sums(&into->transparent_wide, &from->transparent_wide);
     ntp__merge_sums(&into->transparent_narrow, &from->transparent_narrow);
     ntp__merge_samples(into, from);
@@ -84,6 +87,8 @@ ntp_status ntp_tally_clear(ntp_tally *t)
         return NTP_OK;
     ntp__clear_cells(&t->cells);
     ntp__clear_samples(t);
+    if (t->wide.texels > 0)
+        memset(&t->close, 0, sizeof t->close);
     ntp__clear_sums(&t->wide);
     ntp__clear_sums(&t->transparent_wide);
     ntp__clear_sums(&t->transparent_narrow);
@@ -166,6 +171,8 @@ ntp_status ntp__sum_up(ntp_tally *t, ntp_encoding encoding)
     memset(t->blues, 0, sizeof t->blues);
     if (!picture) {
         ntp__merge_sums(&t->used, &t->wide);
+        if (t->wide.texels > 0)
+            ntp__add_close(&t->used, &t->close);
         add_cells(t, m, encoding);
         ntp__merge_sums(&t->unused, transparent);
         add_gray(t, 0, m, t->black, encoding);

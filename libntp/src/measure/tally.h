@@ -8,6 +8,7 @@
  *   measure.c        the pass over the texels; packed8_tmpl.h is its part for packed 8 bit
  *   color_counts.h   how often each color of 8 bit occurs: the cells
  *   judged_sums.h    what judged texels add up to: verdicts, lengths, angles
+ *   close_sums.c     the same for 16-bit texels that are close to exact
  *   sampled_rows.c   what costs more than a count, and is measured on some rows only
  *   tally.c          merges and empties tallies, and turns cells into sums
  *   summarize.c      from the sums to ntp_stats, which users read, and to the evidence
@@ -70,6 +71,7 @@ struct ntp_tally {
     /* Well-formed textures of 8 bit need nothing from here on, so these pages stay untouched. */
     uint8_t wide_flat_seen[4 * 8192]; /* a bit for each blue of the four flat pairs */
     ntp__sums wide;
+    ntp__close_counts close; /* texels of `wide` */
     uint8_t pair_seen[65536 / NTP__PAIR_GROUP];
     uint32_t pair_texels[65536]; /* of sampled rows, by r | g << 8 rounded to 8 bit */
     uint64_t pair_blue[65536];   /* the sums of their blues */

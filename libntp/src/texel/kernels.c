@@ -288,6 +288,8 @@ static inline int32_t whole_lanes(int32_t n)
 
 #include "texel/directions_tmpl.h"
 #include "texel/judge_tmpl.h"
+
+#include "texel/close_tmpl.h"
 #include "texel/angles_tmpl.h"
 
 static int32_t find(int32_t *restrict at, const int32_t *restrict marks, int32_t bits, int32_t n)
@@ -358,6 +360,7 @@ const ntp__kernels_table CONCAT(ntp__kernels_, NTP_ISA) = {
     count_cells,
     survey,
     judge_block,
+    count_close,
     directions,
     angles,
     normalize,

@@ -13,6 +13,7 @@
 #define NTP_KERNELS_H
 
 #include "base/cpu.h"
+#include "texel/close.h"
 
 #include <stddef.h>
 #include <stdint.h>
@@ -100,6 +101,11 @@ typedef void ntp__judge_block_fn(ntp__judged *judged, const int32_t *r, const in
                                  const int32_t *b, const uint32_t *count, int32_t n, int32_t m,
                                  int32_t zzero);
 
+/* Counts 16-bit texels that are close to exact (close.h), with their distances from the blue of
+ * Z-zero in levels_off.  The others go to the front of the planes.  0 <= n <= 256. */
+typedef void ntp__count_close_fn(ntp__close_block *out, ntp__close_counts *counts,
+                                 uint32_t *levels_off, int32_t *const c[3], int32_t n);
+
 /* Vectors of any length, as planes. */
 typedef struct ntp__vectors {
     double c[3][256];
@@ -173,6 +179,7 @@ typedef struct ntp__kernels_table {
     ntp__count8_fn *count_cells;      /* NULL where a table is faster than arithmetic */
     ntp__survey_fn *survey;
     ntp__judge_block_fn *judge_block;
+    ntp__count_close_fn *count_close; /* NULL where judging them as all others is as fast */
     ntp__directions_fn *directions;
     ntp__angles_fn *angles;
     ntp__normalize_fn *normalize;

@@ -8,6 +8,7 @@
  *                       root30.h and pick_kernels.c
  *   judged.h            what the kernels find out beyond the flags of ntp_validate
  *   cells.h             where colors of 8 bit are counted
+ *   close.h             where texels of 16 bit are counted that are nearly exact
  *   unused.h, .c        which texels hold no normal
  *   angle.h, .c         angles between vectors, and sums of angles
  *   direction.h, .c     integer vectors of any length to levels

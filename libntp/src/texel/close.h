@@ -1,0 +1,52 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * close.h - counts of 16-bit texels that are exact, or as close as rounding leaves them
+ *
+ * A texel is close here if it is standard, not below the horizon, on the disc, a neighbor, at most
+ * one level off its derived blue, and at most 1/65536 from length 1, rounded.  All that the standard
+ * encoding asks of it then fits into a few bits, and so does what Z-zero asks, but for how far blue
+ * is off.  Kernels count these (close_tmpl.h), and measure/ reads the counts when it needs them.
+ */
+#ifndef NTP_CLOSE_H
+#define NTP_CLOSE_H
+
+#include <stdint.h>
+
+/* The bits of a place in the standard counts, and in those of Z-zero. */
+enum {
+    NTP__CLOSE_LENGTH = 3, /* the length in 1/65536, less 65535 */
+    NTP__CLOSE_LONG = 4,
+    NTP__CLOSE_ROUNDED = 8,
+    NTP__CLOSE_INEXACT = 16,
+    NTP__CLOSE_STEEP_BIT = 5, /* above: floor(64 xy / A_M), which steepness follows from */
+    NTP__CLOSE_PLACES = 64 << NTP__CLOSE_STEEP_BIT,
+
+    NTP__CLOSE_ZZ_NEIGHBOR = 1,
+    NTP__CLOSE_ZZ_ROUNDED = 2,
+    NTP__CLOSE_ZZ_EXACT = 4,
+    NTP__CLOSE_ZZ_LONG = 8,
+    NTP__CLOSE_ZZ_LENGTH = 16,    /* times the length in 1/128, less the least */
+    NTP__CLOSE_ZZ_SHORTEST = 127, /* read as Z-zero, standard vectors are 1 to 2/sqrt(3) long */
+    NTP__CLOSE_ZZ_PLACES = 24 * NTP__CLOSE_ZZ_LENGTH,
+
+    NTP__CLOSE_COPIES =
+        4 /* texels side by side are counted apart: a count waits for the one before */
+};
+
+typedef struct ntp__close_counts {
+    uint32_t standard[NTP__CLOSE_PLACES][NTP__CLOSE_COPIES];
+    uint32_t zzero[NTP__CLOSE_ZZ_PLACES][NTP__CLOSE_COPIES];
+} ntp__close_counts;
+
+/* What is known of the close texels of a block besides. */
+typedef struct ntp__close_block {
+    int32_t texels, turned; /* how many are close, and how many of these are not exact */
+    int32_t left;           /* how many are not, and wait at the front of the planes */
+    int32_t angle[256];     /* of those that are turned, as in ntp__judged */
+    /* as Z-zero: lengths less 65536, in 1/65536 */
+    int64_t length_sum;
+    uint64_t length_error2;
+    int32_t least, greatest, levels_off_max;
+} ntp__close_block;
+
+#endif
