@@ -8,6 +8,7 @@
  */
 #include "png_filter.h"
 
+#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -94,49 +95,37 @@ static inline bytes no_texel(void)
 
 /* ------------------------------------------------------------------------------ rows */
 
+#ifdef IN_SSE2
+#  include "png_unfilter_sse2_tmpl.h"
+#else
+
 /* Rows in texels of a size that the compiler knows. */
-SIZE_KNOWN void undo_sub_row(uint8_t *row, size_t size, size_t texel)
-{
-    bytes a = no_texel();
-    for (size_t i = 0; i < size; i += texel) {
-        a = undo_sub(load(row + i, texel), a);
-        store(row + i, a, texel);
-    }
-}
-
-SIZE_KNOWN void undo_average_row(uint8_t *row, const uint8_t *above, size_t size, size_t texel)
-{
-    bytes a = no_texel();
-    for (size_t i = 0; i < size; i += texel) {
-        a = undo_average(load(row + i, texel), a, load(above + i, texel));
-        store(row + i, a, texel);
-    }
-}
-
-#ifndef IN_SSE2 /* which has its own */
-SIZE_KNOWN void undo_paeth_row(uint8_t *row, const uint8_t *above, size_t size, size_t texel)
+SIZE_KNOWN void undo_row(uint8_t *row, const uint8_t *above, size_t size, size_t texel, int kind)
 {
     bytes a = no_texel(), c = no_texel();
     for (size_t i = 0; i < size; i += texel) {
-        const bytes b = load(above + i, texel);
-        a = undo_paeth(load(row + i, texel), a, b, c);
+        const bytes value = load(row + i, texel), b = kind == SUB ? c : load(above + i, texel);
+        a = kind == SUB       ? undo_sub(value, a)
+            : kind == AVERAGE ? undo_average(value, a, b)
+                              : undo_paeth(value, a, b, c);
         c = b;
         store(row + i, a, texel);
     }
 }
+
 #endif
 
 SIZE_KNOWN void undo_kind(uint8_t *row, const uint8_t *above, size_t size, size_t texel, int kind)
 {
     switch (kind) {
     case SUB:
-        undo_sub_row(row, size, texel);
+        undo_row(row, row, size, texel, SUB); /* there may be no row above */
         break;
     case AVERAGE:
-        undo_average_row(row, above, size, texel);
+        undo_row(row, above, size, texel, AVERAGE);
         break;
     default:
-        undo_paeth_row(row, above, size, texel);
+        undo_row(row, above, size, texel, PAETH);
         break;
     }
 }
@@ -194,6 +183,37 @@ void ntpio__unfilter(uint8_t *row, const uint8_t *above, size_t size, size_t tex
         undo_kind(row, above, size, 8, kind);
         break;
     }
+}
+
+/* Two rows of Paeth of which the second one begins at `below`; false: not of these. */
+static bool undo_two(uint8_t *row, uint8_t *below, const uint8_t *above, size_t size, size_t texel)
+{
+#ifdef IN_SSE2
+    enum { LEAST_TEXELS = 4 };
+    if (size < LEAST_TEXELS * texel)
+        return false;
+    if (texel == 1)
+        undo_two_of_paeth(row, below, above, size, 1);
+    else if (texel == 3)
+        undo_two_of_paeth(row, below, above, size, 3);
+    else if (texel == 4)
+        undo_two_of_paeth(row, below, above, size, 4);
+    return texel == 1 || texel == 3 || texel == 4;
+#else
+    (void) row, (void) below, (void) above, (void) size, (void) texel;
+    return false;
+#endif
+}
+
+size_t ntpio__unfilter_rows(uint8_t *rows, const uint8_t *above, size_t size, size_t texel,
+                            size_t count)
+{
+    uint8_t *below = rows + size + 1;
+    if (above != NULL && count >= 2 && rows[0] == PAETH && below[0] == PAETH &&
+        undo_two(rows + 1, below + 1, above, size, texel))
+        return 2;
+    ntpio__unfilter(rows + 1, above, size, texel, rows[0]);
+    return 1;
 }
 
 /* ---------------------------------------------------------------------------- done */

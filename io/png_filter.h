@@ -23,6 +23,13 @@ enum {
 void ntpio__unfilter(uint8_t *row, const uint8_t *above, size_t size, size_t texel, int kind);
 
 /*
+ * The same for the first of `count` rows, each after the byte that is its kind, and for the second
+ * one too if both together are faster.  Returns how many are undone.
+ */
+size_t ntpio__unfilter_rows(uint8_t *rows, const uint8_t *above, size_t size, size_t texel,
+                            size_t count);
+
+/*
  * Filters a row into `out`.  A texel of zeros stands before both rows; the row above the first one
  * is zeros.  Returns the sum of what was written, each byte as its distance from 0 modulo 256: the
  * smallest of the five is the usual guess at which filter packs best.

@@ -27,20 +27,10 @@ static inline void store(uint8_t *to, bytes value, size_t texel)
     memcpy(to + whole, &above, rest);
 }
 
-static inline bytes undo_sub(bytes value, bytes a)
-{
-    return _mm_add_epi8(value, a);
-}
-
 static inline bytes average(bytes a, bytes b)
 {
     const bytes odd = _mm_and_si128(_mm_xor_si128(a, b), _mm_set1_epi8(1)); /* avg rounds up */
     return _mm_sub_epi8(_mm_avg_epu8(a, b), odd);
-}
-
-static inline bytes undo_average(bytes value, bytes a, bytes b)
-{
-    return _mm_add_epi8(value, average(a, b));
 }
 
 static inline __m128i absolute(__m128i v)
@@ -62,57 +52,6 @@ static inline __m128i paeth16(__m128i a16, __m128i b16, __m128i c16)
     const __m128i least = _mm_min_epi16(to_c, _mm_min_epi16(to_a, to_b));
     const __m128i b_or_c = choose(_mm_cmpeq_epi16(least, to_b), b16, c16);
     return choose(_mm_cmpeq_epi16(least, to_a), a16, b_or_c);
-}
-
-/* Texels as numbers of 16 bits: of the row done so far, and of the row above. */
-typedef struct paeth_state {
-    __m128i left, above_left;
-} paeth_state;
-
-/*
- * A texel waits for the one before it, so the way from `left` to the next `left` decides the speed:
- * all three results are ready when it is known which of them counts.
- */
-SIZE_KNOWN void undo_paeth_texel(paeth_state *state, uint8_t *row, __m128i value, __m128i b,
-                                 size_t texel)
-{
-    const __m128i byte = _mm_set1_epi16(255), a = state->left, c = state->above_left;
-    const __m128i b_c = _mm_sub_epi16(b, c), a_c = _mm_sub_epi16(a, c);
-    const __m128i to_a = absolute(b_c), to_b = absolute(a_c);
-    const __m128i to_c = absolute(_mm_add_epi16(b_c, a_c));
-    const __m128i not_a = _mm_cmpgt_epi16(to_a, _mm_min_epi16(to_b, to_c));
-    const __m128i from_b = _mm_and_si128(_mm_add_epi16(value, b), byte);
-    const __m128i from_c = _mm_and_si128(_mm_add_epi16(value, c), byte);
-    const __m128i from_b_or_c = choose(_mm_cmpgt_epi16(to_b, to_c), from_c, from_b);
-    state->left = choose(not_a, from_b_or_c, _mm_and_si128(_mm_add_epi16(value, a), byte));
-    state->above_left = b;
-    store(row, _mm_packus_epi16(state->left, state->left), texel);
-}
-
-/* `read` bytes of each texel and of what follows it are read: four are faster than three. */
-SIZE_KNOWN size_t undo_paeth_texels(paeth_state *state, uint8_t *row, const uint8_t *above,
-                                    size_t i, size_t size, size_t texel, size_t read)
-{
-    const __m128i zero = _mm_setzero_si128();
-    for (; i + read <= size; i += texel)
-        undo_paeth_texel(state, row + i, _mm_unpacklo_epi8(load(row + i, read), zero),
-                         _mm_unpacklo_epi8(load(above + i, read), zero), texel);
-    return i;
-}
-
-SIZE_KNOWN void undo_paeth_row(uint8_t *row, const uint8_t *above, size_t size, size_t texel)
-{
-    paeth_state state = { _mm_setzero_si128(), _mm_setzero_si128() };
-    const size_t most = undo_paeth_texels(&state, row, above, 0, size, texel,
-                                          texel == 3   ? 4
-                                          : texel == 6 ? 8
-                                                       : texel);
-    undo_paeth_texels(&state, row, above, most, size, texel, texel);
-}
-
-static inline bytes no_texel(void)
-{
-    return _mm_setzero_si128();
 }
 
 static inline wide load16(const uint8_t *from)

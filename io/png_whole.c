@@ -176,6 +176,7 @@ static bool take_file(ntpio__png_whole *whole, parts *p, uint8_t *file, const nt
     if (!take_header(p) || !find_pixels(p) || !is_small(p, limits))
         return false;
     whole->texel = p->texel;
+    whole->height = p->height;
     whole->row_size = p->row_size;
     whole->rows = os_alloc_large((size_t) raw_size(p));
     const uint8_t *packed = whole->rows != NULL ? join(p, file, &memory) : NULL;
@@ -237,8 +238,8 @@ void ntpio__png_take_row(ntpio__png_whole *whole, uint8_t *dst, bool swap)
     uint8_t *row = whole->rows + whole->row * (size + 1) + 1;
     const uint8_t *above = whole->row > 0 ? row - (size + 1) : NULL;
     if (whole->row == whole->undone) {
-        ntpio__unfilter(row, above, size, whole->texel, row[-1]);
-        whole->undone++;
+        whole->undone += (uint32_t) ntpio__unfilter_rows(row - 1, above, size, whole->texel,
+                                                         whole->height - whole->undone);
     }
     whole->row++;
     if (!swap)

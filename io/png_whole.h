@@ -13,8 +13,9 @@
 typedef struct ntpio__png_whole {
     uint8_t *rows;          /* filtered: each begins with the number of its filter */
     size_t row_size, texel; /* bytes, without that number */
-    uint32_t row, undone;   /* the next one to deliver; how many are without their filters */
-    uint8_t *shell;         /* the file with an empty picture, for libpng: all but the pixels */
+    uint32_t height;
+    uint32_t row, undone; /* the next one to deliver; how many are without their filters */
+    uint8_t *shell;       /* the file with an empty picture, for libpng: all but the pixels */
     size_t shell_size;
     bool packed_hard;
 } ntpio__png_whole;

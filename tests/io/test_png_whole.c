@@ -13,14 +13,18 @@
 #include "png_whole.h"
 
 #define NTPIO_NO_SIMD
-#define ntpio__unfilter unfilter_plainly
-#define ntpio__filter   filter_plainly
+#define ntpio__unfilter      unfilter_plainly
+#define ntpio__filter        filter_plainly
+#define ntpio__unfilter_rows unfilter_rows_plainly
 void unfilter_plainly(uint8_t *row, const uint8_t *above, size_t size, size_t texel, int kind);
 uint64_t filter_plainly(uint8_t *out, const uint8_t *row, const uint8_t *above, size_t size,
                         size_t texel, int kind);
+size_t unfilter_rows_plainly(uint8_t *rows, const uint8_t *above, size_t size, size_t texel,
+                             size_t count);
 #include "../../io/png_filter.c" // NOLINT(bugprone-suspicious-include)
 #undef ntpio__unfilter
 #undef ntpio__filter
+#undef ntpio__unfilter_rows
 
 #ifdef NTPIO_HAVE_LIBDEFLATE
 #  define CAN_UNPACK_AT_ONCE true
@@ -310,6 +314,41 @@ static void test_filters(void)
     }
 }
 
+/* Rows that are undone together, as many as are there: the same as one by one, and no byte around
+ * them changes. */
+static void test_rows_together(void)
+{
+    static const size_t texels[] = { 1, 2, 3, 4, 6, 8 };
+    enum { ROWS = 6, AROUND = 16, MOST = ROWS * (SIDE * 8 + 1) + 2 * AROUND };
+    static uint8_t fast[MOST], slow[MOST], above[SIDE * 8];
+    for (uint32_t n = 0; n < 60000; n++) {
+        const size_t texel = texels[chance(6)], size = texel * (1 + chance(SIDE));
+        const uint32_t values = once_in(2) ? 4 : 256, other = 1 + chance(8);
+        const uint8_t *over = once_in(8) ? NULL : above;
+        for (size_t i = 0; i < MOST; i++)
+            fast[i] = slow[i] = (uint8_t) chance(values);
+        for (size_t i = 0; i < size; i++)
+            above[i] = (uint8_t) chance(values);
+        for (size_t y = 0; y < ROWS; y++) {
+            uint8_t *kind = fast + AROUND + y * (size + 1);
+            *kind = (uint8_t) (once_in(other) ? chance(NTPIO__FILTERS) : NTPIO__FILTERS - 1);
+            slow[kind - fast] = *kind;
+        }
+        for (size_t y = 0; y < ROWS;) {
+            uint8_t *row = fast + AROUND + y * (size + 1);
+            const size_t done =
+                ntpio__unfilter_rows(row, y == 0 ? over : row - size, size, texel, ROWS - y);
+            CHECK(done >= 1 && done <= ROWS - y);
+            y += done;
+        }
+        for (size_t y = 0; y < ROWS; y++) {
+            uint8_t *row = slow + AROUND + y * (size + 1);
+            unfilter_plainly(row + 1, y == 0 ? over : row - size, size, texel, *row);
+        }
+        CHECK(memcmp(fast, slow, MOST) == 0);
+    }
+}
+
 /* What is done is undone, both ways are the same, and the sum is that of the bytes. */
 static void test_filters_done(void)
 {
@@ -341,6 +380,7 @@ static void test_filters_done(void)
 int main(void)
 {
     test_filters();
+    test_rows_together();
     test_filters_done();
     test_files();
     return 0;
