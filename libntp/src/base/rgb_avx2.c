@@ -193,33 +193,52 @@ static inline __m256i flipped(const uint8_t *s, __m256i green, bool deep, __m256
     return _mm256_xor_si256(g, _mm256_andnot_si256(kept, green));
 }
 
-static inline int32_t flip(uint8_t *d, const uint8_t *s, int32_t n, bool deep, __m256i black,
-                           __m256i white)
+enum {
+    FLIP = 96 /* bytes: whole texels, and whole vectors */,
+    VECTOR = 32,
+    VECTORS = FLIP / VECTOR
+};
+
+static inline void flip_part(uint8_t *d, const uint8_t *s, const __m256i *green, bool deep,
+                             __m256i black, __m256i white)
 {
-    enum { BYTES = 96, VECTOR = 32 };
-    uint8_t pattern[BYTES];
-    const int32_t size = deep ? 2 : 1, texels = BYTES / (3 * size);
-    __m256i green[3], out[3];
-    int32_t i = 0;
-    for (int32_t k = 0; k < BYTES; k++)
-        pattern[k] = k / size % 3 == 1 ? 0xff : 0;
-    for (int32_t k = 0; k < 3; k++)
-        green[k] = _mm256_loadu_si256((const void *) (pattern + VECTOR * k));
-    for (; i + texels <= n; i += texels, s += BYTES, d += BYTES) {
-        for (int32_t k = 0; k < 3; k++)
-            out[k] = flipped(s + VECTOR * k, green[k], deep, black, white);
-        for (int32_t k = 0; k < 3; k++)
-            _mm256_storeu_si256((void *) (d + VECTOR * k), out[k]);
-    }
-    return i;
+    __m256i out[VECTORS];
+    for (int32_t k = 0; k < VECTORS; k++)
+        out[k] = flipped(s + VECTOR * k, green[k], deep, black, white);
+    for (int32_t k = 0; k < VECTORS; k++)
+        _mm256_storeu_si256((void *) (d + VECTOR * k), out[k]);
 }
 
-int32_t ntp__flip_rgb_avx2(void *dst, const void *src, int32_t n, bool deep, bool keep_black,
-                           bool keep_white)
+/* The first and the last part are done in a copy, as they have no neighbors. */
+static inline void flip(uint8_t *d, const uint8_t *s, int32_t bytes, bool deep, __m256i black,
+                        __m256i white)
+{
+    uint8_t pattern[FLIP], around[VECTOR + FLIP + VECTOR] = { 0 }, *const few = around + VECTOR;
+    __m256i green[VECTORS];
+    for (int32_t i = 0; i < FLIP; i++)
+        pattern[i] = i / (deep ? 2 : 1) % 3 == 1 ? 0xff : 0;
+    for (int32_t k = 0; k < VECTORS; k++)
+        green[k] = _mm256_loadu_si256((const void *) (pattern + VECTOR * k));
+    for (int32_t i = 0; i < bytes; i += FLIP, d += FLIP, s += FLIP) {
+        const bool inside = i > 0 && i + FLIP < bytes;
+        const size_t left = (size_t) (bytes - i < FLIP ? bytes - i : FLIP);
+        if (!inside)
+            memcpy(few, s, left);
+        flip_part(inside ? d : few, inside ? s : few, green, deep, black, white);
+        if (!inside)
+            memcpy(d, few, left);
+    }
+}
+
+void ntp__flip_rgb_avx2(void *dst, const void *src, int32_t n, bool deep, bool keep_black,
+                        bool keep_white)
 {
     const __m256i black = _mm256_set1_epi8(keep_black ? -1 : 0);
     const __m256i white = _mm256_set1_epi8(keep_white ? -1 : 0);
-    return deep ? flip(dst, src, n, true, black, white) : flip(dst, src, n, false, black, white);
+    if (deep)
+        flip(dst, src, 6 * n, true, black, white);
+    else
+        flip(dst, src, 3 * n, false, black, white);
 }
 
 /* 8 pixels of 8 bit, or 4, with red and green of `shuffle` and bits inverted; black and white ones

@@ -27,9 +27,8 @@ void ntp__turn_rgb_avx2(void *dst, const void *src, int32_t n, bool deep, bool s
                         bool invert_g);
 
 /* dst = src, packed pixels, with M - g for g.  Black and white pixels stay as they are, if that is
- * asked for.  The pixel before the first one and that after the last are read too.  Returns how many
- * of n are done, a multiple of 16.  dst may be src. */
-int32_t ntp__flip_rgb_avx2(void *dst, const void *src, int32_t n, bool deep, bool keep_black,
-                           bool keep_white);
+ * asked for.  dst may be src. */
+void ntp__flip_rgb_avx2(void *dst, const void *src, int32_t n, bool deep, bool keep_black,
+                        bool keep_white);
 
 #endif

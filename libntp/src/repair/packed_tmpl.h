@@ -70,14 +70,11 @@ void FOR_SAMPLE(ntp__move)(const ntp__conversion *j, int32_t x, int32_t y, int32
 {
     (void) counts;
 #ifdef NTP_HAVE_AVX2
-    if (j->flip && j->src->channels == 3 && n > 2 && ntp__cpu_has_avx2(NTP__CPU_ALL)) {
+    if (j->flip && j->src->channels == 3 && ntp__cpu_has_avx2(NTP__CPU_ALL)) {
         const uint32_t touch = j->how.touch_unused;
-        FOR_SAMPLE(move_some)(j, x, y, 1);
-        const int32_t done = ntp__flip_rgb_avx2(
-            ntp__at_mut(j->dst, x + 1, y), ntp__at(j->src, x + 1, y), n - 2, sizeof(SAMPLE) == 2,
-            !(touch & NTP_UNUSED_BLACK), !(touch & NTP_UNUSED_WHITE));
-        x += 1 + done;
-        n -= 1 + done;
+        ntp__flip_rgb_avx2(ntp__at_mut(j->dst, x, y), ntp__at(j->src, x, y), n, sizeof(SAMPLE) == 2,
+                           !(touch & NTP_UNUSED_BLACK), !(touch & NTP_UNUSED_WHITE));
+        return;
     }
 #endif
     FOR_SAMPLE(move_some)(j, x, y, n);
