@@ -58,34 +58,6 @@ static void check_flags(const ntp__kernels_table *level, int32_t *const plane[4]
     }
 }
 
-/* Packed RGB of 8 bit: all triplets, in runs of all widths between guard pages. */
-static void check_flags_rgb8(const ntp__kernels_table *level)
-{
-    if (level->validate_rgb8 == NULL)
-        return;
-    uint8_t flags[NTP__BLOCK];
-    int32_t n = 1;
-    for (int32_t at = 0; at < 1 << 24; at += n, n = n % NTP__BLOCK + 1) {
-        const bool xy = at & 1, keep = at & 2;
-        const ntp__validity how = { 255, 0, keep, xy ? NTP_FLAG_XY_TOO_LONG : 0xff, xy ? 7 : 0 };
-        const int32_t count = n < (1 << 24) - at ? n : (1 << 24) - at;
-        guarded src = n % 16 == 1 ? guarded_alloc(3 * (size_t) count, false) : (guarded) { 0 };
-        uint8_t local[3 * NTP__BLOCK], *p = src.data != NULL ? src.data : local;
-        for (int32_t i = 0; i < 3 * count; i++)
-            p[i] = (uint8_t) ((at + i / 3) >> 8 * (i % 3));
-        level->validate_rgb8(flags, p, count, &how);
-        for (int32_t i = 0; i < count; i++) {
-            const int32_t r = p[3 * i], g = p[3 * i + 1], b = p[3 * i + 2];
-            uint32_t want =
-                ntp__flags(r, g, b, 255, xy ? NTP_ENCODING_XY : NTP_ENCODING_STANDARD, keep);
-            want |= ntp__unused(r, g, b, 255, 255, 0) ? NTP_FLAG_UNUSED : 0;
-            CHECK(flags[i] == want);
-        }
-        if (src.data != NULL)
-            guarded_free(&src);
-    }
-}
-
 static void compare_planar(const ntp__kernels_table *level, int32_t n, int32_t m, bool zzero,
                            uint64_t *seed)
 {
@@ -504,7 +476,6 @@ int main(int argc, char **argv)
     check_derive(level);
     for (int kind = 0; kind < 4; kind++)
         check_directions(level, kind & 1 ? 65535 : 255, kind & 2, &seed);
-    check_flags_rgb8(level);
     check_packed_rgb(NTP_TYPE_U8, &seed);
     check_packed_rgb(NTP_TYPE_U16, &seed);
     check_angles(level, &seed);

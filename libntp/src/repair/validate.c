@@ -55,21 +55,24 @@ ntp_status ntp_validate(const ntp_image *mask, const ntp_const_image *src, int32
     ntp_rect rect;
     NTP__TRY(ntp__check_area(&rect, src, area));
     const ntp__validity how = validity_of(src, keep_negative_z != 0);
-    const bool packed = src->type == NTP_TYPE_U8 && src->channels == 3 && ntp__is_packed(src);
-    ntp__validate8_fn *const rgb8 =
-        packed && !how.zzero ? ntp__kernels(NTP__CPU_ALL)->validate_rgb8 : NULL;
+    const bool packed = src->type != NTP_TYPE_F32 && src->channels == 3 && ntp__is_packed(src);
+    ntp__validate_rgb_fn *const rgb =
+        packed && !how.zzero ? ntp__kernels(NTP__CPU_ALL)->validate_rgb : NULL;
+    const bool direct = rgb != NULL && mask->pixel_stride == 1;
+    const int32_t most = direct ? NTP_MAX_SIDE : NTP__BLOCK;
     for (int32_t y = rect.y0; y < rect.y1; y++) {
-        for (int32_t x = rect.x0; x < rect.x1; x += NTP__BLOCK) {
-            int32_t n = rect.x1 - x < NTP__BLOCK ? rect.x1 - x : NTP__BLOCK;
-            uint8_t flags[NTP__BLOCK];
-            if (rgb8 != NULL) {
-                rgb8(flags, ntp__at(src, x, y), n, &how);
+        for (int32_t x = rect.x0; x < rect.x1; x += most) {
+            int32_t n = rect.x1 - x < most ? rect.x1 - x : most;
+            uint8_t flags[NTP__BLOCK], *to = direct ? ntp__at_mut(mask, x, y) : flags;
+            if (rgb != NULL) {
+                rgb(to, ntp__at(src, x, y), n, &how);
             } else {
                 ntp__block block;
                 ntp__unpack(&block, src, x, y, n);
                 flag_run(flags, &block, n, &how);
             }
-            store(mask, flags, x, y, n);
+            if (!direct)
+                store(mask, flags, x, y, n);
         }
     }
     return NTP_OK;

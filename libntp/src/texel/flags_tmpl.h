@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * flags_tmpl.h - the flags of ntp_validate for planes of levels; a part of kernels.c
+ * With AVX2, those of packed pixels too.
  *
  * As in judge_standard and judge_zzero, but blue is not derived: whether it is the derived one, its
  * square tells.  With S = 4e + 3 the derived blue of the standard encoding is K + z where z*z <= e <
@@ -85,85 +86,167 @@ static void validate(uint8_t *flags, int32_t *const c[4], int32_t n, const ntp__
 
 #ifdef __AVX2__
 
-/* As flags_standard.  At 8 bit 16 bits hold all of it, and twice as many texels are done at once.
- * Whole lanes, of texels that are not transparent. */
-ONE_COPY static void flags_rgb8(uint8_t *restrict flags, const uint8_t *restrict r,
-                                const uint8_t *restrict g, const uint8_t *restrict b, int32_t n,
-                                const ntp__validity *restrict how)
+/*
+ * Packed RGB.  With u = x where x >= 0, else ~x, the squares are 4u(u + 1) + 1.  q is the sum of
+ * u(u + 1) of the three, t that of u, and s = q - (K(K - 1) - 1).  So half_up is u + 1, and the tests
+ * above become
+ *     exact: |s| <= u of z;  rounded: |s| <= t + 1;  neighbor: -2t - 5 <= s <= 2t.
+ * At 8 bit, 16 bits with a sign hold s, and at 16 bit 32 do.  Black and white have the greatest t,
+ * and three equal levels.
+ */
+enum { NOT_NEIGHBOR, NOT_ROUNDED, NOT_EXACT, TOO_LONG, NEGATIVE, UNUSED, TESTS };
+
+static inline __m256i plus(__m256i v, __m256i w, bool deep)
 {
-    enum { K0 = 128, AM = K0 * (K0 - 1), E0 = (255 * 255 - 5) / 4 };
-    const uint16_t mirrored = how->keep_negative_z ? NTP_FLAG_EXACT : 0;
-    const uint16_t kept = (uint16_t) how->kept, others = (uint16_t) how->others;
-    n = whole_lanes(n);
-    for (int32_t i = 0; i < n; i++) {
-        const int16_t x = (int16_t) (r[i] - K0), y = (int16_t) (g[i] - K0);
-        const int16_t z = (int16_t) (b[i] - K0), up = (int16_t) (z < 0 ? ~z : z);
-        const int16_t kx = (int16_t) (x < 0 ? -x : x + 1), ky = (int16_t) (y < 0 ? -y : y + 1);
-        const uint16_t ks = (uint16_t) (kx + ky + up + 1), twice = (uint16_t) (ks + ks);
-        const int16_t xy = (int16_t) (x * (int16_t) (x + 1) + y * (int16_t) (y + 1));
-        const int16_t e = (int16_t) (E0 - xy), d = (int16_t) (e - (int16_t) (up * up));
-        const uint16_t q = (uint16_t) ((uint16_t) xy + (uint16_t) (up * (int16_t) (up + 1)));
-        const bool neighbor = (q < (uint16_t) (AM - 6 + twice)) & ((uint16_t) (q + twice) >= AM);
-        const bool rounded = (q <= (uint16_t) (AM - 3 + ks)) & ((uint16_t) (q + ks) > AM);
-        const bool exact = (d >= 0) & (d <= (int16_t) (up + up));
-        uint16_t f = neighbor ? NTP_FLAG_NEIGHBOR : 0;
-        f |= (uint16_t) (rounded ? NTP_FLAG_ROUNDED : 0);
-        f |= (uint16_t) (exact ? (z < 0 ? mirrored : NTP_FLAG_EXACT) : 0);
-        f |= (uint16_t) (e < 0 ? NTP_FLAG_XY_TOO_LONG : 0);
-        f |= (uint16_t) (z < 0 ? NTP_FLAG_Z_NEGATIVE : 0);
-        f &= kept;
-        f |= f == 0 ? others : 0;
-        const uint8_t any = (uint8_t) (r[i] | g[i] | b[i]), all = (uint8_t) (r[i] & g[i] & b[i]);
-        const bool unused = (any == 0) | (all == 255);
-        flags[i] = (uint8_t) (f | (unused ? NTP_FLAG_UNUSED : 0));
+    return deep ? _mm256_add_epi32(v, w) : _mm256_add_epi16(v, w);
+}
+
+static inline __m256i minus(__m256i v, __m256i w, bool deep)
+{
+    return deep ? _mm256_sub_epi32(v, w) : _mm256_sub_epi16(v, w);
+}
+
+static inline __m256i above(__m256i v, __m256i w, bool deep)
+{
+    return deep ? _mm256_cmpgt_epi32(v, w) : _mm256_cmpgt_epi16(v, w);
+}
+
+static inline __m256i same(__m256i v, __m256i w, bool deep)
+{
+    return deep ? _mm256_cmpeq_epi32(v, w) : _mm256_cmpeq_epi16(v, w);
+}
+
+static inline __m256i all(int32_t v, bool deep)
+{
+    return deep ? _mm256_set1_epi32(v) : _mm256_set1_epi16((short) v);
+}
+
+/* u of all halves: levels, or 0 with 0 for k and below. */
+static inline __m256i folded(__m256i c, __m256i k, __m256i below, bool deep)
+{
+    const __m256i x = _mm256_xor_si256(c, k), y = _mm256_xor_si256(c, below);
+    return deep ? _mm256_min_epu16(x, y) : _mm256_min_epu8(x, y);
+}
+
+/* 16 texels of 8 bit, in 16 bits each, or 8 of 16 bit in 32: red and green as halves, and blue. */
+static inline void test_pairs(__m256i found[TESTS], __m256i rg, __m256i b, bool deep)
+{
+    const int32_t k = deep ? 32768 : 128, half = deep ? 16 : 8, pair = 1 + (1 << half);
+    const __m256i u = folded(rg, all(k * pair, deep), all((k - 1) * pair, deep), deep);
+    const __m256i z = folded(b, all(k, deep), all(k - 1, deep), deep);
+    const __m256i sum = deep ? _mm256_madd_epi16(u, _mm256_set1_epi16(1))
+                             : _mm256_maddubs_epi16(u, _mm256_set1_epi8(1));
+    const __m256i square = deep ? _mm256_madd_epi16(u, u) : _mm256_maddubs_epi16(u, u);
+    const __m256i square_z = deep ? _mm256_madd_epi16(z, z) : _mm256_mullo_epi16(z, z);
+    const __m256i xy = plus(square, sum, deep), most = all(k * (k - 1) - 1, deep);
+    const __m256i s = plus(minus(xy, most, deep), plus(square_z, z, deep), deep);
+    const __m256i t = plus(sum, z, deep), rest = minus(all(-5, deep), s, deep);
+    const __m256i size = deep ? _mm256_abs_epi32(s) : _mm256_abs_epi16(s);
+    const __m256i reach = deep ? _mm256_max_epi32(s, rest) : _mm256_max_epi16(s, rest);
+    const __m256i gray = deep ? _mm256_or_si256(b, _mm256_slli_epi32(b, half))
+                              : _mm256_or_si256(b, _mm256_slli_epi16(b, half));
+    found[NOT_NEIGHBOR] = above(reach, plus(t, t, deep), deep);
+    found[NOT_ROUNDED] = above(size, plus(t, all(1, deep), deep), deep);
+    found[NOT_EXACT] = above(size, z, deep);
+    found[TOO_LONG] = above(xy, most, deep);
+    found[NEGATIVE] = above(all(k, deep), b, deep);
+    found[UNUSED] = _mm256_and_si256(same(rg, gray, deep), same(t, all(3 * k - 3, deep), deep));
+}
+
+#  define N -1
+
+/* The same of pixels: 24 bytes from s on, and as many from `apart` bytes later. */
+static inline void test_pixels(__m256i found[TESTS], const uint8_t *s, ptrdiff_t apart, bool deep)
+{
+    const __m128i from[2] = {
+        deep ? _mm_setr_epi8(0, 1, 2, 3, 6, 7, 8, 9, 4, 5, N, N, 10, 11, N, N)
+             : _mm_setr_epi8(0, 1, 3, 4, 6, 7, 9, 10, 2, N, 5, N, 8, N, 11, N),
+        deep ? _mm_setr_epi8(4, 5, 6, 7, 10, 11, 12, 13, 8, 9, N, N, 14, 15, N, N)
+             : _mm_setr_epi8(4, 5, 7, 8, 10, 11, 13, 14, 6, N, 9, N, 12, N, 15, N)
+    };
+    __m256i half[2];
+    for (int k = 0; k < 2; k++) {
+        const __m128i low = _mm_loadu_si128((const __m128i *) (const void *) (s + 8 * k));
+        const __m128i high = _mm_loadu_si128((const __m128i *) (const void *) (s + apart + 8 * k));
+        half[k] = _mm256_shuffle_epi8(_mm256_inserti128_si256(_mm256_castsi128_si256(low), high, 1),
+                                      _mm256_broadcastsi128_si256(from[k]));
+    }
+    test_pairs(found, _mm256_unpacklo_epi64(half[0], half[1]),
+               _mm256_unpackhi_epi64(half[0], half[1]), deep);
+}
+
+#  undef N
+
+enum { PART = 24 /* bytes that one half of a vector is made of */ };
+
+/* The same of two such parts; ONE_COPY at 16 bit, which is as quick. */
+static inline void test_two(__m256i found[TESTS], const uint8_t *s, ptrdiff_t apart, bool deep)
+{
+    __m256i next[TESTS];
+    test_pixels(found, s, apart, deep);
+    test_pixels(next, s + PART, apart, deep);
+    for (int i = 0; i < TESTS; i++)
+        found[i] =
+            deep ? _mm256_packs_epi32(found[i], next[i]) : _mm256_packs_epi16(found[i], next[i]);
+}
+
+ONE_COPY static void test_two_deep(__m256i found[TESTS], const uint8_t *s)
+{
+    test_two(found, s, 4 * PART, true);
+}
+
+/* The flags of 32 pixels. */
+static inline __m256i flags_of_32(const uint8_t *s, bool deep, __m256i mirrored, __m256i kept,
+                                  __m256i others)
+{
+    __m256i v[TESTS], next[TESTS];
+    if (deep) {
+        test_two_deep(v, s);
+        test_two_deep(next, s + 2 * PART);
+        for (int i = 0; i < TESTS; i++)
+            v[i] = _mm256_packs_epi16(v[i], next[i]);
+    } else {
+        test_two(v, s, 2 * PART, false);
+    }
+    v[NOT_EXACT] = _mm256_or_si256(v[NOT_EXACT], _mm256_andnot_si256(mirrored, v[NEGATIVE]));
+    __m256i f = _mm256_andnot_si256(v[NOT_NEIGHBOR], _mm256_set1_epi8(NTP_FLAG_NEIGHBOR));
+    f = _mm256_or_si256(f, _mm256_andnot_si256(v[NOT_ROUNDED], _mm256_set1_epi8(NTP_FLAG_ROUNDED)));
+    f = _mm256_or_si256(f, _mm256_andnot_si256(v[NOT_EXACT], _mm256_set1_epi8(NTP_FLAG_EXACT)));
+    f = _mm256_or_si256(f, _mm256_and_si256(v[TOO_LONG], _mm256_set1_epi8(NTP_FLAG_XY_TOO_LONG)));
+    f = _mm256_or_si256(f, _mm256_and_si256(v[NEGATIVE], _mm256_set1_epi8(NTP_FLAG_Z_NEGATIVE)));
+    f = _mm256_and_si256(f, kept);
+    f = _mm256_or_si256(f, _mm256_and_si256(_mm256_cmpeq_epi8(f, _mm256_setzero_si256()), others));
+    return _mm256_or_si256(f, _mm256_and_si256(v[UNUSED], _mm256_set1_epi8(NTP_FLAG_UNUSED)));
+}
+
+static inline void flags_rgb(uint8_t *flags, const uint8_t *s, int32_t n, bool deep,
+                             const ntp__validity *how)
+{
+    enum { STEP = 32 };
+    const int32_t size = deep ? 6 : 3;
+    const __m256i mirrored = _mm256_set1_epi8(how->keep_negative_z ? -1 : 0);
+    const __m256i kept = _mm256_set1_epi8((char) how->kept);
+    const __m256i others = _mm256_set1_epi8((char) how->others);
+    for (int32_t i = 0; i < n; i += STEP, flags += STEP, s += STEP * size) {
+        uint8_t few[6 * STEP];
+        const bool whole = n - i >= STEP;
+        if (!whole)
+            memcpy(few, s, (size_t) size * (size_t) (n - i));
+        const __m256i f = flags_of_32(whole ? s : few, deep, mirrored, kept, others);
+        _mm256_storeu_si256((__m256i *) (void *) (whole ? flags : few), f);
+        if (!whole)
+            memcpy(flags, few, (size_t) (n - i));
     }
 }
 
-/* 16 texels in three times 16 bytes: which of each go where, for one channel. */
-static inline __m128i one_channel(const __m128i v[3], __m128i from_0, __m128i from_1,
-                                  __m128i from_2)
+static void validate_rgb(uint8_t *flags, const void *src, int32_t n, const ntp__validity *how)
 {
-    return _mm_or_si128(
-        _mm_or_si128(_mm_shuffle_epi8(v[0], from_0), _mm_shuffle_epi8(v[1], from_1)),
-        _mm_shuffle_epi8(v[2], from_2));
-}
-
-static inline void split_16(uint8_t *r, uint8_t *g, uint8_t *b, const uint8_t *src)
-{
-    /* every third byte from 0, 1 or 2 on; the other two parts of a channel are these, shifted */
-    const __m128i v[] = { _mm_loadu_si128((const __m128i *) (const void *) src),
-                          _mm_loadu_si128((const __m128i *) (const void *) (src + 16)),
-                          _mm_loadu_si128((const __m128i *) (const void *) (src + 32)) };
-    _mm_storeu_si128(
-        (__m128i *) (void *) r,
-        one_channel(v, _mm_setr_epi8(0, 3, 6, 9, 12, 15, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1),
-                    _mm_setr_epi8(-1, -1, -1, -1, -1, -1, 2, 5, 8, 11, 14, -1, -1, -1, -1, -1),
-                    _mm_setr_epi8(-1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, 1, 4, 7, 10, 13)));
-    _mm_storeu_si128(
-        (__m128i *) (void *) g,
-        one_channel(v, _mm_setr_epi8(1, 4, 7, 10, 13, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1),
-                    _mm_setr_epi8(-1, -1, -1, -1, -1, 0, 3, 6, 9, 12, 15, -1, -1, -1, -1, -1),
-                    _mm_setr_epi8(-1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, 2, 5, 8, 11, 14)));
-    _mm_storeu_si128(
-        (__m128i *) (void *) b,
-        one_channel(v, _mm_setr_epi8(2, 5, 8, 11, 14, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1),
-                    _mm_setr_epi8(-1, -1, -1, -1, -1, 1, 4, 7, 10, 13, -1, -1, -1, -1, -1, -1),
-                    _mm_setr_epi8(-1, -1, -1, -1, -1, -1, -1, -1, -1, -1, 0, 3, 6, 9, 12, 15)));
-}
-
-static void validate_rgb8(uint8_t *flags, const uint8_t *src, int32_t n, const ntp__validity *how)
-{
-    enum { STEP = 16 };
-    uint8_t r[256], g[256], b[256], last[3 * STEP] = { 0 };
-    int32_t i = 0;
-    for (; i + STEP <= n; i += STEP)
-        split_16(r + i, g + i, b + i, src + 3 * i);
-    memcpy(last, src + 3 * i, 3 * (size_t) (n - i));
-    for (; i < whole_lanes(n + LANES - 1); i += STEP)
-        split_16(r + i, g + i, b + i, last); /* what lies beyond n does not matter */
-    flags_rgb8(flags, r, g, b, n + LANES - 1, how);
+    if (how->m > 255)
+        flags_rgb(flags, src, n, true, how);
+    else
+        flags_rgb(flags, src, n, false, how);
 }
 
 #else
-#  define validate_rgb8 NULL
+#  define validate_rgb NULL
 #endif

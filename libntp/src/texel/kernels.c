@@ -356,7 +356,7 @@ const ntp__kernels_table CONCAT(ntp__kernels_, NTP_ISA) = {
     clean_rgb16,
     derive,
     validate,
-    validate_rgb8,
+    validate_rgb,
     count_cells,
     survey,
     judge_block,

@@ -57,9 +57,9 @@ typedef struct ntp__validity {
 typedef void ntp__validate_fn(uint8_t *flags, int32_t *const c[4], int32_t n,
                               const ntp__validity *how);
 
-/* The same for at most 256 packed texels of 8 bit, not as Z-zero. */
-typedef void ntp__validate8_fn(uint8_t *flags, const uint8_t *src, int32_t n,
-                               const ntp__validity *how);
+/* The same of n packed texels of three channels, not as Z-zero; no flag beyond n changes. */
+typedef void ntp__validate_rgb_fn(uint8_t *flags, const void *src, int32_t n,
+                                  const ntp__validity *how);
 
 /*
  * Counts packed texels of 3 or 4 channels of 8 bit in the cells of a tally (cells.h), a group of
@@ -175,8 +175,8 @@ typedef struct ntp__kernels_table {
     ntp__clean16_fn *clean_rgb16;
     ntp__derive_fn *derive;
     ntp__validate_fn *validate;
-    ntp__validate8_fn *validate_rgb8; /* NULL where planes are as fast */
-    ntp__count8_fn *count_cells;      /* NULL where a table is faster than arithmetic */
+    ntp__validate_rgb_fn *validate_rgb; /* NULL where planes are as fast */
+    ntp__count8_fn *count_cells;        /* NULL where a table is faster than arithmetic */
     ntp__survey_fn *survey;
     ntp__judge_block_fn *judge_block;
     ntp__count_close_fn *count_close; /* NULL where judging them as all others is as fast */
