@@ -177,6 +177,67 @@ static void test_encode(const ntp__gradient_kernels *base, const ntp__gradient_k
     }
 }
 
+/* A sum whose component is next to a boundary between two levels if the other sum is 0; or any other. */
+static double some_sum(uint64_t *seed, double scale, int32_t m, bool ints)
+{
+    double sum = ((double) (next(seed) % 4001) - 2000) * (next(seed) % 2 ? 1 : 0.01);
+    if (next(seed) % 4 == 0)
+        sum = 0;
+    else if (next(seed) % 2 == 0) {
+        const double n = (2.0 * (double) (next(seed) % (uint64_t) m) - m + 1) / m;
+        sum = n / sqrt(1 - n * n) / scale * (1 + ((double) (next(seed) % 2001) - 1000) * 0x1p-36);
+    }
+    return ints ? (double) (int32_t) (sum < 2e9 && sum > -2e9 ? sum : 1e9) : sum;
+}
+
+/* Texels that are not left are those of doubles, with derived blue; and some are not. */
+static void test_packed(const ntp__gradient_kernels *base, const ntp__gradient_kernels *level,
+                        int32_t n, uint64_t *seed)
+{
+    static const double SCALES[] = { 1e-9, 0.0004, 0.02, 3, 1e5 };
+    for (int choice = 0; choice < 80; choice++) {
+        const bool ints = choice & 1, deep = choice & 2;
+        const int32_t m = deep ? 65535 : 255, size = deep ? 6 : 3;
+        const double scale = SCALES[choice / 16];
+        const ntp__encode e = { .cx = choice & 4 ? scale : -scale,
+                                .cy = choice & 8 ? scale : -scale,
+                                .half = m / 2.0,
+                                .off = n % 2 ? 1 : 3 };
+        static int32_t right[WIDEST], down[WIDEST];
+        static double right_d[WIDEST], down_d[WIDEST];
+        static levels c;
+        uint8_t got[6 * WIDEST + 1];
+        int32_t at[WIDEST + 1];
+        for (int32_t i = 0; i < n; i++) {
+            right_d[i] = some_sum(seed, scale, m, ints);
+            down_d[i] = next(seed) % 2 ? 0 : some_sum(seed, scale, m, ints);
+            right[i] = ints ? (int32_t) right_d[i] : 0;
+            down[i] = ints ? (int32_t) down_d[i] : 0;
+        }
+        const void *const sums[2] = { ints ? (const void *) right : right_d,
+                                      ints ? (const void *) down : down_d };
+        base->encode_precisely(c.plane[0], c.plane[1], NULL, c.doubt, right_d, down_d, n, &e);
+        ntp__kernels(0)->derive(c.plane[2], c.plane[0], c.plane[1], n, m, 0);
+        got[size * n] = 77;
+        const int32_t found = level->encode_packed(got, at, sums, ints, n, &e, deep);
+        CHECK(got[size * n] == 77 && (scale != 0.02 || found <= n / 8 * 7 + 8));
+        at[found] = n;
+        for (int32_t i = 0, next_left = 0; i < n; i++) {
+            if (at[next_left] == i) {
+                next_left++;
+                continue;
+            }
+            CHECK(at[next_left] > i && !c.doubt[i] && c.plane[2][i] >= 0);
+            for (int k = 0; k < 3; k++) {
+                uint16_t value = got[3 * i + k];
+                if (deep)
+                    memcpy(&value, got + 6 * i + 2 * k, 2);
+                CHECK(value == c.plane[k][i]);
+            }
+        }
+    }
+}
+
 /* Zeros, infinities and what is no number too. */
 static void test_floats(const ntp__gradient_kernels *level, int32_t n, uint64_t *seed)
 {
@@ -279,6 +340,8 @@ int main(int argc, char **argv)
         test_sums(base, level, n, &seed);
         test_encode(base, level, n, &seed);
         test_floats(level, n, &seed);
+        if (level->encode_packed != NULL)
+            test_packed(base, level, n, &seed);
         test_dither(base, level, n < NTP__WAVE_COLUMNS ? n : NTP__WAVE_COLUMNS, &seed);
     }
     for (int32_t i = 0; i < 200; i++)

@@ -44,6 +44,7 @@ typedef struct walk {
     bool blue;       /* blue is wanted */
     bool doubles;    /* the loops may compute in double; else every texel exactly */
     bool single;     /* also in float, but for texels in doubt */
+    bool packed;     /* the latter may go to packed pixels in one step */
     double greatest; /* bound of the tap sums for heights of magnitude 1 */
     ntp__encode encode;
     ntp_normals_counts counts;
@@ -294,7 +295,8 @@ static bool encode(walk *w, strip *s, const facts *f, int32_t n)
     return ((any ? settle_in_double(w, s, n) : 0) | too_long) != 0;
 }
 
-static void settle_exactly(walk *w, strip *s, int32_t x, int32_t y, int32_t i, bool known)
+static void settle_exactly(walk *w, const strip *s, int32_t c[3], int32_t x, int32_t y, int32_t i,
+                           bool known)
 {
     const int64_t sums[2] = { known ? s->sums.i[0][i] : 0, known ? s->sums.i[1][i] : 0 };
     ntp__normal normal;
@@ -302,7 +304,7 @@ static void settle_exactly(walk *w, strip *s, int32_t x, int32_t y, int32_t i, b
     w->counts.not_finite += !normal.finite;
     w->counts.exact += normal.wide;
     for (int32_t k = 0; k < 3; k++)
-        s->out.c[k][i] = normal.level[k];
+        c[k] = normal.level[k];
 }
 
 /* Does texels in doubt again, and pulls pairs that are too long onto the disc.  They are few. */
@@ -316,10 +318,13 @@ static void settle(walk *w, strip *s, int32_t x, int32_t y, int32_t n)
             any |= s->doubt[first + i] | (c[2][first + i] & sign);
         for (int32_t i = first; any != 0 && i < first + GROUP && i < n; i++) {
             const bool again = s->doubt[i] != 0 || s->moved[i];
+            int32_t to[3] = { c[0][i], c[1][i], c[2][i] };
             if (again)
-                settle_exactly(w, s, x, y, i, w->ints && !s->moved[i]);
-            if (w->g.derived && (again || c[2][i] < 0))
-                c[2][i] = ntp__derive(&c[0][i], &c[1][i], w->g.m, w->encode.zzero);
+                settle_exactly(w, s, to, x, y, i, w->ints && !s->moved[i]);
+            if (w->g.derived && (again || to[2] < 0))
+                to[2] = ntp__derive(&to[0], &to[1], w->g.m, w->encode.zzero);
+            for (int32_t k = 0; k < 3; k++)
+                c[k][i] = to[k];
         }
     }
 }
@@ -342,6 +347,8 @@ static facts all_tap_sums(walk *w, strip *s, int32_t x, int32_t y, int32_t n)
     return f;
 }
 
+#include "from_height/packed_tmpl.h"
+
 static void do_block(walk *w, strip *s, int32_t x, int32_t y, int32_t n)
 {
     if (w->g.dst->type == NTP_TYPE_F32) {
@@ -355,6 +362,8 @@ static void do_block(walk *w, strip *s, int32_t x, int32_t y, int32_t n)
         return;
     }
     facts f = all_tap_sums(w, s, x, y, n);
+    if (encode_packed(w, s, &f, x, y, n))
+        return;
     if (encode(w, s, &f, n) || s->any_moved)
         settle(w, s, x, y, n);
     if (!w->g.derived)
@@ -429,6 +438,7 @@ ntp_status ntp_normals_from_height(const ntp_image *dst, const ntp_const_image *
     ntp_rect r;
     NTP__TRY(make_walk(&w, dst, src, how));
     NTP__TRY(ntp__check_area(&r, src, area));
+    w.packed = can_pack(&w);
     do_bands(&w, r);
     add_counts(counts, &w);
     return NTP_OK;

@@ -7,6 +7,8 @@
  *   gradient.c          ntp_normals_from_height, ntp_normals_dithered: walks over the area
  *   height_rows.c       makes rows of heights, extended beyond the borders
  *   gradient_kernels.c  the loops, with tap_sums_tmpl.h and encode_tmpl.h
+ *   encode_avx2.c       the latter for packed RGB, with AVX2; packed_tmpl.h is a part of
+ *                       gradient.c for it
  *   exact.c             rounds exactly the texels that the loops are in doubt about
  *   dither_tmpl.h       a part of them: rounds so that errors do not add up;
  *                       dither_avx2_tmpl.h is the same with AVX2, dither_rows_tmpl.h
@@ -168,6 +170,15 @@ typedef int32_t ntp__encode_d_fn(int32_t *red, int32_t *green, int32_t *blue, in
                                  const ntp__encode *e);
 
 /*
+ * Makes n <= NTP__BLOCK packed texels of 8 bit, or of 16 (deep), in the standard encoding with derived
+ * blue.  sums: to the right and down, of `ints` or doubles, with room for whole NTP__LANES.  cx and cy
+ * have the same magnitude, and neither 1/cx nor a sum is beyond 2^60.  at: the places of texels whose
+ * levels are in doubt, or whose red and green are too long; returns how many there are.
+ */
+typedef int32_t ntp__encode_packed_fn(uint8_t *d, int32_t *at, const void *const sums[2], bool ints,
+                                      int32_t n, const ntp__encode *e, bool deep);
+
+/*
  * A step of a wave that dithers rows: a texel of each row, one column farther left than that of the
  * row above.  So none of them needs the errors of another.  Step t holds column t - k of row k.
  */
@@ -196,6 +207,7 @@ struct ntp__gradient_kernels {
     ntp__take_floats_fn *take_floats;
     ntp__encode_i_fn *encode_i;                    /* in float arithmetic */
     ntp__encode_d_fn *encode_d, *encode_precisely; /* in float, in double */
+    ntp__encode_packed_fn *encode_packed;          /* in float; NULL where planes are as fast */
     ntp__dither_fn *dither;
 };
 

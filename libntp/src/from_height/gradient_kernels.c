@@ -152,8 +152,11 @@ static void take_floats(double *restrict height, const float *restrict s, int32_
 
 #ifdef __AVX2__
 #  include "from_height/dither_avx2_tmpl.h"
+ntp__encode_packed_fn ntp__encode_avx2;
+#  define encode_packed ntp__encode_avx2
 #else
 #  include "from_height/dither_tmpl.h"
+#  define encode_packed NULL
 #endif
 
 #define TABLE_NAME_(isa) ntp__gradient_kernels_##isa
@@ -161,5 +164,6 @@ static void take_floats(double *restrict height, const float *restrict s, int32_
 
 extern const ntp__gradient_kernels TABLE_NAME(NTP_ISA);
 const ntp__gradient_kernels TABLE_NAME(NTP_ISA) = {
-    tap_sums_i, tap_sums_d, take_floats, encode_i, encode_d, encode_precisely, dither,
+    tap_sums_i, tap_sums_d,       take_floats,   encode_i,
+    encode_d,   encode_precisely, encode_packed, dither,
 };

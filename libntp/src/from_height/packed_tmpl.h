@@ -1,0 +1,62 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * packed_tmpl.h - a part of gradient.c: blocks that go from tap sums to packed RGB in one step
+ */
+
+/* May blocks be that?  Their slopes to the right and down have the same factor then. */
+static bool can_pack(const walk *w)
+{
+    const ntp__gradient *g = &w->g;
+    const double x = w->encode.cx, y = w->encode.cy;
+    return g->loops->encode_packed != NULL && g->m > 0 && g->derived &&
+           g->dst->encoding == NTP_ENCODING_STANDARD && g->dst->channels == 3 &&
+           g->dst->pixel_stride == 3 * ntp__sample_size(g->dst->type) && !w->encode.use_shortened &&
+           x != 0 && (x == y || x == -y);
+}
+
+static void put_pixel(const walk *w, int32_t x, int32_t y, const int32_t c[3])
+{
+    void *d = ntp__at_mut(w->g.dst, x, y);
+    for (int32_t k = 0; k < 3; k++) {
+        if (w->g.m > 255)
+            ((uint16_t *) d)[k] = (uint16_t) c[k];
+        else
+            ((uint8_t *) d)[k] = (uint8_t) c[k];
+    }
+}
+
+/* Does texels once more in double, and exactly where that leaves a doubt. */
+static void settle_packed(walk *w, const strip *s, const int32_t *at, int32_t found, int32_t x,
+                          int32_t y)
+{
+    int32_t level[3][NTP__BLOCK], doubt[NTP__BLOCK];
+    double sums[2][NTP__BLOCK];
+    int32_t *const to[3] = { level[0], level[1], level[2] };
+    sums_as_doubles(sums, w, s, at, found);
+    encode_precisely(w, to, doubt, sums, found);
+    for (int32_t i = 0; i < found; i++) {
+        int32_t c[3] = { level[0][i], level[1][i], level[2][i] };
+        if (doubt[i])
+            settle_exactly(w, s, c, x, y, at[i], w->ints);
+        if (doubt[i] || c[2] < 0)
+            c[2] = ntp__derive(&c[0], &c[1], w->g.m, false);
+        put_pixel(w, x + at[i], y, c);
+    }
+}
+
+/* A block from its tap sums; false: it has to be done the other way. */
+static bool encode_packed(walk *w, const strip *s, const facts *f, int32_t x, int32_t y, int32_t n)
+{
+    static const double most = 0x1p60; /* of what the kernel takes */
+    const void *const sums[2] = { w->ints ? (const void *) s->sums.i[0] : s->sums.d[0],
+                                  w->ints ? (const void *) s->sums.i[1] : s->sums.d[1] };
+    int32_t at[NTP__BLOCK];
+    if (!w->packed || s->any_moved ||
+        (w->floats && !(w->greatest * f->most <= most && trust_floats(w, f))) || !w->single)
+        return false;
+    const int32_t found = w->g.loops->encode_packed(ntp__at_mut(w->g.dst, x, y), at, sums, w->ints,
+                                                    n, &w->encode, w->g.m > 255);
+    if (found > 0)
+        settle_packed(w, s, at, found, x, y);
+    return true;
+}
