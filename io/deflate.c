@@ -29,18 +29,18 @@ enum {
 };
 
 static const effort efforts[NTPIO__LEVEL_MAX + 1] = {
-    [1] = { 1, 32, 0, false, 3, 4 },
-    [2] = { 1, 32, 0, true, 4, 5 },
-    [3] = { 2, 32, 0, true, 4, 6 },
-    [4] = { 3, 32, 0, true, 5, 7 },
-    [5] = { 3, 48, 0, true, 6, 7 },
-    [6] = { 4, 64, 0, true, 6, 8 },
-    [7] = { 12, 64, 0, true, NEVER, NEVER },
-    [8] = { 24, 128, 0, true, NEVER, NEVER },
-    [9] = { 64, 258, 0, true, NEVER, NEVER },
-    [10] = { 16, 64, 1, true, NEVER, NEVER },
-    [11] = { 32, 128, 2, true, NEVER, NEVER },
-    [12] = { 128, 258, 3, true, NEVER, NEVER },
+    [1] = { 1, 1, 32, 0, false, 3, 4 },
+    [2] = { 1, 2, 32, 0, true, 4, 5 },
+    [3] = { 2, 4, 32, 0, true, 4, 6 },
+    [4] = { 3, 6, 32, 0, true, 5, 7 },
+    [5] = { 3, 8, 64, 0, true, 6, 7 },
+    [6] = { 4, 16, 128, 0, true, 6, 8 },
+    [7] = { 12, 32, 128, 0, true, NEVER, NEVER },
+    [8] = { 24, 48, 128, 0, true, NEVER, NEVER },
+    [9] = { 64, 64, 258, 0, true, NEVER, NEVER },
+    [10] = { 16, 0, 64, 1, true, NEVER, NEVER },
+    [11] = { 32, 0, 128, 2, true, NEVER, NEVER },
+    [12] = { 128, 0, 258, 3, true, NEVER, NEVER },
 };
 
 /* --------------------------------------------------------------------------- costs */
@@ -213,6 +213,7 @@ static void begin(ntpio__deflater *d, int level, const uint8_t *bytes, size_t fr
     memset(&d->part, 0, sizeof d->part);
     memset(&d->block, 0, sizeof d->block);
     d->effort = &efforts[level];
+    d->literals_are_rare = false;
     d->bytes = bytes;
     d->block_from = from;
     d->to = to;

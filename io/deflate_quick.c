@@ -5,11 +5,14 @@
 #include "deflate_state.h"
 
 enum {
-    PAYS = 2 * BIT, /* what a match has to save: the codes of its literals grow rarer by it */
-    MUCH = 24,      /* of longer matches, only the first and last places are remembered */
+    PAYS = 3 * BIT / 2, /* what a match has to save: the codes of its literals grow rarer by it */
+    MUCH = 24,          /* of longer matches, only the first and last places are remembered */
     FEW = 8,
-    CLOSE = 4,   /* bytes: distances without extra bits */
-    PASS_MAX = 3 /* bytes, where matches are rare */
+    CLOSE = 4,      /* bytes: distances without extra bits */
+    SOON_AFTER = 2, /* bytes after a match, where others are likely */
+    RARE = 10,      /* one literal in so many bytes */
+    DEEPER = 3,     /* times as deep, where literals are rare */
+    PASS_MAX = 3    /* bytes, where matches are rare */
 };
 
 /* What it saves << 32 | its symbol.  One number stays in a register, where a struct does not. */
@@ -34,9 +37,10 @@ static inline uint32_t most_at(const ntpio__deflater *d, size_t at)
     return d->to - at < NTPIO__LENGTH_MAX ? (uint32_t) (d->to - at) : NTPIO__LENGTH_MAX;
 }
 
-/* The match that saves most.  sums: from this byte on; with_near: those shorter than FAR_BYTES count, too. */
+/* The match that saves most.  sums: from this byte on; with_near: those shorter than FAR_BYTES count, too;
+ * of the chain, `depth` places are looked at. */
 static inline match best_match(ntpio__deflater *d, size_t at, const uint32_t *sums, bool with_near,
-                               const effort *e)
+                               int depth, uint32_t enough)
 {
     match m = NOTHING;
     const uint8_t *here = d->bytes + at;
@@ -48,11 +52,11 @@ static inline match best_match(ntpio__deflater *d, size_t at, const uint32_t *su
         if (length > longest) {
             longest = length;
             m = better(d, m, sums, at - (size_t) p.near, length);
-            if (length >= e->enough || length >= most)
+            if (length >= enough || length >= most)
                 return m;
         }
     }
-    for (int n = e->depth; n > 0 && in_reach(p.far, at); n--, p.far = earlier(d, p.far)) {
+    for (int n = depth; n > 0 && in_reach(p.far, at); n--, p.far = earlier(d, p.far)) {
         const uint8_t *there = d->bytes + p.far;
         if (!may_exceed(there, here, longest))
             continue;
@@ -60,7 +64,7 @@ static inline match best_match(ntpio__deflater *d, size_t at, const uint32_t *su
         if (length > longest && length >= FAR_BYTES) {
             longest = length;
             m = better(d, m, sums, at - (size_t) p.far, length);
-            if (length >= e->enough || length >= most)
+            if (length >= enough || length >= most)
                 break;
         }
     }
@@ -117,11 +121,13 @@ size_t ntpio__read_quickly(ntpio__deflater *d, size_t from, size_t to)
 {
     const effort e = *d->effort;
     size_t at = from, written = from;
-    size_t misses = 0; /* bytes in a row without a match */
+    size_t misses = 0, literals = 0; /* bytes in a row without a match; all of them */
+    const int deep = d->literals_are_rare ? DEEPER * e.deep : e.deep;
+    const int depth = d->literals_are_rare ? deep : e.depth;
     ntpio__step *out = d->steps + d->count;
     const uint32_t *sums = d->sums; /* of the byte at `from` */
     sum_literals(d, from, to);
-    match m = best_match(d, at, sums + (at - from), true, &e);
+    match m = best_match(d, at, sums + (at - from), true, deep, e.enough);
     for (;;) {
         const uint32_t length = (uint32_t) m >> 16;
         match next = NOTHING;
@@ -132,12 +138,13 @@ size_t ntpio__read_quickly(ntpio__deflater *d, size_t from, size_t to)
             const bool looks = length < e.enough && e.looks_ahead && at + 1 < to;
             misses = 0;
             if (looks)
-                next = best_match(d, at + 1, sums + (at + 1 - from), true, &e);
+                next = best_match(d, at + 1, sums + (at + 1 - from), true, deep, e.enough);
             if (next >> 32 > m >> 32) {
                 at++;
                 m = next;
                 continue;
             }
+            literals += at - written;
             *out++ = (ntpio__step) { (uint32_t) (at - written), (uint32_t) m };
             visit_all(d, at + 1 + looks, at + length);
             at += length;
@@ -148,9 +155,12 @@ size_t ntpio__read_quickly(ntpio__deflater *d, size_t from, size_t to)
             break;
         m = (uint32_t) next != 0
                 ? next
-                : best_match(d, at, sums + (at - from), misses >> e.near_patience == 0, &e);
+                : best_match(d, at, sums + (at - from), misses >> e.near_patience == 0,
+                             misses < SOON_AFTER ? deep : depth, e.enough);
     }
     at = at < d->to ? at : d->to;
+    literals += at - written;
+    d->literals_are_rare = RARE * literals < at - from;
     if (at > written)
         *out++ = (ntpio__step) { (uint32_t) (at - written), 0 };
     d->count = (size_t) (out - d->steps);

@@ -32,6 +32,7 @@ enum {
 
 typedef struct effort {
     int depth;         /* places of a chain that are looked at */
+    int deep;          /* ... next to a match, or, times DEEPER, where literals are rare */
     uint32_t enough;   /* bytes: no longer match is looked for */
     int rounds;        /* careful levels */
     bool looks_ahead;  /* one byte further */
@@ -60,6 +61,7 @@ struct ntpio__deflater {
     uint32_t lengths[NTPIO__LENGTH_MAX + 1];
     uint32_t distances[NTPIO__DISTANCES];
     uint32_t sums[SPAN + NTPIO__LENGTH_MAX + 1]; /* of costs as literals, from the span's start */
+    bool literals_are_rare;                      /* in the span before */
     careful *careful;
     const effort *effort;
     const uint8_t *bytes;

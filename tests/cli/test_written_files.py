@@ -198,8 +198,8 @@ def words(size=256):
     """Texels of few colors in words that come again and again, as painted or tiled maps have them."""
     rng = np.random.default_rng(5)
     colors = rng.integers(0, 256, (60, 3), dtype=np.uint8)
-    some = [rng.integers(0, 60, rng.integers(2, 9)) for _ in range(200)]
-    texels = np.concatenate([some[i] for i in rng.integers(0, 200, size * size)])
+    some = [rng.integers(0, 60, rng.integers(2, 9)) for _ in range(1000)]
+    texels = np.concatenate([some[i] for i in rng.integers(0, 1000, size * size)])
     return colors[texels[: size * size].reshape(size, size)]
 
 
