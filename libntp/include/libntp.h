@@ -1227,7 +1227,7 @@ typedef struct ntp_depth_result {
 
 enum { NTP_MAX_DEPTH_TEXELS = 1 << 28 }; /* that ntp_depth_from_normals takes */
 
-/* Bytes of working memory, about 290 a texel; 0 if the size is invalid. */
+/* Bytes of working memory, about 306 a texel; 0 if the size is invalid. */
 NTP_API size_t ntp_depth_scratch_size(int32_t width, int32_t height);
 
 /*
@@ -1244,10 +1244,11 @@ NTP_API size_t ntp_depth_scratch_size(int32_t width, int32_t height);
  * each texel and axis there are two equations, with the neighbor on either side.  With a and b the
  * differences of depth to the two, in texels and times the cosine between normal and view, the
  * shares of the equations are 1/(1 + exp(-k (b*b - a*a))) and the rest: the side with the jump
- * hardly counts.  Shares and depth are found in turn, until the sum of squares changes by less than
- * 0.1 percent.  The first rounds take 16, 8, 4 and 2 times k, unless there is a start; 96 x 96 texels
- * begin with 32, and 192 x 192 with 64 times k.  What is cut off all round keeps about the depth that
- * the first rounds gave it: nothing tells it.
+ * hardly counts.  Beside that both equations of a pair of neighbors count 1/(1 + (n/0.07)^2) times
+ * 1/(1 + (o/f)^2): n is the distance of their normals, o how far depth is off both of their slopes.
+ * f falls from 3 to 0.3 texels.  All are found in turn, until the sum of squares changes by less
+ * than 0.03 percent.  What is cut off all round keeps about the depth that the first rounds gave it:
+ * nothing tells it.
  *
  * confidence: NULL, or a view like dst that gets 1/(1 + e), e the error that may be expected of the
  * depth, in texels (with a camera: fx times that of the depth in dst); 0 in holes.  e is four times how

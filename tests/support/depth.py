@@ -66,9 +66,10 @@ def equations(normals, camera=None):
     return blocks, wanted
 
 
-def by_shares(blocks, wanted, shares):
+def by_shares(blocks, wanted, shares, trust=(1, 1, 1, 1)):
     """The depth, mean 0, of weighted least squares: shares along x and down."""
     weights = [shares[0], 1 - shares[0], shares[1], 1 - shares[1]]
+    weights = [w * t for w, t in zip(weights, trust, strict=True)]
     normal = sum(a.T @ (w[:, None] * a) for a, w in zip(blocks, weights, strict=True))
     right = sum(a.T @ (w * b) for a, w, b in zip(blocks, weights, wanted, strict=True))
     z = np.linalg.lstsq(normal, right, rcond=1e-14)[0]
@@ -82,3 +83,22 @@ def shares_of(blocks, z, k):
         1 / (1 + np.exp(-k * (before_x**2 - after_x**2))),
         1 / (1 + np.exp(-k * (before_y**2 - after_y**2))),
     ]
+
+
+def trust_of(blocks, wanted, normals, z, focal=1, bend=0.07, far=0.3):
+    """Of all equations where the rounds end, by the normals of both texels and by the depth."""
+    h, w = normals.shape[:2]
+    index, flat, out = np.arange(h * w), normals.reshape(-1, 3).astype(float), []
+    for number, a in enumerate(blocks):
+        there = (np.abs(a) > 0).any(1)
+        other = np.where(there, index + (1, -1, w, -w)[number], index)
+        view, rise = np.abs(a[index, index]), wanted[number]
+        back = np.where(there, np.abs(blocks[number ^ 1][other, other]), view)
+        view, back = np.maximum(view, 0.002 * focal), np.maximum(back, 0.002 * focal)
+        slopes = np.stack([rise / view, wanted[number ^ 1][other] / back])
+        step = a @ z / np.where(there, view, 1)
+        off = np.maximum(np.maximum(step - slopes.max(0), slopes.min(0) - step), 0)
+        off *= np.minimum(view, back) ** 2 / focal / far
+        bends = np.sum((flat - flat[other]) ** 2, -1) / bend**2
+        out.append(np.where(there, 1 / (1 + bends) / (1 + off * off), 0))
+    return out

@@ -19,17 +19,15 @@
 
 enum {
     ROUNDS = 100,     /* at most, by default */
-    EAGER_ROUNDS = 4, /* at least, with 16, 8, 4, 2 times k, after the first of even shares */
-    EAGER_SIDE = 96,  /* one more from this side on, and from twice this side on */
-    MOST_EAGER = 6,
-    OTHER_EAGER = 3,  /* of the run with OTHER_K: another way to cliffs shows which are in doubt */
+    WARY_ROUNDS = 10, /* until trust falls as it does at the end */
     PROBES = 8,       /* of the confidence */
     FRESH_ROUNDS = 6, /* with levels of their own; then levels are kept while they do */
     FRESH_EVERY = 8,
     MOST_ITERATIONS = 60
 };
 static const double USUAL_K = 2;
-static const double STEADY = 1e-3; /* change of the energy in a round, of itself, that ends them */
+static const double FIRST_FAR = 3, LAST_FAR = 0.3, NEARER = 0.7943282347242815; /* 0.1^(1/10) */
+static const double STEADY = 3e-4; /* change of the energy in a round, of itself, that ends them */
 static const double OTHER_K = 3;   /* times k: how far depth moves then is a part of the doubt */
 static const double OTHER_STEADY = 3e-4;
 static const double TRIAL_WEIGHT = 4; /* ranks errors best on made scenes, beside OTHER_K */
@@ -148,35 +146,29 @@ static void solve(work *w, int32_t round, double share, int32_t *last, int32_t *
     w->result.iterations += *last;
 }
 
-/* The larger the picture, the wider even shares spread a jump. */
-static int32_t eager_rounds(int32_t nodes)
-{
-    int32_t rounds = EAGER_ROUNDS;
-    for (int32_t n = nodes; n >= EAGER_SIDE * EAGER_SIDE && rounds < MOST_EAGER; n /= 4)
-        rounds++;
-    return rounds;
-}
-
-/* Alternates shares and solutions.  The first shares are even or, with a start, by its depth.  The
- * first rounds take a greater k: at even shares a jump is spread so widely that k alone may leave
- * it so. */
-static ntp_status run_rounds(work *w, double k, int32_t all_eager, double steady, bool started)
+/* Alternates shares and trust with solutions.  The first shares are even or, with a start, by its
+ * depth.  At even shares a jump is spread widely, so at first trust falls only where depth is far
+ * off. */
+static ntp_status run_rounds(work *w, double k, double steady, bool started)
 {
     int32_t most = w->how.rounds > 0 ? w->how.rounds : ROUNDS, last = 0, usual = 0;
-    double before = 0;
+    double before = 0, far = started ? LAST_FAR : FIRST_FAR;
     ntp__terms_even(&w->terms);
     w->result.rounds = 0;
     for (int32_t round = 0; round < most; round++) {
-        int32_t eager = started || round > all_eager ? 0 : all_eager + 1 - round;
+        bool first = round == 0;
         if (!go_on(w, round / (round + 8.0)))
             return NTP_ERR_CANCELLED;
-        if (round > 0 || started)
-            ntp__terms_share(&w->terms, k * (1 << eager));
-        bool first = round == 0;
+        far = first ? far : far * NEARER > LAST_FAR ? far * NEARER : LAST_FAR;
+        if (!first || started)
+            ntp__terms_share(&w->terms, k);
+        if (most > 1)
+            ntp__terms_trust(&w->terms, first && !started ? 0 : far);
         solve(w, round, most == 1 ? ONLY_SHARE : first ? FIRST_SHARE : LATER_SHARE, &last, &usual);
         w->result.rounds = round + 1;
         double energy = ntp__terms_energy(&w->terms), change = energy - before;
-        if (!first && eager == 0 && (change < 0 ? -change : change) <= steady * before)
+        if (!first && (started || round >= WARY_ROUNDS) &&
+            (change < 0 ? -change : change) <= steady * before)
             break;
         before = energy;
     }
@@ -234,7 +226,7 @@ static ntp_status find_doubt(work *w, double k)
     w->from = w->to;
     w->to = 1;
     memset(t->z, 0, (size_t) n * sizeof *t->z);
-    NTP__TRY(run_rounds(w, k * OTHER_K, OTHER_EAGER, OTHER_STEADY, false));
+    NTP__TRY(run_rounds(w, k * OTHER_K, OTHER_STEADY, false));
     w->result = result;
     double shift = middle(t->z, w->kept, n, unit);
     for (int32_t i = 0; i < n; i++) {
@@ -385,7 +377,7 @@ ntp_status ntp_depth_from_normals(const ntp_image *dst, const ntp_image *confide
     if (w.how.start != NULL)
         read_start(&w);
     double k = w.how.k > 0 ? w.how.k : USUAL_K;
-    NTP__TRY(run_rounds(&w, k, eager_rounds(w.terms.nodes), STEADY, w.how.start != NULL));
+    NTP__TRY(run_rounds(&w, k, STEADY, w.how.start != NULL));
     if (confidence != NULL)
         NTP__TRY(find_doubt(&w, k));
     level_islands(&w);
