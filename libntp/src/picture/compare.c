@@ -12,6 +12,9 @@
 #include "texel/unused.h"
 #include "picture/picture.h"
 #include "picture/picture_kernels.h"
+#ifdef NTP_HAVE_AVX2
+#  include "picture/compare_avx2.h"
+#endif
 
 #include <string.h>
 
@@ -39,6 +42,8 @@ typedef struct job {
     int32_t ma, mb, m;
     int32_t channels;
     bool vectors, flip;
+    bool alike;      /* equal bytes are equal texels, and only sums are asked for */
+    bool packed_rgb; /* the same, and the loops for AVX2 are for these */
     const ntp__kernels_table *kernels;
 } job;
 
@@ -210,6 +215,57 @@ static void compare_run(const job *j, int32_t x, int32_t y, int32_t n)
         paint(j, angle, greatest, x, y, n);
 }
 
+/* Adds n texels of equal bytes; false: they are not. */
+static bool add_equal(const job *j, const void *a, const void *b, int32_t n)
+{
+    if (!j->alike || memcmp(a, b, (size_t) n * (size_t) j->a->pixel_stride) != 0)
+        return false;
+    if (j->vectors)
+        ntp__angles_add(&j->diff->angles, 0, (uint32_t) n);
+    return true;
+}
+
+#ifdef NTP_HAVE_AVX2
+static void add_compared(ntp_diff *d, ntp__compared *c, int32_t n)
+{
+    for (int32_t k = 0; k < 3; k++) {
+        d->levels_sum[k] += c->sum[k];
+        d->levels_max[k] = c->most[k] > d->levels_max[k] ? c->most[k] : d->levels_max[k];
+    }
+    d->different += (uint64_t) c->different;
+    add_angles(&d->angles, c->angle, c->found);
+    /* The number of zeros, or less that of zeros beyond n. */
+    d->angles.texels += (uint64_t) n - (uint64_t) c->found;
+    d->angles.bins[0] += (uint32_t) n - (uint32_t) c->found;
+}
+
+/* False: a texel may be unused in both images. */
+static bool compare_packed(const job *j, const void *a, const void *b, int32_t n)
+{
+    ntp__compared c;
+    if (!ntp__compare_rgb_avx2(&c, a, b, n, j->m > 255))
+        return false;
+    if (c.left > 0)
+        j->kernels->angles_of(c.angle + c.found, c.s2, c.d, c.left);
+    c.found += c.left;
+    add_compared(j->diff, &c, n);
+    return true;
+}
+#else
+static bool compare_packed(const job *j, const void *a, const void *b, int32_t n)
+{
+    (void) j, (void) a, (void) b, (void) n;
+    return false;
+}
+#endif
+
+static void compare_quickly(const job *j, int32_t x, int32_t y, int32_t n)
+{
+    const void *a = ntp__at(j->a, x, y), *b = ntp__at(j->b, x, y);
+    if (!add_equal(j, a, b, n) && !(j->packed_rgb && compare_packed(j, a, b, n)))
+        compare_run(j, x, y, n);
+}
+
 static ntp_status prepare(job *j, const ntp_const_image *a, const ntp_const_image *b)
 {
     if (!ntp__same_size(a, b))
@@ -225,6 +281,11 @@ static ntp_status prepare(job *j, const ntp_const_image *a, const ntp_const_imag
     j->m = j->ma > j->mb ? j->ma : j->mb;
     j->flip = j->vectors && a->y != b->y;
     j->channels = a->channels < b->channels ? a->channels : b->channels;
+    j->alike = j->heat == NULL && !j->flip && j->encoding_a == j->encoding_b &&
+               a->type == b->type && a->channels == b->channels && ntp__is_packed(a) &&
+               ntp__is_packed(b);
+    j->packed_rgb = j->alike && a->encoding == NTP_ENCODING_STANDARD && a->channels == 3 &&
+                    a->type != NTP_TYPE_F32 && ntp__cpu_has_avx2(NTP__CPU_ALL);
     if ((j->encoding_a == NTP_ENCODING_XY) != (j->encoding_b == NTP_ENCODING_XY))
         j->channels = 2;
     return NTP_OK;
@@ -268,7 +329,7 @@ ntp_status ntp_diff_add(ntp_diff *diff, const ntp_image *heat, const ntp_const_i
     for (int32_t y = rect.y0; y < rect.y1; y++) {
         for (int32_t x = rect.x0; x < rect.x1; x += NTP__BLOCK) {
             int32_t n = rect.x1 - x < NTP__BLOCK ? rect.x1 - x : NTP__BLOCK;
-            compare_run(&j, x, y, n);
+            compare_quickly(&j, x, y, n);
         }
     }
     return NTP_OK;

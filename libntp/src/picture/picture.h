@@ -6,6 +6,7 @@
  *   heatmap.c             ntp_heatmap: what is wrong with each texel
  *   shade.c               ntp_shade: a lit preview
  *   compare.c             ntp_diff_...: differences of two textures, with a heatmap of them
+ *   compare_avx2.h, .c    their sums for packed RGB, where there is AVX2
  *   picture_kernels.h     their loops
  *   picture.h, picture.c  what these share
  */

@@ -88,10 +88,26 @@ ONE_COPY static int32_t round_angles(int32_t *restrict angle, int32_t *restrict 
     return any;
 }
 
+/* Those of n <= 256; changes s2 and d beyond n, up to whole lanes. */
+static void angles_of(int32_t *angle, double *s2, double *d, int32_t n)
+{
+    int32_t doubt[256];
+    const int32_t filled = (n + LANES - 1) / LANES * LANES;
+    for (int32_t i = n; i < filled; i++) {
+        s2[i] = 0;
+        d[i] = 1;
+    }
+    if (round_angles(angle, doubt, s2, d, filled) == 0)
+        return;
+    for (int32_t i = 0; i < n; i++) {
+        if (doubt[i] != 0)
+            angle[i] = (int32_t) (ntp__radians(sqrt(s2[i]), d[i]) * (180e6 / NTP__PI) + 0.5);
+    }
+}
+
 static void angles(int32_t *angle, const ntp__numbers *v, const ntp__numbers *w, int32_t n)
 {
     double s2[256], d[256];
-    int32_t doubt[256];
     const int32_t filled = (n + LANES - 1) / LANES * LANES;
     for (int32_t i = n; i < filled; i++) {
         for (int k = 0; k < 3; k++) {
@@ -100,12 +116,7 @@ static void angles(int32_t *angle, const ntp__numbers *v, const ntp__numbers *w,
         }
     }
     products(s2, d, v, w, filled);
-    if (round_angles(angle, doubt, s2, d, filled) == 0)
-        return;
-    for (int32_t i = 0; i < n; i++) {
-        if (doubt[i] != 0)
-            angle[i] = (int32_t) (ntp__radians(sqrt(s2[i]), d[i]) * (180e6 / NTP__PI) + 0.5);
-    }
+    angles_of(angle, s2, d, n);
 }
 
 #undef NUMERATORS

@@ -363,6 +363,7 @@ const ntp__kernels_table CONCAT(ntp__kernels_, NTP_ISA) = {
     count_close,
     directions,
     angles,
+    angles_of,
     normalize,
     find,
     pull,

@@ -142,6 +142,10 @@ typedef struct ntp__numbers {
 typedef void ntp__angles_fn(int32_t *angle, const ntp__numbers *v, const ntp__numbers *w,
                             int32_t n);
 
+/* The same of n <= 256 pairs s^2 = |v x w|^2 and d = v . w, both times a power of 4 or 2.  All three
+ * have room for whole lanes, and change beyond n. */
+typedef void ntp__angles_of_fn(int32_t *angle, double *s2, double *d, int32_t n);
+
 /* Standard Z: blues up to `low` are mirrored; then vectors that are not `rounded` go over their
  * lengths, each level rounded half up.  Where doubt[i] is not 0, levels may be wrong.  Returns
  * whether any is.  `changed` counts the texels that are not as they were, also those in doubt.
@@ -182,6 +186,7 @@ typedef struct ntp__kernels_table {
     ntp__count_close_fn *count_close; /* NULL where judging them as all others is as fast */
     ntp__directions_fn *directions;
     ntp__angles_fn *angles;
+    ntp__angles_of_fn *angles_of;
     ntp__normalize_fn *normalize;
     ntp__find_fn *find;
     ntp__pull_fn *pull;

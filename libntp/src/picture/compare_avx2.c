@@ -1,0 +1,347 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * compare_avx2.c - differences of packed RGB in levels, and its small angles, with AVX2
+ *
+ * Eight texels at a time: where all their angles are small and none is in doubt, they are found
+ * here; otherwise the eight are left to the loops of texel/angles_tmpl.h, which take any angle.
+ *
+ * With s^2 = |v x w|^2 and d = v . w, the angle is atan(u), u = s/d.  Floats give u0, off by at most
+ * 2^-21 of u, and g, as near to 1/(2 s d).  Then u0 + (s^2 - (u0 d)^2) g is off by less than 2^-41 of
+ * u: a step of Newton's method, in doubles.  A polynomial of 5 terms gives the arc tangent of up to
+ * 0.201 to 1.0e-4 micro-degrees, and roundings and angle.c add less than 2e-6.  So an angle that
+ * lies MARGIN or more from the middle between two whole ones is rounded as there.
+ */
+#include "picture/compare_avx2.h"
+
+#include <immintrin.h>
+#include <string.h>
+
+#define MARGIN 0x1p-13 /* micro-degrees */
+#define C0     0x1.b521d1c0fb3cfp+25
+#define C1     -0x1.236bde79311b3p+24
+#define C2     0x1.5db1b63ab2d35p+23
+#define C3     -0x1.f24383c627d24p+22
+#define C4     0x1.634d09f09f772p+22
+
+#define NOINLINE __attribute__((noinline, noclone))
+
+enum { STEP = 8 /* texels */ };
+
+/* s^2 and d of n texels, times powers of two, u0 and g.  `small` and `large` are where eight of them
+ * begin whose angles are all small, or not. */
+typedef struct pairs {
+    int32_t n, smalls, larges;
+    double s2[NTP__BLOCK], d[NTP__BLOCK];
+    float u0[NTP__BLOCK], g[NTP__BLOCK];
+    int32_t small[NTP__BLOCK / 8], large[NTP__BLOCK / 8];
+} pairs;
+
+/* |Differences| of levels, as the loops below have them. */
+typedef struct sums {
+    __m256i low, high, most_low, most_high;
+} sums;
+
+static inline __m256i load_two(const void *low, const void *high)
+{
+    return _mm256_inserti128_si256(_mm256_castsi128_si256(_mm_loadu_si128(low)),
+                                   _mm_loadu_si128(high), 1);
+}
+
+/* The shuffle of both halves; -1: a byte that becomes 0. */
+#define SHUFFLE(v, ...)                                                                            \
+    _mm256_shuffle_epi8((v), _mm256_broadcastsi128_si256(_mm_setr_epi8(__VA_ARGS__)))
+
+/* v + 2^52 - less of integers from 0 on, below 2^52. */
+static inline __m256d to_doubles(__m256i v, double less)
+{
+    const __m256i base = _mm256_castpd_si256(_mm256_set1_pd(0x1p52));
+    return _mm256_sub_pd(_mm256_castsi256_pd(_mm256_or_si256(v, base)), _mm256_set1_pd(less));
+}
+
+/* Eight doubles. */
+typedef struct eight {
+    __m256d half[2];
+} eight;
+
+static inline eight load_eight(const double *from)
+{
+    return (eight) { { _mm256_loadu_pd(from), _mm256_loadu_pd(from + STEP / 2) } };
+}
+
+static inline void store_eight(double *to, eight v)
+{
+    _mm256_storeu_pd(to, v.half[0]);
+    _mm256_storeu_pd(to + STEP / 2, v.half[1]);
+}
+
+static inline __m256 to_floats(eight v)
+{
+    return _mm256_set_m128(_mm256_cvtpd_ps(v.half[1]), _mm256_cvtpd_ps(v.half[0]));
+}
+
+/* There are no branches, for they would be taken at random. */
+static void find_first(pairs *p)
+{
+    int32_t smalls = 0, larges = 0;
+    for (int32_t i = 0; i < p->n; i += STEP) {
+        const __m256 s2 = to_floats(load_eight(p->s2 + i)), d = to_floats(load_eight(p->d + i));
+        const __m256 s = _mm256_max_ps(_mm256_sqrt_ps(s2), _mm256_set1_ps(0x1p-20F));
+        const __m256 g = _mm256_div_ps(_mm256_set1_ps(0.5F), _mm256_mul_ps(s, d));
+        const __m256 u0 = _mm256_mul_ps(s2, _mm256_add_ps(g, g));
+        const __m256 small = _mm256_cmp_ps(u0, _mm256_set1_ps(0.2F), _CMP_LE_OQ);
+        const bool all = _mm256_movemask_ps(_mm256_andnot_ps(d, small)) == 255;
+        _mm256_storeu_ps(p->u0 + i, u0);
+        _mm256_storeu_ps(p->g + i, g);
+        p->small[smalls] = p->large[larges] = i;
+        smalls += all;
+        larges += !all;
+    }
+    p->smalls = smalls;
+    p->larges = larges;
+}
+
+/* atan(u) as the nearest whole number of micro-degrees plus a base; widens the greatest distance. */
+static inline __m256i round_angle(__m256d u, __m256d *off)
+{
+    const __m256d base = _mm256_set1_pd(0x1.8p52), sign = _mm256_set1_pd(-0.0);
+    const __m256d w = _mm256_mul_pd(u, u), w2 = _mm256_mul_pd(w, w);
+    const __m256d p = _mm256_add_pd(_mm256_mul_pd(_mm256_set1_pd(C1), w), _mm256_set1_pd(C0));
+    const __m256d q = _mm256_add_pd(_mm256_mul_pd(_mm256_set1_pd(C3), w), _mm256_set1_pd(C2));
+    const __m256d r = _mm256_add_pd(_mm256_mul_pd(_mm256_set1_pd(C4), w2), q);
+    const __m256d t = _mm256_mul_pd(_mm256_add_pd(_mm256_mul_pd(r, w2), p), u);
+    const __m256d whole = _mm256_add_pd(t, base);
+    const __m256d far = _mm256_andnot_pd(sign, _mm256_sub_pd(t, _mm256_sub_pd(whole, base)));
+    *off = _mm256_max_pd(*off, far);
+    return _mm256_castpd_si256(whole);
+}
+
+/* Eight angles from i on; false: one is not sure. */
+static inline bool find_eight(int32_t *angle, const pairs *p, int32_t i)
+{
+    const eight s2 = load_eight(p->s2 + i), d = load_eight(p->d + i);
+    __m256d off = _mm256_setzero_pd();
+    __m256i whole[2];
+    for (int k = 0; k < 2; k++) {
+        const __m256d u0 = _mm256_cvtps_pd(_mm_loadu_ps(p->u0 + i + STEP / 2 * k));
+        const __m256d g = _mm256_cvtps_pd(_mm_loadu_ps(p->g + i + STEP / 2 * k));
+        const __m256d s = _mm256_mul_pd(u0, d.half[k]);
+        const __m256d rest = _mm256_sub_pd(s2.half[k], _mm256_mul_pd(s, s));
+        whole[k] = round_angle(_mm256_add_pd(u0, _mm256_mul_pd(rest, g)), &off);
+    }
+    const __m256i all = _mm256_blend_epi32(whole[0], _mm256_slli_epi64(whole[1], 32), 0xaa);
+    _mm256_storeu_si256((void *) angle, all);
+    return _mm256_movemask_pd(_mm256_cmp_pd(off, _mm256_set1_pd(0.5 - MARGIN), _CMP_GE_OQ)) == 0;
+}
+
+static void find_angles(ntp__compared *out, pairs *p)
+{
+    int32_t found = 0, left = 0;
+    for (int32_t i = 0; i < p->smalls; i++) {
+        if (find_eight(out->angle + found, p, p->small[i]))
+            found += STEP;
+        else
+            p->large[p->larges++] = p->small[i];
+    }
+    for (int32_t i = 0; i < p->larges; i++, left += STEP) {
+        store_eight(out->s2 + left, load_eight(p->s2 + p->large[i]));
+        store_eight(out->d + left, load_eight(p->d + p->large[i]));
+    }
+    out->found = found;
+    out->left = left;
+}
+
+/* Lanes are 32 bits of which no sum reaches the highest. */
+NOINLINE static void add_channel(ntp__compared *out, int k, __m256i sum, __m256i most)
+{
+    int32_t each[STEP], highest[STEP];
+    _mm256_storeu_si256((void *) each, sum);
+    _mm256_storeu_si256((void *) highest, most);
+    for (int i = 0; i < STEP; i++) {
+        out->sum[k] += (uint32_t) each[i];
+        out->most[k] = (uint32_t) highest[i] > out->most[k] ? (uint32_t) highest[i] : out->most[k];
+    }
+}
+
+/* ------------------------------------------------------------------------------ 8 bit */
+
+/* Red and green of eight texels as pairs of 16 bits, and blue. */
+typedef struct texels8 {
+    __m256i rg, b;
+} texels8;
+
+static inline texels8 load8(const uint8_t *s)
+{
+    const __m256i v = load_two(s, s + 12);
+    return (texels8) {
+        .rg = SHUFFLE(v, 0, -1, 1, -1, 3, -1, 4, -1, 6, -1, 7, -1, 9, -1, 10, -1),
+        .b = SHUFFLE(v, 2, -1, -1, -1, 5, -1, -1, -1, 8, -1, -1, -1, 11, -1, -1, -1),
+    };
+}
+
+static inline texels8 numerators8(texels8 v)
+{
+    return (texels8) {
+        .rg = _mm256_sub_epi16(_mm256_add_epi16(v.rg, v.rg), _mm256_set1_epi16(255)),
+        .b = _mm256_sub_epi16(_mm256_add_epi16(v.b, v.b), _mm256_set1_epi32(255)),
+    };
+}
+
+static inline __m256i dot8(texels8 v, texels8 w)
+{
+    return _mm256_add_epi32(_mm256_madd_epi16(v.rg, w.rg), _mm256_madd_epi16(v.b, w.b));
+}
+
+/* k l - d^2: no product reaches 2^36. */
+static inline __m256d square8(__m256i k, __m256i l, __m256i d)
+{
+    const __m256i off = _mm256_sub_epi64(_mm256_mul_epu32(k, l), _mm256_mul_epi32(d, d));
+    return to_doubles(off, 0x1p52);
+}
+
+static inline void multiply8(pairs *p, texels8 a, texels8 b)
+{
+    const texels8 v = numerators8(a), w = numerators8(b);
+    const __m256i k = dot8(v, v), l = dot8(w, w), d = dot8(v, w);
+    const __m256i k1 = _mm256_srli_epi64(k, 32), l1 = _mm256_srli_epi64(l, 32);
+    const __m256i d1 = _mm256_srli_epi64(d, 32);
+    /* d + 2^31 is never negative. */
+    const __m256i e = _mm256_xor_si256(d, _mm256_set1_epi32(INT32_MIN));
+    const __m256i e0 = _mm256_and_si256(e, _mm256_set1_epi64x(UINT32_MAX));
+    const __m256i e1 = _mm256_srli_epi64(e, 32);
+    const double less = 0x1p52 + 0x1p31;
+    store_eight(p->s2 + p->n, (eight) { { square8(k, l, d), square8(k1, l1, d1) } });
+    store_eight(p->d + p->n, (eight) { { to_doubles(e0, less), to_doubles(e1, less) } });
+    p->n += STEP;
+}
+
+static inline int32_t step8(pairs *p, sums *sum, const uint8_t *pa, const uint8_t *pb)
+{
+    const texels8 a = load8(pa), b = load8(pb);
+    const __m256i rg = _mm256_abs_epi16(_mm256_sub_epi16(a.rg, b.rg));
+    const __m256i blue = _mm256_abs_epi16(_mm256_sub_epi16(a.b, b.b));
+    const __m256i same = _mm256_cmpeq_epi32(_mm256_or_si256(rg, blue), _mm256_setzero_si256());
+    const uint32_t equal = (uint32_t) _mm256_movemask_ps(_mm256_castsi256_ps(same));
+    if (equal == 255)
+        return 0;
+    sum->low = _mm256_add_epi16(sum->low, rg);
+    sum->high = _mm256_add_epi16(sum->high, blue);
+    sum->most_low = _mm256_max_epi16(sum->most_low, rg);
+    sum->most_high = _mm256_max_epi16(sum->most_high, blue);
+    multiply8(p, a, b);
+    return STEP - __builtin_popcount(equal);
+}
+
+static void finish8(ntp__compared *out, const sums *sum)
+{
+    const __m256i first = _mm256_set1_epi32(65535);
+    add_channel(out, 0, _mm256_and_si256(sum->low, first), _mm256_and_si256(sum->most_low, first));
+    add_channel(out, 1, _mm256_srli_epi32(sum->low, 16), _mm256_srli_epi32(sum->most_low, 16));
+    add_channel(out, 2, sum->high, sum->most_high);
+}
+
+/* ------------------------------------------------------------------------------ 16 bit */
+
+/* Samples as doubles, which are 128 times the numerators: only so are all steps exact. */
+#define NUMERATORS(v, k)                                                                           \
+    to_doubles(SHUFFLE(v, -1, 2 * (k), 2 * (k) + 1, -1, -1, -1, -1, -1, -1, 2 * (k) + 6,           \
+                       2 * (k) + 7, -1, -1, -1, -1, -1),                                           \
+               0x1p52 + 128 * 65535)
+
+/* x^2, y^2 and z^2 of the product vector are rounded as in texel/angles_tmpl.h. */
+static inline void multiply16(double *s2, double *d, __m256i a, __m256i b)
+{
+    const __m256d x1 = NUMERATORS(a, 0), y1 = NUMERATORS(a, 1), z1 = NUMERATORS(a, 2);
+    const __m256d x2 = NUMERATORS(b, 0), y2 = NUMERATORS(b, 1), z2 = NUMERATORS(b, 2);
+    const __m256d x = _mm256_sub_pd(_mm256_mul_pd(y1, z2), _mm256_mul_pd(z1, y2));
+    const __m256d y = _mm256_sub_pd(_mm256_mul_pd(z1, x2), _mm256_mul_pd(x1, z2));
+    const __m256d z = _mm256_sub_pd(_mm256_mul_pd(x1, y2), _mm256_mul_pd(y1, x2));
+    const __m256d xy = _mm256_add_pd(_mm256_mul_pd(x, x), _mm256_mul_pd(y, y));
+    const __m256d dot = _mm256_add_pd(_mm256_mul_pd(x1, x2), _mm256_mul_pd(y1, y2));
+    _mm256_storeu_pd(s2, _mm256_add_pd(xy, _mm256_mul_pd(z, z)));
+    _mm256_storeu_pd(d, _mm256_add_pd(dot, _mm256_mul_pd(z1, z2)));
+}
+
+/* |a - b| of four texels; returns how many are different. */
+static inline int32_t add_levels16(sums *sum, __m256i a, __m256i b)
+{
+    const __m256i off = _mm256_or_si256(_mm256_subs_epu16(a, b), _mm256_subs_epu16(b, a));
+    const __m256i v = SHUFFLE(off, 0, 1, 2, 3, 4, 5, -1, -1, 6, 7, 8, 9, 10, 11, -1, -1);
+    const __m256i same = _mm256_cmpeq_epi64(v, _mm256_setzero_si256());
+    sum->low = _mm256_add_epi32(sum->low, _mm256_and_si256(v, _mm256_set1_epi32(65535)));
+    sum->high = _mm256_add_epi32(sum->high, _mm256_srli_epi32(v, 16));
+    sum->most_low = _mm256_max_epu16(sum->most_low, v);
+    return STEP / 2 - __builtin_popcount((uint32_t) _mm256_movemask_pd(_mm256_castsi256_pd(same)));
+}
+
+static inline int32_t step16(pairs *p, sums *sum, const uint8_t *pa, const uint8_t *pb)
+{
+    enum { HALF = 24 /* bytes */ };
+    int32_t different = 0, n = p->n;
+    for (int k = 0; k < 2; k++, pa += HALF, pb += HALF, n += STEP / 2) {
+        const __m256i a = load_two(pa, pa + HALF / 2), b = load_two(pb, pb + HALF / 2);
+        different += add_levels16(sum, a, b);
+        multiply16(p->s2 + n, p->d + n, a, b);
+    }
+    p->n += different != 0 ? STEP : 0;
+    return different;
+}
+
+static void finish16(ntp__compared *out, const sums *sum)
+{
+    const __m256i first = _mm256_set1_epi64x(UINT32_MAX), least = _mm256_set1_epi64x(65535);
+    const __m256i green = _mm256_and_si256(_mm256_srli_epi64(sum->most_low, 16), least);
+    add_channel(out, 0, _mm256_and_si256(sum->low, first), _mm256_and_si256(sum->most_low, least));
+    add_channel(out, 1, sum->high, green);
+    add_channel(out, 2, _mm256_srli_epi64(sum->low, 32), _mm256_srli_epi64(sum->most_low, 32));
+}
+
+enum { TOUCHED = 6 * STEP + 4 }; /* bytes that a step touches at most */
+
+/* The last texels, with black ones after them. */
+NOINLINE static const uint8_t *copy_last(uint8_t few[TOUCHED], const uint8_t *from, int32_t bytes)
+{
+    memset(few, 0, TOUCHED);
+    memcpy(few, from, (size_t) bytes);
+    return few;
+}
+
+#define STEPS(step, bytes)                                                                         \
+    for (int32_t i = 0; i < n; i += STEP, a += (bytes) * STEP, b += (bytes) * STEP) {              \
+        const int32_t left = n - i < STEP ? (bytes) * (n - i) : (bytes) * STEP;                    \
+        if ((bytes) * (n - i) < (bytes) * STEP + 4) {                                              \
+            a = copy_last(few[0], a, left);                                                        \
+            b = copy_last(few[1], b, left);                                                        \
+        }                                                                                          \
+        out->different += step(&p, &sum, a, b);                                                    \
+    }
+
+/* Is there a vector with another one that is as long as any and opposite?  That of black is opposite
+ * to that of white; other corners of the cube do no harm. */
+static bool any_opposite(const ntp__compared *c, double longest)
+{
+    int32_t any = 0;
+    for (int32_t i = 0; i < c->left; i++)
+        any |= c->d[i] == -longest;
+    return any != 0;
+}
+
+bool ntp__compare_rgb_avx2(ntp__compared *out, const void *pa, const void *pb, int32_t n, bool deep)
+{
+    const uint8_t *a = pa, *b = pb;
+    const __m256i zero = _mm256_setzero_si256();
+    sums sum = { zero, zero, zero, zero };
+    uint8_t few[2][TOUCHED];
+    pairs p;
+    p.n = 0;
+    memset(out, 0, offsetof(ntp__compared, angle));
+    if (deep) {
+        STEPS(step16, 6)
+        finish16(out, &sum);
+    } else {
+        STEPS(step8, 3)
+        finish8(out, &sum);
+    }
+    find_first(&p);
+    find_angles(out, &p);
+    return !any_opposite(out, deep ? 3.0 * 65535 * 65535 * (128 * 128) : 3.0 * 255 * 255);
+}
