@@ -17,6 +17,7 @@ from support.to_height import (
     WRAP,
     by_eigenvectors,
     fractal,
+    mixed_slopes,
     near,
 )
 from support.to_height import to_height as reconstruct
@@ -193,17 +194,6 @@ def test_blue_of_a_jpeg_is_kept():
     heights[..., 2] = (h - h.min()) / np.ptp(h) * 255
     for other in (parts, heights, maps.jpeg(heights, 85, 0)):
         assert reconstruct(other, z=AUTO, **how)[1]["z"] == DERIVED
-
-
-def mixed_slopes(c):
-    """By a z of which the stored one is the share x^2 + y^2, and the derived one the rest."""
-    v = (2 * c.astype(np.float64) - 255) / 255
-    square = np.minimum(v[..., 0] ** 2 + v[..., 1] ** 2, 1)
-    derived = np.sqrt(np.maximum(1 - square, 1 / 255**2))
-    negative = v[..., 2][v[..., 2] < -1 / 255]
-    least = 2 * np.sqrt((negative**2).sum() / (negative.size + 8))
-    z = np.maximum(square * v[..., 2] + (1 - square) * derived, max(least, 1 / 255))
-    return -v[..., 0] / z, v[..., 1] / z
 
 
 @pytest.mark.parametrize("slope", [0.5, 2.5])

@@ -909,9 +909,11 @@ typedef enum ntp_z {
 
 /* Kernels of 3 x 3 and more respond little to the finest detail; a prior keeps noise out of it.
  * Detail to which a kernel hardly responds at all is damped without a prior as well: floats do not
- * hold enough digits to divide by that response. */
+ * hold enough digits to divide by that response.  With NTP_Z_AUTO, lengths of vectors tell how large
+ * the errors of a damaged texture are; else the noise is that of rounding. */
 typedef enum ntp_prior {
-    NTP_PRIOR_AUTO = 0,     /* ROUGHNESS with kernels of 3 x 3 and more, else NONE */
+    NTP_PRIOR_AUTO = 0,     /* ROUGHNESS with kernels of 3 x 3 and more, and with CENTRAL where the
+                             * texture turns out to be damaged; else NONE */
     NTP_PRIOR_NONE = 1,     /* NTP_HEIGHT_WEIGHTED: pairs of neighbors take its place */
     NTP_PRIOR_ROUGHNESS = 2 /* of heights that fit equally well within rounding, smooth ones */
 } ntp_prior;
@@ -1021,7 +1023,7 @@ NTP_API size_t ntp_height_scratch_size(const ntp_height_options *how, int32_t wi
  *                     difference of two neighbors is (-1, 13, 13, -1)/24 of the four slopes around
  *                     them, at free ends (9, 19, -5, 1)/24.
  * With mirror the texels at the edge count half, also in the mean, which is that of the mirrored
- * plane.  Of heights that fit equally well within the rounding of the slopes, NTP_PRIOR_ROUGHNESS
+ * plane.  Of heights that fit equally well within the errors of the slopes, NTP_PRIOR_ROUGHNESS
  * prefers smoother ones.  docs/reconstruction.md has the formulas.
  *
  * NTP_HEIGHT_WEIGHTED supports every kernel with every border.  The weight of a slope is about

@@ -201,6 +201,17 @@ def slopes(n, encoding=ntp.STANDARD, y=ntp.UP, decode=UNORM, derived=False):
     return -v[..., 0] / z, (v[..., 1] if y == ntp.UP else -v[..., 1]) / z
 
 
+def mixed_slopes(c):
+    """By a z of which the stored one is the share x^2 + y^2, and the derived one the rest."""
+    v = (2 * c.astype(np.float64) - 255) / 255
+    square = np.minimum(v[..., 0] ** 2 + v[..., 1] ** 2, 1)
+    derived = np.sqrt(np.maximum(1 - square, 1 / 255**2))
+    negative = v[..., 2][v[..., 2] < -1 / 255]
+    least = 2 * np.sqrt((negative**2).sum() / (negative.size + 8))
+    z = np.maximum(square * v[..., 2] + (1 - square) * derived, max(least, 1 / 255))
+    return -v[..., 0] / z, v[..., 1] / z
+
+
 def near(ours, model, tolerance=2e-6):
     scale = max(np.ptp(model), np.abs(model).max(), 1e-3)
     return np.abs(ours - model).max() <= tolerance * scale

@@ -102,6 +102,8 @@ static ntp_height_options plain(const ntp_height_options *how)
     first.refine = first.detrend = 0;
     if (first.kernel == NTP_KERNEL_BAKED)
         first.kernel = NTP_KERNEL_CENTRAL;
+    if (first.kernel == NTP_KERNEL_CENTRAL) /* smooth heights of damaged texels hide the edges */
+        first.prior = NTP_PRIOR_NONE;
     return first;
 }
 

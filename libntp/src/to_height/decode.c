@@ -64,6 +64,9 @@ enum { FEW_NEGATIVE = 8 };
  * two ends. */
 static const double longer_share = 0.05;
 
+/* Errors of neighbors are alike, which the prior does not know.  Of that it takes this part. */
+static const double part_of_damage = 0.5;
+
 /* Rounding puts 0 at 128.  Where flat ground has 127 instead, both levels were meant to be flat: red has
  * so many times the texels of 126 and 129 there, and 128 is rare beside it.  (In green a flip of Y
  * makes 127 of 128.)  Where it has 128, the plain rule gives more of the texels back: 0 is the edge of
@@ -315,6 +318,19 @@ static bool blue_follows(const evidence *e, double mean_error)
            (both >= follows_loosely * rest && both <= follows_back * z2 && !apart);
 }
 
+/* The mean square of the errors of x, y and z, if there are any but rounding.  They make vectors
+ * longer as often as shorter; means of normals are shorter, and as good as before.  And they put the
+ * points (1 - x^2 - y^2, z^2) off their line: by the lesser eigenvalue of the covariance.  Vectors
+ * that are all too long, or z on another scale, have another line, but lie on it. */
+static double damage_of(const evidence *e, double unit)
+{
+    double n = e->all, u = e->rest / n, v = e->z2 / n;
+    double uu = e->rest2 / n - u * u, vv = e->z4 / n - v * v, uv = e->both / n - u * v;
+    double off_line = (uu + vv - sqrt((uu - vv) * (uu - vv) + 4 * uv * uv)) / 2;
+    double longer = 2 * e->longer / (unit * unit * n), across = off_line > 0 ? off_line / 2 : 0;
+    return longer < across ? longer : across;
+}
+
 static void choose_z(ntp__height_plan *plan, const ntp_const_image *src, const evidence *e)
 {
     double m = ntp__max(src->type), unit = 2 * m * m;
@@ -328,7 +344,10 @@ static void choose_z(ntp__height_plan *plan, const ntp_const_image *src, const e
     bool other = lengths > most_error * noise * all && e->too_long <= damaged_share * e->all &&
                  !blue_follows(e, lengths / all);
     plan->z = made || other ? NTP_Z_DERIVED : NTP_Z_STORED;
-    plan->mix_z = lengths > most_error * noise * all && e->longer > longer_share * e->lengths;
+    bool damaged = lengths > most_error * noise * all;
+    plan->mix_z = damaged && e->longer > longer_share * e->lengths;
+    plan->error =
+        damaged && plan->z == NTP_Z_STORED ? sqrt(part_of_damage * damage_of(e, unit)) : 0;
     plan->least_z = most_of_error * sqrt(e->negative2 / (e->negative + FEW_NEGATIVE));
 }
 

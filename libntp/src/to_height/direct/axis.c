@@ -231,10 +231,14 @@ void ntp__problem_init(ntp__problem *p, const ntp__height_plan *plan, ntp_type t
     init_axis(&p->along, plan->width, plan->kernel, plan->border_x);
     init_axis(&p->down, plan->height, plan->kernel, plan->border_y);
     bool taps = p->along.kind == NTP__AXIS_TAPS;
-    bool prior = plan->prior == NTP_PRIOR_ROUGHNESS || (plan->prior == NTP_PRIOR_AUTO && taps);
+    /* Central slopes hardly respond to the finest detail either, which errors of damage show. */
+    bool damaged = plan->kernel == NTP_KERNEL_CENTRAL && plan->error > 0;
+    bool prior =
+        plan->prior == NTP_PRIOR_ROUGHNESS || (plan->prior == NTP_PRIOR_AUTO && (taps || damaged));
     p->single = type == NTP_TYPE_U8;
     p->filter = taps || prior || ntp__axis_transform(&p->down) == NTP__FFT_MIRROR;
     /* A level is 2/M, and rounding errors are spread evenly over it; floats have 24 bits. */
     double level = type == NTP_TYPE_U8 ? 2.0 / 255 : type == NTP_TYPE_U16 ? 2.0 / 65535 : 0x1p-23;
-    p->sigma = prior ? level * 0.28867513459481288 * p->down_weight : 0;
+    double error = level * 0.28867513459481288;
+    p->sigma = prior ? (error > plan->error ? error : plan->error) * p->down_weight : 0;
 }

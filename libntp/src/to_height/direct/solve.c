@@ -351,7 +351,7 @@ static ntp_status least_squares(job *j)
 
 /* -------------------------------------------------------------------------------- whole */
 
-size_t ntp__direct_scratch(const ntp__height_plan *plan, int32_t parts)
+static size_t scratch_of(const ntp__height_plan *plan, int32_t parts)
 {
     job j;
     ntp__scratch solution = { NULL, 0 }, after = { NULL, 0 };
@@ -361,6 +361,17 @@ size_t ntp__direct_scratch(const ntp__height_plan *plan, int32_t parts)
     lay_out(&j, &solution, NULL);
     ntp__edges_fit(NULL, NULL, &j.problem, &after, NULL);
     return solution.used > after.used ? solution.used : after.used;
+}
+
+/* Evidence may call for a prior, which takes other memory. */
+size_t ntp__direct_scratch(const ntp__height_plan *plan, int32_t parts)
+{
+    ntp__height_plan damaged = *plan;
+    size_t size = scratch_of(plan, parts), other = 0;
+    damaged.error = 1;
+    if (plan->z == NTP_Z_AUTO)
+        other = scratch_of(&damaged, parts);
+    return size > other ? size : other;
 }
 
 static void add_counts(const job *j, ntp__slope_counts *counts)

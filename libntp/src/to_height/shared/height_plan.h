@@ -31,6 +31,7 @@ typedef struct ntp__height_plan {
     ntp_z z;           /* the same */
     double least_z;    /* a stored z below this counts as this; 0: only the rule of half a level */
     bool mix_z;        /* the stored z is damaged as x and y are: all three tell it; see slopes.c */
+    double error;      /* of x, y and z of a damaged texture, for the prior; 0: rounding alone */
     uint32_t touch_unused;
     const ntp_const_image *mask; /* for weighted; or NULL */
     double tolerance;            /* for weighted */

@@ -1,0 +1,145 @@
+# SPDX-License-Identifier: MIT
+"""Heights of damaged normals: the size of the errors is told by lengths, and kept out of detail to
+which kernels hardly respond."""
+
+import numpy as np
+import pytest
+
+from support import libntp_ffi as ntp
+from support import maps
+from support import oracle_height as kernels
+from support.to_height import EXTRAPOLATE, STORED, UNORM, Z_AUTO, fractal, mixed_slopes, options
+from support.to_height import to_height as reconstruct
+
+NO_PRIOR = 1
+
+
+def made(kernel, slope, seed=1, size=256, exponent=1.6):
+    """(heights, their normals of 8 bits)"""
+    h = fractal(size, seed=seed, rms_slope=slope, exponent=exponent)
+    right, down = by_kernel(h, kernel)
+    n = np.stack([-right, down, np.ones_like(h, np.float64)], -1)
+    n /= np.linalg.norm(n, axis=-1, keepdims=True)
+    return h, np.floor((n + 1) * 127.5 + 0.5).astype(np.uint8)
+
+
+def symbols(shape, kernel):
+    y = np.fft.fftfreq(shape[0])[:, None] * 2 * np.pi
+    x = np.fft.rfftfreq(shape[1])[None] * 2 * np.pi
+    taps, whole = kernels.taps(kernel, False), kernels.KERNELS[kernel][1]
+    right = sum(float(t) * np.exp(1j * (i * x + j * y)) for (i, j), t in taps.items()) / whole
+    down = sum(float(t) * np.exp(1j * (i * y + j * x)) for (i, j), t in taps.items()) / whole
+    return right, down, 4 * np.sin(x / 2) ** 2 + 4 * np.sin(y / 2) ** 2
+
+
+def by_kernel(h, kernel):
+    right, down, _ = symbols(h.shape, kernel)
+    f = np.fft.rfft2(h)
+    return (np.fft.irfft2(s * f, s=h.shape) for s in (right, down))
+
+
+def size_of_errors(n):
+    """Of x, y and z, by the squares of vectors that are too long, and by how far z^2 lies from its
+    line over 1 - x^2 - y^2."""
+    v = (2 * n.astype(np.float64) - 255) / 255
+    rest, square = 1 - v[..., 0] ** 2 - v[..., 1] ** 2, v[..., 2] ** 2
+    longer = 2 * np.mean(np.maximum(square - rest, 0) ** 2) / 4
+    across = np.linalg.eigvalsh(np.cov(rest.ravel(), square.ravel(), bias=True))[0] / 2
+    return np.sqrt(min(longer, across))
+
+
+def model(n, kernel, p, q):
+    right, down, rough = symbols(p.shape, kernel)
+    f = np.conj(right) * np.fft.rfft2(p) + np.conj(down) * np.fft.rfft2(q)
+    mean = np.mean(np.fft.irfft2(f, s=p.shape) ** 2)
+    seen = np.abs(right) ** 2 + np.abs(down) ** 2
+    with np.errstate(divide="ignore", invalid="ignore"):
+        e = size_of_errors(n) ** 2 / 2 / mean
+        all_of = seen + e * rough**2 + 2.0**-44 * rough**2 / seen
+        h = np.where(seen > 1e-20, f / all_of, 0)
+    return np.fft.irfft2(h, s=p.shape)
+
+
+def jpeg(n):
+    return maps.jpeg(n, 85, 0)
+
+
+def noisy(n):
+    added = np.random.default_rng(3).normal(0, 4, n.shape)
+    return np.clip(n + added, 0, 255).round().astype(np.uint8)
+
+
+def error(ours, h):
+    """Without regard to a common factor: damage shortens slopes."""
+    a, b = ours - ours.mean(dtype=float), h - h.mean(dtype=float)
+    return np.sqrt(np.mean(((a * b).sum() / (a * a).sum() * a - b) ** 2)) / np.ptp(h)
+
+
+@pytest.mark.parametrize("kernel", ["central", "sobel3", "scharr3", "prewitt5"])
+@pytest.mark.parametrize("damage", [jpeg, noisy])
+def test_prior_takes_errors_from_the_lengths(kernel, damage):
+    _, n = made(kernel, 0.7)
+    n = damage(n)
+    ours = reconstruct(n, kernel=kernel, z=Z_AUTO, decode=UNORM)[0]
+    expected = model(n, kernel, *mixed_slopes(n))
+    assert np.abs(ours - expected).max() <= 2e-4 * np.ptp(expected)
+
+
+@pytest.mark.parametrize("kernel", ["central", "sobel3"])
+@pytest.mark.parametrize("slope", [0.5, 1, 2])
+@pytest.mark.parametrize("damage", [jpeg, noisy])
+def test_damage_does_not_show_as_fine_detail(kernel, slope, damage):
+    h, n = made(kernel, slope, seed=4)
+    n = damage(n)
+    how = {"kernel": kernel, "decode": UNORM}
+    auto, stored = (error(reconstruct(n, z=z, **how)[0], h) for z in (Z_AUTO, STORED))
+    assert auto <= 0.9 * stored
+
+
+@pytest.mark.parametrize("kernel", ["central", "sobel3", "prewitt5"])
+@pytest.mark.parametrize("slope", [0.3, 2])
+def test_undamaged_heights_are_the_same(kernel, slope):
+    n = made(kernel, slope)[1]
+    for same in (n, n.astype(np.uint16) * 257, (n / 255).astype(np.float32)):
+        for border in (0, EXTRAPOLATE if kernel == "central" else 2):
+            how = {"kernel": kernel, "decode": UNORM, "border_x": border}
+            a, b = (reconstruct(same, z=z, **how)[0] for z in (Z_AUTO, STORED))
+            assert (a == b).all()
+
+
+def test_lengths_that_are_no_damage_leave_central_alone():
+    """Means of normals are shorter; what was scaled lies on its line, but for rounding."""
+    n = made("central", 0.7, exponent=2.5)[1].astype(np.float64)
+    half = (n.reshape(128, 2, 128, 2, 3).mean((1, 3)) + 0.5).astype(np.uint8)
+    shorter, longer = (
+        ((n - 127.5) * by + 128).clip(0, 255).astype(np.uint8) for by in (0.8, [1.4, 1.4, 1])
+    )
+    for other in (half, shorter, longer):
+        how = {"kernel": "central", "decode": UNORM, "z": Z_AUTO}
+        a, b = (reconstruct(other, prior=prior, **how)[0] for prior in (0, NO_PRIOR))
+        assert np.abs(a - b).max() <= 1e-3 * np.ptp(b)
+
+
+def test_prior_is_not_for_those_who_refuse_it():
+    n = noisy(made("central", 0.4, exponent=2.5)[1])
+    how = {"kernel": "central", "decode": UNORM}
+    none, usual = (reconstruct(n, z=Z_AUTO, prior=prior, **how)[0] for prior in (NO_PRIOR, 0))
+    p, q = mixed_slopes(n)
+    right, down, _ = symbols(p.shape, "central")
+    f = np.conj(right) * np.fft.rfft2(p) + np.conj(down) * np.fft.rfft2(q)
+    seen = np.abs(right) ** 2 + np.abs(down) ** 2
+    plain = np.fft.irfft2(np.where(seen > 1e-20, f / np.maximum(seen, 1e-20), 0), s=p.shape)
+    assert np.abs(none - plain).max() <= 1e-4 * np.ptp(plain)
+    assert np.abs(usual - plain).max() > 1e-3 * np.ptp(plain)
+
+
+@pytest.mark.parametrize("border", range(5))
+def test_memory_is_enough_for_the_prior(border):
+    """That a texture is damaged shows only later."""
+    for kernel in ("central", "forward", "sobel3"):
+        how = {"kernel": kernel, "border_x": border, "border_y": border}
+        auto, asked = (
+            ntp.lib.ntp_height_scratch_size(options(**how, **more), 40, 1009, 3)
+            for more in ({"z": Z_AUTO}, {"prior": 2})
+        )
+        assert auto >= (asked if kernel == "central" else 0)
