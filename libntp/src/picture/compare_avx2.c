@@ -306,13 +306,12 @@ NOINLINE static const uint8_t *copy_last(uint8_t few[TOUCHED], const uint8_t *fr
 }
 
 #define STEPS(step, bytes)                                                                         \
-    for (int32_t i = 0; i < n; i += STEP, a += (bytes) * STEP, b += (bytes) * STEP) {              \
+    for (int32_t i = 0; i < n; i += STEP) {                                                        \
+        const uint8_t *const from[2] = { a + (bytes) * i, b + (bytes) * i };                       \
+        const bool last = (bytes) * (n - i) < (bytes) * STEP + 4;                                  \
         const int32_t left = n - i < STEP ? (bytes) * (n - i) : (bytes) * STEP;                    \
-        if ((bytes) * (n - i) < (bytes) * STEP + 4) {                                              \
-            a = copy_last(few[0], a, left);                                                        \
-            b = copy_last(few[1], b, left);                                                        \
-        }                                                                                          \
-        out->different += step(&p, &sum, a, b);                                                    \
+        out->different += step(&p, &sum, last ? copy_last(few[0], from[0], left) : from[0],        \
+                               last ? copy_last(few[1], from[1], left) : from[1]);                 \
     }
 
 /* Is there a vector with another one that is as long as any and opposite?  That of black is opposite

@@ -1,0 +1,126 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * test_compare.c - two textures are compared alike with and without AVX2
+ *
+ * All widths up to two blocks and some, between guard pages, of 8 and 16 bit: what ntp_diff_add keeps
+ * is the same to the byte, and levels are those of a plain loop.  The function that asks the
+ * processor is defined here, so that of the library is left out.
+ */
+#include "base/cpu.h"
+#include "guarded.h"
+#include "libntp.h"
+
+#include <string.h>
+
+enum { WIDEST = 540, SKIPPED = 77 };
+
+static bool allowed; /* AVX2 */
+
+bool ntp__cpu_has_avx2(int mask)
+{
+#ifdef __x86_64__
+    return allowed && (mask & NTP__CPU_AVX2) != 0 && __builtin_cpu_supports("avx2");
+#else
+    (void) mask;
+    return false;
+#endif
+}
+
+static int32_t level_at(const void *data, int32_t i, ntp_type type)
+{
+    return type == NTP_TYPE_U8 ? ((const uint8_t *) data)[i] : ((const uint16_t *) data)[i];
+}
+
+static void put(void *data, int32_t i, ntp_type type, int32_t level)
+{
+    if (type == NTP_TYPE_U8)
+        ((uint8_t *) data)[i] = (uint8_t) level;
+    else
+        ((uint16_t *) data)[i] = (uint16_t) level;
+}
+
+/* The pairs: random ones; levels that are close; runs of equal texels; black against white. */
+enum { RANDOM, CLOSE, RUNS, BLACK_AND_WHITE, KINDS };
+
+static void make_pair(void *a, void *b, int32_t n, ntp_type type, int kind, uint64_t *seed)
+{
+    const int32_t m = type == NTP_TYPE_U8 ? 255 : 65535;
+    bool run = false;
+    for (int32_t i = 0; i < n; i++) {
+        run = i % 24 == 0 ? (random_bits(seed) & 1) != 0 : run;
+        const bool corner = kind == BLACK_AND_WHITE && random_bits(seed) % 64 == 0;
+        for (int32_t k = 3 * i; k < 3 * i + 3; k++) {
+            const int32_t level = random_level(seed, m);
+            int32_t other = random_level(seed, m);
+            if (kind != RANDOM)
+                other = level + (int32_t) (random_bits(seed) % 9) - 4;
+            if (kind == RUNS && run)
+                other = level;
+            put(a, k, type, corner ? 0 : level);
+            put(b, k, type, corner ? m : other < 0 ? 0 : other > m ? m : other);
+        }
+    }
+}
+
+static void check_levels(const ntp_diff *diff, const void *a, const void *b, int32_t n,
+                         ntp_type type)
+{
+    ntp_diff_stats stats;
+    uint64_t different = 0, sum[3] = { 0 };
+    uint32_t most[3] = { 0 };
+    for (int32_t i = 0; i < n; i++) {
+        bool same = true;
+        for (int32_t k = 0; k < 3; k++) {
+            const int32_t off = level_at(a, 3 * i + k, type) - level_at(b, 3 * i + k, type);
+            const uint32_t size = (uint32_t) (off < 0 ? -off : off);
+            sum[k] += size;
+            most[k] = size > most[k] ? size : most[k];
+            same = same && size == 0;
+        }
+        different += !same;
+    }
+    CHECK(ntp_diff_summarize(&stats, diff) == NTP_OK);
+    CHECK(stats.texels == (uint64_t) n && stats.different == different);
+    for (int32_t k = 0; k < 3; k++) {
+        const double off = stats.levels_mean[k] * n - (double) sum[k];
+        CHECK(stats.levels_max[k] == most[k] && off < 1e-6 * n && off > -1e-6 * n);
+    }
+}
+
+static void compare(int32_t n, ntp_type type, int kind, ntp_diff *diffs[2], uint64_t *seed)
+{
+    const size_t bytes = (size_t) n * (type == NTP_TYPE_U8 ? 3 : 6);
+    guarded one = guarded_alloc(bytes, n & 1), two = guarded_alloc(bytes, n & 2);
+    const ntp_image first = ntp_image_packed(one.data, n, 1, 3, type);
+    const ntp_image second = ntp_image_packed(two.data, n, 1, 3, type);
+    const ntp_const_image a = ntp_image_as_const(&first), b = ntp_image_as_const(&second);
+    make_pair(one.data, two.data, n, type, kind, seed);
+    for (int k = 0; k < 2; k++) {
+        allowed = k == 1;
+        memset(diffs[k], 0, ntp_diff_size());
+        CHECK(ntp_diff_add(diffs[k], NULL, &a, &b, NULL) == NTP_OK);
+        check_levels(diffs[k], one.data, two.data, n, type);
+    }
+    CHECK(memcmp(diffs[0], diffs[1], ntp_diff_size()) == 0);
+    guarded_free(&one);
+    guarded_free(&two);
+}
+
+int main(void)
+{
+    uint64_t seed = 1;
+    allowed = true;
+    if (!ntp__cpu_has_avx2(NTP__CPU_ALL))
+        return SKIPPED;
+    ntp_diff *diffs[2] = { malloc(ntp_diff_size()), malloc(ntp_diff_size()) };
+    CHECK(diffs[0] != NULL && diffs[1] != NULL);
+    for (int32_t n = 1; n <= WIDEST; n++) {
+        for (int kind = 0; kind < KINDS; kind++) {
+            compare(n, NTP_TYPE_U8, kind, diffs, &seed);
+            compare(n, NTP_TYPE_U16, kind, diffs, &seed);
+        }
+    }
+    free(diffs[0]);
+    free(diffs[1]);
+    return 0;
+}
