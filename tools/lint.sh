@@ -43,6 +43,13 @@ END
 
 lint_python() { ruff check . && ruff format --check .; }
 
+# The interface is one header, and GEGL wants the properties of an operation beside its code.
+lint_lengths() {
+    git ls-files '*.c' '*.h' '*.py' |
+        grep -v -e '^libntp/include/libntp.h$' -e '^gimp-plugin/gegl/normals_from_height.c$' |
+        xargs awk 'FNR == 501 { print FILENAME ": more than 500 lines"; bad = 1 } END { exit bad }'
+}
+
 lint_spelling() {
     codespell --skip '*.png,*.tga,*.jpg,*.pfm' --ignore-words-list 'ue,fo,ba,nd,paeth,chekc,autor,aci,absolut' $(git ls-files '*.md' '*.c' '*.h' '*.py' '*.txt' '*.sh' dev)
 }
@@ -55,6 +62,7 @@ lint() {
     stage cppcheck lint_cppcheck
     stage clang-tidy lint_tidy
     stage rooms python tools/rooms.py build
+    stage "lengths of files" lint_lengths
     stage ruff lint_python
     stage clang-format format --check
     stage codespell lint_spelling

@@ -138,7 +138,7 @@ int32_t ntp__encode_avx2(uint8_t *d, int32_t *at, const void *const sums[2], boo
             put8(to, t[0], t[1]);
         }
         if (to == few)
-            memcpy(d + (ptrdiff_t) size * i, few, (size_t) (size * some));
+            memcpy(d + (ptrdiff_t) size * i, few, (size_t) size * (size_t) some);
         uint32_t left = (bits[0] | bits[1] << HALF) & ((1U << some) - 1);
         for (; left != 0; left &= left - 1)
             at[found++] = i + __builtin_ctz(left);

@@ -11,10 +11,11 @@ void ntp__add_close_block(ntp__sums *sums, ntp__close_counts *close, ntp__block 
     ntp__close_block found;
     int32_t *const colors[3] = { block->c[0], block->c[1], block->c[2] };
     ntp__count_close_fn *const count = ntp__kernels(NTP__CPU_ALL)->count_close;
-    found.left = n;
-    found.texels = 0;
-    if (count != NULL)
-        count(&found, close, zz->levels_off, colors, n);
+    if (count == NULL) {
+        ntp__add_block(sums, block, NULL, n, 65535, NTP_ENCODING_STANDARD);
+        return;
+    }
+    count(&found, close, zz->levels_off, colors, n);
     if (found.texels > 0) {
         zz->length_sum += (uint64_t) (found.texels * (int64_t) NTP__LENGTH_ONE + found.length_sum);
         zz->length_error2[0] += found.length_error2;

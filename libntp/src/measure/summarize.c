@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * summarize.c - the facts that follow from a tally: ntp_stats, histograms, the evidence
+ * summarize.c - the facts that follow from a tally: ntp_stats, and the evidence
  */
 #include "measure/tally.h"
 
@@ -94,8 +94,7 @@ static uint64_t padding_to_leave_out(const ntp_tally *t)
     return left ? padding : 0;
 }
 
-/* Padding that is surely no damage: much of it, and of one color but for compression. */
-static uint64_t padding_of_one_color(const ntp_tally *t)
+uint64_t ntp__padding_of_one_color(const ntp_tally *t)
 {
     enum { PICTURE_SHARE = 64 }; /* one texel in this many: wrong texels hardly have one color */
     const double spread = 8;     /* levels; JPEG of quality 75 spreads a flat color by less */
@@ -130,7 +129,7 @@ static void describe_verdicts(ntp_stats *s, const ntp_tally *t)
                            flagged(unused, NTP_FLAG_NEIGHBOR | NTP__FAR, NTP_FLAG_NEIGHBOR);
     s->unused_z_negative = flagged(unused, NTP_FLAG_Z_NEGATIVE, NTP_FLAG_Z_NEGATIVE);
     s->z_negative = s->unused_z_negative + flagged(used, NTP_FLAG_Z_NEGATIVE, NTP_FLAG_Z_NEGATIVE);
-    s->padding = padding_of_one_color(t);
+    s->padding = ntp__padding_of_one_color(t);
     if (s->padding > 0)
         s->padding_z_negative = count_padding(&t->used, NTP_FLAG_Z_NEGATIVE);
 }
@@ -371,85 +370,6 @@ ntp_status ntp_tally_summarize(ntp_stats *s, ntp_tally *t, ntp_encoding encoding
     return NTP_OK;
 }
 
-/* The encoding of the sums that are there, or else that of the tally.  Facts that do not depend on
- * the encoding ask for this one, and so cause no new sums. */
-static ntp_encoding encoding_at_hand(const ntp_tally *t)
-{
-    return t->summed ? (ntp_encoding) t->summed_encoding
-                     : ntp__judged_as((ntp_encoding) t->encoding);
-}
-
-ntp_status ntp_tally_levels_off(uint64_t *counts, size_t size, ntp_tally *tally,
-                                ntp_encoding encoding)
-{
-    if (encoding != NTP_ENCODING_STANDARD && encoding != NTP_ENCODING_ZZERO)
-        return NTP_ERR_ARGUMENT;
-    /* These counts do not depend on the encoding that angles are measured by. */
-    if (tally == NULL || tally->depth == 0 || counts == NULL)
-        return NTP_ERR_ARGUMENT;
-    NTP__TRY(ntp__sum_up(tally, encoding_at_hand(tally)));
-    int32_t z = encoding == NTP_ENCODING_ZZERO;
-    const ntp__fit_sums *used = &tally->used.fit[z], *unused = &tally->unused.fit[z];
-    if (size <= used->levels_off_max || size <= unused->levels_off_max)
-        return NTP_ERR_ARGUMENT;
-    size_t bins = (size_t) ntp__tally_max(tally) + 1;
-    for (size_t i = 0; i < size && i < bins; i++)
-        counts[i] = (uint64_t) used->levels_off[i] + unused->levels_off[i];
-    return NTP_OK;
-}
-
-ntp_status ntp_tally_lengths(uint64_t counts[256], ntp_tally *tally, ntp_encoding encoding)
-{
-    if (counts == NULL || tally == NULL || tally->depth == 0 ||
-        (encoding != NTP_ENCODING_STANDARD && encoding != NTP_ENCODING_ZZERO))
-        return NTP_ERR_ARGUMENT;
-    NTP__TRY(ntp__sum_up(tally, encoding_at_hand(tally)));
-    int32_t z = encoding == NTP_ENCODING_ZZERO;
-    for (int32_t i = 0; i < NTP__LENGTH_BINS; i++)
-        counts[i] = (uint64_t) tally->used.fit[z].lengths[i] + tally->unused.fit[z].lengths[i];
-    return NTP_OK;
-}
-
-/* --------------------------------------------------------------------------------- harm */
-
-ntp_status ntp_tally_harm(ntp_harm *harm, ntp_tally *tally, ntp_encoding encoding, uint32_t kinds,
-                          double degrees)
-{
-    if (harm == NULL || kinds > NTP_HARM_ALL || !(degrees >= 0 && degrees <= 180))
-        return NTP_ERR_ARGUMENT;
-    NTP__TRY(ntp__sum_up(tally, encoding));
-    uint64_t padding = padding_of_one_color(tally);
-    uint64_t used = tally->used.texels - padding, sum = 0, max = 0, below = used;
-    memset(harm, 0, sizeof *harm);
-    /* Where padding counts, it counts as what it is. */
-    if (padding == 0)
-        kinds |= (kinds >> 1 & 3) << NTP__HARM_KINDS;
-    for (uint32_t k = 0; k < NTP__ALL_HARM; k++) {
-        const ntp__harm_sums *one = &tally->used.harm[k];
-        if (!(kinds >> k & 1))
-            continue;
-        harm->texels += one->texels;
-        sum += one->sum;
-        max = one->max > max ? one->max : max;
-    }
-    if (harm->texels == 0)
-        return NTP_OK;
-    /* From the greatest angle down; `below` have at most this one. */
-    for (uint32_t i = ntp__harm_bin(max) + 1; i-- > 0;) {
-        uint32_t count = 0;
-        for (uint32_t k = 0; k < NTP__ALL_HARM; k++)
-            count += kinds >> k & 1 ? tally->used.harm[k].bins[i] : 0;
-        if (below * 100 >= used * 99)
-            harm->p99 = i / 100.0;
-        if (i > (uint32_t) (degrees * 100 + 0.5))
-            harm->over += count;
-        below -= count;
-    }
-    harm->mean = (double) sum / (double) used / 1e6;
-    harm->max = (double) max / 1e6;
-    return NTP_OK;
-}
-
 /* ----------------------------------------------------------------------------- evidence */
 
 /* Texels whose length lies within `bins` of 1/128 from 1. */
@@ -535,7 +455,7 @@ ntp_status ntp__gather_evidence(ntp__evidence *e, ntp_tally *t)
     if (t == NULL || t->depth == 0)
         return NTP_ERR_ARGUMENT;
     memset(e, 0, sizeof *e);
-    NTP__TRY(ntp_tally_summarize(&e->stats, t, encoding_at_hand(t)));
+    NTP__TRY(ntp_tally_summarize(&e->stats, t, ntp__encoding_at_hand(t)));
     e->padding = padding_to_leave_out(t);
     gather_lengths(&e->fit[0], &t->used, 0, e->padding);
     gather_lengths(&e->fit[1], &t->used, 1, e->padding);

@@ -107,4 +107,11 @@ static inline ntp_encoding ntp__judged_as(ntp_encoding encoding)
                                                                          : NTP_ENCODING_STANDARD;
 }
 
+/* The encoding of the sums that are there, or else that of the tally.  Facts that do not depend on
+ * the encoding ask for this one, and so cause no new sums. */
+ntp_encoding ntp__encoding_at_hand(const ntp_tally *t);
+
+/* Padding that is surely no damage: much of it, and of one color but for compression. */
+uint64_t ntp__padding_of_one_color(const ntp_tally *t);
+
 #endif
