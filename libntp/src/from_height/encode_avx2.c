@@ -14,7 +14,7 @@
  */
 #include "from_height/gradient.h"
 
-#include "texel/packed_avx2.h"
+#include "texel/packed_avx2_tmpl.h"
 
 #include <string.h>
 

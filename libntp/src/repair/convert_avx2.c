@@ -7,7 +7,7 @@
  */
 #include "repair/convert_avx2.h"
 
-#include "texel/packed_avx2.h"
+#include "texel/packed_avx2_tmpl.h"
 
 enum { HALF = 8, STEP = 16 /* texels */, READ_BEYOND = 2 /* texels of 8 bit */ };
 

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * packed_avx2.h - packed RGB in registers, with AVX2: pixels to levels and back, derived blue
+ * packed_avx2_tmpl.h - packed RGB in registers, with AVX2: pixels to levels and back, derived blue
  *
  * Red and green are the halves of 32 bits, so pmaddwd adds up their squares.  Files that are compiled
  * for AVX2 alone include it.
  */
-#ifndef NTP_PACKED_AVX2_H
-#define NTP_PACKED_AVX2_H
+#ifndef NTP_PACKED_AVX2_TMPL_H
+#define NTP_PACKED_AVX2_TMPL_H
 
 #include <immintrin.h>
 #include <stdbool.h>
