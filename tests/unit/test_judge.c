@@ -204,7 +204,7 @@ static void add_close_group(close_check *k, uint64_t *seed, int64_t x, int64_t y
 static void add_near_edge(close_check *c, uint64_t *seed, int64_t add, int64_t of_z, int64_t of_k)
 {
     enum { K = 32768, TRIED = 250 };
-    const int64_t am = (int64_t) K * (K - 1), x = (int64_t) (random_bits(seed) % K);
+    const int64_t am = (int64_t) K * (K - 1), x = (int64_t) (random_bits(seed) % (K - 1));
     const int64_t z = (int64_t) ntp__isqrt((uint64_t) (am - 1 - x * (x + 1))) + 2 -
                       (int64_t) (random_bits(seed) % 5);
     int64_t best = -1, off = INT64_MAX;

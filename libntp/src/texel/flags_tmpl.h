@@ -116,9 +116,10 @@ static inline __m256i same(__m256i v, __m256i w, bool deep)
     return deep ? _mm256_cmpeq_epi32(v, w) : _mm256_cmpeq_epi16(v, w);
 }
 
-static inline __m256i all(int32_t v, bool deep)
+/* The lowest bits of v in all lanes. */
+static inline __m256i all(int64_t v, bool deep)
 {
-    return deep ? _mm256_set1_epi32(v) : _mm256_set1_epi16((short) v);
+    return deep ? _mm256_set1_epi32((int32_t) (uint32_t) v) : _mm256_set1_epi16((short) v);
 }
 
 /* u of all halves: levels, or 0 with 0 for k and below. */
@@ -131,7 +132,8 @@ static inline __m256i folded(__m256i c, __m256i k, __m256i below, bool deep)
 /* 16 texels of 8 bit, in 16 bits each, or 8 of 16 bit in 32: red and green as halves, and blue. */
 static inline void test_pairs(__m256i found[TESTS], __m256i rg, __m256i b, bool deep)
 {
-    const int32_t k = deep ? 32768 : 128, half = deep ? 16 : 8, pair = 1 + (1 << half);
+    const int32_t half = deep ? 16 : 8;
+    const int64_t k = deep ? 32768 : 128, pair = 1 + (1 << half);
     const __m256i u = folded(rg, all(k * pair, deep), all((k - 1) * pair, deep), deep);
     const __m256i z = folded(b, all(k, deep), all(k - 1, deep), deep);
     const __m256i sum = deep ? _mm256_madd_epi16(u, _mm256_set1_epi16(1))

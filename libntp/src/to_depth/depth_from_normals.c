@@ -18,7 +18,7 @@
 #include "to_depth/terms.h"
 
 enum {
-    ROUNDS = 100,     /* at most, by default */
+    ROUNDS = 32,      /* at most, by default: more gain little */
     WARY_ROUNDS = 10, /* until trust falls as it does at the end */
     PROBES = 8,       /* of the confidence */
     FRESH_ROUNDS = 6, /* with levels of their own; then levels are kept while they do */
