@@ -23,7 +23,12 @@
 #define C3     -0x1.f24383c627d24p+22
 #define C4     0x1.634d09f09f772p+22
 
-#define NOINLINE __attribute__((noinline, noclone))
+/* One copy for all calls: it would be copied into each loop. */
+#if defined(__GNUC__) && !defined(__clang__)
+#  define ONE_COPY __attribute__((noinline, noclone))
+#else
+#  define ONE_COPY
+#endif
 
 enum { STEP = 8 /* texels */ };
 
@@ -151,7 +156,7 @@ static void find_angles(ntp__compared *out, pairs *p)
 }
 
 /* Lanes are 32 bits of which no sum reaches the highest. */
-NOINLINE static void add_channel(ntp__compared *out, int k, __m256i sum, __m256i most)
+ONE_COPY static void add_channel(ntp__compared *out, int k, __m256i sum, __m256i most)
 {
     int32_t each[STEP], highest[STEP];
     _mm256_storeu_si256((void *) each, sum);
@@ -298,7 +303,7 @@ static void finish16(ntp__compared *out, const sums *sum)
 enum { TOUCHED = 6 * STEP + 4 }; /* bytes that a step touches at most */
 
 /* The last texels, with black ones after them. */
-NOINLINE static const uint8_t *copy_last(uint8_t few[TOUCHED], const uint8_t *from, int32_t bytes)
+ONE_COPY static const uint8_t *copy_last(uint8_t few[TOUCHED], const uint8_t *from, int32_t bytes)
 {
     memset(few, 0, TOUCHED);
     memcpy(few, from, (size_t) bytes);
