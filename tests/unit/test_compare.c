@@ -3,28 +3,16 @@
  * test_compare.c - two textures are compared alike with and without AVX2
  *
  * All widths up to two blocks and some, between guard pages, of 8 and 16 bit: what ntp_diff_add keeps
- * is the same to the byte, and levels are those of a plain loop.  The function that asks the
- * processor is defined here, so that of the library is left out.
+ * is the same to the byte, and levels are those of a plain loop.  without_avx2.h leaves out the
+ * instructions.
  */
-#include "base/cpu.h"
 #include "guarded.h"
+#include "without_avx2.h"
 #include "libntp.h"
 
 #include <string.h>
 
 enum { WIDEST = 540, SKIPPED = 77 };
-
-static bool allowed; /* AVX2 */
-
-bool ntp__cpu_has_avx2(int mask)
-{
-#ifdef __x86_64__
-    return allowed && (mask & NTP__CPU_AVX2) != 0 && __builtin_cpu_supports("avx2");
-#else
-    (void) mask;
-    return false;
-#endif
-}
 
 static int32_t level_at(const void *data, int32_t i, ntp_type type)
 {

@@ -4,11 +4,10 @@
  *
  * All triplets of 8 bit; of 16 bit random ones, and many that are exact or beside an exact one.  Then
  * all widths up to 100, between guard pages, packed and strided, of 3 and 4 channels, in place where
- * that is allowed.  The function that asks the processor is defined here, so that of the library is
- * left out.
+ * that is allowed.
  */
-#include "base/cpu.h"
 #include "guarded.h"
+#include "without_avx2.h"
 #include "texel/level.h"
 #include "libntp.h"
 
@@ -16,18 +15,6 @@
 #include <string.h>
 
 enum { ROW = 4096, ROWS = 4096, ROWS_16 = 200, WIDEST = 100, SKIPPED = 77 };
-
-static bool allowed; /* AVX2 */
-
-bool ntp__cpu_has_avx2(int mask)
-{
-#ifdef __x86_64__
-    return allowed && (mask & NTP__CPU_AVX2) != 0 && __builtin_cpu_supports("avx2");
-#else
-    (void) mask;
-    return false;
-#endif
-}
 
 /* ------------------------------------------------------------------------------------- texels */
 

@@ -160,8 +160,10 @@ void ntp__terms_read(ntp__terms *t, int32_t *node, const ntp_const_image *src,
 void ntp__terms_even(ntp__terms *t)
 {
     for (int32_t d = 0; d < 2; d++) {
-        for (int32_t i = 0; i < t->nodes; i++)
-            t->axis[d].share[i] = 0.5F, t->axis[d].trust[i] = 1;
+        for (int32_t i = 0; i < t->nodes; i++) {
+            t->axis[d].share[i] = 0.5F;
+            t->axis[d].trust[i] = 1;
+        }
     }
 }
 

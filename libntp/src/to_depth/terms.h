@@ -6,8 +6,8 @@
  * rise for the neighbor j after it, and for view (z[i] - z[j]) = rise for j before it.  z is the
  * depth, or with a camera its logarithm.  Of the two, the share says how far the one after it
  * counts; the other counts the rest.  So at a cliff a texel can go with one side alone.  Beside that
-the two equations of a pair of neighbors have a trust: the less their normals agree, and the
-further depth is off both of their slopes, the less they count.
+ * the two equations of a pair of neighbors have a trust: the less their normals agree, and the
+ * further depth is off both of their slopes, the less they count.
  */
 #ifndef NTP_TO_DEPTH_TERMS_H
 #define NTP_TO_DEPTH_TERMS_H
@@ -41,7 +41,7 @@ typedef struct ntp__term_counts {
     uint64_t holes, not_finite, turned_away;
 } ntp__term_counts;
 
-/* Reads the normals.  node: of each texel, -1 in holes.  */
+/* Reads the normals.  node: of each texel, -1 in holes. */
 void ntp__terms_read(ntp__terms *t, int32_t *node, const ntp_const_image *src,
                      const ntp_depth_options *how, ntp__term_counts *counts);
 
