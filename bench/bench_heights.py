@@ -69,9 +69,18 @@ def noise(n):
     return np.clip(n + added, 0, 255).round().astype(np.uint8)
 
 
+def palettes(ends):
+    """The four colors of blocks, of ends that are rounded to 5, 6, 5 bits."""
+    most = np.array([31, 63, 31])
+    low, high = (np.floor(np.clip(end, 0, 255) / 255 * most + 0.5) / most * 255 for end in ends)
+    return np.concatenate([low, high, (2 * low + high) / 3, (low + 2 * high) / 3], 1)
+
+
 def bc1(n):
-    """Block compression: of each 4 x 4 texels two colors of 5, 6, 5 bits at the ends of the longest
-    axis, and two between them."""
+    """Block compression: of each 4 x 4 texels two colors, and two between them.
+
+    The first two are the texels at the ends of the longest axis.  As encoders do, they are then the
+    least squares for what the texels chose, twice, where that is closer."""
     height, width = n.shape[:2]
     n = np.pad(n, ((0, -height % 4), (0, -width % 4), (0, 0)), "edge")
     h, w = n.shape[:2]
@@ -82,12 +91,19 @@ def bc1(n):
     ends = [
         np.take_along_axis(blocks, f(along, 1)[:, None, None], 1) for f in (np.argmin, np.argmax)
     ]
-    most = np.array([31, 63, 31])
-    low, high = (np.floor(end / 255 * most + 0.5) / most * 255 for end in ends)
-    palette = np.concatenate([low, high, (2 * low + high) / 3, (low + 2 * high) / 3], 1)
-    off = ((blocks[:, :, None] - palette[:, None]) ** 2).sum(-1)
-    chosen = np.take_along_axis(palette, off.argmin(-1)[..., None], 1)
-    texels = chosen.reshape(h // 4, w // 4, 4, 4, 3).transpose(0, 2, 1, 3, 4).reshape(n.shape)
+    least = np.full((len(blocks), 1, 1), np.inf)
+    best = np.zeros(blocks.shape)
+    for _ in range(3):
+        palette = palettes(ends)
+        off = ((blocks[:, :, None] - palette[:, None]) ** 2).sum(-1)
+        index = off.argmin(-1)
+        total = np.take_along_axis(off, index[..., None], 2).sum(1, keepdims=True)
+        best = np.where(total < least, np.take_along_axis(palette, index[..., None], 1), best)
+        least = np.minimum(total, least)
+        share = np.array([0, 1, 1 / 3, 2 / 3])[index]
+        both = np.stack([1 - share, share], -1)
+        ends = np.split(np.linalg.pinv(both) @ blocks, 2, 1)
+    texels = best.reshape(h // 4, w // 4, 4, 4, 3).transpose(0, 2, 1, 3, 4).reshape(n.shape)
     return np.floor(texels + 0.5).astype(np.uint8)[:height, :width]
 
 

@@ -45,12 +45,12 @@ static const double most_error = 9;
 static const double damaged_share = 2e-5;
 
 /* And z^2 does not follow 1 - x^2 - y^2 then.  Where blue is z, the slope of the line through both is
- * 1.  Errors of x and y lower it, of rough ground as far as to 0.4, errors of z do not; and the
+ * 1.  Errors of x and y lower it, of rough ground as far as to 0.29, errors of z do not; and the
  * slope of 1 - x^2 - y^2 over z^2 is at most 1 likewise.  A blue that is something else gives at most
  * 0.11.  One that is something else in parts gives more, but there most texels are either right,
  * within two standard errors of rounding, or far off: their share, times the root mean square of
  * the errors in standard errors, is above 14.  Errors of one kind make it 1.6, damaged bricks 8. */
-static const double follows = 0.75, follows_loosely = 0.3, follows_back = 1.1, most_apart = 10;
+static const double follows = 0.75, follows_loosely = 0.2, follows_back = 1.1, most_apart = 10;
 static const double right = 4; /* the square of two standard errors */
 
 /* Blue tells no z that is smaller than its errors.  A slope that is divided by such a z has no limit
