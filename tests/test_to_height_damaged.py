@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Heights of damaged normals: the size of the errors is told by lengths, and kept out of detail to
-which kernels hardly respond."""
+which kernels hardly respond; ground that was damaged as a whole stays flat."""
 
 import numpy as np
 import pytest
@@ -8,7 +8,22 @@ import pytest
 from support import libntp_ffi as ntp
 from support import maps
 from support import oracle_height as kernels
-from support.to_height import EXTRAPOLATE, STORED, UNORM, Z_AUTO, fractal, mixed_slopes, options
+from support.drawn_maps import by_blocks
+from support.to_height import (
+    DECODE_AUTO,
+    EXTRAPOLATE,
+    MIRROR,
+    NEUTRAL,
+    STORED,
+    UNORM,
+    Z_AUTO,
+    bricks,
+    bumps,
+    fractal,
+    from_height,
+    mixed_slopes,
+    options,
+)
 from support.to_height import to_height as reconstruct
 
 NO_PRIOR = 1
@@ -169,3 +184,34 @@ def test_memory_is_enough_for_the_prior(border):
             for more in ({"z": Z_AUTO}, {"prior": 2})
         )
         assert auto >= (asked if kernel == "central" else 0)
+
+
+@pytest.mark.parametrize("surface", [bumps, bricks])
+def test_flat_ground_of_block_compression_stays_flat(surface):
+    """Levels as far from zero as that of the ground are 0, as if they were 128."""
+    h = surface(192).astype(np.float32)
+    n = by_blocks(from_height(h, border_x=MIRROR, border_y=MIRROR))
+    how = {"kernel": "central", "border_x": MIRROR, "border_y": MIRROR, "z": STORED}
+    ours, info = reconstruct(n, decode=DECODE_AUTO, **how)
+    pairs, counts = np.unique(n[..., :2].reshape(-1, 2), axis=0, return_counts=True)
+    ground = pairs[counts.argmax()].astype(int)
+    assert info["decode"] == NEUTRAL and ground[0] == 132
+    flat = n.copy()
+    near = np.abs(2 * n[..., :2].astype(int) - 255) <= np.abs(2 * ground - 255).max()
+    flat[..., :2][near] = 128
+    assert (ours == reconstruct(flat, decode=NEUTRAL, **how)[0]).all()
+    assert error(ours, h) <= 0.6 * error(reconstruct(n, decode=UNORM, **how)[0], h)
+
+
+def test_ground_that_leans_on_purpose_still_leans():
+    """No damage and not of 5 and 6 bits; or the levels around that of the ground are as common."""
+    tilted = np.full((64, 64, 3), (131, 126, 255), np.uint8)
+    rng = np.random.default_rng(5)
+    varied = np.full((64, 64, 3), (132, 130, 255), np.uint8)
+    varied[..., :2] -= rng.integers(0, 5, (64, 64, 2), np.uint8)
+    varied[:2] = 64  # damage
+    for n in (tilted, varied):
+        how = {"kernel": "central", "border_x": EXTRAPOLATE, "border_y": EXTRAPOLATE, "z": STORED}
+        ours, info = reconstruct(n, decode=DECODE_AUTO, **how)
+        assert info["decode"] == UNORM
+        assert (ours == reconstruct(n, decode=UNORM, **how)[0]).all()

@@ -1052,7 +1052,9 @@ NTP_API size_t ntp_height_scratch_size(const ntp_height_options *how, int32_t wi
  * the lengths decoded so are 1 to within rounding, and clearly closer to 1 than with UNORM.
  * Otherwise, for 8 bits, it chooses NEUTRAL if flat ground has 127 in red, not 128 as correct
  * rounding makes it, unless all of green is 128; and if all of red or of green is 128 and that
- * axis does not wrap; else UNORM.  NTP_Z_AUTO chooses the derived z if tilted texels have the
+ * axis does not wrap; else UNORM.  It chooses NEUTRAL too where most texels within 5 levels of zero have
+ * one red and one green, as flat ground has after block compression: then all levels as near to zero as
+ * these are 0.  NTP_Z_AUTO chooses the derived z if tilted texels have the
  * blue that is derived from red and green, or if lengths are off by more than three times their
  * rounding while x and y are too long in at most one texel of 50,000 and blue does not follow
  * them; NTP_ENCODING_VECTOR: stored.  Where it chooses the stored z and damage made some vectors

@@ -55,6 +55,7 @@ typedef struct search {
     double from; /* the share of the work that is done */
     ntp_const_image src;
     ntp_height_options how;
+    ntp_decode asked; /* by the caller */
     ntp_image heights;
     void *rest;
     size_t rest_size;
@@ -205,8 +206,11 @@ static ntp_status solve(double *residual, search *s, ntp_border border, bool dow
         hooks.parts = s->hooks->parts;
     }
     *(down ? &s->how.border_y : &s->how.border_x) = border;
-    ntp_status status = ntp_height_from_normals(&s->heights, &s->src, &s->how, s->rest,
-                                                s->rest_size, &hooks, &result);
+    ntp_height_options how = s->how;
+    if (how.decode == NTP_DECODE_NEUTRAL) /* only AUTO finds how far flat ground is from zero */
+        how.decode = s->asked;
+    ntp_status status =
+        ntp_height_from_normals(&s->heights, &s->src, &how, s->rest, s->rest_size, &hooks, &result);
     s->from += step;
     /* The next solution of this band need not ask the texels again; but for how small z can be. */
     if (status == NTP_OK) {
@@ -352,6 +356,7 @@ static void start(search *s, const ntp_const_image *src, const ntp_height_option
     s->wrapped = -1;
     s->hooks = hooks;
     s->how = *how;
+    s->asked = how->decode;
     bool free = cut_band(s, src, how->kernel, down) || both;
     if (free)
         *(down ? &s->how.border_x : &s->how.border_y) = ntp_free_border(how->kernel);

@@ -15,6 +15,7 @@
 #include "texel/unused.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 enum {
@@ -81,6 +82,14 @@ static const double tilted = 0.81;
 enum { LEAST_TILTED = 64 };
 static const double derived_share = 0.98;
 
+/* Block compression stores the ends of a block in 5, 6 and 5 bits, so flat ground has 132 and 130
+ * instead of 128, and would tilt.  It is known by a pile: one level of red and one of green that have
+ * this share of all texels, and more than all others that near to zero.  If lengths are not damaged,
+ * the level has to be 15 or 16 in 5 bits, or 31 or 32 in 6 bits. */
+enum { NEAR = 5, NEAR_LEVELS = 2 * NEAR, FIRST_NEAR = 128 - NEAR, EACH = 4 };
+static const double ground_share = 0.1;
+static const int32_t coarse[2][2] = { { 123, 132 }, { 125, 130 } };
+
 typedef struct rule {
     double zero, unit; /* v = (2 c - zero) unit */
     double sum, gain, gain2;
@@ -106,6 +115,8 @@ typedef struct evidence {
     double negative, negative2;       /* texels whose z is below 0, and its squares */
     double pile[2], beside;           /* of red: texels at 127, at 128, beside them */
     double level;                     /* of green: texels at 128 */
+    int32_t ground[2][NEAR_LEVELS];   /* of red, of green: texels at each level near zero */
+    int32_t asked;                    /* so many texels were looked at for that */
     uint8_t votes[1 << 2 * VOTE_BITS];
 } evidence;
 
@@ -115,6 +126,19 @@ static void compare(rule *r, const int32_t c[3], double square)
     r->sum += e * e;
     r->gain += gain;
     r->gain2 += gain * gain;
+}
+
+/* One texel in EACH tells enough. */
+static void add_ground(evidence *e, const ntp__block *b, int32_t n)
+{
+    for (int32_t i = 0; i < n; i += EACH) {
+        for (int32_t c = 0; c < 2; c++) {
+            int32_t at = b->c[c][i] - FIRST_NEAR;
+            if (at >= 0 && at < NEAR_LEVELS)
+                e->ground[c][at]++;
+        }
+        e->asked++;
+    }
 }
 
 /* Is this the blue that is derived where x^2 + y^2 leave `rest`?  It takes no root. */
@@ -273,8 +297,10 @@ static void look(evidence *e, const ntp_const_image *src, uint32_t touch, bool w
             ntp__unpack(&block, src, x, y, n);
             n = keep_used(&block, n, m, touch);
             add_lengths(e, &block, m, zzero, n);
-            if (with_rules)
+            if (with_rules) {
                 add_neutral(e, &block, n);
+                add_ground(e, &block, n);
+            }
             if (with_rules && !zzero)
                 add_rules(e, &block, n);
         }
@@ -295,6 +321,37 @@ static bool is_neutral(const evidence *e, const ntp__height_plan *plan)
         return leans_y;
     return (leans_x && e->pile[1] == e->all) ||
            (e->pile[0] > PILE * e->beside && e->pile[0] > ALONE * e->pile[1]);
+}
+
+/* The level of flat ground; 0: there is no such ground. */
+static int32_t ground_of(const evidence *e, int32_t channel)
+{
+    int32_t sum = 0, best = 0;
+    for (int32_t i = 0; i < NEAR_LEVELS; i++) {
+        sum += e->ground[channel][i];
+        if (e->ground[channel][i] > e->ground[channel][best])
+            best = i;
+    }
+    int32_t most = e->ground[channel][best];
+    bool piled = most > ground_share * e->asked && most > sum - most;
+    return piled ? FIRST_NEAR + best : 0;
+}
+
+/* Where flat ground is damaged as a whole, it is flat still. */
+static void level_ground(ntp__height_plan *plan, const evidence *e, bool damaged)
+{
+    int32_t most = 0;
+    for (int32_t c = 0; c < 2; c++) {
+        int32_t level = ground_of(e, c), off = abs(2 * level - 255);
+        damaged |= level == coarse[c][0] || level == coarse[c][1];
+        if (level == 0)
+            return;
+        most = off > most ? off : most;
+    }
+    if (damaged && most > 1) {
+        plan->decode = NTP_DECODE_NEUTRAL;
+        plan->neutral = most;
+    }
 }
 
 static void choose_decode(ntp__height_plan *plan, const ntp_const_image *src, const evidence *e)
@@ -374,6 +431,8 @@ void ntp__decode_by_evidence(ntp__height_plan *plan, const ntp_const_image *src)
     look(&e, src, plan->touch_unused, src->type == NTP_TYPE_U8 && !plain);
     if (decode)
         choose_decode(plan, src, &e);
+    if (decode)
+        level_ground(plan, &e, e.lengths > most_error * noise * 4 * m * m * m * m * e.all);
     if (plan->z == NTP_Z_AUTO)
         choose_z(plan, src, &e);
 }

@@ -68,6 +68,7 @@ static void fill_in(ntp__height_plan *plan, const ntp_height_options *how)
     plan->dy = step_of(how->dy);
     plan->prior = how->prior;
     plan->decode = how->decode;
+    plan->neutral = 1;
     plan->z = how->z;
     plan->touch_unused = how->touch_unused;
     plan->mask = how->mask;

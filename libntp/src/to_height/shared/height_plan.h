@@ -28,6 +28,7 @@ typedef struct ntp__height_plan {
     double dx, dy; /* above 0 */
     ntp_prior prior;
     ntp_decode decode; /* may be AUTO until the texture has been looked at */
+    int32_t neutral;   /* with NEUTRAL: levels up to so many halves from zero are 0 */
     ntp_z z;           /* the same */
     double least_z;    /* a stored z below this counts as this; 0: only the rule of half a level */
     bool mix_z;        /* the stored z is damaged as x and y are: all three tell it; see slopes.c */

@@ -33,7 +33,7 @@ void ntp__slopes_init(ntp__slopes *s, const ntp_const_image *src, const ntp__hei
     s->zero = m + (s->decode == NTP_DECODE_SNORM) - (s->decode == NTP_DECODE_TRUNC);
     s->range = s->decode == NTP_DECODE_SNORM ? m - 1 : m;
     s->z_scale = s->range / m;
-    s->neutral = s->decode == NTP_DECODE_NEUTRAL;
+    s->neutral = s->decode == NTP_DECODE_NEUTRAL ? plan->neutral : 0;
     s->least = s->derived || plan->least_z * s->range < 1 ? 1 : plan->least_z * s->range;
 }
 
