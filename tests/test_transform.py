@@ -32,8 +32,10 @@ def transform(
 @pytest.mark.parametrize("m", TYPES)
 @pytest.mark.parametrize("encoding", NAMES)
 def test_moves_against_numpy(encoding, m, y_axis):
-    for channels in (2, 3, 4) if encoding == ntp.XY else (3, 4):
-        src = noise((7, 300, channels), m, channels)
+    shapes = [(7, 300), (141, 70)]  # the second is turned in more than one tile
+    every = (2, 3, 4) if encoding == ntp.XY else (3, 4)
+    for shape, channels in itertools.product(shapes, every):
+        src = noise((*shape, channels), m, channels)
         for fx, fy, turns in itertools.product((0, 1), (0, 1), range(4)):
             want = moved_picture(src, (fx, fy), turns).astype(np.int64)
             x, y = 2 * want[..., 0] - m, 2 * want[..., 1] - m

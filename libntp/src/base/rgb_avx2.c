@@ -11,7 +11,11 @@
 #include <immintrin.h>
 #include <string.h>
 
-enum { STEP = 8 /* texels */ };
+enum {
+    STEP = 8 /* texels */,
+    LANE = 16, /* bytes */
+    HELD = 12  /* of pixels in a lane */
+};
 
 /* Two loads of 16 bytes, or two stores. */
 static inline __m256i load_two(const void *low, const void *high)
@@ -241,41 +245,61 @@ void ntp__flip_rgb_avx2(void *dst, const void *src, int32_t n, bool deep, bool k
         flip(dst, src, 3 * n, false, black, white);
 }
 
-/* 8 pixels of 8 bit, or 4, with red and green of `shuffle` and bits inverted; black and white ones
- * as they are. */
-static inline void turn_step(uint8_t *d, const uint8_t *s, __m256i shuffle, __m256i inverted,
-                             bool deep)
+/* How red and green change. */
+typedef struct turning {
+    __m256i first, other; /* shuffles: to whole words; the second skips bytes before the pixels */
+    __m256i white, inverted;
+} turning;
+
+static inline turning turning_of(bool deep, bool swap, bool invert_r, bool invert_g)
 {
-    enum { HALF = 12 }; /* bytes; each half touches four more */
-    const __m256i zero = _mm256_setzero_si256(), ones = _mm256_set1_epi8(-1);
-    const __m256i v = load_two(s, s + HALF);
-    const __m256i r = deep ? SHUFFLE(v, 0, 1, 0, 1, 0, 1, 6, 7, 6, 7, 6, 7, -1, -1, -1, -1)
-                           : SHUFFLE(v, 0, 0, 0, 3, 3, 3, 6, 6, 6, 9, 9, 9, -1, -1, -1, -1);
-    const __m256i g = deep ? SHUFFLE(v, 2, 3, 2, 3, 2, 3, 8, 9, 8, 9, 8, 9, -1, -1, -1, -1)
-                           : SHUFFLE(v, 1, 1, 1, 4, 4, 4, 7, 7, 7, 10, 10, 10, -1, -1, -1, -1);
-    const __m256i b = deep ? SHUFFLE(v, 4, 5, 4, 5, 4, 5, 10, 11, 10, 11, 10, 11, -1, -1, -1, -1)
-                           : SHUFFLE(v, 2, 2, 2, 5, 5, 5, 8, 8, 8, 11, 11, 11, -1, -1, -1, -1);
-    const __m256i none = _mm256_or_si256(_mm256_or_si256(r, g), b);
-    const __m256i all = _mm256_and_si256(_mm256_and_si256(r, g), b);
-    const __m256i kept =
-        deep ? _mm256_or_si256(_mm256_cmpeq_epi16(none, zero), _mm256_cmpeq_epi16(all, ones))
-             : _mm256_or_si256(_mm256_cmpeq_epi8(none, zero), _mm256_cmpeq_epi8(all, ones));
-    const __m256i turned = _mm256_xor_si256(_mm256_shuffle_epi8(v, shuffle), inverted);
-    store_two(d, d + HALF, _mm256_blendv_epi8(turned, v, kept));
+    enum { NONE = -128 }; /* a byte that becomes 0 */
+    static const int8_t WORDS[2][2][LANE] = {
+        { { 0, 1, 2, NONE, 3, 4, 5, NONE, 6, 7, 8, NONE, 9, 10, 11, NONE },
+          { 1, 0, 2, NONE, 4, 3, 5, NONE, 7, 6, 8, NONE, 10, 9, 11, NONE } },
+        { { 0, 1, 2, 3, 4, 5, NONE, NONE, 6, 7, 8, 9, 10, 11, NONE, NONE },
+          { 2, 3, 0, 1, 4, 5, NONE, NONE, 8, 9, 6, 7, 10, 11, NONE, NONE } }
+    };
+    const int8_t *words = WORDS[deep][swap];
+    const int64_t twice = deep ? 1 : 0x100000001, r = deep ? 0xffff : 0xff, g = r * (r + 1);
+    const int64_t inverted = (invert_r ? r : 0) + (invert_g ? g : 0);
+    const __m256i first = load_two(words, words);
+    const turning t = { first, _mm256_add_epi8(first, _mm256_set1_epi8(LANE - HELD)),
+                        _mm256_set1_epi64x(twice * (r + g + g * (r + 1))),
+                        _mm256_set1_epi64x(twice * inverted) };
+    return t;
 }
 
-static inline void turn(uint8_t *d, const uint8_t *s, int32_t bytes, __m256i shuffle,
-                        __m256i inverted, bool deep)
+/* Pixels from two places as words, turned; black and white ones stay. */
+static inline __m256i turned_words(const uint8_t *s, const uint8_t *more, __m256i shuffle,
+                                   const turning *t, bool deep)
 {
-    enum { BYTES = 24, BEYOND = 4 };
+    const __m256i v = _mm256_shuffle_epi8(load_two(s, more), shuffle);
+    const __m256i zero = _mm256_setzero_si256();
+    const __m256i kept =
+        deep ? _mm256_or_si256(_mm256_cmpeq_epi64(v, zero), _mm256_cmpeq_epi64(v, t->white))
+             : _mm256_or_si256(_mm256_cmpeq_epi32(v, zero), _mm256_cmpeq_epi32(v, t->white));
+    return _mm256_xor_si256(v, _mm256_andnot_si256(kept, t->inverted));
+}
+
+static inline void put_words(uint8_t *d, __m256i v, bool deep)
+{
+    store_two(d, d + HELD,
+              deep ? SHUFFLE(v, 0, 1, 2, 3, 4, 5, 8, 9, 10, 11, 12, 13, -1, -1, -1, -1)
+                   : SHUFFLE(v, 0, 1, 2, 4, 5, 6, 8, 9, 10, 12, 13, 14, -1, -1, -1, -1));
+}
+
+static inline void turn(uint8_t *d, const uint8_t *s, int32_t bytes, const turning *t, bool deep)
+{
+    enum { BYTES = 2 * HELD, BEYOND = LANE - HELD };
     int32_t i = 0;
     for (; i + BYTES + BEYOND <= bytes; i += BYTES)
-        turn_step(d + i, s + i, shuffle, inverted, deep);
+        put_words(d + i, turned_words(s + i, s + i + HELD, t->first, t, deep), deep);
     for (; i < bytes; i += BYTES) {
         uint8_t few[BYTES + BEYOND] = { 0 };
         const size_t left = (size_t) (bytes - i < BYTES ? bytes - i : BYTES);
         memcpy(few, s + i, left);
-        turn_step(few, few, shuffle, inverted, deep);
+        put_words(few, turned_words(few, few + HELD, t->first, t, deep), deep);
         memcpy(d + i, few, left);
     }
 }
@@ -283,18 +307,60 @@ static inline void turn(uint8_t *d, const uint8_t *s, int32_t bytes, __m256i shu
 void ntp__turn_rgb_avx2(void *dst, const void *src, int32_t n, bool deep, bool swap, bool invert_r,
                         bool invert_g)
 {
-    enum { LANE = 16, TEXELS = 12 /* bytes */ };
-    int8_t from[LANE], mask[LANE];
-    const int32_t size = deep ? 2 : 1;
-    for (int32_t i = 0; i < LANE; i++) {
-        const int32_t c = i / size % 3;
-        const bool first = c == 0, pair = c < 2 && i < TEXELS;
-        from[i] = (int8_t) (!(pair && swap) ? i : first ? i + size : i - size);
-        mask[i] = pair && (first ? invert_r : invert_g) ? -1 : 0;
-    }
-    const __m256i shuffle = load_two(from, from), inverted = load_two(mask, mask);
+    const turning t = turning_of(deep, swap, invert_r, invert_g);
     if (deep)
-        turn(dst, src, 6 * n, shuffle, inverted, true);
+        turn(dst, src, 6 * n, &t, true);
     else
-        turn(dst, src, 3 * n, shuffle, inverted, false);
+        turn(dst, src, 3 * n, &t, false);
+}
+
+/* Of 8 rows with 4 pixels of 8 bit, or of 4 rows with 2, columns become rows. */
+static inline void turn_cell(uint8_t *d, ptrdiff_t pitch, const uint8_t *s, ptrdiff_t step,
+                             __m256i shuffle, const turning *t, bool deep)
+{
+    __m256i v[4];
+    for (int32_t k = 0; k < (deep ? 2 : 4); k++)
+        v[k] = turned_words(s + k * step, s + (k + (deep ? 2 : 4)) * step, shuffle, t, deep);
+    const __m256i a = deep ? v[0] : _mm256_unpacklo_epi32(v[0], v[1]);
+    const __m256i b = deep ? v[1] : _mm256_unpacklo_epi32(v[2], v[3]);
+    put_words(d, _mm256_unpacklo_epi64(a, b), deep);
+    put_words(d + pitch, _mm256_unpackhi_epi64(a, b), deep);
+    if (deep)
+        return;
+    const __m256i e = _mm256_unpackhi_epi32(v[0], v[1]), f = _mm256_unpackhi_epi32(v[2], v[3]);
+    put_words(d + 2 * pitch, _mm256_unpacklo_epi64(e, f), deep);
+    put_words(d + 3 * pitch, _mm256_unpackhi_epi64(e, f), deep);
+}
+
+/* The last cells overlap those before.  All but the first pixels of a row are loaded with bytes
+ * before them, so that none beyond the row is touched. */
+static inline void turn_cells(uint8_t *d, ptrdiff_t pitch, const uint8_t *s, ptrdiff_t step,
+                              int32_t rows, int32_t columns, const turning *t, bool deep)
+{
+    enum { LINE = 64 };
+    const int32_t high = deep ? 4 : 8, wide = deep ? 2 : 4, size = deep ? 6 : 3;
+    for (int32_t i = 0; i < rows; i += high) {
+        const int32_t y = i + high < rows ? i : rows - high;
+        const uint8_t *from = s + y * step;
+        for (int32_t k = 0; k < high; k++) {
+            for (int32_t x = 0; x < size * columns; x += LINE)
+                _mm_prefetch((const char *) from + (high + k) * step + x, _MM_HINT_T0);
+        }
+        for (int32_t x = 0; x < columns; x += wide) {
+            const int32_t at = x + wide < columns ? x : columns - wide;
+            turn_cell(d + size * y + at * pitch, pitch,
+                      from + size * at - (x > 0 ? LANE - HELD : 0), step,
+                      x > 0 ? t->other : t->first, t, deep);
+        }
+    }
+}
+
+void ntp__turn_tile_avx2(uint8_t *dst, ptrdiff_t pitch, const void *src, ptrdiff_t step,
+                         int32_t rows, int32_t columns, bool deep, bool invert_r, bool invert_g)
+{
+    const turning t = turning_of(deep, true, invert_r, invert_g);
+    if (deep)
+        turn_cells(dst, pitch, src, step, rows, columns, &t, true);
+    else
+        turn_cells(dst, pitch, src, step, rows, columns, &t, false);
 }

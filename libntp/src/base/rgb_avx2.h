@@ -26,6 +26,14 @@ bool ntp__place_rgb_avx2(float *to, bool *negative, const void *src, int32_t n, 
 void ntp__turn_rgb_avx2(void *dst, const void *src, int32_t n, bool deep, bool swap, bool invert_r,
                         bool invert_g);
 
+/*
+ * Columns of `rows` rows of packed pixels, at least 8, and so are the columns, become rows, with red
+ * and green exchanged, and then M - r and M - g if inverted; black and white pixels stay.  `step`
+ * bytes lie between rows of src, `pitch` between those of dst; 4 bytes after a row of dst change.
+ */
+void ntp__turn_tile_avx2(uint8_t *dst, ptrdiff_t pitch, const void *src, ptrdiff_t step,
+                         int32_t rows, int32_t columns, bool deep, bool invert_r, bool invert_g);
+
 /* dst = src, packed pixels, with M - g for g.  Black and white pixels stay as they are, if that is
  * asked for.  dst may be src. */
 void ntp__flip_rgb_avx2(void *dst, const void *src, int32_t n, bool deep, bool keep_black,

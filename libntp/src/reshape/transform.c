@@ -18,7 +18,9 @@
 enum {
     AHEAD = 8,         /* rows of the source that are asked for before they are needed */
     COLUMNS = 128,     /* of the result at a time, where these are rows of the source */
-    BEYOND = 4,        /* bytes after a row of a tile; a whole number of samples */
+    WIDE = 8,          /* bytes that are copied of texels with as many or less, */
+    LEAST = 2,         /* but not less than these */
+    BEYOND = 8,        /* bytes after a row of a tile; a whole number of samples */
     TILE_BYTES = 24576 /* of such texels; they fit into the first cache, and the caller's stack */
 };
 
@@ -203,13 +205,22 @@ static void keep_unused_floats(const job *j, const ntp__block *block, int32_t x,
     }
 }
 
+#ifdef NTP_HAVE_AVX2
+/* Are levels only moved and turned, to packed RGB, with AVX2? */
+static bool is_plain_rgb(const job *j)
+{
+    return !j->stronger && j->src.channels == 3 && j->src.type != NTP_TYPE_F32 &&
+           j->src.encoding != NTP_ENCODING_XY &&
+           j->dst->pixel_stride == 3 * ntp__sample_size(j->src.type) &&
+           ntp__cpu_has_avx2(NTP__CPU_ALL);
+}
+#endif
+
 /* With AVX2: packed RGB that is only turned; false: there is another way only. */
 static bool turn_packed(const job *j, int32_t x, int32_t y, int32_t n)
 {
 #ifdef NTP_HAVE_AVX2
-    if (!j->stronger && j->src.channels == 3 && j->src.type != NTP_TYPE_F32 &&
-        j->src.encoding != NTP_ENCODING_XY && ntp__is_packed(&j->src) &&
-        j->dst->pixel_stride == j->src.pixel_stride && ntp__cpu_has_avx2(NTP__CPU_ALL)) {
+    if (is_plain_rgb(j) && ntp__is_packed(&j->src)) {
         ntp__turn_rgb_avx2(ntp__at_mut(j->dst, x, y), ntp__at(&j->src, x, y), n,
                            j->src.type == NTP_TYPE_U16, j->swap, j->mirror_r, j->mirror_g);
         return true;
@@ -248,28 +259,55 @@ static void transform_run(const job *j, int32_t x, int32_t y, int32_t n)
 #endif
 
 /* Copies texels of the turned source side by side, for which its own rows are read one by one.
- * `pitch` bytes lie between rows of the tile.  Of most texels `wide` bytes are copied, which is
- * quicker: what is too much belongs to a neighbor, or is overwritten. */
-static inline void turn_texels(char *tile, ptrdiff_t pitch, const ntp_const_image *src,
-                               const ntp_rect *part, size_t size, size_t wide)
+ * `pitch` bytes lie between rows of the tile. */
+static void turn_texels(char *tile, ptrdiff_t pitch, const ntp_const_image *src,
+                        const ntp_rect *part, size_t size)
 {
-    enum { LINE = 64 };
+    enum { LINE = 64, EDGE = (WIDE - 1) / LEAST };
     const ptrdiff_t step = src->row_stride;
-    const int32_t last = part->y1 - part->y0 - 1;
+    const int32_t height = part->y1 - part->y0;
     /* Texels that lie apart are not asked for. */
     const ptrdiff_t apart = step < 0 ? -step : step;
-    const ptrdiff_t bytes = apart < LINE ? apart * (part->y1 - part->y0) : 0;
+    const ptrdiff_t bytes = apart < LINE ? apart * height : 0;
     for (int32_t x = part->x0; x < part->x1; x++, tile += size) {
         const char *s = ntp__at(src, x, part->y0);
-        const char *ahead =
-            (step < 0 ? s + step * (part->y1 - part->y0) : s) + AHEAD * src->pixel_stride;
+        const char *ahead = (step < 0 ? s + step * height : s) + AHEAD * src->pixel_stride;
+        int32_t y = 0;
         for (ptrdiff_t k = 0; k < bytes; k += LINE)
             FETCH(ahead + k);
-        memcpy(tile, s, size);
-        for (int32_t y = 1; y < last; y++)
-            memcpy(tile + y * pitch, s + y * step, wide);
-        memcpy(tile + last * pitch, s + last * step, size);
+        for (; y < height && (y < EDGE || size > WIDE); y++)
+            memcpy(tile + y * pitch, s + y * step, size);
+        /* A constant size is a load and a store, which is quicker: what is too much belongs to a
+         * neighbor, or is overwritten. */
+        for (; y < height - EDGE; y++)
+            memcpy(tile + y * pitch, s + y * step, WIDE);
+        for (; y < height; y++)
+            memcpy(tile + y * pitch, s + y * step, size);
     }
+}
+
+/* With AVX2: a part of packed RGB that is only turned; false: there is another way only. */
+static bool turn_tile_packed(const job *j, const ntp_rect *part, char *tile, ptrdiff_t pitch)
+{
+#ifdef NTP_HAVE_AVX2
+    enum { CELL = 8 };
+    const int32_t width = part->x1 - part->x0, height = part->y1 - part->y0;
+    const ptrdiff_t size = 3 * ntp__sample_size(j->src.type), step = j->src.row_stride;
+    if (!is_plain_rgb(j) || (step != size && step != -size) || width < CELL || height < CELL)
+        return false;
+    /* Where texels come from right to left, rows of the result are made from below. */
+    const bool back = step < 0;
+    ntp__turn_tile_avx2((uint8_t *) tile + (back ? (height - 1) * pitch : 0), back ? -pitch : pitch,
+                        ntp__at(&j->src, part->x0, back ? part->y1 - 1 : part->y0),
+                        j->src.pixel_stride, width, height, j->src.type == NTP_TYPE_U16,
+                        j->mirror_r, j->mirror_g);
+    for (int32_t y = part->y0; y < part->y1; y++, tile += pitch)
+        memcpy(ntp__at_mut(j->dst, part->x0, y), tile, (size_t) (size * width));
+    return true;
+#else
+    (void) j, (void) part, (void) tile, (void) pitch;
+    return false;
+#endif
 }
 
 /* A part of the result that is columns of the source. */
@@ -280,15 +318,9 @@ static void transform_tile(const job *j, const ntp_rect *part)
     const int32_t width = part->x1 - part->x0;
     const ptrdiff_t size = j->src.channels * ntp__sample_size(j->src.type);
     const ptrdiff_t pitch = size * width + BEYOND;
-    /* A constant size is a load and a store. */
-    if (size == 3)
-        turn_texels(bytes, pitch, &j->src, part, 3, 4);
-    else if (size == 4)
-        turn_texels(bytes, pitch, &j->src, part, 4, 4);
-    else if (size == 6)
-        turn_texels(bytes, pitch, &j->src, part, 6, 8);
-    else
-        turn_texels(bytes, pitch, &j->src, part, (size_t) size, (size_t) size);
+    if (turn_tile_packed(j, part, bytes, pitch))
+        return;
+    turn_texels(bytes, pitch, &j->src, part, (size_t) size);
     job turned = *j;
     ntp_image row = *j->dst;
     row.ring_rows = 0;

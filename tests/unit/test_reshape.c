@@ -1,0 +1,181 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * test_reshape.c - turned and resized pictures are the same with and without AVX2
+ *
+ * The bytes of a picture end or begin at a guard page.
+ */
+#include "guarded.h"
+#include "without_avx2.h"
+#include "libntp.h"
+
+#include <string.h>
+
+enum { SKIPPED = 77, SMALL = 20 };
+
+typedef struct picture {
+    guarded memory;
+    ntp_image view;
+} picture;
+
+static picture make(int32_t width, int32_t height, int32_t channels, ntp_type type, bool at_start)
+{
+    const size_t size = (size_t) (width * height * channels) * (type == NTP_TYPE_U16 ? 2 : 1);
+    picture p;
+    p.memory = guarded_alloc(size, at_start);
+    p.view = ntp_image_packed(p.memory.data, width, height, channels, type);
+    p.view.encoding = NTP_ENCODING_STANDARD;
+    memset(p.memory.data, 0x5a, size);
+    return p;
+}
+
+static size_t bytes_of(const picture *p)
+{
+    return (size_t) p->view.height * (size_t) p->view.row_stride;
+}
+
+/* `rough`: how far red and green go from flat; some texels are black or white. */
+static void fill(picture *p, int32_t rough, int32_t unused, uint64_t *seed)
+{
+    const int32_t channels = p->view.channels, n = p->view.width * p->view.height * channels;
+    const bool deep = p->view.type == NTP_TYPE_U16;
+    const int32_t m = deep ? 65535 : 255;
+    int32_t c = 0;
+    bool plain = false;
+    for (int32_t i = 0; i < n; i++) {
+        if (i % channels == 0) {
+            plain = unused > 0 && (int32_t) (random_bits(seed) % 100) < unused;
+            c = random_bits(seed) & 1 ? m : 0;
+        }
+        if (!plain) {
+            const int32_t away = (int32_t) (random_bits(seed) % (uint32_t) m) - m / 2;
+            c = (m + 1) / 2 + away * rough / 100;
+            c = i % channels == 2 && rough < 100 ? m - c / 4 : c;
+        }
+        if (deep)
+            ((uint16_t *) p->memory.data)[i] = (uint16_t) c;
+        else
+            ((uint8_t *) p->memory.data)[i] = (uint8_t) c;
+    }
+}
+
+static void compare(const picture *one, const picture *two)
+{
+    CHECK(memcmp(one->memory.data, two->memory.data, bytes_of(one)) == 0);
+}
+
+/* ----------------------------------------------------------------------------------- turns */
+
+static void turn(int32_t width, int32_t height, int32_t kind, uint64_t *seed)
+{
+    const ntp_type type = kind & 1 ? NTP_TYPE_U16 : NTP_TYPE_U8;
+    const int32_t channels = kind & 2 ? 4 : 3;
+    picture src = make(width, height, channels, type, kind & 4);
+    fill(&src, 100, 10, seed);
+    const ntp_const_image from = ntp_image_as_const(&src.view);
+    for (int32_t turns = 1; turns <= 3; turns++) {
+        const ntp_transform_options how = { .quarter_turns = turns, .flip_x = kind >> 3 };
+        const bool upright = turns % 2 == 0;
+        picture made[2];
+        for (int32_t k = 0; k < 2; k++) {
+            made[k] =
+                make(upright ? width : height, upright ? height : width, channels, type, kind & 4);
+            allowed = k != 0;
+            CHECK(ntp_transform(&made[k].view, &from, &how, NULL) == NTP_OK);
+        }
+        compare(&made[0], &made[1]);
+        guarded_free(&made[0].memory);
+        guarded_free(&made[1].memory);
+    }
+    guarded_free(&src.memory);
+}
+
+static void turns(uint64_t *seed)
+{
+    for (int32_t kind = 0; kind < 16; kind++) {
+        for (int32_t width = 1; width <= SMALL; width++) {
+            for (int32_t height = 1; height <= SMALL; height++)
+                turn(width, height, kind, seed);
+        }
+        turn(141, 70, kind, seed);
+        turn(70, 141, kind, seed);
+    }
+}
+
+/* --------------------------------------------------------------------------------- resizing */
+
+static void resize(const ntp_image *dst, const ntp_const_image *src, const ntp_resize_options *how)
+{
+    ntp_resize_plan *plan;
+    const size_t size = ntp_resize_plan_size(how, src->width, src->height, dst->width, dst->height);
+    void *memory = malloc(size);
+    CHECK(memory != NULL);
+    CHECK(ntp_resize_plan_init(&plan, memory, size, how, src->width, src->height, dst->width,
+                               dst->height) == NTP_OK);
+    const size_t scratch_size = ntp_resize_scratch_size(plan);
+    void *scratch = malloc(scratch_size);
+    CHECK(scratch != NULL);
+    CHECK(ntp_resize(dst, src, plan, scratch, scratch_size, NULL) == NTP_OK);
+    free(scratch);
+    free(memory);
+}
+
+typedef struct sizes {
+    int32_t from[2], to[2];
+} sizes;
+
+static void compare_sizes(const sizes *s, int32_t kind, int32_t rough, int32_t unused,
+                          uint64_t *seed)
+{
+    const ntp_type type = kind & 1 ? NTP_TYPE_U16 : NTP_TYPE_U8;
+    picture src = make(s->from[0], s->from[1], 3, type, kind & 2), made[2];
+    fill(&src, rough, unused, seed);
+    src.view.encoding = kind & 4 ? NTP_ENCODING_ZZERO : NTP_ENCODING_STANDARD;
+    const ntp_const_image from = ntp_image_as_const(&src.view);
+    for (int32_t filter = NTP_FILTER_TRIANGLE; filter <= NTP_FILTER_LANCZOS3; filter++) {
+        const ntp_border border = kind & 2 ? NTP_BORDER_WRAP : NTP_BORDER_MIRROR;
+        const ntp_resize_options how = { (ntp_filter) filter, border, border, 0 };
+        for (int32_t k = 0; k < 2; k++) {
+            made[k] = make(s->to[0], s->to[1], 3, type, kind & 2);
+            made[k].view.encoding = src.view.encoding;
+            allowed = k != 0;
+            resize(&made[k].view, &from, &how);
+        }
+        compare(&made[0], &made[1]);
+        guarded_free(&made[0].memory);
+        guarded_free(&made[1].memory);
+    }
+    guarded_free(&src.memory);
+}
+
+static void resizes(uint64_t *seed)
+{
+    static const sizes SIZES[] = {
+        { { 64, 64 }, { 32, 32 } },     { { 600, 40 }, { 300, 20 } }, { { 601, 41 }, { 300, 20 } },
+        { { 100, 100 }, { 25, 25 } },   { { 96, 96 }, { 12, 12 } },   { { 99, 33 }, { 33, 11 } },
+        { { 50, 30 }, { 71, 43 } },     { { 40, 40 }, { 80, 80 } },   { { 90, 90 }, { 61, 31 } },
+        { { 300, 200 }, { 290, 190 } }, { { 7, 5 }, { 3, 2 } },       { { 1, 1 }, { 5, 5 } },
+        { { 400, 90 }, { 33, 17 } },    { { 2, 90 }, { 1, 45 } },
+    };
+    for (size_t i = 0; i < sizeof SIZES / sizeof SIZES[0]; i++) {
+        for (int32_t kind = 0; kind < 8; kind++) {
+            compare_sizes(&SIZES[i], kind, 100, 0, seed);
+            compare_sizes(&SIZES[i], kind, 100, 20, seed);
+            compare_sizes(&SIZES[i], kind, 100, 95, seed);
+            compare_sizes(&SIZES[i], kind, 60, 0, seed);
+            compare_sizes(&SIZES[i], kind, 5, 0, seed);
+            compare_sizes(&SIZES[i], kind, 1, 10, seed);
+            compare_sizes(&SIZES[i], kind, 0, 0, seed);
+        }
+    }
+}
+
+int main(void)
+{
+    uint64_t seed = 1;
+    allowed = true;
+    if (!ntp__cpu_has_avx2(NTP__CPU_ALL))
+        return SKIPPED;
+    turns(&seed);
+    resizes(&seed);
+    return 0;
+}
