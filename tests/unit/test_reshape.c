@@ -58,6 +58,41 @@ static void fill(picture *p, int32_t rough, int32_t unused, uint64_t *seed)
     }
 }
 
+static void put(picture *p, int32_t x, int32_t y, int32_t k, int32_t c)
+{
+    const int32_t i = (y * p->view.width + x) * p->view.channels + k;
+    if (p->view.type == NTP_TYPE_U16)
+        ((uint16_t *) p->memory.data)[i] = (uint16_t) c;
+    else
+        ((uint8_t *) p->memory.data)[i] = (uint8_t) c;
+}
+
+/* Columns that cancel out one component where the sides are halved: then its sign hangs on the last
+ * bit of a sum. */
+static void fill_stripes(picture *p, int32_t component, uint64_t *seed)
+{
+    const int32_t m = p->view.type == NTP_TYPE_U16 ? 65535 : 255;
+    for (int32_t y = 0; y < p->view.height; y++) {
+        for (int32_t k = 0; k < 3; k++) {
+            const int32_t c = 1 + (int32_t) (random_bits(seed) % (uint32_t) (m - 1));
+            for (int32_t x = 0; x < p->view.width; x++)
+                put(p, x, y, k, k == component && x % 2 != 0 ? m - c : c);
+        }
+    }
+}
+
+/* Few texels point down. */
+static void fill_spots(picture *p, uint64_t *seed)
+{
+    const int32_t m = p->view.type == NTP_TYPE_U16 ? 65535 : 255;
+    const int32_t texels = p->view.width * p->view.height;
+    for (int32_t i = 0; i < texels; i++) {
+        const bool down = random_bits(seed) % 200 == 0;
+        for (int32_t k = 0; k < 3; k++)
+            put(p, i % p->view.width, i / p->view.width, k, k < 2 ? m / 2 + k : down ? 1 : m - 2);
+    }
+}
+
 static void compare(const picture *one, const picture *two)
 {
     CHECK(memcmp(one->memory.data, two->memory.data, bytes_of(one)) == 0);
@@ -123,12 +158,19 @@ typedef struct sizes {
     int32_t from[2], to[2];
 } sizes;
 
+enum { STRIPES = -4, SPOTS = -1 }; /* instead of how rough: stripes of x, y, z */
+
 static void compare_sizes(const sizes *s, int32_t kind, int32_t rough, int32_t unused,
                           uint64_t *seed)
 {
     const ntp_type type = kind & 1 ? NTP_TYPE_U16 : NTP_TYPE_U8;
     picture src = make(s->from[0], s->from[1], 3, type, kind & 2), made[2];
-    fill(&src, rough, unused, seed);
+    if (rough >= 0)
+        fill(&src, rough, unused, seed);
+    else if (rough == SPOTS)
+        fill_spots(&src, seed);
+    else
+        fill_stripes(&src, rough - STRIPES, seed);
     src.view.encoding = kind & 4 ? NTP_ENCODING_ZZERO : NTP_ENCODING_STANDARD;
     const ntp_const_image from = ntp_image_as_const(&src.view);
     for (int32_t filter = NTP_FILTER_TRIANGLE; filter <= NTP_FILTER_LANCZOS3; filter++) {
@@ -165,6 +207,8 @@ static void resizes(uint64_t *seed)
             compare_sizes(&SIZES[i], kind, 5, 0, seed);
             compare_sizes(&SIZES[i], kind, 1, 10, seed);
             compare_sizes(&SIZES[i], kind, 0, 0, seed);
+            for (int32_t special = STRIPES; special <= SPOTS; special++)
+                compare_sizes(&SIZES[i], kind, special, 0, seed);
         }
     }
 }

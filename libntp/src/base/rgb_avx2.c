@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * rgb_avx2.c - packed RGB to planes and back, and flips of it, with AVX2
+ * rgb_avx2.c - packed RGB to planes and back, flips and turns of it, with AVX2
  *
  * Shuffles of bytes do in one step of eight texels what other processors do texel by texel in
  * view.c.  Planes are written and read in whole steps, for which a block has room.  At the end of a
@@ -42,6 +42,12 @@ static inline void store_plane(int32_t *plane, __m256i v)
 static inline __m256i load_plane(const int32_t *plane)
 {
     return _mm256_loadu_si256((const __m256i *) (const void *) plane);
+}
+
+/* A call: compilers make branches of copies of so few bytes, and these are at the ends of runs. */
+__attribute__((noinline)) static void copy(void *to, const void *from, size_t size)
+{
+    memcpy(to, from, size);
 }
 
 #define TAKE8(k)                                                                                   \
@@ -104,7 +110,7 @@ static inline void put16(uint8_t *d, const ntp__block *b, int32_t i)
         for (; i < n; i += STEP) {                                                                 \
             uint8_t few[(bytes) * STEP + (beyond)] = { 0 };                                        \
             int32_t left = n - i < STEP ? n - i : STEP;                                            \
-            memcpy(few, s + (ptrdiff_t) (bytes) * i, (size_t) left * (bytes));                     \
+            copy(few, s + (ptrdiff_t) (bytes) * i, (size_t) left * (bytes));                       \
             take(block, i, few);                                                                   \
         }                                                                                          \
     } while (0)
@@ -118,7 +124,7 @@ static inline void put16(uint8_t *d, const ntp__block *b, int32_t i)
             uint8_t few[(bytes) * STEP + (beyond)];                                                \
             int32_t left = n - i < STEP ? n - i : STEP;                                            \
             put(few, block, i);                                                                    \
-            memcpy(d + (ptrdiff_t) (bytes) * i, few, (size_t) left * (bytes));                     \
+            copy(d + (ptrdiff_t) (bytes) * i, few, (size_t) left * (bytes));                       \
         }                                                                                          \
     } while (0)
 
@@ -140,43 +146,79 @@ void ntp__pack_rgb_avx2(void *dst, const ntp__block *block, int32_t n, bool deep
         PACK(put8, 3, 4);
 }
 
-/* Two texels from pixels of so many bytes, as x, y, z and 1 each; widens the range of levels. */
-static inline void place_two(float *to, const uint8_t *s, int32_t bytes, __m256i shuffle,
-                             __m256 twice, __m256 less, __m256i range[2])
+/* Pixels as numbers, and the range of their samples. */
+typedef struct placing {
+    __m256i shuffle[4];
+    __m256i base; /* of 8 bit: upper bits of floats whose lower ones are a level */
+    __m256 twice, less;
+    __m256i least, most;
+} placing;
+
+/* Eight pixels of 8 bit, or four; 4 bytes before them are touched. */
+static inline void place_some(float *to, const uint8_t *s, placing *p, bool deep)
 {
-    const __m256i v = _mm256_shuffle_epi8(load_two(s, s + bytes), shuffle);
-    range[0] = _mm256_min_epi32(range[0], v);
-    range[1] = _mm256_max_epi32(range[1], v);
-    _mm256_storeu_ps(to, _mm256_sub_ps(_mm256_mul_ps(_mm256_cvtepi32_ps(v), twice), less));
+    const __m256i v = load_two(s - (LANE - HELD), s + HELD - (LANE - HELD));
+    const int32_t texels = deep ? 2 : 4;
+    p->least = deep ? _mm256_min_epu16(p->least, v) : _mm256_min_epu8(p->least, v);
+    p->most = deep ? _mm256_max_epu16(p->most, v) : _mm256_max_epu8(p->most, v);
+    for (int32_t k = 0; k < texels; k++, to += 4) {
+        const __m256i c = _mm256_shuffle_epi8(v, p->shuffle[k]);
+        const __m256 f = deep ? _mm256_mul_ps(_mm256_cvtepi32_ps(c), p->twice)
+                              : _mm256_castsi256_ps(_mm256_or_si256(c, p->base));
+        const __m256 x = _mm256_sub_ps(f, p->less);
+        _mm_storeu_ps(to, _mm256_castps256_ps128(x));
+        _mm_storeu_ps(to + (ptrdiff_t) 4 * texels, _mm256_extractf128_ps(x, 1));
+    }
 }
 
+static inline void place(float *to, const uint8_t *s, int32_t n, placing *p, bool deep)
+{
+    enum { MOST = 8 * HELD };
+    const int32_t step = deep ? 4 : 8, size = deep ? 6 : 3;
+    uint8_t few[MOST];
+    for (int32_t i = 0; i < n; i += step) {
+        const int32_t at = i == 0 ? 0 : i + step < n ? i : n - step;
+        const uint8_t *from = s + size * at;
+        if (size * at < LANE - HELD) { /* no byte before the first pixel may be touched */
+            copy(few + LANE - HELD, from, (size_t) (size * (n < step ? n : step)));
+            for (int32_t k = n; k < step; k++) /* no others change the range */
+                copy(few + LANE - HELD + size * k, s, (size_t) size);
+            from = few + LANE - HELD;
+        }
+        place_some(to + 4 * at, from, p, deep);
+    }
+}
+
+/* Of 8 bit, c 2^8 lies in floats whose lowest bit is 2^-7, or 2^-8, so 2c or c is added to them. */
 bool ntp__place_rgb_avx2(float *to, bool *negative, const void *src, int32_t n, bool deep,
                          bool zzero)
 {
-    enum { LOAD = 16 };
-    const uint8_t *s = src;
-    const int32_t bytes = deep ? 6 : 3, m = deep ? 65535 : 255;
-    const __m128i of8 = _mm_setr_epi8(0, -1, -1, -1, 1, -1, -1, -1, 2, -1, -1, -1, -1, -1, -1, -1);
-    const __m128i of16 = _mm_setr_epi8(0, 1, -1, -1, 2, 3, -1, -1, 4, 5, -1, -1, -1, -1, -1, -1);
-    const __m256i shuffle = _mm256_broadcastsi128_si256(deep ? of16 : of8);
-    const float k = zzero ? 1 : 2, f = (float) m, z = zzero ? 0 : f;
-    const __m256 twice = _mm256_setr_ps(2, 2, k, 1, 2, 2, k, 1);
-    const __m256 less = _mm256_setr_ps(f, f, z, -1, f, f, z, -1);
-    __m256i range[2] = { _mm256_set1_epi32(m), _mm256_setzero_si256() };
-    int32_t i = 0, least[8], most[8];
-    for (; bytes * (n - i - 1) >= LOAD; i += 2)
-        place_two(to + 4 * i, s + bytes * i, bytes, shuffle, twice, less, range);
-    for (; i < n; i += 2) {
-        uint8_t few[2 * LOAD] = { 0 };
-        const int32_t second = i + 1 < n ? i + 1 : i;
-        memcpy(few, s + bytes * i, (size_t) bytes);
-        memcpy(few + bytes, s + bytes * second, (size_t) bytes);
-        place_two(to + 4 * i, few, bytes, shuffle, twice, less, range);
-    }
-    _mm256_storeu_si256((__m256i *) (void *) least, range[0]);
-    _mm256_storeu_si256((__m256i *) (void *) most, range[1]);
-    *negative = !zzero && 2 * (least[2] < least[6] ? least[2] : least[6]) < m;
-    return least[0] > 0 && least[4] > 0 && most[0] < m && most[4] < m;
+    const __m128i of8 = _mm_setr_epi8(-128, 4, -128, -128, -128, 5, -128, -128, -128, 6, -128, -128,
+                                      -128, -128, -128, -128);
+    const __m128i of16 =
+        _mm_setr_epi8(4, 5, -128, -128, 6, 7, -128, -128, 8, 9, -128, -128, -128, -128, -128, -128);
+    const float m = deep ? 65535 : 255, k = zzero ? 1 : 2, z = zzero ? 0 : m;
+    const float two = deep ? 0 : 0x1p16F, of_z = two * k / 2;
+    placing p = { .least = _mm256_set1_epi8(-1), .most = _mm256_setzero_si256() };
+    for (int32_t i = 0; i < 4; i++)
+        p.shuffle[i] = _mm256_add_epi8(_mm256_broadcastsi128_si256(deep ? of16 : of8),
+                                       _mm256_set1_epi8((char) (i * (deep ? 6 : 3))));
+    const __m256 base = _mm256_setr_ps(two, two, of_z, two, two, two, of_z, two);
+    p.base = _mm256_castps_si256(base);
+    p.twice = _mm256_setr_ps(2, 2, k, 1, 2, 2, k, 1);
+    p.less = _mm256_add_ps(base, _mm256_setr_ps(m, m, z, -1, m, m, z, -1));
+    if (deep)
+        place(to, src, n, &p, true);
+    else
+        place(to, src, n, &p, false);
+    /* Where red lies, and the upper byte of blue. */
+    const uint32_t red = deep ? 0x0c300c30 : 0x24902490, blue = deep ? 0x82008200 : 0x92409240;
+    const __m256i zero = _mm256_setzero_si256(), ones = _mm256_set1_epi8(-1);
+    const __m256i ends =
+        deep ? _mm256_or_si256(_mm256_cmpeq_epi16(p.least, zero), _mm256_cmpeq_epi16(p.most, ones))
+             : _mm256_or_si256(_mm256_cmpeq_epi8(p.least, zero), _mm256_cmpeq_epi8(p.most, ones));
+    *negative = !zzero && (~(uint32_t) _mm256_movemask_epi8(p.least) & blue) != 0;
+    return ((uint32_t) _mm256_movemask_epi8(ends) & red) == 0;
 }
 
 /* 32 bytes of src with green flipped.  Loaded a sample earlier and later, red and blue lie where
@@ -227,10 +269,10 @@ static inline void flip(uint8_t *d, const uint8_t *s, int32_t bytes, bool deep, 
         const bool inside = i > 0 && i + FLIP < bytes;
         const size_t left = (size_t) (bytes - i < FLIP ? bytes - i : FLIP);
         if (!inside)
-            memcpy(few, s, left);
+            copy(few, s, left);
         flip_part(inside ? d : few, inside ? s : few, green, deep, black, white);
         if (!inside)
-            memcpy(d, few, left);
+            copy(d, few, left);
     }
 }
 
@@ -298,9 +340,9 @@ static inline void turn(uint8_t *d, const uint8_t *s, int32_t bytes, const turni
     for (; i < bytes; i += BYTES) {
         uint8_t few[BYTES + BEYOND] = { 0 };
         const size_t left = (size_t) (bytes - i < BYTES ? bytes - i : BYTES);
-        memcpy(few, s + i, left);
+        copy(few, s + i, left);
         put_words(few, turned_words(few, few + HELD, t->first, t, deep), deep);
-        memcpy(d + i, few, left);
+        copy(d + i, few, left);
     }
 }
 

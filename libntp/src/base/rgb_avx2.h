@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * rgb_avx2.h - packed RGB to planes and back, and flips of it, with AVX2
+ * rgb_avx2.h - packed RGB to planes and back, flips and turns of it, with AVX2
  */
 #ifndef NTP_RGB_AVX2_H
 #define NTP_RGB_AVX2_H
@@ -15,8 +15,8 @@ void ntp__unpack_rgb_avx2(ntp__block *block, const void *src, int32_t n, bool de
 void ntp__pack_rgb_avx2(void *dst, const ntp__block *block, int32_t n, bool deep);
 
 /*
- * x, y, z and 1 of packed pixels, as numerators over M in floats; `to` has room for one pixel more.
- * negative: a z is below 0.  False where red of a pixel is 0 or M: it may be black or white.
+ * x, y, z and 1 of packed pixels, as numerators over M in floats; `to` has room for seven pixels
+ * more.  negative: a z is below 0.  False where red of a pixel is 0 or M: it may be black or white.
  */
 bool ntp__place_rgb_avx2(float *to, bool *negative, const void *src, int32_t n, bool deep,
                          bool zzero);
@@ -27,8 +27,8 @@ void ntp__turn_rgb_avx2(void *dst, const void *src, int32_t n, bool deep, bool s
                         bool invert_g);
 
 /*
- * Columns of `rows` rows of packed pixels, at least 8, and so are the columns, become rows, with red
- * and green exchanged, and then M - r and M - g if inverted; black and white pixels stay.  `step`
+ * Columns of packed pixels become rows, with red and green exchanged, and then M - r and M - g if
+ * inverted; black and white pixels stay.  There are at least 8 rows and 8 columns in src.  `step`
  * bytes lie between rows of src, `pitch` between those of dst; 4 bytes after a row of dst change.
  */
 void ntp__turn_tile_avx2(uint8_t *dst, ptrdiff_t pitch, const void *src, ptrdiff_t step,

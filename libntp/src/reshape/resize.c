@@ -317,25 +317,50 @@ static void columns_of(int32_t *first, int32_t *end, const ntp__axis *axis, int3
     }
 }
 
-/* Does texels of row y in doubt again, from the sums of their columns; of all if they are many. */
+/* Does texels of row y in doubt again, from the sums of their columns; of all if they are many.
+ * The n texels are at[0].. of the strip (NULL: all). */
 static void settle_strip(const job *j, ntp__block *out, const int32_t *doubt,
-                         const int32_t *inexact, const ntp_rect *strip, int32_t y)
+                         const int32_t *inexact, const int32_t *at, int32_t n,
+                         const ntp_rect *strip, int32_t y)
 {
     enum { MANY = 8 };
     int32_t first, end, found = 0;
-    const int32_t x0 = strip->x0, n = strip->x1 - x0;
     for (int32_t i = 0; i < n; i++)
         found += (doubt[i] | inexact[i]) != 0;
-    columns_of(&first, &end, &j->plan->x, x0, strip->x1);
+    columns_of(&first, &end, &j->plan->x, strip->x0, strip->x1);
     if (found > MANY)
         add_rows(j, y, first, end);
     for (int32_t i = 0; found > 0 && i < n; i++) {
+        const int32_t x = strip->x0 + (at == NULL ? i : at[i]);
         if ((doubt[i] | inexact[i]) == 0)
             continue;
-        columns_of(&first, &end, &j->plan->x, x0 + i, x0 + i + 1);
+        columns_of(&first, &end, &j->plan->x, x, x + 1);
         if (found <= MANY)
             add_rows(j, y, first, end);
-        resize_texel(j, out, i, x0 + i);
+        resize_texel(j, out, i, x);
+    }
+}
+
+static void resize_strip_row(const job *j, const ntp_rect *strip, int32_t y)
+{
+    int32_t doubt[NTP__BLOCK], inexact[NTP__BLOCK], at[NTP__BLOCK];
+    ntp__block out;
+    ntp__vectors v;
+    int32_t n = ntp__strip_packed(j, &v, inexact, at, y);
+    const bool whole = n < 0;
+    bool any = true;
+    if (whole) {
+        any = ntp__strip_vectors(j, &v, inexact, y) > 0;
+        n = strip->x1 - strip->x0;
+    }
+    if (ntp__block_directions(&out, doubt, &v, n, j->m, j->src->encoding, j->most < 0x1p53) || any)
+        settle_strip(j, &out, doubt, inexact, whole ? NULL : at, n, strip, y);
+    if (whole)
+        ntp__store_levels(j->dst, &out, strip->x0, y, n);
+    for (int32_t i = 0; !whole && i < n; i++) {
+        uint8_t *d = ntp__at_mut(j->dst, strip->x0 + at[i], y);
+        for (int32_t k = 0; k < 3; k++)
+            d[k] = (uint8_t) out.c[k][i];
     }
 }
 
@@ -343,18 +368,9 @@ static void settle_strip(const job *j, ntp__block *out, const int32_t *doubt,
 static int32_t resize_strip(const job *j, const ntp_rect *rect)
 {
     ntp_rect strip = *rect;
-    int32_t doubt[NTP__BLOCK], inexact[NTP__BLOCK];
-    ntp__block out;
-    ntp__vectors v;
     strip.x1 = ntp__strip_begin(j, rect->x0, rect->x1);
-    const int32_t n = strip.x1 - strip.x0;
-    for (int32_t y = rect->y0; y < rect->y1; y++) {
-        const int32_t any = ntp__strip_vectors(j, &v, inexact, y);
-        if (ntp__block_directions(&out, doubt, &v, n, j->m, j->src->encoding, j->most < 0x1p53) ||
-            any > 0)
-            settle_strip(j, &out, doubt, inexact, &strip, y);
-        ntp__store_levels(j->dst, &out, strip.x0, y, n);
-    }
+    for (int32_t y = rect->y0; y < rect->y1; y++)
+        resize_strip_row(j, &strip, y);
     return strip.x1;
 }
 

@@ -5,7 +5,7 @@
  * This room makes new normals of old ones: in another size, turned, stronger, or with a detail.
  * New vectors are exact integers, and only their direction is rounded, once (texel/direction.h).
  *   resize.c          ntp_resize: sums of weighted vectors; sides of mip levels
- *   resize_strip.c    its quick way for RGB, with resize_kernels.c; resize_job.h
+ *   resize_strip.c    its quick way for RGB, with resize_kernels.c and resize_avx2.c; resize_job.h
  *   resize_weights.c  the weights of the filters, as integers
  *   transform.c       ntp_transform: flips, turns, strength
  *   rotate.c          its turns by other angles than quarter turns
@@ -30,12 +30,13 @@ typedef struct ntp__axis {
     ntp__span_of_taps *span; /* dst of them */
     int32_t *weight;
     int64_t most; /* the greatest sum of |weight| of a texel */
+    double scale; /* a power of 2 that makes it at most 1 */
 } ntp__axis;
 
 /* The greatest count of a span. */
 int32_t ntp__axis_stride(ntp_filter filter, int32_t src, int32_t dst);
 
-/* Fills span, weight and most.  The caller has set the other fields. */
+/* Fills span, weight, most and scale.  The caller has set the other fields. */
 void ntp__axis_init(ntp__axis *axis, ntp_filter filter);
 
 /* The texel inside that stands for texel i. */

@@ -7,21 +7,6 @@
 #define CONCAT_(a, b) a##b
 #define CONCAT(a, b)  CONCAT_(a, b)
 
-enum { LANES = NTP__KERNEL_LANES };
-
-static void place(float *restrict to, const int32_t *restrict r, const int32_t *restrict g,
-                  const int32_t *restrict b, int32_t n, int32_t m, int32_t zzero)
-{
-    const int32_t twice = zzero ? 1 : 2, less = zzero ? 0 : m;
-    n = (n + LANES - 1) / LANES * LANES;
-    for (int32_t i = 0; i < n; i++) {
-        to[4 * i] = (float) (2 * r[i] - m);
-        to[4 * i + 1] = (float) (2 * g[i] - m);
-        to[4 * i + 2] = (float) (twice * b[i] - less);
-        to[4 * i + 3] = 1;
-    }
-}
-
 static void add_rows(double *restrict sums, const float *const *rows, const int32_t *weight,
                      int32_t taps, int32_t count)
 {
@@ -87,5 +72,5 @@ static void add_columns(ntp__vectors *restrict out, double *restrict total,
 }
 
 extern const ntp__resize_kernels CONCAT(ntp__resize_loops_, NTP_ISA);
-const ntp__resize_kernels CONCAT(ntp__resize_loops_, NTP_ISA) = { place, add_rows, add_pairs,
+const ntp__resize_kernels CONCAT(ntp__resize_loops_, NTP_ISA) = { add_rows, add_pairs,
                                                                   add_columns };

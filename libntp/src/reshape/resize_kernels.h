@@ -7,11 +7,12 @@
 
 #include "texel/kernels.h"
 
+#include <stdbool.h>
+
+enum { NTP__MOST_COLUMNS = 128 /* of the result, at a time */ };
+
 /* A texel is x, y, z and 1 in four adjacent numbers. */
 typedef struct ntp__resize_kernels {
-    /* n texels of numerators from levels; to[] has room for whole lanes. */
-    void (*place)(float *to, const int32_t *r, const int32_t *g, const int32_t *b, int32_t n,
-                  int32_t m, int32_t zzero);
     /* sums = the sum of weight[t] rows[t], of `count` numbers, a multiple of 8, and `taps` rows, a
      * multiple of 2. */
     void (*add_rows)(double *sums, const float *const *rows, const int32_t *weight, int32_t taps,
@@ -24,5 +25,25 @@ typedef struct ntp__resize_kernels {
     void (*add_columns)(ntp__vectors *v, double *total, const double *sums, const int32_t *first,
                         const double *weight, int32_t taps, int32_t n);
 } ntp__resize_kernels;
+
+/* x, y, z and weight of texels of the result. */
+typedef struct ntp__planes {
+    float c[4][NTP__MOST_COLUMNS];
+} ntp__planes;
+
+/* With AVX2.  sums = the sum of scale weight[t] rows[t], of `count` numbers and up to 31 more;
+ * symmetric: so are an even number of weights. */
+void ntp__sum_rows_avx2(float *sums, const float *const *rows, const int32_t *weight, float scale,
+                        int32_t taps, bool symmetric, int32_t count);
+
+/* As add_columns; least[k]: the least number of a plane. */
+void ntp__sum_columns_avx2(ntp__planes *out, float least[4], const float *sums,
+                           const int32_t *first, const float *weight, int32_t taps, int32_t n);
+
+/* Packed pixels of 8 bit of the directions of vectors whose components are off by `error` at most,
+ * and 0 or at least 2^-50.  at[]: those in doubt, such as those that are not a number; returns how
+ * many. */
+int32_t ntp__pack_directions_avx2(uint8_t *d, int32_t *at, const ntp__planes *p, int32_t n,
+                                  float error, bool zzero);
 
 #endif

@@ -5,6 +5,13 @@
  * Each source row of a strip is read once and kept, as floats, until no row of the result needs it.
  * Its levels have 17 bits with their sign, so they are exact.  Sums of rows are doubles, which are
  * exact too (resize.c); sums of columns are doubles as well.
+ *
+ * With AVX2 they are floats where that is exact, as it mostly is for sides of mip levels.  Of 8 bit
+ * they are floats anyway; vectors that these cannot decide are summed in doubles.
+ *
+ * How far such sums are off, where u = 2^-24: a weight and its product are rounded, and so is each
+ * sum of terms.  With k terms for the rows and l for the columns, of which every other one is added
+ * to another sum (resize_avx2.c), that is k + l/2 + 4 times u of the greatest sum there can be.
  */
 #include "base/cpu.h"
 #include "base/rgb_avx2.h"
@@ -18,8 +25,9 @@
 
 enum {
     MOST_TAPS = 32,
-    WIDEST = NTP__BLOCK / 2,              /* texels of the result */
+    WIDEST = NTP__MOST_COLUMNS,
     PADDED = NTP__BLOCK + MOST_TAPS + 16, /* weights of 0 may follow the last column */
+    BEYOND = 32,                          /* numbers that may be read after a row */
     NOWHERE = -(1 << 30)                  /* is no row */
 };
 
@@ -28,8 +36,13 @@ struct ntp__strip {
     int32_t first, columns; /* of the source; they may lie outside */
     int32_t taps_x, rows;
     int32_t at[WIDEST]; /* where the columns of a texel begin */
+    bool in_floats;     /* they are exact */
+    bool packed;        /* rows are made of floats, as packed pixels */
+    int32_t pause;      /* rows for which that is not tried */
     double weight[WIDEST * (MOST_TAPS + 2)];
+    float weight_in_float[WIDEST * (MOST_TAPS + 2)];
     double sums[4 * PADDED];
+    float sums_in_float[4 * PADDED];
     int32_t held[MOST_TAPS + 1]; /* rows, which may lie outside */
     bool negative[MOST_TAPS + 1];
     float row[]; /* 4 PADDED numbers for each */
@@ -54,6 +67,15 @@ static int32_t end_of(const ntp__axis *axis, int32_t x)
     return axis->span[x].first + axis->span[x].count;
 }
 
+static void choose_floats(const ntp__resize_job *j)
+{
+    ntp__strip *s = j->strip;
+    const bool can = ntp__cpu_has_avx2(NTP__CPU_ALL);
+    s->in_floats = can && j->most < 0x1p24;
+    s->packed = can && j->dst->type == NTP_TYPE_U8 && j->dst->pixel_stride == 3;
+    s->pause = 0;
+}
+
 int32_t ntp__strip_begin(const ntp__resize_job *j, int32_t x0, int32_t x1)
 {
     ntp__strip *s = j->strip;
@@ -72,11 +94,16 @@ int32_t ntp__strip_begin(const ntp__resize_job *j, int32_t x0, int32_t x1)
     for (int32_t i = 0; i < s->n; i++) {
         const ntp__span_of_taps span = axis->span[x0 + i];
         s->at[i] = span.first - s->first;
-        for (int32_t t = 0; t < s->taps_x; t++)
-            s->weight[i * s->taps_x + t] =
+        for (int32_t t = 0; t < s->taps_x; t++) {
+            const int32_t k = i * s->taps_x + t;
+            s->weight[k] =
                 t < span.count ? axis->weight[(ptrdiff_t) (x0 + i) * axis->stride + t] : 0;
+            s->weight_in_float[k] = (float) (s->weight[k] * axis->scale);
+        }
     }
+    choose_floats(j);
     memset(s->sums, 0, sizeof s->sums);
+    memset(s->sums_in_float, 0, sizeof s->sums_in_float);
     for (int32_t k = 0; k < s->rows; k++)
         s->held[k] = NOWHERE;
     return end;
@@ -127,14 +154,15 @@ static bool read_run(const ntp__resize_job *j, float *to, int32_t x, int32_t row
     if (place_packed(j, to, &negative, x, row, n))
         return negative;
     ntp__unpack(&block, j->src, x, row, n);
-    for (int32_t k = 0; k < 3; k++) /* whole lanes are read */
-        memset(block.c[k] + n, 0, (size_t) (-n & (NTP__KERNEL_LANES - 1)) * sizeof block.c[k][0]);
-    loops()->place(to, block.c[0], block.c[1], block.c[2], n, j->m, zzero);
-    const bool suspect = ntp__any_suspect(&block, n, j->m);
-    for (int32_t i = 0; i < n; i++) {
-        if (suspect && ntp__texel_unused(&block, i, j->m, j->plan->how.touch_unused))
-            memset(&to[4 * i], 0, 4 * sizeof to[0]);
-        negative = negative || to[4 * i + 2] < 0;
+    for (int32_t i = 0; i < n; i++, to += 4) {
+        const int32_t b = block.c[2][i];
+        to[0] = (float) ntp__num(block.c[0][i], j->m);
+        to[1] = (float) ntp__num(block.c[1][i], j->m);
+        to[2] = (float) (zzero ? b : ntp__num(b, j->m));
+        to[3] = 1;
+        if (ntp__texel_unused(&block, i, j->m, j->plan->how.touch_unused))
+            memset(to, 0, 4 * sizeof to[0]);
+        negative = negative || to[2] < 0;
     }
     return negative;
 }
@@ -158,7 +186,7 @@ static void read_row(const ntp__resize_job *j, float *to, bool *negative, int32_
         *negative = read_run(j, one, ntp__axis_map(axis, x), row, 1) || *negative;
         memcpy(to + 4 * (x - s->first), one, 4 * sizeof one[0]);
     }
-    memset(to + 4 * s->columns, 0, 4 * sizeof to[0]); /* so that it is no NaN */
+    memset(to + 4 * s->columns, 0, BEYOND * sizeof to[0]); /* so that none is a NaN */
 }
 
 /* The rows of row y of the result; whether one of them has a negative z. */
@@ -239,42 +267,193 @@ static bool is_symmetric(const int32_t *weight, int32_t taps)
     return same;
 }
 
-/* What is to be done about a texel whose sums are not plain; returns whether it is inexact. */
-static bool judge_sums(const ntp__resize_job *j, ntp__vectors *v, double total, int32_t i)
+/* What is to be done about vector k, of texel i, whose sums are not plain; returns whether it is
+ * inexact. */
+static bool judge_sums(const ntp__resize_job *j, ntp__vectors *v, double total, int32_t k,
+                       int32_t i)
 {
-    const double x = v->c[0][i], y = v->c[1][i], z = v->c[2][i];
+    const double x = v->c[0][k], y = v->c[1][k], z = v->c[2][k];
     const double error = j->most < 0x1p53 ? -1 : j->most * j->strip->taps_x * 0x1p-52;
     const bool small = x * x + y * y + z * z <= error * error * 0x1p80;
     /* Negative weights of Lanczos can outweigh the others where many texels are unused. */
     if (total <= 0)
-        v->c[0][i] = v->c[1][i] = v->c[2][i] = 0;
+        v->c[0][k] = v->c[1][k] = v->c[2][k] = 0;
     return error > 0 && (total <= error || fabs(z) <= error || small) && !is_empty(j, i);
 }
+
+/* The rows that make one of the result, and their weights. */
+typedef struct sources {
+    const float *rows[MOST_TAPS + 2];
+    int32_t weight[MOST_TAPS + 2];
+    int32_t taps;
+    bool symmetric, negative;
+} sources;
+
+static void find_sources(const ntp__resize_job *j, sources *from, int32_t y)
+{
+    const ntp__axis *axis = &j->plan->y;
+    const int32_t taps = axis->span[y].count;
+    from->negative = get_rows(j, from->rows, y);
+    memcpy(from->weight, axis->weight + (ptrdiff_t) y * axis->stride,
+           (size_t) taps * sizeof from->weight[0]);
+    from->weight[taps] = 0;
+    from->rows[taps] = from->rows[0];
+    from->taps = taps + taps % 2;
+    from->symmetric = is_symmetric(from->weight, taps);
+    fetch_ahead(j, y);
+}
+
+/* Is a negative z of texel i no z of a source?  Only Lanczos has weights below 0. */
+static bool overshot(const ntp__resize_job *j, const sources *from, int32_t i, int32_t y)
+{
+    return j->plan->how.filter == NTP_FILTER_LANCZOS3 &&
+           !(from->negative && any_negative(j, from->rows, i, y));
+}
+
+/* n vectors, of texels at[0].. (NULL: all), and what is to be done about them; returns how many are
+ * inexact. */
+static int32_t judge_vectors(const ntp__resize_job *j, ntp__vectors *v, int32_t *inexact,
+                             const double *total, const sources *from, const int32_t *at, int32_t n,
+                             int32_t y)
+{
+    const bool exact = j->most < 0x1p53;
+    int32_t found = 0;
+    for (int32_t k = 0; k < n; k++) {
+        const double z = v->c[2][k];
+        const int32_t i = at == NULL ? k : at[k];
+        inexact[k] = 0;
+        if (!exact || total[k] <= 0)
+            inexact[k] = judge_sums(j, v, total[k], k, i);
+        if (z < 0 && overshot(j, from, i, y))
+            v->c[2][k] = 0;
+        found += inexact[k];
+    }
+    return found;
+}
+
+#ifdef NTP_HAVE_AVX2
+/* Sums in floats; returns how far a component may be off. */
+static float sum_in_floats(const ntp__resize_job *j, ntp__planes *p, float least[4],
+                           const sources *from)
+{
+    ntp__strip *s = j->strip;
+    const ntp__axis *x = &j->plan->x, *y = &j->plan->y;
+    const double u = 0x1p-24;
+    const int32_t terms = (from->symmetric ? from->taps / 2 : from->taps) + s->taps_x / 2 + 4;
+    ntp__sum_rows_avx2(s->sums_in_float, from->rows, from->weight, (float) y->scale, from->taps,
+                       from->symmetric, 4 * s->columns);
+    ntp__sum_columns_avx2(p, least, s->sums_in_float, s->at, s->weight_in_float, s->taps_x, s->n);
+    return s->in_floats ? 0 : (float) (terms * u * (j->most * x->scale * y->scale));
+}
+
+/* Texels that are made of unused ones, or whose z is negative; makes red of the uncertain a NaN. */
+static void judge_planes(const ntp__resize_job *j, ntp__planes *p, const float least[4],
+                         float error, const sources *from, int32_t y)
+{
+    const bool any_below =
+        least[2] <= error && (error > 0 || j->plan->how.filter == NTP_FILTER_LANCZOS3);
+    if (!any_below && least[3] > error)
+        return;
+    for (int32_t i = 0; i < j->strip->n; i++) {
+        const float z = p->c[2][i];
+        const bool empty = p->c[3][i] <= error;
+        if (error > 0 && (empty || fabsf(z) <= error))
+            p->c[0][i] = NAN;
+        else if (empty)
+            p->c[0][i] = p->c[1][i] = p->c[2][i] = 0;
+        else if (z < 0 && overshot(j, from, i, y))
+            p->c[2][i] = 0;
+    }
+}
+
+/* The sums of some texels in doubles. */
+static void sum_again(const ntp__resize_job *j, ntp__vectors *v, double *total, const sources *from,
+                      const int32_t *at, int32_t n)
+{
+    ntp__strip *s = j->strip;
+    for (int32_t k = 0; k < n; k++) {
+        const int32_t i = at[k], columns = j->plan->x.span[s->x0 + i].count;
+        const float *rows[MOST_TAPS + 2];
+        ntp__vectors one;
+        for (int32_t t = 0; t < from->taps; t++)
+            rows[t] = from->rows[t] + 4 * s->at[i];
+        (from->symmetric ? loops()->add_pairs : loops()->add_rows)(
+            s->sums + 4 * s->at[i], rows, from->weight, from->taps, (4 * columns + 7) / 8 * 8);
+        loops()->add_columns(&one, &total[k], s->sums, &s->at[i], s->weight + i * s->taps_x,
+                             s->taps_x, 1);
+        for (int32_t c = 0; c < 3; c++)
+            v->c[c][k] = one.c[c][0];
+    }
+}
+
+/* Sums in floats, if they are exact. */
+static bool take_floats(const ntp__resize_job *j, ntp__vectors *v, const sources *from, int32_t y)
+{
+    float least[4];
+    ntp__planes p;
+    if (!j->strip->in_floats)
+        return false;
+    sum_in_floats(j, &p, least, from);
+    judge_planes(j, &p, least, 0, from, y);
+    for (int32_t k = 0; k < 3; k++) {
+        for (int32_t i = 0; i < j->strip->n; i++)
+            v->c[k][i] = p.c[k][i];
+    }
+    return true;
+}
+
+int32_t ntp__strip_packed(const ntp__resize_job *j, ntp__vectors *v, int32_t *inexact, int32_t *at,
+                          int32_t y)
+{
+    enum { PAUSE = 8, MANY = 4 };
+    ntp__strip *s = j->strip;
+    double total[NTP__BLOCK];
+    float least[4];
+    ntp__planes p;
+    sources from;
+    if (!s->packed || s->pause-- > 0)
+        return -1;
+    s->pause = 0;
+    find_sources(j, &from, y);
+    const float error = sum_in_floats(j, &p, least, &from);
+    judge_planes(j, &p, least, error, &from, y);
+    const int32_t found = ntp__pack_directions_avx2(ntp__at_mut(j->dst, s->x0, y), at, &p, s->n,
+                                                    error, j->dst->encoding == NTP_ENCODING_ZZERO);
+    if (found > s->n / MANY) {
+        s->pause = PAUSE;
+        return -1;
+    }
+    sum_again(j, v, total, &from, at, found);
+    judge_vectors(j, v, inexact, total, &from, at, found, y);
+    return found;
+}
+#else
+static bool take_floats(const ntp__resize_job *j, ntp__vectors *v, const sources *from, int32_t y)
+{
+    (void) j, (void) v, (void) from, (void) y;
+    return false;
+}
+
+int32_t ntp__strip_packed(const ntp__resize_job *j, ntp__vectors *v, int32_t *inexact, int32_t *at,
+                          int32_t y)
+{
+    (void) j, (void) v, (void) inexact, (void) at, (void) y;
+    return -1;
+}
+#endif
 
 int32_t ntp__strip_vectors(const ntp__resize_job *j, ntp__vectors *v, int32_t *inexact, int32_t y)
 {
     ntp__strip *s = j->strip;
-    const ntp__axis *axis = &j->plan->y;
-    const float *rows[MOST_TAPS + 2];
-    int32_t weight[MOST_TAPS + 2], taps = axis->span[y].count, found = 0;
+    sources from;
     double total[NTP__BLOCK];
-    const bool negative = get_rows(j, rows, y), exact = j->most < 0x1p53;
-    memcpy(weight, axis->weight + (ptrdiff_t) y * axis->stride, (size_t) taps * sizeof weight[0]);
-    weight[taps] = 0;
-    rows[taps] = rows[0];
-    fetch_ahead(j, y);
-    (is_symmetric(weight, taps) ? loops()->add_pairs : loops()->add_rows)(
-        s->sums, rows, weight, taps + taps % 2, (4 * s->columns + 7) / 8 * 8);
-    loops()->add_columns(v, total, s->sums, s->at, s->weight, s->taps_x, s->n);
-    for (int32_t i = 0; i < s->n; i++) {
-        const double z = v->c[2][i];
-        inexact[i] = 0;
-        if (!exact || total[i] <= 0)
-            inexact[i] = judge_sums(j, v, total[i], i);
-        /* Lanczos overshoots. */
-        if (z < 0 && !(negative && any_negative(j, rows, i, y)))
-            v->c[2][i] = 0;
-        found += inexact[i];
+    find_sources(j, &from, y);
+    if (take_floats(j, v, &from, y)) {
+        memset(inexact, 0, (size_t) s->n * sizeof inexact[0]);
+        return 0;
     }
-    return found;
+    (from.symmetric ? loops()->add_pairs : loops()->add_rows)(
+        s->sums, from.rows, from.weight, from.taps, (4 * s->columns + 7) / 8 * 8);
+    loops()->add_columns(v, total, s->sums, s->at, s->weight, s->taps_x, s->n);
+    return judge_vectors(j, v, inexact, total, &from, NULL, s->n, y);
 }

@@ -98,6 +98,31 @@ static void box(ntp__axis *axis, int32_t j, int32_t *weight)
     axis->span[j] = span;
 }
 
+/* Weights mean the same without a common divisor, and sums of small ones are exact in more ways. */
+static void reduce(ntp__axis *axis)
+{
+    int32_t divisor = 0;
+    for (int32_t j = 0; j < axis->dst; j++) {
+        for (int32_t t = 0; t < axis->span[j].count && divisor != 1; t++) {
+            int32_t a = axis->weight[(ptrdiff_t) j * axis->stride + t];
+            a = a < 0 ? -a : a;
+            while (a != 0) {
+                const int32_t rest = divisor % a;
+                divisor = a;
+                a = rest;
+            }
+        }
+    }
+    for (int32_t j = 0; j < axis->dst && divisor > 1; j++) {
+        for (int32_t t = 0; t < axis->span[j].count; t++)
+            axis->weight[(ptrdiff_t) j * axis->stride + t] /= divisor;
+        axis->span[j].total /= divisor;
+    }
+    axis->most /= divisor;
+    for (axis->scale = 1; axis->scale * (double) axis->most > 1;)
+        axis->scale /= 2;
+}
+
 void ntp__axis_init(ntp__axis *axis, ntp_filter filter)
 {
     int64_t src = axis->src, dst = axis->dst, d = 2 * greater(src, dst);
@@ -131,6 +156,7 @@ void ntp__axis_init(ntp__axis *axis, ntp_filter filter)
         axis->most = greater(axis->most, size);
         axis->span[j] = span;
     }
+    reduce(axis);
 }
 
 int32_t ntp__axis_map(const ntp__axis *axis, int32_t i)

@@ -1,0 +1,140 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * resize_avx2.c - sums of rows and columns in floats, and their directions as packed RGB, with AVX2
+ *
+ * Floats are twice as quick as the doubles of resize_kernels.c, and as good where all sums are
+ * integers below 2^24.  Else resize_strip.c says how far a component may be off, in the same units.
+ *
+ * The bound of directions, where u = 2^-24, E that error, and L the length of the vector.  Quotients
+ * x/L are off by (1 + sqrt(3)) E/L at most.  The rest is as in directions_tmpl.h: they are off by
+ * 6.5u of themselves besides.
+ */
+#include "reshape/resize_kernels.h"
+#include "texel/packed_avx2_tmpl.h"
+
+#include <string.h>
+
+enum {
+    AT_ONCE = 32, /* numbers of a row */
+    FOUR = 4,     /* texels */
+    EIGHT = 8
+};
+
+void ntp__sum_rows_avx2(float *sums, const float *const *rows, const int32_t *weight, float scale,
+                        int32_t taps, bool symmetric, int32_t count)
+{
+    const int32_t end = symmetric ? taps / 2 : taps;
+    for (int32_t i = 0; i < count; i += AT_ONCE) {
+        __m256 sum[AT_ONCE / EIGHT];
+        for (int32_t k = 0; k < AT_ONCE / EIGHT; k++)
+            sum[k] = _mm256_setzero_ps();
+        for (int32_t t = 0; t < end; t++) {
+            const __m256 w = _mm256_set1_ps((float) weight[t] * scale);
+            const float *a = rows[t] + i, *b = rows[taps - 1 - t] + i;
+            for (int32_t k = 0; k < AT_ONCE / EIGHT; k++) {
+                __m256 v = _mm256_loadu_ps(a + k * EIGHT);
+                if (symmetric)
+                    v = _mm256_add_ps(v, _mm256_loadu_ps(b + k * EIGHT));
+                sum[k] = _mm256_add_ps(sum[k], _mm256_mul_ps(w, v));
+            }
+        }
+        for (int32_t k = 0; k < AT_ONCE / EIGHT; k++)
+            _mm256_storeu_ps(sums + i + k * EIGHT, sum[k]);
+    }
+}
+
+void ntp__sum_columns_avx2(ntp__planes *out, float least[4], const float *sums,
+                           const int32_t *first, const float *weight, int32_t taps, int32_t n)
+{
+    const __m256i spread = _mm256_setr_epi32(0, 0, 0, 0, 1, 1, 1, 1);
+    __m128 low = _mm_set1_ps(0x1p100F);
+    int32_t i = 0;
+    for (; i < n; i += FOUR) {
+        const float *c[FOUR], *w[FOUR];
+        __m256 sum[FOUR];
+        __m128 v[FOUR];
+        for (int32_t k = 0; k < FOUR; k++) {
+            const int32_t at = i + k < n ? i + k : n - 1;
+            c[k] = sums + 4 * (ptrdiff_t) first[at];
+            w[k] = weight + (ptrdiff_t) taps * at;
+            sum[k] = _mm256_setzero_ps();
+        }
+        for (int32_t t = 0; t < taps; t += 2) {
+            for (int32_t k = 0; k < FOUR; k++) {
+                double two;
+                memcpy(&two, w[k] + t, sizeof two);
+                const __m256 by = _mm256_permutevar8x32_ps(
+                    _mm256_castpd_ps(_mm256_castpd128_pd256(_mm_set_sd(two))), spread);
+                sum[k] = _mm256_add_ps(sum[k], _mm256_mul_ps(by, _mm256_loadu_ps(c[k] + 4 * t)));
+            }
+        }
+        for (int32_t k = 0; k < FOUR; k++) {
+            v[k] = _mm_add_ps(_mm256_castps256_ps128(sum[k]), _mm256_extractf128_ps(sum[k], 1));
+            low = _mm_min_ps(low, v[k]);
+        }
+        _MM_TRANSPOSE4_PS(v[0], v[1], v[2], v[3]);
+        for (int32_t k = 0; k < FOUR; k++)
+            _mm_storeu_ps(out->c[k] + i, v[k]);
+    }
+    for (; i % EIGHT != 0; i++)
+        out->c[0][i] = out->c[1][i] = out->c[2][i] = 0;
+    _mm_storeu_ps(least, low);
+}
+
+/* Levels of v over the length, less that of 0; adds to *doubt, which says where they may be wrong. */
+static inline __m256i rounded(__m256 v, __m256 factor, __m256 error, __m256 *doubt)
+{
+    const __m256 a = _mm256_mul_ps(v, factor), sign = _mm256_set1_ps(-0.0F);
+    const __m256 from =
+        _mm256_sub_ps(a, _mm256_round_ps(a, _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC));
+    const __m256 near =
+        _mm256_add_ps(_mm256_mul_ps(_mm256_andnot_ps(sign, a), _mm256_set1_ps(0x1p-21F)), error);
+    *doubt = _mm256_or_ps(*doubt, _mm256_cmp_ps(_mm256_andnot_ps(sign, from), near, _CMP_NGE_UQ));
+    return _mm256_cvttps_epi32(_mm256_floor_ps(a));
+}
+
+/* Eight texels; *left: bits of those that are in doubt, or too long. */
+static inline texels directions(const ntp__planes *p, int32_t i, __m256 error, bool zzero,
+                                uint32_t *left)
+{
+    const __m256 x = _mm256_loadu_ps(p->c[0] + i), y = _mm256_loadu_ps(p->c[1] + i);
+    const __m256 z = _mm256_loadu_ps(p->c[2] + i);
+    const __m256 square =
+        _mm256_add_ps(_mm256_add_ps(_mm256_mul_ps(x, x), _mm256_mul_ps(y, y)), _mm256_mul_ps(z, z));
+    /* Changes no length but 0. */
+    const __m256 factor = _mm256_div_ps(
+        _mm256_set1_ps(127.5F), _mm256_sqrt_ps(_mm256_max_ps(square, _mm256_set1_ps(0x1p-100F))));
+    __m256 doubt = _mm256_setzero_ps();
+    error = _mm256_mul_ps(error, factor);
+    const __m256i r = rounded(x, factor, error, &doubt), g = rounded(y, factor, error, &doubt);
+    const __m256i zeros = _mm256_set1_epi16(128);
+    texels t;
+    t.rg = _mm256_add_epi16(_mm256_blend_epi16(r, _mm256_slli_epi32(g, 16), 0xaa), zeros);
+    const __m256i e = rest(t.rg, false), b = blue(e, root(e), false, zzero);
+    const __m256i down = _mm256_castps_si256(_mm256_cmp_ps(z, _mm256_setzero_ps(), _CMP_LT_OQ));
+    t.b = zzero ? b : _mm256_xor_si256(b, _mm256_and_si256(down, _mm256_set1_epi32(255)));
+    *left = (uint32_t) _mm256_movemask_ps(_mm256_or_ps(doubt, _mm256_castsi256_ps(e)));
+    return t;
+}
+
+int32_t ntp__pack_directions_avx2(uint8_t *d, int32_t *at, const ntp__planes *p, int32_t n,
+                                  float error, bool zzero)
+{
+    const __m256 off = _mm256_set1_ps(3 * error); /* 1 + sqrt(3), with some room */
+    uint8_t row[3 * NTP__MOST_COLUMNS + 4];
+    int32_t found = 0;
+    for (int32_t i = 0; i < n; i += EIGHT) {
+        uint32_t left;
+        const texels t = directions(p, i, off, zzero, &left);
+        const __m256i v = SHUFFLE(_mm256_or_si256(t.rg, _mm256_slli_epi32(t.b, 8)), 0, 2, 1, 4, 6,
+                                  5, 8, 10, 9, 12, 14, 13, N, N, N, N);
+        store(row + 3 * i, _mm256_castsi256_si128(v));
+        store(row + 3 * i + 12, _mm256_extracti128_si256(v, 1));
+        for (; left != 0; left &= left - 1)
+            at[found++] = i + __builtin_ctz(left);
+    }
+    while (found > 0 && at[found - 1] >= n)
+        found--;
+    memcpy(d, row, (size_t) (3 * n));
+    return found;
+}
