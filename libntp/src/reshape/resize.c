@@ -358,9 +358,13 @@ static void resize_strip_row(const job *j, const ntp_rect *strip, int32_t y)
     if (whole)
         ntp__store_levels(j->dst, &out, strip->x0, y, n);
     for (int32_t i = 0; !whole && i < n; i++) {
-        uint8_t *d = ntp__at_mut(j->dst, strip->x0 + at[i], y);
-        for (int32_t k = 0; k < 3; k++)
-            d[k] = (uint8_t) out.c[k][i];
+        void *d = ntp__at_mut(j->dst, strip->x0 + at[i], y);
+        for (int32_t k = 0; k < 3; k++) {
+            if (j->m > 255)
+                ((uint16_t *) d)[k] = (uint16_t) out.c[k][i];
+            else
+                ((uint8_t *) d)[k] = (uint8_t) out.c[k][i];
+        }
     }
 }
 

@@ -94,47 +94,62 @@ static inline __m256i rounded(__m256 v, __m256 factor, __m256 error, __m256 *dou
 }
 
 /* Eight texels; *left: bits of those that are in doubt, or too long. */
-static inline texels directions(const ntp__planes *p, int32_t i, __m256 error, bool zzero,
-                                uint32_t *left)
+static inline texels directions(const ntp__planes *p, int32_t i, __m256 error, bool deep,
+                                bool zzero, uint32_t *left)
 {
     const __m256 x = _mm256_loadu_ps(p->c[0] + i), y = _mm256_loadu_ps(p->c[1] + i);
     const __m256 z = _mm256_loadu_ps(p->c[2] + i);
     const __m256 square =
         _mm256_add_ps(_mm256_add_ps(_mm256_mul_ps(x, x), _mm256_mul_ps(y, y)), _mm256_mul_ps(z, z));
     /* Changes no length but 0. */
-    const __m256 factor = _mm256_div_ps(
-        _mm256_set1_ps(127.5F), _mm256_sqrt_ps(_mm256_max_ps(square, _mm256_set1_ps(0x1p-100F))));
+    const __m256 factor =
+        _mm256_div_ps(_mm256_set1_ps(deep ? 32767.5F : 127.5F),
+                      _mm256_sqrt_ps(_mm256_max_ps(square, _mm256_set1_ps(0x1p-100F))));
     __m256 doubt = _mm256_setzero_ps();
     error = _mm256_mul_ps(error, factor);
     const __m256i r = rounded(x, factor, error, &doubt), g = rounded(y, factor, error, &doubt);
-    const __m256i zeros = _mm256_set1_epi16(128);
+    const __m256i zeros = _mm256_set1_epi16((short) (deep ? 32768 : 128));
     texels t;
     t.rg = _mm256_add_epi16(_mm256_blend_epi16(r, _mm256_slli_epi32(g, 16), 0xaa), zeros);
-    const __m256i e = rest(t.rg, false), b = blue(e, root(e), false, zzero);
+    const __m256i e = rest(t.rg, deep), b = blue(e, root(e), deep, zzero);
     const __m256i down = _mm256_castps_si256(_mm256_cmp_ps(z, _mm256_setzero_ps(), _CMP_LT_OQ));
-    t.b = zzero ? b : _mm256_xor_si256(b, _mm256_and_si256(down, _mm256_set1_epi32(255)));
+    t.b = zzero
+              ? b
+              : _mm256_xor_si256(b, _mm256_and_si256(down, _mm256_set1_epi32(deep ? 65535 : 255)));
     *left = (uint32_t) _mm256_movemask_ps(_mm256_or_ps(doubt, _mm256_castsi256_ps(e)));
     return t;
 }
 
-int32_t ntp__pack_directions_avx2(uint8_t *d, int32_t *at, const ntp__planes *p, int32_t n,
-                                  float error, bool zzero)
+static inline int32_t pack_directions(uint8_t *row, int32_t *at, const ntp__planes *p, int32_t n,
+                                      float error, bool deep, bool zzero)
 {
     const __m256 off = _mm256_set1_ps(3 * error); /* 1 + sqrt(3), with some room */
-    uint8_t row[3 * NTP__MOST_COLUMNS + 4];
     int32_t found = 0;
     for (int32_t i = 0; i < n; i += EIGHT) {
         uint32_t left;
-        const texels t = directions(p, i, off, zzero, &left);
-        const __m256i v = SHUFFLE(_mm256_or_si256(t.rg, _mm256_slli_epi32(t.b, 8)), 0, 2, 1, 4, 6,
-                                  5, 8, 10, 9, 12, 14, 13, N, N, N, N);
-        store(row + 3 * i, _mm256_castsi256_si128(v));
-        store(row + 3 * i + 12, _mm256_extracti128_si256(v, 1));
+        const texels t = directions(p, i, off, deep, zzero, &left);
+        if (deep) {
+            put16(row + 6 * i, t);
+        } else {
+            const __m256i v = SHUFFLE(_mm256_or_si256(t.rg, _mm256_slli_epi32(t.b, 8)), 0, 2, 1, 4,
+                                      6, 5, 8, 10, 9, 12, 14, 13, N, N, N, N);
+            store(row + 3 * i, _mm256_castsi256_si128(v));
+            store(row + 3 * i + 12, _mm256_extracti128_si256(v, 1));
+        }
         for (; left != 0; left &= left - 1)
             at[found++] = i + __builtin_ctz(left);
     }
+    return found;
+}
+
+int32_t ntp__pack_directions_avx2(void *d, int32_t *at, const ntp__planes *p, int32_t n,
+                                  float error, bool deep, bool zzero)
+{
+    uint8_t row[6 * NTP__MOST_COLUMNS];
+    int32_t found = deep ? pack_directions(row, at, p, n, error, true, zzero)
+                         : pack_directions(row, at, p, n, error, false, zzero);
     while (found > 0 && at[found - 1] >= n)
         found--;
-    memcpy(d, row, (size_t) (3 * n));
+    memcpy(d, row, (size_t) ((deep ? 6 : 3) * n));
     return found;
 }

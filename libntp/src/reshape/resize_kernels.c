@@ -31,6 +31,8 @@ static void add_rows(double *restrict sums, const float *const *rows, const int3
     }
 }
 
+/* Not where it would only make the library greater for processors from before 2013. */
+#if defined(__AVX2__) || !defined(NTP_HAVE_AVX2)
 /* Sums of floats of 18 bits are exact. */
 static void add_pairs(double *restrict sums, const float *const *rows, const int32_t *weight,
                       int32_t taps, int32_t count)
@@ -52,6 +54,10 @@ static void add_pairs(double *restrict sums, const float *const *rows, const int
         }
     }
 }
+
+#else
+#  define add_pairs add_rows
+#endif
 
 static void add_columns(ntp__vectors *restrict out, double *restrict total,
                         const double *restrict sums, const int32_t *restrict first,

@@ -40,10 +40,10 @@ void ntp__sum_rows_avx2(float *sums, const float *const *rows, const int32_t *we
 void ntp__sum_columns_avx2(ntp__planes *out, float least[4], const float *sums,
                            const int32_t *first, const float *weight, int32_t taps, int32_t n);
 
-/* Packed pixels of 8 bit of the directions of vectors whose components are off by `error` at most,
- * and 0 or at least 2^-50.  at[]: those in doubt, such as those that are not a number; returns how
- * many. */
-int32_t ntp__pack_directions_avx2(uint8_t *d, int32_t *at, const ntp__planes *p, int32_t n,
-                                  float error, bool zzero);
+/* Packed pixels, of 8 bit or 16 (deep), of the directions of vectors whose components are off by
+ * `error` at most, and 0 or at least 2^-50.  at[]: those in doubt, such as those that are not a
+ * number; returns how many. */
+int32_t ntp__pack_directions_avx2(void *d, int32_t *at, const ntp__planes *p, int32_t n,
+                                  float error, bool deep, bool zzero);
 
 #endif

@@ -6,8 +6,8 @@
  * Its levels have 17 bits with their sign, so they are exact.  Sums of rows are doubles, which are
  * exact too (resize.c); sums of columns are doubles as well.
  *
- * With AVX2 they are floats where that is exact, as it mostly is for sides of mip levels.  Of 8 bit
- * they are floats anyway; vectors that these cannot decide are summed in doubles.
+ * With AVX2 packed pixels are made of sums in floats where these are exact, as they mostly are for
+ * sides of mip levels.  Those of 8 bit are so anyway; what cannot be decided is summed in doubles.
  *
  * How far such sums are off, where u = 2^-24: a weight and its product are rounded, and so is each
  * sum of terms.  With k terms for the rows and l for the columns, of which every other one is added
@@ -72,7 +72,8 @@ static void choose_floats(const ntp__resize_job *j)
     ntp__strip *s = j->strip;
     const bool can = ntp__cpu_has_avx2(NTP__CPU_ALL);
     s->in_floats = can && j->most < 0x1p24;
-    s->packed = can && j->dst->type == NTP_TYPE_U8 && j->dst->pixel_stride == 3;
+    s->packed = can && j->dst->pixel_stride == 3 * ntp__sample_size(j->dst->type) &&
+                (j->dst->type == NTP_TYPE_U8 || (j->dst->type == NTP_TYPE_U16 && s->in_floats));
     s->pause = 0;
 }
 
@@ -80,7 +81,7 @@ int32_t ntp__strip_begin(const ntp__resize_job *j, int32_t x0, int32_t x1)
 {
     ntp__strip *s = j->strip;
     const ntp__axis *axis = &j->plan->x;
-    int32_t end = x0;
+    int32_t end = x0, k = 0;
     s->taps_x = 0;
     for (; end < x1 && end - x0 < WIDEST && end_of(axis, end) - axis->span[x0].first <= NTP__BLOCK;
          end++)
@@ -93,19 +94,18 @@ int32_t ntp__strip_begin(const ntp__resize_job *j, int32_t x0, int32_t x1)
     s->rows = j->plan->y.stride;
     for (int32_t i = 0; i < s->n; i++) {
         const ntp__span_of_taps span = axis->span[x0 + i];
+        const int32_t *from = axis->weight + (ptrdiff_t) (x0 + i) * axis->stride;
         s->at[i] = span.first - s->first;
-        for (int32_t t = 0; t < s->taps_x; t++) {
-            const int32_t k = i * s->taps_x + t;
-            s->weight[k] =
-                t < span.count ? axis->weight[(ptrdiff_t) (x0 + i) * axis->stride + t] : 0;
+        for (int32_t t = 0; t < s->taps_x; t++, k++) {
+            s->weight[k] = t < span.count ? *from++ : 0;
             s->weight_in_float[k] = (float) (s->weight[k] * axis->scale);
         }
     }
     choose_floats(j);
     memset(s->sums, 0, sizeof s->sums);
     memset(s->sums_in_float, 0, sizeof s->sums_in_float);
-    for (int32_t k = 0; k < s->rows; k++)
-        s->held[k] = NOWHERE;
+    for (int32_t i = 0; i < s->rows; i++)
+        s->held[i] = NOWHERE;
     return end;
 }
 
@@ -154,13 +154,14 @@ static bool read_run(const ntp__resize_job *j, float *to, int32_t x, int32_t row
     if (place_packed(j, to, &negative, x, row, n))
         return negative;
     ntp__unpack(&block, j->src, x, row, n);
+    const bool suspect = ntp__any_suspect(&block, n, j->m);
     for (int32_t i = 0; i < n; i++, to += 4) {
         const int32_t b = block.c[2][i];
         to[0] = (float) ntp__num(block.c[0][i], j->m);
         to[1] = (float) ntp__num(block.c[1][i], j->m);
         to[2] = (float) (zzero ? b : ntp__num(b, j->m));
         to[3] = 1;
-        if (ntp__texel_unused(&block, i, j->m, j->plan->how.touch_unused))
+        if (suspect && ntp__texel_unused(&block, i, j->m, j->plan->how.touch_unused))
             memset(to, 0, 4 * sizeof to[0]);
         negative = negative || to[2] < 0;
     }
@@ -386,22 +387,6 @@ static void sum_again(const ntp__resize_job *j, ntp__vectors *v, double *total, 
     }
 }
 
-/* Sums in floats, if they are exact. */
-static bool take_floats(const ntp__resize_job *j, ntp__vectors *v, const sources *from, int32_t y)
-{
-    float least[4];
-    ntp__planes p;
-    if (!j->strip->in_floats)
-        return false;
-    sum_in_floats(j, &p, least, from);
-    judge_planes(j, &p, least, 0, from, y);
-    for (int32_t k = 0; k < 3; k++) {
-        for (int32_t i = 0; i < j->strip->n; i++)
-            v->c[k][i] = p.c[k][i];
-    }
-    return true;
-}
-
 int32_t ntp__strip_packed(const ntp__resize_job *j, ntp__vectors *v, int32_t *inexact, int32_t *at,
                           int32_t y)
 {
@@ -417,8 +402,9 @@ int32_t ntp__strip_packed(const ntp__resize_job *j, ntp__vectors *v, int32_t *in
     find_sources(j, &from, y);
     const float error = sum_in_floats(j, &p, least, &from);
     judge_planes(j, &p, least, error, &from, y);
-    const int32_t found = ntp__pack_directions_avx2(ntp__at_mut(j->dst, s->x0, y), at, &p, s->n,
-                                                    error, j->dst->encoding == NTP_ENCODING_ZZERO);
+    const int32_t found =
+        ntp__pack_directions_avx2(ntp__at_mut(j->dst, s->x0, y), at, &p, s->n, error, j->m > 255,
+                                  j->dst->encoding == NTP_ENCODING_ZZERO);
     if (found > s->n / MANY) {
         s->pause = PAUSE;
         return -1;
@@ -428,12 +414,6 @@ int32_t ntp__strip_packed(const ntp__resize_job *j, ntp__vectors *v, int32_t *in
     return found;
 }
 #else
-static bool take_floats(const ntp__resize_job *j, ntp__vectors *v, const sources *from, int32_t y)
-{
-    (void) j, (void) v, (void) from, (void) y;
-    return false;
-}
-
 int32_t ntp__strip_packed(const ntp__resize_job *j, ntp__vectors *v, int32_t *inexact, int32_t *at,
                           int32_t y)
 {
@@ -448,10 +428,6 @@ int32_t ntp__strip_vectors(const ntp__resize_job *j, ntp__vectors *v, int32_t *i
     sources from;
     double total[NTP__BLOCK];
     find_sources(j, &from, y);
-    if (take_floats(j, v, &from, y)) {
-        memset(inexact, 0, (size_t) s->n * sizeof inexact[0]);
-        return 0;
-    }
     (from.symmetric ? loops()->add_pairs : loops()->add_rows)(
         s->sums, from.rows, from.weight, from.taps, (4 * s->columns + 7) / 8 * 8);
     loops()->add_columns(v, total, s->sums, s->at, s->weight, s->taps_x, s->n);
