@@ -16,8 +16,6 @@
 
 #include "texel/packed_avx2_tmpl.h"
 
-#include <string.h>
-
 enum { HALF = 8, STEP = 16 /* texels */ };
 enum { UNIT_BITS = 15, UNITS = 1 << UNIT_BITS, ERROR_BITS = 6 };
 
@@ -116,14 +114,10 @@ int32_t ntp__encode_avx2(uint8_t *d, int32_t *at, const void *const sums[2], boo
                          const ntp__encode *e, bool deep)
 {
     const constants c = constants_of(e, deep);
-    const int32_t size = deep ? 6 : 3;
-    uint8_t few[6 * STEP];
     int32_t found = 0;
     planes p;
     prepare(&p, sums, ints, n, &c);
     for (int32_t i = 0; i < n; i += STEP) {
-        const int32_t some = n - i < STEP ? n - i : STEP;
-        uint8_t *to = some < STEP ? few : d + (ptrdiff_t) size * i;
         uint32_t bits[2];
         texels t[2];
         for (int32_t k = 0; k < 2; k++) {
@@ -131,17 +125,8 @@ int32_t ntp__encode_avx2(uint8_t *d, int32_t *at, const void *const sums[2], boo
             t[k] = encoded(_mm256_loadu_ps(p.x + from), _mm256_loadu_ps(p.y + from),
                            _mm256_loadu_ps(p.factor + from), &c, &bits[k]);
         }
-        if (deep) {
-            put16(to, t[0]);
-            put16(to + (ptrdiff_t) size * HALF, t[1]);
-        } else {
-            put8(to, t[0], t[1]);
-        }
-        if (to == few)
-            memcpy(d + (ptrdiff_t) size * i, few, (size_t) size * (size_t) some);
-        uint32_t left = (bits[0] | bits[1] << HALF) & ((1U << some) - 1);
-        for (; left != 0; left &= left - 1)
-            at[found++] = i + __builtin_ctz(left);
+        put_step(d, i, n, t, deep);
+        found += add_places(at + found, i, n, bits);
     }
     return found;
 }

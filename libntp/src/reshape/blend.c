@@ -16,6 +16,7 @@
  */
 #include "base/cpu.h"
 #include "reshape/blend_kernels.h"
+#include "reshape/mix_avx2.h"
 #include "texel/direction.h"
 #include "texel/unused.h"
 #include "texel/level.h"
@@ -31,6 +32,9 @@ typedef struct job {
     int32_t mb, md; /* M of base and detail */
     bool flip;      /* the y of base and detail differ */
     bool fades;     /* alpha fades the detail */
+    bool exact;     /* whole numbers below 2^53 need no doubt */
+    bool packed;    /* all may go the way of packed RGB */
+    ntp__mixture mixture;
 } job;
 
 static void reoriented(ntp__i128 out[3], const int32_t b[3], const ntp__i128 d[3], int32_t mb)
@@ -136,25 +140,28 @@ static void blend_texel(const job *j, ntp__block *out, const ntp__block *base,
 
 extern const ntp__blend_kernels ntp__blend_loops_base, ntp__blend_loops_avx2;
 
+static ntp__mixture mixture_of(const job *j)
+{
+    const double strength = ntp__strength_value(&j->strength);
+    const bool linear = j->how.mode == NTP_BLEND_LINEAR,
+               whiteout = j->how.mode == NTP_BLEND_WHITEOUT;
+    return (ntp__mixture) { .strength = strength,
+                            .turn = j->flip ? -strength : strength,
+                            .mb = j->mb,
+                            .md = j->md,
+                            .by_alpha = j->fades,
+                            .opaque = !j->fades,
+                            .most = j->fades ? j->md : 1,
+                            .filled = linear ? 0 : j->md,
+                            .base_z = !whiteout,
+                            .detail_z = linear,
+                            .product = whiteout };
+}
+
 /* The vectors of the mode in doubles.  Beyond n, base, detail and alpha become 0. */
 static void estimate(const job *j, ntp__vectors *out, double *size, ntp__vectors *base,
                      ntp__vectors *detail, int32_t *alpha, int32_t n)
 {
-    const double strength =
-        (double) j->strength.numerator / (double) ((uint64_t) 1 << j->strength.shift);
-    const ntp_blend_mode mode = j->how.mode;
-    const bool linear = mode == NTP_BLEND_LINEAR, whiteout = mode == NTP_BLEND_WHITEOUT;
-    const ntp__mixture how = { .strength = strength,
-                               .turn = j->flip ? -strength : strength,
-                               .mb = j->mb,
-                               .md = j->md,
-                               .by_alpha = j->fades,
-                               .opaque = !j->fades,
-                               .most = j->fades ? j->md : 1,
-                               .filled = linear ? 0 : j->md,
-                               .base_z = !whiteout,
-                               .detail_z = linear,
-                               .product = whiteout };
     const ntp__blend_kernels *loops =
         NTP__CPU_PICK(NTP__CPU_ALL, ntp__blend_loops_base, ntp__blend_loops_avx2);
     const int32_t filled = (n + NTP__KERNEL_LANES - 1) / NTP__KERNEL_LANES * NTP__KERNEL_LANES;
@@ -164,8 +171,8 @@ static void estimate(const job *j, ntp__vectors *out, double *size, ntp__vectors
         memset(detail->c[k] + n, 0, beyond * sizeof detail->c[k][0]);
     }
     memset(alpha + n, 0, beyond * sizeof alpha[0]);
-    ntp__mix_fn *mix = mode == NTP_BLEND_RNM ? loops->reoriented : loops->others;
-    mix(out, size, base, detail, alpha, filled, &how);
+    ntp__mix_fn *mix = j->how.mode == NTP_BLEND_RNM ? loops->reoriented : loops->others;
+    mix(out, size, base, detail, alpha, filled, &j->mixture);
 }
 
 /* Doubts vectors whose terms nearly cancel each other, and a z whose sign is not sure. */
@@ -179,45 +186,97 @@ static void doubt_small(int32_t *doubt, const ntp__vectors *v, const double *siz
     }
 }
 
-static void blend_run(const job *j, int32_t x, int32_t y, int32_t n)
+static bool keeps(const job *j, const ntp__block *base, const ntp__block *detail, int32_t i)
 {
-    ntp__block base, detail, out;
+    return ntp__texel_unused(base, i, j->mb, j->how.touch_unused) ||
+           ntp__texel_unused(detail, i, j->md, j->how.touch_unused);
+}
+
+/* The levels of n texels; the planes change beyond n. */
+static void blend_block(const job *j, ntp__block *out, const ntp__block *base, ntp__block *detail,
+                        int32_t n)
+{
     ntp__vectors b, d, v;
     double size[NTP__BLOCK];
     int32_t doubt[NTP__BLOCK];
-    const uint32_t touch = j->how.touch_unused;
-    const bool floats = j->base->type == NTP_TYPE_F32;
-    /* Whole numbers below 2^53 need no doubt. */
-    const bool exact = !j->fades && j->strength.shift == 0 &&
-                       (j->strength.numerator == 1 || j->strength.numerator == -1);
-    ntp__unpack(&base, j->base, x, y, n);
-    unpack_detail(j, &detail, x, y, n);
-    ntp__block_vectors(&b, &base, n, j->mb, j->base->encoding);
-    ntp__block_vectors(&d, &detail, n, j->md, j->detail->encoding);
-    estimate(j, &v, size, &b, &d, detail.c[3], n);
+    ntp__block_vectors(&b, base, n, j->mb, j->base->encoding);
+    ntp__block_vectors(&d, detail, n, j->md, j->detail->encoding);
+    estimate(j, &v, size, &b, &d, detail->c[3], n);
     for (int32_t k = 2; k < 4; k++) {
         for (int32_t i = 0; i < n; i++)
-            out.c[k][i] = base.c[k][i];
+            out->c[k][i] = base->c[k][i];
     }
-    bool any = ntp__block_directions(&out, doubt, &v, n, j->mb, j->base->encoding, exact);
-    if (!exact)
+    bool any = ntp__block_directions(out, doubt, &v, n, j->mb, j->base->encoding, j->exact);
+    if (!j->exact)
         doubt_small(doubt, &v, size, n);
-    const bool suspect = ntp__any_suspect(&base, n, j->mb) || ntp__any_suspect(&detail, n, j->md);
-    any = any || suspect || !exact || floats;
+    const bool suspect = ntp__any_suspect(base, n, j->mb) || ntp__any_suspect(detail, n, j->md);
+    any = any || suspect || !j->exact;
     for (int32_t i = 0; any && i < n; i++) {
-        const bool keep = suspect && (ntp__texel_unused(&base, i, j->mb, touch) ||
-                                      ntp__texel_unused(&detail, i, j->md, touch));
+        const bool keep = suspect && keeps(j, base, detail, i);
         for (int32_t k = 0; keep && k < 3; k++)
-            out.c[k][i] = base.c[k][i];
+            out->c[k][i] = base->c[k][i];
         if (!keep && doubt[i])
-            blend_texel(j, &out, &base, &detail, i);
-        if (floats)
-            copy_samples(j, x + i, y, keep);
-        if (floats && !keep)
+            blend_texel(j, out, base, detail, i);
+    }
+}
+
+/* With AVX2: packed RGB of one depth; false: there is another way only. */
+static bool blend_packed(const job *j, int32_t x, int32_t y, int32_t n)
+{
+#ifdef NTP_HAVE_AVX2
+    const bool deep = j->base->type == NTP_TYPE_U16;
+    const int32_t size = deep ? 6 : 3;
+    ntp__mix_run base, detail;
+    int32_t at[NTP__BLOCK];
+    void *d = ntp__at_mut(j->dst, x, y);
+    if (!j->packed)
+        return false;
+    memcpy(base.c, ntp__at(j->base, x, y), (size_t) (n * size)); /* dst may be base */
+    for (int32_t done = 0; done < n;) {
+        const int32_t width = j->detail->width, column = (x + done) % width;
+        const int32_t run = width - column < n - done ? width - column : n - done;
+        memcpy((uint8_t *) detail.c + done * size,
+               ntp__at(j->detail, column, y % j->detail->height), (size_t) (run * size));
+        done += run;
+    }
+    const int32_t found = ntp__blend_rgb_avx2(d, at, &base, &detail, n, &j->mixture,
+                                              j->how.mode == NTP_BLEND_RNM, j->exact, deep);
+    if (found > 0) {
+        ntp__block from, other, out;
+        ntp__take_places(&from, &base, at, found, deep);
+        ntp__take_places(&other, &detail, at, found, deep);
+        blend_block(j, &out, &from, &other, found);
+        ntp__put_places(d, &out, at, found, deep);
+    }
+    return true;
+#else
+    (void) j, (void) x, (void) y, (void) n;
+    return false;
+#endif
+}
+
+static bool is_packed_rgb(const ntp_const_image *v, ntp_type type)
+{
+    return v->type == type && v->type != NTP_TYPE_F32 && v->channels == 3 &&
+           v->encoding == NTP_ENCODING_STANDARD && ntp__is_packed(v);
+}
+
+static void blend_run(const job *j, int32_t x, int32_t y, int32_t n)
+{
+    ntp__block base, detail, out;
+    ntp__unpack(&base, j->base, x, y, n);
+    unpack_detail(j, &detail, x, y, n);
+    blend_block(j, &out, &base, &detail, n);
+    if (j->base->type != NTP_TYPE_F32) {
+        ntp__pack(j->dst, &out, x, y, n, j->dst->channels);
+        return;
+    }
+    for (int32_t i = 0; i < n; i++) {
+        const bool keep = keeps(j, &base, &detail, i);
+        copy_samples(j, x + i, y, keep);
+        if (!keep)
             store_texel(j, x, y, &out, i);
     }
-    if (!floats)
-        ntp__pack(j->dst, &out, x, y, n, j->dst->channels);
 }
 
 ntp_status ntp_blend(const ntp_image *dst, const ntp_const_image *base,
@@ -250,11 +309,20 @@ ntp_status ntp_blend(const ntp_image *dst, const ntp_const_image *base,
         !ntp__strength_of(&j.strength, j.how.use_strength ? j.how.strength : 1.0))
         return NTP_ERR_ARGUMENT;
     j.fades = j.how.detail_alpha != 0 && detail->channels == 4;
+    j.exact = !j.fades && j.strength.shift == 0 &&
+              (j.strength.numerator == 1 || j.strength.numerator == -1);
+    j.mixture = mixture_of(&j);
+    j.packed = is_packed_rgb(base, base->type) && is_packed_rgb(detail, base->type) &&
+               is_packed_rgb(&target, base->type) && fabs(j.mixture.strength) <= NTP__MOST_MIXED &&
+               ntp__cpu_has_avx2(NTP__CPU_ALL);
     ntp_rect rect;
     NTP__TRY(ntp__check_area(&rect, base, area));
     for (int32_t y = rect.y0; y < rect.y1; y++) {
-        for (int32_t x = rect.x0; x < rect.x1; x += NTP__BLOCK)
-            blend_run(&j, x, y, rect.x1 - x < NTP__BLOCK ? rect.x1 - x : NTP__BLOCK);
+        for (int32_t x = rect.x0; x < rect.x1; x += NTP__BLOCK) {
+            const int32_t n = rect.x1 - x < NTP__BLOCK ? rect.x1 - x : NTP__BLOCK;
+            if (!blend_packed(&j, x, y, n))
+                blend_run(&j, x, y, n);
+        }
     }
     return NTP_OK;
 }

@@ -9,6 +9,7 @@
  */
 #include "base/cpu.h"
 #include "base/rgb_avx2.h"
+#include "reshape/mix_avx2.h"
 #include "reshape/rotate.h"
 #include "texel/unused.h"
 #include "texel/level.h"
@@ -110,8 +111,7 @@ static void strengthen_texel(const job *j, ntp__block *block, int32_t i)
 /* The vectors of a block, turned and stronger. */
 static void stronger_vectors(const job *j, ntp__vectors *v, const ntp__block *block, int32_t n)
 {
-    const double factor =
-        (double) j->strength.numerator / (double) ((uint64_t) 1 << j->strength.shift);
+    const double factor = ntp__strength_value(&j->strength);
     const double by_r = j->mirror_r ? -factor : factor, by_g = j->mirror_g ? -factor : factor;
     if (j->src.encoding != NTP_ENCODING_XY) {
         ntp__kernels(NTP__CPU_ALL)
@@ -231,10 +231,40 @@ static bool turn_packed(const job *j, int32_t x, int32_t y, int32_t n)
     return false;
 }
 
+/* The same of packed RGB that is made stronger. */
+static bool strengthen_packed(const job *j, int32_t x, int32_t y, int32_t n)
+{
+#ifdef NTP_HAVE_AVX2
+    const double strength = ntp__strength_value(&j->strength);
+    const ntp__boost how = { strength, j->swap, j->mirror_r, j->mirror_g };
+    const bool deep = j->src.type == NTP_TYPE_U16;
+    if (j->stronger && j->src.channels == 3 && j->src.type != NTP_TYPE_F32 &&
+        j->src.encoding == NTP_ENCODING_STANDARD && ntp__is_packed(&j->src) &&
+        j->dst->pixel_stride == j->src.pixel_stride && strength >= 0x1p-10 && strength <= 0x1p10 &&
+        ntp__cpu_has_avx2(NTP__CPU_ALL)) {
+        void *d = ntp__at_mut(j->dst, x, y);
+        int32_t at[NTP__BLOCK];
+        ntp__mix_run s;
+        memcpy(s.c, ntp__at(&j->src, x, y), (size_t) (n * j->src.pixel_stride));
+        const int32_t found = ntp__strengthen_rgb_avx2(d, at, &s, n, &how, deep);
+        if (found > 0) {
+            ntp__block block;
+            ntp__take_places(&block, &s, at, found, deep);
+            strengthen(j, &block, found);
+            ntp__put_places(d, &block, at, found, deep);
+        }
+        return true;
+    }
+#else
+    (void) j, (void) x, (void) y, (void) n;
+#endif
+    return false;
+}
+
 static void transform_run(const job *j, int32_t x, int32_t y, int32_t n)
 {
     ntp__block block;
-    if (turn_packed(j, x, y, n))
+    if (turn_packed(j, x, y, n) || strengthen_packed(j, x, y, n))
         return;
     ntp__unpack(&block, &j->src, x, y, n);
     bool floats = j->src.type == NTP_TYPE_F32;

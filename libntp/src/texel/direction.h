@@ -65,4 +65,9 @@ typedef struct ntp__strength {
 
 bool ntp__strength_of(ntp__strength *out, double strength);
 
+static inline double ntp__strength_value(const ntp__strength *s)
+{
+    return (double) s->numerator / (double) ((uint64_t) 1 << s->shift);
+}
+
 #endif

@@ -10,7 +10,9 @@
 
 #include <immintrin.h>
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
+#include <string.h>
 
 /* The shuffle of both halves; N: a byte that becomes 0. */
 #define N -1
@@ -81,6 +83,32 @@ static inline void put8(uint8_t *d, texels t, texels u)
     store(d, _mm_or_si128(v0, _mm_slli_si128(v1, 12)));
     store(d + 16, _mm_or_si128(_mm_srli_si128(v1, 4), _mm_slli_si128(w0, 8)));
     store(d + 32, _mm_or_si128(_mm_srli_si128(w0, 8), _mm_slli_si128(w1, 4)));
+}
+
+/* Texels i to i + 15 of the n of a row, not a byte beyond these. */
+static inline void put_step(uint8_t *d, int32_t i, int32_t n, const texels t[2], bool deep)
+{
+    const ptrdiff_t size = deep ? 6 : 3;
+    uint8_t few[6 * 16], *to = n - i < 16 ? few : d + size * i;
+    if (deep) {
+        put16(to, t[0]);
+        put16(to + size * 8, t[1]);
+    } else {
+        put8(to, t[0], t[1]);
+    }
+    if (to == few)
+        memcpy(d + size * i, few, (size_t) (size * (n - i)));
+}
+
+/* Adds the places of those of the texels i to i + 15 that have their bit; returns how many. */
+static inline int32_t add_places(int32_t *at, int32_t i, int32_t n, const uint32_t bits[2])
+{
+    uint32_t left = bits[0] | bits[1] << 8;
+    int32_t found = 0;
+    left &= n - i < 16 ? (1U << (n - i)) - 1 : left;
+    for (; left != 0; left &= left - 1)
+        at[found++] = i + __builtin_ctz(left);
+    return found;
 }
 
 /* a(a + 1) + c(c + 1) of pairs, less the level of 0. */
