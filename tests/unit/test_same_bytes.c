@@ -238,6 +238,17 @@ static void weaken_and_turn(const ntp_image *dst, const ntp_const_image *src)
     CHECK(ntp_transform(dst, src, &how, NULL) == NTP_OK);
 }
 
+/* As a column of the source, stronger. */
+static void turn_strongly(const ntp_image *dst, const ntp_const_image *src)
+{
+    const ntp_transform_options how = { .quarter_turns = 1, .use_strength = 1, .strength = 3.1 };
+    ntp_const_image column = *src;
+    column.width = 1;
+    column.height = src->width;
+    column.row_stride = src->pixel_stride;
+    CHECK(ntp_transform(dst, &column, &how, NULL) == NTP_OK);
+}
+
 static void mirror(const ntp_image *dst, const ntp_const_image *src)
 {
     const ntp_transform_options how = { .flip_y = 1 };
@@ -265,6 +276,14 @@ static void blend(const ntp_image *dst, const ntp_const_image *src, ntp_blend_mo
     ntp_const_image detail = *src; /* repeats */
     detail.width = (src->width + 2) / 3;
     CHECK(ntp_blend(dst, src, &detail, &how, NULL) == NTP_OK);
+    if (src->pixel_stride != dst->pixel_stride)
+        return;
+    /* In place, with the other y, and another touch of unused texels */
+    const ntp_const_image base = ntp_image_as_const(dst);
+    const ntp_blend_options touch = { .mode = mode, .touch_unused = NTP_UNUSED_BLACK };
+    detail.y = src->y == NTP_Y_UP ? NTP_Y_DOWN : NTP_Y_UP;
+    detail.width = 1 + src->width / 2;
+    CHECK(ntp_blend(dst, &base, &detail, &touch, NULL) == NTP_OK);
 }
 
 static void reorient(const ntp_image *dst, const ntp_const_image *src)
@@ -275,6 +294,16 @@ static void reorient(const ntp_image *dst, const ntp_const_image *src)
 static void reorient_strongly(const ntp_image *dst, const ntp_const_image *src)
 {
     blend(dst, src, NTP_BLEND_RNM, 2.3);
+}
+
+static void reorient_turned(const ntp_image *dst, const ntp_const_image *src)
+{
+    blend(dst, src, NTP_BLEND_RNM, -1);
+}
+
+static void linear_strongly(const ntp_image *dst, const ntp_const_image *src)
+{
+    blend(dst, src, NTP_BLEND_LINEAR, 63.5);
 }
 
 static void whiteout(const ntp_image *dst, const ntp_const_image *src)
@@ -321,11 +350,12 @@ static void grow(const ntp_image *dst, const ntp_const_image *src)
     resize(dst, src, 1, src->width < 9 ? src->width : 9, NTP_FILTER_TRIANGLE);
 }
 
-static change_fn *const CHANGE[] = { strengthen, weaken_and_turn, turn,
-                                     reorient,   whiteout,        reorient_strongly,
-                                     udn,        linear,          shrink,
-                                     grow,       mirror };
-enum { CHANGES = 11 };
+static change_fn *const CHANGE[] = {
+    strengthen,        weaken_and_turn, turn,     turn_strongly, reorient,
+    reorient_strongly, reorient_turned, whiteout, udn,           linear,
+    linear_strongly,   shrink,          grow,     mirror
+};
+enum { CHANGES = 14 };
 
 /* Changes of a row, into rows that end where plain and other do. */
 static void compare_changes(const ntp_const_image *src, uint8_t *plain, uint8_t *other)
@@ -365,6 +395,8 @@ static void all_triplets(void)
             compare_conversions(&view, (uint8_t *) out[1], (uint8_t *) (out[1] + ROW), false);
             compare_pictures(&view, PAINT, PAINTS_OF_ALL, (uint8_t *) out[1],
                              (uint8_t *) (out[1] + ROW));
+            if (row % 128 == 77 && e == NTP_ENCODING_STANDARD)
+                compare_changes(&view, (uint8_t *) out[1], (uint8_t *) (out[1] + ROW));
         }
     }
 }

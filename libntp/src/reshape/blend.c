@@ -33,7 +33,6 @@ typedef struct job {
     bool flip;      /* the y of base and detail differ */
     bool fades;     /* alpha fades the detail */
     bool exact;     /* whole numbers below 2^53 need no doubt */
-    bool packed;    /* all may go the way of packed RGB */
     ntp__mixture mixture;
 } job;
 
@@ -202,10 +201,8 @@ static void blend_block(const job *j, ntp__block *out, const ntp__block *base, n
     ntp__block_vectors(&b, base, n, j->mb, j->base->encoding);
     ntp__block_vectors(&d, detail, n, j->md, j->detail->encoding);
     estimate(j, &v, size, &b, &d, detail->c[3], n);
-    for (int32_t k = 2; k < 4; k++) {
-        for (int32_t i = 0; i < n; i++)
-            out->c[k][i] = base->c[k][i];
-    }
+    for (int32_t k = 2; k < 4; k++)
+        memcpy(out->c[k], base->c[k], (size_t) n * sizeof out->c[k][0]);
     bool any = ntp__block_directions(out, doubt, &v, n, j->mb, j->base->encoding, j->exact);
     if (!j->exact)
         doubt_small(doubt, &v, size, n);
@@ -218,47 +215,6 @@ static void blend_block(const job *j, ntp__block *out, const ntp__block *base, n
         if (!keep && doubt[i])
             blend_texel(j, out, base, detail, i);
     }
-}
-
-/* With AVX2: packed RGB of one depth; false: there is another way only. */
-static bool blend_packed(const job *j, int32_t x, int32_t y, int32_t n)
-{
-#ifdef NTP_HAVE_AVX2
-    const bool deep = j->base->type == NTP_TYPE_U16;
-    const int32_t size = deep ? 6 : 3;
-    ntp__mix_run base, detail;
-    int32_t at[NTP__BLOCK];
-    void *d = ntp__at_mut(j->dst, x, y);
-    if (!j->packed)
-        return false;
-    memcpy(base.c, ntp__at(j->base, x, y), (size_t) (n * size)); /* dst may be base */
-    for (int32_t done = 0; done < n;) {
-        const int32_t width = j->detail->width, column = (x + done) % width;
-        const int32_t run = width - column < n - done ? width - column : n - done;
-        memcpy((uint8_t *) detail.c + done * size,
-               ntp__at(j->detail, column, y % j->detail->height), (size_t) (run * size));
-        done += run;
-    }
-    const int32_t found = ntp__blend_rgb_avx2(d, at, &base, &detail, n, &j->mixture,
-                                              j->how.mode == NTP_BLEND_RNM, j->exact, deep);
-    if (found > 0) {
-        ntp__block from, other, out;
-        ntp__take_places(&from, &base, at, found, deep);
-        ntp__take_places(&other, &detail, at, found, deep);
-        blend_block(j, &out, &from, &other, found);
-        ntp__put_places(d, &out, at, found, deep);
-    }
-    return true;
-#else
-    (void) j, (void) x, (void) y, (void) n;
-    return false;
-#endif
-}
-
-static bool is_packed_rgb(const ntp_const_image *v, ntp_type type)
-{
-    return v->type == type && v->type != NTP_TYPE_F32 && v->channels == 3 &&
-           v->encoding == NTP_ENCODING_STANDARD && ntp__is_packed(v);
 }
 
 static void blend_run(const job *j, int32_t x, int32_t y, int32_t n)
@@ -278,6 +234,37 @@ static void blend_run(const job *j, int32_t x, int32_t y, int32_t n)
             store_texel(j, x, y, &out, i);
     }
 }
+
+#ifdef NTP_HAVE_AVX2
+static void blend_left(const void *job_, ntp__block *base, ntp__block *detail, int32_t n)
+{
+    ntp__block out;
+    blend_block(job_, &out, base, detail, n);
+    for (int32_t k = 0; k < 3; k++)
+        memcpy(base->c[k], out.c[k], (size_t) n * sizeof base->c[k][0]);
+}
+
+/* With AVX2: packed RGB of one depth; false: there is another way only. */
+static bool blend_packed(const job *j, const ntp_rect *r)
+{
+    const ntp_const_image target = ntp_image_as_const(j->dst);
+    const ntp__mixing how = { .dst = j->dst,
+                              .base = j->base,
+                              .detail = j->detail,
+                              .how = &j->mixture,
+                              .reoriented = j->how.mode == NTP_BLEND_RNM,
+                              .exact = j->exact,
+                              .settle = blend_left,
+                              .job = j };
+    if (!ntp__can_mix(j->base) || !ntp__can_mix(j->detail) || !ntp__can_mix(&target) ||
+        j->mb != j->md || !(fabs(j->mixture.strength) <= NTP__MOST_MIXED) ||
+        !ntp__cpu_has_avx2(NTP__CPU_ALL))
+        return false;
+    for (int32_t y = r->y0; y < r->y1; y++)
+        ntp__mix_row_avx2(&how, r->x0, r->x1, y);
+    return true;
+}
+#endif
 
 ntp_status ntp_blend(const ntp_image *dst, const ntp_const_image *base,
                      const ntp_const_image *detail, const ntp_blend_options *how,
@@ -312,17 +299,15 @@ ntp_status ntp_blend(const ntp_image *dst, const ntp_const_image *base,
     j.exact = !j.fades && j.strength.shift == 0 &&
               (j.strength.numerator == 1 || j.strength.numerator == -1);
     j.mixture = mixture_of(&j);
-    j.packed = is_packed_rgb(base, base->type) && is_packed_rgb(detail, base->type) &&
-               is_packed_rgb(&target, base->type) && fabs(j.mixture.strength) <= NTP__MOST_MIXED &&
-               ntp__cpu_has_avx2(NTP__CPU_ALL);
     ntp_rect rect;
     NTP__TRY(ntp__check_area(&rect, base, area));
+#ifdef NTP_HAVE_AVX2
+    if (blend_packed(&j, &rect))
+        return NTP_OK;
+#endif
     for (int32_t y = rect.y0; y < rect.y1; y++) {
-        for (int32_t x = rect.x0; x < rect.x1; x += NTP__BLOCK) {
-            const int32_t n = rect.x1 - x < NTP__BLOCK ? rect.x1 - x : NTP__BLOCK;
-            if (!blend_packed(&j, x, y, n))
-                blend_run(&j, x, y, n);
-        }
+        for (int32_t x = rect.x0; x < rect.x1; x += NTP__BLOCK)
+            blend_run(&j, x, y, rect.x1 - x < NTP__BLOCK ? rect.x1 - x : NTP__BLOCK);
     }
     return NTP_OK;
 }

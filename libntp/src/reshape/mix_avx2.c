@@ -20,10 +20,11 @@
  * to twice that if these are even, and up to four times that if these are multiples of 4.  M is odd, and
  * so are all numerators; hence t.z, t.u and t.z M are even.  Where t.u is at most 2^17, all products
  * are whole: t.u times an odd number below 2^8, t.z M times such, and t.u t.z, a multiple of 4.  So
- * their sums are off by u at most, with the right sign.
+ * their sums are off by u at most, with the right sign.  All numbers of other modes are below 2^24.
  */
 #include "reshape/mix_avx2.h"
 
+#include "texel/level.h"
 #include "texel/packed_avx2_tmpl.h"
 
 #include <math.h>
@@ -33,30 +34,21 @@ enum { HALF = 8, STEP = 16 /* texels */, MOST_PRODUCT = 1 << 17 };
 
 typedef struct constants {
     bool deep;
-    __m256i m, white, rest, zero, zeros; /* M, red and green of white; REST; levels of 0 */
-    __m256 half;                         /* M/2 */
-    __m256 less, least2, least_z; /* what x or y may be off by; the least square of a length; z */
+    int32_t m;
+    float less, least2, least_z; /* what x or y may be off by; the least square of a length; z */
 } constants;
 
-static constants levels_of(bool deep)
-{
-    constants c;
-    memset(&c, 0, sizeof c);
-    c.deep = deep;
-    c.m = _mm256_set1_epi32(deep ? 65535 : 255);
-    c.white = _mm256_or_si256(c.m, _mm256_slli_epi32(c.m, 16));
-    c.rest = _mm256_set1_epi32(deep ? REST_16 : REST_8);
-    c.zero = _mm256_set1_epi32(deep ? 32768 : 128);
-    c.zeros = _mm256_or_si256(c.zero, _mm256_slli_epi32(c.zero, 16));
-    c.half = _mm256_set1_ps(deep ? 32767.5F : 127.5F);
-    return c;
-}
+/* Numerators over M of a block, with room for what is done beyond it. */
+typedef struct vectors {
+    float c[3][NTP__BLOCK + STEP];
+} vectors;
 
-/* Vectors of a run, of any length; pairs of levels of x, y less that of 0; negative where a texel is
- * left to the caller.  Each loop does one thing: while a processor waits for a root it does others. */
+/* What a block becomes: vectors of any length; pairs of levels of x, y less that of 0; negative where a
+ * texel is left to the caller.  Each loop does one thing: while a processor waits for a root it does
+ * others. */
 typedef struct planes {
-    float x[NTP__BLOCK], y[NTP__BLOCK], z[NTP__BLOCK];
-    int32_t pair[NTP__BLOCK], left[NTP__BLOCK];
+    vectors base, detail, v;
+    int32_t pair[NTP__BLOCK], left[NTP__BLOCK + STEP];
 } planes;
 
 static inline __m256i load_ints(const int32_t *from)
@@ -76,50 +68,52 @@ static inline __m256 absolute(__m256 v)
 
 /* ------------------------------------------------------------------------------------- texels */
 
-static inline texels take(const ntp__mix_run *s, int32_t i, bool deep)
+/* 2c - M of eight levels. */
+static inline void put_numerators(float *to, __m256i level, __m256i m)
 {
-    const uint8_t *bytes = (const uint8_t *) s->c;
-    return deep ? take16(bytes + 6 * (ptrdiff_t) i) : take8(bytes + 3 * (ptrdiff_t) i);
+    _mm256_storeu_ps(to, _mm256_cvtepi32_ps(_mm256_sub_epi32(_mm256_slli_epi32(level, 1), m)));
 }
 
-/* Numerators over M of eight texels. */
-typedef struct numerators {
-    __m256i x, y, z;
-} numerators;
-
-static inline numerators numerators_of(texels t, const constants *c)
+/* Reads n texels of a row to place `at` of a block, and asks for those that follow.  Marks those of which
+ * red and green are those of black or of white. */
+static void take(vectors *to, int32_t *left, int32_t at, const uint8_t *s, int32_t n,
+                 const constants *c)
 {
-    const __m256i x = _mm256_srli_epi32(_mm256_slli_epi32(t.rg, 16), 15);
-    const __m256i y = _mm256_slli_epi32(_mm256_srli_epi32(t.rg, 16), 1);
-    const numerators v = { _mm256_sub_epi32(x, c->m), _mm256_sub_epi32(y, c->m),
-                           _mm256_sub_epi32(_mm256_slli_epi32(t.b, 1), c->m) };
-    return v;
-}
-
-/* Red and green are those of black or of white. */
-static inline __m256i suspect(texels t, const constants *c)
-{
-    return _mm256_or_si256(_mm256_cmpeq_epi32(t.rg, _mm256_setzero_si256()),
-                           _mm256_cmpeq_epi32(t.rg, c->white));
+    enum { READ = 10 /* texels at most, for eight */, FEW = 64 /* bytes */ };
+    const ptrdiff_t size = c->deep ? 6 : 3;
+    const __m256i m = _mm256_set1_epi32(c->m);
+    const __m256i white = _mm256_or_si256(m, _mm256_slli_epi32(m, 16));
+    uint8_t few[FEW] = { 0 };
+    for (int32_t i = 0; i < n; i += HALF, s += HALF * size) {
+        const uint8_t *from = s;
+        if (n - i < READ) {
+            memcpy(few, s, (size_t) ((n - i < HALF ? n - i : HALF) * size));
+            from = few;
+        }
+        _mm_prefetch((const char *) s + NTP__BLOCK * size, _MM_HINT_T0);
+        const texels t = c->deep ? take16(from) : take8(from);
+        const __m256i mark = _mm256_or_si256(_mm256_cmpeq_epi32(t.rg, _mm256_setzero_si256()),
+                                             _mm256_cmpeq_epi32(t.rg, white));
+        put_numerators(to->c[0] + at + i, _mm256_and_si256(t.rg, _mm256_set1_epi32(65535)), m);
+        put_numerators(to->c[1] + at + i, _mm256_srli_epi32(t.rg, 16), m);
+        put_numerators(to->c[2] + at + i, t.b, m);
+        store_ints(left + at + i, _mm256_or_si256(load_ints(left + at + i), mark));
+    }
 }
 
 /* ------------------------------------------------------------------------------------ vectors */
 
 /* The strength of n texels. */
-static void boost(planes *p, const ntp__mix_run *s, int32_t n, const ntp__boost *how,
-                  const constants *c)
+static void boost(planes *p, int32_t n, const ntp__mixing *j)
 {
-    const __m256 over = _mm256_set1_ps((float) (1 / how->strength));
-    const __m256 mirror_x = _mm256_set1_ps(how->mirror_x ? -0.0F : 0.0F);
-    const __m256 mirror_y = _mm256_set1_ps(how->mirror_y ? -0.0F : 0.0F);
-    float *const x = how->swap ? p->y : p->x, *const y = how->swap ? p->x : p->y;
+    const __m256 over = _mm256_set1_ps((float) (1 / j->strength));
+    const __m256 mirror_x = _mm256_set1_ps(j->mirror_x ? -0.0F : 0.0F);
+    const __m256 mirror_y = _mm256_set1_ps(j->mirror_y ? -0.0F : 0.0F);
+    const float *const x = p->base.c[j->swap], *const y = p->base.c[!j->swap];
     for (int32_t i = 0; i < n; i += HALF) {
-        const texels t = take(s, i, c->deep);
-        const numerators v = numerators_of(t, c);
-        store_ints(p->left + i, suspect(t, c));
-        _mm256_storeu_ps(x + i, _mm256_xor_ps(_mm256_cvtepi32_ps(v.x), mirror_x));
-        _mm256_storeu_ps(y + i, _mm256_xor_ps(_mm256_cvtepi32_ps(v.y), mirror_y));
-        _mm256_storeu_ps(p->z + i, _mm256_mul_ps(_mm256_cvtepi32_ps(v.z), over));
+        _mm256_storeu_ps(p->v.c[0] + i, _mm256_xor_ps(_mm256_loadu_ps(x + i), mirror_x));
+        _mm256_storeu_ps(p->v.c[1] + i, _mm256_xor_ps(_mm256_loadu_ps(y + i), mirror_y));
+        _mm256_storeu_ps(p->v.c[2] + i, _mm256_mul_ps(_mm256_loadu_ps(p->base.c[2] + i), over));
     }
 }
 
@@ -129,77 +123,45 @@ typedef struct terms {
     bool reoriented, in_float;
 } terms;
 
-#define NUMBER __m256d
-#define OP(op) _mm256_##op##_pd
-#define MIXED  mixed_doubles
-#include "reshape/mixed_tmpl.h"
-#undef NUMBER
-#undef OP
-#undef MIXED
-
-#define NUMBER __m256
-#define OP(op) _mm256_##op##_ps
-#define MIXED  mixed_floats
+#define NUMBER       __m256d
+#define ELEMENT      double
+#define OP(op)       _mm256_##op##_pd
+#define MIXED        mixed_doubles
+#define LOAD(from)   _mm256_cvtps_pd(_mm_loadu_ps(from))
+#define STORE(to, v) _mm_storeu_ps(to, _mm256_cvtpd_ps(v))
 #include "reshape/mixed_tmpl.h"
 
-static inline __m256d low_half(__m256i v)
-{
-    return _mm256_cvtepi32_pd(_mm256_castsi256_si128(v));
-}
+#define NUMBER       __m256
+#define ELEMENT      float
+#define OP(op)       _mm256_##op##_ps
+#define MIXED        mixed_floats
+#define LOAD(from)   _mm256_loadu_ps(from)
+#define STORE(to, v) _mm256_storeu_ps(to, v)
+#include "reshape/mixed_tmpl.h"
 
-static inline __m256d high_half(__m256i v)
+static void blend(planes *p, int32_t n, const terms *how, const constants *c)
 {
-    return _mm256_cvtepi32_pd(_mm256_extracti128_si256(v, 1));
-}
-
-static inline void blend_in_double(__m256 v[3], numerators b, numerators d, const terms *t)
-{
-    const __m256d low_b[3] = { low_half(b.x), low_half(b.y), low_half(b.z) };
-    const __m256d low_d[3] = { low_half(d.x), low_half(d.y), low_half(d.z) };
-    const __m256d high_b[3] = { high_half(b.x), high_half(b.y), high_half(b.z) };
-    const __m256d high_d[3] = { high_half(d.x), high_half(d.y), high_half(d.z) };
-    __m256d low[3], high[3], product;
-    mixed_doubles(low, &product, low_b, low_d, t);
-    mixed_doubles(high, &product, high_b, high_d, t);
-    for (int32_t k = 0; k < 3; k++)
-        v[k] = _mm256_set_m128(_mm256_cvtpd_ps(high[k]), _mm256_cvtpd_ps(low[k]));
-}
-
-/* Negative where t.u is too much. */
-static inline __m256i blend_in_float(__m256 v[3], numerators b, numerators d, const terms *t)
-{
-    const __m256 of_b[3] = { _mm256_cvtepi32_ps(b.x), _mm256_cvtepi32_ps(b.y),
-                             _mm256_cvtepi32_ps(b.z) };
-    const __m256 of_d[3] = { _mm256_cvtepi32_ps(d.x), _mm256_cvtepi32_ps(d.y),
-                             _mm256_cvtepi32_ps(d.z) };
-    __m256 product;
-    mixed_floats(v, &product, of_b, of_d, t);
-    return _mm256_castps_si256(
-        _mm256_cmp_ps(absolute(product), _mm256_set1_ps(MOST_PRODUCT), _CMP_GT_OQ));
-}
-
-static void blend(planes *p, const ntp__mix_run *base, const ntp__mix_run *detail, int32_t n,
-                  const terms *how, const constants *c)
-{
+    const __m256 least_z = _mm256_set1_ps(c->least_z), most = _mm256_set1_ps(MOST_PRODUCT);
+    float product[NTP__BLOCK];
+    if (how->in_float)
+        mixed_floats(p->v.c, product, p->base.c, p->detail.c, n, how);
+    else
+        mixed_doubles(p->v.c, product, p->base.c, p->detail.c, n, how);
     for (int32_t i = 0; i < n; i += HALF) {
-        const texels from = take(base, i, c->deep), other = take(detail, i, c->deep);
-        const numerators b = numerators_of(from, c), d = numerators_of(other, c);
-        __m256i left = _mm256_or_si256(suspect(from, c), suspect(other, c));
-        __m256 v[3];
-        if (how->in_float)
-            left = _mm256_or_si256(left, blend_in_float(v, b, d, how));
-        else
-            blend_in_double(v, b, d, how);
         /* A steep detail, reoriented on a steep base, can point below the horizon.  -0 does not. */
-        const __m256i z = _mm256_castps_si256(_mm256_add_ps(v[2], _mm256_setzero_ps()));
-        const __m256i below = _mm256_andnot_si256(_mm256_or_si256(b.z, d.z), z);
-        const __m256i unsure =
-            _mm256_castps_si256(_mm256_cmp_ps(absolute(v[2]), c->least_z, _CMP_LT_OQ));
-        store_ints(p->left + i, _mm256_or_si256(left, unsure));
-        _mm256_storeu_ps(p->x + i, v[0]);
-        _mm256_storeu_ps(p->y + i, v[1]);
-        _mm256_storeu_ps(p->z + i,
-                         _mm256_castsi256_ps(_mm256_andnot_si256(_mm256_srai_epi32(below, 31), z)));
+        const __m256 z = _mm256_add_ps(_mm256_loadu_ps(p->v.c[2] + i), _mm256_setzero_ps());
+        const __m256 either =
+            _mm256_or_ps(_mm256_loadu_ps(p->base.c[2] + i), _mm256_loadu_ps(p->detail.c[2] + i));
+        const __m256i below =
+            _mm256_srai_epi32(_mm256_castps_si256(_mm256_andnot_ps(either, z)), 31);
+        const __m256 unsure = _mm256_cmp_ps(absolute(z), least_z, _CMP_LT_OQ);
+        _mm256_storeu_ps(p->v.c[2] + i, _mm256_andnot_ps(_mm256_castsi256_ps(below), z));
+        __m256i left = _mm256_or_si256(load_ints(p->left + i), _mm256_castps_si256(unsure));
+        if (how->in_float)
+            left = _mm256_or_si256(
+                left, _mm256_castps_si256(
+                          _mm256_cmp_ps(absolute(_mm256_loadu_ps(product + i)), most, _CMP_GT_OQ)));
+        store_ints(p->left + i, left);
     }
 }
 
@@ -222,15 +184,17 @@ static inline __m256i floor_of(__m256 s)
 
 static void round_pairs(planes *p, int32_t n, const constants *c)
 {
+    const __m256 half = _mm256_set1_ps(0.5F * (float) c->m), less = _mm256_set1_ps(c->less);
+    const __m256 least2 = _mm256_set1_ps(c->least2);
     for (int32_t i = 0; i < n; i += HALF) {
-        const __m256 x = _mm256_loadu_ps(p->x + i), y = _mm256_loadu_ps(p->y + i);
-        const __m256 z = _mm256_loadu_ps(p->z + i);
+        const __m256 x = _mm256_loadu_ps(p->v.c[0] + i), y = _mm256_loadu_ps(p->v.c[1] + i);
+        const __m256 z = _mm256_loadu_ps(p->v.c[2] + i);
         const __m256 square = _mm256_add_ps(_mm256_add_ps(_mm256_mul_ps(x, x), _mm256_mul_ps(y, y)),
                                             _mm256_mul_ps(z, z));
-        const __m256 factor = _mm256_div_ps(c->half, _mm256_sqrt_ps(square));
+        const __m256 factor = _mm256_div_ps(half, _mm256_sqrt_ps(square));
         const __m256 s = _mm256_mul_ps(x, factor), t = _mm256_mul_ps(y, factor);
-        const __m256i small = _mm256_castps_si256(_mm256_cmp_ps(square, c->least2, _CMP_LT_OQ));
-        const __m256i doubt = _mm256_or_si256(in_doubt(s, c->less), in_doubt(t, c->less));
+        const __m256i small = _mm256_castps_si256(_mm256_cmp_ps(square, least2, _CMP_LT_OQ));
+        const __m256i doubt = _mm256_or_si256(in_doubt(s, less), in_doubt(t, less));
         store_ints(p->pair + i,
                    _mm256_blend_epi16(floor_of(s), _mm256_slli_epi32(floor_of(t), 16), 0xaa));
         store_ints(p->left + i,
@@ -242,11 +206,14 @@ static void round_pairs(planes *p, int32_t n, const constants *c)
 static inline texels finished(const planes *p, int32_t i, const constants *c, uint32_t *bits)
 {
     const __m256i pair = load_ints(p->pair + i);
-    const __m256i e = _mm256_sub_epi32(c->rest, sum_of_pair(pair));
-    const __m256i down = _mm256_srai_epi32(_mm256_castps_si256(_mm256_loadu_ps(p->z + i)), 31);
-    const texels t = { _mm256_add_epi16(pair, c->zeros), /* M - b is M ^ b */
-                       _mm256_xor_si256(_mm256_add_epi32(root(e), c->zero),
-                                        _mm256_and_si256(down, c->m)) };
+    const __m256i zero = _mm256_set1_epi32((c->m + 1) / 2);
+    const __m256i e =
+        _mm256_sub_epi32(_mm256_set1_epi32(c->deep ? REST_16 : REST_8), sum_of_pair(pair));
+    const __m256i z = _mm256_castps_si256(_mm256_loadu_ps(p->v.c[2] + i));
+    const __m256i down = _mm256_srai_epi32(z, 31);
+    const texels t = { _mm256_add_epi16(pair, _mm256_or_si256(zero, _mm256_slli_epi32(zero, 16))),
+                       _mm256_xor_si256(_mm256_add_epi32(root(e), zero), /* M - b is M ^ b */
+                                        _mm256_and_si256(down, _mm256_set1_epi32(c->m))) };
     const __m256i left = _mm256_or_si256(load_ints(p->left + i), e);
     *bits = (uint32_t) _mm256_movemask_ps(_mm256_castsi256_ps(left));
     return t;
@@ -265,58 +232,96 @@ static int32_t put_levels(uint8_t *d, int32_t *at, planes *p, int32_t n, const c
     return found;
 }
 
-int32_t ntp__strengthen_rgb_avx2(void *d, int32_t *at, const ntp__mix_run *s, int32_t n,
-                                 const ntp__boost *how, bool deep)
-{
-    const constants c = levels_of(deep);
-    planes p;
-    boost(&p, s, n, how, &c);
-    return put_levels(d, at, &p, n, &c);
-}
+/* --------------------------------------------------------------------------------------- rows */
 
-int32_t ntp__blend_rgb_avx2(void *d, int32_t *at, const ntp__mix_run *base,
-                            const ntp__mix_run *detail, int32_t n, const ntp__mixture *how,
-                            bool reoriented, bool exact, bool deep)
+/* What blending needs to know of the error of vectors. */
+static terms terms_of(constants *c, const ntp__mixing *j)
 {
-    const double m = how->mb, s = fabs(how->strength) < 1 ? 1 : fabs(how->strength);
+    const ntp__mixture *h = j->how;
+    const double m = c->m, s = fabs(h->strength) < 1 ? 1 : fabs(h->strength);
     /* No component is more than M, and t.z is at most twice that: `size` in blend_kernels.c. */
-    const double size = reoriented ? 96 * m * m * m * s : 9 * m * m * s;
-    const terms t = { how->strength,     how->turn,    m,          how->base_z * m,
-                      how->detail_z * m, how->product, reoriented, exact && !deep };
-    constants c = levels_of(deep);
-    planes p;
+    const double size = j->reoriented ? 96 * m * m * m * s : 9 * m * m * s;
+    const terms t = {
+        h->strength,         h->turn, m, h->base_z * m, h->detail_z * m, h->product, j->reoriented,
+        j->exact && !c->deep
+    };
     /* Whole numbers are exact, so only a length of 0 is in doubt. */
-    c.less = _mm256_set1_ps(exact ? 0 : 0x1p-16F);
-    c.least2 = _mm256_set1_ps(exact ? 0.5F : (float) (size * size * 0x1p-32));
-    c.least_z = _mm256_set1_ps(exact ? 0 : (float) (size * 0x1p-48));
-    blend(&p, base, detail, n, &t, &c);
-    return put_levels(d, at, &p, n, &c);
+    c->less = j->exact ? 0 : 0x1p-16F;
+    c->least2 = j->exact ? 0.5F : (float) (size * size * 0x1p-32);
+    c->least_z = j->exact ? 0 : (float) (size * 0x1p-48);
+    return t;
 }
 
-static inline int32_t sample(const void *s, int32_t i, bool deep)
-{
-    return deep ? ((const uint16_t *) s)[i] : ((const uint8_t *) s)[i];
-}
+/* Texels of a row that are left, until there are many; for those other loops are quicker. */
+typedef struct waiting {
+    int32_t n, at[NTP__BLOCK];
+    ntp__block base, detail;
+} waiting;
 
-void ntp__take_places(ntp__block *block, const ntp__mix_run *s, const int32_t *at, int32_t n,
-                      bool deep)
+static void settle(const ntp__mixing *j, waiting *w, void *row, bool deep)
 {
-    block->any_broken = false;
-    for (int32_t i = 0; i < n; i++) {
-        for (int32_t k = 0; k < 3; k++)
-            block->c[k][i] = sample(s->c, 3 * at[i] + k, deep);
-        block->c[3][i] = deep ? 65535 : 255;
-    }
-}
-
-void ntp__put_places(void *d, const ntp__block *block, const int32_t *at, int32_t n, bool deep)
-{
-    for (int32_t i = 0; i < n; i++) {
+    if (w->n == 0)
+        return;
+    w->base.any_broken = w->detail.any_broken = false;
+    j->settle(j->job, &w->base, &w->detail, w->n);
+    for (int32_t i = 0; i < w->n; i++) {
         for (int32_t k = 0; k < 3; k++) {
+            const ptrdiff_t at = 3 * (ptrdiff_t) w->at[i] + k;
             if (deep)
-                ((uint16_t *) d)[3 * at[i] + k] = (uint16_t) block->c[k][i];
+                ((uint16_t *) row)[at] = (uint16_t) w->base.c[k][i];
             else
-                ((uint8_t *) d)[3 * at[i] + k] = (uint8_t) block->c[k][i];
+                ((uint8_t *) row)[at] = (uint8_t) w->base.c[k][i];
         }
     }
+    w->n = 0;
+}
+
+static void take_texel(ntp__block *b, int32_t i, const vectors *v, int32_t at, const constants *c)
+{
+    for (int32_t k = 0; k < 3; k++)
+        b->c[k][i] = ntp__level((int32_t) v->c[k][at], c->m);
+    b->c[3][i] = c->m;
+}
+
+/* Takes n texels of both, of which the detail repeats. */
+static void take_block(planes *p, const ntp__mixing *j, int32_t x, int32_t y, int32_t n,
+                       const constants *c)
+{
+    const ntp_const_image *d = j->detail;
+    memset(p->left, 0, sizeof p->left);
+    take(&p->base, p->left, 0, ntp__at(j->base, x, y), n, c);
+    for (int32_t done = 0, some; d != NULL && done < n; done += some) {
+        const int32_t column = (x + done) % d->width, beside = d->width - column;
+        some = beside < n - done ? beside : n - done;
+        take(&p->detail, p->left, done, ntp__at(d, column, y % d->height), some, c);
+    }
+}
+
+void ntp__mix_row_avx2(const ntp__mixing *j, int32_t x0, int32_t x1, int32_t y)
+{
+    constants c = { .m = ntp__max(j->dst->type), .deep = j->dst->type == NTP_TYPE_U16 };
+    const terms t = j->detail != NULL ? terms_of(&c, j) : (terms) { .m = 0 };
+    uint8_t *row = ntp__at_mut(j->dst, x0, y);
+    waiting w;
+    w.n = 0;
+    for (int32_t x = x0, n; x < x1; x += n) {
+        int32_t at[NTP__BLOCK];
+        planes p;
+        n = x1 - x < NTP__BLOCK ? x1 - x : NTP__BLOCK;
+        take_block(&p, j, x, y, n, &c);
+        if (j->detail != NULL)
+            blend(&p, n, &t, &c);
+        else
+            boost(&p, n, j);
+        const int32_t found = put_levels(row + (x - x0) * j->dst->pixel_stride, at, &p, n, &c);
+        if (w.n + found > NTP__BLOCK)
+            settle(j, &w, row, c.deep);
+        for (int32_t i = 0; i < found; i++, w.n++) {
+            w.at[w.n] = x - x0 + at[i];
+            take_texel(&w.base, w.n, &p.base, at[i], &c);
+            if (j->detail != NULL)
+                take_texel(&w.detail, w.n, &p.detail, at[i], &c);
+        }
+    }
+    settle(j, &w, row, c.deep);
 }

@@ -10,31 +10,31 @@
 #include "base/view.h"
 #include "reshape/blend_kernels.h"
 
-/* Up to NTP__BLOCK texels side by side.  What is read beyond the last one does not matter. */
-typedef struct ntp__mix_run {
-    uint16_t c[3 * NTP__BLOCK];
-} ntp__mix_run;
-
-/* Multiplies x and y by the strength; they are swapped first, and mirrored after that. */
-typedef struct ntp__boost {
-    double strength; /* 2^-10 to 2^10 */
+/* How rows are made.  All pictures are packed. */
+typedef struct ntp__mixing {
+    const ntp_image *dst;
+    const ntp_const_image *base, *detail; /* detail: NULL, or what repeats; dst may be base */
+    /* Without a detail x and y are swapped, mirrored, and multiplied by the strength, 2^-10 to 2^10 */
+    double strength;
     bool swap, mirror_x, mirror_y;
-} ntp__boost;
+    /* With one; its strength is at most NTP__MOST_MIXED */
+    const ntp__mixture *how;
+    bool reoriented, exact;
+    /* Makes texels from base, in place, and detail: of those in doubt, too long, or perhaps unused. */
+    void (*settle)(const void *job, ntp__block *base, ntp__block *detail, int32_t n);
+    const void *job;
+} ntp__mixing;
 
-/*
- * Both make n texels at d.  at: the places of those that are in doubt, too long, or perhaps unused;
- * they return how many there are.  The strength of the detail is at most NTP__MOST_MIXED.
- */
 enum { NTP__MOST_MIXED = 64 };
-int32_t ntp__strengthen_rgb_avx2(void *d, int32_t *at, const ntp__mix_run *s, int32_t n,
-                                 const ntp__boost *how, bool deep);
-int32_t ntp__blend_rgb_avx2(void *d, int32_t *at, const ntp__mix_run *base,
-                            const ntp__mix_run *detail, int32_t n, const ntp__mixture *how,
-                            bool reoriented, bool exact, bool deep);
 
-/* Texels of a run from their places to a block, and of a block to their places at d. */
-void ntp__take_places(ntp__block *block, const ntp__mix_run *s, const int32_t *at, int32_t n,
-                      bool deep);
-void ntp__put_places(void *d, const ntp__block *block, const int32_t *at, int32_t n, bool deep);
+/* Is a picture packed RGB of levels, in the standard encoding? */
+static inline bool ntp__can_mix(const ntp_const_image *v)
+{
+    return v->type != NTP_TYPE_F32 && v->channels == 3 && v->encoding == NTP_ENCODING_STANDARD &&
+           ntp__is_packed(v);
+}
+
+/* Makes row y from column x0 up to x1. */
+void ntp__mix_row_avx2(const ntp__mixing *j, int32_t x0, int32_t x1, int32_t y);
 
 #endif

@@ -2,26 +2,40 @@
 /*
  * mixed_tmpl.h - a part of mix_avx2.c: blends vectors, in registers of NUMBER
  *
- * The formulas are those of blend.c; M of both textures is the same.  *product: t.u, else 0.
+ * The formulas are those of blend.c; M of both textures is the same.  product: t.u, else 0.
  */
-static inline void MIXED(NUMBER v[3], NUMBER *product, const NUMBER b[3], const NUMBER d[3],
-                         const terms *t)
+static void MIXED(float v[3][NTP__BLOCK + STEP], float *product, float base[3][NTP__BLOCK + STEP],
+                  float detail[3][NTP__BLOCK + STEP], int32_t n, const terms *t)
 {
-    const NUMBER m = OP(set1)(t->m);
-    const NUMBER dx = OP(mul)(OP(set1)(t->strength), d[0]), dy = OP(mul)(OP(set1)(t->turn), d[1]);
-    if (t->reoriented) {
-        const NUMBER tz = OP(add)(b[2], m), scale = OP(mul)(tz, m);
-        const NUMBER dot =
-            OP(sub)(OP(mul)(tz, d[2]), OP(add)(OP(mul)(b[0], dx), OP(mul)(b[1], dy)));
-        *product = dot;
-        v[0] = OP(add)(OP(mul)(dot, b[0]), OP(mul)(scale, dx));
-        v[1] = OP(add)(OP(mul)(dot, b[1]), OP(mul)(scale, dy));
-        v[2] = OP(sub)(OP(mul)(dot, tz), OP(mul)(scale, d[2]));
-        return;
+    const NUMBER m = OP(set1)(t->m), strength = OP(set1)(t->strength), turn = OP(set1)(t->turn);
+    for (int32_t i = 0; i < n; i += (int32_t) (sizeof(NUMBER) / sizeof(ELEMENT))) {
+        const NUMBER bx = LOAD(base[0] + i), by = LOAD(base[1] + i), bz = LOAD(base[2] + i);
+        const NUMBER dx = OP(mul)(strength, LOAD(detail[0] + i));
+        const NUMBER dy = OP(mul)(turn, LOAD(detail[1] + i)), dz = LOAD(detail[2] + i);
+        NUMBER x, y, z, dot = OP(setzero)();
+        if (t->reoriented) {
+            const NUMBER tz = OP(add)(bz, m), scale = OP(mul)(tz, m);
+            dot = OP(sub)(OP(mul)(tz, dz), OP(add)(OP(mul)(bx, dx), OP(mul)(by, dy)));
+            x = OP(add)(OP(mul)(dot, bx), OP(mul)(scale, dx));
+            y = OP(add)(OP(mul)(dot, by), OP(mul)(scale, dy));
+            z = OP(sub)(OP(mul)(dot, tz), OP(mul)(scale, dz));
+        } else {
+            x = OP(mul)(OP(add)(bx, dx), m);
+            y = OP(mul)(OP(add)(by, dy), m);
+            z = OP(add)(
+                OP(mul)(OP(set1)(t->detail_z), dz),
+                OP(mul)(bz, OP(add)(OP(set1)(t->base_z), OP(mul)(OP(set1)(t->product), dz))));
+        }
+        STORE(v[0] + i, x);
+        STORE(v[1] + i, y);
+        STORE(v[2] + i, z);
+        STORE(product + i, dot);
     }
-    *product = OP(setzero)();
-    const NUMBER by_d = OP(add)(OP(set1)(t->base_z), OP(mul)(OP(set1)(t->product), d[2]));
-    v[0] = OP(mul)(OP(add)(b[0], dx), m);
-    v[1] = OP(mul)(OP(add)(b[1], dy), m);
-    v[2] = OP(add)(OP(mul)(b[2], by_d), OP(mul)(OP(set1)(t->detail_z), d[2]));
 }
+
+#undef NUMBER
+#undef ELEMENT
+#undef OP
+#undef MIXED
+#undef LOAD
+#undef STORE

@@ -231,32 +231,33 @@ static bool turn_packed(const job *j, int32_t x, int32_t y, int32_t n)
     return false;
 }
 
-/* The same of packed RGB that is made stronger. */
-static bool strengthen_packed(const job *j, int32_t x, int32_t y, int32_t n)
+#ifdef NTP_HAVE_AVX2
+static void strengthen_left(const void *job_, ntp__block *block, ntp__block *detail, int32_t n)
+{
+    (void) detail;
+    strengthen(job_, block, n);
+}
+#endif
+
+/* The same of packed RGB that is made stronger, up to column x1. */
+static bool strengthen_packed(const job *j, int32_t x0, int32_t x1, int32_t y)
 {
 #ifdef NTP_HAVE_AVX2
-    const double strength = ntp__strength_value(&j->strength);
-    const ntp__boost how = { strength, j->swap, j->mirror_r, j->mirror_g };
-    const bool deep = j->src.type == NTP_TYPE_U16;
-    if (j->stronger && j->src.channels == 3 && j->src.type != NTP_TYPE_F32 &&
-        j->src.encoding == NTP_ENCODING_STANDARD && ntp__is_packed(&j->src) &&
-        j->dst->pixel_stride == j->src.pixel_stride && strength >= 0x1p-10 && strength <= 0x1p10 &&
-        ntp__cpu_has_avx2(NTP__CPU_ALL)) {
-        void *d = ntp__at_mut(j->dst, x, y);
-        int32_t at[NTP__BLOCK];
-        ntp__mix_run s;
-        memcpy(s.c, ntp__at(&j->src, x, y), (size_t) (n * j->src.pixel_stride));
-        const int32_t found = ntp__strengthen_rgb_avx2(d, at, &s, n, &how, deep);
-        if (found > 0) {
-            ntp__block block;
-            ntp__take_places(&block, &s, at, found, deep);
-            strengthen(j, &block, found);
-            ntp__put_places(d, &block, at, found, deep);
-        }
+    const ntp__mixing how = { .dst = j->dst,
+                              .base = &j->src,
+                              .strength = ntp__strength_value(&j->strength),
+                              .swap = j->swap,
+                              .mirror_x = j->mirror_r,
+                              .mirror_y = j->mirror_g,
+                              .settle = strengthen_left,
+                              .job = j };
+    if (j->stronger && ntp__can_mix(&j->src) && j->dst->pixel_stride == j->src.pixel_stride &&
+        how.strength >= 0x1p-10 && how.strength <= 0x1p10 && ntp__cpu_has_avx2(NTP__CPU_ALL)) {
+        ntp__mix_row_avx2(&how, x0, x1, y);
         return true;
     }
 #else
-    (void) j, (void) x, (void) y, (void) n;
+    (void) j, (void) x0, (void) x1, (void) y;
 #endif
     return false;
 }
@@ -264,7 +265,7 @@ static bool strengthen_packed(const job *j, int32_t x, int32_t y, int32_t n)
 static void transform_run(const job *j, int32_t x, int32_t y, int32_t n)
 {
     ntp__block block;
-    if (turn_packed(j, x, y, n) || strengthen_packed(j, x, y, n))
+    if (turn_packed(j, x, y, n) || strengthen_packed(j, x, x + n, y))
         return;
     ntp__unpack(&block, &j->src, x, y, n);
     bool floats = j->src.type == NTP_TYPE_F32;
@@ -434,6 +435,8 @@ ntp_status ntp_transform(const ntp_image *dst, const ntp_const_image *src,
         return NTP_OK;
     }
     for (int32_t y = rect.y0; y < rect.y1; y++) {
+        if (strengthen_packed(&j, rect.x0, rect.x1, y))
+            continue;
         for (int32_t x = rect.x0; x < rect.x1; x += NTP__BLOCK)
             transform_run(&j, x, y, rect.x1 - x < NTP__BLOCK ? rect.x1 - x : NTP__BLOCK);
     }
