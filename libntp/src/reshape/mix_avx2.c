@@ -203,7 +203,8 @@ static void round_pairs(planes *p, int32_t n, const constants *c)
 }
 
 /* Eight texels with their blue; *bits: those that are left. */
-static inline texels finished(const planes *p, int32_t i, const constants *c, uint32_t *bits)
+static inline __attribute__((always_inline)) texels finished(const planes *p, int32_t i,
+                                                             const constants *c, uint32_t *bits)
 {
     const __m256i pair = load_ints(p->pair + i);
     const __m256i zero = _mm256_set1_epi32((c->m + 1) / 2);

@@ -43,10 +43,11 @@ void ntp__block_vectors(ntp__vectors *v, const ntp__block *block, int32_t n, int
 uint64_t ntp__pull_directions(ntp__block *out, int32_t *doubt, const ntp__vectors *v, int32_t n,
                               int32_t m, bool zzero)
 {
+    enum { MANY = 8 }; /* for which loops are quicker */
     int32_t at[NTP__BLOCK], few[3][NTP__BLOCK], unsure[NTP__BLOCK], found = 0;
     for (int32_t i = 0; i < n; i++) {
-        at[found] = i;
-        found += doubt[i] == NTP__OVERLONG;
+        if (doubt[i] == NTP__OVERLONG)
+            at[found++] = i;
     }
     if (found == 0)
         return 0;
@@ -58,12 +59,14 @@ uint64_t ntp__pull_directions(ntp__block *out, int32_t *doubt, const ntp__vector
         few[1][i] = out->c[1][at[i]];
     }
     const ntp__kernels_table *loops = ntp__kernels(NTP__CPU_ALL);
-    loops->pull(few[0], few[1], unsure, found, m);
-    loops->derive(few[2], few[0], few[1], found, m, zzero);
+    if (found >= MANY) {
+        loops->pull(few[0], few[1], unsure, found, m);
+        loops->derive(few[2], few[0], few[1], found, m, zzero);
+    }
     for (int32_t i = 0; i < found; i++) {
         int32_t *const r = &out->c[0][at[i]], *const g = &out->c[1][at[i]];
         int32_t b = few[2][i];
-        if (unsure[i]) {
+        if (found < MANY || unsure[i]) {
             b = ntp__derive(r, g, m, zzero);
         } else {
             *r = few[0][i];
