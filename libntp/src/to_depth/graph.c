@@ -16,7 +16,8 @@ enum {
     ASIDE = 48,       /* bytes a node: 42 if no spring vanishes within a pair */
     SLACK = 4096      /* for alignment, and for graphs of a few nodes */
 };
-static const float STRONG = 0.25F; /* of the stiffest spring: along those nodes are joined */
+static const double ONE_STEP = 1.0 / 16; /* less left than this, in squares: no second step */
+static const float STRONG = 0.25F;       /* of the stiffest spring: along those nodes are joined */
 
 /* ------------------------------------------------------------------------- the levels */
 
@@ -181,6 +182,13 @@ void ntp__springs_coarsen(ntp__springs *s)
     while (s->levels < NTP__GRAPH_LEVELS && s->level[s->levels - 1].nodes > SMALLEST &&
            add_level(s, s->levels - 1, &memory))
         s->levels++;
+    /* Free again, and enough: 8 bytes for each coarser node, of which there are at most 3 n. */
+    ntp__scratch aside = { s->aside, 0 };
+    for (int32_t l = 1; l < s->levels; l++) {
+        size_t n = (size_t) s->level[l].nodes;
+        s->first[l] = ntp__take(&aside, n * sizeof *s->first[l]);
+        s->held[l] = ntp__take(&aside, n * sizeof *s->held[l]);
+    }
 }
 
 void ntp__springs_keep_levels(ntp__springs *s)
@@ -233,21 +241,43 @@ static float hold(const ntp__graph *g, const float *x, int32_t i)
 
 static void cycle(ntp__springs *s, int32_t l);
 
-/* A cycle on a coarser level, and then a step as long as its direction is worth.  Groups move as a
- * whole, which makes the springs between them too stiff; the step makes up for that. */
+static double product(const float *a, const float *b, int32_t n)
+{
+    double sum = 0;
+    for (int32_t i = 0; i < n; i++)
+        sum += (double) a[i] * (double) b[i];
+    return sum;
+}
+
+/* A coarser level, by one or two conjugate steps, each after a cycle (the K-cycle of Notay and
+ * Vassilevski, 2008).  Groups move as a whole, which makes the springs between them too stiff; the
+ * steps make up for that.  With one step alone iterations grow with every level. */
 static void solve_coarse(ntp__springs *s, int32_t l)
 {
     const ntp__graph *g = &s->level[l];
-    float *x = s->move[l];
-    double work = 0, against = 0;
+    int32_t n = g->nodes;
+    float *x = s->move[l], *force = s->force[l], *first = s->first[l], *held = s->held[l];
     cycle(s, l);
-    for (int32_t i = 0; i < g->nodes; i++) {
-        work += (double) x[i] * (double) s->force[l][i];
-        against += (double) x[i] * (double) hold(g, x, i);
+    for (int32_t i = 0; i < n; i++)
+        held[i] = hold(g, x, i);
+    double against = product(x, held, n), before = product(force, force, n);
+    double step = against > 0 ? product(x, force, n) / against : 1;
+    for (int32_t i = 0; i < n; i++) {
+        first[i] = x[i];
+        force[i] -= (float) step * held[i];
     }
-    float step = against > 0 ? (float) (work / against) : 1;
-    for (int32_t i = 0; i < g->nodes; i++)
-        x[i] *= step;
+    double along = 0, back = step;
+    if (against > 0 && product(force, force, n) > ONE_STEP * before) {
+        cycle(s, l);
+        double across = product(x, held, n);
+        for (int32_t i = 0; i < n; i++)
+            held[i] = hold(g, x, i);
+        double second = product(x, held, n), rest = second - across * across / against;
+        along = rest > 0x1p-16 * second ? product(x, force, n) / rest : 0;
+        back -= along * across / against;
+    }
+    for (int32_t i = 0; i < n; i++)
+        x[i] = (float) back * first[i] + (float) along * x[i];
 }
 
 /* move[l] = about how far force[l] moves the nodes. */

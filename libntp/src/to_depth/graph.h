@@ -37,8 +37,9 @@ typedef struct ntp__springs {
     int32_t levels;
     ntp__graph level[NTP__GRAPH_LEVELS]; /* the caller fills in `first` and `spring` of level 0 */
     float *force[NTP__GRAPH_LEVELS], *move[NTP__GRAPH_LEVELS]; /* of the cycle */
+    float *first[NTP__GRAPH_LEVELS], *held[NTP__GRAPH_LEVELS]; /* of a step on coarser levels */
     double *residual, *direction, *image;
-    void *pool, *aside; /* for the levels, and to make them */
+    void *pool, *aside; /* for the levels, and to make them; then for first and held */
     size_t pool_size;
 } ntp__springs;
 
