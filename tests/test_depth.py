@@ -74,15 +74,13 @@ def test_confidence_ranks_the_errors(found):
     assert np.mean(ranks) >= 0.8, ranks
 
 
-@pytest.mark.parametrize(
-    ("size", "degrees", "least"), [(64, 60, 0.65), (64, 90, 0.6), (256, 90, 0.75)]
-)
-def test_confidence_knows_what_is_far_and_what_is_cut_off(size, degrees, least):
+@pytest.mark.parametrize(("size", "degrees"), [(64, 60), (64, 90), (256, 60), (256, 90)])
+def test_confidence_knows_what_is_far_and_what_is_cut_off(size, degrees):
     """Balls in the air, and a plane whose far end is off by more texels than its near end."""
     scene = scenes.spheres(size, degrees, True)
     depth, confidence, _ = find_depth(vectors(scene), camera=scene.camera)
     errors = np.abs(scenes.aligned(depth, scene) - scene.depth)[scene.mask]
-    assert scenes.ranks(confidence[scene.mask], errors) >= least
+    assert scenes.ranks(confidence[scene.mask], errors) >= 0.8
 
 
 def test_8_bits_are_nearly_as_good(found):

@@ -30,7 +30,8 @@ static const double FIRST_FAR = 3, LAST_FAR = 0.3, NEARER = 0.7943282347242815; 
 static const double STEADY = 3e-4; /* change of the energy in a round, of itself, that ends them */
 static const double OTHER_K = 3;   /* times k: how far depth moves then is a part of the doubt */
 static const double OTHER_STEADY = 3e-4;
-static const double TRIAL_WEIGHT = 4; /* ranks errors best on made scenes, beside OTHER_K */
+static const double TRIAL_WEIGHT = 2; /* ranks errors well on made scenes, beside OTHER_K */
+static const double MOST_DOUBT = 0.5; /* times the spread of all depths */
 static const double FIRST_SHARE = 0.01, LATER_SHARE = 0.3; /* of the residual that a solve leaves */
 static const double ONLY_SHARE = 1e-6;                     /* the same for plain least squares */
 
@@ -194,8 +195,26 @@ static double middle(const double *a, const double *b, int32_t n, double unit)
     return value;
 }
 
+/* What hangs by next to nothing moves by any amount, and how far says nothing: its depth is
+ * unknown, but it is a part of the same object.  So doubt approaches a share of the spread of the
+ * depths and never passes it, as if depth were known that well beforehand. */
+static void limit_doubt(double *doubt, const double *z, int32_t n)
+{
+    double mean = 0, square = 0;
+    for (int32_t i = 0; i < n; i++)
+        mean += z[i] / n;
+    for (int32_t i = 0; i < n; i++)
+        square += (z[i] - mean) * (z[i] - mean) / n;
+    square *= MOST_DOUBT * MOST_DOUBT;
+    for (int32_t i = 0; i < n; i++) {
+        double both = square + doubt[i] * doubt[i];
+        doubt[i] = both > 0 ? doubt[i] * sqrt(square / both) : 0;
+    }
+}
+
 /* doubt = how far depth moves under forces as large as what is left of the equations, with signs
- * by chance (four times the root mean square), and how far it moves with a greater k. */
+ * by chance (twice the root mean square), and how far it moves with a greater k.  One iteration a
+ * probe: its cycle moves all that hangs together, and more of them rank errors no better. */
 static ntp_status find_doubt(work *w, double k)
 {
     ntp__terms *t = &w->terms;
@@ -214,7 +233,7 @@ static ntp_status find_doubt(work *w, double k)
         memcpy(t->z, w->kept, (size_t) n * sizeof *t->z);
         ntp__terms_doubt(t, t->force, &chance);
         memset(moved, 0, (size_t) n * sizeof *moved);
-        ntp__springs_solve(&w->springs, moved, t->force, 0.1, 6);
+        ntp__springs_solve(&w->springs, moved, t->force, 0, 1);
         double mean = 0;
         for (int32_t i = 0; i < n; i++)
             mean += moved[i] / n;
@@ -234,6 +253,7 @@ static ntp_status find_doubt(work *w, double k)
         w->doubt[i] += off < 0 ? -off : off;
         t->z[i] = w->kept[i];
     }
+    limit_doubt(w->doubt, t->z, n);
     return NTP_OK;
 }
 
