@@ -83,6 +83,22 @@ def test_confidence_knows_what_is_far_and_what_is_cut_off(size, degrees):
     assert scenes.ranks(confidence[scene.mask], errors) >= 0.8
 
 
+def test_no_doubt_is_above_half_the_spread_of_depth():
+    """What hangs by nothing moves by any amount; it is still a part of the object."""
+    scene = scenes.spheres(64, 0, True)
+    depth, confidence, _ = find_depth(vectors(scene))
+    doubt = 1 / confidence[scene.mask].astype(float) - 1
+    most = np.std(depth[scene.mask].astype(float)) / 2
+    assert 0.9 * most < doubt.max() <= most * (1 + 1e-6)
+
+
+def test_iterations_do_not_grow_where_parts_are_cut_off():
+    """One step alone on each coarser level takes 17 iterations a round here."""
+    scene = scenes.spheres(256, 60, True)
+    result = find_depth(vectors(scene), camera=scene.camera, sure=False)[2]
+    assert result["iterations"] <= 6 * result["rounds"]
+
+
 def test_8_bits_are_nearly_as_good(found):
     scene, plain, *_ = found[0]
     depth = find_depth(stored(scene.normals, np.uint8), ntp.STANDARD)[0]
