@@ -1255,9 +1255,10 @@ NTP_API size_t ntp_depth_scratch_size(int32_t width, int32_t height);
  * nothing tells it.
  *
  * confidence: NULL, or a view like dst that gets 1/(1 + e), e the error that may be expected of the
- * depth, in texels (with a camera: fx times that of the depth in dst); 0 in holes.  e is four times how
- * far the depth moves under forces as large as what is left of the equations, and how far with 3 times k.
- * It ranks texels; it is no bound.  It takes 1.4 times as long as the depth.
+ * depth, in texels (with a camera: fx times that of the depth in dst); 0 in holes.  e is twice how
+ * far the depth moves under forces as large as what is left of the equations, and how far with 3 times k;
+ * it stays below half the standard deviation of all depths.  It ranks texels; it is no bound.  It takes
+ * 1.2 times as long as the depth.
  *
  * scratch: ntp_depth_scratch_size bytes, aligned to 64.  One thread works; of hooks, which may be
  * NULL, only progress is called.  dst, confidence and src do not overlap.  result may be NULL.
