@@ -25,6 +25,7 @@
 
 enum {
     SIGNATURE = 8,
+    CHUNK_HEAD = 8,
     CHUNK = 12, /* length, name, checksum */
     HEADER = 13,
     STREAM_EXTRA = 6, /* of zlib: 2 bytes of header, 4 of checksum */
@@ -81,7 +82,16 @@ static bool take_header(parts *p)
     return width != 0 && p->height != 0 && width <= INT32_MAX && p->height <= INT32_MAX;
 }
 
-/* Finds the IDAT chunks: one after the other, each with the right checksum. */
+/* Does an IDAT chunk follow, whole or not?  libpng counts what is in it, and stops at too much. */
+static bool has_more_pixels(const parts *p, size_t at)
+{
+    size_t size;
+    while (chunk_at(p, at, &size) && !named(p->file + at, "IDAT"))
+        at += size;
+    return p->size - at >= CHUNK_HEAD && named(p->file + at, "IDAT");
+}
+
+/* Finds the IDAT chunks: one after the other, each with the right checksum, and no other. */
 static bool find_pixels(parts *p)
 {
     size_t at = SIGNATURE, size;
@@ -96,7 +106,7 @@ static bool find_pixels(parts *p)
         p->packed += size - CHUNK;
     }
     p->pixels_to = at;
-    return p->packed > STREAM_EXTRA;
+    return p->packed > STREAM_EXTRA && !has_more_pixels(p, at);
 }
 
 static uint64_t raw_size(const parts *p)

@@ -3,8 +3,8 @@
  * test_png_whole.c - PNG unpacked at once and row by row: the same samples, texts and messages
  *
  * libpng and zlib are the witnesses.  Files of every kind are made, then most are damaged: filters
- * that do not exist, rows too many or too few, windows that are too small, chunks out of order,
- * bytes changed with and without their checksums mended.
+ * that do not exist, rows too many or too few, windows that are too small, chunks out of order or
+ * longer than the file, bytes changed with and without their checksums mended.
  */
 #include <zlib.h>
 
@@ -153,6 +153,16 @@ static void put_pixels(void)
     }
 }
 
+/* More pixels than one picture has, in a chunk by itself.  It may say that it is longer than the file. */
+static void put_stray_pixels(void)
+{
+    static const uint8_t surplus[SURPLUS];
+    const size_t at = file.size;
+    chunk(&file, "IDAT", surplus, chance(SURPLUS));
+    if (once_in(2))
+        file.bytes[at] = (uint8_t) chance(256);
+}
+
 static void damage_file(void)
 {
     if (once_in(10))
@@ -189,8 +199,12 @@ static void make_file(void)
     if (spoiled_once_in(2))
         damage_stream();
     put_pixels();
+    if (spoiled_once_in(20))
+        put_stray_pixels();
     if (once_in(3))
         chunk(&file, "tEXt", "after\0pixels", 12);
+    if (spoiled_once_in(20))
+        put_stray_pixels();
     chunk(&file, "IEND", "", 0);
     if (!plain)
         damage_file();
