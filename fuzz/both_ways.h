@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * both_ways.h - reads bytes as an image in two ways, which must agree
+ * both_ways.h - reads bytes as an image in several ways, which must agree
  *
  * Rows go into buffers of their exact size, so that a byte too many is caught.  Reading in steps of
- * several rows, and PNG unpacked at once, must give the same as reading row by row, and each error
- * must be one line of plain text with a status.
+ * several rows, and PNG unpacked at once or in parts, must give the same as reading row by row, and
+ * each error must be one line of plain text with a status.
  */
 #ifndef FUZZ_BOTH_WAYS_H
 #define FUZZ_BOTH_WAYS_H
@@ -58,16 +58,34 @@ static void check_info(const ntpio_info *info)
 
 typedef struct seen {
     bool good;
-    uint64_t hash; /* of the samples */
+    uint64_t hash; /* of the samples, then of the texts */
     ntpio_error error;
 } seen;
 
+static uint64_t hash_of(uint64_t hash, const void *bytes, size_t size)
+{
+    for (size_t i = 0; i < size; i++)
+        hash = (hash ^ ((const uint8_t *) bytes)[i]) * 1099511628211u;
+    return hash;
+}
+
+static uint64_t hash_of_texts(uint64_t hash, const ntpio_info *info)
+{
+    for (size_t i = 0; i < info->text_count; i++) {
+        hash = hash_of(hash, info->texts[i].key, strlen(info->texts[i].key) + 1);
+        hash = hash_of(hash, info->texts[i].value, strlen(info->texts[i].value) + 1);
+    }
+    return hash;
+}
+
 /* Reads the whole image in steps of `step` rows. */
-static seen read_all(const uint8_t *data, size_t size, uint32_t step, uint64_t max_at_once)
+static seen read_all(const uint8_t *data, size_t size, uint32_t step, uint64_t max_at_once,
+                     bool one_pass)
 {
     seen s = { .hash = 14695981039346656037u }; /* FNV-1a */
     ntpio_limits limits = LIMITS;
     limits.max_at_once = max_at_once;
+    limits.one_pass = one_pass;
     limits.mip = size % 5 == 4;
     limits.layer_and_one = size % 8 == 7 ? 2 : size % 4 != 0;
     limits.pairs_as_rgb = size % 2 == 0;
@@ -85,10 +103,10 @@ static seen read_all(const uint8_t *data, size_t size, uint32_t step, uint64_t m
     for (uint32_t y = 0; s.good && y < info->height; y += step) {
         uint32_t count = info->height - y < step ? info->height - y : step;
         s.good = ntpio_read_rows(reader, rows, (ptrdiff_t) row, count, &s.error);
-        for (size_t i = 0; s.good && i < row * count; i++)
-            s.hash = (s.hash ^ rows[i]) * 1099511628211u;
+        s.hash = s.good ? hash_of(s.hash, rows, row * count) : s.hash;
     }
     s.good = s.good && ntpio_read_end(reader, &s.error);
+    s.hash = hash_of_texts(s.hash, info);
     if (s.good)
         check_info(info);
     else
@@ -98,13 +116,21 @@ static seen read_all(const uint8_t *data, size_t size, uint32_t step, uint64_t m
     return s;
 }
 
+static void require_same(const seen *a, const seen *b)
+{
+    require(a->good == b->good, "the way decides whether a file is good");
+    require(!a->good || a->hash == b->hash, "the way changes what is read");
+    require(a->good || strcmp(a->error.message, b->error.message) == 0,
+            "the way changes the message");
+}
+
 static void read_both_ways(const uint8_t *data, size_t size)
 {
-    seen by_one = read_all(data, size, 1, NEVER_AT_ONCE), by_seven = read_all(data, size, 7, 0);
-    require(by_one.good == by_seven.good, "the way decides whether a file is good");
-    require(!by_one.good || by_one.hash == by_seven.hash, "the way changes what is read");
-    require(by_one.good || strcmp(by_one.error.message, by_seven.error.message) == 0,
-            "the way changes the message");
+    const seen by_one = read_all(data, size, 1, NEVER_AT_ONCE, false);
+    const seen by_seven = read_all(data, size, 7, 0, false);
+    const seen in_parts = read_all(data, size, 5, 0, true);
+    require_same(&by_one, &by_seven);
+    require_same(&by_one, &in_parts);
 }
 
 static uint32_t big_endian(const uint8_t *b)

@@ -69,6 +69,8 @@ typedef struct ntpio_limits {
     uint64_t max_memory;    /* 0: 4 GiB; for what must be held whole */
     uint64_t max_at_once;   /* 0: 256 MiB.  PNG files and pictures up to that size are unpacked at
                            * once, which is faster; larger ones row by row.  1: all are. */
+    bool one_pass;          /* rows are read once, without ntpio_rewind: then a PNG file of any size
+                           * is unpacked part by part, which is as fast and takes little memory */
     bool regular_only;      /* refuse pipes and devices, without waiting for them */
     uint32_t mip;           /* 0: the largest, 1: half of it, ... */
     uint32_t layer_and_one; /* 1 + the layer of an array, or the face of a cube; 0: none is picked,

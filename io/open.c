@@ -158,6 +158,7 @@ static ntpio_reader *new_reader(const char *name, const ntpio_limits *limits, nt
     if (limits != NULL && limits->max_at_once != 0)
         reader->limits.max_at_once = limits->max_at_once;
     if (limits != NULL) {
+        reader->limits.one_pass = limits->one_pass;
         reader->limits.mip = limits->mip;
         reader->limits.layer_and_one = limits->layer_and_one;
         reader->limits.pairs_as_rgb = limits->pairs_as_rgb;

@@ -205,14 +205,13 @@ static bool undo_two(uint8_t *row, uint8_t *below, const uint8_t *above, size_t 
 #endif
 }
 
-size_t ntpio__unfilter_rows(uint8_t *rows, const uint8_t *above, size_t size, size_t texel,
-                            size_t count)
+uint32_t ntpio__unfilter_two(uint8_t *row, uint8_t *below, const uint8_t *above, size_t size,
+                             size_t texel, const int kinds[2])
 {
-    uint8_t *below = rows + size + 1;
-    if (above != NULL && count >= 2 && rows[0] == PAETH && below[0] == PAETH &&
-        undo_two(rows + 1, below + 1, above, size, texel))
+    if (above != NULL && below != NULL && kinds[0] == PAETH && kinds[1] == PAETH &&
+        undo_two(row, below, above, size, texel))
         return 2;
-    ntpio__unfilter(rows + 1, above, size, texel, rows[0]);
+    ntpio__unfilter(row, above, size, texel, kinds[0]);
     return 1;
 }
 

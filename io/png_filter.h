@@ -23,11 +23,11 @@ enum {
 void ntpio__unfilter(uint8_t *row, const uint8_t *above, size_t size, size_t texel, int kind);
 
 /*
- * The same for the first of `count` rows, each after the byte that is its kind, and for the second
- * one too if both together are faster.  Returns how many are undone.
+ * The same for a row and, if that is faster together, for the one below it too, which may be NULL.
+ * Returns how many are undone.
  */
-size_t ntpio__unfilter_rows(uint8_t *rows, const uint8_t *above, size_t size, size_t texel,
-                            size_t count);
+uint32_t ntpio__unfilter_two(uint8_t *row, uint8_t *below, const uint8_t *above, size_t size,
+                             size_t texel, const int kinds[2]);
 
 /*
  * Filters a row into `out`.  A texel of zeros stands before both rows; the row above the first one

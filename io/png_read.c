@@ -2,8 +2,8 @@
 /*
  * png_read.c - PNG through libpng, row by row and raw
  *
- * Built with libdeflate, pictures that fit in memory are unpacked by png_whole.c, and libpng reads
- * the rest of their files.  All others are libpng's alone.
+ * Built with libdeflate, pictures that fit in memory are unpacked by png_whole.c, those that are read
+ * once by png_stream.c, and libpng reads the rest of their files.  All others are libpng's alone.
  *
  * libpng decodes pixels and texts.  It never sees the contents of the color chunks: a callback
  * notes that they are there.  So colors are not managed, and no hostile profile is unpacked.  All
@@ -15,6 +15,7 @@
 #include <zlib.h>
 
 #include "formats.h"
+#include "png_stream.h"
 #include "png_whole.h"
 
 enum {
@@ -31,8 +32,10 @@ typedef struct png_state {
     png_structp png;
     png_infop info, end_info;
     ntpio_reader *reader;
-    ntpio__png_whole whole; /* rows NULL: libpng unpacks the pixels */
-    ntpio__source shell;    /* of `whole` */
+    ntpio__png_whole whole; /* rows NULL, and no stream: libpng unpacks the pixels */
+    ntpio__png_stream *stream;
+    ntpio__source shell; /* of either */
+    ntpio_reader *other; /* reads what a stream with a fault has */
     size_t budget;
     bool ended;     /* the source gave less than was asked for */
     size_t begun;   /* bytes of the stream of pixels that were seen, until its two of header were */
@@ -41,6 +44,12 @@ typedef struct png_state {
     bool out_of_memory;
     char message[MESSAGE_SIZE];
 } png_state;
+
+/* Does libpng see an empty picture? */
+static bool has_shell(const png_state *s)
+{
+    return s->whole.rows != NULL || s->stream != NULL;
+}
 
 /* What is freed does not return to the budget: libpng allocates nothing for each row. */
 static png_voidp allocate(png_structp png, png_alloc_size_t size)
@@ -113,12 +122,12 @@ static void on_read(png_structp png, png_bytep dst, size_t size)
     count_surplus(s, size);
     if (has_surplus(s))
         png_error(png, "more data than the picture has");
-    ntpio__source *source = s->whole.rows != NULL ? &s->shell : &s->reader->source;
+    ntpio__source *source = has_shell(s) ? &s->shell : &s->reader->source;
     if (ntpio__read(source, dst, size) != size) {
         s->ended = true;
         png_error(png, "truncated");
     }
-    if (s->whole.rows == NULL)
+    if (!has_shell(s))
         look_at_stream(s, dst, size);
 }
 
@@ -292,6 +301,23 @@ static bool read_header(png_state *s, ntpio_error *error)
     return true;
 }
 
+/* Without libpng, if that is possible. */
+static void take_pixels(png_state *s)
+{
+    ntpio_reader *reader = s->reader;
+    if (reader->limits.one_pass)
+        s->stream = ntpio__png_stream_open(reader);
+    if (s->stream != NULL) {
+        size_t size;
+        const uint8_t *shell = ntpio__png_stream_shell(s->stream, &size);
+        ntpio__source_memory(&s->shell, shell, size);
+        reader->info.packed_hard = ntpio__png_stream_packed_hard(s->stream);
+    } else if (ntpio__png_take(&s->whole, reader)) {
+        ntpio__source_memory(&s->shell, s->whole.shell, s->whole.shell_size);
+        reader->info.packed_hard = s->whole.packed_hard;
+    }
+}
+
 static bool png_open(ntpio_reader *reader, ntpio_error *error)
 {
     png_state *s = calloc(1, sizeof *s);
@@ -304,10 +330,7 @@ static bool png_open(ntpio_reader *reader, ntpio_error *error)
         return false;
     if (!ntpio__can_seek(&reader->source) || !ntpio__size(&reader->source, &reader->info.file_size))
         reader->info.file_size = 0;
-    if (ntpio__png_take(&s->whole, reader)) {
-        ntpio__source_memory(&s->shell, s->whole.shell, s->whole.shell_size);
-        reader->info.packed_hard = s->whole.packed_hard;
-    }
+    take_pixels(s);
     s->png = png_create_read_struct_2(PNG_LIBPNG_VER_STRING, s, on_error, on_warning, s, allocate,
                                       release);
     if (s->png != NULL) {
@@ -323,14 +346,20 @@ static bool png_open(ntpio_reader *reader, ntpio_error *error)
            (ntpio__hold(reader, error) && read_interlaced(s, passes, error));
 }
 
-static bool png_rows(ntpio_reader *reader, uint8_t *dst, ptrdiff_t stride, uint32_t count,
-                     ntpio_error *error)
+/* Do samples of 16 bits change their bytes' order? */
+static bool swaps(const ntpio_reader *reader)
+{
+    return reader->info.sample_bytes == 2 && ntpio__little_endian();
+}
+
+/* Rows through libpng, or of `whole`. */
+static bool read_rows(ntpio_reader *reader, uint8_t *dst, ptrdiff_t stride, uint32_t count,
+                      ntpio_error *error)
 {
     png_state *s = reader->state;
-    const bool swap = reader->info.sample_bytes == 2 && ntpio__little_endian();
     if (s->whole.rows != NULL) {
         for (uint32_t i = 0; i < count; i++)
-            ntpio__png_take_row(&s->whole, dst + (ptrdiff_t) i * stride, swap);
+            ntpio__png_take_row(&s->whole, dst + (ptrdiff_t) i * stride, swaps(reader));
         return true;
     }
     if (setjmp(png_jmpbuf(s->png)) != 0)
@@ -340,7 +369,75 @@ static bool png_rows(ntpio_reader *reader, uint8_t *dst, ptrdiff_t stride, uint3
     return true;
 }
 
-static bool png_end(ntpio_reader *reader, ntpio_error *error)
+static bool is_same_picture(const ntpio_info *a, const ntpio_info *b)
+{
+    return a->width == b->width && a->height == b->height && a->channels == b->channels &&
+           a->sample_bytes == b->sample_bytes && !b->interlaced;
+}
+
+static void png_close(ntpio_reader *reader);
+
+static void drop_other(png_state *s)
+{
+    ntpio_reader *other = s->other;
+    if (other == NULL)
+        return;
+    png_close(other);
+    ntpio__source_close(&other->source);
+    ntpio__free_texts(&other->info);
+    free(other->held);
+    free(other);
+    s->other = NULL;
+}
+
+/* Reads the file from its start in another way, up to row `row`.  It may have changed meanwhile. */
+static bool read_anew(png_state *s, uint32_t row, ntpio_error *error)
+{
+    ntpio_reader *reader = s->reader, *other = calloc(1, sizeof *other);
+    uint8_t *dropped = malloc(ntpio__row_bytes(&reader->info));
+    s->other = other;
+    bool good = other != NULL && dropped != NULL;
+    if (!good)
+        ntpio__fail_memory(error, reader->name);
+    if (other != NULL) {
+        *other = (ntpio_reader) { .source = reader->source,
+                                  .info = { .stamp = reader->info.stamp, .streams = true },
+                                  .limits = reader->limits,
+                                  .name = reader->name };
+        other->limits.one_pass = false;
+        other->source.problem = 0;
+        reader->source = (ntpio__source) { .start = -1 };
+    }
+    if (good && !ntpio__seek(&other->source, 0))
+        good = ntpio__fail_ended(other, error);
+    good = good && png_open(other, error);
+    if (good && !is_same_picture(&reader->info, &other->info))
+        good = ntpio__fail(error, NTPIO_ERR_OPEN, reader->name, "changed meanwhile");
+    for (uint32_t y = 0; good && y < row; y++)
+        good = read_rows(other, dropped, 0, 1, error);
+    free(dropped);
+    if (!good)
+        drop_other(s);
+    return good;
+}
+
+static bool png_rows(ntpio_reader *reader, uint8_t *dst, ptrdiff_t stride, uint32_t count,
+                     ntpio_error *error)
+{
+    png_state *s = reader->state;
+    if (s->stream == NULL)
+        return read_rows(reader, dst, stride, count, error);
+    uint32_t done = 0;
+    if (s->other == NULL)
+        done = ntpio__png_stream_rows(s->stream, dst, stride, count, swaps(reader));
+    if (done == count)
+        return true;
+    if (s->other == NULL && !read_anew(s, reader->row + done, error))
+        return false;
+    return read_rows(s->other, dst + (ptrdiff_t) done * stride, stride, count - done, error);
+}
+
+static bool read_end(ntpio_reader *reader, ntpio_error *error)
 {
     png_state *s = reader->state;
     if (has_surplus(s)) /* texts after it are left out */
@@ -353,13 +450,31 @@ static bool png_end(ntpio_reader *reader, ntpio_error *error)
     return take_texts(s, s->end_info, error);
 }
 
+static bool png_end(ntpio_reader *reader, ntpio_error *error)
+{
+    png_state *s = reader->state;
+    if (s->other != NULL) {
+        const bool good = read_end(s->other, error);
+        ntpio__free_texts(&reader->info);
+        reader->info = s->other->info;
+        s->other->info.texts = NULL;
+        s->other->info.text_count = 0;
+        return good;
+    }
+    if (s->stream != NULL)
+        s->shell.bytes = ntpio__png_stream_shell(s->stream, &s->shell.end);
+    return read_end(reader, error);
+}
+
 static void png_close(ntpio_reader *reader)
 {
     png_state *s = reader->state;
     if (s == NULL)
         return;
+    drop_other(s);
     png_destroy_read_struct(&s->png, &s->info, &s->end_info);
     ntpio__png_drop(&s->whole);
+    ntpio__png_stream_close(s->stream);
     free(s);
 }
 

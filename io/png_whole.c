@@ -20,6 +20,10 @@
 #include "os/memory.h"
 #include "png_filter.h"
 
+const uint8_t ntpio__no_pixels[NTPIO__NO_PIXELS_SIZE] = { 0,   0,    0,    8,    'I',  'D', 'A',
+                                                          'T', 0x78, 0x9c, 0x03, 0x00, 0,   0,
+                                                          0,   1,    0x48, 0x06, 0x89, 0xd2 };
+
 #ifdef NTPIO_HAVE_LIBDEFLATE
 #  include <libdeflate.h>
 
@@ -32,22 +36,12 @@ enum {
     DENSEST = 1032    /* deflate makes at most so many bytes of one */
 };
 
-/* A complete IDAT chunk: a zlib stream of no bytes. */
-static const uint8_t no_pixels[] = { 0,    0,    0,    8, 'I', 'D', 'A', 'T', 0x78, 0x9c,
-                                     0x03, 0x00, 0x00, 0, 0,   1,   0,   0,   0,    0 };
-
 typedef struct parts {
     const uint8_t *file;
     size_t size, pixels_from, pixels_to; /* the IDAT chunks, whole */
     size_t packed;                       /* bytes in them */
-    uint32_t height;
-    size_t row_size, texel;
+    ntpio__png_shape shape;
 } parts;
-
-static bool named(const uint8_t *chunk, const char *name)
-{
-    return memcmp(chunk + 4, name, 4) == 0;
-}
 
 /* Is a whole chunk at `at`?  *size: with its 12 bytes around the data. */
 static bool chunk_at(const parts *p, size_t at, size_t *size)
@@ -63,64 +57,64 @@ static bool checksum_is_right(const uint8_t *chunk, size_t size)
     return libdeflate_crc32(0, chunk + 4, size - 8) == ntpio__png_number(chunk + size - 4);
 }
 
-static bool take_header(parts *p)
+bool ntpio__png_shape_of(ntpio__png_shape *shape, const uint8_t *file, size_t size)
 {
     static const size_t channels[] = { 1, 0, 3, 0, 2, 0, 4 };
-    const uint8_t *chunk = p->file + SIGNATURE, *b = chunk + 8;
-    size_t size;
-    if (p->size < SIGNATURE || !chunk_at(p, SIGNATURE, &size) || size != HEADER + CHUNK ||
-        !named(chunk, "IHDR") || !checksum_is_right(chunk, size))
+    const uint8_t *chunk = file + SIGNATURE, *b = chunk + 8;
+    if (size < SIGNATURE + CHUNK + HEADER || ntpio__png_number(chunk) != HEADER ||
+        !ntpio__png_is(chunk, "IHDR") || !checksum_is_right(chunk, HEADER + CHUNK))
         return false;
-    const uint32_t width = ntpio__png_number(b);
     const int depth = b[8], kind = b[9];
-    p->height = ntpio__png_number(b + 4);
+    shape->width = ntpio__png_number(b);
+    shape->height = ntpio__png_number(b + 4);
     if ((depth != 8 && depth != 16) || kind > 6 || channels[kind] == 0 || b[10] != 0 ||
         b[11] != 0 || b[12] != 0)
         return false;
-    p->texel = channels[kind] * (size_t) depth / 8;
-    p->row_size = width * p->texel;
-    return width != 0 && p->height != 0 && width <= INT32_MAX && p->height <= INT32_MAX;
+    shape->texel = channels[kind] * (size_t) depth / 8;
+    shape->row_size = shape->width * shape->texel;
+    return shape->width != 0 && shape->height != 0 && shape->width <= INT32_MAX &&
+           shape->height <= INT32_MAX;
 }
 
-/* Does an IDAT chunk follow, whole or not?  libpng counts what is in it, and stops at too much. */
-static bool has_more_pixels(const parts *p, size_t at)
+bool ntpio__png_has_pixels(const uint8_t *chunks, size_t size)
 {
-    size_t size;
-    while (chunk_at(p, at, &size) && !named(p->file + at, "IDAT"))
-        at += size;
-    return p->size - at >= CHUNK_HEAD && named(p->file + at, "IDAT");
+    const parts p = { .file = chunks, .size = size };
+    size_t at = 0, whole;
+    while (chunk_at(&p, at, &whole) && !ntpio__png_is(chunks + at, "IDAT"))
+        at += whole;
+    return size - at >= CHUNK_HEAD && ntpio__png_is(chunks + at, "IDAT");
 }
 
 /* Finds the IDAT chunks: one after the other, each with the right checksum, and no other. */
 static bool find_pixels(parts *p)
 {
     size_t at = SIGNATURE, size;
-    for (; chunk_at(p, at, &size) && !named(p->file + at, "IDAT"); at += size) {
-        if (named(p->file + at, "tRNS"))
+    for (; chunk_at(p, at, &size) && !ntpio__png_is(p->file + at, "IDAT"); at += size) {
+        if (ntpio__png_is(p->file + at, "tRNS"))
             return false;
     }
     p->pixels_from = at;
-    for (; chunk_at(p, at, &size) && named(p->file + at, "IDAT"); at += size) {
+    for (; chunk_at(p, at, &size) && ntpio__png_is(p->file + at, "IDAT"); at += size) {
         if (!checksum_is_right(p->file + at, size))
             return false;
         p->packed += size - CHUNK;
     }
     p->pixels_to = at;
-    return p->packed > STREAM_EXTRA && !has_more_pixels(p, at);
+    return p->packed > STREAM_EXTRA && !ntpio__png_has_pixels(p->file + at, p->size - at);
 }
 
 static uint64_t raw_size(const parts *p)
 {
-    return ((uint64_t) p->row_size + 1) * p->height;
+    return ((uint64_t) p->shape.row_size + 1) * p->shape.height;
 }
 
 static bool is_small(const parts *p, const ntpio_limits *limits)
 {
     const uint64_t most =
         limits->max_at_once < limits->max_memory ? limits->max_at_once : limits->max_memory;
-    const uint64_t width = p->row_size / p->texel;
-    return width <= limits->max_side && p->height <= limits->max_side &&
-           width <= limits->max_texels / p->height && raw_size(p) <= most &&
+    const ntpio__png_shape *shape = &p->shape;
+    return shape->width <= limits->max_side && shape->height <= limits->max_side &&
+           shape->width <= limits->max_texels / shape->height && raw_size(p) <= most &&
            raw_size(p) / DENSEST <= p->packed;
 }
 
@@ -139,25 +133,18 @@ static const uint8_t *join(const parts *p, uint8_t *file, uint8_t **memory)
     return first;
 }
 
-/* zlib minds the window that the stream's header names; libdeflate does not. */
-static bool fits_window(const uint8_t *packed, uint64_t size)
-{
-    const unsigned window = packed[0] >> 4;
-    return window >= 7 || size <= (uint64_t) 256 << window;
-}
-
 static bool unpack(const parts *p, const uint8_t *packed, uint8_t *rows)
 {
     const size_t size = (size_t) raw_size(p);
     struct libdeflate_decompressor *d = libdeflate_alloc_decompressor();
     size_t used = 0;
-    const bool good = d != NULL && fits_window(packed, size) &&
+    const bool good = d != NULL && ntpio__png_fits_window(packed, size) &&
                       libdeflate_zlib_decompress_ex(d, packed, p->packed, rows, size, &used,
                                                     NULL) == LIBDEFLATE_SUCCESS &&
                       used == p->packed;
     libdeflate_free_decompressor(d);
-    for (uint32_t y = 0; good && y < p->height; y++) {
-        if (rows[y * (p->row_size + 1)] >= NTPIO__FILTERS)
+    for (uint32_t y = 0; good && y < p->shape.height; y++) {
+        if (rows[y * (p->shape.row_size + 1)] >= NTPIO__FILTERS)
             return false;
     }
     return good;
@@ -166,16 +153,13 @@ static bool unpack(const parts *p, const uint8_t *packed, uint8_t *rows)
 static uint8_t *shell_of(const parts *p, size_t *size)
 {
     const size_t before = p->pixels_from, after = p->size - p->pixels_to;
-    *size = before + sizeof no_pixels + after;
+    *size = before + NTPIO__NO_PIXELS_SIZE + after;
     uint8_t *shell = malloc(*size);
     if (shell == NULL)
         return NULL;
     memcpy(shell, p->file, before);
-    memcpy(shell + before, no_pixels, sizeof no_pixels);
-    const uint32_t sum = libdeflate_crc32(0, no_pixels + 4, sizeof no_pixels - 8);
-    for (int i = 0; i < 4; i++)
-        shell[before + sizeof no_pixels - 4 + (size_t) i] = (uint8_t) (sum >> (24 - 8 * i));
-    memcpy(shell + before + sizeof no_pixels, p->file + p->pixels_to, after);
+    memcpy(shell + before, ntpio__no_pixels, NTPIO__NO_PIXELS_SIZE);
+    memcpy(shell + before + NTPIO__NO_PIXELS_SIZE, p->file + p->pixels_to, after);
     return shell;
 }
 
@@ -183,11 +167,12 @@ static uint8_t *shell_of(const parts *p, size_t *size)
 static bool take_file(ntpio__png_whole *whole, parts *p, uint8_t *file, const ntpio_limits *limits)
 {
     uint8_t *memory = NULL;
-    if (!take_header(p) || !find_pixels(p) || !is_small(p, limits))
+    if (!ntpio__png_shape_of(&p->shape, p->file, p->size) || !find_pixels(p) ||
+        !is_small(p, limits))
         return false;
-    whole->texel = p->texel;
-    whole->height = p->height;
-    whole->row_size = p->row_size;
+    whole->texel = p->shape.texel;
+    whole->height = p->shape.height;
+    whole->row_size = p->shape.row_size;
     whole->rows = os_alloc_large((size_t) raw_size(p));
     const uint8_t *packed = whole->rows != NULL ? join(p, file, &memory) : NULL;
     whole->packed_hard = packed != NULL && ntpio__png_packed_hard(packed[1]);
@@ -217,6 +202,18 @@ static bool take(ntpio__png_whole *whole, ntpio_reader *reader, size_t size)
 }
 
 #else
+
+bool ntpio__png_has_pixels(const uint8_t *chunks, size_t size)
+{
+    (void) chunks, (void) size;
+    return false;
+}
+
+bool ntpio__png_shape_of(ntpio__png_shape *shape, const uint8_t *file, size_t size)
+{
+    (void) shape, (void) file, (void) size;
+    return false;
+}
 
 static bool take(const ntpio__png_whole *whole, const ntpio_reader *reader, size_t size)
 {
@@ -248,8 +245,9 @@ void ntpio__png_take_row(ntpio__png_whole *whole, uint8_t *dst, bool swap)
     uint8_t *row = whole->rows + whole->row * (size + 1) + 1;
     const uint8_t *above = whole->row > 0 ? row - (size + 1) : NULL;
     if (whole->row == whole->undone) {
-        whole->undone += (uint32_t) ntpio__unfilter_rows(row - 1, above, size, whole->texel,
-                                                         whole->height - whole->undone);
+        uint8_t *below = whole->undone + 1 < whole->height ? row + size + 1 : NULL;
+        const int kinds[] = { row[-1], below != NULL ? below[-1] : 0 };
+        whole->undone += ntpio__unfilter_two(row, below, above, size, whole->texel, kinds);
     }
     whole->row++;
     if (!swap)

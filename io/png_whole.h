@@ -8,17 +8,28 @@
 #ifndef NTPIO_PNG_WHOLE_H
 #define NTPIO_PNG_WHOLE_H
 
+#include <string.h>
+
 #include "reader.h"
 
 typedef struct ntpio__png_whole {
-    uint8_t *rows;          /* filtered: each begins with the number of its filter */
-    size_t row_size, texel; /* bytes, without that number */
-    uint32_t height;
-    uint32_t row, undone; /* the next one to deliver; how many are without their filters */
-    uint8_t *shell;       /* the file with an empty picture, for libpng: all but the pixels */
+    uint8_t *rows;                /* filtered: each begins with the number of its filter */
+    size_t row_size, texel;       /* bytes, without that number */
+    uint32_t height, row, undone; /* the next one to deliver; how many are without their filters */
+    uint8_t *shell; /* the file with an empty picture, for libpng: all but the pixels */
     size_t shell_size;
     bool packed_hard;
 } ntpio__png_whole;
+
+/* Of a picture that is read without libpng: 8 or 16 bit, gray to RGBA, not interlaced. */
+typedef struct ntpio__png_shape {
+    uint32_t width, height;
+    size_t row_size, texel; /* bytes */
+} ntpio__png_shape;
+
+/* A complete IDAT chunk: a zlib stream of no bytes. */
+enum { NTPIO__NO_PIXELS_SIZE = 20 };
+extern const uint8_t ntpio__no_pixels[NTPIO__NO_PIXELS_SIZE];
 
 /* The number that four bytes of a PNG are. */
 static inline uint32_t ntpio__png_number(const uint8_t *b)
@@ -30,6 +41,27 @@ static inline uint32_t ntpio__png_number(const uint8_t *b)
 static inline bool ntpio__png_packed_hard(uint8_t second)
 {
     return second >> 6 == 3;
+}
+
+/* Looks at the first `size` bytes of a file.  False: no such picture, or a header with a fault. */
+bool ntpio__png_shape_of(ntpio__png_shape *shape, const uint8_t *file, size_t size);
+
+/* Is a chunk of type `name` at `chunk`? */
+static inline bool ntpio__png_is(const uint8_t *chunk, const char *name)
+{
+    return memcmp(chunk + 4, name, 4) == 0;
+}
+
+/* Do chunks hold pixels, whole or not?  After those that were read, libpng counts what is in them, and
+ * stops at too much. */
+bool ntpio__png_has_pixels(const uint8_t *chunks, size_t size);
+
+/* zlib minds the window that the stream's header names; other readers do not.  `size`: of what is
+ * unpacked. */
+static inline bool ntpio__png_fits_window(const uint8_t *packed, uint64_t size)
+{
+    const unsigned window = packed[0] >> 4;
+    return window >= 7 || size <= (uint64_t) 256 << window;
 }
 
 /* Reads the file if it is one of those.  False: it is not, and the source is at its start. */

@@ -202,6 +202,7 @@ int check_run(const options *o)
                               .quiet = option_given(o, OPT_QUIET),
                               .verbose = option_given(o, OPT_VERBOSE),
                               .nul = option_given(o, OPT_NUL) } };
+    c.limits.one_pass = true;
     if (!baseline_read(&c.known, option_string(o, OPT_BASELINE)))
         return NTP_EXIT_USAGE;
     if (!inputs_collect(&inputs, o)) {

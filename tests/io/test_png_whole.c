@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * test_png_whole.c - PNG unpacked at once and row by row: the same samples, texts and messages
+ * test_png_whole.c - PNG unpacked at once, in parts and row by row: the same samples, texts and messages
  *
  * libpng and zlib are the witnesses.  Files of every kind are made, then most are damaged: filters
  * that do not exist, rows too many or too few, windows that are too small, chunks out of order or
@@ -10,21 +10,22 @@
 
 #include "made.h"
 #include "png_filter.h"
+#include "png_stream.h"
 #include "png_whole.h"
 
 #define NTPIO_NO_SIMD
-#define ntpio__unfilter      unfilter_plainly
-#define ntpio__filter        filter_plainly
-#define ntpio__unfilter_rows unfilter_rows_plainly
+#define ntpio__unfilter     unfilter_plainly
+#define ntpio__filter       filter_plainly
+#define ntpio__unfilter_two unfilter_two_plainly
 void unfilter_plainly(uint8_t *row, const uint8_t *above, size_t size, size_t texel, int kind);
 uint64_t filter_plainly(uint8_t *out, const uint8_t *row, const uint8_t *above, size_t size,
                         size_t texel, int kind);
-size_t unfilter_rows_plainly(uint8_t *rows, const uint8_t *above, size_t size, size_t texel,
-                             size_t count);
+uint32_t unfilter_two_plainly(uint8_t *row, uint8_t *below, const uint8_t *above, size_t size,
+                              size_t texel, const int kinds[2]);
 #include "../../io/png_filter.c" // NOLINT(bugprone-suspicious-include)
 #undef ntpio__unfilter
 #undef ntpio__filter
-#undef ntpio__unfilter_rows
+#undef ntpio__unfilter_two
 
 #ifdef NTPIO_HAVE_LIBDEFLATE
 #  define CAN_UNPACK_AT_ONCE true
@@ -32,7 +33,7 @@ size_t unfilter_rows_plainly(uint8_t *rows, const uint8_t *above, size_t size, s
 #  define CAN_UNPACK_AT_ONCE false
 #endif
 
-enum { SIDE = 40, TALL = 7 * SIDE, RAW_MAX = 1 << 17, SURPLUS = 20000, FILES = 6000 };
+enum { SIDE = 40, TALL = 7 * SIDE, RAW_MAX = 1 << 17, SURPLUS = 20000, STEP_MAX = 5, FILES = 6000 };
 
 /* ------------------------------------------------------------------------- chance */
 
@@ -227,17 +228,24 @@ static uint64_t sum_of(uint64_t sum, const void *data, size_t size)
     return sum;
 }
 
-static seen look(uint64_t at_once)
+/* `step`: rows at a time. */
+static seen look_so(uint64_t at_once, bool one_pass, uint32_t step)
 {
-    static uint8_t row[512 * 8];
-    const ntpio_limits limits = { .max_side = 512, .max_memory = 1 << 22, .max_at_once = at_once };
+    static uint8_t rows[STEP_MAX][512 * 8];
+    const ntpio_limits limits = {
+        .max_side = 512, .max_memory = 1 << 22, .max_at_once = at_once, .one_pass = one_pass
+    };
     seen s = { 0 };
     ntpio_reader *reader = ntpio_open_memory(file.bytes, file.size, "made", &limits, &s.error);
     s.good = reader != NULL;
-    for (; s.good && s.rows < ntpio_reader_info(reader)->height; s.rows += s.good) {
-        s.good = ntpio_read_rows(reader, row, 0, 1, &s.error);
+    while (s.good && s.rows < ntpio_reader_info(reader)->height) {
         const ntpio_info *i = ntpio_reader_info(reader);
-        s.samples = sum_of(s.samples, row, i->width * (size_t) (i->channels * i->sample_bytes));
+        const uint32_t left = i->height - s.rows, count = left < step ? left : step;
+        s.good = ntpio_read_rows(reader, rows, sizeof *rows, count, &s.error);
+        for (uint32_t y = 0; y < count; y++)
+            s.samples =
+                sum_of(s.samples, rows[y], i->width * (size_t) (i->channels * i->sample_bytes));
+        s.rows += s.good ? count : 0;
     }
     s.good = s.good && ntpio_read_end(reader, &s.error);
     if (reader != NULL) {
@@ -252,6 +260,11 @@ static seen look(uint64_t at_once)
     return s;
 }
 
+static seen look(uint64_t at_once)
+{
+    return look_so(at_once, false, 1);
+}
+
 static bool taken_at_once(size_t most)
 {
     ntpio_reader reader = { .limits = { .max_side = 512,
@@ -262,6 +275,19 @@ static bool taken_at_once(size_t most)
     ntpio__source_memory(&reader.source, file.bytes, file.size);
     const bool taken = ntpio__png_take(&whole, &reader);
     ntpio__png_drop(&whole);
+    return taken;
+}
+
+static bool taken_in_parts(void)
+{
+    ntpio_reader reader = { .limits = { .max_side = 512, .max_texels = 1 << 20 } };
+    static uint8_t rows[TALL][SIDE * 8];
+    ntpio__source_memory(&reader.source, file.bytes, file.size);
+    ntpio__png_stream *stream = ntpio__png_stream_open(&reader);
+    const uint32_t height = (uint32_t) (file.bytes[22] << 8 | file.bytes[23]);
+    const bool taken = stream != NULL &&
+                       ntpio__png_stream_rows(stream, *rows, sizeof *rows, height, false) == height;
+    ntpio__png_stream_close(stream);
     return taken;
 }
 
@@ -289,9 +315,12 @@ static void test_files(void)
         plain = n % 4 == 0;
         make_file();
         const seen rows = look(1), once = look(1 << 22);
-        if (!same(&rows, &once)) {
-            fprintf(stderr, "file %u: \"%s\" row by row, \"%s\" at once\n", n, rows.error.message,
-                    once.error.message);
+        const seen parts = look_so(1 << 22, true, 1), fives = look_so(1 << 22, true, STEP_MAX);
+        const bool as_good =
+            fives.good == rows.good && (fives.samples == rows.samples || !rows.good);
+        if (!same(&rows, &once) || !same(&rows, &parts) || !as_good) {
+            fprintf(stderr, "file %u: \"%s\" row by row, \"%s\" at once, \"%s\" in parts\n", n,
+                    rows.error.message, once.error.message, parts.error.message);
             FILE *out = fopen("different.png", "wb");
             CHECK(out != NULL && fwrite(file.bytes, 1, file.size, out) == file.size);
             fclose(out);
@@ -300,6 +329,7 @@ static void test_files(void)
         const bool at_once = taken_at_once(1 << 22);
         CHECK(!plain || !taken_at_once(raw_size - 1));
         CHECK(!plain || (rows.good && at_once == CAN_UNPACK_AT_ONCE));
+        CHECK(!plain || taken_in_parts() == CAN_UNPACK_AT_ONCE);
         good += rows.good;
         taken += at_once;
     }
@@ -350,8 +380,10 @@ static void test_rows_together(void)
         }
         for (size_t y = 0; y < ROWS;) {
             uint8_t *row = fast + AROUND + y * (size + 1);
-            const size_t done =
-                ntpio__unfilter_rows(row, y == 0 ? over : row - size, size, texel, ROWS - y);
+            uint8_t *below = y + 1 < ROWS ? row + size + 1 : NULL;
+            const int kinds[] = { *row, below != NULL ? *below : 0 };
+            const size_t done = ntpio__unfilter_two(row + 1, below != NULL ? below + 1 : NULL,
+                                                    y == 0 ? over : row - size, size, texel, kinds);
             CHECK(done >= 1 && done <= ROWS - y);
             y += done;
         }
