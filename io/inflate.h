@@ -3,8 +3,9 @@
  * inflate.h - unpacks deflate part by part, in memory that stays small
  *
  * libdeflate unpacks only a whole stream into a whole picture.  Fresh memory for both can take as
- * long as the unpacking.  This is as fast, and stops where the room ends or the input does.  It
- * refuses every stream that RFC 1951 forbids, and some codes that no encoder makes.
+ * long as the unpacking.  This is nearly as fast, and stops where the room ends or the input does.  It
+ * refuses every stream that zlib refuses (libdeflate takes some of them), and a code of one literal,
+ * which no encoder makes.
  */
 #ifndef NTPIO_INFLATE_H
 #define NTPIO_INFLATE_H

@@ -26,8 +26,7 @@ enum {
     ROOM_SIZE = 1 << 16, /* at least, besides the window */
     CHUNK_HEAD = 8,
     CHECKSUM = 4,
-    SIGNATURE = 8,
-    DICTIONARY = 0x20
+    SIGNATURE = 8
 };
 
 struct ntpio__png_stream {
@@ -257,8 +256,7 @@ static bool take_zlib_header(ntpio__png_stream *s)
     const uint8_t *b = in->in;
     in->in += 2;
     s->packed_hard = ntpio__png_packed_hard(b[1]);
-    return (b[0] & 15) == 8 && b[0] >> 4 <= 7 && (b[0] * 256 + b[1]) % 31 == 0 &&
-           (b[1] & DICTIONARY) == 0 && ntpio__png_fits_window(b, s->left);
+    return ntpio__png_zlib_header(b, s->left);
 }
 
 static bool start(ntpio__png_stream *s, size_t head_size)

@@ -1,22 +1,22 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * png_whole.c - all pixels of a PNG at once, through libdeflate
+ * png_whole.c - all pixels of a PNG at once
  *
- * libdeflate unpacks three times as fast as zlib, but only what is in memory as a whole.  libpng
- * still reads everything else: it gets a copy of the file whose pixels are an empty stream.  A file
- * counts as faultless only if libpng would take it without an error or a warning about pixels:
- * checksums are right, the stream ends where the chunks and the last row end, and it reaches no
- * further back than its header says.
+ * Who reads rows twice gets them from memory the second time.  libpng still reads everything else: it
+ * gets a copy of the file whose pixels are an empty stream.  A file counts as faultless only if libpng
+ * would take it without an error or a warning about pixels: checksums are right, the stream ends where
+ * the chunks and the last row end, and it reaches no further back than its header says.
  *
- * libdeflate reads some codes that RFC 1951 forbids and zlib refuses: lengths 286 and 287, the free
- * half of a code of one word, more than 286 and 30 codes.  No encoder makes them, and a file needs
- * the right checksum of its pixels in spite of them; such a file is read rather than refused.
+ * libdeflate would unpack a fifteenth faster, but reads codes that RFC 1951 forbids and zlib refuses:
+ * lengths 286 and 287, the free half of a code of one word, more than 286 and 30 codes.  Its checksums
+ * are taken.
  */
 #include "png_whole.h"
 
 #include <stdlib.h>
 #include <string.h>
 
+#include "inflate.h"
 #include "os/memory.h"
 #include "png_filter.h"
 
@@ -32,8 +32,10 @@ enum {
     CHUNK_HEAD = 8,
     CHUNK = 12, /* length, name, checksum */
     HEADER = 13,
-    STREAM_EXTRA = 6, /* of zlib: 2 bytes of header, 4 of checksum */
-    DENSEST = 1032    /* deflate makes at most so many bytes of one */
+    ZLIB_HEADER = 2,
+    CHECKSUM = 4,
+    PART = 1 << 17,
+    DENSEST = 1032 /* deflate makes at most so many bytes of one */
 };
 
 typedef struct parts {
@@ -42,6 +44,14 @@ typedef struct parts {
     size_t packed;                       /* bytes in them */
     ntpio__png_shape shape;
 } parts;
+
+typedef struct unpacking {
+    uint8_t *rows, *out, *end;
+    uint32_t sum;
+    bool ends; /* the stream, well or not */
+    ntpio__inflate inflate;
+    uint8_t last[2 * NTPIO__IN_SLACK]; /* bytes of the stream */
+} unpacking;
 
 /* Is a whole chunk at `at`?  *size: with its 12 bytes around the data. */
 static bool chunk_at(const parts *p, size_t at, size_t *size)
@@ -100,7 +110,16 @@ static bool find_pixels(parts *p)
         p->packed += size - CHUNK;
     }
     p->pixels_to = at;
-    return p->packed > STREAM_EXTRA && !ntpio__png_has_pixels(p->file + at, p->size - at);
+    return p->packed > ZLIB_HEADER + CHECKSUM && !ntpio__png_has_pixels(p->file + at, p->size - at);
+}
+
+bool ntpio__png_zlib_header(const uint8_t *packed, uint64_t size)
+{
+    enum { DEFLATE = 8, WINDOW_MOST = 7, DICTIONARY = 0x20 };
+    const unsigned kind = packed[0] & 15, window = packed[0] >> 4;
+    return kind == DEFLATE && window <= WINDOW_MOST && (packed[0] * 256 + packed[1]) % 31 == 0 &&
+           (packed[1] & DICTIONARY) == 0 &&
+           (window == WINDOW_MOST || size <= (uint64_t) 256 << window);
 }
 
 static uint64_t raw_size(const parts *p)
@@ -133,16 +152,53 @@ static const uint8_t *join(const parts *p, uint8_t *file, uint8_t **memory)
     return first;
 }
 
-static bool unpack(const parts *p, const uint8_t *packed, uint8_t *rows)
+/* Unpacks a part that stays in the cache until its checksum is made.  False: a fault, or the end. */
+static bool unpack_part(unpacking *u)
+{
+    ntpio__inflate *in = &u->inflate;
+    const size_t left = (size_t) (u->end - u->out);
+    const uint8_t *from = u->out, *most = u->out + (left < PART ? left : PART) + NTPIO__OUT_SLACK;
+    ntpio__inflated now = ntpio__inflate_some(in, u->rows, &u->out, most);
+    if (now == NTPIO__NEEDS_INPUT && !in->no_more) { /* the last bytes, with slack behind them */
+        const size_t some = (size_t) (in->in_end - in->in);
+        memcpy(u->last, in->in, some);
+        in->in = u->last;
+        in->in_end = u->last + some;
+        in->no_more = true;
+        now = ntpio__inflate_some(in, u->rows, &u->out, most);
+    }
+    u->ends = now == NTPIO__STREAM_ENDS;
+    if (now == NTPIO__STREAM_BAD || u->out > u->end)
+        return false;
+    u->sum = libdeflate_adler32(u->sum, from, (size_t) (u->out - from));
+    return !u->ends;
+}
+
+static bool unpack_all(unpacking *u, const parts *p, const uint8_t *packed, uint8_t *rows)
 {
     const size_t size = (size_t) raw_size(p);
-    struct libdeflate_decompressor *d = libdeflate_alloc_decompressor();
-    size_t used = 0;
-    const bool good = d != NULL && ntpio__png_fits_window(packed, size) &&
-                      libdeflate_zlib_decompress_ex(d, packed, p->packed, rows, size, &used,
-                                                    NULL) == LIBDEFLATE_SUCCESS &&
-                      used == p->packed;
-    libdeflate_free_decompressor(d);
+    ntpio__inflate *in = &u->inflate;
+    memset(in, 0, offsetof(ntpio__inflate, literals));
+    memset(u->last, 0, sizeof u->last);
+    in->in = packed + ZLIB_HEADER;
+    in->in_end = packed + p->packed;
+    u->rows = u->out = rows;
+    u->end = rows + size;
+    u->sum = 1;
+    u->ends = false;
+    while (unpack_part(u))
+        continue;
+    const uint8_t *sum = u->ends ? ntpio__inflate_end(in) : NULL;
+    return sum != NULL && u->out == u->end && in->in_end - sum == CHECKSUM &&
+           ntpio__png_number(sum) == u->sum;
+}
+
+static bool unpack(const parts *p, const uint8_t *packed, uint8_t *rows)
+{
+    unpacking *u = malloc(sizeof *u);
+    const bool good =
+        u != NULL && ntpio__png_zlib_header(packed, raw_size(p)) && unpack_all(u, p, packed, rows);
+    free(u);
     for (uint32_t y = 0; good && y < p->shape.height; y++) {
         if (rows[y * (p->shape.row_size + 1)] >= NTPIO__FILTERS)
             return false;
@@ -173,7 +229,7 @@ static bool take_file(ntpio__png_whole *whole, parts *p, uint8_t *file, const nt
     whole->texel = p->shape.texel;
     whole->height = p->shape.height;
     whole->row_size = p->shape.row_size;
-    whole->rows = os_alloc_large((size_t) raw_size(p));
+    whole->rows = os_alloc_large((size_t) raw_size(p) + NTPIO__OUT_SLACK);
     const uint8_t *packed = whole->rows != NULL ? join(p, file, &memory) : NULL;
     whole->packed_hard = packed != NULL && ntpio__png_packed_hard(packed[1]);
     if (packed != NULL && unpack(p, packed, whole->rows))

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * png_whole.h - all pixels of a PNG at once, through libdeflate
+ * png_whole.h - all pixels of a PNG at once, in memory
  *
  * For plain files without any fault: 8 or 16 bit, gray to RGBA, not interlaced, no tRNS.  What is
  * not plain, and whatever is wrong, is left to libpng, which has a message for it.
@@ -56,13 +56,9 @@ static inline bool ntpio__png_is(const uint8_t *chunk, const char *name)
  * stops at too much. */
 bool ntpio__png_has_pixels(const uint8_t *chunks, size_t size);
 
-/* zlib minds the window that the stream's header names; other readers do not.  `size`: of what is
- * unpacked. */
-static inline bool ntpio__png_fits_window(const uint8_t *packed, uint64_t size)
-{
-    const unsigned window = packed[0] >> 4;
-    return window >= 7 || size <= (uint64_t) 256 << window;
-}
+/* Is it the header of a zlib stream that zlib takes?  `size`: of what is unpacked; zlib minds the
+ * window that the header names. */
+bool ntpio__png_zlib_header(const uint8_t *packed, uint64_t size);
 
 /* Reads the file if it is one of those.  False: it is not, and the source is at its start. */
 bool ntpio__png_take(ntpio__png_whole *whole, ntpio_reader *reader);

@@ -337,6 +337,41 @@ static void test_files(void)
     CHECK(!CAN_UNPACK_AT_ONCE || taken > FILES / 3);
 }
 
+/* One row of zeros: its filter, then a repetition of 258 bytes.  285 says so; 286, which zlib refuses,
+ * says so to libdeflate. */
+static void make_file_of_repetition(uint32_t code)
+{
+    static const uint8_t head[13] = { 0, 0, 1, 2, 0, 0, 0, 1, 8 };
+    static const uint8_t sum[4] = { 1, 3, 0, 1 }; /* of 259 zeros */
+    const uint32_t words[][2] = { { 1, 1 }, { 2, 2 }, { 0x30, 8 }, { 0xc0 + code - 280, 8 },
+                                  { 0, 5 }, { 0, 7 } }; /* first bits first; 2, 2: fixed codes */
+    uint8_t bits[8] = { 0 };
+    size_t count = 0;
+    for (size_t i = 0; i < sizeof words / sizeof *words; i++) {
+        for (uint32_t k = words[i][1]; k-- > 0; count++)
+            bits[count / 8] |= (uint8_t) ((words[i][0] >> k & 1) << count % 8);
+    }
+    packed.size = 0;
+    put(&packed, "\x78\x01", 2);
+    put(&packed, bits, (count + 7) / 8);
+    put(&packed, sum, sizeof sum);
+    file.size = 0;
+    put(&file, "\x89PNG\r\n\x1a\n", 8);
+    chunk(&file, "IHDR", head, sizeof head);
+    chunk(&file, "IDAT", packed.bytes, packed.size);
+    chunk(&file, "IEND", "", 0);
+}
+
+static void test_forbidden_code(void)
+{
+    for (uint32_t code = 285; code <= 287; code++) {
+        make_file_of_repetition(code);
+        const seen rows = look(1), once = look(1 << 22), parts = look_so(1 << 22, true, 1);
+        CHECK(rows.good == (code == 285));
+        CHECK(same(&rows, &once) && same(&rows, &parts));
+    }
+}
+
 /* -------------------------------------------------------------------------- filters */
 
 static void test_filters(void)
@@ -429,5 +464,6 @@ int main(void)
     test_rows_together();
     test_filters_done();
     test_files();
+    test_forbidden_code();
     return 0;
 }
