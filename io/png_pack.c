@@ -24,10 +24,8 @@
 
 #include "deflate.h"
 #include "png_filter.h"
+#include "png_sums.h"
 
-#ifdef NTPIO_HAVE_LIBDEFLATE
-#  include <libdeflate.h>
-#endif
 #include <zlib.h>
 
 enum {
@@ -215,15 +213,6 @@ static int choose_kind(const ntpio__png_packer *p, band *b)
 
 /* --------------------------------------------------------------------------- bands */
 
-static uint32_t sum_bytes(uint32_t sum, const uint8_t *bytes, size_t size)
-{
-#ifdef NTPIO_HAVE_LIBDEFLATE
-    return libdeflate_adler32(sum, bytes, size);
-#else
-    return (uint32_t) adler32(sum, bytes, (uInt) size);
-#endif
-}
-
 /* Leaves the end of a band for the next one, which may look back into it. */
 static void leave_tail(ntpio__png_packer *p, uint32_t number, const uint8_t *end, size_t size)
 {
@@ -291,7 +280,7 @@ static void pack_again(const ntpio__png_packer *p, band *b, int level, size_t kn
         b->again = b->out;
         b->out = better;
         b->size = size;
-        b->checksum = sum_bytes(1, b->filtered + NTPIO__WINDOW, b->rows * (p->row_size + 1));
+        b->checksum = ntpio__adler32(1, b->filtered + NTPIO__WINDOW, b->rows * (p->row_size + 1));
     }
 }
 
@@ -322,7 +311,7 @@ static void make_band(ntpio__png_packer *p, uint32_t number)
     const size_t size = filter_rows(p, b, choose_kind(p, b));
     b->first = number == 0;
     leave_tail(p, number, bytes + size, size);
-    b->checksum = sum_bytes(1, bytes, size);
+    b->checksum = ntpio__adler32(1, bytes, size);
     const size_t known = take_tail(p, number, bytes);
     b->size = pack_rows(p, b, p->level, known, b->out);
     if (p->rival == 0 || !is_beaten(p, b))

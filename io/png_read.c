@@ -2,8 +2,8 @@
 /*
  * png_read.c - PNG through libpng, row by row and raw
  *
- * Built with libdeflate, pictures that fit in memory are unpacked by png_whole.c, those that are read
- * once by png_stream.c, and libpng reads the rest of their files.  All others are libpng's alone.
+ * Pictures that fit in memory are unpacked by png_whole.c, those that are read once by png_stream.c,
+ * and libpng reads the rest of their files.  All others are libpng's alone.
  *
  * libpng decodes pixels and texts.  It never sees the contents of the color chunks: a callback
  * notes that they are there.  So colors are not managed, and no hostile profile is unpacked.  All
@@ -12,10 +12,10 @@
 #include <png.h>
 #include <stdlib.h>
 #include <string.h>
-#include <zlib.h>
 
 #include "formats.h"
 #include "png_stream.h"
+#include "png_sums.h"
 #include "png_whole.h"
 
 enum {
@@ -284,7 +284,7 @@ static bool check_announced_size(ntpio_reader *reader, ntpio_error *error)
     const uint8_t *b = reader->source.bytes + reader->source.at;
     if (size < END + 4 || ntpio__png_number(b + SIGNATURE) != BODY_SIZE ||
         memcmp(b + KIND, "IHDR", 4) != 0 ||
-        crc32(0, b + KIND, END - KIND) != ntpio__png_number(b + END))
+        ntpio__crc32(0, b + KIND, END - KIND) != ntpio__png_number(b + END))
         return true;
     const uint32_t width = ntpio__png_number(b + BODY), height = ntpio__png_number(b + BODY + 4);
     if (width == 0 || height == 0 || width > INT32_MAX || height > INT32_MAX)

@@ -13,10 +13,8 @@
 
 #include "inflate.h"
 #include "png_filter.h"
+#include "png_sums.h"
 #include "png_whole.h"
-
-#ifdef NTPIO_HAVE_LIBDEFLATE
-#  include <libdeflate.h>
 
 enum {
     HEAD_MAX = 1 << 16, /* before the first IDAT chunk */
@@ -57,7 +55,7 @@ static bool next_chunk(ntpio__png_stream *s)
     s->after_size = ntpio__read(s->source, s->after, CHUNK_HEAD);
     s->inflate.no_more = s->after_size < CHUNK_HEAD || !ntpio__png_is(s->after, "IDAT");
     s->chunk_left = ntpio__png_number(s->after);
-    s->chunk_sum = libdeflate_crc32(0, s->after + 4, 4);
+    s->chunk_sum = ntpio__crc32(0, s->after + 4, 4);
     return s->inflate.no_more || s->chunk_left <= INT32_MAX;
 }
 
@@ -72,7 +70,7 @@ static bool fill(ntpio__png_stream *s)
         some = some < s->chunk_left ? some : s->chunk_left;
         if (ntpio__read(s->source, s->packed + used, some) != some)
             return false;
-        s->chunk_sum = libdeflate_crc32(s->chunk_sum, s->packed + used, some);
+        s->chunk_sum = ntpio__crc32(s->chunk_sum, s->packed + used, some);
         s->chunk_left -= (uint32_t) some;
         used += some;
         if (s->chunk_left == 0 && !next_chunk(s))
@@ -107,7 +105,7 @@ static bool unpack(ntpio__png_stream *s, bool *ends)
     const size_t size = (size_t) (out - s->to);
     if (now == NTPIO__STREAM_BAD || size > s->left)
         return false;
-    s->sum = libdeflate_adler32(s->sum, s->to, size);
+    s->sum = ntpio__adler32(s->sum, s->to, size);
     s->left -= size;
     s->to = out;
     *ends = now == NTPIO__STREAM_ENDS;
@@ -242,7 +240,7 @@ static bool take_head(ntpio__png_stream *s, size_t size)
     memcpy(s->shell + size, ntpio__no_pixels, NTPIO__NO_PIXELS_SIZE);
     s->shell_size = size + NTPIO__NO_PIXELS_SIZE;
     s->chunk_left = ntpio__png_number(head);
-    s->chunk_sum = libdeflate_crc32(0, head + 4, 4);
+    s->chunk_sum = ntpio__crc32(0, head + 4, 4);
     return s->chunk_left <= INT32_MAX;
 }
 
@@ -318,38 +316,3 @@ void ntpio__png_stream_close(ntpio__png_stream *s)
     free(s->above);
     free(s);
 }
-
-#else
-
-ntpio__png_stream *ntpio__png_stream_open(ntpio_reader *reader)
-{
-    (void) reader;
-    return NULL;
-}
-
-const uint8_t *ntpio__png_stream_shell(const ntpio__png_stream *stream, size_t *size)
-{
-    (void) stream;
-    *size = 0;
-    return NULL;
-}
-
-bool ntpio__png_stream_packed_hard(const ntpio__png_stream *stream)
-{
-    (void) stream;
-    return false;
-}
-
-uint32_t ntpio__png_stream_rows(ntpio__png_stream *stream, uint8_t *dst, ptrdiff_t stride,
-                                uint32_t count, bool swap)
-{
-    (void) stream, (void) dst, (void) stride, (void) count, (void) swap;
-    return 0;
-}
-
-void ntpio__png_stream_close(ntpio__png_stream *stream)
-{
-    (void) stream;
-}
-
-#endif

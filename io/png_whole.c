@@ -19,13 +19,11 @@
 #include "inflate.h"
 #include "os/memory.h"
 #include "png_filter.h"
+#include "png_sums.h"
 
 const uint8_t ntpio__no_pixels[NTPIO__NO_PIXELS_SIZE] = { 0,   0,    0,    8,    'I',  'D', 'A',
                                                           'T', 0x78, 0x9c, 0x03, 0x00, 0,   0,
                                                           0,   1,    0x48, 0x06, 0x89, 0xd2 };
-
-#ifdef NTPIO_HAVE_LIBDEFLATE
-#  include <libdeflate.h>
 
 enum {
     SIGNATURE = 8,
@@ -64,7 +62,7 @@ static bool chunk_at(const parts *p, size_t at, size_t *size)
 
 static bool checksum_is_right(const uint8_t *chunk, size_t size)
 {
-    return libdeflate_crc32(0, chunk + 4, size - 8) == ntpio__png_number(chunk + size - 4);
+    return ntpio__crc32(0, chunk + 4, size - 8) == ntpio__png_number(chunk + size - 4);
 }
 
 bool ntpio__png_shape_of(ntpio__png_shape *shape, const uint8_t *file, size_t size)
@@ -170,7 +168,7 @@ static bool unpack_part(unpacking *u)
     u->ends = now == NTPIO__STREAM_ENDS;
     if (now == NTPIO__STREAM_BAD || u->out > u->end)
         return false;
-    u->sum = libdeflate_adler32(u->sum, from, (size_t) (u->out - from));
+    u->sum = ntpio__adler32(u->sum, from, (size_t) (u->out - from));
     return !u->ends;
 }
 
@@ -256,28 +254,6 @@ static bool take(ntpio__png_whole *whole, ntpio_reader *reader, size_t size)
     free(copy);
     return taken;
 }
-
-#else
-
-bool ntpio__png_has_pixels(const uint8_t *chunks, size_t size)
-{
-    (void) chunks, (void) size;
-    return false;
-}
-
-bool ntpio__png_shape_of(ntpio__png_shape *shape, const uint8_t *file, size_t size)
-{
-    (void) shape, (void) file, (void) size;
-    return false;
-}
-
-static bool take(const ntpio__png_whole *whole, const ntpio_reader *reader, size_t size)
-{
-    (void) whole, (void) reader, (void) size;
-    return false;
-}
-
-#endif
 
 bool ntpio__png_take(ntpio__png_whole *whole, ntpio_reader *reader)
 {
