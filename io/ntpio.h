@@ -64,15 +64,15 @@ typedef enum ntpio_format {
 /* What a reader refuses before it allocates or decodes, and which image of a DDS or KTX2 it
  * delivers. */
 typedef struct ntpio_limits {
-    uint32_t max_side;      /* 0: 65535 */
-    uint64_t max_texels;    /* 0: 2^30 (32768 x 32768) */
-    uint64_t max_memory;    /* 0: 4 GiB; for what must be held whole */
-    uint64_t max_at_once;   /* 0: 256 MiB.  PNG files and pictures up to that size are unpacked at
-                           * once, which is faster; larger ones row by row.  1: all are. */
-    bool one_pass;          /* rows are read once, without ntpio_rewind: then a PNG file of any size
-                           * is unpacked part by part, which is as fast and takes little memory */
-    bool regular_only;      /* refuse pipes and devices, without waiting for them */
-    uint32_t mip;           /* 0: the largest, 1: half of it, ... */
+    uint32_t max_side;    /* 0: 65535 */
+    uint64_t max_texels;  /* 0: 2^30 (32768 x 32768) */
+    uint64_t max_memory;  /* 0: 4 GiB; for what must be held whole */
+    uint64_t max_at_once; /* 0: 256 MiB.  PNG files and pictures up to that size are unpacked at
+                             * once, for ntpio_rewind; larger ones part by part, in little memory.
+                             * 1: libpng does it for all, row by row, which is slower. */
+    bool one_pass;        /* rows are read once: then PNG files of any size are unpacked in parts */
+    bool regular_only;    /* refuse pipes and devices, without waiting for them */
+    uint32_t mip;         /* 0: the largest, 1: half of it, ... */
     uint32_t layer_and_one; /* 1 + the layer of an array, or the face of a cube; 0: none is picked,
                              * and arrays and cubes are refused */
     bool pairs_as_rgb;      /* two channels that are red and green (BC5) come with a blue of 0, as

@@ -25,6 +25,7 @@ enum {
     CHUNK_SIZE_MAX = 4 << 20,      /* of one text, unpacked */
     CHUNK_BUDGET = 64 << 20,       /* all that libpng allocates, without rows */
     ROW_BUDGET_BYTES_A_TEXEL = 64, /* more than three rows of 8 bytes a texel */
+    LIBPNG_ONLY = 1,               /* as max_at_once */
     MESSAGE_SIZE = 128
 };
 
@@ -305,7 +306,9 @@ static bool read_header(png_state *s, ntpio_error *error)
 static void take_pixels(png_state *s)
 {
     ntpio_reader *reader = s->reader;
-    if (reader->limits.one_pass)
+    if (reader->limits.max_at_once == LIBPNG_ONLY)
+        return;
+    if (reader->limits.one_pass || ntpio__png_is_large(reader))
         s->stream = ntpio__png_stream_open(reader);
     if (s->stream != NULL) {
         size_t size;
@@ -404,7 +407,7 @@ static bool read_anew(png_state *s, uint32_t row, ntpio_error *error)
                                   .info = { .stamp = reader->info.stamp, .streams = true },
                                   .limits = reader->limits,
                                   .name = reader->name };
-        other->limits.one_pass = false;
+        other->limits.max_at_once = LIBPNG_ONLY;
         other->source.problem = 0;
         reader->source = (ntpio__source) { .start = -1 };
     }

@@ -120,19 +120,40 @@ bool ntpio__png_zlib_header(const uint8_t *packed, uint64_t size)
            (window == WINDOW_MOST || size <= (uint64_t) 256 << window);
 }
 
+static uint64_t size_of(const ntpio__png_shape *shape)
+{
+    return ((uint64_t) shape->row_size + 1) * shape->height;
+}
+
 static uint64_t raw_size(const parts *p)
 {
-    return ((uint64_t) p->shape.row_size + 1) * p->shape.height;
+    return size_of(&p->shape);
+}
+
+static uint64_t most_at_once(const ntpio_limits *limits)
+{
+    return limits->max_at_once < limits->max_memory ? limits->max_at_once : limits->max_memory;
 }
 
 static bool is_small(const parts *p, const ntpio_limits *limits)
 {
-    const uint64_t most =
-        limits->max_at_once < limits->max_memory ? limits->max_at_once : limits->max_memory;
     const ntpio__png_shape *shape = &p->shape;
     return shape->width <= limits->max_side && shape->height <= limits->max_side &&
-           shape->width <= limits->max_texels / shape->height && raw_size(p) <= most &&
-           raw_size(p) / DENSEST <= p->packed;
+           shape->width <= limits->max_texels / shape->height &&
+           raw_size(p) <= most_at_once(limits) && raw_size(p) / DENSEST <= p->packed;
+}
+
+bool ntpio__png_is_large(ntpio_reader *reader)
+{
+    enum { HEAD = SIGNATURE + CHUNK + HEADER };
+    ntpio__source *source = &reader->source;
+    ntpio__png_shape shape;
+    uint64_t size;
+    const size_t peeked = ntpio__peek(source, HEAD);
+    return ntpio__png_shape_of(&shape, source->bytes + source->at, peeked) &&
+           ((ntpio__can_seek(source) && ntpio__size(source, &size) &&
+             size > reader->limits.max_at_once) ||
+            size_of(&shape) > most_at_once(&reader->limits));
 }
 
 /* The data of all IDAT chunks as one.  They move together if the file is a copy of ours. */

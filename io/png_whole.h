@@ -60,6 +60,9 @@ bool ntpio__png_has_pixels(const uint8_t *chunks, size_t size);
  * window that the header names. */
 bool ntpio__png_zlib_header(const uint8_t *packed, uint64_t size);
 
+/* Is the file or its picture larger than what may be unpacked at once? */
+bool ntpio__png_is_large(ntpio_reader *reader);
+
 /* Reads the file if it is one of those.  False: it is not, and the source is at its start. */
 bool ntpio__png_take(ntpio__png_whole *whole, ntpio_reader *reader);
 

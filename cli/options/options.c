@@ -371,8 +371,8 @@ const option_spec OPTION_TABLE[] = {
     { OPT_MAX_TEXELS, "max-texels", 0, KIND_INTEGER, "N", "1073741824", 1, 4294836225.0, V_ALL,
       "refuse images of more texels than this" },
     { OPT_MAX_AT_ONCE, "max-at-once", 0, KIND_INTEGER, "MIB", "256", 0, 4095, V_ALL,
-      "unpack a PNG at once, which is faster, if file and picture take up to so many MiB each; larger "
-      "ones row by row, in little memory" },
+      "keep a PNG that is read twice in memory, which is faster, if file and picture take up to so many "
+      "MiB each; 0: read every PNG row by row through libpng" },
     { OPT_MIP, "mip", 0, KIND_INTEGER, "N", "0", 0, 31, V_ALL,
       "of a DDS or KTX2, read this mip: 0 is the largest, each next one is half as large" },
     { OPT_LAYER, "layer", 0, KIND_INTEGER, "N", NULL, 0, 12287, V_ALL,

@@ -308,11 +308,11 @@ static void test_files(void)
     for (uint32_t n = 0; n < FILES; n++) {
         plain = n % 4 == 0;
         make_file();
-        const seen rows = look(1), once = look(1 << 22);
+        const seen rows = look(1), once = look(1 << 22), large = look(2);
         const seen parts = look_so(1 << 22, true, 1), fives = look_so(1 << 22, true, STEP_MAX);
         const bool as_good =
             fives.good == rows.good && (fives.samples == rows.samples || !rows.good);
-        if (!same(&rows, &once) || !same(&rows, &parts) || !as_good) {
+        if (!same(&rows, &once) || !same(&rows, &parts) || !same(&rows, &large) || !as_good) {
             fprintf(stderr, "file %u: \"%s\" row by row, \"%s\" at once, \"%s\" in parts\n", n,
                     rows.error.message, once.error.message, parts.error.message);
             FILE *out = fopen("different.png", "wb");

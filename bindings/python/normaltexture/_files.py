@@ -133,6 +133,7 @@ def _limits(mip: int, layer: int | None, max_side: int = 0, max_texels: int = 0)
         if not 0 <= value <= 12287:
             raise ArgumentError(f"{name}={value!r}: must be within 0..12287")
     limits = ffi.new("ntpio_limits *", (max_side, max_texels, 0))
+    limits.one_pass = True
     limits.mip, limits.layer_and_one = mip, 0 if layer is None else layer + 1
     return limits
 
