@@ -2,8 +2,9 @@
 /*
  * inflate.c - unpacks deflate part by part
  *
- * A code is looked up by its next 11 bits (distances: 8; inflate_table.h).  A literal takes one look-up,
- * a repetition two.  One refill of the bits lasts for three literals and a length, or for a distance.
+ * A code is looked up by its next 11 bits (distances: 8; inflate_table.h).  A literal takes one
+ * look-up, a repetition two.  One refill of the bits lasts for three literals and a length, or for
+ * a distance.
  *
  * Input and room are checked once in a step.  Bytes are read up to the slack beyond the input; a
  * stream that ends there is bad.  Nothing is written past the slack of the room, and no distance
@@ -282,8 +283,8 @@ static inline bool take_distance(taker *t, const ntpio__inflate *s, size_t *dist
 
 /*
  * Codes of a block, from full bits on, while there are input and room.  The entry of the next code
- * is looked up before the bits are filled and bytes are repeated, which do not wait for it.  False:
- * the stream is bad.
+ * is looked up before the bits are filled and bytes are repeated, which do not wait for it.
+ * False: the stream is bad.
  */
 static inline bool take_codes_of(taker *t, ntpio__inflate *s, const uint8_t *begin,
                                  const uint8_t *in_most, const uint8_t *out_most)

@@ -3,9 +3,9 @@
  * inflate.h - unpacks deflate part by part, in memory that stays small
  *
  * libdeflate unpacks only a whole stream into a whole picture.  Fresh memory for both can take as
- * long as the unpacking.  This is nearly as fast, and stops where the room ends or the input does.  It
- * refuses every stream that zlib refuses (libdeflate takes some of them), and a code of one literal,
- * which no encoder makes.
+ * long as the unpacking.  This is nearly as fast, and stops where the room ends or the input does.
+ * It refuses every stream that zlib refuses (libdeflate takes some of them), and a code of one
+ * literal, which no encoder makes.
  */
 #ifndef NTPIO_INFLATE_H
 #define NTPIO_INFLATE_H
@@ -49,9 +49,9 @@ typedef struct ntpio__inflate {
 } ntpio__inflate;
 
 /*
- * Unpacks until less than NTPIO__OUT_SLACK bytes are left before `out_end`, or until the input runs
- * short and more comes.  *out moves on.  What was unpacked before stands from `begin` on: all of it,
- * or the window at least.
+ * Unpacks until less than NTPIO__OUT_SLACK bytes are left before `out_end`, or until the input
+ * runs short and more comes.  *out moves on.  What was unpacked before stands from `begin` on: all
+ * of it, or the window at least.
  */
 ntpio__inflated ntpio__inflate_some(ntpio__inflate *s, const uint8_t *begin, uint8_t **out,
                                     const uint8_t *out_end);

@@ -2,8 +2,8 @@
 /*
  * png_read.c - PNG through libpng, row by row and raw
  *
- * Pictures that fit in memory are unpacked by png_whole.c, those that are read once by png_stream.c,
- * and libpng reads the rest of their files.  All others are libpng's alone.
+ * Pictures that fit in memory are unpacked by png_whole.c, those that are read once by
+ * png_stream.c, and libpng reads the rest of their files.  All others are libpng's alone.
  *
  * libpng decodes pixels and texts.  It never sees the contents of the color chunks: a callback
  * notes that they are there.  So colors are not managed, and no hostile profile is unpacked.  All

@@ -2,10 +2,10 @@
 /*
  * png_stream.c - the rows of a PNG in little memory
  *
- * Data of IDAT chunks go into `packed`, and are unpacked into `room`: the window of deflate, then rows
- * that were not taken.  Rows are copied to the caller before their filters are undone, since the window holds
- * filtered bytes.  The last row is delivered only if the stream ends well: with its checksum, where
- * the chunks end, and with what follows them.
+ * Data of IDAT chunks go into `packed`, and are unpacked into `room`: the window of deflate, then
+ * rows that were not taken.  Rows are copied to the caller before their filters are undone, since
+ * the window holds filtered bytes.  The last row is delivered only if the stream ends well: with
+ * its checksum, where the chunks end, and with what follows them.
  */
 #include "png_stream.h"
 

@@ -2,10 +2,10 @@
 /*
  * png_stream.h - the rows of a PNG in little memory, for one who reads them once
  *
- * For the same files as png_whole.h, if their pixels begin in the first 4096 bytes.  Chunks are read
- * and unpacked part by part, so the system need not find memory for all of the picture, and rows are
- * taken from the caches.  A fault shows only when rows before it have been delivered; then the caller
- * reads anew in another way, and leaves these out.
+ * For the same files as png_whole.h, if their pixels begin in the first 4096 bytes.  Chunks are
+ * read and unpacked part by part, so the system need not find memory for all of the picture, and
+ * rows are taken from the caches.  A fault shows only when rows before it have been delivered;
+ * then the caller reads anew in another way, and leaves these out.
  */
 #ifndef NTPIO_PNG_STREAM_H
 #define NTPIO_PNG_STREAM_H

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* png_sums.h - the checksums of PNG: by libdeflate where it is there, which is ten times as fast as zlib */
+/* png_sums.h - the checksums of PNG: by libdeflate where it is there, which is faster than zlib */
 #ifndef NTPIO_PNG_SUMS_H
 #define NTPIO_PNG_SUMS_H
 

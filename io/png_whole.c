@@ -2,14 +2,14 @@
 /*
  * png_whole.c - all pixels of a PNG at once
  *
- * Who reads rows twice gets them from memory the second time.  libpng still reads everything else: it
- * gets a copy of the file whose pixels are an empty stream.  A file counts as faultless only if libpng
- * would take it without an error or a warning about pixels: checksums are right, the stream ends where
- * the chunks and the last row end, and it reaches no further back than its header says.
+ * Who reads rows twice gets them from memory the second time.  libpng still reads everything else:
+ * it gets a copy of the file whose pixels are an empty stream.  A file counts as faultless only if
+ * libpng would take it without an error or a warning about pixels: checksums are right, the stream
+ * ends where the chunks and the last row end, and it reaches no further back than its header says.
  *
- * libdeflate would unpack a fifteenth faster, but reads codes that RFC 1951 forbids and zlib refuses:
- * lengths 286 and 287, the free half of a code of one word, more than 286 and 30 codes.  Its checksums
- * are taken.
+ * libdeflate would unpack up to a tenth faster, but reads codes that RFC 1951 forbids and zlib
+ * refuses: lengths 286 and 287, the free half of a code of one word, more than 286 and 30 codes.
+ * Its checksums are taken.
  */
 #include "png_whole.h"
 
@@ -171,7 +171,7 @@ static const uint8_t *join(const parts *p, uint8_t *file, uint8_t **memory)
     return first;
 }
 
-/* Unpacks a part that stays in the cache until its checksum is made.  False: a fault, or the end. */
+/* Unpacks a part that stays in the cache until its checksum is made.  False: a fault or the end. */
 static bool unpack_part(unpacking *u)
 {
     ntpio__inflate *in = &u->inflate;

@@ -37,7 +37,8 @@ static inline uint32_t ntpio__png_number(const uint8_t *b)
     return (uint32_t) b[0] << 24 | (uint32_t) b[1] << 16 | (uint32_t) b[2] << 8 | b[3];
 }
 
-/* The second byte of a zlib stream: its two top bits say how hard its maker tried, and 3 is hardest. */
+/* The second byte of a zlib stream: its two top bits say how hard its maker tried, and 3 is
+ * hardest. */
 static inline bool ntpio__png_packed_hard(uint8_t second)
 {
     return second >> 6 == 3;
@@ -52,8 +53,8 @@ static inline bool ntpio__png_is(const uint8_t *chunk, const char *name)
     return memcmp(chunk + 4, name, 4) == 0;
 }
 
-/* Do chunks hold pixels, whole or not?  After those that were read, libpng counts what is in them, and
- * stops at too much. */
+/* Do chunks hold pixels, whole or not?  After those that were read, libpng counts what is in them,
+ * and stops at too much. */
 bool ntpio__png_has_pixels(const uint8_t *chunks, size_t size);
 
 /* Is it the header of a zlib stream that zlib takes?  `size`: of what is unpacked; zlib minds the

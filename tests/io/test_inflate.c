@@ -2,9 +2,9 @@
 /*
  * test_inflate.c - deflate unpacked part by part, beside zlib
  *
- * zlib is the witness: it makes streams of all kinds of blocks, most of which are then damaged.  What
- * we unpack has to be what zlib unpacks, and what zlib refuses we refuse.  Input and room come in
- * parts of chance sizes, each time at another place and with chance bytes behind them.
+ * zlib is the witness: it makes streams of all kinds of blocks, most of which are then damaged.
+ * What we unpack has to be what zlib unpacks, and what zlib refuses we refuse.  Input and room
+ * come in parts of chance sizes, each time at another place and with chance bytes behind them.
  */
 #include <zlib.h>
 
@@ -203,8 +203,9 @@ static void test_fixed(unsigned length, unsigned distance, bool good)
     check_both(good);
 }
 
-/* A block whose codes are: literals a (one bit) and the end of the block (one bit, or two: a code that
- * is not complete), `more` symbols of no use, and `distances` of one bit each. */
+/* A block whose codes are: literals a (one bit) and the end of the block (one bit; or two: a code
+ * that is not complete; or none).  It says that there are so many literals and distances; the first
+ * `words` distances have one bit each. */
 static void test_codes(unsigned end_bits, unsigned literals, unsigned distances, unsigned words,
                        bool good)
 {

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * test_png_whole.c - PNG unpacked at once, in parts and row by row: the same samples, texts and messages
+ * test_png_whole.c - PNG unpacked at once, in parts and row by row: the same samples, texts and
+ * messages
  *
  * libpng and zlib are the witnesses.  Files of every kind are made, then most are damaged: filters
  * that do not exist, rows too many or too few, windows that are too small, chunks out of order or
@@ -148,7 +149,8 @@ static void put_pixels(void)
     }
 }
 
-/* More pixels than one picture has, in a chunk by itself.  It may say that it is longer than the file. */
+/* More pixels than one picture has, in a chunk by itself.  It may say that it is longer than the
+ * file. */
 static void put_stray_pixels(void)
 {
     static const uint8_t surplus[SURPLUS];
@@ -331,8 +333,8 @@ static void test_files(void)
     CHECK(taken > FILES / 3);
 }
 
-/* One row of zeros: its filter, then a repetition of 258 bytes.  285 says so; 286, which zlib refuses,
- * says so to libdeflate. */
+/* One row of zeros: its filter, then a repetition of 258 bytes.  285 says so; 286, which zlib
+ * refuses, says so to libdeflate. */
 static void make_file_of_repetition(uint32_t code)
 {
     static const uint8_t head[13] = { 0, 0, 1, 2, 0, 0, 0, 1, 8 };
