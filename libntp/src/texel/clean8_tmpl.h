@@ -60,17 +60,15 @@ static inline bool put_blues(uint8_t *dst, const uint8_t *src, const uint8_t *bl
 
 #ifdef __AVX2__
 
-/* For a shuffle: four pairs of bytes as words, from byte `at` on, three bytes apart. */
-#  define PAIRS(at)                                                                                \
-      (at), -1, (at) + 1, -1, (at) + 3, -1, (at) + 4, -1, (at) + 6, -1, (at) + 7, -1, (at) + 9,    \
-          -1, (at) + 10, -1
-
-/* 2^14 > 16255 - a(a + 1) - c(c + 1), negative where a pair is too long; a = r - 128. */
-static inline __m256i rest8(__m256i pairs)
+/* 2^14 > 16255 - a(a + 1) - c(c + 1) of 16 pairs of bytes, as words, negative where a pair is too
+ * long.  For a = r - 128, a(a + 1) is p(p + 1), where p is a or -1 - a, and at most 127.  So two of
+ * these fit into a word. */
+static inline __m256i rest_words(__m256i pairs)
 {
-    __m256i a = _mm256_sub_epi16(pairs, _mm256_set1_epi16(128));
-    __m256i sum = _mm256_madd_epi16(a, _mm256_add_epi16(a, _mm256_set1_epi16(1)));
-    return _mm256_sub_epi32(_mm256_set1_epi32(16255), sum);
+    const __m256i a = _mm256_xor_si256(pairs, _mm256_set1_epi8(-128));
+    const __m256i p = _mm256_xor_si256(a, _mm256_cmpgt_epi8(_mm256_setzero_si256(), a));
+    const __m256i sum = _mm256_maddubs_epi16(_mm256_sub_epi8(p, _mm256_set1_epi8(-1)), p);
+    return _mm256_sub_epi16(_mm256_set1_epi16(16255), sum);
 }
 
 /*
@@ -86,12 +84,20 @@ static inline __m256i root8(__m256i e)
     return _mm256_cvttps_epi32(_mm256_add_ps(root, _mm256_set1_ps(0.0625f)));
 }
 
-/* The derived blues of 16 pairs, as words, from what rest8 makes of them; of pairs that are too long
- * it is any number. */
-static inline __m256i blue_words(__m256i e0, __m256i e1)
+/* floor(sqrt(e)), e < 2^14.  The root of what is no square is more than 2^-8 from a whole number, so
+ * no float of it is rounded to that. */
+static inline __m256i roots(__m256i e)
 {
-    __m256i e = _mm256_packs_epi32(e0, e1), t = _mm256_packs_epi32(root8(e0), root8(e1));
-    t = _mm256_add_epi16(t, _mm256_cmpgt_epi16(_mm256_mullo_epi16(t, t), e));
+    return _mm256_cvttps_epi32(_mm256_sqrt_ps(_mm256_cvtepi32_ps(e)));
+}
+
+/* The derived blues of 16 pairs, as words, from what rest_words makes of them; of pairs that are too
+ * long it is any number. */
+static inline __m256i blue_words(__m256i e)
+{
+    const __m256i zero = _mm256_setzero_si256();
+    const __m256i t = _mm256_packs_epi32(roots(_mm256_unpacklo_epi16(e, zero)),
+                                         roots(_mm256_unpackhi_epi16(e, zero)));
     return _mm256_add_epi16(t, _mm256_set1_epi16(128));
 }
 
@@ -102,43 +108,23 @@ static inline uint32_t negatives(__m256i e0, __m256i e1)
            (uint32_t) _mm256_movemask_ps(_mm256_castsi256_ps(e1)) << 8;
 }
 
-/* The derived blues of 16 pixels, in the order 0-3, 8-11, 4-7, 12-15; false: a pair is too long. */
-static inline bool derive_blues(__m128i *blues, const uint8_t *src)
-{
-    const __m256i low = _mm256_setr_epi8(PAIRS(0), PAIRS(0));
-    const __m256i high = _mm256_setr_epi8(PAIRS(0), PAIRS(4));
-    __m256i p[2];
-    for (int i = 0; i < 2; i++) {
-        const uint8_t *first = src + 24 * i, *second = src + (i == 0 ? 12 : 32);
-        __m128i a = _mm_loadu_si128((const __m128i *) (const void *) first);
-        __m128i b = _mm_loadu_si128((const __m128i *) (const void *) second);
-        p[i] = _mm256_inserti128_si256(_mm256_castsi128_si256(a), b, 1);
-    }
-    const __m256i e0 = rest8(_mm256_shuffle_epi8(p[0], low));
-    const __m256i e1 = rest8(_mm256_shuffle_epi8(p[1], high));
-    if (negatives(e0, e1) != 0)
-        return false;
-    const __m256i t = blue_words(e0, e1);
-    *blues = _mm_packus_epi16(_mm256_castsi256_si128(t), _mm256_extracti128_si256(t, 1));
-    return true;
-}
-
 /* Puts the blues into 16 pixels with alpha.  Returns a bit for each that is to be done otherwise:
  * its pair is too long, or its alpha 0 if `opaque` has all bits set. */
 static inline uint32_t put_blues_rgba(uint8_t *dst, const uint8_t *src, uint32_t opaque,
                                       uint64_t *changed)
 {
     const __m256i zero = _mm256_setzero_si256();
-    const __m256i pairs = _mm256_broadcastsi128_si256(
-        _mm_setr_epi8(0, -1, 1, -1, 4, -1, 5, -1, 8, -1, 9, -1, 12, -1, 13, -1));
-    __m256i v[2], e[2], clear[2], same[2];
+    const __m256i shuffle = _mm256_broadcastsi128_si256(
+        _mm_setr_epi8(0, 1, 4, 5, 8, 9, 12, 13, -1, -1, -1, -1, -1, -1, -1, -1));
+    __m256i v[2], pairs[2], clear[2], same[2];
     for (int i = 0; i < 2; i++) {
         v[i] = _mm256_loadu_si256((const __m256i *) (const void *) (src + 32 * i));
-        e[i] = rest8(_mm256_shuffle_epi8(v[i], pairs));
+        pairs[i] = _mm256_shuffle_epi8(v[i], shuffle);
         clear[i] = _mm256_cmpeq_epi32(_mm256_srli_epi32(v[i], 24), zero);
     }
-    const uint32_t left = negatives(e[0], e[1]) | (negatives(clear[0], clear[1]) & opaque);
-    const __m256i t = blue_words(e[0], e[1]);
+    const __m256i e = rest_words(_mm256_unpacklo_epi64(pairs[0], pairs[1])), t = blue_words(e);
+    const uint32_t left = negatives(_mm256_unpacklo_epi16(e, e), _mm256_unpackhi_epi16(e, e)) |
+                          (negatives(clear[0], clear[1]) & opaque);
     for (int i = 0; i < 2; i++) {
         const __m256i blues =
             i == 0 ? _mm256_unpacklo_epi16(zero, t) : _mm256_unpackhi_epi16(zero, t);
@@ -152,35 +138,59 @@ static inline uint32_t put_blues_rgba(uint8_t *dst, const uint8_t *src, uint32_t
     return left;
 }
 
-#  define N -1
-
-static inline bool put_derived_blues(uint8_t *dst, const uint8_t *src, uint64_t *changed)
+/* Two loads of 16 bytes, or two stores. */
+static inline __m256i load_two(const void *low, const void *high)
 {
-    const __m128i place[3] = { _mm_setr_epi8(N, N, 0, N, N, 1, N, N, 2, N, N, 3, N, N, 8, N),
-                               _mm_setr_epi8(N, 9, N, N, 10, N, N, 11, N, N, 4, N, N, 5, N, N),
-                               _mm_setr_epi8(6, N, N, 7, N, N, 12, N, N, 13, N, N, 14, N, N, 15) };
-    const __m128i rest[3] = { _mm_setr_epi8(N, N, 0, N, N, 0, N, N, 0, N, N, 0, N, N, 0, N),
-                              _mm_setr_epi8(N, 0, N, N, 0, N, N, 0, N, N, 0, N, N, 0, N, N),
-                              _mm_setr_epi8(0, N, N, 0, N, N, 0, N, N, 0, N, N, 0, N, N, 0) };
-    __m128i blues, old[3];
-    if (!derive_blues(&blues, src))
+    return _mm256_inserti128_si256(_mm256_castsi128_si256(_mm_loadu_si128(low)),
+                                   _mm_loadu_si128(high), 1);
+}
+
+static inline void store_two(void *low, void *high, __m256i v)
+{
+    _mm_storeu_si128(low, _mm256_castsi256_si128(v));
+    _mm_storeu_si128(high, _mm256_extracti128_si256(v, 1));
+}
+
+/* The shuffle of both halves; N: a byte that becomes 0. */
+#  define N -1
+#  define SHUFFLE(v, ...)                                                                          \
+      _mm256_shuffle_epi8((v), _mm256_broadcastsi128_si256(_mm_setr_epi8(__VA_ARGS__)))
+
+/* Puts the derived blues into 16 pixels; false, with nothing written, if a pair is too long.  `others`
+ * adds up how many were others.  Each half of these vectors is of eight pixels, their bytes 0 to 15
+ * and 8 to 23.  The latter are stored over the former, of which only two blues remain. */
+static inline bool put_derived_blues(uint8_t *dst, const uint8_t *src, __m256i *others)
+{
+    const __m256i zero = _mm256_setzero_si256();
+    const __m256i low = load_two(src, src + 24), high = load_two(src + 8, src + 32);
+    const __m256i pairs =
+        _mm256_or_si256(SHUFFLE(low, 0, 1, 3, 4, 6, 7, 9, 10, 12, 13, N, N, N, N, N, N),
+                        SHUFFLE(high, N, N, N, N, N, N, N, N, N, N, 7, 8, 10, 11, 13, 14));
+    const __m256i e = rest_words(pairs);
+    if (_mm256_movemask_epi8(_mm256_cmpgt_epi16(zero, e)) != 0)
         return false;
-    for (int i = 0; i < 3; i++)
-        old[i] = _mm_loadu_si128((const __m128i *) (const void *) (src + 16 * i));
-    for (int i = 0; i < 3; i++) {
-        __m128i now =
-            _mm_or_si128(_mm_and_si128(old[i], rest[i]), _mm_shuffle_epi8(blues, place[i]));
-        if (changed != NULL) {
-            int same = _mm_movemask_epi8(_mm_cmpeq_epi8(now, old[i]));
-            *changed += (uint64_t) __builtin_popcount((unsigned) same ^ 0xffff);
-        }
-        _mm_storeu_si128((__m128i *) (void *) (dst + 16 * i), now);
-    }
+    const __m256i blues = blue_words(e), ones = _mm256_set1_epi8(-1);
+    const __m256i low_now =
+        _mm256_blendv_epi8(low, SHUFFLE(blues, N, N, 0, N, N, 2, N, N, N, N, N, N, N, N, N, N),
+                           SHUFFLE(ones, N, N, 0, N, N, 0, N, N, N, N, N, N, N, N, N, N));
+    const __m256i high_now =
+        _mm256_blendv_epi8(high, SHUFFLE(blues, 4, N, N, 6, N, N, 8, N, N, 10, N, N, 12, N, N, 14),
+                           SHUFFLE(ones, 0, N, N, 0, N, N, 0, N, N, 0, N, N, 0, N, N, 0));
+    const __m256i same =
+        _mm256_and_si256(_mm256_cmpeq_epi8(low_now, low), _mm256_cmpeq_epi8(high_now, high));
+    const __m256i other = _mm256_sub_epi8(same, ones);
+    *others = _mm256_add_epi64(*others, _mm256_sad_epu8(other, zero));
+    store_two(dst, dst + 24, low_now);
+    store_two(dst + 8, dst + 32, high_now);
     return true;
 }
 
-#  undef N
-#  undef PAIRS
+static inline uint64_t sum_of_four(__m256i v)
+{
+    uint64_t each[4];
+    _mm256_storeu_si256((__m256i *) (void *) each, v);
+    return each[0] + each[1] + each[2] + each[3];
+}
 
 #endif
 
@@ -194,10 +204,13 @@ static inline size_t clean_blues(uint8_t *dst, const uint8_t *src, size_t n, con
 {
     size_t i = 0;
 #ifdef __AVX2__
+    __m256i others = _mm256_setzero_si256();
     for (; i + 16 <= n; i += 16) {
-        if (!put_derived_blues(dst + 3 * i, src + 3 * i, changed))
+        if (!put_derived_blues(dst + 3 * i, src + 3 * i, &others))
             clean_by_pairs(dst + 3 * i, src + 3 * i, 16, table, touch_unused, changed);
     }
+    if (changed != NULL)
+        *changed += sum_of_four(others);
 #endif
     for (; i + 8 <= n; i += 8) {
         /* The table can fill the first cache, so rows are fetched ahead of time. */

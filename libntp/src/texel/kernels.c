@@ -133,14 +133,20 @@ static inline void clean_by_pairs(uint8_t *dst, const uint8_t *src, size_t n, co
             for (int i = 0; i < 4; i++)
                 t[i] = clean_one(load24le(src + 3 * i), table, 0, touch_unused);
         }
-        for (int i = 0; changed != NULL && i < 4; i++)
-            *changed += t[i] != load24le(src + 3 * i);
-        store64le(dst, (uint64_t) t[0] | (uint64_t) t[1] << 24 | (uint64_t) t[2] << 48);
-        store32le(dst + 8, t[2] >> 16 | t[3] << 8);
+        const uint64_t first = (uint64_t) t[0] | (uint64_t) t[1] << 24 | (uint64_t) t[2] << 48;
+        const uint32_t last = t[2] >> 16 | t[3] << 8;
+        if (changed != NULL) {
+            const uint64_t a = load64le(src) ^ first;
+            const uint32_t b = load32le(src + 8) ^ last;
+            *changed += (uint64_t) ((a & RGB) != 0) + (uint64_t) ((a >> 24 & RGB) != 0) +
+                        (uint64_t) ((a >> 48 | (b & 255)) != 0) + (uint64_t) (b >> 8 != 0);
+        }
+        store64le(dst, first);
+        store32le(dst + 8, last);
     }
-    uint64_t last = clean_rgb8_slowly(dst, src, n, table, 0, touch_unused);
+    uint64_t others = clean_rgb8_slowly(dst, src, n, table, 0, touch_unused);
     if (changed != NULL)
-        *changed += last;
+        *changed += others;
 }
 
 static inline void clean_rgb8(uint8_t *dst, const uint8_t *src, size_t n, const uint32_t *table,
@@ -174,11 +180,14 @@ static uint64_t clean_rgb8_blindly(uint8_t *dst, const uint8_t *src, size_t n,
 #ifdef __AVX2__
 static int32_t derive_rgb8(uint8_t *dst, const uint8_t *src, int32_t n, uint64_t *changed)
 {
+    __m256i others = _mm256_setzero_si256();
     int32_t i = 0;
     for (; i + 16 <= n; i += 16) {
-        if (!put_derived_blues(dst + 3 * i, src + 3 * i, changed))
+        if (!put_derived_blues(dst + 3 * i, src + 3 * i, &others))
             break;
     }
+    if (changed != NULL)
+        *changed += sum_of_four(others);
     return i;
 }
 #else
@@ -265,10 +274,8 @@ static void derive(int32_t *want, const int32_t *r, const int32_t *g, int32_t n,
 static int32_t clean_rgb16(uint16_t *dst, const uint16_t *src, int32_t n, int32_t zzero,
                            uint64_t *changed)
 {
-    if (changed != NULL)
-        return zzero ? clean16_run(dst, src, n, true, changed)
-                     : clean16_run(dst, src, n, false, changed);
-    return zzero ? clean16_run(dst, src, n, true, NULL) : clean16_run(dst, src, n, false, NULL);
+    return zzero ? clean16_run(dst, src, n, true, changed)
+                 : clean16_run(dst, src, n, false, changed);
 }
 
 /* k = (|X| + 1)/2 for a = r - K. */
