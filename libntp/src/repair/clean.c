@@ -238,6 +238,22 @@ static uint64_t clean_by_length(const job *j, ntp__block *out, ntp__block *block
     return (uint64_t) changed;
 }
 
+/* Whole steps of packed RGB of 8 bit over their lengths. */
+static void clean_rgb8_by_length(const job *j, int32_t x, int32_t y, int32_t n, uint64_t *changed)
+{
+    int32_t at[NTP__BLOCK];
+    uint8_t *d = ntp__at_mut(j->dst, x, y);
+    const int32_t left = j->kernels->normalize_rgb8(d, ntp__at(j->src, x, y), n, at, changed);
+    for (int32_t i = 0; i < left; i++) {
+        uint8_t *to = d + (ptrdiff_t) 3 * at[i];
+        int32_t c[4] = { to[0], to[1], to[2], j->m };
+        clean_texel(j, c);
+        *changed += to[0] != c[0] || to[1] != c[1] || to[2] != c[2];
+        for (int32_t k = 0; k < 3; k++)
+            to[k] = (uint8_t) c[k];
+    }
+}
+
 static bool blue_is_written(const job *j)
 {
     return j->encoding != NTP_ENCODING_XY;
@@ -313,8 +329,8 @@ static void clean_block(const job *j, int32_t x, int32_t y, int32_t n, ntp_clean
 
 static bool is_plain_rgb(const job *j)
 {
-    return j->src->channels == 3 && blue_is_written(j) && j->how.method == NTP_CLEAN_DERIVE &&
-           !j->how.only_failing && !j->how.keep_negative_z && ntp__is_packed(j->src) &&
+    return j->src->channels == 3 && blue_is_written(j) && !j->how.only_failing &&
+           !j->how.keep_negative_z && ntp__is_packed(j->src) &&
            j->dst->pixel_stride == j->src->pixel_stride;
 }
 
@@ -330,14 +346,22 @@ static int32_t clean_rgb(const job *j, int32_t x, int32_t n, int32_t y, uint64_t
 
 static bool has_kernel(const job *j)
 {
-    return j->src->type == NTP_TYPE_U16 ||
-           (j->src->type == NTP_TYPE_U8 && j->encoding == NTP_ENCODING_STANDARD &&
-            j->kernels->derive_rgb8 != NULL);
+    return j->how.method == NTP_CLEAN_DERIVE &&
+           (j->src->type == NTP_TYPE_U16 ||
+            (j->src->type == NTP_TYPE_U8 && j->encoding == NTP_ENCODING_STANDARD &&
+             j->kernels->derive_rgb8 != NULL));
+}
+
+static bool has_length_kernel(const job *j)
+{
+    return j->how.method == NTP_CLEAN_NORMALIZE && j->src->type == NTP_TYPE_U8 &&
+           j->encoding == NTP_ENCODING_STANDARD && j->kernels->normalize_rgb8 != NULL;
 }
 
 static void clean_row(const job *j, int32_t x0, int32_t x1, int32_t y, ntp_clean_counts *counts)
 {
-    bool plain = is_plain_rgb(j) && has_kernel(j);
+    const bool rgb = is_plain_rgb(j), by_length = rgb && has_length_kernel(j);
+    const bool plain = rgb && has_kernel(j);
     int32_t most = plain ? NTP__KERNEL_STEP : NTP__BLOCK;
     for (int32_t x = x0; x < x1;) {
         if (plain) {
@@ -349,7 +373,11 @@ static void clean_row(const job *j, int32_t x0, int32_t x1, int32_t y, ntp_clean
                                             : most;
         }
         int32_t n = x1 - x < most ? x1 - x : most;
-        clean_block(j, x, y, n, counts);
+        const int32_t steps = by_length ? n / NTP__KERNEL_STEP * NTP__KERNEL_STEP : 0;
+        if (steps > 0)
+            clean_rgb8_by_length(j, x, y, n = steps, &counts->changed);
+        else
+            clean_block(j, x, y, n, counts);
         x += n;
     }
 }

@@ -89,9 +89,6 @@ static inline bool clean16_step(uint16_t *dst, const uint16_t *src, bool zzero, 
     return true;
 }
 
-#  undef N
-#  undef SHUFFLE
-
 #else
 
 /* e of four pairs, red in the lower half and green in the upper; both less 32768. */

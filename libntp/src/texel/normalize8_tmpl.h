@@ -1,0 +1,121 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * normalize8_tmpl.h - packed RGB of 8 bit over the length of its vectors; a part of kernels.c
+ *
+ * With AVX2, and as in clean8_tmpl.h.  The numerator of r is 2a + 1, a = r - 128, and its size 2p + 1,
+ * where p is a or -1 - a.  So bytes hold all p, and words the sum of all p(p + 1), which is the sum of
+ * the squares less 3, over 4.  Only quotients are floats, in units of 2^-16 of a level, less than 2^23
+ * of them.  Their root, division and product err by 2^-24 each, so the units by less than 2.
+ */
+#ifdef __AVX2__
+
+enum { HALF_UNITS = 255 << 15 /* M/2 */, UNITS_OFF = 2 };
+
+/* Words c of even and odd places, as c + 1/2. */
+static inline void to_floats(__m256 to[2], __m256i words)
+{
+    const __m256i above = _mm256_set1_epi16(0x4b00); /* of 2^23 + c */
+    const __m256 less = _mm256_set1_ps(0x1p23F - 0.5F);
+    const __m256i even = _mm256_blend_epi16(words, above, 0xaa);
+    const __m256i odd = _mm256_blend_epi16(_mm256_srli_epi32(words, 16), above, 0xaa);
+    to[0] = _mm256_sub_ps(_mm256_castsi256_ps(even), less);
+    to[1] = _mm256_sub_ps(_mm256_castsi256_ps(odd), less);
+}
+
+/* p of the quotients of 16 numerators; *doubt: it may be another. */
+static inline __m256i over_length(__m256i p, const __m256 factor[2], __m256i *doubt)
+{
+    __m256 v[2];
+    to_floats(v, p);
+    const __m256i even = _mm256_cvttps_epi32(_mm256_mul_ps(v[0], factor[0]));
+    const __m256i odd = _mm256_cvttps_epi32(_mm256_mul_ps(v[1], factor[1]));
+    /* (part + 2) modulo 2^16 < 4 */
+    const __m256i part = _mm256_blend_epi16(even, _mm256_slli_epi32(odd, 16), 0xaa);
+    const __m256i off = _mm256_add_epi16(part, _mm256_set1_epi16(UNITS_OFF - 32768));
+    *doubt =
+        _mm256_or_si256(*doubt, _mm256_cmpgt_epi16(_mm256_set1_epi16(2 * UNITS_OFF - 32768), off));
+    return _mm256_blend_epi16(_mm256_srli_epi32(even, 16), odd, 0xaa);
+}
+
+static inline __m256i sizes(__m256i bytes, __m256i middle)
+{
+    const __m256i a = _mm256_xor_si256(bytes, middle);
+    return _mm256_xor_si256(a, _mm256_cmpgt_epi8(_mm256_setzero_si256(), a));
+}
+
+/* Σ p(p + 1) of pairs. */
+static inline __m256i sum_of_products(__m256i p)
+{
+    return _mm256_maddubs_epi16(_mm256_sub_epi8(p, _mm256_set1_epi8(-1)), p);
+}
+
+/* Sixteen pixels, blue mirrored.  Those of the result stay as they are: in doubt, or red and green of
+ * 0 or 255, as those of black and white.  A bit in both bytes of each; `same` counts what is not
+ * changed, less than 0. */
+static inline uint32_t normalize_group(uint8_t *dst, const uint8_t *src, __m256i *same)
+{
+    const __m256i low = load_two(src, src + 24), high = load_two(src + 8, src + 32);
+    const __m256i rg =
+        _mm256_or_si256(SHUFFLE(low, 0, 1, 3, 4, 6, 7, 9, 10, 12, 13, N, N, N, N, N, N),
+                        SHUFFLE(high, N, N, N, N, N, N, N, N, N, N, 7, 8, 10, 11, 13, 14));
+    const __m256i b =
+        _mm256_or_si256(SHUFFLE(low, 2, N, 5, N, 8, N, 11, N, 14, N, N, N, N, N, N, N),
+                        SHUFFLE(high, N, N, N, N, N, N, N, N, N, N, 9, N, 12, N, 15, N));
+    const __m256i middle = _mm256_set1_epi16(128);
+    const __m256i pq = sizes(rg, _mm256_set1_epi8(-128)), s = sizes(b, middle);
+    const __m256i sum = _mm256_add_epi16(sum_of_products(pq), sum_of_products(s));
+    /* as in normalize_tmpl.h, where this is off + 1, and this ks is 3 less: -ks < off <= ks - 3 */
+    const __m256i off = _mm256_abs_epi16(_mm256_add_epi16(sum, _mm256_set1_epi16(1 - 128 * 127)));
+    const __m256i ks = _mm256_add_epi16(_mm256_maddubs_epi16(_mm256_set1_epi8(1), pq), s);
+    const __m256i rounded = _mm256_cmpgt_epi16(_mm256_add_epi16(ks, _mm256_set1_epi16(2)), off);
+    __m256 factor[2];
+    to_floats(factor, sum);
+    for (int k = 0; k < 2; k++)
+        factor[k] = _mm256_div_ps(_mm256_set1_ps(HALF_UNITS),
+                                  _mm256_sqrt_ps(_mm256_add_ps(factor[k], _mm256_set1_ps(0.25F))));
+    __m256i doubt = _mm256_setzero_si256();
+    const __m256i p = over_length(_mm256_and_si256(pq, _mm256_set1_epi16(255)), factor, &doubt);
+    const __m256i q = over_length(_mm256_srli_epi16(pq, 8), factor, &doubt);
+    const __m256i t = over_length(s, factor, &doubt);
+    const __m256i keep = _mm256_or_si256(_mm256_andnot_si256(rounded, doubt),
+                                         _mm256_cmpeq_epi16(pq, _mm256_set1_epi16(0x7f7f)));
+    const __m256i to_pq = _mm256_blendv_epi8(_mm256_or_si256(p, _mm256_slli_epi16(q, 8)), pq,
+                                             _mm256_or_si256(rounded, keep));
+    const __m256i to_s = _mm256_blendv_epi8(t, s, rounded);
+    const __m256i to_rg = _mm256_xor_si256(to_pq, _mm256_xor_si256(pq, rg)); /* the same signs */
+    const __m256i to_b = _mm256_blendv_epi8(_mm256_xor_si256(to_s, middle), b, keep);
+    *same = _mm256_add_epi16(
+        *same, _mm256_and_si256(_mm256_cmpeq_epi16(to_rg, rg), _mm256_cmpeq_epi16(to_b, b)));
+    store_two(dst, dst + 24,
+              _mm256_or_si256(SHUFFLE(to_rg, 0, 1, N, 2, 3, N, 4, 5, N, 6, 7, N, 8, 9, N, 10),
+                              SHUFFLE(to_b, N, N, 0, N, N, 2, N, N, 4, N, N, 6, N, N, 8, N)));
+    store_two(dst + 8, dst + 32,
+              _mm256_or_si256(SHUFFLE(to_rg, N, 6, 7, N, 8, 9, N, 10, 11, N, 12, 13, N, 14, 15, N),
+                              SHUFFLE(to_b, 4, N, N, 6, N, N, 8, N, N, 10, N, N, 12, N, N, 14)));
+    return (uint32_t) _mm256_movemask_epi8(keep);
+}
+
+static int32_t normalize_rgb8(uint8_t *dst, const uint8_t *src, int32_t n, int32_t *at,
+                              uint64_t *changed)
+{
+    __m256i same = _mm256_setzero_si256();
+    int16_t each[16];
+    int32_t found = 0;
+    for (int32_t i = 0; i < n; i += 16) {
+        uint32_t left = normalize_group(dst + 3 * i, src + 3 * i, &same) & 0x55555555;
+        for (; left != 0; left &= left - 1)
+            at[found++] = i + __builtin_ctz(left) / 2;
+    }
+    _mm256_storeu_si256((__m256i *) (void *) each, same);
+    *changed += (uint64_t) n;
+    for (int32_t k = 0; k < 16; k++)
+        *changed -= (uint64_t) -each[k];
+    return found;
+}
+
+#  undef N
+#  undef SHUFFLE
+
+#else
+#  define normalize_rgb8 NULL
+#endif
