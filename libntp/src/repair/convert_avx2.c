@@ -15,10 +15,10 @@ typedef struct rules {
     bool from_zzero, to_zzero;
 } rules;
 
-/* floor(c / 257) of 16-bit levels in 32 bits. */
+/* floor(c / 257) of 16-bit levels: 257 * 0xff01 is 2^24 + 1. */
 static inline __m256i over257(__m256i c)
 {
-    return _mm256_srli_epi16(_mm256_sub_epi16(c, _mm256_srli_epi16(c, 8)), 8);
+    return _mm256_srli_epi16(_mm256_mulhi_epu16(c, _mm256_set1_epi16((short) 0xff01)), 8);
 }
 
 /* Levels in halves of 32 bits at the new depth: 257c, and (c + 128) / 257, which is 255 also where
@@ -86,7 +86,7 @@ static inline texels converted(texels t, bool from_deep, bool to_deep, const rul
         e_to = from_deep ? rest(out.rg, to_deep)
                          : _mm256_add_epi32(_mm256_mullo_epi32(e, _mm256_set1_epi32(257 * 257)),
                                             _mm256_set1_epi32(3 * (257 * 257 - 1) / 4));
-        root_to = root(e_to);
+        root_to = root(e_to, to_deep);
     }
     __m256i want = blue(e_to, root_to, to_deep, how->to_zzero);
     if (!how->to_zzero)
@@ -302,7 +302,7 @@ static inline texels encoded(const float *s, bool deep, bool zzero, __m256 flip,
     texels t = { _mm256_or_si256(r, _mm256_slli_epi32(g, 16)), near };
     const __m256i e = rest(t.rg, deep);
     const __m256 down = _mm256_cmp_ps(v.z, _mm256_setzero_ps(), _CMP_LT_OQ);
-    t.b = _mm256_andnot_si256(_mm256_srai_epi32(e, 31), blue(e, root(e), deep, zzero));
+    t.b = _mm256_andnot_si256(_mm256_srai_epi32(e, 31), blue(e, root(e, deep), deep, zzero));
     if (!zzero)
         t.b = _mm256_xor_si256(t.b, _mm256_and_si256(_mm256_castps_si256(down),
                                                      _mm256_set1_epi32(deep ? 65535 : 255)));

@@ -127,12 +127,12 @@ static inline __m256i rest(__m256i rg, bool deep)
     return _mm256_sub_epi32(_mm256_set1_epi32(deep ? REST_16 : REST_8), sum_of_pair(a));
 }
 
-/* floor(sqrt(e)), 0 where e is negative; as in root30.h.  pmaddwd squares 2^15 correctly too. */
-static inline __m256i root(__m256i e)
+/* floor(sqrt(e)), any number where e is negative; as in root30.h.  pmaddwd squares 2^15 correctly too.  Below
+ * 2^14 (not deep) the float root is never one too great. */
+static inline __m256i root(__m256i e, bool deep)
 {
-    const __m256 f = _mm256_cvtepi32_ps(_mm256_max_epi32(e, _mm256_setzero_si256()));
-    const __m256i t = _mm256_cvttps_epi32(_mm256_sqrt_ps(f));
-    return _mm256_add_epi32(t, _mm256_cmpgt_epi32(_mm256_madd_epi16(t, t), e));
+    const __m256i t = _mm256_cvttps_epi32(_mm256_sqrt_ps(_mm256_cvtepi32_ps(e)));
+    return deep ? _mm256_add_epi32(t, _mm256_cmpgt_epi32(_mm256_madd_epi16(t, t), e)) : t;
 }
 
 /* The derived blue, as in kernels.c. */
