@@ -238,19 +238,27 @@ static uint64_t clean_by_length(const job *j, ntp__block *out, ntp__block *block
     return (uint64_t) changed;
 }
 
-/* Whole steps of packed RGB of 8 bit over their lengths. */
-static void clean_rgb8_by_length(const job *j, int32_t x, int32_t y, int32_t n, uint64_t *changed)
+/* The kernel for packed RGB, if there is one. */
+static ntp__normalize_rgb_fn *length_kernel(const job *j)
 {
+    return j->src->type == NTP_TYPE_U8    ? j->kernels->normalize_rgb8
+           : j->src->type == NTP_TYPE_U16 ? j->kernels->normalize_rgb16
+                                          : NULL;
+}
+
+/* Whole steps of packed RGB over their lengths.  The few texels that the kernel leaves are as in the
+ * source. */
+static void clean_rgb_by_length(const job *j, int32_t x, int32_t y, int32_t n, uint64_t *changed)
+{
+    ntp__block one;
     int32_t at[NTP__BLOCK];
-    uint8_t *d = ntp__at_mut(j->dst, x, y);
-    const int32_t left = j->kernels->normalize_rgb8(d, ntp__at(j->src, x, y), n, at, changed);
+    const int32_t left =
+        length_kernel(j)(ntp__at_mut(j->dst, x, y), ntp__at(j->src, x, y), n, at, changed);
+    const ntp_const_image target = ntp_image_as_const(j->dst);
     for (int32_t i = 0; i < left; i++) {
-        uint8_t *to = d + (ptrdiff_t) 3 * at[i];
-        int32_t c[4] = { to[0], to[1], to[2], j->m };
-        clean_texel(j, c);
-        *changed += to[0] != c[0] || to[1] != c[1] || to[2] != c[2];
-        for (int32_t k = 0; k < 3; k++)
-            to[k] = (uint8_t) c[k];
+        ntp__unpack(&one, &target, x + at[i], y, 1);
+        *changed += clean_at(j, &one, 0);
+        ntp__pack(j->dst, &one, x + at[i], y, 1, 3);
     }
 }
 
@@ -354,8 +362,8 @@ static bool has_kernel(const job *j)
 
 static bool has_length_kernel(const job *j)
 {
-    return j->how.method == NTP_CLEAN_NORMALIZE && j->src->type == NTP_TYPE_U8 &&
-           j->encoding == NTP_ENCODING_STANDARD && j->kernels->normalize_rgb8 != NULL;
+    return j->how.method == NTP_CLEAN_NORMALIZE && j->encoding == NTP_ENCODING_STANDARD &&
+           length_kernel(j) != NULL;
 }
 
 static void clean_row(const job *j, int32_t x0, int32_t x1, int32_t y, ntp_clean_counts *counts)
@@ -375,7 +383,7 @@ static void clean_row(const job *j, int32_t x0, int32_t x1, int32_t y, ntp_clean
         int32_t n = x1 - x < most ? x1 - x : most;
         const int32_t steps = by_length ? n / NTP__KERNEL_STEP * NTP__KERNEL_STEP : 0;
         if (steps > 0)
-            clean_rgb8_by_length(j, x, y, n = steps, &counts->changed);
+            clean_rgb_by_length(j, x, y, n = steps, &counts->changed);
         else
             clean_block(j, x, y, n, counts);
         x += n;

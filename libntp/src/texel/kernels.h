@@ -153,11 +153,11 @@ typedef void ntp__angles_of_fn(int32_t *angle, double *s2, double *d, int32_t n)
 typedef int32_t ntp__normalize_fn(int32_t *const to[3], int32_t *doubt, int32_t *const from[3],
                                   int32_t n, int32_t m, int32_t low, int32_t *changed);
 
-/* The same of whole steps of packed pixels of 8 bit, n <= 256, where all blues up to 127 are mirrored.
+/* The same of whole steps of packed pixels, n <= 256, where all blues below the middle are mirrored.
  * Pixels that are in doubt, or may be black or white, stay as they are; `at` has their places, and the
  * result is how many these are.  `changed` counts others.  dst may be src. */
-typedef int32_t ntp__normalize_rgb8_fn(uint8_t *dst, const uint8_t *src, int32_t n, int32_t *at,
-                                       uint64_t *changed);
+typedef int32_t ntp__normalize_rgb_fn(void *dst, const void *src, int32_t n, int32_t *at,
+                                      uint64_t *changed);
 
 /* The places of the marks that have one of `bits`, in order; returns how many.  `at` has room for n. */
 typedef int32_t ntp__find_fn(int32_t *at, const int32_t *marks, int32_t bits, int32_t n);
@@ -194,7 +194,7 @@ typedef struct ntp__kernels_table {
     ntp__angles_fn *angles;
     ntp__angles_of_fn *angles_of;
     ntp__normalize_fn *normalize;
-    ntp__normalize_rgb8_fn *normalize_rgb8; /* NULL where planes are as fast */
+    ntp__normalize_rgb_fn *normalize_rgb8, *normalize_rgb16; /* NULL where planes are as fast */
     ntp__find_fn *find;
     ntp__pull_fn *pull;
     ntp__suspect_fn *suspect;

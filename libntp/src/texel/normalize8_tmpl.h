@@ -95,14 +95,15 @@ static inline uint32_t normalize_group(uint8_t *dst, const uint8_t *src, __m256i
     return (uint32_t) _mm256_movemask_epi8(keep);
 }
 
-static int32_t normalize_rgb8(uint8_t *dst, const uint8_t *src, int32_t n, int32_t *at,
-                              uint64_t *changed)
+static int32_t normalize_rgb8(void *dst, const void *src, int32_t n, int32_t *at, uint64_t *changed)
 {
     __m256i same = _mm256_setzero_si256();
     int16_t each[16];
     int32_t found = 0;
     for (int32_t i = 0; i < n; i += 16) {
-        uint32_t left = normalize_group(dst + 3 * i, src + 3 * i, &same) & 0x55555555;
+        uint32_t left = normalize_group((uint8_t *) dst + (ptrdiff_t) 3 * i,
+                                        (const uint8_t *) src + (ptrdiff_t) 3 * i, &same) &
+                        0x55555555;
         for (; left != 0; left &= left - 1)
             at[found++] = i + __builtin_ctz(left) / 2;
     }
@@ -112,9 +113,6 @@ static int32_t normalize_rgb8(uint8_t *dst, const uint8_t *src, int32_t n, int32
         *changed -= (uint64_t) -each[k];
     return found;
 }
-
-#  undef N
-#  undef SHUFFLE
 
 #else
 #  define normalize_rgb8 NULL
