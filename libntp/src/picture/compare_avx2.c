@@ -8,20 +8,21 @@
  * With s^2 = |v x w|^2 and d = v . w, the angle is atan(u), u = s/d.  Floats give u0, off by at most
  * 2^-21 of u, and g, as near to 1/(2 s d).  Then u0 + (s^2 - (u0 d)^2) g is off by less than 2^-41 of
  * u: a step of Newton's method, in doubles.  A polynomial of 5 terms gives the arc tangent of up to
- * 0.201 to 1.0e-4 micro-degrees, and roundings and angle.c add less than 2e-6.  So an angle that
- * lies MARGIN or more from the middle between two whole ones is rounded as there.
+ * 0.201 to 1.0e-4 micro-degrees, and roundings and angle.c add less than 2e-6.  It is rounded to
+ * PART_BITS binary places, which is off by half of the last.  In all this is less than two of that.
+ * So an angle of which these places are at least two from the middle between two whole ones is
+ * rounded as there.
  */
 #include "picture/compare_avx2.h"
 
 #include <immintrin.h>
 #include <string.h>
 
-#define MARGIN 0x1p-13 /* micro-degrees */
-#define C0     0x1.b521d1c0fb3cfp+25
-#define C1     -0x1.236bde79311b3p+24
-#define C2     0x1.5db1b63ab2d35p+23
-#define C3     -0x1.f24383c627d24p+22
-#define C4     0x1.634d09f09f772p+22
+#define C0 0x1.b521d1c0fb3cfp+25
+#define C1 -0x1.236bde79311b3p+24
+#define C2 0x1.5db1b63ab2d35p+23
+#define C3 -0x1.f24383c627d24p+22
+#define C4 0x1.634d09f09f772p+22
 
 /* One copy for all calls: it would be copied into each loop. */
 #if defined(__GNUC__) && !defined(__clang__)
@@ -30,15 +31,16 @@
 #  define ONE_COPY
 #endif
 
-enum { STEP = 8 /* texels */ };
+enum { STEP = 8 /* texels */, PART_BITS = 13, UNIT = 1 << (32 - PART_BITS) };
 
-/* s^2 and d of n texels, times powers of two, u0 and g.  `small` and `large` are where eight of them
+/* s^2 and d of n texels, times a power of 4 or 2, u0 and g.  `small` and `large` are where eight of them
  * begin whose angles are all small, or not. */
 typedef struct pairs {
-    int32_t n, smalls, larges;
-    double s2[NTP__BLOCK], d[NTP__BLOCK];
+    _Alignas(32) double s2[NTP__BLOCK];
+    double d[NTP__BLOCK];
     float u0[NTP__BLOCK], g[NTP__BLOCK];
     int32_t small[NTP__BLOCK / 8], large[NTP__BLOCK / 8];
+    int32_t n, smalls, larges;
 } pairs;
 
 /* |Differences| of levels, as the loops below have them. */
@@ -52,15 +54,22 @@ static inline __m256i load_two(const void *low, const void *high)
                                    _mm_loadu_si128(high), 1);
 }
 
-/* The shuffle of both halves; -1: a byte that becomes 0. */
-#define SHUFFLE(v, ...)                                                                            \
-    _mm256_shuffle_epi8((v), _mm256_broadcastsi128_si256(_mm_setr_epi8(__VA_ARGS__)))
+/* A shuffle of each half; -1: a byte that becomes 0. */
+#define SHUFFLES(v, ...) _mm256_shuffle_epi8((v), _mm256_setr_epi8(__VA_ARGS__))
 
 /* v + 2^52 - less of integers from 0 on, below 2^52. */
 static inline __m256d to_doubles(__m256i v, double less)
 {
     const __m256i base = _mm256_castpd_si256(_mm256_set1_pd(0x1p52));
     return _mm256_sub_pd(_mm256_castsi256_pd(_mm256_or_si256(v, base)), _mm256_set1_pd(less));
+}
+
+/* (v - 2^31)/2 of integers below 2^32. */
+static inline __m256d to_halves(__m256i v)
+{
+    const __m256i base = _mm256_castpd_si256(_mm256_set1_pd(0x1p51));
+    return _mm256_sub_pd(_mm256_castsi256_pd(_mm256_or_si256(v, base)),
+                         _mm256_set1_pd(0x1p51 + 0x1p30));
 }
 
 /* Eight doubles. */
@@ -105,37 +114,38 @@ static void find_first(pairs *p)
     p->larges = larges;
 }
 
-/* atan(u) as the nearest whole number of micro-degrees plus a base; widens the greatest distance. */
-static inline __m256i round_angle(__m256d u, __m256d *off)
+/* atan(u) + 1/2 in units of 2^-PART_BITS micro-degrees, with other bits above those of 180 degrees. */
+static inline __m256i angle_of(__m256d u)
 {
-    const __m256d base = _mm256_set1_pd(0x1.8p52), sign = _mm256_set1_pd(-0.0);
     const __m256d w = _mm256_mul_pd(u, u), w2 = _mm256_mul_pd(w, w);
     const __m256d p = _mm256_add_pd(_mm256_mul_pd(_mm256_set1_pd(C1), w), _mm256_set1_pd(C0));
     const __m256d q = _mm256_add_pd(_mm256_mul_pd(_mm256_set1_pd(C3), w), _mm256_set1_pd(C2));
     const __m256d r = _mm256_add_pd(_mm256_mul_pd(_mm256_set1_pd(C4), w2), q);
     const __m256d t = _mm256_mul_pd(_mm256_add_pd(_mm256_mul_pd(r, w2), p), u);
-    const __m256d whole = _mm256_add_pd(t, base);
-    const __m256d far = _mm256_andnot_pd(sign, _mm256_sub_pd(t, _mm256_sub_pd(whole, base)));
-    *off = _mm256_max_pd(*off, far);
-    return _mm256_castpd_si256(whole);
+    return _mm256_castpd_si256(_mm256_add_pd(t, _mm256_set1_pd(0x1.8p39 + 0.5)));
 }
 
 /* Eight angles from i on; false: one is not sure. */
 static inline bool find_eight(int32_t *angle, const pairs *p, int32_t i)
 {
     const eight s2 = load_eight(p->s2 + i), d = load_eight(p->d + i);
-    __m256d off = _mm256_setzero_pd();
-    __m256i whole[2];
+    __m256i v[2];
     for (int k = 0; k < 2; k++) {
         const __m256d u0 = _mm256_cvtps_pd(_mm_loadu_ps(p->u0 + i + STEP / 2 * k));
         const __m256d g = _mm256_cvtps_pd(_mm_loadu_ps(p->g + i + STEP / 2 * k));
         const __m256d s = _mm256_mul_pd(u0, d.half[k]);
         const __m256d rest = _mm256_sub_pd(s2.half[k], _mm256_mul_pd(s, s));
-        whole[k] = round_angle(_mm256_add_pd(u0, _mm256_mul_pd(rest, g)), &off);
+        v[k] = angle_of(_mm256_add_pd(u0, _mm256_mul_pd(rest, g)));
     }
-    const __m256i all = _mm256_blend_epi32(whole[0], _mm256_slli_epi64(whole[1], 32), 0xaa);
+    const __m256i all = _mm256_blend_epi32(_mm256_srli_epi64(v[0], PART_BITS),
+                                           _mm256_slli_epi64(v[1], 32 - PART_BITS), 0xaa);
+    const __m256i low = _mm256_blend_epi32(v[0], _mm256_slli_epi64(v[1], 32), 0xaa);
+    /* The places, so that those in doubt are the lowest integers */
+    const __m256i part = _mm256_add_epi32(_mm256_slli_epi32(low, 32 - PART_BITS),
+                                          _mm256_set1_epi32(INT32_MIN + UNIT));
+    const __m256i sure = _mm256_cmpgt_epi32(part, _mm256_set1_epi32(INT32_MIN + 2 * UNIT));
     _mm256_storeu_si256((void *) angle, all);
-    return _mm256_movemask_pd(_mm256_cmp_pd(off, _mm256_set1_pd(0.5 - MARGIN), _CMP_GE_OQ)) == 0;
+    return _mm256_movemask_ps(_mm256_castsi256_ps(sure)) == 255;
 }
 
 static void find_angles(ntp__compared *out, pairs *p)
@@ -176,18 +186,12 @@ typedef struct texels8 {
 
 static inline texels8 load8(const uint8_t *s)
 {
-    const __m256i v = load_two(s, s + 12);
+    const __m256i v = load_two(s, s + 8);
     return (texels8) {
-        .rg = SHUFFLE(v, 0, -1, 1, -1, 3, -1, 4, -1, 6, -1, 7, -1, 9, -1, 10, -1),
-        .b = SHUFFLE(v, 2, -1, -1, -1, 5, -1, -1, -1, 8, -1, -1, -1, 11, -1, -1, -1),
-    };
-}
-
-static inline texels8 numerators8(texels8 v)
-{
-    return (texels8) {
-        .rg = _mm256_sub_epi16(_mm256_add_epi16(v.rg, v.rg), _mm256_set1_epi16(255)),
-        .b = _mm256_sub_epi16(_mm256_add_epi16(v.b, v.b), _mm256_set1_epi32(255)),
+        .rg = SHUFFLES(v, 0, -1, 1, -1, 3, -1, 4, -1, 6, -1, 7, -1, 9, -1, 10, -1, 4, -1, 5, -1, 7,
+                       -1, 8, -1, 10, -1, 11, -1, 13, -1, 14, -1),
+        .b = SHUFFLES(v, 2, -1, -1, -1, 5, -1, -1, -1, 8, -1, -1, -1, 11, -1, -1, -1, 6, -1, -1, -1,
+                      9, -1, -1, -1, 12, -1, -1, -1, 15, -1, -1, -1),
     };
 }
 
@@ -196,34 +200,39 @@ static inline __m256i dot8(texels8 v, texels8 w)
     return _mm256_add_epi32(_mm256_madd_epi16(v.rg, w.rg), _mm256_madd_epi16(v.b, w.b));
 }
 
-/* k l - d^2: no product reaches 2^36. */
-static inline __m256d square8(__m256i k, __m256i l, __m256i d)
+/* k l - e^2: no product reaches 2^36. */
+static inline __m256d square8(__m256i k, __m256i l, __m256i e)
 {
-    const __m256i off = _mm256_sub_epi64(_mm256_mul_epu32(k, l), _mm256_mul_epi32(d, d));
+    const __m256i off = _mm256_sub_epi64(_mm256_mul_epu32(k, l), _mm256_mul_epi32(e, e));
     return to_doubles(off, 0x1p52);
 }
 
-static inline void multiply8(pairs *p, texels8 a, texels8 b)
+/* With v of a, and w = v + 2 off, v x w = 2 v x off and v . w = v . v + 2 v . off.  Half of both is
+ * taken, of the even texels and of the odd ones. */
+static inline void multiply8(pairs *p, texels8 a, texels8 off)
 {
-    const texels8 v = numerators8(a), w = numerators8(b);
-    const __m256i k = dot8(v, v), l = dot8(w, w), d = dot8(v, w);
+    const texels8 v = {
+        .rg = _mm256_sub_epi16(_mm256_add_epi16(a.rg, a.rg), _mm256_set1_epi16(255)),
+        .b = _mm256_sub_epi16(_mm256_add_epi16(a.b, a.b), _mm256_set1_epi32(255)),
+    };
+    const __m256i k = dot8(v, v), l = dot8(off, off), e = dot8(v, off);
     const __m256i k1 = _mm256_srli_epi64(k, 32), l1 = _mm256_srli_epi64(l, 32);
-    const __m256i d1 = _mm256_srli_epi64(d, 32);
-    /* d + 2^31 is never negative. */
-    const __m256i e = _mm256_xor_si256(d, _mm256_set1_epi32(INT32_MIN));
-    const __m256i e0 = _mm256_and_si256(e, _mm256_set1_epi64x(UINT32_MAX));
     const __m256i e1 = _mm256_srli_epi64(e, 32);
-    const double less = 0x1p52 + 0x1p31;
-    store_eight(p->s2 + p->n, (eight) { { square8(k, l, d), square8(k1, l1, d1) } });
-    store_eight(p->d + p->n, (eight) { { to_doubles(e0, less), to_doubles(e1, less) } });
+    const __m256i d = _mm256_add_epi32(_mm256_add_epi32(e, e), k);
+    /* d + 2^31 is never negative. */
+    const __m256i more = _mm256_xor_si256(d, _mm256_set1_epi32(INT32_MIN));
+    const __m256i more0 = _mm256_and_si256(more, _mm256_set1_epi64x(UINT32_MAX));
+    const __m256i more1 = _mm256_srli_epi64(more, 32);
+    store_eight(p->s2 + p->n, (eight) { { square8(k, l, e), square8(k1, l1, e1) } });
+    store_eight(p->d + p->n, (eight) { { to_halves(more0), to_halves(more1) } });
     p->n += STEP;
 }
 
 static inline int32_t step8(pairs *p, sums *sum, const uint8_t *pa, const uint8_t *pb)
 {
     const texels8 a = load8(pa), b = load8(pb);
-    const __m256i rg = _mm256_abs_epi16(_mm256_sub_epi16(a.rg, b.rg));
-    const __m256i blue = _mm256_abs_epi16(_mm256_sub_epi16(a.b, b.b));
+    const texels8 off = { _mm256_sub_epi16(b.rg, a.rg), _mm256_sub_epi16(b.b, a.b) };
+    const __m256i rg = _mm256_abs_epi16(off.rg), blue = _mm256_abs_epi16(off.b);
     const __m256i same = _mm256_cmpeq_epi32(_mm256_or_si256(rg, blue), _mm256_setzero_si256());
     const uint32_t equal = (uint32_t) _mm256_movemask_ps(_mm256_castsi256_ps(same));
     if (equal == 255)
@@ -232,7 +241,7 @@ static inline int32_t step8(pairs *p, sums *sum, const uint8_t *pa, const uint8_
     sum->high = _mm256_add_epi16(sum->high, blue);
     sum->most_low = _mm256_max_epi16(sum->most_low, rg);
     sum->most_high = _mm256_max_epi16(sum->most_high, blue);
-    multiply8(p, a, b);
+    multiply8(p, a, off);
     return STEP - __builtin_popcount(equal);
 }
 
@@ -246,10 +255,12 @@ static void finish8(ntp__compared *out, const sums *sum)
 
 /* ------------------------------------------------------------------------------ 16 bit */
 
-/* Samples as doubles, which are 128 times the numerators: only so are all steps exact. */
+/* Samples as doubles, which are 128 times the numerators: only so are all steps exact.  The second
+ * two of four texels are loaded 4 bytes earlier than a half would begin, so that none beyond is. */
 #define NUMERATORS(v, k)                                                                           \
-    to_doubles(SHUFFLE(v, -1, 2 * (k), 2 * (k) + 1, -1, -1, -1, -1, -1, -1, 2 * (k) + 6,           \
-                       2 * (k) + 7, -1, -1, -1, -1, -1),                                           \
+    to_doubles(SHUFFLES(v, -1, 2 * (k), 2 * (k) + 1, -1, -1, -1, -1, -1, -1, 2 * (k) + 6,          \
+                        2 * (k) + 7, -1, -1, -1, -1, -1, -1, 2 * (k) + 4, 2 * (k) + 5, -1, -1, -1, \
+                        -1, -1, -1, 2 * (k) + 10, 2 * (k) + 11, -1, -1, -1, -1, -1),               \
                0x1p52 + 128 * 65535)
 
 /* x^2, y^2 and z^2 of the product vector are rounded as in texel/angles_tmpl.h. */
@@ -270,7 +281,8 @@ static inline void multiply16(double *s2, double *d, __m256i a, __m256i b)
 static inline int32_t add_levels16(sums *sum, __m256i a, __m256i b)
 {
     const __m256i off = _mm256_or_si256(_mm256_subs_epu16(a, b), _mm256_subs_epu16(b, a));
-    const __m256i v = SHUFFLE(off, 0, 1, 2, 3, 4, 5, -1, -1, 6, 7, 8, 9, 10, 11, -1, -1);
+    const __m256i v = SHUFFLES(off, 0, 1, 2, 3, 4, 5, -1, -1, 6, 7, 8, 9, 10, 11, -1, -1, 4, 5, 6,
+                               7, 8, 9, -1, -1, 10, 11, 12, 13, 14, 15, -1, -1);
     const __m256i same = _mm256_cmpeq_epi64(v, _mm256_setzero_si256());
     sum->low = _mm256_add_epi32(sum->low, _mm256_and_si256(v, _mm256_set1_epi32(65535)));
     sum->high = _mm256_add_epi32(sum->high, _mm256_srli_epi32(v, 16));
@@ -283,7 +295,7 @@ static inline int32_t step16(pairs *p, sums *sum, const uint8_t *pa, const uint8
     enum { HALF = 24 /* bytes */ };
     int32_t different = 0, n = p->n;
     for (int k = 0; k < 2; k++, pa += HALF, pb += HALF, n += STEP / 2) {
-        const __m256i a = load_two(pa, pa + HALF / 2), b = load_two(pb, pb + HALF / 2);
+        const __m256i a = load_two(pa, pa + 8), b = load_two(pb, pb + 8);
         different += add_levels16(sum, a, b);
         multiply16(p->s2 + n, p->d + n, a, b);
     }
@@ -300,12 +312,12 @@ static void finish16(ntp__compared *out, const sums *sum)
     add_channel(out, 2, _mm256_srli_epi64(sum->low, 32), _mm256_srli_epi64(sum->most_low, 32));
 }
 
-enum { TOUCHED = 6 * STEP + 4 }; /* bytes that a step touches at most */
+enum { BYTES = 6 * STEP /* of a step at most */ };
 
 /* The last texels, with black ones after them. */
-ONE_COPY static const uint8_t *copy_last(uint8_t few[TOUCHED], const uint8_t *from, int32_t bytes)
+ONE_COPY static const uint8_t *copy_last(uint8_t few[BYTES], const uint8_t *from, int32_t bytes)
 {
-    memset(few, 0, TOUCHED);
+    memset(few, 0, BYTES);
     memcpy(few, from, (size_t) bytes);
     return few;
 }
@@ -313,17 +325,19 @@ ONE_COPY static const uint8_t *copy_last(uint8_t few[TOUCHED], const uint8_t *fr
 #define STEPS(step, bytes)                                                                         \
     for (int32_t i = 0; i < n; i += STEP) {                                                        \
         const uint8_t *const from[2] = { a + (bytes) * i, b + (bytes) * i };                       \
-        const bool last = (bytes) * (n - i) < (bytes) * STEP + 4;                                  \
-        const int32_t left = n - i < STEP ? (bytes) * (n - i) : (bytes) * STEP;                    \
-        out->different += step(&p, &sum, last ? copy_last(few[0], from[0], left) : from[0],        \
-                               last ? copy_last(few[1], from[1], left) : from[1]);                 \
+        const bool last = n - i < STEP;                                                            \
+        const int32_t left = (bytes) * (n - i);                                                    \
+        different += step(&p, &sum, last ? copy_last(few[0], from[0], left) : from[0],             \
+                          last ? copy_last(few[1], from[1], left) : from[1]);                      \
     }
 
 /* Is there a vector with another one that is as long as any and opposite?  That of black is opposite
  * to that of white; other corners of the cube do no harm. */
-static bool any_opposite(const ntp__compared *c, double longest)
+static bool any_opposite(const ntp__compared *c, uint32_t m, double longest)
 {
     int32_t any = 0;
+    if (c->most[0] < m || c->most[1] < m || c->most[2] < m)
+        return false;
     for (int32_t i = 0; i < c->left; i++)
         any |= c->d[i] == -longest;
     return any != 0;
@@ -334,7 +348,8 @@ bool ntp__compare_rgb_avx2(ntp__compared *out, const void *pa, const void *pb, i
     const uint8_t *a = pa, *b = pb;
     const __m256i zero = _mm256_setzero_si256();
     sums sum = { zero, zero, zero, zero };
-    uint8_t few[2][TOUCHED];
+    uint8_t few[2][BYTES];
+    int32_t different = 0;
     pairs p;
     p.n = 0;
     memset(out, 0, offsetof(ntp__compared, angle));
@@ -345,7 +360,9 @@ bool ntp__compare_rgb_avx2(ntp__compared *out, const void *pa, const void *pb, i
         STEPS(step8, 3)
         finish8(out, &sum);
     }
+    out->different = different;
     find_first(&p);
     find_angles(out, &p);
-    return !any_opposite(out, deep ? 3.0 * 65535 * 65535 * (128 * 128) : 3.0 * 255 * 255);
+    return !any_opposite(out, deep ? 65535 : 255,
+                         deep ? 3.0 * 65535 * 65535 * (128 * 128) : 3.0 * 255 * 255 / 2);
 }

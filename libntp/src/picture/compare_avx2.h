@@ -13,7 +13,7 @@ typedef struct ntp__compared {
     int32_t different;        /* texels */
     int32_t found, left;      /* how many of the following; all others are 0 */
     /* Micro-degrees, in no order; with room for the last of those left */
-    int32_t angle[NTP__BLOCK + NTP__KERNEL_LANES];
+    _Alignas(32) int32_t angle[NTP__BLOCK + NTP__KERNEL_LANES];
     /* |v x w|^2 and v . w where the angle is still to be found */
     double s2[NTP__BLOCK], d[NTP__BLOCK];
 } ntp__compared;
