@@ -99,6 +99,24 @@ def test_heatmap_at_every_16_bit_limit():
     assert np.array_equal(heatmap(texels), expected_heatmap(texels, m, ntp.STANDARD))
 
 
+@pytest.mark.parametrize("sample", DEPTHS)
+def test_heatmap_of_long_pairs_at_every_limit(sample):
+    """Pairs that are too long, with blues of which the length is judged after pulling."""
+    m, dtype = DEPTHS[sample]
+    r, g = np.random.default_rng(6).integers(0, m + 1, (2, 3000))
+    long = (2 * r - m) ** 2 + (2 * g - m) ** 2 > m * m
+    r, g = r[long], g[long]
+    x, y = (2 * v - m for v in oracle.pulled(r, g, m))
+    rows = []
+    for limit in (m, m + 4, m + 6, m + m // 100):
+        z = np.sqrt(limit * limit - x * x - y * y).astype(int)
+        for sign in (-1, 1):
+            b = (m + sign * z) // 2
+            rows += [np.stack([r, g, b + i], -1) for i in range(-3, 4)]
+    texels = np.clip(rows, 0, m).astype(dtype)
+    assert np.array_equal(heatmap(texels), expected_heatmap(texels, m, ntp.STANDARD))
+
+
 def test_heatmap_names_the_corners():
     """The legend in words: docs/heatmap.md."""
     texels = {
@@ -166,13 +184,33 @@ RED_LIGHT = ([0.3, -2.0, 0.1], 0.05, 1.0, 0.7, [1.0, 0.25, 0.0])
 def test_shade(sample, encoding, y, light):
     m, dtype = DEPTHS[sample]
     texels = image(m, 4, seed=3, h=70, w=300).astype(dtype)
-    for channels in (1, 3, 4):
+    for channels, alpha in ((1, True), (3, True), (3, False), (4, True)):
         dst = np.full((70, 300, channels), 7, np.uint8)
-        got = shade(texels, encoding, light, dst, y=y)
-        want = expected_shade(texels, m, encoding, light or DEFAULT_LIGHT, y == ntp.DOWN, channels)
+        seen = texels if alpha else np.ascontiguousarray(texels[..., :3])
+        got = shade(seen, encoding, light, dst, y=y)
+        want = expected_shade(seen, m, encoding, light or DEFAULT_LIGHT, y == ntp.DOWN, channels)
         colors = 1 if channels == 1 else 3
         assert np.array_equal(got[..., :colors], want)
         assert channels != 4 or (got[..., 3] == 255).all()
+
+
+def test_shade_of_many_texels():
+    """Gray lights, of which some make levels that are near a boundary, and some make none."""
+    texels = np.random.default_rng(7).integers(0, 256, (64, 1000, 3), np.uint8)
+    texels[::9, ::5] = np.random.default_rng(8).choice([0, 255], (8, 200, 1))
+    texels[1::9, ::5, 0] = 128 + np.arange(200) % 17
+    texels[1::9, ::5, 2] = 129 + 3 * (np.arange(200) % 17)  # 3X = Z: at right angles to a light
+    lights = [
+        ([0.3, -2.0, 0.9], 0, 1, 1, 1),
+        ([0.3, -2.0, 0.9], 0.1, 0.9, 1, 0.6),
+        ([0.3, -2.0, 0.9], 0, 0.5, 0, 0),
+        *(([3.0 * scale, 0.0, -scale], 0, 1, 1, 1) for scale in (1.0, 1.1, 1.3, 1.7, 1.9)),
+    ]
+    for *light, own in lights:
+        light = (*light, [own] * 3)
+        for array, m in ((texels, 255), (texels.astype(np.uint16) * 257, 65535)):
+            want = expected_shade(array, m, ntp.STANDARD, light)
+            assert np.array_equal(shade(array, light=light), want)
 
 
 def test_shade_lights_what_faces_the_light():

@@ -10,6 +10,7 @@
 #include "texel/kernels.h"
 #include "texel/level.h"
 #include "texel/unused.h"
+#include "picture/paint_avx2.h"
 #include "picture/picture.h"
 #include "picture/picture_kernels.h"
 
@@ -73,52 +74,92 @@ static void pull_long(const ntp__faults *f, int32_t *xy, const ntp__block *block
 
 /* False: there is no fault, and nothing was written.  Where the block before had `many` pairs that
  * are too long, it is not looked whether there is a fault. */
-static bool judge(ntp__faults *f, const ntp__block *block, int32_t n, int32_t m,
-                  ntp_encoding encoding, bool *many)
+static bool judge(ntp__faults *f, const ntp__block *block, int32_t n, const ntp__limits *limits,
+                  bool xy_only, bool *many)
 {
     const ntp__picture_kernels *loops = ntp__picture_loops();
-    const ntp__limits limits = limits_of(m, encoding == NTP_ENCODING_ZZERO);
     int32_t xy[NTP__BLOCK];
-    if (!*many && encoding != NTP_ENCODING_XY && !loops->any_fault(block, ntp__whole(n), &limits))
+    if (!*many && !xy_only && !loops->any_fault(block, ntp__whole(n), limits))
         return false;
     const int32_t found =
-        loops->judge_pairs(f->xy, xy, block->c[0], block->c[1], ntp__whole(n), &limits);
+        loops->judge_pairs(f->xy, xy, block->c[0], block->c[1], ntp__whole(n), limits);
     *many = found >= FEW;
-    if (encoding == NTP_ENCODING_XY) {
+    if (xy_only) {
         memset(f->length, 0, sizeof f->length);
         memset(f->z, 0, sizeof f->z);
         return found > 0;
     }
     if (found > 0)
-        pull_long(f, xy, block, n, m, !*many);
-    loops->judge_blues(f, xy, block->c[2], ntp__whole(n), &limits);
+        pull_long(f, xy, block, n, limits->m, !*many);
+    loops->judge_blues(f, xy, block->c[2], ntp__whole(n), limits);
     return true;
 }
 
-static void paint_run(const ntp_image *dst, const ntp_const_image *src, ntp_palette palette,
-                      uint32_t touch, int32_t x, int32_t y, int32_t n, bool *many)
+typedef struct job {
+    const ntp_image *dst;
+    const ntp_const_image *src;
+    bool safe;
+    uint32_t touch;
+    ntp__limits limits;
+} job;
+
+/* The block has whole groups. */
+static void paint_block(ntp__block *out, const job *j, const ntp__block *block, int32_t n,
+                        bool *many)
 {
-    ntp__block block, out;
     ntp__faults f;
-    const int32_t m = ntp__max(src->type);
+    const int32_t m = j->limits.m;
     const ntp__picture_kernels *loops = ntp__picture_loops();
-    ntp__unpack(&block, src, x, y, n);
-    ntp__fill_group(&block, n);
-    loops->make_gray(&out, &block, ntp__whole(n), m);
-    if (judge(&f, &block, n, m, src->encoding, many)) {
-        const bool suspect = ntp__any_suspect(&block, n, m);
+    loops->make_gray(out, block, ntp__whole(n), m);
+    if (judge(&f, block, n, &j->limits, j->src->encoding == NTP_ENCODING_XY, many)) {
+        const bool suspect = ntp__any_suspect(block, n, m);
         for (int32_t i = 0; suspect && i < n; i++) {
-            if (ntp__texel_unused(&block, i, m, touch))
+            if (ntp__texel_unused(block, i, m, j->touch))
                 f.xy[i] = f.length[i] = f.z[i] = 0;
         }
-        loops->paint(&out, &f, ntp__whole(n), palette == NTP_PALETTE_SAFE);
+        loops->paint(out, &f, ntp__whole(n), j->safe);
     }
-    for (int32_t i = 0; block.any_broken && i < n; i++) {
-        for (int32_t k = 0; block.broken[i] && k < 3; k++)
-            out.c[k][i] = NOT_A_VECTOR[k];
+    for (int32_t i = 0; block->any_broken && i < n; i++) {
+        for (int32_t k = 0; block->broken[i] && k < 3; k++)
+            out->c[k][i] = NOT_A_VECTOR[k];
     }
-    ntp__pack_opaque(dst, &out, x, y, n);
 }
+
+static void paint_run(const job *j, int32_t x, int32_t y, int32_t n, bool *many)
+{
+    ntp__block block, out;
+    ntp__unpack(&block, j->src, x, y, n);
+    ntp__fill_group(&block, n);
+    paint_block(&out, j, &block, n, many);
+    ntp__pack_opaque(j->dst, &out, x, y, n);
+}
+
+#ifdef NTP_HAVE_AVX2
+static int32_t paint_rgb(const void *how, uint8_t *dst, uint8_t odd[NTP__BLOCK / 8],
+                         const void *src, int32_t n, bool deep)
+{
+    const job *j = how;
+    return ntp__heat_rgb_avx2(dst, odd, src, n, deep, &j->limits);
+}
+
+static void paint_odd(const void *how, ntp__block *out, const ntp__odd_texels *odd)
+{
+    bool many = true;
+    paint_block(out, how, &odd->block, odd->n, &many);
+}
+
+static bool paint_packed(const job *j, const ntp_rect *rect)
+{
+    const ntp__painter painter = { j->dst, j->src, j, paint_rgb, paint_odd };
+    return !j->safe && ntp__paint_packed(&painter, rect);
+}
+#else
+static bool paint_packed(const job *j, const ntp_rect *rect)
+{
+    (void) j, (void) rect;
+    return false;
+}
+#endif
 
 ntp_status ntp_heatmap(const ntp_image *dst, const ntp_const_image *src, ntp_palette palette,
                        uint32_t touch_unused, const ntp_rect *area)
@@ -130,11 +171,15 @@ ntp_status ntp_heatmap(const ntp_image *dst, const ntp_const_image *src, ntp_pal
         return NTP_ERR_ARGUMENT;
     ntp_rect rect;
     NTP__TRY(ntp__check_area(&rect, src, area));
+    const job j = { dst, src, palette == NTP_PALETTE_SAFE, touch_unused,
+                    limits_of(ntp__max(src->type), src->encoding == NTP_ENCODING_ZZERO) };
     bool many = false;
+    if (paint_packed(&j, &rect))
+        return NTP_OK;
     for (int32_t y = rect.y0; y < rect.y1; y++) {
         for (int32_t x = rect.x0; x < rect.x1; x += NTP__BLOCK) {
             int32_t n = rect.x1 - x < NTP__BLOCK ? rect.x1 - x : NTP__BLOCK;
-            paint_run(dst, src, palette, touch_unused, x, y, n, &many);
+            paint_run(&j, x, y, n, &many);
         }
     }
     return NTP_OK;

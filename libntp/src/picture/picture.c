@@ -47,3 +47,64 @@ void ntp__pack_opaque(const ntp_image *dst, ntp__block *rgb, int32_t x, int32_t 
         rgb->c[3][i] = 255;
     ntp__pack(dst, rgb, x, y, n, dst->channels);
 }
+
+/* Adds those from x, y on of which bits are set. */
+static void gather(ntp__odd_texels *odd, const uint8_t bits[NTP__BLOCK / 8],
+                   const ntp_const_image *src, int32_t x, int32_t y, int32_t n)
+{
+    for (int32_t i = 0; i < n; i++) {
+        if (bits[i / 8] == 0)
+            i |= 7;
+        if ((bits[i / 8] >> i % 8 & 1) == 0)
+            continue;
+        const void *texel = ntp__at(src, x + i, y);
+        for (int32_t k = 0; k < 3; k++)
+            odd->block.c[k][odd->n] = src->type == NTP_TYPE_U8 ? ((const uint8_t *) texel)[k]
+                                                               : ((const uint16_t *) texel)[k];
+        odd->block.c[3][odd->n] = ntp__max(src->type);
+        odd->x[odd->n] = x + i;
+        odd->y[odd->n++] = y;
+    }
+}
+
+static void paint_again(const ntp__painter *p, ntp__odd_texels *odd)
+{
+    ntp__block out;
+    ntp__fill_group(&odd->block, odd->n);
+    odd->block.any_broken = false;
+    p->again(p->job, &out, odd);
+    for (int32_t i = 0; i < odd->n; i++) {
+        const uint8_t color[3] = { (uint8_t) out.c[0][i], (uint8_t) out.c[1][i],
+                                   (uint8_t) out.c[2][i] };
+        ntp__paint(ntp__at_mut(p->dst, odd->x[i], odd->y[i]), 3, color);
+    }
+    odd->n = 0;
+}
+
+bool ntp__paint_packed(const ntp__painter *p, const ntp_rect *rect)
+{
+    const ntp_image *dst = p->dst;
+    const ntp_const_image *src = p->src;
+    uint8_t bits[NTP__BLOCK / 8];
+    ntp__odd_texels odd;
+    odd.n = 0;
+    if (src->channels != 3 || src->type == NTP_TYPE_F32 || !ntp__is_packed(src) ||
+        src->encoding != NTP_ENCODING_STANDARD || dst->channels != 3 || dst->pixel_stride != 3 ||
+        dst->data == src->data || !ntp__cpu_has_avx2(NTP__CPU_ALL))
+        return false;
+    for (int32_t y = rect->y0; y < rect->y1; y++) {
+        for (int32_t x = rect->x0; x < rect->x1; x += NTP__BLOCK) {
+            const int32_t n = rect->x1 - x < NTP__BLOCK ? rect->x1 - x : NTP__BLOCK;
+            const int32_t found = p->paint(p->job, ntp__at_mut(dst, x, y), bits, ntp__at(src, x, y),
+                                           n, src->type == NTP_TYPE_U16);
+            if (odd.n + found > NTP__BLOCK)
+                paint_again(p, &odd);
+            if (found > 0)
+                gather(&odd, bits, src, x, y, n);
+        }
+        /* In a ring, other rows take the place of this one. */
+        if (odd.n > 0 && (dst->ring_rows > 0 || y + 1 == rect->y1))
+            paint_again(p, &odd);
+    }
+    return true;
+}

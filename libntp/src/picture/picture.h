@@ -7,7 +7,8 @@
  *   shade.c               ntp_shade: a lit preview
  *   compare.c             ntp_diff_...: differences of two textures, with a heatmap of them
  *   compare_avx2.h, .c    their sums for packed RGB, where there is AVX2
- *   picture_kernels.h     their loops
+ *   paint_avx2.h, .c      heatmaps and previews of packed RGB, where there is AVX2
+ *   picture_kernels.h     the loops of all
  *   picture.h, picture.c  what these share
  */
 #ifndef NTP_PICTURE_H
@@ -45,6 +46,26 @@ static inline int32_t ntp__whole(int32_t n)
 
 /* Makes the last group of n texels whole, with black ones. */
 void ntp__fill_group(ntp__block *block, int32_t n);
+
+/* Texels of packed RGB that loops leave over, from anywhere. */
+typedef struct ntp__odd_texels {
+    ntp__block block; /* of whole groups */
+    int32_t n, x[NTP__BLOCK], y[NTP__BLOCK];
+} ntp__odd_texels;
+
+/* How packed RGB is painted.  `paint` sets bits of odd texels, and returns how many there are (as in
+ * paint_avx2.h); `again` makes the colors of those. */
+typedef struct ntp__painter {
+    const ntp_image *dst;
+    const ntp_const_image *src;
+    const void *job;
+    int32_t (*paint)(const void *job, uint8_t *dst, uint8_t odd[NTP__BLOCK / 8], const void *src,
+                     int32_t n, bool deep);
+    void (*again)(const void *job, ntp__block *out, const ntp__odd_texels *odd);
+} ntp__painter;
+
+/* Paints packed RGB with memory of its own, where there is AVX2; false: there is another way only. */
+bool ntp__paint_packed(const ntp__painter *painter, const ntp_rect *rect);
 
 /* Writes n opaque pixels, whose alpha need not be set. */
 void ntp__pack_opaque(const ntp_image *dst, ntp__block *rgb, int32_t x, int32_t y, int32_t n);

@@ -13,11 +13,6 @@
 #define CONCAT_(a, b) a##b
 #define CONCAT(a, b)  CONCAT_(a, b)
 
-/* Rec. 709 luma weights in ten-thousandths. */
-enum { LUMA_RED = 2126, LUMA_GREEN = 7152, LUMA_BLUE = 722, LUMA_WHOLE = 10000 };
-
-enum { GRAY_BASE = 100 /* faultless texels: 100 + luma/2, so 100..227, never taken for a fault */ };
-
 /* n, as a compiler knows it to be whole groups: loops then have no remainder. */
 static inline int32_t whole_groups(int32_t n)
 {
@@ -96,14 +91,14 @@ static void judge_blues(ntp__faults *restrict f, const int32_t *restrict xy,
 static void make_gray(ntp__block *restrict out, const ntp__block *restrict block, int32_t n,
                       int32_t m)
 {
-    const int32_t whole = LUMA_WHOLE * (m / 255), more = whole / 2, twice = 2 * whole;
+    const int32_t whole = NTP__LUMA_WHOLE * (m / 255), more = whole / 2, twice = 2 * whole;
     const float share = 1.0F / (float) twice;
     n = whole_groups(n);
     for (int32_t i = 0; i < n; i++) {
-        int32_t sum = LUMA_RED * block->c[0][i] + LUMA_GREEN * block->c[1][i] +
-                      LUMA_BLUE * block->c[2][i] + more;
-        int32_t low = (int32_t) ((float) sum * share + (GRAY_BASE - 0x1p-13F));
-        int32_t gray = low + (sum - (low - GRAY_BASE) * twice >= twice);
+        int32_t sum = NTP__LUMA_RED * block->c[0][i] + NTP__LUMA_GREEN * block->c[1][i] +
+                      NTP__LUMA_BLUE * block->c[2][i] + more;
+        int32_t low = (int32_t) ((float) sum * share + (NTP__GRAY_BASE - 0x1p-13F));
+        int32_t gray = low + (sum - (low - NTP__GRAY_BASE) * twice >= twice);
         out->c[0][i] = gray;
         out->c[1][i] = gray;
         out->c[2][i] = gray;
@@ -160,7 +155,7 @@ static void light(ntp__lit *restrict lit, const ntp__block *restrict block, int3
             glint = glint * glint;
         lit->glint[i] = lambert > 0 ? glint : 0.0F;
         lit->lambert[i] = lambert > 0 ? lambert : 0.0F;
-        lit->doubt[i] = fabsf(lambert) < 32 * 0x1p-24F;
+        lit->doubt[i] = fabsf(lambert) < NTP__EDGE_OF_LIGHT;
     }
 }
 
@@ -168,7 +163,7 @@ static void show(ntp__lit *restrict lit, int32_t *restrict level, int32_t n,
                  const ntp__lamp *restrict lamp, float own)
 {
     const float ambient = lamp->ambient, diffuse = lamp->diffuse, specular = lamp->specular;
-    const float off = lamp->off, white = lamp->white;
+    const float off = lamp->off, more = lamp->off_by_glint, white = lamp->white;
     n = whole_groups(n);
     for (int32_t i = 0; i < n; i++) {
         float v = own * (ambient + diffuse * lit->lambert[i]) + specular * lit->glint[i];
@@ -176,7 +171,7 @@ static void show(ntp__lit *restrict lit, int32_t *restrict level, int32_t n,
         int32_t whole = (int32_t) shown;
         float part = shown - (float) whole, gap = part < 0.5F ? part : 1.0F - part;
         level[i] = whole;
-        lit->doubt[i] |= !(gap * root > off + 0x1p-14F * root);
+        lit->doubt[i] |= !(gap * root > off + more * lit->glint[i] + 0x1p-14F * root);
     }
 }
 

@@ -15,6 +15,20 @@ enum {
     NTP__SQUARINGS = 5 /* of a glint: the specular exponent is 2^5 = 32 */
 };
 
+/* Rec. 709 luma weights in ten-thousandths. */
+enum {
+    NTP__LUMA_RED = 2126,
+    NTP__LUMA_GREEN = 7152,
+    NTP__LUMA_BLUE = 722,
+    NTP__LUMA_WHOLE = 10000
+};
+
+/* Faultless texels: 100 + luma/2, so 100..227, never taken for a fault. */
+enum { NTP__GRAY_BASE = 100 };
+
+/* Light falls so flat that it may not fall on the texel at all. */
+#define NTP__EDGE_OF_LIGHT (32 * 0x1p-24F)
+
 typedef struct ntp__faults {
     int32_t xy[NTP__BLOCK], length[NTP__BLOCK], z[NTP__BLOCK];
 } ntp__faults;
@@ -33,7 +47,8 @@ typedef struct ntp__lit {
 typedef struct ntp__lamp {
     float m, up, twice, less; /* what makes vectors of levels; up = -1 turns y */
     float towards[3], half[3];
-    float ambient, diffuse, specular, off; /* `off` is a bound of the error */
+    float ambient, diffuse, specular;
+    float off, off_by_glint; /* off + glint off_by_glint is a bound of the error */
     float white; /* 1: of a constant, compilers would make a branch that prevents vectors */
 } ntp__lamp;
 

@@ -9,6 +9,7 @@
 #include "texel/kernels.h"
 #include "texel/level.h"
 #include "texel/unused.h"
+#include "picture/paint_avx2.h"
 #include "picture/picture.h"
 #include "picture/picture_kernels.h"
 
@@ -39,6 +40,7 @@ typedef struct job {
     const ntp_const_image *src;
     ntp_light light;
     double towards[3], half[3]; /* unit vectors: to the light, and halfway to the viewer */
+    ntp__lamp lamp;
 } job;
 
 static double dot(const double a[3], const double b[3])
@@ -178,9 +180,9 @@ static void shade_exactly(ntp__block *out, const job *j, const ntp__block *block
 /*
  * The same in floats, whose roundings are off by up to u = 2^-24 of a result.  A component of a unit
  * vector is off by at most 4 u.  So the products with the light and with the half vector are off by
- * 16 u, and the power by 32 times that and its own roundings: 600 u.  Where the light just touches
- * a texel, it may be on the wrong side.  A linear light v that is off by `off` has a root that is off
- * by at most off / root(v).
+ * 16 u.  The power is off by 32 * 16 u of g^31, which is at most g^32 + 1/85, and by its own roundings:
+ * 600 u of itself and 16 u.  Where the light just touches a texel, it may be on the wrong side.  A
+ * linear light v that is off by `off` has a root that is off by at most off / root(v).
  */
 static ntp__lamp lamp_of(const job *j)
 {
@@ -199,7 +201,8 @@ static ntp__lamp lamp_of(const job *j)
         lamp.towards[k] = (float) j->towards[k];
         lamp.half[k] = (float) j->half[k];
     }
-    lamp.off = (16 + 16 * lamp.diffuse + 600 * lamp.specular) * 0x1p-24F * 255.0F;
+    lamp.off = (16 + 16 * lamp.diffuse + 16 * lamp.specular) * 0x1p-24F * 255.0F;
+    lamp.off_by_glint = 600 * lamp.specular * 0x1p-24F * 255.0F;
     return lamp;
 }
 
@@ -207,17 +210,16 @@ static ntp__lamp lamp_of(const job *j)
 static void shade_block(ntp__block *out, const job *j, const ntp__block *block, int32_t n)
 {
     const ntp__picture_kernels *loops = ntp__picture_loops();
-    const ntp__lamp lamp = lamp_of(j);
     ntp__lit lit;
     ntp__block few, again;
     int32_t at[NTP__BLOCK];
     const double *light = j->light.color;
-    loops->light(&lit, block, ntp__whole(n), &lamp);
+    loops->light(&lit, block, ntp__whole(n), &j->lamp);
     for (int32_t k = 0; k < 3; k++) {
         if (k > 0 && light[k] == light[k - 1])
             memcpy(out->c[k], out->c[k - 1], (size_t) n * sizeof out->c[k][0]);
         else
-            loops->show(&lit, out->c[k], ntp__whole(n), &lamp, (float) light[k]);
+            loops->show(&lit, out->c[k], ntp__whole(n), &j->lamp, (float) light[k]);
     }
     const int32_t found = ntp__kernels(NTP__CPU_ALL)->find(at, lit.doubt, -1, n);
     for (int32_t i = 0; i < found; i++) {
@@ -232,6 +234,15 @@ static void shade_block(ntp__block *out, const job *j, const ntp__block *block, 
     }
 }
 
+/* A checker where a texel holds no normal. */
+static void check(ntp__block *out, const ntp__block *block, int32_t i, int32_t m, int32_t x,
+                  int32_t y)
+{
+    const bool bright = (x / CHECKER_SIDE + y / CHECKER_SIDE) % 2 == 0;
+    if (ntp__texel_unused(block, i, m, 0))
+        out->c[0][i] = out->c[1][i] = out->c[2][i] = bright ? CHECKER_LIGHT : CHECKER_DARK;
+}
+
 static void shade_run(const job *j, int32_t x, int32_t y, int32_t n)
 {
     ntp__block block, out;
@@ -244,14 +255,41 @@ static void shade_run(const job *j, int32_t x, int32_t y, int32_t n)
     else
         shade_block(&out, j, &block, n);
     if (ntp__any_suspect(&block, n, m)) {
-        for (int32_t i = 0; i < n; i++) {
-            bool bright = ((x + i) / CHECKER_SIDE + y / CHECKER_SIDE) % 2 == 0;
-            if (ntp__texel_unused(&block, i, m, 0))
-                out.c[0][i] = out.c[1][i] = out.c[2][i] = bright ? CHECKER_LIGHT : CHECKER_DARK;
-        }
+        for (int32_t i = 0; i < n; i++)
+            check(&out, &block, i, m, x + i, y);
     }
     ntp__pack_opaque(j->dst, &out, x, y, n);
 }
+
+#ifdef NTP_HAVE_AVX2
+static int32_t shade_rgb(const void *how, uint8_t *dst, uint8_t odd[NTP__BLOCK / 8],
+                         const void *src, int32_t n, bool deep)
+{
+    const job *j = how;
+    return ntp__shade_rgb_avx2(dst, odd, src, n, deep, &j->lamp, (float) j->light.color[0]);
+}
+
+static void shade_odd(const void *how, ntp__block *out, const ntp__odd_texels *odd)
+{
+    const job *j = how;
+    shade_exactly(out, j, &odd->block, odd->n);
+    for (int32_t i = 0; i < odd->n; i++)
+        check(out, &odd->block, i, ntp__max(j->src->type), odd->x[i], odd->y[i]);
+}
+
+static bool shade_packed(const job *j, const ntp_rect *rect)
+{
+    const double *light = j->light.color;
+    const ntp__painter painter = { j->dst, j->src, j, shade_rgb, shade_odd };
+    return light[0] == light[1] && light[1] == light[2] && ntp__paint_packed(&painter, rect);
+}
+#else
+static bool shade_packed(const job *j, const ntp_rect *rect)
+{
+    (void) j, (void) rect;
+    return false;
+}
+#endif
 
 ntp_status ntp_shade(const ntp_image *dst, const ntp_const_image *src, const ntp_light *light,
                      const ntp_rect *area)
@@ -262,6 +300,9 @@ ntp_status ntp_shade(const ntp_image *dst, const ntp_const_image *src, const ntp
     NTP__TRY(set_light(&j, light));
     ntp_rect rect;
     NTP__TRY(ntp__check_area(&rect, src, area));
+    j.lamp = lamp_of(&j);
+    if (shade_packed(&j, &rect))
+        return NTP_OK;
     for (int32_t y = rect.y0; y < rect.y1; y++) {
         for (int32_t x = rect.x0; x < rect.x1; x += NTP__BLOCK) {
             int32_t n = rect.x1 - x < NTP__BLOCK ? rect.x1 - x : NTP__BLOCK;

@@ -1,0 +1,22 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * paint_avx2.h - lit previews and heatmaps of packed RGB, with AVX2
+ */
+#ifndef NTP_PAINT_AVX2_H
+#define NTP_PAINT_AVX2_H
+
+#include "picture/picture_kernels.h"
+
+/* These paint n <= NTP__BLOCK packed pixels of 8 bit, or 16 (deep), in the standard encoding; dst is not src.
+ * Bit i % 8 of odd[i / 8] is set where pixel i may be wrong, also black and white ones; they return how
+ * many are. */
+
+/* All colors reflect `own` of the light. */
+int32_t ntp__shade_rgb_avx2(uint8_t *dst, uint8_t odd[NTP__BLOCK / 8], const void *src, int32_t n,
+                            bool deep, const ntp__lamp *lamp, float own);
+
+/* By the reference palette. */
+int32_t ntp__heat_rgb_avx2(uint8_t *dst, uint8_t odd[NTP__BLOCK / 8], const void *src, int32_t n,
+                           bool deep, const ntp__limits *limits);
+
+#endif
