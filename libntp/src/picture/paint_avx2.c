@@ -191,12 +191,20 @@ static inline uint32_t heat(uint8_t *d, texels t, bool deep, const ntp__limits *
     const __m256i xy = _mm256_sub_epi32(sum_of_pair(rg), _mm256_set1_epi32(most));
     const __m256i z = sum_of_pair(b), full = _mm256_add_epi32(xy, z);
     const __m256i overlong = _mm256_cmpgt_epi32(xy, _mm256_set1_epi32(-1));
+    const __m256i below = _mm256_srai_epi32(_mm256_slli_epi32(b, 16), 31);
+    const __m256i gray =
+        SHUFFLE(gray_of(rg, b, deep), 0, 0, 0, N, 4, 4, 4, N, 8, 8, 8, N, 12, 12, 12, N);
+    const __m256i any =
+        either(either(overlong, below), is_outside(full, l->short_weak, l->long_weak));
+    if (_mm256_testz_si256(any, any)) {
+        put_colors(d, gray);
+        return 0;
+    }
     const __m256i pulled = _mm256_sub_epi32(z, _mm256_set1_epi32(m + m / 2));
     const __m256i sum = _mm256_blendv_epi8(full, pulled, overlong);
     const __m256i hard = _mm256_cmpgt_epi32(xy, _mm256_set1_epi32(l->xy_strong - 1));
     const __m256i weak = is_outside(sum, l->short_weak, l->long_weak);
     const __m256i strong = is_outside(sum, l->short_strong, l->long_strong);
-    const __m256i below = _mm256_srai_epi32(_mm256_slli_epi32(b, 16), 31);
     __m256i down = _mm256_and_si256(_mm256_xor_si256(t.b, _mm256_set1_epi32(m)), below);
     if (deep) /* times 255/65535, rounded, as in picture_kernels.c */
         down =
@@ -207,8 +215,6 @@ static inline uint32_t heat(uint8_t *d, texels t, bool deep, const ntp__limits *
     const __m256i green = either(bits_where(weak, 0x8000), bits_where(strong, 0x7f00));
     const __m256i faults = either(either(red, green), _mm256_slli_epi32(down, 16));
     const __m256i none = _mm256_cmpeq_epi32(faults, _mm256_setzero_si256());
-    const __m256i gray =
-        SHUFFLE(gray_of(rg, b, deep), 0, 0, 0, N, 4, 4, 4, N, 8, 8, 8, N, 12, 12, 12, N);
     const __m256i doubt =
         _mm256_and_si256(_mm256_cmpgt_epi32(z, _mm256_set1_epi32(l->long_weak + 1)),
                          _mm256_cmpgt_epi32(_mm256_set1_epi32(l->long_strong), pulled));
