@@ -233,7 +233,7 @@ typedef struct ends {
 ONE_COPY static const uint8_t *copy_last(ends *e, const uint8_t *s, int32_t left, int32_t bytes)
 {
     memset(e->few, 1, sizeof e->few);
-    return memcpy(e->few, s, (size_t) (bytes * left));
+    return memcpy(e->few, s, (size_t) bytes * (size_t) left);
 }
 
 static inline const uint8_t *source(ends *e, const uint8_t *s, int32_t left, int32_t bytes)
@@ -245,7 +245,7 @@ static inline const uint8_t *source(ends *e, const uint8_t *s, int32_t left, int
 static inline int32_t finish(uint8_t *odd, uint32_t bits, uint8_t *dst, const ends *e, int32_t left)
 {
     if (left < STEP) {
-        memcpy(dst, e->shown, (size_t) (3 * left));
+        memcpy(dst, e->shown, 3 * (size_t) left);
         bits &= (1U << left) - 1;
     }
     *odd = (uint8_t) bits;
