@@ -353,6 +353,12 @@ void ntp__add_block(ntp__sums *sums, const ntp__block *block, const uint32_t *co
     add_harm(sums, &j, block, times, n, m, encoding);
 }
 
+void ntp__end_batch(ntp__sums *sums, ntp__color_batch *batch, int32_t m, ntp_encoding encoding)
+{
+    ntp__add_block(sums, &batch->block, batch->count, batch->n, m, encoding);
+    batch->n = 0;
+}
+
 void ntp__add(ntp__sums *sums, const int32_t c[3], uint32_t count, int32_t m, ntp_encoding encoding)
 {
     ntp__block one;

@@ -67,6 +67,27 @@ void ntp__merge_sums(ntp__sums *into, const ntp__sums *from);
 void ntp__add_block(ntp__sums *sums, const ntp__block *block, const uint32_t *count, int32_t n,
                     int32_t m, ntp_encoding encoding);
 
+/* Colors with their counts, waiting to be judged together. */
+typedef struct ntp__color_batch {
+    ntp__block block;
+    uint32_t count[NTP__BLOCK];
+    int32_t n;
+} ntp__color_batch;
+
+/* Adds what waits. */
+void ntp__end_batch(ntp__sums *sums, ntp__color_batch *batch, int32_t m, ntp_encoding encoding);
+
+/* Puts a color there, and adds all when the batch is full. */
+static inline void ntp__put_color(ntp__sums *sums, ntp__color_batch *batch, const int32_t c[3],
+                                  uint32_t count, int32_t m, ntp_encoding encoding)
+{
+    for (int32_t k = 0; k < 3; k++)
+        batch->block.c[k][batch->n] = c[k];
+    batch->count[batch->n++] = count;
+    if (batch->n == NTP__BLOCK)
+        ntp__end_batch(sums, batch, m, encoding);
+}
+
 /* Adds n 16-bit texels of the standard encoding, which angles are those of too.  Those that are close
  * to exact are counted in `close`, as far as that holds them.  Changes the block. */
 void ntp__add_close_block(ntp__sums *sums, ntp__close_counts *close, ntp__block *block, int32_t n);

@@ -14,28 +14,43 @@ size_t ntp_tally_size(void)
     return sizeof(ntp_tally);
 }
 
-/* A run of equal unused colors.  So a transparent background is judged once, not at each texel. */
-typedef struct unused_run {
+/* Unused colors, judged many at once: the last one, and how often it came; those before it. */
+typedef struct unused_colors {
     int32_t c[3];
     uint32_t count;
-} unused_run;
+    ntp__color_batch narrow, wide;
+} unused_colors;
 
-static void end_run(ntp_tally *t, unused_run *run, int32_t m)
+static void no_unused(unused_colors *unused)
 {
-    if (run->count == 0)
-        return;
-    const int32_t *c = run->c;
-    ntp_encoding as = ntp__judged_as((ntp_encoding) t->encoding);
-    bool narrow = c[0] % 257 == 0 && c[1] % 257 == 0 && c[2] % 257 == 0;
+    unused->count = 0;
+    unused->narrow.n = unused->wide.n = 0;
+}
+
+static void end_run(ntp_tally *t, unused_colors *unused, int32_t m)
+{
+    const int32_t *c = unused->c;
+    const ntp_encoding as = ntp__judged_as((ntp_encoding) t->encoding);
+    const bool narrow = c[0] % 257 == 0 && c[1] % 257 == 0 && c[2] % 257 == 0;
     if (m == 255 || narrow) {
         const int32_t by = m == 255 ? 1 : 257, at8[] = { c[0] / by, c[1] / by, c[2] / by };
-        ntp__add(&t->transparent_narrow, at8, run->count, 255, as);
+        ntp__put_color(&t->transparent_narrow, &unused->narrow, at8, unused->count, 255, as);
     }
     if (m != 255) {
         t->is_wide |= !narrow;
-        ntp__add(&t->transparent_wide, c, run->count, m, as);
+        ntp__put_color(&t->transparent_wide, &unused->wide, c, unused->count, m, as);
     }
-    run->count = 0;
+    unused->count = 0;
+}
+
+static void end_unused(ntp_tally *t, unused_colors *unused, int32_t m)
+{
+    const ntp_encoding as = ntp__judged_as((ntp_encoding) t->encoding);
+    if (unused->count == 0)
+        return;
+    end_run(t, unused, m);
+    ntp__end_batch(&t->transparent_narrow, &unused->narrow, 255, as);
+    ntp__end_batch(&t->transparent_wide, &unused->wide, m, as);
 }
 
 static void add_levels(ntp__channel_sums *sums, uint32_t level)
@@ -54,17 +69,17 @@ static void add_color(ntp_tally *t, int32_t r, int32_t g, int32_t b)
     add_levels(&t->channel[2], (uint32_t) b);
 }
 
-static void add_transparent(ntp_tally *t, unused_run *run, int32_t r, int32_t g, int32_t b,
+static void add_transparent(ntp_tally *t, unused_colors *unused, int32_t r, int32_t g, int32_t b,
                             int32_t m)
 {
     t->transparent++;
     t->gray -= r == g && g == b; /* counted on the way here */
-    if (run->count > 0 && (run->c[0] != r || run->c[1] != g || run->c[2] != b))
-        end_run(t, run, m);
-    run->c[0] = r;
-    run->c[1] = g;
-    run->c[2] = b;
-    run->count++;
+    if (unused->count > 0 && (unused->c[0] != r || unused->c[1] != g || unused->c[2] != b))
+        end_run(t, unused, m);
+    unused->c[0] = r;
+    unused->c[1] = g;
+    unused->c[2] = b;
+    unused->count++;
 }
 
 /* Counts a gray texel; true: it is black or white, and unused for that. */
@@ -210,8 +225,9 @@ static bool count_used(ntp_tally *t, int32_t r, int32_t g, int32_t b, int32_t a,
 
 static void count_block(ntp_tally *t, ntp__block *block, int32_t n, int32_t m)
 {
-    unused_run run = { { 0, 0, 0 }, 0 };
+    unused_colors unused;
     int32_t wide = 0;
+    no_unused(&unused);
     if (!block->any_broken) {
         ntp__survey survey;
         ntp__kernels(NTP__CPU_ALL)->survey(&survey, block->c[0], block->c[1], block->c[2], n);
@@ -238,7 +254,7 @@ static void count_block(ntp_tally *t, ntp__block *block, int32_t n, int32_t m)
         if (r == g && g == b && count_black_white(t, b, m))
             continue;
         if (a == 0 && !(t->touched & NTP_UNUSED_TRANSPARENT)) {
-            add_transparent(t, &run, r, g, b, m);
+            add_transparent(t, &unused, r, g, b, m);
             continue;
         }
         if (!count_used(t, r, g, b, a, m)) {
@@ -248,7 +264,7 @@ static void count_block(ntp_tally *t, ntp__block *block, int32_t n, int32_t m)
             block->c[2][wide++] = b;
         }
     }
-    end_run(t, &run, m);
+    end_unused(t, &unused, m);
     count_wide(t, block, wide);
 }
 

@@ -137,7 +137,7 @@ static void count_rgb8(ntp_tally *t, const uint8_t *p, int32_t n)
 
 /* What the texels of a row with alpha are counted by. */
 typedef struct alpha_counts {
-    unused_run run;
+    unused_colors transparent;
     uint32_t visible; /* the least alpha of a used texel */
     uint64_t unused, ag;
 } alpha_counts;
@@ -155,7 +155,7 @@ static void count_one_rgba8(ntp_tally *t, alpha_counts *c, const uint8_t *p)
     c->unused++;
     if ((r == g) & (g == b) && count_black_white(t, (int32_t) b, 255))
         return;
-    add_transparent(t, &c->run, (int32_t) r, (int32_t) g, (int32_t) b, 255);
+    add_transparent(t, &c->transparent, (int32_t) r, (int32_t) g, (int32_t) b, 255);
 }
 
 /* Counts a group; opaque ones, and those of one color, are the fast ones. */
@@ -184,9 +184,12 @@ static inline void count_group_rgba8(ntp_tally *t, alpha_counts *c, const uint8_
 
 static void count_rgba8(ntp_tally *t, const uint8_t *p, int32_t n)
 {
-    alpha_counts c = { .visible = t->touched & NTP_UNUSED_TRANSPARENT ? 0 : 1 };
+    alpha_counts c;
     const uint64_t far = t->cells.far_texels;
     const int32_t all = n;
+    no_unused(&c.transparent);
+    c.visible = t->touched & NTP_UNUSED_TRANSPARENT ? 0 : 1;
+    c.unused = c.ag = 0;
     add_bytes(t, p, n, 4);
     t->narrow += (uint64_t) n;
     for (; n >= GROUP; n -= GROUP, p += 4 * GROUP) {
@@ -200,7 +203,7 @@ static void count_rgba8(ntp_tally *t, const uint8_t *p, int32_t n)
     }
     for (; n > 0; n--, p += 4)
         count_one_rgba8(t, &c, p);
-    end_run(t, &c.run, 255);
+    end_unused(t, &c.transparent, 255);
     t->narrow -= c.unused;
     t->ag_in_disc += c.ag;
 }

@@ -100,41 +100,24 @@ ntp_status ntp_tally_clear(ntp_tally *t)
 
 /* --------------------------------------------------------------------------- cells to sums */
 
-/* Colors with their counts, waiting to be judged together. */
-typedef struct color_batch {
-    ntp__block block;
-    uint32_t count[NTP__BLOCK];
-    int32_t n;
-} color_batch;
-
-static void end_batch(ntp_tally *t, color_batch *batch, int32_t m, ntp_encoding encoding)
-{
-    ntp__add_block(&t->used, &batch->block, batch->count, batch->n, m, encoding);
-    batch->n = 0;
-}
-
 /* Adds the cells of one row. */
-static void add_row(ntp_tally *t, color_batch *batch, int32_t row, int32_t m, ntp_encoding encoding)
+static void add_row(ntp_tally *t, ntp__color_batch *batch, int32_t row, int32_t m,
+                    ntp_encoding encoding)
 {
     ntp__cell cells[NTP__MOST_CELLS];
-    int32_t by = m / 255, r = (t->cells.row_pair[row] & 255) * by,
-            g = (t->cells.row_pair[row] >> 8) * by;
+    const int32_t by = m / 255;
+    int32_t c[3] = { (t->cells.row_pair[row] & 255) * by, (t->cells.row_pair[row] >> 8) * by };
     const int32_t n = ntp__row_cells(cells, &t->cells, row);
     for (int32_t i = 0; i < n; i++) {
-        const int32_t b = cells[i].blue;
-        t->blues[b] += cells[i].count;
-        batch->block.c[0][batch->n] = r;
-        batch->block.c[1][batch->n] = g;
-        batch->block.c[2][batch->n] = b * by;
-        batch->count[batch->n++] = cells[i].count;
-        if (batch->n == NTP__BLOCK)
-            end_batch(t, batch, m, encoding);
+        t->blues[cells[i].blue] += cells[i].count;
+        c[2] = cells[i].blue * by;
+        ntp__put_color(&t->used, batch, c, cells[i].count, m, encoding);
     }
 }
 
 static void add_cells(ntp_tally *t, int32_t m, ntp_encoding encoding)
 {
-    color_batch batch;
+    ntp__color_batch batch;
     batch.n = 0;
     if (t->narrow == 0) { /* as in most textures of 16 bit: there is nothing to look for */
         t->cells.unnoted = 0;
@@ -143,7 +126,7 @@ static void add_cells(ntp_tally *t, int32_t m, ntp_encoding encoding)
     ntp__note_rows(&t->cells);
     for (int32_t row = 0; (row = ntp__next_row(t->cells.row_seen, row)) < NTP__ROWS; row++)
         add_row(t, &batch, row, m, encoding);
-    end_batch(t, &batch, m, encoding);
+    ntp__end_batch(&t->used, &batch, m, encoding);
 }
 
 static void add_gray(ntp_tally *t, int32_t level, int32_t m, uint64_t count, ntp_encoding encoding)
