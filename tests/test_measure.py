@@ -134,6 +134,34 @@ def test_runs_of_one_color(channels, touch):
     check_summary(ntp.Tally().measure(array, ntp.STANDARD, touch), array, ntp.STANDARD, touch)
 
 
+@pytest.mark.parametrize("least", [0, 70])
+def test_many_of_a_few_colors(least):
+    """Counts that are more than a byte holds, also where parts merge, and after clearing."""
+    rng = np.random.default_rng(8)
+    colors = np.array([(200, 60, 9), (201, 60, 9), (128, 127, 3), (140, 70, 220)], np.uint8)
+    array = np.ascontiguousarray(rng.choice(colors, (120, 200), p=(0.55, 0.02, 0.03, 0.4)))
+    tally = ntp.Tally().measure(array[least:], ntp.STANDARD)
+    tally.stats(ntp.STANDARD)
+    if least > 0:
+        tally.merge(ntp.Tally().measure(array[:least], ntp.STANDARD))
+    check_summary(tally, array, ntp.STANDARD, 0)
+    ntp.check(ntp.lib.ntp_tally_clear(tally.pointer))
+    check_summary(tally.measure(array[:90], ntp.STANDARD), array[:90], ntp.STANDARD, 0)
+
+
+@pytest.mark.parametrize("dtype", [np.uint8, np.uint16])
+@pytest.mark.parametrize("visible", [0.01, 0.3])
+def test_colors_of_transparent_texels(dtype, visible):
+    """Rows of more transparent colors than are judged at once."""
+    rng = np.random.default_rng(9)
+    m = np.iinfo(dtype).max
+    array = rng.integers(0, 256, (5, 700, 4)).astype(dtype) * dtype(m // 255)
+    array[2:] ^= (rng.random((3, 700, 4)) < 0.1).astype(dtype)
+    array[..., 3] = np.where(rng.random((5, 700)) < visible, m, 0)
+    array[4] = np.repeat(array[4, ::7], 7, 0)
+    check_summary(ntp.Tally().measure(array, ntp.STANDARD), array, ntp.STANDARD, 0)
+
+
 def test_odd_texel_among_wide_ones():
     """Blocks of 16-bit texels that are counted as a whole, but for one: gray, flat, of 8 bit, too
     long by as little as can be."""

@@ -68,7 +68,7 @@ static void add_row(blue_sums *sums, const blue_row *row)
 static void add_cells(blue_sums *sums, const ntp_tally *t)
 {
     ntp__cell cells[NTP__MOST_CELLS];
-    for (int32_t i = 0; (i = ntp__next_row(t->cells.row_seen, i)) < NTP__ROWS; i++) {
+    for (int32_t i = 0; (i = ntp__next_row(t->cells.at.row_seen, i)) < NTP__ROWS; i++) {
         int64_t rest = ntp__rest(t->cells.row_pair[i] & 255, t->cells.row_pair[i] >> 8, 255);
         if (rest < 0)
             continue;

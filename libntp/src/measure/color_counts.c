@@ -2,7 +2,7 @@
 /*
  * color_counts.c - the cells of a tally: which row is whose, and which rows hold counts
  *
- * There are 8260 rows, and with their far cells they take 9.5 MB.  A small texture has texels in a
+ * There are 8260 rows, whose cells take 2.8 MB.  A small texture has texels in a
  * few of them.  So everything that looks through the cells goes by the notes in row_seen.
  */
 #include "texel/kernels.h"
@@ -10,6 +10,7 @@
 #include "measure/color_counts.h"
 #include "measure/merge.h"
 
+#include <stdbool.h>
 #include <string.h>
 
 /* The blue of the first near cell: 8 below the derived one.  If a near cell would be gray, the
@@ -73,32 +74,41 @@ uint32_t ntp__find_row(ntp__color_counts *t, int32_t r, int32_t g)
                       rest < 0 ? -1 : ntp__blue_of_rest(rest, 255, false));
 }
 
-/* Appends those of `count` cells that are not 0.  Most groups of far cells are empty. */
-static int32_t append(ntp__cell *cells, int32_t n, const uint32_t *counts, int32_t blue,
-                      int32_t count)
+/* The counts of a row by blue. */
+static void read_row(uint32_t counts[256], const ntp__color_counts *t, int32_t row)
 {
-    enum { GROUP = 8 };
-    for (int32_t i = 0; i < count; i += GROUP) {
-        const int32_t end = i + GROUP < count ? i + GROUP : count;
+    const uint32_t *const near = &t->at.near[row * NTP__NEAR];
+    for (int32_t i = 0; i < 256; i++)
+        counts[i] = t->at.far[row * NTP__ROW_CELLS + i];
+    for (int32_t i = 0; t->at.row_seen[row] & NTP__SEEN_CARRIED && i < 256; i++)
+        counts[i] += t->at.carried[row * NTP__ROW_CELLS + i] << 8;
+    for (int32_t i = 0; i < NTP__NEAR; i++)
+        counts[t->row_first[row] + i] += near[i];
+}
+
+int32_t ntp__row_cells(ntp__cell cells[NTP__MOST_CELLS], const ntp__color_counts *t, int32_t row)
+{
+    enum { GROUP = 8 }; /* most groups of far cells are empty */
+    const bool far = t->at.row_seen[row] & NTP__SEEN_FAR;
+    const int32_t first = far ? 0 : t->row_first[row], all = far ? 256 : NTP__NEAR;
+    const uint32_t *counts = &t->at.near[row * NTP__NEAR];
+    uint32_t by_blue[256];
+    int32_t n = 0;
+    if (far) {
+        read_row(by_blue, t, row);
+        counts = by_blue;
+    }
+    for (int32_t i = 0; i < all; i += GROUP) {
         uint32_t any = 0;
-        for (int32_t k = i; k < end; k++)
+        for (int32_t k = i; k < i + GROUP; k++)
             any |= counts[k];
-        for (int32_t k = i; any != 0 && k < end; k++) {
-            cells[n].blue = blue + k;
+        for (int32_t k = i; any != 0 && k < i + GROUP; k++) {
+            cells[n].blue = first + k;
             cells[n].count = counts[k];
             n += counts[k] != 0;
         }
     }
     return n;
-}
-
-int32_t ntp__row_cells(ntp__cell cells[NTP__MOST_CELLS], const ntp__color_counts *t, int32_t row)
-{
-    const int32_t near = t->row_first[row], above = near + NTP__NEAR;
-    const uint32_t *far = t->row_seen[row] & NTP__SEEN_FAR ? ntp__far_counts(t, row) : NULL;
-    int32_t n = far != NULL ? append(cells, 0, far, 0, near) : 0;
-    n = append(cells, n, &t->cells[row * NTP__NEAR], near, NTP__NEAR);
-    return far != NULL ? append(cells, n, far + above, above, 256 - above) : n;
 }
 
 /* Adds the rows that were not noted to `seen`, which is t's own or a copy. */
@@ -109,27 +119,30 @@ static void find_rows(uint8_t seen[NTP__ROWS], const ntp__color_counts *t)
     for (int32_t row = 0; row < NTP__ROWS; row++) {
         uint32_t any = 0;
         for (int32_t i = 0; i < NTP__NEAR; i++)
-            any |= t->cells[row * NTP__NEAR + i];
+            any |= t->at.near[row * NTP__NEAR + i];
         seen[row] |= any != 0 ? NTP__SEEN_NEAR : 0;
     }
 }
 
 void ntp__note_rows(ntp__color_counts *t)
 {
-    find_rows(t->row_seen, t);
+    find_rows(t->at.row_seen, t);
     t->unnoted = 0;
 }
 
 void ntp__merge_cells(ntp__color_counts *into, const ntp__color_counts *from)
 {
     uint8_t seen[NTP__ROWS];
-    memcpy(seen, from->row_seen, sizeof seen);
+    memcpy(seen, from->at.row_seen, sizeof seen);
     find_rows(seen, from);
     for (int32_t row = 0; (row = ntp__next_row(seen, row)) < NTP__ROWS; row++) {
-        ntp__merge_counts(&into->cells[row * NTP__NEAR], &from->cells[row * NTP__NEAR], NTP__NEAR);
-        if (seen[row] & NTP__SEEN_FAR)
-            ntp__merge_counts(ntp__far_cells(into, row), ntp__far_counts(from, row), 256);
-        into->row_seen[row] |= seen[row];
+        const int32_t near = row * NTP__NEAR, first = row * NTP__ROW_CELLS;
+        ntp__merge_counts(&into->at.near[near], &from->at.near[near], NTP__NEAR);
+        into->at.row_seen[row] |= seen[row];
+        for (int32_t i = first; seen[row] & NTP__SEEN_FAR && i < first + 256; i++)
+            ntp__count_far(&into->at, (uint32_t) i, from->at.far[i]);
+        if (seen[row] & NTP__SEEN_CARRIED)
+            ntp__merge_counts(&into->at.carried[first], &from->at.carried[first], 256);
         into->row_pair[row] = from->row_pair[row];
         into->row_first[row] = from->row_first[row];
     }
@@ -137,11 +150,14 @@ void ntp__merge_cells(ntp__color_counts *into, const ntp__color_counts *from)
 
 void ntp__clear_cells(ntp__color_counts *t)
 {
+    uint8_t *const seen = t->at.row_seen;
     ntp__note_rows(t);
-    for (int32_t row = 0; (row = ntp__next_row(t->row_seen, row)) < NTP__ROWS; row++) {
-        memset(&t->cells[row * NTP__NEAR], 0, NTP__NEAR * sizeof t->cells[0]);
-        if (t->row_seen[row] & NTP__SEEN_FAR)
-            memset(ntp__far_cells(t, row), 0, 256 * sizeof t->cells[0]);
+    for (int32_t row = 0; (row = ntp__next_row(seen, row)) < NTP__ROWS; row++) {
+        memset(&t->at.near[row * NTP__NEAR], 0, NTP__NEAR * sizeof t->at.near[0]);
+        if (seen[row] & NTP__SEEN_FAR)
+            memset(&t->at.far[row * NTP__ROW_CELLS], 0, 256);
+        if (seen[row] & NTP__SEEN_CARRIED)
+            memset(&t->at.carried[row * NTP__ROW_CELLS], 0, 256 * sizeof t->at.carried[0]);
     }
-    memset(t->row_seen, 0, sizeof t->row_seen);
+    memset(seen, 0, sizeof t->at.row_seen);
 }

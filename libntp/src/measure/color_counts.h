@@ -27,28 +27,14 @@ enum {
 
 typedef struct ntp__color_counts {
     uint32_t rows_ready;
-    uint32_t few;                    /* few texels are being measured: their rows are noted */
-    uint32_t unnoted;                /* some rows with near cells are not in row_seen */
-    uint64_t far_texels;             /* that were counted by look-ups, ever */
-    uint8_t row_seen[NTP__ROWS + 1]; /* NTP__SEEN_*; the last one is written and not read */
-    uint32_t row_of[65536];          /* by r | g << 8: see ntp__entry; when rows_ready */
-    uint16_t row_pair[NTP__ROWS];    /* of a row seen: some r | g << 8 of it, r, g >= 128 */
-    uint8_t row_first[NTP__ROWS];    /* the blue of its first near cell */
-    /* First the cells of each row near its derived blue, then the others.  Well-formed textures do
-     * not need the latter, so their pages stay untouched. */
-    uint32_t cells[NTP__CELLS];
+    uint32_t few;                 /* few texels are being measured: their rows are noted */
+    uint32_t unnoted;             /* some rows with near cells are not in row_seen */
+    uint64_t far_texels;          /* that were counted by look-ups, ever */
+    uint32_t row_of[65536];       /* by r | g << 8: see ntp__entry; when rows_ready */
+    uint16_t row_pair[NTP__ROWS]; /* of a row seen: some r | g << 8 of it, r, g >= 128 */
+    uint8_t row_first[NTP__ROWS]; /* the blue of its first near cell */
+    ntp__cell_counts at;          /* in well-formed textures, most of its pages stay untouched */
 } ntp__color_counts;
-
-/* The far cells of a row. */
-static inline uint32_t *ntp__far_cells(ntp__color_counts *counts, int32_t row)
-{
-    return &counts->cells[NTP__FIRST_FAR + row * NTP__FAR_CELLS];
-}
-
-static inline const uint32_t *ntp__far_counts(const ntp__color_counts *counts, int32_t row)
-{
-    return &counts->cells[NTP__FIRST_FAR + row * NTP__FAR_CELLS];
-}
 
 /* Fills row_of, once. */
 void ntp__rows_prepare(ntp__color_counts *counts);

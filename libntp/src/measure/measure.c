@@ -100,15 +100,15 @@ static inline bool count_black_white(ntp_tally *t, int32_t v, int32_t m)
 static void count_far(ntp_tally *t, uint32_t entry, uint32_t b)
 {
     uint32_t row = ntp__entry_cells(entry) / NTP__NEAR;
-    ntp__far_cells(&t->cells, (int32_t) row)[b]++;
-    t->cells.row_seen[row] |= NTP__SEEN_FAR;
+    ntp__count_far(&t->cells.at, row * NTP__ROW_CELLS + b, 1);
+    t->cells.at.row_seen[row] |= NTP__SEEN_FAR;
 }
 
 static inline void count_cell(ntp_tally *t, uint32_t pair, uint32_t b)
 {
     uint32_t entry = t->cells.row_of[pair], place = b - ntp__entry_first(entry);
     if (place < NTP__NEAR)
-        t->cells.cells[ntp__entry_cells(entry) + place]++;
+        t->cells.at.near[ntp__entry_cells(entry) + place]++;
     else
         count_far(t, entry, b);
 }
@@ -120,8 +120,8 @@ static void count_noted(ntp_tally *t, int32_t r, int32_t g, int32_t b)
     uint32_t entry = t->cells.rows_ready ? t->cells.row_of[pair] : ntp__find_row(&t->cells, r, g);
     uint32_t cells = ntp__entry_cells(entry), place = (uint32_t) b - ntp__entry_first(entry);
     if (place < NTP__NEAR) {
-        t->cells.cells[cells + place]++;
-        t->cells.row_seen[cells / NTP__NEAR] |= NTP__SEEN_NEAR;
+        t->cells.at.near[cells + place]++;
+        t->cells.at.row_seen[cells / NTP__NEAR] |= NTP__SEEN_NEAR;
     } else {
         count_far(t, entry, (uint32_t) b);
     }

@@ -75,9 +75,9 @@ static inline uint32_t count_odd(ntp_tally *t, const uint8_t *p, uint32_t entry,
     }
     uint32_t row = ntp__entry_cells(entry) / NTP__NEAR;
     t->cells.far_texels += count;
-    ntp__far_cells(&t->cells, (int32_t) row)[p[2]] += count;
-    if (!(t->cells.row_seen[row] & NTP__SEEN_FAR)) /* storing it again would be waited for */
-        t->cells.row_seen[row] |= NTP__SEEN_FAR;
+    ntp__count_far(&t->cells.at, row * NTP__ROW_CELLS + p[2], count);
+    if (!(t->cells.at.row_seen[row] & NTP__SEEN_FAR)) /* storing it again would be waited for */
+        t->cells.at.row_seen[row] |= NTP__SEEN_FAR;
     return 0;
 }
 
@@ -104,13 +104,13 @@ static inline int32_t count_groups(ntp_tally *t, uint64_t far_before, int32_t do
     const uint64_t least = (uint64_t) done / ONE_IN + LEAST;
     if (t->cells.far_texels - far_before < least || count == NULL)
         return 0;
-    return count(t->cells.cells, t->cells.row_seen, p, n, channels);
+    return count(&t->cells.at, p, n, channels);
 }
 
 static void count_rgb8(ntp_tally *t, const uint8_t *p, int32_t n)
 {
     uint64_t unused = 0;
-    uint32_t *near = t->cells.cells;
+    uint32_t *near = t->cells.at.near;
     const uint64_t far = t->cells.far_texels;
     const int32_t all = n;
     const uint32_t *row_of = t->cells.row_of;
@@ -147,7 +147,7 @@ static void count_one_rgba8(ntp_tally *t, alpha_counts *c, const uint8_t *p)
     uint32_t r = p[0], g = p[1], b = p[2], a = p[3];
     t->alpha[a]++;
     if (a >= c->visible) {
-        uint32_t unused = count_color(t, t->cells.row_of, t->cells.cells, p, 1);
+        uint32_t unused = count_color(t, t->cells.row_of, t->cells.at.near, p, 1);
         c->ag += unused == 0 && a < 255 && in_disc8((int32_t) a, (int32_t) g);
         c->unused += unused;
         return;
@@ -175,11 +175,11 @@ static inline void count_group_rgba8(ntp_tally *t, alpha_counts *c, const uint8_
     }
     t->alpha[255] += GROUP;
     if (all == any) {
-        c->unused += count_color(t, t->cells.row_of, t->cells.cells, p, GROUP);
+        c->unused += count_color(t, t->cells.row_of, t->cells.at.near, p, GROUP);
         return;
     }
     for (int32_t i = 0; i < GROUP; i++)
-        c->unused += count_color(t, t->cells.row_of, t->cells.cells, p + 4 * i, 1);
+        c->unused += count_color(t, t->cells.row_of, t->cells.at.near, p + 4 * i, 1);
 }
 
 static void count_rgba8(ntp_tally *t, const uint8_t *p, int32_t n)

@@ -324,7 +324,7 @@ static void describe_colors(ntp_stats *s, const ntp_tally *t)
     ntp__cell cells[NTP__MOST_CELLS];
     if (s->max == 255 && t->encoding != NTP_ENCODING_HEIGHT) {
         for (int32_t row = NTP__ROWS - NTP__FLAT_ROWS; row < NTP__ROWS; row++) {
-            if (t->cells.row_seen[row] == 0)
+            if (t->cells.at.row_seen[row] == 0)
                 continue;
             const int32_t n = ntp__row_cells(cells, &t->cells, row);
             s->distinct_flat += (uint64_t) n;

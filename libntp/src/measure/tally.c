@@ -124,7 +124,7 @@ static void add_cells(ntp_tally *t, int32_t m, ntp_encoding encoding)
         return;
     }
     ntp__note_rows(&t->cells);
-    for (int32_t row = 0; (row = ntp__next_row(t->cells.row_seen, row)) < NTP__ROWS; row++)
+    for (int32_t row = 0; (row = ntp__next_row(t->cells.at.row_seen, row)) < NTP__ROWS; row++)
         add_row(t, &batch, row, m, encoding);
     ntp__end_batch(&t->used, &batch, m, encoding);
 }

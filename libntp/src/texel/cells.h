@@ -4,9 +4,16 @@
  *
  * A row stands for {|X|, |Y|}.  measure/color_counts.h says what cells are for; here kernels find
  * their numbers.
+ *
+ * A row has near cells, of the 16 blues around its derived one, and a cell for each blue.  A color
+ * with a near cell may be counted in both of its cells.  Well-formed textures need the near ones
+ * only.  The others are bytes, so that they stay in the cache and are quick to look through; what is
+ * more than a byte holds is carried to a table that few textures need.
  */
 #ifndef NTP_CELLS_H
 #define NTP_CELLS_H
+
+#include <stdint.h>
 
 enum {
     /* Unordered pairs of 128 magnitudes, and one row for each of the four flat pairs (127 or 128 in
@@ -14,15 +21,30 @@ enum {
     NTP__FLAT_ROWS = 4,
     NTP__ROWS = 128 * 129 / 2 + NTP__FLAT_ROWS,
 
-    NTP__NEAR = 16,            /* cells around the derived blue of a row: a cache line */
-    NTP__FAR_CELLS = 256 + 16, /* rows a power of two apart would share few cache sets */
-
-    /* All near cells come first, then the far ones. */
-    NTP__FIRST_FAR = NTP__ROWS * NTP__NEAR,
-    NTP__CELLS = NTP__FIRST_FAR + NTP__ROWS * NTP__FAR_CELLS
+    NTP__NEAR = 16,            /* near cells of a row: a cache line */
+    NTP__ROW_CELLS = 256 + 16, /* rows a power of two apart would share few cache sets */
+    NTP__CELLS = NTP__ROWS * NTP__ROW_CELLS
 };
 
 /* Where the cells of a row hold counts. */
-enum { NTP__SEEN_NEAR = 1, NTP__SEEN_FAR = 2 };
+enum { NTP__SEEN_NEAR = 1, NTP__SEEN_FAR = 2, NTP__SEEN_CARRIED = 4 };
+
+typedef struct ntp__cell_counts {
+    uint8_t row_seen[NTP__ROWS]; /* NTP__SEEN_* */
+    uint32_t near[NTP__ROWS * NTP__NEAR];
+    uint8_t far[NTP__CELLS];      /* by row and blue */
+    uint32_t carried[NTP__CELLS]; /* in 256 */
+} ntp__cell_counts;
+
+/* Adds up to 256 to a cell that is not a near one, of a row that is noted as far. */
+static inline void ntp__count_far(ntp__cell_counts *counts, uint32_t cell, uint32_t count)
+{
+    const uint32_t sum = counts->far[cell] + count;
+    counts->far[cell] = (uint8_t) sum;
+    if (sum > 255) {
+        counts->carried[cell]++;
+        counts->row_seen[cell / NTP__ROW_CELLS] |= NTP__SEEN_CARRIED;
+    }
+}
 
 #endif

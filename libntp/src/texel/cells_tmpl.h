@@ -8,44 +8,31 @@
 
 #ifdef __AVX2__
 
-/* The numbers of the cells of eight colors, as rows_prepare defines them in color_counts.c.
- * `far_rows`: the rows of those that are far, else NTP__ROWS. */
-static inline __m256i cells_of(__m256i *far_rows, __m256i colors)
+/* The rows of eight colors, as rows_prepare defines them in color_counts.c. */
+static inline __m256i rows_of(__m256i colors)
 {
     const __m256i low = _mm256_set1_epi32(255), one = _mm256_set1_epi32(1);
-    const __m256i middle = _mm256_set1_epi32(128), last_near = _mm256_set1_epi32(NTP__NEAR - 1);
     /* k of r, g: as bytes, the lesser of r ^ 127 and r ^ 128 */
     const __m256i k = _mm256_min_epu8(_mm256_xor_si256(colors, _mm256_set1_epi32(0x7f7f)),
                                       _mm256_xor_si256(colors, _mm256_set1_epi32(0x8080)));
-    const __m256i p = _mm256_and_si256(k, low), b = _mm256_srli_epi32(colors, 16);
-    const __m256i q = _mm256_and_si256(_mm256_srli_epi32(k, 8), low);
+    const __m256i p = _mm256_and_si256(k, low), q = _mm256_and_si256(_mm256_srli_epi32(k, 8), low);
     const __m256i k1 = _mm256_max_epi16(p, q), k2 = _mm256_min_epi16(p, q);
-    const __m256i sq1 = _mm256_mullo_epi16(k1, _mm256_add_epi32(k1, one));
-    const __m256i sq2 = _mm256_mullo_epi16(k2, _mm256_add_epi32(k2, one));
+    const __m256i square = _mm256_mullo_epi16(k1, _mm256_add_epi32(k1, one));
     /* flat: the high bits of r, g, as bits 0 and 1 */
     const __m256i high = _mm256_and_si256(colors, _mm256_set1_epi32(0x8080));
     const __m256i bits = _mm256_or_si256(_mm256_srli_epi32(high, 7), _mm256_srli_epi32(high, 14));
     const __m256i flat = _mm256_add_epi32(_mm256_and_si256(bits, _mm256_set1_epi32(3)),
                                           _mm256_set1_epi32(NTP__ROWS - NTP__FLAT_ROWS));
-    const __m256i row = _mm256_blendv_epi8(_mm256_add_epi32(_mm256_srli_epi32(sq1, 1), k2), flat,
-                                           _mm256_cmpeq_epi32(k1, _mm256_setzero_si256()));
-    const __m256i e = _mm256_sub_epi32(_mm256_set1_epi32(16255), _mm256_add_epi32(sq1, sq2));
-    __m256i t = root8(e);
-    t = _mm256_add_epi32(t, _mm256_cmpgt_epi32(_mm256_mullo_epi16(t, t), e));
-    t = _mm256_andnot_si256(_mm256_srai_epi32(e, 31), t); /* too long: as if blue were 128 */
-    __m256i first = _mm256_min_epi32(_mm256_add_epi32(t, _mm256_set1_epi32(128 - NTP__NEAR / 2)),
-                                     _mm256_set1_epi32(256 - NTP__NEAR));
-    /* above the gray, where that would be among them */
-    const __m256i gray = _mm256_add_epi32(k1, middle), up = _mm256_sub_epi32(gray, first);
-    const __m256i among = _mm256_and_si256(_mm256_cmpeq_epi32(k1, k2),
-                                           _mm256_cmpeq_epi32(_mm256_min_epu32(up, last_near), up));
-    first = _mm256_blendv_epi8(first, _mm256_add_epi32(gray, one), among);
-    const __m256i place = _mm256_sub_epi32(b, first);
-    const __m256i near = _mm256_cmpeq_epi32(_mm256_min_epu32(place, last_near), place);
-    const __m256i far = _mm256_add_epi32(_mm256_add_epi32(b, _mm256_slli_epi32(row, 8)),
-                                         _mm256_set1_epi32(NTP__FIRST_FAR));
-    *far_rows = _mm256_blendv_epi8(row, _mm256_set1_epi32(NTP__ROWS), near);
-    return _mm256_add_epi32(_mm256_slli_epi32(row, 4), _mm256_blendv_epi8(far, place, near));
+    return _mm256_blendv_epi8(_mm256_add_epi32(_mm256_srli_epi32(square, 1), k2), flat,
+                              _mm256_cmpeq_epi32(k1, _mm256_setzero_si256()));
+}
+
+/* The numbers of their cells. */
+static inline __m256i cells_of(__m256i rows, __m256i colors)
+{
+    const __m256i first =
+        _mm256_add_epi32(_mm256_slli_epi32(rows, 8), _mm256_slli_epi32(rows, 4)); /* times 272 */
+    return _mm256_add_epi32(first, _mm256_srli_epi32(colors, 16));
 }
 
 /* Four texels from each of two places: their colors, with the alpha or 0 above. */
@@ -97,45 +84,45 @@ static inline bool load_group(__m256i colors[2], const uint8_t *src, int32_t cha
 }
 
 /* Apart from the arithmetic, so that many counts are on their way at once. */
-ONE_COPY static void count_each(uint32_t *cells, const uint32_t *at, int32_t n)
+ONE_COPY static void count_each(ntp__cell_counts *counts, const uint32_t *at, const uint32_t *rows,
+                                int32_t n)
 {
     for (int32_t i = 0; i < n; i++)
-        cells[at[i]]++;
+        counts->row_seen[rows[i]] |= NTP__SEEN_FAR;
+    for (int32_t i = 0; i < n; i++)
+        ntp__count_far(counts, at[i], 1);
 }
 
-static int32_t count_cells(uint32_t *cells, uint8_t *row_seen, const uint8_t *src, int32_t n,
+static int32_t count_cells(ntp__cell_counts *counts, const uint8_t *src, int32_t n,
                            int32_t channels)
 {
     enum { GROUP = 16, ALL = 0xffff, WAITING = 512 };
-    uint32_t at[WAITING], far[GROUP];
+    uint32_t at[WAITING], rows[WAITING];
     int32_t i = 0, waiting = 0;
     for (; i + GROUP <= n; i += GROUP, src += channels * GROUP) {
-        __m256i colors[2], same[2], rows[2], near[2];
+        __m256i colors[2], same[2];
         if (!load_group(colors, src, channels))
             break;
         const __m256i first = _mm256_broadcastd_epi32(_mm256_castsi256_si128(colors[0]));
         for (int k = 0; k < 2; k++) {
             same[k] = _mm256_cmpeq_epi32(colors[k], first);
-            const __m256i cell = cells_of(&rows[k], colors[k]);
-            near[k] = _mm256_cmpeq_epi32(rows[k], _mm256_set1_epi32(NTP__ROWS));
-            _mm256_storeu_si256((__m256i *) (void *) (at + waiting + 8 * k), cell);
-            _mm256_storeu_si256((__m256i *) (void *) (far + 8 * k), rows[k]);
-        }
-        if (lanes_set(near) != ALL) {
-            for (int k = 0; k < GROUP; k++)
-                row_seen[far[k]] = NTP__SEEN_NEAR | NTP__SEEN_FAR;
+            const __m256i row = rows_of(colors[k]);
+            _mm256_storeu_si256((__m256i *) (void *) (rows + waiting + 8 * k), row);
+            _mm256_storeu_si256((__m256i *) (void *) (at + waiting + 8 * k),
+                                cells_of(row, colors[k]));
         }
         if (lanes_set(same) == ALL) {
-            cells[at[waiting]] += GROUP;
+            counts->row_seen[rows[waiting]] |= NTP__SEEN_FAR;
+            ntp__count_far(counts, at[waiting], GROUP);
             continue;
         }
         waiting += GROUP;
         if (waiting == WAITING) {
-            count_each(cells, at, waiting);
+            count_each(counts, at, rows, waiting);
             waiting = 0;
         }
     }
-    count_each(cells, at, waiting);
+    count_each(counts, at, rows, waiting);
     return i;
 }
 #else

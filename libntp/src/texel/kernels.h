@@ -13,6 +13,7 @@
 #define NTP_KERNELS_H
 
 #include "base/cpu.h"
+#include "texel/cells.h"
 #include "texel/close.h"
 
 #include <stddef.h>
@@ -62,11 +63,11 @@ typedef void ntp__validate_rgb_fn(uint8_t *flags, const void *src, int32_t n,
                                   const ntp__validity *how);
 
 /*
- * Counts packed texels of 3 or 4 channels of 8 bit in the cells of a tally (cells.h), a group of
- * NTP__KERNEL_STEP after the other, up to one in which a texel is gray or not opaque.  Returns how
- * many are counted.  row_seen has a place more than rows.
+ * Counts packed texels of 3 or 4 channels of 8 bit in the cells of a tally (cells.h), not in near
+ * ones, a group of NTP__KERNEL_STEP after the other, up to one in which a texel is gray or not opaque.
+ * Returns how many are counted.
  */
-typedef int32_t ntp__count8_fn(uint32_t *cells, uint8_t *row_seen, const uint8_t *src, int32_t n,
+typedef int32_t ntp__count8_fn(ntp__cell_counts *counts, const uint8_t *src, int32_t n,
                                int32_t channels);
 
 /* What is known of a block of texels at once. */
