@@ -2,9 +2,9 @@
 /*
  * test_cells.c - packed colors of 8 bit are counted in their cells
  *
- * All colors but grays, 16 in a row that differ in blue, then 16 of one color; their cells are worked
- * out here without tables.  Runs between guard pages, with a gray or translucent texel at any place,
- * end at its group.  Counts that are too great for a byte are carried.
+ * All colors but black and white, 16 in a row that differ in blue, then 16 of one color; their cells
+ * are worked out here without tables.  Runs between guard pages, with a black, white or translucent
+ * texel at any place, end at its group.  Counts that are too great for a byte are carried.
  */
 #include "guarded.h"
 #include "texel/cells.h"
@@ -57,21 +57,25 @@ static void check_counts(void)
 static void check_colors(const ntp__kernels_table *level, int32_t channels)
 {
     uint8_t row[256 * 4], even[STEP * 4];
+    uint64_t gray = 0, grays = 0;
     memset(&cells, 0, sizeof cells);
     memset(want, 0, sizeof want);
     for (int32_t pair = 0; pair < 65536; pair++) {
         const int32_t r = pair & 255, g = pair >> 8, first = row_of(r, g) * NTP__ROW_CELLS;
         for (int32_t b = 0; b < 256; b++) {
-            const int32_t other = r == g && g == b ? b ^ 1 : b;
+            const bool end = r == g && g == b && (b == 0 || b == 255);
+            const int32_t other = end ? b ^ 1 : b;
             put(row + channels * b, channels, r, g, other);
             want[first + other]++;
         }
-        CHECK(level->count_cells(&cells, row, 256, channels) == 256);
-        const int32_t b = r == g ? r ^ 255 : pair * 7 & 255;
+        CHECK(level->count_cells(&cells, row, 256, channels, &gray) == 256);
+        const int32_t b = pair == 0 ? 1 : pair == 65535 ? 254 : pair * 7 & 255;
         for (int32_t i = 0; i < STEP; i++)
             put(even + channels * i, channels, r, g, b);
         want[first + b] += STEP;
-        CHECK(level->count_cells(&cells, even, STEP, channels) == STEP);
+        CHECK(level->count_cells(&cells, even, STEP, channels, &gray) == STEP);
+        grays += r == g ? (r != 0 && r != 255) + STEP * (b == r) : 0;
+        CHECK(gray == grays);
     }
     check_counts();
 }
@@ -81,6 +85,7 @@ static void check_many(const ntp__kernels_table *level, int32_t channels)
 {
     enum { TIMES = 1000 };
     uint8_t mixed[STEP * 4], even[STEP * 4];
+    uint64_t gray = 0;
     memset(&cells, 0, sizeof cells);
     memset(want, 0, sizeof want);
     for (int32_t i = 0; i < STEP; i++) {
@@ -91,8 +96,8 @@ static void check_many(const ntp__kernels_table *level, int32_t channels)
     want[row_of(5, 200) * NTP__ROW_CELLS + 17] = TIMES * STEP / 2;
     want[row_of(128, 127) * NTP__ROW_CELLS + 255] = TIMES * STEP;
     for (int32_t i = 0; i < TIMES; i++) {
-        CHECK(level->count_cells(&cells, mixed, STEP, channels) == STEP);
-        CHECK(level->count_cells(&cells, even, STEP, channels) == STEP);
+        CHECK(level->count_cells(&cells, mixed, STEP, channels, &gray) == STEP);
+        CHECK(level->count_cells(&cells, even, STEP, channels, &gray) == STEP);
     }
     check_counts();
 }
@@ -108,6 +113,7 @@ static uint64_t counted(void)
 static void check_ends(const ntp__kernels_table *level, int32_t n, int32_t channels, uint64_t *seed)
 {
     guarded src = guarded_alloc((size_t) n * (size_t) channels, random_bits(seed) & 1);
+    uint64_t gray = 0;
     uint8_t *p = src.data;
     for (int32_t i = 0; i < n; i++) {
         const int32_t r = (int32_t) random_level(seed, 255);
@@ -117,10 +123,10 @@ static void check_ends(const ntp__kernels_table *level, int32_t n, int32_t chann
     if (at < n && channels == 4 && random_bits(seed) & 1)
         p[4 * at + 3] = (uint8_t) (255 ^ 1 << random_bits(seed) % 8);
     else if (at < n)
-        p[channels * at + 1] = p[channels * at];
+        memset(p + channels * at, at % 2 != 0 ? 255 : 0, 3);
     const int32_t done = (at < n ? at : n) / STEP * STEP;
     memset(&cells, 0, sizeof cells);
-    CHECK(level->count_cells(&cells, p, n, channels) == done);
+    CHECK(level->count_cells(&cells, p, n, channels, &gray) == done);
     CHECK(counted() == (uint64_t) done);
     guarded_free(&src);
 }

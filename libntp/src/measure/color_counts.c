@@ -74,41 +74,52 @@ uint32_t ntp__find_row(ntp__color_counts *t, int32_t r, int32_t g)
                       rest < 0 ? -1 : ntp__blue_of_rest(rest, 255, false));
 }
 
-/* The counts of a row by blue. */
-static void read_row(uint32_t counts[256], const ntp__color_counts *t, int32_t row)
+/* Appends the colors with blues from `blue` up to `end` whose cells are not 0.  Most groups of cells
+ * are empty; the last ends within the row. */
+static int32_t append(ntp__cell *cells, int32_t n, const uint8_t *far, int32_t blue, int32_t end)
 {
-    const uint32_t *const near = &t->at.near[row * NTP__NEAR];
-    for (int32_t i = 0; i < 256; i++)
-        counts[i] = t->at.far[row * NTP__ROW_CELLS + i];
-    for (int32_t i = 0; t->at.row_seen[row] & NTP__SEEN_CARRIED && i < 256; i++)
-        counts[i] += t->at.carried[row * NTP__ROW_CELLS + i] << 8;
-    for (int32_t i = 0; i < NTP__NEAR; i++)
-        counts[t->row_first[row] + i] += near[i];
+    enum { GROUP = 8 };
+    for (int32_t i = blue; i < end; i += GROUP) {
+        const int32_t last = i + GROUP < end ? i + GROUP : end;
+        uint64_t any;
+        memcpy(&any, far + i, sizeof any);
+        for (int32_t k = i; any != 0 && k < last; k++) {
+            cells[n].blue = k;
+            cells[n].count = far[k];
+            n += far[k] != 0;
+        }
+    }
+    return n;
+}
+
+/* Appends one color if it occurs. */
+static int32_t append_one(ntp__cell *cells, int32_t n, int32_t blue, uint32_t count)
+{
+    cells[n].blue = blue;
+    cells[n].count = count;
+    return n + (count != 0);
 }
 
 int32_t ntp__row_cells(ntp__cell cells[NTP__MOST_CELLS], const ntp__color_counts *t, int32_t row)
 {
-    enum { GROUP = 8 }; /* most groups of far cells are empty */
-    const bool far = t->at.row_seen[row] & NTP__SEEN_FAR;
-    const int32_t first = far ? 0 : t->row_first[row], all = far ? 256 : NTP__NEAR;
-    const uint32_t *counts = &t->at.near[row * NTP__NEAR];
-    uint32_t by_blue[256];
+    const uint8_t *const far = &t->at.far[row * NTP__ROW_CELLS];
+    const uint32_t *const near = &t->at.near[row * NTP__NEAR];
+    const uint32_t *const carried = &t->at.carried[row * NTP__ROW_CELLS];
+    const int32_t first = t->row_first[row], seen = t->at.row_seen[row];
     int32_t n = 0;
-    if (far) {
-        read_row(by_blue, t, row);
-        counts = by_blue;
-    }
-    for (int32_t i = 0; i < all; i += GROUP) {
-        uint32_t any = 0;
-        for (int32_t k = i; k < i + GROUP; k++)
-            any |= counts[k];
-        for (int32_t k = i; any != 0 && k < i + GROUP; k++) {
-            cells[n].blue = first + k;
-            cells[n].count = counts[k];
-            n += counts[k] != 0;
+    if (seen & NTP__SEEN_CARRIED) {
+        for (int32_t i = 0; i < 256; i++) {
+            const uint32_t place = (uint32_t) (i - first);
+            const uint32_t count = far[i] + (carried[i] << 8);
+            n = append_one(cells, n, i, count + (place < NTP__NEAR ? near[place] : 0));
         }
+        return n;
     }
-    return n;
+    if (seen & NTP__SEEN_FAR)
+        n = append(cells, n, far, 0, first);
+    for (int32_t i = 0; i < NTP__NEAR; i++)
+        n = append_one(cells, n, first + i, near[i] + (seen & NTP__SEEN_FAR ? far[first + i] : 0U));
+    return seen & NTP__SEEN_FAR ? append(cells, n, far, first + NTP__NEAR, 256) : n;
 }
 
 /* Adds the rows that were not noted to `seen`, which is t's own or a copy. */

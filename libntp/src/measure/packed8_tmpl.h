@@ -93,18 +93,18 @@ static inline uint32_t count_color(ntp_tally *t, const uint32_t *row_of, uint32_
     return 0;
 }
 
-/* Where many of a row's first `done` texels are far from their derived blue, as in noise, these counts
- * are waited for.  Then most of the others are counted in another way.  Returns how many: whole
- * groups of opaque colors. */
+/* Where many of a row's first `done` texels are far from their derived blue, as in photographs, these
+ * counts are waited for.  Then most of the others are counted in another way.  Returns how many:
+ * whole groups of opaque colors. */
 static inline int32_t count_groups(ntp_tally *t, uint64_t far_before, int32_t done,
                                    const uint8_t *p, int32_t n, int32_t channels)
 {
-    enum { ONE_IN = 4, LEAST = 32 };
-    ntp__count8_fn *const count = ntp__kernels(NTP__CPU_ALL)->count_cells;
-    const uint64_t least = (uint64_t) done / ONE_IN + LEAST;
-    if (t->cells.far_texels - far_before < least || count == NULL)
+    enum { ONE_IN = 4, LEAST = 4 * GROUP };
+    const uint64_t far = t->cells.far_texels - far_before;
+    if (done < LEAST || far < (uint64_t) done / ONE_IN)
         return 0;
-    return count(&t->cells.at, p, n, channels);
+    ntp__count8_fn *const count = ntp__kernels(NTP__CPU_ALL)->count_cells;
+    return count != NULL ? count(&t->cells.at, p, n, channels, &t->gray) : 0;
 }
 
 static void count_rgb8(ntp_tally *t, const uint8_t *p, int32_t n)

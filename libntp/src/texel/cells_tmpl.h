@@ -61,26 +61,31 @@ static inline uint32_t lanes_set(const __m256i lanes[2])
     return negatives(lanes[0], lanes[1]);
 }
 
-/* Sixteen colors; false: one is gray, or not opaque. */
-static inline bool load_group(__m256i colors[2], const uint8_t *src, int32_t channels)
+/* Sixteen colors, and a bit for each that is gray; false: one is black, white, or not opaque. */
+static inline bool load_group(__m256i colors[2], uint32_t *gray, const uint8_t *src,
+                              int32_t channels)
 {
-    __m256i gray[2], least = _mm256_set1_epi32(-1);
+    const __m256i all = _mm256_set1_epi32(-1), rgb = _mm256_set1_epi32(RGB);
+    __m256i grays[2], ends[2], least = all;
     if (channels == 3) {
         load_rgb(colors, src);
     } else {
         for (int k = 0; k < 2; k++) {
             colors[k] = _mm256_loadu_si256((const __m256i *) (const void *) (src + 32 * k));
             least = _mm256_and_si256(least, colors[k]);
-            colors[k] = _mm256_and_si256(colors[k], _mm256_set1_epi32(RGB));
+            colors[k] = _mm256_and_si256(colors[k], rgb);
         }
         /* all bits of alpha, in all texels? */
-        const __m256i most = _mm256_or_si256(least, _mm256_set1_epi32(RGB));
-        least = _mm256_cmpeq_epi32(most, _mm256_set1_epi32(-1));
+        least = _mm256_cmpeq_epi32(_mm256_or_si256(least, rgb), all);
     }
-    for (int k = 0; k < 2; k++)
-        gray[k] = _mm256_cmpeq_epi32(_mm256_and_si256(colors[k], _mm256_set1_epi32(0xffff)),
-                                     _mm256_srli_epi32(colors[k], 8));
-    return lanes_set(gray) == 0 && _mm256_movemask_epi8(least) == -1;
+    for (int k = 0; k < 2; k++) {
+        grays[k] = _mm256_cmpeq_epi32(_mm256_and_si256(colors[k], _mm256_set1_epi32(0xffff)),
+                                      _mm256_srli_epi32(colors[k], 8));
+        ends[k] = _mm256_or_si256(_mm256_cmpeq_epi32(colors[k], _mm256_setzero_si256()),
+                                  _mm256_cmpeq_epi32(colors[k], rgb));
+    }
+    *gray = lanes_set(grays);
+    return lanes_set(ends) == 0 && _mm256_movemask_epi8(least) == -1;
 }
 
 /* Apart from the arithmetic, so that many counts are on their way at once. */
@@ -94,15 +99,17 @@ ONE_COPY static void count_each(ntp__cell_counts *counts, const uint32_t *at, co
 }
 
 static int32_t count_cells(ntp__cell_counts *counts, const uint8_t *src, int32_t n,
-                           int32_t channels)
+                           int32_t channels, uint64_t *gray)
 {
     enum { GROUP = 16, ALL = 0xffff, WAITING = 512 };
     uint32_t at[WAITING], rows[WAITING];
     int32_t i = 0, waiting = 0;
     for (; i + GROUP <= n; i += GROUP, src += channels * GROUP) {
         __m256i colors[2], same[2];
-        if (!load_group(colors, src, channels))
+        uint32_t grays;
+        if (!load_group(colors, &grays, src, channels))
             break;
+        *gray += (uint32_t) __builtin_popcount(grays);
         const __m256i first = _mm256_broadcastd_epi32(_mm256_castsi256_si128(colors[0]));
         for (int k = 0; k < 2; k++) {
             same[k] = _mm256_cmpeq_epi32(colors[k], first);

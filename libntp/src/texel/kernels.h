@@ -64,11 +64,11 @@ typedef void ntp__validate_rgb_fn(uint8_t *flags, const void *src, int32_t n,
 
 /*
  * Counts packed texels of 3 or 4 channels of 8 bit in the cells of a tally (cells.h), not in near
- * ones, a group of NTP__KERNEL_STEP after the other, up to one in which a texel is gray or not opaque.
- * Returns how many are counted.
+ * ones, a group of NTP__KERNEL_STEP after the other, up to one in which a texel is black, white or not opaque.
+ * Returns how many are counted, and adds how many of them are gray.
  */
 typedef int32_t ntp__count8_fn(ntp__cell_counts *counts, const uint8_t *src, int32_t n,
-                               int32_t channels);
+                               int32_t channels, uint64_t *gray);
 
 /* What is known of a block of texels at once. */
 typedef struct ntp__survey {
