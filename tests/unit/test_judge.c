@@ -131,6 +131,51 @@ static bool is_odd(const int32_t c[3])
     return flat || narrow || (c[0] == c[1] && c[1] == c[2]);
 }
 
+/* Runs of any length end at a guard page; bytes are seldom far from `middle`. */
+static void check_survey8(const ntp__kernels_table *level, int32_t channels, uint64_t *seed)
+{
+    for (int32_t n = 0; n < 300; n++) {
+        guarded src = guarded_alloc((size_t) n * (size_t) channels, true);
+        uint8_t *const p = src.data;
+        ntp__survey8 found, want = { .least = { 255, 255, 255 } };
+        const int32_t middle = (int32_t) random_level(seed, 255);
+        for (int32_t i = 0; i < n * channels; i++) {
+            const bool any = random_level(seed, 40) == 0;
+            p[i] = (uint8_t) (any ? random_level(seed, 255) : middle);
+        }
+        const int32_t done = level->survey8(&found, p, n, channels);
+        CHECK(done <= n && n - done < 32);
+        for (int32_t i = 0; i < done * channels; i++) {
+            const int32_t c = i % channels;
+            if (c == 3)
+                continue;
+            want.sum[c] += p[i];
+            want.least[c] = p[i] < want.least[c] ? p[i] : want.least[c];
+            want.greatest[c] = p[i] > want.greatest[c] ? p[i] : want.greatest[c];
+        }
+        for (int32_t c = 0; done > 0 && c < 3; c++)
+            CHECK(found.sum[c] == want.sum[c] && found.least[c] == want.least[c] &&
+                  found.greatest[c] == want.greatest[c]);
+        guarded_free(&src);
+    }
+}
+
+/* Sums of many texels: more than 16 bits, and 32. */
+static void check_long_survey8(const ntp__kernels_table *level)
+{
+    enum { TEXELS = 6 << 20 };
+    static uint8_t bright[3 * TEXELS];
+    ntp__survey8 found;
+    memset(bright, 254, sizeof bright);
+    bright[4] = 255;
+    bright[5] = 1;
+    CHECK(level->survey8(&found, bright, TEXELS, 3) == TEXELS);
+    CHECK(found.sum[0] == 254ULL * TEXELS && found.sum[1] == found.sum[0] + 1 &&
+          found.sum[2] == found.sum[0] - 253);
+    CHECK(found.greatest[0] == 254 && found.greatest[1] == 255 && found.greatest[2] == 254);
+    CHECK(found.least[0] == 254 && found.least[1] == 254 && found.least[2] == 1);
+}
+
 static void check_survey(const ntp__kernels_table *level, uint64_t *seed)
 {
     ntp__block block;
@@ -304,6 +349,9 @@ int main(int argc, char **argv)
     check_8_bit(level);
     check_16_bit(level, &seed);
     check_survey(level, &seed);
+    check_survey8(level, 3, &seed);
+    check_survey8(level, 4, &seed);
+    check_long_survey8(level);
     check_close(&seed);
     return 0;
 }

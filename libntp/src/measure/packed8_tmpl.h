@@ -8,40 +8,18 @@
 
 enum { GROUP = 16 /* packed texels that are looked at together */ };
 
-/* Sums and extremes of packed 8-bit texels, a group at a time.  At the end its columns become
- * channels. */
-static inline void add_bytes(ntp_tally *t, const uint8_t *p, int32_t n, int32_t channels)
+/* Sums and extremes of packed texels. */
+static void add_bytes(ntp_tally *t, const uint8_t *p, int32_t n, int32_t channels)
 {
-    enum { MOST = 4 * GROUP, STEPS = 256 }; /* 256 bytes add up to less than 2^16 */
-    uint8_t least[MOST], greatest[MOST];
-    uint16_t sums[MOST];
-    const int32_t step = channels * GROUP;
-    memset(least, 255, sizeof least);
-    memset(greatest, 0, sizeof greatest);
-    for (; n >= GROUP;) {
-        memset(sums, 0, sizeof sums);
-        for (int32_t k = 0; k < STEPS && n >= GROUP; k++, n -= GROUP, p += step) {
-            for (int32_t i = 0; i < step; i++) {
-                least[i] = p[i] < least[i] ? p[i] : least[i];
-                greatest[i] = p[i] > greatest[i] ? p[i] : greatest[i];
-                sums[i] = (uint16_t) (sums[i] + p[i]);
-            }
-        }
-        for (int32_t i = 0; i < step; i++) {
-            if (i % channels < 3)
-                t->channel[i % channels].sum += sums[i];
-        }
+    ntp__survey8 survey;
+    const int32_t done = ntp__kernels(NTP__CPU_ALL)->survey8(&survey, p, n, channels);
+    for (int32_t k = 0; done > 0 && k < 3; k++) {
+        t->channel[k].sum += survey.sum[k];
+        ntp__merge_max(&t->channel[k].max, survey.greatest[k]);
+        ntp__merge_max(&t->channel[k].inverted_min, ~survey.least[k]);
     }
-    for (int32_t i = 0; i < step; i++) {
-        if (i % channels == 3 || least[i] > greatest[i])
-            continue;
-        ntp__channel_sums *c = &t->channel[i % channels];
-        c->max = greatest[i] > c->max ? greatest[i] : c->max;
-        c->inverted_min =
-            ~(uint32_t) least[i] > c->inverted_min ? ~(uint32_t) least[i] : c->inverted_min;
-    }
-    for (; n > 0; n--, p += channels)
-        add_color(t, p[0], p[1], p[2]);
+    for (int32_t i = done; i < n; i++)
+        add_color(t, p[channels * i], p[channels * i + 1], p[channels * i + 2]);
 }
 
 /* Are all texels of a group the same?  Each is compared with the next one, eight bytes at once. */

@@ -293,6 +293,7 @@ static inline int32_t whole_lanes(int32_t n)
 }
 
 #include "texel/cells_tmpl.h"
+#include "texel/survey8_tmpl.h"
 #include "texel/flags_tmpl.h"
 
 #include "texel/directions_tmpl.h"
@@ -367,6 +368,7 @@ const ntp__kernels_table CONCAT(ntp__kernels_, NTP_ISA) = {
     validate,
     validate_rgb,
     count_cells,
+    survey8,
     survey,
     judge_block,
     count_close,

@@ -79,6 +79,16 @@ typedef struct ntp__survey {
 /* 1 <= n <= 256.  The planes have room for whole lanes, and change beyond n. */
 typedef void ntp__survey_fn(ntp__survey *survey, int32_t *r, int32_t *g, int32_t *b, int32_t n);
 
+/* The same of packed texels of 8 bit. */
+typedef struct ntp__survey8 {
+    uint64_t sum[3];
+    uint32_t least[3], greatest[3];
+} ntp__survey8;
+
+/* Of packed texels of 3 or 4 channels, but for the last 0 to 31.  Returns of how many. */
+typedef int32_t ntp__survey8_fn(ntp__survey8 *survey, const uint8_t *src, int32_t n,
+                                int32_t channels);
+
 /* A block of texels, judged as standard or as Z-zero. */
 typedef struct ntp__judged_fit {
     int32_t key[256];        /* steepness * 256 + flags (judged.h) */
@@ -188,6 +198,7 @@ typedef struct ntp__kernels_table {
     ntp__validate_fn *validate;
     ntp__validate_rgb_fn *validate_rgb; /* NULL where planes are as fast */
     ntp__count8_fn *count_cells;        /* NULL where a table is faster than arithmetic */
+    ntp__survey8_fn *survey8;
     ntp__survey_fn *survey;
     ntp__judge_block_fn *judge_block;
     ntp__count_close_fn *count_close; /* NULL where judging them as all others is as fast */
