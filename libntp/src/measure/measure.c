@@ -268,25 +268,38 @@ static void count_block(ntp_tally *t, ntp__block *block, int32_t n, int32_t m)
     count_wide(t, block, wide);
 }
 
-/* Pictures and heights: their channels are described, and nothing is judged. */
-static void count_picture(ntp_tally *t, const ntp__block *block, int32_t n, int32_t m)
+/* Alpha of pictures. */
+static void count_picture_alpha(ntp_tally *t, const ntp__block *block, int32_t n, int32_t m)
 {
-    bool alpha = t->channels == 2 || t->channels == 4;
     for (int32_t i = 0; i < n; i++) {
-        int32_t r = block->c[0][i], g = block->c[1][i], b = block->c[2][i], a = block->c[3][i];
-        if (alpha) {
-            add_alpha(t, a, m);
-            t->is_wide |= m != 255 && !is_narrow(a);
-            int32_t a8 = m == 255 ? a : ntp__narrow(a), g8 = m == 255 ? g : ntp__narrow(g);
-            t->ag_in_disc += a != m && in_disc8(a8, g8);
-        }
-        bool broken = block->any_broken && block->broken[i];
-        t->not_finite += broken;
-        t->gray += r == g && g == b;
-        t->is_wide |= m != 255 && !(is_narrow(r) && is_narrow(g) && is_narrow(b));
-        add_color(t, r, g, b);
-        note_color(t, r, g, b);
+        const int32_t g = block->c[1][i], a = block->c[3][i];
+        add_alpha(t, a, m);
+        t->is_wide |= m != 255 && !is_narrow(a);
+        const int32_t a8 = m == 255 ? a : ntp__narrow(a), g8 = m == 255 ? g : ntp__narrow(g);
+        t->ag_in_disc += a != m && in_disc8(a8, g8);
     }
+}
+
+/* Pictures and heights: their channels are described, and nothing is judged. */
+static void count_picture(ntp_tally *t, ntp__block *block, int32_t n, int32_t m)
+{
+    const int32_t *const r = block->c[0], *const g = block->c[1], *const b = block->c[2];
+    ntp__survey survey;
+    int32_t gray = 0, wide = 0;
+    ntp__kernels(NTP__CPU_ALL)->survey(&survey, block->c[0], block->c[1], block->c[2], n);
+    add_planes(t, &survey);
+    for (int32_t i = 0; i < n; i++) {
+        gray += (r[i] == g[i]) & (g[i] == b[i]);
+        wide |= ((r[i] >> 8) ^ r[i]) | ((g[i] >> 8) ^ g[i]) | ((b[i] >> 8) ^ b[i]);
+    }
+    t->gray += (uint32_t) gray;
+    t->is_wide |= m != 255 && (wide & 255) != 0;
+    if (t->channels == 2 || t->channels == 4)
+        count_picture_alpha(t, block, n, m);
+    for (int32_t i = 0; block->any_broken && i < n; i++)
+        t->not_finite += block->broken[i];
+    for (int32_t i = 0; t->colors < 2 && i < n; i++)
+        note_color(t, r[i], g[i], b[i]);
 }
 
 /* Looks for a second used color.  Only images of one color are searched to the end. */
