@@ -29,6 +29,7 @@ enum {
 };
 
 static const effort efforts[NTPIO__LEVEL_MAX + 1] = {
+    [NTPIO__LEVEL_ZLIB] = { 128, 0, 128, 0, true, NEVER, NEVER },
     [1] = { 1, 1, 32, 0, false, 3, 4 },
     [2] = { 1, 2, 32, 0, true, 4, 5 },
     [3] = { 2, 4, 32, 0, true, 4, 6 },
@@ -226,7 +227,7 @@ static void begin(ntpio__deflater *d, int level, const uint8_t *bytes, size_t fr
 }
 
 /* Costs are those of the span before, and a little of those before that. */
-static void read_all(ntpio__deflater *d, size_t from)
+static void read_all(ntpio__deflater *d, int level, size_t from)
 {
     ntpio__counts old, counts;
     const size_t span = d->effort->rounds > 0 ? WIDE_SPAN : SPAN;
@@ -240,7 +241,8 @@ static void read_all(ntpio__deflater *d, size_t from)
             continue;
         }
         old = counts;
-        at = ntpio__read_quickly(d, at, end);
+        at = level == NTPIO__LEVEL_ZLIB ? ntpio__read_as_zlib(d, at, end)
+                                        : ntpio__read_quickly(d, at, end);
         count_part(d);
         counts = d->part;
         add_counts(&counts, &old, 1);
@@ -278,11 +280,17 @@ size_t ntpio__deflate(ntpio__deflater *d, int level, const uint8_t *bytes, size_
 {
     d->bits = (ntpio__bits) { .out = out };
     begin(d, level, bytes, from, to);
-    read_all(d, from);
+    read_all(d, level, from);
     end_block(d, last);
+    d->in_bits = 8 * d->bits.size + d->bits.count;
     if (last)
         ntpio__end_byte(&d->bits);
     else
         ntpio__put_stored(&d->bits, bytes + to, 0, false);
     return d->bits.size;
+}
+
+size_t ntpio__deflated_bits(const ntpio__deflater *d)
+{
+    return d->in_bits;
 }

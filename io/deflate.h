@@ -12,6 +12,7 @@
 enum {
     NTPIO__WINDOW = 32768, /* how far back a match may reach */
     NTPIO__SLACK = 16,     /* bytes that are read, and do not matter, after the last one */
+    NTPIO__LEVEL_ZLIB = 0, /* takes the matches that zlib would at level 6, of six bytes and more */
     NTPIO__LEVEL_MAX = 12, /* 1: fastest */
     NTPIO__LEVEL_USUAL = 6
 };
@@ -33,5 +34,8 @@ size_t ntpio__deflate_bound(size_t size);
  */
 size_t ntpio__deflate(ntpio__deflater *d, int level, const uint8_t *bytes, size_t from, size_t to,
                       bool last, uint8_t *out);
+
+/* Bits of that, without those that fill it up to a whole byte.  Up to there, zeros follow. */
+size_t ntpio__deflated_bits(const ntpio__deflater *d);
 
 #endif

@@ -12,7 +12,9 @@ enum {
     SOON_AFTER = 2, /* bytes after a match, where others are likely */
     RARE = 10,      /* one literal in so many bytes */
     DEEPER = 3,     /* times as deep, where literals are rare */
-    PASS_MAX = 3    /* bytes, where matches are rare */
+    PASS_MAX = 3,   /* bytes, where matches are rare */
+    LAZY = 16,      /* zlib's level 6: a match this long is taken without a look at the next byte */
+    GOOD = 8        /* ... next to a match this long, a quarter of the places is looked at */
 };
 
 /* What it saves << 32 | its symbol.  One number stays in a register, where a struct does not. */
@@ -164,5 +166,67 @@ size_t ntpio__read_quickly(ntpio__deflater *d, size_t from, size_t to)
     if (at > written)
         *out++ = (ntpio__step) { (uint32_t) (at - written), 0 };
     d->count = (size_t) (out - d->steps);
+    return at;
+}
+
+/* ------------------------------------------------------------------------ as zlib does */
+
+/* Remembers a place for matches of FAR_BYTES and more; returns the newest one before it. */
+static inline int32_t visit_far(ntpio__deflater *d, size_t at)
+{
+    int32_t *far = &d->far_places[far_slot(load(d->bytes + at))];
+    const int32_t place = *far;
+    __builtin_prefetch(&d->far_places[far_slot(load(d->bytes + at + SOON))], 1);
+    d->before[at % NTPIO__WINDOW] = place;
+    *far = (int32_t) at;
+    return place;
+}
+
+/* The longest match that is longer than `longest`, or 0; the nearest of equals. */
+static inline ntpio__match longest_match(const ntpio__deflater *d, size_t at, int32_t place,
+                                         uint32_t longest, int depth)
+{
+    ntpio__match m = 0;
+    const uint8_t *here = d->bytes + at;
+    const uint32_t most = most_at(d, at);
+    for (int n = depth; n > 0 && in_reach(place, at); n--, place = earlier(d, place)) {
+        const uint8_t *there = d->bytes + place;
+        if (!may_exceed(there, here, longest))
+            continue;
+        const uint32_t length = (uint32_t) common(there, here, most);
+        if (length > longest) {
+            longest = length;
+            m = length << 16 | ((uint32_t) (at - (size_t) place) - 1);
+            if (length >= d->effort->enough || length >= most)
+                break;
+        }
+    }
+    return m;
+}
+
+size_t ntpio__read_as_zlib(ntpio__deflater *d, size_t from, size_t to)
+{
+    const effort e = *d->effort;
+    size_t at = from, written = from;
+    ntpio__match last = 0; /* of the byte before, which waits */
+    while (at < d->to && (at < to || last != 0)) {
+        const uint32_t known = last >> 16;
+        const int32_t place = visit_far(d, at);
+        ntpio__match next = 0;
+        if (known < LAZY)
+            next = longest_match(d, at, place, known < FAR_BYTES ? FAR_BYTES - 1 : known,
+                                 known < GOOD ? e.depth : e.depth / 4);
+        if (last != 0 && next == 0) {
+            d->steps[d->count++] = (ntpio__step) { (uint32_t) (at - 1 - written), last };
+            written = at - 1 + known;
+            while (++at < written)
+                visit_far(d, at);
+        } else {
+            at++;
+        }
+        last = next;
+    }
+    if (at > written)
+        d->steps[d->count++] = (ntpio__step) { (uint32_t) (at - written), 0 };
     return at;
 }

@@ -67,6 +67,7 @@ struct ntpio__deflater {
     const uint8_t *bytes;
     size_t block_from, to;
     ntpio__bits bits;
+    size_t in_bits; /* of what was packed last */
 };
 
 /* Costs of symbols that occur as often. */
@@ -81,6 +82,7 @@ void ntpio__visit_carefully(ntpio__deflater *d, size_t at);
 /* Read the span up to `to`, or as far as its last match goes, and return where that is.  The second
  * sets costs; `counts` gets what it has read. */
 size_t ntpio__read_quickly(ntpio__deflater *d, size_t from, size_t to);
+size_t ntpio__read_as_zlib(ntpio__deflater *d, size_t from, size_t to);
 size_t ntpio__read_carefully(ntpio__deflater *d, size_t from, size_t to, bool first,
                              ntpio__counts *counts);
 

@@ -1,0 +1,315 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * png_band.c - a band of rows, filtered and packed: which way is the smallest
+ *
+ * The rule of filters: each row of a band gets the filter with the least sum of distances from 0
+ * (the usual guess, and libpng's), or all of them get the same one, whichever packs best.  From
+ * SEARCHES on, that is tried with some of the rows, at level 1; below, the guess is taken.  Normals
+ * that were painted or scaled up need none, smooth ones Average, many a mixture.
+ *
+ * Costs foresee badly what a long way back repeats, so libpng's defaults can be smaller.  From
+ * SEARCHES on, two runs of rows are packed as they would do it, too: with the guess, and the matches
+ * of zlib's level 6.  Where that is no larger, the band is packed both ways, and the smaller one
+ * stays.
+ *
+ * Small pictures are tried with several rules of filters, and as libpng would.
+ *
+ * If it is known how large a file of nearly this picture was, and a band takes more than its share
+ * of that, the band is packed again at a higher level.  If it is the whole picture, that is done with
+ * two rules of filters: those that are best when all rows are tried at the usual level.
+ */
+#include "png_band.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "png_filter.h"
+
+#ifdef NTPIO_HAVE_LIBDEFLATE
+#  include <libdeflate.h>
+#else
+#  include <zlib.h>
+#endif
+
+enum {
+    GROUP = 8,         /* rows that follow each other, and are tried together */
+    SEARCHES = 5,      /* levels from here on try filters */
+    SEARCHES_MORE = 7, /* ... with more rows */
+    SEARCHES_ALL = 10, /* ... with all */
+    FEW = 32,          /* one of so many groups is tried */
+    SOME = 3,
+    SAMPLE = 24 << 10, /* bytes: at least so many are tried */
+    LITTLE = 2 << 10,  /* bytes: beside a rival, a sample that packs to less is tried again ... */
+    CLOSER = 4,        /* ... with so many times as many rows */
+    BARELY = 64,       /* a sample that is smaller by this share, or less, says nothing */
+    GUESS = NTPIO__FILTERS,
+    KINDS,
+    TINY = 10 << 10,   /* bytes: of so small a picture all kinds are tried */
+    RUN = 64 << 10,    /* bytes of each of two runs, ... */
+    RUNS_OF = 16,      /* ... or this share of the band */
+    RUN_MIN = 8 << 10, /* ... but so many */
+    ROUNDS = 2,        /* rules of filters that are tried again */
+    NEARLY = 50        /* a file that is larger than its rival by this share is small enough */
+};
+
+static size_t most_packed(const ntpio__banding *p)
+{
+    return NTPIO__ZLIB_HEADER + ntpio__deflate_bound(p->rows * (p->row_size + 1)) +
+           NTPIO__ZLIB_CHECKSUM;
+}
+
+bool ntpio__band_init(const ntpio__banding *p, ntpio__band *b)
+{
+    const size_t size = p->rows * (p->row_size + 1);
+    ntpio__band_free(b);
+    b->deflater = ntpio__deflater_new(p->rival != 0 ? NTPIO__LEVEL_MAX : p->level);
+    b->raw = calloc(p->rows + (size_t) 1, p->pitch);
+    b->guesses[0] = malloc(p->row_size);
+    b->guesses[1] = malloc(p->row_size);
+    b->filtered = malloc(NTPIO__WINDOW + size + NTPIO__SLACK);
+    b->out = malloc(most_packed(p));
+    b->again = malloc(most_packed(p));
+    return b->deflater != NULL && b->raw != NULL && b->guesses[0] != NULL &&
+           b->guesses[1] != NULL && b->filtered != NULL && b->out != NULL && b->again != NULL;
+}
+
+void ntpio__band_free(ntpio__band *b)
+{
+    ntpio__deflater_free(b->deflater);
+    free(b->raw);
+    free(b->guesses[0]);
+    free(b->guesses[1]);
+    free(b->filtered);
+    free(b->out);
+    free(b->again);
+    *b = (ntpio__band) { 0 };
+}
+
+/* ------------------------------------------------------------------------- filters */
+
+uint8_t *ntpio__band_row(const ntpio__banding *p, const ntpio__band *b, int64_t y)
+{
+    return b->raw + (size_t) (y + 1) * p->pitch + NTPIO__TEXEL_MAX;
+}
+
+/* The filter with the least sum; the first of equals. */
+static void guess_row(const ntpio__banding *p, ntpio__band *b, uint32_t y, uint8_t *out)
+{
+    uint64_t least = UINT64_MAX;
+    for (int kind = 0; kind < NTPIO__FILTERS; kind++) {
+        const uint64_t sum =
+            ntpio__filter(b->guesses[1], ntpio__band_row(p, b, y),
+                          ntpio__band_row(p, b, (int64_t) y - 1), p->row_size, p->texel, kind);
+        if (sum < least) {
+            uint8_t *best = b->guesses[1];
+            b->guesses[1] = b->guesses[0];
+            b->guesses[0] = best;
+            least = sum;
+            out[0] = (uint8_t) kind;
+        }
+        if (least == 0)
+            break;
+    }
+    memcpy(out + 1, b->guesses[0], p->row_size);
+}
+
+/* Filters `count` rows from `first` on, and returns their size. */
+static size_t filter_rows(const ntpio__banding *p, ntpio__band *b, uint32_t first, uint32_t count,
+                          int kind, uint8_t *out)
+{
+    const uint8_t *start = out;
+    for (uint32_t y = first; y < first + count; y++) {
+        out[0] = (uint8_t) kind;
+        if (kind == GUESS)
+            guess_row(p, b, y, out);
+        else
+            ntpio__filter(out + 1, ntpio__band_row(p, b, y), ntpio__band_row(p, b, (int64_t) y - 1),
+                          p->row_size, p->texel, kind);
+        out += p->row_size + 1;
+    }
+    return (size_t) (out - start);
+}
+
+/* One of how many groups of rows is tried. */
+static uint32_t stride_of_groups(const ntpio__banding *p, const ntpio__band *b)
+{
+    const uint32_t wanted = p->level >= SEARCHES_ALL ? 1 : p->level >= SEARCHES_MORE ? SOME : FEW;
+    const size_t most = ntpio__band_size(p, b) / SAMPLE;
+    return most < 1 ? 1 : most < wanted ? (uint32_t) most : wanted;
+}
+
+static size_t try_kind(const ntpio__banding *p, ntpio__band *b, int kind, uint32_t stride,
+                       int level)
+{
+    const uint32_t step = GROUP * stride;
+    size_t size = 0;
+    for (uint32_t y = (step - GROUP) / 2; y < b->rows; y += step) {
+        const uint32_t count = b->rows - y < GROUP ? b->rows - y : GROUP;
+        size += filter_rows(p, b, y, count, kind, b->filtered + size);
+    }
+    memset(b->filtered + size, 0, NTPIO__SLACK);
+    return size == 0 ? 0 : ntpio__deflate(b->deflater, level, b->filtered, 0, size, true, b->again);
+}
+
+static int choose_kind(const ntpio__banding *p, ntpio__band *b)
+{
+    if (p->level < SEARCHES)
+        return GUESS;
+    uint32_t stride = stride_of_groups(p, b);
+    size_t least = try_kind(p, b, GUESS, stride, 1);
+    for (; p->rival != 0 && least < LITTLE && stride > 1; least = try_kind(p, b, GUESS, stride, 1))
+        stride = stride < CLOSER ? 1 : stride / CLOSER;
+    int best = GUESS;
+    for (int kind = 0; kind < NTPIO__FILTERS; kind++) {
+        const size_t size = try_kind(p, b, kind, stride, 1);
+        if (size + size / BARELY < least) {
+            least = size;
+            best = kind;
+        }
+    }
+    return best;
+}
+
+/* Two runs of rows, at a quarter of the band and at three quarters, packed with what is before them. */
+static size_t try_runs(const ntpio__banding *p, ntpio__band *b, int kind, int level)
+{
+    const size_t line = p->row_size + 1, share = ntpio__band_size(p, b) / RUNS_OF;
+    const size_t run = share > RUN ? RUN : share < RUN_MIN ? RUN_MIN : share;
+    const uint32_t rows = (uint32_t) ((run + line - 1) / line), before = NTPIO__WINDOW / line;
+    size_t size = 0;
+    for (uint32_t part = 1; part < 4; part += 2) {
+        const uint32_t first = (uint32_t) ((uint64_t) b->rows * part / 4);
+        const uint32_t count = b->rows - first < rows ? b->rows - first : rows;
+        const uint32_t back = first < before ? first : before;
+        const size_t to = filter_rows(p, b, first - back, back + count, kind, b->filtered);
+        memset(b->filtered + to, 0, NTPIO__SLACK);
+        size += ntpio__deflate(b->deflater, level, b->filtered, back * line, to, true, b->again);
+    }
+    return size;
+}
+
+/* May the band be smaller as libpng packs it? */
+static bool is_close(const ntpio__banding *p, ntpio__band *b)
+{
+    return p->level >= SEARCHES &&
+           try_runs(p, b, GUESS, NTPIO__LEVEL_ZLIB) <= try_runs(p, b, b->kind, p->level);
+}
+
+/* --------------------------------------------------------------------------- bands */
+
+static uint32_t sum_bytes(uint32_t sum, const uint8_t *bytes, size_t size)
+{
+#ifdef NTPIO_HAVE_LIBDEFLATE
+    return libdeflate_adler32(sum, bytes, size);
+#else
+    return (uint32_t) adler32(sum, bytes, (uInt) size);
+#endif
+}
+
+static void filter_band(const ntpio__banding *p, ntpio__band *b, int kind)
+{
+    uint8_t *bytes = b->filtered + NTPIO__WINDOW;
+    const size_t size = filter_rows(p, b, 0, b->rows, kind, bytes);
+    memset(bytes + size, 0, NTPIO__SLACK);
+}
+
+/* Packs what was filtered.  The smaller one counts: then it is in `out`. */
+static bool pack_way(const ntpio__banding *p, ntpio__band *b, int level, size_t known)
+{
+    uint8_t *out = b->again;
+    const uint8_t *bytes = b->filtered + NTPIO__WINDOW - known;
+    const size_t filtered = ntpio__band_size(p, b);
+    size_t header = 0;
+    if (b->first) { /* a window of 32 KiB, and the usual level */
+        out[header++] = 0x78;
+        out[header++] = 0x9c;
+    }
+    const size_t size = header + ntpio__deflate(b->deflater, level, bytes, known, known + filtered,
+                                                b->last, out + header);
+    if (size >= b->size)
+        return false;
+    b->again = b->out;
+    b->out = out;
+    b->size = size;
+    b->bits = 8 * header + ntpio__deflated_bits(b->deflater);
+    b->checksum = sum_bytes(1, b->filtered + NTPIO__WINDOW, filtered);
+    return true;
+}
+
+/* Does it take more than its share of the rival, and a bit? */
+static bool is_beaten(const ntpio__banding *p, const ntpio__band *b)
+{
+    const uint64_t share = p->rival * b->rows / p->height;
+    return p->rival != 0 && b->size > share + share / NEARLY;
+}
+
+static int take_least(size_t *sizes)
+{
+    int best = GUESS;
+    for (int kind = 0; kind < KINDS; kind++)
+        best = sizes[kind] < sizes[best] ? kind : best;
+    sizes[best] = SIZE_MAX;
+    return best;
+}
+
+/* The whole picture: other filters may be better where more matches are found. */
+static void try_again(const ntpio__banding *p, ntpio__band *b)
+{
+    size_t sizes[KINDS];
+    for (int kind = 0; kind < KINDS; kind++)
+        sizes[kind] = try_kind(p, b, kind, 1, NTPIO__LEVEL_USUAL);
+    for (int round = 0; round < ROUNDS && is_beaten(p, b); round++) {
+        filter_band(p, b, take_least(sizes));
+        if (round == 0)
+            pack_way(p, b, SEARCHES_ALL, 0);
+        if (is_beaten(p, b))
+            pack_way(p, b, NTPIO__LEVEL_MAX, 0);
+    }
+}
+
+/* The smaller the picture, the more rules of filters are tried; all are below TINY. */
+static void pack_small(const ntpio__banding *p, ntpio__band *b)
+{
+    size_t sizes[KINDS];
+    const size_t most = TINY * KINDS / ntpio__band_size(p, b);
+    for (int kind = 0; kind < KINDS; kind++)
+        sizes[kind] = try_kind(p, b, kind, 1, 1);
+    for (size_t i = 0; i < KINDS && (i == 0 || i < most); i++) {
+        filter_band(p, b, take_least(sizes));
+        pack_way(p, b, p->level, 0);
+    }
+    filter_band(p, b, GUESS);
+    pack_way(p, b, NTPIO__LEVEL_ZLIB, 0);
+}
+
+bool ntpio__band_filter(const ntpio__banding *p, ntpio__band *b)
+{
+    b->size = SIZE_MAX;
+    b->close = false;
+    if (p->small)
+        return false;
+    b->kind = choose_kind(p, b);
+    b->close = is_close(p, b);
+    filter_band(p, b, b->kind);
+    return !b->close || b->kind == GUESS;
+}
+
+void ntpio__band_pack(const ntpio__banding *p, ntpio__band *b, size_t known)
+{
+    if (p->small)
+        pack_small(p, b);
+    else
+        pack_way(p, b, p->level, known);
+    if (b->close) {
+        if (b->kind != GUESS)
+            filter_band(p, b, GUESS);
+        if (!pack_way(p, b, NTPIO__LEVEL_ZLIB, known) && b->kind != GUESS)
+            filter_band(p, b, b->kind);
+    }
+    if (is_beaten(p, b)) {
+        if (b->rows == p->height)
+            try_again(p, b);
+        else
+            pack_way(p, b, SEARCHES_ALL, known);
+    }
+}

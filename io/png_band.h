@@ -1,0 +1,58 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * png_band.h - a band of rows, filtered and packed: which way is the smallest
+ */
+#ifndef NTPIO_PNG_BAND_H
+#define NTPIO_PNG_BAND_H
+
+#include "deflate.h"
+
+enum {
+    NTPIO__ZLIB_HEADER = 2,  /* bytes of a stream before its blocks */
+    NTPIO__ZLIB_CHECKSUM = 4 /* at its end */
+};
+
+/* What all bands of a picture share. */
+typedef struct ntpio__banding {
+    int level;
+    bool small; /* the picture, which is one band; several ways are tried */
+    size_t row_size, texel, pitch;
+    uint32_t height, rows; /* rows of a band, but for the last one */
+    uint64_t rival;        /* bytes of a file with nearly this picture; 0: there is none */
+} ntpio__banding;
+
+/* A band that waits to be packed, or to be written. */
+typedef struct ntpio__band {
+    ntpio__deflater *deflater;
+    uint8_t *raw;        /* the row before the band, and the band's */
+    uint8_t *guesses[2]; /* rows: the best so far, and another */
+    uint8_t *filtered;   /* a window of older bytes, the band, the slack; before, what is tried */
+    uint8_t *out;        /* packed */
+    uint8_t *again;      /* ... another way; before, what is tried */
+    size_t size, bits;   /* of out; without what fills it up to a whole byte */
+    int kind;            /* of the filters that are chosen */
+    uint32_t rows, checksum;
+    bool first, last, done;
+    bool close; /* packing as libpng does is to be tried as well */
+} ntpio__band;
+
+/* Of a band that fits `p`.  False: no memory. */
+bool ntpio__band_init(const ntpio__banding *p, ntpio__band *b);
+void ntpio__band_free(ntpio__band *b);
+
+/* Row y of a band; -1: the one before it. */
+uint8_t *ntpio__band_row(const ntpio__banding *p, const ntpio__band *b, int64_t y);
+
+/* Filters its rows.  True: these filters stay.  False: packing decides. */
+bool ntpio__band_filter(const ntpio__banding *p, ntpio__band *b);
+
+/* Packs what was filtered, which follows the `known` bytes before it. */
+void ntpio__band_pack(const ntpio__banding *p, ntpio__band *b, size_t known);
+
+/* The filtered bytes of the band. */
+static inline size_t ntpio__band_size(const ntpio__banding *p, const ntpio__band *b)
+{
+    return b->rows * (p->row_size + 1);
+}
+
+#endif
