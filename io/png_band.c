@@ -9,8 +9,8 @@
  *
  * Costs foresee badly what a long way back repeats, so libpng's defaults can be smaller.  From
  * SEARCHES on, two runs of rows are packed as they would do it, too: with the guess, and the matches
- * of zlib's level 6.  Where that is no larger, the band is packed both ways, and the smaller one
- * stays.
+ * of zlib's level 6.  Where that is no larger, it is taken for noise, as then the runs are like the
+ * rest; else the band is packed both ways, and the smaller one stays.
  *
  * Small pictures are tried with several rules of filters, and as libpng would.
  *
@@ -48,8 +48,10 @@ enum {
     RUN = 64 << 10,    /* bytes of each of two runs, ... */
     RUNS_OF = 16,      /* ... or this share of the band */
     RUN_MIN = 8 << 10, /* ... but so many */
-    ROUNDS = 2,        /* rules of filters that are tried again */
-    NEARLY = 50        /* a file that is larger than its rival by this share is small enough */
+    ALIKE = 32, /* runs that differ by less tell which way is the smaller one as a whole ... */
+    NOISE = 8,  /* ... if they pack to more than this share of themselves */
+    ROUNDS = 2, /* rules of filters that are tried again */
+    NEARLY = 50 /* a file that is larger than its rival by this share is small enough */
 };
 
 static size_t most_packed(const ntpio__banding *p)
@@ -170,13 +172,16 @@ static int choose_kind(const ntpio__banding *p, ntpio__band *b)
     return best;
 }
 
-/* Two runs of rows, at a quarter of the band and at three quarters, packed with what is before them. */
-static size_t try_runs(const ntpio__banding *p, ntpio__band *b, int kind, int level)
+/* Two runs of rows, at a quarter of the band and at three quarters, packed with what is before them.
+ * *filtered gets their size. */
+static size_t try_runs(const ntpio__banding *p, ntpio__band *b, int kind, int level,
+                       size_t *filtered)
 {
     const size_t line = p->row_size + 1, share = ntpio__band_size(p, b) / RUNS_OF;
     const size_t run = share > RUN ? RUN : share < RUN_MIN ? RUN_MIN : share;
     const uint32_t rows = (uint32_t) ((run + line - 1) / line), before = NTPIO__WINDOW / line;
     size_t size = 0;
+    *filtered = 0;
     for (uint32_t part = 1; part < 4; part += 2) {
         const uint32_t first = (uint32_t) ((uint64_t) b->rows * part / 4);
         const uint32_t count = b->rows - first < rows ? b->rows - first : rows;
@@ -184,15 +189,29 @@ static size_t try_runs(const ntpio__banding *p, ntpio__band *b, int kind, int le
         const size_t to = filter_rows(p, b, first - back, back + count, kind, b->filtered);
         memset(b->filtered + to, 0, NTPIO__SLACK);
         size += ntpio__deflate(b->deflater, level, b->filtered, back * line, to, true, b->again);
+        *filtered += count * line;
     }
     return size;
 }
 
-/* May the band be smaller as libpng packs it? */
-static bool is_close(const ntpio__banding *p, ntpio__band *b)
+/* Chooses the filters, and the level that packs them; or two ways that are to be compared. */
+static void choose_way(const ntpio__banding *p, ntpio__band *b)
 {
-    return p->level >= SEARCHES &&
-           try_runs(p, b, GUESS, NTPIO__LEVEL_ZLIB) <= try_runs(p, b, b->kind, p->level);
+    size_t filtered;
+    b->kind = choose_kind(p, b);
+    b->level = p->level;
+    if (p->level < SEARCHES)
+        return;
+    const size_t ours = try_runs(p, b, b->kind, p->level, &filtered);
+    const size_t theirs = try_runs(p, b, GUESS, NTPIO__LEVEL_ZLIB, &filtered);
+    if (theirs > ours)
+        return;
+    if (theirs > ours - ours / ALIKE && theirs > filtered / NOISE) {
+        b->kind = GUESS;
+        b->level = NTPIO__LEVEL_ZLIB;
+    } else {
+        b->close = true;
+    }
 }
 
 /* --------------------------------------------------------------------------- bands */
@@ -288,8 +307,7 @@ bool ntpio__band_filter(const ntpio__banding *p, ntpio__band *b)
     b->close = false;
     if (p->small)
         return false;
-    b->kind = choose_kind(p, b);
-    b->close = is_close(p, b);
+    choose_way(p, b);
     filter_band(p, b, b->kind);
     return !b->close || b->kind == GUESS;
 }
@@ -299,7 +317,7 @@ void ntpio__band_pack(const ntpio__banding *p, ntpio__band *b, size_t known)
     if (p->small)
         pack_small(p, b);
     else
-        pack_way(p, b, p->level, known);
+        pack_way(p, b, b->level, known);
     if (b->close) {
         if (b->kind != GUESS)
             filter_band(p, b, GUESS);

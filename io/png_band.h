@@ -30,7 +30,7 @@ typedef struct ntpio__band {
     uint8_t *out;        /* packed */
     uint8_t *again;      /* ... another way; before, what is tried */
     size_t size, bits;   /* of out; without what fills it up to a whole byte */
-    int kind;            /* of the filters that are chosen */
+    int kind, level;     /* of the filters, and of packing: what is chosen */
     uint32_t rows, checksum;
     bool first, last, done;
     bool close; /* packing as libpng does is to be tried as well */
