@@ -19,11 +19,12 @@
 #include "deflate_state.h"
 
 enum {
-    FIRST_SPAN = 4096, /* bytes; its costs are guessed */
-    QUICK_PART = 4096, /* symbols: the least block of quick levels */
-    NEVER = 31,        /* patience */
-    CAREFUL = 10,      /* levels from here on */
-    LITERAL_MAX = 15,  /* bits */
+    FIRST_SPAN = 4096,  /* bytes; its costs are guessed */
+    QUICK_PART = 4096,  /* symbols: the least block of quick levels */
+    ZLIB_BLOCK = 16383, /* symbols of zlib's blocks */
+    NEVER = 31,         /* patience */
+    CAREFUL = 10,       /* levels from here on */
+    LITERAL_MAX = 15,   /* bits */
     LENGTH_COST_MAX = 13,
     DISTANCE_COST_MAX = 10
 };
@@ -232,6 +233,9 @@ static void read_all(ntpio__deflater *d, int level, size_t from)
     ntpio__counts old, counts;
     const size_t span = d->effort->rounds > 0 ? WIDE_SPAN : SPAN;
     size_t size = d->effort->rounds > 0 ? WIDE_SPAN : FIRST_SPAN;
+    /* Guesses about two blocks are worth less than a byte or two where zlib makes one. */
+    const bool one = level == NTPIO__LEVEL_ZLIB && d->to - from <= ZLIB_BLOCK;
+    const size_t least = one ? ZLIB_BLOCK + 1 : QUICK_PART;
     guess(&counts, d->bytes + from, d->to - from < size ? d->to - from : size);
     for (size_t at = from; at < d->to; size = span) {
         const size_t end = d->to - at < size ? d->to : at + size;
@@ -246,7 +250,7 @@ static void read_all(ntpio__deflater *d, int level, size_t from)
         count_part(d);
         counts = d->part;
         add_counts(&counts, &old, 1);
-        if (d->part_symbols >= QUICK_PART || at >= d->to)
+        if (d->part_symbols >= least || at >= d->to)
             join_part(d);
     }
 }

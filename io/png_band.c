@@ -7,10 +7,10 @@
  * SEARCHES on, that is tried with some of the rows, at level 1; below, the guess is taken.  Normals
  * that were painted or scaled up need none, smooth ones Average, many a mixture.
  *
- * Costs foresee badly what a long way back repeats, so libpng's defaults can be smaller.  From
- * SEARCHES on, two runs of rows are packed as they would do it, too: with the guess, and the matches
- * of zlib's level 6.  Where that is no larger, it is taken for noise, as then the runs are like the
- * rest; else the band is packed both ways, and the smaller one stays.
+ * Costs foresee badly what a long way back repeats, so libpng's defaults can be smaller: the guess,
+ * and the matches of zlib's level 6.  From SEARCHES on, two runs of rows are packed as they would do
+ * it, too.  Where that is no larger, the band is packed both ways, as all bands below MODEST are,
+ * and the smaller one stays; of noise, where the runs are like the rest, only that way.
  *
  * Small pictures are tried with several rules of filters, and as libpng would.
  *
@@ -44,10 +44,11 @@ enum {
     BARELY = 64,       /* a sample that is smaller by this share, or less, says nothing */
     GUESS = NTPIO__FILTERS,
     KINDS,
-    TINY = 10 << 10,   /* bytes: of so small a picture all kinds are tried */
-    RUN = 64 << 10,    /* bytes of each of two runs, ... */
-    RUNS_OF = 16,      /* ... or this share of the band */
-    RUN_MIN = 8 << 10, /* ... but so many */
+    TINY = 10 << 10,    /* bytes: of so small a picture all kinds are tried */
+    RUN = 64 << 10,     /* bytes of each of two runs, ... */
+    RUNS_OF = 16,       /* ... or this share of the band */
+    RUN_MIN = 8 << 10,  /* ... but so many */
+    MODEST = 128 << 10, /* bytes: of smaller bands, runs tell too little */
     ALIKE = 32, /* runs that differ by less tell which way is the smaller one as a whole ... */
     NOISE = 8,  /* ... if they pack to more than this share of themselves */
     ROUNDS = 2, /* rules of filters that are tried again */
@@ -94,11 +95,15 @@ uint8_t *ntpio__band_row(const ntpio__banding *p, const ntpio__band *b, int64_t 
     return b->raw + (size_t) (y + 1) * p->pitch + NTPIO__TEXEL_MAX;
 }
 
-/* The filter with the least sum; the first of equals. */
+/* The filter with the least sum; the first of equals.  As in libpng, not Average in a single column
+ * or row, where the others are None or one of the neighbors. */
 static void guess_row(const ntpio__banding *p, ntpio__band *b, uint32_t y, uint8_t *out)
 {
     uint64_t least = UINT64_MAX;
+    const bool thin = p->row_size == p->texel || p->height == 1;
     for (int kind = 0; kind < NTPIO__FILTERS; kind++) {
+        if (thin && kind == NTPIO__AVERAGE)
+            continue;
         const uint64_t sum =
             ntpio__filter(b->guesses[1], ntpio__band_row(p, b, y),
                           ntpio__band_row(p, b, (int64_t) y - 1), p->row_size, p->texel, kind);
@@ -200,7 +205,8 @@ static void choose_way(const ntpio__banding *p, ntpio__band *b)
     size_t filtered;
     b->kind = choose_kind(p, b);
     b->level = p->level;
-    if (p->level < SEARCHES)
+    b->close = p->level >= SEARCHES && ntpio__band_size(p, b) < MODEST;
+    if (p->level < SEARCHES || b->close)
         return;
     const size_t ours = try_runs(p, b, b->kind, p->level, &filtered);
     const size_t theirs = try_runs(p, b, GUESS, NTPIO__LEVEL_ZLIB, &filtered);

@@ -12,6 +12,7 @@
 #include <stdint.h>
 
 enum {
+    NTPIO__AVERAGE = 3,
     NTPIO__FILTERS = 5,  /* None, Sub, Up, Average, Paeth: their numbers in the file */
     NTPIO__TEXEL_MAX = 8 /* bytes */
 };
