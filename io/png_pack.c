@@ -251,14 +251,13 @@ static bool oldest_is_done(ntpio__png_packer *p)
     return done;
 }
 
-/* At a whole byte; unless the stream is at its end, an empty block that is stored fills it up. */
+/* At a whole byte; unless the stream is at its end, an empty block that is stored fills it up.  Zeros
+ * stand after what was joined. */
 static size_t take_joined(ntpio__png_packer *p, bool ends, const uint8_t **packed)
 {
     static const uint8_t empty[] = { 0, 0, 0xff, 0xff }; /* its length, and that inverted */
     size_t size = (p->in_joined + (ends ? 0 : 3) + 7) / 8;
     if (!ends) {
-        if ((p->in_joined + 7) / 8 < size)
-            p->joined[size - 1] = 0;
         memcpy(p->joined + size, empty, sizeof empty);
         size += sizeof empty;
     }
