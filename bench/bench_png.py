@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""PNG files that `ntp` reads and writes, beside libpng and others: bench_png.py [FOLDER] [--pairs N] [--markdown]
+"""PNG files that `ntp` reads and writes, beside libpng and others: bench_png.py [FOLDER] [--pairs N] [--markdown] [--sizes]
 
 The files are the PNGs of FOLDER, or those of bench_check.py.  All times are processor times over
 those of libpng, alternating in one run; medians count.  Reading: `ntp check --jobs 1`, libspng,
@@ -8,6 +8,9 @@ copy with libpng's defaults; sizes, too, and those of oxipng -o2.  `ntp convert`
 sizes, as it keeps all samples.  Programs count from their start, Python's modules only what they
 do.  What is not installed is left out.  Without FOLDER, two threads on one file of 8192 x 8192 are
 compared with one, by the clock.
+
+--sizes leaves out all times: it says which files of FOLDER (written with x mirrored, so that all are
+written anew) are larger than libpng's copy of the same pixels, and by how much.
 """
 
 import argparse
@@ -109,6 +112,54 @@ def writing(build, path, out, pairs):
     return times, {name: size / sizes["libpng"] for name, size in sizes.items()}
 
 
+def pixels_size(path):
+    """Bytes of the IDAT chunks."""
+    data, at, size = path.read_bytes(), 8, 0
+    while at < len(data):
+        length = int.from_bytes(data[at : at + 4], "big")
+        size += length if data[at + 4 : at + 8] == b"IDAT" else 0
+        at += 12 + length
+    return size
+
+
+def mirrored_sizes(build, path, out):
+    """(ours, libpng's) with the default level and with LEVELS; None: `ntp` does not write it."""
+    sizes = {}
+    options = ["--type", "standard", "--y", "up", "--flip", "x", "--force", "-q", "--jobs", "1"]
+    for level in (None, *LEVELS):
+        ours, theirs = out / "ours.png", out / "theirs.png"
+        ours.unlink(missing_ok=True)
+        chosen = [] if level is None else ["--level", str(level)]
+        command = [build / "cli" / "ntp", "transform", path, *options, *chosen, "-o", ours]
+        subprocess.run(command, check=False, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        if not ours.exists():
+            return None
+        if level is None:
+            spent([build / "bench" / "png_copy", ours, theirs])
+        sizes[level] = pixels_size(ours), pixels_size(theirs)
+    return sizes
+
+
+def compare_sizes(build, files, out):
+    ratios_of = {level: [] for level in (None, *LEVELS)}
+    for name, path in files:
+        sizes = mirrored_sizes(build, path, out)
+        if sizes is None:
+            print(f"not written: {name}")
+            continue
+        for level, (ours, theirs) in sizes.items():
+            ratios_of[level].append(ours / theirs)
+            if ours > theirs and level != 1:
+                print(f"larger at level {level or 'default'}: {name}, {ours} of {theirs} bytes")
+    for level, values in ratios_of.items():
+        if values:
+            print(
+                f"level {level or 'default'}: {len(values)} files, size "
+                f"{statistics.geometric_mean(values):.3f}, largest {max(values):.4f}, "
+                f"{sum(value > 1 for value in values)} larger"
+            )
+
+
 def cells(values, names):
     return [f"{values[name]:.2f}" if name in values else "" for name in names]
 
@@ -129,12 +180,17 @@ def main():
     parser.add_argument("folder", nargs="?", type=Path)
     parser.add_argument("--pairs", type=int, default=5)
     parser.add_argument("--markdown", action="store_true")
+    parser.add_argument("--sizes", action="store_true")
     args = parser.parse_args()
     build = Path(os.environ["NTP_BUILD"])
     if args.folder is None:
         files = list(textures(build / "check-textures"))
     else:
         files = [(path.name, path) for path in sorted(args.folder.rglob("*.png"))]
+    if args.sizes:
+        with tempfile.TemporaryDirectory() as folder:
+            compare_sizes(build, files, Path(folder))
+        return
     print("load:", *(f"{load:.1f}" for load in os.getloadavg()))
     read = ["ntp check", "libspng", "Pillow", "OpenCV"]
     times = [*LEVELS, "Pillow", "OpenCV"]
