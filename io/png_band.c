@@ -241,7 +241,7 @@ static void filter_band(const ntpio__banding *p, ntpio__band *b, int kind)
 /* Packs what was filtered.  The smaller one counts: then it is in `out`. */
 static bool pack_way(const ntpio__banding *p, ntpio__band *b, int level, size_t known)
 {
-    uint8_t *out = b->again;
+    uint8_t *out = b->size == SIZE_MAX ? b->out : b->again;
     const uint8_t *bytes = b->filtered + NTPIO__WINDOW - known;
     const size_t filtered = ntpio__band_size(p, b);
     size_t header = 0;
@@ -253,8 +253,10 @@ static bool pack_way(const ntpio__banding *p, ntpio__band *b, int level, size_t 
                                                 b->last, out + header);
     if (size >= b->size)
         return false;
-    b->again = b->out;
-    b->out = out;
+    if (out == b->again) {
+        b->again = b->out;
+        b->out = out;
+    }
     b->size = size;
     b->bits = 8 * header + ntpio__deflated_bits(b->deflater);
     b->checksum = sum_bytes(1, b->filtered + NTPIO__WINDOW, filtered);
