@@ -24,12 +24,7 @@
 #include <string.h>
 
 #include "png_filter.h"
-
-#ifdef NTPIO_HAVE_LIBDEFLATE
-#  include <libdeflate.h>
-#else
-#  include <zlib.h>
-#endif
+#include "png_sums.h"
 
 enum {
     GROUP = 8,         /* rows that follow each other, and are tried together */
@@ -222,15 +217,6 @@ static void choose_way(const ntpio__banding *p, ntpio__band *b)
 
 /* --------------------------------------------------------------------------- bands */
 
-static uint32_t sum_bytes(uint32_t sum, const uint8_t *bytes, size_t size)
-{
-#ifdef NTPIO_HAVE_LIBDEFLATE
-    return libdeflate_adler32(sum, bytes, size);
-#else
-    return (uint32_t) adler32(sum, bytes, (uInt) size);
-#endif
-}
-
 static void filter_band(const ntpio__banding *p, ntpio__band *b, int kind)
 {
     uint8_t *bytes = b->filtered + NTPIO__WINDOW;
@@ -259,7 +245,7 @@ static bool pack_way(const ntpio__banding *p, ntpio__band *b, int level, size_t 
     }
     b->size = size;
     b->bits = 8 * header + ntpio__deflated_bits(b->deflater);
-    b->checksum = sum_bytes(1, b->filtered + NTPIO__WINDOW, filtered);
+    b->checksum = ntpio__adler32(1, b->filtered + NTPIO__WINDOW, filtered);
     return true;
 }
 
