@@ -91,7 +91,7 @@ static void check_depth(ntp__normalize_rgb_fn *normalize, int32_t m)
     int32_t doubts = 0;
     for (int32_t run = 0; run < RUNS; run++) {
         const int32_t n = run % 7 ? MOST : NTP__KERNEL_STEP * (1 + run % 16);
-        const size_t size = (size_t) (3 * n * (m > 255 ? 2 : 1));
+        const size_t size = (size_t) 3 * (size_t) n * (m > 255 ? 2 : 1);
         uint16_t src[3 * MOST], dst[3 * MOST + 1];
         int32_t level[3 * MOST] = { 0 }, at[MOST];
         uint64_t changed = 5, again = 5;

@@ -180,7 +180,7 @@ static inline void place(float *to, const uint8_t *s, int32_t n, placing *p, boo
         const int32_t at = i == 0 ? 0 : i + step < n ? i : n - step;
         const uint8_t *from = s + size * at;
         if (size * at < LANE - HELD) { /* no byte before the first pixel may be touched */
-            copy(few + LANE - HELD, from, (size_t) (size * (n < step ? n : step)));
+            copy(few + LANE - HELD, from, (size_t) size * (size_t) (n < step ? n : step));
             for (int32_t k = n; k < step; k++) /* no others change the range */
                 copy(few + LANE - HELD + size * k, s, (size_t) size);
             from = few + LANE - HELD;

@@ -150,6 +150,6 @@ int32_t ntp__pack_directions_avx2(void *d, int32_t *at, const ntp__planes *p, in
                          : pack_directions(row, at, p, n, error, false, zzero);
     while (found > 0 && at[found - 1] >= n)
         found--;
-    memcpy(d, row, (size_t) ((deep ? 6 : 3) * n));
+    memcpy(d, row, (size_t) (deep ? 6 : 3) * (size_t) n);
     return found;
 }

@@ -118,7 +118,8 @@ static void reduce(ntp__axis *axis)
             axis->weight[(ptrdiff_t) j * axis->stride + t] /= divisor;
         axis->span[j].total /= divisor;
     }
-    axis->most /= divisor;
+    if (divisor > 1)
+        axis->most /= divisor;
     for (axis->scale = 1; axis->scale * (double) axis->most > 1;)
         axis->scale /= 2;
 }
