@@ -127,4 +127,15 @@ static inline size_t pass_rows(uint8_t *dst, uint32_t w, uint32_t h, int depth, 
     return n;
 }
 
+/* Reads a file of fewer than `most` bytes; returns how many. */
+static inline size_t load_file(const char *path, uint8_t *to, size_t most)
+{
+    FILE *f = fopen(path, "rb");
+    CHECK(f != NULL);
+    const size_t size = fread(to, 1, most, f);
+    fclose(f);
+    CHECK(size < most);
+    return size;
+}
+
 #endif

@@ -9,25 +9,13 @@
 #include <zlib.h>
 
 #include "inflate.h"
+#include "chance.h"
 #include "made.h"
 
 enum { STREAMS = 10000, RAW_MAX = 1 << 17, PACKED_MAX = 1 << 18, ROOM_MOST = 5000 };
 
 static uint8_t raw[RAW_MAX], packed[PACKED_MAX], ours[2 * RAW_MAX], theirs[2 * RAW_MAX];
 static size_t packed_size;
-
-static uint64_t state = 1;
-
-static uint32_t chance(uint32_t below)
-{
-    state = state * 6364136223846793005u + 1442695040888963407u;
-    return (uint32_t) (state >> 33) % below;
-}
-
-static bool once_in(uint32_t n)
-{
-    return chance(n) == 0;
-}
 
 static void make_raw(size_t size)
 {

@@ -10,19 +10,12 @@
 #include <zlib.h>
 
 #include "../system.h"
+#include "chance.h"
 #include "deflate.h"
 #include "made.h"
 #include "ntpio.h"
 
 enum { SIZE_MAX_TRIED = 200000, GUARD = 64, FILE_MAX = 1 << 22 };
-
-static uint64_t state = 7;
-
-static uint32_t chance(uint32_t below)
-{
-    state = state * 6364136223846793005u + 1442695040888963407u;
-    return (uint32_t) (state >> 33) % below;
-}
 
 /* ------------------------------------------------------------------------- streams */
 
@@ -100,16 +93,6 @@ static void test_streams(void)
 static ntpio_error error;
 static uint8_t file[FILE_MAX], other[FILE_MAX];
 
-static size_t load_file(const char *path, uint8_t *to)
-{
-    FILE *f = fopen(path, "rb");
-    CHECK(f != NULL);
-    const size_t size = fread(to, 1, FILE_MAX, f);
-    fclose(f);
-    CHECK(size < FILE_MAX);
-    return size;
-}
-
 static size_t row_bytes(const ntpio_write_options *o)
 {
     return o->width * (size_t) (o->channels * o->sample_bytes);
@@ -164,7 +147,7 @@ static size_t trip(const ntpio_write_options *o, uint32_t kind)
     write_rows("packed.png", o, rows, o->height);
     reads("packed.png", o, rows, 1);
     reads("packed.png", o, rows, 0);
-    const size_t size = load_file("packed.png", other);
+    const size_t size = load_file("packed.png", other, FILE_MAX);
     free(rows);
     unlink("packed.png");
     return size;
@@ -337,8 +320,8 @@ static void test_chunks(void)
         CHECK(w != NULL && ntpio_write_rows(w, rows, (ptrdiff_t) row_bytes(&o), 20, &error));
         info.text_count = 4;
         CHECK(ntpio_commit(w, &error));
-        const size_t size = without_pixels(file, load_file("ours.png", file));
-        CHECK(size == without_pixels(other, load_file("theirs.png", other)));
+        const size_t size = without_pixels(file, load_file("ours.png", file, FILE_MAX));
+        CHECK(size == without_pixels(other, load_file("theirs.png", other, FILE_MAX)));
         CHECK(memcmp(file, other, size) == 0);
         free(rows);
     }
@@ -361,9 +344,9 @@ static void test_sizes(void)
         libpng_writes("theirs.png", &o, rows, NULL, 0, 0);
         write_rows("ours.png", &o, rows, 150);
         write_rows("steps.png", &o, rows, 7);
-        const size_t size = load_file("ours.png", file);
-        CHECK(load_file("steps.png", other) == size && memcmp(file, other, size) == 0);
-        CHECK(size <= load_file("theirs.png", other));
+        const size_t size = load_file("ours.png", file, FILE_MAX);
+        CHECK(load_file("steps.png", other, FILE_MAX) == size && memcmp(file, other, size) == 0);
+        CHECK(size <= load_file("theirs.png", other, FILE_MAX));
         free(rows);
     }
     unlink("ours.png");
@@ -380,10 +363,11 @@ static void test_threads(void)
         };
         uint8_t *rows = make_rows(&o, 2);
         write_rows("ours.png", &o, rows, height);
-        const size_t size = load_file("ours.png", file);
+        const size_t size = load_file("ours.png", file, FILE_MAX);
         for (o.threads = 2; o.threads <= 40; o.threads += o.threads < 4 ? 1 : 36) {
             write_rows("threads.png", &o, rows, 5);
-            CHECK(load_file("threads.png", other) == size && memcmp(file, other, size) == 0);
+            CHECK(load_file("threads.png", other, FILE_MAX) == size &&
+                  memcmp(file, other, size) == 0);
         }
         reads("ours.png", &o, rows, 0);
         free(rows);

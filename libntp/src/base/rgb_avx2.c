@@ -8,6 +8,8 @@
  */
 #include "base/rgb_avx2.h"
 
+#include "base/lanes_avx2.h"
+
 #include <immintrin.h>
 #include <string.h>
 
@@ -16,23 +18,6 @@ enum {
     LANE = 16, /* bytes */
     HELD = 12  /* of pixels in a lane */
 };
-
-/* Two loads of 16 bytes, or two stores. */
-static inline __m256i load_two(const void *low, const void *high)
-{
-    return _mm256_inserti128_si256(_mm256_castsi128_si256(_mm_loadu_si128(low)),
-                                   _mm_loadu_si128(high), 1);
-}
-
-static inline void store_two(void *low, void *high, __m256i v)
-{
-    _mm_storeu_si128(low, _mm256_castsi256_si128(v));
-    _mm_storeu_si128(high, _mm256_extracti128_si256(v, 1));
-}
-
-/* The shuffle of both halves; -1: a byte that becomes 0. */
-#define SHUFFLE(v, ...)                                                                            \
-    _mm256_shuffle_epi8((v), _mm256_broadcastsi128_si256(_mm_setr_epi8(__VA_ARGS__)))
 
 static inline void store_plane(int32_t *plane, __m256i v)
 {

@@ -15,6 +15,8 @@
  */
 #include "picture/compare_avx2.h"
 
+#include "base/lanes_avx2.h"
+
 #include <immintrin.h>
 #include <string.h>
 
@@ -47,12 +49,6 @@ typedef struct pairs {
 typedef struct sums {
     __m256i low, high, most_low, most_high;
 } sums;
-
-static inline __m256i load_two(const void *low, const void *high)
-{
-    return _mm256_inserti128_si256(_mm256_castsi128_si256(_mm_loadu_si128(low)),
-                                   _mm_loadu_si128(high), 1);
-}
 
 /* A shuffle of each half; -1: a byte that becomes 0. */
 #define SHUFFLES(v, ...) _mm256_shuffle_epi8((v), _mm256_setr_epi8(__VA_ARGS__))

@@ -7,7 +7,7 @@
  * first cache.  With AVX2 they come from arithmetic, which is as fast, and so for every texture.
  */
 #ifdef __AVX2__
-#  include <immintrin.h>
+#  include "base/lanes_avx2.h"
 #endif
 
 /* Where the blues of eight packed pixels are in their three words. */
@@ -138,23 +138,8 @@ static inline uint32_t put_blues_rgba(uint8_t *dst, const uint8_t *src, uint32_t
     return left;
 }
 
-/* Two loads of 16 bytes, or two stores. */
-static inline __m256i load_two(const void *low, const void *high)
-{
-    return _mm256_inserti128_si256(_mm256_castsi128_si256(_mm_loadu_si128(low)),
-                                   _mm_loadu_si128(high), 1);
-}
-
-static inline void store_two(void *low, void *high, __m256i v)
-{
-    _mm_storeu_si128(low, _mm256_castsi256_si128(v));
-    _mm_storeu_si128(high, _mm256_extracti128_si256(v, 1));
-}
-
-/* The shuffle of both halves; N: a byte that becomes 0. */
+/* A byte that becomes 0 in a shuffle. */
 #  define N -1
-#  define SHUFFLE(v, ...)                                                                          \
-      _mm256_shuffle_epi8((v), _mm256_broadcastsi128_si256(_mm_setr_epi8(__VA_ARGS__)))
 
 /* Puts the derived blues into 16 pixels; false, with nothing written, if a pair is too long.  `others`
  * adds up how many were others.  Each half of these vectors is of eight pixels, their bytes 0 to 15

@@ -8,28 +8,21 @@
 #ifndef NTP_PACKED_AVX2_TMPL_H
 #define NTP_PACKED_AVX2_TMPL_H
 
+#include "base/lanes_avx2.h"
+
 #include <immintrin.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <string.h>
 
-/* The shuffle of both halves; N: a byte that becomes 0. */
+/* A byte that becomes 0 in a shuffle. */
 #define N -1
-#define SHUFFLE(v, ...)                                                                            \
-    _mm256_shuffle_epi8((v), _mm256_broadcastsi128_si256(_mm_setr_epi8(__VA_ARGS__)))
 
 /* Eight texels: r | g << 16, and b. */
 typedef struct texels {
     __m256i rg, b;
 } texels;
-
-static inline __m256i load_two(const uint8_t *low, const uint8_t *high)
-{
-    return _mm256_inserti128_si256(
-        _mm256_castsi128_si256(_mm_loadu_si128((const __m128i *) (const void *) low)),
-        _mm_loadu_si128((const __m128i *) (const void *) high), 1);
-}
 
 static inline texels take8(const uint8_t *s)
 {
