@@ -298,3 +298,8 @@ size_t ntpio__deflated_bits(const ntpio__deflater *d)
 {
     return d->in_bits;
 }
+
+bool ntpio__deflated_shifts(const ntpio__deflater *d)
+{
+    return !d->bits.stored;
+}

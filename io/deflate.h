@@ -38,4 +38,7 @@ size_t ntpio__deflate(ntpio__deflater *d, int level, const uint8_t *bytes, size_
 /* Bits of that, without those that fill it up to a whole byte.  Up to there, zeros follow. */
 size_t ntpio__deflated_bits(const ntpio__deflater *d);
 
+/* May that begin within a byte?  Not where it has bytes as they are, which begin at whole ones. */
+bool ntpio__deflated_shifts(const ntpio__deflater *d);
+
 #endif

@@ -354,6 +354,7 @@ void ntpio__put_block(ntpio__bits *b, const ntpio__step *steps, size_t count, nt
     const uint64_t least = shared_bits(counts) + (made < fixed ? made : fixed);
     if (least > 8 * ((uint64_t) size + 5 * (size / STORED_MAX + 1))) {
         ntpio__put_stored(b, bytes, size, last);
+        b->stored = true;
         return;
     }
     ntpio__put_bits(b, (last ? 1u : 0u) | (made < fixed ? MADE : FIXED) << 1u, 3);

@@ -36,6 +36,7 @@ typedef struct ntpio__bits {
     size_t size; /* whole bytes in out */
     uint64_t waiting;
     unsigned count; /* bits that wait; below 8 between calls */
+    bool stored;    /* bytes were put as they are, so the place of whole bytes matters */
 } ntpio__bits;
 
 static inline unsigned ntpio__top_bit(uint32_t v)

@@ -245,6 +245,7 @@ static bool pack_way(const ntpio__banding *p, ntpio__band *b, int level, size_t 
     }
     b->size = size;
     b->bits = 8 * header + ntpio__deflated_bits(b->deflater);
+    b->shifts = ntpio__deflated_shifts(b->deflater);
     b->checksum = ntpio__adler32(1, b->filtered + NTPIO__WINDOW, filtered);
     return true;
 }

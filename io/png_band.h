@@ -33,7 +33,8 @@ typedef struct ntpio__band {
     int kind, level;     /* of the filters, and of packing: what is chosen */
     uint32_t rows, checksum;
     bool first, last, done;
-    bool close; /* packing as libpng does is to be tried as well */
+    bool close;  /* packing as libpng does is to be tried as well */
+    bool shifts; /* `out` may begin within a byte */
 } ntpio__band;
 
 /* Of a band that fits `p`.  False: no memory. */

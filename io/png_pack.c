@@ -24,7 +24,7 @@ enum {
     SMALL = 68 << 10, /* bytes: pictures that are packed with more care */
     CAREFUL = 10,     /* ... from this level on */
     CHUNK = 64 << 10, /* bytes: fewer of a file go with those of the next band */
-    ENDING = 8        /* bytes at most: fill bits up to a whole byte, or are the checksum */
+    ENDING = 16 /* bytes at most: fill bits up to whole bytes before and after a band; checksum */
 };
 
 /* The last bytes of a filtered band, for the next one. */
@@ -160,7 +160,9 @@ ntpio__png_packer *ntpio__png_packer_new(size_t row_size, uint32_t height, size_
     ntpio__png_packer *p = calloc(1, sizeof *p);
     if (p == NULL)
         return NULL;
-    const bool small = level >= NTPIO__LEVEL_USUAL && height <= SMALL / (row_size + 1);
+    const uint32_t rows = rows_of_bands(row_size + 1, height);
+    const bool small =
+        level >= NTPIO__LEVEL_USUAL && height <= SMALL / (row_size + 1) && rows == height;
     os_lock_init(&p->lock);
     os_condition_init(&p->changed);
     p->shared = (ntpio__banding) {
@@ -170,7 +172,7 @@ ntpio__png_packer *ntpio__png_packer_new(size_t row_size, uint32_t height, size_
         .texel = texel,
         .pitch = NTPIO__TEXEL_MAX + row_size,
         .height = height,
-        .rows = rows_of_bands(row_size + 1, height),
+        .rows = rows,
     };
     p->left = height;
     p->checksum = 1;
@@ -251,16 +253,20 @@ static bool oldest_is_done(ntpio__png_packer *p)
     return done;
 }
 
-/* At a whole byte; unless the stream is at its end, an empty block that is stored fills it up.  Zeros
- * stand after what was joined. */
-static size_t take_joined(ntpio__png_packer *p, bool ends, const uint8_t **packed)
+/* Up to a whole byte, by an empty block that is stored.  Zeros stand after what was joined. */
+static void fill_up(ntpio__png_packer *p)
 {
     static const uint8_t empty[] = { 0, 0, 0xff, 0xff }; /* its length, and that inverted */
-    size_t size = (p->in_joined + (ends ? 0 : 3) + 7) / 8;
-    if (!ends) {
-        memcpy(p->joined + size, empty, sizeof empty);
-        size += sizeof empty;
-    }
+    const size_t size = (p->in_joined + 3 + 7) / 8;
+    memcpy(p->joined + size, empty, sizeof empty);
+    p->in_joined = 8 * (size + sizeof empty);
+}
+
+static size_t take_joined(ntpio__png_packer *p, bool ends, const uint8_t **packed)
+{
+    if (!ends)
+        fill_up(p);
+    const size_t size = (p->in_joined + 7) / 8;
     p->in_joined = 0;
     *packed = p->joined;
     return size;
@@ -270,6 +276,8 @@ static size_t take_joined(ntpio__png_packer *p, bool ends, const uint8_t **packe
 static void join(ntpio__png_packer *p, const ntpio__band *b)
 {
     const size_t size = (b->bits + 7) / 8;
+    if (!b->shifts && p->in_joined % 8 != 0)
+        fill_up(p);
     const unsigned shift = (unsigned) (p->in_joined % 8);
     uint8_t *to = p->joined + p->in_joined / 8;
     uint32_t carried = shift != 0 ? *to : 0;
