@@ -167,6 +167,7 @@ static inline void test_pixels(__m256i found[TESTS], const uint8_t *s, ptrdiff_t
              : _mm_setr_epi8(4, 5, 7, 8, 10, 11, 13, 14, 6, N, 9, N, 12, N, 15, N)
     };
     __m256i half[2];
+    UNROLLED
     for (int k = 0; k < 2; k++) {
         const __m128i low = _mm_loadu_si128((const __m128i *) (const void *) (s + 8 * k));
         const __m128i high = _mm_loadu_si128((const __m128i *) (const void *) (s + apart + 8 * k));
@@ -187,6 +188,7 @@ static inline void test_two(__m256i found[TESTS], const uint8_t *s, ptrdiff_t ap
     __m256i next[TESTS];
     test_pixels(found, s, apart, deep);
     test_pixels(next, s + PART, apart, deep);
+    UNROLLED
     for (int i = 0; i < TESTS; i++)
         found[i] =
             deep ? _mm256_packs_epi32(found[i], next[i]) : _mm256_packs_epi16(found[i], next[i]);
@@ -205,6 +207,7 @@ static inline __m256i flags_of_32(const uint8_t *s, bool deep, __m256i mirrored,
     if (deep) {
         test_two_deep(v, s);
         test_two_deep(next, s + 2 * PART);
+        UNROLLED
         for (int i = 0; i < TESTS; i++)
             v[i] = _mm256_packs_epi16(v[i], next[i]);
     } else {
