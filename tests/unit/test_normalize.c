@@ -12,7 +12,7 @@
 
 #include <string.h>
 
-enum { RUNS = 2000, MOST = 256, SKIPPED = 77 };
+enum { RUNS = 2000, MOST = 256, CLOSE = 64, SKIPPED = 77 };
 
 /* A texel that is just a rounded one, or just none: with sizes 2p + 1 of its numerators and
  * K = (M + 1)/2, the sum of all (p + 1)^2 or of all p^2 is K(K - 1) + 1. */
@@ -32,6 +32,43 @@ static void fill_edge(int32_t *c, int32_t m, uint64_t *seed)
     for (int32_t i = 0; i < 3; i++) {
         const int32_t a = p[i] - less < k ? p[i] - less : k - 1;
         c[(first + i) % 3] = k + (random_level(seed, 1) ? a : -1 - a);
+    }
+}
+
+/* Two odd numbers whose squares have this sum, as sizes p of 2p + 1; false if there are none. */
+static bool two_squares(uint64_t sum, int32_t p[2])
+{
+    for (uint64_t a = 1; a * a <= sum / 2; a += 2) {
+        const uint64_t b = ntp__isqrt(sum - a * a);
+        if (a * a + b * b == sum && b < 65536) {
+            p[0] = (int32_t) (a / 2);
+            p[1] = (int32_t) (b / 2);
+            return true;
+        }
+    }
+    return false;
+}
+
+/*
+ * A texel of 16 bit whose quotient lies above a boundary between two levels by so little that doubles
+ * may find it below.  a/sqrt(S) is a boundary where it is q/M, q even: S is the whole part of
+ * (aM)^2/q^2, of which less than a 2^14th is left.  That is 2^-32 of a level at most.
+ */
+static void fill_close(int32_t *c, uint64_t *seed)
+{
+    const uint64_t m = 65535;
+    const int32_t first = random_level(seed, 2);
+    for (;;) {
+        const uint64_t a = 2 * (uint64_t) random_level(seed, 32767) + 1;
+        const uint64_t q = 2 * (uint64_t) random_level(seed, 32766) + 2;
+        const uint64_t am = a * m, sum = am * am / (q * q), left = am * am % (q * q);
+        int32_t p[3] = { (int32_t) (a / 2), 0, 0 };
+        if (left << 14 >= q * q || sum <= a * a || sum > 3 * m * m || sum % 8 != 3 ||
+            !two_squares(sum - a * a, p + 1))
+            continue;
+        for (int32_t i = 0; i < 3; i++)
+            c[(first + i) % 3] = random_level(seed, 1) ? 32768 + p[i] : 32767 - p[i];
+        return;
     }
 }
 
@@ -58,6 +95,25 @@ static void to_bytes(void *bytes, const int32_t *level, int32_t samples, int32_t
             ((uint16_t *) bytes)[i] = (uint16_t) level[i];
         else
             ((uint8_t *) bytes)[i] = (uint8_t) level[i];
+    }
+}
+
+/* Those next to a boundary are decided by the integers. */
+static void check_close(ntp__normalize_rgb_fn *normalize)
+{
+    uint64_t seed = 99, changed = 0;
+    int32_t level[3 * CLOSE] = { 0 }, at[CLOSE], kept[CLOSE] = { 0 };
+    uint16_t src[3 * CLOSE], dst[3 * CLOSE];
+    for (int32_t i = 0; i < CLOSE; i++)
+        fill_close(level + 3 * i, &seed);
+    to_bytes(src, level, 3 * CLOSE, 65535);
+    const int32_t found = normalize(dst, src, CLOSE, at, &changed);
+    for (int32_t i = 0; i < found; i++)
+        kept[at[i]] = 1;
+    for (int32_t i = 0; i < 3 * CLOSE; i += 3) {
+        if (!kept[i / 3])
+            ntp__clean(level + i, 65535, NTP_ENCODING_STANDARD, NTP_CLEAN_NORMALIZE, false);
+        CHECK(dst[i] == level[i] && dst[i + 1] == level[i + 1] && dst[i + 2] == level[i + 2]);
     }
 }
 
@@ -115,5 +171,6 @@ int main(int argc, char **argv)
         return SKIPPED;
     check_depth(level->normalize_rgb8, 255);
     check_depth(level->normalize_rgb16, 65535);
+    check_close(level->normalize_rgb16);
     return 0;
 }
