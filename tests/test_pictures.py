@@ -213,6 +213,15 @@ def test_shade_of_many_texels():
             assert np.array_equal(shade(array, light=light), want)
 
 
+def test_shade_of_all_texels():
+    """Some lie as close to a boundary between two levels as any texel does."""
+    texels = np.empty((256, 256, 3), np.uint8)
+    texels[..., 1], texels[..., 2] = np.indices((256, 256))
+    for red in range(256):
+        texels[..., 0] = red
+        assert np.array_equal(shade(texels), expected_shade(texels, 255, ntp.STANDARD)), red
+
+
 def test_shade_lights_what_faces_the_light():
     """A hill: its upper left side is lit, in either orientation of y."""
     y, x = np.mgrid[1:-1:64j, -1:1:64j] * 0.6
