@@ -72,7 +72,7 @@ static inline texels encoded(__m256 x, __m256 y, __m256 factor, const constants 
     const __m256i near =
         _mm256_andnot_si256(none, _mm256_cmpgt_epi16(_mm256_add_epi16(error, error), over));
     const __m256i e = _mm256_sub_epi32(c->rest, sum_of_pair(a));
-    const texels t = { _mm256_add_epi16(a, c->zeros), _mm256_add_epi32(root(e, true), c->zero) };
+    const texels t = { _mm256_add_epi16(a, c->zeros), _mm256_add_epi32(root_of(e, true), c->zero) };
     const __m256i any = _mm256_or_si256(_mm256_or_si256(near, _mm256_slli_epi32(near, 16)), e);
     *left = (uint32_t) _mm256_movemask_ps(_mm256_castsi256_ps(any));
     return t;

@@ -77,18 +77,18 @@ static inline __m256i odd_of(__m256i e, __m256i b, bool deep, bool zzero, __m256
 static inline texels converted(texels t, bool from_deep, bool to_deep, const rules *how,
                                __m256i *stop, __m256i *negative)
 {
-    const __m256i e = rest(t.rg, from_deep), zero = _mm256_setzero_si256();
+    const __m256i e = rest_of(t.rg, from_deep), zero = _mm256_setzero_si256();
     texels out = { deepen(t.rg, from_deep, to_deep), zero };
     __m256i e_to = e, root_to, minus;
     const __m256i odd = odd_of(e, t.b, from_deep, how->from_zzero, &root_to, &minus);
     if (from_deep != to_deep) {
         /* 257 X: S is 257^2 times as much */
-        e_to = from_deep ? rest(out.rg, to_deep)
+        e_to = from_deep ? rest_of(out.rg, to_deep)
                          : _mm256_add_epi32(_mm256_mullo_epi32(e, _mm256_set1_epi32(257 * 257)),
                                             _mm256_set1_epi32(3 * (257 * 257 - 1) / 4));
-        root_to = root(e_to, to_deep);
+        root_to = root_of(e_to, to_deep);
     }
-    __m256i want = blue(e_to, root_to, to_deep, how->to_zzero);
+    __m256i want = blue_of(e_to, root_to, to_deep, how->to_zzero);
     if (!how->to_zzero)
         want = _mm256_xor_si256(want,
                                 _mm256_and_si256(minus, _mm256_set1_epi32(to_deep ? 65535 : 255)));
@@ -300,9 +300,9 @@ static inline texels encoded(const float *s, bool deep, bool zzero, __m256 flip,
     const __m256i r = level_of(units[0], v.x, deep, &near);
     const __m256i g = level_of(units[1], v.y, deep, &near);
     texels t = { _mm256_or_si256(r, _mm256_slli_epi32(g, 16)), near };
-    const __m256i e = rest(t.rg, deep);
+    const __m256i e = rest_of(t.rg, deep);
     const __m256 down = _mm256_cmp_ps(v.z, _mm256_setzero_ps(), _CMP_LT_OQ);
-    t.b = _mm256_andnot_si256(_mm256_srai_epi32(e, 31), blue(e, root(e, deep), deep, zzero));
+    t.b = _mm256_andnot_si256(_mm256_srai_epi32(e, 31), blue_of(e, root_of(e, deep), deep, zzero));
     if (!zzero)
         t.b = _mm256_xor_si256(t.b, _mm256_and_si256(_mm256_castps_si256(down),
                                                      _mm256_set1_epi32(deep ? 65535 : 255)));

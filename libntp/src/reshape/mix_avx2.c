@@ -214,7 +214,7 @@ static inline __attribute__((always_inline)) texels finished(const planes *p, in
     const __m256i down = _mm256_srai_epi32(z, 31);
     const texels t = { _mm256_add_epi16(pair, _mm256_or_si256(zero, _mm256_slli_epi32(zero, 16))),
                        _mm256_xor_si256(
-                           _mm256_add_epi32(root(e, c->deep), zero), /* M - b is M ^ b */
+                           _mm256_add_epi32(root_of(e, c->deep), zero), /* M - b is M ^ b */
                            _mm256_and_si256(down, _mm256_set1_epi32(c->m))) };
     const __m256i left = _mm256_or_si256(load_ints(p->left + i), e);
     *bits = (uint32_t) _mm256_movemask_ps(_mm256_castsi256_ps(left));

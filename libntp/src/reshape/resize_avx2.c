@@ -111,7 +111,7 @@ static inline texels directions(const ntp__planes *p, int32_t i, __m256 error, b
     const __m256i zeros = _mm256_set1_epi16((short) (deep ? 32768 : 128));
     texels t;
     t.rg = _mm256_add_epi16(_mm256_blend_epi16(r, _mm256_slli_epi32(g, 16), 0xaa), zeros);
-    const __m256i e = rest(t.rg, deep), b = blue(e, root(e, deep), deep, zzero);
+    const __m256i e = rest_of(t.rg, deep), b = blue_of(e, root_of(e, deep), deep, zzero);
     const __m256i down = _mm256_castps_si256(_mm256_cmp_ps(z, _mm256_setzero_ps(), _CMP_LT_OQ));
     t.b = zzero
               ? b

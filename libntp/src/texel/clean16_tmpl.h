@@ -41,30 +41,6 @@ static inline bool clean16_step(uint16_t *dst, const uint16_t *src, bool zzero, 
 
 #elif defined __AVX2__
 
-/* e of eight pairs, red in the lower half and green in the upper; both less 32768. */
-static inline __m256i rest16(__m256i rg)
-{
-    const __m256i squares = _mm256_madd_epi16(rg, rg);
-    const __m256i sum = _mm256_madd_epi16(rg, _mm256_set1_epi16(1));
-    return _mm256_sub_epi32(_mm256_set1_epi32(CLEAN16_REST), _mm256_add_epi32(squares, sum));
-}
-
-/* blue() of eight e.  Roots are below 2^15, or are 2^15 by rounding.  pmaddwd squares 2^15 correctly
- * too, although a signed word reads it as -2^15. */
-static inline __m256i blue16(__m256i e, bool zzero)
-{
-    __m256i t = _mm256_cvttps_epi32(_mm256_sqrt_ps(_mm256_cvtepi32_ps(e)));
-    t = _mm256_add_epi32(t, _mm256_cmpgt_epi32(_mm256_madd_epi16(t, t), e));
-    if (!zzero)
-        return _mm256_add_epi32(t, _mm256_set1_epi32(32768));
-    const __m256i d2 = _mm256_slli_epi32(_mm256_sub_epi32(e, _mm256_madd_epi16(t, t)), 1);
-    const __m256i t2 = _mm256_add_epi32(t, t);
-    const __m256i below1 = _mm256_cmpgt_epi32(t, _mm256_add_epi32(d2, _mm256_set1_epi32(1)));
-    const __m256i below2 = _mm256_cmpgt_epi32(_mm256_add_epi32(t2, t), d2);
-    return _mm256_add_epi32(_mm256_add_epi32(t2, _mm256_set1_epi32(2)),
-                            _mm256_add_epi32(below1, below2));
-}
-
 /* Eight pixels; false, with nothing written, when a pair is too long.  Each half is of four, whose
  * bytes 8 to 23 are stored over the bytes 0 to 15. */
 static inline bool clean16_step(uint16_t *dst, const uint16_t *src, bool zzero, uint64_t *changed)
@@ -74,10 +50,10 @@ static inline bool clean16_step(uint16_t *dst, const uint16_t *src, bool zzero, 
     const __m256i rg =
         _mm256_or_si256(SHUFFLE(low, 0, 1, 2, 3, 6, 7, 8, 9, N, N, N, N, N, N, N, N),
                         SHUFFLE(high, N, N, N, N, N, N, N, N, 4, 5, 6, 7, 10, 11, 12, 13));
-    const __m256i e = rest16(_mm256_xor_si256(rg, _mm256_set1_epi16(-32768)));
+    const __m256i e = rest_of(rg, true);
     if (_mm256_movemask_ps(_mm256_castsi256_ps(e)) != 0)
         return false;
-    const __m256i b = blue16(e, zzero);
+    const __m256i b = blue_of(e, root_of(e, true), true, zzero);
     const __m256i low_now = _mm256_blend_epi16(low, _mm256_slli_si256(b, 4), IN_LOW);
     const __m256i high_now = _mm256_blend_epi16(
         high, SHUFFLE(b, N, N, 4, 5, N, N, N, N, 8, 9, N, N, N, N, 12, 13), IN_HIGH);

@@ -7,7 +7,7 @@
  * first cache.  With AVX2 they come from arithmetic, which is as fast, and so for every texture.
  */
 #ifdef __AVX2__
-#  include "base/lanes_avx2.h"
+#  include "texel/blue_avx2_tmpl.h"
 #endif
 
 /* Where the blues of eight packed pixels are in their three words. */
@@ -60,45 +60,11 @@ static inline bool put_blues(uint8_t *dst, const uint8_t *src, const uint8_t *bl
 
 #ifdef __AVX2__
 
-/* 2^14 > 16255 - a(a + 1) - c(c + 1) of 16 pairs of bytes, as words, negative where a pair is too
- * long.  For a = r - 128, a(a + 1) is p(p + 1), where p is a or -1 - a, and at most 127.  So two of
- * these fit into a word. */
-static inline __m256i rest_words(__m256i pairs)
-{
-    const __m256i a = _mm256_xor_si256(pairs, _mm256_set1_epi8(-128));
-    const __m256i p = _mm256_xor_si256(a, _mm256_cmpgt_epi8(_mm256_setzero_si256(), a));
-    const __m256i sum = _mm256_maddubs_epi16(_mm256_sub_epi8(p, _mm256_set1_epi8(-1)), p);
-    return _mm256_sub_epi16(_mm256_set1_epi16(16255), sum);
-}
-
-/*
- * floor(sqrt(e)) or one more, 0 <= e <= 16255.  The relative error of rsqrtps is at most
- * 1.5 * 2^-12, so its product with e + 1/2 is within 127.5 * 1.5 * 2^-12 < 0.047 of sqrt(e + 1/2).
- * That root is at least sqrt(e).  With t = floor(sqrt(e)) it is less than t + 1, because
- * e + 1/2 <= (t + 1)^2 - 1/2.  So the product plus 1/16 is at least sqrt(e) and less than t + 2.
- */
-static inline __m256i root8(__m256i e)
-{
-    __m256 f = _mm256_add_ps(_mm256_cvtepi32_ps(e), _mm256_set1_ps(0.5f));
-    __m256 root = _mm256_mul_ps(f, _mm256_rsqrt_ps(f));
-    return _mm256_cvttps_epi32(_mm256_add_ps(root, _mm256_set1_ps(0.0625f)));
-}
-
-/* floor(sqrt(e)), e < 2^14.  The root of what is no square is more than 2^-8 from a whole number, so
- * no float of it is rounded to that. */
-static inline __m256i roots(__m256i e)
-{
-    return _mm256_cvttps_epi32(_mm256_sqrt_ps(_mm256_cvtepi32_ps(e)));
-}
-
 /* The derived blues of 16 pairs, as words, from what rest_words makes of them; of pairs that are too
  * long it is any number. */
 static inline __m256i blue_words(__m256i e)
 {
-    const __m256i zero = _mm256_setzero_si256();
-    const __m256i t = _mm256_packs_epi32(roots(_mm256_unpacklo_epi16(e, zero)),
-                                         roots(_mm256_unpackhi_epi16(e, zero)));
-    return _mm256_add_epi16(t, _mm256_set1_epi16(128));
+    return _mm256_add_epi16(root_words(e), _mm256_set1_epi16(128));
 }
 
 /* One bit for each of 16 numbers: is it negative? */
@@ -138,35 +104,21 @@ static inline uint32_t put_blues_rgba(uint8_t *dst, const uint8_t *src, uint32_t
     return left;
 }
 
-/* A byte that becomes 0 in a shuffle. */
-#  define N -1
-
 /* Puts the derived blues into 16 pixels; false, with nothing written, if a pair is too long.  `others`
- * adds up how many were others.  Each half of these vectors is of eight pixels, their bytes 0 to 15
- * and 8 to 23.  The latter are stored over the former, of which only two blues remain. */
+ * adds up how many were others. */
 static inline bool put_derived_blues(uint8_t *dst, const uint8_t *src, __m256i *others)
 {
     const __m256i zero = _mm256_setzero_si256();
     const __m256i low = load_two(src, src + 24), high = load_two(src + 8, src + 32);
-    const __m256i pairs =
-        _mm256_or_si256(SHUFFLE(low, 0, 1, 3, 4, 6, 7, 9, 10, 12, 13, N, N, N, N, N, N),
-                        SHUFFLE(high, N, N, N, N, N, N, N, N, N, N, 7, 8, 10, 11, 13, 14));
-    const __m256i e = rest_words(pairs);
+    const __m256i e = rest_words(pairs_of(low, high));
     if (_mm256_movemask_epi8(_mm256_cmpgt_epi16(zero, e)) != 0)
         return false;
-    const __m256i blues = blue_words(e), ones = _mm256_set1_epi8(-1);
-    const __m256i low_now =
-        _mm256_blendv_epi8(low, SHUFFLE(blues, N, N, 0, N, N, 2, N, N, N, N, N, N, N, N, N, N),
-                           SHUFFLE(ones, N, N, 0, N, N, 0, N, N, N, N, N, N, N, N, N, N));
-    const __m256i high_now =
-        _mm256_blendv_epi8(high, SHUFFLE(blues, 4, N, N, 6, N, N, 8, N, N, 10, N, N, 12, N, N, 14),
-                           SHUFFLE(ones, 0, N, N, 0, N, N, 0, N, N, 0, N, N, 0, N, N, 0));
+    __m256i low_now = low, high_now = high;
+    put_words(dst, &low_now, &high_now, blue_words(e));
     const __m256i same =
         _mm256_and_si256(_mm256_cmpeq_epi8(low_now, low), _mm256_cmpeq_epi8(high_now, high));
-    const __m256i other = _mm256_sub_epi8(same, ones);
+    const __m256i other = _mm256_sub_epi8(same, _mm256_set1_epi8(-1));
     *others = _mm256_add_epi64(*others, _mm256_sad_epu8(other, zero));
-    store_two(dst, dst + 24, low_now);
-    store_two(dst + 8, dst + 32, high_now);
     return true;
 }
 

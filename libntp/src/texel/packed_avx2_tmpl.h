@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * packed_avx2_tmpl.h - packed RGB in registers, with AVX2: pixels to levels and back, derived blue
+ * packed_avx2_tmpl.h - packed RGB in registers, with AVX2: pixels to levels and back
  *
  * Red and green are the halves of 32 bits, so pmaddwd adds up their squares.  Files that are compiled
  * for AVX2 alone include it.
@@ -8,16 +8,13 @@
 #ifndef NTP_PACKED_AVX2_TMPL_H
 #define NTP_PACKED_AVX2_TMPL_H
 
-#include "base/lanes_avx2.h"
+#include "texel/blue_avx2_tmpl.h"
 
 #include <immintrin.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <string.h>
-
-/* A byte that becomes 0 in a shuffle. */
-#define N -1
 
 /* Eight texels: r | g << 16, and b. */
 typedef struct texels {
@@ -109,36 +106,6 @@ static inline __m256i sum_of_pair(__m256i pair)
 {
     return _mm256_add_epi32(_mm256_madd_epi16(pair, pair),
                             _mm256_madd_epi16(pair, _mm256_set1_epi16(1)));
-}
-
-enum { REST_8 = (255 * 255 - 5) / 4, REST_16 = 1073709055 /* (65535^2 - 5) / 4 */ };
-
-/* e = (S - 3) / 4 of pairs, as in kernels.c; negative where they are too long. */
-static inline __m256i rest(__m256i rg, bool deep)
-{
-    const __m256i a = _mm256_sub_epi16(rg, _mm256_set1_epi16((short) (deep ? -32768 : 128)));
-    return _mm256_sub_epi32(_mm256_set1_epi32(deep ? REST_16 : REST_8), sum_of_pair(a));
-}
-
-/* floor(sqrt(e)), any number where e is negative; as in root30.h.  pmaddwd squares 2^15 correctly too.  Below
- * 2^14 (not deep) the float root is never one too great. */
-static inline __m256i root(__m256i e, bool deep)
-{
-    const __m256i t = _mm256_cvttps_epi32(_mm256_sqrt_ps(_mm256_cvtepi32_ps(e)));
-    return deep ? _mm256_add_epi32(t, _mm256_cmpgt_epi32(_mm256_madd_epi16(t, t), e)) : t;
-}
-
-/* The derived blue, as in kernels.c. */
-static inline __m256i blue(__m256i e, __m256i t, bool deep, bool zzero)
-{
-    if (!zzero)
-        return _mm256_add_epi32(t, _mm256_set1_epi32(deep ? 32768 : 128));
-    const __m256i d2 = _mm256_slli_epi32(_mm256_sub_epi32(e, _mm256_madd_epi16(t, t)), 1);
-    const __m256i t2 = _mm256_add_epi32(t, t);
-    const __m256i below1 = _mm256_cmpgt_epi32(t, _mm256_add_epi32(d2, _mm256_set1_epi32(1)));
-    const __m256i below2 = _mm256_cmpgt_epi32(_mm256_add_epi32(t2, t), d2);
-    return _mm256_add_epi32(_mm256_add_epi32(t2, _mm256_set1_epi32(2)),
-                            _mm256_add_epi32(below1, below2));
 }
 
 #endif
