@@ -137,6 +137,8 @@ __attribute__((always_inline)) static inline int32_t convert(uint8_t *d, const u
     return i;
 }
 
+#include "repair/convert_words_tmpl.h"
+
 int32_t ntp__convert_rgb_avx2(const ntp__conversion *j, int32_t x, int32_t y, int32_t n,
                               uint64_t *negative)
 {
@@ -144,6 +146,11 @@ int32_t ntp__convert_rgb_avx2(const ntp__conversion *j, int32_t x, int32_t y, in
                         j->dst->encoding == NTP_ENCODING_ZZERO };
     uint8_t *d = ntp__at_mut(j->dst, x, y);
     const uint8_t *s = ntp__at(j->src, x, y);
+    const bool standard = !how.from_zzero && !how.to_zzero;
+    if (standard)
+        return j->ms < j->md ? widen(d, s, n) : narrow(d, s, n);
+    if (!how.from_zzero && j->ms == 255 && j->md == 255)
+        return to_zzero(d, s, n, negative);
     if (j->ms < j->md)
         return convert(d, s, n, false, true, &how, negative);
     if (j->ms > j->md)

@@ -1,0 +1,157 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * convert_words_tmpl.h - the most common conversions of packed RGB; a part of convert_avx2.c
+ *
+ * Sixteen texels a step, whose levels of 8 bit are words, as are their exactness and their roots.  Each
+ * half of a vector is of eight texels.
+ */
+
+/* t where z is 2t + 1 or -(2t + 1), given the level of blue as words of either depth. */
+static inline __m256i size_of_z(__m256i b, bool deep, __m256i *minus)
+{
+    const __m256i z = _mm256_sub_epi16(b, _mm256_set1_epi16((short) (deep ? -32768 : 128)));
+    *minus = _mm256_srai_epi16(z, 15);
+    return _mm256_xor_si256(z, *minus);
+}
+
+/* Marks texels of 8 bit that are exact: d = e - t^2 is from 0 to 2t.  It is never below -2^15. */
+static inline __m256i exact_words(__m256i e, __m256i t, __m256i *d)
+{
+    const __m256i twice = _mm256_add_epi16(t, t);
+    *d = _mm256_sub_epi16(e, _mm256_mullo_epi16(t, t));
+    return _mm256_cmpeq_epi16(_mm256_max_epu16(*d, twice), twice);
+}
+
+/* The same of 16 bit, in halves of 32 bits. */
+static inline __m256i exact_deep(__m256i e, __m256i t)
+{
+    const __m256i twice = _mm256_add_epi32(t, t);
+    const __m256i d = _mm256_sub_epi32(e, _mm256_madd_epi16(t, t));
+    return _mm256_cmpeq_epi32(_mm256_max_epu32(d, twice), twice);
+}
+
+/* The root of 16 bits for e of 8 bit (words with one above each).  257 X: S is 257^2 times as much, and
+ * e' = 257^2 e + 3 (257^2 - 1) / 4; the multiplier is 2^16 + 513. */
+static inline __m256i deep_root(__m256i with_2, __m256i above)
+{
+    const __m256i by = _mm256_set1_epi32(513 | 3 * (257 * 257 - 1) / 8 << 16);
+    return root_of(_mm256_add_epi32(_mm256_madd_epi16(with_2, by), above), true);
+}
+
+/* Standard, 8 bit to 16. */
+static inline void widen_step(uint8_t *d, const uint8_t *s)
+{
+    const __m256i low = load_two(s, s + 24), high = load_two(s + 8, s + 32);
+    const __m256i two = _mm256_set1_epi16(2), zero = _mm256_setzero_si256();
+    const __m256i e = rest_words(pairs_of(low, high));
+    const __m256i b =
+        _mm256_or_si256(SHUFFLE(low, 2, N, 5, N, 8, N, 11, N, 14, N, N, N, N, N, N, N),
+                        SHUFFLE(high, N, N, N, N, N, N, N, N, N, N, 9, N, 12, N, 15, N));
+    __m256i minus, rest;
+    const __m256i exact = exact_words(e, size_of_z(b, false, &minus), &rest);
+    const __m256i t = _mm256_packs_epi32(
+        deep_root(_mm256_unpacklo_epi16(e, two), _mm256_unpacklo_epi16(zero, e)),
+        deep_root(_mm256_unpackhi_epi16(e, two), _mm256_unpackhi_epi16(zero, e)));
+    /* 32768 + t, or 32767 - t */
+    const __m256i want = _mm256_xor_si256(t, _mm256_xor_si256(minus, _mm256_set1_epi16(-32768)));
+    const __m256i by_value = _mm256_or_si256(b, _mm256_slli_epi16(b, 8));
+    /* Blues as they lie in the words of three vectors, where each place is that of one vector only. */
+    const __m256i z = SHUFFLE(_mm256_blendv_epi8(by_value, want, exact), 4, 5, 10, 11, 0, 1, 6, 7,
+                              12, 13, 2, 3, 8, 9, 14, 15);
+    store_two(
+        d, d + 48,
+        _mm256_blend_epi16(SHUFFLE(low, 0, 0, 1, 1, N, N, 3, 3, 4, 4, N, N, 6, 6, 7, 7), z, 0x24));
+    store_two(d + 16, d + 64,
+              _mm256_blend_epi16(
+                  SHUFFLE(low, N, N, 9, 9, 10, 10, N, N, 12, 12, 13, 13, N, N, 15, 15), z, 0x49));
+    store_two(d + 32, d + 80,
+              _mm256_blend_epi16(
+                  SHUFFLE(high, 8, 8, N, N, 10, 10, 11, 11, N, N, 13, 13, 14, 14, N, N), z, 0x92));
+}
+
+/* Standard, 16 bit to 8.  False, with nothing written, where an exact texel has to be pulled. */
+static inline bool narrow_step(uint8_t *d, const uint8_t *s)
+{
+    const __m256i p = load_two(s, s + 48), q = load_two(s + 16, s + 64);
+    const __m256i r = load_two(s + 32, s + 80), zero = _mm256_setzero_si256();
+    const __m256i low =
+        _mm256_or_si256(SHUFFLE(p, 0, 1, 2, 3, 6, 7, 8, 9, 12, 13, 14, 15, N, N, N, N),
+                        SHUFFLE(q, N, N, N, N, N, N, N, N, N, N, N, N, 2, 3, 4, 5));
+    const __m256i high =
+        _mm256_or_si256(SHUFFLE(q, 8, 9, 10, 11, 14, 15, N, N, N, N, N, N, N, N, N, N),
+                        SHUFFLE(r, N, N, N, N, N, N, 0, 1, 4, 5, 6, 7, 10, 11, 12, 13));
+    const __m256i b = SHUFFLE(_mm256_blend_epi16(_mm256_blend_epi16(p, q, 0x49), r, 0x92), 4, 5, 10,
+                              11, 0, 1, 6, 7, 12, 13, 2, 3, 8, 9, 14, 15);
+    const __m256i half = _mm256_set1_epi16(128);
+    __m256i minus;
+    const __m256i t = size_of_z(b, true, &minus);
+    const __m256i exact =
+        _mm256_packs_epi32(exact_deep(rest_of(low, true), _mm256_unpacklo_epi16(t, zero)),
+                           exact_deep(rest_of(high, true), _mm256_unpackhi_epi16(t, zero)));
+    const __m256i rg = _mm256_packus_epi16(over257(_mm256_adds_epu16(low, half)),
+                                           over257(_mm256_adds_epu16(high, half)));
+    const __m256i e = rest_words(rg);
+    if (!_mm256_testz_si256(_mm256_and_si256(exact, e), _mm256_set1_epi16(-32768)))
+        return false;
+    /* 128 + t, or 127 - t */
+    const __m256i want = _mm256_add_epi16(_mm256_xor_si256(root_words(e), minus), half);
+    const __m256i z = _mm256_blendv_epi8(over257(_mm256_adds_epu16(b, half)), want, exact);
+    store_two(d, d + 24,
+              _mm256_or_si256(SHUFFLE(rg, 0, 1, N, 2, 3, N, 4, 5, N, 6, 7, N, 8, 9, N, 10),
+                              SHUFFLE(z, N, N, 0, N, N, 2, N, N, 4, N, N, 6, N, N, 8, N)));
+    store_two(d + 8, d + 32,
+              _mm256_or_si256(SHUFFLE(rg, N, 6, 7, N, 8, 9, N, 10, 11, N, 12, 13, N, 14, 15, N),
+                              SHUFFLE(z, 4, N, N, 6, N, N, 8, N, N, 10, N, N, 12, N, N, 14)));
+    return true;
+}
+
+/* 8 bit, standard to Z-zero.  False, with nothing written, where a texel is black. */
+static inline bool zzero_step(uint8_t *d, const uint8_t *s, uint64_t *negative)
+{
+    __m256i low = load_two(s, s + 24), high = load_two(s + 8, s + 32);
+    const __m256i rg = pairs_of(low, high), one = _mm256_set1_epi16(1);
+    const __m256i b =
+        _mm256_or_si256(SHUFFLE(low, 2, N, 5, N, 8, N, 11, N, 14, N, N, N, N, N, N, N),
+                        SHUFFLE(high, N, N, N, N, N, N, N, N, N, N, 9, N, 12, N, 15, N));
+    const __m256i black = _mm256_cmpeq_epi16(_mm256_or_si256(rg, b), _mm256_setzero_si256());
+    if (!_mm256_testz_si256(black, black))
+        return false;
+    __m256i minus, rest;
+    const __m256i t = size_of_z(b, false, &minus), twice = _mm256_add_epi16(t, t);
+    const __m256i exact = exact_words(rest_words(rg), t, &rest);
+    /* As blue_of where it is exact: 2t, 2t + 1 or 2t + 2; else |Z| = 2t + 1. */
+    rest = _mm256_add_epi16(rest, rest);
+    const __m256i below1 = _mm256_cmpgt_epi16(t, _mm256_add_epi16(rest, one));
+    const __m256i below2 = _mm256_cmpgt_epi16(_mm256_add_epi16(twice, t), rest);
+    const __m256i more = _mm256_add_epi16(_mm256_add_epi16(below1, below2), one);
+    *negative += (uint64_t) __builtin_popcount((uint32_t) _mm256_movemask_epi8(minus)) / 2;
+    put_words(d, &low, &high,
+              _mm256_add_epi16(_mm256_add_epi16(twice, one), _mm256_and_si256(more, exact)));
+    return true;
+}
+
+static int32_t widen(uint8_t *d, const uint8_t *s, int32_t n)
+{
+    int32_t i = 0;
+    for (; i + STEP <= n; i += STEP, s += (ptrdiff_t) STEP * 3, d += (ptrdiff_t) STEP * 6)
+        widen_step(d, s);
+    return i;
+}
+
+static int32_t narrow(uint8_t *d, const uint8_t *s, int32_t n)
+{
+    int32_t i = 0;
+    while (i + STEP <= n && narrow_step(d + (ptrdiff_t) 3 * i, s + (ptrdiff_t) 6 * i))
+        i += STEP;
+    return i;
+}
+
+static int32_t to_zzero(uint8_t *d, const uint8_t *s, int32_t n, uint64_t *negative)
+{
+    uint64_t count = 0; /* not in memory, where each step would wait for the one before */
+    int32_t i = 0;
+    while (i + STEP <= n && zzero_step(d + (ptrdiff_t) 3 * i, s + (ptrdiff_t) 3 * i, &count))
+        i += STEP;
+    *negative += count;
+    return i;
+}
