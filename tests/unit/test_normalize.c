@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * test_normalize.c - packed RGB over its lengths
+ * test_normalize.c - packed RGB over its lengths, and of 16 bit with a derived blue
  *
  * What the kernels do not leave is what the integers of level.h make of it.  What they leave stays as it
  * is, and is seldom more than red and green of 0 or M.  For 8 bit tests/test_exhaustive.py takes all
@@ -163,6 +163,38 @@ static void check_depth(ntp__normalize_rgb_fn *normalize, int32_t m)
     CHECK(doubts > 0 && doubts < RUNS * MOST / 500);
 }
 
+/* The kernel leaves the pairs that are too long, and no others. */
+static void check_derived(ntp__derive16_fn *derive, bool zzero)
+{
+    uint64_t seed = 99;
+    for (int32_t run = 0; run < RUNS; run++) {
+        const int32_t n = run % 7 ? MOST : NTP__KERNEL_STEP * (1 + run % 16);
+        const size_t size = (size_t) 3 * (size_t) n * sizeof(uint16_t);
+        uint16_t src[3 * MOST], dst[3 * MOST + 1], want[3 * MOST];
+        int32_t level[3 * MOST] = { 0 }, at[MOST], found = 0;
+        uint64_t changed = 5, again = 5, others = 5;
+        fill(level, n, 65535, &seed);
+        to_bytes(src, level, 3 * n, 65535);
+        memcpy(want, src, size);
+        dst[3 * n] = 77;
+        const int32_t left = derive(dst, src, n, zzero, at, &changed);
+        for (int32_t i = 0; i < n; i++) {
+            int32_t *c = level + 3 * i;
+            if (ntp__rest(c[0], c[1], 65535) < 0) {
+                CHECK(found < left && at[found] == i);
+                found++;
+                continue;
+            }
+            want[3 * i + 2] = (uint16_t) ntp__derive(&c[0], &c[1], 65535, zzero);
+            others += want[3 * i + 2] != src[3 * i + 2];
+        }
+        CHECK(found == left && others == changed);
+        CHECK(memcmp(want, dst, size) == 0 && dst[3 * n] == 77);
+        CHECK(derive(src, src, n, zzero, at, &again) == left); /* in place */
+        CHECK(memcmp(src, dst, size) == 0 && again == changed);
+    }
+}
+
 int main(int argc, char **argv)
 {
     (void) argc, (void) argv;
@@ -172,5 +204,7 @@ int main(int argc, char **argv)
     check_depth(level->normalize_rgb8, 255);
     check_depth(level->normalize_rgb16, 65535);
     check_close(level->normalize_rgb16);
+    check_derived(level->derive_rgb16, false);
+    check_derived(level->derive_rgb16, true);
     return 0;
 }

@@ -141,26 +141,38 @@ static uint64_t clean_slowly(const job *j, ntp__block *block, int32_t n)
     return changed;
 }
 
+/* Levels of pairs that are too long, and doubts about them. */
+typedef struct long_pairs {
+    int32_t at[NTP__BLOCK], c[3][NTP__BLOCK], doubt[NTP__BLOCK];
+} long_pairs;
+
+/* Pulls them, and derives their blues. */
+static void pull_pairs(const job *j, long_pairs *p, int32_t count)
+{
+    for (int32_t i = count; i % NTP__KERNEL_LANES != 0; i++)
+        p->c[0][i] = p->c[1][i] = 0;
+    j->kernels->pull(p->c[0], p->c[1], p->doubt, count, j->m);
+    j->kernels->derive(p->c[2], p->c[0], p->c[1], count, j->m, j->encoding == NTP_ENCODING_ZZERO);
+}
+
 /* Pulls used pairs of a block that are too long, and derives their blues.  Where want[i] is still
  * negative, the kernel is in doubt. */
 static void pull_long(const job *j, ntp__block *block, int32_t *want, int32_t n, bool suspect)
 {
-    int32_t at[NTP__BLOCK], to[3][NTP__BLOCK], doubt[NTP__BLOCK];
-    const int32_t count = j->kernels->find(at, want, INT32_MIN, n);
+    long_pairs p;
+    const int32_t count = j->kernels->find(p.at, want, INT32_MIN, n);
     for (int32_t i = 0; i < count; i++) {
-        to[0][i] = block->c[0][at[i]];
-        to[1][i] = block->c[1][at[i]];
+        p.c[0][i] = block->c[0][p.at[i]];
+        p.c[1][i] = block->c[1][p.at[i]];
     }
-    for (int32_t i = count; i % NTP__KERNEL_LANES != 0; i++)
-        to[0][i] = to[1][i] = 0;
-    j->kernels->pull(to[0], to[1], doubt, count, j->m);
-    j->kernels->derive(to[2], to[0], to[1], count, j->m, j->encoding == NTP_ENCODING_ZZERO);
+    pull_pairs(j, &p, count);
     for (int32_t i = 0; i < count; i++) {
-        if (doubt[i] || (suspect && ntp__texel_unused(block, at[i], j->m, j->how.touch_unused)))
+        const int32_t at = p.at[i];
+        if (p.doubt[i] || (suspect && ntp__texel_unused(block, at, j->m, j->how.touch_unused)))
             continue;
-        block->c[0][at[i]] = to[0][i];
-        block->c[1][at[i]] = to[1][i];
-        want[at[i]] = to[2][i] | PULLED;
+        block->c[0][at] = p.c[0][i];
+        block->c[1][at] = p.c[1][i];
+        want[at] = p.c[2][i] | PULLED;
     }
 }
 
@@ -246,19 +258,50 @@ static ntp__normalize_rgb_fn *length_kernel(const job *j)
                                           : NULL;
 }
 
-/* Whole steps of packed RGB over their lengths.  The few texels that the kernel leaves are as in the
- * source. */
-static void clean_rgb_by_length(const job *j, int32_t x, int32_t y, int32_t n, uint64_t *changed)
+/* Derives the blue of packed RGB of 16 bit; returns how many pixels, p->at[0].., are left. */
+static int32_t derive_rgb16(const job *j, uint16_t *d, const void *s, int32_t n, long_pairs *p,
+                            uint64_t *changed)
 {
-    ntp__block one;
-    int32_t at[NTP__BLOCK];
-    const int32_t left =
-        length_kernel(j)(ntp__at_mut(j->dst, x, y), ntp__at(j->src, x, y), n, at, changed);
+    const bool zzero = j->encoding == NTP_ENCODING_ZZERO;
+    const int32_t count = j->kernels->derive_rgb16(d, s, n, zzero, p->at, changed);
+    int32_t left = 0;
+    if (count < FEW)
+        return count;
+    for (int32_t i = 0; i < count; i++) {
+        p->c[0][i] = d[3 * p->at[i]];
+        p->c[1][i] = d[3 * p->at[i] + 1];
+    }
+    pull_pairs(j, p, count);
+    for (int32_t i = 0; i < count; i++) {
+        uint16_t *to = d + 3 * p->at[i];
+        const bool may_be_unused = ((to[0] + 1) & 65535) <= 1 && to[0] == to[1] && to[0] == to[2];
+        if (p->doubt[i] || may_be_unused) {
+            p->at[left++] = p->at[i];
+            continue;
+        }
+        to[0] = (uint16_t) p->c[0][i];
+        to[1] = (uint16_t) p->c[1][i];
+        to[2] = (uint16_t) p->c[2][i];
+    }
+    *changed += (uint64_t) (count - left);
+    return left;
+}
+
+/* Whole steps of packed RGB.  The few texels that the kernels leave are as in the source. */
+static void clean_steps(const job *j, int32_t x, int32_t y, int32_t n, uint64_t *changed)
+{
+    void *d = ntp__at_mut(j->dst, x, y);
+    const void *s = ntp__at(j->src, x, y);
     const ntp_const_image target = ntp_image_as_const(j->dst);
+    ntp__block one;
+    long_pairs p;
+    const int32_t left = j->how.method == NTP_CLEAN_DERIVE
+                             ? derive_rgb16(j, d, s, n, &p, changed)
+                             : length_kernel(j)(d, s, n, p.at, changed);
     for (int32_t i = 0; i < left; i++) {
-        ntp__unpack(&one, &target, x + at[i], y, 1);
+        ntp__unpack(&one, &target, x + p.at[i], y, 1);
         *changed += clean_at(j, &one, 0);
-        ntp__pack(j->dst, &one, x + at[i], y, 1, 3);
+        ntp__pack(j->dst, &one, x + p.at[i], y, 1, 3);
     }
 }
 
@@ -370,20 +413,21 @@ static void clean_row(const job *j, int32_t x0, int32_t x1, int32_t y, ntp_clean
 {
     const bool rgb = is_plain_rgb(j), by_length = rgb && has_length_kernel(j);
     const bool plain = rgb && has_kernel(j);
-    int32_t most = plain ? NTP__KERNEL_STEP : NTP__BLOCK;
+    const bool deep = plain && j->src->type == NTP_TYPE_U16 && j->kernels->derive_rgb16 != NULL;
+    /* Blocks with pairs that are too long.  Where these come closely, larger ones are done without the
+     * kernel, unless there is another one for them. */
+    const int32_t least = plain && !deep ? NTP__KERNEL_STEP : NTP__BLOCK;
+    int32_t most = least;
     for (int32_t x = x0; x < x1;) {
         if (plain) {
             const int32_t done = clean_rgb(j, x, x1 - x, y, j->count ? &counts->changed : NULL);
             x += done;
-            /* Where pairs that are too long come closely, larger blocks are done without it. */
-            most = done >= NTP__KERNEL_STEP ? NTP__KERNEL_STEP
-                   : most < NTP__BLOCK      ? 2 * most
-                                            : most;
+            most = done >= NTP__KERNEL_STEP ? least : most < NTP__BLOCK ? 2 * most : most;
         }
         int32_t n = x1 - x < most ? x1 - x : most;
-        const int32_t steps = by_length ? n / NTP__KERNEL_STEP * NTP__KERNEL_STEP : 0;
+        const int32_t steps = by_length || deep ? n / NTP__KERNEL_STEP * NTP__KERNEL_STEP : 0;
         if (steps > 0)
-            clean_rgb_by_length(j, x, y, n = steps, &counts->changed);
+            clean_steps(j, x, y, n = steps, &counts->changed);
         else
             clean_block(j, x, y, n, counts);
         x += n;

@@ -41,19 +41,18 @@ static inline bool clean16_step(uint16_t *dst, const uint16_t *src, bool zzero, 
 
 #elif defined __AVX2__
 
-/* Eight pixels; false, with nothing written, when a pair is too long.  Each half is of four, whose
- * bytes 8 to 23 are stored over the bytes 0 to 15. */
-static inline bool clean16_step(uint16_t *dst, const uint16_t *src, bool zzero, uint64_t *changed)
+/* Eight pixels: each half is of four, of which `low` has the bytes 0 to 15, and `high` 8 to 23. */
+static inline __m256i pairs_of16(__m256i low, __m256i high)
+{
+    return _mm256_or_si256(SHUFFLE(low, 0, 1, 2, 3, 6, 7, 8, 9, N, N, N, N, N, N, N, N),
+                           SHUFFLE(high, N, N, N, N, N, N, N, N, 4, 5, 6, 7, 10, 11, 12, 13));
+}
+
+/* Puts eight blues into these bytes, and stores them. */
+static inline void put_blues16(uint16_t *dst, __m256i low, __m256i high, __m256i b,
+                               uint64_t *changed)
 {
     enum { IN_LOW = 0x04, IN_HIGH = 0x92 }; /* the words of blues, each once */
-    const __m256i low = load_two(src, src + 12), high = load_two(src + 4, src + 16);
-    const __m256i rg =
-        _mm256_or_si256(SHUFFLE(low, 0, 1, 2, 3, 6, 7, 8, 9, N, N, N, N, N, N, N, N),
-                        SHUFFLE(high, N, N, N, N, N, N, N, N, 4, 5, 6, 7, 10, 11, 12, 13));
-    const __m256i e = rest_of(rg, true);
-    if (_mm256_movemask_ps(_mm256_castsi256_ps(e)) != 0)
-        return false;
-    const __m256i b = blue_of(e, root_of(e, true), true, zzero);
     const __m256i low_now = _mm256_blend_epi16(low, _mm256_slli_si256(b, 4), IN_LOW);
     const __m256i high_now = _mm256_blend_epi16(
         high, SHUFFLE(b, N, N, 4, 5, N, N, N, N, 8, 9, N, N, N, N, 12, 13), IN_HIGH);
@@ -62,7 +61,30 @@ static inline bool clean16_step(uint16_t *dst, const uint16_t *src, bool zzero, 
     *changed += (uint64_t) __builtin_popcount(~(uint32_t) _mm256_movemask_epi8(same)) / 2;
     store_two(dst, dst + 12, low_now);
     store_two(dst + 4, dst + 16, high_now);
+}
+
+/* Eight pixels; false, with nothing written, when a pair is too long. */
+static inline bool clean16_step(uint16_t *dst, const uint16_t *src, bool zzero, uint64_t *changed)
+{
+    const __m256i low = load_two(src, src + 12), high = load_two(src + 4, src + 16);
+    const __m256i e = rest_of(pairs_of16(low, high), true);
+    if (_mm256_movemask_ps(_mm256_castsi256_ps(e)) != 0)
+        return false;
+    put_blues16(dst, low, high, blue_of(e, root_of(e, true), true, zzero), changed);
     return true;
+}
+
+/* Eight pixels, of which those whose pairs are too long stay as they are; returns their bits. */
+static inline int derive16_step(uint16_t *dst, const uint16_t *src, bool zzero, uint64_t *changed)
+{
+    const __m256i low = load_two(src, src + 12), high = load_two(src + 4, src + 16);
+    const __m256i e = rest_of(pairs_of16(low, high), true);
+    const __m256i b = blue_of(e, root_of(e, true), true, zzero);
+    const __m256i was =
+        _mm256_or_si256(SHUFFLE(low, 4, 5, N, N, 10, 11, N, N, N, N, N, N, N, N, N, N),
+                        SHUFFLE(high, N, N, N, N, N, N, N, N, 8, 9, N, N, 14, 15, N, N));
+    put_blues16(dst, low, high, _mm256_blendv_epi8(b, was, _mm256_srai_epi32(e, 31)), changed);
+    return _mm256_movemask_ps(_mm256_castsi256_ps(e));
 }
 
 #else

@@ -310,28 +310,52 @@ static inline int32_t whole_lanes(int32_t n)
 #include "texel/close_tmpl.h"
 #include "texel/angles_tmpl.h"
 
-static int32_t find(int32_t *restrict at, const int32_t *restrict marks, int32_t bits, int32_t n)
-{
-    int32_t found = 0, i = 0;
 #ifdef __AVX2__
-    /* Which of four are set, for each mask of four; and how many, as hexadecimal digits.  Branches
-     * would be taken at random. */
+/* The places i to i + 3 of which the mask has a bit; returns how many.  Branches would be taken at
+ * random. */
+static inline int32_t find_four(int32_t *at, int32_t i, int mask)
+{
+    /* Which of four are set, for each mask of four; and how many, as hexadecimal digits. */
     static const uint8_t SET[16][4] = { { 0 },    { 0 },       { 1 },       { 0, 1 },
                                         { 2 },    { 0, 2 },    { 1, 2 },    { 0, 1, 2 },
                                         { 3 },    { 0, 3 },    { 1, 3 },    { 0, 1, 3 },
                                         { 2, 3 }, { 0, 2, 3 }, { 1, 2, 3 }, { 0, 1, 2, 3 } };
     const uint64_t counts = UINT64_C(0x4332322132212110);
+    int32_t which;
+    memcpy(&which, SET[mask], sizeof which);
+    const __m128i places =
+        _mm_add_epi32(_mm_cvtepu8_epi32(_mm_cvtsi32_si128(which)), _mm_set1_epi32(i));
+    _mm_storeu_si128((__m128i *) (void *) at, places);
+    return (int32_t) (counts >> 4 * mask & 15);
+}
+
+static int32_t derive_rgb16(uint16_t *dst, const uint16_t *src, int32_t n, int32_t zzero,
+                            int32_t *at, uint64_t *changed)
+{
+    uint64_t others = 0;
+    int32_t found = 0;
+    for (int32_t i = 0; i < n; i += CLEAN16_STEP) {
+        const int left = zzero ? derive16_step(dst + 3 * i, src + 3 * i, true, &others)
+                               : derive16_step(dst + 3 * i, src + 3 * i, false, &others);
+        found += find_four(at + found, i, left & 15);
+        found += find_four(at + found, i + 4, left >> 4);
+    }
+    *changed += others;
+    return found;
+}
+#else
+#  define derive_rgb16 NULL
+#endif
+
+static int32_t find(int32_t *restrict at, const int32_t *restrict marks, int32_t bits, int32_t n)
+{
+    int32_t found = 0, i = 0;
+#ifdef __AVX2__
     const __m128i wanted = _mm_set1_epi32(bits), zero = _mm_setzero_si128();
     for (; i + 4 <= n; i += 4) {
         const __m128i v = _mm_loadu_si128((const __m128i *) (const void *) (marks + i));
         const __m128i none = _mm_cmpeq_epi32(_mm_and_si128(v, wanted), zero);
-        const int mask = _mm_movemask_ps(_mm_castsi128_ps(none)) ^ 15;
-        int32_t which;
-        memcpy(&which, SET[mask], sizeof which);
-        const __m128i places =
-            _mm_add_epi32(_mm_cvtepu8_epi32(_mm_cvtsi32_si128(which)), _mm_set1_epi32(i));
-        _mm_storeu_si128((__m128i *) (void *) (at + found), places);
-        found += (int32_t) (counts >> 4 * mask & 15);
+        found += find_four(at + found, i, _mm_movemask_ps(_mm_castsi128_ps(none)) ^ 15);
     }
 #endif
     for (; i < n; i++) {
@@ -372,6 +396,7 @@ const ntp__kernels_table CONCAT(ntp__kernels_, NTP_ISA) = {
     clean_rgba8,
     derive_rgb8,
     clean_rgb16,
+    derive_rgb16,
     derive,
     validate,
     validate_rgb,

@@ -42,6 +42,12 @@ typedef int32_t ntp__clean16_fn(uint16_t *dst, const uint16_t *src, int32_t n, i
  * than NTP__KERNEL_STEP pixels to the caller. */
 typedef int32_t ntp__derive8_fn(uint8_t *dst, const uint8_t *src, int32_t n, uint64_t *changed);
 
+/* Derives the blue of packed 16-bit pixels, n <= 256 and a multiple of NTP__KERNEL_STEP.  Those whose
+ * pairs are too long stay as they are; `at` has their places, and the result is how many these are.
+ * `changed` counts others.  dst may be src. */
+typedef int32_t ntp__derive16_fn(uint16_t *dst, const uint16_t *src, int32_t n, int32_t zzero,
+                                 int32_t *at, uint64_t *changed);
+
 /* want[i] = the blue derived from r, g; -1 where they are too long. */
 typedef void ntp__derive_fn(int32_t *want, const int32_t *r, const int32_t *g, int32_t n, int32_t m,
                             int32_t zzero);
@@ -194,6 +200,7 @@ typedef struct ntp__kernels_table {
     ntp__clean8_fn *clean_rgba8;
     ntp__derive8_fn *derive_rgb8; /* NULL where a table is faster than arithmetic */
     ntp__clean16_fn *clean_rgb16;
+    ntp__derive16_fn *derive_rgb16; /* NULL where planes are as fast */
     ntp__derive_fn *derive;
     ntp__validate_fn *validate;
     ntp__validate_rgb_fn *validate_rgb; /* NULL where planes are as fast */
