@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * test_instruction_sets.c - heights of normals are the same bytes with and without AVX2, and for 1
- * and 2 threads
+ * and 2 threads; and so is what is measured of texels of any kind
  *
  * The function that asks the processor is defined here, so that of the library is left out.
  */
@@ -9,6 +9,7 @@
 #include "guarded.h"
 #include "libntp.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 enum { WIDTH = 75, HEIGHT = 60, TEXELS = WIDTH * HEIGHT, SKIPPED = 77 };
@@ -91,13 +92,81 @@ static void make_normals(void *texels, ntp_type type)
     CHECK(ntp_normals_from_height(&normals, &seen, &how, NULL, NULL) == NTP_OK);
 }
 
+/* What is asked of a tally, and the direction of green. */
+typedef struct measured {
+    ntp_stats stats;
+    ntp_classification class;
+    uint64_t lengths[256], levels_off[65536];
+    ntp_harm harm;
+} measured;
+
+static void measure(measured *m, ntp_orientation *green, const ntp_const_image *src, bool avx2)
+{
+    ntp_tally *const tally = calloc(1, ntp_tally_size());
+    CHECK(tally != NULL);
+    allowed = avx2;
+    used = false;
+    memset(m, 0, sizeof *m);
+    memset(green, 0, ntp_orientation_size());
+    CHECK(ntp_orientation_add(green, src, 0, 1, NULL) == NTP_OK);
+    CHECK(used == avx2);
+    CHECK(ntp_tally_add(tally, src, 0, NULL) == NTP_OK);
+    CHECK(ntp_tally_summarize(&m->stats, tally, NTP_ENCODING_STANDARD) == NTP_OK);
+    CHECK(ntp_tally_lengths(m->lengths, tally, NTP_ENCODING_ZZERO) == NTP_OK);
+    CHECK(ntp_tally_levels_off(m->levels_off, 65536, tally, NTP_ENCODING_STANDARD) == NTP_OK);
+    CHECK(ntp_tally_harm(&m->harm, tally, NTP_ENCODING_STANDARD, NTP_HARM_ALL, 1) == NTP_OK);
+    CHECK(ntp_classify(&m->class, tally) == NTP_OK);
+    free(tally);
+}
+
+/* Runs of colors: any, gray, black, white, and close to flat; a few of them transparent. */
+static void put_runs(void *texels, int32_t channels, ntp_type type, uint64_t *seed)
+{
+    const int32_t max = type == NTP_TYPE_U8 ? 255 : 65535;
+    int32_t c[4] = { 0 }, left = 0;
+    for (int32_t i = 0; i < TEXELS; i++) {
+        if (left-- == 0) {
+            const uint32_t bits = (uint32_t) random_bits(seed);
+            left = bits & 7 ? (int32_t) (bits >> 8 & 3) : (int32_t) (bits >> 8 & 511);
+            for (int32_t k = 0; k < 3; k++) {
+                const int32_t any = (int32_t) random_level(seed, (uint32_t) max);
+                c[k] = bits & 16 ? any : (k == 2 ? max : max / 2) - any / 16;
+            }
+            if ((bits >> 20 & 7) < 3) /* black, white, gray */
+                c[0] = c[1] = c[2] = (bits >> 20 & 7) == 2 ? c[0] : bits & 1 << 20 ? max : 0;
+            c[3] = bits >> 28 == 0 ? 0 : bits >> 28 == 1 ? max / 3 : max;
+        }
+        for (int32_t k = 0; k < channels; k++) {
+            if (type == NTP_TYPE_U8)
+                ((uint8_t *) texels)[channels * i + k] = (uint8_t) c[k];
+            else
+                ((uint16_t *) texels)[channels * i + k] = (uint16_t) c[k];
+        }
+    }
+}
+
+static void compare_measures(const ntp_const_image *src)
+{
+    static measured plain, other;
+    ntp_orientation *const green = malloc(ntp_orientation_size());
+    ntp_orientation *const others = malloc(ntp_orientation_size());
+    CHECK(green != NULL && others != NULL);
+    measure(&plain, green, src, false);
+    measure(&other, others, src, true);
+    CHECK(memcmp(&plain, &other, sizeof plain) == 0);
+    CHECK(memcmp(green, others, ntp_orientation_size()) == 0);
+    free(green);
+    free(others);
+}
+
 int main(void)
 {
     static const ntp_type types[] = { NTP_TYPE_U8, NTP_TYPE_U16 };
     static const ntp_kernel kernels[] = { NTP_KERNEL_FORWARD, NTP_KERNEL_CENTRAL,
                                           NTP_KERNEL_SOBEL3 };
     static const ntp_border borders[] = { NTP_BORDER_WRAP, NTP_BORDER_CLAMP };
-    static uint16_t texels[3 * TEXELS];
+    static uint16_t texels[4 * TEXELS];
+    uint64_t seed = 4711;
     allowed = true;
     if (!ntp__cpu_has_avx2(NTP__CPU_ALL))
         return SKIPPED;
@@ -106,6 +175,7 @@ int main(void)
         make_normals(texels, types[t]);
         ntp_image view = ntp_image_packed(texels, WIDTH, HEIGHT, 3, types[t]);
         const ntp_const_image src = ntp_image_as_const(&view);
+        compare_measures(&src);
         for (int k = 0; k < 3; k++) {
             for (int b = 0; b < 2; b++) {
                 ntp_height_options how = { .kernel = kernels[k],
@@ -119,6 +189,12 @@ int main(void)
                 how.method = NTP_HEIGHT_WEIGHTED;
                 compare(&src, &how);
             }
+        }
+        for (int32_t round = 0; round < 40; round++) {
+            view = ntp_image_packed(texels, WIDTH, HEIGHT, 3 + round % 2, types[t]);
+            put_runs(texels, view.channels, types[t], &seed);
+            const ntp_const_image runs = ntp_image_as_const(&view);
+            compare_measures(&runs);
         }
     }
     return 0;

@@ -18,9 +18,9 @@
  * integers, kept by the size of the derivatives and by the block of the picture, so parts merge
  * exactly.  Large derivatives get less weight at the end.  docs/orientation.md tells the rest.
  */
-#include "base/view.h"
+#include "base/cpu.h"
 #include "detect/orientation.h"
-#include "texel/level.h"
+#include "detect/slopes_tmpl.h"
 
 #include <stddef.h>
 #include <string.h>
@@ -29,8 +29,6 @@ enum {
     TAPS = 6,
     BEFORE = 2, /* taps before a loop's texel (x, y) */
     AFTER = 3,
-
-    SLOPE_ONE = 4096, /* fixed-point unit of slopes; the steepest used slope is below 10 */
 
     CELL =
         4, /* blocks of the picture are no smaller than this, as neighboring loops share texels */
@@ -69,63 +67,20 @@ int32_t ntp_orientation_row(int32_t height, int32_t every_row, int32_t y)
     return y % step == y / step * onward % step;
 }
 
-/* Why a texel cannot be used. */
-enum { TOO_STEEP = 1, NO_NORMAL = 2 };
-
-/* Columns of texels, filtered down the picture.  All values are integers below 2^24: there float
- * arithmetic is exact, and it is fast on every processor. */
-typedef struct columns {
-    float u[NTP__BLOCK]; /* of -p, derived */
-    float v[NTP__BLOCK]; /* of q, smoothed */
-    float p_smooth[NTP__BLOCK], q_steep[NTP__BLOCK];
-    uint8_t bad[NTP__BLOCK];
-    float p[2][NTP__BLOCK], q[2][NTP__BLOCK]; /* of the two rows in the middle: not sums */
-} columns;
-
-/* p and q of a row.  Texels with z below 1/10 are bad; black and white are among them. */
-static void to_slopes(float *p, float *q, uint8_t *bad, const int32_t *r, const int32_t *g,
-                      int32_t n, int32_t m)
-{
-    uint32_t m2 = (uint32_t) m * (uint32_t) m, least = m2 / 100 + 1;
-    int32_t far = m * 8 / 5;
-    /* The shift keeps S within int32_t; x and y are scaled to match z. */
-    uint32_t shift = m == 255 ? 0 : 2, half = shift / 2;
-    for (int32_t i = 0; i < n; i++) {
-        int32_t x = ntp__num(r[i], m), y = ntp__num(g[i], m);
-        uint32_t ax = (uint32_t) ntp__abs(x), ay = (uint32_t) ntp__abs(y);
-        uint32_t most = m2 - ax * ax, y2 = ay * ay, s = most > y2 ? most - y2 : 0;
-        /* Black, white, and what JPEG makes of them: longer than 1.13, so it is no normal. */
-        bool end = ntp__abs(x + y) > far;
-        bad[i] = (uint8_t) (s < least ? end ? NO_NORMAL : TOO_STEEP : 0);
-        s = s < least ? least : s;
-        /* Each step is rounded to float, even where the processor calculates with more bits.  For
-         * one root or one quotient the result is the same. */
-        float z = sqrtf((float) (int32_t) (s >> shift));
-        float px = (float) (x * (SLOPE_ONE >> half)) / z,
-              py = (float) (y * (SLOPE_ONE >> half)) / z;
-        p[i] = (float) (int32_t) px;
-        q[i] = (float) (int32_t) py;
-    }
-}
-
 /* Adds row k of the texels around a row of loops. */
-static void add_row(columns *sums, const ntp__block *block, int32_t n, int32_t m, uint32_t touch,
+static void add_row(columns *sums, ntp__block *block, int32_t n, int32_t m, uint32_t touch,
                     int32_t k)
 {
-    float p[NTP__BLOCK], q[NTP__BLOCK], steep = -STEEP[k], smooth = SMOOTH[k];
-    uint8_t bad[NTP__BLOCK];
-    to_slopes(p, q, bad, block->c[0], block->c[1], n, m);
-    for (int32_t i = 0; i < n; i++) {
-        sums->u[i] += steep * p[i];
-        sums->v[i] += smooth * q[i];
-        sums->p_smooth[i] += smooth * p[i];
-        sums->q_steep[i] += steep * q[i];
-        sums->bad[i] |= bad[i];
-    }
-    if (k == BEFORE || k == BEFORE + 1) {
-        memcpy(sums->p[k - BEFORE], p, sizeof p);
-        memcpy(sums->q[k - BEFORE], q, sizeof q);
-    }
+    float between[2][NTP__BLOCK];
+    const bool middle = k == BEFORE || k == BEFORE + 1;
+    float *const p = middle ? sums->p[k - BEFORE] : between[0];
+    float *const q = middle ? sums->q[k - BEFORE] : between[1];
+#ifdef NTP_HAVE_AVX2
+    if (ntp__cpu_has_avx2(NTP__CPU_ALL))
+        ntp__add_slopes_avx2(sums, p, q, block, n, m, -STEEP[k], SMOOTH[k]);
+    else
+#endif
+        ntp__add_slopes(sums, p, q, block->c[0], block->c[1], n, m, -STEEP[k], SMOOTH[k]);
     if (!(touch & NTP_UNUSED_TRANSPARENT)) {
         for (int32_t i = 0; i < n; i++)
             sums->bad[i] |= block->c[3][i] == 0 ? NO_NORMAL : 0;
@@ -145,10 +100,10 @@ static void across(float *smooth, float *steep, const float *a, const float *b, 
     }
 }
 
-static void any_bad(uint8_t *bad, const columns *c, int32_t n)
+static void any_bad(int32_t *bad, const columns *c, int32_t n)
 {
     for (int32_t i = 0; i < n; i++) {
-        const uint8_t *a = c->bad + i;
+        const int32_t *a = c->bad + i;
         bad[i] = a[0] | a[1] | a[2] | a[3] | a[4] | a[5];
     }
 }
@@ -197,8 +152,8 @@ static void add_stretch(ntp_orientation *acc, const ntp_const_image *src, uint32
     columns sums;
     ntp__block block;
     float u[NTP__BLOCK], v[NTP__BLOCK], p_x[NTP__BLOCK], q_y[NTP__BLOCK];
-    uint8_t bad[NTP__BLOCK];
-    int32_t m = ntp__max(src->type), texels = n + TAPS - 1, wide = cell(src->width);
+    int32_t bad[NTP__BLOCK], m = ntp__max(src->type), texels = n + TAPS - 1,
+                             wide = cell(src->width);
     memset(&sums, 0, offsetof(columns, p));
     for (int32_t k = 0; k < TAPS; k++) {
         ntp__unpack(&block, src, x - BEFORE, y - BEFORE + k, texels);
