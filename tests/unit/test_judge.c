@@ -209,16 +209,61 @@ static void check_survey(const ntp__kernels_table *level, uint64_t *seed)
     }
 }
 
-/* Sums of texels by both ways.  Of Z-zero, steepness is not told apart. */
+/* Sums of texels by three ways: close ones or exact ones counted, and each judged. */
 typedef struct close_check {
-    ntp__sums some, each, found, want;
-    ntp__close_counts close;
+    const ntp__kernels_table *level;
+    ntp__sums some, exact, each, found, want;
+    ntp__close_counts close, close_exact;
     ntp__block block;
     int32_t n;
 } close_check;
 
+/* The exact texels of the block, packed.  Neighbors among them are of different groups. */
+static void add_exact_texels(close_check *k, int32_t n)
+{
+    uint16_t rgb[3 * NTP__BLOCK];
+    int32_t left = 0;
+    uint32_t odd = 0;
+    ntp__exact_block found;
+    ntp__block others;
+    for (int32_t i = 0; i < n; i++) {
+        const int32_t from = n == NTP__BLOCK ? i % 8 * 32 + i / 8 : i;
+        const int32_t c[3] = { k->block.c[0][from], k->block.c[1][from], k->block.c[2][from] };
+        for (int32_t e = 0; e < 3; e++)
+            rgb[3 * i + e] = (uint16_t) c[e];
+        odd |= i < n / 8 * 8 && is_odd(c);
+    }
+    const int32_t done = n < 8 ? 0 : k->level->count_exact(&found, &k->close_exact, rgb, n);
+    CHECK(done == n / 8 * 8 && (done == 0 || (found.survey.odd != 0) == odd));
+    if (done > 0)
+        ntp__add_exact(&k->exact, &found);
+    for (int32_t i = 0; i < n; i++) {
+        const int32_t c[3] = { rgb[3 * i], rgb[3 * i + 1], rgb[3 * i + 2] };
+        const bool other = i >= done || (found.others[i / 8] >> i % 8 & 1);
+        CHECK(other || !is_odd(c));
+        for (int32_t e = 0; other && e < 3; e++)
+            others.c[e][left] = c[e];
+        left += other;
+    }
+    CHECK(done == 0 || found.texels == n - left);
+    for (int32_t e = 0; done > 0 && e < 3; e++) {
+        int32_t least = 65535, greatest = 0;
+        uint32_t sum = 0;
+        for (int32_t i = 0; i < done; i++) {
+            least = rgb[3 * i + e] < least ? rgb[3 * i + e] : least;
+            greatest = rgb[3 * i + e] > greatest ? rgb[3 * i + e] : greatest;
+            sum += rgb[3 * i + e];
+        }
+        CHECK(found.survey.least[e] == (uint32_t) least && found.survey.sum[e] == sum);
+        CHECK(found.survey.greatest[e] == (uint32_t) greatest);
+    }
+    ntp__add_block(&k->exact, &others, NULL, left, 65535, NTP_ENCODING_STANDARD);
+}
+
 static void end_close_block(close_check *k, int32_t n)
 {
+    if (k->level->count_exact != NULL)
+        add_exact_texels(k, n);
     ntp__add_block(&k->each, &k->block, NULL, n, 65535, NTP_ENCODING_STANDARD);
     ntp__add_close_block(&k->some, &k->close, &k->block, n);
     k->n = 0;
@@ -288,32 +333,13 @@ static void add_edges(close_check *k, uint64_t *seed)
     }
 }
 
-static void check_close(uint64_t *seed)
+/* Compares sums of two ways.  Of Z-zero, steepness is not told apart. */
+static void check_same_sums(close_check *k, const ntp__sums *some, const ntp__close_counts *close)
 {
-    enum { NEAR_FLAT = 400, RANDOM = 100000 };
-    static close_check k;
-    for (int32_t x = 0; x < NEAR_FLAT; x++) {
-        for (int32_t y = 0; y <= x; y++) {
-            for (int32_t z = 32763; z < 32768; z++)
-                add_close_group(&k, seed, x, y, z);
-        }
-    }
-    add_edges(&k, seed);
-    for (int32_t i = 0; i < RANDOM; i++) {
-        const int32_t x = (int32_t) (random_bits(seed) % 32768),
-                      y = (int32_t) (random_bits(seed) % 32768);
-        const int64_t s = ntp__rest(x + 32768, y + 32768, 65535);
-        const bool other = random_bits(seed) % 256 == 0;
-        if (s >= 0)
-            add_close_group(&k, seed, x, y, ntp__blue_of_rest(s, 65535, false) - 32768 + other);
-        else if (other)
-            add_close_group(&k, seed, x, y, -x);
-    }
-    end_close_block(&k, k.n);
-    ntp__merge_sums(&k.want, &k.each);
-    ntp__merge_sums(&k.found, &k.some);
-    ntp__add_close(&k.found, &k.close);
-    const ntp__sums *const f = &k.found, *const w = &k.want;
+    ntp__clear_sums(&k->found);
+    ntp__merge_sums(&k->found, some);
+    ntp__add_close(&k->found, close);
+    const ntp__sums *const f = &k->found, *const w = &k->want;
     const ntp__fit_sums *const a = &f->fit[1], *const b = &w->fit[1];
     CHECK(f->texels == w->texels);
     CHECK(memcmp(&f->fit[0], &w->fit[0], sizeof f->fit[0]) == 0);
@@ -338,6 +364,48 @@ static void check_close(uint64_t *seed)
     CHECK(a->length_max == b->length_max && a->length_inverted_min == b->length_inverted_min);
 }
 
+static void check_close(const ntp__kernels_table *level, uint64_t *seed)
+{
+    enum { NEAR_FLAT = 400, NEARLY_FLAT = 1100, RANDOM = 100000 };
+    static close_check k;
+    k.level = level;
+    for (int32_t x = 0; x < NEAR_FLAT; x++) {
+        for (int32_t y = 0; y <= x; y++) {
+            for (int32_t z = 32763; z < 32768; z++)
+                add_close_group(&k, seed, x, y, z);
+        }
+    }
+    /* all that are exact, and where blue is at least 65535 - 17 */
+    for (int32_t x = 0; x < NEARLY_FLAT; x++) {
+        for (int32_t y = 0; y <= x; y++) {
+            const int64_t s = ntp__rest(x + 32768, y + 32768, 65535);
+            add_close_group(&k, seed, x, y, ntp__blue_of_rest(s, 65535, false) - 32768);
+        }
+    }
+    add_edges(&k, seed);
+    for (int32_t i = 0; i < RANDOM; i++) {
+        const int32_t x = (int32_t) (random_bits(seed) % 32768),
+                      y = (int32_t) (random_bits(seed) % 32768);
+        const int64_t s = ntp__rest(x + 32768, y + 32768, 65535);
+        const bool other = random_bits(seed) % 256 == 0;
+        if (s >= 0)
+            add_close_group(&k, seed, x, y, ntp__blue_of_rest(s, 65535, false) - 32768 + other);
+        else if (other)
+            add_close_group(&k, seed, x, y, -x);
+    }
+    end_close_block(&k, k.n);
+    ntp__merge_sums(&k.want, &k.each);
+    check_same_sums(&k, &k.some, &k.close);
+    if (level->count_exact == NULL)
+        return;
+    static ntp__close_counts merged, none;
+    ntp__merge_close(&merged, &k.close_exact, &k.exact);
+    CHECK(memcmp(&merged, &k.close_exact, offsetof(ntp__close_counts, exact)) == 0);
+    check_same_sums(&k, &k.exact, &merged);
+    ntp__clear_close(&k.close_exact, &k.exact);
+    CHECK(memcmp(&none, &k.close_exact, sizeof none) == 0);
+}
+
 int main(int argc, char **argv)
 {
     const bool avx2 = argc > 1 && strcmp(argv[1], "avx2") == 0;
@@ -352,6 +420,6 @@ int main(int argc, char **argv)
     check_survey8(level, 3, &seed);
     check_survey8(level, 4, &seed);
     check_long_survey8(level);
-    check_close(&seed);
+    check_close(level, &seed);
     return 0;
 }

@@ -5,6 +5,16 @@
 #include "texel/kernels.h"
 #include "measure/judged_sums.h"
 
+#include <stddef.h>
+#include <string.h>
+
+static void add_extremes(ntp__fit_sums *fit, uint32_t least, uint32_t greatest, uint32_t levels)
+{
+    ntp__merge_max(&fit->length_max, greatest);
+    ntp__merge_max(&fit->length_inverted_min, ~least);
+    ntp__merge_max(&fit->levels_off_max, levels);
+}
+
 void ntp__add_close_block(ntp__sums *sums, ntp__close_counts *close, ntp__block *block, int32_t n)
 {
     ntp__fit_sums *const zz = &sums->fit[1];
@@ -19,9 +29,9 @@ void ntp__add_close_block(ntp__sums *sums, ntp__close_counts *close, ntp__block 
     if (found.texels > 0) {
         zz->length_sum += (uint64_t) (found.texels * (int64_t) NTP__LENGTH_ONE + found.length_sum);
         zz->length_error2[0] += found.length_error2;
-        ntp__merge_max(&zz->length_max, (uint32_t) (NTP__LENGTH_ONE + found.greatest));
-        ntp__merge_max(&zz->length_inverted_min, ~(uint32_t) (NTP__LENGTH_ONE + found.least));
-        ntp__merge_max(&zz->levels_off_max, (uint32_t) found.levels_off_max);
+        add_extremes(zz, (uint32_t) (NTP__LENGTH_ONE + found.least),
+                     (uint32_t) (NTP__LENGTH_ONE + found.greatest),
+                     (uint32_t) found.levels_off_max);
         sums->texels += (uint32_t) found.texels;
         sums->angles.texels += (uint32_t) (found.texels - found.turned);
         sums->angles.bins[0] += (uint32_t) (found.texels - found.turned);
@@ -31,10 +41,46 @@ void ntp__add_close_block(ntp__sums *sums, ntp__close_counts *close, ntp__block 
     ntp__add_block(sums, block, NULL, found.left, 65535, NTP_ENCODING_STANDARD);
 }
 
-static uint32_t sum_of_copies(const uint32_t count[NTP__CLOSE_COPIES])
+void ntp__add_exact(ntp__sums *sums, const ntp__exact_block *found)
+{
+    ntp__fit_sums *const zz = &sums->fit[1];
+    const uint32_t texels = (uint32_t) found->texels;
+    sums->texels += texels;
+    sums->angles.texels += texels;
+    sums->angles.bins[0] += texels;
+    if (found->far == 0)
+        return;
+    zz->length_sum += (uint64_t) (uint32_t) found->far * NTP__LENGTH_ONE + found->length_sum;
+    zz->length_error2[0] += found->length_error2;
+    add_extremes(zz, NTP__LENGTH_ONE + found->least, NTP__LENGTH_ONE + found->greatest,
+                 found->levels_off_max);
+}
+
+/* How many rows and distances of exact texels are in use, if these sums include their extremes.  Others
+ * stay untouched, as memory costs more than counts in small textures. */
+static uint32_t exact_rows(const ntp__sums *sums)
+{
+    const uint32_t last = sums->fit[1].length_max / (NTP__LENGTH_ONE / 128);
+    return last < 128 ? 0 : last - 127 < NTP__EXACT_ROWS ? last - 127 : NTP__EXACT_ROWS;
+}
+
+static uint32_t exact_distances(const ntp__sums *sums)
+{
+    const uint32_t most = NTP__EXACT_DISTANCES - 1, used = sums->fit[1].levels_off_max + 1;
+    return used < most ? used : most;
+}
+
+/* The bytes before the distances. */
+static size_t close_prefix(const ntp__sums *sums)
+{
+    const size_t row = NTP__EXACT_ROW * NTP__CLOSE_COPIES * sizeof(uint32_t);
+    return offsetof(ntp__close_counts, exact[NTP__EXACT_FAR]) + exact_rows(sums) * row;
+}
+
+static uint32_t sum_of_copies(const uint32_t *count, int32_t copies)
 {
     uint32_t sum = 0;
-    for (int32_t i = 0; i < NTP__CLOSE_COPIES; i++)
+    for (int32_t i = 0; i < copies; i++)
         sum += count[i];
     return sum;
 }
@@ -61,9 +107,7 @@ static void add_close_standard(ntp__fit_sums *fit, uint32_t place, uint32_t coun
     fit->length_error[bin] += off * (uint64_t) count;
     fit->length_error2[0] += off * (uint64_t) count;
     fit->levels_off[levels] += count;
-    ntp__merge_max(&fit->levels_off_max, levels);
-    ntp__merge_max(&fit->length_max, length);
-    ntp__merge_max(&fit->length_inverted_min, ~length);
+    add_extremes(fit, length, length, levels);
 }
 
 static void add_close_zzero(ntp__fit_sums *fit, uint32_t place, uint32_t count)
@@ -76,16 +120,70 @@ static void add_close_zzero(ntp__fit_sums *fit, uint32_t place, uint32_t count)
     fit->lengths[NTP__CLOSE_ZZ_SHORTEST + place / NTP__CLOSE_ZZ_LENGTH] += count;
 }
 
+/* Exact texels by what their places say (close.h), as places of close ones. */
+static void add_exact(ntp__sums *sums, uint32_t steep, uint32_t passed, uint32_t place_zz,
+                      uint32_t count)
+{
+    const uint32_t length = (passed + 1) / 2, is_long = passed >= 2 ? NTP__CLOSE_LONG : 0;
+    add_close_standard(&sums->fit[0],
+                       steep << NTP__CLOSE_STEEP_BIT | NTP__CLOSE_ROUNDED | is_long | length,
+                       count);
+    add_close_zzero(&sums->fit[1], place_zz | NTP__CLOSE_ZZ_LONG, count);
+}
+
+static void add_exact_counts(ntp__sums *sums, const ntp__close_counts *close)
+{
+    enum { NEAR_ONES = 1 << NTP__EXACT_OFF_BIT, ONE = NTP__CLOSE_ZZ_LENGTH };
+    ntp__fit_sums *const zz = &sums->fit[1];
+    for (uint32_t i = NEAR_ONES; i < NTP__EXACT_NEAR_PLACES; i++) {
+        const uint32_t off = (i >> NTP__EXACT_OFF_BIT) - 1, copies = NTP__EXACT_NEAR_COPIES;
+        const uint32_t count = sum_of_copies(&close->exact[i * copies], NTP__EXACT_NEAR_COPIES);
+        const uint32_t flags = flag_if(i, NTP__EXACT_NEIGHBOR, NTP__CLOSE_ZZ_NEIGHBOR) |
+                               flag_if(i, NTP__EXACT_ROUNDED, NTP__CLOSE_ZZ_ROUNDED) |
+                               (off == 0 ? NTP__CLOSE_ZZ_EXACT : 0);
+        if (count == 0)
+            continue;
+        add_exact(sums, 0, i & NTP__EXACT_PASSED, flags | ONE, count);
+        zz->levels_off[off] += count;
+        zz->length_sum += (uint64_t) (NTP__LENGTH_ONE + off) * count;
+        zz->length_error2[0] += (uint64_t) (off * off) * count;
+        add_extremes(zz, NTP__LENGTH_ONE + off, NTP__LENGTH_ONE + off, off);
+    }
+    for (uint32_t i = 0; i < NTP__EXACT_ROW * exact_rows(sums); i++) {
+        const uint32_t row = i / NTP__EXACT_ROW, steep = i % NTP__EXACT_ROW >> NTP__EXACT_STEEP_BIT;
+        const uint32_t *const at = &close->exact[NTP__EXACT_FAR + i * NTP__CLOSE_COPIES];
+        const uint32_t count = sum_of_copies(at, NTP__CLOSE_COPIES);
+        if (count > 0)
+            add_exact(sums, steep, i & NTP__EXACT_PASSED, (1 + row) * ONE, count);
+    }
+    for (uint32_t off = 0; off < exact_distances(sums); off++)
+        zz->levels_off[off] += close->exact_off[off + 1];
+}
+
+void ntp__merge_close(ntp__close_counts *into, const ntp__close_counts *from, const ntp__sums *sums)
+{
+    ntp__merge_counts((uint32_t *) into, (const uint32_t *) from,
+                      close_prefix(sums) / sizeof(uint32_t));
+    ntp__merge_counts(into->exact_off, from->exact_off, exact_distances(sums) + 1);
+}
+
+void ntp__clear_close(ntp__close_counts *close, const ntp__sums *sums)
+{
+    memset(close, 0, close_prefix(sums));
+    memset(close->exact_off, 0, (exact_distances(sums) + 1) * sizeof close->exact_off[0]);
+}
+
 void ntp__add_close(ntp__sums *sums, const ntp__close_counts *close)
 {
     for (uint32_t i = 0; i < NTP__CLOSE_PLACES; i++) {
-        const uint32_t count = sum_of_copies(close->standard[i]);
+        const uint32_t count = sum_of_copies(close->standard[i], NTP__CLOSE_COPIES);
         if (count > 0)
             add_close_standard(&sums->fit[0], i, count);
     }
     for (uint32_t i = 0; i < NTP__CLOSE_ZZ_PLACES; i++) {
-        const uint32_t count = sum_of_copies(close->zzero[i]);
+        const uint32_t count = sum_of_copies(close->zzero[i], NTP__CLOSE_COPIES);
         if (count > 0)
             add_close_zzero(&sums->fit[1], i, count);
     }
+    add_exact_counts(sums, close);
 }

@@ -10,6 +10,7 @@
 #include "texel/angle.h"
 #include "texel/close.h"
 #include "texel/judged.h"
+#include "texel/kernels.h"
 
 enum {
     NTP__LENGTH_BINS = 256 /* of 1/128 */
@@ -92,8 +93,16 @@ static inline void ntp__put_color(ntp__sums *sums, ntp__color_batch *batch, cons
  * to exact are counted in `close`, as far as that holds them.  Changes the block. */
 void ntp__add_close_block(ntp__sums *sums, ntp__close_counts *close, ntp__block *block, int32_t n);
 
-/* Adds what `close` holds of the texels that ntp__add_close_block added. */
+/* Adds exact texels that count_exact counted (texel/kernels.h). */
+void ntp__add_exact(ntp__sums *sums, const ntp__exact_block *found);
+
+/* Adds what `close` holds of the texels that ntp__add_close_block and ntp__add_exact added. */
 void ntp__add_close(ntp__sums *sums, const ntp__close_counts *close);
+
+/* Adds counts of texels that are in these sums, or makes them empty. */
+void ntp__merge_close(ntp__close_counts *into, const ntp__close_counts *from,
+                      const ntp__sums *sums);
+void ntp__clear_close(ntp__close_counts *close, const ntp__sums *sums);
 
 /* Adds `count` texels of one color. */
 void ntp__add(ntp__sums *sums, const int32_t c[3], uint32_t count, int32_t m,

@@ -223,22 +223,12 @@ static bool count_used(ntp_tally *t, int32_t r, int32_t g, int32_t b, int32_t a,
     return false;
 }
 
-static void count_block(ntp_tally *t, ntp__block *block, int32_t n, int32_t m)
+/* Texels whose levels are in the sums of channels, but for what of them is not finite. */
+static void count_each(ntp_tally *t, ntp__block *block, int32_t n, int32_t m)
 {
     unused_colors unused;
     int32_t wide = 0;
     no_unused(&unused);
-    if (!block->any_broken) {
-        ntp__survey survey;
-        ntp__kernels(NTP__CPU_ALL)->survey(&survey, block->c[0], block->c[1], block->c[2], n);
-        add_planes(t, &survey);
-        /* As mostly, these are all for count_wide, and none is flat: nothing is left for each. */
-        if (m == 65535 && t->channels == 3 && survey.odd == 0) {
-            t->is_wide = 1;
-            count_wide(t, block, n);
-            return;
-        }
-    }
     for (int32_t i = 0; i < n; i++) {
         int32_t r = block->c[0][i], g = block->c[1][i], b = block->c[2][i], a = block->c[3][i];
         if (t->channels == 4) {
@@ -266,6 +256,74 @@ static void count_block(ntp_tally *t, ntp__block *block, int32_t n, int32_t m)
     }
     end_unused(t, &unused, m);
     count_wide(t, block, wide);
+}
+
+static void count_block(ntp_tally *t, ntp__block *block, int32_t n, int32_t m)
+{
+    if (!block->any_broken) {
+        ntp__survey survey;
+        ntp__kernels(NTP__CPU_ALL)->survey(&survey, block->c[0], block->c[1], block->c[2], n);
+        add_planes(t, &survey);
+        /* As mostly, these are all for count_wide, and none is flat: nothing is left for each. */
+        if (m == 65535 && t->channels == 3 && survey.odd == 0) {
+            t->is_wide = 1;
+            count_wide(t, block, n);
+            return;
+        }
+    }
+    count_each(t, block, n, m);
+}
+
+/* Texels of packed RGB of 16 bit that are not exact wait here for others, whatever row these are of. */
+typedef struct waiting {
+    ntp__block block;
+    int32_t n;
+    bool odd; /* one may be: see ntp__survey */
+} waiting;
+
+static void end_waiting(ntp_tally *t, waiting *w)
+{
+    if (w->odd) {
+        for (int32_t i = 0; i < w->n; i++)
+            w->block.c[3][i] = 65535;
+        w->block.any_broken = false;
+        count_each(t, &w->block, w->n, 65535);
+    } else if (w->n > 0) {
+        t->is_wide = 1;
+        count_wide(t, &w->block, w->n);
+    }
+    w->n = 0;
+    w->odd = false;
+}
+
+static void wait(waiting *w, const uint16_t *p)
+{
+    for (int32_t k = 0; k < 3; k++)
+        w->block.c[k][w->n] = p[k];
+    w->n++;
+}
+
+/* Standard, as most textures of 16 bit are. */
+static void count_rgb16(ntp_tally *t, waiting *w, const uint16_t *p, int32_t n)
+{
+    ntp__exact_block found;
+    const int32_t done = ntp__kernels(NTP__CPU_ALL)->count_exact(&found, &t->close, p, n);
+    add_planes(t, &found.survey);
+    ntp__add_exact(&t->wide, &found);
+    t->is_wide |= found.texels > 0;
+    if (w->n + n - found.texels > NTP__BLOCK)
+        end_waiting(t, w);
+    w->odd |= found.survey.odd != 0 || done < n;
+    for (int32_t i = 0; i < done; i += 8) {
+        for (int32_t k = i, left = found.others[i / 8]; left != 0; left >>= 1, k++) {
+            if (left & 1)
+                wait(w, p + 3 * k);
+        }
+    }
+    for (int32_t i = done; i < n; i++) {
+        add_color(t, p[3 * i], p[3 * i + 1], p[3 * i + 2]);
+        wait(w, p + 3 * i);
+    }
 }
 
 /* Alpha of pictures. */
@@ -332,11 +390,15 @@ static void note_row(ntp_tally *t, const ntp_const_image *src, int32_t x0, int32
     }
 }
 
-static void count_row(ntp_tally *t, const ntp_const_image *src, int32_t x0, int32_t x1, int32_t y)
+static void count_row(ntp_tally *t, waiting *w, const ntp_const_image *src, int32_t x0, int32_t x1,
+                      int32_t y)
 {
     bool picture = src->encoding == NTP_ENCODING_HEIGHT;
     bool bytes = !picture && !t->cells.few && src->type == NTP_TYPE_U8 && src->channels >= 3 &&
                  ntp__is_packed(src);
+    bool words = src->encoding == NTP_ENCODING_STANDARD && src->type == NTP_TYPE_U16 &&
+                 src->channels == 3 && ntp__is_packed(src) &&
+                 ntp__kernels(NTP__CPU_ALL)->count_exact != NULL;
     int32_t m = ntp__max(src->type), step = bytes ? x1 - x0 : NTP__BLOCK;
     const uint64_t used = t->narrow + t->wide.texels;
     for (int32_t x = x0; x < x1; x += step) {
@@ -345,6 +407,8 @@ static void count_row(ntp_tally *t, const ntp_const_image *src, int32_t x0, int3
             count_rgb8(t, ntp__at(src, x, y), n);
         } else if (bytes) {
             count_rgba8(t, ntp__at(src, x, y), n);
+        } else if (words) {
+            count_rgb16(t, w, (const uint16_t *) ntp__at(src, x, y), n);
         } else {
             ntp__block block;
             ntp__unpack(&block, src, x, y, n);
@@ -354,7 +418,8 @@ static void count_row(ntp_tally *t, const ntp_const_image *src, int32_t x0, int3
                 count_block(t, &block, n, m);
         }
     }
-    if (!picture && t->colors < 2 && t->narrow + t->wide.texels > used && !has_one_color(t))
+    if (!picture && t->colors < 2 && (w->n > 0 || t->narrow + t->wide.texels > used) &&
+        !has_one_color(t))
         note_row(t, src, x0, x1, y);
     ntp__sample_row(t, src, x0, x1, y);
 }
@@ -394,8 +459,12 @@ ntp_status ntp_tally_add(ntp_tally *tally, const ntp_const_image *src, uint32_t 
         ntp__rows_prepare(&tally->cells);
     tally->cells.unnoted = !tally->cells.few;
     tally->summed = 0;
+    waiting left;
+    left.n = 0;
+    left.odd = false;
     for (int32_t y = rect.y0; y < rect.y1; y++)
-        count_row(tally, src, rect.x0, rect.x1, y);
+        count_row(tally, &left, src, rect.x0, rect.x1, y);
+    end_waiting(tally, &left);
     tally->texels += width * height;
     return NTP_OK;
 }

@@ -70,8 +70,7 @@ ntp_status ntp_tally_merge(ntp_tally *into, const ntp_tally *from)
     }
     ntp__merge_sums(&into->wide, &from->wide);
     if (from->wide.texels > 0)
-        ntp__merge_counts((uint32_t *) &into->close, (const uint32_t *) &from->close,
-                          sizeof into->close / sizeof(uint32_t));
+        ntp__merge_close(&into->close, &from->close, &from->wide);
     ntp__merge_sums(&into->transparent_wide, &from->transparent_wide);
     ntp__merge_sums(&into->transparent_narrow, &from->transparent_narrow);
     ntp__merge_samples(into, from);
@@ -88,7 +87,7 @@ ntp_status ntp_tally_clear(ntp_tally *t)
     ntp__clear_cells(&t->cells);
     ntp__clear_samples(t);
     if (t->wide.texels > 0)
-        memset(&t->close, 0, sizeof t->close);
+        ntp__clear_close(&t->close, &t->wide);
     ntp__clear_sums(&t->wide);
     ntp__clear_sums(&t->transparent_wide);
     ntp__clear_sums(&t->transparent_narrow);

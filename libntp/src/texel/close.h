@@ -33,9 +33,35 @@ enum {
         4 /* texels side by side are counted apart: a count waits for the one before */
 };
 
+/*
+ * Exact texels have places of their own, by their standard length: how many of the limits of 65536
+ * levels, of 1, and of 65537 levels it reaches.  Those that are nearly flat come first, with the
+ * distance of blue from that of Z-zero.  Behind them are others by steepness and length in Z-zero,
+ * with this distance in a table of its own.  There are distances plus 1: at 0, what is no such texel
+ * is counted and forgotten.
+ */
+enum {
+    NTP__EXACT_NEAR = 14, /* levels of blue below 65536 */
+    NTP__EXACT_PASSED = 3,
+    NTP__EXACT_NEIGHBOR = 4, /* in Z-zero */
+    NTP__EXACT_ROUNDED = 8,
+    NTP__EXACT_OFF_BIT = 4,
+    NTP__EXACT_NEAR_PLACES = 16 << NTP__EXACT_OFF_BIT,
+    NTP__EXACT_NEAR_COPIES = 8,
+
+    NTP__EXACT_STEEP_BIT = 2,
+    NTP__EXACT_ROW = 64 << NTP__EXACT_STEEP_BIT, /* places for 1/128 of length */
+    NTP__EXACT_ROWS = 20,                        /* from 1 on, up to 2/sqrt(3) */
+
+    NTP__EXACT_FAR = NTP__EXACT_NEAR_PLACES * NTP__EXACT_NEAR_COPIES,
+    NTP__EXACT_COUNTS = NTP__EXACT_FAR + NTP__EXACT_ROWS * NTP__EXACT_ROW * NTP__CLOSE_COPIES,
+    NTP__EXACT_DISTANCES = 32768 + 2
+};
+
 typedef struct ntp__close_counts {
     uint32_t standard[NTP__CLOSE_PLACES][NTP__CLOSE_COPIES];
     uint32_t zzero[NTP__CLOSE_ZZ_PLACES][NTP__CLOSE_COPIES];
+    uint32_t exact[NTP__EXACT_COUNTS], exact_off[NTP__EXACT_DISTANCES];
 } ntp__close_counts;
 
 /* What is known of the close texels of a block besides. */

@@ -49,6 +49,13 @@ static inline __m256i own_copies(void)
     return _mm256_setr_epi32(0, 1, 2, 3, 0, 1, 2, 3);
 }
 
+/* floor(64 xy / A_M), exact: A_M / 64 = 2^24 - 2^9 */
+static inline __m256i steepness(__m256i xy)
+{
+    const __m256i more = _mm256_add_epi32(_mm256_srli_epi32(xy, 15), eight(1));
+    return _mm256_srli_epi32(_mm256_add_epi32(xy, more), 24);
+}
+
 /* All that the standard encoding asks. */
 static inline close_lanes close_standard(__m256i r, __m256i g, __m256i b)
 {
@@ -71,11 +78,9 @@ static inline close_lanes close_standard(__m256i r, __m256i g, __m256i b)
     v.inexact = _mm256_cmpgt_epi32(off, z);
     /* rounded: |t| <= k - 2 */
     const __m256i rounded = _mm256_cmpgt_epi32(_mm256_sub_epi32(k, one), off);
-    /* floor(64 xy / A_M), exact: A_M / 64 = 2^24 - 2^9 */
-    const __m256i more = _mm256_add_epi32(_mm256_srli_epi32(xy, 15), one);
-    const __m256i steep = _mm256_srli_epi32(_mm256_add_epi32(xy, more), 24);
     const int32_t by = NTP__CLOSE_COPIES;
-    v.at = _mm256_or_si256(_mm256_slli_epi32(steep, NTP__CLOSE_STEEP_BIT + 2), own_copies());
+    v.at =
+        _mm256_or_si256(_mm256_slli_epi32(steepness(xy), NTP__CLOSE_STEEP_BIT + 2), own_copies());
     v.at = _mm256_add_epi32(v.at, marked(_mm256_cmpgt_epi32(t, eight(CLOSE_ONE - 1)), by));
     v.at = _mm256_add_epi32(v.at, marked(_mm256_cmpgt_epi32(t, eight(CLOSE_LONGER - 1)), by));
     v.at = _mm256_or_si256(v.at, marked(_mm256_cmpgt_epi32(t, zero), by * NTP__CLOSE_LONG));
@@ -94,9 +99,9 @@ static inline close_lanes close_standard(__m256i r, __m256i g, __m256i b)
  *   s as a float is off by at most 448, and r by 1.5 2^-12 of it before that step, 2^-21 after it;
  *   then the root s r is off by 0.04, so k - root by 0.55, and s - k*k is below 2^17;
  *   r/2 for 1/(root + k) is off by 2^-17.8 of it, which with all roundings is 2^-18.
- * Marks lanes as bad where what is rounded lies closer to the middle than 2^-16.
+ * Doubtful are lanes where what is rounded lies closer to the middle than 2^-16.
  */
-static inline __m256i close_length(close_lanes *v, __m256i g)
+static inline __m256i close_length(__m256i *doubtful, __m256i g)
 {
     const float m = 65535;
     const int32_t m2_less_3 = (int32_t) (65535U * 65535U - 3U);
@@ -115,7 +120,7 @@ static inline __m256i close_length(close_lanes *v, __m256i g)
         _mm256_sub_ps(_mm256_sub_ps(up, _mm256_cvtepi32_ps(down)), _mm256_set1_ps(0.5f));
     const __m256 away = _mm256_andnot_ps(_mm256_set1_ps(-0.0f), left);
     const __m256 doubt = _mm256_cmp_ps(away, _mm256_set1_ps(0.5f - 0x1p-16f), _CMP_GT_OQ);
-    v->bad = _mm256_castps_si256(doubt);
+    *doubtful = _mm256_castps_si256(doubt);
     return _mm256_add_epi32(k, down);
 }
 
@@ -143,7 +148,7 @@ static inline void close_zzero(close_lanes *v, __m256i b)
     const __m256i neighbor =
         _mm256_cmpgt_epi32(_mm256_add_epi32(reach, reach), _mm256_add_epi32(g, eight(13)));
     const __m256i rounded = _mm256_cmpgt_epi32(reach, _mm256_add_epi32(g, eight(3)));
-    const __m256i length = close_length(v, g), by512 = _mm256_srli_epi32(length, 3);
+    const __m256i length = close_length(&v->bad, g), by512 = _mm256_srli_epi32(length, 3);
     const int32_t by = NTP__CLOSE_COPIES, least = NTP__CLOSE_ZZ_SHORTEST * 64;
     v->longer = _mm256_sub_epi32(length, eight(NTP__LENGTH_ONE));
     v->at_zz = _mm256_sub_epi32(_mm256_and_si256(by512, eight(-64)), eight(least));

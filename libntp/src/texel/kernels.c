@@ -308,6 +308,7 @@ static inline int32_t whole_lanes(int32_t n)
 #include "texel/judge_tmpl.h"
 
 #include "texel/close_tmpl.h"
+#include "texel/exact16_tmpl.h"
 #include "texel/angles_tmpl.h"
 
 #ifdef __AVX2__
@@ -405,6 +406,7 @@ const ntp__kernels_table CONCAT(ntp__kernels_, NTP_ISA) = {
     survey,
     judge_block,
     count_close,
+    count_exact,
     directions,
     angles,
     angles_of,

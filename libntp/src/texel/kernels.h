@@ -123,6 +123,21 @@ typedef void ntp__judge_block_fn(ntp__judged *judged, const int32_t *r, const in
 typedef void ntp__count_close_fn(ntp__close_block *out, ntp__close_counts *counts,
                                  uint32_t *levels_off, int32_t *const c[3], int32_t n);
 
+/* What is known of n packed texels, and of the exact ones among them.  Of those that are not nearly
+ * flat, lengths in Z-zero, in 1/65536 and less 1, and levels from the blue of Z-zero. */
+typedef struct ntp__exact_block {
+    ntp__survey survey;
+    int32_t texels, far; /* exact ones, and those of them that are not nearly flat */
+    uint32_t length_sum, least, greatest, levels_off_max; /* of far > 0 */
+    uint64_t length_error2;
+    uint8_t others[32]; /* a bit for each texel that is not counted */
+} ntp__exact_block;
+
+/* Counts packed 16-bit texels that are exact and not odd (ntp__survey).  It leaves a last group of
+ * fewer than eight to the caller, and returns how many it did.  0 <= n <= 256. */
+typedef int32_t ntp__count_exact_fn(ntp__exact_block *out, ntp__close_counts *counts,
+                                    const uint16_t *src, int32_t n);
+
 /* Vectors of any length, as planes. */
 typedef struct ntp__vectors {
     double c[3][256];
@@ -209,6 +224,7 @@ typedef struct ntp__kernels_table {
     ntp__survey_fn *survey;
     ntp__judge_block_fn *judge_block;
     ntp__count_close_fn *count_close; /* NULL where judging them as all others is as fast */
+    ntp__count_exact_fn *count_exact; /* NULL where planes are as fast */
     ntp__directions_fn *directions;
     ntp__angles_fn *angles;
     ntp__angles_of_fn *angles_of;
