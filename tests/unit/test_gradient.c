@@ -309,6 +309,41 @@ static void test_dither(const ntp__gradient_kernels *base, const ntp__gradient_k
     }
 }
 
+/* Rows of a wave go to its steps and back: column i of row k is in step i + k. */
+static void test_turns(const ntp__gradient_kernels *level, int32_t n, int32_t rows, uint64_t *seed)
+{
+    static ntp__wave_step steps[NTP__WAVE_STEPS];
+    static ntp__wave_rows part;
+    static int32_t turned[NTP__WAVE_STEPS][3][NTP__WAVE];
+    const int32_t used = n + rows - 1;
+    for (int32_t first = 0; first < NTP__WAVE; first += NTP__WAVE_PART) {
+        memset(&part, 0, sizeof part);
+        for (int32_t k = 0; k < NTP__WAVE_PART && first + k < rows; k++) {
+            for (int32_t i = 0; i < 2 * n; i++)
+                part.slope[k][i % 2][NTP__WAVE + i / 2] = (double) (next(seed) % 99);
+        }
+        level->put_slopes(steps, &part, first, used);
+        for (int32_t t = 0; t < used; t++) {
+            for (int32_t i = 0; i < 2 * NTP__WAVE_PART; i++) {
+                const int32_t k = i / 2, x = t - first - k;
+                const double want = x < 0 || x >= n ? 0 : part.slope[k][i % 2][NTP__WAVE + x];
+                CHECK(steps[t].slope[i % 2][first + k] == want);
+            }
+        }
+    }
+    for (int32_t i = 0; i < used * 3 * NTP__WAVE; i++)
+        (&turned[0][0][0])[i] = (int32_t) (next(seed) % 65536);
+    for (int32_t t = 0; t < used; t++)
+        memcpy(steps[t].level, turned[t], sizeof turned[t]);
+    for (int32_t k = 0; k < rows; k++) {
+        if (k % NTP__WAVE_PART == 0)
+            level->take_levels(&part, steps, k, used);
+        for (int32_t i = 0; i < 3 * n; i++)
+            CHECK(part.level[k % NTP__WAVE_PART][i % 3][NTP__WAVE + i / 3] ==
+                  turned[i / 3 + k][i % 3][k]);
+    }
+}
+
 /* The menus of the plug-in are in the library's order. */
 static void test_choices(void)
 {
@@ -342,8 +377,11 @@ int main(int argc, char **argv)
         test_floats(level, n, &seed);
         if (level->encode_packed != NULL)
             test_packed(base, level, n, &seed);
-        test_dither(base, level, n < NTP__WAVE_COLUMNS ? n : NTP__WAVE_COLUMNS, &seed);
+        const int32_t columns = n < NTP__WAVE_COLUMNS ? n : NTP__WAVE_COLUMNS;
+        test_dither(base, level, columns, &seed);
+        test_turns(level, columns, 1 + (int32_t) (next(&seed) % NTP__WAVE), &seed);
     }
+    test_turns(level, NTP__WAVE_COLUMNS, NTP__WAVE, &seed);
     for (int32_t i = 0; i < 200; i++)
         test_dither(base, level, 1 + i % 3, &seed);
     return 0;

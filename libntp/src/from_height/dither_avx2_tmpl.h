@@ -6,6 +6,8 @@
  * row by a shuffle.  Roots and quotients in doubles, which are most of the time, are left out where
  * something simpler decides: whether errors are limited, and which levels are near.
  */
+#include "base/lanes_avx2.h"
+
 #include <immintrin.h>
 
 enum { GROUP = 4, GROUPS = NTP__WAVE / GROUP };
@@ -53,26 +55,24 @@ SELDOM static void add_limited(wave *x, wave *y, const wave *along, const wave *
 }
 
 /*
- * May one of the errors be beyond its limit?  t^(3/2), t = 1 + w^2, is convex, so its tangents at t = 1,
- * 4 and 16 are nowhere above it, and sqrt(t) is at least 1.  The margins are far above what roundings
+ * May one of the errors be beyond its limit?  t^(3/2), t = 1 + w^2, is convex, so its tangents at t = 1
+ * and 4 are nowhere above it, and sqrt(t) is at least 1.  The margins are far above what roundings
  * do to either side.
  */
 static ALWAYS_INLINE bool any_limited(const wave *x, const wave *y, const wave *along,
                                       const wave *down, double half)
 {
-    const __m256d none = ALL(-0.0), more = ALL(half * (1 + 0x1p-20)),
-                  tenth = ALL(0.1 * (1 - 0x1p-20));
+    const double level = (1 - 0x1p-20) / half;
+    const __m256d none = ALL(-0.0), tenth = ALL(0.1 * (1 - 0x1p-20));
     __m256d any = _mm256_setzero_pd();
     for (int32_t g = 0; g < GROUPS; g++) {
         const __m256d t = square_sum(ALL(1), x->of[g], y->of[g]);
-        const __m256d at1 = _mm256_sub_pd(_mm256_mul_pd(t, ALL(1.5)), ALL(0.5));
-        const __m256d at4 = _mm256_sub_pd(_mm256_mul_pd(t, ALL(3)), ALL(4));
-        const __m256d at16 = _mm256_sub_pd(_mm256_mul_pd(t, ALL(6)), ALL(32));
-        const __m256d least = _mm256_max_pd(_mm256_max_pd(at1, at4), at16);
+        const __m256d at1 = _mm256_sub_pd(_mm256_mul_pd(t, ALL(1.5 * level)), ALL(0.5 * level));
+        const __m256d at4 = _mm256_sub_pd(_mm256_mul_pd(t, ALL(3 * level)), ALL(4 * level));
+        const __m256d least = _mm256_min_pd(_mm256_max_pd(at1, at4), tenth);
         const __m256d error = _mm256_max_pd(_mm256_andnot_pd(none, along->of[g]),
                                             _mm256_andnot_pd(none, down->of[g]));
-        any = _mm256_or_pd(any, _mm256_cmp_pd(_mm256_mul_pd(error, more), least, _CMP_GT_OQ));
-        any = _mm256_or_pd(any, _mm256_cmp_pd(error, tenth, _CMP_GT_OQ));
+        any = _mm256_or_pd(any, _mm256_cmp_pd(error, least, _CMP_GT_OQ));
     }
     return _mm256_movemask_pd(any) != 0;
 }
@@ -252,6 +252,49 @@ static void dither(ntp__wave_step *steps, double *along, double *down, int32_t r
         if (t >= rows - 1) {
             store_wave(line, &above);
             down[t - (rows - 1)] = line[rows - 1];
+        }
+    }
+}
+
+/* Four numbers of each of four rows, as four numbers of each of four steps. */
+static void put_slopes(ntp__wave_step *steps, const ntp__wave_rows *from, int32_t first, int32_t n)
+{
+    for (int32_t part = 0; part < 2 * NTP__WAVE_PART / GROUP; part++) {
+        const int32_t c = part % 2, k = part / 2 * GROUP;
+        const double *s = &from->slope[k][c][NTP__WAVE - first - k];
+        double *d = &steps->slope[c][first + k];
+        const ptrdiff_t row = 2 * NTP__WAVE_ROOM - 1, step = sizeof *steps / sizeof *d;
+        for (int32_t t = 0; t < n; t += GROUP, s += GROUP, d += GROUP * step) {
+            const __m256d a = _mm256_loadu_pd(s), b = _mm256_loadu_pd(s + row);
+            const __m256d e = _mm256_loadu_pd(s + 2 * row), f = _mm256_loadu_pd(s + 3 * row);
+            const __m256d ab = _mm256_unpacklo_pd(a, b), ba = _mm256_unpackhi_pd(a, b);
+            const __m256d ef = _mm256_unpacklo_pd(e, f), fe = _mm256_unpackhi_pd(e, f);
+            _mm256_storeu_pd(d, _mm256_permute2f128_pd(ab, ef, 0x20));
+            _mm256_storeu_pd(d + step, _mm256_permute2f128_pd(ba, fe, 0x20));
+            _mm256_storeu_pd(d + 2 * step, _mm256_permute2f128_pd(ab, ef, 0x31));
+            _mm256_storeu_pd(d + 3 * step, _mm256_permute2f128_pd(ba, fe, 0x31));
+        }
+    }
+}
+
+/* Levels of eight rows of four steps, as four levels of each row. */
+static void take_levels(ntp__wave_rows *to, const ntp__wave_step *steps, int32_t first, int32_t n)
+{
+    for (int32_t c = 0; c < 3; c++) {
+        const int32_t *s = &steps->level[c][first];
+        int32_t *d = &to->level[0][c][NTP__WAVE - first];
+        const ptrdiff_t row = 3 * NTP__WAVE_ROOM - 1, step = sizeof *steps / sizeof *s;
+        for (int32_t t = 0; t < n; t += GROUP, s += GROUP * step, d += GROUP) {
+            const __m256i a = _mm256_loadu_si256((const void *) s);
+            const __m256i b = _mm256_loadu_si256((const void *) (s + step));
+            const __m256i e = _mm256_loadu_si256((const void *) (s + 2 * step));
+            const __m256i f = _mm256_loadu_si256((const void *) (s + 3 * step));
+            const __m256i ab = _mm256_unpacklo_epi32(a, b), ba = _mm256_unpackhi_epi32(a, b);
+            const __m256i ef = _mm256_unpacklo_epi32(e, f), fe = _mm256_unpackhi_epi32(e, f);
+            store_two(d, d + GROUP * row, _mm256_unpacklo_epi64(ab, ef));
+            store_two(d + row, d + (GROUP + 1) * row, _mm256_unpackhi_epi64(ab, ef));
+            store_two(d + 2 * row, d + (GROUP + 2) * row, _mm256_unpacklo_epi64(ba, fe));
+            store_two(d + 3 * row, d + (GROUP + 3) * row, _mm256_unpackhi_epi64(ba, fe));
         }
     }
 }

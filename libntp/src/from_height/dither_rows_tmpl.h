@@ -15,8 +15,7 @@ static bool slopes(const walk *w, const strip *s, const facts *f, int32_t x, int
 }
 
 /* The slopes of a row of a wave, from column x on. */
-static void row_of_slopes(walk *w, strip *s, double xy[2][NTP__WAVE_COLUMNS], int32_t x, int32_t y,
-                          int32_t n)
+static void row_of_slopes(walk *w, strip *s, double *const xy[2], int32_t x, int32_t y, int32_t n)
 {
     const facts f = all_tap_sums(w, s, x, y, n);
     if (w->ints && !s->any_moved) {
@@ -34,24 +33,23 @@ static void row_of_slopes(walk *w, strip *s, double xy[2][NTP__WAVE_COLUMNS], in
     }
 }
 
-/* The slopes of half a wave from row y on, where `first` is, into its steps.  All rows of a step are
- * done at once, as their numbers lie side by side. */
-static void put_slopes(walk *w, strip *s, ntp__wave_step *steps, int32_t x, int32_t y, int32_t rows,
-                       int32_t first, int32_t n)
+/* The slopes of rows from y on into the steps of a wave. */
+static void put_slopes(walk *w, strip *s, ntp__wave_step *steps, ntp__wave_rows *part, int32_t x,
+                       int32_t y, int32_t rows, int32_t n)
 {
-    enum { HALF = NTP__WAVE / 2 };
-    double xy[HALF][2][NTP__WAVE_COLUMNS];
-    for (int32_t k = 0; k < HALF && first + k < rows; k++) {
-        row_of_slopes(w, s, xy[k], x, y + first + k, n);
-        fetch_ahead(w, x, y + first + k, n);
-    }
-    for (int32_t t = 0; t < n + rows - 1; t++) {
-        for (int32_t k = 0; k < HALF; k++) {
-            const int32_t row = first + k, i = t - row;
-            const bool inside = row < rows && i >= 0 && i < n;
-            steps[t].slope[0][row] = inside ? xy[k][0][i] : 0;
-            steps[t].slope[1][row] = inside ? xy[k][1][i] : 0;
+    memset(part, 0, sizeof *part);
+    for (int32_t first = 0; first < NTP__WAVE; first += NTP__WAVE_PART) {
+        for (int32_t k = 0; k < NTP__WAVE_PART; k++) {
+            double(*const slope)[NTP__WAVE_ROOM] = part->slope[k];
+            double *const to[2] = { slope[0] + NTP__WAVE, slope[1] + NTP__WAVE };
+            if (first + k >= rows) {
+                memset(slope, 0, sizeof part->slope[k]);
+                continue;
+            }
+            row_of_slopes(w, s, to, x, y + first + k, n);
+            fetch_ahead(w, x, y + first + k, n);
         }
+        w->g.loops->put_slopes(steps, part, first, n + rows - 1);
     }
 }
 
@@ -62,13 +60,16 @@ static void dither_rows(walk *w, strip *s, int32_t x, int32_t y, int32_t rows, i
     const ntp__dithering how = { g->m, g->dst->encoding == NTP_ENCODING_ZZERO, g->min_z,
                                  g->shortened };
     ntp__wave_step steps[NTP__WAVE_STEPS];
-    put_slopes(w, s, steps, x, y, rows, 0, n);
-    put_slopes(w, s, steps, x, y, rows, NTP__WAVE / 2, n);
+    ntp__wave_rows part;
+    put_slopes(w, s, steps, &part, x, y, rows, n);
     g->loops->dither(steps, &w->along[(y - w->first) % BAND], &w->errors[x], rows, n, &how);
     for (int32_t k = 0; k < rows; k++) {
-        for (int32_t i = 0; i < n; i++) {
-            for (int32_t c = 0; c < 3; c++)
-                s->out.c[c][i] = steps[i + k].level[c][k];
+        const int32_t row = k % NTP__WAVE_PART;
+        if (row == 0)
+            g->loops->take_levels(&part, steps, k, n + rows - 1);
+        for (int32_t c = 0; c < 3; c++) {
+            for (int32_t i = 0; i < n; i++)
+                s->out.c[c][i] = part.level[row][c][NTP__WAVE + i];
         }
         ntp__gradient_pack(g, &s->out, x, y + k, n);
     }

@@ -123,3 +123,24 @@ static void dither(ntp__wave_step *steps, double *along, double *down, int32_t r
             down[t - (rows - 1)] = above[rows];
     }
 }
+
+static void put_slopes(ntp__wave_step *steps, const ntp__wave_rows *from, int32_t first, int32_t n)
+{
+    for (int32_t t = 0; t < n; t++) {
+        for (int32_t k = 0; k < NTP__WAVE_PART; k++) {
+            const int32_t row = first + k, i = NTP__WAVE + t - row;
+            steps[t].slope[0][row] = from->slope[k][0][i];
+            steps[t].slope[1][row] = from->slope[k][1][i];
+        }
+    }
+}
+
+static void take_levels(ntp__wave_rows *to, const ntp__wave_step *steps, int32_t first, int32_t n)
+{
+    for (int32_t t = 0; t < n; t++) {
+        for (int32_t k = 0; k < NTP__WAVE_PART; k++) {
+            for (int32_t c = 0; c < 3; c++)
+                to->level[k][c][NTP__WAVE + t - first - k] = steps[t].level[c][first + k];
+        }
+    }
+}

@@ -187,8 +187,20 @@ typedef union ntp__wave_step {
     int32_t level[3][NTP__WAVE]; /* out */
 } ntp__wave_step;
 
-/* A wave of so many columns stays in the first caches. */
-enum { NTP__WAVE_COLUMNS = NTP__BLOCK / 2, NTP__WAVE_STEPS = NTP__WAVE_COLUMNS + NTP__WAVE - 1 };
+/* A wave of so many columns stays in the first caches.  A part of its rows has a margin on either side,
+ * so that all columns of all steps are in it. */
+enum {
+    NTP__WAVE_COLUMNS = NTP__BLOCK / 2,
+    NTP__WAVE_STEPS = NTP__WAVE_COLUMNS + NTP__WAVE,
+    NTP__WAVE_PART = NTP__WAVE / 2,
+    NTP__WAVE_ROOM = NTP__WAVE_COLUMNS + 2 * NTP__WAVE
+};
+
+/* Some rows of a wave, alike; column x is at NTP__WAVE + x.  Where there is none, slopes are 0. */
+typedef union ntp__wave_rows {
+    double slope[NTP__WAVE_PART][2][NTP__WAVE_ROOM];
+    int32_t level[NTP__WAVE_PART][3][NTP__WAVE_ROOM];
+} ntp__wave_rows;
 
 typedef struct ntp__dithering {
     int32_t m;
@@ -201,6 +213,13 @@ typedef struct ntp__dithering {
 typedef void ntp__dither_fn(ntp__wave_step *steps, double *along, double *down, int32_t rows,
                             int32_t n, const ntp__dithering *how);
 
+/* Slopes or levels of the rows from `first` on, to n steps or from them.  Up to three steps more, or as
+ * many columns, change. */
+typedef void ntp__put_slopes_fn(ntp__wave_step *steps, const ntp__wave_rows *from, int32_t first,
+                                int32_t n);
+typedef void ntp__take_levels_fn(ntp__wave_rows *to, const ntp__wave_step *steps, int32_t first,
+                                 int32_t n);
+
 struct ntp__gradient_kernels {
     ntp__tap_sums_i_fn *tap_sums_i;
     ntp__tap_sums_d_fn *tap_sums_d;
@@ -209,6 +228,8 @@ struct ntp__gradient_kernels {
     ntp__encode_d_fn *encode_d, *encode_precisely; /* in float, in double */
     ntp__encode_packed_fn *encode_packed;          /* in float; NULL where planes are as fast */
     ntp__dither_fn *dither;
+    ntp__put_slopes_fn *put_slopes;
+    ntp__take_levels_fn *take_levels;
 };
 
 const ntp__gradient_kernels *ntp__gradient_kernels_for(int mask);

@@ -164,6 +164,6 @@ ntp__encode_packed_fn ntp__encode_avx2;
 
 extern const ntp__gradient_kernels TABLE_NAME(NTP_ISA);
 const ntp__gradient_kernels TABLE_NAME(NTP_ISA) = {
-    tap_sums_i, tap_sums_d,       take_floats,   encode_i,
-    encode_d,   encode_precisely, encode_packed, dither,
+    tap_sums_i,       tap_sums_d,    take_floats, encode_i,   encode_d,
+    encode_precisely, encode_packed, dither,      put_slopes, take_levels,
 };
