@@ -2,6 +2,9 @@
 /* inflate_table.c - tables of deflate's codes; see inflate_table.h */
 #include "inflate_table.h"
 
+#include <limits.h>
+#include <string.h>
+
 #include "inflate.h"
 
 uint32_t ntpio__literal_entry(unsigned symbol)
@@ -34,60 +37,75 @@ uint32_t ntpio__length_entry(unsigned symbol)
     return symbol << 16;
 }
 
-/* The `size` bits of a code as they come: its highest bit first, at the lowest place. */
-static unsigned turned(unsigned code, unsigned size)
-{
-    code = (code & 0x5555) << 1 | (code >> 1 & 0x5555);
-    code = (code & 0x3333) << 2 | (code >> 2 & 0x3333);
-    code = (code & 0x0f0f) << 4 | (code >> 4 & 0x0f0f);
-    code = (code & 0x00ff) << 8 | code >> 8;
-    return code >> (16 - size);
-}
-
 typedef struct code_of {
     uint32_t *table;
     unsigned bits, most; /* of a look-up; of the longest code */
     unsigned used;       /* entries */
+    unsigned linked;     /* the last look-up that got a link */
 } code_of;
 
-/* Writes an entry wherever its code begins what is looked up. */
-static void put(const code_of *c, uint32_t entry, unsigned code, unsigned size)
+/* The next code, as its bits come: the highest bit first, at the lowest place.  It is one more, from
+ * its last bit on. */
+static unsigned next_code(unsigned code, unsigned size)
 {
-    const unsigned turn = turned(code, size);
-    uint32_t *table = c->table;
-    unsigned at = turn, step = size, end = c->bits;
-    if (size > c->bits) {
-        table += c->table[turn & ((1u << c->bits) - 1)] >> 16;
-        at = turn >> c->bits;
-        step = size - c->bits;
-        end = c->most - c->bits;
-    }
-    entry += step | step << 8;
-    for (; at < 1u << end; at += 1u << step)
-        table[at] = entry;
+    const unsigned zeros = code ^ ((1u << size) - 1);
+    const unsigned bit = 1u << (31 - (unsigned) __builtin_clz(zeros | 1));
+    return (code & (bit - 1)) | bit;
 }
 
-/* Has each code that is longer than a look-up a table to go on in? */
-static void put_link(code_of *c, unsigned code, unsigned size)
+/* A code that is longer than a look-up goes on in a table that the entry of its begin links to. */
+static void put_long(code_of *c, uint32_t entry, unsigned code, unsigned size)
 {
-    const unsigned at = turned(code, size) & ((1u << c->bits) - 1);
-    if (c->table[at] != NTPIO__NO_CODE)
-        return;
-    const unsigned more = c->most - c->bits;
-    c->table[at] = NTPIO__LINK | c->bits | more << 8 | (uint32_t) c->used << 16;
-    c->used += 1u << more;
+    const unsigned at = code & ((1u << c->bits) - 1), more = c->most - c->bits;
+    if (at != c->linked) { /* codes that begin alike follow one another */
+        c->linked = at;
+        c->table[at] = NTPIO__LINK | c->bits | more << 8 | (uint32_t) c->used << 16;
+        c->used += 1u << more;
+    }
+    uint32_t *const table = c->table + (c->table[at] >> 16);
+    const unsigned step = size - c->bits;
+    entry += step | step << 8;
+    for (unsigned i = code >> c->bits; i < 1u << more; i += 1u << step)
+        table[i] = entry;
+}
+
+/* Fills a table of a complete code, whose symbols are in the order of their codes. */
+static void fill(code_of *c, const uint16_t *order, const unsigned *count,
+                 ntpio__entry_of *entry_of)
+{
+    unsigned code = 0, size = 0, filled = 0;
+    for (unsigned i = 0; size < c->most;) {
+        size++;
+        if (filled != 0 && size <= c->bits) { /* what comes after a shorter code does not matter */
+            memcpy(c->table + filled, c->table, filled * sizeof *c->table);
+            filled *= 2;
+        }
+        if (count[size] != 0 && filled == 0)
+            filled = 1u << (size < c->bits ? size : c->bits);
+        for (const unsigned end = i + count[size]; i < end; i++) {
+            const uint32_t entry = entry_of(order[i]);
+            if (size <= c->bits)
+                c->table[code] = entry + (size | size << 8);
+            else
+                put_long(c, entry, code, size);
+            code = next_code(code, size);
+        }
+    }
+    for (; filled < 1u << c->bits; filled *= 2)
+        memcpy(c->table + filled, c->table, filled * sizeof *c->table);
 }
 
 bool ntpio__make_table(uint32_t *table, unsigned bits, const uint8_t *sizes, unsigned symbols,
                        ntpio__entry_of *entry_of)
 {
     unsigned count[NTPIO__CODE_MAX + 1] = { 0 }, next[NTPIO__CODE_MAX + 1] = { 0 };
-    code_of c = { .table = table, .bits = bits, .used = 1u << bits };
+    uint16_t order[NTPIO__SYMBOLS_MAX];
+    code_of c = { .table = table, .bits = bits, .used = 1u << bits, .linked = UINT_MAX };
     for (unsigned i = 0; i < symbols; i++)
         count[sizes[i]]++;
     unsigned space = 0;
     for (unsigned size = 1; size <= NTPIO__CODE_MAX; size++) {
-        next[size] = (next[size - 1] + (size > 1 ? count[size - 1] : 0)) << 1;
+        next[size] = next[size - 1] + count[size - 1];
         space += count[size] << (NTPIO__CODE_MAX - size);
         c.most = count[size] != 0 ? size : c.most;
     }
@@ -95,18 +113,14 @@ bool ntpio__make_table(uint32_t *table, unsigned bits, const uint8_t *sizes, uns
     const bool few = entry_of == ntpio__distance_entry && c.most <= 1 && count[1] <= 1;
     if (!complete && !few)
         return false;
-    if (!complete || c.most > bits) {
-        for (unsigned i = 0; i < 1u << bits; i++)
-            table[i] = NTPIO__NO_CODE;
+    for (unsigned i = 0; i < symbols; i++) /* those without a code come first */
+        order[next[sizes[i]]++] = (uint16_t) i;
+    const uint16_t *const coded = order + count[0];
+    if (complete) {
+        fill(&c, coded, count, entry_of);
+        return true;
     }
-    for (unsigned i = 0; i < symbols; i++) {
-        const unsigned size = sizes[i];
-        if (size == 0)
-            continue;
-        const unsigned code = next[size]++;
-        if (size > bits)
-            put_link(&c, code, size);
-        put(&c, entry_of(i), code, size);
-    }
+    for (unsigned i = 0; i < 1u << bits; i++) /* half of them a distance, if there is one */
+        table[i] = c.most != 0 && i % 2 == 0 ? entry_of(coded[0]) + (1 | 1 << 8) : NTPIO__NO_CODE;
     return true;
 }

@@ -22,7 +22,8 @@ enum {
     NTPIO__NO_CODE = NTPIO__SPECIAL | 1 << 16,
     NTPIO__END_OF_BLOCK = 256,
     NTPIO__LITERALS_USED = 286, /* a good block has at most so many */
-    NTPIO__DISTANCES_USED = 30
+    NTPIO__DISTANCES_USED = 30,
+    NTPIO__SYMBOLS_MAX = 288
 };
 
 /* Of what codes are: which entry a symbol has, without the bits of its code. */
