@@ -34,7 +34,7 @@ bench() {
         [ -z "$missing" ] || rm -rf build-bench
         install_missing
     fi
-    build_dir build-bench -Dbench=true -Dtests=false -Dbuildtype=release
+    build_dir build-bench -Dbench=true -Dtests=false -Dbuildtype=release -Dstatic=true
     if [ "${1:-}" = quality ]; then
         shift
         NTP_BUILD=$top/build-bench python bench/quality.py "$@"

@@ -46,7 +46,7 @@ build_dir() {
     quietly "$dir/ninja.log" ninja -C "$dir" -j "$jobs"
 }
 
-build_main() { build_dir build -Dwerror="$werror"; }
+build_main() { build_dir build -Dwerror="$werror" -Dstatic=true; }
 
 # stage NAME COMMAND...: runs it, prints how long it took, remembers failure
 failed=
