@@ -107,7 +107,7 @@ static void keep_levels(facts *f, source *s)
     /* Few levels are common; only unused texels may be further off than that. */
     size_t size = (size_t) f->stats.levels_off_max[f->encoding == NTP_ENCODING_ZZERO] + 1;
     if (w->histogram == NULL)
-        w->histogram = need(calloc(LEVELS, sizeof *w->histogram));
+        w->histogram = need(malloc(LEVELS * sizeof *w->histogram));
     if (ntp_tally_levels_off(w->histogram, size, w->tally, f->encoding) != NTP_OK) {
         size = (size_t) f->stats.max + 1;
         if (ntp_tally_levels_off(w->histogram, size, w->tally, f->encoding) != NTP_OK)
