@@ -185,32 +185,51 @@ void ntpio__unfilter(uint8_t *row, const uint8_t *above, size_t size, size_t tex
     }
 }
 
-/* Two rows of Paeth of which the second one begins at `below`; false: not of these. */
-static bool undo_two(uint8_t *row, uint8_t *below, const uint8_t *above, size_t size, size_t texel)
-{
 #ifdef IN_SSE2
+
+SIZE_KNOWN void undo_two_kinds(uint8_t *row, uint8_t *below, const uint8_t *above, size_t size,
+                               size_t texel, int kind)
+{
+    if (kind == AVERAGE)
+        undo_two_rows(row, below, above, size, texel, AVERAGE);
+    else
+        undo_two_rows(row, below, above, size, texel, PAETH);
+}
+
+/* Two rows of one kind of which the second one begins at `below`; false: not of these. */
+static bool undo_two(uint8_t *row, uint8_t *below, const uint8_t *above, size_t size, size_t texel,
+                     int kind)
+{
     enum { LEAST_TEXELS = 4 };
-    if (size < LEAST_TEXELS * texel)
+    if (size < LEAST_TEXELS * texel || (kind != AVERAGE && (kind != PAETH || texel > 4)))
         return false;
     if (texel == 1)
-        undo_two_of_paeth(row, below, above, size, 1);
+        undo_two_kinds(row, below, above, size, 1, kind);
+    else if (texel == 2)
+        undo_two_kinds(row, below, above, size, 2, kind);
     else if (texel == 3)
-        undo_two_of_paeth(row, below, above, size, 3);
+        undo_two_kinds(row, below, above, size, 3, kind);
     else if (texel == 4)
-        undo_two_of_paeth(row, below, above, size, 4);
-    return texel == 1 || texel == 3 || texel == 4;
-#else
-    (void) row, (void) below, (void) above, (void) size, (void) texel;
-    return false;
-#endif
+        undo_two_kinds(row, below, above, size, 4, kind);
+    else if (texel == 6)
+        undo_two_rows(row, below, above, size, 6, AVERAGE);
+    else
+        undo_two_rows(row, below, above, size, 8, AVERAGE);
+    return true;
 }
+
+#endif
 
 uint32_t ntpio__unfilter_two(uint8_t *row, uint8_t *below, const uint8_t *above, size_t size,
                              size_t texel, const int kinds[2])
 {
-    if (above != NULL && below != NULL && kinds[0] == PAETH && kinds[1] == PAETH &&
-        undo_two(row, below, above, size, texel))
+#ifdef IN_SSE2
+    if (above != NULL && below != NULL && kinds[0] == kinds[1] &&
+        undo_two(row, below, above, size, texel, kinds[0]))
         return 2;
+#else
+    (void) below;
+#endif
     ntpio__unfilter(row, above, size, texel, kinds[0]);
     return 1;
 }

@@ -11,6 +11,13 @@ typedef __m128i sums;  /* two sums, whose sum counts */
 /* In two parts at most, which stay in registers. */
 static inline bytes load(const uint8_t *from, size_t texel)
 {
+    if (texel == 4) {
+        int32_t four;
+        memcpy(&four, from, sizeof four);
+        return _mm_cvtsi32_si128(four);
+    }
+    if (texel == 8)
+        return _mm_loadl_epi64((const __m128i *) (const void *) from);
     const size_t whole = texel >= 4 ? 4 : texel >= 2 ? 2 : 1, rest = texel - whole;
     uint32_t low = 0, high = 0;
     memcpy(&low, from, whole);
@@ -20,6 +27,15 @@ static inline bytes load(const uint8_t *from, size_t texel)
 
 static inline void store(uint8_t *to, bytes value, size_t texel)
 {
+    if (texel == 4) {
+        const int32_t four = _mm_cvtsi128_si32(value);
+        memcpy(to, &four, sizeof four);
+        return;
+    }
+    if (texel == 8) {
+        _mm_storel_epi64((__m128i *) (void *) to, value);
+        return;
+    }
     const size_t whole = texel >= 4 ? 4 : texel >= 2 ? 2 : 1, rest = texel - whole;
     const uint64_t all = (uint64_t) _mm_cvtsi128_si64(value);
     const uint64_t above = all >> 8 * whole;

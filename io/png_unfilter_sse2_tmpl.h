@@ -3,8 +3,8 @@
  * png_unfilter_sse2_tmpl.h - rows whose filters are undone with SSE2; a part of png_filter.c
  *
  * A texel waits for the one to its left, so the way from one to the next decides the speed.  Two
- * rows of Paeth, one below the other, share a register: in its upper half the lower row, two texels
- * behind, where the upper one is done.
+ * rows of Average or Paeth, one below the other, share a register: behind the upper row's texel the
+ * lower row's, two texels to the left, above which the upper row is done.
  *
  * Of a texel, `most` bytes are read and written, since four are faster than three.  Those that
  * follow it are read before they are overwritten, and then written anew with their own texel.  Ends
@@ -94,12 +94,39 @@ SIZE_KNOWN void undo_row(uint8_t *row, const uint8_t *above, size_t size, size_t
     undo_rest(&s, next, row, above, i, size, texel, kind);
 }
 
-/* Two rows of at least four texels of at most four bytes; `below`: the second one. */
-SIZE_KNOWN void undo_two_of_paeth(uint8_t *row, uint8_t *below, const uint8_t *above, size_t size,
-                                  size_t texel)
+/* Two texels of at most `most` bytes in one register, and the second one of such. */
+SIZE_KNOWN bytes join(bytes first, bytes second, size_t most)
+{
+    return most > 4 ? _mm_unpacklo_epi64(first, second) : _mm_unpacklo_epi32(first, second);
+}
+
+SIZE_KNOWN bytes second_of(bytes both, size_t most)
+{
+    return most > 4 ? _mm_unpackhi_epi64(both, both) : _mm_srli_epi64(both, 32);
+}
+
+/* As undo_texel, of two rows.  `before`: `left` of the upper one, two texels before. */
+SIZE_KNOWN bytes undo_both(undone *s, bytes values, bytes above, __m128i before, size_t most,
+                           int kind)
+{
+    if (kind == AVERAGE) {
+        const __m128i ones = _mm_set1_epi8(-1);
+        const __m128i turned = join(_mm_xor_si128(above, ones), before, most);
+        s->left = _mm_sub_epi8(_mm_avg_epu8(s->left, turned), values);
+        return _mm_xor_si128(s->left, ones);
+    }
+    const __m128i b = _mm_unpacklo_epi64(as16(above), before);
+    s->left = undo_paeth16(as16(values), s->left, b, s->above_left);
+    s->above_left = b;
+    return _mm_packus_epi16(s->left, s->left);
+}
+
+/* Two rows of at least four texels; `below`: the second one.  Paeth: texels of at most four bytes. */
+SIZE_KNOWN void undo_two_rows(uint8_t *row, uint8_t *below, const uint8_t *above, size_t size,
+                              size_t texel, int kind)
 {
     const size_t most = most_of(texel), behind = 2 * texel;
-    undone s = no_texels(PAETH);
+    undone s = no_texels(kind);
     __m128i before = s.left; /* of the upper row: the texel before the one to the left */
     bytes next = load(row, most), next_below = load(below, most);
     size_t i = 0;
@@ -107,22 +134,20 @@ SIZE_KNOWN void undo_two_of_paeth(uint8_t *row, uint8_t *below, const uint8_t *a
         const bytes value = next;
         next = load(row + i + texel, most);
         before = s.left;
-        store(row + i, undo_texel(&s, value, above + i, most, PAETH), most);
+        store(row + i, undo_texel(&s, value, above + i, most, kind), most);
     }
     for (; i + texel + most <= size; i += texel) {
-        const __m128i values = as16(_mm_unpacklo_epi32(next, next_below));
+        const bytes values = join(next, next_below, most), over = load(above + i, most);
         next = load(row + i + texel, most);
         next_below = load(below + i + texel - behind, most);
-        const __m128i b = _mm_unpacklo_epi64(as16(load(above + i, most)), before);
-        before = s.left;
-        s.left = undo_paeth16(values, s.left, b, s.above_left);
-        s.above_left = b;
-        const bytes both = _mm_packus_epi16(s.left, s.left);
+        const __m128i left = s.left;
+        const bytes both = undo_both(&s, values, over, before, most, kind);
+        before = left;
         store(row + i, both, most);
-        store(below + i - behind, _mm_srli_epi64(both, 32), most);
+        store(below + i - behind, second_of(both, most), most);
     }
-    undone lower = { _mm_unpackhi_epi64(s.left, s.left),
+    undone lower = { kind == AVERAGE ? second_of(s.left, most) : _mm_unpackhi_epi64(s.left, s.left),
                      _mm_unpackhi_epi64(s.above_left, s.above_left) };
-    undo_rest(&s, next, row, above, i, size, texel, PAETH);
-    undo_rest(&lower, next_below, below, row, i - behind, size, texel, PAETH);
+    undo_rest(&s, next, row, above, i, size, texel, kind);
+    undo_rest(&lower, next_below, below, row, i - behind, size, texel, kind);
 }
