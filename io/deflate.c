@@ -216,6 +216,7 @@ static void begin(ntpio__deflater *d, int level, const uint8_t *bytes, size_t fr
     memset(&d->block, 0, sizeof d->block);
     d->effort = &efforts[level];
     d->literals_are_rare = false;
+    d->misses = 0;
     d->bytes = bytes;
     d->block_from = from;
     d->to = to;

@@ -12,9 +12,13 @@ enum {
     SOON_AFTER = 2, /* bytes after a match, where others are likely */
     RARE = 10,      /* one literal in so many bytes */
     DEEPER = 3,     /* times as deep, where literals are rare */
-    PASS_MAX = 3,   /* bytes, where matches are rare */
-    LAZY = 16,      /* zlib's level 6: a match this long is taken without a look at the next byte */
-    GOOD = 8        /* ... next to a match this long, a quarter of the places is looked at */
+    PASS_MAX = 3,   /* bytes that are passed over, where matches are rare; ... */
+    NOISE = 10,     /* ... from 2^10 without a match on, a 2^8th of them; ... */
+    GROWS = 8,
+    NOISE_PASS = 15, /* ... up to so many */
+    ZLIB_PASS = 7,   /* ... in zlib's way, a 2^10th of them, up to this */
+    LAZY = 16, /* zlib's level 6: a match this long is taken without a look at the next byte */
+    GOOD = 8   /* ... next to a match this long, a quarter of the places is looked at */
 };
 
 /* What it saves << 32 | its symbol.  One number stays in a register, where a struct does not. */
@@ -118,12 +122,35 @@ static inline match goes_on(const ntpio__deflater *d, size_t at, match last)
                                                                                         : NOTHING;
 }
 
+/* A match that was found after bytes were passed over, from as many bytes before as are equal, too. */
+static inline ntpio__match reach_back(const ntpio__deflater *d, ntpio__match m, size_t at,
+                                      size_t least)
+{
+    const uint8_t *here = d->bytes + at, *there = here - (m & 0xffff) - 1;
+    size_t most = NTPIO__LENGTH_MAX - (m >> 16), back = 0;
+    if (most > at - least)
+        most = at - least;
+    while (back < most && there - back > d->bytes &&
+           here[-1 - (ptrdiff_t) back] == there[-1 - (ptrdiff_t) back])
+        back++;
+    return m + ((ntpio__match) back << 16);
+}
+
+/* Few bytes are looked at where there was no match for long. */
+static inline size_t passed_over(size_t misses, int patience)
+{
+    const size_t pass = misses >> patience, more = misses >> GROWS;
+    if (misses >> NOISE == 0 || pass == 0)
+        return pass < PASS_MAX ? pass : PASS_MAX;
+    return more < NOISE_PASS ? more : NOISE_PASS;
+}
+
 /* Reads the span up to `to`, or as far as its last match goes.  Returns where that is. */
 size_t ntpio__read_quickly(ntpio__deflater *d, size_t from, size_t to)
 {
     const effort e = *d->effort;
     size_t at = from, written = from;
-    size_t misses = 0, literals = 0; /* bytes in a row without a match; all of them */
+    size_t misses = d->misses, literals = 0; /* bytes in a row without a match; all of them */
     const int deep = d->literals_are_rare ? DEEPER * e.deep : e.deep;
     const int depth = d->literals_are_rare ? deep : e.depth;
     ntpio__step *out = d->steps + d->count;
@@ -134,10 +161,13 @@ size_t ntpio__read_quickly(ntpio__deflater *d, size_t from, size_t to)
         const uint32_t length = (uint32_t) m >> 16;
         match next = NOTHING;
         if (length == 0) {
-            const size_t pass = misses++ >> e.patience;
-            at += 1 + (pass < PASS_MAX ? pass : PASS_MAX);
+            at += 1 + passed_over(misses++, e.patience);
         } else {
-            const bool looks = length < e.enough && e.looks_ahead && at + 1 < to;
+            const ntpio__match taken = misses >> NOISE == 0
+                                           ? (ntpio__match) m
+                                           : reach_back(d, (ntpio__match) m, at, written);
+            const size_t back = (taken >> 16) - length;
+            const bool looks = back == 0 && length < e.enough && e.looks_ahead && at + 1 < to;
             misses = 0;
             if (looks)
                 next = best_match(d, at + 1, sums + (at + 1 - from), true, deep, e.enough);
@@ -146,8 +176,8 @@ size_t ntpio__read_quickly(ntpio__deflater *d, size_t from, size_t to)
                 m = next;
                 continue;
             }
-            literals += at - written;
-            *out++ = (ntpio__step) { (uint32_t) (at - written), (uint32_t) m };
+            literals += at - back - written;
+            *out++ = (ntpio__step) { (uint32_t) (at - back - written), taken };
             visit_all(d, at + 1 + looks, at + length);
             at += length;
             written = at;
@@ -160,6 +190,7 @@ size_t ntpio__read_quickly(ntpio__deflater *d, size_t from, size_t to)
                 : best_match(d, at, sums + (at - from), misses >> e.near_patience == 0,
                              misses < SOON_AFTER ? deep : depth, e.enough);
     }
+    d->misses = misses;
     at = at < d->to ? at : d->to;
     literals += at - written;
     d->literals_are_rare = RARE * literals < at - from;
@@ -207,7 +238,8 @@ static inline ntpio__match longest_match(const ntpio__deflater *d, size_t at, in
 size_t ntpio__read_as_zlib(ntpio__deflater *d, size_t from, size_t to)
 {
     const effort e = *d->effort;
-    size_t at = from, written = from;
+    size_t at = from, written = from, misses = d->misses;
+    size_t start = from;   /* of the last match */
     ntpio__match last = 0; /* of the byte before, which waits */
     while (at < d->to && (at < to || last != 0)) {
         const uint32_t known = last >> 16;
@@ -217,15 +249,25 @@ size_t ntpio__read_as_zlib(ntpio__deflater *d, size_t from, size_t to)
             next = longest_match(d, at, place, known < FAR_BYTES ? FAR_BYTES - 1 : known,
                                  known < GOOD ? e.depth : e.depth / 4);
         if (last != 0 && next == 0) {
-            d->steps[d->count++] = (ntpio__step) { (uint32_t) (at - 1 - written), last };
-            written = at - 1 + known;
+            d->steps[d->count++] = (ntpio__step) { (uint32_t) (start - written), last };
+            written = start + known;
+            misses = 0;
             while (++at < written)
                 visit_far(d, at);
+        } else if (next != 0) {
+            const ntpio__match longer =
+                misses >> NOISE == 0 || last != 0 ? next : reach_back(d, next, at, written);
+            start = at++ - ((longer - next) >> 16);
+            next = longer;
         } else {
-            at++;
+            const size_t pass = misses++ >> NOISE;
+            const size_t end = at + 1 + (pass < ZLIB_PASS ? pass : ZLIB_PASS);
+            while (++at < end && at < d->to)
+                visit_far(d, at);
         }
         last = next;
     }
+    d->misses = misses;
     if (at > written)
         d->steps[d->count++] = (ntpio__step) { (uint32_t) (at - written), 0 };
     return at;

@@ -62,6 +62,7 @@ struct ntpio__deflater {
     uint32_t distances[NTPIO__DISTANCES];
     uint32_t sums[SPAN + NTPIO__LENGTH_MAX + 1]; /* of costs as literals, from the span's start */
     bool literals_are_rare;                      /* in the span before */
+    size_t misses;                               /* bytes in a row without a match */
     careful *careful;
     const effort *effort;
     const uint8_t *bytes;

@@ -272,7 +272,7 @@ static size_t take_joined(ntpio__png_packer *p, bool ends, const uint8_t **packe
     return size;
 }
 
-/* Adds the bits of a band. */
+/* Adds the bits of a band, and zeros: an empty block begins with three. */
 static void join(ntpio__png_packer *p, const ntpio__band *b)
 {
     const size_t size = (b->bits + 7) / 8;
@@ -287,6 +287,7 @@ static void join(ntpio__png_packer *p, const ntpio__band *b)
         carried >>= 8;
     }
     to[size] = (uint8_t) carried;
+    to[size + 1] = 0;
     p->in_joined += b->bits;
 }
 
