@@ -8,15 +8,15 @@ enum {
     PAYS = 3 * BIT / 2, /* what a match has to save: the codes of its literals grow rarer by it */
     MUCH = 24,          /* of longer matches, only the first and last places are remembered */
     FEW = 8,
-    CLOSE = 4,      /* bytes: distances without extra bits */
-    SOON_AFTER = 2, /* bytes after a match, where others are likely */
-    RARE = 10,      /* one literal in so many bytes */
-    DEEPER = 3,     /* times as deep, where literals are rare */
-    PASS_MAX = 3,   /* bytes that are passed over, where matches are rare; ... */
-    NOISE = 10,     /* ... from 2^10 without a match on, a 2^8th of them; ... */
-    GROWS = 8,
-    NOISE_PASS = 15, /* ... up to so many */
-    ZLIB_PASS = 7,   /* ... in zlib's way, a 2^10th of them, up to this */
+    CLOSE = 4,                    /* bytes: distances without extra bits */
+    SOON_AFTER = 2,               /* bytes after a match, where others are likely */
+    RARE = 10,                    /* one literal in so many bytes */
+    DEEPER = 3,                   /* times as deep, where literals are rare */
+    PASS_MAX = 3,                 /* bytes that are passed over, where matches are rare; ... */
+    NOISE = NTPIO_TABLE_BITS - 4, /* ... from 2^10 without a match on, a 2^8th of them, ... */
+    GROWS = NTPIO_TABLE_BITS - 6, /* (sooner in fuzzing) */
+    NOISE_PASS = 15,              /* ... up to so many; */
+    ZLIB_PASS = 7,                /* in zlib's way, a 2^10th of them, up to this */
     LAZY = 16, /* zlib's level 6: a match this long is taken without a look at the next byte */
     GOOD = 8   /* ... next to a match this long, a quarter of the places is looked at */
 };
