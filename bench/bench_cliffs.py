@@ -6,7 +6,7 @@ NTP_BUILD names the build.  Errors are means of |depth - true depth| in texels, 
 confidence finds the worst tenth of the errors after one shift of the whole.  Seconds are of one
 processor, without the confidence.  --others: stairs and tilted discs, by seeds; 4 of
 these 24 are among those that settings were chosen on.  --objects: 46 scenes of other seeds
-and views, on which no setting of depth was chosen; ask for --size 128, as their rays walk slowly.
+and views, in view of which only the widening of bends was chosen; ask for --size 128, as their rays walk slowly.
 """
 
 import argparse

@@ -1208,7 +1208,7 @@ typedef struct ntp_camera {
 typedef struct ntp_depth_options {
     ntp_camera camera;
     double k; /* how readily a cliff is seen, 2^-20..2^20; 0 means 2, the value of the paper */
-    int32_t rounds;        /* at most, 0..NTP_MAX_ITERATIONS; 0 means 100, 1 is least squares */
+    int32_t rounds;        /* at most, 0..NTP_MAX_ITERATIONS; 0 means 32, 1 is least squares */
     uint32_t touch_unused; /* NTP_UNUSED_*: such texels hold normals */
     /* NULL, or of type U8 or U16, NTP_ENCODING_HEIGHT, of the size of src.  Texels where its sample
      * 0 is 0 are holes. */
@@ -1248,8 +1248,9 @@ NTP_API size_t ntp_depth_scratch_size(int32_t width, int32_t height);
  * each texel and axis there are two equations, with the neighbor on either side.  With a and b the
  * differences of depth to the two, in texels and times the cosine between normal and view, the
  * shares of the equations are 1/(1 + exp(-k (b*b - a*a))) and the rest: the side with the jump
- * hardly counts.  Beside that both equations of a pair of neighbors count 1/(1 + (n/0.07)^2) times
+ * hardly counts.  Beside that both equations of a pair of neighbors count 1/(1 + (n/m)^2) times
  * 1/(1 + (o/f)^2): n is the distance of their normals, o how far depth is off both of their slopes.
+ * m is 0.07, and more where normals bend everywhere, as in folds and patterns.
  * f falls from 3 to 0.3 texels.  All are found in turn, until the sum of squares changes by less
  * than 0.03 percent.  What is cut off all round keeps about the depth that the first rounds gave it:
  * nothing tells it.

@@ -85,10 +85,33 @@ def shares_of(blocks, z, k):
     ]
 
 
-def trust_of(blocks, wanted, normals, z, focal=1, bend=0.07, far=0.3):
+def bends_that_tell(normals, bend=0.07, many=0.125, sharp=0.3, tile=8):
+    """Of each texel: the distance of normals that halves the trust in a pair.  It is greater where bends
+    abound in the tile and those around it."""
+    h, w = normals.shape[:2]
+    bends, pairs = np.zeros((2, -(-h // tile) + 2, -(-w // tile) + 2))
+    for axis in (0, 1):
+        square = np.sum(np.diff(normals.astype(float), axis=axis) ** 2, -1)
+        y, x = np.indices(square.shape) // tile + 1
+        np.add.at(bends, (y, x), square / (square + sharp**2))
+        np.add.at(pairs, (y, x), 1)
+    around = [
+        sum(
+            a[1 + y : a.shape[0] - 1 + y, 1 + x : a.shape[1] - 1 + x]
+            for y in (-1, 0, 1)
+            for x in (-1, 0, 1)
+        )
+        for a in (bends, pairs)
+    ]
+    wide = bend * (1 + (around[0] / (1 + around[1]) / many) ** 2)
+    return np.repeat(np.repeat(wide, tile, 0), tile, 1)[:h, :w]
+
+
+def trust_of(blocks, wanted, normals, z, focal=1, far=0.3):
     """Of all equations where the rounds end, by the normals of both texels and by the depth."""
     h, w = normals.shape[:2]
     index, flat, out = np.arange(h * w), normals.reshape(-1, 3).astype(float), []
+    wide = bends_that_tell(normals).ravel()
     for number, a in enumerate(blocks):
         there = (np.abs(a) > 0).any(1)
         other = np.where(there, index + (1, -1, w, -w)[number], index)
@@ -99,6 +122,6 @@ def trust_of(blocks, wanted, normals, z, focal=1, bend=0.07, far=0.3):
         step = a @ z / np.where(there, view, 1)
         off = np.maximum(np.maximum(step - slopes.max(0), slopes.min(0) - step), 0)
         off *= np.minimum(view, back) ** 2 / focal / far
-        bends = np.sum((flat - flat[other]) ** 2, -1) / bend**2
+        bends = np.sum((flat - flat[other]) ** 2, -1) / wide[np.minimum(index, other)] ** 2
         out.append(np.where(there, 1 / (1 + bends) / (1 + off * off), 0))
     return out

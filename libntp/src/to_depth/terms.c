@@ -26,6 +26,13 @@ static const double LEAST = 1e-6;
  * from half to 1.5 times as much does about as well on made scenes. */
 static const double BEND = 0.07;
 
+/* That holds where the surface is plain.  Where bends abound, as in the folds and patterns of cloth, a
+ * bend tells no cliff.  So BEND is multiplied by 1 + (b/MANY)^2.  b is the share of bends among the
+ * pairs of the tile and the eight around it; one of the size SHARP counts half. */
+static const double MANY = 0.125, SHARP = 0.3;
+
+enum { TILE = 8 }; /* texels along a side */
+
 /* Slopes above 1 / GRAZING are taken for that. */
 static const double GRAZING = 0.002;
 
@@ -120,7 +127,80 @@ static void join(ntp__terms *t, int32_t d, int32_t before, int32_t i)
     double x = (double) t->axis[0].rise[i] - (double) t->axis[0].rise[before];
     double y = (double) t->axis[1].rise[i] - (double) t->axis[1].rise[before];
     double z = t->force[i] - t->force[before];
-    a->even[before] = (float) (1 / (1 + (x * x + y * y + z * z) / (BEND * BEND)));
+    a->even[before] = (float) (x * x + y * y + z * z); /* until all is read */
+}
+
+/* The texels of a tile. */
+typedef struct tile {
+    int32_t left, top, right, bottom;
+} tile;
+
+static tile tile_at(int32_t across, int32_t down, int32_t width, int32_t height)
+{
+    tile at = { across * TILE, down * TILE, (across + 1) * TILE, (down + 1) * TILE };
+    at.right = at.right < width ? at.right : width;
+    at.bottom = at.bottom < height ? at.bottom : height;
+    return at;
+}
+
+/* Adds up the pairs of a tile and how many of them are bends. */
+static void count_bends(const ntp__terms *t, const int32_t *node, int32_t width, tile at,
+                        double *bends, float *pairs)
+{
+    *bends = 0;
+    *pairs = 0;
+    for (int32_t y = at.top; y < at.bottom; y++) {
+        for (int32_t x = at.left; x < at.right; x++) {
+            int32_t i = node[(size_t) y * (size_t) width + (size_t) x];
+            for (int32_t d = 0; d < 2; d++) {
+                if (i < 0 || t->axis[d].after[i] < 0)
+                    continue;
+                double square = (double) t->axis[d].even[i];
+                *bends += square / (square + SHARP * SHARP);
+                *pairs += 1;
+            }
+        }
+    }
+}
+
+/* From squares of distances to trust. */
+static void trust_tile(const ntp__terms *t, const int32_t *node, int32_t width, tile at,
+                       double share)
+{
+    double wide = BEND * (1 + share * share / (MANY * MANY));
+    for (int32_t y = at.top; y < at.bottom; y++) {
+        for (int32_t x = at.left; x < at.right; x++) {
+            int32_t i = node[(size_t) y * (size_t) width + (size_t) x];
+            for (int32_t d = 0; d < 2; d++) {
+                if (i < 0 || t->axis[d].after[i] < 0)
+                    continue;
+                float *even = &t->axis[d].even[i];
+                *even = (float) (1 / (1 + (double) *even / (wide * wide)));
+            }
+        }
+    }
+}
+
+/* The same for all tiles.  z and pull are not yet in use. */
+static void trust_normals(ntp__terms *t, const int32_t *node, int32_t width, int32_t height)
+{
+    int32_t across = (width + TILE - 1) / TILE, down = (height + TILE - 1) / TILE;
+    double *bends = t->z;
+    float *pairs = t->axis[0].pull;
+    for (int32_t m = 0; m < across * down; m++)
+        count_bends(t, node, width, tile_at(m % across, m / across, width, height), &bends[m],
+                    &pairs[m]);
+    for (int32_t m = 0; m < across * down; m++) {
+        double sum = 0, all = 1; /* so that it is never 0 */
+        int32_t x0 = m % across, y0 = m / across;
+        for (int32_t y = y0 > 0 ? y0 - 1 : 0; y <= y0 + 1 && y < down; y++) {
+            for (int32_t x = x0 > 0 ? x0 - 1 : 0; x <= x0 + 1 && x < across; x++) {
+                sum += bends[y * across + x];
+                all += (double) pairs[y * across + x];
+            }
+        }
+        trust_tile(t, node, width, tile_at(x0, y0, width, height), sum / all);
+    }
 }
 
 void ntp__terms_read(ntp__terms *t, int32_t *node, const ntp_const_image *src,
@@ -153,6 +233,7 @@ void ntp__terms_read(ntp__terms *t, int32_t *node, const ntp_const_image *src,
         }
     }
     t->nodes = n;
+    trust_normals(t, node, src->width, src->height);
 }
 
 /* --------------------------------------------------------------------- shares and springs */
