@@ -239,7 +239,7 @@ static void add_exact_texels(close_check *k, int32_t n)
         ntp__add_exact(&k->exact, &found);
     for (int32_t i = 0; i < n; i++) {
         const int32_t c[3] = { rgb[3 * i], rgb[3 * i + 1], rgb[3 * i + 2] };
-        const bool other = i >= done || (found.others[i / 8] >> i % 8 & 1);
+        const bool other = i >= done || (left < done - found.texels && found.left[left] == i);
         CHECK(other || !is_odd(c));
         for (int32_t e = 0; other && e < 3; e++)
             others.c[e][left] = c[e];

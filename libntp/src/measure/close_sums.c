@@ -66,7 +66,8 @@ static uint32_t exact_rows(const ntp__sums *sums)
 
 static uint32_t exact_distances(const ntp__sums *sums)
 {
-    const uint32_t most = NTP__EXACT_DISTANCES - 1, used = sums->fit[1].levels_off_max + 1;
+    const uint32_t most = NTP__EXACT_DISTANCES - NTP__EXACT_LESS,
+                   used = sums->fit[1].levels_off_max + 1;
     return used < most ? used : most;
 }
 
@@ -157,20 +158,21 @@ static void add_exact_counts(ntp__sums *sums, const ntp__close_counts *close)
             add_exact(sums, steep, i & NTP__EXACT_PASSED, (1 + row) * ONE, count);
     }
     for (uint32_t off = 0; off < exact_distances(sums); off++)
-        zz->levels_off[off] += close->exact_off[off + 1];
+        zz->levels_off[off] += close->exact_off[off + NTP__EXACT_LESS];
 }
 
 void ntp__merge_close(ntp__close_counts *into, const ntp__close_counts *from, const ntp__sums *sums)
 {
     ntp__merge_counts((uint32_t *) into, (const uint32_t *) from,
                       close_prefix(sums) / sizeof(uint32_t));
-    ntp__merge_counts(into->exact_off, from->exact_off, exact_distances(sums) + 1);
+    ntp__merge_counts(into->exact_off, from->exact_off, exact_distances(sums) + NTP__EXACT_LESS);
 }
 
 void ntp__clear_close(ntp__close_counts *close, const ntp__sums *sums)
 {
     memset(close, 0, close_prefix(sums));
-    memset(close->exact_off, 0, (exact_distances(sums) + 1) * sizeof close->exact_off[0]);
+    memset(close->exact_off, 0,
+           (exact_distances(sums) + NTP__EXACT_LESS) * sizeof close->exact_off[0]);
 }
 
 void ntp__add_close(ntp__sums *sums, const ntp__close_counts *close)

@@ -284,9 +284,6 @@ typedef struct waiting {
 static void end_waiting(ntp_tally *t, waiting *w)
 {
     if (w->odd) {
-        for (int32_t i = 0; i < w->n; i++)
-            w->block.c[3][i] = 65535;
-        w->block.any_broken = false;
         count_each(t, &w->block, w->n, 65535);
     } else if (w->n > 0) {
         t->is_wide = 1;
@@ -300,7 +297,7 @@ static void wait(waiting *w, const uint16_t *p)
 {
     for (int32_t k = 0; k < 3; k++)
         w->block.c[k][w->n] = p[k];
-    w->n++;
+    w->block.c[3][w->n++] = 65535;
 }
 
 /* Standard, as most textures of 16 bit are. */
@@ -314,12 +311,8 @@ static void count_rgb16(ntp_tally *t, waiting *w, const uint16_t *p, int32_t n)
     if (w->n + n - found.texels > NTP__BLOCK)
         end_waiting(t, w);
     w->odd |= found.survey.odd != 0 || done < n;
-    for (int32_t i = 0; i < done; i += 8) {
-        for (int32_t k = i, left = found.others[i / 8]; left != 0; left >>= 1, k++) {
-            if (left & 1)
-                wait(w, p + 3 * k);
-        }
-    }
+    for (int32_t i = 0; i < done - found.texels; i++)
+        wait(w, p + 3 * found.left[i]);
     for (int32_t i = done; i < n; i++) {
         add_color(t, p[3 * i], p[3 * i + 1], p[3 * i + 2]);
         wait(w, p + 3 * i);
@@ -461,7 +454,7 @@ ntp_status ntp_tally_add(ntp_tally *tally, const ntp_const_image *src, uint32_t 
     tally->summed = 0;
     waiting left;
     left.n = 0;
-    left.odd = false;
+    left.odd = left.block.any_broken = false;
     for (int32_t y = rect.y0; y < rect.y1; y++)
         count_row(tally, &left, src, rect.x0, rect.x1, y);
     end_waiting(tally, &left);

@@ -37,8 +37,8 @@ enum {
  * Exact texels have places of their own, by their standard length: how many of the limits of 65536
  * levels, of 1, and of 65537 levels it reaches.  Those that are nearly flat come first, with the
  * distance of blue from that of Z-zero.  Behind them are others by steepness and length in Z-zero,
- * with this distance in a table of its own.  There are distances plus 1: at 0, what is no such texel
- * is counted and forgotten.
+ * with this distance in a table of its own.  Distances have LESS added here, or 1 in places: below that,
+ * what is no such texel is counted and forgotten.
  */
 enum {
     NTP__EXACT_NEAR = 14, /* levels of blue below 65536 */
@@ -55,7 +55,8 @@ enum {
 
     NTP__EXACT_FAR = NTP__EXACT_NEAR_PLACES * NTP__EXACT_NEAR_COPIES,
     NTP__EXACT_COUNTS = NTP__EXACT_FAR + NTP__EXACT_ROWS * NTP__EXACT_ROW * NTP__CLOSE_COPIES,
-    NTP__EXACT_DISTANCES = 32768 + 2
+    NTP__EXACT_LESS = 8,
+    NTP__EXACT_DISTANCES = 32768 + 1 + NTP__EXACT_LESS
 };
 
 typedef struct ntp__close_counts {

@@ -130,7 +130,7 @@ typedef struct ntp__exact_block {
     int32_t texels, far; /* exact ones, and those of them that are not nearly flat */
     uint32_t length_sum, least, greatest, levels_off_max; /* of far > 0 */
     uint64_t length_error2;
-    uint8_t others[32]; /* a bit for each texel that is not counted */
+    uint8_t left[256]; /* the places of the texels that are not counted, n - texels */
 } ntp__exact_block;
 
 /* Counts packed 16-bit texels that are exact and not odd (ntp__survey).  It leaves a last group of
