@@ -27,10 +27,13 @@
 #  define ONE_COPY
 #endif
 
-/* Before a loop of a few steps over registers: unrolled also where the compiler saves code. */
+/* For what is written once for two depths, or for three and four channels; and before a loop of a few
+ * steps over registers, which is unrolled also where the compiler saves code. */
 #ifdef __GNUC__
-#  define UNROLLED _Pragma("GCC unroll 8")
+#  define ALWAYS_INLINE inline __attribute__((always_inline))
+#  define UNROLLED      _Pragma("GCC unroll 8")
 #else
+#  define ALWAYS_INLINE inline
 #  define UNROLLED
 #endif
 

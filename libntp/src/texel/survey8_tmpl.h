@@ -22,7 +22,8 @@ static inline uint64_t sum_of_lanes(__m256i v)
     return (uint64_t) _mm_cvtsi128_si64(_mm_add_epi64(half, _mm_unpackhi_epi64(half, half)));
 }
 
-static inline int32_t survey8_of(ntp__survey8 *s, const uint8_t *p, int32_t n, const int channels)
+static ALWAYS_INLINE int32_t survey8_of(ntp__survey8 *s, const uint8_t *p, int32_t n,
+                                        const int channels)
 {
     enum { BYTES = 32 };
     /* Every third byte, and every fourth; from the first place where they begin. */
@@ -40,22 +41,27 @@ static inline int32_t survey8_of(ntp__survey8 *s, const uint8_t *p, int32_t n, c
     __m256i of[3], sum[3] = { none, none, none };
     __m256i least[3] = { all, all, all }, greatest[3] = { none, none, none };
     int32_t done = 0;
+    UNROLLED
     for (int c = 0; c < 3; c++)
         of[c] = _mm256_loadu_si256(
             (const __m256i *) (const void *) (EVERY[channels - 3] + (channels - c) % channels));
     for (; done + step <= n; done += step) {
+        UNROLLED
         for (int k = 0; k < vectors; k++, p += BYTES) {
             const __m256i v = _mm256_loadu_si256((const __m256i *) (const void *) p);
             least[k] = _mm256_min_epu8(least[k], v);
             greatest[k] = _mm256_max_epu8(greatest[k], v);
+            UNROLLED
             for (int c = 0; c < 3; c++) {
                 const __m256i own = _mm256_and_si256(v, of[(c + k) % 3]);
                 sum[c] = _mm256_add_epi64(sum[c], _mm256_sad_epu8(own, none));
             }
         }
     }
+    UNROLLED
     for (int c = 0; c < 3; c++) {
         __m256i low = all, high = none;
+        UNROLLED
         for (int k = 0; k < vectors; k++) {
             const __m256i own = of[(c + k) % 3];
             low = _mm256_min_epu8(low, _mm256_or_si256(least[k], _mm256_xor_si256(own, all)));
