@@ -25,7 +25,7 @@ MOST = 1.5
 SIZE = 256
 NAMES = (*heights.NAMES, "baked")
 KERNELS = ("central", "forward", "sobel3", "baked")
-BORDERS = "wrap clamp mirror extrapolate repeat-slope".split()
+BORDERS = ["wrap", "clamp", "mirror", "extrapolate", "repeat-slope"]
 DAMAGED = ("JPEG 95", "JPEG 85", "BC1", "noise 4")
 SPONZA = "turanszkij+WickedEngine/Content/models/Sponza/textures/"
 # Below NTP_CORPUS or NTP_REAL.
@@ -36,10 +36,17 @@ FILES = [
     "tex-trak5_src.dpkdir/tile1_h.png",
     *(
         f"{SPONZA}{name}_bump.png"
-        for name in (
-            "spnza_bricks_a lion vase_round background sponza_column_b sponza_arch vase "
-            "chain_texture sponza_thorn"
-        ).split()
+        for name in [
+            "spnza_bricks_a",
+            "lion",
+            "vase_round",
+            "background",
+            "sponza_column_b",
+            "sponza_arch",
+            "vase",
+            "chain_texture",
+            "sponza_thorn",
+        ]
     ),
     "JoeyDeVries+LearnOpenGL/resources/textures/bricks2_disp.jpg",
 ]

@@ -16,6 +16,7 @@ from support.to_height import (
     NEUTRAL,
     STORED,
     UNORM,
+    WRAP,
     Z_AUTO,
     bricks,
     bumps,
@@ -215,3 +216,65 @@ def test_ground_that_leans_on_purpose_still_leans():
         ours, info = reconstruct(n, decode=DECODE_AUTO, **how)
         assert info["decode"] == UNORM
         assert (ours == reconstruct(n, decode=UNORM, **how)[0]).all()
+
+
+def lean(n):
+    """What flat ground adds to the mean levels of red and green: the pile of levels around zero."""
+    seen = 2.0 * n[:, ::4, :2].reshape(-1, 2) - 255  # of every fourth texel
+    far = np.abs(seen).max(1) / 2
+    best, found = 0.1, np.zeros(2)
+    for size in (1, 2, 4):
+        inside, middle, outside = ((far < k * size).mean() for k in (1, 2, 3))
+        around = (outside - middle) / (36 - 16)  # a square of size x size
+        share = middle - 16 * around
+        if inside >= 4 * 4 * around and share > best:
+            best = share
+            found = (seen * (far < 2 * size)[:, None]).mean(0) / 2
+            found *= np.abs(found).max() <= 0.75 * share  # on purpose
+            found = np.clip(found, -share / 2, share / 2)
+            found[np.abs(found) < 0.1] = 0
+    return found
+
+
+@pytest.mark.parametrize("surface", [bumps, bricks])
+@pytest.mark.parametrize("damage", [jpeg, noisy])
+@pytest.mark.parametrize("y", [ntp.UP, ntp.DOWN])
+def test_flat_ground_of_damaged_normals_does_not_lean(surface, damage, y):
+    """0 rounds to 128, half a level too high; a plane is taken out where a border does not wrap."""
+    h = surface(192).astype(np.float32)
+    n = damage(from_height(h, border_x=MIRROR, border_y=MIRROR)).copy()
+    if y == ntp.DOWN:
+        n[..., 1] = 255 - n[..., 1]
+    p, q = lean(n) * 2 / 255
+    assert p != 0 or q != 0 or (surface is bricks and damage is jpeg)  # walls hide that pile
+    for border_x, border_y in ((MIRROR, MIRROR), (MIRROR, WRAP), (WRAP, MIRROR), (WRAP, WRAP)):
+        how = {"border_x": border_x, "border_y": border_y, "z": Z_AUTO, "dx": 2, "dy": 3, "y": y}
+        plain = reconstruct(n, decode=UNORM, **how)[0].astype(float)
+        ours, info = reconstruct(n, decode=DECODE_AUTO, **how)
+        away = np.arange(192) - 191 / 2
+        along = 2 * p * away * (border_x != WRAP)
+        down = -3 * q * away * (border_y != WRAP) * (1 if y == ntp.UP else -1)
+        assert info["decode"] == UNORM
+        assert np.allclose(ours, plain + along + down[:, None], atol=1e-3)
+        assert (info["min"], info["max"]) == (ours.min(), ours.max())
+
+
+@pytest.mark.parametrize("damage", [jpeg, noisy])
+def test_level_ground_is_nearer_to_the_heights(damage):
+    h = bumps(192).astype(np.float32)
+    n = damage(from_height(h, border_x=MIRROR, border_y=MIRROR))
+    how = {"border_x": MIRROR, "border_y": MIRROR, "z": Z_AUTO}
+    auto, plain = (reconstruct(n, decode=d, **how)[0] for d in (DECODE_AUTO, UNORM))
+    assert error(auto, h) <= 0.6 * error(plain, h)
+
+
+def test_only_damaged_flat_ground_is_leveled():
+    """Not undamaged bumps, slopes without a pile, or heights that are refined."""
+    how = {"border_x": MIRROR, "border_y": MIRROR, "z": STORED}
+    clean = from_height(bumps(192).astype(np.float32), border_x=MIRROR, border_y=MIRROR)
+    cases = [(clean, 0), (noisy(made("central", 0.5)[1]), 0), (noisy(clean), 1)]
+    for n, refine in cases:
+        auto, plain = (
+            reconstruct(n, decode=d, refine=refine, **how)[0] for d in (DECODE_AUTO, UNORM)
+        )
+        assert (auto == plain).all()

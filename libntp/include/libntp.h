@@ -1054,7 +1054,9 @@ NTP_API size_t ntp_height_scratch_size(const ntp_height_options *how, int32_t wi
  * rounding makes it, unless all of green is 128; and if all of red or of green is 128 and that
  * axis does not wrap; else UNORM.  It chooses NEUTRAL too where most texels within 5 levels of zero have
  * one red and one green, as flat ground has after block compression: then all levels as near to zero as
- * these are 0.  NTP_Z_AUTO chooses the derived z if tilted texels have the
+ * these are 0.  Where it chooses UNORM and the stored z for normals whose lengths are off by more than
+ * three times their rounding, flat ground has a pile of levels around 128, and all heights would lean by
+ * it: without refine and detrend the direct solver takes that plane out.  NTP_Z_AUTO chooses the derived z if tilted texels have the
  * blue that is derived from red and green, or if lengths are off by more than three times their
  * rounding while x and y are too long in at most one texel of 50,000 and blue does not follow
  * them; NTP_ENCODING_VECTOR: stored.  Where it chooses the stored z and damage made some vectors

@@ -90,6 +90,18 @@ enum { NEAR = 5, NEAR_LEVELS = 2 * NEAR, FIRST_NEAR = 128 - NEAR, EACH = 4 };
 static const double ground_share = 0.1;
 static const int32_t coarse[2][2] = { { 123, 132 }, { 125, 130 } };
 
+/* 0 rounds to 128, half a level above zero, so heights of flat ground lean.  Undamaged textures are to
+ * come back texel by texel, and keep that.  Damaged ones do not come back anyway, so the lean is taken
+ * out.  Flat ground is a pile of levels around zero, in red and green together, as wide as the damage.
+ * Its texels are so many times as dense as those around it (slopes that are not flat: 1.6 times at
+ * most).  It leans by the mean of its levels times its share of all texels, at most by half a level.
+ * A pile whose mean is further off leans on purpose.  Less than a tenth of a level may be chance. */
+enum {
+    SIZES = 3,
+    RINGS = 12 /* the widest pile, four levels to each side, and what is around it */
+};
+static const double pile_density = 4, least_lean = 0.1, purpose = 0.75;
+
 typedef struct rule {
     double zero, unit; /* v = (2 c - zero) unit */
     double sum, gain, gain2;
@@ -117,6 +129,8 @@ typedef struct evidence {
     double level;                     /* of green: texels at 128 */
     int32_t ground[2][NEAR_LEVELS];   /* of red, of green: texels at each level near zero */
     int32_t asked;                    /* so many texels were looked at for that */
+    int32_t ring[RINGS];              /* texels with both so many levels from zero */
+    int32_t ring_sum[2][RINGS];       /* of red, of green: their distances in half levels */
     uint8_t votes[1 << 2 * VOTE_BITS];
 } evidence;
 
@@ -136,6 +150,13 @@ static void add_ground(evidence *e, const ntp__block *b, int32_t n)
             int32_t at = b->c[c][i] - FIRST_NEAR;
             if (at >= 0 && at < NEAR_LEVELS)
                 e->ground[c][at]++;
+        }
+        int32_t x = 2 * b->c[0][i] - 255, y = 2 * b->c[1][i] - 255;
+        int32_t ring = (abs(x) > abs(y) ? abs(x) : abs(y)) / 2;
+        if (ring < RINGS) {
+            e->ring[ring]++;
+            e->ring_sum[0][ring] += x;
+            e->ring_sum[1][ring] += y;
         }
         e->asked++;
     }
@@ -354,6 +375,32 @@ static void level_ground(ntp__height_plan *plan, const evidence *e, bool damaged
     }
 }
 
+/* How far the levels of red and green of a damaged texture lie above zero because flat ground does. */
+static void find_lean(ntp__height_plan *plan, const evidence *e)
+{
+    double within[RINGS + 1] = { 0 }, best = ground_share;
+    for (int32_t r = 0; r < RINGS; r++)
+        within[r + 1] = within[r] + (double) e->ring[r] / e->asked;
+    for (int32_t k = 0; k < SIZES; k++) {
+        int32_t size = 1 << k, area = 4 * size * size;
+        double around = (within[3 * size] - within[2 * size]) / (5 * area);
+        double share = within[2 * size] - 4 * area * around;
+        if (within[size] < pile_density * around * area || share <= best)
+            continue;
+        best = share;
+        double lean[2] = { 0 };
+        for (int32_t c = 0; c < 2; c++) {
+            for (int32_t r = 0; r < 2 * size; r++)
+                lean[c] += e->ring_sum[c][r] / (2.0 * e->asked);
+        }
+        bool on_purpose = fabs(lean[0]) > purpose * share || fabs(lean[1]) > purpose * share;
+        for (int32_t c = 0; c < 2; c++) {
+            double most = share / 2, v = lean[c] > most ? most : lean[c] < -most ? -most : lean[c];
+            plan->lean[c] = on_purpose || fabs(v) < least_lean ? 0 : v * 2 / 255;
+        }
+    }
+}
+
 static void choose_decode(ntp__height_plan *plan, const ntp_const_image *src, const evidence *e)
 {
     bool rules = src->encoding == NTP_ENCODING_STANDARD;
@@ -431,8 +478,12 @@ void ntp__decode_by_evidence(ntp__height_plan *plan, const ntp_const_image *src)
     look(&e, src, plan->touch_unused, src->type == NTP_TYPE_U8 && !plain);
     if (decode)
         choose_decode(plan, src, &e);
+    bool damaged = e.lengths > most_error * noise * 4 * m * m * m * m * e.all;
     if (decode)
-        level_ground(plan, &e, e.lengths > most_error * noise * 4 * m * m * m * m * e.all);
+        level_ground(plan, &e, damaged);
     if (plan->z == NTP_Z_AUTO)
         choose_z(plan, src, &e);
+    if (decode && damaged && plan->decode == NTP_DECODE_UNORM && plan->z == NTP_Z_STORED &&
+        src->encoding == NTP_ENCODING_STANDARD)
+        find_lean(plan, &e);
 }

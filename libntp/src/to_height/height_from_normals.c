@@ -209,6 +209,18 @@ static ntp_status refine(run *t)
 
 /* ------------------------------------------------------------------------------- result */
 
+/* Adds a plane of mean 0 with these steps from texel to texel. */
+static void tilt(const ntp_image *dst, double step_x, double step_y)
+{
+    double middle_x = (dst->width - 1) / 2.0, middle_y = (dst->height - 1) / 2.0;
+    for (int32_t y = 0; y < dst->height; y++) {
+        float *row = ntp__at_mut(dst, 0, y);
+        double shift = (y - middle_y) * step_y;
+        for (int32_t x = 0; x < dst->width; x++)
+            row[x] = (float) ((double) row[x] + shift + (x - middle_x) * step_x);
+    }
+}
+
 /* Subtracts the best plane from heights of mean 0, along the axes that do not wrap.  On a rectangle
  * the columns and the rows are orthogonal, so each slope is fitted by itself. */
 static void detrend(const ntp_image *dst, const ntp__height_plan *plan, ntp_height_result *result)
@@ -230,12 +242,22 @@ static void detrend(const ntp_image *dst, const ntp__height_plan *plan, ntp_heig
         result->trend_x = 12 * along / (h * w * (w * w - 1));
     if (!plan->wrap_y && dst->height > 1)
         result->trend_y = 12 * down / (w * h * (h * h - 1));
-    for (int32_t y = 0; y < dst->height; y++) {
-        float *row = ntp__at_mut(dst, 0, y);
-        double shift = (y - middle_y) * result->trend_y;
-        for (int32_t x = 0; x < dst->width; x++)
-            row[x] = (float) ((double) row[x] - shift - (x - middle_x) * result->trend_x);
-    }
+    tilt(dst, -result->trend_x, -result->trend_y);
+}
+
+/* Levels flat ground of a damaged texture, whose levels add a constant to all slopes.  That is a
+ * plane along the axes that do not wrap; false: there is none. */
+static bool level_lean(const run *t)
+{
+    const ntp__height_plan *plan = &t->plan;
+    double sign = t->src->y == NTP_Y_UP ? 1 : -1;
+    double x = plan->wrap_x ? 0 : plan->lean[0] * plan->dx;
+    double y = plan->wrap_y ? 0 : plan->lean[1] * plan->dy * -sign;
+    if (plan->solver != NTP__SOLVER_DIRECT || plan->refine > 0 || plan->detrend ||
+        (x == 0 && y == 0))
+        return false;
+    tilt(t->dst, x, y);
+    return true;
 }
 
 /* ------------------------------------------------------------------------------- public */
@@ -267,8 +289,8 @@ static ntp_status work(run *t)
     if (t->plan.detrend && !weighted)
         detrend(t->dst, &t->plan, &t->result);
     /* The direct solver has found the range while it wrote. */
-    if (weighted || t->plan.solver == NTP__SOLVER_TELESCOPING || t->plan.refine > 0 ||
-        t->plan.detrend)
+    if (level_lean(t) || weighted || t->plan.solver == NTP__SOLVER_TELESCOPING ||
+        t->plan.refine > 0 || t->plan.detrend)
         find_range(t->dst, &t->result);
     return status;
 }

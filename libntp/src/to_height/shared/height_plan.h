@@ -29,6 +29,7 @@ typedef struct ntp__height_plan {
     ntp_prior prior;
     ntp_decode decode; /* may be AUTO until the texture has been looked at */
     int32_t neutral;   /* with NEUTRAL: levels up to so many halves from zero are 0 */
+    double lean[2];    /* of nx and ny: what flat ground of a damaged texture adds to their means */
     ntp_z z;           /* the same */
     double least_z;    /* a stored z below this counts as this; 0: only the rule of half a level */
     bool mix_z;        /* the stored z is damaged as x and y are: all three tell it; see slopes.c */
