@@ -1054,14 +1054,16 @@ NTP_API size_t ntp_height_scratch_size(const ntp_height_options *how, int32_t wi
  * rounding makes it, unless all of green is 128; and if all of red or of green is 128 and that
  * axis does not wrap; else UNORM.  It chooses NEUTRAL too where most texels within 5 levels of zero have
  * one red and one green, as flat ground has after block compression: then all levels as near to zero as
- * these are 0.  Where it chooses UNORM and the stored z for normals whose lengths are off by more than
- * three times their rounding, flat ground has a pile of levels around 128, and all heights would lean by
- * it: without refine and detrend the direct solver takes that plane out.  NTP_Z_AUTO chooses the derived z if tilted texels have the
+ * these are 0.  NTP_Z_AUTO chooses the derived z if tilted texels have the
  * blue that is derived from red and green, or if lengths are off by more than three times their
  * rounding while x and y are too long in at most one texel of 50,000 and blue does not follow
  * them; NTP_ENCODING_VECTOR: stored.  Where it chooses the stored z and damage made some vectors
  * longer than 1, a mean of both counts: of the stored z the share x*x + y*y, of the derived one the
  * rest.  A z below twice the error that negative z show counts as that.
+ *
+ * Where the choices are UNORM and the stored z, and lengths are off by more than three times their
+ * rounding, levels of flat ground are a pile around 128, half a level above zero.  The direct solver then
+ * takes out the plane by which heights would lean along axes that do not wrap; not with refine or detrend.
  *
  * Telescoping (Eberly 3.1, 3.2): forward goes along the first row and down each column.  central
  * goes in steps of two from h(0,0), h(1,0), h(0,1), h(1,1); by default h(0,0) = 0, and each other
