@@ -108,13 +108,13 @@ static void any_bad(int32_t *bad, const columns *c, int32_t n)
     }
 }
 
-/* The bits that an integer takes, 0 for 0.  The exponent of its float tells. */
+/* The bits that a positive integer takes, 0 for 0 and -0.  The exponent of its float tells. */
 static inline int32_t bit_length(float v)
 {
     enum { MANTISSA_BITS = 23, HALF = 126 /* the exponent of 0.5 as stored */ };
     uint32_t bits;
     memcpy(&bits, &v, sizeof bits);
-    return bits == 0 ? 0 : (int32_t) (bits >> MANTISSA_BITS) - HALF;
+    return v == 0 ? 0 : (int32_t) (bits >> MANTISSA_BITS) - HALF;
 }
 
 static inline void add_loop(loop_sums *acc, int32_t block, float u, float v)
@@ -152,8 +152,8 @@ static void add_stretch(ntp_orientation *acc, const ntp_const_image *src, uint32
     columns sums;
     ntp__block block;
     float u[NTP__BLOCK], v[NTP__BLOCK], p_x[NTP__BLOCK], q_y[NTP__BLOCK];
-    int32_t bad[NTP__BLOCK], m = ntp__max(src->type), texels = n + TAPS - 1,
-                             wide = cell(src->width);
+    int32_t bad[NTP__BLOCK];
+    int32_t m = ntp__max(src->type), texels = n + TAPS - 1, wide = cell(src->width);
     memset(&sums, 0, offsetof(columns, p));
     for (int32_t k = 0; k < TAPS; k++) {
         ntp__unpack(&block, src, x - BEFORE, y - BEFORE + k, texels);

@@ -48,6 +48,7 @@ static inline void ntp__add_slopes(columns *restrict sums, float *restrict p, fl
         float z = sqrtf((float) (int32_t) (s >> shift));
         float px = (float) (x * (SLOPE_ONE >> half)) / z,
               py = (float) (y * (SLOPE_ONE >> half)) / z;
+        /* Compilers may truncate these as floats, which makes -0 of small ones. */
         p[i] = (float) (int32_t) px;
         q[i] = (float) (int32_t) py;
     }
