@@ -143,24 +143,35 @@ static tile tile_at(int32_t across, int32_t down, int32_t width, int32_t height)
     return at;
 }
 
-/* Adds up the pairs of a tile and how many of them are bends. */
-static void count_bends(const ntp__terms *t, const int32_t *node, int32_t width, tile at,
-                        double *bends, float *pairs)
+/* Where the squares of distances of a tile's pairs are; returns how many these are. */
+static int32_t find_pairs(float *pairs[2 * TILE * TILE], const ntp__terms *t, const int32_t *node,
+                          int32_t width, tile at)
 {
-    *bends = 0;
-    *pairs = 0;
+    int32_t n = 0;
     for (int32_t y = at.top; y < at.bottom; y++) {
         for (int32_t x = at.left; x < at.right; x++) {
             int32_t i = node[(size_t) y * (size_t) width + (size_t) x];
             for (int32_t d = 0; d < 2; d++) {
-                if (i < 0 || t->axis[d].after[i] < 0)
-                    continue;
-                double square = (double) t->axis[d].even[i];
-                *bends += square / (square + SHARP * SHARP);
-                *pairs += 1;
+                if (i >= 0 && t->axis[d].after[i] >= 0)
+                    pairs[n++] = &t->axis[d].even[i];
             }
         }
     }
+    return n;
+}
+
+/* Adds up the bends of a tile; returns how many pairs it has. */
+static int32_t count_bends(double *bends, const ntp__terms *t, const int32_t *node, int32_t width,
+                           tile at)
+{
+    float *pairs[2 * TILE * TILE];
+    int32_t n = find_pairs(pairs, t, node, width, at);
+    *bends = 0;
+    for (int32_t i = 0; i < n; i++) {
+        double square = (double) *pairs[i];
+        *bends += square / (square + SHARP * SHARP);
+    }
+    return n;
 }
 
 /* From squares of distances to trust. */
@@ -168,17 +179,10 @@ static void trust_tile(const ntp__terms *t, const int32_t *node, int32_t width, 
                        double share)
 {
     double wide = BEND * (1 + share * share / (MANY * MANY));
-    for (int32_t y = at.top; y < at.bottom; y++) {
-        for (int32_t x = at.left; x < at.right; x++) {
-            int32_t i = node[(size_t) y * (size_t) width + (size_t) x];
-            for (int32_t d = 0; d < 2; d++) {
-                if (i < 0 || t->axis[d].after[i] < 0)
-                    continue;
-                float *even = &t->axis[d].even[i];
-                *even = (float) (1 / (1 + (double) *even / (wide * wide)));
-            }
-        }
-    }
+    float *pairs[2 * TILE * TILE];
+    int32_t n = find_pairs(pairs, t, node, width, at);
+    for (int32_t i = 0; i < n; i++)
+        *pairs[i] = (float) (1 / (1 + (double) *pairs[i] / (wide * wide)));
 }
 
 /* The same for all tiles.  z and pull are not yet in use. */
@@ -188,8 +192,8 @@ static void trust_normals(ntp__terms *t, const int32_t *node, int32_t width, int
     double *bends = t->z;
     float *pairs = t->axis[0].pull;
     for (int32_t m = 0; m < across * down; m++)
-        count_bends(t, node, width, tile_at(m % across, m / across, width, height), &bends[m],
-                    &pairs[m]);
+        pairs[m] = (float) count_bends(&bends[m], t, node, width,
+                                       tile_at(m % across, m / across, width, height));
     for (int32_t m = 0; m < across * down; m++) {
         double sum = 0, all = 1; /* so that it is never 0 */
         int32_t x0 = m % across, y0 = m / across;
