@@ -219,9 +219,33 @@ static void test_rivals(void)
         o.sample_bytes = 1 + (int32_t) n / 4;
         beside_rival(o, n % 4);
     }
-    o.width = 900;
-    o.height = 800; /* two bands */
-    beside_rival(o, 2);
+    o.width = 1000;
+    o.height = 1100; /* two bands of 3.3 MB */
+    for (uint32_t kind = 1; kind < 4; kind += 2)
+        beside_rival(o, kind);
+}
+
+/* A band that packs small ends within a byte, and an empty block fills that up in front of the band of
+ * noise after it, whatever stood there in memory. */
+static void test_joins(void)
+{
+    ntpio_write_options o = {
+        .format = NTPIO_PNG, .width = 2000, .channels = 3, .sample_bytes = 1
+    };
+    for (uint32_t n = 0; n < 8; n++) {
+        o.level = 1 + (int32_t) n % 6;
+        o.height = 2000; /* three bands */
+        uint8_t *rows = make_rows(&o, 4);
+        const size_t third = row_bytes(&o) * o.height / 3;
+        for (uint32_t i = 0; i < n; i++)
+            rows[chance((uint32_t) third)] = (uint8_t) chance(256);
+        for (size_t i = third * (1 + n % 2); i < 3 * third; i++)
+            rows[i] = (uint8_t) chance(256);
+        write_rows("packed.png", &o, rows, o.height);
+        reads("packed.png", &o, rows, 1);
+        free(rows);
+    }
+    unlink("packed.png");
 }
 
 /* -------------------------------------------------------------------------- chunks */
@@ -398,6 +422,7 @@ int main(void)
     test_kinds();
     test_large();
     test_rivals();
+    test_joins();
     test_chunks();
     test_sizes();
     test_threads();
