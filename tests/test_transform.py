@@ -47,6 +47,26 @@ def test_moves_against_numpy(encoding, m, y_axis):
             assert np.array_equal(got, want)
 
 
+@pytest.mark.parametrize("turns", [1, 3])
+@pytest.mark.parametrize("m", [255, 65535])
+def test_large_turns(m, turns):
+    """Rows of large results are written past the caches, whole lines of them."""
+    src = noise((1999, 1403 if m == 255 else 703, 3), m, turns)
+    assert src.nbytes > 2**23
+    src[src[..., 0] < m // 8] = 0
+    room = np.full(src.size + 64, 77, src.dtype)
+    dst = room[5 : 5 + src.size].reshape(src.shape[1], src.shape[0], 3)
+    transform(src, turns=turns, dst=dst)
+    want = moved_picture(src, (0, 0), turns).astype(np.int64)
+    x, y = turned(2 * want[..., 0] - m, 2 * want[..., 1] - m, (0, 0), turns, ntp.UP)
+    used = ~unused_mask(want, m)
+    assert not used.all()
+    want[..., 0][used] = ((x + m) // 2)[used]
+    want[..., 1][used] = ((y + m) // 2)[used]
+    assert np.array_equal(dst, want)
+    assert (room[:5] == 77).all() and (room[5 + src.size :] == 77).all()
+
+
 @pytest.mark.parametrize("m", TYPES)
 def test_groups(m):
     src = noise((9, 14, 4), m, 1)

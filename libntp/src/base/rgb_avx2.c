@@ -364,14 +364,14 @@ static inline void turn_cell(uint8_t *d, ptrdiff_t pitch, const uint8_t *s, ptrd
 static inline void turn_cells(uint8_t *d, ptrdiff_t pitch, const uint8_t *s, ptrdiff_t step,
                               int32_t rows, int32_t columns, const turning *t, bool deep)
 {
-    enum { LINE = 64 };
+    enum { LINE = 64, AHEAD = 8 };
     const int32_t high = deep ? 4 : 8, wide = deep ? 2 : 4, size = deep ? 6 : 3;
     for (int32_t i = 0; i < rows; i += high) {
         const int32_t y = i + high < rows ? i : rows - high;
         const uint8_t *from = s + y * step;
         for (int32_t k = 0; k < high; k++) {
             for (int32_t x = 0; x < size * columns; x += LINE)
-                _mm_prefetch((const char *) from + (high + k) * step + x, _MM_HINT_T0);
+                _mm_prefetch((const char *) from + (AHEAD + k) * step + x, _MM_HINT_T0);
         }
         for (int32_t x = 0; x < columns; x += wide) {
             const int32_t at = x + wide < columns ? x : columns - wide;

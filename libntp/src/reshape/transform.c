@@ -15,14 +15,20 @@
 #include "texel/level.h"
 
 #include <string.h>
+#ifdef NTP_HAVE_AVX2
+#  include <emmintrin.h>
+#endif
 
 enum {
-    AHEAD = 8,         /* rows of the source that are asked for before they are needed */
-    COLUMNS = 128,     /* of the result at a time, where these are rows of the source */
-    WIDE = 8,          /* bytes that are copied of texels with as many or less, */
-    LEAST = 2,         /* but not less than these */
-    BEYOND = 8,        /* bytes after a row of a tile; a whole number of samples */
-    TILE_BYTES = 24576 /* of such texels; they fit into the first cache, and the caller's stack */
+    AHEAD = 8,     /* rows of the source that are asked for before they are needed */
+    COLUMNS = 128, /* of the result at a time, where these are rows of the source */
+    WIDE = 8,      /* bytes that are copied of texels with as many or less, */
+    LEAST = 2,     /* but not less than these */
+    BEYOND = 8,    /* bytes after a row of a tile; a whole number of samples */
+    /* Of such texels.  They fit into the first cache, and the caller's stack, and are 64 rows of RGB8
+     * or 32 of RGB16, which are whole cells. */
+    TILE_BYTES = 64 * (COLUMNS * 3 + BEYOND),
+    LARGE = 1 << 23 /* bytes of a result that does not stay in the caches */
 };
 
 typedef struct job {
@@ -317,6 +323,24 @@ static void turn_texels(char *tile, ptrdiff_t pitch, const ntp_const_image *src,
     }
 }
 
+#ifdef NTP_HAVE_AVX2
+/* Copies a row of a tile.  Whole lines go past the caches of a large result: rows of a tile lie far
+ * apart, so no processor sees in time that it has not to read what they overwrite. */
+static void put_row(char *d, const char *s, size_t n, bool large)
+{
+    enum { LINE = 64, LANE = 16 };
+    const size_t before = (size_t) (-(uintptr_t) d % LINE);
+    size_t i = large && before < n ? before : n;
+    memcpy(d, s, i);
+    for (; i + LINE <= n; i += LINE) {
+        for (size_t k = i; k < i + LINE; k += LANE)
+            _mm_stream_si128((void *) (d + k), _mm_loadu_si128((const void *) (s + k)));
+    }
+    if (i < n)
+        memcpy(d + i, s + i, n - i);
+}
+#endif
+
 /* With AVX2: a part of packed RGB that is only turned; false: there is another way only. */
 static bool turn_tile_packed(const job *j, const ntp_rect *part, char *tile, ptrdiff_t pitch)
 {
@@ -332,8 +356,10 @@ static bool turn_tile_packed(const job *j, const ntp_rect *part, char *tile, ptr
                         ntp__at(&j->src, part->x0, back ? part->y1 - 1 : part->y0),
                         j->src.pixel_stride, width, height, j->src.type == NTP_TYPE_U16,
                         j->mirror_r, j->mirror_g);
+    const bool large = j->dst->ring_rows == 0 && size * j->dst->width >= LARGE / j->dst->height;
     for (int32_t y = part->y0; y < part->y1; y++, tile += pitch)
-        memcpy(ntp__at_mut(j->dst, part->x0, y), tile, (size_t) (size * width));
+        put_row(ntp__at_mut(j->dst, part->x0, y), tile, (size_t) (size * width), large);
+    _mm_sfence();
     return true;
 #else
     (void) j, (void) part, (void) tile, (void) pitch;
@@ -364,14 +390,16 @@ static void transform_tile(const job *j, const ntp_rect *part)
     }
 }
 
+/* In the order of the columns of the source: what a processor reads ahead of a row is soon of use. */
 static void transform_tiles(const job *j, const ntp_rect *rect)
 {
     const ptrdiff_t size = j->src.channels * ntp__sample_size(j->src.type);
     const int32_t rows = (int32_t) (TILE_BYTES / (COLUMNS * size + BEYOND));
-    for (int32_t y = rect->y0; y < rect->y1; y += rows) {
+    for (int32_t done = 0, height = rect->y1 - rect->y0; done < height; done += rows) {
+        const int32_t n = height - done < rows ? height - done : rows;
+        const int32_t y = j->src.row_stride < 0 ? rect->y1 - done - n : rect->y0 + done;
         for (int32_t x = rect->x0; x < rect->x1; x += COLUMNS) {
-            const ntp_rect part = { x, y, rect->x1 - x < COLUMNS ? rect->x1 : x + COLUMNS,
-                                    rect->y1 - y < rows ? rect->y1 : y + rows };
+            const ntp_rect part = { x, y, rect->x1 - x < COLUMNS ? rect->x1 : x + COLUMNS, y + n };
             transform_tile(j, &part);
         }
     }
