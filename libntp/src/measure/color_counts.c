@@ -122,12 +122,14 @@ int32_t ntp__row_cells(ntp__cell cells[NTP__MOST_CELLS], const ntp__color_counts
     return seen & NTP__SEEN_FAR ? append(cells, n, far, first + NTP__NEAR, 256) : n;
 }
 
-/* Adds the rows that were not noted to `seen`, which is t's own or a copy. */
-static void find_rows(uint8_t seen[NTP__ROWS], const ntp__color_counts *t)
+/* Adds the rows that were not noted to `seen`, which is t's own or a copy.  Steeper rows than any in
+ * use are a third of all, or more, and stay untouched. */
+static void find_rows(uint8_t seen[NTP__ROWS], const ntp__color_counts *t, int32_t most)
 {
+    const int32_t end = (most + 1) * (most + 2) / 2, flat = NTP__ROWS - NTP__FLAT_ROWS;
     if (!t->unnoted)
         return;
-    for (int32_t row = 0; row < NTP__ROWS; row++) {
+    for (int32_t row = 0; row < NTP__ROWS; row = row + 1 == end ? flat : row + 1) {
         uint32_t any = 0;
         for (int32_t i = 0; i < NTP__NEAR; i++)
             any |= t->at.near[row * NTP__NEAR + i];
@@ -135,17 +137,17 @@ static void find_rows(uint8_t seen[NTP__ROWS], const ntp__color_counts *t)
     }
 }
 
-void ntp__note_rows(ntp__color_counts *t)
+void ntp__note_rows(ntp__color_counts *t, int32_t most)
 {
-    find_rows(t->at.row_seen, t);
+    find_rows(t->at.row_seen, t, most);
     t->unnoted = 0;
 }
 
-void ntp__merge_cells(ntp__color_counts *into, const ntp__color_counts *from)
+void ntp__merge_cells(ntp__color_counts *into, const ntp__color_counts *from, int32_t most)
 {
     uint8_t seen[NTP__ROWS];
     memcpy(seen, from->at.row_seen, sizeof seen);
-    find_rows(seen, from);
+    find_rows(seen, from, most);
     for (int32_t row = 0; (row = ntp__next_row(seen, row)) < NTP__ROWS; row++) {
         const int32_t near = row * NTP__NEAR, first = row * NTP__ROW_CELLS;
         ntp__merge_counts(&into->at.near[near], &from->at.near[near], NTP__NEAR);
@@ -159,10 +161,10 @@ void ntp__merge_cells(ntp__color_counts *into, const ntp__color_counts *from)
     }
 }
 
-void ntp__clear_cells(ntp__color_counts *t)
+void ntp__clear_cells(ntp__color_counts *t, int32_t most)
 {
     uint8_t *const seen = t->at.row_seen;
-    ntp__note_rows(t);
+    ntp__note_rows(t, most);
     for (int32_t row = 0; (row = ntp__next_row(seen, row)) < NTP__ROWS; row++) {
         memset(&t->at.near[row * NTP__NEAR], 0, NTP__NEAR * sizeof t->at.near[0]);
         if (seen[row] & NTP__SEEN_FAR)

@@ -82,10 +82,18 @@ static inline int32_t ntp__next_row(const uint8_t seen[NTP__ROWS], int32_t row)
     return row;
 }
 
-/* Completes row_seen. */
-void ntp__note_rows(ntp__color_counts *counts);
+/* The greatest magnitude, k for |X| or |Y| = 2k + 1, of a level between these two. */
+static inline int32_t ntp__steepest(int32_t least, int32_t greatest)
+{
+    const int32_t a = 127 - least, b = greatest - 128;
+    return a > b ? a : b;
+}
 
-void ntp__merge_cells(ntp__color_counts *into, const ntp__color_counts *from);
-void ntp__clear_cells(ntp__color_counts *counts);
+/* Completes row_seen.  `most`: no magnitude of a color is greater. */
+void ntp__note_rows(ntp__color_counts *counts, int32_t most);
+
+/* The same holds for colors of `from`. */
+void ntp__merge_cells(ntp__color_counts *into, const ntp__color_counts *from, int32_t most);
+void ntp__clear_cells(ntp__color_counts *counts, int32_t most);
 
 #endif

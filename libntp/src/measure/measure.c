@@ -131,10 +131,13 @@ static void count_noted(ntp_tally *t, int32_t r, int32_t g, int32_t b)
 static void count_narrow(ntp_tally *t, int32_t r, int32_t g, int32_t b)
 {
     t->narrow++;
-    if (t->cells.few)
+    if (t->cells.few) {
         count_noted(t, r, g, b);
-    else
-        count_cell(t, (uint32_t) (r | g << 8), (uint32_t) b);
+        return;
+    }
+    if (!t->cells.rows_ready)
+        ntp__rows_prepare(&t->cells);
+    count_cell(t, (uint32_t) (r | g << 8), (uint32_t) b);
 }
 
 /* X*X + Y*Y <= M*M at 8 bit. */
@@ -447,10 +450,11 @@ ntp_status ntp_tally_add(ntp_tally *tally, const ntp_const_image *src, uint32_t 
     NTP__TRY(ntp__check_area(&rect, src, area));
     uint64_t width = (uint64_t) (rect.x1 - rect.x0), height = (uint64_t) (rect.y1 - rect.y0);
     NTP__TRY(adopt(tally, src, touch_unused, width * height));
+    const uint64_t narrow = tally->narrow;
     tally->cells.few = !tally->cells.unnoted && tally->texels + width * height <= NTP__FEW;
-    if (!tally->cells.few)
+    /* Most textures of 16 bit have no use for these, and pictures never do. */
+    if (!tally->cells.few && tally->depth == 8 && src->encoding != NTP_ENCODING_HEIGHT)
         ntp__rows_prepare(&tally->cells);
-    tally->cells.unnoted = !tally->cells.few;
     tally->summed = 0;
     waiting left;
     left.n = 0;
@@ -458,6 +462,7 @@ ntp_status ntp_tally_add(ntp_tally *tally, const ntp_const_image *src, uint32_t 
     for (int32_t y = rect.y0; y < rect.y1; y++)
         count_row(tally, &left, src, rect.x0, rect.x1, y);
     end_waiting(tally, &left);
+    tally->cells.unnoted |= !tally->cells.few && tally->narrow > narrow;
     tally->texels += width * height;
     return NTP_OK;
 }

@@ -16,6 +16,21 @@ static void merge_channel(ntp__channel_sums *into, const ntp__channel_sums *from
     ntp__merge_max(&into->inverted_min, from->inverted_min);
 }
 
+/* The greatest magnitude of a red or green of 8 bit. */
+static int32_t steepest(const ntp_tally *t)
+{
+    const uint32_t bits = t->depth == 8 ? 0 : 8; /* 257 v >> 8 = v */
+    int32_t most = 0;
+    for (int32_t k = 0; k < 2; k++) {
+        const ntp__channel_sums *const c = &t->channel[k];
+        const int32_t greatest = (int32_t) (c->max >> bits);
+        const int32_t least = (int32_t) ((~c->inverted_min & 65535) >> bits);
+        const int32_t one = ntp__steepest(least, greatest);
+        most = one > most ? one : most;
+    }
+    return most;
+}
+
 static void merge_colors(ntp_tally *into, const ntp_tally *from)
 {
     if (into->colors == 0) {
@@ -74,7 +89,7 @@ ntp_status ntp_tally_merge(ntp_tally *into, const ntp_tally *from)
     ntp__merge_sums(&into->transparent_wide, &from->transparent_wide);
     ntp__merge_sums(&into->transparent_narrow, &from->transparent_narrow);
     ntp__merge_samples(into, from);
-    ntp__merge_cells(&into->cells, &from->cells);
+    ntp__merge_cells(&into->cells, &from->cells, steepest(from));
     return NTP_OK;
 }
 
@@ -84,7 +99,7 @@ ntp_status ntp_tally_clear(ntp_tally *t)
         return NTP_ERR_ARGUMENT;
     if (t->depth == 0)
         return NTP_OK;
-    ntp__clear_cells(&t->cells);
+    ntp__clear_cells(&t->cells, steepest(t));
     ntp__clear_samples(t);
     if (t->wide.texels > 0)
         ntp__clear_close(&t->close, &t->wide);
@@ -118,11 +133,7 @@ static void add_cells(ntp_tally *t, int32_t m, ntp_encoding encoding)
 {
     ntp__color_batch batch;
     batch.n = 0;
-    if (t->narrow == 0) { /* as in most textures of 16 bit: there is nothing to look for */
-        t->cells.unnoted = 0;
-        return;
-    }
-    ntp__note_rows(&t->cells);
+    ntp__note_rows(&t->cells, steepest(t));
     for (int32_t row = 0; (row = ntp__next_row(t->cells.at.row_seen, row)) < NTP__ROWS; row++)
         add_row(t, &batch, row, m, encoding);
     ntp__end_batch(&t->used, &batch, m, encoding);
