@@ -14,9 +14,9 @@ void os_free_aligned(void *memory);
 /* As malloc, for free; a large one is rounded up to large pages. */
 void *os_alloc_large(size_t size);
 
-/* Zeros, of which only what is used takes memory.  For os_free_zeros. */
+/* Zeros, of which only what is used takes memory.  For os_free_zeros, with the same size. */
 void *os_alloc_zeros(size_t size);
-void os_free_zeros(void *memory);
+void os_free_zeros(void *memory, size_t size);
 
 /* Asks for large pages under a buffer that will be used as a whole. */
 void os_large_pages(void *memory, size_t size);

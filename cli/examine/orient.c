@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "examine/examine.h"
+#include "os/memory.h"
 
 enum {
     BEFORE = 2, /* rows that ntp_orientation_add reads above the measured one */
@@ -74,7 +75,7 @@ void orient_begin(source *s)
         return;
     worker *w = s->w;
     if (w->orientation == NULL)
-        w->orientation = need(calloc(1, ntp_orientation_size()));
+        w->orientation = need(os_alloc_zeros(ntp_orientation_size()));
     else
         ntp_orientation_clear(w->orientation);
     buffer_reserve(&w->band, RING * (size_t) s->view.row_stride);

@@ -40,7 +40,7 @@ ntp_diff *worker_diff(worker *w)
 
 void worker_free(worker *w)
 {
-    os_free_zeros(w->tally);
+    os_free_zeros(w->tally, ntp_tally_size());
     free_aligned(w->rows.data);
     free_aligned(w->raw.data);
     free_aligned(w->kept.data);
@@ -48,7 +48,7 @@ void worker_free(worker *w)
     free_aligned(w->extra2.data);
     free_aligned(w->diff.data);
     free(w->histogram);
-    free(w->orientation);
+    os_free_zeros(w->orientation, ntp_orientation_size());
     free_aligned(w->band.data);
     free_aligned(w->middle.data);
     free_aligned(w->across.data);

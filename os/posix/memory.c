@@ -58,12 +58,17 @@ void os_keep_memory(void)
 #endif
 }
 
+/* calloc of glibc writes zeros over the rest of its pages, which are zeros mostly and may never be
+ * used. */
 void *os_alloc_zeros(size_t size)
 {
-    return calloc(1, size);
+    void *const memory =
+        mmap(NULL, size, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    return memory != MAP_FAILED ? memory : NULL;
 }
 
-void os_free_zeros(void *memory)
+void os_free_zeros(void *memory, size_t size)
 {
-    free(memory);
+    if (memory != NULL)
+        munmap(memory, size);
 }

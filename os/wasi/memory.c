@@ -41,7 +41,7 @@ void *os_alloc_zeros(size_t size)
     return end == SIZE_MAX ? NULL : (void *) (end * PAGE); // NOLINT: an address in linear memory
 }
 
-void os_free_zeros(void *memory)
+void os_free_zeros(void *memory, size_t size)
 {
-    (void) memory; /* goes with the instance, which runs once */
+    (void) memory, (void) size; /* goes with the instance, which runs once */
 }

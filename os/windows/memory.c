@@ -36,7 +36,8 @@ void *os_alloc_zeros(size_t size)
     return calloc(1, size);
 }
 
-void os_free_zeros(void *memory)
+void os_free_zeros(void *memory, size_t size)
 {
+    (void) size;
     free(memory);
 }

@@ -102,7 +102,7 @@ static double add_blocks(double blocks[SIDE * SIDE], const loop_sums *acc, evide
     for (int32_t i = 0; i < SIDE * SIDE; i++) {
         double cross = 0;
         for (int32_t k = first; k < end; k++)
-            cross += (double) acc->cross[i][k] * weight[k];
+            cross += (double) acc->cross[k][i] * weight[k];
         blocks[i] += 2 * cross / energy / FILTERS;
         statistic += 2 * cross / energy;
     }

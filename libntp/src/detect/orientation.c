@@ -125,7 +125,7 @@ static inline void add_loop(loop_sums *acc, int32_t block, float u, float v)
     int32_t a = (int32_t) au >> shift, b = (int32_t) av >> shift, c = a * b;
     acc->loops[size]++;
     acc->energy[size] += (uint32_t) (a * a) + (uint32_t) (b * b);
-    acc->cross[block][size] += u * v < 0 ? -c : c;
+    acc->cross[size][block] += u * v < 0 ? -c : c;
 }
 
 static int32_t cell(int32_t side)
@@ -217,7 +217,7 @@ static void merge_sums(loop_sums *into, const loop_sums *from)
         into->loops[k] += from->loops[k];
         into->energy[k] += from->energy[k];
         for (int32_t i = 0; i < SIDE * SIDE; i++)
-            into->cross[i][k] += from->cross[i][k];
+            into->cross[k][i] += from->cross[k][i];
     }
 }
 

@@ -19,8 +19,9 @@ enum {
 /* What the loops of one filter add up to. */
 typedef struct loop_sums {
     uint64_t loops[SIZES];
-    uint64_t energy[SIZES];            /* sums of u*u + v*v, shifted as in add_loop */
-    int64_t cross[SIDE * SIDE][SIZES]; /* sums of u*v, shifted likewise */
+    uint64_t energy[SIZES]; /* sums of u*u + v*v, shifted as in add_loop */
+    int64_t cross[SIZES]
+                 [SIDE * SIDE]; /* sums of u*v, shifted likewise; most sizes are not in use */
 } loop_sums;
 
 enum { WIDE, NARROW, FILTERS };
