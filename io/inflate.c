@@ -2,9 +2,13 @@
 /*
  * inflate.c - unpacks deflate part by part
  *
- * A code is looked up by its next 11 bits (distances: 8; inflate_table.h).  A literal takes one
- * look-up, a repetition two.  One refill of the bits lasts for three literals and a length, or for
- * a distance.
+ * A code is looked up by its next 11 bits (distances: 8; inflate_table.h).  Each look-up waits for
+ * the one before, which says how many bits it used.  So two literals take one such step, where 11
+ * bits say how long both codes are; a repetition takes two.
+ *
+ * Full bits are 54 at least.  They last for two steps of two literals (10 + 11 bits each) and the
+ * look-up after them (11), or for one such step, a length (20) and the look-up of its distance (8);
+ * and then for that distance (28) and the look-up after it.
  *
  * Input and room are checked once in a step.  Bytes are read up to the slack beyond the input; a
  * stream that ends there is bad.  Nothing is written past the slack of the room, and no distance
@@ -21,9 +25,8 @@ enum {
     DISTANCES_MAX = 32,
     LENGTH_CODES = 19,
     LENGTH_BITS = 7,
-    JUNK = 2,                           /* see taker */
-    DISTANCE_AND_NEXT = JUNK + 28 + 11, /* at most: a distance, and the look-up after it */
-    STEP_INPUT = 24                     /* bytes that a step reads at most: three refills */
+    JUNK = 2,       /* see taker */
+    STEP_INPUT = 24 /* bytes that a step reads at most: three refills */
 };
 
 static inline uint64_t read64(const uint8_t *from)
@@ -92,11 +95,13 @@ static bool take_sizes(ntpio__inflate *s, uint8_t *sizes, unsigned count)
 static bool make_tables(ntpio__inflate *s, const uint8_t *sizes, unsigned literals,
                         unsigned distances)
 {
-    return sizes[NTPIO__END_OF_BLOCK] != 0 &&
-           ntpio__make_table(s->distances, NTPIO__DISTANCE_BITS, sizes + literals, distances,
-                             ntpio__distance_entry) &&
-           ntpio__make_table(s->literals, NTPIO__LITERAL_BITS, sizes, literals,
-                             ntpio__literal_entry);
+    if (sizes[NTPIO__END_OF_BLOCK] == 0 ||
+        !ntpio__make_table(s->distances, NTPIO__DISTANCE_BITS, sizes + literals, distances,
+                           ntpio__distance_entry) ||
+        !ntpio__make_table(s->literals, NTPIO__LITERAL_BITS, sizes, literals, ntpio__literal_entry))
+        return false;
+    ntpio__pair_literals(s->literals);
+    return true;
 }
 
 static bool take_codes(ntpio__inflate *s)
@@ -190,11 +195,9 @@ static inline void copy8(uint8_t *out, const uint8_t *from)
 
 static inline void copy16(uint8_t *out, const uint8_t *from)
 {
-    uint64_t low, high;
-    memcpy(&low, from, sizeof low);
-    memcpy(&high, from + 8, sizeof high);
-    memcpy(out, &low, sizeof low);
-    memcpy(out + 8, &high, sizeof high);
+    uint8_t sixteen[16];
+    memcpy(sixteen, from, sizeof sixteen);
+    memcpy(out, sixteen, sizeof sixteen);
 }
 
 /* Copies at least `length` bytes from `distance` before, and up to 31 more.  Most are short. */
@@ -229,9 +232,9 @@ static inline void repeat(uint8_t *out, size_t distance, size_t length)
     }
 }
 
-/* A copy of the state that stays in registers.  Below the bits are JUNK others, so that they are also
- * four times a place in a table: where codes are single bytes, each look-up waits for the one before,
- * and one without a factor takes a cycle less. */
+/* A copy of the state that stays in registers; only the lowest byte of `count` counts.  Below the bits
+ * are JUNK others, so that they are also four times a place in a table: where codes are single bytes,
+ * each look-up waits for the one before, and one without a factor takes a cycle less. */
 typedef struct taker {
     const uint8_t *in;
     uint64_t bits;
@@ -241,7 +244,9 @@ typedef struct taker {
 
 static inline void fill_up(taker *t)
 {
-    refill(&t->in, &t->bits, &t->count);
+    t->bits |= read64(t->in) << (t->count & 63);
+    t->in += ((t->count ^ 63) >> 3) & 7;
+    t->count |= 56;
 }
 
 /* The entry of a table for the next bits. */
@@ -258,9 +263,10 @@ static inline uint32_t next_literal(const taker *t, const ntpio__inflate *s)
     return look_up(t, s->literals, NTPIO__LITERAL_BITS);
 }
 
+/* Of the bits that an entry uses the last ones, shifted to the top. */
 static inline unsigned extra_bits(uint64_t bits, uint32_t entry)
 {
-    return (unsigned) ((bits >> JUNK & ((UINT64_C(1) << (entry & 63)) - 1)) >> (entry >> 8 & 31));
+    return (uint32_t) (bits << ((64 - JUNK - entry) & 63) >> 33) >> (entry >> 8 & 31);
 }
 
 /* The bits of an entry are used; returns what they were in front of. */
@@ -268,22 +274,21 @@ static inline uint64_t use(taker *t, uint32_t entry)
 {
     const uint64_t before = t->bits;
     t->bits >>= entry & 63;
-    t->count -= entry & 63;
+    t->count -= entry;
     return before;
 }
 
 /* The table that `entry` leads to. */
 static inline uint32_t follow(const taker *t, const uint32_t *table, uint32_t entry)
 {
-    return table[(entry >> 16) + (t->bits >> JUNK & ((1u << (entry >> 8 & 31)) - 1))];
+    return table[(entry >> 16 & NTPIO__BASE) + (t->bits >> JUNK & ((1u << (entry >> 8 & 31)) - 1))];
 }
 
 /* False: no code of a distance. */
 static inline bool take_distance(taker *t, const ntpio__inflate *s, size_t *distance)
 {
     uint32_t entry = look_up(t, s->distances, NTPIO__DISTANCE_BITS);
-    if (t->count < DISTANCE_AND_NEXT)
-        fill_up(t);
+    fill_up(t);
     if ((entry & NTPIO__LINK) != 0) {
         use(t, entry);
         entry = follow(t, s->distances, entry);
@@ -291,6 +296,16 @@ static inline bool take_distance(taker *t, const ntpio__inflate *s, size_t *dist
     *distance = (entry >> 16) + extra_bits(t->bits, entry);
     use(t, entry);
     return (entry & NTPIO__SPECIAL) == 0;
+}
+
+/* One or two literals, whose bits begin `before`.  If there is one, a byte behind it is overwritten
+ * by what comes next. */
+static inline void put_literals(taker *t, const ntpio__inflate *s, uint32_t entry, uint64_t before)
+{
+    const taker second = { .bits = before >> (entry >> 16 & 63) };
+    t->out[0] = (uint8_t) (entry >> 8);
+    t->out[1] = (uint8_t) (next_literal(&second, s) >> 8);
+    t->out += entry >> 24;
 }
 
 /*
@@ -301,34 +316,40 @@ static inline bool take_distance(taker *t, const ntpio__inflate *s, size_t *dist
 static inline bool take_codes_of(taker *t, ntpio__inflate *s, const uint8_t *begin,
                                  const uint8_t *in_most, const uint8_t *out_most)
 {
-    enum { LITERALS = 2 }; /* besides a third one, or a length */
     uint32_t next = next_literal(t, s);
     do {
         uint32_t entry = next;
         uint64_t before = use(t, entry);
-        for (int i = 0; i < LITERALS && (entry & NTPIO__LITERAL) != 0; i++) {
-            const uint8_t literal = (uint8_t) (entry >> 16);
+        if ((entry & NTPIO__NO_LITERAL) == 0) {
+            const uint32_t first = entry;
+            const uint64_t first_before = before;
             entry = next_literal(t, s);
             before = use(t, entry);
-            *t->out++ = literal;
+            put_literals(t, s, first, first_before);
+            if ((entry & NTPIO__NO_LITERAL) == 0) {
+                next = next_literal(t, s);
+                fill_up(t);
+                put_literals(t, s, entry, before);
+                continue;
+            }
         }
         if ((entry & (NTPIO__LINK | NTPIO__SPECIAL)) != 0) {
             if ((entry & NTPIO__LINK) != 0) {
                 entry = follow(t, s->literals, entry);
                 before = use(t, entry);
+                if ((entry & NTPIO__NO_LITERAL) == 0) {
+                    *t->out++ = (uint8_t) (entry >> 8);
+                    next = next_literal(t, s);
+                    fill_up(t);
+                    continue;
+                }
             }
             if ((entry & NTPIO__SPECIAL) != 0) {
                 s->in_block = false;
-                return entry >> 16 == 0;
+                return (entry & NTPIO__NO_CODE) == NTPIO__SPECIAL;
             }
         }
-        if ((entry & NTPIO__LITERAL) != 0) {
-            *t->out++ = (uint8_t) (entry >> 16);
-            next = next_literal(t, s);
-            fill_up(t);
-            continue;
-        }
-        const size_t length = (entry >> 16) + extra_bits(before, entry);
+        const size_t length = (entry >> 16 & NTPIO__BASE) + extra_bits(before, entry);
         size_t distance;
         if (!take_distance(t, s, &distance) || distance > (size_t) (t->out - begin))
             return false;
@@ -352,7 +373,7 @@ static bool take_symbols(ntpio__inflate *s, const uint8_t *begin, uint8_t **out,
     const bool good = take_codes_of(&t, s, begin, in_most, out_most);
     s->in = t.in;
     s->bits = t.bits >> JUNK;
-    s->bit_count = t.count - JUNK;
+    s->bit_count = (uint8_t) t.count - JUNK;
     *out = t.out;
     return good && !is_beyond(s);
 }

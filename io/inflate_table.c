@@ -7,6 +7,11 @@
 
 #include "inflate.h"
 
+static uint32_t based(uint32_t base, unsigned extra)
+{
+    return base << 16 | (31 - extra) << 8 | extra;
+}
+
 uint32_t ntpio__literal_entry(unsigned symbol)
 {
     static const uint8_t extra[] = { 0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2,
@@ -15,12 +20,12 @@ uint32_t ntpio__literal_entry(unsigned symbol)
                                      15, 17, 19, 23,  27,  31,  35,  43,  51, 59,
                                      67, 83, 99, 115, 131, 163, 195, 227, 258 };
     if (symbol < NTPIO__END_OF_BLOCK)
-        return NTPIO__LITERAL | symbol << 16;
+        return NTPIO__ONE_MORE | symbol << 8;
     if (symbol == NTPIO__END_OF_BLOCK)
-        return NTPIO__SPECIAL;
-    return symbol < NTPIO__LITERALS_USED ? (uint32_t) base[symbol - NTPIO__END_OF_BLOCK - 1] << 16 |
-                                               extra[symbol - NTPIO__END_OF_BLOCK - 1]
-                                         : NTPIO__NO_CODE;
+        return NTPIO__NO_LITERAL | NTPIO__SPECIAL;
+    const unsigned i = symbol - NTPIO__END_OF_BLOCK - 1;
+    return NTPIO__NO_LITERAL |
+           (symbol < NTPIO__LITERALS_USED ? based(base[i], extra[i]) : NTPIO__NO_CODE);
 }
 
 uint32_t ntpio__distance_entry(unsigned symbol)
@@ -29,7 +34,7 @@ uint32_t ntpio__distance_entry(unsigned symbol)
         return NTPIO__NO_CODE;
     const unsigned extra = symbol < 4 ? 0 : symbol / 2 - 1;
     const uint32_t base = symbol < 4 ? symbol + 1 : ((2 + symbol % 2) << extra) + 1;
-    return base << 16 | extra;
+    return based(base, extra);
 }
 
 uint32_t ntpio__length_entry(unsigned symbol)
@@ -59,12 +64,13 @@ static void put_long(code_of *c, uint32_t entry, unsigned code, unsigned size)
     const unsigned at = code & ((1u << c->bits) - 1), more = c->most - c->bits;
     if (at != c->linked) { /* codes that begin alike follow one another */
         c->linked = at;
-        c->table[at] = NTPIO__LINK | c->bits | more << 8 | (uint32_t) c->used << 16;
+        c->table[at] =
+            NTPIO__NO_LITERAL | NTPIO__LINK | c->bits | more << 8 | (uint32_t) c->used << 16;
         c->used += 1u << more;
     }
-    uint32_t *const table = c->table + (c->table[at] >> 16);
+    uint32_t *const table = c->table + (c->table[at] >> 16 & NTPIO__BASE);
     const unsigned step = size - c->bits;
-    entry += step | step << 8;
+    entry += step;
     for (unsigned i = code >> c->bits; i < 1u << more; i += 1u << step)
         table[i] = entry;
 }
@@ -85,7 +91,7 @@ static void fill(code_of *c, const uint16_t *order, const unsigned *count,
         for (const unsigned end = i + count[size]; i < end; i++) {
             const uint32_t entry = entry_of(order[i]);
             if (size <= c->bits)
-                c->table[code] = entry + (size | size << 8);
+                c->table[code] = entry + size;
             else
                 put_long(c, entry, code, size);
             code = next_code(code, size);
@@ -121,6 +127,37 @@ bool ntpio__make_table(uint32_t *table, unsigned bits, const uint8_t *sizes, uns
         return true;
     }
     for (unsigned i = 0; i < 1u << bits; i++) /* half of them a distance, if there is one */
-        table[i] = c.most != 0 && i % 2 == 0 ? entry_of(coded[0]) + (1 | 1 << 8) : NTPIO__NO_CODE;
+        table[i] = c.most != 0 && i % 2 == 0 ? entry_of(coded[0]) + 1 : NTPIO__NO_CODE;
     return true;
+}
+
+/*
+ * sizes[2^k + w], for all k: how long the code of a literal is that begins with the k bits w; 0: they
+ * do not tell, or it is longer than a look-up, or no literal.  Bits count from the lowest on, so w is
+ * the end of two longer ones, w and w + 2^k.
+ */
+void ntpio__pair_literals(uint32_t *table)
+{
+    enum { WORDS = 1 << NTPIO__LITERAL_BITS, FEW = WORDS / 4 };
+    uint8_t sizes[2 * WORDS];
+    uint32_t added[NTPIO__LITERAL_BITS + 1] = { 0 }; /* branches would often be foreseen wrongly */
+    unsigned literals = 0;
+    for (unsigned i = 0; i < WORDS; i++) {
+        const bool is_literal = (table[i] & NTPIO__NO_LITERAL) == 0;
+        sizes[WORDS + i] = is_literal ? (uint8_t) table[i] : 0;
+        literals += is_literal;
+    }
+    if (literals < FEW) /* pairs are rare, and this takes as long as 500 literals */
+        return;
+    for (unsigned half = WORDS / 2; half > 0; half /= 2) {
+        const uint8_t *const zero = sizes + 2 * half, *const one = zero + half;
+        for (unsigned i = 0; i < half; i++)
+            sizes[half + i] = zero[i] == one[i] ? zero[i] : 0;
+    }
+    for (unsigned more = 1; more <= NTPIO__LITERAL_BITS; more++)
+        added[more] = NTPIO__ONE_MORE + more;
+    for (unsigned i = 0; i < WORDS; i++) {
+        const unsigned first = sizes[WORDS + i];
+        table[i] += added[sizes[(WORDS + i) >> first]] + (first << 16);
+    }
 }

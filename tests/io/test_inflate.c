@@ -12,7 +12,13 @@
 #include "chance.h"
 #include "made.h"
 
-enum { STREAMS = 10000, RAW_MAX = 1 << 17, PACKED_MAX = 1 << 18, ROOM_MOST = 5000 };
+enum {
+    STREAMS = 10000,
+    RAW_MAX = 1 << 17,
+    PACKED_MAX = 1 << 18,
+    ROOM_MOST = 5000,
+    UNTOUCHED = 0xa5
+};
 
 static uint8_t raw[RAW_MAX], packed[PACKED_MAX], ours[2 * RAW_MAX], theirs[2 * RAW_MAX];
 static size_t packed_size;
@@ -90,11 +96,12 @@ static void give(ntpio__inflate *s, size_t *at, size_t most)
 static unpacked unpack_in_parts(void)
 {
     static ntpio__inflate s;
-    static uint8_t room[NTPIO__WINDOW + ROOM_MOST];
+    static uint8_t room[NTPIO__WINDOW + ROOM_MOST + NTPIO__OUT_SLACK];
     const size_t most = 1 + chance(once_in(2) ? 2000 : PACKED_MAX);
-    const uint8_t *end =
+    uint8_t *const end =
         room + NTPIO__WINDOW + NTPIO__OUT_SLACK + chance(ROOM_MOST - NTPIO__OUT_SLACK);
     uint8_t *out = room;
+    memset(end, UNTOUCHED, NTPIO__OUT_SLACK);
     size_t size = 0, at = 0;
     memset(&s, 0, offsetof(ntpio__inflate, literals));
     s.in = s.in_end = input;
@@ -103,6 +110,8 @@ static unpacked unpack_in_parts(void)
         const ntpio__inflated now = ntpio__inflate_some(&s, room, &out, end);
         const size_t some = (size_t) (out - from);
         CHECK(out <= end);
+        for (int i = 0; i < NTPIO__OUT_SLACK; i++)
+            CHECK(end[i] == UNTOUCHED);
         if (some > sizeof ours - size) /* nor does zlib go on */
             return (unpacked) { .size = size };
         memcpy(ours + size, from, some);
@@ -165,7 +174,7 @@ static void put_code(unsigned code, unsigned size)
 
 static void start_bits(void)
 {
-    memset(packed, 0, 1000);
+    memset(packed, 0, sizeof packed);
     bit_count = 0;
 }
 
@@ -247,9 +256,138 @@ static void test_forbidden(void)
     test_codes(0, 257, 1, 0, false);
 }
 
+/* --------------------------------------------------------------------- chance codes */
+
+enum { LITERALS = 286, DISTANCES = 30, CODE_MAX = 15, SYMBOLS_MOST = 60, END = 256 };
+
+static unsigned bytes; /* that the stream makes */
+
+/*
+ * A complete code of `symbols`, one of which is `certain`; the others are most often below `usual`.
+ * A word is made two, one bit longer, again and again; few of them make short words.
+ */
+static void make_code(uint8_t *sizes, unsigned symbols, unsigned usual, unsigned certain)
+{
+    uint8_t words[LITERALS] = { 0 };
+    const unsigned most = 2 + chance(once_in(2) ? 20 : symbols - 1);
+    unsigned count = 1;
+    for (unsigned tries = 0; count < most && tries < 10000; tries++) {
+        const unsigned i = once_in(3) ? count - 1 : chance(count);
+        if (words[i] < CODE_MAX) {
+            words[i]++;
+            words[count++] = words[i];
+        }
+    }
+    memset(sizes, 0, symbols);
+    const unsigned its = chance(count);
+    sizes[certain] = words[its];
+    for (unsigned i = 0; i < count; i++) {
+        unsigned symbol = certain;
+        while (i != its && sizes[symbol] != 0)
+            symbol = chance(once_in(10) || count > usual / 2 ? symbols : usual);
+        sizes[symbol] = words[i];
+    }
+}
+
+static void put_symbol(const uint8_t *sizes, unsigned symbols, unsigned symbol)
+{
+    unsigned code = 0, size = sizes[symbol];
+    for (unsigned i = 0; i < symbols; i++) { /* those of shorter codes come first */
+        const bool before = sizes[i] < size || (sizes[i] == size && i < symbol);
+        code += sizes[i] != 0 && before ? 1u << (CODE_MAX - sizes[i]) : 0;
+    }
+    put_code(code >> (CODE_MAX - size), size);
+}
+
+static void put_repetition(const uint8_t *lengths, const uint8_t *distances, unsigned symbol)
+{
+    const unsigned n = symbol - END - 1, d = chance(DISTANCES);
+    const unsigned more = n < 8 || n == 28 ? 0 : n / 4 - 1, far = d < 4 ? 0 : d / 2 - 1;
+    const unsigned length = n < 8 ? 3 + n : n == 28 ? 258 : ((4 + n % 4) << more) + 3;
+    const unsigned distance = d < 4 ? d + 1 : ((2 + d % 2) << far) + 1;
+    const unsigned length_bits = chance(1u << more), far_bits = chance(1u << far);
+    if (distances[d] == 0 || distance + far_bits > bytes)
+        return;
+    put_symbol(lengths, LITERALS, symbol);
+    put_bits(length_bits, more);
+    put_symbol(distances, DISTANCES, d);
+    put_bits(far_bits, far);
+    bytes += length + length_bits;
+}
+
+/* Lengths of codes have four bits each. */
+static void put_block_of_code(bool last)
+{
+    uint8_t sizes[LITERALS], distances[DISTANCES];
+    make_code(sizes, LITERALS, END, END);
+    make_code(distances, DISTANCES, DISTANCES, chance(DISTANCES));
+    put_bits(last, 1);
+    put_bits(2, 2);
+    put_bits(LITERALS - 257, 5);
+    put_bits(DISTANCES - 1, 5);
+    put_bits(19 - 4, 4);
+    for (unsigned i = 0; i < 19; i++)
+        put_bits(i < 3 ? 0 : 4, 3); /* 16, 17 and 18 come first */
+    for (unsigned i = 0; i < LITERALS; i++)
+        put_code(sizes[i], 4);
+    for (unsigned i = 0; i < DISTANCES; i++)
+        put_code(distances[i], 4);
+    for (unsigned left = 500 * chance(SYMBOLS_MOST); left > 0; left--) {
+        const unsigned symbol = chance(LITERALS); /* most have no code */
+        if (sizes[symbol] == 0 || symbol == END)
+            continue;
+        if (symbol > END) {
+            put_repetition(sizes, distances, symbol);
+        } else {
+            put_symbol(sizes, LITERALS, symbol);
+            bytes++;
+        }
+    }
+    put_symbol(sizes, LITERALS, END);
+}
+
+static void put_stored_block(bool last)
+{
+    const unsigned size = once_in(4) ? chance(1 << 15) : chance(10);
+    put_bits(last, 1);
+    put_bits(0, 2);
+    put_bits(0, -bit_count % 8);
+    put_bits(size, 16);
+    put_bits(~size & 0xffff, 16);
+    for (unsigned i = 0; i < size; i++)
+        put_bits(chance(256), 8);
+    bytes += size;
+}
+
+/* Literals of all lengths side by side, ends of blocks behind them, and ends of the input everywhere. */
+static void test_chance_codes(void)
+{
+    uint32_t good = 0;
+    for (int n = 0; n < 1500; n++) {
+        start_bits();
+        bytes = 0;
+        for (uint32_t left = 1 + chance(4); left-- > 0;) {
+            if (once_in(4))
+                put_stored_block(left == 0);
+            else
+                put_block_of_code(left == 0);
+        }
+        for (size_t whole = packed_size, k = 0; k < 10; k++) {
+            packed_size = k < 3 ? whole : chance((uint32_t) whole);
+            const unpacked a = unpack_with_zlib(), b = unpack_in_parts();
+            CHECK(a.good == b.good && (!a.good || k < 3));
+            CHECK(!a.good || (a.size == b.size && a.used == b.used));
+            CHECK(memcmp(ours, theirs, a.size < b.size ? a.size : b.size) == 0);
+            good += a.good;
+        }
+    }
+    CHECK(good > 4000);
+}
+
 int main(void)
 {
     test_forbidden();
+    test_chance_codes();
     test_streams();
     return 0;
 }
