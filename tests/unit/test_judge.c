@@ -221,25 +221,26 @@ typedef struct close_check {
 /* The exact texels of the block, packed.  Neighbors among them are of different groups. */
 static void add_exact_texels(close_check *k, int32_t n)
 {
+    enum { STEP = 16 };
     uint16_t rgb[3 * NTP__BLOCK];
+    bool is_left[NTP__BLOCK] = { false };
     int32_t left = 0;
-    uint32_t odd = 0;
     ntp__exact_block found;
     ntp__block others;
     for (int32_t i = 0; i < n; i++) {
         const int32_t from = n == NTP__BLOCK ? i % 8 * 32 + i / 8 : i;
-        const int32_t c[3] = { k->block.c[0][from], k->block.c[1][from], k->block.c[2][from] };
         for (int32_t e = 0; e < 3; e++)
-            rgb[3 * i + e] = (uint16_t) c[e];
-        odd |= i < n / 8 * 8 && is_odd(c);
+            rgb[3 * i + e] = (uint16_t) k->block.c[e][from];
     }
-    const int32_t done = n < 8 ? 0 : k->level->count_exact(&found, &k->close_exact, rgb, n);
-    CHECK(done == n / 8 * 8 && (done == 0 || (found.survey.odd != 0) == odd));
+    const int32_t done = n < STEP ? 0 : k->level->count_exact(&found, &k->close_exact, rgb, n);
+    CHECK(done == n / STEP * STEP);
     if (done > 0)
         ntp__add_exact(&k->exact, &found);
+    for (int32_t i = 0; done > 0 && i < done - found.texels; i++)
+        is_left[found.left[i]] = true;
     for (int32_t i = 0; i < n; i++) {
         const int32_t c[3] = { rgb[3 * i], rgb[3 * i + 1], rgb[3 * i + 2] };
-        const bool other = i >= done || (left < done - found.texels && found.left[left] == i);
+        const bool other = i >= done || is_left[i];
         CHECK(other || !is_odd(c));
         for (int32_t e = 0; other && e < 3; e++)
             others.c[e][left] = c[e];
@@ -380,6 +381,14 @@ static void check_close(const ntp__kernels_table *level, uint64_t *seed)
         for (int32_t y = 0; y <= x; y++) {
             const int64_t s = ntp__rest(x + 32768, y + 32768, 65535);
             add_close_group(&k, seed, x, y, ntp__blue_of_rest(s, 65535, false) - 32768);
+        }
+    }
+    /* and where red and green are those of 8 bit, times 257 */
+    for (int32_t x = 128; x < 32768; x += 257) {
+        for (int32_t y = 128; y <= x; y += 257) {
+            const int64_t s = ntp__rest(x + 32768, y + 32768, 65535);
+            if (s >= 0)
+                add_close_group(&k, seed, x, y, ntp__blue_of_rest(s, 65535, false) - 32768);
         }
     }
     add_edges(&k, seed);

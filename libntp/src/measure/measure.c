@@ -281,19 +281,21 @@ static void count_block(ntp_tally *t, ntp__block *block, int32_t n, int32_t m)
 typedef struct waiting {
     ntp__block block;
     int32_t n;
-    bool odd; /* one may be: see ntp__survey */
 } waiting;
 
 static void end_waiting(ntp_tally *t, waiting *w)
 {
-    if (w->odd) {
+    ntp__survey survey;
+    if (w->n == 0)
+        return;
+    ntp__kernels(NTP__CPU_ALL)->survey(&survey, w->block.c[0], w->block.c[1], w->block.c[2], w->n);
+    if (survey.odd != 0) {
         count_each(t, &w->block, w->n, 65535);
-    } else if (w->n > 0) {
+    } else {
         t->is_wide = 1;
         count_wide(t, &w->block, w->n);
     }
     w->n = 0;
-    w->odd = false;
 }
 
 static void wait(waiting *w, const uint16_t *p)
@@ -313,7 +315,6 @@ static void count_rgb16(ntp_tally *t, waiting *w, const uint16_t *p, int32_t n)
     t->is_wide |= found.texels > 0;
     if (w->n + n - found.texels > NTP__BLOCK)
         end_waiting(t, w);
-    w->odd |= found.survey.odd != 0 || done < n;
     for (int32_t i = 0; i < done - found.texels; i++)
         wait(w, p + 3 * found.left[i]);
     for (int32_t i = done; i < n; i++) {
@@ -458,7 +459,7 @@ ntp_status ntp_tally_add(ntp_tally *tally, const ntp_const_image *src, uint32_t 
     tally->summed = 0;
     waiting left;
     left.n = 0;
-    left.odd = left.block.any_broken = false;
+    left.block.any_broken = false;
     for (int32_t y = rect.y0; y < rect.y1; y++)
         count_row(tally, &left, src, rect.x0, rect.x1, y);
     end_waiting(tally, &left);

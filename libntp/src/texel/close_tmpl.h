@@ -161,9 +161,9 @@ static inline void close_zzero(close_lanes *v, __m256i b)
         _mm256_or_si256(v->at_zz, marked(_mm256_cmpgt_epi32(g, eight(3)), by * NTP__CLOSE_ZZ_LONG));
 }
 
-static inline __m256i load_eight(const int32_t *p)
+static inline __m256i load_eight(const void *p)
 {
-    return _mm256_loadu_si256((const __m256i *) (const void *) p);
+    return _mm256_loadu_si256((const __m256i *) p);
 }
 
 static inline void store_eight(void *p, __m256i v)

@@ -15,32 +15,50 @@
  * w - 1 + floor(q/2^15).
  *
  * Beyond, G >= 4K(w - 2) - 3w*w + 8w is more than neighbors have, as P is below 2K + 16 sqrt(K w).
+ *
+ * Words hold z and -t, 16 texels at once.  Where -t is beyond a word, it becomes -K, which is never
+ * above -1 - z; or K - 1, which is above z, or else z is K - 1 too, and there t is at least 1.
+ * Of odd texels (ntp__survey) few are exact.  Of those of 8 bit times 257 none is: three odd squares
+ * are 3 modulo 8, and 255^2 is 1, so that 4t - 2 is 257^2 times 2, -6 or more.  No gray one is: x would
+ * have to be between 18917 and 18918.  The four flat ones have t = 1, as few others do.
  */
 
 #ifdef __AVX2__
 
+enum { EXACT_STEP = 16, EVERY = 0x55555555, NOWHERE = 256 };
+
 /* What is kept of the texels of a block between the steps. */
 typedef struct exact_texels {
-    int32_t t[256]; /* 0: not exact, or odd (ntp__survey); else it is odd, as K is even */
-    int32_t z[256];
-    int32_t pair[256];         /* half_up of x and of y, less 2 */
-    int32_t at[256], off[256]; /* where to count: in exact and in exact_off of ntp__close_counts */
+    int16_t s[256 + 1]; /* 1 - t, or 0: not exact, odd, or t = 1 */
+    int16_t z[256 + 1];
+    int16_t pair[256];     /* half_up of x and of y, less 2 */
+    int32_t from[256 + 8]; /* which are steeper than nearly flat */
+    uint16_t at[256];      /* where to count those that are nearly flat */
+    uint16_t far[256]; /* steeper ones, and where to count these in exact_off (ntp__close_counts) */
+    uint16_t off[256];
+    int32_t steep, near_ones, far_ones; /* how many; of the latter two, with forgotten ones */
 } exact_texels;
 
-/* The sums of eight lanes, or of halves of these. */
+/* Of red, green and blue: sums of eight lanes, and extremes of 16. */
 typedef struct exact_survey {
-    __m256i x_and_y, y, z, odd;
-    __m256i least[2], greatest[2]; /* of red and green, and of blue */
+    __m256i sum[3], least[3], greatest[3];
 } exact_survey;
 
 /* Of texels that are steeper than nearly flat. */
 typedef struct far_sums {
     __m256i longer, squares, shortest, longest, most;
+    int32_t texels;
 } far_sums;
 
-static inline int32_t lanes_of(__m256i mask)
+static inline uint32_t lanes_of(__m256i mask)
 {
-    return _mm256_movemask_ps(_mm256_castsi256_ps(mask));
+    return (uint32_t) _mm256_movemask_ps(_mm256_castsi256_ps(mask));
+}
+
+/* Of 16 words every second bit. */
+static inline uint32_t bits_of(__m256i mask)
+{
+    return (uint32_t) _mm256_movemask_epi8(mask) & EVERY;
 }
 
 static inline __m256i kept(__m256i v, __m256i bad)
@@ -48,89 +66,114 @@ static inline __m256i kept(__m256i v, __m256i bad)
     return _mm256_andnot_si256(bad, v);
 }
 
-/* Red and green of eight texels as halves, and blue twice. */
-static inline void load_exact(__m256i *rg, __m256i *bb, const uint8_t *s)
+/* 16 texels: red, green and blue. */
+static inline void load_exact(__m256i c[3], const uint16_t *s)
 {
-    const __m128i first = _mm_setr_epi8(0, 1, 2, 3, 6, 7, 8, 9, 4, 5, 4, 5, 10, 11, 10, 11);
-    const __m256i low =
-        _mm256_shuffle_epi8(load_two(s, s + 24), _mm256_broadcastsi128_si256(first));
-    /* the same of texels 2 and 3 of four, 4 bytes further in what is loaded 8 bytes later */
-    const __m128i next = _mm_add_epi8(first, _mm_set1_epi8(4));
-    const __m256i high =
-        _mm256_shuffle_epi8(load_two(s + 8, s + 32), _mm256_broadcastsi128_si256(next));
-    *rg = _mm256_unpacklo_epi64(low, high);
-    *bb = _mm256_unpackhi_epi64(low, high);
+    enum { LOW = 0x49, MIDDLE = 0x92, HIGH = 0x24 }; /* words 0, 3, 6; 1, 4, 7; 2, 5 */
+    const __m256i v = load_two(s, s + 24), w = load_two(s + 8, s + 32),
+                  u = load_two(s + 16, s + 40);
+    const __m256i r = _mm256_blend_epi16(_mm256_blend_epi16(v, w, MIDDLE), u, HIGH);
+    const __m256i g = _mm256_blend_epi16(_mm256_blend_epi16(v, w, HIGH), u, LOW);
+    const __m256i b = _mm256_blend_epi16(_mm256_blend_epi16(v, w, LOW), u, MIDDLE);
+    c[0] = SHUFFLE(r, 0, 1, 6, 7, 12, 13, 2, 3, 8, 9, 14, 15, 4, 5, 10, 11);
+    c[1] = SHUFFLE(g, 2, 3, 8, 9, 14, 15, 4, 5, 10, 11, 0, 1, 6, 7, 12, 13);
+    c[2] = SHUFFLE(b, 4, 5, 10, 11, 0, 1, 6, 7, 12, 13, 2, 3, 8, 9, 14, 15);
 }
 
-/* Which of eight texels are exact. */
-static inline void judge_exact(exact_texels *to, exact_survey *s, __m256i rg, __m256i bb, int32_t i)
+static inline __m256i words(int32_t v)
 {
-    const __m256i sign = _mm256_set1_epi16(INT16_MIN), zero = _mm256_setzero_si256();
-    const __m256i p = _mm256_xor_si256(rg, sign), q = _mm256_xor_si256(bb, sign);
-    const __m256i one = _mm256_set1_epi16(1), q1 = _mm256_blend_epi16(q, one, 0xaa);
-    const __m256i x_and_y = _mm256_madd_epi16(p, one), z = _mm256_srai_epi32(q, 16);
-    const __m256i xy = _mm256_add_epi32(_mm256_madd_epi16(p, p), x_and_y);
-    const __m256i z2 = _mm256_madd_epi16(q, q1); /* z(z + 1) */
-    const __m256i t = _mm256_sub_epi32(_mm256_add_epi32(xy, z2), eight(CLOSE_AM - 1));
-    const __m256i two = _mm256_xor_si256(rg, _mm256_srli_epi16(rg, 8));
-    const __m256i third = _mm256_xor_si256(bb, _mm256_srli_epi16(bb, 8));
-    const __m256i wide = _mm256_and_si256(_mm256_or_si256(two, third), _mm256_set1_epi16(255));
-    const __m256i narrow = _mm256_cmpeq_epi32(wide, zero), gray = _mm256_cmpeq_epi32(rg, bb);
-    const __m256i flat = _mm256_cmpeq_epi32(xy, zero);
-    const __m256i odd = _mm256_or_si256(_mm256_or_si256(narrow, gray), flat);
-    const __m256i inexact = _mm256_cmpgt_epi32(_mm256_abs_epi32(t), z);
-    /* half_up is one more than the lesser of x and ~x, without sign */
-    const __m256i u = _mm256_xor_si256(p, _mm256_srai_epi16(p, 15));
-    store_eight(to->pair + i, _mm256_madd_epi16(u, one));
-    store_eight(to->t + i, kept(t, _mm256_or_si256(odd, inexact)));
+    return _mm256_set1_epi16((int16_t) v);
+}
+
+/* -t, from x, y and blue: v(v + 1) is -v(-1 - v), and neither factor is beyond a word. */
+static inline __m256i minus_t(__m256i xy, __m256i not_xy, __m256i blue)
+{
+    const __m256i rest = _mm256_add_epi32(blue, eight(CLOSE_AM - 1));
+    return _mm256_add_epi32(_mm256_madd_epi16(xy, not_xy), rest);
+}
+
+/* Which of 16 texels are exact. */
+static inline void judge_exact(exact_texels *to, const __m256i c[3], int32_t i)
+{
+    const __m256i sign = words(INT16_MIN), most = words(INT16_MAX);
+    const __m256i x = _mm256_xor_si256(c[0], sign), not_x = _mm256_xor_si256(c[0], most);
+    const __m256i y = _mm256_xor_si256(c[1], sign), not_y = _mm256_xor_si256(c[1], most);
+    const __m256i z = _mm256_xor_si256(c[2], sign), not_z = _mm256_xor_si256(c[2], most);
+    const __m256i low = _mm256_mullo_epi16(z, not_z), high = _mm256_mulhi_epi16(z, not_z);
+    const __m256i t =
+        _mm256_packs_epi32(minus_t(_mm256_unpacklo_epi16(x, y), _mm256_unpacklo_epi16(not_x, not_y),
+                                   _mm256_unpacklo_epi16(low, high)),
+                           minus_t(_mm256_unpackhi_epi16(x, y), _mm256_unpackhi_epi16(not_x, not_y),
+                                   _mm256_unpackhi_epi16(low, high)));
+    const __m256i exact =
+        _mm256_andnot_si256(_mm256_cmpgt_epi16(t, z), _mm256_cmpgt_epi16(t, not_z));
+    store_eight(to->s + i, _mm256_and_si256(_mm256_sub_epi16(t, words(-1)), exact));
     store_eight(to->z + i, z);
-    s->odd = _mm256_or_si256(s->odd, odd);
-    s->x_and_y = _mm256_add_epi32(s->x_and_y, x_and_y);
-    s->y = _mm256_add_epi32(s->y, _mm256_srai_epi32(p, 16));
-    s->z = _mm256_add_epi32(s->z, z);
-    s->least[0] = _mm256_min_epu16(s->least[0], rg);
-    s->least[1] = _mm256_min_epu16(s->least[1], bb);
-    s->greatest[0] = _mm256_max_epu16(s->greatest[0], rg);
-    s->greatest[1] = _mm256_max_epu16(s->greatest[1], bb);
+    store_eight(to->pair + i,
+                _mm256_adds_epi16(_mm256_max_epi16(x, not_x), _mm256_max_epi16(y, not_y)));
 }
 
-/* Where to count texels that are nearly flat, and which are too near to a limit.  With v = w - 1,
- * G = 4K v - 3v*v - 2v + 1 + 4t, and b = 2K - 1 - v. */
-static inline __m256i place_near(__m256i *between, __m256i t, __m256i z, __m256i pair)
+/*
+ * Where to count 16 texels that are nearly flat, and which are too near to a limit.  With v = w - 1
+ * and s = 1 - t, G = 4K v - 3v*v - 2v + 5 - 4s, and b = 2K - 1 - v.  So in Z-zero a neighbor is
+ * 2 pair + s > K(v - 1) - 3v*v/4 + 1, and rounded pair + s > K v - K/2 - (3v*v + v - 1)/4, whose right
+ * sides as whole numbers are
+ *     v = 0: 1 - K and -K/2;  1: 0 and K/2 - 1;  2: K - 2 and more than sums are;  3: more than sums are.
+ * Sums are at most K - 1, the greatest that a word holds; pair is below 1400 here.
+ */
+static inline __m256i place_near(__m256i *between, __m256i s, __m256i z, __m256i pair)
 {
-    const __m256i v = _mm256_sub_epi32(eight(CLOSE_K - 1), z), v2 = _mm256_madd_epi16(v, v);
-    const __m256i q = _mm256_add_epi32(t, eight(16390)), part = _mm256_srai_epi32(q, 15);
-    *between = _mm256_cmpgt_epi32(_mm256_add_epi32(v2, eight(7)), marked(q, 32767));
-    const __m256i three = _mm256_add_epi32(_mm256_add_epi32(v2, v2), v2);
-    const __m256i limit = _mm256_sub_epi32(_mm256_slli_epi32(v, 17), three);
-    /* 8 pair - 4t > limit - 4K, and 4 pair - 4t > limit - v - 2K - 3 */
-    const __m256i pair4 = _mm256_slli_epi32(pair, 2);
-    const __m256i less = _mm256_sub_epi32(pair4, _mm256_slli_epi32(t, 2));
-    const __m256i neighbor = _mm256_cmpgt_epi32(_mm256_add_epi32(less, pair4),
-                                                _mm256_sub_epi32(limit, eight(4 * CLOSE_K)));
-    const __m256i rounded = _mm256_cmpgt_epi32(_mm256_add_epi32(less, v),
-                                               _mm256_sub_epi32(limit, eight(2 * CLOSE_K + 3)));
-    const __m256i is_long = _mm256_cmpgt_epi32(t, _mm256_setzero_si256());
+    enum { K = 32768, ONE = 8 * (16 + 1), TOP = K - 1 };
+    const __m256i limits = _mm256_broadcastsi128_si256(
+        _mm_setr_epi16(1 - K, 0, K - 2, TOP, -K / 2, K / 2 - 1, TOP, TOP));
+    const __m256i v = _mm256_xor_si256(z, words(TOP)), v2 = _mm256_mullo_epi16(v, v);
+    const __m256i q = _mm256_sub_epi16(words(16391), s), passed = _mm256_srai_epi16(q, 15);
+    *between = _mm256_cmpgt_epi16(_mm256_add_epi16(v2, words(7)), _mm256_and_si256(q, words(TOP)));
+    const __m256i of = _mm256_add_epi16(
+        _mm256_mullo_epi16(_mm256_min_epi16(v, words(3)), words(0x202)), words(0x100));
+    const __m256i limit = _mm256_shuffle_epi8(limits, of);
+    const __m256i less = _mm256_shuffle_epi8(limits, _mm256_or_si256(of, words(0x808)));
+    const __m256i sum = _mm256_adds_epi16(s, pair);
+    const __m256i neighbor = _mm256_cmpgt_epi16(_mm256_adds_epi16(sum, pair), limit);
+    const __m256i rounded = _mm256_cmpgt_epi16(sum, less);
     /* distances plus 1 above, -1 to 2 below, and what each has more */
-    const __m256i off = _mm256_slli_epi32(_mm256_add_epi32(v, part), 7);
-    const __m256i passed = _mm256_slli_epi32(_mm256_sub_epi32(part, is_long), 3);
-    __m256i at = _mm256_add_epi32(off, passed);
-    at = _mm256_add_epi32(at, _mm256_setr_epi32(136, 137, 138, 139, 140, 141, 142, 143));
-    at = _mm256_or_si256(at, marked(neighbor, 8 * NTP__EXACT_NEIGHBOR));
-    return _mm256_or_si256(at, marked(rounded, 8 * NTP__EXACT_ROUNDED));
+    const __m256i part = _mm256_sign_epi16(_mm256_and_si256(passed, words(-ONE)), s);
+    const __m256i is_long = _mm256_and_si256(_mm256_srai_epi16(s, 15), words(8));
+    /* 128 (v + 1) + 8 is as much, modulo 2^16 */
+    __m256i at = _mm256_sub_epi16(words(8), _mm256_slli_epi16(z, 7));
+    at = _mm256_add_epi16(_mm256_add_epi16(at, is_long), part);
+    at = _mm256_or_si256(at, _mm256_and_si256(neighbor, words(8 * NTP__EXACT_NEIGHBOR)));
+    return _mm256_or_si256(at, _mm256_and_si256(rounded, words(8 * NTP__EXACT_ROUNDED)));
 }
 
-/* The same of texels that are steeper, those in `far`; also sums them and puts their distances where
- * `off` points to.  Lengths are below 2^14 here, so that the squares of 32 fit. */
-ONE_COPY static __m256i place_far(far_sums *s, __m256i *between, int32_t *off_to, __m256i t,
-                                  __m256i z, __m256i far)
+static inline void store_words(uint16_t *p, __m256i v)
 {
+    const __m256i two = _mm256_packus_epi32(v, v);
+    _mm_storeu_si128((__m128i *) (void *) p,
+                     _mm256_castsi256_si128(_mm256_permute4x64_epi64(two, 0x08)));
+}
+
+/* Words at eight places. */
+static inline __m256i words_at(const int16_t *p, const int32_t *at)
+{
+    return _mm256_setr_epi32(p[at[0]], p[at[1]], p[at[2]], p[at[3]], p[at[4]], p[at[5]], p[at[6]],
+                             p[at[7]]);
+}
+
+/* The same of the eight texels at `from`, which are steeper; also sums them.  Returns the bits of those in
+ * doubt.  Lengths are below 2^14 here, so that the squares of 32 fit. */
+ONE_COPY static uint32_t place_far(far_sums *s, exact_texels *v, const int32_t *from)
+{
+    const __m256i rest = words_at(v->s, from), z = words_at(v->z, from);
+    const __m256i none = _mm256_cmpeq_epi32(rest, _mm256_setzero_si256()),
+                  t = _mm256_sub_epi32(eight(1), rest);
     const __m256i zero = _mm256_setzero_si256(), one = eight(1), t2 = _mm256_add_epi32(t, t);
     const __m256i z1 = _mm256_add_epi32(z, one), b = _mm256_add_epi32(z, eight(CLOSE_K));
     const __m256i e = _mm256_sub_epi32(_mm256_mullo_epi32(z, z1), t);
     const __m256i g = _mm256_sub_epi32(_mm256_mullo_epi32(b, b), _mm256_slli_epi32(e, 2));
-    const __m256i longer = _mm256_sub_epi32(close_length(between, g), eight(NTP__LENGTH_ONE));
-    const __m256i left = _mm256_or_si256(*between, _mm256_xor_si256(far, eight(-1)));
+    __m256i between;
+    const __m256i longer = _mm256_sub_epi32(close_length(&between, g), eight(NTP__LENGTH_ONE));
+    const __m256i left = _mm256_or_si256(between, none);
     /* how many limits t has passed, negative */
     __m256i passed = _mm256_add_epi32(_mm256_cmpgt_epi32(t, eight(CLOSE_ONE - 1)),
                                       _mm256_cmpgt_epi32(t, eight(CLOSE_LONGER - 1)));
@@ -139,9 +182,6 @@ ONE_COPY static __m256i place_far(far_sums *s, __m256i *between, int32_t *off_to
     off = _mm256_sub_epi32(off, _mm256_cmpgt_epi32(t2, z1));
     off = kept(_mm256_sub_epi32(off, _mm256_cmpgt_epi32(_mm256_add_epi32(t2, z), zero)), left);
     s->most = _mm256_max_epi32(s->most, off);
-    /* as many places as lanes for what is forgotten */
-    store_eight(off_to, _mm256_blendv_epi8(_mm256_add_epi32(off, eight(7)),
-                                           _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7), left));
     const __m256i length = kept(longer, left);
     s->longer = _mm256_add_epi32(s->longer, length);
     s->squares = _mm256_add_epi32(s->squares, _mm256_madd_epi16(length, length));
@@ -151,7 +191,15 @@ ONE_COPY static __m256i place_far(far_sums *s, __m256i *between, int32_t *off_to
     at = _mm256_add_epi32(
         at, _mm256_slli_epi32(steepness(_mm256_sub_epi32(eight(CLOSE_AM - 1), e)), 4));
     at = _mm256_sub_epi32(at, _mm256_slli_epi32(passed, 2));
-    return _mm256_add_epi32(at, _mm256_add_epi32(own_copies(), eight(NTP__EXACT_FAR)));
+    at = _mm256_add_epi32(at, _mm256_add_epi32(own_copies(), eight(NTP__EXACT_FAR)));
+    /* as many places as lanes for what is forgotten */
+    const __m256i forgotten = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
+    store_words(v->far + v->far_ones, _mm256_blendv_epi8(at, forgotten, left));
+    off = _mm256_add_epi32(off, eight(7));
+    store_words(v->off + v->far_ones, _mm256_blendv_epi8(off, forgotten, left));
+    v->far_ones += 8;
+    s->texels += __builtin_popcount(~lanes_of(left) & 255U);
+    return lanes_of(kept(between, none));
 }
 
 ONE_COPY static int32_t sum_of_eight(__m256i v)
@@ -161,12 +209,10 @@ ONE_COPY static int32_t sum_of_eight(__m256i v)
     return _mm_cvtsi128_si32(_mm_add_epi32(two, _mm_shuffle_epi32(two, 0xb1)));
 }
 
-/* The least halves, those of even and of odd places, without sign. */
-ONE_COPY static uint32_t least_halves(__m256i v)
+ONE_COPY static uint32_t least_of_words(__m256i v)
 {
-    const __m128i four = _mm_min_epu16(_mm256_castsi256_si128(v), _mm256_extracti128_si256(v, 1));
-    const __m128i two = _mm_min_epu16(four, _mm_shuffle_epi32(four, 0x4e));
-    return (uint32_t) _mm_cvtsi128_si32(_mm_min_epu16(two, _mm_shuffle_epi32(two, 0xb1)));
+    const __m128i half = _mm_min_epu16(_mm256_castsi256_si128(v), _mm256_extracti128_si256(v, 1));
+    return (uint32_t) _mm_cvtsi128_si32(_mm_minpos_epu16(half)) & 65535;
 }
 
 ONE_COPY static uint32_t greatest_of_eight(__m256i v)
@@ -176,34 +222,27 @@ ONE_COPY static uint32_t greatest_of_eight(__m256i v)
     return (uint32_t) _mm_cvtsi128_si32(_mm_max_epu32(two, _mm_shuffle_epi32(two, 0xb1)));
 }
 
-static void end_survey(ntp__survey *out, const exact_survey *s, int32_t n)
-{
-    const __m256i ones = eight(-1);
-    const int32_t y = sum_of_eight(s->y), bias = CLOSE_K * n;
-    const uint32_t least = least_halves(s->least[0]);
-    const uint32_t greatest = ~least_halves(_mm256_xor_si256(s->greatest[0], ones));
-    out->sum[0] = (uint32_t) (sum_of_eight(s->x_and_y) - y + bias);
-    out->sum[1] = (uint32_t) (y + bias);
-    out->sum[2] = (uint32_t) (sum_of_eight(s->z) + bias);
-    out->least[0] = least & 65535;
-    out->least[1] = least >> 16;
-    out->least[2] = least_halves(s->least[1]) & 65535;
-    out->greatest[0] = greatest & 65535;
-    out->greatest[1] = greatest >> 16;
-    out->greatest[2] = ~least_halves(_mm256_xor_si256(s->greatest[1], ones)) & 65535;
-    out->odd = (uint32_t) any_negative(s->odd);
-}
-
 static void survey_exact(ntp__survey *out, exact_texels *to, const uint16_t *src, int32_t n)
 {
     const __m256i zero = _mm256_setzero_si256(), ones = eight(-1);
-    exact_survey s = { zero, zero, zero, zero, { ones, ones }, { zero, zero } };
-    __m256i rg, bb;
-    for (int32_t i = 0; i < n; i += 8) {
-        load_exact(&rg, &bb, (const uint8_t *) src + 6 * i);
-        judge_exact(to, &s, rg, bb, i);
+    exact_survey s = { { zero, zero, zero }, { ones, ones, ones }, { zero, zero, zero } };
+    __m256i c[3];
+    for (int32_t i = 0; i < n; i += EXACT_STEP) {
+        load_exact(c, src + 3 * i);
+        judge_exact(to, c, i);
+        UNROLLED
+        for (int k = 0; k < 3; k++) {
+            const __m256i signed_level = _mm256_xor_si256(c[k], words(INT16_MIN));
+            s.sum[k] = _mm256_add_epi32(s.sum[k], _mm256_madd_epi16(signed_level, words(1)));
+            s.least[k] = _mm256_min_epu16(s.least[k], c[k]);
+            s.greatest[k] = _mm256_max_epu16(s.greatest[k], c[k]);
+        }
     }
-    end_survey(out, &s, n);
+    for (int k = 0; k < 3; k++) {
+        out->sum[k] = (uint32_t) (sum_of_eight(s.sum[k]) + CLOSE_K * n);
+        out->least[k] = least_of_words(s.least[k]);
+        out->greatest[k] = 65535 - least_of_words(_mm256_xor_si256(s.greatest[k], ones));
+    }
 }
 
 static void end_far(ntp__exact_block *out, const far_sums *s)
@@ -220,50 +259,78 @@ static void end_far(ntp__exact_block *out, const far_sums *s)
 }
 
 /* Counts at n places, whole groups. */
-ONE_COPY static void count_at(uint32_t *counts, const int32_t *at, int32_t n)
+ONE_COPY static void count_at(uint32_t *counts, const uint16_t *at, int32_t n)
 {
     for (int32_t i = 0; i < n; i += 8) {
+        UNROLLED
         for (int32_t k = 0; k < 8; k++)
             counts[at[i + k]]++;
     }
 }
 
+/* Brings up 16 texels of the next block, if there is one, while this one is counted. */
+static inline void prefetch_exact(const uint16_t *p)
+{
+    _mm_prefetch((const char *) p, _MM_HINT_T0);
+    _mm_prefetch((const char *) p + 64, _MM_HINT_T0);
+}
+
+/* The places of those of 16 texels that the mask has; returns how many. */
+static inline int32_t list_places(int32_t *at, int32_t i, __m256i mask)
+{
+    const int bits = _mm256_movemask_epi8(_mm256_packs_epi16(mask, _mm256_setzero_si256()));
+    int32_t found = find_four(at, i, bits & 15);
+    found += find_four(at + found, i + 4, bits >> 4 & 15);
+    found += find_four(at + found, i + 8, bits >> 16 & 15);
+    return found + find_four(at + found, i + 12, bits >> 20);
+}
+
+/* Places 16 texels, but steeper ones, which are noted; returns the bits of those that wait. */
+static inline uint32_t place_exact(exact_texels *v, int32_t i)
+{
+    const __m256i lanes = _mm256_setr_epi16(0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4, 5, 6, 7);
+    const __m256i s = load_eight(v->s + i), z = load_eight(v->z + i);
+    const __m256i bad = _mm256_cmpeq_epi16(s, _mm256_setzero_si256());
+    if (bits_of(bad) == EVERY)
+        return EVERY;
+    __m256i none;
+    const __m256i at = place_near(&none, s, z, load_eight(v->pair + i));
+    const __m256i far = kept(_mm256_cmpgt_epi16(words(CLOSE_K - NTP__EXACT_NEAR), z), bad);
+    none = _mm256_or_si256(_mm256_or_si256(none, bad), far);
+    store_eight(v->at + v->near_ones, _mm256_add_epi16(kept(at, none), lanes));
+    v->near_ones += EXACT_STEP;
+    if (bits_of(far) != 0)
+        v->steep += list_places(v->from + v->steep, i, far);
+    return bits_of(kept(none, far));
+}
+
 static int32_t count_exact(ntp__exact_block *out, ntp__close_counts *counts, const uint16_t *src,
                            int32_t n)
 {
-    int32_t texels = 0, steep = 0, left = 0, far_ones = 0;
     const __m256i zero = _mm256_setzero_si256();
     exact_texels v;
-    far_sums s = { zero, zero, eight(-1), zero, zero };
-    n &= -8;
+    far_sums s = { zero, zero, eight(-1), zero, zero, 0 };
+    int32_t left = 0;
+    n &= -EXACT_STEP;
+    v.near_ones = v.far_ones = v.steep = 0;
     survey_exact(&out->survey, &v, src, n);
-    for (int32_t i = 0; i < n; i += 8) {
-        const __m256i t = load_eight(v.t + i), z = load_eight(v.z + i);
-        __m256i bad = _mm256_cmpeq_epi32(t, zero), between;
-        int32_t others = lanes_of(bad);
-        if (others != 255) {
-            const __m256i far = kept(_mm256_cmpgt_epi32(eight(CLOSE_K - NTP__EXACT_NEAR), z), bad);
-            __m256i at = place_near(&between, t, z, load_eight(v.pair + i));
-            if (any_negative(far)) {
-                __m256i doubt;
-                at = _mm256_blendv_epi8(at, place_far(&s, &doubt, v.off + steep, t, z, far), far);
-                between = _mm256_blendv_epi8(between, doubt, far);
-                steep += 8;
-                far_ones += __builtin_popcount((unsigned) lanes_of(kept(far, doubt)));
-            }
-            bad = _mm256_or_si256(bad, between);
-            store_eight(v.at + texels, kept(at, bad));
-            texels += 8;
-            others = lanes_of(bad);
-        }
-        for (; others != 0; others &= others - 1)
-            out->left[left++] = (uint8_t) (i + __builtin_ctz((unsigned) others));
+    for (int32_t i = 0; i < n; i += EXACT_STEP) {
+        prefetch_exact(src + 3 * (n + i));
+        for (uint32_t others = place_exact(&v, i); others != 0; others &= others - 1)
+            out->left[left++] = (uint8_t) (i + __builtin_ctz(others) / 2);
     }
-    count_at(counts->exact, v.at, texels);
-    count_at(counts->exact_off, v.off, steep);
+    v.s[NOWHERE] = v.z[NOWHERE] = 0;
+    store_eight(v.from + v.steep, eight(NOWHERE));
+    for (int32_t i = 0; i < v.steep; i += 8) {
+        for (uint32_t others = place_far(&s, &v, v.from + i); others != 0; others &= others - 1)
+            out->left[left++] = (uint8_t) v.from[i + __builtin_ctz(others)];
+    }
+    count_at(counts->exact, v.at, v.near_ones);
+    count_at(counts->exact, v.far, v.far_ones);
+    count_at(counts->exact_off, v.off, v.far_ones);
     out->texels = n - left;
-    out->far = far_ones;
-    if (far_ones > 0)
+    out->far = s.texels;
+    if (s.texels > 0)
         end_far(out, &s);
     return n;
 }

@@ -310,10 +310,6 @@ static inline int32_t whole_lanes(int32_t n)
 #include "texel/directions_tmpl.h"
 #include "texel/judge_tmpl.h"
 
-#include "texel/close_tmpl.h"
-#include "texel/exact16_tmpl.h"
-#include "texel/angles_tmpl.h"
-
 #ifdef __AVX2__
 /* The places i to i + 3 of which the mask has a bit; returns how many.  Branches would be taken at
  * random. */
@@ -332,7 +328,13 @@ static inline int32_t find_four(int32_t *at, int32_t i, int mask)
     _mm_storeu_si128((__m128i *) (void *) at, places);
     return (int32_t) (counts >> 4 * mask & 15);
 }
+#endif
 
+#include "texel/close_tmpl.h"
+#include "texel/exact16_tmpl.h"
+#include "texel/angles_tmpl.h"
+
+#ifdef __AVX2__
 static int32_t derive_rgb16(uint16_t *dst, const uint16_t *src, int32_t n, int32_t zzero,
                             int32_t *at, uint64_t *changed)
 {

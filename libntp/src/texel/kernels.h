@@ -130,11 +130,12 @@ typedef struct ntp__exact_block {
     int32_t texels, far; /* exact ones, and those of them that are not nearly flat */
     uint32_t length_sum, least, greatest, levels_off_max; /* of far > 0 */
     uint64_t length_error2;
-    uint8_t left[256]; /* the places of the texels that are not counted, n - texels */
+    uint8_t left[256]; /* the places of the texels that are not counted, n - texels, in any order */
 } ntp__exact_block;
 
-/* Counts packed 16-bit texels that are exact and not odd (ntp__survey).  It leaves a last group of
- * fewer than eight to the caller, and returns how many it did.  0 <= n <= 256. */
+/* Counts packed 16-bit texels that are exact and not odd (ntp__survey); whether any is odd, it does not
+ * say.  It leaves a last group of fewer than 16 to the caller, and returns how many it did.
+ * 0 <= n <= 256. */
 typedef int32_t ntp__count_exact_fn(ntp__exact_block *out, ntp__close_counts *counts,
                                     const uint16_t *src, int32_t n);
 

@@ -166,7 +166,6 @@ static int32_t normalize_rgb16(void *dst, const void *src, int32_t n, int32_t *a
 }
 
 #  undef N
-#  undef SHUFFLE
 
 #else
 #  define normalize_rgb16 NULL
