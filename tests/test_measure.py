@@ -149,6 +149,15 @@ def test_many_of_a_few_colors(least):
     check_summary(tally.measure(array[:90], ntp.STANDARD), array[:90], ntp.STANDARD, 0)
 
 
+@pytest.mark.parametrize("count", [255, 256, 257, 4096])
+def test_counts_of_whole_bytes(count):
+    """Colors of two rows, so often that a byte is 0 again: far, near and at both ends."""
+    blues = (0, 9, 63, 64, 65, 127, 128, 190, 191, 192, 194, 215, 223, 224, 255)
+    colors = [pair + (b,) for pair in ((206, 207), (90, 131)) for b in blues]
+    array = np.repeat(np.array(colors, np.uint8)[None], count, 0)
+    check_summary(ntp.Tally().measure(array, ntp.STANDARD), array, ntp.STANDARD, 0)
+
+
 @pytest.mark.parametrize("dtype", [np.uint8, np.uint16])
 @pytest.mark.parametrize("visible", [0.01, 0.3])
 def test_colors_of_transparent_texels(dtype, visible):

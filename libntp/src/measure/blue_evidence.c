@@ -34,14 +34,9 @@ static blue_row row_of(double z)
     return row;
 }
 
-/* Adds `count` texels of the row with this (mean) blue, all at 8 bit. */
-static inline void add_blue(blue_sums *sums, blue_row *row, double blue, double count)
+/* Adds `count` texels of a tilted row with this (mean) blue, at 8 bit. */
+static inline void add_tilted(blue_sums *sums, const blue_row *row, double blue, double count)
 {
-    row->n += count;
-    row->blue += count * blue;
-    row->blue2 += count * blue * blue;
-    if (row->gap <= GAP_THAT_TELLS)
-        return;
     for (int32_t i = 0; i < 2; i++) {
         double off = magnitude(blue - row->want[i]);
         sums->off[i] += count * (off < OFF_MOST ? off : OFF_MOST);
@@ -65,19 +60,31 @@ static void add_row(blue_sums *sums, const blue_row *row)
     sums->gap += row->n * row->gap;
 }
 
-static void add_cells(blue_sums *sums, const ntp_tally *t)
+static void add_cells(blue_sums *into, const ntp_tally *t)
 {
-    ntp__cell cells[NTP__MOST_CELLS];
+    ntp__cells cells;
+    blue_sums sums = { 0 }; /* in registers */
     for (int32_t i = 0; (i = ntp__next_row(t->cells.at.row_seen, i)) < NTP__ROWS; i++) {
         int64_t rest = ntp__rest(t->cells.row_pair[i] & 255, t->cells.row_pair[i] >> 8, 255);
         if (rest < 0)
             continue;
         blue_row row = row_of(sqrt((double) rest) / 255);
-        const int32_t n = ntp__row_cells(cells, &t->cells, i);
-        for (int32_t k = 0; k < n; k++)
-            add_blue(sums, &row, cells[k].blue, cells[k].count);
-        add_row(sums, &row);
+        const int32_t n = ntp__row_cells(&cells, &t->cells, i);
+        uint64_t texels = 0, blue = 0, blue2 = 0;
+        for (int32_t k = 0; k < n; k++) {
+            const uint64_t b = (uint64_t) cells.blue[k], part = b * cells.count[k];
+            texels += cells.count[k];
+            blue += part;
+            blue2 += b * part;
+        }
+        row.n = (double) texels;
+        row.blue = (double) blue;
+        row.blue2 = (double) blue2;
+        for (int32_t k = 0; row.gap > GAP_THAT_TELLS && k < n; k++)
+            add_tilted(&sums, &row, cells.blue[k], cells.count[k]);
+        add_row(&sums, &row);
     }
+    *into = sums;
 }
 
 static void add_samples(blue_sums *sums, const ntp_tally *t)
@@ -92,7 +99,12 @@ static void add_samples(blue_sums *sums, const ntp_tally *t)
         if (n <= 0 || rest < 0)
             continue;
         blue_row row = row_of(sqrt((double) rest) / 255);
-        add_blue(sums, &row, (double) t->pair_blue[i] / n, n);
+        const double blue = (double) t->pair_blue[i] / n;
+        row.n = n;
+        row.blue = n * blue;
+        row.blue2 = n * blue * blue;
+        if (row.gap > GAP_THAT_TELLS)
+            add_tilted(sums, &row, blue, n);
         add_row(sums, &row);
     }
 }

@@ -12,6 +12,9 @@
 
 #include <stdbool.h>
 #include <string.h>
+#ifdef __SSE2__
+#  include <emmintrin.h>
+#endif
 
 /* The blue of the first near cell: 8 below the derived one.  If a near cell would be gray, the
  * first is above that level instead.  So the loops need not look for black and white among them. */
@@ -74,52 +77,72 @@ uint32_t ntp__find_row(ntp__color_counts *t, int32_t r, int32_t g)
                       rest < 0 ? -1 : ntp__blue_of_rest(rest, 255, false));
 }
 
-/* Appends the colors with blues from `blue` up to `end` whose cells are not 0.  Most groups of cells
- * are empty; the last ends within the row. */
-static int32_t append(ntp__cell *cells, int32_t n, const uint8_t *far, int32_t blue, int32_t end)
+/* A bit for each of 64 bytes that is not 0. */
+static inline uint64_t bytes_in_use(const uint8_t *bytes)
 {
-    enum { GROUP = 8 };
-    for (int32_t i = blue; i < end; i += GROUP) {
-        const int32_t last = i + GROUP < end ? i + GROUP : end;
-        uint64_t any;
-        memcpy(&any, far + i, sizeof any);
-        for (int32_t k = i; any != 0 && k < last; k++) {
-            cells[n].blue = k;
-            cells[n].count = far[k];
-            n += far[k] != 0;
-        }
+    uint64_t none = 0;
+#ifdef __SSE2__
+    const __m128i zero = _mm_setzero_si128();
+#  pragma GCC unroll 4
+    for (int32_t i = 0; i < 64; i += 16) {
+        const __m128i v = _mm_loadu_si128((const __m128i *) (const void *) (bytes + i));
+        none |= (uint64_t) (uint32_t) _mm_movemask_epi8(_mm_cmpeq_epi8(v, zero)) << i;
     }
-    return n;
+#else
+    for (int32_t i = 0; i < 64; i++)
+        none |= (uint64_t) (bytes[i] == 0) << i;
+#endif
+    return ~none;
 }
 
-/* Appends one color if it occurs. */
-static int32_t append_one(ntp__cell *cells, int32_t n, int32_t blue, uint32_t count)
+/* A bit for each near cell that is not 0. */
+static inline uint64_t near_in_use(const uint32_t *near)
 {
-    cells[n].blue = blue;
-    cells[n].count = count;
-    return n + (count != 0);
+#ifdef __SSE2__
+    const __m128i *const v = (const __m128i *) (const void *) near;
+    const __m128i zero = _mm_setzero_si128();
+    const __m128i low = _mm_packs_epi32(_mm_cmpeq_epi32(_mm_loadu_si128(v), zero),
+                                        _mm_cmpeq_epi32(_mm_loadu_si128(v + 1), zero));
+    const __m128i high = _mm_packs_epi32(_mm_cmpeq_epi32(_mm_loadu_si128(v + 2), zero),
+                                         _mm_cmpeq_epi32(_mm_loadu_si128(v + 3), zero));
+    return 0xffff ^ (uint32_t) _mm_movemask_epi8(_mm_packs_epi16(low, high));
+#else
+    uint64_t bits = 0;
+    for (int32_t i = 0; i < NTP__NEAR; i++)
+        bits |= (uint64_t) (near[i] != 0) << i;
+    return bits;
+#endif
 }
 
-int32_t ntp__row_cells(ntp__cell cells[NTP__MOST_CELLS], const ntp__color_counts *t, int32_t row)
+int32_t ntp__row_cells(ntp__cells *cells, const ntp__color_counts *t, int32_t row)
 {
-    const uint8_t *const far = &t->at.far[row * NTP__ROW_CELLS];
     const uint32_t *const near = &t->at.near[row * NTP__NEAR];
+    const uint8_t *const far = &t->at.far[row * NTP__ROW_CELLS];
     const uint32_t *const carried = &t->at.carried[row * NTP__ROW_CELLS];
     const int32_t first = t->row_first[row], seen = t->at.row_seen[row];
+    const uint64_t any_near = near_in_use(near);
     int32_t n = 0;
-    if (seen & NTP__SEEN_CARRIED) {
-        for (int32_t i = 0; i < 256; i++) {
-            const uint32_t place = (uint32_t) (i - first);
-            const uint32_t count = far[i] + (carried[i] << 8);
-            n = append_one(cells, n, i, count + (place < NTP__NEAR ? near[place] : 0));
-        }
-        return n;
+    for (int32_t i = 0; i < 256; i += 64) {
+        /* Near cells may lie in two of these. */
+        uint64_t bits = (uint32_t) (first - i) < 64   ? any_near << (first - i)
+                        : (uint32_t) (i - first) < 64 ? any_near >> (i - first)
+                                                      : 0;
+        if (seen & NTP__SEEN_FAR)
+            bits |= bytes_in_use(far + i);
+        for (int32_t k = 0; seen & NTP__SEEN_CARRIED && k < 64; k++)
+            bits |= (uint64_t) (carried[i + k] != 0) << k;
+        for (; bits != 0; bits &= bits - 1)
+            cells->blue[n++] = i + __builtin_ctzll(bits);
     }
-    if (seen & NTP__SEEN_FAR)
-        n = append(cells, n, far, 0, first);
-    for (int32_t i = 0; i < NTP__NEAR; i++)
-        n = append_one(cells, n, first + i, near[i] + (seen & NTP__SEEN_FAR ? far[first + i] : 0U));
-    return seen & NTP__SEEN_FAR ? append(cells, n, far, first + NTP__NEAR, 256) : n;
+    for (int32_t i = 0; i < n; i++) {
+        const uint32_t place = (uint32_t) (cells->blue[i] - first);
+        cells->count[i] = place < NTP__NEAR ? near[place] : 0;
+    }
+    for (int32_t i = 0; seen & NTP__SEEN_FAR && i < n; i++)
+        cells->count[i] += far[cells->blue[i]];
+    for (int32_t i = 0; seen & NTP__SEEN_CARRIED && i < n; i++)
+        cells->count[i] += carried[cells->blue[i]] << 8;
+    return n;
 }
 
 /* Adds the rows that were not noted to `seen`, which is t's own or a copy.  Steeper rows than any in

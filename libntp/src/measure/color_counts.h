@@ -20,10 +20,7 @@
 #include <stdint.h>
 #include <string.h>
 
-enum {
-    NTP__FEW = 4096,          /* up to so many texels it pays to note the row of each */
-    NTP__MOST_CELLS = 256 + 1 /* of a row, and one that is written and not counted */
-};
+enum { NTP__FEW = 4096 }; /* up to so many texels it pays to note the row of each */
 
 typedef struct ntp__color_counts {
     uint32_t rows_ready;
@@ -58,15 +55,14 @@ static inline uint32_t ntp__entry_first(uint32_t entry)
     return entry & 255;
 }
 
-/* A color that occurs: its blue, and how often. */
-typedef struct ntp__cell {
-    int32_t blue;
-    uint32_t count;
-} ntp__cell;
+/* The colors of a row that occur, by rising blue, and how often. */
+typedef struct ntp__cells {
+    int32_t blue[256];
+    uint32_t count[256];
+} ntp__cells;
 
-/* The colors of a row that was seen, by rising blue; returns their number. */
-int32_t ntp__row_cells(ntp__cell cells[NTP__MOST_CELLS], const ntp__color_counts *counts,
-                       int32_t row);
+/* Those of a row that was seen; returns their number. */
+int32_t ntp__row_cells(ntp__cells *cells, const ntp__color_counts *counts, int32_t row);
 
 /* The first row from `row` on for which seen[row] is not 0; NTP__ROWS: none. */
 static inline int32_t ntp__next_row(const uint8_t seen[NTP__ROWS], int32_t row)

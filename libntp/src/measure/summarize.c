@@ -321,15 +321,15 @@ static uint64_t bits_set(const uint8_t *bytes, size_t size)
 
 static void describe_colors(ntp_stats *s, const ntp_tally *t)
 {
-    ntp__cell cells[NTP__MOST_CELLS];
+    ntp__cells cells;
     if (s->max == 255 && t->encoding != NTP_ENCODING_HEIGHT) {
         for (int32_t row = NTP__ROWS - NTP__FLAT_ROWS; row < NTP__ROWS; row++) {
             if (t->cells.at.row_seen[row] == 0)
                 continue;
-            const int32_t n = ntp__row_cells(cells, &t->cells, row);
+            const int32_t n = ntp__row_cells(&cells, &t->cells, row);
             s->distinct_flat += (uint64_t) n;
             for (int32_t i = 0; i < n; i++)
-                s->flat += cells[i].count;
+                s->flat += cells.count[i];
         }
     } else {
         s->flat = t->wide_flat;

@@ -118,14 +118,23 @@ ntp_status ntp_tally_clear(ntp_tally *t)
 static void add_row(ntp_tally *t, ntp__color_batch *batch, int32_t row, int32_t m,
                     ntp_encoding encoding)
 {
-    ntp__cell cells[NTP__MOST_CELLS];
+    ntp__cells cells;
     const int32_t by = m / 255;
-    int32_t c[3] = { (t->cells.row_pair[row] & 255) * by, (t->cells.row_pair[row] >> 8) * by };
-    const int32_t n = ntp__row_cells(cells, &t->cells, row);
-    for (int32_t i = 0; i < n; i++) {
-        t->blues[cells[i].blue] += cells[i].count;
-        c[2] = cells[i].blue * by;
-        ntp__put_color(&t->used, batch, c, cells[i].count, m, encoding);
+    const int32_t r = (t->cells.row_pair[row] & 255) * by, g = (t->cells.row_pair[row] >> 8) * by;
+    const int32_t n = ntp__row_cells(&cells, &t->cells, row);
+    for (int32_t done = 0, end; done < n; done = end) {
+        int32_t at = batch->n;
+        end = n - done < NTP__BLOCK - at ? n : done + NTP__BLOCK - at;
+        for (int32_t i = done; i < end; i++, at++) {
+            t->blues[cells.blue[i]] += cells.count[i];
+            batch->block.c[0][at] = r;
+            batch->block.c[1][at] = g;
+            batch->block.c[2][at] = cells.blue[i] * by;
+            batch->count[at] = cells.count[i];
+        }
+        batch->n = at;
+        if (at == NTP__BLOCK)
+            ntp__end_batch(&t->used, batch, m, encoding);
     }
 }
 
