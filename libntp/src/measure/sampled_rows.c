@@ -149,17 +149,21 @@ static void add_colors(ntp_tally *t, const ntp__block *block, int32_t first, int
     bool picture = t->encoding == NTP_ENCODING_HEIGHT;
     int32_t used[3][NTP__BLOCK], count = 0;
     const int32_t *c[3];
-    for (int32_t k = 0; k < 3; k++)
+    for (int32_t k = 0; k < 3; k++) {
         c[k] = block->c[k] + first;
-    if (m != 255 || ntp__any_suspect(block, first + n, m)) {
-        for (int32_t i = first; i < first + n; i++) {
-            int32_t r = block->c[0][i], g = block->c[1][i], b = block->c[2][i], a = block->c[3][i];
-            if ((block->any_broken && block->broken[i]) ||
-                (!picture && ntp__unused(r, g, b, a, m, t->touched)))
+        for (int32_t i = 0; m != 255 && i < n; i++)
+            used[k][i] = ntp__narrow(c[k][i]);
+        c[k] = m != 255 ? used[k] : c[k];
+    }
+    if (ntp__any_suspect(block, first + n, m)) {
+        for (int32_t i = 0; i < n; i++) {
+            const int32_t at = first + i, r = block->c[0][at], g = block->c[1][at];
+            if ((block->any_broken && block->broken[at]) ||
+                (!picture && ntp__unused(r, g, block->c[2][at], block->c[3][at], m, t->touched)))
                 continue;
-            used[0][count] = m == 255 ? r : ntp__narrow(r);
-            used[1][count] = m == 255 ? g : ntp__narrow(g);
-            used[2][count++] = m == 255 ? b : ntp__narrow(b);
+            for (int32_t k = 0; k < 3; k++)
+                used[k][count] = c[k][i]; /* not behind i */
+            count++;
         }
         for (int32_t k = 0; k < 3; k++)
             c[k] = used[k];

@@ -240,10 +240,12 @@ static inline void ntp__clean(int32_t c[3], int32_t m, ntp_encoding encoding,
     }
 }
 
-/* 16 to 8 bit: c / 257 rounded; 257 is odd, so there is no tie. */
+/* 16 to 8 bit: c / 257 rounded; 257 is odd, so there is no tie.  With v = 257 q + r, v - floor(v/256)
+ * is 256 q + r or, where r is 256 - q or more, one less; so it is below 256 (q + 1). */
 static inline int32_t ntp__narrow(int32_t c)
 {
-    return (c + 128) / 257;
+    const int32_t v = c + 128;
+    return (v - (v >> 8)) >> 8;
 }
 
 /* Are red and green both within 15 levels of 8 bit from an end, as those of black, of white and of
