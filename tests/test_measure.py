@@ -329,6 +329,24 @@ def test_a_cleared_tally_is_empty():
             assert everything(tally.measure(array, encoding), encoding) == want
 
 
+def test_blue_of_many_texels_in_few_pairs():
+    """Red and green that come thousands of times, with blues of any size, are summed as they are once."""
+    rng = np.random.default_rng(3)
+    one = rng.integers(20000, 45000, (8, 8, 3)).astype(np.uint16)
+    one[:, :, 2] = rng.integers(32768, 65536, (8, 8))
+    one[0] = 65280, 32700, 65530  # the brightest blue there is
+    want = evidence(ntp.Tally().measure(one))
+    half = ntp.Tally().measure(np.tile(one, (1, 4333, 1)))
+    many = ntp.Tally().merge(half).merge(half)
+    for tally in (half, many, many.measure(np.tile(one, (1, 2000, 1)))):
+        got = evidence(tally)
+        assert got["tilted"] % want["tilted"] == 0 and want["tilted"] > 32
+        for name in ("tilted_gap", "tilted_off", "tilted_near", "tilted_above"):
+            assert got[name] == pytest.approx(want[name], rel=1e-9), name
+        for name in ("blue_drop", "blue_slope", "blue_correlation"):
+            assert got[name] == pytest.approx(want[name], rel=1e-9), name
+
+
 def test_16_bit_with_8_bit_content_is_judged_as_8_bit():
     """One level that is not a multiple of 257, in any channel and any part, makes it 16 bit."""
     narrow = (image(255, 4) * 257).astype(np.uint16)

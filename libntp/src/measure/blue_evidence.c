@@ -87,25 +87,38 @@ static void add_cells(blue_sums *into, const ntp_tally *t)
     *into = sums;
 }
 
+/* Whether a pair has texels cannot be foretold, so those of a run that have are gathered first. */
+static void add_run(blue_sums *sums, const ntp_tally *t, int32_t r, int32_t g)
+{
+    const uint32_t place = ntp__pair_place((uint32_t) r, (uint32_t) g);
+    double rests[NTP__PAIR_RUN], texels[NTP__PAIR_RUN], blues[NTP__PAIR_RUN];
+    int32_t n = 0;
+    for (int32_t i = 0; i < NTP__PAIR_RUN; i++) {
+        const ntp__pair pair = ntp__pair_at(t, place + (uint32_t) i);
+        const int32_t rest = (int32_t) ntp__rest(r + i, g, 255);
+        rests[n] = rest;
+        texels[n] = (double) (int64_t) pair.texels;
+        blues[n] = (double) (int64_t) pair.blue;
+        n += (pair.texels > 0) & (rest >= 0);
+    }
+    for (int32_t i = 0; i < n; i++) {
+        blue_row row = row_of(sqrt(rests[i]) / 255);
+        const double blue = blues[i] / texels[i];
+        row.n = texels[i];
+        row.blue = row.n * blue;
+        row.blue2 = row.n * blue * blue;
+        if (row.gap > GAP_THAT_TELLS)
+            add_tilted(sums, &row, blue, row.n);
+        add_row(sums, &row);
+    }
+}
+
 static void add_samples(blue_sums *sums, const ntp_tally *t)
 {
-    for (int32_t i = 0; i < 65536; i++) {
-        if (t->pair_seen[i / NTP__PAIR_GROUP] == 0) {
-            i += NTP__PAIR_GROUP - 1;
-            continue;
-        }
-        double n = t->pair_texels[i];
-        int64_t rest = ntp__rest(i & 255, i >> 8, 255);
-        if (n <= 0 || rest < 0)
-            continue;
-        blue_row row = row_of(sqrt((double) rest) / 255);
-        const double blue = (double) t->pair_blue[i] / n;
-        row.n = n;
-        row.blue = n * blue;
-        row.blue2 = n * blue * blue;
-        if (row.gap > GAP_THAT_TELLS)
-            add_tilted(sums, &row, blue, n);
-        add_row(sums, &row);
+    for (int32_t i = 0; i < 65536; i += NTP__PAIR_RUN) {
+        const int32_t r = i & 255, g = i >> 8;
+        if (t->pair_seen[ntp__pair_place((uint32_t) r, (uint32_t) g) / NTP__PAIR_GROUP])
+            add_run(sums, t, r, g);
     }
 }
 

@@ -175,7 +175,7 @@ void ntp__clear_close(ntp__close_counts *close, const ntp__sums *sums)
            (exact_distances(sums) + NTP__EXACT_LESS) * sizeof close->exact_off[0]);
 }
 
-void ntp__add_close(ntp__sums *sums, const ntp__close_counts *close)
+void ntp__take_close(ntp__sums *sums, ntp__close_counts *close)
 {
     for (uint32_t i = 0; i < NTP__CLOSE_PLACES; i++) {
         const uint32_t count = sum_of_copies(close->standard[i], NTP__CLOSE_COPIES);
@@ -188,4 +188,5 @@ void ntp__add_close(ntp__sums *sums, const ntp__close_counts *close)
             add_close_zzero(&sums->fit[1], i, count);
     }
     add_exact_counts(sums, close);
+    ntp__clear_close(close, sums);
 }

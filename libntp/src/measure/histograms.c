@@ -22,7 +22,7 @@ ntp_status ntp_tally_levels_off(uint64_t *counts, size_t size, ntp_tally *tally,
         return NTP_ERR_ARGUMENT;
     NTP__TRY(ntp__sum_up(tally, ntp__encoding_at_hand(tally)));
     int32_t z = encoding == NTP_ENCODING_ZZERO;
-    const ntp__fit_sums *used = &tally->used.fit[z], *unused = &tally->unused.fit[z];
+    const ntp__fit_sums *used = &ntp__used(tally)->fit[z], *unused = &tally->unused.fit[z];
     if (size <= used->levels_off_max || size <= unused->levels_off_max)
         return NTP_ERR_ARGUMENT;
     size_t bins = (size_t) ntp__tally_max(tally) + 1;
@@ -38,8 +38,9 @@ ntp_status ntp_tally_lengths(uint64_t counts[256], ntp_tally *tally, ntp_encodin
         return NTP_ERR_ARGUMENT;
     NTP__TRY(ntp__sum_up(tally, ntp__encoding_at_hand(tally)));
     int32_t z = encoding == NTP_ENCODING_ZZERO;
+    const ntp__fit_sums *used = &ntp__used(tally)->fit[z], *unused = &tally->unused.fit[z];
     for (int32_t i = 0; i < NTP__LENGTH_BINS; i++)
-        counts[i] = (uint64_t) tally->used.fit[z].lengths[i] + tally->unused.fit[z].lengths[i];
+        counts[i] = (uint64_t) used->lengths[i] + unused->lengths[i];
     return NTP_OK;
 }
 
@@ -50,13 +51,14 @@ ntp_status ntp_tally_harm(ntp_harm *harm, ntp_tally *tally, ntp_encoding encodin
         return NTP_ERR_ARGUMENT;
     NTP__TRY(ntp__sum_up(tally, encoding));
     uint64_t padding = ntp__padding_of_one_color(tally);
-    uint64_t used = tally->used.texels - padding, sum = 0, max = 0, below = used;
+    const ntp__sums *const sums = ntp__used(tally);
+    uint64_t used = sums->texels - padding, sum = 0, max = 0, below = used;
     memset(harm, 0, sizeof *harm);
     /* Where padding counts, it counts as what it is. */
     if (padding == 0)
         kinds |= (kinds >> 1 & 3) << NTP__HARM_KINDS;
     for (uint32_t k = 0; k < NTP__ALL_HARM; k++) {
-        const ntp__harm_sums *one = &tally->used.harm[k];
+        const ntp__harm_sums *one = &sums->harm[k];
         if (!(kinds >> k & 1))
             continue;
         harm->texels += one->texels;
@@ -69,7 +71,7 @@ ntp_status ntp_tally_harm(ntp_harm *harm, ntp_tally *tally, ntp_encoding encodin
     for (uint32_t i = ntp__harm_bin(max) + 1; i-- > 0;) {
         uint32_t count = 0;
         for (uint32_t k = 0; k < NTP__ALL_HARM; k++)
-            count += kinds >> k & 1 ? tally->used.harm[k].bins[i] : 0;
+            count += kinds >> k & 1 ? sums->harm[k].bins[i] : 0;
         if (below * 100 >= used * 99)
             harm->p99 = i / 100.0;
         if (i > (uint32_t) (degrees * 100 + 0.5))

@@ -9,6 +9,12 @@
 #include <math.h>
 #include <string.h>
 
+void ntp__merge_counts(uint32_t *restrict into, const uint32_t *restrict from, size_t n)
+{
+    for (size_t i = 0; i < n; i++)
+        into[i] += from[i];
+}
+
 enum { NO_HARM = NTP__ALL_HARM };
 
 /* Counts one texel for each count of 1. */
@@ -396,6 +402,22 @@ static void merge_harm(ntp__harm_sums *into, const ntp__harm_sums *from)
     ntp__merge_counts(into->bins, from->bins, (size_t) ntp__harm_bin(from->max) + 1);
 }
 
+static void merge_others(ntp__fit_sums *into, const ntp__fit_sums *from)
+{
+    ntp__merge_counts(into->flags, from->other_flags, NTP__ALL_BINS * 256);
+    ntp__merge_counts(into->lengths, from->other_lengths, NTP__LENGTH_BINS);
+}
+
+void ntp__take_others(ntp__sums *s)
+{
+    for (int32_t z = 0; z < 2; z++) {
+        ntp__fit_sums *fit = &s->fit[z];
+        merge_others(fit, fit);
+        memset(fit->other_flags, 0, sizeof fit->other_flags);
+        memset(fit->other_lengths, 0, sizeof fit->other_lengths);
+    }
+}
+
 void ntp__merge_sums(ntp__sums *into, const ntp__sums *from)
 {
     if (from->texels == 0)
@@ -405,9 +427,8 @@ void ntp__merge_sums(ntp__sums *into, const ntp__sums *from)
         ntp__fit_sums *a = &into->fit[z];
         const ntp__fit_sums *b = &from->fit[z];
         ntp__merge_counts(a->flags, b->flags, NTP__ALL_BINS * 256);
-        ntp__merge_counts(a->flags, b->other_flags, NTP__ALL_BINS * 256);
         ntp__merge_counts(a->lengths, b->lengths, NTP__LENGTH_BINS);
-        ntp__merge_counts(a->lengths, b->other_lengths, NTP__LENGTH_BINS);
+        merge_others(a, b);
         ntp__merge_counts(a->levels_off, b->levels_off, (size_t) b->levels_off_max + 1);
         ntp__merge_max(&a->levels_off_max, b->levels_off_max);
         for (int32_t i = 0; i < NTP__ALL_BINS; i++)

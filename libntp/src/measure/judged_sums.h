@@ -96,8 +96,12 @@ void ntp__add_close_block(ntp__sums *sums, ntp__close_counts *close, ntp__block 
 /* Adds exact texels that count_exact counted (texel/kernels.h). */
 void ntp__add_exact(ntp__sums *sums, const ntp__exact_block *found);
 
-/* Adds what `close` holds of the texels that ntp__add_close_block and ntp__add_exact added. */
-void ntp__add_close(ntp__sums *sums, const ntp__close_counts *close);
+/* Adds what `close` holds of the texels that ntp__add_close_block and ntp__add_exact added to these
+ * sums, and makes it empty. */
+void ntp__take_close(ntp__sums *sums, ntp__close_counts *close);
+
+/* Adds what is counted elsewhere in ntp__fit_sums to the other counts. */
+void ntp__take_others(ntp__sums *sums);
 
 /* Adds counts of texels that are in these sums, or makes them empty. */
 void ntp__merge_close(ntp__close_counts *into, const ntp__close_counts *from,

@@ -57,8 +57,9 @@ static void describe_flags(ntp_fit *out, const flag_counts *yes, const flag_coun
 
 static void describe_fit(ntp_fit *out, const ntp_tally *t, int32_t z)
 {
-    const ntp__fit_sums *used = &t->used.fit[z], *unused = &t->unused.fit[z];
-    uint64_t n = t->used.texels, all = n + t->unused.texels;
+    const ntp__sums *const sums = ntp__used(t);
+    const ntp__fit_sums *used = &sums->fit[z], *unused = &t->unused.fit[z];
+    uint64_t n = sums->texels, all = n + t->unused.texels;
     uint64_t le = 0;
     for (int32_t i = 0; i < 4; i++) {
         le += used->levels_off[i];
@@ -88,8 +89,9 @@ static uint64_t count_padding(const ntp__sums *sums, uint32_t mask)
 static uint64_t padding_to_leave_out(const ntp_tally *t)
 {
     enum { OTHERS_LEAST = 16 }; /* one in this many */
-    uint64_t padding = count_padding(&t->used, 0);
-    bool left = OTHERS_LEAST * (t->used.texels - padding) >= t->used.texels &&
+    const ntp__sums *const used = ntp__used(t);
+    uint64_t padding = count_padding(used, 0);
+    bool left = OTHERS_LEAST * (used->texels - padding) >= used->texels &&
                 t->samples.n > t->padding_samples.n;
     return left ? padding : 0;
 }
@@ -115,10 +117,11 @@ static void describe_verdicts(ntp_stats *s, const ntp_tally *t)
 {
     flag_counts yes, no;
     const flag_counts *used = &yes, *unused = &no;
-    count_flags(&yes, &t->used, 1, NTP__ALL_BINS);
+    const ntp__sums *const sums = ntp__used(t);
+    count_flags(&yes, sums, 1, NTP__ALL_BINS);
     count_flags(&no, &t->unused, 1, NTP__ALL_BINS);
     describe_flags(&s->zzero, used, unused);
-    count_flags(&yes, &t->used, 0, NTP__ALL_BINS);
+    count_flags(&yes, sums, 0, NTP__ALL_BINS);
     count_flags(&no, &t->unused, 0, NTP__ALL_BINS);
     describe_flags(&s->standard, used, unused);
     s->unused_xy_too_long = flagged(unused, NTP_FLAG_XY_TOO_LONG, NTP_FLAG_XY_TOO_LONG);
@@ -131,7 +134,7 @@ static void describe_verdicts(ntp_stats *s, const ntp_tally *t)
     s->z_negative = s->unused_z_negative + flagged(used, NTP_FLAG_Z_NEGATIVE, NTP_FLAG_Z_NEGATIVE);
     s->padding = ntp__padding_of_one_color(t);
     if (s->padding > 0)
-        s->padding_z_negative = count_padding(&t->used, NTP_FLAG_Z_NEGATIVE);
+        s->padding_z_negative = count_padding(sums, NTP_FLAG_Z_NEGATIVE);
 }
 
 static void channel_from(ntp_channel *out, const ntp__channel_sums *sums, uint64_t texels,
@@ -356,11 +359,12 @@ ntp_status ntp_tally_summarize(ntp_stats *s, ntp_tally *t, ntp_encoding encoding
     s->channels = (int32_t) t->channels;
     s->gray = t->gray;
     describe_verdicts(s, t);
+    const ntp__sums *const sums = ntp__used(t);
     for (int32_t z = 0; z < 2; z++)
-        s->levels_off_max[z] = t->used.fit[z].levels_off_max;
+        s->levels_off_max[z] = sums->fit[z].levels_off_max;
     describe_fit(&s->standard, t, 0);
     describe_fit(&s->zzero, t, 1);
-    ntp__angles_describe(&s->angles, &t->used.angles);
+    ntp__angles_describe(&s->angles, &sums->angles);
     for (int32_t k = 0; k < 3; k++)
         channel_from(&s->channel[k], &t->channel[k], t->texels - t->not_finite,
                      t->depth == 16 && s->max == 255 ? 257 : 1);
@@ -457,9 +461,10 @@ ntp_status ntp__gather_evidence(ntp__evidence *e, ntp_tally *t)
     memset(e, 0, sizeof *e);
     NTP__TRY(ntp_tally_summarize(&e->stats, t, ntp__encoding_at_hand(t)));
     e->padding = padding_to_leave_out(t);
-    gather_lengths(&e->fit[0], &t->used, 0, e->padding);
-    gather_lengths(&e->fit[1], &t->used, 1, e->padding);
-    gather_steepness(e, &t->used.fit[0]);
+    const ntp__sums *const used = ntp__used(t);
+    for (int32_t z = 0; z < 2; z++)
+        gather_lengths(&e->fit[z], used, z, e->padding);
+    gather_steepness(e, &used->fit[0]);
     gather_samples(e, t);
     ntp__describe_blue(e, t);
     for (int32_t k = 0; k < 3; k++) {

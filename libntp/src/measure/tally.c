@@ -172,10 +172,14 @@ ntp_status ntp__sum_up(ntp_tally *t, ntp_encoding encoding)
     ntp__clear_sums(&t->unused);
     memset(t->blues, 0, sizeof t->blues);
     if (!picture) {
-        ntp__merge_sums(&t->used, &t->wide);
-        if (t->wide.texels > 0)
-            ntp__add_close(&t->used, &t->close);
-        add_cells(t, m, encoding);
+        if (t->wide.texels > 0) {
+            ntp__take_close(&t->wide, &t->close);
+            ntp__take_others(&t->wide);
+        }
+        if (t->narrow > 0) {
+            ntp__merge_sums(&t->used, &t->wide);
+            add_cells(t, m, encoding);
+        }
         ntp__merge_sums(&t->unused, transparent);
         add_gray(t, 0, m, t->black, encoding);
         add_gray(t, m, m, t->white, encoding);

@@ -28,7 +28,10 @@
 #include <string.h>
 
 enum {
-    NTP__PAIR_GROUP = 64 /* pairs of red and green that are noted together */
+    NTP__PAIR_RUN = 32,   /* reds of a green whose pairs lie side by side */
+    NTP__PAIR_GROUP = 64, /* pairs that are noted together: of two greens */
+    NTP__PAIR_TEXEL =
+        1 << 20 /* in `pairs`: the blues of 4096 texels, which it may hold, are less */
 };
 
 typedef struct ntp__channel_sums {
@@ -65,18 +68,44 @@ struct ntp_tally {
 
     ntp__color_counts cells; /* used texels only */
     /* ntp_tally_summarize makes these from all the rest.  They are kept until the tally changes. */
-    uint64_t blues[256]; /* texels of the cells by blue */
-    ntp__sums used, unused;
+    uint64_t blues[256];    /* texels of the cells by blue */
+    ntp__sums used, unused; /* `used` where any is in the cells: see ntp__used */
 
     /* Well-formed textures of 8 bit need nothing from here on, so these pages stay untouched. */
     uint8_t wide_flat_seen[4 * 8192]; /* a bit for each blue of the four flat pairs */
     ntp__sums wide;
     ntp__close_counts close; /* texels of `wide` */
     uint8_t pair_seen[65536 / NTP__PAIR_GROUP];
-    uint32_t pair_texels[65536]; /* of sampled rows, by r | g << 8 rounded to 8 bit */
-    uint64_t pair_blue[65536];   /* the sums of their blues */
+    uint32_t pairs_full; /* what follows but one holds something */
+    uint32_t
+        pairs[65536]; /* texels of sampled rows, and the sums of their blues; see ntp__pair_place */
+    uint32_t pair_texels[65536];                    /* more of them, */
+    uint64_t pair_blue[65536];                      /* and their blues */
     ntp__sums transparent_wide, transparent_narrow; /* judged at 16 and at 8 bit */
 };
+
+/* The place of red and green, rounded to 8 bit.  Slopes lie in a disc, so a page holds 32 reds of 32
+ * greens: in a small texture few pages are touched. */
+static inline uint32_t ntp__pair_place(uint32_t r, uint32_t g)
+{
+    return (g >> 5) << 13 | (r >> 5) << 10 | (g & 31) << 5 | (r & 31);
+}
+
+/* The texels of a pair, and the sum of their blues. */
+typedef struct ntp__pair {
+    uint64_t texels, blue;
+} ntp__pair;
+
+static inline ntp__pair ntp__pair_at(const ntp_tally *tally, uint32_t place)
+{
+    const uint32_t few = tally->pairs[place];
+    ntp__pair pair = { few / NTP__PAIR_TEXEL, few % NTP__PAIR_TEXEL };
+    if (tally->pairs_full) {
+        pair.texels += tally->pair_texels[place];
+        pair.blue += tally->pair_blue[place];
+    }
+    return pair;
+}
 
 /* Adds the texels x0 <= x < x1 of row y to the samples if the row is a sampled one
  * (sampled_rows.c). */
@@ -87,7 +116,14 @@ void ntp__merge_samples(ntp_tally *into, const ntp_tally *from);
 
 void ntp__clear_samples(ntp_tally *tally);
 
-/* Fills tally->used and tally->unused, with angles by this encoding.  The errors are those of
+/* The sums over used texels, once they are made.  Those of 16 bit alone are not copied: that takes
+ * longer than to look at a small texture. */
+static inline const ntp__sums *ntp__used(const ntp_tally *tally)
+{
+    return tally->narrow > 0 ? &tally->used : &tally->wide;
+}
+
+/* Makes these sums and tally->unused, with angles by this encoding.  The errors are those of
  * ntp_tally_summarize. */
 ntp_status ntp__sum_up(ntp_tally *tally, ntp_encoding encoding);
 
