@@ -24,8 +24,7 @@ static inline void store_two(void *low, void *high, __m256i v)
 }
 
 /* The shuffle of both halves; -1: a byte that becomes 0. */
-#  define SHUFFLE(v, ...)                                                                          \
-      _mm256_shuffle_epi8((v), _mm256_setr_epi8(__VA_ARGS__, __VA_ARGS__))
+#  define SHUFFLE(v, ...) _mm256_shuffle_epi8((v), _mm256_setr_epi8(__VA_ARGS__, __VA_ARGS__))
 
 #endif
 #endif

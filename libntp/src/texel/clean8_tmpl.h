@@ -4,7 +4,8 @@
  *
  * Where only blue changes, a group of pixels is read as a few words, and its blues are put into
  * them.  The blues come from a table of 64 KiB; the part that a texture uses mostly fits into the
- * first cache.  With AVX2 they come from arithmetic, which is as fast, and so for every texture.
+ * first cache.  With AVX2 they come from arithmetic, and so as fast for every texture; but most blues of
+ * many textures are right already, which takes no root to see.
  */
 #ifdef __AVX2__
 #  include "texel/blue_avx2_tmpl.h"
@@ -104,21 +105,73 @@ static inline uint32_t put_blues_rgba(uint8_t *dst, const uint8_t *src, uint32_t
     return left;
 }
 
-/* Puts the derived blues into 16 pixels; false, with nothing written, if a pair is too long.  `others`
- * adds up how many were others. */
-static inline bool put_derived_blues(uint8_t *dst, const uint8_t *src, __m256i *others)
+enum { DERIVED = 2 * NTP__KERNEL_STEP /* pixels a step */, MOST = 512 };
+
+/* v with the bytes of blues that the shuffle takes; N: one that stays. */
+#  define WITH_BLUES(v, blues, ...)                                                                \
+      _mm256_blendv_epi8(SHUFFLE(blues, __VA_ARGS__), (v),                                         \
+                         _mm256_setr_epi8(__VA_ARGS__, __VA_ARGS__))
+
+/* All of 32 pixels have the derived blue if 0 <= e - t^2 <= 2t of the t that is in it.  Modulo 2^16 this
+ * is more than 2t for every t >= 128, as e < 2^14 and (t + 1)^2 <= 2^16. */
+static inline bool are_derived(const __m256i v[3], __m256i e, __m256i f)
 {
-    const __m256i zero = _mm256_setzero_si256();
-    const __m256i low = load_two(src, src + 24), high = load_two(src + 8, src + 32);
-    const __m256i e = rest_words(pairs_of(low, high));
-    if (_mm256_movemask_epi8(_mm256_cmpgt_epi16(zero, e)) != 0)
+    const __m256i blues = _mm256_or_si256(
+        _mm256_or_si256(SHUFFLE(v[0], 2, 5, 8, 11, 14, N, N, N, N, N, N, N, N, N, N, N),
+                        SHUFFLE(v[1], N, N, N, N, N, 1, 4, 7, 10, 13, N, N, N, N, N, N)),
+        SHUFFLE(v[2], N, N, N, N, N, N, N, N, N, N, 0, 3, 6, 9, 12, 15));
+    const __m256i both = _mm256_xor_si256(blues, _mm256_set1_epi8(-128));
+    const __m256i t = _mm256_unpacklo_epi8(both, _mm256_setzero_si256());
+    const __m256i u = _mm256_unpackhi_epi8(both, _mm256_setzero_si256());
+    const __m256i d = _mm256_sub_epi16(e, _mm256_mullo_epi16(t, t));
+    const __m256i g = _mm256_sub_epi16(f, _mm256_mullo_epi16(u, u));
+    const __m256i off = _mm256_or_si256(_mm256_subs_epu16(d, _mm256_add_epi16(t, t)),
+                                        _mm256_subs_epu16(g, _mm256_add_epi16(u, u)));
+    return _mm256_testz_si256(off, off);
+}
+
+static inline void store_three(uint8_t *dst, const __m256i v[3])
+{
+    UNROLLED
+    for (int i = 0; i < 3; i++)
+        store_two(dst + 16 * i, dst + 48 + 16 * i, v[i]);
+}
+
+/* Puts the derived blues into 32 pixels; false, with nothing written, if a pair is too long.  `others`
+ * adds up how many were others.  `same`: none was, so this is asked of the next ones before a root is
+ * taken.  Each half of a vector is of 16 pixels. */
+static inline bool put_derived_blues(uint8_t *dst, const uint8_t *src, __m256i *others, bool *same)
+{
+    __m256i v[3];
+    UNROLLED
+    for (int i = 0; i < 3; i++)
+        v[i] = load_two(src + 16 * i, src + 48 + 16 * i);
+    const __m256i e = rest_words(
+        _mm256_or_si256(SHUFFLE(v[0], 0, 1, 3, 4, 6, 7, 9, 10, 12, 13, 15, N, N, N, N, N),
+                        SHUFFLE(v[1], N, N, N, N, N, N, N, N, N, N, N, 0, 2, 3, 5, 6)));
+    const __m256i f = rest_words(
+        _mm256_or_si256(SHUFFLE(v[1], 8, 9, 11, 12, 14, 15, N, N, N, N, N, N, N, N, N, N),
+                        SHUFFLE(v[2], N, N, N, N, N, N, 1, 2, 4, 5, 7, 8, 10, 11, 13, 14)));
+    if (!_mm256_testz_si256(_mm256_or_si256(e, f), _mm256_set1_epi16(-32768)))
         return false;
-    __m256i low_now = low, high_now = high;
-    put_words(dst, &low_now, &high_now, blue_words(e));
-    const __m256i same =
-        _mm256_and_si256(_mm256_cmpeq_epi8(low_now, low), _mm256_cmpeq_epi8(high_now, high));
-    const __m256i other = _mm256_sub_epi8(same, _mm256_set1_epi8(-1));
-    *others = _mm256_add_epi64(*others, _mm256_sad_epu8(other, zero));
+    if (*same && are_derived(v, e, f)) {
+        store_three(dst, v);
+        return true;
+    }
+    const __m256i blues =
+        _mm256_xor_si256(_mm256_packus_epi16(root_words(e), root_words(f)), _mm256_set1_epi8(-128));
+    const __m256i now[3] = {
+        WITH_BLUES(v[0], blues, N, N, 0, N, N, 1, N, N, 2, N, N, 3, N, N, 4, N),
+        WITH_BLUES(v[1], blues, N, 5, N, N, 6, N, N, 7, N, N, 8, N, N, 9, N, N),
+        WITH_BLUES(v[2], blues, 10, N, N, 11, N, N, 12, N, N, 13, N, N, 14, N, N, 15)
+    };
+    store_three(dst, now);
+    __m256i other = _mm256_set1_epi8(3);
+    UNROLLED
+    for (int i = 0; i < 3; i++)
+        other = _mm256_add_epi8(other, _mm256_cmpeq_epi8(now[i], v[i]));
+    *same = _mm256_testz_si256(other, other);
+    *others = _mm256_add_epi64(*others, _mm256_sad_epu8(other, _mm256_setzero_si256()));
     return true;
 }
 
@@ -129,6 +182,19 @@ static inline uint64_t sum_of_four(__m256i v)
     return each[0] + each[1] + each[2] + each[3];
 }
 
+static int32_t derive_rgb8(uint8_t *dst, const uint8_t *src, int32_t n, uint64_t *changed)
+{
+    __m256i others = _mm256_setzero_si256();
+    bool same = true;
+    int32_t i = 0;
+    while (i + DERIVED <= n && put_derived_blues(dst + 3 * i, src + 3 * i, &others, &same))
+        i += DERIVED;
+    if (changed != NULL)
+        *changed += sum_of_four(others);
+    return i;
+}
+#else
+#  define derive_rgb8 NULL
 #endif
 
 /* Cleans by the full table the groups that the faster loops give back. */
@@ -141,13 +207,15 @@ static inline size_t clean_blues(uint8_t *dst, const uint8_t *src, size_t n, con
 {
     size_t i = 0;
 #ifdef __AVX2__
-    __m256i others = _mm256_setzero_si256();
-    for (; i + 16 <= n; i += 16) {
-        if (!put_derived_blues(dst + 3 * i, src + 3 * i, &others))
-            clean_by_pairs(dst + 3 * i, src + 3 * i, 16, table, touch_unused, changed);
+    /* Where pairs that are too long come closely, the table does more at a time. */
+    for (size_t most = DERIVED; n - i >= DERIVED;) {
+        const int32_t done = derive_rgb8(dst + 3 * i, src + 3 * i, (int32_t) (n - i), changed);
+        i += (size_t) done;
+        most = done > 0 ? DERIVED : most < MOST ? 2 * most : most;
+        const size_t next = n - i < most ? (n - i) / DERIVED * DERIVED : most;
+        clean_by_pairs(dst + 3 * i, src + 3 * i, next, table, touch_unused, changed);
+        i += next;
     }
-    if (changed != NULL)
-        *changed += sum_of_four(others);
 #endif
     for (; i + 8 <= n; i += 8) {
         /* The table can fill the first cache, so rows are fetched ahead of time. */

@@ -188,23 +188,6 @@ static uint64_t clean_rgb8_blindly(uint8_t *dst, const uint8_t *src, size_t n,
     return 0;
 }
 
-#ifdef __AVX2__
-static int32_t derive_rgb8(uint8_t *dst, const uint8_t *src, int32_t n, uint64_t *changed)
-{
-    __m256i others = _mm256_setzero_si256();
-    int32_t i = 0;
-    for (; i + 16 <= n; i += 16) {
-        if (!put_derived_blues(dst + 3 * i, src + 3 * i, &others))
-            break;
-    }
-    if (changed != NULL)
-        *changed += sum_of_four(others);
-    return i;
-}
-#else
-#  define derive_rgb8 NULL
-#endif
-
 /* Pixels with alpha by the table. */
 static inline uint64_t clean_rgba8_by_table(uint8_t *dst, const uint8_t *src, size_t n,
                                             const uint32_t *table, uint32_t kept,

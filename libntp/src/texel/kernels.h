@@ -39,7 +39,7 @@ typedef int32_t ntp__clean16_fn(uint16_t *dst, const uint16_t *src, int32_t n, i
                                 uint64_t *changed);
 
 /* The same for packed 8-bit pixels, standard Z, without a table.  It leaves a last group of fewer
- * than NTP__KERNEL_STEP pixels to the caller. */
+ * than 2 NTP__KERNEL_STEP pixels to the caller. */
 typedef int32_t ntp__derive8_fn(uint8_t *dst, const uint8_t *src, int32_t n, uint64_t *changed);
 
 /* Derives the blue of packed 16-bit pixels, n <= 256 and a multiple of NTP__KERNEL_STEP.  Those whose
