@@ -12,6 +12,7 @@
 #include "texel/kernels.h"
 #include "texel/level.h"
 
+#include <math.h>
 #include <string.h>
 
 /* Within these limits no float (double) of the encoding loops leaves the normal range.  The least

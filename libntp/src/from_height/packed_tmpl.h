@@ -25,6 +25,26 @@ static void put_pixel(const walk *w, int32_t x, int32_t y, const int32_t c[3])
     }
 }
 
+/* Is v, off by less than 2^-48 of it, on the same side of whole numbers as what it stands for?  What is not
+ * so by this is more than ntp__gradient_exact counts as wide. */
+static bool is_apart(double v)
+{
+    const double over = v - (int32_t) (v + 0.5);
+    return fabs(over) >= v * 0x1p-45;
+}
+
+/*
+ * Does double decide a texel although it is close to a level?  Its loop takes whole units of 2^-15.
+ * Slopes of nearly flat ground are nearly proportional to sums, so where M cx / 2 is a simple ratio
+ * many of these are close to a level.
+ */
+static bool is_decided(const ntp__encode *e, double right, double down)
+{
+    const double x = right * e->cx, y = down * e->cy;
+    const double factor = e->half / sqrt(1 + (x * x + y * y));
+    return e->off <= 1 && is_apart(fabs(x) * factor) && is_apart(fabs(y) * factor);
+}
+
 /* Does texels once more in double, and exactly where that leaves a doubt. */
 static void settle_packed(walk *w, const strip *s, const int32_t *at, int32_t found, int32_t x,
                           int32_t y)
@@ -36,9 +56,10 @@ static void settle_packed(walk *w, const strip *s, const int32_t *at, int32_t fo
     encode_precisely(w, to, doubt, sums, found);
     for (int32_t i = 0; i < found; i++) {
         int32_t c[3] = { level[0][i], level[1][i], level[2][i] };
-        if (doubt[i])
+        const bool again = doubt[i] && !is_decided(&w->encode, sums[0][i], sums[1][i]);
+        if (again)
             settle_exactly(w, s, c, x, y, at[i], w->ints);
-        if (doubt[i] || c[2] < 0)
+        if (again || c[2] < 0)
             c[2] = ntp__derive(&c[0], &c[1], w->g.m, false);
         put_pixel(w, x + at[i], y, c);
     }
