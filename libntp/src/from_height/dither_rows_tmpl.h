@@ -34,9 +34,9 @@ static void row_of_slopes(walk *w, strip *s, double *const xy[2], int32_t x, int
 }
 
 /* The slopes of rows from y on into the steps of a wave. */
-static void put_slopes(walk *w, strip *s, ntp__wave_step *steps, ntp__wave_rows *part, int32_t x,
-                       int32_t y, int32_t rows, int32_t n)
+static void put_slopes(walk *w, strip *s, int32_t x, int32_t y, int32_t rows, int32_t n)
 {
+    ntp__wave_rows *part = &w->wave->part;
     memset(part, 0, sizeof *part);
     for (int32_t first = 0; first < NTP__WAVE; first += NTP__WAVE_PART) {
         for (int32_t k = 0; k < NTP__WAVE_PART; k++) {
@@ -49,7 +49,7 @@ static void put_slopes(walk *w, strip *s, ntp__wave_step *steps, ntp__wave_rows 
             row_of_slopes(w, s, to, x, y + first + k, n);
             fetch_ahead(w, x, y + first + k, n);
         }
-        w->g.loops->put_slopes(steps, part, first, n + rows - 1);
+        w->g.loops->put_slopes(w->wave->steps, part, first, n + rows - 1);
     }
 }
 
@@ -59,17 +59,17 @@ static void dither_rows(walk *w, strip *s, int32_t x, int32_t y, int32_t rows, i
     const ntp__gradient *g = &w->g;
     const ntp__dithering how = { g->m, g->dst->encoding == NTP_ENCODING_ZZERO, g->min_z,
                                  g->shortened };
-    ntp__wave_step steps[NTP__WAVE_STEPS];
-    ntp__wave_rows part;
-    put_slopes(w, s, steps, &part, x, y, rows, n);
+    ntp__wave_step *steps = w->wave->steps;
+    ntp__wave_rows *part = &w->wave->part;
+    put_slopes(w, s, x, y, rows, n);
     g->loops->dither(steps, &w->along[(y - w->first) % BAND], &w->errors[x], rows, n, &how);
     for (int32_t k = 0; k < rows; k++) {
         const int32_t row = k % NTP__WAVE_PART;
         if (row == 0)
-            g->loops->take_levels(&part, steps, k, n + rows - 1);
+            g->loops->take_levels(part, steps, k, n + rows - 1);
         for (int32_t c = 0; c < 3; c++) {
             for (int32_t i = 0; i < n; i++)
-                s->out.c[c][i] = part.level[row][c][NTP__WAVE + i];
+                s->out.c[c][i] = part->level[row][c][NTP__WAVE + i];
         }
         ntp__gradient_pack(g, &s->out, x, y + k, n);
     }

@@ -49,9 +49,10 @@ typedef struct walk {
     double greatest; /* bound of the tap sums for heights of magnitude 1 */
     ntp__encode encode;
     ntp_normals_counts counts;
-    int32_t first;      /* first row of the area */
-    double *errors;     /* dithering: carried down, one for each column; NULL: none */
-    double along[BAND]; /* dithering: carried along each row of a band */
+    int32_t first;          /* first row of the area */
+    ntp__wave_memory *wave; /* dithering: of the scratch */
+    double *errors;         /* dithering: carried down, one for each column; NULL: none */
+    double along[BAND];     /* dithering: carried along each row of a band */
 } walk;
 
 typedef struct strip {
@@ -415,9 +416,8 @@ static void do_bands(walk *w, ntp_rect r)
         const int32_t rows = w->errors != NULL ? BAND : BAND_OF_RADIUS * w->g.kernel->radius;
         band.y1 = r.y1 - band.y0 < rows ? r.y1 : band.y0 + rows;
         memset(w->along, 0, sizeof w->along);
-        const int32_t most = w->errors != NULL ? NTP__WAVE_COLUMNS : NTP__BLOCK;
-        for (int32_t x = r.x0; x < r.x1; x += most)
-            do_strip(w, &s, &band, x, r.x1 - x < most ? r.x1 - x : most);
+        for (int32_t x = r.x0; x < r.x1; x += NTP__BLOCK)
+            do_strip(w, &s, &band, x, r.x1 - x < NTP__BLOCK ? r.x1 - x : NTP__BLOCK);
     }
 }
 
@@ -447,7 +447,9 @@ ntp_status ntp_normals_from_height(const ntp_image *dst, const ntp_const_image *
 
 size_t ntp_normals_dithered_scratch_size(int32_t width)
 {
-    return width > 0 && width <= NTP_MAX_SIDE ? (size_t) width * sizeof(double) : 0;
+    return width > 0 && width <= NTP_MAX_SIDE
+               ? sizeof(ntp__wave_memory) + (size_t) width * sizeof(double)
+               : 0;
 }
 
 ntp_status ntp_normals_dithered(const ntp_image *dst, const ntp_const_image *src,
@@ -465,7 +467,8 @@ ntp_status ntp_normals_dithered(const ntp_image *dst, const ntp_const_image *src
     if (scratch == NULL || (uintptr_t) scratch % 16 != 0 ||
         scratch_size < ntp_normals_dithered_scratch_size(src->width))
         return NTP_ERR_SCRATCH;
-    w.errors = scratch;
+    w.wave = scratch;
+    w.errors = (double *) (void *) (w.wave + 1);
     w.g.derived = true;
     do_bands(&w, r);
     add_counts(counts, &w);

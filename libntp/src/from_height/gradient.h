@@ -187,10 +187,10 @@ typedef union ntp__wave_step {
     int32_t level[3][NTP__WAVE]; /* out */
 } ntp__wave_step;
 
-/* A wave of so many columns stays in the first caches.  A part of its rows has a margin on either side,
- * so that all columns of all steps are in it. */
+/* A part of the rows of a wave has a margin on either side, so that all columns of all steps are in it. */
 enum {
-    NTP__WAVE_COLUMNS = NTP__BLOCK / 2,
+    NTP__WAVE_COLUMNS =
+        NTP__BLOCK, /* of fewer, steps without a texel of each row are more of all */
     NTP__WAVE_STEPS = NTP__WAVE_COLUMNS + NTP__WAVE,
     NTP__WAVE_PART = NTP__WAVE / 2,
     NTP__WAVE_ROOM = NTP__WAVE_COLUMNS + 2 * NTP__WAVE
@@ -201,6 +201,12 @@ typedef union ntp__wave_rows {
     double slope[NTP__WAVE_PART][2][NTP__WAVE_ROOM];
     int32_t level[NTP__WAVE_PART][3][NTP__WAVE_ROOM];
 } ntp__wave_rows;
+
+/* Too much for the caller's stack. */
+typedef struct ntp__wave_memory {
+    ntp__wave_step steps[NTP__WAVE_STEPS];
+    ntp__wave_rows part;
+} ntp__wave_memory;
 
 typedef struct ntp__dithering {
     int32_t m;
