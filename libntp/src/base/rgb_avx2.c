@@ -133,30 +133,40 @@ void ntp__pack_rgb_avx2(void *dst, const ntp__block *block, int32_t n, bool deep
 
 /* Pixels as numbers, and the range of their samples. */
 typedef struct placing {
-    __m256i shuffle[4];
-    __m256i base; /* of 8 bit: upper bits of floats whose lower ones are a level */
-    __m256 twice, less;
+    __m256i shuffle[2], twice, less;
     __m256i least, most;
 } placing;
 
-/* Eight pixels of 8 bit, or four; 4 bytes before them are touched. */
-static inline void place_some(float *to, const uint8_t *s, placing *p, bool deep)
+/* Eight pixels; 4 bytes before them are touched. */
+static inline void place8(int16_t *to, const uint8_t *s, placing *p)
 {
     const __m256i v = load_two(s - (LANE - HELD), s + HELD - (LANE - HELD));
-    const int32_t texels = deep ? 2 : 4;
-    p->least = deep ? _mm256_min_epu16(p->least, v) : _mm256_min_epu8(p->least, v);
-    p->most = deep ? _mm256_max_epu16(p->most, v) : _mm256_max_epu8(p->most, v);
-    for (int32_t k = 0; k < texels; k++, to += 4) {
-        const __m256i c = _mm256_shuffle_epi8(v, p->shuffle[k]);
-        const __m256 f = deep ? _mm256_mul_ps(_mm256_cvtepi32_ps(c), p->twice)
-                              : _mm256_castsi256_ps(_mm256_or_si256(c, p->base));
-        const __m256 x = _mm256_sub_ps(f, p->less);
-        _mm_storeu_ps(to, _mm256_castps256_ps128(x));
-        _mm_storeu_ps(to + (ptrdiff_t) 4 * texels, _mm256_extractf128_ps(x, 1));
+    p->least = _mm256_min_epu8(p->least, v);
+    p->most = _mm256_max_epu8(p->most, v);
+    for (int32_t k = 0; k < 2; k++) {
+        const __m256i four = _mm256_permute4x64_epi64(v, k == 0 ? 0x44 : 0xee);
+        const __m256i c = _mm256_shuffle_epi8(four, p->shuffle[0]);
+        const __m256i x = _mm256_sub_epi16(_mm256_mullo_epi16(c, p->twice), p->less);
+        _mm256_storeu_si256((void *) (to + 16 * k), x);
     }
 }
 
-static inline void place(float *to, const uint8_t *s, int32_t n, placing *p, bool deep)
+/* Four pixels */
+static inline void place16(float *to, const uint8_t *s, placing *p)
+{
+    const __m256i v = load_two(s - (LANE - HELD), s + HELD - (LANE - HELD));
+    p->least = _mm256_min_epu16(p->least, v);
+    p->most = _mm256_max_epu16(p->most, v);
+    for (int32_t k = 0; k < 2; k++, to += 4) {
+        const __m256 f = _mm256_cvtepi32_ps(_mm256_shuffle_epi8(v, p->shuffle[k]));
+        const __m256 x = _mm256_sub_ps(_mm256_mul_ps(f, _mm256_castsi256_ps(p->twice)),
+                                       _mm256_castsi256_ps(p->less));
+        _mm_storeu_ps(to, _mm256_castps256_ps128(x));
+        _mm_storeu_ps(to + 8, _mm256_extractf128_ps(x, 1));
+    }
+}
+
+static inline void place(void *to, const uint8_t *s, int32_t n, placing *p, bool deep)
 {
     enum { MOST = 8 * HELD };
     const int32_t step = deep ? 4 : 8, size = deep ? 6 : 3;
@@ -170,28 +180,36 @@ static inline void place(float *to, const uint8_t *s, int32_t n, placing *p, boo
                 copy(few + LANE - HELD + size * k, s, (size_t) size);
             from = few + LANE - HELD;
         }
-        place_some(to + 4 * at, from, p, deep);
+        if (deep)
+            place16((float *) to + 4 * at, from, p);
+        else
+            place8((int16_t *) to + 4 * at, from, p);
     }
 }
 
-/* Of 8 bit, c 2^8 lies in floats whose lowest bit is 2^-7, or 2^-8, so 2c or c is added to them. */
-bool ntp__place_rgb_avx2(float *to, bool *negative, const void *src, int32_t n, bool deep,
+bool ntp__place_rgb_avx2(void *to, bool *negative, const void *src, int32_t n, bool deep,
                          bool zzero)
 {
-    const __m128i of8 = _mm_setr_epi8(-128, 4, -128, -128, -128, 5, -128, -128, -128, 6, -128, -128,
-                                      -128, -128, -128, -128);
+    const __m128i of8 =
+        _mm_setr_epi8(4, -128, 5, -128, 6, -128, -128, -128, 7, -128, 8, -128, 9, -128, -128, -128);
     const __m128i of16 =
         _mm_setr_epi8(4, 5, -128, -128, 6, 7, -128, -128, 8, 9, -128, -128, -128, -128, -128, -128);
-    const float m = deep ? 65535 : 255, k = zzero ? 1 : 2, z = zzero ? 0 : m;
-    const float two = deep ? 0 : 0x1p16F, of_z = two * k / 2;
+    const int16_t k = zzero ? 1 : 2, z = zzero ? 0 : 255;
+    const float deep_k = k, deep_z = zzero ? 0 : 65535;
     placing p = { .least = _mm256_set1_epi8(-1), .most = _mm256_setzero_si256() };
-    for (int32_t i = 0; i < 4; i++)
-        p.shuffle[i] = _mm256_add_epi8(_mm256_broadcastsi128_si256(deep ? of16 : of8),
-                                       _mm256_set1_epi8((char) (i * (deep ? 6 : 3))));
-    const __m256 base = _mm256_setr_ps(two, two, of_z, two, two, two, of_z, two);
-    p.base = _mm256_castps_si256(base);
-    p.twice = _mm256_setr_ps(2, 2, k, 1, 2, 2, k, 1);
-    p.less = _mm256_add_ps(base, _mm256_setr_ps(m, m, z, -1, m, m, z, -1));
+    const __m128i later = _mm_add_epi8(deep ? of16 : of8, _mm_set1_epi8(6));
+    if (deep) {
+        p.shuffle[0] = _mm256_broadcastsi128_si256(of16);
+        p.shuffle[1] = _mm256_broadcastsi128_si256(later);
+        p.twice = _mm256_castps_si256(_mm256_setr_ps(2, 2, deep_k, 1, 2, 2, deep_k, 1));
+        p.less =
+            _mm256_castps_si256(_mm256_setr_ps(65535, 65535, deep_z, -1, 65535, 65535, deep_z, -1));
+    } else {
+        p.shuffle[0] = _mm256_set_m128i(later, of8);
+        p.twice = _mm256_setr_epi16(2, 2, k, 1, 2, 2, k, 1, 2, 2, k, 1, 2, 2, k, 1);
+        p.less =
+            _mm256_setr_epi16(255, 255, z, -1, 255, 255, z, -1, 255, 255, z, -1, 255, 255, z, -1);
+    }
     if (deep)
         place(to, src, n, &p, true);
     else

@@ -15,10 +15,10 @@ void ntp__unpack_rgb_avx2(ntp__block *block, const void *src, int32_t n, bool de
 void ntp__pack_rgb_avx2(void *dst, const ntp__block *block, int32_t n, bool deep);
 
 /*
- * x, y, z and 1 of packed pixels, as numerators over M in floats; `to` has room for seven pixels
- * more.  negative: a z is below 0.  False where red of a pixel is 0 or M: it may be black or white.
+ * x, y, z and 1 of packed pixels, as numerators over M: int16_t, or floats of 16 bit; `to` has room
+ * for seven pixels more.  negative: a z is below 0.  False where red of a pixel is 0 or M: it may be black or white.
  */
-bool ntp__place_rgb_avx2(float *to, bool *negative, const void *src, int32_t n, bool deep,
+bool ntp__place_rgb_avx2(void *to, bool *negative, const void *src, int32_t n, bool deep,
                          bool zzero);
 
 /* Packed pixels with red and green exchanged if `swap`, and then M - r and M - g if inverted; black

@@ -20,10 +20,81 @@ enum {
     EIGHT = 8
 };
 
-void ntp__sum_rows_avx2(float *sums, const float *const *rows, const int32_t *weight, float scale,
-                        int32_t taps, bool symmetric, int32_t count)
+/* 16 sums of two numbers */
+static inline __m256i load_both(const float *row, const float *other, int32_t i)
+{
+    const int16_t *a = (const void *) row, *b = (const void *) other;
+    return _mm256_add_epi16(_mm256_loadu_si256((const void *) (a + i)),
+                            _mm256_loadu_si256((const void *) (b + i)));
+}
+
+/* Two rows have each weight; two weights of integers beside each other, in 14 bits and 15 bits below
+ * these. */
+typedef struct two_weights {
+    const float *row[2], *other[2];
+    int32_t upper, lower;
+} two_weights;
+
+static int32_t find_weights(two_weights *to, const float *const *rows, const int32_t *weight,
+                            double scale, int32_t taps, bool symmetric)
 {
     const int32_t end = symmetric ? taps / 2 : taps;
+    scale *= symmetric ? 0x1p29 : 0x1p28;
+    for (int32_t t = 0; t < (end + 1) / 2 * 2; t++) {
+        two_weights *two = &to[t / 2];
+        const int32_t s = t < end ? t : t - 1, w = t < end ? (int32_t) (weight[t] * scale) : 0;
+        const uint32_t upper = (uint32_t) (w >> 15) & 65535, lower = (uint32_t) w & 32767;
+        two->row[t % 2] = rows[s];
+        two->other[t % 2] = rows[symmetric ? taps - 1 - s : s];
+        two->upper = (int32_t) (t % 2 == 0 ? upper : (uint32_t) two->upper | upper << 16);
+        two->lower = (int32_t) (t % 2 == 0 ? lower : (uint32_t) two->lower | lower << 16);
+    }
+    return (end + 1) / 2;
+}
+
+static void sum_whole(float *sums, const two_weights *two, int32_t pairs, int32_t count)
+{
+    for (int32_t i = 0; i < count; i += AT_ONCE / 2) {
+        __m256i high[2], low[2];
+        __m256 v[2];
+        for (int32_t k = 0; k < 2; k++)
+            high[k] = low[k] = _mm256_setzero_si256();
+        for (int32_t t = 0; t < pairs; t++) {
+            const __m256i w = _mm256_set1_epi32(two[t].upper), x = _mm256_set1_epi32(two[t].lower);
+            const __m256i a = load_both(two[t].row[0], two[t].other[0], i);
+            const __m256i b = load_both(two[t].row[1], two[t].other[1], i);
+            const __m256i c[2] = { _mm256_unpacklo_epi16(a, b), _mm256_unpackhi_epi16(a, b) };
+            for (int32_t k = 0; k < 2; k++) {
+                high[k] = _mm256_add_epi32(high[k], _mm256_madd_epi16(c[k], w));
+                low[k] = _mm256_add_epi32(low[k], _mm256_madd_epi16(c[k], x));
+            }
+        }
+        for (int32_t k = 0; k < 2; k++)
+            v[k] =
+                _mm256_add_ps(_mm256_mul_ps(_mm256_cvtepi32_ps(high[k]), _mm256_set1_ps(0x1p-14F)),
+                              _mm256_mul_ps(_mm256_cvtepi32_ps(low[k]), _mm256_set1_ps(0x1p-29F)));
+        _mm256_storeu_ps(sums + i, _mm256_permute2f128_ps(v[0], v[1], 0x20));
+        _mm256_storeu_ps(sums + i + 8, _mm256_permute2f128_ps(v[0], v[1], 0x31));
+    }
+}
+
+void ntp__widen_avx2(float *to, const int16_t *from, int32_t n)
+{
+    const __m128i *v = (const void *) from;
+    for (int32_t i = 0; i < n; i += EIGHT)
+        _mm256_storeu_ps(to + i, _mm256_cvtepi32_ps(_mm256_cvtepi16_epi32(_mm_loadu_si128(v++))));
+}
+
+void ntp__sum_rows_avx2(float *sums, const float *const *rows, const int32_t *weight, float scale,
+                        int32_t taps, bool symmetric, int32_t count, bool whole)
+{
+    const int32_t end = symmetric ? taps / 2 : taps;
+    if (whole) {
+        two_weights two[NTP__MOST_COLUMNS / 2];
+        const int32_t pairs = find_weights(two, rows, weight, scale, taps, symmetric);
+        sum_whole(sums, two, pairs, count);
+        return;
+    }
     for (int32_t i = 0; i < count; i += AT_ONCE) {
         __m256 sum[AT_ONCE / EIGHT];
         for (int32_t k = 0; k < AT_ONCE / EIGHT; k++)
@@ -43,12 +114,24 @@ void ntp__sum_rows_avx2(float *sums, const float *const *rows, const int32_t *we
     }
 }
 
-void ntp__sum_columns_avx2(ntp__planes *out, float least[4], const float *sums,
-                           const int32_t *first, const float *weight, int32_t taps, int32_t n)
+/* Two weights, each four times. */
+static inline __m256 spread(const float *weight)
 {
-    const __m256i spread = _mm256_setr_epi32(0, 0, 0, 0, 1, 1, 1, 1);
+    double two;
+    memcpy(&two, weight, sizeof two);
+    return _mm256_permutevar8x32_ps(_mm256_castpd_ps(_mm256_castpd128_pd256(_mm_set_sd(two))),
+                                    _mm256_setr_epi32(0, 0, 0, 0, 1, 1, 1, 1));
+}
+
+void ntp__sum_columns_avx2(ntp__planes *out, float least[4], const float *sums,
+                           const int32_t *first, const float *weight, int32_t taps, int32_t n,
+                           bool same)
+{
+    __m256 by[NTP__MOST_COLUMNS / 2];
     __m128 low = _mm_set1_ps(0x1p100F);
     int32_t i = 0;
+    for (int32_t t = 0; t < taps; t += 2)
+        by[t / 2] = spread(weight + t);
     for (; i < n; i += FOUR) {
         const float *c[FOUR], *w[FOUR];
         __m256 sum[FOUR];
@@ -59,14 +142,15 @@ void ntp__sum_columns_avx2(ntp__planes *out, float least[4], const float *sums,
             w[k] = weight + (ptrdiff_t) taps * at;
             sum[k] = _mm256_setzero_ps();
         }
-        for (int32_t t = 0; t < taps; t += 2) {
-            for (int32_t k = 0; k < FOUR; k++) {
-                double two;
-                memcpy(&two, w[k] + t, sizeof two);
-                const __m256 by = _mm256_permutevar8x32_ps(
-                    _mm256_castpd_ps(_mm256_castpd128_pd256(_mm_set_sd(two))), spread);
-                sum[k] = _mm256_add_ps(sum[k], _mm256_mul_ps(by, _mm256_loadu_ps(c[k] + 4 * t)));
-            }
+        for (int32_t t = 0; same && t < taps; t += 2) {
+            for (int32_t k = 0; k < FOUR; k++)
+                sum[k] =
+                    _mm256_add_ps(sum[k], _mm256_mul_ps(by[t / 2], _mm256_loadu_ps(c[k] + 4 * t)));
+        }
+        for (int32_t t = 0; !same && t < taps; t += 2) {
+            for (int32_t k = 0; k < FOUR; k++)
+                sum[k] = _mm256_add_ps(
+                    sum[k], _mm256_mul_ps(spread(w[k] + t), _mm256_loadu_ps(c[k] + 4 * t)));
         }
         for (int32_t k = 0; k < FOUR; k++) {
             v[k] = _mm_add_ps(_mm256_castps256_ps128(sum[k]), _mm256_extractf128_ps(sum[k], 1));

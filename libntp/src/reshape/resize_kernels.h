@@ -32,13 +32,18 @@ typedef struct ntp__planes {
 } ntp__planes;
 
 /* With AVX2.  sums = the sum of scale weight[t] rows[t], of `count` numbers and up to 31 more;
- * symmetric: so are an even number of weights. */
+ * symmetric: so are an even number of weights; whole: rows are int16_t of 9 bits. */
 void ntp__sum_rows_avx2(float *sums, const float *const *rows, const int32_t *weight, float scale,
-                        int32_t taps, bool symmetric, int32_t count);
+                        int32_t taps, bool symmetric, int32_t count, bool whole);
 
-/* As add_columns; least[k]: the least number of a plane. */
+/* Whole numbers as floats; n is a multiple of 8. */
+void ntp__widen_avx2(float *to, const int16_t *from, int32_t n);
+
+/* As add_columns; least[k]: the least number of a plane; same: all texels have the weights of the
+ * first. */
 void ntp__sum_columns_avx2(ntp__planes *out, float least[4], const float *sums,
-                           const int32_t *first, const float *weight, int32_t taps, int32_t n);
+                           const int32_t *first, const float *weight, int32_t taps, int32_t n,
+                           bool same);
 
 /* Packed pixels, of 8 bit or 16 (deep), of the directions of vectors whose components are off by
  * `error` at most, and 0 or at least 2^-50.  at[]: those in doubt, such as those that are not a

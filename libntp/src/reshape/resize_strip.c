@@ -2,16 +2,19 @@
 /*
  * resize_strip.c - resizes RGB strip by strip
  *
- * Each source row of a strip is read once and kept, as floats, until no row of the result needs it.
- * Its levels have 17 bits with their sign, so they are exact.  Sums of rows are doubles, which are
- * exact too (resize.c); sums of columns are doubles as well.
+ * Each source row of a strip is read once and kept until no row of the result needs it: as floats,
+ * or as int16_t if AVX2 makes them of 8 bit.  Its levels have 17 bits with their sign, so they are
+ * exact.  Sums of rows are doubles, which are exact too (resize.c); sums of columns are doubles as
+ * well.
  *
  * With AVX2 packed pixels are made of sums in floats where these are exact, as they mostly are for
  * sides of mip levels.  Those of 8 bit are so anyway; what cannot be decided is summed in doubles.
  *
  * How far such sums are off, where u = 2^-24: a weight and its product are rounded, and so is each
  * sum of terms.  With k terms for the rows and l for the columns, of which every other one is added
- * to another sum (resize_avx2.c), that is k + l/2 + 4 times u of the greatest sum there can be.
+ * to another sum (resize_avx2.c), that is k + l/2 + 4 times u of the greatest sum there can be.  Rows
+ * of int16_t are summed exactly and then rounded once, with weights that are off by less than u/8 of
+ * their greatest sum.  So k/8 + 2 stands for k there.
  */
 #include "base/cpu.h"
 #include "base/rgb_avx2.h"
@@ -38,6 +41,8 @@ struct ntp__strip {
     int32_t at[WIDEST]; /* where the columns of a texel begin */
     bool in_floats;     /* they are exact */
     bool packed;        /* rows are made of floats, as packed pixels */
+    bool whole;         /* rows of the source are int16_t */
+    bool same;          /* weights of columns, for all texels */
     int32_t pause;      /* rows for which that is not tried */
     double weight[WIDEST * (MOST_TAPS + 2)];
     float weight_in_float[WIDEST * (MOST_TAPS + 2)];
@@ -62,6 +67,11 @@ size_t ntp__strip_size(const ntp_resize_plan *plan)
     return sizeof(ntp__strip) + (size_t) plan->y.stride * 4 * PADDED * sizeof(float);
 }
 
+static int32_t texel_size(const ntp__strip *s)
+{
+    return s->whole ? 4 * sizeof(int16_t) : 4 * sizeof(float);
+}
+
 static int32_t end_of(const ntp__axis *axis, int32_t x)
 {
     return axis->span[x].first + axis->span[x].count;
@@ -71,6 +81,7 @@ static void choose_floats(const ntp__resize_job *j)
 {
     ntp__strip *s = j->strip;
     const bool can = ntp__cpu_has_avx2(NTP__CPU_ALL);
+    s->whole = can && j->src->type == NTP_TYPE_U8 && ntp__is_packed(j->src);
     s->in_floats = can && j->most < 0x1p24;
     s->packed = can && j->dst->pixel_stride == 3 * ntp__sample_size(j->dst->type) &&
                 (j->dst->type == NTP_TYPE_U8 || (j->dst->type == NTP_TYPE_U16 && s->in_floats));
@@ -101,6 +112,10 @@ int32_t ntp__strip_begin(const ntp__resize_job *j, int32_t x0, int32_t x1)
             s->weight_in_float[k] = (float) (s->weight[k] * axis->scale);
         }
     }
+    const size_t size = (size_t) s->taps_x * sizeof s->weight[0];
+    s->same = true;
+    for (int32_t i = 1; i < s->n; i++)
+        s->same = s->same && memcmp(s->weight, s->weight + i * s->taps_x, size) == 0;
     choose_floats(j);
     memset(s->sums, 0, sizeof s->sums);
     memset(s->sums_in_float, 0, sizeof s->sums_in_float);
@@ -111,28 +126,29 @@ int32_t ntp__strip_begin(const ntp__resize_job *j, int32_t x0, int32_t x1)
 
 #ifdef NTP_HAVE_AVX2
 /* Takes out the packed pixels that are unused. */
-static void leave_out(const ntp__resize_job *j, float *to, const void *src, int32_t n)
+static void leave_out(const ntp__resize_job *j, char *to, const void *src, int32_t n)
 {
     const uint32_t touch = j->plan->how.touch_unused;
     const uint8_t *s = src;
     const bool deep = j->src->type == NTP_TYPE_U16;
-    for (int32_t i = 0; i < n; i++, to += 4) {
+    for (int32_t i = 0; i < n; i++, to += texel_size(j->strip)) {
         uint16_t c[3] = { s[0], s[1], s[2] };
         if (deep)
             memcpy(c, s, sizeof c);
         s += deep ? 6 : 3;
         if ((c[0] == 0 || c[0] == j->m) && ntp__unused(c[0], c[1], c[2], j->m, j->m, touch))
-            memset(to, 0, 4 * sizeof to[0]);
+            memset(to, 0, (size_t) texel_size(j->strip));
     }
 }
 #endif
 
 /* With AVX2: packed pixels; false: there is another way only. */
-static bool place_packed(const ntp__resize_job *j, float *to, bool *negative, int32_t x,
-                         int32_t row, int32_t n)
+static bool place_packed(const ntp__resize_job *j, void *to, bool *negative, int32_t x, int32_t row,
+                         int32_t n)
 {
 #ifdef NTP_HAVE_AVX2
-    if (j->src->type == NTP_TYPE_F32 || !ntp__is_packed(j->src) || !ntp__cpu_has_avx2(NTP__CPU_ALL))
+    if (!j->strip->whole && (j->src->type != NTP_TYPE_U16 || !ntp__is_packed(j->src) ||
+                             !ntp__cpu_has_avx2(NTP__CPU_ALL)))
         return false;
     const void *from = ntp__at(j->src, x, row);
     if (!ntp__place_rgb_avx2(to, negative, from, n, j->src->type == NTP_TYPE_U16,
@@ -146,9 +162,10 @@ static bool place_packed(const ntp__resize_job *j, float *to, bool *negative, in
 }
 
 /* Reads n texels of a row from column x on; whether one has a negative z. */
-static bool read_run(const ntp__resize_job *j, float *to, int32_t x, int32_t row, int32_t n)
+static bool read_run(const ntp__resize_job *j, void *place, int32_t x, int32_t row, int32_t n)
 {
     ntp__block block;
+    float *to = place;
     const bool zzero = j->src->encoding == NTP_ENCODING_ZZERO;
     bool negative = false;
     if (place_packed(j, to, &negative, x, row, n))
@@ -169,15 +186,16 @@ static bool read_run(const ntp__resize_job *j, float *to, int32_t x, int32_t row
 }
 
 /* Reads a row; columns beyond an edge one by one. */
-static void read_row(const ntp__resize_job *j, float *to, bool *negative, int32_t row)
+static void read_row(const ntp__resize_job *j, char *to, bool *negative, int32_t row)
 {
     const ntp__strip *s = j->strip;
+    const ptrdiff_t size = texel_size(s);
     const ntp__axis *axis = &j->plan->x;
     const int32_t end = s->first + s->columns, last = end < axis->src ? end : axis->src;
     const int32_t inside = s->first > 0 ? s->first : 0;
     *negative = false;
     if (inside < last)
-        *negative = read_run(j, to + 4 * (inside - s->first), inside, row, last - inside);
+        *negative = read_run(j, to + size * (inside - s->first), inside, row, last - inside);
     for (int32_t x = s->first; x < end; x++) {
         float one[4 * NTP__KERNEL_LANES];
         if (x == inside && inside < last)
@@ -185,9 +203,9 @@ static void read_row(const ntp__resize_job *j, float *to, bool *negative, int32_
         if (x >= end)
             break;
         *negative = read_run(j, one, ntp__axis_map(axis, x), row, 1) || *negative;
-        memcpy(to + 4 * (x - s->first), one, 4 * sizeof one[0]);
+        memcpy(to + size * (x - s->first), one, (size_t) size);
     }
-    memset(to + 4 * s->columns, 0, BEYOND * sizeof to[0]); /* so that none is a NaN */
+    memset(to + size * s->columns, 0, (size_t) size * BEYOND / 4); /* so that none is a NaN */
 }
 
 /* The rows of row y of the result; whether one of them has a negative z. */
@@ -200,7 +218,7 @@ static bool get_rows(const ntp__resize_job *j, const float **rows, int32_t y)
         const int32_t row = axis->span[y].first + t, k = (row % s->rows + s->rows) % s->rows;
         float *to = s->row + (ptrdiff_t) k * 4 * PADDED;
         if (s->held[k] != row)
-            read_row(j, to, &s->negative[k], ntp__axis_map(axis, row));
+            read_row(j, (char *) to, &s->negative[k], ntp__axis_map(axis, row));
         s->held[k] = row;
         rows[t] = to;
         negative = negative || s->negative[k];
@@ -238,9 +256,10 @@ static bool any_negative(const ntp__resize_job *j, const float *const *rows, int
     const int32_t *weight = axis->weight + (ptrdiff_t) y * axis->stride;
     const int32_t columns = j->plan->x.span[s->x0 + i].count;
     for (int32_t t = 0; t < axis->span[y].count; t++) {
-        const float *z = rows[t] + 4 * s->at[i] + 2;
-        for (int32_t k = 0; weight[t] != 0 && k < columns; k++, z += 4) {
-            if (*z < 0)
+        const int32_t z = 4 * s->at[i] + 2;
+        const int16_t *whole = (const int16_t *) (const void *) rows[t];
+        for (int32_t k = 0; weight[t] != 0 && k < columns; k++) {
+            if (s->whole ? whole[z + 4 * k] < 0 : rows[t][z + 4 * k] < 0)
                 return true;
         }
     }
@@ -304,6 +323,26 @@ static void find_sources(const ntp__resize_job *j, sources *from, int32_t y)
     fetch_ahead(j, y);
 }
 
+/* Sums of `count` numbers from `first` on, a multiple of 8. */
+static void sum_in_doubles(ntp__strip *s, const sources *from, int32_t first, int32_t count)
+{
+    enum { PART = 64 };
+    float part[MOST_TAPS + 2][PART];
+    const float *rows[MOST_TAPS + 2];
+    for (int32_t n, i = first, end = first + count; i < end; i += n) {
+        n = s->whole && end - i > PART ? PART : end - i;
+        for (int32_t t = 0; t < from->taps; t++) {
+            rows[t] = s->whole ? part[t] : from->rows[t] + i;
+#ifdef NTP_HAVE_AVX2
+            if (s->whole)
+                ntp__widen_avx2(part[t], (const int16_t *) (const void *) from->rows[t] + i, n);
+#endif
+        }
+        (from->symmetric ? loops()->add_pairs : loops()->add_rows)(s->sums + i, rows, from->weight,
+                                                                   from->taps, n);
+    }
+}
+
 /* Is a negative z of texel i no z of a source?  Only Lanczos has weights below 0. */
 static bool overshot(const ntp__resize_job *j, const sources *from, int32_t i, int32_t y)
 {
@@ -340,10 +379,12 @@ static float sum_in_floats(const ntp__resize_job *j, ntp__planes *p, float least
     ntp__strip *s = j->strip;
     const ntp__axis *x = &j->plan->x, *y = &j->plan->y;
     const double u = 0x1p-24;
-    const int32_t terms = (from->symmetric ? from->taps / 2 : from->taps) + s->taps_x / 2 + 4;
+    const int32_t k = from->symmetric ? from->taps / 2 : from->taps;
+    const int32_t terms = (s->whole ? k / 8 + 2 : k) + s->taps_x / 2 + 4;
     ntp__sum_rows_avx2(s->sums_in_float, from->rows, from->weight, (float) y->scale, from->taps,
-                       from->symmetric, 4 * s->columns);
-    ntp__sum_columns_avx2(p, least, s->sums_in_float, s->at, s->weight_in_float, s->taps_x, s->n);
+                       from->symmetric, 4 * s->columns, s->whole);
+    ntp__sum_columns_avx2(p, least, s->sums_in_float, s->at, s->weight_in_float, s->taps_x, s->n,
+                          s->same);
     return s->in_floats ? 0 : (float) (terms * u * (j->most * x->scale * y->scale));
 }
 
@@ -374,12 +415,8 @@ static void sum_again(const ntp__resize_job *j, ntp__vectors *v, double *total, 
     ntp__strip *s = j->strip;
     for (int32_t k = 0; k < n; k++) {
         const int32_t i = at[k], columns = j->plan->x.span[s->x0 + i].count;
-        const float *rows[MOST_TAPS + 2];
         ntp__vectors one;
-        for (int32_t t = 0; t < from->taps; t++)
-            rows[t] = from->rows[t] + 4 * s->at[i];
-        (from->symmetric ? loops()->add_pairs : loops()->add_rows)(
-            s->sums + 4 * s->at[i], rows, from->weight, from->taps, (4 * columns + 7) / 8 * 8);
+        sum_in_doubles(s, from, 4 * s->at[i], (4 * columns + 7) / 8 * 8);
         loops()->add_columns(&one, &total[k], s->sums, &s->at[i], s->weight + i * s->taps_x,
                              s->taps_x, 1);
         for (int32_t c = 0; c < 3; c++)
@@ -428,8 +465,7 @@ int32_t ntp__strip_vectors(const ntp__resize_job *j, ntp__vectors *v, int32_t *i
     sources from;
     double total[NTP__BLOCK];
     find_sources(j, &from, y);
-    (from.symmetric ? loops()->add_pairs : loops()->add_rows)(
-        s->sums, from.rows, from.weight, from.taps, (4 * s->columns + 7) / 8 * 8);
+    sum_in_doubles(s, &from, 0, (4 * s->columns + 7) / 8 * 8);
     loops()->add_columns(v, total, s->sums, s->at, s->weight, s->taps_x, s->n);
     return judge_vectors(j, v, inexact, total, &from, NULL, s->n, y);
 }
