@@ -3,7 +3,8 @@
  * orient.c - which way green points, and whether that makes a difference, while rows go by
  *
  * The measurement of a row needs its neighbors, and some of them may be in an earlier block.  So a
- * ring keeps the rows that are needed.
+ * ring keeps the rows that are needed.  Photographs and masks need no orientation.  So rows that look
+ * like these are put aside until the class is known.
  */
 #include <stdlib.h>
 #include <string.h>
@@ -14,7 +15,8 @@
 enum {
     BEFORE = 2, /* rows that ntp_orientation_add reads above the measured one */
     AFTER = 3,  /* and below */
-    RING = BEFORE + 1 + AFTER
+    RING = BEFORE + 1 + AFTER,
+    ASIDE = 4 << 20 /* bytes of rows that are put aside, at most */
 };
 
 /* ------------------------------------------------------------------------- slopes */
@@ -79,6 +81,7 @@ void orient_begin(source *s)
     else
         ntp_orientation_clear(w->orientation);
     buffer_reserve(&w->band, RING * (size_t) s->view.row_stride);
+    w->aside_rows = 0;
 }
 
 static bool is_needed(int32_t height, int32_t every_row, int32_t y)
@@ -89,31 +92,79 @@ static bool is_needed(int32_t height, int32_t every_row, int32_t y)
     return any;
 }
 
+/* Have half of a row's texels about unit length?  One in some is looked at. */
+static bool looks_like_normals(const ntp_const_image *view, const unsigned char *row)
+{
+    enum { TEXELS = 64, UNIT = 255 * 255 };
+    const int32_t step = view->width / TEXELS + 1;
+    int32_t n = 0, near = 0;
+    for (int32_t x = step / 2; x < view->width; x += step, n++) {
+        const unsigned char *at = row + x * view->pixel_stride;
+        int32_t square = 0;
+        for (int k = 0; k < 3; k++)
+            square += (2 * at[k] - 255) * (2 * at[k] - 255);
+        near += square > UNIT / 4 * 3 && square < UNIT / 4 * 5;
+    }
+    return 2 * near >= n;
+}
+
+/* Puts the rows around row y aside; false: they are to be measured now. */
+static bool put_aside(worker *w, const ntp_const_image *view, int32_t y)
+{
+    const size_t row = (size_t) view->row_stride, size = RING * row;
+    if (view->type != NTP_TYPE_U8 || view->channels < 3 || w->aside_rows == ASIDE_ROWS ||
+        (w->aside_rows + 1) * size > ASIDE ||
+        looks_like_normals(view, w->band.data + (size_t) (y % RING) * row))
+        return false;
+    unsigned char *to = buffer_reserve(&w->aside, ASIDE) + w->aside_rows * size;
+    memcpy(to, w->band.data, size);
+    w->aside_row[w->aside_rows++] = y;
+    return true;
+}
+
 ntp_status orient_rows(source *s, const ntp_rect *area, uint32_t touch)
 {
     const int32_t height = s->view.height, every_row = s->orient == ORIENT_EVERY_ROW;
+    worker *const w = s->w;
     if (s->orient == ORIENT_NOT || s->view.encoding == NTP_ENCODING_HEIGHT)
         return NTP_OK;
     const size_t row = (size_t) s->view.row_stride;
     const unsigned char *from = source_rows(s, area);
     ntp_const_image view = ntp_image_as_const(&s->view);
-    view.data = s->w->band.data;
+    view.data = w->band.data;
     view.ring_rows = RING;
     const unsigned char *seen = from;
     for (int32_t y = area->y0; s->find_slopes && y < area->y1; y++, seen += row)
         slopes_add(&s->most, &view, seen, touch);
     for (int32_t y = area->y0; y < area->y1; y++, from += row) {
         if (is_needed(height, every_row, y))
-            memcpy(s->w->band.data + (size_t) (y % RING) * row, from, row);
+            memcpy(w->band.data + (size_t) (y % RING) * row, from, row);
         const ntp_rect measured = { 0, y - AFTER, s->view.width, y - AFTER + 1 };
-        if (!ntp_orientation_row(height, every_row, y - AFTER))
+        if (!ntp_orientation_row(height, every_row, y - AFTER) ||
+            (!every_row && put_aside(w, &view, y - AFTER)))
             continue;
         const ntp_status status =
-            ntp_orientation_add(s->w->orientation, &view, touch, every_row, &measured);
+            ntp_orientation_add(w->orientation, &view, touch, every_row, &measured);
         if (status != NTP_OK)
             return status;
     }
+    w->aside_touch = touch;
     return NTP_OK;
+}
+
+/* Measures the rows that were put aside. */
+static void measure_aside(const source *s)
+{
+    worker *const w = s->w;
+    ntp_const_image view = ntp_image_as_const(&s->view);
+    view.ring_rows = RING;
+    for (size_t i = 0; i < w->aside_rows; i++) {
+        const int32_t y = w->aside_row[i];
+        const ntp_rect measured = { 0, y, view.width, y + 1 };
+        view.data = w->aside.data + i * RING * (size_t) view.row_stride;
+        ntp_orientation_add(w->orientation, &view, w->aside_touch, 0, &measured);
+    }
+    w->aside_rows = 0;
 }
 
 /* The measurement needs x and y in tangent space, and has to know which is which. */
@@ -131,6 +182,8 @@ void orient_end(const source *s, facts *f)
     f->most =
         heights ? (steepest) { 2 * (int32_t) gray->max - m, m - 2 * (int32_t) gray->min } : s->most;
     f->orientation = (ntp_orientation_result) { 0 };
-    if (s->orient != ORIENT_NOT && can_tell(f))
+    if (s->orient != ORIENT_NOT && can_tell(f)) {
+        measure_aside(s);
         ntp_orientation_summarize(&f->orientation, s->w->orientation);
+    }
 }

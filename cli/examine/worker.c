@@ -50,6 +50,7 @@ void worker_free(worker *w)
     free(w->histogram);
     os_free_zeros(w->orientation, ntp_orientation_size());
     free_aligned(w->band.data);
+    free_aligned(w->aside.data);
     free_aligned(w->middle.data);
     free_aligned(w->across.data);
     free_aligned(w->down.data);

@@ -19,6 +19,8 @@ typedef struct buffer {
 
 unsigned char *buffer_reserve(buffer *b, size_t size);
 
+enum { ASIDE_ROWS = 64 };
+
 typedef struct worker {
     ntp_tally *tally;
     buffer rows;  /* the ring of rows that a view looks at */
@@ -29,8 +31,12 @@ typedef struct worker {
     buffer diff;         /* an ntp_diff */
     uint64_t *histogram; /* NTP levels 0..65535 */
     ntp_orientation *orientation;
-    buffer band;   /* rows around the one whose orientation is measured */
-    buffer middle; /* what middle_and_lines.c keeps: the middle, rows, columns */
+    buffer band;  /* rows around the one whose orientation is measured */
+    buffer aside; /* such rows that may not be needed */
+    size_t aside_rows;
+    int32_t aside_row[ASIDE_ROWS]; /* which ones are measured of these */
+    uint32_t aside_touch;          /* the unused texels that count */
+    buffer middle;                 /* what middle_and_lines.c keeps: the middle, rows, columns */
     buffer across;
     buffer down;
     bool may_read_ahead;   /* a processor is idle */

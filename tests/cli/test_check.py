@@ -156,6 +156,22 @@ def test_direction_of_green_is_found(run, tmp_path):
     assert only(run, "a_n.png", "--jobs", "2") == only(run, "a_n.png", "--jobs", "1")
 
 
+@pytest.mark.parametrize("first,wide", [(0, 256), (100, 256), (0, 6144)])
+def test_direction_of_green_does_not_ask_for_blue(run, tmp_path, first, wide):
+    """Rows whose blue is that of no normal are put aside, as far as there is room for them, and are
+    measured when x and y turn out to be normals."""
+    rng = np.random.default_rng(first)
+    pixels = np.tile(textures.standard(), (12, wide // 64, 1)).astype(np.int16)
+    pixels[..., :2] += rng.integers(-16, 17, (*pixels.shape[:2], 2), np.int16)
+    pixels = np.clip(pixels, 0, 255).astype(np.uint8)
+    write_png(tmp_path / "a_n.png", pixels)
+    pixels[first:, :, 2] = 0
+    write_png(tmp_path / "b_n.png", pixels)
+    a, b = (only(run, name, "--type", "xy") for name in ("a_n.png", "b_n.png"))
+    assert (a["y"], a["y_confidence"]) == (b["y"], b["y_confidence"])
+    assert 0.5 < a["y_confidence"] < 0.99
+
+
 def test_facts_of_the_file(run, tmp_path):
     rgb = textures.standard(48, 64)
     alpha = np.full((48, 64, 1), 255, np.uint8)
