@@ -276,12 +276,18 @@ ntpio__png_stream *ntpio__png_stream_open(ntpio_reader *reader)
 {
     ntpio__source *source = &reader->source;
     ntpio__png_shape shape;
-    size_t size = ntpio__can_seek(source) ? ntpio__peek(source, HEAD_MAX) : 0;
-    size = size < HEAD_MAX ? size : HEAD_MAX;
-    const uint8_t *file = source->bytes + source->at;
-    if (!is_plain(&shape, file, size, &reader->limits))
+    if (!ntpio__can_seek(source))
         return NULL;
-    const size_t head_size = find_pixels(file, size);
+    size_t head_size = 0; /* most heads are short, and a large one is looked at as a whole */
+    for (size_t most = NTPIO__PEEK; head_size == 0 && most <= HEAD_MAX;
+         most *= HEAD_MAX / NTPIO__PEEK) {
+        const size_t peeked = ntpio__peek(source, most),
+                     size = peeked < HEAD_MAX ? peeked : HEAD_MAX;
+        const uint8_t *file = source->bytes + source->at;
+        if (!is_plain(&shape, file, size, &reader->limits))
+            return NULL;
+        head_size = find_pixels(file, size);
+    }
     ntpio__png_stream *s = head_size != 0 ? malloc(sizeof *s) : NULL;
     if (s == NULL)
         return NULL;

@@ -15,7 +15,21 @@
 #include "os/files.h"
 #include "stamp.h"
 
-enum { BUFFER_SIZE = 1 << 16 };
+enum {
+    BUFFER_SIZE = 1 << 16,
+    DIRECT_SIZE = 1 << 13 /* so much is read past the buffer, whose pages may be fresh */
+};
+
+static size_t from_file(ntpio__source *source, void *dst, size_t size)
+{
+    if (source->file == NULL || source->problem != 0)
+        return 0;
+    errno = 0;
+    const size_t got = fread(dst, 1, size, source->file);
+    if (got < size && ferror(source->file))
+        source->problem = errno != 0 ? errno : EIO;
+    return got;
+}
 
 bool ntpio__source_open(ntpio__source *source, const char *path, bool regular_only,
                         ntpio_error *error)
@@ -43,7 +57,8 @@ bool ntpio__source_open(ntpio__source *source, const char *path, bool regular_on
             source->start = 0;
     }
     source->bytes = source->buffer;
-    if (ntpio__peek(source, 1) == 0 && source->problem != 0) {
+    source->end = from_file(source, source->buffer, NTPIO__PEEK);
+    if (source->end == 0 && source->problem != 0) {
         const int problem = source->problem;
         ntpio__source_close(source);
         return ntpio__fail(error, NTPIO_ERR_OPEN, path, "cannot be read: %s", strerror(problem));
@@ -62,17 +77,6 @@ void ntpio__source_close(ntpio__source *source)
         fclose(source->file);
     free(source->buffer);
     *source = (ntpio__source) { .start = -1 };
-}
-
-static size_t from_file(ntpio__source *source, void *dst, size_t size)
-{
-    if (source->file == NULL || source->problem != 0)
-        return 0;
-    errno = 0;
-    const size_t got = fread(dst, 1, size, source->file);
-    if (got < size && ferror(source->file))
-        source->problem = errno != 0 ? errno : EIO;
-    return got;
 }
 
 size_t ntpio__peek(ntpio__source *source, size_t size)
@@ -127,7 +131,7 @@ size_t ntpio__read(ntpio__source *source, void *dst, size_t size)
             some = some < size - done ? some : size - done;
             memcpy(out + done, source->bytes + source->at, some);
             source->at += some;
-        } else if (size - done >= BUFFER_SIZE) {
+        } else if (size - done >= DIRECT_SIZE) {
             some = from_file(source, out + done, size - done);
         } else if (ntpio__peek(source, 1) != 0) {
             continue;
