@@ -75,65 +75,6 @@ static void add_planes(ntp__samples *s, const int32_t *const c[3], int32_t n)
     s->n += (uint32_t) n;
 }
 
-static void add_samples(ntp__samples *a, const ntp__samples *b)
-{
-    a->n += b->n;
-    for (int32_t k = 0; k < 3; k++) {
-        a->sum[k] += b->sum[k];
-        a->square[k] += b->square[k];
-        a->product[k] += b->product[k];
-    }
-    a->red_low += b->red_low;
-    a->green_low += b->green_low;
-    a->gamma_flat += b->gamma_flat;
-    a->gamma_unit += b->gamma_unit;
-}
-
-/* What is not noted is not cleared before.  And a page that is first written to takes one fault; one that
- * is read first takes two. */
-static void begin_pairs(ntp_tally *t, uint32_t group)
-{
-    t->pair_seen[group] = 1;
-    memset(&t->pairs[group * NTP__PAIR_GROUP], 0, NTP__PAIR_GROUP * sizeof t->pairs[0]);
-}
-
-void ntp__merge_samples(ntp_tally *into, const ntp_tally *from)
-{
-    add_samples(&into->samples, &from->samples);
-    add_samples(&into->padding_samples, &from->padding_samples);
-    if (from->depth == 8)
-        return;
-    for (int32_t group = 0; group < 65536 / NTP__PAIR_GROUP; group++) {
-        if (from->pair_seen[group] == 0)
-            continue;
-        if (!into->pair_seen[group])
-            begin_pairs(into, (uint32_t) group);
-        into->pairs_full = 1;
-        for (int32_t i = group * NTP__PAIR_GROUP; i < (group + 1) * NTP__PAIR_GROUP; i++) {
-            const ntp__pair more = ntp__pair_at(from, (uint32_t) i);
-            into->pair_texels[i] += (uint32_t) more.texels;
-            into->pair_blue[i] += more.blue;
-        }
-    }
-}
-
-void ntp__clear_samples(ntp_tally *t)
-{
-    memset(&t->samples, 0, sizeof t->samples);
-    memset(&t->padding_samples, 0, sizeof t->padding_samples);
-    if (t->depth == 8)
-        return;
-    for (int32_t group = 0; t->pairs_full && group < 65536 / NTP__PAIR_GROUP; group++) {
-        int32_t first = group * NTP__PAIR_GROUP;
-        if (t->pair_seen[group] == 0)
-            continue;
-        memset(&t->pair_texels[first], 0, NTP__PAIR_GROUP * sizeof t->pair_texels[0]);
-        memset(&t->pair_blue[first], 0, NTP__PAIR_GROUP * sizeof t->pair_blue[0]);
-    }
-    memset(t->pair_seen, 0, sizeof t->pair_seen);
-    t->pairs_full = 0;
-}
-
 /* An entry of `pairs` has no room for its number of texels, 4096. */
 static void empty_pair(ntp_tally *t, uint32_t place)
 {
@@ -148,7 +89,7 @@ static void add_pairs(ntp_tally *t, const int32_t *const c[3], int32_t n)
     for (int32_t i = 0; i < n; i++) {
         const uint32_t place = ntp__pair_place((uint32_t) c[0][i], (uint32_t) c[1][i]);
         if (!t->pair_seen[place / NTP__PAIR_GROUP])
-            begin_pairs(t, place / NTP__PAIR_GROUP);
+            ntp__begin_pairs(t, place / NTP__PAIR_GROUP);
         const uint32_t more = NTP__PAIR_TEXEL + (uint32_t) c[2][i];
         t->pairs[place] += more;
         if (t->pairs[place] < more)

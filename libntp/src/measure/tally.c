@@ -1,118 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * tally.c - merges and empties tallies, and turns their cells into sums
+ * tally.c - turns the cells of tallies into sums
  */
 #include "texel/level.h"
 #include "measure/tally.h"
 
 #include <string.h>
-
-/* ------------------------------------------------------------------------- merge and clear */
-
-static void merge_channel(ntp__channel_sums *into, const ntp__channel_sums *from)
-{
-    into->sum += from->sum;
-    ntp__merge_max(&into->max, from->max);
-    ntp__merge_max(&into->inverted_min, from->inverted_min);
-}
-
-/* The greatest magnitude of a red or green of 8 bit. */
-static int32_t steepest(const ntp_tally *t)
-{
-    const uint32_t bits = t->depth == 8 ? 0 : 8; /* 257 v >> 8 = v */
-    int32_t most = 0;
-    for (int32_t k = 0; k < 2; k++) {
-        const ntp__channel_sums *const c = &t->channel[k];
-        const int32_t greatest = (int32_t) (c->max >> bits);
-        const int32_t least = (int32_t) ((~c->inverted_min & 65535) >> bits);
-        const int32_t one = ntp__steepest(least, greatest);
-        most = one > most ? one : most;
-    }
-    return most;
-}
-
-static void merge_colors(ntp_tally *into, const ntp_tally *from)
-{
-    if (into->colors == 0) {
-        into->colors = from->colors;
-        memcpy(into->color, from->color, sizeof into->color);
-    } else if (from->colors > 1 ||
-               (from->colors == 1 && memcmp(into->color, from->color, sizeof into->color) != 0)) {
-        into->colors = 2;
-    }
-}
-
-ntp_status ntp_tally_merge(ntp_tally *into, const ntp_tally *from)
-{
-    if (into == NULL || from == NULL || into == from)
-        return NTP_ERR_ARGUMENT;
-    if (from->depth == 0)
-        return NTP_OK;
-    if (into->depth != 0 && (into->depth != from->depth || into->channels != from->channels ||
-                             into->encoding != from->encoding || into->touched != from->touched))
-        return NTP_ERR_FORMAT;
-    if (into->texels + from->texels > UINT32_MAX)
-        return NTP_ERR_SHAPE;
-    into->depth = from->depth;
-    into->channels = from->channels;
-    into->encoding = from->encoding;
-    into->touched = from->touched;
-    into->is_wide |= from->is_wide;
-    into->summed = 0;
-    into->texels += from->texels;
-    into->black += from->black;
-    into->white += from->white;
-    into->transparent += from->transparent;
-    into->not_finite += from->not_finite;
-    into->gray += from->gray;
-    into->ag_in_disc += from->ag_in_disc;
-    into->narrow += from->narrow;
-    into->wide_flat += from->wide_flat;
-    for (int32_t i = 0; i < 2; i++) {
-        into->block_count[i] += from->block_count[i];
-        into->wide_alpha_ends[i] += from->wide_alpha_ends[i];
-        for (int32_t k = 0; k < 3; k++)
-            into->block_steps[k][i] += from->block_steps[k][i];
-    }
-    ntp__merge_counts(into->alpha, from->alpha, 256);
-    merge_channel(&into->alpha_levels, &from->alpha_levels);
-    for (int32_t k = 0; k < 3; k++)
-        merge_channel(&into->channel[k], &from->channel[k]);
-    merge_colors(into, from);
-    if (from->wide_flat > 0) {
-        for (size_t i = 0; i < sizeof into->wide_flat_seen; i++)
-            into->wide_flat_seen[i] |= from->wide_flat_seen[i];
-    }
-    ntp__merge_sums(&into->wide, &from->wide);
-    if (from->wide.texels > 0)
-        ntp__merge_close(&into->close, &from->close, &from->wide);
-    ntp__merge_sums(&into->transparent_wide, &from->transparent_wide);
-    ntp__merge_sums(&into->transparent_narrow, &from->transparent_narrow);
-    ntp__merge_samples(into, from);
-    ntp__merge_cells(&into->cells, &from->cells, steepest(from));
-    return NTP_OK;
-}
-
-ntp_status ntp_tally_clear(ntp_tally *t)
-{
-    if (t == NULL)
-        return NTP_ERR_ARGUMENT;
-    if (t->depth == 0)
-        return NTP_OK;
-    ntp__clear_cells(&t->cells, steepest(t));
-    ntp__clear_samples(t);
-    if (t->wide.texels > 0)
-        ntp__clear_close(&t->close, &t->wide);
-    ntp__clear_sums(&t->wide);
-    ntp__clear_sums(&t->transparent_wide);
-    ntp__clear_sums(&t->transparent_narrow);
-    if (t->wide_flat > 0)
-        memset(t->wide_flat_seen, 0, sizeof t->wide_flat_seen);
-    memset(t, 0, offsetof(ntp_tally, cells));
-    return NTP_OK;
-}
-
-/* --------------------------------------------------------------------------- cells to sums */
 
 /* Adds the cells of one row. */
 static void add_row(ntp_tally *t, ntp__color_batch *batch, int32_t row, int32_t m,
@@ -142,7 +35,7 @@ static void add_cells(ntp_tally *t, int32_t m, ntp_encoding encoding)
 {
     ntp__color_batch batch;
     batch.n = 0;
-    ntp__note_rows(&t->cells, steepest(t));
+    ntp__note_rows(&t->cells, ntp__steepest_of(t));
     for (int32_t row = 0; (row = ntp__next_row(t->cells.at.row_seen, row)) < NTP__ROWS; row++)
         add_row(t, &batch, row, m, encoding);
     ntp__end_batch(&t->used, &batch, m, encoding);

@@ -10,10 +10,11 @@
  *   judged_sums.h    what judged texels add up to: verdicts, lengths, angles
  *   close_sums.c     the same for 16-bit texels that are close to exact
  *   sampled_rows.c   what costs more than a count, and is measured on some rows only
- *   tally.c          merges and empties tallies, and turns cells into sums
+ *   tally.c          turns cells into sums
  *   summarize.c      from the sums to ntp_stats, which users read, and to the evidence
  *   evidence.h       what classify/ asks beyond ntp_stats
  *   blue_evidence.c  the part of it that compares blue with red and green
+ *   merge.c          merges and empties tallies and sums
  *   merge.h          adds counts, and takes greater values
  */
 #ifndef NTP_TALLY_H
@@ -107,14 +108,21 @@ static inline ntp__pair ntp__pair_at(const ntp_tally *tally, uint32_t place)
     return pair;
 }
 
+/* What is not noted is not cleared before.  And a page that is first written to takes one fault; one that
+ * is read first takes two. */
+static inline void ntp__begin_pairs(ntp_tally *t, uint32_t group)
+{
+    t->pair_seen[group] = 1;
+    memset(&t->pairs[group * NTP__PAIR_GROUP], 0, NTP__PAIR_GROUP * sizeof t->pairs[0]);
+}
+
 /* Adds the texels x0 <= x < x1 of row y to the samples if the row is a sampled one
  * (sampled_rows.c). */
 void ntp__sample_row(ntp_tally *tally, const ntp_const_image *src, int32_t x0, int32_t x1,
                      int32_t y);
 
-void ntp__merge_samples(ntp_tally *into, const ntp_tally *from);
-
-void ntp__clear_samples(ntp_tally *tally);
+/* The greatest magnitude of a red or green of 8 bit (merge.c). */
+int32_t ntp__steepest_of(const ntp_tally *tally);
 
 /* The sums over used texels, once they are made.  Those of 16 bit alone are not copied: that takes
  * longer than to look at a small texture. */
