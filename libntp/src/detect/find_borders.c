@@ -8,6 +8,7 @@
  */
 #include "base/scratch.h"
 #include "base/view.h"
+#include "detect/ends_meet.h"
 
 #include <math.h>
 #include <string.h>
@@ -423,6 +424,13 @@ ntp_status ntp_find_borders(ntp_border_fit fit[2], const ntp_const_image *src,
         return NTP_OK;
     if (scratch == NULL || (uintptr_t) scratch % NTP__ALIGNMENT != 0 || scratch_size < size)
         return NTP_ERR_SCRATCH;
+    bool square = !(how->dx < how->dy || how->dx > how->dy);
+    for (int32_t i = 0; i < 2 && square && how->method == NTP_HEIGHT_AUTO; i++) {
+        if (asked[i] && ntp__ends_meet(src, how->touch_unused, i)) {
+            *border[i] = fit[i].border = NTP_BORDER_WRAP;
+            fit[i].decided = asked[i] = false;
+        }
+    }
     search s[2];
     bool all_wrap = true;
     for (int32_t i = 0; i < 2; i++) {

@@ -9,7 +9,7 @@
  * the seam differ as little as those around a place inside?  Sampled rows are asked.  Columns are
  * the rows of the transposed image.
  */
-#include "base/view.h"
+#include "detect/line.h"
 #include "texel/level.h"
 
 #include <string.h>
@@ -66,17 +66,8 @@ typedef struct axis_sums {
     int32_t lines, asked; /* lines used, and lines looked at */
 } axis_sums;
 
-/* A stretch of a line. */
-typedef struct line {
-    double p[NTP__BLOCK + 1], q[NTP__BLOCK + 1]; /* slopes along and across, from index 1 on */
-    bool bad[NTP__BLOCK];                        /* no normal */
-    double step[NTP__BLOCK], noise[NTP__BLOCK];
-    ntp__block block;
-} line;
-
-/* Channel `along` holds the component along the line. */
-static void read_line(line *l, const ntp_const_image *src, uint32_t touch, int32_t along, int32_t x,
-                      int32_t y, int32_t n)
+void ntp__read_line(ntp__line *l, const ntp_const_image *src, uint32_t touch, int32_t along,
+                    int32_t x, int32_t y, int32_t n)
 {
     int32_t m = ntp__max(src->type);
     double m2 = (double) m * m, least = m2 / (STEEPEST * STEEPEST), inverse[NTP__BLOCK];
@@ -110,11 +101,11 @@ typedef struct ends {
 } ends;
 
 /* Reads the two ends of the line; false: one of them is no normal. */
-static bool read_ends(ends *e, line *l, const ntp_const_image *src, uint32_t touch, int32_t along,
-                      int32_t y)
+static bool read_ends(ends *e, ntp__line *l, const ntp_const_image *src, uint32_t touch,
+                      int32_t along, int32_t y)
 {
     for (int32_t first = 0; first < 2; first++) {
-        read_line(l, src, touch, along, first ? 0 : src->width - WIDEST, y, WIDEST);
+        ntp__read_line(l, src, touch, along, first ? 0 : src->width - WIDEST, y, WIDEST);
         if (l->bad[first ? 0 : WIDEST - 1])
             return false;
         memcpy(e->p + first * WIDEST, l->p + 1, WIDEST * sizeof *e->p);
@@ -138,7 +129,7 @@ static double difference2(const double *p, const double *q, int32_t n)
     return x * x + y * y;
 }
 
-static void add_windows(axis_sums *s, const line *l, int32_t n)
+static void add_windows(axis_sums *s, const ntp__line *l, int32_t n)
 {
     for (int32_t i = PLACES; i + WIDEST <= n; i += PLACES) {
         const double *p = l->p + 1 + i, *q = l->q + 1 + i;
@@ -165,7 +156,7 @@ static bool continues(const axis_sums *s)
     return false;
 }
 
-static void find_steps(line *l, int32_t n)
+static void find_steps(ntp__line *l, int32_t n)
 {
     for (int32_t i = 0; i < n; i++) {
         double p = l->p[i + 1], q = l->q[i + 1], pp = p * p, qq = q * q;
@@ -176,7 +167,7 @@ static void find_steps(line *l, int32_t n)
 
 /* Adds line y: its closure, the variance of its heights, and how its steps compare with the
  * seam. */
-static void add_line(axis_sums *s, line *l, const ntp_const_image *src, uint32_t touch,
+static void add_line(axis_sums *s, ntp__line *l, const ntp_const_image *src, uint32_t touch,
                      int32_t along, int32_t y)
 {
     ends e;
@@ -192,7 +183,7 @@ static void add_line(axis_sums *s, line *l, const ntp_const_image *src, uint32_t
         int32_t n = w - x < NTP__BLOCK ? w - x : NTP__BLOCK;
         l->p[0] = x > 0 ? l->p[NTP__BLOCK] : 0; /* the last of the stretch before */
         l->q[0] = x > 0 ? l->q[NTP__BLOCK] : 0;
-        read_line(l, src, touch, along, x, y, n);
+        ntp__read_line(l, src, touch, along, x, y, n);
         find_steps(l, n);
         add_windows(s, l, n);
         for (int32_t i = 0; i < n; i++) {
@@ -255,7 +246,7 @@ static void judge(ntp_seam *seam, const axis_sums *s, const ntp_const_image *src
 static void measure(ntp_seam *seam, const ntp_const_image *src, uint32_t touch, int32_t along)
 {
     axis_sums s;
-    line l;
+    ntp__line l;
     memset(&s, 0, sizeof s);
     int32_t lines = src->height < MOST_LINES ? src->height : MOST_LINES;
     for (int32_t i = 0; i < lines && src->width >= LEAST_TEXELS; i++)
