@@ -38,15 +38,8 @@ static const double edges_fit = 0.8;
 /* Texels at the edges of a damaged texture fit wrap if they are no further off than so many times
  * the others, and every other border is so many times as far off. */
 static const double edges_alike = 1.3, edges_differ = 1.5;
-/* Nor is wrap where normals are so many times as far off, and heights at the ends of lines differ by
- * more than this share of those along a line.  That of textures that tile is far less, however damaged,
- * unless they are as flat as bricks. */
-static const double far_off_wrap = 4, most_closure = 1;
-/* Nor where they are so many times as far off, though the lines of the band close, as few lines do by
- * chance.  Of damaged tiles it was at most 4.4. */
+/* Nor is wrap where normals are so many times as far off.  Of damaged tiles it was at most 4.4. */
 static const double most_off_wrap = 6;
-/* But for a tilt of this slope, 3/4 of a level of 8 bit: decoding can be off by half a level. */
-static const double most_tilt = 1.5 / 255;
 
 /* The share of a solution in the progress.  Two with wrap come first. */
 static const double step = 0.5 / (2 + TRIED);
@@ -54,7 +47,8 @@ static const double step = 0.5 / (2 + TRIED);
 typedef struct search {
     const ntp_hooks *hooks;
     double from; /* the share of the work that is done */
-    ntp_const_image src;
+    const ntp_const_image *whole;
+    ntp_const_image src; /* the band */
     ntp_height_options how;
     ntp_decode asked; /* by the caller */
     ntp_image heights;
@@ -237,31 +231,6 @@ static double least_error(const ntp_border_fit *fit)
     return least;
 }
 
-/* Do the heights of the band come back at the ends of its lines? */
-static bool closes(const search *s, bool down)
-{
-    const ntp_const_image made = ntp_image_as_const(&s->heights);
-    const ntp_const_image turned = down ? ntp__transposed(&made) : made;
-    double ends = 0, ends2 = 0, variance = 0, lines = turned.height, n = turned.width;
-    for (int32_t y = 0; y < turned.height; y++) {
-        double first = (double) *(const float *) ntp__at(&turned, 0, y), sum = 0, sum2 = 0, h = 0;
-        for (int32_t x = 0; x < turned.width; x++) {
-            h = (double) *(const float *) ntp__at(&turned, x, y) - first;
-            sum += h;
-            sum2 += h * h;
-        }
-        variance += sum2 / n - sum / n * (sum / n);
-        ends += h;
-        ends2 += h * h;
-    }
-    double mean = ends / lines, spread = ends2 / lines - mean * mean;
-    double signal = variance / lines - mean * mean / 12; /* a tilt adds to that of a line */
-    double spacing = down ? s->how.dy : s->how.dx;       /* 0 means 1 */
-    double tilt = most_tilt * n * (spacing > 0 ? spacing : 1);
-    double rest = mean * mean > tilt * tilt ? sqrt(mean * mean) - tilt : 0;
-    return spread + rest * rest <= most_closure * most_closure * signal;
-}
-
 /* Do heights that were made with the border of the fit give the normals at the edges back clearly
  * better by it than by another border? */
 static ntp_status confirms(bool *confirmed, const ntp_border_fit *fit, const search *s,
@@ -280,8 +249,7 @@ static ntp_status try_borders(ntp_border_fit *fit, search *s, double least, bool
 {
     const double most = far_off * least_error(fit);
     const double over = fit->error[NTP_BORDER_WRAP] / least_error(fit);
-    const bool never_wraps =
-        !wraps && (over > most_off_wrap || (over > far_off_wrap && !closes(s, down)));
+    const bool never_wraps = !wraps && over > most_off_wrap;
     for (int32_t i = 0; i < TRIED; i++) {
         double residual = s->wrapped;
         bool confirmed = false;
@@ -333,6 +301,14 @@ static ntp_status fits_wrapped(bool *fits, search *s, bool down)
     return NTP_OK;
 }
 
+/* Texels whose blue is something else than z, or that were cut off, have odd lengths without damage. */
+static bool may_be_damaged(const ntp_height_options *solved)
+{
+    bool square = !(solved->dx < solved->dy || solved->dx > solved->dy);
+    return solved->method == NTP_HEIGHT_AUTO && square && solved->z != NTP_Z_DERIVED &&
+           solved->decode != NTP_DECODE_TRUNC && solved->decode != NTP_DECODE_SNORM;
+}
+
 static ntp_status find(ntp_border_fit *fit, search *s, bool wraps, bool down)
 {
     const ntp_const_image made = ntp_image_as_const(&s->heights);
@@ -342,8 +318,14 @@ static ntp_status find(ntp_border_fit *fit, search *s, bool wraps, bool down)
     if (residual < 0)
         return NTP_OK;
     NTP__TRY(ntp_find_border(fit, &s->src, &made, &s->how, down, wraps));
-    return fit->decided || residual <= fits_well ? NTP_OK
-                                                 : try_borders(fit, s, residual, wraps, down);
+    if (residual <= fits_well)
+        return NTP_OK;
+    if (may_be_damaged(&s->how) && ntp__ends_meet(s->whole, s->how.touch_unused, down)) {
+        fit->border = NTP_BORDER_WRAP;
+        fit->decided = 0;
+        return NTP_OK;
+    }
+    return fit->decided ? NTP_OK : try_borders(fit, s, residual, wraps, down);
 }
 
 /* -------------------------------------------------------------------------------- public */
@@ -356,6 +338,7 @@ static void start(search *s, const ntp_const_image *src, const ntp_height_option
     memset(s, 0, sizeof *s);
     s->wrapped = -1;
     s->hooks = hooks;
+    s->whole = src;
     s->how = *how;
     s->asked = how->decode;
     bool free = cut_band(s, src, how->kernel, down) || both;
@@ -424,13 +407,6 @@ ntp_status ntp_find_borders(ntp_border_fit fit[2], const ntp_const_image *src,
         return NTP_OK;
     if (scratch == NULL || (uintptr_t) scratch % NTP__ALIGNMENT != 0 || scratch_size < size)
         return NTP_ERR_SCRATCH;
-    bool square = !(how->dx < how->dy || how->dx > how->dy);
-    for (int32_t i = 0; i < 2 && square && how->method == NTP_HEIGHT_AUTO; i++) {
-        if (asked[i] && ntp__ends_meet(src, how->touch_unused, i)) {
-            *border[i] = fit[i].border = NTP_BORDER_WRAP;
-            fit[i].decided = asked[i] = false;
-        }
-    }
     search s[2];
     bool all_wrap = true;
     for (int32_t i = 0; i < 2; i++) {
