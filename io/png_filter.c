@@ -187,48 +187,63 @@ void ntpio__unfilter(uint8_t *row, const uint8_t *above, size_t size, size_t tex
 
 #ifdef IN_SSE2
 
-SIZE_KNOWN void undo_two_kinds(uint8_t *row, uint8_t *below, const uint8_t *above, size_t size,
-                               size_t texel, int kind)
+/* Two rows or four of a kind that the compiler knows. */
+SIZE_KNOWN void undo_together(uint8_t *row, ptrdiff_t stride, uint32_t count, const uint8_t *above,
+                              size_t size, size_t texel, int kind)
 {
-    if (kind == AVERAGE)
-        undo_two_rows(row, below, above, size, texel, AVERAGE);
+    if (count == FOUR)
+        undo_four_rows(row, stride, above, size, texel, kind);
     else
-        undo_two_rows(row, below, above, size, texel, PAETH);
+        undo_two_rows(row, row + stride, above, size, texel, kind);
 }
 
-/* Two rows of one kind of which the second one begins at `below`; false: not of these. */
-static bool undo_two(uint8_t *row, uint8_t *below, const uint8_t *above, size_t size, size_t texel,
-                     int kind)
+SIZE_KNOWN void undo_kinds(uint8_t *row, ptrdiff_t stride, uint32_t count, const uint8_t *above,
+                           size_t size, size_t texel, int kind)
 {
-    enum { LEAST_TEXELS = 4 };
-    if (size < LEAST_TEXELS * texel || (kind != AVERAGE && (kind != PAETH || texel > 4)))
-        return false;
-    if (texel == 1)
-        undo_two_kinds(row, below, above, size, 1, kind);
-    else if (texel == 2)
-        undo_two_kinds(row, below, above, size, 2, kind);
-    else if (texel == 3)
-        undo_two_kinds(row, below, above, size, 3, kind);
-    else if (texel == 4)
-        undo_two_kinds(row, below, above, size, 4, kind);
-    else if (texel == 6)
-        undo_two_rows(row, below, above, size, 6, AVERAGE);
+    if (kind == AVERAGE)
+        undo_together(row, stride, count, above, size, texel, AVERAGE);
     else
-        undo_two_rows(row, below, above, size, 8, AVERAGE);
-    return true;
+        undo_together(row, stride, count, above, size, texel, PAETH);
+}
+
+/* So many rows that are undone together: four, two, or one. */
+static uint32_t together(uint32_t count, size_t size, size_t texel, const int *kinds)
+{
+    enum { LEAST_TEXELS_OF_TWO = 4, LEAST_TEXELS_OF_FOUR = 8 };
+    uint32_t same = 1;
+    while (same < count && same < FOUR && kinds[same] == kinds[0])
+        same++;
+    if (kinds[0] != AVERAGE && kinds[0] != PAETH)
+        return 1;
+    if (same == FOUR && texel <= 4 && size >= LEAST_TEXELS_OF_FOUR * texel)
+        return FOUR;
+    return same > 1 && size >= LEAST_TEXELS_OF_TWO * texel ? 2 : 1;
 }
 
 #endif
 
-uint32_t ntpio__unfilter_two(uint8_t *row, uint8_t *below, const uint8_t *above, size_t size,
-                             size_t texel, const int kinds[2])
+uint32_t ntpio__unfilter_rows(uint8_t *row, ptrdiff_t stride, uint32_t count, const uint8_t *above,
+                              size_t size, size_t texel, const int *kinds)
 {
 #ifdef IN_SSE2
-    if (above != NULL && below != NULL && kinds[0] == kinds[1] &&
-        undo_two(row, below, above, size, texel, kinds[0]))
-        return 2;
+    const uint32_t some = above != NULL ? together(count, size, texel, kinds) : 1;
+    if (some > 1) {
+        if (texel == 1)
+            undo_kinds(row, stride, some, above, size, 1, kinds[0]);
+        else if (texel == 2)
+            undo_kinds(row, stride, some, above, size, 2, kinds[0]);
+        else if (texel == 3)
+            undo_kinds(row, stride, some, above, size, 3, kinds[0]);
+        else if (texel == 4)
+            undo_kinds(row, stride, some, above, size, 4, kinds[0]);
+        else if (texel == 6)
+            undo_kinds(row, stride, 2, above, size, 6, kinds[0]);
+        else
+            undo_kinds(row, stride, 2, above, size, 8, kinds[0]);
+        return some;
+    }
 #else
-    (void) below;
+    (void) stride, (void) count;
 #endif
     ntpio__unfilter(row, above, size, texel, kinds[0]);
     return 1;

@@ -23,12 +23,15 @@ enum {
  */
 void ntpio__unfilter(uint8_t *row, const uint8_t *above, size_t size, size_t texel, int kind);
 
+enum { NTPIO__ROWS_TOGETHER = 4 };
+
 /*
- * The same for a row and, if that is faster together, for the one below it too, which may be NULL.
- * Returns how many are undone.
+ * The same for a row and, if that is faster together, for some of those below it, of which
+ * `count` - 1 are there: NTPIO__ROWS_TOGETHER with the first one at most.  Each begins `stride` after
+ * the one above.  Returns how many are undone.
  */
-uint32_t ntpio__unfilter_two(uint8_t *row, uint8_t *below, const uint8_t *above, size_t size,
-                             size_t texel, const int kinds[2]);
+uint32_t ntpio__unfilter_rows(uint8_t *row, ptrdiff_t stride, uint32_t count, const uint8_t *above,
+                              size_t size, size_t texel, const int *kinds);
 
 /*
  * Filters a row into `out`.  A texel of zeros stands before both rows; the row above the first one

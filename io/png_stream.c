@@ -182,21 +182,17 @@ uint32_t ntpio__png_stream_rows(ntpio__png_stream *s, uint8_t *dst, ptrdiff_t st
     const size_t size = s->shape.row_size;
     const uint8_t *above = s->row > 0 ? s->above : NULL;
     uint32_t taken = 0, undone = 0;
-    int kinds[2] = { 0, 0 };
+    int kinds[NTPIO__ROWS_TOGETHER];
     while (undone < count) {
-        uint8_t *row = dst + (ptrdiff_t) undone * stride;
-        if (taken == undone && !has_row(s))
-            break;
+        for (; taken < count && taken < undone + NTPIO__ROWS_TOGETHER && has_row(s); taken++)
+            kinds[taken - undone] = take_row(s, dst + (ptrdiff_t) taken * stride);
         if (taken == undone)
-            kinds[taken++ - undone] = take_row(s, row);
-        if (taken < count && taken == undone + 1 && has_row(s)) {
-            kinds[1] = take_row(s, row + stride);
-            taken++;
-        }
-        uint8_t *below = taken > undone + 1 ? row + stride : NULL;
-        const uint32_t done = ntpio__unfilter_two(row, below, above, size, s->shape.texel, kinds);
+            break;
+        const uint32_t done =
+            ntpio__unfilter_rows(dst + (ptrdiff_t) undone * stride, stride, taken - undone, above,
+                                 size, s->shape.texel, kinds);
         undone += done;
-        kinds[0] = kinds[1];
+        memmove(kinds, kinds + done, (NTPIO__ROWS_TOGETHER - done) * sizeof *kinds);
         above = dst + (ptrdiff_t) (undone - 1) * stride;
     }
     if (undone > 0)

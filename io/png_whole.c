@@ -298,9 +298,13 @@ void ntpio__png_take_row(ntpio__png_whole *whole, uint8_t *dst, bool swap)
     uint8_t *row = whole->rows + whole->row * (size + 1) + 1;
     const uint8_t *above = whole->row > 0 ? row - (size + 1) : NULL;
     if (whole->row == whole->undone) {
-        uint8_t *below = whole->undone + 1 < whole->height ? row + size + 1 : NULL;
-        const int kinds[] = { row[-1], below != NULL ? below[-1] : 0 };
-        whole->undone += ntpio__unfilter_two(row, below, above, size, whole->texel, kinds);
+        const uint32_t left = whole->height - whole->undone;
+        const uint32_t count = left < NTPIO__ROWS_TOGETHER ? left : NTPIO__ROWS_TOGETHER;
+        int kinds[NTPIO__ROWS_TOGETHER];
+        for (uint32_t k = 0; k < count; k++)
+            kinds[k] = row[k * (size + 1) - 1];
+        whole->undone += ntpio__unfilter_rows(row, (ptrdiff_t) size + 1, count, above, size,
+                                              whole->texel, kinds);
     }
     whole->row++;
     if (!swap)

@@ -16,18 +16,18 @@
 #include "png_whole.h"
 
 #define NTPIO_NO_SIMD
-#define ntpio__unfilter     unfilter_plainly
-#define ntpio__filter       filter_plainly
-#define ntpio__unfilter_two unfilter_two_plainly
+#define ntpio__unfilter      unfilter_plainly
+#define ntpio__filter        filter_plainly
+#define ntpio__unfilter_rows unfilter_rows_plainly
 void unfilter_plainly(uint8_t *row, const uint8_t *above, size_t size, size_t texel, int kind);
 uint64_t filter_plainly(uint8_t *out, const uint8_t *row, const uint8_t *above, size_t size,
                         size_t texel, int kind);
-uint32_t unfilter_two_plainly(uint8_t *row, uint8_t *below, const uint8_t *above, size_t size,
-                              size_t texel, const int kinds[2]);
+uint32_t unfilter_rows_plainly(uint8_t *row, ptrdiff_t stride, uint32_t count, const uint8_t *above,
+                               size_t size, size_t texel, const int *kinds);
 #include "../../io/png_filter.c" // NOLINT(bugprone-suspicious-include)
 #undef ntpio__unfilter
 #undef ntpio__filter
-#undef ntpio__unfilter_two
+#undef ntpio__unfilter_rows
 
 enum { SIDE = 40, TALL = 7 * SIDE, RAW_MAX = 1 << 17, SURPLUS = 20000, STEP_MAX = 5, FILES = 6000 };
 
@@ -400,10 +400,14 @@ static void test_rows_together(void)
         }
         for (size_t y = 0; y < ROWS;) {
             uint8_t *row = fast + AROUND + y * (size + 1);
-            uint8_t *below = y + 1 < ROWS ? row + size + 1 : NULL;
-            const int kinds[] = { *row, below != NULL ? *below : 0 };
-            const size_t done = ntpio__unfilter_two(row + 1, below != NULL ? below + 1 : NULL,
-                                                    y == 0 ? over : row - size, size, texel, kinds);
+            const uint32_t left = ROWS - (uint32_t) y, count = 1 + chance(left);
+            int kinds[ROWS];
+            for (size_t k = 0; k < count; k++)
+                kinds[k] = row[k * (size + 1)];
+            const size_t done =
+                ntpio__unfilter_rows(row + 1, (ptrdiff_t) size + 1, count,
+                                     y == 0 ? over : row - size, size, texel, kinds);
+            CHECK(done <= count);
             CHECK(done >= 1 && done <= ROWS - y);
             y += done;
         }
