@@ -3,7 +3,8 @@
  * inflate.h - unpacks deflate part by part, in memory that stays small
  *
  * libdeflate unpacks only a whole stream into a whole picture.  Fresh memory for both can take as
- * long as the unpacking.  This is nearly as fast, and stops where the room ends or the input does.
+ * long as the unpacking.  This stops where the room ends or the input does; it takes half the time
+ * where nearly all codes are literals, and up to a tenth more where few are.
  * It refuses every stream that zlib refuses (libdeflate takes some of them), and a code of one
  * literal, which no encoder makes.
  */

@@ -7,9 +7,9 @@
  * libpng would take it without an error or a warning about pixels: checksums are right, the stream
  * ends where the chunks and the last row end, and it reaches no further back than its header says.
  *
- * libdeflate would unpack up to a tenth faster, but reads codes that RFC 1951 forbids and zlib
- * refuses: lengths 286 and 287, the free half of a code of one word, more than 286 and 30 codes.
- * Its checksums are taken.
+ * libdeflate would be up to a tenth faster where few codes are literals, but reads codes that RFC
+ * 1951 forbids and zlib refuses: lengths 286 and 287, the free half of a code of one word, more than
+ * 286 and 30 codes.  Its checksums are taken.
  */
 #include "png_whole.h"
 

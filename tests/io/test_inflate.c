@@ -293,7 +293,7 @@ static void put_symbol(const uint8_t *sizes, unsigned symbols, unsigned symbol)
 {
     unsigned code = 0, size = sizes[symbol];
     for (unsigned i = 0; i < symbols; i++) { /* those of shorter codes come first */
-        const bool before = sizes[i] < size || (sizes[i] == size && i < symbol);
+        const bool before = sizes[i] == size ? i < symbol : sizes[i] < size;
         code += sizes[i] != 0 && before ? 1u << (CODE_MAX - sizes[i]) : 0;
     }
     put_code(code >> (CODE_MAX - size), size);
