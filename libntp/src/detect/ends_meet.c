@@ -26,7 +26,7 @@ enum {
     END = 4 /* texels at an end of a line whose mean height counts */
 };
 
-/* The square of an 8-bit level over 12, of lengths; damage is more than twice that. */
+/* The square of an 8-bit level over 12, of lengths.  Levels that were cut off make four times that. */
 static const double rounding = 4.0 / (255.0 * 255.0 * 12.0), most_error = 5;
 /* Decoding can be off by half a level, and damage by as much: a steeper lean is one of the surface. */
 static const double most_lean = 1.5 / 255;

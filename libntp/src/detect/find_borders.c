@@ -301,12 +301,11 @@ static ntp_status fits_wrapped(bool *fits, search *s, bool down)
     return NTP_OK;
 }
 
-/* Texels whose blue is something else than z, or that were cut off, have odd lengths without damage. */
-static bool may_be_damaged(const ntp_height_options *solved)
+/* May wrap be the better guess?  Blue that is something else than z makes odd lengths without damage. */
+static bool may_guess(const ntp_height_options *solved)
 {
     bool square = !(solved->dx < solved->dy || solved->dx > solved->dy);
-    return solved->method == NTP_HEIGHT_AUTO && square && solved->z != NTP_Z_DERIVED &&
-           solved->decode != NTP_DECODE_TRUNC && solved->decode != NTP_DECODE_SNORM;
+    return square && solved->method == NTP_HEIGHT_AUTO && solved->z != NTP_Z_DERIVED;
 }
 
 static ntp_status find(ntp_border_fit *fit, search *s, bool wraps, bool down)
@@ -320,7 +319,7 @@ static ntp_status find(ntp_border_fit *fit, search *s, bool wraps, bool down)
     NTP__TRY(ntp_find_border(fit, &s->src, &made, &s->how, down, wraps));
     if (residual <= fits_well)
         return NTP_OK;
-    if (may_be_damaged(&s->how) && ntp__ends_meet(s->whole, s->how.touch_unused, down)) {
+    if (may_guess(&s->how) && ntp__ends_meet(s->whole, s->how.touch_unused, down)) {
         fit->border = NTP_BORDER_WRAP;
         fit->decided = 0;
         return NTP_OK;

@@ -1,0 +1,167 @@
+# SPDX-License-Identifier: MIT
+"""Damaged textures whose heights end as they begin: wrap, where a free border would lean."""
+
+import numpy as np
+import pytest
+
+from support import libntp_ffi as ntp
+from support import to_height as reconstruction
+from support.encoders import jpeg
+from support.find import find_borders, find_seams
+from support.oracle_height import CLAMP, EXTRAPOLATE, MIRROR, NAMES, WRAP
+
+BAKED, FORWARD, END = len(NAMES), NAMES.index("forward"), 4
+LENGTH = 4 / (255**2 * 12)  # the square that rounding gives to the error of a length
+
+
+def islands(n, seed):
+    """A fractal that tiles, above a flat sea."""
+    h = reconstruction.fractal(n, seed, 0.4, 2.2)
+    return np.maximum(h, np.quantile(h, 0.6)).astype(np.float32)
+
+
+def noisy(n, sigma=4, seed=1):
+    added = np.random.default_rng(seed).normal(0, sigma, n.shape)
+    return np.clip(n + added, 0, 255).round().astype(np.uint8)
+
+
+DAMAGES = [noisy, lambda n: jpeg(n, 85, 0), lambda n: jpeg(n, 95, 0)]
+
+
+def free(h, kernel="central"):
+    border = CLAMP if kernel == "forward" else MIRROR
+    return reconstruction.from_height(h, kernel, border, border)
+
+
+def answers(n, kernel=BAKED, **how):
+    """The borders, and which of them are wrap though the texels do not show it."""
+    found = find_borders(n, kernel, **how)
+    return [f["border"] for f in found], [f["border"] == WRAP and not f["decided"] for f in found]
+
+
+def error(made, h):
+    a, b = made - made.mean(), h - h.mean()
+    return np.sqrt(np.mean((a - b) ** 2)) / np.ptp(h)
+
+
+# ------------------------------------------------------------------------- the same in numpy
+
+
+def losses(p, q):
+    """Of p along rows and q across them: the squares of the ramp, the steps and the errors."""
+    h, w = p.shape
+    n = 16
+    while 2 * n <= min(h, 512) and 2 * n * w <= 1 << 18:
+        n *= 2
+    rows = np.arange(n) * h // n
+    ends = np.hstack([p[:, :END], p[:, -END:]]).sum(1) / 2
+    apart = q[:, -END:].mean(1) - q[:, :END].mean(1)
+    seen = (np.cumsum(apart) - apart / 2 + ends)[rows]
+    step = p[rows].sum(1)
+    squares = np.zeros(3)  # of both, of the one, of the other
+    for half in 2 ** np.arange(int(np.log2(n))):
+        a, b = (v.reshape(half, 2, -1).mean(2) for v in (step, seen))
+        a, b = (np.subtract(*v.T) / 2 for v in (a, b))
+        squares += np.array([np.mean(a * b), np.mean(a * a), np.mean(b * b)]) / half
+    steps, errors = squares[0], squares[1] + squares[2] - 2 * squares[0]
+    by_chance = 0.3 * np.sqrt(squares[1] * squares[2])
+    return step.mean() / w, step.mean() ** 2 * 2 / 3 * w / h, steps, by_chance, errors
+
+
+def meet(n, down):
+    v = 2 * n.astype(float) / 255 - 1
+    x, y = v[..., 0], v[..., 1]
+    z = np.sqrt(np.maximum(1 - x * x - y * y, 1 / 64))
+    p, q = -x / z, y / z
+    if down:
+        p, q, v = q.T, p.T, v.swapaxes(0, 1)
+    lengths = ((v[np.arange(16) * len(v) // 16] ** 2).sum(-1) - 1) / 2
+    lean, ramp, steps, by_chance, errors = losses(p, q)
+    seam = find_seams(n)[down]
+    return (
+        np.mean(lengths**2) > 5 * LENGTH
+        and abs(lean) <= 1.5 / 255
+        and steps < 0.2 * errors
+        and ramp > 2 * (max(steps, 0) + by_chance) + 0.05 * errors
+        and not (seam["jump"] > 4 and seam["rank"] < 0.1)
+    )
+
+
+@pytest.mark.parametrize("y", [ntp.UP, ntp.DOWN])
+def test_answers_are_those_of_numpy(y):
+    said = []
+    for seed in range(6):
+        for h in (
+            islands(256, seed),
+            islands(320, seed)[:150],
+            reconstruction.fractal(400, seed, 0.4)[30:330, 20:220].copy(),
+            reconstruction.fractal(256, seed, 0.7),
+        ):
+            n = DAMAGES[seed % 3](free(h, NAMES[seed % 2]))
+            levels = n.copy()
+            if y == ntp.DOWN:
+                levels[..., 1] = 255 - n[..., 1]
+            expected = [meet(n, 0), meet(n, 1)]
+            assert answers(levels, y=y)[1] == expected, (seed, h.shape)
+            said += expected
+    assert sum(said) >= 7
+
+
+# ------------------------------------------------------------------------------- what it gives
+
+
+@pytest.mark.parametrize("kernel", ["central", "forward", "sobel3"])
+def test_a_bias_does_not_lean(kernel):
+    """Noise whose fractions are cut off is half a level off zero, which a free border adds up."""
+    ratios = []
+    for seed in range(4):
+        h = islands(256, seed)
+        clean = free(h, kernel)
+        for sigma in (2, 4):
+            n = noisy(clean - 0.5, sigma, seed)
+            borders, guessed = answers(n)
+            if any(guessed):
+                how = {"kernel": BAKED, "decode": reconstruction.DECODE_AUTO}
+                ends = [MIRROR if g else b for g, b in zip(guessed, borders, strict=True)]
+                errors = [
+                    error(reconstruction.to_height(n, border_x=x, border_y=y, **how)[0], h)
+                    for x, y in (borders, ends)
+                ]
+                ratios.append(errors[0] / errors[1])
+    assert len(ratios) >= 5 and max(ratios) < 1 and np.mean(ratios) < 0.8, ratios
+
+
+def test_ends_that_differ_do_not_meet():
+    """By a step that changes along the edge, or by a ramp."""
+    x = np.arange(256)[None] / 256
+    for seed in range(4):
+        for height in (4, 12):
+            wave = height * x * np.sin(2 * np.pi * (x.T + seed / 4))
+            for more in (wave, 2 * height * x + 0 * x.T):
+                h = (islands(256, seed) + more).astype(np.float32)
+                for damage in DAMAGES:
+                    assert not answers(damage(free(h)))[1][0]
+                    assert not answers(damage(free(h.T.copy())))[1][1]
+
+
+def test_undamaged_textures_are_not_asked():
+    """Nor those whose blue is something else, or that were cut off."""
+    for seed in range(8):
+        h = islands(256, seed)
+        for kernel in ("central", "forward"):
+            fine = reconstruction.from_height(h, kernel, CLAMP, CLAMP, np.uint16) / 65535.0
+            cut = np.floor(255 * fine).astype(np.uint8)
+            clean = free(h, kernel)
+            other = clean.copy()
+            other[..., 2] = clean[::-1, :, 0]
+            for n in (clean, other, cut):
+                for solved_as in (NAMES.index(kernel), BAKED):
+                    assert not any(answers(n, solved_as)[1]), (seed, kernel, solved_as)
+
+
+def test_only_where_it_is_to_be_found():
+    n = jpeg(free(islands(256, 5), "forward"), 95, 0)
+    assert answers(n) == ([WRAP, WRAP], [True, True])
+    assert answers(n, open_=(0, 1), border_x=EXTRAPOLATE) == ([EXTRAPOLATE, WRAP], [False, True])
+    assert not any(answers(n, dx=1, dy=2)[1]), "texels are not square"
+    assert not any(answers(n, method=2)[1]), "the method never wraps"
