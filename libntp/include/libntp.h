@@ -1602,7 +1602,7 @@ enum { NTP_BORDERS = 5 /* as many as ntp_border has */ };
 /* Which border the normals at two opposite edges were made with. */
 typedef struct ntp_border_fit {
     ntp_border border;
-    int32_t decided; /* 1: the texels show it; 0: it is the one that assumes least */
+    int32_t decided; /* 1: the texels show it; 0: it is the one that is likely to do least harm */
     /* By ntp_border: rms difference of x and y between the normals of the heights and those at the
      * edges, in levels of 8 bit; -1: not tried */
     double error[NTP_BORDERS];
@@ -1639,6 +1639,10 @@ NTP_API size_t ntp_find_borders_scratch_size(const ntp_height_options *how, int3
  * ntp_free_border, and ntp_find_border decides.  If that cannot, and the fit is worse than 0.4
  * levels, wrap is tried, and extrapolate and clamp if their error at the edges is at most twice the
  * least; the border with the least residual is taken if that is less by 1 %.
+ * Textures that fit worse than that, whose lengths show damage and whose blue is z, are asked before:
+ * from the slopes along up to 512 lines, and along the two edges, it is estimated what a free border
+ * costs the heights, which adds up errors, and what wrap costs, which bends them where they do not meet.
+ * If wrap costs clearly less it is taken, and not decided.  Only for NTP_HEIGHT_AUTO, and square texels.
  * how: as for ntp_height_from_normals; the borders are those of the axes that are not `open`.  Only
  * NTP_HEIGHT_AUTO and NTP_HEIGHT_POISSON_DCT without a mask are solved, NTP_KERNEL_BAKED as central;
  * else, and for sides below 16 texels, fit[i] is what `wraps` says, or undecided.  open, wraps: nonzero for
