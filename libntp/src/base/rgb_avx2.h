@@ -16,7 +16,8 @@ void ntp__pack_rgb_avx2(void *dst, const ntp__block *block, int32_t n, bool deep
 
 /*
  * x, y, z and 1 of packed pixels, as numerators over M: int16_t, or floats of 16 bit; `to` has room
- * for seven pixels more.  negative: a z is below 0.  False where red of a pixel is 0 or M: it may be black or white.
+ * for seven pixels more.  negative: a z is below 0.  False where red of a pixel is 0 or M: it may be
+ * black or white.
  */
 bool ntp__place_rgb_avx2(void *to, bool *negative, const void *src, int32_t n, bool deep,
                          bool zzero);

@@ -28,41 +28,24 @@ static inline __m256i load_both(const float *row, const float *other, int32_t i)
                             _mm256_loadu_si256((const void *) (b + i)));
 }
 
-/* Two rows have each weight; two weights of integers beside each other, in 14 bits and 15 bits below
- * these. */
-typedef struct two_weights {
-    const float *row[2], *other[2];
-    int32_t upper, lower;
-} two_weights;
-
-static int32_t find_weights(two_weights *to, const float *const *rows, const int32_t *weight,
-                            double scale, int32_t taps, bool symmetric)
+static inline __m256i two_weights(const int16_t *weight)
 {
-    const int32_t end = symmetric ? taps / 2 : taps;
-    scale *= symmetric ? 0x1p29 : 0x1p28;
-    for (int32_t t = 0; t < (end + 1) / 2 * 2; t++) {
-        two_weights *two = &to[t / 2];
-        const int32_t s = t < end ? t : t - 1, w = t < end ? (int32_t) (weight[t] * scale) : 0;
-        const uint32_t upper = (uint32_t) (w >> 15) & 65535, lower = (uint32_t) w & 32767;
-        two->row[t % 2] = rows[s];
-        two->other[t % 2] = rows[symmetric ? taps - 1 - s : s];
-        two->upper = (int32_t) (t % 2 == 0 ? upper : (uint32_t) two->upper | upper << 16);
-        two->lower = (int32_t) (t % 2 == 0 ? lower : (uint32_t) two->lower | lower << 16);
-    }
-    return (end + 1) / 2;
+    int32_t two;
+    memcpy(&two, weight, sizeof two);
+    return _mm256_set1_epi32(two);
 }
 
-static void sum_whole(float *sums, const two_weights *two, int32_t pairs, int32_t count)
+void ntp__sum_whole_avx2(float *sums, const ntp__whole_weights *from, int32_t count)
 {
     for (int32_t i = 0; i < count; i += AT_ONCE / 2) {
         __m256i high[2], low[2];
         __m256 v[2];
         for (int32_t k = 0; k < 2; k++)
             high[k] = low[k] = _mm256_setzero_si256();
-        for (int32_t t = 0; t < pairs; t++) {
-            const __m256i w = _mm256_set1_epi32(two[t].upper), x = _mm256_set1_epi32(two[t].lower);
-            const __m256i a = load_both(two[t].row[0], two[t].other[0], i);
-            const __m256i b = load_both(two[t].row[1], two[t].other[1], i);
+        for (int32_t t = 0; t < from->n; t += 2) {
+            const __m256i w = two_weights(from->upper + t), x = two_weights(from->lower + t);
+            const __m256i a = load_both(from->row[t], from->other[t], i);
+            const __m256i b = load_both(from->row[t + 1], from->other[t + 1], i);
             const __m256i c[2] = { _mm256_unpacklo_epi16(a, b), _mm256_unpackhi_epi16(a, b) };
             for (int32_t k = 0; k < 2; k++) {
                 high[k] = _mm256_add_epi32(high[k], _mm256_madd_epi16(c[k], w));
@@ -86,15 +69,9 @@ void ntp__widen_avx2(float *to, const int16_t *from, int32_t n)
 }
 
 void ntp__sum_rows_avx2(float *sums, const float *const *rows, const int32_t *weight, float scale,
-                        int32_t taps, bool symmetric, int32_t count, bool whole)
+                        int32_t taps, bool symmetric, int32_t count)
 {
     const int32_t end = symmetric ? taps / 2 : taps;
-    if (whole) {
-        two_weights two[NTP__MOST_COLUMNS / 2];
-        const int32_t pairs = find_weights(two, rows, weight, scale, taps, symmetric);
-        sum_whole(sums, two, pairs, count);
-        return;
-    }
     for (int32_t i = 0; i < count; i += AT_ONCE) {
         __m256 sum[AT_ONCE / EIGHT];
         for (int32_t k = 0; k < AT_ONCE / EIGHT; k++)

@@ -32,9 +32,20 @@ typedef struct ntp__planes {
 } ntp__planes;
 
 /* With AVX2.  sums = the sum of scale weight[t] rows[t], of `count` numbers and up to 31 more;
- * symmetric: so are an even number of weights; whole: rows are int16_t of 9 bits. */
+ * symmetric: so are an even number of weights. */
 void ntp__sum_rows_avx2(float *sums, const float *const *rows, const int32_t *weight, float scale,
-                        int32_t taps, bool symmetric, int32_t count, bool whole);
+                        int32_t taps, bool symmetric, int32_t count);
+
+/* Weights in units of 2^-29, as 14 bits and the 15 below them; each is that of two rows of int16_t,
+ * which may be the same one. */
+typedef struct ntp__whole_weights {
+    const float *row[NTP__MOST_COLUMNS], *other[NTP__MOST_COLUMNS];
+    int16_t upper[NTP__MOST_COLUMNS], lower[NTP__MOST_COLUMNS];
+    int32_t n; /* even */
+} ntp__whole_weights;
+
+/* The same for numbers of 9 bits. */
+void ntp__sum_whole_avx2(float *sums, const ntp__whole_weights *from, int32_t count);
 
 /* Whole numbers as floats; n is a multiple of 8. */
 void ntp__widen_avx2(float *to, const int16_t *from, int32_t n);

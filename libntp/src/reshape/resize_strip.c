@@ -372,6 +372,22 @@ static int32_t judge_vectors(const ntp__resize_job *j, ntp__vectors *v, int32_t 
 }
 
 #ifdef NTP_HAVE_AVX2
+static void sum_whole(float *sums, const sources *from, double scale, int32_t count)
+{
+    const int32_t end = from->symmetric ? from->taps / 2 : from->taps;
+    ntp__whole_weights to;
+    scale *= from->symmetric ? 0x1p29 : 0x1p28;
+    to.n = end + end % 2;
+    for (int32_t t = 0; t < to.n; t++) {
+        const int32_t s = t < end ? t : 0, w = t < end ? (int32_t) (from->weight[s] * scale) : 0;
+        to.row[t] = from->rows[s];
+        to.other[t] = from->rows[from->symmetric ? from->taps - 1 - s : s];
+        to.upper[t] = (int16_t) (w >> 15);
+        to.lower[t] = (int16_t) (w & 32767);
+    }
+    ntp__sum_whole_avx2(sums, &to, count);
+}
+
 /* Sums in floats; returns how far a component may be off. */
 static float sum_in_floats(const ntp__resize_job *j, ntp__planes *p, float least[4],
                            const sources *from)
@@ -381,8 +397,11 @@ static float sum_in_floats(const ntp__resize_job *j, ntp__planes *p, float least
     const double u = 0x1p-24;
     const int32_t k = from->symmetric ? from->taps / 2 : from->taps;
     const int32_t terms = (s->whole ? k / 8 + 2 : k) + s->taps_x / 2 + 4;
-    ntp__sum_rows_avx2(s->sums_in_float, from->rows, from->weight, (float) y->scale, from->taps,
-                       from->symmetric, 4 * s->columns, s->whole);
+    if (s->whole)
+        sum_whole(s->sums_in_float, from, y->scale, 4 * s->columns);
+    else
+        ntp__sum_rows_avx2(s->sums_in_float, from->rows, from->weight, (float) y->scale, from->taps,
+                           from->symmetric, 4 * s->columns);
     ntp__sum_columns_avx2(p, least, s->sums_in_float, s->at, s->weight_in_float, s->taps_x, s->n,
                           s->same);
     return s->in_floats ? 0 : (float) (terms * u * (j->most * x->scale * y->scale));
