@@ -63,12 +63,24 @@ static void check_angle(const ntp__judged *j, const int32_t c[3], int32_t i, int
     CHECK((uint32_t) j->angle[i] == ntp__angle(x, y, z, x, y, w));
 }
 
+/* Returns whether the kernel left an angle out that there is. */
+static bool check_angles(const ntp__judged *j, const int32_t c[3], int32_t i, int32_t m, bool zzero)
+{
+    const int64_t x = ntp__num(c[0], m), y = ntp__num(c[1], m), z = ntp__num(c[2], m);
+    check_angle(j, c, i, m, zzero);
+    if (zzero || z >= 0)
+        return j->angle[i] < 0 && j->want[i] >= 0;
+    CHECK(j->mirrored[i] < 0 || (uint32_t) j->mirrored[i] == ntp__angle(x, y, z, x, y, -z));
+    return j->mirrored[i] < 0 || (j->angle[i] < 0 && j->want[i] >= 0);
+}
+
 static void check_block(const ntp__kernels_table *level, ntp__block *block, int32_t n, int32_t m,
                         bool zzero)
 {
     static ntp__judged j;
     uint32_t count[NTP__BLOCK];
     uint64_t sum = 0;
+    int32_t left = 0;
     for (int32_t i = 0; i < n; i++)
         count[i] = (uint32_t) i % 3 + 1;
     level->judge_block(&j, block->c[0], block->c[1], block->c[2], count, n, m, zzero);
@@ -76,12 +88,12 @@ static void check_block(const ntp__kernels_table *level, ntp__block *block, int3
         const int32_t c[] = { block->c[0][i], block->c[1][i], block->c[2][i] };
         check_fit(&j.fit[0], c, i, m, false);
         check_fit(&j.fit[1], c, i, m, true);
-        check_angle(&j, c, i, m, zzero);
+        left += check_angles(&j, c, i, m, zzero);
         sum += (uint64_t) (uint32_t) j.fit[1].length[i] * count[i];
         CHECK(((uint32_t) j.fit[0].key[i] & j.fit[0].every) == j.fit[0].every);
         CHECK(((uint32_t) j.fit[0].key[i] & ~j.fit[0].some) == 0);
     }
-    CHECK(j.fit[1].length_sum == sum);
+    CHECK(j.fit[1].length_sum == sum && left < 4); /* one in 4096 is in doubt */
 }
 
 static void check_8_bit(const ntp__kernels_table *level)

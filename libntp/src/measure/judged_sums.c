@@ -15,7 +15,13 @@ void ntp__merge_counts(uint32_t *restrict into, const uint32_t *restrict from, s
         into[i] += from[i];
 }
 
-enum { NO_HARM = NTP__ALL_HARM };
+/* Bits of texels that do harm, by index of ntp__sums.harm. */
+enum {
+    FAILS = 1,
+    TOO_LONG = 2,
+    NEGATIVE = 4,
+    ANY_NEGATIVE = NEGATIVE | NEGATIVE << NTP__PADDING_HARM
+};
 
 /* Counts one texel for each count of 1. */
 static const uint32_t ONES[NTP__BLOCK] = {
@@ -28,11 +34,8 @@ static const uint32_t ONES[NTP__BLOCK] = {
 static void clean_long(int32_t *r, int32_t *g, int32_t *want, int32_t n, int32_t m, bool zzero)
 {
     const ntp__kernels_table *kernels = ntp__kernels(NTP__CPU_ALL);
-    int32_t at[NTP__BLOCK], to[3][NTP__BLOCK], doubt[NTP__BLOCK], count = 0;
-    for (int32_t i = 0; i < n; i++) {
-        at[count] = i;
-        count += want[i] < 0;
-    }
+    int32_t at[NTP__BLOCK], to[3][NTP__BLOCK], doubt[NTP__BLOCK];
+    const int32_t count = kernels->find(at, want, INT32_MIN, n);
     if (count == 0)
         return;
     for (int32_t i = 0; i < count; i++) {
@@ -76,14 +79,8 @@ static void add_angles(ntp__judged *j, const ntp__block *block, int32_t n, int32
     const bool zzero = encoding == NTP_ENCODING_ZZERO;
     const int32_t twice = zzero ? 1 : 2, less = zzero ? 0 : m;
     int32_t at[NTP__BLOCK], r[NTP__BLOCK], g[NTP__BLOCK], want[NTP__BLOCK], angle[NTP__BLOCK];
-    int32_t count = 0, any = 0;
     planes v, w;
-    for (int32_t i = 0; i < n; i++)
-        any |= j->angle[i];
-    for (int32_t i = 0; any < 0 && i < n; i++) {
-        at[count] = i;
-        count += j->angle[i] < 0;
-    }
+    const int32_t count = ntp__kernels(NTP__CPU_ALL)->find(at, j->angle, INT32_MIN, n);
     if (count == 0)
         return;
     for (int32_t i = 0; i < count; i++) {
@@ -105,52 +102,50 @@ static void add_angles(ntp__judged *j, const ntp__block *block, int32_t n, int32
         j->angle[at[i]] = angle[i];
 }
 
-/* How texels are wrong by more than rounding: an index of ntp__sums.harm, or NO_HARM.  Returns
- * whether any is. */
-static bool find_harm(int32_t *restrict kinds, const ntp__judged *restrict j,
-                      const ntp__block *restrict block, int32_t n, int32_t m, ntp_encoding encoding)
+/* How texels are wrong by more than rounding: a bit, or 0.  Returns those of all. */
+static int32_t find_harm(int32_t *restrict kinds, const ntp__judged *restrict j,
+                         const ntp__block *restrict block, int32_t n, int32_t m,
+                         ntp_encoding encoding)
 {
     const int32_t *keys = j->fit[encoding == NTP_ENCODING_ZZERO].key;
     const int32_t down = encoding == NTP_ENCODING_STANDARD ? (m - 1) / 2 : 0;
     const int32_t k0 = (m + 1) / 2, am = k0 * (k0 - 1);
-    const int32_t fails = encoding == NTP_ENCODING_XY ? NO_HARM : 0;
+    const int32_t fails = encoding == NTP_ENCODING_XY ? 0 : FAILS;
     int32_t any = 0;
     for (int32_t i = 0; i < n; i++) {
         const int32_t p = block->c[0][i] - k0, q = block->c[1][i] - k0;
         /* |X| - 2 = 2k - 1.  Are even such red and green too long? */
         const int32_t x = p < 0 ? ~p : p, y = q < 0 ? ~q : q;
         const int32_t pair = x * (x - 1) + y * (y - 1) >= am;
-        const int32_t padding = keys[i] >= NTP__PADDING_BIN * 256 ? NTP__PADDING_HARM : 0;
-        int32_t kind = keys[i] & NTP_FLAG_NEIGHBOR ? NO_HARM : fails;
-        kind = pair ? 1 : kind;
-        kind = block->c[2][i] < down ? 2 : kind;
-        kinds[i] = kind + (pair ? padding : 0);
-        any |= kind != NO_HARM;
+        const int32_t padding = keys[i] >= NTP__PADDING_BIN * 256;
+        int32_t kind = keys[i] & NTP_FLAG_NEIGHBOR ? 0 : fails;
+        kind = pair ? TOO_LONG : kind;
+        kind = block->c[2][i] < down ? NEGATIVE : kind;
+        kind = pair & padding ? kind << NTP__PADDING_HARM : kind;
+        kinds[i] = kind;
+        any |= kind;
     }
-    return any != 0;
+    return any;
 }
 
 /* Texels below the horizon, which may be too long besides: their angle is that to the vector with
  * the other sign of z. */
-static void negative_angles(int32_t *angle, const int32_t *kinds, const ntp__block *block,
-                            int32_t n, int32_t m)
+static void negative_angles(int32_t *restrict angle, const int32_t *restrict mirrored,
+                            const int32_t *restrict kinds, const ntp__block *block, int32_t n,
+                            int32_t m)
 {
-    int32_t at[NTP__BLOCK], found[NTP__BLOCK], count = 0;
-    planes v, w;
+    int32_t doubt = 0;
     for (int32_t i = 0; i < n; i++) {
-        at[count] = i;
-        count += (kinds[i] == 2) | (kinds[i] == 2 + NTP__PADDING_HARM);
+        const int32_t negative = -((kinds[i] & ANY_NEGATIVE) != 0); /* without a branch */
+        angle[i] = (mirrored[i] & negative) | (angle[i] & ~negative);
+        doubt |= angle[i];
     }
-    if (count == 0)
-        return;
-    for (int32_t i = 0; i < count; i++) {
-        for (int32_t k = 0; k < 3; k++)
-            v.c[k][i] = w.c[k][i] = ntp__num(block->c[k][at[i]], m);
-        w.c[2][i] = -w.c[2][i];
+    for (int32_t i = 0; doubt < 0 && i < n; i++) {
+        const int32_t x = ntp__num(block->c[0][i], m), y = ntp__num(block->c[1][i], m);
+        const int32_t z = ntp__num(block->c[2][i], m);
+        if (angle[i] < 0)
+            angle[i] = (int32_t) ntp__angle(x, y, z, x, y, -z);
     }
-    find_angles(found, &v, &w, count, m);
-    for (int32_t i = 0; i < count; i++)
-        angle[at[i]] = found[i];
 }
 
 /* Without z there is no angle: how far x, y lie outside the circle stands for it. */
@@ -159,9 +154,26 @@ static void outside_angles(int32_t *angle, const int32_t *kinds, const ntp__bloc
 {
     for (int32_t i = 0; i < n; i++) {
         const double x = ntp__num(block->c[0][i], m), y = ntp__num(block->c[1][i], m);
-        if (kinds[i] != NO_HARM)
+        if (kinds[i] != 0)
             angle[i] = (int32_t) ((sqrt(x * x + y * y) / m - 1.0) * (180e6 / NTP__PI) + 0.5);
     }
+}
+
+/* Of texels at n places; of one kind each time, as sums in memory would wait for each other. */
+static void add_kind(ntp__harm_sums *harm, const int32_t *angles, const uint32_t *count,
+                     const int32_t *at, int32_t n)
+{
+    uint64_t texels = 0, sum = 0, greatest = harm->max;
+    for (int32_t i = 0; i < n; i++) {
+        const uint32_t angle = (uint32_t) angles[at[i]], times = count[at[i]];
+        texels += times;
+        sum += (uint64_t) angle * times;
+        harm->bins[ntp__harm_bin(angle)] += times;
+        greatest = angle > greatest ? angle : greatest;
+    }
+    harm->texels += texels;
+    harm->sum += sum;
+    harm->max = greatest;
 }
 
 /* Changes the angles.  Only texels that are no neighbors, too long or negative do harm. */
@@ -169,25 +181,19 @@ static void add_harm(ntp__sums *sums, ntp__judged *j, const ntp__block *block,
                      const uint32_t *count, int32_t n, int32_t m, ntp_encoding encoding)
 {
     const ntp__judged_fit *const fit = &j->fit[encoding == NTP_ENCODING_ZZERO];
-    int32_t kinds[NTP__BLOCK];
+    int32_t kinds[NTP__BLOCK], at[NTP__BLOCK];
     if ((fit->every & NTP_FLAG_NEIGHBOR) &&
         !(fit->some & (NTP_FLAG_XY_TOO_LONG | NTP_FLAG_Z_NEGATIVE)))
         return;
-    if (!find_harm(kinds, j, block, n, m, encoding))
-        return;
-    if (encoding == NTP_ENCODING_STANDARD)
-        negative_angles(j->angle, kinds, block, n, m);
+    int32_t any = find_harm(kinds, j, block, n, m, encoding);
+    if (any & ANY_NEGATIVE)
+        negative_angles(j->angle, j->mirrored, kinds, block, n, m);
     if (encoding == NTP_ENCODING_XY)
         outside_angles(j->angle, kinds, block, n, m);
-    for (int32_t i = 0; i < n; i++) {
-        const uint32_t angle = (uint32_t) j->angle[i];
-        if (kinds[i] == NO_HARM)
-            continue;
-        ntp__harm_sums *harm = &sums->harm[kinds[i]];
-        harm->texels += count[i];
-        harm->sum += (uint64_t) angle * count[i];
-        harm->bins[ntp__harm_bin(angle)] += count[i];
-        harm->max = angle > harm->max ? angle : harm->max;
+    for (int32_t k = 0; any != 0; k++, any >>= 1) {
+        if (any & 1)
+            add_kind(&sums->harm[k], j->angle, count, at,
+                     ntp__kernels(NTP__CPU_ALL)->find(at, kinds, 1 << k, n));
     }
 }
 

@@ -298,11 +298,13 @@ static void end_waiting(ntp_tally *t, waiting *w)
     w->n = 0;
 }
 
-static void wait(waiting *w, const uint16_t *p)
+static void wait(ntp_tally *t, waiting *w, const uint16_t *p)
 {
+    if (w->n == NTP__BLOCK)
+        end_waiting(t, w);
     for (int32_t k = 0; k < 3; k++)
         w->block.c[k][w->n] = p[k];
-    w->block.c[3][w->n++] = 65535;
+    w->n++;
 }
 
 /* Standard, as most textures of 16 bit are. */
@@ -313,13 +315,11 @@ static void count_rgb16(ntp_tally *t, waiting *w, const uint16_t *p, int32_t n)
     add_planes(t, &found.survey);
     ntp__add_exact(&t->wide, &found);
     t->is_wide |= found.texels > 0;
-    if (w->n + n - found.texels > NTP__BLOCK)
-        end_waiting(t, w);
     for (int32_t i = 0; i < done - found.texels; i++)
-        wait(w, p + 3 * found.left[i]);
+        wait(t, w, p + 3 * found.left[i]);
     for (int32_t i = done; i < n; i++) {
         add_color(t, p[3 * i], p[3 * i + 1], p[3 * i + 2]);
-        wait(w, p + 3 * i);
+        wait(t, w, p + 3 * i);
     }
 }
 
@@ -460,6 +460,8 @@ ntp_status ntp_tally_add(ntp_tally *tally, const ntp_const_image *src, uint32_t 
     waiting left;
     left.n = 0;
     left.block.any_broken = false;
+    for (int32_t i = 0; i < NTP__BLOCK; i++)
+        left.block.c[3][i] = 65535;
     for (int32_t y = rect.y0; y < rect.y1; y++)
         count_row(tally, &left, src, rect.x0, rect.x1, y);
     end_waiting(tally, &left);

@@ -286,6 +286,15 @@ static void count_close(ntp__close_block *out, ntp__close_counts *counts, uint32
         p.xy[i] = p.blue[i] = p.want[i] = 0;
     }
     judge_angles(out->angle, p.xy, p.blue, p.want, turned, 65535, 0);
+    for (i = 0; i < turned; i++) {
+        if (out->angle[i] >= 0)
+            continue;
+        const double z = 2.0 * p.blue[i] - 65535, w = 2.0 * p.want[i] - 65535;
+        const double rho2 = 4.0 * p.xy[i] + 2.0;
+        out->angle[i] =
+            (int32_t) (ntp__radians(sqrt(rho2) * fabs(z - w), rho2 + z * w) * (180e6 / NTP__PI) +
+                       0.5);
+    }
 }
 #else
 #  define count_close NULL

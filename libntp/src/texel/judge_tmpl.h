@@ -199,24 +199,27 @@ ONE_COPY static void sum_lengths(ntp__judged_fit *restrict fit, const uint32_t *
 
 /*
  * A vector and the cleaned vector differ in z alone where x, y are not too long.  So with
- * rho = |(x, y)| the tangent of the angle between them is rho |z - z'| / (rho*rho + z z').  Up to
- * 1/16, the series of angle.c about 0 is enough.
+ * rho = |(x, y)| the tangent of the angle between them is rho |z - z'| / (rho*rho + z z').
+ * Where `want` is negative there is none, and the angle is -1, as where it is in doubt.
  */
-static void judge_angles_slowly(int32_t *restrict angle, const int32_t *restrict xy,
-                                const int32_t *restrict b, const int32_t *restrict want, int32_t n,
-                                int32_t m, int32_t zzero)
+ONE_COPY static void turn_angles(int32_t *restrict angle, const int32_t *restrict xy,
+                                 const int32_t *restrict b, const int32_t *restrict want, int32_t n,
+                                 int32_t m, int32_t zzero)
 {
-    n = whole_lanes(n);
+    double s2[256], d[256];
+    int32_t doubt[256];
+    n = whole_lanes(n + LANES - 1);
+    if (n <= 0)
+        return;
     for (int32_t i = 0; i < n; i++) {
         const double z = upward(b[i], m, zzero), w = upward(want[i], m, zzero);
         const double rho2 = 4.0 * xy[i] + 2.0;
-        const double across = sqrt(rho2) * fabs(z - w), along = rho2 + z * w;
-        const double t = across / along, t2 = t * t;
-        const double series =
-            1.0 + t2 * (-1.0 / 3 + t2 * (1.0 / 5 + t2 * (-1.0 / 7 + t2 * (1.0 / 9))));
-        const int32_t small = (want[i] >= 0) & (along > 0) & (t <= 0.0625);
-        angle[i] = (int32_t) (small ? t * series * (180e6 / NTP__PI) + 0.5 : -1.0);
+        s2[i] = rho2 * (z - w) * (z - w);
+        d[i] = rho2 + z * w;
     }
+    round_angles(angle, doubt, s2, d, n);
+    for (int32_t i = 0; i < n; i++)
+        angle[i] |= -doubt[i] | -(want[i] < 0);
 }
 
 /*
@@ -251,11 +254,10 @@ ONE_COPY static void judge_angles(int32_t *restrict angle, const int32_t *restri
                                   const int32_t *restrict b, const int32_t *restrict want,
                                   int32_t n, int32_t m, int32_t zzero)
 {
-    bool slowly = false; /* large angles are seldom alone */
     for (int32_t i = 0; i < n; i += LANES) {
-        if (slowly || judge_angles_quickly(angle + i, xy + i, b + i, want + i, LANES, m, zzero)) {
-            judge_angles_slowly(angle + i, xy + i, b + i, want + i, LANES, m, zzero);
-            slowly = true;
+        if (judge_angles_quickly(angle + i, xy + i, b + i, want + i, LANES, m, zzero)) {
+            turn_angles(angle + i, xy + i, b + i, want + i, n - i, m, zzero);
+            return; /* large angles are seldom alone */
         }
     }
 }
@@ -272,6 +274,11 @@ static void judge_lanes(ntp__judged *j, const int32_t *r, const int32_t *g, cons
         sum_lengths(&j->fit[k], count, n);
     }
     judge_angles(j->angle, xy, b, j->want, n, m, zzero);
+    if (zzero || !(j->fit[0].some & NTP_FLAG_Z_NEGATIVE))
+        return;
+    for (int32_t i = 0; i < n; i++)
+        common[i] = 2 * b[i] < m ? m - b[i] : -1;
+    turn_angles(j->mirrored, xy, b, common, n, m, 0);
 }
 
 /* The outputs of a block have room for whole lanes, so only the inputs have to be filled up: with

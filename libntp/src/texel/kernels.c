@@ -291,6 +291,7 @@ static inline int32_t whole_lanes(int32_t n)
 #include "texel/flags_tmpl.h"
 
 #include "texel/directions_tmpl.h"
+#include "texel/angles_tmpl.h"
 #include "texel/judge_tmpl.h"
 
 #ifdef __AVX2__
@@ -315,7 +316,6 @@ static inline int32_t find_four(int32_t *at, int32_t i, int mask)
 
 #include "texel/close_tmpl.h"
 #include "texel/exact16_tmpl.h"
-#include "texel/angles_tmpl.h"
 
 #ifdef __AVX2__
 static int32_t derive_rgb16(uint16_t *dst, const uint16_t *src, int32_t n, int32_t zzero,

@@ -110,7 +110,9 @@ typedef struct ntp__judged_fit {
 typedef struct ntp__judged {
     ntp__judged_fit fit[2]; /* standard, Z-zero */
     int32_t want[256];      /* derived blue in the encoding of the angles; -1: x, y are too long */
-    int32_t angle[256];     /* micro-degrees to the cleaned vector; -1: not by the short series */
+    int32_t angle[256]; /* micro-degrees to the cleaned vector; -1: x, y are too long, or doubt */
+    int32_t mirrored
+        [256]; /* to that with the other sign of z, of standard where any z is negative; -1 too */
 } ntp__judged;
 
 /* Sums are of count[i] texels of each color.  The angles are Z-zero's if `zzero`, else standard's. */
