@@ -352,7 +352,7 @@ void ntp__add_block(ntp__sums *sums, const ntp__block *block, const uint32_t *co
     const uint32_t *const times = count != NULL ? count : ONES;
     ntp__kernels(NTP__CPU_ALL)
         ->judge_block(&j, block->c[0], block->c[1], block->c[2], times, n, m,
-                      encoding == NTP_ENCODING_ZZERO);
+                      encoding == NTP_ENCODING_XY ? 2 : encoding == NTP_ENCODING_ZZERO);
     for (int32_t i = 0; encoding == NTP_ENCODING_XY && i < n; i++)
         j.angle[i] = j.want[i] < 0 ? -1 : 0;
     add_angles(&j, block, n, m, encoding);

@@ -29,13 +29,11 @@ enum { EXACT_STEP = 16, EVERY = 0x55555555, NOWHERE = 256 };
 
 /* What is kept of the texels of a block between the steps. */
 typedef struct exact_texels {
-    int16_t s[256 + 1]; /* 1 - t, or 0: not exact, odd, or t = 1 */
-    int16_t z[256 + 1];
-    int16_t pair[256];     /* half_up of x and of y, less 2 */
-    int32_t from[256 + 8]; /* which are steeper than nearly flat */
-    uint16_t at[256];      /* where to count those that are nearly flat */
-    uint16_t far[256]; /* steeper ones, and where to count these in exact_off (ntp__close_counts) */
-    uint16_t off[256];
+    int16_t s[256 + 1];            /* 1 - t, or 0: not exact, odd, or t = 1 */
+    int16_t z[256 + 1], pair[256]; /* half_up of x and of y, less 2 */
+    int32_t from[256 + 8];         /* which are steeper than nearly flat */
+    /* Where to count in exact: nearly flat ones, and steeper ones; and these in exact_off (close.h). */
+    uint16_t at[256], far[256], off[256];
     int32_t steep, near_ones, far_ones; /* how many; of the latter two, with forgotten ones */
 } exact_texels;
 
@@ -55,7 +53,7 @@ static inline uint32_t lanes_of(__m256i mask)
     return (uint32_t) _mm256_movemask_ps(_mm256_castsi256_ps(mask));
 }
 
-/* Of 16 words every second bit. */
+/* Two bits of each of 16 words, less the second ones. */
 static inline uint32_t bits_of(__m256i mask)
 {
     return (uint32_t) _mm256_movemask_epi8(mask) & EVERY;

@@ -273,6 +273,8 @@ static void judge_lanes(ntp__judged *j, const int32_t *r, const int32_t *g, cons
         judge_lengths(j->fit[k].length, xy, b, n, m, k);
         sum_lengths(&j->fit[k], count, n);
     }
+    if (zzero > 1)
+        return;
     judge_angles(j->angle, xy, b, j->want, n, m, zzero);
     if (zzero || !(j->fit[0].some & NTP_FLAG_Z_NEGATIVE))
         return;

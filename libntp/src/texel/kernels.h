@@ -110,12 +110,13 @@ typedef struct ntp__judged_fit {
 typedef struct ntp__judged {
     ntp__judged_fit fit[2]; /* standard, Z-zero */
     int32_t want[256];      /* derived blue in the encoding of the angles; -1: x, y are too long */
-    int32_t angle[256]; /* micro-degrees to the cleaned vector; -1: x, y are too long, or doubt */
-    int32_t mirrored
-        [256]; /* to that with the other sign of z, of standard where any z is negative; -1 too */
+    /* Micro-degrees to the cleaned vector; of standard where any z is negative, also to that with the
+     * other sign of z.  -1: there is none, as x, y are too long or z is not negative; or doubt. */
+    int32_t angle[256], mirrored[256];
 } ntp__judged;
 
-/* Sums are of count[i] texels of each color.  The angles are Z-zero's if `zzero`, else standard's. */
+/* Sums are of count[i] texels of each color.  The angles are Z-zero's if `zzero` is 1,
+ * standard's if 0, and missing if 2. */
 typedef void ntp__judge_block_fn(ntp__judged *judged, const int32_t *r, const int32_t *g,
                                  const int32_t *b, const uint32_t *count, int32_t n, int32_t m,
                                  int32_t zzero);
