@@ -19,6 +19,7 @@ GENERATED += (
     "_GLOBAL_OFFSET_TABLE_",
     "bcmp",
     "__cpu_",
+    "__x86_get_cpuid_feature_leaf",  # the same in glibc
     "__llvm",
     "__cxa_finalize",
     "_ITM_",
