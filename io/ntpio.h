@@ -12,9 +12,9 @@
  *   open.c     finds the format of a file and delivers its rows; reader.h: what a decoder is
  *   writer.c   joins an encoder with an output; writer.h: what an encoder is
  *   formats.h  the formats, in png_read.c, png_write.c, tga.c, jpeg.c and pfm.c; they know only
- *              reader.h, writer.h and what these include; png_read.c also png_whole.c, which
- *              unpacks pictures at once; png_write.c also png_pack.c, which packs them band by
- *              band, with deflate.c and its parts; both of these png_filter.c, the row filters;
+ *              reader.h, writer.h and what these include; png_read.c also png_stream.c, which
+ *              unpacks most pictures, with inflate.c; png_write.c also png_pack.c, which packs them
+ *              band by band, with deflate.c and its parts; both png_filter.c, the row filters;
  *              dds.c and ktx2.c share texture.c (rows of what GPUs take) and layouts.c (formats by
  *              number), which decode blocks by blocks.c and bc7.c
  *              webp.c and exr.c are built where their libraries are there; exr_channels.c: which
@@ -67,12 +67,12 @@ typedef struct ntpio_limits {
     uint32_t max_side;    /* 0: 65535 */
     uint64_t max_texels;  /* 0: 2^30 (32768 x 32768) */
     uint64_t max_memory;  /* 0: 4 GiB; for what must be held whole */
-    uint64_t max_at_once; /* 0: 256 MiB.  PNG files and pictures up to that size are unpacked at
-                             * once, for ntpio_rewind; larger ones part by part, in little memory.
+    uint64_t max_at_once; /* 0: 256 MiB.  The pixels of PNG files and pictures up to that size are
+                             * kept, for ntpio_rewind; larger ones are read in little memory.
                              * 1: libpng does it for all, row by row, which is slower. */
-    bool one_pass;        /* rows are read once: then PNG files of any size are unpacked in parts */
-    bool regular_only;    /* refuse pipes and devices, without waiting for them */
-    uint32_t mip;         /* 0: the largest, 1: half of it, ... */
+    bool one_pass; /* rows are read once: then PNG files of any size are read in little memory */
+    bool regular_only;      /* refuse pipes and devices, without waiting for them */
+    uint32_t mip;           /* 0: the largest, 1: half of it, ... */
     uint32_t layer_and_one; /* 1 + the layer of an array, or the face of a cube; 0: none is picked,
                              * and arrays and cubes are refused */
     bool pairs_as_rgb;      /* two channels that are red and green (BC5) come with a blue of 0, as

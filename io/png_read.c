@@ -2,8 +2,8 @@
 /*
  * png_read.c - PNG through libpng, row by row and raw
  *
- * Pictures that fit in memory are unpacked by png_whole.c, those that are read once by
- * png_stream.c, and libpng reads the rest of their files.  All others are libpng's alone.
+ * Pictures of most files are unpacked by png_stream.c, and libpng reads the rest of these files.
+ * All others are libpng's alone.
  *
  * libpng decodes pixels and texts.  It never sees the contents of the color chunks: a callback
  * notes that they are there.  So colors are not managed, and no hostile profile is unpacked.  All
@@ -14,9 +14,9 @@
 #include <string.h>
 
 #include "formats.h"
+#include "png_plain.h"
 #include "png_stream.h"
 #include "png_sums.h"
-#include "png_whole.h"
 
 enum {
     READ_SIZE = 1 << 13,           /* of compressed data at a time; unpacked at most 8 MB */
@@ -33,10 +33,9 @@ typedef struct png_state {
     png_structp png;
     png_infop info, end_info;
     ntpio_reader *reader;
-    ntpio__png_whole whole; /* rows NULL, and no stream: libpng unpacks the pixels */
-    ntpio__png_stream *stream;
-    ntpio__source shell; /* of either */
-    ntpio_reader *other; /* reads what a stream with a fault has */
+    ntpio__png_stream *stream; /* NULL: libpng unpacks the pixels */
+    ntpio__source shell;       /* the file with an empty picture instead of the stream's */
+    ntpio_reader *other;       /* reads what a stream with a fault has */
     size_t budget;
     bool ended;     /* the source gave less than was asked for */
     size_t begun;   /* bytes of the stream of pixels that were seen, until its two of header were */
@@ -49,7 +48,7 @@ typedef struct png_state {
 /* Does libpng see an empty picture? */
 static bool has_shell(const png_state *s)
 {
-    return s->whole.rows != NULL || s->stream != NULL;
+    return s->stream != NULL;
 }
 
 /* What is freed does not return to the budget: libpng allocates nothing for each row. */
@@ -306,19 +305,14 @@ static bool read_header(png_state *s, ntpio_error *error)
 static void take_pixels(png_state *s)
 {
     ntpio_reader *reader = s->reader;
-    if (reader->limits.max_at_once == LIBPNG_ONLY)
-        return;
-    if (reader->limits.one_pass || ntpio__png_is_large(reader))
+    if (reader->limits.max_at_once != LIBPNG_ONLY)
         s->stream = ntpio__png_stream_open(reader);
-    if (s->stream != NULL) {
-        size_t size;
-        const uint8_t *shell = ntpio__png_stream_shell(s->stream, &size);
-        ntpio__source_memory(&s->shell, shell, size);
-        reader->info.packed_hard = ntpio__png_stream_packed_hard(s->stream);
-    } else if (ntpio__png_take(&s->whole, reader)) {
-        ntpio__source_memory(&s->shell, s->whole.shell, s->whole.shell_size);
-        reader->info.packed_hard = s->whole.packed_hard;
-    }
+    if (s->stream == NULL)
+        return;
+    size_t size;
+    const uint8_t *shell = ntpio__png_stream_shell(s->stream, &size);
+    ntpio__source_memory(&s->shell, shell, size);
+    reader->info.packed_hard = ntpio__png_stream_packed_hard(s->stream);
 }
 
 static bool png_open(ntpio_reader *reader, ntpio_error *error)
@@ -355,16 +349,11 @@ static bool swaps(const ntpio_reader *reader)
     return reader->info.sample_bytes == 2 && ntpio__little_endian();
 }
 
-/* Rows through libpng, or of `whole`. */
+/* Rows through libpng. */
 static bool read_rows(ntpio_reader *reader, uint8_t *dst, ptrdiff_t stride, uint32_t count,
                       ntpio_error *error)
 {
     png_state *s = reader->state;
-    if (s->whole.rows != NULL) {
-        for (uint32_t i = 0; i < count; i++)
-            ntpio__png_take_row(&s->whole, dst + (ptrdiff_t) i * stride, swaps(reader));
-        return true;
-    }
     if (setjmp(png_jmpbuf(s->png)) != 0)
         return has_surplus(s) || fail(s, error);
     for (uint32_t i = 0; i < count; i++)
@@ -476,7 +465,6 @@ static void png_close(ntpio_reader *reader)
         return;
     drop_other(s);
     png_destroy_read_struct(&s->png, &s->info, &s->end_info);
-    ntpio__png_drop(&s->whole);
     ntpio__png_stream_close(s->stream);
     free(s);
 }
@@ -484,8 +472,7 @@ static void png_close(ntpio_reader *reader)
 static bool png_rewind(ntpio_reader *reader)
 {
     png_state *s = reader->state;
-    s->whole.row = 0;
-    return s->whole.rows != NULL;
+    return s->stream != NULL && s->other == NULL && ntpio__png_stream_rewind(s->stream);
 }
 
 const ntpio__decoder ntpio__png_decoder = { png_open, png_rows, png_end, png_close, png_rewind };

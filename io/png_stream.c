@@ -1,40 +1,49 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * png_stream.c - the rows of a PNG in little memory
+ * png_stream.c - the rows of a PNG, unpacked while they are read
  *
  * Data of IDAT chunks go into `packed`, and are unpacked into `room`: the window of deflate, then
  * rows that were not taken.  Rows are copied to the caller before their filters are undone, since
  * the window holds filtered bytes.  The last row is delivered only if the stream ends well: with
  * its checksum, where the chunks end, and with what follows them.
+ *
+ * If the picture is kept, the room is all of it.  Then filters are undone in place, as soon as the
+ * window has left a row behind, and rows are copied as often as they are read.  Fresh memory for the
+ * file as well would take as long as unpacking.
  */
 #include "png_stream.h"
 
 #include <stdlib.h>
 
 #include "inflate.h"
+#include "os/memory.h"
 #include "png_filter.h"
+#include "png_plain.h"
 #include "png_sums.h"
-#include "png_whole.h"
 
 enum {
-    HEAD_MAX = 1 << 16, /* before the first IDAT chunk */
-    TAIL_MAX = 1 << 16, /* after the last one */
-    ROW_MAX = 1 << 20,
+    SHELL_MAX = 1 << 24, /* of what stands around the pixels */
+    ROW_MAX = 1 << 20,   /* unless the picture is kept */
     PACKED_SIZE = 1 << 15,
-    ROOM_SIZE = 1 << 16, /* at least, besides the window */
+    PART = 1 << 16, /* is unpacked at once: it stays in the cache until its checksum is made */
+    DENSEST = 1032, /* deflate makes at most so many bytes of one */
     CHUNK_HEAD = 8,
     CHECKSUM = 4,
-    SIGNATURE = 8
+    SIGNATURE = 8,
+    HEAD = SIGNATURE + CHUNK_HEAD + 13 + CHECKSUM /* the signature, and the chunk IHDR */
 };
 
 struct ntpio__png_stream {
     ntpio__source *source;
     ntpio__png_shape shape;
     uint8_t *shell;
-    size_t shell_size;
-    bool packed_hard, faulty;
+    size_t shell_size, shell_room;
+    bool packed_hard, keeps, faulty;
+    bool ended;                /* the stream, well or not */
     uint64_t left;             /* bytes that are not unpacked */
-    uint32_t row, chunk_left;  /* the next one; bytes left of this chunk */
+    uint32_t row;              /* the next one to deliver */
+    uint32_t taken, undone;    /* rows that were found whole; of a picture that is kept: undone */
+    uint32_t chunk_left;       /* bytes left of this chunk */
     uint32_t chunk_sum, sum;   /* of this chunk so far; of all that was unpacked */
     uint8_t after[CHUNK_HEAD]; /* the first bytes after the chunks */
     size_t after_size;
@@ -95,20 +104,22 @@ static void compact(ntpio__png_stream *s)
     s->to -= gone;
 }
 
-/* Unpacks more bytes; *ends: there are no more.  False: a fault. */
-static bool unpack(ntpio__png_stream *s, bool *ends)
+/* Unpacks a part more, which may be the last one.  False: a fault. */
+static bool unpack(ntpio__png_stream *s)
 {
     if (s->room_end - s->to < NTPIO__OUT_SLACK)
         compact(s);
+    const bool some = s->room_end - s->to > PART + NTPIO__OUT_SLACK;
     uint8_t *out = s->to;
-    const ntpio__inflated now = ntpio__inflate_some(&s->inflate, s->room, &out, s->room_end);
+    const ntpio__inflated now = ntpio__inflate_some(
+        &s->inflate, s->room, &out, some ? s->to + PART + NTPIO__OUT_SLACK : s->room_end);
     const size_t size = (size_t) (out - s->to);
     if (now == NTPIO__STREAM_BAD || size > s->left)
         return false;
     s->sum = ntpio__adler32(s->sum, s->to, size);
     s->left -= size;
     s->to = out;
-    *ends = now == NTPIO__STREAM_ENDS;
+    s->ended = now == NTPIO__STREAM_ENDS;
     return now != NTPIO__NEEDS_INPUT || fill(s);
 }
 
@@ -116,9 +127,8 @@ static bool unpack(ntpio__png_stream *s, bool *ends)
 static bool ends_well(ntpio__png_stream *s)
 {
     ntpio__inflate *in = &s->inflate;
-    bool ends = false;
-    while (!ends) {
-        if (!unpack(s, &ends))
+    while (!s->ended) {
+        if (!unpack(s))
             return false;
     }
     in->in = ntpio__inflate_end(in);
@@ -129,30 +139,92 @@ static bool ends_well(ntpio__png_stream *s)
     return s->left == 0 && in->in_end - in->in == CHECKSUM && ntpio__png_number(in->in) == s->sum;
 }
 
-/* Adds what follows the pixels to the shell. */
-static bool take_tail(ntpio__png_stream *s)
+/* ------------------------------------------------------------------------ the shell */
+
+/* Makes room for so many bytes more. */
+static bool grow_shell(ntpio__png_stream *s, size_t size)
 {
-    uint8_t *grown = realloc(s->shell, s->shell_size + s->after_size + TAIL_MAX);
+    if (size > SHELL_MAX - s->shell_size)
+        return false;
+    if (s->shell_room - s->shell_size >= size)
+        return true;
+    const size_t room = 2 * (s->shell_size + size);
+    uint8_t *grown = realloc(s->shell, room);
     if (grown == NULL)
         return false;
     s->shell = grown;
-    uint8_t *tail = s->shell + s->shell_size;
-    memcpy(tail, s->after, s->after_size);
-    const size_t size = ntpio__read(s->source, tail + s->after_size, TAIL_MAX);
-    s->shell_size += s->after_size + size;
-    return size < TAIL_MAX && s->source->problem == 0 &&
-           !ntpio__png_has_pixels(tail, s->after_size + size);
+    s->shell_room = room;
+    return true;
 }
 
-/* Is a whole row there?  The last one is, if all is well after it. */
+static bool add_to_shell(ntpio__png_stream *s, const uint8_t *bytes, size_t size)
+{
+    if (!grow_shell(s, size))
+        return false;
+    memcpy(s->shell + s->shell_size, bytes, size);
+    s->shell_size += size;
+    return true;
+}
+
+static bool read_to_shell(ntpio__png_stream *s, size_t size)
+{
+    if (!grow_shell(s, size) || ntpio__read(s->source, s->shell + s->shell_size, size) != size)
+        return false;
+    s->shell_size += size;
+    return true;
+}
+
+/* The file up to its pixels becomes the start of the shell.  False: there are none, or a tRNS
+ * chunk. */
+static bool take_head(ntpio__png_stream *s)
+{
+    if (!read_to_shell(s, HEAD))
+        return false;
+    for (;;) {
+        uint8_t head[CHUNK_HEAD];
+        if (ntpio__read(s->source, head, CHUNK_HEAD) != CHUNK_HEAD)
+            return false;
+        s->chunk_left = ntpio__png_number(head);
+        if (s->chunk_left > INT32_MAX || ntpio__png_is(head, "tRNS"))
+            return false;
+        if (ntpio__png_is(head, "IDAT")) {
+            s->chunk_sum = ntpio__crc32(0, head + 4, 4);
+            return add_to_shell(s, ntpio__no_pixels, NTPIO__NO_PIXELS_SIZE);
+        }
+        if (!add_to_shell(s, head, CHUNK_HEAD) ||
+            !read_to_shell(s, (size_t) s->chunk_left + CHECKSUM))
+            return false;
+    }
+}
+
+/* Adds what follows the pixels to the shell. */
+static bool take_tail(ntpio__png_stream *s)
+{
+    enum { SOME = 1 << 12 };
+    const size_t begin = s->shell_size;
+    size_t got = SOME;
+    bool good = add_to_shell(s, s->after, s->after_size);
+    for (; good && got == SOME; s->shell_size += got) {
+        good = grow_shell(s, SOME);
+        got = good ? ntpio__read(s->source, s->shell + s->shell_size, SOME) : 0;
+    }
+    return good && s->source->problem == 0 &&
+           !ntpio__png_has_pixels(s->shell + begin, s->shell_size - begin);
+}
+
+/* --------------------------------------------------------------------------- rows */
+
+/*
+ * Is the next row whole?  The last one is, if all is well after it.  A picture that is kept has to
+ * reach further by the window, in which filters must not be undone.
+ */
 static bool has_row(ntpio__png_stream *s)
 {
-    const size_t size = s->shape.row_size + 1;
-    bool ends = false;
-    while (!s->faulty && (size_t) (s->to - s->from) < size)
-        s->faulty = ends || !unpack(s, &ends);
+    const size_t size = s->shape.row_size + 1 + (s->keeps ? NTPIO__WINDOW : 0);
+    while (!s->faulty && s->left > 0 && (size_t) (s->to - s->from) < size)
+        s->faulty = s->ended || !unpack(s);
     s->faulty = s->faulty || *s->from >= NTPIO__FILTERS ||
-                (s->row + 1 == s->shape.height && !(ends_well(s) && take_tail(s)));
+                (s->taken + 1 == s->shape.height && !(ends_well(s) && take_tail(s)));
     return !s->faulty;
 }
 
@@ -162,7 +234,7 @@ static int take_row(ntpio__png_stream *s, uint8_t *dst)
     const int kind = *s->from;
     memcpy(dst, s->from + 1, s->shape.row_size);
     s->from += s->shape.row_size + 1;
-    s->row++;
+    s->taken++;
     return kind;
 }
 
@@ -176,8 +248,7 @@ static void swap_bytes(uint8_t *row, size_t size)
     }
 }
 
-uint32_t ntpio__png_stream_rows(ntpio__png_stream *s, uint8_t *dst, ptrdiff_t stride,
-                                uint32_t count, bool swap)
+static uint32_t pass_rows(ntpio__png_stream *s, uint8_t *dst, ptrdiff_t stride, uint32_t count)
 {
     const size_t size = s->shape.row_size;
     const uint8_t *above = s->row > 0 ? s->above : NULL;
@@ -197,47 +268,84 @@ uint32_t ntpio__png_stream_rows(ntpio__png_stream *s, uint8_t *dst, ptrdiff_t st
     }
     if (undone > 0)
         memcpy(s->above, above, size);
-    for (uint32_t y = 0; swap && y < undone; y++)
-        swap_bytes(dst + (ptrdiff_t) y * stride, size);
     return undone;
+}
+
+/* Undoes the filters of one row more, or of those that can be undone with it.  False: a fault. */
+static bool undo_rows(ntpio__png_stream *s)
+{
+    const size_t size = s->shape.row_size;
+    while (s->taken < s->undone + NTPIO__ROWS_TOGETHER && s->taken < s->shape.height &&
+           has_row(s)) {
+        s->from += size + 1;
+        s->taken++;
+    }
+    const uint32_t count = s->taken - s->undone;
+    if (count == 0)
+        return false;
+    uint8_t *row = s->room + s->undone * (size + 1) + 1;
+    int kinds[NTPIO__ROWS_TOGETHER];
+    for (uint32_t k = 0; k < count; k++)
+        kinds[k] = row[k * (size + 1) - 1];
+    s->undone +=
+        ntpio__unfilter_rows(row, (ptrdiff_t) size + 1, count,
+                             s->undone > 0 ? row - (size + 1) : NULL, size, s->shape.texel, kinds);
+    return true;
+}
+
+static uint32_t copy_rows(ntpio__png_stream *s, uint8_t *dst, ptrdiff_t stride, uint32_t count)
+{
+    const size_t size = s->shape.row_size;
+    uint32_t done = 0;
+    for (; done < count && (s->row + done < s->undone || undo_rows(s)); done++)
+        memcpy(dst + (ptrdiff_t) done * stride, s->room + (s->row + done) * (size + 1) + 1, size);
+    return done;
+}
+
+uint32_t ntpio__png_stream_rows(ntpio__png_stream *s, uint8_t *dst, ptrdiff_t stride,
+                                uint32_t count, bool swap)
+{
+    const uint32_t done =
+        s->keeps ? copy_rows(s, dst, stride, count) : pass_rows(s, dst, stride, count);
+    for (uint32_t y = 0; swap && y < done; y++)
+        swap_bytes(dst + (ptrdiff_t) y * stride, s->shape.row_size);
+    s->row += done;
+    return done;
+}
+
+bool ntpio__png_stream_rewind(ntpio__png_stream *s)
+{
+    if (s->keeps)
+        s->row = 0;
+    return s->keeps;
 }
 
 /* --------------------------------------------------------------------------- files */
 
-/* Where the first IDAT chunk begins; 0: not in these bytes, or there is a tRNS chunk. */
-static size_t find_pixels(const uint8_t *file, size_t size)
+static bool is_plain(ntpio__png_shape *shape, ntpio_reader *reader)
 {
-    size_t at = SIGNATURE;
-    while (size - at >= CHUNK_HEAD && !ntpio__png_is(file + at, "IDAT")) {
-        const size_t whole = (size_t) ntpio__png_number(file + at) + CHUNK_HEAD + CHECKSUM;
-        if (ntpio__png_is(file + at, "tRNS") || whole > size - at)
-            return 0;
-        at += whole;
-    }
-    return size - at >= CHUNK_HEAD ? at : 0;
+    ntpio__source *source = &reader->source;
+    const ntpio_limits *limits = &reader->limits;
+    const size_t size = ntpio__can_seek(source) ? ntpio__peek(source, HEAD) : 0;
+    return ntpio__png_shape_of(shape, source->bytes + source->at, size) &&
+           shape->width <= limits->max_side && shape->height <= limits->max_side &&
+           shape->width <= limits->max_texels / shape->height;
 }
 
-static bool is_plain(ntpio__png_shape *shape, const uint8_t *file, size_t size,
-                     const ntpio_limits *limits)
+/* The bytes of all rows, each with the number of its filter. */
+static uint64_t size_of(const ntpio__png_shape *shape)
 {
-    return ntpio__png_shape_of(shape, file, size) && shape->width <= limits->max_side &&
-           shape->height <= limits->max_side &&
-           shape->width <= limits->max_texels / shape->height && shape->row_size < ROW_MAX;
+    return ((uint64_t) shape->row_size + 1) * shape->height;
 }
 
-/* The file up to its pixels becomes the start of the shell. */
-static bool take_head(ntpio__png_stream *s, size_t size)
+/* May the picture be kept, and can so much be in the file? */
+static bool may_keep(const ntpio__png_shape *shape, ntpio_reader *reader)
 {
-    uint8_t head[CHUNK_HEAD];
-    s->shell = malloc(size + NTPIO__NO_PIXELS_SIZE);
-    if (s->shell == NULL || ntpio__read(s->source, s->shell, size) != size ||
-        ntpio__read(s->source, head, CHUNK_HEAD) != CHUNK_HEAD)
-        return false;
-    memcpy(s->shell + size, ntpio__no_pixels, NTPIO__NO_PIXELS_SIZE);
-    s->shell_size = size + NTPIO__NO_PIXELS_SIZE;
-    s->chunk_left = ntpio__png_number(head);
-    s->chunk_sum = ntpio__crc32(0, head + 4, 4);
-    return s->chunk_left <= INT32_MAX;
+    const ntpio_limits *limits = &reader->limits;
+    const uint64_t size = size_of(shape);
+    uint64_t packed;
+    return ntpio__size(&reader->source, &packed) && packed <= limits->max_at_once &&
+           size <= limits->max_at_once && size <= limits->max_memory && size / DENSEST <= packed;
 }
 
 /* The header of zlib's format. */
@@ -253,44 +361,40 @@ static bool take_zlib_header(ntpio__png_stream *s)
     return ntpio__png_zlib_header(b, s->left);
 }
 
-static bool start(ntpio__png_stream *s, size_t head_size)
+static bool find_room(ntpio__png_stream *s)
 {
-    const size_t row = s->shape.row_size + 1, some = row < ROOM_SIZE / 2 ? ROOM_SIZE : 2 * row;
-    const size_t room = NTPIO__WINDOW + some + NTPIO__OUT_SLACK;
-    s->left = (uint64_t) row * s->shape.height;
-    s->sum = 1;
-    s->room = malloc(room);
-    s->above = malloc(row);
-    if (s->room == NULL || s->above == NULL)
-        return false;
+    const size_t row = s->shape.row_size + 1;
+    size_t room = NTPIO__WINDOW + (row < PART / 2 ? PART : 2 * row) + NTPIO__OUT_SLACK;
+    if (s->keeps) {
+        room = (size_t) s->left + NTPIO__OUT_SLACK;
+        s->room = os_alloc_large(room);
+    } else {
+        s->room = malloc(room);
+        s->above = malloc(row);
+    }
     s->from = s->to = s->room;
     s->room_end = s->room + room;
-    return take_head(s, head_size) && take_zlib_header(s);
+    return s->room != NULL && (s->keeps || s->above != NULL);
 }
 
 ntpio__png_stream *ntpio__png_stream_open(ntpio_reader *reader)
 {
     ntpio__source *source = &reader->source;
     ntpio__png_shape shape;
-    if (!ntpio__can_seek(source))
+    if (!is_plain(&shape, reader))
         return NULL;
-    size_t head_size = 0; /* most heads are short, and a large one is looked at as a whole */
-    for (size_t most = NTPIO__PEEK; head_size == 0 && most <= HEAD_MAX;
-         most *= HEAD_MAX / NTPIO__PEEK) {
-        const size_t peeked = ntpio__peek(source, most),
-                     size = peeked < HEAD_MAX ? peeked : HEAD_MAX;
-        const uint8_t *file = source->bytes + source->at;
-        if (!is_plain(&shape, file, size, &reader->limits))
-            return NULL;
-        head_size = find_pixels(file, size);
-    }
-    ntpio__png_stream *s = head_size != 0 ? malloc(sizeof *s) : NULL;
+    const bool wide = shape.row_size >= ROW_MAX;
+    const bool keeps = (!reader->limits.one_pass || wide) && may_keep(&shape, reader);
+    ntpio__png_stream *s = keeps || !wide ? malloc(sizeof *s) : NULL;
     if (s == NULL)
         return NULL;
     memset(s, 0, offsetof(ntpio__png_stream, inflate) + offsetof(ntpio__inflate, literals));
     s->source = source;
     s->shape = shape;
-    if (start(s, head_size))
+    s->keeps = keeps;
+    s->left = size_of(&shape);
+    s->sum = 1;
+    if (find_room(s) && take_head(s) && take_zlib_header(s))
         return s;
     ntpio__png_stream_close(s);
     source->problem = 0;

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * png_stream.h - the rows of a PNG in little memory, for one who reads them once
+ * png_stream.h - the rows of a PNG, unpacked while they are read
  *
- * For the same files as png_whole.h, if their pixels begin in the first 4096 bytes.  Chunks are
- * read and unpacked part by part, so the system need not find memory for all of the picture, and
- * rows are taken from the caches.  A fault shows only when rows before it have been delivered;
+ * For the files of png_plain.h.  Chunks are read and unpacked part by part, and rows are taken from
+ * the caches.  Who reads rows once needs little memory; for who reads them again, the stream keeps
+ * the picture, if the limits allow it.  A fault shows only when rows before it have been delivered;
  * then the caller reads anew in another way, and leaves these out.
  */
 #ifndef NTPIO_PNG_STREAM_H
@@ -28,6 +28,9 @@ bool ntpio__png_stream_packed_hard(const ntpio__png_stream *stream);
  * samples. */
 uint32_t ntpio__png_stream_rows(ntpio__png_stream *stream, uint8_t *dst, ptrdiff_t stride,
                                 uint32_t count, bool swap);
+
+/* Back to the first row.  False: the picture is not kept. */
+bool ntpio__png_stream_rewind(ntpio__png_stream *stream);
 
 void ntpio__png_stream_close(ntpio__png_stream *stream);
 

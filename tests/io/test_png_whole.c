@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * test_png_whole.c - PNG unpacked at once, in parts and row by row: the same samples, texts and
+ * test_png_whole.c - PNG that is kept, in parts and row by row: the same samples, texts and
  * messages
  *
  * libpng and zlib are the witnesses.  Files of every kind are made, then most are damaged: filters
@@ -12,8 +12,8 @@
 #include "chance.h"
 #include "made.h"
 #include "png_filter.h"
+#include "png_plain.h"
 #include "png_stream.h"
-#include "png_whole.h"
 
 #define NTPIO_NO_SIMD
 #define ntpio__unfilter      unfilter_plainly
@@ -212,25 +212,36 @@ static uint64_t sum_of(uint64_t sum, const void *data, size_t size)
     return sum;
 }
 
-/* `step`: rows at a time. */
-static seen look_so(uint64_t at_once, bool one_pass, uint32_t step)
+static ntpio_reader *open_made(uint64_t at_once, bool one_pass, ntpio_error *error)
 {
-    static uint8_t rows[STEP_MAX][512 * 8];
     const ntpio_limits limits = {
         .max_side = 512, .max_memory = 1 << 22, .max_at_once = at_once, .one_pass = one_pass
     };
-    seen s = { 0 };
-    ntpio_reader *reader = ntpio_open_memory(file.bytes, file.size, "made", &limits, &s.error);
-    s.good = reader != NULL;
-    while (s.good && s.rows < ntpio_reader_info(reader)->height) {
-        const ntpio_info *i = ntpio_reader_info(reader);
-        const uint32_t left = i->height - s.rows, count = left < step ? left : step;
-        s.good = ntpio_read_rows(reader, rows, sizeof *rows, count, &s.error);
+    return ntpio_open_memory(file.bytes, file.size, "made", &limits, error);
+}
+
+/* Reads all rows, `step` at a time. */
+static void look_at_rows(seen *s, ntpio_reader *reader, uint32_t step)
+{
+    static uint8_t rows[STEP_MAX][512 * 8];
+    const ntpio_info *i = ntpio_reader_info(reader);
+    while (s->good && s->rows < i->height) {
+        const uint32_t left = i->height - s->rows, count = left < step ? left : step;
+        s->good = ntpio_read_rows(reader, rows, sizeof *rows, count, &s->error);
         for (uint32_t y = 0; y < count; y++)
-            s.samples =
-                sum_of(s.samples, rows[y], i->width * (size_t) (i->channels * i->sample_bytes));
-        s.rows += s.good ? count : 0;
+            s->samples =
+                sum_of(s->samples, rows[y], i->width * (size_t) (i->channels * i->sample_bytes));
+        s->rows += s->good ? count : 0;
     }
+}
+
+static seen look_so(uint64_t at_once, bool one_pass, uint32_t step)
+{
+    seen s = { 0 };
+    ntpio_reader *reader = open_made(at_once, one_pass, &s.error);
+    s.good = reader != NULL;
+    if (s.good)
+        look_at_rows(&s, reader, step);
     s.good = s.good && ntpio_read_end(reader, &s.error);
     if (reader != NULL) {
         s.info = *ntpio_reader_info(reader);
@@ -244,35 +255,55 @@ static seen look_so(uint64_t at_once, bool one_pass, uint32_t step)
     return s;
 }
 
+/* Reads rows and goes back, as often as the reader can; then all of them, twice. */
+static void look_again_and_again(const seen *rows)
+{
+    static uint8_t some[TALL][SIDE * 8];
+    ntpio_error error = { 0 };
+    ntpio_reader *reader = open_made(1 << 22, false, &error);
+    bool can = reader != NULL && ntpio_rewind(reader);
+    const uint32_t height = reader != NULL ? ntpio_reader_info(reader)->height : 0;
+    CHECK(!plain || can);
+    for (uint32_t n = chance(4); can && n > 0; n--) {
+        const bool read = ntpio_read_rows(reader, some, sizeof *some, chance(height + 1), &error);
+        CHECK(read || !rows->good);
+        can = ntpio_rewind(reader);
+        CHECK(can || !plain);
+    }
+    for (int n = 0; can && n < 2; n++) {
+        seen s = { .good = true };
+        look_at_rows(&s, reader, 1);
+        CHECK(!rows->good || (s.rows == rows->rows && s.samples == rows->samples));
+        CHECK(s.good || strcmp(s.error.message, rows->error.message) == 0);
+        CHECK(n > 0 || ntpio_read_end(reader, &error) == rows->good || !s.good);
+        can = s.good && ntpio_rewind(reader);
+        CHECK(can || !plain);
+    }
+    ntpio_close(reader);
+}
+
 static seen look(uint64_t at_once)
 {
     return look_so(at_once, false, 1);
 }
 
-static bool taken_at_once(size_t most)
+/* Does a stream deliver all rows?  keeps: twice. */
+static bool taken_by_stream(size_t most, bool keeps)
 {
     ntpio_reader reader = { .limits = { .max_side = 512,
                                         .max_texels = 1 << 20,
                                         .max_memory = 1 << 22,
-                                        .max_at_once = most } };
-    ntpio__png_whole whole;
-    ntpio__source_memory(&reader.source, file.bytes, file.size);
-    const bool taken = ntpio__png_take(&whole, &reader);
-    ntpio__png_drop(&whole);
-    return taken;
-}
-
-static bool taken_in_parts(void)
-{
-    ntpio_reader reader = { .limits = { .max_side = 512, .max_texels = 1 << 20 } };
+                                        .max_at_once = most,
+                                        .one_pass = !keeps } };
     static uint8_t rows[TALL][SIDE * 8];
     ntpio__source_memory(&reader.source, file.bytes, file.size);
     ntpio__png_stream *stream = ntpio__png_stream_open(&reader);
     const uint32_t height = (uint32_t) (file.bytes[22] << 8 | file.bytes[23]);
     const bool taken = stream != NULL &&
                        ntpio__png_stream_rows(stream, *rows, sizeof *rows, height, false) == height;
+    const bool rewound = taken && ntpio__png_stream_rewind(stream);
     ntpio__png_stream_close(stream);
-    return taken;
+    return taken && rewound == keeps;
 }
 
 static bool same_info(const ntpio_info *a, const ntpio_info *b)
@@ -284,11 +315,12 @@ static bool same_info(const ntpio_info *a, const ntpio_info *b)
            a->text_count == b->text_count;
 }
 
+/* Where a file ends badly, a row more or less may come before the message. */
 static bool same(const seen *a, const seen *b)
 {
     return a->good == b->good && a->error.status == b->error.status &&
-           strcmp(a->error.message, b->error.message) == 0 && a->rows == b->rows &&
-           (a->samples == b->samples || !a->good) && a->texts == b->texts &&
+           strcmp(a->error.message, b->error.message) == 0 &&
+           ((a->rows == b->rows && a->samples == b->samples) || !a->good) && a->texts == b->texts &&
            same_info(&a->info, &b->info);
 }
 
@@ -303,22 +335,54 @@ static void test_files(void)
         const bool as_good =
             fives.good == rows.good && (fives.samples == rows.samples || !rows.good);
         if (!same(&rows, &once) || !same(&rows, &parts) || !same(&rows, &large) || !as_good) {
-            fprintf(stderr, "file %u: \"%s\" row by row, \"%s\" at once, \"%s\" in parts\n", n,
+            fprintf(stderr, "file %u: \"%s\" row by row, \"%s\" kept, \"%s\" in parts\n", n,
                     rows.error.message, once.error.message, parts.error.message);
             FILE *out = fopen("different.png", "wb");
             CHECK(out != NULL && fwrite(file.bytes, 1, file.size, out) == file.size);
             fclose(out);
             exit(1);
         }
-        const bool at_once = taken_at_once(1 << 22);
-        CHECK(!plain || !taken_at_once(raw_size - 1));
-        CHECK(!plain || (rows.good && at_once));
-        CHECK(!plain || taken_in_parts());
+        look_again_and_again(&rows);
+        const bool kept = taken_by_stream(1 << 22, true);
+        CHECK(!plain || !taken_by_stream(raw_size - 1, true));
+        CHECK(!plain || (rows.good && kept));
+        CHECK(kept == taken_by_stream(1 << 22, false));
         good += rows.good;
-        taken += at_once;
+        taken += kept;
     }
     CHECK(good > FILES / 2 && good < FILES * 3 / 4); /* many of each */
     CHECK(taken > FILES / 3);
+}
+
+/* Repetitions of what was as far before as they may reach, in a picture of many parts. */
+static void test_far_repetitions(void)
+{
+    enum { WIDTH = 511, HEIGHT = 300, ROW = WIDTH * 6 + 1, DISTANCE = 32000, MOST = HEIGHT * ROW };
+    static const uint8_t head[13] = { 0, 0,           WIDTH >> 8,   WIDTH & 255, 0,
+                                      0, HEIGHT >> 8, HEIGHT & 255, 16,          2 };
+    static uint8_t large[MOST];
+    for (size_t i = 0; i < MOST; i++) {
+        large[i] = i < DISTANCE || once_in(200) ? (uint8_t) chance(256) : large[i - DISTANCE];
+        if (i % ROW == 0)
+            large[i] = (uint8_t) chance(NTPIO__FILTERS);
+    }
+    uLongf size = sizeof packed.bytes;
+    CHECK(compress2(packed.bytes, &size, large, MOST, 6) == Z_OK);
+    packed.size = size;
+    for (size_t cut = 0; cut < 60; cut++) {
+        file.size = 0;
+        put(&file, "\x89PNG\r\n\x1a\n", 8);
+        chunk(&file, "IHDR", head, sizeof head);
+        plain = cut == 0;
+        put_pixels();
+        chunk(&file, "IEND", "", 0);
+        file.size -= cut == 0 ? 0 : chance((uint32_t) file.size - 100);
+        const seen rows = look_so(1, false, 1), kept = look_so(1 << 22, false, 1);
+        const seen parts = look_so(1 << 22, true, STEP_MAX);
+        CHECK(rows.good == plain && same(&rows, &kept));
+        CHECK(parts.good == plain && (!plain || parts.samples == rows.samples));
+        CHECK(plain || strcmp(parts.error.message, rows.error.message) == 0);
+    }
 }
 
 /* One row of zeros: its filter, then a repetition of 258 bytes.  285 says so; 286, which zlib
@@ -453,6 +517,7 @@ int main(void)
     test_rows_together();
     test_filters_done();
     test_files();
+    test_far_repetitions();
     test_forbidden_code();
     return 0;
 }
