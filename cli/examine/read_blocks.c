@@ -5,6 +5,9 @@
  * Rows go through a small ring, so memory does not grow with the image.  If a processor is idle, a
  * second thread decodes the next block while the caller works on this one; the ring then holds two
  * blocks.  Who knows that a file is read twice has its rows kept, unless they are many.
+ *
+ * Rows that are packed take all threads: reading ahead gets one of them only if there are three or
+ * more, and if it is decoding.  What was decoded before is only copied.
  */
 #include "examine/read_blocks.h"
 
@@ -130,9 +133,22 @@ void source_keep(source *s)
         buffer_reserve(&s->w->kept, (size_t) bytes);
 }
 
+static bool may_read_ahead(const source *s)
+{
+    return s->view.ring_rows > s->block_rows;
+}
+
+int source_leave_threads(source *s)
+{
+    const bool decodes = !s->ended; /* after the end, it was rewound */
+    s->alone = !may_read_ahead(s) || !decodes || s->w->threads < 3;
+    return s->alone ? s->w->threads : s->w->threads - 1;
+}
+
 bool source_rewind(source *s, ntpio_error *error)
 {
     stop_ahead(s);
+    s->alone = false;
     s->kept = s->kept || (s->keeps && s->ended);
     if (s->kept || ntpio_rewind(s->reader)) {
         s->next = 0;
@@ -177,7 +193,7 @@ void source_view(source *s, ntp_encoding encoding, ntp_y y, const int8_t *map, i
     rows = rows < 1 ? 1 : rows > BLOCK_ROWS ? BLOCK_ROWS : rows;
     rows = rows > info->height ? info->height : rows;
     const bool large = (uint64_t) info->width * info->height >= AHEAD_TEXELS;
-    const bool ahead = s->w->may_read_ahead && large && s->alter == NULL;
+    const bool ahead = s->w->threads >= 2 && large && s->alter == NULL;
     const size_t blocks = ahead && info->height > 2 * rows ? 2 : 1;
     unsigned char *data = buffer_reserve(&s->w->rows, blocks * rows * row);
     s->view = ntp_image_packed(data, (int32_t) info->width, (int32_t) info->height, channels,
@@ -331,7 +347,7 @@ int source_next(source *s, ntp_rect *area, ntpio_error *error)
         s->ended = s->ended || ntpio_read_end(s->reader, error);
         return s->ended ? 0 : -1;
     }
-    if (s->next == 0 && s->view.ring_rows > s->block_rows)
+    if (s->next == 0 && may_read_ahead(s) && !s->alone)
         start_ahead(s);
     if (!take_block(s, s->next / block, error))
         return -1;

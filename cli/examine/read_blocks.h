@@ -39,6 +39,7 @@ typedef struct source {
     bool keeps;          /* this pass keeps its rows in w->kept */
     bool kept;           /* w->kept has them all, and no other pass reads the file */
     bool ended;          /* the end of the file was reached and checked */
+    bool alone;          /* this pass reads nothing ahead */
     int read_permille;   /* of the work that reading is; 0: all of it */
     orient orient;
     bool find_slopes; /* orient.c also finds `most` */
@@ -58,6 +59,9 @@ bool source_rewind(source *s, ntpio_error *error);
 /* Called before the first row: keeps the rows of the next pass in memory, unless they are many, so
  * that those after it need not decode them again. */
 void source_keep(source *s);
+/* Called before the first row of a pass whose rows are packed: how many threads are left for that,
+ * the caller's included. */
+int source_leave_threads(source *s);
 /* Is the file still the version that is read? */
 bool source_is_current(const source *s, ntpio_error *error);
 /* Lets go of the file when all is read, so that it can be replaced; what is known of it stays. */

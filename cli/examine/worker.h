@@ -39,7 +39,6 @@ typedef struct worker {
     buffer middle;                 /* what middle_and_lines.c keeps: the middle, rows, columns */
     buffer across;
     buffer down;
-    bool may_read_ahead;   /* a processor is idle */
     int threads;           /* that this worker may keep busy, itself included */
     _Atomic int permille;  /* of the file at work, for the progress bar */
     _Atomic uint64_t left; /* texels that --refine has not brought back yet; 0: it does not run */

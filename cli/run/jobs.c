@@ -180,7 +180,6 @@ static unsigned finish(unsigned ran)
 static unsigned run_alone(const batch *b)
 {
     worker *w = worker_new();
-    w->may_read_ahead = threads_allowed(b) >= 2;
     w->threads = threads_allowed(b);
     result r = { 0 };
     b->work(b->context, w, &b->inputs->at[0], &r);
@@ -205,7 +204,6 @@ unsigned batch_run(const batch *b)
     seat *seats = need(calloc((size_t) workers, sizeof *seats));
     for (int i = 0; i < workers; i++) {
         seats[i] = (seat) { .q = q, .w = worker_new() };
-        seats[i].w->may_read_ahead = threads_allowed(b) >= 2 * wanted;
         seats[i].w->threads = threads_allowed(b) / wanted;
         const int error = os_thread_start(&seats[i].thread, work_loop, &seats[i]);
         if (error == 0)

@@ -142,7 +142,8 @@ ntpio_writer *production_open(const production *p, const char *output, ntpio_wri
     shape->read_stamp = p->s.info->stamp;
     shape->level =
         option_given(p->m->o, OPT_LEVEL) ? (int32_t) option_integer(p->m->o, OPT_LEVEL) : -1;
-    shape->threads = p->w->threads;
+    if (shape->threads == 0)
+        shape->threads = p->w->threads;
     return ntpio_create(output, shape, error);
 }
 
@@ -163,6 +164,8 @@ static pass_end run_pass(production *p, bool writes, ntpio_error *error)
     if (p->probing && p->changes)
         return PASS_CHANGES;
     if (writes && p->m->plan != PLAN_AFTER_READING) {
+        if (format_of(p, p->in->output, shape.sample_bytes) == NTPIO_PNG)
+            shape.threads = source_leave_threads(&p->s);
         p->writer = production_open(p, p->in->output, &shape, error);
         if (p->writer == NULL)
             return PASS_FAILED;
