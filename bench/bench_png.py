@@ -1,13 +1,14 @@
 # SPDX-License-Identifier: MIT
 """PNG files that `ntp` reads and writes, beside libpng and others: bench_png.py [FOLDER] [--pairs N] [--markdown] [--sizes]
 
-The files are the PNGs of FOLDER, or those of bench_check.py.  All times are processor times over
+The files are the PNGs of FOLDER, or those of bench_check.py.  Times are processor times over
 those of libpng, alternating in one run; medians count.  Reading: `ntp check --jobs 1`, libspng,
 Pillow and OpenCV over a program that decodes.  Writing: `ntp clean --jobs 1`, Pillow and OpenCV over a
 copy with libpng's defaults; sizes, too, and those of oxipng -o2.  `ntp convert` makes the files for the
 sizes, as it keeps all samples.  Programs count from their start, Python's modules only what they
-do.  What is not installed is left out.  Without FOLDER, two threads on one file of 8192 x 8192 are
-compared with one, by the clock.
+do.  What is not installed is left out.  The last columns of times are by the clock, with the default
+of --jobs, which works on one large file with all processors: over libpng by the clock.  Without
+FOLDER, two threads on one file of 8192 x 8192 are compared with one, by the clock.
 
 --sizes leaves out all times: it says which files of FOLDER (written with x mirrored, so that all are
 written anew) are larger than libpng's copy of the same pixels, and by how much.
@@ -160,6 +161,19 @@ def compare_sizes(build, files, out):
             )
 
 
+def by_the_clock(build, path, out, pairs):
+    """With the default of --jobs: {"clock check", "clock 6", ..: time on the clock over libpng's}."""
+    ntp, bench = build / "cli" / "ntp", build / "bench"
+    check = [[ntp, "check", "-q", path], [bench / "png_decode", path]]
+    times = {"clock check": ratios(check, None, pairs, clock=1)[0]}
+    clean = [ntp, "clean", path, "-q", "--type", "standard", "-o", out / "clock.png", "--level"]
+    copy = [bench / "png_copy", path, out / "libpng.png"]
+    commands = [*([*clean, str(level)] for level in LEVELS), copy]
+    for level, ratio in zip(LEVELS, ratios(commands, None, pairs, clock=1), strict=True):
+        times[f"clock {level}"] = ratio
+    return times
+
+
 def cells(values, names):
     return [f"{values[name]:.2f}" if name in values else "" for name in names]
 
@@ -192,9 +206,12 @@ def main():
             compare_sizes(build, files, Path(folder))
         return
     print("load:", *(f"{load:.1f}" for load in os.getloadavg()))
+    print(f"clock: on the clock, with all {os.cpu_count()} processors; time: of one processor")
     read = ["ntp check", "libspng", "Pillow", "OpenCV"]
     times = [*LEVELS, "Pillow", "OpenCV"]
     head = [*read, *(f"time {k}" for k in times), *(f"size {k}" for k in times), "size oxipng"]
+    clock = ["clock check", *(f"clock {level}" for level in LEVELS)]
+    head += clock
     show(["file", *head], args.markdown)
     if args.markdown:
         print("|---" + "|--:" * len(head) + "|")
@@ -205,6 +222,7 @@ def main():
             spent_writing, size = writing(build, path, out, args.pairs)
             row = cells(reading(build, path, args.pairs), read)
             row += cells(spent_writing, times) + cells(size, [*times, "oxipng"])
+            row += cells(by_the_clock(build, path, out, args.pairs), clock)
             show([name, *row], args.markdown)
             for level in LEVELS:
                 sizes[level].append(size[level])
