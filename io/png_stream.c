@@ -248,7 +248,8 @@ static void swap_bytes(uint8_t *row, size_t size)
     }
 }
 
-static uint32_t pass_rows(ntpio__png_stream *s, uint8_t *dst, ptrdiff_t stride, uint32_t count)
+static uint32_t pass_rows(ntpio__png_stream *s, uint8_t *dst, ptrdiff_t stride, uint32_t count,
+                          bool swap)
 {
     const size_t size = s->shape.row_size;
     const uint8_t *above = s->row > 0 ? s->above : NULL;
@@ -268,6 +269,8 @@ static uint32_t pass_rows(ntpio__png_stream *s, uint8_t *dst, ptrdiff_t stride, 
     }
     if (undone > 0)
         memcpy(s->above, above, size);
+    for (uint32_t y = 0; swap && y < undone; y++)
+        swap_bytes(dst + (ptrdiff_t) y * stride, size);
     return undone;
 }
 
@@ -293,12 +296,24 @@ static bool undo_rows(ntpio__png_stream *s)
     return true;
 }
 
-static uint32_t copy_rows(ntpio__png_stream *s, uint8_t *dst, ptrdiff_t stride, uint32_t count)
+static void copy_row(uint8_t *dst, const uint8_t *row, size_t size, bool swap)
+{
+    if (!swap)
+        memcpy(dst, row, size);
+    for (size_t i = 0; swap && i < size; i += 2) {
+        dst[i] = row[i + 1];
+        dst[i + 1] = row[i];
+    }
+}
+
+static uint32_t copy_rows(ntpio__png_stream *s, uint8_t *dst, ptrdiff_t stride, uint32_t count,
+                          bool swap)
 {
     const size_t size = s->shape.row_size;
     uint32_t done = 0;
     for (; done < count && (s->row + done < s->undone || undo_rows(s)); done++)
-        memcpy(dst + (ptrdiff_t) done * stride, s->room + (s->row + done) * (size + 1) + 1, size);
+        copy_row(dst + (ptrdiff_t) done * stride, s->room + (s->row + done) * (size + 1) + 1, size,
+                 swap);
     return done;
 }
 
@@ -306,9 +321,7 @@ uint32_t ntpio__png_stream_rows(ntpio__png_stream *s, uint8_t *dst, ptrdiff_t st
                                 uint32_t count, bool swap)
 {
     const uint32_t done =
-        s->keeps ? copy_rows(s, dst, stride, count) : pass_rows(s, dst, stride, count);
-    for (uint32_t y = 0; swap && y < done; y++)
-        swap_bytes(dst + (ptrdiff_t) y * stride, s->shape.row_size);
+        s->keeps ? copy_rows(s, dst, stride, count, swap) : pass_rows(s, dst, stride, count, swap);
     s->row += done;
     return done;
 }
