@@ -18,6 +18,7 @@
 #include "texel/level.h"
 
 #include <math.h>
+#include <stddef.h>
 
 enum {
     MOST_LINES = 512,
@@ -45,22 +46,24 @@ typedef struct lines {
     ntp__line read;
 } lines;
 
-/* The sum of the slopes along line y.  errors2: squares of twice the errors of lengths are added. */
+/* The sum of the slopes along line y.  errors2: squares of twice the errors of lengths are added, if it
+ * is asked for. */
 static double whole(lines *l, int32_t y, double *errors2)
 {
-    const double m = ntp__max(l->src.type);
+    const double level = 2.0 / ntp__max(l->src.type);
     double sum = 0;
     for (int32_t x = 0; x < l->src.width; x += NTP__BLOCK) {
         int32_t n = l->src.width - x < NTP__BLOCK ? l->src.width - x : NTP__BLOCK;
         ntp__read_line(&l->read, &l->src, l->touch, l->along, x, y, n);
-        for (int32_t i = 0; i < n; i++) {
+        for (int32_t i = 0; i < n; i++)
+            sum += l->read.p[i + 1];
+        for (int32_t i = 0; i < n && errors2 != NULL; i++) {
             double off = -1;
             for (int32_t c = 0; c < 3; c++) {
-                double v = 2 * l->read.block.c[c][i] / m - 1;
+                double v = l->read.block.c[c][i] * level - 1;
                 off += v * v;
             }
             *errors2 += off * off;
-            sum += l->read.p[i + 1];
         }
     }
     return sum;
@@ -113,8 +116,10 @@ bool ntp__ends_meet(const ntp_const_image *src, uint32_t touch_unused, int32_t d
     lines l = { .src = down ? ntp__transposed(src) : *src, .touch = touch_unused, .along = down };
     int32_t n = LEAST_LINES, next = 0, height = l.src.height;
     for (int32_t k = 0; k < LEAST_LINES; k++)
-        whole(&l, (int32_t) ((int64_t) k * height / LEAST_LINES), &errors2);
+        sum += whole(&l, (int32_t) ((int64_t) k * height / LEAST_LINES), &errors2);
+    /* So few lines tell a lean that is far too steep. */
     if (src->encoding != NTP_ENCODING_STANDARD ||
+        fabs(sum) > 2 * most_lean * LEAST_LINES * l.src.width ||
         errors2 <= 4 * most_error * rounding * LEAST_LINES * l.src.width)
         return false;
     while (2 * n <= height && n < MOST_LINES && 2 * n <= MOST_TEXELS / l.src.width)
@@ -124,7 +129,7 @@ bool ntp__ends_meet(const ntp_const_image *src, uint32_t touch_unused, int32_t d
         sum += here;
         if (y == (int32_t) ((int64_t) next * height / n)) {
             seen[next] = sum + beyond;
-            step[next++] = whole(&l, y, &errors2);
+            step[next++] = whole(&l, y, NULL);
         }
         sum += here;
     }
