@@ -22,7 +22,8 @@
 
 enum {
     MOST_LINES = 512,
-    MOST_TEXELS = 1 << 18, /* of all lines: twice the side tells as much from half of the lines */
+    MOST_TEXELS = 1 << 18, /* of all lines; of longer ones half, which tell more each */
+    LONG = 512,
     LEAST_LINES = 16,
     END = 4 /* texels at an end of a line whose mean height counts */
 };
@@ -122,7 +123,8 @@ bool ntp__ends_meet(const ntp_const_image *src, uint32_t touch_unused, int32_t d
         fabs(sum) > 2 * most_lean * LEAST_LINES * l.src.width ||
         errors2 <= 4 * most_error * rounding * LEAST_LINES * l.src.width)
         return false;
-    while (2 * n <= height && n < MOST_LINES && 2 * n <= MOST_TEXELS / l.src.width)
+    const int32_t most = l.src.width > LONG ? MOST_TEXELS / 2 : MOST_TEXELS;
+    while (2 * n <= height && n < MOST_LINES && 2 * n <= most / l.src.width)
         n *= 2;
     for (int32_t y = 0; next < n; y++) {
         double here = across(&l, y, &beyond) / (src->y == NTP_Y_UP ? -2 : 2);
