@@ -143,9 +143,10 @@ static inline void place8(int16_t *to, const uint8_t *s, placing *p)
     const __m256i v = load_two(s - (LANE - HELD), s + HELD - (LANE - HELD));
     p->least = _mm256_min_epu8(p->least, v);
     p->most = _mm256_max_epu8(p->most, v);
+    const __m256i four[2] = { _mm256_permute4x64_epi64(v, 0x44),
+                              _mm256_permute4x64_epi64(v, 0xee) };
     for (int32_t k = 0; k < 2; k++) {
-        const __m256i four = _mm256_permute4x64_epi64(v, k == 0 ? 0x44 : 0xee);
-        const __m256i c = _mm256_shuffle_epi8(four, p->shuffle[0]);
+        const __m256i c = _mm256_shuffle_epi8(four[k], p->shuffle[0]);
         const __m256i x = _mm256_sub_epi16(_mm256_mullo_epi16(c, p->twice), p->less);
         _mm256_storeu_si256((void *) (to + 16 * k), x);
     }

@@ -327,15 +327,19 @@ static void find_sources(const ntp__resize_job *j, sources *from, int32_t y)
 static void sum_in_doubles(ntp__strip *s, const sources *from, int32_t first, int32_t count)
 {
     enum { PART = 64 };
+#ifdef NTP_HAVE_AVX2
     float part[MOST_TAPS + 2][PART];
+#endif
     const float *rows[MOST_TAPS + 2];
     for (int32_t n, i = first, end = first + count; i < end; i += n) {
         n = s->whole && end - i > PART ? PART : end - i;
         for (int32_t t = 0; t < from->taps; t++) {
-            rows[t] = s->whole ? part[t] : from->rows[t] + i;
+            rows[t] = from->rows[t] + i;
 #ifdef NTP_HAVE_AVX2
-            if (s->whole)
+            if (s->whole) {
                 ntp__widen_avx2(part[t], (const int16_t *) (const void *) from->rows[t] + i, n);
+                rows[t] = part[t];
+            }
 #endif
         }
         (from->symmetric ? loops()->add_pairs : loops()->add_rows)(s->sums + i, rows, from->weight,
