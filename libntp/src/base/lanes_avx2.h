@@ -9,6 +9,7 @@
 
 #ifdef __AVX2__
 #  include <immintrin.h>
+#  include <stdint.h>
 
 /* Two loads of 16 bytes, or two stores. */
 static inline __m256i load_two(const void *low, const void *high)
@@ -25,6 +26,20 @@ static inline void store_two(void *low, void *high, __m256i v)
 
 /* The shuffle of both halves; -1: a byte that becomes 0. */
 #  define SHUFFLE(v, ...) _mm256_shuffle_epi8((v), _mm256_setr_epi8(__VA_ARGS__, __VA_ARGS__))
+
+/* Stores 16 packed pixels.  `rg` holds red and green as bytes, `b` blue as words; the low half of each is
+ * of the first eight. */
+static inline void store_pixels(uint8_t *d, __m256i rg, __m256i b)
+{
+    store_two(
+        d, d + 24,
+        _mm256_or_si256(SHUFFLE(rg, 0, 1, -1, 2, 3, -1, 4, 5, -1, 6, 7, -1, 8, 9, -1, 10),
+                        SHUFFLE(b, -1, -1, 0, -1, -1, 2, -1, -1, 4, -1, -1, 6, -1, -1, 8, -1)));
+    store_two(
+        d + 8, d + 32,
+        _mm256_or_si256(SHUFFLE(rg, -1, 6, 7, -1, 8, 9, -1, 10, 11, -1, 12, 13, -1, 14, 15, -1),
+                        SHUFFLE(b, 4, -1, -1, 6, -1, -1, 8, -1, -1, 10, -1, -1, 12, -1, -1, 14)));
+}
 
 #endif
 #endif

@@ -96,12 +96,7 @@ static inline bool narrow_step(uint8_t *d, const uint8_t *s)
     /* 128 + t, or 127 - t */
     const __m256i want = _mm256_add_epi16(_mm256_xor_si256(root_words(e), minus), half);
     const __m256i z = _mm256_blendv_epi8(over257(_mm256_adds_epu16(b, half)), want, exact);
-    store_two(d, d + 24,
-              _mm256_or_si256(SHUFFLE(rg, 0, 1, N, 2, 3, N, 4, 5, N, 6, 7, N, 8, 9, N, 10),
-                              SHUFFLE(z, N, N, 0, N, N, 2, N, N, 4, N, N, 6, N, N, 8, N)));
-    store_two(d + 8, d + 32,
-              _mm256_or_si256(SHUFFLE(rg, N, 6, 7, N, 8, 9, N, 10, 11, N, 12, 13, N, 14, 15, N),
-                              SHUFFLE(z, 4, N, N, 6, N, N, 8, N, N, 10, N, N, 12, N, N, 14)));
+    store_pixels(d, rg, z);
     return true;
 }
 

@@ -86,12 +86,7 @@ static inline uint32_t normalize_group(uint8_t *dst, const uint8_t *src, __m256i
     const __m256i to_b = _mm256_blendv_epi8(_mm256_xor_si256(to_s, middle), b, keep);
     *same = _mm256_add_epi16(
         *same, _mm256_and_si256(_mm256_cmpeq_epi16(to_rg, rg), _mm256_cmpeq_epi16(to_b, b)));
-    store_two(dst, dst + 24,
-              _mm256_or_si256(SHUFFLE(to_rg, 0, 1, N, 2, 3, N, 4, 5, N, 6, 7, N, 8, 9, N, 10),
-                              SHUFFLE(to_b, N, N, 0, N, N, 2, N, N, 4, N, N, 6, N, N, 8, N)));
-    store_two(dst + 8, dst + 32,
-              _mm256_or_si256(SHUFFLE(to_rg, N, 6, 7, N, 8, 9, N, 10, 11, N, 12, 13, N, 14, 15, N),
-                              SHUFFLE(to_b, 4, N, N, 6, N, N, 8, N, N, 10, N, N, 12, N, N, 14)));
+    store_pixels(dst, to_rg, to_b);
     return (uint32_t) _mm256_movemask_epi8(keep);
 }
 
