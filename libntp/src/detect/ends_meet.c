@@ -92,8 +92,8 @@ static double across(lines *l, int32_t y, double *beyond)
  * used up. */
 static bool costs_less(double *step, double *seen, int32_t n, const ntp_const_image *src)
 {
-    double steps = 0, summed = 0,
-           looked = 0; /* squares: of true steps, and with the errors of both */
+    double steps = 0;              /* squares of the true ones, */
+    double summed = 0, looked = 0; /* and of each with its errors */
     for (int32_t half = n / 2; half > 0; half /= 2) {
         double weight = 1.0 / half / half; /* the mean of pairs, in proportion to their length */
         for (int32_t i = 0; i < half; i++) {

@@ -7,6 +7,7 @@
  *   find_kernel.c  which kernel took the slopes
  *   find_border.c  which border the heights had at the edges
  *   find_borders.c the borders of both axes, from bands of the texture
+ *   ends_meet.c    which of them is the better guess for a damaged texture
  *   find_seams.c   whether the texture tiles
  *   find_steps.c   whether slopes come in steps, because the heights had few levels
  *

@@ -20,8 +20,8 @@ enum {
 typedef struct loop_sums {
     uint64_t loops[SIZES];
     uint64_t energy[SIZES]; /* sums of u*u + v*v, shifted as in add_loop */
-    int64_t cross[SIZES]
-                 [SIDE * SIDE]; /* sums of u*v, shifted likewise; most sizes are not in use */
+    /* Sums of u*v, shifted likewise.  Most sizes are not in use, and their pages stay untouched. */
+    int64_t cross[SIZES][SIDE * SIDE];
 } loop_sums;
 
 enum { WIDE, NARROW, FILTERS };

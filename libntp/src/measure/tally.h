@@ -77,11 +77,11 @@ struct ntp_tally {
     ntp__sums wide;
     ntp__close_counts close; /* texels of `wide` */
     uint8_t pair_seen[65536 / NTP__PAIR_GROUP];
-    uint32_t pairs_full; /* what follows but one holds something */
-    uint32_t
-        pairs[65536]; /* texels of sampled rows, and the sums of their blues; see ntp__pair_place */
-    uint32_t pair_texels[65536];                    /* more of them, */
-    uint64_t pair_blue[65536];                      /* and their blues */
+    /* Pairs of sampled rows: texels and the sum of their blues in one number (ntp__pair_place, NTP__PAIR_TEXEL),
+     * and if pairs_full is set, more of them. */
+    uint32_t pairs_full, pairs[65536];
+    uint32_t pair_texels[65536];
+    uint64_t pair_blue[65536];
     ntp__sums transparent_wide, transparent_narrow; /* judged at 16 and at 8 bit */
 };
 
