@@ -286,10 +286,10 @@ static bool undo_rows(ntpio__png_stream *s)
     const uint32_t count = s->taken - s->undone;
     if (count == 0)
         return false;
-    uint8_t *row = s->room + s->undone * (size + 1) + 1;
+    uint8_t *kind = s->room + s->undone * (size + 1), *row = kind + 1;
     int kinds[NTPIO__ROWS_TOGETHER];
     for (uint32_t k = 0; k < count; k++)
-        kinds[k] = row[k * (size + 1) - 1];
+        kinds[k] = kind[k * (size + 1)];
     s->undone +=
         ntpio__unfilter_rows(row, (ptrdiff_t) size + 1, count,
                              s->undone > 0 ? row - (size + 1) : NULL, size, s->shape.texel, kinds);
