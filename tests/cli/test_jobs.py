@@ -6,8 +6,12 @@ without one.  Damaged files are cut at many places, or wrong in one: the report,
 code and what was written are those of one thread.
 """
 
+import os
 import struct
+import subprocess
+import sys
 import zlib
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -83,6 +87,34 @@ def test_good_files(same, tmp_path, dtype):
     seen = same("a_n.png", *VERBS)
     assert all(made is not None for *_, made in seen[1:])
     assert seen[1][3].count(b"Author") == 1
+
+
+def threads_of(program, tmp_path, jobs, *args):
+    """The most threads that were seen at a time."""
+    command = [program, *args, "--jobs", str(jobs), "-q"]
+    most = 0
+    with subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.DEVNULL) as process:
+        tasks = Path(f"/proc/{process.pid}/task")
+        while process.poll() is None:
+            most = max(most, len(os.listdir(tasks)))
+        assert process.returncode in (0, 1)
+    return most
+
+
+@pytest.mark.skipif(
+    sys.platform != "linux" or "NTP_PROGRAM" in os.environ, reason="threads are counted in /proc"
+)
+def test_no_more_threads_than_jobs(program, tmp_path):
+    """Beside those that a program with one job has, as a sanitizer's may."""
+    picture = np.tile(uneven(700, 700), (4, 4, 1))
+    (tmp_path / "a_n.png").write_bytes(png(picture))
+    for verb in ("check", "clean", "transform"):
+        args = [*VERBS[verb][:1], "a_n.png", *VERBS[verb][3:], *(["--force"] * (verb != "check"))]
+        alone = threads_of(program, tmp_path, 1, *args)
+        for jobs in (2, 3, 4):
+            seen = max(threads_of(program, tmp_path, jobs, *args) for _ in range(2))
+            assert seen - alone <= jobs - 1, (verb, jobs, seen, alone)
+            assert seen > alone, (verb, jobs)
 
 
 def test_other_formats(same, tmp_path):
