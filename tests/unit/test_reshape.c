@@ -93,6 +93,21 @@ static void fill_spots(picture *p, uint64_t *seed)
     }
 }
 
+/* Only blue has negative components, in few places; elsewhere sums overshoot to below 0. */
+static void fill_steep(picture *p, uint64_t *seed)
+{
+    const int32_t m = p->view.type == NTP_TYPE_U16 ? 65535 : 255;
+    for (int32_t y = 0; y < p->view.height; y++) {
+        for (int32_t x = 0; x < p->view.width; x++) {
+            const uint64_t bits = random_bits(seed);
+            const bool up = bits % 4 == 0, down = x / 8 % 7 == 1 && y / 8 % 2 == 0 && bits % 5 == 0;
+            put(p, x, y, 0, m / 2 + 1);
+            put(p, x, y, 1, m - 9);
+            put(p, x, y, 2, down ? m / 2 - 3 : up ? m - 20 : m / 2 + 1);
+        }
+    }
+}
+
 static void compare(const picture *one, const picture *two)
 {
     CHECK(memcmp(one->memory.data, two->memory.data, bytes_of(one)) == 0);
@@ -158,7 +173,7 @@ typedef struct sizes {
     int32_t from[2], to[2];
 } sizes;
 
-enum { STRIPES = -4, SPOTS = -1 }; /* instead of how rough: stripes of x, y, z */
+enum { STEEP = -5, STRIPES = -4, SPOTS = -1 }; /* instead of how rough: stripes of x, y, z */
 
 static void compare_sizes(const sizes *s, int32_t kind, int32_t rough, int32_t unused,
                           uint64_t *seed)
@@ -169,6 +184,8 @@ static void compare_sizes(const sizes *s, int32_t kind, int32_t rough, int32_t u
         fill(&src, rough, unused, seed);
     else if (rough == SPOTS)
         fill_spots(&src, seed);
+    else if (rough == STEEP)
+        fill_steep(&src, seed);
     else
         fill_stripes(&src, rough - STRIPES, seed);
     src.view.encoding = kind & 4 ? NTP_ENCODING_ZZERO : NTP_ENCODING_STANDARD;
@@ -204,10 +221,11 @@ static void resizes(uint64_t *seed)
             compare_sizes(&SIZES[i], kind, 100, 20, seed);
             compare_sizes(&SIZES[i], kind, 100, 95, seed);
             compare_sizes(&SIZES[i], kind, 60, 0, seed);
+            compare_sizes(&SIZES[i], kind, 60, 1, seed); /* rows with unused texels and without */
             compare_sizes(&SIZES[i], kind, 5, 0, seed);
             compare_sizes(&SIZES[i], kind, 1, 10, seed);
             compare_sizes(&SIZES[i], kind, 0, 0, seed);
-            for (int32_t special = STRIPES; special <= SPOTS; special++)
+            for (int32_t special = STEEP; special <= SPOTS; special++)
                 compare_sizes(&SIZES[i], kind, special, 0, seed);
         }
     }

@@ -137,16 +137,23 @@ typedef struct placing {
     __m256i least, most;
 } placing;
 
-/* Eight pixels; 4 bytes before them are touched. */
+/* The first and the last 16 bytes of 24: of these lie the pixels in the first and the last 12. */
+static inline __m256i load_ends(const uint8_t *s, placing *p, bool deep)
+{
+    const __m256i v = load_two(s, s + 2 * HELD - LANE);
+    p->least = deep ? _mm256_min_epu16(p->least, v) : _mm256_min_epu8(p->least, v);
+    p->most = deep ? _mm256_max_epu16(p->most, v) : _mm256_max_epu8(p->most, v);
+    return v;
+}
+
+/* Eight pixels */
 static inline void place8(int16_t *to, const uint8_t *s, placing *p)
 {
-    const __m256i v = load_two(s - (LANE - HELD), s + HELD - (LANE - HELD));
-    p->least = _mm256_min_epu8(p->least, v);
-    p->most = _mm256_max_epu8(p->most, v);
+    const __m256i v = load_ends(s, p, false);
     const __m256i four[2] = { _mm256_permute4x64_epi64(v, 0x44),
                               _mm256_permute4x64_epi64(v, 0xee) };
     for (int32_t k = 0; k < 2; k++) {
-        const __m256i c = _mm256_shuffle_epi8(four[k], p->shuffle[0]);
+        const __m256i c = _mm256_shuffle_epi8(four[k], p->shuffle[k]);
         const __m256i x = _mm256_sub_epi16(_mm256_mullo_epi16(c, p->twice), p->less);
         _mm256_storeu_si256((void *) (to + 16 * k), x);
     }
@@ -155,9 +162,7 @@ static inline void place8(int16_t *to, const uint8_t *s, placing *p)
 /* Four pixels */
 static inline void place16(float *to, const uint8_t *s, placing *p)
 {
-    const __m256i v = load_two(s - (LANE - HELD), s + HELD - (LANE - HELD));
-    p->least = _mm256_min_epu16(p->least, v);
-    p->most = _mm256_max_epu16(p->most, v);
+    const __m256i v = load_ends(s, p, true);
     for (int32_t k = 0; k < 2; k++, to += 4) {
         const __m256 f = _mm256_cvtepi32_ps(_mm256_shuffle_epi8(v, p->shuffle[k]));
         const __m256 x = _mm256_sub_ps(_mm256_mul_ps(f, _mm256_castsi256_ps(p->twice)),
@@ -169,22 +174,18 @@ static inline void place16(float *to, const uint8_t *s, placing *p)
 
 static inline void place(void *to, const uint8_t *s, int32_t n, placing *p, bool deep)
 {
-    enum { MOST = 8 * HELD };
     const int32_t step = deep ? 4 : 8, size = deep ? 6 : 3;
-    uint8_t few[MOST];
+    uint8_t few[2 * HELD];
+    for (int32_t k = 0; n < step && k < step; k++) /* no others change the range */
+        copy(few + size * k, s + size * (k < n ? k : 0), (size_t) size);
+    s = n < step ? few : s;
+    n = n < step ? step : n;
     for (int32_t i = 0; i < n; i += step) {
-        const int32_t at = i == 0 ? 0 : i + step < n ? i : n - step;
-        const uint8_t *from = s + size * at;
-        if (size * at < LANE - HELD) { /* no byte before the first pixel may be touched */
-            copy(few + LANE - HELD, from, (size_t) size * (size_t) (n < step ? n : step));
-            for (int32_t k = n; k < step; k++) /* no others change the range */
-                copy(few + LANE - HELD + size * k, s, (size_t) size);
-            from = few + LANE - HELD;
-        }
+        const int32_t at = i + step < n ? i : n - step;
         if (deep)
-            place16((float *) to + 4 * at, from, p);
+            place16((float *) to + 4 * at, s + size * at, p);
         else
-            place8((int16_t *) to + 4 * at, from, p);
+            place8((int16_t *) to + 4 * at, s + size * at, p);
     }
 }
 
@@ -192,21 +193,23 @@ bool ntp__place_rgb_avx2(void *to, bool *negative, const void *src, int32_t n, b
                          bool zzero)
 {
     const __m128i of8 =
-        _mm_setr_epi8(4, -128, 5, -128, 6, -128, -128, -128, 7, -128, 8, -128, 9, -128, -128, -128);
+        _mm_setr_epi8(0, -128, 1, -128, 2, -128, -128, -128, 3, -128, 4, -128, 5, -128, -128, -128);
     const __m128i of16 =
-        _mm_setr_epi8(4, 5, -128, -128, 6, 7, -128, -128, 8, 9, -128, -128, -128, -128, -128, -128);
+        _mm_setr_epi8(0, 1, -128, -128, 2, 3, -128, -128, 4, 5, -128, -128, -128, -128, -128, -128);
+    const __m128i first = deep ? of16 : of8, six = _mm_set1_epi8(6), four = _mm_set1_epi8(4);
+    const __m128i later = _mm_add_epi8(first, six);
     const int16_t k = zzero ? 1 : 2, z = zzero ? 0 : 255;
     const float deep_k = k, deep_z = zzero ? 0 : 65535;
     placing p = { .least = _mm256_set1_epi8(-1), .most = _mm256_setzero_si256() };
-    const __m128i later = _mm_add_epi8(deep ? of16 : of8, _mm_set1_epi8(6));
     if (deep) {
-        p.shuffle[0] = _mm256_broadcastsi128_si256(of16);
-        p.shuffle[1] = _mm256_broadcastsi128_si256(later);
+        p.shuffle[0] = _mm256_set_m128i(_mm_add_epi8(first, four), first);
+        p.shuffle[1] = _mm256_set_m128i(_mm_add_epi8(later, four), later);
         p.twice = _mm256_castps_si256(_mm256_setr_ps(2, 2, deep_k, 1, 2, 2, deep_k, 1));
         p.less =
             _mm256_castps_si256(_mm256_setr_ps(65535, 65535, deep_z, -1, 65535, 65535, deep_z, -1));
     } else {
-        p.shuffle[0] = _mm256_set_m128i(later, of8);
+        p.shuffle[0] = _mm256_set_m128i(later, first);
+        p.shuffle[1] = _mm256_add_epi8(p.shuffle[0], _mm256_set1_epi8(4));
         p.twice = _mm256_setr_epi16(2, 2, k, 1, 2, 2, k, 1, 2, 2, k, 1, 2, 2, k, 1);
         p.less =
             _mm256_setr_epi16(255, 255, z, -1, 255, 255, z, -1, 255, 255, z, -1, 255, 255, z, -1);
@@ -216,7 +219,7 @@ bool ntp__place_rgb_avx2(void *to, bool *negative, const void *src, int32_t n, b
     else
         place(to, src, n, &p, false);
     /* Where red lies, and the upper byte of blue. */
-    const uint32_t red = deep ? 0x0c300c30 : 0x24902490, blue = deep ? 0x82008200 : 0x92409240;
+    const uint32_t red = deep ? 0x0c3030c3 : 0x24929249, blue = deep ? 0x82080820 : 0x92494924;
     const __m256i zero = _mm256_setzero_si256(), ones = _mm256_set1_epi8(-1);
     const __m256i ends =
         deep ? _mm256_or_si256(_mm256_cmpeq_epi16(p.least, zero), _mm256_cmpeq_epi16(p.most, ones))

@@ -378,12 +378,17 @@ static int32_t resize_strip(const job *j, const ntp_rect *rect)
     return strip.x1;
 }
 
-/* Strips as high as the image would touch a memory page for each row. */
+/* Strips as high as the image would touch a memory page for each row.  What one has read of a line
+ * of the cache is to be there when the next one wants the rest. */
 static void resize_strips(const job *j, const ntp_rect *rect)
 {
-    enum { BAND = 64 };
+    enum { LEAST = 64, MOST = 256, BYTES = 1536 /* in a column of the source */ };
+    const ntp__axis *y = &j->plan->y;
+    const int64_t rows =
+        BYTES * (int64_t) y->dst / (y->src * (int64_t) ntp__sample_size(j->src->type) * 3);
+    const int32_t most = rows < LEAST ? LEAST : rows > MOST ? MOST : (int32_t) rows;
     for (ntp_rect band = *rect; band.y0 < rect->y1; band.y0 = band.y1) {
-        band.y1 = rect->y1 - band.y0 < BAND ? rect->y1 : band.y0 + BAND;
+        band.y1 = rect->y1 - band.y0 < most ? rect->y1 : band.y0 + most;
         for (band.x0 = rect->x0; band.x0 < rect->x1;)
             band.x0 = resize_strip(j, &band);
     }

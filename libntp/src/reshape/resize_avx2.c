@@ -35,29 +35,40 @@ static inline __m256i two_weights(const int16_t *weight)
     return _mm256_set1_epi32(two);
 }
 
+/* Adds what the sums of 32 numbers from i on get from weights t and t + 1. */
+static inline void add_whole(__m256i high[FOUR], __m256i low[FOUR], const ntp__whole_weights *from,
+                             int32_t t, int32_t i)
+{
+    const __m256i w = two_weights(from->upper + t), x = two_weights(from->lower + t);
+    for (int32_t k = 0; k < FOUR; k += 2) {
+        const __m256i a = load_both(from->row[t], from->other[t], i + 8 * k);
+        const __m256i b = load_both(from->row[t + 1], from->other[t + 1], i + 8 * k);
+        const __m256i c[2] = { _mm256_unpacklo_epi16(a, b), _mm256_unpackhi_epi16(a, b) };
+        for (int32_t m = 0; m < 2; m++) {
+            high[k + m] = _mm256_add_epi32(high[k + m], _mm256_madd_epi16(c[m], w));
+            low[k + m] = _mm256_add_epi32(low[k + m], _mm256_madd_epi16(c[m], x));
+        }
+    }
+}
+
 void ntp__sum_whole_avx2(float *sums, const ntp__whole_weights *from, int32_t count)
 {
-    for (int32_t i = 0; i < count; i += AT_ONCE / 2) {
-        __m256i high[2], low[2];
-        __m256 v[2];
-        for (int32_t k = 0; k < 2; k++)
+    for (int32_t i = 0; i < count; i += AT_ONCE) {
+        __m256i high[FOUR], low[FOUR];
+        __m256 v[FOUR];
+        for (int32_t k = 0; k < FOUR; k++)
             high[k] = low[k] = _mm256_setzero_si256();
-        for (int32_t t = 0; t < from->n; t += 2) {
-            const __m256i w = two_weights(from->upper + t), x = two_weights(from->lower + t);
-            const __m256i a = load_both(from->row[t], from->other[t], i);
-            const __m256i b = load_both(from->row[t + 1], from->other[t + 1], i);
-            const __m256i c[2] = { _mm256_unpacklo_epi16(a, b), _mm256_unpackhi_epi16(a, b) };
-            for (int32_t k = 0; k < 2; k++) {
-                high[k] = _mm256_add_epi32(high[k], _mm256_madd_epi16(c[k], w));
-                low[k] = _mm256_add_epi32(low[k], _mm256_madd_epi16(c[k], x));
-            }
-        }
-        for (int32_t k = 0; k < 2; k++)
+        add_whole(high, low, from, 0, i);
+        for (int32_t t = 2; t < from->n; t += 2)
+            add_whole(high, low, from, t, i);
+        for (int32_t k = 0; k < FOUR; k++)
             v[k] =
-                _mm256_add_ps(_mm256_mul_ps(_mm256_cvtepi32_ps(high[k]), _mm256_set1_ps(0x1p-14F)),
-                              _mm256_mul_ps(_mm256_cvtepi32_ps(low[k]), _mm256_set1_ps(0x1p-29F)));
-        _mm256_storeu_ps(sums + i, _mm256_permute2f128_ps(v[0], v[1], 0x20));
-        _mm256_storeu_ps(sums + i + 8, _mm256_permute2f128_ps(v[0], v[1], 0x31));
+                _mm256_add_ps(_mm256_cvtepi32_ps(high[k]),
+                              _mm256_mul_ps(_mm256_cvtepi32_ps(low[k]), _mm256_set1_ps(0x1p-15F)));
+        for (int32_t k = 0; k < FOUR; k += 2) {
+            _mm256_storeu_ps(sums + i + 8 * k, _mm256_permute2f128_ps(v[k], v[k + 1], 0x20));
+            _mm256_storeu_ps(sums + i + 8 * k + 8, _mm256_permute2f128_ps(v[k], v[k + 1], 0x31));
+        }
     }
 }
 
@@ -66,6 +77,12 @@ void ntp__widen_avx2(float *to, const int16_t *from, int32_t n)
     const __m128i *v = (const void *) from;
     for (int32_t i = 0; i < n; i += EIGHT)
         _mm256_storeu_ps(to + i, _mm256_cvtepi32_ps(_mm256_cvtepi16_epi32(_mm_loadu_si128(v++))));
+}
+
+void ntp__widen_halves_avx2(float to[64], const int16_t *row)
+{
+    for (int32_t k = 0; k < EIGHT; k++)
+        ntp__widen_avx2(to + EIGHT * k, row + NTP__RUN * k, EIGHT);
 }
 
 void ntp__sum_rows_avx2(float *sums, const float *const *rows, const int32_t *weight, float scale,
@@ -101,14 +118,10 @@ static inline __m256 spread(const float *weight)
 }
 
 void ntp__sum_columns_avx2(ntp__planes *out, float least[4], const float *sums,
-                           const int32_t *first, const float *weight, int32_t taps, int32_t n,
-                           bool same)
+                           const int32_t *first, const float *weight, int32_t taps, int32_t n)
 {
-    __m256 by[NTP__MOST_COLUMNS / 2];
     __m128 low = _mm_set1_ps(0x1p100F);
     int32_t i = 0;
-    for (int32_t t = 0; t < taps; t += 2)
-        by[t / 2] = spread(weight + t);
     for (; i < n; i += FOUR) {
         const float *c[FOUR], *w[FOUR];
         __m256 sum[FOUR];
@@ -119,12 +132,7 @@ void ntp__sum_columns_avx2(ntp__planes *out, float least[4], const float *sums,
             w[k] = weight + (ptrdiff_t) taps * at;
             sum[k] = _mm256_setzero_ps();
         }
-        for (int32_t t = 0; same && t < taps; t += 2) {
-            for (int32_t k = 0; k < FOUR; k++)
-                sum[k] =
-                    _mm256_add_ps(sum[k], _mm256_mul_ps(by[t / 2], _mm256_loadu_ps(c[k] + 4 * t)));
-        }
-        for (int32_t t = 0; !same && t < taps; t += 2) {
+        for (int32_t t = 0; t < taps; t += 2) {
             for (int32_t k = 0; k < FOUR; k++)
                 sum[k] = _mm256_add_ps(
                     sum[k], _mm256_mul_ps(spread(w[k] + t), _mm256_loadu_ps(c[k] + 4 * t)));
@@ -140,6 +148,141 @@ void ntp__sum_columns_avx2(ntp__planes *out, float least[4], const float *sums,
     for (; i % EIGHT != 0; i++)
         out->c[0][i] = out->c[1][i] = out->c[2][i] = 0;
     _mm_storeu_ps(least, low);
+}
+
+void ntp__sum_halves_avx2(ntp__planes *out, float least[4], const float *sums, const float *weight,
+                          int32_t taps, int32_t n, int32_t planes)
+{
+    for (int32_t p = 0; p < planes; p++, sums += 2 * NTP__RUN) {
+        __m256 low = _mm256_set1_ps(0x1p100F);
+        for (int32_t i = 0; i < n; i += AT_ONCE) {
+            const int32_t at = i + AT_ONCE < n ? i : n - AT_ONCE;
+            __m256 sum[FOUR];
+            for (int32_t k = 0; k < FOUR; k++)
+                sum[k] = _mm256_setzero_ps();
+            for (int32_t t = 0; t < taps / 2; t++) {
+                const int32_t u = taps - 1 - t;
+                const float *a = sums + t % 2 * NTP__RUN + t / 2 + at;
+                const float *b = sums + u % 2 * NTP__RUN + u / 2 + at;
+                const __m256 w = _mm256_set1_ps(weight[t]);
+                for (int32_t k = 0; k < FOUR; k++)
+                    sum[k] = _mm256_add_ps(
+                        sum[k], _mm256_mul_ps(w, _mm256_add_ps(_mm256_loadu_ps(a + EIGHT * k),
+                                                               _mm256_loadu_ps(b + EIGHT * k))));
+            }
+            for (int32_t k = 0; k < FOUR; k++) {
+                low = _mm256_min_ps(low, sum[k]);
+                _mm256_storeu_ps(out->c[p] + at + EIGHT * k, sum[k]);
+            }
+        }
+        const __m128 half = _mm_min_ps(_mm256_castps256_ps128(low), _mm256_extractf128_ps(low, 1));
+        const __m128 two = _mm_min_ps(half, _mm_movehl_ps(half, half));
+        least[p] = _mm_cvtss_f32(_mm_min_ss(two, _mm_movehdup_ps(two)));
+    }
+    for (int32_t i = n; i % EIGHT != 0; i++)
+        out->c[0][i] = out->c[1][i] = out->c[2][i] = 0;
+}
+
+/* The samples of one color of 32 pixels, or 16 (deep), in their order. */
+static inline __m256i color_of(const __m256i v[3], int32_t c, bool deep)
+{
+    if (deep) {
+        const __m256i w =
+            c == 0   ? _mm256_blend_epi16(_mm256_blend_epi16(v[0], v[1], 0x92), v[2], 0x24)
+            : c == 1 ? _mm256_blend_epi16(_mm256_blend_epi16(v[0], v[1], 0x24), v[2], 0x49)
+                     : _mm256_blend_epi16(_mm256_blend_epi16(v[0], v[1], 0x49), v[2], 0x92);
+        return c == 0   ? SHUFFLE(w, 0, 1, 6, 7, 12, 13, 2, 3, 8, 9, 14, 15, 4, 5, 10, 11)
+               : c == 1 ? SHUFFLE(w, 2, 3, 8, 9, 14, 15, 4, 5, 10, 11, 0, 1, 6, 7, 12, 13)
+                        : SHUFFLE(w, 4, 5, 10, 11, 0, 1, 6, 7, 12, 13, 2, 3, 8, 9, 14, 15);
+    }
+    const __m256i first = _mm256_broadcastsi128_si256(
+        _mm_setr_epi8(-1, 0, 0, -1, 0, 0, -1, 0, 0, -1, 0, 0, -1, 0, 0, -1));
+    const __m256i second = _mm256_broadcastsi128_si256(
+        _mm_setr_epi8(0, -1, 0, 0, -1, 0, 0, -1, 0, 0, -1, 0, 0, -1, 0, 0));
+    const __m256i w =
+        c == 0   ? _mm256_blendv_epi8(_mm256_blendv_epi8(v[1], v[0], first), v[2], second)
+        : c == 1 ? _mm256_blendv_epi8(_mm256_blendv_epi8(v[2], v[1], first), v[0], second)
+                 : _mm256_blendv_epi8(_mm256_blendv_epi8(v[0], v[2], first), v[1], second);
+    return c == 0   ? SHUFFLE(w, 0, 3, 6, 9, 12, 15, 2, 5, 8, 11, 14, 1, 4, 7, 10, 13)
+           : c == 1 ? SHUFFLE(w, 1, 4, 7, 10, 13, 0, 3, 6, 9, 12, 15, 2, 5, 8, 11, 14)
+                    : SHUFFLE(w, 2, 5, 8, 11, 14, 1, 4, 7, 10, 13, 0, 3, 6, 9, 12, 15);
+}
+
+/* Of all pixels: the least of the bits that any color has, the most of those that all have, and the
+ * least blue. */
+typedef struct color_range {
+    __m256i any, all, blue;
+} color_range;
+
+/* Numbers of the even texels (odd = 0) or odd ones of a color, w or 2w - M. */
+static inline void place_half(void *to, __m256i w, int32_t odd, __m256i twice, __m256i less,
+                              bool deep)
+{
+    if (deep) {
+        const __m256i e =
+            odd == 0 ? _mm256_and_si256(w, _mm256_set1_epi32(65535)) : _mm256_srli_epi32(w, 16);
+        const __m256i x = _mm256_sub_epi32(_mm256_add_epi32(e, _mm256_and_si256(e, twice)), less);
+        _mm256_storeu_ps((float *) to + odd * NTP__RUN, _mm256_cvtepi32_ps(x));
+    } else {
+        const __m256i factor = odd == 0 ? _mm256_srli_epi16(twice, 8) : twice;
+        const __m256i x = _mm256_sub_epi16(_mm256_maddubs_epi16(w, factor), less);
+        _mm256_storeu_si256((void *) ((int16_t *) to + odd * NTP__RUN), x);
+    }
+}
+
+/* 32 pixels, or 16 (deep) */
+static inline void place_halves(char *to, const uint8_t *s, color_range *r, bool deep, bool zzero)
+{
+    const ptrdiff_t size = 2 * NTP__RUN * (deep ? sizeof(float) : sizeof(int16_t));
+    const __m256i v[3] = { load_two(s, s + 48), load_two(s + 16, s + 64),
+                           load_two(s + 32, s + 80) };
+    const __m256i w[3] = { color_of(v, 0, deep), color_of(v, 1, deep), color_of(v, 2, deep) };
+    const __m256i any = _mm256_or_si256(_mm256_or_si256(w[0], w[1]), w[2]);
+    const __m256i all = _mm256_and_si256(_mm256_and_si256(w[0], w[1]), w[2]);
+    r->any = deep ? _mm256_min_epu16(r->any, any) : _mm256_min_epu8(r->any, any);
+    r->all = deep ? _mm256_max_epu16(r->all, all) : _mm256_max_epu8(r->all, all);
+    r->blue = deep ? _mm256_min_epu16(r->blue, w[2]) : _mm256_min_epu8(r->blue, w[2]);
+    for (int32_t c = 0; c < 3; c++, to += size) {
+        const bool as_it_is = zzero && c == 2;
+        const __m256i twice = deep ? _mm256_set1_epi32(as_it_is ? 0 : -1)
+                                   : _mm256_set1_epi16(as_it_is ? 0x100 : 0x200);
+        const __m256i less =
+            deep ? _mm256_set1_epi32(as_it_is ? 0 : 65535) : _mm256_set1_epi16(as_it_is ? 0 : 255);
+        place_half(to, w[c], 0, twice, less, deep);
+        place_half(to, w[c], 1, twice, less, deep);
+    }
+}
+
+static inline bool place_all_halves(char *to, bool *negative, const uint8_t *s, int32_t n,
+                                    bool deep, bool zzero)
+{
+    const int32_t step = deep ? 16 : 32, size = deep ? 6 : 3, number = deep ? 4 : 2;
+    const __m256i zero = _mm256_setzero_si256(), ones = _mm256_set1_epi8(-1);
+    color_range r = { ones, zero, ones };
+    for (int32_t i = 0; i < n; i += step) {
+        const int32_t at = i + step < n ? i : n - step;
+        place_halves(to + number * at / 2, s + size * at, &r, deep, zzero);
+    }
+    const __m256i black = deep ? _mm256_cmpeq_epi16(r.any, zero) : _mm256_cmpeq_epi8(r.any, zero);
+    const __m256i white = deep ? _mm256_cmpeq_epi16(r.all, ones) : _mm256_cmpeq_epi8(r.all, ones);
+    const uint32_t upper = deep ? 0xaaaaaaaa : 0xffffffff; /* bytes of blue */
+    *negative = !zzero && (~(uint32_t) _mm256_movemask_epi8(r.blue) & upper) != 0;
+    return _mm256_testz_si256(_mm256_or_si256(black, white), ones);
+}
+
+bool ntp__place_halves_avx2(void *to, bool *negative, const void *src, int32_t n, bool deep,
+                            bool zzero)
+{
+    return deep ? place_all_halves(to, negative, src, n, true, zzero)
+                : place_all_halves(to, negative, src, n, false, zzero);
+}
+
+void ntp__fill_halves_avx2(void *to, bool deep)
+{
+    const __m256i one = deep ? _mm256_castps_si256(_mm256_set1_ps(1)) : _mm256_set1_epi16(1);
+    char *d = (char *) to + (deep ? 24 : 12) * NTP__RUN;
+    for (int32_t i = 0; i < (deep ? 8 : 4) * NTP__RUN; i += (int32_t) sizeof one)
+        _mm256_storeu_si256((void *) (d + i), one);
 }
 
 /* Levels of v over the length, less that of 0; adds to *doubt, which says where they may be wrong. */

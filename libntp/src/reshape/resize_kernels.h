@@ -9,7 +9,10 @@
 
 #include <stdbool.h>
 
-enum { NTP__MOST_COLUMNS = 128 /* of the result, at a time */ };
+enum {
+    NTP__MOST_COLUMNS = 128, /* of the result, at a time */
+    NTP__RUN = 136
+};
 
 /* A texel is x, y, z and 1 in four adjacent numbers. */
 typedef struct ntp__resize_kernels {
@@ -44,17 +47,32 @@ typedef struct ntp__whole_weights {
     int32_t n; /* even */
 } ntp__whole_weights;
 
-/* The same for numbers of 9 bits. */
+/* The same for numbers of 9 bits, times 2^14. */
 void ntp__sum_whole_avx2(float *sums, const ntp__whole_weights *from, int32_t count);
 
 /* Whole numbers as floats; n is a multiple of 8. */
 void ntp__widen_avx2(float *to, const int16_t *from, int32_t n);
 
-/* As add_columns; least[k]: the least number of a plane; same: all texels have the weights of the
- * first. */
+/* Where sides are halved: x of even columns in a run of NTP__RUN numbers, then x of odd ones, and so
+ * y and z, as numerators over M: int16_t, or floats of 16 bit.  Runs of 1 may follow.  n is even, at
+ * least 64.  False where a pixel is black or white; the rest is as for ntp__place_rgb_avx2. */
+bool ntp__place_halves_avx2(void *to, bool *negative, const void *src, int32_t n, bool deep,
+                            bool zzero);
+
+/* Runs of 1. */
+void ntp__fill_halves_avx2(void *to, bool deep);
+
+/* Eight numbers of each of the eight runs of a row as floats. */
+void ntp__widen_halves_avx2(float to[64], const int16_t *row);
+
+/* As ntp__sum_columns_avx2, of the first `planes` pairs of such runs and with the same weights for
+ * all, as many and as great on both sides.  n is at least 32. */
+void ntp__sum_halves_avx2(ntp__planes *out, float least[4], const float *sums, const float *weight,
+                          int32_t taps, int32_t n, int32_t planes);
+
+/* As add_columns; least[k]: the least number of a plane. */
 void ntp__sum_columns_avx2(ntp__planes *out, float least[4], const float *sums,
-                           const int32_t *first, const float *weight, int32_t taps, int32_t n,
-                           bool same);
+                           const int32_t *first, const float *weight, int32_t taps, int32_t n);
 
 /* Packed pixels, of 8 bit or 16 (deep), of the directions of vectors whose components are off by
  * `error` at most, and 0 or at least 2^-50.  at[]: those in doubt, such as those that are not a
