@@ -349,6 +349,8 @@ static void resize_strip_row(const job *j, const ntp_rect *strip, int32_t y)
     int32_t n = ntp__strip_packed(j, &v, inexact, at, y);
     const bool whole = n < 0;
     bool any = true;
+    if (n == 0)
+        return;
     if (whole) {
         any = ntp__strip_vectors(j, &v, inexact, y) > 0;
         n = strip->x1 - strip->x0;
