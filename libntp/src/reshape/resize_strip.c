@@ -147,20 +147,6 @@ static bool is_symmetric(const int32_t *weight, int32_t taps)
     return same;
 }
 
-/* What is to be done about vector k, of texel i, whose sums are not plain; returns whether it is
- * inexact. */
-static bool judge_sums(const ntp__resize_job *j, ntp__vectors *v, double total, int32_t k,
-                       int32_t i)
-{
-    const double x = v->c[0][k], y = v->c[1][k], z = v->c[2][k];
-    const double error = j->most < 0x1p53 ? -1 : j->most * j->strip->taps_x * 0x1p-52;
-    const bool small = x * x + y * y + z * z <= error * error * 0x1p80;
-    /* Negative weights of Lanczos can outweigh the others where many texels are unused. */
-    if (total <= 0)
-        v->c[0][k] = v->c[1][k] = v->c[2][k] = 0;
-    return error > 0 && (total <= error || fabs(z) <= error || small) && !is_empty(j, i);
-}
-
 /* The rows that make one of the result, and their weights. */
 typedef struct sources {
     const float *rows[MOST_TAPS + 2];
@@ -218,17 +204,21 @@ static bool overshot(const ntp__resize_job *j, const sources *from, int32_t i, i
  * inexact. */
 static int32_t judge_vectors(const ntp__resize_job *j, ntp__vectors *v, int32_t *inexact,
                              const double *total, const sources *from, const int32_t *at, int32_t n,
-                             int32_t y)
+                             int32_t row)
 {
-    const bool exact = j->most < 0x1p53;
+    const double error = j->most < 0x1p53 ? 0 : j->most * j->strip->taps_x * 0x1p-52;
+    const double least = error * error * 0x1p80;
     int32_t found = 0;
     for (int32_t k = 0; k < n; k++) {
-        const double z = v->c[2][k];
+        const double x = v->c[0][k], y = v->c[1][k], z = v->c[2][k];
         const int32_t i = at == NULL ? k : at[k];
-        inexact[k] = 0;
-        if (!exact || total[k] <= 0)
-            inexact[k] = judge_sums(j, v, total[k], k, i);
-        if (z < 0 && overshot(j, from, i, y))
+        inexact[k] = error > 0 &&
+                     (total[k] <= error || fabs(z) <= error || x * x + y * y + z * z <= least) &&
+                     !is_empty(j, i);
+        /* Negative weights of Lanczos can outweigh the others where many texels are unused. */
+        if (total[k] <= 0)
+            v->c[0][k] = v->c[1][k] = v->c[2][k] = 0;
+        else if (z < 0 && overshot(j, from, i, row))
             v->c[2][k] = 0;
         found += inexact[k];
     }
