@@ -75,6 +75,9 @@ HOUSES = {"libntp/src": LIBRARY, "os": SYSTEM, "io": FILES, "cli": PROGRAM}
 OPEN_HEADERS = {
     # The classifier's evidence comes out of the tally; it is no part of the interface.
     ("classify", "measure/evidence.h"),
+    # Which border costs less is asked of the slopes that the solver takes.
+    ("detect", "to_height/decode.h"),
+    ("detect", "to_height/shared/slopes.h"),
 }
 # What every room of the program may include: exit codes and messages.
 LOWEST = {"cli.h"}

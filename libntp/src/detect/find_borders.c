@@ -308,6 +308,13 @@ static bool may_guess(const ntp_height_options *solved)
     return square && solved->method == NTP_HEIGHT_AUTO && solved->z != NTP_Z_DERIVED;
 }
 
+static bool ends_meet(const search *s, bool down)
+{
+    ntp_height_options how = s->how;
+    how.decode = s->asked;
+    return may_guess(&how) && ntp__ends_meet(s->whole, &how, down);
+}
+
 static ntp_status find(ntp_border_fit *fit, search *s, bool wraps, bool down)
 {
     const ntp_const_image made = ntp_image_as_const(&s->heights);
@@ -319,7 +326,7 @@ static ntp_status find(ntp_border_fit *fit, search *s, bool wraps, bool down)
     NTP__TRY(ntp_find_border(fit, &s->src, &made, &s->how, down, wraps));
     if (residual <= fits_well)
         return NTP_OK;
-    if (may_guess(&s->how) && ntp__ends_meet(s->whole, s->how.touch_unused, down)) {
+    if (ends_meet(s, down)) {
         fit->border = NTP_BORDER_WRAP;
         fit->decided = 0;
         return NTP_OK;
