@@ -22,6 +22,7 @@ from support.to_height import (
     bumps,
     fractal,
     from_height,
+    lean,
     mixed_slopes,
     options,
 )
@@ -216,24 +217,6 @@ def test_ground_that_leans_on_purpose_still_leans():
         ours, info = reconstruct(n, decode=DECODE_AUTO, **how)
         assert info["decode"] == UNORM
         assert (ours == reconstruct(n, decode=UNORM, **how)[0]).all()
-
-
-def lean(n):
-    """What flat ground adds to the mean levels of red and green: the pile of levels around zero."""
-    seen = 2.0 * n[:, ::4, :2].reshape(-1, 2) - 255  # of every fourth texel
-    far = np.abs(seen).max(1) / 2
-    best, found = 0.1, np.zeros(2)
-    for size in (1, 2, 4):
-        inside, middle, outside = ((far < k * size).mean() for k in (1, 2, 3))
-        around = (outside - middle) / (36 - 16)  # a square of size x size
-        share = middle - 16 * around
-        if inside >= 4 * 4 * around and share > best:
-            best = share
-            found = (seen * (far < 2 * size)[:, None]).mean(0) / 2
-            found *= np.abs(found).max() <= 0.75 * share  # on purpose
-            found = np.clip(found, -share / 2, share / 2)
-            found[np.abs(found) < 0.1] = 0
-    return found
 
 
 @pytest.mark.parametrize("surface", [bumps, bricks])

@@ -36,8 +36,8 @@ enum {
 static const double rounding = 4.0 / (255.0 * 255.0 * 12.0), most_error = 5;
 /* Damage and decoding can be off by a part of a level.  A steeper lean is one of the surface, unless
  * the steps of lines are off by so much that their mean can be: its square is at most so many times
- * that of these errors, as far as V tells them from steps. */
-static const double most_lean = 0.75 / 255, most_over_errors = 2;
+ * that of these errors.  A yet steeper one always is. */
+static const double most_lean = 0.75 / 255, most_of_errors = 1.5 / 255, most_over_errors = 2;
 /* The ramp that a free border makes, with this part of the errors of steps, must have so many times
  * the square of the true steps, and this part of what they can be by chance.  Steps count as far as D
  * and V agree on them: where they do, ends do not meet, and the surface may well lean, too.  The
@@ -113,7 +113,8 @@ static double across(lines *l, int32_t y, double *beyond)
 /* May a lean of all lines come from errors of this square? */
 static bool may_be_error(double lean, double errors, int32_t width)
 {
-    return fabs(lean) <= most_lean * width || lean * lean <= most_over_errors * errors;
+    double most = lean * lean <= most_over_errors * errors ? most_of_errors : most_lean;
+    return fabs(lean) <= most * width;
 }
 
 /* Is the loss with wrap less?  seen: the steps of n lines as slopes across them show them.  Both are
@@ -138,8 +139,7 @@ static bool costs_less(double *step, double *seen, int32_t n, const ntp_const_im
     least = steps < least ? steps : least;
     double agreed = chance > 0 ? least * steps / chance : 0, errors = summed - least;
     double ramp = step[0] * step[0] * 8 / 12 * src->width / src->height;
-    double told = chance < summed ? errors * (1 - chance / summed) : 0;
-    return may_be_error(step[0], told, src->width) &&
+    return may_be_error(step[0], errors, src->width) &&
            ramp + of_errors * errors > over_steps * agreed + by_chance * chance;
 }
 
