@@ -130,6 +130,18 @@ def test_answers_are_those_of_numpy(y):
     assert 15 <= sum(said) <= len(said) - 15
 
 
+def test_of_large_textures_some_rows_are_read():
+    """All are asked, by way of what every third row tells."""
+    said = []
+    for seed in range(4):
+        h = islands(640, seed)[: 640 - seed * 40]
+        n = noisy(free(h, NAMES[seed % 2]))
+        expected = [meet(n, 0), meet(n, 1)]
+        assert answers(n)[1] == expected, seed
+        said += expected
+    assert 2 <= sum(said) <= 6
+
+
 # ------------------------------------------------------------------------------- what it gives
 
 

@@ -77,6 +77,7 @@ OPEN_HEADERS = {
     ("classify", "measure/evidence.h"),
     # Which border costs less is asked of the slopes that the solver takes.
     ("detect", "to_height/decode.h"),
+    ("detect", "to_height/shared/height_plan.h"),
     ("detect", "to_height/shared/slopes.h"),
 }
 # What every room of the program may include: exit codes and messages.

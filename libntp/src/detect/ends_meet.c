@@ -28,6 +28,7 @@ enum {
     MOST_LINES = 512,
     MOST_TEXELS = 1 << 18, /* of all lines; of longer ones half, which tell more each */
     LONG = 512,
+    MOST_ASKED = 1 << 17, /* texels that tell how the solver reads them */
     LEAST_LINES = 16,
     END = 4 /* texels at an end of a line whose mean height counts */
 };
@@ -61,23 +62,34 @@ static void read(lines *l, int32_t x, int32_t y, int32_t n)
     ntp__slopes_row_single(&l->slopes, l->right, l->down, 0, NULL);
 }
 
-/* Reads src as a solver with free borders does; false: its z is derived. */
-static bool start(lines *l, const ntp_const_image *src, const ntp_height_options *how, bool down)
+/* Finds out how a solver with free borders reads src. */
+static void find_reading(ntp__reading *r, const ntp_const_image *src, const ntp_height_options *how)
 {
-    ntp__height_plan plan;
-    memset(&plan, 0, sizeof plan);
-    plan.border_x = plan.border_y = NTP_BORDER_MIRROR;
-    plan.neutral = 1;
-    plan.decode = how->decode;
-    plan.z = how->z;
-    plan.touch_unused = how->touch_unused;
-    ntp__decode_by_evidence(&plan, src);
+    ntp_const_image some = *src; /* rows */
+    int32_t one_in = (int32_t) ((int64_t) src->height * src->width / MOST_ASKED);
+    if (r->known)
+        return;
+    if (one_in > 1) {
+        some.height = src->height > LEAST_LINES * one_in ? src->height / one_in : LEAST_LINES;
+        some.row_stride *= src->height / some.height;
+    }
+    memset(r, 0, sizeof *r);
+    r->known = true;
+    r->plan.border_x = r->plan.border_y = NTP_BORDER_MIRROR;
+    r->plan.neutral = 1;
+    r->plan.decode = how->decode;
+    r->plan.z = how->z;
+    r->plan.touch_unused = how->touch_unused;
+    ntp__decode_by_evidence(&r->plan, &some);
+}
+
+static void start(lines *l, const ntp_const_image *src, const ntp__height_plan *plan, bool down)
+{
     l->src = l->part = down ? ntp__transposed(src) : *src;
-    ntp__slopes_init(&l->slopes, &l->part, &plan);
+    ntp__slopes_init(&l->slopes, &l->part, plan);
     l->along = down ? l->down : l->right;
     l->across = down ? l->right : l->down;
-    l->lean = !down ? plan.lean[0] : src->y == NTP_Y_UP ? -plan.lean[1] : plan.lean[1];
-    return plan.z != NTP_Z_DERIVED;
+    l->lean = !down ? plan->lean[0] : src->y == NTP_Y_UP ? -plan->lean[1] : plan->lean[1];
 }
 
 /* The sum of the slopes along line y. */
@@ -166,13 +178,18 @@ static bool is_damaged(const ntp_const_image *src)
     return errors2 > 4 * most_error * rounding * LEAST_LINES * src->width;
 }
 
-bool ntp__ends_meet(const ntp_const_image *src, const ntp_height_options *how, bool down)
+bool ntp__ends_meet(ntp__reading *reading, const ntp_const_image *src,
+                    const ntp_height_options *how, bool down)
 {
     double step[MOST_LINES], seen[MOST_LINES], sum = 0, sum2 = 0, beyond;
     lines l;
     int32_t n = LEAST_LINES, next = 0;
-    if (src->encoding != NTP_ENCODING_STANDARD || !is_damaged(src) || !start(&l, src, how, down))
+    if (src->encoding != NTP_ENCODING_STANDARD || !is_damaged(src))
         return false;
+    find_reading(reading, src, how);
+    if (reading->plan.z == NTP_Z_DERIVED)
+        return false;
+    start(&l, src, &reading->plan, down);
     for (int32_t k = 0; k < LEAST_LINES; k++) {
         double d = whole(&l, (int32_t) ((int64_t) k * l.src.height / LEAST_LINES)) / LEAST_LINES;
         sum += d;

@@ -51,6 +51,7 @@ typedef struct search {
     ntp_const_image src; /* the band */
     ntp_height_options how;
     ntp_decode asked; /* by the caller */
+    ntp__reading *reading;
     ntp_image heights;
     void *rest;
     size_t rest_size;
@@ -312,7 +313,7 @@ static bool ends_meet(const search *s, bool down)
 {
     ntp_height_options how = s->how;
     how.decode = s->asked;
-    return may_guess(&how) && ntp__ends_meet(s->whole, &how, down);
+    return may_guess(&how) && ntp__ends_meet(s->reading, s->whole, &how, down);
 }
 
 static ntp_status find(ntp_border_fit *fit, search *s, bool wraps, bool down)
@@ -414,10 +415,12 @@ ntp_status ntp_find_borders(ntp_border_fit fit[2], const ntp_const_image *src,
     if (scratch == NULL || (uintptr_t) scratch % NTP__ALIGNMENT != 0 || scratch_size < size)
         return NTP_ERR_SCRATCH;
     search s[2];
+    ntp__reading reading = { .known = false };
     bool all_wrap = true;
     for (int32_t i = 0; i < 2; i++) {
         if (asked[i])
             start(&s[i], src, &with, i == 1, asked[1 - i], scratch, hooks);
+        s[i].reading = &reading;
         all_wrap = all_wrap && (!asked[i] || wraps[i]);
     }
     for (int32_t i = 0; i < 2 && all_wrap; i++) {
