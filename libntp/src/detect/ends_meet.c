@@ -42,7 +42,7 @@ static const double most_lean = 0.75 / 255, most_of_errors = 1.5 / 255, most_ove
 /* The ramp that a free border makes, with this part of the errors of steps, must have so many times
  * the square of the true steps, and this part of what they can be by chance.  Steps count as far as D
  * and V agree on them: where they do, ends do not meet, and the surface may well lean, too.  The
- * numbers were chosen on half of the heights of public projects, each with 32 or 48 damaged maps. */
+ * numbers were chosen on half of the heights of public projects, each with 32 damaged maps. */
 static const double of_errors = 0.2, over_steps = 12, by_chance = 0.2;
 
 typedef struct lines {
