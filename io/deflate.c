@@ -29,20 +29,21 @@ enum {
     DISTANCE_COST_MAX = 10
 };
 
-static const effort efforts[NTPIO__LEVEL_MAX + 1] = {
-    [NTPIO__LEVEL_ZLIB] = { 128, 0, 128, 0, true, NEVER, NEVER },
-    [1] = { 1, 1, 32, 0, false, 3, 4 },
-    [2] = { 1, 2, 32, 0, true, 4, 5 },
-    [3] = { 2, 4, 32, 0, true, 4, 6 },
-    [4] = { 3, 6, 32, 0, true, 5, 7 },
-    [5] = { 3, 8, 64, 0, true, 6, 7 },
-    [6] = { 4, 16, 128, 0, true, 6, 8 },
-    [7] = { 12, 32, 128, 0, true, NEVER, NEVER },
-    [8] = { 24, 48, 128, 0, true, NEVER, NEVER },
-    [9] = { 64, 64, 258, 0, true, NEVER, NEVER },
-    [10] = { 16, 0, 64, 1, true, NEVER, NEVER },
-    [11] = { 32, 0, 128, 2, true, NEVER, NEVER },
-    [12] = { 128, 0, 258, 3, true, NEVER, NEVER },
+static const effort efforts[NTPIO__LEVEL_TRIAL + 1] = {
+    [NTPIO__LEVEL_ZLIB] = { 128, 0, 128, 0, true, NEVER, NEVER, false },
+    [1] = { 1, 1, 32, 0, false, 3, 4, true },
+    [2] = { 1, 2, 32, 0, true, 4, 5, false },
+    [3] = { 2, 4, 32, 0, true, 4, 6, false },
+    [4] = { 3, 6, 32, 0, true, 5, 7, false },
+    [5] = { 3, 8, 64, 0, true, 6, 7, false },
+    [6] = { 4, 16, 128, 0, true, 6, 8, false },
+    [7] = { 12, 32, 128, 0, true, NEVER, NEVER, false },
+    [8] = { 24, 48, 128, 0, true, NEVER, NEVER, false },
+    [9] = { 64, 64, 258, 0, true, NEVER, NEVER, false },
+    [10] = { 16, 0, 64, 1, true, NEVER, NEVER, false },
+    [11] = { 32, 0, 128, 2, true, NEVER, NEVER, false },
+    [12] = { 128, 0, 258, 3, true, NEVER, NEVER, false },
+    [NTPIO__LEVEL_TRIAL] = { 1, 1, 32, 0, false, 3, 4, false },
 };
 
 /* --------------------------------------------------------------------------- costs */
@@ -75,15 +76,16 @@ static uint32_t sum_of(const uint32_t *counts, unsigned size)
 
 void ntpio__set_costs(ntpio__deflater *d, const ntpio__counts *from)
 {
+    uint32_t of_slots[NTPIO__WORDS - NTPIO__FIRST_LENGTH];
     const uint32_t words = log2_of(sum_of(from->words, NTPIO__WORDS) + NTPIO__WORDS / 2);
     const uint32_t all = log2_of(sum_of(from->distances, NTPIO__DISTANCES) + NTPIO__DISTANCES / 2);
     for (unsigned i = 0; i < NTPIO__LITERALS; i++)
         d->literals[i] = cost_of(from->words[i], words, LITERAL_MAX);
-    for (uint32_t length = 3; length <= NTPIO__LENGTH_MAX; length++) {
-        const uint32_t count = from->words[NTPIO__FIRST_LENGTH + ntpio__length_slot(length)];
+    for (uint32_t slot = 0; slot < NTPIO__WORDS - NTPIO__FIRST_LENGTH; slot++)
+        of_slots[slot] = cost_of(from->words[NTPIO__FIRST_LENGTH + slot], words, LENGTH_COST_MAX);
+    for (uint32_t length = 3; length <= NTPIO__LENGTH_MAX; length++)
         d->lengths[length] =
-            cost_of(count, words, LENGTH_COST_MAX) + BIT * ntpio__length_extra(length);
-    }
+            of_slots[ntpio__length_slot(length)] + BIT * ntpio__length_extra(length);
     for (unsigned i = 0; i < NTPIO__DISTANCES; i++)
         d->distances[i] =
             cost_of(from->distances[i], all, DISTANCE_COST_MAX) + BIT * (i < 4 ? 0 : i / 2 - 1);
@@ -183,13 +185,18 @@ static void count_part(ntpio__deflater *d)
 
 static void join_part(ntpio__deflater *d)
 {
+    const uint64_t alone = block_cost(&d->part);
+    uint64_t together = alone;
     if (d->in_block != 0) {
         ntpio__counts both = d->block;
         add_counts(&both, &d->part, 0);
-        if (d->block_symbols + d->part_symbols > BLOCK ||
-            block_cost(&both) > block_cost(&d->block) + block_cost(&d->part))
+        together = block_cost(&both);
+        if (d->block_symbols + d->part_symbols > BLOCK || together > d->block_cost + alone) {
             end_block(d, false);
+            together = alone;
+        }
     }
+    d->block_cost = together;
     add_counts(&d->block, &d->part, 0);
     d->block_bytes += d->part_bytes;
     d->block_symbols += d->part_symbols;
@@ -217,6 +224,7 @@ static void begin(ntpio__deflater *d, int level, const uint8_t *bytes, size_t fr
     d->effort = &efforts[level];
     d->literals_are_rare = false;
     d->misses = 0;
+    d->leaps = 0;
     d->bytes = bytes;
     d->block_from = from;
     d->to = to;

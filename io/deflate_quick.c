@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * deflate_quick.c - takes the match that saves most, at a byte or at the next one
+ * deflate_quick.c - takes the match that saves most, at a byte or at the next one; at level 1, any that
+ * saves enough
  */
 #include "deflate_state.h"
 
@@ -17,6 +18,9 @@ enum {
     GROWS = NTPIO_TABLE_BITS - 6, /* (sooner in fuzzing) */
     NOISE_PASS = 15,              /* ... up to so many; */
     ZLIB_PASS = 7,                /* in zlib's way, a 2^10th of them, up to this */
+    LITERALS_COST = 4 * BIT,      /* on average; where they cost less, shorter matches hardly pay */
+    LEAPS = 31,                   /* spans, after one that was looked at closely */
+    SHORT_PAY = 16,               /* a match below FAR_BYTES for so many literals: no leaps */
     LAZY = 16, /* zlib's level 6: a match this long is taken without a look at the next byte */
     GOOD = 8   /* ... next to a match this long, a quarter of the places is looked at */
 };
@@ -145,17 +149,101 @@ static inline size_t passed_over(size_t misses, int patience)
     return more < NOISE_PASS ? more : NOISE_PASS;
 }
 
+/* ------------------------------------------------------------------------- leaping */
+
+/*
+ * Level 1 remembers only where the next eight bytes stood last, or the next six where literals are
+ * dear: `shift` puts the others out of the number.  A match is taken from its first byte, which may
+ * have been passed over.  Now and then a span is read closely, and so are those after it while short
+ * matches pay.
+ */
+static inline int32_t *leap_slot(ntpio__deflater *d, uint64_t next, unsigned shift)
+{
+    return &d->far_places[(next << shift) * 0x9e3779b185ebca87u >> (64 - FAR_BITS)];
+}
+
+/* The newest match, or one as far back as the last far one: rows repeat those above. */
+static inline match leap_match(ntpio__deflater *d, size_t at, const uint32_t *sums, unsigned shift,
+                               size_t *last)
+{
+    const uint8_t *here = d->bytes + at;
+    const uint64_t next = load(here);
+    int32_t *slot = leap_slot(d, next, shift);
+    const int32_t place = *slot;
+    *slot = (int32_t) at;
+    __builtin_prefetch(leap_slot(d, load(here + SOON), shift), 1);
+    if (!in_reach(place, at) || (load(d->bytes + place) ^ next) << shift != 0)
+        return NOTHING;
+    const uint32_t most = most_at(d, at);
+    uint32_t length = (uint32_t) common(d->bytes + place, here, most);
+    match m = NOTHING;
+    if (length >= FAR_BYTES)
+        m = better(d, m, sums, at - (size_t) place, length);
+    if (*last != 0 && (uint32_t) m != 0 && length < most) {
+        length = (uint32_t) common(here - *last, here, most);
+        if (length >= FAR_BYTES)
+            m = better(d, m, sums, *last, length);
+    }
+    if ((m & 0xffff) >= CLOSE)
+        *last = (m & 0xffff) + 1;
+    return m;
+}
+
+static void visit_leaping(ntpio__deflater *d, size_t from, size_t to, unsigned shift)
+{
+    const size_t gap = to - from > MUCH ? from + FEW : to;
+    for (size_t i = from; i < gap; i++)
+        *leap_slot(d, load(d->bytes + i), shift) = (int32_t) i;
+    for (size_t i = gap < to ? to - MUCH / 2 : to; i < to; i++)
+        *leap_slot(d, load(d->bytes + i), shift) = (int32_t) i;
+}
+
+static size_t read_leaping(ntpio__deflater *d, size_t from, size_t to)
+{
+    size_t at = from, written = from, misses = d->misses;
+    ntpio__step *out = d->steps + d->count;
+    const bool dear = d->sums[to - from] > LITERALS_COST * (to - from);
+    const unsigned shift = dear ? 64 - 8 * FAR_BYTES : 0;
+    size_t last = 0;
+    match next = NOTHING;
+    while (at < to) {
+        const match m =
+            (uint32_t) next != 0 ? next : leap_match(d, at, d->sums + (at - from), shift, &last);
+        const uint32_t length = (uint32_t) m >> 16;
+        next = NOTHING;
+        if (length == 0) {
+            at += 1 + passed_over(misses++, d->effort->patience);
+            continue;
+        }
+        const ntpio__match taken = reach_back(d, (ntpio__match) m, at, written);
+        misses = 0;
+        *out++ = (ntpio__step) { (uint32_t) (at + length - (taken >> 16) - written), taken };
+        visit_leaping(d, at + 1, at + length, shift);
+        at += length;
+        written = at;
+        next = at < to ? goes_on(d, at, m) : NOTHING;
+    }
+    d->misses = misses;
+    at = at < d->to ? at : d->to;
+    if (at > written)
+        *out++ = (ntpio__step) { (uint32_t) (at - written), 0 };
+    d->count = (size_t) (out - d->steps);
+    return at;
+}
+
+/* ------------------------------------------------------------------------- closely */
+
 /* Reads the span up to `to`, or as far as its last match goes.  Returns where that is. */
-size_t ntpio__read_quickly(ntpio__deflater *d, size_t from, size_t to)
+static size_t read_closely(ntpio__deflater *d, size_t from, size_t to)
 {
     const effort e = *d->effort;
     size_t at = from, written = from;
     size_t misses = d->misses, literals = 0; /* bytes in a row without a match; all of them */
-    const int deep = d->literals_are_rare ? DEEPER * e.deep : e.deep;
-    const int depth = d->literals_are_rare ? deep : e.depth;
+    size_t shorts = 0;
+    const bool deeper = d->literals_are_rare && !e.leaps; /* leaps leave no chains */
+    const int deep = deeper ? DEEPER * e.deep : e.deep, depth = deeper ? deep : e.depth;
     ntpio__step *out = d->steps + d->count;
     const uint32_t *sums = d->sums; /* of the byte at `from` */
-    sum_literals(d, from, to);
     match m = best_match(d, at, sums + (at - from), true, deep, e.enough);
     for (;;) {
         const uint32_t length = (uint32_t) m >> 16;
@@ -177,6 +265,7 @@ size_t ntpio__read_quickly(ntpio__deflater *d, size_t from, size_t to)
                 continue;
             }
             literals += at - back - written;
+            shorts += length < FAR_BYTES;
             *out++ = (ntpio__step) { (uint32_t) (at - back - written), taken };
             visit_all(d, at + 1 + looks, at + length);
             at += length;
@@ -194,10 +283,20 @@ size_t ntpio__read_quickly(ntpio__deflater *d, size_t from, size_t to)
     at = at < d->to ? at : d->to;
     literals += at - written;
     d->literals_are_rare = RARE * literals < at - from;
+    d->leaps = e.leaps && SHORT_PAY * shorts <= literals ? LEAPS : 0;
     if (at > written)
         *out++ = (ntpio__step) { (uint32_t) (at - written), 0 };
     d->count = (size_t) (out - d->steps);
     return at;
+}
+
+size_t ntpio__read_quickly(ntpio__deflater *d, size_t from, size_t to)
+{
+    sum_literals(d, from, to);
+    if (d->leaps == 0)
+        return read_closely(d, from, to);
+    d->leaps--;
+    return read_leaping(d, from, to);
 }
 
 /* ------------------------------------------------------------------------ as zlib does */

@@ -38,6 +38,7 @@ typedef struct effort {
     bool looks_ahead;  /* one byte further */
     int near_patience; /* log2 of ... after which short matches are not looked for */
     int patience; /* log2 of the literals in a row after which every other byte is passed over */
+    bool leaps;   /* looks at most spans less closely */
 } effort;
 
 typedef struct careful {
@@ -57,12 +58,14 @@ struct ntpio__deflater {
     size_t block_symbols, part_symbols; /* literals and matches */
     size_t block_bytes, part_bytes;     /* what they stand for */
     ntpio__counts block, part;          /* of their symbols */
+    uint64_t block_cost;                /* about; in parts of a bit */
     uint32_t literals[NTPIO__LITERALS]; /* costs */
     uint32_t lengths[NTPIO__LENGTH_MAX + 1];
     uint32_t distances[NTPIO__DISTANCES];
     uint32_t sums[SPAN + NTPIO__LENGTH_MAX + 1]; /* of costs as literals, from the span's start */
     bool literals_are_rare;                      /* in the span before */
     size_t misses;                               /* bytes in a row without a match */
+    int leaps;                                   /* spans that are to be read leaping */
     careful *careful;
     const effort *effort;
     const uint8_t *bytes;

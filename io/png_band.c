@@ -4,7 +4,7 @@
  *
  * The rule of filters: each row of a band gets the filter with the least sum of distances from 0
  * (the usual guess, and libpng's), or all of them get the same one, whichever packs best.  From
- * SEARCHES on, that is tried with some of the rows, at level 1; below, the guess is taken.  Normals
+ * SEARCHES on, that is tried with some of the rows, quickly; below, the guess is taken.  Normals
  * that were painted or scaled up need none, smooth ones Average, many a mixture.
  *
  * Costs foresee badly what a long way back repeats, so libpng's defaults can be smaller: the guess,
@@ -158,12 +158,13 @@ static int choose_kind(const ntpio__banding *p, ntpio__band *b)
     if (p->level < SEARCHES)
         return GUESS;
     uint32_t stride = stride_of_groups(p, b);
-    size_t least = try_kind(p, b, GUESS, stride, 1);
-    for (; p->rival != 0 && least < LITTLE && stride > 1; least = try_kind(p, b, GUESS, stride, 1))
+    size_t least = try_kind(p, b, GUESS, stride, NTPIO__LEVEL_TRIAL);
+    for (; p->rival != 0 && least < LITTLE && stride > 1;
+         least = try_kind(p, b, GUESS, stride, NTPIO__LEVEL_TRIAL))
         stride = stride < CLOSER ? 1 : stride / CLOSER;
     int best = GUESS;
     for (int kind = 0; kind < NTPIO__FILTERS; kind++) {
-        const size_t size = try_kind(p, b, kind, stride, 1);
+        const size_t size = try_kind(p, b, kind, stride, NTPIO__LEVEL_TRIAL);
         if (size + size / BARELY < least) {
             least = size;
             best = kind;
@@ -287,7 +288,7 @@ static void pack_small(const ntpio__banding *p, ntpio__band *b)
     size_t sizes[KINDS];
     const size_t most = TINY * KINDS / ntpio__band_size(p, b);
     for (int kind = 0; kind < KINDS; kind++)
-        sizes[kind] = try_kind(p, b, kind, 1, 1);
+        sizes[kind] = try_kind(p, b, kind, 1, NTPIO__LEVEL_TRIAL);
     for (size_t i = 0; i < KINDS && (i == 0 || i < most); i++) {
         filter_band(p, b, take_least(sizes));
         pack_way(p, b, p->level, 0);
