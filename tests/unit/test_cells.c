@@ -5,11 +5,16 @@
  * All colors but black and white, 16 in a row that differ in blue, then 16 of one color; their cells
  * are worked out here without tables.  Runs between guard pages, with a black, white or translucent
  * texel at any place, end at its group.  Counts that are too great for a byte are carried.
+ *
+ * Of all colors those with the derived blue are counted by their rows, and the others left.  A tally of
+ * many texels at once has the sums of one that was made of few at a time, which looks them up.
  */
 #include "guarded.h"
+#include "libntp.h"
 #include "texel/cells.h"
 #include "texel/kernels.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 enum { STEP = NTP__KERNEL_STEP, SKIPPED = 77, WIDEST = 100 };
@@ -35,7 +40,7 @@ static int32_t row_of(int32_t r, int32_t g)
 static void put(uint8_t *dst, int32_t channels, int32_t r, int32_t g, int32_t b)
 {
     const uint8_t v[4] = { (uint8_t) r, (uint8_t) g, (uint8_t) b, 255 };
-    memcpy(dst, v, (size_t) channels);
+    memcpy(dst, v, channels == 4 ? 4 : 3);
 }
 
 /* The counts are those of `want`, and each is noted where it has to be. */
@@ -131,6 +136,94 @@ static void check_ends(const ntp__kernels_table *level, int32_t n, int32_t chann
     guarded_free(&src);
 }
 
+/* Is blue the derived one, and no gray?  The root is found by counting. */
+static bool is_exact(int32_t r, int32_t g, int32_t b)
+{
+    const int32_t x = 2 * r - 255, y = 2 * g - 255, z = 2 * b - 255, rest = 65025 - x * x - y * y;
+    /* half up: (z - 1)^2 <= rest < (z + 1)^2 */
+    return rest >= 0 && z > 0 && (z - 1) * (z - 1) <= rest && rest < (z + 1) * (z + 1) &&
+           (r != g || g != b);
+}
+
+static ntp__exact8_counts exact;
+
+static void check_exact(const ntp__kernels_table *level, int32_t channels)
+{
+    static uint32_t all[NTP__ROWS];
+    uint8_t texels[256 * 4], left[256];
+    memset(exact, 0, sizeof exact);
+    memset(all, 0, sizeof all);
+    for (int32_t pair = 0; pair < 65536; pair++) {
+        const int32_t r = pair & 255, g = pair >> 8, row = row_of(r, g);
+        int32_t others = 0, unlike = 0;
+        for (int32_t b = 0; b < 256; b++) {
+            put(texels + channels * b, channels, r, g, b);
+            /* one of the translucent is exact but for that */
+            if (channels == 4 && pair % 3 == 0)
+                texels[4 * b + 3] = (uint8_t) (pair * 13 + b);
+            const bool counts = is_exact(r, g, b) && (channels == 3 || texels[4 * b + 3] == 255);
+            all[row] += counts;
+        }
+        others = level->count_exact8(exact, left, texels, 256, channels, 256);
+        for (int32_t b = 0; b < 256; b++) {
+            if (is_exact(r, g, b) && (channels == 3 || texels[4 * b + 3] == 255))
+                continue;
+            CHECK(unlike < others && left[unlike] == b);
+            unlike++;
+        }
+        CHECK(unlike == others);
+    }
+    for (int32_t row = 0; row < NTP__ROWS; row++)
+        CHECK((uint32_t) exact[row][0] + exact[row][1] + exact[row][2] + exact[row][3] == all[row]);
+}
+
+/* All pairs with their derived blues; then the first ones more often than a count holds, some of them
+ * black, damaged or translucent. */
+static void fill(uint8_t *texels, int32_t n, int32_t channels, uint64_t *seed)
+{
+    for (int32_t i = 0; i < n; i++) {
+        const int32_t pair = i < 65536 ? i : 127 + 127 * 256, r = pair & 255, g = pair >> 8;
+        int32_t b = 128;
+        while (b < 255 && !is_exact(r, g, b))
+            b++;
+        put(texels + channels * i, channels, r, g, b);
+        if (i >= 65536 && random_bits(seed) % 16 == 0)
+            put(texels + channels * i, channels, (int32_t) random_level(seed, 255),
+                (int32_t) random_level(seed, 255), (int32_t) random_level(seed, 255));
+        if (i >= 65536 && random_bits(seed) % 16 == 0)
+            memset(texels + channels * i, 0, 3);
+        if (channels == 4 && random_bits(seed) % 16 == 0)
+            texels[4 * i + 3] = (uint8_t) random_level(seed, 255);
+    }
+}
+
+static void check_tallies(int32_t channels, uint64_t *seed)
+{
+    enum { WIDTH = 1000, HEIGHT = 1000, FEW = 3 };
+    uint8_t *texels = malloc((size_t) WIDTH * HEIGHT * 4);
+    ntp_tally *many = calloc(1, ntp_tally_size()), *few = calloc(1, ntp_tally_size());
+    uint64_t levels[2][65536] = { { 0 } };
+    ntp_stats stats[2];
+    CHECK(texels != NULL && many != NULL && few != NULL);
+    fill(texels, WIDTH * HEIGHT, channels, seed);
+    const ntp_image image = ntp_image_packed(texels, WIDTH, HEIGHT, channels, NTP_TYPE_U8);
+    const ntp_const_image view = ntp_image_as_const(&image);
+    CHECK(ntp_tally_add(many, &view, 0, NULL) == NTP_OK);
+    for (int32_t y = 0; y < HEIGHT; y += FEW) {
+        const ntp_rect area = { 0, y, WIDTH, y + FEW < HEIGHT ? y + FEW : HEIGHT };
+        CHECK(ntp_tally_add(few, &view, 0, &area) == NTP_OK);
+    }
+    CHECK(ntp_tally_summarize(&stats[0], many, NTP_ENCODING_STANDARD) == NTP_OK);
+    CHECK(ntp_tally_summarize(&stats[1], few, NTP_ENCODING_STANDARD) == NTP_OK);
+    CHECK(memcmp(&stats[0], &stats[1], sizeof stats[0]) == 0);
+    CHECK(ntp_tally_levels_off(levels[0], 65536, many, NTP_ENCODING_STANDARD) == NTP_OK);
+    CHECK(ntp_tally_levels_off(levels[1], 65536, few, NTP_ENCODING_STANDARD) == NTP_OK);
+    CHECK(memcmp(levels[0], levels[1], sizeof levels[0]) == 0);
+    free(few);
+    free(many);
+    free(texels);
+}
+
 int main(void)
 {
     const ntp__kernels_table *level = ntp__kernels(NTP__CPU_ALL);
@@ -140,6 +233,8 @@ int main(void)
     for (int32_t channels = 3; channels <= 4; channels++) {
         check_colors(level, channels);
         check_many(level, channels);
+        check_exact(level, channels);
+        check_tallies(channels, &seed);
         for (int32_t n = 1; n <= WIDEST; n++)
             check_ends(level, n, channels, &seed);
     }

@@ -35,6 +35,7 @@ static uint32_t define_row(ntp__color_counts *t, uint32_t row, int32_t k1, int32
     uint32_t first = first_near(k1, k2, want < 0 ? K : want);
     t->row_pair[row] = (uint16_t) ((K + k1) | (K + k2) << 8);
     t->row_first[row] = (uint8_t) first;
+    t->row_blue[row] = (uint8_t) (want < 0 ? 0 : want);
     return ntp__entry(row, first);
 }
 
@@ -145,14 +146,43 @@ int32_t ntp__row_cells(ntp__cells *cells, const ntp__color_counts *t, int32_t ro
     return n;
 }
 
+/* The row after this one, of those whose magnitudes are at most `most`: flat ones are the last. */
+static inline int32_t next_of(int32_t row, int32_t most)
+{
+    return row + 1 == (most + 1) * (most + 2) / 2 ? NTP__ROWS - NTP__FLAT_ROWS : row + 1;
+}
+
+void ntp__take_exact(ntp__color_counts *t, int32_t most)
+{
+    for (int32_t row = 0; t->exact_texels > 0 && row < NTP__ROWS; row = next_of(row, most)) {
+        uint16_t *const exact = t->exact[row];
+        uint64_t any;
+        memcpy(&any, exact, sizeof any);
+        if (any == 0)
+            continue;
+        uint32_t count = (uint32_t) exact[0] + exact[1] + exact[2] + exact[3];
+        memset(exact, 0, sizeof any);
+        const uint32_t place = (uint32_t) t->row_blue[row] - t->row_first[row];
+        if (place < NTP__NEAR) {
+            t->at.near[(uint32_t) row * NTP__NEAR + place] += count;
+            continue;
+        }
+        t->at.row_seen[row] |= NTP__SEEN_FAR;
+        for (uint32_t part; count > 0; count -= part) {
+            part = count < 256 ? count : 256;
+            ntp__count_far(&t->at, (uint32_t) row * NTP__ROW_CELLS + t->row_blue[row], part);
+        }
+    }
+    t->exact_texels = 0;
+}
+
 /* Adds the rows that were not noted to `seen`, which is t's own or a copy.  Steeper rows than any in
  * use are a third of all, or more, and stay untouched. */
 static void find_rows(uint8_t seen[NTP__ROWS], const ntp__color_counts *t, int32_t most)
 {
-    const int32_t end = (most + 1) * (most + 2) / 2, flat = NTP__ROWS - NTP__FLAT_ROWS;
     if (!t->unnoted)
         return;
-    for (int32_t row = 0; row < NTP__ROWS; row = row + 1 == end ? flat : row + 1) {
+    for (int32_t row = 0; row < NTP__ROWS; row = next_of(row, most)) {
         uint32_t any = 0;
         for (int32_t i = 0; i < NTP__NEAR; i++)
             any |= t->at.near[row * NTP__NEAR + i];

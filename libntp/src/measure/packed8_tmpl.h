@@ -85,15 +85,48 @@ static inline int32_t count_groups(ntp_tally *t, uint64_t far_before, int32_t do
     return count != NULL ? count(&t->cells.at, p, n, channels, &t->gray) : 0;
 }
 
-static void count_rgb8(ntp_tally *t, const uint8_t *p, int32_t n)
+/* Where to go on: the kernel that counts exact texels may be of no use for the next ones. */
+typedef struct exact_part {
+    uint8_t left[256]; /* places of texels that are not counted */
+    int32_t others;    /* how many these are */
+} exact_part;
+
+/* Counts exact texels of the first ones of a row, and returns of how many.  Where it leaves more than half
+ * of them, as in photographs and damaged textures, it is asked again later. */
+static int32_t count_exact(ntp_tally *t, exact_counting *e, exact_part *part, const uint8_t *p,
+                           int32_t n, int32_t channels)
+{
+    enum { BLOCK = 256, WAIT_MOST = 16 * BLOCK };
+    const int32_t size = n < BLOCK ? n / GROUP * GROUP : BLOCK;
+    part->others = 0;
+    if (e->count == NULL || e->wait > 0 || size == 0)
+        return 0;
+    if (t->cells.exact_texels + BLOCK > NTP__EXACT_MOST)
+        ntp__take_exact(&t->cells, ntp__steepest_of(t));
+    t->cells.exact_texels += (uint32_t) size;
+    part->others = e->count(t->cells.exact, part->left, p, size, channels, e->ahead);
+    e->last_wait = 2 * part->others <= size       ? 0
+                   : 2 * e->last_wait < WAIT_MOST ? 2 * e->last_wait + BLOCK
+                                                  : WAIT_MOST;
+    e->wait = e->last_wait;
+    return size;
+}
+
+/* How many of the next n texels are to be counted in another way. */
+static int32_t not_exact(exact_counting *e, int32_t n)
+{
+    const int32_t size = e->count == NULL || n < GROUP || n < e->wait ? n : e->wait;
+    e->wait -= size < e->wait ? size : e->wait;
+    return size;
+}
+
+static uint64_t look_up_rgb8(ntp_tally *t, const uint8_t *p, int32_t n)
 {
     uint64_t unused = 0;
     uint32_t *near = t->cells.at.near;
     const uint64_t far = t->cells.far_texels;
     const int32_t all = n;
     const uint32_t *row_of = t->cells.row_of;
-    add_bytes(t, p, n, 3);
-    t->narrow += (uint64_t) n;
     for (; n >= GROUP; n -= GROUP) {
         const int32_t quick = count_groups(t, far, all - n, p, n, 3);
         p += 3 * quick;
@@ -110,7 +143,49 @@ static void count_rgb8(ntp_tally *t, const uint8_t *p, int32_t n)
     }
     for (; n > 0; n--, p += 3)
         unused += count_color(t, row_of, near, p, 1);
-    t->narrow -= unused;
+    return unused;
+}
+
+/* Counts opaque texels that are left.  Counts of far cells are waited for, so they come apart. */
+static uint64_t count_left(ntp_tally *t, const exact_part *part, const uint8_t *p, int32_t channels)
+{
+    uint32_t far[256];
+    uint64_t unused = 0;
+    int32_t n = 0;
+    for (int32_t i = 0; i < part->others; i++) {
+        const uint8_t *const q = p + channels * part->left[i];
+        const uint32_t entry = t->cells.row_of[q[0] | (uint32_t) q[1] << 8];
+        const uint32_t place = q[2] - ntp__entry_first(entry);
+        const uint32_t row = ntp__entry_cells(entry) / NTP__NEAR;
+        if (place < NTP__NEAR) {
+            t->cells.at.near[ntp__entry_cells(entry) + place]++;
+        } else if ((q[0] == q[1]) & (q[1] == q[2])) {
+            unused += count_odd(t, q, entry, 1);
+        } else {
+            far[n++] = row * NTP__ROW_CELLS + q[2];
+            t->cells.at.row_seen[row] |= NTP__SEEN_FAR;
+        }
+    }
+    for (int32_t i = 0; i < n; i++)
+        ntp__count_far(&t->cells.at, far[i], 1);
+    return unused;
+}
+
+static void count_rgb8(ntp_tally *t, exact_counting *e, const uint8_t *p, int32_t n)
+{
+    exact_part part;
+    e->ahead = 3 * (size_t) n;
+    add_bytes(t, p, n, 3);
+    t->narrow += (uint64_t) n;
+    while (n > 0) {
+        const int32_t done = count_exact(t, e, &part, p, n, 3);
+        t->narrow -= count_left(t, &part, p, 3);
+        const int32_t next = not_exact(e, n - done);
+        p += 3 * done;
+        t->narrow -= look_up_rgb8(t, p, next);
+        p += 3 * next;
+        n -= done + next;
+    }
 }
 
 /* What the texels of a row with alpha are counted by. */
@@ -160,16 +235,10 @@ static inline void count_group_rgba8(ntp_tally *t, alpha_counts *c, const uint8_
         c->unused += count_color(t, t->cells.row_of, t->cells.at.near, p + 4 * i, 1);
 }
 
-static void count_rgba8(ntp_tally *t, const uint8_t *p, int32_t n)
+static void look_up_rgba8(ntp_tally *t, alpha_counts *c, const uint8_t *p, int32_t n)
 {
-    alpha_counts c;
     const uint64_t far = t->cells.far_texels;
     const int32_t all = n;
-    no_unused(&c.transparent);
-    c.visible = t->touched & NTP_UNUSED_TRANSPARENT ? 0 : 1;
-    c.unused = c.ag = 0;
-    add_bytes(t, p, n, 4);
-    t->narrow += (uint64_t) n;
     for (; n >= GROUP; n -= GROUP, p += 4 * GROUP) {
         const int32_t quick = count_groups(t, far, all - n, p, n, 4);
         t->alpha[255] += (uint32_t) quick;
@@ -177,10 +246,33 @@ static void count_rgba8(ntp_tally *t, const uint8_t *p, int32_t n)
         n -= quick;
         if (n < GROUP)
             break;
-        count_group_rgba8(t, &c, p);
+        count_group_rgba8(t, c, p);
     }
     for (; n > 0; n--, p += 4)
-        count_one_rgba8(t, &c, p);
+        count_one_rgba8(t, c, p);
+}
+
+static void count_rgba8(ntp_tally *t, exact_counting *e, const uint8_t *p, int32_t n)
+{
+    alpha_counts c;
+    exact_part part;
+    no_unused(&c.transparent);
+    c.visible = t->touched & NTP_UNUSED_TRANSPARENT ? 0 : 1;
+    c.unused = c.ag = 0;
+    e->ahead = 4 * (size_t) n;
+    add_bytes(t, p, n, 4);
+    t->narrow += (uint64_t) n;
+    while (n > 0) {
+        const int32_t done = count_exact(t, e, &part, p, n, 4);
+        t->alpha[255] += (uint32_t) (done - part.others);
+        for (int32_t i = 0; i < part.others; i++)
+            count_one_rgba8(t, &c, p + 4 * part.left[i]);
+        const int32_t next = not_exact(e, n - done);
+        p += 4 * done;
+        look_up_rgba8(t, &c, p, next);
+        p += 4 * next;
+        n -= done + next;
+    }
     end_unused(t, &c.transparent, 255);
     t->narrow -= c.unused;
     t->ag_in_disc += c.ag;

@@ -29,6 +29,11 @@ enum {
 /* Where the cells of a row hold counts. */
 enum { NTP__SEEN_NEAR = 1, NTP__SEEN_FAR = 2, NTP__SEEN_CARRIED = 4 };
 
+/* Exact texels of a row, those with its derived blue.  Neighbors are often alike, and a count waits for
+ * the one before it in the same place; so there are four counts, one for each fourth texel. */
+enum { NTP__EXACT_COPIES = 4, NTP__EXACT_MOST = NTP__EXACT_COPIES * 65535 };
+typedef uint16_t ntp__exact8_counts[NTP__ROWS + 1][NTP__EXACT_COPIES]; /* the last one: of no row */
+
 typedef struct ntp__cell_counts {
     uint8_t row_seen[NTP__ROWS]; /* NTP__SEEN_* */
     uint32_t near[NTP__ROWS * NTP__NEAR];

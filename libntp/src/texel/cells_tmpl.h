@@ -132,6 +132,90 @@ static int32_t count_cells(ntp__cell_counts *counts, const uint8_t *src, int32_t
     count_each(counts, at, rows, waiting);
     return i;
 }
+
+/* The rows of 16 pairs of bytes; k are the k of red and green. */
+static inline __m256i row_words(__m256i pairs, __m256i k)
+{
+    const __m256i p = _mm256_and_si256(k, _mm256_set1_epi16(255)), q = _mm256_srli_epi16(k, 8);
+    const __m256i k1 = _mm256_max_epi16(p, q), k2 = _mm256_min_epi16(p, q);
+    const __m256i square = _mm256_mullo_epi16(k1, _mm256_sub_epi16(k1, _mm256_set1_epi16(-1)));
+    /* flat: the high bits of red and green, as bits 0 and 1 */
+    const __m256i bits =
+        _mm256_or_si256(_mm256_slli_epi16(_mm256_srli_epi16(pairs, 15), 1),
+                        _mm256_and_si256(_mm256_srli_epi16(pairs, 7), _mm256_set1_epi16(1)));
+    return _mm256_blendv_epi8(_mm256_add_epi16(_mm256_srli_epi16(square, 1), k2),
+                              _mm256_add_epi16(bits, _mm256_set1_epi16(NTP__ROWS - NTP__FLAT_ROWS)),
+                              _mm256_cmpeq_epi16(k, _mm256_setzero_si256()));
+}
+
+/*
+ * The rows of 16 texels, or NTP__ROWS of those that are not exact or not opaque.  With t = b - 128, exact
+ * is 128 <= b, 0 <= e - t*t <= 2t.  Modulo 2^16, e - t*t is more than 2t for every e < 0, as it is -2^15 or
+ * more then.  Only (201, 201, 201) is exact and gray: it is left to the caller too.
+ */
+static inline __m256i exact_rows(const uint8_t *src, int32_t channels)
+{
+    enum { GRAY = 0xc9c9 };
+    const __m256i low = _mm256_set1_epi32(0xffff);
+    __m256i colors[2];
+    if (channels == 3) {
+        load_rgb(colors, src);
+    } else {
+        for (int k = 0; k < 2; k++)
+            colors[k] = _mm256_loadu_si256((const __m256i *) (const void *) (src + 32 * k));
+    }
+    /* in the order 0 to 3, 8 to 11, 4 to 7, 12 to 15 */
+    const __m256i pairs =
+        _mm256_packus_epi32(_mm256_and_si256(colors[0], low), _mm256_and_si256(colors[1], low));
+    const __m256i blues =
+        _mm256_packus_epi32(_mm256_srli_epi32(colors[0], 16), _mm256_srli_epi32(colors[1], 16));
+    const __m256i k = _mm256_min_epu8(_mm256_xor_si256(pairs, _mm256_set1_epi8(127)),
+                                      _mm256_xor_si256(pairs, _mm256_set1_epi8(-128)));
+    const __m256i xy = _mm256_maddubs_epi16(_mm256_sub_epi8(k, _mm256_set1_epi8(-1)), k);
+    const __m256i e = _mm256_sub_epi16(_mm256_set1_epi16(REST_8), xy);
+    /* t is above 127 where alpha is not 255, or blue is below 128 */
+    const __m256i t =
+        _mm256_xor_si256(blues, _mm256_set1_epi16((short) (channels == 3 ? 0x80 : 0xff80)));
+    const __m256i rest = _mm256_sub_epi16(e, _mm256_mullo_epi16(t, t));
+    const __m256i off = _mm256_or_si256(_mm256_subs_epu16(rest, _mm256_add_epi16(t, t)),
+                                        _mm256_subs_epu16(t, _mm256_set1_epi16(127)));
+    const __m256i exact =
+        _mm256_andnot_si256(_mm256_cmpeq_epi16(pairs, _mm256_set1_epi16((short) GRAY)),
+                            _mm256_cmpeq_epi16(off, _mm256_setzero_si256()));
+    return _mm256_permute4x64_epi64(
+        _mm256_blendv_epi8(_mm256_set1_epi16(NTP__ROWS), row_words(pairs, k), exact), 0xd8);
+}
+
+static int32_t count_exact8(ntp__exact8_counts exact, uint8_t *left, const uint8_t *src, int32_t n,
+                            int32_t channels, size_t ahead)
+{
+    enum { GROUP = 16, COPIES = NTP__EXACT_COPIES };
+    uint16_t at[256];
+    int32_t waiting = 0, others = 0;
+    for (int32_t i = 0; i + GROUP <= n; i += GROUP, src += channels * GROUP) {
+        _mm_prefetch((const char *) src + ahead, _MM_HINT_T0);
+        const __m256i rows = exact_rows(src, channels);
+        _mm256_storeu_si256((__m256i *) (void *) (at + waiting), rows);
+        const __m256i none = _mm256_cmpeq_epi16(rows, _mm256_set1_epi16(NTP__ROWS));
+        for (uint32_t bits = (uint32_t) _mm256_movemask_epi8(none) & 0x55555555; bits != 0;
+             bits &= bits - 1)
+            left[others++] = (uint8_t) (i + __builtin_ctz(bits) / 2);
+        const __m256i first = _mm256_broadcastw_epi16(_mm256_castsi256_si128(rows));
+        if (_mm256_movemask_epi8(_mm256_cmpeq_epi16(rows, first)) == -1) {
+            for (int k = 0; k < COPIES; k++)
+                exact[at[waiting]][k] += GROUP / COPIES;
+            continue;
+        }
+        waiting += GROUP;
+    }
+    for (int32_t i = 0; i < waiting; i += COPIES) {
+        UNROLLED
+        for (int k = 0; k < COPIES; k++)
+            exact[at[i + k]][k]++;
+    }
+    return others;
+}
 #else
-#  define count_cells NULL
+#  define count_cells  NULL
+#  define count_exact8 NULL
 #endif

@@ -390,6 +390,7 @@ const ntp__kernels_table CONCAT(ntp__kernels_, NTP_ISA) = {
     validate,
     validate_rgb,
     count_cells,
+    count_exact8,
     survey8,
     survey,
     judge_block,

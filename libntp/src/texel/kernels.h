@@ -76,6 +76,15 @@ typedef void ntp__validate_rgb_fn(uint8_t *flags, const void *src, int32_t n,
 typedef int32_t ntp__count8_fn(ntp__cell_counts *counts, const uint8_t *src, int32_t n,
                                int32_t channels, uint64_t *gray);
 
+/*
+ * Counts packed texels of 3 or 4 channels of 8 bit that are exact and opaque by their rows.  Those that are
+ * not, and gray ones, are left: their places are in `left`, in order, and the result is their number.
+ * n <= 256, a multiple of NTP__KERNEL_STEP.  Up to NTP__EXACT_MOST texels can be counted.  What lies `ahead`
+ * bytes further on is fetched, as sums of the next row would wait for it.
+ */
+typedef int32_t ntp__count_exact8_fn(ntp__exact8_counts exact, uint8_t *left, const uint8_t *src,
+                                     int32_t n, int32_t channels, size_t ahead);
+
 /* What is known of a block of texels at once. */
 typedef struct ntp__survey {
     uint32_t least[3], greatest[3], sum[3];
@@ -224,6 +233,7 @@ typedef struct ntp__kernels_table {
     ntp__validate_fn *validate;
     ntp__validate_rgb_fn *validate_rgb; /* NULL where planes are as fast */
     ntp__count8_fn *count_cells;        /* NULL where a table is faster than arithmetic */
+    ntp__count_exact8_fn *count_exact8; /* NULL where look-ups are as fast */
     ntp__survey8_fn *survey8;
     ntp__survey_fn *survey;
     ntp__judge_block_fn *judge_block;
