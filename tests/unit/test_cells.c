@@ -150,12 +150,13 @@ static ntp__exact8_counts exact;
 static void check_exact(const ntp__kernels_table *level, int32_t channels)
 {
     static uint32_t all[NTP__ROWS];
-    uint8_t texels[256 * 4], left[256];
+    uint8_t texels[256 * 4];
+    ntp__exact8_block block;
     memset(exact, 0, sizeof exact);
     memset(all, 0, sizeof all);
     for (int32_t pair = 0; pair < 65536; pair++) {
         const int32_t r = pair & 255, g = pair >> 8, row = row_of(r, g);
-        int32_t others = 0, unlike = 0;
+        int32_t unlike = 0;
         for (int32_t b = 0; b < 256; b++) {
             put(texels + channels * b, channels, r, g, b);
             /* one of the translucent is exact but for that */
@@ -164,14 +165,15 @@ static void check_exact(const ntp__kernels_table *level, int32_t channels)
             const bool counts = is_exact(r, g, b) && (channels == 3 || texels[4 * b + 3] == 255);
             all[row] += counts;
         }
-        others = level->count_exact8(exact, left, texels, 256, channels, 256);
+        level->count_exact8(&block, exact, texels, 256, channels, 256);
         for (int32_t b = 0; b < 256; b++) {
+            CHECK(block.row[b] == row);
             if (is_exact(r, g, b) && (channels == 3 || texels[4 * b + 3] == 255))
                 continue;
-            CHECK(unlike < others && left[unlike] == b);
+            CHECK(unlike < block.others && block.left[unlike] == b);
             unlike++;
         }
-        CHECK(unlike == others);
+        CHECK(unlike == block.others);
     }
     for (int32_t row = 0; row < NTP__ROWS; row++)
         CHECK((uint32_t) exact[row][0] + exact[row][1] + exact[row][2] + exact[row][3] == all[row]);

@@ -85,16 +85,10 @@ static inline int32_t count_groups(ntp_tally *t, uint64_t far_before, int32_t do
     return count != NULL ? count(&t->cells.at, p, n, channels, &t->gray) : 0;
 }
 
-/* Where to go on: the kernel that counts exact texels may be of no use for the next ones. */
-typedef struct exact_part {
-    uint8_t left[256]; /* places of texels that are not counted */
-    int32_t others;    /* how many these are */
-} exact_part;
-
-/* Counts exact texels of the first ones of a row, and returns of how many.  Where it leaves more than half
- * of them, as in photographs and damaged textures, it is asked again later. */
-static int32_t count_exact(ntp_tally *t, exact_counting *e, exact_part *part, const uint8_t *p,
-                           int32_t n, int32_t channels)
+/* Counts exact texels of the first ones of a row, and returns of how many.  Where it leaves more than a
+ * quarter of them, as in photographs and damaged textures, it is asked again later. */
+static int32_t count_exact(ntp_tally *t, exact_counting *e, ntp__exact8_block *part,
+                           const uint8_t *p, int32_t n, int32_t channels)
 {
     enum { BLOCK = 256, WAIT_MOST = 16 * BLOCK };
     const int32_t size = n < BLOCK ? n / GROUP * GROUP : BLOCK;
@@ -104,8 +98,8 @@ static int32_t count_exact(ntp_tally *t, exact_counting *e, exact_part *part, co
     if (t->cells.exact_texels + BLOCK > NTP__EXACT_MOST)
         ntp__take_exact(&t->cells, ntp__steepest_of(t));
     t->cells.exact_texels += (uint32_t) size;
-    part->others = e->count(t->cells.exact, part->left, p, size, channels, e->ahead);
-    e->last_wait = 2 * part->others <= size       ? 0
+    e->count(part, t->cells.exact, p, size, channels, e->ahead);
+    e->last_wait = 4 * part->others <= size       ? 0
                    : 2 * e->last_wait < WAIT_MOST ? 2 * e->last_wait + BLOCK
                                                   : WAIT_MOST;
     e->wait = e->last_wait;
@@ -120,7 +114,18 @@ static int32_t not_exact(exact_counting *e, int32_t n)
     return size;
 }
 
-static uint64_t look_up_rgb8(ntp_tally *t, const uint8_t *p, int32_t n)
+/* What is counted after a row: sums of the next one would wait for it. */
+static inline void fetch(const uint8_t *p, size_t ahead)
+{
+#ifdef __GNUC__
+    __builtin_prefetch(p + ahead);
+#else
+    (void) p;
+    (void) ahead;
+#endif
+}
+
+static uint64_t look_up_rgb8(ntp_tally *t, const uint8_t *p, int32_t n, size_t ahead)
 {
     uint64_t unused = 0;
     uint32_t *near = t->cells.at.near;
@@ -133,6 +138,7 @@ static uint64_t look_up_rgb8(ntp_tally *t, const uint8_t *p, int32_t n)
         n -= quick;
         if (n < GROUP)
             break;
+        fetch(p, ahead);
         if (is_even_rgb8(p)) {
             unused += count_color(t, row_of, near, p, GROUP);
             p += 3 * GROUP;
@@ -147,20 +153,20 @@ static uint64_t look_up_rgb8(ntp_tally *t, const uint8_t *p, int32_t n)
 }
 
 /* Counts opaque texels that are left.  Counts of far cells are waited for, so they come apart. */
-static uint64_t count_left(ntp_tally *t, const exact_part *part, const uint8_t *p, int32_t channels)
+static uint64_t count_left(ntp_tally *t, const ntp__exact8_block *part, const uint8_t *p,
+                           int32_t channels)
 {
     uint32_t far[256];
     uint64_t unused = 0;
     int32_t n = 0;
     for (int32_t i = 0; i < part->others; i++) {
         const uint8_t *const q = p + channels * part->left[i];
-        const uint32_t entry = t->cells.row_of[q[0] | (uint32_t) q[1] << 8];
-        const uint32_t place = q[2] - ntp__entry_first(entry);
-        const uint32_t row = ntp__entry_cells(entry) / NTP__NEAR;
+        const uint32_t row = part->row[part->left[i]], first = t->cells.row_first[row];
+        const uint32_t place = q[2] - first;
         if (place < NTP__NEAR) {
-            t->cells.at.near[ntp__entry_cells(entry) + place]++;
+            t->cells.at.near[row * NTP__NEAR + place]++;
         } else if ((q[0] == q[1]) & (q[1] == q[2])) {
-            unused += count_odd(t, q, entry, 1);
+            unused += count_odd(t, q, ntp__entry(row, first), 1);
         } else {
             far[n++] = row * NTP__ROW_CELLS + q[2];
             t->cells.at.row_seen[row] |= NTP__SEEN_FAR;
@@ -173,7 +179,7 @@ static uint64_t count_left(ntp_tally *t, const exact_part *part, const uint8_t *
 
 static void count_rgb8(ntp_tally *t, exact_counting *e, const uint8_t *p, int32_t n)
 {
-    exact_part part;
+    ntp__exact8_block part;
     e->ahead = 3 * (size_t) n;
     add_bytes(t, p, n, 3);
     t->narrow += (uint64_t) n;
@@ -182,7 +188,7 @@ static void count_rgb8(ntp_tally *t, exact_counting *e, const uint8_t *p, int32_
         t->narrow -= count_left(t, &part, p, 3);
         const int32_t next = not_exact(e, n - done);
         p += 3 * done;
-        t->narrow -= look_up_rgb8(t, p, next);
+        t->narrow -= look_up_rgb8(t, p, next, e->ahead);
         p += 3 * next;
         n -= done + next;
     }
@@ -255,7 +261,7 @@ static void look_up_rgba8(ntp_tally *t, alpha_counts *c, const uint8_t *p, int32
 static void count_rgba8(ntp_tally *t, exact_counting *e, const uint8_t *p, int32_t n)
 {
     alpha_counts c;
-    exact_part part;
+    ntp__exact8_block part;
     no_unused(&c.transparent);
     c.visible = t->touched & NTP_UNUSED_TRANSPARENT ? 0 : 1;
     c.unused = c.ag = 0;

@@ -44,14 +44,15 @@ static inline __m256i load_colors(const uint8_t *first, const uint8_t *second, _
     return _mm256_shuffle_epi8(both, shuffle);
 }
 
-/* Sixteen texels of packed RGB; the last load begins four bytes early, to end with them. */
+/* Sixteen texels of packed RGB: 0 to 3 and 8 to 11, 4 to 7 and 12 to 15.  The last load begins four bytes
+ * early, to end with them. */
 static inline void load_rgb(__m256i colors[2], const uint8_t *src)
 {
 #  define FOUR(at)                                                                                 \
       (at), (at) + 1, (at) + 2, -1, (at) + 3, (at) + 4, (at) + 5, -1, (at) + 6, (at) + 7,          \
           (at) + 8, -1, (at) + 9, (at) + 10, (at) + 11, -1
-    colors[0] = load_colors(src, src + 12, _mm256_setr_epi8(FOUR(0), FOUR(0)));
-    colors[1] = load_colors(src + 24, src + 32, _mm256_setr_epi8(FOUR(0), FOUR(4)));
+    colors[0] = load_colors(src, src + 24, _mm256_setr_epi8(FOUR(0), FOUR(0)));
+    colors[1] = load_colors(src + 12, src + 32, _mm256_setr_epi8(FOUR(0), FOUR(4)));
 #  undef FOUR
 }
 
@@ -149,11 +150,11 @@ static inline __m256i row_words(__m256i pairs, __m256i k)
 }
 
 /*
- * The rows of 16 texels, or NTP__ROWS of those that are not exact or not opaque.  With t = b - 128, exact
+ * The rows of 16 texels, and which of these are exact and opaque.  With t = b - 128, exact
  * is 128 <= b, 0 <= e - t*t <= 2t.  Modulo 2^16, e - t*t is more than 2t for every e < 0, as it is -2^15 or
  * more then.  Only (201, 201, 201) is exact and gray: it is left to the caller too.
  */
-static inline __m256i exact_rows(const uint8_t *src, int32_t channels)
+static inline __m256i are_exact(__m256i *rows, const uint8_t *src, int32_t channels)
 {
     enum { GRAY = 0xc9c9 };
     const __m256i low = _mm256_set1_epi32(0xffff);
@@ -162,9 +163,8 @@ static inline __m256i exact_rows(const uint8_t *src, int32_t channels)
         load_rgb(colors, src);
     } else {
         for (int k = 0; k < 2; k++)
-            colors[k] = _mm256_loadu_si256((const __m256i *) (const void *) (src + 32 * k));
+            colors[k] = load_two(src + 16 * k, src + 32 + 16 * k);
     }
-    /* in the order 0 to 3, 8 to 11, 4 to 7, 12 to 15 */
     const __m256i pairs =
         _mm256_packus_epi32(_mm256_and_si256(colors[0], low), _mm256_and_si256(colors[1], low));
     const __m256i blues =
@@ -182,24 +182,26 @@ static inline __m256i exact_rows(const uint8_t *src, int32_t channels)
     const __m256i exact =
         _mm256_andnot_si256(_mm256_cmpeq_epi16(pairs, _mm256_set1_epi16((short) GRAY)),
                             _mm256_cmpeq_epi16(off, _mm256_setzero_si256()));
-    return _mm256_permute4x64_epi64(
-        _mm256_blendv_epi8(_mm256_set1_epi16(NTP__ROWS), row_words(pairs, k), exact), 0xd8);
+    *rows = row_words(pairs, k);
+    return exact;
 }
 
-static int32_t count_exact8(ntp__exact8_counts exact, uint8_t *left, const uint8_t *src, int32_t n,
-                            int32_t channels, size_t ahead)
+static void count_exact8(ntp__exact8_block *out, ntp__exact8_counts exact, const uint8_t *src,
+                         int32_t n, int32_t channels, size_t ahead)
 {
     enum { GROUP = 16, COPIES = NTP__EXACT_COPIES };
     uint16_t at[256];
     int32_t waiting = 0, others = 0;
     for (int32_t i = 0; i + GROUP <= n; i += GROUP, src += channels * GROUP) {
+        __m256i rows;
         _mm_prefetch((const char *) src + ahead, _MM_HINT_T0);
-        const __m256i rows = exact_rows(src, channels);
+        const __m256i is_exact = are_exact(&rows, src, channels);
+        _mm256_storeu_si256((__m256i *) (void *) (out->row + i), rows);
+        rows = _mm256_blendv_epi8(_mm256_set1_epi16(NTP__ROWS), rows, is_exact);
         _mm256_storeu_si256((__m256i *) (void *) (at + waiting), rows);
-        const __m256i none = _mm256_cmpeq_epi16(rows, _mm256_set1_epi16(NTP__ROWS));
-        for (uint32_t bits = (uint32_t) _mm256_movemask_epi8(none) & 0x55555555; bits != 0;
+        for (uint32_t bits = ~(uint32_t) _mm256_movemask_epi8(is_exact) & 0x55555555; bits != 0;
              bits &= bits - 1)
-            left[others++] = (uint8_t) (i + __builtin_ctz(bits) / 2);
+            out->left[others++] = (uint8_t) (i + __builtin_ctz(bits) / 2);
         const __m256i first = _mm256_broadcastw_epi16(_mm256_castsi256_si128(rows));
         if (_mm256_movemask_epi8(_mm256_cmpeq_epi16(rows, first)) == -1) {
             for (int k = 0; k < COPIES; k++)
@@ -213,7 +215,7 @@ static int32_t count_exact8(ntp__exact8_counts exact, uint8_t *left, const uint8
         for (int k = 0; k < COPIES; k++)
             exact[at[i + k]][k]++;
     }
-    return others;
+    out->others = others;
 }
 #else
 #  define count_cells  NULL

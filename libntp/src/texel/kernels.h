@@ -76,14 +76,21 @@ typedef void ntp__validate_rgb_fn(uint8_t *flags, const void *src, int32_t n,
 typedef int32_t ntp__count8_fn(ntp__cell_counts *counts, const uint8_t *src, int32_t n,
                                int32_t channels, uint64_t *gray);
 
+/* What is known of packed texels of 8 bit: the row of each, and the places of those that are not counted,
+ * in order. */
+typedef struct ntp__exact8_block {
+    uint16_t row[256];
+    uint8_t left[256];
+    int32_t others; /* how many are not counted */
+} ntp__exact8_block;
+
 /*
- * Counts packed texels of 3 or 4 channels of 8 bit that are exact and opaque by their rows.  Those that are
- * not, and gray ones, are left: their places are in `left`, in order, and the result is their number.
+ * Counts packed texels of 3 or 4 channels of 8 bit that are exact, opaque and not gray, by their rows.
  * n <= 256, a multiple of NTP__KERNEL_STEP.  Up to NTP__EXACT_MOST texels can be counted.  What lies `ahead`
  * bytes further on is fetched, as sums of the next row would wait for it.
  */
-typedef int32_t ntp__count_exact8_fn(ntp__exact8_counts exact, uint8_t *left, const uint8_t *src,
-                                     int32_t n, int32_t channels, size_t ahead);
+typedef void ntp__count_exact8_fn(ntp__exact8_block *out, ntp__exact8_counts exact,
+                                  const uint8_t *src, int32_t n, int32_t channels, size_t ahead);
 
 /* What is known of a block of texels at once. */
 typedef struct ntp__survey {
