@@ -241,7 +241,7 @@ static inline void count_group_rgba8(ntp_tally *t, alpha_counts *c, const uint8_
         c->unused += count_color(t, t->cells.row_of, t->cells.at.near, p + 4 * i, 1);
 }
 
-static void look_up_rgba8(ntp_tally *t, alpha_counts *c, const uint8_t *p, int32_t n)
+static void look_up_rgba8(ntp_tally *t, alpha_counts *c, const uint8_t *p, int32_t n, size_t ahead)
 {
     const uint64_t far = t->cells.far_texels;
     const int32_t all = n;
@@ -252,6 +252,7 @@ static void look_up_rgba8(ntp_tally *t, alpha_counts *c, const uint8_t *p, int32
         n -= quick;
         if (n < GROUP)
             break;
+        fetch(p, ahead);
         count_group_rgba8(t, c, p);
     }
     for (; n > 0; n--, p += 4)
@@ -275,7 +276,7 @@ static void count_rgba8(ntp_tally *t, exact_counting *e, const uint8_t *p, int32
             count_one_rgba8(t, &c, p + 4 * part.left[i]);
         const int32_t next = not_exact(e, n - done);
         p += 4 * done;
-        look_up_rgba8(t, &c, p, next);
+        look_up_rgba8(t, &c, p, next, e->ahead);
         p += 4 * next;
         n -= done + next;
     }
