@@ -152,27 +152,36 @@ static inline int32_t next_of(int32_t row, int32_t most)
     return row + 1 == (most + 1) * (most + 2) / 2 ? NTP__ROWS - NTP__FLAT_ROWS : row + 1;
 }
 
-void ntp__take_exact(ntp__color_counts *t, int32_t most)
+/* Adds the exact texels of `from` to the cells of `into`, and notes their rows. */
+static void add_exact(ntp__color_counts *into, const ntp__color_counts *from, int32_t most)
 {
-    for (int32_t row = 0; t->exact_texels > 0 && row < NTP__ROWS; row = next_of(row, most)) {
-        uint16_t *const exact = t->exact[row];
+    for (int32_t row = 0; from->exact_texels > 0 && row < NTP__ROWS; row = next_of(row, most)) {
+        const uint16_t *const exact = from->exact[row];
         uint64_t any;
         memcpy(&any, exact, sizeof any);
         if (any == 0)
             continue;
         uint32_t count = (uint32_t) exact[0] + exact[1] + exact[2] + exact[3];
-        memset(exact, 0, sizeof any);
-        const uint32_t place = (uint32_t) t->row_blue[row] - t->row_first[row];
+        const uint32_t blue = from->row_blue[row], place = blue - from->row_first[row];
+        into->row_pair[row] = from->row_pair[row];
+        into->row_first[row] = from->row_first[row];
+        into->at.row_seen[row] |= place < NTP__NEAR ? NTP__SEEN_NEAR : NTP__SEEN_FAR;
         if (place < NTP__NEAR) {
-            t->at.near[(uint32_t) row * NTP__NEAR + place] += count;
+            into->at.near[(uint32_t) row * NTP__NEAR + place] += count;
             continue;
         }
-        t->at.row_seen[row] |= NTP__SEEN_FAR;
         for (uint32_t part; count > 0; count -= part) {
             part = count < 256 ? count : 256;
-            ntp__count_far(&t->at, (uint32_t) row * NTP__ROW_CELLS + t->row_blue[row], part);
+            ntp__count_far(&into->at, (uint32_t) row * NTP__ROW_CELLS + blue, part);
         }
     }
+}
+
+void ntp__take_exact(ntp__color_counts *t, int32_t most)
+{
+    add_exact(t, t, most);
+    for (int32_t row = 0; t->exact_texels > 0 && row < NTP__ROWS; row = next_of(row, most))
+        memset(t->exact[row], 0, sizeof t->exact[row]);
     t->exact_texels = 0;
 }
 
@@ -194,6 +203,7 @@ void ntp__note_rows(ntp__color_counts *t, int32_t most)
 {
     find_rows(t->at.row_seen, t, most);
     t->unnoted = 0;
+    ntp__take_exact(t, most);
 }
 
 void ntp__merge_cells(ntp__color_counts *into, const ntp__color_counts *from, int32_t most)
@@ -212,6 +222,7 @@ void ntp__merge_cells(ntp__color_counts *into, const ntp__color_counts *from, in
         into->row_pair[row] = from->row_pair[row];
         into->row_first[row] = from->row_first[row];
     }
+    add_exact(into, from, most);
 }
 
 void ntp__clear_cells(ntp__color_counts *t, int32_t most)

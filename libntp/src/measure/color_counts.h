@@ -31,10 +31,9 @@ typedef struct ntp__color_counts {
     uint16_t row_pair[NTP__ROWS]; /* of a row seen: some r | g << 8 of it, r, g >= 128 */
     uint8_t row_first[NTP__ROWS]; /* the blue of its first near cell */
     uint8_t row_blue[NTP__ROWS];  /* the derived blue; 0: too long */
-    /* Exact texels that are not in the cells yet, while many are being measured. */
-    ntp__exact8_counts exact;
-    uint32_t exact_texels; /* how many may be there */
-    ntp__cell_counts at;   /* in well-formed textures, most of its pages stay untouched */
+    ntp__exact8_counts exact;     /* texels that are not in the cells yet */
+    uint32_t exact_texels;        /* how many may be there */
+    ntp__cell_counts at;          /* in well-formed textures, most of its pages stay untouched */
 } ntp__color_counts;
 
 /* Fills row_of, once. */
@@ -89,7 +88,7 @@ static inline int32_t ntp__steepest(int32_t least, int32_t greatest)
     return a > b ? a : b;
 }
 
-/* Completes row_seen.  `most`: no magnitude of a color is greater. */
+/* Completes row_seen and the cells.  `most`: no magnitude of a color is greater. */
 void ntp__note_rows(ntp__color_counts *counts, int32_t most);
 
 /* Puts `exact` into the cells.  The same holds for its colors. */

@@ -146,13 +146,6 @@ static inline bool in_disc8(int32_t a, int32_t b)
     return ntp__rest(a, b, 255) >= 0;
 }
 
-/* How the exact ones of packed texels of 8 bit are counted, while many are measured. */
-typedef struct exact_counting {
-    ntp__count_exact8_fn *count; /* NULL: like others */
-    int32_t wait, last_wait;     /* texels to be counted in another way before they are asked for */
-    size_t ahead;                /* bytes of a row */
-} exact_counting;
-
 #include "measure/packed8_tmpl.h"
 
 /* Is this level one of 8 bit times 257?  Then its two bytes are equal. */
@@ -394,8 +387,8 @@ static void note_row(ntp_tally *t, const ntp_const_image *src, int32_t x0, int32
     }
 }
 
-static void count_row(ntp_tally *t, waiting *w, exact_counting *e, const ntp_const_image *src,
-                      int32_t x0, int32_t x1, int32_t y)
+static void count_row(ntp_tally *t, waiting *w, const ntp_const_image *src, int32_t x0, int32_t x1,
+                      int32_t y)
 {
     bool picture = src->encoding == NTP_ENCODING_HEIGHT;
     bool bytes = !picture && !t->cells.few && src->type == NTP_TYPE_U8 && src->channels >= 3 &&
@@ -408,9 +401,9 @@ static void count_row(ntp_tally *t, waiting *w, exact_counting *e, const ntp_con
     for (int32_t x = x0; x < x1; x += step) {
         int32_t n = x1 - x < step ? x1 - x : step;
         if (bytes && src->channels == 3) {
-            count_rgb8(t, e, ntp__at(src, x, y), n);
+            count_rgb8(t, ntp__at(src, x, y), n);
         } else if (bytes) {
-            count_rgba8(t, e, ntp__at(src, x, y), n);
+            count_rgba8(t, ntp__at(src, x, y), n);
         } else if (words) {
             count_rgb16(t, w, (const uint16_t *) ntp__at(src, x, y), n);
         } else {
@@ -464,20 +457,14 @@ ntp_status ntp_tally_add(ntp_tally *tally, const ntp_const_image *src, uint32_t 
     if (!tally->cells.few && tally->depth == 8 && src->encoding != NTP_ENCODING_HEIGHT)
         ntp__rows_prepare(&tally->cells);
     tally->summed = 0;
-    /* To look through the counts of rows takes as long as to count 1000 texels. */
-    enum { MANY = 16384 };
-    exact_counting exact = { NULL, 0, 0, 0 };
-    if (width * height >= MANY)
-        exact.count = ntp__kernels(NTP__CPU_ALL)->count_exact8;
     waiting left;
     left.n = 0;
     left.block.any_broken = false;
     for (int32_t i = 0; i < NTP__BLOCK; i++)
         left.block.c[3][i] = 65535;
     for (int32_t y = rect.y0; y < rect.y1; y++)
-        count_row(tally, &left, &exact, src, rect.x0, rect.x1, y);
+        count_row(tally, &left, src, rect.x0, rect.x1, y);
     end_waiting(tally, &left);
-    ntp__take_exact(&tally->cells, ntp__steepest_of(tally));
     tally->cells.unnoted |= !tally->cells.few && tally->narrow > narrow;
     tally->texels += width * height;
     return NTP_OK;
