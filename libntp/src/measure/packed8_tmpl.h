@@ -90,7 +90,7 @@ static inline int32_t count_groups(ntp_tally *t, uint64_t far_before, int32_t do
 static int32_t count_exact(ntp_tally *t, ntp__exact8_block *part, const uint8_t *p, int32_t n,
                            int32_t channels, size_t ahead)
 {
-    enum { BLOCK = 256, MOST = 64 * BLOCK };
+    enum { BLOCK = 256, MOST = 256 * BLOCK };
     ntp__count_exact8_fn *const count = ntp__kernels(NTP__CPU_ALL)->count_exact8;
     const int32_t size = n < BLOCK ? n / GROUP * GROUP : BLOCK;
     part->others = 0;

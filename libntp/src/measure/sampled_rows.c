@@ -24,15 +24,21 @@ static bool is_sampled(const ntp_const_image *src, int32_t y)
     return y % step == (int32_t) ((uint64_t) part * (uint32_t) step >> 32);
 }
 
-/* Is the length within 1/8 of 1 if the levels are decoded from sRGB first? */
+/* ((2L - M)^2 - 1) / 4 of the linear level L; a whole number below 2^30. */
+static inline uint32_t quarter_square(int32_t level)
+{
+    const int32_t a = NTP__LINEAR_OF_SRGB[level] - 32768;
+    return (uint32_t) (a * (a + 1));
+}
+
+/* Is the length within 1/8 of 1 if the levels are decoded from sRGB first?  With s, the sum of these, its
+ * square is 4s + 3, and 49 M*M <= 64 (4s + 3) <= 81 M*M. */
 static inline bool linear_near_unit(int32_t r, int32_t g, int32_t b)
 {
-    enum { M = 65535 };
-    int64_t x = 2 * (int64_t) NTP__LINEAR_OF_SRGB[r] - M;
-    int64_t y = 2 * (int64_t) NTP__LINEAR_OF_SRGB[g] - M;
-    int64_t z = 2 * (int64_t) NTP__LINEAR_OF_SRGB[b] - M;
-    int64_t square = x * x + y * y + z * z, unit = (int64_t) M * M;
-    return (64 * square >= 49 * unit) & (64 * square <= 81 * unit);
+    const int64_t unit = INT64_C(65535) * 65535;
+    const uint32_t least = (uint32_t) ((49 * unit - 192 + 255) / 256);
+    const uint32_t most = (uint32_t) ((81 * unit - 192) / 256);
+    return quarter_square(r) + quarter_square(g) + quarter_square(b) - least <= most - least;
 }
 
 /* Counts of a block of colors of 8 bit. */
