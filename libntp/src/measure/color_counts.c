@@ -170,18 +170,19 @@ static void add_exact(ntp__color_counts *into, const ntp__color_counts *from, in
             into->at.near[(uint32_t) row * NTP__NEAR + place] += count;
             continue;
         }
-        for (uint32_t part; count > 0; count -= part) {
-            part = count < 256 ? count : 256;
-            ntp__count_far(&into->at, (uint32_t) row * NTP__ROW_CELLS + blue, part);
-        }
+        for (; count > 0; count--)
+            ntp__count_far(&into->at, (uint32_t) row * NTP__ROW_CELLS + blue, 1);
     }
 }
 
 void ntp__take_exact(ntp__color_counts *t, int32_t most)
 {
+    const size_t row = sizeof t->exact[0], flat = NTP__ROWS - NTP__FLAT_ROWS;
     add_exact(t, t, most);
-    for (int32_t row = 0; t->exact_texels > 0 && row < NTP__ROWS; row = next_of(row, most))
-        memset(t->exact[row], 0, sizeof t->exact[row]);
+    if (t->exact_texels > 0) {
+        memset(t->exact, 0, (size_t) ((most + 1) * (most + 2) / 2) * row);
+        memset(t->exact[flat], 0, (NTP__FLAT_ROWS + 1) * row);
+    }
     t->exact_texels = 0;
 }
 

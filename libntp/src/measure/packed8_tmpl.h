@@ -85,35 +85,34 @@ static inline int32_t count_groups(ntp_tally *t, uint64_t far_before, int32_t do
     return count != NULL ? count(&t->cells.at, p, n, channels, &t->gray) : 0;
 }
 
-/* Counts exact texels of the first ones of a row of texels, and returns of how many.  Where it leaves more
- * than a quarter of them, as in photographs and damaged textures, they are asked for again later. */
-static int32_t count_exact(ntp_tally *t, ntp__exact8_block *part, const uint8_t *p, int32_t n,
-                           int32_t channels, size_t ahead)
+/* Counts exact texels of the first ones of a row of texels, and returns of how many; `next` ones after them
+ * are to be counted in another way.  Where it leaves more than a quarter, as in photographs and damaged
+ * textures, exact texels are looked for again later. */
+static int32_t count_exact(ntp_tally *t, ntp__exact8_block *part, int32_t *next, const uint8_t *p,
+                           int32_t n, int32_t channels, size_t ahead)
 {
     enum { BLOCK = 256, MOST = 256 * BLOCK };
     ntp__count_exact8_fn *const count = ntp__kernels(NTP__CPU_ALL)->count_exact8;
-    const int32_t size = n < BLOCK ? n / GROUP * GROUP : BLOCK;
+    int32_t size = n < BLOCK ? n / GROUP * GROUP : BLOCK;
     part->others = 0;
-    if (count == NULL || t->not_exact > 0 || size == 0)
+    *next = n;
+    if (count == NULL || size == 0)
         return 0;
-    if (t->cells.exact_texels + BLOCK > NTP__EXACT_MOST)
-        ntp__take_exact(&t->cells, ntp__steepest_of(t));
-    count(part, t->cells.exact, p, size, channels, ahead);
-    t->cells.exact_texels += (uint32_t) (size - part->others);
-    if (4 * part->others <= size)
-        t->last_not_exact = 0;
-    else if (t->last_not_exact < MOST)
-        t->last_not_exact = 2 * t->last_not_exact + BLOCK;
-    t->not_exact = t->last_not_exact;
-    return size;
-}
-
-/* How many of the next n texels are to be counted in another way. */
-static int32_t count_others(ntp_tally *t, int32_t n)
-{
-    const bool every = ntp__kernels(NTP__CPU_ALL)->count_exact8 == NULL || n < GROUP;
-    const int32_t size = every || n < t->not_exact ? n : t->not_exact;
-    t->not_exact -= size < t->not_exact ? size : t->not_exact;
+    if (t->not_exact == 0) {
+        if (t->cells.exact_texels + BLOCK > NTP__EXACT_MOST)
+            ntp__take_exact(&t->cells, ntp__steepest_of(t));
+        count(part, t->cells.exact, p, size, channels, ahead);
+        t->cells.exact_texels += (uint32_t) (size - part->others);
+        if (4 * part->others <= size)
+            t->last_not_exact = 0;
+        else if (t->last_not_exact < MOST)
+            t->last_not_exact = 2 * t->last_not_exact + BLOCK;
+        t->not_exact = t->last_not_exact;
+    } else {
+        size = 0;
+    }
+    *next = n - size < t->not_exact ? n - size : t->not_exact;
+    t->not_exact -= *next;
     return size;
 }
 
@@ -155,15 +154,14 @@ static uint64_t look_up_rgb8(ntp_tally *t, const uint8_t *p, int32_t n, size_t a
     return unused;
 }
 
-/* Counts texels that are left, and opaque.  Counts of far cells are waited for, so they come apart. */
-static uint64_t count_left(ntp_tally *t, const ntp__exact8_block *part, const uint8_t *p,
-                           int32_t channels)
+/* Counts packed RGB that is left.  Counts of far cells are waited for, so they come apart. */
+static uint64_t count_left(ntp_tally *t, const ntp__exact8_block *part, const uint8_t *p)
 {
     uint32_t far[256];
     uint64_t unused = 0;
     int32_t n = 0;
     for (int32_t i = 0; i < part->others; i++) {
-        const uint8_t *const q = p + channels * part->left[i];
+        const uint8_t *const q = p + 3 * part->left[i];
         const uint32_t row = part->row[part->left[i]], first = t->cells.row_first[row];
         const uint32_t place = q[2] - first;
         if (place < NTP__NEAR) {
@@ -183,13 +181,13 @@ static uint64_t count_left(ntp_tally *t, const ntp__exact8_block *part, const ui
 static void count_rgb8(ntp_tally *t, const uint8_t *p, int32_t n)
 {
     ntp__exact8_block part;
+    int32_t next;
     const size_t ahead = 3 * (size_t) n;
     add_bytes(t, p, n, 3);
     t->narrow += (uint64_t) n;
     while (n > 0) {
-        const int32_t done = count_exact(t, &part, p, n, 3, ahead);
-        t->narrow -= count_left(t, &part, p, 3);
-        const int32_t next = count_others(t, n - done);
+        const int32_t done = count_exact(t, &part, &next, p, n, 3, ahead);
+        t->narrow -= count_left(t, &part, p);
         p += 3 * done;
         t->narrow -= look_up_rgb8(t, p, next, ahead);
         p += 3 * next;
@@ -244,7 +242,7 @@ static inline void count_group_rgba8(ntp_tally *t, alpha_counts *c, const uint8_
         c->unused += count_color(t, t->cells.row_of, t->cells.at.near, p + 4 * i, 1);
 }
 
-static void look_up_rgba8(ntp_tally *t, alpha_counts *c, const uint8_t *p, int32_t n, size_t ahead)
+static void look_up_rgba8(ntp_tally *t, alpha_counts *c, const uint8_t *p, int32_t n)
 {
     const uint64_t far = t->cells.far_texels;
     const int32_t all = n;
@@ -255,47 +253,30 @@ static void look_up_rgba8(ntp_tally *t, alpha_counts *c, const uint8_t *p, int32
         n -= quick;
         if (n < GROUP)
             break;
-        fetch(p, ahead);
         count_group_rgba8(t, c, p);
     }
     for (; n > 0; n--, p += 4)
         count_one_rgba8(t, c, p);
 }
 
-/* Counts what is left of these: translucent ones one by one. */
-static void count_left_rgba8(ntp_tally *t, alpha_counts *c, ntp__exact8_block *part,
-                             const uint8_t *p)
-{
-    int32_t opaque = 0;
-    for (int32_t i = 0; i < part->others; i++) {
-        const uint8_t at = part->left[i];
-        if (p[4 * at + 3] == 255)
-            part->left[opaque++] = at; /* not behind i */
-        else
-            count_one_rgba8(t, c, p + 4 * at);
-    }
-    part->others = opaque;
-    t->alpha[255] += (uint32_t) opaque;
-    c->unused += count_left(t, part, p, 4);
-}
-
 static void count_rgba8(ntp_tally *t, const uint8_t *p, int32_t n)
 {
     alpha_counts c;
     ntp__exact8_block part;
-    const size_t ahead = 4 * (size_t) n;
+    int32_t next;
+    const size_t row = 4 * (size_t) n;
     no_unused(&c.transparent);
     c.visible = t->touched & NTP_UNUSED_TRANSPARENT ? 0 : 1;
     c.unused = c.ag = 0;
     add_bytes(t, p, n, 4);
     t->narrow += (uint64_t) n;
     while (n > 0) {
-        const int32_t done = count_exact(t, &part, p, n, 4, ahead);
+        const int32_t done = count_exact(t, &part, &next, p, n, 4, row);
         t->alpha[255] += (uint32_t) (done - part.others);
-        count_left_rgba8(t, &c, &part, p);
-        const int32_t next = count_others(t, n - done);
+        for (int32_t i = 0; i < part.others; i++)
+            count_one_rgba8(t, &c, p + 4 * part.left[i]);
         p += 4 * done;
-        look_up_rgba8(t, &c, p, next, ahead);
+        look_up_rgba8(t, &c, p, next);
         p += 4 * next;
         n -= done + next;
     }
