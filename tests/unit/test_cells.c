@@ -7,7 +7,7 @@
  * texel at any place, end at its group.  Counts that are too great for a byte are carried.
  *
  * Of all colors those with the derived blue are counted by their rows, and the others left.  A tally of
- * many texels at once has the sums of one that was made of few at a time, which looks them up.
+ * many texels at once has the sums of one that was made of narrow columns, which looks them up.
  */
 #include "guarded.h"
 #include "libntp.h"
@@ -196,31 +196,43 @@ static void fill(uint8_t *texels, int32_t n, int32_t channels, uint64_t *seed)
             memset(texels + channels * i, 0, 3);
         if (channels == 4 && random_bits(seed) % 16 == 0)
             texels[4 * i + 3] = (uint8_t) random_level(seed, 255);
+        /* then all but each fourth one of these, so that other fourths have more than their share */
+        if (i >= n / 2)
+            put(texels + channels * i, channels, 127, 127, i % 4 != 3 ? 255 : 200);
     }
 }
 
 static void check_tallies(int32_t channels, uint64_t *seed)
 {
-    enum { WIDTH = 1000, HEIGHT = 1000, FEW = 3 };
+    enum { WIDTH = 1000, HEIGHT = 1000, FEW = 8 };
     uint8_t *texels = malloc((size_t) WIDTH * HEIGHT * 4);
-    ntp_tally *many = calloc(1, ntp_tally_size()), *few = calloc(1, ntp_tally_size());
-    uint64_t levels[2][65536] = { { 0 } };
-    ntp_stats stats[2];
-    CHECK(texels != NULL && many != NULL && few != NULL);
+    ntp_tally *many = calloc(1, ntp_tally_size()), *few = calloc(1, ntp_tally_size()),
+              *merged = calloc(1, ntp_tally_size());
+    static uint64_t levels[2][65536];
+    ntp_stats stats[4];
+    CHECK(texels != NULL && many != NULL && few != NULL && merged != NULL);
     fill(texels, WIDTH * HEIGHT, channels, seed);
     const ntp_image image = ntp_image_packed(texels, WIDTH, HEIGHT, channels, NTP_TYPE_U8);
     const ntp_const_image view = ntp_image_as_const(&image);
     CHECK(ntp_tally_add(many, &view, 0, NULL) == NTP_OK);
-    for (int32_t y = 0; y < HEIGHT; y += FEW) {
-        const ntp_rect area = { 0, y, WIDTH, y + FEW < HEIGHT ? y + FEW : HEIGHT };
+    for (int32_t x = 0; x < WIDTH; x += FEW) { /* columns that are too narrow for a group */
+        const ntp_rect area = { x, 0, x + FEW, HEIGHT };
         CHECK(ntp_tally_add(few, &view, 0, &area) == NTP_OK);
     }
+    CHECK(ntp_tally_merge(merged, many) == NTP_OK);
     CHECK(ntp_tally_summarize(&stats[0], many, NTP_ENCODING_STANDARD) == NTP_OK);
     CHECK(ntp_tally_summarize(&stats[1], few, NTP_ENCODING_STANDARD) == NTP_OK);
-    CHECK(memcmp(&stats[0], &stats[1], sizeof stats[0]) == 0);
+    CHECK(ntp_tally_summarize(&stats[2], merged, NTP_ENCODING_STANDARD) == NTP_OK);
+    CHECK(ntp_tally_clear(merged) == NTP_OK && ntp_tally_add(merged, &view, 0, NULL) == NTP_OK);
+    /* one that was cleared with what it had not put into its cells */
+    CHECK(ntp_tally_clear(merged) == NTP_OK && ntp_tally_add(merged, &view, 0, NULL) == NTP_OK);
+    CHECK(ntp_tally_summarize(&stats[3], merged, NTP_ENCODING_STANDARD) == NTP_OK);
+    for (int32_t i = 1; i < 4; i++)
+        CHECK(memcmp(&stats[0], &stats[i], sizeof stats[0]) == 0);
     CHECK(ntp_tally_levels_off(levels[0], 65536, many, NTP_ENCODING_STANDARD) == NTP_OK);
     CHECK(ntp_tally_levels_off(levels[1], 65536, few, NTP_ENCODING_STANDARD) == NTP_OK);
     CHECK(memcmp(levels[0], levels[1], sizeof levels[0]) == 0);
+    free(merged);
     free(few);
     free(many);
     free(texels);

@@ -102,7 +102,8 @@ static int32_t count_exact(ntp_tally *t, ntp__exact8_block *part, int32_t *next,
         if (t->cells.exact_texels + BLOCK > NTP__EXACT_MOST)
             ntp__take_exact(&t->cells, ntp__steepest_of(t));
         count(part, t->cells.exact, p, size, channels, ahead);
-        t->cells.exact_texels += (uint32_t) (size - part->others);
+        /* each of four counts takes up to a quarter of them */
+        t->cells.exact_texels += part->others < size ? (uint32_t) size : 0;
         if (4 * part->others <= size)
             t->last_not_exact = 0;
         else if (t->last_not_exact < MOST)

@@ -36,7 +36,7 @@ typedef uint16_t ntp__exact8_counts[NTP__ROWS + 1][NTP__EXACT_COPIES]; /* the la
 
 typedef struct ntp__cell_counts {
     uint8_t row_seen[NTP__ROWS]; /* NTP__SEEN_* */
-    _Alignas(16) uint32_t near[NTP__ROWS * NTP__NEAR];
+    uint32_t near[NTP__ROWS * NTP__NEAR];
     uint8_t far[NTP__CELLS];      /* by row and blue */
     uint32_t carried[NTP__CELLS]; /* in 256 */
 } ntp__cell_counts;
