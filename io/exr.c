@@ -10,9 +10,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <openexr.h>
-
 #include "exr_channels.h"
+#include "exr_library.h"
 #include "formats.h"
 #include "half.h"
 
@@ -42,7 +41,7 @@ typedef struct exr_state {
 static exr_state *state_of(exr_const_context_t context)
 {
     void *user = NULL;
-    exr_get_user_data(context, &user);
+    EXR(get_user_data)(context, &user);
     return user;
 }
 
@@ -87,7 +86,7 @@ static bool fail(exr_state *s, exr_result_t result, ntpio_error *error)
     if (s->reader->source.problem != 0 || (result == EXR_ERR_READ_IO && s->ended))
         return ntpio__fail_ended(s->reader, error);
     return ntpio__fail(error, NTPIO_ERR_CORRUPT, s->reader->name, "damaged (%s)",
-                       s->message[0] != 0 ? s->message : exr_get_default_error_message(result));
+                       s->message[0] != 0 ? s->message : EXR(get_default_error_message)(result));
 }
 
 static exr_result_t start_library(exr_state *s)
@@ -100,7 +99,7 @@ static exr_result_t start_library(exr_state *s)
 #ifdef EXR_CONTEXT_FLAG_DISABLE_CHUNK_RECONSTRUCTION
     with.flags = EXR_CONTEXT_FLAG_DISABLE_CHUNK_RECONSTRUCTION; /* a cut file is refused */
 #endif
-    return exr_start_read(&s->context, "image", &with);
+    return EXR(start_read)(&s->context, "image", &with);
 }
 
 /* ------------------------------------------------------------------------ the header */
@@ -109,12 +108,12 @@ static bool check_parts(exr_state *s, ntpio_error *error)
 {
     int parts = 0;
     exr_storage_t storage = EXR_STORAGE_LAST_TYPE;
-    exr_result_t result = exr_get_count(s->context, &parts);
+    exr_result_t result = EXR(get_count)(s->context, &parts);
     if (result == EXR_ERR_SUCCESS && parts != 1)
         return ntpio__fail(error, NTPIO_ERR_FORMAT, s->reader->name,
                            "an EXR of %d parts; only those of one are read", parts);
     if (result == EXR_ERR_SUCCESS)
-        result = exr_get_storage(s->context, 0, &storage);
+        result = EXR(get_storage)(s->context, 0, &storage);
     if (result != EXR_ERR_SUCCESS)
         return fail(s, result, error);
     s->tiled = storage == EXR_STORAGE_TILED;
@@ -126,7 +125,7 @@ static bool check_parts(exr_state *s, ntpio_error *error)
 static bool take_window(exr_state *s, ntpio_error *error)
 {
     exr_attr_box2i_t window;
-    const exr_result_t result = exr_get_data_window(s->context, 0, &window);
+    const exr_result_t result = EXR(get_data_window)(s->context, 0, &window);
     if (result != EXR_ERR_SUCCESS)
         return fail(s, result, error);
     const int64_t width = (int64_t) window.max.x - window.min.x + 1;
@@ -147,9 +146,10 @@ static bool take_bands(exr_state *s, ntpio_error *error)
     uint32_t tile_height = 0;
     exr_tile_level_mode_t levels;
     exr_tile_round_mode_t rounding;
-    const exr_result_t result = s->tiled ? exr_get_tile_descriptor(s->context, 0, &s->tile_width,
-                                                                   &tile_height, &levels, &rounding)
-                                         : exr_get_scanlines_per_chunk(s->context, 0, &rows);
+    const exr_result_t result = s->tiled
+                                    ? EXR(get_tile_descriptor)(s->context, 0, &s->tile_width,
+                                                               &tile_height, &levels, &rounding)
+                                    : EXR(get_scanlines_per_chunk)(s->context, 0, &rows);
     if (result != EXR_ERR_SUCCESS)
         return fail(s, result, error);
     s->band_height = s->tiled ? tile_height : (uint32_t) rows;
@@ -162,7 +162,7 @@ static bool take_channels(exr_state *s, ntpio_error *error)
 {
     ntpio_info *info = &s->reader->info;
     const exr_attr_chlist_t *list = NULL;
-    const exr_result_t result = exr_get_channels(s->context, 0, &list);
+    const exr_result_t result = EXR(get_channels)(s->context, 0, &list);
     if (result != EXR_ERR_SUCCESS)
         return fail(s, result, error);
     if (!ntpio__exr_choose(s->reader, list, &s->choice, error))
@@ -182,7 +182,7 @@ static bool take_channels(exr_state *s, ntpio_error *error)
 static bool take_compression(exr_state *s, ntpio_error *error)
 {
     exr_compression_t kind = EXR_COMPRESSION_NONE;
-    const exr_result_t result = exr_get_compression(s->context, 0, &kind);
+    const exr_result_t result = EXR(get_compression)(s->context, 0, &kind);
     s->reader->info.lossy = kind == EXR_COMPRESSION_B44 || kind == EXR_COMPRESSION_B44A ||
                             kind == EXR_COMPRESSION_DWAA || kind == EXR_COMPRESSION_DWAB;
     s->packed = kind != EXR_COMPRESSION_NONE;
@@ -208,6 +208,8 @@ static bool make_rows(exr_state *s, ntpio_error *error)
 
 static bool exr_open(ntpio_reader *reader, ntpio_error *error)
 {
+    if (!ntpio__exr_load(reader, error))
+        return false;
     exr_state *s = calloc(1, sizeof *s);
     if (s == NULL)
         return ntpio__fail_memory(error, reader->name);
@@ -274,13 +276,13 @@ static bool damaged_chunk(const exr_state *s, ntpio_error *error)
 static exr_result_t unpack(exr_state *s, const exr_chunk_info_t *chunk)
 {
     exr_decode_pipeline_t *p = &s->pipeline;
-    exr_result_t result = s->decoding ? exr_decoding_update(s->context, 0, chunk, p)
-                                      : exr_decoding_initialize(s->context, 0, chunk, p);
+    exr_result_t result = s->decoding ? EXR(decoding_update)(s->context, 0, chunk, p)
+                                      : EXR(decoding_initialize)(s->context, 0, chunk, p);
     s->decoding = true;
     if (result == EXR_ERR_SUCCESS)
-        result = exr_decoding_choose_default_routines(s->context, 0, p);
+        result = EXR(decoding_choose_default_routines)(s->context, 0, p);
     p->unpack_and_convert_fn = NULL;
-    return result == EXR_ERR_SUCCESS ? exr_decoding_run(s->context, 0, p) : result;
+    return result == EXR_ERR_SUCCESS ? EXR(decoding_run)(s->context, 0, p) : result;
 }
 
 /* Unpacks a chunk into the rows, from column x on. */
@@ -294,7 +296,7 @@ static bool decode_chunk(exr_state *s, const exr_chunk_info_t *chunk, uint32_t x
     if (!chunk_fits(s, chunk, error))
         return false;
     const exr_result_t result =
-        s->packed ? unpack(s, chunk) : exr_read_chunk(s->context, 0, chunk, s->plain);
+        s->packed ? unpack(s, chunk) : EXR(read_chunk)(s->context, 0, chunk, s->plain);
     if (result != EXR_ERR_SUCCESS)
         return fail(s, result, error);
     const exr_decode_pipeline_t *p = &s->pipeline;
@@ -312,7 +314,7 @@ static bool read_tile(exr_state *s, uint32_t column, uint32_t band, ntpio_error 
     const uint32_t x = column * s->tile_width, y = band * s->band_height;
     exr_chunk_info_t chunk;
     const exr_result_t result =
-        exr_read_tile_chunk_info(s->context, 0, (int) column, (int) band, 0, 0, &chunk);
+        EXR(read_tile_chunk_info)(s->context, 0, (int) column, (int) band, 0, 0, &chunk);
     if (result != EXR_ERR_SUCCESS)
         return fail(s, result, error);
     const uint32_t width = info->width - x < s->tile_width ? info->width - x : s->tile_width;
@@ -328,7 +330,7 @@ static bool read_scanlines(exr_state *s, uint32_t band, ntpio_error *error)
     const uint32_t y = band * s->band_height;
     exr_chunk_info_t chunk;
     const exr_result_t result =
-        exr_read_scanline_chunk_info(s->context, 0, (int) ((int64_t) s->top + y), &chunk);
+        EXR(read_scanline_chunk_info)(s->context, 0, (int) ((int64_t) s->top + y), &chunk);
     if (result != EXR_ERR_SUCCESS)
         return fail(s, result, error);
     const uint32_t height = info->height - y < s->band_height ? info->height - y : s->band_height;
@@ -387,9 +389,9 @@ static void exr_close(ntpio_reader *reader)
     if (s == NULL)
         return;
     if (s->decoding)
-        exr_decoding_destroy(s->context, &s->pipeline);
+        EXR(decoding_destroy)(s->context, &s->pipeline);
     if (s->context != NULL)
-        exr_finish(&s->context);
+        EXR(finish)(&s->context);
     free(s->rows);
     free(s->plain);
     free(s);

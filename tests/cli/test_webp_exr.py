@@ -2,7 +2,9 @@
 """WebP, by Pillow's library and back, and EXR, by files that support/exr.py makes byte by byte."""
 
 import json
+import re
 import struct
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -201,6 +203,23 @@ def test_exr_in_a_pipe_and_in_check(run, program, tmp_path, openexr, texels):
     assert checked(run, "b_n.exr")["b_n.exr"]["type"] == "standard"
     done = run("clean", "a_n.exr", "--in-place", "--method", "derive")
     assert (tmp_path / "a_n.exr").read_bytes() == data
+
+
+def test_exr_without_its_library(program, tmp_path, openexr, texels):
+    """A program that loads the library with the first EXR, looking for another version of it."""
+    code = Path(program).read_bytes()
+    if b"which is read by" not in code:
+        pytest.skip("the program is linked to OpenEXRCore")
+    other = tmp_path / "ntp"
+    other.write_bytes(re.sub(rb"(libOpenEXRCore[-.\w]*\.so\.)\d", rb"\1x", code))
+    other.chmod(0o755)
+    (tmp_path / "a_n.exr").write_bytes(exr.exr(named("RGB", texels)))
+    write_png(tmp_path / "b_n.png", np.full((4, 4, 3), (128, 128, 255), "u1"))
+    done = spawn([other, "check", tmp_path / "b_n.png"])
+    assert done.returncode == 0, done.stderr
+    done = spawn([other, "check", tmp_path / "a_n.exr"])
+    assert (done.returncode, done.stderr.count(b"libOpenEXRCore")) == (3, 1), done
+    assert b"is not installed here" in done.stderr
 
 
 def test_damaged_exr(run, tmp_path, openexr, texels):
