@@ -109,24 +109,43 @@ static void any_bad(int32_t *bad, const columns *c, int32_t n)
     }
 }
 
-/* The bits that a positive integer takes, 0 for 0 and -0.  The exponent of its float tells. */
-static inline int32_t bit_length(float v)
+/* What loops add, in planes, of which compilers make vectors. */
+typedef struct products {
+    int32_t size[COLUMNS], energy[COLUMNS], cross[COLUMNS];
+} products;
+
+/* Integers u and v, of which the greater magnitude takes `size` bits, lose their lowest bits.  Quotients by
+ * a power of 2 are rounded toward 0, so both signs lose them alike. */
+static void multiply(products *restrict to, const float *restrict u, const float *restrict v,
+                     int32_t n)
 {
-    enum { MANTISSA_BITS = 23, HALF = 126 /* the exponent of 0.5 as stored */ };
-    uint32_t bits;
-    memcpy(&bits, &v, sizeof bits);
-    return v == 0 ? 0 : (int32_t) (bits >> MANTISSA_BITS) - HALF;
+    enum { MANTISSA_BITS = 23, ONE = 127, HALF = 126, NO_SIGN = 0x7fffffff };
+    for (int32_t i = 0; i < n; i++) {
+        int32_t au, av;
+        float part;
+        memcpy(&au, &u[i], sizeof au);
+        memcpy(&av, &v[i], sizeof av);
+        au &= NO_SIGN;
+        av &= NO_SIGN;
+        /* Exponents as stored, which are 0 of 0 and -0. */
+        const int32_t most = (au > av ? au : av) >> MANTISSA_BITS;
+        const int32_t size = most > HALF ? most - HALF : 0;
+        const int32_t shift = size > BITS ? size - BITS : 0;
+        const int32_t bits = (ONE - shift) << MANTISSA_BITS;
+        memcpy(&part, &bits, sizeof part);
+        const int16_t a = (int16_t) (int32_t) (u[i] * part), b = (int16_t) (int32_t) (v[i] * part);
+        to->size[i] = size;
+        to->energy[i] = a * a + b * b;
+        to->cross[i] = a * b;
+    }
 }
 
-static inline void add_loop(loop_sums *acc, int32_t block, float u, float v)
+static inline void add_loop(loop_sums *acc, int32_t block, const products *of, int32_t i)
 {
-    float au = u < 0 ? -u : u, av = v < 0 ? -v : v;
-    int32_t size = bit_length(au > av ? au : av), shift = size > BITS ? size - BITS : 0;
-    /* Quotients by 2^shift are rounded toward 0, so both signs lose their lowest bits alike. */
-    int32_t a = (int32_t) au >> shift, b = (int32_t) av >> shift, c = a * b;
+    const int32_t size = of->size[i];
     acc->loops[size]++;
-    acc->energy[size] += (uint32_t) (a * a) + (uint32_t) (b * b);
-    acc->cross[size][block] += u * v < 0 ? -c : c;
+    acc->energy[size] += (uint32_t) of->energy[i];
+    acc->cross[size][block] += of->cross[i];
 }
 
 static int32_t cell(int32_t side)
@@ -135,15 +154,17 @@ static int32_t cell(int32_t side)
     return least < CELL ? CELL : least;
 }
 
-/* Adds the loop between columns i and i + 1 by its own four texels alone. */
-static inline void add_narrow(ntp_orientation *acc, int32_t block, const columns *c, int32_t i)
+/* Each loop by its own four texels alone. */
+static void multiply_narrow(products *to, const columns *c, int32_t n)
 {
-    const float *p = c->p[0] + i, *q = c->q[0] + i, *p1 = c->p[1] + i, *q1 = c->q[1] + i;
-    add_loop(&acc->sums[NARROW], block, (p[0] + p[1]) - (p1[0] + p1[1]),
-             (q[1] + q1[1]) - (q[0] + q1[0]));
-    int64_t a = (int64_t) p[0], b = (int64_t) q[0], both = a * b;
-    acc->both += (uint64_t) (both < 0 ? -2 * both : 2 * both);
-    acc->either += (uint64_t) (a * a + b * b);
+    const float *p = c->p[0] + BEFORE, *q = c->q[0] + BEFORE;
+    const float *p1 = c->p[1] + BEFORE, *q1 = c->q[1] + BEFORE;
+    float u[COLUMNS], v[COLUMNS];
+    for (int32_t i = 0; i < n; i++) {
+        u[i] = (p[i] + p[i + 1]) - (p1[i] + p1[i + 1]);
+        v[i] = (q[i + 1] + q1[i + 1]) - (q[i] + q1[i]);
+    }
+    multiply(to, u, v, n);
 }
 
 /* Adds n loops of row y, from x on. */
@@ -151,18 +172,22 @@ static void add_stretch(ntp_orientation *acc, const ntp_const_image *src, uint32
                         int32_t y, int32_t n)
 {
     columns sums;
+    products wide_ones, narrow_ones;
     ntp__block block;
-    float u[NTP__BLOCK], v[NTP__BLOCK], p_x[NTP__BLOCK], q_y[NTP__BLOCK];
-    int32_t bad[NTP__BLOCK];
+    float u[COLUMNS], v[COLUMNS], p_x[COLUMNS], q_y[COLUMNS];
+    int32_t bad[COLUMNS];
     int32_t m = ntp__max(src->type), texels = n + TAPS - 1, wide = cell(src->width);
-    memset(&sums, 0, offsetof(columns, p));
+    const int32_t whole = (n + COLUMN_LANES - 1) & -COLUMN_LANES;
+    memset(&sums, 0, sizeof sums);
     for (int32_t k = 0; k < TAPS; k++) {
         ntp__unpack(&block, src, x - BEFORE, y - BEFORE + k, texels);
         add_row(&sums, &block, texels, m, touch, k);
     }
-    across(u, v, sums.u, sums.v, n);
-    across(q_y, p_x, sums.q_steep, sums.p_smooth, n);
-    any_bad(bad, &sums, n);
+    across(u, v, sums.u, sums.v, whole);
+    across(q_y, p_x, sums.q_steep, sums.p_smooth, whole);
+    any_bad(bad, &sums, whole);
+    multiply(&wide_ones, u, v, whole);
+    multiply_narrow(&narrow_ones, &sums, whole);
     int32_t cell_y = y / cell(src->height) * SIDE, cell_x = x / wide,
             next = (cell_x + 1) * wide - x; /* the loop the next block starts */
     for (int32_t i = 0; i < n; i++) {
@@ -173,10 +198,14 @@ static void add_stretch(ntp_orientation *acc, const ntp_const_image *src, uint32
         acc->steep += bad[i] == TOO_STEEP;
         if (bad[i])
             continue;
-        add_loop(&acc->sums[WIDE], cell_y + cell_x, u[i], v[i]);
-        add_narrow(acc, cell_y + cell_x, &sums, i + BEFORE);
+        add_loop(&acc->sums[WIDE], cell_y + cell_x, &wide_ones, i);
+        add_loop(&acc->sums[NARROW], cell_y + cell_x, &narrow_ones, i);
         int64_t a = (int64_t) p_x[i] / ALONG_UNIT, b = (int64_t) q_y[i] / ALONG_UNIT;
         acc->along += (uint64_t) (a * a + b * b);
+        a = (int64_t) sums.p[0][i + BEFORE], b = (int64_t) sums.q[0][i + BEFORE];
+        int64_t both = a * b;
+        acc->both += (uint64_t) (both < 0 ? -2 * both : 2 * both);
+        acc->either += (uint64_t) (a * a + b * b);
     }
 }
 

@@ -15,14 +15,17 @@ enum { SLOPE_ONE = 4096 /* fixed-point unit of slopes; the steepest used slope i
 /* Why a texel cannot be used. */
 enum { TOO_STEEP = 1, NO_NORMAL = 2 };
 
+/* Loops over columns go on to whole lanes, so that none has a remainder. */
+enum { COLUMN_LANES = 8, COLUMNS = NTP__BLOCK + COLUMN_LANES };
+
 /* Columns of texels, filtered down the picture.  All values are integers below 2^24: there float
  * arithmetic is exact, and it is fast on every processor. */
 typedef struct columns {
-    float u[NTP__BLOCK]; /* of -p, derived */
-    float v[NTP__BLOCK]; /* of q, smoothed */
-    float p_smooth[NTP__BLOCK], q_steep[NTP__BLOCK];
-    int32_t bad[NTP__BLOCK];
-    float p[2][NTP__BLOCK], q[2][NTP__BLOCK]; /* of the two rows in the middle: not sums */
+    float u[COLUMNS]; /* of -p, derived */
+    float v[COLUMNS]; /* of q, smoothed */
+    float p_smooth[COLUMNS], q_steep[COLUMNS];
+    int32_t bad[COLUMNS];
+    float p[2][COLUMNS], q[2][COLUMNS]; /* of the two rows in the middle: not sums */
 } columns;
 
 /* p and q of a row, and their parts of the columns.  Texels with z below 1/10 are bad; black and white

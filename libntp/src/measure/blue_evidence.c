@@ -45,7 +45,7 @@ static inline void add_tilted(blue_sums *sums, const blue_row *row, double blue,
     sums->above += blue > row->want[0] + ABOVE ? count : 0;
 }
 
-static void add_row(blue_sums *sums, const blue_row *row)
+static inline void add_row(blue_sums *sums, const blue_row *row)
 {
     double want = row->want[0];
     sums->n += row->n;
@@ -87,39 +87,47 @@ static void add_cells(blue_sums *into, const ntp_tally *t)
     *into = sums;
 }
 
-/* Whether a pair has texels cannot be foretold, so those of a run that have are gathered first. */
-static void add_run(blue_sums *sums, const ntp_tally *t, int32_t r, int32_t g)
+/* A bit for each pair of a run that has texels. */
+static inline uint32_t pairs_in_use(const ntp_tally *t, uint32_t place)
 {
-    const uint32_t place = ntp__pair_place((uint32_t) r, (uint32_t) g);
-    double rests[NTP__PAIR_RUN], texels[NTP__PAIR_RUN], blues[NTP__PAIR_RUN];
-    int32_t n = 0;
-    for (int32_t i = 0; i < NTP__PAIR_RUN; i++) {
-        const ntp__pair pair = ntp__pair_at(t, place + (uint32_t) i);
-        const int32_t rest = (int32_t) ntp__rest(r + i, g, 255);
-        rests[n] = rest;
-        texels[n] = (double) (int64_t) pair.texels;
-        blues[n] = (double) (int64_t) pair.blue;
-        n += (pair.texels > 0) & (rest >= 0);
+    uint32_t bits = 0;
+    for (uint32_t i = 0; i < NTP__PAIR_RUN; i += 16) {
+        bits |= ntp__in_use16(&t->pairs[place + i]) << i;
+        if (t->pairs_full)
+            bits |= ntp__in_use16(&t->pair_texels[place + i]) << i;
     }
-    for (int32_t i = 0; i < n; i++) {
-        blue_row row = row_of(sqrt(rests[i]) / 255);
-        const double blue = blues[i] / texels[i];
-        row.n = texels[i];
-        row.blue = row.n * blue;
-        row.blue2 = row.n * blue * blue;
-        if (row.gap > GAP_THAT_TELLS)
-            add_tilted(sums, &row, blue, row.n);
-        add_row(sums, &row);
-    }
+    return bits;
 }
 
-static void add_samples(blue_sums *sums, const ntp_tally *t)
+static inline void add_pair(blue_sums *sums, const ntp_tally *t, int32_t r, int32_t g)
 {
+    const int64_t rest = ntp__rest(r, g, 255);
+    if (rest < 0)
+        return;
+    const ntp__pair pair = ntp__pair_at(t, ntp__pair_place((uint32_t) r, (uint32_t) g));
+    blue_row row = row_of(sqrt((double) rest) / 255);
+    const double texels = (double) (int64_t) pair.texels;
+    const double blue = (double) (int64_t) pair.blue / texels;
+    row.n = texels;
+    row.blue = row.n * blue;
+    row.blue2 = row.n * blue * blue;
+    if (row.gap > GAP_THAT_TELLS)
+        add_tilted(sums, &row, blue, row.n);
+    add_row(sums, &row);
+}
+
+static void add_samples(blue_sums *into, const ntp_tally *t)
+{
+    blue_sums sums = { 0 }; /* in registers */
     for (int32_t i = 0; i < 65536; i += NTP__PAIR_RUN) {
         const int32_t r = i & 255, g = i >> 8;
-        if (t->pair_seen[ntp__pair_place((uint32_t) r, (uint32_t) g) / NTP__PAIR_GROUP])
-            add_run(sums, t, r, g);
+        const uint32_t place = ntp__pair_place((uint32_t) r, (uint32_t) g);
+        if (!t->pair_seen[place / NTP__PAIR_GROUP])
+            continue;
+        for (uint32_t bits = pairs_in_use(t, place); bits != 0; bits &= bits - 1)
+            add_pair(&sums, t, r + __builtin_ctz(bits), g);
     }
+    *into = sums;
 }
 
 static void describe_regression(ntp__evidence *e, const blue_sums *sums)

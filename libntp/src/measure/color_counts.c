@@ -96,32 +96,13 @@ static inline uint64_t bytes_in_use(const uint8_t *bytes)
     return ~none;
 }
 
-/* A bit for each near cell that is not 0. */
-static inline uint64_t near_in_use(const uint32_t *near)
-{
-#ifdef __SSE2__
-    const __m128i *const v = (const __m128i *) (const void *) near;
-    const __m128i zero = _mm_setzero_si128();
-    const __m128i low = _mm_packs_epi32(_mm_cmpeq_epi32(_mm_loadu_si128(v), zero),
-                                        _mm_cmpeq_epi32(_mm_loadu_si128(v + 1), zero));
-    const __m128i high = _mm_packs_epi32(_mm_cmpeq_epi32(_mm_loadu_si128(v + 2), zero),
-                                         _mm_cmpeq_epi32(_mm_loadu_si128(v + 3), zero));
-    return 0xffff ^ (uint32_t) _mm_movemask_epi8(_mm_packs_epi16(low, high));
-#else
-    uint64_t bits = 0;
-    for (int32_t i = 0; i < NTP__NEAR; i++)
-        bits |= (uint64_t) (near[i] != 0) << i;
-    return bits;
-#endif
-}
-
 int32_t ntp__row_cells(ntp__cells *cells, const ntp__color_counts *t, int32_t row)
 {
     const uint32_t *const near = &t->at.near[row * NTP__NEAR];
     const uint8_t *const far = &t->at.far[row * NTP__ROW_CELLS];
     const uint32_t *const carried = &t->at.carried[row * NTP__ROW_CELLS];
     const int32_t first = t->row_first[row], seen = t->at.row_seen[row];
-    const uint64_t any_near = near_in_use(near);
+    const uint64_t any_near = ntp__in_use16(near);
     int32_t n = 0;
     for (int32_t i = 0; i < 256; i += 64) {
         /* Near cells may lie in two of these. */

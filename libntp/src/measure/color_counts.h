@@ -19,6 +19,9 @@
 
 #include <stdint.h>
 #include <string.h>
+#ifdef __SSE2__
+#  include <emmintrin.h>
+#endif
 
 enum { NTP__FEW = 4096 }; /* up to so many texels it pays to note the row of each */
 
@@ -66,6 +69,25 @@ typedef struct ntp__cells {
 
 /* Those of a row that was seen; returns their number. */
 int32_t ntp__row_cells(ntp__cells *cells, const ntp__color_counts *counts, int32_t row);
+
+/* A bit for each of 16 counts, as of near cells, that is not 0. */
+static inline uint32_t ntp__in_use16(const uint32_t *count)
+{
+#ifdef __SSE2__
+    const __m128i *const v = (const __m128i *) (const void *) count;
+    const __m128i zero = _mm_setzero_si128();
+    const __m128i low = _mm_packs_epi32(_mm_cmpeq_epi32(_mm_loadu_si128(v), zero),
+                                        _mm_cmpeq_epi32(_mm_loadu_si128(v + 1), zero));
+    const __m128i high = _mm_packs_epi32(_mm_cmpeq_epi32(_mm_loadu_si128(v + 2), zero),
+                                         _mm_cmpeq_epi32(_mm_loadu_si128(v + 3), zero));
+    return 0xffff ^ (uint32_t) _mm_movemask_epi8(_mm_packs_epi16(low, high));
+#else
+    uint32_t bits = 0;
+    for (int32_t i = 0; i < 16; i++)
+        bits |= (uint32_t) (count[i] != 0) << i;
+    return bits;
+#endif
+}
 
 /* The first row from `row` on for which seen[row] is not 0; NTP__ROWS: none. */
 static inline int32_t ntp__next_row(const uint8_t seen[NTP__ROWS], int32_t row)
