@@ -23,7 +23,6 @@
 #include "detect/orientation.h"
 #include "detect/slopes_tmpl.h"
 
-#include <stddef.h>
 #include <string.h>
 
 enum {
