@@ -84,7 +84,9 @@ DAMAGES = {
 def test_damaged_slopes_between_texels(damage):
     """No kernel fits, but forward slopes lie half a texel further than all others."""
     tile = bricks(256)
-    for h in (reconstruction.fractal(256, rms_slope=0.6), tile, np.roll(tile, (3, 1), (0, 1))):
+    flat = reconstruction.bumps(256, 12)
+    rough = reconstruction.fractal(256, rms_slope=0.6)
+    for h in (rough, flat, tile, np.roll(tile, (3, 1), (0, 1))):
         for kernel in ("forward", "central", "sobel3"):
             n = reconstruction.from_height(h.astype(np.float32), kernel)
             found = find(np.ascontiguousarray(DAMAGES[damage](n)))

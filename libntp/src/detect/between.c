@@ -2,11 +2,15 @@
 /*
  * between.c - do slopes lie between texels, where damage or smooth ground hides the kernel?
  *
- * The derivative of p down the picture is that of q to the right, at the same place.  Forward slopes
- * p lie half a texel to the right of their texel, and q half a texel below it.  So p is moved to the
- * left by a mean of two neighbors and q up, and the difference of the derivatives is taken; then both
- * are moved the other way.  Errors of the levels add as much to one difference as to the other,
- * whatever made them, as the two are mirror images.  So the two are alike but for forward slopes.
+ * The derivative u of p down the picture is the derivative v of q to the right, at the same place.
+ * Forward slopes p lie half a texel to the right of their texel, and q half a texel below it.  So u of
+ * a texel is v half a texel to the right and half a texel up; for all other kernels it is v of that
+ * texel.  Products of u and v tell where: with v a texel to the right and up, with v a texel to the
+ * left and down, and with v of the same texel.  A parabola through their sums has its top there.
+ *
+ * Damage does not move it.  Errors of p and q that have nothing in common add to none of these sums
+ * on average, and errors that are alike in each texel add the same to the first two.  They have the
+ * finest detail, so that is filtered out.
  */
 #include "detect/between.h"
 
@@ -19,34 +23,41 @@
 enum {
     POINTS = 32, /* a side of a patch */
     PATCHES = 8, /* along a side of the picture */
-    REACH = 2,   /* of the taps */
-    EDGE = 4,    /* slopes nearer to an edge may come from a border */
-    SIDE = POINTS + 2 * REACH,
-    BINS = 64, /* of squares, by their power of two */
-    LOWEST = 1023 - 48,
-    LEAST_COUNT = 1 << 14
+    CELL = 8,    /* a side of what is weighed as one */
+    CELLS = (POINTS / CELL) * (POINTS / CELL),
+    LEAST_CELLS = 8 * CELLS,
+    MOVED = POINTS + 2, /* with a texel more on every side */
+    SMOOTH = 5,
+    STEEP = SMOOTH + 2,
+    SIDE = MOVED + STEEP - 1,
+    REACH = (SIDE - POINTS) / 2,
+    EDGE = REACH + 2 /* slopes nearer to an edge may come from a border */
 };
 
-/* A binomial, and the derivative or the mean after it. */
-static const float derivative[5] = { -0.125F, -0.25F, 0, 0.25F, 0.125F };
-static const float moved[4] = { 0.125F, 0.375F, 0.375F, 0.125F };
+/* A binomial, and central differences after it. */
+static const float smooth[SMOOTH] = { 1 / 16.0F, 4 / 16.0F, 6 / 16.0F, 4 / 16.0F, 1 / 16.0F };
+static const float steep[STEEP] = { -1 / 32.0F, -4 / 32.0F, -5 / 32.0F, 0,
+                                    5 / 32.0F,  4 / 32.0F,  1 / 32.0F };
 
-/* Squares beyond so many times the median one count less and less: a few edges do not decide. */
-static const double large = 14;
-/* Of textures whose slopes lie at their texels, this share of the squares was at most 0.03. */
-static const double least_share = 0.06;
+/* Cells count alike, but those with little in them less: a few edges do not decide. */
+static const double LITTLE = 0.5; /* of the mean square */
+/* Between texels is more than half the way. */
+static const double HALF_WAY = 0.5;
+/* By chance all cells together are so far ahead, in standard errors, on one map in 160.  They have to
+ * be clearer where the top is too far off: on smooth ground errors make more of it than the ground. */
+static const double CLEARLY = 2.5, FAR = 5, CLEARLY_FAR = 6;
 
 typedef struct patch {
     float p[SIDE][SIDE], q[SIDE][SIDE]; /* slopes */
     float half[SIDE][SIDE];
-    float down_p[POINTS + 1][POINTS + 1], right_q[POINTS + 1][POINTS + 1];
+    float u[MOVED][MOVED], v[MOVED][MOVED];
     ntp__block block;
 } patch;
 
-/* Squares, by their power of two. */
+/* Of a cell: what products ahead, to the right and up, have over those behind; twice those at the same
+ * texel less both; and the squares.  With slopes between texels the first two are alike. */
 typedef struct tally {
-    double before[BINS], after[BINS];
-    int64_t count[BINS], all;
+    double ahead, middle, square;
 } tally;
 
 /* Reads the slopes around the points from (x, y) on; false: some texels may hold no normal. */
@@ -68,99 +79,95 @@ static bool read_patch(patch *a, const ntp_const_image *src, int32_t x, int32_t 
     return true;
 }
 
-/* The derivative down of p and that to the right of q, both moved by half a texel: at [j][i] they
- * belong half a texel before the point, at [j][i + 1] or [j + 1][i] half a texel after it. */
+/* The derivatives.  Here [j][i] is row j - 1 and column i - 1 of the points. */
 static void differentiate(patch *a)
 {
+    enum { WITHIN = (STEEP - SMOOTH) / 2 };
     memset(a->half, 0, sizeof a->half);
-    memset(a->down_p, 0, sizeof a->down_p);
-    memset(a->right_q, 0, sizeof a->right_q);
-    for (int32_t j = 0; j < POINTS; j++) {
-        for (int32_t k = 0; k < 5; k++) {
+    memset(a->u, 0, sizeof a->u);
+    memset(a->v, 0, sizeof a->v);
+    for (int32_t j = 0; j < MOVED; j++) {
+        for (int32_t k = 0; k < STEEP; k++) {
             for (int32_t i = 0; i < SIDE; i++)
-                a->half[j][i] += derivative[k] * a->p[j + k][i];
+                a->half[j][i] += steep[k] * a->p[j + k][i];
         }
-        for (int32_t k = 0; k < 4; k++) {
-            for (int32_t i = 0; i <= POINTS; i++)
-                a->down_p[j][i] += moved[k] * a->half[j][i + k];
+        for (int32_t k = 0; k < SMOOTH; k++) {
+            for (int32_t i = 0; i < MOVED; i++)
+                a->u[j][i] += smooth[k] * a->half[j][i + k + WITHIN];
         }
     }
     memset(a->half, 0, sizeof a->half);
-    for (int32_t j = 0; j <= POINTS; j++) {
-        for (int32_t k = 0; k < 4; k++) {
+    for (int32_t j = 0; j < MOVED; j++) {
+        for (int32_t k = 0; k < SMOOTH; k++) {
             for (int32_t i = 0; i < SIDE; i++)
-                a->half[j][i] += moved[k] * a->q[j + k][i];
+                a->half[j][i] += smooth[k] * a->q[j + k + WITHIN][i];
         }
-        for (int32_t k = 0; k < 5; k++) {
-            for (int32_t i = 0; i < POINTS; i++)
-                a->right_q[j][i] += derivative[k] * a->half[j][i + k];
+        for (int32_t k = 0; k < STEEP; k++) {
+            for (int32_t i = 0; i < MOVED; i++)
+                a->v[j][i] += steep[k] * a->half[j][i + k];
         }
     }
 }
 
-/* Its power of two. */
-static int32_t bin_of(double v)
+/* Adds CELL rows of points to the cells beside each other. */
+static void sum_up(tally *cells, const patch *a, int32_t first)
 {
-    uint64_t bits;
-    memcpy(&bits, &v, sizeof bits);
-    int32_t bin = (int32_t) (bits >> 52) - LOWEST;
-    return bin < 0 ? 0 : bin < BINS ? bin : BINS - 1;
-}
-
-static void add_square(tally *t, double sums[BINS], float v)
-{
-    double square = (double) v * (double) v;
-    int32_t bin = bin_of(square);
-    sums[bin] += square;
-    t->count[bin]++;
-    t->all++;
-}
-
-static void add_patch(tally *t, const patch *a)
-{
-    for (int32_t j = 0; j < POINTS; j++) {
+    float ahead[POINTS] = { 0 }, middle[POINTS] = { 0 }, square[POINTS] = { 0 };
+    for (int32_t j = first; j < first + CELL; j++) {
+        const float *u = a->u[j + 1] + 1, *v = a->v[j + 1] + 1;
+        const float *next_u = a->u[j + 2], *next_v = a->v[j + 2]; /* to the left and down */
         for (int32_t i = 0; i < POINTS; i++) {
-            add_square(t, t->before, a->down_p[j][i] - a->right_q[j][i]);
-            add_square(t, t->after, a->down_p[j][i + 1] - a->right_q[j + 1][i]);
+            float front = next_u[i] * v[i], behind = u[i] * next_v[i];
+            ahead[i] += front - behind;
+            middle[i] += 2 * u[i] * v[i] - (front + behind);
+            square[i] += u[i] * u[i] + v[i] * v[i];
         }
+    }
+    for (int32_t i = 0; i < POINTS; i++) {
+        tally *t = &cells[i / CELL];
+        t->ahead += (double) ahead[i];
+        t->middle += (double) middle[i];
+        t->square += (double) square[i] / 2;
     }
 }
 
-static bool decide(const tally *t)
+static bool decide(const tally *t, int32_t count)
 {
-    int32_t middle = 0;
-    int64_t below = t->count[0];
-    double before = 0, after = 0, times = 1;
-    while (2 * below < t->all && middle < BINS - 1)
-        below += t->count[++middle];
-    for (int32_t i = 0; i < BINS; i++) {
-        times = i > middle ? 2 * times : 1; /* so many times the median */
-        double weight = i > middle ? 1 / (1 + times / large) : 1;
-        before += weight * t->before[i];
-        after += weight * t->after[i];
+    double all = 0, ahead = 0, middle = 0, spread = 0;
+    for (int32_t i = 0; i < count; i++)
+        all += t[i].square;
+    if (count < LEAST_CELLS || !(all > 0))
+        return false;
+    for (int32_t i = 0; i < count; i++) {
+        double weight = 1 / (t[i].square + LITTLE * all / count), part = weight * t[i].ahead;
+        ahead += part;
+        spread += part * part;
+        middle += weight * t[i].middle;
     }
-    return t->all >= LEAST_COUNT && after > before &&
-           after - before >= least_share * (after + before);
+    double clearly = ahead < FAR * middle ? CLEARLY : CLEARLY_FAR;
+    return ahead > HALF_WAY * middle && ahead > 0 && ahead * ahead > clearly * clearly * spread;
 }
 
 bool ntp__lie_between(const ntp_const_image *src)
 {
-    tally t;
+    tally cells[PATCHES * PATCHES * CELLS];
     patch a;
+    int32_t count = 0;
+    memset(cells, 0, sizeof cells);
     int32_t across = src->width - 2 * EDGE - POINTS, down = src->height - 2 * EDGE - POINTS;
     if (across < 0 || down < 0)
         return false;
     int32_t columns = across / POINTS + 1, rows = down / POINTS + 1;
     columns = columns < PATCHES ? columns : PATCHES;
     rows = rows < PATCHES ? rows : PATCHES;
-    memset(&t, 0, sizeof t);
     for (int32_t i = 0; i < columns * rows; i++) {
         int32_t x = columns > 1 ? (int32_t) ((int64_t) across * (i % columns) / (columns - 1)) : 0;
         int32_t y = rows > 1 ? (int32_t) ((int64_t) down * (i / columns) / (rows - 1)) : 0;
         if (!read_patch(&a, src, EDGE + x, EDGE + y))
             continue;
         differentiate(&a);
-        add_patch(&t, &a);
+        for (int32_t j = 0; j < POINTS; j += CELL, count += POINTS / CELL)
+            sum_up(&cells[count], &a, j);
     }
-    return decide(&t);
+    return decide(cells, count);
 }
