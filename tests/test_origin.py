@@ -3,6 +3,7 @@
 
 import numpy as np
 import pytest
+from PIL import Image
 
 from support import drawn_maps, maps, surfaces
 from support import libntp_ffi as ntp
@@ -92,6 +93,18 @@ def test_damaged_slopes_between_texels(damage):
             found = find(np.ascontiguousarray(DAMAGES[damage](n)))
             assert not found["decided"]
             assert (NAMES[found["kernel"]] == "forward") == (kernel == "forward"), kernel
+
+
+@pytest.mark.parametrize("kernel", ["forward", "central", "sobel3"])
+def test_twice_as_large(kernel):
+    """Forward misfits least, whatever the kernel, but where slopes lie tells."""
+    n = reconstruction.from_height(reconstruction.fractal(256, 9, 0.3, 2.5), kernel)
+    large = Image.fromarray(n).resize((512, 512), Image.BILINEAR)
+    found = find(np.ascontiguousarray(np.asarray(large)[:256, :256]))
+    fits = [m for m in found["misfit"] if m >= 0]
+    assert min(fits) == found["misfit"][NAMES.index("forward")] > 1.2
+    assert not found["decided"]
+    assert (NAMES[found["kernel"]] == "forward") == (kernel == "forward"), found
 
 
 def test_orientation_matters():

@@ -332,12 +332,12 @@ ntp_status ntp_find_kernel(ntp_kernel_fit *fit, const ntp_const_image *src, uint
     }
     fit->decided = fits && misfit[next] >= clearly * least;
     /* Damage hides kernels, and smooth ground, where all give the same slopes. */
+    bool damaged = misfit[best] > MOST_MISFIT;
     if (fit->decided)
         fit->kernel = CANDIDATE[best].kernel;
-    else if (fit->kernel == NTP_KERNEL_CENTRAL && ntp__lie_between(src))
-        fit->kernel = NTP_KERNEL_FORWARD;
-    else if (fit->kernel == NTP_KERNEL_CENTRAL && misfit[best] > MOST_MISFIT &&
-             misfit[last] < AS_GOOD * misfit[0])
-        fit->kernel = NTP_KERNEL_BAKED;
+    else if (fit->kernel == NTP_KERNEL_CENTRAL || (fit->kernel == NTP_KERNEL_FORWARD && damaged))
+        fit->kernel = ntp__lie_between(src)                           ? NTP_KERNEL_FORWARD
+                      : damaged && misfit[last] < AS_GOOD * misfit[0] ? NTP_KERNEL_BAKED
+                                                                      : NTP_KERNEL_CENTRAL;
     return NTP_OK;
 }
