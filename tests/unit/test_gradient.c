@@ -190,7 +190,27 @@ static double some_sum(uint64_t *seed, double scale, int32_t m, bool ints)
     return ints ? (double) (int32_t) (sum < 2e9 && sum > -2e9 ? sum : 1e9) : sum;
 }
 
-/* Texels that are not left are those of doubles, with derived blue; and some are not. */
+/* Texels that are not left are those of doubles, where these are sure. */
+static void check_packed(const uint8_t *got, int32_t *at, int32_t found, const levels *c, int32_t n,
+                         bool deep)
+{
+    at[found] = n;
+    for (int32_t i = 0, next_left = 0; i < n; i++) {
+        if (at[next_left] == i) {
+            next_left++;
+            continue;
+        }
+        CHECK(at[next_left] > i && (c->doubt[i] || c->plane[2][i] >= 0));
+        for (int k = 0; k < 3 && !c->doubt[i]; k++) {
+            uint16_t value = got[3 * i + k];
+            if (deep)
+                memcpy(&value, got + 6 * i + 2 * k, 2);
+            CHECK(value == c->plane[k][i]);
+        }
+    }
+}
+
+/* Of tap sums, with derived blue; and some are not left. */
 static void test_packed(const ntp__gradient_kernels *base, const ntp__gradient_kernels *level,
                         int32_t n, uint64_t *seed)
 {
@@ -214,28 +234,114 @@ static void test_packed(const ntp__gradient_kernels *base, const ntp__gradient_k
             right[i] = ints ? (int32_t) right_d[i] : 0;
             down[i] = ints ? (int32_t) down_d[i] : 0;
         }
-        const void *const sums[2] = { ints ? (const void *) right : right_d,
+        const void *const sums[3] = { ints ? (const void *) right : right_d,
                                       ints ? (const void *) down : down_d };
         base->encode_precisely(c.plane[0], c.plane[1], NULL, c.doubt, right_d, down_d, n, &e);
         ntp__kernels(0)->derive(c.plane[2], c.plane[0], c.plane[1], n, m, 0);
         got[size * n] = 77;
-        const int32_t found = level->encode_packed(got, at, sums, ints, n, &e, deep);
+        const int32_t found = level->encode_packed(
+            got, at, sums, ints ? NTP__FROM_SUMS_I : NTP__FROM_SUMS_D, n, &e, deep);
         CHECK(got[size * n] == 77 && (scale != 0.02 || found <= n / 8 * 7 + 8));
-        at[found] = n;
-        for (int32_t i = 0, next_left = 0; i < n; i++) {
-            if (at[next_left] == i) {
-                next_left++;
-                continue;
-            }
-            CHECK(at[next_left] > i && !c.doubt[i] && c.plane[2][i] >= 0);
-            for (int k = 0; k < 3; k++) {
-                uint16_t value = got[3 * i + k];
-                if (deep)
-                    memcpy(&value, got + 6 * i + 2 * k, 2);
-                CHECK(value == c.plane[k][i]);
-            }
-        }
+        check_packed(got, at, found, &c, n, deep);
     }
+}
+
+/* Heights of a row, whose zeros follow: integers; or floats, of which large ones cancel out in tap sums. */
+static void make_heights(float *h, int32_t row, int32_t n, bool ints, double rough, double small,
+                         uint64_t *seed)
+{
+    const bool flat = next(seed) % 4 == 0;
+    for (int32_t i = 0; i < n + 2; i++) {
+        const double some = (double) (next(seed) % 65536) / 65536 * (next(seed) % 8 ? small : 1e-7);
+        if (ints)
+            h[i] = (float) (next(seed) % 65536);
+        else if (flat)
+            h[i] = 0.75F;
+        else
+            h[i] = (float) ((i & 2 ? row == 1 ? -rough : rough : 0) + some);
+    }
+    memset(h + n + 2, 0, NTP__LANES * sizeof *h);
+}
+
+/* The same from rows of heights. */
+static void test_rows(const ntp__gradient_kernels *base, const ntp__gradient_kernels *level,
+                      int32_t n, uint64_t *seed)
+{
+    static const float TAPS[][2] = { { 0, 1 }, { 1, 1 }, { 1, 2 }, { 3, 10 } };
+    for (int choice = 0; choice < 64; choice++) {
+        const bool ints = choice & 1, deep = choice & 2;
+        const int32_t m = deep ? 65535 : 255, size = deep ? 6 : 3;
+        const float *taps = TAPS[choice / 4 % 4];
+        const double scale = (ints ? 0x1p-16 : 1) * (choice & 16 ? -1 : 1) / 8;
+        const double rough = choice & 32 ? 0 : 3000,
+                     small = rough > 0 && next(seed) % 4 == 0 ? 1e-7 : 1;
+        const ntp__encode e = { .cx = scale,
+                                .cy = next(seed) % 2 ? scale : -scale,
+                                .half = m / 2.0,
+                                .side = taps[0],
+                                .middle = taps[1],
+                                .spread = 2 * rough + 1,
+                                .off = 1 };
+        float h[3][NTP__GRADIENT_ROW];
+        double sums[2][WIDEST];
+        static levels c;
+        uint8_t got[6 * WIDEST + 1];
+        int32_t at[WIDEST + 1];
+        for (int32_t k = 0; k < 3; k++)
+            make_heights(h[k], k, n, ints, rough, small, seed);
+        if (small < 1) /* no slope down, so that red decides alone */
+            memcpy(h[2], h[0], sizeof h[0]);
+        for (int32_t i = 0; i < n; i++) {
+            double d[2][3]; /* to the right and down */
+            for (int k = 0; k < 3; k++) {
+                d[0][k] = (double) h[k][i + 2] - (double) h[k][i];
+                d[1][k] = (double) h[2][i + k] - (double) h[0][i + k];
+            }
+            for (int k = 0; k < 2; k++)
+                sums[k][i] = (double) taps[0] * (d[k][0] + d[k][2]) + (double) taps[1] * d[k][1];
+        }
+        const void *const from[3] = { h[0], h[1], h[2] };
+        base->encode_precisely(c.plane[0], c.plane[1], NULL, c.doubt, sums[0], sums[1], n, &e);
+        ntp__kernels(0)->derive(c.plane[2], c.plane[0], c.plane[1], n, m, 0);
+        got[size * n] = 77;
+        const int32_t found = level->encode_packed(
+            got, at, from, ints ? NTP__FROM_INTEGERS : NTP__FROM_FLOATS, n, &e, deep);
+        CHECK(got[size * n] == 77 && (found >= 0 || rough > 0));
+        CHECK(found <= n / 2 + 8 || rough > 0);
+        if (found >= 0)
+            check_packed(got, at, found, &c, n, deep);
+    }
+}
+
+/* Heights as they are, and the range of floats. */
+static void test_heights(const ntp__gradient_kernels *level, int32_t n, uint64_t *seed)
+{
+    uint8_t s8[WIDEST] = { 0 };
+    uint16_t s16[WIDEST] = { 0 };
+    float s[WIDEST] = { 0 }, got[WIDEST + 1], low = 0x1p127F, high = -0x1p127F;
+    double h[WIDEST];
+    ntp__magnitudes m = { INT32_MAX, 0, low, high }, want = m;
+    for (int32_t i = 0; i < n; i++) {
+        s8[i] = (uint8_t) next(seed);
+        s16[i] = (uint16_t) next(seed);
+        s[i] = next(seed) % 5 ? (float) ((double) next(seed) * 1e-9 - 1e10) : 0;
+        low = s[i] < low ? s[i] : low;
+        high = s[i] > high ? s[i] : high;
+    }
+    got[n] = -7;
+    level->take_heights(got, s8, NTP_TYPE_U8, n, &m);
+    for (int32_t i = 0; i < n; i++)
+        CHECK(got[i] == (float) s8[i]);
+    level->take_heights(got, s16, NTP_TYPE_U16, n, &m);
+    for (int32_t i = 0; i < n; i++)
+        CHECK(got[i] == (float) s16[i]);
+    CHECK(m.least == INT32_MAX && m.most == 0);
+    level->take_heights(got, s, NTP_TYPE_F32, n, &m);
+    level->take_floats(h, s, n, &want);
+    CHECK(memcmp(got, s, (size_t) n * sizeof *s) == 0);
+    CHECK(m.least == want.least && m.most == want.most);
+    CHECK(m.low == low && m.high == high);
+    CHECK(got[n] == -7);
 }
 
 /* Zeros, infinities and what is no number too. */
@@ -243,7 +349,7 @@ static void test_floats(const ntp__gradient_kernels *level, int32_t n, uint64_t 
 {
     float s[WIDEST];
     double h[WIDEST];
-    ntp__magnitudes m = { INT32_MAX, 0 };
+    ntp__magnitudes m = { INT32_MAX, 0, 0, 0 };
     int32_t least = INT32_MAX, most = 0;
     for (int32_t i = 0; i < n; i++) {
         const uint32_t bits = next(seed) % 5 ? (uint32_t) next(seed) : (uint32_t) next(seed) << 31;
@@ -375,12 +481,18 @@ int main(int argc, char **argv)
         test_sums(base, level, n, &seed);
         test_encode(base, level, n, &seed);
         test_floats(level, n, &seed);
-        if (level->encode_packed != NULL)
+        if (level->encode_packed != NULL) {
             test_packed(base, level, n, &seed);
+            test_rows(base, level, n, &seed);
+            if (n >= NTP__LANES)
+                test_heights(level, n, &seed);
+        }
         const int32_t columns = n < NTP__WAVE_COLUMNS ? n : NTP__WAVE_COLUMNS;
         test_dither(base, level, columns, &seed);
         test_turns(level, columns, 1 + (int32_t) (next(&seed) % NTP__WAVE), &seed);
     }
+    for (int32_t i = 0; i < 40 && level->encode_packed != NULL; i++)
+        test_rows(base, level, WIDEST, &seed);
     test_turns(level, NTP__WAVE_COLUMNS, NTP__WAVE, &seed);
     for (int32_t i = 0; i < 200; i++)
         test_dither(base, level, 1 + i % 3, &seed);

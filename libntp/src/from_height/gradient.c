@@ -46,6 +46,7 @@ typedef struct walk {
     bool doubles;    /* the loops may compute in double; else every texel exactly */
     bool single;     /* also in float, but for texels in doubt */
     bool packed;     /* the latter may go to packed pixels in one step */
+    bool quick;      /* from 3 x 3 heights, too */
     double greatest; /* bound of the tap sums for heights of magnitude 1 */
     ntp__encode encode;
     ntp_normals_counts counts;
@@ -117,6 +118,8 @@ static ntp_status make_walk(walk *w, const ntp_image *dst, const ntp_const_image
     w->encode.half = g->m / 2.0;
     w->encode.shortened = g->shortened;
     w->encode.use_shortened = g->min_z > 0;
+    w->encode.side = (float) g->kernel->term[0].across[NTP__MAX_RADIUS - 1];
+    w->encode.middle = (float) g->kernel->term[0].across[NTP__MAX_RADIUS];
     w->encode.zzero = dst->encoding == NTP_ENCODING_ZZERO;
     if (!w->floats) {
         set_arithmetic(w, w->greatest);
@@ -133,7 +136,7 @@ static const ntp__height_row *get_row(strip *s, const ntp__gradient *g, int32_t 
 {
     int32_t rows = 2 * g->kernel->radius + 1;
     ntp__height_row *row = &s->row[(y + rows) % rows];
-    if (!row->filled || row->y != y)
+    if (!row->filled || row->y != y || row->quick)
         ntp__height_row_fill(row, g, x, y, n);
     return row;
 }
@@ -143,6 +146,13 @@ typedef struct facts {
     bool finite;
     double least, most;
 } facts;
+
+static void add_facts(facts *f, const ntp__height_row *row)
+{
+    f->finite = f->finite && row->finite;
+    f->least = row->least < f->least ? row->least : f->least;
+    f->most = row->most > f->most ? row->most : f->most;
+}
 
 /* The tap sums of one slope for a block, from the row that repeat-slope takes for row y. */
 static void tap_sums(walk *w, strip *s, facts *f, int32_t x, int32_t y, int32_t n, bool down)
@@ -156,9 +166,7 @@ static void tap_sums(walk *w, strip *s, facts *f, int32_t x, int32_t y, int32_t 
         const ntp__height_row *row = get_row(s, g, x, y + k, n);
         rows_i[NTP__MAX_RADIUS + k] = row->h.i;
         rows_d[NTP__MAX_RADIUS + k] = row->h.d;
-        f->finite = f->finite && row->finite;
-        f->least = row->least < f->least ? row->least : f->least;
-        f->most = row->most > f->most ? row->most : f->most;
+        add_facts(f, row);
     }
     if (w->ints)
         w->g.loops->tap_sums_i(s->sums.i[down], rows_i, g->which, down, n);
@@ -363,6 +371,8 @@ static void do_block(walk *w, strip *s, int32_t x, int32_t y, int32_t n)
         }
         return;
     }
+    if (w->quick && encode_rows(w, s, x, y, n))
+        return;
     facts f = all_tap_sums(w, s, x, y, n);
     if (encode_packed(w, s, &f, x, y, n))
         return;
@@ -440,6 +450,7 @@ ntp_status ntp_normals_from_height(const ntp_image *dst, const ntp_const_image *
     NTP__TRY(make_walk(&w, dst, src, how));
     NTP__TRY(ntp__check_area(&r, src, area));
     w.packed = can_pack(&w);
+    w.quick = w.packed && can_be_quick(&w);
     do_bands(&w, r);
     add_counts(counts, &w);
     return NTP_OK;

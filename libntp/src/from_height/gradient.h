@@ -7,8 +7,8 @@
  *   gradient.c          ntp_normals_from_height, ntp_normals_dithered: walks over the area
  *   height_rows.c       makes rows of heights, extended beyond the borders
  *   gradient_kernels.c  the loops, with tap_sums_tmpl.h and encode_tmpl.h
- *   encode_avx2.c       the latter for packed RGB, with AVX2; packed_tmpl.h is a part of
- *                       gradient.c for it
+ *   encode_avx2.c       the latter for packed RGB, with AVX2, also straight from 3 x 3 heights;
+ *                       packed_tmpl.h is a part of gradient.c for it
  *   exact.c             rounds exactly the texels that the loops are in doubt about
  *   dither_tmpl.h       a part of them: rounds so that errors do not add up;
  *                       dither_avx2_tmpl.h is the same with AVX2, dither_rows_tmpl.h
@@ -118,10 +118,13 @@ int64_t ntp__height_integer(const ntp__gradient *g, int32_t x, int32_t y);
 typedef struct ntp__height_row {
     int32_t y; /* the row, -4..height + 3 */
     bool filled, finite;
+    bool quick;         /* heights are floats, as the samples are (ntp__height_row_floats) */
     double least, most; /* floats: the least magnitude other than 0 and the greatest of a sample */
+    float low, high;    /* quick: the range of heights */
     union {
         int32_t i[NTP__GRADIENT_ROW];
         double d[NTP__GRADIENT_ROW];
+        float f[NTP__GRADIENT_ROW];
     } h;
 } ntp__height_row;
 
@@ -131,6 +134,10 @@ bool ntp__heights_are_int(const ntp__gradient *g);
 /* Fills a row from column x - 4 on; n <= NTP__BLOCK. */
 void ntp__height_row_fill(ntp__height_row *row, const ntp__gradient *g, int32_t x, int32_t y,
                           int32_t n);
+
+/* The same of radius 1 and packed gray samples, where no place beyond the border is a sum. */
+void ntp__height_row_floats(ntp__height_row *row, const ntp__gradient *g, int32_t x, int32_t y,
+                            int32_t n);
 
 /* --- loops (gradient_kernels.c); all write n <= NTP__BLOCK numbers --- */
 
@@ -145,16 +152,23 @@ typedef void ntp__tap_sums_d_fn(double *sums, const double *const rows[NTP__MAX_
 /* Bits of floats without their signs. */
 typedef struct ntp__magnitudes {
     int32_t least, most; /* the least other than 0, less 1, else INT32_MAX; the greatest */
+    float low, high;     /* the range of the floats themselves; for ntp__take_heights_fn alone */
 } ntp__magnitudes;
 
 /* Heights from floats; widens their range. */
 typedef void ntp__take_floats_fn(double *height, const float *s, int32_t n, ntp__magnitudes *m);
+
+/* NTP__LANES or more packed samples of any type as they are; widens the range of floats only. */
+typedef void ntp__take_heights_fn(float *to, const void *s, ntp_type type, int32_t n,
+                                  ntp__magnitudes *m);
 
 /* What the encoding loops need to know. */
 typedef struct ntp__encode {
     double cx, cy, half; /* c/N, d/N, M/2 */
     double shortened;    /* sqrt(1 - min_z^2); ignored unless use_shortened */
     int32_t use_shortened, zzero;
+    float side, middle; /* the taps across of a kernel of radius 1 */
+    double spread;      /* NTP__FROM_FLOATS: no difference of two heights is greater */
     int32_t off; /* 1, and the error of M/2 times a component that tap sums cause, in 2^-15 */
 } ntp__encode;
 
@@ -169,14 +183,25 @@ typedef int32_t ntp__encode_d_fn(int32_t *red, int32_t *green, int32_t *blue, in
                                  const double *right, const double *down, int32_t n,
                                  const ntp__encode *e);
 
+/* What packed texels are made of: tap sums to the right and down, or three rows of heights as floats, which
+ * are integers whose tap sums are exact, or not. */
+typedef enum ntp__packed_from {
+    NTP__FROM_SUMS_I,
+    NTP__FROM_SUMS_D,
+    NTP__FROM_INTEGERS,
+    NTP__FROM_FLOATS
+} ntp__packed_from;
+
 /*
  * Makes n <= NTP__BLOCK packed texels of 8 bit, or of 16 (deep), in the standard encoding with derived
- * blue.  sums: to the right and down, of `ints` or doubles, with room for whole NTP__LANES.  cx and cy
- * have the same magnitude, and neither 1/cx nor a sum is beyond 2^60.  at: the places of texels whose
- * levels are in doubt, or whose red and green are too long; returns how many there are.
+ * blue.  Sums have room for whole NTP__LANES; a row pointer is at column x - 1.  cx and cy have the same
+ * magnitude, and neither 1/cx nor a sum is beyond 2^60.  at: the places of texels whose levels are in doubt,
+ * or whose red and green are too long; returns how many there are.  Negative: nothing was made, because
+ * of these floats too much is in doubt.
  */
-typedef int32_t ntp__encode_packed_fn(uint8_t *d, int32_t *at, const void *const sums[2], bool ints,
-                                      int32_t n, const ntp__encode *e, bool deep);
+typedef int32_t ntp__encode_packed_fn(uint8_t *d, int32_t *at, const void *const from[3],
+                                      ntp__packed_from which, int32_t n, const ntp__encode *e,
+                                      bool deep);
 
 /*
  * A step of a wave that dithers rows: a texel of each row, one column farther left than that of the
@@ -233,6 +258,7 @@ struct ntp__gradient_kernels {
     ntp__encode_i_fn *encode_i;                    /* in float arithmetic */
     ntp__encode_d_fn *encode_d, *encode_precisely; /* in float, in double */
     ntp__encode_packed_fn *encode_packed;          /* in float; NULL where planes are as fast */
+    ntp__take_heights_fn *take_heights;            /* NULL where that is */
     ntp__dither_fn *dither;
     ntp__put_slopes_fn *put_slopes;
     ntp__take_levels_fn *take_levels;

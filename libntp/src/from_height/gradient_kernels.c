@@ -153,10 +153,13 @@ static void take_floats(double *restrict height, const float *restrict s, int32_
 #ifdef __AVX2__
 #  include "from_height/dither_avx2_tmpl.h"
 ntp__encode_packed_fn ntp__encode_avx2;
+ntp__take_heights_fn ntp__take_heights_avx2;
 #  define encode_packed ntp__encode_avx2
+#  define take_heights  ntp__take_heights_avx2
 #else
 #  include "from_height/dither_tmpl.h"
 #  define encode_packed NULL
+#  define take_heights  NULL
 #endif
 
 #define TABLE_NAME_(isa) ntp__gradient_kernels_##isa
@@ -164,6 +167,6 @@ ntp__encode_packed_fn ntp__encode_avx2;
 
 extern const ntp__gradient_kernels TABLE_NAME(NTP_ISA);
 const ntp__gradient_kernels TABLE_NAME(NTP_ISA) = {
-    tap_sums_i,       tap_sums_d,    take_floats, encode_i,   encode_d,
-    encode_precisely, encode_packed, dither,      put_slopes, take_levels,
+    tap_sums_i,    tap_sums_d,   take_floats, encode_i,   encode_d,    encode_precisely,
+    encode_packed, take_heights, dither,      put_slopes, take_levels,
 };

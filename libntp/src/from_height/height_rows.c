@@ -137,11 +137,20 @@ static double magnitude_of(int32_t bits)
     return (double) v;
 }
 
+static void widen_range(ntp__height_row *row, const ntp__magnitudes *m)
+{
+    const double most = magnitude_of(m->most);
+    row->finite = row->finite && ntp__is_finite(most);
+    row->most = most > row->most ? most : row->most;
+    if (m->least < INT32_MAX && magnitude_of(m->least + 1) < row->least)
+        row->least = magnitude_of(m->least + 1);
+}
+
 /* One sample of each texel, or its alpha. */
 static void read_samples(ntp__height_row *row, int32_t at, const ntp__gradient *g, const char *p,
                          int32_t n)
 {
-    ntp__magnitudes m = { INT32_MAX, 0 };
+    ntp__magnitudes m = { INT32_MAX, 0, 0, 0 };
     float line[NTP__GRADIENT_ROW];
     const float *s = (const float *) (const void *) (p + g->read[0] * (ptrdiff_t) sizeof(float));
     if (g->src->pixel_stride != (ptrdiff_t) sizeof(float)) {
@@ -150,11 +159,7 @@ static void read_samples(ntp__height_row *row, int32_t at, const ntp__gradient *
         s = line;
     }
     g->loops->take_floats(&row->h.d[at], s, n, &m);
-    const double most = magnitude_of(m.most);
-    row->finite = row->finite && ntp__is_finite(most);
-    row->most = most > row->most ? most : row->most;
-    if (m.least < INT32_MAX && magnitude_of(m.least + 1) < row->least)
-        row->least = magnitude_of(m.least + 1);
+    widen_range(row, &m);
 }
 
 static void read_floats(ntp__height_row *row, int32_t at, const ntp__gradient *g, int32_t x,
@@ -228,15 +233,64 @@ static void fill_inside(ntp__height_row *row, const ntp__gradient *g, int32_t x,
     }
 }
 
+static void empty_row(ntp__height_row *row, int32_t y, bool quick)
+{
+    row->y = y;
+    row->filled = true;
+    row->finite = true;
+    row->quick = quick;
+    row->least = 0x1p1000;
+    row->most = 0;
+}
+
+/* As ntp__take_heights_fn, of one sample. */
+static float take_one(const void *s, ntp_type type, ntp__magnitudes *m)
+{
+    if (type == NTP_TYPE_U8)
+        return (float) *(const uint8_t *) s;
+    if (type == NTP_TYPE_U16)
+        return (float) *(const uint16_t *) s;
+    const float v = *(const float *) s;
+    int32_t bits;
+    memcpy(&bits, &v, sizeof bits);
+    const int32_t size = bits & INT32_MAX, below = (size - 1) & INT32_MAX;
+    m->most = size > m->most ? size : m->most;
+    m->least = below < m->least ? below : m->least;
+    m->low = v < m->low ? v : m->low;
+    m->high = v > m->high ? v : m->high;
+    return v;
+}
+
+void ntp__height_row_floats(ntp__height_row *row, const ntp__gradient *g, int32_t x, int32_t y,
+                            int32_t n)
+{
+    const ntp_const_image *v = g->src;
+    const int32_t from_y = ntp__border_map(g->border_y, y, v->height).index[0];
+    const int32_t first = x > 0 ? x - 1 : 0, last = x + n < v->width ? x + n + 1 : v->width;
+    /* The column before a row, those inside, and the one after it. */
+    const int32_t at[4] = { x - 1, first, last, x + n + 1 };
+    ntp__magnitudes m = { INT32_MAX, 0, 0x1p127F, -0x1p127F };
+    empty_row(row, y, true);
+    for (int32_t k = 0; k < 3; k++) {
+        const int32_t count = at[k + 1] - at[k];
+        const int32_t from = ntp__border_map(g->border_x, at[k], v->width).index[0];
+        float *const to = &row->h.f[NTP__MAX_RADIUS + at[k] - x];
+        if (count >= NTP__LANES)
+            g->loops->take_heights(to, ntp__at(v, from, from_y), v->type, count, &m);
+        for (int32_t i = 0; i < count && count < NTP__LANES; i++)
+            to[i] = take_one(ntp__at(v, from + i, from_y), v->type, &m);
+    }
+    memset(&row->h.f[NTP__MAX_RADIUS + n + 1], 0, NTP__LANES * sizeof(float));
+    widen_range(row, &m);
+    row->low = m.low;
+    row->high = m.high;
+}
+
 void ntp__height_row_fill(ntp__height_row *row, const ntp__gradient *g, int32_t x, int32_t y,
                           int32_t n)
 {
     ntp__mapped map = ntp__border_map(g->border_y, y, g->src->height);
-    row->y = y;
-    row->filled = true;
-    row->finite = true;
-    row->least = 0x1p1000;
-    row->most = 0;
+    empty_row(row, y, false);
     fill_inside(row, g, x, map.index[0], n);
     if (map.count == 1)
         return;
