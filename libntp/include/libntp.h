@@ -1253,12 +1253,13 @@ NTP_API size_t ntp_depth_scratch_size(int32_t width, int32_t height);
  * each texel and axis there are two equations, with the neighbor on either side.  With a and b the
  * differences of depth to the two, in texels and times the cosine between normal and view, the
  * shares of the equations are 1/(1 + exp(-k (b*b - a*a))) and the rest: the side with the jump
- * hardly counts.  Beside that both equations of a pair of neighbors count 1/(1 + (n/m)^2) times
- * 1/(1 + (o/f)^2): n is the distance of their normals, o how far depth is off both of their slopes.
- * m is 0.07, and more where normals bend everywhere, as in folds and patterns.
- * f falls from 3 to 0.3 texels.  All are found in turn, until the sum of squares changes by less
- * than 0.03 percent.  What is cut off all round keeps about the depth that the first rounds gave it:
- * nothing tells it.
+ * hardly counts.  Both equations of a pair of neighbors ask for the mean of their slopes, of which
+ * none is above 20; that is right at a fold, too.  Only least squares takes each slope for itself.
+ * Beside that both count 1/(1 + (n/m)^2) times 1/(1 + (o/f)^2): n is the distance of their normals,
+ * o how far depth is off both of their slopes.  m is 0.07, and more where normals bend everywhere,
+ * as in folds and patterns.  f falls from 3 to 0.3 texels.  All are found in turn, until the sum of
+ * squares changes by less than 0.03 percent.  What is cut off all round keeps about the depth that
+ * the first rounds gave it: nothing tells it.
  *
  * confidence: NULL, or a view like dst that gets 1/(1 + e), e the error that may be expected of the
  * depth, in texels (with a camera: fx times that of the depth in dst); 0 in holes.  e is twice how

@@ -85,6 +85,27 @@ def shares_of(blocks, z, k):
     ]
 
 
+def ends_of(blocks, wanted, number, w, least):
+    """Of one block: where its equations are, the other texel of each, and both their views and slopes."""
+    a = blocks[number]
+    index, there = np.arange(len(a)), (np.abs(a) > 0).any(1)
+    other = np.where(there, index + (1, -1, w, -w)[number], index)
+    view = np.abs(a[index, index])
+    back = np.where(there, np.abs(blocks[number ^ 1][other, other]), view)
+    views = np.maximum([view, back], least)
+    slopes = np.stack([wanted[number], wanted[number ^ 1][other]]) / views
+    return there, other, views, slopes
+
+
+def wanted_of_means(blocks, wanted, w, focal=1, steep=0.05):
+    """The right-hand sides with the mean slope of both texels instead of one's own."""
+    out = []
+    for number, a in enumerate(blocks):
+        there, _, _, slopes = ends_of(blocks, wanted, number, w, steep * focal)
+        out.append(np.where(there, np.abs(np.diag(a)) * slopes.mean(0), 0))
+    return out
+
+
 def bends_that_tell(normals, bend=0.07, many=0.125, sharp=0.3, tile=8):
     """Of each texel: the distance of normals that halves the trust in a pair.  It is greater where bends
     abound in the tile and those around it."""
@@ -113,12 +134,7 @@ def trust_of(blocks, wanted, normals, z, focal=1, far=0.3):
     index, flat, out = np.arange(h * w), normals.reshape(-1, 3).astype(float), []
     wide = bends_that_tell(normals).ravel()
     for number, a in enumerate(blocks):
-        there = (np.abs(a) > 0).any(1)
-        other = np.where(there, index + (1, -1, w, -w)[number], index)
-        view, rise = np.abs(a[index, index]), wanted[number]
-        back = np.where(there, np.abs(blocks[number ^ 1][other, other]), view)
-        view, back = np.maximum(view, 0.002 * focal), np.maximum(back, 0.002 * focal)
-        slopes = np.stack([rise / view, wanted[number ^ 1][other] / back])
+        there, other, (view, back), slopes = ends_of(blocks, wanted, number, w, 0.002 * focal)
         step = a @ z / np.where(there, view, 1)
         off = np.maximum(np.maximum(step - slopes.max(0), slopes.min(0) - step), 0)
         off *= np.minimum(view, back) ** 2 / focal / far

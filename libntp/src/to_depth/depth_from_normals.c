@@ -155,6 +155,7 @@ static ntp_status run_rounds(work *w, double k, double steady, bool started)
     int32_t most = w->how.rounds > 0 ? w->how.rounds : ROUNDS, last = 0, usual = 0;
     double before = 0, far = started ? LAST_FAR : FIRST_FAR;
     ntp__terms_even(&w->terms);
+    w->terms.own = most == 1;
     w->result.rounds = 0;
     for (int32_t round = 0; round < most; round++) {
         bool first = round == 0;

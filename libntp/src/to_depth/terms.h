@@ -8,6 +8,9 @@
  * counts; the other counts the rest.  So at a cliff a texel can go with one side alone.  Beside that
  * the two equations of a pair of neighbors have a trust: the less their normals agree, and the
  * further depth is off both of their slopes, the less they count.
+ *
+ * Least squares solves these equations as they are.  All else takes the mean slope of a pair in both of
+ * its equations, which is right at a fold, too; view says only how much they weigh.
  */
 #ifndef NTP_TO_DEPTH_TERMS_H
 #define NTP_TO_DEPTH_TERMS_H
@@ -31,6 +34,7 @@ typedef struct ntp__terms {
     int32_t nodes;
     ntp__axis_terms axis[2]; /* to the right, down */
     double *z, *force;
+    bool own; /* each equation has the slope of its node; else both of a pair have the mean slope */
 } ntp__terms;
 
 /* Takes memory for so many nodes. */
@@ -59,7 +63,7 @@ void ntp__terms_trust(ntp__terms *t, double far);
 /* Springs and forces of all equations by shares and trust. */
 void ntp__terms_springs(ntp__terms *t, ntp__graph *graph);
 
-/* The sum of the squares of what is left of all equations, by their shares. */
+/* The sum of the squares of what is left of all equations, by their shares, with mean slopes. */
 double ntp__terms_energy(const ntp__terms *t);
 
 /* Forces as large as what is left of the equations, with signs by chance. */
