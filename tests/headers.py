@@ -13,7 +13,10 @@ from pathlib import Path
 WARNINGS = ["-Wall", "-Wextra", "-pedantic", "-Werror", "-Wshadow", "-Wconversion"]
 WARNINGS += ["-Wundef", "-Wcast-qual"]
 LANGUAGES = {"c": ["c99", "c11", "c17"], "c++": ["c++98", "c++17"]}
-NEEDS = {"exr_channels.h": "OpenEXR", "exr_library.h": "OpenEXR"}  # left out where that is not installed
+NEEDS = {
+    "exr_channels.h": "OpenEXR",
+    "exr_library.h": "OpenEXR",
+}  # left out where that is not installed
 
 
 def compiles(compiler, language, std, include, directories, defines=(), foreign=()):

@@ -5,7 +5,6 @@ from collections import Counter
 
 import numpy as np
 
-from support import libntp_ffi as ntp
 from support import maps
 from support.find import find_kernel
 from support.oracle_height import NAMES

@@ -152,13 +152,6 @@ static inline __m256 marked(__m256 sum, __m256 any)
     return _mm256_castsi256_ps(_mm256_max_epu32(_mm256_castps_si256(sum), least));
 }
 
-static inline int32_t most_of(__m256i v)
-{
-    const __m128i four = _mm_max_epi32(_mm256_castsi256_si128(v), _mm256_extracti128_si256(v, 1));
-    const __m128i two = _mm_max_epi32(four, _mm_unpackhi_epi64(four, four));
-    return _mm_cvtsi128_si32(_mm_max_epi32(two, _mm_srli_epi64(two, 32)));
-}
-
 /* From floats: differences only of what a slope is made of. */
 static void prepare_floats(planes *p, const float *const rows[3], int32_t n, const ntp__encode *e,
                            const constants *c)
@@ -180,7 +173,7 @@ static void prepare_floats(planes *p, const float *const rows[3], int32_t n, con
 /* Widens errors by what floats make of sums; false: too much would be in doubt. */
 static bool allow_floats(constants *c, const ntp__encode *e)
 {
-    static const double most = UNITS / 8;
+    static const double most = UNITS / 8.0;
     const double taps = (double) (8 * e->side + 3 * e->middle), cx = e->cx < 0 ? -e->cx : e->cx;
     const double more = 1.5 * (taps * e->spread * 0x1p-24 + (double) TINY) * cx * e->half * UNITS;
     if (!(more < most))
