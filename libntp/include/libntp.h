@@ -1533,8 +1533,9 @@ typedef struct ntp_kernel_fit {
  * green and src->y, which ntp_orientation_summarize can find.  It tries central, forward, prewitt3,
  * sobel3, scharr3, prewitt5 and baked; sobel5 looks like sobel3.  It reads sampled rows, at most
  * 1024 and only until they show enough detail, and 256 columns of each.  The border does not
- * matter.  Where damage hides the kernel, it is forward if the slopes lie half a texel from their
- * texels, else baked unless that misfits 1.03 times as much as central, and undecided.
+ * matter.  Where damage or smooth ground hides the kernel, it is undecided: forward if the slopes clearly
+ * lie between texels, a fifth of a texel or more to the right and below.  Else it is baked on damage,
+ * unless that misfits 1.03 times as much as central, and central on smooth ground.
  * src->ring_rows is 0.
  */
 NTP_API ntp_status ntp_find_kernel(ntp_kernel_fit *fit, const ntp_const_image *src,

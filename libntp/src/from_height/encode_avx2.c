@@ -143,8 +143,8 @@ static void prepare_integers(planes *p, const float *const rows[3], int32_t n, c
     }
 }
 
-/* A sum that is 0 only where `any`, bits of all that it is made of, is.  Its square is in the normal range,
- * for processors take long below. */
+/* A sum that is 0 only where `any`, bits of all that it is made of, is: what cancels out becomes TINY, or
+ * `any` where that is less.  The square of TINY is in the normal range, for processors take long below. */
 static inline __m256 marked(__m256 sum, __m256 any)
 {
     const __m256i least =

@@ -2,8 +2,9 @@
 /*
  * packed8_tmpl.h - counts packed RGB and RGBA of 8 bit; included by measure.c, whose counts it uses
  *
- * A group of texels of one color is counted at once.  In other groups each texel is one look-up and
- * one count.
+ * With AVX2, exact texels are counted by their rows first (texel/cells_tmpl.h), unless few are.  Of what
+ * is left, or of all, a group of texels of one color is counted at once.  In other groups each texel is
+ * one look-up and one count.
  */
 
 enum { GROUP = 16 /* packed texels that are looked at together */ };
