@@ -134,56 +134,79 @@ static int32_t count_cells(ntp__cell_counts *counts, const uint8_t *src, int32_t
     return i;
 }
 
+/* Where 16 texels are, and which of their bytes go where: see load_16. */
+typedef struct layout8 {
+    __m256i first, second;
+    __m256i before; /* of blue, with alpha above: 127, opaque */
+    int32_t channels;
+} layout8;
+
+static inline layout8 layout8_of(int32_t channels)
+{
+    layout8 l;
+    l.channels = channels;
+    if (channels == 3) {
+#  define PAIRS_BLUES(at)                                                                          \
+      (at), (at) + 1, (at) + 3, (at) + 4, (at) + 6, (at) + 7, (at) + 9, (at) + 10, (at) + 2, -1,   \
+          (at) + 5, -1, (at) + 8, -1, (at) + 11, -1
+        l.first = _mm256_setr_epi8(PAIRS_BLUES(0), PAIRS_BLUES(0));
+        l.second = _mm256_setr_epi8(PAIRS_BLUES(0), PAIRS_BLUES(4));
+#  undef PAIRS_BLUES
+        l.before = _mm256_set1_epi16(127);
+    } else {
+        l.first = l.second = _mm256_broadcastsi128_si256(
+            _mm_setr_epi8(0, 1, 4, 5, 8, 9, 12, 13, 2, 3, 6, 7, 10, 11, 14, 15));
+        l.before = _mm256_set1_epi16((short) 0xff7f);
+    }
+    return l;
+}
+
+/* The reds and greens of 16 texels, and their blues with the alpha or 0 above.  The last load of packed RGB
+ * begins four bytes early, to end with them. */
+static inline void load_16(__m256i *pairs, __m256i *blues, const uint8_t *src, const layout8 *l)
+{
+    const int32_t four = 4 * l->channels;
+    const __m256i a = load_colors(src, src + 2 * four, l->first);
+    const __m256i b = load_colors(src + four, src + 4 * four - 16, l->second);
+    *pairs = _mm256_unpacklo_epi64(a, b);
+    *blues = _mm256_unpackhi_epi64(a, b);
+}
+
 /* The rows of 16 pairs of bytes; k are the k of red and green. */
 static inline __m256i row_words(__m256i pairs, __m256i k)
 {
+    enum { FLAT = NTP__ROWS - NTP__FLAT_ROWS - (127 + 2 * 127) };
     const __m256i p = _mm256_and_si256(k, _mm256_set1_epi16(255)), q = _mm256_srli_epi16(k, 8);
     const __m256i k1 = _mm256_max_epi16(p, q), k2 = _mm256_min_epi16(p, q);
     const __m256i square = _mm256_mullo_epi16(k1, _mm256_sub_epi16(k1, _mm256_set1_epi16(-1)));
-    /* flat: the high bits of red and green, as bits 0 and 1 */
-    const __m256i bits =
-        _mm256_or_si256(_mm256_slli_epi16(_mm256_srli_epi16(pairs, 15), 1),
-                        _mm256_and_si256(_mm256_srli_epi16(pairs, 7), _mm256_set1_epi16(1)));
-    return _mm256_blendv_epi8(_mm256_add_epi16(_mm256_srli_epi16(square, 1), k2),
-                              _mm256_add_epi16(bits, _mm256_set1_epi16(NTP__ROWS - NTP__FLAT_ROWS)),
+    /* flat: red + 2 green, each 127 or 128 */
+    const __m256i flat = _mm256_add_epi16(_mm256_maddubs_epi16(pairs, _mm256_set1_epi16(0x201)),
+                                          _mm256_set1_epi16(FLAT));
+    return _mm256_blendv_epi8(_mm256_add_epi16(_mm256_srli_epi16(square, 1), k2), flat,
                               _mm256_cmpeq_epi16(k, _mm256_setzero_si256()));
 }
 
 /*
- * The rows of 16 texels, and which of these are exact and opaque.  With t = b - 128, exact
- * is 128 <= b, 0 <= e - t*t <= 2t.  Modulo 2^16, e - t*t is more than 2t for every e < 0, as it is -2^15 or
- * more then.  Only (201, 201, 201) is exact and gray: it is left to the caller too.
+ * The rows of 16 texels, and which of these are exact and opaque.  With u = b - 127, exact is
+ * 128 <= b, (u - 1)^2 <= e < u*u, or 0 < u*u - e < 2u.  u is 0 where blue is less or alpha is not 255, so that
+ * this does not hold.  u*u is at most 2^14, and |e| is less.  Only (201, 201, 201) is exact and gray: it
+ * is left to the caller too.
  */
-static inline __m256i are_exact(__m256i *rows, const uint8_t *src, int32_t channels)
+static inline __m256i are_exact(__m256i *rows, const uint8_t *src, const layout8 *l)
 {
     enum { GRAY = 0xc9c9 };
-    const __m256i low = _mm256_set1_epi32(0xffff);
-    __m256i colors[2];
-    if (channels == 3) {
-        load_rgb(colors, src);
-    } else {
-        for (int k = 0; k < 2; k++)
-            colors[k] = load_two(src + 16 * k, src + 32 + 16 * k);
-    }
-    const __m256i pairs =
-        _mm256_packus_epi32(_mm256_and_si256(colors[0], low), _mm256_and_si256(colors[1], low));
-    const __m256i blues =
-        _mm256_packus_epi32(_mm256_srli_epi32(colors[0], 16), _mm256_srli_epi32(colors[1], 16));
+    __m256i pairs, blues;
+    load_16(&pairs, &blues, src, l);
     const __m256i k = _mm256_min_epu8(_mm256_xor_si256(pairs, _mm256_set1_epi8(127)),
                                       _mm256_xor_si256(pairs, _mm256_set1_epi8(-128)));
     const __m256i xy = _mm256_maddubs_epi16(_mm256_sub_epi8(k, _mm256_set1_epi8(-1)), k);
-    const __m256i e = _mm256_sub_epi16(_mm256_set1_epi16(REST_8), xy);
-    /* t is above 127 where alpha is not 255, or blue is below 128 */
-    const __m256i t =
-        _mm256_xor_si256(blues, _mm256_set1_epi16((short) (channels == 3 ? 0x80 : 0xff80)));
-    const __m256i rest = _mm256_sub_epi16(e, _mm256_mullo_epi16(t, t));
-    const __m256i off = _mm256_or_si256(_mm256_subs_epu16(rest, _mm256_add_epi16(t, t)),
-                                        _mm256_subs_epu16(t, _mm256_set1_epi16(127)));
-    const __m256i exact =
-        _mm256_andnot_si256(_mm256_cmpeq_epi16(pairs, _mm256_set1_epi16((short) GRAY)),
-                            _mm256_cmpeq_epi16(off, _mm256_setzero_si256()));
+    const __m256i u = _mm256_subs_epu16(blues, l->before);
+    const __m256i above =
+        _mm256_add_epi16(_mm256_mullo_epi16(u, u), _mm256_sub_epi16(xy, _mm256_set1_epi16(REST_8)));
+    const __m256i exact = _mm256_and_si256(_mm256_cmpgt_epi16(above, _mm256_setzero_si256()),
+                                           _mm256_cmpgt_epi16(_mm256_add_epi16(u, u), above));
     *rows = row_words(pairs, k);
-    return exact;
+    return _mm256_andnot_si256(_mm256_cmpeq_epi16(pairs, _mm256_set1_epi16((short) GRAY)), exact);
 }
 
 static void count_exact8(ntp__exact8_block *out, ntp__exact8_counts exact, const uint8_t *src,
@@ -191,11 +214,12 @@ static void count_exact8(ntp__exact8_block *out, ntp__exact8_counts exact, const
 {
     enum { GROUP = 16, COPIES = NTP__EXACT_COPIES };
     uint16_t at[256];
+    const layout8 layout = layout8_of(channels);
     int32_t waiting = 0, others = 0;
     for (int32_t i = 0; i + GROUP <= n; i += GROUP, src += channels * GROUP) {
         __m256i rows;
         _mm_prefetch((const char *) src + ahead, _MM_HINT_T0);
-        const __m256i is_exact = are_exact(&rows, src, channels);
+        const __m256i is_exact = are_exact(&rows, src, &layout);
         _mm256_storeu_si256((__m256i *) (void *) (out->row + i), rows);
         rows = _mm256_blendv_epi8(_mm256_set1_epi16(NTP__ROWS), rows, is_exact);
         _mm256_storeu_si256((__m256i *) (void *) (at + waiting), rows);
