@@ -2,8 +2,8 @@
 /*
  * survey8_tmpl.h - sums and extremes of packed texels of 8 bit; a part of kernels.c
  *
- * Bytes of one channel are masked in registers of 32; of three channels, three registers are a
- * period.
+ * Of three channels, three registers of 32 bytes are a period: of these, each third byte of each one makes
+ * a register of one channel.  Of four, the bytes of one channel are masked.
  */
 
 #ifdef __AVX2__
@@ -45,27 +45,28 @@ static ALWAYS_INLINE int32_t survey8_of(ntp__survey8 *s, const uint8_t *p, int32
     for (int c = 0; c < 3; c++)
         of[c] = _mm256_loadu_si256(
             (const __m256i *) (const void *) (EVERY[channels - 3] + (channels - c) % channels));
-    for (; done + step <= n; done += step) {
+    for (; done + step <= n; done += step, p += BYTES * vectors) {
+        const __m256i *const v = (const __m256i *) (const void *) p;
         UNROLLED
-        for (int k = 0; k < vectors; k++, p += BYTES) {
-            const __m256i v = _mm256_loadu_si256((const __m256i *) (const void *) p);
-            least[k] = _mm256_min_epu8(least[k], v);
-            greatest[k] = _mm256_max_epu8(greatest[k], v);
-            UNROLLED
-            for (int c = 0; c < 3; c++) {
-                const __m256i own = _mm256_and_si256(v, of[(c + k) % 3]);
-                sum[c] = _mm256_add_epi64(sum[c], _mm256_sad_epu8(own, none));
+        for (int c = 0; c < 3; c++) {
+            __m256i own = _mm256_loadu_si256(v);
+            if (channels == 3) { /* each third byte of three registers */
+                own = _mm256_blendv_epi8(own, _mm256_loadu_si256(v + 1), of[(c + 1) % 3]);
+                own = _mm256_blendv_epi8(own, _mm256_loadu_si256(v + 2), of[(c + 2) % 3]);
             }
+            least[c] = _mm256_min_epu8(least[c], own);
+            greatest[c] = _mm256_max_epu8(greatest[c], own);
+            if (channels == 4)
+                own = _mm256_and_si256(own, of[c]);
+            sum[c] = _mm256_add_epi64(sum[c], _mm256_sad_epu8(own, none));
         }
     }
     UNROLLED
     for (int c = 0; c < 3; c++) {
-        __m256i low = all, high = none;
-        UNROLLED
-        for (int k = 0; k < vectors; k++) {
-            const __m256i own = of[(c + k) % 3];
-            low = _mm256_min_epu8(low, _mm256_or_si256(least[k], _mm256_xor_si256(own, all)));
-            high = _mm256_max_epu8(high, _mm256_and_si256(greatest[k], own));
+        __m256i low = least[c], high = greatest[c];
+        if (channels == 4) {
+            low = _mm256_or_si256(low, _mm256_xor_si256(of[c], all));
+            high = _mm256_and_si256(high, of[c]);
         }
         s->sum[c] = sum_of_lanes(sum[c]);
         s->least[c] = least_byte(low);
