@@ -24,26 +24,30 @@ static bool is_sampled(const ntp_const_image *src, int32_t y)
     return y % step == (int32_t) ((uint64_t) part * (uint32_t) step >> 32);
 }
 
-/* ((2L - M)^2 - 1) / 4 of the linear level L; a whole number below 2^30. */
-static inline uint32_t quarter_square(int32_t level)
+/* Fills linear_square, once. */
+static void prepare_squares(ntp_tally *t)
 {
-    const int32_t a = NTP__LINEAR_OF_SRGB[level] - 32768;
-    return (uint32_t) (a * (a + 1));
+    if (t->linear_square[0] != 0)
+        return;
+    for (int32_t i = 0; i < 256; i++) {
+        const int32_t a = NTP__LINEAR_OF_SRGB[i] - 32768;
+        t->linear_square[i] = (uint32_t) (a * (a + 1));
+    }
 }
 
-/* Is the length within 1/8 of 1 if the levels are decoded from sRGB first?  With s, the sum of these, its
- * square is 4s + 3, and 49 M*M <= 64 (4s + 3) <= 81 M*M. */
-static inline bool linear_near_unit(int32_t r, int32_t g, int32_t b)
+/* Is the length within 1/8 of 1 if the levels are decoded from sRGB first?  With s, the sum of their
+ * linear_square, its square is 4s + 3, and 49 M*M <= 64 (4s + 3) <= 81 M*M. */
+static inline bool linear_near_unit(const uint32_t *square, int32_t r, int32_t g, int32_t b)
 {
     const int64_t unit = INT64_C(65535) * 65535;
     const uint32_t least = (uint32_t) ((49 * unit - 192 + 255) / 256);
     const uint32_t most = (uint32_t) ((81 * unit - 192) / 256);
-    return quarter_square(r) + quarter_square(g) + quarter_square(b) - least <= most - least;
+    return square[r] + square[g] + square[b] - least <= most - least;
 }
 
 /* Counts of a block of colors of 8 bit. */
-static void count_signs(ntp__samples *s, const int32_t *r, const int32_t *g, const int32_t *b,
-                        int32_t n)
+static void count_signs(ntp__samples *s, const uint32_t *linear, const int32_t *r, const int32_t *g,
+                        const int32_t *b, int32_t n)
 {
     enum { LEAST = 185, RANGE = 6 }; /* flat after gamma: 188, and 3 to both sides */
     int32_t red = 0, green = 0, flat = 0, unit = 0;
@@ -54,7 +58,7 @@ static void count_signs(ntp__samples *s, const int32_t *r, const int32_t *g, con
             (r[i] >= LEAST) & (r[i] <= LEAST + RANGE) & (g[i] >= LEAST) & (g[i] <= LEAST + RANGE);
     }
     for (int32_t i = 0; i < n; i++)
-        unit += linear_near_unit(r[i], g[i], b[i]);
+        unit += linear_near_unit(linear, r[i], g[i], b[i]);
     s->red_low += (uint32_t) red;
     s->green_low += (uint32_t) green;
     s->gamma_flat += (uint32_t) flat;
@@ -63,7 +67,8 @@ static void count_signs(ntp__samples *s, const int32_t *r, const int32_t *g, con
 
 /* Adds a block of colors of 8 bit.  These are loops over planes, as compilers make vectors of them;
  * the sums of a block fit into 32 bits. */
-static void add_planes(ntp__samples *s, const int32_t *const c[3], int32_t n)
+static void add_planes(ntp__samples *s, const uint32_t *linear, const int32_t *const c[3],
+                       int32_t n)
 {
     for (int32_t k = 0; k < 3; k++) {
         const int32_t *const v = c[k], *const p = c[k == 2], *const q = c[k == 0 ? 1 : 2];
@@ -77,7 +82,7 @@ static void add_planes(ntp__samples *s, const int32_t *const c[3], int32_t n)
         s->square[k] += (uint32_t) square;
         s->product[k] += (uint32_t) product;
     }
-    count_signs(s, c[0], c[1], c[2], n);
+    count_signs(s, linear, c[0], c[1], c[2], n);
     s->n += (uint32_t) n;
 }
 
@@ -103,7 +108,8 @@ static void add_pairs(ntp_tally *t, const int32_t *const c[3], int32_t n)
     }
 }
 
-static void add_padding(ntp__samples *s, const int32_t *const c[3], int32_t n)
+static void add_padding(ntp__samples *s, const uint32_t *linear, const int32_t *const c[3],
+                        int32_t n)
 {
     int32_t any = 0;
     for (int32_t i = 0; i < n; i++)
@@ -111,7 +117,7 @@ static void add_padding(ntp__samples *s, const int32_t *const c[3], int32_t n)
     for (int32_t i = 0; any && i < n; i++) {
         const int32_t *const one[3] = { c[0] + i, c[1] + i, c[2] + i };
         if (ntp__is_padding(*one[0], *one[1], 255))
-            add_planes(s, one, 1);
+            add_planes(s, linear, one, 1);
     }
 }
 
@@ -142,8 +148,8 @@ static void add_colors(ntp_tally *t, const ntp__block *block, int32_t first, int
     }
     if (m != 255)
         add_pairs(t, c, n);
-    add_planes(&t->samples, c, n);
-    add_padding(&t->padding_samples, c, n);
+    add_planes(&t->samples, t->linear_square, c, n);
+    add_padding(&t->padding_samples, t->linear_square, c, n);
 }
 
 /* Adds the steps to texels [first, n) of a block from the ones before; `x` is the column of texel 0. */
@@ -172,6 +178,7 @@ void ntp__sample_row(ntp_tally *t, const ntp_const_image *src, int32_t x0, int32
     if (!is_sampled(src, y))
         return;
     ntp__block block;
+    prepare_squares(t);
     for (int32_t x = x0; x < x1; x += NTP__BLOCK - 1) {
         int32_t n = x1 - x < NTP__BLOCK - 1 ? x1 - x : NTP__BLOCK - 1, before = x > 0;
         ntp__unpack(&block, src, x - before, y, n + before);

@@ -70,6 +70,9 @@ struct ntp_tally {
     uint32_t summed, summed_encoding; /* are `used` and `unused` up to date, and angles for what? */
 
     ntp__color_counts cells; /* used texels only */
+    /* By level of 8 bit, decoded from sRGB to L of 16 bit: ((2L - M)^2 - 1) / 4, a whole number below 2^30.
+     * The first one is 0 as long as these are not worked out. */
+    uint32_t linear_square[256];
     /* ntp_tally_summarize makes these from all the rest.  They are kept until the tally changes. */
     uint64_t blues[256];    /* texels of the cells by blue */
     ntp__sums used, unused; /* `used` where any is in the cells: see ntp__used */
