@@ -204,7 +204,7 @@ static void fill(uint8_t *texels, int32_t n, int32_t channels, uint64_t *seed)
 
 static void check_tallies(int32_t channels, uint64_t *seed)
 {
-    enum { WIDTH = 1000, HEIGHT = 1000, FEW = 8 };
+    enum { WIDTH = 4000, HEIGHT = 250, FEW = 8 }; /* more far cells in a row than wait at once */
     uint8_t *texels = malloc((size_t) WIDTH * HEIGHT * 4);
     ntp_tally *many = calloc(1, ntp_tally_size()), *few = calloc(1, ntp_tally_size()),
               *merged = calloc(1, ntp_tally_size());

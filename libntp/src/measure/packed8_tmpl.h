@@ -118,7 +118,7 @@ static int32_t count_exact(ntp_tally *t, ntp__exact8_block *part, int32_t *next,
     return size;
 }
 
-/* What is counted after a row: sums of the next one would wait for it. */
+/* What is read or counted later, and would be waited for. */
 static inline void fetch(const uint8_t *p, size_t ahead)
 {
 #ifdef __GNUC__
@@ -156,12 +156,25 @@ static uint64_t look_up_rgb8(ntp_tally *t, const uint8_t *p, int32_t n, size_t a
     return unused;
 }
 
-/* Counts packed RGB that is left.  Counts of far cells are waited for, so they come apart. */
-static uint64_t count_left(ntp_tally *t, const ntp__exact8_block *part, const uint8_t *p)
+/* Far cells that are to be counted, while they are fetched: else these counts would be waited for. */
+typedef struct far_waiting {
+    uint32_t at[2 * 256];
+    int32_t n;
+} far_waiting;
+
+static void end_far(ntp_tally *t, far_waiting *far)
 {
-    uint32_t far[256];
+    for (int32_t i = 0; i < far->n; i++)
+        ntp__count_far(&t->cells.at, far->at[i], 1);
+    far->n = 0;
+}
+
+/* Counts packed RGB that is left, but for what is put into `far`, which has room for 256. */
+static uint64_t count_left(ntp_tally *t, far_waiting *far, const ntp__exact8_block *part,
+                           const uint8_t *p)
+{
     uint64_t unused = 0;
-    int32_t n = 0;
+    int32_t n = far->n;
     for (int32_t i = 0; i < part->others; i++) {
         const uint8_t *const q = p + 3 * part->left[i];
         const uint32_t row = part->row[part->left[i]], first = t->cells.row_first[row];
@@ -171,30 +184,35 @@ static uint64_t count_left(ntp_tally *t, const ntp__exact8_block *part, const ui
         } else if ((q[0] == q[1]) & (q[1] == q[2])) {
             unused += count_odd(t, q, ntp__entry(row, first), 1);
         } else {
-            far[n++] = row * NTP__ROW_CELLS + q[2];
+            far->at[n] = row * NTP__ROW_CELLS + q[2];
+            fetch(t->cells.at.far, far->at[n++]);
             t->cells.at.row_seen[row] |= NTP__SEEN_FAR;
         }
     }
-    for (int32_t i = 0; i < n; i++)
-        ntp__count_far(&t->cells.at, far[i], 1);
+    far->n = n;
+    if (n > 256)
+        end_far(t, far);
     return unused;
 }
 
 static void count_rgb8(ntp_tally *t, const uint8_t *p, int32_t n)
 {
     ntp__exact8_block part;
+    far_waiting far;
     int32_t next;
     const size_t ahead = 3 * (size_t) n;
+    far.n = 0;
     add_bytes(t, p, n, 3);
     t->narrow += (uint64_t) n;
     while (n > 0) {
         const int32_t done = count_exact(t, &part, &next, p, n, 3, ahead);
-        t->narrow -= count_left(t, &part, p);
+        t->narrow -= count_left(t, &far, &part, p);
         p += 3 * done;
         t->narrow -= look_up_rgb8(t, p, next, ahead);
         p += 3 * next;
         n -= done + next;
     }
+    end_far(t, &far);
 }
 
 /* What the texels of a row with alpha are counted by. */
