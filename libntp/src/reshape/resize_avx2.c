@@ -35,41 +35,39 @@ static inline __m256i two_weights(const int16_t *weight)
     return _mm256_set1_epi32(two);
 }
 
-/* Adds what the sums of 32 numbers from i on get from weights t and t + 1. */
-static inline void add_whole(__m256i high[FOUR], __m256i low[FOUR], const ntp__whole_weights *from,
-                             int32_t t, int32_t i)
+/* With n weights; few registers are enough for 16 numbers. */
+static inline void sum_whole(float *sums, const ntp__whole_weights *from, int32_t n, int32_t count)
 {
-    const __m256i w = two_weights(from->upper + t), x = two_weights(from->lower + t);
-    for (int32_t k = 0; k < FOUR; k += 2) {
-        const __m256i a = load_both(from->row[t], from->other[t], i + 8 * k);
-        const __m256i b = load_both(from->row[t + 1], from->other[t + 1], i + 8 * k);
-        const __m256i c[2] = { _mm256_unpacklo_epi16(a, b), _mm256_unpackhi_epi16(a, b) };
-        for (int32_t m = 0; m < 2; m++) {
-            high[k + m] = _mm256_add_epi32(high[k + m], _mm256_madd_epi16(c[m], w));
-            low[k + m] = _mm256_add_epi32(low[k + m], _mm256_madd_epi16(c[m], x));
+    for (int32_t i = 0; i < count; i += 2 * EIGHT) {
+        __m256i high[2], low[2];
+        __m256 v[2];
+        high[0] = high[1] = low[0] = low[1] = _mm256_setzero_si256();
+        for (int32_t t = 0; t < n; t += 2) {
+            const __m256i w = two_weights(from->upper + t), x = two_weights(from->lower + t);
+            const __m256i a = load_both(from->row[t], from->other[t], i);
+            const __m256i b = load_both(from->row[t + 1], from->other[t + 1], i);
+            const __m256i c[2] = { _mm256_unpacklo_epi16(a, b), _mm256_unpackhi_epi16(a, b) };
+            for (int32_t m = 0; m < 2; m++) {
+                high[m] = _mm256_add_epi32(high[m], _mm256_madd_epi16(c[m], w));
+                low[m] = _mm256_add_epi32(low[m], _mm256_madd_epi16(c[m], x));
+            }
         }
+        for (int32_t m = 0; m < 2; m++)
+            v[m] =
+                _mm256_add_ps(_mm256_cvtepi32_ps(high[m]),
+                              _mm256_mul_ps(_mm256_cvtepi32_ps(low[m]), _mm256_set1_ps(0x1p-15F)));
+        _mm256_storeu_ps(sums + i, _mm256_permute2f128_ps(v[0], v[1], 0x20));
+        _mm256_storeu_ps(sums + i + EIGHT, _mm256_permute2f128_ps(v[0], v[1], 0x31));
     }
 }
 
+/* Lanczos has six pairs of rows where the height is halved. */
 void ntp__sum_whole_avx2(float *sums, const ntp__whole_weights *from, int32_t count)
 {
-    for (int32_t i = 0; i < count; i += AT_ONCE) {
-        __m256i high[FOUR], low[FOUR];
-        __m256 v[FOUR];
-        for (int32_t k = 0; k < FOUR; k++)
-            high[k] = low[k] = _mm256_setzero_si256();
-        add_whole(high, low, from, 0, i);
-        for (int32_t t = 2; t < from->n; t += 2)
-            add_whole(high, low, from, t, i);
-        for (int32_t k = 0; k < FOUR; k++)
-            v[k] =
-                _mm256_add_ps(_mm256_cvtepi32_ps(high[k]),
-                              _mm256_mul_ps(_mm256_cvtepi32_ps(low[k]), _mm256_set1_ps(0x1p-15F)));
-        for (int32_t k = 0; k < FOUR; k += 2) {
-            _mm256_storeu_ps(sums + i + 8 * k, _mm256_permute2f128_ps(v[k], v[k + 1], 0x20));
-            _mm256_storeu_ps(sums + i + 8 * k + 8, _mm256_permute2f128_ps(v[k], v[k + 1], 0x31));
-        }
-    }
+    if (from->n == 6)
+        sum_whole(sums, from, 6, count);
+    else
+        sum_whole(sums, from, from->n, count);
 }
 
 void ntp__widen_avx2(float *to, const int16_t *from, int32_t n)
@@ -157,13 +155,13 @@ void ntp__sum_halves_avx2(ntp__planes *out, float least[4], const float *sums, c
         __m256 low = _mm256_set1_ps(0x1p100F);
         for (int32_t i = 0; i < n; i += AT_ONCE) {
             const int32_t at = i + AT_ONCE < n ? i : n - AT_ONCE;
+            /* From either end, even and odd columns take turns. */
+            const float *a = sums + at, *b = a + NTP__RUN + taps / 2 - 1;
+            ptrdiff_t step = NTP__RUN;
             __m256 sum[FOUR];
             for (int32_t k = 0; k < FOUR; k++)
                 sum[k] = _mm256_setzero_ps();
-            for (int32_t t = 0; t < taps / 2; t++) {
-                const int32_t u = taps - 1 - t;
-                const float *a = sums + t % 2 * NTP__RUN + t / 2 + at;
-                const float *b = sums + u % 2 * NTP__RUN + u / 2 + at;
+            for (int32_t t = 0; t < taps / 2; t++, a += step, b -= step, step = 1 - step) {
                 const __m256 w = _mm256_set1_ps(weight[t]);
                 for (int32_t k = 0; k < FOUR; k++)
                     sum[k] = _mm256_add_ps(

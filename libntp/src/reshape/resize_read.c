@@ -154,8 +154,8 @@ ntp__strip_row ntp__strip_rows(const ntp__resize_job *j, const float **rows, int
     ntp__strip *s = j->strip;
     const ntp__axis *axis = &j->plan->y;
     ntp__strip_row any = { false, false };
-    for (int32_t t = 0; t < axis->span[y].count; t++) {
-        const int32_t row = axis->span[y].first + t, k = (row % s->rows + s->rows) % s->rows;
+    int32_t row = axis->span[y].first, k = (row % s->rows + s->rows) % s->rows;
+    for (int32_t t = 0; t < axis->span[y].count; t++, row++) {
         float *to = s->row + (ptrdiff_t) k * 4 * PADDED;
         if (s->held[k] != row) {
             const int32_t from = ntp__axis_map(axis, row);
@@ -173,6 +173,7 @@ ntp__strip_row ntp__strip_rows(const ntp__resize_job *j, const float **rows, int
         rows[t] = to;
         any.negative = any.negative || s->negative[k];
         any.holes = any.holes || s->holes[k];
+        k = k + 1 < s->rows ? k + 1 : 0;
     }
     fetch_ahead(j, y);
     return any;

@@ -14,6 +14,8 @@
 #include "reshape/resize.h"
 #include "stencil/border.h"
 
+#include <string.h>
+
 /*
  * Sums of |weight| stay below 1.6 * 2^30, because for Lanczos the sum of |weight| is at most 1.54
  * times the sum of the weights.  Then a column of 16-bit levels times 16-bit alphas adds up to less
@@ -124,6 +126,23 @@ static void reduce(ntp__axis *axis)
         axis->scale /= 2;
 }
 
+/* Weights of n texels, of which the first lies at `off`; returns their sum. */
+static int32_t weigh(ntp__axis *axis, ntp_filter filter, int32_t *weight, int32_t n, int64_t off,
+                     int32_t shift)
+{
+    const int64_t d = 2 * greater(axis->src, axis->dst);
+    int64_t size = 0;
+    int32_t total = 0;
+    for (int32_t i = 0; i < n; i++, off += 2 * (int64_t) axis->dst) {
+        const int32_t w = weight_at(filter, off < 0 ? -off : off, d, shift);
+        weight[i] = w;
+        total += w;
+        size += w < 0 ? -w : w;
+    }
+    axis->most = greater(axis->most, size);
+    return total;
+}
+
 void ntp__axis_init(ntp__axis *axis, ntp_filter filter)
 {
     int64_t src = axis->src, dst = axis->dst, d = 2 * greater(src, dst);
@@ -131,6 +150,7 @@ void ntp__axis_init(ntp__axis *axis, ntp_filter filter)
     /* The weights of a texel add up to about d / (2 dst) times the one at the center. */
     int64_t center = filter == NTP_FILTER_TRIANGLE ? d : (int64_t) 1 << 32;
     int64_t total = center * (d / (2 * dst) + 1);
+    int64_t before = 0; /* where the first texel of the last span was, from the center */
     int32_t shift = 0;
     axis->most = filter == NTP_FILTER_BOX ? src : 0;
     while (total >> shift > (int64_t) 1 << TOTAL_BITS)
@@ -146,15 +166,14 @@ void ntp__axis_init(ntp__axis *axis, ntp_filter filter)
         int64_t first = floor_div(at - reach, 2 * dst) + 1;
         int64_t last = floor_div(at + reach - 1, 2 * dst);
         ntp__span_of_taps span = { (int32_t) first, (int32_t) (last - first + 1), 0 };
-        int64_t size = 0;
-        for (int64_t i = first; i <= last; i++) {
-            int64_t n = 2 * i * dst - at;
-            int32_t w = weight_at(filter, n < 0 ? -n : n, d, shift);
-            weight[i - first] = w;
-            span.total += w;
-            size += w < 0 ? -w : w;
+        const int64_t off = 2 * first * dst - at;
+        if (j > 0 && off == before) { /* as where sides are halved */
+            memcpy(weight, weight - axis->stride, (size_t) span.count * sizeof *weight);
+            span.total = axis->span[j - 1].total;
+        } else {
+            span.total = weigh(axis, filter, weight, span.count, off, shift);
         }
-        axis->most = greater(axis->most, size);
+        before = off;
         axis->span[j] = span;
     }
     reduce(axis);
