@@ -441,8 +441,10 @@ ntp_status ntp_resize(const ntp_image *dst, const ntp_const_image *src, const nt
     j.quickly = (double) plan->y.most * level < 0x1p53;
     j.most = (double) plan->y.most * (double) plan->x.most * level;
     if (j.quickly && src->channels == 3 && src->encoding != NTP_ENCODING_XY &&
-        ntp__strip_size(plan) > 0)
-        j.strip = (ntp__strip *) (void *) ((char *) scratch + columns_size(plan));
+        ntp__strip_size(plan) > 0) {
+        char *strip = (char *) scratch + columns_size(plan);
+        j.strip = (ntp__strip *) (void *) (strip + (-(uintptr_t) strip % NTP__LINE));
+    }
     for (size_t k = 0; k < SUMS; k++) {
         const bool needed = k == SUM_ALPHA   ? alpha
                             : k == SUM_EXTRA ? src->encoding == NTP_ENCODING_XY && src->channels > 2

@@ -27,6 +27,8 @@ enum {
 
 typedef struct ntp__strip ntp__strip;
 
+enum { NTP__LINE = 64 /* bytes of the cache; strips are aligned to it */ };
+
 typedef struct ntp__resize_job {
     const ntp_image *dst;
     const ntp_const_image *src;
@@ -40,7 +42,7 @@ typedef struct ntp__resize_job {
     bool quickly;  /* the columns are in quick */
 } ntp__resize_job;
 
-/* The bytes of a strip; 0 if the filter of the plan is too wide. */
+/* The bytes of a strip, and of what aligns it; 0 if the filter of the plan is too wide. */
 size_t ntp__strip_size(const ntp_resize_plan *plan);
 
 /* Makes j->strip ready for columns x0.. of the result; returns the end of those that it has room

@@ -131,7 +131,6 @@ static void read_row(const ntp__resize_job *j, float *to, bool *negative, int32_
 static void fetch_ahead(const ntp__resize_job *j, int32_t y)
 {
 #if defined(__GNUC__)
-    enum { LINE = 64 };
     const ntp__strip *s = j->strip;
     const ntp__axis *axis = &j->plan->y;
     const int32_t x = s->first > 0 ? s->first : 0;
@@ -141,7 +140,7 @@ static void fetch_ahead(const ntp__resize_job *j, int32_t y)
     for (int32_t row = axis->span[y].first + axis->span[y].count;
          row < axis->span[y + 1].first + axis->span[y + 1].count && row < axis->src; row++) {
         const char *from = row < 0 ? NULL : ntp__at(j->src, x, row);
-        for (ptrdiff_t i = 0; from != NULL && i < bytes; i += LINE)
+        for (ptrdiff_t i = 0; from != NULL && i < bytes; i += NTP__LINE)
             __builtin_prefetch(from + i, 0);
     }
 #else

@@ -37,7 +37,7 @@ size_t ntp__strip_size(const ntp_resize_plan *plan)
 {
     if (plan->x.stride > MOST_TAPS + 1 || plan->y.stride > MOST_TAPS + 1)
         return 0;
-    return sizeof(ntp__strip) + (size_t) plan->y.stride * 4 * PADDED * sizeof(float);
+    return NTP__LINE + sizeof(ntp__strip) + (size_t) plan->y.stride * 4 * PADDED * sizeof(float);
 }
 
 static int32_t end_of(const ntp__axis *axis, int32_t x)

@@ -16,25 +16,27 @@ enum {
     NOWHERE = -(1 << 30)                  /* is no row */
 };
 
+/* Vectors of 32 bytes are read and written quicker if none is in two lines of the cache.  So the
+ * strip is aligned, and the sizes of its large members are multiples of a line. */
 struct ntp__strip {
-    int32_t x0, n;          /* columns of the result */
-    int32_t first, columns; /* of the source; they may lie outside */
-    int32_t taps_x, rows;
-    int32_t at[WIDEST]; /* where the columns of a texel begin */
-    bool in_floats;     /* they are exact */
-    bool packed;        /* rows are made of floats, as packed pixels */
-    bool whole;         /* rows of the source are int16_t */
-    bool placed;        /* they are read as packed pixels, with AVX2 */
-    bool halved;        /* they are runs of NTP__RUN numbers (resize_kernels.h) */
-    int32_t pause;      /* rows for which packed pixels are not tried */
     double weight[WIDEST * (MOST_TAPS + 2)];
     float weight_in_float[WIDEST * (MOST_TAPS + 2)];
     double sums[4 * PADDED];
     float sums_in_float[4 * PADDED];
+    int32_t x0, n;          /* columns of the result */
+    int32_t first, columns; /* of the source; they may lie outside */
+    int32_t taps_x, rows;
+    int32_t at[WIDEST];          /* where the columns of a texel begin */
+    bool in_floats;              /* they are exact */
+    bool packed;                 /* rows are made of floats, as packed pixels */
+    bool whole;                  /* rows of the source are int16_t */
+    bool placed;                 /* they are read as packed pixels, with AVX2 */
+    bool halved;                 /* they are runs of NTP__RUN numbers (resize_kernels.h) */
+    int32_t pause;               /* rows for which packed pixels are not tried */
     int32_t held[MOST_TAPS + 1]; /* rows, which may lie outside */
     bool negative[MOST_TAPS + 1];
-    bool holes[MOST_TAPS + 1]; /* one of their texels is unused */
-    float row[];               /* 4 PADDED numbers for each */
+    bool holes[MOST_TAPS + 1];       /* one of their texels is unused */
+    _Alignas(NTP__LINE) float row[]; /* 4 PADDED numbers for each */
 };
 
 /* What a row of the strip has. */
