@@ -325,22 +325,29 @@ static inline texels directions(const ntp__planes *p, int32_t i, __m256 error, b
     return t;
 }
 
-static inline int32_t pack_directions(uint8_t *row, int32_t *at, const ntp__planes *p, int32_t n,
+/* Places in doubt may lie beyond the last texel; no pixel is written there. */
+static inline int32_t pack_directions(uint8_t *d, int32_t *at, const ntp__planes *p, int32_t n,
                                       float error, bool deep, bool zzero)
 {
     const __m256 off = _mm256_set1_ps(3 * error); /* 1 + sqrt(3), with some room */
+    const int32_t size = deep ? 6 : 3;
+    uint8_t few[6 * EIGHT];
     int32_t found = 0;
-    for (int32_t i = 0; i < n; i += EIGHT) {
+    for (int32_t i = 0; i < n; i += EIGHT, d += size * EIGHT) {
+        const bool last = n - i < EIGHT + 2; /* four bytes more than eight texels are written */
+        uint8_t *to = last ? few : d;
         uint32_t left;
         const texels t = directions(p, i, off, deep, zzero, &left);
         if (deep) {
-            put16(row + 6 * i, t);
+            put16(to, t);
         } else {
             const __m256i v = SHUFFLE(_mm256_or_si256(t.rg, _mm256_slli_epi32(t.b, 8)), 0, 2, 1, 4,
                                       6, 5, 8, 10, 9, 12, 14, 13, N, N, N, N);
-            store(row + 3 * i, _mm256_castsi256_si128(v));
-            store(row + 3 * i + 12, _mm256_extracti128_si256(v, 1));
+            store(to, _mm256_castsi256_si128(v));
+            store(to + 12, _mm256_extracti128_si256(v, 1));
         }
+        if (last)
+            memcpy(d, few, (size_t) (size * (n - i < EIGHT ? n - i : EIGHT)));
         for (; left != 0; left &= left - 1)
             at[found++] = i + __builtin_ctz(left);
     }
@@ -350,11 +357,9 @@ static inline int32_t pack_directions(uint8_t *row, int32_t *at, const ntp__plan
 int32_t ntp__pack_directions_avx2(void *d, int32_t *at, const ntp__planes *p, int32_t n,
                                   float error, bool deep, bool zzero)
 {
-    uint8_t row[6 * NTP__MOST_COLUMNS];
-    int32_t found = deep ? pack_directions(row, at, p, n, error, true, zzero)
-                         : pack_directions(row, at, p, n, error, false, zzero);
+    int32_t found = deep ? pack_directions(d, at, p, n, error, true, zzero)
+                         : pack_directions(d, at, p, n, error, false, zzero);
     while (found > 0 && at[found - 1] >= n)
         found--;
-    memcpy(d, row, (size_t) (deep ? 6 : 3) * (size_t) n);
     return found;
 }
