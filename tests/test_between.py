@@ -10,7 +10,7 @@ from support.find import find_kernel
 from support.oracle_height import NAMES
 
 FORWARD = NAMES.index("forward")
-POINTS, CELL, MOST, REACH, EDGE = 32, 8, 8, 4, 6
+POINTS, CELL, MOST, REACH, BORDER = 32, 8, 8, 4, 2
 
 
 def surface(n, seed, exponent):
@@ -41,10 +41,10 @@ def noisy(n, sigma, seed=1):
 # ------------------------------------------------------------------------- the same in numpy
 
 
-def starts(length):
-    room = length - 2 * EDGE - POINTS
-    count = min(room // POINTS + 1, MOST)
-    return [EDGE + room * i // max(count - 1, 1) for i in range(count)]
+def starts(length, step=1):
+    room = length - 2 * BORDER - (POINTS + 2 * REACH) * step
+    count = min(room // (POINTS * step) + 1, MOST)
+    return [BORDER + room * i // max(count - 1, 1) for i in range(count)]
 
 
 def filtered(a, taps, axis):
@@ -56,15 +56,16 @@ BINOMIAL = np.array([1, 4, 6, 4, 1]) / 16
 STEEP = np.convolve(BINOMIAL, [1, 0, -1])[::-1] / 2
 
 
-def tallies(n):
-    """Of all cells: how far products are ahead, how much the middle is above both, the squares."""
+def tallies(n, step):
+    """Of all cells: how far products are ahead, how much the middle is above both, both, the squares."""
     x, y = (2.0 * n[..., k] - 255 for k in (0, 1))
     z = np.sqrt(np.maximum(65025 - x * x - y * y, 650.25))
     found = []
-    for j in starts(n.shape[0]):
-        for i in starts(n.shape[1]):
-            part = np.s_[j - REACH : j + POINTS + REACH, i - REACH : i + POINTS + REACH]
-            p, q = -(x / z)[part], (y / z)[part]
+    side = POINTS + 2 * REACH
+    for j in starts(n.shape[0], step):
+        for i in starts(n.shape[1], step):
+            part = np.s_[j : j + side * step, i : i + side * step]
+            p, q = (a[part].reshape(side, step, side, step).mean((1, 3)) for a in (-(x / z), y / z))
             u = filtered(filtered(p, STEEP, 0), BINOMIAL, 1)[:, 1:-1]
             v = filtered(filtered(q, BINOMIAL, 0), STEEP, 1)[1:-1]
             inner, below = np.s_[1:-1, 1:-1], np.s_[2:, :-2]
@@ -72,6 +73,7 @@ def tallies(n):
             each = [
                 ahead - behind,
                 2 * u[inner] * v[inner] - ahead - behind,
+                (ahead + behind) / 2,
                 (u[inner] ** 2 + v[inner] ** 2) / 2,
             ]
             shape = (POINTS // CELL, CELL, POINTS // CELL, CELL)
@@ -79,13 +81,14 @@ def tallies(n):
     return np.concatenate(found, 1)
 
 
-def judged(n):
-    """How much of the way the top is off, and how sure that is, in standard errors."""
-    ahead, middle, square = tallies(n)
+def judged(n, step=1):
+    """How much of the way the top is off, how sure that is, in standard errors, how smooth it is."""
+    ahead, middle, both, square = tallies(n, step)
     weight = 1 / (square + square.mean() / 2)
     top, curve = (weight * ahead).sum(), (weight * middle).sum()
-    where = top / curve if curve > 0 else np.copysign(np.inf, top)
-    return where, top / np.sqrt(((weight * ahead) ** 2).sum())
+    where = step * top / curve if curve > 0 else np.copysign(np.inf, top)
+    alike = (weight * both).sum() / (weight * square).sum()
+    return where, top / np.sqrt(((weight * ahead) ** 2).sum()), alike
 
 
 def examples():
@@ -100,22 +103,76 @@ def examples():
         yield np.ascontiguousarray(n)
 
 
+def near_a_limit(where, sure, *rest):
+    return (
+        np.abs([where / 0.4 - 1, where / 5 - 1, sure / 2.5 - 1, sure / 6 - 1, *rest]) < 1e-3
+    ).any()
+
+
+def answer(n, step=1):
+    if len(starts(n.shape[0], step)) * len(starts(n.shape[1], step)) < 8:
+        return "too small"
+    where, sure, _ = judged(n, step)
+    why = "far" if where > 5 else "near" if where > 0.4 else "at texels"
+    return why + (", sure" if sure > 6 else ", likely" if sure > 2.5 else "")
+
+
+YES = ("near, sure", "near, likely", "far, sure")
+
+
 def test_as_numpy_says():
     """Maps near the limits; each of them decides some."""
     seen = Counter()
     for n in examples():
-        where, sure = judged(n)
+        where, sure, _ = judged(n)
         found = find_kernel(n)
-        limits = np.array([where / 0.4, where / 5, sure / 2.5, sure / 6])
-        if (np.abs(limits - 1) < 1e-3).any() or found["points"] < 200:
+        if near_a_limit(where, sure) or found["points"] < 200:
             continue
-        why = "far" if where > 5 else "near" if where > 0.4 else "at texels"
-        why += ", sure" if sure > 6 else ", likely" if sure > 2.5 else ""
-        if len(starts(n.shape[0])) * len(starts(n.shape[1])) < 8:
-            why = "too small"
-        yes = why in ("near, sure", "near, likely", "far, sure")
+        why = answer(n)
         assert not found["decided"]
-        assert (found["kernel"] == FORWARD) == yes, (why, where, sure, found)
+        assert (found["kernel"] == FORWARD) == (why in YES), (why, where, sure, found)
         seen[why] += 1
     for why in ("near, likely", "far, sure", "near", "far, likely", "at texels, sure", "too small"):
         assert seen[why] > 1, seen
+
+
+def waves(n, seed, most):
+    """A spectrum of a few waves; most: cycles along an axis."""
+    rng = np.random.default_rng(seed)
+    spectrum = np.zeros((n, n), complex)
+    for a, b in rng.integers(-most, most + 1, (12, 2)):
+        spectrum[a, b] += rng.normal() * np.exp(1j * rng.uniform(0, 7)) / (1 + np.hypot(a, b))
+    return (spectrum + np.conj(np.roll(spectrum[::-1, ::-1], 1, (0, 1)))) * n * n
+
+
+def smooth_examples():
+    rng = np.random.default_rng(8)
+    for case in range(150):
+        size = (240, 262, 232, 240, 250, 246, 234, 200)[case % 8]
+        most = (4, 6, 10, 20)[case // 8 % 4]
+        part = (0.5, 0.5, 0.25, 0.15, 0)[case % 5]
+        n = noisy(shifted(waves(512, case, most), part), rng.uniform(2, 14), case)
+        n = n[:size, : size - case % 5]
+        n[..., 2] = 200
+        yield np.ascontiguousarray(n)
+
+
+def test_smooth_ground():
+    """Where texels do not tell, means of 2 x 2 do, if neighbors are alike."""
+    seen = Counter()
+    for n in smooth_examples():
+        found = find_kernel(n)
+        where, sure, alike = judged(n, 2)
+        close = near_a_limit(*judged(n)[:2]) or near_a_limit(where, sure, alike / 0.875 - 1)
+        if close or found["decided"] or found["points"] < 200 or answer(n) in YES:
+            continue
+        why = answer(n, 2)
+        if why != "too small":
+            why += ", smooth" if alike > 0.875 else ", rough"
+        yes = why in [f"{a}, smooth" for a in YES]
+        assert (found["kernel"] == FORWARD) == yes, (why, where, sure, alike, found)
+        seen[why] += 1
+    for why in ("near, sure", "near, likely", "near", "at texels"):
+        assert seen[f"{why}, smooth"] > 1, seen
+    assert seen["near, likely, rough"] > 1, seen
+    assert seen["too small"] > 1, seen

@@ -11,6 +11,10 @@
  * Damage does not move it.  Errors of p and q that have nothing in common add to none of these sums
  * on average, and errors that are alike in each texel add the same to the first two.  They have the
  * finest detail, so that is filtered out.
+ *
+ * On smooth ground half a texel changes little, and errors hide it.  The same is then done with slopes
+ * of half the size, the means of 2 x 2 texels: that filter lets less of the errors through.  Rough
+ * ground has detail that these means bend, so they count only where nearly none is left.
  */
 #include "detect/between.h"
 
@@ -31,7 +35,8 @@ enum {
     STEEP = SMOOTH + 2,
     SIDE = MOVED + STEEP - 1,
     REACH = (SIDE - POINTS) / 2,
-    EDGE = REACH + 2 /* slopes nearer to an edge may come from a border */
+    WIDE = 2,  /* a step on smooth ground */
+    BORDER = 2 /* slopes nearer to an edge may come from a border */
 };
 
 /* A binomial, and central differences after it. */
@@ -47,6 +52,9 @@ static const double LEAST_WAY = 0.4;
 /* By chance all cells together are so far ahead, in standard errors, on one map in 160.  They have to
  * be clearer where the top is too far off: on smooth ground errors make more of it than the ground. */
 static const double CLEARLY = 2.5, FAR = 5, CLEARLY_FAR = 6;
+/* Ground is smooth where u and v of neighbors are alike: their products then come near to the squares.
+ * Of ground with a spectrum of 1 / f^2.2 they have 0.75, and of noise less. */
+static const double ALIKE = 0.875;
 
 typedef struct patch {
     float p[SIDE][SIDE], q[SIDE][SIDE]; /* slopes */
@@ -56,25 +64,28 @@ typedef struct patch {
 } patch;
 
 /* Of a cell: what products ahead, to the right and up, have over those behind; twice those at the same
- * texel less both; and the squares.  With slopes between texels the first two are alike. */
+ * texel less both; both; and twice the squares.  With slopes between texels the first two are alike. */
 typedef struct tally {
-    double ahead, middle, square;
+    double ahead, middle, both, square;
 } tally;
 
-/* Reads the slopes around the points from (x, y) on; false: some texels may hold no normal. */
-static bool read_patch(patch *a, const ntp_const_image *src, int32_t x, int32_t y)
+/* Reads the slopes around the points, from (x, y) on, as sums of step x step texels; false: some texels
+ * may hold no normal. */
+static bool read_patch(patch *a, const ntp_const_image *src, int32_t x, int32_t y, int32_t step)
 {
-    int32_t m = ntp__max(src->type);
+    int32_t m = ntp__max(src->type), side = SIDE * step;
     float m2 = (float) m * (float) m, least = m2 / 100, sign = src->y == NTP_Y_UP ? 1 : -1;
-    for (int32_t j = 0; j < SIDE; j++) {
-        ntp__unpack(&a->block, src, x - REACH, y - REACH + j, SIDE);
-        if (ntp__any_suspect(&a->block, SIDE, m))
+    memset(a->p, 0, sizeof a->p);
+    memset(a->q, 0, sizeof a->q);
+    for (int32_t j = 0; j < side; j++) {
+        ntp__unpack(&a->block, src, x, y + j, side);
+        if (ntp__any_suspect(&a->block, side, m))
             return false;
-        for (int32_t i = 0; i < SIDE; i++) {
+        for (int32_t i = 0; i < side; i++) {
             float u = (float) (2 * a->block.c[0][i] - m), v = (float) (2 * a->block.c[1][i] - m);
             float rest = m2 - u * u - v * v, z = sqrtf(rest < least ? least : rest);
-            a->p[j][i] = -u / z;
-            a->q[j][i] = sign * v / z;
+            a->p[j / step][i / step] -= u / z;
+            a->q[j / step][i / step] += sign * v / z;
         }
     }
     return true;
@@ -113,7 +124,8 @@ static void differentiate(patch *a)
 /* Adds CELL rows of points to the cells beside each other. */
 static void sum_up(tally *cells, const patch *a, int32_t first)
 {
-    float ahead[POINTS] = { 0 }, middle[POINTS] = { 0 }, square[POINTS] = { 0 };
+    float ahead[POINTS] = { 0 }, middle[POINTS] = { 0 }, both[POINTS] = { 0 },
+          square[POINTS] = { 0 };
     for (int32_t j = first; j < first + CELL; j++) {
         const float *u = a->u[j + 1] + 1, *v = a->v[j + 1] + 1;
         const float *next_u = a->u[j + 2], *next_v = a->v[j + 2]; /* to the left and down */
@@ -121,6 +133,7 @@ static void sum_up(tally *cells, const patch *a, int32_t first)
             float front = next_u[i] * v[i], behind = u[i] * next_v[i];
             ahead[i] += front - behind;
             middle[i] += 2 * u[i] * v[i] - (front + behind);
+            both[i] += front + behind;
             square[i] += u[i] * u[i] + v[i] * v[i];
         }
     }
@@ -128,13 +141,14 @@ static void sum_up(tally *cells, const patch *a, int32_t first)
         tally *t = &cells[i / CELL];
         t->ahead += (double) ahead[i];
         t->middle += (double) middle[i];
-        t->square += (double) square[i] / 2;
+        t->both += (double) both[i];
+        t->square += (double) square[i];
     }
 }
 
-static bool decide(const tally *t, int32_t count)
+static bool decide(const tally *t, int32_t count, int32_t step)
 {
-    double all = 0, ahead = 0, middle = 0, spread = 0;
+    double all = 0, ahead = 0, middle = 0, both = 0, square = 0, spread = 0;
     for (int32_t i = 0; i < count; i++)
         all += t[i].square;
     if (count < LEAST_CELLS || !(all > 0))
@@ -144,31 +158,41 @@ static bool decide(const tally *t, int32_t count)
         ahead += part;
         spread += part * part;
         middle += weight * t[i].middle;
+        both += weight * t[i].both;
+        square += weight * t[i].square;
     }
-    double clearly = ahead < FAR * middle ? CLEARLY : CLEARLY_FAR;
-    return ahead > LEAST_WAY * middle && ahead > 0 && ahead * ahead > clearly * clearly * spread;
+    if (step > 1 && both < ALIKE * square)
+        return false;
+    double clearly = ahead * step < FAR * middle ? CLEARLY : CLEARLY_FAR;
+    return ahead * step > LEAST_WAY * middle && ahead > 0 &&
+           ahead * ahead > clearly * clearly * spread;
 }
 
-bool ntp__lie_between(const ntp_const_image *src)
+static bool lie_between(const ntp_const_image *src, int32_t step)
 {
     tally cells[PATCHES * PATCHES * CELLS];
     patch a;
-    int32_t count = 0;
+    int32_t count = 0, points = POINTS * step, edge = REACH * step + BORDER;
     memset(cells, 0, sizeof cells);
-    int32_t across = src->width - 2 * EDGE - POINTS, down = src->height - 2 * EDGE - POINTS;
+    int32_t across = src->width - 2 * edge - points, down = src->height - 2 * edge - points;
     if (across < 0 || down < 0)
         return false;
-    int32_t columns = across / POINTS + 1, rows = down / POINTS + 1;
+    int32_t columns = across / points + 1, rows = down / points + 1;
     columns = columns < PATCHES ? columns : PATCHES;
     rows = rows < PATCHES ? rows : PATCHES;
     for (int32_t i = 0; i < columns * rows; i++) {
         int32_t x = columns > 1 ? (int32_t) ((int64_t) across * (i % columns) / (columns - 1)) : 0;
         int32_t y = rows > 1 ? (int32_t) ((int64_t) down * (i / columns) / (rows - 1)) : 0;
-        if (!read_patch(&a, src, EDGE + x, EDGE + y))
+        if (!read_patch(&a, src, BORDER + x, BORDER + y, step))
             continue;
         differentiate(&a);
         for (int32_t j = 0; j < POINTS; j += CELL, count += POINTS / CELL)
             sum_up(&cells[count], &a, j);
     }
-    return decide(cells, count);
+    return decide(cells, count, step);
+}
+
+bool ntp__lie_between(const ntp_const_image *src)
+{
+    return lie_between(src, 1) || lie_between(src, WIDE);
 }
