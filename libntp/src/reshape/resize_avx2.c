@@ -331,7 +331,7 @@ static inline int32_t pack_directions(uint8_t *d, int32_t *at, const ntp__planes
 {
     const __m256 off = _mm256_set1_ps(3 * error); /* 1 + sqrt(3), with some room */
     const int32_t size = deep ? 6 : 3;
-    uint8_t few[6 * EIGHT];
+    uint8_t few[6 * EIGHT] = { 0 };
     int32_t found = 0;
     for (int32_t i = 0; i < n; i += EIGHT, d += size * EIGHT) {
         const bool last = n - i < EIGHT + 2; /* four bytes more than eight texels are written */
@@ -347,7 +347,7 @@ static inline int32_t pack_directions(uint8_t *d, int32_t *at, const ntp__planes
             store(to + 12, _mm256_extracti128_si256(v, 1));
         }
         if (last)
-            memcpy(d, few, (size_t) (size * (n - i < EIGHT ? n - i : EIGHT)));
+            memcpy(d, few, (size_t) size * (size_t) (n - i < EIGHT ? n - i : EIGHT));
         for (; left != 0; left &= left - 1)
             at[found++] = i + __builtin_ctz(left);
     }
