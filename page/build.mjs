@@ -29,8 +29,8 @@ async function bundle(entry, format) {
 // Within a script element, neither of these may occur.
 const harmless = (script) => script.replaceAll("</script", "<\\/script").replaceAll("<!--", "<\\!--");
 
-// Twenty kilobytes smaller than zlib packs it.
-const packedSmall = (path) => execFileSync("libdeflate-gzip", ["-12", "-c", path], { maxBuffer: LIMIT });
+// Twenty kilobytes smaller than zlib packs it, and it unpacks as well.
+const packedSmall = (path) => execFileSync("zopfli", ["-c", path], { maxBuffer: LIMIT });
 
 const parts = {
   "/*style*/": await bundle("style.css"),

@@ -4,7 +4,7 @@
 need_page_tools() {
     want clang has clang
     want llvm has llvm-ar
-    want libdeflate-tools has libdeflate-gzip
+    want zopfli has zopfli
     want nodejs has node
     want npm has npm
     install_missing
