@@ -283,7 +283,7 @@ static void test_rows(const ntp__gradient_kernels *base, const ntp__gradient_ker
                                 .spread = 2 * rough + 1,
                                 .off = 1 };
         float h[3][NTP__GRADIENT_ROW];
-        double sums[2][WIDEST];
+        double sums[2][WIDEST] = { { 0 } }; /* whole groups are encoded */
         static levels c;
         uint8_t got[6 * WIDEST + 1];
         int32_t at[WIDEST + 1];

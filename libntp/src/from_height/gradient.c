@@ -236,6 +236,8 @@ static int32_t encode_precisely(const walk *w, int32_t *const level[3], int32_t 
                                 double sums[2][NTP__BLOCK], int32_t n)
 {
     int32_t *nearest = w->blue && !w->g.derived ? level[2] : NULL;
+    for (int32_t i = n; i % NTP__LANES != 0; i++)
+        sums[0][i] = sums[1][i] = 0; /* whole groups are encoded */
     const int32_t any = w->g.loops->encode_precisely(level[0], level[1], nearest, doubt, sums[0],
                                                      sums[1], n, &w->encode);
     return any | derive(w, level, n);
