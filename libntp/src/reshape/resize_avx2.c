@@ -261,7 +261,7 @@ static inline bool place_all_halves(char *to, bool *negative, const uint8_t *s, 
         const int32_t at = i + step < n ? i : n - step;
         place_halves(to + number * at / 2, s + size * at, &r, deep, zzero);
     }
-    /* What is summed up beside the last number of a run is set too. */
+    /* The number beside the last of a run goes into a sum that nothing uses: memory checkers see it set. */
     for (int32_t k = 0; !deep && k < 6; k++)
         ((int16_t *) (void *) to)[k * NTP__RUN + n / 2] = 0;
     const __m256i black = deep ? _mm256_cmpeq_epi16(r.any, zero) : _mm256_cmpeq_epi8(r.any, zero);
