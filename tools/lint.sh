@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 # ./dev format and ./dev lint.
 
-c_files() { git ls-files '*.c' '*.h'; }
+c_files() { git ls-files '*.c' '*.cc' '*.h'; }
 
 format() {
     need_venv
@@ -52,7 +52,7 @@ lint_lengths() {
 }
 
 lint_spelling() {
-    codespell --skip '*.png,*.tga,*.jpg,*.pfm' --ignore-words-list 'ue,fo,ba,nd,paeth,chekc,autor,aci,absolut' $(git ls-files '*.md' '*.c' '*.h' '*.py' '*.txt' '*.sh' dev)
+    codespell --skip '*.png,*.tga,*.jpg,*.pfm' --ignore-words-list 'ue,fo,ba,nd,paeth,chekc,autor,aci,absolut' $(git ls-files '*.md' '*.c' '*.cc' '*.h' '*.py' '*.txt' '*.sh' dev)
 }
 
 lint() {

@@ -6,6 +6,7 @@ that stand before it in the lists below; a shut room is reached through libntp.h
 read from the sources, calls from the symbols of the objects in the build directory BUILD.
 CONTRIBUTING.md has to name every room, and each room has the file that a newcomer opens first.
 Only os/ asks which system it is; io/ and cli/ use its headers, and io/ none of cli/.
+Of libntp/src, what calls a function of the user's has tables for unwinding, and so has what calls that.
 """
 
 import re
@@ -82,6 +83,10 @@ OPEN_HEADERS = {
 }
 # What every room of the program may include: exit codes and messages.
 LOWEST = {"cli.h"}
+# A call of a function of the user's: members of ntp_hooks and ntp_height_rows.
+USERS_FUNCTION = re.compile(
+    r"(?:->|\.)(?:progress|parallel_for|read_normals|read_heights|write_heights)\("
+)
 # The two ways to the sums of slopes know nothing of each other.
 STRANGERS = {frozenset({"to_height/direct", "to_height/weighted"})}
 
@@ -186,6 +191,24 @@ class House:
                 self.fault(
                     path, f"calls {symbol} of {used.relative_to(ROOT)}, against the direction"
                 )
+        if self.folder.name == "src":
+            self.check_tables(objects, home, open_in)
+
+    def check_tables(self, objects, home, open_in):
+        """Whether an exception can pass from the user's functions to who called the library."""
+        tables = set()
+        for path, names in objects.items():
+            command = ["readelf", "-SW", *names]
+            done = subprocess.run(command, capture_output=True, text=True, check=True)
+            if ".eh_frame" in done.stdout:
+                tables.add(path)
+        need = "needs tables for unwinding, see libntp_callback_sources:"
+        for path in objects.keys() - tables:
+            if USERS_FUNCTION.search(path.read_text(encoding="utf-8")):
+                self.fault(path, f"{need} it calls a function of the user's")
+        for path, symbol in sorted(set(open_in)):
+            if path not in tables and home.get(symbol) in tables:
+                self.fault(path, f"{need} it calls {symbol}")
 
     def objects(self, build):
         """{source: its objects}; Meson writes a path's slashes as underscores."""
