@@ -5,6 +5,7 @@ need_page_tools() {
     want clang has clang
     want llvm has llvm-ar
     want zopfli has zopfli
+    want binaryen has wasm-opt
     want nodejs has node
     want npm has npm
     install_missing
