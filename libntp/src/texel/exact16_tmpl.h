@@ -31,7 +31,7 @@ enum { EXACT_STEP = 16, EVERY = 0x55555555, NOWHERE = 256 };
 typedef struct exact_texels {
     int16_t s[256 + 1];            /* 1 - t, or 0: not exact, odd, or t = 1 */
     int16_t z[256 + 1], pair[256]; /* half_up of x and of y, less 2 */
-    int32_t from[256 + 8];         /* which are steeper than nearly flat */
+    int32_t from[256 + 8];         /* which are steep and wait to be gathered */
     /* Where to count in exact: nearly flat ones, and steeper ones; and these in exact_off (close.h). */
     uint16_t at[256], far[256], off[256];
     int32_t steep, near_ones, far_ones; /* how many; of the latter two, with forgotten ones */
@@ -158,11 +158,10 @@ static inline __m256i words_at(const int16_t *p, const int32_t *at)
                              p[at[7]]);
 }
 
-/* The same of the eight texels at `from`, which are steeper; also sums them.  Returns the bits of those in
- * doubt.  Lengths are below 2^14 here, so that the squares of 32 fit. */
-ONE_COPY static uint32_t place_far(far_sums *s, exact_texels *v, const int32_t *from)
+/* The same of eight texels that are steeper, from their s and z; also sums them.  Returns the bits of those in
+ * doubt; those with an s of 0 are forgotten.  Lengths are below 2^14 here, so that the squares of 32 fit. */
+ONE_COPY static uint32_t place_far(far_sums *s, exact_texels *v, __m256i rest, __m256i z)
 {
-    const __m256i rest = words_at(v->s, from), z = words_at(v->z, from);
     const __m256i none = _mm256_cmpeq_epi32(rest, _mm256_setzero_si256()),
                   t = _mm256_sub_epi32(eight(1), rest);
     const __m256i zero = _mm256_setzero_si256(), one = eight(1), t2 = _mm256_add_epi32(t, t);
@@ -273,33 +272,52 @@ static inline void prefetch_exact(const uint16_t *p)
     _mm_prefetch((const char *) p + 64, _MM_HINT_T0);
 }
 
-/* The places of those of 16 texels that the mask has; returns how many. */
-static inline int32_t list_places(int32_t *at, int32_t i, __m256i mask)
+/* Places those of eight texels from i on that are steep, or notes them if they are few: then these are
+ * gathered later.  Returns their bits if they have to wait, as bits_of does. */
+static inline uint32_t take_steep(far_sums *sums, exact_texels *v, int32_t i, __m128i far)
 {
-    const int bits = _mm256_movemask_epi8(_mm256_packs_epi16(mask, _mm256_setzero_si256()));
-    int32_t found = find_four(at, i, bits & 15);
-    found += find_four(at + found, i + 4, bits >> 4 & 15);
-    found += find_four(at + found, i + 8, bits >> 16 & 15);
-    return found + find_four(at + found, i + 12, bits >> 20);
+    enum { FEW = 4 };
+    const int bits = _mm_movemask_epi8(_mm_packs_epi16(far, far)) & 255;
+    const __m128i *const s = (const __m128i *) (const void *) (v->s + i),
+                         *const z = (const __m128i *) (const void *) (v->z + i);
+    uint32_t wait = 0;
+    if (__builtin_popcount((unsigned) bits) <= FEW) {
+        v->steep += find_four(v->from + v->steep, i, bits & 15);
+        v->steep += find_four(v->from + v->steep, i + 4, bits >> 4);
+        return 0;
+    }
+    for (uint32_t doubt =
+             place_far(sums, v, _mm256_cvtepi16_epi32(_mm_and_si128(_mm_loadu_si128(s), far)),
+                       _mm256_cvtepi16_epi32(_mm_loadu_si128(z)));
+         doubt != 0; doubt &= doubt - 1)
+        wait |= 1U << 2 * __builtin_ctz(doubt);
+    return wait;
 }
 
-/* Places 16 texels, but steeper ones, which are noted; returns the bits of those that wait. */
-static inline uint32_t place_exact(exact_texels *v, int32_t i)
+/* Places 16 texels, but steep ones that are noted; returns the bits of those that wait. */
+static inline uint32_t place_exact(far_sums *sums, exact_texels *v, int32_t i)
 {
     const __m256i lanes = _mm256_setr_epi16(0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4, 5, 6, 7);
     const __m256i s = load_eight(v->s + i), z = load_eight(v->z + i);
     const __m256i bad = _mm256_cmpeq_epi16(s, _mm256_setzero_si256());
     if (bits_of(bad) == EVERY)
         return EVERY;
-    __m256i none;
-    const __m256i at = place_near(&none, s, z, load_eight(v->pair + i));
     const __m256i far = kept(_mm256_cmpgt_epi16(words(CLOSE_K - NTP__EXACT_NEAR), z), bad);
-    none = _mm256_or_si256(_mm256_or_si256(none, bad), far);
-    store_eight(v->at + v->near_ones, _mm256_add_epi16(kept(at, none), lanes));
-    v->near_ones += EXACT_STEP;
-    if (bits_of(far) != 0)
-        v->steep += list_places(v->from + v->steep, i, far);
-    return bits_of(kept(none, far));
+    __m256i none = _mm256_or_si256(bad, far);
+    uint32_t wait = bits_of(bad);
+    if (bits_of(none) != EVERY) {
+        __m256i between;
+        const __m256i at = place_near(&between, s, z, load_eight(v->pair + i));
+        none = _mm256_or_si256(none, between);
+        store_eight(v->at + v->near_ones, _mm256_add_epi16(kept(at, none), lanes));
+        v->near_ones += EXACT_STEP;
+        wait = bits_of(kept(none, far));
+    }
+    if (bits_of(far) != 0) {
+        wait |= take_steep(sums, v, i, _mm256_castsi256_si128(far));
+        wait |= take_steep(sums, v, i + 8, _mm256_extracti128_si256(far, 1)) << 16;
+    }
+    return wait;
 }
 
 static int32_t count_exact(ntp__exact_block *out, ntp__close_counts *counts, const uint16_t *src,
@@ -314,13 +332,15 @@ static int32_t count_exact(ntp__exact_block *out, ntp__close_counts *counts, con
     survey_exact(&out->survey, &v, src, n);
     for (int32_t i = 0; i < n; i += EXACT_STEP) {
         prefetch_exact(src + 3 * (n + i));
-        for (uint32_t others = place_exact(&v, i); others != 0; others &= others - 1)
+        for (uint32_t others = place_exact(&s, &v, i); others != 0; others &= others - 1)
             out->left[left++] = (uint8_t) (i + __builtin_ctz(others) / 2);
     }
     v.s[NOWHERE] = v.z[NOWHERE] = 0;
     store_eight(v.from + v.steep, eight(NOWHERE));
     for (int32_t i = 0; i < v.steep; i += 8) {
-        for (uint32_t others = place_far(&s, &v, v.from + i); others != 0; others &= others - 1)
+        const int32_t *const from = v.from + i;
+        for (uint32_t others = place_far(&s, &v, words_at(v.s, from), words_at(v.z, from));
+             others != 0; others &= others - 1)
             out->left[left++] = (uint8_t) v.from[i + __builtin_ctz(others)];
     }
     count_at(counts->exact, v.at, v.near_ones);
