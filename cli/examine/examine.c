@@ -183,9 +183,11 @@ void first_view(source *s, int forced)
 
 static bool measure(source *s, uint32_t touch, ntpio_error *error)
 {
-    enum { LARGE = 512 * 512 }; /* the tally of a smaller texture touches few pages */
-    if ((int64_t) s->view.width * s->view.height >= LARGE)
-        os_large_pages(s->w->tally, ntp_tally_size());
+    /* The tally of a smaller texture touches few pages, and so does any beyond its counts of colors of
+     * 8 bit, which come first. */
+    enum { LARGE = 512 * 512, COUNTS = 4 << 20 };
+    if (s->view.type == NTP_TYPE_U8 && (int64_t) s->view.width * s->view.height >= LARGE)
+        os_large_pages(s->w->tally, COUNTS);
     ntp_tally_clear(s->w->tally);
     orient_begin(s);
     middle_begin(s);

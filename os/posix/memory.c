@@ -60,13 +60,27 @@ void os_keep_memory(void)
 #endif
 }
 
+static size_t whole_pages(size_t size)
+{
+    return (size + PAGE - 1) / PAGE * PAGE;
+}
+
 /* calloc of glibc writes zeros over the rest of its pages, which are zeros mostly and may never be
- * used. */
+ * used.  Large memory begins with a large page, and what is too much before and after it is given back. */
 void *os_alloc_zeros(size_t size)
 {
-    void *const memory =
-        mmap(NULL, size, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
-    return memory != MAP_FAILED ? memory : NULL;
+    const size_t more = size >= LARGE ? LARGE : 0, whole = whole_pages(size);
+    if (size > SIZE_MAX - LARGE - PAGE)
+        return NULL;
+    uint8_t *const memory =
+        mmap(NULL, whole + more, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    if (memory == MAP_FAILED || more == 0)
+        return memory != MAP_FAILED ? memory : NULL;
+    const size_t before = (LARGE - (uintptr_t) memory % LARGE) % LARGE;
+    if (before > 0)
+        munmap(memory, before);
+    munmap(memory + before + whole, more - before);
+    return memory + before;
 }
 
 void os_free_zeros(void *memory, size_t size)
