@@ -209,6 +209,13 @@ static inline __m256i are_exact(__m256i *rows, const uint8_t *src, const layout8
     return _mm256_andnot_si256(_mm256_cmpeq_epi16(pairs, _mm256_set1_epi16((short) GRAY)), exact);
 }
 
+/* A bit for each of sixteen words with all bits set. */
+static inline uint32_t lanes_of_words(__m256i words)
+{
+    const __m128i low = _mm256_castsi256_si128(words), high = _mm256_extracti128_si256(words, 1);
+    return (uint32_t) _mm_movemask_epi8(_mm_packs_epi16(low, high));
+}
+
 static void count_exact8(ntp__exact8_block *out, ntp__exact8_counts exact, const uint8_t *src,
                          int32_t n, int32_t channels, size_t ahead)
 {
@@ -223,9 +230,9 @@ static void count_exact8(ntp__exact8_block *out, ntp__exact8_counts exact, const
         _mm256_storeu_si256((__m256i *) (void *) (out->row + i), rows);
         rows = _mm256_blendv_epi8(_mm256_set1_epi16(NTP__ROWS), rows, is_exact);
         _mm256_storeu_si256((__m256i *) (void *) (at + waiting), rows);
-        for (uint32_t bits = ~(uint32_t) _mm256_movemask_epi8(is_exact) & 0x55555555; bits != 0;
-             bits &= bits - 1)
-            out->left[others++] = (uint8_t) (i + __builtin_ctz(bits) / 2);
+        const uint32_t left = ~lanes_of_words(is_exact) & 0xffff;
+        for (int32_t k = 0; left != 0 && k < GROUP; k += 4)
+            others += find_four_bytes(out->left + others, i + k, left >> k & 15);
         const __m256i first = _mm256_broadcastw_epi16(_mm256_castsi256_si128(rows));
         if (_mm256_movemask_epi8(_mm256_cmpeq_epi16(rows, first)) == -1) {
             for (int k = 0; k < COPIES; k++)

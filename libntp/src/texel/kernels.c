@@ -286,6 +286,37 @@ static inline int32_t whole_lanes(int32_t n)
     return n & -LANES;
 }
 
+#ifdef __AVX2__
+/* Which of four are set, for each mask of four; and how many, as hexadecimal digits. */
+static const uint8_t SET[16][4] = { { 0 },    { 0 },       { 1 },       { 0, 1 },
+                                    { 2 },    { 0, 2 },    { 1, 2 },    { 0, 1, 2 },
+                                    { 3 },    { 0, 3 },    { 1, 3 },    { 0, 1, 3 },
+                                    { 2, 3 }, { 0, 2, 3 }, { 1, 2, 3 }, { 0, 1, 2, 3 } };
+static const uint64_t COUNTS = UINT64_C(0x4332322132212110);
+
+/* The places i to i + 3 of which the mask has a bit; returns how many.  Branches would be taken at
+ * random. */
+static inline int32_t find_four(int32_t *at, int32_t i, int mask)
+{
+    int32_t which;
+    memcpy(&which, SET[mask], sizeof which);
+    const __m128i places =
+        _mm_add_epi32(_mm_cvtepu8_epi32(_mm_cvtsi32_si128(which)), _mm_set1_epi32(i));
+    _mm_storeu_si128((__m128i *) (void *) at, places);
+    return (int32_t) (COUNTS >> 4 * mask & 15);
+}
+
+/* The same as bytes. */
+static inline int32_t find_four_bytes(uint8_t *at, int32_t i, uint32_t mask)
+{
+    uint32_t which;
+    memcpy(&which, SET[mask], sizeof which);
+    which += (uint32_t) i * 0x01010101;
+    memcpy(at, &which, sizeof which);
+    return (int32_t) (COUNTS >> 4 * mask & 15);
+}
+#endif
+
 #include "texel/cells_tmpl.h"
 #include "texel/survey8_tmpl.h"
 #include "texel/flags_tmpl.h"
@@ -293,26 +324,6 @@ static inline int32_t whole_lanes(int32_t n)
 #include "texel/directions_tmpl.h"
 #include "texel/angles_tmpl.h"
 #include "texel/judge_tmpl.h"
-
-#ifdef __AVX2__
-/* The places i to i + 3 of which the mask has a bit; returns how many.  Branches would be taken at
- * random. */
-static inline int32_t find_four(int32_t *at, int32_t i, int mask)
-{
-    /* Which of four are set, for each mask of four; and how many, as hexadecimal digits. */
-    static const uint8_t SET[16][4] = { { 0 },    { 0 },       { 1 },       { 0, 1 },
-                                        { 2 },    { 0, 2 },    { 1, 2 },    { 0, 1, 2 },
-                                        { 3 },    { 0, 3 },    { 1, 3 },    { 0, 1, 3 },
-                                        { 2, 3 }, { 0, 2, 3 }, { 1, 2, 3 }, { 0, 1, 2, 3 } };
-    const uint64_t counts = UINT64_C(0x4332322132212110);
-    int32_t which;
-    memcpy(&which, SET[mask], sizeof which);
-    const __m128i places =
-        _mm_add_epi32(_mm_cvtepu8_epi32(_mm_cvtsi32_si128(which)), _mm_set1_epi32(i));
-    _mm_storeu_si128((__m128i *) (void *) at, places);
-    return (int32_t) (counts >> 4 * mask & 15);
-}
-#endif
 
 #include "texel/close_tmpl.h"
 #include "texel/exact16_tmpl.h"
