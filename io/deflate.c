@@ -8,10 +8,11 @@
  * gives smaller files than both, in the time of libdeflate.
  *
  * Two tables find matches: where the next four bytes stood last, and a chain of the places where
- * the next six did.  Levels below CAREFUL take the match that saves more, here or a byte further;
- * where none was found for a while, most of them look at some bytes only.  The others find matches
- * of every length for every byte, with trees, and then the cheapest way through all of them from the end to the start, several
- * times, with the costs that the way before it had.
+ * the next six did, or one chain of the next eight (LEVEL_FAR).  Levels below CAREFUL take the match
+ * that saves more, here or a byte further; where none was found for a while, most of them look at some
+ * bytes only.  The others find matches of every length for every byte, with trees, and then the cheapest
+ * way through all of them from the end to the start, several times, with the costs that the way before
+ * it had.
  *
  * A block ends where the symbols change so much that new codes pay.  All costs are integers, so
  * every machine writes the same bytes.
@@ -30,20 +31,21 @@ enum {
 };
 
 static const effort efforts[NTPIO__LEVEL_TRIAL + 1] = {
-    [NTPIO__LEVEL_ZLIB] = { 128, 0, 128, 0, true, NEVER, NEVER, false },
-    [1] = { 1, 1, 32, 0, false, 3, 4, true },
-    [2] = { 1, 2, 32, 0, true, 4, 5, false },
-    [3] = { 2, 4, 32, 0, true, 4, 6, false },
-    [4] = { 3, 6, 32, 0, true, 5, 7, false },
-    [5] = { 3, 8, 64, 0, true, 6, 7, false },
-    [6] = { 4, 16, 128, 0, true, 6, 8, false },
-    [7] = { 12, 32, 128, 0, true, NEVER, NEVER, false },
-    [8] = { 24, 48, 128, 0, true, NEVER, NEVER, false },
-    [9] = { 64, 64, 258, 0, true, NEVER, NEVER, false },
-    [10] = { 16, 0, 64, 1, true, NEVER, NEVER, false },
-    [11] = { 32, 0, 128, 2, true, NEVER, NEVER, false },
-    [12] = { 128, 0, 258, 3, true, NEVER, NEVER, false },
-    [NTPIO__LEVEL_TRIAL] = { 1, 1, 32, 0, false, 3, 4, false },
+    [NTPIO__LEVEL_ZLIB] = { 128, 0, 128, 0, true, NEVER, NEVER, false, false },
+    [1] = { 1, 1, 32, 0, false, 3, 4, true, false },
+    [2] = { 1, 2, 32, 0, true, 4, 5, false, false },
+    [3] = { 2, 4, 32, 0, true, 4, 6, false, false },
+    [4] = { 3, 6, 32, 0, true, 5, 7, false, false },
+    [5] = { 3, 8, 64, 0, true, 6, 7, false, false },
+    [6] = { 4, 16, 128, 0, true, 6, 8, false, false },
+    [7] = { 12, 32, 128, 0, true, NEVER, NEVER, false, false },
+    [8] = { 24, 48, 128, 0, true, NEVER, NEVER, false, false },
+    [9] = { 64, 64, 258, 0, true, NEVER, NEVER, false, false },
+    [10] = { 16, 0, 64, 1, true, NEVER, NEVER, false, false },
+    [11] = { 32, 0, 128, 2, true, NEVER, NEVER, false, false },
+    [12] = { 128, 0, 258, 3, true, NEVER, NEVER, false, false },
+    [NTPIO__LEVEL_FAR] = { 4, 16, 128, 0, true, NEVER, 8, false, true },
+    [NTPIO__LEVEL_TRIAL] = { 1, 1, 32, 0, false, 3, 4, false, false },
 };
 
 /* --------------------------------------------------------------------------- costs */
@@ -225,10 +227,14 @@ static void begin(ntpio__deflater *d, int level, const uint8_t *bytes, size_t fr
     d->literals_are_rare = false;
     d->misses = 0;
     d->leaps = 0;
+    d->saved_by_short = 0;
     d->bytes = bytes;
     d->block_from = from;
     d->to = to;
-    for (size_t i = from > NTPIO__WINDOW ? from - NTPIO__WINDOW : 0; i < from; i++) {
+    const size_t first = from > NTPIO__WINDOW ? from - NTPIO__WINDOW : 0;
+    if (d->effort->far)
+        ntpio__visit_wide(d, first, from);
+    for (size_t i = first; i < from && !d->effort->far; i++) {
         if (d->effort->rounds > 0)
             ntpio__visit_carefully(d, i);
         else
@@ -311,4 +317,9 @@ size_t ntpio__deflated_bits(const ntpio__deflater *d)
 bool ntpio__deflated_shifts(const ntpio__deflater *d)
 {
     return !d->bits.stored;
+}
+
+size_t ntpio__deflate_saved_by_short(const ntpio__deflater *d)
+{
+    return (size_t) (d->saved_by_short / (8 * BIT));
 }

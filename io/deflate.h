@@ -14,6 +14,7 @@ enum {
     NTPIO__SLACK = 16,     /* bytes that are read, and do not matter, after the last one */
     NTPIO__LEVEL_ZLIB = 0, /* takes the matches that zlib would at level 6, of six bytes and more */
     NTPIO__LEVEL_MAX = 12, /* 1: fastest */
+    NTPIO__LEVEL_FAR,      /* as the usual one, without matches below eight bytes */
     NTPIO__LEVEL_TRIAL,    /* as fast, nearly, and tells more of what the usual level makes */
     NTPIO__LEVEL_USUAL = 6
 };
@@ -41,5 +42,8 @@ size_t ntpio__deflated_bits(const ntpio__deflater *d);
 
 /* May that begin within a byte?  Not where it has bytes as they are, which begin at whole ones. */
 bool ntpio__deflated_shifts(const ntpio__deflater *d);
+
+/* Bytes that matches below eight bytes saved at the usual level, and those next to it. */
+size_t ntpio__deflate_saved_by_short(const ntpio__deflater *d);
 
 #endif

@@ -3,49 +3,16 @@
  * deflate_quick.c - takes the match that saves most, at a byte or at the next one; at level 1, any that
  * saves enough
  */
-#include "deflate_state.h"
+#include "deflate_match.h"
 
 enum {
-    PAYS = 3 * BIT / 2, /* what a match has to save: the codes of its literals grow rarer by it */
-    MUCH = 24,          /* of longer matches, only the first and last places are remembered */
-    FEW = 8,
-    CLOSE = 4,                    /* bytes: distances without extra bits */
-    SOON_AFTER = 2,               /* bytes after a match, where others are likely */
-    RARE = 10,                    /* one literal in so many bytes */
-    DEEPER = 3,                   /* times as deep, where literals are rare */
-    PASS_MAX = 3,                 /* bytes that are passed over, where matches are rare; ... */
-    NOISE = NTPIO_TABLE_BITS - 4, /* ... from 2^10 without a match on, a 2^8th of them, ... */
-    GROWS = NTPIO_TABLE_BITS - 6, /* (sooner in fuzzing) */
-    NOISE_PASS = 15,              /* ... up to so many; */
-    ZLIB_PASS = 7,                /* in zlib's way, a 2^10th of them, up to this */
-    LITERALS_COST = 4 * BIT,      /* on average; where they cost less, shorter matches hardly pay */
-    LEAPS = 31,                   /* spans, after one that was looked at closely */
-    SHORT_PAY = 16,               /* a match below FAR_BYTES for so many literals: no leaps */
+    ZLIB_PASS = 7,           /* bytes that are passed over in zlib's way, where matches are rare */
+    LITERALS_COST = 4 * BIT, /* on average; where they cost less, shorter matches hardly pay */
+    LEAPS = 31,              /* spans, after one that was looked at closely */
+    SHORT_PAY = 16,          /* a match below FAR_BYTES for so many literals: no leaps */
     LAZY = 16, /* zlib's level 6: a match this long is taken without a look at the next byte */
     GOOD = 8   /* ... next to a match this long, a quarter of the places is looked at */
 };
-
-/* What it saves << 32 | its symbol.  One number stays in a register, where a struct does not. */
-typedef uint64_t match;
-
-static const uint64_t NOTHING = (uint64_t) PAYS << 32;
-
-/* This match, if it saves more than the best one. */
-static inline match better(const ntpio__deflater *d, match best, const uint32_t *sums, size_t back,
-                           uint32_t length)
-{
-    const uint32_t distance = (uint32_t) back - 1;
-    const uint32_t whole = sums[length] - sums[0];
-    const uint32_t cost = d->lengths[length] + d->distances[ntpio__distance_slot(distance)];
-    if (whole < cost || whole - cost <= best >> 32)
-        return best;
-    return (match) (whole - cost) << 32 | length << 16 | distance;
-}
-
-static inline uint32_t most_at(const ntpio__deflater *d, size_t at)
-{
-    return d->to - at < NTPIO__LENGTH_MAX ? (uint32_t) (d->to - at) : NTPIO__LENGTH_MAX;
-}
 
 /* The match that saves most.  sums: from this byte on; with_near: those shorter than FAR_BYTES count, too;
  * of the chain, `depth` places are looked at. */
@@ -104,51 +71,6 @@ static void visit_all(ntpio__deflater *d, size_t from, size_t to)
         visit(d, i);
 }
 
-/* Do the bytes repeat the few before them?  Short distances cost few bits. */
-static bool repeats_few(const uint8_t *here)
-{
-    for (int i = 1; i <= CLOSE; i++) {
-        if (load(here) == load(here - i))
-            return true;
-    }
-    return false;
-}
-
-/* After the longest match there is: does it go on? */
-static inline match goes_on(const ntpio__deflater *d, size_t at, match last)
-{
-    const uint32_t distance = ((uint32_t) last & 0xffff) + 1;
-    const uint8_t *here = d->bytes + at;
-    const bool may = (uint32_t) last >> 16 == NTPIO__LENGTH_MAX &&
-                     most_at(d, at) == NTPIO__LENGTH_MAX &&
-                     (distance <= CLOSE || !repeats_few(here));
-    return may && common(here - distance, here, NTPIO__LENGTH_MAX) == NTPIO__LENGTH_MAX ? last
-                                                                                        : NOTHING;
-}
-
-/* A match that was found after bytes were passed over, from as many bytes before as are equal, too. */
-static inline ntpio__match reach_back(const ntpio__deflater *d, ntpio__match m, size_t at,
-                                      size_t least)
-{
-    const uint8_t *here = d->bytes + at, *there = here - (m & 0xffff) - 1;
-    size_t most = NTPIO__LENGTH_MAX - (m >> 16), back = 0;
-    if (most > at - least)
-        most = at - least;
-    while (back < most && there - back > d->bytes &&
-           here[-1 - (ptrdiff_t) back] == there[-1 - (ptrdiff_t) back])
-        back++;
-    return m + ((ntpio__match) back << 16);
-}
-
-/* Few bytes are looked at where there was no match for long. */
-static inline size_t passed_over(size_t misses, int patience)
-{
-    const size_t pass = misses >> patience, more = misses >> GROWS;
-    if (misses >> NOISE == 0 || pass == 0)
-        return pass < PASS_MAX ? pass : PASS_MAX;
-    return more < NOISE_PASS ? more : NOISE_PASS;
-}
-
 /* ------------------------------------------------------------------------- leaping */
 
 /*
@@ -157,21 +79,16 @@ static inline size_t passed_over(size_t misses, int patience)
  * have been passed over.  Now and then a span is read closely, and so are those after it while short
  * matches pay.
  */
-static inline int32_t *leap_slot(ntpio__deflater *d, uint64_t next, unsigned shift)
-{
-    return &d->far_places[(next << shift) * 0x9e3779b185ebca87u >> (64 - FAR_BITS)];
-}
-
 /* The newest match, or one as far back as the last far one: rows repeat those above. */
 static inline match leap_match(ntpio__deflater *d, size_t at, const uint32_t *sums, unsigned shift,
                                size_t *last)
 {
     const uint8_t *here = d->bytes + at;
     const uint64_t next = load(here);
-    int32_t *slot = leap_slot(d, next, shift);
+    int32_t *slot = wide_slot(d, next, shift);
     const int32_t place = *slot;
     *slot = (int32_t) at;
-    __builtin_prefetch(leap_slot(d, load(here + SOON), shift), 1);
+    __builtin_prefetch(wide_slot(d, load(here + SOON), shift), 1);
     if (!in_reach(place, at) || (load(d->bytes + place) ^ next) << shift != 0)
         return NOTHING;
     const uint32_t most = most_at(d, at);
@@ -193,9 +110,9 @@ static void visit_leaping(ntpio__deflater *d, size_t from, size_t to, unsigned s
 {
     const size_t gap = to - from > MUCH ? from + FEW : to;
     for (size_t i = from; i < gap; i++)
-        *leap_slot(d, load(d->bytes + i), shift) = (int32_t) i;
+        *wide_slot(d, load(d->bytes + i), shift) = (int32_t) i;
     for (size_t i = gap < to ? to - MUCH / 2 : to; i < to; i++)
-        *leap_slot(d, load(d->bytes + i), shift) = (int32_t) i;
+        *wide_slot(d, load(d->bytes + i), shift) = (int32_t) i;
 }
 
 static size_t read_leaping(ntpio__deflater *d, size_t from, size_t to)
@@ -240,6 +157,7 @@ static size_t read_closely(ntpio__deflater *d, size_t from, size_t to)
     size_t at = from, written = from;
     size_t misses = d->misses, literals = 0; /* bytes in a row without a match; all of them */
     size_t shorts = 0;
+    uint64_t saved_by_short = 0;
     const bool deeper = d->literals_are_rare && !e.leaps; /* leaps leave no chains */
     const int deep = deeper ? DEEPER * e.deep : e.deep, depth = deeper ? deep : e.depth;
     ntpio__step *out = d->steps + d->count;
@@ -266,6 +184,7 @@ static size_t read_closely(ntpio__deflater *d, size_t from, size_t to)
             }
             literals += at - back - written;
             shorts += length < FAR_BYTES;
+            saved_by_short += length < WIDE_BYTES ? m >> 32 : 0;
             *out++ = (ntpio__step) { (uint32_t) (at - back - written), taken };
             visit_all(d, at + 1 + looks, at + length);
             at += length;
@@ -280,6 +199,7 @@ static size_t read_closely(ntpio__deflater *d, size_t from, size_t to)
                              misses < SOON_AFTER ? deep : depth, e.enough);
     }
     d->misses = misses;
+    d->saved_by_short += saved_by_short;
     at = at < d->to ? at : d->to;
     literals += at - written;
     d->literals_are_rare = RARE * literals < at - from;
@@ -293,6 +213,8 @@ static size_t read_closely(ntpio__deflater *d, size_t from, size_t to)
 size_t ntpio__read_quickly(ntpio__deflater *d, size_t from, size_t to)
 {
     sum_literals(d, from, to);
+    if (d->effort->far)
+        return ntpio__read_far(d, from, to);
     if (d->leaps == 0)
         return read_closely(d, from, to);
     d->leaps--;

@@ -19,6 +19,7 @@
 enum {
     NEAR_BYTES = 4,
     FAR_BYTES = 6,
+    WIDE_BYTES = 8,
     NEAR_BITS = NTPIO_TABLE_BITS, /* of the tables: together they fit in the second cache */
     FAR_BITS = NTPIO_TABLE_BITS + 1,
     PART = 8192,       /* symbols: the least block of careful levels */
@@ -39,6 +40,7 @@ typedef struct effort {
     int near_patience; /* log2 of ... after which short matches are not looked for */
     int patience; /* log2 of the literals in a row after which every other byte is passed over */
     bool leaps;   /* looks at most spans less closely */
+    bool far;     /* takes no match below eight bytes */
 } effort;
 
 typedef struct careful {
@@ -66,6 +68,7 @@ struct ntpio__deflater {
     bool literals_are_rare;                      /* in the span before */
     size_t misses;                               /* bytes in a row without a match */
     int leaps;                                   /* spans that are to be read leaping */
+    uint64_t saved_by_short;                     /* matches below eight bytes; in parts of a bit */
     careful *careful;
     const effort *effort;
     const uint8_t *bytes;
@@ -83,9 +86,13 @@ void ntpio__end_part(ntpio__deflater *d);
 /* Remembers a place, for careful levels. */
 void ntpio__visit_carefully(ntpio__deflater *d, size_t at);
 
-/* Read the span up to `to`, or as far as its last match goes, and return where that is.  The second
+/* ... and those from `from` to `to` - 1, for ntpio__read_far. */
+void ntpio__visit_wide(ntpio__deflater *d, size_t from, size_t to);
+
+/* Read the span up to `to`, or as far as its last match goes, and return where that is.  The last one
  * sets costs; `counts` gets what it has read. */
 size_t ntpio__read_quickly(ntpio__deflater *d, size_t from, size_t to);
+size_t ntpio__read_far(ntpio__deflater *d, size_t from, size_t to); /* of ntpio__read_quickly */
 size_t ntpio__read_as_zlib(ntpio__deflater *d, size_t from, size_t to);
 size_t ntpio__read_carefully(ntpio__deflater *d, size_t from, size_t to, bool first,
                              ntpio__counts *counts);

@@ -10,7 +10,8 @@
  * Costs foresee badly what a long way back repeats, so libpng's defaults can be smaller: the guess,
  * and the matches of zlib's level 6.  From SEARCHES on, two runs of rows are packed as they would do
  * it, too.  Where that is no larger, the band is packed both ways, as all bands below MODEST are,
- * and the smaller one stays; of noise, where the runs are like the rest, only that way.
+ * and the smaller one stays; of noise, where the runs are like the rest, only that way.  Where matches
+ * below eight bytes save nothing in these runs, the band is packed without them: that is quicker.
  *
  * Small pictures are tried with several rules of filters, and as libpng would.
  *
@@ -44,10 +45,14 @@ enum {
     RUNS_OF = 16,       /* ... or this share of the band */
     RUN_MIN = 8 << 10,  /* ... but so many */
     MODEST = 128 << 10, /* bytes: of smaller bands, runs tell too little */
-    ALIKE = 32, /* runs that differ by less tell which way is the smaller one as a whole ... */
-    NOISE = 8,  /* ... if they pack to more than this share of themselves */
-    ROUNDS = 2, /* rules of filters that are tried again */
-    NEARLY = 50 /* a file that is larger than its rival by this share is small enough */
+    CLEARLY = 256,      /* runs that are larger by less may be the smaller ones as a whole */
+    ALIKE = 32,   /* runs that differ by less tell which way is the smaller one as a whole ... */
+    NOISE = 8,    /* ... if they pack to more than this share of themselves */
+    HARDLY = 256, /* where short matches save less than this share, a band does without, ... */
+    MUCH = 32,    /* ... but not where they save more than this, ... */
+    FLAT = 64,    /* ... or where the runs pack to less than this share of themselves */
+    ROUNDS = 2,   /* rules of filters that are tried again */
+    NEARLY = 50   /* a file that is larger than its rival by this share is small enough */
 };
 
 static size_t most_packed(const ntpio__banding *p)
@@ -173,42 +178,58 @@ static int choose_kind(const ntpio__banding *p, ntpio__band *b)
     return best;
 }
 
-/* Two runs of rows, at a quarter of the band and at three quarters, packed with what is before them.
- * *filtered gets their size. */
-static size_t try_runs(const ntpio__banding *p, ntpio__band *b, int kind, int level,
-                       size_t *filtered)
+/* What two runs of rows take, and what of that matches below eight bytes have saved. */
+typedef struct trial {
+    size_t filtered, packed, saved_by_short;
+} trial;
+
+/* At a quarter of the band and at three quarters, packed with what is before them. */
+static trial try_runs(const ntpio__banding *p, ntpio__band *b, int kind, int level)
 {
     const size_t line = p->row_size + 1, share = ntpio__band_size(p, b) / RUNS_OF;
     const size_t run = share > RUN ? RUN : share < RUN_MIN ? RUN_MIN : share;
     const uint32_t rows = (uint32_t) ((run + line - 1) / line), before = NTPIO__WINDOW / line;
-    size_t size = 0;
-    *filtered = 0;
+    trial t = { 0, 0, 0 };
     for (uint32_t part = 1; part < 4; part += 2) {
         const uint32_t first = (uint32_t) ((uint64_t) b->rows * part / 4);
         const uint32_t count = b->rows - first < rows ? b->rows - first : rows;
         const uint32_t back = first < before ? first : before;
         const size_t to = filter_rows(p, b, first - back, back + count, kind, b->filtered);
         memset(b->filtered + to, 0, NTPIO__SLACK);
-        size += ntpio__deflate(b->deflater, level, b->filtered, back * line, to, true, b->again);
-        *filtered += count * line;
+        t.packed +=
+            ntpio__deflate(b->deflater, level, b->filtered, back * line, to, true, b->again);
+        t.saved_by_short += ntpio__deflate_saved_by_short(b->deflater);
+        t.filtered += count * line;
     }
-    return size;
+    return t;
+}
+
+/* Is the band no larger, or hardly, without short matches?  Of nearly flat ones, runs tell too little. */
+static bool does_without_short(const ntpio__banding *p, ntpio__band *b, const trial *ours)
+{
+    if (p->level > NTPIO__LEVEL_USUAL || ours->packed < ours->filtered / FLAT ||
+        ours->saved_by_short > ours->packed / MUCH)
+        return false;
+    return ours->saved_by_short < ours->packed / HARDLY ||
+           try_runs(p, b, b->kind, NTPIO__LEVEL_FAR).packed <= ours->packed;
 }
 
 /* Chooses the filters, and the level that packs them; or two ways that are to be compared. */
 static void choose_way(const ntpio__banding *p, ntpio__band *b)
 {
-    size_t filtered;
     b->kind = choose_kind(p, b);
     b->level = p->level;
     b->close = p->level >= SEARCHES && ntpio__band_size(p, b) < MODEST;
     if (p->level < SEARCHES || b->close)
         return;
-    const size_t ours = try_runs(p, b, b->kind, p->level, &filtered);
-    const size_t theirs = try_runs(p, b, GUESS, NTPIO__LEVEL_ZLIB, &filtered);
-    if (theirs > ours)
+    const trial run = try_runs(p, b, b->kind, p->level);
+    const size_t ours = run.packed, theirs = try_runs(p, b, GUESS, NTPIO__LEVEL_ZLIB).packed;
+    if (theirs > ours + ours / CLEARLY) {
+        if (does_without_short(p, b, &run))
+            b->level = NTPIO__LEVEL_FAR;
         return;
-    if (theirs > ours - ours / ALIKE && theirs > filtered / NOISE) {
+    }
+    if (theirs > ours - ours / ALIKE && theirs > run.filtered / NOISE) {
         b->kind = GUESS;
         b->level = NTPIO__LEVEL_ZLIB;
     } else {

@@ -15,7 +15,7 @@
 #include "made.h"
 #include "ntpio.h"
 
-enum { SIZE_MAX_TRIED = 200000, GUARD = 64, FILE_MAX = 1 << 22 };
+enum { SIZE_MAX_TRIED = 200000, GUARD = 64, FILE_MAX = 1 << 23 };
 
 /* ------------------------------------------------------------------------- streams */
 
