@@ -105,9 +105,9 @@ size_t ntpio__read_far(ntpio__deflater *d, size_t from, size_t to)
         }
         if (at >= to)
             break;
-        m = (uint32_t) next != 0
-                ? next
-                : best_wide(d, at, sums + (at - from), LEAST - 1, misses < SOON_AFTER ? deep : depth);
+        m = (uint32_t) next != 0 ? next
+                                 : best_wide(d, at, sums + (at - from), LEAST - 1,
+                                             misses < SOON_AFTER ? deep : depth);
     }
     d->misses = misses;
     at = at < d->to ? at : d->to;

@@ -67,21 +67,17 @@ bool ntpio__band_init(const ntpio__banding *p, ntpio__band *b)
     ntpio__band_free(b);
     b->deflater = ntpio__deflater_new(p->rival != 0 ? NTPIO__LEVEL_MAX : p->level);
     b->raw = calloc(p->rows + (size_t) 1, p->pitch);
-    b->guesses[0] = malloc(p->row_size);
-    b->guesses[1] = malloc(p->row_size);
     b->filtered = malloc(NTPIO__WINDOW + size + NTPIO__SLACK);
     b->out = malloc(most_packed(p));
     b->again = malloc(most_packed(p));
-    return b->deflater != NULL && b->raw != NULL && b->guesses[0] != NULL &&
-           b->guesses[1] != NULL && b->filtered != NULL && b->out != NULL && b->again != NULL;
+    return b->deflater != NULL && b->raw != NULL && b->filtered != NULL && b->out != NULL &&
+           b->again != NULL;
 }
 
 void ntpio__band_free(ntpio__band *b)
 {
     ntpio__deflater_free(b->deflater);
     free(b->raw);
-    free(b->guesses[0]);
-    free(b->guesses[1]);
     free(b->filtered);
     free(b->out);
     free(b->again);
@@ -97,41 +93,28 @@ uint8_t *ntpio__band_row(const ntpio__banding *p, const ntpio__band *b, int64_t 
 
 /* The filter with the least sum; the first of equals.  As in libpng, not Average in a single column
  * or row, where the others are None or one of the neighbors. */
-static void guess_row(const ntpio__banding *p, ntpio__band *b, uint32_t y, uint8_t *out)
+static int guess_kind(const ntpio__banding *p, const ntpio__band *b, uint32_t y)
 {
-    uint64_t least = UINT64_MAX;
-    const bool thin = p->row_size == p->texel || p->height == 1;
-    for (int kind = 0; kind < NTPIO__FILTERS; kind++) {
-        if (thin && kind == NTPIO__AVERAGE)
-            continue;
-        const uint64_t sum =
-            ntpio__filter(b->guesses[1], ntpio__band_row(p, b, y),
-                          ntpio__band_row(p, b, (int64_t) y - 1), p->row_size, p->texel, kind);
-        if (sum < least) {
-            uint8_t *best = b->guesses[1];
-            b->guesses[1] = b->guesses[0];
-            b->guesses[0] = best;
-            least = sum;
-            out[0] = (uint8_t) kind;
-        }
-        if (least == 0)
-            break;
-    }
-    memcpy(out + 1, b->guesses[0], p->row_size);
+    uint64_t sums[NTPIO__FILTERS];
+    int best = 0;
+    ntpio__filter_sums(ntpio__band_row(p, b, y), ntpio__band_row(p, b, (int64_t) y - 1),
+                       p->row_size, p->texel, sums);
+    if (p->row_size == p->texel || p->height == 1)
+        sums[NTPIO__AVERAGE] = UINT64_MAX;
+    for (int kind = 1; kind < NTPIO__FILTERS; kind++)
+        best = sums[kind] < sums[best] ? kind : best;
+    return best;
 }
 
 /* Filters `count` rows from `first` on, and returns their size. */
-static size_t filter_rows(const ntpio__banding *p, ntpio__band *b, uint32_t first, uint32_t count,
-                          int kind, uint8_t *out)
+static size_t filter_rows(const ntpio__banding *p, const ntpio__band *b, uint32_t first,
+                          uint32_t count, int kind, uint8_t *out)
 {
     const uint8_t *start = out;
     for (uint32_t y = first; y < first + count; y++) {
-        out[0] = (uint8_t) kind;
-        if (kind == GUESS)
-            guess_row(p, b, y, out);
-        else
-            ntpio__filter(out + 1, ntpio__band_row(p, b, y), ntpio__band_row(p, b, (int64_t) y - 1),
-                          p->row_size, p->texel, kind);
+        out[0] = (uint8_t) (kind == GUESS ? guess_kind(p, b, y) : kind);
+        ntpio__filter(out + 1, ntpio__band_row(p, b, y), ntpio__band_row(p, b, (int64_t) y - 1),
+                      p->row_size, p->texel, out[0]);
         out += p->row_size + 1;
     }
     return (size_t) (out - start);

@@ -24,13 +24,12 @@ typedef struct ntpio__banding {
 /* A band that waits to be packed, or to be written. */
 typedef struct ntpio__band {
     ntpio__deflater *deflater;
-    uint8_t *raw;        /* the row before the band, and the band's */
-    uint8_t *guesses[2]; /* rows: the best so far, and another */
-    uint8_t *filtered;   /* a window of older bytes, the band, the slack; before, what is tried */
-    uint8_t *out;        /* packed */
-    uint8_t *again;      /* ... another way; before, what is tried */
-    size_t size, bits;   /* of out; without what fills it up to a whole byte */
-    int kind, level;     /* of the filters, and of packing: what is chosen */
+    uint8_t *raw;      /* the row before the band, and the band's */
+    uint8_t *filtered; /* a window of older bytes, the band, the slack; before, what is tried */
+    uint8_t *out;      /* packed */
+    uint8_t *again;    /* ... another way; before, what is tried */
+    size_t size, bits; /* of out; without what fills it up to a whole byte */
+    int kind, level;   /* of the filters, and of packing: what is chosen */
     uint32_t rows, checksum;
     bool first, last, done;
     bool close;  /* packing as libpng does is to be tried as well */

@@ -260,64 +260,90 @@ static inline int foretold(int a, int b, int c, int kind)
                              : paeth(a, b, c);
 }
 
+/* The kind is known to the compiler. */
+static inline void filter_kind(uint8_t *out, const uint8_t *row, const uint8_t *above, size_t size,
+                               size_t texel, int kind)
+{
+    size_t i = 0;
+#ifdef IN_REGISTERS
+    for (; i + AT_ONCE <= size; i += AT_ONCE)
+        store16(out + i,
+                subtract16(load16(row + i), foretold16(load16(row + i - texel), load16(above + i),
+                                                       load16(above + i - texel), kind)));
+#endif
+    for (; i < size; i++) {
+        const uint8_t *a = row + i - texel, *c = above + i - texel;
+        out[i] = (uint8_t) (row[i] - foretold(*a, above[i], *c, kind));
+    }
+}
+
+void ntpio__filter(uint8_t *out, const uint8_t *row, const uint8_t *above, size_t size,
+                   size_t texel, int kind)
+{
+    switch (kind) {
+    case NONE:
+        memcpy(out, row, size);
+        break;
+    case SUB:
+        filter_kind(out, row, above, size, texel, SUB);
+        break;
+    case UP:
+        filter_kind(out, row, above, size, texel, UP);
+        break;
+    case AVERAGE:
+        filter_kind(out, row, above, size, texel, AVERAGE);
+        break;
+    default:
+        filter_kind(out, row, above, size, texel, PAETH);
+        break;
+    }
+}
+
 #ifdef IN_REGISTERS
 
-/* As many bytes as fit in whole registers, and their sum. */
-static inline size_t filter_most(uint8_t *out, const uint8_t *row, const uint8_t *above,
-                                 size_t size, size_t texel, int kind, uint64_t *sum)
+/* Of as many bytes as fit in whole registers; returns how many. */
+static size_t sum_most(const uint8_t *row, const uint8_t *above, size_t size, size_t texel,
+                       uint64_t *of_kinds)
 {
-    sums sums_of = no_sums();
+    sums none = no_sums(), sub = none, up = none, mean = none, nearest = none;
     size_t i = 0;
     for (; i + AT_ONCE <= size; i += AT_ONCE) {
-        const wide told =
-            foretold16(load16(row + i - texel), load16(above + i), load16(above + i - texel), kind);
-        const wide value = subtract16(load16(row + i), told);
-        store16(out + i, value);
-        sums_of = add_distances(sums_of, value);
+        const wide value = load16(row + i), a = load16(row + i - texel);
+        const wide b = load16(above + i), c = load16(above + i - texel);
+        none = add_distances(none, value);
+        sub = add_distances(sub, subtract16(value, a));
+        up = add_distances(up, subtract16(value, b));
+        mean = add_distances(mean, subtract16(value, foretold16(a, b, c, AVERAGE)));
+        nearest = add_distances(nearest, subtract16(value, foretold16(a, b, c, PAETH)));
     }
-    *sum = total(sums_of);
+    of_kinds[NONE] = total(none);
+    of_kinds[SUB] = total(sub);
+    of_kinds[UP] = total(up);
+    of_kinds[AVERAGE] = total(mean);
+    of_kinds[PAETH] = total(nearest);
     return i;
 }
 
 #else
 
-static inline size_t filter_most(const uint8_t *out, const uint8_t *row, const uint8_t *above,
-                                 size_t size, size_t texel, int kind, uint64_t *sum)
+static size_t sum_most(const uint8_t *row, const uint8_t *above, size_t size, size_t texel,
+                       uint64_t *of_kinds)
 {
-    (void) out, (void) row, (void) above, (void) size, (void) texel, (void) kind;
-    *sum = 0;
+    (void) row, (void) above, (void) size, (void) texel;
+    memset(of_kinds, 0, NTPIO__FILTERS * sizeof *of_kinds);
     return 0;
 }
 
 #endif
 
-/* The kind is known to the compiler. */
-static inline uint64_t filter_kind(uint8_t *out, const uint8_t *row, const uint8_t *above,
-                                   size_t size, size_t texel, int kind)
+void ntpio__filter_sums(const uint8_t *row, const uint8_t *above, size_t size, size_t texel,
+                        uint64_t *of_kinds)
 {
-    uint64_t sum;
-    for (size_t i = filter_most(out, row, above, size, texel, kind, &sum); i < size; i++) {
-        const uint8_t *a = row + i - texel, *c = above + i - texel;
-        const int value = (row[i] - foretold(*a, above[i], *c, kind)) & 255;
-        out[i] = (uint8_t) value;
-        sum += (uint64_t) (value < 128 ? value : 256 - value);
-    }
-    return sum;
-}
-
-uint64_t ntpio__filter(uint8_t *out, const uint8_t *row, const uint8_t *above, size_t size,
-                       size_t texel, int kind)
-{
-    switch (kind) {
-    case NONE:
-        return filter_kind(out, row, above, size, texel, NONE);
-    case SUB:
-        return filter_kind(out, row, above, size, texel, SUB);
-    case UP:
-        return filter_kind(out, row, above, size, texel, UP);
-    case AVERAGE:
-        return filter_kind(out, row, above, size, texel, AVERAGE);
-    default:
-        return filter_kind(out, row, above, size, texel, PAETH);
+    for (size_t i = sum_most(row, above, size, texel, of_kinds); i < size; i++) {
+        for (int kind = NONE; kind <= PAETH; kind++) {
+            const int told = foretold(row[i - texel], above[i], above[i - texel], kind);
+            const int value = (row[i] - told) & 255;
+            of_kinds[kind] += (uint64_t) (value < 128 ? value : 256 - value);
+        }
     }
 }

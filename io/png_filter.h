@@ -33,12 +33,16 @@ enum { NTPIO__ROWS_TOGETHER = 4 };
 uint32_t ntpio__unfilter_rows(uint8_t *row, ptrdiff_t stride, uint32_t count, const uint8_t *above,
                               size_t size, size_t texel, const int *kinds);
 
+/* Filters a row into `out`.  A texel of zeros stands before both rows; the row above the first one is
+ * zeros. */
+void ntpio__filter(uint8_t *out, const uint8_t *row, const uint8_t *above, size_t size,
+                   size_t texel, int kind);
+
 /*
- * Filters a row into `out`.  A texel of zeros stands before both rows; the row above the first one
- * is zeros.  Returns the sum of what was written, each byte as its distance from 0 modulo 256: the
- * smallest of the five is the usual guess at which filter packs best.
+ * The sum of what each of the five filters would write, each byte as its distance from 0 modulo 256:
+ * the smallest is the usual guess at which filter packs best.
  */
-uint64_t ntpio__filter(uint8_t *out, const uint8_t *row, const uint8_t *above, size_t size,
-                       size_t texel, int kind);
+void ntpio__filter_sums(const uint8_t *row, const uint8_t *above, size_t size, size_t texel,
+                        uint64_t *of_kinds);
 
 #endif

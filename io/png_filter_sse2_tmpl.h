@@ -49,25 +49,9 @@ static inline bytes average(bytes a, bytes b)
     return _mm_sub_epi8(_mm_avg_epu8(a, b), odd);
 }
 
-static inline __m128i absolute(__m128i v)
-{
-    return _mm_max_epi16(v, _mm_sub_epi16(_mm_setzero_si128(), v));
-}
-
 static inline __m128i choose(__m128i mask, __m128i yes, __m128i no)
 {
     return _mm_or_si128(_mm_and_si128(mask, yes), _mm_andnot_si128(mask, no));
-}
-
-/* Of eight numbers of 16 bits.  Of a, b and c the one that is nearest to a + b - c. */
-static inline __m128i paeth16(__m128i a16, __m128i b16, __m128i c16)
-{
-    const __m128i b_c = _mm_sub_epi16(b16, c16), a_c = _mm_sub_epi16(a16, c16);
-    const __m128i to_a = absolute(b_c), to_b = absolute(a_c);
-    const __m128i to_c = absolute(_mm_add_epi16(b_c, a_c));
-    const __m128i least = _mm_min_epi16(to_c, _mm_min_epi16(to_a, to_b));
-    const __m128i b_or_c = choose(_mm_cmpeq_epi16(least, to_b), b16, c16);
-    return choose(_mm_cmpeq_epi16(least, to_a), a16, b_or_c);
 }
 
 static inline wide load16(const uint8_t *from)
@@ -90,17 +74,39 @@ static inline wide subtract16(wide a, wide b)
     return _mm_sub_epi8(a, b);
 }
 
+/*
+ * Of each of 16 bytes a, b and c the one that is nearest to a + b - c.  Where b - c and a - c have the
+ * same sign, c is as far as both others together, and never the nearest before them; else as far as
+ * they differ.
+ */
+static inline wide paeth_bytes(wide a, wide b, wide c)
+{
+    const wide under_b = _mm_subs_epu8(b, c), over_b = _mm_subs_epu8(c, b);
+    const wide under_a = _mm_subs_epu8(a, c), over_a = _mm_subs_epu8(c, a);
+    const wide to_a = _mm_or_si128(under_b, over_b), to_b = _mm_or_si128(under_a, over_a);
+    const wide zero = _mm_setzero_si128();
+    const wide same = _mm_xor_si128(_mm_cmpeq_epi8(under_b, zero), _mm_cmpeq_epi8(over_a, zero));
+    const wide apart = _mm_or_si128(_mm_subs_epu8(to_a, to_b), _mm_subs_epu8(to_b, to_a));
+    const wide to_c = _mm_or_si128(apart, same);
+    const wide least = _mm_min_epu8(to_c, _mm_min_epu8(to_a, to_b));
+    const wide b_or_c = choose(_mm_cmpeq_epi8(least, to_b), b, c);
+    return choose(_mm_cmpeq_epi8(least, to_a), a, b_or_c);
+}
+
 static inline wide foretold16(wide a, wide b, wide c, int kind)
 {
-    const __m128i zero = _mm_setzero_si128();
-    if (kind == NONE || kind == SUB || kind == UP)
-        return kind == NONE ? zero : kind == SUB ? a : b;
-    if (kind == AVERAGE)
+    switch (kind) {
+    case NONE:
+        return _mm_setzero_si128();
+    case SUB:
+        return a;
+    case UP:
+        return b;
+    case AVERAGE:
         return average(a, b);
-    return _mm_packus_epi16(
-        paeth16(_mm_unpacklo_epi8(a, zero), _mm_unpacklo_epi8(b, zero), _mm_unpacklo_epi8(c, zero)),
-        paeth16(_mm_unpackhi_epi8(a, zero), _mm_unpackhi_epi8(b, zero),
-                _mm_unpackhi_epi8(c, zero)));
+    default:
+        return paeth_bytes(a, b, c);
+    }
 }
 
 static inline sums no_sums(void)
