@@ -44,7 +44,7 @@ static const effort efforts[NTPIO__LEVEL_TRIAL + 1] = {
     [10] = { 16, 0, 64, 1, true, NEVER, NEVER, false, false },
     [11] = { 32, 0, 128, 2, true, NEVER, NEVER, false, false },
     [12] = { 128, 0, 258, 3, true, NEVER, NEVER, false, false },
-    [NTPIO__LEVEL_FAR] = { 4, 16, 128, 0, true, NEVER, 8, false, true },
+    [NTPIO__LEVEL_FAR] = { 4, 16, 128, 0, true, NEVER, 7, false, true },
     [NTPIO__LEVEL_TRIAL] = { 1, 1, 32, 0, false, 3, 4, false, false },
 };
 

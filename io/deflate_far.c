@@ -9,6 +9,7 @@
 
 enum {
     LEAST = WIDE_BYTES,
+    LAZY = 32,   /* a match this long is taken without a look at the next byte */
     LASTING = 16 /* next to a match this long, a quarter of the places is looked at */
 };
 
@@ -86,7 +87,7 @@ size_t ntpio__read_far(ntpio__deflater *d, size_t from, size_t to)
                                            ? (ntpio__match) m
                                            : reach_back(d, (ntpio__match) m, at, written);
             const size_t back = (taken >> 16) - length;
-            const bool looks = back == 0 && length < e->enough && at + 1 < to;
+            const bool looks = back == 0 && length < LAZY && at + 1 < to;
             misses = 0;
             if (looks)
                 next = best_wide(d, at + 1, sums + (at + 1 - from), length - 1,
