@@ -118,6 +118,15 @@ def test_few_texels(kind, width, height):
     assert everything(both, encoding) == everything(many.merge(fresh), encoding)
 
 
+@pytest.mark.parametrize("times", [1, 80000])
+def test_noise(times):
+    """Rows of cells that are full, and colors that are more than a byte counts."""
+    rng = np.random.default_rng(11)
+    array = rng.integers(0, 256, (120, 5400, 3)).astype(np.uint8)  # all rows are sampled
+    array.reshape(-1, 3)[:times, :2] = 190, 90
+    check_summary(ntp.Tally().measure(array, ntp.STANDARD), array, ntp.STANDARD, 0)
+
+
 @pytest.mark.parametrize("channels", [3, 4])
 @pytest.mark.parametrize("touch", [0, 7])
 def test_runs_of_one_color(channels, touch):

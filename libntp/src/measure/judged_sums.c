@@ -30,8 +30,7 @@ static const uint32_t ONES[NTP__BLOCK] = {
     ONES_16, ONES_16, ONES_16, ONES_16, ONES_16, ONES_16, ONES_16, ONES_16,
 };
 
-/* Pulls the pairs among these that are too long, and derives the blues of these. */
-static void clean_long(int32_t *r, int32_t *g, int32_t *want, int32_t n, int32_t m, bool zzero)
+void ntp__clean_long(int32_t *r, int32_t *g, int32_t *want, int32_t n, int32_t m, bool zzero)
 {
     const ntp__kernels_table *kernels = ntp__kernels(NTP__CPU_ALL);
     int32_t at[NTP__BLOCK], to[3][NTP__BLOCK], doubt[NTP__BLOCK];
@@ -91,7 +90,7 @@ static void add_angles(ntp__judged *j, const ntp__block *block, int32_t n, int32
         v.c[1][i] = ntp__num(g[i], m);
         v.c[2][i] = encoding == NTP_ENCODING_XY ? 0 : twice * block->c[2][at[i]] - less;
     }
-    clean_long(r, g, want, count, m, zzero);
+    ntp__clean_long(r, g, want, count, m, zzero);
     for (int32_t i = 0; i < count; i++) {
         w.c[0][i] = ntp__num(r[i], m);
         w.c[1][i] = ntp__num(g[i], m);

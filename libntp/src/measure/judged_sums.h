@@ -75,6 +75,10 @@ typedef struct ntp__color_batch {
     int32_t n;
 } ntp__color_batch;
 
+/* Pulls the pairs among these that are too long, where want[i] is negative, and derives the blues of
+ * these. */
+void ntp__clean_long(int32_t *r, int32_t *g, int32_t *want, int32_t n, int32_t m, bool zzero);
+
 /* Adds what waits. */
 void ntp__end_batch(ntp__sums *sums, ntp__color_batch *batch, int32_t m, ntp_encoding encoding);
 

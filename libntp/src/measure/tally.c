@@ -6,6 +6,10 @@
 #include "measure/tally.h"
 
 #include <string.h>
+#ifdef NTP_HAVE_AVX2
+#  include "base/cpu.h"
+#  include "measure/dense_row_avx2.h"
+#endif
 
 /* Adds the cells of one row. */
 static void add_row(ntp_tally *t, ntp__color_batch *batch, int32_t row, int32_t m,
@@ -36,8 +40,17 @@ static void add_cells(ntp_tally *t, int32_t m, ntp_encoding encoding)
     ntp__color_batch batch;
     batch.n = 0;
     ntp__note_rows(&t->cells, ntp__steepest_of(t));
-    for (int32_t row = 0; (row = ntp__next_row(t->cells.at.row_seen, row)) < NTP__ROWS; row++)
+#ifdef NTP_HAVE_AVX2
+    const bool dense =
+        m == 255 && encoding == NTP_ENCODING_STANDARD && ntp__cpu_has_avx2(NTP__CPU_ALL);
+#endif
+    for (int32_t row = 0; (row = ntp__next_row(t->cells.at.row_seen, row)) < NTP__ROWS; row++) {
+#ifdef NTP_HAVE_AVX2
+        if (dense && ntp__add_dense_row_avx2(&t->used, t->blues, &t->cells, row))
+            continue;
+#endif
         add_row(t, &batch, row, m, encoding);
+    }
     ntp__end_batch(&t->used, &batch, m, encoding);
 }
 

@@ -8,6 +8,7 @@
  *   measure.c        the pass over the texels; packed8_tmpl.h is its part for packed 8 bit
  *   color_counts.h   how often each color of 8 bit occurs: the cells
  *   judged_sums.h    what judged texels add up to: verdicts, lengths, angles
+ *   dense_row_avx2.h the same for rows of cells of which many hold counts
  *   close_sums.c     the same for 16-bit texels that are close to exact
  *   sampled_rows.c   what costs more than a count, and is measured on some rows only
  *   tally.c          turns cells into sums

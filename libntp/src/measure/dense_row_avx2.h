@@ -1,0 +1,16 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * dense_row_avx2.h - adds a row of cells of which many hold counts to the sums, with AVX2
+ */
+#ifndef NTP_DENSE_ROW_AVX2_H
+#define NTP_DENSE_ROW_AVX2_H
+
+#include "measure/color_counts.h"
+#include "measure/judged_sums.h"
+
+/* Adds the colors of a row of 8 bit, with angles of the standard encoding; and to blues[b] the texels of
+ * each blue b.  False: too few cells hold counts, and nothing is added. */
+bool ntp__add_dense_row_avx2(ntp__sums *sums, uint64_t blues[256], const ntp__color_counts *counts,
+                             int32_t row);
+
+#endif
