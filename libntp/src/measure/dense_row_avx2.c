@@ -402,7 +402,7 @@ ONE_COPY static void add_angles(ntp__sums *sums, dense_row *d, places *p)
 /* Do so many cells of a row hold counts that it pays to look at all of them? */
 static bool is_dense(const uint8_t *far)
 {
-    enum { LEAST = 48 };
+    enum { LEAST = 96 };
     const __m256i zero = _mm256_setzero_si256();
     __m256i unused = zero; /* as negative numbers, of -8 at most */
     for (int32_t b = 0; b < 256; b += 32) {
