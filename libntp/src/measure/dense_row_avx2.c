@@ -58,7 +58,7 @@ typedef struct dense_row {
 } dense_row;
 
 /* The first and the last of these that hold counts; some do. */
-static void find_ends(int32_t ends[2], const uint32_t *count, int32_t n)
+ONE_COPY static void find_ends(int32_t ends[2], const uint32_t *count, int32_t n)
 {
     ends[0] = 0;
     ends[1] = n - 1;
@@ -102,28 +102,40 @@ ONE_COPY static void begin(dense_row *d, int32_t k1, int32_t k2)
     d->below[256] = sum;
 }
 
-/* The verdicts that are the same for blues side by side. */
+/* Limits of i * i + (c - less) * i, for c = -1, 3, 0, 2 and 1.  They hold where they are negative. */
+typedef struct limits {
+    int32_t neighbor[2], rounded[2], is_long; /* at most, at least */
+} limits;
+
+ONE_COPY static void judge_all(int32_t *restrict flags, int32_t n, int32_t less, const limits *l)
+{
+    const int32_t in = l->neighbor[0], out = l->neighbor[1], is_long = l->is_long;
+    const int32_t q_in = l->rounded[0], q_out = l->rounded[1];
+    for (int32_t i = 0; i < n; i++) {
+        const int32_t v = i * i - less * i, v2 = v + i + i;
+        flags[i] = ((v - i <= in) & (v2 + i >= out)) * NTP_FLAG_NEIGHBOR |
+                   ((v <= q_in) & (v2 >= q_out)) * NTP_FLAG_ROUNDED |
+                   (v + i >= is_long) * NTP__LONG;
+    }
+    memset(flags + n, 0, SPARE * sizeof flags[0]); /* what end_of_run may read */
+}
+
+/* Verdicts that are the same for blues side by side: the conditions of judge_levels, solved for u and b. */
 ONE_COPY static void judge(dense_row *d)
 {
-    const int32_t v = d->v, e = d->e, kxy = d->k1 + d->k2 + 2;
-    const int32_t in = 4 * (e + 2 * (kxy - 2)) + 3, out = 4 * (e - 2 * kxy) + 2;
-    const int32_t q_in = 4 * (e + kxy - 1), q_out = 4 * (e + 1 - kxy) + 1, one = 4 * e + 4;
-    for (int32_t u = 0; u < HALF; u++) {
-        const int32_t a = v + u * (u + 1), k = kxy + u + 1;
-        d->standard[u] = ((a + 6 < AM + 2 * k) & (a + 2 * k >= AM)) * NTP_FLAG_NEIGHBOR |
-                         ((a + 3 <= AM + k) & (a + k > AM)) * NTP_FLAG_ROUNDED |
-                         (a >= AM) * NTP__LONG;
-    }
-    /* what end_of_run may read */
-    memset(d->standard + HALF, 0, SPARE * sizeof d->standard[0]);
-    memset(d->zzero + 256, 0, SPARE * sizeof d->zzero[0]);
-    /* all limits hold where they are negative */
-    for (int32_t b = 0; b < 256; b++) {
-        const int32_t b2 = b * b;
-        d->zzero[b] = ((b2 - 2 * b + 1 <= in) & (b2 + 2 * b >= out)) * NTP_FLAG_NEIGHBOR |
-                      ((b2 - b <= q_in) & (b2 + b >= q_out)) * NTP_FLAG_ROUNDED |
-                      (b2 >= one) * NTP__LONG;
-    }
+    const int32_t e = d->e, kxy = d->k1 + d->k2 + 2;
+    const limits standard = {
+        { e + 2 * kxy - 4, e - 2 * kxy - 1 },
+        { e + kxy - 1, e - kxy + 1 },
+        e + 1,
+    };
+    const limits zzero = {
+        { 4 * (e + 2 * (kxy - 2)) + 2, 4 * (e - 2 * kxy) + 2 },
+        { 4 * (e + kxy - 1), 4 * (e + 1 - kxy) + 1 },
+        4 * e + 4,
+    };
+    judge_all(d->standard, HALF, 0, &standard);
+    judge_all(d->zzero, 256, 1, &zzero);
 }
 
 /* The end of the run of equal flags that begins at i. */
@@ -178,7 +190,7 @@ ONE_COPY static void add_distances(uint32_t *levels_off, const uint32_t *count,
     ntp__merge_counts(levels_off + 1, reversed + n - want, (size_t) want);
 }
 
-static void add_levels_off(ntp__sums *sums, const dense_row *d)
+ONE_COPY static void add_levels_off(ntp__sums *sums, const dense_row *d)
 {
     const uint32_t *const blue = d->blue, *const reversed = d->reversed;
     if (!d->on_disc) {
