@@ -8,6 +8,9 @@
  */
 #include "texel/level.h"
 #include "measure/tally.h"
+#ifdef NTP_HAVE_AVX2
+#  include "measure/dense_row_avx2.h"
+#endif
 
 /* In 8-bit levels. */
 static const double GAP_THAT_TELLS = 1, OFF_MOST = 32, NEAR = 3, ABOVE = 4;
@@ -60,6 +63,43 @@ static inline void add_row(blue_sums *sums, const blue_row *row)
     sums->gap += row->n * row->gap;
 }
 
+#ifdef NTP_HAVE_AVX2
+/* Adds a row of many colors.  Blues that do not occur add 0.  All sums but those of distances are of whole
+ * numbers, so that their order does not matter. */
+static void add_dense_row(blue_sums *sums, blue_row *row, const ntp_tally *t, int32_t i)
+{
+    ntp__dense_blues blues;
+    const int32_t most = (int32_t) (row->want[0] + ABOVE);
+    double off[2] = { sums->off[0], sums->off[1] };
+    int64_t texels = 0, part = 0, part2 = 0, above = 0;
+    ntp__dense_blues_avx2(&blues, &t->cells, i, row->want, OFF_MOST);
+    for (int32_t b = 0; b < 256; b++) {
+        const int64_t count = blues.count[b];
+        off[0] += blues.off[0][b];
+        off[1] += blues.off[1][b];
+        texels += count;
+        part += b * count;
+        part2 += b * b * count;
+        above += b > most ? count : 0;
+    }
+    row->n = (double) texels;
+    row->blue = (double) part;
+    row->blue2 = (double) part2;
+    add_row(sums, row);
+    if (row->gap <= GAP_THAT_TELLS)
+        return;
+    sums->above += (double) above;
+    for (int32_t k = 0; k < 2; k++) {
+        const double want = row->want[k];
+        int64_t near = 0;
+        for (int32_t b = (int32_t) want - 3; b < 256 && b - want <= NEAR; b++)
+            near += b >= 0 && want - b <= NEAR ? blues.count[b] : 0;
+        sums->off[k] = off[k];
+        sums->near[k] += (double) near;
+    }
+}
+#endif
+
 static void add_cells(blue_sums *into, const ntp_tally *t)
 {
     ntp__cells cells;
@@ -69,6 +109,12 @@ static void add_cells(blue_sums *into, const ntp_tally *t)
         if (rest < 0)
             continue;
         blue_row row = row_of(sqrt((double) rest) / 255);
+#ifdef NTP_HAVE_AVX2
+        if (t->cells.at.row_seen[i] & NTP__SEEN_DENSE) {
+            add_dense_row(&sums, &row, t, i);
+            continue;
+        }
+#endif
         const int32_t n = ntp__row_cells(&cells, &t->cells, i);
         uint64_t texels = 0, blue = 0, blue2 = 0;
         for (int32_t k = 0; k < n; k++) {

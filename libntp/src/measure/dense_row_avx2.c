@@ -427,22 +427,26 @@ static bool is_dense(const uint8_t *far)
     return _mm_cvtsi128_si32(_mm_add_epi64(half, _mm_unpackhi_epi64(half, half))) <= 256 - LEAST;
 }
 
-bool ntp__add_dense_row_avx2(ntp__sums *sums, uint64_t blues[256], const ntp__color_counts *counts,
-                             int32_t row)
+ONE_COPY static void read_row(uint32_t count[256], const ntp__color_counts *counts, int32_t row)
 {
     const uint8_t *const far = &counts->at.far[row * NTP__ROW_CELLS];
     const uint32_t *const carried = &counts->at.carried[row * NTP__ROW_CELLS];
-    const int32_t seen = counts->at.row_seen[row], pair = counts->row_pair[row];
+    for (int32_t b = 0; b < 256; b++)
+        count[b] = far[b];
+    for (int32_t b = 0; counts->at.row_seen[row] & NTP__SEEN_CARRIED && b < 256; b++)
+        count[b] += carried[b] << 8;
+    ntp__merge_counts(count + counts->row_first[row], &counts->at.near[row * NTP__NEAR], NTP__NEAR);
+}
+
+bool ntp__add_dense_row_avx2(ntp__sums *sums, uint64_t blues[256], const ntp__color_counts *counts,
+                             int32_t row)
+{
+    const int32_t pair = counts->row_pair[row];
     dense_row d;
     places p;
-    if (!(seen & NTP__SEEN_FAR) || !is_dense(far))
+    if (!is_dense(&counts->at.far[row * NTP__ROW_CELLS]))
         return false;
-    for (int32_t b = 0; b < 256; b++)
-        d.blue[b] = far[b];
-    for (int32_t b = 0; seen & NTP__SEEN_CARRIED && b < 256; b++)
-        d.blue[b] += carried[b] << 8;
-    ntp__merge_counts(d.blue + counts->row_first[row], &counts->at.near[row * NTP__NEAR],
-                      NTP__NEAR);
+    read_row(d.blue, counts, row);
     for (int32_t b = 0; b < 256; b++)
         blues[b] += d.blue[b];
     begin(&d, (pair & 255) - K, (pair >> 8) - K);
@@ -453,4 +457,18 @@ bool ntp__add_dense_row_avx2(ntp__sums *sums, uint64_t blues[256], const ntp__co
     add_lengths(sums, &d, p.standard, p.zzero);
     add_angles(sums, &d, &p);
     return true;
+}
+
+void ntp__dense_blues_avx2(ntp__dense_blues *out, const ntp__color_counts *counts, int32_t row,
+                           const double want[2], double most)
+{
+    const double standard = want[0], zzero = want[1];
+    read_row(out->count, counts, row);
+    for (int32_t b = 0; b < 256; b++) {
+        const int32_t half = (int32_t) (out->count[b] >> 1), odd = (int32_t) (out->count[b] & 1);
+        const double count = 2.0 * half + odd; /* no quick conversion takes more than 2^31 - 1 */
+        const double off = fabs(b - standard), off_zzero = fabs(b - zzero);
+        out->off[0][b] = count * (off < most ? off : most);
+        out->off[1][b] = count * (off_zzero < most ? off_zzero : most);
+    }
 }

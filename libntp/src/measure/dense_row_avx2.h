@@ -8,9 +8,19 @@
 #include "measure/color_counts.h"
 #include "measure/judged_sums.h"
 
-/* Adds the colors of a row of 8 bit, with angles of the standard encoding; and to blues[b] the texels of
- * each blue b.  False: too few cells hold counts, and nothing is added. */
+/* Adds the colors of a row of 8 bit that is noted as far, with angles of the standard encoding; and to
+ * blues[b] the texels of each blue b.  False: too few cells hold counts, and nothing is added. */
 bool ntp__add_dense_row_avx2(ntp__sums *sums, uint64_t blues[256], const ntp__color_counts *counts,
                              int32_t row);
+
+/* The counts of a row by blue, and each of them times how far its blue is from the one wanted in each
+ * encoding, at most `most`. */
+typedef struct ntp__dense_blues {
+    uint32_t count[256];
+    double off[2][256];
+} ntp__dense_blues;
+
+void ntp__dense_blues_avx2(ntp__dense_blues *out, const ntp__color_counts *counts, int32_t row,
+                           const double want[2], double most);
 
 #endif

@@ -26,8 +26,9 @@ enum {
     NTP__CELLS = NTP__ROWS * NTP__ROW_CELLS
 };
 
-/* Where the cells of a row hold counts. */
-enum { NTP__SEEN_NEAR = 1, NTP__SEEN_FAR = 2, NTP__SEEN_CARRIED = 4 };
+/* Where the cells of a row hold counts; and that many of them do, noted where the row was added as a
+ * whole. */
+enum { NTP__SEEN_NEAR = 1, NTP__SEEN_FAR = 2, NTP__SEEN_CARRIED = 4, NTP__SEEN_DENSE = 8 };
 
 /* Exact texels of a row, those with its derived blue.  Neighbors are often alike, and a count waits for
  * the one before it in the same place; so there are four counts, one for each fourth texel. */
