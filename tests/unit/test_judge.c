@@ -4,10 +4,11 @@
  *
  * At 8 bit all pairs of magnitudes with all blues; at 16 bit random texels, and such whose blue is
  * the derived one, or lies near it.  Then surveys of all widths, against a loop, and the counts of
- * texels that are close to exact, against judging each.
+ * texels that are close to exact, or far from it, against judging each.
  */
 #include "guarded.h"
 #include "base/view.h"
+#include "measure/far_texels.h"
 #include "measure/judged_sums.h"
 #include "texel/angle.h"
 #include "texel/judged.h"
@@ -226,6 +227,7 @@ typedef struct close_check {
     const ntp__kernels_table *level;
     ntp__sums some, exact, each, found, want;
     ntp__close_counts close, close_exact;
+    ntp__far_counts far;
     ntp__block block;
     int32_t n;
 } close_check;
@@ -278,7 +280,7 @@ static void end_close_block(close_check *k, int32_t n)
     if (k->level->count_exact != NULL)
         add_exact_texels(k, n);
     ntp__add_block(&k->each, &k->block, NULL, n, 65535, NTP_ENCODING_STANDARD);
-    ntp__add_close_block(&k->some, &k->close, &k->block, n);
+    ntp__add_close_block(&k->some, &k->close, &k->far, &k->block, n);
     k->n = 0;
 }
 
@@ -347,13 +349,18 @@ static void add_edges(close_check *k, uint64_t *seed)
 }
 
 /* Compares sums of two ways.  Of Z-zero, steepness is not told apart. */
-static void check_same_sums(close_check *k, const ntp__sums *some, ntp__close_counts *close)
+static void check_same_sums(close_check *k, const ntp__sums *some, ntp__close_counts *close,
+                            ntp__far_counts *far)
 {
     static const ntp__close_counts none;
+    static const ntp__far_counts none_far;
     ntp__clear_sums(&k->found);
     ntp__merge_sums(&k->found, some);
     ntp__take_close(&k->found, close);
+    ntp__merge_far(&k->found, far, some);
+    ntp__clear_far(far, some);
     CHECK(memcmp(&none, close, sizeof none) == 0);
+    CHECK(memcmp(&none_far, far, sizeof none_far) == 0);
     const ntp__sums *const f = &k->found, *const w = &k->want;
     const ntp__fit_sums *const a = &f->fit[1], *const b = &w->fit[1];
     CHECK(f->texels == w->texels);
@@ -418,15 +425,74 @@ static void check_close(const ntp__kernels_table *level, uint64_t *seed)
     }
     end_close_block(&k, k.n);
     ntp__merge_sums(&k.want, &k.each);
-    check_same_sums(&k, &k.some, &k.close);
+    check_same_sums(&k, &k.some, &k.close, &k.far);
     if (level->count_exact == NULL)
         return;
     static ntp__close_counts merged, none;
     ntp__merge_close(&merged, &k.close_exact, &k.exact);
     CHECK(memcmp(&merged, &k.close_exact, offsetof(ntp__close_counts, exact)) == 0);
-    check_same_sums(&k, &k.exact, &merged);
+    check_same_sums(&k, &k.exact, &merged, &k.far);
     ntp__clear_close(&k.close_exact, &k.exact);
     CHECK(memcmp(&none, &k.close_exact, sizeof none) == 0);
+}
+
+/* Of red or green: any level, or one near an end, zero, or where padding begins. */
+static int32_t edgy_level(uint64_t *seed)
+{
+    static const int32_t NEAR[] = { 1, 16 * 257 - 128, 32767, 65535 - 16 * 257 + 128, 65534 };
+    const uint32_t kind = random_bits(seed) % 16;
+    const int32_t level =
+        kind < 5 ? NEAR[kind] - 2 + (int32_t) (random_bits(seed) % 5) : random_level(seed, 65535);
+    return level < 0 ? 0 : level > 65535 ? 65535 : level;
+}
+
+/* A green with which x(x + 1) + y(y + 1) is near this, or where `inner` is, that of x - 1 and y - 1. */
+static int32_t green_near(uint64_t *seed, int32_t r, int64_t square, int32_t inner)
+{
+    const int64_t x = (r < 32768 ? 32767 - r : r - 32768) - inner;
+    const int64_t rest = square - x * (x + 1) + (int64_t) (random_bits(seed) % 3) - 1;
+    const int64_t y = rest < 0 ? 0 : (int64_t) ntp__isqrt((uint64_t) rest);
+    const int32_t more = inner + (int32_t) (random_bits(seed) % 3) - 1;
+    const int32_t up = y + more > 32767 ? 32767 : y + more < 0 ? 0 : (int32_t) y + more;
+    return random_bits(seed) & 1 ? 32768 + up : 32767 - up;
+}
+
+/* Texels that are far from exact: noise, and such where steepness or a verdict changes. */
+static void check_far(uint64_t *seed)
+{
+    enum { AM = 32768 * 32767, TEXELS = 4000000 };
+    const int64_t limit = (int64_t) ((NTP__FAR_SQUARED * (65535.0 * 65535.0) - 2) / 4);
+    static close_check k, whole;
+    k.level = ntp__kernels(0);
+    for (int32_t i = 0; i < TEXELS; i++) {
+        const uint32_t kind = i < TEXELS / 2 ? 0 : random_bits(seed) % 16;
+        int32_t r = random_level(seed, 65535), g = random_level(seed, 65535);
+        int32_t b = random_level(seed, 65535);
+        if (kind > 0)
+            r = edgy_level(seed);
+        if (kind > 7)
+            g = edgy_level(seed);
+        else if (kind > 1)
+            g = green_near(seed, r, (int64_t) kind * kind * (AM / 64), 0);
+        else if (kind > 0)
+            g = green_near(seed, r, random_bits(seed) & 1 ? AM : limit, random_bits(seed) & 1);
+        if (kind % 4 == 1)
+            b = edgy_level(seed);
+        k.block.c[0][k.n] = r;
+        k.block.c[1][k.n] = g;
+        k.block.c[2][k.n++] = b;
+        if (k.n == NTP__BLOCK || (k.n > 100 && random_bits(seed) % 256 == 0))
+            end_close_block(&k, k.n);
+    }
+    end_close_block(&k, k.n);
+    ntp__merge_sums(&k.want, &k.each);
+    ntp__merge_sums(&whole.want, &k.each);
+    /* what merging adds is not lost by clearing */
+    ntp__merge_sums(&whole.some, &k.some);
+    ntp__merge_far(&whole.some, &k.far, &k.some);
+    ntp__merge_close(&whole.close, &k.close, &k.some);
+    check_same_sums(&whole, &whole.some, &whole.close, &whole.far);
+    check_same_sums(&k, &k.some, &k.close, &k.far);
 }
 
 int main(int argc, char **argv)
@@ -444,5 +510,7 @@ int main(int argc, char **argv)
     check_survey8(level, 4, &seed);
     check_long_survey8(level);
     check_close(level, &seed);
+    if (avx2)
+        check_far(&seed);
     return 0;
 }

@@ -3,6 +3,7 @@
  * close_sums.c - adds 16-bit texels that are close to exact, as most are; close.h says which
  */
 #include "texel/kernels.h"
+#include "measure/far_texels.h"
 #include "measure/judged_sums.h"
 
 #include <stddef.h>
@@ -15,7 +16,8 @@ static void add_extremes(ntp__fit_sums *fit, uint32_t least, uint32_t greatest, 
     ntp__merge_max(&fit->levels_off_max, levels);
 }
 
-void ntp__add_close_block(ntp__sums *sums, ntp__close_counts *close, ntp__block *block, int32_t n)
+void ntp__add_close_block(ntp__sums *sums, ntp__close_counts *close, ntp__far_counts *far,
+                          ntp__block *block, int32_t n)
 {
     ntp__fit_sums *const zz = &sums->fit[1];
     ntp__close_block found;
@@ -38,6 +40,12 @@ void ntp__add_close_block(ntp__sums *sums, ntp__close_counts *close, ntp__block 
         for (int32_t i = 0; i < found.turned; i++)
             ntp__angles_add(&sums->angles, (uint32_t) found.angle[i], 1);
     }
+#ifdef NTP_HAVE_AVX2
+    /* There is a kernel that counts close ones, so there is AVX2. */
+    found.left = ntp__add_far_avx2(sums, far, block, found.left);
+#else
+    (void) far;
+#endif
     ntp__add_block(sums, block, NULL, found.left, 65535, NTP_ENCODING_STANDARD);
 }
 

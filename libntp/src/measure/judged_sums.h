@@ -93,9 +93,13 @@ static inline void ntp__put_color(ntp__sums *sums, ntp__color_batch *batch, cons
         ntp__end_batch(sums, batch, m, encoding);
 }
 
+struct ntp__far_counts; /* far_texels.h */
+
 /* Adds n 16-bit texels of the standard encoding, which angles are those of too.  Those that are close
- * to exact are counted in `close`, as far as that holds them.  Changes the block. */
-void ntp__add_close_block(ntp__sums *sums, ntp__close_counts *close, ntp__block *block, int32_t n);
+ * to exact are counted in `close`, as far as that holds them; counts of those that are far from it are
+ * partly in `far`.  Changes the block. */
+void ntp__add_close_block(ntp__sums *sums, ntp__close_counts *close, struct ntp__far_counts *far,
+                          ntp__block *block, int32_t n);
 
 /* Adds exact texels that count_exact counted (texel/kernels.h). */
 void ntp__add_exact(ntp__sums *sums, const ntp__exact_block *found);

@@ -191,7 +191,7 @@ static void count_wide(ntp_tally *t, ntp__block *block, int32_t n)
 {
     const ntp_encoding as = ntp__judged_as((ntp_encoding) t->encoding);
     if (as == NTP_ENCODING_STANDARD)
-        ntp__add_close_block(&t->wide, &t->close, block, n);
+        ntp__add_close_block(&t->wide, &t->close, &t->far, block, n);
     else
         ntp__add_block(&t->wide, block, NULL, n, 65535, as);
 }

@@ -208,6 +208,7 @@ ntp_status ntp_tally_merge(ntp_tally *into, const ntp_tally *from)
     ntp__merge_sums(&into->wide, &from->wide);
     if (from->wide.texels > 0)
         ntp__merge_close(&into->close, &from->close, &from->wide);
+    ntp__merge_far(&into->wide, &from->far, &from->wide);
     ntp__merge_sums(&into->transparent_wide, &from->transparent_wide);
     ntp__merge_sums(&into->transparent_narrow, &from->transparent_narrow);
     merge_samples(into, from);
@@ -225,6 +226,7 @@ ntp_status ntp_tally_clear(ntp_tally *t)
     clear_samples(t);
     if (t->wide.texels > 0)
         ntp__clear_close(&t->close, &t->wide);
+    ntp__clear_far(&t->far, &t->wide);
     ntp__clear_sums(&t->wide);
     ntp__clear_sums(&t->transparent_wide);
     ntp__clear_sums(&t->transparent_narrow);

@@ -83,6 +83,8 @@ ntp_status ntp__sum_up(ntp_tally *t, ntp_encoding encoding)
     if (!picture) {
         if (t->wide.texels > 0) {
             ntp__take_close(&t->wide, &t->close);
+            ntp__merge_far(&t->wide, &t->far, &t->wide);
+            ntp__clear_far(&t->far, &t->wide);
             ntp__take_others(&t->wide);
         }
         if (t->narrow > 0) {

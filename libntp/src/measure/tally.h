@@ -10,6 +10,7 @@
  *   judged_sums.h    what judged texels add up to: verdicts, lengths, angles
  *   dense_row_avx2.h the same for rows of cells of which many hold counts
  *   close_sums.c     the same for 16-bit texels that are close to exact
+ *   far_texels.h     the same for those that are far from it, as noise is
  *   sampled_rows.c   what costs more than a count, and is measured on some rows only
  *   tally.c          turns cells into sums
  *   summarize.c      from the sums to ntp_stats, which users read, and to the evidence
@@ -23,6 +24,7 @@
 
 #include "measure/color_counts.h"
 #include "measure/evidence.h"
+#include "measure/far_texels.h"
 #include "measure/judged_sums.h"
 #include "base/view.h"
 
@@ -82,6 +84,7 @@ struct ntp_tally {
     uint8_t wide_flat_seen[4 * 8192]; /* a bit for each blue of the four flat pairs */
     ntp__sums wide;
     ntp__close_counts close; /* texels of `wide` */
+    ntp__far_counts far;     /* the same */
     uint8_t pair_seen[65536 / NTP__PAIR_GROUP];
     /* Pairs of sampled rows: texels and the sum of their blues in one number (ntp__pair_place, NTP__PAIR_TEXEL),
      * and if pairs_full is set, more of them. */

@@ -1,0 +1,69 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * far_counts.c - merges and empties the counts of far_texels.h
+ */
+#include "measure/far_texels.h"
+
+#include <stddef.h>
+#include <string.h>
+
+/* Words of ntp__sums that may be counted.  The last ones are never read (judged_sums.h). */
+typedef struct range {
+    size_t first, n;
+} range;
+
+enum { READ = 3 + NTP__ALL_HARM, RANGES = READ + 2 };
+
+#define WORD(member) (offsetof(ntp__sums, member) / sizeof(uint32_t))
+
+static void find_ranges(range to[RANGES], const ntp__sums *of)
+{
+    const size_t fit = (WORD(fit[1]) - WORD(fit[0])), harm = WORD(harm[1]) - WORD(harm[0]);
+    const size_t levels = WORD(fit[0].levels_off);
+    for (size_t k = 0; k < 2; k++) {
+        to[k] = (range) { levels + k * fit, of->fit[k].levels_off_max + 1 };
+        to[READ + k] = (range) { levels + k * fit + NTP__NO_BLUE, 1 };
+    }
+    to[2] = (range) { WORD(angles.bins), (of->angles.max + 500) / 1000 + 1 };
+    for (size_t k = 0; k < NTP__ALL_HARM; k++)
+        to[3 + k] = (range) { WORD(harm[0].bins) + k * harm, ntp__harm_bin(of->harm[k].max) + 1 };
+}
+
+static uint32_t flag_if(uint32_t key, uint32_t bit, uint32_t flag)
+{
+    return key & bit ? flag : 0;
+}
+
+void ntp__merge_far(ntp__sums *into, const ntp__far_counts *far, const ntp__sums *of)
+{
+    range ranges[RANGES];
+    uint32_t *const words = (uint32_t *) (void *) into;
+    if (!far->used)
+        return;
+    find_ranges(ranges, of);
+    for (int32_t k = 0; k < READ; k++) {
+        for (size_t i = ranges[k].first; i < ranges[k].first + ranges[k].n; i++)
+            words[i] += far->few[i];
+    }
+    for (uint32_t i = 0; i < NTP__KEYS; i++) {
+        const uint32_t count = far->keys[0][i] + far->keys[1][i];
+        const uint32_t bin = i / NTP__KEY_STEEP * 256;
+        const uint32_t common = flag_if(i, NTP__KEY_FAR, NTP__FAR) |
+                                flag_if(i, NTP__KEY_TOO_LONG, NTP_FLAG_XY_TOO_LONG);
+        const uint32_t standard = flag_if(i, NTP__KEY_NEGATIVE, NTP_FLAG_Z_NEGATIVE) |
+                                  flag_if(~i, NTP__KEY_SHORT, NTP__LONG);
+        into->fit[0].flags[bin + (common | standard)] += count;
+        into->fit[1].flags[bin + (common | flag_if(i, NTP__KEY_ZZ_LONG, NTP__LONG))] += count;
+    }
+}
+
+void ntp__clear_far(ntp__far_counts *far, const ntp__sums *of)
+{
+    range ranges[RANGES];
+    if (!far->used)
+        return;
+    find_ranges(ranges, of);
+    for (int32_t k = 0; k < RANGES; k++)
+        memset(far->few + ranges[k].first, 0, ranges[k].n);
+    memset(far, 0, offsetof(ntp__far_counts, few));
+}
