@@ -460,7 +460,7 @@ static int32_t green_near(uint64_t *seed, int32_t r, int64_t square, int32_t inn
 /* Texels that are far from exact: noise, and such where steepness or a verdict changes. */
 static void check_far(uint64_t *seed)
 {
-    enum { AM = 32768 * 32767, TEXELS = 4000000 };
+    enum { AM = 32768 * 32767, TEXELS = 4000000, STEEP = 200000 };
     const int64_t limit = (int64_t) ((NTP__FAR_SQUARED * (65535.0 * 65535.0) - 2) / 4);
     static close_check k, whole;
     k.level = ntp__kernels(0);
@@ -483,6 +483,24 @@ static void check_far(uint64_t *seed)
         k.block.c[2][k.n++] = b;
         if (k.n == NTP__BLOCK || (k.n > 100 && random_bits(seed) % 256 == 0))
             end_close_block(&k, k.n);
+    }
+    end_close_block(&k, k.n);
+    /* steep ones where neighbors in Z-zero begin and end: groups of eight, as add_close_group takes them */
+    for (int32_t i = 0; i < STEEP; i++) {
+        const int64_t x = (int64_t) (random_bits(seed) % 32768), rest = AM - 1 - x * (x + 1);
+        const int64_t y = (int64_t) ntp__isqrt((uint64_t) rest) - (int64_t) (random_bits(seed) % 8);
+        const int64_t inner = rest - y * (y + 1) + 2 * (x + y), outer = inner - 4 * (x + y) - 4;
+        const int64_t square = outer >= 0 && i % 2 == 0 ? outer : inner;
+        if (y >= 0 && square >= 0)
+            add_close_group(&k, seed, x, y,
+                            2 * (int64_t) ntp__isqrt((uint64_t) square) + i / 2 % 4 - 32768);
+    }
+    /* where pairs are too long even one level further in, or just not */
+    for (int64_t x = 1; x < 32768; x++) {
+        const int64_t rest = AM - x * (x - 1), y = (int64_t) ntp__isqrt((uint64_t) rest) + 1;
+        const int64_t from = y * (y - 1) - rest;
+        if (y < 32768 && from >= -2 && from <= 2)
+            add_close_group(&k, seed, x, y, (int64_t) random_level(seed, 65535) - 32768);
     }
     end_close_block(&k, k.n);
     ntp__merge_sums(&k.want, &k.each);
