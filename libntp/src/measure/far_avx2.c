@@ -384,17 +384,33 @@ ONE_COPY static void end_kind(uint64_t *texels, uint64_t *sum, uint64_t *max,
     *max = most > *max ? most : *max;
 }
 
-/* Angles are below 2^27.5, so 32 bits hold the sums of STEP texels in eight lanes. */
-static void sum_angles(ntp__sums *sums, const far_texels *f)
+/* v / d of eight numbers below 2^28, where `by` is 2^shift / d, rounded up: as compilers have it. */
+static inline __m256i divided(__m256i v, uint32_t by, int shift)
+{
+    const __m256i factor = _mm256_set1_epi32((int32_t) by);
+    const __m256i even = _mm256_srli_epi64(_mm256_mul_epu32(v, factor), shift);
+    const __m256i odd = _mm256_mul_epu32(_mm256_srli_epi64(v, 32), factor);
+    return _mm256_or_si256(even, _mm256_slli_epi64(_mm256_srli_epi64(odd, shift), 32));
+}
+
+/* Sums angles, and makes words of them.  They are below 2^27.5, so 32 bits hold the sums of STEP texels in
+ * eight lanes. */
+static void sum_angles(ntp__sums *sums, far_texels *f)
 {
     angles_of_kind all, kind[NTP__ALL_HARM];
     memset(&all, 0, sizeof all);
     memset(kind, 0, sizeof kind);
     for (int32_t i = 0; i < f->n; i += 8) {
         const __m256i first = load_eight(f->turn + i), its = load_eight(f->harm + i);
-        add_kind(&all, load_eight(f->angle + i), eight(-1));
+        const __m256i angle = load_eight(f->angle + i);
+        add_kind(&all, angle, eight(-1));
         for (int k = 0; k < NTP__ALL_HARM; k++)
             add_kind(&kind[k], first, _mm256_cmpeq_epi32(its, eight(k * ONE_HARM)));
+        const __m256i bin = divided(_mm256_add_epi32(angle, eight(500)), 274877907, 38);
+        const __m256i bin_harm = divided(_mm256_add_epi32(first, eight(9999)), 3518437209, 45);
+        const __m256i base = _mm256_add_epi32(its, eight(HARM));
+        store_eight(f->angle + i, _mm256_add_epi32(bin, eight(ANGLES)));
+        store_eight(f->turn + i, _mm256_add_epi32(bin_harm, base));
     }
     end_kind(&sums->angles.texels, &sums->angles.sum, &sums->angles.max, &all);
     for (int k = 0; k < NTP__ALL_HARM; k++) {
@@ -423,13 +439,9 @@ static inline void count_one(ntp__sums *sums, uint8_t *few, const far_texels *f,
     count_in(sums, few, f->turn[i]);
 }
 
-static void count_texels(ntp__sums *sums, ntp__far_counts *far, far_texels *f)
+static void count_texels(ntp__sums *sums, ntp__far_counts *far, const far_texels *f)
 {
     ntp__fit_sums *const std = &sums->fit[0], *const zz = &sums->fit[1];
-    for (int32_t i = 0; i < f->n; i++) {
-        f->angle[i] = (int32_t) (((uint32_t) f->angle[i] + 500) / 1000) + ANGLES;
-        f->turn[i] = (int32_t) (((uint32_t) f->turn[i] + 9999) / 10000) + f->harm[i] + HARM;
-    }
     for (int32_t i = 0; i < f->n; i += 2) {
         count_one(sums, far->few, f, i, far->keys[0], std->lengths, zz->lengths);
         count_one(sums, far->few, f, i + 1, far->keys[1], std->other_lengths, zz->other_lengths);

@@ -308,13 +308,21 @@ static void wait(ntp_tally *t, waiting *w, const uint16_t *p)
 }
 
 /* Standard, as most textures of 16 bit are. */
-static void count_rgb16(ntp_tally *t, waiting *w, const uint16_t *p, int32_t n)
+static void count_rgb16(ntp_tally *t, waiting *w, const ntp_const_image *src, int32_t x, int32_t y,
+                        int32_t n)
 {
+    const uint16_t *const p = (const uint16_t *) ntp__at(src, x, y);
     ntp__exact_block found;
     const int32_t done = ntp__kernels(NTP__CPU_ALL)->count_exact(&found, &t->close, p, n);
     add_planes(t, &found.survey);
     ntp__add_exact(&t->wide, &found);
     t->is_wide |= found.texels > 0;
+    if (found.texels == 0 && done == NTP__BLOCK) { /* as noise */
+        end_waiting(t, w);
+        ntp__unpack(&w->block, src, x, y, n);
+        w->n = n;
+        return;
+    }
     for (int32_t i = 0; i < done - found.texels; i++)
         wait(t, w, p + 3 * found.left[i]);
     for (int32_t i = done; i < n; i++) {
@@ -405,7 +413,7 @@ static void count_row(ntp_tally *t, waiting *w, const ntp_const_image *src, int3
         } else if (bytes) {
             count_rgba8(t, ntp__at(src, x, y), n);
         } else if (words) {
-            count_rgb16(t, w, (const uint16_t *) ntp__at(src, x, y), n);
+            count_rgb16(t, w, src, x, y, n);
         } else {
             ntp__block block;
             ntp__unpack(&block, src, x, y, n);
