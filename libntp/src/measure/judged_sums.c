@@ -2,6 +2,7 @@
 /*
  * judged_sums.c - adds texels of one color, or a block of colors, to the sums of a measurement
  */
+#include "texel/direction.h"
 #include "texel/kernels.h"
 #include "texel/level.h"
 #include "measure/judged_sums.h"
@@ -48,7 +49,7 @@ void ntp__clean_long(int32_t *r, int32_t *g, int32_t *want, int32_t n, int32_t m
         if (doubt[i]) {
             to[0][i] = r[at[i]];
             to[1][i] = g[at[i]];
-            ntp__pull(&to[0][i], &to[1][i], m);
+            ntp__pull_seldom(&to[0][i], &to[1][i], m);
         }
     }
     kernels->derive(to[2], to[0], to[1], count, m, zzero);

@@ -281,7 +281,10 @@ static void count_block(ntp_tally *t, ntp__block *block, int32_t n, int32_t m)
 typedef struct waiting {
     ntp__block block;
     int32_t n;
+    int32_t noise; /* blocks to come in which exact ones are not looked for */
 } waiting;
+
+enum { NOISE = 7 };
 
 static void end_waiting(ntp_tally *t, waiting *w)
 {
@@ -308,21 +311,15 @@ static void wait(ntp_tally *t, waiting *w, const uint16_t *p)
 }
 
 /* Standard, as most textures of 16 bit are. */
-static void count_rgb16(ntp_tally *t, waiting *w, const ntp_const_image *src, int32_t x, int32_t y,
-                        int32_t n)
+static void count_rgb16(ntp_tally *t, waiting *w, const uint16_t *p, int32_t n)
 {
-    const uint16_t *const p = (const uint16_t *) ntp__at(src, x, y);
     ntp__exact_block found;
     const int32_t done = ntp__kernels(NTP__CPU_ALL)->count_exact(&found, &t->close, p, n);
     add_planes(t, &found.survey);
     ntp__add_exact(&t->wide, &found);
     t->is_wide |= found.texels > 0;
-    if (found.texels == 0 && done == NTP__BLOCK) { /* as noise */
-        end_waiting(t, w);
-        ntp__unpack(&w->block, src, x, y, n);
-        w->n = n;
-        return;
-    }
+    if (found.texels == 0)
+        w->noise = NOISE;
     for (int32_t i = 0; i < done - found.texels; i++)
         wait(t, w, p + 3 * found.left[i]);
     for (int32_t i = done; i < n; i++) {
@@ -412,10 +409,11 @@ static void count_row(ntp_tally *t, waiting *w, const ntp_const_image *src, int3
             count_rgb8(t, ntp__at(src, x, y), n);
         } else if (bytes) {
             count_rgba8(t, ntp__at(src, x, y), n);
-        } else if (words) {
-            count_rgb16(t, w, src, x, y, n);
+        } else if (words && w->noise == 0) {
+            count_rgb16(t, w, (const uint16_t *) ntp__at(src, x, y), n);
         } else {
             ntp__block block;
+            w->noise -= words;
             ntp__unpack(&block, src, x, y, n);
             if (picture)
                 count_picture(t, &block, n, m);
@@ -466,7 +464,7 @@ ntp_status ntp_tally_add(ntp_tally *tally, const ntp_const_image *src, uint32_t 
         ntp__rows_prepare(&tally->cells);
     tally->summed = 0;
     waiting left;
-    left.n = 0;
+    left.n = left.noise = 0;
     left.block.any_broken = false;
     for (int32_t i = 0; i < NTP__BLOCK; i++)
         left.block.c[3][i] = 65535;

@@ -18,7 +18,20 @@
 void ntp__texel_vector(int32_t v[3], const ntp__block *block, int32_t i, int32_t m,
                        ntp_encoding encoding);
 
-/* The same of the first n texels of a block. */
+/* As ntp__pull, where that is seldom: a call in place of its code. */
+static inline void ntp__pull_seldom(int32_t *r, int32_t *g, int32_t m)
+{
+    ntp__block one;
+    int32_t v[3];
+    one.c[0][0] = *r;
+    one.c[1][0] = *g;
+    one.c[2][0] = 0;
+    ntp__texel_vector(v, &one, 0, m, NTP_ENCODING_XY);
+    *r = (v[0] + m) / 2;
+    *g = (v[1] + m) / 2;
+}
+
+/* The vectors of the first n texels of a block. */
 void ntp__block_vectors(ntp__vectors *v, const ntp__block *block, int32_t n, int32_t m,
                         ntp_encoding encoding);
 

@@ -86,14 +86,10 @@ static inline void pull_four(int32_t a[4], int32_t c[4], __m128i ax, __m128i ay,
         _mm_and_si128(_mm_cmpgt_epi32(_mm_and_si128(_mm_add_epi32(s, one), last), one),
                       _mm_cmpgt_epi32(_mm_and_si128(_mm_add_epi32(t, one), last), one));
     for (int i = 0; _mm_movemask_epi8(sure) != 65535 && i < 4; i++) {
-        ntp__block texel;
-        int32_t pulled[3];
-        texel.c[0][0] = r[i];
-        texel.c[1][0] = g[i];
-        texel.c[2][0] = 0;
-        ntp__texel_vector(pulled, &texel, 0, 65535, NTP_ENCODING_XY);
-        a[i] = (ntp__abs(pulled[0]) + 1) / 2;
-        c[i] = (ntp__abs(pulled[1]) + 1) / 2;
+        int32_t to[2] = { r[i], g[i] };
+        ntp__pull_seldom(&to[0], &to[1], 65535);
+        a[i] = (ntp__abs(ntp__num(to[0], 65535)) + 1) / 2;
+        c[i] = (ntp__abs(ntp__num(to[1], 65535)) + 1) / 2;
     }
 }
 
