@@ -214,5 +214,15 @@ int main(void)
     ntp_image view = ntp_image_packed(texels, WIDTH, HEIGHT, 3, NTP_TYPE_U16);
     const ntp_const_image flat = ntp_image_as_const(&view);
     compare_measures(&flat);
+    /* noise, and then normals; rows of any width */
+    allowed = false;
+    make_normals(texels, NTP_TYPE_U16);
+    for (int32_t i = 0; i < 2 * TEXELS; i++)
+        texels[i] = (uint16_t) random_level(&seed, 65535);
+    for (int32_t width = 9; width < 400; width += width / 3) {
+        view = ntp_image_packed(texels, width, TEXELS / width, 3, NTP_TYPE_U16);
+        const ntp_const_image noise = ntp_image_as_const(&view);
+        compare_measures(&noise);
+    }
     return 0;
 }
