@@ -29,6 +29,34 @@ static void find_ranges(range to[RANGES], const ntp__sums *of)
         to[3 + k] = (range) { WORD(harm[0].bins) + k * harm, ntp__harm_bin(of->harm[k].max) + 1 };
 }
 
+/* Are eight of them 0?  Then their words stay untouched, as memory costs more than counts in small
+ * textures. */
+static bool none_of_eight(const uint8_t *few)
+{
+    uint64_t all;
+    memcpy(&all, few, sizeof all);
+    return all == 0;
+}
+
+static void add_range(uint32_t *words, const uint8_t *few, size_t n)
+{
+    for (size_t i = 0; i < n; i += 8) {
+        if (i + 8 <= n && none_of_eight(few + i))
+            continue;
+        for (size_t k = i; k < i + 8 && k < n; k++)
+            words[k] += few[k];
+    }
+}
+
+static void clear_range(uint8_t *few, size_t n)
+{
+    for (size_t i = 0; i < n; i += 8) {
+        const size_t some = n - i < 8 ? n - i : 8;
+        if (some < 8 || !none_of_eight(few + i))
+            memset(few + i, 0, some);
+    }
+}
+
 static uint32_t flag_if(uint32_t key, uint32_t bit, uint32_t flag)
 {
     return key & bit ? flag : 0;
@@ -41,10 +69,8 @@ void ntp__merge_far(ntp__sums *into, const ntp__far_counts *far, const ntp__sums
     if (!far->used)
         return;
     find_ranges(ranges, of);
-    for (int32_t k = 0; k < READ; k++) {
-        for (size_t i = ranges[k].first; i < ranges[k].first + ranges[k].n; i++)
-            words[i] += far->few[i];
-    }
+    for (int32_t k = 0; k < READ; k++)
+        add_range(words + ranges[k].first, far->few + ranges[k].first, ranges[k].n);
     for (uint32_t i = 0; i < NTP__KEYS; i++) {
         const uint32_t count = far->keys[0][i] + far->keys[1][i];
         const uint32_t bin = i / NTP__KEY_STEEP * 256;
@@ -64,6 +90,6 @@ void ntp__clear_far(ntp__far_counts *far, const ntp__sums *of)
         return;
     find_ranges(ranges, of);
     for (int32_t k = 0; k < RANGES; k++)
-        memset(far->few + ranges[k].first, 0, ranges[k].n);
+        clear_range(far->few + ranges[k].first, ranges[k].n);
     memset(far, 0, offsetof(ntp__far_counts, few));
 }
