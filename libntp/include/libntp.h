@@ -1640,11 +1640,14 @@ NTP_API size_t ntp_find_borders_scratch_size(const ntp_height_options *how, int3
  * if normals fit to 0.4 levels of 8 bit, and those at the edges to 0.8.  Else each is solved with
  * ntp_free_border, and ntp_find_border decides.  If that cannot, and the fit is worse than 0.4
  * levels, wrap is tried, and extrapolate and clamp if their error at the edges is at most twice the
- * least; the border with the least residual is taken if that is less by 1 %.
+ * least (extrapolate after wrap in any case); the border with the least residual is taken if that is
+ * less by 1 %, and decided if it is less by 3 %.
  * Textures that fit worse than that, whose lengths show damage and whose blue is z, are asked before:
  * from the slopes along up to 512 lines, and along the two edges, it is estimated what a free border
  * costs the heights, which adds up errors, and what wrap costs, which bends them where they do not meet.
- * If wrap costs clearly less it is taken, and not decided.  Only for NTP_HEIGHT_AUTO, and square texels.
+ * If wrap costs clearly less it is taken, and not decided.  If both show the same steps between the ends,
+ * wrap is not tried.  Only for NTP_HEIGHT_AUTO, and square texels.  Nor is extrapolate decided where
+ * normals fit that badly, and those at the edges fit wrap within 5 times: smooth ground goes on.
  * how: as for ntp_height_from_normals; the borders are those of the axes that are not `open`.  Only
  * NTP_HEIGHT_AUTO and NTP_HEIGHT_POISSON_DCT without a mask are solved, NTP_KERNEL_BAKED as central;
  * else, and for sides below 16 texels, fit[i] is what `wraps` says, or undecided.  open, wraps: nonzero for

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * ends_meet.h - is wrap the better guess for a damaged texture?
+ * ends_meet.h - do the heights of a damaged texture end as they begin?
  */
 #ifndef NTP_ENDS_MEET_H
 #define NTP_ENDS_MEET_H
@@ -14,10 +14,16 @@ typedef struct ntp__reading {
     ntp__height_plan plan; /* how a solver with free borders reads the texture */
 } ntp__reading;
 
-/* Is wrap likely to cost the heights less than a free border, along x or (down) along y?  Only where
- * lengths show that texels are damaged, and z is not derived.  Of `how` it takes decode, z and unused
- * texels.  Both sides are 16 or more, and texels are square. */
-bool ntp__ends_meet(ntp__reading *reading, const ntp_const_image *src,
-                    const ntp_height_options *how, bool down);
+typedef enum ntp__ends {
+    NTP__ENDS_UNTOLD,
+    NTP__ENDS_MEET,  /* wrap is likely to cost the heights less than a free border */
+    NTP__ENDS_DIFFER /* by steps that slopes along lines and slopes across them show alike */
+} ntp__ends;
+
+/* How heights end along x or (down) along y.  It is told only where lengths show that texels are
+ * damaged, and z is not derived.  Of `how` it takes decode, z and unused texels.  Both sides are 16 or
+ * more, and texels are square. */
+ntp__ends ntp__find_ends(ntp__reading *reading, const ntp_const_image *src,
+                         const ntp_height_options *how, bool down);
 
 #endif

@@ -26,6 +26,11 @@ enum {
 static const ntp_border tried[] = { NTP_BORDER_WRAP, NTP_BORDER_EXTRAPOLATE, NTP_BORDER_CLAMP };
 enum { TRIED = sizeof tried / sizeof *tried };
 static const double clearly_better = 0.99;
+/* It is certain only where all others fit so much worse: tiles had another one ahead by 1.1 %. */
+static const double surely_better = 0.97;
+/* Smooth ground goes on at an edge as it did before it, so of damaged tiles the edges fit this border,
+ * and wrap at most 3.7 times as badly. */
+static const double as_smooth = 5;
 /* It is not tried if the normals at the edges are so many times as far off as with the best one. */
 static const double far_off = 2;
 /* Nor if normals at the edges of heights that were made with the best one are so many times as far off
@@ -56,6 +61,7 @@ typedef struct search {
     void *rest;
     size_t rest_size;
     double wrapped; /* the residual with wrap; below 0: not known yet, or it cannot be solved */
+    ntp__ends ends;
 } search;
 
 /* The lines of a band across `side` lines.  A mirrored transform is quick for lengths like 65. */
@@ -245,31 +251,49 @@ static ntp_status confirms(bool *confirmed, const ntp_border_fit *fit, const sea
     return NTP_OK;
 }
 
+/* Is there reason not to try this border after `now`?  over: times as far off at the edges as the best. */
+static bool is_ruled_out(ntp_border border, ntp_border now, const search *s, double over,
+                         bool wraps)
+{
+    if (border == NTP_BORDER_WRAP)
+        return !wraps && (over > most_off_wrap || s->ends == NTP__ENDS_DIFFER);
+    /* Steps at the edges, which heights with a mirror hide, fit wrap for want of anything else. */
+    return over > far_off && (now != NTP_BORDER_WRAP || border != NTP_BORDER_EXTRAPOLATE);
+}
+
 /* Tries other borders than the free one, which leaves `least`. */
 static ntp_status try_borders(ntp_border_fit *fit, search *s, double least, bool wraps, bool down)
 {
-    const double most = far_off * least_error(fit);
-    const double over = fit->error[NTP_BORDER_WRAP] / least_error(fit);
-    const bool never_wraps = !wraps && over > most_off_wrap;
+    const double off = least_error(fit);
+    double next = HUGE_VAL; /* of those that were not taken the least residual */
     for (int32_t i = 0; i < TRIED; i++) {
         double residual = s->wrapped;
         bool confirmed = false;
         /* The slopes close, and so do the heights. */
         if (wraps && fit->border == NTP_BORDER_WRAP)
-            return NTP_OK;
-        if (tried[i] == NTP_BORDER_WRAP ? never_wraps : fit->error[tried[i]] > most)
+            break;
+        if (is_ruled_out(tried[i], fit->border, s, fit->error[tried[i]] / off, wraps)) {
+            if (tried[i] == NTP_BORDER_WRAP && s->ends != NTP__ENDS_DIFFER)
+                next = 0; /* a lean that damage made may be all that speaks against it */
             continue;
+        }
         if (fit->border == NTP_BORDER_EXTRAPOLATE) /* the heights are those of it */
             NTP__TRY(confirms(&confirmed, fit, s, tried[i], down));
         if (confirmed)
             continue;
         if (tried[i] != NTP_BORDER_WRAP || residual < 0)
             NTP__TRY(solve(&residual, s, tried[i], down));
-        if (residual < 0 || residual >= clearly_better * least)
+        if (residual < 0)
             continue;
-        least = residual;
-        fit->border = tried[i];
-        fit->decided = 1;
+        if (residual < clearly_better * least) {
+            double before = least;
+            least = residual;
+            residual = before;
+            fit->border = tried[i];
+        }
+        next = residual < next ? residual : next;
+        fit->decided =
+            fit->border != ntp_free_border(s->how.kernel) && least < surely_better * next;
     }
     return NTP_OK;
 }
@@ -309,11 +333,11 @@ static bool may_guess(const ntp_height_options *solved)
     return square && solved->method == NTP_HEIGHT_AUTO && solved->z != NTP_Z_DERIVED;
 }
 
-static bool ends_meet(const search *s, bool down)
+static ntp__ends find_ends(const search *s, bool down)
 {
     ntp_height_options how = s->how;
     how.decode = s->asked;
-    return may_guess(&how) && ntp__ends_meet(s->reading, s->whole, &how, down);
+    return may_guess(&how) ? ntp__find_ends(s->reading, s->whole, &how, down) : NTP__ENDS_UNTOLD;
 }
 
 static ntp_status find(ntp_border_fit *fit, search *s, bool wraps, bool down)
@@ -327,12 +351,18 @@ static ntp_status find(ntp_border_fit *fit, search *s, bool wraps, bool down)
     NTP__TRY(ntp_find_border(fit, &s->src, &made, &s->how, down, wraps));
     if (residual <= fits_well)
         return NTP_OK;
-    if (ends_meet(s, down)) {
+    s->ends = find_ends(s, down);
+    if (s->ends == NTP__ENDS_MEET) {
         fit->border = NTP_BORDER_WRAP;
         fit->decided = 0;
         return NTP_OK;
     }
-    return fit->decided ? NTP_OK : try_borders(fit, s, residual, wraps, down);
+    if (!fit->decided)
+        return try_borders(fit, s, residual, wraps, down);
+    const double *error = fit->error;
+    fit->decided = fit->border != NTP_BORDER_EXTRAPOLATE || error[NTP_BORDER_WRAP] < 0 ||
+                   error[NTP_BORDER_WRAP] > as_smooth * error[NTP_BORDER_EXTRAPOLATE];
+    return NTP_OK;
 }
 
 /* -------------------------------------------------------------------------------- public */
