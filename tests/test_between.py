@@ -57,7 +57,7 @@ STEEP = np.convolve(BINOMIAL, [1, 0, -1])[::-1] / 2
 
 
 def tallies(n, step):
-    """Of all cells: how far products are ahead, how much the middle is above both, both, the squares."""
+    """Of all cells: what u - v has in common with their rise, which both have; neighbors, the squares."""
     x, y = (2.0 * n[..., k] - 255 for k in (0, 1))
     z = np.sqrt(np.maximum(65025 - x * x - y * y, 650.25))
     found = []
@@ -68,12 +68,12 @@ def tallies(n, step):
             p, q = (a[part].reshape(side, step, side, step).mean((1, 3)) for a in (-(x / z), y / z))
             u = filtered(filtered(p, STEEP, 0), BINOMIAL, 1)[:, 1:-1]
             v = filtered(filtered(q, BINOMIAL, 0), STEEP, 1)[1:-1]
-            inner, below = np.s_[1:-1, 1:-1], np.s_[2:, :-2]
-            ahead, behind = u[below] * v[inner], u[inner] * v[below]
+            inner, below, above = np.s_[1:-1, 1:-1], np.s_[2:, :-2], np.s_[:-2, 2:]
+            rise_u, rise_v = (a[above] - a[below] for a in (u, v))
             each = [
-                ahead - behind,
-                2 * u[inner] * v[inner] - ahead - behind,
-                (ahead + behind) / 2,
+                2 * (u - v)[inner] * (rise_u + rise_v),
+                rise_u * rise_v,
+                (u[below] * v[inner] + u[inner] * v[below]) / 2,
                 (u[inner] ** 2 + v[inner] ** 2) / 2,
             ]
             shape = (POINTS // CELL, CELL, POINTS // CELL, CELL)
@@ -81,12 +81,18 @@ def tallies(n, step):
     return np.concatenate(found, 1)
 
 
+def too_small(n, step):
+    return not all(starts(side, step) for side in n.shape[:2])
+
+
 def judged(n, step=1):
-    """How much of the way the top is off, how sure that is, in standard errors, how smooth it is."""
-    ahead, middle, both, square = tallies(n, step)
+    """How much of the way they are off, how sure that is, in standard errors, how smooth it is."""
+    if too_small(n, step):
+        return np.nan, np.nan, np.nan
+    ahead, rise, both, square = tallies(n, step)
     weight = 1 / (square + square.mean() / 2)
-    top, curve = (weight * ahead).sum(), (weight * middle).sum()
-    where = step * top / curve if curve > 0 else np.copysign(np.inf, top)
+    top, curve = (weight * ahead).sum(), (weight * rise).sum()
+    where = step * top / curve
     alike = (weight * both).sum() / (weight * square).sum()
     return where, top / np.sqrt(((weight * ahead) ** 2).sum()), alike
 
@@ -94,7 +100,7 @@ def judged(n, step=1):
 def examples():
     rng = np.random.default_rng(7)
     for case in range(140):
-        size, exponent = (150, 140, 200, 107)[case % 4], (2.4, 2.4, 3.2, 1.6, 5)[case % 5]
+        size, exponent = (150, 60, 200, 46)[case % 4], (2.4, 2.4, 3.2, 1.6, 5)[case % 5]
         part, sigma = 0.5, {1.6: 4, 2.4: rng.choice([24, 48]), 3.2: 12, 5: 48}[exponent]
         if exponent == 1.6:
             part, sigma = (rng.uniform(0.23, 0.265), 4) if case % 3 else (1.7, rng.uniform(10, 110))
@@ -104,20 +110,18 @@ def examples():
 
 
 def near_a_limit(where, sure, *rest):
-    return (
-        np.abs([where / 0.4 - 1, where / 5 - 1, sure / 2.5 - 1, sure / 6 - 1, *rest]) < 1e-3
-    ).any()
+    return (np.abs([where / 0.4 - 1, where / 5 - 1, sure / 2.5 - 1, *rest]) < 1e-3).any()
 
 
 def answer(n, step=1):
-    if len(starts(n.shape[0], step)) * len(starts(n.shape[1], step)) < 8:
+    if too_small(n, step):
         return "too small"
     where, sure, _ = judged(n, step)
-    why = "far" if where > 5 else "near" if where > 0.4 else "at texels"
-    return why + (", sure" if sure > 6 else ", likely" if sure > 2.5 else "")
+    why = "far" if not -5 < where < 5 else "near" if where > 0.4 else "at texels"
+    return why + (", likely" if sure > 2.5 else "")
 
 
-YES = ("near, sure", "near, likely", "far, sure")
+YES = ("near, likely",)
 
 
 def test_as_numpy_says():
@@ -132,7 +136,7 @@ def test_as_numpy_says():
         assert not found["decided"]
         assert (found["kernel"] == FORWARD) == (why in YES), (why, where, sure, found)
         seen[why] += 1
-    for why in ("near, likely", "far, sure", "near", "far, likely", "at texels, sure", "too small"):
+    for why in ("near, likely", "near", "far, likely", "far", "at texels, likely", "too small"):
         assert seen[why] > 1, seen
 
 
@@ -148,10 +152,12 @@ def waves(n, seed, most):
 def smooth_examples():
     rng = np.random.default_rng(8)
     for case in range(150):
-        size = (240, 262, 232, 240, 250, 246, 234, 200)[case % 8]
+        size = (240, 262, 232, 240, 110, 246, 234, 87)[case % 8]
         most = (4, 6, 10, 20)[case // 8 % 4]
         part = (0.5, 0.5, 0.25, 0.15, 0)[case % 5]
-        n = noisy(shifted(waves(512, case, most), part), rng.uniform(2, 14), case)
+        n = noisy(
+            shifted(waves(512, case, most), part), rng.uniform(2, 14) * (1 + case % 3 * 2), case
+        )
         n = n[:size, : size - case % 5]
         n[..., 2] = 200
         yield np.ascontiguousarray(n)
@@ -172,7 +178,7 @@ def test_smooth_ground():
         yes = why in [f"{a}, smooth" for a in YES]
         assert (found["kernel"] == FORWARD) == yes, (why, where, sure, alike, found)
         seen[why] += 1
-    for why in ("near, sure", "near, likely", "near", "at texels"):
+    for why in ("near, likely", "near", "at texels"):
         assert seen[f"{why}, smooth"] > 1, seen
     assert seen["near, likely, rough"] > 1, seen
     assert seen["too small"] > 1, seen

@@ -5,12 +5,12 @@
  * The derivative u of p down the picture is the derivative v of q to the right, at the same place.
  * Forward slopes p lie half a texel to the right of their texel, and q half a texel below it.  So u of
  * a texel is v half a texel to the right and half a texel up; for all other kernels it is v of that
- * texel.  Products of u and v tell where: with v a texel to the right and up, with v a texel to the
- * left and down, and with v of the same texel.  A parabola through their sums has its top there.
+ * texel.  So u - v is a part of the derivative of both to the right and up, and least squares tell which:
+ * the products of the two are summed, and those of the derivative of u with that of v.
  *
  * Damage does not move it.  Errors of p and q that have nothing in common add to none of these sums
- * on average, and errors that are alike in each texel add the same to the first two.  They have the
- * finest detail, so that is filtered out.
+ * on average, and errors that are alike in each texel cancel in u - v.  They have the finest detail,
+ * so that is filtered out.
  *
  * On smooth ground half a texel changes little, and errors hide it.  The same is then done with slopes
  * of half the size, the means of 2 x 2 texels: that filter lets less of the errors through.  Rough
@@ -29,7 +29,6 @@ enum {
     PATCHES = 8, /* along a side of the picture */
     CELL = 8,    /* a side of what is weighed as one */
     CELLS = (POINTS / CELL) * (POINTS / CELL),
-    LEAST_CELLS = 8 * CELLS,
     MOVED = POINTS + 2, /* with a texel more on every side */
     SMOOTH = 5,
     STEEP = SMOOTH + 2,
@@ -49,9 +48,9 @@ static const double LITTLE = 0.5; /* of the mean square */
 /* Of the way to slopes between texels.  In textures made smaller by two it is half as long, and
  * `forward` suits them no less than others. */
 static const double LEAST_WAY = 0.4;
-/* By chance all cells together are so far ahead, in standard errors, on one map in 160.  They have to
- * be clearer where the top is too far off: on smooth ground errors make more of it than the ground. */
-static const double CLEARLY = 2.5, FAR = 5, CLEARLY_FAR = 6;
+/* By chance all cells together are so far ahead, in standard errors, on one map in 160.  Further off than
+ * any slopes is what errors make of ground that shows nothing. */
+static const double CLEARLY = 2.5, FAR = 5;
 /* Ground is smooth where u and v of neighbors are alike: their products then come near to the squares.
  * Of ground with a spectrum of 1 / f^2.2 they have 0.75, and of noise less. */
 static const double ALIKE = 0.875;
@@ -63,10 +62,10 @@ typedef struct patch {
     ntp__block block;
 } patch;
 
-/* Of a cell: what products ahead, to the right and up, have over those behind; twice those at the same
- * texel less both; both; and twice the squares.  With slopes between texels the first two are alike. */
+/* Of a cell: twice the products of u - v and how much u + v rises to the right and up; those of what u and
+ * v rise, which are as many with slopes between texels; of neighbors; and of the same texel the squares. */
 typedef struct tally {
-    double ahead, middle, both, square;
+    double ahead, rise, both, square;
 } tally;
 
 /* Reads the slopes around the points, from (x, y) on, as sums of step x step texels; false: some texels
@@ -124,23 +123,23 @@ static void differentiate(patch *a)
 /* Adds CELL rows of points to the cells beside each other. */
 static void sum_up(tally *cells, const patch *a, int32_t first)
 {
-    float ahead[POINTS] = { 0 }, middle[POINTS] = { 0 }, both[POINTS] = { 0 },
-          square[POINTS] = { 0 };
+    float ahead[POINTS] = { 0 }, rise[POINTS] = { 0 }, both[POINTS] = { 0 }, square[POINTS] = { 0 };
     for (int32_t j = first; j < first + CELL; j++) {
         const float *u = a->u[j + 1] + 1, *v = a->v[j + 1] + 1;
-        const float *next_u = a->u[j + 2], *next_v = a->v[j + 2]; /* to the left and down */
+        const float *up_u = a->u[j] + 2, *up_v = a->v[j] + 2; /* to the right and up */
+        const float *down_u = a->u[j + 2], *down_v = a->v[j + 2];
         for (int32_t i = 0; i < POINTS; i++) {
-            float front = next_u[i] * v[i], behind = u[i] * next_v[i];
-            ahead[i] += front - behind;
-            middle[i] += 2 * u[i] * v[i] - (front + behind);
-            both[i] += front + behind;
+            float by_u = up_u[i] - down_u[i], by_v = up_v[i] - down_v[i];
+            ahead[i] += 2 * (u[i] - v[i]) * (by_u + by_v);
+            rise[i] += by_u * by_v;
+            both[i] += down_u[i] * v[i] + u[i] * down_v[i];
             square[i] += u[i] * u[i] + v[i] * v[i];
         }
     }
     for (int32_t i = 0; i < POINTS; i++) {
         tally *t = &cells[i / CELL];
         t->ahead += (double) ahead[i];
-        t->middle += (double) middle[i];
+        t->rise += (double) rise[i];
         t->both += (double) both[i];
         t->square += (double) square[i];
     }
@@ -148,24 +147,23 @@ static void sum_up(tally *cells, const patch *a, int32_t first)
 
 static bool decide(const tally *t, int32_t count, int32_t step)
 {
-    double all = 0, ahead = 0, middle = 0, both = 0, square = 0, spread = 0;
+    double all = 0, ahead = 0, rise = 0, both = 0, square = 0, spread = 0;
     for (int32_t i = 0; i < count; i++)
         all += t[i].square;
-    if (count < LEAST_CELLS || !(all > 0))
+    if (!(all > 0))
         return false;
     for (int32_t i = 0; i < count; i++) {
         double weight = 1 / (t[i].square + LITTLE * all / count), part = weight * t[i].ahead;
         ahead += part;
         spread += part * part;
-        middle += weight * t[i].middle;
+        rise += weight * t[i].rise;
         both += weight * t[i].both;
         square += weight * t[i].square;
     }
     if (step > 1 && both < ALIKE * square)
         return false;
-    double clearly = ahead * step < FAR * middle ? CLEARLY : CLEARLY_FAR;
-    return ahead * step > LEAST_WAY * middle && ahead > 0 &&
-           ahead * ahead > clearly * clearly * spread;
+    return ahead * step > LEAST_WAY * rise && ahead * step < FAR * rise &&
+           ahead * ahead > CLEARLY * CLEARLY * spread;
 }
 
 static bool lie_between(const ntp_const_image *src, int32_t step)
