@@ -77,14 +77,21 @@ static bool read_patch(patch *a, const ntp_const_image *src, int32_t x, int32_t 
     memset(a->p, 0, sizeof a->p);
     memset(a->q, 0, sizeof a->q);
     for (int32_t j = 0; j < side; j++) {
+        float p[WIDE * SIDE], q[WIDE * SIDE];
         ntp__unpack(&a->block, src, x, y + j, side);
         if (ntp__any_suspect(&a->block, side, m))
             return false;
         for (int32_t i = 0; i < side; i++) {
             float u = (float) (2 * a->block.c[0][i] - m), v = (float) (2 * a->block.c[1][i] - m);
             float rest = m2 - u * u - v * v, z = sqrtf(rest < least ? least : rest);
-            a->p[j / step][i / step] -= u / z;
-            a->q[j / step][i / step] += sign * v / z;
+            p[i] = u / z;
+            q[i] = sign * v / z;
+        }
+        for (int32_t k = 0; k < step; k++) {
+            for (int32_t i = 0; i < SIDE; i++) {
+                a->p[j / step][i] -= p[i * step + k];
+                a->q[j / step][i] += q[i * step + k];
+            }
         }
     }
     return true;
