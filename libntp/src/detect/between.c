@@ -18,6 +18,7 @@
  */
 #include "detect/between.h"
 
+#include "detect/filter.h"
 #include "texel/level.h"
 #include "texel/unused.h"
 
@@ -101,29 +102,13 @@ static bool read_patch(patch *a, const ntp_const_image *src, int32_t x, int32_t 
 static void differentiate(patch *a)
 {
     enum { WITHIN = (STEEP - SMOOTH) / 2 };
-    memset(a->half, 0, sizeof a->half);
-    memset(a->u, 0, sizeof a->u);
-    memset(a->v, 0, sizeof a->v);
     for (int32_t j = 0; j < MOVED; j++) {
-        for (int32_t k = 0; k < STEEP; k++) {
-            for (int32_t i = 0; i < SIDE; i++)
-                a->half[j][i] += steep[k] * a->p[j + k][i];
-        }
-        for (int32_t k = 0; k < SMOOTH; k++) {
-            for (int32_t i = 0; i < MOVED; i++)
-                a->u[j][i] += smooth[k] * a->half[j][i + k + WITHIN];
-        }
+        ntp__filter(a->half[j], a->p[j], SIDE, steep, STEEP, false, SIDE);
+        ntp__filter(a->u[j], a->half[j] + WITHIN, 1, smooth, SMOOTH, false, MOVED);
     }
-    memset(a->half, 0, sizeof a->half);
     for (int32_t j = 0; j < MOVED; j++) {
-        for (int32_t k = 0; k < SMOOTH; k++) {
-            for (int32_t i = 0; i < SIDE; i++)
-                a->half[j][i] += smooth[k] * a->q[j + k + WITHIN][i];
-        }
-        for (int32_t k = 0; k < STEEP; k++) {
-            for (int32_t i = 0; i < MOVED; i++)
-                a->v[j][i] += steep[k] * a->half[j][i + k];
-        }
+        ntp__filter(a->half[j], a->q[j + WITHIN], SIDE, smooth, SMOOTH, false, SIDE);
+        ntp__filter(a->v[j], a->half[j], 1, steep, STEEP, false, MOVED);
     }
 }
 

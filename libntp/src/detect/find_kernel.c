@@ -9,6 +9,7 @@
  */
 #include "base/view.h"
 #include "detect/between.h"
+#include "detect/filter.h"
 #include "texel/level.h"
 
 #include <string.h>
@@ -129,36 +130,17 @@ static void to_noise(rows *at, int32_t k, float level, int32_t n)
     }
 }
 
-static void add_row(float *out, const float *row, float tap, bool onto, int32_t n)
-{
-    for (int32_t i = 0; i < n && onto; i++)
-        out[i] += tap * row[i];
-    for (int32_t i = 0; i < n && !onto; i++)
-        out[i] = tap * row[i];
-}
-
 /* The sums of n columns from column `from` on. */
 static void down(float *out, const float (*rows_of)[WIDE], const float taps[TAPS], int32_t from,
                  int32_t n)
 {
-    bool onto = false;
-    for (int32_t k = 0; k < TAPS; k++) {
-        if (taps[k] == 0)
-            continue;
-        add_row(out, rows_of[k] + from, taps[k], onto, n);
-        onto = true;
-    }
+    ntp__filter(out, rows_of[0] + from, WIDE, taps, TAPS, false, n);
 }
 
 /* Sums for out[0..n - 1], of which out[0] belongs to in[REACH]; onto: they are added to it. */
 static void across(float *out, const float *in, const float taps[TAPS], bool onto, int32_t n)
 {
-    for (int32_t k = 0; k < TAPS; k++) {
-        if (taps[k] == 0)
-            continue;
-        add_row(out, in + k, taps[k], onto, n);
-        onto = true;
-    }
+    ntp__filter(out, in, 1, taps, TAPS, onto, n);
 }
 
 static void negated(float out[TAPS], const float taps[TAPS])
