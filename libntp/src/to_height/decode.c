@@ -11,23 +11,15 @@
  */
 #include "to_height/decode.h"
 
+#include "base/cpu.h"
 #include "texel/level.h"
-#include "texel/unused.h"
+#include "to_height/evidence.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum {
-    ROWS = 256,         /* rows that are looked at, spread over the picture */
-    LEAST_TEXELS = 500, /* texels that it takes to tell the rule */
-    /* Texels of the same red and green have the same rounding error: a ramp would tell nothing a
-     * million times.  So only a few of each pair vote.  Low bits of both stand for the pair. */
-    MOST_VOTES = 8,
-    VOTE_BITS = 6,
-    VOTE_MASK = (1 << VOTE_BITS) - 1,
-    LANES = 4 /* sums side by side */
-};
+enum { LEAST_TEXELS = 500 }; /* that it takes to tell the rule */
 
 /* The mean square of the error of the length: the square of an 8-bit level, over 12. */
 static const double noise = 4.0 / (255.0 * 255.0 * 12.0);
@@ -86,7 +78,7 @@ static const double derived_share = 0.98;
  * instead of 128, and would tilt.  It is known by a pile: one level of red and one of green that have
  * this share of all texels, and more than all others that near to zero.  If lengths are not damaged,
  * the level has to be 15 or 16 in 5 bits, or 31 or 32 in 6 bits. */
-enum { NEAR = 5, NEAR_LEVELS = 2 * NEAR, FIRST_NEAR = 128 - NEAR, EACH = 4 };
+enum { NEAR = 5, NEAR_LEVELS = 2 * NEAR, FIRST_NEAR = 128 - NEAR };
 static const double ground_share = 0.1;
 static const int32_t coarse[2][2] = { { 123, 132 }, { 125, 130 } };
 
@@ -96,234 +88,33 @@ static const int32_t coarse[2][2] = { { 123, 132 }, { 125, 130 } };
  * Its texels are so many times as dense as those around it (slopes that are not flat: 1.6 times at
  * most).  It leans by the mean of its levels times its share of all texels, at most by half a level.
  * A pile whose mean is further off leans on purpose.  Less than a tenth of a level may be chance. */
-enum {
-    SIZES = 3,
-    RINGS = 12 /* the widest pile, four levels to each side, and what is around it */
-};
+enum { SIZES = 3 };
 static const double pile_density = 4, least_lean = 0.1, purpose = 0.75;
 
-typedef struct rule {
-    double zero, unit; /* v = (2 c - zero) unit */
-    double sum, gain, gain2;
-} rule;
+typedef struct ground {
+    int32_t level[2][NEAR_LEVELS]; /* of red, of green: texels at each level near zero */
+    int32_t ring[RINGS];           /* texels with both so many levels from zero */
+    int32_t ring_sum[2][RINGS];    /* of red, of green: their distances in half levels */
+} ground;
 
-static double error_of(const rule *r, const int32_t c[3])
+/* What the pairs say about red and green alone, and about how far both are from zero. */
+static void sum_ground(ground *g, const evidence *e)
 {
-    double x = (2 * c[0] - r->zero) * r->unit, y = (2 * c[1] - r->zero) * r->unit;
-    double z = (2 * c[2] - r->zero) * r->unit;
-    return (x * x + y * y + z * z - 1) / 2;
-}
-
-typedef struct evidence {
-    rule unorm, trunc, snorm;
-    double count;        /* texels in the sums of the rules */
-    double all, lengths; /* texels of any depth, read as UNORM; squares of 2 m^2 times the error */
-    double longer;       /* those of lengths above 1 */
-    double most_rest;    /* z^2 of a tilted texel is below this, in units of levels squared */
-    double tilted, derived;
-    double too_long;                  /* texels whose x, y are longer than 1 */
-    double right;                     /* texels whose length is off by rounding alone */
-    double rest, rest2, z2, z4, both; /* sums of 1 - x^2 - y^2 and z^2, of their products */
-    double negative, negative2;       /* texels whose z is below 0, and its squares */
-    double pile[2], beside;           /* of red: texels at 127, at 128, beside them */
-    double level;                     /* of green: texels at 128 */
-    int32_t ground[2][NEAR_LEVELS];   /* of red, of green: texels at each level near zero */
-    int32_t asked;                    /* so many texels were looked at for that */
-    int32_t ring[RINGS];              /* texels with both so many levels from zero */
-    int32_t ring_sum[2][RINGS];       /* of red, of green: their distances in half levels */
-    uint8_t votes[1 << 2 * VOTE_BITS];
-} evidence;
-
-static void compare(rule *r, const int32_t c[3], double square)
-{
-    double e = error_of(r, c), gain = square - e * e;
-    r->sum += e * e;
-    r->gain += gain;
-    r->gain2 += gain * gain;
-}
-
-/* One texel in EACH tells enough. */
-static void add_ground(evidence *e, const ntp__block *b, int32_t n)
-{
-    for (int32_t i = 0; i < n; i += EACH) {
-        for (int32_t c = 0; c < 2; c++) {
-            int32_t at = b->c[c][i] - FIRST_NEAR;
-            if (at >= 0 && at < NEAR_LEVELS)
-                e->ground[c][at]++;
-        }
-        int32_t x = 2 * b->c[0][i] - 255, y = 2 * b->c[1][i] - 255;
-        int32_t ring = (abs(x) > abs(y) ? abs(x) : abs(y)) / 2;
-        if (ring < RINGS) {
-            e->ring[ring]++;
-            e->ring_sum[0][ring] += x;
-            e->ring_sum[1][ring] += y;
-        }
-        e->asked++;
-    }
-}
-
-/* Is this the blue that is derived where x^2 + y^2 leave `rest`?  It takes no root. */
-static bool is_derived(int64_t blue, int64_t rest, int32_t m, bool zzero)
-{
-    int64_t low = zzero ? 2 * blue - 1 : 2 * blue - m - 1, high = low + 2;
-    int64_t scaled = zzero ? 4 * rest : rest;
-    return low >= 0 && low * low <= scaled && scaled < high * high;
-}
-
-static void add_neutral(evidence *e, const ntp__block *b, int32_t n)
-{
-    int32_t level = 0, beside = 0, low = 0, high = 0;
-    for (int32_t i = 0; i < n; i++) {
-        int32_t red = b->c[0][i];
-        level += b->c[1][i] == 128;
-        beside += (red == 126) + (red == 129);
-        low += red == 127;
-        high += red == 128;
-    }
-    e->level += level;
-    e->beside += beside;
-    e->pile[0] += low;
-    e->pile[1] += high;
-}
-
-static void add_tilted(evidence *e, const ntp__block *b, const double *rest, int32_t m, bool zzero,
-                       int32_t n)
-{
-    for (int32_t i = 0; i < n; i++) {
-        if (rest[i] >= 0 && rest[i] < e->most_rest) {
-            e->tilted++;
-            e->derived += is_derived(b->c[2][i], (int64_t) rest[i], m, zzero);
-        }
-    }
-}
-
-/* Some encoders store 0 as -1. */
-static void add_negative(evidence *e, const double *z, double unit, int32_t n)
-{
-    for (int32_t i = 0; i < n; i++) {
-        if (z[i] < -1) {
-            e->negative++;
-            e->negative2 += z[i] * z[i] * unit;
-        }
-    }
-}
-
-/* Sums of z^2 and 1 - x^2 - y^2.  Several sums of each run side by side, which compilers vectorize. */
-static void add_squares(evidence *e, const double *z2, const double *rest, double unit, int32_t n)
-{
-    double off2[LANES] = { 0 }, longer[LANES] = { 0 }, one[LANES] = { 0 }, one2[LANES] = { 0 };
-    double two[LANES] = { 0 }, two2[LANES] = { 0 }, both[LANES] = { 0 };
-    for (int32_t i = 0; i < n; i += LANES) {
-        for (int32_t k = 0; k < LANES; k++) {
-            double off = z2[i + k] - rest[i + k], u = rest[i + k] * unit, v = z2[i + k] * unit;
-            off2[k] += off * off;
-            longer[k] += off > 0 ? off * off : 0;
-            one[k] += u;
-            one2[k] += u * u;
-            two[k] += v;
-            two2[k] += v * v;
-            both[k] += u * v;
-        }
-    }
-    for (int32_t k = 0; k < LANES; k++) {
-        e->lengths += off2[k];
-        e->longer += longer[k];
-        e->rest += one[k];
-        e->rest2 += one2[k];
-        e->z2 += two[k];
-        e->z4 += two2[k];
-        e->both += both[k];
-    }
-}
-
-/* What x, y and z tell together.  In units of a half level they are integers, which doubles hold,
- * and so are their squares.  The loops over single arrays are for the compiler to vectorize. */
-static void add_lengths(evidence *e, const ntp__block *b, int32_t m, bool zzero, int32_t n)
-{
-    double z[NTP__BLOCK], z2[NTP__BLOCK + LANES], rest[NTP__BLOCK + LANES];
-    double square = (double) m * m, unit = 1 / square;
-    double most_off = right * noise * 4 * square * square; /* off is twice the error */
-    int32_t scale = zzero ? 1 : 2, zero = zzero ? 0 : m, negative = 0, tilted_some = 0;
-    int32_t right_some = 0;
-    for (int32_t i = 0; i < n; i++) {
-        double x = 2 * b->c[0][i] - m, y = 2 * b->c[1][i] - m;
-        z[i] = scale * b->c[2][i] - zero;
-        z2[i] = z[i] * z[i];
-        rest[i] = square - x * x - y * y;
-    }
-    for (int32_t k = 0; k < LANES; k++)
-        z2[n + k] = rest[n + k] = 0;
-    add_squares(e, z2, rest, unit, n);
-    for (int32_t i = 0; i < n; i++) {
-        double off = z2[i] - rest[i];
-        right_some += off * off < most_off;
-        negative |= z[i] < -1;
-        tilted_some |= rest[i] < e->most_rest;
-    }
-    e->right += right_some;
-    e->all += n;
-    if (negative)
-        add_negative(e, z, unit, n);
-    if (!tilted_some)
-        return;
-    add_tilted(e, b, rest, m, zzero, n);
-    for (int32_t i = 0; i < n; i++)
-        e->too_long += rest[i] < 0;
-}
-
-/* How well each rule explains the lengths of 8-bit texels. */
-static void add_rules(evidence *e, const ntp__block *b, int32_t n)
-{
-    for (int32_t i = 0; i < n; i++) {
-        uint8_t *votes =
-            &e->votes[(b->c[1][i] & VOTE_MASK) << VOTE_BITS | (b->c[0][i] & VOTE_MASK)];
-        const int32_t c[3] = { b->c[0][i], b->c[1][i], b->c[2][i] };
-        if (*votes == MOST_VOTES)
-            continue;
-        if ((c[0] == 127 || c[0] == 128) && (c[1] == 127 || c[1] == 128))
-            continue; /* neutral ones tell nothing, and there can be many */
-        *votes += 1;
-        e->count++;
-        double plain = error_of(&e->unorm, c);
-        e->unorm.sum += plain * plain;
-        compare(&e->trunc, c, plain * plain);
-        compare(&e->snorm, c, plain * plain);
-    }
-}
-
-/* Keeps the texels that hold a normal; returns how many. */
-static int32_t keep_used(ntp__block *b, int32_t n, int32_t m, uint32_t touch)
-{
-    int32_t kept = 0;
-    if (!ntp__any_suspect(b, n, m))
-        return n;
-    for (int32_t i = 0; i < n; i++) {
-        bool out = ntp__texel_unused(b, i, m, touch);
-        for (int32_t c = 0; c < 3; c++)
-            b->c[c][kept] = b->c[c][i];
-        kept += !out;
-    }
-    return kept;
-}
-
-/* with_rules: also for what the levels mean. */
-static void look(evidence *e, const ntp_const_image *src, uint32_t touch, bool with_rules)
-{
-    ntp__block block;
-    int32_t m = ntp__max(src->type), step = (src->height + ROWS - 1) / ROWS;
-    bool zzero = src->encoding == NTP_ENCODING_ZZERO;
-    for (int32_t y = 0; y < src->height; y += step) {
-        for (int32_t x = 0; x < src->width; x += NTP__BLOCK) {
-            int32_t n = src->width - x < NTP__BLOCK ? src->width - x : NTP__BLOCK;
-            ntp__unpack(&block, src, x, y, n);
-            n = keep_used(&block, n, m, touch);
-            add_lengths(e, &block, m, zzero, n);
-            if (with_rules) {
-                add_neutral(e, &block, n);
-                add_ground(e, &block, n);
-            }
-            if (with_rules && !zzero)
-                add_rules(e, &block, n);
+    memset(g, 0, sizeof *g);
+    const int32_t skipped = FIRST_NEAR - FIRST_AROUND;
+    for (int32_t i = 0; i <= AROUND; i++) {
+        for (int32_t j = 0; j <= AROUND; j++) {
+            int32_t n = e->near[i][j], x = 2 * (i - RINGS) + 1, y = 2 * (j - RINGS) + 1;
+            int32_t ring = (abs(x) > abs(y) ? abs(x) : abs(y)) / 2;
+            if (i >= skipped && i < skipped + NEAR_LEVELS)
+                g->level[0][i - skipped] += n;
+            if (j >= skipped && j < skipped + NEAR_LEVELS)
+                g->level[1][j - skipped] += n;
+            if (i == AROUND || j == AROUND)
+                continue;
+            g->ring[ring] += n;
+            g->ring_sum[0][ring] += n * x;
+            g->ring_sum[1][ring] += n * y;
         }
     }
 }
@@ -345,25 +136,25 @@ static bool is_neutral(const evidence *e, const ntp__height_plan *plan)
 }
 
 /* The level of flat ground; 0: there is no such ground. */
-static int32_t ground_of(const evidence *e, int32_t channel)
+static int32_t ground_of(const evidence *e, const ground *g, int32_t channel)
 {
     int32_t sum = 0, best = 0;
     for (int32_t i = 0; i < NEAR_LEVELS; i++) {
-        sum += e->ground[channel][i];
-        if (e->ground[channel][i] > e->ground[channel][best])
+        sum += g->level[channel][i];
+        if (g->level[channel][i] > g->level[channel][best])
             best = i;
     }
-    int32_t most = e->ground[channel][best];
+    int32_t most = g->level[channel][best];
     bool piled = most > ground_share * e->asked && most > sum - most;
     return piled ? FIRST_NEAR + best : 0;
 }
 
 /* Where flat ground is damaged as a whole, it is flat still. */
-static void level_ground(ntp__height_plan *plan, const evidence *e, bool damaged)
+static void level_ground(ntp__height_plan *plan, const evidence *e, const ground *g, bool damaged)
 {
     int32_t most = 0;
     for (int32_t c = 0; c < 2; c++) {
-        int32_t level = ground_of(e, c), off = abs(2 * level - 255);
+        int32_t level = ground_of(e, g, c), off = abs(2 * level - 255);
         damaged |= level == coarse[c][0] || level == coarse[c][1];
         if (level == 0)
             return;
@@ -376,11 +167,11 @@ static void level_ground(ntp__height_plan *plan, const evidence *e, bool damaged
 }
 
 /* How far the levels of red and green of a damaged texture lie above zero because flat ground does. */
-static void find_lean(ntp__height_plan *plan, const evidence *e)
+static void find_lean(ntp__height_plan *plan, const evidence *e, const ground *g)
 {
     double within[RINGS + 1] = { 0 }, best = ground_share;
     for (int32_t r = 0; r < RINGS; r++)
-        within[r + 1] = within[r] + (double) e->ring[r] / e->asked;
+        within[r + 1] = within[r] + (double) g->ring[r] / e->asked;
     for (int32_t k = 0; k < SIZES; k++) {
         int32_t size = 1 << k, area = 4 * size * size;
         double around = (within[3 * size] - within[2 * size]) / (5 * area);
@@ -391,7 +182,7 @@ static void find_lean(ntp__height_plan *plan, const evidence *e)
         double lean[2] = { 0 };
         for (int32_t c = 0; c < 2; c++) {
             for (int32_t r = 0; r < 2 * size; r++)
-                lean[c] += e->ring_sum[c][r] / (2.0 * e->asked);
+                lean[c] += g->ring_sum[c][r] / (2.0 * e->asked);
         }
         bool on_purpose = fabs(lean[0]) > purpose * share || fabs(lean[1]) > purpose * share;
         for (int32_t c = 0; c < 2; c++) {
@@ -458,6 +249,7 @@ static void choose_z(ntp__height_plan *plan, const ntp_const_image *src, const e
 void ntp__decode_by_evidence(ntp__height_plan *plan, const ntp_const_image *src)
 {
     evidence e;
+    ground g;
     double m = ntp__max(src->type);
     bool decode = plan->decode == NTP_DECODE_AUTO && src->type == NTP_TYPE_U8;
     memset(&e, 0, sizeof e);
@@ -474,16 +266,19 @@ void ntp__decode_by_evidence(ntp__height_plan *plan, const ntp_const_image *src)
     if (!decode && plan->z != NTP_Z_AUTO)
         return;
     e.most_rest = tilted * m * m;
+    e.most_off = right * noise * 4 * (m * m) * (m * m);
     bool plain = plan->decode == NTP_DECODE_UNORM || plan->decode == NTP_DECODE_NEUTRAL;
-    look(&e, src, plan->touch_unused, src->type == NTP_TYPE_U8 && !plain);
+    (*NTP__CPU_PICK(NTP__CPU_ALL, ntp__gather_evidence_base, ntp__gather_evidence_avx2))(
+        &e, src, plan->touch_unused, src->type == NTP_TYPE_U8 && !plain);
     if (decode)
         choose_decode(plan, src, &e);
+    sum_ground(&g, &e);
     bool damaged = e.lengths > most_error * noise * 4 * m * m * m * m * e.all;
     if (decode)
-        level_ground(plan, &e, damaged);
+        level_ground(plan, &e, &g, damaged);
     if (plan->z == NTP_Z_AUTO)
         choose_z(plan, src, &e);
     if (decode && damaged && plan->decode == NTP_DECODE_UNORM && plan->z == NTP_Z_STORED &&
         src->encoding == NTP_ENCODING_STANDARD)
-        find_lean(plan, &e);
+        find_lean(plan, &e, &g);
 }
