@@ -7,9 +7,11 @@
  * that kernel.  Rounding puts the two sides apart, by a variance that is known.  Each kernel is
  * tried on points of sampled rows, and the square of the difference is compared with that variance.
  */
+#include "base/cpu.h"
 #include "base/view.h"
 #include "detect/between.h"
 #include "detect/filter.h"
+#include "detect/kernel_loops_tmpl.h"
 #include "texel/level.h"
 
 #include <string.h>
@@ -20,11 +22,11 @@ enum {
     EDGE = REACH + 2, /* points nearer to an edge may hold slopes that a border made */
     WIDE = NTP__BLOCK,
     POINTS = WIDE - 2 * REACH, /* of a stretch */
+    WORTH = WIDE + 8,          /* with zeros beyond, as loops go on to whole lanes */
     MOST_ROWS = 1024,
     MOST_COLUMNS = 256,
     ENOUGH_POINTS = 1 << 14, /* the mean of so many squares is right to a few percent */
-    CANDIDATES = 7,
-    LANES = 4 /* of a sum, which would wait for itself */
+    CANDIDATES = 7
 };
 
 /* Sobel 5 x 5 is Sobel 3 x 3 of a blurred heightfield, so nothing tells the two apart.  The kernels
@@ -59,9 +61,6 @@ static const float SEEN_MEAN[TAPS] = {
     0, 1 / 16.0F, 4 / 16.0F, 6 / 16.0F, 4 / 16.0F, 1 / 16.0F, 0
 };
 
-/* Squares count less the larger they are, and never more than so many times the expected one.  So a
- * few scratches do not decide. */
-static const float LARGE_SQUARE = 100;
 /* A misfit of 1 is that of rounding alone.  A kernel is decided only between these two.  Below the
  * least one, so few levels occur that rounding is no noise. */
 static const double MOST_MISFIT = 1.2, LEAST_MISFIT = 0.85;
@@ -81,7 +80,7 @@ static const uint64_t LEAST_POINTS = 200;
 typedef struct rows {
     float p[TAPS][WIDE], q[TAPS][WIDE];             /* slopes to the right and down the picture */
     float p_noise[TAPS][WIDE], q_noise[TAPS][WIDE]; /* what rounding adds to their squares */
-    int32_t bad[WIDE];
+    int32_t bad[WIDE + TAPS];
 } rows;
 
 typedef struct sums {
@@ -90,44 +89,55 @@ typedef struct sums {
 } sums;
 
 /* Slopes from red and green. */
-static void to_slopes(rows *at, int32_t k, const ntp__block *b, const ntp_const_image *src,
+static void to_slopes(rows *at, int32_t k, ntp__block *b, const ntp_const_image *src,
                       uint32_t touch, int32_t n)
 {
-    int32_t m = ntp__max(src->type), bad[WIDE];
-    double m2 = (double) m * m;
-    float least = (float) (m2 / 100), sign = src->y == NTP_Y_UP ? 1.0F : -1.0F;
-    float rest[WIDE];
-    /* short loops, which compilers vectorize; near 0 only doubles have the digits of 16 bits */
-    for (int32_t i = 0; i < n; i++) {
-        double x = ntp__num(b->c[0][i], m), y = ntp__num(b->c[1][i], m);
-        rest[i] = (float) (m2 - x * x - y * y);
-    }
-    for (int32_t i = 0; i < n; i++)
-        bad[i] = rest[i] < least;
-    for (int32_t i = 0; i < n; i++)
-        rest[i] = 1 / sqrtf(rest[i] < least ? least : rest[i]);
-    for (int32_t i = 0; i < n; i++) {
-        at->p[k][i] = -(float) ntp__num(b->c[0][i], m) * rest[i];
-        at->q[k][i] = sign * (float) ntp__num(b->c[1][i], m) * rest[i];
-    }
+    int32_t m = ntp__max(src->type);
+    float sign = src->y == NTP_Y_UP ? 1.0F : -1.0F;
     for (int32_t i = 0; i < n && !(touch & NTP_UNUSED_TRANSPARENT); i++)
-        bad[i] |= b->c[3][i] == 0;
+        at->bad[i] |= b->c[3][i] == 0;
     for (int32_t i = 0; i < n && b->any_broken; i++)
-        bad[i] |= b->broken[i];
-    for (int32_t i = 0; i < n; i++)
-        at->bad[i] |= bad[i];
+        at->bad[i] |= b->broken[i];
+#ifdef NTP_HAVE_AVX2
+    if (ntp__cpu_has_avx2(NTP__CPU_ALL)) {
+        ntp__to_slopes_avx2(at->p[k], at->q[k], at->bad, b, m, sign, n);
+        return;
+    }
+#endif
+    ntp__to_slopes(at->p[k], at->q[k], at->bad, b, m, sign, n);
 }
 
 /* The variance of their rounding errors. */
 static void to_noise(rows *at, int32_t k, float level, int32_t n)
 {
-    float noise = level * level / 12;
-    for (int32_t i = 0; i < n; i++) {
-        float p = at->p[k][i], q = at->q[k][i];
-        float pp = p * p, qq = q * q, common = noise * (1 + pp + qq);
-        at->p_noise[k][i] = common * ((1 + pp) * (1 + pp) + pp * qq);
-        at->q_noise[k][i] = common * ((1 + qq) * (1 + qq) + pp * qq);
+#ifdef NTP_HAVE_AVX2
+    if (ntp__cpu_has_avx2(NTP__CPU_ALL)) {
+        ntp__to_noise_avx2(at->p_noise[k], at->q_noise[k], at->p[k], at->q[k], level, n);
+        return;
     }
+#endif
+    ntp__to_noise(at->p_noise[k], at->q_noise[k], at->p[k], at->q[k], level, n);
+}
+
+static void to_worth(int32_t *worth, const float *u, const float *v, const int32_t *bad,
+                     float level, int32_t n)
+{
+#ifdef NTP_HAVE_AVX2
+    if (ntp__cpu_has_avx2(NTP__CPU_ALL)) {
+        ntp__to_worth_avx2(worth, u, v, bad, TAPS, level, n);
+        return;
+    }
+#endif
+    ntp__to_worth(worth, u, v, bad, TAPS, level, n);
+}
+
+static double sum_squares(float *e, const float *expected, const int32_t *worth, int32_t n)
+{
+#ifdef NTP_HAVE_AVX2
+    if (ntp__cpu_has_avx2(NTP__CPU_ALL))
+        return ntp__sum_squares_avx2(e, expected, worth, n);
+#endif
+    return ntp__sum_squares(e, expected, worth, (n + 3) & -4);
 }
 
 /* The sums of n columns from column `from` on. */
@@ -156,30 +166,24 @@ static void squared(float out[TAPS], const float taps[TAPS])
 }
 
 /* Finds the points that can tell: where both mixed differences are more than a level. */
-static int32_t find_points(int32_t worth[POINTS], const rows *at, float level, int32_t n)
+static int32_t find_points(int32_t worth[WORTH], const rows *at, float level, int32_t n)
 {
-    float line[WIDE], u[POINTS], v[POINTS];
+    float line[WIDE], u[WIDE] = { 0 }, v[WIDE] = { 0 };
     int32_t count = 0;
     down(line, at->p, SEEN_DIFFERENCE, 0, n + 2 * REACH);
     across(u, line, SEEN_MEAN, false, n);
     down(line, at->q, SEEN_MEAN, 0, n + 2 * REACH);
     across(v, line, SEEN_DIFFERENCE, false, n);
-    for (int32_t i = 0; i < n; i++)
-        worth[i] = (u[i] * u[i] > level * level) & (v[i] * v[i] > level * level);
-    for (int32_t k = 0; k < TAPS; k++) {
-        for (int32_t i = 0; i < n; i++)
-            worth[i] &= !at->bad[i + k];
-    }
+    to_worth(worth, u, v, at->bad, level, n);
     for (int32_t i = 0; i < n; i++)
         count += worth[i];
     return count;
 }
 
 static void try_candidate(double *sum, const struct candidate *c, const rows *at,
-                          const int32_t worth[POINTS], int32_t from, int32_t n)
+                          const int32_t worth[WORTH], int32_t from, int32_t n)
 {
-    float line[WIDE], e[WIDE] = { 0 }, expected[POINTS];
-    double lanes[LANES] = { 0 };
+    float line[WIDE], e[WIDE] = { 0 }, expected[WIDE] = { 0 };
     float minus[TAPS], difference2[TAPS], mean2[TAPS];
     negated(minus, c->difference);
     squared(difference2, c->difference);
@@ -192,17 +196,7 @@ static void try_candidate(double *sum, const struct candidate *c, const rows *at
     across(expected, line, mean2, false, n);
     down(line, at->q_noise, mean2, from, n + 2 * REACH);
     across(expected, line, difference2, true, n);
-    for (int32_t i = 0; i < n; i++)
-        e[i] = e[i] * e[i] / expected[i];
-    for (int32_t i = 0; i < n; i++)
-        e[i] = e[i] / (1 + e[i] / LARGE_SQUARE);
-    for (int32_t i = 0; i < n; i++)
-        e[i] = worth[from + i] ? e[i] : 0;
-    for (int32_t i = 0; i < n; i += LANES) {
-        for (int32_t k = 0; k < LANES; k++)
-            lanes[k] += (double) e[i + k];
-    }
-    *sum += (lanes[0] + lanes[1]) + (lanes[2] + lanes[3]);
+    *sum += sum_squares(e, expected, worth + from, n);
 }
 
 /* Adds the points x..x + n - 1 of row y. */
@@ -211,7 +205,7 @@ static void add_stretch(sums *s, const ntp_const_image *src, uint32_t touch, int
 {
     rows at;
     ntp__block block;
-    int32_t worth[POINTS];
+    int32_t worth[WORTH] = { 0 };
     int32_t texels = n + 2 * REACH;
     memset(at.bad, 0, sizeof at.bad);
     for (int32_t k = 0; k < TAPS; k++) {

@@ -3,6 +3,7 @@
  * slopes_avx2.c - the slopes of a row, and sums of rows, with AVX2
  */
 #include "detect/filter.h"
+#include "detect/kernel_loops_tmpl.h"
 #include "detect/slopes_tmpl.h"
 
 #include <immintrin.h>
@@ -53,4 +54,32 @@ void ntp__filter_avx2(float *out, const float *in, ptrdiff_t stride, const float
         for (int32_t k = 0; k < used; k++)
             out[i] += tap[k] * row[k][i];
     }
+}
+
+/* These round n up to whole lanes: NTP__BLOCK numbers have place for them. */
+
+void ntp__to_slopes_avx2(float *p, float *q, int32_t *bad, ntp__block *b, int32_t m, float sign,
+                         int32_t n)
+{
+    const int32_t filled = (n + 7) & -8;
+    for (int32_t i = n; i < filled; i++)
+        b->c[0][i] = b->c[1][i] = 0;
+    ntp__to_slopes(p, q, bad, b, m, sign, filled);
+}
+
+void ntp__to_noise_avx2(float *p_noise, float *q_noise, const float *p_row, const float *q_row,
+                        float level, int32_t n)
+{
+    ntp__to_noise(p_noise, q_noise, p_row, q_row, level, (n + 7) & -8);
+}
+
+void ntp__to_worth_avx2(int32_t *worth, const float *u, const float *v, const int32_t *bad,
+                        int32_t taps, float level, int32_t n)
+{
+    ntp__to_worth(worth, u, v, bad, taps, level, (n + 7) & -8);
+}
+
+double ntp__sum_squares_avx2(float *e, const float *expected, const int32_t *worth, int32_t n)
+{
+    return ntp__sum_squares(e, expected, worth, (n + 7) & -8);
 }
