@@ -114,29 +114,38 @@ static bool read_ends(ends *e, ntp__line *l, const ntp_const_image *src, uint32_
     return true;
 }
 
-static double mean_of(const double *v, int32_t n)
+/* Means of 1, 2 and 4 slopes before v and from v on. */
+static void means_of(double before[WINDOWS], double after[WINDOWS], const double *v)
 {
-    double sum = 0;
-    for (int32_t i = 0; i < n; i++)
-        sum += v[i];
-    return sum / n;
+    before[0] = v[-1];
+    before[1] = (v[-2] + v[-1]) / 2;
+    before[2] = (v[-4] + v[-3] + v[-2] + v[-1]) / 4;
+    after[0] = v[0];
+    after[1] = (v[0] + v[1]) / 2;
+    after[2] = (v[0] + v[1] + v[2] + v[3]) / 4;
 }
 
-/* The square of the difference of the means of n slopes before and after p, q. */
-static double difference2(const double *p, const double *q, int32_t n)
+/* Adds the squares of how far the means of slopes before and after p, q are apart. */
+static void add_differences(double sum[WINDOWS], double after[2][WINDOWS], const double *p,
+                            const double *q)
 {
-    double x = mean_of(p, n) - mean_of(p - n, n), y = mean_of(q, n) - mean_of(q - n, n);
-    return x * x + y * y;
+    double before[2][WINDOWS];
+    means_of(before[0], after[0], p);
+    means_of(before[1], after[1], q);
+    for (int32_t k = 0; k < WINDOWS; k++) {
+        double x = after[0][k] - before[0][k], y = after[1][k] - before[1][k];
+        sum[k] += x * x + y * y;
+    }
 }
 
 static void add_windows(axis_sums *s, const ntp__line *l, int32_t n)
 {
+    double mean[2][WINDOWS];
     for (int32_t i = PLACES; i + WIDEST <= n; i += PLACES) {
-        const double *p = l->p + 1 + i, *q = l->q + 1 + i;
         s->places++;
+        add_differences(s->within, mean, l->p + 1 + i, l->q + 1 + i);
         for (int32_t k = 0; k < WINDOWS; k++) {
-            double x = mean_of(p, 1 << k), y = mean_of(q, 1 << k);
-            s->within[k] += difference2(p, q, 1 << k);
+            double x = mean[0][k], y = mean[1][k];
             s->mean[k][0] += x;
             s->mean[k][1] += y;
             s->mean2[k] += x * x + y * y;
@@ -172,7 +181,7 @@ static void add_line(axis_sums *s, ntp__line *l, const ntp_const_image *src, uin
 {
     ends e;
     double height = 0, sum = 0, sum2 = 0, inside = 0, noise = 0;
-    double level = 2.0 / ntp__max(src->type);
+    double level = 2.0 / ntp__max(src->type), mean[2][WINDOWS];
     int32_t w = src->width;
     int64_t larger = 0; /* larger steps count 2, steps as large as the seam 1 */
     s->asked++;
@@ -197,8 +206,7 @@ static void add_line(axis_sums *s, ntp__line *l, const ntp_const_image *src, uin
             larger += (l->step[i] > jump) + (l->step[i] >= jump);
         }
     }
-    for (int32_t k = 0; k < WINDOWS; k++)
-        s->seam[k] += difference2(e.p + WIDEST, e.q + WIDEST, 1 << k);
+    add_differences(s->seam, mean, e.p + WIDEST, e.q + WIDEST);
     s->full += height;
     s->full2 += height * height;
     s->variance += sum2 / w - sum / w * (sum / w);
