@@ -10,6 +10,7 @@
 #include "base/finite.h"
 #include "to_height/direct/direct.h"
 #include "to_height/shared/holes.h"
+#include "to_height/shared/solver_kernels.h"
 
 #include <math.h>
 
@@ -150,20 +151,9 @@ static bool is_sampled(const ntp__round_trip *r, int32_t y)
     return at >= 0 && at < rows && (rows <= r->rows || at * r->rows % rows < r->rows);
 }
 
-/* For n texels, the squared distance between the (x, y) of two normals, both given as slopes. */
-static void squares_off(double *out, double *const *row, int32_t x, int32_t n)
-{
-    const double *right = row[0] + x, *down = row[1] + x, *p = row[2] + x, *q = row[3] + x;
-    for (int32_t i = 0; i < n; i++) {
-        double a = right[i], b = down[i], c = p[i], d = q[i];
-        double ours = sqrt(1 + a * a + b * b), theirs = sqrt(1 + c * c + d * d);
-        double ex = a / ours - c / theirs, ey = b / ours - d / theirs;
-        out[i] = ex * ex + ey * ey;
-    }
-}
-
 static void residual_row(void *job, int32_t part, int32_t y)
 {
+    const ntp__solver_kernels *kernels = ntp__solver_kernels_for(NTP__CPU_ALL);
     ntp__round_trip *r = job;
     double *const *row = r->parts[part].row, square[NTP__BLOCK], sum = 0;
     uint64_t count = 0;
@@ -178,7 +168,7 @@ static void residual_row(void *job, int32_t part, int32_t y)
     for (int32_t x = r->seen.x0; x < r->seen.x1; x += NTP__BLOCK) {
         int32_t n = r->seen.x1 - x < NTP__BLOCK ? r->seen.x1 - x : NTP__BLOCK;
         look_at(r, &block, hole, x, y, n);
-        squares_off(square, row, x, n);
+        kernels->squares_off(square, row, x, n);
         for (int32_t i = 0; i < n; i++) {
             if (hole[i] || reads_hole(row[0][x + i], row[1][x + i]))
                 continue;

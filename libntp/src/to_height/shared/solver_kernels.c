@@ -157,6 +157,20 @@ static int32_t slopes8(float *restrict right, float *restrict down_row, const ui
     return suspect;
 }
 
+/* ----------------------------------------------------------------------------- residual */
+
+static void squares_off(double *restrict out, double *const *row, int32_t x, int32_t n)
+{
+    const double *restrict right = row[0] + x, *restrict down_row = row[1] + x;
+    const double *restrict p = row[2] + x, *restrict q = row[3] + x;
+    for (int32_t i = 0; i < n; i++) {
+        double a = right[i], b = down_row[i], c = p[i], d = q[i];
+        double ours = sqrt(1 + a * a + b * b), theirs = sqrt(1 + c * c + d * d);
+        double ex = a / ours - c / theirs, ey = b / ours - d / theirs;
+        out[i] = ex * ex + ey * ey;
+    }
+}
+
 /* ---------------------------------------------------------------------------------- range */
 
 static void find_range(float range[2], const float *row, int32_t n)
@@ -197,5 +211,6 @@ const ntp__solver_kernels TABLE_NAME(NTP_ISA) = {
     { set_pair_double, add_pair_double, sum_double, sum_squares_double },
     { down, down_live, up, up_live },
     slopes8,
+    squares_off,
     find_range,
 };

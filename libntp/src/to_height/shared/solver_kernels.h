@@ -54,6 +54,9 @@ typedef struct ntp__solver_kernels {
     ntp__row_loops rows_single, rows_double;
     ntp__column_loops columns;
     ntp__slopes8_fn *slopes8;
+    /* For n texels, the squared distance between the (x, y) of two normals, both given as slopes: row[0]
+     * and row[1], row[2] and row[3]. */
+    void (*squares_off)(double *out, double *const *row, int32_t x, int32_t n);
     /* range[0] = the least of range[0] and n numbers; range[1] = the greatest */
     void (*range)(float range[2], const float *row, int32_t n);
 } ntp__solver_kernels;
