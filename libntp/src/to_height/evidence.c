@@ -19,6 +19,12 @@ enum {
     LANES = 4   /* sums side by side */
 };
 
+/* Loops of vectors go on to whole lanes.  What is there counts for nothing. */
+static int32_t whole(int32_t n)
+{
+    return (n + 2 * LANES - 1) & -2 * LANES;
+}
+
 static void add_ground(evidence *e, const ntp__block *b, int32_t n)
 {
     for (int32_t i = 0; i < n; i += EACH) {
@@ -40,7 +46,7 @@ static bool is_derived(int64_t blue, int64_t rest, int32_t m, bool zzero)
 static void add_neutral(evidence *e, const ntp__block *b, int32_t n)
 {
     int32_t level = 0, beside = 0, low = 0, high = 0;
-    for (int32_t i = 0; i < n; i++) {
+    for (int32_t i = 0; i < whole(n); i++) {
         int32_t red = b->c[0][i];
         level += b->c[1][i] == 128;
         beside += (red == 126) + (red == 129);
@@ -107,24 +113,27 @@ static void add_squares(evidence *e, const double *z2, const double *rest, doubl
  * and so are their squares.  The loops over single arrays are for the compiler to vectorize. */
 static void add_lengths(evidence *e, const ntp__block *b, int32_t m, bool zzero, int32_t n)
 {
-    double z[NTP__BLOCK], z2[NTP__BLOCK + LANES], rest[NTP__BLOCK + LANES];
+    double z[NTP__BLOCK], z2[NTP__BLOCK], rest[NTP__BLOCK];
     double square = (double) m * m, unit = 1 / square;
+    const double most_off = e->most_off, most_rest = e->most_rest;
     int32_t scale = zzero ? 1 : 2, zero = zzero ? 0 : m, negative = 0, tilted_some = 0;
     int32_t right_some = 0;
-    for (int32_t i = 0; i < n; i++) {
+    for (int32_t i = 0; i < whole(n); i++) {
         double x = 2 * b->c[0][i] - m, y = 2 * b->c[1][i] - m;
         z[i] = scale * b->c[2][i] - zero;
         z2[i] = z[i] * z[i];
         rest[i] = square - x * x - y * y;
     }
-    for (int32_t k = 0; k < LANES; k++)
-        z2[n + k] = rest[n + k] = 0;
-    add_squares(e, z2, rest, unit, n);
-    for (int32_t i = 0; i < n; i++) {
+    for (int32_t i = n; i < whole(n); i++)
+        z2[i] = rest[i] = z[i] = 0;
+    add_squares(e, z2, rest, unit, whole(n));
+    for (int32_t i = n; i < whole(n); i++) /* neither right nor tilted */
+        rest[i] = 4 * square;
+    for (int32_t i = 0; i < whole(n); i++) {
         double off = z2[i] - rest[i];
-        right_some += off * off < e->most_off;
+        right_some += off * off < most_off;
         negative |= z[i] < -1;
-        tilted_some |= rest[i] < e->most_rest;
+        tilted_some |= rest[i] < most_rest;
     }
     e->right += right_some;
     e->all += n;
@@ -138,11 +147,12 @@ static void add_lengths(evidence *e, const ntp__block *b, int32_t m, bool zzero,
 }
 
 /* The errors of lengths by a rule. */
-static void find_errors(double *error, const rule *r, int32_t c[3][NTP__BLOCK], int32_t n)
+static void find_errors(double *restrict error, const rule *r, int32_t c[3][NTP__BLOCK], int32_t n)
 {
-    for (int32_t i = 0; i < n; i++) {
-        double x = (2 * c[0][i] - r->zero) * r->unit, y = (2 * c[1][i] - r->zero) * r->unit;
-        double z = (2 * c[2][i] - r->zero) * r->unit;
+    const double zero = r->zero, unit = r->unit;
+    for (int32_t i = 0; i < whole(n); i++) {
+        double x = (2 * c[0][i] - zero) * unit, y = (2 * c[1][i] - zero) * unit;
+        double z = (2 * c[2][i] - zero) * unit;
         error[i] = (x * x + y * y + z * z - 1) / 2;
     }
 }
@@ -214,6 +224,8 @@ void JOIN(ntp__gather_evidence_, NTP_ISA)(evidence *e, const ntp_const_image *sr
             int32_t n = src->width - x < NTP__BLOCK ? src->width - x : NTP__BLOCK;
             ntp__unpack(&block, src, x, y, n);
             n = keep_used(&block, n, m, touch);
+            for (int32_t i = n; i < whole(n); i++)
+                block.c[0][i] = block.c[1][i] = block.c[2][i] = 0;
             add_lengths(e, &block, m, zzero, n);
             if (with_rules) {
                 add_neutral(e, &block, n);
