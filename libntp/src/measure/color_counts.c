@@ -193,6 +193,7 @@ void ntp__merge_cells(ntp__color_counts *into, const ntp__color_counts *from, in
     uint8_t seen[NTP__ROWS];
     memcpy(seen, from->at.row_seen, sizeof seen);
     find_rows(seen, from, most);
+    into->grouped |= from->grouped;
     for (int32_t row = 0; (row = ntp__next_row(seen, row)) < NTP__ROWS; row++) {
         const int32_t near = row * NTP__NEAR, first = row * NTP__ROW_CELLS;
         ntp__merge_counts(&into->at.near[near], &from->at.near[near], NTP__NEAR);
@@ -219,4 +220,5 @@ void ntp__clear_cells(ntp__color_counts *t, int32_t most)
             memset(&t->at.carried[row * NTP__ROW_CELLS], 0, 256 * sizeof t->at.carried[0]);
     }
     memset(seen, 0, sizeof t->at.row_seen);
+    t->grouped = 0;
 }

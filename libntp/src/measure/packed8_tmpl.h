@@ -83,7 +83,10 @@ static inline int32_t count_groups(ntp_tally *t, uint64_t far_before, int32_t do
     if (done < LEAST || far < (uint64_t) done / ONE_IN)
         return 0;
     ntp__count8_fn *const count = ntp__kernels(NTP__CPU_ALL)->count_cells;
-    return count != NULL ? count(&t->cells.at, p, n, channels, &t->gray) : 0;
+    if (count == NULL)
+        return 0;
+    t->cells.grouped = 1;
+    return count(&t->cells.at, p, n, channels, &t->gray);
 }
 
 /* Counts exact texels of the first ones of a row of texels, and returns of how many; `next` ones after them

@@ -7,7 +7,6 @@
 
 #include <string.h>
 #ifdef NTP_HAVE_AVX2
-#  include "base/cpu.h"
 #  include "measure/dense_row_avx2.h"
 #endif
 
@@ -41,8 +40,8 @@ static void add_cells(ntp_tally *t, int32_t m, ntp_encoding encoding)
     batch.n = 0;
     ntp__note_rows(&t->cells, ntp__steepest_of(t));
 #ifdef NTP_HAVE_AVX2
-    const bool dense =
-        m == 255 && encoding == NTP_ENCODING_STANDARD && ntp__cpu_has_avx2(NTP__CPU_ALL);
+    /* set with AVX2 only */
+    const bool dense = t->cells.grouped && m == 255 && encoding == NTP_ENCODING_STANDARD;
 #endif
     for (int32_t row = 0; (row = ntp__next_row(t->cells.at.row_seen, row)) < NTP__ROWS; row++) {
 #ifdef NTP_HAVE_AVX2
