@@ -3,11 +3,10 @@
  * far_avx2.c - adds 16-bit texels that are far from exact, eight at a time, with AVX2
  *
  * Where none of eight texels is a neighbor, none is rounded, exact or mirrored either, so a few
- * comparisons of whole numbers make all the flags.  Lengths take a root and a quotient in floats, as in
- * judge_lengths_quickly, whose bounds hold here.  Two angles follow in registers (turn_avx2_tmpl.h).
- * The first is that of harm, which is to the vector with the other sign of z where z is negative; the
- * other one, to the derived blue, is left for texels whose z is negative, and pairs that are too long
- * have to be pulled before.  Lists of these make whole lanes.
+ * comparisons of whole numbers make all the flags.  Lengths and angles follow (lengths_avx2_tmpl.h,
+ * turn_avx2_tmpl.h).  The angle of harm is that to the derived blue, or where z is negative that to the
+ * vector with the other sign of z.  Texels with a negative z have another one, to the derived blue; and
+ * pairs that are too long have to be pulled before.  Lists of these make whole lanes.
  *
  * Notation is that of judge_tmpl.h, with X = 2r - M.  There, neighbors are
  *     standard: -2k <= a - A_M < 2k - 6;

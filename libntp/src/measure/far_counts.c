@@ -7,6 +7,8 @@
 #include <stddef.h>
 #include <string.h>
 
+#ifdef NTP_HAVE_AVX2
+
 /* Words of ntp__sums that may be counted.  The last ones are never read (judged_sums.h). */
 typedef struct range {
     size_t first, n;
@@ -14,7 +16,7 @@ typedef struct range {
 
 enum { READ = 3 + NTP__ALL_HARM, RANGES = READ + 2 };
 
-#define WORD(member) (offsetof(ntp__sums, member) / sizeof(uint32_t))
+#  define WORD(member) (offsetof(ntp__sums, member) / sizeof(uint32_t))
 
 static void find_ranges(range to[RANGES], const ntp__sums *of)
 {
@@ -93,3 +95,15 @@ void ntp__clear_far(ntp__far_counts *far, const ntp__sums *of)
         clear_range(far->few + ranges[k].first, ranges[k].n);
     memset(far, 0, offsetof(ntp__far_counts, few));
 }
+
+#else /* nothing counts there */
+void ntp__merge_far(ntp__sums *into, const ntp__far_counts *far, const ntp__sums *of)
+{
+    (void) into, (void) far, (void) of;
+}
+
+void ntp__clear_far(ntp__far_counts *far, const ntp__sums *of)
+{
+    (void) far, (void) of;
+}
+#endif
