@@ -462,8 +462,13 @@ static void add_judged(ntp__sums *sums, ntp__far_counts *far, far_texels *f)
 
 int32_t ntp__add_far_avx2(ntp__sums *sums, ntp__far_counts *far, ntp__block *block, int32_t n)
 {
+    enum { SKIPPED = 15 };
     far_texels f;
     int32_t left = 0;
+    if (far->skip > 0) {
+        far->skip--;
+        return n;
+    }
     for (int32_t from = 0; from + 8 <= n; from += STEP) {
         f.n = f.negative = f.too_long = 0;
         left = judge_some(sums, &f, block, from, from + STEP < n ? from + STEP : n & -8, left);
@@ -474,5 +479,6 @@ int32_t ntp__add_far_avx2(ntp__sums *sums, ntp__far_counts *far, ntp__block *blo
         for (int k = 0; k < 3; k++)
             block->c[k][left] = block->c[k][i];
     }
+    far->skip = left > n - n / 4 ? SKIPPED : 0;
     return left;
 }

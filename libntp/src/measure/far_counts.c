@@ -88,6 +88,7 @@ void ntp__merge_far(ntp__sums *into, const ntp__far_counts *far, const ntp__sums
 void ntp__clear_far(ntp__far_counts *far, const ntp__sums *of)
 {
     range ranges[RANGES];
+    far->skip = 0;
     if (!far->used)
         return;
     find_ranges(ranges, of);

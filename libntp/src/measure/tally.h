@@ -84,7 +84,6 @@ struct ntp_tally {
     uint8_t wide_flat_seen[4 * 8192]; /* a bit for each blue of the four flat pairs */
     ntp__sums wide;
     ntp__close_counts close; /* texels of `wide` */
-    ntp__far_counts far;     /* the same */
     uint8_t pair_seen[65536 / NTP__PAIR_GROUP];
     /* Pairs of sampled rows: texels and the sum of their blues in one number (ntp__pair_place, NTP__PAIR_TEXEL),
      * and if pairs_full is set, more of them. */
@@ -92,6 +91,7 @@ struct ntp_tally {
     uint32_t pair_texels[65536];
     uint64_t pair_blue[65536];
     ntp__sums transparent_wide, transparent_narrow; /* judged at 16 and at 8 bit */
+    ntp__far_counts far;                            /* texels of `wide`, as those in `close` */
 };
 
 /* The place of red and green, rounded to 8 bit.  Slopes lie in a disc, so a page holds 32 reds of 32
