@@ -280,6 +280,7 @@ static void end_close_block(close_check *k, int32_t n)
     if (k->level->count_exact != NULL)
         add_exact_texels(k, n);
     ntp__add_block(&k->each, &k->block, NULL, n, 65535, NTP_ENCODING_STANDARD);
+    k->far.skip = 0; /* look at all */
     ntp__add_close_block(&k->some, &k->close, &k->far, &k->block, n);
     k->n = 0;
 }
