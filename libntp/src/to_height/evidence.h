@@ -2,8 +2,8 @@
 /*
  * evidence.h - what decode.c asks the texels
  */
-#ifndef NTP_EVIDENCE_H
-#define NTP_EVIDENCE_H
+#ifndef NTP_LEVEL_EVIDENCE_H
+#define NTP_LEVEL_EVIDENCE_H
 
 #include "base/view.h"
 

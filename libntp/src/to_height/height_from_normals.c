@@ -6,6 +6,7 @@
  * file runs all steps.  The steps themselves are elsewhere:
  *   make_plan.c          checks the options once, and chooses the solver
  *   decode.c             finds out what the levels mean, and whether blue is to be trusted
+ *   evidence.c           asks the texels for that
  *   direct/direct.h      the usual solver: transforms and recursion, no iteration; telescoping
  *   weighted/weighted.h  the solver for masks, holes and steep textures: iteration
  *   shared/slopes.h      what both solvers read: slopes, their operator, transforms, plans
