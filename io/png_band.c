@@ -9,9 +9,10 @@
  *
  * Costs foresee badly what a long way back repeats, so libpng's defaults can be smaller: the guess,
  * and the matches of zlib's level 6.  From SEARCHES on, two runs of rows are packed as they would do
- * it, too.  Where that is no larger, the band is packed both ways, as all bands below MODEST are,
- * and the smaller one stays; of noise, where the runs are like the rest, only that way.  Where matches
- * below eight bytes save nothing in these runs, the band is packed without them: that is quicker.
+ * it, too.  Where that is no larger, or hardly, the band is packed both ways, as all bands below
+ * MODEST are, and the smaller one stays; of noise, where the runs are like the rest, only that way.
+ * Where matches below eight bytes save nothing in these runs, the band is packed without them: that is
+ * quicker.
  *
  * Small pictures are tried with several rules of filters, and as libpng would.
  *
