@@ -232,20 +232,14 @@ typedef struct close_check {
     int32_t n;
 } close_check;
 
-/* The exact texels of the block, packed.  Neighbors among them are of different groups. */
-static void add_exact_texels(close_check *k, int32_t n)
+/* The exact ones of n packed texels; the others go to `others`, behind `left` that are there. */
+static int32_t add_exact_part(close_check *k, const uint16_t *rgb, int32_t n, ntp__block *others,
+                              int32_t left)
 {
     enum { STEP = 16 };
-    uint16_t rgb[3 * NTP__BLOCK];
     bool is_left[NTP__BLOCK] = { false };
-    int32_t left = 0;
+    const int32_t before = left;
     ntp__exact_block found;
-    ntp__block others;
-    for (int32_t i = 0; i < n; i++) {
-        const int32_t from = n == NTP__BLOCK ? i % 8 * 32 + i / 8 : i;
-        for (int32_t e = 0; e < 3; e++)
-            rgb[3 * i + e] = (uint16_t) k->block.c[e][from];
-    }
     const int32_t done = n < STEP ? 0 : k->level->count_exact(&found, &k->close_exact, rgb, n);
     CHECK(done == n / STEP * STEP);
     if (done > 0)
@@ -257,10 +251,10 @@ static void add_exact_texels(close_check *k, int32_t n)
         const bool other = i >= done || is_left[i];
         CHECK(other || !is_odd(c));
         for (int32_t e = 0; other && e < 3; e++)
-            others.c[e][left] = c[e];
+            others->c[e][left] = c[e];
         left += other;
     }
-    CHECK(done == 0 || found.texels == n - left);
+    CHECK(done == 0 || found.texels == n - (left - before));
     for (int32_t e = 0; done > 0 && e < 3; e++) {
         int32_t least = 65535, greatest = 0;
         uint32_t sum = 0;
@@ -272,7 +266,24 @@ static void add_exact_texels(close_check *k, int32_t n)
         CHECK(found.survey.least[e] == (uint32_t) least && found.survey.sum[e] == sum);
         CHECK(found.survey.greatest[e] == (uint32_t) greatest);
     }
-    ntp__add_block(&k->exact, &others, NULL, left, 65535, NTP_ENCODING_STANDARD);
+    return left;
+}
+
+/* The exact texels of the block, packed.  Neighbors among them are of different groups, and two parts are
+ * counted one after the other: so of any kind, a part has any number. */
+static void add_exact_texels(close_check *k, int32_t n)
+{
+    uint16_t rgb[3 * NTP__BLOCK];
+    ntp__block others;
+    for (int32_t i = 0; i < n; i++) {
+        const int32_t from = n == NTP__BLOCK ? i % 8 * 32 + i / 8 : i;
+        for (int32_t e = 0; e < 3; e++)
+            rgb[3 * i + e] = (uint16_t) k->block.c[e][from];
+    }
+    const int32_t cut = n == NTP__BLOCK ? (rgb[0] + rgb[1]) % NTP__BLOCK : 0;
+    const int32_t left = add_exact_part(k, rgb, cut, &others, 0);
+    const int32_t all = add_exact_part(k, rgb + 3 * cut, n - cut, &others, left);
+    ntp__add_block(&k->exact, &others, NULL, all, 65535, NTP_ENCODING_STANDARD);
 }
 
 static void end_close_block(close_check *k, int32_t n)
@@ -414,11 +425,12 @@ static void check_close(const ntp__kernels_table *level, uint64_t *seed)
         }
     }
     add_edges(&k, seed);
-    for (int32_t i = 0; i < RANDOM; i++) {
+    /* first most are exact, then few */
+    for (int32_t i = 0; i < 4 * RANDOM; i++) {
         const int32_t x = (int32_t) (random_bits(seed) % 32768),
                       y = (int32_t) (random_bits(seed) % 32768);
         const int64_t s = ntp__rest(x + 32768, y + 32768, 65535);
-        const bool other = random_bits(seed) % 256 == 0;
+        const bool other = i < RANDOM ? random_bits(seed) % 256 == 0 : random_bits(seed) % 4 > 0;
         if (s >= 0)
             add_close_group(&k, seed, x, y, ntp__blue_of_rest(s, 65535, false) - 32768 + other);
         else if (other)

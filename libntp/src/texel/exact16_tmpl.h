@@ -25,16 +25,18 @@
 
 #ifdef __AVX2__
 
-enum { EXACT_STEP = 16, EVERY = 0x55555555, NOWHERE = 256 };
+enum { EXACT_STEP = 16, EVERY = 0x55555555 };
 
 /* What is kept of the texels of a block between the steps. */
 typedef struct exact_texels {
-    int16_t s[256 + 1];            /* 1 - t, or 0: not exact, odd, or t = 1 */
-    int16_t z[256 + 1], pair[256]; /* half_up of x and of y, less 2 */
-    int32_t from[256 + 8];         /* which are steep and wait to be gathered */
+    int16_t s[256];            /* 1 - t, or 0: not exact, odd, or t = 1 */
+    int16_t z[256], pair[256]; /* half_up of x and of y, less 2 */
+    /* Of those that are steeper than nearly flat, in groups of eight; an s of 0: of none. */
+    int16_t steep_s[256 + 8], steep_z[256 + 8];
+    uint8_t from[256], few[256]; /* where these are; where those are that are in no group yet */
     /* Where to count in exact: nearly flat ones, and steeper ones; and these in exact_off (close.h). */
     uint16_t at[256], far[256], off[256];
-    int32_t steep, near_ones, far_ones; /* how many; of the latter two, with forgotten ones */
+    int32_t few_ones, steep, near_ones; /* how many; of the latter two, with those of none */
 } exact_texels;
 
 /* Of red, green and blue: sums of eight lanes, and extremes of 16. */
@@ -44,8 +46,7 @@ typedef struct exact_survey {
 
 /* Of texels that are steeper than nearly flat. */
 typedef struct far_sums {
-    __m256i longer, squares, shortest, longest, most;
-    int32_t texels;
+    __m256i longer, squares, shortest, longest, most, texels;
 } far_sums;
 
 static inline uint32_t lanes_of(__m256i mask)
@@ -144,6 +145,11 @@ static inline __m256i place_near(__m256i *between, __m256i s, __m256i z, __m256i
     return _mm256_or_si256(at, _mm256_and_si256(rounded, words(8 * NTP__EXACT_ROUNDED)));
 }
 
+static inline __m256i words_of(const int16_t *p)
+{
+    return _mm256_cvtepi16_epi32(_mm_loadu_si128((const __m128i *) (const void *) p));
+}
+
 static inline void store_words(uint16_t *p, __m256i v)
 {
     const __m256i two = _mm256_packus_epi32(v, v);
@@ -151,52 +157,51 @@ static inline void store_words(uint16_t *p, __m256i v)
                      _mm256_castsi256_si128(_mm256_permute4x64_epi64(two, 0x08)));
 }
 
-/* Words at eight places. */
-static inline __m256i words_at(const int16_t *p, const int32_t *at)
+/* The same of the texels that are steeper; also sums them.  Puts those in doubt behind `left` others, and
+ * returns how many these are then.  Lengths are below 2^14 here, so that the squares of 32 fit. */
+static int32_t place_far(far_sums *sums, exact_texels *v, uint8_t *others, int32_t left)
 {
-    return _mm256_setr_epi32(p[at[0]], p[at[1]], p[at[2]], p[at[3]], p[at[4]], p[at[5]], p[at[6]],
-                             p[at[7]]);
-}
-
-/* The same of eight texels that are steeper, from their s and z; also sums them.  Returns the bits of those in
- * doubt; those with an s of 0 are forgotten.  Lengths are below 2^14 here, so that the squares of 32 fit. */
-ONE_COPY static uint32_t place_far(far_sums *s, exact_texels *v, __m256i rest, __m256i z)
-{
-    const __m256i none = _mm256_cmpeq_epi32(rest, _mm256_setzero_si256()),
-                  t = _mm256_sub_epi32(eight(1), rest);
-    const __m256i zero = _mm256_setzero_si256(), one = eight(1), t2 = _mm256_add_epi32(t, t);
-    const __m256i z1 = _mm256_add_epi32(z, one), b = _mm256_add_epi32(z, eight(CLOSE_K));
-    const __m256i e = _mm256_sub_epi32(_mm256_mullo_epi32(z, z1), t);
-    const __m256i g = _mm256_sub_epi32(_mm256_mullo_epi32(b, b), _mm256_slli_epi32(e, 2));
-    __m256i between;
-    const __m256i longer = _mm256_sub_epi32(close_length(&between, g), eight(NTP__LENGTH_ONE));
-    const __m256i left = _mm256_or_si256(between, none);
-    /* how many limits t has passed, negative */
-    __m256i passed = _mm256_add_epi32(_mm256_cmpgt_epi32(t, eight(CLOSE_ONE - 1)),
-                                      _mm256_cmpgt_epi32(t, eight(CLOSE_LONGER - 1)));
-    passed = _mm256_add_epi32(passed, _mm256_cmpgt_epi32(t, zero));
-    __m256i off = _mm256_sub_epi32(eight(CLOSE_K - 1), z);
-    off = _mm256_sub_epi32(off, _mm256_cmpgt_epi32(t2, z1));
-    off = kept(_mm256_sub_epi32(off, _mm256_cmpgt_epi32(_mm256_add_epi32(t2, z), zero)), left);
-    s->most = _mm256_max_epi32(s->most, off);
-    const __m256i length = kept(longer, left);
-    s->longer = _mm256_add_epi32(s->longer, length);
-    s->squares = _mm256_add_epi32(s->squares, _mm256_madd_epi16(length, length));
-    s->shortest = _mm256_min_epu32(s->shortest, _mm256_or_si256(length, left));
-    s->longest = _mm256_max_epi32(s->longest, length);
-    __m256i at = _mm256_slli_epi32(_mm256_srli_epi32(longer, 9), 10);
-    at = _mm256_add_epi32(
-        at, _mm256_slli_epi32(steepness(_mm256_sub_epi32(eight(CLOSE_AM - 1), e)), 4));
-    at = _mm256_sub_epi32(at, _mm256_slli_epi32(passed, 2));
-    at = _mm256_add_epi32(at, _mm256_add_epi32(own_copies(), eight(NTP__EXACT_FAR)));
-    /* as many places as lanes for what is forgotten */
-    const __m256i forgotten = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
-    store_words(v->far + v->far_ones, _mm256_blendv_epi8(at, forgotten, left));
-    off = _mm256_add_epi32(off, eight(7));
-    store_words(v->off + v->far_ones, _mm256_blendv_epi8(off, forgotten, left));
-    v->far_ones += 8;
-    s->texels += __builtin_popcount(~lanes_of(left) & 255U);
-    return lanes_of(kept(between, none));
+    const __m256i zero = _mm256_setzero_si256(), one = eight(1);
+    far_sums s = { zero, zero, eight(-1), zero, zero, zero };
+    for (int32_t i = 0; i < v->steep; i += 8) {
+        const __m256i rest = words_of(v->steep_s + i), z = words_of(v->steep_z + i);
+        const __m256i none = _mm256_cmpeq_epi32(rest, zero), t = _mm256_sub_epi32(one, rest);
+        const __m256i t2 = _mm256_add_epi32(t, t), z1 = _mm256_add_epi32(z, one);
+        const __m256i b = _mm256_add_epi32(z, eight(CLOSE_K));
+        const __m256i e = _mm256_sub_epi32(_mm256_mullo_epi32(z, z1), t);
+        const __m256i g = _mm256_sub_epi32(_mm256_mullo_epi32(b, b), _mm256_slli_epi32(e, 2));
+        __m256i between;
+        const __m256i longer = _mm256_sub_epi32(close_length(&between, g), eight(NTP__LENGTH_ONE));
+        const __m256i bad = _mm256_or_si256(between, none);
+        /* how many limits t has passed, negative */
+        __m256i passed = _mm256_add_epi32(_mm256_cmpgt_epi32(t, eight(CLOSE_ONE - 1)),
+                                          _mm256_cmpgt_epi32(t, eight(CLOSE_LONGER - 1)));
+        passed = _mm256_add_epi32(passed, _mm256_cmpgt_epi32(t, zero));
+        __m256i off = _mm256_sub_epi32(eight(CLOSE_K - 1), z);
+        off = _mm256_sub_epi32(off, _mm256_cmpgt_epi32(t2, z1));
+        off = kept(_mm256_sub_epi32(off, _mm256_cmpgt_epi32(_mm256_add_epi32(t2, z), zero)), bad);
+        s.most = _mm256_max_epi32(s.most, off);
+        const __m256i length = kept(longer, bad);
+        s.longer = _mm256_add_epi32(s.longer, length);
+        s.squares = _mm256_add_epi32(s.squares, _mm256_madd_epi16(length, length));
+        s.shortest = _mm256_min_epu32(s.shortest, _mm256_or_si256(length, bad));
+        s.longest = _mm256_max_epi32(s.longest, length);
+        s.texels = _mm256_add_epi32(s.texels, kept(one, bad));
+        __m256i at = _mm256_slli_epi32(_mm256_srli_epi32(longer, 9), 10);
+        at = _mm256_add_epi32(
+            at, _mm256_slli_epi32(steepness(_mm256_sub_epi32(eight(CLOSE_AM - 1), e)), 4));
+        at = _mm256_sub_epi32(at, _mm256_slli_epi32(passed, 2));
+        at = _mm256_add_epi32(at, _mm256_add_epi32(own_copies(), eight(NTP__EXACT_FAR)));
+        /* as many places as lanes for what is forgotten */
+        const __m256i forgotten = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
+        store_words(v->far + i, _mm256_blendv_epi8(at, forgotten, bad));
+        off = _mm256_add_epi32(off, eight(7));
+        store_words(v->off + i, _mm256_blendv_epi8(off, forgotten, bad));
+        for (uint32_t doubt = lanes_of(kept(between, none)); doubt != 0; doubt &= doubt - 1)
+            others[left++] = v->from[i + __builtin_ctz(doubt)];
+    }
+    *sums = s;
+    return left;
 }
 
 ONE_COPY static int32_t sum_of_eight(__m256i v)
@@ -245,6 +250,7 @@ static void survey_exact(ntp__survey *out, exact_texels *to, const uint16_t *src
 static void end_far(ntp__exact_block *out, const far_sums *s)
 {
     uint64_t squares[4];
+    out->far = sum_of_eight(s->texels);
     store_eight(squares,
                 _mm256_add_epi64(_mm256_srli_epi64(s->squares, 32),
                                  _mm256_and_si256(s->squares, _mm256_set1_epi64x(UINT32_MAX))));
@@ -272,30 +278,42 @@ static inline void prefetch_exact(const uint16_t *p)
     _mm_prefetch((const char *) p + 64, _MM_HINT_T0);
 }
 
-/* Places those of eight texels from i on that are steep, or notes them if they are few: then these are
- * gathered later.  Returns their bits if they have to wait, as bits_of does. */
-static inline uint32_t take_steep(far_sums *sums, exact_texels *v, int32_t i, __m128i far)
+/* Takes those of eight texels from i on that are steep as a group, or notes them if they are few: a group
+ * costs as much as gathering five. */
+static inline void take_steep(exact_texels *v, int32_t i, __m128i far)
 {
     enum { FEW = 4 };
-    const int bits = _mm_movemask_epi8(_mm_packs_epi16(far, far)) & 255;
+    const uint64_t places =
+        UINT64_C(0x0706050403020100) + UINT64_C(0x0101010101010101) * (uint32_t) i;
+    const uint32_t bits = (uint32_t) _mm_movemask_epi8(_mm_packs_epi16(far, far)) & 255;
+    if (__builtin_popcount(bits) <= FEW) {
+        v->few_ones += find_four_bytes(v->few + v->few_ones, i, bits & 15);
+        v->few_ones += find_four_bytes(v->few + v->few_ones, i + 4, bits >> 4);
+        return;
+    }
     const __m128i *const s = (const __m128i *) (const void *) (v->s + i),
                          *const z = (const __m128i *) (const void *) (v->z + i);
-    uint32_t wait = 0;
-    if (__builtin_popcount((unsigned) bits) <= FEW) {
-        v->steep += find_four(v->from + v->steep, i, bits & 15);
-        v->steep += find_four(v->from + v->steep, i + 4, bits >> 4);
-        return 0;
-    }
-    for (uint32_t doubt =
-             place_far(sums, v, _mm256_cvtepi16_epi32(_mm_and_si128(_mm_loadu_si128(s), far)),
-                       _mm256_cvtepi16_epi32(_mm_loadu_si128(z)));
-         doubt != 0; doubt &= doubt - 1)
-        wait |= 1U << 2 * __builtin_ctz(doubt);
-    return wait;
+    _mm_storeu_si128((__m128i *) (void *) (v->steep_s + v->steep),
+                     _mm_and_si128(_mm_loadu_si128(s), far));
+    _mm_storeu_si128((__m128i *) (void *) (v->steep_z + v->steep), _mm_loadu_si128(z));
+    memcpy(v->from + v->steep, &places, sizeof places);
+    v->steep += 8;
 }
 
-/* Places 16 texels, but steep ones that are noted; returns the bits of those that wait. */
-static inline uint32_t place_exact(far_sums *sums, exact_texels *v, int32_t i)
+/* Makes groups of the few that were noted, and fills up the last one. */
+static inline void gather_few(exact_texels *v)
+{
+    for (int32_t i = 0; i < v->few_ones; i++, v->steep++) {
+        v->from[v->steep] = v->few[i];
+        v->steep_s[v->steep] = v->s[v->few[i]];
+        v->steep_z[v->steep] = v->z[v->few[i]];
+    }
+    memset(v->steep_s + v->steep, 0, 8 * sizeof v->steep_s[0]);
+    memset(v->steep_z + v->steep, 0, 8 * sizeof v->steep_z[0]);
+}
+
+/* Places 16 texels, but steep ones, which are taken or noted; returns the bits of those that wait. */
+static inline uint32_t place_exact(exact_texels *v, int32_t i)
 {
     const __m256i lanes = _mm256_setr_epi16(0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4, 5, 6, 7);
     const __m256i s = load_eight(v->s + i), z = load_eight(v->z + i);
@@ -314,8 +332,8 @@ static inline uint32_t place_exact(far_sums *sums, exact_texels *v, int32_t i)
         wait = bits_of(kept(none, far));
     }
     if (bits_of(far) != 0) {
-        wait |= take_steep(sums, v, i, _mm256_castsi256_si128(far));
-        wait |= take_steep(sums, v, i + 8, _mm256_extracti128_si256(far, 1)) << 16;
+        take_steep(v, i, _mm256_castsi256_si128(far));
+        take_steep(v, i + 8, _mm256_extracti128_si256(far, 1));
     }
     return wait;
 }
@@ -323,33 +341,27 @@ static inline uint32_t place_exact(far_sums *sums, exact_texels *v, int32_t i)
 static int32_t count_exact(ntp__exact_block *out, ntp__close_counts *counts, const uint16_t *src,
                            int32_t n)
 {
-    const __m256i zero = _mm256_setzero_si256();
     exact_texels v;
-    far_sums s = { zero, zero, eight(-1), zero, zero, 0 };
     int32_t left = 0;
     n &= -EXACT_STEP;
-    v.near_ones = v.far_ones = v.steep = 0;
+    v.near_ones = v.few_ones = v.steep = 0;
     survey_exact(&out->survey, &v, src, n);
     for (int32_t i = 0; i < n; i += EXACT_STEP) {
         prefetch_exact(src + 3 * (n + i));
-        for (uint32_t others = place_exact(&s, &v, i); others != 0; others &= others - 1)
+        for (uint32_t others = place_exact(&v, i); others != 0; others &= others - 1)
             out->left[left++] = (uint8_t) (i + __builtin_ctz(others) / 2);
     }
-    v.s[NOWHERE] = v.z[NOWHERE] = 0;
-    store_eight(v.from + v.steep, eight(NOWHERE));
-    for (int32_t i = 0; i < v.steep; i += 8) {
-        const int32_t *const from = v.from + i;
-        for (uint32_t others = place_far(&s, &v, words_at(v.s, from), words_at(v.z, from));
-             others != 0; others &= others - 1)
-            out->left[left++] = (uint8_t) v.from[i + __builtin_ctz(others)];
-    }
+    gather_few(&v);
+    out->far = 0;
     count_at(counts->exact, v.at, v.near_ones);
-    count_at(counts->exact, v.far, v.far_ones);
-    count_at(counts->exact_off, v.off, v.far_ones);
-    out->texels = n - left;
-    out->far = s.texels;
-    if (s.texels > 0)
+    if (v.steep > 0) {
+        far_sums s;
+        left = place_far(&s, &v, out->left, left);
+        count_at(counts->exact, v.far, v.steep);
+        count_at(counts->exact_off, v.off, v.steep);
         end_far(out, &s);
+    }
+    out->texels = n - left;
     return n;
 }
 #else
