@@ -157,6 +157,18 @@ static inline void store_words(uint16_t *p, __m256i v)
                      _mm256_castsi256_si128(_mm256_permute4x64_epi64(two, 0x08)));
 }
 
+/* Eight steeper texels but bad ones. */
+static inline void add_far(far_sums *s, __m256i off, __m256i longer, __m256i bad)
+{
+    const __m256i length = kept(longer, bad);
+    s->most = _mm256_max_epi32(s->most, off);
+    s->longer = _mm256_add_epi32(s->longer, length);
+    s->squares = _mm256_add_epi32(s->squares, _mm256_madd_epi16(length, length));
+    s->shortest = _mm256_min_epu32(s->shortest, _mm256_or_si256(length, bad));
+    s->longest = _mm256_max_epi32(s->longest, length);
+    s->texels = _mm256_add_epi32(s->texels, kept(eight(1), bad));
+}
+
 /* The same of the texels that are steeper; also sums them.  Puts those in doubt behind `left` others, and
  * returns how many these are then.  Lengths are below 2^14 here, so that the squares of 32 fit. */
 static int32_t place_far(far_sums *sums, exact_texels *v, uint8_t *others, int32_t left)
@@ -180,13 +192,7 @@ static int32_t place_far(far_sums *sums, exact_texels *v, uint8_t *others, int32
         __m256i off = _mm256_sub_epi32(eight(CLOSE_K - 1), z);
         off = _mm256_sub_epi32(off, _mm256_cmpgt_epi32(t2, z1));
         off = kept(_mm256_sub_epi32(off, _mm256_cmpgt_epi32(_mm256_add_epi32(t2, z), zero)), bad);
-        s.most = _mm256_max_epi32(s.most, off);
-        const __m256i length = kept(longer, bad);
-        s.longer = _mm256_add_epi32(s.longer, length);
-        s.squares = _mm256_add_epi32(s.squares, _mm256_madd_epi16(length, length));
-        s.shortest = _mm256_min_epu32(s.shortest, _mm256_or_si256(length, bad));
-        s.longest = _mm256_max_epi32(s.longest, length);
-        s.texels = _mm256_add_epi32(s.texels, kept(one, bad));
+        add_far(&s, off, longer, bad);
         __m256i at = _mm256_slli_epi32(_mm256_srli_epi32(longer, 9), 10);
         at = _mm256_add_epi32(
             at, _mm256_slli_epi32(steepness(_mm256_sub_epi32(eight(CLOSE_AM - 1), e)), 4));
