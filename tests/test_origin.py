@@ -178,6 +178,27 @@ def sampled(h):
     return maps.encode(v / np.linalg.norm(v, axis=-1, keepdims=True))
 
 
+def test_a_blur_shows_under_damage():
+    """Much of what sobel3 made is taken for central, and no surface is."""
+    seen = []
+    for seed in range(4):
+        for exponent, slope in ((1.6, 1), (2, 1.5)):
+            h = reconstruction.fractal(256, seed, slope, exponent)
+            noise = np.random.default_rng(seed).normal(0, 3, (*h.shape, 3))
+            for n in (reconstruction.from_height(h, "sobel3"), maps.to_type(sampled(h))):
+                for damaged in (maps.jpeg(n, 95, 0), np.clip(n + noise, 0, 255).astype(np.uint8)):
+                    found = find(damaged)
+                    m = {k: found["misfit"][NAMES.index(k)] for k in TRIED}
+                    blurred = m["sobel3"] < 0.95 * m["scharr3"] and m["baked"] < 0.92 * m["central"]
+                    blurred &= m["sobel3"] > 0.7 * m["central"]
+                    baked = m["baked"] < 1.03 * m["central"] and not blurred
+                    assert not found["decided"]
+                    assert NAMES[found["kernel"]] == ("baked" if baked else "central"), m
+                    seen.append(baked)
+    sobel, surface = (np.reshape(seen, (-1, 2, 2))[:, k] for k in (0, 1))
+    assert surface.all() and 8 <= (~sobel).sum() <= 14, seen
+
+
 def test_damage_takes_the_kernel_that_errs_least():
     """None fits; central is off by far on what it did not make, baked on nothing."""
     rough = reconstruction.fractal(160, seed=3)

@@ -1535,7 +1535,8 @@ typedef struct ntp_kernel_fit {
  * 1024 and only until they show enough detail, and 256 columns of each.  The border does not
  * matter.  Where damage or smooth ground hides the kernel, it is undecided: forward if the slopes clearly
  * lie between texels, a fifth of a texel or more to the right and below.  Else it is baked on damage,
- * unless that misfits 1.03 times as much as central, and central on smooth ground.
+ * unless that misfits 1.03 times as much as central, or the blur of sobel3 shows; and central on smooth
+ * ground.
  * src->ring_rows is 0.
  */
 NTP_API ntp_status ntp_find_kernel(ntp_kernel_fit *fit, const ntp_const_image *src,

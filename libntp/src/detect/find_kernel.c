@@ -74,6 +74,10 @@ static const double BETTER = 1.15, USABLE_MISFIT = 4;
 /* Where no kernel fits, central is off by far on normals that were not made by it, and lets even and
  * odd heights drift apart under noise.  `baked` does neither, unless it misfits so much more. */
 static const double AS_GOOD = 1.03;
+/* Nor is it `baked` where the blur of `sobel3` shows under damage: it fits better than that of `scharr3`,
+ * which blurs less, by the first factor, and `baked` better than central by the second.  Of surfaces
+ * `sobel3` fits far better than central, as it hides the damage: below the third.  Central is then best. */
+static const double LESS_BLUR = 0.95, NO_BLUR = 0.92, HIDES = 0.7;
 static const uint64_t LEAST_POINTS = 200;
 
 /* The rows around a point's row. */
@@ -272,6 +276,16 @@ static int32_t best_of(const double misfit[CANDIDATES], int32_t but)
     return best;
 }
 
+/* What fits damaged slopes best that show no kernel, and do not lie between texels. */
+static ntp_kernel least_harm(const double misfit[NTP_KERNELS])
+{
+    double central = misfit[NTP_KERNEL_CENTRAL], baked = misfit[NTP_KERNEL_BAKED];
+    double sobel = misfit[NTP_KERNEL_SOBEL3];
+    bool blurred = sobel < LESS_BLUR * misfit[NTP_KERNEL_SCHARR3] && baked < NO_BLUR * central &&
+                   sobel > HIDES * central;
+    return !blurred && baked < AS_GOOD * central ? NTP_KERNEL_BAKED : NTP_KERNEL_CENTRAL;
+}
+
 ntp_status ntp_find_kernel(ntp_kernel_fit *fit, const ntp_const_image *src, uint32_t touch_unused)
 {
     if (fit == NULL || touch_unused > NTP_UNUSED_ALL)
@@ -312,8 +326,8 @@ ntp_status ntp_find_kernel(ntp_kernel_fit *fit, const ntp_const_image *src, uint
     if (fit->decided)
         fit->kernel = CANDIDATE[best].kernel;
     else if (fit->kernel == NTP_KERNEL_CENTRAL || (fit->kernel == NTP_KERNEL_FORWARD && damaged))
-        fit->kernel = ntp__lie_between(src)                           ? NTP_KERNEL_FORWARD
-                      : damaged && misfit[last] < AS_GOOD * misfit[0] ? NTP_KERNEL_BAKED
-                                                                      : NTP_KERNEL_CENTRAL;
+        fit->kernel = ntp__lie_between(src) ? NTP_KERNEL_FORWARD
+                      : damaged             ? least_harm(fit->misfit)
+                                            : NTP_KERNEL_CENTRAL;
     return NTP_OK;
 }
