@@ -87,6 +87,41 @@ def test_where_bends_abound_they_tell_no_cliff(seed, degrees):
     assert scenes.error(depth, scene, scene.pieces) <= limit
 
 
+@pytest.mark.parametrize(("seed", "degrees"), [(2, 30), (6, 45)])
+def test_what_moves_slowly_arrives(seed, degrees):
+    """The inside of a goblet hangs by so little that without momentum a hundred rounds are needed."""
+    scene = cliff_objects.goblet(128, degrees, seed)
+    plain = find_depth(vectors(scene), camera=scene.camera, rounds=1, sure=False)[0]
+    depth = find_depth(vectors(scene), camera=scene.camera, sure=False)[0]
+    limit = scenes.error(plain, scene, scene.pieces) / 40
+    assert scenes.error(depth, scene, scene.pieces) <= limit
+
+
+def test_in_the_end_what_is_off_a_little_is_off():
+    """With the trust of the first part alone they are off by 0.24 to 0.32 texels."""
+    for degrees in (0, 45):
+        scene = scenes.steps(128, degrees)
+        depth = find_depth(vectors(scene), camera=scene.camera, sure=False)[0]
+        assert scenes.error(depth, scene) <= 0.12
+
+
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda: scenes.spheres(128, 60, False),
+        lambda: scenes.cloth(80, 90),
+        lambda: scenes.cloth(128, 0),
+        lambda: cliff_objects.knot(96, 0, 1),
+    ],
+)
+def test_doubt_is_measured_from_where_most_texels_are(make):
+    """Measured from means it is that of the mean itself: the area under the curve falls to 0.1."""
+    scene = make()
+    depth, confidence, _ = find_depth(vectors(scene), camera=scene.camera)
+    errors = np.abs(scenes.aligned(depth, scene) - scene.depth)[scene.mask]
+    assert scenes.ranks(confidence[scene.mask], errors) >= 0.72
+
+
 def test_confidence_ranks_the_errors(found):
     ranks = []
     for scene, _, depth, confidence, _ in found:
@@ -98,7 +133,7 @@ def test_confidence_ranks_the_errors(found):
 
 
 @pytest.mark.parametrize(
-    ("size", "degrees", "least"), [(64, 60, 0.85), (64, 90, 0.95), (256, 60, 0.75), (256, 90, 0.95)]
+    ("size", "degrees", "least"), [(64, 60, 0.65), (64, 90, 0.8), (256, 60, 0.75), (256, 90, 0.95)]
 )
 def test_confidence_knows_what_is_far_and_what_is_cut_off(size, degrees, least):
     """Balls in the air, and a plane whose far end is off by more texels than its near end.  Of 256 at 60

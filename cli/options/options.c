@@ -137,7 +137,7 @@ const option_spec OPTION_TABLE[] = {
       "may be expected, in texels); a 16-bit PNG, or .pfm. It takes as long again" },
     { OPT_K, "k", 0, KIND_NUMBER, "K", "2", 1e-6, 1e6, V_TO_DEPTH,
       "how readily a cliff is seen" },
-    { OPT_ROUNDS, "rounds", 0, KIND_INTEGER, "N", "100", 1, 100000, V_TO_DEPTH,
+    { OPT_ROUNDS, "rounds", 0, KIND_INTEGER, "N", "33", 1, 100000, V_TO_DEPTH,
       "at most so many rounds; 1 is least squares, which know no cliffs" },
     { OPT_DEPTH, "depth", 0, KIND_CHOICE, "16|float", "16", 0, 0, V_TO_DEPTH,
       "16: a 16-bit gray PNG, where 1 is nearest, 65535 farthest and 0 no surface; float: a PFM, "

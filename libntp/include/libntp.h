@@ -1213,7 +1213,7 @@ typedef struct ntp_camera {
 typedef struct ntp_depth_options {
     ntp_camera camera;
     double k; /* how readily a cliff is seen, 2^-20..2^20; 0 means 2, the value of the paper */
-    int32_t rounds;        /* at most, 0..NTP_MAX_ITERATIONS; 0 means 32, 1 is least squares */
+    int32_t rounds;        /* at most, 0..NTP_MAX_ITERATIONS; 0 means 33, 1 is least squares */
     uint32_t touch_unused; /* NTP_UNUSED_*: such texels hold normals */
     /* NULL, or of type U8 or U16, NTP_ENCODING_HEIGHT, of the size of src.  Texels where its sample
      * 0 is 0 are holes. */
@@ -1236,7 +1236,7 @@ typedef struct ntp_depth_result {
 
 enum { NTP_MAX_DEPTH_TEXELS = 1 << 28 }; /* that ntp_depth_from_normals takes */
 
-/* Bytes of working memory, about 306 a texel; 0 if the size is invalid. */
+/* Bytes of working memory, about 314 a texel; 0 if the size is invalid. */
 NTP_API size_t ntp_depth_scratch_size(int32_t width, int32_t height);
 
 /*

@@ -128,7 +128,7 @@ def bends_that_tell(normals, bend=0.07, many=0.125, sharp=0.3, tile=8):
     return np.repeat(np.repeat(wide, tile, 0), tile, 1)[:h, :w]
 
 
-def trust_of(blocks, wanted, normals, z, focal=1, far=0.3):
+def trust_of(blocks, wanted, normals, z, focal=1, far=0.03):
     """Of all equations where the rounds end, by the normals of both texels and by the depth."""
     h, w = normals.shape[:2]
     index, flat, out = np.arange(h * w), normals.reshape(-1, 3).astype(float), []

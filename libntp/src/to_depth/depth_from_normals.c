@@ -18,19 +18,25 @@
 #include "to_depth/terms.h"
 
 enum {
-    ROUNDS = 32,      /* at most, by default: more gain little */
-    WARY_ROUNDS = 10, /* until trust falls as it does at the end */
+    ROUNDS = 33,      /* at most, by default: more gain little */
+    WARY_ROUNDS = 10, /* until the first part may end */
+    FAR_ROUNDS = 24,  /* until it ends at the latest */
+    LAST_ROUNDS = 8,  /* of the second part, at least */
     PROBES = 8,       /* of the confidence */
     FRESH_ROUNDS = 6, /* with levels of their own; then levels are kept while they do */
     FRESH_EVERY = 8,
     MOST_ITERATIONS = 60
 };
 static const double USUAL_K = 2;
-static const double FIRST_FAR = 3, LAST_FAR = 0.3, NEARER = 0.7943282347242815; /* 0.1^(1/10) */
-static const double STEADY = 3e-4; /* change of the energy in a round, of itself, that ends them */
-static const double OTHER_K = 3;   /* times k: how far depth moves then is a part of the doubt */
-static const double OTHER_STEADY = 3e-4;
-static const double TRIAL_WEIGHT = 2; /* ranks errors well on made scenes, beside OTHER_K */
+static const double FIRST_FAR = 3, NEARER = 0.7943282347242815; /* 0.1^(1/10) */
+static const double NEAR_FAR =
+    0.3; /* until depth is about in its place: a sharper one cuts too much */
+static const double LAST_FAR = 0.03, LAST_NEARER = 0.7;
+static const double STEADY =
+    3e-4; /* change of the energy in a round, of itself, that ends a part */
+static const double CARRY_ON = 0.75;  /* parts whose ties are weak move on for many rounds */
+static const double OTHER_K = 3;      /* times k: how far depth moves then is a part of the doubt */
+static const double DOUBT = 5;        /* times it: half of MOST_DOUBT for what is surely loose */
 static const double MOST_DOUBT = 0.5; /* times the spread of all depths */
 static const double FIRST_SHARE = 0.01, LATER_SHARE = 0.3; /* of the residual that a solve leaves */
 static const double ONLY_SHARE = 1e-6;                     /* the same for plain least squares */
@@ -43,6 +49,7 @@ typedef struct work {
     int32_t *node;
     ntp__terms terms;
     ntp__springs springs;
+    double *old;          /* depth before the last round */
     double *kept, *doubt; /* for the confidence */
     ntp_depth_result result;
 } work;
@@ -108,6 +115,7 @@ static void lay_out(work *w, int32_t width, int32_t height, ntp__scratch *memory
     w->node = ntp__take(memory, texels * sizeof *w->node);
     ntp__terms_init(&w->terms, (int32_t) texels, memory);
     ntp__springs_init(&w->springs, (int32_t) texels, memory);
+    w->old = ntp__take(memory, texels * sizeof *w->old);
     w->kept = ntp__take(memory, texels * sizeof *w->kept);
     w->doubt = ntp__take(memory, texels * sizeof *w->doubt);
 }
@@ -147,13 +155,32 @@ static void solve(work *w, int32_t round, double share, int32_t *last, int32_t *
     w->result.iterations += *last;
 }
 
+/* Moves depth on by a part of how far the last round has moved it. */
+static void carry_on(const work *w, int32_t round)
+{
+    double *z = w->terms.z, share = round < 2 ? 0 : CARRY_ON;
+    for (int32_t i = 0; i < w->terms.nodes; i++) {
+        double now = z[i];
+        z[i] = now + share * (now - (round > 0 ? w->old[i] : now));
+        w->old[i] = now;
+    }
+}
+
+static double next_far(double far, bool at_last)
+{
+    double least = at_last ? LAST_FAR : NEAR_FAR;
+    far *= at_last ? LAST_NEARER : NEARER;
+    return far > least ? far : least;
+}
+
 /* Alternates shares and trust with solutions.  The first shares are even or, with a start, by its
  * depth.  At even shares a jump is spread widely, so at first trust falls only where depth is far
- * off. */
-static ntp_status run_rounds(work *w, double k, double steady, bool started)
+ * off.  In the second part, in which all is about in its place, what is off a little is off. */
+static ntp_status run_rounds(work *w, double k, bool started)
 {
-    int32_t most = w->how.rounds > 0 ? w->how.rounds : ROUNDS, last = 0, usual = 0;
+    int32_t most = w->how.rounds > 0 ? w->how.rounds : ROUNDS, last = 0, usual = 0, least = 1;
     double before = 0, far = started ? LAST_FAR : FIRST_FAR;
+    bool at_last = started;
     ntp__terms_even(&w->terms);
     w->terms.own = most == 1;
     w->result.rounds = 0;
@@ -161,7 +188,7 @@ static ntp_status run_rounds(work *w, double k, double steady, bool started)
         bool first = round == 0;
         if (!go_on(w, round / (round + 8.0)))
             return NTP_ERR_CANCELLED;
-        far = first ? far : far * NEARER > LAST_FAR ? far * NEARER : LAST_FAR;
+        carry_on(w, round);
         if (!first || started)
             ntp__terms_share(&w->terms, k);
         if (most > 1)
@@ -169,9 +196,14 @@ static ntp_status run_rounds(work *w, double k, double steady, bool started)
         solve(w, round, most == 1 ? ONLY_SHARE : first ? FIRST_SHARE : LATER_SHARE, &last, &usual);
         w->result.rounds = round + 1;
         double energy = ntp__terms_energy(&w->terms), change = energy - before;
-        if (!first && (started || round >= WARY_ROUNDS) &&
-            (change < 0 ? -change : change) <= steady * before)
+        bool steady = (change < 0 ? -change : change) <= STEADY * before;
+        if (at_last && steady && round >= least)
             break;
+        if (!at_last && ((steady && round >= WARY_ROUNDS) || round >= FAR_ROUNDS)) {
+            at_last = true;
+            least = round + LAST_ROUNDS;
+        }
+        far = next_far(far, at_last);
         before = energy;
     }
     return NTP_OK;
@@ -179,21 +211,26 @@ static ntp_status run_rounds(work *w, double k, double steady, bool started)
 
 /* --------------------------------------------------------------------------- confidence */
 
-/* About the median of a[i] - b[i], by weighted means. */
-static double middle(const double *a, const double *b, int32_t n, double unit)
+/* The median, to within 2^-40 of the range.  What hangs by little may be anywhere, so a mean says
+ * nothing of where most texels are. */
+static double middle(const double *a, int32_t n)
 {
-    double value = 0;
-    for (int32_t pass = 0; pass < 5; pass++) {
-        double sum = 0, all = 0;
-        for (int32_t i = 0; i < n; i++) {
-            double v = a[i] - b[i], off = v > value ? v - value : value - v;
-            double weight = pass == 0 ? 1 : 1 / (off + unit);
-            sum += weight * v;
-            all += weight;
-        }
-        value = sum / all;
+    double low = n > 0 ? a[0] : 0, high = low;
+    for (int32_t i = 0; i < n; i++) {
+        low = a[i] < low ? a[i] : low;
+        high = a[i] > high ? a[i] : high;
     }
-    return value;
+    for (int32_t pass = 0; pass < 40; pass++) {
+        double half = (low + high) / 2;
+        int32_t below = 0;
+        for (int32_t i = 0; i < n; i++)
+            below += a[i] < half;
+        if (below <= n - below)
+            low = half;
+        else
+            high = half;
+    }
+    return low;
 }
 
 /* What hangs by next to nothing moves by any amount, and how far says nothing: its depth is
@@ -214,44 +251,51 @@ static void limit_doubt(double *doubt, const double *z, int32_t n)
 }
 
 /* doubt = how far depth moves under forces as large as what is left of the equations, with signs
- * by chance (twice the root mean square), and how far it moves with a greater k.  One iteration a
- * probe: its cycle moves all that hangs together, and more of them rank errors no better. */
-static ntp_status find_doubt(work *w, double k)
+ * by chance, all beside the median.  One iteration a probe: its cycle moves all that hangs together,
+ * and more of them rank errors no better. */
+static ntp_status find_moves(work *w)
 {
     ntp__terms *t = &w->terms;
     int32_t n = t->nodes;
     uint64_t chance = 1;
-    double unit = 1e-3 / t->axis[0].focal;
-    ntp_depth_result result = w->result;
     memset(w->doubt, 0, (size_t) n * sizeof *w->doubt);
-    memcpy(w->kept, t->z, (size_t) n * sizeof *w->kept);
     ntp__terms_springs(t, &w->springs.level[0]);
     ntp__springs_coarsen(&w->springs);
-    double *moved = t->z; /* as long as it is kept */
+    double *moved = w->old;
     for (int32_t probe = 0; probe < PROBES; probe++) {
         if (!go_on(w, 1))
             return NTP_ERR_CANCELLED;
-        memcpy(t->z, w->kept, (size_t) n * sizeof *t->z);
         ntp__terms_doubt(t, t->force, &chance);
         memset(moved, 0, (size_t) n * sizeof *moved);
         ntp__springs_solve(&w->springs, moved, t->force, 0, 1);
-        double mean = 0;
+        double shift = middle(moved, n);
         for (int32_t i = 0; i < n; i++)
-            mean += moved[i] / n;
-        for (int32_t i = 0; i < n; i++)
-            w->doubt[i] += (moved[i] - mean) * (moved[i] - mean) / PROBES;
+            w->doubt[i] += fabs(moved[i] - shift) / PROBES;
     }
-    for (int32_t i = 0; i < n; i++)
-        w->doubt[i] = TRIAL_WEIGHT * sqrt(w->doubt[i]);
+    return NTP_OK;
+}
+
+/* Joins that with how far depth is off if it is found again with a greater k, and bends tell cliffs
+ * sooner.  Where both are large, or one is by far, the depth is wrong most often. */
+static ntp_status find_doubt(work *w, double k)
+{
+    ntp__terms *t = &w->terms;
+    int32_t n = t->nodes;
+    ntp_depth_result result = w->result;
+    NTP__TRY(find_moves(w));
+    memcpy(w->kept, t->z, (size_t) n * sizeof *w->kept);
     w->from = w->to;
     w->to = 1;
     memset(t->z, 0, (size_t) n * sizeof *t->z);
-    NTP__TRY(run_rounds(w, k * OTHER_K, OTHER_STEADY, false));
+    ntp__terms_sharpen(t);
+    NTP__TRY(run_rounds(w, k * OTHER_K, false));
     w->result = result;
-    double shift = middle(t->z, w->kept, n, unit);
+    for (int32_t i = 0; i < n; i++)
+        w->old[i] = t->z[i] - w->kept[i];
+    double shift = middle(w->old, n);
     for (int32_t i = 0; i < n; i++) {
-        double off = t->z[i] - w->kept[i] - shift;
-        w->doubt[i] += off < 0 ? -off : off;
+        double off = fabs(w->old[i] - shift);
+        w->doubt[i] = DOUBT * (w->doubt[i] + off + 2 * sqrt(w->doubt[i] * off));
         t->z[i] = w->kept[i];
     }
     limit_doubt(w->doubt, t->z, n);
@@ -398,7 +442,7 @@ ntp_status ntp_depth_from_normals(const ntp_image *dst, const ntp_image *confide
     if (w.how.start != NULL)
         read_start(&w);
     double k = w.how.k > 0 ? w.how.k : USUAL_K;
-    NTP__TRY(run_rounds(&w, k, STEADY, w.how.start != NULL));
+    NTP__TRY(run_rounds(&w, k, w.how.start != NULL));
     if (confidence != NULL)
         NTP__TRY(find_doubt(&w, k));
     level_islands(&w);

@@ -285,6 +285,15 @@ void ntp__terms_trust(ntp__terms *t, double far)
     }
 }
 
+/* 1 / (1 + 4 v) from 1 / (1 + v). */
+void ntp__terms_sharpen(ntp__terms *t)
+{
+    for (int32_t d = 0; d < 2; d++) {
+        for (int32_t i = 0; i < t->nodes; i++)
+            t->axis[d].even[i] /= 4 - 3 * t->axis[d].even[i];
+    }
+}
+
 /* The shares of nodes from..from + count - 1 along one axis. */
 static void share_run(ntp__axis_terms *a, const double *z, double k, int32_t from, int32_t count)
 {

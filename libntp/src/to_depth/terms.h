@@ -60,6 +60,9 @@ void ntp__terms_share(ntp__terms *t, double k);
  * normal and view, halve it; 0: only the normals count. */
 void ntp__terms_trust(ntp__terms *t, double far);
 
+/* From now on bends half as large tell a cliff. */
+void ntp__terms_sharpen(ntp__terms *t);
+
 /* Springs and forces of all equations by shares and trust. */
 void ntp__terms_springs(ntp__terms *t, ntp__graph *graph);
 
