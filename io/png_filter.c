@@ -339,9 +339,10 @@ static size_t sum_most(const uint8_t *row, const uint8_t *above, size_t size, si
 void ntpio__filter_sums(const uint8_t *row, const uint8_t *above, size_t size, size_t texel,
                         uint64_t *of_kinds)
 {
+    const uint8_t *const left = row - texel, *const corner = above - texel;
     for (size_t i = sum_most(row, above, size, texel, of_kinds); i < size; i++) {
         for (int kind = NONE; kind <= PAETH; kind++) {
-            const int told = foretold(row[i - texel], above[i], above[i - texel], kind);
+            const int told = foretold(left[i], above[i], corner[i], kind);
             const int value = (row[i] - told) & 255;
             of_kinds[kind] += (uint64_t) (value < 128 ? value : 256 - value);
         }

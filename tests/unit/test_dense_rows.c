@@ -83,6 +83,7 @@ static void check_rows(int32_t kind, uint64_t *seed)
         done += added;
         left += !added;
         if (row % 64 == 0 || row == NTP__ROWS - 1) {
+            /* Both were zero-filled, padding included.  NOLINTNEXTLINE */
             CHECK(memcmp(&rows, &colors, sizeof rows) == 0);
             CHECK(memcmp(blues[0], blues[1], sizeof blues[0]) == 0);
         }
@@ -106,6 +107,7 @@ static void check_tallies(uint64_t *seed)
         CHECK(ntp__sum_up(tally[i], NTP_ENCODING_STANDARD) == NTP_OK);
         CHECK(ntp__gather_evidence(&evidence[i], tally[i]) == NTP_OK);
     }
+    /* NOLINTNEXTLINE */
     CHECK(memcmp(&tally[0]->used, &tally[1]->used, sizeof tally[0]->used) == 0);
     CHECK(memcmp(tally[0]->blues, tally[1]->blues, sizeof tally[0]->blues) == 0);
     /* All were zero-filled, padding included.  NOLINTNEXTLINE */

@@ -169,7 +169,8 @@ static void compare(rule *r, int32_t c[3][NTP__BLOCK], const double *plain, int3
     }
 }
 
-static bool is_flat(int32_t level)
+/* 0 or 1, and no branch. */
+static int32_t is_flat(int32_t level)
 {
     return (level == 127) | (level == 128);
 }
