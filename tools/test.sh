@@ -53,12 +53,12 @@ quick_tests="tests/test_levels.py tests/test_inspect.py tests/test_files_table.p
     tests/cli/test_written_files.py"
 pytest_quick() { pytest_of build -n "$jobs" --dist loadgroup $quick_tests; }
 
-c_file() { # c_file FILE: the C test that is made of it, by the name that meson has for it
+c_file() { # c_file FILE: the C tests that are made of it, by the names that meson has for them (x, x_avx2)
     [ -f "$1" ] || die "there is no $1"
     name=$(basename "$1" .c)
     name=${name#test_}
     case $1 in */io/*) name=io_$name ;; esac
-    meson_test build "$name"
+    meson_test build "$name*"
 }
 
 package_file() { # package_file ARG...: tests of the Python package, which is installed first
