@@ -35,8 +35,8 @@ enum {
     K = 128,
     AM = K * (K - 1),
     HALF = 128, /* blues on each side of the horizon, by u */
-    ABOVE =
-        0, /* angles: of texels above the horizon, of those below it, and of these to the other z */
+    /* Angles: of texels above the horizon, of those below it, and of these to the other z */
+    ABOVE = 0,
     BELOW = HALF,
     MIRRORED = 2 * HALF,
     ANGLES = 3 * HALF,

@@ -29,11 +29,11 @@ enum {
 };
 static const double USUAL_K = 2;
 static const double FIRST_FAR = 3, NEARER = 0.7943282347242815; /* 0.1^(1/10) */
-static const double NEAR_FAR =
-    0.3; /* until depth is about in its place: a sharper one cuts too much */
+/* Until depth is about in its place: a sharper one cuts too much. */
+static const double NEAR_FAR = 0.3;
 static const double LAST_FAR = 0.03, LAST_NEARER = 0.7;
-static const double STEADY =
-    3e-4; /* change of the energy in a round, of itself, that ends a part */
+/* The change of the energy in a round, of itself, that ends a part. */
+static const double STEADY = 3e-4;
 static const double CARRY_ON = 0.75;  /* parts whose ties are weak move on for many rounds */
 static const double OTHER_K = 3;      /* times k: how far depth moves then is a part of the doubt */
 static const double DOUBT = 5;        /* times it: half of MOST_DOUBT for what is surely loose */
