@@ -294,7 +294,7 @@ static void check_far(uint64_t *seed)
     end_close_block(&k, k.n);
     /* steep ones where neighbors in Z-zero begin and end: groups of eight, as add_close_group takes them */
     for (int32_t i = 0; i < STEEP; i++) {
-        const int64_t x = (int64_t) (random_bits(seed) % 32768), rest = AM - 1 - x * (x + 1);
+        const int64_t x = (int64_t) (random_bits(seed) % 32767), rest = AM - 1 - x * (x + 1);
         const int64_t y = (int64_t) ntp__isqrt((uint64_t) rest) - (int64_t) (random_bits(seed) % 8);
         const int64_t inner = rest - y * (y + 1) + 2 * (x + y), outer = inner - 4 * (x + y) - 4;
         const int64_t square = outer >= 0 && i % 2 == 0 ? outer : inner;

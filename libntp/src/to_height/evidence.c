@@ -192,6 +192,8 @@ static void add_rules(evidence *e, const ntp__block *b, int32_t n)
         c[2][count++] = b->c[2][i];
     }
     e->count += count;
+    for (int32_t i = count; i < whole(count); i++)
+        c[0][i] = c[1][i] = c[2][i] = 0;
     find_errors(plain, &e->unorm, c, count);
     for (int32_t i = 0; i < count; i++)
         e->unorm.sum += plain[i] * plain[i];
