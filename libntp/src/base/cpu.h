@@ -17,6 +17,9 @@ enum { NTP__CPU_AVX2 = 1, NTP__CPU_ALL = -1 };
  * define a function of this name themselves: the linker then leaves out that of the archive. */
 bool ntp__cpu_has_avx2(int mask);
 
+/* And AVX-512 with its instructions on bytes (BW, VBMI), which few loops have?  No without AVX2. */
+bool ntp__cpu_has_avx512(int mask);
+
 /* The address of the table of the best instruction set. */
 #ifdef NTP_HAVE_AVX2
 #  define NTP__CPU_PICK(mask, base, avx2) (ntp__cpu_has_avx2(mask) ? &(avx2) : &(base))

@@ -42,9 +42,11 @@ typedef struct job {
     int32_t ma, mb, m;
     int32_t channels;
     bool vectors, flip;
-    bool alike;      /* equal bytes are equal texels, and only sums are asked for */
-    bool packed_rgb; /* the same, and the loops for AVX2 are for these */
+    bool alike; /* equal bytes are equal texels, and only sums are asked for */
     const ntp__kernels_table *kernels;
+#ifdef NTP_HAVE_AVX2
+    ntp__compare_rgb *compare_rgb; /* for texels that are also alike and packed RGB; or NULL */
+#endif
 } job;
 
 /* A block of one image. */
@@ -239,11 +241,42 @@ static void add_compared(ntp_diff *d, ntp__compared *c, int32_t n)
     d->angles.bins[0] += (uint32_t) n - (uint32_t) c->found;
 }
 
+/* Is there a vector with another one that is as long as any and opposite?  That of black is opposite
+ * to that of white; other corners of the cube do no harm. */
+static bool any_opposite(const ntp__compared *c, uint32_t m)
+{
+    /* Of 8 bit d is halved, of 16 bit it is 2^14 times as long. */
+    const double longest = 3.0 * m * m * (m > 255 ? 128 * 128 : 0.5);
+    int32_t any = 0;
+    if (c->most[0] < m || c->most[1] < m || c->most[2] < m)
+        return false;
+    for (int32_t i = 0; i < c->left; i++)
+        any |= c->d[i] == -longest;
+    return any != 0;
+}
+
+static void pick_loops(job *j)
+{
+    const ntp_const_image *a = j->a;
+    if (!j->alike || a->encoding != NTP_ENCODING_STANDARD || a->channels != 3 ||
+        a->type == NTP_TYPE_F32)
+        return;
+    if (ntp__cpu_has_avx2(NTP__CPU_ALL))
+        j->compare_rgb = ntp__compare_rgb_avx2;
+#  ifdef NTP_HAVE_AVX512
+    if (ntp__cpu_has_avx512(NTP__CPU_ALL))
+        j->compare_rgb = ntp__compare_rgb_avx512;
+#  endif
+}
+
 /* False: a texel may be unused in both images. */
 static bool compare_packed(const job *j, const void *a, const void *b, int32_t n)
 {
     ntp__compared c;
-    if (!ntp__compare_rgb_avx2(&c, a, b, n, j->m > 255))
+    if (j->compare_rgb == NULL)
+        return false;
+    j->compare_rgb(&c, a, b, n, j->m > 255);
+    if (any_opposite(&c, (uint32_t) j->m))
         return false;
     if (c.left > 0)
         j->kernels->angles_of(c.angle + c.found, c.s2, c.d, c.left);
@@ -252,6 +285,11 @@ static bool compare_packed(const job *j, const void *a, const void *b, int32_t n
     return true;
 }
 #else
+static void pick_loops(job *j)
+{
+    (void) j;
+}
+
 static bool compare_packed(const job *j, const void *a, const void *b, int32_t n)
 {
     (void) j, (void) a, (void) b, (void) n;
@@ -262,7 +300,7 @@ static bool compare_packed(const job *j, const void *a, const void *b, int32_t n
 static void compare_quickly(const job *j, int32_t x, int32_t y, int32_t n)
 {
     const void *a = ntp__at(j->a, x, y), *b = ntp__at(j->b, x, y);
-    if (!add_equal(j, a, b, n) && !(j->packed_rgb && compare_packed(j, a, b, n)))
+    if (!add_equal(j, a, b, n) && !compare_packed(j, a, b, n))
         compare_run(j, x, y, n);
 }
 
@@ -284,8 +322,7 @@ static ntp_status prepare(job *j, const ntp_const_image *a, const ntp_const_imag
     j->alike = j->heat == NULL && !j->flip && j->encoding_a == j->encoding_b &&
                a->type == b->type && a->channels == b->channels && ntp__is_packed(a) &&
                ntp__is_packed(b);
-    j->packed_rgb = j->alike && a->encoding == NTP_ENCODING_STANDARD && a->channels == 3 &&
-                    a->type != NTP_TYPE_F32 && ntp__cpu_has_avx2(NTP__CPU_ALL);
+    pick_loops(j);
     if ((j->encoding_a == NTP_ENCODING_XY) != (j->encoding_b == NTP_ENCODING_XY))
         j->channels = 2;
     return NTP_OK;

@@ -16,15 +16,10 @@
 #include "picture/compare_avx2.h"
 
 #include "base/lanes_avx2.h"
+#include "picture/small_angles.h"
 
 #include <immintrin.h>
 #include <string.h>
-
-#define C0 0x1.b521d1c0fb3cfp+25
-#define C1 -0x1.236bde79311b3p+24
-#define C2 0x1.5db1b63ab2d35p+23
-#define C3 -0x1.f24383c627d24p+22
-#define C4 0x1.634d09f09f772p+22
 
 /* One copy for all calls: it would be copied into each loop. */
 #if defined(__GNUC__) && !defined(__clang__)
@@ -33,7 +28,7 @@
 #  define ONE_COPY
 #endif
 
-enum { STEP = 8 /* texels */, PART_BITS = 13, UNIT = 1 << (32 - PART_BITS) };
+enum { STEP = 8 /* texels */ };
 
 /* s^2 and d of n texels, times a power of 4 or 2, u0 and g.  `small` and `large` are where eight of them
  * begin whose angles are all small, or not. */
@@ -98,7 +93,7 @@ static void find_first(pairs *p)
         const __m256 s = _mm256_max_ps(_mm256_sqrt_ps(s2), _mm256_set1_ps(0x1p-20F));
         const __m256 g = _mm256_div_ps(_mm256_set1_ps(0.5F), _mm256_mul_ps(s, d));
         const __m256 u0 = _mm256_mul_ps(s2, _mm256_add_ps(g, g));
-        const __m256 small = _mm256_cmp_ps(u0, _mm256_set1_ps(0.2F), _CMP_LE_OQ);
+        const __m256 small = _mm256_cmp_ps(u0, _mm256_set1_ps(SMALL), _CMP_LE_OQ);
         const bool all = _mm256_movemask_ps(_mm256_andnot_ps(d, small)) == 255;
         _mm256_storeu_ps(p->u0 + i, u0);
         _mm256_storeu_ps(p->g + i, g);
@@ -327,19 +322,7 @@ ONE_COPY static const uint8_t *copy_last(uint8_t few[BYTES], const uint8_t *from
                           last ? copy_last(few[1], from[1], left) : from[1]);                      \
     }
 
-/* Is there a vector with another one that is as long as any and opposite?  That of black is opposite
- * to that of white; other corners of the cube do no harm. */
-static bool any_opposite(const ntp__compared *c, uint32_t m, double longest)
-{
-    int32_t any = 0;
-    if (c->most[0] < m || c->most[1] < m || c->most[2] < m)
-        return false;
-    for (int32_t i = 0; i < c->left; i++)
-        any |= c->d[i] == -longest;
-    return any != 0;
-}
-
-bool ntp__compare_rgb_avx2(ntp__compared *out, const void *pa, const void *pb, int32_t n, bool deep)
+void ntp__compare_rgb_avx2(ntp__compared *out, const void *pa, const void *pb, int32_t n, bool deep)
 {
     const uint8_t *a = pa, *b = pb;
     const __m256i zero = _mm256_setzero_si256();
@@ -359,6 +342,4 @@ bool ntp__compare_rgb_avx2(ntp__compared *out, const void *pa, const void *pb, i
     out->different = different;
     find_first(&p);
     find_angles(out, &p);
-    return !any_opposite(out, deep ? 65535 : 255,
-                         deep ? 3.0 * 65535 * 65535 * (128 * 128) : 3.0 * 255 * 255 / 2);
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * compare_avx2.h - differences of packed RGB in levels, and its small angles, with AVX2
+ * compare_avx2.h - differences of packed RGB in levels, and its small angles, with AVX2 or AVX-512
  */
 #ifndef NTP_COMPARE_AVX2_H
 #define NTP_COMPARE_AVX2_H
@@ -19,7 +19,10 @@ typedef struct ntp__compared {
 } ntp__compared;
 
 /* Compares n packed pixels of 8 bit, or 16 (deep), in the standard encoding.  Both kinds of angles may
- * be followed by zeros.  False: a texel is black in one image and white in the other. */
-bool ntp__compare_rgb_avx2(ntp__compared *out, const void *a, const void *b, int32_t n, bool deep);
+ * be followed by zeros. */
+typedef void ntp__compare_rgb(ntp__compared *out, const void *a, const void *b, int32_t n,
+                              bool deep);
+
+ntp__compare_rgb ntp__compare_rgb_avx2, ntp__compare_rgb_avx512;
 
 #endif

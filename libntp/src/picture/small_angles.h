@@ -1,0 +1,17 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * small_angles.h - the numbers by which kernels find small angles; compare_avx2.c says what they are
+ */
+#ifndef NTP_SMALL_ANGLES_H
+#define NTP_SMALL_ANGLES_H
+
+#define SMALL 0.2F /* the greatest tangent */
+#define C0    0x1.b521d1c0fb3cfp+25
+#define C1    -0x1.236bde79311b3p+24
+#define C2    0x1.5db1b63ab2d35p+23
+#define C3    -0x1.f24383c627d24p+22
+#define C4    0x1.634d09f09f772p+22
+
+enum { PART_BITS = 13, UNIT = 1 << (32 - PART_BITS) };
+
+#endif
