@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * test_compare.c - two textures are compared alike with and without AVX2
+ * test_compare.c - two textures are compared alike with and without AVX2 and AVX-512
  *
  * All widths up to two blocks and some, between guard pages, of 8 and 16 bit: what ntp_diff_add keeps
  * is the same to the byte, and levels are those of a plain loop.  without_avx2.h leaves out the
@@ -12,7 +12,20 @@
 
 #include <string.h>
 
-enum { WIDEST = 540, SKIPPED = 77 };
+enum { WIDEST = 540, SETS = 3 /* of instructions */, SKIPPED = 77 };
+
+static bool allowed_512; /* AVX-512 */
+
+bool ntp__cpu_has_avx512(int mask)
+{
+#ifdef __x86_64__
+    return allowed_512 && ntp__cpu_has_avx2(mask) && __builtin_cpu_supports("avx512f") &&
+           __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512vbmi");
+#else
+    (void) mask;
+    return false;
+#endif
+}
 
 static int32_t level_at(const void *data, int32_t i, ntp_type type)
 {
@@ -75,7 +88,7 @@ static void check_levels(const ntp_diff *diff, const void *a, const void *b, int
     }
 }
 
-static void compare(int32_t n, ntp_type type, int kind, ntp_diff *diffs[2], uint64_t *seed)
+static void compare(int32_t n, ntp_type type, int kind, ntp_diff *diffs[SETS], uint64_t *seed)
 {
     const size_t bytes = (size_t) n * (type == NTP_TYPE_U8 ? 3 : 6);
     guarded one = guarded_alloc(bytes, n & 1), two = guarded_alloc(bytes, n & 2);
@@ -83,13 +96,15 @@ static void compare(int32_t n, ntp_type type, int kind, ntp_diff *diffs[2], uint
     const ntp_image second = ntp_image_packed(two.data, n, 1, 3, type);
     const ntp_const_image a = ntp_image_as_const(&first), b = ntp_image_as_const(&second);
     make_pair(one.data, two.data, n, type, kind, seed);
-    for (int k = 0; k < 2; k++) {
-        allowed = k == 1;
+    for (int k = 0; k < SETS; k++) {
+        allowed = k > 0;
+        allowed_512 = k == 2;
         memset(diffs[k], 0, ntp_diff_size());
         CHECK(ntp_diff_add(diffs[k], NULL, &a, &b, NULL) == NTP_OK);
         check_levels(diffs[k], one.data, two.data, n, type);
     }
     CHECK(memcmp(diffs[0], diffs[1], ntp_diff_size()) == 0);
+    CHECK(memcmp(diffs[0], diffs[2], ntp_diff_size()) == 0);
     guarded_free(&one);
     guarded_free(&two);
 }
@@ -100,15 +115,18 @@ int main(void)
     allowed = true;
     if (!ntp__cpu_has_avx2(NTP__CPU_ALL))
         return SKIPPED;
-    ntp_diff *diffs[2] = { malloc(ntp_diff_size()), malloc(ntp_diff_size()) };
-    CHECK(diffs[0] != NULL && diffs[1] != NULL);
+    ntp_diff *diffs[SETS];
+    for (int k = 0; k < SETS; k++) {
+        diffs[k] = malloc(ntp_diff_size());
+        CHECK(diffs[k] != NULL);
+    }
     for (int32_t n = 1; n <= WIDEST; n++) {
         for (int kind = 0; kind < KINDS; kind++) {
             compare(n, NTP_TYPE_U8, kind, diffs, &seed);
             compare(n, NTP_TYPE_U16, kind, diffs, &seed);
         }
     }
-    free(diffs[0]);
-    free(diffs[1]);
+    for (int k = 0; k < SETS; k++)
+        free(diffs[k]);
     return 0;
 }
