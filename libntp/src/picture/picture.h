@@ -7,6 +7,8 @@
  *   shade.c               ntp_shade: a lit preview
  *   compare.c             ntp_diff_...: differences of two textures, with a heatmap of them
  *   compare_avx2.h, .c    their sums for packed RGB, where there is AVX2
+ *   compare_avx512.c      and where there is AVX-512
+ *   small_angles.h        numbers of both
  *   paint_avx2.h, .c      heatmaps and previews of packed RGB, where there is AVX2
  *   picture_kernels.h     the loops of all
  *   picture.h, picture.c  what these share
