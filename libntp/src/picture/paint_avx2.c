@@ -109,12 +109,11 @@ static inline uint32_t show(uint8_t *d, const lit *from, int32_t i)
 {
     const __m256 one = _mm256_set1_ps(1);
     const __m256 root = _mm256_sqrt_ps(_mm256_min_ps(_mm256_load_ps(from->light + i), one));
-    const __m256 shown =
-        _mm256_add_ps(_mm256_mul_ps(root, _mm256_set1_ps(255)), _mm256_set1_ps(0.5F));
-    const __m256i level = _mm256_cvttps_epi32(shown);
-    const __m256 part = _mm256_sub_ps(shown, _mm256_cvtepi32_ps(level));
-    const __m256 gap =
-        _mm256_sub_ps(_mm256_min_ps(part, _mm256_sub_ps(one, part)), _mm256_set1_ps(0x1p-14F));
+    const __m256 shown = _mm256_mul_ps(root, _mm256_set1_ps(255));
+    const __m256i level = _mm256_cvtps_epi32(shown);
+    const __m256 off = _mm256_sub_ps(shown, _mm256_cvtepi32_ps(level));
+    const __m256 gap = _mm256_sub_ps(_mm256_set1_ps(0.5F - 0x1p-14F),
+                                     _mm256_andnot_ps(_mm256_set1_ps(-0.0F), off));
     put_gray(d, level);
     return (uint32_t) _mm256_movemask_ps(
         _mm256_cmp_ps(_mm256_mul_ps(gap, root), _mm256_load_ps(from->off + i), _CMP_NGT_UQ));
