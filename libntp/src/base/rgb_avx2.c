@@ -249,7 +249,8 @@ static inline __m256i flipped(const uint8_t *s, __m256i green, bool deep, __m256
 enum {
     FLIP = 96 /* bytes: whole texels, and whole vectors */,
     VECTOR = 32,
-    VECTORS = FLIP / VECTOR
+    VECTORS = FLIP / VECTOR,
+    CAREFUL = 16 /* parts: where black or white may be, more is near, and a question costs a branch */
 };
 
 static inline void flip_part(uint8_t *d, const uint8_t *s, const __m256i *green, bool deep,
@@ -262,7 +263,34 @@ static inline void flip_part(uint8_t *d, const uint8_t *s, const __m256i *green,
         _mm256_storeu_si256((void *) (d + VECTOR * k), out[k]);
 }
 
-/* The first and the last part are done in a copy, as they have no neighbors. */
+/* Does none of the texels of a part have a green of 0 or M?  The greens of three vectors lie in places that
+ * differ, so one vector holds them all. */
+static inline bool all_between(const __m256i v[VECTORS], const __m256i *green, bool deep)
+{
+    const __m256i g =
+        _mm256_blendv_epi8(_mm256_blendv_epi8(v[0], v[1], green[1]), v[2], green[2]);
+    const __m256i one = deep ? _mm256_set1_epi16(1) : _mm256_set1_epi8(1);
+    const __m256i above = deep ? _mm256_add_epi16(g, one) : _mm256_add_epi8(g, one);
+    const __m256i end = deep ? _mm256_cmpeq_epi16(_mm256_min_epu16(above, one), above)
+                             : _mm256_cmpeq_epi8(_mm256_min_epu8(above, one), above);
+    return _mm256_testz_si256(end, end);
+}
+
+/* A part whose green is nowhere that of black or white is flipped without more.  False, with nothing
+ * written, for others. */
+static inline bool flip_plain(uint8_t *d, const uint8_t *s, const __m256i *green, bool deep)
+{
+    __m256i v[VECTORS];
+    for (int32_t k = 0; k < VECTORS; k++)
+        v[k] = _mm256_loadu_si256((const void *) (s + VECTOR * k));
+    if (!all_between(v, green, deep))
+        return false;
+    for (int32_t k = 0; k < VECTORS; k++)
+        _mm256_storeu_si256((void *) (d + VECTOR * k), _mm256_xor_si256(v[k], green[k]));
+    return true;
+}
+
+/* The first and the last part of others are done in a copy, as they have no neighbors. */
 static inline void flip(uint8_t *d, const uint8_t *s, int32_t bytes, bool deep, __m256i black,
                         __m256i white)
 {
@@ -272,7 +300,11 @@ static inline void flip(uint8_t *d, const uint8_t *s, int32_t bytes, bool deep, 
         pattern[i] = i / (deep ? 2 : 1) % 3 == 1 ? 0xff : 0;
     for (int32_t k = 0; k < VECTORS; k++)
         green[k] = _mm256_loadu_si256((const void *) (pattern + VECTOR * k));
+    int32_t careful = 0;
     for (int32_t i = 0; i < bytes; i += FLIP, d += FLIP, s += FLIP) {
+        if (careful == 0 && i + FLIP <= bytes && flip_plain(d, s, green, deep))
+            continue;
+        careful = careful > 0 ? careful - 1 : CAREFUL - 1;
         const bool inside = i > 0 && i + FLIP < bytes;
         const size_t left = (size_t) (bytes - i < FLIP ? bytes - i : FLIP);
         if (!inside)
