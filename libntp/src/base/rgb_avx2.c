@@ -250,7 +250,7 @@ enum {
     FLIP = 96 /* bytes: whole texels, and whole vectors */,
     VECTOR = 32,
     VECTORS = FLIP / VECTOR,
-    CAREFUL = 16 /* parts: where black or white may be, more is near, and a question costs a branch */
+    CAREFUL = 16 /* parts: where one black or white texel may be, more are near */
 };
 
 static inline void flip_part(uint8_t *d, const uint8_t *s, const __m256i *green, bool deep,
@@ -267,8 +267,7 @@ static inline void flip_part(uint8_t *d, const uint8_t *s, const __m256i *green,
  * differ, so one vector holds them all. */
 static inline bool all_between(const __m256i v[VECTORS], const __m256i *green, bool deep)
 {
-    const __m256i g =
-        _mm256_blendv_epi8(_mm256_blendv_epi8(v[0], v[1], green[1]), v[2], green[2]);
+    const __m256i g = _mm256_blendv_epi8(_mm256_blendv_epi8(v[0], v[1], green[1]), v[2], green[2]);
     const __m256i one = deep ? _mm256_set1_epi16(1) : _mm256_set1_epi8(1);
     const __m256i above = deep ? _mm256_add_epi16(g, one) : _mm256_add_epi8(g, one);
     const __m256i end = deep ? _mm256_cmpeq_epi16(_mm256_min_epu16(above, one), above)

@@ -154,8 +154,12 @@ static inline bool put_derived_blues(uint8_t *dst, const uint8_t *src, __m256i *
                         SHUFFLE(v[2], N, N, N, N, N, N, 1, 2, 4, 5, 7, 8, 10, 11, 13, 14)));
     if (!_mm256_testz_si256(_mm256_or_si256(e, f), _mm256_set1_epi16(-32768)))
         return false;
-    if (*same && are_derived(v, e, f)) {
-        store_three(dst, v);
+    if (*same && are_derived(v, e, f)) { /* whole vectors are half as many stores */
+        UNROLLED
+        for (int i = 0; i < 3; i++)
+            _mm256_storeu_si256(
+                (__m256i *) (void *) (dst + 32 * i),
+                _mm256_loadu_si256((const __m256i *) (const void *) (src + 32 * i)));
         return true;
     }
     const __m256i blues =
