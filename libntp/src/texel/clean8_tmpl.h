@@ -75,34 +75,50 @@ static inline uint32_t negatives(__m256i e0, __m256i e1)
            (uint32_t) _mm256_movemask_ps(_mm256_castsi256_ps(e1)) << 8;
 }
 
-/* Puts the blues into 16 pixels with alpha.  Returns a bit for each that is to be done otherwise:
- * its pair is too long, or its alpha 0 if `opaque` has all bits set. */
+/* The places of 16 pixels from i on that have a bit; returns how many.  Mostly none has. */
+static inline int32_t find_sixteen(int32_t *at, int32_t i, uint32_t bits)
+{
+    int32_t found = 0;
+    if (bits == 0)
+        return 0;
+    UNROLLED
+    for (int k = 0; k < 16; k += 4)
+        found += find_four(at + found, i + k, bits >> k & 15);
+    return found;
+}
+
+/* Puts the blues into 16 pixels with alpha.  Those that are to be done otherwise stay as they are: their pair
+ * is too long, or their alpha 0 if `opaque` has all bits set.  Returns a bit for each of these. */
 static inline uint32_t put_blues_rgba(uint8_t *dst, const uint8_t *src, uint32_t opaque,
                                       uint64_t *changed)
 {
-    const __m256i zero = _mm256_setzero_si256();
+    const __m256i zero = _mm256_setzero_si256(), all = _mm256_set1_epi32((int32_t) opaque);
     const __m256i shuffle = _mm256_broadcastsi128_si256(
         _mm_setr_epi8(0, 1, 4, 5, 8, 9, 12, 13, -1, -1, -1, -1, -1, -1, -1, -1));
-    __m256i v[2], pairs[2], clear[2], same[2];
+    __m256i v[2], pairs[2], left[2], same[2];
     for (int i = 0; i < 2; i++) {
         v[i] = _mm256_loadu_si256((const __m256i *) (const void *) (src + 32 * i));
         pairs[i] = _mm256_shuffle_epi8(v[i], shuffle);
-        clear[i] = _mm256_cmpeq_epi32(_mm256_srli_epi32(v[i], 24), zero);
+        left[i] = _mm256_and_si256(_mm256_cmpeq_epi32(_mm256_srli_epi32(v[i], 24), zero), all);
     }
     const __m256i e = rest_words(_mm256_unpacklo_epi64(pairs[0], pairs[1])), t = blue_words(e);
-    const uint32_t left = negatives(_mm256_unpacklo_epi16(e, e), _mm256_unpackhi_epi16(e, e)) |
-                          (negatives(clear[0], clear[1]) & opaque);
+    left[0] = _mm256_or_si256(left[0], _mm256_unpacklo_epi16(e, e)); /* their high bits */
+    left[1] = _mm256_or_si256(left[1], _mm256_unpackhi_epi16(e, e));
+    const uint32_t bits = negatives(left[0], left[1]);
     for (int i = 0; i < 2; i++) {
         const __m256i blues =
             i == 0 ? _mm256_unpacklo_epi16(zero, t) : _mm256_unpackhi_epi16(zero, t);
         const __m256i rest = _mm256_andnot_si256(_mm256_set1_epi32(0xff0000), v[i]);
         const __m256i blue = _mm256_and_si256(blues, _mm256_set1_epi32(0xff0000));
-        const __m256i now = _mm256_or_si256(rest, blue);
+        __m256i now = _mm256_or_si256(rest, blue);
+        if (bits != 0)
+            now = _mm256_castps_si256(_mm256_blendv_ps(
+                _mm256_castsi256_ps(now), _mm256_castsi256_ps(v[i]), _mm256_castsi256_ps(left[i])));
         same[i] = _mm256_cmpeq_epi32(now, v[i]);
         _mm256_storeu_si256((__m256i *) (void *) (dst + 32 * i), now);
     }
-    *changed += (uint64_t) __builtin_popcount((negatives(same[0], same[1]) | left) ^ 0xffff);
-    return left;
+    *changed += (uint64_t) __builtin_popcount(negatives(same[0], same[1]) ^ 0xffff);
+    return bits;
 }
 
 enum { DERIVED = 2 * NTP__KERNEL_STEP /* pixels a step */, MOST = 512 };
@@ -112,15 +128,20 @@ enum { DERIVED = 2 * NTP__KERNEL_STEP /* pixels a step */, MOST = 512 };
       _mm256_blendv_epi8(SHUFFLE(blues, __VA_ARGS__), (v),                                         \
                          _mm256_setr_epi8(__VA_ARGS__, __VA_ARGS__))
 
+/* The blues of 32 pixels, each half of 16. */
+static inline __m256i blues_in(const __m256i v[3])
+{
+    return _mm256_or_si256(
+        _mm256_or_si256(SHUFFLE(v[0], 2, 5, 8, 11, 14, N, N, N, N, N, N, N, N, N, N, N),
+                        SHUFFLE(v[1], N, N, N, N, N, 1, 4, 7, 10, 13, N, N, N, N, N, N)),
+        SHUFFLE(v[2], N, N, N, N, N, N, N, N, N, N, 0, 3, 6, 9, 12, 15));
+}
+
 /* All of 32 pixels have the derived blue if 0 <= e - t^2 <= 2t of the t that is in it.  Modulo 2^16 this
  * is more than 2t for every t >= 128, as e < 2^14 and (t + 1)^2 <= 2^16. */
 static inline bool are_derived(const __m256i v[3], __m256i e, __m256i f)
 {
-    const __m256i blues = _mm256_or_si256(
-        _mm256_or_si256(SHUFFLE(v[0], 2, 5, 8, 11, 14, N, N, N, N, N, N, N, N, N, N, N),
-                        SHUFFLE(v[1], N, N, N, N, N, 1, 4, 7, 10, 13, N, N, N, N, N, N)),
-        SHUFFLE(v[2], N, N, N, N, N, N, N, N, N, N, 0, 3, 6, 9, 12, 15));
-    const __m256i both = _mm256_xor_si256(blues, _mm256_set1_epi8(-128));
+    const __m256i both = _mm256_xor_si256(blues_in(v), _mm256_set1_epi8(-128));
     const __m256i t = _mm256_unpacklo_epi8(both, _mm256_setzero_si256());
     const __m256i u = _mm256_unpackhi_epi8(both, _mm256_setzero_si256());
     const __m256i d = _mm256_sub_epi16(e, _mm256_mullo_epi16(t, t));
@@ -137,33 +158,31 @@ static inline void store_three(uint8_t *dst, const __m256i v[3])
         store_two(dst + 16 * i, dst + 48 + 16 * i, v[i]);
 }
 
-/* Puts the derived blues into 32 pixels; false, with nothing written, if a pair is too long.  `others`
- * adds up how many were others.  `same`: none was, so this is asked of the next ones before a root is
- * taken.  Each half of a vector is of 16 pixels. */
-static inline bool put_derived_blues(uint8_t *dst, const uint8_t *src, __m256i *others, bool *same)
+/* 32 pixels, and e of the first and of the last eight of each half.  Each half of a vector is of 16
+ * pixels. */
+static inline void load_pairs(__m256i v[3], __m256i *e, __m256i *f, const uint8_t *src)
 {
-    __m256i v[3];
     UNROLLED
     for (int i = 0; i < 3; i++)
         v[i] = load_two(src + 16 * i, src + 48 + 16 * i);
-    const __m256i e = rest_words(
+    *e = rest_words(
         _mm256_or_si256(SHUFFLE(v[0], 0, 1, 3, 4, 6, 7, 9, 10, 12, 13, 15, N, N, N, N, N),
                         SHUFFLE(v[1], N, N, N, N, N, N, N, N, N, N, N, 0, 2, 3, 5, 6)));
-    const __m256i f = rest_words(
+    *f = rest_words(
         _mm256_or_si256(SHUFFLE(v[1], 8, 9, 11, 12, 14, 15, N, N, N, N, N, N, N, N, N, N),
                         SHUFFLE(v[2], N, N, N, N, N, N, 1, 2, 4, 5, 7, 8, 10, 11, 13, 14)));
-    if (!_mm256_testz_si256(_mm256_or_si256(e, f), _mm256_set1_epi16(-32768)))
-        return false;
-    if (*same && are_derived(v, e, f)) { /* whole vectors are half as many stores */
-        UNROLLED
-        for (int i = 0; i < 3; i++)
-            _mm256_storeu_si256(
-                (__m256i *) (void *) (dst + 32 * i),
-                _mm256_loadu_si256((const __m256i *) (const void *) (src + 32 * i)));
-        return true;
-    }
-    const __m256i blues =
-        _mm256_xor_si256(_mm256_packus_epi16(root_words(e), root_words(f)), _mm256_set1_epi8(-128));
+}
+
+/* The derived blues; of pairs that are too long, any number. */
+static inline __m256i blues_of(__m256i e, __m256i f)
+{
+    return _mm256_xor_si256(_mm256_packus_epi16(root_words(e), root_words(f)),
+                            _mm256_set1_epi8(-128));
+}
+
+/* Stores 32 pixels with these blues; returns for each how many were others, as bytes of a sum. */
+static inline __m256i store_blues(uint8_t *dst, const __m256i v[3], __m256i blues)
+{
     const __m256i now[3] = {
         WITH_BLUES(v[0], blues, N, N, 0, N, N, 1, N, N, 2, N, N, 3, N, N, 4, N),
         WITH_BLUES(v[1], blues, N, 5, N, N, 6, N, N, 7, N, N, 8, N, N, 9, N, N),
@@ -174,6 +193,27 @@ static inline bool put_derived_blues(uint8_t *dst, const uint8_t *src, __m256i *
     UNROLLED
     for (int i = 0; i < 3; i++)
         other = _mm256_add_epi8(other, _mm256_cmpeq_epi8(now[i], v[i]));
+    return other;
+}
+
+/* Puts the derived blues into 32 pixels; false, with nothing written, if a pair is too long.  `others`
+ * adds up how many were others.  `same`: none was, so this is asked of the next ones before a root is
+ * taken. */
+static inline bool put_derived_blues(uint8_t *dst, const uint8_t *src, __m256i *others, bool *same)
+{
+    __m256i v[3], e, f;
+    load_pairs(v, &e, &f, src);
+    if (!_mm256_testz_si256(_mm256_or_si256(e, f), _mm256_set1_epi16(-32768)))
+        return false;
+    if (*same && are_derived(v, e, f)) { /* whole vectors are half as many stores */
+        UNROLLED
+        for (int i = 0; i < 3; i++)
+            _mm256_storeu_si256(
+                (__m256i *) (void *) (dst + 32 * i),
+                _mm256_loadu_si256((const __m256i *) (const void *) (src + 32 * i)));
+        return true;
+    }
+    const __m256i other = store_blues(dst, v, blues_of(e, f));
     *same = _mm256_testz_si256(other, other);
     *others = _mm256_add_epi64(*others, _mm256_sad_epu8(other, _mm256_setzero_si256()));
     return true;
@@ -197,6 +237,40 @@ static int32_t derive_rgb8(uint8_t *dst, const uint8_t *src, int32_t n, uint64_t
         *changed += sum_of_four(others);
     return i;
 }
+
+/* Puts derived blues into whole steps, in which pairs that are too long are not seldom: these pixels are done
+ * by the table after all others. */
+static inline void derive_others(uint8_t *dst, const uint8_t *src, int32_t n, const uint32_t *table,
+                                 uint32_t touch_unused, uint64_t *changed)
+{
+    int32_t at[MOST + LANES], found = 0;
+    __m256i others = _mm256_setzero_si256();
+    for (int32_t i = 0; i < n; i += DERIVED) {
+        __m256i v[3], e, f;
+        load_pairs(v, &e, &f, src + 3 * i);
+        const __m256i longs =
+            _mm256_packs_epi16(_mm256_srai_epi16(e, 15), _mm256_srai_epi16(f, 15));
+        const __m256i blues = _mm256_blendv_epi8(blues_of(e, f), blues_in(v), longs);
+        const uint32_t bits = (uint32_t) _mm256_movemask_epi8(longs);
+        const __m256i other = store_blues(dst + 3 * i, v, blues);
+        others = _mm256_add_epi64(others, _mm256_sad_epu8(other, _mm256_setzero_si256()));
+        found += find_sixteen(at + found, i, bits & 0xffff);
+        found += find_sixteen(at + found, i + 16, bits >> 16);
+    }
+    uint64_t sum = sum_of_four(others);
+    for (int32_t k = 0; k < found; k++) {
+        uint8_t *const p = dst + 3 * at[k];
+        const uint32_t v = load24le(p);
+        uint32_t t = table[v & 0xffff];
+        if (t >> 24)
+            t = clean_one(v, table, 0, touch_unused);
+        sum += t != v;
+        memcpy(p, &t, 2);
+        p[2] = (uint8_t) (t >> 16);
+    }
+    if (changed != NULL)
+        *changed += sum;
+}
 #else
 #  define derive_rgb8 NULL
 #endif
@@ -211,13 +285,13 @@ static inline size_t clean_blues(uint8_t *dst, const uint8_t *src, size_t n, con
 {
     size_t i = 0;
 #ifdef __AVX2__
-    /* Where pairs that are too long come closely, the table does more at a time. */
+    /* Where pairs that are too long come closely, more is done at a time without a look for others. */
     for (size_t most = DERIVED; n - i >= DERIVED;) {
         const int32_t done = derive_rgb8(dst + 3 * i, src + 3 * i, (int32_t) (n - i), changed);
         i += (size_t) done;
         most = done > 0 ? DERIVED : most < MOST ? 2 * most : most;
         const size_t next = n - i < most ? (n - i) / DERIVED * DERIVED : most;
-        clean_by_pairs(dst + 3 * i, src + 3 * i, next, table, touch_unused, changed);
+        derive_others(dst + 3 * i, src + 3 * i, (int32_t) next, table, touch_unused, changed);
         i += next;
     }
 #endif

@@ -319,18 +319,20 @@ static int32_t pull(int32_t *restrict r, int32_t *restrict g, int32_t *restrict 
     int32_t any = 0;
     n = (n + LANES - 1) / LANES * LANES;
     for (int32_t i = 0; i < n; i++) {
-        const int32_t p = r[i] - k, q = g[i] - k, ax = 2 * half_up(p) - 1, ay = 2 * half_up(q) - 1;
+        const int32_t p = 2 * r[i] - m, q = 2 * g[i] - m, ax = p < 0 ? -p : p, ay = q < 0 ? -q : q;
         const double x = ax, y = ay, factor = half / sqrt(x * x + y * y);
         const int32_t s = (int32_t) (x * factor + 0.5 * FRACTION);
         const int32_t t = (int32_t) (y * factor + 0.5 * FRACTION), u = s >> 15, v = t >> 15;
-        const int32_t right = (u * (u + 1) + v * (v - 1) < am) & (ax != ay);
-        const int32_t down = (u * (u - 1) + v * (v + 1) < am) & (ax != ay);
+        const int32_t squares = u * u + v * v, more = u - v;
+        const int32_t right = (squares + more < am) & (ax != ay);
+        const int32_t down = (squares - more < am) & (ax != ay);
         const int32_t a = u + (right & ((ax > ay) | (down ^ 1)));
         const int32_t c = v + (down & ((ay > ax) | (right ^ 1)));
         doubt[i] = in_doubt(s, 0) | in_doubt(t, 0);
         any |= doubt[i];
-        r[i] = p < 0 ? k - a : k - 1 + a;
-        g[i] = q < 0 ? k - c : k - 1 + c;
+        /* M less a level are the other bits of it. */
+        r[i] = (k - 1 + a) ^ (p < 0 ? m : 0);
+        g[i] = (k - 1 + c) ^ (q < 0 ? m : 0);
     }
     return any;
 }

@@ -128,6 +128,39 @@ static uint64_t clean_rgb8_slowly(uint8_t *dst, const uint8_t *src, size_t n, co
     return changed;
 }
 
+#ifdef __AVX2__
+#  include <immintrin.h>
+
+/* Which of four are set, for each mask of four; and how many, as hexadecimal digits. */
+static const uint8_t SET[16][4] = { { 0 },    { 0 },       { 1 },       { 0, 1 },
+                                    { 2 },    { 0, 2 },    { 1, 2 },    { 0, 1, 2 },
+                                    { 3 },    { 0, 3 },    { 1, 3 },    { 0, 1, 3 },
+                                    { 2, 3 }, { 0, 2, 3 }, { 1, 2, 3 }, { 0, 1, 2, 3 } };
+static const uint64_t COUNTS = UINT64_C(0x4332322132212110);
+
+/* The places i to i + 3 of which the mask has a bit; returns how many.  Branches would be taken at
+ * random. */
+static inline int32_t find_four(int32_t *at, int32_t i, int mask)
+{
+    int32_t which;
+    memcpy(&which, SET[mask], sizeof which);
+    const __m128i places =
+        _mm_add_epi32(_mm_cvtepu8_epi32(_mm_cvtsi32_si128(which)), _mm_set1_epi32(i));
+    _mm_storeu_si128((__m128i *) (void *) at, places);
+    return (int32_t) (COUNTS >> 4 * mask & 15);
+}
+
+/* The same as bytes. */
+static inline int32_t find_four_bytes(uint8_t *at, int32_t i, uint32_t mask)
+{
+    uint32_t which;
+    memcpy(&which, SET[mask], sizeof which);
+    which += (uint32_t) i * 0x01010101;
+    memcpy(at, &which, sizeof which);
+    return (int32_t) (COUNTS >> 4 * mask & 15);
+}
+#endif
+
 #include "texel/clean8_tmpl.h"
 
 /* Four pixels a step.  The results go into two stores that no later load overlaps.  When dst is
@@ -188,42 +221,65 @@ static uint64_t clean_rgb8_blindly(uint8_t *dst, const uint8_t *src, size_t n,
     return 0;
 }
 
-/* Pixels with alpha by the table. */
+/* A pixel with alpha by the table. */
+static inline uint32_t clean_one_rgba8(uint32_t v, const uint32_t *table, uint32_t kept,
+                                       uint32_t touch_unused)
+{
+    const uint32_t transparent = touch_unused & NTP_UNUSED_TRANSPARENT ? 0 : 1;
+    const uint32_t t = table[v & 0xffff];
+    if (v >> 24 < transparent)
+        return v;
+    if (t >> 24)
+        return clean_one(v, table, kept, touch_unused) | (v & ~(uint32_t) RGB);
+    return (t & RGB & ~kept) | (v & (kept | ~(uint32_t) RGB));
+}
+
 static inline uint64_t clean_rgba8_by_table(uint8_t *dst, const uint8_t *src, size_t n,
                                             const uint32_t *table, uint32_t kept,
                                             uint32_t touch_unused)
 {
     uint64_t changed = 0;
-    uint32_t transparent = touch_unused & NTP_UNUSED_TRANSPARENT ? 0 : 1;
     for (size_t i = 0; i < n; i++, src += 4, dst += 4) {
-        uint32_t v = load32le(src), t = table[v & 0xffff];
-        if (v >> 24 < transparent)
-            t = v;
-        else if (t >> 24)
-            t = clean_one(v, table, kept, touch_unused) | (v & ~(uint32_t) RGB);
-        else
-            t = (t & RGB & ~kept) | (v & (kept | ~(uint32_t) RGB));
+        const uint32_t v = load32le(src), t = clean_one_rgba8(v, table, kept, touch_unused);
         changed += t != v;
         store32le(dst, t);
     }
     return changed;
 }
 
+#ifdef __AVX2__
+/* Whole steps of pixels with alpha: derives blues, and does the pixels that need more by the table, after all
+ * others. */
+static uint64_t derive_rgba8(uint8_t *dst, const uint8_t *src, int32_t n, const uint32_t *table,
+                             uint32_t touch_unused)
+{
+    const uint32_t opaque = touch_unused & NTP_UNUSED_TRANSPARENT ? 0 : ~0U;
+    int32_t at[MOST + LANES], found = 0;
+    uint64_t changed = 0;
+    for (int32_t i = 0; i < n; i += NTP__KERNEL_STEP)
+        found +=
+            find_sixteen(at + found, i, put_blues_rgba(dst + 4 * i, src + 4 * i, opaque, &changed));
+    for (int32_t k = 0; k < found; k++) {
+        uint8_t *const p = dst + 4 * at[k];
+        const uint32_t v = load32le(p), t = clean_one_rgba8(v, table, 0, touch_unused);
+        changed += t != v;
+        store32le(p, t);
+    }
+    return changed;
+}
+#endif
+
 static uint64_t clean_rgba8(uint8_t *dst, const uint8_t *src, size_t n, const uint32_t *table,
                             const uint8_t *blue, uint32_t kept, uint32_t touch_unused)
 {
     uint64_t changed = 0;
 #ifdef __AVX2__
-    enum { STEP = 16 };
-    const uint32_t opaque = touch_unused & NTP_UNUSED_TRANSPARENT ? 0 : ~0U;
-    uint8_t was[4 * STEP];
-    for (; blue != NULL && kept == 0 && n >= STEP; n -= STEP, src += 4 * STEP, dst += 4 * STEP) {
-        memcpy(was, src, sizeof was); /* dst may be src */
-        uint32_t left = put_blues_rgba(dst, src, opaque, &changed);
-        for (; left != 0; left &= left - 1) {
-            const int at = 4 * __builtin_ctz(left);
-            changed += clean_rgba8_by_table(dst + at, was + at, 1, table, kept, touch_unused);
-        }
+    while (blue != NULL && kept == 0 && n >= NTP__KERNEL_STEP) {
+        const size_t next = n < MOST ? n / NTP__KERNEL_STEP * NTP__KERNEL_STEP : MOST;
+        changed += derive_rgba8(dst, src, (int32_t) next, table, touch_unused);
+        n -= next;
+        src += 4 * next;
+        dst += 4 * next;
     }
 #else
     (void) blue;
@@ -285,37 +341,6 @@ static inline int32_t whole_lanes(int32_t n)
 {
     return n & -LANES;
 }
-
-#ifdef __AVX2__
-/* Which of four are set, for each mask of four; and how many, as hexadecimal digits. */
-static const uint8_t SET[16][4] = { { 0 },    { 0 },       { 1 },       { 0, 1 },
-                                    { 2 },    { 0, 2 },    { 1, 2 },    { 0, 1, 2 },
-                                    { 3 },    { 0, 3 },    { 1, 3 },    { 0, 1, 3 },
-                                    { 2, 3 }, { 0, 2, 3 }, { 1, 2, 3 }, { 0, 1, 2, 3 } };
-static const uint64_t COUNTS = UINT64_C(0x4332322132212110);
-
-/* The places i to i + 3 of which the mask has a bit; returns how many.  Branches would be taken at
- * random. */
-static inline int32_t find_four(int32_t *at, int32_t i, int mask)
-{
-    int32_t which;
-    memcpy(&which, SET[mask], sizeof which);
-    const __m128i places =
-        _mm_add_epi32(_mm_cvtepu8_epi32(_mm_cvtsi32_si128(which)), _mm_set1_epi32(i));
-    _mm_storeu_si128((__m128i *) (void *) at, places);
-    return (int32_t) (COUNTS >> 4 * mask & 15);
-}
-
-/* The same as bytes. */
-static inline int32_t find_four_bytes(uint8_t *at, int32_t i, uint32_t mask)
-{
-    uint32_t which;
-    memcpy(&which, SET[mask], sizeof which);
-    which += (uint32_t) i * 0x01010101;
-    memcpy(at, &which, sizeof which);
-    return (int32_t) (COUNTS >> 4 * mask & 15);
-}
-#endif
 
 #include "texel/cells_tmpl.h"
 #include "texel/survey8_tmpl.h"
