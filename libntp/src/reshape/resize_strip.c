@@ -106,21 +106,39 @@ int32_t ntp__strip_begin(const ntp__resize_job *j, int32_t x0, int32_t x1)
     return end;
 }
 
+/* Is the z of column k of texel i negative? */
+static inline bool is_below(const ntp__strip *s, const float *row, int32_t i, int32_t k)
+{
+    const int32_t half = (4 + k % 2) * NTP__RUN + s->at[i] / 2 + k / 2;
+    const int32_t z = s->halved ? half : 4 * (s->at[i] + k) + 2;
+    return s->whole ? ((const int16_t *) (const void *) row)[z] < 0 : row[z] < 0;
+}
+
+/* The same of four texels in the middle, one of which mostly is where z of the result is: a search would end
+ * somewhere, which no processor foresees. */
+static inline bool is_middle_below(const ntp__strip *s, const float *const *rows,
+                                   const int32_t *weight, int32_t taps, int32_t i, int32_t columns)
+{
+    const int32_t t = taps / 2, k = columns / 2;
+    if (t == 0 || k == 0 || weight[t - 1] == 0 || weight[t] == 0)
+        return false;
+    return is_below(s, rows[t - 1], i, k - 1) | is_below(s, rows[t - 1], i, k) |
+           is_below(s, rows[t], i, k - 1) | is_below(s, rows[t], i, k);
+}
+
 /* Does a texel that texel i of row y is made of have a negative z? */
 static bool any_negative(const ntp__resize_job *j, const float *const *rows, int32_t i, int32_t y)
 {
     const ntp__strip *s = j->strip;
     const ntp__axis *axis = &j->plan->y;
     const int32_t *weight = axis->weight + (ptrdiff_t) y * axis->stride;
-    const int32_t columns = j->plan->x.span[s->x0 + i].count;
-    for (int32_t t = 0; t < axis->span[y].count; t++) {
-        const int16_t *whole = (const int16_t *) (const void *) rows[t];
-        for (int32_t odd = 0; weight[t] != 0 && odd < 2; odd++) {
-            int32_t z = s->halved ? (4 + odd) * NTP__RUN + s->at[i] / 2 : 4 * (s->at[i] + odd) + 2;
-            for (int32_t k = odd; k < columns; k += 2, z += s->halved ? 1 : 8) {
-                if (s->whole ? whole[z] < 0 : rows[t][z] < 0)
-                    return true;
-            }
+    const int32_t columns = j->plan->x.span[s->x0 + i].count, taps = axis->span[y].count;
+    if (is_middle_below(s, rows, weight, taps, i, columns))
+        return true;
+    for (int32_t t = 0; t < taps; t++) {
+        for (int32_t k = 0; weight[t] != 0 && k < columns; k++) {
+            if (is_below(s, rows[t], i, k))
+                return true;
         }
     }
     return false;
@@ -276,15 +294,22 @@ static void judge_planes(const ntp__resize_job *j, ntp__planes *p, const float l
         least[2] <= error && (error > 0 || j->plan->how.filter == NTP_FILTER_LANCZOS3);
     if (!any_below && least[3] > error)
         return;
+    int32_t below[WIDEST], found = 0;
     for (int32_t i = 0; i < j->strip->n; i++) {
         const float z = p->c[2][i];
         const bool empty = least[3] <= error && p->c[3][i] <= error;
-        if (error > 0 && (empty || fabsf(z) <= error))
+        if (error > 0 && (empty || fabsf(z) <= error)) {
             p->c[0][i] = NAN;
-        else if (empty)
+        } else if (empty) {
             p->c[0][i] = p->c[1][i] = p->c[2][i] = 0;
-        else if (z < 0 && overshot(j, from, i, y))
-            p->c[2][i] = 0;
+        } else {
+            below[found] = i; /* without a branch, which noise takes at random */
+            found += z < 0;
+        }
+    }
+    for (int32_t k = 0; k < found; k++) {
+        if (overshot(j, from, below[k], y))
+            p->c[2][below[k]] = 0;
     }
 }
 
