@@ -93,8 +93,10 @@ static inline bool load_group(__m256i colors[2], uint32_t *gray, const uint8_t *
 ONE_COPY static void count_each(ntp__cell_counts *counts, const uint32_t *at, const uint32_t *rows,
                                 int32_t n)
 {
-    for (int32_t i = 0; i < n; i++)
+    for (int32_t i = 0; i < n; i++) {
         counts->row_seen[rows[i]] |= NTP__SEEN_FAR;
+        _mm_prefetch((const char *) counts->far + at[i], _MM_HINT_T0);
+    }
     for (int32_t i = 0; i < n; i++)
         ntp__count_far(counts, at[i], 1);
 }
