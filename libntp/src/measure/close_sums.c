@@ -27,6 +27,15 @@ void ntp__add_close_block(ntp__sums *sums, ntp__close_counts *close, ntp__far_co
         ntp__add_block(sums, block, NULL, n, 65535, NTP_ENCODING_STANDARD);
         return;
     }
+#ifdef NTP_HAVE_AVX2
+    /* There is a kernel that counts close ones, so there is AVX2.  After a block without close texels, far ones are
+     * looked for first. */
+    const bool first = far->first != 0;
+    if (first)
+        n = ntp__add_far_avx2(sums, far, block, n);
+    if (n == 0)
+        return;
+#endif
     count(&found, close, zz->levels_off, colors, n);
     if (found.texels > 0) {
         zz->length_sum += (uint64_t) (found.texels * (int64_t) NTP__LENGTH_ONE + found.length_sum);
@@ -41,8 +50,9 @@ void ntp__add_close_block(ntp__sums *sums, ntp__close_counts *close, ntp__far_co
             ntp__angles_add(&sums->angles, (uint32_t) found.angle[i], 1);
     }
 #ifdef NTP_HAVE_AVX2
-    /* There is a kernel that counts close ones, so there is AVX2. */
-    found.left = ntp__add_far_avx2(sums, far, block, found.left);
+    if (!first)
+        found.left = ntp__add_far_avx2(sums, far, block, found.left);
+    far->first = found.texels == 0;
 #else
     (void) far;
 #endif

@@ -403,8 +403,15 @@ static void sum_angles(ntp__sums *sums, far_texels *f)
         const __m256i first = load_eight(f->turn + i), its = load_eight(f->harm + i);
         const __m256i angle = load_eight(f->angle + i);
         add_kind(&all, angle, eight(-1));
-        for (int k = 0; k < NTP__ALL_HARM; k++)
+        UNROLLED
+        for (int k = 0; k < NTP__HARM_KINDS; k++)
             add_kind(&kind[k], first, _mm256_cmpeq_epi32(its, eight(k * ONE_HARM)));
+        /* Padding is seldom. */
+        if (mask_of(_mm256_cmpgt_epi32(its, eight((NTP__HARM_KINDS - 1) * ONE_HARM))) != 0) {
+            UNROLLED
+            for (int k = NTP__HARM_KINDS; k < NTP__ALL_HARM; k++)
+                add_kind(&kind[k], first, _mm256_cmpeq_epi32(its, eight(k * ONE_HARM)));
+        }
         const __m256i bin = divided(_mm256_add_epi32(angle, eight(500)), 274877907, 38);
         const __m256i bin_harm = divided(_mm256_add_epi32(first, eight(9999)), 3518437209, 45);
         const __m256i base = _mm256_add_epi32(its, eight(HARM));

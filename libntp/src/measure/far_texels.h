@@ -25,8 +25,9 @@ enum {
 };
 
 typedef struct ntp__far_counts {
-    uint32_t skip; /* blocks to come that are not looked at, as few of the last one were far */
-    uint32_t used; /* 0: all of the following are 0 */
+    uint32_t skip;  /* blocks to come that are not looked at, as few of the last one were far */
+    uint32_t first; /* no texel of the last block was close */
+    uint32_t used;  /* 0: all of the following are 0 */
     uint32_t keys[2][NTP__KEYS];                       /* of every second texel apart */
     uint8_t few[sizeof(ntp__sums) / sizeof(uint32_t)]; /* by the words of ntp__sums */
 } ntp__far_counts;

@@ -51,14 +51,6 @@ static inline __m128i size_of(const int32_t *level)
     return _mm_abs_epi32(_mm_sub_epi32(_mm_add_epi32(c, c), _mm_set1_epi32(65535)));
 }
 
-/* u(u + 1) + v(v - 1) < A_M */
-static inline __m128i is_inside(__m128i u, __m128i v)
-{
-    const __m128i squares = _mm_add_epi32(_mm_mullo_epi32(u, u), _mm_mullo_epi32(v, v));
-    const __m128i sum = _mm_add_epi32(squares, _mm_sub_epi32(u, v));
-    return _mm_cmpgt_epi32(_mm_set1_epi32(REST_16 + 1), sum);
-}
-
 /* Pulls four pairs as pull() in judge_tmpl.h; a and c are (|X| + 1)/2 and (|Y| + 1)/2 of what they
  * become. */
 static inline void pull_four(int32_t a[4], int32_t c[4], __m128i ax, __m128i ay, const int32_t *r,
@@ -74,8 +66,13 @@ static inline void pull_four(int32_t a[4], int32_t c[4], __m128i ax, __m128i ay,
     const __m128i t = _mm256_cvttpd_epi32(_mm256_add_pd(_mm256_mul_pd(y, factor), half));
     const __m128i u = _mm_srli_epi32(s, 15), v = _mm_srli_epi32(t, 15);
     const __m128i same = _mm_cmpeq_epi32(ax, ay), wider = _mm_cmpgt_epi32(ax, ay);
-    const __m128i right = _mm_andnot_si128(same, is_inside(u, v));
-    const __m128i down = _mm_andnot_si128(same, is_inside(v, u));
+    /* u(u + 1) + v(v - 1) < A_M, and u(u - 1) + v(v + 1) < A_M */
+    const __m128i rest = _mm_sub_epi32(_mm_set1_epi32(REST_16 + 1),
+                                       _mm_add_epi32(_mm_mullo_epi32(u, u), _mm_mullo_epi32(v, v)));
+    const __m128i more = _mm_sub_epi32(u, v);
+    const __m128i right = _mm_andnot_si128(same, _mm_cmpgt_epi32(rest, more));
+    const __m128i down =
+        _mm_andnot_si128(same, _mm_cmpgt_epi32(_mm_add_epi32(rest, more), _mm_setzero_si128()));
     /* where both are inside, the greater one of |X| and |Y| grows */
     const __m128i only_down = _mm_andnot_si128(wider, down),
                   only_right = _mm_and_si128(wider, right);
