@@ -94,6 +94,22 @@ def test_lanczos_against_real_numbers(m):
 
 
 @pytest.mark.parametrize("m", TYPES)
+@pytest.mark.parametrize("width", [24, 6, 12, 9])
+def test_rows_of_no_weight_do_not_decide_whether_lanczos_overshot(width, m):
+    """Where the height stays, rows are resized one by one, however negative the z of others is."""
+    steps = np.full((8, 12, 3), m // 2 + 1, TYPES[m])
+    steps[:, 3:6, 0] = steps[:, 8:11, 0] = m
+    steps[:, :3, 2] = steps[:, 6:8, 2] = steps[:, 11:, 2] = m
+    mixed = steps.copy()
+    mixed[1::2, :, 2] = 0
+    for border in (WRAP, CLAMP, MIRROR):
+        want = resize(steps, (width, 8), LANCZOS3, border)
+        got = resize(mixed, (width, 8), LANCZOS3, border)
+        assert np.array_equal(got[::2], want[::2])
+        assert want[..., 2].min() > m // 2
+
+
+@pytest.mark.parametrize("m", TYPES)
 @pytest.mark.parametrize("filter", [BOX, TRIANGLE, LANCZOS3])
 @pytest.mark.parametrize("encoding", NAMES)
 def test_constant_clean_maps_stay_constant(encoding, filter, m):
