@@ -37,6 +37,7 @@ static const double STEADY = 3e-4;
 static const double CARRY_ON = 0.75;  /* parts whose ties are weak move on for many rounds */
 static const double OTHER_K = 3;      /* times k: how far depth moves then is a part of the doubt */
 static const double DOUBT = 5;        /* times it: half of MOST_DOUBT for what is surely loose */
+static const double ABOUT_HALF = 0.1; /* of the texels, to both sides of the median */
 static const double MOST_DOUBT = 0.5; /* times the spread of all depths */
 static const double FIRST_SHARE = 0.01, LATER_SHARE = 0.3; /* of the residual that a solve leaves */
 static const double ONLY_SHARE = 1e-6;                     /* the same for plain least squares */
@@ -211,9 +212,9 @@ static ntp_status run_rounds(work *w, double k, bool started)
 
 /* --------------------------------------------------------------------------- confidence */
 
-/* The median, to within 2^-40 of the range.  What hangs by little may be anywhere, so a mean says
+/* The value above so large a part of all, to within 2^-40 of the range; half: the median.  What hangs by little may be anywhere, so a mean says
  * nothing of where most texels are. */
-static double middle(const double *a, int32_t n)
+static double middle(const double *a, int32_t n, double part)
 {
     double low = n > 0 ? a[0] : 0, high = low;
     for (int32_t i = 0; i < n; i++) {
@@ -225,7 +226,7 @@ static double middle(const double *a, int32_t n)
         int32_t below = 0;
         for (int32_t i = 0; i < n; i++)
             below += a[i] < half;
-        if (below <= n - below)
+        if (below <= part * n)
             low = half;
         else
             high = half;
@@ -268,7 +269,7 @@ static ntp_status find_moves(work *w)
         ntp__terms_doubt(t, t->force, &chance);
         memset(moved, 0, (size_t) n * sizeof *moved);
         ntp__springs_solve(&w->springs, moved, t->force, 0, 1);
-        double shift = middle(moved, n);
+        double shift = middle(moved, n, 0.5);
         for (int32_t i = 0; i < n; i++)
             w->doubt[i] += fabs(moved[i] - shift) / PROBES;
     }
@@ -276,7 +277,8 @@ static ntp_status find_moves(work *w)
 }
 
 /* Joins that with how far depth is off if it is found again with a greater k, and bends tell cliffs
- * sooner.  Where both are large, or one is by far, the depth is wrong most often. */
+ * sooner.  That is taken from both sides of the middle: where the largest of many loose parts has just
+ * about half of the texels, it is by chance whether one shift of the whole fits it or another.  Where both are large, or one is by far, the depth is wrong most often. */
 static ntp_status find_doubt(work *w, double k)
 {
     ntp__terms *t = &w->terms;
@@ -292,9 +294,9 @@ static ntp_status find_doubt(work *w, double k)
     w->result = result;
     for (int32_t i = 0; i < n; i++)
         w->old[i] = t->z[i] - w->kept[i];
-    double shift = middle(w->old, n);
+    double low = middle(w->old, n, 0.5 - ABOUT_HALF), high = middle(w->old, n, 0.5 + ABOUT_HALF);
     for (int32_t i = 0; i < n; i++) {
-        double off = fabs(w->old[i] - shift);
+        double off = (fabs(w->old[i] - low) + fabs(w->old[i] - high)) / 2;
         w->doubt[i] = DOUBT * (w->doubt[i] + off + 2 * sqrt(w->doubt[i] * off));
         t->z[i] = w->kept[i];
     }
