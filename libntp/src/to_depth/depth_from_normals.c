@@ -212,8 +212,8 @@ static ntp_status run_rounds(work *w, double k, bool started)
 
 /* --------------------------------------------------------------------------- confidence */
 
-/* The value above so large a part of all, to within 2^-40 of the range; half: the median.  What hangs by little may be anywhere, so a mean says
- * nothing of where most texels are. */
+/* The value below which so large a part of all is, to within 2^-40 of the range; half: the median.  What
+ * hangs by little may be anywhere, so a mean says nothing of where most texels are. */
 static double middle(const double *a, int32_t n, double part)
 {
     double low = n > 0 ? a[0] : 0, high = low;
@@ -277,8 +277,9 @@ static ntp_status find_moves(work *w)
 }
 
 /* Joins that with how far depth is off if it is found again with a greater k, and bends tell cliffs
- * sooner.  That is taken from both sides of the middle: where the largest of many loose parts has just
- * about half of the texels, it is by chance whether one shift of the whole fits it or another.  Where both are large, or one is by far, the depth is wrong most often. */
+ * sooner.  That is taken from both sides of the median: where the largest of many loose parts has about
+ * half of the texels, chance says whether one shift of the whole fits it or another.  Where both are
+ * large, or one is by far, the depth is wrong most often. */
 static ntp_status find_doubt(work *w, double k)
 {
     ntp__terms *t = &w->terms;
