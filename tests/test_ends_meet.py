@@ -11,6 +11,7 @@ from support.encoders import jpeg
 from support.find import find_borders
 from support.oracle_height import CLAMP, EXTRAPOLATE, MIRROR, NAMES, WRAP
 
+PLACES = np.arange(16) * 16 + np.arange(16) * 7 % 16  # rows in 256 that tell damage
 BAKED, FORWARD, END = len(NAMES), NAMES.index("forward"), 4
 LENGTH = 4 / (255**2 * 12)  # the square that rounding gives to the error of a length
 
@@ -102,13 +103,20 @@ def losses(p, q):
     return step.mean(), squares
 
 
+def in_blocks(n):
+    """At most four colors in every block that is looked at, and in some three or four."""
+    y, x = (np.arange(16) * (side // 4) // 16 * 4 for side in n.shape[:2])
+    colors = [len(np.unique(n[j : j + 4, i : i + 4].reshape(-1, 3), axis=0)) for j in y for i in x]
+    return max(colors) <= 4 and np.sum(np.array(colors) > 2) >= 8
+
+
 def ends(n, down):
     """Whether ends meet, and whether steps show that they differ."""
     p, q = solved(n)
     if down:
         p, q = q.T, p.T
     h, w = p.shape
-    v = 2 * n[np.arange(16) * len(n) // 16].astype(float) / 255 - 1
+    v = 2 * n[PLACES * len(n) // 256].astype(float) / 255 - 1
     lean, (both, one, other) = losses(p, q)
     chance = np.sqrt(one * other)
     both = np.clip(both, 0, chance)
@@ -116,10 +124,12 @@ def ends(n, down):
     errors = one - steps
     ramp = lean**2 * 2 / 3 * w / h
     damaged = np.mean(((v**2).sum(-1) - 1) ** 2) / 4 > 5 * LENGTH
-    meets = (
-        abs(lean) <= (1.5 if lean**2 <= 2 * errors else 0.75) / 255 * w
-        and ramp + 0.2 * errors > 12 * steps * both / chance + 0.2 * chance
-    )
+    agreed = steps * both / chance if chance else 0
+    times = (ramp + 0.2 * errors) / max(9 * agreed + 0.2 * chance, 1e-30)
+    most = 1.5 if lean**2 <= 2 * errors else 0.75
+    if times > 10 and in_blocks(n):
+        most = 2.5
+    meets = times > 1 and abs(lean) <= most / 255 * w
     return damaged and meets, damaged and not meets and both > 0.85 * chance
 
 

@@ -30,7 +30,10 @@ enum {
     LONG = 512,
     MOST_ASKED = 1 << 17, /* texels that tell how the solver reads them */
     LEAST_LINES = 16,
-    END = 4 /* texels at an end of a line whose mean height counts */
+    END = 4,       /* texels at an end of a line whose mean height counts */
+    BLOCK = 4,     /* a side of what block compression stores as one, in so many colors */
+    BLOCKS = 16,   /* are looked at along each side */
+    LEAST_MIXED = 8 /* of these have three colors or four */
 };
 
 /* The square of an 8-bit level over 12, of lengths.  Levels that were cut off make four times that. */
@@ -39,11 +42,14 @@ static const double rounding = 4.0 / (255.0 * 255.0 * 12.0), most_error = 5;
  * the steps of lines are off by so much that their mean can be: its square is at most so many times
  * that of these errors.  A yet steeper one always is. */
 static const double most_lean = 0.75 / 255, most_of_errors = 1.5 / 255, most_over_errors = 2;
+/* Colors of blocks have five or six bits, which puts level ground off by up to four levels.  So there a
+ * lean may be this one, if it would cost so many times what the steps do. */
+static const double most_of_blocks = 2.5 / 255, block_ramp = 10;
 /* The ramp that a free border makes, with this part of the errors of steps, must have so many times
  * the square of the true steps, and this part of what they can be by chance.  Steps count as far as D
  * and V agree on them: where they do, ends do not meet, and the surface may well lean, too.  The
  * numbers were chosen on half of the heights of public projects, each with 32 damaged maps. */
-static const double of_errors = 0.2, over_steps = 12, by_chance = 0.2;
+static const double of_errors = 0.2, over_steps = 9, by_chance = 0.2;
 /* Where D and V are so much alike, ends differ.  Of damaged tiles they were 0.82 at most. */
 static const double alike = 0.85;
 
@@ -124,11 +130,42 @@ static double across(lines *l, int32_t y, double *beyond)
     return difference / END;
 }
 
-/* May a lean of all lines come from errors of this square? */
-static bool may_be_error(double lean, double errors, int32_t width)
+/* Do the blocks at places all over the picture have four colors at most? */
+static bool is_in_blocks(const ntp_const_image *src)
+{
+    const int32_t across = src->width / BLOCK, down = src->height / BLOCK;
+    int32_t mixed = 0;
+    for (int32_t k = 0; k < BLOCKS * BLOCKS; k++) {
+        const int32_t x = (int32_t) ((int64_t) (k % BLOCKS) * across / BLOCKS) * BLOCK;
+        const int32_t y = (int32_t) ((int64_t) (k / BLOCKS) * down / BLOCKS) * BLOCK;
+        int32_t color[BLOCK][3], colors = 0;
+        for (int32_t i = 0; i < BLOCK * BLOCK; i++) {
+            ntp__block texel;
+            int32_t same = 0;
+            ntp__unpack(&texel, src, x + i % BLOCK, y + i / BLOCK, 1);
+            while (same < colors && (color[same][0] != texel.c[0][0] ||
+                                     color[same][1] != texel.c[1][0] ||
+                                     color[same][2] != texel.c[2][0]))
+                same++;
+            if (same < colors)
+                continue;
+            if (colors == BLOCK)
+                return false;
+            for (int32_t c = 0; c < 3; c++)
+                color[colors][c] = texel.c[c][0];
+            colors++;
+        }
+        mixed += colors > 2;
+    }
+    return mixed >= LEAST_MIXED;
+}
+
+/* May a lean of all lines come from errors of this square?  dear: it costs far more than steps do. */
+static bool may_be_error(double lean, double errors, bool dear, const ntp_const_image *src)
 {
     double most = lean * lean <= most_over_errors * errors ? most_of_errors : most_lean;
-    return fabs(lean) <= most * width;
+    double size = fabs(lean) / src->width;
+    return size <= most || (size <= most_of_blocks && dear && is_in_blocks(src));
 }
 
 /* Which loss is less?  seen: the steps of n lines as slopes across them show them.  Both are used up. */
@@ -152,8 +189,8 @@ static ntp__ends weigh(double *step, double *seen, int32_t n, const ntp_const_im
     least = steps < least ? steps : least;
     double agreed = chance > 0 ? least * steps / chance : 0, errors = summed - least;
     double ramp = step[0] * step[0] * 8 / 12 * src->width / src->height;
-    if (may_be_error(step[0], errors, src->width) &&
-        ramp + of_errors * errors > over_steps * agreed + by_chance * chance)
+    double gain = ramp + of_errors * errors, cost = over_steps * agreed + by_chance * chance;
+    if (gain > cost && may_be_error(step[0], errors, gain > block_ramp * cost, src))
         return NTP__ENDS_MEET;
     return steps > alike * chance ? NTP__ENDS_DIFFER : NTP__ENDS_UNTOLD;
 }
@@ -164,7 +201,9 @@ static bool is_damaged(const ntp_const_image *src)
     ntp__block block;
     double level = 2.0 / ntp__max(src->type), errors2 = 0;
     for (int32_t k = 0; k < LEAST_LINES; k++) {
-        int32_t y = (int32_t) ((int64_t) k * src->height / LEAST_LINES);
+        /* not all at the same place of a brick or a plank */
+        int32_t place = k * LEAST_LINES + k * 7 % LEAST_LINES;
+        int32_t y = (int32_t) ((int64_t) place * src->height / (LEAST_LINES * LEAST_LINES));
         for (int32_t x = 0; x < src->width; x += NTP__BLOCK) {
             int32_t n = src->width - x < NTP__BLOCK ? src->width - x : NTP__BLOCK;
             ntp__unpack(&block, src, x, y, n);

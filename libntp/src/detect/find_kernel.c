@@ -12,6 +12,7 @@
 #include "detect/between.h"
 #include "detect/filter.h"
 #include "detect/kernel_loops_tmpl.h"
+#include "detect/level_edges.h"
 #include "texel/level.h"
 
 #include <string.h>
@@ -329,5 +330,8 @@ ntp_status ntp_find_kernel(ntp_kernel_fit *fit, const ntp_const_image *src, uint
         fit->kernel = ntp__lie_between(src) ? NTP_KERNEL_FORWARD
                       : damaged             ? least_harm(fit->misfit)
                                             : NTP_KERNEL_CENTRAL;
+    /* Solved as baked, heights would bend to edges that are level only by a mirror. */
+    if (!fit->decided && fit->kernel == NTP_KERNEL_BAKED && ntp__edges_are_level(src))
+        fit->kernel = NTP_KERNEL_CENTRAL;
     return NTP_OK;
 }
