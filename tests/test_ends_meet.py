@@ -127,6 +127,8 @@ def ends(n, down):
     agreed = steps * both / chance if chance else 0
     times = (ramp + 0.2 * errors) / max(9 * agreed + 0.2 * chance, 1e-30)
     most = 1.5 if lean**2 <= 2 * errors else 0.75
+    if times > 400:
+        most = max(most, 1)
     if times > 10 and in_blocks(n):
         most = 2.5
     meets = times > 1 and abs(lean) <= most / 255 * w

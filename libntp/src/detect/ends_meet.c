@@ -42,9 +42,9 @@ static const double rounding = 4.0 / (255.0 * 255.0 * 12.0), most_error = 5;
  * the steps of lines are off by so much that their mean can be: its square is at most so many times
  * that of these errors.  A yet steeper one always is. */
 static const double most_lean = 0.75 / 255, most_of_errors = 1.5 / 255, most_over_errors = 2;
-/* Colors of blocks have five or six bits, which puts level ground off by up to four levels.  So there a
- * lean may be this one, if it would cost so many times what the steps do. */
-static const double most_of_blocks = 2.5 / 255, block_ramp = 10;
+/* Fractions that are cut off put ground off by half a level, and colors of blocks, which have five or six
+ * bits, by up to four.  So a lean may be one of these, if it costs so many times what the steps do. */
+static const double most_of_cut = 1.0 / 255, cut_ramp = 400, most_of_blocks = 2.5 / 255, block_ramp = 10;
 /* The ramp that a free border makes, with this part of the errors of steps, must have so many times
  * the square of the true steps, and this part of what they can be by chance.  Steps count as far as D
  * and V agree on them: where they do, ends do not meet, and the surface may well lean, too.  The
@@ -160,12 +160,13 @@ static bool is_in_blocks(const ntp_const_image *src)
     return mixed >= LEAST_MIXED;
 }
 
-/* May a lean of all lines come from errors of this square?  dear: it costs far more than steps do. */
-static bool may_be_error(double lean, double errors, bool dear, const ntp_const_image *src)
+/* May a lean of all lines come from errors of this square?  times: what it costs over what steps do. */
+static bool may_be_error(double lean, double errors, double times, const ntp_const_image *src)
 {
     double most = lean * lean <= most_over_errors * errors ? most_of_errors : most_lean;
     double size = fabs(lean) / src->width;
-    return size <= most || (size <= most_of_blocks && dear && is_in_blocks(src));
+    return size <= most || (size <= most_of_cut && times > cut_ramp) ||
+           (size <= most_of_blocks && times > block_ramp && is_in_blocks(src));
 }
 
 /* Which loss is less?  seen: the steps of n lines as slopes across them show them.  Both are used up. */
@@ -190,7 +191,7 @@ static ntp__ends weigh(double *step, double *seen, int32_t n, const ntp_const_im
     double agreed = chance > 0 ? least * steps / chance : 0, errors = summed - least;
     double ramp = step[0] * step[0] * 8 / 12 * src->width / src->height;
     double gain = ramp + of_errors * errors, cost = over_steps * agreed + by_chance * chance;
-    if (gain > cost && may_be_error(step[0], errors, gain > block_ramp * cost, src))
+    if (gain > cost && may_be_error(step[0], errors, cost > 0 ? gain / cost : HUGE_VAL, src))
         return NTP__ENDS_MEET;
     return steps > alike * chance ? NTP__ENDS_DIFFER : NTP__ENDS_UNTOLD;
 }

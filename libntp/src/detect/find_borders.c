@@ -9,6 +9,7 @@
 #include "base/scratch.h"
 #include "base/view.h"
 #include "detect/ends_meet.h"
+#include "detect/level_edges.h"
 
 #include <math.h>
 #include <string.h>
@@ -38,6 +39,8 @@ static const double far_off = 2;
 static const double confirming = 1.4;
 /* In levels of 8 bit: where normals fit so well, no border is wrong. */
 static const double fits_well = 0.4;
+/* Of edges that fit wrap so well beside the best border, in levels too, heights at both ends tell more. */
+static const double as_well = 1.25, as_well_levels = 0.05;
 /* And where texels at the edges do, whose rounding counts twice: 0.41 levels. */
 static const double edges_fit = 0.8;
 /* Texels at the edges of a damaged texture fit wrap if they are no further off than so many times
@@ -265,6 +268,8 @@ static bool is_ruled_out(ntp_border border, ntp_border now, const search *s, dou
 static ntp_status try_borders(ntp_border_fit *fit, search *s, double least, bool wraps, bool down)
 {
     const double off = least_error(fit);
+    const bool mirrored =
+        s->how.kernel != NTP_KERNEL_FORWARD && ntp__edges_are_level(s->whole, down);
     double next = HUGE_VAL; /* of those that were not taken the least residual */
     for (int32_t i = 0; i < TRIED; i++) {
         double residual = s->wrapped;
@@ -272,8 +277,10 @@ static ntp_status try_borders(ntp_border_fit *fit, search *s, double least, bool
         /* The slopes close, and so do the heights. */
         if (wraps && fit->border == NTP_BORDER_WRAP)
             break;
-        if (is_ruled_out(tried[i], fit->border, s, fit->error[tried[i]] / off, wraps)) {
-            if (tried[i] == NTP_BORDER_WRAP && s->ends != NTP__ENDS_DIFFER)
+        const bool wrap = tried[i] == NTP_BORDER_WRAP;
+        if ((mirrored && !wrap) ||
+            is_ruled_out(tried[i], fit->border, s, fit->error[tried[i]] / off, wraps)) {
+            if (wrap ? s->ends != NTP__ENDS_DIFFER : mirrored)
                 next = 0; /* a lean that damage made may be all that speaks against it */
             continue;
         }
@@ -281,7 +288,7 @@ static ntp_status try_borders(ntp_border_fit *fit, search *s, double least, bool
             NTP__TRY(confirms(&confirmed, fit, s, tried[i], down));
         if (confirmed)
             continue;
-        if (tried[i] != NTP_BORDER_WRAP || residual < 0)
+        if (!wrap || residual < 0)
             NTP__TRY(solve(&residual, s, tried[i], down));
         if (residual < 0)
             continue;
@@ -333,6 +340,14 @@ static bool may_guess(const ntp_height_options *solved)
     return square && solved->method == NTP_HEIGHT_AUTO && solved->z != NTP_Z_DERIVED;
 }
 
+/* Do edges fit wrap as well as the border of the fit, as flat ones do? */
+static bool wraps_as_well(const ntp_border_fit *fit)
+{
+    double wrap = fit->error[NTP_BORDER_WRAP];
+    return fit->border != NTP_BORDER_WRAP && wrap >= 0 &&
+           wrap <= as_well * least_error(fit) + as_well_levels;
+}
+
 static ntp__ends find_ends(const search *s, bool down)
 {
     ntp_height_options how = s->how;
@@ -349,7 +364,7 @@ static ntp_status find(ntp_border_fit *fit, search *s, bool wraps, bool down)
     if (residual < 0)
         return NTP_OK;
     NTP__TRY(ntp_find_border(fit, &s->src, &made, &s->how, down, wraps));
-    if (residual <= fits_well)
+    if (residual <= fits_well && !wraps_as_well(fit))
         return NTP_OK;
     s->ends = find_ends(s, down);
     if (s->ends == NTP__ENDS_MEET) {
@@ -357,6 +372,8 @@ static ntp_status find(ntp_border_fit *fit, search *s, bool wraps, bool down)
         fit->decided = 0;
         return NTP_OK;
     }
+    if (residual <= fits_well)
+        return NTP_OK;
     if (!fit->decided)
         return try_borders(fit, s, residual, wraps, down);
     const double *error = fit->error;

@@ -331,7 +331,8 @@ ntp_status ntp_find_kernel(ntp_kernel_fit *fit, const ntp_const_image *src, uint
                       : damaged             ? least_harm(fit->misfit)
                                             : NTP_KERNEL_CENTRAL;
     /* Solved as baked, heights would bend to edges that are level only by a mirror. */
-    if (!fit->decided && fit->kernel == NTP_KERNEL_BAKED && ntp__edges_are_level(src))
+    if (!fit->decided && fit->kernel == NTP_KERNEL_BAKED &&
+        (ntp__edges_are_level(src, false) || ntp__edges_are_level(src, true)))
         fit->kernel = NTP_KERNEL_CENTRAL;
     return NTP_OK;
 }

@@ -73,11 +73,9 @@ static bool is_level(const ntp_const_image *src, int32_t along, bool right)
     return expected > EXPECTED * s.here && s.here < DAMAGE * (s.damage + least);
 }
 
-bool ntp__edges_are_level(const ntp_const_image *src)
+bool ntp__edges_are_level(const ntp_const_image *src, bool down)
 {
-    const ntp_const_image turned = ntp__transposed(src);
-    if (src->width < LEAST_SIDE || src->height < LEAST_SIDE)
-        return false;
-    return (is_level(src, 0, false) && is_level(src, 0, true)) ||
-           (is_level(&turned, 1, false) && is_level(&turned, 1, true));
+    const ntp_const_image lines = down ? ntp__transposed(src) : *src;
+    return src->width >= LEAST_SIDE && src->height >= LEAST_SIDE && is_level(&lines, down, false) &&
+           is_level(&lines, down, true);
 }
