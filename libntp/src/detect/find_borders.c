@@ -58,7 +58,8 @@ typedef struct search {
     const ntp_const_image *whole;
     ntp_const_image src; /* the band */
     ntp_height_options how;
-    ntp_decode asked; /* by the caller */
+    ntp_decode asked; /* by the caller, */
+    ntp_z asked_z;     /* as is this */
     ntp__reading *reading;
     ntp_image heights;
     void *rest;
@@ -352,6 +353,7 @@ static ntp__ends find_ends(const search *s, bool down)
 {
     ntp_height_options how = s->how;
     how.decode = s->asked;
+    how.z = s->asked_z;
     return may_guess(&how) ? ntp__find_ends(s->reading, s->whole, &how, down) : NTP__ENDS_UNTOLD;
 }
 
@@ -395,6 +397,7 @@ static void start(search *s, const ntp_const_image *src, const ntp_height_option
     s->whole = src;
     s->how = *how;
     s->asked = how->decode;
+    s->asked_z = how->z;
     bool free = cut_band(s, src, how->kernel, down) || both;
     if (free)
         *(down ? &s->how.border_x : &s->how.border_y) = ntp_free_border(how->kernel);
