@@ -197,6 +197,58 @@ def test_a_bias_does_not_lean(kernel):
     assert len(ratios) >= 5 and max(ratios) < 1 and np.mean(ratios) < 0.8, ratios
 
 
+def cut_off(n, share):
+    """A tile with flat sides, of whose columns a share in percent loses a level."""
+    x = np.arange(n)
+    h = islands(n, 3) * 2
+    h = ((h - h.min()) * np.clip(np.minimum(x, x[::-1]) / 24 - 1, 0, 1)).astype(np.float32)
+    clean = free(h)
+    flat = (x < 20) | (x > n - 20)
+    levels = np.where(flat[None, :, None], clean, noisy(clean, 1))
+    levels[:, ~flat & (x % 100 < share), 0] -= 1
+    return levels.astype(np.uint8)
+
+
+@pytest.mark.parametrize("share, meets", [(60, True), (80, True), (100, False)])
+def test_fractions_that_are_cut_off_lean(share, meets):
+    """By up to half a level, where flat sides say that both ends are as high."""
+    n = cut_off(256, share)
+    assert meet(n, 0) == meets
+    assert (answers(n, 0)[0][0] == WRAP) == meets
+
+
+def test_colors_of_blocks_lean():
+    """By more than a level of other damage could be."""
+    slopes = reconstruction.fractal(256, 2, 2, 2.2), np.round(islands(256, 7) * 3)
+    for axis, h in zip((1, 0), slopes, strict=True):
+        n = by_blocks(free(h.astype(np.float32)))
+        assert meet(n, axis) and answers(n)[0][axis] == WRAP
+        moved = np.roll(n, 2, 1 - axis)  # no blocks begin at the corner
+        assert not in_blocks(moved) and not meet(moved, axis) and not answers(moved)[1][axis]
+
+
+def test_flat_edges_do_not_decide():
+    """They fit every border, and bands of them show no damage."""
+    for seed in (1, 4):
+        inner = islands(256, seed)[48:-48, 48:-48]
+        h = np.pad((inner - inner.min()) * 2, 48)
+        for kernel in ("central", "forward"):
+            for damage in DAMAGES:
+                found = find_borders(damage(free(h, kernel)), NAMES.index(kernel))
+                assert [(f["border"], f["decided"]) for f in found] == [(WRAP, 0)] * 2
+
+
+def test_rows_of_a_grid_do_not_hide_damage():
+    """Every sixteenth row is in a flat gap."""
+    inner = islands(256, 5).reshape(16, 16, 256)
+    h = inner - inner.min()
+    h[:, :4] = h[:, 15:] = 0
+    h = h.reshape(256, 256)
+    n = by_blocks(free(h))
+    assert (n[::16] == n[0, 0]).all()
+    assert meet(n, 0) and answers(n)[1][0]
+
+
 def test_ends_that_differ_do_not_meet():
     """By a step that changes along the edge, or by a ramp."""
     x = np.arange(256)[None] / 256

@@ -30,9 +30,9 @@ enum {
     LONG = 512,
     MOST_ASKED = 1 << 17, /* texels that tell how the solver reads them */
     LEAST_LINES = 16,
-    END = 4,       /* texels at an end of a line whose mean height counts */
-    BLOCK = 4,     /* a side of what block compression stores as one, in so many colors */
-    BLOCKS = 16,   /* are looked at along each side */
+    END = 4,        /* texels at an end of a line whose mean height counts */
+    BLOCK = 4,      /* a side of what block compression stores as one, in so many colors */
+    BLOCKS = 16,    /* are looked at along each side */
     LEAST_MIXED = 8 /* of these have three colors or four */
 };
 
@@ -44,7 +44,8 @@ static const double rounding = 4.0 / (255.0 * 255.0 * 12.0), most_error = 5;
 static const double most_lean = 0.75 / 255, most_of_errors = 1.5 / 255, most_over_errors = 2;
 /* Fractions that are cut off put ground off by half a level, and colors of blocks, which have five or six
  * bits, by up to four.  So a lean may be one of these, if it costs so many times what the steps do. */
-static const double most_of_cut = 1.0 / 255, cut_ramp = 400, most_of_blocks = 2.5 / 255, block_ramp = 10;
+static const double most_of_cut = 1.0 / 255, cut_ramp = 400;
+static const double most_of_blocks = 2.5 / 255, block_ramp = 10;
 /* The ramp that a free border makes, with this part of the errors of steps, must have so many times
  * the square of the true steps, and this part of what they can be by chance.  Steps count as far as D
  * and V agree on them: where they do, ends do not meet, and the surface may well lean, too.  The
@@ -130,31 +131,38 @@ static double across(lines *l, int32_t y, double *beyond)
     return difference / END;
 }
 
-/* Do the blocks at places all over the picture have four colors at most? */
+/* The number of colors of a block; one more than BLOCK: more than these. */
+static int32_t count_colors(const ntp_const_image *src, int32_t x, int32_t y)
+{
+    int32_t color[BLOCK][3], colors = 0;
+    ntp__block row;
+    for (int32_t i = 0; i < BLOCK * BLOCK; i++) {
+        int32_t k = 0, at = i % BLOCK;
+        if (at == 0)
+            ntp__unpack(&row, src, x, y + i / BLOCK, BLOCK);
+        while (k < colors && (color[k][0] != row.c[0][at] || color[k][1] != row.c[1][at] ||
+                              color[k][2] != row.c[2][at]))
+            k++;
+        if (k == BLOCK)
+            return k + 1;
+        for (int32_t c = 0; c < 3; c++)
+            color[k][c] = row.c[c][at];
+        colors = k == colors ? k + 1 : colors;
+    }
+    return colors;
+}
+
+/* Do blocks all over the picture have four colors at most? */
 static bool is_in_blocks(const ntp_const_image *src)
 {
     const int32_t across = src->width / BLOCK, down = src->height / BLOCK;
     int32_t mixed = 0;
     for (int32_t k = 0; k < BLOCKS * BLOCKS; k++) {
-        const int32_t x = (int32_t) ((int64_t) (k % BLOCKS) * across / BLOCKS) * BLOCK;
-        const int32_t y = (int32_t) ((int64_t) (k / BLOCKS) * down / BLOCKS) * BLOCK;
-        int32_t color[BLOCK][3], colors = 0;
-        for (int32_t i = 0; i < BLOCK * BLOCK; i++) {
-            ntp__block texel;
-            int32_t same = 0;
-            ntp__unpack(&texel, src, x + i % BLOCK, y + i / BLOCK, 1);
-            while (same < colors && (color[same][0] != texel.c[0][0] ||
-                                     color[same][1] != texel.c[1][0] ||
-                                     color[same][2] != texel.c[2][0]))
-                same++;
-            if (same < colors)
-                continue;
-            if (colors == BLOCK)
-                return false;
-            for (int32_t c = 0; c < 3; c++)
-                color[colors][c] = texel.c[c][0];
-            colors++;
-        }
+        int32_t x = (int32_t) ((int64_t) (k % BLOCKS) * across / BLOCKS) * BLOCK;
+        int32_t y = (int32_t) ((int64_t) (k / BLOCKS) * down / BLOCKS) * BLOCK;
+        int32_t colors = count_colors(src, x, y);
+        if (colors > BLOCK)
+            return false;
         mixed += colors > 2;
     }
     return mixed >= LEAST_MIXED;

@@ -59,7 +59,7 @@ typedef struct search {
     ntp_const_image src; /* the band */
     ntp_height_options how;
     ntp_decode asked; /* by the caller, */
-    ntp_z asked_z;     /* as is this */
+    ntp_z asked_z;    /* as is this */
     ntp__reading *reading;
     ntp_image heights;
     void *rest;
