@@ -89,22 +89,35 @@ static inline bool load_group(__m256i colors[2], uint32_t *gray, const uint8_t *
     return lanes_set(ends) == 0 && _mm256_movemask_epi8(least) == -1;
 }
 
-/* Apart from the arithmetic, so that many counts are on their way at once. */
+enum { WAITING = 512, STREAMS = 4 /* counts that are waiting, and parts of them */ };
+
+/* Apart from the arithmetic, so that many counts are on their way at once.  Neighbors are often alike, and a
+ * count waits for the one before it in the same place; so one of each part follows the other. */
 ONE_COPY static void count_each(ntp__cell_counts *counts, const uint32_t *at, const uint32_t *rows,
                                 int32_t n)
 {
-    for (int32_t i = 0; i < n; i++) {
-        counts->row_seen[rows[i]] |= NTP__SEEN_FAR;
-        _mm_prefetch((const char *) counts->far + at[i], _MM_HINT_T0);
+    const int32_t part = n / STREAMS;
+    for (int32_t i = 0; i < n; i += 4) {
+        const uint8_t *const seen = counts->row_seen;
+        for (int32_t k = i; k < i + 4; k++)
+            _mm_prefetch((const char *) counts->far + at[k], _MM_HINT_T0);
+        /* storing it again would be waited for */
+        if (seen[rows[i]] & seen[rows[i + 1]] & seen[rows[i + 2]] & seen[rows[i + 3]] & NTP__SEEN_FAR)
+            continue;
+        for (int32_t k = i; k < i + 4; k++)
+            counts->row_seen[rows[k]] |= NTP__SEEN_FAR;
     }
-    for (int32_t i = 0; i < n; i++)
-        ntp__count_far(counts, at[i], 1);
+    for (int32_t i = 0; i < part; i++) {
+        UNROLLED
+        for (int32_t k = 0; k < STREAMS; k++)
+            ntp__count_far(counts, at[i + k * part], 1);
+    }
 }
 
 static int32_t count_cells(ntp__cell_counts *counts, const uint8_t *src, int32_t n,
                            int32_t channels, uint64_t *gray)
 {
-    enum { GROUP = 16, ALL = 0xffff, WAITING = 512 };
+    enum { GROUP = 16, ALL = 0xffff };
     uint32_t at[WAITING], rows[WAITING];
     int32_t i = 0, waiting = 0;
     for (; i + GROUP <= n; i += GROUP, src += channels * GROUP) {
