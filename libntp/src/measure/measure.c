@@ -392,8 +392,8 @@ static void note_row(ntp_tally *t, const ntp_const_image *src, int32_t x0, int32
     }
 }
 
-static void count_row(ntp_tally *t, waiting *w, const ntp_const_image *src, int32_t x0, int32_t x1,
-                      int32_t y)
+static void count_row(ntp_tally *t, waiting *w, alpha_counts *alpha, const ntp_const_image *src,
+                      int32_t x0, int32_t x1, int32_t y)
 {
     bool picture = src->encoding == NTP_ENCODING_HEIGHT;
     bool bytes = !picture && !t->cells.few && src->type == NTP_TYPE_U8 && src->channels >= 3 &&
@@ -408,7 +408,7 @@ static void count_row(ntp_tally *t, waiting *w, const ntp_const_image *src, int3
         if (bytes && src->channels == 3) {
             count_rgb8(t, ntp__at(src, x, y), n);
         } else if (bytes) {
-            count_rgba8(t, ntp__at(src, x, y), n);
+            count_rgba8(t, alpha, ntp__at(src, x, y), n);
         } else if (words && w->noise == 0) {
             count_rgb16(t, w, (const uint16_t *) ntp__at(src, x, y), n);
         } else {
@@ -468,9 +468,12 @@ ntp_status ntp_tally_add(ntp_tally *tally, const ntp_const_image *src, uint32_t 
     left.block.any_broken = false;
     for (int32_t i = 0; i < NTP__BLOCK; i++)
         left.block.c[3][i] = 65535;
+    alpha_counts alpha;
+    begin_alpha(&alpha, touch_unused);
     for (int32_t y = rect.y0; y < rect.y1; y++)
-        count_row(tally, &left, src, rect.x0, rect.x1, y);
+        count_row(tally, &left, &alpha, src, rect.x0, rect.x1, y);
     end_waiting(tally, &left);
+    end_alpha(tally, &alpha);
     tally->cells.unnoted |= !tally->cells.few && tally->narrow > narrow;
     tally->texels += width * height;
     return NTP_OK;

@@ -218,27 +218,80 @@ static void count_rgb8(ntp_tally *t, const uint8_t *p, int32_t n)
     end_far(t, &far);
 }
 
-/* What the texels of a row with alpha are counted by. */
+enum { CLEAR_BITS = 8 };
+
+/* What texels with alpha are counted by, over rows.  Colors of alpha 0 are judged once for many texels: each
+ * has one place here, and gives way to another one that needs it. */
 typedef struct alpha_counts {
-    unused_colors transparent;
+    uint32_t color[1 << CLEAR_BITS], count[1 << CLEAR_BITS]; /* r | g << 8 | b << 16; 0: none */
+    ntp__color_batch batch;
     uint32_t visible; /* the least alpha of a used texel */
     uint64_t unused, ag;
 } alpha_counts;
 
-static void count_one_rgba8(ntp_tally *t, alpha_counts *c, const uint8_t *p)
+static void begin_alpha(alpha_counts *c, uint32_t touch)
 {
-    uint32_t r = p[0], g = p[1], b = p[2], a = p[3];
-    t->alpha[a]++;
+    memset(c->count, 0, sizeof c->count);
+    c->batch.n = 0;
+    c->visible = touch & NTP_UNUSED_TRANSPARENT ? 0 : 1;
+}
+
+static void judge_clear(ntp_tally *t, alpha_counts *c, uint32_t place)
+{
+    const uint32_t color = c->color[place];
+    const int32_t rgb[] = { (int32_t) (color & 255), (int32_t) (color >> 8 & 255),
+                            (int32_t) (color >> 16) };
+    ntp__put_color(&t->transparent_narrow, &c->batch, rgb, c->count[place], 255,
+                   ntp__judged_as((ntp_encoding) t->encoding));
+    c->count[place] = 0;
+}
+
+static void end_alpha(ntp_tally *t, alpha_counts *c)
+{
+    for (uint32_t i = 0; i < 1 << CLEAR_BITS; i++) {
+        if (c->count[i] > 0)
+            judge_clear(t, c, i);
+    }
+    if (c->batch.n > 0)
+        ntp__end_batch(&t->transparent_narrow, &c->batch, 255,
+                       ntp__judged_as((ntp_encoding) t->encoding));
+}
+
+/* Texels of alpha 0 that are unused for it, if they are not for their color. */
+static inline void count_clear(ntp_tally *t, alpha_counts *c, uint32_t color, uint32_t count)
+{
+    const uint32_t golden_section = 2654435769u; /* of 2^32: spreads similar colors */
+    c->unused += count;
+    if (color == 0 && !(t->touched & NTP_UNUSED_BLACK)) {
+        t->gray += count;
+        t->black += count;
+        return;
+    }
+    if (color == 0xffffff && !(t->touched & NTP_UNUSED_WHITE)) {
+        t->gray += count;
+        t->white += count;
+        return;
+    }
+    const uint32_t place = color * golden_section >> (32 - CLEAR_BITS);
+    t->transparent += count;
+    if (c->color[place] != color && c->count[place] > 0)
+        judge_clear(t, c, place);
+    c->color[place] = color;
+    c->count[place] += count;
+}
+
+/* Counts `count` texels that are equal. */
+static inline void count_one_rgba8(ntp_tally *t, alpha_counts *c, const uint8_t *p, uint32_t count)
+{
+    const uint32_t g = p[1], a = p[3];
+    t->alpha[a] += count;
     if (a >= c->visible) {
-        uint32_t unused = count_color(t, t->cells.row_of, t->cells.at.near, p, 1);
-        c->ag += unused == 0 && a < 255 && in_disc8((int32_t) a, (int32_t) g);
+        const uint32_t unused = count_color(t, t->cells.row_of, t->cells.at.near, p, count);
+        c->ag += (a < 255) & (unused == 0) & in_disc8((int32_t) a, (int32_t) g) ? count : 0;
         c->unused += unused;
         return;
     }
-    c->unused++;
-    if ((r == g) & (g == b) && count_black_white(t, (int32_t) b, 255))
-        return;
-    add_transparent(t, &c->transparent, (int32_t) r, (int32_t) g, (int32_t) b, 255);
+    count_clear(t, c, p[0] | g << 8 | (uint32_t) p[2] << 16, count);
 }
 
 /* Counts a group; opaque ones, and those of one color, are the fast ones. */
@@ -251,16 +304,16 @@ static inline void count_group_rgba8(ntp_tally *t, alpha_counts *c, const uint8_
         all &= texel[i];
         any |= texel[i];
     }
+    if (all == any) {
+        count_one_rgba8(t, c, p, GROUP);
+        return;
+    }
     if ((all & opaque) != opaque) {
         for (int32_t i = 0; i < GROUP; i++)
-            count_one_rgba8(t, c, p + 4 * i);
+            count_one_rgba8(t, c, p + 4 * i, 1);
         return;
     }
     t->alpha[255] += GROUP;
-    if (all == any) {
-        c->unused += count_color(t, t->cells.row_of, t->cells.at.near, p, GROUP);
-        return;
-    }
     for (int32_t i = 0; i < GROUP; i++)
         c->unused += count_color(t, t->cells.row_of, t->cells.at.near, p + 4 * i, 1);
 }
@@ -279,31 +332,27 @@ static void look_up_rgba8(ntp_tally *t, alpha_counts *c, const uint8_t *p, int32
         count_group_rgba8(t, c, p);
     }
     for (; n > 0; n--, p += 4)
-        count_one_rgba8(t, c, p);
+        count_one_rgba8(t, c, p, 1);
 }
 
-static void count_rgba8(ntp_tally *t, const uint8_t *p, int32_t n)
+static void count_rgba8(ntp_tally *t, alpha_counts *c, const uint8_t *p, int32_t n)
 {
-    alpha_counts c;
     ntp__exact8_block part;
     int32_t next;
     const size_t row = 4 * (size_t) n;
-    no_unused(&c.transparent);
-    c.visible = t->touched & NTP_UNUSED_TRANSPARENT ? 0 : 1;
-    c.unused = c.ag = 0;
+    c->unused = c->ag = 0;
     add_bytes(t, p, n, 4);
     t->narrow += (uint64_t) n;
     while (n > 0) {
         const int32_t done = count_exact(t, &part, &next, p, n, 4, row);
         t->alpha[255] += (uint32_t) (done - part.others);
         for (int32_t i = 0; i < part.others; i++)
-            count_one_rgba8(t, &c, p + 4 * part.left[i]);
+            count_one_rgba8(t, c, p + 4 * part.left[i], 1);
         p += 4 * done;
-        look_up_rgba8(t, &c, p, next);
+        look_up_rgba8(t, c, p, next);
         p += 4 * next;
         n -= done + next;
     }
-    end_unused(t, &c.transparent, 255);
-    t->narrow -= c.unused;
-    t->ag_in_disc += c.ag;
+    t->narrow -= c->unused;
+    t->ag_in_disc += c->ag;
 }

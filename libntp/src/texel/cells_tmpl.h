@@ -89,7 +89,7 @@ static inline bool load_group(__m256i colors[2], uint32_t *gray, const uint8_t *
     return lanes_set(ends) == 0 && _mm256_movemask_epi8(least) == -1;
 }
 
-enum { WAITING = 512, STREAMS = 4 /* counts that are waiting, and parts of them */ };
+enum { WAITING = 512, STREAMS = 8 /* counts that are waiting, and parts of them */ };
 
 /* Apart from the arithmetic, so that many counts are on their way at once.  Neighbors are often alike, and a
  * count waits for the one before it in the same place; so one of each part follows the other. */
@@ -102,7 +102,8 @@ ONE_COPY static void count_each(ntp__cell_counts *counts, const uint32_t *at, co
         for (int32_t k = i; k < i + 4; k++)
             _mm_prefetch((const char *) counts->far + at[k], _MM_HINT_T0);
         /* storing it again would be waited for */
-        if (seen[rows[i]] & seen[rows[i + 1]] & seen[rows[i + 2]] & seen[rows[i + 3]] & NTP__SEEN_FAR)
+        if (seen[rows[i]] & seen[rows[i + 1]] & seen[rows[i + 2]] & seen[rows[i + 3]] &
+            NTP__SEEN_FAR)
             continue;
         for (int32_t k = i; k < i + 4; k++)
             counts->row_seen[rows[k]] |= NTP__SEEN_FAR;
