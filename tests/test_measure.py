@@ -180,6 +180,19 @@ def test_colors_of_transparent_texels(dtype, visible):
     check_summary(ntp.Tally().measure(array, ntp.STANDARD), array, ntp.STANDARD, 0)
 
 
+@pytest.mark.parametrize("touch", range(8))
+@pytest.mark.parametrize("count", [60, 900])
+def test_transparent_colors_that_come_again(touch, count):
+    """Fewer and more colors than have a place at once, black and white among them, in any order."""
+    rng = np.random.default_rng(count)
+    colors = rng.integers(0, 256, (count, 4)).astype(np.uint8)
+    colors[:, 3] = np.where(rng.random(count) < 0.8, 0, rng.integers(0, 256, count))
+    colors[:2, :3], colors[:2, 3] = [[0], [255]], 0
+    array = colors[rng.integers(0, count, (40, 130))]
+    array[9:12] = np.repeat(array[9:12, ::10], 10, 1)
+    check_summary(ntp.Tally().measure(array, ntp.STANDARD, touch), array, ntp.STANDARD, touch)
+
+
 def test_odd_texel_among_wide_ones():
     """Blocks of 16-bit texels that are counted as a whole, but for one: gray, flat, of 8 bit, too
     long by as little as can be."""

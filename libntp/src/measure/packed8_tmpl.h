@@ -274,7 +274,7 @@ static inline void count_clear(ntp_tally *t, alpha_counts *c, uint32_t color, ui
     }
     const uint32_t place = color * golden_section >> (32 - CLEAR_BITS);
     t->transparent += count;
-    if (c->color[place] != color && c->count[place] > 0)
+    if (c->count[place] > 0 && (c->color[place] != color || c->count[place] > INT32_MAX))
         judge_clear(t, c, place);
     c->color[place] = color;
     c->count[place] += count;
