@@ -136,18 +136,19 @@ static int32_t count_colors(const ntp_const_image *src, int32_t x, int32_t y)
 {
     int32_t color[BLOCK][3], colors = 0;
     ntp__block row;
-    for (int32_t i = 0; i < BLOCK * BLOCK; i++) {
-        int32_t k = 0, at = i % BLOCK;
-        if (at == 0)
-            ntp__unpack(&row, src, x, y + i / BLOCK, BLOCK);
-        while (k < colors && (color[k][0] != row.c[0][at] || color[k][1] != row.c[1][at] ||
-                              color[k][2] != row.c[2][at]))
-            k++;
-        if (k == BLOCK)
-            return k + 1;
-        for (int32_t c = 0; c < 3; c++)
-            color[k][c] = row.c[c][at];
-        colors = k == colors ? k + 1 : colors;
+    for (int32_t i = 0; i < BLOCK; i++) {
+        ntp__unpack(&row, src, x, y + i, BLOCK);
+        for (int32_t at = 0; at < BLOCK; at++) {
+            int32_t k = 0;
+            while (k < colors && (color[k][0] != row.c[0][at] || color[k][1] != row.c[1][at] ||
+                                  color[k][2] != row.c[2][at]))
+                k++;
+            if (k == BLOCK)
+                return k + 1;
+            for (int32_t c = 0; c < 3; c++)
+                color[k][c] = row.c[c][at];
+            colors = k == colors ? k + 1 : colors;
+        }
     }
     return colors;
 }

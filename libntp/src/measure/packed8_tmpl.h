@@ -287,7 +287,8 @@ static inline void count_one_rgba8(ntp_tally *t, alpha_counts *c, const uint8_t 
     t->alpha[a] += count;
     if (a >= c->visible) {
         const uint32_t unused = count_color(t, t->cells.row_of, t->cells.at.near, p, count);
-        c->ag += (a < 255) & (unused == 0) & in_disc8((int32_t) a, (int32_t) g) ? count : 0;
+        const bool in_disc = (a < 255) & (unused == 0) & in_disc8((int32_t) a, (int32_t) g);
+        c->ag += in_disc ? count : 0;
         c->unused += unused;
         return;
     }

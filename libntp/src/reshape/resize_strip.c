@@ -106,8 +106,8 @@ int32_t ntp__strip_begin(const ntp__resize_job *j, int32_t x0, int32_t x1)
     return end;
 }
 
-/* Is the z of column k of texel i negative? */
-static inline bool is_below(const ntp__strip *s, const float *row, int32_t i, int32_t k)
+/* 1: the z of column k of texel i is negative. */
+static inline int32_t is_below(const ntp__strip *s, const float *row, int32_t i, int32_t k)
 {
     const int32_t half = (4 + k % 2) * NTP__RUN + s->at[i] / 2 + k / 2;
     const int32_t z = s->halved ? half : 4 * (s->at[i] + k) + 2;
