@@ -9,7 +9,7 @@ js_compile() { # js_compile FILE: the kernels too are compiled once, with WebAss
 
 js_compile_share() { # js_compile_share N: every file whose number is N modulo the jobs
     js_number=0
-    for js_file in bindings/js/*.c $(find libntp/src -name '*.c' ! -name '*_avx2.c' | sort); do
+    for js_file in bindings/js/*.c $(find libntp/src -name '*.c' ! -name '*_avx*.c' | sort); do
         [ $((js_number % jobs)) != "$1" ] || js_compile "$js_file"
         js_number=$((js_number + 1))
     done
