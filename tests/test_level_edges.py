@@ -110,11 +110,13 @@ def test_surfaces_that_are_symmetric_are_no_mirror():
                 assert not is_level(damaged, 0) and not is_level(damaged, 1)
 
 
-def test_level_edges_have_no_other_border():
-    """But wrap, which may cost less than the mirror that made them."""
+@pytest.mark.parametrize("size, slope", [(256, 1), (64, 0.4)])
+def test_level_edges_have_no_other_border(size, slope):
+    """But wrap, which may cost less than the mirror that made them.  On gentle small maps another one would
+    seem to fit after JPEG."""
     for seed in range(6):
         for kernel in ("central", "sobel3"):
-            h = reconstruction.fractal(256, seed, 1, 2.2)
+            h = reconstruction.fractal(size, seed, slope, 2.2)
             n = reconstruction.from_height(h, kernel, MIRROR, MIRROR)
             for damage in DAMAGES:
                 damaged = damage(n)
