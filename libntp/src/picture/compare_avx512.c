@@ -8,12 +8,12 @@
  */
 #include "picture/compare_avx2.h"
 
-#include <immintrin.h>
 #include <string.h>
 
 #include "picture/small_angles.h"
+#include "texel/packed_avx512_tmpl.h"
 
-enum { STEP = 16 /* texels */ };
+enum { STEP = LANES_512 };
 
 /* s^2 and d of a block, times a power of 4 or 2, u0 and g, and bits of texels that are
  * different. */
@@ -31,14 +31,6 @@ typedef struct pairs {
 typedef struct sums {
     __m512i low, high, most_low, most_high;
 } sums;
-
-/* 48 bytes and zeros.  A load with a mask takes longer. */
-static inline __m512i load_bytes(const uint8_t *s)
-{
-    const __m256i low = _mm256_loadu_si256((const void *) s);
-    return _mm512_inserti32x4(_mm512_zextsi256_si512(low), _mm_loadu_si128((const void *) (s + 32)),
-                              2);
-}
 
 static inline __m512 to_floats(const double *v)
 {
@@ -137,27 +129,7 @@ static void add_channel(ntp__compared *out, int k, __m512i sum, __m512i most)
 
 /* ------------------------------------------------------------------------------ 8 bit */
 
-/* Red and green of 16 texels as pairs of 16 bits, and blue. */
-typedef struct texels8 {
-    __m512i rg, b;
-} texels8;
-
-static inline texels8 load8(const uint8_t *s)
-{
-    /* The bytes of red, nothing, green, nothing; or of blue and nothing. */
-    const __m512i first =
-        _mm512_mullo_epi32(_mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15),
-                           _mm512_set1_epi32(0x030003));
-    const __m512i v = load_bytes(s);
-    return (texels8) {
-        .rg = _mm512_maskz_permutexvar_epi8(
-            0x5555555555555555, _mm512_add_epi32(first, _mm512_set1_epi32(0x010000)), v),
-        .b = _mm512_maskz_permutexvar_epi8(0x1111111111111111,
-                                           _mm512_add_epi32(first, _mm512_set1_epi32(2)), v),
-    };
-}
-
-static inline __m512i dot8(texels8 v, texels8 w)
+static inline __m512i dot8(texels v, texels w)
 {
     return _mm512_add_epi32(_mm512_madd_epi16(v.rg, w.rg), _mm512_madd_epi16(v.b, w.b));
 }
@@ -168,9 +140,9 @@ static inline __m512d to_doubles(__m512i v, int k)
 }
 
 /* With v of a, and w = v + 2 off: half of v x w = 2 v x off and of v . w = v . v + 2 v . off. */
-static inline void multiply8(double *s2, double *d, texels8 a, texels8 off)
+static inline void multiply8(double *s2, double *d, texels a, texels off)
 {
-    const texels8 v = {
+    const texels v = {
         .rg = _mm512_sub_epi16(_mm512_add_epi16(a.rg, a.rg), _mm512_set1_epi16(255)),
         .b = _mm512_sub_epi16(_mm512_add_epi16(a.b, a.b), _mm512_set1_epi32(255)),
     };
@@ -185,8 +157,8 @@ static inline void multiply8(double *s2, double *d, texels8 a, texels8 off)
 
 static inline uint32_t step8(double *s2, double *d, sums *sum, const uint8_t *pa, const uint8_t *pb)
 {
-    const texels8 a = load8(pa), b = load8(pb);
-    const texels8 off = { _mm512_sub_epi16(b.rg, a.rg), _mm512_sub_epi16(b.b, a.b) };
+    const texels a = take8(pa), b = take8(pb);
+    const texels off = { _mm512_sub_epi16(b.rg, a.rg), _mm512_sub_epi16(b.b, a.b) };
     const __m512i rg = _mm512_abs_epi16(off.rg), blue = _mm512_abs_epi16(off.b);
     const __m512i any = _mm512_or_si512(rg, blue);
     sum->low = _mm512_add_epi16(sum->low, rg);
@@ -255,7 +227,7 @@ static inline uint32_t step16(double *s2, double *d, sums *sum, const uint8_t *p
     enum { HALF = 48 /* bytes */ };
     uint32_t different = 0;
     for (int k = 0; k < 2; k++) {
-        const __m512i a = load_bytes(pa + HALF * k), b = load_bytes(pb + HALF * k);
+        const __m512i a = load_48(pa + HALF * k), b = load_48(pb + HALF * k);
         different |= add_levels16(sum, a, b) << 8 * k;
         multiply16(s2 + STEP / 2 * k, d + STEP / 2 * k, a, b);
     }

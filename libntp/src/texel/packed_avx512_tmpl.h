@@ -1,0 +1,102 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * packed_avx512_tmpl.h - packed RGB in registers, with AVX-512: pixels to levels and back
+ *
+ * As packed_avx2_tmpl.h and blue_avx2_tmpl.h, which say why the numbers are right, but 16 texels at a
+ * time.  Files that are compiled for AVX-512 (F, BW and VBMI) include it.
+ */
+#ifndef NTP_PACKED_AVX512_TMPL_H
+#define NTP_PACKED_AVX512_TMPL_H
+
+#include <immintrin.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+enum { LANES_512 = 16 /* texels */ };
+
+/* Sixteen texels: r | g << 16, and b. */
+typedef struct texels {
+    __m512i rg, b;
+} texels;
+
+/* i * by + first, for i from 0 to 15. */
+static inline __m512i steps_of(int32_t by, int32_t first)
+{
+    const __m512i i = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+    return _mm512_add_epi32(_mm512_mullo_epi32(i, _mm512_set1_epi32(by)), _mm512_set1_epi32(first));
+}
+
+/* 48 bytes and zeros.  A load with a mask takes longer. */
+static inline __m512i load_48(const uint8_t *s)
+{
+    const __m256i low = _mm256_loadu_si256((const void *) s);
+    return _mm512_inserti32x4(_mm512_zextsi256_si512(low), _mm_loadu_si128((const void *) (s + 32)),
+                              2);
+}
+
+static inline texels take8(const uint8_t *s)
+{
+    const __m512i v = load_48(s);
+    const __m512i rg = steps_of(0x030003, 0x010000), b = steps_of(0x030003, 2);
+    return (texels) { _mm512_maskz_permutexvar_epi8(0x5555555555555555, rg, v),
+                      _mm512_maskz_permutexvar_epi8(0x1111111111111111, b, v) };
+}
+
+static inline texels take16(const uint8_t *s)
+{
+    const __m512i v = _mm512_loadu_si512(s);
+    const __m512i w = _mm512_zextsi256_si512(_mm256_loadu_si256((const void *) (s + 64)));
+    const __m512i rg = steps_of(0x030003, 0x010000), b = steps_of(3, 2);
+    return (texels) { _mm512_permutex2var_epi16(v, rg, w),
+                      _mm512_maskz_permutex2var_epi16(0x55555555, v, b, w) };
+}
+
+/* Sixteen texels, not a byte more: dst may be src. */
+static inline void put8(uint8_t *d, texels t)
+{
+    static const _Alignas(64) uint8_t from[64] = {
+        0,  2,  1,  4,  6,  5,  8,  10, 9,  12, 14, 13, 16, 18, 17, 20,
+        22, 21, 24, 26, 25, 28, 30, 29, 32, 34, 33, 36, 38, 37, 40, 42,
+        41, 44, 46, 45, 48, 50, 49, 52, 54, 53, 56, 58, 57, 60, 62, 61,
+    };
+    const __m512i v = _mm512_permutexvar_epi8(_mm512_load_si512(from),
+                                              _mm512_or_si512(t.rg, _mm512_slli_epi32(t.b, 8)));
+    _mm256_storeu_si256((void *) d, _mm512_castsi512_si256(v));
+    _mm_storeu_si128((void *) (d + 32), _mm512_extracti32x4_epi32(v, 2));
+}
+
+static inline void put16(uint8_t *d, texels t)
+{
+    /* 32 and more: of blue */
+    static const _Alignas(64) uint16_t from[64] = {
+        0,  1,  32, 2,  3,  34, 4,  5,  36, 6,  7,  38, 8,  9,  40, 10,
+        11, 42, 12, 13, 44, 14, 15, 46, 16, 17, 48, 18, 19, 50, 20, 21,
+        52, 22, 23, 54, 24, 25, 56, 26, 27, 58, 28, 29, 60, 30, 31, 62,
+    };
+    _mm512_storeu_si512(d, _mm512_permutex2var_epi16(t.rg, _mm512_load_si512(from), t.b));
+    _mm256_storeu_si256((void *) (d + 64), _mm512_castsi512_si256(_mm512_permutex2var_epi16(
+                                               t.rg, _mm512_load_si512(from + 32), t.b)));
+}
+
+enum { REST_8 = (255 * 255 - 5) / 4, REST_16 = 1073709055 /* (65535^2 - 5) / 4 */ };
+
+/* e = (S - 3) / 4 of pairs; negative where they are too long. */
+static inline __m512i rest_of(__m512i rg, bool deep)
+{
+    const __m512i a = _mm512_sub_epi16(rg, _mm512_set1_epi16((short) (deep ? -32768 : 128)));
+    const __m512i c = _mm512_sub_epi16(_mm512_set1_epi16(deep ? 32767 : 127), rg);
+    return _mm512_add_epi32(_mm512_set1_epi32(deep ? REST_16 : REST_8), _mm512_madd_epi16(a, c));
+}
+
+/* floor(sqrt(e)), any number where e is negative. */
+static inline __m512i root_of(__m512i e, bool deep)
+{
+    const __m512i t = _mm512_cvttps_epi32(_mm512_sqrt_ps(_mm512_cvtepi32_ps(e)));
+    if (!deep)
+        return t;
+    const __mmask16 over = _mm512_cmpgt_epi32_mask(_mm512_madd_epi16(t, t), e);
+    return _mm512_mask_sub_epi32(t, over, t, _mm512_set1_epi32(1));
+}
+
+#endif
