@@ -10,8 +10,9 @@
 /* A light from that direction: degrees from the right, counterclockwise, and above the surface. */
 ntp_light lit_light(gdouble from, gdouble height);
 
-/* Shows the normals of a view, lit, in a picture of this type that does not overlap it. */
-gboolean lit_paint(const pixels *p, const ntp_image *dst, const ntp_const_image *normals,
-                   const ntp_light *light, const ntp_rect *area);
+/* Shows the normals of an area of a view, lit, in a picture of this type that does not overlap it.  x, y: where
+ * the area begins in the layer, whose unused texels show one checker however it is cut into parts. */
+gboolean lit_paint(const pixels *p, const ntp_image *dst, const ntp_image *normals,
+                   const ntp_light *light, const ntp_rect *area, gint x, gint y);
 
 #endif

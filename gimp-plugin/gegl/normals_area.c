@@ -105,10 +105,11 @@ static gboolean make_block(const normals_area *j, GeglBuffer *input, GeglBuffer 
         return TRUE;
     area = (ntp_rect) { part.x - around.x, part.y - around.y, part.x - around.x + part.width,
                         part.y - around.y + part.height };
-    const ntp_const_image normals = ntp_image_as_const(&dst);
     if (j->light != NULL) {
+        const ntp_image normals = dst;
         dst = pixels_view(&j->out, j->heights, around.width, around.height);
-        if (!lit_paint(&j->out, &dst, &normals, j->light, &area))
+        if (!lit_paint(&j->out, &dst, &normals, j->light, &area, part.x - j->edges->x,
+                       part.y - j->edges->y))
             return FALSE;
     } else {
         if (j->open != NULL)

@@ -250,14 +250,16 @@ static gboolean make_block(const run *r, const GeglRectangle *block)
     surroundings_read(r->input, &r->p, edges, &from, read);
     in.encoding = out.encoding = (ntp_encoding) o->from;
     in.y = out.y = (ntp_y) o->from_y;
-    const ntp_const_image seen = ntp_image_as_const(&in), result = ntp_image_as_const(&out);
+    const ntp_const_image seen = ntp_image_as_const(&in);
     gboolean ok = ntp_transform(&out, &seen, &how, NULL) == NTP_OK;
     guchar *shown = made;
     if (ok && o->show == NTP_OP_TURNED_LIT) {
         const ntp_light light = lit_light(o->light_from, LIGHT_HEIGHT);
         shown = g_malloc((gsize) block->width * (gsize) block->height * (gsize) r->p.bytes);
         const ntp_image picture = pixels_view(&r->p, shown, block->width, block->height);
-        ok = lit_paint(&r->p, &picture, &result, &light, NULL);
+        const ntp_rect all = { 0, 0, block->width, block->height };
+        ok = lit_paint(&r->p, &picture, &out, &light, &all, block->x - edges->x,
+                       block->y - edges->y);
     }
     if (ok)
         output_write(r->output, r->format, block, &r->p, shown, block->width * r->p.bytes,
