@@ -30,19 +30,6 @@ def test_lit(gegl, ntp, channels, depth):
     assert (made == expected.astype(made.dtype) * (1 if depth == 8 else 257)).all()
 
 
-@pytest.mark.parametrize("operation", ["ntp:transform-normals", "ntp:normals-from-height"])
-@pytest.mark.parametrize("depth", DEPTHS)
-def test_parts_of_lit(gegl, operation, depth):
-    """The checker of unused texels is that of the layer, wherever GEGL cuts it into parts."""
-    normals = rough_normals(4, depth)
-    normals[:, ::3, 3] = 0
-    whole = gegl(normals, operation, "show=lit")
-    height, width = normals.shape[:2]
-    for x, y in [(3, 2), (8, 5), (13, 8)]:
-        part = ["gegl:crop", f"x={x}", f"y={y}", f"width={width - x}", f"height={height - y}"]
-        assert (gegl(normals, operation, "show=lit", *part) == whole[y:, x:]).all()
-
-
 @pytest.mark.parametrize(
     ("depth", "properties", "options"),
     [

@@ -5,6 +5,7 @@ Each row of support/operations.py, in 8 and 16 bit, with and without alpha and g
 them: one process makes all.  gimp3_operations.py does the same in GIMP 3.
 """
 
+import itertools
 import json
 import subprocess
 import sys
@@ -17,6 +18,8 @@ from support.operations import CURVES, KINDS, name_of
 from support.plugin_cases import different
 
 RUNNER = Path(operations.__file__).with_name("in_gegl.py")
+X, Y, WIDE, HIGH = 3, 3, 40, 37
+PART = f" gegl:crop x={X} y={Y} width={WIDE} height={HIGH}"
 
 
 def chain(operation, settings, detail):
@@ -42,6 +45,8 @@ def made(gegl_env, tmp_path_factory):
                 out = folder / f"{name}-{row}.png"
                 words = chain(operation, settings, detail)
                 jobs.append([str(folder / f"{name}.png"), words, str(out), bits])
+                part = out.with_suffix(".part.png")
+                jobs.append([str(folder / f"{name}.png"), words + PART, str(part), bits])
     (folder / "jobs.json").write_text(json.dumps(jobs))
     command = [sys.executable, RUNNER, folder / "jobs.json"]
     environment = dict(gegl_env, GEGL_THREADS="1", BABL_INHIBIT_CACHE="1")
@@ -68,4 +73,17 @@ def test_same_as_ntp(made, program, tmp_path, picture, make, row):
             result = pngs.read_png(made / name)[0]
             wrong[name] = different(result[..., :channels], expected)
     assert len(wrong) == len(KINDS) * len(CURVES)
+    assert not any(wrong.values()), wrong
+
+
+@pytest.mark.parametrize(
+    ("picture", "row"), [(row[1], row[0]) for row in operations.ROWS], ids=operations.NAMES
+)
+def test_parts(made, picture, row):
+    """A part that is asked for alone is that of the whole: GEGL cuts layers as it likes."""
+    wrong = {}
+    for (channels, depth), curve in itertools.product(KINDS, CURVES):
+        name = f"{name_of(picture, channels, depth, curve)}-{row}"
+        whole, part = (pngs.read_png(made / f"{name}{end}.png")[0] for end in ("", ".part"))
+        wrong[name] = different(part, whole[Y : Y + HIGH, X : X + WIDE])
     assert not any(wrong.values()), wrong

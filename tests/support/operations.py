@@ -28,11 +28,13 @@ DOWN = *STANDARD, "--y", "down"
 
 
 def heights(channels, depth):
-    """Waves in each channel, which tile, with noise on top; every kind of alpha."""
+    """Waves in each channel, which tile, with noise on top; every kind of alpha, three rows without."""
     rng = np.random.default_rng(8)
     y, x = np.mgrid[:HEIGHT, :WIDTH] * (2 * np.pi / np.array([[[HEIGHT]], [[WIDTH]]]))
     waves = [np.sin((2 + c) * x + c) * np.cos((4 - c) * y) for c in range(channels)]
     unit = np.stack(waves, 2) * 0.44 + 0.5 + rng.normal(0, 0.012, (HEIGHT, WIDTH, channels))
+    if channels in (2, 4):
+        unit[20:23, ..., -1] = 0
     top = 2**depth - 1
     return (unit.clip(0, 1) * top + 0.5).astype(np.uint8 if depth == 8 else np.uint16)
 
