@@ -40,8 +40,24 @@ static void put(void *data, int32_t i, ntp_type type, int32_t level)
         ((uint16_t *) data)[i] = (uint16_t) level;
 }
 
-/* The pairs: random ones; levels that are close; runs of equal texels; black against white. */
-enum { RANDOM, CLOSE, RUNS, BLACK_AND_WHITE, KINDS };
+/* The pairs: random ones; levels that are close; runs of equal texels; black against white; vectors
+ * that are nearly opposite; right angles, nearly; grays, whose vectors are parallel or opposite. */
+enum { RANDOM, CLOSE, RUNS, BLACK_AND_WHITE, OPPOSITE, ACROSS, GRAYS, KINDS };
+
+static void change_other(int32_t other[3], int32_t level[3], int kind, int32_t m)
+{
+    for (int k = 0; k < 3 && kind == OPPOSITE; k++)
+        other[k] = m - other[k];
+    if (kind == ACROSS) {
+        other[0] = level[1];
+        other[1] = m - level[0];
+        other[2] = m / 2;
+    }
+    for (int k = 1; k < 3 && kind == GRAYS; k++) {
+        other[k] = other[0];
+        level[k] = level[0];
+    }
+}
 
 static void make_pair(void *a, void *b, int32_t n, ntp_type type, int kind, uint64_t *seed)
 {
@@ -50,15 +66,20 @@ static void make_pair(void *a, void *b, int32_t n, ntp_type type, int kind, uint
     for (int32_t i = 0; i < n; i++) {
         run = i % 24 == 0 ? (random_bits(seed) & 1) != 0 : run;
         const bool corner = kind == BLACK_AND_WHITE && random_bits(seed) % 64 == 0;
-        for (int32_t k = 3 * i; k < 3 * i + 3; k++) {
-            const int32_t level = random_level(seed, m);
-            int32_t other = random_level(seed, m);
-            if (kind != RANDOM)
-                other = level + (int32_t) (random_bits(seed) % 9) - 4;
+        int32_t level[3], other[3];
+        for (int k = 0; k < 3; k++) {
+            level[k] = random_level(seed, m);
+            other[k] = random_level(seed, m);
+            if (kind != RANDOM && kind != GRAYS)
+                other[k] = level[k] + (int32_t) (random_bits(seed) % 9) - 4;
             if (kind == RUNS && run)
-                other = level;
-            put(a, k, type, corner ? 0 : level);
-            put(b, k, type, corner ? m : other < 0 ? 0 : other > m ? m : other);
+                other[k] = level[k];
+        }
+        change_other(other, level, kind, m);
+        for (int k = 0; k < 3; k++) {
+            const int32_t o = other[k];
+            put(a, 3 * i + k, type, corner ? 0 : level[k]);
+            put(b, 3 * i + k, type, corner ? m : o < 0 ? 0 : o > m ? m : o);
         }
     }
 }

@@ -189,14 +189,9 @@ static void paint(const job *j, const int32_t *angle, const int32_t *greatest, i
     }
 }
 
-static void add_angles(ntp__angle_sums *sums, int32_t *angle, int32_t n)
+/* Changes the bin after the last. */
+static void count_bins(ntp__angle_sums *sums, int32_t *bin, int32_t n)
 {
-    int32_t bin[NTP__BLOCK + 1], most = (int32_t) sums->max;
-    for (int32_t i = n; i < ntp__whole(n); i++)
-        angle[i] = 0;
-    sums->texels += (uint64_t) n;
-    sums->sum += ntp__picture_loops()->bins(bin, &most, angle, ntp__whole(n));
-    sums->max = (uint64_t) most;
     bin[n] = 0; /* the partner of the last */
     for (int32_t i = 0; i < n; i += 2) {
         /* Two in one load, in either order: loads are what these loops wait for. */
@@ -206,6 +201,17 @@ static void add_angles(ntp__angle_sums *sums, int32_t *angle, int32_t n)
         sums->bins[two >> 32]++;
     }
     sums->bins[0] -= (uint32_t) (n & 1);
+}
+
+static void add_angles(ntp__angle_sums *sums, int32_t *angle, int32_t n)
+{
+    int32_t bin[NTP__BLOCK + 1], most = (int32_t) sums->max;
+    for (int32_t i = n; i < ntp__whole(n); i++)
+        angle[i] = 0;
+    sums->texels += (uint64_t) n;
+    sums->sum += ntp__picture_loops()->bins(bin, &most, angle, ntp__whole(n));
+    sums->max = (uint64_t) most;
+    count_bins(sums, bin, n);
 }
 
 static void compare_run(const job *j, int32_t x, int32_t y, int32_t n)
@@ -242,10 +248,13 @@ static void add_compared(ntp_diff *d, ntp__compared *c, int32_t n)
         d->levels_max[k] = c->most[k] > d->levels_max[k] ? c->most[k] : d->levels_max[k];
     }
     d->different += (uint64_t) c->different;
-    add_angles(&d->angles, c->angle, c->found);
+    d->angles.sum += c->sum[ANGLES] - (uint64_t) ROUND_BIN * (uint32_t) c->found;
+    if (c->most[ANGLES] > d->angles.max + ROUND_BIN)
+        d->angles.max = c->most[ANGLES] - ROUND_BIN;
+    count_bins(&d->angles, c->bin, c->found);
     /* The number of zeros, or less that of zeros beyond n. */
-    d->angles.texels += (uint64_t) n - (uint64_t) c->found;
-    d->angles.bins[0] += (uint32_t) n - (uint32_t) c->found;
+    d->angles.texels += (uint64_t) n - (uint64_t) c->left;
+    d->angles.bins[0] += (uint32_t) n - (uint32_t) (c->found + c->left);
 }
 
 /* Is there a vector with another one that is as long as any and opposite?  That of black is opposite
@@ -285,10 +294,12 @@ static bool compare_packed(const job *j, const void *a, const void *b, int32_t n
     j->compare_rgb(&c, a, b, n, j->m > 255);
     if (any_opposite(&c, (uint32_t) j->m))
         return false;
-    if (c.left > 0)
-        j->kernels->angles_of(c.angle + c.found, c.s2, c.d, c.left);
-    c.found += c.left;
     add_compared(j->diff, &c, n);
+    if (c.left > 0) {
+        int32_t angle[NTP__BLOCK];
+        j->kernels->angles_of(angle, c.s2, c.d, c.left);
+        add_angles(&j->diff->angles, angle, c.left);
+    }
     return true;
 }
 #else

@@ -19,7 +19,6 @@
 #include "picture/small_angles.h"
 
 #include <immintrin.h>
-#include <string.h>
 
 /* One copy for all calls: it would be copied into each loop. */
 #if defined(__GNUC__) && !defined(__clang__)
@@ -37,7 +36,7 @@ typedef struct pairs {
     double d[NTP__BLOCK];
     float u0[NTP__BLOCK], g[NTP__BLOCK];
     int32_t small[NTP__BLOCK / 8], large[NTP__BLOCK / 8];
-    int32_t n, smalls, larges;
+    int32_t n, smalls, larges, different;
 } pairs;
 
 /* |Differences| of levels, as the loops below have them. */
@@ -105,7 +104,7 @@ static void find_first(pairs *p)
     p->larges = larges;
 }
 
-/* atan(u) + 1/2 in units of 2^-PART_BITS micro-degrees, with other bits above those of 180 degrees. */
+/* atan(u) + ROUND_BIN + 1/2 in units of 2^-PART_BITS micro-degrees, with other bits above those of 180 degrees. */
 static inline __m256i angle_of(__m256d u)
 {
     const __m256d w = _mm256_mul_pd(u, u), w2 = _mm256_mul_pd(w, w);
@@ -113,11 +112,16 @@ static inline __m256i angle_of(__m256d u)
     const __m256d q = _mm256_add_pd(_mm256_mul_pd(_mm256_set1_pd(C3), w), _mm256_set1_pd(C2));
     const __m256d r = _mm256_add_pd(_mm256_mul_pd(_mm256_set1_pd(C4), w2), q);
     const __m256d t = _mm256_mul_pd(_mm256_add_pd(_mm256_mul_pd(r, w2), p), u);
-    return _mm256_castpd_si256(_mm256_add_pd(t, _mm256_set1_pd(0x1.8p39 + 0.5)));
+    return _mm256_castpd_si256(_mm256_add_pd(t, _mm256_set1_pd(0x1.8p39 + ROUND_BIN + 0.5)));
 }
 
-/* Eight angles from i on; false: one is not sure. */
-static inline bool find_eight(int32_t *angle, const pairs *p, int32_t i)
+/* Micro-degrees + ROUND_BIN */
+typedef struct added {
+    __m256i sum, most;
+} added;
+
+/* Adds eight angles from i on; false: one is not sure. */
+static inline bool add_eight(ntp__compared *out, added *to, const pairs *p, int32_t i)
 {
     const eight s2 = load_eight(p->s2 + i), d = load_eight(p->d + i);
     __m256i v[2];
@@ -128,32 +132,24 @@ static inline bool find_eight(int32_t *angle, const pairs *p, int32_t i)
         const __m256d rest = _mm256_sub_pd(s2.half[k], _mm256_mul_pd(s, s));
         v[k] = angle_of(_mm256_add_pd(u0, _mm256_mul_pd(rest, g)));
     }
-    const __m256i all = _mm256_blend_epi32(_mm256_srli_epi64(v[0], PART_BITS),
-                                           _mm256_slli_epi64(v[1], 32 - PART_BITS), 0xaa);
+    const __m256i angle = _mm256_blend_epi32(_mm256_srli_epi64(v[0], PART_BITS),
+                                             _mm256_slli_epi64(v[1], 32 - PART_BITS), 0xaa);
     const __m256i low = _mm256_blend_epi32(v[0], _mm256_slli_epi64(v[1], 32), 0xaa);
     /* The places, so that those in doubt are the lowest integers */
     const __m256i part = _mm256_add_epi32(_mm256_slli_epi32(low, 32 - PART_BITS),
                                           _mm256_set1_epi32(INT32_MIN + UNIT));
     const __m256i sure = _mm256_cmpgt_epi32(part, _mm256_set1_epi32(INT32_MIN + 2 * UNIT));
-    _mm256_storeu_si256((void *) angle, all);
-    return _mm256_movemask_ps(_mm256_castsi256_ps(sure)) == 255;
-}
-
-static void find_angles(ntp__compared *out, pairs *p)
-{
-    int32_t found = 0, left = 0;
-    for (int32_t i = 0; i < p->smalls; i++) {
-        if (find_eight(out->angle + found, p, p->small[i]))
-            found += STEP;
-        else
-            p->large[p->larges++] = p->small[i];
-    }
-    for (int32_t i = 0; i < p->larges; i++, left += STEP) {
-        store_eight(out->s2 + left, load_eight(p->s2 + p->large[i]));
-        store_eight(out->d + left, load_eight(p->d + p->large[i]));
-    }
-    out->found = found;
-    out->left = left;
+    const __m256i by = _mm256_set1_epi32(BY_1000);
+    const __m256i bin =
+        _mm256_blend_epi32(_mm256_srli_epi64(_mm256_mul_epu32(angle, by), 32),
+                           _mm256_mul_epu32(_mm256_srli_epi64(angle, 32), by), 0xaa);
+    if (_mm256_movemask_ps(_mm256_castsi256_ps(sure)) != 255)
+        return false;
+    _mm256_storeu_si256((void *) (out->bin + out->found), _mm256_srli_epi32(bin, BY_BITS));
+    to->sum = _mm256_add_epi32(to->sum, angle);
+    to->most = _mm256_max_epi32(to->most, angle);
+    out->found += STEP;
+    return true;
 }
 
 /* Lanes are 32 bits of which no sum reaches the highest. */
@@ -166,6 +162,22 @@ ONE_COPY static void add_channel(ntp__compared *out, int k, __m256i sum, __m256i
         out->sum[k] += (uint32_t) each[i];
         out->most[k] = (uint32_t) highest[i] > out->most[k] ? (uint32_t) highest[i] : out->most[k];
     }
+}
+
+static void find_angles(ntp__compared *out, pairs *p)
+{
+    added to = { _mm256_setzero_si256(), _mm256_setzero_si256() };
+    int32_t left = 0;
+    for (int32_t i = 0; i < p->smalls; i++) {
+        if (!add_eight(out, &to, p, p->small[i]))
+            p->large[p->larges++] = p->small[i];
+    }
+    add_channel(out, ANGLES, to.sum, to.most);
+    for (int32_t i = 0; i < p->larges; i++, left += STEP) {
+        store_eight(out->s2 + left, load_eight(p->s2 + p->large[i]));
+        store_eight(out->d + left, load_eight(p->d + p->large[i]));
+    }
+    out->left = left;
 }
 
 /* ------------------------------------------------------------------------------ 8 bit */
@@ -219,7 +231,7 @@ static inline void multiply8(pairs *p, texels8 a, texels8 off)
     p->n += STEP;
 }
 
-static inline int32_t step8(pairs *p, sums *sum, const uint8_t *pa, const uint8_t *pb)
+static inline void step8(pairs *p, sums *sum, const uint8_t *pa, const uint8_t *pb)
 {
     const texels8 a = load8(pa), b = load8(pb);
     const texels8 off = { _mm256_sub_epi16(b.rg, a.rg), _mm256_sub_epi16(b.b, a.b) };
@@ -227,13 +239,13 @@ static inline int32_t step8(pairs *p, sums *sum, const uint8_t *pa, const uint8_
     const __m256i same = _mm256_cmpeq_epi32(_mm256_or_si256(rg, blue), _mm256_setzero_si256());
     const uint32_t equal = (uint32_t) _mm256_movemask_ps(_mm256_castsi256_ps(same));
     if (equal == 255)
-        return 0;
+        return;
     sum->low = _mm256_add_epi16(sum->low, rg);
     sum->high = _mm256_add_epi16(sum->high, blue);
     sum->most_low = _mm256_max_epi16(sum->most_low, rg);
     sum->most_high = _mm256_max_epi16(sum->most_high, blue);
     multiply8(p, a, off);
-    return STEP - __builtin_popcount(equal);
+    p->different += STEP - __builtin_popcount(equal);
 }
 
 static void finish8(ntp__compared *out, const sums *sum)
@@ -281,7 +293,7 @@ static inline int32_t add_levels16(sums *sum, __m256i a, __m256i b)
     return STEP / 2 - __builtin_popcount((uint32_t) _mm256_movemask_pd(_mm256_castsi256_pd(same)));
 }
 
-static inline int32_t step16(pairs *p, sums *sum, const uint8_t *pa, const uint8_t *pb)
+static inline void step16(pairs *p, sums *sum, const uint8_t *pa, const uint8_t *pb)
 {
     enum { HALF = 24 /* bytes */ };
     int32_t different = 0, n = p->n;
@@ -291,7 +303,7 @@ static inline int32_t step16(pairs *p, sums *sum, const uint8_t *pa, const uint8
         multiply16(p->s2 + n, p->d + n, a, b);
     }
     p->n += different != 0 ? STEP : 0;
-    return different;
+    p->different += different;
 }
 
 static void finish16(ntp__compared *out, const sums *sum)
@@ -303,43 +315,23 @@ static void finish16(ntp__compared *out, const sums *sum)
     add_channel(out, 2, _mm256_srli_epi64(sum->low, 32), _mm256_srli_epi64(sum->most_low, 32));
 }
 
-enum { BYTES = 6 * STEP /* of a step at most */ };
+#include "picture/compare_steps_tmpl.h"
 
-/* The last texels, with black ones after them. */
-ONE_COPY static const uint8_t *copy_last(uint8_t few[BYTES], const uint8_t *from, int32_t bytes)
+void ntp__compare_rgb_avx2(ntp__compared *out, const void *a, const void *b, int32_t n, bool deep)
 {
-    memset(few, 0, BYTES);
-    memcpy(few, from, (size_t) bytes);
-    return few;
-}
-
-#define STEPS(step, bytes)                                                                         \
-    for (int32_t i = 0; i < n; i += STEP) {                                                        \
-        const uint8_t *const from[2] = { a + (bytes) * i, b + (bytes) * i };                       \
-        const bool last = n - i < STEP;                                                            \
-        const int32_t left = (bytes) * (n - i);                                                    \
-        different += step(&p, &sum, last ? copy_last(few[0], from[0], left) : from[0],             \
-                          last ? copy_last(few[1], from[1], left) : from[1]);                      \
-    }
-
-void ntp__compare_rgb_avx2(ntp__compared *out, const void *pa, const void *pb, int32_t n, bool deep)
-{
-    const uint8_t *a = pa, *b = pb;
     const __m256i zero = _mm256_setzero_si256();
     sums sum = { zero, zero, zero, zero };
-    uint8_t few[2][BYTES];
-    int32_t different = 0;
     pairs p;
-    p.n = 0;
-    memset(out, 0, offsetof(ntp__compared, angle));
+    p.n = p.different = 0;
+    memset(out, 0, offsetof(ntp__compared, bin));
     if (deep) {
-        STEPS(step16, 6)
+        take_steps(&p, &sum, a, b, n, true);
         finish16(out, &sum);
     } else {
-        STEPS(step8, 3)
+        take_steps(&p, &sum, a, b, n, false);
         finish8(out, &sum);
     }
-    out->different = different;
+    out->different = p.different;
     find_first(&p);
     find_angles(out, &p);
 }

@@ -1,29 +1,48 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * compare_avx512.c - differences of packed RGB in levels, and its small angles, with AVX-512
+ * compare_avx512.c - differences of packed RGB in levels, and its angles, with AVX-512
  *
- * As compare_avx2.c, which says why these angles are right, but 16 texels at a time, and one for one:
- * masks leave out equal texels, and leave large angles and those in doubt to texel/angles_tmpl.h.
+ * As compare_avx2.c, but 16 texels at a time, and one for one: masks leave out equal texels.  Large
+ * angles are found here too, side by side.
+ *
+ * r, as near to 1/sqrt(y), y = s^2 d^2, as the processor has it, is off by less than 2^-14 of it.  Then
+ * u0 = s^2 r is about s/d, and with e = 1 - y r^2 two terms of the series of (1 - e)^(-1/2) after the
+ * first make it u, off by less than 2^-40.6: 5/16 |e|^3.  That is less than 1e-5 micro-degrees of small
+ * angles, whose other errors are those of compare_avx2.c.  Of any angle the arc tangent of
+ * min(s, |d|)/max(s, |d|) is found to 1.6e-5 for that, 3.3e-5 for a polynomial of 14 terms, 6.1e-5 for
+ * rounding to PART_BITS places, and 1e-6 for all else: less than two of the last place in all.  So what
+ * processors make of r changes nothing but which angles are left, as in doubt, to texel/angles_tmpl.h.
+ * Left are opposite vectors too, of which compare.c asks.
+ *
  * Fused products only make errors smaller.  The squares of 16 bit have none, for they are handed on.
  */
 #include "picture/compare_avx2.h"
 
-#include <string.h>
-
 #include "picture/small_angles.h"
 #include "texel/packed_avx512_tmpl.h"
 
+#if defined(__GNUC__) && !defined(__clang__)
+#  define ONE_COPY __attribute__((noinline, noclone))
+#else
+#  define ONE_COPY
+#endif
+
+#define TO_PARTS (0x1.8p39 + ROUND_BIN + 0.5)
+
 enum { STEP = LANES_512 };
 
-/* s^2 and d of a block, times a power of 4 or 2, u0 and g, and bits of texels that are
- * different. */
+/* What is kept of a block. */
 typedef struct pairs {
+    /* s^2 and d, times a power of 4 or 2 */
     _Alignas(64) double s2[NTP__BLOCK];
     double d[NTP__BLOCK];
-    float u0[NTP__BLOCK], g[NTP__BLOCK];
-    uint32_t different[NTP__BLOCK / STEP];
+    uint32_t different[NTP__BLOCK / STEP]; /* bits of texels */
+    int32_t n;
+    int32_t found, *bin; /* as ntp__compared has them */
+    /* Of micro-degrees + ROUND_BIN: no lane gets more than 16 small ones and 16 others, below 2^32 */
+    __m512i sum, most;
     /* Where 16 begin some of which are left, and bits of these */
-    int32_t some[NTP__BLOCK / STEP];
+    int32_t at[NTP__BLOCK / STEP], some;
     uint32_t left[NTP__BLOCK / STEP];
 } pairs;
 
@@ -32,99 +51,154 @@ typedef struct sums {
     __m512i low, high, most_low, most_high;
 } sums;
 
-static inline __m512 to_floats(const double *v)
+/* low / (s |d|); s or d may be 0 where low is.  Else y is at least 2^-4, and what is added is nothing. */
+static inline __m512d quotient(__m512d low, __m512d s2, __m512d d2)
 {
-    const __m256 low = _mm512_cvtpd_ps(_mm512_load_pd(v));
-    const __m256 high = _mm512_cvtpd_ps(_mm512_load_pd(v + STEP / 2));
-    return _mm512_castpd_ps(_mm512_insertf64x4(_mm512_castpd256_pd512(_mm256_castps_pd(low)),
-                                               _mm256_castps_pd(high), 1));
+    const __m512d y = _mm512_fmadd_pd(s2, d2, _mm512_set1_pd(0x1p-100));
+    const __m512d r = _mm512_rsqrt14_pd(y), u = _mm512_mul_pd(low, r);
+    const __m512d e = _mm512_fnmadd_pd(y, _mm512_mul_pd(r, r), _mm512_set1_pd(1));
+    const __m512d by = _mm512_fmadd_pd(e, _mm512_set1_pd(0.375), _mm512_set1_pd(0.5));
+    return _mm512_fmadd_pd(_mm512_mul_pd(u, e), by, u);
 }
 
-/* In loops of their own, and without branches: roots and quotients are long waited for. */
-static void find_first(pairs *p, int32_t n)
+/* atan(u) + ROUND_BIN + 1/2 in units of 2^-PART_BITS micro-degrees, with other bits above those of 180
+ * degrees. */
+static inline __m512d small_angle(__m512d u)
 {
-    for (int32_t i = 0; i < n; i += STEP) {
-        const __m512 s2 = to_floats(p->s2 + i), d = to_floats(p->d + i);
-        const __m512 s = _mm512_max_ps(_mm512_sqrt_ps(s2), _mm512_set1_ps(0x1p-20F));
-        const __m512 g = _mm512_div_ps(_mm512_set1_ps(0.5F), _mm512_mul_ps(s, d));
-        _mm512_store_ps(p->u0 + i, _mm512_mul_ps(s2, _mm512_add_ps(g, g)));
-        _mm512_store_ps(p->g + i, g);
-    }
+    const __m512d w = _mm512_mul_pd(u, u);
+    __m512d p = _mm512_fmadd_pd(_mm512_set1_pd(C4), w, _mm512_set1_pd(C3));
+    p = _mm512_fmadd_pd(p, w, _mm512_set1_pd(C2));
+    p = _mm512_fmadd_pd(p, w, _mm512_set1_pd(C1));
+    p = _mm512_fmadd_pd(p, w, _mm512_set1_pd(C0));
+    return _mm512_fmadd_pd(p, u, _mm512_set1_pd(TO_PARTS));
 }
 
-/* atan(u) + 1/2 in units of 2^-PART_BITS micro-degrees, with other bits above those of 180 degrees. */
-static inline __m512i angle_of(__m512d u)
+/* As small_angle, of any vectors that are not opposite. */
+static inline __m512d any_angle(__m512d s2, __m512d d)
 {
-    const __m512d w = _mm512_mul_pd(u, u), w2 = _mm512_mul_pd(w, w);
-    const __m512d p = _mm512_fmadd_pd(_mm512_set1_pd(C1), w, _mm512_set1_pd(C0));
-    const __m512d q = _mm512_fmadd_pd(_mm512_set1_pd(C3), w, _mm512_set1_pd(C2));
-    const __m512d r = _mm512_fmadd_pd(_mm512_set1_pd(C4), w2, q);
-    return _mm512_castpd_si512(
-        _mm512_fmadd_pd(_mm512_fmadd_pd(r, w2, p), u, _mm512_set1_pd(0x1.8p39 + 0.5)));
+    static const double terms[] = {
+        -0x1.a66f351242a8cp+13, 0x1.b565140a561e2p+16,  -0x1.a9e3b031273a9p+18,
+        0x1.07445610b8cecp+20,  -0x1.db5647d014acap+20, 0x1.59d3927db7955p+21,
+        -0x1.b96529c6dcc5ep+21, 0x1.098ad90ad6303p+22,  -0x1.3d3af1a59b439p+22,
+        0x1.84785c0f2d600p+22,  -0x1.f3925dc7bdfadp+22, 0x1.5db49b6394bcep+23,
+        -0x1.236be1079ab1bp+24, 0x1.b521d1c18d4afp+25,
+    };
+    const __m512d d2 = _mm512_mul_pd(d, d), u = quotient(_mm512_min_pd(s2, d2), s2, d2);
+    const __m512d w = _mm512_mul_pd(u, u);
+    const __mmask8 beside = _mm512_cmp_pd_mask(s2, d2, _CMP_GT_OQ);
+    const __mmask8 behind = _mm512_cmp_pd_mask(d, _mm512_setzero_pd(), _CMP_LT_OQ);
+    __m512d t = _mm512_set1_pd(terms[0]);
+    for (size_t k = 1; k < sizeof terms / sizeof *terms; k++)
+        t = _mm512_fmadd_pd(t, w, _mm512_set1_pd(terms[k]));
+    t = _mm512_mul_pd(t, u);
+    t = _mm512_mask_sub_pd(t, beside, _mm512_set1_pd(90e6), t);
+    t = _mm512_mask_sub_pd(t, behind, _mm512_set1_pd(180e6), t);
+    return _mm512_add_pd(t, _mm512_set1_pd(TO_PARTS));
 }
 
-/* Stores of nothing, all to one place, are slow: these are not with those of the angles. */
-static void leave(ntp__compared *out, const pairs *p, int32_t some)
-{
-    int32_t left = 0;
-    for (int32_t i = 0; i < 2 * some; i++) {
-        const int32_t at = p->some[i / 2] + STEP / 2 * (i & 1);
-        const __mmask8 these = (__mmask8) (p->left[i / 2] >> 8 * (i & 1));
-        const __m512d s2 = _mm512_load_pd(p->s2 + at), d = _mm512_load_pd(p->d + at);
-        _mm512_storeu_pd(out->s2 + left, _mm512_maskz_compress_pd(these, s2));
-        _mm512_storeu_pd(out->d + left, _mm512_maskz_compress_pd(these, d));
-        left += __builtin_popcount(these);
-    }
-    out->left = left;
-}
-
-/* The angles of the texels that are different. */
-static void find_angles(ntp__compared *out, pairs *p, int32_t n)
+/* Adds those of `these` 16 angles that are sure; all others of `different` are left. */
+static inline void add_angles(pairs *p, __m512d low, __m512d high, uint32_t these,
+                              uint32_t different, int32_t at)
 {
     const __m512i evens =
         _mm512_setr_epi32(0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30);
-    int32_t found = 0, some = 0;
-    for (int32_t i = 0; i < n; i += STEP) {
-        const uint32_t different = p->different[i / STEP];
-        const __m512 u0 = _mm512_load_ps(p->u0 + i), g = _mm512_load_ps(p->g + i);
-        __m512d s2[2], d[2];
-        __m512i v[2];
-        for (int k = 0; k < 2; k++) {
-            const int32_t at = i + STEP / 2 * k;
-            const __m512d u = _mm512_cvtps_pd(_mm256_load_ps(p->u0 + at));
-            s2[k] = _mm512_load_pd(p->s2 + at);
-            d[k] = _mm512_load_pd(p->d + at);
-            const __m512d s = _mm512_mul_pd(u, d[k]), rest = _mm512_fnmadd_pd(s, s, s2[k]);
-            const __m512d by = _mm512_cvtps_pd(_mm256_load_ps(p->g + at));
-            v[k] = angle_of(_mm512_fmadd_pd(rest, by, u));
-        }
-        const __m512i angle = _mm512_permutex2var_epi32(_mm512_srli_epi64(v[0], PART_BITS), evens,
-                                                        _mm512_srli_epi64(v[1], PART_BITS));
-        /* The places, so that those in doubt are the lowest integers */
-        const __m512i low = _mm512_permutex2var_epi32(v[0], evens, v[1]);
-        const __m512i part =
-            _mm512_add_epi32(_mm512_slli_epi32(low, 32 - PART_BITS), _mm512_set1_epi32(UNIT));
-        const uint32_t sure = _mm512_cmpgt_epu32_mask(part, _mm512_set1_epi32(2 * UNIT));
-        /* g has the sign of d. */
-        const uint32_t small = _mm512_cmp_ps_mask(u0, _mm512_set1_ps(SMALL), _CMP_LE_OQ) &
-                               _mm512_cmp_ps_mask(g, _mm512_setzero_ps(), _CMP_GT_OQ);
-        const uint32_t here = different & sure & small, other = different & ~here;
-        _mm512_storeu_si512(out->angle + found,
-                            _mm512_maskz_compress_epi32((__mmask16) here, angle));
-        found += __builtin_popcount(here);
-        p->some[some] = i;
-        p->left[some] = other;
-        some += other != 0;
-        out->different += __builtin_popcount(different);
-    }
-    out->found = found;
-    leave(out, p, some);
+    const __m512i odds = _mm512_add_epi32(evens, _mm512_set1_epi32(1));
+    const __m512i v0 = _mm512_castpd_si512(low), v1 = _mm512_castpd_si512(high);
+    const __m512i a0 = _mm512_srli_epi64(v0, PART_BITS), a1 = _mm512_srli_epi64(v1, PART_BITS);
+    /* The places, so that those in doubt are the lowest integers */
+    const __m512i places = _mm512_permutex2var_epi32(v0, evens, v1);
+    const __m512i part =
+        _mm512_add_epi32(_mm512_slli_epi32(places, 32 - PART_BITS), _mm512_set1_epi32(UNIT));
+    const uint32_t sure = these & _mm512_cmpgt_epu32_mask(part, _mm512_set1_epi32(2 * UNIT));
+    const uint32_t left = different & ~sure;
+    const __m512i angle = _mm512_permutex2var_epi32(a0, evens, a1);
+    const __m512i by = _mm512_set1_epi32(BY_1000);
+    const __m512i bin =
+        _mm512_permutex2var_epi32(_mm512_mul_epu32(a0, by), odds, _mm512_mul_epu32(a1, by));
+    p->sum = _mm512_mask_add_epi32(p->sum, (__mmask16) sure, p->sum, angle);
+    p->most = _mm512_mask_max_epu32(p->most, (__mmask16) sure, p->most, angle);
+    _mm512_storeu_si512(p->bin + p->found, _mm512_maskz_compress_epi32(
+                                               (__mmask16) sure, _mm512_srli_epi32(bin, BY_BITS)));
+    p->found += __builtin_popcount(sure);
+    /* No branch, for it would be taken at random */
+    p->at[p->some] = at;
+    p->left[p->some] = left;
+    p->some += left != 0;
 }
 
-static void add_channel(ntp__compared *out, int k, __m512i sum, __m512i most)
+/* Puts those that are left side by side; s2 and d may be those of `out`.  Stores of nothing, all to one place, are slow: these are not
+ * with those of the bins. */
+ONE_COPY static void gather(ntp__compared *out, pairs *p, const double *s2, const double *d)
 {
-    out->sum[k] = (uint32_t) _mm512_reduce_add_epi32(sum);
-    out->most[k] = (uint32_t) _mm512_reduce_max_epi32(most);
+    int32_t n = 0;
+    for (int32_t i = 0; i < 2 * p->some; i++) {
+        const int32_t at = p->at[i / 2] + STEP / 2 * (i & 1);
+        const __mmask8 these = (__mmask8) (p->left[i / 2] >> 8 * (i & 1));
+        const __m512d v = _mm512_loadu_pd(s2 + at), w = _mm512_loadu_pd(d + at);
+        _mm512_storeu_pd(out->s2 + n, _mm512_maskz_compress_pd(these, v));
+        _mm512_storeu_pd(out->d + n, _mm512_maskz_compress_pd(these, w));
+        n += __builtin_popcount(these);
+    }
+    p->some = 0;
+    out->left = n;
+}
+
+static inline uint32_t is_small(__m512d u, __m512d d)
+{
+    const __mmask8 ahead = _mm512_cmp_pd_mask(d, _mm512_setzero_pd(), _CMP_GT_OQ);
+    return _mm512_mask_cmp_pd_mask(ahead, u, _mm512_set1_pd(SMALL), _CMP_LE_OQ);
+}
+
+/* The small angles of texels that are different. */
+static void find_small(ntp__compared *out, pairs *p)
+{
+    for (int32_t i = 0; i < p->n; i += STEP) {
+        const uint32_t different = p->different[i / STEP];
+        const __m512d s0 = _mm512_load_pd(p->s2 + i), s1 = _mm512_load_pd(p->s2 + i + STEP / 2);
+        const __m512d d0 = _mm512_load_pd(p->d + i), d1 = _mm512_load_pd(p->d + i + STEP / 2);
+        const __m512d u0 = quotient(s0, s0, _mm512_mul_pd(d0, d0));
+        const __m512d u1 = quotient(s1, s1, _mm512_mul_pd(d1, d1));
+        const uint32_t small = is_small(u0, d0) | is_small(u1, d1) << STEP / 2;
+        out->different += __builtin_popcount(different);
+        add_angles(p, small_angle(u0), small_angle(u1), different & small, different, i);
+    }
+    gather(out, p, p->s2, p->d);
+}
+
+/* The angles of those that were left; then those in doubt are. */
+static void find_others(ntp__compared *out, pairs *p)
+{
+    const __m512d zero = _mm512_setzero_pd();
+    for (int32_t i = 0; i < out->left; i += STEP) {
+        const double *const s2 = out->s2 + i, *const d = out->d + i;
+        const __m512d s0 = _mm512_loadu_pd(s2), s1 = _mm512_loadu_pd(s2 + STEP / 2);
+        const __m512d d0 = _mm512_loadu_pd(d), d1 = _mm512_loadu_pd(d + STEP / 2);
+        const uint32_t here = out->left - i < STEP ? (1U << (out->left - i)) - 1 : UINT16_MAX;
+        const uint32_t some = _mm512_cmp_pd_mask(s0, zero, _CMP_GT_OQ) |
+                              (uint32_t) _mm512_cmp_pd_mask(s1, zero, _CMP_GT_OQ) << STEP / 2;
+        add_angles(p, any_angle(s0, d0), any_angle(s1, d1), here & some, here, i);
+    }
+    gather(out, p, out->s2, out->d);
+}
+
+/* Lanes are unsigned 32 bits. */
+ONE_COPY static void add_channel(ntp__compared *out, int k, __m512i sum, __m512i most)
+{
+    const __m512i low = _mm512_and_si512(sum, _mm512_set1_epi64(UINT32_MAX));
+    out->sum[k] =
+        (uint64_t) _mm512_reduce_add_epi64(_mm512_add_epi64(low, _mm512_srli_epi64(sum, 32)));
+    out->most[k] = _mm512_reduce_max_epu32(most);
+}
+
+/* s2 and d of the next 16, and bits of those that are different. */
+static inline void keep(pairs *p, const __m512d s2[2], const __m512d d[2], uint32_t different)
+{
+    for (int k = 0; k < 2; k++) {
+        _mm512_store_pd(p->s2 + p->n + STEP / 2 * k, s2[k]);
+        _mm512_store_pd(p->d + p->n + STEP / 2 * k, d[k]);
+    }
+    p->different[p->n / STEP] = different;
+    p->n += STEP;
 }
 
 /* ------------------------------------------------------------------------------ 8 bit */
@@ -140,7 +214,7 @@ static inline __m512d to_doubles(__m512i v, int k)
 }
 
 /* With v of a, and w = v + 2 off: half of v x w = 2 v x off and of v . w = v . v + 2 v . off. */
-static inline void multiply8(double *s2, double *d, texels a, texels off)
+static inline void multiply8(__m512d s2[2], __m512d d[2], texels a, texels off)
 {
     const texels v = {
         .rg = _mm512_sub_epi16(_mm512_add_epi16(a.rg, a.rg), _mm512_set1_epi16(255)),
@@ -149,13 +223,12 @@ static inline void multiply8(double *s2, double *d, texels a, texels off)
     const __m512i k = dot8(v, v), l = dot8(off, off), e = dot8(v, off);
     for (int i = 0; i < 2; i++) {
         const __m512d m = to_doubles(k, i), f = to_doubles(e, i);
-        _mm512_store_pd(s2 + STEP / 2 * i,
-                        _mm512_fnmadd_pd(f, f, _mm512_mul_pd(m, to_doubles(l, i))));
-        _mm512_store_pd(d + STEP / 2 * i, _mm512_fmadd_pd(m, _mm512_set1_pd(0.5), f));
+        s2[i] = _mm512_fnmadd_pd(f, f, _mm512_mul_pd(m, to_doubles(l, i)));
+        d[i] = _mm512_fmadd_pd(m, _mm512_set1_pd(0.5), f);
     }
 }
 
-static inline uint32_t step8(double *s2, double *d, sums *sum, const uint8_t *pa, const uint8_t *pb)
+static inline void step8(pairs *p, sums *sum, const uint8_t *pa, const uint8_t *pb)
 {
     const texels a = take8(pa), b = take8(pb);
     const texels off = { _mm512_sub_epi16(b.rg, a.rg), _mm512_sub_epi16(b.b, a.b) };
@@ -165,8 +238,9 @@ static inline uint32_t step8(double *s2, double *d, sums *sum, const uint8_t *pa
     sum->high = _mm512_add_epi16(sum->high, blue);
     sum->most_low = _mm512_max_epi16(sum->most_low, rg);
     sum->most_high = _mm512_max_epi16(sum->most_high, blue);
+    __m512d s2[2], d[2];
     multiply8(s2, d, a, off);
-    return _mm512_test_epi32_mask(any, any);
+    keep(p, s2, d, _mm512_test_epi32_mask(any, any));
 }
 
 static void finish8(ntp__compared *out, const sums *sum)
@@ -193,7 +267,7 @@ static inline __m512d numerators(__m512i v, int k)
 }
 
 /* x^2, y^2 and z^2 of the product vector are rounded as in texel/angles_tmpl.h; all else is exact. */
-static inline void multiply16(double *s2, double *d, __m512i a, __m512i b)
+static inline void multiply16(__m512d *s2, __m512d *d, __m512i a, __m512i b)
 {
     const __m512d x1 = numerators(a, 0), y1 = numerators(a, 1), z1 = numerators(a, 2);
     const __m512d x2 = numerators(b, 0), y2 = numerators(b, 1), z2 = numerators(b, 2);
@@ -201,8 +275,8 @@ static inline void multiply16(double *s2, double *d, __m512i a, __m512i b)
     const __m512d y = _mm512_fmsub_pd(z1, x2, _mm512_mul_pd(x1, z2));
     const __m512d z = _mm512_fmsub_pd(x1, y2, _mm512_mul_pd(y1, x2));
     const __m512d xy = _mm512_add_pd(_mm512_mul_pd(x, x), _mm512_mul_pd(y, y));
-    _mm512_store_pd(s2, _mm512_add_pd(xy, _mm512_mul_pd(z, z)));
-    _mm512_store_pd(d, _mm512_fmadd_pd(z1, z2, _mm512_fmadd_pd(y1, y2, _mm512_mul_pd(x1, x2))));
+    *s2 = _mm512_add_pd(xy, _mm512_mul_pd(z, z));
+    *d = _mm512_fmadd_pd(z1, z2, _mm512_fmadd_pd(y1, y2, _mm512_mul_pd(x1, x2)));
 }
 
 /* |a - b| of eight texels; returns bits of those that are different. */
@@ -221,17 +295,16 @@ static inline uint32_t add_levels16(sums *sum, __m512i a, __m512i b)
     return _mm512_test_epi64_mask(v, v);
 }
 
-static inline uint32_t step16(double *s2, double *d, sums *sum, const uint8_t *pa,
-                              const uint8_t *pb)
+static inline void step16(pairs *p, sums *sum, const uint8_t *pa, const uint8_t *pb)
 {
     enum { HALF = 48 /* bytes */ };
-    uint32_t different = 0;
-    for (int k = 0; k < 2; k++) {
-        const __m512i a = load_48(pa + HALF * k), b = load_48(pb + HALF * k);
-        different |= add_levels16(sum, a, b) << 8 * k;
-        multiply16(s2 + STEP / 2 * k, d + STEP / 2 * k, a, b);
-    }
-    return different;
+    __m512d s2[2], d[2];
+    const __m512i a0 = load_48(pa), b0 = load_48(pb);
+    const __m512i a1 = load_48(pa + HALF), b1 = load_48(pb + HALF);
+    const uint32_t low = add_levels16(sum, a0, b0), high = add_levels16(sum, a1, b1);
+    multiply16(&s2[0], &d[0], a0, b0);
+    multiply16(&s2[1], &d[1], a1, b1);
+    keep(p, s2, d, low | high << 8);
 }
 
 static void finish16(ntp__compared *out, const sums *sum)
@@ -243,39 +316,26 @@ static void finish16(ntp__compared *out, const sums *sum)
     add_channel(out, 2, _mm512_srli_epi64(sum->low, 32), _mm512_srli_epi64(sum->most_low, 32));
 }
 
-/* The last texels, with black ones after them. */
-static const uint8_t *copy_last(uint8_t few[6 * STEP], const uint8_t *from, int32_t bytes)
-{
-    memset(few, 0, 6 * STEP);
-    return memcpy(few, from, (size_t) bytes);
-}
+#include "picture/compare_steps_tmpl.h"
 
-#define STEPS(step, bytes)                                                                         \
-    for (int32_t i = 0; i < n; i += STEP) {                                                        \
-        const uint8_t *const from[2] = { a + (bytes) * i, b + (bytes) * i };                       \
-        const bool last = n - i < STEP;                                                            \
-        const int32_t left = (bytes) * (n - i);                                                    \
-        p.different[i / STEP] =                                                                    \
-            step(p.s2 + i, p.d + i, &sum, last ? copy_last(few[0], from[0], left) : from[0],       \
-                 last ? copy_last(few[1], from[1], left) : from[1]);                               \
-    }
-
-void ntp__compare_rgb_avx512(ntp__compared *out, const void *pa, const void *pb, int32_t n,
-                             bool deep)
+void ntp__compare_rgb_avx512(ntp__compared *out, const void *a, const void *b, int32_t n, bool deep)
 {
-    const uint8_t *const a = pa, *const b = pb;
     const __m512i zero = _mm512_setzero_si512();
     sums sum = { zero, zero, zero, zero };
-    uint8_t few[2][6 * STEP];
     pairs p;
-    memset(out, 0, offsetof(ntp__compared, angle));
+    memset(out, 0, offsetof(ntp__compared, bin));
+    p.n = p.found = p.some = 0;
+    p.bin = out->bin;
+    p.sum = p.most = zero;
     if (deep) {
-        STEPS(step16, 6)
+        take_steps(&p, &sum, a, b, n, true);
         finish16(out, &sum);
     } else {
-        STEPS(step8, 3)
+        take_steps(&p, &sum, a, b, n, false);
         finish8(out, &sum);
     }
-    find_first(&p, n);
-    find_angles(out, &p, n);
+    find_small(out, &p);
+    find_others(out, &p);
+    out->found = p.found;
+    add_channel(out, ANGLES, p.sum, p.most);
 }

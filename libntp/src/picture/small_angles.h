@@ -12,6 +12,12 @@
 #define C3    -0x1.f24383c627d24p+22
 #define C4    0x1.634d09f09f772p+22
 
-enum { PART_BITS = 13, UNIT = 1 << (32 - PART_BITS) };
+enum {
+    PART_BITS = 13,
+    UNIT = 1 << (32 - PART_BITS),
+    /* x / 1000 is x BY_1000 / 2^(32 + BY_BITS) for all of 32 bits. */
+    BY_1000 = 274877907,
+    BY_BITS = 6
+};
 
 #endif
