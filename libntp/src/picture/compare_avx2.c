@@ -267,8 +267,9 @@ static void finish8(ntp__compared *out, const sums *sum)
                0x1p52 + 128 * 65535)
 
 /* x^2, y^2 and z^2 of the product vector are rounded as in texel/angles_tmpl.h. */
-static inline void multiply16(double *s2, double *d, __m256i a, __m256i b)
+static inline void multiply16(pairs *p, int half, __m256i a, __m256i b)
 {
+    double *const s2 = p->s2 + p->n + STEP / 2 * half, *const d = p->d + p->n + STEP / 2 * half;
     const __m256d x1 = NUMERATORS(a, 0), y1 = NUMERATORS(a, 1), z1 = NUMERATORS(a, 2);
     const __m256d x2 = NUMERATORS(b, 0), y2 = NUMERATORS(b, 1), z2 = NUMERATORS(b, 2);
     const __m256d x = _mm256_sub_pd(_mm256_mul_pd(y1, z2), _mm256_mul_pd(z1, y2));
@@ -296,11 +297,11 @@ static inline int32_t add_levels16(sums *sum, __m256i a, __m256i b)
 static inline void step16(pairs *p, sums *sum, const uint8_t *pa, const uint8_t *pb)
 {
     enum { HALF = 24 /* bytes */ };
-    int32_t different = 0, n = p->n;
-    for (int k = 0; k < 2; k++, pa += HALF, pb += HALF, n += STEP / 2) {
+    int32_t different = 0;
+    for (int k = 0; k < 2; k++, pa += HALF, pb += HALF) {
         const __m256i a = load_two(pa, pa + 8), b = load_two(pb, pb + 8);
         different += add_levels16(sum, a, b);
-        multiply16(p->s2 + n, p->d + n, a, b);
+        multiply16(p, k, a, b);
     }
     p->n += different != 0 ? STEP : 0;
     p->different += different;
