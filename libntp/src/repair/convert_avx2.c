@@ -139,13 +139,11 @@ __attribute__((always_inline)) static inline int32_t convert(uint8_t *d, const u
 
 #include "repair/convert_words_tmpl.h"
 
-int32_t ntp__convert_rgb_avx2(const ntp__conversion *j, int32_t x, int32_t y, int32_t n,
+int32_t ntp__convert_rgb_avx2(const ntp__conversion *j, uint8_t *d, const uint8_t *s, int32_t n,
                               uint64_t *negative)
 {
     const rules how = { j->src->encoding == NTP_ENCODING_ZZERO,
                         j->dst->encoding == NTP_ENCODING_ZZERO };
-    uint8_t *d = ntp__at_mut(j->dst, x, y);
-    const uint8_t *s = ntp__at(j->src, x, y);
     const bool standard = !how.from_zzero && !how.to_zzero;
     if (standard)
         return j->ms < j->md ? widen(d, s, n) : narrow(d, s, n);

@@ -8,12 +8,16 @@
 #include "repair/convert.h"
 
 /*
- * Converts the texels of row y from column x on, of levels of packed RGB, without a flip.  Returns
- * how many of n are done, a multiple of 16: it stops before texels that have to be pulled or kept,
+ * Converts n texels from s to d, of levels of packed RGB, without a flip.  Returns how many of n are done, a multiple of 16: it stops before texels that have to be pulled or kept,
  * and before the last ones.  Adds to *negative how many negative z became |z|.
  */
-int32_t ntp__convert_rgb_avx2(const ntp__conversion *j, int32_t x, int32_t y, int32_t n,
-                              uint64_t *negative);
+typedef int32_t ntp__convert_rgb_fn(const ntp__conversion *j, uint8_t *d, const uint8_t *s,
+                                    int32_t n, uint64_t *negative);
+
+ntp__convert_rgb_fn ntp__convert_rgb_avx2;
+
+/* With AVX-512; the less common conversions are those of AVX2. */
+ntp__convert_rgb_fn ntp__convert_rgb_avx512;
 
 /* Packed levels of 3 or 4 channels to float vectors, v + v/M with v = c*times - less for each channel.
  * Returns how many of n are done: it leaves some of the last ones. */

@@ -172,8 +172,14 @@ static void convert_levels(const ntp__conversion *j, int32_t x, int32_t y, int32
 static void convert_rgb(const ntp__conversion *j, int32_t x, int32_t y, int32_t n,
                         ntp_convert_counts *counts)
 {
+    ntp__convert_rgb_fn *loop = ntp__convert_rgb_avx2;
+#  ifdef NTP_HAVE_AVX512
+    if (ntp__cpu_has_avx512(NTP__CPU_ALL))
+        loop = ntp__convert_rgb_avx512;
+#  endif
     while (n > 0) {
-        const int32_t done = ntp__convert_rgb_avx2(j, x, y, n, &counts->z_negative);
+        const int32_t done =
+            loop(j, ntp__at_mut(j->dst, x, y), ntp__at(j->src, x, y), n, &counts->z_negative);
         const int32_t left = n - done < NTP__BLOCK ? n - done : NTP__BLOCK;
         if (left > 0)
             convert_levels(j, x + done, y, left, counts);
