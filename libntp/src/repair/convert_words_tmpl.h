@@ -23,11 +23,11 @@ static inline __m256i exact_words(__m256i e, __m256i t, __m256i *d)
 }
 
 /* The same of 16 bit, in halves of 32 bits. */
-static inline __m256i exact_deep(__m256i e, __m256i t)
+static inline __m256i exact_deep(__m256i e, __m256i t, __m256i *d)
 {
     const __m256i twice = _mm256_add_epi32(t, t);
-    const __m256i d = _mm256_sub_epi32(e, _mm256_madd_epi16(t, t));
-    return _mm256_cmpeq_epi32(_mm256_max_epu32(d, twice), twice);
+    *d = _mm256_sub_epi32(e, _mm256_madd_epi16(t, t));
+    return _mm256_cmpeq_epi32(_mm256_max_epu32(*d, twice), twice);
 }
 
 /* The root of 16 bits for e of 8 bit (words with one above each).  257 X: S is 257^2 times as much, and
@@ -69,34 +69,91 @@ static inline void widen_step(uint8_t *d, const uint8_t *s)
                   SHUFFLE(high, 8, 8, N, N, 10, 10, 11, 11, N, N, 13, 13, 14, 14, N, N), z, 0x92));
 }
 
+/* Sixteen texels of 16 bit: their bytes as they lie, red and green of half of them, blues, and t of
+ * these. */
+typedef struct deep_words {
+    __m256i v[3], low, high, b, t, minus;
+} deep_words;
+
+static inline deep_words take_deep(const uint8_t *s)
+{
+    const __m256i p = load_two(s, s + 48), q = load_two(s + 16, s + 64);
+    const __m256i r = load_two(s + 32, s + 80);
+    deep_words in = { .v = { p, q, r } };
+    in.low = _mm256_or_si256(SHUFFLE(p, 0, 1, 2, 3, 6, 7, 8, 9, 12, 13, 14, 15, N, N, N, N),
+                             SHUFFLE(q, N, N, N, N, N, N, N, N, N, N, N, N, 2, 3, 4, 5));
+    in.high = _mm256_or_si256(SHUFFLE(q, 8, 9, 10, 11, 14, 15, N, N, N, N, N, N, N, N, N, N),
+                              SHUFFLE(r, N, N, N, N, N, N, 0, 1, 4, 5, 6, 7, 10, 11, 12, 13));
+    in.b = SHUFFLE(_mm256_blend_epi16(_mm256_blend_epi16(p, q, 0x49), r, 0x92), 4, 5, 10, 11, 0, 1,
+                   6, 7, 12, 13, 2, 3, 8, 9, 14, 15);
+    in.t = size_of_z(in.b, true, &in.minus);
+    return in;
+}
+
+/* Marks exact ones as words, and finds d = e - t^2 of these. */
+static inline __m256i exact_of(const deep_words *in, __m256i *d)
+{
+    const __m256i zero = _mm256_setzero_si256();
+    __m256i low, high;
+    const __m256i exact = _mm256_packs_epi32(
+        exact_deep(rest_of(in->low, true), _mm256_unpacklo_epi16(in->t, zero), &low),
+        exact_deep(rest_of(in->high, true), _mm256_unpackhi_epi16(in->t, zero), &high));
+    *d = _mm256_packus_epi32(low, high);
+    return exact;
+}
+
 /* Standard, 16 bit to 8.  False, with nothing written, where an exact texel has to be pulled. */
 static inline bool narrow_step(uint8_t *d, const uint8_t *s)
 {
-    const __m256i p = load_two(s, s + 48), q = load_two(s + 16, s + 64);
-    const __m256i r = load_two(s + 32, s + 80), zero = _mm256_setzero_si256();
-    const __m256i low =
-        _mm256_or_si256(SHUFFLE(p, 0, 1, 2, 3, 6, 7, 8, 9, 12, 13, 14, 15, N, N, N, N),
-                        SHUFFLE(q, N, N, N, N, N, N, N, N, N, N, N, N, 2, 3, 4, 5));
-    const __m256i high =
-        _mm256_or_si256(SHUFFLE(q, 8, 9, 10, 11, 14, 15, N, N, N, N, N, N, N, N, N, N),
-                        SHUFFLE(r, N, N, N, N, N, N, 0, 1, 4, 5, 6, 7, 10, 11, 12, 13));
-    const __m256i b = SHUFFLE(_mm256_blend_epi16(_mm256_blend_epi16(p, q, 0x49), r, 0x92), 4, 5, 10,
-                              11, 0, 1, 6, 7, 12, 13, 2, 3, 8, 9, 14, 15);
     const __m256i half = _mm256_set1_epi16(128);
-    __m256i minus;
-    const __m256i t = size_of_z(b, true, &minus);
-    const __m256i exact =
-        _mm256_packs_epi32(exact_deep(rest_of(low, true), _mm256_unpacklo_epi16(t, zero)),
-                           exact_deep(rest_of(high, true), _mm256_unpackhi_epi16(t, zero)));
-    const __m256i rg = _mm256_packus_epi16(over257(_mm256_adds_epu16(low, half)),
-                                           over257(_mm256_adds_epu16(high, half)));
+    const deep_words in = take_deep(s);
+    __m256i rest;
+    const __m256i exact = exact_of(&in, &rest);
+    const __m256i rg = _mm256_packus_epi16(over257(_mm256_adds_epu16(in.low, half)),
+                                           over257(_mm256_adds_epu16(in.high, half)));
     const __m256i e = rest_words(rg);
     if (!_mm256_testz_si256(_mm256_and_si256(exact, e), _mm256_set1_epi16(-32768)))
         return false;
     /* 128 + t, or 127 - t */
-    const __m256i want = _mm256_add_epi16(_mm256_xor_si256(root_words(e), minus), half);
-    const __m256i z = _mm256_blendv_epi8(over257(_mm256_adds_epu16(b, half)), want, exact);
+    const __m256i want = _mm256_add_epi16(_mm256_xor_si256(root_words(e), in.minus), half);
+    const __m256i z = _mm256_blendv_epi8(over257(_mm256_adds_epu16(in.b, half)), want, exact);
     store_pixels(d, rg, z);
+    return true;
+}
+
+/* Blues of Z-zero, as blue_of where texels are exact: 2t, 2t + 1 or 2t + 2; else |Z| = 2t + 1.  With
+ * d = e - t^2 and h = floor(t / 2), 2d < t - 1 is d < h, and 2d < 3t is d < 2t - h.  Words of 16 bit
+ * have no sign. */
+static inline __m256i zzero_of(__m256i t, __m256i d, __m256i exact, bool deep)
+{
+    const __m256i sign = _mm256_set1_epi16(deep ? -32768 : 0), one = _mm256_set1_epi16(1);
+    const __m256i twice = _mm256_add_epi16(t, t), half = _mm256_srli_epi16(t, 1);
+    const __m256i at = _mm256_xor_si256(d, sign);
+    const __m256i below1 = _mm256_cmpgt_epi16(_mm256_xor_si256(half, sign), at);
+    const __m256i below2 =
+        _mm256_cmpgt_epi16(_mm256_xor_si256(_mm256_sub_epi16(twice, half), sign), at);
+    const __m256i more = _mm256_add_epi16(_mm256_add_epi16(below1, below2), one);
+    return _mm256_add_epi16(_mm256_add_epi16(twice, one), _mm256_and_si256(more, exact));
+}
+
+/* Of 16 bit.  False, with nothing written, where a texel is black. */
+static inline bool deep_zzero_step(uint8_t *d, const uint8_t *s, uint64_t *negative)
+{
+    const deep_words in = take_deep(s);
+    const __m256i zero = _mm256_setzero_si256();
+    const __m256i none =
+        _mm256_packs_epi32(_mm256_cmpeq_epi32(in.low, zero), _mm256_cmpeq_epi32(in.high, zero));
+    if (!_mm256_testz_si256(none, _mm256_cmpeq_epi16(in.b, zero)))
+        return false;
+    __m256i rest;
+    const __m256i exact = exact_of(&in, &rest);
+    *negative += (uint64_t) __builtin_popcount((uint32_t) _mm256_movemask_epi8(in.minus)) / 2;
+    /* Back to where blues lie in the three vectors. */
+    const __m256i z = SHUFFLE(zzero_of(in.t, rest, exact, true), 4, 5, 10, 11, 0, 1, 6, 7, 12, 13,
+                              2, 3, 8, 9, 14, 15);
+    store_two(d, d + 48, _mm256_blend_epi16(in.v[0], z, 0x24));
+    store_two(d + 16, d + 64, _mm256_blend_epi16(in.v[1], z, 0x49));
+    store_two(d + 32, d + 80, _mm256_blend_epi16(in.v[2], z, 0x92));
     return true;
 }
 
@@ -104,7 +161,7 @@ static inline bool narrow_step(uint8_t *d, const uint8_t *s)
 static inline bool zzero_step(uint8_t *d, const uint8_t *s, uint64_t *negative)
 {
     __m256i low = load_two(s, s + 24), high = load_two(s + 8, s + 32);
-    const __m256i rg = pairs_of(low, high), one = _mm256_set1_epi16(1);
+    const __m256i rg = pairs_of(low, high);
     const __m256i b =
         _mm256_or_si256(SHUFFLE(low, 2, N, 5, N, 8, N, 11, N, 14, N, N, N, N, N, N, N),
                         SHUFFLE(high, N, N, N, N, N, N, N, N, N, N, 9, N, 12, N, 15, N));
@@ -112,16 +169,10 @@ static inline bool zzero_step(uint8_t *d, const uint8_t *s, uint64_t *negative)
     if (!_mm256_testz_si256(black, black))
         return false;
     __m256i minus, rest;
-    const __m256i t = size_of_z(b, false, &minus), twice = _mm256_add_epi16(t, t);
+    const __m256i t = size_of_z(b, false, &minus);
     const __m256i exact = exact_words(rest_words(rg), t, &rest);
-    /* As blue_of where it is exact: 2t, 2t + 1 or 2t + 2; else |Z| = 2t + 1. */
-    rest = _mm256_add_epi16(rest, rest);
-    const __m256i below1 = _mm256_cmpgt_epi16(t, _mm256_add_epi16(rest, one));
-    const __m256i below2 = _mm256_cmpgt_epi16(_mm256_add_epi16(twice, t), rest);
-    const __m256i more = _mm256_add_epi16(_mm256_add_epi16(below1, below2), one);
     *negative += (uint64_t) __builtin_popcount((uint32_t) _mm256_movemask_epi8(minus)) / 2;
-    put_words(d, &low, &high,
-              _mm256_add_epi16(_mm256_add_epi16(twice, one), _mm256_and_si256(more, exact)));
+    put_words(d, &low, &high, zzero_of(t, rest, exact, false));
     return true;
 }
 
@@ -141,11 +192,14 @@ static int32_t narrow(uint8_t *d, const uint8_t *s, int32_t n)
     return i;
 }
 
-static int32_t to_zzero(uint8_t *d, const uint8_t *s, int32_t n, uint64_t *negative)
+FOR_EACH_DEPTH int32_t to_zzero(uint8_t *d, const uint8_t *s, int32_t n, bool deep,
+                                uint64_t *negative)
 {
+    const ptrdiff_t size = deep ? 6 : 3;
     uint64_t count = 0; /* not in memory, where each step would wait for the one before */
     int32_t i = 0;
-    while (i + STEP <= n && zzero_step(d + (ptrdiff_t) 3 * i, s + (ptrdiff_t) 3 * i, &count))
+    while (i + STEP <= n && (deep ? deep_zzero_step(d + size * i, s + size * i, &count)
+                                  : zzero_step(d + size * i, s + size * i, &count)))
         i += STEP;
     *negative += count;
     return i;
