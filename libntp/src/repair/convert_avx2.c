@@ -325,9 +325,9 @@ FOR_EACH_DEPTH int32_t encode(uint8_t *d, const float *s, int32_t n, bool deep, 
     for (; i + STEP <= n; i += STEP, left++) {
         uint32_t doubt[2], overlong[2], negative[2];
         texels t[2];
-        for (int32_t k = 0; k < 2; k++)
-            t[k] = encoded(s + 3 * (i + HALF * k), deep, zzero, flip, &doubt[k], &overlong[k],
-                           &negative[k]);
+        t[0] = encoded(s + 3 * i, deep, zzero, flip, &doubt[0], &overlong[0], &negative[0]);
+        t[1] =
+            encoded(s + 3 * (i + HALF), deep, zzero, flip, &doubt[1], &overlong[1], &negative[1]);
         if (deep) {
             put16(d + (ptrdiff_t) size * i, t[0]);
             put16(d + (ptrdiff_t) size * (i + HALF), t[1]);
