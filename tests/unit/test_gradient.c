@@ -91,34 +91,6 @@ static void test_to_double(uint64_t *seed)
     }
 }
 
-static void test_sums(const ntp__gradient_kernels *base, const ntp__gradient_kernels *level,
-                      int32_t n, uint64_t *seed)
-{
-    static ntp__height_row row[NTP__MAX_TAPS], row_d[NTP__MAX_TAPS];
-    const int32_t *rows[NTP__MAX_TAPS];
-    const double *rows_d[NTP__MAX_TAPS];
-    for (int k = 0; k < NTP__MAX_TAPS; k++) {
-        for (int32_t i = 0; i < NTP__GRADIENT_ROW; i++) {
-            row[k].h.i[i] = (int32_t) (next(seed) % 65536);
-            row_d[k].h.d[i] = (double) (next(seed) % 65536) / 65535;
-        }
-        rows[k] = row[k].h.i;
-        rows_d[k] = row_d[k].h.d;
-    }
-    for (int kernel = 0; kernel < (int) NTP__KERNELS; kernel++) {
-        for (int down = 0; down < 2; down++) {
-            int32_t a[WIDEST], b[WIDEST];
-            double c[WIDEST], d[WIDEST];
-            base->tap_sums_i(a, rows, (ntp_kernel) kernel, down, n);
-            level->tap_sums_i(b, rows, (ntp_kernel) kernel, down, n);
-            CHECK(memcmp(a, b, (size_t) n * sizeof *a) == 0);
-            base->tap_sums_d(c, rows_d, (ntp_kernel) kernel, down, n);
-            level->tap_sums_d(d, rows_d, (ntp_kernel) kernel, down, n);
-            CHECK(memcmp(c, d, (size_t) n * sizeof *c) == 0);
-        }
-    }
-}
-
 typedef struct levels {
     int32_t plane[3][WIDEST], doubt[WIDEST];
 } levels;
@@ -478,7 +450,6 @@ int main(int argc, char **argv)
     const ntp__gradient_kernels *base = ntp__gradient_kernels_for(0);
     const ntp__gradient_kernels *level = ntp__gradient_kernels_for(avx2 ? NTP__CPU_AVX2 : 0);
     for (int32_t n = 1; n <= WIDEST; n += n < 40 ? 1 : 27) {
-        test_sums(base, level, n, &seed);
         test_encode(base, level, n, &seed);
         test_floats(level, n, &seed);
         if (level->encode_packed != NULL) {

@@ -169,9 +169,9 @@ static void tap_sums(walk *w, strip *s, facts *f, int32_t x, int32_t y, int32_t 
         add_facts(f, row);
     }
     if (w->ints)
-        w->g.loops->tap_sums_i(s->sums.i[down], rows_i, g->which, down, n);
+        w->g.loops->tap_sums_i(s->sums.i[down], rows_i, g->kernel, down, n);
     else
-        w->g.loops->tap_sums_d(s->sums.d[down], rows_d, g->which, down, n);
+        w->g.loops->tap_sums_d(s->sums.d[down], rows_d, g->kernel, down, n);
 }
 
 /* Position `at` of the block takes the slope of position `from`, if that is in the block. */

@@ -50,8 +50,7 @@ typedef struct ntp__gradient {
     const ntp__gradient_kernels *loops;
     const ntp_const_image *src;
     const ntp_image *dst;
-    const ntp__kernel *kernel; /* each file has its own table, so do not compare the address */
-    ntp_kernel which;
+    const ntp__kernel *kernel;
     ntp_height_source source;
     bool invert;
     int32_t reads, read[NTP__MAX_READS], weight[NTP__MAX_READS]; /* sample index and weight */
@@ -145,9 +144,9 @@ void ntp__height_row_floats(ntp__height_row *row, const ntp__gradient *g, int32_
  * x - 4; rows beyond the radius are not read.  Both loops read and write up to the next multiple of
  * NTP__LANES. */
 typedef void ntp__tap_sums_i_fn(int32_t *sums, const int32_t *const rows[NTP__MAX_TAPS],
-                                ntp_kernel kernel, int32_t down, int32_t n);
+                                const ntp__kernel *kernel, int32_t down, int32_t n);
 typedef void ntp__tap_sums_d_fn(double *sums, const double *const rows[NTP__MAX_TAPS],
-                                ntp_kernel kernel, int32_t down, int32_t n);
+                                const ntp__kernel *kernel, int32_t down, int32_t n);
 
 /* Bits of floats without their signs. */
 typedef struct ntp__magnitudes {

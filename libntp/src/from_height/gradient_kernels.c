@@ -35,19 +35,72 @@
 #  define SELDOM
 #endif
 
-/* The taps are constants once the function of a kernel is inlined, and taps of 0 vanish. */
-#define TERM(taps, k, value) ((taps)[k] != 0 ? (taps)[k] * (value) : 0)
-#define NINE(taps, value)                                                                          \
-    (TERM(taps, 0, value(0)) + TERM(taps, 1, value(1)) + TERM(taps, 2, value(2)) +                 \
-     TERM(taps, 3, value(3)) + TERM(taps, 4, value(4)) + TERM(taps, 5, value(5)) +                 \
-     TERM(taps, 6, value(6)) + TERM(taps, 7, value(7)) + TERM(taps, 8, value(8)))
-#define ROW(k)    rows[k][NTP__MAX_RADIUS + i]
-#define COLUMN(k) line[i + (k)]
+/* Sums of texel i of so many rows; taps of 0 are left out.  Integers are multiplied by constants, as
+ * processors before AVX2 are slow to multiply them; doubles by numbers in registers. */
+#define TAP(k) (taps[k] != 0 ? taps[k] * from[k][first + i] : 0)
+#define LINE(NAME)                                                                                 \
+    case NTP__LINE_##NAME: {                                                                       \
+        static const int32_t taps[NTP__MAX_TAPS] = NTP__##NAME;                                    \
+        for (int32_t i = 0; i < n; i++)                                                            \
+            to[i] =                                                                                \
+                TAP(0) + TAP(1) + TAP(2) + TAP(3) + TAP(4) + TAP(5) + TAP(6) + TAP(7) + TAP(8);    \
+        break;                                                                                     \
+    }
+#define TWO   (w[0] * a[0][i] + w[1] * a[1][i])
+#define THREE (TWO + w[2] * a[2][i])
+#define FOUR  (THREE + w[3] * a[3][i])
+#define FIVE  (FOUR + w[4] * a[4][i])
+#define SIX   (FIVE + w[5] * a[5][i])
+#define SEVEN (SIX + w[6] * a[6][i])
+#define EIGHT (SEVEN + w[7] * a[7][i])
+#define NINE  (EIGHT + w[8] * a[8][i])
+#define CASE(COUNT, SUM)                                                                           \
+    case COUNT:                                                                                    \
+        for (int32_t i = 0; i < n; i++)                                                            \
+            to[i] = SUM + 0;                                                                       \
+        break;
 
-/* The only tap is a 1 in the middle: the sums are the numbers themselves. */
-#define IS_IDENTITY(taps)                                                                          \
-    ((taps)[NTP__MAX_RADIUS] == 1 && (taps)[0] == 0 && (taps)[1] == 0 && (taps)[2] == 0 &&         \
-     (taps)[3] == 0 && (taps)[5] == 0 && (taps)[6] == 0 && (taps)[7] == 0 && (taps)[8] == 0)
+/* to[i] = the sum of taps[k] from[k][first + i] over all k, for the taps along or across; for groups of
+ * NTP__LANES texels. */
+static void sum_i(int32_t *restrict to, const int32_t *const from[NTP__MAX_TAPS], int32_t first,
+                  const ntp__taps *of, bool along, int32_t groups)
+{
+    const int32_t n = groups * NTP__LANES; /* so loops have no remainder */
+    switch (along ? of->along_line : of->across_line) {
+        NTP__EACH_LINE(LINE)
+    case NTP__LINES:
+        break;
+    }
+}
+
+/* The same.  One loop serves all lines of as many taps.  0 is added so that no sum is -0. */
+static void sum_d(double *restrict to, const double *const from[NTP__MAX_TAPS], int32_t first,
+                  const ntp__taps *of, bool along, int32_t groups)
+{
+    const int32_t *taps = along ? of->along : of->across;
+    const double *a[NTP__MAX_TAPS];
+    double w[NTP__MAX_TAPS];
+    int32_t count = 0;
+    for (int32_t k = 0; k < NTP__MAX_TAPS; k++) {
+        if (taps[k] != 0) {
+            a[count] = from[k] + first;
+            w[count++] = taps[k];
+        }
+    }
+    const int32_t n = groups * NTP__LANES;
+    switch (count) {
+        CASE(2, TWO)
+        CASE(3, THREE)
+        CASE(4, FOUR)
+        CASE(5, FIVE)
+        CASE(6, SIX)
+        CASE(7, SEVEN)
+        CASE(8, EIGHT)
+        CASE(9, NINE)
+    default: /* no kernel has fewer, but for the identity */
+        break;
+    }
+}
 
 #define T       int32_t
 #define NAME(x) x##_i

@@ -100,7 +100,6 @@ ntp_status ntp__gradient_plan(ntp__gradient *g, const ntp_image *dst, const ntp_
     g->src = src;
     g->dst = dst;
     g->kernel = &ntp__kernel_table[how->kernel];
-    g->which = how->kernel;
     NTP__TRY(ntp__gradient_source(g, how->source));
     set_borders(g, how);
     g->invert = how->invert != 0;

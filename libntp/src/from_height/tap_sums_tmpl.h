@@ -7,73 +7,37 @@
 
 /* The vertical sums of one term, then the horizontal ones.  One pass is enough where one of the two
  * is the identity. */
-static ALWAYS_INLINE void NAME(add_term)(T *restrict sums, const T *const rows[NTP__MAX_TAPS],
-                                         const int32_t *vertical, const int32_t *horizontal,
-                                         int32_t radius, bool add, int32_t n)
+static void NAME(sum_term)(T *restrict sums, const T *const rows[NTP__MAX_TAPS],
+                           const ntp__taps *taps, bool down, int32_t radius, int32_t groups)
 {
     T summed[NTP__GRADIENT_ROW];
-    const T *line = summed;
-    if (!add && IS_IDENTITY(horizontal)) {
-        for (int32_t i = 0; i < n; i++)
-            sums[i] = NINE(vertical, ROW);
+    const T *line = summed, *columns[NTP__MAX_TAPS];
+    const ntp__tap_line vertical = down ? taps->along_line : taps->across_line;
+    const ntp__tap_line horizontal = down ? taps->across_line : taps->along_line;
+    if (horizontal == NTP__LINE_ONE) {
+        NAME(sum)(sums, rows, NTP__MAX_RADIUS, taps, down, groups);
         return;
     }
-    if (IS_IDENTITY(vertical)) {
+    /* 2 radius sums more are wanted, which is no more than NTP__LANES. */
+    const int32_t first = NTP__MAX_RADIUS - radius;
+    if (vertical == NTP__LINE_ONE)
         line = rows[NTP__MAX_RADIUS];
-    } else {
-        /* n + 2 radius sums are wanted; NTP__LANES is at least 2 radius. */
-        for (int32_t i = -radius; i < n + NTP__LANES - radius; i++)
-            summed[NTP__MAX_RADIUS + i] = NINE(vertical, ROW);
-    }
-    if (add) {
-        for (int32_t i = 0; i < n; i++)
-            sums[i] += NINE(horizontal, COLUMN);
-    } else {
-        for (int32_t i = 0; i < n; i++)
-            sums[i] = NINE(horizontal, COLUMN);
-    }
+    else
+        NAME(sum)(summed + first, rows, first, taps, down, groups + 1);
+    for (int32_t k = 0; k < NTP__MAX_TAPS; k++)
+        columns[k] = line + k;
+    NAME(sum)(sums, columns, 0, taps, !down, groups);
 }
 
-static ALWAYS_INLINE void NAME(sum_kernel)(T *restrict sums, const T *const rows[NTP__MAX_TAPS],
-                                           const ntp__kernel *k, bool down, int32_t n)
-{
-    const ntp__taps *a = &k->term[0], *b = &k->term[1];
-    const int32_t *vertical = down ? a->along : a->across,
-                  *horizontal = down ? a->across : a->along;
-    NAME(add_term)(sums, rows, vertical, horizontal, k->radius, false, n);
-    if (k->terms > 1) {
-        vertical = down ? b->along : b->across;
-        horizontal = down ? b->across : b->along;
-        NAME(add_term)(sums, rows, vertical, horizontal, k->radius, true, n);
-    }
-}
-
-#define CASE(KERNEL)                                                                               \
-    case KERNEL:                                                                                   \
-        if (down)                                                                                  \
-            NAME(sum_kernel)(sums, rows, &ntp__kernel_table[KERNEL], true, n);                     \
-        else                                                                                       \
-            NAME(sum_kernel)(sums, rows, &ntp__kernel_table[KERNEL], false, n);                    \
-        break;
-
-static void NAME(tap_sums)(T *sums, const T *const rows[NTP__MAX_TAPS], ntp_kernel kernel,
+static void NAME(tap_sums)(T *sums, const T *const rows[NTP__MAX_TAPS], const ntp__kernel *kernel,
                            int32_t down, int32_t n)
 {
-    n = (n + NTP__LANES - 1) / NTP__LANES * NTP__LANES;
-    switch (kernel) {
-        CASE(NTP_KERNEL_CENTRAL)
-        CASE(NTP_KERNEL_FORWARD)
-        CASE(NTP_KERNEL_PREWITT3)
-        CASE(NTP_KERNEL_SOBEL3)
-        CASE(NTP_KERNEL_SCHARR3)
-        CASE(NTP_KERNEL_PREWITT5)
-        CASE(NTP_KERNEL_SOBEL5)
-        CASE(NTP_KERNEL_GIMP5)
-        CASE(NTP_KERNEL_GIMP7)
-        CASE(NTP_KERNEL_GIMP9)
-    case NTP_KERNEL_BAKED: /* has no taps */
-        break;
-    }
+    T second[NTP__BLOCK];
+    const int32_t groups = (n + NTP__LANES - 1) / NTP__LANES;
+    NAME(sum_term)(sums, rows, &kernel->term[0], down != 0, kernel->radius, groups);
+    if (kernel->terms == 1)
+        return;
+    NAME(sum_term)(second, rows, &kernel->term[1], down != 0, kernel->radius, groups);
+    for (int32_t i = 0; i < groups * NTP__LANES; i++)
+        sums[i] += second[i];
 }
-
-#undef CASE
