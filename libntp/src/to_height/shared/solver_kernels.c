@@ -90,23 +90,19 @@ static ALWAYS_INLINE int32_t numerator(int32_t c, int32_t zero, int32_t neutral)
     return v >= -neutral && v <= neutral ? 0 : v;
 }
 
-/* x, y and z of n texels, and whether one of them may be unused.  slopes: x and y become slopes by the
- * stored z. */
+/* x, y and z of n texels, and whether one of them may be unused. */
 static ALWAYS_INLINE int32_t levels8(float *restrict x, float *restrict y, float *restrict z,
                                      const uint8_t *restrict src, int32_t step, int32_t n,
-                                     const ntp__slope_levels *how, bool slopes)
+                                     const ntp__slope_levels *how)
 {
     const int32_t zero = how->zero, neutral = how->neutral;
     const float z_scale = how->z_scale, z_zero = how->z_zero;
-    const float sign = how->sign, least = how->least;
     int32_t suspect = 0;
     for (int32_t i = 0; i < n; i++) {
         int32_t r = src[step * i], g = src[step * i + 1], b = src[step * i + 2];
-        float u = (float) numerator(r, zero, neutral), v = (float) numerator(g, zero, neutral);
-        float stored = (float) b * z_scale - z_zero, below = stored > least ? stored : least;
-        x[i] = slopes ? -u / below : u;
-        y[i] = slopes ? sign * v / below : v;
-        z[i] = stored;
+        x[i] = (float) numerator(r, zero, neutral);
+        y[i] = (float) numerator(g, zero, neutral);
+        z[i] = (float) b * z_scale - z_zero;
         suspect |= ((r | g | b) == 0) | ((r & g & b) == 255);
         if (step == 4)
             suspect |= src[4 * i + 3] == 0;
@@ -139,10 +135,8 @@ static int32_t slopes8(float *restrict right, float *restrict down_row, const ui
 {
     const float square = how->square, sign = how->sign, least = how->least;
     float z[NTP__BLOCK];
-    if (step == 3 && !how->mixed && !how->derived)
-        return levels8(right, down_row, z, src, 3, n, how, true);
-    int32_t suspect = step == 3 ? levels8(right, down_row, z, src, 3, n, how, false)
-                                : levels8(right, down_row, z, src, 4, n, how, false);
+    int32_t suspect = step == 3 ? levels8(right, down_row, z, src, 3, n, how)
+                                : levels8(right, down_row, z, src, 4, n, how);
     if (how->mixed) {
         mix(right, down_row, z, n, how);
         return suspect;
