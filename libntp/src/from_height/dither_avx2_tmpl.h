@@ -124,6 +124,15 @@ static ALWAYS_INLINE __m256i level_of_floats(__m256 slope, __m256 factor, __m256
     return whole;
 }
 
+/* 127.5 over a root: a step of Newton's from a guess.  Neither of the two waits for a divider. */
+static ALWAYS_INLINE __m256 scale_of(__m256 square)
+{
+    const __m256 guess = _mm256_rsqrt_ps(square);
+    const __m256 product = _mm256_mul_ps(_mm256_mul_ps(square, guess), guess);
+    return _mm256_mul_ps(_mm256_mul_ps(guess, _mm256_set1_ps(63.75F)),
+                         _mm256_sub_ps(_mm256_set1_ps(3), product));
+}
+
 /*
  * The levels of 8 bit, in floats; false: one of them may be wrong.  With u = 2^-24, a slope errs by u,
  * the sum of squares by 5u, its root by 3.5u, the quotient by 4.5u, and 127.5 n by 6.5u of at most
@@ -133,13 +142,11 @@ static ALWAYS_INLINE __m256i level_of_floats(__m256 slope, __m256 factor, __m256
 static ALWAYS_INLINE bool round_wave_8(__m128i r[GROUPS], __m128i g[GROUPS], const wave *x,
                                        const wave *y)
 {
-    const __m256 one = _mm256_set1_ps(1);
     __m256 any = _mm256_setzero_ps();
     for (int32_t k = 0; k < GROUPS; k += 2) {
         const __m256 p = as_floats(x->of[k], x->of[k + 1]), q = as_floats(y->of[k], y->of[k + 1]);
         const __m256 square = _mm256_add_ps(_mm256_mul_ps(p, p), _mm256_mul_ps(q, q));
-        const __m256 factor =
-            _mm256_div_ps(_mm256_set1_ps(127.5F), _mm256_sqrt_ps(_mm256_add_ps(one, square)));
+        const __m256 factor = scale_of(_mm256_add_ps(_mm256_set1_ps(1), square));
         const __m256i red = level_of_floats(p, factor, &any),
                       green = level_of_floats(q, factor, &any);
         r[k] = _mm256_castsi256_si128(red);

@@ -34,7 +34,8 @@ static void row_of_slopes(walk *w, strip *s, double *const xy[2], int32_t x, int
 }
 
 /* The slopes of rows from y on into the steps of a wave. */
-static void put_slopes(walk *w, strip *s, int32_t x, int32_t y, int32_t rows, int32_t n)
+static void put_slopes(walk *w, strip *s, ntp__wave_step *steps, int32_t x, int32_t y, int32_t rows,
+                       int32_t n)
 {
     ntp__wave_rows *part = &w->wave->part;
     memset(part, 0, sizeof *part);
@@ -49,7 +50,24 @@ static void put_slopes(walk *w, strip *s, int32_t x, int32_t y, int32_t rows, in
             row_of_slopes(w, s, to, x, y + first + k, n);
             fetch_ahead(w, x, y + first + k, n);
         }
-        w->g.loops->put_slopes(w->wave->steps, part, first, n + rows - 1);
+        w->g.loops->put_slopes(steps, part, first, n + rows - 1);
+    }
+}
+
+/* Packs the levels of rows from y on. */
+static void take_levels(walk *w, strip *s, const ntp__wave_step *steps, int32_t x, int32_t y,
+                        int32_t rows, int32_t n)
+{
+    ntp__wave_rows *part = &w->wave->part;
+    for (int32_t k = 0; k < rows; k++) {
+        const int32_t row = k % NTP__WAVE_PART;
+        if (row == 0)
+            w->g.loops->take_levels(part, steps, k, n + rows - 1);
+        for (int32_t c = 0; c < 3; c++) {
+            for (int32_t i = 0; i < n; i++)
+                s->out.c[c][i] = part->level[row][c][NTP__WAVE + i];
+        }
+        ntp__gradient_pack(&w->g, &s->out, x, y + k, n);
     }
 }
 
@@ -59,18 +77,21 @@ static void dither_rows(walk *w, strip *s, int32_t x, int32_t y, int32_t rows, i
     const ntp__gradient *g = &w->g;
     const ntp__dithering how = { g->m, g->dst->encoding == NTP_ENCODING_ZZERO, g->min_z,
                                  g->shortened };
-    ntp__wave_step *steps = w->wave->steps;
-    ntp__wave_rows *part = &w->wave->part;
-    put_slopes(w, s, x, y, rows, n);
-    g->loops->dither(steps, &w->along[(y - w->first) % BAND], &w->errors[x], rows, n, &how);
-    for (int32_t k = 0; k < rows; k++) {
-        const int32_t row = k % NTP__WAVE_PART;
-        if (row == 0)
-            g->loops->take_levels(part, steps, k, n + rows - 1);
-        for (int32_t c = 0; c < 3; c++) {
-            for (int32_t i = 0; i < n; i++)
-                s->out.c[c][i] = part->level[row][c][NTP__WAVE + i];
-        }
-        ntp__gradient_pack(g, &s->out, x, y + k, n);
+    ntp__wave_step *steps[NTP__WAVES];
+    double *along = &w->along[(y - w->first) % BAND], *down = &w->errors[x];
+    for (int32_t k = 0; k < NTP__WAVES; k++) {
+        const int32_t left = rows - k * NTP__WAVE;
+        steps[k] = w->wave->steps[k];
+        if (left > 0)
+            put_slopes(w, s, steps[k], x, y + k * NTP__WAVE, left < NTP__WAVE ? left : NTP__WAVE,
+                       n);
+    }
+    if (w->waves != NULL)
+        w->waves(steps, along, down, rows, n, how.zzero);
+    else
+        g->loops->dither(steps[0], along, down, rows, n, &how);
+    for (int32_t k = 0; k * NTP__WAVE < rows; k++) {
+        const int32_t left = rows - k * NTP__WAVE;
+        take_levels(w, s, steps[k], x, y + k * NTP__WAVE, left < NTP__WAVE ? left : NTP__WAVE, n);
     }
 }

@@ -52,6 +52,7 @@ typedef struct walk {
     ntp_normals_counts counts;
     int32_t first;          /* first row of the area */
     ntp__wave_memory *wave; /* dithering: of the scratch */
+    ntp__dither_waves_fn *waves; /* dithering: of two waves; NULL: of one */
     double *errors;         /* dithering: carried down, one for each column; NULL: none */
     double along[BAND];     /* dithering: carried along each row of a band */
 } walk;
@@ -412,8 +413,9 @@ static void do_strip(walk *w, strip *s, const ntp_rect *r, int32_t x, int32_t n)
         s->row[k].filled = false;
     memset(s->moved, 0, sizeof s->moved);
     s->any_moved = false;
-    for (int32_t y = r->y0; w->errors != NULL && y < r->y1; y += NTP__WAVE)
-        dither_rows(w, s, x, y, r->y1 - y < NTP__WAVE ? r->y1 - y : NTP__WAVE, n);
+    const int32_t most = w->waves != NULL ? NTP__WAVES * NTP__WAVE : NTP__WAVE;
+    for (int32_t y = r->y0; w->errors != NULL && y < r->y1; y += most)
+        dither_rows(w, s, x, y, r->y1 - y < most ? r->y1 - y : most, n);
     for (int32_t y = r->y0; w->errors == NULL && y < r->y1; y++) {
         fetch_ahead(w, x, y, n);
         do_block(w, s, x, y, n);
@@ -481,6 +483,7 @@ ntp_status ntp_normals_dithered(const ntp_image *dst, const ntp_const_image *src
         scratch_size < ntp_normals_dithered_scratch_size(src->width))
         return NTP_ERR_SCRATCH;
     w.wave = scratch;
+    w.waves = w.g.m == 255 && w.g.min_z == 0 ? ntp__dither_waves(NTP__CPU_ALL) : NULL;
     w.errors = (double *) (void *) (w.wave + 1);
     w.g.derived = true;
     do_bands(&w, r);

@@ -11,7 +11,8 @@
  *                       packed_tmpl.h is a part of gradient.c for it
  *   exact.c             rounds exactly the texels that the loops are in doubt about
  *   dither_tmpl.h       a part of them: rounds so that errors do not add up;
- *                       dither_avx2_tmpl.h is the same with AVX2, dither_rows_tmpl.h
+ *                       dither_avx2_tmpl.h is the same with AVX2, dither_avx512.c of 8 bit
+ *                       with AVX-512, dither_rows_tmpl.h
  *                       a part of gradient.c that lays out rows for them
  *   pack.c              writes the result, with its alpha
  *   blur.c              ntp_height_blur: Gaussian blur of the heights
@@ -34,7 +35,8 @@ enum {
     NTP__LANES = 8, /* the loops do a multiple of these */
     NTP__GRADIENT_ROW = NTP__BLOCK + 2 * NTP__MAX_RADIUS + NTP__LANES,
     NTP__MAX_READS = 3, /* samples that a height is made of */
-    NTP__WAVE = 16      /* rows that are dithered at the same time */
+    NTP__WAVE = 16,     /* rows that are dithered at the same time */
+    NTP__WAVES = 2      /* of these with AVX-512 */
 };
 
 /* mantissa 2^exponent, the sign apart; mantissa is odd or 0. */
@@ -228,7 +230,7 @@ typedef union ntp__wave_rows {
 
 /* Too much for the caller's stack. */
 typedef struct ntp__wave_memory {
-    ntp__wave_step steps[NTP__WAVE_STEPS];
+    ntp__wave_step steps[NTP__WAVES][NTP__WAVE_STEPS];
     ntp__wave_rows part;
 } ntp__wave_memory;
 
@@ -242,6 +244,10 @@ typedef struct ntp__dithering {
  * errors of the texels before and above; out, those that the last ones leave. */
 typedef void ntp__dither_fn(ntp__wave_step *steps, double *along, double *down, int32_t rows,
                             int32_t n, const ntp__dithering *how);
+
+/* The same of 8 bit without min_z, of the rows of all waves: the second one has those after the first. */
+typedef void ntp__dither_waves_fn(ntp__wave_step *steps[NTP__WAVES], double *along, double *down,
+                                  int32_t rows, int32_t n, bool zzero);
 
 /* Slopes or levels of the rows from `first` on, to n steps or from them.  Up to three steps more, or as
  * many columns, change. */
@@ -264,5 +270,8 @@ struct ntp__gradient_kernels {
 };
 
 const ntp__gradient_kernels *ntp__gradient_kernels_for(int mask);
+
+/* NULL: without AVX-512 */
+ntp__dither_waves_fn *ntp__dither_waves(int mask);
 
 #endif

@@ -153,3 +153,15 @@ const ntp__gradient_kernels *ntp__gradient_kernels_for(int mask)
 {
     return NTP__CPU_PICK(mask, ntp__gradient_kernels_base, ntp__gradient_kernels_avx2);
 }
+
+extern ntp__dither_waves_fn ntp__dither_avx512;
+
+ntp__dither_waves_fn *ntp__dither_waves(int mask)
+{
+#ifdef NTP_HAVE_AVX512
+    if (ntp__cpu_has_avx512(mask))
+        return ntp__dither_avx512;
+#endif
+    (void) mask;
+    return NULL;
+}
