@@ -15,10 +15,11 @@
 #include "texel/level.h"
 
 #include <immintrin.h>
+#include <math.h>
 
 enum {
-    WAVES = NTP__WAVES,
     PART = 8, /* doubles */
+    WAVES = NTP__WAVES,
     PARTS = WAVES * NTP__WAVE / PART,
     M = 255
 };
@@ -31,13 +32,14 @@ enum {
 
 _Static_assert(NTP__WAVE == 16, "floats of a register");
 
-/* A number of each row; and the levels of red and green as floats. */
+/* A number of each row */
 typedef struct rows {
     __m512d of[PARTS];
 } rows;
 
+/* The numerators of a wave, as floats: of red and green, and the square of that of blue. */
 typedef struct levels {
-    __m512 of[2];
+    __m512 p, q, rest;
 } levels;
 
 static inline __m512d between(__m512d v, __m512d most)
@@ -97,48 +99,19 @@ static inline __m256 half_of(__m512 v, int k)
                                    : _mm512_extractf64x4_pd(_mm512_castps_pd(v), 1));
 }
 
-/* Eight levels in doubles. */
-static inline __m256 level_of(__m512d n)
+static inline __m512 rest_of(__m512 p, __m512 q)
 {
-    const __m512d share = _mm512_mul_pd(_mm512_add_pd(n, ALL(1)), ALL(0.5));
-    const __m512d level = _mm512_add_pd(_mm512_mul_pd(share, ALL(M)), ALL(0.5));
-    return _mm256_cvtepi32_ps(
-        _mm256_min_epi32(_mm512_cvttpd_epi32(level), _mm256_set1_epi32(M)));
+    return _mm512_fnmadd_ps(p, p, _mm512_fnmadd_ps(q, q, ALL_F(M * M)));
 }
 
-SELDOM static levels round_precisely(const __m512d *x, const __m512d *y)
+static inline __mmask16 too_long(__m512 rest)
 {
-    __m256 level[2][2];
-    for (int k = 0; k < 2; k++) {
-        const __m512d factor = _mm512_div_pd(ALL(1), _mm512_sqrt_pd(square_sum(x[k], y[k])));
-        level[0][k] = level_of(_mm512_mul_pd(x[k], factor));
-        level[1][k] = level_of(_mm512_mul_pd(y[k], factor));
-    }
-    return (levels) { { join(level[0][0], level[0][1]), join(level[1][0], level[1][1]) } };
+    return _mm512_cmp_ps_mask(rest, _mm512_setzero_ps(), _CMP_LT_OQ);
 }
 
-static inline __m512 level_of_floats(__m512 slope, __m512 factor, __mmask16 *any)
+static inline __m512i level_of(__m512 numerator)
 {
-    const __m512 level = _mm512_fmadd_ps(slope, factor, ALL_F(128));
-    const __m512 whole = _mm512_roundscale_ps(level, _MM_FROUND_TO_ZERO | _MM_FROUND_NO_EXC);
-    const __m512 over = _mm512_sub_ps(_mm512_sub_ps(level, whole), ALL_F(0.5F));
-    const __mmask16 some = _mm512_cmp_ps_mask(_mm512_abs_ps(slope), ALL_F(0x1p-56F), _CMP_GT_OQ);
-    *any |= some & _mm512_cmp_ps_mask(_mm512_abs_ps(over), ALL_F(0.5F - 0x1p-13F), _CMP_GT_OQ);
-    return whole;
-}
-
-/* Levels of a wave. */
-static inline levels round_wave(const __m512d *x, const __m512d *y)
-{
-    const __m512 p = join(_mm512_cvtpd_ps(x[0]), _mm512_cvtpd_ps(x[1]));
-    const __m512 q = join(_mm512_cvtpd_ps(y[0]), _mm512_cvtpd_ps(y[1]));
-    const __m512 square = _mm512_fmadd_ps(p, p, _mm512_fmadd_ps(q, q, ALL_F(1)));
-    const __m512 guess = _mm512_rsqrt14_ps(square);
-    const __m512 rest = _mm512_fnmadd_ps(_mm512_mul_ps(square, guess), guess, ALL_F(3));
-    const __m512 factor = _mm512_mul_ps(_mm512_mul_ps(guess, ALL_F(63.75F)), rest);
-    __mmask16 any = 0;
-    const levels v = { { level_of_floats(p, factor, &any), level_of_floats(q, factor, &any) } };
-    return any != 0 ? round_precisely(x, y) : v;
+    return _mm512_cvttps_epi32(_mm512_fmadd_ps(numerator, ALL_F(0.5F), ALL_F((float) HALF_M)));
 }
 
 static inline __m512 numerators(__m512 level)
@@ -146,23 +119,61 @@ static inline __m512 numerators(__m512 level)
     return _mm512_fmadd_ps(level, ALL_F(2), ALL_F(-M));
 }
 
-static inline __m512 rest_of(const levels *v)
+/* As in dither_tmpl.h. */
+static inline int32_t round_one(double n)
 {
-    const __m512 p = numerators(v->of[0]), q = numerators(v->of[1]);
-    return _mm512_fnmadd_ps(p, p, _mm512_fnmadd_ps(q, q, ALL_F(M * M)));
+    const int32_t k = (int32_t) ((n + 1) / 2 * M + 0.5);
+    return k < M ? k : M;
 }
 
-/* Pulls the pairs that are too long. */
-SELDOM static levels pulled(levels v)
+/* Rounds some texels of a wave in doubles, and pulls what is too long. */
+SELDOM static void round_some(levels *v, const __m512d *x, const __m512d *y, uint32_t some)
 {
-    uint32_t left = _mm512_cmp_ps_mask(rest_of(&v), _mm512_setzero_ps(), _CMP_LT_OQ);
-    int32_t r[NTP__WAVE], g[NTP__WAVE];
-    _mm512_storeu_si512(r, _mm512_cvttps_epi32(v.of[0]));
-    _mm512_storeu_si512(g, _mm512_cvttps_epi32(v.of[1]));
-    for (; left != 0; left &= left - 1)
-        ntp__pull(&r[__builtin_ctz(left)], &g[__builtin_ctz(left)], M);
-    return (levels) { { _mm512_cvtepi32_ps(_mm512_loadu_si512(r)),
-                        _mm512_cvtepi32_ps(_mm512_loadu_si512(g)) } };
+    double slope[2][NTP__WAVE];
+    float p[NTP__WAVE], q[NTP__WAVE];
+    for (int k = 0; k < 2; k++) {
+        _mm512_storeu_pd(slope[0] + PART * k, x[k]);
+        _mm512_storeu_pd(slope[1] + PART * k, y[k]);
+    }
+    _mm512_storeu_ps(p, v->p);
+    _mm512_storeu_ps(q, v->q);
+    for (; some != 0; some &= some - 1) {
+        const int i = __builtin_ctz(some);
+        const double a = slope[0][i], b = slope[1][i], factor = 1 / sqrt(1 + a * a + b * b);
+        int32_t r = round_one(a * factor), g = round_one(b * factor);
+        if (ntp__rest(r, g, M) < 0)
+            ntp__pull(&r, &g, M);
+        p[i] = (float) ntp__num(r, M);
+        q[i] = (float) ntp__num(g, M);
+    }
+    v->p = _mm512_loadu_ps(p);
+    v->q = _mm512_loadu_ps(q);
+    v->rest = rest_of(v->p, v->q);
+}
+
+static inline __m512 round_floats(__m512 slope, __m512 factor, __mmask16 *any)
+{
+    const __m512 level = _mm512_fmadd_ps(slope, factor, ALL_F(128));
+    const __m512 whole = _mm512_roundscale_ps(level, _MM_FROUND_TO_ZERO | _MM_FROUND_NO_EXC);
+    const __m512 over = _mm512_sub_ps(_mm512_sub_ps(level, whole), ALL_F(0.5F));
+    const __mmask16 some = _mm512_cmp_ps_mask(_mm512_abs_ps(slope), ALL_F(0x1p-56F), _CMP_GT_OQ);
+    *any |= some & _mm512_cmp_ps_mask(_mm512_abs_ps(over), ALL_F(0.5F - 0x1p-13F), _CMP_GT_OQ);
+    return numerators(whole);
+}
+
+/* Of a wave; widens `any` by the texels that may be wrong or are too long. */
+static inline levels round_wave(const __m512d *x, const __m512d *y, __mmask16 *any)
+{
+    const __m512 p = join(_mm512_cvtpd_ps(x[0]), _mm512_cvtpd_ps(x[1]));
+    const __m512 q = join(_mm512_cvtpd_ps(y[0]), _mm512_cvtpd_ps(y[1]));
+    const __m512 square = _mm512_fmadd_ps(p, p, _mm512_fmadd_ps(q, q, ALL_F(1)));
+    const __m512 guess = _mm512_rsqrt14_ps(square);
+    const __m512 by = _mm512_fnmadd_ps(_mm512_mul_ps(square, guess), guess, ALL_F(3));
+    const __m512 factor = _mm512_mul_ps(_mm512_mul_ps(guess, ALL_F(63.75F)), by);
+    levels v = { round_floats(p, factor, any), round_floats(q, factor, any), ALL_F(0) };
+    v.rest = rest_of(v.p, v.q);
+    *any |= too_long(v.rest);
+    return v;
 }
 
 /* v - p / z */
@@ -172,26 +183,26 @@ static inline __m512d less_quotient(__m512d v, __m512d p, __m512d z, __m512d inv
     return _mm512_sub_pd(v, _mm512_fmadd_pd(rest, inverse, q));
 }
 
-static inline void leave_errors(__m512d *x, __m512d *y, ntp__wave_step *step, levels v, bool zzero)
+static inline void leave_errors(__m512d *x, __m512d *y, ntp__wave_step *step, levels v,
+                                double twice, int32_t more)
 {
-    const __m512 rest = rest_of(&v);
-    const __m512 p = numerators(v.of[0]), q = numerators(v.of[1]);
     __m256i blue[2];
     for (int k = 0; k < 2; k++) {
-        const __m512d z = _mm512_sqrt_pd(_mm512_cvtps_pd(half_of(rest, k)));
+        const __m512d z = _mm512_sqrt_pd(_mm512_cvtps_pd(half_of(v.rest, k)));
         const __m512d inverse = _mm512_div_pd(ALL(1), z);
-        blue[k] = _mm512_cvttpd_epi32(_mm512_mul_pd(ALL(zzero ? 2 : 1), z));
-        x[k] = less_quotient(x[k], _mm512_cvtps_pd(half_of(p, k)), z, inverse);
-        y[k] = less_quotient(y[k], _mm512_cvtps_pd(half_of(q, k)), z, inverse);
+        blue[k] = _mm512_cvttpd_epi32(_mm512_mul_pd(ALL(twice), z));
+        x[k] = less_quotient(x[k], _mm512_cvtps_pd(half_of(v.p, k)), z, inverse);
+        y[k] = less_quotient(y[k], _mm512_cvtps_pd(half_of(v.q, k)), z, inverse);
     }
     const __m512i b = _mm512_inserti64x4(_mm512_castsi256_si512(blue[0]), blue[1], 1);
-    _mm512_storeu_si512(step->level[0], _mm512_cvttps_epi32(v.of[0]));
-    _mm512_storeu_si512(step->level[1], _mm512_cvttps_epi32(v.of[1]));
+    _mm512_storeu_si512(step->level[0], level_of(v.p));
+    _mm512_storeu_si512(step->level[1], level_of(v.q));
     _mm512_storeu_si512(
         step->level[2],
-        _mm512_srli_epi32(_mm512_add_epi32(b, _mm512_set1_epi32(zzero ? 1 : M + 1)), 1));
+        _mm512_srli_epi32(_mm512_add_epi32(b, _mm512_set1_epi32(more)), 1));
 }
 
+/* Moves the numbers of all rows to the next one; the first gets `first`. */
 static inline void move_down(rows *v, double first)
 {
     __m512i before = _mm512_castpd_si512(ALL(first));
@@ -215,8 +226,10 @@ ntp__dither_waves_fn ntp__dither_avx512;
 void ntp__dither_avx512(ntp__wave_step *steps[NTP__WAVES], double *along, double *down,
                         int32_t count, int32_t n, bool zzero)
 {
+    const double twice = zzero ? 2 : 1;
+    const int32_t more = zzero ? 1 : M + 1;
     ntp__wave_step none[WAVES] = { { .slope = { { 0 } } } };
-    double line[WAVES * NTP__WAVE] = { 0 };
+    _Alignas(64) double line[WAVES * NTP__WAVE] = { 0 };
     rows before, above;
     for (int k = 0; k < PARTS; k++)
         before.of[k] = above.of[k] = _mm512_setzero_pd();
@@ -230,10 +243,9 @@ void ntp__dither_avx512(ntp__wave_step *steps[NTP__WAVES], double *along, double
             step[k] = left > 0 && at >= 0 && at < n + of - 1 ? steps[k] + at : none + k;
         }
         if (t < count) {
-            store_rows(line, &before);
-            line[t] = along[t];
             for (int k = 0; k < PARTS; k++)
-                before.of[k] = _mm512_loadu_pd(line + PART * k);
+                before.of[k] = _mm512_mask_mov_pd(before.of[k], (__mmask8) (1u << t >> PART * k),
+                                                  ALL(along[t]));
         }
         move_down(&above, t < n ? down[t] : 0);
         take_slopes(&x, step, 0);
@@ -246,13 +258,16 @@ void ntp__dither_avx512(ntp__wave_step *steps[NTP__WAVES], double *along, double
                 y.of[k] = _mm512_add_pd(y.of[k], above.of[k]);
             }
         }
-        for (int k = 0; k < WAVES; k++) {
-            __m512d *const px = x.of + 2 * k, *const py = y.of + 2 * k;
-            levels v = round_wave(px, py);
-            if (_mm512_cmp_ps_mask(rest_of(&v), _mm512_setzero_ps(), _CMP_LT_OQ) != 0)
-                v = pulled(v);
-            leave_errors(px, py, step[k], v, zzero);
+        __mmask16 some[WAVES] = { 0 };
+        levels v[WAVES];
+        for (int k = 0; k < WAVES; k++)
+            v[k] = round_wave(x.of + 2 * k, y.of + 2 * k, &some[k]);
+        if ((some[0] | some[1]) != 0) {
+            for (int k = 0; k < WAVES; k++)
+                round_some(&v[k], x.of + 2 * k, y.of + 2 * k, some[k]);
         }
+        for (int k = 0; k < WAVES; k++)
+            leave_errors(x.of + 2 * k, y.of + 2 * k, step[k], v[k], twice, more);
         before = x;
         above = y;
         if (t >= n - 1) {

@@ -34,6 +34,7 @@ enum {
     /* Rows of a band.  A strip as high as the image would touch a memory page for each row; one of few
      * rows also reads more of them again: twice the radius of the kernel for each band. */
     BAND = 32,
+    LINE = 64,         /* of a processor's cache */
     BAND_OF_RADIUS = 4 /* without dithering: so many for each 1 of the radius */
 };
 
@@ -390,7 +391,7 @@ static void do_block(walk *w, strip *s, int32_t x, int32_t y, int32_t n)
 static void fetch_ahead(const walk *w, int32_t x, int32_t y, int32_t n)
 {
 #if defined(__GNUC__)
-    enum { ROWS = 2, LINE = 64 };
+    enum { ROWS = 2 };
     const ntp__gradient *g = &w->g;
     int32_t from = y + g->kernel->radius + ROWS, to = y + ROWS;
     if (from >= g->src->height)
@@ -463,7 +464,7 @@ ntp_status ntp_normals_from_height(const ntp_image *dst, const ntp_const_image *
 size_t ntp_normals_dithered_scratch_size(int32_t width)
 {
     return width > 0 && width <= NTP_MAX_SIDE
-               ? sizeof(ntp__wave_memory) + (size_t) width * sizeof(double)
+               ? sizeof(ntp__wave_memory) + LINE + (size_t) width * sizeof(double)
                : 0;
 }
 
@@ -482,7 +483,7 @@ ntp_status ntp_normals_dithered(const ntp_image *dst, const ntp_const_image *src
     if (scratch == NULL || (uintptr_t) scratch % 16 != 0 ||
         scratch_size < ntp_normals_dithered_scratch_size(src->width))
         return NTP_ERR_SCRATCH;
-    w.wave = scratch;
+    w.wave = (void *) ((char *) scratch + (LINE - (uintptr_t) scratch % LINE) % LINE);
     w.waves = w.g.m == 255 && w.g.min_z == 0 ? ntp__dither_waves(NTP__CPU_ALL) : NULL;
     w.errors = (double *) (void *) (w.wave + 1);
     w.g.derived = true;
